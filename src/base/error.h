@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * How a function says that it failed: a status to act on and one line to show the user. */
+#ifndef VS_BASE_ERROR_H
+#define VS_BASE_ERROR_H
+
+/* name, exit status of the program, what it means */
+#define VS_STATUS_LIST(X)                                                                          \
+  X(VS_OK, 0, "done")                                                                              \
+  X(VS_RUN, 1, "a run, a case or a validation failed")                                             \
+  X(VS_INPUT, 2, "bad usage or input")                                                             \
+  X(VS_RATING, 3, "done and a rating is violated")                                                 \
+  X(VS_SIGNAL, 75, "stopped by a signal, start me again")
+
+typedef enum vs_status {
+#define VS_STATUS_ENUM(name, exit_status, text) name = exit_status,
+  VS_STATUS_LIST(VS_STATUS_ENUM)
+#undef VS_STATUS_ENUM
+} vs_status;
+
+typedef struct vs_error {
+  char text[1024]; /* one line, no newline; empty while nothing failed */
+} vs_error;
+
+/* A place in a text the user wrote. Borrowed: the name lives as long as what it was read from. */
+typedef struct vs_where {
+  const char *file; /* path, or what stands in for one ("--set"); NULL: no place is known */
+  int line;         /* from 1; 0: the file as a whole */
+  int column;       /* from 1 */
+} vs_where;
+
+/* Both fill err and return status, so that a caller can write `return vs_fail(...)`. */
+vs_status vs_fail(vs_error *err, vs_status status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+vs_status vs_fail_at(vs_error *err, vs_where where, const char *format, ...)
+    __attribute__((format(printf, 3, 4))); /* always VS_INPUT; "file:line:column: " first */
+
+#endif

@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/field.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/units.h"
+
+void vs_field_range(const vs_field *field, char *text, size_t size) {
+  const char *space = *field->unit ? " " : "";
+  if (field->kind == VS_OPTION) {
+    int n = snprintf(text, size, "%s or {", field->choices);
+    for (size_t k = 0; k < field->part->count && n > 0 && (size_t)n < size; k++)
+      n += snprintf(text + n, size - (size_t)n, "%s%s", field->part->fields[k].key,
+                    k + 1 < field->part->count ? ", " : "}");
+    return;
+  }
+  if (field->kind == VS_CHOICE || field->kind == VS_NAME)
+    snprintf(text, size, "%s", field->choices ? field->choices : "");
+  else
+    snprintf(text, size, "%s%s%g..%g%s%s%s", field->choices ? field->choices : "",
+             field->choices ? " or " : "", field->min, field->max, space, field->unit,
+             field->open ? " (ends excluded)" : "");
+}
+
+static vs_status read_real(const char *name, const vs_field *field, const vs_node *node,
+                           double *out, vs_error *err) {
+  char why[256], range[128];
+  if (node->kind != VS_NODE_TEXT)
+    return vs_fail_at(err, node->where, "%s: one value is wanted, for example %s", name,
+                      field->default_text);
+  if (!vs_quantity(node->text, field->unit, out, why, sizeof why))
+    return vs_fail_at(err, node->where, "%s: %s", name, why);
+  double shown = *out / vs_unit_factor(field->unit);
+  double slack = 1e-12 * (field->max < 0 ? -field->max : field->max); /* of the unit's conversion */
+  bool inside = field->open ? shown > field->min && shown < field->max
+                            : shown >= field->min - slack && shown <= field->max + slack;
+  vs_field_range(field, range, sizeof range);
+  if (!inside)
+    return vs_fail_at(err, node->where, "%s: %s is out of range; allowed: %s", name, node->text,
+                      range);
+  return VS_OK;
+}
+
+static vs_status read_choice(const char *name, const vs_field *field, const vs_node *node, int *out,
+                             vs_error *err) {
+  char words[256], *rest = words;
+  snprintf(words, sizeof words, "%s", field->choices);
+  *out = 0;
+  for (char *word; (word = strsep(&rest, "|")); ++*out)
+    if (node->kind == VS_NODE_TEXT && !strcmp(word, node->text)) return VS_OK;
+  return vs_fail_at(err, node->where, "%s: '%s' is not one of: %s", name,
+                    node->kind == VS_NODE_TEXT ? node->text : "a list or map", field->choices);
+}
+
+static vs_status read_count(const char *name, const vs_field *field, const vs_node *node, int *out,
+                            vs_error *err) {
+  double value;
+  if (field->choices && node->kind == VS_NODE_TEXT && !strcmp(node->text, field->choices)) {
+    *out = 0;
+    return VS_OK;
+  }
+  vs_status status = read_real(name, field, node, &value, err);
+  if (status) return status;
+  *out = (int)value;
+  if ((double)*out != value)
+    return vs_fail_at(err, node->where, "%s: %s is not a whole number", name, node->text);
+  return VS_OK;
+}
+
+static vs_status read_option(const char *name, const vs_field *field, const vs_node *node,
+                             int *present, vs_error *err) {
+  char range[128];
+  *present = node->kind == VS_NODE_MAP;
+  if (*present) return vs_section_read(field->part, node, present, err);
+  if (node->kind == VS_NODE_TEXT && !strcmp(node->text, field->choices)) return VS_OK;
+  vs_field_range(field, range, sizeof range);
+  return vs_fail_at(err, node->where, "%s: allowed: %s", name, range);
+}
+
+vs_status vs_field_read(const vs_section *section, const vs_field *field, const vs_node *node,
+                        void *out, vs_error *err) {
+  char name[128];
+  snprintf(name, sizeof name, "%s.%s", section->name, field->key);
+  char *member = (char *)out + field->offset;
+  switch (field->kind) {
+  case VS_REAL:
+    return read_real(name, field, node, (double *)(void *)member, err);
+  case VS_CHOICE:
+    return read_choice(name, field, node, (int *)(void *)member, err);
+  case VS_COUNT:
+    return read_count(name, field, node, (int *)(void *)member, err);
+  case VS_NAME:
+    if (node->kind != VS_NODE_TEXT || !*node->text)
+      return vs_fail_at(err, node->where, "%s: a name is wanted, for example %s", name,
+                        field->default_text);
+    if (strlen(node->text) >= VS_NAME_SIZE)
+      return vs_fail_at(err, node->where, "%s: longer than %d bytes", name, VS_NAME_SIZE - 1);
+    memcpy(member, node->text, strlen(node->text) + 1);
+    return VS_OK;
+  case VS_OPTION:
+    return read_option(name, field, node, (int *)(void *)member, err);
+  case VS_PAIR:
+    break;
+  }
+  const vs_node *x = node->kind == VS_NODE_LIST ? node->child : NULL;
+  if (!x || !x->next || x->next->next)
+    return vs_fail_at(err, node->where, "%s: two values are wanted: [x, y]", name);
+  double *pair = (double *)(void *)member;
+  vs_status status = read_real(name, field, x, pair, err);
+  return status ? status : read_real(name, field, x->next, pair + 1, err);
+}
+
+static vs_status read_default(const vs_section *section, const vs_field *field, void *out,
+                              vs_error *err) {
+  char words[128];
+  snprintf(words, sizeof words, "%s", field->default_text);
+  vs_node node = {.kind = VS_NODE_TEXT, .text = words, .where = {.file = "built-in default"}};
+  if (field->kind != VS_PAIR) return vs_field_read(section, field, &node, out, err);
+  char *second = strchr(words, ',');
+  *second = '\0';
+  vs_node y = {.kind = VS_NODE_TEXT, .text = second + 1 + strspn(second + 1, " ")};
+  node.next = &y;
+  vs_node list = {.kind = VS_NODE_LIST, .child = &node};
+  return vs_field_read(section, field, &list, out, err);
+}
+
+vs_status vs_known_keys(const vs_node *map, const char *what, const char *const *names,
+                        size_t count, vs_error *err) {
+  for (const vs_node *n = map ? map->child : NULL; n; n = n->next) {
+    bool known = false;
+    for (size_t k = 0; k < count && !known; k++) known = !strcmp(names[k], n->key);
+    if (known) continue;
+    const char *nearest = vs_nearest(n->key, names, count);
+    return vs_fail_at(err, n->key_where, "%s has no key '%s'%s%s%s", what, n->key,
+                      nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                      nearest ? "'?" : "");
+  }
+  return VS_OK;
+}
+
+vs_status vs_section_read(const vs_section *section, const vs_node *map, void *out, vs_error *err) {
+  if (map && map->kind == VS_NODE_TEXT && !*map->text) map = NULL; /* "run:" and nothing more */
+  if (map && map->kind != VS_NODE_MAP)
+    return vs_fail_at(err, map->where, "%s: a map of keys is wanted: {key: value, ...}",
+                      section->name);
+  const char **names = vs_alloc(section->count, sizeof *names);
+  for (size_t k = 0; k < section->count; k++) names[k] = section->fields[k].key;
+  vs_status status = vs_known_keys(map, section->name, names, section->count, err);
+  free(names);
+  for (size_t k = 0; k < section->count && !status; k++) {
+    const vs_field *field = &section->fields[k];
+    const vs_node *node = vs_node_child(map, field->key);
+    status = node ? vs_field_read(section, field, node, out, err)
+                  : read_default(section, field, out, err);
+  }
+  return status;
+}
+
+void vs_field_json(const vs_field *field, const void *values, vs_text *json) {
+  const char *member = (const char *)values + field->offset;
+  const double *real = (const double *)(const void *)member;
+  const int *whole = (const int *)(const void *)member;
+  double factor = vs_unit_factor(field->unit);
+  char words[256], *rest = words, *word = words;
+  switch (field->kind) {
+  case VS_REAL:
+    vs_text_add(json, "{\"value\": %.12g, \"unit\": \"%s\"}", real[0] / factor, field->unit);
+    break;
+  case VS_PAIR:
+    vs_text_add(json, "{\"value\": [%.12g, %.12g], \"unit\": \"%s\"}", real[0] / factor,
+                real[1] / factor, field->unit);
+    break;
+  case VS_CHOICE:
+    snprintf(words, sizeof words, "%s", field->choices);
+    for (int k = 0; k <= *whole; k++) word = strsep(&rest, "|");
+    vs_text_json(json, word);
+    break;
+  case VS_COUNT:
+    if (field->choices && *whole == 0)
+      vs_text_json(json, field->choices);
+    else
+      vs_text_add(json, "%d", *whole);
+    break;
+  case VS_NAME:
+    vs_text_json(json, member);
+    break;
+  case VS_OPTION:
+    if (!*whole) {
+      vs_text_json(json, field->choices);
+      break;
+    }
+    for (size_t k = 0; k < field->part->count; k++) {
+      vs_text_add(json, "%s\"%s\": ", k ? ", " : "{", field->part->fields[k].key);
+      vs_field_json(&field->part->fields[k], member, json);
+    }
+    vs_text_add(json, "}");
+    break;
+  }
+}

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/path.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/text.h"
+
+#ifndef VS_SOURCE_LIBRARY
+#error "the build names the source tree's spice/ folder"
+#endif
+
+/* The library folders in order; stops and gives true when visit does. */
+static bool each_library(bool (*visit)(void *ctx, const char *folder), void *ctx) {
+  const char *path = getenv("VIBROSPICE_PATH");
+  char *folders = vs_copy(path ? path : ""), *rest = folders;
+  bool stop = false;
+  for (char *folder; !stop && (folder = strsep(&rest, ":"));)
+    if (*folder) stop = visit(ctx, folder);
+  free(folders);
+  char self[VS_PATH_SIZE], share[VS_PATH_SIZE + 32];
+  ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
+  if (!stop && n > 0) {
+    self[n] = '\0';
+    char *slash = strrchr(self, '/');
+    if (slash) *slash = '\0';
+    snprintf(share, sizeof share, "%s/../share/vibrospice", self);
+    stop = visit(ctx, share);
+  }
+  return stop || visit(ctx, VS_SOURCE_LIBRARY);
+}
+
+static bool is_file(const char *path) {
+  struct stat s;
+  return stat(path, &s) == 0 && !S_ISDIR(s.st_mode);
+}
+
+struct search {
+  const vs_shelf *shelf;
+  const char *name;
+  char *path;
+};
+
+static bool try_library(void *ctx, const char *folder) {
+  struct search *s = ctx;
+  int n = snprintf(s->path, VS_PATH_SIZE, "%s/%s%s%s%s", folder, s->shelf->folder,
+                   *s->shelf->folder ? "/" : "", s->name, s->shelf->ending);
+  return n < VS_PATH_SIZE && is_file(s->path);
+}
+
+struct listing {
+  const vs_shelf *shelf;
+  void (*each)(void *, const char *);
+  void *ctx;
+};
+
+static bool list_library(void *ctx, const char *folder) {
+  struct listing *l = ctx;
+  char path[2 * VS_PATH_SIZE];
+  snprintf(path, sizeof path, "%s/%s", folder, l->shelf->folder);
+  struct dirent **entries;
+  int n = scandir(path, &entries, NULL, alphasort);
+  for (int k = 0; k < n; k++) {
+    size_t length = strlen(entries[k]->d_name), ending = strlen(l->shelf->ending);
+    snprintf(path, sizeof path, "%s/%s%s%s", folder, l->shelf->folder, *l->shelf->folder ? "/" : "",
+             entries[k]->d_name);
+    if (length > ending && !strcmp(entries[k]->d_name + length - ending, l->shelf->ending) &&
+        is_file(path))
+      l->each(l->ctx, path);
+    free(entries[k]);
+  }
+  if (n >= 0) free(entries);
+  return false;
+}
+
+void vs_shelf_list(const vs_shelf *shelf, void (*each)(void *, const char *), void *ctx) {
+  struct listing l = {shelf, each, ctx};
+  each_library(list_library, &l);
+}
+
+struct names {
+  const vs_shelf *shelf;
+  const char *names[64];
+  size_t count;
+};
+
+static void collect_name(void *ctx, const char *path) {
+  struct names *n = ctx;
+  const char *slash = strrchr(path, '/');
+  const char *base = slash ? slash + 1 : path;
+  if (n->count < sizeof n->names / sizeof *n->names)
+    n->names[n->count++] = strndup(base, strlen(base) - strlen(n->shelf->ending));
+}
+
+vs_status vs_find(const vs_shelf *shelf, const char *name, vs_where where, char path[VS_PATH_SIZE],
+                  vs_error *err) {
+  if (strlen(name) >= VS_PATH_SIZE / 2) return vs_fail_at(err, where, "%s: name too long", name);
+  snprintf(path, VS_PATH_SIZE, "%s", name);
+  if (is_file(path)) return VS_OK;
+  struct search search = {shelf, name, path};
+  if (*name && each_library(try_library, &search)) return VS_OK;
+  struct names known = {.shelf = shelf};
+  vs_shelf_list(shelf, collect_name, &known);
+  const char *nearest = vs_nearest(name, known.names, known.count);
+  vs_fail_at(err, where, "no %s '%s': not a file, and not a %s that comes with the program%s%s%s",
+             shelf->what, name, shelf->what, nearest ? "; did you mean '" : "",
+             nearest ? nearest : "", nearest ? "'?" : "");
+  for (size_t k = 0; k < known.count; k++) free((void *)(size_t)known.names[k]);
+  return VS_INPUT;
+}
+
+vs_status vs_folder_make(const char *folder, int *made, vs_error *err) {
+  char path[VS_PATH_SIZE];
+  *made = 0;
+  if (!*folder || strlen(folder) >= sizeof path)
+    return vs_fail(err, VS_INPUT, "output directory '%s': empty or too long a name", folder);
+  snprintf(path, sizeof path, "%s", folder);
+  vs_status status = VS_OK;
+  for (char *s = path + 1; !status; s++) {
+    if (*s && *s != '/') continue;
+    char kept = *s;
+    *s = '\0';
+    if (!mkdir(path, 0777))
+      ++*made;
+    else if (errno != EEXIST)
+      status =
+          vs_fail(err, VS_INPUT, "output directory %s: cannot be made: %s", path, strerror(errno));
+    *s = kept;
+    if (!kept) break;
+  }
+  struct stat st;
+  if (!status && (stat(folder, &st) || !S_ISDIR(st.st_mode)))
+    status = vs_fail(err, VS_INPUT, "output directory %s: is there and is not a directory", folder);
+  if (!status && access(folder, W_OK | X_OK))
+    status = vs_fail(err, VS_INPUT, "output directory %s: cannot be written to: %s", folder,
+                     strerror(errno));
+  if (status) vs_folder_unmake(folder, *made);
+  return status;
+}
+
+void vs_folder_unmake(const char *folder, int made) {
+  char path[VS_PATH_SIZE];
+  snprintf(path, sizeof path, "%s", folder);
+  while (made > 0) {
+    size_t n = strlen(path);
+    while (n > 1 && path[n - 1] == '/') path[--n] = '\0';
+    if (!rmdir(path))
+      made--;
+    else if (errno != ENOENT)
+      return; /* one that was never made, below the one that failed, is skipped */
+    char *slash = strrchr(path, '/');
+    if (!slash) return;
+    *slash = '\0';
+  }
+}
+
+vs_status vs_file_open(vs_file *file, const char *folder, const char *name, vs_error *err) {
+  *file = (vs_file){0};
+  int n = snprintf(file->path, sizeof file->path, "%s%s%s", folder, *folder ? "/" : "", name);
+  if (n >= (int)sizeof file->path)
+    return vs_fail(err, VS_INPUT, "%s/%s: too long a name", folder, name);
+  snprintf(file->temporary, sizeof file->temporary, "%s.XXXXXX", file->path);
+  int fd = mkstemp(file->temporary);
+  if (fd < 0)
+    return vs_fail(err, VS_INPUT, "%s: cannot be written: %s", file->path, strerror(errno));
+  mode_t mask = umask(0);
+  umask(mask);
+  fchmod(fd, 0666 & ~mask);
+  file->stream = fdopen(fd, "w");
+  return VS_OK;
+}
+
+vs_status vs_file_commit(vs_file *file, vs_error *err) {
+  FILE *stream = file->stream;
+  file->stream = NULL;
+  bool bad = fflush(stream) || ferror(stream) || fsync(fileno(stream));
+  int why = errno;
+  if (fclose(stream) && !bad) {
+    bad = true;
+    why = errno;
+  }
+  if (!bad && rename(file->temporary, file->path)) {
+    bad = true;
+    why = errno;
+  }
+  if (!bad) return VS_OK;
+  unlink(file->temporary);
+  errno = why;
+  return vs_fail(err, VS_RUN, "%s: cannot be written: %s", file->path, strerror(errno));
+}
+
+void vs_file_discard(vs_file *file) {
+  if (!file->stream) return;
+  fclose(file->stream);
+  file->stream = NULL;
+  unlink(file->temporary);
+}
+
+vs_status vs_file_commit_as(vs_file *file, const char *folder, const char *name, vs_error *err) {
+  snprintf(file->path, sizeof file->path, "%s%s%s", folder, *folder ? "/" : "", name);
+  return vs_file_commit(file, err);
+}

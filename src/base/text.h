@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Strings: growing buffers, nearest names. */
+#ifndef VS_BASE_TEXT_H
+#define VS_BASE_TEXT_H
+
+#include <stddef.h>
+
+/* A string that grows. Start from {0}; text is NULL until something is added. Ends the process when
+ * memory ends. */
+typedef struct vs_text {
+  char *text;
+  size_t length, capacity;
+} vs_text;
+
+void vs_text_add(vs_text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void vs_text_json(vs_text *t, const char *string); /* quoted and escaped as JSON wants it */
+void vs_text_free(vs_text *t);
+
+void *vs_alloc(size_t count, size_t size); /* zeroed; ends the process when memory ends */
+char *vs_copy(const char *string);         /* the same for strings; free() both */
+
+/* The candidate nearest to name (Damerau-Levenshtein), NULL when none is near enough to be meant.
+ */
+const char *vs_nearest(const char *name, const char *const *candidates, size_t count);
+
+/* "m/s2" -> "m_s2", "Wb" -> "wb", "" -> "": the unit as it ends a CSV column's name. */
+void vs_unit_suffix(const char *unit, char *suffix, size_t size);
+
+#endif

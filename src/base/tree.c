@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/tree.h"
+
+#include <errno.h>
+#include <libfyaml.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+
+static vs_where place(struct fy_node *node, const char *file) {
+  vs_where where = {.file = file};
+  if (!node) return where;
+  struct fy_token *token = fy_node_is_scalar(node) ? fy_node_get_scalar_token(node) : NULL;
+  const struct fy_mark *mark = token ? fy_token_start_mark(token) : NULL;
+  if (!mark) { /* a list or map begins where its first element does */
+    struct fy_node *first = NULL;
+    if (fy_node_is_sequence(node))
+      first = fy_node_sequence_get_by_index(node, 0);
+    else if (fy_node_is_mapping(node)) {
+      struct fy_node_pair *pair = fy_node_mapping_get_by_index(node, 0);
+      first = pair ? fy_node_pair_key(pair) : NULL;
+    }
+    return first ? place(first, file) : where;
+  }
+  where.line = mark->line + 1;
+  where.column = mark->column + 1;
+  return where;
+}
+
+static void node_free(vs_node *node) {
+  while (node) {
+    vs_node *next = node->next;
+    node_free(node->child);
+    free(node->key);
+    free(node->text);
+    free(node);
+    node = next;
+  }
+}
+
+static vs_status convert(struct fy_node *fy, const char *file, vs_node **out, vs_error *err);
+
+static vs_status convert_children(struct fy_node *fy, const char *file, vs_node *parent,
+                                  vs_error *err) {
+  vs_node **tail = &parent->child;
+  void *position = NULL;
+  if (parent->kind == VS_NODE_LIST) {
+    struct fy_node *item;
+    while ((item = fy_node_sequence_iterate(fy, &position))) {
+      vs_status status = convert(item, file, tail, err);
+      if (status) return status;
+      tail = &(*tail)->next;
+    }
+    return VS_OK;
+  }
+  struct fy_node_pair *pair;
+  while ((pair = fy_node_mapping_iterate(fy, &position))) {
+    struct fy_node *key = fy_node_pair_key(pair);
+    if (!key || !fy_node_is_scalar(key))
+      return vs_fail_at(err, parent->where, "a key must be a plain name");
+    vs_where key_where = place(key, file);
+    size_t length;
+    const char *name = fy_node_get_scalar(key, &length);
+    char *copy = strndup(name ? name : "", length);
+    vs_status status = convert(fy_node_pair_value(pair), file, tail, err);
+    if (status) {
+      free(copy);
+      return status;
+    }
+    (*tail)->key = copy;
+    (*tail)->key_where = key_where;
+    if (!(*tail)->where.line) (*tail)->where = key_where;
+    tail = &(*tail)->next;
+  }
+  return VS_OK;
+}
+
+static vs_status convert(struct fy_node *fy, const char *file, vs_node **out, vs_error *err) {
+  vs_node *node = vs_alloc(1, sizeof *node);
+  *out = node;
+  node->where = (vs_where){.file = file};
+  if (fy) node->where = place(fy, file);
+  if (fy && fy_node_is_alias(fy))
+    return vs_fail_at(err, node->where, "aliases (*name) are not read here; write the value out");
+  if (fy && !fy_node_is_scalar(fy)) {
+    node->kind = fy_node_is_sequence(fy) ? VS_NODE_LIST : VS_NODE_MAP;
+    return convert_children(fy, file, node, err);
+  }
+  size_t length = 0;
+  const char *text = fy ? fy_node_get_scalar(fy, &length) : NULL;
+  bool nothing = !text || (length == 1 && *text == '~'); /* YAML's way to say so */
+  node->text = nothing ? vs_copy("") : strndup(text, length);
+  return VS_OK;
+}
+
+/* The first thing the parser complained about, as one line of ours. */
+static vs_status report(struct fy_diag *diag, const char *file, vs_error *err) {
+  void *position = NULL;
+  struct fy_diag_error *first = fy_diag_errors_iterate(diag, &position);
+  if (!first) return vs_fail(err, VS_INPUT, "%s: cannot be read as YAML", file);
+  vs_where where = {file, first->line > 0 ? first->line : 1, first->column > 0 ? first->column : 1};
+  return vs_fail_at(err, where, "not YAML: %s", first->msg);
+}
+
+/* text: the YAML; file: what to call it. Gives an empty map for a text that says nothing. */
+static vs_status parse(const char *text, size_t length, const char *file, vs_node **root,
+                       vs_error *err) {
+  struct fy_diag_cfg diag_cfg;
+  fy_diag_cfg_default(&diag_cfg);
+  diag_cfg.fp = NULL;
+  diag_cfg.level = FYET_ERROR;
+  struct fy_diag *diag = fy_diag_create(&diag_cfg);
+  fy_diag_set_collect_errors(diag, true);
+  struct fy_parse_cfg cfg = {.flags = FYPCF_QUIET, .diag = diag};
+  struct fy_parser *parser = fy_parser_create(&cfg);
+  vs_status status = VS_OK;
+  struct fy_document *document = NULL, *second = NULL;
+  if (!parser || fy_parser_set_string(parser, text, length))
+    status = vs_fail(err, VS_INPUT, "%s: cannot be read as YAML", file);
+  if (!status) {
+    document = fy_parse_load_document(parser);
+    if (fy_parser_get_stream_error(parser)) status = report(diag, file, err);
+  }
+  struct fy_node *fy = document ? fy_document_root(document) : NULL;
+  if (!status) {
+    if (fy)
+      status = convert(fy, file, root, err);
+    else {
+      *root = vs_alloc(1, sizeof **root);
+      (*root)->kind = VS_NODE_MAP;
+      (*root)->where = (vs_where){.file = file};
+    }
+  }
+  if (!status && document) {
+    second = fy_parse_load_document(parser);
+    if (second)
+      status = vs_fail_at(err, place(fy_document_root(second), file),
+                          "a second document (after '---') begins here; one file, one scene");
+    else if (fy_parser_get_stream_error(parser))
+      status = report(diag, file, err);
+  }
+  fy_parse_document_destroy(parser, second);
+  fy_parse_document_destroy(parser, document);
+  fy_parser_destroy(parser);
+  fy_diag_destroy(diag);
+  return status;
+}
+
+static vs_status slurp(const char *path, char **text, size_t *length, vs_error *err) {
+  *text = NULL;
+  FILE *f = fopen(path, "rb");
+  if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
+  vs_text all = {0};
+  char part[4096];
+  size_t n;
+  vs_status status = VS_OK;
+  while ((n = fread(part, 1, sizeof part - 1, f)) > 0) {
+    if (memchr(part, '\0', n)) {
+      status = vs_fail(err, VS_INPUT, "%s: holds a zero byte; it is no text", path);
+      break;
+    }
+    part[n] = '\0';
+    vs_text_add(&all, "%s", part);
+  }
+  if (!status && ferror(f))
+    status = vs_fail(err, VS_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+  fclose(f);
+  *text = all.text ? all.text : vs_copy("");
+  *length = all.length;
+  return status;
+}
+
+vs_status vs_tree_read(const char *path, vs_tree *tree, vs_error *err) {
+  *tree = (vs_tree){.name = vs_copy(path)};
+  char *text;
+  size_t length;
+  vs_status status = slurp(path, &text, &length, err);
+  if (!status) status = parse(text, length, tree->name, &tree->root, err);
+  free(text);
+  if (!status && tree->root->kind == VS_NODE_TEXT && !*tree->root->text)
+    tree->root->kind = VS_NODE_MAP; /* "~" says nothing */
+  if (!status && tree->root->kind != VS_NODE_MAP)
+    status = vs_fail_at(err, tree->root->where, "a scene is a list of 'key: value' lines");
+  return status;
+}
+
+const vs_node *vs_node_child(const vs_node *map, const char *key) {
+  for (const vs_node *n = map ? map->child : NULL; n; n = n->next)
+    if (n->key && !strcmp(n->key, key)) return n;
+  return NULL;
+}
+
+static vs_node *child_or_new(vs_node *map, const char *key, vs_where where) {
+  vs_node **link = &map->child;
+  for (; *link; link = &(*link)->next)
+    if ((*link)->key && !strcmp((*link)->key, key)) return *link;
+  *link = vs_alloc(1, sizeof **link);
+  (*link)->key = vs_copy(key);
+  (*link)->kind = VS_NODE_MAP;
+  (*link)->where = (*link)->key_where = where;
+  return *link;
+}
+
+/* everything below and at node is said to stand at where */
+static void stand_at(vs_node *node, vs_where where) {
+  for (; node; node = node->next) {
+    node->where = node->key_where = where;
+    stand_at(node->child, where);
+  }
+}
+
+vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
+  const char *equals = strchr(assignment, '=');
+  if (!equals || equals == assignment)
+    return vs_fail(err, VS_INPUT, "--set %s: write KEY=VALUE, for example firing.angle=95deg",
+                   assignment);
+  vs_text label = {0};
+  vs_text_add(&label, "--set %s", assignment);
+  vs_node *value = NULL;
+  vs_status status = parse(equals + 1, strlen(equals + 1), "--set", &value, err);
+  if (!status && !equals[1]) { /* nothing after the sign: an empty text, not an empty map */
+    value->kind = VS_NODE_TEXT;
+    value->text = vs_copy("");
+  }
+  if (status) {
+    vs_fail(err, status, "%s: the value cannot be read", label.text);
+    node_free(value);
+    vs_text_free(&label);
+    return status;
+  }
+  vs_node *at = tree->root;
+  char *path = strndup(assignment, (size_t)(equals - assignment)), *rest = path;
+  vs_where where = {.file = label.text}; /* kept in tree->labels as long as the tree */
+  for (char *key; (key = strsep(&rest, "."));) {
+    if (at->kind != VS_NODE_MAP) { /* a text stood where a map is wanted: the newer word counts */
+      node_free(at->child);
+      free(at->text);
+      at->text = NULL;
+      at->child = NULL;
+      at->kind = VS_NODE_MAP;
+    }
+    at = child_or_new(at, key, where);
+  }
+  free(path);
+  node_free(at->child);
+  free(at->text);
+  at->kind = value->kind;
+  at->text = value->text;
+  at->child = value->child;
+  at->where = at->key_where = where;
+  stand_at(at->child, where);
+  free(value->key);
+  free(value);
+  vs_node *keep = vs_alloc(1, sizeof *keep); /* owns the label */
+  keep->text = label.text;
+  keep->next = tree->labels;
+  tree->labels = keep;
+  return VS_OK;
+}
+
+void vs_tree_free(vs_tree *tree) {
+  node_free(tree->root);
+  node_free(tree->labels);
+  free(tree->name);
+  *tree = (vs_tree){0};
+}

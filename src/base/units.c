@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/units.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { KG, M, S, A, ANGLE, N_DIMENSIONS };
+
+typedef struct unit {
+  double factor; /* to SI: factor * 10^tens */
+  int tens, power[N_DIMENSIONS];
+} unit;
+
+/* SI definitions (BIPM SI Brochure, 9th ed., tables 2, 4 and 8). The angle has a dimension of its
+ * own here, so that a number of degrees cannot pass for a pure number. */
+static const struct named {
+  const char *name;
+  unit unit;
+  bool prefixed;
+} UNITS[] = {
+    {"m", {1, 0, {0, 1}}, true},
+    {"g", {1, -3, {1}}, true},
+    {"s", {1, 0, {0, 0, 1}}, true},
+    {"A", {1, 0, {0, 0, 0, 1}}, true},
+    {"V", {1, 0, {1, 2, -3, -1}}, true},
+    {"W", {1, 0, {1, 2, -3}}, true},
+    {"J", {1, 0, {1, 2, -2}}, true},
+    {"N", {1, 0, {1, 1, -2}}, true},
+    {"Hz", {1, 0, {0, 0, -1}}, true},
+    {"ohm", {1, 0, {1, 2, -3, -2}}, true},
+    {"Ohm", {1, 0, {1, 2, -3, -2}}, true},
+    {"Ω", {1, 0, {1, 2, -3, -2}}, true},
+    {"H", {1, 0, {1, 2, -2, -2}}, true},
+    {"F", {1, 0, {-1, -2, 4, 2}}, true},
+    {"Wb", {1, 0, {1, 2, -2, -1}}, true},
+    {"rad", {1, 0, {0, 0, 0, 0, 1}}, true},
+    {"deg", {3.14159265358979323846 / 180, 0, {0, 0, 0, 0, 1}}, false},
+    {"°", {3.14159265358979323846 / 180, 0, {0, 0, 0, 0, 1}}, false},
+    {"%", {1, -2, {0}}, false},
+    {"min", {60, 0, {0, 0, 1}}, false},
+    {"1", {1, 0, {0}}, false},
+};
+static const struct {
+  const char *text;
+  int tens;
+} PREFIXES[] = {{"", 0},   {"f", -15}, {"p", -12}, {"n", -9}, {"u", -6}, {"µ", -6},
+                {"m", -3}, {"c", -2},  {"k", 3},   {"M", 6},  {"G", 9}};
+
+static bool named_unit(const char *name, size_t length, unit *out) {
+  for (size_t k = 0; k < sizeof UNITS / sizeof *UNITS; k++)
+    for (size_t p = 0; p < sizeof PREFIXES / sizeof *PREFIXES; p++) {
+      size_t np = strlen(PREFIXES[p].text), nu = strlen(UNITS[k].name);
+      if ((np && !UNITS[k].prefixed) || np + nu != length) continue;
+      if (strncmp(name, PREFIXES[p].text, np) || strncmp(name + np, UNITS[k].name, nu)) continue;
+      *out = UNITS[k].unit;
+      out->tens += PREFIXES[p].tens;
+      return true;
+    }
+  return false;
+}
+
+/* product of NAME[^][-]POWER terms, '.' or '*' between, what follows a '/' counts inversely */
+static bool parse_unit(const char *text, unit *out) {
+  *out = (unit){.factor = 1};
+  int sign = 1;
+  const char *s = text;
+  while (*s == ' ') s++;
+  if (!*s) return true;
+  for (;;) {
+    const char *start = s;
+    if (*s == '1' && !isdigit((unsigned char)s[1])) s++; /* as in 1/s */
+    while (*s && !strchr(".*/^ ", *s) && !isdigit((unsigned char)*s) && *s != '-') s++;
+    unit u;
+    if (s == start || !named_unit(start, (size_t)(s - start), &u)) return false;
+    long power = 1;
+    bool raised = *s == '^';
+    s += raised;
+    if (raised || isdigit((unsigned char)*s) || *s == '-') {
+      char *end;
+      power = strtol(s, &end, 10);
+      if (end == s || power < -9 || power > 9) return false;
+      s = end;
+    }
+    for (int d = 0; d < N_DIMENSIONS; d++) out->power[d] += sign * (int)power * u.power[d];
+    out->factor *= pow(u.factor, (double)(sign * power));
+    out->tens += sign * (int)power * u.tens;
+    while (*s == ' ') s++;
+    if (!*s) return true;
+    if (*s == '/') {
+      if (sign < 0) return false;
+      sign = -1;
+    } else if (*s != '.' && *s != '*')
+      return false;
+    s++;
+    while (*s == ' ') s++;
+  }
+}
+
+/* Powers of ten up to 22 are exact doubles, so that value in `u` rounds once: "6 mm" is 0.006. */
+static double to_si(double value, const unit *u) {
+  value *= u->factor;
+  return u->tens < 0 ? value / pow(10, -u->tens) : value * pow(10, u->tens);
+}
+
+bool vs_unit_known(const char *text) {
+  unit u;
+  return parse_unit(text, &u);
+}
+
+double vs_unit_factor(const char *text) {
+  unit u;
+  return parse_unit(text, &u) ? to_si(1, &u) : NAN;
+}
+
+bool vs_quantity(const char *text, const char *expected, double *si, char *why, size_t size) {
+  char *end;
+  errno = 0;
+  double value = strtod(text, &end);
+  const char *as = *expected ? expected : "a plain number";
+  if (end == text) {
+    snprintf(why, size, "'%s' is not a number; write %s%s", text,
+             *expected ? "a number with its unit, in " : "", as);
+    return false;
+  }
+  if (!isfinite(value)) {
+    snprintf(why, size, "'%s' is not a finite number", text);
+    return false;
+  }
+  unit want, got;
+  while (*end == ' ') end++;
+  parse_unit(expected, &want);
+  if (!parse_unit(end, &got)) {
+    snprintf(why, size, "'%s' is no unit known here; write %s", end, as);
+    return false;
+  }
+  if (!*end && *expected && value != 0) {
+    snprintf(why, size, "%s has no unit; write for example '%s %s'", text, text, expected);
+    return false;
+  }
+  if (*end && memcmp(want.power, got.power, sizeof want.power)) {
+    snprintf(why, size, "'%s' has the wrong unit; write %s", text, as);
+    return false;
+  }
+  *si = to_si(value, &got);
+  if (isfinite(*si)) return true;
+  snprintf(why, size, "'%s' is not a finite number", text);
+  return false;
+}

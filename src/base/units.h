@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Numbers with units: "6 mm", "0.1 N.s/m", "95deg", "3.86e-3 kg.m2". */
+#ifndef VS_BASE_UNITS_H
+#define VS_BASE_UNITS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Reads text as a quantity of the same kind as unit ("" for a pure number; "%" counts as one) and
+ * gives it in SI. A unit is required unless the number is 0 or the quantity pure. Prefixes f p n u
+ * µ m c k M G; products with '.' or '*', one '/', integer powers ("m2" or "m^2").
+ * false: not readable; why[size] then says, without a final stop, what is wrong and what would be
+ * right. */
+bool vs_quantity(const char *text, const char *unit, double *si, char *why, size_t size);
+
+/* SI value of one `unit`; 1 for "". The unit must be readable (it comes from a table of ours or
+ * from a deck that was checked with vs_unit_known). */
+double vs_unit_factor(const char *unit);
+bool vs_unit_known(const char *unit);
+
+#endif

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The seam behind which a circuit is solved: ngspice in the product, a formula in tests.
+ * The circuit owns its time loop and asks its host for what it needs. */
+#ifndef VS_CIRCUIT_CIRCUIT_H
+#define VS_CIRCUIT_CIRCUIT_H
+
+#include <stddef.h>
+
+#include "base/error.h"
+
+typedef struct vs_circuit_job {
+  char *const *netlist; /* lines without analysis, options and .end */
+  size_t lines;
+  const char *const *ports; /* external sources as the circuit calls them, lower case: "vgate" */
+  size_t n_ports;
+  const char *const
+      *signals; /* what accept() is given: "v(a)", "i(vth)", lower case; "v(0)" is 0 */
+  size_t n_signals;
+  double until_s, max_step_s; /* the run goes from 0 to until_s in steps of at most max_step_s */
+  double relative_tolerance;  /* of Newton's iteration and of the local truncation error */
+} vs_circuit_job;
+
+typedef struct vs_circuit_host {
+  void *ctx;
+  /* Voltage of a port at a candidate time, V. Asked several times per step; time may go back after
+   * a step that was rejected, but never before the last accepted one. */
+  double (*source)(void *ctx, size_t port, double t_s);
+  /* First instant after t_s that must be the end of a step; INFINITY: none. Asked after each
+   * accepted step. */
+  double (*edge)(void *ctx, double t_s);
+  /* A step was accepted. A status other than VS_OK ends the run, which then returns it. */
+  vs_status (*accept)(void *ctx, double t_s, const double *signals, vs_error *err);
+} vs_circuit_host;
+
+typedef struct vs_circuit_kind {
+  const char *name;
+  vs_status (*load)(const vs_circuit_job *job, void **circuit, vs_error *err);
+  vs_status (*run)(void *circuit, const vs_circuit_host *host, vs_error *err);
+  void (*free)(void *circuit); /* NULL is fine */
+} vs_circuit_kind;
+
+extern const vs_circuit_kind vs_ngspice; /* one circuit at a time in a process */
+const char *vs_ngspice_version(void);
+
+#endif

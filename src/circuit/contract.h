@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The "*$" lines of a deck, one at a time. */
+#ifndef VS_CIRCUIT_CONTRACT_H
+#define VS_CIRCUIT_CONTRACT_H
+
+#include "circuit/deck.h"
+
+/* Reads one line of the contract into the deck; begin: where its "*$" stands. Errors with their
+ * place. */
+vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_error *err);
+
+/* The deck owns its fields; its section shows them as constant. */
+static inline vs_field *vs_deck_fields(vs_deck *deck) {
+  return (vs_field *)(size_t)deck->section.fields;
+}
+
+void vs_lower(char *text); /* in place; ngspice knows no capitals */
+
+#endif

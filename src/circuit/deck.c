@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "circuit/deck.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "circuit/contract.h"
+
+const vs_shelf vs_deck_shelf = {"deck", "", ".cir"};
+static const vs_shelf EVA_SHELF = {"subcircuit", "", ".inc"},
+                      INCLUDE_SHELF = {"include file", "", ""};
+
+const vs_field vs_deck_key = {"deck",
+                              VS_NAME,
+                              "",
+                              "halfwave_snubbed",
+                              0,
+                              0,
+                              false,
+                              offsetof(vs_circuit_values, deck),
+                              "netlist: a file, or the name of one that comes with the program",
+                              NULL,
+                              NULL};
+
+/* ---- the netlist's own lines ---- */
+
+/* What may stand in a deck. Analysis, options and output are the program's own; commands would let
+ * a stranger's deck act on the machine. ngspice takes any statement that begins with one of its
+ * own. */
+static vs_status check_statement(const char *line, vs_where where, vs_error *err) {
+  static const char *const ALLOWED[] = {".param", ".model",  ".subckt", ".ends",
+                                        ".func",  ".global", ".ic",     ".nodeset",
+                                        ".if",    ".elseif", ".else",   ".endif"};
+  char word[VS_DECK_NAME];
+  snprintf(word, sizeof word, "%.*s", (int)strcspn(line, " \t=("), line);
+  vs_lower(word);
+  for (size_t k = 0; k < sizeof ALLOWED / sizeof *ALLOWED; k++)
+    if (!strcmp(word, ALLOWED[k])) return VS_OK;
+  return vs_fail_at(
+      err, where, "%s does not belong in a deck: analysis, options and commands are the program's",
+      word);
+}
+
+/* An element is a name and at least two words; '+' goes on with the line before. Others are refused
+ * here because libngspice, given them, may read beyond its memory or never come back. */
+static vs_status check_element(const char *line, vs_where where, vs_error *err) {
+  if (*line == '+') return VS_OK;
+  size_t n = 0;
+  while (isalnum((unsigned char)line[n]) || line[n] == '_' || line[n] == '.' || line[n] == '#') n++;
+  const char *second = line + n + strspn(line + n, " \t"), *third = second + strcspn(second, " \t");
+  third += strspn(third, " \t");
+  if (isalpha((unsigned char)*line) && (line[n] == ' ' || line[n] == '\t') && *second && *third)
+    return VS_OK;
+  return vs_fail_at(
+      err, where, "an element is wanted here: 'NAME node node ...', or a statement, or a comment");
+}
+
+/* "Xname n m eva" */
+static vs_status find_eva(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
+  char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME], kind[VS_DECK_NAME];
+  if (tolower((unsigned char)*line) != 'x' ||
+      sscanf(line, "%63s %63s %63s %63s", name, plus, minus, kind) != 4)
+    return VS_OK;
+  vs_lower(kind);
+  if (strcmp(kind, "eva")) return VS_OK;
+  if (*deck->eva) return vs_fail_at(err, where, "a second EVA; a deck has one line 'Xeva n m eva'");
+  vs_lower(name);
+  vs_lower(plus);
+  vs_lower(minus);
+  memcpy(deck->eva, name, sizeof name);
+  memcpy(deck->eva_plus, plus, sizeof plus);
+  memcpy(deck->eva_minus, minus, sizeof minus);
+  return VS_OK;
+}
+
+/* "Vname n m external"; name is filled, in lower case. */
+static bool is_external(const char *line, char name[VS_DECK_NAME]) {
+  char word[VS_DECK_NAME];
+  if (sscanf(line, "%63s %*s %*s %63s", name, word) != 2) return false;
+  vs_lower(name);
+  vs_lower(word);
+  return !strcmp(word, "external");
+}
+
+/* Ports and external sources belong together, one to one: a source nobody drives would stay at 0 V.
+ */
+static vs_status match_sources(const vs_deck *deck, vs_error *err) {
+  bool driven[VS_DECK_MOST] = {false};
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    char name[VS_DECK_NAME];
+    if (!is_external(deck->lines[k], name)) continue;
+    size_t p = 0;
+    while (p < deck->n_ports && strcmp(deck->ports[p].source, name)) p++;
+    if (p == deck->n_ports)
+      return vs_fail(err, VS_INPUT, "%s: the external source %s has no line '*$ port ... = %s'",
+                     deck->files[0], name, name);
+    driven[p] = true;
+  }
+  for (size_t p = 0; p < deck->n_ports; p++)
+    if (!driven[p])
+      return vs_fail_at(err, deck->ports[p].where, "port: the deck has no source '%s n m external'",
+                        deck->ports[p].source);
+  return VS_OK;
+}
+
+static void add_line(char ***lines, size_t *count, const char *line) {
+  *lines = realloc(*lines, (*count + 1) * sizeof **lines);
+  (*lines)[(*count)++] = vs_copy(line);
+}
+
+static vs_status read_file(vs_deck *deck, const char *path, vs_error *err);
+
+/* ".include FILE": from the folder of the file it stands in, else one that comes with the program.
+ * The lines are taken in here, so that they are held to the same rules. */
+static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
+  char name[VS_PATH_SIZE / 2], path[VS_PATH_SIZE];
+  const char *from = line + strcspn(line, " \t"), *slash = strrchr(where.file, '/');
+  from += strspn(from, " \t");
+  char quote = *from == '"' || *from == '\'' ? *from++ : '\0';
+  size_t n = quote ? strcspn(from, (char[]){quote, '\0'}) : strcspn(from, " \t");
+  const char *after = from + n + (quote && from[n] == quote);
+  if (n == 0 || n >= sizeof name || after[strspn(after, " \t")])
+    return vs_fail_at(err, where, "'.include FILE' is wanted here, one file and nothing more");
+  snprintf(name, sizeof name, "%.*s", (int)n, from);
+  snprintf(path, sizeof path, "%.*s%s", slash && *name != '/' ? (int)(slash - where.file + 1) : 0,
+           where.file, name);
+  if (access(path, R_OK)) {
+    vs_status status = vs_find(&INCLUDE_SHELF, name, where, path, err);
+    if (status) return status;
+  }
+  return read_file(deck, path, err);
+}
+
+static vs_status read_line(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
+  const char *text = line + where.column - 1;
+  if (!strncmp(text, "*$", 2)) return vs_contract_line(deck, line, where, err);
+  if (!*text || *text == '*') return VS_OK;
+  char word[16];
+  snprintf(word, sizeof word, "%.*s", (int)strcspn(text, " \t"), text);
+  vs_lower(word);
+  if (!strcmp(word, ".include") || !strcmp(word, ".inc") || !strcmp(word, ".lib"))
+    return include(deck, text, where, err);
+  vs_status status =
+      *text == '.' ? check_statement(text, where, err) : check_element(text, where, err);
+  if (!status) status = find_eva(deck, text, where, err);
+  if (!status) add_line(&deck->lines, &deck->n_lines, text);
+  return status;
+}
+
+static vs_status read_file(vs_deck *deck, const char *path, vs_error *err) {
+  if (deck->n_files >= VS_DECK_FILES)
+    return vs_fail(err, VS_INPUT, "%s: more than %d files; does one include itself?", path,
+                   VS_DECK_FILES);
+  char *file = deck->files[deck->n_files++] = vs_copy(path), *line = NULL;
+  FILE *f = fopen(path, "r");
+  struct stat s;
+  if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
+  size_t size = 0;
+  vs_status status = VS_OK;
+  if (fstat(fileno(f), &s) || !S_ISREG(s.st_mode))
+    status = vs_fail(err, VS_INPUT, "%s: is no file of text", path);
+  for (int number = 1; !status && getline(&line, &size, f) >= 0; number++) {
+    line[strcspn(line, "\r\n")] = '\0';
+    status = read_line(deck, line, (vs_where){file, number, (int)strspn(line, " \t\v\f") + 1}, err);
+  }
+  if (!status && ferror(f))
+    status = vs_fail(err, VS_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+  free(line);
+  fclose(f);
+  return status;
+}
+
+vs_status vs_deck_read(const char *path, vs_deck *deck, vs_error *err) {
+  *deck = (vs_deck){0};
+  deck->section = (vs_section){"circuit", vs_alloc(VS_DECK_MOST + 1, sizeof(vs_field)), 1};
+  vs_deck_fields(deck)[0] = vs_deck_key;
+  vs_status status = read_file(deck, path, err);
+  if (!status && !*deck->eva)
+    status = vs_fail(err, VS_INPUT, "%s: has no EVA; a deck has one line 'Xeva n m eva'", path);
+  return status ? status : match_sources(deck, err);
+}
+
+void vs_deck_free(vs_deck *deck) {
+  for (size_t k = 1; k < deck->section.count; k++) {
+    free((char *)(size_t)deck->section.fields[k].key);
+    free((char *)(size_t)deck->section.fields[k].unit);
+    free((char *)(size_t)deck->section.fields[k].default_text);
+    free((char *)(size_t)deck->section.fields[k].text);
+  }
+  free(vs_deck_fields(deck));
+  vs_netlist_free(deck->lines, deck->n_lines);
+  for (size_t k = 0; k < deck->n_files; k++) free(deck->files[k]);
+  *deck = (vs_deck){0};
+}
+
+vs_status vs_deck_netlist(const vs_deck *deck, const vs_circuit_values *values,
+                          const vs_deck_value *standard, size_t n_standard, char ***lines,
+                          size_t *count, vs_error *err) {
+  *lines = NULL;
+  *count = 0;
+  char path[VS_PATH_SIZE], param[128];
+  vs_status status = vs_find(&EVA_SHELF, "eva", (vs_where){0}, path, err);
+  if (status) return status;
+  FILE *eva = fopen(path, "r");
+  if (!eva) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
+  add_line(lines, count, "vibrospice"); /* the first line of a netlist is its title */
+  for (size_t k = 0; k < n_standard; k++) {
+    snprintf(param, sizeof param, ".param %s=%.17g", standard[k].name, standard[k].value);
+    add_line(lines, count, param);
+  }
+  for (size_t k = 1; k < deck->section.count; k++) {
+    snprintf(param, sizeof param, ".param %s=%.17g", deck->section.fields[k].key,
+             values->params[k - 1]);
+    add_line(lines, count, param);
+  }
+  for (size_t k = 0; k < deck->n_lines; k++) add_line(lines, count, deck->lines[k]);
+  char *line = NULL;
+  size_t size = 0;
+  while (getline(&line, &size, eva) >= 0) {
+    line[strcspn(line, "\r\n")] = '\0';
+    if (*line && *line != '*') add_line(lines, count, line);
+  }
+  free(line);
+  fclose(eva);
+  return VS_OK;
+}
+
+void vs_netlist_free(char **lines, size_t count) {
+  for (size_t k = 0; k < count; k++) free(lines[k]);
+  free(lines);
+}

@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "circuit/timeline.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#define S_(member) offsetof(vs_supply_values, member)
+#define F_(member) offsetof(vs_firing_values, member)
+
+static const vs_field SUPPLY[] = {
+    {"voltage", VS_REAL, "V", "440 V", 0, 1e6, true, S_(voltage_v),
+     "U, rms at the converter (Table 1)", NULL, NULL},
+    {"frequency", VS_REAL, "Hz", "50 Hz", 0.1, 1e4, false, S_(frequency_hz), "f, mains (Table 1)",
+     NULL, NULL},
+    {"phase", VS_REAL, "deg", "0 deg", -360, 360, false, S_(phase_rad), "of the mains at t = 0",
+     NULL, NULL},
+    {"resistance", VS_REAL, "ohm", "0.5 ohm", 0, 1e5, false, S_(resistance_ohm),
+     "R_s, source; circuit tier only", NULL, NULL},
+    {"inductance", VS_REAL, "mH", "0.5 mH", 0, 1e5, false, S_(inductance_h),
+     "L_s, source; circuit tier only", NULL, NULL},
+};
+static const vs_field FIRING[] = {
+    {"angle", VS_REAL, "deg", "100 deg", 0, 180, true, F_(angle_rad),
+     "alpha*, from the rising zero crossing of the mains (Eq. 92)", NULL, NULL},
+    {"pulse_width", VS_REAL, "ms", "8 ms", 0, 1e6, true, F_(pulse_width_s),
+     "t_pulse, length of the gate pulse train", NULL, NULL},
+    {"every", VS_COUNT, "", "once", 1, 1e6, false, F_(every), "fires in every n-th cycle", "once",
+     NULL},
+    {"first_cycle", VS_COUNT, "", "1", 1, 1e9, false, F_(first_cycle),
+     "cycle of the first firing, counted from 1", NULL, NULL},
+};
+const vs_section vs_supply_section = {"supply", SUPPLY, sizeof SUPPLY / sizeof *SUPPLY};
+const vs_section vs_firing_section = {"firing", FIRING, sizeof FIRING / sizeof *FIRING};
+
+vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_error *err) {
+  *t = (vs_timeline){0};
+  const vs_node *firing = vs_node_child(scene, "firing");
+  vs_status s =
+      vs_section_read(&vs_supply_section, vs_node_child(scene, "supply"), &t->supply, err);
+  if (!s) s = vs_section_read(&vs_firing_section, firing, &t->firing, err);
+  if (s) return s;
+  t->peak_v = t->supply.voltage_v * M_SQRT2;
+  t->omega_rad_s = 2 * M_PI * t->supply.frequency_hz;
+  t->period_s = 1 / t->supply.frequency_hz;
+  double turns = -t->supply.phase_rad / (2 * M_PI);
+  t->first_zero_s = (turns - floor(turns)) * t->period_s;
+  if (t->firing.every && t->firing.pulse_width_s >= t->firing.every * t->period_s) {
+    const vs_node *width = vs_node_child(firing, "pulse_width");
+    return vs_fail_at(
+        err, width ? width->where : (vs_where){0},
+        "firing.pulse_width: %g ms reaches into the next pulse; allowed here: below %g ms",
+        1e3 * t->firing.pulse_width_s, 1e3 * t->firing.every * t->period_s);
+  }
+  return VS_OK;
+}
+
+double vs_mains(const vs_timeline *t, double t_s) {
+  return t->peak_v * sin(t->omega_rad_s * t_s + t->supply.phase_rad);
+}
+
+double vs_phase(const vs_timeline *t, double t_s) {
+  double turns = (t_s - t->first_zero_s) / t->period_s;
+  return 2 * M_PI * (turns - floor(turns));
+}
+
+/* Leading edge of the n-th pulse (n = 0, 1, ...), from integers, so that a million cycles do not
+ * drift. */
+static double pulse_start(const vs_timeline *t, double shift_rad, double n) {
+  double cycle = t->firing.first_cycle - 1 + n * t->firing.every;
+  return t->first_zero_s + (cycle + (t->firing.angle_rad + shift_rad) / (2 * M_PI)) * t->period_s;
+}
+
+/* The last pulse that started before t (strictly, up to rounding); -1: none yet. */
+static double last_pulse(const vs_timeline *t, double shift_rad, double t_s) {
+  double since = t_s - pulse_start(t, shift_rad, 0);
+  double slack = 1e-10 * t->period_s; /* an edge reached by a step is met only this well */
+  if (since <= slack) return -1;
+  if (!t->firing.every) return 0;
+  return ceil((since - slack) / (t->firing.every * t->period_s)) - 1;
+}
+
+bool vs_gate(const vs_timeline *t, double shift_rad, double t_s) {
+  double n = last_pulse(t, shift_rad, t_s);
+  return n >= 0 &&
+         t_s <= pulse_start(t, shift_rad, n) + t->firing.pulse_width_s + 1e-10 * t->period_s;
+}
+
+double vs_gate_edge(const vs_timeline *t, double shift_rad, double t_s) {
+  double n = last_pulse(t, shift_rad, t_s), slack = 1e-10 * t->period_s;
+  double fall = n >= 0 ? pulse_start(t, shift_rad, n) + t->firing.pulse_width_s : -INFINITY;
+  if (fall > t_s + slack) return fall;
+  double rise = n < 0 || t->firing.every ? pulse_start(t, shift_rad, n + 1) : INFINITY;
+  return rise > t_s + slack ? rise : vs_gate_edge(t, shift_rad, t_s + 2 * slack);
+}
+
+double vs_next_conduction(const vs_timeline *t, double t_s) {
+  double n = last_pulse(t, 0, t_s);
+  if (n < 0) n = 0;
+  for (;; n++) { /* a pulse that meets no forward voltage is followed by others */
+    if (n > 0 && !t->firing.every) return INFINITY;
+    double from = fmax(pulse_start(t, 0, n), t_s);
+    double to = pulse_start(t, 0, n) + t->firing.pulse_width_s;
+    if (from > to) continue;
+    double phase = vs_phase(t, from);
+    if (phase < M_PI) return from;
+    double zero = from + (2 * M_PI - phase) / t->omega_rad_s;
+    if (zero < to) return zero;
+  }
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What the outside does at which time: mains voltage, zero crossings, gate pulses. */
+#ifndef VS_CIRCUIT_TIMELINE_H
+#define VS_CIRCUIT_TIMELINE_H
+
+#include <stdbool.h>
+
+#include "base/error.h"
+#include "base/field.h"
+
+typedef struct vs_supply_values {
+  double voltage_v, frequency_hz, phase_rad, resistance_ohm, inductance_h;
+} vs_supply_values;
+typedef struct vs_firing_values {
+  double angle_rad, pulse_width_s;
+  int every; /* fires in every n-th cycle; 0: once */
+  int first_cycle;
+} vs_firing_values;
+
+extern const vs_section vs_supply_section, vs_firing_section;
+
+typedef struct vs_timeline {
+  vs_supply_values supply;
+  vs_firing_values firing;
+  double peak_v, omega_rad_s, period_s;
+  double first_zero_s; /* first rising zero crossing at or after t = 0 */
+} vs_timeline;
+
+/* From the scene's sections supply and firing. Errors: what vs_section_read refuses; pulses that
+ * overlap. */
+vs_status vs_timeline_build(const vs_node *scene, vs_timeline *timeline, vs_error *err);
+
+double vs_mains(const vs_timeline *timeline,
+                double t_s); /* u = sqrt(2) U sin(wt + phase), V (Eq. 90) */
+double vs_phase(const vs_timeline *timeline,
+                double t_s); /* angle since the last rising zero, 0..2 pi */
+
+/* Gate pulse present? shift_rad delays the train (a second thyristor fires 180 degrees later). On
+ * after its leading edge and up to its trailing edge, so that a step that ends on an edge still
+ * sees what was before it. */
+bool vs_gate(const vs_timeline *timeline, double shift_rad, double t_s);
+/* First gate edge after t; INFINITY: none. */
+double vs_gate_edge(const vs_timeline *timeline, double shift_rad, double t_s);
+/* First instant at or after t at which gate and forward mains voltage are both there; INFINITY:
+ * never. */
+double vs_next_conduction(const vs_timeline *timeline, double t_s);
+
+#endif

@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "machine/model.h"
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_linalg.h>
+#include <gsl/gsl_matrix.h>
+#include <gsl/gsl_vector.h>
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "machine/mechanics.h"
+
+#define M_(member) offsetof(vs_machine_values, member)
+#define A_(member) offsetof(vs_actuator_values, member)
+#define L_(member) offsetof(vs_load_values, member)
+
+static const vs_field MACHINE[] = {
+    {"trough_mass", VS_REAL, "kg", "0.83 kg", 1e-6, 1e4, false, M_(trough_mass_kg),
+     "m_k0, empty trough with armature (Table 1)", NULL, NULL},
+    {"base_mass", VS_REAL, "kg", "4 kg", 1e-6, 1e5, false, M_(base_mass_kg), "m_B, base (Table 1)",
+     NULL, NULL},
+    {"trough_inertia", VS_REAL, "kg.m2", "3.86e-3 kg.m2", 1e-12, 1e4, false,
+     M_(trough_inertia_kgm2), "J_k0, trough about its centre of mass (Table 1)", NULL, NULL},
+    {"base_inertia", VS_REAL, "kg.m2", "0.017 kg.m2", 1e-12, 1e5, false, M_(base_inertia_kgm2),
+     "J_B, base about its centre of mass (Table 1)", NULL, NULL},
+    {"spring_angle", VS_REAL, "deg", "70 deg", 0, 180, false, M_(spring_angle_rad),
+     "alpha, inclination of the leaf springs (Table 1)", NULL, NULL},
+    {"base_com", VS_PAIR, "mm", "194 mm, 89 mm", -1e5, 1e5, false, M_(base_com_m),
+     "B, centre of mass of the base (Table 1)", NULL, NULL},
+    {"trough_com", VS_PAIR, "mm", "92 mm, 129 mm", -1e5, 1e5, false, M_(trough_com_m),
+     "C, centre of mass of the trough (Table 1)", NULL, NULL},
+    {"mount_3", VS_PAIR, "mm", "33 mm, 15 mm", -1e5, 1e5, false, M_(mount_3_m),
+     "K3, rubber mount (Table 1)", NULL, NULL},
+    {"mount_4", VS_PAIR, "mm", "211.83 mm, 15 mm", -1e5, 1e5, false, M_(mount_4_m),
+     "K4, rubber mount (Table 1)", NULL, NULL},
+    {"spring_stiffness", VS_REAL, "N/m", "0.43e5 N/m", 0, 1e12, true, M_(spring_stiffness_n_m),
+     "k, each of the two leaf springs (Table 1)", NULL, NULL},
+    {"mount_stiffness_x", VS_REAL, "N/m", "0.08e5 N/m", 0, 1e12, true, M_(mount_stiffness_x_n_m),
+     "k_x, each mount, horizontal (Table 1)", NULL, NULL},
+    {"mount_stiffness_y", VS_REAL, "N/m", "0.4e5 N/m", 0, 1e12, true, M_(mount_stiffness_y_n_m),
+     "k_y, each mount, vertical (Table 1)", NULL, NULL},
+    {"spring_damping", VS_REAL, "N.s/m", "1.2 N.s/m", 0, 1e9, false, M_(spring_damping_ns_m),
+     "beta, each leaf spring (Table 1)", NULL, NULL},
+    {"mount_damping_x", VS_REAL, "N.s/m", "0.1 N.s/m", 0, 1e9, false, M_(mount_damping_x_ns_m),
+     "beta_x, each mount, horizontal (Table 1)", NULL, NULL},
+    {"mount_damping_y", VS_REAL, "N.s/m", "0.5 N.s/m", 0, 1e9, false, M_(mount_damping_y_ns_m),
+     "beta_y, each mount, vertical (Table 1)", NULL, NULL},
+    {"m14", VS_CHOICE, "", "paper", 0, 0, false, M_(m14),
+     "inertia coupling p-phi: the paper's zero, or as Eq. 55 gives it", "paper|derived", NULL},
+};
+/* Elastic stop: F = k delta + c delta' while the indentation delta = -D - p is positive, so it may
+ * pull. */
+static const vs_field STOP[] = {
+    {"stiffness", VS_REAL, "N/m", "1e6 N/m", 0, 1e12, true, offsetof(vs_stop_values, stiffness_n_m),
+     "k of the elastic stop", NULL, NULL},
+    {"damping", VS_REAL, "N.s/m", "50 N.s/m", 0, 1e9, false, offsetof(vs_stop_values, damping_ns_m),
+     "c of the elastic stop", NULL, NULL},
+};
+static const vs_section STOP_SECTION = {"actuator.stop", STOP, sizeof STOP / sizeof *STOP};
+static const vs_field ACTUATOR[] = {
+    {"gap", VS_REAL, "mm", "6 mm", 0, 1e3, true, A_(gap_m),
+     "D, armature to pole cover at rest (Table 1)", NULL, NULL},
+    {"pole_cover", VS_REAL, "mm", "0.5 mm", 0, 1e3, false, A_(pole_cover_m),
+     "d, bronze pole cover (Table 1)", NULL, NULL},
+    {"inductance", VS_REAL, "H", "1.6 H", 0, 1e4, true, A_(inductance_h),
+     "L(0), coil at rest (Table 1)", NULL, NULL},
+    {"resistance", VS_REAL, "ohm", "92 ohm", 0, 1e6, true, A_(resistance_ohm),
+     "R_c, coil (Table 1)", NULL, NULL},
+    {"stop", VS_OPTION, "", "none", 0, 0, false, A_(stop),
+     "what the armature meets at p = -D; with none a run that gets there ends with an error",
+     "none", &STOP_SECTION},
+};
+static const vs_field LOAD[] = {
+    {"density", VS_REAL, "g/cm3", "0 g/cm3", 0, 30, false, L_(density_kg_m3),
+     "rho, conveyed material (Eq. 88)", NULL, NULL},
+    {"volume", VS_REAL, "cm3", "380 cm3", 0, 1e9, false, L_(volume_m3),
+     "V_k, trough (Eq. 88; Table 1 gives 380 and 269)", NULL, NULL},
+    {"fraction", VS_REAL, "", "0", 0, 1, false, L_(fraction),
+     "lambda_t, share of the material that rides (Eq. 88); adds to m_k only", NULL, NULL},
+};
+const vs_section vs_machine_section = {"machine", MACHINE, sizeof MACHINE / sizeof *MACHINE};
+const vs_section vs_actuator_section = {"actuator", ACTUATOR, sizeof ACTUATOR / sizeof *ACTUATOR};
+const vs_section vs_load_section = {"load", LOAD, sizeof LOAD / sizeof *LOAD};
+
+/* One of B (Eq. 56) and K (Eq. 57): the same form with (beta, beta_x, beta_y) or (k, k_x, k_y).
+ *   c11 = 2 c;  c22 = 2 cx;  c33 = 2 cy
+ *   c24 = cx [(yB - y3) + (yB - y4)];  c34 = cy [(x3 - xB) + (x4 - xB)]
+ *   c44 = cx [(yB - y3)^2 + (yB - y4)^2] + cy [(x3 - xB)^2 + (x4 - xB)^2] */
+static void mounts_matrix(const vs_machine_values *v, const double c[3],
+                          double out[VS_DOF][VS_DOF]) {
+  double y3 = v->base_com_m[1] - v->mount_3_m[1], y4 = v->base_com_m[1] - v->mount_4_m[1];
+  double x3 = v->mount_3_m[0] - v->base_com_m[0], x4 = v->mount_4_m[0] - v->base_com_m[0];
+  memset(out, 0, sizeof(double[VS_DOF][VS_DOF]));
+  out[P][P] = 2 * c[0];
+  out[U][U] = 2 * c[1];
+  out[W][W] = 2 * c[2];
+  out[U][PHI] = out[PHI][U] = c[1] * (y3 + y4);
+  out[W][PHI] = out[PHI][W] = c[2] * (x3 + x4);
+  out[PHI][PHI] = c[1] * (y3 * y3 + y4 * y4) + c[2] * (x3 * x3 + x4 * x4);
+}
+
+/* M, Eq. 55 with m34 = m_K (x_C - x_B) (the paper prints x_K there) and m_K, J_C of the loaded
+ * trough: m_k = m_k0 + lambda_t rho V_k (Eq. 88). */
+static void mass_matrix(vs_model *model) {
+  const vs_machine_values *v = &model->machine;
+  const vs_load_values *load = &model->load;
+  double mk = v->trough_mass_kg + load->fraction * load->density_kg_m3 * load->volume_m3;
+  double sin_a = sin(v->spring_angle_rad), cos_a = cos(v->spring_angle_rad);
+  double dx = v->trough_com_m[0] - v->base_com_m[0], dy = v->trough_com_m[1] - v->base_com_m[1];
+  double m14 = v->m14 ? mk * (dy * sin_a + dx * cos_a) : 0;
+  double m[VS_DOF][VS_DOF] = {
+      {mk, -mk * sin_a, mk * cos_a, m14},
+      {-mk * sin_a, mk + v->base_mass_kg, 0, -mk * dy},
+      {mk * cos_a, 0, mk + v->base_mass_kg, mk * dx},
+      {m14, -mk * dy, mk * dx,
+       v->trough_inertia_kgm2 + v->base_inertia_kgm2 + mk * (dx * dx + dy * dy)},
+  };
+  memcpy(model->mass, m, sizeof m);
+}
+
+/* M^-1 B, M^-1 K and M^-1 (-1,0,0,0) by Cholesky, which fails just when M is not positive definite.
+ */
+static vs_status solve_mass(vs_model *model, vs_error *err) {
+  double m[VS_DOF * VS_DOF], column[VS_DOF];
+  memcpy(m, model->mass, sizeof m);
+  gsl_matrix_view mv = gsl_matrix_view_array(m, VS_DOF, VS_DOF);
+  gsl_vector_view cv = gsl_vector_view_array(column, VS_DOF);
+  if (gsl_linalg_cholesky_decomp1(&mv.matrix) != GSL_SUCCESS)
+    return vs_fail(err, VS_INPUT,
+                   "machine: the inertia matrix M (Eq. 55) is not positive definite; check masses, "
+                   "inertias and centres of mass");
+  for (int j = 0; j < 2 * VS_DOF + 1; j++) {
+    for (int i = 0; i < VS_DOF; i++)
+      column[i] = j < VS_DOF       ? model->damping[i][j]
+                  : j < 2 * VS_DOF ? model->stiffness[i][j - VS_DOF]
+                                   : (i == P ? -1.0 : 0.0);
+    gsl_linalg_cholesky_svx(&mv.matrix, &cv.vector);
+    for (int i = 0; i < VS_DOF; i++)
+      *(j < VS_DOF       ? &model->mb[i][j]
+        : j < 2 * VS_DOF ? &model->mk[i][j - VS_DOF]
+                         : &model->mf[i]) = column[i];
+  }
+  return VS_OK;
+}
+
+/* Sylvester's criterion (after Eq. 57) by Cholesky: without it the rest position is not stable. */
+static vs_status check_stiffness(const vs_model *model, vs_error *err) {
+  double k[VS_DOF * VS_DOF];
+  memcpy(k, model->stiffness, sizeof k);
+  gsl_matrix_view kv = gsl_matrix_view_array(k, VS_DOF, VS_DOF);
+  bool positive = gsl_linalg_cholesky_decomp1(&kv.matrix) == GSL_SUCCESS;
+  for (size_t i = 0; positive && i < VS_DOF; i++) /* a pivot that is nothing but rounding */
+    positive = pow(gsl_matrix_get(&kv.matrix, i, i), 2) > 1e-14 * model->stiffness[i][i];
+  return positive
+             ? VS_OK
+             : vs_fail(err, VS_INPUT,
+                       "machine: the stiffness matrix K (Eq. 57) is not positive definite; check "
+                       "the mounts' stiffness and where mount_3, mount_4 and base_com lie");
+}
+
+vs_status vs_model_build(const vs_node *scene, vs_model *model, vs_error *err) {
+  *model = (vs_model){0};
+  vs_status s =
+      vs_section_read(&vs_machine_section, vs_node_child(scene, "machine"), &model->machine, err);
+  if (!s)
+    s = vs_section_read(&vs_actuator_section, vs_node_child(scene, "actuator"), &model->actuator,
+                        err);
+  if (!s) s = vs_section_read(&vs_load_section, vs_node_child(scene, "load"), &model->load, err);
+  if (s) return s;
+  const vs_machine_values *v = &model->machine;
+  const double b[3] = {v->spring_damping_ns_m, v->mount_damping_x_ns_m, v->mount_damping_y_ns_m};
+  const double k[3] = {v->spring_stiffness_n_m, v->mount_stiffness_x_n_m, v->mount_stiffness_y_n_m};
+  mounts_matrix(v, b, model->damping);
+  mounts_matrix(v, k, model->stiffness);
+  mass_matrix(model);
+  s = solve_mass(model, err);
+  if (!s) s = check_stiffness(model, err);
+  if (s) return s;
+  model->gap_rest_m = model->actuator.gap_m + model->actuator.pole_cover_m;
+  model->a_hm = model->actuator.inductance_h * model->gap_rest_m / 2;
+  vs_mode modes[VS_STATES];
+  if (!vs_modes(model, modes))
+    return vs_fail(err, VS_INPUT, "machine: the eigenvalues of the mechanics cannot be found");
+  double drive = 0;
+  for (int m = 0; m < VS_STATES; m++) {
+    double size = hypot(modes[m].re_1_s, modes[m].im_rad_s);
+    if (size > model->fastest_rad_s) model->fastest_rad_s = size;
+    if (modes[m].drive > drive) {
+      drive = modes[m].drive;
+      model->working_rad_s = size;
+    }
+  }
+  const vs_stop_values *stop = &model->actuator.stop;
+  model->contact_rad_s = model->fastest_rad_s + sqrt(stop->stiffness_n_m * fabs(model->mf[P])) +
+                         stop->damping_ns_m * fabs(model->mf[P]);
+  return VS_OK;
+}

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The machine as numbers: Table 1 of the paper by default, immutable once built. */
+#ifndef VS_MACHINE_MODEL_H
+#define VS_MACHINE_MODEL_H
+
+#include "base/error.h"
+#include "base/field.h"
+#include "base/tree.h"
+
+enum { P, U, W, PHI, VS_DOF };   /* coordinates q, Eq. 59 */
+enum { VS_STATES = 2 * VS_DOF }; /* x = (q, q') */
+
+/* What the scene says, in SI. Field texts: vs_machine_section and its two sisters. */
+typedef struct vs_machine_values {
+  double trough_mass_kg, base_mass_kg, trough_inertia_kgm2, base_inertia_kgm2, spring_angle_rad;
+  double base_com_m[2], trough_com_m[2], mount_3_m[2], mount_4_m[2];
+  double spring_stiffness_n_m, mount_stiffness_x_n_m, mount_stiffness_y_n_m;
+  double spring_damping_ns_m, mount_damping_x_ns_m, mount_damping_y_ns_m;
+  int m14; /* 0: the paper's (zero), 1: derived */
+} vs_machine_values;
+typedef struct vs_stop_values {
+  int present;
+  double stiffness_n_m, damping_ns_m;
+} vs_stop_values;
+typedef struct vs_actuator_values {
+  double gap_m, pole_cover_m, inductance_h, resistance_ohm;
+  vs_stop_values stop; /* at p = -D */
+} vs_actuator_values;
+typedef struct vs_load_values {
+  double density_kg_m3, volume_m3, fraction;
+} vs_load_values;
+
+extern const vs_section vs_machine_section, vs_actuator_section, vs_load_section;
+
+typedef struct vs_model {
+  vs_machine_values machine;
+  vs_actuator_values actuator;
+  vs_load_values load;
+  double mass[VS_DOF][VS_DOF];      /* M, Eq. 55; kg, kg m, kg m2 */
+  double damping[VS_DOF][VS_DOF];   /* B, Eq. 56; N s/m, N s, N m s */
+  double stiffness[VS_DOF][VS_DOF]; /* K, Eq. 57; N/m, N, N m */
+  double mb[VS_DOF][VS_DOF];        /* M^-1 B, 1/s and mixed */
+  double mk[VS_DOF][VS_DOF];        /* M^-1 K, 1/s2 and mixed */
+  double mf[VS_DOF];                /* M^-1 (-1, 0, 0, 0): acceleration per newton of F */
+  double gap_rest_m;                /* z at p = 0: D + d */
+  double a_hm;                      /* a = L(0) (D + d)/2, Eq. 72 */
+  double fastest_rad_s;             /* largest |s| of the mechanics' modes */
+  double contact_rad_s;             /* and with the stop in touch, no less; 0: no stop */
+  double working_rad_s;             /* |s| of the mode that F drives hardest in p */
+} vs_model;
+
+/* Builds the model from the scene's sections machine, actuator and load (each may be missing).
+ * Errors: what vs_section_read refuses; M not positive definite. */
+vs_status vs_model_build(const vs_node *scene, vs_model *model, vs_error *err);
+
+#endif

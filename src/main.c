@@ -1,0 +1,269 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command line: one table of commands, one parser for their options. */
+#include <argp.h>
+#include <errno.h>
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_version.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "circuit/circuit.h"
+#include "study/list.h"
+#include "study/modes.h"
+#include "study/plot.h"
+#include "study/run.h"
+
+static volatile sig_atomic_t stop_requested;
+
+static void on_signal(int number) {
+  (void)number;
+  stop_requested = 1;
+}
+
+typedef struct arguments {
+  const struct command *command;
+  const char *name; /* what stands behind the command: a scene, a kind, a folder */
+  const char *tier, *output, *deck;
+  char **sets;
+  size_t n_sets;
+  bool json, quiet, reproducible, help;
+  int digits;
+  vs_error err; /* of the parser */
+} arguments;
+
+static vs_status do_run(const arguments *a, vs_error *err) {
+  const vs_run_options o = {.scene = a->name,
+                            .tier = a->tier,
+                            .folder = a->output,
+                            .sets = a->sets,
+                            .n_sets = a->n_sets,
+                            .json = a->json,
+                            .quiet = a->quiet,
+                            .reproducible = a->reproducible,
+                            .digits = a->digits,
+                            .stop = &stop_requested};
+  return vs_run_command(&o, err);
+}
+static vs_status do_list(const arguments *a, vs_error *err) {
+  return vs_list_command(a->name, a->deck, err);
+}
+static vs_status do_modes(const arguments *a, vs_error *err) {
+  return vs_modes_command(a->name, a->sets, a->n_sets, a->output, a->json, err);
+}
+static vs_status do_plot(const arguments *a, vs_error *err) {
+  return vs_plot_command(a->name, a->output, a->quiet, err);
+}
+
+enum { KEY_JSON = 256, KEY_QUIET, KEY_REPRODUCIBLE, KEY_DIGITS, KEY_SET, KEY_TIER, KEY_DECK };
+#define OPT_HELP                                                                                   \
+  { "help", 'h', NULL, 0, "prints this and ends", -1 }
+#define OPT_SET                                                                                    \
+  {                                                                                                \
+    "set", KEY_SET, "KEY=VALUE", 0,                                                                \
+        "sets a scene key over what the file says; may stand several times", 0                     \
+  }
+#define OPT_JSON                                                                                   \
+  { "json", KEY_JSON, NULL, 0, "JSON on standard output instead of the table", 0 }
+#define OPT_QUIET                                                                                  \
+  { "quiet", KEY_QUIET, NULL, 0, "no table, no warnings, no progress", 0 }
+
+static const struct argp_option RUN_OPTIONS[] = {
+    OPT_SET,
+    {"tier", KEY_TIER, "NAME", 0, "auto, analytic, switched or circuit; over the scene's run.tier",
+     0},
+    {"output", 'o', "DIR", 0, "writes run.csv, events.csv and summary.json there", 0},
+    OPT_JSON,
+    OPT_QUIET,
+    {"reproducible", KEY_REPRODUCIBLE, NULL, 0, "leaves the cost (wall time) out of summary.json",
+     0},
+    {"digits", KEY_DIGITS, "N", 0, "significant digits in CSV, 1 to 17 (default 9; 17 is exact)",
+     0},
+    OPT_HELP,
+    {0}};
+static const struct argp_option LIST_OPTIONS[] = {
+    {"deck", KEY_DECK, "DECK", 0, "whose probes and parameters (default halfwave_snubbed)", 0},
+    OPT_HELP,
+    {0}};
+static const struct argp_option MODES_OPTIONS[] = {
+    OPT_SET,
+    {"output", 'o', "DIR", 0,
+     "writes modes.csv and the state space there: A.csv, B.csv, C.csv, D.csv", 0},
+    OPT_JSON,
+    OPT_HELP,
+    {0}};
+static const struct argp_option PLOT_OPTIONS[] = {
+    {"output", 'o', "FILE", 0,
+     "one sheet into FILE, which ends in .png or .svg, instead of the set in DIR", 0},
+    OPT_QUIET,
+    OPT_HELP,
+    {0}};
+
+static const struct command {
+  const char *name, *argument, *text, *examples;
+  bool may_be_alone;
+  const struct argp_option *options;
+  vs_status (*act)(const arguments *, vs_error *);
+} COMMANDS[] = {
+    {"run", "SCENE",
+     "runs one scene; SCENE is a file, or the name of one that comes with the program",
+     "  vibrospice run paper --tier circuit -o out\n"
+     "  vibrospice run paper --set firing.angle=95deg --set circuit.r1=220ohm\n"
+     "  vibrospice run my.yaml --json --quiet > result.json\n",
+     false, RUN_OPTIONS, do_run},
+    {"list", "[KIND]",
+     "lists scenes, decks, parts, tiers, probes, measures, parameters (with unit, default, range)",
+     "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n", true, LIST_OPTIONS,
+     do_list},
+    {"modes", "SCENE", "prints eigenfrequencies, damping and shapes; exports the state space",
+     "  vibrospice modes paper\n  vibrospice modes paper --set machine.m14=derived -o modes\n",
+     false, MODES_OPTIONS, do_modes},
+    {"plot", "DIR",
+     "draws a run: displacements, accelerations, force, current and voltage, as PNG and SVG",
+     "  vibrospice plot out\n  vibrospice plot out -o sheet.svg\n", false, PLOT_OPTIONS, do_plot},
+};
+enum { N_COMMANDS = sizeof COMMANDS / sizeof *COMMANDS };
+
+static error_t fail(arguments *a, const char *what, const char *word) {
+  vs_fail(&a->err, VS_INPUT, "%s: %s '%s'; see vibrospice %s --help", a->command->name, what, word,
+          a->command->name);
+  return EINVAL;
+}
+
+static error_t parse_option(int key, char *value, struct argp_state *state) {
+  arguments *a = state->input;
+  char *end;
+  switch (key) {
+  case KEY_SET:
+    a->sets[a->n_sets++] = value;
+    return 0;
+  case KEY_TIER:
+    a->tier = value;
+    return 0;
+  case KEY_DECK:
+    a->deck = value;
+    return 0;
+  case KEY_JSON:
+    a->json = true;
+    return 0;
+  case KEY_QUIET:
+    a->quiet = true;
+    return 0;
+  case KEY_REPRODUCIBLE:
+    a->reproducible = true;
+    return 0;
+  case 'h':
+    a->help = true;
+    return 0;
+  case 'o':
+    a->output = value;
+    return 0;
+  case KEY_DIGITS:
+    a->digits = (int)strtol(value, &end, 10);
+    if (!*value || *end || a->digits < 1 || a->digits > 17) {
+      vs_fail(&a->err, VS_INPUT, "--digits %s: allowed: 1 to 17", value);
+      return EINVAL;
+    }
+    return 0;
+  case ARGP_KEY_ARG:
+    if (a->name) return fail(a, "one argument too many:", value);
+    a->name = value;
+    return 0;
+  case ARGP_KEY_END:
+    if (!a->name && !a->command->may_be_alone && !a->help)
+      return fail(a, "wants one argument:", a->command->argument);
+    return 0;
+  case ARGP_KEY_ERROR: /* getopt's own, if nobody said anything yet */
+    if (!*a->err.text)
+      fail(a, "unknown option, or one that lacks its argument:", state->argv[state->next - 1]);
+    return 0;
+  default:
+    return ARGP_ERR_UNKNOWN;
+  }
+}
+
+static void print_version(FILE *out) {
+  fprintf(out, "vibrospice %s (ngspice %s, GSL %s)\n", VS_VERSION, vs_ngspice_version(),
+          gsl_version);
+}
+
+static void print_help(FILE *out) {
+  fputs("Usage: vibrospice COMMAND ...\n"
+        "Co-simulates a resonant electromagnetic vibratory conveyor with its thyristor "
+        "converter.\n\n",
+        out);
+  for (size_t k = 0; k < N_COMMANDS; k++)
+    fprintf(out, "  %-5s %-7s %s\n", COMMANDS[k].name, COMMANDS[k].argument, COMMANDS[k].text);
+  fputs("\nvibrospice COMMAND --help says more. Examples:\n", out);
+  for (size_t k = 0; k < N_COMMANDS; k++) fputs(COMMANDS[k].examples, out);
+  fputs("\nExit status:", out);
+#define EXIT_TEXT(name, status, text) fprintf(out, " %d %s.", status, text);
+  VS_STATUS_LIST(EXIT_TEXT)
+#undef EXIT_TEXT
+  fputs("\nShipped files are looked up in $VIBROSPICE_PATH, then beside the program.\n", out);
+}
+
+static const struct command *find_command(const char *word) {
+  const char *names[N_COMMANDS];
+  for (size_t k = 0; k < N_COMMANDS; k++) {
+    if (!strcmp(word, COMMANDS[k].name)) return &COMMANDS[k];
+    names[k] = COMMANDS[k].name;
+  }
+  const char *nearest = vs_nearest(word, names, N_COMMANDS);
+  fprintf(stderr, "vibrospice: no command '%s'%s%s%s\n", word,
+          nearest ? "; did you mean '" : "; see vibrospice --help", nearest ? nearest : "",
+          nearest ? "'?" : "");
+  return NULL;
+}
+
+int main(int argc, char **argv) {
+  gsl_set_error_handler_off();
+  if (argc < 2) {
+    print_help(stderr);
+    return VS_INPUT;
+  }
+  if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h") || !strcmp(argv[1], "-?") ||
+      !strcmp(argv[1], "help")) {
+    print_help(stdout);
+    return VS_OK;
+  }
+  if (!strcmp(argv[1], "--version") || !strcmp(argv[1], "-V")) {
+    print_version(stdout);
+    return VS_OK;
+  }
+  const struct command *command = find_command(argv[1]);
+  if (!command) return VS_INPUT;
+  struct sigaction action = {.sa_handler = on_signal,
+                             .sa_flags = (int)SA_RESETHAND}; /* the second one kills */
+  sigaction(SIGINT, &action, NULL);
+  sigaction(SIGTERM, &action, NULL);
+  signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error to report, like a full disk */
+
+  arguments a = {.command = command, .digits = 9, .sets = vs_alloc((size_t)argc, sizeof(char *))};
+  vs_text doc = {0}, program = {0};
+  vs_text_add(&doc,
+              "%s\v"
+              "Examples:\n%s",
+              command->text, command->examples);
+  vs_text_add(&program, "vibrospice %s", command->name);
+  argv[1] = program.text; /* argp's name for the program in its messages */
+  const struct argp parser = {
+      command->options, parse_option, command->argument, doc.text, NULL, NULL, NULL};
+  error_t failed = argp_parse(&parser, argc - 1, argv + 1, ARGP_NO_ERRS | ARGP_NO_HELP, NULL, &a);
+  vs_status status = failed ? VS_INPUT : VS_OK;
+  if (!failed && a.help)
+    argp_help(&parser, stdout, ARGP_HELP_USAGE | ARGP_HELP_LONG | ARGP_HELP_DOC, program.text);
+  else if (!failed)
+    status = command->act(&a, &a.err);
+  if (status) fprintf(stderr, "vibrospice: %s\n", a.err.text);
+  if (!status && (fflush(stdout) || ferror(stdout))) {
+    fputs("vibrospice: standard output cannot be written\n", stderr);
+    status = VS_RUN;
+  }
+  vs_text_free(&doc);
+  vs_text_free(&program);
+  free(a.sets);
+  return (int)status;
+}

@@ -1,0 +1,354 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Tier "circuit": the netlist in its solver, the mechanics in GSL, stepped together at every time
+ * step.
+ *
+ * Mechanics -> circuit: the gap z at the candidate time of each of the solver's steps, from the
+ * mechanics integrated to that time under the flux linkage extrapolated from the last accepted
+ * step. Circuit -> mechanics: the flux linkage lambda of the accepted step; with it the mechanics
+ * are integrated again over that same step. F = lambda^2/(4a) depends on lambda alone, so nothing
+ * else need be exchanged. */
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_odeiv2.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "machine/actuator.h"
+#include "sim/sim.h"
+
+enum { SIG_FLUX, SIG_COIL, SIG_MINUS, SIG_PLUS, SIG_I_MAINS, SIG_PROBES }; /* then two per probe */
+enum { MOST_SIGNALS = SIG_PROBES + 2 * VS_DECK_MOST };
+
+/* A thyristor counts as conducting above this anode current: its leakage and the displacement
+ * current of a blocked junction stay below, any holding current is of this order or above. */
+static const double CONDUCTS_A = 0.02, QUIET_A = 0.001;
+
+/* Below this share of its peak the anode current is over: what is left of it takes less than a
+ * microsecond at 50 Hz, and what follows is leakage. */
+static const double EXTINCT = 1e-4;
+
+/* lambda(t0 + s) = c0 + c1 s + c2 s^2 + c3 s^3 */
+typedef struct flux_course {
+  const vs_model *model;
+  double c[4];
+  bool touching; /* the armature its stop */
+} flux_course;
+
+typedef struct coupling {
+  const vs_setup *setup;
+  vs_frame frame;
+  const vs_observer *observer;
+  vs_knot knots[2]; /* the last accepted one is knots[now] */
+  int now;
+  double step_s, max_step_s;           /* the last accepted step's length; the largest allowed */
+  double candidate_s, candidate_gap_m; /* what the solver was last told */
+  size_t gap_port;                     /* ports before it are the deck's */
+  int anode_current;                   /* index among the probes; -1: the deck names none */
+  bool conducting;
+  double conducted_a; /* largest anode current of this conduction */
+  double quiet_s;     /* last knot before it with hardly any */
+  flux_course course;
+  gsl_odeiv2_system system;
+  gsl_odeiv2_step *step;
+  bool touching;                        /* the armature its stop, at the last accepted knot */
+  double substep_s, substep_touching_s; /* rkf45's error over it is below 1e-12 of the amplitude */
+} coupling;
+
+static int mechanics_rhs(double s, const double x[], double rate[], void *user) {
+  const flux_course *f = user;
+  double flux = f->c[0] + s * (f->c[1] + s * (f->c[2] + s * f->c[3]));
+  memcpy(rate, x + VS_DOF, sizeof(double[VS_DOF]));
+  double stop = f->touching ? vs_stop_force(f->model, x) : 0;
+  vs_accelerations(f->model, x, vs_force(f->model, flux) + stop, rate + VS_DOF);
+  return GSL_SUCCESS;
+}
+
+static bool substep(coupling *c, double at_s, double h, double x[VS_STATES]) {
+  double error[VS_STATES];
+  return !gsl_odeiv2_step_apply(c->step, at_s, h, x, error, NULL, NULL, &c->system);
+}
+
+/* The armature passes p = -D in the substep of h from x: Newton on its length. Takes x there. */
+static double to_contact(coupling *c, double at_s, double h, double x[VS_STATES]) {
+  double from[VS_STATES], lower = 0, upper = h, sign = c->course.touching ? -1 : 1;
+  memcpy(from, x, sizeof from);
+  for (int n = 0; n < 40; n++) {
+    memcpy(x, from, sizeof from);
+    if (!substep(c, at_s, h, x)) return NAN;
+    double left = sign * (x[P] + c->setup->model.actuator.gap_m); /* falls through zero */
+    if (fabs(left) < 1e-15 * c->setup->model.actuator.gap_m || upper - lower < 1e-17) break;
+    if (left > 0)
+      lower = h;
+    else
+      upper = h;
+    double next = h - left / (sign * x[VS_DOF + P]);
+    h = next > lower && next < upper ? next : (lower + upper) / 2;
+  }
+  return h;
+}
+
+/* Takes x on from `at` seconds into the present course of the flux, to its end at h or to where the
+ * armature meets or leaves its stop. Gives how far it came; NaN: GSL cannot step on. */
+static double advance(coupling *c, double at_s, double h, double x[VS_STATES]) {
+  double longest = c->course.touching ? c->substep_touching_s : c->substep_s, before[VS_STATES];
+  double n = ceil((h - at_s) / longest), sub = (h - at_s) / n;
+  for (double k = 0; k < n; k++) {
+    memcpy(before, x, sizeof before);
+    if (!substep(c, at_s + k * sub, sub, x)) return NAN;
+    if (!c->setup->model.actuator.stop.present ||
+        vs_in_stop(&c->setup->model, x[P]) == c->course.touching)
+      continue;
+    memcpy(x, before, sizeof before);
+    return at_s + k * sub + to_contact(c, at_s + k * sub, sub, x);
+  }
+  return h;
+}
+
+/* Where the mechanics will be at t: lambda goes on with the slope it has, and its slope as it
+ * changed. */
+static double predicted_gap(coupling *c, double t_s) {
+  const vs_knot *k = &c->knots[c->now];
+  if (t_s == c->candidate_s) return c->candidate_gap_m;
+  double x[VS_STATES], h = t_s - k->t_s;
+  memcpy(x, k->x, sizeof x);
+  c->course = (flux_course){
+      &c->setup->model, {k->flux_wb, k->flux_rate_v, k->flux_rate2_v_s / 2, 0}, c->touching};
+  for (double at = 0; at < h; c->course.touching = !c->course.touching)
+    at = advance(c, at, h, x); /* NaN ends it too; accept() will say so */
+  c->candidate_s = t_s;
+  return c->candidate_gap_m = vs_gap(&c->setup->model, x[P]);
+}
+
+static double source(void *ctx, size_t port, double t_s) {
+  coupling *c = ctx;
+  if (port == c->gap_port) return predicted_gap(c, t_s);
+  const vs_port *p = &c->setup->deck.ports[port];
+  return p->kind == VS_PORT_MAINS ? vs_mains(&c->setup->timeline, t_s)
+                                  : (double)vs_gate(&c->setup->timeline, p->shift_rad, t_s);
+}
+
+/* When the anode current, falling as from knot `before` to knot `from`, passes zero; INFINITY: it
+ * does not fall. */
+static double zero_of_current(const coupling *c, const vs_knot *before, const vs_knot *from) {
+  double i0 = before->deck[c->anode_current], i1 = from->deck[c->anode_current];
+  return i1 < i0 ? from->t_s + (from->t_s - before->t_s) * i1 / (i0 - i1) : INFINITY;
+}
+
+/* A step that ends where the anode current passes zero keeps the second order of the solver's rule,
+ * which a kink inside a step would spoil. It ends a thousandth of the largest step later: at the
+ * zero itself rounding would decide whether the thyristor conducts, and Newton's iteration find no
+ * end. INFINITY: not within the next step, which at most doubles. */
+static double expected_extinction(const coupling *c) {
+  if (!c->conducting) return INFINITY;
+  const vs_knot *last = &c->knots[c->now];
+  double zero = zero_of_current(c, &c->knots[1 - c->now], last), late = 1e-3 * c->max_step_s;
+  double reach = fmin(2 * c->step_s, c->max_step_s);
+  return zero > last->t_s && zero < last->t_s + reach ? zero + late : INFINITY;
+}
+
+static double edge(void *ctx, double t_s) {
+  coupling *c = ctx;
+  double next = expected_extinction(c);
+  for (size_t k = 0; k < c->setup->deck.n_ports; k++)
+    if (c->setup->deck.ports[k].kind == VS_PORT_GATE)
+      next = fmin(next, vs_gate_edge(&c->setup->timeline, c->setup->deck.ports[k].shift_rad, t_s));
+  return next;
+}
+
+/* What the anode current did in the step just taken, and when. Firing is dated back along the line
+ * through the last two currents, not before the last one that was hardly any. Extinction falls on
+ * the zero of the line through the last two currents before it, which may lie just behind the step:
+ * what flows past it is leakage, and may well be positive for a while. */
+static vs_event find_event(coupling *c, const vs_knot *before, const vs_knot *from,
+                           const vs_knot *to, double *event_s) {
+  if (c->anode_current < 0 || to->t_s == from->t_s) return VS_EV_NONE;
+  double i = to->deck[c->anode_current], i0 = from->deck[c->anode_current];
+  if (!c->conducting) {
+    if (i0 <= QUIET_A) c->quiet_s = from->t_s;
+    if (i <= CONDUCTS_A) return VS_EV_NONE;
+    c->conducting = true;
+    c->conducted_a = i;
+    *event_s = fmax(from->t_s - i0 * (to->t_s - from->t_s) / (i - i0), c->quiet_s);
+    return VS_EV_FIRES;
+  }
+  c->conducted_a = fmax(c->conducted_a, i);
+  if (i > EXTINCT * c->conducted_a) return VS_EV_NONE;
+  double latest = i > 0 ? 2 * to->t_s - from->t_s : to->t_s;
+  c->conducting = false;
+  *event_s = fmin(fmax(zero_of_current(c, before, from), from->t_s), latest);
+  return VS_EV_EXTINCT;
+}
+
+/* Shows the step to a knot. */
+static vs_status show(coupling *c, const vs_knot *k, vs_event contact, vs_error *err) {
+  vs_knot *from = &c->knots[c->now], *to = &c->knots[1 - c->now], before = *to;
+  if (from->t_s == 0)
+    memcpy(from->deck, k->deck, sizeof k->deck); /* the solver shows none at t = 0 */
+  *to = *k;
+  vs_step step = {.frame = &c->frame, .from = from, .to = to, .cubic_flux = true};
+  step.event[0] = find_event(c, &before, from, to, &step.event_s[0]);
+  step.event[1] = contact;
+  step.event_s[1] = to->t_s;
+  c->now = 1 - c->now;
+  return vs_sim_accept(&step, c->observer, err);
+}
+
+/* The knot `at` seconds behind a, on the way to b, under the present course of the flux. */
+static vs_knot between(const coupling *c, const vs_knot *a, const vs_knot *b, double at_s) {
+  const double *f = c->course.c, part = at_s / (b->t_s - a->t_s);
+  vs_knot k = *b;
+  k.t_s = a->t_s + at_s;
+  k.flux_wb = f[0] + at_s * (f[1] + at_s * (f[2] + at_s * f[3]));
+  k.flux_rate_v = f[1] + at_s * (2 * f[2] + at_s * 3 * f[3]);
+  k.v_eva_v = a->v_eva_v + part * (b->v_eva_v - a->v_eva_v);
+  k.i_mains_a = a->i_mains_a + part * (b->i_mains_a - a->i_mains_a);
+  for (size_t n = 0; n < c->setup->deck.n_probes; n++)
+    k.deck[n] = a->deck[n] + part * (b->deck[n] - a->deck[n]);
+  return k;
+}
+
+/* Integrates the machine over the step whose end is known of the circuit, and shows it: in one
+ * piece, or cut where the armature meets or leaves its stop, such an instant shown from both its
+ * sides. */
+static vs_status move(coupling *c, const vs_knot *start, const vs_knot *end, vs_error *err) {
+  double h = end->t_s - start->t_s, x[VS_STATES];
+  memcpy(x, start->x, sizeof x);
+  vs_status status = VS_OK;
+  for (double at = 0; at < h && !status;) {
+    at = advance(c, at, h, x);
+    if (isnan(at)) return vs_fail(err, VS_RUN, "t = %.9g s: GSL cannot step on", end->t_s);
+    vs_knot k = at < h ? between(c, start, end, at) : *end;
+    memcpy(k.x, x, sizeof x);
+    vs_knot_complete(&c->frame, &k, c->touching);
+    if (at == h) return show(c, &k, VS_EV_NONE, err);
+    status = show(c, &k, c->touching ? VS_EV_LEAVES_STOP : VS_EV_MEETS_STOP, err);
+    c->touching = c->course.touching = !c->touching;
+    vs_knot_complete(&c->frame, &k, c->touching);
+    if (!status) status = show(c, &k, VS_EV_NONE, err);
+  }
+  return status;
+}
+
+static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *err) {
+  coupling *c = ctx;
+  const vs_knot from = c->knots[c->now];
+  double h = t_s - from.t_s;
+  vs_knot next = {.t_s = t_s,
+                  .flux_wb = signals[SIG_FLUX],
+                  .i_mains_a = -signals[SIG_I_MAINS],
+                  .flux_rate_v = signals[SIG_COIL] - signals[SIG_MINUS],
+                  .v_eva_v = signals[SIG_PLUS] - signals[SIG_MINUS]};
+  for (size_t k = 0; k < c->setup->deck.n_probes; k++)
+    next.deck[k] = c->setup->deck.probes[k].sign *
+                   (signals[SIG_PROBES + 2 * k] - signals[SIG_PROBES + 2 * k + 1]);
+  next.flux_rate2_v_s = (next.flux_rate_v - from.flux_rate_v) / h;
+  /* the cubic through both ends' values and slopes */
+  double slope = (next.flux_wb - from.flux_wb) / h;
+  c->course = (flux_course){&c->setup->model,
+                            {from.flux_wb, from.flux_rate_v,
+                             (3 * slope - 2 * from.flux_rate_v - next.flux_rate_v) / h,
+                             (from.flux_rate_v + next.flux_rate_v - 2 * slope) / (h * h)},
+                            c->touching};
+  c->step_s = h;
+  c->candidate_s = -1;
+  return move(c, &from, &next, err);
+}
+
+static vs_frame frame(const vs_setup *setup) {
+  return (vs_frame){.model = &setup->model, .timeline = &setup->timeline, .deck = &setup->deck};
+}
+
+/* The names by which the coupling and the deck's probes know the circuit. */
+typedef struct names {
+  char text[MOST_SIGNALS + VS_DECK_MOST + 1][2 * VS_DECK_NAME];
+  const char *signals[MOST_SIGNALS], *ports[VS_DECK_MOST + 1];
+  size_t n_signals, n_ports;
+} names;
+
+static void name_all(const vs_deck *deck, names *n) {
+  size_t k = 0;
+#define VS_NAMED(list, count, ...)                                                                 \
+  (snprintf(n->text[k], sizeof n->text[k], __VA_ARGS__), n->list[n->count++] = n->text[k], k++)
+  VS_NAMED(signals, n_signals, "v(%s.lam)", deck->eva);
+  VS_NAMED(signals, n_signals, "v(%s.x)", deck->eva);
+  VS_NAMED(signals, n_signals, "v(%s)", deck->eva_minus);
+  VS_NAMED(signals, n_signals, "v(%s)", deck->eva_plus);
+  const char *mains = NULL;
+  for (size_t p = 0; p < deck->n_ports; p++) {
+    VS_NAMED(ports, n_ports, "%s", deck->ports[p].source);
+    if (deck->ports[p].kind == VS_PORT_MAINS) mains = deck->ports[p].source;
+  }
+  VS_NAMED(ports, n_ports, "v.%s.vgap", deck->eva);
+  if (mains)
+    VS_NAMED(signals, n_signals, "i(%s)", mains);
+  else
+    VS_NAMED(signals, n_signals, "v(0)");
+  for (size_t p = 0; p < deck->n_probes; p++) {
+    VS_NAMED(signals, n_signals, "%s", deck->probes[p].plus);
+    VS_NAMED(signals, n_signals, "%s", deck->probes[p].minus);
+  }
+#undef VS_NAMED
+}
+
+/* Largest step and relative tolerance of the solver for a wanted error. Measured on T3A (tests): at
+ * 25 us of a 20 ms period the trapezoidal rule leaves 6.5e-5 of the first peak, falling with the
+ * square of the step. */
+static double largest_step(const vs_setup *s) {
+  double h = fmin(sqrt(s->run.tolerance / 1e-4) / 800, 1.0 / 200) * s->timeline.period_s;
+  return s->run.max_step_s > 0 ? s->run.max_step_s : h;
+}
+static double solver_tolerance(const vs_setup *s) {
+  return fmin(fmax(s->run.tolerance / 10, 1e-7), 1e-3);
+}
+
+static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_error *err) {
+  const vs_model *m = &setup->model;
+  const vs_deck_value standard[] = {{"u_rms", setup->timeline.supply.voltage_v},
+                                    {"f_mains", setup->timeline.supply.frequency_hz},
+                                    {"phase", setup->timeline.supply.phase_rad},
+                                    {"r_source", setup->timeline.supply.resistance_ohm},
+                                    {"l_source", setup->timeline.supply.inductance_h},
+                                    {"eva_resistance", m->actuator.resistance_ohm},
+                                    {"eva_a", m->a_hm}};
+  names *n = vs_alloc(1, sizeof *n);
+  name_all(&setup->deck, n);
+  coupling c = {.setup = setup,
+                .frame = frame(setup),
+                .observer = observer,
+                .candidate_s = -1,
+                .gap_port = setup->deck.n_ports,
+                .anode_current = -1,
+                .max_step_s = largest_step(setup),
+                .substep_s = 0.02 / m->fastest_rad_s,
+                .substep_touching_s = 0.02 / m->contact_rad_s};
+  for (size_t k = 0; k < setup->deck.n_probes; k++)
+    if (!strcmp(setup->deck.probes[k].name, "i_thyristor")) c.anode_current = (int)k;
+  c.system = (gsl_odeiv2_system){mechanics_rhs, NULL, VS_STATES, &c.course};
+  c.step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, VS_STATES);
+  vs_circuit_job job = {.ports = n->ports,
+                        .n_ports = n->n_ports,
+                        .signals = n->signals,
+                        .n_signals = n->n_signals,
+                        .until_s = setup->run.until_s,
+                        .max_step_s = c.max_step_s,
+                        .relative_tolerance = solver_tolerance(setup)};
+  char **netlist = NULL;
+  void *circuit = NULL;
+  vs_circuit_host host = {&c, source, edge, accept};
+  vs_status s = vs_deck_netlist(&setup->deck, &setup->circuit_values, standard,
+                                sizeof standard / sizeof *standard, &netlist, &job.lines, err);
+  job.netlist = netlist;
+  if (!s) s = vs_sim_check_steps(setup, fmin(c.max_step_s, c.substep_touching_s), err);
+  if (!s) s = setup->solver->load(&job, &circuit, err);
+  if (!s) s = setup->solver->run(circuit, &host, err);
+  setup->solver->free(circuit);
+  vs_netlist_free(netlist, job.lines);
+  gsl_odeiv2_step_free(c.step);
+  free(n);
+  return s;
+}
+
+const vs_tier vs_tier_circuit = {
+    "circuit", "the ngspice netlist, F = lambda^2/(4a) from it: anything about devices", 1e-8,
+    frame, run};

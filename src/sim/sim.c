@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sim/sim.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "machine/actuator.h"
+
+#define R_(member) offsetof(vs_run_values, member)
+
+static const vs_field RUN[] = {
+    {"tier", VS_CHOICE, "", "auto", 0, 0, false, R_(tier),
+     "how much is modelled; auto: no more than the scene needs", "auto|analytic|switched|circuit",
+     NULL},
+    {"until", VS_REAL, "s", "2 s", 0, 1e6, true, R_(until_s), "end of the run, which starts at 0",
+     NULL, NULL},
+    {"sample", VS_REAL, "ms", "0.1 ms", 0, 1e9, true, R_(sample_s),
+     "step of the rows in run.csv; does not change the run", NULL, NULL},
+    {"tolerance", VS_REAL, "", "1e-4", 1e-10, 0.1, false, R_(tolerance),
+     "largest error of p, u, w, phi, force and i, each relative to its peak", NULL, NULL},
+    {"max_step", VS_REAL, "us", "0 us", 0, 1e6, false, R_(max_step_s),
+     "largest step; 0: chosen from the tolerance", NULL, NULL},
+};
+const vs_section vs_run_section = {"run", RUN, sizeof RUN / sizeof *RUN};
+
+const vs_tier *const vs_tiers[VS_TIERS] = {&vs_tier_analytic, &vs_tier_switched, &vs_tier_circuit};
+
+const vs_tier *vs_tier_find(const char *name) {
+  for (int k = 0; k < VS_TIERS; k++)
+    if (!strcmp(vs_tiers[k]->name, name)) return vs_tiers[k];
+  return NULL;
+}
+
+/* The section circuit: its key deck first, then all of it against that deck's parameters. */
+static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *err) {
+  const vs_node *map = vs_node_child(scene, "circuit"),
+                *named = vs_node_child(map, vs_deck_key.key);
+  const vs_section only_deck = {"circuit", &vs_deck_key, 1};
+  vs_node word = {.kind = VS_NODE_TEXT, .text = (char *)(size_t)vs_deck_key.default_text};
+  char path[VS_PATH_SIZE];
+  vs_circuit_values *values = &setup->circuit_values;
+  vs_status s = vs_field_read(&only_deck, &vs_deck_key, named ? named : &word, values, err);
+  if (!s)
+    s = vs_find(&vs_deck_shelf, values->deck, named ? named->where : (vs_where){0}, path, err);
+  if (!s) s = vs_deck_read(path, &setup->deck, err);
+  return s ? s : vs_section_read(&setup->deck.section, map, values, err);
+}
+
+vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
+  *setup = (vs_setup){.solver = &vs_ngspice};
+  vs_status s = vs_model_build(scene, &setup->model, err);
+  if (!s) s = vs_timeline_build(scene, &setup->timeline, err);
+  if (!s) s = read_circuit(scene, setup, err);
+  if (!s) s = vs_section_read(&vs_run_section, vs_node_child(scene, "run"), &setup->run, err);
+  return s;
+}
+
+void vs_setup_free(vs_setup *setup) {
+  vs_deck_free(&setup->deck);
+}
+
+/* First instant in the step at which the armature is through the pole cover, by bisection. */
+static double contact_time(const vs_step *step) {
+  double lo = step->from->t_s, hi = step->to->t_s;
+  for (int n = 0; n < 60; n++) {
+    double mid = (lo + hi) / 2;
+    if (vs_step_channel(step, mid, VS_CH_P) < -step->frame->model->actuator.gap_m)
+      hi = mid;
+    else
+      lo = mid;
+  }
+  return hi;
+}
+
+vs_status vs_sim_check_steps(const vs_setup *setup, double step_s, vs_error *err) {
+  double steps = setup->run.until_s / step_s;
+  return steps < 1e10 ? VS_OK
+                      : vs_fail(err, VS_INPUT,
+                                "run: %.2g steps of %.2g s would be needed to run.until; look at "
+                                "run.max_step and at masses, stiffness and damping",
+                                steps, step_s);
+}
+
+enum { MOST_AMPERES = 1000000 }; /* no coil this model is for survives a millionth of it */
+
+vs_status vs_sim_accept(const vs_step *step, const vs_observer *observer, vs_error *err) {
+  const vs_model *m = step->frame->model;
+  const vs_knot *k = step->to;
+  double sum = k->flux_wb;
+  for (int n = 0; n < VS_STATES; n++) sum += k->x[n];
+  for (size_t n = 0; step->frame->deck && n < step->frame->deck->n_probes; n++) sum += k->deck[n];
+  if (!isfinite(sum))
+    return vs_fail(err, VS_RUN, "t = %.9g s: the state is not a number any more", k->t_s);
+  double z = vs_gap(m, k->x[P]);
+  if (k->x[P] < -m->actuator.gap_m && !m->actuator.stop.present)
+    return vs_fail(
+        err, VS_RUN,
+        "t = %.9g s: the armature meets the pole cover (p = -D = %g mm%s) and the scene has no "
+        "actuator.stop; what would follow is not physical",
+        contact_time(step), -1e3 * m->actuator.gap_m, z <= 0 ? ", even z <= 0" : "");
+  if (z <= 0)
+    return vs_fail(err, VS_RUN,
+                   "t = %.9g s: the gap is closed (z = %.3g mm): the stop has given way", k->t_s,
+                   1e3 * z);
+  double i = vs_current(m, k->flux_wb, z);
+  if (fabs(i) > MOST_AMPERES)
+    return vs_fail(err, VS_RUN, "t = %.9g s: coil current of %.3g A is beyond sense", k->t_s, i);
+  return observer->accept(observer->ctx, step, err);
+}

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * A sim lets time pass for a model through one tier and shows every accepted step to an observer.
+ */
+#ifndef VS_SIM_SIM_H
+#define VS_SIM_SIM_H
+
+#include <stddef.h>
+
+#include "circuit/circuit.h"
+#include "sim/step.h"
+
+typedef struct vs_run_values {
+  int tier; /* as chosen in the scene: 0 auto, then the order of vs_tiers */
+  double until_s, sample_s;
+  double tolerance;  /* largest error wanted, relative to each quantity's own peak */
+  double max_step_s; /* 0: from the tolerance */
+} vs_run_values;
+extern const vs_section vs_run_section;
+
+/* One scene as numbers. Built once, then constant. */
+typedef struct vs_setup {
+  vs_model model;
+  vs_timeline timeline;
+  vs_run_values run;
+  vs_deck deck; /* the scene's, also when the tier does not use it */
+  vs_circuit_values circuit_values;
+  const vs_circuit_kind *solver; /* of the circuit: vs_ngspice, or a test's own */
+} vs_setup;
+
+/* Reads the sections machine, actuator, load, supply, firing, circuit, run. vs_setup_free even
+ * after an error. */
+vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err);
+void vs_setup_free(vs_setup *setup);
+
+typedef struct vs_observer {
+  void *ctx;
+  vs_status (*accept)(void *ctx, const vs_step *step, vs_error *err); /* not VS_OK ends the run */
+} vs_observer;
+
+typedef struct vs_tier {
+  const char *name, *text;
+  double finest; /* smallest run.tolerance it can hold */
+  vs_frame (*frame)(const vs_setup *setup);
+  /* From rest at t = 0 to run.until. Errors name the time and the cause. */
+  vs_status (*run)(const vs_setup *setup, const vs_observer *observer, vs_error *err);
+} vs_tier;
+
+extern const vs_tier vs_tier_analytic, vs_tier_switched, vs_tier_circuit;
+enum { VS_TIERS = 3 };
+extern const vs_tier *const vs_tiers[VS_TIERS];
+const vs_tier *vs_tier_find(const char *name); /* NULL: there is none */
+
+/* For tiers: refuses a run of so many steps that it would not end. */
+vs_status vs_sim_check_steps(const vs_setup *setup, double step_s, vs_error *err);
+
+/* For tiers: guards the model's validity (finite, z > 0, p >= -D, a current that makes sense), then
+ * shows the step. */
+vs_status vs_sim_accept(const vs_step *step, const vs_observer *observer, vs_error *err);
+
+#endif

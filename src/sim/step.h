@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a watcher is shown: one accepted step, its channels anywhere inside it, and what happened in
+ * it. */
+#ifndef VS_SIM_STEP_H
+#define VS_SIM_STEP_H
+
+#include <stdbool.h>
+
+#include "base/error.h"
+#include "circuit/deck.h"
+#include "circuit/timeline.h"
+#include "machine/mechanics.h"
+
+/* Channels of every tier, in the order of the CSV: id, name, unit, text.
+ * The last, drawn from the mains, is for the energy audit and in no list. */
+#define VS_CHANNEL_LIST(X)                                                                         \
+  X(VS_CH_P, "p", "m", "trough relative to base, along the springs' motion")                       \
+  X(VS_CH_U, "u", "m", "base, horizontal")                                                         \
+  X(VS_CH_W, "w", "m", "base, vertical")                                                           \
+  X(VS_CH_PHI, "phi", "rad", "base, rotation, counter-clockwise")                                  \
+  X(VS_CH_VP, "vp", "m/s", "velocity of p")                                                        \
+  X(VS_CH_VU, "vu", "m/s", "velocity of u")                                                        \
+  X(VS_CH_VW, "vw", "m/s", "velocity of w")                                                        \
+  X(VS_CH_VPHI, "vphi", "rad/s", "velocity of phi")                                                \
+  X(VS_CH_AP, "ap", "m/s2", "acceleration of p")                                                   \
+  X(VS_CH_AU, "au", "m/s2", "acceleration of u")                                                   \
+  X(VS_CH_AW, "aw", "m/s2", "acceleration of w")                                                   \
+  X(VS_CH_APHI, "aphi", "rad/s2", "acceleration of phi")                                           \
+  X(VS_CH_Z, "z", "m", "air gap D + d + p")                                                        \
+  X(VS_CH_LAMBDA, "lambda", "Wb", "flux linkage of the EVA")                                       \
+  X(VS_CH_I, "i", "A", "coil current of the EVA")                                                  \
+  X(VS_CH_FORCE, "force", "N", "force on the armature")                                            \
+  X(VS_CH_V_EVA, "v_eva", "V", "voltage across the EVA")                                           \
+  X(VS_CH_V_MAINS, "v_mains", "V", "mains voltage behind its impedance")                           \
+  X(VS_CH_I_MAINS, "i_mains", "A", "current drawn from the mains")
+
+enum {
+#define VS_CHANNEL_ID(id, name, unit, text) id,
+  VS_CHANNEL_LIST(VS_CHANNEL_ID)
+#undef VS_CHANNEL_ID
+      VS_CH_DECK, /* the deck's probes follow from here */
+  VS_CH_MOST = VS_CH_DECK + VS_DECK_MOST
+};
+
+typedef struct vs_channel {
+  const char *name, *unit, *text;
+  bool listed; /* in CSV files and lists */
+} vs_channel;
+extern const vs_channel vs_channels[VS_CH_DECK];
+
+/* Everything that is the same for all steps of one run. */
+typedef struct vs_frame {
+  const vs_model *model;
+  const vs_timeline *timeline;
+  const vs_deck *deck; /* NULL but on the circuit tier */
+  bool gap_at_rest;    /* analytic tier: i = lambda z(0)/(2a), L constant (Eq. 91) */
+  bool source_is_coil; /* no circuit in between: the mains current is the coil's, and v = R_c i +
+                          dlambda/dt */
+} vs_frame;
+
+int vs_channel_count(const vs_frame *frame);
+vs_channel vs_channel_at(const vs_frame *frame, int index);
+int vs_channel_find(const vs_frame *frame, const char *name); /* -1: there is none */
+
+/* The state at one instant with the derivatives that dense output and channels need. */
+typedef struct vs_knot {
+  double t_s;
+  double x[VS_STATES];                         /* q, q' */
+  double a[VS_DOF], j[VS_DOF];                 /* q", q"' */
+  double flux_wb, flux_rate_v, flux_rate2_v_s; /* lambda and its first two derivatives */
+  double v_eva_v, i_mains_a;                   /* circuit tier only: as the circuit has them */
+  double deck[VS_DECK_MOST];                   /* the deck's probes */
+} vs_knot;
+
+typedef enum vs_event {
+  VS_EV_NONE,
+  VS_EV_FIRES,
+  VS_EV_EXTINCT,
+  VS_EV_MEETS_STOP,
+  VS_EV_LEAVES_STOP
+} vs_event;
+
+typedef struct vs_step {
+  const vs_frame *frame;
+  const vs_knot *from, *to;
+  bool cubic_flux;   /* flux between the knots by its values and first derivatives alone */
+  vs_event event[2]; /* in order of time; VS_EV_NONE where there is none */
+  double event_s[2]; /* in [from, to], or as near as it can be told */
+} vs_step;
+
+/* Fills q", q"' of a knot from its state and flux; touching: on the side of the stop. */
+void vs_knot_complete(const vs_frame *frame, vs_knot *knot, bool touching);
+
+/* All channels at t in [from, to], y[vs_channel_count]: quintic Hermite polynomials for q and q'
+ * from value and two derivatives at each end, the same or cubic for lambda, accelerations from Eq.
+ * 54; straight lines for the deck's probes. */
+void vs_step_at(const vs_step *step, double t_s, double *y);
+/* One channel at t; the same numbers. */
+double vs_step_channel(const vs_step *step, double t_s, int channel);
+
+#endif

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/list.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "study/scene.h"
+
+static void print_file(void *ctx, const char *path) {
+  const vs_shelf *shelf = ctx;
+  const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
+  printf("%-20.*s %s\n", (int)(strlen(base) - strlen(shelf->ending)), base, path);
+}
+
+static void list_scenes(const vs_deck *deck) {
+  (void)deck;
+  vs_shelf_list(&vs_scene_shelf, print_file, (void *)(size_t)&vs_scene_shelf);
+}
+
+static void list_decks(const vs_deck *deck) {
+  (void)deck;
+  vs_shelf_list(&vs_deck_shelf, print_file, (void *)(size_t)&vs_deck_shelf);
+}
+
+static void list_parts(const vs_deck *deck) {
+  static const vs_shelf PARTS = {"part", "parts", ".inc"};
+  (void)deck;
+  vs_shelf_list(&PARTS, print_file, (void *)(size_t)&PARTS);
+}
+
+static void list_tiers(const vs_deck *deck) {
+  (void)deck;
+  for (int k = 0; k < VS_TIERS; k++) printf("%-20s %s\n", vs_tiers[k]->name, vs_tiers[k]->text);
+}
+
+static void list_probes(const vs_deck *deck) {
+  const vs_frame frame = {.deck = deck};
+  for (int k = 0; k < vs_channel_count(&frame); k++) {
+    vs_channel c = vs_channel_at(&frame, k);
+    if (c.listed)
+      printf("%-20s %-7s %s%s\n", c.name, c.unit, c.text, k >= VS_CH_DECK ? " (tier circuit)" : "");
+  }
+}
+
+static void list_measures(const vs_deck *deck) {
+  for (int k = 0; k < VS_MEASURES; k++)
+    printf("%-20s %-7s %s\n", vs_measures_known[k].name, vs_measures_known[k].unit,
+           vs_measures_known[k].text);
+  for (size_t k = 0; k < deck->n_probes; k++)
+    printf("%s_min, %s_max  %s  extremes of the probe (tier circuit)\n", deck->probes[k].name,
+           deck->probes[k].name, deck->probes[k].unit);
+}
+
+static void list_parameters(const vs_deck *deck) {
+  const vs_section *const sections[] = {&vs_machine_section, &vs_actuator_section, &vs_load_section,
+                                        &vs_supply_section,  &vs_firing_section,   &deck->section,
+                                        &vs_run_section};
+  for (size_t s = 0; s < sizeof sections / sizeof *sections; s++)
+    for (size_t k = 0; k < sections[s]->count; k++) {
+      const vs_field *f = &sections[s]->fields[k];
+      char name[128], range[128];
+      snprintf(name, sizeof name, "%s.%s", sections[s]->name, f->key);
+      vs_field_range(f, range, sizeof range);
+      printf("%-28s %-18s %-26s %s\n", name, f->default_text, range, f->text);
+    }
+}
+
+static const struct kind {
+  const char *name, *heading;
+  void (*print)(const vs_deck *);
+} KINDS[] = {
+    {"scenes", "scenes that come with the program", list_scenes},
+    {"decks", "decks that come with the program", list_decks},
+    {"parts", "parts that come with the program", list_parts},
+    {"tiers", "tiers, from the least modelled to the most", list_tiers},
+    {"probes", "probes: name, unit, meaning", list_probes},
+    {"measures", "measures: name, unit, meaning", list_measures},
+    {"parameters", "parameters: scene key, default, allowed, meaning", list_parameters},
+};
+enum { N_KINDS = sizeof KINDS / sizeof *KINDS };
+
+vs_status vs_list_command(const char *kind, const char *deck_name, vs_error *err) {
+  const char *names[N_KINDS];
+  bool found = !kind;
+  for (size_t k = 0; k < N_KINDS; k++) {
+    names[k] = KINDS[k].name;
+    found = found || !strcmp(kind, names[k]);
+  }
+  if (!found) {
+    const char *nearest = vs_nearest(kind, names, N_KINDS);
+    return vs_fail(err, VS_INPUT,
+                   "list: no kind '%s'; there are: scenes, decks, parts, tiers, probes, measures, "
+                   "parameters%s%s%s",
+                   kind, nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                   nearest ? "'?" : "");
+  }
+  vs_deck *deck = vs_alloc(1, sizeof *deck);
+  char path[VS_PATH_SIZE];
+  vs_status status = vs_find(&vs_deck_shelf, deck_name ? deck_name : vs_deck_key.default_text,
+                             (vs_where){0}, path, err);
+  if (!status) status = vs_deck_read(path, deck, err);
+  for (size_t k = 0; k < N_KINDS && !status; k++) {
+    if (kind && strcmp(kind, KINDS[k].name)) continue;
+    if (!kind) printf("%s%s\n", k ? "\n" : "", KINDS[k].heading);
+    KINDS[k].print(deck);
+  }
+  vs_deck_free(deck);
+  free(deck);
+  return status;
+}

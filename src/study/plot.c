@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/plot.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/path.h"
+#include "base/text.h"
+
+typedef struct panel {
+  const char *column, *label; /* of run.csv; what the axis says */
+  double scale;               /* of the column on the way to the axis */
+} panel;
+
+/* One picture: what one of the paper's figures shows. */
+typedef struct sheet {
+  const char *name, *title;
+  double until_s; /* 0: the whole run */
+  int columns;
+  panel panels[9];
+} sheet;
+
+#define MOTION_PANELS                                                                              \
+  {                                                                                                \
+    {"p_m", "p / mm", 1e3}, {"u_m", "u / mm", 1e3}, {"w_m", "w / mm", 1e3},                        \
+        {"phi_rad", "φ / mrad", 1e3}, {"ap_m_s2", "p̈ / (m/s²)", 1}, {"au_m_s2", "ü / (m/s²)", 1},  \
+        {"aw_m_s2", "ẅ / (m/s²)", 1}, {"aphi_rad_s2", "φ̈ / (rad/s²)", 1}, {                        \
+      "force_n", "F / N", 1                                                                        \
+    }                                                                                              \
+  }
+
+static const sheet SHEETS[] = {
+    {"motion_run", "Displacements, accelerations and force (as Fig. 9 of the paper)", 0, 3,
+     MOTION_PANELS},
+    {"motion_100ms", "Displacements, accelerations and force, first 100 ms (as Fig. 10)", 0.1, 3,
+     MOTION_PANELS},
+    {"pulse_50ms",
+     "Displacement, force, EVA current and voltage, first 50 ms (as Fig. 11)",
+     0.05,
+     2,
+     {{"p_m", "p / mm", 1e3},
+      {"force_n", "F / N", 1},
+      {"i_a", "i / A", 1},
+      {"v_eva_v", "EVA voltage / V", 1}}},
+};
+enum { N_SHEETS = sizeof SHEETS / sizeof *SHEETS, MOST_PANELS = 9 };
+/* what -o draws on its one sheet */
+static const sheet OVERVIEW = {"",
+                               "Vibratory conveyor and its thyristor converter, first 50 ms",
+                               0.05,
+                               2,
+                               {{"p_m", "p / mm", 1e3},
+                                {"ap_m_s2", "p̈ / (m/s²)", 1},
+                                {"force_n", "F / N", 1},
+                                {"i_a", "i / A", 1},
+                                {"v_eva_v", "EVA voltage / V", 1},
+                                {"v_mains_v", "mains voltage / V", 1}}};
+
+typedef struct run_file {
+  char path[VS_PATH_SIZE];
+  char *header;   /* its first line */
+  double until_s; /* of its last row */
+} run_file;
+
+static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
+  char partial[VS_PATH_SIZE];
+  snprintf(run->path, sizeof run->path, "%s/run.csv", folder);
+  snprintf(partial, sizeof partial, "%s/run.partial.csv", folder);
+  FILE *f = fopen(run->path, "r");
+  if (!f && !access(partial, R_OK))
+    return vs_fail(err, VS_INPUT, "%s: the run did not end well; only run.partial.csv is there",
+                   folder);
+  if (!f)
+    return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s; 'vibrospice run SCENE -o %s' makes it",
+                   run->path, strerror(errno), folder);
+  size_t size = 0, row_size = 0;
+  char *row = NULL;
+  if (getline(&run->header, &size, f) < 0) run->header = vs_copy("");
+  while (getline(&row, &row_size, f) > 0) run->until_s = strtod(row, NULL);
+  run->header[strcspn(run->header, "\r\n")] = '\0';
+  free(row);
+  fclose(f);
+  return run->until_s > 0 ? VS_OK : vs_fail(err, VS_INPUT, "%s: holds no rows", run->path);
+}
+
+/* Number of a column from 1; 0: not there. */
+static int find_column(const char *header, const char *name) {
+  size_t n = strlen(name);
+  int column = 1;
+  for (const char *s = header; *s; column++) {
+    size_t length = strcspn(s, ",");
+    if (length == n && !strncmp(s, name, n)) return column;
+    s += length + (s[length] == ',');
+  }
+  return 0;
+}
+
+/* gnuplot's quoting inside '...' */
+static void add_quoted(vs_text *script, const char *text) {
+  vs_text_add(script, "'");
+  for (; *text; text++) {
+    if (*text == '\'') vs_text_add(script, "'");
+    vs_text_add(script, "%c", *text);
+  }
+  vs_text_add(script, "'");
+}
+
+/* The panels there are columns for; a run that recorded less is drawn with less. */
+static int add_sheet(vs_text *script, const run_file *run, const sheet *s, const char *output) {
+  bool svg = strlen(output) > 4 && !strcmp(output + strlen(output) - 4, ".svg");
+  int there = 0, columns[MOST_PANELS];
+  for (int k = 0; k < MOST_PANELS && s->panels[k].column; k++)
+    if ((columns[k] = find_column(run->header, s->panels[k].column))) there++;
+  if (!there) return 0;
+  double until = s->until_s > 0 ? fmin(s->until_s, run->until_s) : run->until_s;
+  bool ms = until <= 0.5;
+  int rows = (there + s->columns - 1) / s->columns;
+  vs_text_add(script,
+              "set terminal %s size %d,%d font 'sans,%d' background rgb 'white'\nset output ",
+              svg ? "svg noenhanced dynamic" : "pngcairo noenhanced", 420 * s->columns,
+              60 + 260 * rows, 11);
+  add_quoted(script, output);
+  vs_text_add(script, "\nset multiplot layout %d,%d title ", rows, s->columns);
+  add_quoted(script, s->title);
+  vs_text_add(script, " font 'sans,13'\nset xrange [0:%.9g]\nset xlabel 't / %s'\n",
+              ms ? 1e3 * until : until, ms ? "ms" : "s");
+  for (int k = 0; k < MOST_PANELS && s->panels[k].column; k++) {
+    if (!columns[k]) continue;
+    vs_text_add(script, "set ylabel '%s'\nplot ", s->panels[k].label);
+    add_quoted(script, run->path);
+    vs_text_add(script,
+                " using ($1*%g):($%d*%g) skip 1 with lines lc rgb '#1f4e79' lw 1.2 notitle\n",
+                ms ? 1e3 : 1.0, columns[k], s->panels[k].scale);
+  }
+  vs_text_add(script, "unset multiplot\nunset output\n");
+  return there;
+}
+
+/* Runs gnuplot on the script. Its complaints go to standard error as they are. */
+static vs_status gnuplot(const char *script, vs_error *err) {
+  int pipe_ends[2];
+  fflush(NULL);
+  if (pipe(pipe_ends)) return vs_fail(err, VS_RUN, "no pipe to gnuplot: %s", strerror(errno));
+  pid_t child = fork();
+  if (child == 0) {
+    dup2(pipe_ends[0], STDIN_FILENO);
+    close(pipe_ends[0]);
+    close(pipe_ends[1]);
+    setenv("GNUTERM", "dumb", 1);
+    execlp("gnuplot", "gnuplot", "--default-settings", "-", (char *)NULL);
+    _exit(127);
+  }
+  close(pipe_ends[0]);
+  FILE *to = child > 0 ? fdopen(pipe_ends[1], "w") : NULL;
+  if (!to) return vs_fail(err, VS_RUN, "gnuplot cannot be started: %s", strerror(errno));
+  fputs(script, to);
+  fclose(to);
+  int how = 0;
+  while (waitpid(child, &how, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFEXITED(how) && WEXITSTATUS(how) == 127)
+    return vs_fail(err, VS_RUN, "gnuplot is not installed (Debian package gnuplot-nox)");
+  return how ? vs_fail(err, VS_RUN, "gnuplot failed (status %d)", how) : VS_OK;
+}
+
+/* Draws into temporary names, then renames, so that a picture appears whole. */
+static vs_status draw(const run_file *run, const sheet *s, const char *output, bool quiet,
+                      vs_error *err) {
+  char temporary[VS_PATH_SIZE + 16];
+  const char *ending = strrchr(output, '.');
+  snprintf(temporary, sizeof temporary, "%.*s.tmp%s", (int)(ending - output), output, ending);
+  vs_text script = {0};
+  vs_text_add(&script, "set grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb '#404040'\n"
+                       "set rmargin 3\nset datafile separator ','\n");
+  if (!add_sheet(&script, run, s, temporary)) {
+    vs_text_free(&script);
+    return vs_fail(err, VS_INPUT, "%s: records nothing that '%s' shows", run->path, s->title);
+  }
+  vs_status status = gnuplot(script.text, err);
+  vs_text_free(&script);
+  if (!status && rename(temporary, output))
+    status = vs_fail(err, VS_RUN, "%s: cannot be written: %s", output, strerror(errno));
+  if (status)
+    unlink(temporary);
+  else if (!quiet)
+    printf("%s\n", output);
+  return status;
+}
+
+static vs_status draw_all(const char *folder, const run_file *run, bool quiet, vs_error *err) {
+  static const char *const ENDINGS[] = {"png", "svg"};
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < N_SHEETS; k++)
+    for (size_t e = 0; e < sizeof ENDINGS / sizeof *ENDINGS && !status; e++) {
+      char output[VS_PATH_SIZE];
+      snprintf(output, sizeof output, "%s/%s.%s", folder, SHEETS[k].name, ENDINGS[e]);
+      status = draw(run, &SHEETS[k], output, quiet, err);
+    }
+  return status;
+}
+
+/* Before gnuplot says the same in ten lines. */
+static vs_status check_writable(const char *output, vs_error *err) {
+  char folder[VS_PATH_SIZE];
+  const char *slash = strrchr(output, '/');
+  snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - output + 1) : 1,
+           slash ? output : ".");
+  return access(folder, W_OK | X_OK)
+             ? vs_fail(err, VS_INPUT, "-o %s: cannot be written: %s", output, strerror(errno))
+             : VS_OK;
+}
+
+vs_status vs_plot_command(const char *folder, const char *output, bool quiet, vs_error *err) {
+  run_file run = {0};
+  const char *ending = output ? strrchr(output, '.') : NULL;
+  if (strlen(folder) > VS_PATH_SIZE / 2 || (output && strlen(output) > VS_PATH_SIZE / 2))
+    return vs_fail(err, VS_INPUT, "plot: too long a name");
+  if (output && (!ending || (strcmp(ending, ".png") && strcmp(ending, ".svg"))))
+    return vs_fail(err, VS_INPUT, "-o %s: the file's name must end in .png or .svg", output);
+  vs_status status = open_run(folder, &run, err);
+  if (!status && output) status = check_writable(output, err);
+  if (!status)
+    status =
+        output ? draw(&run, &OVERVIEW, output, quiet, err) : draw_all(folder, &run, quiet, err);
+  free(run.header);
+  return status;
+}

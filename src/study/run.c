@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/run.h"
+
+#include <errno.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "study/scene.h"
+#include "study/summary.h"
+#include "watch/table.h"
+
+/* Everyone who watches one run. */
+typedef struct audience {
+  const vs_run_options *options;
+  const vs_scene *scene;
+  vs_file csv, events; /* closed when there is no folder */
+  int made;            /* folders, for the output */
+  vs_table table;
+  vs_measures *measures;
+  vs_result result;
+  double began_s, shown_s; /* wall clock: of the run, of the last progress line */
+  bool show_progress;
+} audience;
+
+static double wall_clock(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void progress(audience *a, double t_s) {
+  if (!a->show_progress || a->result.steps % 256) return;
+  double now = wall_clock(), spent = now - a->began_s, until = a->scene->setup.run.until_s;
+  if (spent < 1 || now - a->shown_s < 0.25) return;
+  a->shown_s = now;
+  fprintf(stderr, "\r%5.1f %%  t = %.4g s of %.4g s, %.0f s left \033[K", 100 * t_s / until, t_s,
+          until, spent * (until - t_s) / t_s);
+}
+
+static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
+  static const char *const WHAT[] = {[VS_EV_FIRES] = "thyristor fires",
+                                     [VS_EV_EXTINCT] = "thyristor extinct",
+                                     [VS_EV_MEETS_STOP] = "armature meets the stop",
+                                     [VS_EV_LEAVES_STOP] = "armature leaves the stop"};
+  audience *a = ctx;
+  vs_status status = VS_OK;
+  a->result.steps++;
+  if (a->table.stream) status = vs_table_accept(&a->table, step, err);
+  for (int k = 0; a->events.stream && k < 2; k++)
+    if (step->event[k] != VS_EV_NONE)
+      fprintf(a->events.stream, "%.*g,%s\n", a->options->digits, step->event_s[k],
+              WHAT[step->event[k]]);
+  vs_measures_accept(a->measures, step);
+  vs_energy_accept(&a->result.energy, step);
+  progress(a, step->to->t_s);
+  if (!status && *a->options->stop)
+    return vs_fail(err, VS_SIGNAL, "t = %.9g s: stopped by a signal", step->to->t_s);
+  return status;
+}
+
+static vs_status open_files(audience *a, vs_error *err) {
+  const vs_scene *s = a->scene;
+  const char *folder = a->options->folder;
+  vs_status status = vs_folder_make(folder, &a->made, err);
+  if (!status) status = vs_file_open(&a->csv, folder, "run.csv", err);
+  if (!status) status = vs_file_open(&a->events, folder, "events.csv", err);
+  if (status) return status;
+  a->table = (vs_table){.stream = a->csv.stream,
+                        .frame = &s->frame,
+                        .count = s->n_record,
+                        .digits = a->options->digits,
+                        .sample_s = s->setup.run.sample_s,
+                        .until_s = s->setup.run.until_s};
+  memcpy(a->table.channels, s->record, sizeof s->record);
+  vs_table_begin(&a->table);
+  fputs("t_s,what\n", a->events.stream);
+  return VS_OK;
+}
+
+/* An older result in the folder that this run's files would contradict. */
+static void remove_stale(const char *folder, const char *name) {
+  char path[VS_PATH_SIZE];
+  snprintf(path, sizeof path, "%s/%s", folder, name);
+  unlink(path);
+}
+
+static vs_status close_files(audience *a, vs_status ran, const char *json, vs_error *err) {
+  static const char *const RESULT[] = {"run.csv", "events.csv", "summary.json"};
+  const char *folder = a->options->folder;
+  if (ran) {
+    vs_file_discard(&a->events);
+    if (ran == VS_INPUT || !a->csv.stream) {
+      vs_file_discard(&a->csv);
+      vs_folder_unmake(folder, a->made);
+      return ran;
+    }
+    for (size_t k = 0; k < sizeof RESULT / sizeof *RESULT; k++) remove_stale(folder, RESULT[k]);
+    vs_error second;
+    if (vs_file_commit_as(&a->csv, folder, "run.partial.csv", &second)) return ran;
+    size_t n = strlen(err->text);
+    snprintf(err->text + n, sizeof err->text - n, "; what was computed is in %s/run.partial.csv",
+             folder);
+    return ran;
+  }
+  vs_file summary;
+  vs_status status = vs_file_open(&summary, folder, "summary.json", err);
+  if (!status) fputs(json, summary.stream);
+  if (!status) status = vs_file_commit(&a->csv, err);
+  if (!status) status = vs_file_commit(&a->events, err);
+  if (!status) status = vs_file_commit(&summary, err);
+  vs_file_discard(&summary);
+  vs_file_discard(&a->events);
+  vs_file_discard(&a->csv);
+  if (!status) remove_stale(folder, "run.partial.csv");
+  return status;
+}
+
+static void take_values(audience *a) {
+  vs_result *r = &a->result;
+  vs_measures_finish(a->measures, r->values);
+  vs_energy_finish(&r->energy);
+  const double *joule = r->energy.joule;
+  r->values[VS_M_ENERGY_IN] = (vs_value){true, joule[VS_E_SOURCE], NAN};
+  r->values[VS_M_ENERGY_COPPER] = (vs_value){true, joule[VS_E_COPPER], NAN};
+  r->values[VS_M_WORK_FORCE] = (vs_value){true, joule[VS_E_WORK], NAN};
+  r->values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, r->energy.residual, NAN};
+}
+
+static vs_status run_scene(const vs_run_options *o, const vs_scene *s, vs_error *err) {
+  audience a = {.options = o,
+                .scene = s,
+                .measures = vs_measures_new(&s->frame),
+                .show_progress = !o->quiet && isatty(STDERR_FILENO)};
+  a.result.measures = a.measures;
+  a.result.energy.one_way = s->frame.gap_at_rest;
+  vs_observer observer = {&a, accept};
+  vs_text json = {0};
+  vs_status status = o->folder ? open_files(&a, err) : VS_OK;
+  if (!status) {
+    a.began_s = wall_clock();
+    status = s->tier->run(&s->setup, &observer, err);
+    a.result.wall_s = wall_clock() - a.began_s;
+    if (a.shown_s > 0) fputs("\r\033[K", stderr);
+  }
+  if (!status) {
+    take_values(&a);
+    vs_summary_json(s, &a.result, !o->reproducible, &json);
+  }
+  if (o->folder) status = close_files(&a, status, json.text, err);
+  if (!status && o->json)
+    fputs(json.text, stdout);
+  else if (!status && !o->quiet) {
+    vs_summary_table(s, &a.result, stdout);
+    if (o->folder) printf("written: run.csv, events.csv, summary.json in %s\n", o->folder);
+  }
+  vs_text_free(&json);
+  vs_measures_free(a.measures);
+  return status;
+}
+
+vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
+  if (!status && *scene->warning && !o->quiet)
+    fprintf(stderr, "vibrospice: warning: %s\n", scene->warning);
+  if (!status) status = run_scene(o, scene, err);
+  vs_scene_free(scene);
+  free(scene);
+  return status;
+}

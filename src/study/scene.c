@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/scene.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/units.h"
+
+const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"};
+
+vs_scene_part vs_scene_part_at(const vs_scene *s, int index) {
+  const vs_setup *u = &s->setup;
+  const vs_scene_part parts[VS_SCENE_PARTS] = {{&vs_machine_section, &u->model.machine},
+                                               {&vs_actuator_section, &u->model.actuator},
+                                               {&vs_load_section, &u->model.load},
+                                               {&vs_supply_section, &u->timeline.supply},
+                                               {&vs_firing_section, &u->timeline.firing},
+                                               {&u->deck.section, &u->circuit_values},
+                                               {&vs_run_section, &u->run}};
+  return parts[index];
+}
+
+/* What the scene names that only the circuit tier has; NULL: nothing. */
+static const char *needs_circuit(const vs_scene *s, char *buffer, size_t size) {
+  const vs_node *root = s->tree.root, *circuit = vs_node_child(root, "circuit");
+  const vs_node *supply = vs_node_child(root, "supply"), *record = vs_node_child(root, "record");
+  const char *source = vs_node_child(supply, "resistance")   ? "resistance"
+                       : vs_node_child(supply, "inductance") ? "inductance"
+                                                             : NULL;
+  if (circuit && circuit->child)
+    snprintf(buffer, size, "circuit.%s", circuit->child->key);
+  else if (source)
+    snprintf(buffer, size, "supply.%s", source);
+  else {
+    const vs_frame circuit_frame = vs_tier_circuit.frame(&s->setup);
+    const vs_node *item = record && record->kind == VS_NODE_LIST ? record->child : record;
+    for (; item; item = item->next)
+      if (item->kind == VS_NODE_TEXT && vs_channel_find(&circuit_frame, item->text) >= VS_CH_DECK) {
+        snprintf(buffer, size, "probe %s", item->text);
+        return buffer;
+      }
+    return NULL;
+  }
+  return buffer;
+}
+
+static vs_status choose_tier(vs_scene *s, const char *named, vs_error *err) {
+  char what[128];
+  int choice = s->setup.run.tier;
+  if (named && !strcmp(named, "auto"))
+    choice = 0;
+  else if (named) {
+    s->tier = vs_tier_find(named);
+    if (!s->tier)
+      return vs_fail(err, VS_INPUT, "--tier %s: there are: auto, analytic, switched, circuit",
+                     named);
+    snprintf(s->why, sizeof s->why, "asked for by --tier");
+    return VS_OK;
+  }
+  if (choice > 0) {
+    s->tier = vs_tiers[choice - 1];
+    snprintf(s->why, sizeof s->why, "asked for by run.tier");
+  } else if (needs_circuit(s, what, sizeof what)) {
+    s->tier = &vs_tier_circuit;
+    snprintf(s->why, sizeof s->why, "auto: the scene names %s, which only this tier has", what);
+  } else {
+    s->tier = &vs_tier_switched;
+    snprintf(s->why, sizeof s->why, "auto: nothing in the scene needs the circuit tier");
+  }
+  return VS_OK;
+}
+
+static vs_status unknown_probe(const vs_scene *s, const vs_node *node, vs_error *err) {
+  vs_frame full = vs_tier_circuit.frame(&s->setup);
+  const char *names[VS_CH_MOST];
+  size_t n = 0;
+  const char *name = node->kind == VS_NODE_TEXT ? node->text : "a list or map";
+  if (vs_channel_find(&full, name) >= 0)
+    return vs_fail_at(err, node->where,
+                      "record: probe %s exists only on tier circuit, and this is tier %s", name,
+                      s->tier->name);
+  for (int k = 0; k < vs_channel_count(&full); k++)
+    if (vs_channel_at(&full, k).listed) names[n++] = vs_channel_at(&full, k).name;
+  const char *nearest = vs_nearest(name, names, n);
+  return vs_fail_at(err, node->where, "record: no probe '%s'%s%s%s", name,
+                    nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                    nearest ? "'?" : "; see 'vibrospice list probes'");
+}
+
+/* record: all | [NAME, ...] */
+static vs_status read_record(vs_scene *s, vs_error *err) {
+  const vs_node *node = vs_node_child(s->tree.root, "record");
+  if (!node || (node->kind == VS_NODE_TEXT && (!*node->text || !strcmp(node->text, "all")))) {
+    for (int k = 0; k < vs_channel_count(&s->frame); k++)
+      if (vs_channel_at(&s->frame, k).listed) s->record[s->n_record++] = k;
+    return VS_OK;
+  }
+  if (node->kind == VS_NODE_MAP || (node->kind == VS_NODE_LIST && !node->child))
+    return vs_fail_at(err, node->where,
+                      "record: 'all' or a list of probes is wanted: [p, i, v_ak]");
+  for (const vs_node *item = node->kind == VS_NODE_LIST ? node->child : node; item;
+       item = node->kind == VS_NODE_LIST ? item->next : NULL) {
+    int channel = item->kind == VS_NODE_TEXT ? vs_channel_find(&s->frame, item->text) : -1;
+    if (channel < 0) return unknown_probe(s, item, err);
+    for (int k = 0; k < s->n_record; k++)
+      if (s->record[k] == channel)
+        return vs_fail_at(err, item->where, "record: probe %s stands here a second time",
+                          item->text);
+    s->record[s->n_record++] = channel;
+  }
+  return VS_OK;
+}
+
+/* measured: {NAME: VALUE UNIT, ...} */
+static vs_status read_measured(vs_scene *s, vs_error *err) {
+  const vs_node *map = vs_node_child(s->tree.root, "measured");
+  const char *names[VS_MEASURES];
+  if (map && map->kind == VS_NODE_TEXT && !*map->text) map = NULL;
+  if (map && map->kind != VS_NODE_MAP)
+    return vs_fail_at(err, map->where, "measured: a map is wanted: {i_peak: 0.95 A, ...}");
+  for (size_t k = 0; k < VS_MEASURES; k++) names[k] = vs_measures_known[k].name;
+  vs_status status = vs_known_keys(map, "measured", names, VS_MEASURES, err);
+  for (size_t k = 0; k < VS_MEASURES && !status; k++) {
+    const vs_node *node = vs_node_child(map, names[k]);
+    char why[256];
+    if (!node) continue;
+    s->measured[k].known = true;
+    if (node->kind != VS_NODE_TEXT ||
+        !vs_quantity(node->text, vs_measures_known[k].unit, &s->measured[k].value, why, sizeof why))
+      status = vs_fail_at(err, node->where, "measured.%s: %s", names[k],
+                          node->kind == VS_NODE_TEXT ? why : "one value is wanted");
+  }
+  return status;
+}
+
+static vs_status check_tolerance(const vs_scene *s, vs_error *err) {
+  const vs_node *node = vs_node_child(vs_node_child(s->tree.root, "run"), "tolerance");
+  if (s->setup.run.tolerance >= s->tier->finest) return VS_OK;
+  return vs_fail_at(err, node ? node->where : (vs_where){0},
+                    "run.tolerance: %g is finer than tier %s can hold; allowed there: %g..0.1",
+                    s->setup.run.tolerance, s->tier->name, s->tier->finest);
+}
+
+/* Eqs. 92, 93: theta = atan(w L(0)/R_c) <= alpha* */
+static void warn_below_theta(vs_scene *s) {
+  const vs_setup *u = &s->setup;
+  double theta = atan2(u->timeline.omega_rad_s * u->model.actuator.inductance_h,
+                       u->model.actuator.resistance_ohm);
+  if (u->timeline.firing.angle_rad < theta)
+    snprintf(s->warning, sizeof s->warning,
+             "firing.angle = %.6g deg is below theta = %.6g deg, the lower end of the control "
+             "range (Eq. 92): "
+             "the thyristor conducts as Eq. 91 says, for more than 180 deg",
+             u->timeline.firing.angle_rad / vs_unit_factor("deg"), theta / vs_unit_factor("deg"));
+}
+
+vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, const char *tier,
+                        vs_scene *s, vs_error *err) {
+  static const char *const TOP[] = {"machine", "actuator", "load",   "supply",  "firing",
+                                    "circuit", "run",      "record", "measured"};
+  *s = (vs_scene){0};
+  vs_status status = vs_find(&vs_scene_shelf, name, (vs_where){0}, s->path, err);
+  if (!status) status = vs_tree_read(s->path, &s->tree, err);
+  for (size_t k = 0; k < n_sets && !status; k++) status = vs_tree_set(&s->tree, sets[k], err);
+  if (!status) status = vs_known_keys(s->tree.root, "a scene", TOP, sizeof TOP / sizeof *TOP, err);
+  if (!status) status = vs_setup_build(s->tree.root, &s->setup, err);
+  if (!status) status = choose_tier(s, tier, err);
+  if (status) return status;
+  s->frame = s->tier->frame(&s->setup);
+  status = check_tolerance(s, err);
+  if (!status) status = read_record(s, err);
+  if (!status) status = read_measured(s, err);
+  warn_below_theta(s);
+  return status;
+}
+
+void vs_scene_free(vs_scene *s) {
+  vs_setup_free(&s->setup);
+  vs_tree_free(&s->tree);
+}

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * A scene, read: the numbers of a run, what to record, what was measured, which tier and why. */
+#ifndef VS_STUDY_SCENE_H
+#define VS_STUDY_SCENE_H
+
+#include "base/path.h"
+#include "sim/sim.h"
+#include "watch/measures.h"
+
+extern const vs_shelf vs_scene_shelf;
+
+typedef struct vs_scene {
+  char path[VS_PATH_SIZE];
+  vs_tree tree;
+  vs_setup setup;
+  const vs_tier *tier;
+  char why[256];  /* this tier */
+  vs_frame frame; /* of this tier; its channels are what `record` chooses from */
+  int record[VS_CH_MOST], n_record;
+  vs_value measured[VS_MEASURES]; /* SI */
+  char warning[512];              /* empty: none */
+} vs_scene;
+
+/* name: a path, or the name of a scene that comes with the program. sets: the --set arguments.
+ * tier: --tier's, NULL when not given. Errors: everything a scene can be wrong in. vs_scene_free
+ * even then. */
+vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, const char *tier,
+                        vs_scene *scene, vs_error *err);
+void vs_scene_free(vs_scene *scene);
+
+/* The sections of a scene and the values they filled, for print-outs; index from 0, false: no more.
+ */
+typedef struct vs_scene_part {
+  const vs_section *section;
+  const void *values;
+} vs_scene_part;
+enum { VS_SCENE_PARTS = 7 };
+vs_scene_part vs_scene_part_at(const vs_scene *scene, int index);
+
+#endif

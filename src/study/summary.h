@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The result of one run as a table for people and as JSON for programs. */
+#ifndef VS_STUDY_SUMMARY_H
+#define VS_STUDY_SUMMARY_H
+
+#include <stdio.h>
+
+#include "study/scene.h"
+#include "watch/energy.h"
+
+typedef struct vs_result {
+  vs_value values[VS_MEASURES];
+  const vs_measures *measures; /* its extremes of the deck's probes */
+  vs_energy energy;
+  double wall_s;
+  long steps;
+} vs_result;
+
+void vs_summary_table(const vs_scene *scene, const vs_result *result, FILE *out);
+void vs_summary_json(const vs_scene *scene, const vs_result *result, bool with_cost, vs_text *json);
+
+#endif

@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Watcher that reduces a run to its measures while it goes on. Extremes and crossings are found by
+ * root-finding on the dense output, not by the largest sample. */
+#ifndef VS_WATCH_MEASURES_H
+#define VS_WATCH_MEASURES_H
+
+#include <gsl/gsl_roots.h>
+#include <stdbool.h>
+
+#include "sim/step.h"
+
+/* id, name, unit, text */
+#define VS_MEASURE_LIST(X)                                                                         \
+  X(VS_M_I_PEAK, "i_peak", "A", "largest coil current")                                            \
+  X(VS_M_T_FIRE, "t_fire", "s", "first firing")                                                    \
+  X(VS_M_T_EXTINCTION, "t_extinction", "s", "first extinction: the anode current reaches zero")    \
+  X(VS_M_CONDUCTION, "conduction_time", "s", "first conduction, from firing to extinction")        \
+  X(VS_M_FORCE_PEAK, "force_peak", "N", "largest force")                                           \
+  X(VS_M_P_FIRST, "p_first_peak", "m", "first motion peak of p after the first firing")            \
+  X(VS_M_P_SECOND, "p_second_peak", "m", "the extremum of p that follows it")                      \
+  X(VS_M_P_MIN, "p_min", "m", "least p")                                                           \
+  X(VS_M_P_MAX, "p_max", "m", "largest p")                                                         \
+  X(VS_M_AP_PEAK, "ap_peak", "m/s2", "largest |acceleration| of p")                                \
+  X(VS_M_AU_PEAK, "au_peak", "m/s2", "largest |acceleration| of u")                                \
+  X(VS_M_AW_PEAK, "aw_peak", "m/s2", "largest |acceleration| of w")                                \
+  X(VS_M_F_RESONANCE, "f_resonance", "Hz",                                                         \
+    "of the free swing, from the rising zero crossings of p between the first extinction and 1 s " \
+    "or the next firing")                                                                          \
+  X(VS_M_TAU_P, "tau_p", "s", "decay time of p there, from the envelope of its extremes")          \
+  X(VS_M_ENERGY_IN, "energy_in", "J", "drawn from the mains")                                      \
+  X(VS_M_ENERGY_COPPER, "energy_copper", "J", "lost in the coil's resistance")                     \
+  X(VS_M_WORK_FORCE, "work_force", "J", "done by the force on the machine")                        \
+  X(VS_M_ENERGY_RESIDUAL, "energy_residual", "",                                                   \
+    "what the EVA's energy balance leaves over, relative to work_force")
+
+enum {
+#define VS_MEASURE_ID(id, name, unit, text) id,
+  VS_MEASURE_LIST(VS_MEASURE_ID)
+#undef VS_MEASURE_ID
+      VS_MEASURES
+};
+
+typedef struct vs_measure {
+  const char *name, *unit, *text;
+} vs_measure;
+extern const vs_measure vs_measures_known[VS_MEASURES];
+
+typedef struct vs_value {
+  bool known;         /* false: the run had nothing to measure (no firing, too few extremes) */
+  double value, at_s; /* at_s: NaN where the value belongs to no instant */
+} vs_value;
+
+/* Largest or least value of one channel so far. */
+typedef struct vs_extreme {
+  int channel;
+  int sense; /* +1 largest, -1 least, 0 largest magnitude */
+  vs_value best;
+} vs_extreme;
+
+enum { VS_STANDARD_EXTREMES = 7, VS_MOST_EXTREMES = VS_STANDARD_EXTREMES + 2 * VS_DECK_MOST };
+
+/* A step that outlives the tier's own knots. */
+typedef struct vs_kept_step {
+  vs_knot from, to;
+  vs_step step;
+} vs_kept_step;
+
+typedef struct vs_measures {
+  const vs_frame *frame;
+  vs_kept_step kept[2];    /* the last two steps of some length; `last` is the newer */
+  int last, steps;         /* steps: how many are kept, 0..2 */
+  double y[3][VS_CH_MOST]; /* channels at the kept steps' three ends */
+  vs_extreme
+      extremes[VS_MOST_EXTREMES]; /* the standard ones, then least and largest of each probe */
+  int n_extremes;
+  double fired_s, extinct_s,
+      refired_s;          /* first firing, first extinction, second firing; NaN: not yet */
+  vs_value first, second; /* motion peaks of p */
+  double crossings, first_crossing_s, last_crossing_s;
+  vs_value swing;             /* the last extremum of p in the free swing */
+  double n, st, sl, stt, stl; /* sums of the fit ln(amplitude) over t */
+  gsl_root_fsolver *solver;
+} vs_measures;
+
+vs_measures *vs_measures_new(const vs_frame *frame);
+void vs_measures_free(vs_measures *measures);
+void vs_measures_accept(vs_measures *measures, const vs_step *step);
+/* Values of all but the energies, [VS_MEASURES]. The extremes hold theirs. */
+void vs_measures_finish(const vs_measures *measures, vs_value values[VS_MEASURES]);
+
+#endif

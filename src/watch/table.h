@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Watcher that writes channels at fixed instants as CSV, while the run goes on. */
+#ifndef VS_WATCH_TABLE_H
+#define VS_WATCH_TABLE_H
+
+#include <stdio.h>
+
+#include "sim/step.h"
+
+typedef struct vs_table {
+  FILE *stream;
+  const vs_frame *frame;
+  int channels[VS_CH_MOST], count; /* which, in the order of the columns */
+  int digits;
+  double sample_s, until_s;
+  double next; /* number of the next row, from 0; its instant is next * sample_s */
+} vs_table;
+
+/* Writes the header row: t_s and name_unit of each channel. digits: significant ones, 1..17. */
+void vs_table_begin(vs_table *table);
+/* Writes the rows that fall into the step; the first step also the row at its beginning. */
+vs_status vs_table_accept(vs_table *table, const vs_step *step, vs_error *err);
+
+#endif

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "suite.h"
+
+#include <dirent.h>
+#include <ftw.h>
+#include <gsl/gsl_errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int vs_suite(const char *name, const vs_test *tests, size_t count) {
+  gsl_set_error_handler_off();
+  if (CU_initialize_registry()) return 1;
+  CU_pSuite suite = CU_add_suite(name, NULL, NULL);
+  for (size_t k = 0; k < count; k++) CU_add_test(suite, tests[k].name, tests[k].run);
+  CU_basic_set_mode(CU_BRM_VERBOSE);
+  CU_basic_run_tests();
+  unsigned failed = CU_get_number_of_failures();
+  CU_cleanup_registry();
+  return failed != 0;
+}
+
+void vs_close(double got, double expected, double scale, double tolerance, const char *what,
+              int line) {
+  double error = fabs(got - expected) / fabs(scale);
+  char text[256];
+  snprintf(text, sizeof text, "%s = %.12g, expected %.12g: off by %.3g, allowed %.3g", what, got,
+           expected, error, tolerance);
+  CU_assertImplementation(error <= tolerance, (unsigned)line, text, "", "", CU_FALSE);
+}
+
+void expect(bool good, int line, const char *format, ...) {
+  char text[2048];
+  va_list args;
+  va_start(args, format);
+  vsnprintf(text, sizeof text, format, args);
+  va_end(args);
+  CU_assertImplementation(good, (unsigned)line, text, "", "", CU_FALSE);
+}
+
+void write_file(const char *path, const char *text) {
+  FILE *f = fopen(path, "wb");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(f);
+  CU_ASSERT(fputs(text, f) >= 0);
+  CU_ASSERT_EQUAL(fclose(f), 0);
+}
+
+char *listing(const char *folder) {
+  vs_text names = {0};
+  struct dirent **entries;
+  int n = scandir(folder, &entries, NULL, alphasort);
+  vs_text_add(&names, "%s", n < 0 ? "(no folder) " : "");
+  for (int k = 0; k < n; k++) {
+    const char *name = entries[k]->d_name;
+    if (strcmp(name, ".") && strcmp(name, "..")) vs_text_add(&names, "%s ", name);
+    free(entries[k]);
+  }
+  if (n >= 0) free(entries);
+  return names.text;
+}
+
+void expect_files(const char *folder, const char *names, int line) {
+  char *seen = listing(folder);
+  expect(!strcmp(seen, names), line, "%s holds: %sand should: %s", folder, seen, names);
+  free(seen);
+}
+
+static int remove_entry(const char *path, const struct stat *s, int kind, struct FTW *at) {
+  (void)s, (void)kind, (void)at;
+  return remove(path);
+}
+
+void remove_tree(const char *path) {
+  nftw(path, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+}
+
+static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
+  vs_trial *t = ctx;
+  t->steps++;
+  vs_measures_accept(t->measures, step);
+  vs_energy_accept(&t->energy, step);
+  return t->also ? t->also->accept(t->also->ctx, step, err) : VS_OK;
+}
+
+vs_trial *vs_trial_run(const char *name, const char *tier, const char *const *sets,
+                       const vs_observer *also) {
+  vs_trial *t = vs_alloc(1, sizeof *t);
+  size_t n = 0;
+  while (sets && sets[n]) n++;
+  t->also = also;
+  t->status = vs_scene_read(name, (char *const *)(size_t)sets, n, tier, &t->scene, &t->err);
+  if (t->status) return t;
+  t->measures = vs_measures_new(&t->scene.frame);
+  t->energy.one_way = t->scene.frame.gap_at_rest;
+  vs_observer observer = {t, accept};
+  t->status = t->scene.tier->run(&t->scene.setup, &observer, &t->err);
+  vs_measures_finish(t->measures, t->values);
+  vs_energy_finish(&t->energy);
+  return t;
+}
+
+void vs_trial_free(vs_trial *t) {
+  vs_measures_free(t->measures);
+  vs_scene_free(&t->scene);
+  free(t);
+}

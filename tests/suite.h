@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What every test program here shares: a main in one line, numbers compared with a stated
+ * tolerance. */
+#ifndef VS_TESTS_SUITE_H
+#define VS_TESTS_SUITE_H
+
+#include <CUnit/Basic.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "study/scene.h"
+#include "watch/energy.h"
+
+typedef struct vs_test {
+  const char *name;
+  void (*run)(void);
+} vs_test;
+
+/* Runs the tests as one CUnit suite; what a main returns: 0 when all passed. */
+int vs_suite(const char *name, const vs_test *tests, size_t count);
+#define VS_SUITE_MAIN(name, tests)                                                                 \
+  int main(void) {                                                                                 \
+    return vs_suite(name, tests, COUNT(tests));                                                    \
+  }
+
+/* |got - expected| <= tolerance * scale; says both and the error when not. */
+void vs_close(double got, double expected, double scale, double tolerance, const char *what,
+              int line);
+#define CLOSE(got, expected, tolerance) vs_close(got, expected, expected, tolerance, #got, __LINE__)
+#define CLOSE_OF(got, expected, scale, tolerance)                                                  \
+  vs_close(got, expected, scale, tolerance, #got, __LINE__)
+
+#define COUNT(array) (sizeof(array) / sizeof *(array))
+
+/* A check that says what it saw when it fails. */
+void expect(bool good, int line, const char *format, ...) __attribute__((format(printf, 3, 4)));
+#define EXPECT(good, ...) expect(good, __LINE__, __VA_ARGS__)
+
+/* Files and folders of a test's own. listing: the names in a folder, hidden ones too, sorted, each
+ * followed by a blank; free() it. */
+void write_file(const char *path, const char *text);
+char *listing(const char *folder);
+void expect_files(const char *folder, const char *names, int line);
+#define EXPECT_FILES(folder, names) expect_files(folder, names, __LINE__)
+void remove_tree(const char *path);
+
+/* One run of a shipped or given scene, all measures taken; sets: a NULL-ended list of KEY=VALUE.
+ * also: shown every step as well (may be NULL). The scene is freed with vs_trial_free. */
+typedef struct vs_trial {
+  vs_scene scene;
+  vs_value values[VS_MEASURES];
+  vs_energy energy;
+  vs_measures *measures;
+  const vs_observer *also;
+  long steps;
+  vs_status status;
+  vs_error err;
+} vs_trial;
+vs_trial *vs_trial_run(const char *scene, const char *tier, const char *const *sets,
+                       const vs_observer *also);
+void vs_trial_free(vs_trial *trial);
+
+#endif

@@ -1,0 +1,732 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The room base: units, names, trees, field tables, files that appear whole or not at all. */
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/field.h"
+#include "base/path.h"
+#include "base/text.h"
+#include "base/tree.h"
+#include "base/units.h"
+#include "suite.h"
+
+/* The first bytes of a file; empty when it is not there. */
+static const char *head(const char *path, char text[256]) {
+  FILE *f = fopen(path, "rb");
+  text[f ? fread(text, 1, 255, f) : 0] = '\0';
+  if (f) fclose(f);
+  return text;
+}
+
+/* ---- units ---- */
+
+/* A power of ten is one multiplication or division, which rounds once: no digits are lost. */
+static void good_quantities(void) {
+  static const double DEG = 3.14159265358979323846 / 180;
+  const struct {
+    const char *text, *unit;
+    double si;
+  } ROWS[] = {
+      {"6 mm", "mm", 0.006},
+      {"6mm", "mm", 0.006},
+      {"6   mm", "mm", 0.006},
+      {"0.006 m", "mm", 0.006},
+      {"0.6 cm", "mm", 0.006},
+      {"6000 um", "mm", 0.006},
+      {"6000 µm", "mm", 0.006},
+      {"211.83 mm", "mm", 211.83 / 1000},
+      {"-1.5 mm", "m", -0.0015},
+      {"+1.5e0 mm", "m", 0.0015},
+      {"2 km", "m", 2000},
+      {"3.86e-3 kg.m2", "kg.m2", 3.86e-3},
+      {"3.86e-3 kg*m2", "kg.m2", 3.86e-3},
+      {"3.86e-3 kg . m^2", "kg.m2", 3.86e-3},
+      {"3860 g.m2", "kg.m2", 3.86},
+      {"830 g", "kg", 0.83},
+      {"0.1 N.s/m", "N.s/m", 0.1},
+      {"0.1 kg/s", "N.s/m", 0.1},
+      {"0.43e5 N/m", "N/m", 43000},
+      {"43 kN/m", "N/m", 43000},
+      {"1 g/cm3", "g/cm3", 1000},
+      {"1.5 g/cm3", "g/cm3", 1500},
+      {"1500 kg/m3", "g/cm3", 1500},
+      {"380 cm3", "cm3", 380e-6},
+      {"95deg", "deg", 95 * DEG},
+      {"95 °", "deg", 95 * DEG},
+      {"1 rad", "deg", 1},
+      {"1 Mohm", "ohm", 1e6},
+      {"1 MΩ", "ohm", 1e6},
+      {"220 Ohm", "ohm", 220},
+      {"4.7 kohm", "ohm", 4700},
+      {"1 V/A", "ohm", 1},
+      {"5 %", "", 0.05},
+      {"0.05", "", 0.05},
+      {"1e-4", "", 1e-4},
+      {"100 nF", "nF", 1e-7},
+      {"47 pF", "nF", 47e-12},
+      {"0.1 uF", "nF", 0.1 / 1e6},
+      {"0", "mm", 0},
+      {"-0.0", "deg", 0},
+      {"0 mm", "mm", 0},
+      {"0", "", 0},
+      {"8 ms", "ms", 0.008},
+      {"0.1 ms", "s", 1e-4},
+      {"2 min", "s", 120},
+      {"50 Hz", "Hz", 50},
+      {"50 1/s", "Hz", 50},
+      {"50 s-1", "Hz", 50},
+      {"175 m/s2", "m/s2", 175},
+      {"175 m.s^-2", "m/s2", 175},
+      {"0.5 mH", "mH", 5e-4},
+      {"440 V", "V", 440},
+      {"1 GV", "V", 1e9},
+      {"1 Wb", "V.s", 1},
+      {"1 J", "N.m", 1},
+      {"1 W.s", "J", 1},
+      {"7 fF", "F", 7e-15},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    double si = NAN;
+    char why[256] = "";
+    bool good = vs_quantity(ROWS[k].text, ROWS[k].unit, &si, why, sizeof why);
+    EXPECT(good && si == ROWS[k].si, "'%s' = %.17g, expected %.17g %s", ROWS[k].text, si,
+           ROWS[k].si, why);
+  }
+}
+
+static void bad_quantities(void) {
+  static const struct {
+    const char *text, *unit, *says[2];
+  } ROWS[] = {
+      {"", "mm", {"not a number", "in mm"}},
+      {"abc", "mm", {"'abc' is not a number", "mm"}},
+      {"mm", "mm", {"'mm' is not a number", NULL}},
+      {"abc", "", {"'abc' is not a number", "a plain number"}},
+      {"6", "mm", {"no unit", "'6 mm'"}},
+      {"90", "deg", {"no unit", "'90 deg'"}},
+      {"6 kg", "mm", {"'6 kg'", "wrong unit; write mm"}},
+      {"6 m2", "mm", {"wrong unit", "mm"}},
+      {"0 kg", "mm", {"wrong unit", "mm"}},
+      {"5 deg", "", {"wrong unit", "a plain number"}},
+      {"5 %", "mm", {"wrong unit", "mm"}},
+      {"5 Hz", "rad/s", {"wrong unit", "rad/s"}},
+      {"6 mmm", "mm", {"'mmm'", "unit known here; write mm"}},
+      {"6 mdeg", "deg", {"'mdeg'", "write deg"}},
+      {"6 m%", "", {"'m%'", "a plain number"}},
+      {"6 MM", "mm", {"'MM'", NULL}},
+      {"1,5 mm", "mm", {"',5 mm'", NULL}},
+      {"6 mm mm", "mm", {"unit known here", NULL}},
+      {"6 m/", "m", {"unit known here", NULL}},
+      {"6 /m", "m", {"unit known here", NULL}},
+      {"6 m/s/s", "m/s2", {"unit known here", NULL}},
+      {"6 m//s2", "m/s2", {"unit known here", NULL}},
+      {"6 m.", "m", {"unit known here", NULL}},
+      {"6 m^", "m", {"unit known here", NULL}},
+      {"6 m10", "m", {"unit known here", NULL}},
+      {"6 m99999999999999999999", "m", {"unit known here", NULL}},
+      {"nan mm", "mm", {"not a finite", NULL}},
+      {"inf", "", {"not a finite", NULL}},
+      {"-infinity mm", "mm", {"not a finite", NULL}},
+      {"1e999 mm", "mm", {"not a finite", NULL}},
+      {"1e308 km", "mm", {"'1e308 km'", NULL}},
+      {"0 Gm9.Gm9.Gm9.Gm9/m9.m9.m9.m8", "m", {"Gm9", NULL}},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    double si = NAN;
+    char why[256] = "";
+    bool good = vs_quantity(ROWS[k].text, ROWS[k].unit, &si, why, sizeof why);
+    EXPECT(!good, "'%s' in %s was read as %g", ROWS[k].text, ROWS[k].unit, si);
+    size_t n = strlen(why);
+    EXPECT(good || (n > 0 && why[n - 1] != '.'), "'%s': %s", ROWS[k].text, why);
+    for (int w = 0; !good && w < 2 && ROWS[k].says[w]; w++)
+      EXPECT(strstr(why, ROWS[k].says[w]), "'%s': no '%s' in: %s", ROWS[k].text, ROWS[k].says[w],
+             why);
+  }
+}
+
+static void units_known(void) {
+  static const char *const GOOD[] = {"", "m", "kg.m2", "N.s/m", "1/s", "%", "µm", "Mohm", "m^-2"},
+                           *const BAD[] = {"x", "mm mm", "m/", "/s", "m2m", "dm", "kk", "."};
+  for (size_t k = 0; k < COUNT(GOOD); k++)
+    EXPECT(vs_unit_known(GOOD[k]), "'%s' is unknown", GOOD[k]);
+  for (size_t k = 0; k < COUNT(BAD); k++) EXPECT(!vs_unit_known(BAD[k]), "'%s' is known", BAD[k]);
+  CU_ASSERT(vs_unit_factor("") == 1);
+  CU_ASSERT(vs_unit_factor("kg") == 1);
+  CU_ASSERT(vs_unit_factor("min") == 60);
+  CLOSE(vs_unit_factor("g/cm3"), 1000, 1e-15);
+  CLOSE(vs_unit_factor("kg.cm2"), 1e-4, 1e-15);
+  CLOSE(vs_unit_factor("deg"), 0.017453292519943295, 1e-15);
+}
+
+/* ---- text ---- */
+
+static void nearest_names(void) {
+  static const char *const KEYS[] = {"trough_mass", "base_mass", "gap", "r1", "until", "force"};
+  static const struct {
+    const char *name, *nearest;
+  } ROWS[] = {
+      {"trough_mas", "trough_mass"},
+      {"through_mass", "trough_mass"},
+      {"basemass", "base_mass"},
+      {"TROUGH_MASS", "trough_mass"},
+      {"R1", "r1"},
+      {"gpa", "gap"},
+      {"utnil", "until"},
+      {"frce", "force"},
+      {"gap", "gap"},
+      {"xyzzyplugh", NULL},
+      {"voltage", NULL},
+      {"a_name_that_is_longer_than_any_that_this_function_has_room_for_in_its_rows", NULL},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    const char *nearest = vs_nearest(ROWS[k].name, KEYS, COUNT(KEYS));
+    bool same =
+        nearest && ROWS[k].nearest ? !strcmp(nearest, ROWS[k].nearest) : nearest == ROWS[k].nearest;
+    EXPECT(same, "nearest to '%s': %s", ROWS[k].name, nearest ? nearest : "none");
+  }
+  CU_ASSERT_PTR_NULL(vs_nearest("gap", KEYS, 0));
+}
+
+static void unit_suffixes(void) {
+  static const struct {
+    const char *unit, *suffix;
+  } ROWS[] = {{"m", "m"}, {"m/s", "m_s"}, {"m/s2", "m_s2"},   {"rad/s2", "rad_s2"}, {"Wb", "wb"},
+              {"A", "a"}, {"V", "v"},     {"N.s/m", "n_s_m"}, {"kg.m2", "kg_m2"},   {"", ""}};
+  char suffix[32];
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_unit_suffix(ROWS[k].unit, suffix, sizeof suffix);
+    EXPECT(!strcmp(suffix, ROWS[k].suffix), "'%s': '%s'", ROWS[k].unit, suffix);
+  }
+  memset(suffix, 'x', sizeof suffix);
+  vs_unit_suffix("rad/s2", suffix, 4);
+  CU_ASSERT_STRING_EQUAL(suffix, "rad");
+  CU_ASSERT_EQUAL(suffix[4], 'x');
+}
+
+static void growing_text(void) {
+  vs_text t = {0};
+  for (int k = 0; k < 1000; k++) vs_text_add(&t, "%03d,", k);
+  CU_ASSERT_EQUAL(t.length, 4000);
+  CU_ASSERT_EQUAL(strlen(t.text), 4000);
+  CU_ASSERT_STRING_EQUAL(t.text + 3992, "998,999,");
+  vs_text_free(&t);
+  CU_ASSERT_PTR_NULL(t.text);
+  vs_text_json(&t, "a \"b\" \\ \n\x01 ü");
+  CU_ASSERT_STRING_EQUAL(t.text, "\"a \\\"b\\\" \\\\ \\u000a\\u0001 ü\"");
+  vs_text_free(&t);
+}
+
+static void errors_are_one_line(void) {
+  static const struct {
+    vs_where where;
+    const char *text;
+  } ROWS[] = {{{"s.yaml", 3, 7}, "s.yaml:3:7: what: 5"},
+              {{"--set a=1", 0, 0}, "--set a=1: what: 5"},
+              {{NULL, 0, 0}, "what: 5"}};
+  vs_error err;
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    CU_ASSERT_EQUAL(vs_fail_at(&err, ROWS[k].where, "what: %d", 5), VS_INPUT);
+    CU_ASSERT_STRING_EQUAL(err.text, ROWS[k].text);
+  }
+  CU_ASSERT_EQUAL(vs_fail(&err, VS_SIGNAL, "%s", "stop"), VS_SIGNAL);
+  CU_ASSERT_STRING_EQUAL(err.text, "stop");
+  char *endless = vs_alloc(4 * sizeof err.text + 1, 1);
+  memset(endless, 'x', 4 * sizeof err.text);
+  vs_fail_at(&err, (vs_where){"f", 1, 1}, "%s", endless);
+  CU_ASSERT_EQUAL(strlen(err.text), sizeof err.text - 1);
+  CU_ASSERT_EQUAL(strncmp(err.text, "f:1:1: xxx", 10), 0);
+  free(endless);
+  vs_fail(&err, VS_RUN, "two\nlines");
+  CU_ASSERT_PTR_NULL(strchr(err.text, '\n'));
+  vs_fail_at(&err, (vs_where){"f\nf", 1, 1}, "key '%s'", "a\r\nb");
+  CU_ASSERT_PTR_NULL(strpbrk(err.text, "\r\n"));
+}
+
+/* ---- trees ---- */
+
+/* "a.b", and "0", "1", ... for the elements of a list */
+static const vs_node *node_at(const vs_node *node, const char *path) {
+  char words[128], *rest = words;
+  snprintf(words, sizeof words, "%s", path);
+  for (char *word; node && (word = strsep(&rest, "."));) {
+    if (node->kind == VS_NODE_MAP) {
+      node = vs_node_child(node, word);
+      continue;
+    }
+    node = node->child;
+    for (long n = strtol(word, NULL, 10); node && n > 0; n--) node = node->next;
+  }
+  return node;
+}
+
+static const char *text_of(const vs_tree *tree, const char *path) {
+  const vs_node *node = node_at(tree->root, path);
+  return node && node->kind == VS_NODE_TEXT ? node->text : "(no text)";
+}
+
+static const char SCENE[] = "# a comment\n"
+                            "machine:\n"
+                            "  trough_mass: 1 kg   # behind it\n"
+                            "  base_com: [1 mm, 2 mm]\n"
+                            "run: {until: 2 s, sample: \"0.1 ms\"}\n"
+                            "empty:\n"
+                            "record:\n"
+                            "  - p\n"
+                            "  - i\n"
+                            "other: {}\r\n";
+
+static void a_tree_remembers_where_things_stood(void) {
+  static const struct {
+    const char *path, *text;
+    vs_node_kind kind;
+    int line, column, key_line, key_column;
+  } ROWS[] = {
+      {"machine", NULL, VS_NODE_MAP, 3, 3, 2, 1},
+      {"machine.trough_mass", "1 kg", VS_NODE_TEXT, 3, 16, 3, 3},
+      {"machine.base_com", NULL, VS_NODE_LIST, 4, 14, 4, 3},
+      {"machine.base_com.0", "1 mm", VS_NODE_TEXT, 4, 14, 0, 0},
+      {"machine.base_com.1", "2 mm", VS_NODE_TEXT, 4, 20, 0, 0},
+      {"run.until", "2 s", VS_NODE_TEXT, 5, 14, 5, 7},
+      {"run.sample", "0.1 ms", VS_NODE_TEXT, 5, 28, 5, 19},
+      {"empty", "", VS_NODE_TEXT, 6, 1, 6, 1},
+      {"record.0", "p", VS_NODE_TEXT, 8, 5, 0, 0},
+      {"record.1", "i", VS_NODE_TEXT, 9, 5, 0, 0},
+      {"other", NULL, VS_NODE_MAP, 10, 1, 10, 1},
+  };
+  vs_tree tree;
+  vs_error err = {""};
+  write_file("s.yaml", SCENE);
+  CU_ASSERT_EQUAL_FATAL(vs_tree_read("s.yaml", &tree, &err), VS_OK);
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    const vs_node *n = node_at(tree.root, ROWS[k].path);
+    EXPECT(n != NULL, "no %s", ROWS[k].path);
+    if (!n) continue;
+    EXPECT(n->kind == ROWS[k].kind, "%s: kind %d", ROWS[k].path, (int)n->kind);
+    EXPECT(!ROWS[k].text || !strcmp(n->text, ROWS[k].text), "%s: '%s'", ROWS[k].path, n->text);
+    EXPECT(n->where.line == ROWS[k].line && n->where.column == ROWS[k].column &&
+               !strcmp(n->where.file, "s.yaml"),
+           "%s: %s:%d:%d", ROWS[k].path, n->where.file, n->where.line, n->where.column);
+    EXPECT(!n->key ||
+               (n->key_where.line == ROWS[k].key_line && n->key_where.column == ROWS[k].key_column),
+           "%s: key at %d:%d", ROWS[k].path, n->key_where.line, n->key_where.column);
+  }
+  CU_ASSERT_PTR_NULL(vs_node_child(tree.root, "nothing"));
+  CU_ASSERT_PTR_NULL(vs_node_child(NULL, "nothing"));
+  vs_tree_free(&tree);
+}
+
+static void files_that_say_nothing_are_empty_maps(void) {
+  static const char *const TEXTS[] = {"", "\n\n", "# only this\n", "---\n", "{}\n"};
+  for (size_t k = 0; k < COUNT(TEXTS); k++) {
+    vs_tree tree;
+    vs_error err = {""};
+    write_file("s.yaml", TEXTS[k]);
+    EXPECT(!vs_tree_read("s.yaml", &tree, &err) && tree.root->kind == VS_NODE_MAP &&
+               !tree.root->child,
+           "'%s': %s", TEXTS[k], err.text);
+    vs_tree_free(&tree);
+  }
+}
+
+static void bad_files_are_refused(void) {
+  static const struct {
+    const char *text, *says[2];
+  } ROWS[] = {
+      {"a: {b: 1\n", {"s.yaml:2:1: ", "not YAML"}},
+      {"a: [1\n", {"s.yaml:2:1: ", "not YAML"}},
+      {"a:\n\tb: 1\n", {"s.yaml:2:1: ", "tab"}},
+      {"a: 1\nb: 2\na: 3\n", {"s.yaml:3:1: ", "duplicate"}},
+      {"a: 1\n---\nb: 2\n", {"s.yaml", "second document"}},
+      {"a: 1\n---\nb: [\n", {"s.yaml:", "not YAML"}},
+      {"a: &x 1\nb: *x\n", {"s.yaml:2:", "aliases"}},
+      {"a: &x {c: 1}\nb: [*x]\n", {"s.yaml:2:", "aliases"}},
+      {"? [a]\n: 1\n", {"s.yaml:1:", "plain name"}},
+      {"[1, 2]\n", {"s.yaml:1:2: ", "key: value"}},
+      {"hello\n", {"s.yaml:1:1: ", "key: value"}},
+      {"a: \"\xff\"\n", {"s.yaml:1:", "UTF8"}},
+  };
+  vs_tree tree;
+  vs_error err;
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    err.text[0] = '\0';
+    write_file("s.yaml", ROWS[k].text);
+    EXPECT(vs_tree_read("s.yaml", &tree, &err) == VS_INPUT, "'%s' was read", ROWS[k].text);
+    for (int w = 0; w < 2; w++)
+      EXPECT(strstr(err.text, ROWS[k].says[w]), "'%s': no '%s' in: %s", ROWS[k].text,
+             ROWS[k].says[w], err.text);
+    vs_tree_free(&tree);
+  }
+  CU_ASSERT_EQUAL(vs_tree_read("nowhere.yaml", &tree, &err), VS_INPUT);
+  CU_ASSERT_PTR_NOT_NULL(strstr(err.text, "nowhere.yaml: cannot be opened: No such file"));
+  vs_tree_free(&tree);
+}
+
+static void what_is_set_lies_over_the_file(void) {
+  static const struct {
+    const char *assignment, *path, *text;
+  } ROWS[] = {
+      {"machine.trough_mass=2 kg", "machine.trough_mass", "2 kg"},
+      {"run.until=3s", "run.until", "3s"},
+      {"run.until=4s", "run.until", "4s"}, /* the later one counts */
+      {"firing.angle=95deg", "firing.angle", "95deg"},
+      {"machine.base_com=[5 mm, 6 mm]", "machine.base_com.1", "6 mm"},
+      {"record=all", "record", "all"},
+      {"load={fraction: 0.5}", "load.fraction", "0.5"},
+      {"empty.now=filled", "empty.now", "filled"},
+      {"circuit.deck=a=b.cir", "circuit.deck", "a=b.cir"},
+      {"run.sample=", "run.sample", ""},
+      {"a.b.c.d=1", "a.b.c.d", "1"},
+  };
+  vs_tree tree;
+  vs_error err = {""};
+  write_file("s.yaml", SCENE);
+  CU_ASSERT_EQUAL_FATAL(vs_tree_read("s.yaml", &tree, &err), VS_OK);
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char label[128];
+    snprintf(label, sizeof label, "--set %s", ROWS[k].assignment);
+    EXPECT(!vs_tree_set(&tree, ROWS[k].assignment, &err), "%s: %s", label, err.text);
+    EXPECT(!strcmp(text_of(&tree, ROWS[k].path), ROWS[k].text), "%s: %s = '%s'", label,
+           ROWS[k].path, text_of(&tree, ROWS[k].path));
+    const vs_node *n = node_at(tree.root, ROWS[k].path);
+    EXPECT(n && n->where.line == 0 && !strcmp(n->where.file, label), "%s: stands at %s", label,
+           n ? n->where.file : "");
+  }
+  CU_ASSERT_STRING_EQUAL(text_of(&tree, "machine.base_com.0"), "5 mm");
+  CU_ASSERT_PTR_NULL(node_at(tree.root, "machine.base_com.2"));
+  CU_ASSERT_PTR_NULL(node_at(tree.root, "machine")->next->next->next->next->child); /* record */
+  vs_tree_free(&tree);
+}
+
+static void bad_settings_are_refused(void) {
+  static const char *const ROWS[] = {"", "run.until", "=1", "run.until=[1", "a={b: 1", "a=*b"};
+  vs_tree tree;
+  vs_error err = {""};
+  write_file("s.yaml", SCENE);
+  CU_ASSERT_EQUAL_FATAL(vs_tree_read("s.yaml", &tree, &err), VS_OK);
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char label[64];
+    snprintf(label, sizeof label, "--set %s: ", ROWS[k]);
+    EXPECT(vs_tree_set(&tree, ROWS[k], &err) == VS_INPUT, "%swas taken", label);
+    EXPECT(!strncmp(err.text, label, strlen(label)), "%s%s", label, err.text);
+  }
+  CU_ASSERT_STRING_EQUAL(text_of(&tree, "run.until"), "2 s");
+  vs_tree_free(&tree);
+}
+
+/* ---- fields ---- */
+
+typedef struct values {
+  double gap_m, angle_rad, pair_m[2];
+  int choice, count;
+  char name[VS_NAME_SIZE];
+} values;
+#define AT(member) offsetof(values, member)
+
+static const vs_field FIELDS[] = {
+    {"gap", VS_REAL, "mm", "6 mm", 0, 10, false, AT(gap_m), "closed range", NULL, NULL},
+    {"angle", VS_REAL, "deg", "100 deg", 0, 180, true, AT(angle_rad), "open range", NULL, NULL},
+    {"place", VS_PAIR, "mm", "1 mm, 2 mm", -5, 5, false, AT(pair_m), "two numbers", NULL, NULL},
+    {"kind", VS_CHOICE, "", "paper", 0, 0, false, AT(choice), "a word", "none|paper|derived", NULL},
+    {"every", VS_COUNT, "", "once", 1, 9, false, AT(count), "a whole number", "once", NULL},
+    {"deck", VS_NAME, "", "standard", 0, 0, false, AT(name), "a name", NULL, NULL},
+};
+static const vs_section SECTION = {"part", FIELDS, COUNT(FIELDS)};
+
+static vs_status read_part(const char *yaml, values *v, vs_error *err) {
+  vs_tree tree;
+  memset(v, 0x55, sizeof *v); /* every member must be written */
+  write_file("part.yaml", yaml);
+  vs_status status = vs_tree_read("part.yaml", &tree, err);
+  if (!status) status = vs_section_read(&SECTION, vs_node_child(tree.root, "part"), v, err);
+  vs_tree_free(&tree);
+  return status;
+}
+
+static void defaults_fill_what_is_not_named(void) {
+  static const char *const TEXTS[] = {"", "part:\n", "part: {}\n"};
+  for (size_t k = 0; k < COUNT(TEXTS); k++) {
+    values v;
+    vs_error err = {""};
+    EXPECT(!read_part(TEXTS[k], &v, &err), "'%s': %s", TEXTS[k], err.text);
+    EXPECT(v.gap_m == 0.006 && v.pair_m[0] == 0.001 && v.pair_m[1] == 0.002, "'%s'", TEXTS[k]);
+    EXPECT(v.choice == 1 && v.count == 0 && !strcmp(v.name, "standard"), "'%s'", TEXTS[k]);
+    CLOSE(v.angle_rad, 1.7453292519943295, 1e-15);
+  }
+}
+
+static void good_fields(void) {
+  values v;
+  vs_error err = {""};
+  CU_ASSERT_EQUAL(read_part("part: {gap: 10 mm, angle: 0.001 deg, place: [-5 mm, 0], kind: none,\n"
+                            "  every: 9, deck: my deck.cir}\n",
+                            &v, &err),
+                  VS_OK);
+  CU_ASSERT(v.gap_m == 0.01);
+  CLOSE(v.angle_rad, 1.7453292519943295e-5, 1e-15);
+  CU_ASSERT(v.pair_m[0] == -0.005 && v.pair_m[1] == 0);
+  CU_ASSERT_EQUAL(v.choice, 0);
+  CU_ASSERT_EQUAL(v.count, 9);
+  CU_ASSERT_STRING_EQUAL(v.name, "my deck.cir");
+  CU_ASSERT_EQUAL(read_part("part: {gap: 0, every: once, kind: derived}\n", &v, &err), VS_OK);
+  CU_ASSERT(v.gap_m == 0);
+  CU_ASSERT_EQUAL(v.count, 0);
+  CU_ASSERT_EQUAL(v.choice, 2);
+}
+
+static void bad_fields(void) {
+  static const struct {
+    const char *part, *at, *says[2];
+  } ROWS[] = {
+      {"{gpa: 1 mm}", "part.yaml:1:8: ", {"'gpa'", "did you mean 'gap'?"}},
+      {"{voltage_of_mains: 1 V}", "part.yaml:1:8: ", {"part has no key", NULL}},
+      {"{gap: 10.001 mm}", "part.yaml:1:13: ", {"out of range", "0..10 mm"}},
+      {"{gap: -1 um}", "part.yaml:1:13: ", {"part.gap: -1 um is out of range", "0..10 mm"}},
+      {"{gap: 1}", "part.yaml:1:13: ", {"part.gap", "no unit"}},
+      {"{gap: 1 V}", "part.yaml:1:13: ", {"wrong unit", "mm"}},
+      {"{gap: [1 mm]}", "part.yaml:1:14: ", {"one value", "6 mm"}},
+      {"{gap: {a: 1 mm}}", "part.yaml:1:", {"one value", "6 mm"}},
+      {"{gap: ''}", "part.yaml:1:14: ", {"not a number", "mm"}},
+      {"{angle: 0}", "part.yaml:1:15: ", {"out of range", "0..180 deg (ends excluded)"}},
+      {"{angle: 180 deg}", "part.yaml:1:15: ", {"out of range", "ends excluded"}},
+      {"{place: 1 mm}", "part.yaml:1:15: ", {"part.place", "[x, y]"}},
+      {"{place: [1 mm]}", "part.yaml:1:16: ", {"[x, y]", NULL}},
+      {"{place: [1 mm, 2 mm, 3 mm]}", "part.yaml:1:16: ", {"[x, y]", NULL}},
+      {"{place: [1 mm, 6 mm]}", "part.yaml:1:22: ", {"out of range", "-5..5 mm"}},
+      {"{place: [1 mm, [2 mm]]}", "part.yaml:1:23: ", {"one value", NULL}},
+      {"{kind: Paper}", "part.yaml:1:14: ", {"'Paper'", "none|paper|derived"}},
+      {"{kind: pap}", "part.yaml:1:14: ", {"'pap'", "none|paper|derived"}},
+      {"{kind: [paper]}", "part.yaml:1:15: ", {"a list or map", "none|paper|derived"}},
+      {"{every: 0}", "part.yaml:1:15: ", {"out of range", "once or 1..9"}},
+      {"{every: 10}", "part.yaml:1:15: ", {"out of range", "once or 1..9"}},
+      {"{every: 1.5}", "part.yaml:1:15: ", {"1.5", "whole number"}},
+      {"{every: twice}", "part.yaml:1:15: ", {"not a number", NULL}},
+      {"{deck: ''}", "part.yaml:1:15: ", {"a name", "standard"}},
+      {"{deck: [a]}", "part.yaml:1:15: ", {"a name", "standard"}},
+      {"[1]", "part.yaml:1:8: ", {"part: a map", NULL}},
+      {"3", "part.yaml:1:7: ", {"part: a map", NULL}},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char yaml[128];
+    values v;
+    vs_error err = {""};
+    snprintf(yaml, sizeof yaml, "part: %s\n", ROWS[k].part);
+    EXPECT(read_part(yaml, &v, &err) == VS_INPUT, "%s was read", ROWS[k].part);
+    EXPECT(!strncmp(err.text, ROWS[k].at, strlen(ROWS[k].at)), "%s: not at %s: %s", ROWS[k].part,
+           ROWS[k].at, err.text);
+    for (int w = 0; w < 2 && ROWS[k].says[w]; w++)
+      EXPECT(strstr(err.text, ROWS[k].says[w]), "%s: no '%s' in: %s", ROWS[k].part, ROWS[k].says[w],
+             err.text);
+  }
+  char yaml[VS_NAME_SIZE + 64] = "part: {deck: ";
+  values v;
+  vs_error err = {""};
+  memset(yaml + strlen(yaml), 'x', VS_NAME_SIZE);
+  strcat(yaml, "}\n");
+  CU_ASSERT_EQUAL(read_part(yaml, &v, &err), VS_INPUT);
+  CU_ASSERT_PTR_NOT_NULL(strstr(err.text, "longer than 255 bytes"));
+}
+
+static void fields_as_json_and_ranges(void) {
+  static const struct {
+    const char *json, *range;
+  } ROWS[] = {{"{\"value\": 6, \"unit\": \"mm\"}", "0..10 mm"},
+              {"{\"value\": 100, \"unit\": \"deg\"}", "0..180 deg (ends excluded)"},
+              {"{\"value\": [1, 2], \"unit\": \"mm\"}", "-5..5 mm"},
+              {"\"paper\"", "none|paper|derived"},
+              {"\"once\"", "once or 1..9"},
+              {"\"standard\"", ""}};
+  values v;
+  vs_error err = {""};
+  char range[128];
+  CU_ASSERT_EQUAL_FATAL(read_part("", &v, &err), VS_OK);
+  for (size_t k = 0; k < COUNT(FIELDS); k++) {
+    vs_text json = {0};
+    vs_field_json(&FIELDS[k], &v, &json);
+    EXPECT(!strcmp(json.text, ROWS[k].json), "%s: %s", FIELDS[k].key, json.text);
+    vs_text_free(&json);
+    vs_field_range(&FIELDS[k], range, sizeof range);
+    EXPECT(!strcmp(range, ROWS[k].range), "%s: %s", FIELDS[k].key, range);
+  }
+  CU_ASSERT_EQUAL(read_part("part: {every: 3}", &v, &err), VS_OK);
+  vs_text json = {0};
+  vs_field_json(&FIELDS[4], &v, &json);
+  CU_ASSERT_STRING_EQUAL(json.text, "3");
+  vs_text_free(&json);
+}
+
+/* ---- files ---- */
+
+static void a_committed_file_is_there_whole(void) {
+  vs_file file;
+  vs_error err = {""};
+  char text[256];
+  struct stat st;
+  CU_ASSERT_EQUAL(mkdir("there", 0777), 0);
+  write_file("there/run.csv", "old");
+  mode_t mask = umask(022);
+  CU_ASSERT_EQUAL_FATAL(vs_file_open(&file, "there", "run.csv", &err), VS_OK);
+  fputs("new and longer", file.stream);
+  fflush(file.stream);
+  CU_ASSERT_STRING_EQUAL(head("there/run.csv", text), "old");
+  CU_ASSERT_EQUAL(vs_file_commit(&file, &err), VS_OK);
+  CU_ASSERT_PTR_NULL(file.stream);
+  CU_ASSERT_STRING_EQUAL(head("there/run.csv", text), "new and longer");
+  CU_ASSERT_EQUAL(stat("there/run.csv", &st), 0);
+  CU_ASSERT_EQUAL(st.st_mode & 0777, 0644);
+  EXPECT_FILES("there", "run.csv ");
+  vs_file_discard(&file); /* safe on a closed one */
+  CU_ASSERT_EQUAL_FATAL(vs_file_open(&file, "", "beside.csv", &err), VS_OK);
+  CU_ASSERT_EQUAL(vs_file_commit(&file, &err), VS_OK);
+  CU_ASSERT_EQUAL(unlink("beside.csv"), 0);
+  umask(mask);
+}
+
+static void a_discarded_file_never_was(void) {
+  vs_file file = {0};
+  vs_error err = {""};
+  char text[256];
+  vs_file_discard(&file);
+  CU_ASSERT_EQUAL(mkdir("gone", 0777), 0);
+  CU_ASSERT_EQUAL_FATAL(vs_file_open(&file, "gone", "run.csv", &err), VS_OK);
+  fputs("something", file.stream);
+  vs_file_discard(&file);
+  CU_ASSERT_PTR_NULL(file.stream);
+  EXPECT_FILES("gone", "");
+  write_file("gone/run.csv", "old");
+  CU_ASSERT_EQUAL_FATAL(vs_file_open(&file, "gone", "run.csv", &err), VS_OK);
+  vs_file_discard(&file);
+  CU_ASSERT_STRING_EQUAL(head("gone/run.csv", text), "old");
+  EXPECT_FILES("gone", "run.csv ");
+}
+
+static void a_file_is_committed_under_another_name(void) {
+  vs_file file;
+  vs_error err = {""};
+  char text[256];
+  CU_ASSERT_EQUAL(mkdir("other", 0777), 0);
+  CU_ASSERT_EQUAL_FATAL(vs_file_open(&file, "other", "run.csv", &err), VS_OK);
+  fputs("half", file.stream);
+  CU_ASSERT_EQUAL(vs_file_commit_as(&file, "other", "run.partial.csv", &err), VS_OK);
+  EXPECT_FILES("other", "run.partial.csv ");
+  CU_ASSERT_STRING_EQUAL(head("other/run.partial.csv", text), "half");
+}
+
+static void files_that_cannot_be_written(void) {
+  vs_file file;
+  vs_error err = {""};
+  CU_ASSERT_EQUAL(vs_file_open(&file, "nowhere", "run.csv", &err), VS_INPUT);
+  CU_ASSERT_PTR_NOT_NULL(strstr(err.text, "nowhere/run.csv: cannot be written: No such file"));
+  vs_file_discard(&file);
+  CU_ASSERT_EQUAL(mkdir("blocked", 0777), 0);
+  CU_ASSERT_EQUAL(mkdir("blocked/run.csv", 0777), 0); /* a rename onto it must fail */
+  CU_ASSERT_EQUAL_FATAL(vs_file_open(&file, "blocked", "run.csv", &err), VS_OK);
+  fputs("text", file.stream);
+  CU_ASSERT_EQUAL(vs_file_commit(&file, &err), VS_RUN);
+  CU_ASSERT_PTR_NOT_NULL(strstr(err.text, "blocked/run.csv: cannot be written"));
+  EXPECT_FILES("blocked", "run.csv ");
+}
+
+static void folders(void) {
+  static const struct {
+    const char *folder, *says;
+  } BAD[] = {{"", "empty"}, {"plain", "not a directory"}, {"plain/below", "Not a directory"}};
+  vs_error err = {""};
+  int made = -1;
+  write_file("plain", "");
+  CU_ASSERT_EQUAL(vs_folder_make("one/two/three", &made, &err), VS_OK);
+  CU_ASSERT_EQUAL(made, 3);
+  EXPECT_FILES("one/two", "three ");
+  vs_folder_unmake("one/two/three", 2);
+  EXPECT_FILES("one", "");
+  CU_ASSERT_EQUAL(vs_folder_make("one/four/five/", &made, &err), VS_OK);
+  CU_ASSERT_EQUAL(made, 2);
+  write_file("one/four/kept", "");
+  vs_folder_unmake("one/four/five/", made);
+  EXPECT_FILES("one/four", "kept ");
+  CU_ASSERT_EQUAL(vs_folder_make("one/four", &made, &err), VS_OK); /* there already */
+  CU_ASSERT_EQUAL(made, 0);
+  vs_folder_unmake("one/four", made);
+  EXPECT_FILES("one", "four ");
+  for (size_t k = 0; k < COUNT(BAD); k++) {
+    EXPECT(vs_folder_make(BAD[k].folder, &made, &err) == VS_INPUT, "'%s' was made", BAD[k].folder);
+    EXPECT(strstr(err.text, BAD[k].says), "'%s': %s", BAD[k].folder, err.text);
+  }
+}
+
+static const vs_shelf SHELF = {"scene", "scenes", ".yaml"};
+
+static void add_listed(void *ctx, const char *path) {
+  if (strstr(path, "library/")) vs_text_add(ctx, "%s ", path);
+}
+
+static void shipped_files_are_found(void) {
+  vs_error err = {""};
+  vs_text listed = {0};
+  int made;
+  char path[VS_PATH_SIZE];
+  const vs_where asked = {"s.yaml", 4, 2};
+  CU_ASSERT_EQUAL(vs_folder_make("library/scenes", &made, &err), VS_OK);
+  write_file("library/scenes/mine.yaml", "");
+  write_file("library/scenes/another.yaml", "");
+  write_file("library/scenes/notes.txt", "");
+  setenv("VIBROSPICE_PATH", "nowhere::library", 1);
+  CU_ASSERT_EQUAL(vs_find(&SHELF, "mine", asked, path, &err), VS_OK);
+  CU_ASSERT_STRING_EQUAL(path, "library/scenes/mine.yaml");
+  CU_ASSERT_EQUAL(vs_find(&SHELF, "library/scenes/notes.txt", asked, path, &err), VS_OK);
+  CU_ASSERT_STRING_EQUAL(path, "library/scenes/notes.txt");
+  CU_ASSERT_EQUAL(vs_find(&SHELF, "paper", asked, path, &err), VS_OK);
+  CU_ASSERT_PTR_NULL(strstr(path, "library/"));
+  write_file("library/scenes/paper.yaml", ""); /* the user's own comes first */
+  CU_ASSERT_EQUAL(vs_find(&SHELF, "paper", asked, path, &err), VS_OK);
+  CU_ASSERT_STRING_EQUAL(path, "library/scenes/paper.yaml");
+  CU_ASSERT_EQUAL(vs_find(&SHELF, "anothr", asked, path, &err), VS_INPUT);
+  CU_ASSERT_EQUAL(strncmp(err.text, "s.yaml:4:2: no scene 'anothr'", 29), 0);
+  CU_ASSERT_PTR_NOT_NULL(strstr(err.text, "did you mean 'another'?"));
+  CU_ASSERT_EQUAL(vs_find(&SHELF, "library", asked, path, &err), VS_INPUT); /* a folder */
+  CU_ASSERT_EQUAL(vs_find(&SHELF, "", asked, path, &err), VS_INPUT);
+  vs_shelf_list(&SHELF, add_listed, &listed);
+  CU_ASSERT_STRING_EQUAL(listed.text, "library/scenes/another.yaml library/scenes/mine.yaml "
+                                      "library/scenes/paper.yaml ");
+  vs_text_free(&listed);
+  unsetenv("VIBROSPICE_PATH");
+}
+
+static const vs_test TESTS[] = {
+    {"good quantities", good_quantities},
+    {"bad quantities", bad_quantities},
+    {"units known", units_known},
+    {"nearest names", nearest_names},
+    {"unit suffixes", unit_suffixes},
+    {"growing text", growing_text},
+    {"errors are one line", errors_are_one_line},
+    {"a tree remembers where things stood", a_tree_remembers_where_things_stood},
+    {"files that say nothing are empty maps", files_that_say_nothing_are_empty_maps},
+    {"bad files are refused", bad_files_are_refused},
+    {"what is set lies over the file", what_is_set_lies_over_the_file},
+    {"bad settings are refused", bad_settings_are_refused},
+    {"defaults fill what is not named", defaults_fill_what_is_not_named},
+    {"good fields", good_fields},
+    {"bad fields", bad_fields},
+    {"fields as JSON, ranges", fields_as_json_and_ranges},
+    {"a committed file is there whole", a_committed_file_is_there_whole},
+    {"a discarded file never was", a_discarded_file_never_was},
+    {"a file is committed under another name", a_file_is_committed_under_another_name},
+    {"files that cannot be written", files_that_cannot_be_written},
+    {"folders", folders},
+    {"shipped files are found", shipped_files_are_found},
+};
+
+int main(void) {
+  const char *temporary = getenv("TMPDIR");
+  char folder[VS_PATH_SIZE];
+  snprintf(folder, sizeof folder, "%s/vibrospice.XXXXXX", temporary ? temporary : "/tmp");
+  if (!mkdtemp(folder)) return 1;
+  int failed = chdir(folder) || vs_suite("base", TESTS, COUNT(TESTS));
+  if (chdir("/") == 0) remove_tree(folder);
+  return failed;
+}

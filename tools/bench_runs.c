@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The parts of tools/bench that need the library or a child's resource usage; it says what for.
+ *
+ *   bench_runs tolerance REF         loosest decade of run.tolerance at which p is within 1e-9
+ *   bench_runs switched TOL REPEAT   best and median wall time of the paper's scene, switched tier
+ *   bench_runs circuit ROUNDS        0.1 s on the circuit tier against its circuit alone, in turn
+ *   bench_runs child PROGRAM ARG...  wall time and peak memory of a program
+ *
+ * Each prints CSV without a header; the columns are said at each function. */
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_sort.h>
+#include <gsl/gsl_statistics.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "study/scene.h"
+#include "watch/energy.h"
+
+/* The peers' record: p, u, w, phi, i every 0.1 ms of 2 s. */
+enum { COLUMNS = 5, ROWS = 20001, ROWS_PER_SECOND = 10000 };
+static const int RECORDED[COLUMNS] = {VS_CH_P, VS_CH_U, VS_CH_W, VS_CH_PHI, VS_CH_I};
+static const double WANTED = 1e-9;
+
+typedef struct record {
+  double y[ROWS][COLUMNS];
+  int rows;
+  long steps;
+} record;
+
+static double wall_clock(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static _Noreturn void give_up(const char *what) {
+  fprintf(stderr, "bench_runs: %s\n", what);
+  exit(1);
+}
+
+static void must(vs_status status, const vs_error *err) {
+  if (status) give_up(err->text);
+}
+
+static void *allocated(size_t size) {
+  void *p = calloc(1, size);
+  if (!p) give_up("out of memory");
+  return p;
+}
+
+/* The paper's scene with one KEY=VALUE set. */
+static vs_scene *read_scene(const char *tier, char *set) {
+  vs_scene *scene = allocated(sizeof *scene);
+  vs_error err;
+  must(vs_scene_read("paper", &set, 1, tier, scene, &err), &err);
+  return scene;
+}
+
+static vs_scene *read_switched(double tolerance) {
+  char set[64];
+  snprintf(set, sizeof set, "run.tolerance=%g", tolerance);
+  return read_scene("switched", set);
+}
+
+static void free_scene(vs_scene *scene) {
+  vs_scene_free(scene);
+  free(scene);
+}
+
+static double run_timed(const vs_scene *scene, const vs_observer *observer) {
+  vs_error err;
+  double began = wall_clock();
+  must(scene->tier->run(&scene->setup, observer, &err), &err);
+  return wall_clock() - began;
+}
+
+/* ---- observers ---- */
+
+static vs_status nothing(void *ctx, const vs_step *step, vs_error *err) {
+  (void)ctx, (void)step, (void)err;
+  return VS_OK;
+}
+
+static vs_status store(void *ctx, const vs_step *step, vs_error *err) {
+  (void)err;
+  record *r = ctx;
+  double y[VS_CH_MOST];
+  r->steps++;
+  for (; r->rows < ROWS && (double)r->rows / ROWS_PER_SECOND <= step->to->t_s; r->rows++) {
+    vs_step_at(step, (double)r->rows / ROWS_PER_SECOND, y);
+    for (int k = 0; k < COLUMNS; k++) r->y[r->rows][k] = y[RECORDED[k]];
+  }
+  return VS_OK;
+}
+
+typedef struct watchers {
+  vs_measures *measures;
+  vs_energy energy;
+} watchers;
+
+static vs_status watch(void *ctx, const vs_step *step, vs_error *err) {
+  (void)err;
+  watchers *w = ctx;
+  vs_measures_accept(w->measures, step);
+  vs_energy_accept(&w->energy, step);
+  return VS_OK;
+}
+
+/* ---- switched tier ---- */
+
+static double run_stored(const vs_scene *scene, record *r) {
+  vs_observer observer = {r, store};
+  r->rows = 0;
+  r->steps = 0;
+  double spent = run_timed(scene, &observer);
+  if (r->rows != ROWS) give_up("the run did not reach its end");
+  return spent;
+}
+
+/* Largest error of a column, relative to the reference's peak. */
+static double error_of(const record *r, const record *reference, int column) {
+  double error = 0, peak = 0;
+  for (int k = 0; k < ROWS; k++) {
+    error = fmax(error, fabs(r->y[k][column] - reference->y[k][column]));
+    peak = fmax(peak, fabs(reference->y[k][column]));
+  }
+  return error / peak;
+}
+
+/* tolerance, error of p, largest error of p, u, w, phi, i, steps */
+static void find_tolerance(const char *path) {
+  record *reference = allocated(sizeof *reference), *r = allocated(sizeof *r);
+  FILE *f = fopen(path, "rb");
+  if (!f || fread(reference->y, sizeof reference->y, 1, f) != 1)
+    give_up("the reference cannot be read");
+  fclose(f);
+  int decade = -4;
+  double error = INFINITY, worst = 0;
+  for (; decade >= -12; decade--) {
+    vs_scene *scene = read_switched(pow(10, decade));
+    run_stored(scene, r);
+    free_scene(scene);
+    error = error_of(r, reference, 0);
+    if (error <= WANTED) break;
+  }
+  if (error > WANTED) give_up("no tolerance of the switched tier reaches 1e-9 in p");
+  for (int k = 0; k < COLUMNS; k++) worst = fmax(worst, error_of(r, reference, k));
+  printf("1e%d,%.2e,%.2e,%ld\n", decade, error, worst, r->steps);
+  free(r);
+  free(reference);
+}
+
+static double median(double *values, size_t n) {
+  gsl_sort(values, 1, n);
+  return gsl_stats_median_from_sorted_data(values, 1, n);
+}
+
+/* seconds: best and median with 20,001 samples stored, best and median without an observer's work
+ */
+static void time_switched(double tolerance, size_t repeat) {
+  vs_scene *scene = read_switched(tolerance);
+  record *r = allocated(sizeof *r);
+  double *stored = allocated(repeat * sizeof *stored), *alone = allocated(repeat * sizeof *alone);
+  const vs_observer idle = {NULL, nothing};
+  for (size_t k = 0; k < repeat; k++) {
+    stored[k] = run_stored(scene, r);
+    alone[k] = run_timed(scene, &idle);
+  }
+  double middle[2] = {median(stored, repeat), median(alone, repeat)};
+  printf("%.9f,%.9f,%.9f,%.9f\n", stored[0], middle[0], alone[0], middle[1]);
+  free(stored);
+  free(alone);
+  free(r);
+  free_scene(scene);
+}
+
+/* ---- circuit tier: a solver that is ngspice, with a clock, or with a host of its own ---- */
+
+static struct {
+  const vs_setup *setup;
+  bool circuit_alone; /* run with the gap at rest and nobody to be told */
+  size_t gap_port;
+  double solving_s; /* of the last run, without loading */
+  long steps, sources;
+  vs_circuit_host host; /* the tier's */
+} timed;
+
+static double rest_source(void *ctx, size_t port, double t_s) {
+  (void)ctx;
+  timed.sources++;
+  if (port == timed.gap_port) return timed.setup->model.gap_rest_m;
+  const vs_port *p = &timed.setup->deck.ports[port];
+  return p->kind == VS_PORT_MAINS ? vs_mains(&timed.setup->timeline, t_s)
+                                  : (double)vs_gate(&timed.setup->timeline, p->shift_rad, t_s);
+}
+
+static double rest_edge(void *ctx, double t_s) {
+  (void)ctx;
+  double next = INFINITY;
+  for (size_t k = 0; k < timed.setup->deck.n_ports; k++)
+    if (timed.setup->deck.ports[k].kind == VS_PORT_GATE)
+      next = fmin(next,
+                  vs_gate_edge(&timed.setup->timeline, timed.setup->deck.ports[k].shift_rad, t_s));
+  return next;
+}
+
+static vs_status rest_accept(void *ctx, double t_s, const double *signals, vs_error *err) {
+  (void)ctx, (void)t_s, (void)signals, (void)err;
+  timed.steps++;
+  return VS_OK;
+}
+
+static double counted_source(void *ctx, size_t port, double t_s) {
+  (void)ctx;
+  timed.sources++;
+  return timed.host.source(timed.host.ctx, port, t_s);
+}
+
+static double counted_edge(void *ctx, double t_s) {
+  (void)ctx;
+  return timed.host.edge(timed.host.ctx, t_s);
+}
+
+static vs_status counted_accept(void *ctx, double t_s, const double *signals, vs_error *err) {
+  (void)ctx;
+  timed.steps++;
+  return timed.host.accept(timed.host.ctx, t_s, signals, err);
+}
+
+static vs_status load(const vs_circuit_job *job, void **circuit, vs_error *err) {
+  timed.gap_port = job->n_ports - 1;
+  timed.steps = timed.sources = 0;
+  return vs_ngspice.load(job, circuit, err);
+}
+
+static vs_status run(void *circuit, const vs_circuit_host *host, vs_error *err) {
+  const vs_circuit_host rest = {NULL, rest_source, rest_edge, rest_accept};
+  const vs_circuit_host counted = {NULL, counted_source, counted_edge, counted_accept};
+  timed.host = *host;
+  double began = wall_clock();
+  vs_status status = vs_ngspice.run(circuit, timed.circuit_alone ? &rest : &counted, err);
+  timed.solving_s = wall_clock() - began;
+  return status;
+}
+
+static void release(void *circuit) {
+  vs_ngspice.free(circuit);
+}
+
+/* One line per round; of the product with measures and energy, the product with an idle observer,
+ * the circuit alone: seconds, seconds without loading, steps, source calls. */
+static void time_circuit(int rounds) {
+  const vs_circuit_kind solver = {"ngspice, timed", load, run, release};
+  char until[] = "run.until=0.1s";
+  vs_scene *scene = read_scene("circuit", until);
+  scene->setup.solver = &solver;
+  timed.setup = &scene->setup;
+  const vs_observer idle = {NULL, nothing};
+  for (int round = -1; round < rounds;
+       round++) /* the first, with ngspice's beginning, is not counted */
+    for (int way = 0; way < 3; way++) {
+      watchers w = {.measures = vs_measures_new(&scene->frame)};
+      const vs_observer watching = {&w, watch};
+      timed.circuit_alone = way == 2;
+      double spent = run_timed(scene, way ? &idle : &watching);
+      vs_measures_free(w.measures);
+      if (round >= 0)
+        printf("%.9f,%.9f,%ld,%ld%c", spent, timed.solving_s, timed.steps, timed.sources,
+               way < 2 ? ',' : '\n');
+    }
+  free_scene(scene);
+}
+
+/* ---- a child's peak memory ---- */
+
+/* seconds, MB; the memory is at least this program's own, which execv's child had before */
+static void time_child(char *const *arguments) {
+  double began = wall_clock();
+  pid_t pid = fork();
+  if (pid < 0) give_up("no process for the child");
+  if (pid == 0) {
+    execv(arguments[0], arguments);
+    _exit(127);
+  }
+  int status;
+  struct rusage usage;
+  if (wait4(pid, &status, 0, &usage) != pid || status) give_up("the child failed");
+  printf("%.3f,%.1f\n", wall_clock() - began, (double)usage.ru_maxrss / 1024);
+}
+
+int main(int argc, char **argv) {
+  gsl_set_error_handler_off();
+  if (argc == 3 && !strcmp(argv[1], "tolerance"))
+    find_tolerance(argv[2]);
+  else if (argc == 4 && !strcmp(argv[1], "switched") && atoi(argv[3]) > 0)
+    time_switched(atof(argv[2]), (size_t)atoi(argv[3]));
+  else if (argc == 3 && !strcmp(argv[1], "circuit"))
+    time_circuit(atoi(argv[2]));
+  else if (argc > 2 && !strcmp(argv[1], "child"))
+    time_child(argv + 2);
+  else {
+    fputs("usage: bench_runs tolerance REF | switched TOL REPEAT | circuit ROUNDS | child PROGRAM "
+          "[ARG...]\n",
+          stderr);
+    return 2;
+  }
+  return 0;
+}
