@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -157,8 +158,10 @@ static vs_status gnuplot(const char *script, vs_error *err) {
   close(pipe_ends[0]);
   FILE *to = child > 0 ? fdopen(pipe_ends[1], "w") : NULL;
   if (!to) return vs_fail(err, VS_RUN, "gnuplot cannot be started: %s", strerror(errno));
+  void (*on_broken_pipe)(int) = signal(SIGPIPE, SIG_IGN); /* it may end before it has read all */
   fputs(script, to);
   fclose(to);
+  signal(SIGPIPE, on_broken_pipe);
   int how = 0;
   while (waitpid(child, &how, 0) < 0 && errno == EINTR) {
   }
