@@ -179,10 +179,10 @@ static void bare_deck_is_the_switched_tier(void) {
  * current. */
 static vs_status on_state(void *ctx, const vs_step *step, vs_error *err) {
   (void)err;
-  const double *d = step->to->deck; /* v_ak, i_thyristor, i_source */
+  const double *d = step->to->terms; /* v_ak, i_thyristor, -i_source */
   double *worst = ctx;
   if (d[1] > 0.1) worst[0] = fmax(worst[0], fabs(d[0] - (3 + 2 * d[1])));
-  worst[1] = fmax(worst[1], fabs(d[2] - d[1]));
+  worst[1] = fmax(worst[1], fabs(d[2] + d[1]));
   worst[2] = fmax(worst[2], d[1]);
   return VS_OK;
 }

@@ -91,21 +91,35 @@ static bool read_range(char *token, double *min, double *max) {
   return end_min != token && !*end_min && end_max != dots + 2 && !*end_max && *min <= *max;
 }
 
-static vs_status add_param(vs_deck *deck, const vs_field *field, vs_where where, vs_error *err) {
-  size_t n = deck->section.count - 1; /* parameters so far, behind the key deck */
+/* Adds a field to the deck's section; the texts are copied. */
+static vs_status add_field(vs_deck *deck, const vs_field *field, vs_where where, vs_error *err) {
   for (size_t k = 0; k < deck->section.count; k++)
     if (!strcmp(deck->section.fields[k].key, field->key))
       return vs_fail_at(err, where, "param %s stands here a second time%s", field->key,
                         k ? "" : ": that key is the program's");
-  if (n >= VS_DECK_MOST) return vs_fail_at(err, where, "more than %d parameters", VS_DECK_MOST);
   vs_field *own = &vs_deck_fields(deck)[deck->section.count++];
   *own = *field;
-  own->offset = offsetof(vs_circuit_values, params) + n * sizeof(double);
   own->key = vs_copy(field->key);
   own->unit = vs_copy(field->unit);
   own->default_text = vs_copy(field->default_text);
   own->text = vs_copy(field->text);
   return VS_OK;
+}
+
+/* param NAME = PART part "TEXT"; begun: up to the word part */
+static vs_status read_part(vs_deck *deck, cursor *c, vs_field *field, vs_where where,
+                           vs_error *err) {
+  char text[VS_DECK_TEXT];
+  if (deck->n_parts >= VS_DECK_PARTS)
+    return vs_fail_at(err, where, "more than %d parts", VS_DECK_PARTS);
+  vs_status status = take_text(c, text, sizeof text, err);
+  field->kind = VS_NAME;
+  field->text = text;
+  field->offset = offsetof(vs_circuit_values, parts) + deck->n_parts * VS_NAME_SIZE;
+  if (!status) status = add_field(deck, field, where, err);
+  if (!status)
+    deck->parts[deck->n_parts++].name = deck->section.fields[deck->section.count - 1].key;
+  return status;
 }
 
 /* param NAME = VALUE UNIT  MIN..MAX  "TEXT" */
@@ -121,9 +135,14 @@ static vs_status read_param(vs_deck *deck, cursor *c, vs_error *err) {
   vs_where at_value = here(c);
   take_token(c, value, sizeof value);
   take_token(c, range, sizeof range);
-  if (!strstr(range, "..")) { /* that was the unit */
+  if (!strstr(range, "..")) { /* that was the unit, or the word part */
     memcpy(unit, range, sizeof unit);
-    take_token(c, range, sizeof range);
+    if (strcmp(unit, "part")) take_token(c, range, sizeof range);
+  }
+  if (!strcmp(unit, "part")) {
+    field.default_text = value;
+    *unit = '\0';
+    return read_part(deck, c, &field, at_value, err);
   }
   snprintf(default_text, sizeof default_text, "%s%s%s", value, *unit ? " " : "", unit);
   if (!vs_unit_known(unit) || !vs_quantity(default_text, unit, &si, why, sizeof why))
@@ -134,7 +153,11 @@ static vs_status read_param(vs_deck *deck, cursor *c, vs_error *err) {
   if (si / vs_unit_factor(unit) < field.min || si / vs_unit_factor(unit) > field.max)
     return vs_fail_at(err, at_value, "param %s: %s is outside its own range", name, default_text);
   status = take_text(c, text, sizeof text, err);
-  return status ? status : add_param(deck, &field, at_value, err);
+  size_t n = deck->section.count - 1 - deck->n_parts; /* parameters so far */
+  if (!status && n >= VS_DECK_MOST)
+    status = vs_fail_at(err, at_value, "more than %d parameters", VS_DECK_MOST);
+  field.offset = offsetof(vs_circuit_values, params) + n * sizeof(double);
+  return status ? status : add_field(deck, &field, at_value, err);
 }
 
 /* port mains = SOURCE, port gate+180deg = SOURCE */
@@ -158,9 +181,12 @@ static vs_status read_port(vs_deck *deck, cursor *c, vs_error *err) {
   if (port.source[0] != 'v')
     return vs_fail_at(err, port.where, "a port drives a voltage source (V...), not '%s'",
                       port.source);
-  for (size_t k = 0; k < deck->n_ports; k++)
+  for (size_t k = 0; k < deck->n_ports; k++) {
     if (!strcmp(deck->ports[k].source, port.source))
       return vs_fail_at(err, port.where, "source %s has a port already", port.source);
+    if (port.kind == VS_PORT_MAINS && deck->ports[k].kind == VS_PORT_MAINS)
+      return vs_fail_at(err, port.where, "a second port mains; a deck has one at most");
+  }
   if (deck->n_ports >= VS_DECK_MOST)
     return vs_fail_at(err, port.where, "more than %d ports", VS_DECK_MOST);
   deck->ports[deck->n_ports++] = port;
@@ -168,35 +194,154 @@ static vs_status read_port(vs_deck *deck, cursor *c, vs_error *err) {
   return *c->at ? vs_fail_at(err, here(c), "nothing may follow the source's name") : VS_OK;
 }
 
+/* The term's index; a new one if nobody named it before; -1: no room. */
+static int find_term(vs_deck *deck, vs_where where, char quantity, const char *first,
+                     const char *second) {
+  vs_term term = {.where = where};
+  snprintf(term.plus, sizeof term.plus, "%c(%s)", quantity, first);
+  snprintf(term.minus, sizeof term.minus, "v(%s)", second);
+  for (size_t k = 0; k < deck->n_terms; k++)
+    if (!strcmp(deck->terms[k].plus, term.plus) && !strcmp(deck->terms[k].minus, term.minus))
+      return (int)k;
+  if (deck->n_terms >= VS_DECK_MOST) return -1;
+  deck->terms[deck->n_terms++] = term;
+  return (int)deck->n_terms - 1;
+}
+
 /* probe NAME = [-]v(n) | v(n,m) | i(Vx)  UNIT  "TEXT" */
 static vs_status read_probe(vs_deck *deck, cursor *c, vs_error *err) {
-  vs_probe probe = {.sign = 1, .minus = "v(0)"};
-  char first[VS_DECK_NAME - 4], second[VS_DECK_NAME - 4] = "0";
+  vs_probe probe = {.sign = 1};
+  char first[VS_DECK_NAME - 4], second[VS_DECK_NAME - 4];
   vs_status status = take_name(c, probe.name, err);
   if (status) return status;
   if (take(c, '-')) probe.sign = -1;
   skip_blanks(c);
+  vs_where where = here(c);
   char quantity = (char)tolower((unsigned char)*c->at);
-  static const char NODE[] = ".#+-:"; /* besides letters, digits and '_' */
-  bool good = (quantity == 'v' || quantity == 'i') && *c->at++ && take(c, '(') &&
-              take_word(c, NODE, first, sizeof first);
-  if (good && quantity == 'v' && take(c, ',')) good = take_word(c, NODE, second, sizeof second);
-  good = good && take(c, ')') && take_word(c, "./^%", probe.unit, sizeof probe.unit);
+  bool good = (quantity == 'v' || quantity == 'i') && *c->at++ &&
+              vs_term_read(&c->at, quantity, first, second, sizeof first) &&
+              take_word(c, "./^%", probe.unit, sizeof probe.unit);
   if (!good || !vs_unit_known(probe.unit))
     return vs_fail_at(err, here(c), "'probe NAME = v(n) | v(n,m) | i(Vx)  UNIT' is wanted here");
   status = take_text(c, probe.text, sizeof probe.text, err);
   if (status) return status;
-  vs_lower(first);
-  vs_lower(second);
-  snprintf(probe.plus, sizeof probe.plus, "%c(%s)", quantity, first);
-  snprintf(probe.minus, sizeof probe.minus, "v(%s)", second);
+  probe.term = find_term(deck, where, quantity, first, second);
   for (size_t k = 0; k < deck->n_probes; k++)
     if (!strcmp(deck->probes[k].name, probe.name))
       return vs_fail_at(err, c->line, "probe %s stands here a second time", probe.name);
-  if (deck->n_probes >= VS_DECK_MOST)
-    return vs_fail_at(err, c->line, "more than %d probes", VS_DECK_MOST);
+  if (deck->n_probes >= VS_DECK_MOST || probe.term < 0)
+    return vs_fail_at(err, c->line, "more than %d probes and terms of formulas", VS_DECK_MOST);
   deck->probes[deck->n_probes++] = probe;
   return VS_OK;
+}
+
+/* What a formula is read for. */
+typedef struct formula_scope {
+  vs_deck *deck;
+  vs_where where;
+} formula_scope;
+
+static int formula_term(void *ctx, char quantity, const char *first, const char *second) {
+  const formula_scope *scope = ctx;
+  return find_term(scope->deck, scope->where, quantity, first, second);
+}
+
+static int formula_name(void *ctx, const char *name) {
+  const formula_scope *scope = ctx;
+  vs_deck *deck = scope->deck;
+  for (size_t k = 0; k < deck->n_names; k++)
+    if (!strcmp(deck->names[k].name, name)) return (int)k;
+  if (deck->n_names >= VS_DECK_MOST) return -1;
+  vs_named *named = &deck->names[deck->n_names++];
+  snprintf(named->name, sizeof named->name, "%s", name);
+  named->where = scope->where;
+  return (int)deck->n_names - 1;
+}
+
+/* loss NAME = FORMULA, store NAME = FORMULA */
+static vs_status read_account(vs_deck *deck, vs_accounts *accounts, cursor *c, vs_error *err) {
+  char why[200];
+  const char *bad = NULL;
+  if (accounts->count >= VS_DECK_MOST)
+    return vs_fail_at(err, here(c), "more than %d of these lines", VS_DECK_MOST);
+  vs_account *account = &accounts->item[accounts->count];
+  vs_status status = take_name(c, account->name, err);
+  if (status) return status;
+  for (size_t k = 0; k < accounts->count; k++)
+    if (!strcmp(accounts->item[k].name, account->name))
+      return vs_fail_at(err, c->line, "%s stands here a second time", account->name);
+  accounts->count++; /* its formula is freed with the deck, also when it is not good */
+  skip_blanks(c);
+  formula_scope own = {deck, here(c)};
+  const vs_formula_scope scope = {&own, formula_term, formula_name};
+  const char *end = vs_formula_read(c->at, &scope, &account->formula, &bad, why, sizeof why);
+  c->at = end ? end : bad;
+  if (!end) return vs_fail_at(err, here(c), "%s", why);
+  skip_blanks(c);
+  return *c->at ? vs_fail_at(err, here(c), "an operator or the end of the line is wanted here")
+                : VS_OK;
+}
+
+static vs_status read_loss(vs_deck *deck, cursor *c, vs_error *err) {
+  return read_account(deck, &deck->losses, c, err);
+}
+
+static vs_status read_store(vs_deck *deck, cursor *c, vs_error *err) {
+  return read_account(deck, &deck->stores, c, err);
+}
+
+/* rating PROBE MIN..MAX UNIT "TEXT" */
+static vs_status read_rating(vs_deck *deck, cursor *c, vs_error *err) {
+  char name[VS_DECK_NAME], range[VS_DECK_NAME];
+  const char *names[VS_DECK_MOST];
+  vs_rating rating = {.probe = -1};
+  skip_blanks(c);
+  vs_where where = here(c);
+  if (!take_word(c, "", name, sizeof name))
+    return vs_fail_at(err, where, "'rating PROBE MIN..MAX UNIT' is wanted here");
+  for (size_t k = 0; k < deck->n_probes; k++) {
+    names[k] = deck->probes[k].name;
+    if (!strcmp(name, names[k])) rating.probe = (int)k;
+  }
+  if (rating.probe < 0) {
+    const char *nearest = vs_nearest(name, names, deck->n_probes);
+    return vs_fail_at(err, where, "rating: no probe '%s' stands above%s%s%s", name,
+                      nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                      nearest ? "'?" : "");
+  }
+  skip_blanks(c);
+  where = here(c);
+  take_token(c, range, sizeof range);
+  if (!read_range(range, &rating.min, &rating.max))
+    return vs_fail_at(err, where, "rating %s: a range MIN..MAX is wanted here", name);
+  skip_blanks(c);
+  where = here(c);
+  const vs_probe *probe = &deck->probes[rating.probe];
+  double factor;
+  char one[24] = "1 ", why[200];
+  bool good = take_word(c, "./^%", rating.unit, sizeof rating.unit);
+  snprintf(one + 2, sizeof one - 2, "%s", rating.unit);
+  if (!good || !vs_quantity(one, probe->unit, &factor, why, sizeof why))
+    return vs_fail_at(err, where, "rating %s: a unit of the probe's kind is wanted here, as %s",
+                      name, probe->unit);
+  rating.min *= factor;
+  rating.max *= factor;
+  vs_status status = take_text(c, rating.text, sizeof rating.text, err);
+  if (!status && deck->n_ratings >= VS_DECK_MOST)
+    status = vs_fail_at(err, c->line, "more than %d ratings", VS_DECK_MOST);
+  if (!status) deck->ratings[deck->n_ratings++] = rating;
+  return status;
+}
+
+/* compat ps */
+static vs_status read_compat(vs_deck *deck, cursor *c, vs_error *err) {
+  skip_blanks(c);
+  vs_where where = here(c);
+  take_token(c, deck->compat, sizeof deck->compat);
+  skip_blanks(c);
+  return strcmp(deck->compat, "ps") || *c->at
+             ? vs_fail_at(err, where, "compat: there is: ps (PSpice)")
+             : VS_OK;
 }
 
 static vs_status read_title(vs_deck *deck, cursor *c, vs_error *err) {
@@ -209,8 +354,9 @@ static vs_status read_title(vs_deck *deck, cursor *c, vs_error *err) {
 static const struct directive {
   const char *word;
   vs_status (*read)(vs_deck *, cursor *, vs_error *);
-} DIRECTIVES[] = {
-    {"title", read_title}, {"param", read_param}, {"port", read_port}, {"probe", read_probe}};
+} DIRECTIVES[] = {{"title", read_title},   {"param", read_param},  {"port", read_port},
+                  {"probe", read_probe},   {"loss", read_loss},    {"store", read_store},
+                  {"rating", read_rating}, {"compat", read_compat}};
 enum { N_DIRECTIVES = sizeof DIRECTIVES / sizeof *DIRECTIVES };
 
 vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_error *err) {
@@ -225,7 +371,9 @@ vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_e
     names[k] = DIRECTIVES[k].word;
   }
   const char *nearest = vs_nearest(word, names, N_DIRECTIVES);
-  return vs_fail_at(err, where, "'*$ %s' is not known; there are: title, param, port, probe%s%s%s",
+  return vs_fail_at(err, where,
+                    "'*$ %s' is not known; there are: title, param, port, probe, loss, store, "
+                    "rating, compat%s%s%s",
                     word, nearest ? "; did you mean '" : "", nearest ? nearest : "",
                     nearest ? "'?" : "");
 }

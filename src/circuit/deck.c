@@ -3,16 +3,18 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <math.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "circuit/contract.h"
 
-const vs_shelf vs_deck_shelf = {"deck", "", ".cir"};
+const vs_shelf vs_deck_shelf = {"deck", "", ".cir"}, vs_part_shelf = {"part", "parts", ".inc"};
 static const vs_shelf EVA_SHELF = {"subcircuit", "", ".inc"},
                       INCLUDE_SHELF = {"include file", "", ""};
 
@@ -94,7 +96,7 @@ static vs_status match_sources(const vs_deck *deck, vs_error *err) {
   bool driven[VS_DECK_MOST] = {false};
   for (size_t k = 0; k < deck->n_lines; k++) {
     char name[VS_DECK_NAME];
-    if (!is_external(deck->lines[k], name)) continue;
+    if (!is_external(deck->lines[k].text, name)) continue;
     size_t p = 0;
     while (p < deck->n_ports && strcmp(deck->ports[p].source, name)) p++;
     if (p == deck->n_ports)
@@ -109,9 +111,9 @@ static vs_status match_sources(const vs_deck *deck, vs_error *err) {
   return VS_OK;
 }
 
-static void add_line(char ***lines, size_t *count, const char *line) {
-  *lines = realloc(*lines, (*count + 1) * sizeof **lines);
-  (*lines)[(*count)++] = vs_copy(line);
+static void add_line(vs_deck *deck, const char *text, vs_where where) {
+  deck->lines = realloc(deck->lines, (deck->n_lines + 1) * sizeof *deck->lines);
+  deck->lines[deck->n_lines++] = (vs_line){vs_copy(text), where};
 }
 
 static vs_status read_file(vs_deck *deck, const char *path, vs_error *err);
@@ -149,7 +151,7 @@ static vs_status read_line(vs_deck *deck, const char *line, vs_where where, vs_e
   vs_status status =
       *text == '.' ? check_statement(text, where, err) : check_element(text, where, err);
   if (!status) status = find_eva(deck, text, where, err);
-  if (!status) add_line(&deck->lines, &deck->n_lines, text);
+  if (!status) add_line(deck, text, where);
   return status;
 }
 
@@ -178,12 +180,114 @@ static vs_status read_file(vs_deck *deck, const char *path, vs_error *err) {
 
 vs_status vs_deck_read(const char *path, vs_deck *deck, vs_error *err) {
   *deck = (vs_deck){0};
-  deck->section = (vs_section){"circuit", vs_alloc(VS_DECK_MOST + 1, sizeof(vs_field)), 1};
+  deck->section =
+      (vs_section){"circuit", vs_alloc(1 + VS_DECK_MOST + VS_DECK_PARTS, sizeof(vs_field)), 1};
   vs_deck_fields(deck)[0] = vs_deck_key;
   vs_status status = read_file(deck, path, err);
   if (!status && !*deck->eva)
     status = vs_fail(err, VS_INPUT, "%s: has no EVA; a deck has one line 'Xeva n m eva'", path);
+  return status;
+}
+
+/* ---- parts ---- */
+
+/* Where a part's file is: the path given, or in the deck's folder, or on the shelf of parts. */
+static vs_status find_part(const vs_deck *deck, const char *name, vs_where where,
+                           char path[VS_PATH_SIZE], vs_error *err) {
+  const char *slash = strrchr(deck->files[0], '/');
+  int folder = slash ? (int)(slash - deck->files[0] + 1) : 0;
+  for (int ending = 0; ending < 2; ending++) {
+    snprintf(path, VS_PATH_SIZE, "%.*s%s%s", *name == '/' ? 0 : folder, deck->files[0], name,
+             ending ? vs_part_shelf.ending : "");
+    struct stat s;
+    if (!stat(path, &s) && S_ISREG(s.st_mode)) return VS_OK;
+  }
+  return vs_find(&vs_part_shelf, name, where, path, err);
+}
+
+/* The file's name without folders and ending, in lower case: the subcircuit it must define. */
+static void subcircuit_of(const char *path, char name[VS_DECK_NAME]) {
+  const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
+  snprintf(name, VS_DECK_NAME, "%.*s", (int)strcspn(base, "."), base);
+  vs_lower(name);
+}
+
+static bool defines(const vs_deck *deck, const char *subcircuit) {
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    char word[16], name[VS_DECK_NAME];
+    if (sscanf(deck->lines[k].text, "%15s %63s", word, name) != 2) continue;
+    vs_lower(word);
+    vs_lower(name);
+    if (!strcmp(word, ".subckt") && !strcmp(name, subcircuit)) return true;
+  }
+  return false;
+}
+
+static vs_status take_part(vs_deck *deck, vs_part *part, const char *name, vs_where where,
+                           vs_error *err) {
+  char path[VS_PATH_SIZE];
+  vs_status status = find_part(deck, name, where, path, err);
+  bool there = false;
+  for (size_t k = 0; k < deck->n_files && !status; k++)
+    there = there || !strcmp(deck->files[k], path);
+  if (!status && !there) status = read_file(deck, path, err);
+  if (status) return status;
+  subcircuit_of(path, part->subcircuit);
+  return defines(deck, part->subcircuit)
+             ? VS_OK
+             : vs_fail_at(err, where, "circuit.%s: %s defines no subcircuit '%s' (the file's name)",
+                          part->name, path, part->subcircuit);
+}
+
+vs_status vs_deck_read_parts(vs_deck *deck, const vs_node *section, vs_error *err) {
+  vs_status status = VS_OK;
+  for (size_t p = 0, k = 1; p < deck->n_parts && !status; k++) {
+    const vs_field *field = &deck->section.fields[k];
+    if (field->kind != VS_NAME) continue;
+    const vs_node *node = vs_node_child(section, field->key);
+    bool given = node && node->kind == VS_NODE_TEXT;
+    vs_where where = given ? node->where : (vs_where){deck->files[0], 0, 0};
+    status =
+        take_part(deck, &deck->parts[p++], given ? node->text : field->default_text, where, err);
+  }
   return status ? status : match_sources(deck, err);
+}
+
+/* ---- formulas ---- */
+
+vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,
+                       const vs_deck_value *standard, size_t n_standard, vs_error *err) {
+  double of_name[VS_DECK_MOST];
+  const char *known[2 * VS_DECK_MOST];
+  for (size_t n = 0; n < deck->n_names; n++) {
+    size_t count = 0;
+    of_name[n] = NAN;
+    for (size_t k = 1; k < deck->section.count; k++) {
+      const vs_field *field = &deck->section.fields[k];
+      if (field->kind != VS_REAL) continue;
+      known[count++] = field->key;
+      if (!strcasecmp(field->key, deck->names[n].name))
+        of_name[n] = *(const double *)(const void *)((const char *)values + field->offset);
+    }
+    for (size_t k = 0; k < n_standard; k++) {
+      known[count++] = standard[k].name;
+      if (!strcmp(standard[k].name, deck->names[n].name)) of_name[n] = standard[k].value;
+    }
+    if (!isnan(of_name[n])) continue;
+    const char *nearest = vs_nearest(deck->names[n].name, known, count);
+    return vs_fail_at(err, deck->names[n].where, "no parameter '%s' is declared%s%s%s",
+                      deck->names[n].name, nearest ? "; did you mean '" : " by '*$ param'",
+                      nearest ? nearest : "", nearest ? "'?" : "");
+  }
+  for (size_t k = 0; k < deck->losses.count; k++)
+    vs_formula_bind(&deck->losses.item[k].formula, of_name);
+  for (size_t k = 0; k < deck->stores.count; k++)
+    vs_formula_bind(&deck->stores.item[k].formula, of_name);
+  return VS_OK;
+}
+
+static void free_accounts(vs_accounts *accounts) {
+  for (size_t k = 0; k < accounts->count; k++) vs_formula_free(&accounts->item[k].formula);
 }
 
 void vs_deck_free(vs_deck *deck) {
@@ -194,9 +298,50 @@ void vs_deck_free(vs_deck *deck) {
     free((char *)(size_t)deck->section.fields[k].text);
   }
   free(vs_deck_fields(deck));
-  vs_netlist_free(deck->lines, deck->n_lines);
+  for (size_t k = 0; k < deck->n_lines; k++) free(deck->lines[k].text);
+  free(deck->lines);
+  free_accounts(&deck->losses);
+  free_accounts(&deck->stores);
   for (size_t k = 0; k < deck->n_files; k++) free(deck->files[k]);
   *deck = (vs_deck){0};
+}
+
+/* ---- the netlist ---- */
+
+static void add_text(char ***lines, size_t *count, const char *text) {
+  *lines = realloc(*lines, (*count + 1) * sizeof **lines);
+  (*lines)[(*count)++] = vs_copy(text);
+}
+
+/* The subcircuit an instance "Xname n m ... SUBCIRCUIT [NAME=VALUE ...]" is of: where it begins in
+ * the line, and its length; NULL: the line is none. */
+static const char *instance_of(const char *line, size_t *length) {
+  const char *found = NULL;
+  if (tolower((unsigned char)*line) != 'x') return NULL;
+  for (const char *s = line; *s;) {
+    s += strspn(s, " \t");
+    size_t n = strcspn(s, " \t");
+    const char *after = s + n + strspn(s + n, " \t");
+    if (memchr(s, '=', n) || *after == '=' || !strncasecmp(s, "params:", 7)) break;
+    if (n) found = s, *length = n;
+    s += n;
+  }
+  return found;
+}
+
+/* The deck's line, with the part's subcircuit where it names the parameter. */
+static void add_deck_line(const vs_deck *deck, const char *line, char ***lines, size_t *count) {
+  size_t n = 0;
+  const char *name = instance_of(line, &n);
+  for (size_t p = 0; name && p < deck->n_parts; p++) {
+    if (strlen(deck->parts[p].name) != n || strncasecmp(name, deck->parts[p].name, n)) continue;
+    vs_text text = {0};
+    vs_text_add(&text, "%.*s%s%s", (int)(name - line), line, deck->parts[p].subcircuit, name + n);
+    add_text(lines, count, text.text);
+    vs_text_free(&text);
+    return;
+  }
+  add_text(lines, count, line);
 }
 
 vs_status vs_deck_netlist(const vs_deck *deck, const vs_circuit_values *values,
@@ -209,22 +354,24 @@ vs_status vs_deck_netlist(const vs_deck *deck, const vs_circuit_values *values,
   if (status) return status;
   FILE *eva = fopen(path, "r");
   if (!eva) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
-  add_line(lines, count, "vibrospice"); /* the first line of a netlist is its title */
+  add_text(lines, count, "vibrospice"); /* the first line of a netlist is its title */
   for (size_t k = 0; k < n_standard; k++) {
     snprintf(param, sizeof param, ".param %s=%.17g", standard[k].name, standard[k].value);
-    add_line(lines, count, param);
+    add_text(lines, count, param);
   }
   for (size_t k = 1; k < deck->section.count; k++) {
-    snprintf(param, sizeof param, ".param %s=%.17g", deck->section.fields[k].key,
-             values->params[k - 1]);
-    add_line(lines, count, param);
+    const vs_field *field = &deck->section.fields[k];
+    if (field->kind != VS_REAL) continue;
+    snprintf(param, sizeof param, ".param %s=%.17g", field->key,
+             *(const double *)(const void *)((const char *)values + field->offset));
+    add_text(lines, count, param);
   }
-  for (size_t k = 0; k < deck->n_lines; k++) add_line(lines, count, deck->lines[k]);
+  for (size_t k = 0; k < deck->n_lines; k++) add_deck_line(deck, deck->lines[k].text, lines, count);
   char *line = NULL;
   size_t size = 0;
   while (getline(&line, &size, eva) >= 0) {
     line[strcspn(line, "\r\n")] = '\0';
-    if (*line && *line != '*') add_line(lines, count, line);
+    if (*line && *line != '*') add_text(lines, count, line);
   }
   free(line);
   fclose(eva);

@@ -3,16 +3,21 @@
  * must know.
  *
  *   *$ title  TEXT
- *   *$ param  NAME = VALUE UNIT  MIN..MAX  "TEXT"      becomes .param NAME; scene key circuit.NAME,
- * in UNIT
- *   *$ port   mains = SOURCE                            a source "SOURCE n m external" with the
- * mains voltage
- *   *$ port   gate[+ANGLE] = SOURCE                     1 V while the (delayed) gate pulse is
- * there, else 0
+ *   *$ param  NAME = VALUE UNIT  MIN..MAX  "TEXT"      becomes .param NAME; scene key circuit.NAME
+ *   *$ param  NAME = PART part  "TEXT"                 a part by name: its file is included, and
+ *                                    subcircuit NAME in the deck means the one of that part
+ *   *$ port   mains = SOURCE                           "SOURCE n m external" has the mains voltage
+ *   *$ port   gate[+ANGLE] = SOURCE                    1 V while the (delayed) gate pulse is there
  *   *$ probe  NAME = [-]v(n) | v(n,m) | i(Vx)  UNIT  "TEXT"   a channel; i_thyristor is the anode
- * current Xeva n m eva                                        the actuator, once
+ *                                                             current
+ *   *$ loss   NAME = FORMULA                           power that leaves the circuit, W
+ *   *$ store  NAME = FORMULA                           energy held in the circuit, J
+ *   *$ rating PROBE MIN..MAX UNIT  "TEXT"              allowed for a probe; enters the verdict
+ *   *$ compat ps                                       the netlist is read as PSpice's dialect
+ *   Xeva n m eva                                       the actuator, once
  *
- * Parameters every deck may use: u_rms, f_mains, phase (rad), r_source, l_source. */
+ * FORMULA: formula.h. Parameters every deck may use: u_rms, f_mains, phase (rad), r_source,
+ * l_source. */
 #ifndef VS_CIRCUIT_DECK_H
 #define VS_CIRCUIT_DECK_H
 
@@ -21,13 +26,20 @@
 #include "base/error.h"
 #include "base/field.h"
 #include "base/path.h"
+#include "circuit/formula.h"
 
 enum {
   VS_DECK_NAME = 64,
   VS_DECK_TEXT = 160,
   VS_DECK_FILES = 32,
-  VS_DECK_MOST = 64 /* of params, ports, probes each */
+  VS_DECK_MOST = 64, /* of params, ports, probes, terms, losses, stores, ratings each */
+  VS_DECK_PARTS = 16
 };
+
+typedef struct vs_line {
+  char *text;
+  vs_where where;
+} vs_line;
 
 typedef enum vs_port_kind { VS_PORT_MAINS, VS_PORT_GATE } vs_port_kind;
 typedef struct vs_port {
@@ -37,16 +49,52 @@ typedef struct vs_port {
   vs_where where;
 } vs_port;
 
+/* What probes and formulas are made of: the difference of two of the circuit's signals. */
+typedef struct vs_term {
+  char plus[VS_DECK_NAME], minus[VS_DECK_NAME]; /* "v(a)", "i(vth)", "v(0)" */
+  vs_where where;                               /* where it is first named */
+} vs_term;
+
 typedef struct vs_probe {
   char name[VS_DECK_NAME], unit[16], text[VS_DECK_TEXT];
   double sign;
-  char plus[VS_DECK_NAME], minus[VS_DECK_NAME]; /* signals: "v(a)", "i(vth)", "v(0)" */
+  int term;
 } vs_probe;
 
-/* The scene's section circuit: the deck's name, then that deck's parameters in SI, in its order. */
+/* A loss or a store. */
+typedef struct vs_account {
+  char name[VS_DECK_NAME];
+  vs_formula formula; /* W or J, of the terms */
+} vs_account;
+typedef struct vs_accounts {
+  vs_account item[VS_DECK_MOST];
+  size_t count;
+} vs_accounts;
+
+typedef struct vs_rating {
+  int probe;
+  double min, max; /* SI; written in `unit` */
+  char unit[16], text[VS_DECK_TEXT];
+} vs_rating;
+
+/* A parameter that formulas name. */
+typedef struct vs_named {
+  char name[VS_DECK_NAME];
+  vs_where where;
+} vs_named;
+
+/* A parameter whose value is a part: a file that defines a subcircuit of the file's name. */
+typedef struct vs_part {
+  const char *name;              /* the parameter's; the field's own */
+  char subcircuit[VS_DECK_NAME]; /* of the part taken; empty: none yet */
+} vs_part;
+
+/* The scene's section circuit: the deck's name, that deck's parameters in SI and its parts' names,
+ * each in its order. */
 typedef struct vs_circuit_values {
   char deck[VS_NAME_SIZE];
   double params[VS_DECK_MOST];
+  char parts[VS_DECK_PARTS][VS_NAME_SIZE];
 } vs_circuit_values;
 extern const vs_field vs_deck_key; /* "deck"; the first field of every deck's section */
 
@@ -54,32 +102,53 @@ typedef struct vs_deck {
   char *files[VS_DECK_FILES]; /* the deck and what it includes, for messages */
   size_t n_files;
   char title[VS_DECK_TEXT];
-  char **lines; /* the file's, comments and blank lines left out */
+  char compat[8]; /* ngspice's name of a dialect; empty: its own */
+  vs_line *lines; /* the files', comments and blank lines left out */
   size_t n_lines;
-  vs_section section; /* "circuit": the key deck, then the parameters; fills a vs_circuit_values */
+  vs_section
+      section; /* "circuit": the key deck, then params and parts; fills a vs_circuit_values */
   vs_port ports[VS_DECK_MOST];
   size_t n_ports;
+  vs_term terms[VS_DECK_MOST];
+  size_t n_terms;
   vs_probe probes[VS_DECK_MOST];
   size_t n_probes;
+  vs_accounts losses, stores;
+  vs_named names[VS_DECK_MOST];
+  size_t n_names;
+  vs_rating ratings[VS_DECK_MOST];
+  size_t n_ratings;
+  vs_part parts[VS_DECK_PARTS];
+  size_t n_parts;
   char eva[VS_DECK_NAME], eva_plus[VS_DECK_NAME],
       eva_minus[VS_DECK_NAME]; /* instance, its two nodes */
 } vs_deck;
 
-extern const vs_shelf vs_deck_shelf;
+extern const vs_shelf vs_deck_shelf, vs_part_shelf;
+
+/* Reading a deck takes three calls: its own files; then, once the scene has named its parts,
+ * theirs; then, once the parameters have values, the formulas. vs_deck_free even after an error. */
 
 /* Errors, each with file:line: a line of the contract that cannot be read, a name declared twice,
- * an unknown port, no or a second EVA, a statement that is the program's own. vs_deck_free even
- * then. */
+ * an unknown port, no or a second EVA, a statement that is the program's own. */
 vs_status vs_deck_read(const char *path, vs_deck *deck, vs_error *err);
-void vs_deck_free(vs_deck *deck);
+
+/* Takes in the files of the parts the scene's section circuit names (NULL: none), else of the
+ * defaults; they may add to the contract. */
+vs_status vs_deck_read_parts(vs_deck *deck, const vs_node *section, vs_error *err);
 
 typedef struct vs_deck_value {
   const char *name;
   double value;
 } vs_deck_value;
 
+/* Gives the formulas their parameters. standard: the program's. Error: a name nobody declared. */
+vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,
+                       const vs_deck_value *standard, size_t n_standard, vs_error *err);
+void vs_deck_free(vs_deck *deck);
+
 /* The netlist ready to load: title, .param lines, the deck's own lines, the EVA's subcircuit.
- * standard: the program's parameters. Free with vs_netlist_free. */
+ * Free with vs_netlist_free. */
 vs_status vs_deck_netlist(const vs_deck *deck, const vs_circuit_values *values,
                           const vs_deck_value *standard, size_t n_standard, char ***lines,
                           size_t *count, vs_error *err);

@@ -17,8 +17,8 @@
 #include "machine/actuator.h"
 #include "sim/sim.h"
 
-enum { SIG_FLUX, SIG_COIL, SIG_MINUS, SIG_PLUS, SIG_I_MAINS, SIG_PROBES }; /* then two per probe */
-enum { MOST_SIGNALS = SIG_PROBES + 2 * VS_DECK_MOST };
+enum { SIG_FLUX, SIG_COIL, SIG_MINUS, SIG_PLUS, SIG_I_MAINS, SIG_TERMS }; /* then two per term */
+enum { MOST_SIGNALS = SIG_TERMS + 2 * VS_DECK_MOST };
 
 /* A thyristor counts as conducting above this anode current: its leakage and the displacement
  * current of a blocked junction stay below, any holding current is of this order or above. */
@@ -44,7 +44,7 @@ typedef struct coupling {
   double step_s, max_step_s;           /* the last accepted step's length; the largest allowed */
   double candidate_s, candidate_gap_m; /* what the solver was last told */
   size_t gap_port;                     /* ports before it are the deck's */
-  int anode_current;                   /* index among the probes; -1: the deck names none */
+  const vs_probe *anode_current;       /* the deck's probe; NULL: it has none */
   bool conducting;
   double conducted_a; /* largest anode current of this conduction */
   double quiet_s;     /* last knot before it with hardly any */
@@ -128,10 +128,14 @@ static double source(void *ctx, size_t port, double t_s) {
                                   : (double)vs_gate(&c->setup->timeline, p->shift_rad, t_s);
 }
 
+static double anode_current(const coupling *c, const vs_knot *k) {
+  return c->anode_current->sign * k->terms[c->anode_current->term];
+}
+
 /* When the anode current, falling as from knot `before` to knot `from`, passes zero; INFINITY: it
  * does not fall. */
 static double zero_of_current(const coupling *c, const vs_knot *before, const vs_knot *from) {
-  double i0 = before->deck[c->anode_current], i1 = from->deck[c->anode_current];
+  double i0 = anode_current(c, before), i1 = anode_current(c, from);
   return i1 < i0 ? from->t_s + (from->t_s - before->t_s) * i1 / (i0 - i1) : INFINITY;
 }
 
@@ -162,8 +166,8 @@ static double edge(void *ctx, double t_s) {
  * what flows past it is leakage, and may well be positive for a while. */
 static vs_event find_event(coupling *c, const vs_knot *before, const vs_knot *from,
                            const vs_knot *to, double *event_s) {
-  if (c->anode_current < 0 || to->t_s == from->t_s) return VS_EV_NONE;
-  double i = to->deck[c->anode_current], i0 = from->deck[c->anode_current];
+  if (!c->anode_current || to->t_s == from->t_s) return VS_EV_NONE;
+  double i = anode_current(c, to), i0 = anode_current(c, from);
   if (!c->conducting) {
     if (i0 <= QUIET_A) c->quiet_s = from->t_s;
     if (i <= CONDUCTS_A) return VS_EV_NONE;
@@ -184,7 +188,7 @@ static vs_event find_event(coupling *c, const vs_knot *before, const vs_knot *fr
 static vs_status show(coupling *c, const vs_knot *k, vs_event contact, vs_error *err) {
   vs_knot *from = &c->knots[c->now], *to = &c->knots[1 - c->now], before = *to;
   if (from->t_s == 0)
-    memcpy(from->deck, k->deck, sizeof k->deck); /* the solver shows none at t = 0 */
+    memcpy(from->terms, k->terms, sizeof k->terms); /* the solver shows none at t = 0 */
   *to = *k;
   vs_step step = {.frame = &c->frame, .from = from, .to = to, .cubic_flux = true};
   step.event[0] = find_event(c, &before, from, to, &step.event_s[0]);
@@ -203,8 +207,8 @@ static vs_knot between(const coupling *c, const vs_knot *a, const vs_knot *b, do
   k.flux_rate_v = f[1] + at_s * (2 * f[2] + at_s * 3 * f[3]);
   k.v_eva_v = a->v_eva_v + part * (b->v_eva_v - a->v_eva_v);
   k.i_mains_a = a->i_mains_a + part * (b->i_mains_a - a->i_mains_a);
-  for (size_t n = 0; n < c->setup->deck.n_probes; n++)
-    k.deck[n] = a->deck[n] + part * (b->deck[n] - a->deck[n]);
+  for (size_t n = 0; n < c->setup->deck.n_terms; n++)
+    k.terms[n] = a->terms[n] + part * (b->terms[n] - a->terms[n]);
   return k;
 }
 
@@ -239,9 +243,8 @@ static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *
                   .i_mains_a = -signals[SIG_I_MAINS],
                   .flux_rate_v = signals[SIG_COIL] - signals[SIG_MINUS],
                   .v_eva_v = signals[SIG_PLUS] - signals[SIG_MINUS]};
-  for (size_t k = 0; k < c->setup->deck.n_probes; k++)
-    next.deck[k] = c->setup->deck.probes[k].sign *
-                   (signals[SIG_PROBES + 2 * k] - signals[SIG_PROBES + 2 * k + 1]);
+  for (size_t k = 0; k < c->setup->deck.n_terms; k++)
+    next.terms[k] = signals[SIG_TERMS + 2 * k] - signals[SIG_TERMS + 2 * k + 1];
   next.flux_rate2_v_s = (next.flux_rate_v - from.flux_rate_v) / h;
   /* the cubic through both ends' values and slopes */
   double slope = (next.flux_wb - from.flux_wb) / h;
@@ -259,7 +262,7 @@ static vs_frame frame(const vs_setup *setup) {
   return (vs_frame){.model = &setup->model, .timeline = &setup->timeline, .deck = &setup->deck};
 }
 
-/* The names by which the coupling and the deck's probes know the circuit. */
+/* The names by which the coupling and the deck's terms know the circuit. */
 typedef struct names {
   char text[MOST_SIGNALS + VS_DECK_MOST + 1][2 * VS_DECK_NAME];
   const char *signals[MOST_SIGNALS], *ports[VS_DECK_MOST + 1];
@@ -284,9 +287,9 @@ static void name_all(const vs_deck *deck, names *n) {
     VS_NAMED(signals, n_signals, "i(%s)", mains);
   else
     VS_NAMED(signals, n_signals, "v(0)");
-  for (size_t p = 0; p < deck->n_probes; p++) {
-    VS_NAMED(signals, n_signals, "%s", deck->probes[p].plus);
-    VS_NAMED(signals, n_signals, "%s", deck->probes[p].minus);
+  for (size_t t = 0; t < deck->n_terms; t++) {
+    VS_NAMED(signals, n_signals, "%s", deck->terms[t].plus);
+    VS_NAMED(signals, n_signals, "%s", deck->terms[t].minus);
   }
 #undef VS_NAMED
 }
@@ -304,13 +307,8 @@ static double solver_tolerance(const vs_setup *s) {
 
 static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_error *err) {
   const vs_model *m = &setup->model;
-  const vs_deck_value standard[] = {{"u_rms", setup->timeline.supply.voltage_v},
-                                    {"f_mains", setup->timeline.supply.frequency_hz},
-                                    {"phase", setup->timeline.supply.phase_rad},
-                                    {"r_source", setup->timeline.supply.resistance_ohm},
-                                    {"l_source", setup->timeline.supply.inductance_h},
-                                    {"eva_resistance", m->actuator.resistance_ohm},
-                                    {"eva_a", m->a_hm}};
+  vs_deck_value standard[VS_STANDARD];
+  vs_setup_standard(setup, standard);
   names *n = vs_alloc(1, sizeof *n);
   name_all(&setup->deck, n);
   coupling c = {.setup = setup,
@@ -318,12 +316,12 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                 .observer = observer,
                 .candidate_s = -1,
                 .gap_port = setup->deck.n_ports,
-                .anode_current = -1,
                 .max_step_s = largest_step(setup),
                 .substep_s = 0.02 / m->fastest_rad_s,
                 .substep_touching_s = 0.02 / m->contact_rad_s};
   for (size_t k = 0; k < setup->deck.n_probes; k++)
-    if (!strcmp(setup->deck.probes[k].name, "i_thyristor")) c.anode_current = (int)k;
+    if (!strcmp(setup->deck.probes[k].name, "i_thyristor"))
+      c.anode_current = &setup->deck.probes[k];
   c.system = (gsl_odeiv2_system){mechanics_rhs, NULL, VS_STATES, &c.course};
   c.step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, VS_STATES);
   vs_circuit_job job = {.ports = n->ports,
@@ -336,8 +334,8 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
   char **netlist = NULL;
   void *circuit = NULL;
   vs_circuit_host host = {&c, source, edge, accept};
-  vs_status s = vs_deck_netlist(&setup->deck, &setup->circuit_values, standard,
-                                sizeof standard / sizeof *standard, &netlist, &job.lines, err);
+  vs_status s = vs_deck_netlist(&setup->deck, &setup->circuit_values, standard, VS_STANDARD,
+                                &netlist, &job.lines, err);
   job.netlist = netlist;
   if (!s) s = vs_sim_check_steps(setup, fmin(c.max_step_s, c.substep_touching_s), err);
   if (!s) s = setup->solver->load(&job, &circuit, err);

@@ -43,7 +43,21 @@ static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *e
   if (!s)
     s = vs_find(&vs_deck_shelf, values->deck, named ? named->where : (vs_where){0}, path, err);
   if (!s) s = vs_deck_read(path, &setup->deck, err);
-  return s ? s : vs_section_read(&setup->deck.section, map, values, err);
+  if (!s) s = vs_deck_read_parts(&setup->deck, map, err);
+  if (!s) s = vs_section_read(&setup->deck.section, map, values, err);
+  vs_deck_value standard[VS_STANDARD];
+  vs_setup_standard(setup, standard);
+  return s ? s : vs_deck_bind(&setup->deck, values, standard, VS_STANDARD, err);
+}
+
+void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]) {
+  const vs_supply_values *supply = &setup->timeline.supply;
+  const vs_deck_value values[VS_STANDARD] = {
+      {"u_rms", supply->voltage_v},       {"f_mains", supply->frequency_hz},
+      {"phase", supply->phase_rad},       {"r_source", supply->resistance_ohm},
+      {"l_source", supply->inductance_h}, {"eva_resistance", setup->model.actuator.resistance_ohm},
+      {"eva_a", setup->model.a_hm}};
+  memcpy(standard, values, sizeof values);
 }
 
 vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
@@ -88,7 +102,7 @@ vs_status vs_sim_accept(const vs_step *step, const vs_observer *observer, vs_err
   const vs_knot *k = step->to;
   double sum = k->flux_wb;
   for (int n = 0; n < VS_STATES; n++) sum += k->x[n];
-  for (size_t n = 0; step->frame->deck && n < step->frame->deck->n_probes; n++) sum += k->deck[n];
+  for (size_t n = 0; step->frame->deck && n < step->frame->deck->n_terms; n++) sum += k->terms[n];
   if (!isfinite(sum))
     return vs_fail(err, VS_RUN, "t = %.9g s: the state is not a number any more", k->t_s);
   double z = vs_gap(m, k->x[P]);

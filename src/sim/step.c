@@ -92,8 +92,8 @@ static void interpolate(const vs_step *step, double t_s, vs_knot *k) {
   k->flux_rate_v = h > 0 ? apply(&r, h, fa, fb) / h : b->flux_rate_v;
   k->v_eva_v = a->v_eva_v + s * (b->v_eva_v - a->v_eva_v);
   k->i_mains_a = a->i_mains_a + s * (b->i_mains_a - a->i_mains_a);
-  for (size_t n = 0; step->frame->deck && n < step->frame->deck->n_probes; n++)
-    k->deck[n] = a->deck[n] + s * (b->deck[n] - a->deck[n]);
+  for (size_t n = 0; step->frame->deck && n < step->frame->deck->n_terms; n++)
+    k->terms[n] = a->terms[n] + s * (b->terms[n] - a->terms[n]);
 }
 
 void vs_step_at(const vs_step *step, double t_s, double *y) {
@@ -113,7 +113,8 @@ void vs_step_at(const vs_step *step, double t_s, double *y) {
   y[VS_CH_I_MAINS] = frame->source_is_coil ? y[VS_CH_I] : k.i_mains_a;
   double stop = vs_in_stop(m, k.x[P]) ? vs_stop_force(m, k.x) : 0;
   vs_accelerations(m, k.x, y[VS_CH_FORCE] + stop, y + VS_CH_AP);
-  if (frame->deck) memcpy(y + VS_CH_DECK, k.deck, frame->deck->n_probes * sizeof *k.deck);
+  for (size_t n = 0; frame->deck && n < frame->deck->n_probes; n++)
+    y[VS_CH_DECK + n] = frame->deck->probes[n].sign * k.terms[frame->deck->probes[n].term];
 }
 
 double vs_step_channel(const vs_step *step, double t_s, int channel) {

@@ -69,7 +69,7 @@ typedef struct vs_knot {
   double a[VS_DOF], j[VS_DOF];                 /* q", q"' */
   double flux_wb, flux_rate_v, flux_rate2_v_s; /* lambda and its first two derivatives */
   double v_eva_v, i_mains_a;                   /* circuit tier only: as the circuit has them */
-  double deck[VS_DECK_MOST];                   /* the deck's probes */
+  double terms[VS_DECK_MOST];                  /* the deck's: of its probes and formulas */
 } vs_knot;
 
 typedef enum vs_event {
@@ -93,7 +93,7 @@ void vs_knot_complete(const vs_frame *frame, vs_knot *knot, bool touching);
 
 /* All channels at t in [from, to], y[vs_channel_count]: quintic Hermite polynomials for q and q'
  * from value and two derivatives at each end, the same or cubic for lambda, accelerations from Eq.
- * 54; straight lines for the deck's probes. */
+ * 54; straight lines for the deck's terms. */
 void vs_step_at(const vs_step *step, double t_s, double *y);
 /* One channel at t; the same numbers. */
 double vs_step_channel(const vs_step *step, double t_s, int channel);

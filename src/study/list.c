@@ -23,9 +23,8 @@ static void list_decks(const vs_deck *deck) {
 }
 
 static void list_parts(const vs_deck *deck) {
-  static const vs_shelf PARTS = {"part", "parts", ".inc"};
   (void)deck;
-  vs_shelf_list(&PARTS, print_file, (void *)(size_t)&PARTS);
+  vs_shelf_list(&vs_part_shelf, print_file, (void *)(size_t)&vs_part_shelf);
 }
 
 static void list_tiers(const vs_deck *deck) {
@@ -99,6 +98,7 @@ vs_status vs_list_command(const char *kind, const char *deck_name, vs_error *err
   vs_status status = vs_find(&vs_deck_shelf, deck_name ? deck_name : vs_deck_key.default_text,
                              (vs_where){0}, path, err);
   if (!status) status = vs_deck_read(path, deck, err);
+  if (!status) status = vs_deck_read_parts(deck, NULL, err);
   for (size_t k = 0; k < N_KINDS && !status; k++) {
     if (kind && strcmp(kind, KINDS[k].name)) continue;
     if (!kind) printf("%s%s\n", k ? "\n" : "", KINDS[k].heading);
