@@ -93,7 +93,7 @@ vs_trial *vs_trial_run(const char *name, const char *tier, const char *const *se
   t->status = vs_scene_read(name, (char *const *)(size_t)sets, n, tier, &t->scene, &t->err);
   if (t->status) return t;
   t->measures = vs_measures_new(&t->scene.frame);
-  t->energy.one_way = t->scene.frame.gap_at_rest;
+  t->energy.frame = &t->scene.frame;
   vs_observer observer = {t, accept};
   t->status = t->scene.tier->run(&t->scene.setup, &observer, &t->err);
   vs_measures_finish(t->measures, t->values);

@@ -382,3 +382,53 @@ void vs_netlist_free(char **lines, size_t count) {
   for (size_t k = 0; k < count; k++) free(lines[k]);
   free(lines);
 }
+
+/* ---- where it is ---- */
+
+static bool is_word(char c) {
+  return isalnum((unsigned char)c) || c == '_';
+}
+
+/* The first whole word of that name in the line at or after `from`; NULL: none. */
+static const char *find_word(const char *line, const char *from, const char *word, size_t n) {
+  for (const char *s = from; *s; s++)
+    if (!strncasecmp(s, word, n) && !is_word(s[n]) && (s == line || !is_word(s[-1]))) return s;
+  return NULL;
+}
+
+/* Where an undefined parameter stands: in an expression, so behind the first '{', quote or '='. */
+static const char *find_parameter(const char *line, const char *name, size_t n) {
+  const char *from = strpbrk(line, "{'=");
+  return from ? find_word(line, from, name, n) : NULL;
+}
+
+/* Where an element is named whose line the message repeats: "r1 a b {x}" in "...: r1 a b ...". */
+static const char *find_element(const char *line, const char *message) {
+  size_t n = strcspn(line, " \t");
+  if (n < 2 || *line == '.' || *line == '+') return NULL;
+  for (const char *s = strstr(message, ": "); s; s = strstr(s + 2, ": "))
+    if (!strncasecmp(s + 2, line, n) && s[2 + n] == ' ') return line;
+  return NULL;
+}
+
+void vs_deck_locate(const vs_deck *deck, vs_error *err) {
+  const char *open = strchr(err->text, '['), *close = open ? strchr(open, ']') : NULL;
+  vs_where where = {0};
+  for (size_t k = 0; k < deck->n_terms; k++) {
+    const char *s = strstr(err->text, "the circuit has no ");
+    if (s && (!strcmp(s + 19, deck->terms[k].plus) || !strcmp(s + 19, deck->terms[k].minus)))
+      where = deck->terms[k].where;
+  }
+  for (size_t k = 0; k < deck->n_lines && !where.file; k++) {
+    const vs_line *line = &deck->lines[k];
+    const char *at = close ? find_parameter(line->text, open + 1, (size_t)(close - open - 1))
+                           : find_element(line->text, err->text);
+    if (!at) continue;
+    where = line->where;
+    where.column += (int)(at - line->text);
+  }
+  if (!where.file) return;
+  vs_error plain = *err;
+  vs_fail_at(err, where, "%s%s", plain.text,
+             close ? "; '.param NAME=...' or '*$ param NAME = ...' defines one" : "");
+}

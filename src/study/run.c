@@ -124,7 +124,7 @@ static void take_values(audience *a) {
   r->values[VS_M_ENERGY_IN] = (vs_value){true, joule[VS_E_SOURCE], NAN};
   r->values[VS_M_ENERGY_COPPER] = (vs_value){true, joule[VS_E_COPPER], NAN};
   r->values[VS_M_WORK_FORCE] = (vs_value){true, joule[VS_E_WORK], NAN};
-  r->values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, r->energy.residual, NAN};
+  r->values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, r->energy.worst, NAN};
 }
 
 static vs_status run_scene(const vs_run_options *o, const vs_scene *s, vs_error *err) {
@@ -133,7 +133,7 @@ static vs_status run_scene(const vs_run_options *o, const vs_scene *s, vs_error 
                 .measures = vs_measures_new(&s->frame),
                 .show_progress = !o->quiet && isatty(STDERR_FILENO)};
   a.result.measures = a.measures;
-  a.result.energy.one_way = s->frame.gap_at_rest;
+  a.result.energy.frame = &s->frame;
   vs_observer observer = {&a, accept};
   vs_text json = {0};
   vs_status status = o->folder ? open_files(&a, err) : VS_OK;

@@ -51,7 +51,7 @@ void vs_summary_table(const vs_scene *s, const vs_result *r, FILE *out) {
     }
     fputc('\n', out);
   }
-  if (r->energy.one_way && r->energy.joule[VS_E_WORK] != 0)
+  if (s->frame.gap_at_rest && r->energy.joule[VS_E_WORK] != 0)
     fprintf(out, "\nthe one-way force of this tier did %.4f J of work that nothing supplied\n",
             r->energy.joule[VS_E_WORK]);
   fprintf(out, "\n%ld steps in %.3g s\n", r->steps, r->wall_s);
@@ -98,6 +98,39 @@ static void add_measures(vs_text *json, const vs_scene *s, const vs_result *r) {
   vs_text_add(json, "\n  },\n");
 }
 
+/* {"r1": 0.0655, ...}: the deck's own accounts, J */
+static void add_accounts(vs_text *json, const char *name, const vs_accounts *accounts,
+                         const double *joule) {
+  vs_text_add(json, "\"%s_J\": {", name);
+  for (size_t k = 0; k < accounts->count; k++) {
+    vs_text_add(json, "%s\"%s\": ", k ? ", " : "", accounts->item[k].name);
+    add_number(json, joule[k]);
+  }
+  vs_text_add(json, "}, ");
+}
+
+static void add_energy(vs_text *json, const vs_scene *s, const vs_energy *e) {
+  vs_text_add(json, "  \"energy\": {");
+  for (int k = 0; k < VS_ENERGIES; k++) {
+    vs_text_add(json, "\"%s_J\": ", vs_energy_names[k]);
+    add_number(json, e->joule[k]);
+    vs_text_add(json, ", ");
+  }
+  if (s->frame.deck) {
+    add_accounts(json, "losses", &s->frame.deck->losses, e->loss_j);
+    add_accounts(json, "stores", &s->frame.deck->stores, e->store_j);
+  }
+  if (s->frame.gap_at_rest) vs_text_add(json, "\"unsupplied_J\": %.12g, ", e->joule[VS_E_WORK]);
+  for (int b = 0; b < VS_BALANCES; b++) {
+    vs_text_add(json, "\"%s_residual\": ", vs_balance_names[b]);
+    add_number(json, e->balanced[b] ? e->residual[b] : NAN);
+    vs_text_add(json, ", ");
+  }
+  vs_text_add(json, "\"residual\": ");
+  add_number(json, e->worst);
+  vs_text_add(json, "},\n");
+}
+
 void vs_summary_json(const vs_scene *s, const vs_result *r, bool with_cost, vs_text *json) {
   vs_text_add(json,
               "{\n  \"program\": {\"version\": \"%s\", \"ngspice\": \"%s\", \"gsl\": \"%s\"},\n",
@@ -112,18 +145,7 @@ void vs_summary_json(const vs_scene *s, const vs_result *r, bool with_cost, vs_t
     vs_text_add(json, ",\n");
   }
   add_measures(json, s, r);
-  vs_text_add(json, "  \"energy\": {");
-  for (int k = 0; k < VS_ENERGIES; k++) {
-    vs_text_add(json, "\"%s_J\": ", vs_energy_names[k]);
-    add_number(json, r->energy.joule[k]);
-    vs_text_add(json, ", ");
-  }
-  if (r->energy.one_way) vs_text_add(json, "\"unsupplied_J\": %.12g, ", r->energy.joule[VS_E_WORK]);
-  vs_text_add(json, "\"mechanical_residual\": ");
-  add_number(json, r->energy.mechanical_residual);
-  vs_text_add(json, ", \"residual\": ");
-  add_number(json, r->energy.residual);
-  vs_text_add(json, "},\n");
+  add_energy(json, s, &r->energy);
   if (with_cost)
     vs_text_add(json, "  \"cost\": {\"wall_s\": %.6g, \"steps\": %ld},\n", r->wall_s, r->steps);
   vs_text_add(json, "  \"verdict\": []\n}\n");

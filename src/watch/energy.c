@@ -11,6 +11,17 @@ const char *const vs_energy_names[VS_ENERGIES] = {
 #undef VS_ENERGY_NAME
 };
 
+const char *const vs_balance_names[VS_BALANCES] = {
+#define VS_BALANCE_NAME(id, name, text) name,
+    VS_BALANCE_LIST(VS_BALANCE_NAME)
+#undef VS_BALANCE_NAME
+};
+const char *const vs_balance_texts[VS_BALANCES] = {
+#define VS_BALANCE_TEXT(id, name, text) text,
+    VS_BALANCE_LIST(VS_BALANCE_TEXT)
+#undef VS_BALANCE_TEXT
+};
+
 /* Gauss-Legendre on [0,1] (Abramowitz & Stegun, table 25.4): five points are exact to degree 9, as
  * the product of two quintics nearly is; two to degree 3, as the step of a second-order circuit
  * needs. */
@@ -25,9 +36,44 @@ static const struct {
       0.11846344252809454}},
 };
 
+static double magnetic(const vs_frame *frame, const vs_knot *k) {
+  const vs_model *m = frame->model;
+  return vs_magnetic_energy(m, k->flux_wb, frame->gap_at_rest ? m->gap_rest_m : vs_gap(m, k->x[P]));
+}
+
+static double mechanical(const vs_model *m, const vs_knot *k) {
+  double depth = vs_in_stop(m, k->x[P]) ? k->x[P] + m->actuator.gap_m : 0;
+  return vs_kinetic_energy(m, k->x) + vs_elastic_energy(m, k->x) +
+         m->actuator.stop.stiffness_n_m * depth * depth / 2;
+}
+
+static void begin(vs_energy *e, const vs_step *step) {
+  const vs_deck *deck = step->frame->deck;
+  const vs_knot *k = step->from;
+  e->begun = true;
+  e->begin_j[VS_E_MAGNETIC] = magnetic(step->frame, k);
+  e->begin_j[VS_E_MECHANICAL] = mechanical(step->frame->model, k);
+  for (size_t n = 0; deck && n < deck->losses.count; n++)
+    e->loss_w[n] = vs_formula_value(&deck->losses.item[n].formula, k->terms);
+  for (size_t n = 0; deck && n < deck->stores.count; n++)
+    e->held_j[n] = vs_formula_value(&deck->stores.item[n].formula, k->terms);
+}
+
+/* The deck's losses by the trapezoidal rule, from the circuit's values at the ends of its steps. */
+static void keep_accounts(vs_energy *e, const vs_deck *deck, const vs_knot *to, double h) {
+  for (size_t n = 0; n < deck->losses.count; n++) {
+    double power = vs_formula_value(&deck->losses.item[n].formula, to->terms);
+    e->loss_j[n] += h * (e->loss_w[n] + power) / 2;
+    e->loss_w[n] = power;
+  }
+  for (size_t n = 0; n < deck->stores.count; n++)
+    e->store_j[n] = vs_formula_value(&deck->stores.item[n].formula, to->terms) - e->held_j[n];
+}
+
 void vs_energy_accept(vs_energy *e, const vs_step *step) {
   const vs_model *m = step->frame->model;
   double h = step->to->t_s - step->from->t_s, y[VS_CH_MOST];
+  if (!e->begun) begin(e, step);
   for (int g = step->cubic_flux ? 0 : 1, k = 0; k < GAUSS[g].count; k++) {
     vs_step_at(step, step->from->t_s + h * GAUSS[g].at[k], y);
     double w = h * GAUSS[g].weight[k], lost = 0;
@@ -42,18 +88,24 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
       e->joule[VS_E_STOP] += w * m->actuator.stop.damping_ns_m * y[VS_CH_VP] * y[VS_CH_VP];
   }
   const vs_knot *k = step->to;
-  double z = step->frame->gap_at_rest ? m->gap_rest_m : vs_gap(m, k->x[P]);
-  e->joule[VS_E_MAGNETIC] = vs_magnetic_energy(m, k->flux_wb, z);
-  double depth = vs_in_stop(m, k->x[P]) ? k->x[P] + m->actuator.gap_m : 0;
-  e->joule[VS_E_MECHANICAL] = vs_kinetic_energy(m, k->x) + vs_elastic_energy(m, k->x) +
-                              m->actuator.stop.stiffness_n_m * depth * depth / 2;
+  e->joule[VS_E_MAGNETIC] = magnetic(step->frame, k) - e->begin_j[VS_E_MAGNETIC];
+  e->joule[VS_E_MECHANICAL] = mechanical(m, k) - e->begin_j[VS_E_MECHANICAL];
+  if (step->frame->deck) keep_accounts(e, step->frame->deck, k, h);
 }
 
 void vs_energy_finish(vs_energy *e) {
   const double *j = e->joule;
-  double scale = j[VS_E_WORK] != 0 ? fabs(j[VS_E_WORK]) : 1;
-  double eva = j[VS_E_PORT] - j[VS_E_COPPER] - j[VS_E_MAGNETIC] - (e->one_way ? 0 : j[VS_E_WORK]);
-  e->residual = eva / scale;
-  e->mechanical_residual =
-      (j[VS_E_WORK] - j[VS_E_DAMPING] - j[VS_E_STOP] - j[VS_E_MECHANICAL]) / scale;
+  const vs_deck *deck = e->frame->deck;
+  double scale = j[VS_E_WORK] != 0 ? fabs(j[VS_E_WORK]) : 1, left[VS_BALANCES];
+  left[VS_B_EVA] =
+      j[VS_E_PORT] - j[VS_E_COPPER] - j[VS_E_MAGNETIC] - (e->frame->gap_at_rest ? 0 : j[VS_E_WORK]);
+  left[VS_B_MECHANICAL] = j[VS_E_WORK] - j[VS_E_DAMPING] - j[VS_E_STOP] - j[VS_E_MECHANICAL];
+  left[VS_B_CIRCUIT] = j[VS_E_SOURCE] - j[VS_E_PORT];
+  for (size_t k = 0; deck && k < deck->losses.count; k++) left[VS_B_CIRCUIT] -= e->loss_j[k];
+  for (size_t k = 0; deck && k < deck->stores.count; k++) left[VS_B_CIRCUIT] -= e->store_j[k];
+  for (int b = 0; b < VS_BALANCES; b++) {
+    e->balanced[b] = b != VS_B_CIRCUIT || !deck || deck->losses.count || deck->stores.count;
+    e->residual[b] = left[b] / scale;
+    if (e->balanced[b]) e->worst = fmax(e->worst, fabs(e->residual[b]));
+  }
 }

@@ -15,9 +15,8 @@
   X(VS_E_WORK, "work_force", "done by the force on the machine, int -F p' dt")                     \
   X(VS_E_DAMPING, "damping", "lost in springs and mounts, int q'.B q' dt")                         \
   X(VS_E_STOP, "stop", "lost in the stop, int c p'^2 dt while it is touched")                      \
-  X(VS_E_MAGNETIC, "magnetic", "stored in the air gap at the end, lambda^2 z/4a")                  \
-  X(VS_E_MECHANICAL, "mechanical",                                                                 \
-    "stored in the machine at the end, (q'.M q' + q.K q)/2, and in the stop")
+  X(VS_E_MAGNETIC, "magnetic", "gained in the air gap, lambda^2 z/4a")                             \
+  X(VS_E_MECHANICAL, "mechanical", "gained in the machine, (q'.M q' + q.K q)/2, and in the stop")
 
 enum {
 #define VS_ENERGY_ID(id, name, text) id,
@@ -27,16 +26,38 @@ enum {
 };
 extern const char *const vs_energy_names[VS_ENERGIES];
 
+/* The balances; each is what comes in less what is lost and stored. id, name, text */
+#define VS_BALANCE_LIST(X)                                                                         \
+  X(VS_B_EVA, "eva", "eva - copper - magnetic - work_force")                                       \
+  X(VS_B_MECHANICAL, "mechanical", "work_force - damping - stop - mechanical")                     \
+  X(VS_B_CIRCUIT, "circuit", "source - losses - stores - eva")
+
+enum {
+#define VS_BALANCE_ID(id, name, text) id,
+  VS_BALANCE_LIST(VS_BALANCE_ID)
+#undef VS_BALANCE_ID
+      VS_BALANCES
+};
+extern const char *const vs_balance_names[VS_BALANCES], *const vs_balance_texts[VS_BALANCES];
+
+/* Start from {0} with the frame set. */
 typedef struct vs_energy {
-  bool one_way; /* the force draws nothing from the circuit (analytic tier) */
+  const vs_frame *frame;
   double joule[VS_ENERGIES];
-  double residual;            /* EVA: (eva - copper - magnetic - work)/work; see vs_energy_finish */
-  double mechanical_residual; /* (work - damping - stop - mechanical)/work */
+  double loss_w[VS_DECK_MOST];  /* of the deck's loss lines, at the last step's end */
+  double loss_j[VS_DECK_MOST];  /* their integrals */
+  double store_j[VS_DECK_MOST]; /* of the deck's store lines: gained since the beginning */
+  double held_j[VS_DECK_MOST];  /* what they held then */
+  double begin_j[VS_ENERGIES];  /* magnetic and mechanical energy then */
+  bool begun;
+  bool balanced[VS_BALANCES];   /* false: nothing to balance (a deck without losses and stores) */
+  double residual[VS_BALANCES]; /* relative to the work of the force; in J where that is 0 */
+  double worst;                 /* the largest of them */
 } vs_energy;
 
 void vs_energy_accept(vs_energy *energy, const vs_step *step);
-/* Residuals, relative to the work of the force, in J where that is 0. With a one-way force the
- * EVA's balance leaves the work out: nothing supplies it. */
+/* Fills balanced, residual and worst. With a one-way force (analytic tier) the EVA's balance leaves
+ * the work out: nothing supplies it. */
 void vs_energy_finish(vs_energy *energy);
 
 #endif
