@@ -6,9 +6,23 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/units.h"
 #include "study/scene.h"
 #include "study/summary.h"
 #include "watch/table.h"
+
+/* Names the rating that is violated furthest; VS_OK: none is. */
+static vs_status judge(const vs_result *r, vs_error *err) {
+  const vs_judgement *worst = NULL;
+  for (size_t k = 0; k < r->n_judgements; k++)
+    if (r->judgements[k].margin < (worst ? worst->margin : 0)) worst = &r->judgements[k];
+  if (!worst) return VS_OK;
+  double unit = vs_unit_factor(worst->rating->unit);
+  return vs_fail(err, VS_RATING, "a rating is violated: %s = %.6g %s at %.6g s, allowed %g..%g %s",
+                 worst->probe->name, worst->stress.value / unit, worst->rating->unit,
+                 worst->stress.at_s, worst->rating->min / unit, worst->rating->max / unit,
+                 worst->rating->unit);
+}
 
 /* Everyone who watches one run. */
 typedef struct audience {
@@ -19,6 +33,7 @@ typedef struct audience {
   vs_table table;
   vs_measures *measures;
   vs_result result;
+  char books[512];         /* what the energy audit says */
   double began_s, shown_s; /* wall clock: of the run, of the last progress line */
   bool show_progress;
 } audience;
@@ -124,6 +139,9 @@ static void take_values(audience *a) {
   r->values[VS_M_ENERGY_IN] = (vs_value){true, joule[VS_E_SOURCE], NAN};
   r->values[VS_M_ENERGY_COPPER] = (vs_value){true, joule[VS_E_COPPER], NAN};
   r->values[VS_M_WORK_FORCE] = (vs_value){true, joule[VS_E_WORK], NAN};
+  r->open_books =
+      vs_energy_open(&r->energy, a->scene->setup.run.tolerance, a->books, sizeof a->books);
+  r->n_judgements = vs_verdict(a->measures, r->judgements);
   r->values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, r->energy.worst, NAN};
 }
 
@@ -154,6 +172,9 @@ static vs_status run_scene(const vs_run_options *o, const vs_scene *s, vs_error 
     vs_summary_table(s, &a.result, stdout);
     if (o->folder) printf("written: run.csv, events.csv, summary.json in %s\n", o->folder);
   }
+  if (!status && a.result.open_books && !o->quiet)
+    fprintf(stderr, "vibrospice: warning: %s\n", a.result.open_books);
+  if (!status) status = judge(&a.result, err);
   vs_text_free(&json);
   vs_measures_free(a.measures);
   return status;

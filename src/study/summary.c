@@ -5,6 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/units.h"
+
 /* Each measure there is, the energies' and the probes' extremes included; name[64] is filled. */
 static bool measure_at(const vs_scene *s, const vs_result *r, int k, char name[VS_DECK_NAME + 4],
                        const char **unit, vs_value *value) {
@@ -22,6 +24,21 @@ static bool measure_at(const vs_scene *s, const vs_result *r, int k, char name[V
   *unit = channel.unit;
   *value = e->best;
   return true;
+}
+
+/* Limits and stresses are shown in the unit of the rating line. */
+static void print_verdict(const vs_result *r, FILE *out) {
+  if (r->n_judgements)
+    fprintf(out, "\n%-18s %12s %12s %12s %12s %-5s %8s\n", "rating", "min", "least", "largest",
+            "max", "", "margin");
+  for (size_t k = 0; k < r->n_judgements; k++) {
+    const vs_judgement *j = &r->judgements[k];
+    double unit = vs_unit_factor(j->rating->unit);
+    fprintf(out, "%-18s %12.6g %12.6g %12.6g %12.6g %-5s %7.1f %%%s\n", j->probe->name,
+            j->rating->min / unit, j->least.value / unit, j->largest.value / unit,
+            j->rating->max / unit, j->rating->unit, 100 * j->margin,
+            j->margin < 0 ? "  violated" : "");
+  }
 }
 
 void vs_summary_table(const vs_scene *s, const vs_result *r, FILE *out) {
@@ -54,6 +71,7 @@ void vs_summary_table(const vs_scene *s, const vs_result *r, FILE *out) {
   if (s->frame.gap_at_rest && r->energy.joule[VS_E_WORK] != 0)
     fprintf(out, "\nthe one-way force of this tier did %.4f J of work that nothing supplied\n",
             r->energy.joule[VS_E_WORK]);
+  print_verdict(r, out);
   fprintf(out, "\n%ld steps in %.3g s\n", r->steps, r->wall_s);
 }
 
@@ -109,7 +127,8 @@ static void add_accounts(vs_text *json, const char *name, const vs_accounts *acc
   vs_text_add(json, "}, ");
 }
 
-static void add_energy(vs_text *json, const vs_scene *s, const vs_energy *e) {
+static void add_energy(vs_text *json, const vs_scene *s, const vs_energy *e,
+                       const char *open_books) {
   vs_text_add(json, "  \"energy\": {");
   for (int k = 0; k < VS_ENERGIES; k++) {
     vs_text_add(json, "\"%s_J\": ", vs_energy_names[k]);
@@ -128,7 +147,35 @@ static void add_energy(vs_text *json, const vs_scene *s, const vs_energy *e) {
   }
   vs_text_add(json, "\"residual\": ");
   add_number(json, e->worst);
+  vs_text_add(json, ", \"audit\": ");
+  vs_text_json(json, open_books ? open_books : "the books close");
   vs_text_add(json, "},\n");
+}
+
+static void add_extreme(vs_text *json, const char *name, vs_value v, double unit) {
+  vs_text_add(json, ", \"%s\": ", name);
+  add_number(json, v.value / unit);
+  vs_text_add(json, ", \"%s_at_s\": ", name);
+  add_number(json, v.at_s);
+}
+
+static void add_verdict(vs_text *json, const vs_result *r) {
+  vs_text_add(json, "  \"verdict\": [");
+  for (size_t k = 0; k < r->n_judgements; k++) {
+    const vs_judgement *j = &r->judgements[k];
+    double unit = vs_unit_factor(j->rating->unit);
+    vs_text_add(json, "%s\n    {\"rating\": \"%s\", \"unit\": \"%s\", \"text\": ", k ? "," : "",
+                j->probe->name, j->rating->unit);
+    vs_text_json(json, j->rating->text);
+    vs_text_add(json, ", \"min\": %.12g, \"max\": %.12g", j->rating->min / unit,
+                j->rating->max / unit);
+    add_extreme(json, "least", j->least, unit);
+    add_extreme(json, "largest", j->largest, unit);
+    vs_text_add(json, ", \"margin\": ");
+    add_number(json, j->margin);
+    vs_text_add(json, ", \"violated\": %s}", j->margin < 0 ? "true" : "false");
+  }
+  vs_text_add(json, r->n_judgements ? "\n  ]\n}\n" : "]\n}\n");
 }
 
 void vs_summary_json(const vs_scene *s, const vs_result *r, bool with_cost, vs_text *json) {
@@ -145,8 +192,8 @@ void vs_summary_json(const vs_scene *s, const vs_result *r, bool with_cost, vs_t
     vs_text_add(json, ",\n");
   }
   add_measures(json, s, r);
-  add_energy(json, s, &r->energy);
+  add_energy(json, s, &r->energy, r->open_books);
   if (with_cost)
     vs_text_add(json, "  \"cost\": {\"wall_s\": %.6g, \"steps\": %ld},\n", r->wall_s, r->steps);
-  vs_text_add(json, "  \"verdict\": []\n}\n");
+  add_verdict(json, r);
 }

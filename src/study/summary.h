@@ -7,11 +7,15 @@
 
 #include "study/scene.h"
 #include "watch/energy.h"
+#include "watch/verdict.h"
 
 typedef struct vs_result {
   vs_value values[VS_MEASURES];
   const vs_measures *measures; /* its extremes of the deck's probes */
   vs_energy energy;
+  const char *open_books; /* NULL: the energy audit finds nothing */
+  vs_judgement judgements[VS_DECK_MOST];
+  size_t n_judgements;
   double wall_s;
   long steps;
 } vs_result;

@@ -2,6 +2,7 @@
 #include "watch/energy.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "machine/actuator.h"
 
@@ -59,11 +60,16 @@ static void begin(vs_energy *e, const vs_step *step) {
     e->held_j[n] = vs_formula_value(&deck->stores.item[n].formula, k->terms);
 }
 
-/* The deck's losses by the trapezoidal rule, from the circuit's values at the ends of its steps. */
-static void keep_accounts(vs_energy *e, const vs_deck *deck, const vs_knot *to, double h) {
+/* The deck's losses by Simpson's rule with its terms on straight lines between the ends of a step:
+ * exact for a voltage times a current, and off by the square of the step as the solver is. */
+static void keep_accounts(vs_energy *e, const vs_deck *deck, const vs_knot *from, const vs_knot *to,
+                          double h) {
   for (size_t n = 0; n < deck->losses.count; n++) {
     double power = vs_formula_value(&deck->losses.item[n].formula, to->terms);
-    e->loss_j[n] += h * (e->loss_w[n] + power) / 2;
+    double mid[VS_DECK_MOST];
+    for (size_t t = 0; t < deck->n_terms; t++) mid[t] = (from->terms[t] + to->terms[t]) / 2;
+    e->loss_j[n] +=
+        h * (e->loss_w[n] + 4 * vs_formula_value(&deck->losses.item[n].formula, mid) + power) / 6;
     e->loss_w[n] = power;
   }
   for (size_t n = 0; n < deck->stores.count; n++)
@@ -90,13 +96,13 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
   const vs_knot *k = step->to;
   e->joule[VS_E_MAGNETIC] = magnetic(step->frame, k) - e->begin_j[VS_E_MAGNETIC];
   e->joule[VS_E_MECHANICAL] = mechanical(m, k) - e->begin_j[VS_E_MECHANICAL];
-  if (step->frame->deck) keep_accounts(e, step->frame->deck, k, h);
+  if (step->frame->deck) keep_accounts(e, step->frame->deck, step->from, k, h);
 }
 
 void vs_energy_finish(vs_energy *e) {
   const double *j = e->joule;
   const vs_deck *deck = e->frame->deck;
-  double scale = j[VS_E_WORK] != 0 ? fabs(j[VS_E_WORK]) : 1, left[VS_BALANCES];
+  double scale = j[VS_E_WORK] != 0 ? fabs(j[VS_E_WORK]) : 1, *left = e->left_j;
   left[VS_B_EVA] =
       j[VS_E_PORT] - j[VS_E_COPPER] - j[VS_E_MAGNETIC] - (e->frame->gap_at_rest ? 0 : j[VS_E_WORK]);
   left[VS_B_MECHANICAL] = j[VS_E_WORK] - j[VS_E_DAMPING] - j[VS_E_STOP] - j[VS_E_MECHANICAL];
@@ -108,4 +114,16 @@ void vs_energy_finish(vs_energy *e) {
     e->residual[b] = left[b] / scale;
     if (e->balanced[b]) e->worst = fmax(e->worst, fabs(e->residual[b]));
   }
+}
+
+const char *vs_energy_open(const vs_energy *e, double tolerance, char *buffer, size_t size) {
+  double whole = fmax(fabs(e->joule[VS_E_WORK]), fabs(e->joule[VS_E_SOURCE]));
+  for (int b = 0; b < VS_BALANCES; b++) {
+    if (!e->balanced[b] || !(fabs(e->left_j[b]) > 10 * tolerance * whole)) continue;
+    snprintf(buffer, size, "the energy books do not close (%s): %s leaves %.3g J of %.3g J%s",
+             vs_balance_names[b], vs_balance_texts[b], e->left_j[b], whole,
+             b == VS_B_CIRCUIT ? "; is a loss or store line of the deck missing or wrong?" : "");
+    return buffer;
+  }
+  return NULL;
 }

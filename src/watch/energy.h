@@ -50,6 +50,7 @@ typedef struct vs_energy {
   double held_j[VS_DECK_MOST];  /* what they held then */
   double begin_j[VS_ENERGIES];  /* magnetic and mechanical energy then */
   bool begun;
+  double left_j[VS_BALANCES];   /* what each balance leaves over */
   bool balanced[VS_BALANCES];   /* false: nothing to balance (a deck without losses and stores) */
   double residual[VS_BALANCES]; /* relative to the work of the force; in J where that is 0 */
   double worst;                 /* the largest of them */
@@ -59,5 +60,10 @@ void vs_energy_accept(vs_energy *energy, const vs_step *step);
 /* Fills balanced, residual and worst. With a one-way force (analytic tier) the EVA's balance leaves
  * the work out: nothing supplies it. */
 void vs_energy_finish(vs_energy *energy);
+
+/* Do the books close? A balance may leave ten times run.tolerance of the work of the force or of
+ * what was drawn from the mains, whichever is more. NULL: they do; else the buffer says which does
+ * not. */
+const char *vs_energy_open(const vs_energy *energy, double tolerance, char *buffer, size_t size);
 
 #endif
