@@ -17,6 +17,7 @@ typedef struct vs_circuit_job {
       *signals; /* what accept() is given: "v(a)", "i(vth)", lower case; "v(0)" is 0 */
   size_t n_signals;
   double until_s, max_step_s; /* the run goes from 0 to until_s in steps of at most max_step_s */
+  const char *dialect;        /* how the netlist is to be read: "ps", or "" for ngspice's own */
   double relative_tolerance;  /* of Newton's iteration and of the local truncation error */
 } vs_circuit_job;
 

@@ -216,6 +216,13 @@ static vs_status try_in_child(char **lines, vs_error *err) {
   return VS_OK;
 }
 
+/* The dialect is a setting of ngspice's that lasts; it says what a netlist's words mean. */
+static void set_dialect(const char *dialect) {
+  char command[64];
+  snprintf(command, sizeof command, *dialect ? "set ngbehavior=%sa" : "unset ngbehavior", dialect);
+  ngSpice_Command(command);
+}
+
 static vs_status load(const vs_circuit_job *job, void **circuit, vs_error *err) {
   *circuit = NULL;
   vs_status status = initialise(err);
@@ -234,6 +241,7 @@ static vs_status load(const vs_circuit_job *job, void **circuit, vs_error *err) 
   *ng.failure = '\0';
   ng.expected = 0;
   ng.job = NULL; /* the load itself asks for nothing */
+  set_dialect(job->dialect);
   status = try_in_child(lines, err);
   if (!status) ngSpice_Circ(lines);
   free(lines);

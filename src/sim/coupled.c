@@ -329,6 +329,7 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                         .signals = n->signals,
                         .n_signals = n->n_signals,
                         .until_s = setup->run.until_s,
+                        .dialect = setup->deck.compat,
                         .max_step_s = c.max_step_s,
                         .relative_tolerance = solver_tolerance(setup)};
   char **netlist = NULL;

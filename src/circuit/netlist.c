@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * A deck as the netlist that the solver is given, and the way back from what it says to the deck.
+ */
+#include <ctype.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "circuit/contract.h"
+
+static const vs_shelf EVA_SHELF = {"subcircuit", "", ".inc"};
+
+static void add_text(char ***lines, size_t *count, const char *text) {
+  *lines = realloc(*lines, (*count + 1) * sizeof **lines);
+  (*lines)[(*count)++] = vs_copy(text);
+}
+
+/* The subcircuit an instance "Xname n m ... SUBCIRCUIT [NAME=VALUE ...]" is of: where it begins in
+ * the line, and its length; NULL: the line is none. */
+static const char *instance_of(const char *line, size_t *length) {
+  const char *found = NULL;
+  if (tolower((unsigned char)*line) != 'x') return NULL;
+  for (const char *s = line; *s;) {
+    s += strspn(s, " \t");
+    size_t n = strcspn(s, " \t");
+    const char *after = s + n + strspn(s + n, " \t");
+    if (memchr(s, '=', n) || *after == '=' || !strncasecmp(s, "params:", 7)) break;
+    if (n) found = s, *length = n;
+    s += n;
+  }
+  return found;
+}
+
+/* The deck's line, with the part's subcircuit where it names the parameter. */
+static void add_deck_line(const vs_deck *deck, const char *line, char ***lines, size_t *count) {
+  size_t n = 0;
+  const char *name = instance_of(line, &n);
+  for (size_t p = 0; name && p < deck->n_parts; p++) {
+    if (strlen(deck->parts[p].name) != n || strncasecmp(name, deck->parts[p].name, n)) continue;
+    vs_text text = {0};
+    vs_text_add(&text, "%.*s%s%s", (int)(name - line), line, deck->parts[p].subcircuit, name + n);
+    add_text(lines, count, text.text);
+    vs_text_free(&text);
+    return;
+  }
+  add_text(lines, count, line);
+}
+
+vs_status vs_deck_netlist(const vs_deck *deck, const vs_circuit_values *values,
+                          const vs_deck_value *standard, size_t n_standard, char ***lines,
+                          size_t *count, vs_error *err) {
+  *lines = NULL;
+  *count = 0;
+  char path[VS_PATH_SIZE], param[128];
+  vs_status status = vs_find(&EVA_SHELF, "eva", (vs_where){0}, path, err);
+  if (status) return status;
+  FILE *eva = fopen(path, "r");
+  if (!eva) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
+  add_text(lines, count, "vibrospice"); /* the first line of a netlist is its title */
+  for (size_t k = 0; k < n_standard; k++) {
+    snprintf(param, sizeof param, ".param %s=%.17g", standard[k].name, standard[k].value);
+    add_text(lines, count, param);
+  }
+  for (size_t k = 1; k < deck->section.count; k++) {
+    const vs_field *field = &deck->section.fields[k];
+    if (field->kind != VS_REAL) continue;
+    snprintf(param, sizeof param, ".param %s=%.17g", field->key,
+             *(const double *)(const void *)((const char *)values + field->offset));
+    add_text(lines, count, param);
+  }
+  for (size_t k = 0; k < deck->n_lines; k++) add_deck_line(deck, deck->lines[k].text, lines, count);
+  char *line = NULL;
+  size_t size = 0;
+  while (getline(&line, &size, eva) >= 0) {
+    line[strcspn(line, "\r\n")] = '\0';
+    if (*line && *line != '*') add_text(lines, count, line);
+  }
+  free(line);
+  fclose(eva);
+  return VS_OK;
+}
+
+void vs_netlist_free(char **lines, size_t count) {
+  for (size_t k = 0; k < count; k++) free(lines[k]);
+  free(lines);
+}
+
+/* ---- where it is ---- */
+
+static bool is_word(char c) {
+  return isalnum((unsigned char)c) || c == '_';
+}
+
+/* The first whole word of that name in the line at or after `from`; NULL: none. */
+static const char *find_word(const char *line, const char *from, const char *word, size_t n) {
+  for (const char *s = from; *s; s++)
+    if (!strncasecmp(s, word, n) && !is_word(s[n]) && (s == line || !is_word(s[-1]))) return s;
+  return NULL;
+}
+
+/* Where an undefined parameter stands: in an expression, so behind the first '{', quote or '='. */
+static const char *find_parameter(const char *line, const char *name, size_t n) {
+  const char *from = strpbrk(line, "{'=");
+  return from ? find_word(line, from, name, n) : NULL;
+}
+
+/* Where an element is named whose line the message repeats: "r1 a b {x}" in "...: r1 a b ...". */
+static const char *find_element(const char *line, const char *message) {
+  size_t n = strcspn(line, " \t");
+  if (n < 2 || *line == '.' || *line == '+') return NULL;
+  for (const char *s = strstr(message, ": "); s; s = strstr(s + 2, ": "))
+    if (!strncasecmp(s + 2, line, n) && s[2 + n] == ' ') return line;
+  return NULL;
+}
+
+void vs_deck_locate(const vs_deck *deck, vs_error *err) {
+  const char *open = strchr(err->text, '['), *close = open ? strchr(open, ']') : NULL;
+  vs_where where = {0};
+  for (size_t k = 0; k < deck->n_terms; k++) {
+    const char *s = strstr(err->text, "the circuit has no ");
+    if (s && (!strcmp(s + 19, deck->terms[k].plus) || !strcmp(s + 19, deck->terms[k].minus)))
+      where = deck->terms[k].where;
+  }
+  for (size_t k = 0; k < deck->n_lines && !where.file; k++) {
+    const vs_line *line = &deck->lines[k];
+    const char *at = close ? find_parameter(line->text, open + 1, (size_t)(close - open - 1))
+                           : find_element(line->text, err->text);
+    if (!at) continue;
+    where = line->where;
+    where.column += (int)(at - line->text);
+  }
+  if (!where.file) return;
+  vs_error plain = *err;
+  vs_fail_at(err, where, "%s%s", plain.text,
+             close ? "; '.param NAME=...' or '*$ param NAME = ...' defines one" : "");
+}
