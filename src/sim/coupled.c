@@ -319,6 +319,8 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                 .max_step_s = largest_step(setup),
                 .substep_s = 0.02 / m->fastest_rad_s,
                 .substep_touching_s = 0.02 / m->contact_rad_s};
+  c.knots[0] = vs_sim_start(setup, &c.frame);
+  c.touching = vs_in_stop(m, c.knots[0].x[P]);
   for (size_t k = 0; k < setup->deck.n_probes; k++)
     if (!strcmp(setup->deck.probes[k].name, "i_thyristor"))
       c.anode_current = &setup->deck.probes[k];

@@ -312,6 +312,8 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_conduction *conduction,
                         const vs_observer *observer, vs_error *err) {
   phases p = {.setup = setup, .conduction = *conduction, .observer = observer};
   double scale[CONDUCTING_STATES], until = setup->run.until_s;
+  p.knots[0] = vs_sim_start(setup, conduction->frame);
+  p.touching = vs_in_stop(&setup->model, p.knots[0].x[P]);
   find_scales(setup, scale);
   p.longest_s = longest_step(setup, setup->model.fastest_rad_s);
   p.longest_touching_s = longest_step(setup, setup->model.contact_rad_s);

@@ -23,6 +23,23 @@ static const vs_field RUN[] = {
 };
 const vs_section vs_run_section = {"run", RUN, sizeof RUN / sizeof *RUN};
 
+#define START_(key, unit, limit, index, text)                                                      \
+  {                                                                                                \
+    key, VS_REAL, unit, "0 " unit, -limit, limit, false,                                           \
+        offsetof(vs_start_values, x) + (index) * sizeof(double), text, NULL, NULL                  \
+  }
+static const vs_field START[] = {
+    START_("p", "mm", 1000, P, "p at t = 0"),
+    START_("u", "mm", 1000, U, "u at t = 0"),
+    START_("w", "mm", 1000, W, "w at t = 0"),
+    START_("phi", "rad", 1, PHI, "phi at t = 0"),
+    START_("vp", "m/s", 100, VS_DOF + P, "velocity of p at t = 0: a kick"),
+    START_("vu", "m/s", 100, VS_DOF + U, "velocity of u at t = 0"),
+    START_("vw", "m/s", 100, VS_DOF + W, "velocity of w at t = 0"),
+    START_("vphi", "rad/s", 1000, VS_DOF + PHI, "velocity of phi at t = 0"),
+};
+const vs_section vs_start_section = {"start", START, sizeof START / sizeof *START};
+
 const vs_tier *const vs_tiers[VS_TIERS] = {&vs_tier_analytic, &vs_tier_switched, &vs_tier_circuit};
 
 const vs_tier *vs_tier_find(const char *name) {
@@ -60,17 +77,36 @@ void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD
   memcpy(standard, values, sizeof values);
 }
 
+static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err) {
+  const vs_node *map = vs_node_child(scene, vs_start_section.name), *p = vs_node_child(map, "p");
+  const vs_actuator_values *a = &setup->model.actuator;
+  vs_status s = vs_section_read(&vs_start_section, map, &setup->start, err);
+  double least = -(a->gap_m + (a->stop.present ? a->pole_cover_m : 0));
+  if (s || setup->start.x[P] > least || (setup->start.x[P] == least && !a->stop.present)) return s;
+  return vs_fail_at(err, p ? p->where : (vs_where){0},
+                    "start.p: %g mm is beyond the pole cover%s; allowed: more than %g mm",
+                    1e3 * setup->start.x[P], a->stop.present ? " and the iron" : "", 1e3 * least);
+}
+
 vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
   *setup = (vs_setup){.solver = &vs_ngspice};
   vs_status s = vs_model_build(scene, &setup->model, err);
   if (!s) s = vs_timeline_build(scene, &setup->timeline, err);
   if (!s) s = read_circuit(scene, setup, err);
   if (!s) s = vs_section_read(&vs_run_section, vs_node_child(scene, "run"), &setup->run, err);
+  if (!s) s = read_start(scene, setup, err);
   return s;
 }
 
 void vs_setup_free(vs_setup *setup) {
   vs_deck_free(&setup->deck);
+}
+
+vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame) {
+  vs_knot k = {0};
+  memcpy(k.x, setup->start.x, sizeof k.x);
+  vs_knot_complete(frame, &k, vs_in_stop(&setup->model, k.x[P]));
+  return k;
 }
 
 /* First instant in the step at which the armature is through the pole cover, by bisection. */

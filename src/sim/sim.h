@@ -15,20 +15,25 @@ typedef struct vs_run_values {
   double tolerance;  /* largest error wanted, relative to each quantity's own peak */
   double max_step_s; /* 0: from the tolerance */
 } vs_run_values;
-extern const vs_section vs_run_section;
+/* The machine's state at t = 0: q, q'. The circuit always begins without current and charge. */
+typedef struct vs_start_values {
+  double x[VS_STATES];
+} vs_start_values;
+extern const vs_section vs_run_section, vs_start_section;
 
 /* One scene as numbers. Built once, then constant. */
 typedef struct vs_setup {
   vs_model model;
   vs_timeline timeline;
   vs_run_values run;
+  vs_start_values start;
   vs_deck deck; /* the scene's, also when the tier does not use it */
   vs_circuit_values circuit_values;
   const vs_circuit_kind *solver; /* of the circuit: vs_ngspice, or a test's own */
 } vs_setup;
 
-/* Reads the sections machine, actuator, load, supply, firing, circuit, run. vs_setup_free even
- * after an error. */
+/* Reads the sections machine, actuator, load, supply, firing, circuit, run, start. vs_setup_free
+ * even after an error. */
 vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err);
 void vs_setup_free(vs_setup *setup);
 
@@ -46,7 +51,7 @@ typedef struct vs_tier {
   const char *name, *text;
   double finest; /* smallest run.tolerance it can hold */
   vs_frame (*frame)(const vs_setup *setup);
-  /* From rest at t = 0 to run.until. Errors name the time and the cause. */
+  /* From the start at t = 0 to run.until. Errors name the time and the cause. */
   vs_status (*run)(const vs_setup *setup, const vs_observer *observer, vs_error *err);
 } vs_tier;
 
@@ -54,6 +59,9 @@ extern const vs_tier vs_tier_analytic, vs_tier_switched, vs_tier_circuit;
 enum { VS_TIERS = 3 };
 extern const vs_tier *const vs_tiers[VS_TIERS];
 const vs_tier *vs_tier_find(const char *name); /* NULL: there is none */
+
+/* For tiers: the knot at t = 0. */
+vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame);
 
 /* For tiers: refuses a run of so many steps that it would not end. */
 vs_status vs_sim_check_steps(const vs_setup *setup, double step_s, vs_error *err);

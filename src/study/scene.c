@@ -17,7 +17,8 @@ vs_scene_part vs_scene_part_at(const vs_scene *s, int index) {
                                                {&vs_supply_section, &u->timeline.supply},
                                                {&vs_firing_section, &u->timeline.firing},
                                                {&u->deck.section, &u->circuit_values},
-                                               {&vs_run_section, &u->run}};
+                                               {&vs_run_section, &u->run},
+                                               {&vs_start_section, &u->start}};
   return parts[index];
 }
 
@@ -157,8 +158,8 @@ static void warn_below_theta(vs_scene *s) {
 
 vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, const char *tier,
                         vs_scene *s, vs_error *err) {
-  static const char *const TOP[] = {"machine", "actuator", "load",   "supply",  "firing",
-                                    "circuit", "run",      "record", "measured"};
+  static const char *const TOP[] = {"machine", "actuator", "load",  "supply", "firing",
+                                    "circuit", "run",      "start", "record", "measured"};
   *s = (vs_scene){0};
   vs_status status = vs_find(&vs_scene_shelf, name, (vs_where){0}, s->path, err);
   if (!status) status = vs_tree_read(s->path, &s->tree, err);

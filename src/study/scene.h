@@ -34,7 +34,7 @@ typedef struct vs_scene_part {
   const vs_section *section;
   const void *values;
 } vs_scene_part;
-enum { VS_SCENE_PARTS = 7 };
+enum { VS_SCENE_PARTS = 8 };
 vs_scene_part vs_scene_part_at(const vs_scene *scene, int index);
 
 #endif
