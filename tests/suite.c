@@ -95,7 +95,7 @@ vs_trial *vs_trial_run(const char *name, const char *tier, const char *const *se
   t->measures = vs_measures_new(&t->scene.frame);
   t->energy.frame = &t->scene.frame;
   vs_observer observer = {t, accept};
-  t->status = t->scene.tier->run(&t->scene.setup, &observer, &t->err);
+  t->status = vs_sim_run(t->scene.tier, &t->scene.setup, &observer, &t->err);
   vs_measures_finish(t->measures, t->values);
   vs_energy_finish(&t->energy);
   return t;

@@ -141,7 +141,7 @@ static outcome couple(const vs_circuit_kind *solver, const char *const *sets) {
   t->scene.setup.solver = solver;
   t->measures = vs_measures_new(&t->scene.frame);
   vs_observer observer = {t, watch};
-  t->status = t->scene.tier->run(&t->scene.setup, &observer, &t->err);
+  t->status = vs_sim_run(t->scene.tier, &t->scene.setup, &observer, &t->err);
   vs_measures_finish(t->measures, t->values);
   double work = t->energy.joule[VS_E_WORK];
   outcome o = {t->status,

@@ -76,7 +76,7 @@ static void free_scene(vs_scene *scene) {
 static double run_timed(const vs_scene *scene, const vs_observer *observer) {
   vs_error err;
   double began = wall_clock();
-  must(scene->tier->run(&scene->setup, observer, &err), &err);
+  must(vs_sim_run(scene->tier, &scene->setup, observer, &err), &err);
   return wall_clock() - began;
 }
 

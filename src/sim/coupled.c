@@ -195,7 +195,7 @@ static vs_status show(coupling *c, const vs_knot *k, vs_event contact, vs_error 
   step.event[1] = contact;
   step.event_s[1] = to->t_s;
   c->now = 1 - c->now;
-  return vs_sim_accept(&step, c->observer, err);
+  return c->observer->accept(c->observer->ctx, &step, err);
 }
 
 /* The knot `at` seconds behind a, on the way to b, under the present course of the flux. */

@@ -44,7 +44,7 @@ static vs_status show(phases *p, vs_event event, vs_error *err) {
                   .event = {event},
                   .event_s = {to->t_s}};
   p->now = 1 - p->now;
-  return vs_sim_accept(&step, p->observer, err);
+  return p->observer->accept(p->observer->ctx, &step, err);
 }
 
 /* Fills the knot to come, `since_s` of local time on, from y. */

@@ -51,7 +51,8 @@ typedef struct vs_tier {
   const char *name, *text;
   double finest; /* smallest run.tolerance it can hold */
   vs_frame (*frame)(const vs_setup *setup);
-  /* From the start at t = 0 to run.until. Errors name the time and the cause. */
+  /* From the start at t = 0 to run.until; nothing guards its validity: see vs_sim_run. Errors name
+   * the time and the cause. */
   vs_status (*run)(const vs_setup *setup, const vs_observer *observer, vs_error *err);
 } vs_tier;
 
@@ -66,8 +67,9 @@ vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame);
 /* For tiers: refuses a run of so many steps that it would not end. */
 vs_status vs_sim_check_steps(const vs_setup *setup, double step_s, vs_error *err);
 
-/* For tiers: guards the model's validity (finite, z > 0, p >= -D, a current that makes sense), then
- * shows the step. */
-vs_status vs_sim_accept(const vs_step *step, const vs_observer *observer, vs_error *err);
+/* Runs the tier, and ends the run where it leaves the model's validity (finite, z > 0, p >= -D
+ * without a stop, a current that makes sense): the observer is not shown such a step. */
+vs_status vs_sim_run(const vs_tier *tier, const vs_setup *setup, const vs_observer *observer,
+                     vs_error *err);
 
 #endif

@@ -157,7 +157,7 @@ static vs_status run_scene(const vs_run_options *o, const vs_scene *s, vs_error 
   vs_status status = o->folder ? open_files(&a, err) : VS_OK;
   if (!status) {
     a.began_s = wall_clock();
-    status = s->tier->run(&s->setup, &observer, err);
+    status = vs_sim_run(s->tier, &s->setup, &observer, err);
     a.result.wall_s = wall_clock() - a.began_s;
     if (a.shown_s > 0) fputs("\r\033[K", stderr);
   }

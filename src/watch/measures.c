@@ -107,10 +107,12 @@ static int turn(const vs_measures *m, int channel) {
 }
 
 static void follow_extreme(vs_measures *m, vs_extreme *e) {
-  double now = m->y[2][e->channel], sign = e->sense;
+  double now = m->y[2][e->channel], sign = e->sense, begin = m->y[1][e->channel];
+  if (!e->best.known)
+    e->best = (vs_value){true, e->sense ? begin : fabs(begin), m->kept[m->last].from.t_s};
   if (!e->sense) sign = now < 0 ? -1 : 1;
   double reach = e->sense ? e->sense * e->best.value : e->best.value;
-  if (!e->best.known || sign * now > reach) {
+  if (sign * now > reach) {
     reach = sign * now;
     e->best = (vs_value){true, e->sense ? now : fabs(now), m->kept[m->last].to.t_s};
   }
