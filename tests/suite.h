@@ -58,6 +58,9 @@ typedef struct vs_trial {
 } vs_trial;
 vs_trial *vs_trial_run(const char *scene, const char *tier, const char *const *sets,
                        const vs_observer *also);
+/* The same in two halves, for a test that alters the numbers in between. */
+vs_trial *vs_trial_read(const char *scene, const char *tier, const char *const *sets);
+void vs_trial_go(vs_trial *trial, const vs_observer *also);
 void vs_trial_free(vs_trial *trial);
 
 #endif

@@ -163,6 +163,7 @@ static vs_status read_param(vs_deck *deck, cursor *c, vs_error *err) {
 /* port mains = SOURCE, port gate+180deg = SOURCE */
 static vs_status read_port(vs_deck *deck, cursor *c, vs_error *err) {
   char name[VS_DECK_NAME], why[200];
+  skip_blanks(c);
   vs_port port = {.where = here(c)};
   if (!take_word(c, "+.", name, sizeof name) || !take(c, '=') ||
       !take_word(c, ".", port.source, sizeof port.source))

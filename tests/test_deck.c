@@ -1,0 +1,438 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The netlist contract beyond ports and probes: formulas, losses and stores and what the energy
+ * audit makes of them, ratings, parts by name, dialects, and the place of what ngspice refuses. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/text.h"
+#include "suite.h"
+#include "watch/verdict.h"
+
+/* ---- formulas ---- */
+
+/* v(n) is term 0, v(n,m) 1, i(Vx) 2; a is name 0, b_2 name 1 */
+static int term_of(void *ctx, char quantity, const char *first, const char *second) {
+  (void)ctx;
+  CU_ASSERT_STRING_EQUAL(first, quantity == 'i' ? "vx" : "n");
+  return quantity == 'i' ? 2 : strcmp(second, "0") != 0;
+}
+static int name_of(void *ctx, const char *name) {
+  (void)ctx;
+  return strcmp(name, "a") ? strcmp(name, "b_2") ? -1 : 1 : 0;
+}
+static const vs_formula_scope SCOPE = {NULL, term_of, name_of};
+
+static void formulas_give_their_values(void) {
+  static const double TERMS[] = {3, -2, 0.5}, NAMES[] = {10, 4};
+  static const struct {
+    const char *text;
+    double value;
+  } ROWS[] = {{"1+2*3", 7},
+              {"(1+2)*3", 9},
+              {"8/4/2", 1},
+              {"10-3-2", 5},
+              {"2^3^2", 512},
+              {"-2^2", -4},
+              {"2^-1", 0.5},
+              {"2*-3", -6},
+              {"--1", 1},
+              {" v( n ) * V(n , m)", -6},
+              {"i(Vx)^2*{a}", 2.5},
+              {"{ 0.5*(A+b_2) }", 7},
+              {"1.5k + 2meg/1k - 1m*1k", 3499},
+              {"100n*1g", 100},
+              {"4.7u", 4.7e-6},
+              {"1e-3+.5", 0.501},
+              {"abs(v(n,m))+sqrt(9)", 5},
+              {"exp(ln(5))+log10(1000)", 8},
+              {"pow(v(n,m),3)", -8},
+              {"pow(4,0.5)", 2},
+              {"pwr(v(n,m),2)", -4},
+              {"pwr(v(n,m),2.5)", -5.6568542494923806},
+              {"pow(1.1,30)", 17.449402268886407},
+              {"min(v(n),{a})+max(1,2)", 5}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_formula f = {0};
+    const char *bad = NULL;
+    char why[200];
+    const char *end = vs_formula_read(ROWS[k].text, &SCOPE, &f, &bad, why, sizeof why);
+    EXPECT(end && end[strspn(end, " ")] == '\0', "'%s' is not read to its end", ROWS[k].text);
+    if (end) {
+      vs_formula_bind(&f, NAMES);
+      CLOSE(vs_formula_value(&f, TERMS), ROWS[k].value, 1e-15 * 30); /* rounding, 30 factors */
+    }
+    vs_formula_free(&f);
+  }
+}
+
+static void bad_formulas_are_refused(void) {
+  static const struct {
+    const char *text;
+    int at; /* where it is seen */
+  } ROWS[] = {{"", 0},        {"1+", 2},      {"(1", 2},     {"{1)", 2},    {"v(n", 1},
+              {"v()", 1},     {"1q", 1},      {"foo(1)", 3}, {"pow(1)", 5}, {"abs(1,2)", 5},
+              {"unknown", 7}, {"i(Vx,n)", 1}, {"*2", 0},     {"1e999", 0},  {"v(a b)", 1}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_formula f = {0};
+    const char *bad = NULL;
+    char why[200] = "";
+    const char *end = vs_formula_read(ROWS[k].text, &SCOPE, &f, &bad, why, sizeof why);
+    EXPECT(!end && *why && bad - ROWS[k].text == ROWS[k].at, "'%s': %s at %d", ROWS[k].text,
+           end ? "read" : why, end ? -1 : (int)(bad - ROWS[k].text));
+    vs_formula_free(&f);
+  }
+  char deep[400];
+  memset(deep, '(', sizeof deep - 1);
+  deep[sizeof deep - 1] = '\0';
+  vs_formula f = {0};
+  const char *bad = NULL;
+  char why[200];
+  CU_ASSERT_PTR_NULL(vs_formula_read(deep, &SCOPE, &f, &bad, why, sizeof why));
+  vs_formula_free(&f);
+}
+
+/* ---- decks written here ---- */
+
+#define SUPPLY                                                                                     \
+  "*$ port mains = Vm\n"                                                                           \
+  "Vm src 0 external\n"                                                                            \
+  "Rs src a {r_source}\n"
+#define SUPPLY_LOSS "*$ loss r_source = {r_source}*i(Vm)^2\n"
+#define EVA "Xeva b 0 eva\n"
+
+/* 100 V, or the armature, which nothing switches off here, would meet its pole. */
+static vs_trial *run_deck(const char *deck, const char *set, const char *also) {
+  char circuit[128];
+  snprintf(circuit, sizeof circuit, "circuit.deck=%s", deck);
+  const char *sets[] = {circuit, "run.until=0.04s", "supply.voltage=100V", set, also, NULL};
+  return vs_trial_run("paper", "circuit", sets, NULL);
+}
+
+static void refuse_deck(const char *text, const char *place, const char *word, int line) {
+  write_file("bad.cir", text);
+  vs_trial *t = run_deck("bad.cir", NULL, NULL);
+  expect(t->status == VS_INPUT && !strncmp(t->err.text, place, strlen(place)) &&
+             strstr(t->err.text, word),
+         line, "status %d: %s", (int)t->status, t->err.text);
+  vs_trial_free(t);
+}
+#define REFUSE(text, place, word) refuse_deck(text, place, word, __LINE__)
+
+static void bad_lines_are_refused(void) {
+  REFUSE(SUPPLY "*$ loss r = v(a)*\n" EVA, "bad.cir:4:18: ", "wanted");
+  REFUSE(SUPPLY "*$ loss r = v(a) v(b)\n" EVA, "bad.cir:4:18: ", "operator");
+  REFUSE(SUPPLY "*$ loss r = v(a)\n*$ loss r = v(b)\n" EVA, "bad.cir:5:1: ", "second");
+  REFUSE(SUPPLY "*$ store c = {r1}*v(a)^2\n" EVA, "bad.cir:4:14: ", "'r1'");
+  REFUSE(SUPPLY "*$ store c = {r_sorce}*v(a)^2\n" EVA, "bad.cir:4:14: ", "did you mean 'r_source'");
+  REFUSE(SUPPLY "*$ rating v_a 0..1 V\n" EVA, "bad.cir:4:11: ", "no probe 'v_a'");
+  REFUSE(SUPPLY "*$ probe v_a = v(a) V\n*$ rating v_a 0..1 A\n" EVA, "bad.cir:5:20: ", "as V");
+  REFUSE(SUPPLY "*$ probe v_a = v(a) V\n*$ rating v_a 1 V\n" EVA, "bad.cir:5:15: ", "MIN..MAX");
+  REFUSE(SUPPLY "*$ compat lt\n" EVA, "bad.cir:4:11: ", "there is: ps");
+  REFUSE(SUPPLY "*$ port mains = Vn\n" EVA, "bad.cir:4:9: ", "second port mains");
+  REFUSE("*$ rate x\n" EVA, "bad.cir:1:4: ", "did you mean");
+  REFUSE(SUPPLY "*$ param x = y part 3\n" EVA, "bad.cir:4:21: ", "quotes");
+}
+
+/* What ngspice refuses is found in the text of the deck. */
+static void refusals_are_located(void) {
+  REFUSE(SUPPLY "  R1 a b {2*nix}\n" EVA, "bad.cir:4:13: ", "[nix]");
+  REFUSE(SUPPLY ".param two = {2*nix}\nR1 a b {two}\n" EVA, "bad.cir:4:17: ", "[nix]");
+  REFUSE(SUPPLY "R1 a b 1\nR2 b 0 sub='nix'\n" EVA, "bad.cir:5:13: ", "[nix]");
+  REFUSE(SUPPLY "R1 a b 1\n D1 a b nomodel\n" EVA, "bad.cir:5:2: ", "nomodel");
+  REFUSE(SUPPLY "R1 a b 1\n*$ probe v_x = v(a,nowhere) V\n" EVA, "bad.cir:5:16: ", "v(nowhere)");
+  REFUSE(SUPPLY "R1 a b 1\n*$ loss x = 2*i(Vnix)\n" EVA, "bad.cir:5:13: ", "i(vnix)");
+}
+
+/* ---- losses and stores ---- */
+
+/* Reference T3A over 2 s, printed to four places at most; the run's own 2e-4 and half the last
+ * digit. */
+static void losses_of_the_paper(void) {
+  static const struct {
+    const char *name;
+    double joule, digit;
+  } ROWS[] = {{"r_source", 0.00161, 5e-6},
+              {"r1", 0.0655, 5e-5},
+              {"r2", 0.0124, 5e-5},
+              {"thyristor", 0.40386, 5e-6},
+              {"varistor_1", 0.03168, 6e-5}};
+  const char *sets[] = {"run.until=2s", NULL};
+  vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
+  CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
+  const vs_accounts *losses = &t->scene.setup.deck.losses;
+  for (size_t r = 0; r < COUNT(ROWS); r++) {
+    double found = NAN;
+    for (size_t k = 0; k < losses->count; k++)
+      if (!strcmp(losses->item[k].name, ROWS[r].name)) found = t->energy.loss_j[k];
+    EXPECT(fabs(found - ROWS[r].joule) <= ROWS[r].digit + 1e-5, "%s: %.6g J", ROWS[r].name, found);
+  }
+  vs_trial_free(t);
+}
+
+/* The books over the circuit close to 1e-3 of the work of the force by default, and better with a
+ * finer tolerance. */
+static void books_close_over_the_circuit(void) {
+  static const char *const TOLERANCES[] = {"run.tolerance=1e-3", "run.tolerance=1e-4",
+                                           "run.tolerance=1e-5"};
+  static const double LIMIT[] = {1e-2, 1e-3, 1e-4};
+  static const char *const DECKS[] = {"circuit.deck=halfwave_snubbed",
+                                      "circuit.deck=halfwave_bare"};
+  char text[512];
+  for (size_t d = 0; d < COUNT(DECKS); d++)
+    for (size_t k = 0; k < COUNT(TOLERANCES); k++) {
+      const char *sets[] = {"run.until=0.1s", TOLERANCES[k], DECKS[d], NULL};
+      vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
+      CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
+      for (int b = 0; b < VS_BALANCES; b++) {
+        CU_ASSERT(t->energy.balanced[b]);
+        EXPECT(fabs(t->energy.residual[b]) <= LIMIT[k], "%s, %s: %s leaves %g", DECKS[d],
+               TOLERANCES[k], vs_balance_names[b], t->energy.residual[b]);
+      }
+      CU_ASSERT_PTR_NULL(
+          vs_energy_open(&t->energy, t->scene.setup.run.tolerance, text, sizeof text));
+      vs_trial_free(t);
+    }
+}
+
+/* The shipped deck less the lines that begin so. */
+static void write_deck_without(const char *name, const char *begin) {
+  char path[512], *line = NULL;
+  size_t size = 0;
+  snprintf(path, sizeof path, "%s/../spice/halfwave_snubbed.cir", VS_TEST_FOLDER);
+  FILE *in = fopen(path, "r"), *out = fopen(name, "w");
+  CU_ASSERT_FATAL(in && out);
+  while (getline(&line, &size, in) >= 0)
+    if (strncmp(line, begin, strlen(begin))) fputs(line, out);
+  free(line);
+  fclose(in);
+  fclose(out);
+}
+
+/* Which balance the audit says is open; -1: none. */
+static int open_balance(const vs_trial *t) {
+  char text[512], name[64];
+  CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
+  if (!vs_energy_open(&t->energy, t->scene.setup.run.tolerance, text, sizeof text)) return -1;
+  for (int b = 0; b < VS_BALANCES; b++) {
+    snprintf(name, sizeof name, "(%s)", vs_balance_names[b]);
+    if (strstr(text, name)) return b;
+  }
+  return VS_BALANCES;
+}
+
+/* A loss line that is missing leaves just that loss over. The smallest, of the source's resistance,
+ * is 0.2 % of what is drawn. */
+static void a_missing_loss_is_seen(void) {
+  static const char *const LINES[] = {"*$ loss   r_source", "*$ loss   r1", "*$ loss   thyristor",
+                                      "*$ loss   varistor_1"};
+  const char *sets[] = {"run.until=0.1s", NULL};
+  vs_trial *whole = vs_trial_run("paper", "circuit", sets, NULL);
+  CU_ASSERT_EQUAL(open_balance(whole), -1);
+  const vs_accounts *losses = &whole->scene.setup.deck.losses;
+  for (size_t k = 0; k < COUNT(LINES); k++) {
+    write_deck_without("less.cir", LINES[k]);
+    vs_trial *t = run_deck("less.cir", "run.until=0.1s", "supply.voltage=440V");
+    CU_ASSERT_EQUAL(open_balance(t), VS_B_CIRCUIT);
+    for (size_t n = 0; n < losses->count; n++)
+      if (!strcmp(losses->item[n].name, LINES[k] + strlen("*$ loss   ")))
+        CLOSE_OF(t->energy.left_j[VS_B_CIRCUIT] - whole->energy.left_j[VS_B_CIRCUIT],
+                 whole->energy.loss_j[n], whole->energy.joule[VS_E_SOURCE], 1e-9);
+    vs_trial_free(t);
+  }
+  vs_trial_free(whole);
+}
+
+/* A store that is missing matters while it holds something: a capacitor of 10 uF kept charged. */
+static void a_missing_store_is_seen(void) {
+#define CHARGED                                                                                    \
+  SUPPLY SUPPLY_LOSS "*$ loss d1 = v(a,c)*i(Vd)\n*$ loss r2 = v(a,b)^2/10k\n"                      \
+                     "Vd a d 0\nD1 d c dm\n.model dm d\nC1 c 0 10u ic=0\nR2 a b 10k\n" EVA
+  write_file("with.cir", "*$ store c1 = 0.5*10u*v(c)^2\n" CHARGED);
+  write_file("without.cir", CHARGED);
+  vs_trial *with = run_deck("with.cir", NULL, NULL), *without = run_deck("without.cir", NULL, NULL);
+  CU_ASSERT_EQUAL(open_balance(with), -1);
+  CU_ASSERT_EQUAL(open_balance(without), VS_B_CIRCUIT);
+  CLOSE(without->energy.left_j[VS_B_CIRCUIT], 0.5 * 10e-6 * 141 * 141, 0.1); /* near the peak */
+  vs_trial_free(with);
+  vs_trial_free(without);
+}
+
+/* A deck that declares neither has no books to close, and none are claimed. */
+static void no_accounts_no_books(void) {
+  write_file("silent.cir", SUPPLY "R1 a b 100\n" EVA);
+  vs_trial *t = run_deck("silent.cir", NULL, NULL);
+  CU_ASSERT_EQUAL(open_balance(t), -1);
+  CU_ASSERT_FALSE(t->energy.balanced[VS_B_CIRCUIT]);
+  CU_ASSERT(fabs(t->energy.left_j[VS_B_CIRCUIT]) > 0.01);
+  vs_trial_free(t);
+}
+
+/* The force with the wrong sign in the mechanics: what it does there is not what the books say. */
+static void a_wrong_force_sign_is_seen(void) {
+  static const char *const TIERS[] = {"switched", "circuit"};
+  const char *sets[] = {"run.until=0.1s", NULL};
+  for (size_t k = 0; k < COUNT(TIERS); k++) {
+    vs_trial *t = vs_trial_read("paper", TIERS[k], sets);
+    for (int i = 0; i < VS_DOF; i++) t->scene.setup.model.mf[i] *= -1;
+    vs_trial_go(t, NULL);
+    CU_ASSERT_EQUAL(open_balance(t), VS_B_MECHANICAL);
+    vs_trial_free(t);
+  }
+}
+
+/* The back-EMF left out, as an EVA netlist with L = 2a/z under di/dt has it: v = R_c i + L di/dt.
+ * An eva.inc of the user's own stands before the program's on the path. */
+static void a_missing_back_emf_is_seen(void) {
+  CU_ASSERT(!mkdir("lib", 0777));
+  write_file("lib/eva.inc", ".subckt eva pos neg\n"
+                            "Rcoil pos x {eva_resistance}\n"
+                            "Bcoil x neg I = v(cur)\n"
+                            "Bcur 0 cur I = v(x,neg)*v(z)/(2*{eva_a})\n"
+                            "Ccur cur 0 1 ic=0\n"
+                            "Blam lam 0 V = 2*{eva_a}*v(cur)/v(z)\n"
+                            "Vgap z 0 external\n"
+                            ".ends eva\n");
+  setenv("VIBROSPICE_PATH", "lib", 1);
+  const char *sets[] = {"run.until=0.1s", NULL};
+  vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
+  unsetenv("VIBROSPICE_PATH");
+  CU_ASSERT_EQUAL(open_balance(t), VS_B_EVA);
+  vs_trial_free(t);
+  remove_tree("lib");
+}
+
+/* ---- parts ---- */
+
+#define PART(name, ohm)                                                                            \
+  "*$ param " name "_r = " ohm " ohm 1..1e6 \"its resistance\"\n"                                  \
+  ".subckt " name " p q\nRpart p q {" name "_r}\n.ends\n"
+#define PART_DECK                                                                                  \
+  "*$ param element = small part \"what stands in series\"\n" SUPPLY SUPPLY_LOSS                   \
+  "*$ probe v_part = v(a,b) V\n*$ probe i_part = -i(Vm) A\n"                                       \
+  "Xone a b element\n" EVA
+
+static double ratio(const vs_trial *t) {
+  const vs_extreme *e = &t->measures->extremes[VS_STANDARD_EXTREMES];
+  CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
+  return e[1].best.value / e[3].best.value;
+}
+
+static void parts_by_name(void) {
+  CU_ASSERT(!mkdir("decks", 0777) && !mkdir("decks/parts", 0777));
+  write_file("decks/d.cir", PART_DECK);
+  write_file("decks/small.inc", PART("small", "100"));
+  write_file("decks/parts/big.inc", PART("BIG", "500"));
+  vs_trial *t = run_deck("decks/d.cir", NULL, NULL); /* the default, beside the deck */
+  CLOSE(ratio(t), 100, 1e-6);
+  vs_trial_free(t);
+  t = run_deck("decks/d.cir", "circuit.small_r=200 ohm", NULL); /* a parameter of the part's */
+  CLOSE(ratio(t), 200, 1e-6);
+  vs_trial_free(t);
+  t = run_deck("decks/d.cir", "circuit.element=parts/big.inc", NULL); /* a file */
+  CLOSE(ratio(t), 500, 1e-6);
+  vs_trial_free(t);
+  setenv("VIBROSPICE_PATH", "decks", 1);
+  t = run_deck("decks/d.cir", "circuit.element=big", NULL); /* from the shelf of parts */
+  CLOSE(ratio(t), 500, 1e-6);
+  vs_trial_free(t);
+  t = run_deck("decks/d.cir", "circuit.element=big", "circuit.small_r=200 ohm");
+  EXPECT(t->status == VS_INPUT && strstr(t->err.text, "no key 'small_r'"), "%s", t->err.text);
+  vs_trial_free(t);
+  t = run_deck("decks/d.cir", "circuit.element=bigg", NULL);
+  EXPECT(t->status == VS_INPUT && strstr(t->err.text, "did you mean 'big'"), "%s", t->err.text);
+  vs_trial_free(t);
+  unsetenv("VIBROSPICE_PATH");
+  write_file("decks/wrong.inc", ".subckt right p q\nR p q 1\n.ends\n");
+  t = run_deck("decks/d.cir", "circuit.element=wrong", NULL);
+  EXPECT(t->status == VS_INPUT && strstr(t->err.text, "no subcircuit 'wrong'"), "%s", t->err.text);
+  vs_trial_free(t);
+  write_file("decks/evil.inc", ".subckt evil p q\nR p q 1\n.ends\n.control\nshell ls\n.endc\n");
+  t = run_deck("decks/d.cir", "circuit.element=evil", NULL);
+  EXPECT(t->status == VS_INPUT && strstr(t->err.text, "evil.inc:4:1: "), "%s", t->err.text);
+  vs_trial_free(t);
+  remove_tree("decks");
+}
+
+/* ---- a vendor's dialect ---- */
+
+/* In ngspice's own dialect pwr() keeps the sign and pow() is of the magnitude; in PSpice's pwr() is
+ * of the magnitude too, and IF(), VALUE={} and LIMIT() are known. */
+static void dialects(void) {
+  static const char *const DIALECT[] = {"", "*$ compat ps\n"};
+  static const double EXPECTED[2][2] = {{8, -8}, {8, 8}}; /* of pow(-2,3), pwr(-2,3) */
+  for (int k = 0; k < 2; k++) {
+    char text[1024];
+    snprintf(text, sizeof text,
+             "%s" SUPPLY "*$ probe v_pow = v(q) V\n*$ probe v_pwr = v(r) V\n"
+             "Bq q 0 V=pow(-2,3)\nBr r 0 V=pwr(-2,3)\nR1 a b 100\n" EVA,
+             DIALECT[k]);
+    write_file("dialect.cir", text);
+    vs_trial *t = run_deck("dialect.cir", "run.until=1ms", NULL);
+    CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
+    const vs_extreme *e = &t->measures->extremes[VS_STANDARD_EXTREMES];
+    CLOSE(e[0].best.value, EXPECTED[k][0], 1e-9);
+    CLOSE(e[2].best.value, EXPECTED[k][1], 1e-9);
+    vs_trial_free(t);
+  }
+  write_file("vendor.lib", "* a vendor's\n.SUBCKT LIMITER in out PARAMS: TOP=5\n"
+                           "E1 out 0 VALUE={IF(V(in)>0, LIMIT(V(in),0,TOP), -1)}\n.ENDS\n");
+#define VENDOR                                                                                     \
+  SUPPLY                                                                                           \
+  ".lib \"vendor.lib\"\n*$ probe v_out = v(o) V\nX1 a o LIMITER PARAMS: TOP=7\nR1 a b 100\n"       \
+  "R2 o 0 1k\n" EVA
+  write_file("user.cir", "*$ compat ps\n" VENDOR);
+  vs_trial *t = run_deck("user.cir", NULL, NULL);
+  CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
+  CLOSE(t->measures->extremes[VS_STANDARD_EXTREMES].best.value, -1, 1e-9);
+  CLOSE(t->measures->extremes[VS_STANDARD_EXTREMES + 1].best.value, 7, 1e-9);
+  vs_trial_free(t);
+  write_file("user.cir", VENDOR); /* and without asking for it, it is not understood */
+  t = run_deck("user.cir", NULL, NULL);
+  CU_ASSERT_EQUAL(t->status, VS_INPUT);
+  vs_trial_free(t);
+  t = vs_trial_run("paper", "circuit", (const char *[]){"run.until=0.02s", NULL}, NULL);
+  CU_ASSERT_EQUAL(t->status, VS_OK); /* the dialect does not stay behind */
+  vs_trial_free(t);
+}
+
+/* ---- ratings ---- */
+
+static void ratings_are_judged(void) {
+  write_file("rated.cir",
+             "*$ probe v_a = v(a) V\n*$ probe i_a = -i(Vm) mA\n"
+             "*$ rating v_a -0.5..0.2 kV \"insulation\"\n*$ rating i_a -1000..1000 mA\n" SUPPLY
+             "R1 a b 100\n" EVA);
+  vs_trial *t = run_deck("rated.cir", "supply.resistance=0", NULL);
+  CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
+  vs_judgement j[VS_DECK_MOST];
+  CU_ASSERT_EQUAL_FATAL(vs_verdict(t->measures, j), 2);
+  double peak = 100 * sqrt(2), current = t->measures->extremes[VS_STANDARD_EXTREMES + 3].best.value;
+  CLOSE(j[0].least.value, -peak, 1e-4); /* the peak lies between knots 25 us apart */
+  CLOSE(j[0].stress.value, peak, 1e-4);
+  CLOSE(j[0].margin, (200 - peak) / 200, 1e-3);
+  CLOSE(j[0].rating->max, 200, 1e-15);
+  CLOSE(j[1].margin, 1 - current, 1e-12);
+  CU_ASSERT(current > 0.1);
+  vs_trial_free(t);
+}
+
+static const vs_test TESTS[] = {
+    {"formulas", formulas_give_their_values},
+    {"bad formulas", bad_formulas_are_refused},
+    {"bad lines", bad_lines_are_refused},
+    {"refusals are located", refusals_are_located},
+    {"losses of the paper's circuit", losses_of_the_paper},
+    {"books close over the circuit", books_close_over_the_circuit},
+    {"a missing loss", a_missing_loss_is_seen},
+    {"a missing store", a_missing_store_is_seen},
+    {"no accounts, no books", no_accounts_no_books},
+    {"a wrong force sign", a_wrong_force_sign_is_seen},
+    {"a missing back-EMF", a_missing_back_emf_is_seen},
+    {"parts by name", parts_by_name},
+    {"dialects", dialects},
+    {"ratings", ratings_are_judged},
+};
+VS_SUITE_MAIN("deck", TESTS)
