@@ -150,6 +150,44 @@ static void refuse(const char *words, const char *what, const char *at, const ch
   free(before);
 }
 
+/* ---- verdict and audit ---- */
+
+/* A violated rating: files, table and JSON as ever, status 3, one line that names it. An open book:
+ * a warning. */
+static void verdict_and_audit(void) {
+  static const char DECK[] = "*$ port mains = Vm\n*$ probe v_b = v(b) V\n"
+                             "*$ rating v_b -1..%s kV \"insulation\"\n"
+                             "Vm a 0 external\nR1 a b 100\nXeva b 0 eva\n%s";
+  char text[512];
+  snprintf(text, sizeof text, DECK, "0.1", "*$ loss r1 = v(a,b)^2/100\n");
+  write_file("d.cir", text);
+  ran r = run("run paper --set circuit.deck=d.cir --set run.until=0.01s -o out");
+  EXPECT(r.status == 3 && count_lines(r.err) == 1 &&
+             strstr(r.err, "vibrospice: a rating is violated: v_b = 0.5") &&
+             strstr(r.err, "allowed -1..0.1 kV"),
+         "status %d: %s", r.status, r.err);
+  EXPECT(strstr(r.out, "violated"), "the table says nothing: %s", r.out);
+  EXPECT_FILES("out", GOOD_RUN);
+  char *json = read_file("out/summary.json");
+  EXPECT(strstr(json, "\"violated\": true") && strstr(json, "\"insulation\"") &&
+             strstr(json, "\"audit\": \"the books close\""),
+         "summary.json: %s", strstr(json, "\"energy\""));
+  free(json);
+  free_ran(&r);
+  remove_tree("out");
+  snprintf(text, sizeof text, DECK, "1", "*$ loss r1 = v(a,b)^2/200\n");
+  write_file("d.cir", text);
+  r = run("run paper --set circuit.deck=d.cir --set run.until=0.01s");
+  EXPECT(r.status == 0 && count_lines(r.err) == 1 &&
+             strstr(r.err, "warning: the energy books do not close (circuit)"),
+         "status %d: %s", r.status, r.err);
+  free_ran(&r);
+  r = run("run paper --tier analytic");
+  EXPECT(r.status == 0 && strstr(r.out, "did 0.0860 J of work that nothing supplied"),
+         "the one-way force: %s", r.out);
+  free_ran(&r);
+}
+
 /* ---- bad input ---- */
 
 static void bad_scenes_are_refused(void) {
@@ -157,6 +195,9 @@ static void bad_scenes_are_refused(void) {
     const char *scene, *options, *at, *says[2];
   } ROWS[] = {
       {"machine: {trough_mas: 1 kg}\n", "", "s.yaml:1:11: ", {"'trough_mas'", "'trough_mass'"}},
+      {"start: {p: -6 mm}\n", "", "s.yaml:1:12: ", {"start.p: -6 mm is beyond the pole", "-6 mm"}},
+      {"start: {p: -6.5 mm}\nactuator: {stop: {}}\n", "", "s.yaml:1:12: ", {"iron", "-6.5 mm"}},
+      {"start: {vq: 1 m/s}\n", "", "s.yaml:1:9: ", {"'vq'", NULL}},
       {"\n  \nfiring:\n  angel: 1 deg\n", "", "s.yaml:4:3: ", {"'angel'", "'angle'"}},
       {"machin: {trough_mass: 1 kg}\n", "", "s.yaml:1:1: ", {"'machin'", "'machine'"}},
       {"machine: {trough_mass: 1 m}\n", "", "s.yaml:1:24: ", {"machine.trough_mass", "write kg"}},
@@ -1028,6 +1069,7 @@ static const vs_test TESTS[] = {
     {"a signal keeps what there is", a_signal_keeps_what_there_is},
     {"surroundings change nothing", surroundings_change_nothing},
     {"a full disk is an error", a_full_disk_is_an_error},
+    {"verdict and audit", verdict_and_audit},
     {"modes", modes},
     {"help, version, list", what_the_program_says_about_itself},
     {"plot", plot},
