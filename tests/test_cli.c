@@ -196,7 +196,7 @@ static void bad_scenes_are_refused(void) {
   } ROWS[] = {
       {"machine: {trough_mas: 1 kg}\n", "", "s.yaml:1:11: ", {"'trough_mas'", "'trough_mass'"}},
       {"start: {p: -6 mm}\n", "", "s.yaml:1:12: ", {"start.p: -6 mm is beyond the pole", "-6 mm"}},
-      {"start: {p: -6.5 mm}\nactuator: {stop: {}}\n", "", "s.yaml:1:12: ", {"iron", "-6.5 mm"}},
+      {"start: {p: -7 mm}\nactuator: {stop: {}}\n", "", "s.yaml:1:12: ", {"iron", "-6.5 mm"}},
       {"start: {vq: 1 m/s}\n", "", "s.yaml:1:9: ", {"'vq'", NULL}},
       {"\n  \nfiring:\n  angel: 1 deg\n", "", "s.yaml:4:3: ", {"'angel'", "'angle'"}},
       {"machin: {trough_mass: 1 kg}\n", "", "s.yaml:1:1: ", {"'machin'", "'machine'"}},
