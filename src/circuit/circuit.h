@@ -18,7 +18,9 @@ typedef struct vs_circuit_job {
   size_t n_signals;
   double until_s, max_step_s; /* the run goes from 0 to until_s in steps of at most max_step_s */
   const char *dialect;        /* how the netlist is to be read: "ps", or "" for ngspice's own */
-  double relative_tolerance;  /* of Newton's iteration and of the local truncation error */
+  /* of Newton's iteration and of the local truncation error: a part of each value; and below which
+   * a difference of currents is none */
+  double relative_tolerance, current_tolerance_a;
 } vs_circuit_job;
 
 typedef struct vs_circuit_host {

@@ -304,6 +304,12 @@ static double largest_step(const vs_setup *s) {
 static double solver_tolerance(const vs_setup *s) {
   return fmin(fmax(s->run.tolerance / 10, 1e-7), 1e-3);
 }
+/* The amplitude of the current that the mains alone would drive through the coil at rest. */
+static double current_scale(const vs_setup *s) {
+  const vs_actuator_values *coil = &s->model.actuator;
+  return s->timeline.peak_v /
+         hypot(coil->resistance_ohm, s->timeline.omega_rad_s * coil->inductance_h);
+}
 
 static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_error *err) {
   const vs_model *m = &setup->model;
@@ -333,7 +339,8 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                         .until_s = setup->run.until_s,
                         .dialect = setup->deck.compat,
                         .max_step_s = c.max_step_s,
-                        .relative_tolerance = solver_tolerance(setup)};
+                        .relative_tolerance = solver_tolerance(setup),
+                        .current_tolerance_a = solver_tolerance(setup) * current_scale(setup)};
   char **netlist = NULL;
   void *circuit = NULL;
   vs_circuit_host host = {&c, source, edge, accept};
