@@ -53,6 +53,7 @@ typedef struct coupling {
   gsl_odeiv2_step *step;
   bool touching;                        /* the armature its stop, at the last accepted knot */
   double substep_s, substep_touching_s; /* rkf45's error over it is below 1e-12 of the amplitude */
+  double series_s;                      /* a cubic's over it is below 5e-6 */
 } coupling;
 
 static int mechanics_rhs(double s, const double x[], double rate[], void *user) {
@@ -105,19 +106,29 @@ static double advance(coupling *c, double at_s, double h, double x[VS_STATES]) {
   return h;
 }
 
-/* Where the mechanics will be at t: lambda goes on with the slope it has, and its slope as it
- * changed. */
-static double predicted_gap(coupling *c, double t_s) {
+/* p at t by the mechanics' integration, in the stop or where it may be met: lambda goes on with the
+ * slope it has, and its slope as it changed. */
+static double integrated_p(coupling *c, double h) {
   const vs_knot *k = &c->knots[c->now];
-  if (t_s == c->candidate_s) return c->candidate_gap_m;
-  double x[VS_STATES], h = t_s - k->t_s;
+  double x[VS_STATES];
   memcpy(x, k->x, sizeof x);
   c->course = (flux_course){
       &c->setup->model, {k->flux_wb, k->flux_rate_v, k->flux_rate2_v_s / 2, 0}, c->touching};
   for (double at = 0; at < h; c->course.touching = !c->course.touching)
     at = advance(c, at, h, x); /* NaN ends it too; accept() will say so */
+  return x[P];
+}
+
+/* Where the mechanics will be at t: along p's Taylor polynomial from the last knot, whose next term
+ * is (w h)^4/24 of the amplitude at most; by integration where that or the stop asks for it. */
+static double predicted_gap(coupling *c, double t_s) {
+  const vs_knot *k = &c->knots[c->now];
+  if (t_s == c->candidate_s) return c->candidate_gap_m;
+  double h = t_s - k->t_s,
+         p = k->x[P] + h * (k->x[VS_DOF + P] + h / 2 * (k->a[P] + h / 3 * k->j[P]));
+  if (h > c->series_s || c->touching || vs_in_stop(&c->setup->model, p)) p = integrated_p(c, h);
   c->candidate_s = t_s;
-  return c->candidate_gap_m = vs_gap(&c->setup->model, x[P]);
+  return c->candidate_gap_m = vs_gap(&c->setup->model, p);
 }
 
 static double source(void *ctx, size_t port, double t_s) {
@@ -324,7 +335,8 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                 .gap_port = setup->deck.n_ports,
                 .max_step_s = largest_step(setup),
                 .substep_s = 0.02 / m->fastest_rad_s,
-                .substep_touching_s = 0.02 / m->contact_rad_s};
+                .substep_touching_s = 0.02 / m->contact_rad_s,
+                .series_s = 0.1 / m->fastest_rad_s};
   c.knots[0] = vs_sim_start(setup, &c.frame);
   c.touching = vs_in_stop(m, c.knots[0].x[P]);
   for (size_t k = 0; k < setup->deck.n_probes; k++)
