@@ -4,6 +4,7 @@
 #ifndef VS_CIRCUIT_CIRCUIT_H
 #define VS_CIRCUIT_CIRCUIT_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/error.h"
@@ -17,6 +18,7 @@ typedef struct vs_circuit_job {
       *signals; /* what accept() is given: "v(a)", "i(vth)", lower case; "v(0)" is 0 */
   size_t n_signals;
   double until_s, max_step_s; /* the run goes from 0 to until_s in steps of at most max_step_s */
+  bool gear;                  /* Gear's rule of second order, not the trapezoidal */
   const char *dialect;        /* how the netlist is to be read: "ps", or "" for ngspice's own */
   /* of Newton's iteration and of the local truncation error: a part of each value; and below which
    * a difference of currents is none */

@@ -228,13 +228,12 @@ static vs_status load(const vs_circuit_job *job, void **circuit, vs_error *err) 
   vs_status status = initialise(err);
   if (status) return status;
   vs_text tail = {0};
-  /* Trapezoidal rule: a quarter of Gear's error at the same step (measured on T3A). .save none
-   * keeps one point in memory; SendData still gives all vectors. */
+  /* .save none keeps one point in memory; SendData still gives all vectors. */
   vs_text_add(&tail,
-              ".options method=trap reltol=%.17g abstol=%.17g\n.save none\n"
+              ".options method=%s reltol=%.17g abstol=%.17g\n.save none\n"
               ".tran %.17g %.17g 0 %.17g uic\n.end",
-              job->relative_tolerance, job->current_tolerance_a, job->max_step_s, job->until_s,
-              job->max_step_s);
+              job->gear ? "gear" : "trap", job->relative_tolerance, job->current_tolerance_a,
+              job->max_step_s, job->until_s, job->max_step_s);
   char **lines = vs_alloc(job->lines + 5, sizeof *lines);
   size_t n = 0;
   for (; n < job->lines; n++) lines[n] = job->netlist[n];

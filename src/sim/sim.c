@@ -20,6 +20,10 @@ static const vs_field RUN[] = {
      "largest error of p, u, w, phi, force and i, each relative to its peak", NULL, NULL},
     {"max_step", VS_REAL, "us", "0 us", 0, 1e6, false, R_(max_step_s),
      "largest step; 0: chosen from the tolerance", NULL, NULL},
+    {"method", VS_CHOICE, "", "trap", 0, 0, false, R_(gear),
+     "circuit tier's rule: trap, or gear, which damps the ringing of stiff circuits and needs half "
+     "the step",
+     "trap|gear", NULL},
 };
 const vs_section vs_run_section = {"run", RUN, sizeof RUN / sizeof *RUN};
 

@@ -14,6 +14,7 @@ typedef struct vs_run_values {
   double until_s, sample_s;
   double tolerance;  /* largest error wanted, relative to each quantity's own peak */
   double max_step_s; /* 0: from the tolerance */
+  int gear;          /* the circuit's rule: 0 trapezoidal, 1 Gear's of second order */
 } vs_run_values;
 /* The machine's state at t = 0: q, q'. The circuit always begins without current and charge. */
 typedef struct vs_start_values {
