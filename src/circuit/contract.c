@@ -20,7 +20,7 @@ typedef struct cursor {
 
 static vs_where here(const cursor *c) {
   vs_where w = c->line;
-  w.column = (int)(c->at - c->start) + 1;
+  w.column = vs_column(c->start, c->at);
   return w;
 }
 
@@ -304,6 +304,7 @@ static vs_status read_rating(vs_deck *deck, cursor *c, vs_error *err) {
     names[k] = deck->probes[k].name;
     if (!strcmp(name, names[k])) rating.probe = (int)k;
   }
+  if (rating.probe < 0 && deck->lost & VS_LOST_PROBE) return VS_OK;
   if (rating.probe < 0) {
     const char *nearest = vs_nearest(name, names, deck->n_probes);
     return vs_fail_at(err, where, "rating: no probe '%s' stands above%s%s%s", name,
@@ -355,9 +356,15 @@ static vs_status read_title(vs_deck *deck, cursor *c, vs_error *err) {
 static const struct directive {
   const char *word;
   vs_status (*read)(vs_deck *, cursor *, vs_error *);
-} DIRECTIVES[] = {{"title", read_title},   {"param", read_param},  {"port", read_port},
-                  {"probe", read_probe},   {"loss", read_loss},    {"store", read_store},
-                  {"rating", read_rating}, {"compat", read_compat}};
+  unsigned lost; /* when it cannot be read */
+} DIRECTIVES[] = {{"title", read_title, 0},
+                  {"param", read_param, VS_LOST_PARAM},
+                  {"port", read_port, VS_LOST_PORT},
+                  {"probe", read_probe, VS_LOST_PROBE},
+                  {"loss", read_loss, 0},
+                  {"store", read_store, 0},
+                  {"rating", read_rating, 0},
+                  {"compat", read_compat, 0}};
 enum { N_DIRECTIVES = sizeof DIRECTIVES / sizeof *DIRECTIVES };
 
 vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_error *err) {
@@ -368,9 +375,13 @@ vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_e
   vs_where where = here(c);
   take_word(c, "", word, sizeof word);
   for (size_t k = 0; k < N_DIRECTIVES; k++) {
-    if (!strcmp(word, DIRECTIVES[k].word)) return DIRECTIVES[k].read(deck, c, err);
     names[k] = DIRECTIVES[k].word;
+    if (strcmp(word, names[k])) continue;
+    vs_status status = DIRECTIVES[k].read(deck, c, err);
+    if (status) deck->lost |= DIRECTIVES[k].lost;
+    return status;
   }
+  deck->lost |= VS_LOST_PARAM | VS_LOST_PORT | VS_LOST_PROBE;
   const char *nearest = vs_nearest(word, names, N_DIRECTIVES);
   return vs_fail_at(err, where,
                     "'*$ %s' is not known; there are: title, param, port, probe, loss, store, "
