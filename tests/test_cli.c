@@ -372,7 +372,7 @@ static void bad_decks_are_refused(void) {
       {".include script.inc", "script.inc:1:1: ", {".control", "does not belong"}},
       {"*$ probe x = v(nowhere) V", "", {"v(nowhere)", NULL}},
       {"*$ port gate+180deg = Vnowhere", "d.cir:9:", {"vnowhere", NULL}},
-      {"Vfree free 0 external", "d.cir: ", {"vfree", NULL}},
+      {"Vfree free 0 external", "d.cir:9:1: ", {"vfree", NULL}},
       {"i(Vthy)",
        "d.cir:9:1: ",
        {"an element is wanted", NULL}}, /* libngspice never comes back from it */

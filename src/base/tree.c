@@ -213,12 +213,14 @@ static void stand_at(vs_node *node, vs_where where) {
 
 vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
   const char *equals = strchr(assignment, '=');
-  if (!equals || equals == assignment)
-    return vs_fail(err, VS_INPUT, "--set %s: write KEY=VALUE, for example firing.angle=95deg",
-                   assignment);
   vs_text label = {0};
   vs_text_add(&label, "--set %s", assignment);
   vs_where where = {.file = label.text}; /* kept in tree->labels as long as the tree */
+  if (!equals || equals == assignment) {
+    vs_fail_at(err, where, "write KEY=VALUE, for example firing.angle=95deg");
+    vs_text_free(&label);
+    return VS_INPUT;
+  }
   vs_node *value = NULL;
   vs_status status = parse(equals + 1, strlen(equals + 1), "--set", &value, err);
   if (!status && !equals[1]) { /* nothing after the sign: an empty text, not an empty map */

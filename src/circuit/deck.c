@@ -102,9 +102,9 @@ static vs_status match_sources(const vs_deck *deck, vs_error *err) {
     if (p < deck->n_ports)
       driven[p] = true;
     else if (!(deck->lost & VS_LOST_PORT))
-      status =
-          vs_carry_on(err, vs_fail_at(err, deck->lines[k].where,
-                                      "external source without a line '*$ port ... = %s'", name));
+      status = vs_carry_on(err, vs_fail_at(err, deck->lines[k].where,
+                                           "the external source %s has no line '*$ port ... = %s'",
+                                           name, name));
   }
   for (size_t p = 0; p < deck->n_ports && !status; p++)
     if (!driven[p] && !(deck->lost & VS_LOST_ELEMENT))

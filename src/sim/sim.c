@@ -91,7 +91,8 @@ static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err
   const vs_actuator_values *a = &setup->model.actuator;
   vs_status s = vs_section_read(&vs_start_section, map, &setup->start, err);
   double least = -(a->gap_m + (a->stop.present ? a->pole_cover_m : 0));
-  if (s || setup->start.x[P] > least) return s;
+  if (s || vs_found(err)) return s; /* of the gap, perhaps */
+  if (setup->start.x[P] > least) return s;
   return vs_fail_at(err, p ? p->where : (vs_where){0},
                     "start.p: %g mm is beyond the pole cover%s; allowed: more than %g mm",
                     1e3 * setup->start.x[P], a->stop.present ? " and the iron" : "", 1e3 * least);
