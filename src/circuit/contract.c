@@ -239,15 +239,21 @@ static vs_status read_probe(vs_deck *deck, cursor *c, vs_error *err) {
 /* What a formula is read for. */
 typedef struct formula_scope {
   vs_deck *deck;
-  vs_where where;
+  const cursor *line;
 } formula_scope;
 
-static int formula_term(void *ctx, char quantity, const char *first, const char *second) {
-  const formula_scope *scope = ctx;
-  return find_term(scope->deck, scope->where, quantity, first, second);
+static vs_where place(const formula_scope *scope, const char *at) {
+  cursor c = *scope->line;
+  c.at = at;
+  return here(&c);
 }
 
-static int formula_name(void *ctx, const char *name) {
+static int formula_term(void *ctx, const char *at, const vs_formula_term *term) {
+  const formula_scope *scope = ctx;
+  return find_term(scope->deck, place(scope, at), term->quantity, term->first, term->second);
+}
+
+static int formula_name(void *ctx, const char *at, const char *name) {
   const formula_scope *scope = ctx;
   vs_deck *deck = scope->deck;
   for (size_t k = 0; k < deck->n_names; k++)
@@ -255,7 +261,7 @@ static int formula_name(void *ctx, const char *name) {
   if (deck->n_names >= VS_DECK_MOST) return -1;
   vs_named *named = &deck->names[deck->n_names++];
   snprintf(named->name, sizeof named->name, "%s", name);
-  named->where = scope->where;
+  named->where = place(scope, at);
   return (int)deck->n_names - 1;
 }
 
@@ -273,7 +279,7 @@ static vs_status read_account(vs_deck *deck, vs_accounts *accounts, cursor *c, v
       return vs_fail_at(err, c->line, "%s stands here a second time", account->name);
   accounts->count++; /* its formula is freed with the deck, also when it is not good */
   skip_blanks(c);
-  formula_scope own = {deck, here(c)};
+  formula_scope own = {deck, c};
   const vs_formula_scope scope = {&own, formula_term, formula_name};
   const char *end = vs_formula_read(c->at, &scope, &account->formula, &bad, why, sizeof why);
   c->at = end ? end : bad;

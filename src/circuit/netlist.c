@@ -100,6 +100,8 @@ static const char *find_word(const char *line, const char *from, const char *wor
   return NULL;
 }
 
+static const char PARAMETER[] = "ndefined parameter ["; /* as ngspice says it */
+
 /* What a message puts between two signs; NULL: nothing. */
 static const char *find_quoted(const char *message, const char *open, char close, size_t *length) {
   const char *begin = strstr(message, open), *end;
@@ -111,15 +113,15 @@ static const char *find_quoted(const char *message, const char *open, char close
 }
 
 /* Is the line of the element that the message speaks of: "...: r1 a b ...", "...: r1: ...",
- * "... instance r1 ..."? */
+ * "... instance r1 ...", "... check node r1#branch"? */
 static bool is_element_of(const char *line, const char *message) {
-  static const char *const BEFORE[] = {": ", "instance "};
+  static const char *const BEFORE[] = {": ", "instance ", "check node "};
   size_t n = strcspn(line, " \t");
   if (n < 2 || *line == '.' || *line == '+') return false;
   for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE; k++)
     for (const char *s = message; (s = strstr(s, BEFORE[k]));) {
       s += strlen(BEFORE[k]);
-      if (!strncasecmp(s, line, n) && (s[n] == ' ' || s[n] == ':')) return true;
+      if (!strncasecmp(s, line, n) && strchr(" :#", s[n])) return true;
     }
   return false;
 }
@@ -127,11 +129,13 @@ static bool is_element_of(const char *line, const char *message) {
 /* Where in the line stands what the message speaks of; NULL: not in this line. */
 static const char *find_subject(const char *line, const char *message) {
   size_t n = 0;
-  const char *name = find_quoted(message, "[", ']', &n);
+  const char *name = find_quoted(message, PARAMETER, ']', &n);
   if (name) { /* a parameter: in an expression, so behind the first '{', quote or '=' */
     const char *from = strpbrk(line, "{'=");
     return from ? find_word(line, from, name, n) : NULL;
   }
+  const char *expression = strstr(message, "xpression err: ");
+  if (expression) return strcasestr(line, expression + 15);
   name = find_quoted(message, " '", '\'', &n);
   const char *word = name ? find_word(line, line, name, n) : NULL;
   if (strstr(message, "function '")) return word;
@@ -154,6 +158,7 @@ void vs_deck_locate(const vs_deck *deck, vs_error *err) {
   if (!where.file) return;
   vs_error plain = *err;
   vs_fail_at(err, where, "%s%s", plain.text,
-             strchr(plain.text, '[') ? "; '.param NAME=...' or '*$ param NAME = ...' defines one"
-                                     : "");
+             strstr(plain.text, PARAMETER)
+                 ? "; '.param NAME=...' or '*$ param NAME = ...' defines one"
+                 : "");
 }

@@ -83,6 +83,9 @@ static void complain_on(const char *text) {
 }
 
 static void complain(size_t sign, const char *text) {
+  static const char *const RANKS[] = {"Error: ", "Fatal error: ", "Warning: ", "warning, "};
+  for (size_t k = 0; k < sizeof RANKS / sizeof *RANKS; k++)
+    if (!strncmp(text, RANKS[k], strlen(RANKS[k]))) text += strlen(RANKS[k]);
   if (sign == SIGN_STEP && ng.reached_s > 0)
     ng.n_complaints = 0; /* it is what gives up in the end */
   if (ng.n_complaints >= MOST_COMPLAINTS || (ng.n_complaints && !SIGNS[sign].each) ||

@@ -104,7 +104,7 @@ vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
   if (!s) s = vs_carry_on(err, vs_timeline_build(scene, &setup->timeline, err));
   if (!s) s = vs_carry_on(err, read_circuit(scene, setup, err));
   if (!s) s = vs_section_read(&vs_run_section, vs_node_child(scene, "run"), &setup->run, err);
-  if (!s) s = read_start(scene, setup, err);
+  if (!s) s = vs_carry_on(err, read_start(scene, setup, err));
   return s;
 }
 
