@@ -247,6 +247,40 @@ static void errors_are_one_line(void) {
   CU_ASSERT_PTR_NULL(strpbrk(err.text, "\r\n"));
 }
 
+static void errors_can_be_carried_on_from(void) {
+  static const vs_where PLACES[] = {{"b", 2, 1}, {"a", 3, 1}, {"b", 1, 9}, {"b", 2, 1},
+                                    {"b", 1, 2}, {"a", 0, 0}, {NULL, 0, 0}};
+  static const char *const SORTED[] = {"b:1:2: e", "b:1:9: e", "b:2:1: e", "a: e", "a:3:1: e", "e"};
+  vs_findings *all = vs_alloc(1, sizeof *all);
+  vs_error err = {0};
+  CU_ASSERT_EQUAL(vs_carry_on(&err, vs_fail(&err, VS_INPUT, "e")), VS_INPUT); /* kept nowhere */
+  CU_ASSERT_EQUAL(vs_found(&err), 0);
+  err.findings = all;
+  for (size_t k = 0; k < COUNT(PLACES); k++) /* one of them twice */
+    CU_ASSERT_EQUAL(vs_carry_on(&err, vs_fail_at(&err, PLACES[k], "e")), VS_OK);
+  CU_ASSERT_EQUAL(vs_carry_on(&err, VS_OK), VS_OK);
+  CU_ASSERT_EQUAL(vs_carry_on(&err, vs_fail(&err, VS_RUN, "no input")), VS_RUN);
+  CU_ASSERT_EQUAL_FATAL(vs_found(&err), COUNT(SORTED));
+  for (size_t k = 0; k < COUNT(SORTED); k++) CU_ASSERT_STRING_EQUAL(all->item[k].text, SORTED[k]);
+  const vs_error *e = &all->item[1];
+  CU_ASSERT_EQUAL(e->line, 1);
+  CU_ASSERT_EQUAL(e->column, 9);
+  CU_ASSERT_EQUAL(e->file_size, 1);
+  CU_ASSERT_STRING_EQUAL(e->text + e->place_size, "e");
+  for (int k = 0; vs_found(&err) < VS_MOST_FINDINGS; k++)
+    vs_carry_on(&err, vs_fail(&err, VS_INPUT, "%d", k));
+  CU_ASSERT_EQUAL(vs_carry_on(&err, vs_fail(&err, VS_INPUT, "no room")), VS_INPUT);
+  free(all);
+}
+
+/* A letter of two bytes is one column. */
+static void columns_are_characters(void) {
+  static const char LINE[] = "aµb\tc";
+  CU_ASSERT_EQUAL(vs_column(LINE, LINE), 1);
+  CU_ASSERT_EQUAL(vs_column(LINE, LINE + 3), 3);
+  CU_ASSERT_EQUAL(vs_column(LINE, LINE + 5), 5);
+}
+
 /* ---- trees ---- */
 
 /* "a.b", and "0", "1", ... for the elements of a list */
@@ -704,6 +738,8 @@ static const vs_test TESTS[] = {
     {"unit suffixes", unit_suffixes},
     {"growing text", growing_text},
     {"errors are one line", errors_are_one_line},
+    {"errors can be carried on from", errors_can_be_carried_on_from},
+    {"columns are characters", columns_are_characters},
     {"a tree remembers where things stood", a_tree_remembers_where_things_stood},
     {"files that say nothing are empty maps", files_that_say_nothing_are_empty_maps},
     {"bad files are refused", bad_files_are_refused},

@@ -66,6 +66,7 @@ static vs_status take_text(cursor *c, char *text, size_t size, vs_error *err) {
 }
 
 static vs_status take_name(cursor *c, char *name, vs_error *err) {
+  skip_blanks(c);
   vs_where where = here(c);
   if (!take_word(c, "", name, VS_DECK_NAME) || !take(c, '='))
     return vs_fail_at(err, where, "'NAME = ...' is wanted here");
