@@ -42,8 +42,8 @@ typedef struct vs_section {
 } vs_section;
 
 /* Fills every member of out: from the scene's map where it names the key, else from the default.
- * map: NULL for "not there". Errors, each of which a check carries on from: unknown key (nearest one
- * named), wrong unit, out of range. */
+ * map: NULL for "not there". Errors, each of which a check carries on from: unknown key (nearest
+ * one named), wrong unit, out of range. */
 vs_status vs_section_read(const vs_section *section, const vs_node *map, void *out, vs_error *err);
 
 /* Refuses keys of map that stand in no section's name; others are asked for by `names`. */

@@ -190,7 +190,7 @@ vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, cons
   status = vs_carry_on(err, check_tolerance(s, err));
   if (!status) status = vs_carry_on(err, read_record(s, err));
   if (!status) status = read_measured(s, err);
-  if (!vs_found(err)) warn_below_theta(s);
+  warn_below_theta(s);
   return status;
 }
 
