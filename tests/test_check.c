@@ -147,6 +147,7 @@ static void a_scene_is_read_to_its_end(void) {
       {"circuit: {thyristor: nowhere, r1: 1 V}\nrun: {until: 1}\n",
        "s.yaml:1:22 s.yaml:1:35 s.yaml:2:14 "},
       {"run: {tier: circuit, tolerance: 1e-9}\nrecord: [x]\n", "s.yaml:1:33 s.yaml:2:10 "},
+      {"load: {fractio,: 1}\n", "s.yaml:1:8 s.yaml:1:18 "},
       {"record: []\nmeasured: {x: 1}\n", "s.yaml:1:1 s.yaml:2:12 "},
       {"record: x\nmeasured: {x: 1}\n", "s.yaml:1:9 s.yaml:2:12 "},
       {"start: {p: -7 mm}\nmeasured: {x: 1}\n", "s.yaml:1:12 s.yaml:2:12 "},
@@ -310,6 +311,8 @@ static void what_does_not_fit_together(void) {
       {"*$ param rx = 1 ohms 0..1\n*$ loss x = v(a)^2/{rx}\n", "d.cir:11:15 "},
       {"*$ probe v_x = v[a] V\n*$ rating v_x 0..1 V\n", "d.cir:11:17 "},
       {"*$ param p = ../p.inc part\n", "../p.inc:1:1 "},
+      {"$ param rx = 1 ohm 0..1\n*$ loss x = v(a)^2/{rx}\n", "d.cir:11:1 "},
+      {"*$ loss x = v(q)^2/{rx}} + 1\n", "d.cir:11:24 "},
   };
   write_file("../p.inc", "R1\n");
   for (size_t k = 0; k < COUNT(ROWS); k++) {
@@ -332,8 +335,10 @@ static void what_ngspice_refuses(void) {
       {"R2 a b {r7+1}\nR3 a b {1+r9}\n", "d.cir:11:9 d.cir:12:11 "},
       {"Q1 a b\n  D3 a b nodiode\n", "d.cir:11:6 d.cir:12:10 "},
       {"X1 a b nosuch\n", "d.cir:11:1 "},
+      {"R2 a b c2p {r1}\n", "d.cir:11:8 "},
       {"L1 a b xx=1\n", "d.cir:11:1 "},
       {"R8 a b {1+}\n", "d.cir:11:9 "},
+      {"B1 a b I = v(a)\nB2 a b I = foo(v(a))\n", "d.cir:12:12 "},
       {"V8 a 0 1\n", "d.cir:6:1 "}, /* in a loop with the mains */
       {"K1 L1 L2 0.5\n", "d.cir:11:1 "},
   };

@@ -70,8 +70,9 @@ static vs_status convert_children(struct fy_node *fy, const char *file, vs_node 
       return status;
     }
     (*tail)->key = copy;
-    (*tail)->key_where = key_where;
+    if (!key_where.line) key_where = (*tail)->where; /* an empty key stands nowhere */
     if (!(*tail)->where.line) (*tail)->where = key_where;
+    (*tail)->key_where = key_where;
     tail = &(*tail)->next;
   }
   return VS_OK;

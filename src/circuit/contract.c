@@ -280,14 +280,17 @@ static vs_status read_account(vs_deck *deck, vs_accounts *accounts, cursor *c, v
       return vs_fail_at(err, c->line, "%s stands here a second time", account->name);
   accounts->count++; /* its formula is freed with the deck, also when it is not good */
   skip_blanks(c);
+  size_t n_terms = deck->n_terms, n_names = deck->n_names;
   formula_scope own = {deck, c};
   const vs_formula_scope scope = {&own, formula_term, formula_name};
   const char *end = vs_formula_read(c->at, &scope, &account->formula, &bad, why, sizeof why);
   c->at = end ? end : bad;
-  if (!end) return vs_fail_at(err, here(c), "%s", why);
   skip_blanks(c);
-  return *c->at ? vs_fail_at(err, here(c), "an operator or the end of the line is wanted here")
-                : VS_OK;
+  if (end && !*c->at) return VS_OK;
+  deck->n_terms = n_terms; /* what a broken formula seems to name need not be there */
+  deck->n_names = n_names;
+  return vs_fail_at(err, here(c), "%s",
+                    end ? "an operator or the end of the line is wanted here" : why);
 }
 
 static vs_status read_loss(vs_deck *deck, cursor *c, vs_error *err) {

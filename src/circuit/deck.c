@@ -154,7 +154,10 @@ static vs_status read_line(vs_deck *deck, const char *line, vs_where where, vs_e
   vs_status status = other_file     ? include(deck, text, where, err)
                      : *text == '.' ? check_statement(text, where, err)
                                     : check_element(text, where, err);
-  if (status) deck->lost |= other_file ? VS_LOST_ALL : *text == '.' ? 0 : VS_LOST_ELEMENT;
+  if (status && (other_file || (*text != '.' && !isalpha((unsigned char)*text))))
+    deck->lost |= VS_LOST_ALL; /* it may have been anything */
+  else if (status && *text != '.')
+    deck->lost |= VS_LOST_ELEMENT;
   if (status || other_file) return status;
   status = find_eva(deck, text, where, err);
   if (!status) add_line(deck, text, where);

@@ -138,8 +138,8 @@ static const char *find_subject(const char *line, const char *message) {
   if (expression) return strcasestr(line, expression + 15);
   name = find_quoted(message, " '", '\'', &n);
   const char *word = name ? find_word(line, line, name, n) : NULL;
-  if (strstr(message, "function '")) return word;
-  return !is_element_of(line, message) ? NULL : word ? word : line;
+  if (is_element_of(line, message)) return word ? word : line;
+  return strstr(message, "circuit: no such function '") ? word : NULL;
 }
 
 void vs_deck_locate(const vs_deck *deck, vs_error *err) {

@@ -69,17 +69,30 @@ static bool complained(const char *text) {
   return false;
 }
 
+/* Does a complaint quote the netlist line of that element? */
+static bool complained_of(const char *line) {
+  char quoted[64];
+  snprintf(quoted, sizeof quoted, ": %.*s", (int)strcspn(line, " ") + 1, line);
+  return complained(quoted);
+}
+
 /* The next line of the last complaint. Of a netlist line that another complaint quotes nothing more
- * need be said. */
+ * need be said; why an expression cannot be read, ngspice says before it quotes the line. */
 static void complain_on(const char *text) {
-  char *last = ng.complaints[ng.n_complaints - 1];
+  char *last = ng.complaints[ng.n_complaints - 1], *first = ng.complaints[0];
   size_t used = strlen(last);
   ng.expected--;
-  if (!used && complained(text)) {
+  if (!used && complained_of(text)) {
     ng.expected = 0;
     ng.n_complaints--;
   } else
     snprintf(last + used, LOG_LINE - used, "%s%s", used ? ": " : "", text);
+  if (ng.n_complaints == 2 && !strncmp(text, "parameter value out of range", 28) &&
+      (!strncmp(first, "no such function", 16) || !strncmp(first, "PTerror", 7))) {
+    snprintf(last + used, LOG_LINE - used, ": %s", first);
+    memcpy(first, last, LOG_LINE);
+    ng.n_complaints = 1;
+  }
 }
 
 static void complain(size_t sign, const char *text) {
