@@ -837,6 +837,7 @@ static void what_the_program_says_about_itself(void) {
       {"--help", {"Usage: vibrospice", "modes", "Exit status: 0 done."}},
       {"help", {"Usage: vibrospice", "plot", NULL}},
       {"run --help", {"--reproducible", "--digits", "Examples:"}},
+      {"check --help", {"FILE", "--set", "JSON array"}},
       {"list --help", {"--deck", "KIND", NULL}},
       {"modes --help", {"--output", "--set", NULL}},
       {"plot --help", {"--output", "DIR", NULL}},

@@ -287,6 +287,7 @@ static vs_status read_account(vs_deck *deck, vs_accounts *accounts, cursor *c, v
   c->at = end ? end : bad;
   skip_blanks(c);
   if (end && !*c->at) return VS_OK;
+  vs_formula_free(&account->formula);
   deck->n_terms = n_terms; /* what a broken formula seems to name need not be there */
   deck->n_names = n_names;
   return vs_fail_at(err, here(c), "%s",
