@@ -182,6 +182,7 @@ static int on_vectors(pvecinfoall all, int id, void *user) {
   if (!ng.job) return 0;
   ng.time_vector = -1;
   ng.n_complaints = 0; /* of the load, which went well */
+  ng.expected = 0;
   for (int k = 0; k < all->veccount; k++)
     if (!strcmp(all->vecs[k]->vecname, "time")) ng.time_vector = k;
   for (size_t s = 0; s < ng.job->n_signals; s++) {
