@@ -11,6 +11,7 @@
 
 #include "base/text.h"
 #include "circuit/circuit.h"
+#include "study/check.h"
 #include "study/list.h"
 #include "study/modes.h"
 #include "study/plot.h"
@@ -46,6 +47,11 @@ static vs_status do_run(const arguments *a, vs_error *err) {
                             .digits = a->digits,
                             .stop = &stop_requested};
   return vs_run_command(&o, err);
+}
+static vs_status do_check(const arguments *a, vs_error *err) {
+  const vs_check_options o = {
+      .name = a->name, .sets = a->sets, .n_sets = a->n_sets, .json = a->json, .quiet = a->quiet};
+  return vs_check_command(&o, err);
 }
 static vs_status do_list(const arguments *a, vs_error *err) {
   return vs_list_command(a->name, a->deck, err);
@@ -83,6 +89,13 @@ static const struct argp_option RUN_OPTIONS[] = {
      0},
     OPT_HELP,
     {0}};
+static const struct argp_option CHECK_OPTIONS[] = {
+    OPT_SET,
+    {"json", KEY_JSON, NULL, 0,
+     "findings as a JSON array of {file, line, column, message} on standard output", 0},
+    {"quiet", KEY_QUIET, NULL, 0, "prints nothing but findings", 0},
+    OPT_HELP,
+    {0}};
 static const struct argp_option LIST_OPTIONS[] = {
     {"deck", KEY_DECK, "DECK", 0, "whose probes and parameters (default halfwave_snubbed)", 0},
     OPT_HELP,
@@ -113,6 +126,12 @@ static const struct command {
      "  vibrospice run paper --set firing.angle=95deg --set circuit.r1=220ohm\n"
      "  vibrospice run my.yaml --json --quiet > result.json\n",
      false, RUN_OPTIONS, do_run},
+    {"check", "FILE",
+     "tells all that can be known of a scene or deck before a run: every mistake, with its line",
+     "  vibrospice check my.yaml\n"
+     "  vibrospice check my.cir\n"
+     "  vibrospice check paper --set run.tier=circuit --json\n",
+     false, CHECK_OPTIONS, do_check},
     {"list", "[KIND]",
      "lists scenes, decks, parts, tiers, probes, measures, parameters (with unit, default, range)",
      "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n", true, LIST_OPTIONS,
@@ -257,7 +276,7 @@ int main(int argc, char **argv) {
     argp_help(&parser, stdout, ARGP_HELP_USAGE | ARGP_HELP_LONG | ARGP_HELP_DOC, program.text);
   else if (!failed)
     status = command->act(&a, &a.err);
-  if (status) fprintf(stderr, "vibrospice: %s\n", a.err.text);
+  if (status && *a.err.text) fprintf(stderr, "vibrospice: %s\n", a.err.text);
   if (!status && (fflush(stdout) || ferror(stdout))) {
     fputs("vibrospice: standard output cannot be written\n", stderr);
     status = VS_RUN;

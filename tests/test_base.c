@@ -228,7 +228,7 @@ static void errors_are_one_line(void) {
   } ROWS[] = {{{"s.yaml", 3, 7}, "s.yaml:3:7: what: 5"},
               {{"--set a=1", 0, 0}, "--set a=1: what: 5"},
               {{NULL, 0, 0}, "what: 5"}};
-  vs_error err;
+  vs_error err = {0};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     CU_ASSERT_EQUAL(vs_fail_at(&err, ROWS[k].where, "what: %d", 5), VS_INPUT);
     CU_ASSERT_STRING_EQUAL(err.text, ROWS[k].text);
@@ -245,6 +245,40 @@ static void errors_are_one_line(void) {
   CU_ASSERT_PTR_NULL(strchr(err.text, '\n'));
   vs_fail_at(&err, (vs_where){"f\nf", 1, 1}, "key '%s'", "a\r\nb");
   CU_ASSERT_PTR_NULL(strpbrk(err.text, "\r\n"));
+}
+
+static void errors_can_be_carried_on_from(void) {
+  static const vs_where PLACES[] = {{"b", 2, 1}, {"a", 3, 1}, {"b", 1, 9}, {"b", 2, 1},
+                                    {"b", 1, 2}, {"a", 0, 0}, {NULL, 0, 0}};
+  static const char *const SORTED[] = {"b:1:2: e", "b:1:9: e", "b:2:1: e", "a: e", "a:3:1: e", "e"};
+  vs_findings *all = vs_alloc(1, sizeof *all);
+  vs_error err = {0};
+  CU_ASSERT_EQUAL(vs_carry_on(&err, vs_fail(&err, VS_INPUT, "e")), VS_INPUT); /* kept nowhere */
+  CU_ASSERT_EQUAL(vs_found(&err), 0);
+  err.findings = all;
+  for (size_t k = 0; k < COUNT(PLACES); k++) /* one of them twice */
+    CU_ASSERT_EQUAL(vs_carry_on(&err, vs_fail_at(&err, PLACES[k], "e")), VS_OK);
+  CU_ASSERT_EQUAL(vs_carry_on(&err, VS_OK), VS_OK);
+  CU_ASSERT_EQUAL(vs_carry_on(&err, vs_fail(&err, VS_RUN, "no input")), VS_RUN);
+  CU_ASSERT_EQUAL_FATAL(vs_found(&err), COUNT(SORTED));
+  for (size_t k = 0; k < COUNT(SORTED); k++) CU_ASSERT_STRING_EQUAL(all->item[k].text, SORTED[k]);
+  const vs_error *e = &all->item[1];
+  CU_ASSERT_EQUAL(e->line, 1);
+  CU_ASSERT_EQUAL(e->column, 9);
+  CU_ASSERT_EQUAL(e->file_size, 1);
+  CU_ASSERT_STRING_EQUAL(e->text + e->place_size, "e");
+  for (int k = 0; vs_found(&err) < VS_MOST_FINDINGS; k++)
+    vs_carry_on(&err, vs_fail(&err, VS_INPUT, "%d", k));
+  CU_ASSERT_EQUAL(vs_carry_on(&err, vs_fail(&err, VS_INPUT, "no room")), VS_INPUT);
+  free(all);
+}
+
+/* A letter of two bytes is one column. */
+static void columns_are_characters(void) {
+  static const char LINE[] = "aµb\tc";
+  CU_ASSERT_EQUAL(vs_column(LINE, LINE), 1);
+  CU_ASSERT_EQUAL(vs_column(LINE, LINE + 3), 3);
+  CU_ASSERT_EQUAL(vs_column(LINE, LINE + 5), 5);
 }
 
 /* ---- trees ---- */
@@ -299,7 +333,7 @@ static void a_tree_remembers_where_things_stood(void) {
       {"other", NULL, VS_NODE_MAP, 10, 1, 10, 1},
   };
   vs_tree tree;
-  vs_error err = {""};
+  vs_error err = {0};
   write_file("s.yaml", SCENE);
   CU_ASSERT_EQUAL_FATAL(vs_tree_read("s.yaml", &tree, &err), VS_OK);
   for (size_t k = 0; k < COUNT(ROWS); k++) {
@@ -324,7 +358,7 @@ static void files_that_say_nothing_are_empty_maps(void) {
   static const char *const TEXTS[] = {"", "\n\n", "# only this\n", "---\n", "{}\n"};
   for (size_t k = 0; k < COUNT(TEXTS); k++) {
     vs_tree tree;
-    vs_error err = {""};
+    vs_error err = {0};
     write_file("s.yaml", TEXTS[k]);
     EXPECT(!vs_tree_read("s.yaml", &tree, &err) && tree.root->kind == VS_NODE_MAP &&
                !tree.root->child,
@@ -351,7 +385,7 @@ static void bad_files_are_refused(void) {
       {"a: \"\xff\"\n", {"s.yaml:1:", "UTF8"}},
   };
   vs_tree tree;
-  vs_error err;
+  vs_error err = {0};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     err.text[0] = '\0';
     write_file("s.yaml", ROWS[k].text);
@@ -383,7 +417,7 @@ static void what_is_set_lies_over_the_file(void) {
       {"a.b.c.d=1", "a.b.c.d", "1"},
   };
   vs_tree tree;
-  vs_error err = {""};
+  vs_error err = {0};
   write_file("s.yaml", SCENE);
   CU_ASSERT_EQUAL_FATAL(vs_tree_read("s.yaml", &tree, &err), VS_OK);
   for (size_t k = 0; k < COUNT(ROWS); k++) {
@@ -405,7 +439,7 @@ static void what_is_set_lies_over_the_file(void) {
 static void bad_settings_are_refused(void) {
   static const char *const ROWS[] = {"", "run.until", "=1", "run.until=[1", "a={b: 1", "a=*b"};
   vs_tree tree;
-  vs_error err = {""};
+  vs_error err = {0};
   write_file("s.yaml", SCENE);
   CU_ASSERT_EQUAL_FATAL(vs_tree_read("s.yaml", &tree, &err), VS_OK);
   for (size_t k = 0; k < COUNT(ROWS); k++) {
@@ -451,7 +485,7 @@ static void defaults_fill_what_is_not_named(void) {
   static const char *const TEXTS[] = {"", "part:\n", "part: {}\n"};
   for (size_t k = 0; k < COUNT(TEXTS); k++) {
     values v;
-    vs_error err = {""};
+    vs_error err = {0};
     EXPECT(!read_part(TEXTS[k], &v, &err), "'%s': %s", TEXTS[k], err.text);
     EXPECT(v.gap_m == 0.006 && v.pair_m[0] == 0.001 && v.pair_m[1] == 0.002, "'%s'", TEXTS[k]);
     EXPECT(v.choice == 1 && v.count == 0 && !strcmp(v.name, "standard"), "'%s'", TEXTS[k]);
@@ -461,7 +495,7 @@ static void defaults_fill_what_is_not_named(void) {
 
 static void good_fields(void) {
   values v;
-  vs_error err = {""};
+  vs_error err = {0};
   CU_ASSERT_EQUAL(read_part("part: {gap: 10 mm, angle: 0.001 deg, place: [-5 mm, 0], kind: none,\n"
                             "  every: 9, deck: my deck.cir}\n",
                             &v, &err),
@@ -513,7 +547,7 @@ static void bad_fields(void) {
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     char yaml[128];
     values v;
-    vs_error err = {""};
+    vs_error err = {0};
     snprintf(yaml, sizeof yaml, "part: %s\n", ROWS[k].part);
     EXPECT(read_part(yaml, &v, &err) == VS_INPUT, "%s was read", ROWS[k].part);
     EXPECT(!strncmp(err.text, ROWS[k].at, strlen(ROWS[k].at)), "%s: not at %s: %s", ROWS[k].part,
@@ -524,7 +558,7 @@ static void bad_fields(void) {
   }
   char yaml[VS_NAME_SIZE + 64] = "part: {deck: ";
   values v;
-  vs_error err = {""};
+  vs_error err = {0};
   memset(yaml + strlen(yaml), 'x', VS_NAME_SIZE);
   strcat(yaml, "}\n");
   CU_ASSERT_EQUAL(read_part(yaml, &v, &err), VS_INPUT);
@@ -541,7 +575,7 @@ static void fields_as_json_and_ranges(void) {
               {"\"once\"", "once or 1..9"},
               {"\"standard\"", ""}};
   values v;
-  vs_error err = {""};
+  vs_error err = {0};
   char range[128];
   CU_ASSERT_EQUAL_FATAL(read_part("", &v, &err), VS_OK);
   for (size_t k = 0; k < COUNT(FIELDS); k++) {
@@ -563,7 +597,7 @@ static void fields_as_json_and_ranges(void) {
 
 static void a_committed_file_is_there_whole(void) {
   vs_file file;
-  vs_error err = {""};
+  vs_error err = {0};
   char text[256];
   struct stat st;
   CU_ASSERT_EQUAL(mkdir("there", 0777), 0);
@@ -588,7 +622,7 @@ static void a_committed_file_is_there_whole(void) {
 
 static void a_discarded_file_never_was(void) {
   vs_file file = {0};
-  vs_error err = {""};
+  vs_error err = {0};
   char text[256];
   vs_file_discard(&file);
   CU_ASSERT_EQUAL(mkdir("gone", 0777), 0);
@@ -606,7 +640,7 @@ static void a_discarded_file_never_was(void) {
 
 static void a_file_is_committed_under_another_name(void) {
   vs_file file;
-  vs_error err = {""};
+  vs_error err = {0};
   char text[256];
   CU_ASSERT_EQUAL(mkdir("other", 0777), 0);
   CU_ASSERT_EQUAL_FATAL(vs_file_open(&file, "other", "run.csv", &err), VS_OK);
@@ -618,7 +652,7 @@ static void a_file_is_committed_under_another_name(void) {
 
 static void files_that_cannot_be_written(void) {
   vs_file file;
-  vs_error err = {""};
+  vs_error err = {0};
   CU_ASSERT_EQUAL(vs_file_open(&file, "nowhere", "run.csv", &err), VS_INPUT);
   CU_ASSERT_PTR_NOT_NULL(strstr(err.text, "nowhere/run.csv: cannot be written: No such file"));
   vs_file_discard(&file);
@@ -635,7 +669,7 @@ static void folders(void) {
   static const struct {
     const char *folder, *says;
   } BAD[] = {{"", "empty"}, {"plain", "not a directory"}, {"plain/below", "Not a directory"}};
-  vs_error err = {""};
+  vs_error err = {0};
   int made = -1;
   write_file("plain", "");
   CU_ASSERT_EQUAL(vs_folder_make("one/two/three", &made, &err), VS_OK);
@@ -665,7 +699,7 @@ static void add_listed(void *ctx, const char *path) {
 }
 
 static void shipped_files_are_found(void) {
-  vs_error err = {""};
+  vs_error err = {0};
   vs_text listed = {0};
   int made;
   char path[VS_PATH_SIZE];
@@ -704,6 +738,8 @@ static const vs_test TESTS[] = {
     {"unit suffixes", unit_suffixes},
     {"growing text", growing_text},
     {"errors are one line", errors_are_one_line},
+    {"errors can be carried on from", errors_can_be_carried_on_from},
+    {"columns are characters", columns_are_characters},
     {"a tree remembers where things stood", a_tree_remembers_where_things_stood},
     {"files that say nothing are empty maps", files_that_say_nothing_are_empty_maps},
     {"bad files are refused", bad_files_are_refused},

@@ -350,7 +350,7 @@ static void two_iterations_per_step(void) {
                                           free_counted};
   char until[] = "run.until=0.1s", *const sets[] = {until};
   vs_scene scene;
-  vs_error err;
+  vs_error err = {0};
   long steps = 0;
   vs_observer observer = {&steps, count_steps};
   CU_ASSERT_EQUAL_FATAL(vs_scene_read("paper", sets, 1, "circuit", &scene, &err), VS_OK);

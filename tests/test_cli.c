@@ -16,7 +16,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "suite.h"
+#include "program.h"
 
 /* ---- helpers: checks that say what they saw, files, folders ---- */
 
@@ -27,88 +27,8 @@ static void write_bytes(const char *path, const char *bytes, size_t size) {
   CU_ASSERT_EQUAL(fclose(f), 0);
 }
 
-/* Whole file, with a zero byte behind it; empty when it is not there. */
-static char *read_file(const char *path) {
-  vs_text all = {0};
-  FILE *f = fopen(path, "rb");
-  char part[4096];
-  vs_text_add(&all, "%s", "");
-  while (f && fgets(part, sizeof part, f)) vs_text_add(&all, "%s", part);
-  if (f) fclose(f);
-  return all.text;
-}
-
 static const char GOOD_RUN[] = "events.csv run.csv summary.json ",
                   BROKEN_RUN[] = "run.partial.csv ";
-
-static int count_lines(const char *text) {
-  int lines = 0;
-  for (; *text; text++) lines += *text == '\n';
-  return lines;
-}
-
-/* ---- the program ---- */
-
-enum { MOST_WORDS = 32, MOST_SECONDS = 120 };
-
-typedef struct ran {
-  int status; /* exit status; 1000 + number of the signal that ended it */
-  char *out, *err;
-} ran;
-
-/* Standard output and error land beside the work folder, so that this holds what the program made.
- */
-static pid_t spawn(const char *const *argv) {
-  fflush(NULL);
-  pid_t child = fork();
-  if (child) return child;
-  int out = open("../stdout", O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  int err = open("../stderr", O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  if (dup2(out, STDOUT_FILENO) < 0 || dup2(err, STDERR_FILENO) < 0) _exit(126);
-  alarm(MOST_SECONDS); /* outlives exec: a program that hangs ends by SIGALRM */
-  execv(VS_PROGRAM, (char *const *)(size_t)argv);
-  _exit(127);
-}
-
-static ran collect(pid_t child) {
-  int how = 0;
-  while (waitpid(child, &how, 0) < 0 && errno == EINTR) {
-  }
-  return (ran){WIFEXITED(how) ? WEXITSTATUS(how) : 1000 + WTERMSIG(how), read_file("../stdout"),
-               read_file("../stderr")};
-}
-
-/* The command line cut at its blanks, but for what stands 'in quotes'. */
-static size_t split(char *words, const char **argv) {
-  size_t n = 0;
-  argv[n++] = "vibrospice";
-  for (char *s = words; *s && n < MOST_WORDS - 1;) {
-    bool quoted = *s == '\'';
-    argv[n++] = s += quoted;
-    s += strcspn(s, quoted ? "'" : " ");
-    if (*s) *s++ = '\0';
-    s += strspn(s, " ");
-  }
-  argv[n] = NULL;
-  return n;
-}
-
-static ran run(const char *format, ...) __attribute__((format(printf, 1, 2)));
-static ran run(const char *format, ...) {
-  char words[2048];
-  const char *argv[MOST_WORDS];
-  va_list args;
-  va_start(args, format);
-  vsnprintf(words, sizeof words, format, args);
-  va_end(args);
-  split(words, argv);
-  return collect(spawn(argv));
-}
-
-static void free_ran(ran *r) {
-  free(r->out);
-  free(r->err);
-}
 
 static void expect_good(const ran *r, const char *what, int line) {
   expect(r->status == 0, line, "%s: exit status %d: %s", what, r->status, r->err);
@@ -372,7 +292,7 @@ static void bad_decks_are_refused(void) {
       {".include script.inc", "script.inc:1:1: ", {".control", "does not belong"}},
       {"*$ probe x = v(nowhere) V", "", {"v(nowhere)", NULL}},
       {"*$ port gate+180deg = Vnowhere", "d.cir:9:", {"vnowhere", NULL}},
-      {"Vfree free 0 external", "d.cir: ", {"vfree", NULL}},
+      {"Vfree free 0 external", "d.cir:9:1: ", {"vfree", NULL}},
       {"i(Vthy)",
        "d.cir:9:1: ",
        {"an element is wanted", NULL}}, /* libngspice never comes back from it */
@@ -917,6 +837,7 @@ static void what_the_program_says_about_itself(void) {
       {"--help", {"Usage: vibrospice", "modes", "Exit status: 0 done."}},
       {"help", {"Usage: vibrospice", "plot", NULL}},
       {"run --help", {"--reproducible", "--digits", "Examples:"}},
+      {"check --help", {"FILE", "--set", "JSON array"}},
       {"list --help", {"--deck", "KIND", NULL}},
       {"modes --help", {"--output", "--set", NULL}},
       {"plot --help", {"--output", "DIR", NULL}},
@@ -1075,21 +996,6 @@ static const vs_test TESTS[] = {
     {"plot", plot},
 };
 
-/* Each test works in a new folder's "work"; what the program prints lies beside it. */
 int main(void) {
-  const char *temporary = getenv("TMPDIR");
-  char folder[VS_PATH_SIZE], work[VS_PATH_SIZE + 8];
-  snprintf(folder, sizeof folder, "%s/vibrospice.XXXXXX", temporary ? temporary : "/tmp");
-  if (!mkdtemp(folder)) return 1;
-  snprintf(work, sizeof work, "%s/work", folder);
-  const char *leaks = getenv("LSAN_OPTIONS");
-  if (leaks) { /* its list of what it suppressed would count as words of the program */
-    char more[VS_PATH_SIZE];
-    snprintf(more, sizeof more, "%s:print_suppressions=0", leaks);
-    setenv("LSAN_OPTIONS", more, 1);
-  }
-  unsetenv("VIBROSPICE_PATH"); /* its scenes would come before the shipped ones */
-  int failed = mkdir(work, 0777) || chdir(work) || vs_suite("command line", TESTS, COUNT(TESTS));
-  if (chdir("/") == 0) remove_tree(folder);
-  return failed;
+  return program_suite("command line", TESTS, COUNT(TESTS));
 }

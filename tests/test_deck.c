@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The netlist contract beyond ports and probes: formulas, losses and stores and what the energy
  * audit makes of them, ratings, parts by name, dialects, and the place of what ngspice refuses. */
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,13 +15,15 @@
 /* ---- formulas ---- */
 
 /* v(n) is term 0, v(n,m) 1, i(Vx) 2; a is name 0, b_2 name 1 */
-static int term_of(void *ctx, char quantity, const char *first, const char *second) {
+static int term_of(void *ctx, const char *at, const vs_formula_term *term) {
   (void)ctx;
-  CU_ASSERT_STRING_EQUAL(first, quantity == 'i' ? "vx" : "n");
-  return quantity == 'i' ? 2 : strcmp(second, "0") != 0;
+  CU_ASSERT_EQUAL(tolower((unsigned char)*at), term->quantity);
+  CU_ASSERT_STRING_EQUAL(term->first, term->quantity == 'i' ? "vx" : "n");
+  return term->quantity == 'i' ? 2 : strcmp(term->second, "0") != 0;
 }
-static int name_of(void *ctx, const char *name) {
+static int name_of(void *ctx, const char *at, const char *name) {
   (void)ctx;
+  CU_ASSERT_EQUAL(tolower((unsigned char)*at), *name);
   return strcmp(name, "a") ? strcmp(name, "b_2") ? -1 : 1 : 0;
 }
 static const vs_formula_scope SCOPE = {NULL, term_of, name_of};
@@ -125,8 +128,8 @@ static void bad_lines_are_refused(void) {
   REFUSE(SUPPLY "*$ loss r = v(a)*\n" EVA, "bad.cir:4:18: ", "wanted");
   REFUSE(SUPPLY "*$ loss r = v(a) v(b)\n" EVA, "bad.cir:4:18: ", "operator");
   REFUSE(SUPPLY "*$ loss r = v(a)\n*$ loss r = v(b)\n" EVA, "bad.cir:5:1: ", "second");
-  REFUSE(SUPPLY "*$ store c = {r1}*v(a)^2\n" EVA, "bad.cir:4:14: ", "'r1'");
-  REFUSE(SUPPLY "*$ store c = {r_sorce}*v(a)^2\n" EVA, "bad.cir:4:14: ", "did you mean 'r_source'");
+  REFUSE(SUPPLY "*$ store c = {r1}*v(a)^2\n" EVA, "bad.cir:4:15: ", "'r1'");
+  REFUSE(SUPPLY "*$ store c = {r_sorce}*v(a)^2\n" EVA, "bad.cir:4:15: ", "did you mean 'r_source'");
   REFUSE(SUPPLY "*$ rating v_a 0..1 V\n" EVA, "bad.cir:4:11: ", "no probe 'v_a'");
   REFUSE(SUPPLY "*$ probe v_a = v(a) V\n*$ rating v_a 0..1 A\n" EVA, "bad.cir:5:20: ", "as V");
   REFUSE(SUPPLY "*$ probe v_a = v(a) V\n*$ rating v_a 1 V\n" EVA, "bad.cir:5:15: ", "MIN..MAX");
@@ -141,9 +144,9 @@ static void refusals_are_located(void) {
   REFUSE(SUPPLY "  R1 a b {2*nix}\n" EVA, "bad.cir:4:13: ", "[nix]");
   REFUSE(SUPPLY ".param two = {2*nix}\nR1 a b {two}\n" EVA, "bad.cir:4:17: ", "[nix]");
   REFUSE(SUPPLY "R1 a b 1\nR2 b 0 sub='nix'\n" EVA, "bad.cir:5:13: ", "[nix]");
-  REFUSE(SUPPLY "R1 a b 1\n D1 a b nomodel\n" EVA, "bad.cir:5:2: ", "nomodel");
+  REFUSE(SUPPLY "R1 a b 1\n D1 a b nomodel\n" EVA, "bad.cir:5:9: ", "nomodel");
   REFUSE(SUPPLY "R1 a b 1\n*$ probe v_x = v(a,nowhere) V\n" EVA, "bad.cir:5:16: ", "v(nowhere)");
-  REFUSE(SUPPLY "R1 a b 1\n*$ loss x = 2*i(Vnix)\n" EVA, "bad.cir:5:13: ", "i(vnix)");
+  REFUSE(SUPPLY "R1 a b 1\n*$ loss x = 2*i(Vnix)\n" EVA, "bad.cir:5:15: ", "i(vnix)");
 }
 
 /* ---- losses and stores ---- */

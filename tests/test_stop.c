@@ -197,7 +197,7 @@ static orbit orbit_of(const char *stop, const char *kick, double until_s, bool g
                   until};
   orbit o = {until_s - 1, 0, 0};
   vs_scene *scene = vs_alloc(1, sizeof *scene);
-  vs_error err = {""};
+  vs_error err = {0};
   vs_observer observer = {&o, follow};
   CU_ASSERT_EQUAL_FATAL(vs_scene_read("paper", sets, COUNT(sets), "switched", scene, &err), VS_OK);
   vs_status status = guarded ? vs_sim_run(scene->tier, &scene->setup, &observer, &err)

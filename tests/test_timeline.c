@@ -86,7 +86,7 @@ static void deck_becomes_a_netlist(void) {
   const vs_deck_value standard[] = {{"u_rms", 440}};
   char **lines;
   size_t n;
-  vs_error err;
+  vs_error err = {0};
   CU_ASSERT_EQUAL_FATAL(vs_deck_netlist(&t->scene.setup.deck, &t->scene.setup.circuit_values,
                                         standard, 1, &lines, &n, &err),
                         VS_OK);

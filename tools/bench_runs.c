@@ -57,7 +57,7 @@ static void *allocated(size_t size) {
 /* The paper's scene with one KEY=VALUE set. */
 static vs_scene *read_scene(const char *tier, char *set) {
   vs_scene *scene = allocated(sizeof *scene);
-  vs_error err;
+  vs_error err = {0};
   must(vs_scene_read("paper", &set, 1, tier, scene, &err), &err);
   return scene;
 }
@@ -74,7 +74,7 @@ static void free_scene(vs_scene *scene) {
 }
 
 static double run_timed(const vs_scene *scene, const vs_observer *observer) {
-  vs_error err;
+  vs_error err = {0};
   double began = wall_clock();
   must(vs_sim_run(scene->tier, &scene->setup, observer, &err), &err);
   return wall_clock() - began;

@@ -2,7 +2,9 @@
 #include "base/error.h"
 
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
+#include <string.h>
 
 /* A message is one line whatever the user's words in it hold. */
 static void one_line(char *text) {
@@ -15,6 +17,7 @@ vs_status vs_fail(vs_error *err, vs_status status, const char *format, ...) {
   va_start(args, format);
   vsnprintf(err->text, sizeof err->text, format, args);
   va_end(args);
+  err->file_size = err->place_size = err->line = err->column = 0;
   one_line(err->text);
   return status;
 }
@@ -30,6 +33,48 @@ vs_status vs_fail_at(vs_error *err, vs_where where, const char *format, ...) {
   va_start(args, format);
   vsnprintf(err->text + n, sizeof err->text - (size_t)n, format, args);
   va_end(args);
+  err->file_size = n ? (int)strlen(where.file) : 0;
+  err->place_size = n;
+  err->line = n ? where.line : 0;
+  err->column = err->line ? where.column : 0;
   one_line(err->text);
   return VS_INPUT;
+}
+
+/* ---- findings ---- */
+
+static bool same_file(const vs_error *a, const vs_error *b) {
+  return a->file_size == b->file_size && !memcmp(a->text, b->text, (size_t)a->file_size);
+}
+
+static bool comes_before(const vs_error *a, const vs_error *b) {
+  return a->line != b->line ? a->line < b->line : a->column < b->column;
+}
+
+/* Behind those of its file that stand no later; behind all when its file is new. */
+static size_t position_of(const vs_findings *all, const vs_error *err) {
+  bool begun = false;
+  for (size_t k = 0; k < all->count; k++) {
+    bool same = same_file(&all->item[k], err);
+    if (same ? comes_before(err, &all->item[k]) : begun) return k;
+    begun = same;
+  }
+  return all->count;
+}
+
+vs_status vs_carry_on(vs_error *err, vs_status status) {
+  vs_findings *all = err->findings;
+  if (status != VS_INPUT || !all || all->count >= VS_MOST_FINDINGS) return status;
+  size_t position = position_of(all, err);
+  for (size_t k = 0; k < all->count; k++)
+    if (!strcmp(all->item[k].text, err->text)) return VS_OK;
+  memmove(&all->item[position + 1], &all->item[position],
+          (all->count - position) * sizeof *all->item);
+  all->item[position] = *err;
+  all->count++;
+  return VS_OK;
+}
+
+size_t vs_found(const vs_error *err) {
+  return err->findings ? err->findings->count : 0;
 }

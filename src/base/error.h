@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * How a function says that it failed: a status to act on and one line to show the user. */
+ * How a function says that it failed: a status to act on and one line to show the user. In a run
+ * the first error is the last; a check carries on and gathers them all. */
 #ifndef VS_BASE_ERROR_H
 #define VS_BASE_ERROR_H
+
+#include <stddef.h>
 
 /* name, exit status of the program, what it means */
 #define VS_STATUS_LIST(X)                                                                          \
@@ -17,9 +20,23 @@ typedef enum vs_status {
 #undef VS_STATUS_ENUM
 } vs_status;
 
+typedef struct vs_findings vs_findings;
+
+/* Begin with {0}. */
 typedef struct vs_error {
-  char text[1024]; /* one line, no newline; empty while nothing failed */
+  char text[1024];       /* one line, no newline; empty while nothing failed */
+  int file_size;         /* bytes of text that name the file; 0: it names none */
+  int place_size;        /* bytes of text before the message itself */
+  int line, column;      /* of the place, from 1; 0: not known */
+  vs_findings *findings; /* where vs_carry_on keeps what it carries on from; NULL: nowhere */
 } vs_error;
+
+/* The errors of one check: file by file, each in the order of its lines, none twice. */
+enum { VS_MOST_FINDINGS = 100 };
+struct vs_findings {
+  size_t count;
+  vs_error item[VS_MOST_FINDINGS];
+};
 
 /* A place in a text the user wrote. Borrowed: the name lives as long as what it was read from. */
 typedef struct vs_where {
@@ -33,5 +50,14 @@ vs_status vs_fail(vs_error *err, vs_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 vs_status vs_fail_at(vs_error *err, vs_where where, const char *format, ...)
     __attribute__((format(printf, 3, 4))); /* always VS_INPUT; "file:line:column: " first */
+
+/* For those who read many things one after the other: gives VS_OK in place of VS_INPUT when err has
+ * room to keep the error, else the status as it is. What could not be read is then as by default.
+ */
+vs_status vs_carry_on(vs_error *err, vs_status status);
+
+/* How many errors were kept so far. Where some were, a further one may be nothing but their echo.
+ */
+size_t vs_found(const vs_error *err);
 
 #endif

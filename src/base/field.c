@@ -27,12 +27,13 @@ void vs_field_range(const vs_field *field, char *text, size_t size) {
 static vs_status read_real(const char *name, const vs_field *field, const vs_node *node,
                            double *out, vs_error *err) {
   char why[256], range[128];
+  double si;
   if (node->kind != VS_NODE_TEXT)
     return vs_fail_at(err, node->where, "%s: one value is wanted, for example %s", name,
                       field->default_text);
-  if (!vs_quantity(node->text, field->unit, out, why, sizeof why))
+  if (!vs_quantity(node->text, field->unit, &si, why, sizeof why))
     return vs_fail_at(err, node->where, "%s: %s", name, why);
-  double shown = *out / vs_unit_factor(field->unit);
+  double shown = si / vs_unit_factor(field->unit);
   double slack = 1e-12 * (field->max < 0 ? -field->max : field->max); /* of the unit's conversion */
   bool inside = field->open ? shown > field->min && shown < field->max
                             : shown >= field->min - slack && shown <= field->max + slack;
@@ -40,6 +41,7 @@ static vs_status read_real(const char *name, const vs_field *field, const vs_nod
   if (!inside)
     return vs_fail_at(err, node->where, "%s: %s is out of range; allowed: %s", name, node->text,
                       range);
+  *out = si;
   return VS_OK;
 }
 
@@ -47,9 +49,12 @@ static vs_status read_choice(const char *name, const vs_field *field, const vs_n
                              vs_error *err) {
   char words[256], *rest = words;
   snprintf(words, sizeof words, "%s", field->choices);
-  *out = 0;
-  for (char *word; (word = strsep(&rest, "|")); ++*out)
-    if (node->kind == VS_NODE_TEXT && !strcmp(word, node->text)) return VS_OK;
+  int choice = 0;
+  for (char *word; (word = strsep(&rest, "|")); choice++) {
+    if (node->kind != VS_NODE_TEXT || strcmp(word, node->text)) continue;
+    *out = choice;
+    return VS_OK;
+  }
   return vs_fail_at(err, node->where, "%s: '%s' is not one of: %s", name,
                     node->kind == VS_NODE_TEXT ? node->text : "a list or map", field->choices);
 }
@@ -63,18 +68,23 @@ static vs_status read_count(const char *name, const vs_field *field, const vs_no
   }
   vs_status status = read_real(name, field, node, &value, err);
   if (status) return status;
-  *out = (int)value;
-  if ((double)*out != value)
+  if ((double)(int)value != value)
     return vs_fail_at(err, node->where, "%s: %s is not a whole number", name, node->text);
+  *out = (int)value;
   return VS_OK;
 }
 
 static vs_status read_option(const char *name, const vs_field *field, const vs_node *node,
                              int *present, vs_error *err) {
   char range[128];
-  *present = node->kind == VS_NODE_MAP;
-  if (*present) return vs_section_read(field->part, node, present, err);
-  if (node->kind == VS_NODE_TEXT && !strcmp(node->text, field->choices)) return VS_OK;
+  if (node->kind == VS_NODE_MAP) {
+    *present = 1;
+    return vs_section_read(field->part, node, present, err);
+  }
+  if (node->kind == VS_NODE_TEXT && !strcmp(node->text, field->choices)) {
+    *present = 0;
+    return VS_OK;
+  }
   vs_field_range(field, range, sizeof range);
   return vs_fail_at(err, node->where, "%s: allowed: %s", name, range);
 }
@@ -108,7 +118,7 @@ vs_status vs_field_read(const vs_section *section, const vs_field *field, const 
   if (!x || !x->next || x->next->next)
     return vs_fail_at(err, node->where, "%s: two values are wanted: [x, y]", name);
   double *pair = (double *)(void *)member;
-  vs_status status = read_real(name, field, x, pair, err);
+  vs_status status = vs_carry_on(err, read_real(name, field, x, pair, err));
   return status ? status : read_real(name, field, x->next, pair + 1, err);
 }
 
@@ -133,27 +143,33 @@ vs_status vs_known_keys(const vs_node *map, const char *what, const char *const 
     for (size_t k = 0; k < count && !known; k++) known = !strcmp(names[k], n->key);
     if (known) continue;
     const char *nearest = vs_nearest(n->key, names, count);
-    return vs_fail_at(err, n->key_where, "%s has no key '%s'%s%s%s", what, n->key,
-                      nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                      nearest ? "'?" : "");
+    vs_status status =
+        vs_fail_at(err, n->key_where, "%s has no key '%s'%s%s%s", what, n->key,
+                   nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    status = vs_carry_on(err, status);
+    if (status) return status;
   }
   return VS_OK;
 }
 
 vs_status vs_section_read(const vs_section *section, const vs_node *map, void *out, vs_error *err) {
+  vs_status status = VS_OK;
   if (map && map->kind == VS_NODE_TEXT && !*map->text) map = NULL; /* "run:" and nothing more */
-  if (map && map->kind != VS_NODE_MAP)
-    return vs_fail_at(err, map->where, "%s: a map of keys is wanted: {key: value, ...}",
-                      section->name);
+  if (map && map->kind != VS_NODE_MAP) {
+    status = vs_fail_at(err, map->where, "%s: a map of keys is wanted: {key: value, ...}",
+                        section->name);
+    status = vs_carry_on(err, status);
+    map = NULL;
+  }
   const char **names = vs_alloc(section->count, sizeof *names);
   for (size_t k = 0; k < section->count; k++) names[k] = section->fields[k].key;
-  vs_status status = vs_known_keys(map, section->name, names, section->count, err);
+  if (!status) status = vs_known_keys(map, section->name, names, section->count, err);
   free(names);
   for (size_t k = 0; k < section->count && !status; k++) {
     const vs_field *field = &section->fields[k];
     const vs_node *node = vs_node_child(map, field->key);
-    status = node ? vs_field_read(section, field, node, out, err)
-                  : read_default(section, field, out, err);
+    status = read_default(section, field, out, err); /* stays when the scene's is no good */
+    if (!status && node) status = vs_carry_on(err, vs_field_read(section, field, node, out, err));
   }
   return status;
 }

@@ -42,7 +42,8 @@ typedef struct vs_section {
 } vs_section;
 
 /* Fills every member of out: from the scene's map where it names the key, else from the default.
- * map: NULL for "not there". Errors: unknown key (nearest one named), wrong unit, out of range. */
+ * map: NULL for "not there". Errors, each of which a check carries on from: unknown key (nearest
+ * one named), wrong unit, out of range. */
 vs_status vs_section_read(const vs_section *section, const vs_node *map, void *out, vs_error *err);
 
 /* Refuses keys of map that stand in no section's name; others are asked for by `names`. */
@@ -56,7 +57,7 @@ void vs_field_json(const vs_field *field, const void *values, vs_text *json);
 void vs_field_range(const vs_field *field, char *text, size_t size);
 
 /* Reads one value for a field; place is where it stands. For values that come from elsewhere than a
- * scene. */
+ * scene. On error the value stays as it was. */
 vs_status vs_field_read(const vs_section *section, const vs_field *field, const vs_node *node,
                         void *out, vs_error *err);
 

@@ -99,6 +99,12 @@ const char *vs_nearest(const char *name, const char *const *candidates, size_t c
   return best;
 }
 
+int vs_column(const char *line, const char *at) {
+  int column = 1;
+  for (; line < at; line++) column += (*line & 0xc0) != 0x80; /* not one that goes on */
+  return column;
+}
+
 void vs_unit_suffix(const char *unit, char *suffix, size_t size) {
   size_t n = 0;
   for (; *unit && n + 1 < size; unit++)

@@ -23,6 +23,9 @@ char *vs_copy(const char *string);         /* the same for strings; free() both 
  */
 const char *vs_nearest(const char *name, const char *const *candidates, size_t count);
 
+/* Which character of the line (UTF-8) stands at `at`, from 1. */
+int vs_column(const char *line, const char *at);
+
 /* "m/s2" -> "m_s2", "Wb" -> "wb", "" -> "": the unit as it ends a CSV column's name. */
 void vs_unit_suffix(const char *unit, char *suffix, size_t size);
 

@@ -70,8 +70,9 @@ static vs_status convert_children(struct fy_node *fy, const char *file, vs_node 
       return status;
     }
     (*tail)->key = copy;
-    (*tail)->key_where = key_where;
+    if (!key_where.line) key_where = (*tail)->where; /* an empty key stands nowhere */
     if (!(*tail)->where.line) (*tail)->where = key_where;
+    (*tail)->key_where = key_where;
     tail = &(*tail)->next;
   }
   return VS_OK;
@@ -99,7 +100,7 @@ static vs_status convert(struct fy_node *fy, const char *file, vs_node **out, vs
 static vs_status report(struct fy_diag *diag, const char *file, vs_error *err) {
   void *position = NULL;
   struct fy_diag_error *first = fy_diag_errors_iterate(diag, &position);
-  if (!first) return vs_fail(err, VS_INPUT, "%s: cannot be read as YAML", file);
+  if (!first) return vs_fail_at(err, (vs_where){.file = file}, "cannot be read as YAML");
   vs_where where = {file, first->line > 0 ? first->line : 1, first->column > 0 ? first->column : 1};
   return vs_fail_at(err, where, "not YAML: %s", first->msg);
 }
@@ -118,7 +119,7 @@ static vs_status parse(const char *text, size_t length, const char *file, vs_nod
   vs_status status = VS_OK;
   struct fy_document *document = NULL, *second = NULL;
   if (!parser || fy_parser_set_string(parser, text, length))
-    status = vs_fail(err, VS_INPUT, "%s: cannot be read as YAML", file);
+    status = vs_fail_at(err, (vs_where){.file = file}, "cannot be read as YAML");
   if (!status) {
     document = fy_parse_load_document(parser);
     if (fy_parser_get_stream_error(parser)) status = report(diag, file, err);
@@ -149,23 +150,23 @@ static vs_status parse(const char *text, size_t length, const char *file, vs_nod
 }
 
 static vs_status slurp(const char *path, char **text, size_t *length, vs_error *err) {
+  const vs_where where = {.file = path};
   *text = NULL;
   FILE *f = fopen(path, "rb");
-  if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
+  if (!f) return vs_fail_at(err, where, "cannot be opened: %s", strerror(errno));
   vs_text all = {0};
   char part[4096];
   size_t n;
   vs_status status = VS_OK;
   while ((n = fread(part, 1, sizeof part - 1, f)) > 0) {
     if (memchr(part, '\0', n)) {
-      status = vs_fail(err, VS_INPUT, "%s: holds a zero byte; it is no text", path);
+      status = vs_fail_at(err, where, "holds a zero byte; it is no text");
       break;
     }
     part[n] = '\0';
     vs_text_add(&all, "%s", part);
   }
-  if (!status && ferror(f))
-    status = vs_fail(err, VS_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+  if (!status && ferror(f)) status = vs_fail_at(err, where, "cannot be read: %s", strerror(errno));
   fclose(f);
   *text = all.text ? all.text : vs_copy("");
   *length = all.length;
@@ -213,11 +214,14 @@ static void stand_at(vs_node *node, vs_where where) {
 
 vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
   const char *equals = strchr(assignment, '=');
-  if (!equals || equals == assignment)
-    return vs_fail(err, VS_INPUT, "--set %s: write KEY=VALUE, for example firing.angle=95deg",
-                   assignment);
   vs_text label = {0};
   vs_text_add(&label, "--set %s", assignment);
+  vs_where where = {.file = label.text}; /* kept in tree->labels as long as the tree */
+  if (!equals || equals == assignment) {
+    vs_fail_at(err, where, "write KEY=VALUE, for example firing.angle=95deg");
+    vs_text_free(&label);
+    return VS_INPUT;
+  }
   vs_node *value = NULL;
   vs_status status = parse(equals + 1, strlen(equals + 1), "--set", &value, err);
   if (!status && !equals[1]) { /* nothing after the sign: an empty text, not an empty map */
@@ -225,14 +229,13 @@ vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
     value->text = vs_copy("");
   }
   if (status) {
-    vs_fail(err, status, "%s: the value cannot be read", label.text);
+    vs_fail_at(err, where, "the value cannot be read");
     node_free(value);
     vs_text_free(&label);
     return status;
   }
   vs_node *at = tree->root;
   char *path = strndup(assignment, (size_t)(equals - assignment)), *rest = path;
-  vs_where where = {.file = label.text}; /* kept in tree->labels as long as the tree */
   for (char *key; (key = strsep(&rest, "."));) {
     if (at->kind != VS_NODE_MAP) { /* a text stood where a map is wanted: the newer word counts */
       node_free(at->child);

@@ -23,6 +23,9 @@ typedef struct vs_circuit_job {
   /* of Newton's iteration and of the local truncation error: a part of each value; and below which
    * a difference of currents is none */
   double relative_tolerance, current_tolerance_a;
+  /* Gives an error that quotes the netlist the place where that stands; may be NULL. */
+  void (*locate)(const void *author, vs_error *err);
+  const void *author; /* of the netlist */
 } vs_circuit_job;
 
 typedef struct vs_circuit_host {

@@ -20,7 +20,7 @@ typedef struct cursor {
 
 static vs_where here(const cursor *c) {
   vs_where w = c->line;
-  w.column = (int)(c->at - c->start) + 1;
+  w.column = vs_column(c->start, c->at);
   return w;
 }
 
@@ -66,6 +66,7 @@ static vs_status take_text(cursor *c, char *text, size_t size, vs_error *err) {
 }
 
 static vs_status take_name(cursor *c, char *name, vs_error *err) {
+  skip_blanks(c);
   vs_where where = here(c);
   if (!take_word(c, "", name, VS_DECK_NAME) || !take(c, '='))
     return vs_fail_at(err, where, "'NAME = ...' is wanted here");
@@ -239,15 +240,21 @@ static vs_status read_probe(vs_deck *deck, cursor *c, vs_error *err) {
 /* What a formula is read for. */
 typedef struct formula_scope {
   vs_deck *deck;
-  vs_where where;
+  const cursor *line;
 } formula_scope;
 
-static int formula_term(void *ctx, char quantity, const char *first, const char *second) {
-  const formula_scope *scope = ctx;
-  return find_term(scope->deck, scope->where, quantity, first, second);
+static vs_where place(const formula_scope *scope, const char *at) {
+  cursor c = *scope->line;
+  c.at = at;
+  return here(&c);
 }
 
-static int formula_name(void *ctx, const char *name) {
+static int formula_term(void *ctx, const char *at, const vs_formula_term *term) {
+  const formula_scope *scope = ctx;
+  return find_term(scope->deck, place(scope, at), term->quantity, term->first, term->second);
+}
+
+static int formula_name(void *ctx, const char *at, const char *name) {
   const formula_scope *scope = ctx;
   vs_deck *deck = scope->deck;
   for (size_t k = 0; k < deck->n_names; k++)
@@ -255,7 +262,7 @@ static int formula_name(void *ctx, const char *name) {
   if (deck->n_names >= VS_DECK_MOST) return -1;
   vs_named *named = &deck->names[deck->n_names++];
   snprintf(named->name, sizeof named->name, "%s", name);
-  named->where = scope->where;
+  named->where = place(scope, at);
   return (int)deck->n_names - 1;
 }
 
@@ -273,14 +280,18 @@ static vs_status read_account(vs_deck *deck, vs_accounts *accounts, cursor *c, v
       return vs_fail_at(err, c->line, "%s stands here a second time", account->name);
   accounts->count++; /* its formula is freed with the deck, also when it is not good */
   skip_blanks(c);
-  formula_scope own = {deck, here(c)};
+  size_t n_terms = deck->n_terms, n_names = deck->n_names;
+  formula_scope own = {deck, c};
   const vs_formula_scope scope = {&own, formula_term, formula_name};
   const char *end = vs_formula_read(c->at, &scope, &account->formula, &bad, why, sizeof why);
   c->at = end ? end : bad;
-  if (!end) return vs_fail_at(err, here(c), "%s", why);
   skip_blanks(c);
-  return *c->at ? vs_fail_at(err, here(c), "an operator or the end of the line is wanted here")
-                : VS_OK;
+  if (end && !*c->at) return VS_OK;
+  vs_formula_free(&account->formula);
+  deck->n_terms = n_terms; /* what a broken formula seems to name need not be there */
+  deck->n_names = n_names;
+  return vs_fail_at(err, here(c), "%s",
+                    end ? "an operator or the end of the line is wanted here" : why);
 }
 
 static vs_status read_loss(vs_deck *deck, cursor *c, vs_error *err) {
@@ -304,6 +315,7 @@ static vs_status read_rating(vs_deck *deck, cursor *c, vs_error *err) {
     names[k] = deck->probes[k].name;
     if (!strcmp(name, names[k])) rating.probe = (int)k;
   }
+  if (rating.probe < 0 && deck->lost & VS_LOST_PROBE) return VS_OK;
   if (rating.probe < 0) {
     const char *nearest = vs_nearest(name, names, deck->n_probes);
     return vs_fail_at(err, where, "rating: no probe '%s' stands above%s%s%s", name,
@@ -355,9 +367,15 @@ static vs_status read_title(vs_deck *deck, cursor *c, vs_error *err) {
 static const struct directive {
   const char *word;
   vs_status (*read)(vs_deck *, cursor *, vs_error *);
-} DIRECTIVES[] = {{"title", read_title},   {"param", read_param},  {"port", read_port},
-                  {"probe", read_probe},   {"loss", read_loss},    {"store", read_store},
-                  {"rating", read_rating}, {"compat", read_compat}};
+  unsigned lost; /* when it cannot be read */
+} DIRECTIVES[] = {{"title", read_title, 0},
+                  {"param", read_param, VS_LOST_PARAM},
+                  {"port", read_port, VS_LOST_PORT},
+                  {"probe", read_probe, VS_LOST_PROBE},
+                  {"loss", read_loss, 0},
+                  {"store", read_store, 0},
+                  {"rating", read_rating, 0},
+                  {"compat", read_compat, 0}};
 enum { N_DIRECTIVES = sizeof DIRECTIVES / sizeof *DIRECTIVES };
 
 vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_error *err) {
@@ -368,9 +386,13 @@ vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_e
   vs_where where = here(c);
   take_word(c, "", word, sizeof word);
   for (size_t k = 0; k < N_DIRECTIVES; k++) {
-    if (!strcmp(word, DIRECTIVES[k].word)) return DIRECTIVES[k].read(deck, c, err);
     names[k] = DIRECTIVES[k].word;
+    if (strcmp(word, names[k])) continue;
+    vs_status status = DIRECTIVES[k].read(deck, c, err);
+    if (status) deck->lost |= DIRECTIVES[k].lost;
+    return status;
   }
+  deck->lost |= VS_LOST_PARAM | VS_LOST_PORT | VS_LOST_PROBE;
   const char *nearest = vs_nearest(word, names, N_DIRECTIVES);
   return vs_fail_at(err, where,
                     "'*$ %s' is not known; there are: title, param, port, probe, loss, store, "

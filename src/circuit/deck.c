@@ -93,21 +93,25 @@ static bool is_external(const char *line, char name[VS_DECK_NAME]) {
  */
 static vs_status match_sources(const vs_deck *deck, vs_error *err) {
   bool driven[VS_DECK_MOST] = {false};
-  for (size_t k = 0; k < deck->n_lines; k++) {
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < deck->n_lines && !status; k++) {
     char name[VS_DECK_NAME];
     if (!is_external(deck->lines[k].text, name)) continue;
     size_t p = 0;
     while (p < deck->n_ports && strcmp(deck->ports[p].source, name)) p++;
-    if (p == deck->n_ports)
-      return vs_fail(err, VS_INPUT, "%s: the external source %s has no line '*$ port ... = %s'",
-                     deck->files[0], name, name);
-    driven[p] = true;
+    if (p < deck->n_ports)
+      driven[p] = true;
+    else if (!(deck->lost & VS_LOST_PORT))
+      status = vs_carry_on(err, vs_fail_at(err, deck->lines[k].where,
+                                           "the external source %s has no line '*$ port ... = %s'",
+                                           name, name));
   }
-  for (size_t p = 0; p < deck->n_ports; p++)
-    if (!driven[p])
-      return vs_fail_at(err, deck->ports[p].where, "port: the deck has no source '%s n m external'",
-                        deck->ports[p].source);
-  return VS_OK;
+  for (size_t p = 0; p < deck->n_ports && !status; p++)
+    if (!driven[p] && !(deck->lost & VS_LOST_ELEMENT))
+      status = vs_carry_on(err, vs_fail_at(err, deck->ports[p].where,
+                                           "port: the deck has no source '%s n m external'",
+                                           deck->ports[p].source));
+  return status;
 }
 
 static void add_line(vs_deck *deck, const char *text, vs_where where) {
@@ -135,6 +139,7 @@ static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_err
     vs_status status = vs_find(&INCLUDE_SHELF, name, where, path, err);
     if (status) return status;
   }
+  if (!strcmp(path, where.file)) return vs_fail_at(err, where, "%s includes itself", path);
   return read_file(deck, path, err);
 }
 
@@ -145,33 +150,38 @@ static vs_status read_line(vs_deck *deck, const char *line, vs_where where, vs_e
   char word[16];
   snprintf(word, sizeof word, "%.*s", (int)strcspn(text, " \t"), text);
   vs_lower(word);
-  if (!strcmp(word, ".include") || !strcmp(word, ".inc") || !strcmp(word, ".lib"))
-    return include(deck, text, where, err);
-  vs_status status =
-      *text == '.' ? check_statement(text, where, err) : check_element(text, where, err);
-  if (!status) status = find_eva(deck, text, where, err);
+  bool other_file = !strcmp(word, ".include") || !strcmp(word, ".inc") || !strcmp(word, ".lib");
+  vs_status status = other_file     ? include(deck, text, where, err)
+                     : *text == '.' ? check_statement(text, where, err)
+                                    : check_element(text, where, err);
+  if (status && (other_file || (*text != '.' && !isalpha((unsigned char)*text))))
+    deck->lost |= VS_LOST_ALL; /* it may have been anything */
+  else if (status && *text != '.')
+    deck->lost |= VS_LOST_ELEMENT;
+  if (status || other_file) return status;
+  status = find_eva(deck, text, where, err);
   if (!status) add_line(deck, text, where);
   return status;
 }
 
 static vs_status read_file(vs_deck *deck, const char *path, vs_error *err) {
+  const vs_where place = {.file = path};
   if (deck->n_files >= VS_DECK_FILES)
-    return vs_fail(err, VS_INPUT, "%s: more than %d files; does one include itself?", path,
-                   VS_DECK_FILES);
+    return vs_fail_at(err, place, "more than %d files; does one include itself?", VS_DECK_FILES);
   char *file = deck->files[deck->n_files++] = vs_copy(path), *line = NULL;
   FILE *f = fopen(path, "r");
   struct stat s;
-  if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
+  if (!f) return vs_fail_at(err, place, "cannot be opened: %s", strerror(errno));
   size_t size = 0;
   vs_status status = VS_OK;
   if (fstat(fileno(f), &s) || !S_ISREG(s.st_mode))
-    status = vs_fail(err, VS_INPUT, "%s: is no file of text", path);
+    status = vs_fail_at(err, place, "is no file of text");
   for (int number = 1; !status && getline(&line, &size, f) >= 0; number++) {
     line[strcspn(line, "\r\n")] = '\0';
-    status = read_line(deck, line, (vs_where){file, number, (int)strspn(line, " \t\v\f") + 1}, err);
+    vs_where where = {file, number, (int)strspn(line, " \t\v\f") + 1};
+    status = vs_carry_on(err, read_line(deck, line, where, err));
   }
-  if (!status && ferror(f))
-    status = vs_fail(err, VS_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+  if (!status && ferror(f)) status = vs_fail_at(err, place, "cannot be read: %s", strerror(errno));
   free(line);
   fclose(f);
   return status;
@@ -183,8 +193,9 @@ vs_status vs_deck_read(const char *path, vs_deck *deck, vs_error *err) {
       (vs_section){"circuit", vs_alloc(1 + VS_DECK_MOST + VS_DECK_PARTS, sizeof(vs_field)), 1};
   vs_deck_fields(deck)[0] = vs_deck_key;
   vs_status status = read_file(deck, path, err);
-  if (!status && !*deck->eva)
-    status = vs_fail(err, VS_INPUT, "%s: has no EVA; a deck has one line 'Xeva n m eva'", path);
+  if (!status && !*deck->eva && !(deck->lost & VS_LOST_ELEMENT))
+    status = vs_carry_on(err, vs_fail_at(err, (vs_where){.file = path},
+                                         "has no EVA; a deck has one line 'Xeva n m eva'"));
   return status;
 }
 
@@ -232,7 +243,7 @@ static vs_status take_part(vs_deck *deck, vs_part *part, const char *name, vs_wh
   if (!status && !there) status = read_file(deck, path, err);
   if (status) return status;
   subcircuit_of(path, part->subcircuit);
-  return defines(deck, part->subcircuit)
+  return defines(deck, part->subcircuit) || deck->lost & VS_LOST_ELEMENT
              ? VS_OK
              : vs_fail_at(err, where, "circuit.%s: %s defines no subcircuit '%s' (the file's name)",
                           part->name, path, part->subcircuit);
@@ -246,8 +257,8 @@ vs_status vs_deck_read_parts(vs_deck *deck, const vs_node *section, vs_error *er
     const vs_node *node = vs_node_child(section, field->key);
     bool given = node && node->kind == VS_NODE_TEXT;
     vs_where where = given ? node->where : (vs_where){deck->files[0], 0, 0};
-    status =
-        take_part(deck, &deck->parts[p++], given ? node->text : field->default_text, where, err);
+    status = vs_carry_on(err, take_part(deck, &deck->parts[p++],
+                                        given ? node->text : field->default_text, where, err));
   }
   return status ? status : match_sources(deck, err);
 }
@@ -256,9 +267,11 @@ vs_status vs_deck_read_parts(vs_deck *deck, const vs_node *section, vs_error *er
 
 vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,
                        const vs_deck_value *standard, size_t n_standard, vs_error *err) {
+  if (deck->lost & VS_LOST_PARAM) return VS_OK;
+  vs_status status = VS_OK;
   double of_name[VS_DECK_MOST];
   const char *known[2 * VS_DECK_MOST];
-  for (size_t n = 0; n < deck->n_names; n++) {
+  for (size_t n = 0; n < deck->n_names && !status; n++) {
     size_t count = 0;
     of_name[n] = NAN;
     for (size_t k = 1; k < deck->section.count; k++) {
@@ -274,15 +287,16 @@ vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,
     }
     if (!isnan(of_name[n])) continue;
     const char *nearest = vs_nearest(deck->names[n].name, known, count);
-    return vs_fail_at(err, deck->names[n].where, "no parameter '%s' is declared%s%s%s",
-                      deck->names[n].name, nearest ? "; did you mean '" : " by '*$ param'",
-                      nearest ? nearest : "", nearest ? "'?" : "");
+    status = vs_fail_at(err, deck->names[n].where, "no parameter '%s' is declared%s%s%s",
+                        deck->names[n].name, nearest ? "; did you mean '" : " by '*$ param'",
+                        nearest ? nearest : "", nearest ? "'?" : "");
+    status = vs_carry_on(err, status);
   }
   for (size_t k = 0; k < deck->losses.count; k++)
     vs_formula_bind(&deck->losses.item[k].formula, of_name);
   for (size_t k = 0; k < deck->stores.count; k++)
     vs_formula_bind(&deck->stores.item[k].formula, of_name);
-  return VS_OK;
+  return status;
 }
 
 static void free_accounts(vs_accounts *accounts) {

@@ -36,6 +36,16 @@ enum {
   VS_DECK_PARTS = 16
 };
 
+/* Kinds of lines of which one could not be read. A check carries on without it, and then says
+ * nothing of what may only seem to be missing. */
+enum {
+  VS_LOST_PARAM = 1,
+  VS_LOST_PORT = 2,
+  VS_LOST_PROBE = 4,
+  VS_LOST_ELEMENT = 8,
+  VS_LOST_ALL = 15
+};
+
 typedef struct vs_line {
   char *text;
   vs_where where;
@@ -101,6 +111,7 @@ extern const vs_field vs_deck_key; /* "deck"; the first field of every deck's se
 typedef struct vs_deck {
   char *files[VS_DECK_FILES]; /* the deck and what it includes, for messages */
   size_t n_files;
+  unsigned lost; /* VS_LOST_... */
   char title[VS_DECK_TEXT];
   char compat[8]; /* ngspice's name of a dialect; empty: its own */
   vs_line *lines; /* the files', comments and blank lines left out */

@@ -137,14 +137,15 @@ static bool word(reader *r) {
   r->at = begin + n;
   int index;
   if (next(r) != '(') {
-    index = r->scope->name(r->scope->ctx, text);
+    index = r->scope->name(r->scope->ctx, begin, text);
     return index < 0 ? fail(r, "too many names")
                      : emit(r, (vs_op){.kind = NAME, .index = index}, 0);
   }
   if (strcmp(text, "v") && strcmp(text, "i")) return call(r, text);
   if (!vs_term_read(&r->at, *text, first, second, sizeof first))
     return fail(r, "v(n), v(n,m) or i(Vx) is wanted");
-  index = r->scope->term(r->scope->ctx, *text, first, second);
+  const vs_formula_term term = {*text, first, second};
+  index = r->scope->term(r->scope->ctx, begin, &term);
   return index < 0 ? fail(r, "too many terms") : emit(r, (vs_op){.kind = TERM, .index = index}, 0);
 }
 

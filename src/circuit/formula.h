@@ -28,11 +28,18 @@ typedef struct vs_formula {
   size_t count;
 } vs_formula;
 
-/* Whoever reads a formula gives terms and parameters their numbers; -1: no room for more. */
+/* A term: its quantity is 'v' or 'i', its nodes are in lower case. */
+typedef struct vs_formula_term {
+  char quantity;
+  const char *first, *second;
+} vs_formula_term;
+
+/* Whoever reads a formula gives terms and parameters their numbers; -1: no room for more. at: where
+ * it stands in the text. */
 typedef struct vs_formula_scope {
   void *ctx;
-  int (*term)(void *ctx, char quantity, const char *first, const char *second); /* 'v' or 'i' */
-  int (*name)(void *ctx, const char *name);
+  int (*term)(void *ctx, const char *at, const vs_formula_term *term);
+  int (*name)(void *ctx, const char *at, const char *name);
 } vs_formula_scope;
 
 /* Reads up to the first thing that cannot belong to the formula, and says where that is. NULL: not

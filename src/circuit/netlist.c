@@ -100,39 +100,65 @@ static const char *find_word(const char *line, const char *from, const char *wor
   return NULL;
 }
 
-/* Where an undefined parameter stands: in an expression, so behind the first '{', quote or '='. */
-static const char *find_parameter(const char *line, const char *name, size_t n) {
-  const char *from = strpbrk(line, "{'=");
-  return from ? find_word(line, from, name, n) : NULL;
+static const char PARAMETER[] = "ndefined parameter ["; /* as ngspice says it */
+
+/* What a message puts between two signs; NULL: nothing. */
+static const char *find_quoted(const char *message, const char *open, char close, size_t *length) {
+  const char *begin = strstr(message, open), *end;
+  if (!begin) return NULL;
+  begin += strlen(open);
+  end = strchr(begin, close);
+  *length = end ? (size_t)(end - begin) : 0;
+  return end ? begin : NULL;
 }
 
-/* Where an element is named whose line the message repeats: "r1 a b {x}" in "...: r1 a b ...". */
-static const char *find_element(const char *line, const char *message) {
+/* Is the line of the element that the message speaks of: "...: r1 a b ...", "...: r1: ...",
+ * "... instance r1 ...", "... check node r1#branch"? */
+static bool is_element_of(const char *line, const char *message) {
+  static const char *const BEFORE[] = {": ", "instance ", "check node "};
   size_t n = strcspn(line, " \t");
-  if (n < 2 || *line == '.' || *line == '+') return NULL;
-  for (const char *s = strstr(message, ": "); s; s = strstr(s + 2, ": "))
-    if (!strncasecmp(s + 2, line, n) && s[2 + n] == ' ') return line;
-  return NULL;
+  if (n < 2 || *line == '.' || *line == '+') return false;
+  for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE; k++)
+    for (const char *s = message; (s = strstr(s, BEFORE[k]));) {
+      s += strlen(BEFORE[k]);
+      if (!strncasecmp(s, line, n) && strchr(" :#", s[n])) return true;
+    }
+  return false;
+}
+
+/* Where in the line stands what the message speaks of; NULL: not in this line. */
+static const char *find_subject(const char *line, const char *message) {
+  size_t n = 0;
+  const char *name = find_quoted(message, PARAMETER, ']', &n);
+  if (name) { /* a parameter: in an expression, so behind the first '{', quote or '=' */
+    const char *from = strpbrk(line, "{'=");
+    return from ? find_word(line, from, name, n) : NULL;
+  }
+  const char *expression = strstr(message, "xpression err: ");
+  if (expression) return strcasestr(line, expression + 15);
+  name = find_quoted(message, " '", '\'', &n);
+  const char *word = name ? find_word(line, line, name, n) : NULL;
+  if (is_element_of(line, message)) return word ? word : line;
+  return strstr(message, "circuit: no such function '") ? word : NULL;
 }
 
 void vs_deck_locate(const vs_deck *deck, vs_error *err) {
-  const char *open = strchr(err->text, '['), *close = open ? strchr(open, ']') : NULL;
+  const char *signal = strstr(err->text, "the circuit has no ");
   vs_where where = {0};
-  for (size_t k = 0; k < deck->n_terms; k++) {
-    const char *s = strstr(err->text, "the circuit has no ");
-    if (s && (!strcmp(s + 19, deck->terms[k].plus) || !strcmp(s + 19, deck->terms[k].minus)))
+  for (size_t k = 0; k < deck->n_terms && signal; k++)
+    if (!strcmp(signal + 19, deck->terms[k].plus) || !strcmp(signal + 19, deck->terms[k].minus))
       where = deck->terms[k].where;
-  }
   for (size_t k = 0; k < deck->n_lines && !where.file; k++) {
     const vs_line *line = &deck->lines[k];
-    const char *at = close ? find_parameter(line->text, open + 1, (size_t)(close - open - 1))
-                           : find_element(line->text, err->text);
+    const char *at = find_subject(line->text, err->text);
     if (!at) continue;
     where = line->where;
-    where.column += (int)(at - line->text);
+    where.column += vs_column(line->text, at) - 1;
   }
   if (!where.file) return;
   vs_error plain = *err;
   vs_fail_at(err, where, "%s%s", plain.text,
-             close ? "; '.param NAME=...' or '*$ param NAME = ...' defines one" : "");
+             strstr(plain.text, PARAMETER)
+                 ? "; '.param NAME=...' or '*$ param NAME = ...' defines one"
+                 : "");
 }

@@ -20,7 +20,7 @@
 #include "base/text.h"
 #include "circuit/circuit.h"
 
-enum { LOG_LINE = 256 };
+enum { LOG_LINE = 256, MOST_COMPLAINTS = 16 };
 
 /* libngspice is one global instance in a process; so is what its callbacks need. */
 static struct {
@@ -32,38 +32,107 @@ static struct {
   double reached_s, edge_s;
   vs_status status; /* other than VS_OK: the run is to end */
   vs_error *err;
-  char failure[LOG_LINE]; /* what the log says best of what went wrong */
-  int expected;           /* lines of it still to come */
+  char complaints[MOST_COMPLAINTS][LOG_LINE]; /* what the log says best of what went wrong */
+  size_t n_complaints;
+  int expected; /* lines of the last one still to come */
   bool initialised,
       ended; /* ended: ngspice asked to be unloaded; this process cannot use it again */
 } ng;
 
-/* Keeps what the log says went wrong: the line that gives up in the end, else the first complaint.
- * Of a netlist line that ngspice refuses it says "Error on line N or its substitute:" (N counts
- * lines it has made itself), then the line, then the reason; the last two are kept. */
+/* Signs of what went wrong in a line of the log. */
+static const struct sign {
+  const char *text;
+  int more;  /* lines that go on with it */
+  bool each; /* of these all are kept; else only the first complaint of any kind */
+} SIGNS[] = {
+    {"Timestep too small", 0, false},
+    {"or its substitute", 2, true}, /* "Error on line N ...": N counts lines ngspice has made */
+    {"ndefined parameter [", 0, true},
+    {"can't find model", 1, true},
+    {"unknown subckt", 0, true},
+    {"not enough parameters in line", 1, true},
+    {"singular matrix", 0, false},
+    {"xpression err", 0, false},
+    {"oo few parameters", 0, false},
+    {"rror", 0, false},
+    {"nknown", 0, false},
+    {"ndefined", 0, false},
+    {"not parsed", 0, false},
+    {"no such", 0, false},
+    {"aborted", 0, false},
+};
+enum { SIGN_STEP, SIGN_SUBSTITUTE };
+
+static bool complained(const char *text) {
+  for (size_t k = 0; k < ng.n_complaints; k++)
+    if (strstr(ng.complaints[k], text)) return true;
+  return false;
+}
+
+/* Does a complaint quote the netlist line of that element? */
+static bool complained_of(const char *line) {
+  char quoted[64];
+  snprintf(quoted, sizeof quoted, ": %.*s", (int)strcspn(line, " ") + 1, line);
+  return complained(quoted);
+}
+
+/* The next line of the last complaint. Of a netlist line that another complaint quotes nothing more
+ * need be said; why an expression cannot be read, ngspice says before it quotes the line. */
+static void complain_on(const char *text) {
+  char *last = ng.complaints[ng.n_complaints - 1], *first = ng.complaints[0];
+  size_t used = strlen(last);
+  ng.expected--;
+  if (!used && complained_of(text)) {
+    ng.expected = 0;
+    ng.n_complaints--;
+  } else
+    snprintf(last + used, LOG_LINE - used, "%s%s", used ? ": " : "", text);
+  if (ng.n_complaints == 2 && !strncmp(text, "parameter value out of range", 28) &&
+      (!strncmp(first, "no such function", 16) || !strncmp(first, "PTerror", 7))) {
+    snprintf(last + used, LOG_LINE - used, ": %s", first);
+    memcpy(first, last, LOG_LINE);
+    ng.n_complaints = 1;
+  }
+}
+
+static void complain(size_t sign, const char *text) {
+  static const char *const RANKS[] = {"Error: ", "Fatal error: ", "Warning: ", "warning, "};
+  for (size_t k = 0; k < sizeof RANKS / sizeof *RANKS; k++)
+    if (!strncmp(text, RANKS[k], strlen(RANKS[k]))) text += strlen(RANKS[k]);
+  if (sign == SIGN_STEP && ng.reached_s > 0)
+    ng.n_complaints = 0; /* it is what gives up in the end */
+  if (ng.n_complaints >= MOST_COMPLAINTS || (ng.n_complaints && !SIGNS[sign].each) ||
+      (!SIGNS[sign].more && complained(text)))
+    return;
+  snprintf(ng.complaints[ng.n_complaints++], LOG_LINE, "%s", sign == SIGN_SUBSTITUTE ? "" : text);
+  ng.expected = SIGNS[sign].more;
+}
+
 static int on_text(char *line, int id, void *user) {
   (void)id, (void)user;
-  static const char *const SIGNS[] = {
-      "Timestep too small", "singular matrix", "rror",    "nknown",
-      "ndefined",           "not parsed",      "no such", "aborted"};
   const char *stream = strchr(line, ' '); /* "stderr text" */
   const char *text = stream ? stream + 1 : line;
   text += strspn(text, " \t");
-  size_t used = strlen(ng.failure);
   if (ng.expected > 0 && *text) {
-    ng.expected--;
-    snprintf(ng.failure + used, sizeof ng.failure - used, "%s%s", used ? ": " : "", text);
+    complain_on(text);
     return 0;
   }
-  for (size_t k = 0; k < sizeof SIGNS / sizeof *SIGNS; k++) {
-    if (!strstr(text, SIGNS[k])) continue;
-    if (!used && strstr(text, "or its substitute"))
-      ng.expected = 2;
-    else if (!used || k == 0)
-      snprintf(ng.failure, sizeof ng.failure, "%s", text);
-    break;
-  }
+  size_t sign = 0;
+  while (sign < sizeof SIGNS / sizeof *SIGNS && !strstr(text, SIGNS[sign].text)) sign++;
+  if (sign < sizeof SIGNS / sizeof *SIGNS) complain(sign, text);
   return 0;
+}
+
+/* One error for each complaint; a run ends with the first. */
+static vs_status refuse(const vs_circuit_job *job, const char *what, vs_error *err) {
+  vs_status status = VS_OK;
+  if (!ng.n_complaints) complain(SIGN_STEP, "it gave no reason");
+  for (size_t k = 0; k < ng.n_complaints && !status; k++) {
+    status = vs_fail(err, VS_INPUT, "ngspice cannot %s the circuit: %s", what, ng.complaints[k]);
+    if (job->locate) job->locate(job->author, err);
+    if (k + 1 < ng.n_complaints) status = vs_carry_on(err, status);
+  }
+  return status;
 }
 
 static int on_status(char *text, int id, void *user) {
@@ -102,17 +171,24 @@ static void set_edge(double t_s) {
   ng.edge_s = edge;
 }
 
+static vs_status no_signal(const char *signal) {
+  vs_status status = vs_fail(ng.err, VS_INPUT, "the circuit has no %s", signal);
+  if (ng.job->locate) ng.job->locate(ng.job->author, ng.err);
+  return vs_carry_on(ng.err, status);
+}
+
 static int on_vectors(pvecinfoall all, int id, void *user) {
   (void)id, (void)user;
   if (!ng.job) return 0;
   ng.time_vector = -1;
+  ng.n_complaints = 0; /* of the load, which went well */
+  ng.expected = 0;
   for (int k = 0; k < all->veccount; k++)
     if (!strcmp(all->vecs[k]->vecname, "time")) ng.time_vector = k;
   for (size_t s = 0; s < ng.job->n_signals; s++) {
     const char *signal = ng.job->signals[s];
     ng.vector[s] = strcmp(signal, "v(0)") ? find_vector(all, signal) : -1;
-    if (ng.vector[s] < 0 && strcmp(signal, "v(0)"))
-      stop_with(vs_fail(ng.err, VS_INPUT, "the circuit has no %s", signal));
+    if (ng.vector[s] < 0 && strcmp(signal, "v(0)")) stop_with(no_signal(signal));
   }
   if (ng.time_vector >= 0) set_edge(0);
   return 0;
@@ -183,26 +259,26 @@ enum { LOAD_SECONDS = 20 }; /* a deck takes a millisecond */
 /* Loads the circuit in a child process first: an undefined parameter makes ngspice end the process
  * it is in, other nonsense crashes it or keeps it for ever. What the child says comes back by a
  * pipe. */
-static vs_status try_in_child(char **lines, vs_error *err) {
+static vs_status try_in_child(const vs_circuit_job *job, char **lines, vs_error *err) {
   int ends[2];
-  char reason[LOG_LINE] = "";
   if (pipe(ends)) return vs_fail(err, VS_RUN, "no pipe: %s", strerror(errno));
   fflush(NULL);
   pid_t child = fork();
   if (child == 0) {
     alarm(LOAD_SECONDS);
     ngSpice_Circ(lines);
-    ssize_t told = ng.ended ? write(ends[1], ng.failure, strlen(ng.failure)) : 0;
+    size_t size = ng.n_complaints * LOG_LINE; /* PIPE_BUF at most: it is written at once */
+    ssize_t told = ng.ended ? write(ends[1], ng.complaints, size) : 0;
     _exit(ng.ended || told < 0);
   }
   close(ends[1]);
-  ssize_t n = child > 0 ? read(ends[0], reason, sizeof reason - 1) : -1;
+  ssize_t n = child > 0 ? read(ends[0], ng.complaints, sizeof ng.complaints) : -1;
   close(ends[0]);
   if (child < 0) return vs_fail(err, VS_RUN, "no child process: %s", strerror(errno));
   int how = 0;
   while (waitpid(child, &how, 0) < 0 && errno == EINTR) {
   }
-  reason[n > 0 ? n : 0] = '\0';
+  ng.n_complaints = n > 0 ? (size_t)n / LOG_LINE : 0;
   if (WIFSIGNALED(how) && WTERMSIG(how) == SIGALRM)
     return vs_fail(err, VS_INPUT,
                    "ngspice cannot load the circuit: it did not come back from it in %d s",
@@ -210,10 +286,7 @@ static vs_status try_in_child(char **lines, vs_error *err) {
   if (WIFSIGNALED(how))
     return vs_fail(err, VS_INPUT, "ngspice cannot load the circuit: it died of it (signal %d)",
                    WTERMSIG(how));
-  if (how)
-    return vs_fail(err, VS_INPUT, "ngspice cannot load the circuit: %s",
-                   *reason ? reason : "it gave no reason");
-  return VS_OK;
+  return how ? refuse(job, "load", err) : VS_OK;
 }
 
 /* The dialect is a setting of ngspice's that lasts; it says what a netlist's words mean. */
@@ -239,11 +312,12 @@ static vs_status load(const vs_circuit_job *job, void **circuit, vs_error *err) 
   for (; n < job->lines; n++) lines[n] = job->netlist[n];
   char *rest = tail.text;
   for (char *line; (line = strsep(&rest, "\n"));) lines[n++] = line;
-  *ng.failure = '\0';
+  ng.n_complaints = 0;
   ng.expected = 0;
+  ng.reached_s = 0;
   ng.job = NULL; /* the load itself asks for nothing */
   set_dialect(job->dialect);
-  status = try_in_child(lines, err);
+  status = try_in_child(job, lines, err);
   if (!status) ngSpice_Circ(lines);
   free(lines);
   vs_text_free(&tail);
@@ -260,18 +334,15 @@ static vs_status run(void *circuit, const vs_circuit_host *host, vs_error *err) 
   ng.host = host;
   ng.err = err;
   ng.status = VS_OK;
-  ng.reached_s = 0;
   ng.edge_s = INFINITY;
   ng.time_vector = -1;
   char command[] = "run";
   ngSpice_Command(command);
   if (ng.status) return ng.status;
-  if (ng.time_vector < 0)
-    return vs_fail(err, VS_INPUT, "ngspice cannot run the circuit: %s",
-                   *ng.failure ? ng.failure : "it gave no reason");
+  if (ng.time_vector < 0 || ng.reached_s == 0) return refuse(ng.job, "run", err);
   if (ng.reached_s < ng.job->until_s * (1 - 1e-9))
     return vs_fail(err, VS_RUN, "t = %.9g s: ngspice gave up: %s", ng.reached_s,
-                   *ng.failure ? ng.failure : "it gave no reason");
+                   ng.n_complaints ? ng.complaints[0] : "it gave no reason");
   return VS_OK;
 }
 

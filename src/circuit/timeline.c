@@ -34,6 +34,7 @@ const vs_section vs_firing_section = {"firing", FIRING, sizeof FIRING / sizeof *
 
 vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_error *err) {
   *t = (vs_timeline){0};
+  size_t found = vs_found(err);
   const vs_node *firing = vs_node_child(scene, "firing");
   vs_status s =
       vs_section_read(&vs_supply_section, vs_node_child(scene, "supply"), &t->supply, err);
@@ -44,6 +45,7 @@ vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_error *err)
   t->period_s = 1 / t->supply.frequency_hz;
   double turns = -t->supply.phase_rad / (2 * M_PI);
   t->first_zero_s = (turns - floor(turns)) * t->period_s;
+  if (vs_found(err) > found) return VS_OK;
   if (t->firing.every && t->firing.pulse_width_s >= t->firing.every * t->period_s) {
     const vs_node *width = vs_node_child(firing, "pulse_width");
     return vs_fail_at(

@@ -161,13 +161,14 @@ static vs_status check_stiffness(const vs_model *model, vs_error *err) {
 
 vs_status vs_model_build(const vs_node *scene, vs_model *model, vs_error *err) {
   *model = (vs_model){0};
+  size_t found = vs_found(err);
   vs_status s =
       vs_section_read(&vs_machine_section, vs_node_child(scene, "machine"), &model->machine, err);
   if (!s)
     s = vs_section_read(&vs_actuator_section, vs_node_child(scene, "actuator"), &model->actuator,
                         err);
   if (!s) s = vs_section_read(&vs_load_section, vs_node_child(scene, "load"), &model->load, err);
-  if (s) return s;
+  if (s || vs_found(err) > found) return s;
   const vs_machine_values *v = &model->machine;
   const double b[3] = {v->spring_damping_ns_m, v->mount_damping_x_ns_m, v->mount_damping_y_ns_m};
   const double k[3] = {v->spring_stiffness_n_m, v->mount_stiffness_x_n_m, v->mount_stiffness_y_n_m};

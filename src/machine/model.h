@@ -50,7 +50,8 @@ typedef struct vs_model {
 } vs_model;
 
 /* Builds the model from the scene's sections machine, actuator and load (each may be missing).
- * Errors: what vs_section_read refuses; M not positive definite. */
+ * Errors: what vs_section_read refuses (the model is then not whole, even if the check carries on);
+ * M or K not positive definite. */
 vs_status vs_model_build(const vs_node *scene, vs_model *model, vs_error *err);
 
 #endif

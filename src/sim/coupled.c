@@ -323,6 +323,10 @@ static double current_scale(const vs_setup *s) {
          hypot(coil->resistance_ohm, s->timeline.omega_rad_s * coil->inductance_h);
 }
 
+static void locate(const void *deck, vs_error *err) {
+  vs_deck_locate(deck, err);
+}
+
 static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_error *err) {
   const vs_model *m = &setup->model;
   vs_deck_value standard[VS_STANDARD];
@@ -354,7 +358,9 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                         .dialect = setup->deck.compat,
                         .max_step_s = c.max_step_s,
                         .relative_tolerance = solver_tolerance(setup),
-                        .current_tolerance_a = solver_tolerance(setup) * current_scale(setup)};
+                        .current_tolerance_a = solver_tolerance(setup) * current_scale(setup),
+                        .locate = locate,
+                        .author = &setup->deck};
   char **netlist = NULL;
   void *circuit = NULL;
   vs_circuit_host host = {&c, source, edge, accept};
@@ -364,7 +370,6 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
   if (!s) s = vs_sim_check_steps(setup, fmin(c.max_step_s, c.substep_touching_s), err);
   if (!s) s = setup->solver->load(&job, &circuit, err);
   if (!s) s = setup->solver->run(circuit, &host, err);
-  if (s == VS_INPUT) vs_deck_locate(&setup->deck, err);
   setup->solver->free(circuit);
   vs_netlist_free(netlist, job.lines);
   gsl_odeiv2_step_free(c.step);

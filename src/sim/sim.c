@@ -64,7 +64,12 @@ static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *e
   if (!s)
     s = vs_find(&vs_deck_shelf, values->deck, named ? named->where : (vs_where){0}, path, err);
   if (!s) s = vs_deck_read(path, &setup->deck, err);
-  if (!s) s = vs_deck_read_parts(&setup->deck, map, err);
+  if (s) {
+    setup->deck.lost = VS_LOST_ALL;
+    return s;
+  }
+  s = vs_deck_read_parts(&setup->deck, map, err);
+  if (setup->deck.lost & VS_LOST_PARAM) map = NULL; /* a key may be that one's */
   if (!s) s = vs_section_read(&setup->deck.section, map, values, err);
   vs_deck_value standard[VS_STANDARD];
   vs_setup_standard(setup, standard);
@@ -86,7 +91,8 @@ static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err
   const vs_actuator_values *a = &setup->model.actuator;
   vs_status s = vs_section_read(&vs_start_section, map, &setup->start, err);
   double least = -(a->gap_m + (a->stop.present ? a->pole_cover_m : 0));
-  if (s || setup->start.x[P] > least) return s;
+  if (s || vs_found(err)) return s; /* of the gap, perhaps */
+  if (setup->start.x[P] > least) return s;
   return vs_fail_at(err, p ? p->where : (vs_where){0},
                     "start.p: %g mm is beyond the pole cover%s; allowed: more than %g mm",
                     1e3 * setup->start.x[P], a->stop.present ? " and the iron" : "", 1e3 * least);
@@ -94,11 +100,11 @@ static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err
 
 vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
   *setup = (vs_setup){.solver = &vs_ngspice};
-  vs_status s = vs_model_build(scene, &setup->model, err);
-  if (!s) s = vs_timeline_build(scene, &setup->timeline, err);
-  if (!s) s = read_circuit(scene, setup, err);
+  vs_status s = vs_carry_on(err, vs_model_build(scene, &setup->model, err));
+  if (!s) s = vs_carry_on(err, vs_timeline_build(scene, &setup->timeline, err));
+  if (!s) s = vs_carry_on(err, read_circuit(scene, setup, err));
   if (!s) s = vs_section_read(&vs_run_section, vs_node_child(scene, "run"), &setup->run, err);
-  if (!s) s = read_start(scene, setup, err);
+  if (!s) s = vs_carry_on(err, read_start(scene, setup, err));
   return s;
 }
 

@@ -111,7 +111,7 @@ static vs_status close_files(audience *a, vs_status ran, const char *json, vs_er
       return ran;
     }
     for (size_t k = 0; k < sizeof RESULT / sizeof *RESULT; k++) remove_stale(folder, RESULT[k]);
-    vs_error second;
+    vs_error second = {0};
     if (vs_file_commit_as(&a->csv, folder, "run.partial.csv", &second)) return ran;
     size_t n = strlen(err->text);
     snprintf(err->text + n, sizeof err->text - n, "; what was computed is in %s/run.partial.csv",

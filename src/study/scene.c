@@ -46,6 +46,13 @@ static const char *needs_circuit(const vs_scene *s, char *buffer, size_t size) {
   return buffer;
 }
 
+/* A check carries on from a run.tier that is none; what is meant is then not known. */
+static bool tier_is_known(const vs_scene *s) {
+  const vs_node *word = vs_node_child(vs_node_child(s->tree.root, "run"), "tier");
+  return !word || s->setup.run.tier > 0 ||
+         (word->kind == VS_NODE_TEXT && !strcmp(word->text, "auto"));
+}
+
 static vs_status choose_tier(vs_scene *s, const char *named, vs_error *err) {
   char what[128];
   int choice = s->setup.run.tier;
@@ -62,6 +69,8 @@ static vs_status choose_tier(vs_scene *s, const char *named, vs_error *err) {
   if (choice > 0) {
     s->tier = vs_tiers[choice - 1];
     snprintf(s->why, sizeof s->why, "asked for by run.tier");
+  } else if (!tier_is_known(s)) {
+    s->tier = &vs_tier_circuit; /* it has all probes */
   } else if (needs_circuit(s, what, sizeof what)) {
     s->tier = &vs_tier_circuit;
     snprintf(s->why, sizeof s->why, "auto: the scene names %s, which only this tier has", what);
@@ -77,6 +86,7 @@ static vs_status unknown_probe(const vs_scene *s, const vs_node *node, vs_error 
   const char *names[VS_CH_MOST];
   size_t n = 0;
   const char *name = node->kind == VS_NODE_TEXT ? node->text : "a list or map";
+  if (s->setup.deck.lost & VS_LOST_PROBE) return VS_OK; /* a check carries on: it may be that one */
   if (vs_channel_find(&full, name) >= 0)
     return vs_fail_at(err, node->where,
                       "record: probe %s exists only on tier circuit, and this is tier %s", name,
@@ -87,6 +97,16 @@ static vs_status unknown_probe(const vs_scene *s, const vs_node *node, vs_error 
   return vs_fail_at(err, node->where, "record: no probe '%s'%s%s%s", name,
                     nearest ? "; did you mean '" : "", nearest ? nearest : "",
                     nearest ? "'?" : "; see 'vibrospice list probes'");
+}
+
+static vs_status take_probe(vs_scene *s, const vs_node *node, vs_error *err) {
+  int channel = node->kind == VS_NODE_TEXT ? vs_channel_find(&s->frame, node->text) : -1;
+  if (channel < 0) return unknown_probe(s, node, err);
+  for (int k = 0; k < s->n_record; k++)
+    if (s->record[k] == channel)
+      return vs_fail_at(err, node->where, "record: probe %s stands here a second time", node->text);
+  s->record[s->n_record++] = channel;
+  return VS_OK;
 }
 
 /* record: all | [NAME, ...] */
@@ -100,17 +120,11 @@ static vs_status read_record(vs_scene *s, vs_error *err) {
   if (node->kind == VS_NODE_MAP || (node->kind == VS_NODE_LIST && !node->child))
     return vs_fail_at(err, node->where,
                       "record: 'all' or a list of probes is wanted: [p, i, v_ak]");
-  for (const vs_node *item = node->kind == VS_NODE_LIST ? node->child : node; item;
-       item = node->kind == VS_NODE_LIST ? item->next : NULL) {
-    int channel = item->kind == VS_NODE_TEXT ? vs_channel_find(&s->frame, item->text) : -1;
-    if (channel < 0) return unknown_probe(s, item, err);
-    for (int k = 0; k < s->n_record; k++)
-      if (s->record[k] == channel)
-        return vs_fail_at(err, item->where, "record: probe %s stands here a second time",
-                          item->text);
-    s->record[s->n_record++] = channel;
-  }
-  return VS_OK;
+  if (node->kind == VS_NODE_TEXT) return take_probe(s, node, err);
+  vs_status status = VS_OK;
+  for (const vs_node *item = node->child; item && !status; item = item->next)
+    status = vs_carry_on(err, take_probe(s, item, err));
+  return status;
 }
 
 /* measured: {NAME: VALUE UNIT, ...} */
@@ -129,15 +143,16 @@ static vs_status read_measured(vs_scene *s, vs_error *err) {
     s->measured[k].known = true;
     if (node->kind != VS_NODE_TEXT ||
         !vs_quantity(node->text, vs_measures_known[k].unit, &s->measured[k].value, why, sizeof why))
-      status = vs_fail_at(err, node->where, "measured.%s: %s", names[k],
-                          node->kind == VS_NODE_TEXT ? why : "one value is wanted");
+      status =
+          vs_carry_on(err, vs_fail_at(err, node->where, "measured.%s: %s", names[k],
+                                      node->kind == VS_NODE_TEXT ? why : "one value is wanted"));
   }
   return status;
 }
 
 static vs_status check_tolerance(const vs_scene *s, vs_error *err) {
   const vs_node *node = vs_node_child(vs_node_child(s->tree.root, "run"), "tolerance");
-  if (s->setup.run.tolerance >= s->tier->finest) return VS_OK;
+  if (s->setup.run.tolerance >= s->tier->finest || !tier_is_known(s)) return VS_OK;
   return vs_fail_at(err, node ? node->where : (vs_where){0},
                     "run.tolerance: %g is finer than tier %s can hold; allowed there: %g..0.1",
                     s->setup.run.tolerance, s->tier->name, s->tier->finest);
@@ -148,12 +163,14 @@ static void warn_below_theta(vs_scene *s) {
   const vs_setup *u = &s->setup;
   double theta = atan2(u->timeline.omega_rad_s * u->model.actuator.inductance_h,
                        u->model.actuator.resistance_ohm);
-  if (u->timeline.firing.angle_rad < theta)
-    snprintf(s->warning, sizeof s->warning,
-             "firing.angle = %.6g deg is below theta = %.6g deg, the lower end of the control "
-             "range (Eq. 92): "
-             "the thyristor conducts as Eq. 91 says, for more than 180 deg",
-             u->timeline.firing.angle_rad / vs_unit_factor("deg"), theta / vs_unit_factor("deg"));
+  const vs_node *angle = vs_node_child(vs_node_child(s->tree.root, "firing"), "angle");
+  if (u->timeline.firing.angle_rad >= theta) return;
+  if (angle) s->warned = angle->where;
+  snprintf(s->warning, sizeof s->warning,
+           "firing.angle = %.6g deg is below theta = %.6g deg, the lower end of the control "
+           "range (Eq. 92): "
+           "the thyristor conducts as Eq. 91 says, for more than 180 deg",
+           u->timeline.firing.angle_rad / vs_unit_factor("deg"), theta / vs_unit_factor("deg"));
 }
 
 vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, const char *tier,
@@ -163,14 +180,15 @@ vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, cons
   *s = (vs_scene){0};
   vs_status status = vs_find(&vs_scene_shelf, name, (vs_where){0}, s->path, err);
   if (!status) status = vs_tree_read(s->path, &s->tree, err);
-  for (size_t k = 0; k < n_sets && !status; k++) status = vs_tree_set(&s->tree, sets[k], err);
+  for (size_t k = 0; k < n_sets && !status; k++)
+    status = vs_carry_on(err, vs_tree_set(&s->tree, sets[k], err));
   if (!status) status = vs_known_keys(s->tree.root, "a scene", TOP, sizeof TOP / sizeof *TOP, err);
   if (!status) status = vs_setup_build(s->tree.root, &s->setup, err);
   if (!status) status = choose_tier(s, tier, err);
   if (status) return status;
   s->frame = s->tier->frame(&s->setup);
-  status = check_tolerance(s, err);
-  if (!status) status = read_record(s, err);
+  status = vs_carry_on(err, check_tolerance(s, err));
+  if (!status) status = vs_carry_on(err, read_record(s, err));
   if (!status) status = read_measured(s, err);
   warn_below_theta(s);
   return status;

@@ -19,11 +19,12 @@ typedef struct vs_scene {
   int record[VS_CH_MOST], n_record;
   vs_value measured[VS_MEASURES]; /* SI */
   char warning[512];              /* empty: none */
+  vs_where warned;                /* what it warns of; no file: nothing that was written */
 } vs_scene;
 
 /* name: a path, or the name of a scene that comes with the program. sets: the --set arguments.
- * tier: --tier's, NULL when not given. Errors: everything a scene can be wrong in. vs_scene_free
- * even then. */
+ * tier: --tier's, NULL when not given. Errors: everything a scene can be wrong in; a check carries
+ * on from most of them. vs_scene_free even then. */
 vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, const char *tier,
                         vs_scene *scene, vs_error *err);
 void vs_scene_free(vs_scene *scene);

@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "program.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+char *read_file(const char *path) {
+  vs_text all = {0};
+  FILE *f = fopen(path, "rb");
+  char part[4096];
+  vs_text_add(&all, "%s", "");
+  while (f && fgets(part, sizeof part, f)) vs_text_add(&all, "%s", part);
+  if (f) fclose(f);
+  return all.text;
+}
+
+int count_lines(const char *text) {
+  int lines = 0;
+  for (; *text; text++) lines += *text == '\n';
+  return lines;
+}
+
+enum { MOST_SECONDS = 120 };
+
+/* Standard output and error land beside the work folder, so that this holds what the program made.
+ */
+pid_t spawn(const char *const *argv) {
+  fflush(NULL);
+  pid_t child = fork();
+  if (child) return child;
+  int out = open("../stdout", O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  int err = open("../stderr", O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  if (dup2(out, STDOUT_FILENO) < 0 || dup2(err, STDERR_FILENO) < 0) _exit(126);
+  alarm(MOST_SECONDS); /* outlives exec: a program that hangs ends by SIGALRM */
+  execv(VS_PROGRAM, (char *const *)(size_t)argv);
+  _exit(127);
+}
+
+ran collect(pid_t child) {
+  int how = 0;
+  while (waitpid(child, &how, 0) < 0 && errno == EINTR) {
+  }
+  return (ran){WIFEXITED(how) ? WEXITSTATUS(how) : 1000 + WTERMSIG(how), read_file("../stdout"),
+               read_file("../stderr")};
+}
+
+/* The command line cut at its blanks, but for what stands 'in quotes'. */
+size_t split(char *words, const char **argv) {
+  size_t n = 0;
+  argv[n++] = "vibrospice";
+  for (char *s = words; *s && n < MOST_WORDS - 1;) {
+    bool quoted = *s == '\'';
+    argv[n++] = s += quoted;
+    s += strcspn(s, quoted ? "'" : " ");
+    if (*s) *s++ = '\0';
+    s += strspn(s, " ");
+  }
+  argv[n] = NULL;
+  return n;
+}
+
+ran run(const char *format, ...) {
+  char words[2048];
+  const char *argv[MOST_WORDS];
+  va_list args;
+  va_start(args, format);
+  vsnprintf(words, sizeof words, format, args);
+  va_end(args);
+  split(words, argv);
+  return collect(spawn(argv));
+}
+
+void free_ran(ran *r) {
+  free(r->out);
+  free(r->err);
+}
+
+int program_suite(const char *name, const vs_test *tests, size_t count) {
+  const char *temporary = getenv("TMPDIR");
+  char folder[VS_PATH_SIZE], work[VS_PATH_SIZE + 8];
+  snprintf(folder, sizeof folder, "%s/vibrospice.XXXXXX", temporary ? temporary : "/tmp");
+  if (!mkdtemp(folder)) return 1;
+  snprintf(work, sizeof work, "%s/work", folder);
+  const char *leaks = getenv("LSAN_OPTIONS");
+  if (leaks) { /* its list of what it suppressed would count as words of the program */
+    char more[VS_PATH_SIZE];
+    snprintf(more, sizeof more, "%s:print_suppressions=0", leaks);
+    setenv("LSAN_OPTIONS", more, 1);
+  }
+  unsetenv("VIBROSPICE_PATH"); /* its scenes would come before the shipped ones */
+  int failed = mkdir(work, 0777) || chdir(work) || vs_suite(name, tests, count);
+  if (chdir("/") == 0) remove_tree(folder);
+  return failed;
+}
