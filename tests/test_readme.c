@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The README's examples, taken from it and run. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "program.h"
+
+static char *readme;
+
+/* Copy of the first fenced block of that kind behind a heading. */
+static char *block(const char *heading, const char *kind) {
+  char fence[32];
+  snprintf(fence, sizeof fence, "\n```%s\n", kind);
+  const char *section = strstr(readme, heading), *begin = section ? strstr(section, fence) : NULL;
+  CU_ASSERT_PTR_NOT_NULL_FATAL(begin);
+  begin += strlen(fence);
+  const char *end = strstr(begin, "\n```");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(end);
+  char *text = vs_copy(begin);
+  text[end - begin + 1] = '\0';
+  return text;
+}
+
+static bool gnuplot_is_here(void) {
+  return system("command -v gnuplot >/dev/null 2>&1") == 0;
+}
+
+/* Runs the block's lines that call the program, up to a comment or a redirection; each must end
+ * well. */
+static void run_lines(char *lines) {
+  int count = 0;
+  for (char *line; (line = strsep(&lines, "\n"));) {
+    if (strncmp(line, "vibrospice ", 11)) continue;
+    line[strcspn(line, "#>")] = '\0';
+    count++;
+    if (strstr(line, " plot ") && !gnuplot_is_here()) continue;
+    ran r = run("%s", line + 11);
+    EXPECT(r.status == 0 && !*r.err, "%s: exit status %d: %s", line, r.status, r.err);
+    free_ran(&r);
+  }
+  CU_ASSERT(count >= 3);
+}
+
+static void write_a_scene(void) {
+  char *scene = block("## Write a scene", "yaml"), *lines = block("## Write a scene", "sh");
+  write_file("my.yaml", scene);
+  run_lines(lines);
+  free(scene);
+  free(lines);
+}
+
+static void bring_your_own_circuit(void) {
+  char *deck = block("## Bring your own circuit", "spice"),
+       *lines = block("## Bring your own circuit", "sh");
+  write_file("freewheel.cir", deck);
+  run_lines(lines);
+  char *json = read_file("freewheel/summary.json");
+  EXPECT(strstr(json, "\"audit\": \"the books close\"") && strstr(json, "\"diode\"") &&
+             strstr(json, "\"violated\": false"),
+         "summary.json: %s", json);
+  free(json);
+  free(deck);
+  free(lines);
+}
+
+static const vs_test TESTS[] = {
+    {"write a scene", write_a_scene},
+    {"bring your own circuit", bring_your_own_circuit},
+};
+
+int main(void) {
+  readme = read_file(VS_TEST_FOLDER "/../README.md");
+  int failed = program_suite("README", TESTS, COUNT(TESTS));
+  free(readme);
+  return failed;
+}
