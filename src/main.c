@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "circuit/circuit.h"
 #include "study/check.h"
+#include "study/export.h"
 #include "study/list.h"
 #include "study/modes.h"
 #include "study/plot.h"
@@ -58,6 +59,11 @@ static vs_status do_list(const arguments *a, vs_error *err) {
 }
 static vs_status do_modes(const arguments *a, vs_error *err) {
   return vs_modes_command(a->name, a->sets, a->n_sets, a->output, a->json, err);
+}
+static vs_status do_export(const arguments *a, vs_error *err) {
+  if (!a->output)
+    return vs_fail(err, VS_INPUT, "export: wants -o FILE; see vibrospice export --help");
+  return vs_export_command(a->name, a->sets, a->n_sets, a->output, err);
 }
 static vs_status do_plot(const arguments *a, vs_error *err) {
   return vs_plot_command(a->name, a->output, a->quiet, err);
@@ -107,6 +113,8 @@ static const struct argp_option MODES_OPTIONS[] = {
     OPT_JSON,
     OPT_HELP,
     {0}};
+static const struct argp_option EXPORT_OPTIONS[] = {
+    OPT_SET, {"output", 'o', "FILE", 0, "writes the netlist there", 0}, OPT_HELP, {0}};
 static const struct argp_option PLOT_OPTIONS[] = {
     {"output", 'o', "FILE", 0,
      "one sheet into FILE, which ends in .png or .svg, instead of the set in DIR", 0},
@@ -139,6 +147,11 @@ static const struct command {
     {"modes", "SCENE", "prints eigenfrequencies, damping and shapes; exports the state space",
      "  vibrospice modes paper\n  vibrospice modes paper --set machine.m14=derived -o modes\n",
      false, MODES_OPTIONS, do_modes},
+    {"export", "SCENE",
+     "writes one netlist for plain ngspice: the scene's circuit tier, with the machine in it",
+     "  vibrospice export paper -o paper.cir && ngspice -b paper.cir\n"
+     "  vibrospice export my.yaml --set run.until=0.1s -o my.cir\n",
+     false, EXPORT_OPTIONS, do_export},
     {"plot", "DIR",
      "draws a run: displacements, accelerations, force, current and voltage, as PNG and SVG",
      "  vibrospice plot out\n  vibrospice plot out -o sheet.svg\n", false, PLOT_OPTIONS, do_plot},
@@ -214,7 +227,7 @@ static void print_help(FILE *out) {
         "converter.\n\n",
         out);
   for (size_t k = 0; k < N_COMMANDS; k++)
-    fprintf(out, "  %-5s %-7s %s\n", COMMANDS[k].name, COMMANDS[k].argument, COMMANDS[k].text);
+    fprintf(out, "  %-6s %-7s %s\n", COMMANDS[k].name, COMMANDS[k].argument, COMMANDS[k].text);
   fputs("\nvibrospice COMMAND --help says more. Examples:\n", out);
   for (size_t k = 0; k < N_COMMANDS; k++) fputs(COMMANDS[k].examples, out);
   fputs("\nExit status:", out);

@@ -224,6 +224,14 @@ static void bad_commands_are_refused(void) {
       {"modes papr", {"'papr'", "'paper'"}},
       {"modes paper -o plain/out", {"plain/out", "Not a directory"}},
       {"modes paper --tier switched", {"--tier", NULL}},
+      {"export -o x.cir", {"SCENE", "--help"}},
+      {"export paper", {"-o FILE", "--help"}},
+      {"export papr -o x.cir", {"'papr'", "'paper'"}},
+      {"export paper -o folder", {"-o folder", "name of a file"}},
+      {"export paper -o folder/", {"-o folder/", "name of a file"}},
+      {"export paper -o ''", {"-o ", "name of a file"}},
+      {"export paper -o nowhere/x.cir", {"nowhere/x.cir", "No such file"}},
+      {"export paper -o x.cir --set firing.angle=181deg", {"firing.angle", "out of range"}},
       {"plot", {"DIR", "--help"}},
       {"plot folder", {"run.csv", "No such file"}},
       {"plot nowhere", {"nowhere/run.csv", "No such file"}},
@@ -840,6 +848,7 @@ static void what_the_program_says_about_itself(void) {
       {"check --help", {"FILE", "--set", "JSON array"}},
       {"list --help", {"--deck", "KIND", NULL}},
       {"modes --help", {"--output", "--set", NULL}},
+      {"export --help", {"--output", "ngspice -b", NULL}},
       {"plot --help", {"--output", "DIR", NULL}},
       {"--version", {"vibrospice " VS_VERSION, "ngspice ", "GSL "}},
       {"list", {"paper", "halfwave_snubbed", "machine.trough_mass"}},
@@ -869,18 +878,6 @@ static void check_picture(const char *path) {
   bool good = strstr(path, ".png") ? n > 8 && !memcmp(head, "\x89PNG\r\n\x1a\n", 8)
                                    : strstr(head, "<svg") != NULL;
   EXPECT(good, "%s is no picture", path);
-}
-
-static bool on_path(const char *program) {
-  const char *path = getenv("PATH");
-  char *folders = vs_copy(path ? path : ""), *rest = folders, file[VS_PATH_SIZE];
-  bool found = false;
-  for (char *folder; !found && (folder = strsep(&rest, ":"));) {
-    snprintf(file, sizeof file, "%s/%s", folder, program);
-    found = !access(file, X_OK);
-  }
-  free(folders);
-  return found;
 }
 
 static void plot_draws(void) {

@@ -1,0 +1,320 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The exported netlist: plain ngspice gives with it what the circuit tier gives. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "study/export.h"
+#include "suite.h"
+
+enum { MOST_ROWS = 2101 };
+
+/* The columns that are compared. */
+static const int CHANNELS[] = {VS_CH_P, VS_CH_U,      VS_CH_W, VS_CH_PHI,
+                               VS_CH_Z, VS_CH_LAMBDA, VS_CH_I, VS_CH_FORCE};
+static const char *const COLUMNS[] = {"p_m", "u_m",       "w_m", "phi_rad",
+                                      "z_m", "lambda_wb", "i_a", "force_n"};
+enum { N_COLUMNS = COUNT(COLUMNS) };
+
+/* ---- plain ngspice ---- */
+
+static size_t count_sets(const char *const *sets) {
+  size_t n = 0;
+  while (sets[n]) n++;
+  return n;
+}
+
+static vs_status export(const char *const *sets, vs_error *err) {
+  remove("x.cir");
+  remove("x.txt");
+  return vs_export_command("paper", (char *const *)(size_t)sets, count_sets(sets), "x.cir", err);
+}
+
+/* Exit status of `ngspice -b x.cir`, whose words go to x.log. */
+static int run_ngspice(void) {
+  int how = system("timeout 120 ngspice -b x.cir >x.log 2>&1");
+  return WIFEXITED(how) ? WEXITSTATUS(how) : 1000;
+}
+
+/* The table as rows of numbers; index[k]: where COLUMNS[k] stands, -1: nowhere. */
+typedef struct table {
+  double y[MOST_ROWS][32];
+  int rows, columns, index[N_COLUMNS];
+  char names[2048];
+} table;
+
+static int find_column(const char *names, const char *wanted) {
+  char copy[2048], *rest = copy;
+  snprintf(copy, sizeof copy, "%s", names);
+  int n = 0;
+  for (char *name; (name = strsep(&rest, " \t\n"));) {
+    if (!*name) continue;
+    if (!strcmp(name, wanted)) return n;
+    n++;
+  }
+  return -1;
+}
+
+static int count_words(const char *text) {
+  int n = 0;
+  for (text += strspn(text, " \n"); *text; n++) {
+    text += strcspn(text, " \n");
+    text += strspn(text, " \n");
+  }
+  return n;
+}
+
+static table *read_table(void) {
+  table *t = vs_alloc(1, sizeof *t);
+  FILE *f = fopen("x.txt", "r");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(f);
+  CU_ASSERT_PTR_NOT_NULL(fgets(t->names, sizeof t->names, f));
+  t->columns = count_words(t->names);
+  CU_ASSERT_FATAL(t->columns <= 32);
+  for (int k = 0; k < N_COLUMNS; k++) t->index[k] = find_column(t->names, COLUMNS[k]);
+  for (bool more = true; more && t->rows < MOST_ROWS; t->rows += more)
+    for (int k = 0; k < t->columns && more; k++) more = fscanf(f, "%lf", &t->y[t->rows][k]) == 1;
+  fclose(f);
+  return t;
+}
+
+/* "name = VALUE" in x.log; NaN: it is not there. */
+static double measured(const char *name) {
+  FILE *f = fopen("x.log", "r");
+  char line[512], word[64];
+  double value, found = NAN;
+  while (f && fgets(line, sizeof line, f))
+    if (sscanf(line, "%63s = %lf", word, &value) == 2 && !strcmp(word, name)) found = value;
+  if (f) fclose(f);
+  return found;
+}
+
+/* ---- the same instants of the circuit tier ---- */
+
+typedef struct samples {
+  double y[MOST_ROWS][N_COLUMNS];
+  int rows;
+} samples;
+
+static vs_status sample(void *ctx, const vs_step *step, vs_error *err) {
+  (void)err;
+  samples *s = ctx;
+  for (; s->rows < MOST_ROWS && s->rows * 1e-4 <= step->to->t_s; s->rows++)
+    for (int k = 0; k < N_COLUMNS; k++)
+      s->y[s->rows][k] = vs_step_channel(step, s->rows * 1e-4, CHANNELS[k]);
+  return VS_OK;
+}
+
+/* Exports, runs both, compares. The circuit tier runs at a tolerance of 1e-5, so that its own error
+ * (under continuous firing 9e-4 at the default) is small in the 1e-3 that are asked for. */
+static void agree(const char *const *sets, int line) {
+  const char *finer[16];
+  size_t n = count_sets(sets);
+  memcpy(finer, sets, n * sizeof *sets);
+  finer[n] = "run.tolerance=1e-5";
+  finer[n + 1] = NULL;
+  samples *s = vs_alloc(1, sizeof *s);
+  vs_observer observer = {s, sample};
+  vs_error err;
+  expect(export(sets, &err) == VS_OK, line, "export: %s", err.text);
+  expect(run_ngspice() == 0, line, "ngspice fails; see x.log");
+  table *t = read_table();
+  vs_trial *trial = vs_trial_run("paper", "circuit", finer, &observer);
+  expect(trial->status == VS_OK, line, "circuit tier: %s", trial->err.text);
+  expect(t->rows >= 600 && abs(t->rows - s->rows) <= 1, line, "%d rows of %d", t->rows, s->rows);
+  int rows = t->rows < s->rows ? t->rows : s->rows;
+  for (int k = 0; k < N_COLUMNS; k++) {
+    double error = 0, peak = 0;
+    for (int r = 1; r < rows; r++) { /* the row at 0 is ngspice's extrapolation */
+      error = fmax(error, fabs(t->y[r][t->index[k]] - s->y[r][k]));
+      peak = fmax(peak, fabs(s->y[r][k]));
+    }
+    printf(" %.1e", error / peak);
+    expect(error <= 1e-3 * peak, line, "%s: off by %.2e of its peak", COLUMNS[k], error / peak);
+  }
+  const vs_value *v = trial->values;
+  vs_close(measured("p_first_peak_m"), v[VS_M_P_FIRST].value, v[VS_M_P_FIRST].value, 1e-3,
+           "p_first_peak", line);
+  vs_close(measured("i_peak_a"), v[VS_M_I_PEAK].value, v[VS_M_I_PEAK].value, 1e-3, "i_peak", line);
+  vs_trial_free(trial);
+  free(t);
+  free(s);
+}
+#define AGREE(...) agree((const char *const[]){__VA_ARGS__, NULL}, __LINE__)
+
+/* ---- plain ngspice against the circuit tier ---- */
+
+static void single_shot(void) {
+  AGREE("run.until=0.1s");
+}
+
+static void continuous_firing(void) {
+  AGREE("run.until=0.2s", "firing.every=1", "firing.angle=100deg");
+}
+
+static void loaded_on_another_deck(void) {
+  AGREE("run.until=0.1s", "firing.every=2", "firing.angle=95deg", "circuit.deck=halfwave_bare",
+        "load={density: 1.6 g/cm3, fraction: 0.3}", "machine.m14=derived");
+}
+
+/* The mains begin within a cycle, and the thyristor fires from the second cycle on. */
+static void another_timeline(void) {
+  AGREE("run.until=0.1s", "supply.phase=30deg", "supply.frequency=60Hz", "firing.first_cycle=2",
+        "firing.every=2", "firing.pulse_width=2ms");
+}
+
+/* One strike at 51 ms. */
+static void with_a_stop(void) {
+  AGREE("run.until=0.07s", "firing.every=1", "firing.angle=80deg",
+        "actuator.stop={stiffness: 2e7 N/m, damping: 500 N.s/m}");
+}
+
+static void started_in_motion(void) {
+  AGREE("run.until=0.1s", "start={p: 1 mm, u: 0.1 mm, w: 0.5 mm, phi: 3e-3 rad, vp: 0.1 m/s, "
+                          "vu: 0.02 m/s, vw: 0.05 m/s, vphi: 0.1 rad/s}");
+}
+
+/* What the circuit tier refuses is no result here either: no table, exit status 1. */
+static void the_pole_is_met(void) {
+  vs_error err;
+  CU_ASSERT_EQUAL(
+      export((const char *const[]){"run.until=0.1s", "firing.every=1", "firing.angle=90deg", NULL},
+             &err),
+      VS_OK);
+  CU_ASSERT_EQUAL(run_ngspice(), 1);
+  CU_ASSERT_NOT_EQUAL(access("x.txt", F_OK), 0);
+}
+
+/* Two gates, the second half a cycle later, seen at every instant that is no edge; probes of every
+ * form, one node's name with an operator in it. */
+static void gates_follow_the_timeline(void) {
+  write_file("two.cir", "*$ port mains = Vmains\n*$ port gate = Vone\n*$ port gate+180deg = Vtwo\n"
+                        "*$ probe one = v(g+1) V\n*$ probe two = v(g2,0) V\n"
+                        "*$ probe minus = -v(g+1) V\n*$ probe between = v(g2,g+1) V\n"
+                        "Vmains a 0 external\nVone g+1 0 external\nVtwo g2 0 external\n"
+                        "R1 a b 1k\nR2 g+1 0 1k\nR3 g2 0 1k\nXeva b 0 eva\n");
+  const char *sets[] = {"circuit.deck=two.cir", "run.until=0.2s",     "supply.phase=-77deg",
+                        "firing.first_cycle=2", "firing.every=3",     "firing.pulse_width=7.77ms",
+                        "run.max_step=10us",    "firing.angle=33deg", NULL};
+  vs_error err;
+  CU_ASSERT_EQUAL_FATAL(export(sets, &err), VS_OK);
+  CU_ASSERT_EQUAL_FATAL(run_ngspice(), 0);
+  table *t = read_table();
+  vs_trial *trial = vs_trial_run("paper", "switched", sets, NULL);
+  const vs_timeline *line = &trial->scene.setup.timeline;
+  CU_ASSERT(t->rows >= 2000);
+  int on = 0;
+  for (int r = 1; r < t->rows; r++) {
+    const double *y = t->y[r] + t->columns - 4;
+    CU_ASSERT(y[2] == -y[0] && fabs(y[3] - (y[1] - y[0])) < 1e-9);
+    for (int gate = 0; gate < 2; gate++) {
+      double at = t->y[r][0], seen = y[gate];
+      bool wanted = vs_gate(line, gate * M_PI, at);
+      on += wanted;
+      /* between two of ngspice's points an edge is a straight line in the table */
+      bool near = wanted != vs_gate(line, gate * M_PI, at - 1e-5) ||
+                  wanted != vs_gate(line, gate * M_PI, at + 1e-5);
+      EXPECT(near || fabs(seen - wanted) < 1e-9, "t = %.4g: gate %d is at %g V", at, gate, seen);
+    }
+  }
+  CU_ASSERT(on > 400);
+  vs_trial_free(trial);
+  free(t);
+}
+
+/* ---- without ngspice ---- */
+
+static char *read_text(const char *path) {
+  vs_text all = {0};
+  FILE *f = fopen(path, "r");
+  char part[4096];
+  CU_ASSERT_PTR_NOT_NULL_FATAL(f);
+  while (fgets(part, sizeof part, f)) vs_text_add(&all, "%s", part);
+  fclose(f);
+  return all.text;
+}
+
+/* One file for any machine: no other file is named in it, no source waits for a program. */
+static void stands_alone(void) {
+  vs_error err;
+  CU_ASSERT_EQUAL_FATAL(export((const char *const[]){"run.max_step=7us", NULL}, &err), VS_OK);
+  char *text = read_text("x.cir");
+  CU_ASSERT_PTR_NULL(strstr(text, ".inc"));
+  CU_ASSERT_PTR_NULL(strstr(text, "external"));
+  CU_ASSERT_PTR_NULL(strstr(text, VS_TEST_FOLDER));
+  CU_ASSERT_PTR_NOT_NULL(strstr(text, "vibrospice " VS_VERSION));
+  CU_ASSERT_PTR_NOT_NULL(strstr(text, "ngspice -b x.cir"));
+  CU_ASSERT_PTR_NOT_NULL(strstr(text, ".param varistor_voltage=910\n"));
+  CU_ASSERT_PTR_NOT_NULL(strstr(text, ".param vs_until=2 ;"));
+  CU_ASSERT_PTR_NOT_NULL(strstr(text, ".param vs_step=6.9999999999999999e-06 ;"));
+  free(text);
+}
+
+/* A file's name is a word of the deck's text and of a command: it cannot say more. */
+static void names_of_files_are_tamed(void) {
+  vs_error err;
+  char name[] = "a b\n.control\nshell touch made.cir", *const none[] = {NULL};
+  CU_ASSERT_EQUAL_FATAL(vs_export_command("paper", none, 0, name, &err), VS_OK);
+  char *text = read_text(name);
+  CU_ASSERT_PTR_NOT_NULL(strstr(text, "wrdata a_b_.control_shell_touch_made.txt "));
+  CU_ASSERT_PTR_NULL(strstr(text, "shell touch"));
+  free(text);
+  remove(name);
+}
+
+static void names_of_our_own_are_refused(void) {
+  static const struct {
+    const char *line, *says[2];
+  } ROWS[] = {
+      {"R1 a vs_p 1k", {"d.cir:4:1: ", "vs_"}},
+      {"Rvs_x a 0 1k", {"d.cir:4:1: ", "vs_"}},
+      {".param VS_X=1", {"d.cir:4:1: ", "vs_"}},
+      {"*$ param vs_x = 1 ohm 0..2 \"x\"", {"d.cir", "vs_x"}},
+      {"*$ probe z = v(a) m", {"d.cir", "z_m"}},
+      {"*$ probe i_peak = v(a) A", {"d.cir", "i_peak_a"}},
+      {"*$ probe x = v(i_a) V\nR1 a i_a 1k", {"d.cir", "i_a"}},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text deck = {0};
+    vs_error err = {""};
+    vs_text_add(&deck, "*$ port mains = Vs_m\nVs_m a 0 external\nXeva a 0 eva\n%s\n", ROWS[k].line);
+    write_file("d.cir", deck.text);
+    vs_text_free(&deck);
+    vs_status status = export((const char *const[]){"circuit.deck=d.cir", NULL}, &err);
+    EXPECT(status == VS_INPUT, "'%s' is taken", ROWS[k].line);
+    for (int w = 0; w < 2; w++)
+      EXPECT(strstr(err.text, ROWS[k].says[w]), "'%s': %s", ROWS[k].line, err.text);
+    CU_ASSERT_NOT_EQUAL(access("x.cir", F_OK), 0);
+  }
+}
+
+static void a_source_may_be_called_vs(void) {
+  vs_error err;
+  write_file("d.cir", "*$ port mains = Vs_m\nVs_m a 0 external\nXeva a 0 eva\n");
+  CU_ASSERT_EQUAL(export((const char *const[]){"circuit.deck=d.cir", NULL}, &err), VS_OK);
+}
+
+static const vs_test TESTS[] = {
+    {"stands alone", stands_alone},
+    {"names of files", names_of_files_are_tamed},
+    {"names of our own", names_of_our_own_are_refused},
+    {"a source may be called Vs...", a_source_may_be_called_vs},
+    {"single shot", single_shot},
+    {"continuous firing", continuous_firing},
+    {"another deck, loaded", loaded_on_another_deck},
+    {"another timeline", another_timeline},
+    {"with a stop", with_a_stop},
+    {"started in motion", started_in_motion},
+    {"the pole is met", the_pole_is_met},
+    {"two gates", gates_follow_the_timeline},
+};
+enum { WITHOUT_NGSPICE = 4 };
+
+int main(void) {
+  bool there = on_path("ngspice");
+  if (!there) puts("ngspice is not on the PATH: what it gives is not compared");
+  return vs_suite("export", TESTS, there ? COUNT(TESTS) : WITHOUT_NGSPICE);
+}
