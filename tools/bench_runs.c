@@ -5,6 +5,7 @@
  *   bench_runs switched TOL REPEAT   best and median wall time of the paper's scene, switched tier
  *   bench_runs circuit ROUNDS        0.1 s on the circuit tier against its circuit alone, in turn
  *   bench_runs child PROGRAM ARG...  wall time and peak memory of a program
+ *   bench_runs seconds N PROGRAM ARG...  least wall time of N runs of a program, its output dropped
  *
  * Each prints CSV without a header; the columns are said at each function. */
 #include <gsl/gsl_errno.h>
@@ -279,19 +280,34 @@ static void time_circuit(int rounds) {
 
 /* ---- a child's peak memory ---- */
 
-/* seconds, MB; the memory is at least this program's own, which execv's child had before */
-static void time_child(char *const *arguments) {
+/* Runs the program to its end; gives its wall time, s. */
+static double run_child(char *const *arguments, bool quiet, struct rusage *usage) {
   double began = wall_clock();
   pid_t pid = fork();
   if (pid < 0) give_up("no process for the child");
   if (pid == 0) {
+    if (quiet && (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)))
+      _exit(127);
     execv(arguments[0], arguments);
     _exit(127);
   }
   int status;
+  if (wait4(pid, &status, 0, usage) != pid || status) give_up("the child failed");
+  return wall_clock() - began;
+}
+
+/* seconds, MB; the memory is at least this program's own, which execv's child had before */
+static void time_child(char *const *arguments) {
   struct rusage usage;
-  if (wait4(pid, &status, 0, &usage) != pid || status) give_up("the child failed");
-  printf("%.3f,%.1f\n", wall_clock() - began, (double)usage.ru_maxrss / 1024);
+  double spent = run_child(arguments, false, &usage);
+  printf("%.3f,%.1f\n", spent, (double)usage.ru_maxrss / 1024);
+}
+
+static void time_quiet(int times, char *const *arguments) {
+  struct rusage usage;
+  double best = INFINITY;
+  for (int k = 0; k < times; k++) best = fmin(best, run_child(arguments, true, &usage));
+  printf("%.9f\n", best);
 }
 
 int main(int argc, char **argv) {
@@ -304,9 +320,11 @@ int main(int argc, char **argv) {
     time_circuit(atoi(argv[2]));
   else if (argc > 2 && !strcmp(argv[1], "child"))
     time_child(argv + 2);
+  else if (argc > 3 && !strcmp(argv[1], "seconds") && atoi(argv[2]) > 0)
+    time_quiet(atoi(argv[2]), argv + 3);
   else {
     fputs("usage: bench_runs tolerance REF | switched TOL REPEAT | circuit ROUNDS | child PROGRAM "
-          "[ARG...]\n",
+          "[ARG...] | seconds N PROGRAM [ARG...]\n",
           stderr);
     return 2;
   }
