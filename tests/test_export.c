@@ -92,6 +92,16 @@ static double measured(const char *name) {
   return found;
 }
 
+static char *read_text(const char *path) {
+  vs_text all = {0};
+  FILE *f = fopen(path, "r");
+  char part[4096];
+  CU_ASSERT_PTR_NOT_NULL_FATAL(f);
+  while (fgets(part, sizeof part, f)) vs_text_add(&all, "%s", part);
+  fclose(f);
+  return all.text;
+}
+
 /* ---- the same instants of the circuit tier ---- */
 
 typedef struct samples {
@@ -158,6 +168,13 @@ static void continuous_firing(void) {
 static void loaded_on_another_deck(void) {
   AGREE("run.until=0.1s", "firing.every=2", "firing.angle=95deg", "circuit.deck=halfwave_bare",
         "load={density: 1.6 g/cm3, fraction: 0.3}", "machine.m14=derived");
+}
+
+static void by_gears_rule(void) {
+  AGREE("run.until=0.07s", "run.method=gear");
+  char *text = read_text("x.cir");
+  CU_ASSERT_PTR_NOT_NULL(strstr(text, ".options method=gear "));
+  free(text);
 }
 
 /* The mains begin within a cycle, and the thyristor fires from the second cycle on. */
@@ -227,16 +244,6 @@ static void gates_follow_the_timeline(void) {
 
 /* ---- without ngspice ---- */
 
-static char *read_text(const char *path) {
-  vs_text all = {0};
-  FILE *f = fopen(path, "r");
-  char part[4096];
-  CU_ASSERT_PTR_NOT_NULL_FATAL(f);
-  while (fgets(part, sizeof part, f)) vs_text_add(&all, "%s", part);
-  fclose(f);
-  return all.text;
-}
-
 /* One file for any machine: no other file is named in it, no source waits for a program. */
 static void stands_alone(void) {
   vs_error err;
@@ -249,6 +256,7 @@ static void stands_alone(void) {
   CU_ASSERT_PTR_NOT_NULL(strstr(text, "ngspice -b x.cir"));
   CU_ASSERT_PTR_NOT_NULL(strstr(text, ".param varistor_voltage=910\n"));
   CU_ASSERT_PTR_NOT_NULL(strstr(text, ".param vs_until=2 ;"));
+  CU_ASSERT_PTR_NOT_NULL(strstr(text, ".options method=trap "));
   CU_ASSERT_PTR_NOT_NULL(strstr(text, ".param vs_step=6.9999999999999999e-06 ;"));
   free(text);
 }
@@ -305,6 +313,7 @@ static const vs_test TESTS[] = {
     {"single shot", single_shot},
     {"continuous firing", continuous_firing},
     {"another deck, loaded", loaded_on_another_deck},
+    {"by Gear's rule", by_gears_rule},
     {"another timeline", another_timeline},
     {"with a stop", with_a_stop},
     {"started in motion", started_in_motion},
