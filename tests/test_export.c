@@ -128,7 +128,7 @@ static void agree(const char *const *sets, int line) {
   finer[n + 1] = NULL;
   samples *s = vs_alloc(1, sizeof *s);
   vs_observer observer = {s, sample};
-  vs_error err;
+  vs_error err = {0};
   expect(export(sets, &err) == VS_OK, line, "export: %s", err.text);
   expect(run_ngspice() == 0, line, "ngspice fails; see x.log");
   table *t = read_table();
@@ -196,7 +196,7 @@ static void started_in_motion(void) {
 
 /* What the circuit tier refuses is no result here either: no table, exit status 1. */
 static void the_pole_is_met(void) {
-  vs_error err;
+  vs_error err = {0};
   CU_ASSERT_EQUAL(
       export((const char *const[]){"run.until=0.1s", "firing.every=1", "firing.angle=90deg", NULL},
              &err),
@@ -216,7 +216,7 @@ static void gates_follow_the_timeline(void) {
   const char *sets[] = {"circuit.deck=two.cir", "run.until=0.2s",     "supply.phase=-77deg",
                         "firing.first_cycle=2", "firing.every=3",     "firing.pulse_width=7.77ms",
                         "run.max_step=10us",    "firing.angle=33deg", NULL};
-  vs_error err;
+  vs_error err = {0};
   CU_ASSERT_EQUAL_FATAL(export(sets, &err), VS_OK);
   CU_ASSERT_EQUAL_FATAL(run_ngspice(), 0);
   table *t = read_table();
@@ -246,7 +246,7 @@ static void gates_follow_the_timeline(void) {
 
 /* One file for any machine: no other file is named in it, no source waits for a program. */
 static void stands_alone(void) {
-  vs_error err;
+  vs_error err = {0};
   CU_ASSERT_EQUAL_FATAL(export((const char *const[]){"run.max_step=7us", NULL}, &err), VS_OK);
   char *text = read_text("x.cir");
   CU_ASSERT_PTR_NULL(strstr(text, ".inc"));
@@ -263,7 +263,7 @@ static void stands_alone(void) {
 
 /* A file's name is a word of the deck's text and of a command: it cannot say more. */
 static void names_of_files_are_tamed(void) {
-  vs_error err;
+  vs_error err = {0};
   char name[] = "a b\n.control\nshell touch made.cir", *const none[] = {NULL};
   CU_ASSERT_EQUAL_FATAL(vs_export_command("paper", none, 0, name, &err), VS_OK);
   char *text = read_text(name);
@@ -287,7 +287,7 @@ static void names_of_our_own_are_refused(void) {
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     vs_text deck = {0};
-    vs_error err = {""};
+    vs_error err = {0};
     vs_text_add(&deck, "*$ port mains = Vs_m\nVs_m a 0 external\nXeva a 0 eva\n%s\n", ROWS[k].line);
     write_file("d.cir", deck.text);
     vs_text_free(&deck);
@@ -300,7 +300,7 @@ static void names_of_our_own_are_refused(void) {
 }
 
 static void a_source_may_be_called_vs(void) {
-  vs_error err;
+  vs_error err = {0};
   write_file("d.cir", "*$ port mains = Vs_m\nVs_m a 0 external\nXeva a 0 eva\n");
   CU_ASSERT_EQUAL(export((const char *const[]){"circuit.deck=d.cir", NULL}, &err), VS_OK);
 }
