@@ -21,7 +21,7 @@ static const char *const STATES[VS_STATES] = {"p", "u", "w", "phi", "vp", "vu", 
  * two-thousandth of a period by the trapezoidal rule: p is off by 3e-5 of its peak after a single
  * shot and by 1.4e-4 after ten cycles of continuous firing, p, u, w, phi, i and force by up to 5e-4
  * where the thyristor fires late; with a stop, 67 steps in a radian of the contact keep them within
- * 3e-4. The error falls with the square of the step, and Gear's rule has four times as much. A
+ * 6e-4. The error falls with the square of the step, and Gear's rule has four times as much. A
  * reltol below 1e-3 only makes it slower; so do, by a twentieth, ngspice's own abstol and vntol. */
 static double largest_step(const vs_setup *s) {
   double period = s->timeline.period_s;
@@ -199,14 +199,16 @@ static void add_scene(vs_text *t, const vs_setup *s) {
   if (eva->stop.present) add_params(t, STOP, sizeof STOP / sizeof *STOP);
 }
 
-/* Instants of the gate pulses as circuit/timeline.c has them, from the parameters. */
+/* Instants of the gate pulses as circuit/timeline.c has them, from the parameters. Edges of 10 ns
+ * cost 1e-5 of the first peak; in shorter ones ngspice may fail to step (1 ns: one scene of fifty,
+ * with a diode in its deck; 0.1 ns and below: that one always). */
 static void add_timing(vs_text *t) {
   const double turn = 2 * M_PI;
   vs_text_add(t, "* first rising zero of the mains, first pulse, period and edges of the pulses\n");
   vs_text_add(t, ".param vs_zero={(-phase/%.17g-floor(-phase/%.17g))/f_mains}\n", turn, turn);
   vs_text_add(t, ".param vs_fire={vs_zero+(vs_first-1+vs_angle/%.17g)/f_mains}\n", turn);
   vs_text_add(t, ".param vs_period={vs_every>0 ? vs_every/f_mains : vs_until+vs_pulse+1}\n");
-  vs_text_add(t, ".param vs_edge={min(1e-9,vs_pulse/10)}\n");
+  vs_text_add(t, ".param vs_edge={min(1e-8,vs_pulse/10)}\n");
 }
 
 /* The source of a port, or the gap's (port: NULL), in the place of "NAME n m external". */
