@@ -228,6 +228,11 @@ static double counted_edge(void *ctx, double t_s) {
   return timed.host.edge(timed.host.ctx, t_s);
 }
 
+static double timed_longest(void *ctx, double t_s) {
+  (void)ctx;
+  return timed.host.longest(timed.host.ctx, t_s);
+}
+
 static vs_status counted_accept(void *ctx, double t_s, const double *signals, vs_error *err) {
   (void)ctx;
   timed.steps++;
@@ -241,8 +246,9 @@ static vs_status load(const vs_circuit_job *job, void **circuit, vs_error *err) 
 }
 
 static vs_status run(void *circuit, const vs_circuit_host *host, vs_error *err) {
-  const vs_circuit_host rest = {NULL, rest_source, rest_edge, rest_accept};
-  const vs_circuit_host counted = {NULL, counted_source, counted_edge, counted_accept};
+  const vs_circuit_host rest = {NULL, rest_source, rest_edge, timed_longest, rest_accept};
+  const vs_circuit_host counted = {NULL, counted_source, counted_edge, timed_longest,
+                                   counted_accept};
   timed.host = *host;
   double began = wall_clock();
   vs_status status = vs_ngspice.run(circuit, timed.circuit_alone ? &rest : &counted, err);

@@ -36,6 +36,8 @@ typedef struct vs_circuit_host {
   /* First instant after t_s that must be the end of a step; INFINITY: none. Asked after each
    * accepted step. */
   double (*edge)(void *ctx, double t_s);
+  /* Longest step wanted from t_s on; the job's max_step_s holds besides. */
+  double (*longest)(void *ctx, double t_s);
   /* A step was accepted. A status other than VS_OK ends the run, which then returns it. */
   vs_status (*accept)(void *ctx, double t_s, const double *signals, vs_error *err);
 } vs_circuit_host;

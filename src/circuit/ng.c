@@ -224,7 +224,8 @@ static int on_current(double *value, double t, char *name, int id, void *user) {
 /* A step length of zero is how a host makes ngspice end a run; it stays usable. */
 static int on_sync(double t, double *step, double old_step, int redo, int id, int place,
                    void *user) {
-  (void)t, (void)old_step, (void)redo, (void)id, (void)place, (void)user;
+  (void)old_step, (void)redo, (void)id, (void)user;
+  if (ng.job && place == 0 && !ng.status) *step = fmin(*step, ng.host->longest(ng.host->ctx, t));
   if (ng.status) *step = 0;
   return 0;
 }

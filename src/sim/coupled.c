@@ -171,6 +171,17 @@ static double edge(void *ctx, double t_s) {
   return next;
 }
 
+/* While the thyristor blocks, the coil rings with the snubbers, faster than the mains; what flux
+ * linkage the ring is at when the thyristor fires, the whole conduction then carries along. Steps
+ * are finer there, as long as a firing is to come. */
+static const double BLOCKED = 1.0 / 3;
+
+static double longest(void *ctx, double t_s) {
+  const coupling *c = ctx;
+  bool rings = !c->conducting && edge(ctx, t_s) < INFINITY;
+  return rings ? BLOCKED * c->max_step_s : c->max_step_s;
+}
+
 /* What the anode current did in the step just taken, and when. Firing is dated back along the line
  * through the last two currents, not before the last one that was hardly any. Extinction falls on
  * the zero of the line through the last two currents before it, which may lie just behind the step:
@@ -363,7 +374,7 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                         .author = &setup->deck};
   char **netlist = NULL;
   void *circuit = NULL;
-  vs_circuit_host host = {&c, source, edge, accept};
+  vs_circuit_host host = {&c, source, edge, longest, accept};
   vs_status s = vs_deck_netlist(&setup->deck, &setup->circuit_values, standard, VS_STANDARD,
                                 &netlist, &job.lines, err);
   job.netlist = netlist;
