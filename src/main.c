@@ -27,7 +27,7 @@ static void on_signal(int number) {
 typedef struct arguments {
   const struct command *command;
   const char *name; /* what stands behind the command: a scene, a kind, a folder */
-  const char *tier, *output, *deck;
+  const char *tier, *output, *deck, *overlay;
   char **sets;
   size_t n_sets;
   bool json, quiet, reproducible, help;
@@ -60,10 +60,20 @@ static vs_status do_modes(const arguments *a, vs_error *err) {
   return vs_modes_command(a->name, a->sets, a->n_sets, a->output, a->json, err);
 }
 static vs_status do_plot(const arguments *a, vs_error *err) {
-  return vs_plot_command(a->name, a->output, a->quiet, err);
+  const vs_plot_options o = {a->name, a->output, a->overlay, a->quiet};
+  return vs_plot_command(&o, err);
 }
 
-enum { KEY_JSON = 256, KEY_QUIET, KEY_REPRODUCIBLE, KEY_DIGITS, KEY_SET, KEY_TIER, KEY_DECK };
+enum {
+  KEY_JSON = 256,
+  KEY_QUIET,
+  KEY_REPRODUCIBLE,
+  KEY_DIGITS,
+  KEY_SET,
+  KEY_TIER,
+  KEY_DECK,
+  KEY_OVERLAY
+};
 #define OPT_HELP                                                                                   \
   { "help", 'h', NULL, 0, "prints this and ends", -1 }
 #define OPT_SET                                                                                    \
@@ -110,6 +120,10 @@ static const struct argp_option MODES_OPTIONS[] = {
 static const struct argp_option PLOT_OPTIONS[] = {
     {"output", 'o', "FILE", 0,
      "one sheet into FILE, which ends in .png or .svg, instead of the set in DIR", 0},
+    {"overlay", KEY_OVERLAY, "FILE", 0,
+     "draws measured curves over the computed ones: a CSV file, t_s or t_ms first, then columns "
+     "named as in run.csv, also in other units (p_mm, i_ma)",
+     0},
     OPT_QUIET,
     OPT_HELP,
     {0}};
@@ -141,7 +155,8 @@ static const struct command {
      false, MODES_OPTIONS, do_modes},
     {"plot", "DIR",
      "draws a run: displacements, accelerations, force, current and voltage, as PNG and SVG",
-     "  vibrospice plot out\n  vibrospice plot out -o sheet.svg\n", false, PLOT_OPTIONS, do_plot},
+     "  vibrospice plot out\n  vibrospice plot out -o sheet.svg --overlay measured.csv\n", false,
+     PLOT_OPTIONS, do_plot},
 };
 enum { N_COMMANDS = sizeof COMMANDS / sizeof *COMMANDS };
 
@@ -163,6 +178,9 @@ static error_t parse_option(int key, char *value, struct argp_state *state) {
     return 0;
   case KEY_DECK:
     a->deck = value;
+    return 0;
+  case KEY_OVERLAY:
+    a->overlay = value;
     return 0;
   case KEY_JSON:
     a->json = true;
