@@ -82,6 +82,42 @@ void free_ran(ran *r) {
   free(r->err);
 }
 
+void expect_good(const ran *r, const char *what, int line) {
+  expect(r->status == 0, line, "%s: exit status %d: %s", what, r->status, r->err);
+  expect(!*r->err, line, "%s: standard error: %s", what, r->err);
+}
+
+void run_good(const char *words, int line) {
+  ran r = run("%s", words);
+  expect_good(&r, words, line);
+  free_ran(&r);
+}
+
+static void expect_refused(const ran *r, const char *what, const char *at, const char *const *says,
+                           int line) {
+  char start[256];
+  snprintf(start, sizeof start, "vibrospice: %s", at);
+  expect(r->status == 2, line, "%s: exit status %d", what, r->status);
+  expect(!*r->out, line, "%s: standard output: %s", what, r->out);
+  expect(count_lines(r->err) == 1, line, "%s: not one line: %s", what, r->err);
+  expect(!strncmp(r->err, *at ? start : "vibrospice", strlen(*at ? start : "vibrospice")), line,
+         "%s: does not begin with '%s': %s", what, start, r->err);
+  for (int k = 0; k < 2 && says[k]; k++)
+    expect(strstr(r->err, says[k]) != NULL, line, "%s: does not say '%s': %s", what, says[k],
+           r->err);
+}
+
+void refuse(const char *words, const char *what, const char *at, const char *const *says,
+            int line) {
+  char *before = listing(".");
+  ran r = run("%s", words);
+  expect_refused(&r, what, at, says, line);
+  expect_files(".", before, line);
+  if (!strstr(before, "out ")) remove_tree("out"); /* one failure is enough */
+  free_ran(&r);
+  free(before);
+}
+
 int program_suite(const char *name, const vs_test *tests, size_t count) {
   const char *temporary = getenv("TMPDIR");
   char folder[VS_PATH_SIZE], work[VS_PATH_SIZE + 8];

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 int vs_suite(const char *name, const vs_test *tests, size_t count) {
   gsl_set_error_handler_off();
@@ -65,6 +66,18 @@ void expect_files(const char *folder, const char *names, int line) {
   char *seen = listing(folder);
   expect(!strcmp(seen, names), line, "%s holds: %sand should: %s", folder, seen, names);
   free(seen);
+}
+
+bool on_path(const char *program) {
+  const char *path = getenv("PATH");
+  char *folders = vs_copy(path ? path : ""), *rest = folders, file[VS_PATH_SIZE];
+  bool found = false;
+  for (char *folder; !found && (folder = strsep(&rest, ":"));) {
+    snprintf(file, sizeof file, "%s/%s", folder, program);
+    found = !access(file, X_OK);
+  }
+  free(folders);
+  return found;
 }
 
 static int remove_entry(const char *path, const struct stat *s, int kind, struct FTW *at) {

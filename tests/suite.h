@@ -43,6 +43,7 @@ char *listing(const char *folder);
 void expect_files(const char *folder, const char *names, int line);
 #define EXPECT_FILES(folder, names) expect_files(folder, names, __LINE__)
 void remove_tree(const char *path);
+bool on_path(const char *program); /* is it in a folder of $PATH? */
 
 /* One run of a shipped or given scene, all measures taken; sets: a NULL-ended list of KEY=VALUE.
  * also: shown every step as well (may be NULL). The scene is freed with vs_trial_free. */
