@@ -15,7 +15,7 @@
 #include "base/units.h"
 #include "sim/step.h"
 
-enum { MOST_COLUMNS = VS_CH_MOST + 1 };
+enum { MOST_COLUMNS = VS_CH_MOST + 1, LONGEST_UNIT = 8 };
 
 /* A column of run.csv: probe and unit as its name joins them. unit NULL: not known, and then the
  * name is only good as a whole. */
@@ -92,17 +92,29 @@ static char *next_cell(char **rest, const char *row, int *column) {
   return cell;
 }
 
-static vs_status unknown_column(const reader *r, const char *name, vs_error *err) {
-  const char *names[MOST_COLUMNS];
-  for (size_t k = 0; k < r->n_known; k++) names[k] = r->known[k].name;
-  const char *nearest = vs_nearest(name, names, r->n_known);
+/* The column of the probe that the name begins with, when at most a unit follows; NULL: none. */
+static const known *find_stem(const reader *r, const char *name) {
+  const known *longest = NULL;
   for (size_t k = 0; k < r->n_known; k++) {
     const known *c = &r->known[k];
     size_t n = strlen(c->probe);
-    if (names[k] == nearest && *c->unit && !strncmp(name, c->probe, n) && name[n] == '_')
-      return vs_fail_at(err, r->at, "column '%s': '%s' is no unit of %s; did you mean '%s'?", name,
-                        name + n + 1, c->probe, c->name);
+    if (c->has_unit && !strncmp(name, c->probe, n) && (!name[n] || name[n] == '_') &&
+        strlen(name + n) < LONGEST_UNIT && (!longest || n > strlen(longest->probe)))
+      longest = c;
   }
+  return longest;
+}
+
+static vs_status unknown_column(const reader *r, const char *name, vs_error *err) {
+  const known *stem = find_stem(r, name);
+  if (stem) {
+    const char *unit = name + strlen(stem->probe);
+    return vs_fail_at(err, r->at, "column '%s': '%s' is no unit of %s; did you mean '%s'?", name,
+                      unit + (*unit == '_'), stem->probe, stem->name);
+  }
+  const char *names[MOST_COLUMNS];
+  for (size_t k = 0; k < r->n_known; k++) names[k] = r->known[k].name;
+  const char *nearest = vs_nearest(name, names, r->n_known);
   return vs_fail_at(err, r->at, "%s has no column '%s'%s%s%s", r->run->path, name,
                     nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
 }
