@@ -30,7 +30,7 @@ typedef struct arguments {
   const char *tier, *output, *deck, *overlay;
   char **sets;
   size_t n_sets;
-  bool json, quiet, reproducible, help;
+  bool json, quiet, reproducible, raw, help;
   int digits;
   vs_error err; /* of the parser */
 } arguments;
@@ -44,6 +44,7 @@ static vs_status do_run(const arguments *a, vs_error *err) {
                             .json = a->json,
                             .quiet = a->quiet,
                             .reproducible = a->reproducible,
+                            .raw = a->raw,
                             .digits = a->digits,
                             .stop = &stop_requested};
   return vs_run_command(&o, err);
@@ -69,6 +70,7 @@ enum {
   KEY_QUIET,
   KEY_REPRODUCIBLE,
   KEY_DIGITS,
+  KEY_RAW,
   KEY_SET,
   KEY_TIER,
   KEY_DECK,
@@ -96,6 +98,10 @@ static const struct argp_option RUN_OPTIONS[] = {
     {"reproducible", KEY_REPRODUCIBLE, NULL, 0, "leaves the cost (wall time) out of summary.json",
      0},
     {"digits", KEY_DIGITS, "N", 0, "significant digits in CSV, 1 to 17 (default 9; 17 is exact)",
+     0},
+    {"raw", KEY_RAW, NULL, 0,
+     "tier circuit, with -o: writes run.raw too, every voltage and current of the circuit at every "
+     "step, for ngspice's 'load'; a run that fails leaves run.partial.raw",
      0},
     OPT_HELP,
     {0}};
@@ -190,6 +196,9 @@ static error_t parse_option(int key, char *value, struct argp_state *state) {
     return 0;
   case KEY_REPRODUCIBLE:
     a->reproducible = true;
+    return 0;
+  case KEY_RAW:
+    a->raw = true;
     return 0;
   case 'h':
     a->help = true;

@@ -357,6 +357,7 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                         .gear = setup->run.gear,
                         .dialect = setup->deck.compat,
                         .max_step_s = c.max_step_s,
+                        .raw = setup->raw,
                         .relative_tolerance = solver_tolerance(setup),
                         .current_tolerance_a = solver_tolerance(setup) * current_scale(setup),
                         .locate = locate,

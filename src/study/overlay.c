@@ -52,7 +52,7 @@ static void try_probe(known *k, const char *probe, const char *unit) {
 static void ask_summary(reader *r) {
   char path[VS_PATH_SIZE];
   vs_tree tree = {0};
-  vs_error unread = {""};
+  vs_error unread = {0};
   snprintf(path, sizeof path, "%s/summary.json", r->run->folder);
   vs_status status = vs_tree_read(path, &tree, &unread);
   const vs_node *measures = status ? NULL : vs_node_child(tree.root, "measures");
