@@ -31,7 +31,7 @@ enum { MOST_SECONDS = 120 };
 
 /* Standard output and error land beside the work folder, so that this holds what the program made.
  */
-pid_t spawn(const char *const *argv) {
+pid_t spawn_other(const char *program, const char *const *argv, char *const *environment) {
   fflush(NULL);
   pid_t child = fork();
   if (child) return child;
@@ -39,8 +39,12 @@ pid_t spawn(const char *const *argv) {
   int err = open("../stderr", O_WRONLY | O_CREAT | O_TRUNC, 0600);
   if (dup2(out, STDOUT_FILENO) < 0 || dup2(err, STDERR_FILENO) < 0) _exit(126);
   alarm(MOST_SECONDS); /* outlives exec: a program that hangs ends by SIGALRM */
-  execv(VS_PROGRAM, (char *const *)(size_t)argv);
+  execve(program, (char *const *)(size_t)argv, environment);
   _exit(127);
+}
+
+pid_t spawn(const char *const *argv) {
+  return spawn_other(VS_PROGRAM, argv, environ);
 }
 
 ran collect(pid_t child) {

@@ -34,6 +34,7 @@ void refuse(const char *words, const char *what, const char *at, const char *con
 enum { MOST_WORDS = 32 };
 size_t split(char *words, const char **argv);
 pid_t spawn(const char *const *argv);
+pid_t spawn_other(const char *program, const char *const *argv, char *const *environment);
 ran collect(pid_t child);
 
 /* Whole file, with a zero byte behind it; empty when it is not there. */
