@@ -28,10 +28,10 @@ static void on_signal(int number) {
 typedef struct arguments {
   const struct command *command;
   const char *name; /* what stands behind the command: a scene, a kind, a folder */
-  const char *tier, *output, *deck;
+  const char *tier, *output, *deck, *overlay;
   char **sets;
   size_t n_sets;
-  bool json, quiet, reproducible, help;
+  bool json, quiet, reproducible, raw, help;
   int digits;
   vs_error err; /* of the parser */
 } arguments;
@@ -45,6 +45,7 @@ static vs_status do_run(const arguments *a, vs_error *err) {
                             .json = a->json,
                             .quiet = a->quiet,
                             .reproducible = a->reproducible,
+                            .raw = a->raw,
                             .digits = a->digits,
                             .stop = &stop_requested};
   return vs_run_command(&o, err);
@@ -66,10 +67,21 @@ static vs_status do_export(const arguments *a, vs_error *err) {
   return vs_export_command(a->name, a->sets, a->n_sets, a->output, err);
 }
 static vs_status do_plot(const arguments *a, vs_error *err) {
-  return vs_plot_command(a->name, a->output, a->quiet, err);
+  const vs_plot_options o = {a->name, a->output, a->overlay, a->quiet};
+  return vs_plot_command(&o, err);
 }
 
-enum { KEY_JSON = 256, KEY_QUIET, KEY_REPRODUCIBLE, KEY_DIGITS, KEY_SET, KEY_TIER, KEY_DECK };
+enum {
+  KEY_JSON = 256,
+  KEY_QUIET,
+  KEY_REPRODUCIBLE,
+  KEY_DIGITS,
+  KEY_RAW,
+  KEY_SET,
+  KEY_TIER,
+  KEY_DECK,
+  KEY_OVERLAY
+};
 #define OPT_HELP                                                                                   \
   { "help", 'h', NULL, 0, "prints this and ends", -1 }
 #define OPT_SET                                                                                    \
@@ -92,6 +104,10 @@ static const struct argp_option RUN_OPTIONS[] = {
     {"reproducible", KEY_REPRODUCIBLE, NULL, 0, "leaves the cost (wall time) out of summary.json",
      0},
     {"digits", KEY_DIGITS, "N", 0, "significant digits in CSV, 1 to 17 (default 9; 17 is exact)",
+     0},
+    {"raw", KEY_RAW, NULL, 0,
+     "tier circuit, with -o: writes run.raw too, every voltage and current of the circuit at every "
+     "step, for ngspice's 'load'; a run that fails leaves run.partial.raw",
      0},
     OPT_HELP,
     {0}};
@@ -118,6 +134,10 @@ static const struct argp_option EXPORT_OPTIONS[] = {
 static const struct argp_option PLOT_OPTIONS[] = {
     {"output", 'o', "FILE", 0,
      "one sheet into FILE, which ends in .png or .svg, instead of the set in DIR", 0},
+    {"overlay", KEY_OVERLAY, "FILE", 0,
+     "draws measured curves over the computed ones: a CSV file, t_s or t_ms first, then columns "
+     "named as in run.csv, also in other units (p_mm, i_ma)",
+     0},
     OPT_QUIET,
     OPT_HELP,
     {0}};
@@ -154,7 +174,8 @@ static const struct command {
      false, EXPORT_OPTIONS, do_export},
     {"plot", "DIR",
      "draws a run: displacements, accelerations, force, current and voltage, as PNG and SVG",
-     "  vibrospice plot out\n  vibrospice plot out -o sheet.svg\n", false, PLOT_OPTIONS, do_plot},
+     "  vibrospice plot out\n  vibrospice plot out -o sheet.svg --overlay measured.csv\n", false,
+     PLOT_OPTIONS, do_plot},
 };
 enum { N_COMMANDS = sizeof COMMANDS / sizeof *COMMANDS };
 
@@ -177,6 +198,9 @@ static error_t parse_option(int key, char *value, struct argp_state *state) {
   case KEY_DECK:
     a->deck = value;
     return 0;
+  case KEY_OVERLAY:
+    a->overlay = value;
+    return 0;
   case KEY_JSON:
     a->json = true;
     return 0;
@@ -185,6 +209,9 @@ static error_t parse_option(int key, char *value, struct argp_state *state) {
     return 0;
   case KEY_REPRODUCIBLE:
     a->reproducible = true;
+    return 0;
+  case KEY_RAW:
+    a->raw = true;
     return 0;
   case 'h':
     a->help = true;

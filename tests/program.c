@@ -31,7 +31,7 @@ enum { MOST_SECONDS = 120 };
 
 /* Standard output and error land beside the work folder, so that this holds what the program made.
  */
-pid_t spawn(const char *const *argv) {
+pid_t spawn_other(const char *program, const char *const *argv, char *const *environment) {
   fflush(NULL);
   pid_t child = fork();
   if (child) return child;
@@ -39,8 +39,12 @@ pid_t spawn(const char *const *argv) {
   int err = open("../stderr", O_WRONLY | O_CREAT | O_TRUNC, 0600);
   if (dup2(out, STDOUT_FILENO) < 0 || dup2(err, STDERR_FILENO) < 0) _exit(126);
   alarm(MOST_SECONDS); /* outlives exec: a program that hangs ends by SIGALRM */
-  execv(VS_PROGRAM, (char *const *)(size_t)argv);
+  execve(program, (char *const *)(size_t)argv, environment);
   _exit(127);
+}
+
+pid_t spawn(const char *const *argv) {
+  return spawn_other(VS_PROGRAM, argv, environ);
 }
 
 ran collect(pid_t child) {
@@ -80,6 +84,42 @@ ran run(const char *format, ...) {
 void free_ran(ran *r) {
   free(r->out);
   free(r->err);
+}
+
+void expect_good(const ran *r, const char *what, int line) {
+  expect(r->status == 0, line, "%s: exit status %d: %s", what, r->status, r->err);
+  expect(!*r->err, line, "%s: standard error: %s", what, r->err);
+}
+
+void run_good(const char *words, int line) {
+  ran r = run("%s", words);
+  expect_good(&r, words, line);
+  free_ran(&r);
+}
+
+static void expect_refused(const ran *r, const char *what, const char *at, const char *const *says,
+                           int line) {
+  char start[256];
+  snprintf(start, sizeof start, "vibrospice: %s", at);
+  expect(r->status == 2, line, "%s: exit status %d", what, r->status);
+  expect(!*r->out, line, "%s: standard output: %s", what, r->out);
+  expect(count_lines(r->err) == 1, line, "%s: not one line: %s", what, r->err);
+  expect(!strncmp(r->err, *at ? start : "vibrospice", strlen(*at ? start : "vibrospice")), line,
+         "%s: does not begin with '%s': %s", what, start, r->err);
+  for (int k = 0; k < 2 && says[k]; k++)
+    expect(strstr(r->err, says[k]) != NULL, line, "%s: does not say '%s': %s", what, says[k],
+           r->err);
+}
+
+void refuse(const char *words, const char *what, const char *at, const char *const *says,
+            int line) {
+  char *before = listing(".");
+  ran r = run("%s", words);
+  expect_refused(&r, what, at, says, line);
+  expect_files(".", before, line);
+  if (!strstr(before, "out ")) remove_tree("out"); /* one failure is enough */
+  free_ran(&r);
+  free(before);
 }
 
 int program_suite(const char *name, const vs_test *tests, size_t count) {

@@ -20,10 +20,21 @@ void free_ran(ran *r);
  * quotes'. */
 ran run(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/* Exit status 0 and nothing on standard error; what: the run, for the message. */
+void expect_good(const ran *r, const char *what, int line);
+/* A run that must go well and of which only the files matter. */
+void run_good(const char *words, int line);
+#define RUN_GOOD(words) run_good(words, __LINE__)
+
+/* Runs what must be refused without a trace in the work folder: exit status 2 and one line that
+ * begins with at ("" for nowhere) and says both words, or those before a NULL. */
+void refuse(const char *words, const char *what, const char *at, const char *const *says, int line);
+
 /* The same in its parts. argv has room for MOST_WORDS; words is cut up. */
 enum { MOST_WORDS = 32 };
 size_t split(char *words, const char **argv);
 pid_t spawn(const char *const *argv);
+pid_t spawn_other(const char *program, const char *const *argv, char *const *environment);
 ran collect(pid_t child);
 
 /* Whole file, with a zero byte behind it; empty when it is not there. */

@@ -208,6 +208,51 @@ static void unit_suffixes(void) {
   CU_ASSERT_EQUAL(suffix[4], 'x');
 }
 
+/* What a column's name ends in, read back: with capitals lost or kept, and '.' and '/' told apart
+ * by the kind of unit that is wanted. */
+static void units_from_suffixes(void) {
+  static const struct {
+    const char *suffix, *unit;
+    double factor;
+  } ROWS[] = {{"m", "m", 1},
+              {"mm", "m", 1e-3},
+              {"um", "mm", 1e-6},
+              {"a", "A", 1},
+              {"ma", "A", 1e-3},
+              {"mA", "A", 1e-3},
+              {"MA", "A", 1e6},
+              {"kv", "V", 1e3},
+              {"wb", "Wb", 1},
+              {"mwb", "Wb", 1e-3},
+              {"v_s", "Wb", 1},
+              {"n", "N", 1},
+              {"kn", "N", 1e3},
+              {"mhz", "Hz", 1e-3},
+              {"ms", "s", 1e-3},
+              {"min", "s", 60},
+              {"mm_s2", "m/s2", 1e-3},
+              {"mm_ms2", "m/s2", 1e3},
+              {"deg_s", "rad/s", 3.14159265358979323846 / 180},
+              {"kn_ms_m", "N.s/m", 1},
+              {"n_mm", "N.m", 1e-3},
+              {"n_mm", "N/m", 1e3},
+              {"v_us", "V/s", 1e6},
+              {"m", "kg", NAN},
+              {"M", "m", NAN},
+              {"m_s", "m/s2", NAN},
+              {"m_s2_kg", "m/s2", NAN},
+              {"_m", "m", NAN},
+              {"m_", "m", NAN},
+              {"", "m", NAN},
+              {"x", "m", NAN}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    double factor = vs_unit_suffix_factor(ROWS[k].suffix, ROWS[k].unit);
+    EXPECT(isnan(ROWS[k].factor) ? isnan(factor)
+                                 : fabs(factor / ROWS[k].factor - 1) < 1e-15, /* rounding */
+           "'%s' as %s: %.17g", ROWS[k].suffix, ROWS[k].unit, factor);
+  }
+}
+
 static void growing_text(void) {
   vs_text t = {0};
   for (int k = 0; k < 1000; k++) vs_text_add(&t, "%03d,", k);
@@ -736,6 +781,7 @@ static const vs_test TESTS[] = {
     {"units known", units_known},
     {"nearest names", nearest_names},
     {"unit suffixes", unit_suffixes},
+    {"units from suffixes", units_from_suffixes},
     {"growing text", growing_text},
     {"errors are one line", errors_are_one_line},
     {"errors can be carried on from", errors_can_be_carried_on_from},

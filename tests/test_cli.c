@@ -30,46 +30,6 @@ static void write_bytes(const char *path, const char *bytes, size_t size) {
 static const char GOOD_RUN[] = "events.csv run.csv summary.json ",
                   BROKEN_RUN[] = "run.partial.csv ";
 
-static void expect_good(const ran *r, const char *what, int line) {
-  expect(r->status == 0, line, "%s: exit status %d: %s", what, r->status, r->err);
-  expect(!*r->err, line, "%s: standard error: %s", what, r->err);
-}
-
-/* A run that must go well and of which only the files matter. */
-static void run_good(const char *words, int line) {
-  ran r = run("%s", words);
-  expect_good(&r, words, line);
-  free_ran(&r);
-}
-#define RUN_GOOD(words) run_good(words, __LINE__)
-
-/* What every refusal has in common; then where it points ("" for nowhere) and what it says. */
-static void expect_refused(const ran *r, const char *what, const char *at, const char *const *says,
-                           int line) {
-  char start[256];
-  snprintf(start, sizeof start, "vibrospice: %s", at);
-  expect(r->status == 2, line, "%s: exit status %d", what, r->status);
-  expect(!*r->out, line, "%s: standard output: %s", what, r->out);
-  expect(count_lines(r->err) == 1, line, "%s: not one line: %s", what, r->err);
-  expect(!strncmp(r->err, *at ? start : "vibrospice", strlen(*at ? start : "vibrospice")), line,
-         "%s: does not begin with '%s': %s", what, start, r->err);
-  for (int k = 0; k < 2 && says[k]; k++)
-    expect(strstr(r->err, says[k]) != NULL, line, "%s: does not say '%s': %s", what, says[k],
-           r->err);
-}
-
-/* Runs what must be refused without a trace in the work folder. */
-static void refuse(const char *words, const char *what, const char *at, const char *const *says,
-                   int line) {
-  char *before = listing(".");
-  ran r = run("%s", words);
-  expect_refused(&r, what, at, says, line);
-  expect_files(".", before, line);
-  if (!strstr(before, "out ")) remove_tree("out"); /* one failure is enough */
-  free_ran(&r);
-  free(before);
-}
-
 /* ---- verdict and audit ---- */
 
 /* A violated rating: files, table and JSON as ever, status 3, one line that names it. An open book:

@@ -46,6 +46,7 @@ static void run_lines(char *lines) {
 static void write_a_scene(void) {
   char *scene = block("## Write a scene", "yaml"), *lines = block("## Write a scene", "sh");
   write_file("my.yaml", scene);
+  write_file("measured.csv", "t_ms,p_mm,i_ma\n0,0,0\n9.5,-0.4,950\n14,-1.5,0\n");
   run_lines(lines);
   free(scene);
   free(lines);

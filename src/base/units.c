@@ -50,12 +50,20 @@ static const struct {
 } PREFIXES[] = {{"", 0},   {"f", -15}, {"p", -12}, {"n", -9}, {"u", -6}, {"µ", -6},
                 {"m", -3}, {"c", -2},  {"k", 3},   {"M", 6},  {"G", 9}};
 
-static bool named_unit(const char *name, size_t length, unit *out) {
+/* lower: a capital of the name may be written small */
+static bool same_name(const char *text, const char *name, size_t length, bool lower) {
+  for (size_t k = 0; k < length; k++)
+    if (text[k] != name[k] && !(lower && text[k] == tolower((unsigned char)name[k]))) return false;
+  return true;
+}
+
+static bool named_unit(const char *name, size_t length, bool lower, unit *out) {
   for (size_t k = 0; k < sizeof UNITS / sizeof *UNITS; k++)
     for (size_t p = 0; p < sizeof PREFIXES / sizeof *PREFIXES; p++) {
       size_t np = strlen(PREFIXES[p].text), nu = strlen(UNITS[k].name);
       if ((np && !UNITS[k].prefixed) || np + nu != length) continue;
-      if (strncmp(name, PREFIXES[p].text, np) || strncmp(name + np, UNITS[k].name, nu)) continue;
+      if (strncmp(name, PREFIXES[p].text, np) || !same_name(name + np, UNITS[k].name, nu, lower))
+        continue;
       *out = UNITS[k].unit;
       out->tens += PREFIXES[p].tens;
       return true;
@@ -64,7 +72,7 @@ static bool named_unit(const char *name, size_t length, unit *out) {
 }
 
 /* product of NAME[^][-]POWER terms, '.' or '*' between, what follows a '/' counts inversely */
-static bool parse_unit(const char *text, unit *out) {
+static bool parse_any_unit(const char *text, bool lower, unit *out) {
   *out = (unit){.factor = 1};
   int sign = 1;
   const char *s = text;
@@ -75,7 +83,10 @@ static bool parse_unit(const char *text, unit *out) {
     if (*s == '1' && !isdigit((unsigned char)s[1])) s++; /* as in 1/s */
     while (*s && !strchr(".*/^ ", *s) && !isdigit((unsigned char)*s) && *s != '-') s++;
     unit u;
-    if (s == start || !named_unit(start, (size_t)(s - start), &u)) return false;
+    size_t length = (size_t)(s - start);
+    if (!length ||
+        (!named_unit(start, length, false, &u) && !(lower && named_unit(start, length, true, &u))))
+      return false;
     long power = 1;
     bool raised = *s == '^';
     s += raised;
@@ -98,6 +109,10 @@ static bool parse_unit(const char *text, unit *out) {
     s++;
     while (*s == ' ') s++;
   }
+}
+
+static bool parse_unit(const char *text, unit *out) {
+  return parse_any_unit(text, false, out);
 }
 
 /* Powers of ten up to 22 are exact doubles, so that value in `u` rounds once: "6 mm" is 0.006. */
@@ -149,4 +164,20 @@ bool vs_quantity(const char *text, const char *expected, double *si, char *why, 
   if (isfinite(*si)) return true;
   snprintf(why, size, "'%s' is not a finite number", text);
   return false;
+}
+
+double vs_unit_suffix_factor(const char *suffix, const char *expected) {
+  char text[64];
+  unit want, got;
+  size_t length = strlen(suffix);
+  if (!length || length >= sizeof text || !parse_unit(expected, &want)) return NAN;
+  /* any one of the signs that became '_' may have been the '/', the others were products */
+  for (size_t slash = 0; slash <= length; slash++) {
+    if (slash < length && suffix[slash] != '_') continue;
+    for (size_t k = 0; k <= length; k++)
+      text[k] = (char)(suffix[k] != '_' ? suffix[k] : k == slash ? '/' : '.');
+    if (parse_any_unit(text, true, &got) && !memcmp(want.power, got.power, sizeof want.power))
+      return to_si(1, &got);
+  }
+  return NAN;
 }

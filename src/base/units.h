@@ -18,4 +18,9 @@ bool vs_quantity(const char *text, const char *unit, double *si, char *why, size
 double vs_unit_factor(const char *unit);
 bool vs_unit_known(const char *unit);
 
+/* SI value of the unit of the same kind as `unit` that a CSV column's name ends in, written as
+ * vs_unit_suffix writes it or with its capitals: "mm_s2", "ma", "mA". NAN: it names no such unit.
+ */
+double vs_unit_suffix_factor(const char *suffix, const char *unit);
+
 #endif

@@ -6,6 +6,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 #include "base/error.h"
 
@@ -26,6 +27,8 @@ typedef struct vs_circuit_job {
   /* Gives an error that quotes the netlist the place where that stands; may be NULL. */
   void (*locate)(const void *author, vs_error *err);
   const void *author; /* of the netlist */
+  FILE *raw; /* gets all the circuit's vectors at every accepted step as a rawfile, its head filled
+                in also when the run fails (circuit/rawfile.h); NULL: none */
 } vs_circuit_job;
 
 typedef struct vs_circuit_host {

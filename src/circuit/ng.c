@@ -19,6 +19,7 @@
 
 #include "base/text.h"
 #include "circuit/circuit.h"
+#include "circuit/rawfile.h"
 
 enum { LOG_LINE = 256, MOST_COMPLAINTS = 16 };
 
@@ -29,6 +30,9 @@ static struct {
   int *vector; /* per signal: its index in SendData, -1 for ground */
   double *values;
   int time_vector;
+  vs_rawfile raw;  /* stream NULL: none */
+  int *raw_vector; /* per vector of the rawfile: its index in SendData */
+  double *raw_values;
   double reached_s, edge_s;
   vs_status status; /* other than VS_OK: the run is to end */
   vs_error *err;
@@ -177,6 +181,20 @@ static vs_status no_signal(const char *signal) {
   return vs_carry_on(ng.err, status);
 }
 
+/* The time first, then the others as ngspice's equations stand; it lists them backwards. */
+static void begin_raw(const vecinfoall *all) {
+  size_t n = (size_t)all->veccount, at = 0;
+  const char **names = vs_alloc(n, sizeof *names);
+  ng.raw_vector = vs_alloc(n, sizeof *ng.raw_vector);
+  ng.raw_values = vs_alloc(n, sizeof *ng.raw_values);
+  ng.raw_vector[at++] = ng.time_vector;
+  for (int k = all->veccount; k-- > 0;)
+    if (k != ng.time_vector) ng.raw_vector[at++] = k;
+  for (size_t k = 0; k < n; k++) names[k] = all->vecs[ng.raw_vector[k]]->vecname;
+  ng.raw = vs_rawfile_begin(ng.job->raw, all->title, names, n);
+  free(names);
+}
+
 static int on_vectors(pvecinfoall all, int id, void *user) {
   (void)id, (void)user;
   if (!ng.job) return 0;
@@ -191,6 +209,7 @@ static int on_vectors(pvecinfoall all, int id, void *user) {
     if (ng.vector[s] < 0 && strcmp(signal, "v(0)")) stop_with(no_signal(signal));
   }
   if (ng.time_vector >= 0) set_edge(0);
+  if (ng.time_vector >= 0 && ng.job->raw && !ng.raw.stream) begin_raw(all);
   return 0;
 }
 
@@ -203,6 +222,11 @@ static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
     ng.values[s] = ng.vector[s] < 0 ? 0 : all->vecsa[ng.vector[s]]->creal;
   ng.reached_s = t;
   stop_with(ng.host->accept(ng.host->ctx, t, ng.values, ng.err));
+  if (!ng.status && ng.raw.stream) {
+    for (size_t k = 0; k < ng.raw.vectors; k++)
+      ng.raw_values[k] = all->vecsa[ng.raw_vector[k]]->creal;
+    stop_with(vs_rawfile_point(&ng.raw, ng.raw_values, ng.err));
+  }
   if (!ng.status) set_edge(t);
   return 0;
 }
@@ -330,15 +354,8 @@ static vs_status load(const vs_circuit_job *job, void **circuit, vs_error *err) 
   return VS_OK;
 }
 
-static vs_status run(void *circuit, const vs_circuit_host *host, vs_error *err) {
-  (void)circuit;
-  ng.host = host;
-  ng.err = err;
-  ng.status = VS_OK;
-  ng.edge_s = INFINITY;
-  ng.time_vector = -1;
-  char command[] = "run";
-  ngSpice_Command(command);
+/* How the run went, once ngspice has come back from it. */
+static vs_status outcome(vs_error *err) {
   if (ng.status) return ng.status;
   if (ng.time_vector < 0 || ng.reached_s == 0) return refuse(ng.job, "run", err);
   if (ng.reached_s < ng.job->until_s * (1 - 1e-9))
@@ -347,12 +364,30 @@ static vs_status run(void *circuit, const vs_circuit_host *host, vs_error *err) 
   return VS_OK;
 }
 
+static vs_status run(void *circuit, const vs_circuit_host *host, vs_error *err) {
+  (void)circuit;
+  ng.host = host;
+  ng.err = err;
+  ng.status = VS_OK;
+  ng.edge_s = INFINITY;
+  ng.time_vector = -1;
+  ng.raw = (vs_rawfile){0};
+  char command[] = "run";
+  ngSpice_Command(command);
+  vs_status status = outcome(err);
+  vs_error second = {0};
+  if (ng.raw.stream && vs_rawfile_end(&ng.raw, status ? &second : err) && !status) return VS_RUN;
+  return status;
+}
+
 static void release(void *circuit) {
   if (!circuit) return;
   free(ng.vector);
   free(ng.values);
-  ng.vector = NULL;
-  ng.values = NULL;
+  free(ng.raw_vector);
+  free(ng.raw_values);
+  ng.vector = ng.raw_vector = NULL;
+  ng.values = ng.raw_values = NULL;
   ng.job = NULL;
   if (ng.ended) return;
   char destroy[] = "destroy all", remove[] = "remcirc";

@@ -173,13 +173,15 @@ static double edge(void *ctx, double t_s) {
 
 /* While the thyristor blocks, the coil rings with the snubbers, faster than the mains; what flux
  * linkage the ring is at when the thyristor fires, the whole conduction then carries along. Steps
- * are finer there, as long as a firing is to come. */
-static const double BLOCKED = 1.0 / 3;
+ * are finer there while there is such a voltage, as long as a firing is to come. */
+static const double RINGS = 0.01; /* of the mains' peak */
 
 static double longest(void *ctx, double t_s) {
   const coupling *c = ctx;
-  bool rings = !c->conducting && edge(ctx, t_s) < INFINITY;
-  return rings ? BLOCKED * c->max_step_s : c->max_step_s;
+  bool rings = !c->conducting &&
+               fabs(c->knots[c->now].flux_rate_v) > RINGS * c->setup->timeline.peak_v &&
+               edge(ctx, t_s) < INFINITY;
+  return rings ? c->max_step_s / 3 : c->max_step_s;
 }
 
 /* What the anode current did in the step just taken, and when. Firing is dated back along the line
@@ -368,6 +370,7 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                         .gear = setup->run.gear,
                         .dialect = setup->deck.compat,
                         .max_step_s = c.max_step_s,
+                        .raw = setup->raw,
                         .relative_tolerance = solver_tolerance(setup),
                         .current_tolerance_a = solver_tolerance(setup) * current_scale(setup),
                         .locate = locate,

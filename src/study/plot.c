@@ -11,18 +11,24 @@
 
 #include "base/path.h"
 #include "base/text.h"
+#include "study/overlay.h"
 
 typedef struct panel {
   const char *column, *label; /* of run.csv; what the axis says */
   double scale;               /* of the column on the way to the axis */
 } panel;
 
+enum {
+  MOST_PANELS = 96, /* at most 9 of the program's own, then those an overlay asks for */
+  MOST_POINTS = 100 /* measured ones that are marked each */
+};
+
 /* One picture: what one of the paper's figures shows. */
 typedef struct sheet {
   const char *name, *title;
   double until_s; /* 0: the whole run */
   int columns;
-  panel panels[9];
+  panel panels[MOST_PANELS + 1]; /* ends with an empty one */
 } sheet;
 
 #define MOTION_PANELS                                                                              \
@@ -48,7 +54,7 @@ static const sheet SHEETS[] = {
       {"i_a", "i / A", 1},
       {"v_eva_v", "EVA voltage / V", 1}}},
 };
-enum { N_SHEETS = sizeof SHEETS / sizeof *SHEETS, MOST_PANELS = 9 };
+enum { N_SHEETS = sizeof SHEETS / sizeof *SHEETS };
 /* what -o draws on its one sheet */
 static const sheet OVERVIEW = {"",
                                "Vibratory conveyor and its thyristor converter, first 50 ms",
@@ -65,6 +71,7 @@ typedef struct run_file {
   char path[VS_PATH_SIZE];
   char *header;   /* its first line */
   double until_s; /* of its last row */
+  vs_overlay overlay;
 } run_file;
 
 static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
@@ -110,33 +117,62 @@ static void add_quoted(vs_text *script, const char *text) {
   vs_text_add(script, "'");
 }
 
-/* The panels there are columns for; a run that recorded less is drawn with less. */
-static int add_sheet(vs_text *script, const run_file *run, const sheet *s, const char *output) {
+/* The same for a file, whose name would be a command if it began with '<' or '|'. */
+static void add_path(vs_text *script, const char *path) {
+  vs_text name = {0};
+  vs_text_add(&name, "%s%s", *path == '/' ? "" : "./", path);
+  add_quoted(script, name.text);
+  vs_text_free(&name);
+}
+
+static void add_terminal(vs_text *script, const sheet *s, int rows, const char *output) {
   bool svg = strlen(output) > 4 && !strcmp(output + strlen(output) - 4, ".svg");
-  int there = 0, columns[MOST_PANELS];
-  for (int k = 0; k < MOST_PANELS && s->panels[k].column; k++)
-    if ((columns[k] = find_column(run->header, s->panels[k].column))) there++;
-  if (!there) return 0;
-  double until = s->until_s > 0 ? fmin(s->until_s, run->until_s) : run->until_s;
-  bool ms = until <= 0.5;
-  int rows = (there + s->columns - 1) / s->columns;
   vs_text_add(script,
               "set terminal %s size %d,%d font 'sans,%d' background rgb 'white'\nset output ",
               svg ? "svg noenhanced dynamic" : "pngcairo noenhanced", 420 * s->columns,
               60 + 260 * rows, 11);
-  add_quoted(script, output);
+  add_path(script, output);
   vs_text_add(script, "\nset multiplot layout %d,%d title ", rows, s->columns);
   add_quoted(script, s->title);
-  vs_text_add(script, " font 'sans,13'\nset xrange [0:%.9g]\nset xlabel 't / %s'\n",
-              ms ? 1e3 * until : until, ms ? "ms" : "s");
-  for (int k = 0; k < MOST_PANELS && s->panels[k].column; k++) {
-    if (!columns[k]) continue;
-    vs_text_add(script, "set ylabel '%s'\nplot ", s->panels[k].label);
-    add_quoted(script, run->path);
-    vs_text_add(script,
-                " using ($1*%g):($%d*%g) skip 1 with lines lc rgb '#1f4e79' lw 1.2 notitle\n",
-                ms ? 1e3 : 1.0, columns[k], s->panels[k].scale);
+  vs_text_add(script, " font 'sans,13'\n");
+}
+
+/* The computed curve, and over it the measured one if there is one. */
+static void add_panel(vs_text *script, const run_file *run, const panel *p, double time_scale) {
+  static const char LEGEND[] = "tmargin right horizontal reverse Left samplen 2";
+  const vs_overlay *o = &run->overlay;
+  const vs_overlay_curve *measured = vs_overlay_find(o, p->column);
+  if (o->count) vs_text_add(script, "set key %s\n", measured ? LEGEND : "default");
+  vs_text_add(script, "set ylabel ");
+  add_quoted(script, p->label);
+  vs_text_add(script, "\nplot ");
+  add_path(script, run->path);
+  vs_text_add(script, " using ($1*%g):($%d*%g) skip 1 with lines lc rgb '#1f4e79' lw 1.2 %s",
+              time_scale, find_column(run->header, p->column), p->scale,
+              measured ? "title 'computed'" : "notitle");
+  if (measured) {
+    vs_text_add(script, ", ");
+    add_path(script, o->path);
+    vs_text_add(script, " using ($1*%.17g):($%d*%.17g) skip 1 with %s lc rgb '#d1495b' lw 1.2 ",
+                time_scale * o->time_s, measured->column, p->scale * measured->factor,
+                o->rows > MOST_POINTS ? "lines" : "linespoints pt 7 ps 0.4");
+    vs_text_add(script, "title 'measured'");
   }
+  vs_text_add(script, "\n");
+}
+
+/* The panels there are columns for; a run that recorded less is drawn with less. */
+static int add_sheet(vs_text *script, const run_file *run, const sheet *s, const char *output) {
+  int there = 0;
+  for (const panel *p = s->panels; p->column; p++) there += find_column(run->header, p->column) > 0;
+  if (!there) return 0;
+  double until = s->until_s > 0 ? fmin(s->until_s, run->until_s) : run->until_s;
+  bool ms = until <= 0.5;
+  add_terminal(script, s, (there + s->columns - 1) / s->columns, output);
+  vs_text_add(script, "set xrange [0:%.9g]\nset xlabel 't / %s'\n", ms ? 1e3 * until : until,
+              ms ? "ms" : "s");
+  for (const panel *p = s->panels; p->column; p++)
+    if (find_column(run->header, p->column)) add_panel(script, run, p, ms ? 1e3 : 1);
   vs_text_add(script, "unset multiplot\nunset output\n");
   return there;
 }
@@ -194,14 +230,37 @@ static vs_status draw(const run_file *run, const sheet *s, const char *output, b
   return status;
 }
 
+/* NULL: none of the sheets shows the column. */
+static const panel *find_panel(const sheet *sheets, size_t count, const char *column) {
+  for (size_t s = 0; s < count; s++)
+    for (const panel *p = sheets[s].panels; p->column; p++)
+      if (!strcmp(p->column, column)) return p;
+  return NULL;
+}
+
+/* The last of the sheets, with a panel more for each measured curve that none of them shows. */
+static sheet with_measured(const sheet *sheets, size_t count, const vs_overlay *overlay) {
+  sheet last = sheets[count - 1];
+  int n = 0;
+  while (last.panels[n].column) n++;
+  for (size_t c = 0; c < overlay->count && n < MOST_PANELS; c++) {
+    const vs_overlay_curve *curve = &overlay->curves[c];
+    if (find_panel(sheets, count, curve->name)) continue;
+    const panel *elsewhere = find_panel(SHEETS, N_SHEETS, curve->name);
+    last.panels[n++] = elsewhere ? *elsewhere : (panel){curve->name, curve->label, 1};
+  }
+  return last;
+}
+
 static vs_status draw_all(const char *folder, const run_file *run, bool quiet, vs_error *err) {
   static const char *const ENDINGS[] = {"png", "svg"};
+  const sheet last = with_measured(SHEETS, N_SHEETS, &run->overlay);
   vs_status status = VS_OK;
   for (size_t k = 0; k < N_SHEETS; k++)
     for (size_t e = 0; e < sizeof ENDINGS / sizeof *ENDINGS && !status; e++) {
       char output[VS_PATH_SIZE];
       snprintf(output, sizeof output, "%s/%s.%s", folder, SHEETS[k].name, ENDINGS[e]);
-      status = draw(run, &SHEETS[k], output, quiet, err);
+      status = draw(run, k + 1 < N_SHEETS ? &SHEETS[k] : &last, output, quiet, err);
     }
   return status;
 }
@@ -217,18 +276,28 @@ static vs_status check_writable(const char *output, vs_error *err) {
              : VS_OK;
 }
 
-vs_status vs_plot_command(const char *folder, const char *output, bool quiet, vs_error *err) {
+/* A line break would end a line of gnuplot's script. */
+static bool is_name(const char *name) {
+  return !name || (strlen(name) <= VS_PATH_SIZE / 2 && !strpbrk(name, "\r\n"));
+}
+
+vs_status vs_plot_command(const vs_plot_options *o, vs_error *err) {
   run_file run = {0};
-  const char *ending = output ? strrchr(output, '.') : NULL;
-  if (strlen(folder) > VS_PATH_SIZE / 2 || (output && strlen(output) > VS_PATH_SIZE / 2))
-    return vs_fail(err, VS_INPUT, "plot: too long a name");
-  if (output && (!ending || (strcmp(ending, ".png") && strcmp(ending, ".svg"))))
-    return vs_fail(err, VS_INPUT, "-o %s: the file's name must end in .png or .svg", output);
-  vs_status status = open_run(folder, &run, err);
-  if (!status && output) status = check_writable(output, err);
-  if (!status)
-    status =
-        output ? draw(&run, &OVERVIEW, output, quiet, err) : draw_all(folder, &run, quiet, err);
+  const char *ending = o->output ? strrchr(o->output, '.') : NULL;
+  if (!is_name(o->folder) || !is_name(o->output) || !is_name(o->overlay))
+    return vs_fail(err, VS_INPUT, "plot: too long a name, or a line break in it");
+  if (o->output && (!ending || (strcmp(ending, ".png") && strcmp(ending, ".svg"))))
+    return vs_fail(err, VS_INPUT, "-o %s: the file's name must end in .png or .svg", o->output);
+  vs_status status = open_run(o->folder, &run, err);
+  const vs_overlay_run against = {o->folder, run.path, run.header, run.until_s};
+  if (!status && o->overlay) status = vs_overlay_read(o->overlay, &against, &run.overlay, err);
+  if (!status && o->output) status = check_writable(o->output, err);
+  if (!status && o->output) {
+    const sheet one = with_measured(&OVERVIEW, 1, &run.overlay);
+    status = draw(&run, &one, o->output, o->quiet, err);
+  } else if (!status)
+    status = draw_all(o->folder, &run, o->quiet, err);
+  vs_overlay_free(&run.overlay);
   free(run.header);
   return status;
 }

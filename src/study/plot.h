@@ -7,9 +7,16 @@
 
 #include "base/error.h"
 
-/* folder: holds run.csv of a run that recorded what the pictures need. output: NULL for the set of
- * pictures in the folder, or one file ending in .png or .svg. Errors: no run.csv, only a partial
- * one, a column missing, gnuplot missing or failing. */
-vs_status vs_plot_command(const char *folder, const char *output, bool quiet, vs_error *err);
+typedef struct vs_plot_options {
+  const char *folder;  /* holds run.csv of a run that recorded what the pictures need */
+  const char *output;  /* NULL: the set of pictures in the folder; else one, in .png or .svg */
+  const char *overlay; /* a CSV file of measured curves (study/overlay.h); NULL: none */
+  bool quiet;
+} vs_plot_options;
+
+/* A measured curve that none of the pictures has a panel for gets one on the last. Errors: no
+ * run.csv, only a partial one, a column missing, an overlay that does not fit, gnuplot missing or
+ * failing. */
+vs_status vs_plot_command(const vs_plot_options *options, vs_error *err);
 
 #endif

@@ -28,8 +28,8 @@ static vs_status judge(const vs_result *r, vs_error *err) {
 typedef struct audience {
   const vs_run_options *options;
   const vs_scene *scene;
-  vs_file csv, events; /* closed when there is no folder */
-  int made;            /* folders, for the output */
+  vs_file csv, events, raw; /* closed when there is no folder; raw: when it is not asked for */
+  int made;                 /* folders, for the output */
   vs_table table;
   vs_measures *measures;
   vs_result result;
@@ -80,6 +80,7 @@ static vs_status open_files(audience *a, vs_error *err) {
   vs_status status = vs_folder_make(folder, &a->made, err);
   if (!status) status = vs_file_open(&a->csv, folder, "run.csv", err);
   if (!status) status = vs_file_open(&a->events, folder, "events.csv", err);
+  if (!status && a->options->raw) status = vs_file_open(&a->raw, folder, "run.raw", err);
   if (status) return status;
   a->table = (vs_table){.stream = a->csv.stream,
                         .frame = &s->frame,
@@ -100,35 +101,48 @@ static void remove_stale(const char *folder, const char *name) {
   unlink(path);
 }
 
-static vs_status close_files(audience *a, vs_status ran, const char *json, vs_error *err) {
-  static const char *const RESULT[] = {"run.csv", "events.csv", "summary.json"};
+/* Of a run that failed: what was computed, under a name that says so. */
+static void keep_partial(audience *a, vs_error *err) {
+  static const char *const STALE[] = {"run.csv", "events.csv", "summary.json", "run.raw",
+                                      "run.partial.raw"};
   const char *folder = a->options->folder;
-  if (ran) {
-    vs_file_discard(&a->events);
-    if (ran == VS_INPUT || !a->csv.stream) {
-      vs_file_discard(&a->csv);
-      vs_folder_unmake(folder, a->made);
-      return ran;
-    }
-    for (size_t k = 0; k < sizeof RESULT / sizeof *RESULT; k++) remove_stale(folder, RESULT[k]);
-    vs_error second = {0};
-    if (vs_file_commit_as(&a->csv, folder, "run.partial.csv", &second)) return ran;
-    size_t n = strlen(err->text);
-    snprintf(err->text + n, sizeof err->text - n, "; what was computed is in %s/run.partial.csv",
-             folder);
-    return ran;
-  }
-  vs_file summary;
+  vs_error second = {0};
+  for (size_t k = 0; k < sizeof STALE / sizeof *STALE; k++) remove_stale(folder, STALE[k]);
+  bool csv = !vs_file_commit_as(&a->csv, folder, "run.partial.csv", &second);
+  bool raw = a->raw.stream && !vs_file_commit_as(&a->raw, folder, "run.partial.raw", &second);
+  size_t n = strlen(err->text);
+  if (csv || raw)
+    snprintf(err->text + n, sizeof err->text - n, "; what was computed is in %s/%s%s", folder,
+             csv ? "run.partial.csv" : "run.partial.raw", csv && raw ? " and run.partial.raw" : "");
+}
+
+static void discard_files(audience *a) {
+  vs_file_discard(&a->raw);
+  vs_file_discard(&a->events);
+  vs_file_discard(&a->csv);
+}
+
+static vs_status close_files(audience *a, vs_status ran, const char *json, vs_error *err) {
+  const char *folder = a->options->folder;
+  vs_file summary = {0};
+  bool partial = ran && ran != VS_INPUT && a->csv.stream;
+  if (partial) keep_partial(a, err);
+  if (ran) discard_files(a);
+  if (ran && !partial) vs_folder_unmake(folder, a->made);
+  if (ran) return ran;
   vs_status status = vs_file_open(&summary, folder, "summary.json", err);
   if (!status) fputs(json, summary.stream);
+  if (!status && a->raw.stream) status = vs_file_commit(&a->raw, err);
   if (!status) status = vs_file_commit(&a->csv, err);
   if (!status) status = vs_file_commit(&a->events, err);
   if (!status) status = vs_file_commit(&summary, err);
   vs_file_discard(&summary);
-  vs_file_discard(&a->events);
-  vs_file_discard(&a->csv);
-  if (!status) remove_stale(folder, "run.partial.csv");
-  return status;
+  discard_files(a);
+  if (status) return status;
+  if (!a->options->raw) remove_stale(folder, "run.raw");
+  remove_stale(folder, "run.partial.csv");
+  remove_stale(folder, "run.partial.raw");
+  return VS_OK;
 }
 
 static void take_values(audience *a) {
@@ -145,7 +159,7 @@ static void take_values(audience *a) {
   r->values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, r->energy.worst, NAN};
 }
 
-static vs_status run_scene(const vs_run_options *o, const vs_scene *s, vs_error *err) {
+static vs_status run_scene(const vs_run_options *o, vs_scene *s, vs_error *err) {
   audience a = {.options = o,
                 .scene = s,
                 .measures = vs_measures_new(&s->frame),
@@ -155,6 +169,7 @@ static vs_status run_scene(const vs_run_options *o, const vs_scene *s, vs_error 
   vs_observer observer = {&a, accept};
   vs_text json = {0};
   vs_status status = o->folder ? open_files(&a, err) : VS_OK;
+  s->setup.raw = a.raw.stream;
   if (!status) {
     a.began_s = wall_clock();
     status = vs_sim_run(s->tier, &s->setup, &observer, err);
@@ -170,7 +185,9 @@ static vs_status run_scene(const vs_run_options *o, const vs_scene *s, vs_error 
     fputs(json.text, stdout);
   else if (!status && !o->quiet) {
     vs_summary_table(s, &a.result, stdout);
-    if (o->folder) printf("written: run.csv, events.csv, summary.json in %s\n", o->folder);
+    if (o->folder)
+      printf("written: run.csv, events.csv, summary.json%s in %s\n", o->raw ? ", run.raw" : "",
+             o->folder);
   }
   if (!status && a.result.open_books && !o->quiet)
     fprintf(stderr, "vibrospice: warning: %s\n", a.result.open_books);
@@ -181,8 +198,11 @@ static vs_status run_scene(const vs_run_options *o, const vs_scene *s, vs_error 
 }
 
 vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
+  if (o->raw && !o->folder)
+    return vs_fail(err, VS_INPUT, "--raw: run.raw goes into a folder; name one with -o DIR");
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
+  if (!status && o->raw) status = vs_scene_take_circuit(scene, o->tier, "--raw", err);
   if (!status && *scene->warning && !o->quiet)
     fprintf(stderr, "vibrospice: warning: %s\n", scene->warning);
   if (!status) status = run_scene(o, scene, err);

@@ -14,11 +14,13 @@ typedef struct vs_run_options {
   char *const *sets;
   size_t n_sets;
   bool json, quiet, reproducible;
+  bool raw;                          /* run.raw too; wants a folder and the circuit tier */
   int digits;                        /* of run.csv */
   const volatile sig_atomic_t *stop; /* set by a signal: end, keep what there is */
 } vs_run_options;
 
-/* VS_RUN and VS_SIGNAL keep run.partial.csv in the folder; VS_INPUT writes nothing. */
+/* VS_RUN and VS_SIGNAL keep run.partial.csv (and run.partial.raw) in the folder; VS_INPUT writes
+ * nothing. */
 vs_status vs_run_command(const vs_run_options *options, vs_error *err);
 
 #endif

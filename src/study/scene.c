@@ -194,6 +194,19 @@ vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, cons
   return status;
 }
 
+vs_status vs_scene_take_circuit(vs_scene *s, const char *tier, const char *asks, vs_error *err) {
+  if (s->tier == &vs_tier_circuit) return VS_OK;
+  if (tier ? strcmp(tier, "auto") != 0 : s->setup.run.tier > 0)
+    return vs_fail(err, VS_INPUT, "%s: only tier circuit can do that, and this is tier %s (%s)",
+                   asks, s->tier->name, s->why);
+  s->tier = &vs_tier_circuit;
+  snprintf(s->why, sizeof s->why, "auto: %s asks for it", asks);
+  s->frame = s->tier->frame(&s->setup);
+  s->n_record = 0;
+  vs_status status = check_tolerance(s, err);
+  return status ? status : read_record(s, err);
+}
+
 void vs_scene_free(vs_scene *s) {
   vs_setup_free(&s->setup);
   vs_tree_free(&s->tree);

@@ -29,6 +29,11 @@ vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, cons
                         vs_scene *scene, vs_error *err);
 void vs_scene_free(vs_scene *scene);
 
+/* For what only the circuit tier has, and the command line asks for: tier auto takes that tier.
+ * tier: as for vs_scene_read, which must have gone well. asks: "--raw". Error: another tier is
+ * named. */
+vs_status vs_scene_take_circuit(vs_scene *scene, const char *tier, const char *asks, vs_error *err);
+
 /* The sections of a scene and the values they filled, for print-outs; index from 0, false: no more.
  */
 typedef struct vs_scene_part {

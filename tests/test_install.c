@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The program as it is installed: run from another folder and in an empty environment, it lives on
+ * what was installed with it. The source tree, which it was built from and would find last, is told
+ * apart by altered copies: what they say must show. */
+#include <ftw.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "program.h"
+
+/* The installed program. Its environment holds what the sanitizers are told and nothing else. */
+static ran run_installed(const char *words) {
+  static const char *const KEPT[] = {"LSAN_OPTIONS", "ASAN_OPTIONS"};
+  char copy[512], options[COUNT(KEPT)][VS_PATH_SIZE], *environment[COUNT(KEPT) + 1] = {NULL};
+  const char *argv[MOST_WORDS];
+  size_t n = 0;
+  for (size_t k = 0; k < COUNT(KEPT); k++)
+    if (getenv(KEPT[k])) {
+      snprintf(options[n], sizeof options[n], "%s=%s", KEPT[k], getenv(KEPT[k]));
+      environment[n] = options[n];
+      n++;
+    }
+  snprintf(copy, sizeof copy, "%s", words);
+  split(copy, argv);
+  return collect(spawn_other("there/bin/vibrospice", argv, environment));
+}
+
+static void expect_says(const char *words, const char *says, int line) {
+  ran r = run_installed(words);
+  expect_good(&r, words, line);
+  expect(strstr(r.out, says) != NULL, line, "%s: does not say '%s': %s", words, says, r.out);
+  free_ran(&r);
+}
+#define EXPECT_SAYS(words, says) expect_says(words, says, __LINE__)
+
+static void alter(const char *path, const char *from, const char *to) {
+  char *text = read_file(path), *at = strstr(text, from);
+  vs_text altered = {0};
+  EXPECT(at, "%s: no '%s'", path, from);
+  if (at) {
+    vs_text_add(&altered, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
+    write_file(path, altered.text);
+  }
+  vs_text_free(&altered);
+  free(text);
+}
+
+/* ---- the tests, in this order ---- */
+
+static void installing(void) {
+  char command[3 * VS_PATH_SIZE];
+  unsetenv("DESTDIR");
+  snprintf(command, sizeof command,
+           "'%s' --install '%s' --prefix \"$PWD/there\" >../install_says 2>&1", VS_CMAKE,
+           VS_BUILD_TREE);
+  int failed = system(command);
+  char *says = read_file("../install_says");
+  EXPECT(!failed && !access("there/bin/vibrospice", X_OK), "%s: %s", command, says);
+  free(says);
+}
+
+static int compared;
+
+static int compare_file(const char *path, const struct stat *s, int kind, struct FTW *at) {
+  (void)s, (void)at;
+  char installed[2 * VS_PATH_SIZE];
+  if (kind != FTW_F) return 0;
+  snprintf(installed, sizeof installed, "there/share/vibrospice%s",
+           path + strlen(VS_TEST_FOLDER "/../spice"));
+  char *one = read_file(path), *other = read_file(installed);
+  EXPECT(*one && !strcmp(one, other), "%s is not installed as it is", path);
+  compared++;
+  free(one);
+  free(other);
+  return 0;
+}
+
+static void all_of_spice_is_there(void) {
+  CU_ASSERT_EQUAL(nftw(VS_TEST_FOLDER "/../spice", compare_file, 16, FTW_PHYS), 0);
+  CU_ASSERT(compared >= 5); /* decks, subcircuit, part, scene at least */
+}
+
+static void shipped_scenes_and_decks_run(void) {
+  EXPECT_SAYS("--version", "vibrospice " VS_VERSION);
+  EXPECT_SAYS("list scenes", "there/bin/../share/vibrospice/scenes/paper.yaml");
+  EXPECT_SAYS("list decks", "there/bin/../share/vibrospice/halfwave_snubbed.cir");
+  EXPECT_SAYS("list parts", "there/bin/../share/vibrospice/parts/latch.inc");
+  EXPECT_SAYS("run paper --tier circuit --set run.until=5ms",
+              "there/bin/../share/vibrospice/scenes/paper.yaml");
+  EXPECT_SAYS("run paper --set circuit.deck=halfwave_bare --set run.until=5ms", "circuit");
+}
+
+static void added_files_are_found(void) {
+  write_file("there/share/vibrospice/scenes/marker.yaml", "circuit: {deck: marked}\n"
+                                                          "run: {until: 2 ms}\n");
+  write_file("there/share/vibrospice/marked.cir", "*$ port mains = Vm\n*$ probe v_b = v(b) V\n"
+                                                  "Vm a 0 external\nR1 a b 100\nXeva b 0 eva\n");
+  EXPECT_SAYS("list scenes", "share/vibrospice/scenes/marker.yaml");
+  EXPECT_SAYS("list decks", "share/vibrospice/marked.cir");
+  EXPECT_SAYS("run marker", "\nv_b_max ");
+}
+
+static double current_peak(void) {
+  ran r = run_installed("run paper --tier circuit --set run.until=10ms --json");
+  const char *at = strstr(r.out, "\"i_peak\": {\"value\": ");
+  double value = at ? strtod(at + strlen("\"i_peak\": {\"value\": "), NULL) : 0;
+  free_ran(&r);
+  return value;
+}
+
+/* A deck's default, a part's default, the EVA's subcircuit: each alone shows. */
+static void the_installed_copies_are_used(void) {
+  alter("there/share/vibrospice/halfwave_snubbed.cir", "r1 = 100 ohm", "r1 = 123 ohm");
+  EXPECT_SAYS("run paper --tier circuit --set run.until=2ms --json",
+              "\"r1\": {\"value\": 123, \"unit\": \"ohm\"}");
+  alter("there/share/vibrospice/parts/latch.inc", "on_voltage = 1 V", "on_voltage = 1.5 V");
+  EXPECT_SAYS("run paper --tier circuit --set run.until=2ms --json",
+              "\"on_voltage\": {\"value\": 1.5, \"unit\": \"V\"}");
+  double before = current_peak();
+  alter("there/share/vibrospice/eva.inc", "I = v(x,neg)", "I = 2*v(x,neg)");
+  double after = current_peak(); /* as if of half the inductance */
+  EXPECT(after > 1.5 * before, "i_peak %g A, then %g A", before, after);
+}
+
+/* The files are looked up beside the program itself, not beside the name it is called by. */
+static void by_another_name(void) {
+  static const char *const ARGV[] = {"vs", "list", "scenes", NULL};
+  char *const environment[] = {NULL};
+  CU_ASSERT_EQUAL(symlink("there/bin/vibrospice", "vs"), 0);
+  ran r = collect(spawn_other("./vs", ARGV, environment));
+  EXPECT(r.status == 0 && strstr(r.out, "marker"), "status %d: %s%s", r.status, r.out, r.err);
+  free_ran(&r);
+}
+
+int main(void) {
+  static const vs_test TESTS[] = {
+      {"installing", installing},
+      {"all of spice/ is there", all_of_spice_is_there},
+      {"shipped scenes and decks run", shipped_scenes_and_decks_run},
+      {"added files are found", added_files_are_found},
+      {"by another name", by_another_name},
+      {"the installed copies are used", the_installed_copies_are_used},
+  };
+  return program_suite("install", TESTS, COUNT(TESTS));
+}
