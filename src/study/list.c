@@ -2,6 +2,7 @@
 #include "study/list.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "study/scene.h"
@@ -17,9 +18,19 @@ static void list_scenes(const vs_deck *deck) {
   vs_shelf_list(&vs_scene_shelf, print_file, (void *)(size_t)&vs_scene_shelf);
 }
 
+/* With its title; a deck that cannot be read is listed all the same. */
+static void print_deck(void *ctx, const char *path) {
+  vs_deck *deck = vs_alloc(1, sizeof *deck);
+  vs_error err = {0};
+  print_file(ctx, path);
+  if (!vs_deck_read(path, deck, &err)) printf("%-20s %s\n", "", deck->title);
+  vs_deck_free(deck);
+  free(deck);
+}
+
 static void list_decks(const vs_deck *deck) {
   (void)deck;
-  vs_shelf_list(&vs_deck_shelf, print_file, (void *)(size_t)&vs_deck_shelf);
+  vs_shelf_list(&vs_deck_shelf, print_deck, (void *)(size_t)&vs_deck_shelf);
 }
 
 static void list_parts(const vs_deck *deck) {
@@ -50,18 +61,22 @@ static void list_measures(const vs_deck *deck) {
            deck->probes[k].name, deck->probes[k].unit);
 }
 
+static void print_field(const char *section, const vs_field *f) {
+  char name[128], range[128];
+  snprintf(name, sizeof name, "%s.%s", section, f->key);
+  vs_field_range(f, range, sizeof range);
+  printf("%-28s %-18s %-26s %s\n", name, f->default_text,
+         f->kind == VS_NAME ? "a name or path" : range, f->text);
+  for (size_t k = 0; f->part && k < f->part->count; k++) print_field(name, &f->part->fields[k]);
+}
+
 static void list_parameters(const vs_deck *deck) {
   const vs_section *const sections[] = {&vs_machine_section, &vs_actuator_section, &vs_load_section,
                                         &vs_supply_section,  &vs_firing_section,   &deck->section,
                                         &vs_run_section,     &vs_start_section};
   for (size_t s = 0; s < sizeof sections / sizeof *sections; s++)
-    for (size_t k = 0; k < sections[s]->count; k++) {
-      const vs_field *f = &sections[s]->fields[k];
-      char name[128], range[128];
-      snprintf(name, sizeof name, "%s.%s", sections[s]->name, f->key);
-      vs_field_range(f, range, sizeof range);
-      printf("%-28s %-18s %-26s %s\n", name, f->default_text, range, f->text);
-    }
+    for (size_t k = 0; k < sections[s]->count; k++)
+      print_field(sections[s]->name, &sections[s]->fields[k]);
 }
 
 static const struct kind {
