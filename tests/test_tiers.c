@@ -229,6 +229,33 @@ static void periodic_orbits(void) {
   fclose(table);
 }
 
+/* Each channel alone, from the parts it says it needs and with nothing else there, is what it is
+ * among all. */
+static vs_status take_apart(void *ctx, const vs_step *step, vs_error *err) {
+  (void)err;
+  double all[VS_CH_MOST], one[VS_CH_MOST], t = (step->from->t_s + 2 * step->to->t_s) / 3;
+  long *different = ctx;
+  vs_step_at(step, t, all);
+  for (int c = 0; c < vs_channel_count(step->frame); c++) {
+    for (int k = 0; k < VS_CH_MOST; k++) one[k] = NAN;
+    vs_step_parts_at(step, t, vs_parts_of(&c, 1), one);
+    *different += !(one[c] == all[c]) || !(vs_step_channel(step, t, c) == all[c]);
+  }
+  return VS_OK;
+}
+static void parts_make_the_whole(void) {
+  for (int k = 0; k < VS_TIERS; k++) {
+    long different = 0;
+    vs_observer observer = {&different, take_apart};
+    const char *sets[] = {"run.until=0.03s", "actuator.stop.stiffness=2e7 N/m",
+                          "firing.angle=80deg", NULL};
+    vs_trial *t = vs_trial_run("paper", vs_tiers[k]->name, sets, &observer);
+    EXPECT(t->status == VS_OK, "%s: %s", vs_tiers[k]->name, t->err.text);
+    EXPECT(different == 0, "%s: %ld values differ", vs_tiers[k]->name, different);
+    vs_trial_free(t);
+  }
+}
+
 static const vs_test TESTS[] = {
     {"T0 at 1e-10", analytic_exactly},
     {"T0 at 1e-4", analytic_by_default},
@@ -241,5 +268,6 @@ static const vs_test TESTS[] = {
     {"periodic orbits (long)", periodic_orbits},
     {"sharp angles", sharp_firing_angles_run},
     {"long gate pulse", long_pulse_fires_again},
+    {"parts of a step", parts_make_the_whole},
 };
 VS_SUITE_MAIN("tiers analytic and switched", TESTS)

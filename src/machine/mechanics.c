@@ -11,12 +11,13 @@
 void vs_accelerations(const vs_model *model, const double x[VS_STATES], double force_n,
                       double acceleration[VS_DOF]) {
   /* q" = M^-1 (-F,0,0,0) - M^-1 K q - M^-1 B q' */
-  for (int i = 0; i < VS_DOF; i++) {
-    double sum = model->mf[i] * force_n;
-    for (int j = 0; j < VS_DOF; j++)
-      sum -= model->mk[i][j] * x[j] + model->mb[i][j] * x[VS_DOF + j];
-    acceleration[i] = sum;
-  }
+  const double(*k)[VS_DOF] = model->mk_column, (*b)[VS_DOF] = model->mb_column, *v = x + VS_DOF;
+  double sum[VS_DOF];
+  for (int i = 0; i < VS_DOF; i++)
+    sum[i] = model->mf[i] * force_n - (k[P][i] * x[P] + b[P][i] * v[P]) -
+             (k[U][i] * x[U] + b[U][i] * v[U]) - (k[W][i] * x[W] + b[W][i] * v[W]) -
+             (k[PHI][i] * x[PHI] + b[PHI][i] * v[PHI]);
+  memcpy(acceleration, sum, sizeof sum);
 }
 
 static double quadratic_form(const double m[VS_DOF][VS_DOF], const double v[VS_DOF]) {
@@ -43,8 +44,8 @@ void vs_state_space_of(const vs_model *model, vs_state_space *out) {
   gsl_linalg_cholesky_invert(&mv.matrix);
   for (int i = 0; i < VS_DOF; i++) {
     for (int j = 0; j < VS_DOF; j++) {
-      out->a[i][j] = -model->mb[i][j];
-      out->a[i][VS_DOF + j] = -model->mk[i][j];
+      out->a[i][j] = -model->mb_column[j][i];
+      out->a[i][VS_DOF + j] = -model->mk_column[j][i];
       out->b[i][j] = inverse[VS_DOF * i + j];
     }
     out->a[VS_DOF + i][i] = 1;

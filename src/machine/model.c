@@ -137,8 +137,8 @@ static vs_status solve_mass(vs_model *model, vs_error *err) {
                                    : (i == P ? -1.0 : 0.0);
     gsl_linalg_cholesky_svx(&mv.matrix, &cv.vector);
     for (int i = 0; i < VS_DOF; i++)
-      *(j < VS_DOF       ? &model->mb[i][j]
-        : j < 2 * VS_DOF ? &model->mk[i][j - VS_DOF]
+      *(j < VS_DOF       ? &model->mb_column[j][i]
+        : j < 2 * VS_DOF ? &model->mk_column[j - VS_DOF][i]
                          : &model->mf[i]) = column[i];
   }
   return VS_OK;

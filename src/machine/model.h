@@ -39,8 +39,8 @@ typedef struct vs_model {
   double mass[VS_DOF][VS_DOF];      /* M, Eq. 55; kg, kg m, kg m2 */
   double damping[VS_DOF][VS_DOF];   /* B, Eq. 56; N s/m, N s, N m s */
   double stiffness[VS_DOF][VS_DOF]; /* K, Eq. 57; N/m, N, N m */
-  double mb[VS_DOF][VS_DOF];        /* M^-1 B, 1/s and mixed */
-  double mk[VS_DOF][VS_DOF];        /* M^-1 K, 1/s2 and mixed */
+  double mb_column[VS_DOF][VS_DOF]; /* M^-1 B, 1/s and mixed; [j][i] is row i, column j */
+  double mk_column[VS_DOF][VS_DOF]; /* M^-1 K, 1/s2 and mixed; the same */
   double mf[VS_DOF];                /* M^-1 (-1, 0, 0, 0): acceleration per newton of F */
   double gap_rest_m;                /* z at p = 0: D + d */
   double a_hm;                      /* a = L(0) (D + d)/2, Eq. 72 */

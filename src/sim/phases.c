@@ -21,7 +21,8 @@ typedef struct phases {
   double since_s;                       /* local time of the last knot */
   double longest_s, longest_touching_s; /* step, for the dense output's sake: free, in the stop */
   double longest_driven_s;              /* and conducting */
-  double propagator[VS_STATES][VS_STATES], propagated_s; /* exp(A h) and its h; 0: none yet */
+  double propagator_column[VS_STATES][VS_STATES]; /* exp(A h); [j][i] is row i, column j */
+  double propagated_s;                            /* its h; 0: none yet */
   gsl_odeiv2_system system;
   gsl_odeiv2_step *step;
   gsl_odeiv2_control *control;
@@ -53,8 +54,10 @@ static vs_status show(phases *p, vs_event event, vs_error *err) {
 static void fill(phases *p, double since_s, const double y[CONDUCTING_STATES]) {
   const vs_conduction *c = &p->conduction;
   vs_knot *k = &p->knots[1 - p->now];
-  *k = (vs_knot){.t_s = c->fired_s + since_s, .flux_wb = y[FLUX]};
+  k->t_s = c->fired_s + since_s;
   memcpy(k->x, y, sizeof k->x);
+  k->flux_wb = y[FLUX];
+  k->flux_rate_v = k->flux_rate2_v_s = 0;
   if (p->conducting)
     k->flux_rate_v = c->flux_rate(c, since_s, k->flux_wb, k->x, &k->flux_rate2_v_s);
   vs_knot_complete(c->frame, k, p->touching);
@@ -112,26 +115,30 @@ static void make_propagator(phases *p, double h_s) {
   for (size_t i = 0; i < VS_DOF; i++) {
     gsl_matrix_set(a, i, VS_DOF + i, h_s * w);
     for (size_t j = 0; j < VS_DOF; j++) {
-      gsl_matrix_set(a, VS_DOF + i, j, -h_s * m->mk[i][j] / w);
-      gsl_matrix_set(a, VS_DOF + i, VS_DOF + j, -h_s * m->mb[i][j]);
+      gsl_matrix_set(a, VS_DOF + i, j, -h_s * m->mk_column[j][i] / w);
+      gsl_matrix_set(a, VS_DOF + i, VS_DOF + j, -h_s * m->mb_column[j][i]);
     }
   }
-  gsl_matrix_view e = gsl_matrix_view_array(&p->propagator[0][0], VS_STATES, VS_STATES);
+  gsl_matrix_view e = gsl_matrix_view_array(&p->propagator_column[0][0], VS_STATES, VS_STATES);
   gsl_linalg_exponential_ss(a, &e.matrix, GSL_PREC_DOUBLE);
   gsl_matrix_free(a);
+  gsl_matrix_transpose(&e.matrix);
   for (int i = 0; i < VS_DOF; i++)
     for (int j = 0; j < VS_DOF; j++) {
-      p->propagator[i][VS_DOF + j] /= w;
-      p->propagator[VS_DOF + i][j] *= w;
+      p->propagator_column[VS_DOF + j][i] /= w;
+      p->propagator_column[j][VS_DOF + i] *= w;
     }
   p->propagated_s = h_s;
 }
 
-static void swing(const phases *p, const double from[VS_STATES], double y[CONDUCTING_STATES]) {
-  for (int i = 0; i < VS_STATES; i++) {
-    y[i] = 0;
-    for (int j = 0; j < VS_STATES; j++) y[i] += p->propagator[i][j] * from[j];
-  }
+/* By columns, side by side: half the time of a sum for each row. */
+static void swing(const phases *p, const double x[VS_STATES], double y[CONDUCTING_STATES]) {
+  const double(*e)[VS_STATES] = p->propagator_column;
+  double sum[VS_STATES];
+  for (int i = 0; i < VS_STATES; i++)
+    sum[i] = e[0][i] * x[0] + e[1][i] * x[1] + e[2][i] * x[2] + e[3][i] * x[3] + e[4][i] * x[4] +
+             e[5][i] * x[5] + e[6][i] * x[6] + e[7][i] * x[7];
+  memcpy(y, sum, sizeof sum);
   y[FLUX] = 0;
 }
 

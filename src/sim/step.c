@@ -39,86 +39,124 @@ void vs_knot_complete(const vs_frame *frame, vs_knot *k, bool touching) {
   vs_jerks(m, va, rate + (touching ? vs_stop_rate(m, k->x, k->a) : 0), k->j);
 }
 
-/* Weights of the quintic Hermite polynomial at s in [0,1] for (y0, h y0', h^2 y0'', y1, h y1', h^2
- * y1''). */
+/* Weights at s in [0,1] of a step of h for values, slopes and curvatures (y, y', y'') at its two
+ * ends. */
 typedef struct weights {
-  double y0, d0, e0, y1, d1, e1;
+  double h, y0, d0, e0, y1, d1, e1;
 } weights;
 
-static weights quintic(double s) {
+/* Quintic Hermite polynomial. */
+static weights quintic(double s, double h) {
   double s2 = s * s, s3 = s2 * s, s4 = s3 * s, s5 = s4 * s;
-  return (weights){1 - 10 * s3 + 15 * s4 - 6 * s5,  s - 6 * s3 + 8 * s4 - 3 * s5,
-                   (s2 - 3 * s3 + 3 * s4 - s5) / 2, 10 * s3 - 15 * s4 + 6 * s5,
-                   -4 * s3 + 7 * s4 - 3 * s5,       (s3 - 2 * s4 + s5) / 2};
+  return (weights){h,
+                   1 - 10 * s3 + 15 * s4 - 6 * s5,
+                   s - 6 * s3 + 8 * s4 - 3 * s5,
+                   (s2 - 3 * s3 + 3 * s4 - s5) / 2,
+                   10 * s3 - 15 * s4 + 6 * s5,
+                   -4 * s3 + 7 * s4 - 3 * s5,
+                   (s3 - 2 * s4 + s5) / 2};
 }
 
-static weights quintic_rate(double s) {
+static weights quintic_rate(double s, double h) {
   double s2 = s * s, s3 = s2 * s, s4 = s3 * s;
-  return (weights){-30 * s2 + 60 * s3 - 30 * s4,        1 - 18 * s2 + 32 * s3 - 15 * s4,
-                   s - (9 * s2 - 12 * s3 + 5 * s4) / 2, 30 * s2 - 60 * s3 + 30 * s4,
-                   -12 * s2 + 28 * s3 - 15 * s4,        (3 * s2 - 8 * s3 + 5 * s4) / 2};
+  return (weights){h,
+                   -30 * s2 + 60 * s3 - 30 * s4,
+                   1 - 18 * s2 + 32 * s3 - 15 * s4,
+                   s - (9 * s2 - 12 * s3 + 5 * s4) / 2,
+                   30 * s2 - 60 * s3 + 30 * s4,
+                   -12 * s2 + 28 * s3 - 15 * s4,
+                   (3 * s2 - 8 * s3 + 5 * s4) / 2};
 }
 
-static weights cubic(double s) {
+static weights cubic(double s, double h) {
   double s2 = s * s, s3 = s2 * s;
-  return (weights){1 - 3 * s2 + 2 * s3, s - 2 * s2 + s3, 0, 3 * s2 - 2 * s3, s3 - s2, 0};
+  return (weights){h, 1 - 3 * s2 + 2 * s3, s - 2 * s2 + s3, 0, 3 * s2 - 2 * s3, s3 - s2, 0};
 }
 
-static weights cubic_rate(double s) {
-  return (weights){6 * s * (s - 1), 1 - 4 * s + 3 * s * s, 0, 6 * s * (1 - s), s * (3 * s - 2), 0};
+static weights cubic_rate(double s, double h) {
+  return (weights){h, 6 * s * (s - 1), 1 - 4 * s + 3 * s * s, 0, 6 * s * (1 - s), s * (3 * s - 2),
+                   0};
 }
 
-static double apply(const weights *w, double h, const double from[3], const double to[3]) {
-  return w->y0 * from[0] + w->y1 * to[0] + h * (w->d0 * from[1] + w->d1 * to[1]) +
-         h * h * (w->e0 * from[2] + w->e1 * to[2]);
+/* At one end: some quantities side by side, their slopes, their curvatures. */
+typedef struct ends {
+  const double *y, *d, *e;
+} ends;
+
+static inline void apply(const weights *w, ends from, ends to, int n, double *restrict y) {
+  for (int i = 0; i < n; i++)
+    y[i] = w->y0 * from.y[i] + w->y1 * to.y[i] + w->h * (w->d0 * from.d[i] + w->d1 * to.d[i]) +
+           w->h * w->h * (w->e0 * from.e[i] + w->e1 * to.e[i]);
 }
 
-/* State between the knots, into a knot without derivatives but the flux's. */
-static void interpolate(const vs_step *step, double t_s, vs_knot *k) {
-  const vs_knot *a = step->from, *b = step->to;
-  double h = b->t_s - a->t_s, s = h > 0 ? (t_s - a->t_s) / h : 1;
-  weights w = quintic(s);
-  for (int i = 0; i < VS_DOF; i++) {
-    k->x[i] = apply(&w, h, (double[]){a->x[i], a->x[VS_DOF + i], a->a[i]},
-                    (double[]){b->x[i], b->x[VS_DOF + i], b->a[i]});
-    k->x[VS_DOF + i] = apply(&w, h, (double[]){a->x[VS_DOF + i], a->a[i], a->j[i]},
-                             (double[]){b->x[VS_DOF + i], b->a[i], b->j[i]});
+static ends flux_of(const vs_knot *k) {
+  return (ends){&k->flux_wb, &k->flux_rate_v, &k->flux_rate2_v_s};
+}
+
+static double flux_rate(const vs_step *step, double s, double h) {
+  weights w = step->cubic_flux ? cubic_rate(s, h) : quintic_rate(s, h);
+  double rate;
+  apply(&w, flux_of(step->from), flux_of(step->to), 1, &rate);
+  return h > 0 ? rate / h : step->to->flux_rate_v;
+}
+
+static double line(double from, double to, double s) {
+  return from + s * (to - from);
+}
+
+unsigned vs_parts_of(const int *channels, int count) {
+  unsigned parts = 0;
+  for (int k = 0; k < count; k++) {
+    int c = channels[k];
+    if (c >= VS_CH_DECK)
+      parts |= VS_PART_DECK;
+    else if (c == VS_CH_V_MAINS)
+      parts |= VS_PART_V_MAINS;
+    else if (c == VS_CH_V_EVA)
+      parts |= VS_PART_V_EVA;
+    else if (c >= VS_CH_AP && c <= VS_CH_APHI)
+      parts |= VS_PART_ACCELERATIONS | VS_PART_VELOCITIES;
+    else if (c >= VS_CH_VP && c <= VS_CH_VPHI)
+      parts |= VS_PART_VELOCITIES;
   }
-  weights f = step->cubic_flux ? cubic(s) : w;
-  weights r = step->cubic_flux ? cubic_rate(s) : quintic_rate(s);
-  const double fa[3] = {a->flux_wb, a->flux_rate_v, a->flux_rate2_v_s};
-  const double fb[3] = {b->flux_wb, b->flux_rate_v, b->flux_rate2_v_s};
-  k->flux_wb = apply(&f, h, fa, fb);
-  k->flux_rate_v = h > 0 ? apply(&r, h, fa, fb) / h : b->flux_rate_v;
-  k->v_eva_v = a->v_eva_v + s * (b->v_eva_v - a->v_eva_v);
-  k->i_mains_a = a->i_mains_a + s * (b->i_mains_a - a->i_mains_a);
-  for (size_t n = 0; step->frame->deck && n < step->frame->deck->n_terms; n++)
-    k->terms[n] = a->terms[n] + s * (b->terms[n] - a->terms[n]);
+  return parts;
+}
+
+void vs_step_parts_at(const vs_step *step, double t_s, unsigned parts, double *y) {
+  const vs_knot *a = step->from, *b = step->to;
+  const vs_frame *frame = step->frame;
+  const vs_model *m = frame->model;
+  double h = b->t_s - a->t_s, s = h > 0 ? (t_s - a->t_s) / h : 1, *x = y + VS_CH_P;
+  weights w = quintic(s, h), flux = step->cubic_flux ? cubic(s, h) : w;
+  apply(&w, (ends){a->x, a->x + VS_DOF, a->a}, (ends){b->x, b->x + VS_DOF, b->a}, VS_DOF, x);
+  if (parts & VS_PART_VELOCITIES)
+    apply(&w, (ends){a->x + VS_DOF, a->a, a->j}, (ends){b->x + VS_DOF, b->a, b->j}, VS_DOF,
+          x + VS_DOF);
+  y[VS_CH_Z] = vs_gap(m, x[P]);
+  apply(&flux, flux_of(a), flux_of(b), 1, y + VS_CH_LAMBDA);
+  y[VS_CH_I] = vs_current(m, y[VS_CH_LAMBDA], frame->gap_at_rest ? m->gap_rest_m : y[VS_CH_Z]);
+  y[VS_CH_FORCE] = vs_force(m, y[VS_CH_LAMBDA]);
+  y[VS_CH_I_MAINS] = frame->source_is_coil ? y[VS_CH_I] : line(a->i_mains_a, b->i_mains_a, s);
+  if (parts & VS_PART_V_EVA)
+    y[VS_CH_V_EVA] = frame->source_is_coil
+                         ? m->actuator.resistance_ohm * y[VS_CH_I] + flux_rate(step, s, h)
+                         : line(a->v_eva_v, b->v_eva_v, s);
+  if (parts & VS_PART_V_MAINS) y[VS_CH_V_MAINS] = vs_mains(frame->timeline, t_s);
+  if (parts & VS_PART_ACCELERATIONS)
+    vs_accelerations(m, x, y[VS_CH_FORCE] + (vs_in_stop(m, x[P]) ? vs_stop_force(m, x) : 0),
+                     y + VS_CH_AP);
+  for (size_t n = 0; parts & VS_PART_DECK && frame->deck && n < frame->deck->n_probes; n++) {
+    const vs_probe *probe = &frame->deck->probes[n];
+    y[VS_CH_DECK + n] = probe->sign * line(a->terms[probe->term], b->terms[probe->term], s);
+  }
 }
 
 void vs_step_at(const vs_step *step, double t_s, double *y) {
-  const vs_frame *frame = step->frame;
-  const vs_model *m = frame->model;
-  vs_knot k;
-  interpolate(step, t_s, &k);
-  memcpy(y + VS_CH_P, k.x, sizeof k.x);
-  double z = vs_gap(m, k.x[P]);
-  y[VS_CH_Z] = z;
-  y[VS_CH_LAMBDA] = k.flux_wb;
-  y[VS_CH_I] = vs_current(m, k.flux_wb, frame->gap_at_rest ? m->gap_rest_m : z);
-  y[VS_CH_FORCE] = vs_force(m, k.flux_wb);
-  y[VS_CH_V_EVA] =
-      frame->source_is_coil ? m->actuator.resistance_ohm * y[VS_CH_I] + k.flux_rate_v : k.v_eva_v;
-  y[VS_CH_V_MAINS] = vs_mains(frame->timeline, t_s);
-  y[VS_CH_I_MAINS] = frame->source_is_coil ? y[VS_CH_I] : k.i_mains_a;
-  double stop = vs_in_stop(m, k.x[P]) ? vs_stop_force(m, k.x) : 0;
-  vs_accelerations(m, k.x, y[VS_CH_FORCE] + stop, y + VS_CH_AP);
-  for (size_t n = 0; frame->deck && n < frame->deck->n_probes; n++)
-    y[VS_CH_DECK + n] = frame->deck->probes[n].sign * k.terms[frame->deck->probes[n].term];
+  vs_step_parts_at(step, t_s, VS_PART_ALL, y);
 }
 
 double vs_step_channel(const vs_step *step, double t_s, int channel) {
   double y[VS_CH_MOST];
-  vs_step_at(step, t_s, y);
+  vs_step_parts_at(step, t_s, vs_parts_of(&channel, 1), y);
   return y[channel];
 }

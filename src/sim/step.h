@@ -91,11 +91,23 @@ typedef struct vs_step {
 /* Fills q", q"' of a knot from its state and flux; touching: on the side of the stop. */
 void vs_knot_complete(const vs_frame *frame, vs_knot *knot, bool touching);
 
+/* What some of the channels cost of their own; all others are always there. */
+enum {
+  VS_PART_VELOCITIES = 1,
+  VS_PART_ACCELERATIONS = 2, /* needs the velocities */
+  VS_PART_V_EVA = 4,
+  VS_PART_V_MAINS = 8,
+  VS_PART_DECK = 16, /* the deck's probes */
+  VS_PART_ALL = 31
+};
+unsigned vs_parts_of(const int *channels, int count);
+
 /* All channels at t in [from, to], y[vs_channel_count]: quintic Hermite polynomials for q and q'
  * from value and two derivatives at each end, the same or cubic for lambda, accelerations from Eq.
  * 54; straight lines for the deck's terms. */
 void vs_step_at(const vs_step *step, double t_s, double *y);
-/* One channel at t; the same numbers. */
+/* The same numbers, but only the parts wanted: the other channels are left as they are. */
+void vs_step_parts_at(const vs_step *step, double t_s, unsigned parts, double *y);
 double vs_step_channel(const vs_step *step, double t_s, int channel);
 
 #endif

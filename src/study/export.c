@@ -269,7 +269,7 @@ static void add_machine(vs_text *t, const vs_setup *s) {
     vs_text_add(t, "Bvs_v%s 0 vs_v%s I = %.17g*%s", q, q, 1e3 * m->mf[i],
                 m->actuator.stop.present ? "(v(vs_f)+v(vs_stop))" : "v(vs_f)");
     for (int j = 0; j < VS_STATES; j++) {
-      double rate = j < VS_DOF ? -m->mk[i][j] : -m->mb[i][j - VS_DOF];
+      double rate = j < VS_DOF ? -m->mk_column[j][i] : -m->mb_column[j - VS_DOF][i];
       if (rate != 0)
         vs_text_add(t, " %c %.17g*v(vs_%s)", rate < 0 ? '-' : '+', fabs(rate), STATES[j]);
     }
