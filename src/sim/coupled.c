@@ -210,12 +210,12 @@ static vs_event find_event(coupling *c, const vs_knot *before, const vs_knot *fr
 
 /* Shows the step to a knot. */
 static vs_status show(coupling *c, const vs_knot *k, vs_event contact, vs_error *err) {
-  vs_knot *from = &c->knots[c->now], *to = &c->knots[1 - c->now], before = *to;
+  vs_knot *from = &c->knots[c->now], *to = &c->knots[1 - c->now];
   if (from->t_s == 0)
     memcpy(from->terms, k->terms, sizeof k->terms); /* the solver shows none at t = 0 */
-  *to = *k;
   vs_step step = {.frame = &c->frame, .from = from, .to = to, .cubic_flux = true};
-  step.event[0] = find_event(c, &before, from, to, &step.event_s[0]);
+  step.event[0] = find_event(c, to, from, k, &step.event_s[0]); /* `to` is still the one before */
+  vs_knot_copy(&c->frame, k, to);
   step.event[1] = contact;
   step.event_s[1] = to->t_s;
   c->now = 1 - c->now;
@@ -239,34 +239,39 @@ static vs_knot between(const coupling *c, const vs_knot *a, const vs_knot *b, do
 /* Integrates the machine over the step whose end is known of the circuit, and shows it: in one
  * piece, or cut where the armature meets or leaves its stop, such an instant shown from both its
  * sides. */
-static vs_status move(coupling *c, const vs_knot *start, const vs_knot *end, vs_error *err) {
+static vs_status move(coupling *c, const vs_knot *start, vs_knot *end, vs_error *err) {
   double h = end->t_s - start->t_s, x[VS_STATES];
+  vs_knot cut, *k = &cut;
   memcpy(x, start->x, sizeof x);
   vs_status status = VS_OK;
   for (double at = 0; at < h && !status;) {
     at = advance(c, at, h, x);
     if (isnan(at)) return vs_fail(err, VS_RUN, "t = %.9g s: GSL cannot step on", end->t_s);
-    vs_knot k = at < h ? between(c, start, end, at) : *end;
-    memcpy(k.x, x, sizeof x);
-    vs_knot_complete(&c->frame, &k, c->touching);
-    if (at == h) return show(c, &k, VS_EV_NONE, err);
-    status = show(c, &k, c->touching ? VS_EV_LEAVES_STOP : VS_EV_MEETS_STOP, err);
+    if (at < h)
+      cut = between(c, start, end, at);
+    else
+      k = end;
+    memcpy(k->x, x, sizeof x);
+    vs_knot_complete(&c->frame, k, c->touching);
+    if (k == end) return show(c, k, VS_EV_NONE, err);
+    status = show(c, k, c->touching ? VS_EV_LEAVES_STOP : VS_EV_MEETS_STOP, err);
     c->touching = c->course.touching = !c->touching;
-    vs_knot_complete(&c->frame, &k, c->touching);
-    if (!status) status = show(c, &k, VS_EV_NONE, err);
+    vs_knot_complete(&c->frame, k, c->touching);
+    if (!status) status = show(c, k, VS_EV_NONE, err);
   }
   return status;
 }
 
 static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *err) {
   coupling *c = ctx;
-  const vs_knot from = c->knots[c->now];
+  vs_knot from, next; /* move() gives next its state */
+  vs_knot_copy(&c->frame, &c->knots[c->now], &from);
   double h = t_s - from.t_s;
-  vs_knot next = {.t_s = t_s,
-                  .flux_wb = signals[SIG_FLUX],
-                  .i_mains_a = -signals[SIG_I_MAINS],
-                  .flux_rate_v = signals[SIG_COIL] - signals[SIG_MINUS],
-                  .v_eva_v = signals[SIG_PLUS] - signals[SIG_MINUS]};
+  next.t_s = t_s;
+  next.flux_wb = signals[SIG_FLUX];
+  next.i_mains_a = -signals[SIG_I_MAINS];
+  next.flux_rate_v = signals[SIG_COIL] - signals[SIG_MINUS];
+  next.v_eva_v = signals[SIG_PLUS] - signals[SIG_MINUS];
   for (size_t k = 0; k < c->setup->deck.n_terms; k++)
     next.terms[k] = signals[SIG_TERMS + 2 * k] - signals[SIG_TERMS + 2 * k + 1];
   next.flux_rate2_v_s = (next.flux_rate_v - from.flux_rate_v) / h;

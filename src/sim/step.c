@@ -29,6 +29,11 @@ int vs_channel_find(const vs_frame *frame, const char *name) {
   return -1;
 }
 
+void vs_knot_copy(const vs_frame *frame, const vs_knot *from, vs_knot *to) {
+  size_t terms = frame->deck ? frame->deck->n_terms : 0;
+  memcpy(to, from, offsetof(vs_knot, terms) + terms * sizeof *from->terms);
+}
+
 void vs_knot_complete(const vs_frame *frame, vs_knot *k, bool touching) {
   const vs_model *m = frame->model;
   double va[VS_STATES], force = vs_force(m, k->flux_wb), rate;

@@ -69,8 +69,11 @@ typedef struct vs_knot {
   double a[VS_DOF], j[VS_DOF];                 /* q", q"' */
   double flux_wb, flux_rate_v, flux_rate2_v_s; /* lambda and its first two derivatives */
   double v_eva_v, i_mains_a;                   /* circuit tier only: as the circuit has them */
-  double terms[VS_DECK_MOST];                  /* the deck's: of its probes and formulas */
+  double terms[VS_DECK_MOST]; /* the last member: the deck's, of its probes and formulas */
 } vs_knot;
+
+/* Copies a knot with no more terms than the deck has. */
+void vs_knot_copy(const vs_frame *frame, const vs_knot *from, vs_knot *to);
 
 typedef enum vs_event {
   VS_EV_NONE,
