@@ -140,9 +140,11 @@ static outcome couple(const vs_circuit_kind *solver, const char *const *sets) {
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   t->scene.setup.solver = solver;
   t->measures = vs_measures_new(&t->scene.frame);
+  t->energy.frame = &t->scene.frame;
   vs_observer observer = {t, watch};
   t->status = vs_sim_run(t->scene.tier, &t->scene.setup, &observer, &t->err);
   vs_measures_finish(t->measures, t->values);
+  vs_energy_finish(&t->energy);
   double work = t->energy.joule[VS_E_WORK];
   outcome o = {t->status,
                t->values[VS_M_P_FIRST].value,

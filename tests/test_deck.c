@@ -29,7 +29,7 @@ static int name_of(void *ctx, const char *at, const char *name) {
 static const vs_formula_scope SCOPE = {NULL, term_of, name_of};
 
 static void formulas_give_their_values(void) {
-  static const double TERMS[] = {3, -2, 0.5}, NAMES[] = {10, 4};
+  static const double TERMS[] = {3, -2, 0.5}, OTHERS[] = {-5, 7, 0.25}, NAMES[] = {10, 4};
   static const struct {
     const char *text;
     double value;
@@ -66,6 +66,10 @@ static void formulas_give_their_values(void) {
     if (end) {
       vs_formula_bind(&f, NAMES);
       CLOSE(vs_formula_value(&f, TERMS), ROWS[k].value, 1e-15 * 30); /* rounding, 30 factors */
+      double pair[2];
+      vs_formula_pair(&f, TERMS, OTHERS, pair);
+      CU_ASSERT_EQUAL(pair[0], vs_formula_value(&f, TERMS));
+      CU_ASSERT_EQUAL(pair[1], vs_formula_value(&f, OTHERS));
     }
     vs_formula_free(&f);
   }

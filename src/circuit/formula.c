@@ -209,47 +209,61 @@ void vs_formula_bind(vs_formula *f, const double *values) {
     if (f->ops[k].kind == NAME) f->ops[k].value = values[f->ops[k].index];
 }
 
-double vs_formula_value(const vs_formula *f, const double *terms) {
-  double stack[VS_FORMULA_DEPTH + 1], *top = stack; /* *top: the last value */
-  for (const vs_op *op = f->ops; op < f->ops + f->count; op++) switch (op->kind) {
+typedef struct pair {
+  double a, b;
+} pair;
+
+void vs_formula_pair(const vs_formula *f, const double *first, const double *second,
+                     double value[2]) {
+  pair y = {0, 0}, stack[VS_FORMULA_DEPTH + 1], *x = stack; /* y: the last value, *x that before */
+  for (const vs_op *op = f->ops, *end = op + f->count; op < end; op++) switch (op->kind) {
     case TERM:
-      *++top = terms[op->index];
+      *++x = y;
+      y = (pair){first[op->index], second[op->index]};
       break;
     case NUMBER:
     case NAME:
-      *++top = op->value;
+      *++x = y;
+      y = (pair){op->value, op->value};
       break;
     case ADD:
-      top--;
-      *top += top[1];
+      y = (pair){x->a + y.a, x->b + y.b};
+      x--;
       break;
     case SUBTRACT:
-      top--;
-      *top -= top[1];
+      y = (pair){x->a - y.a, x->b - y.b};
+      x--;
       break;
     case MULTIPLY:
-      top--;
-      *top *= top[1];
+      y = (pair){x->a * y.a, x->b * y.b};
+      x--;
       break;
     case DIVIDE:
-      top--;
-      *top /= top[1];
+      y = (pair){x->a / y.a, x->b / y.b};
+      x--;
       break;
     case POWER:
-      top--;
-      *top = power(*top, top[1]);
+      y = (pair){power(x->a, y.a), power(x->b, y.b)};
+      x--;
       break;
     case NEGATE:
-      *top = -*top;
+      y = (pair){-y.a, -y.b};
       break;
     default: {
       const struct function *function = &FUNCTION[op->kind - FUNCTIONS];
       if (function->of_two) {
-        top--;
-        *top = function->of_two(*top, top[1]);
+        y = (pair){function->of_two(x->a, y.a), function->of_two(x->b, y.b)};
+        x--;
       } else
-        *top = function->of(*top);
+        y = (pair){function->of(y.a), function->of(y.b)};
     }
     }
-  return *top;
+  value[0] = y.a;
+  value[1] = y.b;
+}
+
+double vs_formula_value(const vs_formula *f, const double *terms) {
+  double value[2];
+  vs_formula_pair(f, terms, terms, value);
+  return value[0];
 }

@@ -50,38 +50,34 @@ static double mechanical(const vs_model *m, const vs_knot *k) {
 
 static void begin(vs_energy *e, const vs_step *step) {
   const vs_deck *deck = step->frame->deck;
-  const vs_knot *k = step->from;
   e->begun = true;
-  e->begin_j[VS_E_MAGNETIC] = magnetic(step->frame, k);
-  e->begin_j[VS_E_MECHANICAL] = mechanical(step->frame->model, k);
+  e->first = *step->from;
   for (size_t n = 0; deck && n < deck->losses.count; n++)
-    e->loss_w[n] = vs_formula_value(&deck->losses.item[n].formula, k->terms);
-  for (size_t n = 0; deck && n < deck->stores.count; n++)
-    e->held_j[n] = vs_formula_value(&deck->stores.item[n].formula, k->terms);
+    e->loss_w[n] = vs_formula_value(&deck->losses.item[n].formula, e->first.terms);
 }
 
 /* The deck's losses by Simpson's rule with its terms on straight lines between the ends of a step:
  * exact for a voltage times a current, and off by the square of the step as the solver is. */
-static void keep_accounts(vs_energy *e, const vs_deck *deck, const vs_knot *from, const vs_knot *to,
-                          double h) {
+static void add_losses(vs_energy *e, const vs_step *step) {
+  const vs_deck *deck = step->frame->deck;
+  const double *from = step->from->terms, *to = step->to->terms;
+  double h = step->to->t_s - step->from->t_s, mid[VS_DECK_MOST];
+  for (size_t t = 0; t < deck->n_terms; t++) mid[t] = (from[t] + to[t]) / 2;
   for (size_t n = 0; n < deck->losses.count; n++) {
-    double power = vs_formula_value(&deck->losses.item[n].formula, to->terms);
-    double mid[VS_DECK_MOST];
-    for (size_t t = 0; t < deck->n_terms; t++) mid[t] = (from->terms[t] + to->terms[t]) / 2;
-    e->loss_j[n] +=
-        h * (e->loss_w[n] + 4 * vs_formula_value(&deck->losses.item[n].formula, mid) + power) / 6;
-    e->loss_w[n] = power;
+    double power[2];
+    vs_formula_pair(&deck->losses.item[n].formula, mid, to, power);
+    e->loss_j[n] += h * (e->loss_w[n] + 4 * power[0] + power[1]) / 6;
+    e->loss_w[n] = power[1];
   }
-  for (size_t n = 0; n < deck->stores.count; n++)
-    e->store_j[n] = vs_formula_value(&deck->stores.item[n].formula, to->terms) - e->held_j[n];
 }
 
 void vs_energy_accept(vs_energy *e, const vs_step *step) {
+  static const unsigned PARTS = VS_PART_VELOCITIES | VS_PART_V_EVA | VS_PART_V_MAINS;
   const vs_model *m = step->frame->model;
   double h = step->to->t_s - step->from->t_s, y[VS_CH_MOST];
   if (!e->begun) begin(e, step);
   for (int g = step->cubic_flux ? 0 : 1, k = 0; k < GAUSS[g].count; k++) {
-    vs_step_at(step, step->from->t_s + h * GAUSS[g].at[k], y);
+    vs_step_parts_at(step, step->from->t_s + h * GAUSS[g].at[k], PARTS, y);
     double w = h * GAUSS[g].weight[k], lost = 0;
     for (int i = 0; i < VS_DOF; i++)
       for (int j = 0; j < VS_DOF; j++) lost += y[VS_CH_VP + i] * m->damping[i][j] * y[VS_CH_VP + j];
@@ -93,13 +89,25 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
     if (vs_in_stop(m, y[VS_CH_P]))
       e->joule[VS_E_STOP] += w * m->actuator.stop.damping_ns_m * y[VS_CH_VP] * y[VS_CH_VP];
   }
-  const vs_knot *k = step->to;
-  e->joule[VS_E_MAGNETIC] = magnetic(step->frame, k) - e->begin_j[VS_E_MAGNETIC];
-  e->joule[VS_E_MECHANICAL] = mechanical(m, k) - e->begin_j[VS_E_MECHANICAL];
-  if (step->frame->deck) keep_accounts(e, step->frame->deck, step->from, k, h);
+  vs_knot_copy(step->frame, step->to, &e->last);
+  if (step->frame->deck) add_losses(e, step);
+}
+
+/* What is stored is told by the first and the last knot alone. */
+static void take_stock(vs_energy *e) {
+  const vs_deck *deck = e->frame->deck;
+  const vs_model *m = e->frame->model;
+  e->joule[VS_E_MAGNETIC] = magnetic(e->frame, &e->last) - magnetic(e->frame, &e->first);
+  e->joule[VS_E_MECHANICAL] = mechanical(m, &e->last) - mechanical(m, &e->first);
+  for (size_t n = 0; deck && n < deck->stores.count; n++) {
+    double held[2];
+    vs_formula_pair(&deck->stores.item[n].formula, e->first.terms, e->last.terms, held);
+    e->store_j[n] = held[1] - held[0];
+  }
 }
 
 void vs_energy_finish(vs_energy *e) {
+  take_stock(e);
   const double *j = e->joule;
   const vs_deck *deck = e->frame->deck;
   double scale = j[VS_E_WORK] != 0 ? fabs(j[VS_E_WORK]) : 1, *left = e->left_j;

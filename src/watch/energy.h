@@ -47,8 +47,7 @@ typedef struct vs_energy {
   double loss_w[VS_DECK_MOST];  /* of the deck's loss lines, at the last step's end */
   double loss_j[VS_DECK_MOST];  /* their integrals */
   double store_j[VS_DECK_MOST]; /* of the deck's store lines: gained since the beginning */
-  double held_j[VS_DECK_MOST];  /* what they held then */
-  double begin_j[VS_ENERGIES];  /* magnetic and mechanical energy then */
+  vs_knot first, last;          /* of the steps shown */
   bool begun;
   double left_j[VS_BALANCES];   /* what each balance leaves over */
   bool balanced[VS_BALANCES];   /* false: nothing to balance (a deck without losses and stores) */

@@ -36,6 +36,7 @@ vs_measures *vs_measures_new(const vs_frame *frame) {
   for (int c = VS_CH_DECK; c < vs_channel_count(frame); c++)
     for (int sense = -1; sense <= 1; sense += 2)
       m->extremes[m->n_extremes++] = (vs_extreme){.channel = c, .sense = sense};
+  for (int k = 0; k < m->n_extremes; k++) m->parts |= vs_parts_of(&m->extremes[k].channel, 1);
   m->fired_s = m->extinct_s = m->refired_s = NAN;
   m->solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
   return m;
@@ -183,19 +184,19 @@ void vs_measures_accept(vs_measures *m, const vs_step *step) {
   m->last = 1 - m->last;
   if (m->steps < 2) m->steps++;
   vs_kept_step *kept = &m->kept[m->last];
-  kept->from = *step->from;
-  kept->to = *step->to;
+  vs_knot_copy(m->frame, step->from, &kept->from);
+  vs_knot_copy(m->frame, step->to, &kept->to);
   kept->step = *step;
   kept->step.from = &kept->from;
   kept->step.to = &kept->to;
   size_t row = (size_t)vs_channel_count(m->frame) * sizeof(double);
   if (m->steps == 1) {
-    vs_step_at(step, step->from->t_s, m->y[1]);
+    vs_step_parts_at(step, step->from->t_s, m->parts, m->y[1]);
   } else {
     memcpy(m->y[0], m->y[1], row);
     memcpy(m->y[1], m->y[2], row);
   }
-  vs_step_at(step, step->to->t_s, m->y[2]);
+  vs_step_parts_at(step, step->to->t_s, m->parts, m->y[2]);
   for (int k = 0; k < m->n_extremes; k++) follow_extreme(m, &m->extremes[k]);
   follow_peaks(m);
   follow_crossings(m);

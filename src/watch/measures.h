@@ -69,7 +69,8 @@ typedef struct vs_measures {
   const vs_frame *frame;
   vs_kept_step kept[2];    /* the last two steps of some length; `last` is the newer */
   int last, steps;         /* steps: how many are kept, 0..2 */
-  double y[3][VS_CH_MOST]; /* channels at the kept steps' three ends */
+  double y[3][VS_CH_MOST]; /* channels at the kept steps' three ends, of the parts below */
+  unsigned parts;          /* that the extremes need */
   vs_extreme
       extremes[VS_MOST_EXTREMES]; /* the standard ones, then least and largest of each probe */
   int n_extremes;
