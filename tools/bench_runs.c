@@ -185,6 +185,7 @@ static void time_switched(double tolerance, size_t repeat) {
 
 /* ---- circuit tier: a solver that is ngspice, with a clock, or with a host of its own ---- */
 
+enum { MOST_LIMITS = 4096 };
 static struct {
   const vs_setup *setup;
   bool circuit_alone; /* run with the gap at rest and nobody to be told */
@@ -192,6 +193,10 @@ static struct {
   double solving_s; /* of the last run, without loading */
   long steps, sources;
   vs_circuit_host host; /* the tier's */
+  struct {
+    double from_s, longest_s;
+  } limit[MOST_LIMITS]; /* the tier's step limits, for the circuit alone; `limits` of them */
+  size_t limits, now;
 } timed;
 
 static double rest_source(void *ctx, size_t port, double t_s) {
@@ -213,6 +218,12 @@ static double rest_edge(void *ctx, double t_s) {
   return next;
 }
 
+static double rest_longest(void *ctx, double t_s) {
+  (void)ctx;
+  while (timed.now + 1 < timed.limits && timed.limit[timed.now + 1].from_s <= t_s) timed.now++;
+  return timed.limit[timed.now].longest_s;
+}
+
 static vs_status rest_accept(void *ctx, double t_s, const double *signals, vs_error *err) {
   (void)ctx, (void)t_s, (void)signals, (void)err;
   timed.steps++;
@@ -230,9 +241,15 @@ static double counted_edge(void *ctx, double t_s) {
   return timed.host.edge(timed.host.ctx, t_s);
 }
 
-static double timed_longest(void *ctx, double t_s) {
+static double noted_longest(void *ctx, double t_s) {
   (void)ctx;
-  return timed.host.longest(timed.host.ctx, t_s);
+  double longest_s = timed.host.longest(timed.host.ctx, t_s);
+  if (!timed.limits || longest_s != timed.limit[timed.limits - 1].longest_s) {
+    if (timed.limits == MOST_LIMITS) give_up("too many step limits");
+    timed.limit[timed.limits].from_s = t_s;
+    timed.limit[timed.limits++].longest_s = longest_s;
+  }
+  return longest_s;
 }
 
 static vs_status counted_accept(void *ctx, double t_s, const double *signals, vs_error *err) {
@@ -244,12 +261,14 @@ static vs_status counted_accept(void *ctx, double t_s, const double *signals, vs
 static vs_status load(const vs_circuit_job *job, void **circuit, vs_error *err) {
   timed.gap_port = job->n_ports - 1;
   timed.steps = timed.sources = 0;
+  timed.now = 0;
+  if (!timed.circuit_alone) timed.limits = 0;
   return vs_ngspice.load(job, circuit, err);
 }
 
 static vs_status run(void *circuit, const vs_circuit_host *host, vs_error *err) {
-  const vs_circuit_host rest = {NULL, rest_source, rest_edge, timed_longest, rest_accept};
-  const vs_circuit_host counted = {NULL, counted_source, counted_edge, timed_longest,
+  const vs_circuit_host rest = {NULL, rest_source, rest_edge, rest_longest, rest_accept};
+  const vs_circuit_host counted = {NULL, counted_source, counted_edge, noted_longest,
                                    counted_accept};
   timed.host = *host;
   double began = wall_clock();
