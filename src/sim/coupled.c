@@ -171,17 +171,17 @@ static double edge(void *ctx, double t_s) {
   return next;
 }
 
-/* While the thyristor blocks, the coil rings with the snubbers, faster than the mains; what flux
- * linkage the ring is at when the thyristor fires, the whole conduction then carries along. Steps
- * are finer there while there is such a voltage, as long as a firing is to come. */
-static const double RINGS = 0.01; /* of the mains' peak */
+/* While the thyristor blocks, the coil rings with the snubbers, faster than the mains, and what
+ * flux linkage it is at when the thyristor fires the whole conduction then carries along. Steps are
+ * finer while there is such a voltage (parts of the mains' peak); with no firing to come, while it
+ * moves the current's samples. */
+static const double RINGS = 0.001, RINGS_LAST = 0.03;
 
 static double longest(void *ctx, double t_s) {
   const coupling *c = ctx;
-  bool rings = !c->conducting &&
-               fabs(c->knots[c->now].flux_rate_v) > RINGS * c->setup->timeline.peak_v &&
-               edge(ctx, t_s) < INFINITY;
-  return rings ? c->max_step_s / 3 : c->max_step_s;
+  double rings = fabs(c->knots[c->now].flux_rate_v) / c->setup->timeline.peak_v;
+  bool finer = !c->conducting && rings > RINGS && (rings > RINGS_LAST || edge(ctx, t_s) < INFINITY);
+  return finer ? c->max_step_s / 4 : c->max_step_s;
 }
 
 /* What the anode current did in the step just taken, and when. Firing is dated back along the line
