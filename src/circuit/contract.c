@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/units.h"
+#include "circuit/rules.h"
 
 void vs_lower(char *s) {
   for (; *s; s++) *s = (char)tolower((unsigned char)*s);
@@ -98,6 +99,8 @@ static vs_status add_field(vs_deck *deck, const vs_field *field, vs_where where,
     if (!strcmp(deck->section.fields[k].key, field->key))
       return vs_fail_at(err, where, "param %s stands here a second time%s", field->key,
                         k ? "" : ": that key is the program's");
+  if (vs_is_standard(field->key))
+    return vs_fail_at(err, where, "param %s is the program's; give yours another name", field->key);
   vs_field *own = &vs_deck_fields(deck)[deck->section.count++];
   *own = *field;
   own->key = vs_copy(field->key);

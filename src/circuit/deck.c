@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "circuit/contract.h"
+#include "circuit/rules.h"
 
 const vs_shelf vs_deck_shelf = {"deck", "", ".cir"}, vs_part_shelf = {"part", "parts", ".inc"};
 static const vs_shelf INCLUDE_SHELF = {"include file", "", ""};
@@ -29,65 +30,10 @@ const vs_field vs_deck_key = {"deck",
                               NULL,
                               NULL};
 
+const char *const vs_standard_names[VS_STANDARD] = {
+    "u_rms", "f_mains", "phase", "r_source", "l_source", "eva_resistance", "eva_a"};
+
 /* ---- the netlist's own lines ---- */
-
-/* What may stand in a deck. Analysis, options and output are the program's own; commands would let
- * a stranger's deck act on the machine. ngspice takes any statement that begins with one of its
- * own. */
-static vs_status check_statement(const char *line, vs_where where, vs_error *err) {
-  static const char *const ALLOWED[] = {".param", ".model",  ".subckt", ".ends",
-                                        ".func",  ".global", ".ic",     ".nodeset",
-                                        ".if",    ".elseif", ".else",   ".endif"};
-  char word[VS_DECK_NAME];
-  snprintf(word, sizeof word, "%.*s", (int)strcspn(line, " \t=("), line);
-  vs_lower(word);
-  for (size_t k = 0; k < sizeof ALLOWED / sizeof *ALLOWED; k++)
-    if (!strcmp(word, ALLOWED[k])) return VS_OK;
-  return vs_fail_at(
-      err, where, "%s does not belong in a deck: analysis, options and commands are the program's",
-      word);
-}
-
-/* An element is a name and at least two words; '+' goes on with the line before. Others are refused
- * here because libngspice, given them, may read beyond its memory or never come back. */
-static vs_status check_element(const char *line, vs_where where, vs_error *err) {
-  if (*line == '+') return VS_OK;
-  size_t n = 0;
-  while (isalnum((unsigned char)line[n]) || line[n] == '_' || line[n] == '.' || line[n] == '#') n++;
-  const char *second = line + n + strspn(line + n, " \t"), *third = second + strcspn(second, " \t");
-  third += strspn(third, " \t");
-  if (isalpha((unsigned char)*line) && (line[n] == ' ' || line[n] == '\t') && *second && *third)
-    return VS_OK;
-  return vs_fail_at(
-      err, where, "an element is wanted here: 'NAME node node ...', or a statement, or a comment");
-}
-
-/* "Xname n m eva" */
-static vs_status find_eva(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
-  char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME], kind[VS_DECK_NAME];
-  if (tolower((unsigned char)*line) != 'x' ||
-      sscanf(line, "%63s %63s %63s %63s", name, plus, minus, kind) != 4)
-    return VS_OK;
-  vs_lower(kind);
-  if (strcmp(kind, "eva")) return VS_OK;
-  if (*deck->eva) return vs_fail_at(err, where, "a second EVA; a deck has one line 'Xeva n m eva'");
-  vs_lower(name);
-  vs_lower(plus);
-  vs_lower(minus);
-  memcpy(deck->eva, name, sizeof name);
-  memcpy(deck->eva_plus, plus, sizeof plus);
-  memcpy(deck->eva_minus, minus, sizeof minus);
-  return VS_OK;
-}
-
-/* "Vname n m external"; name is filled, in lower case. */
-static bool is_external(const char *line, char name[VS_DECK_NAME]) {
-  char word[VS_DECK_NAME];
-  if (sscanf(line, "%63s %*s %*s %63s", name, word) != 2) return false;
-  vs_lower(name);
-  vs_lower(word);
-  return !strcmp(word, "external");
-}
 
 /* Ports and external sources belong together, one to one: a source nobody drives would stay at 0 V.
  */
@@ -96,7 +42,7 @@ static vs_status match_sources(const vs_deck *deck, vs_error *err) {
   vs_status status = VS_OK;
   for (size_t k = 0; k < deck->n_lines && !status; k++) {
     char name[VS_DECK_NAME];
-    if (!is_external(deck->lines[k].text, name)) continue;
+    if (!vs_is_external(deck->lines[k].text, name)) continue;
     size_t p = 0;
     while (p < deck->n_ports && strcmp(deck->ports[p].source, name)) p++;
     if (p < deck->n_ports)
@@ -112,11 +58,6 @@ static vs_status match_sources(const vs_deck *deck, vs_error *err) {
                                            "port: the deck has no source '%s n m external'",
                                            deck->ports[p].source));
   return status;
-}
-
-static void add_line(vs_deck *deck, const char *text, vs_where where) {
-  deck->lines = realloc(deck->lines, (deck->n_lines + 1) * sizeof *deck->lines);
-  deck->lines[deck->n_lines++] = (vs_line){vs_copy(text), where};
 }
 
 static vs_status read_file(vs_deck *deck, const char *path, vs_error *err);
@@ -143,46 +84,105 @@ static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_err
   return read_file(deck, path, err);
 }
 
-static vs_status read_line(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
-  const char *text = line + where.column - 1;
-  if (!strncmp(text, "*$", 2)) return vs_contract_line(deck, line, where, err);
-  if (!*text || *text == '*') return VS_OK;
+/* A line that is whole. The deck keeps its text, or frees it. */
+static vs_status take_line(vs_deck *deck, vs_line line, vs_error *err) {
+  const char *text = line.text;
   char word[16];
   snprintf(word, sizeof word, "%.*s", (int)strcspn(text, " \t"), text);
   vs_lower(word);
   bool other_file = !strcmp(word, ".include") || !strcmp(word, ".inc") || !strcmp(word, ".lib");
-  vs_status status = other_file     ? include(deck, text, where, err)
-                     : *text == '.' ? check_statement(text, where, err)
-                                    : check_element(text, where, err);
+  vs_status status = other_file     ? include(deck, text, line.where, err)
+                     : *text == '.' ? vs_rule_statement(deck, text, line.where, err)
+                                    : vs_rule_element(deck, text, line.where, err);
   if (status && (other_file || (*text != '.' && !isalpha((unsigned char)*text))))
     deck->lost |= VS_LOST_ALL; /* it may have been anything */
   else if (status && *text != '.')
     deck->lost |= VS_LOST_ELEMENT;
-  if (status || other_file) return status;
-  status = find_eva(deck, text, where, err);
-  if (!status) add_line(deck, text, where);
+  if (status || other_file) {
+    free(line.text);
+    return status;
+  }
+  deck->lines = realloc(deck->lines, (deck->n_lines + 1) * sizeof *deck->lines);
+  deck->lines[deck->n_lines++] = line;
+  return VS_OK;
+}
+
+/* Takes the line begun, if any. */
+static vs_status end_line(vs_deck *deck, vs_line *begun, vs_error *err) {
+  vs_line line = *begun;
+  *begun = (vs_line){0};
+  return line.text ? vs_carry_on(err, take_line(deck, line, err)) : VS_OK;
+}
+
+/* Cuts the end of a line that ngspice takes for a comment: from ';' or '//' on, or from a '$'
+ * behind a blank or comma (in PSpice's dialect that is a name). */
+static void cut_comment(const vs_deck *deck, char *text) {
+  size_t n = 0;
+  for (; text[n]; n++) {
+    bool parted = n > 0 && strchr(" \t,", text[n - 1]);
+    if (text[n] == ';' || (text[n] == '/' && text[n + 1] == '/') ||
+        (text[n] == '$' && parted && !*deck->compat))
+      break;
+  }
+  while (n > 0 && strchr(" \t", text[n - 1])) n--;
+  text[n] = '\0';
+}
+
+/* A line of a file. What it begins goes on as long as lines with '+' follow. */
+static vs_status read_line(vs_deck *deck, char *line, vs_where where, vs_line *begun,
+                           vs_error *err) {
+  char *text = line + where.column - 1;
+  for (const char *c = line; *c; c++)
+    if ((unsigned char)*c < ' ' && *c != '\t') {
+      where.column = vs_column(line, c);
+      return vs_fail_at(err, where, "a control character (%d)", *c);
+    }
+  if (!strncmp(text, "*$", 2)) return vs_contract_line(deck, line, where, err);
+  if (*text != '*') cut_comment(deck, text);
+  if (!*text || *text == '*') return VS_OK;
+  if (*text != '+') {
+    vs_status status = end_line(deck, begun, err);
+    *begun = (vs_line){vs_copy(text), strlen(text), where};
+    return status;
+  }
+  if (!begun->text) return vs_fail_at(err, where, "'+' goes on with a line, and there is none");
+  vs_text joined = {0};
+  vs_text_add(&joined, "%s %s", begun->text, text + 1);
+  free(begun->text);
+  begun->text = joined.text;
+  return VS_OK;
+}
+
+static vs_status read_lines(vs_deck *deck, char *file, FILE *f, vs_error *err) {
+  char *line = NULL;
+  size_t size = 0;
+  vs_line begun = {0};
+  vs_status status = VS_OK;
+  ssize_t n;
+  for (int number = 1; !status && (n = getline(&line, &size, f)) >= 0; number++) {
+    while (n > 0 && strchr("\r\n", line[n - 1])) line[--n] = '\0';
+    vs_where where = {file, number, (int)strspn(line, " \t") + 1};
+    status = strlen(line) < (size_t)n ? vs_fail_at(err, where, "a zero byte")
+                                      : read_line(deck, line, where, &begun, err);
+    status = vs_carry_on(err, status);
+  }
+  if (!status) status = end_line(deck, &begun, err);
+  free(begun.text);
+  free(line);
   return status;
 }
 
 static vs_status read_file(vs_deck *deck, const char *path, vs_error *err) {
   const vs_where place = {.file = path};
+  struct stat s;
   if (deck->n_files >= VS_DECK_FILES)
     return vs_fail_at(err, place, "more than %d files; does one include itself?", VS_DECK_FILES);
-  char *file = deck->files[deck->n_files++] = vs_copy(path), *line = NULL;
+  char *file = deck->files[deck->n_files++] = vs_copy(path);
+  if (!stat(path, &s) && !S_ISREG(s.st_mode)) return vs_fail_at(err, place, "is no file of text");
   FILE *f = fopen(path, "r");
-  struct stat s;
   if (!f) return vs_fail_at(err, place, "cannot be opened: %s", strerror(errno));
-  size_t size = 0;
-  vs_status status = VS_OK;
-  if (fstat(fileno(f), &s) || !S_ISREG(s.st_mode))
-    status = vs_fail_at(err, place, "is no file of text");
-  for (int number = 1; !status && getline(&line, &size, f) >= 0; number++) {
-    line[strcspn(line, "\r\n")] = '\0';
-    vs_where where = {file, number, (int)strspn(line, " \t\v\f") + 1};
-    status = vs_carry_on(err, read_line(deck, line, where, err));
-  }
+  vs_status status = read_lines(deck, file, f, err);
   if (!status && ferror(f)) status = vs_fail_at(err, place, "cannot be read: %s", strerror(errno));
-  free(line);
   fclose(f);
   return status;
 }

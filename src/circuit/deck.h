@@ -46,8 +46,10 @@ enum {
   VS_LOST_ALL = 15
 };
 
+/* A line of the netlist with what goes on with it ('+'), end-of-line comments left out. */
 typedef struct vs_line {
   char *text;
+  size_t first; /* bytes of it that stand in the line of `where`; the others stand below */
   vs_where where;
 } vs_line;
 
@@ -131,6 +133,7 @@ typedef struct vs_deck {
   size_t n_ratings;
   vs_part parts[VS_DECK_PARTS];
   size_t n_parts;
+  int subcircuits; /* open ones, while it is read */
   char eva[VS_DECK_NAME], eva_plus[VS_DECK_NAME],
       eva_minus[VS_DECK_NAME]; /* instance, its two nodes */
 } vs_deck;
@@ -147,6 +150,10 @@ vs_status vs_deck_read(const char *path, vs_deck *deck, vs_error *err);
 /* Takes in the files of the parts the scene's section circuit names (NULL: none), else of the
  * defaults; they may add to the contract. */
 vs_status vs_deck_read_parts(vs_deck *deck, const vs_node *section, vs_error *err);
+
+/* Parameters of the program's, for every deck to use; the last two are the EVA's own. */
+enum { VS_STANDARD = 7 };
+extern const char *const vs_standard_names[VS_STANDARD];
 
 typedef struct vs_deck_value {
   const char *name;

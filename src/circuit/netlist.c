@@ -8,7 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "circuit/contract.h"
+#include "circuit/rules.h"
 
 static const vs_shelf EVA_SHELF = {"subcircuit", "", ".inc"};
 
@@ -17,26 +17,10 @@ static void add_text(char ***lines, size_t *count, const char *text) {
   (*lines)[(*count)++] = vs_copy(text);
 }
 
-/* The subcircuit an instance "Xname n m ... SUBCIRCUIT [NAME=VALUE ...]" is of: where it begins in
- * the line, and its length; NULL: the line is none. */
-static const char *instance_of(const char *line, size_t *length) {
-  const char *found = NULL;
-  if (tolower((unsigned char)*line) != 'x') return NULL;
-  for (const char *s = line; *s;) {
-    s += strspn(s, " \t");
-    size_t n = strcspn(s, " \t");
-    const char *after = s + n + strspn(s + n, " \t");
-    if (memchr(s, '=', n) || *after == '=' || !strncasecmp(s, "params:", 7)) break;
-    if (n) found = s, *length = n;
-    s += n;
-  }
-  return found;
-}
-
 /* The deck's line, with the part's subcircuit where it names the parameter. */
 static void add_deck_line(const vs_deck *deck, const char *line, char ***lines, size_t *count) {
   size_t n = 0;
-  const char *name = instance_of(line, &n);
+  const char *name = vs_instance_of(line, &n);
   for (size_t p = 0; name && p < deck->n_parts; p++) {
     if (strlen(deck->parts[p].name) != n || strncasecmp(name, deck->parts[p].name, n)) continue;
     vs_text text = {0};
@@ -153,9 +137,9 @@ void vs_deck_locate(const vs_deck *deck, vs_error *err) {
     const char *at = find_subject(line->text, err->text);
     if (!at) continue;
     where = line->where;
-    where.column += vs_column(line->text, at) - 1;
+    if ((size_t)(at - line->text) < line->first) where.column += vs_column(line->text, at) - 1;
   }
-  if (!where.file) return;
+  if (!where.file) where.file = deck->files[0];
   vs_error plain = *err;
   vs_fail_at(err, where, "%s%s", plain.text,
              strstr(plain.text, PARAMETER)

@@ -78,12 +78,12 @@ static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *e
 
 void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]) {
   const vs_supply_values *supply = &setup->timeline.supply;
-  const vs_deck_value values[VS_STANDARD] = {
-      {"u_rms", supply->voltage_v},       {"f_mains", supply->frequency_hz},
-      {"phase", supply->phase_rad},       {"r_source", supply->resistance_ohm},
-      {"l_source", supply->inductance_h}, {"eva_resistance", setup->model.actuator.resistance_ohm},
-      {"eva_a", setup->model.a_hm}};
-  memcpy(standard, values, sizeof values);
+  const double values[VS_STANDARD] = {supply->voltage_v,    supply->frequency_hz,
+                                      supply->phase_rad,    supply->resistance_ohm,
+                                      supply->inductance_h, setup->model.actuator.resistance_ohm,
+                                      setup->model.a_hm}; /* in the order of vs_standard_names */
+  for (int k = 0; k < VS_STANDARD; k++)
+    standard[k] = (vs_deck_value){vs_standard_names[k], values[k]};
 }
 
 static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err) {

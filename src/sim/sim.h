@@ -39,9 +39,8 @@ typedef struct vs_setup {
 vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err);
 void vs_setup_free(vs_setup *setup);
 
-/* The parameters every deck may use, as the scene has them (circuit/deck.h), and those of its EVA.
+/* The parameters every deck may use, as the scene has them, and those of its EVA (circuit/deck.h).
  */
-enum { VS_STANDARD = 7 };
 void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]);
 
 typedef struct vs_observer {

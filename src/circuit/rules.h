@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What may stand in a deck, line by line (continuations joined): circuits, and nothing that runs a
+ * command, reads or writes a file, or takes what is the program's. */
+#ifndef VS_CIRCUIT_RULES_H
+#define VS_CIRCUIT_RULES_H
+
+#include "circuit/deck.h"
+
+/* A line that begins with '.'. Keeps count of the subcircuits it opens and closes. */
+vs_status vs_rule_statement(vs_deck *deck, const char *line, vs_where where, vs_error *err);
+/* Any other line; notes the EVA. */
+vs_status vs_rule_element(vs_deck *deck, const char *line, vs_where where, vs_error *err);
+
+/* "Vname n m external"; name is filled, in lower case. */
+bool vs_is_external(const char *line, char name[VS_DECK_NAME]);
+
+/* The subcircuit an instance "Xname n m ... SUBCIRCUIT [NAME=VALUE ...]" is of: where it begins in
+ * the line, and its length; NULL: the line is none. */
+const char *vs_instance_of(const char *line, size_t *length);
+
+/* Is it a parameter of the program's that decks only use? */
+bool vs_is_standard(const char *name);
+
+#endif
