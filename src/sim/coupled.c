@@ -2,11 +2,10 @@
  * Tier "circuit": the netlist in its solver, the mechanics in GSL, stepped together at every time
  * step.
  *
- * Mechanics -> circuit: the gap z at the candidate time of each of the solver's steps, from the
- * mechanics integrated to that time under the flux linkage extrapolated from the last accepted
- * step. Circuit -> mechanics: the flux linkage lambda of the accepted step; with it the mechanics
- * are integrated again over that same step. F = lambda^2/(4a) depends on lambda alone, so nothing
- * else need be exchanged. */
+ * Mechanics -> circuit: the gap z at the candidate time of each of the solver's steps, foretold
+ * from the last accepted step. Circuit -> mechanics: the flux linkage lambda of the accepted step,
+ * under which the mechanics are integrated over it. F = lambda^2/(4a) depends on lambda alone, so
+ * nothing else need be exchanged. */
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
 #include <math.h>
