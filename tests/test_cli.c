@@ -255,7 +255,7 @@ static void bad_decks_are_refused(void) {
       {".control", "d.cir:9:1: ", {".control", "does not belong"}},
       {"  .TRAN 1u 1", "d.cir:9:3: ", {".tran", "does not belong"}},
       {".controlx\nshell touch made_by_the_deck", "d.cir:9:1: ", {".control", NULL}},
-      {"\f.control\nshell touch made_by_the_deck\n\f.endc", "d.cir:9:", {".control", NULL}},
+      {"\f.control\nshell touch made_by_the_deck\n\f.endc", "d.cir:9:", {"control character", NULL}},
       {".optionsx reltol=1", "d.cir:9:1: ", {".options", NULL}},
       {".include script.inc", "script.inc:1:1: ", {".control", "does not belong"}},
       {"*$ probe x = v(nowhere) V", "", {"v(nowhere)", NULL}},

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/text.h"
 #include "suite.h"
@@ -139,8 +140,66 @@ static void bad_lines_are_refused(void) {
   REFUSE(SUPPLY "*$ probe v_a = v(a) V\n*$ rating v_a 1 V\n" EVA, "bad.cir:5:15: ", "MIN..MAX");
   REFUSE(SUPPLY "*$ compat lt\n" EVA, "bad.cir:4:11: ", "there is: ps");
   REFUSE(SUPPLY "*$ port mains = Vn\n" EVA, "bad.cir:4:9: ", "second port mains");
+  REFUSE(SUPPLY "*$ probe p = v(a) V\n" EVA, "bad.cir:4:14: ", "the program's");
+  REFUSE(SUPPLY "*$ probe t = v(a) V\n" EVA, "bad.cir:4:14: ", "the program's");
   REFUSE("*$ rate x\n" EVA, "bad.cir:1:4: ", "did you mean");
   REFUSE(SUPPLY "*$ param x = y part 3\n" EVA, "bad.cir:4:21: ", "quotes");
+}
+
+/* What would write or read a file, take what is the program's, or hide from the rules: refused as
+ * the seventh line of a good deck, with or without a continuation. */
+static void strangers_lines_are_refused(void) {
+  static const struct {
+    const char *lines, *word;
+  } ROWS[] = {{".model m numd level=1", "'numd'"},
+              {".model m\n+ NUMD level=1", "'numd'"},
+              {".model m\n* a comment between\n+ nbjt", "'nbjt'"},
+              {".model m nmos level=54", "'54'"},
+              {".model m nmos (vto=1 LEVEL = 8)", "'8'"},
+              {".model m nmos level=4", "'4'"},
+              {".model m filesource(file=\"x\")", "'filesource'"},
+              {".model m d_source(input_file=\"x\")", "'d_source'"},
+              {".model m table2d(file=\"x\")", "'table2d'"},
+              {".model m gain(gain=1 file=\"x\")", "(file=)"},
+              {".model m square", "'square'"},
+              {"Xq a\n+ 0 eva", "second EVA"},
+              {"Xq a 0\n* between\n+ EVA", "second EVA"},
+              {".subckt foo m\nXq m 0 eva\n.ends", "second EVA"},
+              {"Vq a 0\n+ external", "no line '*$ port"},
+              {"Iq a 0\n+ external", "no line '*$ port"},
+              {"Vq a 0 dc 0 external", "no more"},
+              {"Vq a 0 external 3", "no more"},
+              {".param u_rms=3", "u_rms"},
+              {".param x=2 eva_a = {1e-3}", "eva_a"},
+              {".param two=2\n+ phase=1", "phase"},
+              {"*$ param eva_resistance = 1 ohm 0..2", "eva_resistance"},
+              {"*$ param r1 = 1 ohm 0..2\n.param r1=3", "'*$ param' line already"},
+              {".subckt EVA pos neg\nR1 pos neg 1\n.ends", "eva is the program's"},
+              {"\r.control", "control character"}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char text[512], place[32];
+    snprintf(text, sizeof text, "%s" SUPPLY_LOSS "R1 a b 100\n" EVA "%s\n", SUPPLY, ROWS[k].lines);
+    int line =
+        !strncmp(ROWS[k].lines, ".subckt foo", 11) || strstr(ROWS[k].word, "already") ? 8 : 7;
+    snprintf(place, sizeof place, "bad.cir:%d:", line);
+    REFUSE(text, place, ROWS[k].word);
+  }
+  REFUSE("+ R1 a b 1\n" SUPPLY EVA, "bad.cir:1:1: ", "'+'");
+  REFUSE(SUPPLY "R1 a b 1\n.subckt foo m\nXeva m 0 eva\n.ends\nX1 b foo\n",
+         "bad.cir:6:1: ", "in no subcircuit");
+  CU_ASSERT(!mkfifo("pipe.inc", 0600));
+  REFUSE(SUPPLY ".include pipe.inc\n" EVA, "pipe.inc: ", "no file of text");
+  unlink("pipe.inc");
+  /* a subcircuit's own names are its own, and comments and continuations do no harm */
+  write_file("good.cir", SUPPLY SUPPLY_LOSS "*$ loss r1 = v(a,b)^2/100\n"
+                                            ".subckt half p q u_rms=50\n.param phase=2\n"
+                                            "Ra p ; half of it\n* between\n+ m {u_rms} $ and\n"
+                                            "+ tc1=0 // so on\n"
+                                            "Rb m q {25*phase}\n.ends\nX1 a b half\n" EVA);
+  vs_trial *t = run_deck("good.cir", NULL, NULL);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  CU_ASSERT(fabs(t->energy.residual[VS_B_CIRCUIT]) < 1e-3);
+  vs_trial_free(t);
 }
 
 /* What ngspice refuses is found in the text of the deck. */
@@ -265,6 +324,21 @@ static void a_missing_store_is_seen(void) {
   CLOSE(without->energy.left_j[VS_B_CIRCUIT], 0.5 * 10e-6 * 141 * 141, 0.1); /* near the peak */
   vs_trial_free(with);
   vs_trial_free(without);
+}
+
+/* A wrong store that ends empty is seen on the way. */
+static void a_wrong_store_is_seen(void) {
+  static const char *const STORES[] = {"*$ store c2x = 99*{c2}*v(c2p)^2/2\n",
+                                       "*$ store lx = 19*{l_source}*i(Vmains)^2/2\n"};
+  for (size_t k = 0; k < COUNT(STORES); k++) {
+    write_deck_without("wrong.cir", "nothing");
+    FILE *f = fopen("wrong.cir", "a");
+    fputs(STORES[k], f);
+    fclose(f);
+    vs_trial *t = run_deck("wrong.cir", "run.until=0.1s", "supply.voltage=440V");
+    CU_ASSERT_EQUAL(open_balance(t), VS_B_CIRCUIT);
+    vs_trial_free(t);
+  }
 }
 
 /* A deck that declares neither has no books to close, and none are claimed. */
@@ -430,11 +504,13 @@ static const vs_test TESTS[] = {
     {"formulas", formulas_give_their_values},
     {"bad formulas", bad_formulas_are_refused},
     {"bad lines", bad_lines_are_refused},
+    {"strangers' lines", strangers_lines_are_refused},
     {"refusals are located", refusals_are_located},
     {"losses of the paper's circuit", losses_of_the_paper},
     {"books close over the circuit", books_close_over_the_circuit},
     {"a missing loss", a_missing_loss_is_seen},
     {"a missing store", a_missing_store_is_seen},
+    {"a wrong store", a_wrong_store_is_seen},
     {"no accounts, no books", no_accounts_no_books},
     {"a wrong force sign", a_wrong_force_sign_is_seen},
     {"a missing back-EMF", a_missing_back_emf_is_seen},

@@ -172,15 +172,18 @@ static double edge(void *ctx, double t_s) {
 
 /* While the thyristor blocks, the coil rings with the snubbers, faster than the mains, and what
  * flux linkage it is at when the thyristor fires the whole conduction then carries along. Steps are
- * finer while there is such a voltage (parts of the mains' peak); with no firing to come, while it
- * moves the current's samples. */
-static const double RINGS = 0.001, RINGS_LAST = 0.03;
+ * a quarter then, while there is such a voltage (a part of the mains' peak); behind the last
+ * firing, where only the current's own samples suffer, a half while the ring is strong. */
+static const double RINGS = 0.001, RINGS_STRONGLY = 0.03;
 
 static double longest(void *ctx, double t_s) {
   const coupling *c = ctx;
-  double rings = fabs(c->knots[c->now].flux_rate_v) / c->setup->timeline.peak_v;
-  bool finer = !c->conducting && rings > RINGS && (rings > RINGS_LAST || edge(ctx, t_s) < INFINITY);
-  return finer ? c->max_step_s / 4 : c->max_step_s;
+  double ring = fabs(c->knots[c->now].flux_rate_v) / c->setup->timeline.peak_v, part = 1;
+  if (!c->conducting && ring > RINGS && edge(ctx, t_s) < INFINITY)
+    part = 1.0 / 4;
+  else if (!c->conducting && ring > RINGS_STRONGLY)
+    part = 1.0 / 2;
+  return part * c->max_step_s;
 }
 
 /* What the anode current did in the step just taken, and when. Firing is dated back along the line

@@ -52,6 +52,20 @@ const vs_tier *vs_tier_find(const char *name) {
   return NULL;
 }
 
+/* A probe of the deck's must not be called as a channel of every tier's is, nor as the time. */
+static vs_status check_probe_names(const vs_deck *deck, vs_error *err) {
+  vs_status s = VS_OK;
+  for (size_t k = 0; k < deck->n_probes && !s; k++) {
+    const vs_probe *probe = &deck->probes[k];
+    bool taken = !strcmp(probe->name, "t");
+    for (int c = 0; c < VS_CH_DECK; c++) taken = taken || !strcmp(probe->name, vs_channels[c].name);
+    if (taken)
+      s = vs_carry_on(err, vs_fail_at(err, deck->terms[probe->term].where,
+                                      "probe %s: that name is the program's", probe->name));
+  }
+  return s;
+}
+
 /* The section circuit: its key deck first, then all of it against that deck's parameters. */
 static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *err) {
   const vs_node *map = vs_node_child(scene, "circuit"),
@@ -69,6 +83,7 @@ static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *e
     return s;
   }
   s = vs_deck_read_parts(&setup->deck, map, err);
+  if (!s) s = check_probe_names(&setup->deck, err);
   if (setup->deck.lost & VS_LOST_PARAM) map = NULL; /* a key may be that one's */
   if (!s) s = vs_section_read(&setup->deck.section, map, values, err);
   vs_deck_value standard[VS_STANDARD];

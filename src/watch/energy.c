@@ -50,7 +50,6 @@ static double mechanical(const vs_model *m, const vs_knot *k) {
 
 static void begin(vs_energy *e, const vs_step *step) {
   const vs_deck *deck = step->frame->deck;
-  e->begun = true;
   e->first = *step->from;
   for (size_t n = 0; deck && n < deck->losses.count; n++)
     e->loss_w[n] = vs_formula_value(&deck->losses.item[n].formula, e->first.terms);
@@ -71,11 +70,39 @@ static void add_losses(vs_energy *e, const vs_step *step) {
   }
 }
 
+/* What is stored is told by the first and the last knot alone; with it the balances. */
+static void take_stock(vs_energy *e) {
+  const vs_deck *deck = e->frame->deck;
+  const vs_model *m = e->frame->model;
+  e->joule[VS_E_MAGNETIC] = magnetic(e->frame, &e->last) - magnetic(e->frame, &e->first);
+  e->joule[VS_E_MECHANICAL] = mechanical(m, &e->last) - mechanical(m, &e->first);
+  for (size_t n = 0; deck && n < deck->stores.count; n++) {
+    double held[2];
+    vs_formula_pair(&deck->stores.item[n].formula, e->first.terms, e->last.terms, held);
+    e->store_j[n] = held[1] - held[0];
+  }
+  const double *j = e->joule;
+  double *left = e->left_j;
+  left[VS_B_EVA] =
+      j[VS_E_PORT] - j[VS_E_COPPER] - j[VS_E_MAGNETIC] - (e->frame->gap_at_rest ? 0 : j[VS_E_WORK]);
+  left[VS_B_MECHANICAL] = j[VS_E_WORK] - j[VS_E_DAMPING] - j[VS_E_STOP] - j[VS_E_MECHANICAL];
+  left[VS_B_CIRCUIT] = j[VS_E_SOURCE] - j[VS_E_PORT];
+  for (size_t k = 0; deck && k < deck->losses.count; k++) left[VS_B_CIRCUIT] -= e->loss_j[k];
+  for (size_t k = 0; deck && k < deck->stores.count; k++) left[VS_B_CIRCUIT] -= e->store_j[k];
+  for (int b = 0; b < VS_BALANCES; b++)
+    if (fabs(left[b]) > fabs(e->furthest_j[b])) {
+      e->furthest_j[b] = left[b];
+      e->furthest_s[b] = e->last.t_s;
+    }
+}
+
+enum { STOCK_TAKING = 32 }; /* steps between two looks at the books */
+
 void vs_energy_accept(vs_energy *e, const vs_step *step) {
   static const unsigned PARTS = VS_PART_VELOCITIES | VS_PART_V_EVA | VS_PART_V_MAINS;
   const vs_model *m = step->frame->model;
   double h = step->to->t_s - step->from->t_s, y[VS_CH_MOST];
-  if (!e->begun) begin(e, step);
+  if (!e->steps++) begin(e, step);
   for (int g = step->cubic_flux ? 0 : 1, k = 0; k < GAUSS[g].count; k++) {
     vs_step_parts_at(step, step->from->t_s + h * GAUSS[g].at[k], PARTS, y);
     double w = h * GAUSS[g].weight[k], lost = 0;
@@ -91,35 +118,16 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
   }
   vs_knot_copy(step->frame, step->to, &e->last);
   if (step->frame->deck) add_losses(e, step);
-}
-
-/* What is stored is told by the first and the last knot alone. */
-static void take_stock(vs_energy *e) {
-  const vs_deck *deck = e->frame->deck;
-  const vs_model *m = e->frame->model;
-  e->joule[VS_E_MAGNETIC] = magnetic(e->frame, &e->last) - magnetic(e->frame, &e->first);
-  e->joule[VS_E_MECHANICAL] = mechanical(m, &e->last) - mechanical(m, &e->first);
-  for (size_t n = 0; deck && n < deck->stores.count; n++) {
-    double held[2];
-    vs_formula_pair(&deck->stores.item[n].formula, e->first.terms, e->last.terms, held);
-    e->store_j[n] = held[1] - held[0];
-  }
+  if (e->steps % STOCK_TAKING == 0) take_stock(e);
 }
 
 void vs_energy_finish(vs_energy *e) {
-  take_stock(e);
-  const double *j = e->joule;
   const vs_deck *deck = e->frame->deck;
-  double scale = j[VS_E_WORK] != 0 ? fabs(j[VS_E_WORK]) : 1, *left = e->left_j;
-  left[VS_B_EVA] =
-      j[VS_E_PORT] - j[VS_E_COPPER] - j[VS_E_MAGNETIC] - (e->frame->gap_at_rest ? 0 : j[VS_E_WORK]);
-  left[VS_B_MECHANICAL] = j[VS_E_WORK] - j[VS_E_DAMPING] - j[VS_E_STOP] - j[VS_E_MECHANICAL];
-  left[VS_B_CIRCUIT] = j[VS_E_SOURCE] - j[VS_E_PORT];
-  for (size_t k = 0; deck && k < deck->losses.count; k++) left[VS_B_CIRCUIT] -= e->loss_j[k];
-  for (size_t k = 0; deck && k < deck->stores.count; k++) left[VS_B_CIRCUIT] -= e->store_j[k];
+  take_stock(e);
+  double scale = e->joule[VS_E_WORK] != 0 ? fabs(e->joule[VS_E_WORK]) : 1;
   for (int b = 0; b < VS_BALANCES; b++) {
     e->balanced[b] = b != VS_B_CIRCUIT || !deck || deck->losses.count || deck->stores.count;
-    e->residual[b] = left[b] / scale;
+    e->residual[b] = e->left_j[b] / scale;
     if (e->balanced[b]) e->worst = fmax(e->worst, fabs(e->residual[b]));
   }
 }
@@ -127,9 +135,10 @@ void vs_energy_finish(vs_energy *e) {
 const char *vs_energy_open(const vs_energy *e, double tolerance, char *buffer, size_t size) {
   double whole = fmax(fabs(e->joule[VS_E_WORK]), fabs(e->joule[VS_E_SOURCE]));
   for (int b = 0; b < VS_BALANCES; b++) {
-    if (!e->balanced[b] || !(fabs(e->left_j[b]) > 10 * tolerance * whole)) continue;
-    snprintf(buffer, size, "the energy books do not close (%s): %s leaves %.3g J of %.3g J%s",
-             vs_balance_names[b], vs_balance_texts[b], e->left_j[b], whole,
+    if (!e->balanced[b] || !(fabs(e->furthest_j[b]) > 10 * tolerance * whole)) continue;
+    snprintf(buffer, size,
+             "the energy books do not close (%s): %s leaves %.3g J of %.3g J at %.6g s%s",
+             vs_balance_names[b], vs_balance_texts[b], e->furthest_j[b], whole, e->furthest_s[b],
              b == VS_B_CIRCUIT ? "; is a loss or store line of the deck missing or wrong?" : "");
     return buffer;
   }

@@ -48,8 +48,9 @@ typedef struct vs_energy {
   double loss_j[VS_DECK_MOST];  /* their integrals */
   double store_j[VS_DECK_MOST]; /* of the deck's store lines: gained since the beginning */
   vs_knot first, last;          /* of the steps shown */
-  bool begun;
-  double left_j[VS_BALANCES];   /* what each balance leaves over */
+  long steps;
+  double left_j[VS_BALANCES];                              /* what each balance leaves over */
+  double furthest_j[VS_BALANCES], furthest_s[VS_BALANCES]; /* the most on the way, and when */
   bool balanced[VS_BALANCES];   /* false: nothing to balance (a deck without losses and stores) */
   double residual[VS_BALANCES]; /* relative to the work of the force; in J where that is 0 */
   double worst;                 /* the largest of them */
@@ -60,9 +61,9 @@ void vs_energy_accept(vs_energy *energy, const vs_step *step);
  * the work out: nothing supplies it. */
 void vs_energy_finish(vs_energy *energy);
 
-/* Do the books close? A balance may leave ten times run.tolerance of the work of the force or of
- * what was drawn from the mains, whichever is more. NULL: they do; else the buffer says which does
- * not. */
+/* Do the books close, on the way and at the end? A balance may leave ten times run.tolerance of the
+ * work of the force or of what was drawn from the mains, whichever is more. NULL: they do; else the
+ * buffer says which does not. */
 const char *vs_energy_open(const vs_energy *energy, double tolerance, char *buffer, size_t size);
 
 #endif
