@@ -12,14 +12,16 @@
 static const double I_PEAK = 0.83336808722, EXTINCTION = 0.01372641535, FORCE = 93.553213614,
                     FIRST = -1.3771464192e-3, SECOND = 1.3290450284e-3, P_100MS = -7.4366149576e-4;
 
+enum { COMPARED = 6 }; /* p u w phi i force */
+
 /* A dense reference run: rows at whole multiples of its step, columns by name. */
 typedef struct dense {
   double step_s;
   int rows, columns, compared; /* compared: how many rows the run under test has met */
   double *value;
-  int channel[4], column[4]; /* p u w phi */
-  double worst[4], peak[4];  /* largest difference, largest reference value */
-  double p_100ms;            /* what the run under test has there */
+  int channel[COMPARED], column[COMPARED];
+  double worst[COMPARED], peak[COMPARED]; /* largest difference, largest reference value */
+  double p_100ms;                         /* what the run under test has there */
 } dense;
 
 static void read_dense(const char *name, dense *d) {
@@ -28,9 +30,10 @@ static void read_dense(const char *name, dense *d) {
   snprintf(path, sizeof path, "%s/reference/%s", VS_TEST_FOLDER, name);
   FILE *f = fopen(path, "r");
   CU_ASSERT_PTR_NOT_NULL_FATAL(f);
-  *d = (dense){.channel = {VS_CH_P, VS_CH_U, VS_CH_W, VS_CH_PHI}, .column = {1, 2, 3, 4}};
+  *d = (dense){.channel = {VS_CH_P, VS_CH_U, VS_CH_W, VS_CH_PHI, VS_CH_I, VS_CH_FORCE},
+               .column = {1, 2, 3, 4, 6, 7}};
   CU_ASSERT_FATAL(getline(&line, &size, f) > 0);
-  CU_ASSERT_EQUAL_FATAL(strncmp(line, "t_s,p_m,u_m,w_m,phi_rad,", 24), 0);
+  CU_ASSERT_EQUAL_FATAL(strncmp(line, "t_s,p_m,u_m,w_m,phi_rad,lambda_wb,i_a,force_n,", 46), 0);
   for (const char *s = line; *s; s++) d->columns += *s == ',';
   d->columns++;
   while (getline(&line, &size, f) > 0) {
@@ -40,7 +43,7 @@ static void read_dense(const char *name, dense *d) {
       d->value[d->rows * d->columns + c] = strtod(s, &s);
       s += *s == ',';
     }
-    for (int k = 0; k < 4; k++)
+    for (int k = 0; k < COMPARED; k++)
       d->peak[k] = fmax(d->peak[k], fabs(d->value[d->rows * d->columns + d->column[k]]));
     d->rows++;
   }
@@ -58,16 +61,17 @@ static vs_status compare(void *ctx, const vs_step *step, vs_error *err) {
     double t = (d->compared + 1) * d->step_s; /* the file's instants are rounded */
     if (t > step->to->t_s * (1 + 1e-12)) break;
     vs_step_at(step, fmin(t, step->to->t_s), y);
-    for (int k = 0; k < 4; k++)
+    for (int k = 0; k < COMPARED; k++)
       d->worst[k] = fmax(d->worst[k], fabs(y[d->channel[k]] - row[d->column[k]]));
     if (fabs(t - 0.1) < d->step_s / 2) d->p_100ms = y[VS_CH_P];
   }
   return VS_OK;
 }
 
-/* tolerances: of peaks and extinction; of p(0.1 s); of p, u, w, phi over the dense run */
+/* tolerance: of peaks, extinction and p(0.1 s); course: of p, u, w, phi, i and force over the dense
+ * run */
 static void check(const char *file, const char *until, const char *setting, double peaks,
-                  double at_100ms, double course) {
+                  double course) {
   dense d;
   read_dense(file, &d);
   vs_observer observer = {&d, compare};
@@ -83,23 +87,23 @@ static void check(const char *file, const char *until, const char *setting, doub
   CLOSE_OF(v[VS_M_T_FIRE].value, 1 / 180.0, 1,
            1e-9); /* 100 degrees of 50 Hz; a gate edge is a step's end */
   CU_ASSERT_EQUAL(d.compared, d.rows);
-  for (int k = 0; k < 4; k++) CLOSE_OF(d.worst[k], 0, d.peak[k], course);
-  CLOSE_OF(d.p_100ms, P_100MS, FIRST, at_100ms);
+  for (int k = 0; k < COMPARED; k++) CLOSE_OF(d.worst[k], 0, d.peak[k], course);
+  CLOSE_OF(d.p_100ms, P_100MS, FIRST, peaks);
   vs_trial_free(t);
   free(d.value);
 }
 
-/* What is asked for at the default tolerance of 1e-4, and at 1e-6; measured: 6e-5 and 7e-7 of the
- * first peak. The rest of the way to "the error asked for is the error got" is the step control's.
- */
+/* The error asked for is the error got, to a factor of two: the current rings on behind the pulse,
+ * where steps are half as fine as before it (measured: 1.5 of the tolerance for i, 0.2 for the
+ * others). */
 static void by_default(void) {
-  check("T3A_200ms_every_100us.csv", "run.until=0.2s", "run.tolerance=1e-4", 1e-3, 1e-3, 1e-3);
+  check("T3A_200ms_every_100us.csv", "run.until=0.2s", "run.tolerance=1e-4", 1e-4, 2e-4);
 }
 static void at_1e6(void) {
-  check("T3A_200ms_every_100us.csv", "run.until=0.2s", "run.tolerance=1e-6", 5e-5, 1e-4, 2e-4);
+  check("T3A_200ms_every_100us.csv", "run.until=0.2s", "run.tolerance=1e-6", 1e-6, 2e-6);
 }
 static void two_seconds(void) {
-  check("T3A_2s_every_1ms.csv", "run.until=2s", "run.tolerance=1e-4", 1e-3, 1e-3, 1e-3);
+  check("T3A_2s_every_1ms.csv", "run.until=2s", "run.tolerance=1e-4", 1e-4, 2e-4);
 }
 
 /* Device extremes of T3A, four digits each, and the energy over 2 s. */
