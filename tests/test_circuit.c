@@ -1,10 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Tier circuit (ngspice and GSL stepped together) against the reference run of circuit T3A, which
  * is what the deck halfwave_snubbed is by default. */
+#include <fcntl.h>
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <sys/time.h>
+#include <unistd.h>
 
 #include "suite.h"
 
@@ -323,25 +328,25 @@ static void ngspice_gives_up(void) {
 
 /* ngspice, with the times counted that it asks for the gap. */
 static struct {
-  vs_circuit_host host;
+  vs_circuit_host host, counting;
   size_t gap;
   long asked;
 } counted;
-static vs_status load_counted(const vs_circuit_job *job, void **circuit, vs_error *err) {
-  counted.gap = job->n_ports - 1;
-  counted.asked = 0;
-  return vs_ngspice.load(job, circuit, err);
-}
 static double count_source(void *ctx, size_t port, double t_s) {
   (void)ctx;
   counted.asked += port == counted.gap;
   return counted.host.source(counted.host.ctx, port, t_s);
 }
-static vs_status run_counted(void *circuit, const vs_circuit_host *host, vs_error *err) {
-  vs_circuit_host counting = *host;
-  counted.host = *host;
-  counting.source = count_source; /* hands on to the host's own, whatever its ctx */
-  return vs_ngspice.run(circuit, &counting, err);
+static vs_status load_counted(const vs_circuit_job *job, const vs_circuit_host *host,
+                              void **circuit, vs_error *err) {
+  counted.gap = job->n_ports - 1;
+  counted.asked = 0;
+  counted.host = counted.counting = *host;
+  counted.counting.source = count_source; /* hands on to the host's own, whatever its ctx */
+  return vs_ngspice.load(job, &counted.counting, circuit, err);
+}
+static vs_status run_counted(void *circuit, vs_error *err) {
+  return vs_ngspice.run(circuit, err);
 }
 static void free_counted(void *circuit) {
   vs_ngspice.free(circuit);
@@ -362,6 +367,142 @@ static void two_iterations_per_step(void) {
   CU_ASSERT_EQUAL(scene.tier->run(&scene.setup, &observer, &err), VS_OK);
   CLOSE_OF((double)counted.asked / (double)steps, 2, 1, 0.1);
   vs_scene_free(&scene);
+}
+
+/* ---- a netlist straight into ngspice, with a host that only counts ---- */
+
+typedef struct bare {
+  vs_error err;
+  int accepted; /* a file: gets a byte at each accepted step, whichever process takes it */
+  unsigned nap_s;
+} bare;
+
+static double bare_source(void *ctx, size_t port, double t_s) {
+  (void)port, (void)t_s;
+  sleep(((bare *)ctx)->nap_s);
+  return 0;
+}
+static double bare_forever(void *ctx, double t_s) {
+  (void)ctx, (void)t_s;
+  return INFINITY;
+}
+static vs_status bare_accept(void *ctx, double t_s, const double *signals, vs_error *err) {
+  (void)t_s, (void)signals;
+  bool told = write(((bare *)ctx)->accepted, "+", 1) == 1;
+  return told ? VS_OK : vs_fail(err, VS_RUN, "the test's own file cannot be written");
+}
+
+static long bytes_in(int file) {
+  struct stat s;
+  return fstat(file, &s) ? -1 : (long)s.st_size;
+}
+
+/* Loads the netlist, and runs it unless only_load, for 1 ms in steps of at most 25 us; the first
+ * line is the title. Gives how many steps the host was shown. */
+static vs_status try_bare(const char *netlist, bool only_load, bare *b, long *steps) {
+  char *text = vs_copy(netlist), *rest = text, *lines[8];
+  const char *const ports[] = {"vport"}, *const signals[] = {"v(0)"};
+  vs_circuit_job job = {.netlist = lines,
+                        .ports = ports,
+                        .n_ports = 1,
+                        .signals = signals,
+                        .n_signals = 1,
+                        .until_s = 1e-3,
+                        .max_step_s = 25e-6,
+                        .dialect = "",
+                        .relative_tolerance = 1e-4,
+                        .current_tolerance_a = 1e-6};
+  const vs_circuit_host host = {b, bare_source, bare_forever, bare_forever, bare_accept};
+  void *circuit = NULL;
+  while ((lines[job.lines] = strsep(&rest, "\n"))) job.lines++;
+  FILE *f = tmpfile();
+  CU_ASSERT_PTR_NOT_NULL_FATAL(f);
+  b->accepted = fileno(f);
+  vs_status status = vs_ngspice.load(&job, &host, &circuit, &b->err);
+  CU_ASSERT_EQUAL(circuit != NULL, status == VS_OK);
+  if (!status && !only_load) status = vs_ngspice.run(circuit, &b->err);
+  vs_ngspice.free(circuit);
+  *steps = bytes_in(b->accepted);
+  fclose(f);
+  free(text);
+  return status;
+}
+
+static const char HARMLESS[] = "harmless\nRno no 0 1\nIno no 0 1";
+
+/* A circuit that crashes ngspice, as it is loaded (a name too long for a buffer) or in its first
+ * step (a source that is external and is not), costs a message and nothing else: no word on
+ * standard error, no harm to the next one. */
+static void a_crash_is_a_message(void) {
+  static const struct {
+    const char *format;
+    int number;
+  } ROWS[] = {{"crash\nVq q 0 dc 0 external\nRq q 0 1k%.0s", SIGSEGV},
+              {"crash\nRq q 0 1k\nBq q 0 I %s= 1", SIGABRT}};
+  char name[600], netlist[1024], says[64];
+  memset(name, 'B', sizeof name);
+  name[sizeof name - 1] = '\0';
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    bare b = {.nap_s = 0};
+    long steps;
+    snprintf(netlist, sizeof netlist, ROWS[k].format, name);
+    snprintf(says, sizeof says, "ngspice died of it (signal %d)", ROWS[k].number);
+    FILE *f = tmpfile();
+    int err = dup(STDERR_FILENO);
+    CU_ASSERT_FATAL(f && err >= 0 && dup2(fileno(f), STDERR_FILENO) >= 0);
+    vs_status status = try_bare(netlist, false, &b, &steps);
+    dup2(err, STDERR_FILENO);
+    EXPECT(status == VS_INPUT && strstr(b.err.text, says), "%d: %s", (int)status, b.err.text);
+    CU_ASSERT_EQUAL(bytes_in(fileno(f)), 0);
+    CU_ASSERT_EQUAL(try_bare(HARMLESS, false, &b, &steps), VS_OK);
+    CU_ASSERT(steps >= 40); /* 1 ms in steps of 25 us */
+    close(err);
+    fclose(f);
+  }
+}
+
+/* The trial ends before its first step is anybody's. */
+static void the_trial_shows_nothing(void) {
+  bare b = {.nap_s = 0};
+  long steps;
+  CU_ASSERT_EQUAL(try_bare(HARMLESS, true, &b, &steps), VS_OK);
+  CU_ASSERT_EQUAL(steps, 0);
+}
+
+/* A source of about 1 THz on a capacitor: honest steps, but no end in sight. The run ends by count,
+ * at the same step each time. A deck that rings goes on (gear_damps_what_rings). */
+static void no_progress_is_an_end(void) {
+  static const char ENDLESS[] = "endless\nVno no 0 sin(0 1 1.23456789e12)\nCno no 0 1u";
+  bare b[2] = {{.nap_s = 0}};
+  long steps[2];
+  for (int k = 0; k < 2; k++) {
+    CU_ASSERT_EQUAL(try_bare(ENDLESS, false, &b[k], &steps[k]), VS_RUN);
+    EXPECT(!strncmp(b[k].err.text, "t = ", 4) &&
+               strstr(b[k].err.text, "ngspice makes no progress: 100000 steps for "),
+           "%s", b[k].err.text);
+    EXPECT(steps[k] > 10000 && steps[k] <= 100000, "%ld steps", steps[k]);
+  }
+  CU_ASSERT_EQUAL(steps[0], steps[1]);
+  CU_ASSERT_STRING_EQUAL(b[0].err.text, b[1].err.text);
+}
+
+static void nothing_to_do(int number) {
+  (void)number;
+}
+
+/* A signal ends a trial that hangs; without it the child's own alarm would. */
+static void a_signal_ends_the_trial(void) {
+  const struct sigaction heed = {.sa_handler = nothing_to_do};
+  const struct itimerval often = {{0, 100000}, {0, 100000}}, never_more = {{0, 0}, {0, 0}};
+  struct sigaction before;
+  bare b = {.nap_s = 30};
+  long steps;
+  sigaction(SIGALRM, &heed, &before);
+  setitimer(ITIMER_REAL, &often, NULL);
+  vs_status status = try_bare("hangs\nVport no 0 external\nRno no 0 1", false, &b, &steps);
+  setitimer(ITIMER_REAL, &never_more, NULL);
+  sigaction(SIGALRM, &before, NULL);
+  EXPECT(status == VS_SIGNAL, "%d: %s", (int)status, b.err.text);
 }
 
 /* A probe of a node that the deck does not have, a model that is nowhere: errors of the input,
@@ -440,6 +581,10 @@ static const vs_test TESTS[] = {
     {"ngspice gives up", ngspice_gives_up},
     {"Newton's iterations", two_iterations_per_step},
     {"misfit decks", a_deck_that_does_not_fit_is_named},
+    {"a crash is a message", a_crash_is_a_message},
+    {"the trial shows nothing", the_trial_shows_nothing},
+    {"no progress is an end", no_progress_is_an_end},
+    {"a signal ends the trial", a_signal_ends_the_trial},
     {"nodes named like constants", nodes_named_like_constants},
     {"stopped run", a_stopped_run_leaves_no_trace},
     {"gear damps what rings", gear_damps_what_rings},

@@ -14,6 +14,7 @@ static const double A_HM = 1.6 * 6.5e-3 / 2, R_OHM = 92;
 
 typedef struct fake {
   const vs_circuit_job *job;
+  const vs_circuit_host *host;
   size_t mains, gate, gap; /* ports */
   double flux_wb;
   bool on;
@@ -29,10 +30,12 @@ static size_t port(const vs_circuit_job *job, const char *name) {
   return 0;
 }
 
-static vs_status load(const vs_circuit_job *job, void **circuit, vs_error *err) {
+static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
+                      vs_error *err) {
   (void)err;
   fake *f = vs_alloc(1, sizeof *f);
   *f = (fake){.job = job,
+              .host = host,
               .mains = port(job, "vmains"),
               .gate = port(job, "vgate"),
               .gap = port(job, "v.xeva.vgap")};
@@ -60,8 +63,9 @@ static vs_status show(fake *f, const vs_circuit_host *h, double t, double z, vs_
   return h->accept(h->ctx, t, values, err);
 }
 
-static vs_status run(void *circuit, const vs_circuit_host *h, vs_error *err) {
+static vs_status run(void *circuit, vs_error *err) {
   fake *f = circuit;
+  const vs_circuit_host *h = f->host;
   vs_status status = VS_OK;
   double t = 0, until = f->job->until_s, z0 = h->source(h->ctx, f->gap, 0);
   while (!status && t < until) {
@@ -101,8 +105,9 @@ static vs_status run(void *circuit, const vs_circuit_host *h, vs_error *err) {
 static const vs_circuit_kind FAKE = {"fake", load, run, free};
 
 /* A circuit whose flux linkage is given: 1 Wb sin^2(pi t/10 ms), whatever the gap. */
-static vs_status run_given(void *circuit, const vs_circuit_host *h, vs_error *err) {
+static vs_status run_given(void *circuit, vs_error *err) {
   fake *f = circuit;
+  const vs_circuit_host *h = f->host;
   vs_status status = VS_OK;
   double n = ceil(f->job->until_s / f->job->max_step_s), w = M_PI / 0.01;
   for (double k = 1; k <= n && !status; k++) {

@@ -258,21 +258,22 @@ static vs_status counted_accept(void *ctx, double t_s, const double *signals, vs
   return timed.host.accept(timed.host.ctx, t_s, signals, err);
 }
 
-static vs_status load(const vs_circuit_job *job, void **circuit, vs_error *err) {
+static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
+                      vs_error *err) {
+  static const vs_circuit_host rest = {NULL, rest_source, rest_edge, rest_longest, rest_accept};
+  static const vs_circuit_host counted = {NULL, counted_source, counted_edge, noted_longest,
+                                          counted_accept};
   timed.gap_port = job->n_ports - 1;
   timed.steps = timed.sources = 0;
   timed.now = 0;
   if (!timed.circuit_alone) timed.limits = 0;
-  return vs_ngspice.load(job, circuit, err);
+  timed.host = *host;
+  return vs_ngspice.load(job, timed.circuit_alone ? &rest : &counted, circuit, err);
 }
 
-static vs_status run(void *circuit, const vs_circuit_host *host, vs_error *err) {
-  const vs_circuit_host rest = {NULL, rest_source, rest_edge, rest_longest, rest_accept};
-  const vs_circuit_host counted = {NULL, counted_source, counted_edge, noted_longest,
-                                   counted_accept};
-  timed.host = *host;
+static vs_status run(void *circuit, vs_error *err) {
   double began = wall_clock();
-  vs_status status = vs_ngspice.run(circuit, timed.circuit_alone ? &rest : &counted, err);
+  vs_status status = vs_ngspice.run(circuit, err);
   timed.solving_s = wall_clock() - began;
   return status;
 }

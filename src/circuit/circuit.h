@@ -47,8 +47,15 @@ typedef struct vs_circuit_host {
 
 typedef struct vs_circuit_kind {
   const char *name;
-  vs_status (*load)(const vs_circuit_job *job, void **circuit, vs_error *err);
-  vs_status (*run)(void *circuit, const vs_circuit_host *host, vs_error *err);
+  /* Job and host must last as long as the circuit. ngspice takes the circuit up to its first
+   * accepted step here, in a child process that may die of it: the host is asked there, by a copy
+   * of its own, and accept() is not called. Errors: VS_INPUT, the circuit cannot be loaded or kills
+   * the solver; VS_SIGNAL, a signal that is handled came meanwhile. */
+  vs_status (*load)(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
+                    vs_error *err);
+  /* Errors: accept()'s own; VS_INPUT, the circuit cannot be run; VS_RUN, the solver gave up or
+   * makes no progress. They name the time. */
+  vs_status (*run)(void *circuit, vs_error *err);
   void (*free)(void *circuit); /* NULL is fine */
 } vs_circuit_kind;
 

@@ -6,12 +6,14 @@
  * itself. Its return codes say nothing: whether a run was good is seen from the time it reached and
  * from its log. */
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,6 +24,11 @@
 #include "circuit/rawfile.h"
 
 enum { LOG_LINE = 256, MOST_COMPLAINTS = 16 };
+
+/* Of the trial in a child process: how it may end by itself, and how long it may take; a circuit
+ * takes a few milliseconds. */
+enum { TRIAL_GOOD, TRIAL_BAD_LOAD, TRIAL_BAD_RUN };
+enum { TRIAL_SECONDS = 20 };
 
 /* libngspice is one global instance in a process; so is what its callbacks need. */
 static struct {
@@ -34,11 +41,14 @@ static struct {
   int *raw_vector; /* per vector of the rawfile: its index in SendData */
   double *raw_values;
   double reached_s, edge_s;
-  vs_status status; /* other than VS_OK: the run is to end */
+  double progress_from_s; /* where the present stretch began that guard_progress() looks at */
+  long tries;             /* steps in it, failed ones too */
+  vs_status status;       /* other than VS_OK: the run is to end */
   vs_error *err;
   char complaints[MOST_COMPLAINTS][LOG_LINE]; /* what the log says best of what went wrong */
   size_t n_complaints;
   int expected; /* lines of the last one still to come */
+  bool trial;   /* this is the child process that ends with the first accepted step */
   bool initialised,
       ended; /* ended: ngspice asked to be unloaded; this process cannot use it again */
 } ng;
@@ -209,7 +219,7 @@ static int on_vectors(pvecinfoall all, int id, void *user) {
     if (ng.vector[s] < 0 && strcmp(signal, "v(0)")) stop_with(no_signal(signal));
   }
   if (ng.time_vector >= 0) set_edge(0);
-  if (ng.time_vector >= 0 && ng.job->raw && !ng.raw.stream) begin_raw(all);
+  if (ng.time_vector >= 0 && ng.job->raw && !ng.raw.stream && !ng.trial) begin_raw(all);
   return 0;
 }
 
@@ -218,6 +228,7 @@ static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
   if (!ng.job || ng.time_vector < 0 || ng.status) return 0;
   double t = all->vecsa[ng.time_vector]->creal;
   if (t <= ng.reached_s) return 0;
+  if (ng.trial) _exit(TRIAL_GOOD);
   for (size_t s = 0; s < ng.job->n_signals; s++)
     ng.values[s] = ng.vector[s] < 0 ? 0 : all->vecsa[ng.vector[s]]->creal;
   ng.reached_s = t;
@@ -245,10 +256,31 @@ static int on_current(double *value, double t, char *name, int id, void *user) {
   return 0;
 }
 
+/* A circuit may have an instant that ngspice neither gets past nor gives up at: it shrinks its step
+ * until one converges, doubles it until one fails, and so on. MOST_TRIES steps, failed ones too,
+ * for PROGRESS_S or one largest step are no progress. Measured: at such instants steps of 1e-12 s
+ * on average, 1e7 for PROGRESS_S; a junction that rings undamped takes 3e3 at its worst. Steps are
+ * counted, not seconds: every machine ends the run at the same one. */
+enum { MOST_TRIES = 100000 };
+static const double PROGRESS_S = 1e-5;
+
+static vs_status guard_progress(void) {
+  double gone = ng.reached_s - ng.progress_from_s;
+  ng.tries++;
+  if (gone >= fmin(ng.job->max_step_s, PROGRESS_S)) {
+    ng.progress_from_s = ng.reached_s;
+    ng.tries = 0;
+  }
+  if (ng.tries < MOST_TRIES) return VS_OK;
+  return vs_fail(ng.err, VS_RUN, "t = %.9g s: ngspice makes no progress: %d steps for %.2g s",
+                 ng.reached_s, MOST_TRIES, gone);
+}
+
 /* A step length of zero is how a host makes ngspice end a run; it stays usable. */
 static int on_sync(double t, double *step, double old_step, int redo, int id, int place,
                    void *user) {
   (void)old_step, (void)redo, (void)id, (void)user;
+  if (ng.job && place == 1 && !ng.status) stop_with(guard_progress());
   if (ng.job && place == 0 && !ng.status) *step = fmin(*step, ng.host->longest(ng.host->ctx, t));
   if (ng.status) *step = 0;
   return 0;
@@ -279,39 +311,94 @@ static vs_status initialise(vs_error *err) {
   return back ? VS_OK : vs_fail(err, VS_RUN, "the working directory is gone: %s", strerror(errno));
 }
 
-enum { LOAD_SECONDS = 20 }; /* a deck takes a millisecond */
+/* ---- the trial ---- */
 
-/* Loads the circuit in a child process first: an undefined parameter makes ngspice end the process
- * it is in, other nonsense crashes it or keeps it for ever. What the child says comes back by a
- * pipe. */
-static vs_status try_in_child(const vs_circuit_job *job, char **lines, vs_error *err) {
-  int ends[2];
+static void take_job(const vs_circuit_job *job, const vs_circuit_host *host) {
+  ng.job = job;
+  ng.host = host;
+  ng.vector = vs_alloc(job->n_signals, sizeof *ng.vector);
+  ng.values = vs_alloc(job->n_signals, sizeof *ng.values);
+}
+
+static void step_on(vs_error *err) {
+  ng.err = err;
+  ng.status = VS_OK;
+  ng.edge_s = INFINITY;
+  ng.time_vector = -1;
+  ng.reached_s = ng.progress_from_s = 0;
+  ng.tries = 0;
+  ng.raw = (vs_rawfile){0};
+  char command[] = "run";
+  ngSpice_Command(command);
+}
+
+/* A crash shall end the child by its signal, without a word and without a core file. */
+static void die_quietly(void) {
+  static const int CRASHES[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+  const struct rlimit none = {0, 0};
+  int null = open("/dev/null", O_WRONLY);
+  dup2(null, STDOUT_FILENO);
+  dup2(null, STDERR_FILENO);
+  setrlimit(RLIMIT_CORE, &none);
+  for (size_t k = 0; k < sizeof CRASHES / sizeof *CRASHES; k++) signal(CRASHES[k], SIG_DFL);
+}
+
+/* The child: loads the circuit and runs it up to its first accepted step (on_accepted). What goes
+ * wrong without harm to the process is left to the parent to find. */
+static _Noreturn void try_circuit(const vs_circuit_job *job, const vs_circuit_host *host,
+                                  char **lines, int pipe_end) {
+  vs_error err = {0};
+  int end = TRIAL_BAD_LOAD;
+  alarm(TRIAL_SECONDS);
+  die_quietly();
+  ngSpice_Circ(lines);
+  if (!ng.ended) {
+    end = TRIAL_BAD_RUN;
+    ng.trial = true;
+    take_job(job, host);
+    step_on(&err);
+  }
+  size_t size = ng.n_complaints * LOG_LINE; /* PIPE_BUF at most: it is written at once */
+  if (!ng.ended) _exit(TRIAL_GOOD);
+  _exit(write(pipe_end, ng.complaints, size) < 0 ? TRIAL_BAD_LOAD : end);
+}
+
+/* Takes what the child says and waits for its end, which it gives as waitpid does. A signal that
+ * this process handles is the wish to stop. */
+static vs_status hear_child(pid_t child, int pipe_end, int *how, vs_error *err) {
+  ssize_t n = read(pipe_end, ng.complaints, sizeof ng.complaints);
+  bool stopped = n < 0 && errno == EINTR;
+  if (stopped) kill(child, SIGKILL);
+  while (waitpid(child, how, 0) < 0 && errno == EINTR) {
+  }
+  ng.n_complaints = n > 0 ? (size_t)n / LOG_LINE : 0;
+  return stopped ? vs_fail(err, VS_SIGNAL, "t = 0 s: stopped by a signal") : VS_OK;
+}
+
+/* Tries the circuit in a child process first: an undefined parameter makes ngspice end the process
+ * it is in, other nonsense crashes it, at loading or in its first step, or keeps it for ever. What
+ * the child says comes back by a pipe. */
+static vs_status try_in_child(const vs_circuit_job *job, const vs_circuit_host *host, char **lines,
+                              vs_error *err) {
+  int ends[2], how = 0;
   if (pipe(ends)) return vs_fail(err, VS_RUN, "no pipe: %s", strerror(errno));
   fflush(NULL);
   pid_t child = fork();
-  if (child == 0) {
-    alarm(LOAD_SECONDS);
-    ngSpice_Circ(lines);
-    size_t size = ng.n_complaints * LOG_LINE; /* PIPE_BUF at most: it is written at once */
-    ssize_t told = ng.ended ? write(ends[1], ng.complaints, size) : 0;
-    _exit(ng.ended || told < 0);
-  }
+  if (child == 0) try_circuit(job, host, lines, ends[1]);
+  int why = errno;
   close(ends[1]);
-  ssize_t n = child > 0 ? read(ends[0], ng.complaints, sizeof ng.complaints) : -1;
+  vs_status status = child < 0 ? vs_fail(err, VS_RUN, "no child process: %s", strerror(why))
+                               : hear_child(child, ends[0], &how, err);
   close(ends[0]);
-  if (child < 0) return vs_fail(err, VS_RUN, "no child process: %s", strerror(errno));
-  int how = 0;
-  while (waitpid(child, &how, 0) < 0 && errno == EINTR) {
-  }
-  ng.n_complaints = n > 0 ? (size_t)n / LOG_LINE : 0;
+  if (status) return status;
   if (WIFSIGNALED(how) && WTERMSIG(how) == SIGALRM)
     return vs_fail(err, VS_INPUT,
-                   "ngspice cannot load the circuit: it did not come back from it in %d s",
-                   LOAD_SECONDS);
+                   "ngspice cannot take the circuit: it did not come back from it in %d s",
+                   TRIAL_SECONDS);
   if (WIFSIGNALED(how))
-    return vs_fail(err, VS_INPUT, "ngspice cannot load the circuit: it died of it (signal %d)",
+    return vs_fail(err, VS_INPUT, "ngspice cannot take the circuit: ngspice died of it (signal %d)",
                    WTERMSIG(how));
-  return how ? refuse(job, "load", err) : VS_OK;
+  return how ? refuse(job, WEXITSTATUS(how) == TRIAL_BAD_RUN ? "run" : "load", err) : VS_OK;
 }
 
 /* The dialect is a setting of ngspice's that lasts; it says what a netlist's words mean. */
@@ -321,7 +408,8 @@ static void set_dialect(const char *dialect) {
   ngSpice_Command(command);
 }
 
-static vs_status load(const vs_circuit_job *job, void **circuit, vs_error *err) {
+static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
+                      vs_error *err) {
   *circuit = NULL;
   vs_status status = initialise(err);
   if (status) return status;
@@ -339,17 +427,15 @@ static vs_status load(const vs_circuit_job *job, void **circuit, vs_error *err) 
   for (char *line; (line = strsep(&rest, "\n"));) lines[n++] = line;
   ng.n_complaints = 0;
   ng.expected = 0;
-  ng.reached_s = 0;
-  ng.job = NULL; /* the load itself asks for nothing */
+  ng.reached_s = 0; /* complain() asks */
+  ng.job = NULL;    /* the load itself asks for nothing */
   set_dialect(job->dialect);
-  status = try_in_child(job, lines, err);
+  status = try_in_child(job, host, lines, err);
   if (!status) ngSpice_Circ(lines);
   free(lines);
   vs_text_free(&tail);
   if (status) return status;
-  ng.job = job;
-  ng.vector = vs_alloc(job->n_signals, sizeof *ng.vector);
-  ng.values = vs_alloc(job->n_signals, sizeof *ng.values);
+  take_job(job, host);
   *circuit = &ng;
   return VS_OK;
 }
@@ -364,16 +450,9 @@ static vs_status outcome(vs_error *err) {
   return VS_OK;
 }
 
-static vs_status run(void *circuit, const vs_circuit_host *host, vs_error *err) {
+static vs_status run(void *circuit, vs_error *err) {
   (void)circuit;
-  ng.host = host;
-  ng.err = err;
-  ng.status = VS_OK;
-  ng.edge_s = INFINITY;
-  ng.time_vector = -1;
-  ng.raw = (vs_rawfile){0};
-  char command[] = "run";
-  ngSpice_Command(command);
+  step_on(err);
   vs_status status = outcome(err);
   vs_error second = {0};
   if (ng.raw.stream && vs_rawfile_end(&ng.raw, status ? &second : err) && !status) return VS_RUN;

@@ -389,8 +389,8 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                                 &netlist, &job.lines, err);
   job.netlist = netlist;
   if (!s) s = vs_sim_check_steps(setup, fmin(c.max_step_s, c.substep_touching_s), err);
-  if (!s) s = setup->solver->load(&job, &circuit, err);
-  if (!s) s = setup->solver->run(circuit, &host, err);
+  if (!s) s = setup->solver->load(&job, &host, &circuit, err);
+  if (!s) s = setup->solver->run(circuit, err);
   setup->solver->free(circuit);
   vs_netlist_free(netlist, job.lines);
   gsl_odeiv2_step_free(c.step);
