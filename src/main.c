@@ -277,6 +277,17 @@ static const struct command *find_command(const char *word) {
   return NULL;
 }
 
+static void heed_signals(void) {
+  const struct sigaction action = {.sa_handler = on_signal,
+                                   .sa_flags = (int)SA_RESETHAND}; /* the second one kills */
+  struct sigaction before;
+  sigaction(SIGINT, &action, NULL);
+  sigaction(SIGTERM, &action, NULL);
+  sigaction(SIGHUP, NULL, &before);
+  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, NULL); /* else nohup's wish holds */
+  signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error to report, like a full disk */
+}
+
 int main(int argc, char **argv) {
   gsl_set_error_handler_off();
   if (argc < 2) {
@@ -294,11 +305,7 @@ int main(int argc, char **argv) {
   }
   const struct command *command = find_command(argv[1]);
   if (!command) return VS_INPUT;
-  struct sigaction action = {.sa_handler = on_signal,
-                             .sa_flags = (int)SA_RESETHAND}; /* the second one kills */
-  sigaction(SIGINT, &action, NULL);
-  sigaction(SIGTERM, &action, NULL);
-  signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error to report, like a full disk */
+  heed_signals();
 
   arguments a = {.command = command, .digits = 9, .sets = vs_alloc((size_t)argc, sizeof(char *))};
   vs_text doc = {0}, program = {0};

@@ -730,6 +730,7 @@ static void a_signal_keeps_what_there_is(void) {
   } ROWS[] = {
       {SIGTERM, "run paper -o out --tier circuit --set run.until=1000s"},
       {SIGINT, "run paper -o out --tier circuit --set run.until=1000s --json"},
+      {SIGHUP, "run paper -o out --tier circuit --set run.until=1000s"},
       {SIGTERM, "run paper -o out --tier switched --set run.until=9e5s --set run.sample=10ms"},
   };
   for (size_t k = 0; k < sizeof ROWS / sizeof *ROWS; k++) {
@@ -753,6 +754,23 @@ static void a_signal_keeps_what_there_is(void) {
     free_ran(&r);
     remove_tree("out");
   }
+}
+
+/* nohup has a program begin with SIGHUP ignored; that is then no end of a run. */
+static void nohup_is_obeyed(void) {
+  char words[] = "run paper -o out --tier circuit --quiet";
+  const char *argv[MOST_WORDS];
+  split(words, argv);
+  signal(SIGHUP, SIG_IGN);
+  pid_t child = spawn(argv);
+  signal(SIGHUP, SIG_DFL);
+  EXPECT(wait_for("out"), "did not begin");
+  kill(child, SIGHUP);
+  ran r = collect(child);
+  expect_good(&r, "with SIGHUP ignored", __LINE__);
+  EXPECT_FILES("out", GOOD_RUN);
+  free_ran(&r);
+  remove_tree("out");
 }
 
 /* ---- the other commands ---- */
@@ -911,23 +929,27 @@ static void surroundings_change_nothing(void) {
   free_ran(&other);
 }
 
-/* A file that cannot grow, as on a full disk: an error with the time, and no file that is not
- * whole. */
+/* A file that cannot grow, as on a full disk: an error with the time, no file that is not whole,
+ * and no folder for nothing; one that was there before stays. */
 static void a_full_disk_is_an_error(void) {
   struct rlimit before, small;
   getrlimit(RLIMIT_FSIZE, &before);
   small = before;
   small.rlim_cur = 60000;
   signal(SIGXFSZ, SIG_IGN);
-  setrlimit(RLIMIT_FSIZE, &small);
-  ran r = run("run paper -o out --set run.until=0.5s");
-  setrlimit(RLIMIT_FSIZE, &before);
-  CU_ASSERT_EQUAL(r.status, 1);
-  EXPECT(strstr(r.err, "run.csv") && strstr(r.err, "written"), "%s", r.err);
-  CU_ASSERT_EQUAL(count_lines(r.err), 1);
-  EXPECT_FILES("out", "");
-  free_ran(&r);
-  remove_tree("out");
+  for (int there = 0; there < 2; there++) {
+    if (there) CU_ASSERT_EQUAL(mkdir("old", 0777), 0);
+    setrlimit(RLIMIT_FSIZE, &small);
+    ran r = run("run paper -o %s --set run.until=0.5s", there ? "old" : "new/out");
+    setrlimit(RLIMIT_FSIZE, &before);
+    CU_ASSERT_EQUAL(r.status, 1);
+    EXPECT(strstr(r.err, "run.csv") && strstr(r.err, "written"), "%s", r.err);
+    CU_ASSERT_EQUAL(count_lines(r.err), 1);
+    if (there) EXPECT_FILES("old", "");
+    EXPECT(access("new", F_OK), "the new folder was left");
+    free_ran(&r);
+  }
+  remove_tree("old");
 }
 
 static const vs_test TESTS[] = {
@@ -945,6 +967,7 @@ static const vs_test TESTS[] = {
     {"below theta there is a warning", below_theta_there_is_a_warning},
     {"a run that leaves validity is kept in part", a_run_that_leaves_validity_is_kept_in_part},
     {"a signal keeps what there is", a_signal_keeps_what_there_is},
+    {"nohup is obeyed", nohup_is_obeyed},
     {"surroundings change nothing", surroundings_change_nothing},
     {"a full disk is an error", a_full_disk_is_an_error},
     {"verdict and audit", verdict_and_audit},

@@ -128,7 +128,7 @@ static vs_status close_files(audience *a, vs_status ran, const char *json, vs_er
   bool partial = ran && ran != VS_INPUT && a->csv.stream;
   if (partial) keep_partial(a, err);
   if (ran) discard_files(a);
-  if (ran && !partial) vs_folder_unmake(folder, a->made);
+  if (ran) vs_folder_unmake(folder, a->made); /* which a part that could be kept forbids */
   if (ran) return ran;
   vs_status status = vs_file_open(&summary, folder, "summary.json", err);
   if (!status) fputs(json, summary.stream);
@@ -138,6 +138,7 @@ static vs_status close_files(audience *a, vs_status ran, const char *json, vs_er
   if (!status) status = vs_file_commit(&summary, err);
   vs_file_discard(&summary);
   discard_files(a);
+  if (status) vs_folder_unmake(folder, a->made);
   if (status) return status;
   if (!a->options->raw) remove_stale(folder, "run.raw");
   remove_stale(folder, "run.partial.csv");
