@@ -153,6 +153,8 @@ static void a_scene_is_read_to_its_end(void) {
       {"start: {p: -7 mm}\nmeasured: {x: 1}\n", "s.yaml:1:12 s.yaml:2:12 "},
       {"start: {p: -7 s, u: 1 s}\n", "s.yaml:1:12 s.yaml:1:21 "},
       {"run: {max_step: 1e-9 us}\n", "s.yaml "},
+      {"run: {until: 5e5 s, sample: 0.4 ms}\nrecord: [x]\n", "s.yaml:1:29 s.yaml:2:10 "},
+      {"run: {until: 5e5 s, sample: 0.5 ms}\nrecord: [x]\n", "s.yaml:2:10 "},
       {"run: {max_step: 1e-9 us, tier: circuit}\n", "s.yaml "},
       {"run: {until: 1 s\n", "s.yaml:2:1 "},
       {"run: {until: 1 s}\nrun: {until: 2 s}\n", "s.yaml:2:1 "},
@@ -207,6 +209,20 @@ static void a_value_that_failed_leaves_its_default(void) {
     free(s);
     free(all);
   }
+}
+
+/* What run.csv would not be done with; whichever of its two keys the scene has is to blame. */
+static void too_many_rows_are_an_error(void) {
+  FINDINGS("s.yaml", "run: {sample: 1e-9 ms}\n", "",
+           "s.yaml:1:15: run.sample: 1e-09 ms makes 2e+12 rows up to run.until = 2 s; allowed "
+           "there: at least 2e-06 ms, for 1000000000 rows\n"
+           " run: {sample: 1e-9 ms}\n"
+           "               ^\n");
+  FINDINGS("s.yaml", "run: {until: 5e5 s}\n", "",
+           "s.yaml:1:14: run.sample: 0.1 ms makes 5e+09 rows up to run.until = 500000 s; allowed "
+           "there: at least 0.5 ms, for 1000000000 rows\n"
+           " run: {until: 5e5 s}\n"
+           "              ^\n");
 }
 
 static void a_hundred_are_enough(void) {
@@ -279,7 +295,7 @@ static void all_that_is_wrong_with_a_deck(void) {
            "program's\n"
            "   .tran 1u 1\n"
            "   ^\n"
-           "d.cir:12:1: no include file 'nowhere': not a file, and not a include file that comes "
+           "d.cir:12:1: no include file 'nowhere': not a file, and not an include file that comes "
            "with the program\n"
            " .include nowhere\n"
            " ^\n"
@@ -487,6 +503,7 @@ static const vs_test TESTS[] = {
     {"a scene is read to its end", a_scene_is_read_to_its_end},
     {"no echoes", no_echoes},
     {"a value that failed leaves its default", a_value_that_failed_leaves_its_default},
+    {"too many rows are an error", too_many_rows_are_an_error},
     {"a hundred are enough", a_hundred_are_enough},
     {"all that is wrong with a deck", all_that_is_wrong_with_a_deck},
     {"what does not fit together", what_does_not_fit_together},

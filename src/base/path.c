@@ -106,9 +106,9 @@ vs_status vs_find(const vs_shelf *shelf, const char *name, vs_where where, char 
   struct names known = {.shelf = shelf};
   vs_shelf_list(shelf, collect_name, &known);
   const char *nearest = vs_nearest(name, known.names, known.count);
-  vs_fail_at(err, where, "no %s '%s': not a file, and not a %s that comes with the program%s%s%s",
-             shelf->what, name, shelf->what, nearest ? "; did you mean '" : "",
-             nearest ? nearest : "", nearest ? "'?" : "");
+  vs_fail_at(err, where, "no %s '%s': not a file, and not a%s %s that comes with the program%s%s%s",
+             shelf->what, name, strchr("aeiou", *shelf->what) ? "n" : "", shelf->what,
+             nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
   for (size_t k = 0; k < known.count; k++) free((void *)(size_t)known.names[k]);
   return VS_INPUT;
 }

@@ -158,6 +158,20 @@ static vs_status check_tolerance(const vs_scene *s, vs_error *err) {
                     s->setup.run.tolerance, s->tier->name, s->tier->finest);
 }
 
+enum { MOST_ROWS = 1000000000 }; /* of run.csv: some hundred gigabytes */
+
+static vs_status check_rows(const vs_scene *s, vs_error *err) {
+  const vs_run_values *run = &s->setup.run;
+  const vs_node *map = vs_node_child(s->tree.root, "run"), *node = vs_node_child(map, "sample");
+  if (run->until_s / run->sample_s <= MOST_ROWS) return VS_OK;
+  if (!node) node = vs_node_child(map, "until");
+  return vs_fail_at(err, node ? node->where : (vs_where){0},
+                    "run.sample: %g ms makes %.3g rows up to run.until = %g s; allowed there: "
+                    "at least %g ms, for %d rows",
+                    1e3 * run->sample_s, run->until_s / run->sample_s, run->until_s,
+                    1e3 * run->until_s / MOST_ROWS, MOST_ROWS);
+}
+
 /* Eqs. 92, 93: theta = atan(w L(0)/R_c) <= alpha* */
 static void warn_below_theta(vs_scene *s) {
   const vs_setup *u = &s->setup;
@@ -188,6 +202,7 @@ vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, cons
   if (status) return status;
   s->frame = s->tier->frame(&s->setup);
   status = vs_carry_on(err, check_tolerance(s, err));
+  if (!status) status = vs_carry_on(err, check_rows(s, err));
   if (!status) status = vs_carry_on(err, read_record(s, err));
   if (!status) status = read_measured(s, err);
   warn_below_theta(s);
