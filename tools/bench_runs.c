@@ -294,7 +294,7 @@ static void time_circuit(int rounds) {
   for (int round = -1; round < rounds;
        round++) /* the first, with ngspice's beginning, is not counted */
     for (int way = 0; way < 3; way++) {
-      watchers w = {.measures = vs_measures_new(&scene->frame)};
+      watchers w = {.measures = vs_measures_new(&scene->frame), .energy = {.frame = &scene->frame}};
       const vs_observer watching = {&w, watch};
       timed.circuit_alone = way == 2;
       double spent = run_timed(scene, way ? &idle : &watching);
