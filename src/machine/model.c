@@ -54,8 +54,8 @@ static const vs_field MACHINE[] = {
 static const vs_field STOP[] = {
     {"stiffness", VS_REAL, "N/m", "1e7 N/m", 0, 1e12, true, offsetof(vs_stop_values, stiffness_n_m),
      "k of the elastic stop", NULL, NULL},
-    {"damping", VS_REAL, "N.s/m", "300 N.s/m", 0, 1e9, false, offsetof(vs_stop_values, damping_ns_m),
-     "c of the elastic stop", NULL, NULL},
+    {"damping", VS_REAL, "N.s/m", "300 N.s/m", 0, 1e9, false,
+     offsetof(vs_stop_values, damping_ns_m), "c of the elastic stop", NULL, NULL},
 };
 static const vs_section STOP_SECTION = {"actuator.stop", STOP, sizeof STOP / sizeof *STOP};
 static const vs_field ACTUATOR[] = {
