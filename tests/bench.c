@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "bench.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/text.h"
+#include "suite.h"
+
+static double gap(void *ctx, size_t port, double t_s) {
+  (void)ctx, (void)port, (void)t_s;
+  return 6.5e-3; /* m; the EVA's, the only external source */
+}
+
+static double no_edge(void *ctx, double t_s) {
+  (void)ctx, (void)t_s;
+  return INFINITY;
+}
+
+static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *err) {
+  (void)err;
+  bench *b = ctx;
+  b->steps++;
+  for (int k = 0; k < BENCH_SIGNALS && b->signals[k]; k++) b->last[k] = signals[k];
+  if (b->see) b->see(b->ctx, t_s, signals);
+  return VS_OK;
+}
+
+static vs_status solve(bench *b, const vs_deck *deck, char **netlist, size_t lines, vs_error *err) {
+  static const char *const PORTS[] = {"v.xeva.vgap"};
+  vs_circuit_job job = {.netlist = netlist,
+                        .lines = lines,
+                        .ports = PORTS,
+                        .n_ports = 1,
+                        .signals = b->signals,
+                        .until_s = b->until_s,
+                        .max_step_s = b->max_step_s,
+                        .gear = b->gear,
+                        .dialect = deck->compat,
+                        .relative_tolerance = b->relative_tolerance,
+                        .current_tolerance_a = 1e-12};
+  while (job.n_signals < BENCH_SIGNALS && b->signals[job.n_signals]) job.n_signals++;
+  vs_circuit_host host = {b, gap, no_edge, no_edge, accept};
+  void *circuit = NULL;
+  b->steps = 0;
+  vs_status s = vs_ngspice.load(&job, &host, &circuit, err);
+  if (!s) s = vs_ngspice.run(circuit, err);
+  vs_ngspice.free(circuit);
+  return s;
+}
+
+vs_status bench_run(bench *b, vs_error *err) {
+  const vs_deck_value standard[] = {{"u_rms", 440},    {"f_mains", 50},    {"phase", 0},
+                                    {"r_source", 0.5}, {"l_source", 5e-4}, {"eva_resistance", 92},
+                                    {"eva_a", 5.2e-3}};
+  vs_text text = {0};
+  vs_text_add(&text, "%s\nReva eva_ 0 1\nXeva eva_ 0 eva\n", b->deck);
+  write_file("bench.cir", text.text);
+  vs_text_free(&text);
+  vs_deck *deck = vs_alloc(1, sizeof *deck);
+  vs_circuit_values *values = vs_alloc(1, sizeof *values);
+  char **netlist = NULL;
+  size_t lines = 0;
+  vs_status s = vs_deck_read("bench.cir", deck, err);
+  if (!s) s = vs_deck_read_parts(deck, NULL, err);
+  if (!s) s = vs_section_read(&deck->section, NULL, values, err);
+  if (!s) s = vs_deck_bind(deck, values, standard, COUNT(standard), err);
+  if (!s) s = vs_deck_netlist(deck, values, standard, COUNT(standard), &netlist, &lines, err);
+  if (!s) s = solve(b, deck, netlist, lines, err);
+  vs_netlist_free(netlist, lines);
+  vs_deck_free(deck);
+  free(values);
+  free(deck);
+  return s;
+}

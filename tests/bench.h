@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * A bench for parts: a small deck, read by the netlist contract, solved by ngspice alone. No
+ * machine, no tier: the EVA that every deck must have stands aside with nothing connected. */
+#ifndef VS_TESTS_BENCH_H
+#define VS_TESTS_BENCH_H
+
+#include "circuit/circuit.h"
+#include "circuit/deck.h"
+
+enum { BENCH_SIGNALS = 4 };
+
+typedef struct bench {
+  const char *deck; /* its lines; no EVA, no external sources */
+  const char *signals[BENCH_SIGNALS];
+  double until_s, max_step_s, relative_tolerance;
+  bool gear;
+  /* Shown every accepted step; may be NULL. */
+  void (*see)(void *ctx, double t_s, const double *signals);
+  void *ctx;
+  double last[BENCH_SIGNALS]; /* filled in: the signals at the end */
+  long steps;                 /* filled in: how many were accepted */
+} bench;
+
+vs_status bench_run(bench *b, vs_error *err);
+
+#endif
