@@ -62,8 +62,15 @@ static vs_status match_sources(const vs_deck *deck, vs_error *err) {
 
 static vs_status read_file(vs_deck *deck, const char *path, vs_error *err);
 
+static bool is_taken(const vs_deck *deck, const char *path) {
+  for (size_t k = 0; k < deck->n_files; k++)
+    if (!strcmp(deck->files[k], path)) return true;
+  return false;
+}
+
 /* ".include FILE": from the folder of the file it stands in, else one that comes with the program.
- * The lines are taken in here, so that they are held to the same rules. */
+ * The lines are taken in here, so that they are held to the same rules; once only, as two parts may
+ * rest on the same file. Within a subcircuit they are its own, each time. */
 static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
   char name[VS_PATH_SIZE / 2], path[VS_PATH_SIZE];
   const char *from = line + strcspn(line, " \t"), *slash = strrchr(where.file, '/');
@@ -81,6 +88,7 @@ static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_err
     if (status) return status;
   }
   if (!strcmp(path, where.file)) return vs_fail_at(err, where, "%s includes itself", path);
+  if (deck->subcircuits == 0 && is_taken(deck, path)) return VS_OK;
   return read_file(deck, path, err);
 }
 
@@ -237,10 +245,7 @@ static vs_status take_part(vs_deck *deck, vs_part *part, const char *name, vs_wh
                            vs_error *err) {
   char path[VS_PATH_SIZE];
   vs_status status = find_part(deck, name, where, path, err);
-  bool there = false;
-  for (size_t k = 0; k < deck->n_files && !status; k++)
-    there = there || !strcmp(deck->files[k], path);
-  if (!status && !there) status = read_file(deck, path, err);
+  if (!status && !is_taken(deck, path)) status = read_file(deck, path, err);
   if (status) return status;
   subcircuit_of(path, part->subcircuit);
   return defines(deck, part->subcircuit) || deck->lost & VS_LOST_ELEMENT
