@@ -131,6 +131,15 @@ static void several_in_one_deck(void) {
   for (int k = 0; k < 4; k++) CLOSE(b.last[k], siov(&DISCS[DISC_OF[k]], 1), 1e-6);
 }
 
+/* The far end, where nothing is a varistor any more: no value overflows in a Newton trial. 100 kA
+ * thrust at once into an empty one, and an exponent of 100. */
+static void far_out(void) {
+  CLOSE(voltage_at("varistor_siov", "", 1e5, 1e-9), siov(&DISCS[0], 1e5), 1e-4);
+  CLOSE(voltage_at("varistor_power", "alpha=100", 1e5, 1e-9), 910 * pow(1e8, 1 / 100.), 1e-6);
+  CLOSE(voltage_at("varistor_power", "", 1e7, 1e-9), 910 * pow(1e9, 1 / 30.) * (1 + 9 / 30.), 1e-6);
+  EXPECT(voltage_at("varistor_siov", "", 1e7, 1e-8) > siov(&DISCS[0], 1e5), "as a ramp");
+}
+
 typedef struct chop {
   double peak_v, taken_j, t_s, p_w;
 } chop;
@@ -189,6 +198,7 @@ static const vs_test TESTS[] = {
     {"acceptance", acceptance},
     {"acceptance by power law", acceptance_by_power_law},
     {"several in one deck", several_in_one_deck},
+    {"far out", far_out},
     {"a chopped current", a_chopped_current},
 };
 VS_SUITE_MAIN("varistors", TESTS)
