@@ -161,18 +161,18 @@ static void a_chopped_current(void) {
   static const char *const PARTS[] = {"s20k460", "varistor_power"};
   static const struct { double i_a, l_h; } COILS[] = {{10, 1e-3}, {1, 1.6}, {100, 1e-4}};
   static const double TOLERANCE[] = {1e-3, 1e-5, 1e-6};
-  for (int n = 0; n < 36; n++) {
+  for (int n = 0; n < 72; n++) {
     const char *part = PARTS[n % 2];
     bool gear = n / 2 % 2;
-    int coil = n / 4 % 3, tight = n / 12;
-    double i = COILS[coil].i_a, l = COILS[coil].l_h, fall_s = l * i / 900;
+    int coil = n / 4 % 3, tight = n / 12 % 3;
+    double sign = n < 36 ? 1 : -1, i = COILS[coil].i_a, l = COILS[coil].l_h, fall_s = l * i / 900;
     char deck[400];
     chop c = {0};
     snprintf(deck, sizeof deck,
              "*$ param varistor = %s part \"under test\"\nL1 0 a %g ic=%g\n"
              "S1 a 0 0 ctl opening\nVctl ctl 0 pulse(-1 1 1u 10n 10n 1 2)\n"
              ".model opening sw(ron=1m roff=1e9 vt=0 vh=0.1)\nVv a v 0\nXv v 0 varistor\n",
-             part, l, i);
+             part, l, sign * i);
     bench b = {.deck = deck,
                .signals = {"v(a)", "i(vv)"},
                .until_s = 1e-6 + 2 * fall_s,
