@@ -21,9 +21,13 @@ typedef struct device {
   } set[12];
 } device;
 
-/* Two parameter sets far from each other: of a common 12 A device, and of a large and hard one. */
+/* Every thyristor that comes with the program, and one far from them, large and hard. */
 static const device DEVICES[] = {
     {"thyristor_2t", {{NULL, 0}}},
+    {"BT151-800R", {{NULL, 0}}},
+    {"TYN1212", {{NULL, 0}}},
+    {"TYN1012", {{NULL, 0}}},
+    {"12TTS08S", {{NULL, 0}}},
     {"thyristor_2t",
      {{"on_voltage", 1.5},
       {"on_resistance", 5e-3},
