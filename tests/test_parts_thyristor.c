@@ -147,8 +147,8 @@ static void try_out(bench *b, const device *d, course c, const char *format, ...
   vs_status s =
       vs_deck_netlist(&b->deck, &b->values, standard, VS_STANDARD, &netlist, &job.lines, &err);
   job.netlist = netlist;
-  if (!s) s = vs_ngspice.load(&job, &solver, &err);
-  if (!s) s = vs_ngspice.run(solver, &host, &err);
+  if (!s) s = vs_ngspice.load(&job, &host, &solver, &err);
+  if (!s) s = vs_ngspice.run(solver, &err);
   EXPECT(!s, "%s: %s", d->part, err.text);
   vs_ngspice.free(solver);
   vs_netlist_free(netlist, job.lines);
@@ -171,8 +171,8 @@ static double crosses(const bench *b, double from_s, double level_v) {
 
 /* ---- what a data sheet says ---- */
 
-/* V_T0 + r_T i; the two junctions left in it add 0.3 of 60 mV a decade, and are right at a third of
- * the test current: within 20 mV. */
+/* V_T0 + r_T i; the two junctions left in it add half of 60 mV a decade, and are right at a third
+ * of the test current: within 30 mV. */
 static void on_state_curve(void) {
   EACH(d) {
     double full = of(d, "test_current");
@@ -181,7 +181,7 @@ static void on_state_curve(void) {
       try_out(&b, d, (course){1e-3, 1e-6}, "I1 0 a pwl(0 0 10u 0 110u %g)\nIg 0 g %g\n", i,
               3 * of(d, "gate_current"));
       double expected = of(d, "on_voltage") + of(d, "on_resistance") * i;
-      CLOSE_OF(at(&b, b.v, 0.99e-3), expected, 1, 0.02);
+      CLOSE_OF(at(&b, b.v, 0.99e-3), expected, 1, 0.03);
       close_bench(&b);
     }
   }
@@ -358,4 +358,4 @@ static const vs_test TESTS[] = {{"on-state curve", on_state_curve},
                                 {"recovered charge", recovered_charge},
                                 {"breakover", breakover},
                                 {"in the paper's scene", in_the_papers_scene}};
-VS_SUITE_MAIN("parts", TESTS)
+VS_SUITE_MAIN("thyristors", TESTS)
