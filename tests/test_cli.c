@@ -643,6 +643,7 @@ static void auto_says_which_tier_and_why(void) {
       {"", "--set circuit.r1=220ohm", "circuit", {"auto", "circuit.r1"}},
       {"supply: {inductance: 1 mH}\n", "", "circuit", {"auto", "supply.inductance"}},
       {"supply: {resistance: 1 ohm}\n", "", "circuit", {"auto", "supply.resistance"}},
+      {"run: {method: gear}\n", "", "circuit", {"auto", "run.method"}},
       {"supply: {voltage: 400 V}\n", "", "switched", {"auto", "nothing"}},
       {"record: [v_ak]\n", "", "circuit", {"auto", "v_ak"}},
       {"record: [p, v_ak]\n", "", "circuit", {"auto", "v_ak"}},

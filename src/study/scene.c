@@ -33,6 +33,8 @@ static const char *needs_circuit(const vs_scene *s, char *buffer, size_t size) {
     snprintf(buffer, size, "circuit.%s", circuit->child->key);
   else if (source)
     snprintf(buffer, size, "supply.%s", source);
+  else if (vs_node_child(vs_node_child(root, "run"), "method"))
+    snprintf(buffer, size, "run.method");
   else {
     const vs_frame circuit_frame = vs_tier_circuit.frame(&s->setup);
     const vs_node *item = record && record->kind == VS_NODE_LIST ? record->child : record;
