@@ -66,6 +66,31 @@ static void conduction_waits_for_forward_voltage(void) {
   CLOSE_OF(vs_next_conduction(&l, 0.0101), 0.02, 1, 1e-12);
 }
 
+/* Sub-pulses of a gate pulse: 2 kHz, a quarter of the time, in 1.2 ms: at 0, 0.5 and 1 ms; the last
+ * is whole (0.125 of 0.2 ms left). */
+static void a_burst_fills_the_gate_pulse(void) {
+  vs_timeline l = TIMELINE("firing.every=2", "firing.pulse_width=1.2ms",
+                           "firing.burst_frequency=2kHz", "firing.burst_duty=25%");
+  double on = 0.02 * 100 / 360, at[] = {0, 0.125e-3, 0.5e-3, 0.625e-3, 1e-3, 1.125e-3};
+  for (int pulse = 0; pulse < 3; pulse++, on += 0.04) {
+    double t = on - 1e-3;
+    for (size_t k = 0; k < COUNT(at); k++, t = on + at[k - 1]) {
+      CLOSE(vs_burst_edge(&l, 0, t), on + at[k], 1e-13);
+      CU_ASSERT_EQUAL(vs_burst(&l, 0, on + at[k] - 1e-6), k % 2 == 1);
+      CU_ASSERT_EQUAL(vs_burst(&l, 0, on + at[k] + 1e-6), k % 2 == 0);
+    }
+    CLOSE(vs_burst_edge(&l, 0, on + 1.125e-3), on + 0.04, 1e-13);
+    CLOSE(vs_burst_edge(&l, 0, on + 1.15e-3), on + 0.04, 1e-13);
+    CU_ASSERT_FALSE(vs_burst(&l, 0, on + 1.5e-3)); /* a sub-pulse that would begin after it */
+  }
+  l = TIMELINE("firing.every=once", "firing.pulse_width=1.1ms", "firing.burst_frequency=2kHz",
+               "firing.burst_duty=50%");
+  on = 0.02 * 100 / 360; /* the gate pulse ends in its third sub-pulse */
+  CLOSE(vs_burst_edge(&l, 0, on + 1e-3), on + 1.1e-3, 1e-13);
+  CU_ASSERT_EQUAL(vs_burst_edge(&l, 0, on + 1.1e-3), INFINITY);
+  CU_ASSERT_EQUAL(vs_burst_edge(&l, M_PI, 0), vs_gate_edge(&l, M_PI, 0));
+}
+
 /* Every step of an edge-by-edge walk goes forward, whatever the numbers. */
 static void edges_go_forward(void) {
   vs_timeline l = TIMELINE("firing.every=1", "firing.angle=33.3deg", "supply.frequency=59.9Hz",
@@ -110,6 +135,7 @@ static const vs_test TESTS[] = {
     {"every n-th cycle", every_nth_cycle_from_a_first},
     {"a million cycles", a_million_cycles_do_not_drift},
     {"forward voltage", conduction_waits_for_forward_voltage},
+    {"a burst fills the gate pulse", a_burst_fills_the_gate_pulse},
     {"edges go forward", edges_go_forward},
     {"netlist", deck_becomes_a_netlist},
 };

@@ -204,17 +204,16 @@ static double rest_source(void *ctx, size_t port, double t_s) {
   timed.sources++;
   if (port == timed.gap_port) return timed.setup->model.gap_rest_m;
   const vs_port *p = &timed.setup->deck.ports[port];
-  return p->kind == VS_PORT_MAINS ? vs_mains(&timed.setup->timeline, t_s)
-                                  : (double)vs_gate(&timed.setup->timeline, p->shift_rad, t_s);
+  return vs_drives[p->drive].voltage(&timed.setup->timeline, p->shift_rad, t_s);
 }
 
 static double rest_edge(void *ctx, double t_s) {
   (void)ctx;
   double next = INFINITY;
-  for (size_t k = 0; k < timed.setup->deck.n_ports; k++)
-    if (timed.setup->deck.ports[k].kind == VS_PORT_GATE)
-      next = fmin(next,
-                  vs_gate_edge(&timed.setup->timeline, timed.setup->deck.ports[k].shift_rad, t_s));
+  for (size_t k = 0; k < timed.setup->deck.n_ports; k++) {
+    const vs_port *p = &timed.setup->deck.ports[k];
+    next = fmin(next, vs_drives[p->drive].edge(&timed.setup->timeline, p->shift_rad, t_s));
+  }
   return next;
 }
 

@@ -174,14 +174,14 @@ static vs_status read_port(vs_deck *deck, cursor *c, vs_error *err) {
     return vs_fail_at(err, here(c), "'port NAME = SOURCE' is wanted here");
   char *shift = strchr(name, '+');
   if (shift) *shift++ = '\0';
-  if (!strcmp(name, "mains") && !shift)
-    port.kind = VS_PORT_MAINS;
-  else if (!strcmp(name, "gate"))
-    port.kind = VS_PORT_GATE;
-  else
-    return vs_fail_at(err, port.where, "no port '%s'; there are: mains, gate, gate+ANGLE", name);
+  while (port.drive < VS_DRIVES &&
+         (strcmp(name, vs_drives[port.drive].name) || (shift && !vs_drives[port.drive].shifts)))
+    port.drive++;
+  if (port.drive == VS_DRIVES)
+    return vs_fail_at(err, port.where,
+                      "no port '%s'; there are: mains, gate, gate+ANGLE, burst, burst+ANGLE", name);
   if (shift && !vs_quantity(shift, "deg", &port.shift_rad, why, sizeof why))
-    return vs_fail_at(err, port.where, "port gate: %s", why);
+    return vs_fail_at(err, port.where, "port %s: %s", name, why);
   vs_lower(port.source);
   if (port.source[0] != 'v')
     return vs_fail_at(err, port.where, "a port drives a voltage source (V...), not '%s'",
@@ -189,7 +189,7 @@ static vs_status read_port(vs_deck *deck, cursor *c, vs_error *err) {
   for (size_t k = 0; k < deck->n_ports; k++) {
     if (!strcmp(deck->ports[k].source, port.source))
       return vs_fail_at(err, port.where, "source %s has a port already", port.source);
-    if (port.kind == VS_PORT_MAINS && deck->ports[k].kind == VS_PORT_MAINS)
+    if (port.drive == VS_DRIVE_MAINS && deck->ports[k].drive == VS_DRIVE_MAINS)
       return vs_fail_at(err, port.where, "a second port mains; a deck has one at most");
   }
   if (deck->n_ports >= VS_DECK_MOST)

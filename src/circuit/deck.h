@@ -8,6 +8,7 @@
  *                                    subcircuit NAME in the deck means the one of that part
  *   *$ port   mains = SOURCE                           "SOURCE n m external" has the mains voltage
  *   *$ port   gate[+ANGLE] = SOURCE                    1 V while the (delayed) gate pulse is there
+ *   *$ port   burst[+ANGLE] = SOURCE                   1 V during each of its sub-pulses
  *   *$ probe  NAME = [-]v(n) | v(n,m) | i(Vx)  UNIT  "TEXT"   a channel; i_thyristor is the anode
  *                                                             current
  *   *$ loss   NAME = FORMULA                           power that leaves the circuit, W
@@ -27,6 +28,7 @@
 #include "base/field.h"
 #include "base/path.h"
 #include "circuit/formula.h"
+#include "circuit/timeline.h"
 
 enum {
   VS_DECK_NAME = 64,
@@ -53,10 +55,9 @@ typedef struct vs_line {
   vs_where where;
 } vs_line;
 
-typedef enum vs_port_kind { VS_PORT_MAINS, VS_PORT_GATE } vs_port_kind;
 typedef struct vs_port {
-  vs_port_kind kind;
-  double shift_rad;          /* of a gate */
+  int drive;                 /* VS_DRIVE_..., of vs_drives */
+  double shift_rad;          /* its delay */
   char source[VS_DECK_NAME]; /* lower case */
   vs_where where;
 } vs_port;

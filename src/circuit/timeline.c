@@ -28,6 +28,10 @@ static const vs_field FIRING[] = {
      NULL},
     {"first_cycle", VS_COUNT, "", "1", 1, 1e9, false, F_(first_cycle),
      "cycle of the first firing, counted from 1", NULL, NULL},
+    {"burst_frequency", VS_REAL, "kHz", "10 kHz", 0.01, 1000, false, F_(burst_hz),
+     "of the sub-pulses that fill a gate pulse; decks with a port burst", NULL, NULL},
+    {"burst_duty", VS_REAL, "%", "50 %", 0, 100, true, F_(burst_duty),
+     "part of each sub-pulse's period in which it is there", NULL, NULL},
 };
 const vs_section vs_supply_section = {"supply", SUPPLY, sizeof SUPPLY / sizeof *SUPPLY};
 const vs_section vs_firing_section = {"firing", FIRING, sizeof FIRING / sizeof *FIRING};
@@ -94,6 +98,57 @@ double vs_gate_edge(const vs_timeline *t, double shift_rad, double t_s) {
   double rise = n < 0 || t->firing.every ? pulse_start(t, shift_rad, n + 1) : INFINITY;
   return rise > t_s + slack ? rise : vs_gate_edge(t, shift_rad, t_s + 2 * slack);
 }
+
+/* The sub-pulse that began before t (strictly, up to rounding), by its time and the end of its gate
+ * pulse; false: t is in none's period. */
+static bool last_sub_pulse(const vs_timeline *t, double shift_rad, double t_s, double *start_s,
+                           double *end_s) {
+  double n = last_pulse(t, shift_rad, t_s), slack = 1e-10 * t->period_s;
+  if (n < 0) return false;
+  double start = pulse_start(t, shift_rad, n), k;
+  k = ceil((t_s - start - slack) * t->firing.burst_hz) - 1;
+  *start_s = start + k / t->firing.burst_hz;
+  *end_s = start + t->firing.pulse_width_s;
+  return *start_s < *end_s - slack;
+}
+
+bool vs_burst(const vs_timeline *t, double shift_rad, double t_s) {
+  double start, end, slack = 1e-10 * t->period_s;
+  return last_sub_pulse(t, shift_rad, t_s, &start, &end) &&
+         t_s <= fmin(start + t->firing.burst_duty / t->firing.burst_hz, end) + slack;
+}
+
+double vs_burst_edge(const vs_timeline *t, double shift_rad, double t_s) {
+  double start, end, slack = 1e-10 * t->period_s;
+  if (last_sub_pulse(t, shift_rad, t_s + 2 * slack, &start, &end)) { /* one that begins now, too */
+    double fall = fmin(start + t->firing.burst_duty / t->firing.burst_hz, end);
+    double rise = start + 1 / t->firing.burst_hz;
+    if (fall > t_s + slack) return fall;
+    if (rise > t_s + slack && rise < end - slack) return rise;
+  }
+  /* of the gate's edges only the leading ones are left */
+  double edge = vs_gate_edge(t, shift_rad, t_s);
+  return vs_gate(t, shift_rad, edge) ? vs_gate_edge(t, shift_rad, edge) : edge;
+}
+
+static double mains_voltage(const vs_timeline *t, double shift_rad, double t_s) {
+  (void)shift_rad;
+  return vs_mains(t, t_s);
+}
+static double no_edge(const vs_timeline *t, double shift_rad, double t_s) {
+  (void)t, (void)shift_rad, (void)t_s;
+  return INFINITY;
+}
+static double gate_voltage(const vs_timeline *t, double shift_rad, double t_s) {
+  return vs_gate(t, shift_rad, t_s);
+}
+static double burst_voltage(const vs_timeline *t, double shift_rad, double t_s) {
+  return vs_burst(t, shift_rad, t_s);
+}
+const vs_drive vs_drives[VS_DRIVES] = {
+    [VS_DRIVE_MAINS] = {"mains", false, mains_voltage, no_edge},
+    [VS_DRIVE_GATE] = {"gate", true, gate_voltage, vs_gate_edge},
+    [VS_DRIVE_BURST] = {"burst", true, burst_voltage, vs_burst_edge}};
 
 double vs_next_conduction(const vs_timeline *t, double t_s) {
   double n = last_pulse(t, 0, t_s);

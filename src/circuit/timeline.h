@@ -15,6 +15,7 @@ typedef struct vs_firing_values {
   double angle_rad, pulse_width_s;
   int every; /* fires in every n-th cycle; 0: once */
   int first_cycle;
+  double burst_hz, burst_duty; /* of the sub-pulses that fill a gate pulse */
 } vs_firing_values;
 
 extern const vs_section vs_supply_section, vs_firing_section;
@@ -41,6 +42,21 @@ double vs_phase(const vs_timeline *timeline,
 bool vs_gate(const vs_timeline *timeline, double shift_rad, double t_s);
 /* First gate edge after t; INFINITY: none. */
 double vs_gate_edge(const vs_timeline *timeline, double shift_rad, double t_s);
+/* The first burst_duty of each period 1/burst_hz of a gate pulse: what a pulse transformer is
+ * driven with. */
+bool vs_burst(const vs_timeline *timeline, double shift_rad, double t_s);
+double vs_burst_edge(const vs_timeline *timeline, double shift_rad, double t_s);
+
+/* What a port of a circuit can be driven with: V, and the next edge; INFINITY: none. */
+enum { VS_DRIVE_MAINS, VS_DRIVE_GATE, VS_DRIVE_BURST, VS_DRIVES };
+typedef struct vs_drive {
+  const char *name;
+  bool shifts; /* can be delayed by an angle */
+  double (*voltage)(const vs_timeline *timeline, double shift_rad, double t_s);
+  double (*edge)(const vs_timeline *timeline, double shift_rad, double t_s);
+} vs_drive;
+extern const vs_drive vs_drives[VS_DRIVES];
+
 /* First instant at or after t at which gate and forward mains voltage are both there; INFINITY:
  * never. */
 double vs_next_conduction(const vs_timeline *timeline, double t_s);

@@ -134,8 +134,7 @@ static double source(void *ctx, size_t port, double t_s) {
   coupling *c = ctx;
   if (port == c->gap_port) return predicted_gap(c, t_s);
   const vs_port *p = &c->setup->deck.ports[port];
-  return p->kind == VS_PORT_MAINS ? vs_mains(&c->setup->timeline, t_s)
-                                  : (double)vs_gate(&c->setup->timeline, p->shift_rad, t_s);
+  return vs_drives[p->drive].voltage(&c->setup->timeline, p->shift_rad, t_s);
 }
 
 static double anode_current(const coupling *c, const vs_knot *k) {
@@ -164,9 +163,10 @@ static double expected_extinction(const coupling *c) {
 static double edge(void *ctx, double t_s) {
   coupling *c = ctx;
   double next = expected_extinction(c);
-  for (size_t k = 0; k < c->setup->deck.n_ports; k++)
-    if (c->setup->deck.ports[k].kind == VS_PORT_GATE)
-      next = fmin(next, vs_gate_edge(&c->setup->timeline, c->setup->deck.ports[k].shift_rad, t_s));
+  for (size_t k = 0; k < c->setup->deck.n_ports; k++) {
+    const vs_port *p = &c->setup->deck.ports[k];
+    next = fmin(next, vs_drives[p->drive].edge(&c->setup->timeline, p->shift_rad, t_s));
+  }
   return next;
 }
 
@@ -311,7 +311,7 @@ static void name_all(const vs_deck *deck, names *n) {
   const char *mains = NULL;
   for (size_t p = 0; p < deck->n_ports; p++) {
     VS_NAMED(ports, n_ports, "%s", deck->ports[p].source);
-    if (deck->ports[p].kind == VS_PORT_MAINS) mains = deck->ports[p].source;
+    if (deck->ports[p].drive == VS_DRIVE_MAINS) mains = deck->ports[p].source;
   }
   VS_NAMED(ports, n_ports, "v.%s.vgap", deck->eva);
   if (mains)

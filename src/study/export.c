@@ -181,6 +181,8 @@ static void add_scene(vs_text *t, const vs_setup *s) {
       {"vs_pulse", firing->pulse_width_s, "s, length of a gate pulse"},
       {"vs_first", firing->first_cycle, "cycle of the first pulse, from 1"},
       {"vs_every", firing->every, "cycles from pulse to pulse; 0: one pulse only"},
+      {"vs_burst", firing->burst_hz, "Hz, of sub-pulses"},
+      {"vs_burst_duty", firing->burst_duty, "part of a sub-pulse's period that it is there"},
       {"vs_d", eva->gap_m, "m, D, from the armature to the pole cover"},
       {"vs_gap", s->model.gap_rest_m, "m, D + d, the air gap at rest"},
       {"vs_until", s->run.until_s, "s, end of the run"},
@@ -209,22 +211,57 @@ static void add_timing(vs_text *t) {
   vs_text_add(t, ".param vs_fire={vs_zero+(vs_first-1+vs_angle/%.17g)/f_mains}\n", turn);
   vs_text_add(t, ".param vs_period={vs_every>0 ? vs_every/f_mains : vs_until+vs_pulse+1}\n");
   vs_text_add(t, ".param vs_edge={min(1e-8,vs_pulse/10)}\n");
+  vs_text_add(t, ".param vs_burst_edge={min(1e-8,vs_burst_duty/vs_burst/10)}\n");
+}
+
+static void add_pulses(vs_text *t, const char *name, const char *nodes, double turns) {
+  vs_text_add(t,
+              "%s %s PULSE(0 1 {vs_fire+%.17g/f_mains} {vs_edge} {vs_edge} {vs_pulse-vs_edge} "
+              "{vs_period})\n",
+              name, nodes, turns);
+}
+
+/* Sub-pulses: those of one endless train that fall into a gate pulse. */
+static void add_burst(vs_text *t, const char *name, const char *nodes[2], double turns) {
+  char source[2 * VS_DECK_NAME], node[2 * VS_DECK_NAME];
+  snprintf(source, sizeof source, "Vvs_w_%s", name);
+  snprintf(node, sizeof node, "vs_w_%s 0", name);
+  add_pulses(t, source, node, turns);
+  vs_text_add(t,
+              "Vvs_b_%s vs_b_%s 0 PULSE(0 1 {vs_fire+%.17g/f_mains} {vs_burst_edge} "
+              "{vs_burst_edge} {vs_burst_duty/vs_burst-vs_burst_edge} {1/vs_burst})\n"
+              "Bvs_%s vs_%s %s V = v(vs_w_%s)*v(vs_b_%s)\n%s %s vs_%s 0\n",
+              name, name, turns, name, name, nodes[1], name, name, name, nodes[0], name);
+}
+
+/* The train keeps its phase from gate pulse to gate pulse. */
+static vs_status check_burst(const vs_setup *s, vs_error *err) {
+  const vs_firing_values *f = &s->timeline.firing;
+  double n = f->burst_hz * f->every * s->timeline.period_s;
+  for (size_t k = 0; k < s->deck.n_ports; k++)
+    if (s->deck.ports[k].drive == VS_DRIVE_BURST && fabs(n - rint(n)) > 1e-6 * (n + 1))
+      return vs_fail(err, VS_INPUT,
+                     "export: firing.burst_frequency: the time from gate pulse to gate pulse must "
+                     "be a whole number of sub-pulses (it is %.9g)",
+                     n);
+  return VS_OK;
 }
 
 /* The source of a port, or the gap's (port: NULL), in the place of "NAME n m external". */
 static void add_source(vs_text *t, const char *line, const vs_port *port) {
-  char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME];
+  char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME], nodes[2 * VS_DECK_NAME];
   sscanf(line, "%63s %63s %63s", name, plus, minus);
   if (!port)
     vs_text_add(t, "B%s %s %s V = ({vs_gap})+v(vs_p)/1000\n", name + 1, plus, minus);
-  else if (port->kind == VS_PORT_MAINS)
+  else if (port->drive == VS_DRIVE_MAINS)
     vs_text_add(t, "%s %s %s SIN(0 {sqrt(2)*u_rms} {f_mains} 0 0 {phase*%.17g})\n", name, plus,
                 minus, 180 / M_PI);
-  else
-    vs_text_add(t,
-                "%s %s %s PULSE(0 1 {vs_fire+%.17g/f_mains} {vs_edge} {vs_edge} {vs_pulse-vs_edge} "
-                "{vs_period})\n",
-                name, plus, minus, port->shift_rad / (2 * M_PI));
+  else if (port->drive == VS_DRIVE_BURST)
+    add_burst(t, name, (const char *[]){plus, minus}, port->shift_rad / (2 * M_PI));
+  else {
+    snprintf(nodes, sizeof nodes, "%s %s", plus, minus);
+    add_pulses(t, name, nodes, port->shift_rad / (2 * M_PI));
+  }
 }
 
 /* The netlist with its external sources replaced. The EVA's stands after the deck's own lines. */
@@ -234,7 +271,9 @@ static vs_status add_netlist(vs_text *t, const vs_setup *s, vs_error *err) {
   size_t count;
   vs_setup_standard(s, standard);
   vs_text_add(t, "*\n* The converter.\n");
-  vs_status status =
+  vs_status status = check_burst(s, err);
+  if (status) return status;
+  status =
       vs_deck_netlist(&s->deck, &s->circuit_values, standard, VS_STANDARD, &lines, &count, err);
   for (size_t k = 1; k < count && !status; k++) { /* the first is its title */
     char name[VS_DECK_NAME], word[VS_DECK_NAME];
