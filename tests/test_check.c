@@ -270,10 +270,10 @@ static void all_that_is_wrong_with_a_deck(void) {
            "Xtwo b 0 eva\n",
            "",
            "d.cir:2:4: '*$ prt' is not known; there are: title, param, port, probe, loss, store, "
-           "rating, compat; did you mean 'port'?\n"
+           "part, limit, rating, require, compat; did you mean 'port'?\n"
            " *$ prt    mains = Vmains\n"
            "    ^\n"
-           "d.cir:3:11: no port 'gat'; there are: mains, gate, gate+ANGLE\n"
+           "d.cir:3:11: no port 'gat'; there are: mains, gate, gate+ANGLE, burst, burst+ANGLE\n"
            " *$ port   gat = Vgate\n"
            "           ^\n"
            "d.cir:4:16: param r1: 1 ohm is outside its own range\n"

@@ -126,6 +126,11 @@ bool vs_unit_known(const char *text) {
   return parse_unit(text, &u);
 }
 
+bool vs_unit_same_kind(const char *text, const char *other) {
+  unit a, b;
+  return parse_unit(text, &a) && parse_unit(other, &b) && !memcmp(a.power, b.power, sizeof a.power);
+}
+
 double vs_unit_factor(const char *text) {
   unit u;
   return parse_unit(text, &u) ? to_si(1, &u) : NAN;

@@ -17,6 +17,7 @@ bool vs_quantity(const char *text, const char *unit, double *si, char *why, size
  * from a deck that was checked with vs_unit_known). */
 double vs_unit_factor(const char *unit);
 bool vs_unit_known(const char *unit);
+bool vs_unit_same_kind(const char *unit, const char *other); /* false also for one that is none */
 
 /* SI value of the unit of the same kind as `unit` that a CSV column's name ends in, written as
  * vs_unit_suffix writes it or with its capitals: "mm_s2", "ma", "mA". NAN: it names no such unit.

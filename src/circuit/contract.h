@@ -3,11 +3,17 @@
 #ifndef VS_CIRCUIT_CONTRACT_H
 #define VS_CIRCUIT_CONTRACT_H
 
+#include "circuit/cursor.h"
 #include "circuit/deck.h"
 
 /* Reads one line of the contract into the deck; begin: where its "*$" stands. Errors with their
  * place. */
 vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_error *err);
+
+/* Reads a formula, and the names in it into the deck. follow: what may stand behind it, besides the
+ * end of the line. */
+vs_status vs_contract_formula(vs_deck *deck, vs_cursor *c, const char *follow, vs_formula *formula,
+                              vs_error *err);
 
 /* The deck owns its fields; its section shows them as constant. */
 static inline vs_field *vs_deck_fields(vs_deck *deck) {

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "circuit/contract.h"
+#include "circuit/limits.h"
 #include "circuit/rules.h"
 
 const vs_shelf vs_deck_shelf = {"deck", "", ".cir"}, vs_part_shelf = {"part", "parts", ".inc"};
@@ -195,16 +196,25 @@ static vs_status read_file(vs_deck *deck, const char *path, vs_error *err) {
   return status;
 }
 
-vs_status vs_deck_read(const char *path, vs_deck *deck, vs_error *err) {
+static void begin_deck(vs_deck *deck) {
   *deck = (vs_deck){0};
   deck->section =
       (vs_section){"circuit", vs_alloc(1 + VS_DECK_MOST + VS_DECK_PARTS, sizeof(vs_field)), 1};
   vs_deck_fields(deck)[0] = vs_deck_key;
+}
+
+vs_status vs_deck_read(const char *path, vs_deck *deck, vs_error *err) {
+  begin_deck(deck);
   vs_status status = read_file(deck, path, err);
   if (!status && !*deck->eva && !(deck->lost & VS_LOST_ELEMENT))
     status = vs_carry_on(err, vs_fail_at(err, (vs_where){.file = path},
                                          "has no EVA; a deck has one line 'Xeva n m eva'"));
   return status;
+}
+
+vs_status vs_deck_read_part(const char *path, vs_deck *part, vs_error *err) {
+  begin_deck(part);
+  return read_file(part, path, err);
 }
 
 /* ---- parts ---- */
@@ -247,9 +257,11 @@ static vs_status take_part(vs_deck *deck, vs_part *part, const char *name, vs_wh
   vs_status status = find_part(deck, name, where, path, err);
   if (!status && !is_taken(deck, path)) status = read_file(deck, path, err);
   if (status) return status;
+  for (size_t k = 0; k < deck->n_files; k++)
+    if (!strcmp(deck->files[k], path)) part->file = deck->files[k];
   subcircuit_of(path, part->subcircuit);
   return defines(deck, part->subcircuit) || deck->lost & VS_LOST_ELEMENT
-             ? VS_OK
+             ? vs_limits_check_kind(deck, part, where, err)
              : vs_fail_at(err, where, "circuit.%s: %s defines no subcircuit '%s' (the file's name)",
                           part->name, path, part->subcircuit);
 }
@@ -265,6 +277,7 @@ vs_status vs_deck_read_parts(vs_deck *deck, const vs_node *section, vs_error *er
     status = vs_carry_on(err, take_part(deck, &deck->parts[p++],
                                         given ? node->text : field->default_text, where, err));
   }
+  if (!status) status = vs_limits_resolve(deck, err);
   return status ? status : match_sources(deck, err);
 }
 
@@ -301,6 +314,10 @@ vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,
     vs_formula_bind(&deck->losses.item[k].formula, of_name);
   for (size_t k = 0; k < deck->stores.count; k++)
     vs_formula_bind(&deck->stores.item[k].formula, of_name);
+  for (size_t k = 0; k < deck->n_requirements; k++) {
+    vs_formula_bind(&deck->requirements[k].left, of_name);
+    vs_formula_bind(&deck->requirements[k].right, of_name);
+  }
   return status;
 }
 
@@ -320,6 +337,10 @@ void vs_deck_free(vs_deck *deck) {
   free(deck->lines);
   free_accounts(&deck->losses);
   free_accounts(&deck->stores);
+  for (size_t k = 0; k < deck->n_requirements; k++) {
+    vs_formula_free(&deck->requirements[k].left);
+    vs_formula_free(&deck->requirements[k].right);
+  }
   for (size_t k = 0; k < deck->n_files; k++) free(deck->files[k]);
   *deck = (vs_deck){0};
 }

@@ -3,8 +3,9 @@
  * must know.
  *
  *   *$ title  TEXT
- *   *$ param  NAME = VALUE UNIT  MIN..MAX  "TEXT"      becomes .param NAME; scene key circuit.NAME
- *   *$ param  NAME = PART part  "TEXT"                 a part by name: its file is included, and
+ *   *$ param  NAME = VALUE UNIT  MIN..MAX [assumed] "TEXT"   becomes .param NAME; scene key
+ *                                    circuit.NAME
+ *   *$ param  NAME = PART part [KIND] "TEXT"           a part by name: its file is included, and
  *                                    subcircuit NAME in the deck means the one of that part
  *   *$ port   mains = SOURCE                           "SOURCE n m external" has the mains voltage
  *   *$ port   gate[+ANGLE] = SOURCE                    1 V while the (delayed) gate pulse is there
@@ -13,9 +14,18 @@
  *                                                             current
  *   *$ loss   NAME = FORMULA                           power that leaves the circuit, W
  *   *$ store  NAME = FORMULA                           energy held in the circuit, J
- *   *$ rating PROBE MIN..MAX UNIT  "TEXT"              allowed for a probe; enters the verdict
+ *   *$ rating PROBE MIN..MAX UNIT  "TEXT"              allowed for a probe; enters the verdict.
+ * Each end is a number or a limit of a part: -thyristor.v_rrm
+ *   *$ require A <= B  "TEXT"                          a condition between parameters (or A < B)
  *   *$ compat ps                                       the netlist is read as PSpice's dialect
  *   Xeva n m eva                                       the actuator, once
+ *
+ * The file of a part says besides what it is and what its maker allows:
+ *
+ *   *$ part   KIND "TEXT"                              thyristor, varistor, fuse, ...
+ *   *$ limit  NAME = VALUE UNIT [assumed] "TEXT"       by the field's names: v_drm, i2t, ...;
+ * assumed: read in no source
+ *   *$ limit  NAME = none "TEXT"                       an ideal part has none
  *
  * FORMULA: formula.h. Parameters every deck may use: u_rms, f_mains, phase (rad), r_source,
  * l_source. */
@@ -35,7 +45,8 @@ enum {
   VS_DECK_TEXT = 160,
   VS_DECK_FILES = 32,
   VS_DECK_MOST = 64, /* of params, ports, probes, terms, losses, stores, ratings each */
-  VS_DECK_PARTS = 16
+  VS_DECK_PARTS = 16,
+  VS_DECK_LIMITS = 128
 };
 
 /* Kinds of lines of which one could not be read. A check carries on without it, and then says
@@ -84,11 +95,40 @@ typedef struct vs_accounts {
   size_t count;
 } vs_accounts;
 
+/* An end of a rating: a number, or a limit of a part. */
+typedef struct vs_bound {
+  double value;                                 /* in the rating's unit */
+  char part[VS_DECK_NAME], limit[VS_DECK_NAME]; /* empty: the number */
+  double sign;                                  /* of the limit */
+} vs_bound;
 typedef struct vs_rating {
   int probe;
-  double min, max; /* SI; written in `unit` */
+  double min, max; /* SI, once the parts are read; one of them may be infinite; shown in `unit` */
   char unit[16], text[VS_DECK_TEXT];
+  vs_bound bounds[2];
+  vs_where where;
 } vs_rating;
+
+/* Of a part's file. */
+typedef struct vs_part_file {
+  char kind[VS_DECK_NAME], text[VS_DECK_TEXT];
+  vs_where where;
+} vs_part_file;
+typedef struct vs_limit {
+  char name[VS_DECK_NAME], unit[16], text[VS_DECK_TEXT];
+  char written[VS_DECK_NAME + 18]; /* "800 V", "none" */
+  double value;                    /* SI; infinite: none */
+  bool assumed;
+  vs_where where;
+} vs_limit;
+
+/* left < right, of parameters */
+typedef struct vs_requirement {
+  vs_formula left, right;
+  bool equal; /* is enough */
+  char written[VS_DECK_TEXT], text[VS_DECK_TEXT];
+  vs_where where;
+} vs_requirement;
 
 /* A parameter that formulas name. */
 typedef struct vs_named {
@@ -99,7 +139,9 @@ typedef struct vs_named {
 /* A parameter whose value is a part: a file that defines a subcircuit of the file's name. */
 typedef struct vs_part {
   const char *name;              /* the parameter's; the field's own */
+  char kind[VS_DECK_NAME];       /* wanted; empty: any */
   char subcircuit[VS_DECK_NAME]; /* of the part taken; empty: none yet */
+  const char *file;              /* of the part taken, one of the deck's; NULL: none yet */
 } vs_part;
 
 /* The scene's section circuit: the deck's name, that deck's parameters in SI and its parts' names,
@@ -132,6 +174,12 @@ typedef struct vs_deck {
   size_t n_names;
   vs_rating ratings[VS_DECK_MOST];
   size_t n_ratings;
+  vs_part_file part_files[VS_DECK_PARTS];
+  size_t n_part_files;
+  vs_limit limits[VS_DECK_LIMITS];
+  size_t n_limits;
+  vs_requirement requirements[VS_DECK_MOST];
+  size_t n_requirements;
   vs_part parts[VS_DECK_PARTS];
   size_t n_parts;
   int subcircuits; /* open ones, while it is read */
@@ -152,6 +200,9 @@ vs_status vs_deck_read(const char *path, vs_deck *deck, vs_error *err);
  * defaults; they may add to the contract. */
 vs_status vs_deck_read_parts(vs_deck *deck, const vs_node *section, vs_error *err);
 
+/* The file of one part alone, to see what it says of itself. vs_deck_free even after an error. */
+vs_status vs_deck_read_part(const char *path, vs_deck *part, vs_error *err);
+
 /* Parameters of the program's, for every deck to use; the last two are the EVA's own. */
 enum { VS_STANDARD = 7 };
 extern const char *const vs_standard_names[VS_STANDARD];
@@ -164,6 +215,15 @@ typedef struct vs_deck_value {
 /* Gives the formulas their parameters. standard: the program's. Error: a name nobody declared. */
 vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,
                        const vs_deck_value *standard, size_t n_standard, vs_error *err);
+
+/* The conditions between parameters, once formulas are bound. section: the scene's, for the place
+ * of what breaks one; may be NULL. */
+vs_status vs_deck_require(const vs_deck *deck, const vs_circuit_values *values,
+                          const vs_node *section, vs_error *err);
+
+/* Do the mains alone, of this rms value, exceed what part number `part` of the deck allows? Then
+ * text says so. */
+bool vs_part_below_mains(const vs_deck *deck, size_t part, double rms_v, char *text, size_t size);
 void vs_deck_free(vs_deck *deck);
 
 /* The netlist ready to load: title, .param lines, the deck's own lines, the EVA's subcircuit.

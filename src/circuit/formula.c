@@ -204,6 +204,16 @@ void vs_formula_free(vs_formula *f) {
   *f = (vs_formula){0};
 }
 
+bool vs_formula_has_terms(const vs_formula *f) {
+  for (size_t k = 0; k < f->count; k++)
+    if (f->ops[k].kind == TERM) return true;
+  return false;
+}
+
+int vs_formula_name_of(const vs_op *op) {
+  return op->kind == NAME ? op->index : -1;
+}
+
 void vs_formula_bind(vs_formula *f, const double *values) {
   for (size_t k = 0; k < f->count; k++)
     if (f->ops[k].kind == NAME) f->ops[k].value = values[f->ops[k].index];

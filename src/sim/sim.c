@@ -88,7 +88,9 @@ static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *e
   if (!s) s = vs_section_read(&setup->deck.section, map, values, err);
   vs_deck_value standard[VS_STANDARD];
   vs_setup_standard(setup, standard);
-  return s ? s : vs_deck_bind(&setup->deck, values, standard, VS_STANDARD, err);
+  size_t found = vs_found(err);
+  if (!s) s = vs_deck_bind(&setup->deck, values, standard, VS_STANDARD, err);
+  return s || vs_found(err) > found ? s : vs_deck_require(&setup->deck, values, map, err);
 }
 
 void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]) {

@@ -64,7 +64,7 @@ static void add_json(const char *name, const vs_error *e, vs_text *json) {
 typedef struct report {
   const vs_check_options *options;
   vs_text good; /* what it is, when nothing was found */
-  vs_error warnings[2];
+  vs_error warnings[VS_WARNINGS + 1];
   size_t n_warnings;
 } report;
 
@@ -100,7 +100,7 @@ static vs_status check_scene(report *r, vs_error *err) {
   if (!status && !vs_found(err)) status = begin_run(scene->tier, &scene->setup, err);
   if (!status && !vs_found(err)) {
     vs_text_add(&r->good, "a good scene: tier %s (%s)", scene->tier->name, scene->why);
-    if (*scene->warning) vs_fail_at(warning(r), scene->warned, "%s", scene->warning);
+    for (size_t w = 0; w < scene->n_warnings; w++) *warning(r) = scene->warnings[w];
     if (scene->frame.deck) warn_of_deck(r, scene->frame.deck);
   }
   vs_scene_free(scene);
@@ -141,10 +141,14 @@ static vs_status check_deck(report *r, vs_error *err) {
   vs_node circuit = {.kind = VS_NODE_MAP, .key = (char *)(size_t) "circuit", .child = &deck};
   const vs_node scene = {.kind = VS_NODE_MAP, .child = &circuit};
   vs_setup *setup = vs_alloc(1, sizeof *setup);
+  char text[VS_DECK_TEXT + VS_NAME_SIZE];
   vs_status status = vs_setup_build(&scene, setup, err);
   if (!status && !vs_found(err)) status = begin_run(&vs_tier_circuit, setup, err);
   if (!status && !vs_found(err)) {
     describe_deck(&setup->deck, &r->good);
+    for (size_t p = 0; p < setup->deck.n_parts; p++)
+      if (vs_part_below_mains(&setup->deck, p, setup->timeline.supply.voltage_v, text, sizeof text))
+        vs_fail_at(warning(r), (vs_where){.file = setup->deck.files[0]}, "%s", text);
     warn_of_deck(r, &setup->deck);
   }
   vs_setup_free(setup);

@@ -419,7 +419,7 @@ vs_status vs_export_command(const char *name, char *const *sets, size_t n_sets, 
                             vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_scene_read(name, sets, n_sets, "circuit", scene, err);
-  if (!status && *scene->warning) fprintf(stderr, "vibrospice: warning: %s\n", scene->warning);
+  if (!status) vs_scene_warn(scene);
   if (!status) status = write_deck(scene, output, err);
   if (!status) printf("written: %s\n", output);
   vs_scene_free(scene);

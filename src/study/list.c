@@ -33,9 +33,28 @@ static void list_decks(const vs_deck *deck) {
   vs_shelf_list(&vs_deck_shelf, print_deck, (void *)(size_t)&vs_deck_shelf);
 }
 
+/* What it is, what its maker allows, and its parameters. */
+static void print_part(void *ctx, const char *path) {
+  vs_deck *part = vs_alloc(1, sizeof *part);
+  vs_error err = {0};
+  print_file(ctx, path);
+  vs_status status = vs_deck_read_part(path, part, &err);
+  if (status) printf("    %s\n", err.text);
+  if (!status && part->n_part_files)
+    printf("    %s: %s\n", part->part_files[0].kind, part->part_files[0].text);
+  for (size_t k = 0; k < part->n_limits && !status; k++)
+    printf("    limit %-18s %-14s %s%s\n", part->limits[k].name, part->limits[k].written,
+           part->limits[k].text, part->limits[k].assumed ? " (assumed)" : "");
+  for (size_t k = 1; k < part->section.count && !status; k++)
+    printf("    param %-18s %-14s %s\n", part->section.fields[k].key,
+           part->section.fields[k].default_text, part->section.fields[k].text);
+  vs_deck_free(part);
+  free(part);
+}
+
 static void list_parts(const vs_deck *deck) {
   (void)deck;
-  vs_shelf_list(&vs_part_shelf, print_file, (void *)(size_t)&vs_part_shelf);
+  vs_shelf_list(&vs_part_shelf, print_part, (void *)(size_t)&vs_part_shelf);
 }
 
 static void list_tiers(const vs_deck *deck) {

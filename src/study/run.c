@@ -204,8 +204,7 @@ vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
   if (!status && o->raw) status = vs_scene_take_circuit(scene, o->tier, "--raw", err);
-  if (!status && *scene->warning && !o->quiet)
-    fprintf(stderr, "vibrospice: warning: %s\n", scene->warning);
+  if (!status && !o->quiet) vs_scene_warn(scene);
   if (!status) status = run_scene(o, scene, err);
   vs_scene_free(scene);
   free(scene);

@@ -181,12 +181,27 @@ static void warn_below_theta(vs_scene *s) {
                        u->model.actuator.resistance_ohm);
   const vs_node *angle = vs_node_child(vs_node_child(s->tree.root, "firing"), "angle");
   if (u->timeline.firing.angle_rad >= theta) return;
-  if (angle) s->warned = angle->where;
-  snprintf(s->warning, sizeof s->warning,
-           "firing.angle = %.6g deg is below theta = %.6g deg, the lower end of the control "
-           "range (Eq. 92): "
-           "the thyristor conducts as Eq. 91 says, for more than 180 deg",
-           u->timeline.firing.angle_rad / vs_unit_factor("deg"), theta / vs_unit_factor("deg"));
+  vs_fail_at(&s->warnings[s->n_warnings++], angle ? angle->where : (vs_where){0},
+             "firing.angle = %.6g deg is below theta = %.6g deg, the lower end of the control "
+             "range (Eq. 92): "
+             "the thyristor conducts as Eq. 91 says, for more than 180 deg",
+             u->timeline.firing.angle_rad / vs_unit_factor("deg"), theta / vs_unit_factor("deg"));
+}
+
+static void warn_of_parts(vs_scene *s) {
+  const vs_deck *deck = s->frame.deck;
+  const vs_node *map = vs_node_child(s->tree.root, "circuit");
+  char text[VS_DECK_TEXT + VS_NAME_SIZE];
+  for (size_t p = 0; deck && p < deck->n_parts; p++) {
+    const vs_node *named = vs_node_child(map, deck->parts[p].name);
+    if (vs_part_below_mains(deck, p, s->setup.timeline.supply.voltage_v, text, sizeof text))
+      vs_fail_at(&s->warnings[s->n_warnings++], named ? named->where : (vs_where){0}, "%s", text);
+  }
+}
+
+void vs_scene_warn(const vs_scene *s) {
+  for (size_t k = 0; k < s->n_warnings; k++)
+    fprintf(stderr, "vibrospice: warning: %s\n", s->warnings[k].text + s->warnings[k].place_size);
 }
 
 vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, const char *tier,
@@ -208,6 +223,7 @@ vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, cons
   if (!status) status = vs_carry_on(err, read_record(s, err));
   if (!status) status = read_measured(s, err);
   warn_below_theta(s);
+  warn_of_parts(s);
   return status;
 }
 
@@ -219,6 +235,7 @@ vs_status vs_scene_take_circuit(vs_scene *s, const char *tier, const char *asks,
   s->tier = &vs_tier_circuit;
   snprintf(s->why, sizeof s->why, "auto: %s asks for it", asks);
   s->frame = s->tier->frame(&s->setup);
+  warn_of_parts(s);
   s->n_record = 0;
   vs_status status = check_tolerance(s, err);
   return status ? status : read_record(s, err);

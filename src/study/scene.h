@@ -9,6 +9,8 @@
 
 extern const vs_shelf vs_scene_shelf;
 
+enum { VS_WARNINGS = 1 + VS_DECK_PARTS }; /* at most */
+
 typedef struct vs_scene {
   char path[VS_PATH_SIZE];
   vs_tree tree;
@@ -18,8 +20,8 @@ typedef struct vs_scene {
   vs_frame frame; /* of this tier; its channels are what `record` chooses from */
   int record[VS_CH_MOST], n_record;
   vs_value measured[VS_MEASURES]; /* SI */
-  char warning[512];              /* empty: none */
-  vs_where warned;                /* what it warns of; no file: nothing that was written */
+  vs_error warnings[VS_WARNINGS]; /* with their place, if what they warn of was written */
+  size_t n_warnings;
 } vs_scene;
 
 /* name: a path, or the name of a scene that comes with the program. sets: the --set arguments.
@@ -28,6 +30,9 @@ typedef struct vs_scene {
 vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, const char *tier,
                         vs_scene *scene, vs_error *err);
 void vs_scene_free(vs_scene *scene);
+
+/* A line for each warning on standard error. */
+void vs_scene_warn(const vs_scene *scene);
 
 /* For what only the circuit tier has, and the command line asks for: tier auto takes that tier.
  * tier: as for vs_scene_read, which must have gone well. asks: "--raw". Error: another tier is

@@ -167,8 +167,10 @@ static void add_verdict(vs_text *json, const vs_result *r) {
     vs_text_add(json, "%s\n    {\"rating\": \"%s\", \"unit\": \"%s\", \"text\": ", k ? "," : "",
                 j->probe->name, j->rating->unit);
     vs_text_json(json, j->rating->text);
-    vs_text_add(json, ", \"min\": %.12g, \"max\": %.12g", j->rating->min / unit,
-                j->rating->max / unit);
+    vs_text_add(json, ", \"min\": ");
+    add_number(json, j->rating->min / unit);
+    vs_text_add(json, ", \"max\": ");
+    add_number(json, j->rating->max / unit);
     add_extreme(json, "least", j->least, unit);
     add_extreme(json, "largest", j->largest, unit);
     vs_text_add(json, ", \"margin\": ");
@@ -186,11 +188,12 @@ void vs_summary_json(const vs_scene *s, const vs_result *r, bool with_cost, vs_t
   vs_text_add(json, "  \"tier\": \"%s\",\n  \"why\": ", s->tier->name);
   vs_text_json(json, s->why);
   vs_text_add(json, ",\n");
-  if (*s->warning) {
-    vs_text_add(json, "  \"warning\": ");
-    vs_text_json(json, s->warning);
-    vs_text_add(json, ",\n");
+  vs_text_add(json, "  \"warnings\": [");
+  for (size_t k = 0; k < s->n_warnings; k++) {
+    vs_text_add(json, "%s", k ? ", " : "");
+    vs_text_json(json, s->warnings[k].text + s->warnings[k].place_size);
   }
+  vs_text_add(json, "],\n");
   add_measures(json, s, r);
   add_energy(json, s, &r->energy, r->open_books);
   if (with_cost)

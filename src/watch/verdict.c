@@ -3,9 +3,12 @@
 
 #include <math.h>
 
-/* What `room` to a limit is as a part of the limit; of the whole range where the limit is 0. */
+/* What `room` to a limit is as a part of the limit; of the whole range where the limit is 0.
+ * Infinite where there is no limit. */
 static double part_of(double room, double limit, const vs_rating *rating) {
-  return room / (limit != 0 ? fabs(limit) : rating->max - rating->min);
+  double range = rating->max - rating->min;
+  if (isinf(limit)) return INFINITY;
+  return room / (limit != 0 ? fabs(limit) : isinf(range) ? 1 : range);
 }
 
 size_t vs_verdict(const vs_measures *m, vs_judgement judgements[VS_DECK_MOST]) {

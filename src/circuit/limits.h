@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What parts are, what their makers allow, and what a deck and its parts ask of that: the
+ * contract's lines part, limit, rating, require. */
+#ifndef VS_CIRCUIT_LIMITS_H
+#define VS_CIRCUIT_LIMITS_H
+
+#include "circuit/cursor.h"
+#include "circuit/deck.h"
+
+/* Each reads the rest of one line. */
+vs_status vs_limits_part(vs_deck *deck, vs_cursor *c, vs_error *err);
+vs_status vs_limits_limit(vs_deck *deck, vs_cursor *c, vs_error *err);
+vs_status vs_limits_rating(vs_deck *deck, vs_cursor *c, vs_error *err);
+vs_status vs_limits_require(vs_deck *deck, vs_cursor *c, vs_error *err);
+
+/* Is the part's file of the kind that the deck wants? where: of its name. */
+vs_status vs_limits_check_kind(const vs_deck *deck, const vs_part *part, vs_where where,
+                               vs_error *err);
+
+/* Gives ratings the limits of the parts chosen; one without limits is left out. */
+vs_status vs_limits_resolve(vs_deck *deck, vs_error *err);
+
+#endif
