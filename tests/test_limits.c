@@ -32,7 +32,7 @@ static vs_setup *setup_of(const char *deck, const char *part, const char *scene,
 
 /* A rating takes a part's limit, in the limit's own unit, with the sign it stands with. */
 static void ratings_take_limits(void) {
-  vs_error err;
+  vs_error err = {0};
   vs_setup *s = setup_of(
       DECK "*$ rating v_f -fuse.v_back..0.5 kV\n*$ rating i_f -2..fuse.i_rated A \"F\"\n" CIRCUIT,
       PART("*$ limit v_back = 0.7 kV assumed \"x\"\n*$ limit i_rated = 500 mA\n"),
@@ -50,7 +50,7 @@ static void ratings_take_limits(void) {
 
 /* A part without a limit: that end is open; a rating open at both ends is none. */
 static void no_limit_is_said(void) {
-  vs_error err;
+  vs_error err = {0};
   vs_setup *s =
       setup_of(DECK "*$ rating v_f -1..fuse.v V\n*$ rating i_f -fuse.v..fuse.v A\n" CIRCUIT,
                PART("*$ limit v = none \"ideal\"\n"), "circuit: {deck: d.cir}", &err);
@@ -128,7 +128,7 @@ static void bad_input(void) {
        "f.inc:2:18: ", "no parameter 'hi'"},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
-    vs_error err;
+    vs_error err = {0};
     vs_setup *s = setup_of(ROWS[k].deck, ROWS[k].part, ROWS[k].scene, &err);
     EXPECT(!s && !strncmp(err.text, ROWS[k].place, strlen(ROWS[k].place)) &&
                strstr(err.text, ROWS[k].says),
@@ -139,7 +139,7 @@ static void bad_input(void) {
 
 /* Equal is good enough for <=, also where a unit's conversion rounds. */
 static void requirements_that_hold(void) {
-  vs_error err;
+  vs_error err = {0};
   vs_setup *s = setup_of(DECK CIRCUIT,
                          PART("*$ param high = 2000 uA 0..1e6 \"b\"\n*$ require low <= high\n"
                               "*$ require low < 3*high\n*$ require low/high <= 1 \"x\"\n"),

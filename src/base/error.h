@@ -4,6 +4,7 @@
 #ifndef VS_BASE_ERROR_H
 #define VS_BASE_ERROR_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /* name, exit status of the program, what it means */
@@ -28,6 +29,7 @@ typedef struct vs_error {
   int file_size;         /* bytes of text that name the file; 0: it names none */
   int place_size;        /* bytes of text before the message itself */
   int line, column;      /* of the place, from 1; 0: not known */
+  bool gave_up;          /* the circuit's solver did, and might not have with other settings */
   vs_findings *findings; /* where vs_carry_on keeps what it carries on from; NULL: nowhere */
 } vs_error;
 

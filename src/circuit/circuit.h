@@ -24,6 +24,7 @@ typedef struct vs_circuit_job {
   /* of Newton's iteration and of the local truncation error: a part of each value; and below which
    * a difference of currents is none */
   double relative_tolerance, current_tolerance_a;
+  double truncation_factor; /* by which that error may be more (ngspice's trtol); 0: its own 7 */
   /* Gives an error that quotes the netlist the place where that stands; may be NULL. */
   void (*locate)(const void *author, vs_error *err);
   const void *author; /* of the netlist */
@@ -53,8 +54,8 @@ typedef struct vs_circuit_kind {
    * the solver; VS_SIGNAL, a signal that is handled came meanwhile. */
   vs_status (*load)(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
                     vs_error *err);
-  /* Errors: accept()'s own; VS_INPUT, the circuit cannot be run; VS_RUN, the solver gave up or
-   * makes no progress. They name the time. */
+  /* Errors: accept()'s own; VS_INPUT, the circuit cannot be run; VS_RUN with gave_up, the solver
+   * gave up or makes no progress. They name the time. */
   vs_status (*run)(void *circuit, vs_error *err);
   void (*free)(void *circuit); /* NULL is fine */
 } vs_circuit_kind;

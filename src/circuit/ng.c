@@ -272,8 +272,10 @@ static vs_status guard_progress(void) {
     ng.tries = 0;
   }
   if (ng.tries < MOST_TRIES) return VS_OK;
-  return vs_fail(ng.err, VS_RUN, "t = %.9g s: ngspice makes no progress: %d steps for %.2g s",
-                 ng.reached_s, MOST_TRIES, gone);
+  vs_fail(ng.err, VS_RUN, "t = %.9g s: ngspice makes no progress: %d steps for %.2g s",
+          ng.reached_s, MOST_TRIES, gone);
+  ng.err->gave_up = true;
+  return VS_RUN;
 }
 
 /* A step length of zero is how a host makes ngspice end a run; it stays usable. */
@@ -416,10 +418,11 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   vs_text tail = {0};
   /* .save none keeps one point in memory; SendData still gives all vectors. */
   vs_text_add(&tail,
-              ".options method=%s reltol=%.17g abstol=%.17g\n.save none\n"
+              ".options method=%s reltol=%.17g abstol=%.17g trtol=%.17g\n.save none\n"
               ".tran %.17g %.17g 0 %.17g uic\n.end",
               job->gear ? "gear" : "trap", job->relative_tolerance, job->current_tolerance_a,
-              job->max_step_s, job->until_s, job->max_step_s);
+              job->truncation_factor > 0 ? job->truncation_factor : 7, job->max_step_s,
+              job->until_s, job->max_step_s);
   char **lines = vs_alloc(job->lines + 5, sizeof *lines);
   size_t n = 0;
   for (; n < job->lines; n++) lines[n] = job->netlist[n];
@@ -444,10 +447,11 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
 static vs_status outcome(vs_error *err) {
   if (ng.status) return ng.status;
   if (ng.time_vector < 0 || ng.reached_s == 0) return refuse(ng.job, "run", err);
-  if (ng.reached_s < ng.job->until_s * (1 - 1e-9))
-    return vs_fail(err, VS_RUN, "t = %.9g s: ngspice gave up: %s", ng.reached_s,
-                   ng.n_complaints ? ng.complaints[0] : "it gave no reason");
-  return VS_OK;
+  if (ng.reached_s >= ng.job->until_s * (1 - 1e-9)) return VS_OK;
+  vs_fail(err, VS_RUN, "t = %.9g s: ngspice gave up: %s", ng.reached_s,
+          ng.n_complaints ? ng.complaints[0] : "it gave no reason");
+  err->gave_up = true;
+  return VS_RUN;
 }
 
 static vs_status run(void *circuit, vs_error *err) {

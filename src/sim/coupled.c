@@ -328,7 +328,7 @@ static void name_all(const vs_deck *deck, names *n) {
 /* Largest step and relative tolerance of the solver for a wanted error. Measured on T3A (tests): at
  * 25 us of a 20 ms period the trapezoidal rule leaves 6.5e-5 of the first peak, falling with the
  * square of the step; Gear's rule four times as much. */
-static double largest_step(const vs_setup *s) {
+double vs_largest_step(const vs_setup *s) {
   double h = fmin(sqrt(s->run.tolerance / 1e-4) / 800, 1.0 / 200) * s->timeline.period_s;
   if (s->run.gear) h /= 2;
   return s->run.max_step_s > 0 ? s->run.max_step_s : h;
@@ -358,7 +358,7 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                 .observer = observer,
                 .candidate_s = -1,
                 .gap_port = setup->deck.n_ports,
-                .max_step_s = largest_step(setup),
+                .max_step_s = vs_largest_step(setup),
                 .substep_s = 0.02 / m->fastest_rad_s,
                 .substep_touching_s = 0.02 / m->contact_rad_s,
                 .series_s = 0.1 / m->fastest_rad_s};
@@ -378,6 +378,7 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                         .dialect = setup->deck.compat,
                         .max_step_s = c.max_step_s,
                         .raw = setup->raw,
+                        .truncation_factor = setup->run.trtol,
                         .relative_tolerance = solver_tolerance(setup),
                         .current_tolerance_a = solver_tolerance(setup) * current_scale(setup),
                         .locate = locate,

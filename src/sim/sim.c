@@ -20,10 +20,16 @@ static const vs_field RUN[] = {
      "largest error of p, u, w, phi, force and i, each relative to its peak", NULL, NULL},
     {"max_step", VS_REAL, "us", "0 us", 0, 1e6, false, R_(max_step_s),
      "largest step; 0: chosen from the tolerance", NULL, NULL},
+    {"trtol", VS_REAL, "", "7", 1, 1e4, false, R_(trtol),
+     "ngspice's: how much larger than tolerated its estimate of a step's truncation error may be",
+     NULL, NULL},
     {"method", VS_CHOICE, "", "trap", 0, 0, false, R_(gear),
      "circuit tier's rule: trap, or gear, which damps the ringing of stiff circuits and needs half "
      "the step",
      "trap|gear", NULL},
+    {"ladder", VS_CHOICE, "", "climb", 0, 0, false, R_(stay),
+     "when ngspice gives up: climb, to other methods, steps and devices, and say so; or stay",
+     "climb|stay", NULL},
 };
 const vs_section vs_run_section = {"run", RUN, sizeof RUN / sizeof *RUN};
 

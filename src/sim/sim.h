@@ -14,7 +14,9 @@ typedef struct vs_run_values {
   double until_s, sample_s;
   double tolerance;  /* largest error wanted, relative to each quantity's own peak */
   double max_step_s; /* 0: from the tolerance */
+  double trtol;      /* ngspice's own: a factor on the truncation error a step may have */
   int gear;          /* the circuit's rule: 0 trapezoidal, 1 Gear's of second order */
+  int stay;          /* on the ladder's first rung */
 } vs_run_values;
 /* The machine's state at t = 0: q, q'. The circuit always begins without current and charge. */
 typedef struct vs_start_values {
@@ -67,6 +69,9 @@ vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame);
 
 /* For tiers: refuses a run of so many steps that it would not end. */
 vs_status vs_sim_check_steps(const vs_setup *setup, double step_s, vs_error *err);
+
+/* The longest step that the circuit tier takes, s. */
+double vs_largest_step(const vs_setup *setup);
 
 /* Runs the tier, and ends the run where it leaves the model's validity (finite, z > 0, p >= -D
  * without a stop, a current that makes sense): the observer is not shown such a step. */

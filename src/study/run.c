@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "base/units.h"
+#include "study/ladder.h"
 #include "study/scene.h"
 #include "study/summary.h"
 #include "watch/table.h"
@@ -122,10 +123,12 @@ static void discard_files(audience *a) {
   vs_file_discard(&a->csv);
 }
 
-static vs_status close_files(audience *a, vs_status ran, const char *json, vs_error *err) {
+/* ran: how the run ended; again: there will be another. */
+static vs_status close_files(audience *a, vs_status ran, bool again, const char *json,
+                             vs_error *err) {
   const char *folder = a->options->folder;
   vs_file summary = {0};
-  bool partial = ran && ran != VS_INPUT && a->csv.stream;
+  bool partial = ran && ran != VS_INPUT && !again && a->csv.stream;
   if (partial) keep_partial(a, err);
   if (ran) discard_files(a);
   if (ran) vs_folder_unmake(folder, a->made); /* which a part that could be kept forbids */
@@ -160,13 +163,17 @@ static void take_values(audience *a) {
   r->values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, r->energy.worst, NAN};
 }
 
-static vs_status run_scene(const vs_run_options *o, vs_scene *s, vs_error *err) {
+/* On one rung of the ladder; more: where ngspice gives up another will be tried, and nothing is
+ * kept. */
+static vs_status run_scene(const vs_run_options *o, vs_scene *s, const vs_ladder *ladder, bool more,
+                           vs_error *err) {
   audience a = {.options = o,
                 .scene = s,
                 .measures = vs_measures_new(&s->frame),
                 .show_progress = !o->quiet && isatty(STDERR_FILENO)};
   a.result.measures = a.measures;
   a.result.energy.frame = &s->frame;
+  a.result.ladder = ladder;
   vs_observer observer = {&a, accept};
   vs_text json = {0};
   vs_status status = o->folder ? open_files(&a, err) : VS_OK;
@@ -181,7 +188,7 @@ static vs_status run_scene(const vs_run_options *o, vs_scene *s, vs_error *err) 
     take_values(&a);
     vs_summary_json(s, &a.result, !o->reproducible, &json);
   }
-  if (o->folder) status = close_files(&a, status, json.text, err);
+  if (o->folder) status = close_files(&a, status, status && err->gave_up && more, json.text, err);
   if (!status && o->json)
     fputs(json.text, stdout);
   else if (!status && !o->quiet) {
@@ -198,14 +205,52 @@ static vs_status run_scene(const vs_run_options *o, vs_scene *s, vs_error *err) 
   return status;
 }
 
+static vs_status read_scene(const vs_run_options *o, const vs_ladder *ladder, vs_scene *scene,
+                            vs_error *err) {
+  char **sets = vs_alloc(o->n_sets + VS_LADDER_KEYS, sizeof *sets);
+  size_t n = 0;
+  for (; n < o->n_sets; n++) sets[n] = o->sets[n];
+  for (size_t k = 0; k < ladder->n_keys; k++) sets[n++] = (char *)(size_t)ladder->keys[k];
+  vs_status status = vs_scene_read(o->scene, sets, n, o->tier, scene, err);
+  free(sets);
+  return status || !o->raw ? status : vs_scene_take_circuit(scene, o->tier, "--raw", err);
+}
+
+/* No rung helped. */
+static vs_status add_rung(const vs_ladder *ladder, vs_error *err) {
+  const vs_error last = *err;
+  return vs_fail(err, VS_RUN, "%s (%s; before, the scene as it is: %s)", last.text,
+                 vs_ladder_text(ladder->rung), ladder->failed);
+}
+
+/* Runs the scene; when ngspice gives up, again from the beginning with the settings of the ladder's
+ * next rung. */
+static vs_status climb(const vs_run_options *o, vs_scene *scene, vs_error *err) {
+  vs_ladder ladder = {0};
+  for (;;) {
+    vs_ladder next = ladder;
+    bool more = !scene->setup.run.stay && vs_ladder_climb(&next, scene);
+    vs_status status = run_scene(o, scene, &ladder, more, err);
+    bool gave_up = status == VS_RUN && err->gave_up;
+    if (gave_up && !more && ladder.rung) return add_rung(&ladder, err);
+    if (!gave_up || !more) return status;
+    if (!ladder.rung) memcpy(next.failed, err->text, sizeof next.failed);
+    if (!o->quiet)
+      fprintf(stderr, "vibrospice: warning: %s; trying %s\n", err->text, vs_ladder_text(next.rung));
+    vs_scene_free(scene);
+    ladder = next;
+    if (read_scene(o, &ladder, scene, err)) return vs_fail(err, VS_RUN, "%s", ladder.failed);
+  }
+}
+
 vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
   if (o->raw && !o->folder)
     return vs_fail(err, VS_INPUT, "--raw: run.raw goes into a folder; name one with -o DIR");
   vs_scene *scene = vs_alloc(1, sizeof *scene);
-  vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
-  if (!status && o->raw) status = vs_scene_take_circuit(scene, o->tier, "--raw", err);
+  const vs_ladder ground = {0};
+  vs_status status = read_scene(o, &ground, scene, err);
   if (!status && !o->quiet) vs_scene_warn(scene);
-  if (!status) status = run_scene(o, scene, err);
+  if (!status) status = climb(o, scene, err);
   vs_scene_free(scene);
   free(scene);
   return status;

@@ -25,6 +25,7 @@ vs_scene_part vs_scene_part_at(const vs_scene *s, int index) {
 /* What the scene names that only the circuit tier has; NULL: nothing. */
 static const char *needs_circuit(const vs_scene *s, char *buffer, size_t size) {
   const vs_node *root = s->tree.root, *circuit = vs_node_child(root, "circuit");
+  const vs_node *run = vs_node_child(root, "run");
   const vs_node *supply = vs_node_child(root, "supply"), *record = vs_node_child(root, "record");
   const char *source = vs_node_child(supply, "resistance")   ? "resistance"
                        : vs_node_child(supply, "inductance") ? "inductance"
@@ -33,8 +34,8 @@ static const char *needs_circuit(const vs_scene *s, char *buffer, size_t size) {
     snprintf(buffer, size, "circuit.%s", circuit->child->key);
   else if (source)
     snprintf(buffer, size, "supply.%s", source);
-  else if (vs_node_child(vs_node_child(root, "run"), "method"))
-    snprintf(buffer, size, "run.method");
+  else if (vs_node_child(run, "method") || vs_node_child(run, "trtol"))
+    snprintf(buffer, size, "run.%s", vs_node_child(run, "method") ? "method" : "trtol");
   else {
     const vs_frame circuit_frame = vs_tier_circuit.frame(&s->setup);
     const vs_node *item = record && record->kind == VS_NODE_LIST ? record->child : record;

@@ -47,7 +47,11 @@ void vs_summary_table(const vs_scene *s, const vs_result *r, FILE *out) {
   vs_value v;
   bool any = false;
   for (int k = 0; k < VS_MEASURES; k++) any = any || s->measured[k].known;
-  fprintf(out, "scene  %s\ntier   %s (%s)\n\n", s->path, s->tier->name, s->why);
+  fprintf(out, "scene  %s\ntier   %s (%s)\n", s->path, s->tier->name, s->why);
+  if (r->ladder->rung)
+    fprintf(out, "rung   %d: %s; before, %s\n", r->ladder->rung, vs_ladder_text(r->ladder->rung),
+            r->ladder->failed);
+  fputc('\n', out);
   fprintf(out, "%-18s %16s %-5s %14s%s\n", "measure", "computed", "", "at",
           any ? "         measured" : "");
   for (int k = 0; measure_at(s, r, k, name, &unit, &v); k++) {
@@ -188,7 +192,11 @@ void vs_summary_json(const vs_scene *s, const vs_result *r, bool with_cost, vs_t
   vs_text_add(json, "  \"tier\": \"%s\",\n  \"why\": ", s->tier->name);
   vs_text_json(json, s->why);
   vs_text_add(json, ",\n");
-  vs_text_add(json, "  \"warnings\": [");
+  vs_text_add(json, "  \"rung\": {\"number\": %d, \"text\": ", r->ladder->rung);
+  vs_text_json(json, vs_ladder_text(r->ladder->rung));
+  vs_text_add(json, ", \"failed\": ");
+  vs_text_json(json, r->ladder->failed);
+  vs_text_add(json, "},\n  \"warnings\": [");
   for (size_t k = 0; k < s->n_warnings; k++) {
     vs_text_add(json, "%s", k ? ", " : "");
     vs_text_json(json, s->warnings[k].text + s->warnings[k].place_size);

@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 
+#include "study/ladder.h"
 #include "study/scene.h"
 #include "watch/energy.h"
 #include "watch/verdict.h"
@@ -16,6 +17,7 @@ typedef struct vs_result {
   const char *open_books; /* NULL: the energy audit finds nothing */
   vs_judgement judgements[VS_DECK_MOST];
   size_t n_judgements;
+  const vs_ladder *ladder; /* and on which rung of it this was got */
   double wall_s;
   long steps;
 } vs_result;

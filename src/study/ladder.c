@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/ladder.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* Gear's rule damps what rings behind a junction; a shorter step is one that Newton's iteration may
+ * still find an end in; a larger trtol makes ngspice accept steps whose truncation error it cannot
+ * get down by shortening them (their length is then given by the largest step, which is why that is
+ * a quarter); and where it is the thyristor's model that has no solution, an ideal one has. */
+typedef struct rung {
+  const char *text;
+  bool gear, quarter, loose, ideal;
+} rung;
+static const rung RUNGS[] = {
+    {"the scene as it is", false, false, false, false},
+    {"method gear", true, false, false, false},
+    {"method gear, a quarter of the step", true, true, false, false},
+    {"method gear, a quarter of the step, trtol 100", true, true, true, false},
+    {"an ideal thyristor (latch), method gear", true, false, false, true},
+};
+enum { N_RUNGS = sizeof RUNGS / sizeof *RUNGS };
+
+const char *vs_ladder_text(int number) {
+  return RUNGS[number].text;
+}
+
+/* The deck's parameter for its thyristor, if that is not ideal already. */
+static bool can_be_ideal(const vs_setup *s) {
+  for (size_t k = 0; k < s->deck.n_parts; k++)
+    if (!strcmp(s->deck.parts[k].name, "thyristor"))
+      return strcmp(s->deck.parts[k].subcircuit, "latch") != 0;
+  return false;
+}
+
+static void add_key(vs_ladder *l, const char *key_and_value) {
+  snprintf(l->keys[l->n_keys++], sizeof l->keys[0], "%s", key_and_value);
+}
+
+bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
+  const vs_setup *s = &scene->setup;
+  char step[64];
+  if (scene->tier != &vs_tier_circuit) return false;
+  if (l->rung == 0) {
+    l->gear = s->run.gear;
+    l->step_s = vs_largest_step(s);
+  }
+  for (l->rung++; l->rung < N_RUNGS; l->rung++) {
+    const rung *r = &RUNGS[l->rung];
+    bool other = (r->gear && !l->gear) || r->quarter || (r->ideal && can_be_ideal(s));
+    if (!other || (r->ideal && !can_be_ideal(s))) continue;
+    l->n_keys = 0;
+    add_key(l, "run.method=gear");
+    snprintf(step, sizeof step, "run.max_step=%.9gus", 1e6 * l->step_s / (l->gear ? 4 : 8));
+    if (r->quarter) add_key(l, step);
+    if (r->loose) add_key(l, "run.trtol=100");
+    if (r->ideal) add_key(l, "circuit.thyristor=latch");
+    return true;
+  }
+  return false;
+}

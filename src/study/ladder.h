@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a run tries when ngspice gives up: the same scene with other settings, one rung after the
+ * other, each a few keys that a user could set. What was climbed stands in the result. */
+#ifndef VS_STUDY_LADDER_H
+#define VS_STUDY_LADDER_H
+
+#include "study/scene.h"
+
+enum { VS_LADDER_KEYS = 4 }; /* at most, on one rung */
+
+typedef struct vs_ladder {
+  int rung;                      /* 0: the scene as it is */
+  char keys[VS_LADDER_KEYS][64]; /* KEY=VALUE of this rung, as for --set */
+  size_t n_keys;
+  bool gear;                                  /* the scene as it is: its method, */
+  double step_s;                              /* its largest step */
+  char failed[sizeof(((vs_error *)0)->text)]; /* how the scene as it is ended */
+} vs_ladder;
+
+const char *vs_ladder_text(int rung); /* what a rung is, in a few words */
+
+/* Goes to the next rung that changes anything for the scene; false: there is none. */
+bool vs_ladder_climb(vs_ladder *ladder, const vs_scene *scene);
+
+#endif

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a run tries when ngspice gives up, and what it says of it. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "program.h"
+#include "study/ladder.h"
+
+/* A thyristor that no method and no step gets past 3 ms: its current is no number then. */
+#define GIVES_UP(node) "B1 " node " 0 I = 1u*ln(3m-time)\n"
+static const char BAD[] =
+    "*$ part thyristor \"gives up\"\n*$ limit v_drm = none\n"
+    "*$ limit v_rrm = none\n.subckt bad a k g\nR1 a k 1meg\n" GIVES_UP("a") ".ends\n";
+
+static int count(const char *text, const char *what) {
+  int n = 0;
+  for (const char *s = text; (s = strstr(s, what)); s += strlen(what)) n++;
+  return n;
+}
+
+/* The device's model has no solution: every rung is tried, the last holds. The result is, to the
+ * byte, that of the settings it names, and says where it stands and why. */
+static void an_ideal_device_is_the_last(void) {
+  write_file("bad.inc", BAD);
+  ran r = run("run paper --set circuit.thyristor=bad.inc --set run.until=20ms -o climbed");
+  CU_ASSERT_EQUAL(r.status, 0);
+  CU_ASSERT_EQUAL(count(r.err, "ngspice gave up"), 4);
+  CU_ASSERT_EQUAL(count(r.err, "; trying "), 4);
+  EXPECT(strstr(r.out, "rung   4: an ideal thyristor (latch), method gear; before, t = 0.00"), "%s",
+         r.out);
+  free_ran(&r);
+  EXPECT_FILES("climbed", "events.csv run.csv summary.json ");
+  RUN_GOOD("run paper --quiet --set circuit.thyristor=latch --set run.method=gear --set "
+           "run.until=20ms -o asked");
+  char *climbed = read_file("climbed/run.csv"), *asked = read_file("asked/run.csv"),
+       *json = read_file("climbed/summary.json"), *plain = read_file("asked/summary.json");
+  CU_ASSERT(count_lines(asked) == 202 && !strcmp(climbed, asked));
+  EXPECT(strstr(json, "\"rung\": {\"number\": 4, \"text\": \"an ideal thyristor (latch), method "
+                      "gear\", \"failed\": \"t = 0.00") &&
+             strstr(json, "\"thyristor\": \"latch\"") && strstr(json, "\"method\": \"gear\""),
+         "%s", json);
+  EXPECT(strstr(plain, "\"rung\": {\"number\": 0, \"text\": \"the scene as it is\", \"failed\": "
+                       "\"\"}"),
+         "%s", plain);
+  free(climbed), free(asked), free(json), free(plain);
+}
+
+/* run.ladder: stay. What was computed is kept, as of any run that fails. */
+static void one_may_stay(void) {
+  write_file("bad.inc", BAD);
+  ran r = run("run paper --set circuit.thyristor=bad.inc --set run.until=20ms "
+              "--set run.ladder=stay -o stayed");
+  CU_ASSERT_EQUAL(r.status, 1);
+  EXPECT(count(r.err, "\n") == 1 && strstr(r.err, "ngspice gave up") &&
+             strstr(r.err, "run.partial.csv"),
+         "%s", r.err);
+  EXPECT_FILES("stayed", "run.partial.csv ");
+  free_ran(&r);
+}
+
+/* It is the deck's own: no rung helps, and the error names the first and the last. With gear asked
+ * for, the rung that is gear alone is left out; a deck without a thyristor has no last one. */
+static void nothing_helps(void) {
+  write_file("bad.cir", "*$ port mains = Vm\n*$ probe v_a = v(a) V\nVm s 0 external\nRs s a 1\n"
+                        "Xeva a 0 eva\nR1 x 0 1meg\n" GIVES_UP("x"));
+  ran r =
+      run("run paper --set circuit.deck=bad.cir --set run.until=5ms --set run.method=gear -o o");
+  CU_ASSERT_EQUAL(r.status, 1);
+  CU_ASSERT_EQUAL(count(r.err, "; trying "), 2);
+  const char *last = strstr(r.err, "vibrospice: t = 0.00");
+  EXPECT(last &&
+             strstr(last, "(method gear, a quarter of the step, trtol 100; before, the scene "
+                          "as it is: t = 0.00") &&
+             strstr(last, "what was computed is in o/run.partial.csv") && count(last, "\n") == 1,
+         "%s", r.err);
+  EXPECT_FILES("o", "run.partial.csv ");
+  free_ran(&r);
+}
+
+/* A run that ngspice did not end is not tried again: this one meets the pole. */
+static void only_when_ngspice_gives_up(void) {
+  ran r = run("run paper --tier circuit --set firing.every=1 --set firing.angle=80deg "
+              "--set run.until=0.1s --quiet");
+  CU_ASSERT_EQUAL(r.status, 1);
+  EXPECT(count(r.err, "\n") == 1 && strstr(r.err, "meets the pole cover"), "%s", r.err);
+  free_ran(&r);
+  vs_trial *t = vs_trial_read("paper", "switched", NULL);
+  vs_ladder ladder = {0};
+  CU_ASSERT_FALSE(vs_ladder_climb(&ladder, &t->scene));
+  vs_trial_free(t);
+}
+
+static const vs_test TESTS[] = {
+    {"an ideal device is the last", an_ideal_device_is_the_last},
+    {"one may stay", one_may_stay},
+    {"nothing helps", nothing_helps},
+    {"only when ngspice gives up", only_when_ngspice_gives_up},
+};
+
+int main(void) {
+  return program_suite("ladder", TESTS, COUNT(TESTS));
+}
