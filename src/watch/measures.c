@@ -170,10 +170,20 @@ static void follow_crossings(vs_measures *m) {
   m->last_crossing_s = t;
 }
 
+/* Below its latching current a thyristor goes out between two sub-pulses of its gate, and is fired
+ * by the next one: it was no extinction, and what was read of a free swing is none. */
+static bool goes_on(const vs_measures *m, double t_s) {
+  return t_s - m->extinct_s <= 1.01 / m->frame->timeline->firing.burst_hz && isnan(m->refired_s);
+}
+
 static void follow_event(vs_measures *m, vs_event event, double t_s) {
   if (event == VS_EV_FIRES && isnan(m->fired_s))
     m->fired_s = t_s;
-  else if (event == VS_EV_FIRES && isnan(m->refired_s))
+  else if (event == VS_EV_FIRES && goes_on(m, t_s)) {
+    m->extinct_s = NAN;
+    m->n = m->st = m->sl = m->stt = m->stl = m->crossings = 0;
+    m->swing.known = false;
+  } else if (event == VS_EV_FIRES && isnan(m->refired_s))
     m->refired_s = t_s;
   if (event == VS_EV_EXTINCT && isnan(m->extinct_s)) m->extinct_s = t_s;
 }

@@ -14,7 +14,8 @@
   X(VS_M_I_PEAK, "i_peak", "A", "largest coil current")                                            \
   X(VS_M_T_FIRE, "t_fire", "s", "first firing")                                                    \
   X(VS_M_T_EXTINCTION, "t_extinction", "s", "first extinction: the anode current reaches zero")    \
-  X(VS_M_CONDUCTION, "conduction_time", "s", "first conduction, from firing to extinction")        \
+  X(VS_M_CONDUCTION, "conduction_time", "s",                                                       \
+    "first conduction, from firing to extinction; gaps between a gate's sub-pulses included")      \
   X(VS_M_FORCE_PEAK, "force_peak", "N", "largest force")                                           \
   X(VS_M_P_FIRST, "p_first_peak", "m", "first motion peak of p after the first firing")            \
   X(VS_M_P_SECOND, "p_second_peak", "m", "the extremum of p that follows it")                      \
