@@ -330,6 +330,26 @@ static void quiet(void) {
   }
 }
 
+/* F1 and F2, two parts that rest on one file, in series, and probes of their nodes: the one with
+ * less I2t melts, and the other has had what that let through. */
+static void two_in_one_deck(void) {
+  bench b = {.deck = "*$ param f1 = S505H-3-15-R part fuse \"F1\"\n"
+                     "*$ param f2 = FWP-10A14F part fuse \"F2\"\n"
+                     "*$ probe i2t_1 = v(xf1.i2t) A2.s \"F1\"\n"
+                     "*$ probe melt_2 = v(xf2.melt) A2.s \"F2\"\n"
+                     "Vs s 0 300\nLs s a 1m ic=0\nXf1 a b f1\nXf2 b 0 f2\n",
+             .signals = {"v(xf1.i2t)", "v(xf1.melt)", "v(xf2.i2t)", "v(xf2.melt)"},
+             .until_s = 2e-3,
+             .max_step_s = 5e-6,
+             .relative_tolerance = 1e-4};
+  vs_error err = {0};
+  EXPECT(bench_run(&b, &err) == VS_OK, "%s", err.text);
+  CLOSE(b.last[0], b.last[1], 1e-6);
+  CLOSE(b.last[0], b.last[2], 1e-3);
+  CLOSE(b.last[3], 3.6, 0.02);                        /* 0.6 ms of its 21 ms: 0.7 % cool off */
+  CLOSE(b.last[2] / b.last[3], 1 + 300 / 800., 0.03); /* the rise's slope over the fall's */
+}
+
 /* Values of an instance's own; the ideal one counts and never melts. */
 static void own_values(void) {
   trial t = {.part = "fuse",
@@ -361,6 +381,7 @@ static const vs_test TESTS[] = {
     {"maker's circuit", makers_circuit},
     {"coil fails short", coil_fails_short},
     {"quiet", quiet},
+    {"two in one deck", two_in_one_deck},
     {"own values", own_values},
 };
 VS_SUITE_MAIN("fuses", TESTS)
