@@ -27,8 +27,8 @@ static double time_constant(const fuse *f) {
 
 /* What is seen of a run; signals: voltage across the fuse, current through it, its two nodes. */
 typedef struct seen {
-  double before_a, melted_s, melted_a; /* the step before it melted, and the current then */
-  double peak_v, peak_a, melt;
+  double before_a, melted_s, melted_a; /* current of the last step, and of that before it melted */
+  double peak_v, peak_a;
   double late_s, late_a;     /* from when on it should be open, and the most that flowed then */
   double middle_a, middle_v; /* the step with the current nearest middle_a, while it arcs */
   double nearest_a;
@@ -128,9 +128,10 @@ static void half_sine(void) {
              100 / peak_a - f->r_ohm);
     trial t = {.part = f->part, .circuit = circuit, .until_s = 10e-3, .max_step_s = 50e-6};
     run(&t);
-    EXPECT((t.i2t > t.melt * (1 + 1e-6)) == above || (above && t.melt < 0.99 * i2t),
-           "%s: %g A2s of %g", f->part, t.melt, i2t);
-    if (!above) CLOSE(t.i2t, i2t, 1e-3);
+    if (above)
+      EXPECT(t.i2t < 0.98 * i2t, "%s: %g A2s of %g", f->part, t.i2t, i2t);
+    else
+      CLOSE(t.i2t, i2t, 1e-3);
   }
 }
 
@@ -212,8 +213,7 @@ static void stays_open(void) {
       if (n < 2) {
         CLOSE(t.i, v * 1e-6 / (1 - 0.27), 0.01); /* 1 Mohm, and 0.3 |v|/V_arc of the current */
       } else {
-        CLOSE(t.i, (v - f->v_arc) / r,
-              0.1); /* 1 % of the arc voltage is 5 % of what is left over */
+        CLOSE(t.i, (v - f->v_arc) / r, 0.1); /* 1 % of the arc voltage is 5 % of this */
       }
     }
   }
@@ -222,13 +222,12 @@ static void stays_open(void) {
 /* The short circuit of a mains E sin(omega t + phase) behind R and L through an ideal fuse of these
  * numbers: its total I2t. */
 typedef struct mains {
-  double e_v, r_ohm, l_h, phase_rad, i0_a;
+  double e_v, r_ohm, l_h, phase_rad;
 } mains;
 
 static double let_through(const fuse *f, const mains *m) {
   const double RISE_S = 1.44e-6, h = 2e-8, tau_s = time_constant(f);
-  double i = m->i0_a, i2t = 0, heat = 0;
-  double arc_v = 0;
+  double i = 0, i2t = 0, heat = 0, arc_v = 0;
   bool melted = false;
   for (long k = 0; k < 5000000; k++) {
     double v = m->e_v * sin(100 * M_PI * h * (double)k + m->phase_rad) - (m->r_ohm + f->r_ohm) * i;
@@ -244,8 +243,9 @@ static double let_through(const fuse *f, const mains *m) {
   return NAN;
 }
 
-/* The maker's circuit: rated voltage, power factor 0.15, the fault and its instant where the model
- * lets most through. The ratio to the table's total clearing I2t is what the parts' heads say. */
+/* The maker's circuit: rated voltage, power factor 0.15, the fault and its instant near where the
+ * model lets most through. The ratio to the table's total clearing I2t is what the parts' heads
+ * say. */
 static void makers_circuit(void) {
   static const struct {
     int fuse;
@@ -256,7 +256,7 @@ static void makers_circuit(void) {
     const fuse *f = &FUSES[ROWS[k].fuse];
     double z = ROWS[k].v_rms / ROWS[k].fault_a, e = ROWS[k].v_rms * M_SQRT2;
     mains m = {e, 0.15 * z, z * sqrt(1 - 0.15 * 0.15) / (100 * M_PI),
-               ROWS[k].angle_deg * M_PI / 180, 0};
+               ROWS[k].angle_deg * M_PI / 180};
     char circuit[256];
     snprintf(circuit, sizeof circuit,
              "Vs s 0 sin(0 %.17g 50 0 0 %g)\nRs s x %.17g\nLs x a %.17g ic=0", e, ROWS[k].angle_deg,
@@ -275,37 +275,28 @@ static void makers_circuit(void) {
   }
 }
 
-/* A mains of 440 V with a coil of the conveyor's size, which fails short at 13 ms: before, the fuse
- * is a resistor and costs no step; then it clears, and stays open for the voltage that returns. */
+/* A mains of 440 V with a coil of the conveyor's size, which fails short at 13 ms: it clears, and
+ * stays open for the voltage that returns. */
 static void coil_fails_short(void) {
-  static const char CIRCUIT[] =
-      "Vs s 0 sin(0 622.25 50)\nRs s x {r_source}\nLs x a {l_source} ic=0\n"
-      "Lc b c 1.6 ic=0\nRc c 0 92\nRd b d 220\nCd d 0 47n ic=0\nVb f2 b 0\n%s"
-      "Ss b 0 ctl 0 short\nVc ctl 0 pulse(-1 1 13m 1u 1u 1)\n"
-      ".model short sw(ron=10m roff=1e9 vt=0 vh=0.1)";
+  static const mains MAINS = {622.25, 0.51, 5e-4, 100 * M_PI * 13e-3};
   for (size_t k = 0; k < 4 * 4; k++) {
     const fuse *f = &FUSES[k / 4];
-    char deck[1024], circuit[512];
-    seen s = {.nearest_a = INFINITY, .late_s = 25e-3};
-    snprintf(circuit, sizeof circuit, CIRCUIT, "");
-    snprintf(deck, sizeof deck, "*$ param f2 = %s part \"F2\"\n%s\nXf a f2 f2\n", f->part, circuit);
-    bench b = {.deck = deck,
-               .signals = {"v(a)", "i(vb)", "v(xf.i2t)", "v(xf.melt)"},
+    trial t = {.part = f->part,
+               .circuit = "Vs s 0 sin(0 622.25 50)\nRs s x 0.5\nLs x b 0.5m ic=0\n"
+                          "Lc b c1 1.6 ic=0\nRc c1 a 92\nRd b d1 220\nCd d1 a 47n ic=0\n"
+                          "Ss b a ctl 0 short\nVc ctl 0 pulse(-1 1 13m 1u 1u 1)\n"
+                          ".model short sw(ron=10m roff=1e9 vt=0 vh=0.1)",
                .until_s = 60e-3,
                .max_step_s = 50e-6,
-               .relative_tolerance = k / 2 % 2 ? 1e-6 : 1e-4,
+               .tolerance = k / 2 % 2 ? 1e-6 : 1e-4,
                .gear = k % 2,
-               .see = see,
-               .ctx = &s};
-    vs_error err = {0};
-    EXPECT(bench_run(&b, &err) == VS_OK, "%s: %s", f->part, err.text);
-    const mains m = {622.25, 0.51, 5e-4, 100 * M_PI * 13e-3, 0}; /* the coil's 1 A left out */
-    double total = let_through(f, &m);
+               .seen = {.late_s = 25e-3}};
+    run(&t);
     if (k % 4 == 0)
-      printf(" %s: %.4g A2s melting, %.4g total, peak %.4g A, %.4g V\n", f->part, b.last[3],
-             b.last[2], s.peak_a, s.peak_v);
-    CLOSE(b.last[2], total, 0.04);
-    EXPECT(s.late_a < 1e-3, "%s: %g A flow", f->part, s.late_a);
+      printf(" %s: %.4g A2s melting, %.4g total, peak %.4g A, %.4g V\n", f->part, t.melt, t.i2t,
+             t.seen.peak_a, t.seen.peak_v);
+    CLOSE(t.i2t, let_through(f, &MAINS), 0.04); /* it leaves out what flows before, 1 A */
+    EXPECT(t.seen.late_a < 1e-3, "%s: %g A flow", f->part, t.seen.late_a);
   }
 }
 
