@@ -9,10 +9,18 @@
 
 enum { BENCH_SIGNALS = 4 };
 
+/* A parameter of the deck or its parts, in SI units. */
+typedef struct bench_value {
+  const char *key; /* NULL ends a list */
+  double value;
+} bench_value;
+
 typedef struct bench {
-  const char *deck; /* its lines; no EVA, no external sources */
+  const char *deck;       /* its lines; no EVA, no external sources */
+  const bench_value *set; /* values that are not the files'; may be NULL */
   const char *signals[BENCH_SIGNALS];
   double until_s, max_step_s, relative_tolerance;
+  double current_tolerance_a; /* 0: 1e-12 */
   bool gear;
   /* Shown every accepted step; may be NULL. */
   void (*see)(void *ctx, double t_s, const double *signals);
@@ -22,5 +30,8 @@ typedef struct bench {
 } bench;
 
 vs_status bench_run(bench *b, vs_error *err);
+
+/* The value of a parameter, as the run would have it; fails the test when there is none. */
+double bench_value_of(const bench *b, const char *key);
 
 #endif
