@@ -340,11 +340,11 @@ static void every_deck_completes(void) {
                            *const TOLERANCES[] = {"run.tolerance=1e-3", "run.tolerance=1e-4",
                                                   "run.tolerance=1e-5", "run.tolerance=1e-6"};
   for (size_t n = 0; n < COUNT(DECKS) * 2 * COUNT(ANGLES) * COUNT(TOLERANCES); n++) {
-    size_t deck = n % 3, angle = n / 3 % 3, tolerance = n / 9 % 4, thyristor = n / 36;
+    size_t deck = n % 3, angle = n / 3 % 3, tolerance = n / 9 % 3, thyristor = n / 27;
     settings s = {.count = 0};
     ADD(&s, DECKS[deck], THYRISTORS[thyristor], ANGLES[angle], TOLERANCES[tolerance],
-        (n + n / 36) % 2 ? "run.method=gear" : "run.method=trap", "firing.every=1",
-        "run.until=0.018s");
+        (n + n / 27) % 2 ? "run.method=gear" : "run.method=trap", "firing.every=1",
+        "run.until=0.017s");
     vs_trial *t = TRIAL(&s, NULL);
     if (t->status)
       printf(" %s %s %s %s\n", DECKS[deck], THYRISTORS[thyristor], ANGLES[angle],
