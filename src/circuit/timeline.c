@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "circuit/timeline.h"
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
 
@@ -76,10 +77,17 @@ static double pulse_start(const vs_timeline *t, double shift_rad, double n) {
   return t->first_zero_s + (cycle + (t->firing.angle_rad + shift_rad) / (2 * M_PI)) * t->period_s;
 }
 
+/* An edge reached by a step is met only this well: ngspice ends a step at a breakpoint or 1e-11 of
+ * the largest step before it. More would put the jump behind the breakpoint, where ngspice does not
+ * expect one. */
+static double rounding(double t_s) {
+  return 1e-15 + 8 * DBL_EPSILON * t_s;
+}
+
 /* The last pulse that started before t (strictly, up to rounding); -1: none yet. */
 static double last_pulse(const vs_timeline *t, double shift_rad, double t_s) {
   double since = t_s - pulse_start(t, shift_rad, 0);
-  double slack = 1e-10 * t->period_s; /* an edge reached by a step is met only this well */
+  double slack = rounding(t_s);
   if (since <= slack) return -1;
   if (!t->firing.every) return 0;
   return ceil((since - slack) / (t->firing.every * t->period_s)) - 1;
@@ -88,11 +96,11 @@ static double last_pulse(const vs_timeline *t, double shift_rad, double t_s) {
 bool vs_gate(const vs_timeline *t, double shift_rad, double t_s) {
   double n = last_pulse(t, shift_rad, t_s);
   return n >= 0 &&
-         t_s <= pulse_start(t, shift_rad, n) + t->firing.pulse_width_s + 1e-10 * t->period_s;
+         t_s <= pulse_start(t, shift_rad, n) + t->firing.pulse_width_s + rounding(t_s);
 }
 
 double vs_gate_edge(const vs_timeline *t, double shift_rad, double t_s) {
-  double n = last_pulse(t, shift_rad, t_s), slack = 1e-10 * t->period_s;
+  double n = last_pulse(t, shift_rad, t_s), slack = rounding(t_s);
   double fall = n >= 0 ? pulse_start(t, shift_rad, n) + t->firing.pulse_width_s : -INFINITY;
   if (fall > t_s + slack) return fall;
   double rise = n < 0 || t->firing.every ? pulse_start(t, shift_rad, n + 1) : INFINITY;
@@ -103,7 +111,7 @@ double vs_gate_edge(const vs_timeline *t, double shift_rad, double t_s) {
  * pulse; false: t is in none's period. */
 static bool last_sub_pulse(const vs_timeline *t, double shift_rad, double t_s, double *start_s,
                            double *end_s) {
-  double n = last_pulse(t, shift_rad, t_s), slack = 1e-10 * t->period_s;
+  double n = last_pulse(t, shift_rad, t_s), slack = rounding(t_s);
   if (n < 0) return false;
   double start = pulse_start(t, shift_rad, n), k;
   k = ceil((t_s - start - slack) * t->firing.burst_hz) - 1;
@@ -113,13 +121,13 @@ static bool last_sub_pulse(const vs_timeline *t, double shift_rad, double t_s, d
 }
 
 bool vs_burst(const vs_timeline *t, double shift_rad, double t_s) {
-  double start, end, slack = 1e-10 * t->period_s;
+  double start, end, slack = rounding(t_s);
   return last_sub_pulse(t, shift_rad, t_s, &start, &end) &&
          t_s <= fmin(start + t->firing.burst_duty / t->firing.burst_hz, end) + slack;
 }
 
 double vs_burst_edge(const vs_timeline *t, double shift_rad, double t_s) {
-  double start, end, slack = 1e-10 * t->period_s;
+  double start, end, slack = rounding(t_s);
   if (last_sub_pulse(t, shift_rad, t_s + 2 * slack, &start, &end)) { /* one that begins now, too */
     double fall = fmin(start + t->firing.burst_duty / t->firing.burst_hz, end);
     double rise = start + 1 / t->firing.burst_hz;
