@@ -420,7 +420,7 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
    * default, lets a solution carry rounding errors of 1e-5 A where a gate floats at 600 V, which no
    * iteration to a tighter tolerance survives. */
   vs_text_add(&tail,
-              ".options method=%s reltol=%.17g abstol=%.17g trtol=%.17g pivrel=0.1\n.save none\n"
+              ".options method=%s reltol=%.17g abstol=%.17g trtol=%.17g pivrel=0.005\n.save none\n"
               ".tran %.17g %.17g 0 %.17g uic\n.end",
               job->gear ? "gear" : "trap", job->relative_tolerance, job->current_tolerance_a,
               job->truncation_factor > 0 ? job->truncation_factor : 7, job->max_step_s,

@@ -321,7 +321,7 @@ static void add_saved(vs_text *t, const char *signal) {
 }
 
 static void add_analysis(vs_text *t, const vs_setup *s) {
-  vs_text_add(t, "*\n.options method=%s reltol=%g trtol=%g pivrel=0.1\n",
+  vs_text_add(t, "*\n.options method=%s reltol=%g trtol=%g pivrel=0.005\n",
               s->run.gear ? "gear" : "trap", RELTOL, s->run.trtol);
   vs_text_add(t, ".tran {vs_sample} {vs_until} 0 {vs_step} uic\n");
   const vs_deck *deck = &s->deck;
