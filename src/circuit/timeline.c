@@ -29,9 +29,9 @@ static const vs_field FIRING[] = {
      NULL},
     {"first_cycle", VS_COUNT, "", "1", 1, 1e9, false, F_(first_cycle),
      "cycle of the first firing, counted from 1", NULL, NULL},
-    {"burst_frequency", VS_REAL, "kHz", "10 kHz", 0.01, 1000, false, F_(burst_hz),
+    {"burst_frequency", VS_REAL, "kHz", "5 kHz", 0.01, 1000, false, F_(burst_hz),
      "of the sub-pulses that fill a gate pulse; decks with a port burst", NULL, NULL},
-    {"burst_duty", VS_REAL, "%", "50 %", 0, 100, true, F_(burst_duty),
+    {"burst_duty", VS_REAL, "%", "30 %", 0, 100, true, F_(burst_duty),
      "part of each sub-pulse's period in which it is there", NULL, NULL},
 };
 const vs_section vs_supply_section = {"supply", SUPPLY, sizeof SUPPLY / sizeof *SUPPLY};
