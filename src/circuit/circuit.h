@@ -24,6 +24,9 @@ typedef struct vs_circuit_job {
   /* of Newton's iteration and of the local truncation error: a part of each value; and below which
    * a difference of currents is none */
   double relative_tolerance, current_tolerance_a;
+  /* Least part of a column's largest entry that a pivot may be (ngspice's pivrel); 0: its own 1e-3.
+   * It decides the order of elimination, and so how rounding errors add up. */
+  double pivot_threshold;
   double truncation_factor; /* by which that error may be more (ngspice's trtol); 0: its own 7 */
   /* Gives an error that quotes the netlist the place where that stands; may be NULL. */
   void (*locate)(const void *author, vs_error *err);

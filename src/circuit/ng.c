@@ -416,15 +416,14 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   vs_status status = initialise(err);
   if (status) return status;
   vs_text tail = {0};
-  /* .save none keeps one point in memory; SendData still gives all vectors. pivrel, 1e-3 by
-   * default, lets a solution carry rounding errors of 1e-5 A where a gate floats at 600 V, which no
-   * iteration to a tighter tolerance survives. */
+  /* .save none keeps one point in memory; SendData still gives all vectors. */
   vs_text_add(&tail,
-              ".options method=%s reltol=%.17g abstol=%.17g trtol=%.17g pivrel=0.005\n.save none\n"
+              ".options method=%s reltol=%.17g abstol=%.17g trtol=%.17g pivrel=%.17g\n.save none\n"
               ".tran %.17g %.17g 0 %.17g uic\n.end",
               job->gear ? "gear" : "trap", job->relative_tolerance, job->current_tolerance_a,
-              job->truncation_factor > 0 ? job->truncation_factor : 7, job->max_step_s,
-              job->until_s, job->max_step_s);
+              job->truncation_factor > 0 ? job->truncation_factor : 7,
+              job->pivot_threshold > 0 ? job->pivot_threshold : 1e-3, job->max_step_s, job->until_s,
+              job->max_step_s);
   char **lines = vs_alloc(job->lines + 5, sizeof *lines);
   size_t n = 0;
   for (; n < job->lines; n++) lines[n] = job->netlist[n];

@@ -95,8 +95,7 @@ static double last_pulse(const vs_timeline *t, double shift_rad, double t_s) {
 
 bool vs_gate(const vs_timeline *t, double shift_rad, double t_s) {
   double n = last_pulse(t, shift_rad, t_s);
-  return n >= 0 &&
-         t_s <= pulse_start(t, shift_rad, n) + t->firing.pulse_width_s + rounding(t_s);
+  return n >= 0 && t_s <= pulse_start(t, shift_rad, n) + t->firing.pulse_width_s + rounding(t_s);
 }
 
 double vs_gate_edge(const vs_timeline *t, double shift_rad, double t_s) {

@@ -379,6 +379,7 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                         .max_step_s = c.max_step_s,
                         .raw = setup->raw,
                         .truncation_factor = setup->run.trtol,
+                        .pivot_threshold = setup->run.pivrel,
                         .relative_tolerance = solver_tolerance(setup),
                         .current_tolerance_a = solver_tolerance(setup) * current_scale(setup),
                         .locate = locate,

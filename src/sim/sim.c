@@ -23,6 +23,9 @@ static const vs_field RUN[] = {
     {"trtol", VS_REAL, "", "7", 1, 1e4, false, R_(trtol),
      "ngspice's: how much larger than tolerated its estimate of a step's truncation error may be",
      NULL, NULL},
+    {"pivrel", VS_REAL, "", "0.05", 1e-6, 1, false, R_(pivrel),
+     "ngspice's: how small a pivot may be in its column; decides the order of elimination", NULL,
+     NULL},
     {"method", VS_CHOICE, "", "trap", 0, 0, false, R_(gear),
      "circuit tier's rule: trap, or gear, which damps the ringing of stiff circuits and needs half "
      "the step",

@@ -15,6 +15,7 @@ typedef struct vs_run_values {
   double tolerance;  /* largest error wanted, relative to each quantity's own peak */
   double max_step_s; /* 0: from the tolerance */
   double trtol;      /* ngspice's own: a factor on the truncation error a step may have */
+  double pivrel;     /* ngspice's own: decides the order in which it eliminates */
   int gear;          /* the circuit's rule: 0 trapezoidal, 1 Gear's of second order */
   int stay;          /* on the ladder's first rung */
 } vs_run_values;

@@ -321,8 +321,8 @@ static void add_saved(vs_text *t, const char *signal) {
 }
 
 static void add_analysis(vs_text *t, const vs_setup *s) {
-  vs_text_add(t, "*\n.options method=%s reltol=%g trtol=%g pivrel=0.005\n",
-              s->run.gear ? "gear" : "trap", RELTOL, s->run.trtol);
+  vs_text_add(t, "*\n.options method=%s reltol=%g trtol=%g pivrel=%g\n",
+              s->run.gear ? "gear" : "trap", RELTOL, s->run.trtol, s->run.pivrel);
   vs_text_add(t, ".tran {vs_sample} {vs_until} 0 {vs_step} uic\n");
   const vs_deck *deck = &s->deck;
   vs_text_add(t, ".save v(vs_p) v(vs_u) v(vs_w) v(vs_phi) v(vs_vp) v(vs_f) v(%s.z) v(%s.lam)\n",

@@ -22,6 +22,14 @@ vs_scene_part vs_scene_part_at(const vs_scene *s, int index) {
   return parts[index];
 }
 
+/* The first of ngspice's own keys that the section run has; NULL: none. */
+static const char *solver_key(const vs_node *run) {
+  static const char *const KEYS[] = {"method", "trtol", "pivrel"};
+  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS; k++)
+    if (vs_node_child(run, KEYS[k])) return KEYS[k];
+  return NULL;
+}
+
 /* What the scene names that only the circuit tier has; NULL: nothing. */
 static const char *needs_circuit(const vs_scene *s, char *buffer, size_t size) {
   const vs_node *root = s->tree.root, *circuit = vs_node_child(root, "circuit");
@@ -34,8 +42,8 @@ static const char *needs_circuit(const vs_scene *s, char *buffer, size_t size) {
     snprintf(buffer, size, "circuit.%s", circuit->child->key);
   else if (source)
     snprintf(buffer, size, "supply.%s", source);
-  else if (vs_node_child(run, "method") || vs_node_child(run, "trtol"))
-    snprintf(buffer, size, "run.%s", vs_node_child(run, "method") ? "method" : "trtol");
+  else if (solver_key(run))
+    snprintf(buffer, size, "run.%s", solver_key(run));
   else {
     const vs_frame circuit_frame = vs_tier_circuit.frame(&s->setup);
     const vs_node *item = record && record->kind == VS_NODE_LIST ? record->child : record;
