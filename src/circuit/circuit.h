@@ -24,6 +24,7 @@ typedef struct vs_circuit_job {
   /* of Newton's iteration and of the local truncation error: a part of each value; and below which
    * a difference of currents is none */
   double relative_tolerance, current_tolerance_a;
+  double voltage_tolerance_v; /* as of currents; 0: ngspice's own 1e-6 */
   /* Least part of a column's largest entry that a pivot may be (ngspice's pivrel); 0: its own 1e-3.
    * It decides the order of elimination, and so how rounding errors add up. */
   double pivot_threshold;

@@ -343,6 +343,11 @@ static double current_scale(const vs_setup *s) {
          hypot(coil->resistance_ohm, s->timeline.omega_rad_s * coil->inductance_h);
 }
 
+/* A difference of voltages below this part of 1 V times the tolerance is none: some hundred volts
+ * are at work in a converter, but nodes that stand for a flux linkage or a charge have some volts.
+ */
+static const double VOLTAGE_SCALE_V = 10;
+
 static void locate(const void *deck, vs_error *err) {
   vs_deck_locate(deck, err);
 }
@@ -382,6 +387,7 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                         .pivot_threshold = setup->run.pivrel,
                         .relative_tolerance = solver_tolerance(setup),
                         .current_tolerance_a = solver_tolerance(setup) * current_scale(setup),
+                        .voltage_tolerance_v = solver_tolerance(setup) * VOLTAGE_SCALE_V,
                         .locate = locate,
                         .author = &setup->deck};
   char **netlist = NULL;
