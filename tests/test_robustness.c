@@ -101,7 +101,7 @@ static bool exported_runs(const char *const *sets) {
   remove("x.txt");
   vs_status status = vs_export_command("paper", (char *const *)(size_t)sets, n, "x.cir", &err);
   EXPECT(status == VS_OK, "%s", err.text);
-  int how = system("timeout 120 ngspice -b x.cir >x.log 2>&1");
+  int how = system("timeout 30 ngspice -b x.cir >x.log 2>&1");
   return WIFEXITED(how) && WEXITSTATUS(how) == 0;
 }
 
