@@ -46,6 +46,42 @@ static void an_ideal_device_is_the_last(void) {
   free(climbed), free(asked), free(json), free(plain);
 }
 
+/* What the ideal one does is held against the limits of the part that the scene chose. A scene that
+ * sets what only that part has cannot have another: the ladder ends before, and what was computed
+ * is kept. */
+static void the_part_that_was_chosen_counts(void) {
+  static const char PART[] =
+      "*$ part thyristor \"gives up\"\n*$ limit v_drm = 600 V\n*$ limit v_rrm "
+      "= 600 V\n*$ param foo = 3 mA 0..10 \"f\"\n.subckt bad a k g\n"
+      "R1 a k 1meg\n" GIVES_UP("a") ".ends\n";
+  write_file("bad.inc", PART);
+  ran r = run("run paper --set circuit.thyristor=bad.inc --set run.until=20ms --quiet -o judged");
+  EXPECT(r.status == 3 && strstr(r.err, "v_ak = -1048") && strstr(r.err, "allowed -600..600 V"),
+         "%s", r.err);
+  free_ran(&r);
+  r = run("run paper --set circuit.thyristor=bad.inc --set circuit.foo=4mA --set run.until=20ms -o "
+          "kept");
+  EXPECT(r.status == 1 && count(r.err, "; trying ") == 4 && !strstr(r.err, "trying an ideal") &&
+             strstr(r.err, "what was computed is in kept/run.partial.csv"),
+         "%s", r.err);
+  EXPECT_FILES("kept", "run.partial.csv ");
+  free_ran(&r);
+}
+
+/* No rung repeats what the scene has, and none makes it stricter. */
+static void rungs_go_by_the_scene(void) {
+  static const char *const SETS[] = {"run.pivrel=1e-3", "run.trtol=500", "run.max_step=80us", NULL};
+  vs_trial *t = vs_trial_read("paper", "circuit", SETS);
+  vs_ladder ladder = {0};
+  CU_ASSERT_FATAL(vs_ladder_climb(&ladder, &t->scene));
+  CU_ASSERT_STRING_EQUAL(ladder.keys[0], "run.method=gear");
+  CU_ASSERT(vs_ladder_climb(&ladder, &t->scene) && vs_ladder_climb(&ladder, &t->scene));
+  CU_ASSERT_STRING_EQUAL(ladder.keys[1], "run.max_step=20us");
+  CU_ASSERT_STRING_EQUAL(ladder.keys[2], "run.trtol=500");
+  CU_ASSERT_FALSE(vs_ladder_climb(&ladder, &t->scene)); /* the deck's thyristor is ideal */
+  vs_trial_free(t);
+}
+
 /* run.ladder: stay. What was computed is kept, as of any run that fails. */
 static void one_may_stay(void) {
   write_file("bad.inc", BAD);
@@ -93,6 +129,8 @@ static void only_when_ngspice_gives_up(void) {
 
 static const vs_test TESTS[] = {
     {"an ideal device is the last", an_ideal_device_is_the_last},
+    {"the part that was chosen counts", the_part_that_was_chosen_counts},
+    {"rungs go by the scene", rungs_go_by_the_scene},
     {"one may stay", one_may_stay},
     {"nothing helps", nothing_helps},
     {"only when ngspice gives up", only_when_ngspice_gives_up},

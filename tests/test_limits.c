@@ -106,6 +106,12 @@ static void bad_input(void) {
        "f.inc:2:14: ", "a positive number with a unit"},
       {DECK CIRCUIT, PART("*$ limit v = 3 V\n*$ limit v = 4 V\n"), "circuit: {deck: d.cir}",
        "f.inc:3:1: ", "limit v stands here a second time"},
+      {DECK CIRCUIT, PART("*$ limit v_rms = 3 A\n"), "circuit: {deck: d.cir}",
+       "f.inc:2:18: ", "limit v_rms: a unit as V is wanted, not 'A'"},
+      {DECK "*$ part fuse \"d\"\n" CIRCUIT, PART(""), "circuit: {deck: d.cir}",
+       "d.cir:7:1: ", "belongs into a part's file"},
+      {DECK "*$ rating v_f 100..-fuse.v V\n" CIRCUIT, PART("*$ limit v = 3 V\n"),
+       "circuit: {deck: d.cir}", "d.cir:7:1: ", "from 100 to -3 V there is nothing"},
       {DECK CIRCUIT, PART("*$ limit v = 3 V guessed\n"), "circuit: {deck: d.cir}",
        "f.inc:2:18: ", "quotes"},
       {DECK CIRCUIT, PART("*$ part fuse \"again\"\n"), "circuit: {deck: d.cir}",
@@ -197,6 +203,23 @@ static void parts_are_listed(void) {
   free_ran(&r);
 }
 
+/* A part's file can be checked by itself. */
+static void parts_are_checked(void) {
+  write_file("f.inc", PART("*$ limit v = 3 V\n*$ param a = 1 A 0..2 \"a\"\n"));
+  write_file("g.inc", ".subckt g a b\nR1 a b 1\n.ends\n");
+  write_file("h.inc", PART("*$ limit v = 3\n"));
+  ran r = run("check f.inc");
+  EXPECT(r.status == 0 && strstr(r.out, "a good part: fuse, a fuse; 1 limits, 1 parameters"), "%s",
+         r.out);
+  free_ran(&r);
+  r = run("check g.inc");
+  EXPECT(r.status == 2 && !strncmp(r.err, "g.inc: has no line '*$ part", 27), "%s", r.err);
+  free_ran(&r);
+  r = run("check h.inc");
+  EXPECT(r.status == 2 && !strncmp(r.err, "h.inc:2:14: limit v: ", 21), "%s", r.err);
+  free_ran(&r);
+}
+
 static const vs_test TESTS[] = {
     {"ratings take limits", ratings_take_limits},
     {"no limit is said", no_limit_is_said},
@@ -205,6 +228,7 @@ static const vs_test TESTS[] = {
     {"requirements that hold", requirements_that_hold},
     {"below the mains", below_the_mains},
     {"parts are listed", parts_are_listed},
+    {"parts are checked", parts_are_checked},
 };
 int main(void) {
   return program_suite("limits of parts", TESTS, COUNT(TESTS));

@@ -206,6 +206,9 @@ static void begin_deck(vs_deck *deck) {
 vs_status vs_deck_read(const char *path, vs_deck *deck, vs_error *err) {
   begin_deck(deck);
   vs_status status = read_file(deck, path, err);
+  if (!status && deck->n_part_files)
+    status = vs_carry_on(err, vs_fail_at(err, deck->part_files[0].where,
+                                         "'*$ part' belongs into a part's file, not into a deck"));
   if (!status && !*deck->eva && !(deck->lost & VS_LOST_ELEMENT))
     status = vs_carry_on(err, vs_fail_at(err, (vs_where){.file = path},
                                          "has no EVA; a deck has one line 'Xeva n m eva'"));

@@ -27,6 +27,21 @@ vs_status vs_limits_part(vs_deck *deck, vs_cursor *c, vs_error *err) {
   return status;
 }
 
+/* The unit of a limit that goes by a name of the field's; NULL: another name. */
+static const char *known_unit(const char *name) {
+  static const struct {
+    const char *name, *unit;
+  } KNOWN[] = {
+      {"v_drm", "V"},       {"v_rrm", "V"},        {"i_t_rms", "A"},  {"i_tsm", "A"},
+      {"i2t", "A2.s"},      {"dv_dt", "V/us"},     {"di_dt", "A/us"}, {"t_q", "us"},
+      {"v_rms", "V"},       {"v_dc", "V"},         {"v_clamp", "V"},  {"v_varistor", "V"},
+      {"i_surge", "A"},     {"energy", "J"},       {"v_rated", "V"},  {"i_rated", "A"},
+      {"i2t_melt", "A2.s"}, {"i2t_clear", "A2.s"}, {"v_arc", "V"},    {"volt_seconds", "V.s"}};
+  for (size_t k = 0; k < sizeof KNOWN / sizeof *KNOWN; k++)
+    if (!strcmp(name, KNOWN[k].name)) return KNOWN[k].unit;
+  return NULL;
+}
+
 /* limit NAME = VALUE UNIT [assumed] "TEXT", limit NAME = none "TEXT" */
 vs_status vs_limits_limit(vs_deck *deck, vs_cursor *c, vs_error *err) {
   char value[VS_DECK_NAME], why[200];
@@ -40,6 +55,10 @@ vs_status vs_limits_limit(vs_deck *deck, vs_cursor *c, vs_error *err) {
   if (strcmp(value, "none")) {
     vs_cursor_token(c, limit.unit, sizeof limit.unit);
     snprintf(limit.written, sizeof limit.written, "%s %s", value, limit.unit);
+    const char *kind = known_unit(limit.name);
+    if (kind && vs_unit_known(limit.unit) && !vs_unit_same_kind(limit.unit, kind))
+      return vs_fail_at(err, where, "limit %s: a unit as %s is wanted, not '%s'", limit.name, kind,
+                        limit.unit);
     if (!*limit.unit || !vs_unit_known(limit.unit) ||
         !vs_quantity(limit.written, limit.unit, &limit.value, why, sizeof why) || limit.value <= 0)
       return vs_fail_at(err, where,
@@ -216,6 +235,12 @@ vs_status vs_limits_resolve(vs_deck *deck, vs_error *err) {
     r.max = INFINITY;
     status = vs_carry_on(err, resolve_bound(deck, &r, &r.bounds[0], &r.min, err));
     if (!status) status = vs_carry_on(err, resolve_bound(deck, &r, &r.bounds[1], &r.max, err));
+    if (!status && r.min > r.max)
+      status = vs_carry_on(err, vs_fail_at(err, r.where,
+                                           "rating: from %g to %g %s there is nothing; MIN..MAX is "
+                                           "wanted",
+                                           r.min / vs_unit_factor(r.unit),
+                                           r.max / vs_unit_factor(r.unit), r.unit));
     if (isfinite(r.min) || isfinite(r.max)) deck->ratings[kept++] = r;
   }
   deck->n_ratings = kept;

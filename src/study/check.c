@@ -156,6 +156,22 @@ static vs_status check_deck(report *r, vs_error *err) {
   return status;
 }
 
+/* A part's file: its own lines. What a deck asks of it the deck's check says. */
+static vs_status check_part(report *r, vs_error *err) {
+  vs_deck *part = vs_alloc(1, sizeof *part);
+  vs_status status = vs_deck_read_part(r->options->name, part, err);
+  if (!status && !vs_found(err) && !part->n_part_files)
+    status = vs_fail_at(err, (vs_where){.file = r->options->name},
+                        "has no line '*$ part KIND \"TEXT\"'");
+  if (!status && !vs_found(err))
+    vs_text_add(&r->good, "a good part: %s, %s; %zu limits, %zu parameters",
+                part->part_files[0].kind, part->part_files[0].text, part->n_limits,
+                part->section.count - 1);
+  vs_deck_free(part);
+  free(part);
+  return status;
+}
+
 static bool ends_in(const char *name, const char *ending) {
   size_t n = strlen(name), m = strlen(ending);
   return n > m && !strcmp(name + n - m, ending);
@@ -167,6 +183,7 @@ static vs_status check(report *r, vs_error *err) {
   char path[VS_PATH_SIZE];
   vs_error none = {0};
   if (ends_in(name, ".cir")) return check_deck(r, err);
+  if (ends_in(name, ".inc")) return check_part(r, err);
   if (ends_in(name, ".yaml") || ends_in(name, ".yml") ||
       !vs_find(&vs_scene_shelf, name, (vs_where){0}, path, &none))
     return check_scene(r, err);

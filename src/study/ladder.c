@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "study/ladder.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -23,10 +24,15 @@ static const rung RUNGS[] = {
     {"method gear, a quarter of the step, trtol 100", false, true, true, true, false},
     {"an ideal thyristor (latch), method gear", false, true, false, false, true},
 };
+static const double OTHER_PIVREL = 1e-3; /* ngspice's default */
 enum { N_RUNGS = sizeof RUNGS / sizeof *RUNGS };
 
 const char *vs_ladder_text(int number) {
   return RUNGS[number].text;
+}
+
+bool vs_ladder_is_ideal(int number) {
+  return RUNGS[number].ideal;
 }
 
 /* The deck's parameter for its thyristor, if that is not ideal already. */
@@ -43,22 +49,27 @@ static void add_key(vs_ladder *l, const char *key_and_value) {
 
 bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
   const vs_setup *s = &scene->setup;
-  char step[64];
+  char step[64], trtol[64], pivrel[64];
   if (scene->tier != &vs_tier_circuit) return false;
   if (l->rung == 0) {
     l->gear = s->run.gear;
-    l->step_s = vs_largest_step(s);
+    l->step_s = vs_largest_step(s) / (s->run.gear || s->run.max_step_s > 0 ? 1 : 2);
+    l->trtol = s->run.trtol;
+    l->pivrel = s->run.pivrel;
   }
   for (l->rung++; l->rung < N_RUNGS; l->rung++) {
     const rung *r = &RUNGS[l->rung];
-    bool other = r->other_order || (r->gear && !l->gear) || r->quarter || r->ideal;
+    bool other = (r->other_order && l->pivrel != OTHER_PIVREL) || (r->gear && !l->gear) ||
+                 r->quarter || r->ideal;
     if (!other || (r->ideal && !can_be_ideal(s))) continue;
     l->n_keys = 0;
     if (r->gear) add_key(l, "run.method=gear");
-    if (r->other_order) add_key(l, "run.pivrel=0.001");
-    snprintf(step, sizeof step, "run.max_step=%.9gus", 1e6 * l->step_s / (l->gear ? 4 : 8));
+    snprintf(pivrel, sizeof pivrel, "run.pivrel=%.9g", OTHER_PIVREL);
+    if (r->other_order) add_key(l, pivrel);
+    snprintf(step, sizeof step, "run.max_step=%.9gus", 1e6 * l->step_s / 4);
     if (r->quarter) add_key(l, step);
-    if (r->loose) add_key(l, "run.trtol=100");
+    snprintf(trtol, sizeof trtol, "run.trtol=%.9g", fmax(100, l->trtol));
+    if (r->loose) add_key(l, trtol);
     if (r->ideal) add_key(l, "circuit.thyristor=latch");
     return true;
   }

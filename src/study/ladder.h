@@ -12,12 +12,14 @@ typedef struct vs_ladder {
   int rung;                      /* 0: the scene as it is */
   char keys[VS_LADDER_KEYS][64]; /* KEY=VALUE of this rung, as for --set */
   size_t n_keys;
-  bool gear;                                  /* the scene as it is: its method, */
-  double step_s;                              /* its largest step */
+  bool gear;                    /* the scene as it is: its method, */
+  double step_s, trtol, pivrel; /* its largest step by Gear's rule, and ngspice's own */
   char failed[sizeof(((vs_error *)0)->text)]; /* how the scene as it is ended */
 } vs_ladder;
 
 const char *vs_ladder_text(int rung); /* what a rung is, in a few words */
+
+bool vs_ladder_is_ideal(int rung); /* has it another thyristor? */
 
 /* Goes to the next rung that changes anything for the scene; false: there is none. */
 bool vs_ladder_climb(vs_ladder *ladder, const vs_scene *scene);

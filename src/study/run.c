@@ -2,6 +2,7 @@
 #include "study/run.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -223,24 +224,61 @@ static vs_status add_rung(const vs_ladder *ladder, vs_error *err) {
                  vs_ladder_text(ladder->rung), ladder->failed);
 }
 
+/* Goes to the next rung whose scene can be read; false: there is none. An ideal thyristor is none
+ * for a scene that sets what only its own one has. */
+static bool next_rung(const vs_run_options *o, const vs_scene *scene, vs_ladder *ladder) {
+  if (scene->setup.run.stay || !vs_ladder_climb(ladder, scene)) return false;
+  if (!vs_ladder_is_ideal(ladder->rung)) return true;
+  vs_scene *other = vs_alloc(1, sizeof *other);
+  vs_error err = {0};
+  bool good = !read_scene(o, ladder, other, &err);
+  vs_scene_free(other);
+  free(other);
+  return good;
+}
+
+/* What stood in the scene as it is: an ideal thyristor has no limits to be held against. */
+typedef struct kept_ratings {
+  vs_rating item[VS_DECK_MOST];
+  size_t count;
+} kept_ratings;
+
+static void keep_ratings(const vs_deck *deck, kept_ratings *kept) {
+  kept->count = deck->n_ratings;
+  memcpy(kept->item, deck->ratings, sizeof kept->item);
+  for (size_t k = 0; k < kept->count; k++) kept->item[k].where = (vs_where){0};
+}
+
+static void give_ratings(const kept_ratings *kept, vs_deck *deck) {
+  deck->n_ratings = kept->count;
+  memcpy(deck->ratings, kept->item, sizeof kept->item);
+}
+
 /* Runs the scene; when ngspice gives up, again from the beginning with the settings of the ladder's
  * next rung. */
 static vs_status climb(const vs_run_options *o, vs_scene *scene, vs_error *err) {
   vs_ladder ladder = {0};
-  for (;;) {
+  kept_ratings *kept = vs_alloc(1, sizeof *kept);
+  keep_ratings(&scene->setup.deck, kept);
+  vs_status status = VS_OK;
+  for (bool again = true; again;) {
     vs_ladder next = ladder;
-    bool more = !scene->setup.run.stay && vs_ladder_climb(&next, scene);
-    vs_status status = run_scene(o, scene, &ladder, more, err);
-    bool gave_up = status == VS_RUN && err->gave_up;
-    if (gave_up && !more && ladder.rung) return add_rung(&ladder, err);
-    if (!gave_up || !more) return status;
+    bool more = next_rung(o, scene, &next);
+    status = run_scene(o, scene, &ladder, more, err);
+    again = status == VS_RUN && err->gave_up && more;
+    if (status == VS_RUN && err->gave_up && !more && ladder.rung) status = add_rung(&ladder, err);
+    if (!again) break;
     if (!ladder.rung) memcpy(next.failed, err->text, sizeof next.failed);
     if (!o->quiet)
       fprintf(stderr, "vibrospice: warning: %s; trying %s\n", err->text, vs_ladder_text(next.rung));
     vs_scene_free(scene);
     ladder = next;
-    if (read_scene(o, &ladder, scene, err)) return vs_fail(err, VS_RUN, "%s", ladder.failed);
+    status = read_scene(o, &ladder, scene, err);
+    again = !status;
+    if (again && vs_ladder_is_ideal(ladder.rung)) give_ratings(kept, &scene->setup.deck);
   }
+  free(kept);
+  return status;
 }
 
 vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
