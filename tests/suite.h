@@ -9,6 +9,7 @@
 #include <stddef.h>
 
 #include "study/scene.h"
+#include "watch/devices.h"
 #include "watch/energy.h"
 
 typedef struct vs_test {
@@ -52,6 +53,7 @@ typedef struct vs_trial {
   vs_value values[VS_MEASURES];
   vs_energy energy;
   vs_measures *measures;
+  vs_devices *devices; /* NULL: the deck has none */
   const vs_observer *also;
   long steps;
   vs_status status;

@@ -235,7 +235,7 @@ static void bad_decks_are_refused(void) {
     const char *line, *at, *says[2];
   } ROWS[] = {
       {"*$ prob x = v(a) V", "d.cir:9:4: ", {"'*$ prob'", "'probe'"}},
-      {"  *$ frobnicate", "d.cir:9:6: ", {"title, param, port, probe", NULL}},
+      {"  *$ frobnicate", "d.cir:9:6: ", {"title, param, port, line", NULL}},
       {"*$ port mians = Vx", "d.cir:9:9: ", {"'mians'", "mains, gate"}},
       {"*$ port gate+30kg = Vx", "d.cir:9:9: ", {"wrong unit", "deg"}},
       {"*$ port gate = R1", "d.cir:9:9: ", {"voltage source", "'r1'"}},

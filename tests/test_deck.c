@@ -488,8 +488,10 @@ static void ratings_are_judged(void) {
              "R1 a b 100\n" EVA);
   vs_trial *t = run_deck("rated.cir", "supply.resistance=0", NULL);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-  vs_judgement j[VS_DECK_MOST];
-  CU_ASSERT_EQUAL_FATAL(vs_verdict(t->measures, j), 2);
+  vs_verdict *v = vs_alloc(1, sizeof *v);
+  vs_verdict_reach(t->measures, NULL, v);
+  const vs_judgement *j = v->item;
+  CU_ASSERT_EQUAL_FATAL(v->count, 2);
   double peak = 100 * sqrt(2), current = t->measures->extremes[VS_STANDARD_EXTREMES + 3].best.value;
   CLOSE(j[0].least.value, -peak, 1e-4); /* the peak lies between knots 25 us apart */
   CLOSE(j[0].stress.value, peak, 1e-4);
@@ -497,6 +499,9 @@ static void ratings_are_judged(void) {
   CLOSE(j[0].rating->max, 200, 1e-15);
   CLOSE(j[1].margin, 1 - current, 1e-12);
   CU_ASSERT(current > 0.1);
+  CU_ASSERT_PTR_EQUAL(v->weakest, &j[1 - current < j[0].margin]);
+  CU_ASSERT_PTR_NULL(v->first_to_fail);
+  free(v);
   vs_trial_free(t);
 }
 

@@ -204,15 +204,15 @@ static double rest_source(void *ctx, size_t port, double t_s) {
   timed.sources++;
   if (port == timed.gap_port) return timed.setup->model.gap_rest_m;
   const vs_port *p = &timed.setup->deck.ports[port];
-  return vs_drives[p->drive].voltage(&timed.setup->timeline, p->shift_rad, t_s);
+  return vs_drives[p->signal.drive].voltage(&timed.setup->timeline, &p->signal, t_s);
 }
 
 static double rest_edge(void *ctx, double t_s) {
   (void)ctx;
   double next = INFINITY;
   for (size_t k = 0; k < timed.setup->deck.n_ports; k++) {
-    const vs_port *p = &timed.setup->deck.ports[k];
-    next = fmin(next, vs_drives[p->drive].edge(&timed.setup->timeline, p->shift_rad, t_s));
+    const vs_signal *s = &timed.setup->deck.ports[k].signal;
+    next = fmin(next, vs_drives[s->drive].edge(&timed.setup->timeline, s, t_s));
   }
   return next;
 }

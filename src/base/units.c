@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KG, M, S, A, ANGLE, N_DIMENSIONS };
+enum { KG, M, S, A, ANGLE, TEMPERATURE, N_DIMENSIONS };
 
 typedef struct unit {
   double factor; /* to SI: factor * 10^tens */
@@ -40,6 +40,7 @@ static const struct named {
     {"rad", {1, 0, {0, 0, 0, 0, 1}}, true},
     {"deg", {3.14159265358979323846 / 180, 0, {0, 0, 0, 0, 1}}, false},
     {"°", {3.14159265358979323846 / 180, 0, {0, 0, 0, 0, 1}}, false},
+    {"K", {1, 0, {0, 0, 0, 0, 0, 1}}, true},
     {"%", {1, -2, {0}}, false},
     {"min", {60, 0, {0, 0, 1}}, false},
     {"1", {1, 0, {0}}, false},

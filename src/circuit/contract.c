@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/units.h"
+#include "circuit/devices.h"
 #include "circuit/limits.h"
 #include "circuit/rules.h"
 
@@ -117,13 +118,15 @@ static vs_status read_port(vs_deck *deck, vs_cursor *c, vs_error *err) {
     return vs_fail_at(err, vs_cursor_here(c), "'port NAME = SOURCE' is wanted here");
   char *shift = strchr(name, '+');
   if (shift) *shift++ = '\0';
-  while (port.drive < VS_DRIVES &&
-         (strcmp(name, vs_drives[port.drive].name) || (shift && !vs_drives[port.drive].shifts)))
-    port.drive++;
-  if (port.drive == VS_DRIVES)
+  int drive = 0;
+  while (drive < VS_DRIVES && (!vs_drives[drive].name || strcmp(name, vs_drives[drive].name) ||
+                               (shift && !vs_drives[drive].shifts)))
+    drive++;
+  port.signal.drive = drive;
+  if (drive == VS_DRIVES)
     return vs_fail_at(err, port.where,
                       "no port '%s'; there are: mains, gate, gate+ANGLE, burst, burst+ANGLE", name);
-  if (shift && !vs_quantity(shift, "deg", &port.shift_rad, why, sizeof why))
+  if (shift && !vs_quantity(shift, "deg", &port.signal.shift_rad, why, sizeof why))
     return vs_fail_at(err, port.where, "port %s: %s", name, why);
   vs_lower(port.source);
   if (port.source[0] != 'v')
@@ -132,7 +135,7 @@ static vs_status read_port(vs_deck *deck, vs_cursor *c, vs_error *err) {
   for (size_t k = 0; k < deck->n_ports; k++) {
     if (!strcmp(deck->ports[k].source, port.source))
       return vs_fail_at(err, port.where, "source %s has a port already", port.source);
-    if (port.drive == VS_DRIVE_MAINS && deck->ports[k].drive == VS_DRIVE_MAINS)
+    if (drive == VS_DRIVE_MAINS && deck->ports[k].signal.drive == VS_DRIVE_MAINS)
       return vs_fail_at(err, port.where, "a second port mains; a deck has one at most");
   }
   if (deck->n_ports >= VS_DECK_MOST)
@@ -254,6 +257,19 @@ static vs_status read_store(vs_deck *deck, vs_cursor *c, vs_error *err) {
   return read_account(deck, &deck->stores, c, err);
 }
 
+/* line NODE [NODE] */
+static vs_status read_line_nodes(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  if (*deck->line[0]) return vs_fail_at(err, c->line, "a second '*$ line'");
+  if (!vs_cursor_word(c, "._#", deck->line[0], sizeof deck->line[0]))
+    return vs_fail_at(err, vs_cursor_here(c), "'line NODE [NODE]' is wanted here");
+  if (!vs_cursor_word(c, "._#", deck->line[1], sizeof deck->line[1]))
+    memcpy(deck->line[1], "0", sizeof "0");
+  vs_lower(deck->line[0]);
+  vs_lower(deck->line[1]);
+  vs_cursor_skip(c);
+  return *c->at ? vs_fail_at(err, vs_cursor_here(c), "nothing may follow the nodes") : VS_OK;
+}
+
 /* compat ps */
 static vs_status read_compat(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_cursor_skip(c);
@@ -279,6 +295,7 @@ static const struct directive {
 } DIRECTIVES[] = {{"title", read_title, 0},
                   {"param", read_param, VS_LOST_PARAM},
                   {"port", read_port, VS_LOST_PORT},
+                  {"line", read_line_nodes, 0},
                   {"probe", read_probe, VS_LOST_PROBE},
                   {"loss", read_loss, 0},
                   {"store", read_store, 0},
@@ -286,6 +303,8 @@ static const struct directive {
                   {"limit", vs_limits_limit, 0},
                   {"rating", vs_limits_rating, 0},
                   {"require", vs_limits_require, 0},
+                  {"device", vs_devices_line, 0},
+                  {"zth", vs_devices_zth, 0},
                   {"compat", read_compat, 0}};
 enum { N_DIRECTIVES = sizeof DIRECTIVES / sizeof *DIRECTIVES };
 
@@ -305,9 +324,9 @@ vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_e
   }
   deck->lost |= VS_LOST_PARAM | VS_LOST_PORT | VS_LOST_PROBE;
   const char *nearest = vs_nearest(word, names, N_DIRECTIVES);
-  return vs_fail_at(err, where,
-                    "'*$ %s' is not known; there are: title, param, port, probe, loss, store, "
-                    "part, limit, rating, require, compat%s%s%s",
-                    word, nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest ? "'?" : "");
+  return vs_fail_at(
+      err, where,
+      "'*$ %s' is not known; there are: title, param, port, line, probe, loss, store, "
+      "part, limit, rating, require, device, zth, compat%s%s%s",
+      word, nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
 }

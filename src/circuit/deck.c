@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "circuit/contract.h"
+#include "circuit/devices.h"
 #include "circuit/limits.h"
 #include "circuit/rules.h"
 
@@ -281,6 +282,7 @@ vs_status vs_deck_read_parts(vs_deck *deck, const vs_node *section, vs_error *er
                                         given ? node->text : field->default_text, where, err));
   }
   if (!status) status = vs_limits_resolve(deck, err);
+  if (!status) status = vs_devices_resolve(deck, err);
   return status ? status : match_sources(deck, err);
 }
 
@@ -321,6 +323,10 @@ vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,
     vs_formula_bind(&deck->requirements[k].left, of_name);
     vs_formula_bind(&deck->requirements[k].right, of_name);
   }
+  for (size_t k = 0; k < deck->n_devices; k++) {
+    vs_formula_bind(&deck->devices[k].voltage, of_name);
+    vs_formula_bind(&deck->devices[k].current, of_name);
+  }
   return status;
 }
 
@@ -343,6 +349,10 @@ void vs_deck_free(vs_deck *deck) {
   for (size_t k = 0; k < deck->n_requirements; k++) {
     vs_formula_free(&deck->requirements[k].left);
     vs_formula_free(&deck->requirements[k].right);
+  }
+  for (size_t k = 0; k < deck->n_devices; k++) {
+    vs_formula_free(&deck->devices[k].voltage);
+    vs_formula_free(&deck->devices[k].current);
   }
   for (size_t k = 0; k < deck->n_files; k++) free(deck->files[k]);
   *deck = (vs_deck){0};

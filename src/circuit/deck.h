@@ -10,6 +10,7 @@
  *   *$ port   mains = SOURCE                           "SOURCE n m external" has the mains voltage
  *   *$ port   gate[+ANGLE] = SOURCE                    1 V while the (delayed) gate pulse is there
  *   *$ port   burst[+ANGLE] = SOURCE                   1 V during each of its sub-pulses
+ *   *$ line   NODE [NODE]                              the mains' terminals, where surges couple in
  *   *$ probe  NAME = [-]v(n) | v(n,m) | i(Vx)  UNIT  "TEXT"   a channel; i_thyristor is the anode
  *                                                             current
  *   *$ loss   NAME = FORMULA                           power that leaves the circuit, W
@@ -17,6 +18,10 @@
  *   *$ rating PROBE MIN..MAX UNIT  "TEXT"              allowed for a probe; enters the verdict.
  * Each end is a number or a limit of a part: -thyristor.v_rrm
  *   *$ require A <= B  "TEXT"                          a condition between parameters (or A < B)
+ *   *$ device NAME [PART or KIND] [gate+ANGLE] = FORMULA, FORMULA "TEXT"
+ *                                    its voltage and current; measures are NAME.what, and enter the
+ * verdict against the limits of the part of that name (circuit/devices.h). gate+ANGLE: the port its
+ * gate pulses go by; else the deck's first
  *   *$ compat ps                                       the netlist is read as PSpice's dialect
  *   Xeva n m eva                                       the actuator, once
  *
@@ -26,6 +31,8 @@
  *   *$ limit  NAME = VALUE UNIT [assumed] "TEXT"       by the field's names: v_drm, i2t, ...;
  * assumed: read in no source
  *   *$ limit  NAME = none "TEXT"                       an ideal part has none
+ *   *$ zth    R K/W  TAU s [assumed] "TEXT"            a term of its junction's transient thermal
+ * impedance, sum of R (1 - exp(-t/TAU)) (a Foster network)
  *
  * FORMULA: formula.h. Parameters every deck may use: u_rms, f_mains, phase (rad), r_source,
  * l_source. */
@@ -46,7 +53,9 @@ enum {
   VS_DECK_FILES = 32,
   VS_DECK_MOST = 64, /* of params, ports, probes, terms, losses, stores, ratings each */
   VS_DECK_PARTS = 16,
-  VS_DECK_LIMITS = 128
+  VS_DECK_DEVICES = 32,
+  VS_DECK_LIMITS = 128,
+  VS_PART_ZTH = 8
 };
 
 /* Kinds of lines of which one could not be read. A check carries on without it, and then says
@@ -67,8 +76,7 @@ typedef struct vs_line {
 } vs_line;
 
 typedef struct vs_port {
-  int drive;                 /* VS_DRIVE_..., of vs_drives */
-  double shift_rad;          /* its delay */
+  vs_signal signal;
   char source[VS_DECK_NAME]; /* lower case */
   vs_where where;
 } vs_port;
@@ -130,6 +138,22 @@ typedef struct vs_requirement {
   vs_where where;
 } vs_requirement;
 
+/* A term of a part's transient thermal impedance. */
+typedef struct vs_zth {
+  double k_per_w, tau_s;
+  vs_where where;
+} vs_zth;
+
+/* A device whose stress is measured (circuit/devices.h). */
+typedef struct vs_device {
+  char name[VS_DECK_NAME], of[VS_DECK_NAME], text[VS_DECK_TEXT]; /* of: its part or kind, as said */
+  vs_formula voltage, current;                                   /* V, A */
+  const struct vs_kind *kind; /* once the parts are read, as the part and the gate */
+  int part;                   /* of the deck's; -1: none */
+  double gate_rad;            /* delay of its gate pulses; NaN: the deck has none */
+  vs_where where, where_of, where_gate;
+} vs_device;
+
 /* A parameter that formulas name. */
 typedef struct vs_named {
   char name[VS_DECK_NAME];
@@ -180,9 +204,15 @@ typedef struct vs_deck {
   size_t n_limits;
   vs_requirement requirements[VS_DECK_MOST];
   size_t n_requirements;
+  vs_device devices[VS_DECK_DEVICES];
+  size_t n_devices;
+  vs_zth zth[VS_DECK_LIMITS];
+  size_t n_zth;
   vs_part parts[VS_DECK_PARTS];
   size_t n_parts;
-  int subcircuits; /* open ones, while it is read */
+  const char *eva_file;       /* of the program's, that defines the EVA; NULL: "eva" */
+  char line[2][VS_DECK_NAME]; /* nodes at which surges couple in; empty: not said */
+  int subcircuits;            /* open ones, while it is read */
   char eva[VS_DECK_NAME], eva_plus[VS_DECK_NAME],
       eva_minus[VS_DECK_NAME]; /* instance, its two nodes */
 } vs_deck;

@@ -219,6 +219,30 @@ void vs_formula_bind(vs_formula *f, const double *values) {
     if (f->ops[k].kind == NAME) f->ops[k].value = values[f->ops[k].index];
 }
 
+bool vs_formula_is_term(const vs_formula *f, int *term, double *factor) {
+  double stack[VS_FORMULA_DEPTH + 1]; /* with the term at 1 */
+  bool with[VS_FORMULA_DEPTH + 1];    /* the term */
+  int top = -1, terms = 0;
+  for (const vs_op *op = f->ops, *end = op + f->count; op < end; op++) {
+    bool of_two = op->kind == MULTIPLY || op->kind == DIVIDE;
+    if (op->kind == TERM || op->kind == NUMBER || op->kind == NAME) {
+      with[++top] = op->kind == TERM;
+      stack[top] = with[top] ? 1 : op->value;
+      if (with[top]) *term = op->index;
+      terms += with[top];
+    } else if (op->kind == NEGATE) {
+      stack[top] = -stack[top];
+    } else if (of_two && !(op->kind == DIVIDE && with[top])) {
+      top--;
+      stack[top] = op->kind == DIVIDE ? stack[top] / stack[top + 1] : stack[top] * stack[top + 1];
+      with[top] = with[top] || with[top + 1];
+    } else
+      return false;
+  }
+  *factor = stack[0];
+  return terms == 1;
+}
+
 typedef struct pair {
   double a, b;
 } pair;

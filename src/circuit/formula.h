@@ -54,6 +54,9 @@ int vs_formula_name_of(const vs_op *op); /* the index of the name it is; -1: it 
 /* Gives the formula's names their values, values[index]. */
 void vs_formula_bind(vs_formula *formula, const double *values);
 
+/* Is it nothing but one term times a constant, its names bound? Then which and which. */
+bool vs_formula_is_term(const vs_formula *formula, int *term, double *factor);
+
 /* The value with each of two sets of terms, in less time than one after the other. */
 void vs_formula_pair(const vs_formula *formula, const double *first, const double *second,
                      double value[2]);

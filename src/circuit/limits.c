@@ -168,7 +168,7 @@ vs_status vs_limits_require(vs_deck *deck, vs_cursor *c, vs_error *err) {
 
 /* ---- once the parts are chosen ---- */
 
-static const vs_part_file *file_of(const vs_deck *deck, const char *path) {
+const vs_part_file *vs_limits_file(const vs_deck *deck, const char *path) {
   for (size_t k = 0; k < deck->n_part_files; k++)
     if (!strcmp(deck->part_files[k].where.file, path)) return &deck->part_files[k];
   return NULL;
@@ -176,7 +176,7 @@ static const vs_part_file *file_of(const vs_deck *deck, const char *path) {
 
 vs_status vs_limits_check_kind(const vs_deck *deck, const vs_part *part, vs_where where,
                                vs_error *err) {
-  const vs_part_file *file = file_of(deck, part->file);
+  const vs_part_file *file = vs_limits_file(deck, part->file);
   if (!*part->kind || (file && !strcmp(file->kind, part->kind))) return VS_OK;
   if (!file)
     return vs_fail_at(err, (vs_where){.file = part->file},
@@ -188,7 +188,7 @@ vs_status vs_limits_check_kind(const vs_deck *deck, const vs_part *part, vs_wher
                     part->name, part->subcircuit, file->kind, part->kind);
 }
 
-static const vs_limit *find_limit(const vs_deck *deck, const char *file, const char *name) {
+const vs_limit *vs_limits_find(const vs_deck *deck, const char *file, const char *name) {
   for (size_t k = 0; k < deck->n_limits; k++)
     if (!strcmp(deck->limits[k].where.file, file) && !strcmp(deck->limits[k].name, name))
       return &deck->limits[k];
@@ -213,7 +213,7 @@ static vs_status resolve_bound(const vs_deck *deck, const vs_rating *r, const vs
                       nearest ? "'?" : "");
   }
   if (!deck->parts[p].file) return VS_OK; /* a check carries on: it was not found */
-  const vs_limit *limit = find_limit(deck, deck->parts[p].file, bound->limit);
+  const vs_limit *limit = vs_limits_find(deck, deck->parts[p].file, bound->limit);
   if (!limit)
     return vs_fail_at(err, (vs_where){.file = deck->parts[p].file},
                       "has no line '*$ limit %s = VALUE UNIT' (or none), which the rating of %s at "
@@ -296,7 +296,7 @@ bool vs_part_below_mains(const vs_deck *deck, size_t part, double rms_v, char *t
   } HELD[] = {{"v_drm", "peak", M_SQRT2}, {"v_rrm", "peak", M_SQRT2}, {"v_rms", "rms", 1}};
   const vs_part *p = &deck->parts[part];
   for (size_t k = 0; k < sizeof HELD / sizeof *HELD && p->file; k++) {
-    const vs_limit *limit = find_limit(deck, p->file, HELD[k].limit);
+    const vs_limit *limit = vs_limits_find(deck, p->file, HELD[k].limit);
     if (!limit || limit->value >= HELD[k].factor * rms_v) continue;
     snprintf(text, size, "circuit.%s: %s of %s, %s, is below the mains: %.6g V %s", p->name,
              limit->name, p->subcircuit, limit->written, HELD[k].factor * rms_v, HELD[k].what);

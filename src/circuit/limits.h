@@ -17,6 +17,10 @@ vs_status vs_limits_require(vs_deck *deck, vs_cursor *c, vs_error *err);
 vs_status vs_limits_check_kind(const vs_deck *deck, const vs_part *part, vs_where where,
                                vs_error *err);
 
+/* What the file says of its part; a limit of that name. NULL: nothing. */
+const vs_part_file *vs_limits_file(const vs_deck *deck, const char *file);
+const vs_limit *vs_limits_find(const vs_deck *deck, const char *file, const char *name);
+
 /* Gives ratings the limits of the parts chosen; one without limits is left out. */
 vs_status vs_limits_resolve(vs_deck *deck, vs_error *err);
 

@@ -62,7 +62,12 @@ vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_error *err)
 }
 
 double vs_mains(const vs_timeline *t, double t_s) {
-  return t->peak_v * sin(t->omega_rad_s * t_s + t->supply.phase_rad);
+  double v = t->peak_v * sin(t->omega_rad_s * t_s + t->supply.phase_rad);
+  for (size_t k = 0; k < t->events.count; k++) {
+    const vs_occurrence *e = &t->events.item[k];
+    if (e->kind->mains) v = e->kind->mains(e, t, t_s, v);
+  }
+  return v;
 }
 
 double vs_phase(const vs_timeline *t, double t_s) {
@@ -80,27 +85,58 @@ static double pulse_start(const vs_timeline *t, double shift_rad, double n) {
 /* An edge reached by a step is met only this well: ngspice ends a step at a breakpoint or 1e-11 of
  * the largest step before it. More would put the jump behind the breakpoint, where ngspice does not
  * expect one. */
-static double rounding(double t_s) {
+double vs_rounding(double t_s) {
   return 1e-15 + 8 * DBL_EPSILON * t_s;
 }
 
 /* The last pulse that started before t (strictly, up to rounding); -1: none yet. */
 static double last_pulse(const vs_timeline *t, double shift_rad, double t_s) {
   double since = t_s - pulse_start(t, shift_rad, 0);
-  double slack = rounding(t_s);
+  double slack = vs_rounding(t_s);
   if (since <= slack) return -1;
   if (!t->firing.every) return 0;
   return ceil((since - slack) / (t->firing.every * t->period_s)) - 1;
 }
 
+/* Length and voltage of the n-th pulse. */
+static void pulse(const vs_timeline *t, double n, double *width_s, double *voltage) {
+  *width_s = t->firing.pulse_width_s;
+  *voltage = 1;
+  for (size_t k = 0; k < t->events.count; k++) {
+    const vs_occurrence *e = &t->events.item[k];
+    if (e->kind->pulse && e->v.cycle == t->firing.first_cycle + n * t->firing.every)
+      e->kind->pulse(e, width_s, voltage);
+  }
+}
+
+/* A pulse besides those of the train: its start; -INFINITY: none at t. */
+static double added_pulse(const vs_timeline *t, double t_s, double *end_s) {
+  double slack = vs_rounding(t_s);
+  for (size_t k = 0; k < t->events.count; k++) {
+    const vs_occurrence *e = &t->events.item[k];
+    *end_s = e->end_s;
+    if (e->kind->adds_pulse && t_s > e->start_s + slack && t_s <= e->end_s + slack)
+      return e->start_s;
+  }
+  return -INFINITY;
+}
+
+double vs_gate_voltage(const vs_timeline *t, double shift_rad, double t_s) {
+  double n = last_pulse(t, shift_rad, t_s), width, voltage, end, slack = vs_rounding(t_s);
+  if (t->events.count && added_pulse(t, t_s, &end) > -INFINITY) return 1;
+  if (n < 0) return 0;
+  pulse(t, n, &width, &voltage);
+  return t_s <= pulse_start(t, shift_rad, n) + width + slack ? voltage : 0;
+}
+
 bool vs_gate(const vs_timeline *t, double shift_rad, double t_s) {
-  double n = last_pulse(t, shift_rad, t_s);
-  return n >= 0 && t_s <= pulse_start(t, shift_rad, n) + t->firing.pulse_width_s + rounding(t_s);
+  return vs_gate_voltage(t, shift_rad, t_s) > 0;
 }
 
 double vs_gate_edge(const vs_timeline *t, double shift_rad, double t_s) {
-  double n = last_pulse(t, shift_rad, t_s), slack = rounding(t_s);
-  double fall = n >= 0 ? pulse_start(t, shift_rad, n) + t->firing.pulse_width_s : -INFINITY;
+  double n = last_pulse(t, shift_rad, t_s), slack = vs_rounding(t_s), width, voltage;
+  double fall = -INFINITY;
+  if (n >= 0) pulse(t, n, &width, &voltage), fall = pulse_start(t, shift_rad, n) + width;
   if (fall > t_s + slack) return fall;
   double rise = n < 0 || t->firing.every ? pulse_start(t, shift_rad, n + 1) : INFINITY;
   return rise > t_s + slack ? rise : vs_gate_edge(t, shift_rad, t_s + 2 * slack);
@@ -110,23 +146,27 @@ double vs_gate_edge(const vs_timeline *t, double shift_rad, double t_s) {
  * pulse; false: t is in none's period. */
 static bool last_sub_pulse(const vs_timeline *t, double shift_rad, double t_s, double *start_s,
                            double *end_s) {
-  double n = last_pulse(t, shift_rad, t_s), slack = rounding(t_s);
-  if (n < 0) return false;
-  double start = pulse_start(t, shift_rad, n), k;
+  double n = last_pulse(t, shift_rad, t_s), slack = vs_rounding(t_s), width, voltage;
+  double start = t->events.count ? added_pulse(t, t_s, end_s) : -INFINITY, k;
+  if (start == -INFINITY && n < 0) return false;
+  if (start == -INFINITY) {
+    pulse(t, n, &width, &voltage);
+    start = pulse_start(t, shift_rad, n);
+    *end_s = start + width;
+  }
   k = ceil((t_s - start - slack) * t->firing.burst_hz) - 1;
   *start_s = start + k / t->firing.burst_hz;
-  *end_s = start + t->firing.pulse_width_s;
   return *start_s < *end_s - slack;
 }
 
 bool vs_burst(const vs_timeline *t, double shift_rad, double t_s) {
-  double start, end, slack = rounding(t_s);
+  double start, end, slack = vs_rounding(t_s);
   return last_sub_pulse(t, shift_rad, t_s, &start, &end) &&
          t_s <= fmin(start + t->firing.burst_duty / t->firing.burst_hz, end) + slack;
 }
 
 double vs_burst_edge(const vs_timeline *t, double shift_rad, double t_s) {
-  double start, end, slack = rounding(t_s);
+  double start, end, slack = vs_rounding(t_s);
   if (last_sub_pulse(t, shift_rad, t_s + 2 * slack, &start, &end)) { /* one that begins now, too */
     double fall = fmin(start + t->firing.burst_duty / t->firing.burst_hz, end);
     double rise = start + 1 / t->firing.burst_hz;
@@ -138,24 +178,35 @@ double vs_burst_edge(const vs_timeline *t, double shift_rad, double t_s) {
   return vs_gate(t, shift_rad, edge) ? vs_gate_edge(t, shift_rad, edge) : edge;
 }
 
-static double mains_voltage(const vs_timeline *t, double shift_rad, double t_s) {
-  (void)shift_rad;
+static double mains_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  (void)s;
   return vs_mains(t, t_s);
 }
-static double no_edge(const vs_timeline *t, double shift_rad, double t_s) {
-  (void)t, (void)shift_rad, (void)t_s;
-  return INFINITY;
+static double no_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
+  (void)t, (void)s, (void)t_s;
+  return INFINITY; /* those of events are asked for all together */
 }
-static double gate_voltage(const vs_timeline *t, double shift_rad, double t_s) {
-  return vs_gate(t, shift_rad, t_s);
+static double gate_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_gate_voltage(t, s->shift_rad, t_s);
 }
-static double burst_voltage(const vs_timeline *t, double shift_rad, double t_s) {
-  return vs_burst(t, shift_rad, t_s);
+static double gate_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_gate_edge(t, s->shift_rad, t_s);
+}
+static double burst_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_burst(t, s->shift_rad, t_s) ? vs_gate_voltage(t, s->shift_rad, t_s) : 0;
+}
+static double burst_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_burst_edge(t, s->shift_rad, t_s);
+}
+static double event_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  const vs_occurrence *e = &t->events.item[s->event];
+  return e->kind->source(e, t_s);
 }
 const vs_drive vs_drives[VS_DRIVES] = {
     [VS_DRIVE_MAINS] = {"mains", false, mains_voltage, no_edge},
-    [VS_DRIVE_GATE] = {"gate", true, gate_voltage, vs_gate_edge},
-    [VS_DRIVE_BURST] = {"burst", true, burst_voltage, vs_burst_edge}};
+    [VS_DRIVE_GATE] = {"gate", true, gate_voltage, gate_edge},
+    [VS_DRIVE_BURST] = {"burst", true, burst_voltage, burst_edge},
+    [VS_DRIVE_EVENT] = {NULL, false, event_voltage, no_edge}};
 
 double vs_next_conduction(const vs_timeline *t, double t_s) {
   double n = last_pulse(t, 0, t_s);

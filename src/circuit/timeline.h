@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/field.h"
+#include "circuit/events.h"
 
 typedef struct vs_supply_values {
   double voltage_v, frequency_hz, phase_rad, resistance_ohm, inductance_h;
@@ -25,6 +26,7 @@ typedef struct vs_timeline {
   vs_firing_values firing;
   double peak_v, omega_rad_s, period_s;
   double first_zero_s; /* first rising zero crossing at or after t = 0 */
+  vs_events events;    /* none, unless vs_events_read filled it */
 } vs_timeline;
 
 /* From the scene's sections supply and firing. Errors: what vs_section_read refuses; pulses that
@@ -40,6 +42,10 @@ double vs_phase(const vs_timeline *timeline,
  * after its leading edge and up to its trailing edge, so that a step that ends on an edge still
  * sees what was before it. */
 bool vs_gate(const vs_timeline *timeline, double shift_rad, double t_s);
+/* Its voltage, which events may change: 1 V. */
+double vs_gate_voltage(const vs_timeline *timeline, double shift_rad, double t_s);
+/* How well the end of a step meets an edge, s. */
+double vs_rounding(double t_s);
 /* First gate edge after t; INFINITY: none. */
 double vs_gate_edge(const vs_timeline *timeline, double shift_rad, double t_s);
 /* The first burst_duty of each period 1/burst_hz of a gate pulse: what a pulse transformer is
@@ -47,13 +53,19 @@ double vs_gate_edge(const vs_timeline *timeline, double shift_rad, double t_s);
 bool vs_burst(const vs_timeline *timeline, double shift_rad, double t_s);
 double vs_burst_edge(const vs_timeline *timeline, double shift_rad, double t_s);
 
-/* What a port of a circuit can be driven with: V, and the next edge; INFINITY: none. */
-enum { VS_DRIVE_MAINS, VS_DRIVE_GATE, VS_DRIVE_BURST, VS_DRIVES };
+/* What a source of the circuit is driven with. */
+enum { VS_DRIVE_MAINS, VS_DRIVE_GATE, VS_DRIVE_BURST, VS_DRIVE_EVENT, VS_DRIVES };
+typedef struct vs_signal {
+  int drive;
+  double shift_rad; /* a gate's delay */
+  size_t event;     /* an event's number */
+} vs_signal;
 typedef struct vs_drive {
-  const char *name;
-  bool shifts; /* can be delayed by an angle */
-  double (*voltage)(const vs_timeline *timeline, double shift_rad, double t_s);
-  double (*edge)(const vs_timeline *timeline, double shift_rad, double t_s);
+  const char *name; /* of the port in a deck; NULL: no deck has it */
+  bool shifts;      /* can be delayed by an angle */
+  double (*voltage)(const vs_timeline *timeline, const vs_signal *signal, double t_s); /* V */
+  /* the next one; INFINITY: none */
+  double (*edge)(const vs_timeline *timeline, const vs_signal *signal, double t_s);
 } vs_drive;
 extern const vs_drive vs_drives[VS_DRIVES];
 

@@ -20,6 +20,12 @@ void vs_accelerations(const vs_model *model, const double x[VS_STATES], double f
   memcpy(acceleration, sum, sizeof sum);
 }
 
+void vs_hold_p(const vs_model *model, double rate[VS_DOF]) {
+  double force = rate[P] / model->mf[P];
+  for (int i = 0; i < VS_DOF; i++) rate[i] -= model->mf[i] * force;
+  rate[P] = 0;
+}
+
 static double quadratic_form(const double m[VS_DOF][VS_DOF], const double v[VS_DOF]) {
   double sum = 0;
   for (int i = 0; i < VS_DOF; i++)

@@ -34,6 +34,10 @@ static inline void vs_jerks(const vs_model *model, const double velocity_acceler
   vs_accelerations(model, velocity_acceleration, force_rate_n_s, jerk);
 }
 
+/* A jammed armature: the force along p that keeps p' where it is takes its part of q" (or, as an
+ * impulse, of q') away: row P of it becomes 0. */
+void vs_hold_p(const vs_model *model, double rate[VS_DOF]);
+
 double vs_kinetic_energy(const vs_model *model, const double x[VS_STATES]); /* q'.M q'/2, J */
 double vs_elastic_energy(const vs_model *model, const double x[VS_STATES]); /* q.K q/2, J */
 

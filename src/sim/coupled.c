@@ -32,6 +32,7 @@ typedef struct flux_course {
   const vs_model *model;
   double c[4];
   bool touching; /* the armature its stop */
+  bool jammed;
 } flux_course;
 
 typedef struct coupling {
@@ -50,7 +51,9 @@ typedef struct coupling {
   flux_course course;
   gsl_odeiv2_system system;
   gsl_odeiv2_step *step;
-  bool touching;                        /* the armature its stop, at the last accepted knot */
+  bool touching; /* the armature its stop, at the last accepted knot */
+  double jams_s; /* INFINITY: it does not */
+  bool jammed;
   double substep_s, substep_touching_s; /* rkf45's error over it is below 1e-12 of the amplitude */
   double series_s;                      /* a cubic's over it is below 5e-6 */
 } coupling;
@@ -61,6 +64,7 @@ static int mechanics_rhs(double s, const double x[], double rate[], void *user) 
   memcpy(rate, x + VS_DOF, sizeof(double[VS_DOF]));
   double stop = f->touching ? vs_stop_force(f->model, x) : 0;
   vs_accelerations(f->model, x, vs_force(f->model, flux) + stop, rate + VS_DOF);
+  if (f->jammed) vs_hold_p(f->model, rate + VS_DOF);
   return GSL_SUCCESS;
 }
 
@@ -111,8 +115,10 @@ static double integrated_p(coupling *c, double h) {
   const vs_knot *k = &c->knots[c->now];
   double x[VS_STATES];
   memcpy(x, k->x, sizeof x);
-  c->course = (flux_course){
-      &c->setup->model, {k->flux_wb, k->flux_rate_v, k->flux_rate2_v_s / 2, 0}, c->touching};
+  c->course = (flux_course){&c->setup->model,
+                            {k->flux_wb, k->flux_rate_v, k->flux_rate2_v_s / 2, 0},
+                            c->touching,
+                            c->jammed};
   for (double at = 0; at < h; c->course.touching = !c->course.touching)
     at = advance(c, at, h, x); /* NaN ends it too; accept() will say so */
   return x[P];
@@ -134,7 +140,7 @@ static double source(void *ctx, size_t port, double t_s) {
   coupling *c = ctx;
   if (port == c->gap_port) return predicted_gap(c, t_s);
   const vs_port *p = &c->setup->deck.ports[port];
-  return vs_drives[p->drive].voltage(&c->setup->timeline, p->shift_rad, t_s);
+  return vs_drives[p->signal.drive].voltage(&c->setup->timeline, &p->signal, t_s);
 }
 
 static double anode_current(const coupling *c, const vs_knot *k) {
@@ -162,10 +168,10 @@ static double expected_extinction(const coupling *c) {
 
 static double edge(void *ctx, double t_s) {
   coupling *c = ctx;
-  double next = expected_extinction(c);
+  double next = fmin(expected_extinction(c), vs_events_edge(&c->setup->timeline.events, t_s));
   for (size_t k = 0; k < c->setup->deck.n_ports; k++) {
-    const vs_port *p = &c->setup->deck.ports[k];
-    next = fmin(next, vs_drives[p->drive].edge(&c->setup->timeline, p->shift_rad, t_s));
+    const vs_signal *s = &c->setup->deck.ports[k].signal;
+    next = fmin(next, vs_drives[s->drive].edge(&c->setup->timeline, s, t_s));
   }
   return next;
 }
@@ -183,7 +189,7 @@ static double longest(void *ctx, double t_s) {
     part = 1.0 / 4;
   else if (!c->conducting && ring > RINGS_STRONGLY)
     part = 1.0 / 2;
-  return part * c->max_step_s;
+  return fmin(part * c->max_step_s, vs_events_longest(&c->setup->timeline.events, t_s));
 }
 
 /* What the anode current did in the step just taken, and when. Firing is dated back along the line
@@ -208,6 +214,13 @@ static vs_event find_event(coupling *c, const vs_knot *before, const vs_knot *fr
   c->conducting = false;
   *event_s = fmin(fmax(zero_of_current(c, before, from), from->t_s), latest);
   return VS_EV_EXTINCT;
+}
+
+static void complete(const coupling *c, vs_knot *k) {
+  vs_knot_complete(&c->frame, k, c->touching);
+  if (!c->jammed) return;
+  vs_hold_p(&c->setup->model, k->a);
+  vs_hold_p(&c->setup->model, k->j);
 }
 
 /* Shows the step to a knot. */
@@ -254,14 +267,19 @@ static vs_status move(coupling *c, const vs_knot *start, vs_knot *end, vs_error 
     else
       k = end;
     memcpy(k->x, x, sizeof x);
-    vs_knot_complete(&c->frame, k, c->touching);
-    if (k == end) return show(c, k, VS_EV_NONE, err);
+    complete(c, k);
+    if (k == end) break;
     status = show(c, k, c->touching ? VS_EV_LEAVES_STOP : VS_EV_MEETS_STOP, err);
     c->touching = c->course.touching = !c->touching;
-    vs_knot_complete(&c->frame, k, c->touching);
+    complete(c, k);
     if (!status) status = show(c, k, VS_EV_NONE, err);
   }
-  return status;
+  if (!status) status = show(c, end, VS_EV_NONE, err);
+  if (status || c->jammed || end->t_s < c->jams_s - 1e-12) return status;
+  c->jammed = c->course.jammed = true; /* from one side of the instant to the other */
+  vs_hold_p(&c->setup->model, end->x + VS_DOF);
+  complete(c, end);
+  return show(c, end, VS_EV_JAMS, err);
 }
 
 static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *err) {
@@ -283,7 +301,8 @@ static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *
                             {from.flux_wb, from.flux_rate_v,
                              (3 * slope - 2 * from.flux_rate_v - next.flux_rate_v) / h,
                              (from.flux_rate_v + next.flux_rate_v - 2 * slope) / (h * h)},
-                            c->touching};
+                            c->touching,
+                            c->jammed};
   c->step_s = h;
   c->candidate_s = -1;
   return move(c, &from, &next, err);
@@ -311,7 +330,7 @@ static void name_all(const vs_deck *deck, names *n) {
   const char *mains = NULL;
   for (size_t p = 0; p < deck->n_ports; p++) {
     VS_NAMED(ports, n_ports, "%s", deck->ports[p].source);
-    if (deck->ports[p].drive == VS_DRIVE_MAINS) mains = deck->ports[p].source;
+    if (deck->ports[p].signal.drive == VS_DRIVE_MAINS) mains = deck->ports[p].source;
   }
   VS_NAMED(ports, n_ports, "v.%s.vgap", deck->eva);
   if (mains)
@@ -363,12 +382,16 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                 .observer = observer,
                 .candidate_s = -1,
                 .gap_port = setup->deck.n_ports,
+                .jams_s = INFINITY,
                 .max_step_s = vs_largest_step(setup),
                 .substep_s = 0.02 / m->fastest_rad_s,
                 .substep_touching_s = 0.02 / m->contact_rad_s,
                 .series_s = 0.1 / m->fastest_rad_s};
   c.knots[0] = vs_sim_start(setup, &c.frame);
   c.touching = vs_in_stop(m, c.knots[0].x[P]);
+  for (size_t k = 0; k < setup->timeline.events.count; k++)
+    if (setup->timeline.events.item[k].kind->jams)
+      c.jams_s = fmin(c.jams_s, setup->timeline.events.item[k].start_s);
   for (size_t k = 0; k < setup->deck.n_probes; k++)
     if (!strcmp(setup->deck.probes[k].name, "i_thyristor"))
       c.anode_current = &setup->deck.probes[k];

@@ -130,6 +130,11 @@ vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
   if (!s) s = vs_carry_on(err, vs_timeline_build(scene, &setup->timeline, err));
   if (!s) s = vs_carry_on(err, read_circuit(scene, setup, err));
   if (!s) s = vs_section_read(&vs_run_section, vs_node_child(scene, "run"), &setup->run, err);
+  vs_timeline *line = &setup->timeline;
+  if (!s)
+    s = vs_events_read(vs_node_child(scene, "events"), line, setup->run.until_s, &line->events,
+                       err);
+  if (!s) s = vs_events_wire(&line->events, &setup->deck, err);
   if (!s) s = vs_carry_on(err, read_start(scene, setup, err));
   return s;
 }

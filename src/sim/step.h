@@ -80,7 +80,8 @@ typedef enum vs_event {
   VS_EV_FIRES,
   VS_EV_EXTINCT,
   VS_EV_MEETS_STOP,
-  VS_EV_LEAVES_STOP
+  VS_EV_LEAVES_STOP,
+  VS_EV_JAMS
 } vs_event;
 
 typedef struct vs_step {

@@ -118,7 +118,8 @@ static void describe_deck(const vs_deck *deck, vs_text *good) {
                 {"probe", deck->n_probes},
                 {"loss", deck->losses.count},
                 {"store", deck->stores.count},
-                {"rating", deck->n_ratings}};
+                {"rating", deck->n_ratings},
+                {"device", deck->n_devices}};
   vs_text_add(good, "a good deck: %s%sEVA between %s and %s", deck->title, *deck->title ? "; " : "",
               deck->eva_plus, deck->eva_minus);
   for (size_t k = 0; k < sizeof COUNTS / sizeof *COUNTS; k++)

@@ -239,7 +239,7 @@ static vs_status check_burst(const vs_setup *s, vs_error *err) {
   const vs_firing_values *f = &s->timeline.firing;
   double n = f->burst_hz * f->every * s->timeline.period_s;
   for (size_t k = 0; k < s->deck.n_ports; k++)
-    if (s->deck.ports[k].drive == VS_DRIVE_BURST && fabs(n - rint(n)) > 1e-6 * (n + 1))
+    if (s->deck.ports[k].signal.drive == VS_DRIVE_BURST && fabs(n - rint(n)) > 1e-6 * (n + 1))
       return vs_fail(err, VS_INPUT,
                      "export: firing.burst_frequency: the time from gate pulse to gate pulse must "
                      "be a whole number of sub-pulses (it is %.9g)",
@@ -253,14 +253,14 @@ static void add_source(vs_text *t, const char *line, const vs_port *port) {
   sscanf(line, "%63s %63s %63s", name, plus, minus);
   if (!port)
     vs_text_add(t, "B%s %s %s V = ({vs_gap})+v(vs_p)/1000\n", name + 1, plus, minus);
-  else if (port->drive == VS_DRIVE_MAINS)
+  else if (port->signal.drive == VS_DRIVE_MAINS)
     vs_text_add(t, "%s %s %s SIN(0 {sqrt(2)*u_rms} {f_mains} 0 0 {phase*%.17g})\n", name, plus,
                 minus, 180 / M_PI);
-  else if (port->drive == VS_DRIVE_BURST)
-    add_burst(t, name, (const char *[]){plus, minus}, port->shift_rad / (2 * M_PI));
+  else if (port->signal.drive == VS_DRIVE_BURST)
+    add_burst(t, name, (const char *[]){plus, minus}, port->signal.shift_rad / (2 * M_PI));
   else {
     snprintf(nodes, sizeof nodes, "%s %s", plus, minus);
-    add_pulses(t, name, nodes, port->shift_rad / (2 * M_PI));
+    add_pulses(t, name, nodes, port->signal.shift_rad / (2 * M_PI));
   }
 }
 
@@ -421,6 +421,10 @@ vs_status vs_export_command(const char *name, char *const *sets, size_t n_sets, 
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_scene_read(name, sets, n_sets, "circuit", scene, err);
   if (!status) vs_scene_warn(scene);
+  if (!status && scene->setup.timeline.events.count)
+    status = vs_fail_at(err, scene->setup.timeline.events.item[0].where,
+                        "export: a netlist for plain ngspice has no events; leave %s out",
+                        scene->setup.timeline.events.item[0].name);
   if (!status) status = write_deck(scene, output, err);
   if (!status) printf("written: %s\n", output);
   vs_scene_free(scene);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "circuit/devices.h"
 #include "study/scene.h"
 
 static void print_file(void *ctx, const char *path) {
@@ -45,6 +46,8 @@ static void print_part(void *ctx, const char *path) {
   for (size_t k = 0; k < part->n_limits && !status; k++)
     printf("    limit %-18s %-14s %s%s\n", part->limits[k].name, part->limits[k].written,
            part->limits[k].text, part->limits[k].assumed ? " (assumed)" : "");
+  for (size_t k = 0; k < part->n_zth && !status; k++)
+    printf("    zth   %g K/W, %g s\n", part->zth[k].k_per_w, part->zth[k].tau_s);
   for (size_t k = 1; k < part->section.count && !status; k++)
     printf("    param %-18s %-14s %s\n", part->section.fields[k].key,
            part->section.fields[k].default_text, part->section.fields[k].text);
@@ -71,6 +74,16 @@ static void list_probes(const vs_deck *deck) {
   }
 }
 
+static void list_device(const vs_device *d) {
+  for (size_t n = 0; d->kind && n < d->kind->n_measures; n++) {
+    const vs_device_measure *m = &d->kind->measures[n];
+    char name[VS_DECK_NAME + 24];
+    snprintf(name, sizeof name, "%s.%s", d->name, m->name);
+    printf("%-20s %-7s %s (tier circuit)%s%s\n", name, m->unit, m->text, m->limit ? "; limit " : "",
+           m->limit ? m->limit : "");
+  }
+}
+
 static void list_measures(const vs_deck *deck) {
   for (int k = 0; k < VS_MEASURES; k++)
     printf("%-20s %-7s %s\n", vs_measures_known[k].name, vs_measures_known[k].unit,
@@ -78,6 +91,7 @@ static void list_measures(const vs_deck *deck) {
   for (size_t k = 0; k < deck->n_probes; k++)
     printf("%s_min, %s_max  %s  extremes of the probe (tier circuit)\n", deck->probes[k].name,
            deck->probes[k].name, deck->probes[k].unit);
+  for (size_t k = 0; k < deck->n_devices; k++) list_device(&deck->devices[k]);
 }
 
 static void print_field(const char *section, const vs_field *f) {
@@ -98,6 +112,20 @@ static void list_parameters(const vs_deck *deck) {
       print_field(sections[s]->name, &sections[s]->fields[k]);
 }
 
+static void list_events(const vs_deck *deck) {
+  (void)deck;
+  for (size_t k = 0; k < VS_EVENT_KINDS; k++) {
+    const vs_event_kind *kind = &vs_event_kinds[k];
+    printf("%-20s %s\n", kind->name, kind->text);
+    for (size_t f = 1; f < kind->n_fields; f++) {
+      char range[128];
+      vs_field_range(&kind->fields[f], range, sizeof range);
+      printf("    %-16s %-12s %-26s %s\n", kind->fields[f].key, kind->fields[f].default_text,
+             kind->fields[f].kind == VS_NAME ? "a name" : range, kind->fields[f].text);
+    }
+  }
+}
+
 static const struct kind {
   const char *name, *heading;
   void (*print)(const vs_deck *);
@@ -107,6 +135,7 @@ static const struct kind {
     {"parts", "parts that come with the program", list_parts},
     {"tiers", "tiers, from the least modelled to the most", list_tiers},
     {"probes", "probes: name, unit, meaning", list_probes},
+    {"events", "events: kind, its keys with default, allowed, meaning", list_events},
     {"measures", "measures: name, unit, meaning", list_measures},
     {"parameters", "parameters: scene key, default, allowed, meaning", list_parameters},
 };
@@ -121,11 +150,11 @@ vs_status vs_list_command(const char *kind, const char *deck_name, vs_error *err
   }
   if (!found) {
     const char *nearest = vs_nearest(kind, names, N_KINDS);
-    return vs_fail(err, VS_INPUT,
-                   "list: no kind '%s'; there are: scenes, decks, parts, tiers, probes, measures, "
-                   "parameters%s%s%s",
-                   kind, nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                   nearest ? "'?" : "");
+    return vs_fail(
+        err, VS_INPUT,
+        "list: no kind '%s'; there are: scenes, decks, parts, tiers, probes, events, measures, "
+        "parameters%s%s%s",
+        kind, nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
   }
   vs_deck *deck = vs_alloc(1, sizeof *deck);
   char path[VS_PATH_SIZE];

@@ -13,17 +13,22 @@
 #include "study/summary.h"
 #include "watch/table.h"
 
-/* Names the rating that is violated furthest; VS_OK: none is. */
+/* Names the rating or limit that is violated furthest; VS_OK: none is. */
 static vs_status judge(const vs_result *r, vs_error *err) {
-  const vs_judgement *worst = NULL;
-  for (size_t k = 0; k < r->n_judgements; k++)
-    if (r->judgements[k].margin < (worst ? worst->margin : 0)) worst = &r->judgements[k];
-  if (!worst) return VS_OK;
-  double unit = vs_unit_factor(worst->rating->unit);
-  return vs_fail(err, VS_RATING, "a rating is violated: %s = %.6g %s at %.6g s, allowed %g..%g %s",
-                 worst->probe->name, worst->stress.value / unit, worst->rating->unit,
-                 worst->stress.at_s, worst->rating->min / unit, worst->rating->max / unit,
-                 worst->rating->unit);
+  const vs_judgement *worst = r->verdict.weakest;
+  if (!worst || !(worst->margin < 0)) return VS_OK;
+  const char *unit_name = vs_judgement_unit(worst);
+  char name[VS_JUDGED_NAME], allowed[64];
+  double unit = vs_unit_factor(unit_name);
+  if (worst->rating)
+    snprintf(allowed, sizeof allowed, "%g..%g", worst->rating->min / unit,
+             worst->rating->max / unit);
+  else
+    snprintf(allowed, sizeof allowed, "%s %g", worst->measure->at_least ? "at least" : "at most",
+             worst->limit->value / unit);
+  return vs_fail(err, VS_RATING, "a rating is violated: %s = %.6g %s at %.6g s, allowed %s %s",
+                 vs_judgement_name(worst, name), worst->stress.value / unit, unit_name,
+                 worst->stress.at_s, allowed, unit_name);
 }
 
 /* Everyone who watches one run. */
@@ -34,6 +39,7 @@ typedef struct audience {
   int made;                 /* folders, for the output */
   vs_table table;
   vs_measures *measures;
+  vs_devices *devices;
   vs_result result;
   char books[512];         /* what the energy audit says */
   double began_s, shown_s; /* wall clock: of the run, of the last progress line */
@@ -59,7 +65,8 @@ static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
   static const char *const WHAT[] = {[VS_EV_FIRES] = "thyristor fires",
                                      [VS_EV_EXTINCT] = "thyristor extinct",
                                      [VS_EV_MEETS_STOP] = "armature meets the stop",
-                                     [VS_EV_LEAVES_STOP] = "armature leaves the stop"};
+                                     [VS_EV_LEAVES_STOP] = "armature leaves the stop",
+                                     [VS_EV_JAMS] = "armature jams"};
   audience *a = ctx;
   vs_status status = VS_OK;
   a->result.steps++;
@@ -68,7 +75,17 @@ static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
     if (step->event[k] != VS_EV_NONE)
       fprintf(a->events.stream, "%.*g,%s\n", a->options->digits, step->event_s[k],
               WHAT[step->event[k]]);
+  const vs_events *events = &a->scene->setup.timeline.events;
+  for (size_t k = 0; a->events.stream && k < events->count; k++)
+    if (events->item[k].start_s >= step->from->t_s && events->item[k].start_s < step->to->t_s)
+      fprintf(a->events.stream, "%.*g,%s begins (%s)\n", a->options->digits,
+              events->item[k].start_s, events->item[k].name, events->item[k].kind->name);
   vs_measures_accept(a->measures, step);
+  vs_devices_accept(a->devices, step);
+  for (size_t k = 0; a->events.stream && a->devices && k < a->devices->n_incidents; k++) {
+    const vs_incident *i = &a->devices->incidents[k];
+    fprintf(a->events.stream, "%.*g,%s %s\n", a->options->digits, i->at_s, i->device, i->what);
+  }
   vs_energy_accept(&a->result.energy, step);
   progress(a, step->to->t_s);
   if (!status && *a->options->stop)
@@ -160,7 +177,8 @@ static void take_values(audience *a) {
   r->values[VS_M_WORK_FORCE] = (vs_value){true, joule[VS_E_WORK], NAN};
   r->open_books =
       vs_energy_open(&r->energy, a->scene->setup.run.tolerance, a->books, sizeof a->books);
-  r->n_judgements = vs_verdict(a->measures, r->judgements);
+  vs_devices_finish(a->devices);
+  vs_verdict_reach(a->measures, a->devices, &r->verdict);
   r->values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, r->energy.worst, NAN};
 }
 
@@ -171,8 +189,10 @@ static vs_status run_scene(const vs_run_options *o, vs_scene *s, const vs_ladder
   audience a = {.options = o,
                 .scene = s,
                 .measures = vs_measures_new(&s->frame),
+                .devices = vs_devices_new(&s->frame),
                 .show_progress = !o->quiet && isatty(STDERR_FILENO)};
   a.result.measures = a.measures;
+  a.result.devices = a.devices;
   a.result.energy.frame = &s->frame;
   a.result.ladder = ladder;
   vs_observer observer = {&a, accept};
@@ -203,6 +223,7 @@ static vs_status run_scene(const vs_run_options *o, vs_scene *s, const vs_ladder
   if (!status) status = judge(&a.result, err);
   vs_text_free(&json);
   vs_measures_free(a.measures);
+  vs_devices_free(a.devices);
   return status;
 }
 

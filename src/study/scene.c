@@ -42,6 +42,8 @@ static const char *needs_circuit(const vs_scene *s, char *buffer, size_t size) {
     snprintf(buffer, size, "circuit.%s", circuit->child->key);
   else if (source)
     snprintf(buffer, size, "supply.%s", source);
+  else if (s->setup.timeline.events.count)
+    snprintf(buffer, size, "events.%s", s->setup.timeline.events.item[0].name);
   else if (solver_key(run))
     snprintf(buffer, size, "run.%s", solver_key(run));
   else {
@@ -215,8 +217,8 @@ void vs_scene_warn(const vs_scene *s) {
 
 vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, const char *tier,
                         vs_scene *s, vs_error *err) {
-  static const char *const TOP[] = {"machine", "actuator", "load",  "supply", "firing",
-                                    "circuit", "run",      "start", "record", "measured"};
+  static const char *const TOP[] = {"machine", "actuator", "load",  "supply", "firing",  "circuit",
+                                    "events",  "run",      "start", "record", "measured"};
   *s = (vs_scene){0};
   vs_status status = vs_find(&vs_scene_shelf, name, (vs_where){0}, s->path, err);
   if (!status) status = vs_tree_read(s->path, &s->tree, err);

@@ -7,75 +7,126 @@
 
 #include "base/units.h"
 
-/* Each measure there is, the energies' and the probes' extremes included; name[64] is filled. */
-static bool measure_at(const vs_scene *s, const vs_result *r, int k, char name[VS_DECK_NAME + 4],
-                       const char **unit, vs_value *value) {
+/* A measure as it is shown. */
+typedef struct shown {
+  char name[VS_JUDGED_NAME];
+  const char *unit;
+  vs_value value; /* in that unit */
+} shown;
+
+/* Measure k of the devices', in the unit of its kind; false: there are no more. */
+static bool device_measure_at(const vs_devices *devices, size_t k, shown *m) {
+  for (size_t d = 0; devices && d < devices->count; k -= devices->item[d++].count) {
+    const vs_watched *w = &devices->item[d];
+    if (k >= w->count) continue;
+    const vs_reduced *r = &w->reduced[k];
+    snprintf(m->name, sizeof m->name, "%s.%s", w->device->name, r->measure->name);
+    m->unit = r->measure->unit;
+    m->value = r->value;
+    m->value.value /= vs_unit_factor(m->unit);
+    return true;
+  }
+  return false;
+}
+
+/* Each measure there is: the energies', the probes' extremes and the devices' included. */
+static bool measure_at(const vs_scene *s, const vs_result *r, int k, shown *m) {
   if (k < VS_MEASURES) {
-    snprintf(name, VS_DECK_NAME + 4, "%s", vs_measures_known[k].name);
-    *unit = vs_measures_known[k].unit;
-    *value = r->values[k];
+    snprintf(m->name, sizeof m->name, "%s", vs_measures_known[k].name);
+    m->unit = vs_measures_known[k].unit;
+    m->value = r->values[k];
     return true;
   }
   k += VS_STANDARD_EXTREMES - VS_MEASURES;
-  if (k >= r->measures->n_extremes) return false;
+  if (k >= r->measures->n_extremes)
+    return device_measure_at(r->devices, (size_t)(k - r->measures->n_extremes), m);
   const vs_extreme *e = &r->measures->extremes[k];
   vs_channel channel = vs_channel_at(&s->frame, e->channel);
-  snprintf(name, VS_DECK_NAME + 4, "%s_%s", channel.name, e->sense < 0 ? "min" : "max");
-  *unit = channel.unit;
-  *value = e->best;
+  snprintf(m->name, sizeof m->name, "%s_%s", channel.name, e->sense < 0 ? "min" : "max");
+  m->unit = channel.unit;
+  m->value = e->best;
   return true;
 }
 
-/* Limits and stresses are shown in the unit of the rating line. */
-static void print_verdict(const vs_result *r, FILE *out) {
-  if (r->n_judgements)
-    fprintf(out, "\n%-18s %12s %12s %12s %12s %-5s %8s\n", "rating", "min", "least", "largest",
-            "max", "", "margin");
-  for (size_t k = 0; k < r->n_judgements; k++) {
-    const vs_judgement *j = &r->judgements[k];
+static const char *mark(const vs_judgement *j) {
+  return j->margin < 0 ? "  violated" : "";
+}
+
+/* Limits and stresses are shown in the unit of the rating's or limit's line. */
+static void print_verdict(const vs_verdict *v, int width, FILE *out) {
+  char name[VS_JUDGED_NAME];
+  size_t k = 0;
+  if (v->count && v->item[0].rating)
+    fprintf(out, "\n%-*s %12s %12s %12s %12s %-5s %8s\n", width, "rating", "min", "least",
+            "largest", "max", "", "margin");
+  for (; k < v->count && v->item[k].rating; k++) {
+    const vs_judgement *j = &v->item[k];
     double unit = vs_unit_factor(j->rating->unit);
-    fprintf(out, "%-18s %12.6g %12.6g %12.6g %12.6g %-5s %7.1f %%%s\n", j->probe->name,
+    fprintf(out, "%-*s %12.6g %12.6g %12.6g %12.6g %-5s %7.1f %%%s\n", width, j->probe->name,
             j->rating->min / unit, j->least.value / unit, j->largest.value / unit,
-            j->rating->max / unit, j->rating->unit, 100 * j->margin,
-            j->margin < 0 ? "  violated" : "");
+            j->rating->max / unit, j->rating->unit, 100 * j->margin, mark(j));
   }
+  if (k < v->count)
+    fprintf(out, "\n%-*s %12s %12s %-5s %8s %14s\n", width, "device", "stress", "limit", "",
+            "margin", "at");
+  for (; k < v->count; k++) {
+    const vs_judgement *j = &v->item[k];
+    double unit = vs_unit_factor(j->limit->unit);
+    fprintf(out, "%-*s %12.6g %12.6g %-5s %7.1f %% ", width, vs_judgement_name(j, name),
+            j->stress.value / unit, j->limit->value / unit, j->limit->unit, 100 * j->margin);
+    if (isnan(j->stress.at_s))
+      fprintf(out, "%14s", "");
+    else
+      fprintf(out, "%12.7g s", j->stress.at_s);
+    fprintf(out, "%s%s\n", j->limit->assumed ? "  assumed" : "", mark(j));
+  }
+  if (v->weakest)
+    fprintf(out, "\nweakest: %s, margin %.1f %%\n", vs_judgement_name(v->weakest, name),
+            100 * v->weakest->margin);
+  if (v->first_to_fail)
+    fprintf(out, "first to fail: %s, at %.9g s\n", vs_judgement_name(v->first_to_fail, name),
+            v->first_to_fail->failed_s);
+}
+
+static void print_measure(const shown *m, int width, const vs_value *measured, FILE *out) {
+  fprintf(out, "%-*s ", width, m->name);
+  if (!m->value.known) {
+    fprintf(out, "%16s\n", "-");
+    return;
+  }
+  fprintf(out, "%16.9g %-5s ", m->value.value, m->unit);
+  if (isnan(m->value.at_s))
+    fprintf(out, "%14s", "");
+  else
+    fprintf(out, "%12.7g s", m->value.at_s);
+  if (measured && measured->known) {
+    fprintf(out, " %16.6g", measured->value);
+    if (measured->value != 0)
+      fprintf(out, "   computed is %+.1f %%", 100 * (m->value.value / measured->value - 1));
+  }
+  fputc('\n', out);
 }
 
 void vs_summary_table(const vs_scene *s, const vs_result *r, FILE *out) {
-  char name[VS_DECK_NAME + 4];
-  const char *unit;
-  vs_value v;
+  shown m;
+  int width = 18;
   bool any = false;
   for (int k = 0; k < VS_MEASURES; k++) any = any || s->measured[k].known;
+  for (int k = 0; measure_at(s, r, k, &m); k++)
+    if ((int)strlen(m.name) > width) width = (int)strlen(m.name);
   fprintf(out, "scene  %s\ntier   %s (%s)\n", s->path, s->tier->name, s->why);
   if (r->ladder->rung)
     fprintf(out, "rung   %d: %s; before, %s\n", r->ladder->rung, vs_ladder_text(r->ladder->rung),
             r->ladder->failed);
   fputc('\n', out);
-  fprintf(out, "%-18s %16s %-5s %14s%s\n", "measure", "computed", "", "at",
+  fprintf(out, "%-*s %16s %-5s %14s%s\n", width, "measure", "computed", "", "at",
           any ? "         measured" : "");
-  for (int k = 0; measure_at(s, r, k, name, &unit, &v); k++) {
-    fprintf(out, "%-18s ", name);
-    if (!v.known) {
-      fprintf(out, "%16s\n", "-");
-      continue;
-    }
-    fprintf(out, "%16.9g %-5s ", v.value, unit);
-    if (isnan(v.at_s))
-      fprintf(out, "%14s", "");
-    else
-      fprintf(out, "%12.7g s", v.at_s);
-    if (k < VS_MEASURES && s->measured[k].known) {
-      fprintf(out, " %16.6g", s->measured[k].value);
-      if (s->measured[k].value != 0)
-        fprintf(out, "   computed is %+.1f %%", 100 * (v.value / s->measured[k].value - 1));
-    }
-    fputc('\n', out);
-  }
+  for (int k = 0; measure_at(s, r, k, &m); k++)
+    print_measure(&m, width, k < VS_MEASURES ? &s->measured[k] : NULL, out);
   if (s->frame.gap_at_rest && r->energy.joule[VS_E_WORK] != 0)
     fprintf(out, "\nthe one-way force of this tier did %.4f J of work that nothing supplied\n",
             r->energy.joule[VS_E_WORK]);
-  print_verdict(r, out);
+  print_verdict(&r->verdict, width, out);
   fprintf(out, "\n%ld steps in %.3g s\n", r->steps, r->wall_s);
 }
 
@@ -84,6 +135,24 @@ static void add_number(vs_text *json, double value) {
     vs_text_add(json, "%.12g", value);
   else
     vs_text_add(json, "null");
+}
+
+/* Each with its keys, and when it begins. */
+static void add_events(vs_text *json, const vs_events *events) {
+  vs_text_add(json, ",\n    \"events\": {");
+  for (size_t k = 0; k < events->count; k++) {
+    const vs_occurrence *e = &events->item[k];
+    vs_text_add(json, "%s\n      ", k ? "," : "");
+    vs_text_json(json, e->name);
+    vs_text_add(json, ": {\"starts_s\": ");
+    add_number(json, e->start_s);
+    for (size_t f = 0; f < e->kind->n_fields; f++) {
+      vs_text_add(json, ", \"%s\": ", e->kind->fields[f].key);
+      vs_field_json(&e->kind->fields[f], &e->v, json);
+    }
+    vs_text_add(json, "}");
+  }
+  vs_text_add(json, "%s}", events->count ? "\n    " : "");
 }
 
 static void add_scene(vs_text *json, const vs_scene *s) {
@@ -97,21 +166,20 @@ static void add_scene(vs_text *json, const vs_scene *s) {
     }
     vs_text_add(json, "\n    }");
   }
+  add_events(json, &s->setup.timeline.events);
   vs_text_add(json, "\n  },\n");
 }
 
 static void add_measures(vs_text *json, const vs_scene *s, const vs_result *r) {
-  char name[VS_DECK_NAME + 4];
-  const char *unit;
-  vs_value v;
+  shown m;
   bool first = true;
   vs_text_add(json, "  \"measures\": {");
-  for (int k = 0; measure_at(s, r, k, name, &unit, &v); k++) {
-    if (!v.known) continue;
-    vs_text_add(json, "%s\n    \"%s\": {\"value\": ", first ? "" : ",", name);
-    add_number(json, v.value);
-    vs_text_add(json, ", \"unit\": \"%s\"", unit);
-    if (!isnan(v.at_s)) vs_text_add(json, ", \"at_s\": %.12g", v.at_s);
+  for (int k = 0; measure_at(s, r, k, &m); k++) {
+    if (!m.value.known) continue;
+    vs_text_add(json, "%s\n    \"%s\": {\"value\": ", first ? "" : ",", m.name);
+    add_number(json, m.value.value);
+    vs_text_add(json, ", \"unit\": \"%s\"", m.unit);
+    if (!isnan(m.value.at_s)) vs_text_add(json, ", \"at_s\": %.12g", m.value.at_s);
     if (k < VS_MEASURES && s->measured[k].known)
       vs_text_add(json, ", \"measured\": %.12g", s->measured[k].value);
     vs_text_add(json, "}");
@@ -163,25 +231,62 @@ static void add_extreme(vs_text *json, const char *name, vs_value v, double unit
   add_number(json, v.at_s);
 }
 
-static void add_verdict(vs_text *json, const vs_result *r) {
+static void add_rating(vs_text *json, const vs_judgement *j) {
+  double unit = vs_unit_factor(j->rating->unit);
+  vs_text_add(json, "{\"rating\": \"%s\", \"unit\": \"%s\", \"text\": ", j->probe->name,
+              j->rating->unit);
+  vs_text_json(json, j->rating->text);
+  vs_text_add(json, ", \"min\": ");
+  add_number(json, j->rating->min / unit);
+  vs_text_add(json, ", \"max\": ");
+  add_number(json, j->rating->max / unit);
+  add_extreme(json, "least", j->least, unit);
+  add_extreme(json, "largest", j->largest, unit);
+}
+
+static void add_device(vs_text *json, const vs_judgement *j) {
+  double unit = vs_unit_factor(j->limit->unit);
+  vs_text_add(json, "{\"device\": \"%s\", \"measure\": \"%s\", \"unit\": \"%s\", \"text\": ",
+              j->device->name, j->measure->name, j->limit->unit);
+  vs_text_json(json, j->limit->text);
+  vs_text_add(json, ", \"stress\": ");
+  add_number(json, j->stress.value / unit);
+  vs_text_add(json, ", \"at_s\": ");
+  add_number(json, j->stress.at_s);
+  vs_text_add(json, ", \"limit\": ");
+  add_number(json, j->limit->value / unit);
+  vs_text_add(json, ", \"assumed\": %s", j->limit->assumed ? "true" : "false");
+}
+
+static void add_judged(vs_text *json, const char *key, const vs_judgement *j) {
+  char name[VS_JUDGED_NAME];
+  vs_text_add(json, ",\n  \"%s\": ", key);
+  if (j)
+    vs_text_json(json, vs_judgement_name(j, name));
+  else
+    vs_text_add(json, "null");
+}
+
+static void add_verdict(vs_text *json, const vs_verdict *v) {
   vs_text_add(json, "  \"verdict\": [");
-  for (size_t k = 0; k < r->n_judgements; k++) {
-    const vs_judgement *j = &r->judgements[k];
-    double unit = vs_unit_factor(j->rating->unit);
-    vs_text_add(json, "%s\n    {\"rating\": \"%s\", \"unit\": \"%s\", \"text\": ", k ? "," : "",
-                j->probe->name, j->rating->unit);
-    vs_text_json(json, j->rating->text);
-    vs_text_add(json, ", \"min\": ");
-    add_number(json, j->rating->min / unit);
-    vs_text_add(json, ", \"max\": ");
-    add_number(json, j->rating->max / unit);
-    add_extreme(json, "least", j->least, unit);
-    add_extreme(json, "largest", j->largest, unit);
+  for (size_t k = 0; k < v->count; k++) {
+    const vs_judgement *j = &v->item[k];
+    vs_text_add(json, "%s\n    ", k ? "," : "");
+    if (j->device)
+      add_device(json, j);
+    else
+      add_rating(json, j);
     vs_text_add(json, ", \"margin\": ");
     add_number(json, j->margin);
-    vs_text_add(json, ", \"violated\": %s}", j->margin < 0 ? "true" : "false");
+    vs_text_add(json, ", \"violated\": %s", j->margin < 0 ? "true" : "false");
+    vs_text_add(json, ", \"failed_at_s\": ");
+    add_number(json, j->failed_s);
+    vs_text_add(json, "}");
   }
-  vs_text_add(json, r->n_judgements ? "\n  ]\n}\n" : "]\n}\n");
+  vs_text_add(json, v->count ? "\n  ]" : "]");
+  add_judged(json, "weakest", v->weakest);
+  add_judged(json, "first_to_fail", v->first_to_fail);
+  vs_text_add(json, "\n}\n");
 }
 
 void vs_summary_json(const vs_scene *s, const vs_result *r, bool with_cost, vs_text *json) {
@@ -206,5 +311,5 @@ void vs_summary_json(const vs_scene *s, const vs_result *r, bool with_cost, vs_t
   add_energy(json, s, &r->energy, r->open_books);
   if (with_cost)
     vs_text_add(json, "  \"cost\": {\"wall_s\": %.6g, \"steps\": %ld},\n", r->wall_s, r->steps);
-  add_verdict(json, r);
+  add_verdict(json, &r->verdict);
 }

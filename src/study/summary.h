@@ -13,10 +13,10 @@
 typedef struct vs_result {
   vs_value values[VS_MEASURES];
   const vs_measures *measures; /* its extremes of the deck's probes */
+  const vs_devices *devices;   /* NULL: the deck has none */
   vs_energy energy;
   const char *open_books; /* NULL: the energy audit finds nothing */
-  vs_judgement judgements[VS_DECK_MOST];
-  size_t n_judgements;
+  vs_verdict verdict;
   const vs_ladder *ladder; /* and on which rung of it this was got */
   double wall_s;
   long steps;

@@ -103,6 +103,7 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
   const vs_model *m = step->frame->model;
   double h = step->to->t_s - step->from->t_s, y[VS_CH_MOST];
   if (!e->steps++) begin(e, step);
+  if (h == 0) e->joule[VS_E_STOP] += mechanical(m, step->from) - mechanical(m, step->to); /* jams */
   for (int g = step->cubic_flux ? 0 : 1, k = 0; k < GAUSS[g].count; k++) {
     vs_step_parts_at(step, step->from->t_s + h * GAUSS[g].at[k], PARTS, y);
     double w = h * GAUSS[g].weight[k], lost = 0;

@@ -37,6 +37,7 @@ vs_measures *vs_measures_new(const vs_frame *frame) {
     for (int sense = -1; sense <= 1; sense += 2)
       m->extremes[m->n_extremes++] = (vs_extreme){.channel = c, .sense = sense};
   for (int k = 0; k < m->n_extremes; k++) m->parts |= vs_parts_of(&m->extremes[k].channel, 1);
+  for (int k = 0; k < VS_DECK_MOST; k++) m->passed_s[k] = NAN;
   m->fired_s = m->extinct_s = m->refired_s = NAN;
   m->solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
   return m;
@@ -129,6 +130,16 @@ static void follow_extreme(vs_measures *m, vs_extreme *e) {
     e->best.at_s = v.at_s; /* a plateau to rounding: the root says when */
 }
 
+/* When the probe of a rating first leaves its range. */
+static void follow_rating(vs_measures *m, size_t k) {
+  const vs_rating *r = &m->frame->deck->ratings[k];
+  double before = m->y[1][VS_CH_DECK + r->probe], now = m->y[2][VS_CH_DECK + r->probe];
+  if (!isnan(m->passed_s[k]) || (now <= r->max && now >= r->min)) return;
+  const vs_kept_step *s = &m->kept[m->last];
+  double part = ((now > r->max ? r->max : r->min) - before) / (now - before);
+  m->passed_s[k] = s->from.t_s + fmin(fmax(part, 0), 1) * (s->to.t_s - s->from.t_s);
+}
+
 static bool swings_freely(const vs_measures *m, double t_s) {
   return t_s > m->extinct_s && t_s <= SWING_ENDS_S && !(t_s > m->refired_s);
 }
@@ -208,6 +219,7 @@ void vs_measures_accept(vs_measures *m, const vs_step *step) {
   }
   vs_step_parts_at(step, step->to->t_s, m->parts, m->y[2]);
   for (int k = 0; k < m->n_extremes; k++) follow_extreme(m, &m->extremes[k]);
+  for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++) follow_rating(m, k);
   follow_peaks(m);
   follow_crossings(m);
 }

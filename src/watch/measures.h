@@ -75,6 +75,7 @@ typedef struct vs_measures {
   vs_extreme
       extremes[VS_MOST_EXTREMES]; /* the standard ones, then least and largest of each probe */
   int n_extremes;
+  double passed_s[VS_DECK_MOST]; /* when each of the deck's ratings first was; NaN: it was not */
   double fired_s, extinct_s,
       refired_s;          /* first firing, first extinction, second firing; NaN: not yet */
   vs_value first, second; /* motion peaks of p */

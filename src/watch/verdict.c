@@ -2,6 +2,7 @@
 #include "watch/verdict.h"
 
 #include <math.h>
+#include <stdio.h>
 
 /* What `room` to a limit is as a part of the limit; of the whole range where the limit is 0.
  * Infinite where there is no limit. */
@@ -11,18 +12,58 @@ static double part_of(double room, double limit, const vs_rating *rating) {
   return room / (limit != 0 ? fabs(limit) : isinf(range) ? 1 : range);
 }
 
-size_t vs_verdict(const vs_measures *m, vs_judgement judgements[VS_DECK_MOST]) {
+static vs_judgement judge_rating(const vs_measures *m, size_t k) {
   const vs_deck *deck = m->frame->deck;
-  size_t count = deck ? deck->n_ratings : 0;
-  for (size_t k = 0; k < count; k++) {
-    const vs_rating *r = &deck->ratings[k];
-    const vs_extreme *pair = &m->extremes[VS_STANDARD_EXTREMES + 2 * r->probe];
-    vs_judgement *j = &judgements[k];
-    *j = (vs_judgement){r, &deck->probes[r->probe], pair[0].best, pair[1].best, 0, pair[0].best};
-    double below = part_of(j->least.value - r->min, r->min, r);
-    double above = part_of(r->max - j->largest.value, r->max, r);
-    j->margin = fmin(below, above);
-    if (above < below) j->stress = j->largest;
+  const vs_rating *r = &deck->ratings[k];
+  const vs_extreme *pair = &m->extremes[VS_STANDARD_EXTREMES + 2 * r->probe];
+  vs_judgement j = {.rating = r,
+                    .probe = &deck->probes[r->probe],
+                    .least = pair[0].best,
+                    .largest = pair[1].best,
+                    .stress = pair[0].best};
+  double below = part_of(j.least.value - r->min, r->min, r);
+  double above = part_of(r->max - j.largest.value, r->max, r);
+  j.margin = fmin(below, above);
+  if (above < below) j.stress = j.largest;
+  j.failed_s = m->passed_s[k];
+  if (j.margin < 0 && isnan(j.failed_s)) j.failed_s = j.stress.at_s; /* between two knots only */
+  return j;
+}
+
+static vs_judgement judge_device(const vs_device *d, const vs_reduced *r) {
+  double limit = r->limit->value, stress = r->value.value;
+  return (vs_judgement){.device = d,
+                        .measure = r->measure,
+                        .limit = r->limit,
+                        .margin = (r->measure->at_least ? stress - limit : limit - stress) / limit,
+                        .stress = r->value,
+                        .failed_s = r->failed_s};
+}
+
+void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, vs_verdict *v) {
+  *v = (vs_verdict){0};
+  for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++)
+    v->item[v->count++] = judge_rating(m, k);
+  for (size_t k = 0; devices && k < devices->count; k++)
+    for (size_t n = 0; n < devices->item[k].count; n++) {
+      const vs_reduced *r = &devices->item[k].reduced[n];
+      if (r->limit && r->value.known)
+        v->item[v->count++] = judge_device(devices->item[k].device, r);
+    }
+  for (size_t k = 0; k < v->count; k++) {
+    const vs_judgement *j = &v->item[k];
+    if (!v->weakest || j->margin <= v->weakest->margin) v->weakest = j;
+    if (j->margin < 0 && (!v->first_to_fail || j->failed_s <= v->first_to_fail->failed_s))
+      v->first_to_fail = j;
   }
-  return count;
+}
+
+const char *vs_judgement_name(const vs_judgement *j, char name[VS_JUDGED_NAME]) {
+  snprintf(name, VS_JUDGED_NAME, "%s%s%s", j->device ? j->device->name : j->probe->name,
+           j->device ? "." : "", j->device ? j->measure->name : "");
+  return name;
+}
+
+const char *vs_judgement_unit(const vs_judgement *j) {
+  return j->device ? j->limit->unit : j->rating->unit;
 }

@@ -1,19 +1,40 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The deck's ratings held against what its probes did in a run. */
+ * The deck's ratings held against what its probes did in a run, and the limits of its parts against
+ * what was measured of its devices. */
 #ifndef VS_WATCH_VERDICT_H
 #define VS_WATCH_VERDICT_H
 
+#include "watch/devices.h"
 #include "watch/measures.h"
 
 typedef struct vs_judgement {
-  const vs_rating *rating;
+  const vs_rating *rating; /* with its probe; NULL: it is of a device */
   const vs_probe *probe;
+  const vs_device *device; /* with its measure and limit; NULL: it is of a rating */
+  const vs_device_measure *measure;
+  const vs_limit *limit;
   vs_value least, largest; /* of the probe in the run */
   double margin;   /* what is left to the nearer limit, as a part of that limit; < 0: beyond */
-  vs_value stress; /* the extreme that is nearer to its limit, or further beyond */
+  vs_value stress; /* the extreme that is nearer to its limit, or further beyond; SI */
+  double failed_s; /* when the limit was first passed; NaN: it was not */
 } vs_judgement;
 
-/* Judges all ratings of the run's deck; none on a tier without one. Gives their number. */
-size_t vs_verdict(const vs_measures *measures, vs_judgement judgements[VS_DECK_MOST]);
+enum { VS_MOST_JUDGEMENTS = VS_DECK_MOST + VS_DECK_DEVICES * VS_KIND_LIMITS };
+typedef struct vs_verdict {
+  vs_judgement item[VS_MOST_JUDGEMENTS]; /* the ratings, then device by device */
+  size_t count;
+  const vs_judgement *weakest;       /* of the least margin; NULL: nothing is judged */
+  const vs_judgement *first_to_fail; /* NULL: none failed */
+} vs_verdict; /* of two alike the later one, so that a device goes before a probe */
+
+/* Judges a run; devices may be NULL. Nothing is judged on a tier without a deck, of which neither
+ * has any. A device of which nothing was measured is not judged. */
+void vs_verdict_reach(const vs_measures *measures, const vs_devices *devices, vs_verdict *verdict);
+
+/* "v_ak", "thyristor.i2t" */
+enum { VS_JUDGED_NAME = VS_DECK_NAME + 24 };
+const char *vs_judgement_name(const vs_judgement *judgement, char name[VS_JUDGED_NAME]);
+/* The unit that stress and limits are shown in: as they were written. */
+const char *vs_judgement_unit(const vs_judgement *judgement);
 
 #endif

@@ -1,0 +1,262 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "circuit/devices.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "base/units.h"
+#include "circuit/contract.h"
+#include "circuit/limits.h"
+
+/* name, unit, text, how, of, sense, limit, at least */
+#define MEASURES(...)                                                                              \
+  {__VA_ARGS__}, sizeof((vs_device_measure[]){__VA_ARGS__}) / sizeof(vs_device_measure)
+const vs_kind vs_kinds[] = {
+    {"thyristor", true, true,
+     MEASURES(
+         {"v_forward", "V", "peak forward voltage", VS_R_PEAK, VS_OF_V, 1, "v_drm", false},
+         {"v_reverse", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, -1, "v_rrm", false},
+         {"dv_dt", "V/us",
+          "steepest rise of forward off-state voltage, mean rate from 10 to 90 % of a rise of 10 V "
+          "or more",
+          VS_R_RISE, VS_OF_V, 1, "dv_dt", false},
+         {"dv_dt_max", "V/us",
+          "largest rate of forward off-state voltage, over one step of 1 V or more, else over 0.1 "
+          "us",
+          VS_R_OFF_RATE, VS_OF_V, 1, NULL, false},
+         {"di_dt", "A/us", "largest rate of current from firing to its first maximum, over 0.1 us",
+          VS_R_ON_RATE, VS_OF_I, 1, "di_dt", false},
+         {"i_peak", "A", "peak current", VS_R_PEAK, VS_OF_I, 1, "i_tsm", false},
+         {"i_mean", "A", "mean current over the run", VS_R_MEAN, VS_OF_I, 1, NULL, false},
+         {"i_rms", "A", "rms current over the run", VS_R_RMS, VS_OF_I2, 1, NULL, false},
+         {"i2t", "A2.s", "largest int i^2 dt of one conduction", VS_R_PULSE, VS_OF_I2, 1, "i2t",
+          false},
+         {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, false},
+         {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
+          VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", false},
+         {"t_off", "s", "shortest time from the current's zero to the return of forward voltage",
+          VS_R_OFFERED, VS_OF_V, 1, "t_q", true},
+         {"misfires", "", "gate pulses that it did not follow", VS_R_MISFIRE, VS_OF_I, 1, NULL,
+          false},
+         {"unintended", "", "firings without a gate pulse", VS_R_UNINTENDED, VS_OF_I, 1, NULL,
+          false},
+         {"commutation_failures", "",
+          "of these, on the first forward voltage after a conduction and before t_q",
+          VS_R_COMMUTATION_FAILURE, VS_OF_I, 1, NULL, false})},
+    {"varistor", false, false,
+     MEASURES(
+         {"v_clamp", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, false},
+         {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_surge", false},
+         {"energy", "J", "largest energy of one pulse; it lasts while |i| is 1 mA or more",
+          VS_R_PULSE, VS_OF_POWER, 1, "energy", false},
+         {"energy_total", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, false})},
+    {"resistor", false, false,
+     MEASURES({"power", "W", "mean power over the run", VS_R_MEAN, VS_OF_POWER, 1, NULL, false},
+              {"power_peak", "W", "peak power", VS_R_PEAK, VS_OF_POWER, 1, NULL, false},
+              {"energy", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, false})},
+    {"capacitor", false, false,
+     MEASURES(
+         {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, false},
+         {"i_rms", "A", "rms current over the run", VS_R_RMS, VS_OF_I2, 1, NULL, false},
+         {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, false},
+         {"dv_dt_max", "V/us",
+          "largest rate of voltage, either way, over one step of 1 V or more, else over 0.1 us",
+          VS_R_STEEPEST, VS_OF_V, 0, NULL, false})},
+    {"fuse", false, false,
+     MEASURES({"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, false},
+              {"i_rms", "A", "rms current over the run", VS_R_RMS, VS_OF_I2, 1, NULL, false},
+              {"i2t", "A2.s", "int i^2 dt over the run", VS_R_INTEGRAL, VS_OF_I2, 1, NULL, false},
+              {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, false})},
+    {"gate_drive", false, true,
+     MEASURES({"i_peak", "A", "largest gate current", VS_R_PEAK, VS_OF_I, 1, NULL, false},
+              {"i_min", "A", "gate current at its worst: the least of all gate pulses' peaks",
+               VS_R_GATE_LEAST, VS_OF_I, 1, NULL, false})},
+};
+#undef MEASURES
+const size_t vs_n_kinds = sizeof vs_kinds / sizeof *vs_kinds;
+
+static const vs_kind *find_kind(const char *name) {
+  for (size_t k = 0; k < vs_n_kinds; k++)
+    if (!strcmp(vs_kinds[k].name, name)) return &vs_kinds[k];
+  return NULL;
+}
+
+/* ---- reading ---- */
+
+/* "gate", "gate+180deg": the delay of its pulses */
+static bool read_gate(const char *word, double *delay_rad) {
+  char why[200];
+  if (strncmp(word, "gate", 4) || (word[4] && word[4] != '+')) return false;
+  *delay_rad = 0;
+  return !word[4] || vs_quantity(word + 5, "deg", delay_rad, why, sizeof why);
+}
+
+/* device NAME [PART or KIND] [gate+ANGLE] = VOLTAGE, CURRENT "TEXT" */
+vs_status vs_devices_line(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  static const char WANTED[] =
+      "'device NAME [PART or KIND] [gate+ANGLE] = VOLTAGE, CURRENT \"TEXT\"' is wanted here";
+  if (deck->n_devices >= VS_DECK_DEVICES)
+    return vs_fail_at(err, c->line, "more than %d devices", VS_DECK_DEVICES);
+  vs_device *d = &deck->devices[deck->n_devices];
+  *d = (vs_device){.gate_rad = NAN, .part = -1};
+  vs_cursor_skip(c);
+  d->where = d->where_of = d->where_gate = vs_cursor_here(c);
+  if (!vs_cursor_word(c, "", d->name, sizeof d->name))
+    return vs_fail_at(err, vs_cursor_here(c), "%s", WANTED);
+  for (size_t k = 0; k < deck->n_devices; k++)
+    if (!strcmp(deck->devices[k].name, d->name))
+      return vs_fail_at(err, d->where, "device %s stands here a second time", d->name);
+  while (!vs_cursor_take(c, '=')) {
+    char word[VS_DECK_NAME];
+    vs_where where = vs_cursor_here(c);
+    if (!vs_cursor_word(c, "+.", word, sizeof word)) return vs_fail_at(err, where, "%s", WANTED);
+    if (isnan(d->gate_rad) && read_gate(word, &d->gate_rad)) {
+      d->where_gate = where;
+    } else if (!*d->of) {
+      memcpy(d->of, word, sizeof d->of);
+      d->where_of = where;
+    } else
+      return vs_fail_at(err, where, "%s", WANTED);
+  }
+  deck->n_devices++; /* its formulas are freed with the deck, also when they are not good */
+  vs_status status = vs_contract_formula(deck, c, ",", &d->voltage, err);
+  if (!status && !vs_cursor_take(c, ','))
+    status =
+        vs_fail_at(err, vs_cursor_here(c), "',' and the formula of its current are wanted here");
+  if (!status) status = vs_contract_formula(deck, c, "\"", &d->current, err);
+  return status ? status : vs_cursor_text(c, d->text, sizeof d->text, err);
+}
+
+/* "0.5 K/W" */
+static bool read_positive(vs_cursor *c, const char *unit, double *si) {
+  char value[VS_DECK_NAME], written[VS_DECK_NAME], both[2 * VS_DECK_NAME], why[200];
+  vs_cursor_token(c, value, sizeof value);
+  vs_cursor_token(c, written, sizeof written);
+  snprintf(both, sizeof both, "%s %s", value, written);
+  return vs_quantity(both, unit, si, why, sizeof why) && *si > 0;
+}
+
+/* zth R K/W TAU s [assumed] "TEXT" */
+vs_status vs_devices_zth(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  vs_zth zth = {.where = c->line};
+  char text[VS_DECK_TEXT];
+  vs_cursor_skip(c);
+  vs_where where = vs_cursor_here(c);
+  if (!read_positive(c, "K/W", &zth.k_per_w) || !read_positive(c, "s", &zth.tau_s))
+    return vs_fail_at(err, where,
+                      "zth: a thermal resistance and its time constant are wanted here, both "
+                      "positive, as 0.5 K/W 1 ms");
+  vs_cursor_is(c, "assumed");
+  vs_status status = vs_cursor_text(c, text, sizeof text, err);
+  size_t same = 0;
+  for (size_t k = 0; k < deck->n_zth; k++) same += !strcmp(deck->zth[k].where.file, c->line.file);
+  if (!status && (same >= VS_PART_ZTH || deck->n_zth >= VS_DECK_LIMITS))
+    status = vs_fail_at(err, c->line, "more than %d of these lines", VS_PART_ZTH);
+  if (!status) deck->zth[deck->n_zth++] = zth;
+  return status;
+}
+
+/* ---- once the parts are chosen ---- */
+
+/* Which of the deck's parts goes by this name; -1: none does. */
+static int find_part(const vs_deck *deck, const char *name) {
+  for (size_t p = 0; p < deck->n_parts; p++)
+    if (!strcmp(deck->parts[p].name, name)) return (int)p;
+  return -1;
+}
+
+static vs_status unknown_kind(const vs_deck *deck, const vs_device *d, const char *said,
+                              vs_error *err) {
+  const char *names[VS_DECK_PARTS + VS_DECK_MOST];
+  vs_text kinds = {0};
+  size_t n = 0;
+  for (size_t p = 0; p < deck->n_parts; p++) names[n++] = deck->parts[p].name;
+  for (size_t k = 0; k < vs_n_kinds; k++) {
+    vs_text_add(&kinds, "%s%s", k ? ", " : "", vs_kinds[k].name);
+    names[n++] = vs_kinds[k].name;
+  }
+  const char *nearest = vs_nearest(said, names, n);
+  vs_status status = vs_fail_at(
+      err, d->where_of, "device %s: '%s' is no part of this deck and no kind; there are: %s%s%s%s",
+      d->name, said, kinds.text, nearest ? "; did you mean '" : "", nearest ? nearest : "",
+      nearest ? "'?" : "");
+  vs_text_free(&kinds);
+  return status;
+}
+
+/* The kind is that of the part's file, else as the line says. */
+static vs_status resolve_kind(const vs_deck *deck, vs_device *d, vs_error *err) {
+  const char *said = *d->of ? d->of : d->name;
+  d->part = find_part(deck, said);
+  if (d->part < 0) d->part = find_part(deck, d->name);
+  d->kind = find_kind(said);
+  bool known = d->kind || find_part(deck, said) >= 0;
+  if (!known) return deck->lost & VS_LOST_PARAM ? VS_OK : unknown_kind(deck, d, said, err);
+  if (d->part < 0) return VS_OK;
+  const vs_part *part = &deck->parts[d->part];
+  if (!part->file) return VS_OK; /* a check carries on: it was not found */
+  const vs_part_file *file = vs_limits_file(deck, part->file);
+  if (!file && !d->kind)
+    return vs_fail_at(err, (vs_where){.file = part->file},
+                      "has no line '*$ part KIND \"TEXT\"', which the device %s at %s:%d asks for",
+                      d->name, d->where.file, d->where.line);
+  if (!file) return VS_OK;
+  if (d->kind && *d->of && strcmp(d->of, part->name) && strcmp(d->of, file->kind))
+    return vs_fail_at(err, d->where_of, "device %s: its part %s is of kind %s, not %s", d->name,
+                      part->subcircuit, file->kind, d->of);
+  d->kind = find_kind(file->kind);
+  return d->kind ? VS_OK
+                 : vs_fail_at(err, d->where_of,
+                              "device %s: its part %s is of kind %s, of which nothing is measured",
+                              d->name, part->subcircuit, file->kind);
+}
+
+/* Its gate pulses are those of the port named, else of the deck's first. */
+static vs_status resolve_gate(const vs_deck *deck, vs_device *d, vs_error *err) {
+  bool named = !isnan(d->gate_rad);
+  if (named && d->kind && !d->kind->gated)
+    return vs_fail_at(err, d->where_gate, "device %s: a %s has no gate", d->name, d->kind->name);
+  for (size_t p = 0; p < deck->n_ports; p++) {
+    const vs_signal *signal = &deck->ports[p].signal;
+    if (signal->drive != VS_DRIVE_GATE && signal->drive != VS_DRIVE_BURST) continue;
+    if (named && fabs(signal->shift_rad - d->gate_rad) > 1e-9) continue;
+    d->gate_rad = signal->shift_rad;
+    return VS_OK;
+  }
+  if (!named || deck->lost & VS_LOST_PORT) return VS_OK;
+  return vs_fail_at(err, d->where_gate, "device %s: the deck has no such port", d->name);
+}
+
+const vs_limit *vs_device_limit(const vs_deck *deck, const vs_device *d,
+                                const vs_device_measure *m) {
+  const char *file = d->part < 0 ? NULL : deck->parts[d->part].file;
+  const vs_limit *limit = file && m->limit ? vs_limits_find(deck, file, m->limit) : NULL;
+  return limit && isfinite(limit->value) ? limit : NULL;
+}
+
+static vs_status check_limits(const vs_deck *deck, const vs_device *d, vs_error *err) {
+  vs_status status = VS_OK;
+  for (size_t k = 0; d->kind && k < d->kind->n_measures && !status; k++) {
+    const vs_device_measure *m = &d->kind->measures[k];
+    const vs_limit *limit = vs_device_limit(deck, d, m);
+    if (!limit || vs_unit_same_kind(limit->unit, m->unit)) continue;
+    status = vs_fail_at(err, limit->where, "limit %s: a unit as %s is wanted, for %s.%s",
+                        limit->name, m->unit, d->name, m->name);
+    status = vs_carry_on(err, status);
+  }
+  return status;
+}
+
+vs_status vs_devices_resolve(vs_deck *deck, vs_error *err) {
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < deck->n_devices && !status; k++) {
+    vs_device *d = &deck->devices[k];
+    status = vs_carry_on(err, resolve_kind(deck, d, err));
+    if (!status) status = vs_carry_on(err, resolve_gate(deck, d, err));
+    if (!status) status = check_limits(deck, d, err);
+  }
+  return status;
+}

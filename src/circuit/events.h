@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What goes wrong in a scene, by name and from a given instant on: on the mains, at the gate, in
+ * the circuit. The section `events` is a map of names; each says its kind and the keys of that
+ * kind.
+ *
+ * A kind is one row of a table: what it does to the mains' voltage, to the gate's pulses, to the
+ * netlist. */
+#ifndef VS_CIRCUIT_EVENTS_H
+#define VS_CIRCUIT_EVENTS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/error.h"
+#include "base/field.h"
+#include "base/text.h"
+
+struct vs_timeline;
+struct vs_deck;
+
+enum { VS_EVENTS_MOST = 32, VS_EVENT_NAME = 64 };
+
+/* The keys of all kinds; each kind reads its own. */
+typedef struct vs_event_values {
+  double at_s, angle_rad, duration_s;
+  int cycle; /* from 1 */
+  int count; /* repetitions, cycle by cycle */
+  double level_v;
+  double part; /* of the mains' amplitude; of a gate pulse's; of the coil's turns */
+  int negative;
+  double impedance_ohm, frequency_hz, phase_rad;
+  int order;
+  char kind[VS_NAME_SIZE], element[VS_NAME_SIZE];
+} vs_event_values;
+
+typedef struct vs_event_kind vs_event_kind;
+typedef struct vs_occurrence {
+  char name[VS_EVENT_NAME];
+  const vs_event_kind *kind;
+  vs_event_values v;
+  double start_s, end_s; /* end: INFINITY where it lasts */
+  vs_where where;        /* of its name */
+} vs_occurrence;
+
+typedef struct vs_events {
+  vs_occurrence item[VS_EVENTS_MOST];
+  size_t count;
+} vs_events;
+
+struct vs_event_kind {
+  const char *name, *text;
+  const vs_field *fields;
+  size_t n_fields;
+  bool at_cycle; /* it is told by its cycle alone */
+  /* The mains with it, V; NULL: as they are. */
+  double (*mains)(const vs_occurrence *e, const struct vs_timeline *t, double t_s, double voltage);
+  /* The gate pulse of its cycle: its length and its voltage. */
+  void (*pulse)(const vs_occurrence *e, double *width_s, double *voltage);
+  bool adds_pulse; /* from its start to its end */
+  bool jams;       /* the armature stays where it is */
+  /* Voltage of the source it puts into the netlist, V. */
+  double (*source)(const vs_occurrence *e, double t_s);
+  /* First instant after t that must be the end of a step; INFINITY: none. */
+  double (*edge)(const vs_occurrence *e, double t_s);
+  /* Longest step from t on; INFINITY: as without it. */
+  double (*longest)(const vs_occurrence *e, double t_s);
+  /* Puts it into the deck: lines, and a source it drives. Errors with its place. */
+  vs_status (*wire)(const vs_occurrence *e, size_t index, struct vs_deck *deck, vs_error *err);
+};
+
+enum { VS_EVENT_KINDS = 17 };
+extern const vs_event_kind vs_event_kinds[VS_EVENT_KINDS];
+
+/* Reads the section, a map of names. until_s: end of the run. Errors, each of which a check carries
+ * on from: an unknown kind or key, a level its generator does not have, an instant outside the run,
+ * two that contradict each other. */
+vs_status vs_events_read(const vs_node *map, const struct vs_timeline *timeline, double until_s,
+                         vs_events *events, vs_error *err);
+
+/* Puts those that are circuits into the deck. */
+vs_status vs_events_wire(const vs_events *events, struct vs_deck *deck, vs_error *err);
+
+double vs_events_edge(const vs_events *events, double t_s);
+double vs_events_longest(const vs_events *events, double t_s);
+
+#endif

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Watcher that measures the stress of the deck's devices (circuit/devices.h). Between two knots
+ * their terms lie on straight lines, as the probes do, so that extremes are at knots; integrals are
+ * Simpson's, exact for a voltage times a current on such lines. */
+#ifndef VS_WATCH_DEVICES_H
+#define VS_WATCH_DEVICES_H
+
+#include "watch/switching.h"
+
+/* A measure of a device. */
+typedef struct vs_reduced {
+  const vs_device_measure *measure;
+  const vs_limit *limit; /* NULL: none */
+  vs_value value;        /* SI; of a mean once the run is over */
+  double pulse;          /* integral of the present one */
+  double failed_s;       /* when it first passed its limit; NaN: it has not */
+} vs_reduced;
+
+/* A formula, by the short way where it is one term times a constant. */
+typedef struct vs_quick {
+  const vs_formula *formula;
+  bool is_term;
+  int term;
+  double factor;
+} vs_quick;
+
+typedef struct vs_watched {
+  const vs_device *device;
+  vs_quick voltage, current;
+  double last[VS_COURSES]; /* at the last knot */
+  double sum[VS_COURSES];  /* integrals over the run, but of V */
+  vs_reduced reduced[VS_KIND_MEASURES];
+  size_t count;
+  vs_reduced *each_step[VS_KIND_MEASURES]; /* those that every step may change; the others come of
+                                              the sums, or with news */
+  size_t n_each_step, n_peaks;             /* the peaks stand first */
+  bool in_pulse;
+  vs_switch *states; /* of a device that conducts or blocks; else NULL */
+  vs_gate_watch gate;
+  double gate_peak_a; /* in the present gate pulse */
+  vs_slope slope;
+  const vs_zth *zth[VS_PART_ZTH];
+  double heat_k[VS_PART_ZTH]; /* rise of each term */
+  size_t n_zth;
+} vs_watched;
+
+/* What a device did against its gate, in the step last accepted. */
+typedef struct vs_incident {
+  double at_s;
+  const char *device, *what; /* "thyristor", "misfires" */
+} vs_incident;
+
+typedef struct vs_devices {
+  const vs_frame *frame;
+  double began_s, now_s; /* NaN: no step yet */
+  vs_incident incidents[2 * VS_DECK_DEVICES];
+  size_t n_incidents;
+  size_t count;
+  vs_watched item[];
+} vs_devices;
+
+/* NULL: the frame has no deck, or its deck no devices; the others then do nothing. */
+vs_devices *vs_devices_new(const vs_frame *frame);
+void vs_devices_free(vs_devices *devices);
+void vs_devices_accept(vs_devices *devices, const vs_step *step);
+void vs_devices_finish(vs_devices *devices); /* the means */
+
+#endif

@@ -1,0 +1,260 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "watch/switching.h"
+
+#include <math.h>
+
+/* As the circuit tier has it (sim/coupled.c); what a blocked junction's capacitance draws, a few
+ * hundred pF in a device of 100 A, is no conduction. */
+static const double CONDUCTS_A = 0.02, QUIET_A = 0.001, EXTINCT = 1e-4, DISPLACED_F = 1e-9;
+/* From here on a voltage counts as forward voltage that is blocked: above any on-state voltage. */
+static const double FORWARD_V = 10;
+
+enum { REST_NONE, REST_NO_REVERSE_YET, REST_REVERSED, REST_FORWARD_AGAIN };
+
+/* ---- gate ---- */
+
+void vs_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
+  double middle = (c->t0_s + c->t1_s) / 2;
+  g->begins = g->ended = false;
+  if (isnan(g->delay_rad)) {
+    g->on = true;
+    return;
+  }
+  if (middle < g->edge_s) return;
+  bool was = g->on;
+  g->on = vs_gate(g->timeline, g->delay_rad, middle);
+  g->edge_s = fmin(vs_gate_edge(g->timeline, g->delay_rad, middle),
+                   vs_events_edge(&g->timeline->events, middle)); /* one may add a pulse */
+  g->begins = g->on && !was;
+  g->ended = was && !g->on;
+  if (g->ended) g->off_since_s = c->t0_s;
+}
+
+/* ---- rates ---- */
+
+static double in_sense(double value, int sense) {
+  return sense ? sense * value : fabs(value);
+}
+
+double vs_slope_follow(vs_slope *s, const vs_course_step *c, int of, int sense) {
+  double y0 = c->from[of], y1 = c->to[of], rate = (y1 - y0) / c->h_s;
+  if (!s->begun) {
+    s->begun = true;
+    s->t_s = c->t0_s;
+    s->y = y0;
+  }
+  if (fabs(y1 - y0) >= s->least) {
+    s->t_s = c->t1_s;
+    s->y = y1;
+    return in_sense(rate, sense);
+  }
+  if (c->t1_s - s->t_s < s->window_s) return -INFINITY;
+  double end = fmax(s->t_s + s->window_s, c->t0_s), at_end = y0 + rate * (end - c->t0_s);
+  double largest = in_sense((at_end - s->y) / (end - s->t_s), sense);
+  bool rest_is_whole = c->t1_s - end >= s->window_s;
+  s->t_s = rest_is_whole ? c->t1_s : end;
+  s->y = rest_is_whole ? y1 : at_end;
+  return rest_is_whole ? fmax(largest, in_sense(rate, sense)) : largest;
+}
+
+/* ---- rises of forward voltage ---- */
+
+static void begin_rise(vs_rise *r, double t_s, double v) {
+  r->count = 1;
+  r->t_s[0] = t_s;
+  r->v[0] = v;
+}
+
+/* Leaves out points whose neighbours are less than a 64th of the rise apart: half are left
+ * at most, and no steep step loses its foot. */
+static void thin_out(vs_rise *r) {
+  size_t kept = 1, last = r->count - 1;
+  double apart = (r->v[last] - r->v[0]) / 64;
+  for (size_t k = 1; k <= last; k++) {
+    if (k < last && r->v[k + 1] - r->v[kept - 1] < apart) continue;
+    r->t_s[kept] = r->t_s[k];
+    r->v[kept++] = r->v[k];
+  }
+  r->count = kept;
+}
+
+static double time_of(const vs_rise *r, double v) {
+  size_t k = 1;
+  while (k < r->count - 1 && r->v[k] < v) k++;
+  return r->t_s[k - 1] + (v - r->v[k - 1]) / (r->v[k] - r->v[k - 1]) * (r->t_s[k] - r->t_s[k - 1]);
+}
+
+/* The rate from 10 to 90 % of the rise, told at its beginning. */
+static vs_value end_rise(const vs_rise *r) {
+  double height = r->count > 1 ? r->v[r->count - 1] - r->v[0] : 0;
+  if (height < FORWARD_V) return (vs_value){0};
+  double begin = time_of(r, r->v[0] + 0.1 * height), end = time_of(r, r->v[0] + 0.9 * height);
+  return (vs_value){true, 0.8 * height / (end - begin), begin};
+}
+
+/* A rise ends at its top when the voltage has come down by a tenth of it. */
+static vs_value follow_rise(vs_rise *r, const vs_course_step *c) {
+  double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V], now = fmax(v1, 0);
+  if (!r->count) begin_rise(r, c->t0_s, fmax(v0, 0));
+  double foot = r->v[0], top = r->v[r->count - 1];
+  if (v0 < 0 && v1 > 0) {
+    begin_rise(r, c->t0_s - v0 / (v1 - v0) * c->h_s, 0);
+    foot = top = 0;
+  }
+  if (now > top) {
+    if (r->count == VS_RISE_POINTS) thin_out(r);
+    r->t_s[r->count] = c->t1_s;
+    r->v[r->count++] = now;
+  } else if (r->count == 1 || top - now > 0.1 * (top - foot)) {
+    vs_value rate = end_rise(r);
+    begin_rise(r, c->t1_s, now);
+    return rate;
+  }
+  return (vs_value){0};
+}
+
+/* ---- conduction ---- */
+
+static bool fires(vs_switch *s, const vs_course_step *c) {
+  double i0 = c->from[VS_OF_I], i1 = c->to[VS_OF_I];
+  double rate = (c->to[VS_OF_V] - c->from[VS_OF_V]) / c->h_s;
+  if (i0 <= QUIET_A) s->quiet_s = c->t0_s;
+  if (i1 <= CONDUCTS_A + DISPLACED_F * fmax(rate, 0)) return false;
+  double before = i1 > i0 ? i0 / (i1 - i0) * c->h_s : 0;
+  s->fired_s = fmax(c->t0_s - before, s->quiet_s);
+  s->fired_v = fmax(c->from[VS_OF_V], c->to[VS_OF_V]);
+  s->most_a = i1;
+  return true;
+}
+
+/* The zero of the current lies on the line through the step's ends, at most a step behind it: what
+ * flows past it is leakage. */
+static bool stops(vs_switch *s, const vs_course_step *c) {
+  double i0 = c->from[VS_OF_I], i1 = c->to[VS_OF_I];
+  s->most_a = fmax(s->most_a, i1);
+  if (i1 > fmax(EXTINCT * s->most_a, QUIET_A)) return false;
+  s->zero_s = i1 < i0 ? fmin(c->t0_s + i0 / (i0 - i1) * c->h_s, c->t1_s + c->h_s) : c->t1_s;
+  s->rest = c->to[VS_OF_V] < 0 ? REST_REVERSED : REST_NO_REVERSE_YET;
+  return true;
+}
+
+/* It is back at forward voltage without having been reversed. As long as its gate pulse lasts, it
+ * may be fired again, by the next of the sub-pulses; the end of the pulse will tell. */
+static void fall_back(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  bool gate_known = !isnan(s->gate.delay_rad);
+  s->rest = REST_NONE;
+  if (s->gate.on)
+    s->conducted = false;
+  else if (s->by_gate && gate_known)
+    news->misfire = (vs_value){true, 1, c->t1_s};
+}
+
+/* While it blocks after a conduction: reverse voltage, then forward voltage again. */
+static void follow_rest(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V];
+  switch (s->rest) {
+  case REST_NO_REVERSE_YET:
+    if (v1 < 0) s->rest = REST_REVERSED;
+    if (s->fired_v < FORWARD_V || v1 < s->fired_v / 2) break;
+    fall_back(s, c, news);
+    break;
+  case REST_REVERSED:
+    if (v1 <= 0) break;
+    s->rest = REST_FORWARD_AGAIN;
+    double returned = v0 < 0 ? c->t0_s - v0 / (v1 - v0) * c->h_s : c->t0_s;
+    s->offered_s = fmax(returned - s->zero_s, 0);
+    news->offered = (vs_value){true, s->offered_s, returned};
+    break;
+  case REST_FORWARD_AGAIN:
+    if (v1 < 0) s->rest = REST_NONE;
+    break;
+  }
+}
+
+/* Was the gate there when the current began? If not, that is news. */
+static void judge_firing(vs_switch *s, vs_switch_news *news) {
+  s->by_gate = s->gate.on || s->fired_s < s->gate.off_since_s;
+  if (!s->by_gate) {
+    news->unintended = (vs_value){true, 1, s->fired_s};
+    news->commutation_failure = s->rest == REST_FORWARD_AGAIN && !(s->offered_s >= s->t_q_s);
+  }
+  s->rest = REST_NONE;
+}
+
+/* A gate pulse that found forward voltage and has ended. As long as a current flows that is only
+ * small yet, it may have been answered. */
+static void follow_pulse(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  if (s->gate.begins) s->forward = s->conducted = false;
+  if (s->gate.on) {
+    s->conducted = s->conducted || s->conducts;
+    s->forward = s->forward || fmax(c->from[VS_OF_V], c->to[VS_OF_V]) > FORWARD_V;
+  }
+  if (s->gate.ended && s->forward && !s->conducted) s->unanswered_s = c->t0_s;
+  if (isnan(s->unanswered_s)) return;
+  bool blocks = c->to[VS_OF_V] > FORWARD_V || c->to[VS_OF_I] <= QUIET_A;
+  if (!s->conducts && !blocks) return;
+  if (!s->conducts) news->misfire = (vs_value){true, 1, s->unanswered_s};
+  s->unanswered_s = NAN;
+}
+
+void vs_switch_begin(vs_switch *s, const vs_timeline *timeline, double gate_rad, double t_q_s) {
+  *s = (vs_switch){.gate = {.timeline = timeline,
+                            .delay_rad = gate_rad,
+                            .edge_s = -INFINITY,
+                            .off_since_s = -INFINITY},
+                   .t_q_s = t_q_s,
+                   .unanswered_s = NAN,
+                   .off = {.least = 1, .window_s = 1e-7},
+                   .on = {.least = INFINITY, .window_s = 1e-7}};
+}
+
+static void follow_current(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  if (s->conducts) {
+    s->conducts = !stops(s, c);
+  } else {
+    follow_rest(s, c, news);
+    s->conducts = fires(s, c);
+    if (!s->conducts) return;
+    judge_firing(s, news);
+    s->turning_on = true;
+    s->on.begun = false;
+  }
+}
+
+/* A first maximum within the first window is taken over a whole one. */
+static vs_value follow_turn_on(vs_switch *s, const vs_course_step *c) {
+  s->turning_on = c->to[VS_OF_I] >= c->from[VS_OF_I];
+  double rate = s->turning_on
+                    ? vs_slope_follow(&s->on, c, VS_OF_I, 1)
+                    : (c->from[VS_OF_I] - s->on.y) / fmax(c->t0_s - s->on.t_s, s->on.window_s);
+  return (vs_value){rate > 0, rate, s->turning_on ? c->t1_s : c->t0_s};
+}
+
+static void follow_blocking(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  news->rise = follow_rise(&s->rise, c);
+  bool forward = c->to[VS_OF_V] > 0;
+  double rate = forward ? vs_slope_follow(&s->off, c, VS_OF_V, 1) : -INFINITY;
+  s->off.begun = s->off.begun && forward;
+  if (rate > s->off_rate) {
+    s->off_rate = rate;
+    news->off_rate = (vs_value){true, rate, c->t1_s};
+  }
+}
+
+void vs_switch_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  *news = (vs_switch_news){0};
+  bool was_on = s->conducts;
+  vs_gate_follow(&s->gate, c);
+  follow_current(s, c, news);
+  follow_pulse(s, c, news);
+  if (!was_on && !s->conducts) {
+    follow_blocking(s, c, news);
+  } else {
+    if (s->rise.count) news->rise = end_rise(&s->rise);
+    s->rise.count = 0;
+    s->off.begun = false;
+    if (s->turning_on) news->on_rate = follow_turn_on(s, c);
+  }
+  news->any = news->rise.known || news->off_rate.known || news->on_rate.known ||
+              news->offered.known || news->misfire.known || news->unintended.known;
+}

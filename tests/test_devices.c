@@ -1,0 +1,547 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What devices are measured for, against closed forms of currents and voltages that sources force
+ * on them; the verdict on their limits; and what a thyristor does against its gate. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "program.h"
+#include "watch/verdict.h"
+
+/* The EVA stands aside; device t is a part p unless a deck says otherwise. */
+#define ASIDE "Re e 0 1\nXeva e 0 eva\n"
+#define PARTED "*$ param t = p part\n"
+#define PART(lines)                                                                                \
+  "*$ part thyristor \"P\"\n" lines ".subckt p a k g\nR1 a k 1meg\nR2 g k 1k\n.ends\n"
+static const char ANY_PART[] = PART("");
+
+static vs_trial *run_deck(const char *deck, const char *part, const char *until, const char *step) {
+  char sets[3][64];
+  write_file("p.inc", part);
+  write_file("d.cir", deck);
+  snprintf(sets[0], sizeof sets[0], "circuit.deck=d.cir");
+  snprintf(sets[1], sizeof sets[1], "run.until=%s", until);
+  snprintf(sets[2], sizeof sets[2], "run.max_step=%s", step);
+  vs_trial *t =
+      vs_trial_run("paper", "circuit", (const char *[]){sets[0], sets[1], sets[2], NULL}, NULL);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
+  return t;
+}
+
+static const vs_reduced *measure(const vs_trial *t, const char *device, const char *what) {
+  static const vs_reduced NONE = {.value = {false, NAN, NAN}, .failed_s = NAN};
+  for (size_t k = 0; t->devices && k < t->devices->count; k++)
+    for (size_t n = 0; n < t->devices->item[k].count; n++) {
+      const vs_watched *w = &t->devices->item[k];
+      if (!strcmp(w->device->name, device) && !strcmp(w->reduced[n].measure->name, what))
+        return &w->reduced[n];
+    }
+  EXPECT(false, "no measure %s.%s", device, what);
+  return &NONE;
+}
+
+static void close_to(const vs_trial *t, const char *device, const char *what, double expected,
+                     double tolerance, int line) {
+  const vs_reduced *r = measure(t, device, what);
+  expect(r->value.known && fabs(r->value.value - expected) <= tolerance * fabs(expected), line,
+         "%s.%s = %.9g, expected %.9g", device, what, r->value.known ? r->value.value : NAN,
+         expected);
+}
+#define MEASURES(t, device, what, expected, tolerance)                                             \
+  close_to(t, device, what, expected, tolerance, __LINE__)
+
+/* ---- closed forms ---- */
+
+/* Half sines of 100 A, 10 ms and of 50 A, 4 ms in 1 ohm: int i^2 dt = I^2 t_p/2 = 50 and 5 A2.s.
+ * Chords of 10 us over them are off by (w h)^2/6 = 1e-5 in i^2; 1e-4. */
+#define SINES                                                                                      \
+  "Bs 0 y I = 100*sin(314.159265359*time)*(time<10m) + "                                           \
+  "50*sin(785.398163397*(time-20m))*(time>20m)*(time<24m)\nVs y x 0\nRx x 0 1\n" ASIDE
+static const char SINE_DEVICES[] =
+    PARTED "*$ probe v_x = v(x) V\n*$ rating v_x -200..60 V\n"
+           "*$ device f fuse = v(x), i(Vs)\n*$ device t = v(x), i(Vs)\n" SINES;
+
+static void half_sines(void) {
+  vs_trial *t = run_deck(SINE_DEVICES, ANY_PART, "40ms", "10us");
+  MEASURES(t, "f", "i2t", 55, 1e-4);
+  MEASURES(t, "t", "i2t", 50, 1e-4);
+  CLOSE(measure(t, "t", "i2t")->value.at_s, 10e-3, 2e-3); /* its last step but one */
+  MEASURES(t, "f", "i_peak", 100, 1e-5);
+  MEASURES(t, "f", "v_peak", 100, 1e-5);
+  MEASURES(t, "f", "i_rms", sqrt(55 / 40e-3), 1e-4);
+  MEASURES(t, "t", "i_peak", 100, 1e-5);
+  CLOSE(measure(t, "t", "i_peak")->value.at_s, 5e-3, 2e-3); /* within a step */
+  MEASURES(t, "t", "i_mean", 2 / M_PI * (100 * 10e-3 + 50 * 4e-3) / 40e-3, 1e-4);
+  MEASURES(t, "t", "i_rms", sqrt(55 / 40e-3), 1e-4);
+  MEASURES(t, "t", "loss", 55, 1e-4);
+  MEASURES(t, "t", "di_dt", 50 * 785.398, 1e-3); /* I w of the second, over its first steps */
+  CU_ASSERT_FALSE(measure(t, "t", "t_j_rise")->value.known);
+  CU_ASSERT_FALSE(measure(t, "t", "misfires")->value.known); /* no port, no gate */
+  vs_trial_free(t);
+}
+
+/* Forward voltage: a ramp of 180 V in 1 us with a tail of 20 V in 100 us, down in 1 us, up to 200 V
+ * by 1 kohm and 10 nF. A ramp's mean rate is its rate; an exponential's from 10 to 90 % is
+ * 0.8 V/(tau ln 9), and its largest V/tau, of which one step of 0.05 us shows 0.25 % less. */
+static void voltage_rises(void) {
+  vs_trial *t = run_deck(
+      PARTED
+      "*$ device t = v(r), i(Vt)\n*$ device c1 capacitor = v(r), i(Vt)\n"
+      "Vr r 0 PWL(0 0 20u 0 21u 180 121u 200 130u 200 132u 0)\nVt r d 0\nRt d 0 1meg\n" ASIDE,
+      ANY_PART, "150us", "50ns");
+  MEASURES(t, "t", "dv_dt", 180e6, 1e-3);
+  CLOSE(measure(t, "t", "dv_dt")->value.at_s, 20e-6 + 20.0 / 180 * 1e-6, 1e-4);
+  MEASURES(t, "t", "dv_dt_max", 180e6, 1e-6);
+  MEASURES(t, "t", "v_forward", 200, 1e-9);
+  MEASURES(t, "t", "v_reverse", 0, 1e-9);
+  MEASURES(t, "c1", "dv_dt_max", 180e6, 1e-6);
+  vs_trial_free(t);
+  t = run_deck(PARTED "*$ device t = v(c), i(Vt)\n"
+                      "Vp p 0 PULSE(0 500 20u 1n 1n 200u)\nRp p c 1k\nCp c 0 10n ic=0\n"
+                      "Vt c d 0\nRt d 0 1g\n" ASIDE,
+               ANY_PART, "300us", "50ns");
+  MEASURES(t, "t", "dv_dt", 0.8 * 500 / (10e-6 * log(9)), 1e-3);
+  MEASURES(t, "t", "dv_dt_max", 500 / 10e-6, 5e-3);
+  vs_trial_free(t);
+}
+
+/* Straight across 100 V at 50 Hz: R = 100 ohm, P = V^2/2R; C = 10 uF, I = w C V. */
+static void resistor_and_capacitor(void) {
+  const double w = 100 * M_PI, c = 10e-6;
+  vs_trial *t = run_deck("*$ device r1 resistor = v(s), v(s)/100\n"
+                         "*$ device c1 capacitor = v(s), i(Vc)\n"
+                         "V1 s 0 SIN(0 100 50)\nR1 s 0 100\nVc s d 0\nC1 d 0 10u ic=0\n" ASIDE,
+                         ANY_PART, "40ms", "10us");
+  MEASURES(t, "r1", "power", 50, 1e-4);
+  MEASURES(t, "r1", "power_peak", 100, 1e-5);
+  MEASURES(t, "r1", "energy", 2, 1e-4);
+  MEASURES(t, "c1", "v_peak", 100, 1e-5);
+  MEASURES(t, "c1", "i_rms", w * c * 100 / M_SQRT2, 1e-3);
+  MEASURES(t, "c1", "i_peak", w * c * 100, 1e-3);
+  MEASURES(t, "c1", "dv_dt_max", w * 100, 1e-3);
+  vs_trial_free(t);
+}
+
+/* int sin^n over one half sine of that length */
+static double half_sine(double n, double length_s) {
+  return length_s / sqrt(M_PI) * tgamma((n + 1) / 2) / tgamma(n / 2 + 1);
+}
+
+/* v = 910 V (i/1 mA)^(1/30) under half sines of 100 A and -50 A, 20 us long: the energy of each is
+ * int v i. The larger is one pulse, both are the total. */
+static void varistor_pulses(void) {
+  vs_trial *t = run_deck("*$ device v1 varistor = 910*pwr(i(Vs)/1m,1/30), i(Vs)\n"
+                         "Bs 0 y I = 100*sin(157079.632679*time)*(time<20u) - "
+                         "50*sin(157079.632679*(time-40u))*(time>40u)*(time<60u)\n"
+                         "Vs y x 0\nRx x 0 1\n" ASIDE,
+                         ANY_PART, "100us", "50ns");
+  double clamp = 910 * pow(100 / 1e-3, 1.0 / 30), one = clamp * 100 * half_sine(31.0 / 30, 20e-6);
+  MEASURES(t, "v1", "v_clamp", clamp, 1e-5);
+  MEASURES(t, "v1", "i_peak", 100, 1e-4);
+  MEASURES(t, "v1", "energy", one, 1e-3); /* which begins within a step, at 1 mA */
+  MEASURES(t, "v1", "energy_total", one * (1 + pow(0.5, 31.0 / 30)), 1e-3);
+  vs_trial_free(t);
+}
+
+/* A pulse goes on above 1 mA: 10 A for 10 us twice with 2 mA between, then once more behind 0.5 mA;
+ * at 100 V, with edges of 0.1 us. */
+static void pulses_end_at_1_ma(void) {
+  vs_trial *t = run_deck("*$ device v1 varistor = 100, i(Vs)\n"
+                         "Is 0 y PWL(0 0 10u 0 10.1u 10 20u 10 20.1u 2m 40u 2m 40.1u 10 50u 10 "
+                         "50.1u 0.5m 70u 0.5m 70.1u 10 80u 10 80.1u 0)\nVs y x 0\nRx x 0 1\n" ASIDE,
+                         ANY_PART, "100us", "1us");
+  MEASURES(t, "v1", "energy", 2 * 100 * 10 * 10e-6, 1e-3);
+  MEASURES(t, "v1", "energy_total", 3 * 100 * 10 * 10e-6, 1e-3);
+  vs_trial_free(t);
+}
+
+/* 100 W for 10 ms into 0.5 K/W with 1 ms and 1 K/W with 20 ms; 1e-4: the edges of 1 us. */
+static void junction_temperature(void) {
+  vs_trial *t = run_deck(PARTED "*$ device t = v(x), i(Vs)\n"
+                                "Is 0 y PWL(0 0 1m 0 1.001m 10 11m 10 11.001m 0)\nVs y x 0\n"
+                                "Rx x 0 1\n" ASIDE,
+                         PART("*$ zth 0.5 K/W 1 ms\n*$ zth 1 K/W 20 ms assumed \"x\"\n"
+                              "*$ limit t_j_rise = 50 K\n"),
+                         "30ms", "20us");
+  double rise = 100 * (0.5 * -expm1(-10) + 1 * -expm1(-0.5));
+  MEASURES(t, "t", "t_j_rise", rise, 2e-4);
+  CLOSE(measure(t, "t", "t_j_rise")->value.at_s, 11e-3, 2e-4);
+  /* 50 (1 - exp(-s/1 ms)) + 100 (1 - exp(-s/20 ms)) = 50 */
+  double at = measure(t, "t", "t_j_rise")->failed_s - 1e-3;
+  CLOSE(50 * -expm1(-at / 1e-3) + 100 * -expm1(-at / 20e-3), 50, 1e-3);
+  vs_trial_free(t);
+}
+
+/* The current ends at 110 us, forward voltage is back at 160 us: 50 us of rest. Then once more with
+ * 30 us, which is less than t_q. */
+#define REST                                                                                       \
+  "*$ device t = v(x), i(Vs)\n"                                                                    \
+  "Is 0 y PWL(0 0 1u 10 100u 10 110u 0 200u 0 201u 10 300u 10 310u 0)\nVs y z 0\nRz z 0 1\n"       \
+  "Vx x 0 PWL(0 0 1u 1 108u 1 110u -100 150u -100 170u 100 180u 100 200u 0 201u 1 308u 1 310u "    \
+  "-100 330u -100 350u 100)\n" ASIDE
+static void time_to_rest(void) {
+  vs_trial *t = run_deck(PARTED REST, PART("*$ limit t_q = 40 us assumed \"x\"\n"), "400us", "1us");
+  MEASURES(t, "t", "t_off", 30e-6, 1e-3);
+  CLOSE(measure(t, "t", "t_off")->value.at_s, 340e-6, 1e-4);
+  CLOSE(measure(t, "t", "t_off")->failed_s, 340e-6, 1e-4);
+  vs_verdict *v = vs_alloc(1, sizeof *v);
+  vs_verdict_reach(t->measures, t->devices, v);
+  CU_ASSERT_EQUAL_FATAL(v->count, 1);
+  CLOSE(v->item[0].margin, -0.25, 1e-3);
+  CU_ASSERT_PTR_EQUAL(v->first_to_fail, &v->item[0]);
+  free(v);
+  vs_trial_free(t);
+}
+
+/* The least of the gate pulses' peaks; the last pulse has not ended and does not count. */
+static void gate_currents(void) {
+  write_file("p.inc", ANY_PART);
+  write_file("d.cir", "*$ port gate = Vg\n*$ device g1 gate_drive = v(y), i(Vs)\n"
+                      "Vg g 0 external\n"
+                      "Bs 0 y I = v(g)*(time<20m ? 0.5 : time<40m ? 0.3 : 0.1)\n"
+                      "Vs y x 0\nRx x 0 1\n" ASIDE);
+  vs_trial *t = vs_trial_run("paper", "circuit",
+                             (const char *[]){"circuit.deck=d.cir", "run.until=47ms",
+                                              "firing.every=1", "firing.pulse_width=2ms", NULL},
+                             NULL);
+  CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
+  MEASURES(t, "g1", "i_peak", 0.5, 1e-6);
+  MEASURES(t, "g1", "i_min", 0.3, 1e-6);
+  vs_trial_free(t);
+}
+
+/* ---- verdict ---- */
+
+static ran run_sines(const char *limits) {
+  vs_text part = {0};
+  vs_text_add(&part, "*$ part thyristor \"P\"\n%s.subckt p a k g\nR1 a k 1meg\n.ends\n", limits);
+  write_file("p.inc", part.text);
+  vs_text_free(&part);
+  write_file("d.cir", SINE_DEVICES);
+  return run("run paper --set circuit.deck=d.cir --set run.until=40ms --set run.max_step=10us "
+             "--json --quiet --reproducible");
+}
+
+/* The number behind a word, from where `begin` first stands on. */
+static double number_behind(const char *text, const char *begin, const char *word) {
+  const char *at = strstr(text, begin);
+  at = at ? strstr(at, word) : NULL;
+  return at ? strtod(at + strlen(word), NULL) : NAN;
+}
+
+/* The rating is passed first, at asin(60/100)/w = 2.048 ms; the i_tsm of 80 A at 2.952 ms; half of
+ * the i2t at 5 ms, where the half sine has its half: that one is exceeded most. */
+static void verdicts(void) {
+  ran r = run_sines("*$ limit i_tsm = 0.08 kA\n*$ limit i2t = 25 A2.s assumed \"guessed\"\n"
+                    "*$ limit v_drm = none\n*$ limit t_q = 1 us\n");
+  CU_ASSERT_EQUAL(r.status, 3);
+  EXPECT(count_lines(r.err) == 1 &&
+             strstr(r.err, "vibrospice: a rating is violated: t.i2t = 49.99") &&
+             strstr(r.err, " A2.s at 0.0100") && strstr(r.err, ", allowed at most 25 A2.s\n"),
+         "%s", r.err);
+  EXPECT(strstr(r.out, "\"weakest\": \"t.i2t\"") && strstr(r.out, "\"first_to_fail\": \"v_x\""),
+         "%s", r.out);
+  EXPECT(!strstr(r.out, "\"measure\": \"v_forward\"") && !strstr(r.out, "\"measure\": \"t_off\""),
+         "without a limit, or not measured: %s", r.out);
+  static const char PEAK[] = "\"measure\": \"i_peak\"", I2T[] = "\"measure\": \"i2t\"";
+  CLOSE(number_behind(r.out, PEAK, "\"stress\": "), 0.1, 1e-5); /* in the limit's unit */
+  CLOSE(number_behind(r.out, PEAK, "\"limit\": "), 0.08, 1e-12);
+  CLOSE(number_behind(r.out, PEAK, "\"margin\": "), -0.25, 1e-4);
+  CLOSE(number_behind(r.out, PEAK, "\"failed_at_s\": "), asin(0.8) / (100 * M_PI), 1e-4);
+  CLOSE(number_behind(r.out, I2T, "\"failed_at_s\": "), 5e-3, 1e-4);
+  CLOSE(number_behind(r.out, "\"rating\"", "\"failed_at_s\": "), asin(0.6) / (100 * M_PI), 1e-4);
+  CLOSE(number_behind(r.out, "\"t.i2t\"", "\"value\": "), 50, 1e-4);
+  const char *peak = strstr(r.out, PEAK), *i2t = strstr(r.out, I2T);
+  EXPECT(peak && strstr(peak, "\"assumed\": false") < strstr(peak, "\"margin\""), "%s", r.out);
+  EXPECT(i2t && strstr(i2t, "\"guessed\"") && strstr(i2t, "\"assumed\": true"), "%s", r.out);
+  free_ran(&r);
+  r = run("run paper --set circuit.deck=d.cir --set run.until=40ms");
+  EXPECT(strstr(r.out, "\nt.i2t ") && strstr(r.out, "  assumed  violated\n") &&
+             strstr(r.out, "\nweakest: t.i2t, margin -100.0 %\nfirst to fail: v_x, at 0.00204"),
+         "%s", r.out);
+  free_ran(&r);
+}
+
+/* Nothing is exceeded: the weakest is named all the same. */
+static void all_is_well(void) {
+  ran r = run_sines("*$ limit i_tsm = 200 A\n*$ limit i2t = 1 kA2.s\n");
+  EXPECT(r.status == 3 && strstr(r.out, "\"first_to_fail\": \"v_x\""), "%s", r.out); /* as ever */
+  free_ran(&r);
+  vs_text deck = {0};
+  vs_text_add(&deck, "%s", PARTED "*$ device t = v(x), i(Vs)\n" SINES);
+  write_file("d.cir", deck.text);
+  vs_text_free(&deck);
+  r = run("run paper --set circuit.deck=d.cir --set run.until=40ms --json --quiet");
+  EXPECT(r.status == 0 && strstr(r.out, "\"weakest\": \"t.i_peak\"") &&
+             strstr(r.out, "\"first_to_fail\": null"),
+         "%s", r.out);
+  free_ran(&r);
+  r = run("run paper --tier switched --set run.until=10ms --json --quiet");
+  EXPECT(r.status == 0 && strstr(r.out, "\"weakest\": null"), "%s", r.out);
+  free_ran(&r);
+}
+
+/* ---- against its gate ---- */
+
+static char *events_of(const char *deck, const char *part, const char *sets) {
+  write_file("d.cir", deck);
+  write_file("p.inc", part);
+  ran r = run("run paper --set circuit.deck=d.cir --quiet -o out %s", sets);
+  EXPECT(r.status == 0 || r.status == 3, "%s", r.err); /* done; a rating may well be violated */
+  free_ran(&r);
+  return read_file("out/events.csv");
+}
+
+static double when(const char *events, const char *what) {
+  const char *at = strstr(events, what);
+  if (!at) return NAN;
+  while (at > events && at[-1] != '\n') at--;
+  return strtod(at, NULL);
+}
+
+static int how_often(const char *events, const char *what) {
+  int n = 0;
+  for (; (events = strstr(events, what)); events++) n++;
+  return n;
+}
+
+/* An ideal thyristor in front of 100 ohm, fired by `gate` and told to the program with `device`. */
+#define LATCH(gate, device)                                                                        \
+  "*$ param p = latch part\n*$ port mains = Vm\n*$ port gate = Vg\n*$ port gate+20deg = Vh\n"      \
+  "*$ device p " device " = v(a,b), i(Vt)\nVm a 0 external\nVg g b external\nVh h b external\n"    \
+  "Rg g b 1k\nRh h b 1k\nVt a c 0\nXt c b " gate " p\nRl b 0 100\n" ASIDE
+
+static void fires_out_of_turn(void) {
+  char *e = events_of(LATCH("g", "gate"), ANY_PART, "--set run.until=20ms");
+  EXPECT(!strstr(e, "p "), "fired by its own gate: %s", e);
+  free(e);
+  /* 100 degrees are 5.556 ms, 120 are 6.667 ms */
+  e = events_of(LATCH("g", "gate+20deg"), ANY_PART, "--set run.until=20ms");
+  CLOSE(when(e, "p fires without a gate pulse (unintended firing)"), 100.0 / 18000, 1e-4);
+  EXPECT(count_lines(e) == 2, "%s", e);
+  free(e);
+}
+
+/* Never connected: the pulse ends under forward voltage at 5.556 + 2 ms. With 8 ms it ends under
+ * reverse voltage, but had forward voltage. No pulse has ended by 7 ms; at 179.5
+ * degrees 5 V are left, and that is no forward voltage. */
+static void misfires(void) {
+  static const struct {
+    const char *sets;
+    double at_s;
+  } ROWS[] = {
+      {"--set run.until=20ms --set firing.pulse_width=2ms", 7.5556e-3},
+      {"--set run.until=20ms --set firing.pulse_width=8ms", 13.5556e-3},
+      {"--set run.until=7ms --set firing.pulse_width=2ms", NAN},
+      {"--set run.until=20ms --set firing.angle=179.5deg --set firing.pulse_width=2ms", NAN}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char *e = events_of(LATCH("b", ""), ANY_PART, ROWS[k].sets);
+    if (isnan(ROWS[k].at_s))
+      EXPECT(count_lines(e) == 1, "%s: %s", ROWS[k].sets, e);
+    else
+      CLOSE(when(e, "p misfires"), ROWS[k].at_s, 1e-4);
+    free(e);
+  }
+}
+
+/* A gate pulse of sub-pulses, from 5.556 to 7.556 ms: what goes out and is fired again within it
+ * has not misfired; what stays out has, and is told so at its end. */
+static void sub_pulses(void) {
+#define FORCED(v, i)                                                                               \
+  "*$ param t = p part\n*$ port gate = Vg\n*$ device t = v(x), i(Vt)\nVg g 0 external\n"           \
+  "Vx x 0 PWL(0 600 5.6m 600 5.601m 1 5.7m 1 5.701m 600 " v ")\n"                                  \
+  "It 0 y PWL(0 0 5.6m 0 5.601m 1 5.7m 1 5.701m 0 " i ")\nVt y z 0\nRz z 0 1\n" ASIDE
+  static const char SETS[] = "--set run.until=12ms --set firing.pulse_width=2ms";
+  char *e = events_of(FORCED("5.8m 600 5.801m 1 9m 1 9.001m -100", "5.8m 0 5.801m 1 9m 1 9.001m 0"),
+                      ANY_PART, SETS);
+  EXPECT(count_lines(e) == 1, "%s", e);
+  free(e);
+  e = events_of(FORCED("9m 600", "9m 0"), ANY_PART, SETS);
+  EXPECT(count_lines(e) == 2, "%s", e);
+  CLOSE(when(e, "t misfires"), 7.5556e-3, 1e-4);
+  free(e);
+}
+
+/* Always on: it fires at each zero of the mains, half a cycle after its current ended. That is a
+ * commutation failure if the part asks for more rest than 10 ms, or does not say. */
+static void commutation_failures(void) {
+#define DIODE                                                                                      \
+  "*$ param t = p part\n*$ port mains = Vm\n*$ port gate = Vg\n"                                   \
+  "*$ device t = v(a,b), i(Vt)\nVm a 0 external\nVg g b external\nRg g b 1k\n"                     \
+  "Vt a c 0\nXt c b t\nRl b 0 100\n" ASIDE
+#define ALWAYS_ON(lines)                                                                           \
+  "*$ part thyristor \"P\"\n" lines ".subckt p a k\nD1 a k d\n.model d d\n.ends\n"
+  static const struct {
+    const char *part;
+    int failures;
+  } ROWS[] = {{ALWAYS_ON(""), 2},
+              {ALWAYS_ON("*$ limit t_q = 20 ms\n"), 2},
+              {ALWAYS_ON("*$ limit t_q = 5 ms\n"), 0}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    write_file("d.cir", DIODE);
+    write_file("p.inc", ROWS[k].part);
+    ran r = run("run paper --set circuit.deck=d.cir --quiet --json -o out --set run.until=45ms");
+    CU_ASSERT_EQUAL(r.status, ROWS[k].failures && k ? 3 : 0);
+    char *e = read_file("out/events.csv");
+    CU_ASSERT_EQUAL(how_often(e, "t fires without a gate pulse"), 3);
+    CU_ASSERT_EQUAL(how_often(e, "(commutation failure)"), ROWS[k].failures);
+    if (ROWS[k].failures) CLOSE(when(e, "(commutation failure)"), 20e-3, 1e-3);
+    CU_ASSERT_EQUAL(number_behind(r.out, "\"t.unintended\"", "\"value\": "), 3);
+    CU_ASSERT_EQUAL(number_behind(r.out, "\"t.commutation_failures\"", "\"value\": "),
+                    ROWS[k].failures);
+    CLOSE(number_behind(r.out, "\"t.t_off\"", "\"value\": "), 10e-3, 1e-2); /* of threshold */
+    free(e);
+    free_ran(&r);
+  }
+}
+
+/* A thyristor of 200 V/us: a ramp of 1.5 times that fires it, one of half of it does not, though
+ * its junction draws more than 7 mA all the while. And one that is not fired long enough: its
+ * current, through the coil, is below its latching current when the pulse ends. */
+static void rises_and_short_pulses(void) {
+#define RAMP(end)                                                                                  \
+  "*$ param t = thyristor_2t part\n*$ port gate = Vg\n*$ device t = v(a), i(Vt)\n"                 \
+  "Vg g 0 external\nVr r 0 PWL(0 0 100u 0 " end ")\nRl r a 50\nVt a c 0\nXt c 0 g t\n" ASIDE
+  char *e = events_of(RAMP("102.667u 800"), ANY_PART, "--set run.until=200us");
+  CLOSE(when(e, "t fires without a gate pulse (unintended firing)"), 101.5e-6, 0.02);
+  free(e);
+  e = events_of(RAMP("108u 800"), ANY_PART, "--set run.until=200us");
+  EXPECT(count_lines(e) == 1, "%s", e);
+  free(e);
+  /* one that takes 100 mA at its gate draws 50 mA from half of its critical ramp */
+  e = events_of(RAMP("108u 800"), ANY_PART,
+                "--set run.until=200us --set circuit.gate_current=100mA "
+                "--set circuit.latching_current=400mA --set circuit.holding_current=200mA");
+  EXPECT(count_lines(e) == 1, "%s", e);
+  free(e);
+  ran r = run("run paper --quiet -o out --set run.until=20ms --set circuit.thyristor=thyristor_2t "
+              "--set firing.pulse_width=20us --tier circuit");
+  CU_ASSERT_EQUAL(r.status, 0);
+  free_ran(&r);
+  e = read_file("out/events.csv");
+  EXPECT(how_often(e, "thyristor misfires") == 1 && how_often(e, "thyristor fires") == 1, "%s", e);
+  free(e);
+  /* an ideal one stays on, and its current, 4 mA then, counts as begun in the pulse */
+  r = run("run paper --quiet -o out --set run.until=20ms --set circuit.deck=halfwave_bare "
+          "--set firing.pulse_width=20us");
+  CU_ASSERT_EQUAL(r.status, 0);
+  free_ran(&r);
+  e = read_file("out/events.csv");
+  EXPECT(count_lines(e) == 3 && how_often(e, "thyristor fires") == 1, "%s", e);
+  free(e);
+}
+
+/* ---- lines ---- */
+
+static void bad_lines(void) {
+#define HEAD "*$ param t = p part\n*$ port mains = Vm\n*$ port gate = Vg\n"
+#define REST_OF "Vm a 0 external\nVg g 0 external\nXt a b g t\nRb b 0 1\n" ASIDE
+  static const struct {
+    const char *lines, *part, *place, *says;
+  } ROWS[] = {
+      {"*$ device\n", "", "d.cir:4:10: ", "'device NAME [PART or KIND] [gate+ANGLE] = VOLTAGE"},
+      {"*$ device t v(a), v(b)\n", "", "d.cir:4:14: ", "'device NAME [PART or KIND]"},
+      {"*$ device t a b = v(a), v(b)\n", "", "d.cir:4:15: ", "'device NAME [PART or KIND]"},
+      {"*$ device t = v(a)\n", "", "d.cir:4:19: ", "',' and the formula of its current"},
+      {"*$ device t = v(a) v(b)\n", "", "d.cir:4:20: ", "an operator"},
+      {"*$ device t = v(a), i(\n", "", "d.cir:4:22: ", "i(Vx)"},
+      {"*$ device t = v(a), v(b) V\n", "", "d.cir:4:26: ", "an operator"},
+      {"*$ device t = v(a), v(b)/rx\n", "", "d.cir:4:26: ", "no parameter 'rx'"},
+      {"*$ device t = v(a), v(b)\n*$ device t = v(a), v(b)\n", "", "d.cir:5:11: ", "second time"},
+      {"*$ device r1 = v(a), v(b)\n", "",
+       "d.cir:4:11: ", "'r1' is no part of this deck and no kind"},
+      {"*$ device r1 resister = v(a), v(b)\n", "", "d.cir:4:14: ", "did you mean 'resistor'?"},
+      {"*$ device t fuse = v(a), v(b)\n", "", "d.cir:4:13: ", "is of kind thyristor, not fuse"},
+      {"*$ device t gate+90 = v(a), v(b)\n", "", "d.cir:4:13: ", "'gate+90' is no part"},
+      {"*$ device t gate+90deg = v(a), v(b)\n", "", "d.cir:4:13: ", "no such port"},
+      {"*$ device r1 resistor gate = v(a), v(b)\n", "", "d.cir:4:23: ", "a resistor has no gate"},
+      {"*$ device t = v(a), v(b)\n", "*$ limit i2t = 3 A\n", "p.inc:2:16: ", "a unit as A2.s"},
+      {"", "*$ zth 0.5 1 ms\n", "p.inc:2:8: ", "a thermal resistance and its time constant"},
+      {"", "*$ zth 0.5 K/W 0 ms\n", "p.inc:2:8: ", "both positive, as 0.5 K/W 1 ms"},
+      {"", "*$ zth 0.5 K/W 1 ms guessed\n", "p.inc:2:21: ", "quotes"},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text text = {0};
+    vs_text_add(&text, "%s%s%s", HEAD, ROWS[k].lines, REST_OF);
+    write_file("d.cir", text.text);
+    vs_text_free(&text);
+    vs_text_add(&text, "*$ part thyristor \"P\"\n%s.subckt p a k g\nR1 a k 1\nR2 g k 1\n.ends\n",
+                ROWS[k].part);
+    write_file("p.inc", text.text);
+    vs_text_free(&text);
+    ran r = run("check d.cir");
+    EXPECT(r.status == 2 && !strncmp(r.err, ROWS[k].place, strlen(ROWS[k].place)) &&
+               strstr(r.err, ROWS[k].says),
+           "row %zu, status %d: %s", k, r.status, r.err);
+    const char *caret = strstr(r.err, "^\n"); /* the one error's, and nothing behind it */
+    EXPECT(caret && !caret[2], "row %zu: %s", k, r.err);
+    free_ran(&r);
+  }
+  write_file("d.cir", "*$ param t = p part\n*$ port mains = Vm\n*$ device t = v(a), v(b)\n"
+                      "Vm a 0 external\nXt a b g t\nRb b 0 1\n" ASIDE);
+  write_file("p.inc", ".subckt p a k g\nR1 a k 1\nR2 g k 1\n.ends\n");
+  ran r = run("check d.cir");
+  EXPECT(r.status == 2 && strstr(r.err, "p.inc: has no line '*$ part KIND \"TEXT\"', which the "
+                                        "device t at d.cir:3 asks for"),
+         "%s", r.err);
+  free_ran(&r);
+  write_file("p.inc", "*$ part snubber \"S\"\n.subckt p a k g\nR1 a k 1\nR2 g k 1\n.ends\n");
+  r = run("check d.cir");
+  EXPECT(r.status == 2 && strstr(r.err, "d.cir:3:11: device t: its part p is of kind snubber, of "
+                                        "which nothing is measured"),
+         "%s", r.err);
+  free_ran(&r);
+}
+
+/* Two devices may be of one part; a device's kind may be said; lists say what is measured. */
+static void devices_are_listed(void) {
+  write_file("d.cir", "*$ param t = p part\n*$ port mains = Vm\n*$ port gate+180deg = Vg\n"
+                      "*$ device t1 t = v(a,b), i(Vm) \"one\"\n*$ device t2 t gate+180deg = "
+                      "v(b,a), -i(Vm)\n*$ device f1 fuse = v(a), i(Vm)\n"
+                      "Vm a 0 external\nVg g 0 external\nXt a b g t\nRb b 0 1\n" ASIDE);
+  write_file("p.inc", PART("*$ limit i2t = 3 A2.s\n"));
+  ran r = run("list measures --deck d.cir");
+  EXPECT(r.status == 0 && strstr(r.out, "t2.i2t               A2.s ") &&
+             strstr(r.out, "; limit i2t\n") && strstr(r.out, "f1.i2t "),
+         "%s", r.out);
+  free_ran(&r);
+  r = run("check d.cir");
+  EXPECT(r.status == 0 && strstr(r.out, ", 3 devices\n"), "%s%s", r.out, r.err);
+  free_ran(&r);
+  vs_trial *t = vs_trial_run("paper", "circuit",
+                             (const char *[]){"circuit.deck=d.cir", "run.until=1ms", NULL}, NULL);
+  CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
+  CU_ASSERT(measure(t, "t1", "i2t")->limit && measure(t, "t2", "i2t")->limit);
+  CU_ASSERT_PTR_NULL(measure(t, "f1", "i2t")->limit);
+  CLOSE(t->devices->item[0].device->gate_rad, M_PI, 1e-12); /* the deck's only gate */
+  vs_trial_free(t);
+  r = run("list parts");
+  CU_ASSERT_EQUAL(r.status, 0);
+  free_ran(&r);
+}
+
+static const vs_test TESTS[] = {
+    {"half sines", half_sines},
+    {"voltage rises", voltage_rises},
+    {"resistor and capacitor", resistor_and_capacitor},
+    {"varistor pulses", varistor_pulses},
+    {"pulses end at 1 mA", pulses_end_at_1_ma},
+    {"junction temperature", junction_temperature},
+    {"time to rest", time_to_rest},
+    {"gate currents", gate_currents},
+    {"verdicts", verdicts},
+    {"all is well", all_is_well},
+    {"fires out of turn", fires_out_of_turn},
+    {"misfires", misfires},
+    {"sub-pulses", sub_pulses},
+    {"commutation failures", commutation_failures},
+    {"rises and short pulses", rises_and_short_pulses},
+    {"bad lines", bad_lines},
+    {"devices are listed", devices_are_listed},
+};
+int main(void) {
+  return program_suite("devices", TESTS, COUNT(TESTS));
+}

@@ -1,0 +1,543 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Events: generators against their standards and against closed forms, what is done to the mains,
+ * at the gate and to elements, and bad input. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "circuit/faults.h"
+#include "program.h"
+
+/* ---- the surge generator ---- */
+
+enum { MOST = 60000 };
+
+/* A curve, point by point, and what is read off it. */
+typedef struct curve {
+  const char *name;
+  int channel;
+  size_t points;
+  double t_s[MOST], y[MOST];
+} curve;
+
+static vs_status record(void *ctx, const vs_step *step, vs_error *err) {
+  (void)err;
+  curve *c = ctx;
+  if (!c->points) c->channel = vs_channel_find(step->frame, c->name);
+  CU_ASSERT_FATAL(c->channel >= 0 && c->points < MOST);
+  c->t_s[c->points] = step->to->t_s;
+  c->y[c->points++] = vs_step_channel(step, step->to->t_s, c->channel);
+  return VS_OK;
+}
+
+static size_t peak_of(const curve *c, double sign) {
+  size_t peak = 0;
+  for (size_t k = 0; k < c->points; k++)
+    if (sign * c->y[k] > sign * c->y[peak]) peak = k;
+  return peak;
+}
+
+/* When the curve passes part of its peak, before it or behind it. */
+static double passes(const curve *c, double part, bool behind) {
+  size_t peak = peak_of(c, 1), k = peak;
+  while (k > 0 && k + 1 < c->points && c->y[k] > part * c->y[peak]) k += behind ? 1 : (size_t)-1;
+  size_t other = behind ? k - 1 : k + 1;
+  double share = (part * c->y[peak] - c->y[k]) / (c->y[other] - c->y[k]);
+  return c->t_s[k] + share * (c->t_s[other] - c->t_s[k]);
+}
+
+/* The generator alone at the line, its coupling capacitor shorted; what: what lies across it. */
+static vs_trial *surge_into(const char *what, const char *level, curve *c) {
+  char deck[600], set[80];
+  snprintf(deck, sizeof deck,
+           "*$ line a\n*$ probe v_a = v(a) V\n*$ probe i_a = i(Vs) A\n*$ loss load = v(a)*i(Vs)\n"
+           "Vs a s 0\n%s\nRb b 0 1\nXeva b 0 eva\n",
+           what);
+  write_file("d.cir", deck);
+  write_file("s.yaml",
+             "circuit: {deck: d.cir}\nrun: {until: 320 us, max_step: 20 ns, sample: 1 us}\n"
+             "events:\n  s: {kind: surge, at: 1 us}\n"
+             "  c: {kind: short, at: 0, element: Cvs_o0}\n");
+  snprintf(set, sizeof set, "events.s.level=%s", level);
+  const vs_observer also = {c, record};
+  c->points = 0;
+  vs_trial *t = vs_trial_run("s.yaml", "circuit", (const char *const[]){set, NULL}, &also);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  return t;
+}
+
+/* IEC 61000-4-5: 1.2/50 us open, 8/20 us shorted, 2 ohm. The network was solved for these, so that
+ * it is held to 0.5 % and not to the standard's 20 and 30 %. The virtual origin is that of the line
+ * through 30 and 90 % (10 and 90 % for the current). */
+static void surge_meets_its_standard(void) {
+  curve *c = vs_alloc(1, sizeof *c);
+  c->name = "v_a";
+  vs_trial_free(surge_into("R1 s 0 1meg", "2 kV", c));
+  double t30 = passes(c, 0.3, false), t90 = passes(c, 0.9, false), open_v = c->y[peak_of(c, 1)];
+  CLOSE(open_v, 2000, 5e-3);
+  CLOSE(1.67 * (t90 - t30), 1.2e-6, 5e-3);
+  CLOSE(passes(c, 0.5, true) - (t30 - (t90 - t30) / 2), 50e-6, 5e-3);
+  c->name = "i_a";
+  vs_trial_free(surge_into("R1 s 0 1m", "2 kV", c));
+  double t10 = passes(c, 0.1, false), short_a = c->y[peak_of(c, 1)];
+  t90 = passes(c, 0.9, false);
+  CLOSE(open_v / short_a, 2, 5e-3);
+  CLOSE(1.25 * (t90 - t10), 8e-6, 5e-3);
+  CLOSE(passes(c, 0.5, true) - (t10 - (t90 - t10) / 8), 20e-6, 5e-3);
+  CLOSE(-c->y[peak_of(c, -1)] / short_a, 0.336, 5e-3);
+  free(c);
+}
+
+/* Into a varistor i = 1 mA (v/V1)^30: peak current, peak voltage, energy, I2t of an independent
+ * solution; half a per cent is what is asked. */
+static void surge_into_a_varistor(void) {
+  static const struct {
+    double v1, a, v, j, i2t;
+    const char *level;
+  } ROWS[] = {{750, 3.459, 984.07, 0.01519, 0, "1 kV"},
+              {750, 389.770, 1151.918, 6.3448, 1.6929, "2 kV"},
+              {750, 1361.075, 1200.947, 25.0901, 0, "4 kV"},
+              {1000, 208.556, 1504.206, 3.8831, 0, "2 kV"}};
+  curve *c = vs_alloc(1, sizeof *c);
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char varistor[100];
+    snprintf(varistor, sizeof varistor, "B1 s 0 I = 1m*pwr(v(s)/%g,30)", ROWS[k].v1);
+    c->name = "v_a";
+    vs_trial_free(surge_into(varistor, ROWS[k].level, c));
+    CLOSE(c->y[peak_of(c, 1)], ROWS[k].v, 5e-3);
+    c->name = "i_a";
+    vs_trial *t = surge_into(varistor, ROWS[k].level, c);
+    double i2t = 0;
+    for (size_t n = 1; n < c->points; n++)
+      i2t += (c->t_s[n] - c->t_s[n - 1]) * (pow(c->y[n], 2) + pow(c->y[n - 1], 2)) / 2;
+    CLOSE(c->y[peak_of(c, 1)], ROWS[k].a, 5e-3);
+    CLOSE(t->energy.loss_j[0], ROWS[k].j, 5e-3);
+    if (ROWS[k].i2t > 0) CLOSE(i2t, ROWS[k].i2t, 5e-3);
+    vs_trial_free(t);
+  }
+  free(c);
+}
+
+/* On the paper's converter: four angles of the mains, both polarities, three levels (a few of them
+ * without --long). Each run comes to its end on the scene as it is, and its energy books close to
+ * 1 % of what the surge and the mains brought. */
+static void surges_on_the_paper(void) {
+  static const char *const LEVELS[] = {"1 kV", "2 kV", "4 kV"};
+  double worst = 0;
+  for (int n = 0; n < 24; n += getenv("VS_LONG") ? 1 : 7) {
+    char scene[300];
+    snprintf(
+        scene, sizeof scene,
+        "circuit: {deck: halfwave_paper}\nrun: {until: 25 ms}\nevents: {s: {kind: surge, cycle: "
+        "1, angle: %d deg, polarity: '%s', level: %s}}\n",
+        n % 4 * 90, n / 4 % 2 ? "-" : "+", LEVELS[n / 8]);
+    write_file("s.yaml", scene);
+    vs_trial *t = vs_trial_run("s.yaml", "circuit", NULL, NULL);
+    EXPECT(t->status == VS_OK, "%s: %s", scene, t->err.text);
+    size_t surge = t->scene.setup.deck.losses.count - 1; /* the event's own, the last one added */
+    double whole = fmax(t->energy.joule[VS_E_SOURCE], fabs(t->energy.loss_j[surge]));
+    worst = fmax(worst, fabs(t->energy.left_j[VS_B_CIRCUIT]) / whole);
+    vs_trial_free(t);
+  }
+  CU_ASSERT(worst > 0 && worst < 0.01);
+}
+
+/* ---- waves that come as a formula ---- */
+
+static double first_at(const vs_occurrence *e, double (*wave)(const vs_occurrence *, double),
+                       double level, double from_s, double step_s) {
+  double t = from_s;
+  for (; fabs(wave(e, t)) < level; t += step_s) {
+  }
+  return t;
+}
+
+static void peak_of_wave(const vs_occurrence *e, double (*wave)(const vs_occurrence *, double),
+                         double step_s, double *at_s, double *peak) {
+  *at_s = *peak = 0;
+  for (double t = 0; t < 1000 * step_s; t += step_s)
+    if (fabs(wave(e, t)) > *peak) *peak = fabs(wave(e, t)), *at_s = t;
+}
+
+/* Ring wave: peak 1.0001 of the level, rise time (10 to 90 %) 0.4999 us, 100 kHz. EFT: 5.12 ns and
+ * 49.4 ns at half. Figures of the formulas' own; the steps of the search are 0.1 %. */
+static void ring_wave_and_eft(void) {
+  vs_occurrence e = {.v = {.level_v = 1000, .frequency_hz = 5000, .duration_s = 15e-3}};
+  double at, peak;
+  peak_of_wave(&e, vs_ring_source, 1e-9, &at, &peak);
+  CLOSE(peak, 1000.1, 1e-3);
+  CLOSE(first_at(&e, vs_ring_source, 0.9 * peak, 0, 1e-10) -
+            first_at(&e, vs_ring_source, 0.1 * peak, 0, 1e-10),
+        0.4999e-6, 2e-3);
+  CU_ASSERT(vs_ring_source(&e, 5e-6) < 0 && vs_ring_source(&e, 10e-6) > 0);
+  peak_of_wave(&e, vs_eft_source, 0.1e-9, &at, &peak);
+  CLOSE(peak, 1000, 0.03); /* the standard's equation has its scale for other reasons */
+  double up = first_at(&e, vs_eft_source, 0.5 * peak, 0, 1e-12), down = at;
+  while (vs_eft_source(&e, down) > 0.5 * peak) down += 1e-12;
+  CLOSE(first_at(&e, vs_eft_source, 0.9 * peak, 0, 1e-12) -
+            first_at(&e, vs_eft_source, 0.1 * peak, 0, 1e-12),
+        5.12e-9, 3e-3);
+  CLOSE(down - up, 49.4e-9, 3e-3);
+  CLOSE(vs_eft_source(&e, 3 * 200e-6 + at), peak, 1e-6); /* 75 pulses, 200 us apart */
+  CU_ASSERT_EQUAL(vs_eft_source(&e, 15e-3 + at), 0);
+  CLOSE(vs_eft_edge(&e, 0.1e-3), 0.2e-3, 1e-12);
+  CLOSE(vs_eft_edge(&e, 0.2e-3), 0.4e-3, 1e-12);
+  CU_ASSERT_EQUAL(vs_eft_edge(&e, 14.85e-3), INFINITY);
+}
+
+/* ---- the mains and the gate ---- */
+
+static vs_timeline timeline_of(const char *scene) {
+  vs_tree tree = {0};
+  vs_error err = {0};
+  vs_timeline t;
+  write_file("t.yaml", scene);
+  CU_ASSERT_EQUAL_FATAL(vs_tree_read("t.yaml", &tree, &err), VS_OK);
+  CU_ASSERT_EQUAL_FATAL(vs_timeline_build(tree.root, &t, &err), VS_OK);
+  vs_status s = vs_events_read(vs_node_child(tree.root, "events"), &t, 2, &t.events, &err);
+  EXPECT(s == VS_OK, "%s", err.text);
+  vs_tree_free(&tree);
+  return t;
+}
+
+static void on_the_mains(void) {
+  vs_timeline t =
+      timeline_of("events:\n"
+                  " sag: {kind: sag, at: 20 ms, duration: 20 ms, level: 40 %}\n"
+                  " up: {kind: swell, at: 60 ms, duration: 20 ms, level: 130 %}\n"
+                  " out: {kind: interruption, cycle: 6, angle: 90 deg}\n"
+                  " cut: {kind: notch, cycle: 8, angle: 90 deg, duration: 1 ms, depth: "
+                  "50 %, count: 3}\n"
+                  " jump: {kind: phase_jump, at: 300 ms, jump: 30 deg}\n"
+                  " five: {kind: harmonic, at: 240 ms, duration: 20 ms, order: 5, level: "
+                  "10 %, phase: 90 deg}\n");
+  static const struct {
+    double t_ms, value; /* of the peak */
+  } ROWS[] = {{5, 1},
+              {25, 0.4},
+              {45, 1},
+              {65, 1.3},
+              {85, 1},
+              {104, 0.95105652},
+              {106, 0},
+              {124, 0},
+              {126, 0.95105652},
+              {145, 1},
+              {145.5, 0.5 * 0.98768834},
+              {147, 0.80901699},
+              {165.5, 0.5 * 0.98768834},
+              {185.5, 0.5 * 0.98768834},
+              {205.5, 0.98768834},
+              {245, 1 + 0.1 * 0},
+              {250, -0.1},
+              {265, 1},
+              {305, 0.8660254}};
+  for (size_t k = 0; k < COUNT(ROWS); k++)
+    CLOSE_OF(vs_mains(&t, 1e-3 * ROWS[k].t_ms), ROWS[k].value * t.peak_v, t.peak_v, 1e-8);
+  static const double EDGES_MS[] = {20,  40,  60,  80,  105, 125, 145, 146,
+                                    165, 166, 185, 186, 240, 260, 300};
+  double at = 0;
+  for (size_t k = 0; k < COUNT(EDGES_MS); k++) {
+    at = vs_events_edge(&t.events, at);
+    CLOSE(at, 1e-3 * EDGES_MS[k], 1e-9);
+  }
+  CU_ASSERT_EQUAL(vs_events_edge(&t.events, at), INFINITY);
+}
+
+/* Firing at 90 degrees: pulses at 5, 25, 45 ms, ... of 8 ms. */
+static void at_the_gate(void) {
+  vs_timeline t = timeline_of(
+      "firing: {angle: 90 deg, every: 1, burst_frequency: 10 kHz, burst_duty: 50 %}\nevents:\n"
+      " a: {kind: missing_pulse, cycle: 2}\n"
+      " b: {kind: short_pulse, cycle: 3, duration: 1 ms}\n"
+      " c: {kind: weak_pulse, cycle: 4, level: 25 %}\n"
+      " d: {kind: spurious_pulse, at: 97 ms, duration: 0.5 ms}\n");
+  static const struct {
+    double t_ms, volt;
+  } ROWS[] = {{4, 0},    {6, 1},     {12.9, 1}, {13.1, 0}, {26, 0},   {45.5, 1},
+              {46.5, 0}, {66, 0.25}, {73.1, 0}, {97.2, 1}, {97.6, 0}, {86, 1}};
+  for (size_t k = 0; k < COUNT(ROWS); k++)
+    CLOSE_OF(vs_gate_voltage(&t, 0, 1e-3 * ROWS[k].t_ms), ROWS[k].volt, 1, 0);
+  static const double EDGES_MS[] = {5, 13, 45, 46, 65, 73, 85, 93, 105, 113};
+  double at = 0;
+  for (size_t k = 0; k < COUNT(EDGES_MS); k++) {
+    do at = vs_gate_edge(&t, 0, at);
+    while (fabs(at - 25e-3) < 1e-9); /* that of the missing pulse is a step's end, no more */
+    CLOSE(at, 1e-3 * EDGES_MS[k], 1e-9);
+  }
+  /* its sub-pulses, of 10 kHz and a half: the spurious pulse has five */
+  int on = 0;
+  for (int k = 0; k < 1000; k++) on += vs_burst(&t, 0, 96.5e-3 + 2e-6 * (k + 0.5));
+  CU_ASSERT_EQUAL(on, 125);
+}
+
+/* ---- elements ---- */
+
+static double peak_of_probe(const char *events, const char *probe, vs_status wanted) {
+  char scene[400];
+  curve *c = vs_alloc(1, sizeof *c);
+  c->name = probe;
+  snprintf(scene, sizeof scene,
+           "run: {until: 25 ms}\ncircuit: {deck: halfwave_snubbed}\nevents: {%s}\n", events);
+  write_file("s.yaml", scene);
+  const vs_observer also = {c, record};
+  vs_trial *t = vs_trial_run("s.yaml", "circuit", NULL, &also);
+  EXPECT(t->status == wanted, "%s: %s", events, t->err.text);
+  double value = c->y[peak_of(c, 1)];
+  vs_trial_free(t);
+  free(c);
+  return value;
+}
+
+/* A shorted coil lets the mains through their own impedance alone: the current against the solution
+ * of R-L (0.52 ohm, 0.5 mH, 1 V of the thyristor) from 9 ms on, to 1 %. One that is opened before
+ * the thyristor fires has no current, and a snubber that is gone leaves none in C1. */
+static void opened_and_shorted(void) {
+  double r = 0.521, l = 0.5e-3, w = 100 * M_PI, z = hypot(r, w * l), i = 0.83, peak = 0;
+  for (double t = 9e-3, h = 1e-7; t < 15e-3; t += h) {
+    i += h * (440 * M_SQRT2 * sin(w * (t + h / 2)) - 1 - r * i) / l;
+    peak = fmax(peak, i);
+  }
+  CU_ASSERT(peak < 440 * M_SQRT2 / z);
+  CLOSE(peak_of_probe("e: {kind: coil_short, at: 9 ms}", "i_thyristor", VS_OK), peak, 0.01);
+  CLOSE(peak_of_probe("e: {kind: short, at: 9 ms, element: Xeva}", "i_thyristor", VS_OK), peak,
+        0.01);
+  CU_ASSERT(peak_of_probe("e: {kind: open, at: 1 ms, element: xeva}", "i", VS_OK) <
+            0.03); /* 28 mA before */
+  double whole = peak_of_probe("", "v_c1", VS_OK);
+  double without =
+      peak_of_probe("e: {kind: open, at: 0, element: R1, level: 100 kV}", "v_c1", VS_OK);
+  CU_ASSERT(whole > 600 && without < 1);
+}
+
+/* With part f of the turns shorted their loop carries -(dlambda/dt)/R_c, and the terminals what is
+ * left of the ampere turns: i1 = (i + f (dlambda/dt)/R_c)/(1-f). Beside the coil only its snubber
+ * draws current, 20 mA at most here. */
+static vs_status watch_turns(void *ctx, const vs_step *step, vs_error *err) {
+  (void)err;
+  double t = step->to->t_s, *worst = ctx, f = 0.3, r = 92;
+  if (t < 9e-3 || t > 12e-3) return VS_OK;
+  double i = vs_step_channel(step, t, VS_CH_I);
+  double rate = vs_step_channel(step, t, VS_CH_V_EVA) - r * i;
+  double anode = vs_step_channel(step, t, vs_channel_find(step->frame, "i_thyristor"));
+  *worst = fmax(*worst, fabs(anode - (i + f * rate / r) / (1 - f)));
+  return VS_OK;
+}
+
+static void some_turns_are_shorted(void) {
+  double worst = 0;
+  const vs_observer also = {&worst, watch_turns};
+  write_file("s.yaml", "run: {until: 25 ms, tolerance: 1e-5}\nevents: {e: {kind: coil_short, at: 8 "
+                       "ms, fraction: 30 %}}\n");
+  vs_trial *t = vs_trial_run("s.yaml", "circuit", NULL, &also);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  CU_ASSERT(worst > 0 && worst < 0.03);
+  CLOSE_OF(t->energy.worst, 0, 1, 1e-3); /* the books close */
+  vs_trial_free(t);
+}
+
+static double measure_of(const char *json, const char *name) {
+  char key[100];
+  snprintf(key, sizeof key, "\"%s\": {\"value\": ", name);
+  const char *at = strstr(json, key);
+  return at ? strtod(at + strlen(key), NULL) : NAN;
+}
+
+/* The coil shorted behind a stiff source: the shipped F2 clears at a tenth of the thyristor's 72
+ * A2s, a 50 A one of its family lets three times that through. */
+static void a_fuse_protects_or_not(void) {
+  static const char *const FUSES[] = {"FWP-10A14F", "FWP-50A14F"};
+  double i2t[2], of_fuse;
+  for (int k = 0; k < 2; k++) {
+    write_file("s.yaml",
+               "circuit: {deck: halfwave_paper, transformer: autotransformer_ideal, fuse_1: "
+               "fuse_ideal}\nrun: {until: 20 ms}\nevents: {e: {kind: coil_short, at: 7 "
+               "ms}}\n");
+    ran r = run("run s.yaml --json --quiet --set circuit.fuse_2=%s", FUSES[k]);
+    EXPECT(r.status == 3, "%s", r.err); /* the peak is beyond I_TSM with either */
+    i2t[k] = measure_of(r.out, "thyristor.i2t");
+    of_fuse = measure_of(r.out, "fuse_2.i2t");
+    CLOSE(of_fuse, i2t[k], 0.01); /* one current, but for the snubber's */
+    free_ran(&r);
+  }
+  printf(" %.2f and %.1f A2s ", i2t[0], i2t[1]);
+  CU_ASSERT(i2t[0] > 3.6 && i2t[0] < 7.2 && i2t[1] > 1.5 * 72);
+}
+
+/* The mains come back from a notch, through an inductance that sets how fast; C2 holds the cathode.
+ * A rise of 1.2 times the thyristor's 200 V/us fires it, one of 0.8 does not; nor does the first
+ * one with more capacitance in the snubber. */
+static void a_notch_fires_by_its_slope(void) {
+  static const struct {
+    const char *source, *c1;
+    double slope_v_s; /* 0: not looked at */
+    bool fires;
+  } ROWS[] = {
+      {"130uH", "10nF", 240e6, true}, {"410uH", "10nF", 160e6, false}, {"130uH", "47nF", 0, false}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    write_file("s.yaml",
+               "circuit: {deck: halfwave_snubbed, thyristor: thyristor_2t, r1: 10 ohm, r2: "
+               "1 ohm, c2: 10 uF, varistor_voltage: 3 kV}\nfiring: {first_cycle: 9}\n"
+               "run: {until: 2.4 ms, tolerance: 1e-5}\nevents: {n: {kind: notch, cycle: 1, "
+               "angle: 30 deg, duration: 0.5 ms}}\n");
+    ran r = run("run s.yaml --quiet -o o%zu --set supply.inductance=%s --set circuit.c1=%s", k,
+                ROWS[k].source, ROWS[k].c1);
+    EXPECT(r.status == 0 || r.status == 3, "%s", r.err);
+    free_ran(&r);
+    char path[40];
+    snprintf(path, sizeof path, "o%zu/events.csv", k);
+    char *events = read_file(path);
+    EXPECT(!strstr(events, "thyristor fires without a gate pulse") == !ROWS[k].fires, "%s", events);
+    free(events);
+    snprintf(path, sizeof path, "o%zu/summary.json", k);
+    char *json = read_file(path);
+    const char *slope = strstr(json, "\"thyristor.dv_dt\": {\"value\": ");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(slope);
+    if (ROWS[k].slope_v_s > 0)
+      CLOSE(strtod(strstr(slope, "value") + 8, NULL), 1e-6 * ROWS[k].slope_v_s, 0.03);
+    free(json);
+  }
+}
+
+/* ---- the armature ---- */
+
+typedef struct jam {
+  double before_n_s, after_n_s; /* momentum of the whole along u, which no inner force changes */
+  double p_m, vp_m_s;           /* p when it jammed; largest speed of it afterwards */
+  double last_p_m;
+  long steps;
+} jam;
+
+static double momentum(const vs_knot *k, const vs_model *m) {
+  double sum = 0;
+  for (int i = 0; i < VS_DOF; i++) sum += m->mass[U][i] * k->x[VS_DOF + i];
+  return sum;
+}
+
+static vs_status watch_jam(void *ctx, const vs_step *step, vs_error *err) {
+  (void)err;
+  jam *j = ctx;
+  const vs_model *m = step->frame->model;
+  if (step->event[1] == VS_EV_JAMS) {
+    j->before_n_s = momentum(step->from, m);
+    j->after_n_s = momentum(step->to, m);
+    j->p_m = step->to->x[P];
+    CU_ASSERT_EQUAL(step->from->t_s, step->to->t_s);
+  } else if (j->p_m != 0)
+    j->vp_m_s = fmax(j->vp_m_s, fabs(step->to->x[VS_DOF + P]));
+  j->last_p_m = step->to->x[P];
+  j->steps++;
+  return VS_OK;
+}
+
+/* Stuck at 20 ms, on the way: from then on p stays to the last bit, momentum is kept through the
+ * blow, what the blow takes is in the books, and base and trough go on as one. */
+static void a_jammed_armature(void) {
+  write_file("s.yaml", "run: {until: 100 ms}\nevents: {e: {kind: jam, at: 20 ms}}\n");
+  jam j = {0};
+  const vs_observer also = {&j, watch_jam};
+  vs_trial *t = vs_trial_run("s.yaml", "circuit", NULL, &also);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  CU_ASSERT(fabs(j.p_m) > 1e-4 && fabs(j.before_n_s) > 1e-3);
+  CU_ASSERT_EQUAL(j.last_p_m, j.p_m);
+  CU_ASSERT_EQUAL(j.vp_m_s, 0);
+  CLOSE(j.after_n_s, j.before_n_s, 1e-12);
+  CU_ASSERT(t->energy.joule[VS_E_STOP] > 0.01);
+  CLOSE_OF(t->energy.residual[VS_B_MECHANICAL], 0, 1, 1e-6);
+  vs_trial_free(t);
+}
+
+/* ---- bad input ---- */
+
+static void bad_input(void) {
+  static const struct {
+    const char *events, *at, *says;
+  } ROWS[] = {
+      {"{e: {kind: surgee, at: 1 ms}}", "s.yaml:2:20: ", "did you mean 'surge'?"},
+      {"{e: {at: 1 ms}}", "s.yaml:2:14: ", "events.e.kind: '' is none; there are: surge, "},
+      {"{e: surge}", "s.yaml:2:13: ", "events.e: a map is wanted"},
+      {"[surge]", "s.yaml:2:10: ", "events: a map of names is wanted"},
+      {"{e: {kind: sag, at: 1 ms, levle: 3 %}}", "s.yaml:2:35: ", "did you mean 'level'?"},
+      {"{e: {kind: surge, at: 1 ms, level: 5 kV}}", "s.yaml:2:44: ", "allowed: 0.5..4 kV"},
+      {"{e: {kind: surge, at: 1 ms, polarity: up}}", "s.yaml:2:47: ", "is not one of: +|-"},
+      {"{e: {kind: surge, at: 30 ms}}", "s.yaml:2:31: ", "the run ends at run.until = 0.025 s"},
+      {"{e: {kind: surge, cycle: 3, angle: 90 deg}}", "s.yaml:2:34: ", "it would begin at 0.045 s"},
+      {"{e: {kind: surge}}", "s.yaml:2:10: ", "'at', or 'cycle' and 'angle', is wanted"},
+      {"{e: {kind: missing_pulse}}", "s.yaml:2:10: ", "'at', or 'cycle', is wanted"},
+      {"{e: {kind: missing_pulse, at: 3 ms}}", "s.yaml:2:35: ", "has no key 'at'"},
+      {"{e: {kind: surge, at: 1 ms, angle: 3 deg}}", "s.yaml:2:37: ", "'at' says when already"},
+      {"{e: {kind: open, at: 1 ms, element: R7}}",
+       "s.yaml:2:10: ", "no element 'R7'; did you mean"},
+      {"{e: {kind: open, at: 1 ms, element: Xthy}}", "s.yaml:2:10: ", "no element of two nodes"},
+      {"{a: {kind: sag, at: 1 ms}, b: {kind: sag, at: 3 ms}}",
+       "s.yaml:2:36: ", "it clashes with events.a: at the same time"},
+      {"{a: {kind: weak_pulse, cycle: 1}, b: {kind: missing_pulse, cycle: 1}}",
+       "s.yaml:2:43: ", "it clashes with events.a: the same pulse"},
+      {"{a: {kind: open, at: 1 ms, element: R1}, b: {kind: short, at: 3 ms, element: r1}}",
+       "s.yaml:2:50: ", "it clashes with events.a: the same element"},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char scene[300];
+    snprintf(scene, sizeof scene, "run: {until: 25 ms}\nevents: %s\n", ROWS[k].events);
+    write_file("s.yaml", scene);
+    for (int check = 0; check < 2; check++) {
+      ran r = run(check ? "check s.yaml" : "run s.yaml");
+      CU_ASSERT_EQUAL(r.status, 2);
+      const char *text = check ? r.err : r.err + strlen("vibrospice: ");
+      EXPECT(!strncmp(text, ROWS[k].at, strlen(ROWS[k].at)) && strstr(text, ROWS[k].says), "%s",
+             r.err);
+      free_ran(&r);
+    }
+  }
+  write_file("d.cir", "*$ port mains = Vm\nVm s 0 external\nRs s a 1\nXeva a 0 eva\n");
+  write_file("s.yaml", "circuit: {deck: d.cir}\nevents: {e: {kind: surge, at: 1 ms}}\n");
+  ran r = run("run s.yaml");
+  EXPECT(r.status == 2 && strstr(r.err, "s.yaml:2:10: events.e: the deck has no line '*$ line NODE "
+                                        "NODE', which says where a surge couples in"),
+         "%s", r.err);
+  free_ran(&r);
+}
+
+/* The tier that has them, summary, events.csv; --set reaches each key; no export. */
+static void said_in_the_results(void) {
+  write_file("s.yaml", "run: {until: 8 ms}\nevents:\n  dip: {kind: sag, at: 3 ms, level: 50 %}\n");
+  ran r =
+      run("run s.yaml --quiet -o o --set events.dip.level=30%% --set 'events.n={kind: notch, at: 6 "
+          "ms}'");
+  CU_ASSERT_EQUAL(r.status, 0);
+  free_ran(&r);
+  char *json = read_file("o/summary.json"), *csv = read_file("o/events.csv");
+  EXPECT(strstr(json, "\"tier\": \"circuit\"") && strstr(json, "the scene names events.dip") &&
+             strstr(json, "\"dip\": {\"starts_s\": 0.003, \"kind\": \"sag\"") &&
+             strstr(json, "\"level\": {\"value\": 30, \"unit\": \"%\"}"),
+         "%s", json);
+  EXPECT(strstr(csv, "\n0.003,dip begins (sag)\n") && strstr(csv, "\n0.006,n begins (notch)\n"),
+         "%s", csv);
+  free(json), free(csv);
+  r = run("export s.yaml -o x.cir");
+  EXPECT(r.status == 2 && strstr(r.err, "s.yaml:3:3: export: a netlist for plain ngspice has no "
+                                        "events; leave dip out"),
+         "%s", r.err);
+  free_ran(&r);
+}
+
+static const vs_test TESTS[] = {
+    {"surge meets its standard", surge_meets_its_standard},
+    {"surge into a varistor", surge_into_a_varistor},
+    {"surges on the paper's converter", surges_on_the_paper},
+    {"ring wave and EFT", ring_wave_and_eft},
+    {"on the mains", on_the_mains},
+    {"at the gate", at_the_gate},
+    {"opened and shorted", opened_and_shorted},
+    {"a fuse protects, or not", a_fuse_protects_or_not},
+    {"a notch fires by its slope", a_notch_fires_by_its_slope},
+    {"some turns are shorted", some_turns_are_shorted},
+    {"a jammed armature", a_jammed_armature},
+    {"bad input", bad_input},
+    {"said in the results", said_in_the_results},
+};
+
+int main(void) {
+  return program_suite("events", TESTS, COUNT(TESTS));
+}
