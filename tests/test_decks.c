@@ -116,6 +116,17 @@ static void commutation_overvoltage_holds(void) {
   CLOSE(v[0], v[1], 1e-2);
 }
 
+/* With R2 = 220 ohm the ring of R2-C2 takes the thyristor's current through zero some 45 us behind
+ * the firing; the next sub-pulse fires it again. That is one conduction, of some 8.1 ms. */
+static void a_drop_out_does_not_end_the_conduction(void) {
+  settings s = {.count = 0};
+  ADD(&s, "circuit.deck=halfwave_paper", "run.until=0.02s", "circuit.r2=220ohm");
+  vs_trial *t = TRIAL(&s, NULL);
+  CLOSE(t->values[VS_M_CONDUCTION].value, 8.1e-3, 0.01);
+  CLOSE(t->values[VS_M_T_FIRE].value, 5.556e-3, 1e-3);
+  vs_trial_free(t);
+}
+
 /* Integrals over time of a few probes, from from_s on. */
 enum { INTEGRALS = 3 };
 typedef struct integrals {
@@ -402,6 +413,7 @@ static const vs_test TESTS[] = {
     {"checked", every_deck_passes_check},
     {"ideal parts give T3A", ideal_parts_give_t3a},
     {"default parts hold", default_parts_hold},
+    {"a drop-out does not end the conduction", a_drop_out_does_not_end_the_conduction},
     {"commutation overvoltage", commutation_overvoltage_holds},
     {"the core carries the mean", the_core_carries_the_mean},
     {"full wave phase control", full_wave_phase_control},

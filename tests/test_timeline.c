@@ -34,6 +34,7 @@ static void one_pulse(void) {
   CU_ASSERT_TRUE(vs_gate(&l, 0, on + 1e-9));
   CU_ASSERT_TRUE(vs_gate(&l, 0, off));
   CU_ASSERT_FALSE(vs_gate(&l, 0, off + 1e-9));
+  CU_ASSERT_FALSE(vs_gate(&l, 0, off + 1e-13)); /* a jump behind its breakpoint costs steps */
   CU_ASSERT_FALSE(vs_gate(&l, 0, on + 0.02 + 1e-3));
   CLOSE(vs_next_conduction(&l, 0), on, 1e-14);
   CU_ASSERT_EQUAL(vs_next_conduction(&l, 0.0137), INFINITY);
