@@ -305,6 +305,15 @@ static void opened_and_shorted(void) {
         0.01);
   CU_ASSERT(peak_of_probe("e: {kind: open, at: 1 ms, element: xeva}", "i", VS_OK) <
             0.03); /* 28 mA before */
+  /* a second node whose name is part of the first one's: still two nodes */
+  write_file("n.cir", "*$ port mains = Vm\n.subckt load p q\nR1 p q 1k\n.ends\nVm a1 0 external\n"
+                      "Xl a1 a load\nXeva a 0 eva\n");
+  write_file("s.yaml",
+             "run: {until: 2 ms}\ncircuit: {deck: n.cir}\nevents: {e: {kind: open, at: 1 ms, "
+             "element: Xl}}\n");
+  vs_trial *t = vs_trial_run("s.yaml", "circuit", NULL, NULL);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  vs_trial_free(t);
   double whole = peak_of_probe("", "v_c1", VS_OK);
   double without =
       peak_of_probe("e: {kind: open, at: 0, element: R1, level: 100 kV}", "v_c1", VS_OK);

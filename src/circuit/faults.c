@@ -178,24 +178,23 @@ typedef struct element {
 static bool has_two_nodes(const char *line) {
   size_t n = 0;
   const char *kind = vs_instance_of(line, &n);
-  char word[3][VS_DECK_NAME];
+  char head[4 * VS_DECK_NAME], word[4][VS_DECK_NAME];
   if (!kind) return strchr("rclbdvi", line[0] | 0x20) != NULL;
-  char head[4 * VS_DECK_NAME];
   snprintf(head, sizeof head, "%.*s", (int)(kind - line), line);
-  return sscanf(head, "%63s %63s %63s %*s", word[0], word[1], word[2]) == 3 &&
-         !strpbrk(strstr(head, word[2]) + strlen(word[2]), "abcdefghijklmnopqrstuvwxyz0123456789_");
+  return sscanf(head, "%63s %63s %63s %63s", word[0], word[1], word[2], word[3]) == 3;
 }
 
 static vs_status find_element(vs_deck *deck, const vs_occurrence *e, const char *wanted,
                               element *found, vs_error *err) {
-  const char *names[4 * VS_DECK_MOST];
-  static char text[4 * VS_DECK_MOST][VS_DECK_NAME];
+  enum { MOST = 4 * VS_DECK_MOST }; /* names to choose the nearest from */
+  const char *names[MOST];
+  char text[MOST][VS_DECK_NAME];
   size_t count = 0;
   int depth = 0;
   for (size_t k = 0; k < deck->n_lines; k++) {
     const char *line = deck->lines[k].text;
     depth += !strncasecmp(line, ".subckt", 7) - !strncasecmp(line, ".ends", 5);
-    if (depth || *line == '.' || count == sizeof names / sizeof *names) continue;
+    if (depth || *line == '.' || count == MOST) continue;
     element at = {.line = &deck->lines[k]};
     int n = 0;
     if (sscanf(line, "%63s %63s%n %63s", at.name, at.node[0], &n, at.node[1]) != 3) continue;

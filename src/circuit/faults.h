@@ -20,8 +20,8 @@ double vs_ring_source(const vs_occurrence *e, double t_s);
 double vs_ring_longest(const vs_occurrence *e, double t_s);
 vs_status vs_ring_wire(const vs_occurrence *e, size_t index, vs_deck *deck, vs_error *err);
 
-/* Burst of 5/50 ns pulses (IEC 61000-4-4): (1/0.92)... as its equation of the pulse has it, behind
- * 50 ohm; 33 nF to the line. */
+/* Burst of 5/50 ns pulses (IEC 61000-4-4): by the equation of the pulse that the standard has,
+ * behind 50 ohm; 33 nF to the line. */
 double vs_eft_source(const vs_occurrence *e, double t_s);
 double vs_eft_edge(const vs_occurrence *e, double t_s);
 double vs_eft_longest(const vs_occurrence *e, double t_s);

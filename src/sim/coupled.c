@@ -362,9 +362,8 @@ static double current_scale(const vs_setup *s) {
          hypot(coil->resistance_ohm, s->timeline.omega_rad_s * coil->inductance_h);
 }
 
-/* A difference of voltages below this part of 1 V times the tolerance is none: some hundred volts
- * are at work in a converter, but nodes that stand for a flux linkage or a charge have some volts.
- */
+/* A difference of voltages below the tolerance times this is none: some hundred volts are at work
+ * in a converter, but nodes that stand for a flux linkage or a charge have some volts. */
 static const double VOLTAGE_SCALE_V = 10;
 
 static void locate(const void *deck, vs_error *err) {
