@@ -42,7 +42,7 @@ static vs_status solve(bench *b, const vs_deck *deck, char **netlist, size_t lin
                         .current_tolerance_a =
                             b->current_tolerance_a > 0 ? b->current_tolerance_a : 1e-12};
   while (job.n_signals < BENCH_SIGNALS && b->signals[job.n_signals]) job.n_signals++;
-  vs_circuit_host host = {b, gap, no_edge, no_edge, accept};
+  vs_circuit_host host = {b, gap, no_edge, no_edge, accept, NULL};
   void *circuit = NULL;
   b->steps = 0;
   vs_status s = vs_ngspice.load(&job, &host, &circuit, err);

@@ -48,6 +48,8 @@ typedef struct vs_circuit_host {
   double (*longest)(void *ctx, double t_s);
   /* A step was accepted. A status other than VS_OK ends the run, which then returns it. */
   vs_status (*accept)(void *ctx, double t_s, const double *signals, vs_error *err);
+  /* Asked after each accepted step: true ends the run there, with VS_OK. NULL: no. */
+  bool (*enough)(void *ctx);
 } vs_circuit_host;
 
 typedef struct vs_circuit_kind {

@@ -213,6 +213,7 @@ typedef struct vs_deck {
   const char *eva_file;       /* of the program's, that defines the EVA; NULL: "eva" */
   char line[2][VS_DECK_NAME]; /* nodes at which surges couple in; empty: not said */
   int subcircuits;            /* open ones, while it is read */
+  bool own_clock;             /* a source or formula of its own knows the time */
   char eva[VS_DECK_NAME], eva_plus[VS_DECK_NAME],
       eva_minus[VS_DECK_NAME]; /* instance, its two nodes */
 } vs_deck;

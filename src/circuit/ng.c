@@ -44,6 +44,7 @@ static struct {
   double progress_from_s; /* where the present stretch began that guard_progress() looks at */
   long tries;             /* steps in it, failed ones too */
   vs_status status;       /* other than VS_OK: the run is to end */
+  bool enough;            /* it is to end, and well */
   vs_error *err;
   char complaints[MOST_COMPLAINTS][LOG_LINE]; /* what the log says best of what went wrong */
   size_t n_complaints;
@@ -225,7 +226,7 @@ static int on_vectors(pvecinfoall all, int id, void *user) {
 
 static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
   (void)count, (void)id, (void)user;
-  if (!ng.job || ng.time_vector < 0 || ng.status) return 0;
+  if (!ng.job || ng.time_vector < 0 || ng.status || ng.enough) return 0;
   double t = all->vecsa[ng.time_vector]->creal;
   if (t <= ng.reached_s) return 0;
   if (ng.trial) _exit(TRIAL_GOOD);
@@ -238,6 +239,7 @@ static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
       ng.raw_values[k] = all->vecsa[ng.raw_vector[k]]->creal;
     stop_with(vs_rawfile_point(&ng.raw, ng.raw_values, ng.err));
   }
+  ng.enough = !ng.status && ng.host->enough && ng.host->enough(ng.host->ctx);
   if (!ng.status) set_edge(t);
   return 0;
 }
@@ -282,9 +284,9 @@ static vs_status guard_progress(void) {
 static int on_sync(double t, double *step, double old_step, int redo, int id, int place,
                    void *user) {
   (void)old_step, (void)redo, (void)id, (void)user;
-  if (ng.job && place == 1 && !ng.status) stop_with(guard_progress());
+  if (ng.job && place == 1 && !ng.status && !ng.enough) stop_with(guard_progress());
   if (ng.job && place == 0 && !ng.status) *step = fmin(*step, ng.host->longest(ng.host->ctx, t));
-  if (ng.status) *step = 0;
+  if (ng.status || ng.enough) *step = 0;
   return 0;
 }
 
@@ -325,6 +327,7 @@ static void take_job(const vs_circuit_job *job, const vs_circuit_host *host) {
 static void step_on(vs_error *err) {
   ng.err = err;
   ng.status = VS_OK;
+  ng.enough = false;
   ng.edge_s = INFINITY;
   ng.time_vector = -1;
   ng.reached_s = ng.progress_from_s = 0;
@@ -448,7 +451,7 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
 
 /* How the run went, once ngspice has come back from it. */
 static vs_status outcome(vs_error *err) {
-  if (ng.status) return ng.status;
+  if (ng.status || ng.enough) return ng.status;
   if (ng.time_vector < 0 || ng.reached_s == 0) return refuse(ng.job, "run", err);
   if (ng.reached_s >= ng.job->until_s * (1 - 1e-9)) return VS_OK;
   vs_fail(err, VS_RUN, "t = %.9g s: ngspice gave up: %s", ng.reached_s,

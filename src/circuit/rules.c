@@ -56,6 +56,23 @@ static vs_status assignments(const char *line, vs_status (*each)(void *, const c
   return status;
 }
 
+/* Does a line say what happens when, besides what the program drives? */
+static bool knows_time(const char *line) {
+  static const char *const COURSES[] = {"pulse", "sin",     "exp",      "pwl", "sffm",
+                                        "am",    "trnoise", "trrandom", "pat"};
+  static const char *const CLOCKS[] = {"time", "hertz"};
+  bool source = strchr("vViI", *line) && *line;
+  for (const char *s = line; *s;) {
+    char word[VS_DECK_NAME];
+    size_t n = 0;
+    while (isalnum((unsigned char)s[n]) || s[n] == '_') n++;
+    snprintf(word, sizeof word, "%.*s", (int)n, s);
+    if (AMONG(word, CLOCKS) || (source && s > line && AMONG(word, COURSES))) return true;
+    s += n ? n : 1;
+  }
+  return false;
+}
+
 typedef struct place {
   const vs_deck *deck;
   vs_where where;
@@ -126,6 +143,7 @@ vs_status vs_rule_statement(vs_deck *deck, const char *line, vs_where where, vs_
                                         ".func",  ".global", ".ic",     ".nodeset",
                                         ".if",    ".elseif", ".else",   ".endif"};
   const place p = {deck, where, err};
+  deck->own_clock = deck->own_clock || knows_time(line);
   char word[VS_DECK_NAME], name[VS_DECK_NAME];
   snprintf(word, sizeof word, "%.*s", (int)strcspn(line, " \t=("), line);
   vs_lower(word);
@@ -206,6 +224,7 @@ vs_status vs_rule_element(vs_deck *deck, const char *line, vs_where where, vs_er
     return vs_fail_at(
         err, where,
         "an element is wanted here: 'NAME node node ...', or a statement, or a comment");
+  deck->own_clock = deck->own_clock || knows_time(line);
   vs_status status = source_rule(line, where, err);
   return status ? status : eva_rule(deck, line, where, err);
 }

@@ -8,7 +8,7 @@
 
 /* A line that begins with '.'. Keeps count of the subcircuits it opens and closes. */
 vs_status vs_rule_statement(vs_deck *deck, const char *line, vs_where where, vs_error *err);
-/* Any other line; notes the EVA. */
+/* Any other line; notes the EVA. Both note a clock of the deck's own. */
 vs_status vs_rule_element(vs_deck *deck, const char *line, vs_where where, vs_error *err);
 
 /* "Vname n m external"; name is filled, in lower case. */

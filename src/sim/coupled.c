@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "machine/actuator.h"
+#include "sim/quiet.h"
 #include "sim/sim.h"
 
 enum { SIG_FLUX, SIG_COIL, SIG_MINUS, SIG_PLUS, SIG_I_MAINS, SIG_TERMS }; /* then two per term */
@@ -56,6 +57,9 @@ typedef struct coupling {
   bool jammed;
   double substep_s, substep_touching_s; /* rkf45's error over it is below 1e-12 of the amplitude */
   double series_s;                      /* a cubic's over it is below 5e-6 */
+  vs_quiet *quiet;                      /* NULL: the solver goes on to the end */
+  bool leaves;                          /* the solver is not needed any more */
+  double bound;                         /* on the error by that */
 } coupling;
 
 static int mechanics_rhs(double s, const double x[], double rate[], void *user) {
@@ -233,6 +237,7 @@ static vs_status show(coupling *c, const vs_knot *k, vs_event contact, vs_error 
   vs_knot_copy(&c->frame, k, to);
   step.event[1] = contact;
   step.event_s[1] = to->t_s;
+  step.bound = c->bound;
   c->now = 1 - c->now;
   return c->observer->accept(c->observer->ctx, &step, err);
 }
@@ -282,6 +287,15 @@ static vs_status move(coupling *c, const vs_knot *start, vs_knot *end, vs_error 
   return show(c, end, VS_EV_JAMS, err);
 }
 
+/* No gate pulse and no event is to come, nothing conducts, and what is left follows a law? */
+static void look_whether_quiet(coupling *c) {
+  const vs_knot *k = &c->knots[c->now];
+  vs_quiet_take(c->quiet, k, !c->conducting);
+  c->leaves = !c->conducting && !c->touching && isinf(edge(c, k->t_s)) &&
+              isinf(vs_events_longest(&c->setup->timeline.events, k->t_s)) &&
+              vs_quiet_may_leave(c->quiet, c->setup->run.until_s, &c->bound);
+}
+
 static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *err) {
   coupling *c = ctx;
   vs_knot from, next; /* move() gives next its state */
@@ -305,7 +319,27 @@ static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *
                             c->jammed};
   c->step_s = h;
   c->candidate_s = -1;
-  return move(c, &from, &next, err);
+  vs_status status = move(c, &from, &next, err);
+  if (!status && c->quiet) look_whether_quiet(c);
+  return status;
+}
+
+static bool enough(void *ctx) {
+  return ((const coupling *)ctx)->leaves;
+}
+
+/* From where the solver was left to the end of the run, without it. */
+static vs_status go_on(coupling *c, vs_error *err) {
+  double from_s = c->knots[c->now].t_s, until_s = c->setup->run.until_s;
+  double n = ceil((until_s - from_s) / fmin(vs_quiet_longest(c->quiet), (until_s - from_s) / 4));
+  vs_knot next;
+  vs_knot_copy(&c->frame, &c->knots[c->now], &next);
+  vs_status status = show(c, &next, VS_EV_QUIET, err);
+  for (double k = 1; k <= n && !status; k++) {
+    status = vs_quiet_step(c->quiet, &next, from_s + (until_s - from_s) * (k / n), err);
+    if (!status) status = show(c, &next, VS_EV_NONE, err);
+  }
+  return status;
 }
 
 static vs_frame frame(const vs_setup *setup) {
@@ -414,16 +448,20 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                         .author = &setup->deck};
   char **netlist = NULL;
   void *circuit = NULL;
-  vs_circuit_host host = {&c, source, edge, longest, accept};
+  vs_circuit_host host = {&c, source, edge, longest, accept, enough};
+  if (!setup->run.stays && !setup->raw && isinf(c.jams_s) && !setup->deck.own_clock)
+    c.quiet = vs_quiet_new(setup, &c.frame);
   vs_status s = vs_deck_netlist(&setup->deck, &setup->circuit_values, standard, VS_STANDARD,
                                 &netlist, &job.lines, err);
   job.netlist = netlist;
   if (!s) s = vs_sim_check_steps(setup, fmin(c.max_step_s, c.substep_touching_s), err);
   if (!s) s = setup->solver->load(&job, &host, &circuit, err);
   if (!s) s = setup->solver->run(circuit, err);
+  if (!s && c.leaves) s = go_on(&c, err);
   setup->solver->free(circuit);
   vs_netlist_free(netlist, job.lines);
   gsl_odeiv2_step_free(c.step);
+  vs_quiet_free(c.quiet);
   free(n);
   return s;
 }

@@ -33,6 +33,11 @@ static const vs_field RUN[] = {
     {"ladder", VS_CHOICE, "", "climb", 0, 0, false, R_(stay),
      "when ngspice gives up: climb, to other methods, steps and devices, and say so; or stay",
      "climb|stay", NULL},
+    {"leave_circuit", VS_CHOICE, "", "when_quiet", 0, 0, false, R_(stays),
+     "circuit tier: go on without ngspice once nothing fires any more and what that costs is "
+     "bounded "
+     "well below the tolerance",
+     "when_quiet|never", NULL},
 };
 const vs_section vs_run_section = {"run", RUN, sizeof RUN / sizeof *RUN};
 

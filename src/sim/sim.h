@@ -18,6 +18,7 @@ typedef struct vs_run_values {
   double pivrel;     /* ngspice's own: decides the order in which it eliminates */
   int gear;          /* the circuit's rule: 0 trapezoidal, 1 Gear's of second order */
   int stay;          /* on the ladder's first rung */
+  int stays;         /* in the circuit's solver to the end, also when the circuit is quiet */
 } vs_run_values;
 /* The machine's state at t = 0: q, q'. The circuit always begins without current and charge. */
 typedef struct vs_start_values {

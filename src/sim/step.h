@@ -81,7 +81,8 @@ typedef enum vs_event {
   VS_EV_EXTINCT,
   VS_EV_MEETS_STOP,
   VS_EV_LEAVES_STOP,
-  VS_EV_JAMS
+  VS_EV_JAMS,
+  VS_EV_QUIET /* the circuit's solver is left: sim/quiet.h */
 } vs_event;
 
 typedef struct vs_step {
@@ -90,6 +91,7 @@ typedef struct vs_step {
   bool cubic_flux;   /* flux between the knots by its values and first derivatives alone */
   vs_event event[2]; /* in order of time; VS_EV_NONE where there is none */
   double event_s[2]; /* in [from, to], or as near as it can be told */
+  double bound;      /* of VS_EV_QUIET: largest error by it, relative to each probe's peak */
 } vs_step;
 
 /* Fills q", q"' of a knot from its state and flux; touching: on the side of the stop. */

@@ -118,6 +118,11 @@ void vs_summary_table(const vs_scene *s, const vs_result *r, FILE *out) {
   if (r->ladder->rung)
     fprintf(out, "rung   %d: %s; before, %s\n", r->ladder->rung, vs_ladder_text(r->ladder->rung),
             r->ladder->failed);
+  if (!isnan(r->left_s))
+    fprintf(out,
+            "quiet  ngspice was left at %.6g s; p, u, w, phi, force, i err by %.2g of their peaks "
+            "by that at most\n",
+            r->left_s, r->bound);
   fputc('\n', out);
   fprintf(out, "%-*s %16s %-5s %14s%s\n", width, "measure", "computed", "", "at",
           any ? "         measured" : "");
@@ -301,6 +306,10 @@ void vs_summary_json(const vs_scene *s, const vs_result *r, bool with_cost, vs_t
   vs_text_json(json, vs_ladder_text(r->ladder->rung));
   vs_text_add(json, ", \"failed\": ");
   vs_text_json(json, r->ladder->failed);
+  vs_text_add(json, "},\n  \"quiet\": {\"left_at_s\": ");
+  add_number(json, r->left_s);
+  vs_text_add(json, ", \"bound\": ");
+  add_number(json, isnan(r->left_s) ? 0 : r->bound);
   vs_text_add(json, "},\n  \"warnings\": [");
   for (size_t k = 0; k < s->n_warnings; k++) {
     vs_text_add(json, "%s", k ? ", " : "");

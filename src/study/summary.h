@@ -18,6 +18,8 @@ typedef struct vs_result {
   const char *open_books; /* NULL: the energy audit finds nothing */
   vs_verdict verdict;
   const vs_ladder *ladder; /* and on which rung of it this was got */
+  double left_s; /* when the circuit was left, as it was quiet; NaN: it was not */
+  double bound;  /* on the error by that, relative to each probe's peak */
   double wall_s;
   long steps;
 } vs_result;

@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sim/oneport.h"
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_linalg.h>
+#include <gsl/gsl_odeiv2.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "machine/actuator.h"
+
+enum { HARMONICS = 3, TERM_COLUMNS = 2 * HARMONICS + 4, LAW_COLUMNS = 2 * HARMONICS + 5 };
+
+/* A column of a fit of which less than this is its own counts as none. */
+static const double RANK = 1e-9;
+
+struct vs_oneport {
+  const vs_setup *setup;
+  const vs_frame *frame;
+  bool dynamic; /* false: i = i_N(t) */
+  double cosine[HARMONICS], sine[HARMONICS],
+      mean_a; /* of i_N; dynamic: of its integral, but the mean */
+  double g_s, c_f, tau_s;
+  double signal[VS_SIGNALS][TERM_COLUMNS];
+  double substep_s;
+  gsl_odeiv2_system system;
+  gsl_odeiv2_step *step;
+};
+
+double vs_knot_current(const vs_model *m, const vs_knot *k) {
+  return vs_current(m, k->flux_wb, vs_gap(m, k->x[P]));
+}
+
+double vs_knot_current_rate(const vs_model *m, const vs_knot *k) {
+  return vs_current_rate(m, k->flux_wb, k->flux_rate_v, vs_gap(m, k->x[P]), k->x[VS_DOF + P]);
+}
+
+double vs_knot_signal(const vs_frame *frame, const vs_knot *k, size_t n) {
+  return n < frame->deck->n_terms ? k->terms[n] : k->i_mains_a;
+}
+
+/* cos wt, cos 2wt, ..., sin wt, sin 2wt, ... */
+static void harmonics(const vs_oneport *o, double t_s, double cosine[HARMONICS],
+                      double sine[HARMONICS]) {
+  double angle = o->setup->timeline.omega_rad_s * t_s, c = cos(angle), s = sin(angle);
+  cosine[0] = c;
+  sine[0] = s;
+  for (int h = 1; h < HARMONICS; h++) {
+    cosine[h] = cosine[h - 1] * c - sine[h - 1] * s;
+    sine[h] = sine[h - 1] * c + cosine[h - 1] * s;
+  }
+}
+
+/* i_N and its rate (dynamic: i_N alone) */
+static double source(const vs_oneport *o, double t_s, double *rate) {
+  double cosine[HARMONICS], sine[HARMONICS], i = o->mean_a, w = o->setup->timeline.omega_rad_s;
+  harmonics(o, t_s, cosine, sine);
+  *rate = 0;
+  for (int h = 0; h < HARMONICS; h++) {
+    double slope = (h + 1) * w * (o->sine[h] * cosine[h] - o->cosine[h] * sine[h]);
+    *rate += slope;
+    i += o->cosine[h] * cosine[h] + o->sine[h] * sine[h];
+  }
+  if (o->dynamic) i = o->mean_a + *rate;
+  return i;
+}
+
+vs_coil vs_oneport_coil(const vs_oneport *o, double t_s, const double y[VS_ONEPORT_STATES]) {
+  const vs_model *m = &o->setup->model;
+  double z = vs_gap(m, y[P]), z_rate = y[VS_DOF + P], rate, i_n = source(o, t_s, &rate);
+  vs_coil c;
+  if (o->dynamic) {
+    c.flux_wb = y[VS_ONEPORT_FLUX];
+    c.v_v = y[VS_ONEPORT_VOLTAGE];
+    c.i_a = vs_current(m, c.flux_wb, z);
+    c.flux_rate_v = c.v_v - m->actuator.resistance_ohm * c.i_a;
+    c.i_rate_a_s = vs_current_rate(m, c.flux_wb, c.flux_rate_v, z, z_rate);
+    c.v_rate_v_s = (i_n - o->g_s * c.v_v - c.i_a - o->tau_s * c.i_rate_a_s) / o->c_f;
+    return c;
+  }
+  c.i_a = i_n;
+  c.i_rate_a_s = rate;
+  c.flux_wb = 2 * m->a_hm * i_n / z;
+  c.flux_rate_v = (2 * m->a_hm * rate - c.flux_wb * z_rate) / z;
+  c.v_v = c.flux_rate_v + m->actuator.resistance_ohm * i_n;
+  c.v_rate_v_s = 0;
+  return c;
+}
+
+static int rhs(double t_s, const double y[], double rate[], void *user) {
+  const vs_oneport *o = user;
+  vs_coil c = vs_oneport_coil(o, t_s, y);
+  memcpy(rate, y + VS_DOF, sizeof(double[VS_DOF]));
+  vs_accelerations(&o->setup->model, y, vs_force(&o->setup->model, c.flux_wb), rate + VS_DOF);
+  rate[VS_ONEPORT_FLUX] = o->dynamic ? c.flux_rate_v : 0;
+  rate[VS_ONEPORT_VOLTAGE] = o->dynamic ? c.v_rate_v_s : 0;
+  return GSL_SUCCESS;
+}
+
+void vs_oneport_state(const vs_knot *k, double y[VS_ONEPORT_STATES]) {
+  memcpy(y, k->x, sizeof k->x);
+  y[VS_ONEPORT_FLUX] = k->flux_wb;
+  y[VS_ONEPORT_VOLTAGE] = k->v_eva_v;
+}
+
+bool vs_oneport_advance(vs_oneport *o, double from_s, double to_s, double y[VS_ONEPORT_STATES]) {
+  double error[VS_ONEPORT_STATES], n = ceil((to_s - from_s) / o->substep_s),
+                                   h = (to_s - from_s) / n;
+  for (double k = 0; k < n; k++)
+    if (gsl_odeiv2_step_apply(o->step, from_s + k * h, h, y, error, NULL, NULL, &o->system))
+      return false;
+  return true;
+}
+
+/* What the terms are combined of. */
+static void columns(const vs_oneport *o, double t_s, const vs_coil *c, double out[TERM_COLUMNS]) {
+  harmonics(o, t_s, out, out + HARMONICS);
+  double *rest = out + 2 * HARMONICS;
+  rest[0] = 1;
+  rest[1] = c->v_v;
+  rest[2] = c->i_a;
+  rest[3] = c->v_rate_v_s;
+}
+
+void vs_oneport_signals(const vs_oneport *o, double t_s, const vs_coil *c,
+                        double signal[VS_SIGNALS]) {
+  double column[TERM_COLUMNS];
+  columns(o, t_s, c, column);
+  for (size_t n = 0; n < o->frame->deck->n_terms + 1; n++) {
+    signal[n] = 0;
+    for (size_t j = 0; j < TERM_COLUMNS; j++) signal[n] += o->signal[n][j] * column[j];
+  }
+}
+
+/* ---- its numbers ---- */
+
+/* What it is found from. */
+typedef struct sight {
+  const vs_seen *const *seen;
+  size_t count;
+} sight;
+
+/* Least squares on the samples: one matrix, many right sides. Columns are scaled to one another. */
+typedef struct fit {
+  gsl_matrix *a;
+  gsl_vector *tau, *norm, *b, *x, *residual;
+  gsl_permutation *p;
+  double scale[LAW_COLUMNS];
+  size_t rank;
+} fit;
+
+static fit fit_new(size_t rows, size_t count) {
+  return (fit){.a = gsl_matrix_alloc(rows, count),
+               .tau = gsl_vector_alloc(count),
+               .norm = gsl_vector_alloc(count),
+               .b = gsl_vector_alloc(rows),
+               .x = gsl_vector_alloc(count),
+               .residual = gsl_vector_alloc(rows),
+               .p = gsl_permutation_alloc(count)};
+}
+static void fit_free(fit *f) {
+  gsl_matrix_free(f->a);
+  gsl_vector_free(f->tau);
+  gsl_vector_free(f->norm);
+  gsl_vector_free(f->b);
+  gsl_vector_free(f->x);
+  gsl_vector_free(f->residual);
+  gsl_permutation_free(f->p);
+}
+static bool fit_decompose(fit *f) {
+  int sign;
+  for (size_t j = 0; j < f->a->size2; j++) {
+    gsl_vector_view column = gsl_matrix_column(f->a, j);
+    f->scale[j] = fmax(gsl_vector_max(&column.vector), -gsl_vector_min(&column.vector));
+    if (f->scale[j] > 0) gsl_vector_scale(&column.vector, 1 / f->scale[j]);
+  }
+  if (gsl_linalg_QRPT_decomp(f->a, f->tau, f->p, &sign, f->norm)) return false;
+  f->rank = gsl_linalg_QRPT_rank(f->a, RANK * fabs(gsl_matrix_get(f->a, 0, 0)));
+  return f->rank > 0;
+}
+static bool fit_solve(fit *f, double *x) {
+  if (gsl_linalg_QRPT_lssolve2(f->a, f->tau, f->p, f->b, f->rank, f->x, f->residual)) return false;
+  for (size_t j = 0; j < f->a->size2; j++)
+    x[j] = f->scale[j] > 0 ? gsl_vector_get(f->x, j) / f->scale[j] : 0;
+  return true;
+}
+
+/* The law in its integral form, which needs no derivative of what the solver showed:
+ * q + tau i + G int v + C v = sum of harmonics + mean t + constant. */
+static bool find_dynamic(vs_oneport *o, const sight *in) {
+  fit f = fit_new(in->count, LAW_COLUMNS);
+  const vs_seen *s0 = in->seen[0];
+  for (size_t k = 0; k < in->count; k++) {
+    const vs_seen *s = in->seen[k];
+    double row[LAW_COLUMNS];
+    harmonics(o, s->knot.t_s, row, row + HARMONICS);
+    double *rest = row + 2 * HARMONICS;
+    rest[0] = s->knot.t_s - s0->knot.t_s;
+    rest[1] = 1;
+    rest[2] = -(s->flux_in_wb - s0->flux_in_wb);
+    rest[3] = -s->knot.v_eva_v;
+    rest[4] = -vs_knot_current(&o->setup->model, &s->knot);
+    for (size_t j = 0; j < LAW_COLUMNS; j++) gsl_matrix_set(f.a, k, j, row[j]);
+    gsl_vector_set(f.b, k, s->charge_c - s0->charge_c);
+  }
+  double x[LAW_COLUMNS], *rest = x + 2 * HARMONICS;
+  bool good = fit_decompose(&f) && fit_solve(&f, x);
+  fit_free(&f);
+  if (!good) return false;
+  memcpy(o->cosine, x, sizeof o->cosine);
+  memcpy(o->sine, x + HARMONICS, sizeof o->sine);
+  o->mean_a = rest[0];
+  o->g_s = rest[2];
+  o->c_f = rest[3];
+  o->tau_s = rest[4];
+  return true;
+}
+
+/* i = i_N(t) */
+static bool find_static(vs_oneport *o, const sight *in) {
+  enum { COUNT = 2 * HARMONICS + 1 };
+  fit f = fit_new(in->count, COUNT);
+  for (size_t k = 0; k < in->count; k++) {
+    double row[COUNT];
+    harmonics(o, in->seen[k]->knot.t_s, row, row + HARMONICS);
+    row[COUNT - 1] = 1;
+    for (size_t j = 0; j < COUNT; j++) gsl_matrix_set(f.a, k, j, row[j]);
+    gsl_vector_set(f.b, k, vs_knot_current(&o->setup->model, &in->seen[k]->knot));
+  }
+  double x[COUNT];
+  bool good = fit_decompose(&f) && fit_solve(&f, x);
+  fit_free(&f);
+  if (!good) return false;
+  memcpy(o->cosine, x, sizeof o->cosine);
+  memcpy(o->sine, x + HARMONICS, sizeof o->sine);
+  o->mean_a = x[COUNT - 1];
+  return true;
+}
+
+/* rkf45's error over a substep is below 1e-7 of what swings fastest; 0: the law is none to go by,
+ * as it is unstable or too stiff. The electrical half at rest: lambda' = v - R k lambda, k =
+ * z/(2a); C v' = -G v - k lambda - tau k (v - R k lambda). */
+static double substep(const vs_oneport *o) {
+  const vs_model *m = &o->setup->model;
+  double fastest = fmax(m->fastest_rad_s, HARMONICS * o->setup->timeline.omega_rad_s);
+  if (o->dynamic) {
+    double k = m->gap_rest_m / (2 * m->a_hm), r = m->actuator.resistance_ohm;
+    if (!(o->c_f > 0)) return 0;
+    double trace = -r * k - (o->g_s + o->tau_s * k) / o->c_f;
+    double det = (r * k * o->g_s + k) / o->c_f;
+    if (!(trace < 0 && det > 0)) return 0;
+    fastest = fmax(fastest, fmax(-trace, sqrt(det)));
+  }
+  double h = 0.2 / fastest;
+  return h > 1e-4 * o->setup->timeline.period_s ? h : 0;
+}
+
+static bool find_signals(vs_oneport *o, const sight *in) {
+  fit f = fit_new(in->count, TERM_COLUMNS);
+  for (size_t k = 0; k < in->count; k++) {
+    const vs_knot *seen = &in->seen[k]->knot;
+    double y[VS_ONEPORT_STATES], column[TERM_COLUMNS];
+    vs_oneport_state(seen, y);
+    vs_coil c = vs_oneport_coil(o, seen->t_s, y);
+    columns(o, seen->t_s, &c, column);
+    for (size_t j = 0; j < TERM_COLUMNS; j++) gsl_matrix_set(f.a, k, j, column[j]);
+  }
+  bool good = fit_decompose(&f);
+  for (size_t n = 0; good && n < o->frame->deck->n_terms + 1; n++) {
+    for (size_t k = 0; k < in->count; k++)
+      gsl_vector_set(f.b, k, vs_knot_signal(o->frame, &in->seen[k]->knot, n));
+    good = fit_solve(&f, o->signal[n]);
+  }
+  fit_free(&f);
+  return good;
+}
+
+bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, bool dynamic) {
+  const sight in = {seen, count};
+  o->dynamic = dynamic;
+  if (!(dynamic ? find_dynamic(o, &in) : find_static(o, &in))) return false;
+  o->substep_s = substep(o);
+  return o->substep_s > 0 && find_signals(o, &in);
+}
+
+vs_oneport *vs_oneport_new(const vs_setup *setup, const vs_frame *frame) {
+  vs_oneport *o = vs_alloc(1, sizeof *o);
+  *o = (vs_oneport){.setup = setup, .frame = frame};
+  o->system = (gsl_odeiv2_system){rhs, NULL, VS_ONEPORT_STATES, o};
+  o->step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, VS_ONEPORT_STATES);
+  return o;
+}
+
+void vs_oneport_free(vs_oneport *o) {
+  if (!o) return;
+  gsl_odeiv2_step_free(o->step);
+  free(o);
+}

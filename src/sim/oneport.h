@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The circuit as the EVA sees it while the thyristor blocks and varistors hardly conduct: a linear
+ * one-port with a periodic source,
+ *
+ *   i + tau di/dt = i_N(t) - G v - C dv/dt,
+ *
+ * i_N: mean and first harmonics of the mains' frequency. Or, where G, C and tau mean nothing,
+ * i = i_N(t). Each of the deck's terms is a linear combination of the harmonics, v, dv/dt and i.
+ * The numbers are fitted to what a solver showed. With them machine and coil go on without it:
+ * lambda' = v - R_c i, i = lambda z/(2a), Eq. 54. */
+#ifndef VS_SIM_ONEPORT_H
+#define VS_SIM_ONEPORT_H
+
+#include "sim/sim.h"
+
+enum { VS_SIGNALS = VS_DECK_MOST + 1 }; /* the deck's terms, then the mains current */
+enum { VS_LEAST_SEEN = 80, VS_MOST_SEEN = 320 };
+
+/* A knot of the solver's, with the integrals of i and v up to it, C and Wb, from anywhere. */
+typedef struct vs_seen {
+  vs_knot knot;
+  double charge_c, flux_in_wb;
+} vs_seen;
+
+/* q, q', lambda, v; begin with vs_oneport_state. */
+enum { VS_ONEPORT_FLUX = VS_STATES, VS_ONEPORT_VOLTAGE, VS_ONEPORT_STATES };
+
+/* What it says of an instant. */
+typedef struct vs_coil {
+  double i_a, i_rate_a_s, flux_wb, flux_rate_v, v_v, v_rate_v_s;
+} vs_coil;
+
+typedef struct vs_oneport vs_oneport;
+
+vs_oneport *vs_oneport_new(const vs_setup *setup, const vs_frame *frame);
+void vs_oneport_free(vs_oneport *o); /* NULL is fine */
+
+/* Finds its numbers; dynamic: with G, C, tau. false: there are none, or what they make is unstable
+ * or too stiff to be worth it. */
+bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, bool dynamic);
+
+void vs_oneport_state(const vs_knot *knot, double y[VS_ONEPORT_STATES]);
+/* Takes the state on; false: GSL cannot. */
+bool vs_oneport_advance(vs_oneport *o, double from_s, double to_s, double y[VS_ONEPORT_STATES]);
+vs_coil vs_oneport_coil(const vs_oneport *o, double t_s, const double y[VS_ONEPORT_STATES]);
+void vs_oneport_signals(const vs_oneport *o, double t_s, const vs_coil *coil,
+                        double signal[VS_SIGNALS]);
+
+/* Of a knot: its coil current, A, and that current's rate, A/s; signal n. */
+double vs_knot_current(const vs_model *model, const vs_knot *knot);
+double vs_knot_current_rate(const vs_model *model, const vs_knot *knot);
+double vs_knot_signal(const vs_frame *frame, const vs_knot *knot, size_t n);
+
+#endif

@@ -1,0 +1,286 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sim/quiet.h"
+
+#include <gsl/gsl_complex_math.h>
+#include <gsl/gsl_linalg.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "machine/actuator.h"
+
+enum { PER_CYCLE = 200, LOOKS_PER_CYCLE = 4 };
+
+/* Of run.tolerance, for having left the circuit; and how much worse than in the cycle in which it
+ * was looked at the one-port may be later. */
+static const double SHARE = 0.5, SAFETY = 2;
+
+/* By how many run.tolerance of its peak one of the deck's signals may be wrong; a peak below
+ * LEAST_SIGNAL, V or A, is none. */
+static const double SIGNAL_SHARE = 3, LEAST_SIGNAL = 1e-6;
+
+struct vs_quiet {
+  const vs_setup *setup;
+  const vs_frame *frame;
+  vs_mode modes[VS_STATES];
+  gsl_matrix_complex *vectors; /* of the modes, (shape, s shape), decomposed */
+  gsl_permutation *order;
+  gsl_vector_complex *share;
+  vs_seen *kept; /* a ring: first, count */
+  size_t first, count;
+  const vs_seen *seen[VS_MOST_SEEN]; /* the same in order, while it is looked at them */
+  vs_seen last;                      /* knot taken, also when it is not kept */
+  bool any;
+  double looked_s;
+  double peak_x[VS_DOF], peak_force_n, peak_a, peak_signal[VS_SIGNALS];
+  vs_oneport *port;
+};
+
+static size_t n_signals(const vs_quiet *q) {
+  return q->frame->deck->n_terms + 1;
+}
+
+static vs_seen *kept_at(const vs_quiet *q, size_t k) {
+  return &q->kept[(q->first + k) % VS_MOST_SEEN];
+}
+
+/* ---- what was seen ---- */
+
+static void take_peaks(vs_quiet *q, const vs_knot *k) {
+  const vs_model *m = &q->setup->model;
+  for (int n = 0; n < VS_DOF; n++) q->peak_x[n] = fmax(q->peak_x[n], fabs(k->x[n]));
+  q->peak_force_n = fmax(q->peak_force_n, vs_force(m, k->flux_wb));
+  q->peak_a = fmax(q->peak_a, fabs(vs_knot_current(m, k)));
+  for (size_t n = 0; n < n_signals(q); n++)
+    q->peak_signal[n] = fmax(q->peak_signal[n], fabs(vs_knot_signal(q->frame, k, n)));
+}
+
+/* The integral of i by its values and slopes at both ends of a step, and of v = R i + dlambda/dt.
+ */
+static void integrate_port(vs_quiet *q, const vs_knot *k) {
+  const vs_model *m = &q->setup->model;
+  const vs_knot *from = &q->last.knot;
+  double h = k->t_s - from->t_s,
+         charge = h / 2 * (vs_knot_current(m, from) + vs_knot_current(m, k)) -
+                  h * h / 12 * (vs_knot_current_rate(m, k) - vs_knot_current_rate(m, from));
+  q->last.charge_c += charge;
+  q->last.flux_in_wb += m->actuator.resistance_ohm * charge + k->flux_wb - from->flux_wb;
+}
+
+void vs_quiet_take(vs_quiet *q, const vs_knot *k, bool blocks) {
+  double period = q->setup->timeline.period_s;
+  if (q->any) integrate_port(q, k);
+  vs_knot_copy(q->frame, k, &q->last.knot);
+  q->any = true;
+  take_peaks(q, k);
+  if (!blocks) {
+    q->count = 0;
+    q->looked_s = k->t_s;
+    return;
+  }
+  if (q->count && k->t_s < kept_at(q, q->count - 1)->knot.t_s + period / PER_CYCLE) return;
+  while (q->count && (q->count == VS_MOST_SEEN || kept_at(q, 0)->knot.t_s < k->t_s - period)) {
+    q->first = (q->first + 1) % VS_MOST_SEEN;
+    q->count--;
+  }
+  *kept_at(q, q->count++) = q->last;
+}
+
+/* ---- the one-port beside the solver ---- */
+
+/* By how much it is wrong over what was seen, from the state at the first. */
+typedef struct misfit {
+  double force_n, current_a, signal[VS_SIGNALS];
+  double mode[VS_STATES]; /* largest share of each mode in the error of q, as vs_mode's shape */
+} misfit;
+
+/* |shares| of the modes in x: V^-1 x, V's columns (shape, s shape). */
+static void shares(const vs_quiet *q, const double x[VS_STATES], double share[VS_STATES]) {
+  for (size_t n = 0; n < VS_STATES; n++)
+    gsl_vector_complex_set(q->share, n, gsl_complex_rect(x[n], 0));
+  gsl_linalg_complex_LU_svx(q->vectors, q->order, q->share);
+  for (size_t n = 0; n < VS_STATES; n++)
+    share[n] = gsl_complex_abs(gsl_vector_complex_get(q->share, n));
+}
+
+static bool compare(vs_quiet *q, misfit *wrong) {
+  const vs_model *m = &q->setup->model;
+  double y[VS_ONEPORT_STATES];
+  *wrong = (misfit){0};
+  vs_oneport_state(&q->seen[0]->knot, y);
+  for (size_t k = 0; k < q->count; k++) {
+    const vs_knot *seen = &q->seen[k]->knot;
+    if (k && !vs_oneport_advance(q->port, q->seen[k - 1]->knot.t_s, seen->t_s, y)) return false;
+    vs_coil c = vs_oneport_coil(q->port, seen->t_s, y);
+    double signal[VS_SIGNALS], error[VS_STATES], share[VS_STATES];
+    vs_oneport_signals(q->port, seen->t_s, &c, signal);
+    double force = vs_force(m, c.flux_wb) - vs_force(m, seen->flux_wb);
+    wrong->force_n = fmax(wrong->force_n, fabs(force));
+    wrong->current_a = fmax(wrong->current_a, fabs(c.i_a - vs_knot_current(m, seen)));
+    for (size_t n = 0; n < n_signals(q); n++)
+      wrong->signal[n] =
+          fmax(wrong->signal[n], fabs(signal[n] - vs_knot_signal(q->frame, seen, n)));
+    for (int n = 0; n < VS_STATES; n++) error[n] = y[n] - seen->x[n];
+    shares(q, error, share);
+    for (int n = 0; n < VS_STATES; n++) wrong->mode[n] = fmax(wrong->mode[n], share[n]);
+  }
+  return true;
+}
+
+/* ---- what may come of it ---- */
+
+enum { MOST_AHEAD = 10, STEPS_AHEAD = 100 };
+
+/* The one-port's flux linkage over the cycles to come, each relative to what was seen: until it
+ * falls no more. An error of the flux linkage makes an error of the force in proportion to it. */
+typedef struct outlook {
+  int count;
+  double ratio[MOST_AHEAD];
+} outlook;
+
+static bool look_ahead(vs_quiet *q, outlook *o) {
+  double y[VS_ONEPORT_STATES], t = q->last.knot.t_s, h = q->setup->timeline.period_s / STEPS_AHEAD,
+                               now = 0;
+  for (size_t k = 0; k < q->count; k++) now = fmax(now, fabs(q->seen[k]->knot.flux_wb));
+  vs_oneport_state(&q->last.knot, y);
+  for (o->count = 0; o->count < MOST_AHEAD;) {
+    double largest = 0, before = o->count ? o->ratio[o->count - 1] : 1;
+    for (int n = 0; n < STEPS_AHEAD; n++, t += h) {
+      if (!vs_oneport_advance(q->port, t, t + h, y)) return false;
+      largest = fmax(largest, fabs(vs_oneport_coil(q->port, t + h, y).flux_wb));
+    }
+    o->ratio[o->count++] = largest / now;
+    if (!(largest / now < 0.95 * before)) break;
+  }
+  return true;
+}
+
+/* How often the error a mode took in one cycle may be added up, until_s from now. */
+static double times_added(const outlook *o, const vs_mode *m, double cycles, double period_s) {
+  double sum = 0, rest = cycles - o->count;
+  for (int n = 0; n < o->count; n++) sum += o->ratio[n];
+  if (rest <= 0) return sum;
+  if (isfinite(m->time_constant_s)) rest = fmin(rest, -1 / expm1(-period_s / m->time_constant_s));
+  return sum + rest * o->ratio[o->count - 1];
+}
+
+/* Largest part of its peak by which p, u, w or phi is wrong when each mode's error of a cycle is
+ * added up so many times in the same sense; outlook NULL: once. */
+static double motion_bound(const vs_quiet *q, const misfit *wrong, const outlook *o,
+                           double until_s) {
+  double period = q->setup->timeline.period_s, cycles = (until_s - q->last.knot.t_s) / period;
+  double worst = 0;
+  for (int n = 0; n < VS_DOF; n++) {
+    double sum = 0;
+    for (size_t k = 0; k < VS_STATES; k++) {
+      const vs_mode *m = &q->modes[k];
+      double times = o ? times_added(o, m, cycles, period) : 1;
+      sum += hypot(m->shape_re[n], m->shape_im[n]) * wrong->mode[k] * times;
+    }
+    worst = fmax(worst, sum / q->peak_x[n]);
+  }
+  return SAFETY * worst;
+}
+
+/* With that law; INFINITY: it is not to be gone by. */
+static double bound_of(vs_quiet *q, bool dynamic, double until_s) {
+  double tolerance = q->setup->run.tolerance, most = SHARE * tolerance;
+  misfit wrong;
+  if (!vs_oneport_fit(q->port, q->seen, q->count, dynamic) || !compare(q, &wrong)) return INFINITY;
+  for (size_t n = 0; n < n_signals(q); n++)
+    if (!(wrong.signal[n] <= SIGNAL_SHARE * tolerance * fmax(q->peak_signal[n], LEAST_SIGNAL)))
+      return INFINITY;
+  double bound = SAFETY * fmax(wrong.force_n / q->peak_force_n, wrong.current_a / q->peak_a);
+  outlook ahead;
+  if (!(fmax(bound, motion_bound(q, &wrong, NULL, until_s)) <= most) || !look_ahead(q, &ahead))
+    return INFINITY;
+  return fmax(bound, motion_bound(q, &wrong, &ahead, until_s));
+}
+
+/* Can the armature come to its stop, or to the pole cover, with the energy that is in the machine?
+ * |p| <= sqrt(2 E (K^-1)_pp); a tenth more for what the force may do. */
+static bool may_touch(const vs_quiet *q, const vs_knot *k) {
+  const vs_model *m = &q->setup->model;
+  double energy = vs_kinetic_energy(m, k->x) + vs_elastic_energy(m, k->x);
+  double compliance = 1 / m->stiffness[P][P]; /* p is coupled to the others by mass alone */
+  return 1.1 * sqrt(2 * energy * compliance) > m->actuator.gap_m;
+}
+
+bool vs_quiet_may_leave(vs_quiet *q, double until_s, double *bound) {
+  double period = q->setup->timeline.period_s, now = q->last.knot.t_s;
+  if (q->count < VS_LEAST_SEEN || kept_at(q, 0)->knot.t_s > now - 0.98 * period) return false;
+  if (now < q->looked_s + period / LOOKS_PER_CYCLE || until_s < now + period) return false;
+  if (may_touch(q, &q->last.knot)) return false;
+  q->looked_s = now;
+  for (size_t k = 0; k < q->count; k++) q->seen[k] = kept_at(q, k);
+  for (int dynamic = 1; dynamic >= 0; dynamic--) {
+    *bound = bound_of(q, dynamic, until_s);
+    if (*bound <= SHARE * q->setup->run.tolerance) return true;
+  }
+  return false;
+}
+
+/* ---- going by it ---- */
+
+vs_status vs_quiet_step(vs_quiet *q, vs_knot *k, double t_s, vs_error *err) {
+  double y[VS_ONEPORT_STATES], signal[VS_SIGNALS];
+  vs_oneport_state(k, y);
+  if (!vs_oneport_advance(q->port, k->t_s, t_s, y))
+    return vs_fail(err, VS_RUN, "t = %.9g s: GSL cannot step on", t_s);
+  vs_coil c = vs_oneport_coil(q->port, t_s, y);
+  vs_oneport_signals(q->port, t_s, &c, signal);
+  k->t_s = t_s;
+  memcpy(k->x, y, sizeof k->x);
+  k->flux_wb = c.flux_wb;
+  k->flux_rate_v = c.flux_rate_v;
+  k->flux_rate2_v_s = c.v_rate_v_s - q->setup->model.actuator.resistance_ohm * c.i_rate_a_s;
+  k->v_eva_v = c.v_v;
+  memcpy(k->terms, signal, (n_signals(q) - 1) * sizeof *signal);
+  k->i_mains_a = signal[n_signals(q) - 1];
+  vs_knot_complete(q->frame, k, false);
+  return VS_OK;
+}
+
+/* (w h)^2/8 is what a straight line leaves of a sine. */
+double vs_quiet_longest(const vs_quiet *q) {
+  double h = sqrt(8 * q->setup->run.tolerance) / q->setup->timeline.omega_rad_s;
+  return fmin(h, 0.15 / q->setup->model.fastest_rad_s);
+}
+
+static bool find_vectors(vs_quiet *q) {
+  int sign;
+  q->vectors = gsl_matrix_complex_alloc(VS_STATES, VS_STATES);
+  q->order = gsl_permutation_alloc(VS_STATES);
+  q->share = gsl_vector_complex_alloc(VS_STATES);
+  if (!vs_modes(&q->setup->model, q->modes)) return false;
+  for (size_t k = 0; k < VS_STATES; k++)
+    for (size_t n = 0; n < VS_DOF; n++) {
+      const vs_mode *m = &q->modes[k];
+      gsl_complex shape = gsl_complex_rect(m->shape_re[n], m->shape_im[n]);
+      gsl_matrix_complex_set(q->vectors, n, k, shape);
+      gsl_matrix_complex_set(q->vectors, VS_DOF + n, k,
+                             gsl_complex_mul(gsl_complex_rect(m->re_1_s, m->im_rad_s), shape));
+    }
+  gsl_linalg_complex_LU_decomp(q->vectors, q->order, &sign);
+  return gsl_complex_abs(gsl_linalg_complex_LU_det(q->vectors, sign)) > 0;
+}
+
+vs_quiet *vs_quiet_new(const vs_setup *setup, const vs_frame *frame) {
+  vs_quiet *q = vs_alloc(1, sizeof *q);
+  *q = (vs_quiet){.setup = setup, .frame = frame};
+  q->kept = vs_alloc(VS_MOST_SEEN, sizeof *q->kept);
+  q->port = vs_oneport_new(setup, frame);
+  if (find_vectors(q)) return q;
+  vs_quiet_free(q);
+  return NULL;
+}
+
+void vs_quiet_free(vs_quiet *q) {
+  if (!q) return;
+  gsl_matrix_complex_free(q->vectors);
+  gsl_permutation_free(q->order);
+  gsl_vector_complex_free(q->share);
+  vs_oneport_free(q->port);
+  free(q->kept);
+  free(q);
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Leaving the circuit's solver when the circuit is quiet: nothing fires any more, and what is left,
+ * a small current through the snubbers, follows a one-port's law (oneport.h) fitted to the last
+ * cycle.
+ *
+ * What that costs in accuracy is bounded. Over that cycle the law is run beside the solver, from
+ * the same state. By how much each mode of the machine is then wrong, twice that is taken to be
+ * added in every cycle to come, in the same sense, less as the flux linkage falls (the law says how
+ * far) and as the mode decays. */
+#ifndef VS_SIM_QUIET_H
+#define VS_SIM_QUIET_H
+
+#include "sim/oneport.h"
+
+typedef struct vs_quiet vs_quiet;
+
+/* NULL: GSL finds no modes of this machine. */
+vs_quiet *vs_quiet_new(const vs_setup *setup, const vs_frame *frame);
+void vs_quiet_free(vs_quiet *q); /* NULL is fine */
+
+/* Every knot of the circuit tier, in order; blocks: neither conducts nor was its gate on. What was
+ * before the last knot that did not is not looked at. */
+void vs_quiet_take(vs_quiet *q, const vs_knot *knot, bool blocks);
+
+/* Can the solver be left at the last knot for until_s - t? Looks a few times a cycle, only when
+ * a whole cycle is known, and one is still to come. Then bound is what p, u, w, phi, force or i may
+ * be wrong by at most, the worst of them relative to its peak so far; it is within the share of
+ * run.tolerance that leaving may have. */
+bool vs_quiet_may_leave(vs_quiet *q, double until_s, double *bound);
+
+/* Takes the knot on to t_s, by the law found. knot is complete afterwards. */
+vs_status vs_quiet_step(vs_quiet *q, vs_knot *knot, double t_s, vs_error *err);
+
+/* Longest step, s, for which straight lines between knots keep the deck's terms. */
+double vs_quiet_longest(const vs_quiet *q);
+
+#endif
