@@ -13,7 +13,8 @@
 typedef struct vs_circuit_job {
   char *const *netlist; /* lines without analysis, options and .end */
   size_t lines;
-  const char *const *ports; /* external sources as the circuit calls them, lower case: "vgate" */
+  const char *const *ports; /* external sources as the circuit calls them, lower case: "vgate";
+                               voltages, or currents */
   size_t n_ports;
   const char *const
       *signals; /* what accept() is given: "v(a)", "i(vth)", lower case; "v(0)" is 0 */
@@ -38,8 +39,8 @@ typedef struct vs_circuit_job {
 
 typedef struct vs_circuit_host {
   void *ctx;
-  /* Voltage of a port at a candidate time, V. Asked several times per step; time may go back after
-   * a step that was rejected, but never before the last accepted one. */
+  /* Voltage or current of a port at a candidate time, V or A. Asked several times per step; time
+   * may go back after a step that was rejected, but never before the last accepted one. */
   double (*source)(void *ctx, size_t port, double t_s);
   /* First instant after t_s that must be the end of a step; INFINITY: none. Asked after each
    * accepted step. */

@@ -244,17 +244,11 @@ static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
   return 0;
 }
 
-static int on_voltage(double *value, double t, char *name, int id, void *user) {
+static int on_source(double *value, double t, char *name, int id, void *user) {
   (void)id, (void)user;
   *value = 0;
   for (size_t p = 0; ng.job && p < ng.job->n_ports; p++)
     if (!strcmp(name, ng.job->ports[p])) *value = ng.host->source(ng.host->ctx, p, t);
-  return 0;
-}
-
-static int on_current(double *value, double t, char *name, int id, void *user) {
-  (void)t, (void)name, (void)id, (void)user;
-  *value = 0; /* the netlist contract has voltage ports only */
   return 0;
 }
 
@@ -306,7 +300,7 @@ static vs_status initialise(vs_error *err) {
   fclose(empty);
   int id = 0;
   ngSpice_Init(on_text, on_status, on_exit_wanted, on_accepted, on_vectors, on_thread, NULL);
-  ngSpice_Init_Sync(on_voltage, on_current, on_sync, &id, NULL);
+  ngSpice_Init_Sync(on_source, on_source, on_sync, &id, NULL);
   unlink(".spiceinit");
   bool back = chdir(home) == 0;
   rmdir(folder);

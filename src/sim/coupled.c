@@ -6,14 +6,13 @@
  * from the last accepted step. Circuit -> mechanics: the flux linkage lambda of the accepted step,
  * under which the mechanics are integrated over it. F = lambda^2/(4a) depends on lambda alone, so
  * nothing else need be exchanged. */
-#include <gsl/gsl_errno.h>
-#include <gsl/gsl_odeiv2.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "machine/actuator.h"
+#include "sim/motion.h"
 #include "sim/quiet.h"
 #include "sim/sim.h"
 
@@ -28,14 +27,6 @@ static const double CONDUCTS_A = 0.02, QUIET_A = 0.001;
  * microsecond at 50 Hz, and what follows is leakage. */
 static const double EXTINCT = 1e-4;
 
-/* lambda(t0 + s) = c0 + c1 s + c2 s^2 + c3 s^3 */
-typedef struct flux_course {
-  const vs_model *model;
-  double c[4];
-  bool touching; /* the armature its stop */
-  bool jammed;
-} flux_course;
-
 typedef struct coupling {
   const vs_setup *setup;
   vs_frame frame;
@@ -49,68 +40,26 @@ typedef struct coupling {
   bool conducting;
   double conducted_a; /* largest anode current of this conduction */
   double quiet_s;     /* last knot before it with hardly any */
-  flux_course course;
-  gsl_odeiv2_system system;
-  gsl_odeiv2_step *step;
+  vs_motion motion;
   bool touching; /* the armature its stop, at the last accepted knot */
   double jams_s; /* INFINITY: it does not */
   bool jammed;
-  double substep_s, substep_touching_s; /* rkf45's error over it is below 1e-12 of the amplitude */
-  double series_s;                      /* a cubic's over it is below 5e-6 */
-  vs_quiet *quiet;                      /* NULL: the solver goes on to the end */
-  bool leaves;                          /* the solver is not needed any more */
-  double bound;                         /* on the error by that */
+  double series_s;       /* a cubic's error over it is below 5e-6 of the amplitude */
+  vs_quiet *quiet;       /* NULL: the solver goes on to the end */
+  bool ends;             /* the solver is not needed any more */
+  bool follows;          /* the solver is led to where the one-port has come meanwhile */
+  double shift_s;        /* the run's time less the solver's: whole cycles that it was left for */
+  double pull_v, push_a; /* by which it is led */
+  double followed_s;     /* up to then */
+  double bound;          /* on the error by having left it */
 } coupling;
 
-static int mechanics_rhs(double s, const double x[], double rate[], void *user) {
-  const flux_course *f = user;
-  double flux = f->c[0] + s * (f->c[1] + s * (f->c[2] + s * f->c[3]));
-  memcpy(rate, x + VS_DOF, sizeof(double[VS_DOF]));
-  double stop = f->touching ? vs_stop_force(f->model, x) : 0;
-  vs_accelerations(f->model, x, vs_force(f->model, flux) + stop, rate + VS_DOF);
-  if (f->jammed) vs_hold_p(f->model, rate + VS_DOF);
-  return GSL_SUCCESS;
-}
-
-static bool substep(coupling *c, double at_s, double h, double x[VS_STATES]) {
-  double error[VS_STATES];
-  return !gsl_odeiv2_step_apply(c->step, at_s, h, x, error, NULL, NULL, &c->system);
-}
-
-/* The armature passes p = -D in the substep of h from x: Newton on its length. Takes x there. */
-static double to_contact(coupling *c, double at_s, double h, double x[VS_STATES]) {
-  double from[VS_STATES], lower = 0, upper = h, sign = c->course.touching ? -1 : 1;
-  memcpy(from, x, sizeof from);
-  for (int n = 0; n < 40; n++) {
-    memcpy(x, from, sizeof from);
-    if (!substep(c, at_s, h, x)) return NAN;
-    double left = sign * (x[P] + c->setup->model.actuator.gap_m); /* falls through zero */
-    if (fabs(left) < 1e-15 * c->setup->model.actuator.gap_m || upper - lower < 1e-17) break;
-    if (left > 0)
-      lower = h;
-    else
-      upper = h;
-    double next = h - left / (sign * x[VS_DOF + P]);
-    h = next > lower && next < upper ? next : (lower + upper) / 2;
-  }
-  return h;
-}
-
-/* Takes x on from `at` seconds into the present course of the flux, to its end at h or to where the
- * armature meets or leaves its stop. Gives how far it came; NaN: GSL cannot step on. */
-static double advance(coupling *c, double at_s, double h, double x[VS_STATES]) {
-  double longest = c->course.touching ? c->substep_touching_s : c->substep_s, before[VS_STATES];
-  double n = ceil((h - at_s) / longest), sub = (h - at_s) / n;
-  for (double k = 0; k < n; k++) {
-    memcpy(before, x, sizeof before);
-    if (!substep(c, at_s + k * sub, sub, x)) return NAN;
-    if (!c->setup->model.actuator.stop.present ||
-        vs_in_stop(&c->setup->model, x[P]) == c->course.touching)
-      continue;
-    memcpy(x, before, sizeof before);
-    return at_s + k * sub + to_contact(c, at_s + k * sub, sub, x);
-  }
-  return h;
+/* Sets the flux linkage's course and the machine's state from which it is to be taken on. */
+static void set_course(coupling *c, double f0, double f1, double f2, double f3) {
+  const double flux[4] = {f0, f1, f2, f3};
+  memcpy(c->motion.flux, flux, sizeof flux);
+  c->motion.touching = c->touching;
+  c->motion.jammed = c->jammed;
 }
 
 /* p at t by the mechanics' integration, in the stop or where it may be met: lambda goes on with the
@@ -119,12 +68,9 @@ static double integrated_p(coupling *c, double h) {
   const vs_knot *k = &c->knots[c->now];
   double x[VS_STATES];
   memcpy(x, k->x, sizeof x);
-  c->course = (flux_course){&c->setup->model,
-                            {k->flux_wb, k->flux_rate_v, k->flux_rate2_v_s / 2, 0},
-                            c->touching,
-                            c->jammed};
-  for (double at = 0; at < h; c->course.touching = !c->course.touching)
-    at = advance(c, at, h, x); /* NaN ends it too; accept() will say so */
+  set_course(c, k->flux_wb, k->flux_rate_v, k->flux_rate2_v_s / 2, 0);
+  for (double at = 0; at < h; c->motion.touching = !c->motion.touching)
+    at = vs_motion_advance(&c->motion, at, h, x); /* NaN ends it too; accept() will say so */
   return x[P];
 }
 
@@ -140,9 +86,15 @@ static double predicted_gap(coupling *c, double t_s) {
   return c->candidate_gap_m = vs_gap(&c->setup->model, p);
 }
 
-static double source(void *ctx, size_t port, double t_s) {
+/* In the order of name_all. */
+enum { PORT_GAP, PORT_PULL, PORT_PUSH, EVA_PORTS };
+
+static double source(void *ctx, size_t port, double solver_s) {
   coupling *c = ctx;
-  if (port == c->gap_port) return predicted_gap(c, t_s);
+  double t_s = solver_s + c->shift_s;
+  if (port == c->gap_port + PORT_GAP) return predicted_gap(c, t_s);
+  if (port == c->gap_port + PORT_PULL) return c->pull_v;
+  if (port == c->gap_port + PORT_PUSH) return c->push_a;
   const vs_port *p = &c->setup->deck.ports[port];
   return vs_drives[p->signal.drive].voltage(&c->setup->timeline, &p->signal, t_s);
 }
@@ -170,14 +122,21 @@ static double expected_extinction(const coupling *c) {
   return zero > last->t_s && zero < last->t_s + reach ? zero + late : INFINITY;
 }
 
-static double edge(void *ctx, double t_s) {
-  coupling *c = ctx;
-  double next = fmin(expected_extinction(c), vs_events_edge(&c->setup->timeline.events, t_s));
+/* First gate edge or event after t; INFINITY: none. */
+static double next_edge(const coupling *c, double t_s) {
+  double next = vs_events_edge(&c->setup->timeline.events, t_s);
   for (size_t k = 0; k < c->setup->deck.n_ports; k++) {
     const vs_signal *s = &c->setup->deck.ports[k].signal;
     next = fmin(next, vs_drives[s->drive].edge(&c->setup->timeline, s, t_s));
   }
   return next;
+}
+
+static double edge(void *ctx, double solver_s) {
+  const coupling *c = ctx;
+  double next = fmin(expected_extinction(c), next_edge(c, solver_s + c->shift_s));
+  if (c->shift_s > 0) next = fmin(next, c->setup->run.until_s);
+  return next - c->shift_s;
 }
 
 /* While the thyristor blocks, the coil rings with the snubbers, faster than the mains, and what
@@ -186,10 +145,11 @@ static double edge(void *ctx, double t_s) {
  * firing, where only the current's own samples suffer, a half while the ring is strong. */
 static const double RINGS = 0.001, RINGS_STRONGLY = 0.03;
 
-static double longest(void *ctx, double t_s) {
+static double longest(void *ctx, double solver_s) {
   const coupling *c = ctx;
+  double t_s = solver_s + c->shift_s;
   double ring = fabs(c->knots[c->now].flux_rate_v) / c->setup->timeline.peak_v, part = 1;
-  if (!c->conducting && ring > RINGS && edge(ctx, t_s) < INFINITY)
+  if (!c->conducting && ring > RINGS && next_edge(c, t_s) < INFINITY)
     part = 1.0 / 4;
   else if (!c->conducting && ring > RINGS_STRONGLY)
     part = 1.0 / 2;
@@ -244,7 +204,7 @@ static vs_status show(coupling *c, const vs_knot *k, vs_event contact, vs_error 
 
 /* The knot `at` seconds behind a, on the way to b, under the present course of the flux. */
 static vs_knot between(const coupling *c, const vs_knot *a, const vs_knot *b, double at_s) {
-  const double *f = c->course.c, part = at_s / (b->t_s - a->t_s);
+  const double *f = c->motion.flux, part = at_s / (b->t_s - a->t_s);
   vs_knot k = *b;
   k.t_s = a->t_s + at_s;
   k.flux_wb = f[0] + at_s * (f[1] + at_s * (f[2] + at_s * f[3]));
@@ -265,7 +225,7 @@ static vs_status move(coupling *c, const vs_knot *start, vs_knot *end, vs_error 
   memcpy(x, start->x, sizeof x);
   vs_status status = VS_OK;
   for (double at = 0; at < h && !status;) {
-    at = advance(c, at, h, x);
+    at = vs_motion_advance(&c->motion, at, h, x);
     if (isnan(at)) return vs_fail(err, VS_RUN, "t = %.9g s: GSL cannot step on", end->t_s);
     if (at < h)
       cut = between(c, start, end, at);
@@ -275,29 +235,99 @@ static vs_status move(coupling *c, const vs_knot *start, vs_knot *end, vs_error 
     complete(c, k);
     if (k == end) break;
     status = show(c, k, c->touching ? VS_EV_LEAVES_STOP : VS_EV_MEETS_STOP, err);
-    c->touching = c->course.touching = !c->touching;
+    c->touching = c->motion.touching = !c->touching;
     complete(c, k);
     if (!status) status = show(c, k, VS_EV_NONE, err);
   }
   if (!status) status = show(c, end, VS_EV_NONE, err);
   if (status || c->jammed || end->t_s < c->jams_s - 1e-12) return status;
-  c->jammed = c->course.jammed = true; /* from one side of the instant to the other */
+  c->jammed = c->motion.jammed = true; /* from one side of the instant to the other */
   vs_hold_p(&c->setup->model, end->x + VS_DOF);
   complete(c, end);
   return show(c, end, VS_EV_JAMS, err);
 }
 
-/* No gate pulse and no event is to come, nothing conducts, and what is left follows a law? */
-static void look_whether_quiet(coupling *c) {
-  const vs_knot *k = &c->knots[c->now];
-  vs_quiet_take(c->quiet, k, !c->conducting);
-  c->leaves = !c->conducting && !c->touching && isinf(edge(c, k->t_s)) &&
-              isinf(vs_events_longest(&c->setup->timeline.events, k->t_s)) &&
-              vs_quiet_may_leave(c->quiet, c->setup->run.until_s, &c->bound);
+/* ---- without the solver ---- */
+
+/* By the one-port from the last knot to t. */
+static vs_status go_without(coupling *c, double t_s, vs_error *err) {
+  double from_s = c->knots[c->now].t_s, gone_s = t_s - from_s;
+  double n = ceil(gone_s / fmin(vs_quiet_longest(c->quiet), gone_s / 4));
+  vs_knot next;
+  vs_knot_copy(&c->frame, &c->knots[c->now], &next);
+  vs_status status = show(c, &next, VS_EV_QUIET, err);
+  for (double k = 1; k <= n && !status; k++) {
+    status = vs_quiet_step(c->quiet, &next, from_s + gone_s * (k / n), err);
+    if (!status) status = show(c, &next, VS_EV_NONE, err);
+  }
+  return status;
 }
 
-static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *err) {
+/* Back in the solver, it is led for FOLLOWS of the largest step: its flux linkage and the EVA's
+ * voltage go to those of the one-port with a time constant of LEAD of them. */
+static const double FOLLOWS = 80, LEAD = 4;
+
+/* The solver stands at some phase of the mains while whole cycles pass by the one-port; then it
+ * goes on with its clock moved on by them, and is led to where the machine, lambda and v have come.
+ */
+static vs_status go_without_for(coupling *c, double cycles, vs_error *err) {
+  double away_s = cycles * c->setup->timeline.period_s, back_s = c->knots[c->now].t_s + away_s;
+  vs_status status = go_without(c, back_s, err);
+  c->shift_s += away_s;
+  c->follows = true;
+  c->followed_s = back_s + FOLLOWS * c->max_step_s;
+  c->candidate_s = -1;
+  return status;
+}
+
+static bool gate_is_on(const coupling *c, double t_s) {
+  for (size_t k = 0; k < c->setup->deck.n_ports; k++) {
+    const vs_signal *s = &c->setup->deck.ports[k].signal;
+    if (s->drive != VS_DRIVE_GATE && s->drive != VS_DRIVE_BURST) continue;
+    if (vs_gate(&c->setup->timeline, s->shift_rad, t_s)) return true;
+  }
+  return false;
+}
+
+/* Leaves the solver, for good or until shortly before the next edge, if the circuit is quiet. */
+static vs_status leave_if_quiet(coupling *c, vs_error *err) {
+  const vs_knot *k = &c->knots[c->now];
+  double now = k->t_s, until = c->setup->run.until_s, next = next_edge(c, now);
+  vs_quiet_take(c->quiet, k, !c->conducting);
+  if (c->conducting || c->touching || gate_is_on(c, now) ||
+      isfinite(vs_events_longest(&c->setup->timeline.events, now)))
+    return VS_OK;
+  double cycles = INFINITY;
+  if (next < until) {
+    if (c->setup->deck.eva_file) return VS_OK; /* it has nothing to be led by */
+    double free_s = next - now - (FOLLOWS + 10) * c->max_step_s;
+    cycles = floor(free_s / c->setup->timeline.period_s);
+    until = now + cycles * c->setup->timeline.period_s;
+  }
+  if (cycles < 1 || !vs_quiet_may_leave(c->quiet, until, &c->bound)) return VS_OK;
+  if (isfinite(cycles)) return go_without_for(c, cycles, err);
+  c->ends = true;
+  return VS_OK; /* the rest once the solver has come back from its run */
+}
+
+/* The solver's step, taken while it is led: the one-port's is shown. */
+static vs_status follow(coupling *c, double t_s, const double *signals, vs_error *err) {
+  vs_knot next;
+  vs_knot_copy(&c->frame, &c->knots[c->now], &next);
+  vs_status status = vs_quiet_step(c->quiet, &next, t_s, err);
+  double lead_s = LEAD * c->max_step_s;
+  c->follows = t_s < c->followed_s;
+  c->pull_v = c->follows ? (next.flux_wb - signals[SIG_FLUX]) / lead_s : 0;
+  double behind_v = next.v_eva_v - (signals[SIG_PLUS] - signals[SIG_MINUS]);
+  c->push_a = c->follows ? vs_quiet_capacitance(c->quiet) * behind_v / lead_s : 0;
+  if (!c->follows) vs_quiet_restart(c->quiet);
+  return status ? status : show(c, &next, c->follows ? VS_EV_NONE : VS_EV_BACK, err);
+}
+
+static vs_status accept(void *ctx, double solver_s, const double *signals, vs_error *err) {
   coupling *c = ctx;
+  double t_s = solver_s + c->shift_s;
+  if (c->follows) return follow(c, t_s, signals, err);
   vs_knot from, next; /* move() gives next its state */
   vs_knot_copy(&c->frame, &c->knots[c->now], &from);
   double h = t_s - from.t_s;
@@ -311,35 +341,19 @@ static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *
   next.flux_rate2_v_s = (next.flux_rate_v - from.flux_rate_v) / h;
   /* the cubic through both ends' values and slopes */
   double slope = (next.flux_wb - from.flux_wb) / h;
-  c->course = (flux_course){&c->setup->model,
-                            {from.flux_wb, from.flux_rate_v,
-                             (3 * slope - 2 * from.flux_rate_v - next.flux_rate_v) / h,
-                             (from.flux_rate_v + next.flux_rate_v - 2 * slope) / (h * h)},
-                            c->touching,
-                            c->jammed};
+  set_course(c, from.flux_wb, from.flux_rate_v,
+             (3 * slope - 2 * from.flux_rate_v - next.flux_rate_v) / h,
+             (from.flux_rate_v + next.flux_rate_v - 2 * slope) / (h * h));
   c->step_s = h;
   c->candidate_s = -1;
   vs_status status = move(c, &from, &next, err);
-  if (!status && c->quiet) look_whether_quiet(c);
-  return status;
+  return status || !c->quiet ? status : leave_if_quiet(c, err);
 }
 
 static bool enough(void *ctx) {
-  return ((const coupling *)ctx)->leaves;
-}
-
-/* From where the solver was left to the end of the run, without it. */
-static vs_status go_on(coupling *c, vs_error *err) {
-  double from_s = c->knots[c->now].t_s, until_s = c->setup->run.until_s;
-  double n = ceil((until_s - from_s) / fmin(vs_quiet_longest(c->quiet), (until_s - from_s) / 4));
-  vs_knot next;
-  vs_knot_copy(&c->frame, &c->knots[c->now], &next);
-  vs_status status = show(c, &next, VS_EV_QUIET, err);
-  for (double k = 1; k <= n && !status; k++) {
-    status = vs_quiet_step(c->quiet, &next, from_s + (until_s - from_s) * (k / n), err);
-    if (!status) status = show(c, &next, VS_EV_NONE, err);
-  }
-  return status;
+  const coupling *c = ctx;
+  double until_s = c->setup->run.until_s;
+  return c->ends || (c->shift_s > 0 && c->knots[c->now].t_s >= until_s - vs_rounding(until_s));
 }
 
 static vs_frame frame(const vs_setup *setup) {
@@ -348,8 +362,8 @@ static vs_frame frame(const vs_setup *setup) {
 
 /* The names by which the coupling and the deck's terms know the circuit. */
 typedef struct names {
-  char text[MOST_SIGNALS + VS_DECK_MOST + 1][2 * VS_DECK_NAME];
-  const char *signals[MOST_SIGNALS], *ports[VS_DECK_MOST + 1];
+  char text[MOST_SIGNALS + VS_DECK_MOST + EVA_PORTS][2 * VS_DECK_NAME];
+  const char *signals[MOST_SIGNALS], *ports[VS_DECK_MOST + EVA_PORTS];
   size_t n_signals, n_ports;
 } names;
 
@@ -367,6 +381,8 @@ static void name_all(const vs_deck *deck, names *n) {
     if (deck->ports[p].signal.drive == VS_DRIVE_MAINS) mains = deck->ports[p].source;
   }
   VS_NAMED(ports, n_ports, "v.%s.vgap", deck->eva);
+  VS_NAMED(ports, n_ports, "i.%s.ipull", deck->eva);
+  VS_NAMED(ports, n_ports, "i.%s.ipush", deck->eva);
   if (mains)
     VS_NAMED(signals, n_signals, "i(%s)", mains);
   else
@@ -417,8 +433,6 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                 .gap_port = setup->deck.n_ports,
                 .jams_s = INFINITY,
                 .max_step_s = vs_largest_step(setup),
-                .substep_s = 0.02 / m->fastest_rad_s,
-                .substep_touching_s = 0.02 / m->contact_rad_s,
                 .series_s = 0.1 / m->fastest_rad_s};
   c.knots[0] = vs_sim_start(setup, &c.frame);
   c.touching = vs_in_stop(m, c.knots[0].x[P]);
@@ -428,8 +442,7 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
   for (size_t k = 0; k < setup->deck.n_probes; k++)
     if (!strcmp(setup->deck.probes[k].name, "i_thyristor"))
       c.anode_current = &setup->deck.probes[k];
-  c.system = (gsl_odeiv2_system){mechanics_rhs, NULL, VS_STATES, &c.course};
-  c.step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, VS_STATES);
+  vs_motion_begin(&c.motion, m);
   vs_circuit_job job = {.ports = n->ports,
                         .n_ports = n->n_ports,
                         .signals = n->signals,
@@ -454,13 +467,13 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
   vs_status s = vs_deck_netlist(&setup->deck, &setup->circuit_values, standard, VS_STANDARD,
                                 &netlist, &job.lines, err);
   job.netlist = netlist;
-  if (!s) s = vs_sim_check_steps(setup, fmin(c.max_step_s, c.substep_touching_s), err);
+  if (!s) s = vs_sim_check_steps(setup, fmin(c.max_step_s, c.motion.substep_touching_s), err);
   if (!s) s = setup->solver->load(&job, &host, &circuit, err);
   if (!s) s = setup->solver->run(circuit, err);
-  if (!s && c.leaves) s = go_on(&c, err);
+  if (!s && c.ends) s = go_without(&c, setup->run.until_s, err);
   setup->solver->free(circuit);
   vs_netlist_free(netlist, job.lines);
-  gsl_odeiv2_step_free(c.step);
+  vs_motion_end(&c.motion);
   vs_quiet_free(c.quiet);
   free(n);
   return s;

@@ -284,6 +284,10 @@ bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, boo
   return o->substep_s > 0 && find_signals(o, &in);
 }
 
+double vs_oneport_capacitance(const vs_oneport *o) {
+  return o->dynamic ? o->c_f : 0;
+}
+
 vs_oneport *vs_oneport_new(const vs_setup *setup, const vs_frame *frame) {
   vs_oneport *o = vs_alloc(1, sizeof *o);
   *o = (vs_oneport){.setup = setup, .frame = frame};

@@ -46,6 +46,8 @@ vs_coil vs_oneport_coil(const vs_oneport *o, double t_s, const double y[VS_ONEPO
 void vs_oneport_signals(const vs_oneport *o, double t_s, const vs_coil *coil,
                         double signal[VS_SIGNALS]);
 
+double vs_oneport_capacitance(const vs_oneport *o); /* C, F; 0 without */
+
 /* Of a knot: its coil current, A, and that current's rate, A/s; signal n. */
 double vs_knot_current(const vs_model *model, const vs_knot *knot);
 double vs_knot_current_rate(const vs_model *model, const vs_knot *knot);

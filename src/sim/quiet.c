@@ -32,6 +32,7 @@ struct vs_quiet {
   vs_seen last;                      /* knot taken, also when it is not kept */
   bool any;
   double looked_s;
+  double carried[VS_STATES], carried_s; /* each mode's error of having left before; as of then */
   double peak_x[VS_DOF], peak_force_n, peak_a, peak_signal[VS_SIGNALS];
   vs_oneport *port;
 };
@@ -164,26 +165,33 @@ static double times_added(const outlook *o, const vs_mode *m, double cycles, dou
   return sum + rest * o->ratio[o->count - 1];
 }
 
-/* Largest part of its peak by which p, u, w or phi is wrong when each mode's error of a cycle is
- * added up so many times in the same sense; outlook NULL: once. */
-static double motion_bound(const vs_quiet *q, const misfit *wrong, const outlook *o,
-                           double until_s) {
-  double period = q->setup->timeline.period_s, cycles = (until_s - q->last.knot.t_s) / period;
+/* Each mode's error until_s: what it still has of having left before, and what it takes in a cycle,
+ * added up in the same sense; ahead NULL: once. */
+static void mode_errors(const vs_quiet *q, const misfit *wrong, const outlook *ahead,
+                        double until_s, double error[VS_STATES]) {
+  double period = q->setup->timeline.period_s, now = q->last.knot.t_s;
+  for (size_t k = 0; k < VS_STATES; k++) {
+    const vs_mode *m = &q->modes[k];
+    double times = ahead ? times_added(ahead, m, (until_s - now) / period, period) : 1;
+    error[k] =
+        q->carried[k] * exp(m->re_1_s * (now - q->carried_s)) + SAFETY * wrong->mode[k] * times;
+  }
+}
+
+/* Largest part of its peak by which p, u, w or phi is wrong with these errors. */
+static double motion_bound(const vs_quiet *q, const double error[VS_STATES]) {
   double worst = 0;
   for (int n = 0; n < VS_DOF; n++) {
     double sum = 0;
-    for (size_t k = 0; k < VS_STATES; k++) {
-      const vs_mode *m = &q->modes[k];
-      double times = o ? times_added(o, m, cycles, period) : 1;
-      sum += hypot(m->shape_re[n], m->shape_im[n]) * wrong->mode[k] * times;
-    }
+    for (size_t k = 0; k < VS_STATES; k++)
+      sum += hypot(q->modes[k].shape_re[n], q->modes[k].shape_im[n]) * error[k];
     worst = fmax(worst, sum / q->peak_x[n]);
   }
-  return SAFETY * worst;
+  return worst;
 }
 
-/* With that law; INFINITY: it is not to be gone by. */
-static double bound_of(vs_quiet *q, bool dynamic, double until_s) {
+/* The bound with that law, and each mode's error until_s; INFINITY: it is not to be gone by. */
+static double bound_of(vs_quiet *q, bool dynamic, double until_s, double error[VS_STATES]) {
   double tolerance = q->setup->run.tolerance, most = SHARE * tolerance;
   misfit wrong;
   if (!vs_oneport_fit(q->port, q->seen, q->count, dynamic) || !compare(q, &wrong)) return INFINITY;
@@ -192,9 +200,10 @@ static double bound_of(vs_quiet *q, bool dynamic, double until_s) {
       return INFINITY;
   double bound = SAFETY * fmax(wrong.force_n / q->peak_force_n, wrong.current_a / q->peak_a);
   outlook ahead;
-  if (!(fmax(bound, motion_bound(q, &wrong, NULL, until_s)) <= most) || !look_ahead(q, &ahead))
-    return INFINITY;
-  return fmax(bound, motion_bound(q, &wrong, &ahead, until_s));
+  mode_errors(q, &wrong, NULL, until_s, error);
+  if (!(fmax(bound, motion_bound(q, error)) <= most) || !look_ahead(q, &ahead)) return INFINITY;
+  mode_errors(q, &wrong, &ahead, until_s, error);
+  return fmax(bound, motion_bound(q, error));
 }
 
 /* Can the armature come to its stop, or to the pole cover, with the energy that is in the machine?
@@ -213,9 +222,13 @@ bool vs_quiet_may_leave(vs_quiet *q, double until_s, double *bound) {
   if (may_touch(q, &q->last.knot)) return false;
   q->looked_s = now;
   for (size_t k = 0; k < q->count; k++) q->seen[k] = kept_at(q, k);
+  double error[VS_STATES];
   for (int dynamic = 1; dynamic >= 0; dynamic--) {
-    *bound = bound_of(q, dynamic, until_s);
-    if (*bound <= SHARE * q->setup->run.tolerance) return true;
+    *bound = bound_of(q, dynamic, until_s, error);
+    if (!(*bound <= SHARE * q->setup->run.tolerance)) continue;
+    memcpy(q->carried, error, sizeof error);
+    q->carried_s = until_s;
+    return true;
   }
   return false;
 }
@@ -239,6 +252,15 @@ vs_status vs_quiet_step(vs_quiet *q, vs_knot *k, double t_s, vs_error *err) {
   k->i_mains_a = signal[n_signals(q) - 1];
   vs_knot_complete(q->frame, k, false);
   return VS_OK;
+}
+
+void vs_quiet_restart(vs_quiet *q) {
+  q->any = false;
+  q->count = 0;
+}
+
+double vs_quiet_capacitance(const vs_quiet *q) {
+  return vs_oneport_capacitance(q->port);
 }
 
 /* (w h)^2/8 is what a straight line leaves of a sine. */

@@ -31,6 +31,12 @@ bool vs_quiet_may_leave(vs_quiet *q, double until_s, double *bound);
 /* Takes the knot on to t_s, by the law found. knot is complete afterwards. */
 vs_status vs_quiet_step(vs_quiet *q, vs_knot *knot, double t_s, vs_error *err);
 
+/* The solver has been gone back to. */
+void vs_quiet_restart(vs_quiet *q);
+
+/* C of the law, F; 0: it has none. */
+double vs_quiet_capacitance(const vs_quiet *q);
+
 /* Longest step, s, for which straight lines between knots keep the deck's terms. */
 double vs_quiet_longest(const vs_quiet *q);
 

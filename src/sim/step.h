@@ -82,7 +82,8 @@ typedef enum vs_event {
   VS_EV_MEETS_STOP,
   VS_EV_LEAVES_STOP,
   VS_EV_JAMS,
-  VS_EV_QUIET /* the circuit's solver is left: sim/quiet.h */
+  VS_EV_QUIET, /* the circuit's solver is left: sim/quiet.h */
+  VS_EV_BACK
 } vs_event;
 
 typedef struct vs_step {

@@ -281,6 +281,7 @@ static vs_status add_netlist(vs_text *t, const vs_setup *s, vs_error *err) {
       vs_text_add(t, "%s\n", lines[k]);
       continue;
     }
+    if (strchr("iI", *name)) continue; /* the EVA's, by which the program leads ngspice */
     size_t p = 0;
     while (p < s->deck.n_ports && strcasecmp(s->deck.ports[p].source, name)) p++;
     add_source(t, lines[k], p < s->deck.n_ports ? &s->deck.ports[p] : NULL);

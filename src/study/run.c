@@ -2,7 +2,6 @@
 #include "study/run.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -68,14 +67,12 @@ static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
                                      [VS_EV_MEETS_STOP] = "armature meets the stop",
                                      [VS_EV_LEAVES_STOP] = "armature leaves the stop",
                                      [VS_EV_JAMS] = "armature jams",
-                                     [VS_EV_QUIET] = "the circuit is quiet and left"};
+                                     [VS_EV_QUIET] = "the circuit is quiet: ngspice is left",
+                                     [VS_EV_BACK] = "back in ngspice"};
   audience *a = ctx;
   vs_status status = VS_OK;
   a->result.steps++;
-  if (step->event[1] == VS_EV_QUIET) {
-    a->result.left_s = step->event_s[1];
-    a->result.bound = step->bound;
-  }
+  vs_absence_accept(&a->result.absence, step);
   if (a->table.stream) status = vs_table_accept(&a->table, step, err);
   for (int k = 0; a->events.stream && k < 2; k++)
     if (step->event[k] != VS_EV_NONE)
@@ -197,7 +194,6 @@ static vs_status run_scene(const vs_run_options *o, vs_scene *s, const vs_ladder
                 .measures = vs_measures_new(&s->frame),
                 .devices = vs_devices_new(&s->frame),
                 .show_progress = !o->quiet && isatty(STDERR_FILENO)};
-  a.result.left_s = NAN;
   a.result.measures = a.measures;
   a.result.devices = a.devices;
   a.result.energy.frame = &s->frame;
@@ -210,6 +206,7 @@ static vs_status run_scene(const vs_run_options *o, vs_scene *s, const vs_ladder
     a.began_s = wall_clock();
     status = vs_sim_run(s->tier, &s->setup, &observer, err);
     a.result.wall_s = wall_clock() - a.began_s;
+    vs_absence_finish(&a.result.absence, s->setup.run.until_s);
     if (a.shown_s > 0) fputs("\r\033[K", stderr);
   }
   if (!status) {

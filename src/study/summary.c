@@ -48,6 +48,21 @@ static bool measure_at(const vs_scene *s, const vs_result *r, int k, shown *m) {
   return true;
 }
 
+void vs_absence_accept(vs_absence *a, const vs_step *step) {
+  if (step->event[1] == VS_EV_QUIET) {
+    a->since_s = step->event_s[1];
+    if (!a->times++) a->first_s = a->since_s;
+    a->bound = fmax(a->bound, step->bound);
+    a->now = true;
+  } else if (step->event[1] == VS_EV_BACK)
+    vs_absence_finish(a, step->event_s[1]);
+}
+
+void vs_absence_finish(vs_absence *a, double until_s) {
+  if (a->now) a->total_s += until_s - a->since_s;
+  a->now = false;
+}
+
 static const char *mark(const vs_judgement *j) {
   return j->margin < 0 ? "  violated" : "";
 }
@@ -118,11 +133,14 @@ void vs_summary_table(const vs_scene *s, const vs_result *r, FILE *out) {
   if (r->ladder->rung)
     fprintf(out, "rung   %d: %s; before, %s\n", r->ladder->rung, vs_ladder_text(r->ladder->rung),
             r->ladder->failed);
-  if (!isnan(r->left_s))
-    fprintf(out,
-            "quiet  ngspice was left at %.6g s; p, u, w, phi, force, i err by %.2g of their peaks "
-            "by that at most\n",
-            r->left_s, r->bound);
+  const vs_absence *absence = &r->absence;
+  if (absence->times)
+    fprintf(
+        out,
+        "quiet  %.4g s of it without ngspice, from %.6g s on, %d time%s; errors by that: at most "
+        "%.2g of each peak\n",
+        absence->total_s, absence->first_s, absence->times, absence->times > 1 ? "s" : "",
+        absence->bound);
   fputc('\n', out);
   fprintf(out, "%-*s %16s %-5s %14s%s\n", width, "measure", "computed", "", "at",
           any ? "         measured" : "");
@@ -306,10 +324,12 @@ void vs_summary_json(const vs_scene *s, const vs_result *r, bool with_cost, vs_t
   vs_text_json(json, vs_ladder_text(r->ladder->rung));
   vs_text_add(json, ", \"failed\": ");
   vs_text_json(json, r->ladder->failed);
-  vs_text_add(json, "},\n  \"quiet\": {\"left_at_s\": ");
-  add_number(json, r->left_s);
+  vs_text_add(json, "},\n  \"quiet\": {\"times\": %d, \"first_at_s\": ", r->absence.times);
+  add_number(json, r->absence.times ? r->absence.first_s : NAN);
+  vs_text_add(json, ", \"total_s\": ");
+  add_number(json, r->absence.total_s);
   vs_text_add(json, ", \"bound\": ");
-  add_number(json, isnan(r->left_s) ? 0 : r->bound);
+  add_number(json, r->absence.bound);
   vs_text_add(json, "},\n  \"warnings\": [");
   for (size_t k = 0; k < s->n_warnings; k++) {
     vs_text_add(json, "%s", k ? ", " : "");

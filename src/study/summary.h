@@ -10,6 +10,17 @@
 #include "watch/energy.h"
 #include "watch/verdict.h"
 
+/* Stretches of a run that went without ngspice, as the circuit was quiet. */
+typedef struct vs_absence {
+  int times;
+  double first_s, total_s; /* when it was first left; how long in all */
+  double since_s;          /* the present one */
+  bool now;
+  double bound; /* on the error by it, relative to each probe's peak */
+} vs_absence;
+void vs_absence_accept(vs_absence *absence, const vs_step *step);
+void vs_absence_finish(vs_absence *absence, double until_s);
+
 typedef struct vs_result {
   vs_value values[VS_MEASURES];
   const vs_measures *measures; /* its extremes of the deck's probes */
@@ -18,8 +29,7 @@ typedef struct vs_result {
   const char *open_books; /* NULL: the energy audit finds nothing */
   vs_verdict verdict;
   const vs_ladder *ladder; /* and on which rung of it this was got */
-  double left_s; /* when the circuit was left, as it was quiet; NaN: it was not */
-  double bound;  /* on the error by that, relative to each probe's peak */
+  vs_absence absence;
   double wall_s;
   long steps;
 } vs_result;
