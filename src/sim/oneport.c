@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sim/oneport.h"
 
+#include <gsl/gsl_blas.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_linalg.h>
 #include <gsl/gsl_odeiv2.h>
@@ -10,7 +11,9 @@
 
 #include "machine/actuator.h"
 
-enum { HARMONICS = 3, TERM_COLUMNS = 2 * HARMONICS + 4, LAW_COLUMNS = 2 * HARMONICS + 5 };
+/* The source is one sine: harmonics would take for their own what the mains' beat with the machine
+ * makes, as a cycle cannot tell the two apart. */
+enum { LAW_COLUMNS = 7, HARMONICS = 3, TERM_COLUMNS = 2 * HARMONICS + 5 };
 
 /* A column of a fit of which less than this is its own counts as none. */
 static const double RANK = 1e-9;
@@ -18,11 +21,14 @@ static const double RANK = 1e-9;
 struct vs_oneport {
   const vs_setup *setup;
   const vs_frame *frame;
-  bool dynamic; /* false: i = i_N(t) */
-  double cosine[HARMONICS], sine[HARMONICS],
-      mean_a; /* of i_N; dynamic: of its integral, but the mean */
+  bool dynamic;                /* false: i = i_N(t) */
+  double cosine, sine, mean_a; /* of i_N; dynamic: of its integral, but the mean */
   double g_s, c_f, tau_s;
   double signal[VS_SIGNALS][TERM_COLUMNS];
+  double from_s;                                              /* where the time of a drift begins */
+  double shape[LAW_COLUMNS][LAW_COLUMNS], scale[LAW_COLUMNS]; /* of the fit: R, and its columns' */
+  size_t column[LAW_COLUMNS], rank;
+  double reach_seen;
   double substep_s;
   gsl_odeiv2_system system;
   gsl_odeiv2_step *step;
@@ -40,30 +46,11 @@ double vs_knot_signal(const vs_frame *frame, const vs_knot *k, size_t n) {
   return n < frame->deck->n_terms ? k->terms[n] : k->i_mains_a;
 }
 
-/* cos wt, cos 2wt, ..., sin wt, sin 2wt, ... */
-static void harmonics(const vs_oneport *o, double t_s, double cosine[HARMONICS],
-                      double sine[HARMONICS]) {
-  double angle = o->setup->timeline.omega_rad_s * t_s, c = cos(angle), s = sin(angle);
-  cosine[0] = c;
-  sine[0] = s;
-  for (int h = 1; h < HARMONICS; h++) {
-    cosine[h] = cosine[h - 1] * c - sine[h - 1] * s;
-    sine[h] = sine[h - 1] * c + cosine[h - 1] * s;
-  }
-}
-
 /* i_N and its rate (dynamic: i_N alone) */
 static double source(const vs_oneport *o, double t_s, double *rate) {
-  double cosine[HARMONICS], sine[HARMONICS], i = o->mean_a, w = o->setup->timeline.omega_rad_s;
-  harmonics(o, t_s, cosine, sine);
-  *rate = 0;
-  for (int h = 0; h < HARMONICS; h++) {
-    double slope = (h + 1) * w * (o->sine[h] * cosine[h] - o->cosine[h] * sine[h]);
-    *rate += slope;
-    i += o->cosine[h] * cosine[h] + o->sine[h] * sine[h];
-  }
-  if (o->dynamic) i = o->mean_a + *rate;
-  return i;
+  double w = o->setup->timeline.omega_rad_s, c = cos(w * t_s), s = sin(w * t_s);
+  *rate = w * (o->sine * c - o->cosine * s);
+  return o->mean_a + (o->dynamic ? *rate : o->cosine * c + o->sine * s);
 }
 
 vs_coil vs_oneport_coil(const vs_oneport *o, double t_s, const double y[VS_ONEPORT_STATES]) {
@@ -113,14 +100,21 @@ bool vs_oneport_advance(vs_oneport *o, double from_s, double to_s, double y[VS_O
   return true;
 }
 
-/* What the terms are combined of. */
+/* What the terms are combined of; the last one for those that drift. */
 static void columns(const vs_oneport *o, double t_s, const vs_coil *c, double out[TERM_COLUMNS]) {
-  harmonics(o, t_s, out, out + HARMONICS);
+  double angle = o->setup->timeline.omega_rad_s * t_s, cosine = cos(angle), sine = sin(angle);
+  out[0] = cosine;
+  out[HARMONICS] = sine;
+  for (int h = 1; h < HARMONICS; h++) {
+    out[h] = out[h - 1] * cosine - out[HARMONICS + h - 1] * sine;
+    out[HARMONICS + h] = out[HARMONICS + h - 1] * cosine + out[h - 1] * sine;
+  }
   double *rest = out + 2 * HARMONICS;
   rest[0] = 1;
   rest[1] = c->v_v;
   rest[2] = c->i_a;
   rest[3] = c->v_rate_v_s;
+  rest[4] = t_s - o->from_s;
 }
 
 void vs_oneport_signals(const vs_oneport *o, double t_s, const vs_coil *c,
@@ -146,7 +140,7 @@ typedef struct fit {
   gsl_matrix *a;
   gsl_vector *tau, *norm, *b, *x, *residual;
   gsl_permutation *p;
-  double scale[LAW_COLUMNS];
+  double scale[TERM_COLUMNS]; /* room for either kind */
   size_t rank;
 } fit;
 
@@ -186,6 +180,15 @@ static bool fit_solve(fit *f, double *x) {
   return true;
 }
 
+static void keep_shape(vs_oneport *o, const fit *f) {
+  o->rank = f->rank;
+  for (size_t j = 0; j < f->rank; j++) {
+    o->column[j] = gsl_permutation_get(f->p, j);
+    o->scale[j] = f->scale[o->column[j]];
+    for (size_t k = 0; k <= j; k++) o->shape[k][j] = gsl_matrix_get(f->a, k, j);
+  }
+}
+
 /* The law in its integral form, which needs no derivative of what the solver showed:
  * q + tau i + G int v + C v = sum of harmonics + mean t + constant. */
 static bool find_dynamic(vs_oneport *o, const sight *in) {
@@ -193,48 +196,73 @@ static bool find_dynamic(vs_oneport *o, const sight *in) {
   const vs_seen *s0 = in->seen[0];
   for (size_t k = 0; k < in->count; k++) {
     const vs_seen *s = in->seen[k];
-    double row[LAW_COLUMNS];
-    harmonics(o, s->knot.t_s, row, row + HARMONICS);
-    double *rest = row + 2 * HARMONICS;
-    rest[0] = s->knot.t_s - s0->knot.t_s;
-    rest[1] = 1;
-    rest[2] = -(s->flux_in_wb - s0->flux_in_wb);
-    rest[3] = -s->knot.v_eva_v;
-    rest[4] = -vs_knot_current(&o->setup->model, &s->knot);
+    double angle = o->setup->timeline.omega_rad_s * s->knot.t_s;
+    const double row[LAW_COLUMNS] = {cos(angle),
+                                     sin(angle),
+                                     s->knot.t_s - s0->knot.t_s,
+                                     1,
+                                     -(s->flux_in_wb - s0->flux_in_wb),
+                                     -s->knot.v_eva_v,
+                                     -vs_knot_current(&o->setup->model, &s->knot)};
     for (size_t j = 0; j < LAW_COLUMNS; j++) gsl_matrix_set(f.a, k, j, row[j]);
     gsl_vector_set(f.b, k, s->charge_c - s0->charge_c);
   }
-  double x[LAW_COLUMNS], *rest = x + 2 * HARMONICS;
+  double x[LAW_COLUMNS];
   bool good = fit_decompose(&f) && fit_solve(&f, x);
+  if (good) keep_shape(o, &f);
   fit_free(&f);
   if (!good) return false;
-  memcpy(o->cosine, x, sizeof o->cosine);
-  memcpy(o->sine, x + HARMONICS, sizeof o->sine);
-  o->mean_a = rest[0];
-  o->g_s = rest[2];
-  o->c_f = rest[3];
-  o->tau_s = rest[4];
+  o->cosine = x[0];
+  o->sine = x[1];
+  o->mean_a = x[2];
+  o->g_s = x[4];
+  o->c_f = x[5];
+  o->tau_s = x[6];
   return true;
+}
+
+double vs_oneport_reach(const vs_oneport *o, double t_s, const vs_coil *c) {
+  if (!o->dynamic) return 1;
+  double w = o->setup->timeline.omega_rad_s;
+  const double row[LAW_COLUMNS] = {-w * sin(w * t_s), w * cos(w * t_s), 1, 0, -c->v_v,
+                                   -c->v_rate_v_s,    -c->i_rate_a_s};
+  double sum = 0, y[LAW_COLUMNS]; /* R' y = row */
+  for (size_t j = 0; j < o->rank; j++) {
+    y[j] = row[o->column[j]] / o->scale[j];
+    for (size_t k = 0; k < j; k++) y[j] -= o->shape[k][j] * y[k];
+    y[j] /= o->shape[j][j];
+    sum += y[j] * y[j];
+  }
+  return sqrt(sum) / o->reach_seen;
+}
+
+static double reach_of(vs_oneport *o, const sight *in) {
+  double most = 0, y[VS_ONEPORT_STATES];
+  o->reach_seen = 1;
+  for (size_t k = 0; k < in->count; k++) {
+    vs_oneport_state(&in->seen[k]->knot, y);
+    vs_coil c = vs_oneport_coil(o, in->seen[k]->knot.t_s, y);
+    most = fmax(most, vs_oneport_reach(o, in->seen[k]->knot.t_s, &c));
+  }
+  return most;
 }
 
 /* i = i_N(t) */
 static bool find_static(vs_oneport *o, const sight *in) {
-  enum { COUNT = 2 * HARMONICS + 1 };
-  fit f = fit_new(in->count, COUNT);
+  fit f = fit_new(in->count, 3);
   for (size_t k = 0; k < in->count; k++) {
-    double row[COUNT];
-    harmonics(o, in->seen[k]->knot.t_s, row, row + HARMONICS);
-    row[COUNT - 1] = 1;
-    for (size_t j = 0; j < COUNT; j++) gsl_matrix_set(f.a, k, j, row[j]);
+    double angle = o->setup->timeline.omega_rad_s * in->seen[k]->knot.t_s;
+    const double row[3] = {cos(angle), sin(angle), 1};
+    for (size_t j = 0; j < 3; j++) gsl_matrix_set(f.a, k, j, row[j]);
     gsl_vector_set(f.b, k, vs_knot_current(&o->setup->model, &in->seen[k]->knot));
   }
-  double x[COUNT];
+  double x[3];
   bool good = fit_decompose(&f) && fit_solve(&f, x);
   fit_free(&f);
   if (!good) return false;
-  memcpy(o->cosine, x, sizeof o->cosine);
-  memcpy(o->sine, x + HARMONICS, sizeof o->sine);
-  o->mean_a = x[COUNT - 1];
+  o->cosine = x[0];
+  o->sine = x[1];
+  o->mean_a = x[2];
   return true;
 }
 
@@ -243,7 +271,7 @@ static bool find_static(vs_oneport *o, const sight *in) {
  * z/(2a); C v' = -G v - k lambda - tau k (v - R k lambda). */
 static double substep(const vs_oneport *o) {
   const vs_model *m = &o->setup->model;
-  double fastest = fmax(m->fastest_rad_s, HARMONICS * o->setup->timeline.omega_rad_s);
+  double fastest = fmax(m->fastest_rad_s, o->setup->timeline.omega_rad_s);
   if (o->dynamic) {
     double k = m->gap_rest_m / (2 * m->a_hm), r = m->actuator.resistance_ohm;
     if (!(o->c_f > 0)) return 0;
@@ -256,24 +284,49 @@ static double substep(const vs_oneport *o) {
   return h > 1e-4 * o->setup->timeline.period_s ? h : 0;
 }
 
-static bool find_signals(vs_oneport *o, const sight *in) {
-  fit f = fit_new(in->count, TERM_COLUMNS);
+/* The first `count` columns. */
+static bool begin_signals(const vs_oneport *o, const sight *in, size_t count, fit *f) {
+  *f = fit_new(in->count, count);
   for (size_t k = 0; k < in->count; k++) {
     const vs_knot *seen = &in->seen[k]->knot;
     double y[VS_ONEPORT_STATES], column[TERM_COLUMNS];
     vs_oneport_state(seen, y);
     vs_coil c = vs_oneport_coil(o, seen->t_s, y);
     columns(o, seen->t_s, &c, column);
-    for (size_t j = 0; j < TERM_COLUMNS; j++) gsl_matrix_set(f.a, k, j, column[j]);
+    for (size_t j = 0; j < count; j++) gsl_matrix_set(f->a, k, j, column[j]);
   }
-  bool good = fit_decompose(&f);
+  return fit_decompose(f);
+}
+
+/* Least squares for signal n. Gives what is left over, as the root of its sum of squares. */
+static double find_signal(const vs_oneport *o, const sight *in, size_t n, fit *f, double *x) {
+  for (size_t k = 0; k < in->count; k++)
+    gsl_vector_set(f->b, k, vs_knot_signal(o->frame, &in->seen[k]->knot, n));
+  return fit_solve(f, x) ? gsl_blas_dnrm2(f->residual) : INFINITY;
+}
+
+/* A signal is taken to drift, as an integral does, where that leaves hardly anything over. */
+static const double DRIFTS = 0.1;
+
+static bool find_signals(vs_oneport *o, const sight *in) {
+  fit still, drifting;
+  o->from_s = in->seen[0]->knot.t_s;
+  bool good = begin_signals(o, in, TERM_COLUMNS - 1, &still);
+  good = begin_signals(o, in, TERM_COLUMNS, &drifting) && good;
   for (size_t n = 0; good && n < o->frame->deck->n_terms + 1; n++) {
-    for (size_t k = 0; k < in->count; k++)
-      gsl_vector_set(f.b, k, vs_knot_signal(o->frame, &in->seen[k]->knot, n));
-    good = fit_solve(&f, o->signal[n]);
+    double x[TERM_COLUMNS], *signal = o->signal[n];
+    signal[TERM_COLUMNS - 1] = 0;
+    double left = find_signal(o, in, n, &still, signal);
+    if (find_signal(o, in, n, &drifting, x) < DRIFTS * left) memcpy(signal, x, sizeof x);
+    good = isfinite(left);
   }
-  fit_free(&f);
+  fit_free(&still);
+  fit_free(&drifting);
   return good;
+}
+
+double vs_oneport_drift(const vs_oneport *o, size_t n) {
+  return o->signal[n][TERM_COLUMNS - 1];
 }
 
 bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, bool dynamic) {
@@ -281,6 +334,7 @@ bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, boo
   o->dynamic = dynamic;
   if (!(dynamic ? find_dynamic(o, &in) : find_static(o, &in))) return false;
   o->substep_s = substep(o);
+  if (dynamic) o->reach_seen = reach_of(o, &in);
   return o->substep_s > 0 && find_signals(o, &in);
 }
 

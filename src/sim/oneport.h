@@ -4,10 +4,10 @@
  *
  *   i + tau di/dt = i_N(t) - G v - C dv/dt,
  *
- * i_N: mean and first harmonics of the mains' frequency. Or, where G, C and tau mean nothing,
- * i = i_N(t). Each of the deck's terms is a linear combination of the harmonics, v, dv/dt and i.
- * The numbers are fitted to what a solver showed. With them machine and coil go on without it:
- * lambda' = v - R_c i, i = lambda z/(2a), Eq. 54. */
+ * i_N: a mean and a sine of the mains' frequency. Or, where G, C and tau mean nothing,
+ * i = i_N(t). Each of the deck's terms is a linear combination of some harmonics, v, dv/dt and i;
+ * one that is an integral may drift besides. The numbers are fitted to what a solver showed. With
+ * them machine and coil go on without it: lambda' = v - R_c i, i = lambda z/(2a), Eq. 54. */
 #ifndef VS_SIM_ONEPORT_H
 #define VS_SIM_ONEPORT_H
 
@@ -46,6 +46,11 @@ vs_coil vs_oneport_coil(const vs_oneport *o, double t_s, const double y[VS_ONEPO
 void vs_oneport_signals(const vs_oneport *o, double t_s, const vs_coil *coil,
                         double signal[VS_SIGNALS]);
 
+/* How far an instant lies beyond those the law was fitted to: an error of its numbers that does
+ * not show there by more than e may make the current wrong by this times e here. */
+double vs_oneport_reach(const vs_oneport *o, double t_s, const vs_coil *coil);
+/* By how much signal n, V or A, drifts in a second; 0: it does not. */
+double vs_oneport_drift(const vs_oneport *o, size_t n);
 double vs_oneport_capacitance(const vs_oneport *o); /* C, F; 0 without */
 
 /* Of a knot: its coil current, A, and that current's rate, A/s; signal n. */

@@ -15,9 +15,9 @@ enum { PER_CYCLE = 200, LOOKS_PER_CYCLE = 4 };
  * was looked at the one-port may be later. */
 static const double SHARE = 0.5, SAFETY = 2;
 
-/* By how many run.tolerance of its peak one of the deck's signals may be wrong; a peak below
- * LEAST_SIGNAL, V or A, is none. */
-static const double SIGNAL_SHARE = 3, LEAST_SIGNAL = 1e-6;
+/* By how many run.tolerance of its peak one of the deck's signals may be wrong, or of 1 V or 0.1 A,
+ * which is what the solver tells apart; how many times that it may drift to the end. */
+static const double SIGNAL_SHARE = 3, LEAST_V = 1, LEAST_A = 0.1, MOST_DRIFT = 100;
 
 struct vs_quiet {
   const vs_setup *setup;
@@ -130,39 +130,39 @@ static bool compare(vs_quiet *q, misfit *wrong) {
 
 /* ---- what may come of it ---- */
 
-enum { MOST_AHEAD = 10, STEPS_AHEAD = 100 };
+enum { CYCLES_AHEAD = 10, STEPS_AHEAD = 100 };
 
-/* The one-port's flux linkage over the cycles to come, each relative to what was seen: until it
- * falls no more. An error of the flux linkage makes an error of the force in proportion to it. */
+/* What the one-port says of the cycles to come: its largest flux linkage in each, relative to what
+ * was seen, as an error of the flux linkage makes one of the force in proportion to it; and how far
+ * they lie beyond what it was fitted to. Ten cycles of 50 Hz hold the slowest beats of the mains
+ * with a machine that is driven near its resonance. */
 typedef struct outlook {
-  int count;
-  double ratio[MOST_AHEAD];
+  double ratio[CYCLES_AHEAD];
+  double reach; /* at least 1 */
 } outlook;
 
 static bool look_ahead(vs_quiet *q, outlook *o) {
-  double y[VS_ONEPORT_STATES], t = q->last.knot.t_s, h = q->setup->timeline.period_s / STEPS_AHEAD,
-                               now = 0;
+  double y[VS_ONEPORT_STATES], t = q->last.knot.t_s, now = 0;
+  double h = q->setup->timeline.period_s / STEPS_AHEAD;
   for (size_t k = 0; k < q->count; k++) now = fmax(now, fabs(q->seen[k]->knot.flux_wb));
   vs_oneport_state(&q->last.knot, y);
-  for (o->count = 0; o->count < MOST_AHEAD;) {
-    double largest = 0, before = o->count ? o->ratio[o->count - 1] : 1;
+  *o = (outlook){.reach = 1};
+  for (int cycle = 0; cycle < CYCLES_AHEAD; cycle++)
     for (int n = 0; n < STEPS_AHEAD; n++, t += h) {
       if (!vs_oneport_advance(q->port, t, t + h, y)) return false;
-      largest = fmax(largest, fabs(vs_oneport_coil(q->port, t + h, y).flux_wb));
+      vs_coil c = vs_oneport_coil(q->port, t + h, y);
+      o->ratio[cycle] = fmax(o->ratio[cycle], fabs(c.flux_wb) / now);
+      o->reach = fmax(o->reach, vs_oneport_reach(q->port, t + h, &c));
     }
-    o->ratio[o->count++] = largest / now;
-    if (!(largest / now < 0.95 * before)) break;
-  }
   return true;
 }
 
-/* How often the error a mode took in one cycle may be added up, until_s from now. */
+/* How often the error a mode took in one cycle may be added up in so many. */
 static double times_added(const outlook *o, const vs_mode *m, double cycles, double period_s) {
-  double sum = 0, rest = cycles - o->count;
-  for (int n = 0; n < o->count; n++) sum += o->ratio[n];
-  if (rest <= 0) return sum;
+  double sum = 0, rest = cycles - CYCLES_AHEAD;
+  for (int n = 0; n < CYCLES_AHEAD && n < cycles; n++) sum += o->ratio[n];
   if (isfinite(m->time_constant_s)) rest = fmin(rest, -1 / expm1(-period_s / m->time_constant_s));
-  return sum + rest * o->ratio[o->count - 1];
+  return o->reach * (sum + fmax(rest, 0) * o->ratio[CYCLES_AHEAD - 1]);
 }
 
 /* Each mode's error until_s: what it still has of having left before, and what it takes in a cycle,
@@ -190,20 +190,30 @@ static double motion_bound(const vs_quiet *q, const double error[VS_STATES]) {
   return worst;
 }
 
+/* Do the deck's signals do as they did, to the end? */
+static bool signals_hold(const vs_quiet *q, const misfit *wrong, double until_s) {
+  for (size_t n = 0; n < n_signals(q); n++) {
+    bool current = n + 1 == n_signals(q) || *q->frame->deck->terms[n].plus == 'i';
+    double most = fmax(SIGNAL_SHARE * q->peak_signal[n], current ? LEAST_A : LEAST_V);
+    most *= q->setup->run.tolerance;
+    double drift = fabs(vs_oneport_drift(q->port, n)) * (until_s - q->last.knot.t_s);
+    if (!(wrong->signal[n] <= most) || !(drift <= MOST_DRIFT * most)) return false;
+  }
+  return true;
+}
+
 /* The bound with that law, and each mode's error until_s; INFINITY: it is not to be gone by. */
 static double bound_of(vs_quiet *q, bool dynamic, double until_s, double error[VS_STATES]) {
-  double tolerance = q->setup->run.tolerance, most = SHARE * tolerance;
+  double most = SHARE * q->setup->run.tolerance;
   misfit wrong;
   if (!vs_oneport_fit(q->port, q->seen, q->count, dynamic) || !compare(q, &wrong)) return INFINITY;
-  for (size_t n = 0; n < n_signals(q); n++)
-    if (!(wrong.signal[n] <= SIGNAL_SHARE * tolerance * fmax(q->peak_signal[n], LEAST_SIGNAL)))
-      return INFINITY;
+  if (!signals_hold(q, &wrong, until_s)) return INFINITY;
   double bound = SAFETY * fmax(wrong.force_n / q->peak_force_n, wrong.current_a / q->peak_a);
   outlook ahead;
   mode_errors(q, &wrong, NULL, until_s, error);
   if (!(fmax(bound, motion_bound(q, error)) <= most) || !look_ahead(q, &ahead)) return INFINITY;
   mode_errors(q, &wrong, &ahead, until_s, error);
-  return fmax(bound, motion_bound(q, error));
+  return fmax(ahead.reach * bound, motion_bound(q, error));
 }
 
 /* Can the armature come to its stop, or to the pole cover, with the energy that is in the machine?
