@@ -257,15 +257,25 @@ static vs_status go_without(coupling *c, double t_s, vs_error *err) {
   vs_knot_copy(&c->frame, &c->knots[c->now], &next);
   vs_status status = show(c, &next, VS_EV_QUIET, err);
   for (double k = 1; k <= n && !status; k++) {
-    status = vs_quiet_step(c->quiet, &next, from_s + gone_s * (k / n), err);
+    status = vs_quiet_step(c->quiet, &next, k < n ? from_s + gone_s * (k / n) : t_s, err);
     if (!status) status = show(c, &next, VS_EV_NONE, err);
   }
   return status;
 }
 
-/* Back in the solver, it is led for FOLLOWS of the largest step: its flux linkage and the EVA's
- * voltage go to those of the one-port with a time constant of LEAD of them. */
-static const double FOLLOWS = 80, LEAD = 4;
+/* Back in the solver, its flux linkage and the EVA's voltage are led to those of the one-port, each
+ * with a time constant of its own: of some of the largest steps, as they are led step by step, and
+ * the voltage of some lags of the snubbers, through whose resistance the leading current goes. What
+ * else the circuit holds follows. */
+static double lead_flux_s(const coupling *c) {
+  return 4 * c->max_step_s;
+}
+static double lead_voltage_s(const coupling *c) {
+  return fmax(4 * c->max_step_s, 3 * vs_quiet_lag(c->quiet));
+}
+static double following_s(const coupling *c) {
+  return fmax(c->setup->timeline.period_s / 4, 20 * lead_voltage_s(c));
+}
 
 /* The solver stands at some phase of the mains while whole cycles pass by the one-port; then it
  * goes on with its clock moved on by them, and is led to where the machine, lambda and v have come.
@@ -275,7 +285,7 @@ static vs_status go_without_for(coupling *c, double cycles, vs_error *err) {
   vs_status status = go_without(c, back_s, err);
   c->shift_s += away_s;
   c->follows = true;
-  c->followed_s = back_s + FOLLOWS * c->max_step_s;
+  c->followed_s = back_s + following_s(c);
   c->candidate_s = -1;
   return status;
 }
@@ -300,12 +310,12 @@ static vs_status leave_if_quiet(coupling *c, vs_error *err) {
   double cycles = INFINITY;
   if (next < until) {
     if (c->setup->deck.eva_file) return VS_OK; /* it has nothing to be led by */
-    double free_s = next - now - (FOLLOWS + 10) * c->max_step_s;
-    cycles = floor(free_s / c->setup->timeline.period_s);
+    cycles = floor((next - now) / c->setup->timeline.period_s) - 1; /* one to be led back in */
     until = now + cycles * c->setup->timeline.period_s;
   }
   if (cycles < 1 || !vs_quiet_may_leave(c->quiet, until, &c->bound)) return VS_OK;
-  if (isfinite(cycles)) return go_without_for(c, cycles, err);
+  if (isfinite(cycles))
+    return following_s(c) < c->setup->timeline.period_s ? go_without_for(c, cycles, err) : VS_OK;
   c->ends = true;
   return VS_OK; /* the rest once the solver has come back from its run */
 }
@@ -315,11 +325,10 @@ static vs_status follow(coupling *c, double t_s, const double *signals, vs_error
   vs_knot next;
   vs_knot_copy(&c->frame, &c->knots[c->now], &next);
   vs_status status = vs_quiet_step(c->quiet, &next, t_s, err);
-  double lead_s = LEAD * c->max_step_s;
   c->follows = t_s < c->followed_s;
-  c->pull_v = c->follows ? (next.flux_wb - signals[SIG_FLUX]) / lead_s : 0;
+  c->pull_v = c->follows ? (next.flux_wb - signals[SIG_FLUX]) / lead_flux_s(c) : 0;
   double behind_v = next.v_eva_v - (signals[SIG_PLUS] - signals[SIG_MINUS]);
-  c->push_a = c->follows ? vs_quiet_capacitance(c->quiet) * behind_v / lead_s : 0;
+  c->push_a = c->follows ? vs_quiet_capacitance(c->quiet) * behind_v / lead_voltage_s(c) : 0;
   if (!c->follows) vs_quiet_restart(c->quiet);
   return status ? status : show(c, &next, c->follows ? VS_EV_NONE : VS_EV_BACK, err);
 }

@@ -266,21 +266,21 @@ static bool find_static(vs_oneport *o, const sight *in) {
   return true;
 }
 
-/* rkf45's error over a substep is below 1e-7 of what swings fastest; 0: the law is none to go by,
- * as it is unstable or too stiff. The electrical half at rest: lambda' = v - R k lambda, k =
- * z/(2a); C v' = -G v - k lambda - tau k (v - R k lambda). */
+/* rkf45's error over 0.1 rad of the machine's swing is 1e-9 of it, over 0.2 rad of the coil's with
+ * its capacitances, which dies, 1e-7. 0: the law is none to go by, as it is unstable or too stiff.
+ * The electrical half at rest: lambda' = v - R k lambda, k = z/(2a); C v' = -G v - k lambda -
+ * tau k (v - R k lambda). */
 static double substep(const vs_oneport *o) {
   const vs_model *m = &o->setup->model;
-  double fastest = fmax(m->fastest_rad_s, o->setup->timeline.omega_rad_s);
+  double h = 0.1 / fmax(m->fastest_rad_s, o->setup->timeline.omega_rad_s);
   if (o->dynamic) {
     double k = m->gap_rest_m / (2 * m->a_hm), r = m->actuator.resistance_ohm;
     if (!(o->c_f > 0)) return 0;
     double trace = -r * k - (o->g_s + o->tau_s * k) / o->c_f;
     double det = (r * k * o->g_s + k) / o->c_f;
     if (!(trace < 0 && det > 0)) return 0;
-    fastest = fmax(fastest, fmax(-trace, sqrt(det)));
+    h = fmin(h, 0.2 / fmax(-trace, sqrt(det)));
   }
-  double h = 0.2 / fastest;
   return h > 1e-4 * o->setup->timeline.period_s ? h : 0;
 }
 
@@ -340,6 +340,10 @@ bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, boo
 
 double vs_oneport_capacitance(const vs_oneport *o) {
   return o->dynamic ? o->c_f : 0;
+}
+
+double vs_oneport_lag(const vs_oneport *o) {
+  return o->dynamic ? fabs(o->tau_s) : 0;
 }
 
 vs_oneport *vs_oneport_new(const vs_setup *setup, const vs_frame *frame) {

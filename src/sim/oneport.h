@@ -52,6 +52,7 @@ double vs_oneport_reach(const vs_oneport *o, double t_s, const vs_coil *coil);
 /* By how much signal n, V or A, drifts in a second; 0: it does not. */
 double vs_oneport_drift(const vs_oneport *o, size_t n);
 double vs_oneport_capacitance(const vs_oneport *o); /* C, F; 0 without */
+double vs_oneport_lag(const vs_oneport *o);         /* |tau|, s; 0 without */
 
 /* Of a knot: its coil current, A, and that current's rate, A/s; signal n. */
 double vs_knot_current(const vs_model *model, const vs_knot *knot);

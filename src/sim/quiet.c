@@ -11,9 +11,10 @@
 
 enum { PER_CYCLE = 200, LOOKS_PER_CYCLE = 4 };
 
-/* Of run.tolerance, for having left the circuit; and how much worse than in the cycle in which it
- * was looked at the one-port may be later. */
-static const double SHARE = 0.5, SAFETY = 2;
+/* Of run.tolerance, for having left the circuit; how much worse than in the cycle in which it was
+ * looked at the one-port may be later; what the integration without the solver may cost; and of
+ * run.tolerance, by how much a run that stays differs from itself. */
+static const double SHARE = 0.5, SAFETY = 3, INTEGRATION = 1e-7, ITS_OWN = 1e-3;
 
 /* By how many run.tolerance of its peak one of the deck's signals may be wrong, or of 1 V or 0.1 A,
  * which is what the solver tells apart; how many times that it may drift to the end. */
@@ -31,7 +32,8 @@ struct vs_quiet {
   const vs_seen *seen[VS_MOST_SEEN]; /* the same in order, while it is looked at them */
   vs_seen last;                      /* knot taken, also when it is not kept */
   bool any;
-  double looked_s;
+  double looked_s,
+      bound_before[2]; /* with either law, when it was last looked; infinite: not yet */
   double carried[VS_STATES], carried_s; /* each mode's error of having left before; as of then */
   double peak_x[VS_DOF], peak_force_n, peak_a, peak_signal[VS_SIGNALS];
   vs_oneport *port;
@@ -68,6 +70,12 @@ static void integrate_port(vs_quiet *q, const vs_knot *k) {
   q->last.flux_in_wb += m->actuator.resistance_ohm * charge + k->flux_wb - from->flux_wb;
 }
 
+void vs_quiet_restart(vs_quiet *q) {
+  q->any = false;
+  q->count = 0;
+  q->bound_before[0] = q->bound_before[1] = INFINITY;
+}
+
 void vs_quiet_take(vs_quiet *q, const vs_knot *k, bool blocks) {
   double period = q->setup->timeline.period_s;
   if (q->any) integrate_port(q, k);
@@ -75,7 +83,7 @@ void vs_quiet_take(vs_quiet *q, const vs_knot *k, bool blocks) {
   q->any = true;
   take_peaks(q, k);
   if (!blocks) {
-    q->count = 0;
+    vs_quiet_restart(q);
     q->looked_s = k->t_s;
     return;
   }
@@ -234,8 +242,11 @@ bool vs_quiet_may_leave(vs_quiet *q, double until_s, double *bound) {
   for (size_t k = 0; k < q->count; k++) q->seen[k] = kept_at(q, k);
   double error[VS_STATES];
   for (int dynamic = 1; dynamic >= 0; dynamic--) {
-    *bound = bound_of(q, dynamic, until_s, error);
-    if (!(*bound <= SHARE * q->setup->run.tolerance)) continue;
+    double before = q->bound_before[dynamic], most = SHARE * q->setup->run.tolerance;
+    q->bound_before[dynamic] = bound_of(q, dynamic, until_s, error);
+    *bound =
+        INTEGRATION + ITS_OWN * q->setup->run.tolerance + fmax(before, q->bound_before[dynamic]);
+    if (!(*bound <= most)) continue;
     memcpy(q->carried, error, sizeof error);
     q->carried_s = until_s;
     return true;
@@ -264,13 +275,12 @@ vs_status vs_quiet_step(vs_quiet *q, vs_knot *k, double t_s, vs_error *err) {
   return VS_OK;
 }
 
-void vs_quiet_restart(vs_quiet *q) {
-  q->any = false;
-  q->count = 0;
-}
-
 double vs_quiet_capacitance(const vs_quiet *q) {
   return vs_oneport_capacitance(q->port);
+}
+
+double vs_quiet_lag(const vs_quiet *q) {
+  return vs_oneport_lag(q->port);
 }
 
 /* (w h)^2/8 is what a straight line leaves of a sine. */
@@ -302,6 +312,7 @@ vs_quiet *vs_quiet_new(const vs_setup *setup, const vs_frame *frame) {
   *q = (vs_quiet){.setup = setup, .frame = frame};
   q->kept = vs_alloc(VS_MOST_SEEN, sizeof *q->kept);
   q->port = vs_oneport_new(setup, frame);
+  vs_quiet_restart(q);
   if (find_vectors(q)) return q;
   vs_quiet_free(q);
   return NULL;

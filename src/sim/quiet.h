@@ -36,6 +36,8 @@ void vs_quiet_restart(vs_quiet *q);
 
 /* C of the law, F; 0: it has none. */
 double vs_quiet_capacitance(const vs_quiet *q);
+/* and |tau|, s */
+double vs_quiet_lag(const vs_quiet *q);
 
 /* Longest step, s, for which straight lines between knots keep the deck's terms. */
 double vs_quiet_longest(const vs_quiet *q);

@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Leaving ngspice when the circuit is quiet: what it is said to cost is a bound on what it costs
+ * (and where ngspice is gone back to, it then takes other steps: there twice what steps 3 % shorter
+ * change, or a fifth of the tolerance, is
+ * allowed too), over scenes drawn at random (20 here; 200 with tools/test --long, which
+ * writes quiet.csv, committed in tests/long); and it happens when it may, and only then. */
+#include <gsl/gsl_qrng.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "suite.h"
+
+/* What run.tolerance is about: p, u, w, phi, force, i at samples 0.2 ms apart. */
+static const int CHANNELS[] = {VS_CH_P, VS_CH_U, VS_CH_W, VS_CH_PHI, VS_CH_FORCE, VS_CH_I};
+enum { N_CHANNELS = COUNT(CHANNELS), MOST_SAMPLES = 5001, N_SETS = 16 };
+static const double SAMPLE_S = 2e-4;
+
+typedef struct course {
+  int count, times; /* samples; how often ngspice was left */
+  double first_s, back_s, bound;
+  double y[MOST_SAMPLES][N_CHANNELS];
+} course;
+
+static vs_status record(void *ctx, const vs_step *step, vs_error *err) {
+  (void)err;
+  course *c = ctx;
+  if (step->event[1] == VS_EV_QUIET) {
+    if (!c->times++) c->first_s = step->event_s[1];
+    c->bound = fmax(c->bound, step->bound);
+  }
+  if (step->event[1] == VS_EV_BACK) c->back_s = step->event_s[1];
+  for (; c->count < MOST_SAMPLES && c->count * SAMPLE_S <= step->to->t_s; c->count++) {
+    double all[VS_CH_MOST];
+    vs_step_at(step, c->count * SAMPLE_S, all);
+    for (int k = 0; k < N_CHANNELS; k++) c->y[c->count][k] = all[CHANNELS[k]];
+  }
+  return VS_OK;
+}
+
+/* leave: "when_quiet" or "never"; max_step_s: 0, as by default */
+static vs_trial *run(const char *const *sets, const char *leave, double max_step_s, course *c) {
+  const char *all[N_SETS + 3] = {NULL};
+  char step[64];
+  char key[64];
+  size_t n = 0;
+  for (; sets[n]; n++) all[n] = sets[n];
+  snprintf(key, sizeof key, "run.leave_circuit=%s", leave);
+  all[n] = key;
+  snprintf(step, sizeof step, "run.max_step=%.9gs", max_step_s);
+  all[n + 1] = max_step_s > 0 ? step : NULL;
+  memset(c, 0, sizeof *c);
+  const vs_observer observer = {c, record};
+  vs_trial *t = vs_trial_run("paper", "circuit", all, &observer);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  return t;
+}
+
+static double difference(const course *a, const course *b) {
+  double worst = 0;
+  int count =
+      a->count < b->count ? a->count : b->count; /* ngspice's end may be the rounding short */
+  CU_ASSERT(abs(a->count - b->count) <= 1);
+  for (int k = 0; k < N_CHANNELS; k++) {
+    double peak = 0, off = 0;
+    for (int n = 0; n < count; n++) {
+      peak = fmax(peak, fabs(b->y[n][k]));
+      off = fmax(off, fabs(a->y[n][k] - b->y[n][k]));
+    }
+    worst = fmax(worst, off / peak);
+  }
+  return worst;
+}
+
+static course left, stayed, otherwise; /* of a scene: too large for the stack */
+
+/* ---- scenes at random ---- */
+
+enum { DIMENSIONS = 12, SCENES = 200, FEW = 20 };
+
+static void scene_at(int number, char text[N_SETS][64], const char *sets[N_SETS + 1]) {
+  static const char *const DECKS[] = {"halfwave_snubbed", "halfwave_snubbed",
+                                      "halfwave_paper",   "fullwave_antiparallel",
+                                      "halfwave_bare",    "halfwave_snubbed"};
+  static const char *const TOLERANCES[] = {"1e-3", "1e-4", "3e-4", "1e-4", "3e-5"};
+  double x[DIMENSIONS];
+  gsl_qrng *sobol = gsl_qrng_alloc(gsl_qrng_sobol, DIMENSIONS);
+  for (int k = 0; k <= number; k++) gsl_qrng_get(sobol, x);
+  gsl_qrng_free(sobol);
+  const char *deck = DECKS[(size_t)number % COUNT(DECKS)];
+  int n = 0;
+#define KEY(...) snprintf(text[n++], sizeof text[0], __VA_ARGS__)
+  KEY("circuit.deck=%s", deck);
+  KEY("run.tolerance=%s", TOLERANCES[(size_t)number % COUNT(TOLERANCES)]);
+  KEY("run.until=%.4gs", 0.2 + 0.4 * x[0]);
+  KEY("firing.angle=%.6gdeg", 85 + 70 * x[1]);
+  KEY("firing.every=%s", x[2] < 0.6 ? "once" : x[2] < 0.8 ? "7" : "10");
+  KEY("supply.frequency=%.6gHz", 45 + 20 * x[3]);
+  KEY("supply.inductance=%.4gH", 10e-6 * pow(300, x[4]));
+  KEY("actuator.resistance=%.4gohm", 40 * pow(5, x[5]));
+  KEY("actuator.inductance=%.4gH", 1 + x[6]);
+  KEY("load.density=1.6g/cm3");
+  KEY("load.fraction=%.4g", 0.6 * x[7]);
+  KEY("machine.spring_damping=%.4gN.s/m", 0.3 * pow(20, x[8]));
+  if (strcmp(deck, "halfwave_bare")) {
+    KEY("circuit.r1=%.4gohm", 30 * pow(100, x[9]));
+    KEY("circuit.c1=%.4gnF", 10 * pow(30, x[10]));
+    KEY("circuit.c2=%.4gnF", 10 * pow(30, x[11]));
+  }
+#undef KEY
+  for (int k = 0; k < n; k++) sets[k] = text[k];
+  sets[n] = NULL;
+}
+
+typedef struct tally {
+  int cases, left, beyond;
+  double worst; /* largest part of its bound that a difference was */
+} tally;
+
+static void run_scene(int number, FILE *table, tally *sum) {
+  char text[N_SETS][64];
+  const char *sets[N_SETS + 1];
+  scene_at(number, text, sets);
+  double off = 0, alike = 0, part = 0;
+  vs_trial *a = run(sets, "when_quiet", 0, &left);
+  double step_s = vs_largest_step(&a->scene.setup);
+  if (left.times) {
+    vs_trial_free(run(sets, "never", 0, &stayed));
+    off = difference(&left, &stayed);
+    CU_ASSERT_EQUAL(stayed.times, 0);
+    if (left.back_s > 0) { /* from there on ngspice takes other steps than it would have */
+      vs_trial_free(run(sets, "never", 0.97 * step_s, &otherwise));
+      alike = difference(&otherwise, &stayed);
+    }
+    double own = left.back_s > 0 ? fmax(2 * alike, a->scene.setup.run.tolerance / 5) : 0;
+    part = off / fmax(left.bound, own);
+  }
+  vs_trial_free(a);
+  sum->cases++;
+  sum->left += left.times > 0;
+  sum->beyond += part > 1;
+  sum->worst = fmax(sum->worst, part);
+  EXPECT(part <= 1, "scene %d: off by %.2g, bound %.2g, other steps %.2g", number, off, left.bound,
+         alike);
+  if (table) {
+    fprintf(table, "%d,%d,%.4f,%.2e,%.2e,%.2e", number, left.times, left.first_s, left.bound, off,
+            alike);
+    for (int k = 0; sets[k]; k++) fprintf(table, ",%s", strchr(sets[k], '=') + 1);
+    fputs("\n", table);
+    fflush(table);
+  }
+}
+
+static void a_few(void) {
+  tally sum = {0};
+  if (getenv("VS_LONG")) return;
+  for (int k = 0; k < FEW; k++) run_scene(k, NULL, &sum);
+  printf(" %d of %d scenes leave, off by %.2g of the bound at most ", sum.left, sum.cases,
+         sum.worst);
+  CU_ASSERT(sum.left >= FEW / 2);
+}
+
+static void all_of_them(void) {
+  tally sum = {0};
+  if (!getenv("VS_LONG")) return;
+  FILE *table = fopen("quiet.csv", "w");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(table);
+  fputs("scene,times_left,first_s,bound,off,other_steps,deck,tolerance,until,angle,every,frequency,"
+        "l_source,"
+        "resistance,inductance,density,fraction,spring_damping,r1,c1,c2\n",
+        table);
+  for (int k = 0; k < SCENES; k++) run_scene(k, table, &sum);
+  fclose(table);
+  printf(" %d of %d scenes leave, off by %.2g of the bound at most, %d beyond ", sum.left,
+         sum.cases, sum.worst, sum.beyond);
+}
+
+static const vs_test TESTS[] = {
+    {"a few scenes", a_few},
+    {"all scenes (long)", all_of_them},
+};
+VS_SUITE_MAIN("quiet", TESTS)
