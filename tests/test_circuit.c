@@ -400,12 +400,13 @@ static void free_counted(void *circuit) {
 static void two_iterations_per_step(void) {
   static const vs_circuit_kind COUNTED = {"ngspice, counted", load_counted, run_counted,
                                           free_counted};
-  char until[] = "run.until=0.1s", *const sets[] = {until};
+  char until[] = "run.until=0.1s", stays[] = "run.leave_circuit=never";
+  char *const sets[] = {until, stays};
   vs_scene scene;
   vs_error err = {0};
   long steps = 0;
   vs_observer observer = {&steps, count_steps};
-  CU_ASSERT_EQUAL_FATAL(vs_scene_read("paper", sets, 1, "circuit", &scene, &err), VS_OK);
+  CU_ASSERT_EQUAL_FATAL(vs_scene_read("paper", sets, 2, "circuit", &scene, &err), VS_OK);
   scene.setup.solver = &COUNTED;
   CU_ASSERT_EQUAL(scene.tier->run(&scene.setup, &observer, &err), VS_OK);
   CLOSE_OF((double)counted.asked / (double)steps, 2, 1, 0.1);

@@ -293,7 +293,7 @@ static void in_the_papers_scene(void) {
     for (int k = 0; k < 2; k++) {
       const char *sets[] = {METHODS[m],
                             k ? "circuit.thyristor=thyristor_2t" : "circuit.thyristor=latch",
-                            "run.until=0.1s", NULL};
+                            "run.until=0.1s", "run.leave_circuit=never", NULL};
       t[k] = vs_trial_run("paper", "circuit", sets, NULL);
       CU_ASSERT_EQUAL_FATAL(t[k]->status, VS_OK);
     }

@@ -47,6 +47,7 @@ typedef struct coupling {
   double series_s;       /* a cubic's error over it is below 5e-6 of the amplitude */
   vs_quiet *quiet;       /* NULL: the solver goes on to the end */
   bool ends;             /* the solver is not needed any more */
+  bool without;          /* the solver, the one-port in its place */
   bool follows;          /* the solver is led to where the one-port has come meanwhile */
   double shift_s;        /* the run's time less the solver's: whole cycles that it was left for */
   double pull_v, push_a; /* by which it is led */
@@ -192,7 +193,8 @@ static vs_status show(coupling *c, const vs_knot *k, vs_event contact, vs_error 
   vs_knot *from = &c->knots[c->now], *to = &c->knots[1 - c->now];
   if (from->t_s == 0)
     memcpy(from->terms, k->terms, sizeof k->terms); /* the solver shows none at t = 0 */
-  vs_step step = {.frame = &c->frame, .from = from, .to = to, .cubic_flux = true};
+  vs_step step = {
+      .frame = &c->frame, .from = from, .to = to, .cubic_flux = true, .periodic = c->without};
   step.event[0] = find_event(c, to, from, k, &step.event_s[0]); /* `to` is still the one before */
   vs_knot_copy(&c->frame, k, to);
   step.event[1] = contact;
@@ -256,6 +258,7 @@ static vs_status go_without(coupling *c, double t_s, vs_error *err) {
   vs_knot next;
   vs_knot_copy(&c->frame, &c->knots[c->now], &next);
   vs_status status = show(c, &next, VS_EV_QUIET, err);
+  c->without = true;
   for (double k = 1; k <= n && !status; k++) {
     status = vs_quiet_step(c->quiet, &next, k < n ? from_s + gone_s * (k / n) : t_s, err);
     if (!status) status = show(c, &next, VS_EV_NONE, err);
@@ -330,6 +333,7 @@ static vs_status follow(coupling *c, double t_s, const double *signals, vs_error
   double behind_v = next.v_eva_v - (signals[SIG_PLUS] - signals[SIG_MINUS]);
   c->push_a = c->follows ? vs_quiet_capacitance(c->quiet) * behind_v / lead_voltage_s(c) : 0;
   if (!c->follows) vs_quiet_restart(c->quiet);
+  c->without = c->follows;
   return status ? status : show(c, &next, c->follows ? VS_EV_NONE : VS_EV_BACK, err);
 }
 

@@ -90,6 +90,7 @@ typedef struct vs_step {
   const vs_frame *frame;
   const vs_knot *from, *to;
   bool cubic_flux;   /* flux between the knots by its values and first derivatives alone */
+  bool periodic;     /* the deck's terms are as in any other cycle */
   vs_event event[2]; /* in order of time; VS_EV_NONE where there is none */
   double event_s[2]; /* in [from, to], or as near as it can be told */
   double bound;      /* of VS_EV_QUIET: largest error by it, relative to each probe's peak */

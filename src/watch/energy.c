@@ -56,7 +56,8 @@ static void begin(vs_energy *e, const vs_step *step) {
 }
 
 /* The deck's losses by Simpson's rule with its terms on straight lines between the ends of a step:
- * exact for a voltage times a current, and off by the square of the step as the solver is. */
+ * exact for a voltage times a current, and off by the square of the step as the solver is. Of what
+ * is periodic the trapezoidal rule adds up whole cycles exactly. */
 static void add_losses(vs_energy *e, const vs_step *step) {
   const vs_deck *deck = step->frame->deck;
   const double *from = step->from->terms, *to = step->to->terms;
@@ -64,7 +65,11 @@ static void add_losses(vs_energy *e, const vs_step *step) {
   for (size_t t = 0; t < deck->n_terms; t++) mid[t] = (from[t] + to[t]) / 2;
   for (size_t n = 0; n < deck->losses.count; n++) {
     double power[2];
-    vs_formula_pair(&deck->losses.item[n].formula, mid, to, power);
+    if (step->periodic) {
+      power[1] = vs_formula_value(&deck->losses.item[n].formula, to);
+      power[0] = (e->loss_w[n] + power[1]) / 2;
+    } else
+      vs_formula_pair(&deck->losses.item[n].formula, mid, to, power);
     e->loss_j[n] += h * (e->loss_w[n] + 4 * power[0] + power[1]) / 6;
     e->loss_w[n] = power[1];
   }
