@@ -29,7 +29,12 @@ const vs_kind vs_kinds[] = {
           VS_R_OFF_RATE, VS_OF_V, 1, NULL, false},
          {"di_dt", "A/us", "largest rate of current from firing to its first maximum, over 0.1 us",
           VS_R_ON_RATE, VS_OF_I, 1, "di_dt", false},
-         {"i_peak", "A", "peak current", VS_R_PEAK, VS_OF_I, 1, "i_tsm", false},
+         {"i_peak", "A", "peak current", VS_R_PEAK, VS_OF_I, 1, NULL, false},
+         {"i_surge", "A",
+          "peak of the half sine of 10 ms with the largest int i^2 dt within 10 ms: a shorter "
+          "pulse "
+          "heats as much by the same int i^2 dt",
+          VS_R_SURGE, VS_OF_I2, 1, "i_tsm", false},
          {"i_mean", "A", "mean current over the run", VS_R_MEAN, VS_OF_I, 1, NULL, false},
          {"i_rms", "A", "rms current over the run", VS_R_RMS, VS_OF_I2, 1, NULL, false},
          {"i2t", "A2.s", "largest int i^2 dt of one conduction", VS_R_PULSE, VS_OF_I2, 1, "i2t",

@@ -19,6 +19,8 @@ typedef enum vs_reduction {
   VS_R_RMS,        /* root of the mean over the run */
   VS_R_INTEGRAL,   /* over the run */
   VS_R_PULSE,      /* the largest integral over one pulse: while it conducts; while |i| >= 1 mA */
+  VS_R_WITHIN,     /* the largest integral within 10 ms (up to 10.5 ms are taken) */
+  VS_R_SURGE,      /* peak of the half sine of 10 ms that has this integral */
   VS_R_STEEPEST,   /* the largest rate, either way */
   VS_R_JUNCTION,   /* temperature rise, by the part's zth */
   VS_R_RISE,       /* the steepest mean rate from 10 to 90 % of a rise of forward voltage */
@@ -41,7 +43,7 @@ typedef struct vs_device_measure {
   bool at_least;     /* the limit is the least allowed, not the most */
 } vs_device_measure;
 
-enum { VS_KIND_MEASURES = 16, VS_KIND_LIMITS = 8 }; /* at most, of one kind */
+enum { VS_KIND_MEASURES = 16, VS_KIND_LIMITS = 10 }; /* at most, of one kind */
 typedef struct vs_kind {
   const char *name;
   bool switches, gated; /* conducts or blocks; goes by the deck's gate pulses */
