@@ -141,6 +141,7 @@ typedef struct vs_requirement {
 /* A term of a part's transient thermal impedance. */
 typedef struct vs_zth {
   double k_per_w, tau_s;
+  bool assumed;
   vs_where where;
 } vs_zth;
 

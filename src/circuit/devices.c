@@ -154,7 +154,7 @@ vs_status vs_devices_zth(vs_deck *deck, vs_cursor *c, vs_error *err) {
     return vs_fail_at(err, where,
                       "zth: a thermal resistance and its time constant are wanted here, both "
                       "positive, as 0.5 K/W 1 ms");
-  vs_cursor_is(c, "assumed");
+  zth.assumed = vs_cursor_is(c, "assumed");
   vs_status status = vs_cursor_text(c, text, sizeof text, err);
   size_t same = 0;
   for (size_t k = 0; k < deck->n_zth; k++) same += !strcmp(deck->zth[k].where.file, c->line.file);

@@ -47,7 +47,8 @@ static void print_part(void *ctx, const char *path) {
     printf("    limit %-18s %-14s %s%s\n", part->limits[k].name, part->limits[k].written,
            part->limits[k].text, part->limits[k].assumed ? " (assumed)" : "");
   for (size_t k = 0; k < part->n_zth && !status; k++)
-    printf("    zth   %g K/W, %g s\n", part->zth[k].k_per_w, part->zth[k].tau_s);
+    printf("    zth   %g K/W, %g s%s\n", part->zth[k].k_per_w, part->zth[k].tau_s,
+           part->zth[k].assumed ? " (assumed)" : "");
   for (size_t k = 1; k < part->section.count && !status; k++)
     printf("    param %-18s %-14s %s\n", part->section.fields[k].key,
            part->section.fields[k].default_text, part->section.fields[k].text);
