@@ -518,7 +518,7 @@ static void bad_lines(void) {
   static const struct {
     const char *lines, *part, *place, *says;
   } ROWS[] = {
-      {"*$ device\n", "", "d.cir:4:10: ", "'device NAME [PART or KIND] [gate+ANGLE] = VOLTAGE"},
+      {"*$ device\n", "", "d.cir:4:10: ", "'device NAME [PART or KIND] [gate+ANGLE] [protects"},
       {"*$ device t v(a), v(b)\n", "", "d.cir:4:14: ", "'device NAME [PART or KIND]"},
       {"*$ device t a b = v(a), v(b)\n", "", "d.cir:4:15: ", "'device NAME [PART or KIND]"},
       {"*$ device t = v(a)\n", "", "d.cir:4:19: ", "',' and the formula of its current"},
@@ -534,6 +534,12 @@ static void bad_lines(void) {
       {"*$ device t gate+90 = v(a), v(b)\n", "", "d.cir:4:13: ", "'gate+90' is no part"},
       {"*$ device t gate+90deg = v(a), v(b)\n", "", "d.cir:4:13: ", "no such port"},
       {"*$ device r1 resistor gate = v(a), v(b)\n", "", "d.cir:4:23: ", "a resistor has no gate"},
+      {"*$ device t protects = v(a), v(b)\n", "", "d.cir:4:13: ", "'device NAME [PART or KIND]"},
+      {"*$ device f fuse protects q = v(a), v(b)\n*$ device t = v(a), v(b)\n", "",
+       "d.cir:4:27: ", "no device 'q' stands in the deck"},
+      {"*$ device t protects t = v(a), v(b)\n", "", "d.cir:4:22: ", "a thyristor protects nothing"},
+      {"*$ device f fuse protects t = v(a), v(b)\n*$ device t = v(a), v(b)\n",
+       "*$ limit i2t = 3 A\n", "p.inc:2:16: ", "a unit as A2.s"},
       {"*$ device t = v(a), v(b)\n", "*$ limit i2t = 3 A\n", "p.inc:2:16: ", "a unit as A2.s"},
       {"", "*$ zth 0.5 1 ms\n", "p.inc:2:8: ", "a thermal resistance and its time constant"},
       {"", "*$ zth 0.5 K/W 0 ms\n", "p.inc:2:8: ", "both positive, as 0.5 K/W 1 ms"},

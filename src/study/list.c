@@ -80,8 +80,9 @@ static void list_device(const vs_device *d) {
     const vs_device_measure *m = &d->kind->measures[n];
     char name[VS_DECK_NAME + 24];
     snprintf(name, sizeof name, "%s.%s", d->name, m->name);
-    printf("%-20s %-7s %s (tier circuit)%s%s\n", name, m->unit, m->text, m->limit ? "; limit " : "",
-           m->limit ? m->limit : "");
+    printf("%-20s %-7s %s (tier circuit)%s%s%s\n", name, m->unit, m->text,
+           m->limit ? "; limit " : "", m->limit ? m->limit : "",
+           m->held == VS_WARD_AT_MOST ? " of what it protects" : "");
   }
 }
 

@@ -24,7 +24,8 @@ static vs_status judge(const vs_result *r, vs_error *err) {
     snprintf(allowed, sizeof allowed, "%g..%g", worst->rating->min / unit,
              worst->rating->max / unit);
   else
-    snprintf(allowed, sizeof allowed, "%s %g", worst->measure->at_least ? "at least" : "at most",
+    snprintf(allowed, sizeof allowed, "%s %g",
+             worst->measure->held == VS_AT_LEAST ? "at least" : "at most",
              worst->limit->value / unit);
   return vs_fail(err, VS_RATING, "a rating is violated: %s = %.6g %s at %.6g s, allowed %s %s",
                  vs_judgement_name(worst, name), worst->stress.value / unit, unit_name,

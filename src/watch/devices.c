@@ -178,11 +178,11 @@ static void follow_junction(vs_watched *w, vs_reduced *r, const vs_course_step *
 /* One more value of something that comes now and then: the most, or the least, of all is kept. */
 static void offer(vs_reduced *r, vs_value v) {
   if (!v.known) return;
-  bool least = r->measure->at_least || r->measure->how == VS_R_GATE_LEAST;
+  bool least = r->measure->held == VS_AT_LEAST || r->measure->how == VS_R_GATE_LEAST;
   if (!r->value.known || (least ? v.value < r->value.value : v.value > r->value.value))
     r->value = v;
   if (!r->limit || !isnan(r->failed_s)) return;
-  if (r->measure->at_least ? v.value < r->limit->value : v.value > r->limit->value)
+  if (r->measure->held == VS_AT_LEAST ? v.value < r->limit->value : v.value > r->limit->value)
     r->failed_s = v.at_s;
 }
 
