@@ -510,6 +510,39 @@ static void rises_and_short_pulses(void) {
   free(e);
 }
 
+/* The shipped decks with two thyristors: each goes by its own gate port, so that nothing fires out
+ * of turn or not at all; and a surge couples in at their line, which shows in what V takes. */
+static void two_thyristors(void) {
+  static const struct {
+    const char *deck, *varistor;
+  } ROWS[] = {{"circuit.deck=fullwave_antiparallel", "varistor_2"},
+              {"circuit.deck=bridge_halfcontrolled", "varistor"}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    double joule[2];
+    for (int surge = 0; surge < 2; surge++) {
+      vs_trial *t = vs_trial_run(
+          "paper", "circuit",
+          (const char *[]){ROWS[k].deck, "firing.every=1", "firing.angle=130deg", "run.until=45ms",
+                           surge ? "events.s={kind: surge, at: 43 ms, level: 4 kV}"
+                                 : "circuit.thyristor=TYN1212",
+                           NULL},
+          NULL);
+      EXPECT(t->status == VS_OK, "%s", t->err.text);
+      joule[surge] = measure(t, ROWS[k].varistor, "energy")->value.value;
+      for (int n = 1; n <= 2 && !surge; n++) {
+        const char *name = n == 1 ? "t1" : "t2";
+        CU_ASSERT_EQUAL(measure(t, name, "misfires")->value.value, 0);
+        CU_ASSERT_EQUAL(measure(t, name, "unintended")->value.value, 0);
+        CU_ASSERT(measure(t, name, "i_peak")->value.value > 0.3);
+        CLOSE(measure(t, name, "t_off")->value.value, 10e-3, 0.02); /* the other's half wave */
+        CU_ASSERT_PTR_NOT_NULL(measure(t, name, "i2t")->limit);
+      }
+      vs_trial_free(t);
+    }
+    EXPECT(joule[0] < 1e-3 && joule[1] > 1, "%s: %g J, %g J", ROWS[k].deck, joule[0], joule[1]);
+  }
+}
+
 /* ---- lines ---- */
 
 static void bad_lines(void) {
@@ -624,6 +657,7 @@ static const vs_test TESTS[] = {
     {"sub-pulses", sub_pulses},
     {"commutation failures", commutation_failures},
     {"rises and short pulses", rises_and_short_pulses},
+    {"two thyristors", two_thyristors},
     {"bad lines", bad_lines},
     {"devices are listed", devices_are_listed},
 };
