@@ -83,7 +83,9 @@ const vs_kind vs_kinds[] = {
     {"gate_drive", false, true,
      MEASURES({"i_peak", "A", "largest gate current", VS_R_PEAK, VS_OF_I, 1, NULL, VS_AT_MOST},
               {"i_min", "A", "gate current at its worst: the least of all gate pulses' peaks",
-               VS_R_GATE_LEAST, VS_OF_I, 1, NULL, VS_AT_MOST})},
+               VS_R_GATE_LEAST, VS_OF_I, 1, NULL, VS_AT_MOST},
+              {"volt_seconds", "V.s", "largest flux linkage of its core, either way", VS_R_PEAK,
+               VS_OF_FLUX, 0, "volt_seconds", VS_AT_MOST})},
 };
 #undef MEASURES
 const size_t vs_n_kinds = sizeof vs_kinds / sizeof *vs_kinds;
@@ -124,11 +126,11 @@ static bool read_word(vs_device *d, vs_cursor *c) {
   return true;
 }
 
-/* device NAME [PART or KIND] [gate+ANGLE] [protects DEVICE] = VOLTAGE, CURRENT "TEXT" */
+/* device NAME [PART or KIND] [gate+ANGLE] [protects DEVICE] = VOLTAGE, CURRENT [, FLUX] "TEXT" */
 vs_status vs_devices_line(vs_deck *deck, vs_cursor *c, vs_error *err) {
   static const char WANTED[] =
-      "'device NAME [PART or KIND] [gate+ANGLE] [protects DEVICE] = VOLTAGE, CURRENT \"TEXT\"' is "
-      "wanted here";
+      "'device NAME [PART or KIND] [gate+ANGLE] [protects DEVICE] = VOLTAGE, CURRENT [, FLUX] "
+      "\"TEXT\"' is wanted here";
   if (deck->n_devices >= VS_DECK_DEVICES)
     return vs_fail_at(err, c->line, "more than %d devices", VS_DECK_DEVICES);
   vs_device *d = &deck->devices[deck->n_devices];
@@ -149,7 +151,11 @@ vs_status vs_devices_line(vs_deck *deck, vs_cursor *c, vs_error *err) {
   if (!status && !vs_cursor_take(c, ','))
     status =
         vs_fail_at(err, vs_cursor_here(c), "',' and the formula of its current are wanted here");
-  if (!status) status = vs_contract_formula(deck, c, "\"", &d->current, err);
+  if (!status) status = vs_contract_formula(deck, c, ",\"", &d->current, err);
+  vs_cursor_skip(c);
+  d->where_flux = vs_cursor_here(c);
+  d->has_flux = !status && vs_cursor_take(c, ',');
+  if (d->has_flux) status = vs_contract_formula(deck, c, "\"", &d->flux, err);
   return status ? status : vs_cursor_text(c, d->text, sizeof d->text, err);
 }
 
@@ -253,6 +259,16 @@ static vs_status resolve_gate(const vs_deck *deck, vs_device *d, vs_error *err) 
   return vs_fail_at(err, d->where_gate, "device %s: the deck has no such port", d->name);
 }
 
+static vs_status check_flux(const vs_device *d, vs_error *err) {
+  bool can = !d->kind || !d->has_flux;
+  for (size_t k = 0; d->kind && k < d->kind->n_measures; k++)
+    can = can || d->kind->measures[k].of == VS_OF_FLUX;
+  return can ? VS_OK
+             : vs_fail_at(err, d->where_flux,
+                          "device %s: of a %s two formulas are wanted, not three", d->name,
+                          d->kind->name);
+}
+
 /* A device it protects stands in the deck, and there is something to be held against it. */
 static vs_status resolve_ward(const vs_deck *deck, vs_device *d, vs_error *err) {
   const char *names[VS_DECK_DEVICES];
@@ -306,6 +322,7 @@ vs_status vs_devices_resolve(vs_deck *deck, vs_error *err) {
     vs_device *d = &deck->devices[k];
     status = vs_carry_on(err, resolve_kind(deck, d, err));
     if (!status) status = vs_carry_on(err, resolve_gate(deck, d, err));
+    if (!status) status = vs_carry_on(err, check_flux(d, err));
     if (!status) status = vs_carry_on(err, resolve_ward(deck, d, err));
   }
   for (size_t k = 0; k < deck->n_devices && !status; k++)

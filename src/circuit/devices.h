@@ -8,8 +8,8 @@
 #include "circuit/cursor.h"
 #include "circuit/deck.h"
 
-/* Of a device: V, A, W, A2. */
-enum { VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
+/* Of a device: V, V.s, A, W, A2. */
+enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
 
 /* How a course becomes one number. Those from VS_R_RISE on are of a device that conducts or blocks,
  * but for VS_R_GATE_LEAST, which is of one with a gate. */

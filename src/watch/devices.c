@@ -47,7 +47,7 @@ static void begin_measures(vs_watched *w, const vs_deck *deck) {
     vs_reduced *r = &w->reduced[k];
     *r = (vs_reduced){m, vs_device_limit(deck, d, m), {.at_s = NAN}, .failed_s = NAN};
     if (m->how >= VS_R_MISFIRE && m->how <= VS_R_COMMUTATION_FAILURE) r->value.known = gate_known;
-    if (m->how == VS_R_PEAK) w->each_step[w->n_peaks++] = r;
+    if (m->how == VS_R_PEAK && (m->of != VS_OF_FLUX || d->has_flux)) w->each_step[w->n_peaks++] = r;
   }
   w->n_each_step = w->n_peaks;
   for (size_t k = 0; k < w->count; k++)
@@ -62,6 +62,7 @@ static void begin_device(vs_watched *w, const vs_frame *frame, const vs_device *
       .current = quick(&d->current),
       .gate = {.timeline = frame->timeline, .delay_rad = d->gate_rad, .edge_s = -INFINITY},
       .slope = {.least = 1, .window_s = 1e-7}};
+  if (d->has_flux) w->flux = quick(&d->flux);
   const char *file = d->part < 0 ? "" : deck->parts[d->part].file;
   for (size_t k = 0; k < deck->n_zth; k++)
     if (!strcmp(deck->zth[k].where.file, file)) w->zth[w->n_zth++] = &deck->zth[k];
@@ -286,6 +287,7 @@ static void follow(vs_devices *d, vs_watched *w, vs_course_step *c, const double
   memcpy(c->from, w->last, sizeof c->from);
   evaluate(&w->voltage, mid, to, &c->mid[VS_OF_V], &c->to[VS_OF_V]);
   evaluate(&w->current, mid, to, &c->mid[VS_OF_I], &c->to[VS_OF_I]);
+  if (w->flux.formula) evaluate(&w->flux, mid, to, &c->mid[VS_OF_FLUX], &c->to[VS_OF_FLUX]);
   complete(c->mid);
   complete(c->to);
   memcpy(w->last, c->to, sizeof c->to);
@@ -312,6 +314,7 @@ static void begin(vs_devices *d, const vs_step *step) {
     vs_watched *w = &d->item[k];
     w->last[VS_OF_V] = vs_formula_value(w->voltage.formula, terms);
     w->last[VS_OF_I] = vs_formula_value(w->current.formula, terms);
+    if (w->flux.formula) w->last[VS_OF_FLUX] = vs_formula_value(w->flux.formula, terms);
     complete(w->last);
     w->in_pulse = !w->states && fabs(w->last[VS_OF_I]) >= PULSE_A;
     w->window.ends_s = d->began_s + PART_S;

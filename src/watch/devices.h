@@ -35,9 +35,9 @@ typedef struct vs_quick {
 
 typedef struct vs_watched {
   const vs_device *device;
-  vs_quick voltage, current;
-  double last[VS_COURSES]; /* at the last knot */
-  double sum[VS_COURSES];  /* integrals over the run, but of V */
+  vs_quick voltage, current, flux; /* flux: where its device has one */
+  double last[VS_COURSES];         /* at the last knot */
+  double sum[VS_COURSES];          /* integrals over the run, but of V and V.s */
   vs_reduced reduced[VS_KIND_MEASURES];
   size_t count;
   vs_reduced *each_step[VS_KIND_MEASURES]; /* those that every step may change; the others come of

@@ -55,7 +55,8 @@ void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, vs_verdic
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
     if (!v->weakest || j->margin <= v->weakest->margin) v->weakest = j;
-    if (j->margin < 0 && !j->ward && (!v->first_to_fail || j->failed_s <= v->first_to_fail->failed_s))
+    if (j->margin < 0 && !j->ward &&
+        (!v->first_to_fail || j->failed_s <= v->first_to_fail->failed_s))
       v->first_to_fail = j;
   }
 }
