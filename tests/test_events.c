@@ -272,6 +272,33 @@ static void at_the_gate(void) {
   CU_ASSERT_EQUAL(on, 125);
 }
 
+/* Of two gates one: pulses at 5, 25 ms and, of the other, at 15, 35 ms. */
+static void at_one_gate(void) {
+  vs_timeline t = timeline_of(
+      "firing: {angle: 90 deg, every: 1, burst_frequency: 10 kHz, burst_duty: 50 %}\nevents:\n"
+      " a: {kind: missing_pulse, cycle: 1, gate: gate+180deg}\n"
+      " b: {kind: weak_pulse, cycle: 1, level: 50 %, gate: gate}\n"
+      " c: {kind: spurious_pulse, at: 24 ms, duration: 0.5 ms, gate: gate+180 deg}\n");
+  static const struct {
+    double t_ms, volt[2];
+  } ROWS[] = {{6, {0.5, 0}}, {16, {0, 0}}, {24.01, {0, 1}}, {26, {1, 0}}, {36.01, {0, 1}}};
+  for (size_t k = 0; k < COUNT(ROWS); k++)
+    for (int n = 0; n < 2; n++)
+      CLOSE_OF(vs_gate_voltage(&t, n * M_PI, 1e-3 * ROWS[k].t_ms), ROWS[k].volt[n], 1, 0);
+  CU_ASSERT(vs_burst(&t, M_PI, 24.01e-3) && !vs_burst(&t, 0, 24.01e-3));
+  /* in a circuit: without its second pulse T2 does not fire */
+  write_file("s.yaml",
+             "circuit: {deck: fullwave_antiparallel}\nfiring: {every: 1, angle: 120 deg}\n"
+             "run: {until: 45 ms}\nevents: {e: {kind: missing_pulse, cycle: 2, gate: "
+             "gate+180deg}}\n");
+  RUN_GOOD("run s.yaml --quiet -o o");
+  char *csv = read_file("o/events.csv");
+  EXPECT(strstr(csv, "\n0.0066") && strstr(csv, "\n0.0166") && strstr(csv, "\n0.0266") &&
+             !strstr(csv, "\n0.036"),
+         "%s", csv);
+  free(csv);
+}
+
 /* ---- elements ---- */
 
 static double peak_of_probe(const char *events, const char *probe, vs_status wanted) {
@@ -483,6 +510,10 @@ static void bad_input(void) {
       {"{e: {kind: missing_pulse}}", "s.yaml:2:10: ", "'at', or 'cycle', is wanted"},
       {"{e: {kind: missing_pulse, at: 3 ms}}", "s.yaml:2:35: ", "has no key 'at'"},
       {"{e: {kind: surge, at: 1 ms, angle: 3 deg}}", "s.yaml:2:37: ", "'at' says when already"},
+      {"{e: {kind: missing_pulse, cycle: 1, gate: 3}}",
+       "s.yaml:2:51: ", "'all' or a gate port is wanted"},
+      {"{e: {kind: missing_pulse, cycle: 1, gate: gate+180deg}}",
+       "s.yaml:2:10: ", "events.e: the deck has no port gate+180deg"},
       {"{e: {kind: open, at: 1 ms, element: R7}}",
        "s.yaml:2:10: ", "no element 'R7'; did you mean"},
       {"{e: {kind: open, at: 1 ms, element: Xthy}}", "s.yaml:2:10: ", "no element of two nodes"},
@@ -545,6 +576,7 @@ static const vs_test TESTS[] = {
     {"ring wave and EFT", ring_wave_and_eft},
     {"on the mains", on_the_mains},
     {"at the gate", at_the_gate},
+    {"at one gate", at_one_gate},
     {"opened and shorted", opened_and_shorted},
     {"a fuse protects, or not", a_fuse_protects_or_not},
     {"a notch fires by its slope", a_notch_fires_by_its_slope},

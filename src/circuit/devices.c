@@ -98,14 +98,6 @@ static const vs_kind *find_kind(const char *name) {
 
 /* ---- reading ---- */
 
-/* "gate", "gate+180deg": the delay of its pulses */
-static bool read_gate(const char *word, double *delay_rad) {
-  char why[200];
-  if (strncmp(word, "gate", 4) || (word[4] && word[4] != '+')) return false;
-  *delay_rad = 0;
-  return !word[4] || vs_quantity(word + 5, "deg", delay_rad, why, sizeof why);
-}
-
 /* A word of the line before '='. */
 static bool read_word(vs_device *d, vs_cursor *c) {
   char word[VS_DECK_NAME];
@@ -116,7 +108,7 @@ static bool read_word(vs_device *d, vs_cursor *c) {
     d->where_ward = vs_cursor_here(c);
     return vs_cursor_word(c, "", d->ward, sizeof d->ward);
   }
-  if (isnan(d->gate_rad) && read_gate(word, &d->gate_rad)) {
+  if (isnan(d->gate_rad) && vs_gate_named(word, &d->gate_rad)) {
     d->where_gate = where;
     return true;
   }
