@@ -120,12 +120,14 @@ static void surge_into_a_varistor(void) {
 }
 
 /* On the paper's converter: four angles of the mains, both polarities, three levels (a few of them
- * without --long). Each run comes to its end on the scene as it is, and its energy books close to
- * 1 % of what the surge and the mains brought. */
+ * without --long, the one that leaves most among them). Each run comes to its end on the scene as
+ * it is, and its energy books close to 1 % of the force's work, which is a hundredth of what the
+ * surge and the mains bring. Measured: 0.28 %; 1.4 % without short steps while the line rings. */
 static void surges_on_the_paper(void) {
   static const char *const LEVELS[] = {"1 kV", "2 kV", "4 kV"};
   double worst = 0;
-  for (int n = 0; n < 24; n += getenv("VS_LONG") ? 1 : 7) {
+  bool all = getenv("VS_LONG");
+  for (int n = all ? 0 : 5; n < 24; n += all ? 1 : 7) {
     char scene[300];
     snprintf(
         scene, sizeof scene,
@@ -135,9 +137,7 @@ static void surges_on_the_paper(void) {
     write_file("s.yaml", scene);
     vs_trial *t = vs_trial_run("s.yaml", "circuit", NULL, NULL);
     EXPECT(t->status == VS_OK, "%s: %s", scene, t->err.text);
-    size_t surge = t->scene.setup.deck.losses.count - 1; /* the event's own, the last one added */
-    double whole = fmax(t->energy.joule[VS_E_SOURCE], fabs(t->energy.loss_j[surge]));
-    worst = fmax(worst, fabs(t->energy.left_j[VS_B_CIRCUIT]) / whole);
+    worst = fmax(worst, t->energy.worst);
     vs_trial_free(t);
   }
   CU_ASSERT(worst > 0 && worst < 0.01);
