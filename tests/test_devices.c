@@ -74,6 +74,7 @@ static void half_sines(void) {
   MEASURES(t, "f", "i_rms", sqrt(55 / 40e-3), 1e-4);
   MEASURES(t, "t", "i_peak", 100, 1e-5);
   CLOSE(measure(t, "t", "i_peak")->value.at_s, 5e-3, 2e-3); /* within a step */
+  MEASURES(t, "t", "i_surge", 100, 1e-4);
   MEASURES(t, "t", "i_mean", 2 / M_PI * (100 * 10e-3 + 50 * 4e-3) / 40e-3, 1e-4);
   MEASURES(t, "t", "i_rms", sqrt(55 / 40e-3), 1e-4);
   MEASURES(t, "t", "loss", 55, 1e-4);
@@ -81,6 +82,35 @@ static void half_sines(void) {
   CU_ASSERT_FALSE(measure(t, "t", "t_j_rise")->value.known);
   CU_ASSERT_FALSE(measure(t, "t", "misfires")->value.known); /* no port, no gate */
   vs_trial_free(t);
+}
+
+/* I_TSM is the peak of a half sine of 10 ms; what is shorter is told as the one with its int i^2
+ * dt. Here 5 A2.s of 50 A for 4 ms, twice 10 ms apart: alone; then two of 50 A for 2 ms, 3 ms
+ * apart, are one; then 20 A all the time, of which 10 to 10.5 ms count. */
+static void surge_currents(void) {
+  static const char DECK[] = PARTED "*$ device t = v(x), i(Vs)\n*$ device f fuse = v(x), i(Vs)\n"
+                                    "Bs 0 y I = %s\nVs y x 0\nRx x 0 1\n" ASIDE;
+  static const struct {
+    const char *current;
+    double a2s, more;
+  } ROWS[] = {{"50*sin(785.398163397*time)*(time<4m)+50*sin(785.398163397*(time-15m))*(time>15m)"
+               "*(time<19m)",
+               5, 0},
+              {"50*sin(1570.79632679*time)*(time<2m)+50*sin(1570.79632679*(time-5m))*(time>5m)"
+               "*(time<7m)",
+               5, 0},
+              {"20", 4, 0.05}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char deck[800];
+    snprintf(deck, sizeof deck, DECK, ROWS[k].current);
+    vs_trial *t = run_deck(deck, PART("*$ limit i_tsm = 30 A\n"), "30ms", "10us");
+    double peak = sqrt(2 * ROWS[k].a2s / 10e-3), got = measure(t, "t", "i_surge")->value.value;
+    EXPECT(got > peak * (1 - 1e-4) && got < peak * (1 + 1e-4 + ROWS[k].more / 2), "%g for %g", got,
+           peak);
+    CU_ASSERT_PTR_NULL(measure(t, "t", "i_peak")->limit);
+    CU_ASSERT_PTR_NOT_NULL(measure(t, "t", "i_surge")->limit);
+    vs_trial_free(t);
+  }
 }
 
 /* Forward voltage: a ramp of 180 V in 1 us with a tail of 20 V in 100 us, down in 1 us, up to 200 V
@@ -105,6 +135,23 @@ static void voltage_rises(void) {
                ANY_PART, "300us", "50ns");
   MEASURES(t, "t", "dv_dt", 0.8 * 500 / (10e-6 * log(9)), 1e-3);
   MEASURES(t, "t", "dv_dt_max", 500 / 10e-6, 5e-3);
+  vs_trial_free(t);
+}
+
+/* 1 kA of 8/20 us, by its closed form a t^3 exp(-t/3.911 us): charge 6 a tau^4 = 17.449 uC per A,
+ * int i^2 dt 720 a^2 (tau/2)^7 = 12.164 us I^2. A per cent is asked; this is good to 1e-3. */
+static void impulse_8_20(void) {
+  vs_trial *t = run_deck(PARTED "*$ device t = v(x), i(Vs)\n*$ device f fuse = v(x), i(Vs)\n"
+                                "*$ device v1 varistor = 100, i(Vs)\n"
+                                "Bs 0 y I = 1000*0.01243*(1meg*time)^3*exp(-time/3.911u)\n"
+                                "Vs y x 0\nRx x 0 1\n" ASIDE,
+                         ANY_PART, "100us", "100ns");
+  MEASURES(t, "t", "i_peak", 1000, 1e-3);
+  MEASURES(t, "t", "i_mean", 17.449e-3 / 100e-6, 1e-3);
+  MEASURES(t, "v1", "energy", 100 * 17.449e-3, 1e-3);
+  MEASURES(t, "f", "i2t", 12.164, 1e-3);
+  MEASURES(t, "t", "i2t", 12.164, 1e-3);
+  MEASURES(t, "t", "i_surge", sqrt(2 * 12.164 / 10e-3), 1e-3); /* of 1000 A, 49 A */
   vs_trial_free(t);
 }
 
@@ -175,6 +222,33 @@ static void junction_temperature(void) {
   vs_trial_free(t);
 }
 
+/* A part of a maker's: its terms add up to what the sheet says, and give the rise behind 10 ms of
+ * 100 W. */
+static void junctions_of_parts(void) {
+  static const struct {
+    const char *part;
+    double k_per_w;
+  } ROWS[] = {{"TYN1212", 3.8}, {"TYN1012", 1.3}, {"BT151-800R", 1.3}, {"12TTS08S", 1.8}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char deck[600];
+    snprintf(deck, sizeof deck,
+             "*$ param t = %s part\n*$ device t = v(x), i(Vs)\n"
+             "Is 0 y PWL(0 0 1m 0 1.001m 10 11m 10 11.001m 0)\nVs y x 0\nRx x 0 1\n" ASIDE,
+             ROWS[k].part);
+    vs_trial *t = run_deck(deck, ANY_PART, "12ms", "20us");
+    const vs_deck *d = &t->scene.setup.deck;
+    double sum = 0, rise = 0;
+    for (size_t n = 0; n < d->n_zth; n++) {
+      sum += d->zth[n].k_per_w;
+      rise += 100 * d->zth[n].k_per_w * -expm1(-10e-3 / d->zth[n].tau_s);
+      CU_ASSERT(d->zth[n].assumed);
+    }
+    CLOSE(sum, ROWS[k].k_per_w, 1e-9);
+    MEASURES(t, "t", "t_j_rise", rise, 2e-4);
+    vs_trial_free(t);
+  }
+}
+
 /* The current ends at 110 us, forward voltage is back at 160 us: 50 us of rest. Then once more with
  * 30 us, which is less than t_q. */
 #define REST                                                                                       \
@@ -199,7 +273,7 @@ static void time_to_rest(void) {
 /* The least of the gate pulses' peaks; the last pulse has not ended and does not count. */
 static void gate_currents(void) {
   write_file("p.inc", ANY_PART);
-  write_file("d.cir", "*$ port gate = Vg\n*$ device g1 gate_drive = v(y), i(Vs)\n"
+  write_file("d.cir", "*$ port gate = Vg\n*$ device g1 gate_drive = v(y), i(Vs), -1m*v(y)\n"
                       "Vg g 0 external\n"
                       "Bs 0 y I = v(g)*(time<20m ? 0.5 : time<40m ? 0.3 : 0.1)\n"
                       "Vs y x 0\nRx x 0 1\n" ASIDE);
@@ -210,7 +284,33 @@ static void gate_currents(void) {
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   MEASURES(t, "g1", "i_peak", 0.5, 1e-6);
   MEASURES(t, "g1", "i_min", 0.3, 1e-6);
+  MEASURES(t, "g1", "volt_seconds", 0.5e-3, 1e-6);
   vs_trial_free(t);
+}
+
+/* One sub-pulse of 60 us: the core's flux linkage is the integral of the voltage at its winding,
+ * which is told by the energy of 1 A there. Twice as long uses up what the part has. */
+static void volt_seconds(void) {
+  write_file("d.cir", "*$ param gate_drive = gate_pulse_transformer part\n*$ port gate = Vg\n"
+                      "*$ port burst = Vb\n*$ device gate_drive = v(g), v(g)/20, v(xd.flux)\n"
+                      "*$ device r1 resistor = v(xd.x1.p), 1\nVg w 0 external\nVb b 0 external\n"
+                      "Xd w b g 0 gate_drive\nRg g 0 20\n" ASIDE);
+  static const struct {
+    const char *until, *duty;
+    bool used_up;
+  } ROWS[] = {{"run.until=5.6155 ms", "firing.burst_duty=30 %", false},
+              {"run.until=5.6755 ms", "firing.burst_duty=60 %", true}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_trial *t = vs_trial_run("paper", "circuit",
+                               (const char *[]){"circuit.deck=d.cir", "run.tolerance=1e-6",
+                                                ROWS[k].until, ROWS[k].duty, NULL},
+                               NULL);
+    EXPECT(t->status == VS_OK, "%s", t->err.text);
+    MEASURES(t, "gate_drive", "volt_seconds", measure(t, "r1", "energy")->value.value, 2e-3);
+    const vs_reduced *r = measure(t, "gate_drive", "volt_seconds");
+    CU_ASSERT(r->value.value > 1e-3 && r->limit && !isnan(r->failed_s) == ROWS[k].used_up);
+    vs_trial_free(t);
+  }
 }
 
 /* ---- verdict ---- */
@@ -232,8 +332,9 @@ static double number_behind(const char *text, const char *begin, const char *wor
   return at ? strtod(at + strlen(word), NULL) : NAN;
 }
 
-/* The rating is passed first, at asin(60/100)/w = 2.048 ms; the i_tsm of 80 A at 2.952 ms; half of
- * the i2t at 5 ms, where the half sine has its half: that one is exceeded most. */
+/* The rating is passed first, at asin(60/100)/w = 2.048 ms; the i2t of 25 A2.s at 5 ms, where the
+ * half sine has its half: that one is exceeded most; the i_tsm of 80 A at the 32 A2.s of its own
+ * half sine. */
 static void verdicts(void) {
   ran r = run_sines("*$ limit i_tsm = 0.08 kA\n*$ limit i2t = 25 A2.s assumed \"guessed\"\n"
                     "*$ limit v_drm = none\n*$ limit t_q = 1 us\n");
@@ -246,11 +347,12 @@ static void verdicts(void) {
          "%s", r.out);
   EXPECT(!strstr(r.out, "\"measure\": \"v_forward\"") && !strstr(r.out, "\"measure\": \"t_off\""),
          "without a limit, or not measured: %s", r.out);
-  static const char PEAK[] = "\"measure\": \"i_peak\"", I2T[] = "\"measure\": \"i2t\"";
-  CLOSE(number_behind(r.out, PEAK, "\"stress\": "), 0.1, 1e-5); /* in the limit's unit */
+  static const char PEAK[] = "\"measure\": \"i_surge\"", I2T[] = "\"measure\": \"i2t\"";
+  CLOSE(number_behind(r.out, PEAK, "\"stress\": "), 0.1, 1e-4); /* in the limit's unit */
   CLOSE(number_behind(r.out, PEAK, "\"limit\": "), 0.08, 1e-12);
-  CLOSE(number_behind(r.out, PEAK, "\"margin\": "), -0.25, 1e-4);
-  CLOSE(number_behind(r.out, PEAK, "\"failed_at_s\": "), asin(0.8) / (100 * M_PI), 1e-4);
+  CLOSE(number_behind(r.out, PEAK, "\"margin\": "), -0.25, 1e-3);
+  double at = number_behind(r.out, PEAK, "\"failed_at_s\": "), w = 100 * M_PI;
+  CLOSE(1e4 * (at / 2 - sin(2 * w * at) / (4 * w)), 32, 1e-3);
   CLOSE(number_behind(r.out, I2T, "\"failed_at_s\": "), 5e-3, 1e-4);
   CLOSE(number_behind(r.out, "\"rating\"", "\"failed_at_s\": "), asin(0.6) / (100 * M_PI), 1e-4);
   CLOSE(number_behind(r.out, "\"t.i2t\"", "\"value\": "), 50, 1e-4);
@@ -275,7 +377,7 @@ static void all_is_well(void) {
   write_file("d.cir", deck.text);
   vs_text_free(&deck);
   r = run("run paper --set circuit.deck=d.cir --set run.until=40ms --json --quiet");
-  EXPECT(r.status == 0 && strstr(r.out, "\"weakest\": \"t.i_peak\"") &&
+  EXPECT(r.status == 0 && strstr(r.out, "\"weakest\": \"t.i_surge\"") &&
              strstr(r.out, "\"first_to_fail\": null"),
          "%s", r.out);
   free_ran(&r);
@@ -434,6 +536,39 @@ static void rises_and_short_pulses(void) {
   free(e);
 }
 
+/* The shipped decks with two thyristors: each goes by its own gate port, so that nothing fires out
+ * of turn or not at all; and a surge couples in at their line, which shows in what V takes. */
+static void two_thyristors(void) {
+  static const struct {
+    const char *deck, *varistor;
+  } ROWS[] = {{"circuit.deck=fullwave_antiparallel", "varistor_2"},
+              {"circuit.deck=bridge_halfcontrolled", "varistor"}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    double joule[2];
+    for (int surge = 0; surge < 2; surge++) {
+      vs_trial *t = vs_trial_run(
+          "paper", "circuit",
+          (const char *[]){ROWS[k].deck, "firing.every=1", "firing.angle=130deg", "run.until=45ms",
+                           surge ? "events.s={kind: surge, at: 43 ms, level: 4 kV}"
+                                 : "circuit.thyristor=TYN1212",
+                           NULL},
+          NULL);
+      EXPECT(t->status == VS_OK, "%s", t->err.text);
+      joule[surge] = measure(t, ROWS[k].varistor, "energy")->value.value;
+      for (int n = 1; n <= 2 && !surge; n++) {
+        const char *name = n == 1 ? "t1" : "t2";
+        CU_ASSERT_EQUAL(measure(t, name, "misfires")->value.value, 0);
+        CU_ASSERT_EQUAL(measure(t, name, "unintended")->value.value, 0);
+        CU_ASSERT(measure(t, name, "i_peak")->value.value > 0.3);
+        CLOSE(measure(t, name, "t_off")->value.value, 10e-3, 0.02); /* the other's half wave */
+        CU_ASSERT_PTR_NOT_NULL(measure(t, name, "i2t")->limit);
+      }
+      vs_trial_free(t);
+    }
+    EXPECT(joule[0] < 1e-3 && joule[1] > 1, "%s: %g J, %g J", ROWS[k].deck, joule[0], joule[1]);
+  }
+}
+
 /* ---- lines ---- */
 
 static void bad_lines(void) {
@@ -442,7 +577,7 @@ static void bad_lines(void) {
   static const struct {
     const char *lines, *part, *place, *says;
   } ROWS[] = {
-      {"*$ device\n", "", "d.cir:4:10: ", "'device NAME [PART or KIND] [gate+ANGLE] = VOLTAGE"},
+      {"*$ device\n", "", "d.cir:4:10: ", "'device NAME [PART or KIND] [gate+ANGLE] [protects"},
       {"*$ device t v(a), v(b)\n", "", "d.cir:4:14: ", "'device NAME [PART or KIND]"},
       {"*$ device t a b = v(a), v(b)\n", "", "d.cir:4:15: ", "'device NAME [PART or KIND]"},
       {"*$ device t = v(a)\n", "", "d.cir:4:19: ", "',' and the formula of its current"},
@@ -458,6 +593,13 @@ static void bad_lines(void) {
       {"*$ device t gate+90 = v(a), v(b)\n", "", "d.cir:4:13: ", "'gate+90' is no part"},
       {"*$ device t gate+90deg = v(a), v(b)\n", "", "d.cir:4:13: ", "no such port"},
       {"*$ device r1 resistor gate = v(a), v(b)\n", "", "d.cir:4:23: ", "a resistor has no gate"},
+      {"*$ device t = v(a), v(b), v(a)\n", "", "d.cir:4:25: ", "of a thyristor two formulas"},
+      {"*$ device t protects = v(a), v(b)\n", "", "d.cir:4:13: ", "'device NAME [PART or KIND]"},
+      {"*$ device f fuse protects q = v(a), v(b)\n*$ device t = v(a), v(b)\n", "",
+       "d.cir:4:27: ", "no device 'q' stands in the deck"},
+      {"*$ device t protects t = v(a), v(b)\n", "", "d.cir:4:22: ", "a thyristor protects nothing"},
+      {"*$ device f fuse protects t = v(a), v(b)\n*$ device t = v(a), v(b)\n",
+       "*$ limit i2t = 3 A\n", "p.inc:2:16: ", "a unit as A2.s"},
       {"*$ device t = v(a), v(b)\n", "*$ limit i2t = 3 A\n", "p.inc:2:16: ", "a unit as A2.s"},
       {"", "*$ zth 0.5 1 ms\n", "p.inc:2:8: ", "a thermal resistance and its time constant"},
       {"", "*$ zth 0.5 K/W 0 ms\n", "p.inc:2:8: ", "both positive, as 0.5 K/W 1 ms"},
@@ -525,13 +667,17 @@ static void devices_are_listed(void) {
 
 static const vs_test TESTS[] = {
     {"half sines", half_sines},
+    {"surge currents", surge_currents},
     {"voltage rises", voltage_rises},
+    {"impulse 8/20", impulse_8_20},
     {"resistor and capacitor", resistor_and_capacitor},
     {"varistor pulses", varistor_pulses},
     {"pulses end at 1 mA", pulses_end_at_1_ma},
     {"junction temperature", junction_temperature},
+    {"junctions of parts", junctions_of_parts},
     {"time to rest", time_to_rest},
     {"gate currents", gate_currents},
+    {"volt-seconds", volt_seconds},
     {"verdicts", verdicts},
     {"all is well", all_is_well},
     {"fires out of turn", fires_out_of_turn},
@@ -539,6 +685,7 @@ static const vs_test TESTS[] = {
     {"sub-pulses", sub_pulses},
     {"commutation failures", commutation_failures},
     {"rises and short pulses", rises_and_short_pulses},
+    {"two thyristors", two_thyristors},
     {"bad lines", bad_lines},
     {"devices are listed", devices_are_listed},
 };

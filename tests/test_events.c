@@ -120,12 +120,14 @@ static void surge_into_a_varistor(void) {
 }
 
 /* On the paper's converter: four angles of the mains, both polarities, three levels (a few of them
- * without --long). Each run comes to its end on the scene as it is, and its energy books close to
- * 1 % of what the surge and the mains brought. */
+ * without --long, the one that leaves most among them). Each run comes to its end on the scene as
+ * it is, and its energy books close to 1 % of the force's work, which is a hundredth of what the
+ * surge and the mains bring. Measured: 0.28 %; 1.4 % without short steps while the line rings. */
 static void surges_on_the_paper(void) {
   static const char *const LEVELS[] = {"1 kV", "2 kV", "4 kV"};
   double worst = 0;
-  for (int n = 0; n < 24; n += getenv("VS_LONG") ? 1 : 7) {
+  bool all = getenv("VS_LONG");
+  for (int n = all ? 0 : 5; n < 24; n += all ? 1 : 7) {
     char scene[300];
     snprintf(
         scene, sizeof scene,
@@ -135,9 +137,7 @@ static void surges_on_the_paper(void) {
     write_file("s.yaml", scene);
     vs_trial *t = vs_trial_run("s.yaml", "circuit", NULL, NULL);
     EXPECT(t->status == VS_OK, "%s: %s", scene, t->err.text);
-    size_t surge = t->scene.setup.deck.losses.count - 1; /* the event's own, the last one added */
-    double whole = fmax(t->energy.joule[VS_E_SOURCE], fabs(t->energy.loss_j[surge]));
-    worst = fmax(worst, fabs(t->energy.left_j[VS_B_CIRCUIT]) / whole);
+    worst = fmax(worst, t->energy.worst);
     vs_trial_free(t);
   }
   CU_ASSERT(worst > 0 && worst < 0.01);
@@ -272,6 +272,33 @@ static void at_the_gate(void) {
   CU_ASSERT_EQUAL(on, 125);
 }
 
+/* Of two gates one: pulses at 5, 25 ms and, of the other, at 15, 35 ms. */
+static void at_one_gate(void) {
+  vs_timeline t = timeline_of(
+      "firing: {angle: 90 deg, every: 1, burst_frequency: 10 kHz, burst_duty: 50 %}\nevents:\n"
+      " a: {kind: missing_pulse, cycle: 1, gate: gate+180deg}\n"
+      " b: {kind: weak_pulse, cycle: 1, level: 50 %, gate: gate}\n"
+      " c: {kind: spurious_pulse, at: 24 ms, duration: 0.5 ms, gate: gate+180 deg}\n");
+  static const struct {
+    double t_ms, volt[2];
+  } ROWS[] = {{6, {0.5, 0}}, {16, {0, 0}}, {24.01, {0, 1}}, {26, {1, 0}}, {36.01, {0, 1}}};
+  for (size_t k = 0; k < COUNT(ROWS); k++)
+    for (int n = 0; n < 2; n++)
+      CLOSE_OF(vs_gate_voltage(&t, n * M_PI, 1e-3 * ROWS[k].t_ms), ROWS[k].volt[n], 1, 0);
+  CU_ASSERT(vs_burst(&t, M_PI, 24.01e-3) && !vs_burst(&t, 0, 24.01e-3));
+  /* in a circuit: without its second pulse T2 does not fire */
+  write_file("s.yaml",
+             "circuit: {deck: fullwave_antiparallel}\nfiring: {every: 1, angle: 120 deg}\n"
+             "run: {until: 45 ms}\nevents: {e: {kind: missing_pulse, cycle: 2, gate: "
+             "gate+180deg}}\n");
+  RUN_GOOD("run s.yaml --quiet -o o");
+  char *csv = read_file("o/events.csv");
+  EXPECT(strstr(csv, "\n0.0066") && strstr(csv, "\n0.0166") && strstr(csv, "\n0.0266") &&
+             !strstr(csv, "\n0.036"),
+         "%s", csv);
+  free(csv);
+}
+
 /* ---- elements ---- */
 
 static double peak_of_probe(const char *events, const char *probe, vs_status wanted) {
@@ -354,7 +381,8 @@ static double measure_of(const char *json, const char *name) {
 }
 
 /* The coil shorted behind a stiff source: the shipped F2 clears at a tenth of the thyristor's 72
- * A2s, a 50 A one of its family lets three times that through. */
+ * A2s, a 50 A one of its family lets three times that through, and is warned of by its table alone.
+ * The deck says that F2 protects the thyristor. */
 static void a_fuse_protects_or_not(void) {
   static const char *const FUSES[] = {"FWP-10A14F", "FWP-50A14F"};
   double i2t[2], of_fuse;
@@ -364,10 +392,16 @@ static void a_fuse_protects_or_not(void) {
                "fuse_ideal}\nrun: {until: 20 ms}\nevents: {e: {kind: coil_short, at: 7 "
                "ms}}\n");
     ran r = run("run s.yaml --json --quiet --set circuit.fuse_2=%s", FUSES[k]);
-    EXPECT(r.status == 3, "%s", r.err); /* the peak is beyond I_TSM with either */
+    EXPECT(r.status == (k ? 3 : 0), "%s", r.err);
     i2t[k] = measure_of(r.out, "thyristor.i2t");
-    of_fuse = measure_of(r.out, "fuse_2.i2t");
+    of_fuse = measure_of(r.out, "fuse_2.let_through");
     CLOSE(of_fuse, i2t[k], 0.01); /* one current, but for the snubber's */
+    const char *judged = strstr(r.out, "\"measure\": \"let_through\"");
+    EXPECT(judged && strstr(judged, "\"limit\": 72, \"limit_of\": \"thyristor\""), "%s", r.out);
+    CLOSE(judged ? strtod(strstr(judged, "\"margin\": ") + 10, NULL) : NAN, 1 - of_fuse / 72, 1e-9);
+    EXPECT(strstr(r.out, k ? "\"first_to_fail\": \"thyristor.i2t\"" : "\"first_to_fail\": null") &&
+               !strstr(r.out, "is above i2t of tyn1212, 72 A2.s, which it is to protect") == !k,
+           "%s", r.out);
     free_ran(&r);
   }
   printf(" %.2f and %.1f A2s ", i2t[0], i2t[1]);
@@ -476,6 +510,10 @@ static void bad_input(void) {
       {"{e: {kind: missing_pulse}}", "s.yaml:2:10: ", "'at', or 'cycle', is wanted"},
       {"{e: {kind: missing_pulse, at: 3 ms}}", "s.yaml:2:35: ", "has no key 'at'"},
       {"{e: {kind: surge, at: 1 ms, angle: 3 deg}}", "s.yaml:2:37: ", "'at' says when already"},
+      {"{e: {kind: missing_pulse, cycle: 1, gate: 3}}",
+       "s.yaml:2:51: ", "'all' or a gate port is wanted"},
+      {"{e: {kind: missing_pulse, cycle: 1, gate: gate+180deg}}",
+       "s.yaml:2:10: ", "events.e: the deck has no port gate+180deg"},
       {"{e: {kind: open, at: 1 ms, element: R7}}",
        "s.yaml:2:10: ", "no element 'R7'; did you mean"},
       {"{e: {kind: open, at: 1 ms, element: Xthy}}", "s.yaml:2:10: ", "no element of two nodes"},
@@ -538,6 +576,7 @@ static const vs_test TESTS[] = {
     {"ring wave and EFT", ring_wave_and_eft},
     {"on the mains", on_the_mains},
     {"at the gate", at_the_gate},
+    {"at one gate", at_one_gate},
     {"opened and shorted", opened_and_shorted},
     {"a fuse protects, or not", a_fuse_protects_or_not},
     {"a notch fires by its slope", a_notch_fires_by_its_slope},

@@ -52,13 +52,22 @@ static void an_ideal_device_is_the_last(void) {
 static void the_part_that_was_chosen_counts(void) {
   static const char PART[] =
       "*$ part thyristor \"gives up\"\n*$ limit v_drm = 600 V\n*$ limit v_rrm "
-      "= 600 V\n*$ param foo = 3 mA 0..10 \"f\"\n.subckt bad a k g\n"
+      "= 600 V\n*$ limit i2t = 1e-3 A2.s assumed\n*$ param foo = 3 mA 0..10 \"f\"\n.subckt bad a k "
+      "g\n"
       "R1 a k 1meg\n" GIVES_UP("a") ".ends\n";
   write_file("bad.inc", PART);
   ran r = run("run paper --set circuit.thyristor=bad.inc --set run.until=20ms --quiet -o judged");
-  EXPECT(r.status == 3 && strstr(r.err, "v_ak = -1048") && strstr(r.err, "allowed -600..600 V"),
+  EXPECT(r.status == 3 && strstr(r.err, "thyristor.i2t = 0.00") &&
+             strstr(r.err, "allowed at most 0.001 A2.s"),
          "%s", r.err);
   free_ran(&r);
+  char *json = read_file("judged/summary.json");
+  EXPECT(strstr(json, "\"least\": -1048") && strstr(json, "\"min\": -600, \"max\": 600") &&
+             strstr(json, "\"measure\": \"v_reverse\", \"unit\": \"V\"") &&
+             strstr(json, "\"limit\": 600, ") &&
+             strstr(json, "\"limit\": 0.001, \"assumed\": true"),
+         "%s", json);
+  free(json);
   r = run("run paper --set circuit.thyristor=bad.inc --set circuit.foo=4mA --set run.until=20ms -o "
           "kept");
   EXPECT(r.status == 1 && count(r.err, "; trying ") == 4 && !strstr(r.err, "trying an ideal") &&

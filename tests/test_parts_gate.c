@@ -64,7 +64,7 @@ static trace *try_out(const drive *d, course c, const char *second, const char *
   int n = d->part ? snprintf(deck, sizeof deck, "*$ param gate_drive = %s part\n", d->part)
                   : snprintf(deck, sizeof deck,
                              ".include gate_drive.inc\n.subckt gate_drive window burst g k\n"
-                             "X1 window burst g k pulse_gate_drive turns=%g main=%g leak=%g "
+                             "X1 window burst g k flux pulse_gate_drive turns=%g main=%g leak=%g "
                              "area=%g r_primary=%g r_secondary=%g\n.ends\n",
                              d->turns, d->main_h, d->leak_h, d->area_vs, d->primary_ohm,
                              d->secondary_ohm);

@@ -326,6 +326,7 @@ vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,
   for (size_t k = 0; k < deck->n_devices; k++) {
     vs_formula_bind(&deck->devices[k].voltage, of_name);
     vs_formula_bind(&deck->devices[k].current, of_name);
+    vs_formula_bind(&deck->devices[k].flux, of_name);
   }
   return status;
 }
@@ -353,6 +354,7 @@ void vs_deck_free(vs_deck *deck) {
   for (size_t k = 0; k < deck->n_devices; k++) {
     vs_formula_free(&deck->devices[k].voltage);
     vs_formula_free(&deck->devices[k].current);
+    vs_formula_free(&deck->devices[k].flux);
   }
   for (size_t k = 0; k < deck->n_files; k++) free(deck->files[k]);
   *deck = (vs_deck){0};

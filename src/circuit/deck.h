@@ -18,10 +18,12 @@
  *   *$ rating PROBE MIN..MAX UNIT  "TEXT"              allowed for a probe; enters the verdict.
  * Each end is a number or a limit of a part: -thyristor.v_rrm
  *   *$ require A <= B  "TEXT"                          a condition between parameters (or A < B)
- *   *$ device NAME [PART or KIND] [gate+ANGLE] = FORMULA, FORMULA "TEXT"
- *                                    its voltage and current; measures are NAME.what, and enter the
+ *   *$ device NAME [PART or KIND] [gate+ANGLE] [protects DEVICE] = FORMULA, FORMULA [, FORMULA]
+ * "TEXT"                             its voltage and current, and its core's flux linkage, V.s (of
+ * a gate drive); measures are NAME.what, and enter the
  * verdict against the limits of the part of that name (circuit/devices.h). gate+ANGLE: the port its
- * gate pulses go by; else the deck's first
+ * gate pulses go by; else the deck's first. protects: what it lets through is held against that
+ * device's limit
  *   *$ compat ps                                       the netlist is read as PSpice's dialect
  *   Xeva n m eva                                       the actuator, once
  *
@@ -141,17 +143,21 @@ typedef struct vs_requirement {
 /* A term of a part's transient thermal impedance. */
 typedef struct vs_zth {
   double k_per_w, tau_s;
+  bool assumed;
   vs_where where;
 } vs_zth;
 
 /* A device whose stress is measured (circuit/devices.h). */
 typedef struct vs_device {
   char name[VS_DECK_NAME], of[VS_DECK_NAME], text[VS_DECK_TEXT]; /* of: its part or kind, as said */
-  vs_formula voltage, current;                                   /* V, A */
+  vs_formula voltage, current, flux;                             /* V, A, V.s of a core */
+  bool has_flux;
   const struct vs_kind *kind; /* once the parts are read, as the part and the gate */
   int part;                   /* of the deck's; -1: none */
   double gate_rad;            /* delay of its gate pulses; NaN: the deck has none */
-  vs_where where, where_of, where_gate;
+  char ward[VS_DECK_NAME];    /* the device it protects, as said; empty: none */
+  int protects;               /* its number; -1: none */
+  vs_where where, where_of, where_gate, where_ward, where_flux;
 } vs_device;
 
 /* A parameter that formulas name. */
@@ -255,6 +261,9 @@ vs_status vs_deck_require(const vs_deck *deck, const vs_circuit_values *values,
 /* Do the mains alone, of this rms value, exceed what part number `part` of the deck allows? Then
  * text says so. */
 bool vs_part_below_mains(const vs_deck *deck, size_t part, double rms_v, char *text, size_t size);
+/* Does device number `device` of the deck protect another, and may it, by its maker's figures, let
+ * more through than that one bears? Then text says so. */
+bool vs_device_fails_ward(const vs_deck *deck, size_t device, char *text, size_t size);
 void vs_deck_free(vs_deck *deck);
 
 /* The netlist ready to load: title, .param lines, the deck's own lines, the EVA's subcircuit.

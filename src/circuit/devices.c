@@ -11,69 +11,81 @@
 #include "circuit/contract.h"
 #include "circuit/limits.h"
 
-/* name, unit, text, how, of, sense, limit, at least */
+/* name, unit, text, how, of, sense, limit, how held to it */
 #define MEASURES(...)                                                                              \
   {__VA_ARGS__}, sizeof((vs_device_measure[]){__VA_ARGS__}) / sizeof(vs_device_measure)
 const vs_kind vs_kinds[] = {
     {"thyristor", true, true,
      MEASURES(
-         {"v_forward", "V", "peak forward voltage", VS_R_PEAK, VS_OF_V, 1, "v_drm", false},
-         {"v_reverse", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, -1, "v_rrm", false},
+         {"v_forward", "V", "peak forward voltage", VS_R_PEAK, VS_OF_V, 1, "v_drm", VS_AT_MOST},
+         {"v_reverse", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, -1, "v_rrm", VS_AT_MOST},
          {"dv_dt", "V/us",
           "steepest rise of forward off-state voltage, mean rate from 10 to 90 % of a rise of 10 V "
           "or more",
-          VS_R_RISE, VS_OF_V, 1, "dv_dt", false},
+          VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST},
          {"dv_dt_max", "V/us",
           "largest rate of forward off-state voltage, over one step of 1 V or more, else over 0.1 "
           "us",
-          VS_R_OFF_RATE, VS_OF_V, 1, NULL, false},
+          VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
          {"di_dt", "A/us", "largest rate of current from firing to its first maximum, over 0.1 us",
-          VS_R_ON_RATE, VS_OF_I, 1, "di_dt", false},
-         {"i_peak", "A", "peak current", VS_R_PEAK, VS_OF_I, 1, "i_tsm", false},
-         {"i_mean", "A", "mean current over the run", VS_R_MEAN, VS_OF_I, 1, NULL, false},
-         {"i_rms", "A", "rms current over the run", VS_R_RMS, VS_OF_I2, 1, NULL, false},
+          VS_R_ON_RATE, VS_OF_I, 1, "di_dt", VS_AT_MOST},
+         {"i_peak", "A", "peak current", VS_R_PEAK, VS_OF_I, 1, NULL, VS_AT_MOST},
+         {"i_surge", "A",
+          "peak of the half sine of 10 ms with the largest int i^2 dt within 10 ms: a shorter "
+          "pulse "
+          "heats as much by the same int i^2 dt",
+          VS_R_SURGE, VS_OF_I2, 1, "i_tsm", VS_AT_MOST},
+         {"i_mean", "A", "mean current over the run", VS_R_MEAN, VS_OF_I, 1, NULL, VS_AT_MOST},
+         {"i_rms", "A", "rms current over the run", VS_R_RMS, VS_OF_I2, 1, NULL, VS_AT_MOST},
          {"i2t", "A2.s", "largest int i^2 dt of one conduction", VS_R_PULSE, VS_OF_I2, 1, "i2t",
-          false},
-         {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, false},
+          VS_AT_MOST},
+         {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
          {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
-          VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", false},
+          VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST},
          {"t_off", "s", "shortest time from the current's zero to the return of forward voltage",
-          VS_R_OFFERED, VS_OF_V, 1, "t_q", true},
+          VS_R_OFFERED, VS_OF_V, 1, "t_q", VS_AT_LEAST},
          {"misfires", "", "gate pulses that it did not follow", VS_R_MISFIRE, VS_OF_I, 1, NULL,
-          false},
+          VS_AT_MOST},
          {"unintended", "", "firings without a gate pulse", VS_R_UNINTENDED, VS_OF_I, 1, NULL,
-          false},
+          VS_AT_MOST},
          {"commutation_failures", "",
           "of these, on the first forward voltage after a conduction and before t_q",
-          VS_R_COMMUTATION_FAILURE, VS_OF_I, 1, NULL, false})},
+          VS_R_COMMUTATION_FAILURE, VS_OF_I, 1, NULL, VS_AT_MOST})},
     {"varistor", false, false,
      MEASURES(
-         {"v_clamp", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, false},
-         {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_surge", false},
+         {"v_clamp", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
+         {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_surge", VS_AT_MOST},
          {"energy", "J", "largest energy of one pulse; it lasts while |i| is 1 mA or more",
-          VS_R_PULSE, VS_OF_POWER, 1, "energy", false},
-         {"energy_total", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, false})},
+          VS_R_PULSE, VS_OF_POWER, 1, "energy", VS_AT_MOST},
+         {"energy_total", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL,
+          VS_AT_MOST})},
     {"resistor", false, false,
-     MEASURES({"power", "W", "mean power over the run", VS_R_MEAN, VS_OF_POWER, 1, NULL, false},
-              {"power_peak", "W", "peak power", VS_R_PEAK, VS_OF_POWER, 1, NULL, false},
-              {"energy", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, false})},
+     MEASURES(
+         {"power", "W", "mean power over the run", VS_R_MEAN, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+         {"power_peak", "W", "peak power", VS_R_PEAK, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+         {"energy", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST})},
     {"capacitor", false, false,
      MEASURES(
-         {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, false},
-         {"i_rms", "A", "rms current over the run", VS_R_RMS, VS_OF_I2, 1, NULL, false},
-         {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, false},
+         {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
+         {"i_rms", "A", "rms current over the run", VS_R_RMS, VS_OF_I2, 1, NULL, VS_AT_MOST},
+         {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, VS_AT_MOST},
          {"dv_dt_max", "V/us",
           "largest rate of voltage, either way, over one step of 1 V or more, else over 0.1 us",
-          VS_R_STEEPEST, VS_OF_V, 0, NULL, false})},
+          VS_R_STEEPEST, VS_OF_V, 0, NULL, VS_AT_MOST})},
     {"fuse", false, false,
-     MEASURES({"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, false},
-              {"i_rms", "A", "rms current over the run", VS_R_RMS, VS_OF_I2, 1, NULL, false},
-              {"i2t", "A2.s", "int i^2 dt over the run", VS_R_INTEGRAL, VS_OF_I2, 1, NULL, false},
-              {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, false})},
+     MEASURES(
+         {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, VS_AT_MOST},
+         {"i_rms", "A", "rms current over the run", VS_R_RMS, VS_OF_I2, 1, NULL, VS_AT_MOST},
+         {"i2t", "A2.s", "int i^2 dt over the run", VS_R_INTEGRAL, VS_OF_I2, 1, NULL, VS_AT_MOST},
+         {"let_through", "A2.s", "largest int i^2 dt within 10 ms", VS_R_WITHIN, VS_OF_I2, 1, "i2t",
+          VS_WARD_AT_MOST},
+         {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST})},
     {"gate_drive", false, true,
-     MEASURES({"i_peak", "A", "largest gate current", VS_R_PEAK, VS_OF_I, 1, NULL, false},
+     MEASURES({"i_peak", "A", "largest gate current", VS_R_PEAK, VS_OF_I, 1, NULL, VS_AT_MOST},
               {"i_min", "A", "gate current at its worst: the least of all gate pulses' peaks",
-               VS_R_GATE_LEAST, VS_OF_I, 1, NULL, false})},
+               VS_R_GATE_LEAST, VS_OF_I, 1, NULL, VS_AT_MOST},
+              {"volt_seconds", "V.s", "largest flux linkage of its core, either way", VS_R_PEAK,
+               VS_OF_FLUX, 0, "volt_seconds", VS_AT_MOST})},
 };
 #undef MEASURES
 const size_t vs_n_kinds = sizeof vs_kinds / sizeof *vs_kinds;
@@ -86,22 +98,35 @@ static const vs_kind *find_kind(const char *name) {
 
 /* ---- reading ---- */
 
-/* "gate", "gate+180deg": the delay of its pulses */
-static bool read_gate(const char *word, double *delay_rad) {
-  char why[200];
-  if (strncmp(word, "gate", 4) || (word[4] && word[4] != '+')) return false;
-  *delay_rad = 0;
-  return !word[4] || vs_quantity(word + 5, "deg", delay_rad, why, sizeof why);
+/* A word of the line before '='. */
+static bool read_word(vs_device *d, vs_cursor *c) {
+  char word[VS_DECK_NAME];
+  vs_where where = vs_cursor_here(c);
+  if (!vs_cursor_word(c, "+.", word, sizeof word)) return false;
+  if (!strcmp(word, "protects") && !*d->ward) {
+    vs_cursor_skip(c);
+    d->where_ward = vs_cursor_here(c);
+    return vs_cursor_word(c, "", d->ward, sizeof d->ward);
+  }
+  if (isnan(d->gate_rad) && vs_gate_named(word, &d->gate_rad)) {
+    d->where_gate = where;
+    return true;
+  }
+  if (*d->of) return false;
+  memcpy(d->of, word, sizeof d->of);
+  d->where_of = where;
+  return true;
 }
 
-/* device NAME [PART or KIND] [gate+ANGLE] = VOLTAGE, CURRENT "TEXT" */
+/* device NAME [PART or KIND] [gate+ANGLE] [protects DEVICE] = VOLTAGE, CURRENT [, FLUX] "TEXT" */
 vs_status vs_devices_line(vs_deck *deck, vs_cursor *c, vs_error *err) {
   static const char WANTED[] =
-      "'device NAME [PART or KIND] [gate+ANGLE] = VOLTAGE, CURRENT \"TEXT\"' is wanted here";
+      "'device NAME [PART or KIND] [gate+ANGLE] [protects DEVICE] = VOLTAGE, CURRENT [, FLUX] "
+      "\"TEXT\"' is wanted here";
   if (deck->n_devices >= VS_DECK_DEVICES)
     return vs_fail_at(err, c->line, "more than %d devices", VS_DECK_DEVICES);
   vs_device *d = &deck->devices[deck->n_devices];
-  *d = (vs_device){.gate_rad = NAN, .part = -1};
+  *d = (vs_device){.gate_rad = NAN, .part = -1, .protects = -1};
   vs_cursor_skip(c);
   d->where = d->where_of = d->where_gate = vs_cursor_here(c);
   if (!vs_cursor_word(c, "", d->name, sizeof d->name))
@@ -110,23 +135,19 @@ vs_status vs_devices_line(vs_deck *deck, vs_cursor *c, vs_error *err) {
     if (!strcmp(deck->devices[k].name, d->name))
       return vs_fail_at(err, d->where, "device %s stands here a second time", d->name);
   while (!vs_cursor_take(c, '=')) {
-    char word[VS_DECK_NAME];
     vs_where where = vs_cursor_here(c);
-    if (!vs_cursor_word(c, "+.", word, sizeof word)) return vs_fail_at(err, where, "%s", WANTED);
-    if (isnan(d->gate_rad) && read_gate(word, &d->gate_rad)) {
-      d->where_gate = where;
-    } else if (!*d->of) {
-      memcpy(d->of, word, sizeof d->of);
-      d->where_of = where;
-    } else
-      return vs_fail_at(err, where, "%s", WANTED);
+    if (!read_word(d, c)) return vs_fail_at(err, where, "%s", WANTED);
   }
   deck->n_devices++; /* its formulas are freed with the deck, also when they are not good */
   vs_status status = vs_contract_formula(deck, c, ",", &d->voltage, err);
   if (!status && !vs_cursor_take(c, ','))
     status =
         vs_fail_at(err, vs_cursor_here(c), "',' and the formula of its current are wanted here");
-  if (!status) status = vs_contract_formula(deck, c, "\"", &d->current, err);
+  if (!status) status = vs_contract_formula(deck, c, ",\"", &d->current, err);
+  vs_cursor_skip(c);
+  d->where_flux = vs_cursor_here(c);
+  d->has_flux = !status && vs_cursor_take(c, ',');
+  if (d->has_flux) status = vs_contract_formula(deck, c, "\"", &d->flux, err);
   return status ? status : vs_cursor_text(c, d->text, sizeof d->text, err);
 }
 
@@ -149,7 +170,7 @@ vs_status vs_devices_zth(vs_deck *deck, vs_cursor *c, vs_error *err) {
     return vs_fail_at(err, where,
                       "zth: a thermal resistance and its time constant are wanted here, both "
                       "positive, as 0.5 K/W 1 ms");
-  vs_cursor_is(c, "assumed");
+  zth.assumed = vs_cursor_is(c, "assumed");
   vs_status status = vs_cursor_text(c, text, sizeof text, err);
   size_t same = 0;
   for (size_t k = 0; k < deck->n_zth; k++) same += !strcmp(deck->zth[k].where.file, c->line.file);
@@ -230,9 +251,46 @@ static vs_status resolve_gate(const vs_deck *deck, vs_device *d, vs_error *err) 
   return vs_fail_at(err, d->where_gate, "device %s: the deck has no such port", d->name);
 }
 
+static vs_status check_flux(const vs_device *d, vs_error *err) {
+  bool can = !d->kind || !d->has_flux;
+  for (size_t k = 0; d->kind && k < d->kind->n_measures; k++)
+    can = can || d->kind->measures[k].of == VS_OF_FLUX;
+  return can ? VS_OK
+             : vs_fail_at(err, d->where_flux,
+                          "device %s: of a %s two formulas are wanted, not three", d->name,
+                          d->kind->name);
+}
+
+/* A device it protects stands in the deck, and there is something to be held against it. */
+static vs_status resolve_ward(const vs_deck *deck, vs_device *d, vs_error *err) {
+  const char *names[VS_DECK_DEVICES];
+  bool can = !d->kind;
+  if (!*d->ward) return VS_OK;
+  for (size_t k = 0; d->kind && k < d->kind->n_measures; k++)
+    can = can || d->kind->measures[k].held == VS_WARD_AT_MOST;
+  if (!can)
+    return vs_fail_at(err, d->where_ward, "device %s: a %s protects nothing; a fuse does", d->name,
+                      d->kind->name);
+  for (size_t k = 0; k < deck->n_devices; k++) {
+    names[k] = deck->devices[k].name;
+    if (!strcmp(names[k], d->ward)) d->protects = (int)k;
+  }
+  if (d->protects >= 0) return VS_OK;
+  const char *nearest = vs_nearest(d->ward, names, deck->n_devices);
+  return vs_fail_at(err, d->where_ward, "device %s: no device '%s' stands in the deck%s%s%s",
+                    d->name, d->ward, nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                    nearest ? "'?" : "");
+}
+
+static const char *file_of(const vs_deck *deck, const vs_device *d) {
+  return d->part < 0 ? NULL : deck->parts[d->part].file;
+}
+
 const vs_limit *vs_device_limit(const vs_deck *deck, const vs_device *d,
                                 const vs_device_measure *m) {
-  const char *file = d->part < 0 ? NULL : deck->parts[d->part].file;
+  bool ward = m->held == VS_WARD_AT_MOST;
+  if (ward && d->protects < 0) return NULL;
+  const char *file = file_of(deck, ward ? &deck->devices[d->protects] : d);
   const vs_limit *limit = file && m->limit ? vs_limits_find(deck, file, m->limit) : NULL;
   return limit && isfinite(limit->value) ? limit : NULL;
 }
@@ -256,7 +314,24 @@ vs_status vs_devices_resolve(vs_deck *deck, vs_error *err) {
     vs_device *d = &deck->devices[k];
     status = vs_carry_on(err, resolve_kind(deck, d, err));
     if (!status) status = vs_carry_on(err, resolve_gate(deck, d, err));
-    if (!status) status = check_limits(deck, d, err);
+    if (!status) status = vs_carry_on(err, check_flux(d, err));
+    if (!status) status = vs_carry_on(err, resolve_ward(deck, d, err));
   }
+  for (size_t k = 0; k < deck->n_devices && !status; k++)
+    status = check_limits(deck, &deck->devices[k], err);
   return status;
+}
+
+bool vs_device_fails_ward(const vs_deck *deck, size_t device, char *text, size_t size) {
+  const vs_device *d = &deck->devices[device];
+  if (d->protects < 0) return false;
+  const vs_device *ward = &deck->devices[d->protects];
+  const char *own = file_of(deck, d), *its = file_of(deck, ward);
+  const vs_limit *clears = own ? vs_limits_find(deck, own, "i2t_clear") : NULL;
+  const vs_limit *bears = its ? vs_limits_find(deck, its, "i2t") : NULL;
+  if (!clears || !bears || !isfinite(clears->value) || clears->value <= bears->value) return false;
+  snprintf(text, size, "%s: i2t_clear of %s, %s, is above i2t of %s, %s, which it is to protect",
+           d->name, deck->parts[d->part].subcircuit, clears->written,
+           deck->parts[ward->part].subcircuit, bears->written);
+  return true;
 }

@@ -8,8 +8,8 @@
 #include "circuit/cursor.h"
 #include "circuit/deck.h"
 
-/* Of a device: V, A, W, A2. */
-enum { VS_OF_V, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
+/* Of a device: V, V.s, A, W, A2. */
+enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
 
 /* How a course becomes one number. Those from VS_R_RISE on are of a device that conducts or blocks,
  * but for VS_R_GATE_LEAST, which is of one with a gate. */
@@ -19,6 +19,8 @@ typedef enum vs_reduction {
   VS_R_RMS,        /* root of the mean over the run */
   VS_R_INTEGRAL,   /* over the run */
   VS_R_PULSE,      /* the largest integral over one pulse: while it conducts; while |i| >= 1 mA */
+  VS_R_WITHIN,     /* the largest integral within 10 ms (up to 10.5 ms are taken) */
+  VS_R_SURGE,      /* peak of the half sine of 10 ms that has this integral */
   VS_R_STEEPEST,   /* the largest rate, either way */
   VS_R_JUNCTION,   /* temperature rise, by the part's zth */
   VS_R_RISE,       /* the steepest mean rate from 10 to 90 % of a rise of forward voltage */
@@ -31,6 +33,10 @@ typedef enum vs_reduction {
   VS_R_GATE_LEAST           /* the smallest of all gate pulses' peaks */
 } vs_reduction;
 
+/* The limit is the most allowed, the least allowed, the most that the device bears which this one
+ * protects. */
+enum { VS_AT_MOST, VS_AT_LEAST, VS_WARD_AT_MOST };
+
 /* A device's measure is called DEVICE.name. */
 typedef struct vs_device_measure {
   const char *name, *unit, *text;
@@ -38,10 +44,10 @@ typedef struct vs_device_measure {
   int of;            /* VS_OF_... */
   int sense;         /* of a peak: +1 largest, -1 least with its sign turned, 0 magnitude */
   const char *limit; /* of the part's file that it is held against; NULL: none */
-  bool at_least;     /* the limit is the least allowed, not the most */
+  int held;          /* to its limit: VS_AT_MOST, ... */
 } vs_device_measure;
 
-enum { VS_KIND_MEASURES = 16, VS_KIND_LIMITS = 8 }; /* at most, of one kind */
+enum { VS_KIND_MEASURES = 16, VS_KIND_LIMITS = 10 }; /* at most, of one kind */
 typedef struct vs_kind {
   const char *name;
   bool switches, gated; /* conducts or blocks; goes by the deck's gate pulses */
@@ -56,11 +62,12 @@ vs_status vs_devices_line(vs_deck *deck, vs_cursor *c, vs_error *err);
 vs_status vs_devices_zth(vs_deck *deck, vs_cursor *c, vs_error *err);
 
 /* Gives devices their kinds, parts and gates, once the parts are chosen. Errors with their place: a
- * device that is no part and of no kind, a gate no port has, a limit in a unit of another kind. */
+ * device that is no part and of no kind, a gate no port has, a limit in a unit of another kind, one
+ * to protect that is not there. */
 vs_status vs_devices_resolve(vs_deck *deck, vs_error *err);
 
-/* The limit that the device's measure is held against; NULL: its part's file has none, or "none".
- */
+/* The limit that the device's measure is held against; NULL: the file of its part, or of the part
+ * it protects, has none, or "none". */
 const vs_limit *vs_device_limit(const vs_deck *deck, const vs_device *device,
                                 const vs_device_measure *measure);
 

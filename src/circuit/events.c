@@ -42,6 +42,12 @@
         "the deck's, of two nodes: R1, Xeva, Xf2", NULL, NULL                                      \
   }
 
+#define GATE                                                                                       \
+  {                                                                                                \
+    "gate", VS_NAME, "", "all", 0, 0, false, V_(gate),                                             \
+        "the port it acts on: all, gate, gate+180deg", NULL, NULL                                  \
+  }
+
 static const vs_field SURGE[] = {
     KIND, AT, LEVEL("1 kV", 0.5, 4, "open-circuit voltage of the generator (IEC 61000-4-5)"),
     POLARITY};
@@ -85,10 +91,11 @@ static const vs_field HARMONIC[] = {KIND,
                                     {"phase", VS_REAL, "deg", "0 deg", -360, 360, false,
                                      V_(phase_rad), "at the mains' rising zero crossing", NULL,
                                      NULL}};
-static const vs_field MISSING_PULSE[] = {KIND, CYCLE};
-static const vs_field SHORT_PULSE[] = {KIND, CYCLE, DURATION("0.1 ms")};
-static const vs_field WEAK_PULSE[] = {KIND, CYCLE, PART("level", "20 %", 0, 100, "of its voltage")};
-static const vs_field SPURIOUS_PULSE[] = {KIND, AT, DURATION("0.1 ms")};
+static const vs_field MISSING_PULSE[] = {KIND, CYCLE, GATE};
+static const vs_field SHORT_PULSE[] = {KIND, CYCLE, DURATION("0.1 ms"), GATE};
+static const vs_field WEAK_PULSE[] = {KIND, CYCLE, PART("level", "20 %", 0, 100, "of its voltage"),
+                                      GATE};
+static const vs_field SPURIOUS_PULSE[] = {KIND, AT, DURATION("0.1 ms"), GATE};
 static const vs_field OPEN[] = {KIND, AT, ELEMENT,
                                 LEVEL("1 kV", 0.01, 100, "at which the contact arcs (assumed)")};
 static const vs_field SHORT[] = {KIND, AT, ELEMENT};
@@ -254,6 +261,18 @@ static vs_status place_in_time(const vs_node *map, const vs_timeline *t, double 
                     e->name, e->start_s, until_s);
 }
 
+bool vs_event_at_gate(const vs_occurrence *e, double shift_rad) {
+  return isnan(e->gate_rad) || fabs(e->gate_rad - shift_rad) < 1e-9;
+}
+
+static vs_status read_gate(const vs_node *map, vs_occurrence *e, vs_error *err) {
+  if (!*e->v.gate || !strcmp(e->v.gate, "all") || vs_gate_named(e->v.gate, &e->gate_rad))
+    return VS_OK;
+  return vs_fail_at(err, vs_node_child(map, "gate")->where,
+                    "events.%s.gate: 'all' or a gate port is wanted, as gate or gate+180deg",
+                    e->name);
+}
+
 static bool meet(const vs_occurrence *a, const vs_occurrence *b) {
   return a->start_s <= b->end_s && b->start_s <= a->end_s;
 }
@@ -262,9 +281,10 @@ static bool meet(const vs_occurrence *a, const vs_occurrence *b) {
 static vs_status clash(const vs_events *events, const vs_occurrence *e, vs_error *err) {
   for (size_t k = 0; k < events->count; k++) {
     const vs_occurrence *o = &events->item[k];
-    bool cycle = e->kind->pulse && o->kind->pulse && e->v.cycle == o->v.cycle;
+    bool gate = vs_event_at_gate(e, o->gate_rad) || vs_event_at_gate(o, e->gate_rad);
+    bool cycle = e->kind->pulse && o->kind->pulse && e->v.cycle == o->v.cycle && gate;
     bool mains = e->kind->mains && e->kind == o->kind && e->kind->mains != distorted && meet(e, o);
-    bool added = e->kind->adds_pulse && o->kind->adds_pulse && meet(e, o);
+    bool added = e->kind->adds_pulse && o->kind->adds_pulse && meet(e, o) && gate;
     bool element =
         e->kind->wire && o->kind->wire && *e->v.element && !strcasecmp(e->v.element, o->v.element);
     if (cycle || mains || added || element)
@@ -278,7 +298,7 @@ static vs_status clash(const vs_events *events, const vs_occurrence *e, vs_error
 
 static vs_status read_event(const vs_node *map, const vs_timeline *t, double until_s,
                             vs_events *events, vs_error *err) {
-  vs_occurrence e = {.where = map->key_where};
+  vs_occurrence e = {.gate_rad = NAN, .where = map->key_where};
   vs_status status = VS_OK;
   snprintf(e.name, sizeof e.name, "%s", map->key);
   if (map->kind != VS_NODE_MAP)
@@ -294,6 +314,7 @@ static vs_status read_event(const vs_node *map, const vs_timeline *t, double unt
   size_t found = vs_found(err);
   status = vs_section_read(&section, map, &e.v, err);
   if (!strcmp(e.v.element, "-")) *e.v.element = '\0';
+  if (!status && vs_found(err) == found) status = vs_carry_on(err, read_gate(map, &e, err));
   if (!status && vs_found(err) == found)
     status = vs_carry_on(err, place_in_time(map, t, until_s, &e, err));
   if (!status && vs_found(err) == found) status = vs_carry_on(err, clash(events, &e, err));
@@ -317,8 +338,22 @@ vs_status vs_events_read(const vs_node *map, const vs_timeline *t, double until_
   return status;
 }
 
+/* The gate it names is one of the deck's ports. */
+static vs_status check_gate(const vs_occurrence *e, const vs_deck *deck, vs_error *err) {
+  bool found = isnan(e->gate_rad) || deck->lost & VS_LOST_PORT;
+  for (size_t p = 0; p < deck->n_ports && !found; p++) {
+    const vs_signal *s = &deck->ports[p].signal;
+    found = vs_drives[s->drive].shifts && vs_event_at_gate(e, s->shift_rad);
+  }
+  return found
+             ? VS_OK
+             : vs_fail_at(err, e->where, "events.%s: the deck has no port %s", e->name, e->v.gate);
+}
+
 vs_status vs_events_wire(const vs_events *events, vs_deck *deck, vs_error *err) {
   vs_status status = VS_OK;
+  for (size_t k = 0; k < events->count && !status; k++)
+    status = vs_carry_on(err, check_gate(&events->item[k], deck, err));
   for (size_t k = 0; k < events->count && !status; k++)
     if (events->item[k].kind->wire)
       status = vs_carry_on(err, events->item[k].kind->wire(&events->item[k], k, deck, err));

@@ -30,7 +30,7 @@ typedef struct vs_event_values {
   int negative;
   double impedance_ohm, frequency_hz, phase_rad;
   int order;
-  char kind[VS_NAME_SIZE], element[VS_NAME_SIZE];
+  char kind[VS_NAME_SIZE], element[VS_NAME_SIZE], gate[VS_NAME_SIZE];
 } vs_event_values;
 
 typedef struct vs_event_kind vs_event_kind;
@@ -39,6 +39,7 @@ typedef struct vs_occurrence {
   const vs_event_kind *kind;
   vs_event_values v;
   double start_s, end_s; /* end: INFINITY where it lasts */
+  double gate_rad;       /* of the one gate it acts on; NaN: on all */
   vs_where where;        /* of its name */
 } vs_occurrence;
 
@@ -77,7 +78,10 @@ extern const vs_event_kind vs_event_kinds[VS_EVENT_KINDS];
 vs_status vs_events_read(const vs_node *map, const struct vs_timeline *timeline, double until_s,
                          vs_events *events, vs_error *err);
 
-/* Puts those that are circuits into the deck. */
+/* Does it act on the gate whose pulses are delayed so? */
+bool vs_event_at_gate(const vs_occurrence *e, double shift_rad);
+
+/* Puts those that are circuits into the deck. Errors, besides: a gate that the deck has not. */
 vs_status vs_events_wire(const vs_events *events, struct vs_deck *deck, vs_error *err);
 
 double vs_events_edge(const vs_events *events, double t_s);

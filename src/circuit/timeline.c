@@ -4,6 +4,9 @@
 #include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
+
+#include "base/units.h"
 
 #define S_(member) offsetof(vs_supply_values, member)
 #define F_(member) offsetof(vs_firing_values, member)
@@ -99,23 +102,26 @@ static double last_pulse(const vs_timeline *t, double shift_rad, double t_s) {
 }
 
 /* Length and voltage of the n-th pulse. */
-static void pulse(const vs_timeline *t, double n, double *width_s, double *voltage) {
+static void pulse(const vs_timeline *t, double shift_rad, double n, double *width_s,
+                  double *voltage) {
   *width_s = t->firing.pulse_width_s;
   *voltage = 1;
   for (size_t k = 0; k < t->events.count; k++) {
     const vs_occurrence *e = &t->events.item[k];
-    if (e->kind->pulse && e->v.cycle == t->firing.first_cycle + n * t->firing.every)
+    if (e->kind->pulse && e->v.cycle == t->firing.first_cycle + n * t->firing.every &&
+        vs_event_at_gate(e, shift_rad))
       e->kind->pulse(e, width_s, voltage);
   }
 }
 
 /* A pulse besides those of the train: its start; -INFINITY: none at t. */
-static double added_pulse(const vs_timeline *t, double t_s, double *end_s) {
+static double added_pulse(const vs_timeline *t, double shift_rad, double t_s, double *end_s) {
   double slack = vs_rounding(t_s);
   for (size_t k = 0; k < t->events.count; k++) {
     const vs_occurrence *e = &t->events.item[k];
     *end_s = e->end_s;
-    if (e->kind->adds_pulse && t_s > e->start_s + slack && t_s <= e->end_s + slack)
+    if (e->kind->adds_pulse && t_s > e->start_s + slack && t_s <= e->end_s + slack &&
+        vs_event_at_gate(e, shift_rad))
       return e->start_s;
   }
   return -INFINITY;
@@ -123,10 +129,17 @@ static double added_pulse(const vs_timeline *t, double t_s, double *end_s) {
 
 double vs_gate_voltage(const vs_timeline *t, double shift_rad, double t_s) {
   double n = last_pulse(t, shift_rad, t_s), width, voltage, end, slack = vs_rounding(t_s);
-  if (t->events.count && added_pulse(t, t_s, &end) > -INFINITY) return 1;
+  if (t->events.count && added_pulse(t, shift_rad, t_s, &end) > -INFINITY) return 1;
   if (n < 0) return 0;
-  pulse(t, n, &width, &voltage);
+  pulse(t, shift_rad, n, &width, &voltage);
   return t_s <= pulse_start(t, shift_rad, n) + width + slack ? voltage : 0;
+}
+
+bool vs_gate_named(const char *name, double *shift_rad) {
+  char why[200];
+  if (strncmp(name, "gate", 4) || (name[4] && name[4] != '+')) return false;
+  *shift_rad = 0;
+  return !name[4] || vs_quantity(name + 5, "deg", shift_rad, why, sizeof why);
 }
 
 bool vs_gate(const vs_timeline *t, double shift_rad, double t_s) {
@@ -136,7 +149,7 @@ bool vs_gate(const vs_timeline *t, double shift_rad, double t_s) {
 double vs_gate_edge(const vs_timeline *t, double shift_rad, double t_s) {
   double n = last_pulse(t, shift_rad, t_s), slack = vs_rounding(t_s), width, voltage;
   double fall = -INFINITY;
-  if (n >= 0) pulse(t, n, &width, &voltage), fall = pulse_start(t, shift_rad, n) + width;
+  if (n >= 0) pulse(t, shift_rad, n, &width, &voltage), fall = pulse_start(t, shift_rad, n) + width;
   if (fall > t_s + slack) return fall;
   double rise = n < 0 || t->firing.every ? pulse_start(t, shift_rad, n + 1) : INFINITY;
   return rise > t_s + slack ? rise : vs_gate_edge(t, shift_rad, t_s + 2 * slack);
@@ -147,10 +160,10 @@ double vs_gate_edge(const vs_timeline *t, double shift_rad, double t_s) {
 static bool last_sub_pulse(const vs_timeline *t, double shift_rad, double t_s, double *start_s,
                            double *end_s) {
   double n = last_pulse(t, shift_rad, t_s), slack = vs_rounding(t_s), width, voltage;
-  double start = t->events.count ? added_pulse(t, t_s, end_s) : -INFINITY, k;
+  double start = t->events.count ? added_pulse(t, shift_rad, t_s, end_s) : -INFINITY, k;
   if (start == -INFINITY && n < 0) return false;
   if (start == -INFINITY) {
-    pulse(t, n, &width, &voltage);
+    pulse(t, shift_rad, n, &width, &voltage);
     start = pulse_start(t, shift_rad, n);
     *end_s = start + width;
   }

@@ -42,6 +42,8 @@ double vs_phase(const vs_timeline *timeline,
  * after its leading edge and up to its trailing edge, so that a step that ends on an edge still
  * sees what was before it. */
 bool vs_gate(const vs_timeline *timeline, double shift_rad, double t_s);
+/* "gate", "gate+180deg": the delay of a port's pulses; false: it is no such name. */
+bool vs_gate_named(const char *name, double *shift_rad);
 /* Its voltage, which events may change: 1 V. */
 double vs_gate_voltage(const vs_timeline *timeline, double shift_rad, double t_s);
 /* How well the end of a step meets an edge, s. */

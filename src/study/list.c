@@ -47,7 +47,8 @@ static void print_part(void *ctx, const char *path) {
     printf("    limit %-18s %-14s %s%s\n", part->limits[k].name, part->limits[k].written,
            part->limits[k].text, part->limits[k].assumed ? " (assumed)" : "");
   for (size_t k = 0; k < part->n_zth && !status; k++)
-    printf("    zth   %g K/W, %g s\n", part->zth[k].k_per_w, part->zth[k].tau_s);
+    printf("    zth   %g K/W, %g s%s\n", part->zth[k].k_per_w, part->zth[k].tau_s,
+           part->zth[k].assumed ? " (assumed)" : "");
   for (size_t k = 1; k < part->section.count && !status; k++)
     printf("    param %-18s %-14s %s\n", part->section.fields[k].key,
            part->section.fields[k].default_text, part->section.fields[k].text);
@@ -79,8 +80,9 @@ static void list_device(const vs_device *d) {
     const vs_device_measure *m = &d->kind->measures[n];
     char name[VS_DECK_NAME + 24];
     snprintf(name, sizeof name, "%s.%s", d->name, m->name);
-    printf("%-20s %-7s %s (tier circuit)%s%s\n", name, m->unit, m->text, m->limit ? "; limit " : "",
-           m->limit ? m->limit : "");
+    printf("%-20s %-7s %s (tier circuit)%s%s%s\n", name, m->unit, m->text,
+           m->limit ? "; limit " : "", m->limit ? m->limit : "",
+           m->held == VS_WARD_AT_MOST ? " of what it protects" : "");
   }
 }
 

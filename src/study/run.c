@@ -24,7 +24,8 @@ static vs_status judge(const vs_result *r, vs_error *err) {
     snprintf(allowed, sizeof allowed, "%g..%g", worst->rating->min / unit,
              worst->rating->max / unit);
   else
-    snprintf(allowed, sizeof allowed, "%s %g", worst->measure->at_least ? "at least" : "at most",
+    snprintf(allowed, sizeof allowed, "%s %g",
+             worst->measure->held == VS_AT_LEAST ? "at least" : "at most",
              worst->limit->value / unit);
   return vs_fail(err, VS_RATING, "a rating is violated: %s = %.6g %s at %.6g s, allowed %s %s",
                  vs_judgement_name(worst, name), worst->stress.value / unit, unit_name,
@@ -263,28 +264,52 @@ static bool next_rung(const vs_run_options *o, const vs_scene *scene, vs_ladder 
 }
 
 /* What stood in the scene as it is: an ideal thyristor has no limits to be held against. */
-typedef struct kept_ratings {
-  vs_rating item[VS_DECK_MOST];
-  size_t count;
-} kept_ratings;
+typedef struct kept_limits {
+  vs_rating rating[VS_DECK_MOST];
+  vs_limit limit[VS_DECK_LIMITS]; /* of the thyristor's part */
+  size_t n_ratings, n_limits;
+} kept_limits;
 
-static void keep_ratings(const vs_deck *deck, kept_ratings *kept) {
-  kept->count = deck->n_ratings;
-  memcpy(kept->item, deck->ratings, sizeof kept->item);
-  for (size_t k = 0; k < kept->count; k++) kept->item[k].where = (vs_where){0};
+/* The file of the part that the ladder replaces; NULL: there is none. */
+static const char *thyristor_file(const vs_deck *deck) {
+  for (size_t k = 0; k < deck->n_parts; k++)
+    if (!strcmp(deck->parts[k].name, "thyristor")) return deck->parts[k].file;
+  return NULL;
 }
 
-static void give_ratings(const kept_ratings *kept, vs_deck *deck) {
-  deck->n_ratings = kept->count;
-  memcpy(deck->ratings, kept->item, sizeof kept->item);
+static bool is_of(const vs_limit *limit, const char *file) {
+  return file && !strcmp(limit->where.file, file);
+}
+
+static void keep_limits(const vs_deck *deck, kept_limits *kept) {
+  const char *file = thyristor_file(deck);
+  kept->n_ratings = deck->n_ratings;
+  memcpy(kept->rating, deck->ratings, sizeof kept->rating);
+  for (size_t k = 0; k < kept->n_ratings; k++) kept->rating[k].where = (vs_where){0};
+  for (size_t k = 0; k < deck->n_limits; k++)
+    if (is_of(&deck->limits[k], file)) kept->limit[kept->n_limits++] = deck->limits[k];
+}
+
+static void give_limits(const kept_limits *kept, vs_deck *deck) {
+  const char *file = thyristor_file(deck);
+  size_t n = 0;
+  deck->n_ratings = kept->n_ratings;
+  memcpy(deck->ratings, kept->rating, sizeof kept->rating);
+  for (size_t k = 0; k < deck->n_limits; k++)
+    if (!is_of(&deck->limits[k], file)) deck->limits[n++] = deck->limits[k];
+  for (size_t k = 0; k < kept->n_limits && n < VS_DECK_LIMITS; k++) {
+    deck->limits[n] = kept->limit[k];
+    deck->limits[n++].where = (vs_where){.file = file};
+  }
+  deck->n_limits = n;
 }
 
 /* Runs the scene; when ngspice gives up, again from the beginning with the settings of the ladder's
  * next rung. */
 static vs_status climb(const vs_run_options *o, vs_scene *scene, vs_error *err) {
   vs_ladder ladder = {0};
-  kept_ratings *kept = vs_alloc(1, sizeof *kept);
-  keep_ratings(&scene->setup.deck, kept);
+  kept_limits *kept = vs_alloc(1, sizeof *kept);
+  keep_limits(&scene->setup.deck, kept);
   vs_status status = VS_OK;
   for (bool again = true; again;) {
     vs_ladder next = ladder;
@@ -300,7 +325,7 @@ static vs_status climb(const vs_run_options *o, vs_scene *scene, vs_error *err) 
     ladder = next;
     status = read_scene(o, &ladder, scene, err);
     again = !status;
-    if (again && vs_ladder_is_ideal(ladder.rung)) give_ratings(kept, &scene->setup.deck);
+    if (again && vs_ladder_is_ideal(ladder.rung)) give_limits(kept, &scene->setup.deck);
   }
   free(kept);
   return status;

@@ -202,12 +202,17 @@ static void warn_below_theta(vs_scene *s) {
 static void warn_of_parts(vs_scene *s) {
   const vs_deck *deck = s->frame.deck;
   const vs_node *map = vs_node_child(s->tree.root, "circuit");
-  char text[VS_DECK_TEXT + VS_NAME_SIZE];
+  char text[2 * VS_DECK_TEXT + VS_NAME_SIZE];
   for (size_t p = 0; deck && p < deck->n_parts; p++) {
     const vs_node *named = vs_node_child(map, deck->parts[p].name);
     if (vs_part_below_mains(deck, p, s->setup.timeline.supply.voltage_v, text, sizeof text))
       vs_fail_at(&s->warnings[s->n_warnings++], named ? named->where : (vs_where){0}, "%s", text);
   }
+  for (size_t d = 0; deck && d < deck->n_devices; d++)
+    if (vs_device_fails_ward(deck, d, text, sizeof text)) {
+      const vs_node *named = vs_node_child(map, deck->parts[deck->devices[d].part].name);
+      vs_fail_at(&s->warnings[s->n_warnings++], named ? named->where : (vs_where){0}, "%s", text);
+    }
 }
 
 void vs_scene_warn(const vs_scene *s) {

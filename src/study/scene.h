@@ -9,7 +9,7 @@
 
 extern const vs_shelf vs_scene_shelf;
 
-enum { VS_WARNINGS = 1 + VS_DECK_PARTS }; /* at most */
+enum { VS_WARNINGS = 1 + VS_DECK_PARTS + VS_DECK_DEVICES }; /* at most */
 
 typedef struct vs_scene {
   char path[VS_PATH_SIZE];

@@ -93,6 +93,7 @@ static void print_verdict(const vs_verdict *v, int width, FILE *out) {
       fprintf(out, "%14s", "");
     else
       fprintf(out, "%12.7g s", j->stress.at_s);
+    if (j->ward) fprintf(out, "  limit of %s", j->ward->name);
     fprintf(out, "%s%s\n", j->limit->assumed ? "  assumed" : "", mark(j));
   }
   if (v->weakest)
@@ -278,6 +279,7 @@ static void add_device(vs_text *json, const vs_judgement *j) {
   add_number(json, j->stress.at_s);
   vs_text_add(json, ", \"limit\": ");
   add_number(json, j->limit->value / unit);
+  if (j->ward) vs_text_add(json, ", \"limit_of\": \"%s\"", j->ward->name);
   vs_text_add(json, ", \"assumed\": %s", j->limit->assumed ? "true" : "false");
 }
 

@@ -9,6 +9,8 @@
 
 /* A device that does not switch has a pulse while its current is this much, either way. */
 static const double PULSE_A = 1e-3;
+/* Of the surge that I_TSM is given for; and what the windows over it are made of. */
+static const double SURGE_S = 10e-3, PART_S = 10e-3 / VS_WINDOW_PARTS;
 
 /* ---- beginning ---- */
 
@@ -22,6 +24,8 @@ static vs_quick quick(const vs_formula *formula) {
 static bool is_busy(const vs_watched *w, const vs_reduced *r) {
   switch (r->measure->how) {
   case VS_R_PULSE:
+  case VS_R_WITHIN:
+  case VS_R_SURGE:
   case VS_R_STEEPEST:
   case VS_R_GATE_LEAST:
     return true;
@@ -43,7 +47,7 @@ static void begin_measures(vs_watched *w, const vs_deck *deck) {
     vs_reduced *r = &w->reduced[k];
     *r = (vs_reduced){m, vs_device_limit(deck, d, m), {.at_s = NAN}, .failed_s = NAN};
     if (m->how >= VS_R_MISFIRE && m->how <= VS_R_COMMUTATION_FAILURE) r->value.known = gate_known;
-    if (m->how == VS_R_PEAK) w->each_step[w->n_peaks++] = r;
+    if (m->how == VS_R_PEAK && (m->of != VS_OF_FLUX || d->has_flux)) w->each_step[w->n_peaks++] = r;
   }
   w->n_each_step = w->n_peaks;
   for (size_t k = 0; k < w->count; k++)
@@ -58,6 +62,7 @@ static void begin_device(vs_watched *w, const vs_frame *frame, const vs_device *
       .current = quick(&d->current),
       .gate = {.timeline = frame->timeline, .delay_rad = d->gate_rad, .edge_s = -INFINITY},
       .slope = {.least = 1, .window_s = 1e-7}};
+  if (d->has_flux) w->flux = quick(&d->flux);
   const char *file = d->part < 0 ? "" : deck->parts[d->part].file;
   for (size_t k = 0; k < deck->n_zth; k++)
     if (!strcmp(deck->zth[k].where.file, file)) w->zth[w->n_zth++] = &deck->zth[k];
@@ -135,6 +140,29 @@ static void follow_pulse(vs_reduced *r, const vs_course_step *c, double more) {
   watch_limit(r, c, before, r->pulse);
 }
 
+/* What belongs to a step counts where the step ends. */
+static double window_add(vs_window *w, double t_s, double more) {
+  double skipped = floor((t_s - w->ends_s) / PART_S) - VS_WINDOW_PARTS;
+  if (skipped > 0) w->ends_s += skipped * PART_S; /* a step longer than all of it */
+  while (t_s > w->ends_s) {
+    w->now = (w->now + 1) % (VS_WINDOW_PARTS + 1);
+    w->part[w->now] = w->whole = 0;
+    for (size_t k = 0; k <= VS_WINDOW_PARTS; k++) w->whole += w->part[k];
+    w->ends_s += PART_S;
+  }
+  w->part[w->now] += more;
+  return w->whole + w->part[w->now];
+}
+
+/* Up to 10 ms what a junction bears is a constant int i^2 dt; a half sine's is peak^2 length/2. */
+static void follow_window(vs_watched *w, vs_reduced *r, const vs_course_step *c, double more) {
+  bool surge = r->measure->how == VS_R_SURGE;
+  double after = window_add(&w->window, c->t1_s, more), before = fmax(after - more, 0);
+  if (surge) before = sqrt(2 * before / SURGE_S), after = sqrt(2 * after / SURGE_S);
+  if (after > r->value.value) r->value = (vs_value){true, after, c->t1_s};
+  watch_limit(r, c, before, after);
+}
+
 /* The part's Foster network: each term on its own, under the step's mean power. */
 static void follow_junction(vs_watched *w, vs_reduced *r, const vs_course_step *c, double power) {
   double before = 0, after = 0;
@@ -151,11 +179,11 @@ static void follow_junction(vs_watched *w, vs_reduced *r, const vs_course_step *
 /* One more value of something that comes now and then: the most, or the least, of all is kept. */
 static void offer(vs_reduced *r, vs_value v) {
   if (!v.known) return;
-  bool least = r->measure->at_least || r->measure->how == VS_R_GATE_LEAST;
+  bool least = r->measure->held == VS_AT_LEAST || r->measure->how == VS_R_GATE_LEAST;
   if (!r->value.known || (least ? v.value < r->value.value : v.value > r->value.value))
     r->value = v;
   if (!r->limit || !isnan(r->failed_s)) return;
-  if (r->measure->at_least ? v.value < r->limit->value : v.value > r->limit->value)
+  if (r->measure->held == VS_AT_LEAST ? v.value < r->limit->value : v.value > r->limit->value)
     r->failed_s = v.at_s;
 }
 
@@ -176,6 +204,10 @@ static void follow_measure(vs_watched *w, vs_reduced *r, const vs_course_step *c
   switch (r->measure->how) {
   case VS_R_PULSE:
     if (c->was_on || c->on) follow_pulse(r, c, more);
+    break;
+  case VS_R_WITHIN:
+  case VS_R_SURGE:
+    follow_window(w, r, c, more);
     break;
   case VS_R_INTEGRAL:
     watch_limit(r, c, w->sum[r->measure->of] - more, w->sum[r->measure->of]);
@@ -255,6 +287,7 @@ static void follow(vs_devices *d, vs_watched *w, vs_course_step *c, const double
   memcpy(c->from, w->last, sizeof c->from);
   evaluate(&w->voltage, mid, to, &c->mid[VS_OF_V], &c->to[VS_OF_V]);
   evaluate(&w->current, mid, to, &c->mid[VS_OF_I], &c->to[VS_OF_I]);
+  if (w->flux.formula) evaluate(&w->flux, mid, to, &c->mid[VS_OF_FLUX], &c->to[VS_OF_FLUX]);
   complete(c->mid);
   complete(c->to);
   memcpy(w->last, c->to, sizeof c->to);
@@ -281,14 +314,17 @@ static void begin(vs_devices *d, const vs_step *step) {
     vs_watched *w = &d->item[k];
     w->last[VS_OF_V] = vs_formula_value(w->voltage.formula, terms);
     w->last[VS_OF_I] = vs_formula_value(w->current.formula, terms);
+    if (w->flux.formula) w->last[VS_OF_FLUX] = vs_formula_value(w->flux.formula, terms);
     complete(w->last);
     w->in_pulse = !w->states && fabs(w->last[VS_OF_I]) >= PULSE_A;
+    w->window.ends_s = d->began_s + PART_S;
     for (size_t n = 0; n < w->n_each_step; n++) {
       vs_reduced *r = w->each_step[n];
       const vs_device_measure *m = r->measure;
       if (m->how == VS_R_PEAK)
         r->value = (vs_value){true, in_sense(w->last[m->of], m->sense), d->began_s};
-      if (m->how == VS_R_PULSE || m->how == VS_R_JUNCTION) r->value = (vs_value){true, 0, NAN};
+      if ((m->how >= VS_R_PULSE && m->how <= VS_R_SURGE) || m->how == VS_R_JUNCTION)
+        r->value = (vs_value){true, 0, NAN};
     }
   }
 }

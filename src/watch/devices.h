@@ -16,6 +16,15 @@ typedef struct vs_reduced {
   double failed_s;       /* when it first passed its limit; NaN: it has not */
 } vs_reduced;
 
+/* The integral over the last 10 ms: of the 20 parts of half a millisecond before the present one,
+ * and of that. Start from {0} with ends_s set. */
+enum { VS_WINDOW_PARTS = 20 };
+typedef struct vs_window {
+  double part[VS_WINDOW_PARTS + 1], whole; /* whole: of all but the present one */
+  size_t now;
+  double ends_s; /* of the present one */
+} vs_window;
+
 /* A formula, by the short way where it is one term times a constant. */
 typedef struct vs_quick {
   const vs_formula *formula;
@@ -26,9 +35,9 @@ typedef struct vs_quick {
 
 typedef struct vs_watched {
   const vs_device *device;
-  vs_quick voltage, current;
-  double last[VS_COURSES]; /* at the last knot */
-  double sum[VS_COURSES];  /* integrals over the run, but of V */
+  vs_quick voltage, current, flux; /* flux: where its device has one */
+  double last[VS_COURSES];         /* at the last knot */
+  double sum[VS_COURSES];          /* integrals over the run, but of V and V.s */
   vs_reduced reduced[VS_KIND_MEASURES];
   size_t count;
   vs_reduced *each_step[VS_KIND_MEASURES]; /* those that every step may change; the others come of
@@ -38,6 +47,7 @@ typedef struct vs_watched {
   vs_switch *states; /* of a device that conducts or blocks; else NULL */
   vs_gate_watch gate;
   double gate_peak_a; /* in the present gate pulse */
+  vs_window window;   /* of the one measure that has one */
   vs_slope slope;
   const vs_zth *zth[VS_PART_ZTH];
   double heat_k[VS_PART_ZTH]; /* rise of each term */

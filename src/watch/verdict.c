@@ -30,14 +30,16 @@ static vs_judgement judge_rating(const vs_measures *m, size_t k) {
   return j;
 }
 
-static vs_judgement judge_device(const vs_device *d, const vs_reduced *r) {
+static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const vs_reduced *r) {
   double limit = r->limit->value, stress = r->value.value;
-  return (vs_judgement){.device = d,
-                        .measure = r->measure,
-                        .limit = r->limit,
-                        .margin = (r->measure->at_least ? stress - limit : limit - stress) / limit,
-                        .stress = r->value,
-                        .failed_s = r->failed_s};
+  return (vs_judgement){
+      .device = d,
+      .measure = r->measure,
+      .limit = r->limit,
+      .ward = r->measure->held == VS_WARD_AT_MOST ? &deck->devices[d->protects] : NULL,
+      .margin = (r->measure->held == VS_AT_LEAST ? stress - limit : limit - stress) / limit,
+      .stress = r->value,
+      .failed_s = r->failed_s};
 }
 
 void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, vs_verdict *v) {
@@ -48,12 +50,13 @@ void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, vs_verdic
     for (size_t n = 0; n < devices->item[k].count; n++) {
       const vs_reduced *r = &devices->item[k].reduced[n];
       if (r->limit && r->value.known)
-        v->item[v->count++] = judge_device(devices->item[k].device, r);
+        v->item[v->count++] = judge_device(devices->frame->deck, devices->item[k].device, r);
     }
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
     if (!v->weakest || j->margin <= v->weakest->margin) v->weakest = j;
-    if (j->margin < 0 && (!v->first_to_fail || j->failed_s <= v->first_to_fail->failed_s))
+    if (j->margin < 0 && !j->ward &&
+        (!v->first_to_fail || j->failed_s <= v->first_to_fail->failed_s))
       v->first_to_fail = j;
   }
 }

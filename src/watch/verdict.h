@@ -13,6 +13,7 @@ typedef struct vs_judgement {
   const vs_device *device; /* with its measure and limit; NULL: it is of a rating */
   const vs_device_measure *measure;
   const vs_limit *limit;
+  const vs_device *ward;   /* whose limit it is, where that is another device's; else NULL */
   vs_value least, largest; /* of the probe in the run */
   double margin;   /* what is left to the nearer limit, as a part of that limit; < 0: beyond */
   vs_value stress; /* the extreme that is nearer to its limit, or further beyond; SI */
@@ -24,7 +25,7 @@ typedef struct vs_verdict {
   vs_judgement item[VS_MOST_JUDGEMENTS]; /* the ratings, then device by device */
   size_t count;
   const vs_judgement *weakest;       /* of the least margin; NULL: nothing is judged */
-  const vs_judgement *first_to_fail; /* NULL: none failed */
+  const vs_judgement *first_to_fail; /* NULL: none failed; never what another lets through */
 } vs_verdict; /* of two alike the later one, so that a device goes before a probe */
 
 /* Judges a run; devices may be NULL. Nothing is judged on a tier without a deck, of which neither
