@@ -3,7 +3,9 @@
 #include <gsl/gsl_integration.h>
 #include <gsl/gsl_roots.h>
 #include <math.h>
+#include <stdlib.h>
 
+#include "base/text.h"
 #include "study/validate.h"
 
 /* i(x) = U sqrt2/Z (sin(x - theta) - sin(alpha - theta) exp(-(x - alpha)/tan theta)), x from alpha

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The paper's scene, one current pulse at 100 degrees, on each tier against independent solutions;
  * the machine's modes. */
-#include <math.h>
+#include <stdlib.h>
 
+#include "base/text.h"
 #include "study/validate.h"
 
 #define REFERENCE "independent high-order solution"

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Generators against the standards they are made for, the surge into a varistor, varistor laws, and
  * the I2t of a half sine. */
-#include <math.h>
-
 #include "circuit/faults.h"
 #include "study/validate.h"
 
