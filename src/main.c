@@ -17,6 +17,7 @@
 #include "study/modes.h"
 #include "study/plot.h"
 #include "study/run.h"
+#include "study/validate.h"
 
 static volatile sig_atomic_t stop_requested;
 
@@ -31,7 +32,7 @@ typedef struct arguments {
   const char *tier, *output, *deck, *overlay;
   char **sets;
   size_t n_sets;
-  bool json, quiet, reproducible, raw, help;
+  bool json, quiet, reproducible, raw, list, help;
   int digits;
   vs_error err; /* of the parser */
 } arguments;
@@ -70,6 +71,14 @@ static vs_status do_plot(const arguments *a, vs_error *err) {
   const vs_plot_options o = {a->name, a->output, a->overlay, a->quiet};
   return vs_plot_command(&o, err);
 }
+static vs_status do_validate(const arguments *a, vs_error *err) {
+  const vs_validate_options o = {.word = a->name,
+                                 .json = a->json,
+                                 .quiet = a->quiet,
+                                 .list = a->list,
+                                 .stop = &stop_requested};
+  return vs_validate_command(&o, err);
+}
 
 enum {
   KEY_JSON = 256,
@@ -80,7 +89,8 @@ enum {
   KEY_SET,
   KEY_TIER,
   KEY_DECK,
-  KEY_OVERLAY
+  KEY_OVERLAY,
+  KEY_LIST
 };
 #define OPT_HELP                                                                                   \
   { "help", 'h', NULL, 0, "prints this and ends", -1 }
@@ -142,6 +152,13 @@ static const struct argp_option PLOT_OPTIONS[] = {
     OPT_HELP,
     {0}};
 
+static const struct argp_option VALIDATE_OPTIONS[] = {
+    {"list", KEY_LIST, NULL, 0, "names the checks and does none", 0},
+    OPT_JSON,
+    {"quiet", KEY_QUIET, NULL, 0, "says only what is off", 0},
+    OPT_HELP,
+    {0}};
+
 static const struct command {
   const char *name, *argument, *text, *examples;
   bool may_be_alone;
@@ -176,6 +193,11 @@ static const struct command {
      "draws a run: displacements, accelerations, force, current and voltage, as PNG and SVG",
      "  vibrospice plot out\n  vibrospice plot out -o sheet.svg --overlay measured.csv\n", false,
      PLOT_OPTIONS, do_plot},
+    {"validate", "[WORD]",
+     "compares with closed forms and reference solutions, and tier with tier, each with its error; "
+     "WORD: only checks whose names have it",
+     "  vibrospice validate\n  vibrospice validate snubber\n  vibrospice validate --json\n", true,
+     VALIDATE_OPTIONS, do_validate},
 };
 enum { N_COMMANDS = sizeof COMMANDS / sizeof *COMMANDS };
 
@@ -212,6 +234,9 @@ static error_t parse_option(int key, char *value, struct argp_state *state) {
     return 0;
   case KEY_RAW:
     a->raw = true;
+    return 0;
+  case KEY_LIST:
+    a->list = true;
     return 0;
   case 'h':
     a->help = true;
@@ -254,7 +279,7 @@ static void print_help(FILE *out) {
         "converter.\n\n",
         out);
   for (size_t k = 0; k < N_COMMANDS; k++)
-    fprintf(out, "  %-6s %-7s %s\n", COMMANDS[k].name, COMMANDS[k].argument, COMMANDS[k].text);
+    fprintf(out, "  %-8s %-7s %s\n", COMMANDS[k].name, COMMANDS[k].argument, COMMANDS[k].text);
   fputs("\nvibrospice COMMAND --help says more. Examples:\n", out);
   for (size_t k = 0; k < N_COMMANDS; k++) fputs(COMMANDS[k].examples, out);
   fputs("\nExit status:", out);

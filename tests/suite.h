@@ -8,9 +8,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "study/scene.h"
-#include "watch/devices.h"
-#include "watch/energy.h"
+#include "study/trial.h"
 
 typedef struct vs_test {
   const char *name;
@@ -45,25 +43,5 @@ void expect_files(const char *folder, const char *names, int line);
 #define EXPECT_FILES(folder, names) expect_files(folder, names, __LINE__)
 void remove_tree(const char *path);
 bool on_path(const char *program); /* is it in a folder of $PATH? */
-
-/* One run of a shipped or given scene, all measures taken; sets: a NULL-ended list of KEY=VALUE.
- * also: shown every step as well (may be NULL). The scene is freed with vs_trial_free. */
-typedef struct vs_trial {
-  vs_scene scene;
-  vs_value values[VS_MEASURES];
-  vs_energy energy;
-  vs_measures *measures;
-  vs_devices *devices; /* NULL: the deck has none */
-  const vs_observer *also;
-  long steps;
-  vs_status status;
-  vs_error err;
-} vs_trial;
-vs_trial *vs_trial_run(const char *scene, const char *tier, const char *const *sets,
-                       const vs_observer *also);
-/* The same in two halves, for a test that alters the numbers in between. */
-vs_trial *vs_trial_read(const char *scene, const char *tier, const char *const *sets);
-void vs_trial_go(vs_trial *trial, const vs_observer *also);
-void vs_trial_free(vs_trial *trial);
 
 #endif

@@ -161,7 +161,7 @@ static void bad_commands_are_refused(void) {
     const char *words, *says[2];
   } ROWS[] = {
       {"rum paper", {"'rum'", "'run'"}},
-      {"frobnicate", {"'frobnicate'", "--help"}},
+      {"xyzzy", {"'xyzzy'", "--help"}},
       {"run", {"SCENE", "--help"}},
       {"run -o out", {"SCENE", "--help"}},
       {"run papr -o out", {"'papr'", "'paper'"}},
@@ -831,6 +831,7 @@ static void what_the_program_says_about_itself(void) {
       {"modes --help", {"--output", "--set", NULL}},
       {"export --help", {"--output", "ngspice -b", NULL}},
       {"plot --help", {"--output", "DIR", NULL}},
+      {"validate --help", {"--list", "WORD", NULL}},
       {"--version", {"vibrospice " VS_VERSION, "ngspice ", "GSL "}},
       {"list", {"paper", "halfwave_snubbed", "machine.trough_mass"}},
       {"list scenes", {"paper", NULL, NULL}},

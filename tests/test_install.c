@@ -102,6 +102,27 @@ static void added_files_are_found(void) {
   EXPECT_SAYS("run marker", "\nv_b_max ");
 }
 
+/* Nothing is off as installed; what is wrong in an installed file is. */
+static void validation(void) {
+  static const struct {
+    const char *word, *file, *from, *to;
+  } ROWS[] = {
+      {"half sine", "validate/half_sine.cir", "peak = 100 A", "peak = 101 A"},
+      {"circuit as switched, bare: peak current", "eva.inc", "I = v(x,neg)", "I = 1.001*v(x,neg)"}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char words[100], path[100];
+    snprintf(words, sizeof words, "validate '%s'", ROWS[k].word);
+    snprintf(path, sizeof path, "there/share/vibrospice/%s", ROWS[k].file);
+    EXPECT_SAYS(words, "1 check, 0 off");
+    alter(path, ROWS[k].from, ROWS[k].to);
+    ran r = run_installed(words);
+    EXPECT(r.status == 1 && strstr(r.out, "OFF ") && strstr(r.err, "1 of 1 off"),
+           "%s: status %d: %s%s", words, r.status, r.out, r.err);
+    free_ran(&r);
+    alter(path, ROWS[k].to, ROWS[k].from);
+  }
+}
+
 static double current_peak(void) {
   ran r = run_installed("run paper --tier circuit --set run.until=10ms --json");
   const char *at = strstr(r.out, "\"i_peak\": {\"value\": ");
@@ -141,6 +162,7 @@ int main(void) {
       {"shipped scenes and decks run", shipped_scenes_and_decks_run},
       {"added files are found", added_files_are_found},
       {"by another name", by_another_name},
+      {"validation", validation},
       {"the installed copies are used", the_installed_copies_are_used},
   };
   return program_suite("install", TESTS, COUNT(TESTS));

@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/experiment.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+
+/* ---- numbers by name ---- */
+
+static void *grown(void *items, size_t count, size_t size) {
+  void *more = realloc(items, count * size);
+  if (!more) abort();
+  return more;
+}
+
+void vs_numbers_add(vs_numbers *n, double value, const char *format, ...) {
+  if (n->count == n->capacity) {
+    n->capacity = 2 * n->capacity + 64;
+    n->item = grown(n->item, n->capacity, sizeof *n->item);
+  }
+  vs_number *number = &n->item[n->count++];
+  va_list args;
+  va_start(args, format);
+  vsnprintf(number->name, sizeof number->name, format, args);
+  va_end(args);
+  number->value = value;
+}
+
+double vs_numbers_get(const vs_numbers *n, const char *name) {
+  for (size_t k = 0; k < n->count; k++)
+    if (!strcmp(n->item[k].name, name)) return n->item[k].value;
+  return NAN;
+}
+
+void vs_numbers_free(vs_numbers *n) {
+  free(n->item);
+  *n = (vs_numbers){0};
+}
+
+/* ---- curves ---- */
+
+void vs_curve_add(vs_curve *c, double t_s, double y) {
+  if (c->count == c->capacity) {
+    c->capacity = 2 * c->capacity + 1024;
+    c->t_s = grown(c->t_s, c->capacity, sizeof *c->t_s);
+    c->y = grown(c->y, c->capacity, sizeof *c->y);
+  }
+  c->t_s[c->count] = t_s;
+  c->y[c->count++] = y;
+}
+
+void vs_curve_free(vs_curve *c) {
+  free(c->t_s);
+  free(c->y);
+  *c = (vs_curve){0};
+}
+
+/* Where it first rises above part of its peak, or first falls below that behind the peak. */
+static double passes(const vs_curve *c, size_t peak, double part, bool behind) {
+  double level = part * c->y[peak];
+  size_t k = behind ? peak : 0;
+  while (k + 1 < c->count && (behind ? c->y[k + 1] > level : c->y[k + 1] < level)) k++;
+  if (k + 1 >= c->count) return NAN;
+  return c->t_s[k] + (level - c->y[k]) / (c->y[k + 1] - c->y[k]) * (c->t_s[k + 1] - c->t_s[k]);
+}
+
+void vs_curve_numbers(const vs_curve *c, vs_numbers *out) {
+  size_t peak = 0, least = 0;
+  for (size_t k = 1; k < c->count; k++) {
+    if (c->y[k] > c->y[peak]) peak = k;
+    if (c->y[k] < c->y[least]) least = k;
+  }
+  if (!c->count) return;
+  double t10 = passes(c, peak, 0.1, false), t30 = passes(c, peak, 0.3, false);
+  double t50 = passes(c, peak, 0.5, false), t90 = passes(c, peak, 0.9, false);
+  double half = passes(c, peak, 0.5, true);
+  vs_numbers_add(out, c->y[peak], "peak");
+  vs_numbers_add(out, c->y[least], "least");
+  vs_numbers_add(out, t90 - t10, "rise");
+  vs_numbers_add(out, half - t50, "width");
+  vs_numbers_add(out, 1.67 * (t90 - t30), "front_v");
+  vs_numbers_add(out, half - (t30 - (t90 - t30) / 2), "half_v");
+  vs_numbers_add(out, 1.25 * (t90 - t10), "front_i");
+  vs_numbers_add(out, half - (t10 - (t90 - t10) / 8), "half_i");
+}
+
+/* ---- a scene ---- */
+
+/* An empty file is the paper's scene, every key at its default. */
+static const char EMPTY_SCENE[] = "/dev/null";
+
+vs_status vs_experiment_scene(const vs_experiment *e, const char *another, vs_scene *scene,
+                              vs_error *err) {
+  char *sets[VS_EXPERIMENT_SETS + 1];
+  size_t n = 0;
+  for (; n < VS_EXPERIMENT_SETS && e->sets[n]; n++) sets[n] = (char *)(size_t)e->sets[n];
+  if (another) sets[n++] = (char *)(size_t)another;
+  return vs_scene_read(EMPTY_SCENE, sets, n, e->tier, scene, err);
+}
+
+/* Who watches the run of an experiment, besides the trial. */
+typedef struct watch {
+  const vs_experiment *experiment;
+  const vs_observer *also;
+  double p_m[VS_EXPERIMENT_LOOKS];
+  double charge_as; /* integral of the coil current */
+  vs_curve curve;
+  int channel; /* of the curve; -1: not known yet */
+} watch;
+
+static void note_curve(watch *w, const vs_step *step) {
+  const char *name = w->experiment->curve;
+  if (!name) return;
+  if (w->channel < 0) {
+    w->channel = vs_channel_find(step->frame, name);
+    if (w->channel < 0) return;
+    vs_curve_add(&w->curve, step->from->t_s, vs_step_channel(step, step->from->t_s, w->channel));
+  }
+  vs_curve_add(&w->curve, step->to->t_s, vs_step_channel(step, step->to->t_s, w->channel));
+}
+
+static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
+  watch *w = ctx;
+  double begin = step->from->t_s, end = step->to->t_s, half = (end - begin) / 2;
+  for (int k = 0; k < VS_EXPERIMENT_LOOKS; k++) {
+    double at = w->experiment->look_s[k];
+    if (at > begin && at <= end) w->p_m[k] = vs_step_channel(step, at, VS_CH_P);
+  }
+  for (int k = -1; k <= 1; k++) /* Gauss's rule of three points */
+    w->charge_as += half * (k ? 5 : 8) / 9.0 *
+                    vs_step_channel(step, begin + half * (1 + k * sqrt(0.6)), VS_CH_I);
+  note_curve(w, step);
+  return w->also ? w->also->accept(w->also->ctx, step, err) : VS_OK;
+}
+
+static void add_value(vs_numbers *out, const vs_value *v, const char *name, const char *ending) {
+  if (!v->known) return;
+  vs_numbers_add(out, v->value, "%s%s", name, ending);
+  vs_numbers_add(out, v->at_s, "%s%s.at", name, ending);
+}
+
+static void add_circuit(const vs_trial *t, vs_numbers *out) {
+  const vs_deck *deck = t->scene.frame.deck;
+  for (size_t k = 0; deck && k < deck->losses.count; k++)
+    vs_numbers_add(out, t->energy.loss_j[k], "loss.%s", deck->losses.item[k].name);
+  for (int k = VS_STANDARD_EXTREMES; k < t->measures->n_extremes; k++) {
+    const vs_extreme *x = &t->measures->extremes[k];
+    add_value(out, &x->best, vs_channel_at(&t->scene.frame, x->channel).name,
+              x->sense < 0 ? "_min" : "_max");
+  }
+  for (size_t d = 0; t->devices && d < t->devices->count; d++) {
+    const vs_watched *w = &t->devices->item[d];
+    for (size_t k = 0; k < w->count; k++)
+      vs_numbers_add(out, w->reduced[k].value.value, "%s.%s", w->device->name,
+                     w->reduced[k].measure->name);
+  }
+}
+
+/* What a run warns of: the most that any balance leaves over, at the end or on the way, of the work
+ * of the force or of what was drawn, whichever is more. */
+static double left_over(const vs_energy *e) {
+  double whole = fmax(fabs(e->joule[VS_E_WORK]), fabs(e->joule[VS_E_SOURCE])), most = 0;
+  for (int b = 0; b < VS_BALANCES; b++)
+    if (e->balanced[b]) most = fmax(most, fabs(e->furthest_j[b]));
+  return most / whole;
+}
+
+static void add_all(const vs_trial *t, const watch *w, vs_numbers *out) {
+  double until = t->scene.setup.run.until_s;
+  for (int k = 0; k < VS_MEASURES; k++)
+    add_value(out, &t->values[k], vs_measures_known[k].name, "");
+  for (int k = 0; k < VS_ENERGIES; k++)
+    vs_numbers_add(out, t->energy.joule[k], "energy.%s", vs_energy_names[k]);
+  vs_numbers_add(out, left_over(&t->energy), "books");
+  add_circuit(t, out);
+  vs_numbers_add(out, w->charge_as / until, "i_mean");
+  vs_numbers_add(
+      out,
+      sqrt(t->energy.joule[VS_E_COPPER] / t->scene.setup.model.actuator.resistance_ohm / until),
+      "i_rms");
+  for (int k = 0; k < VS_EXPERIMENT_LOOKS && w->experiment->look_s[k] > 0; k++)
+    vs_numbers_add(out, w->p_m[k], "p@%g", w->experiment->look_s[k]);
+  vs_curve_numbers(&w->curve, out);
+}
+
+vs_status vs_perform_scene(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
+                           vs_error *err) {
+  watch w = {.experiment = e, .also = also, .channel = -1};
+  const vs_observer observer = {&w, accept};
+  const char *sets[VS_EXPERIMENT_SETS + 1] = {NULL};
+  memcpy(sets, e->sets, sizeof e->sets);
+  vs_trial *t = vs_trial_run(EMPTY_SCENE, e->tier, sets, &observer);
+  vs_status status = t->status;
+  if (status)
+    *err = t->err;
+  else
+    add_all(t, &w, out);
+  vs_trial_free(t);
+  vs_curve_free(&w.curve);
+  return status;
+}

@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/orbit.h"
+
+#include <gsl/gsl_linalg.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+
+enum { N = VS_STATES };
+
+typedef struct flight {
+  const vs_observer *also;
+  double x[N];           /* the state at the end */
+  vs_measures *measures; /* NULL: only the state is wanted */
+  vs_energy energy;
+} flight;
+
+static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
+  flight *f = ctx;
+  memcpy(f->x, step->to->x, sizeof f->x);
+  if (f->measures) {
+    vs_measures_accept(f->measures, step);
+    vs_energy_accept(&f->energy, step);
+  }
+  return f->also ? f->also->accept(f->also->ctx, step, err) : VS_OK;
+}
+
+/* From the state x at t = 0 to until_s. */
+static vs_status fly(vs_scene *s, const double x[N], double until_s, flight *f, vs_error *err) {
+  const vs_observer observer = {f, accept};
+  memcpy(s->setup.start.x, x, sizeof s->setup.start.x);
+  s->setup.run.until_s = until_s;
+  return s->tier->run(&s->setup, &observer, err);
+}
+
+/* Steps of the difference quotients: a thousandth of what p does at 50 Hz. */
+static double small_step(int state) {
+  return state < VS_DOF ? 1e-6 : 3e-4;
+}
+
+/* One step of Newton's for x(T) = x; *change: how far it went, in units of small_step. */
+static vs_status improve(vs_scene *s, double period_s, const vs_observer *also, double x[N],
+                         double *change, vs_error *err) {
+  double matrix[N * N], missing[N], end[N];
+  flight f = {.also = also};
+  vs_status status = fly(s, x, period_s, &f, err);
+  memcpy(end, f.x, sizeof end);
+  for (int j = 0; j < N && !status; j++) {
+    double moved[N];
+    memcpy(moved, x, sizeof moved);
+    moved[j] += small_step(j);
+    status = fly(s, moved, period_s, &f, err);
+    for (int i = 0; i < N; i++) matrix[i * N + j] = (i == j) - (f.x[i] - end[i]) / small_step(j);
+    missing[j] = end[j] - x[j];
+  }
+  if (status) return status;
+  size_t order[N];
+  double by[N];
+  int sign;
+  gsl_matrix_view a = gsl_matrix_view_array(matrix, N, N);
+  gsl_vector_view b = gsl_vector_view_array(missing, N), d = gsl_vector_view_array(by, N);
+  gsl_permutation p = {N, order};
+  if (gsl_linalg_LU_decomp(&a.matrix, &p, &sign) ||
+      gsl_linalg_LU_solve(&a.matrix, &p, &b.vector, &d.vector))
+    return vs_fail(err, VS_RUN, "the orbit's equations cannot be solved");
+  *change = 0;
+  for (int j = 0; j < N; j++) {
+    x[j] += by[j];
+    *change = fmax(*change, fabs(by[j]) / small_step(j));
+  }
+  return VS_OK;
+}
+
+static vs_status measure(vs_scene *s, const double x[N], double period_s, vs_numbers *out,
+                         vs_error *err) {
+  flight f = {.measures = vs_measures_new(&s->frame), .energy = {.frame = &s->frame}};
+  vs_value v[VS_MEASURES];
+  vs_status status = fly(s, x, period_s, &f, err);
+  vs_measures_finish(f.measures, v);
+  vs_measures_free(f.measures);
+  if (status) return status;
+  vs_numbers_add(out, v[VS_M_P_MIN].value, "p_min");
+  vs_numbers_add(out, v[VS_M_P_MAX].value, "p_max");
+  vs_numbers_add(out, v[VS_M_I_PEAK].value, "i_peak");
+  vs_numbers_add(out, v[VS_M_FORCE_PEAK].value, "force_peak");
+  vs_numbers_add(out, f.energy.joule[VS_E_SOURCE] / period_s, "power");
+  return VS_OK;
+}
+
+vs_status vs_orbit_find(vs_scene *s, const vs_observer *also, vs_numbers *out, vs_error *err) {
+  const vs_timeline *line = &s->setup.timeline;
+  double period_s = line->firing.every * line->period_s, x[N], change = INFINITY;
+  double marched_s = fmax(1, round(s->setup.run.until_s / period_s)) * period_s;
+  flight march = {.also = also};
+  memcpy(x, s->setup.start.x, sizeof x);
+  vs_status status = fly(s, x, marched_s, &march, err);
+  memcpy(x, march.x, sizeof x);
+  /* what is left after a step of 1e-3 is far below the tier's own error */
+  for (int n = 0; n < 20 && change > 1e-3 && !status; n++)
+    status = improve(s, period_s, also, x, &change, err);
+  if (!status && !(change <= 1e-3))
+    status = vs_fail(err, VS_RUN, "no periodic orbit is found from here");
+  return status ? status : measure(s, x, period_s, out, err);
+}
+
+vs_status vs_perform_orbit(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
+                           vs_error *err) {
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_status status = vs_experiment_scene(e, NULL, scene, err);
+  if (!status) status = vs_orbit_find(scene, also, out, err);
+  vs_scene_free(scene);
+  free(scene);
+  return status;
+}

@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/validate.h"
+
+#include <gsl/gsl_version.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/text.h"
+#include "circuit/circuit.h"
+
+/* An experiment that some of the chosen checks need; done when the first of them asks. */
+typedef struct outcome {
+  const vs_experiment *experiment;
+  bool done;
+  vs_numbers numbers;
+  vs_status status;
+  vs_error err;
+} outcome;
+
+typedef struct session {
+  const vs_validate_options *options;
+  const vs_check **checks; /* the chosen ones */
+  size_t n_checks, failed;
+  outcome *outcomes;
+  size_t n_outcomes;
+  const vs_check *now;
+  const vs_experiment *present;
+  double began_s, shown_s, stage_s; /* wall clock; stage: of the present experiment */
+  double planned_s, passed_s;       /* sums of wall_s: of all; of those that are done */
+  bool show_progress;
+  unsigned long steps;
+  vs_text json;
+} session;
+
+static double wall_clock(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* ---- choosing ---- */
+
+static outcome *outcome_of(session *s, const vs_experiment *e) {
+  for (size_t k = 0; k < s->n_outcomes; k++)
+    if (s->outcomes[k].experiment == e) return &s->outcomes[k];
+  return NULL;
+}
+
+static void plan(session *s, const vs_experiment *e) {
+  if (!e || outcome_of(s, e)) return;
+  s->outcomes[s->n_outcomes++].experiment = e;
+  s->planned_s += e->wall_s;
+}
+
+static vs_status choose(session *s, const vs_checks *const *lists, size_t n_lists, vs_error *err) {
+  const char *word = s->options->word;
+  size_t most = 0;
+  for (size_t l = 0; l < n_lists; l++) most += lists[l]->count;
+  s->checks = vs_alloc(most + 1, sizeof *s->checks);
+  s->outcomes = vs_alloc(2 * most + 1, sizeof *s->outcomes);
+  for (size_t l = 0; l < n_lists; l++)
+    for (size_t k = 0; k < lists[l]->count; k++) {
+      const vs_check *check = &lists[l]->item[k];
+      if (word && !strcasestr(check->name, word)) continue;
+      s->checks[s->n_checks++] = check;
+      plan(s, check->experiment);
+      plan(s, check->other);
+    }
+  if (s->n_checks) return VS_OK;
+  return vs_fail(err, VS_INPUT,
+                 "validate: no check's name has '%s' in it; see vibrospice validate --list", word);
+}
+
+/* ---- doing ---- */
+
+static void hide_progress(session *s) {
+  if (s->shown_s > 0) fputs("\r\033[K", stderr);
+  s->shown_s = 0;
+}
+
+/* What is planned is scaled by what has been done so far; the present experiment counts with the
+ * time it has taken, but not beyond its plan. */
+static void show_progress(session *s) {
+  double now = wall_clock(), spent = now - s->began_s;
+  if (!s->show_progress || spent < 1 || now - s->shown_s < 0.25) return;
+  double part = (s->passed_s + fmin(now - s->stage_s, s->present->wall_s)) / s->planned_s;
+  s->shown_s = now;
+  fprintf(stderr, "\r%3.0f %%, %.0f s left: %s \033[K", 100 * part, spent * (1 - part) / part,
+          s->now->name);
+}
+
+static vs_status watch(void *ctx, const vs_step *step, vs_error *err) {
+  session *s = ctx;
+  (void)step;
+  if (s->steps++ % 256 == 0) show_progress(s);
+  return *s->options->stop ? vs_fail(err, VS_SIGNAL, "validate: stopped by a signal") : VS_OK;
+}
+
+static outcome *perform(session *s, const vs_experiment *e) {
+  outcome *o = outcome_of(s, e);
+  if (o->done) return o;
+  const vs_observer observer = {s, watch};
+  s->stage_s = wall_clock();
+  s->present = e;
+  show_progress(s);
+  o->status = e->perform(e, &observer, &o->numbers, &o->err);
+  o->done = true;
+  s->passed_s += e->wall_s;
+  if (o->status && o->status != VS_SIGNAL) {
+    hide_progress(s);
+    fprintf(stderr, "vibrospice: validate: %s: %s\n", s->now->name, o->err.text);
+  }
+  return o;
+}
+
+typedef struct verdict {
+  double expected, got, error; /* error: of the check's scale */
+  bool good;
+  const char *failure; /* of a run, one line; NULL: none */
+} verdict;
+
+static verdict judge(session *s, const vs_check *c, vs_status *status) {
+  verdict v = {.expected = c->expected, .got = NAN};
+  const outcome *o = perform(s, c->experiment), *other = c->other ? perform(s, c->other) : NULL;
+  if (o->status) v.failure = o->err.text;
+  if (other && other->status) v.failure = other->err.text;
+  if (o->status == VS_SIGNAL || (other && other->status == VS_SIGNAL)) *status = VS_SIGNAL;
+  if (!o->status) v.got = vs_numbers_get(&o->numbers, c->what);
+  if (other) v.expected = other->status ? NAN : vs_numbers_get(&other->numbers, c->what);
+  v.error = fabs(v.got - v.expected) / fabs(c->scale != 0 ? c->scale : v.expected);
+  v.good = v.error <= c->tolerance; /* never of a number that is none */
+  return v;
+}
+
+/* ---- showing ---- */
+
+static int name_width(const session *s) {
+  size_t width = 0;
+  for (size_t k = 0; k < s->n_checks; k++)
+    if (strlen(s->checks[k]->name) > width) width = strlen(s->checks[k]->name);
+  return (int)width;
+}
+
+static void print_row(const session *s, const vs_check *c, const verdict *v) {
+  printf("%-3s %-*s %15.10g %15.10g %-6s %8.1e %8.1e  %s; %s\n", v->good ? "ok" : "OFF",
+         name_width(s), c->name, v->expected, v->got, c->unit, v->error, c->tolerance, c->source,
+         c->why);
+}
+
+static void add_real(vs_text *json, const char *key, double value) {
+  if (isfinite(value))
+    vs_text_add(json, ", \"%s\": %.17g", key, value);
+  else
+    vs_text_add(json, ", \"%s\": null", key);
+}
+
+static void add_string(vs_text *json, const char *key, const char *value) {
+  vs_text_add(json, ", \"%s\": ", key);
+  vs_text_json(json, value);
+}
+
+static void add_row(session *s, const vs_check *c, const verdict *v) {
+  vs_text *json = &s->json;
+  vs_text_add(json, "%s\n    {\"name\": ", json->length ? "," : "");
+  vs_text_json(json, c->name);
+  add_string(json, "unit", c->unit);
+  add_real(json, "expected", v->expected);
+  add_real(json, "got", v->got);
+  add_real(json, "error", v->error);
+  add_real(json, "tolerance", c->tolerance);
+  add_real(json, "scale", c->scale != 0 ? fabs(c->scale) : fabs(v->expected));
+  add_string(json, "source", c->source);
+  add_string(json, "tolerance_why", c->why);
+  if (v->failure) add_string(json, "failure", v->failure);
+  vs_text_add(json, ", \"ok\": %s}", v->good ? "true" : "false");
+}
+
+static void print_json(const session *s) {
+  printf("{\n  \"program\": {\"version\": \"%s\", \"ngspice\": \"%s\", \"gsl\": \"%s\"},\n",
+         VS_VERSION, vs_ngspice_version(), gsl_version);
+  printf("  \"checks\": [%s\n  ],\n", s->json.text);
+  printf("  \"count\": %zu, \"off\": %zu, \"ok\": %s\n}\n", s->n_checks, s->failed,
+         s->failed ? "false" : "true");
+}
+
+static void show(session *s, const vs_check *c, const verdict *v) {
+  hide_progress(s);
+  if (!v->good && s->options->quiet)
+    fprintf(stderr,
+            "vibrospice: validate: %s: expected %.10g, got %.10g %s: off by %.2g, allowed %.2g\n",
+            c->name, v->expected, v->got, c->unit, v->error, c->tolerance);
+  if (s->options->json)
+    add_row(s, c, v);
+  else if (!s->options->quiet) {
+    print_row(s, c, v);
+    fflush(stdout);
+  }
+}
+
+static vs_status validate(session *s, vs_error *err) {
+  vs_status status = VS_OK;
+  if (!s->options->json && !s->options->quiet)
+    printf("%-3s %-*s %15s %15s %-6s %8s %8s  %s\n", "", name_width(s), "check", "expected", "got",
+           "", "error", "allowed", "source; tolerance");
+  for (size_t k = 0; k < s->n_checks; k++) {
+    s->now = s->checks[k];
+    const verdict v = judge(s, s->now, &status);
+    if (status || *s->options->stop) break;
+    s->failed += !v.good;
+    show(s, s->now, &v);
+  }
+  hide_progress(s);
+  if (status || *s->options->stop) return vs_fail(err, VS_SIGNAL, "validate: stopped by a signal");
+  if (s->options->json) print_json(s);
+  if (!s->options->json && !s->options->quiet)
+    printf("%zu check%s, %zu off, in %.1f s\n", s->n_checks, s->n_checks > 1 ? "s" : "", s->failed,
+           wall_clock() - s->began_s);
+  return s->failed ? vs_fail(err, VS_RUN, "validate: %zu of %zu off", s->failed, s->n_checks)
+                   : VS_OK;
+}
+
+vs_status vs_validate(const vs_checks *const *lists, size_t n_lists,
+                      const vs_validate_options *options, vs_error *err) {
+  session s = {.options = options, .began_s = wall_clock()};
+  s.show_progress = !options->quiet && isatty(STDERR_FILENO);
+  vs_status status = choose(&s, lists, n_lists, err);
+  for (size_t k = 0; k < s.n_checks && options->list; k++) puts(s.checks[k]->name);
+  if (!status && !options->list) status = validate(&s, err);
+  for (size_t k = 0; k < s.n_outcomes; k++) vs_numbers_free(&s.outcomes[k].numbers);
+  vs_text_free(&s.json);
+  free(s.outcomes);
+  free(s.checks);
+  return status;
+}
+
+vs_status vs_validate_command(const vs_validate_options *options, vs_error *err) {
+  static const vs_checks *const LISTS[] = {&vs_checks_single, &vs_checks_control, &vs_checks_steady,
+                                           &vs_checks_tiers,  &vs_checks_snubber, &vs_checks_surge};
+  return vs_validate(LISTS, sizeof LISTS / sizeof *LISTS, options, err);
+}
