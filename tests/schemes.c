@@ -35,7 +35,7 @@ static void rk4(rates f, const void *of, double s, double h, double y[], int n) 
 typedef struct coil {
   const cosim *c;
   course z;
-  double l_h, e_v; /* COIL_7C */
+  double l_h, l_rate_ohm; /* COIL_7C */
 } coil;
 
 enum { Y, TAKEN, COPPER, COIL_STATES };
@@ -46,7 +46,7 @@ static void coil_rates(const void *of, double s, const double y[], double rate[]
   double u = vs_mains(k->c->timeline, k->c->t_s + s), r = m->actuator.resistance_ohm;
   bool flux = k->c->scheme->form == COIL_FLUX;
   double i = flux ? vs_current(m, y[Y], k->z.at + s * k->z.rate) : y[Y];
-  rate[Y] = flux ? u - r * i : (u - r * i - k->e_v) / k->l_h;
+  rate[Y] = flux ? u - r * i : (u - (r + k->l_rate_ohm) * i) / k->l_h;
   rate[TAKEN] = u * i;
   rate[COPPER] = r * i * i;
 }
@@ -55,7 +55,7 @@ static coil coil_of(const cosim *c, course z) {
   coil k = {.c = c, .z = z};
   if (c->scheme->form == COIL_FLUX) return k;
   k.l_h = 2 * c->model->a_hm / c->z_m;
-  if (c->scheme->form == COIL_7C) k.e_v = -c->now.y * k.l_h / c->z_m * c->now.x[VS_DOF + P];
+  if (c->scheme->form == COIL_7C) k.l_rate_ohm = -k.l_h / c->z_m * c->now.x[VS_DOF + P];
   return k;
 }
 

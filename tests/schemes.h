@@ -22,8 +22,8 @@
 /* What the circuit takes for the coil. */
 typedef enum coil_form {
   COIL_FLUX,  /* lambda' = u - R lambda z/2a, z as the machine told */
-  COIL_7C,    /* L i' = u - R i - e, with L and e = i dL/dt held from the step's beginning */
-  COIL_NO_EMF /* the same without e */
+  COIL_7C,    /* L i' = u - R i - i dL/dt, with L and dL/dt held from the step's beginning */
+  COIL_NO_EMF /* the same without dL/dt */
 } coil_form;
 
 /* What the circuit tells the machine; the machine tells the gap (COIL_7C: and its rate). */
