@@ -348,6 +348,11 @@ void cosim_begin(cosim *c, const scheme *s, const vs_model *model, const vs_time
   c->knots = vs_alloc(2, sizeof *c->knots);
 }
 
+void cosim_place(cosim *c, const double x[VS_STATES]) {
+  memcpy(c->now.x, x, sizeof c->now.x);
+  c->z_m = c->z_before_m = vs_gap(c->model, x[P]);
+}
+
 bool cosim_step(cosim *c) {
   return isnan(c->collapsed_s) && isnan(c->diverged_s) && c->scheme->step(c);
 }

@@ -92,6 +92,8 @@ struct cosim {
 /* From rest, at t = 0. */
 void cosim_begin(cosim *c, const scheme *s, const vs_model *model, const vs_timeline *timeline,
                  double step_s);
+/* Then: the machine somewhere else, still at t = 0 without current. */
+void cosim_place(cosim *c, const double x[VS_STATES]);
 /* One macro step; false: z <= 0, or no convergence, and the run is over. */
 bool cosim_step(cosim *c);
 /* Until t_s >= until_s to rounding; false as above. */
