@@ -108,8 +108,10 @@ static bool find_multiplier(gsl_matrix *j, orbit *o) {
   good = good && !gsl_linalg_complex_LU_decomp(lu, p, &sign) &&
          !gsl_linalg_complex_LU_invert(lu, p, inverse);
   double most = -1;
+  o->largest = 0;
   for (size_t k = 0; k < VS_STATES && good; k++) {
     double part = 0;
+    o->largest = fmax(o->largest, gsl_complex_abs(gsl_vector_complex_get(values, k)));
     for (size_t i = P; i < VS_STATES; i += VS_DOF)
       part += gsl_complex_abs(
           gsl_complex_mul(gsl_matrix_complex_get(v, i, k), gsl_matrix_complex_get(inverse, k, i)));

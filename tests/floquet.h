@@ -11,9 +11,10 @@ typedef struct orbit {
   double x[VS_STATES];     /* at the rising zero of the mains */
   double multiplier;       /* |mu| of the working mode: > 1 unstable */
   double angle_rad;        /* of mu, 0..pi */
+  double largest;          /* |mu| of any mode */
   double damping_ns_m;     /* c = -2 m_eff ln|mu| / T */
   double force_over_z_n_m; /* mean of F/z over the orbit */
-  double p_min_m, p_max_m;
+  double p_min_m, p_max_m; /* at substeps */
 } orbit;
 
 /* Effective mass of the working mode: a unit impulse of F makes it swing with 1/(m_eff w) in p. */
