@@ -106,7 +106,7 @@ static void the_product_holds(void) {
 static const struct {
   double damping_ns_m, force_over_z_n_m;
   long fine; /* macro steps in a period that are as good as infinitely many: 1e-4 of c */
-} ORBIT[MACHINES] = {{4.407, 4895, 2000}, {6.600, 11508, 2000}, {2.515, 43486, 8000}};
+} ORBIT[MACHINES] = {{4.407, 4895, 1000}, {6.600, 11508, 1000}, {2.515, 43486, 4000}};
 
 /* From rest by marching near it, then Newton's method. */
 static orbit orbit_exactly(int which, const vs_trial *t) {
