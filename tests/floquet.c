@@ -9,8 +9,6 @@
 
 #include "machine/actuator.h"
 
-/* A mode's place among the eigenvalues is told by its part in p: the product of its shape there
- * and of what of it a push on p wakes. */
 typedef struct map {
   const scheme *scheme;
   const vs_model *model;
@@ -94,7 +92,8 @@ static double newton(map *m, double x[VS_STATES], gsl_matrix *j) {
   return good ? largest : NAN;
 }
 
-/* The multiplier whose mode has most part in p. */
+/* The multiplier whose mode has most part in p: the product of its shape there and of what of it a
+ * push on p wakes. */
 static bool find_multiplier(gsl_matrix *j, orbit *o) {
   gsl_vector_complex *values = gsl_vector_complex_alloc(VS_STATES);
   gsl_matrix_complex *v = gsl_matrix_complex_alloc(VS_STATES, VS_STATES);

@@ -169,7 +169,7 @@ static double solve_machine(cosim *c, course told, cosim_state *to) {
 
 /* ---- macro steps ---- */
 
-static void show(const cosim *c, const cosim_state *to) {
+static void show(const cosim *c) {
   const vs_model *m = c->model;
   const vs_frame frame = {.model = m, .timeline = c->timeline};
   double sub = c->step_s / (double)c->substeps;
@@ -186,7 +186,6 @@ static void show(const cosim *c, const cosim_state *to) {
     vs_knot_complete(&frame, k, false);
     if (n > 0) c->show(c->ctx, &c->knots[1 - n % 2], k);
   }
-  (void)to;
 }
 
 /* Takes a solved step over. */
@@ -199,7 +198,7 @@ static bool accept(cosim *c, const cosim_state *to, double told, double collapse
     c->p_min_m = fmin(c->p_min_m, c->x[n][P]);
     c->p_max_m = fmax(c->p_max_m, c->x[n][P]);
   }
-  if (c->show) show(c, to);
+  if (c->show) show(c);
   c->now = *to;
   c->y_rate[0] = c->y_rate[c->substeps];
   c->z_before_m = c->z_m;
@@ -284,11 +283,11 @@ static bool step_condensed(cosim *c) {
 const scheme schemes[] = {
     {"i_jacobi", "i exchanged, flux as state, z held, Jacobi", -3, COIL_FLUX, TELLS_I, false, 0,
      step_jacobi},
-    {"i_jacobi_extrapolated", "the same, i and z extrapolated", NAN, COIL_FLUX, TELLS_I, true, 0,
+    {"i_jacobi_extrapolated", "the same, i and z extrapolated", 0, COIL_FLUX, TELLS_I, true, 0,
      step_jacobi},
     {"i_seidel", "i exchanged, flux as state, z held, Gauss-Seidel", -1, COIL_FLUX, TELLS_I, false,
      0, step_seidel},
-    {"i_seidel_extrapolated", "the same, z extrapolated, i on its line", NAN, COIL_FLUX, TELLS_I,
+    {"i_seidel_extrapolated", "the same, z extrapolated, i on its line", 0, COIL_FLUX, TELLS_I,
      true, 0, step_seidel},
     {"7c_jacobi", "i exchanged, L and back-EMF held (the paper's Fig. 7c), Jacobi", -2, COIL_7C,
      TELLS_I, false, 0, step_jacobi},
@@ -306,11 +305,11 @@ const scheme schemes[] = {
      COIL_FLUX, TELLS_FLUX, false, 0, step_seidel},
     {"flux_seidel_extrapolated", "the same, z extrapolated, lambda on its line", 0, COIL_FLUX,
      TELLS_FLUX, true, 0, step_seidel},
-    {"i_iterated", "i exchanged, z and i on lines, iterated", NAN, COIL_FLUX, TELLS_I, true, 1,
+    {"i_iterated", "i exchanged, z and i on lines, iterated", 0, COIL_FLUX, TELLS_I, true, 1,
      step_iterated},
-    {"i_relaxed", "the same, half of each correction taken", NAN, COIL_FLUX, TELLS_I, true, 0.5,
+    {"i_relaxed", "the same, half of each correction taken", 0, COIL_FLUX, TELLS_I, true, 0.5,
      step_iterated},
-    {"i_condensed", "the same, by Newton's (secant) corrections", NAN, COIL_FLUX, TELLS_I, true, 1,
+    {"i_condensed", "the same, by Newton's (secant) corrections", 0, COIL_FLUX, TELLS_I, true, 1,
      step_condensed},
     {"flux_iterated", "lambda exchanged, z and lambda on lines, iterated", 0, COIL_FLUX, TELLS_FLUX,
      true, 1, step_iterated},
