@@ -26,7 +26,7 @@ typedef struct phases {
 /* The polynomial of degree seven between knots is off by (w h)^8/10321920 at most, or by the
  * series' eighth term/256. That much is allowed of it; never more than the second, with which the
  * books of energy, kept on the dense output, close to 1e-9 of the work. */
-static const double DENSE = 10321920, ROUGH = 0.1, ROUGHEST = 1e-10;
+static const double DENSE = 10321920, ROUGH = 0.05, ROUGHEST = 5e-11;
 
 static double longest_step(const phases *p, double radians, double fastest_rad_s) {
   const vs_run_values *run = &p->setup->run;
@@ -303,7 +303,7 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
   p.knots[0] = vs_sim_start(setup, frame);
   p.driven.touching = vs_in_stop(m, p.knots[0].x[P]);
   find_scales(&p);
-  p.longest_s = longest_step(&p, pow(DENSE * 3 * p.rough, 1.0 / 8), m->fastest_rad_s);
+  p.longest_s = longest_step(&p, pow(DENSE * 6 * p.rough, 1.0 / 8), m->fastest_rad_s);
   p.longest_driven_s = longest_step(&p, 1, fmax(fmax(m->fastest_rad_s, mains), coil / 8));
   p.longest_touching_s = fmin(longest_step(&p, 1, m->contact_rad_s), p.longest_driven_s);
   make_propagator(&p, p.longest_s);
