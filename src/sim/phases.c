@@ -54,6 +54,11 @@ static void mains(const phases *p, double since_s, double *voltage_v, double *ra
   *rate_v_s = line->peak_v * line->omega_rad_s * cos(phase);
 }
 
+/* When u falls through zero, in local time. */
+static double mains_turn(const phases *p) {
+  return (M_PI - p->began_phase_rad) / p->driven.frame->timeline->omega_rad_s;
+}
+
 /* Fills the knot to come, `since_s` of local time on, from y:
  *   dlambda/dt = u - R_c i and two derivatives more, with i = lambda z/(2a) and z' = p' or 0. */
 static void fill(phases *p, double since_s, const double y[VS_CONDUCTING]) {
@@ -159,7 +164,7 @@ static ending find_ending(const phases *p, double *length) {
   double full = *length, contact = first_contact(p);
   const vs_knot *to = &p->knots[1 - p->now];
   /* u > 0 until its next zero, so lambda > 0 there: the zero of lambda lies behind it */
-  double turn = (M_PI - p->began_phase_rad) / p->driven.frame->timeline->omega_rad_s - p->since_s;
+  double turn = mains_turn(p) - p->since_s;
   ending found = GOES_ON;
   if (p->driven.conducting && to->flux_wb <= 0 && full >= turn) {
     found = FLUX_ENDS;
@@ -200,6 +205,8 @@ static vs_status drive_until(phases *p, double end_s, vs_error *err) {
     double length = reach(p, &p->series), left = end - p->since_s;
     if (!(length > 1e-15 * end))
       return vs_fail(err, VS_RUN, "t = %.9g s: no step is short enough", p->knots[p->now].t_s);
+    /* a knot near the largest flux, however short the conduction */
+    if (p->driven.conducting && p->since_s == 0) length = fmin(length, mains_turn(p));
     if (length >= left)
       length = left;
     else if (2 * length > left)
