@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The room base: units, names, trees, field tables, files that appear whole or not at all. */
+#include <float.h>
 #include <limits.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -775,6 +777,41 @@ static void shipped_files_are_found(void) {
   unsetenv("VIBROSPICE_PATH");
 }
 
+/* ---- numbers ---- */
+
+static bool prints_as_printf(double value, int digits) {
+  char got[VS_NUMBER_SIZE], expected[64];
+  size_t length = vs_print_number(got, value, digits);
+  snprintf(expected, sizeof expected, "%.*g", digits, value);
+  bool same = !strcmp(got, expected) && length == strlen(expected);
+  EXPECT(same, "%.17g with %d digits: %s, and printf has %s", value, digits, got, expected);
+  return same;
+}
+
+/* Any bits at all; what a run writes; the middle between two numbers, which must round as printf
+ * does; around powers of ten, where the number of digits changes. */
+static void numbers_are_written_as_printf_does(void) {
+  static const double SPECIAL[] = {0,    -0.0, 1,       -1,   INFINITY,  -INFINITY, NAN,
+                                   1e22, 1e23, 5e-324,  1e15, 123456789, 0.5,       9.5,
+                                   0.1,  1e-4, 9.99e-5, 1e-5, DBL_MAX,   DBL_MIN,   999999999.5};
+  bool good = true;
+  for (size_t k = 0; k < COUNT(SPECIAL); k++)
+    for (int digits = 1; digits <= 17; digits++) good &= prints_as_printf(SPECIAL[k], digits);
+  uint64_t bits = 88172645463325252u; /* xorshift */
+  for (int n = 0; n < 100000 && good; n++) {
+    double any;
+    bits ^= bits << 13, bits ^= bits >> 7, bits ^= bits << 17;
+    memcpy(&any, &bits, sizeof any);
+    int digits = 1 + n % 17, power = (int)(bits % 40) - 20;
+    double usual = ((double)(bits >> 11) / (1ull << 52) - 1) * pow(10, power);
+    double middle =
+        ((double)(bits % (uint64_t)pow(10, digits < 15 ? digits : 15)) + 0.5) * pow(10, power / 4);
+    double round = nextafter(pow(10, power), n % 3 ? n % 3 - 1.5 : pow(10, power));
+    good = prints_as_printf(any, digits) && prints_as_printf(usual, digits) &&
+           prints_as_printf(middle, digits) && prints_as_printf(round, digits);
+  }
+}
+
 static const vs_test TESTS[] = {
     {"good quantities", good_quantities},
     {"bad quantities", bad_quantities},
@@ -783,6 +820,7 @@ static const vs_test TESTS[] = {
     {"unit suffixes", unit_suffixes},
     {"units from suffixes", units_from_suffixes},
     {"growing text", growing_text},
+    {"numbers are written as printf does", numbers_are_written_as_printf_does},
     {"errors are one line", errors_are_one_line},
     {"errors can be carried on from", errors_can_be_carried_on_from},
     {"columns are characters", columns_are_characters},

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The parts of tools/bench that need the library or a child's resource usage; it says what for.
  *
- *   bench_runs tolerance REF         loosest decade of run.tolerance at which p is within 1e-9
- *   bench_runs switched TOL REPEAT   best and median wall time of the paper's scene, switched tier
+ * The paper's scene on the switched tier, EVERY: once, or 1 for a firing in every cycle:
+ *   bench_runs error EVERY TOL REF       its errors against the reference
+ *   bench_runs switched EVERY TOL REPEAT best and median wall time
+ *   bench_runs measures TOL REPEAT       the same of a run for its measures alone
+ * Others:
  *   bench_runs circuit ROUNDS        0.1 s on the circuit tier against its circuit alone, in turn
  *   bench_runs child PROGRAM ARG...  wall time and peak memory of a program
  *   bench_runs seconds N PROGRAM ARG...  least wall time of N runs of a program, its output dropped
@@ -26,7 +29,6 @@
 /* The peers' record: p, u, w, phi, i every 0.1 ms of 2 s. */
 enum { COLUMNS = 5, ROWS = 20001, ROWS_PER_SECOND = 10000 };
 static const int RECORDED[COLUMNS] = {VS_CH_P, VS_CH_U, VS_CH_W, VS_CH_PHI, VS_CH_I};
-static const double WANTED = 1e-9;
 
 typedef struct record {
   double y[ROWS][COLUMNS];
@@ -56,18 +58,19 @@ static void *allocated(size_t size) {
   return p;
 }
 
-/* The paper's scene with one KEY=VALUE set. */
-static vs_scene *read_scene(const char *tier, char *set) {
+/* The paper's scene with some KEY=VALUE set. */
+static vs_scene *read_scene(const char *tier, char *const *sets, size_t n_sets) {
   vs_scene *scene = allocated(sizeof *scene);
   vs_error err = {0};
-  must(vs_scene_read("paper", &set, 1, tier, scene, &err), &err);
+  must(vs_scene_read("paper", sets, n_sets, tier, scene, &err), &err);
   return scene;
 }
 
-static vs_scene *read_switched(double tolerance) {
-  char set[64];
-  snprintf(set, sizeof set, "run.tolerance=%g", tolerance);
-  return read_scene("switched", set);
+static vs_scene *read_switched(const char *every, const char *tolerance) {
+  char words[2][64], *sets[] = {words[0], words[1]};
+  snprintf(words[0], sizeof words[0], "firing.every=%s", every);
+  snprintf(words[1], sizeof words[1], "run.tolerance=%s", tolerance);
+  return read_scene("switched", sets, 2);
 }
 
 static void free_scene(vs_scene *scene) {
@@ -136,25 +139,19 @@ static double error_of(const record *r, const record *reference, int column) {
   return error / peak;
 }
 
-/* tolerance, error of p, largest error of p, u, w, phi, i, steps */
-static void find_tolerance(const char *path) {
+/* error of p, largest error of p, u, w, phi, i, steps */
+static void find_error(const char *every, const char *tolerance, const char *path) {
   record *reference = allocated(sizeof *reference), *r = allocated(sizeof *r);
   FILE *f = fopen(path, "rb");
   if (!f || fread(reference->y, sizeof reference->y, 1, f) != 1)
     give_up("the reference cannot be read");
   fclose(f);
-  int decade = -4;
-  double error = INFINITY, worst = 0;
-  for (; decade >= -12; decade--) {
-    vs_scene *scene = read_switched(pow(10, decade));
-    run_stored(scene, r);
-    free_scene(scene);
-    error = error_of(r, reference, 0);
-    if (error <= WANTED) break;
-  }
-  if (error > WANTED) give_up("no tolerance of the switched tier reaches 1e-9 in p");
+  vs_scene *scene = read_switched(every, tolerance);
+  run_stored(scene, r);
+  free_scene(scene);
+  double worst = 0;
   for (int k = 0; k < COLUMNS; k++) worst = fmax(worst, error_of(r, reference, k));
-  printf("1e%d,%.2e,%.2e,%ld\n", decade, error, worst, r->steps);
+  printf("%.2e,%.2e,%ld\n", error_of(r, reference, 0), worst, r->steps);
   free(r);
   free(reference);
 }
@@ -166,8 +163,8 @@ static double median(double *values, size_t n) {
 
 /* seconds: best and median with 20,001 samples stored, best and median without an observer's work
  */
-static void time_switched(double tolerance, size_t repeat) {
-  vs_scene *scene = read_switched(tolerance);
+static void time_switched(const char *every, const char *tolerance, size_t repeat) {
+  vs_scene *scene = read_switched(every, tolerance);
   record *r = allocated(sizeof *r);
   double *stored = allocated(repeat * sizeof *stored), *alone = allocated(repeat * sizeof *alone);
   const vs_observer idle = {NULL, nothing};
@@ -180,6 +177,35 @@ static void time_switched(double tolerance, size_t repeat) {
   free(stored);
   free(alone);
   free(r);
+  free_scene(scene);
+}
+
+/* seconds: best and median of one pulse from the scene's tree to measures and energies, best and
+ * median without the setup */
+static void time_measures(const char *tolerance, size_t repeat) {
+  vs_scene *scene = read_switched("once", tolerance);
+  double *all = allocated(repeat * sizeof *all), *alone = allocated(repeat * sizeof *alone);
+  for (size_t k = 0; k < repeat; k++) {
+    vs_error err = {0};
+    vs_value values[VS_MEASURES];
+    double began = wall_clock();
+    vs_setup_free(&scene->setup);
+    must(vs_setup_build(scene->tree.root, &scene->setup, &err), &err);
+    double built = wall_clock();
+    watchers w = {.measures = vs_measures_new(&scene->frame), .energy = {.frame = &scene->frame}};
+    const vs_observer watching = {&w, watch};
+    must(vs_sim_run(scene->tier, &scene->setup, &watching, &err), &err);
+    vs_measures_finish(w.measures, values);
+    vs_energy_finish(&w.energy);
+    vs_measures_free(w.measures);
+    double ended = wall_clock();
+    all[k] = ended - began;
+    alone[k] = ended - built;
+  }
+  double middle[2] = {median(all, repeat), median(alone, repeat)};
+  printf("%.9f,%.9f,%.9f,%.9f\n", all[0], middle[0], alone[0], middle[1]);
+  free(all);
+  free(alone);
   free_scene(scene);
 }
 
@@ -285,8 +311,8 @@ static void release(void *circuit) {
  * the circuit alone: seconds, seconds without loading, steps, source calls. */
 static void time_circuit(int rounds) {
   const vs_circuit_kind solver = {"ngspice, timed", load, run, release};
-  char until[] = "run.until=0.1s";
-  vs_scene *scene = read_scene("circuit", until);
+  char until[] = "run.until=0.1s", *sets[] = {until};
+  vs_scene *scene = read_scene("circuit", sets, 1);
   scene->setup.solver = &solver;
   timed.setup = &scene->setup;
   const vs_observer idle = {NULL, nothing};
@@ -339,10 +365,12 @@ static void time_quiet(int times, char *const *arguments) {
 
 int main(int argc, char **argv) {
   gsl_set_error_handler_off();
-  if (argc == 3 && !strcmp(argv[1], "tolerance"))
-    find_tolerance(argv[2]);
-  else if (argc == 4 && !strcmp(argv[1], "switched") && atoi(argv[3]) > 0)
-    time_switched(atof(argv[2]), (size_t)atoi(argv[3]));
+  if (argc == 5 && !strcmp(argv[1], "error"))
+    find_error(argv[2], argv[3], argv[4]);
+  else if (argc == 5 && !strcmp(argv[1], "switched") && atoi(argv[4]) > 0)
+    time_switched(argv[2], argv[3], (size_t)atoi(argv[4]));
+  else if (argc == 4 && !strcmp(argv[1], "measures") && atoi(argv[3]) > 0)
+    time_measures(argv[2], (size_t)atoi(argv[3]));
   else if (argc == 3 && !strcmp(argv[1], "circuit"))
     time_circuit(atoi(argv[2]));
   else if (argc > 2 && !strcmp(argv[1], "child"))
@@ -350,9 +378,10 @@ int main(int argc, char **argv) {
   else if (argc > 3 && !strcmp(argv[1], "seconds") && atoi(argv[2]) > 0)
     time_quiet(atoi(argv[2]), argv + 3);
   else {
-    fputs("usage: bench_runs tolerance REF | switched TOL REPEAT | circuit ROUNDS | child PROGRAM "
-          "[ARG...] | seconds N PROGRAM [ARG...]\n",
-          stderr);
+    fputs(
+        "usage: bench_runs error EVERY TOL REF | switched EVERY TOL REPEAT | measures TOL REPEAT | "
+        "circuit ROUNDS | child PROGRAM [ARG...] | seconds N PROGRAM [ARG...]\n",
+        stderr);
     return 2;
   }
   return 0;

@@ -37,12 +37,13 @@ static vs_status read_real(const char *name, const vs_field *field, const vs_nod
   double slack = 1e-12 * (field->max < 0 ? -field->max : field->max); /* of the unit's conversion */
   bool inside = field->open ? shown > field->min && shown < field->max
                             : shown >= field->min - slack && shown <= field->max + slack;
+  if (inside) {
+    *out = si;
+    return VS_OK;
+  }
   vs_field_range(field, range, sizeof range);
-  if (!inside)
-    return vs_fail_at(err, node->where, "%s: %s is out of range; allowed: %s", name, node->text,
-                      range);
-  *out = si;
-  return VS_OK;
+  return vs_fail_at(err, node->where, "%s: %s is out of range; allowed: %s", name, node->text,
+                    range);
 }
 
 static vs_status read_choice(const char *name, const vs_field *field, const vs_node *node, int *out,

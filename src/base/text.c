@@ -2,7 +2,10 @@
 #include "base/text.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdarg.h>
+#include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -110,4 +113,64 @@ void vs_unit_suffix(const char *unit, char *suffix, size_t size) {
   for (; *unit && n + 1 < size; unit++)
     suffix[n++] = isalnum((unsigned char)*unit) ? (char)tolower((unsigned char)*unit) : '_';
   suffix[n] = '\0';
+}
+
+/* Powers of ten that a double has exactly. */
+enum { LARGEST_POWER = 22, MOST_DIGITS = 12 };
+static const double TEN[LARGEST_POWER + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                              1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                              1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+
+/* Digits of a > 0 as a whole number, the first of them worth 10^*tens; 0: too near to the middle of
+ * two such numbers to tell by one multiplication, or too large or small. */
+static uint64_t leading_digits(double a, int digits, int *tens) {
+  int binary;
+  frexp(a, &binary);
+  *tens = (int)floor((binary - 1) * 0.30102999566398120); /* or one more */
+  double scaled = 0;
+  for (int again = 0; again < 2; again++) {
+    int shift = digits - 1 - *tens;
+    if (abs(shift) > LARGEST_POWER) return 0;
+    scaled = shift < 0 ? a / TEN[-shift] : a * TEN[shift]; /* rounded once */
+    if (scaled < TEN[digits]) break;
+    ++*tens;
+  }
+  double whole = floor(scaled), rest = scaled - whole;
+  if (fabs(rest - 0.5) < 1e-15 * TEN[digits]) return 0;
+  uint64_t number = (uint64_t)whole + (rest > 0.5);
+  if (number < (uint64_t)TEN[digits]) return number;
+  ++*tens;
+  return number / 10;
+}
+
+size_t vs_print_number(char text[VS_NUMBER_SIZE], double value, int digits) {
+  int tens = 0, count = digits;
+  uint64_t number = 0;
+  if (isfinite(value) && value != 0 && digits > 0 && digits <= MOST_DIGITS)
+    number = leading_digits(fabs(value), digits, &tens);
+  if (!number && (value != 0 || signbit(value)))
+    return (size_t)snprintf(text, VS_NUMBER_SIZE, "%.*g", digits, value);
+  for (; count > 1 && number % 10 == 0; count--) number /= 10;
+  char digit[MOST_DIGITS], *to = text;
+  for (int k = count; k-- > 0; number /= 10) digit[k] = (char)('0' + number % 10);
+  if (value < 0) *to++ = '-';
+  bool fixed = tens >= -4 && tens < digits;
+  int point = fixed ? tens : 0; /* the last digit before it */
+  if (point < 0) {
+    *to++ = '0';
+    *to++ = '.';
+    for (int k = -1; k > point; k--) *to++ = '0';
+  }
+  for (int k = 0; k < count || k <= point; k++) {
+    *to++ = k < count ? digit[k] : '0';
+    if (k == point && k + 1 < count) *to++ = '.';
+  }
+  if (!fixed) { /* of two digits: leading_digits() goes no further */
+    *to++ = 'e';
+    *to++ = tens < 0 ? '-' : '+';
+    *to++ = (char)('0' + abs(tens) / 10);
+    *to++ = (char)('0' + abs(tens) % 10);
+  }
+  *to = '\0';
+  return (size_t)(to - text);
 }

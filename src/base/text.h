@@ -26,6 +26,10 @@ const char *vs_nearest(const char *name, const char *const *candidates, size_t c
 /* Which character of the line (UTF-8) stands at `at`, from 1. */
 int vs_column(const char *line, const char *at);
 
+/* Writes what "%.*g" would, in a tenth of its time where digits <= 12; gives its length. */
+enum { VS_NUMBER_SIZE = 32 };
+size_t vs_print_number(char text[VS_NUMBER_SIZE], double value, int digits);
+
 /* "m/s2" -> "m_s2", "Wb" -> "wb", "" -> "": the unit as it ends a CSV column's name. */
 void vs_unit_suffix(const char *unit, char *suffix, size_t size);
 

@@ -59,16 +59,17 @@ static bool same_name(const char *text, const char *name, size_t length, bool lo
 }
 
 static bool named_unit(const char *name, size_t length, bool lower, unit *out) {
-  for (size_t k = 0; k < sizeof UNITS / sizeof *UNITS; k++)
+  for (size_t k = 0; k < sizeof UNITS / sizeof *UNITS; k++) {
+    size_t nu = strlen(UNITS[k].name), np = length - nu; /* what is left for a prefix */
+    if (nu > length || (np && !UNITS[k].prefixed)) continue;
+    if (!same_name(name + np, UNITS[k].name, nu, lower)) continue;
     for (size_t p = 0; p < sizeof PREFIXES / sizeof *PREFIXES; p++) {
-      size_t np = strlen(PREFIXES[p].text), nu = strlen(UNITS[k].name);
-      if ((np && !UNITS[k].prefixed) || np + nu != length) continue;
-      if (strncmp(name, PREFIXES[p].text, np) || !same_name(name + np, UNITS[k].name, nu, lower))
-        continue;
+      if (strlen(PREFIXES[p].text) != np || strncmp(name, PREFIXES[p].text, np)) continue;
       *out = UNITS[k].unit;
       out->tens += PREFIXES[p].tens;
       return true;
     }
+  }
   return false;
 }
 

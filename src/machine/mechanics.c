@@ -8,18 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void vs_accelerations(const vs_model *model, const double x[VS_STATES], double force_n,
-                      double acceleration[VS_DOF]) {
-  /* q" = M^-1 (-F,0,0,0) - M^-1 K q - M^-1 B q' */
-  const double(*k)[VS_DOF] = model->mk_column, (*b)[VS_DOF] = model->mb_column, *v = x + VS_DOF;
-  double sum[VS_DOF];
-  for (int i = 0; i < VS_DOF; i++)
-    sum[i] = model->mf[i] * force_n - (k[P][i] * x[P] + b[P][i] * v[P]) -
-             (k[U][i] * x[U] + b[U][i] * v[U]) - (k[W][i] * x[W] + b[W][i] * v[W]) -
-             (k[PHI][i] * x[PHI] + b[PHI][i] * v[PHI]);
-  memcpy(acceleration, sum, sizeof sum);
-}
-
 void vs_hold_p(const vs_model *model, double rate[VS_DOF]) {
   double force = rate[P] / model->mf[P];
   for (int i = 0; i < VS_DOF; i++) rate[i] -= model->mf[i] * force;

@@ -4,12 +4,22 @@
 #define VS_MACHINE_MECHANICS_H
 
 #include <stdbool.h>
+#include <string.h>
 
 #include "machine/model.h"
 
 /* q" [m/s2, rad/s2] from x = (q, q') and the force F [N] on the armature (Eq. 83). */
-void vs_accelerations(const vs_model *model, const double x[VS_STATES], double force_n,
-                      double acceleration[VS_DOF]);
+static inline void vs_accelerations(const vs_model *model, const double x[VS_STATES],
+                                    double force_n, double acceleration[VS_DOF]) {
+  /* q" = M^-1 (-F,0,0,0) - M^-1 K q - M^-1 B q' */
+  const double(*k)[VS_DOF] = model->mk_column, (*b)[VS_DOF] = model->mb_column, *v = x + VS_DOF;
+  double sum[VS_DOF];
+  for (int i = 0; i < VS_DOF; i++)
+    sum[i] = model->mf[i] * force_n - (k[P][i] * x[P] + b[P][i] * v[P]) -
+             (k[U][i] * x[U] + b[U][i] * v[U]) - (k[W][i] * x[W] + b[W][i] * v[W]) -
+             (k[PHI][i] * x[PHI] + b[PHI][i] * v[PHI]);
+  memcpy(acceleration, sum, sizeof sum);
+}
 
 /* What the stop adds to F while the armature touches it, N: k (p + D) + c p', negative in
  * compression. It acts along p just as F does, so it goes wherever F goes; the second is its rate,

@@ -6,22 +6,9 @@
 
 #include "sim/sim.h"
 
-/* What differs between the two while the thyristor conducts; off, lambda = 0 and the machine swings
- * freely. */
-typedef struct vs_conduction {
-  const vs_frame *frame;
-  double fired_s, fired_phase_rad; /* of the mains then, -pi..pi */
-  /* dlambda/dt, V, and (when not NULL) d2lambda/dt2, V/s, with flux linkage lambda and state x.
-   * Time counts from firing, so that it is as fine after hours as at the beginning. */
-  double (*flux_rate)(const struct vs_conduction *c, double since_s, double flux_wb,
-                      const double x[VS_STATES], double *rate2);
-} vs_conduction;
-
-/* mains voltage, V, and its rate, V/s, since_s after firing */
-double vs_conduction_mains(const vs_conduction *c, double since_s);
-double vs_conduction_mains_rate(const vs_conduction *c, double since_s);
-
-vs_status vs_phases_run(const vs_setup *setup, const vs_conduction *conduction,
-                        const vs_observer *observer, vs_error *err);
+/* Of the two frames the tiers have, gap_at_rest alone makes a difference: conducting, dlambda/dt =
+ * u - R_c i; off, lambda = 0 and the machine swings freely. */
+vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_observer *observer,
+                        vs_error *err);
 
 #endif

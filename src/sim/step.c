@@ -44,65 +44,103 @@ void vs_knot_complete(const vs_frame *frame, vs_knot *k, bool touching) {
   vs_jerks(m, va, rate + (touching ? vs_stop_rate(m, k->x, k->a) : 0), k->j);
 }
 
-/* Weights at s in [0,1] of a step of h for values, slopes and curvatures (y, y', y'') at its two
- * ends. */
+/* Weights of value, slope, curvature and third derivative at the two ends of a step. */
 typedef struct weights {
-  double h, y0, d0, e0, y1, d1, e1;
+  double y[2], d[2], e[2], f[2];
 } weights;
 
-/* Quintic Hermite polynomial. */
-static weights quintic(double s, double h) {
-  double s2 = s * s, s3 = s2 * s, s4 = s3 * s, s5 = s4 * s;
-  return (weights){h,
-                   1 - 10 * s3 + 15 * s4 - 6 * s5,
-                   s - 6 * s3 + 8 * s4 - 3 * s5,
-                   (s2 - 3 * s3 + 3 * s4 - s5) / 2,
-                   10 * s3 - 15 * s4 + 6 * s5,
-                   -4 * s3 + 7 * s4 - 3 * s5,
-                   (s3 - 2 * s4 + s5) / 2};
+/* The distances s from an end and r to the other, in parts of h, and h: seen from the far end time
+ * runs backwards. */
+typedef struct views {
+  double s[2], r[2], h[2];
+} views;
+static inline views views_of(double s, double h) {
+  return (views){{s, 1 - s}, {1 - s, s}, {h, -h}};
 }
 
-static weights quintic_rate(double s, double h) {
-  double s2 = s * s, s3 = s2 * s, s4 = s3 * s;
-  return (weights){h,
-                   -30 * s2 + 60 * s3 - 30 * s4,
-                   1 - 18 * s2 + 32 * s3 - 15 * s4,
-                   s - (9 * s2 - 12 * s3 + 5 * s4) / 2,
-                   30 * s2 - 60 * s3 + 30 * s4,
-                   -12 * s2 + 28 * s3 - 15 * s4,
-                   (3 * s2 - 8 * s3 + 5 * s4) / 2};
+/* Hermite polynomials of degree seven. */
+static inline weights septic(views v) {
+  weights w;
+  for (int k = 0; k < 2; k++) {
+    double s = v.s[k], r2 = v.r[k] * v.r[k], c = 1 + s * (4 + 10 * s), d = v.h[k] * r2 * r2 * s;
+    w.y[k] = r2 * r2 * (c + 20 * s * s * s);
+    w.d[k] = d * c;
+    w.e[k] = d * v.h[k] * s * (0.5 + 2 * s);
+    w.f[k] = d * v.h[k] * v.h[k] * (s * s * (1.0 / 6));
+  }
+  return w;
 }
 
-static weights cubic(double s, double h) {
-  double s2 = s * s, s3 = s2 * s;
-  return (weights){h, 1 - 3 * s2 + 2 * s3, s - 2 * s2 + s3, 0, 3 * s2 - 2 * s3, s3 - s2, 0};
+/* Their slopes; none where h = 0. */
+static inline weights septic_rate(views v) {
+  weights w;
+  for (int k = 0; k < 2; k++) {
+    double s = v.s[k], r3 = v.r[k] * v.r[k] * v.r[k], hrs = v.h[k] * r3 * s;
+    w.y[k] = -140 * r3 * s * s * s / v.h[k];
+    w.d[k] = r3 * (1 + s * (3 + s * (6 - 70 * s)));
+    w.e[k] = hrs * (1 + s * (3 - 14 * s));
+    w.f[k] = hrs * v.h[k] * s * (0.5 - (7.0 / 6) * s);
+  }
+  return w;
 }
 
-static weights cubic_rate(double s, double h) {
-  return (weights){h, 6 * s * (s - 1), 1 - 4 * s + 3 * s * s, 0, 6 * s * (1 - s), s * (3 * s - 2),
-                   0};
+/* Of degree three: what a solver of second order has. */
+static inline weights cubic(views v) {
+  weights w = {.e = {0}};
+  for (int k = 0; k < 2; k++) {
+    w.y[k] = v.r[k] * v.r[k] * (1 + 2 * v.s[k]);
+    w.d[k] = v.h[k] * v.r[k] * v.r[k] * v.s[k];
+  }
+  return w;
+}
+static inline weights cubic_rate(views v) {
+  weights w = {.e = {0}};
+  for (int k = 0; k < 2; k++) {
+    w.y[k] = -6 * v.r[k] * v.s[k] / v.h[k];
+    w.d[k] = v.r[k] * (1 - 3 * v.s[k]);
+  }
+  return w;
 }
 
-/* At one end: some quantities side by side, their slopes, their curvatures. */
+/* At one end: some quantities side by side and their derivatives. */
 typedef struct ends {
-  const double *y, *d, *e;
+  const double *y, *d, *e, *f;
 } ends;
 
-static inline void apply(const weights *w, ends from, ends to, int n, double *restrict y) {
+static inline void apply(const weights *w, ends a, ends b, int n, double *restrict y) {
   for (int i = 0; i < n; i++)
-    y[i] = w->y0 * from.y[i] + w->y1 * to.y[i] + w->h * (w->d0 * from.d[i] + w->d1 * to.d[i]) +
-           w->h * w->h * (w->e0 * from.e[i] + w->e1 * to.e[i]);
+    y[i] = (w->y[0] * a.y[i] + w->y[1] * b.y[i]) + (w->d[0] * a.d[i] + w->d[1] * b.d[i]) +
+           ((w->e[0] * a.e[i] + w->e[1] * b.e[i]) + (w->f[0] * a.f[i] + w->f[1] * b.f[i]));
+}
+
+static ends coordinates_of(const vs_knot *k) {
+  return (ends){k->x, k->x + VS_DOF, k->a, k->j};
 }
 
 static ends flux_of(const vs_knot *k) {
-  return (ends){&k->flux_wb, &k->flux_rate_v, &k->flux_rate2_v_s};
+  return (ends){&k->flux_wb, &k->flux_rate_v, &k->flux_rate2_v_s, &k->flux_rate3_v_s2};
 }
 
-static double flux_rate(const vs_step *step, double s, double h) {
-  weights w = step->cubic_flux ? cubic_rate(s, h) : quintic_rate(s, h);
+bool vs_step_is_quiet(const vs_step *step) {
+  const vs_knot *a = step->from, *b = step->to;
+  return a->flux_wb == 0 && b->flux_wb == 0 && a->flux_rate_v == 0 && b->flux_rate_v == 0;
+}
+
+static void velocities(const vs_step *step, views at, double v[VS_DOF]) {
+  if (at.h[0] <= 0) {
+    memcpy(v, step->to->x + VS_DOF, sizeof(double[VS_DOF]));
+    return;
+  }
+  weights w = septic_rate(at);
+  apply(&w, coordinates_of(step->from), coordinates_of(step->to), VS_DOF, v);
+}
+
+static double flux_rate(const vs_step *step, views at) {
+  if (at.h[0] <= 0) return step->to->flux_rate_v;
+  weights w = step->cubic_flux ? cubic_rate(at) : septic_rate(at);
   double rate;
   apply(&w, flux_of(step->from), flux_of(step->to), 1, &rate);
-  return h > 0 ? rate / h : step->to->flux_rate_v;
+  return rate;
 }
 
 static double line(double from, double to, double s) {
@@ -132,19 +170,22 @@ void vs_step_parts_at(const vs_step *step, double t_s, unsigned parts, double *y
   const vs_frame *frame = step->frame;
   const vs_model *m = frame->model;
   double h = b->t_s - a->t_s, s = h > 0 ? (t_s - a->t_s) / h : 1, *x = y + VS_CH_P;
-  weights w = quintic(s, h), flux = step->cubic_flux ? cubic(s, h) : w;
-  apply(&w, (ends){a->x, a->x + VS_DOF, a->a}, (ends){b->x, b->x + VS_DOF, b->a}, VS_DOF, x);
-  if (parts & VS_PART_VELOCITIES)
-    apply(&w, (ends){a->x + VS_DOF, a->a, a->j}, (ends){b->x + VS_DOF, b->a, b->j}, VS_DOF,
-          x + VS_DOF);
+  const views at = views_of(s, h);
+  weights w = septic(at);
+  apply(&w, coordinates_of(a), coordinates_of(b), VS_DOF, x);
+  if (parts & VS_PART_VELOCITIES) velocities(step, at, x + VS_DOF);
   y[VS_CH_Z] = vs_gap(m, x[P]);
-  apply(&flux, flux_of(a), flux_of(b), 1, y + VS_CH_LAMBDA);
-  y[VS_CH_I] = vs_current(m, y[VS_CH_LAMBDA], frame->gap_at_rest ? m->gap_rest_m : y[VS_CH_Z]);
-  y[VS_CH_FORCE] = vs_force(m, y[VS_CH_LAMBDA]);
+  y[VS_CH_LAMBDA] = y[VS_CH_I] = y[VS_CH_FORCE] = 0;
+  if (!vs_step_is_quiet(step)) {
+    if (step->cubic_flux) w = cubic(at);
+    apply(&w, flux_of(a), flux_of(b), 1, y + VS_CH_LAMBDA);
+    y[VS_CH_I] = vs_current(m, y[VS_CH_LAMBDA], frame->gap_at_rest ? m->gap_rest_m : y[VS_CH_Z]);
+    y[VS_CH_FORCE] = vs_force(m, y[VS_CH_LAMBDA]);
+  }
   y[VS_CH_I_MAINS] = frame->source_is_coil ? y[VS_CH_I] : line(a->i_mains_a, b->i_mains_a, s);
   if (parts & VS_PART_V_EVA)
     y[VS_CH_V_EVA] = frame->source_is_coil
-                         ? m->actuator.resistance_ohm * y[VS_CH_I] + flux_rate(step, s, h)
+                         ? m->actuator.resistance_ohm * y[VS_CH_I] + flux_rate(step, at)
                          : line(a->v_eva_v, b->v_eva_v, s);
   if (parts & VS_PART_V_MAINS) y[VS_CH_V_MAINS] = vs_mains(frame->timeline, t_s);
   if (parts & VS_PART_ACCELERATIONS)

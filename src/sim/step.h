@@ -65,10 +65,11 @@ int vs_channel_find(const vs_frame *frame, const char *name); /* -1: there is no
 /* The state at one instant with the derivatives that dense output and channels need. */
 typedef struct vs_knot {
   double t_s;
-  double x[VS_STATES];                         /* q, q' */
-  double a[VS_DOF], j[VS_DOF];                 /* q", q"' */
-  double flux_wb, flux_rate_v, flux_rate2_v_s; /* lambda and its first two derivatives */
-  double v_eva_v, i_mains_a;                   /* circuit tier only: as the circuit has them */
+  double x[VS_STATES];         /* q, q' */
+  double a[VS_DOF], j[VS_DOF]; /* q", q"' */
+  /* lambda and its derivatives; where flux is cubic the last two are not asked for */
+  double flux_wb, flux_rate_v, flux_rate2_v_s, flux_rate3_v_s2;
+  double v_eva_v, i_mains_a;  /* circuit tier only: as the circuit has them */
   double terms[VS_DECK_MOST]; /* the last member: the deck's, of its probes and formulas */
 } vs_knot;
 
@@ -110,12 +111,14 @@ enum {
 };
 unsigned vs_parts_of(const int *channels, int count);
 
-/* All channels at t in [from, to], y[vs_channel_count]: quintic Hermite polynomials for q and q'
- * from value and two derivatives at each end, the same or cubic for lambda, accelerations from Eq.
- * 54; straight lines for the deck's terms. */
+/* All channels at t in [from, to], y[vs_channel_count]: for q the Hermite polynomial of degree
+ * seven from value and three derivatives at each end, for q' its slope; the same or a cubic for
+ * lambda; accelerations from Eq. 54; straight lines for the deck's terms. */
 void vs_step_at(const vs_step *step, double t_s, double *y);
 /* The same numbers, but only the parts wanted: the other channels are left as they are. */
 void vs_step_parts_at(const vs_step *step, double t_s, unsigned parts, double *y);
 double vs_step_channel(const vs_step *step, double t_s, int channel);
+/* Is there no flux anywhere in it, and so neither current nor force? */
+bool vs_step_is_quiet(const vs_step *step);
 
 #endif

@@ -104,23 +104,26 @@ static void take_stock(vs_energy *e) {
 enum { STOCK_TAKING = 32 }; /* steps between two looks at the books */
 
 void vs_energy_accept(vs_energy *e, const vs_step *step) {
-  static const unsigned PARTS = VS_PART_VELOCITIES | VS_PART_V_EVA | VS_PART_V_MAINS;
+  /* the machine alone moves, and dissipates */
+  bool alone = step->frame->source_is_coil && vs_step_is_quiet(step);
+  unsigned parts = VS_PART_VELOCITIES | (alone ? 0 : VS_PART_V_EVA | VS_PART_V_MAINS);
   const vs_model *m = step->frame->model;
   double h = step->to->t_s - step->from->t_s, y[VS_CH_MOST];
   if (!e->steps++) begin(e, step);
   if (h == 0) e->joule[VS_E_STOP] += mechanical(m, step->from) - mechanical(m, step->to); /* jams */
   for (int g = step->cubic_flux ? 0 : 1, k = 0; k < GAUSS[g].count; k++) {
-    vs_step_parts_at(step, step->from->t_s + h * GAUSS[g].at[k], PARTS, y);
+    vs_step_parts_at(step, step->from->t_s + h * GAUSS[g].at[k], parts, y);
     double w = h * GAUSS[g].weight[k], lost = 0;
     for (int i = 0; i < VS_DOF; i++)
       for (int j = 0; j < VS_DOF; j++) lost += y[VS_CH_VP + i] * m->damping[i][j] * y[VS_CH_VP + j];
+    e->joule[VS_E_DAMPING] += w * lost;
+    if (vs_in_stop(m, y[VS_CH_P]))
+      e->joule[VS_E_STOP] += w * m->actuator.stop.damping_ns_m * y[VS_CH_VP] * y[VS_CH_VP];
+    if (alone) continue;
     e->joule[VS_E_SOURCE] += w * y[VS_CH_V_MAINS] * y[VS_CH_I_MAINS];
     e->joule[VS_E_PORT] += w * y[VS_CH_V_EVA] * y[VS_CH_I];
     e->joule[VS_E_COPPER] += w * m->actuator.resistance_ohm * y[VS_CH_I] * y[VS_CH_I];
     e->joule[VS_E_WORK] -= w * y[VS_CH_FORCE] * y[VS_CH_VP];
-    e->joule[VS_E_DAMPING] += w * lost;
-    if (vs_in_stop(m, y[VS_CH_P]))
-      e->joule[VS_E_STOP] += w * m->actuator.stop.damping_ns_m * y[VS_CH_VP] * y[VS_CH_VP];
   }
   vs_knot_copy(step->frame, step->to, &e->last);
   if (step->frame->deck) add_losses(e, step);

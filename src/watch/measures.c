@@ -93,10 +93,11 @@ static vs_value refine(const vs_measures *m, int channel) {
   const vs_kept_step *older = &m->kept[1 - m->last], *newer = &m->kept[m->last];
   double lo = older->from.t_s, hi = newer->to.t_s, middle = newer->from.t_s;
   course c = {m, channel, 0.01 * fmin(middle - lo, hi - middle)};
+  if (channel < VS_CH_VP) c = (course){m, channel + VS_CH_VP, 0}; /* its slope is a channel */
   double t = find_root(m, &c, lo + 2 * c.delta_s, hi - 2 * c.delta_s);
   vs_value at_knot = {true, m->y[1][channel], middle};
   if (isnan(t)) return at_knot;
-  c.delta_s = 0;
+  c = (course){m, channel, 0};
   return (vs_value){true, value_at(&c, t), t};
 }
 

@@ -18,6 +18,13 @@ void vs_table_begin(vs_table *table) {
   fputc('\n', table->stream);
 }
 
+static void write_number(vs_table *table, double value, char before) {
+  char text[VS_NUMBER_SIZE];
+  size_t length = vs_print_number(text, value, table->digits);
+  if (before) putc_unlocked(before, table->stream);
+  fwrite_unlocked(text, 1, length, table->stream);
+}
+
 vs_status vs_table_accept(vs_table *table, const vs_step *step, vs_error *err) {
   double y[VS_CH_MOST];
   if (step->to->t_s == step->from->t_s)
@@ -28,10 +35,9 @@ vs_status vs_table_accept(vs_table *table, const vs_step *step, vs_error *err) {
     double t = table->next * table->sample_s;
     if (t > step->to->t_s + (step->to->t_s >= table->until_s - slack ? slack : 0)) return VS_OK;
     vs_step_at(step, t < step->to->t_s ? t : step->to->t_s, y);
-    fprintf(table->stream, "%.*g", table->digits, t);
-    for (int k = 0; k < table->count; k++)
-      fprintf(table->stream, ",%.*g", table->digits, y[table->channels[k]]);
-    fputc('\n', table->stream);
+    write_number(table, t, '\0');
+    for (int k = 0; k < table->count; k++) write_number(table, y[table->channels[k]], ',');
+    putc_unlocked('\n', table->stream);
     if (ferror(table->stream))
       return vs_fail(err, VS_RUN, "t = %.9g s: run.csv cannot be written: %s", t, strerror(errno));
   }
