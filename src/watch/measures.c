@@ -101,12 +101,27 @@ static vs_value refine(const vs_measures *m, int channel) {
   return (vs_value){true, value_at(&c, t), t};
 }
 
+/* The extremum of a displacement in the newest step, which its velocity says is there. */
+static vs_value refine_in_step(const vs_measures *m, int channel) {
+  const vs_kept_step *step = &m->kept[m->last];
+  course slope = {m, channel + VS_CH_VP, 0}, c = {m, channel, 0};
+  double t = find_root(m, &slope, step->from.t_s, step->to.t_s);
+  if (isnan(t)) t = step->to.t_s; /* the velocity is 0 there */
+  return (vs_value){true, value_at(&c, t), t};
+}
+
 /* ---- what is followed from step to step ---- */
 
 /* +1: the middle of the three values is a maximum, -1: a minimum, 0: neither */
 static int turn(const vs_measures *m, int channel) {
   double a = m->y[0][channel], b = m->y[1][channel], c = m->y[2][channel];
   return b >= a && b > c ? 1 : b <= a && b < c ? -1 : 0;
+}
+
+/* The same of a displacement in the newest step, by its velocity. */
+static int turn_in_step(const vs_measures *m, int channel) {
+  double before = m->y[1][channel + VS_CH_VP], now = m->y[2][channel + VS_CH_VP];
+  return before > 0 && now <= 0 ? 1 : before < 0 && now >= 0 ? -1 : 0;
 }
 
 static void follow_extreme(vs_measures *m, vs_extreme *e) {
@@ -119,12 +134,13 @@ static void follow_extreme(vs_measures *m, vs_extreme *e) {
     reach = sign * now;
     e->best = (vs_value){true, e->sense ? now : fabs(now), m->kept[m->last].to.t_s};
   }
-  int turns = m->steps > 1 ? turn(m, e->channel) : 0;
+  bool slope = e->channel < VS_CH_VP; /* is a channel, too */
+  int turns = slope ? turn_in_step(m, e->channel) : m->steps > 1 ? turn(m, e->channel) : 0;
   double middle = m->y[1][e->channel];
   if (!turns || (e->sense && turns != e->sense) || (!e->sense && turns * middle < 0)) return;
   if (turns * middle < reach - 0.1 * fabs(reach))
     return; /* between knots it cannot gain that much */
-  vs_value v = refine(m, e->channel);
+  vs_value v = slope ? refine_in_step(m, e->channel) : refine(m, e->channel);
   if (turns * v.value > reach)
     e->best = (vs_value){true, e->sense ? v.value : fabs(v.value), v.at_s};
   else if (e->best.at_s == m->kept[m->last].from.t_s)
