@@ -24,7 +24,7 @@ vs_scene_part vs_scene_part_at(const vs_scene *s, int index) {
 
 /* The first of ngspice's own keys that the section run has; NULL: none. */
 static const char *solver_key(const vs_node *run) {
-  static const char *const KEYS[] = {"method", "trtol", "pivrel"};
+  static const char *const KEYS[] = {"method", "trtol", "pivrel", "leave_circuit"};
   for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS; k++)
     if (vs_node_child(run, KEYS[k])) return KEYS[k];
   return NULL;
