@@ -29,7 +29,7 @@ typedef struct scene {
   const char *sets[MOST_SETS];
 } scene;
 static const scene SCENES[] = {
-    {"single shot", {"run.until=0.3s"}},
+    {"single shot", {"run.until=1s"}},
     {"every cycle 95 deg", {"run.until=0.3s", "firing.every=1", "firing.angle=95deg"}},
     {"every cycle 100 deg", {"run.until=0.3s", "firing.every=1", "firing.angle=100deg"}},
     {"every cycle 120 deg", {"run.until=0.3s", "firing.every=1", "firing.angle=120deg"}},
