@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What part d of tools/work_precision asks of the library:
+ *
+ *   errors reference TIER FILE   p of the paper's scene every 0.1 ms of 2 s, by tests/oracle.h
+ *   errors csv REF FILE          largest error of p in a run.csv, in parts of its peak
+ *   errors bin REF FILE          in a record of the peers: p, u, w, phi, i as doubles
+ *   errors deck REF FILE         in a table "time, p in mm, p' in mm/s" of ngspice's own points
+ *   errors seconds N COMMAND...  least and median wall time of N runs of a program, s
+ *
+ * A file that does not reach the end has an infinite error. */
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_sort.h>
+#include <gsl/gsl_statistics.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/text.h"
+#include "race.h"
+
+enum { ROWS = 20001 };
+static const double SAMPLE_S = 1e-4;
+static double reference[ROWS], got[ROWS];
+
+static FILE *opened(const char *path, const char *how) {
+  FILE *f = fopen(path, how);
+  if (!f) race_give_up(path);
+  return f;
+}
+
+static void write_reference(const char *tier, const char *path) {
+  const char *sets[] = {"run.until=2s", NULL};
+  vs_scene *scene = race_scene(tier, sets);
+  oracle_scene o =
+      oracle_of(&scene->setup, strcmp(tier, "circuit") ? ORACLE_SWITCHED : ORACLE_SNUBBED);
+  double *table = vs_alloc(o.rows * ORACLE_COLUMNS, sizeof *table);
+  if (o.rows != ROWS || !oracle_run(&o, table, NULL)) race_give_up("no reference");
+  for (size_t k = 0; k < ROWS; k++) got[k] = table[k * ORACLE_COLUMNS + ORACLE_P];
+  FILE *f = opened(path, "wb");
+  bool good = fwrite(got, sizeof got, 1, f) == 1;
+  if (fclose(f) || !good) race_give_up(path);
+  free(table);
+  vs_scene_free(scene);
+  free(scene);
+}
+
+/* Each gives how many rows it found. */
+static size_t read_csv(FILE *f) {
+  char line[4096];
+  size_t n = 0;
+  if (!fgets(line, sizeof line, f) || strncmp(line, "t_s,p_m", 7)) race_give_up("not t_s,p_m");
+  while (n < ROWS && fscanf(f, "%*[^,],%lf%*[^\n]", &got[n]) == 1) n++;
+  return n;
+}
+
+static size_t read_bin(FILE *f) {
+  double row[5];
+  size_t n = 0;
+  while (n < ROWS && fread(row, sizeof row, 1, f) == 1) got[n++] = row[0];
+  return n;
+}
+
+/* Along the cubic through value and slope at the points around each sample. */
+static size_t read_deck(FILE *f) {
+  double t0 = 0, p0 = 0, v0 = 0, t, p, v;
+  size_t n = 0;
+  while (fscanf(f, "%lf %lf %lf", &t, &p, &v) == 3) {
+    double h = t - t0;
+    for (; h > 0 && n < ROWS && (double)n * SAMPLE_S <= t + 1e-12; n++) {
+      double s = ((double)n * SAMPLE_S - t0) / h, r = 1 - s;
+      got[n] = 1e-3 * ((1 + 2 * s) * r * r * p0 + s * r * r * h * v0 + s * s * (3 - 2 * s) * p -
+                       s * s * r * h * v);
+    }
+    t0 = t, p0 = p, v0 = v;
+  }
+  return n;
+}
+
+static void print_error(const char *ref, const char *path, size_t (*reader)(FILE *)) {
+  FILE *f = opened(ref, "rb"), *g = opened(path, "rb");
+  if (fread(reference, sizeof reference, 1, f) != 1) race_give_up(ref);
+  double worst = reader(g) == ROWS ? 0 : INFINITY, peak = 0;
+  for (size_t k = 0; k < ROWS; k++) {
+    double error = fabs(got[k] - reference[k]);
+    worst = isnan(error) ? INFINITY : fmax(worst, error);
+    peak = fmax(peak, fabs(reference[k]));
+  }
+  fclose(f);
+  fclose(g);
+  printf("%.3e\n", worst / peak);
+}
+
+static double run_child(char *const *arguments) {
+  double began = race_clock();
+  pid_t pid = fork();
+  if (pid < 0) race_give_up("no process for the child");
+  if (pid == 0) {
+    if (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)) _exit(127);
+    execvp(arguments[0], arguments);
+    _exit(127);
+  }
+  int status;
+  if (waitpid(pid, &status, 0) != pid || status) race_give_up("a child failed");
+  return race_clock() - began;
+}
+
+static void print_seconds(int times, char *const *arguments) {
+  double *spent = vs_alloc((size_t)times, sizeof *spent);
+  for (int k = 0; k < times; k++) spent[k] = run_child(arguments);
+  gsl_sort(spent, 1, (size_t)times);
+  printf("%.6f,%.6f\n", spent[0], gsl_stats_median_from_sorted_data(spent, 1, (size_t)times));
+  free(spent);
+}
+
+int main(int argc, char **argv) {
+  gsl_set_error_handler_off();
+  if (argc == 4 && !strcmp(argv[1], "reference"))
+    write_reference(argv[2], argv[3]);
+  else if (argc == 4 && !strcmp(argv[1], "csv"))
+    print_error(argv[2], argv[3], read_csv);
+  else if (argc == 4 && !strcmp(argv[1], "bin"))
+    print_error(argv[2], argv[3], read_bin);
+  else if (argc == 4 && !strcmp(argv[1], "deck"))
+    print_error(argv[2], argv[3], read_deck);
+  else if (argc > 3 && !strcmp(argv[1], "seconds") && atoi(argv[2]) > 0)
+    print_seconds(atoi(argv[2]), argv + 3);
+  else {
+    fputs("usage: errors reference TIER FILE | csv|bin|deck REF FILE | seconds N COMMAND...\n",
+          stderr);
+    return 2;
+  }
+  return 0;
+}
