@@ -18,12 +18,6 @@ enum { MOST_SETS = 8 };
 /* What is promised: run.tolerance; what is held here: three times that. */
 static const double ALLOWED = 3;
 
-/* Scene "stop" on the circuit tier: a blow multiplies what error p has: after ten of them it is up
- * to 35 times what it was before the first. And there the snubbers alone carry some conductions, of
- * 50 us, whose end ngspice finds no better than its own tolerances let it, which are a tenth of
- * run.tolerance. */
-static const double ALLOWED_OF_BLOWS = 7;
-
 typedef struct scene {
   const char *name;
   const char *sets[MOST_SETS];
@@ -116,12 +110,10 @@ static cell run_cell(const scene *s, const way *w, int decade, comparison *c) {
  * never less (2 % are left for where events cut the steps). */
 static void run_row(const scene *s, const way *w, int coarsest, int finest, FILE *csv) {
   comparison *reference_run = reference(s, w);
-  bool blows = !strcmp(s->name, "stop") && !strcmp(w->tier, "circuit");
-  double allowed = blows ? ALLOWED_OF_BLOWS : ALLOWED;
   long before = 0;
   for (int decade = coarsest; decade >= finest; decade--) {
     cell c = run_cell(s, w, decade, reference_run);
-    EXPECT(c.error <= allowed, "%s, %s, tolerance 1e%d: %s is off by %.3g times that", s->name,
+    EXPECT(c.error <= ALLOWED, "%s, %s, tolerance 1e%d: %s is off by %.3g times that", s->name,
            w->name, decade, c.probe, c.error);
     EXPECT((double)c.steps >= 0.98 * (double)before,
            "%s, %s, tolerance 1e%d: %ld steps, and %ld for the coarser", s->name, w->name, decade,
