@@ -17,7 +17,7 @@
 #include "study/modes.h"
 #include "study/plot.h"
 #include "study/run.h"
-#include "study/validate.h"
+#include "validate/validate.h"
 
 static volatile sig_atomic_t stop_requested;
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command validate: that all is well, that what is off is told, and what it prints. That it
  * works as installed is in test_install.c. */
-#include "study/validate.h"
+#include "validate/validate.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "base/text.h"
-#include "study/validate.h"
+#include "validate/validate.h"
 
 #define REFERENCE "independent high-order solution"
 #define COUNT(array) (sizeof(array) / sizeof *(array))

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What `validate` compares: an experiment is done once and gives numbers by name, in SI units; a
  * check is one of them beside what it should be. */
-#ifndef VS_STUDY_EXPERIMENT_H
-#define VS_STUDY_EXPERIMENT_H
+#ifndef VS_VALIDATE_EXPERIMENT_H
+#define VS_VALIDATE_EXPERIMENT_H
 
 #include "sim/sim.h"
 #include "study/trial.h"

@@ -2,10 +2,10 @@
  * The periodic orbit of continuous firing on the switched tier. Marching takes minutes of simulated
  * time (the slowest mode decays in 58 s); Newton's method on the map from the machine's state at
  * one firing cycle's begin to the next takes some hundred cycles. */
-#ifndef VS_STUDY_ORBIT_H
-#define VS_STUDY_ORBIT_H
+#ifndef VS_VALIDATE_ORBIT_H
+#define VS_VALIDATE_ORBIT_H
 
-#include "study/experiment.h"
+#include "validate/experiment.h"
 
 /* Gives p_min, p_max, i_peak, force_peak, power [W]. The scene's run.until is how long it marches
  * first, a whole number of firing cycles: where several orbits live side by side that decides which

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Tier against tier, where both are valid. */
-#include "study/validate.h"
+#include "validate/validate.h"
 
 #define SCENE(name, tier_name, seconds, ...)                                                       \
   static const vs_experiment name = {.perform = vs_perform_scene,                                  \

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/orbit.h"
+#include "validate/orbit.h"
 
 #include <gsl/gsl_linalg.h>
 #include <math.h>

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "base/text.h"
-#include "study/validate.h"
+#include "validate/validate.h"
 
 /* i(x) = U sqrt2/Z (sin(x - theta) - sin(alpha - theta) exp(-(x - alpha)/tan theta)), x from alpha
  * to beta, where it is zero again (Eq. 91). */

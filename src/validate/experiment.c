@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/experiment.h"
+#include "validate/experiment.h"
 
 #include <math.h>
 #include <stdarg.h>

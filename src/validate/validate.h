@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `validate`: closed forms, reference solutions, and tier against tier, each with its
  * error. */
-#ifndef VS_STUDY_VALIDATE_H
-#define VS_STUDY_VALIDATE_H
+#ifndef VS_VALIDATE_VALIDATE_H
+#define VS_VALIDATE_VALIDATE_H
 
 #include <signal.h>
 #include <stdbool.h>
 
-#include "study/experiment.h"
+#include "validate/experiment.h"
 
 /* The program's own, each list in a file checks_*.c. */
 extern const vs_checks vs_checks_single, vs_checks_control, vs_checks_steady, vs_checks_snubber,

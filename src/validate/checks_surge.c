@@ -2,7 +2,7 @@
  * Generators against the standards they are made for, the surge into a varistor, varistor laws, and
  * the I2t of a half sine. */
 #include "circuit/faults.h"
-#include "study/validate.h"
+#include "validate/validate.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 

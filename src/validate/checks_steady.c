@@ -7,8 +7,8 @@
 #include <stdlib.h>
 
 #include "base/text.h"
-#include "study/orbit.h"
-#include "study/validate.h"
+#include "validate/orbit.h"
+#include "validate/validate.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
