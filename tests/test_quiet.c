@@ -75,6 +75,15 @@ static double difference(const course *a, const course *b) {
 
 static course left, stayed, otherwise; /* of a scene: too large for the stack */
 
+static double extreme(const vs_trial *t, const char *probe, int sense) {
+  for (int k = 0; k < t->measures->n_extremes; k++) {
+    const vs_extreme *e = &t->measures->extremes[k];
+    if (!strcmp(vs_channel_at(&t->scene.frame, e->channel).name, probe) && e->sense * sense > 0)
+      return e->best.value;
+  }
+  return NAN;
+}
+
 /* ---- scenes at random ---- */
 
 enum { DIMENSIONS = 12, SCENES = 200, FEW = 20 };
@@ -176,7 +185,85 @@ static void all_of_them(void) {
          sum.cases, sum.worst, sum.beyond);
 }
 
+/* ---- when it may, and only then ---- */
+
+/* The paper's scene: what is reported is what the run that stays reports, within the tolerance. */
+static void the_same_result(void) {
+  static const char *const SETS[] = {"run.until=0.6s", NULL};
+  vs_trial *a = run(SETS, "when_quiet", 0, &left), *b = run(SETS, "never", 0, &stayed);
+  double tolerance = a->scene.setup.run.tolerance;
+  CU_ASSERT_EQUAL(left.times, 1);
+  CU_ASSERT(left.first_s < 0.15);
+  CU_ASSERT(left.bound <= tolerance / 2 && left.bound > 0);
+  CU_ASSERT(difference(&left, &stayed) <= left.bound);
+  CU_ASSERT(a->steps < b->steps / 2);
+  for (int k = 0; k < VS_MEASURES; k++)
+    if (k < VS_M_ENERGY_IN) /* the others are the energies */
+      CLOSE_OF(a->values[k].value, b->values[k].value, b->values[k].value, 3 * tolerance);
+  for (int k = 0; k < a->measures->n_extremes; k++) /* device voltages: of the first cycles */
+    CLOSE_OF(a->measures->extremes[k].best.value, b->measures->extremes[k].best.value,
+             b->measures->extremes[k].best.value, 3 * tolerance);
+  for (size_t k = 0; k < a->scene.setup.deck.losses.count; k++)
+    CLOSE_OF(a->energy.loss_j[k], b->energy.loss_j[k], b->energy.joule[VS_E_SOURCE], tolerance);
+  vs_trial_free(a);
+  vs_trial_free(b);
+}
+
+/* Back before the next firing, and before an event. */
+static void and_back(void) {
+  static const char *const SETS[] = {"run.until=0.5s", "firing.every=12",
+                                     "events.sag1={kind: sag, at: 401 ms, level: 70 %, duration: "
+                                     "20 ms}",
+                                     NULL};
+  vs_trial *a = run(SETS, "when_quiet", 0, &left), *b = run(SETS, "never", 0, &stayed);
+  CU_ASSERT_EQUAL(left.times, 2); /* not behind the sag: there the run ends too soon */
+  CU_ASSERT(left.back_s < 0.401);
+  CU_ASSERT(difference(&left, &stayed) <= a->scene.setup.run.tolerance);
+  CLOSE(extreme(a, "v_ak", 1), extreme(b, "v_ak", 1), 3e-4);
+  vs_trial_free(a);
+  vs_trial_free(b);
+}
+
+/* One of halfwave_snubbed's lines is put before the EVA's. */
+static void add_to_deck(const char *line) {
+  char text[16384];
+  FILE *in = fopen(VS_TEST_FOLDER "/../spice/halfwave_snubbed.cir", "r");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(in);
+  size_t n = fread(text, 1, sizeof text - 1, in);
+  fclose(in);
+  text[n] = '\0';
+  char *eva = strstr(text, "Xeva ");
+  FILE *out = fopen("d.cir", "w");
+  fprintf(out, "%.*s%s\n%s", (int)(eva - text), text, line, eva);
+  fclose(out);
+}
+
+static void not_left(void) {
+  static const struct {
+    const char *why, *line, *set;
+  } ROWS[] = {
+      {"a firing in every second cycle", NULL, "firing.every=2"},
+      {"a clock of the deck's own", "Vown y 0 PULSE(0 1 0.3)\nRown y 0 1k", NULL},
+      {"a formula that knows the time", "Bown y 0 V = time\nRown y 0 1k", NULL},
+      {"a store that empties in half a second", "Rslow b y 500\nCslow y 0 1m ic=0", NULL},
+      {"a coil that still freewheels", "Dfree 0 b fast\n.model fast d(is=1n n=1.8 rs=50m)", NULL},
+      {"a stop within reach", NULL, "start.vp=-2.5 m/s"},
+  };
+  for (size_t r = 0; r < COUNT(ROWS); r++) {
+    const char *sets[] = {"run.until=0.15s", "run.tolerance=1e-3",
+                          ROWS[r].set ? ROWS[r].set : "circuit.deck=d.cir",
+                          "actuator.stop={stiffness: 1e7 N/m, damping: 50 N.s/m}", NULL};
+    if (ROWS[r].line) add_to_deck(ROWS[r].line);
+    vs_trial *t = run(sets, "when_quiet", 0, &left);
+    EXPECT(left.times == 0, "left in spite of %s", ROWS[r].why);
+    vs_trial_free(t);
+  }
+}
+
 static const vs_test TESTS[] = {
+    {"the same result", the_same_result},
+    {"and back", and_back},
+    {"not left", not_left},
     {"a few scenes", a_few},
     {"all scenes (long)", all_of_them},
 };

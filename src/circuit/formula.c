@@ -210,6 +210,12 @@ bool vs_formula_has_terms(const vs_formula *f) {
   return false;
 }
 
+bool vs_formula_uses(const vs_formula *f, int term) {
+  for (size_t k = 0; k < f->count; k++)
+    if (f->ops[k].kind == TERM && f->ops[k].index == term) return true;
+  return false;
+}
+
 int vs_formula_name_of(const vs_op *op) {
   return op->kind == NAME ? op->index : -1;
 }

@@ -49,6 +49,7 @@ const char *vs_formula_read(const char *text, const vs_formula_scope *scope, vs_
 void vs_formula_free(vs_formula *formula);
 
 bool vs_formula_has_terms(const vs_formula *formula);
+bool vs_formula_uses(const vs_formula *formula, int term);
 int vs_formula_name_of(const vs_op *op); /* the index of the name it is; -1: it is none */
 
 /* Gives the formula's names their values, values[index]. */

@@ -480,7 +480,8 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
   char **netlist = NULL;
   void *circuit = NULL;
   vs_circuit_host host = {&c, source, edge, longest, accept, enough};
-  if (!setup->run.stays && !setup->raw && isinf(c.jams_s) && !setup->deck.own_clock)
+  if (!setup->run.stays && !setup->raw && isinf(c.jams_s) && !setup->deck.own_clock &&
+      setup->deck.stores.count)
     c.quiet = vs_quiet_new(setup, &c.frame);
   vs_status s = vs_deck_netlist(&setup->deck, &setup->circuit_values, standard, VS_STANDARD,
                                 &netlist, &job.lines, err);

@@ -189,35 +189,73 @@ static void keep_shape(vs_oneport *o, const fit *f) {
   }
 }
 
+/* Least squares for the right side at hand. Gives what is left over, the root of its sum of
+ * squares.
+ */
+static double fit_left(fit *f, double *x) {
+  return fit_solve(f, x) ? gsl_blas_dnrm2(f->residual) : INFINITY;
+}
+
 /* The law in its integral form, which needs no derivative of what the solver showed:
- * q + tau i + G int v + C v = sum of harmonics + mean t + constant. */
-static bool find_dynamic(vs_oneport *o, const sight *in) {
-  fit f = fit_new(in->count, LAW_COLUMNS);
-  const vs_seen *s0 = in->seen[0];
+ * q + tau i + G int v + C v = a sine + mean t + constant (+ drift t^2/2). */
+static void law_row(const vs_oneport *o, const vs_seen *s, const vs_seen *first,
+                    double row[LAW_COLUMNS + 1]) {
+  double angle = o->setup->timeline.omega_rad_s * s->knot.t_s, t = s->knot.t_s - first->knot.t_s;
+  const double columns[LAW_COLUMNS + 1] = {cos(angle),
+                                           sin(angle),
+                                           t,
+                                           1,
+                                           -(s->flux_in_wb - first->flux_in_wb),
+                                           -s->knot.v_eva_v,
+                                           -vs_knot_current(&o->setup->model, &s->knot),
+                                           t * t / 2};
+  memcpy(row, columns, sizeof columns);
+}
+
+/* i = i_N(t): a sine + mean (+ drift t) */
+enum { STATIC_COLUMNS = 3 };
+static void static_row(const vs_oneport *o, const vs_seen *s, const vs_seen *first,
+                       double row[LAW_COLUMNS + 1]) {
+  double angle = o->setup->timeline.omega_rad_s * s->knot.t_s;
+  row[0] = cos(angle);
+  row[1] = sin(angle);
+  row[2] = 1;
+  row[3] = s->knot.t_s - first->knot.t_s;
+}
+
+/* The first `count` columns of the law; what is left over. */
+static double fit_law(vs_oneport *o, const sight *in, size_t count, double x[LAW_COLUMNS + 1]) {
+  fit f = fit_new(in->count, count);
   for (size_t k = 0; k < in->count; k++) {
     const vs_seen *s = in->seen[k];
-    double angle = o->setup->timeline.omega_rad_s * s->knot.t_s;
-    const double row[LAW_COLUMNS] = {cos(angle),
-                                     sin(angle),
-                                     s->knot.t_s - s0->knot.t_s,
-                                     1,
-                                     -(s->flux_in_wb - s0->flux_in_wb),
-                                     -s->knot.v_eva_v,
-                                     -vs_knot_current(&o->setup->model, &s->knot)};
-    for (size_t j = 0; j < LAW_COLUMNS; j++) gsl_matrix_set(f.a, k, j, row[j]);
-    gsl_vector_set(f.b, k, s->charge_c - s0->charge_c);
+    double row[LAW_COLUMNS + 1];
+    (o->dynamic ? law_row : static_row)(o, s, in->seen[0], row);
+    for (size_t j = 0; j < count; j++) gsl_matrix_set(f.a, k, j, row[j]);
+    gsl_vector_set(f.b, k,
+                   o->dynamic ? s->charge_c - in->seen[0]->charge_c
+                              : vs_knot_current(&o->setup->model, &s->knot));
   }
-  double x[LAW_COLUMNS];
-  bool good = fit_decompose(&f) && fit_solve(&f, x);
-  if (good) keep_shape(o, &f);
+  double left = fit_decompose(&f) ? fit_left(&f, x) : INFINITY;
+  if (count == LAW_COLUMNS) keep_shape(o, &f);
   fit_free(&f);
-  if (!good) return false;
+  return left;
+}
+
+/* With a drift so much less is left over: then the source does drift, as from a store that empties
+ * slowly, and is no periodic one. */
+static const double LAW_DRIFTS = 0.5;
+
+static bool find_law(vs_oneport *o, const sight *in) {
+  double x[LAW_COLUMNS + 1], drifting[LAW_COLUMNS + 1];
+  size_t count = o->dynamic ? LAW_COLUMNS : STATIC_COLUMNS;
+  double without = fit_law(o, in, count, x), with = fit_law(o, in, count + 1, drifting);
+  if (!isfinite(without) || with < LAW_DRIFTS * without) return false;
   o->cosine = x[0];
   o->sine = x[1];
   o->mean_a = x[2];
-  o->g_s = x[4];
-  o->c_f = x[5];
-  o->tau_s = x[6];
+  o->g_s = o->dynamic ? x[4] : 0;
+  o->c_f = o->dynamic ? x[5] : 0;
+  o->tau_s = o->dynamic ? x[6] : 0;
   return true;
 }
 
@@ -245,25 +283,6 @@ static double reach_of(vs_oneport *o, const sight *in) {
     most = fmax(most, vs_oneport_reach(o, in->seen[k]->knot.t_s, &c));
   }
   return most;
-}
-
-/* i = i_N(t) */
-static bool find_static(vs_oneport *o, const sight *in) {
-  fit f = fit_new(in->count, 3);
-  for (size_t k = 0; k < in->count; k++) {
-    double angle = o->setup->timeline.omega_rad_s * in->seen[k]->knot.t_s;
-    const double row[3] = {cos(angle), sin(angle), 1};
-    for (size_t j = 0; j < 3; j++) gsl_matrix_set(f.a, k, j, row[j]);
-    gsl_vector_set(f.b, k, vs_knot_current(&o->setup->model, &in->seen[k]->knot));
-  }
-  double x[3];
-  bool good = fit_decompose(&f) && fit_solve(&f, x);
-  fit_free(&f);
-  if (!good) return false;
-  o->cosine = x[0];
-  o->sine = x[1];
-  o->mean_a = x[2];
-  return true;
 }
 
 /* rkf45's error over 0.1 rad of the machine's swing is 1e-9 of it, over 0.2 rad of the coil's with
@@ -302,7 +321,7 @@ static bool begin_signals(const vs_oneport *o, const sight *in, size_t count, fi
 static double find_signal(const vs_oneport *o, const sight *in, size_t n, fit *f, double *x) {
   for (size_t k = 0; k < in->count; k++)
     gsl_vector_set(f->b, k, vs_knot_signal(o->frame, &in->seen[k]->knot, n));
-  return fit_solve(f, x) ? gsl_blas_dnrm2(f->residual) : INFINITY;
+  return fit_left(f, x);
 }
 
 /* A signal is taken to drift, as an integral does, where that leaves hardly anything over. */
@@ -332,7 +351,7 @@ double vs_oneport_drift(const vs_oneport *o, size_t n) {
 bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, bool dynamic) {
   const sight in = {seen, count};
   o->dynamic = dynamic;
-  if (!(dynamic ? find_dynamic(o, &in) : find_static(o, &in))) return false;
+  if (!find_law(o, &in)) return false;
   o->substep_s = substep(o);
   if (dynamic) o->reach_seen = reach_of(o, &in);
   return o->substep_s > 0 && find_signals(o, &in);

@@ -17,7 +17,8 @@ enum { PER_CYCLE = 200, LOOKS_PER_CYCLE = 4 };
 static const double SHARE = 0.5, SAFETY = 3, INTEGRATION = 1e-7, ITS_OWN = 1e-3;
 
 /* By how many run.tolerance of its peak one of the deck's signals may be wrong, or of 1 V or 0.1 A,
- * which is what the solver tells apart; how many times that it may drift to the end. */
+ * which is what the solver tells apart; how many times that it may drift to the end, as a fuse's
+ * integral does (a store may not at all: its current would go on changing). */
 static const double SIGNAL_SHARE = 3, LEAST_V = 1, LEAST_A = 0.1, MOST_DRIFT = 100;
 
 struct vs_quiet {
@@ -149,16 +150,58 @@ typedef struct outlook {
   double reach; /* at least 1 */
 } outlook;
 
+/* What signal n may be wrong by. */
+static double allowed(const vs_quiet *q, size_t n) {
+  bool current = n + 1 == n_signals(q) || *q->frame->deck->terms[n].plus == 'i';
+  return q->setup->run.tolerance *
+         fmax(SIGNAL_SHARE * q->peak_signal[n], current ? LEAST_A : LEAST_V);
+}
+
+/* Where the signals and the EVA's voltage were. A law found in there says nothing of what lies
+ * outside: there a diode may conduct that did not, or block. */
+typedef struct range {
+  double least[VS_SIGNALS + 1], most[VS_SIGNALS + 1]; /* the last one: of the EVA */
+} range;
+
+static void see_range(const vs_quiet *q, range *r) {
+  size_t count = n_signals(q);
+  for (size_t n = 0; n <= count; n++) {
+    double least = INFINITY, most = -INFINITY;
+    for (size_t k = 0; k < q->count; k++) {
+      const vs_knot *seen = &q->seen[k]->knot;
+      double value = n < count ? vs_knot_signal(q->frame, seen, n) : seen->v_eva_v;
+      least = fmin(least, value);
+      most = fmax(most, value);
+    }
+    double slack = (most - least) / 2 + (n < count ? allowed(q, n) : 0); /* for the beat */
+    bool drifts = n < count && vs_oneport_drift(q->port, n) != 0;
+    r->least[n] = drifts ? -INFINITY : least - slack;
+    r->most[n] = drifts ? INFINITY : most + slack;
+  }
+}
+
+static bool in_range(const vs_quiet *q, const range *r, double t_s, const vs_coil *c) {
+  double signal[VS_SIGNALS];
+  size_t count = n_signals(q);
+  vs_oneport_signals(q->port, t_s, c, signal);
+  for (size_t n = 0; n < count; n++)
+    if (!(signal[n] >= r->least[n] && signal[n] <= r->most[n])) return false;
+  return c->v_v >= r->least[count] && c->v_v <= r->most[count];
+}
+
 static bool look_ahead(vs_quiet *q, outlook *o) {
   double y[VS_ONEPORT_STATES], t = q->last.knot.t_s, now = 0;
   double h = q->setup->timeline.period_s / STEPS_AHEAD;
   for (size_t k = 0; k < q->count; k++) now = fmax(now, fabs(q->seen[k]->knot.flux_wb));
+  range seen;
+  see_range(q, &seen);
   vs_oneport_state(&q->last.knot, y);
   *o = (outlook){.reach = 1};
   for (int cycle = 0; cycle < CYCLES_AHEAD; cycle++)
     for (int n = 0; n < STEPS_AHEAD; n++, t += h) {
       if (!vs_oneport_advance(q->port, t, t + h, y)) return false;
       vs_coil c = vs_oneport_coil(q->port, t + h, y);
+      if (!in_range(q, &seen, t + h, &c)) return false;
       o->ratio[cycle] = fmax(o->ratio[cycle], fabs(c.flux_wb) / now);
       o->reach = fmax(o->reach, vs_oneport_reach(q->port, t + h, &c));
     }
@@ -198,14 +241,20 @@ static double motion_bound(const vs_quiet *q, const double error[VS_STATES]) {
   return worst;
 }
 
+static bool in_a_store(const vs_quiet *q, size_t term) {
+  const vs_accounts *stores = &q->frame->deck->stores;
+  for (size_t k = 0; k < stores->count; k++)
+    if (vs_formula_uses(&stores->item[k].formula, (int)term)) return true;
+  return false;
+}
+
 /* Do the deck's signals do as they did, to the end? */
 static bool signals_hold(const vs_quiet *q, const misfit *wrong, double until_s) {
   for (size_t n = 0; n < n_signals(q); n++) {
-    bool current = n + 1 == n_signals(q) || *q->frame->deck->terms[n].plus == 'i';
-    double most = fmax(SIGNAL_SHARE * q->peak_signal[n], current ? LEAST_A : LEAST_V);
-    most *= q->setup->run.tolerance;
+    double most = allowed(q, n);
     double drift = fabs(vs_oneport_drift(q->port, n)) * (until_s - q->last.knot.t_s);
-    if (!(wrong->signal[n] <= most) || !(drift <= MOST_DRIFT * most)) return false;
+    double times = n < q->frame->deck->n_terms && in_a_store(q, n) ? 1 : MOST_DRIFT;
+    if (!(wrong->signal[n] <= most) || !(drift <= times * most)) return false;
   }
   return true;
 }
