@@ -413,15 +413,30 @@ static void name_all(const vs_deck *deck, names *n) {
 double vs_largest_step(const vs_setup *s) {
   double h = fmin(sqrt(s->run.tolerance / 1e-4) / 800, 1.0 / 200) * s->timeline.period_s;
   if (s->run.gear) h /= 2;
-  if (s->model.actuator.stop.present) h /= M_SQRT2;
   return s->run.max_step_s > 0 ? s->run.max_step_s : h;
 }
-/* Each blow on the stop multiplies what error p has, ten of them by 35; between them there may be
- * conductions of 50 us from the snubbers alone, whose end the solver finds as well as this lets it.
- */
-static double solver_tolerance(const vs_setup *s) {
-  double part = s->model.actuator.stop.present ? 100 : 10;
-  return fmin(fmax(s->run.tolerance, 1e-6) / part, 1e-3);
+static vs_status note_depth(void *ctx, const vs_step *step, vs_error *err) {
+  (void)err;
+  double *least_p_m = ctx;
+  *least_p_m = fmin(*least_p_m, step->to->x[P]);
+  return VS_OK;
+}
+
+/* Each blow on the stop multiplies what error p has, ten of them by 35; and between them there may
+ * be conductions of 50 us from the snubbers alone, whose end the solver finds as well as its
+ * tolerance lets it. Such a run takes shorter steps and a finer tolerance. Whether it is one, the
+ * switched tier tells in a millisecond or two; a fifth of the gap is for what it leaves out. */
+static bool has_blows(const vs_setup *s) {
+  if (!s->model.actuator.stop.present) return false;
+  double least_p_m = 0;
+  const vs_observer observer = {&least_p_m, note_depth};
+  vs_error err = {0};
+  vs_status status = vs_tier_switched.run(s, &observer, &err);
+  return status || least_p_m < -0.8 * s->model.actuator.gap_m;
+}
+
+static double solver_tolerance(const vs_setup *s, bool blows) {
+  return fmin(fmax(s->run.tolerance, 1e-6) / (blows ? 100 : 10), 1e-3);
 }
 /* The amplitude of the current that the mains alone would drive through the coil at rest. */
 static double current_scale(const vs_setup *s) {
@@ -444,13 +459,15 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
   vs_setup_standard(setup, standard);
   names *n = vs_alloc(1, sizeof *n);
   name_all(&setup->deck, n);
+  bool blows = has_blows(setup);
+  double tolerance = solver_tolerance(setup, blows);
   coupling c = {.setup = setup,
                 .frame = frame(setup),
                 .observer = observer,
                 .candidate_s = -1,
                 .gap_port = setup->deck.n_ports,
                 .jams_s = INFINITY,
-                .max_step_s = vs_largest_step(setup),
+                .max_step_s = vs_largest_step(setup) / (blows ? M_SQRT2 : 1),
                 .series_s = 0.1 / m->fastest_rad_s};
   c.knots[0] = vs_sim_start(setup, &c.frame);
   c.touching = vs_in_stop(m, c.knots[0].x[P]);
@@ -472,9 +489,9 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                         .raw = setup->raw,
                         .truncation_factor = setup->run.trtol,
                         .pivot_threshold = setup->run.pivrel,
-                        .relative_tolerance = solver_tolerance(setup),
-                        .current_tolerance_a = solver_tolerance(setup) * current_scale(setup),
-                        .voltage_tolerance_v = solver_tolerance(setup) * VOLTAGE_SCALE_V,
+                        .relative_tolerance = tolerance,
+                        .current_tolerance_a = tolerance * current_scale(setup),
+                        .voltage_tolerance_v = tolerance * VOLTAGE_SCALE_V,
                         .locate = locate,
                         .author = &setup->deck};
   char **netlist = NULL;
