@@ -45,6 +45,7 @@ static struct {
   long tries;             /* steps in it, failed ones too */
   vs_status status;       /* other than VS_OK: the run is to end */
   bool enough;            /* it is to end, and well */
+  size_t next_port;       /* that ngspice is likely to ask for */
   vs_error *err;
   char complaints[MOST_COMPLAINTS][LOG_LINE]; /* what the log says best of what went wrong */
   size_t n_complaints;
@@ -244,11 +245,18 @@ static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
   return 0;
 }
 
+/* ngspice asks for its sources in the same order each time, so the one behind the last is tried
+ * first. */
 static int on_source(double *value, double t, char *name, int id, void *user) {
   (void)id, (void)user;
   *value = 0;
-  for (size_t p = 0; ng.job && p < ng.job->n_ports; p++)
-    if (!strcmp(name, ng.job->ports[p])) *value = ng.host->source(ng.host->ctx, p, t);
+  for (size_t k = 0; ng.job && k < ng.job->n_ports; k++) {
+    size_t p = (ng.next_port + k) % ng.job->n_ports;
+    if (strcmp(name, ng.job->ports[p])) continue;
+    ng.next_port = p + 1 < ng.job->n_ports ? p + 1 : 0;
+    *value = ng.host->source(ng.host->ctx, p, t);
+    break;
+  }
   return 0;
 }
 
@@ -322,6 +330,7 @@ static void step_on(vs_error *err) {
   ng.err = err;
   ng.status = VS_OK;
   ng.enough = false;
+  ng.next_port = 0;
   ng.edge_s = INFINITY;
   ng.time_vector = -1;
   ng.reached_s = ng.progress_from_s = 0;
