@@ -310,15 +310,15 @@ static vs_status leave_if_quiet(coupling *c, vs_error *err) {
   if (c->conducting || c->touching || gate_is_on(c, now) ||
       isfinite(vs_events_longest(&c->setup->timeline.events, now)))
     return VS_OK;
-  double cycles = INFINITY;
+  double cycles = INFINITY, most_lag_s = INFINITY, period_s = c->setup->timeline.period_s;
   if (next < until) {
-    if (c->setup->deck.eva_file) return VS_OK; /* it has nothing to be led by */
-    cycles = floor((next - now) / c->setup->timeline.period_s) - 1; /* one to be led back in */
-    until = now + cycles * c->setup->timeline.period_s;
+    if (c->setup->deck.eva_file) return VS_OK;   /* it has nothing to be led by */
+    cycles = floor((next - now) / period_s) - 1; /* one to be led back in */
+    until = now + cycles * period_s;
+    most_lag_s = period_s / 60; /* as following_s says */
   }
-  if (cycles < 1 || !vs_quiet_may_leave(c->quiet, until, &c->bound)) return VS_OK;
-  if (isfinite(cycles))
-    return following_s(c) < c->setup->timeline.period_s ? go_without_for(c, cycles, err) : VS_OK;
+  if (cycles < 1 || !vs_quiet_may_leave(c->quiet, until, most_lag_s, &c->bound)) return VS_OK;
+  if (isfinite(cycles)) return go_without_for(c, cycles, err);
   c->ends = true;
   return VS_OK; /* the rest once the solver has come back from its run */
 }

@@ -282,7 +282,7 @@ static bool may_touch(const vs_quiet *q, const vs_knot *k) {
   return 1.1 * sqrt(2 * energy * compliance) > m->actuator.gap_m;
 }
 
-bool vs_quiet_may_leave(vs_quiet *q, double until_s, double *bound) {
+bool vs_quiet_may_leave(vs_quiet *q, double until_s, double most_lag_s, double *bound) {
   double period = q->setup->timeline.period_s, now = q->last.knot.t_s;
   if (q->count < VS_LEAST_SEEN || kept_at(q, 0)->knot.t_s > now - 0.98 * period) return false;
   if (now < q->looked_s + period / LOOKS_PER_CYCLE || until_s < now + period) return false;
@@ -295,7 +295,7 @@ bool vs_quiet_may_leave(vs_quiet *q, double until_s, double *bound) {
     q->bound_before[dynamic] = bound_of(q, dynamic, until_s, error);
     *bound =
         INTEGRATION + ITS_OWN * q->setup->run.tolerance + fmax(before, q->bound_before[dynamic]);
-    if (!(*bound <= most)) continue;
+    if (!(*bound <= most) || vs_oneport_lag(q->port) > most_lag_s) continue;
     memcpy(q->carried, error, sizeof error);
     q->carried_s = until_s;
     return true;

@@ -22,11 +22,11 @@ void vs_quiet_free(vs_quiet *q); /* NULL is fine */
  * before the last knot that did not is not looked at. */
 void vs_quiet_take(vs_quiet *q, const vs_knot *knot, bool blocks);
 
-/* Can the solver be left at the last knot for until_s - t? Looks a few times a cycle, only when
- * a whole cycle is known, and one is still to come. Then bound is what p, u, w, phi, force or i may
- * be wrong by at most, the worst of them relative to its peak so far; it is within the share of
- * run.tolerance that leaving may have. */
-bool vs_quiet_may_leave(vs_quiet *q, double until_s, double *bound);
+/* Can the solver be left at the last knot for until_s - t, by a law of no more than that lag? Looks
+ * a few times a cycle, only when a whole cycle is known, and one is still to come. Then bound is
+ * what p, u, w, phi, force or i may be wrong by at most, the worst of them relative to its peak so
+ * far; it is within the share of run.tolerance that leaving may have. */
+bool vs_quiet_may_leave(vs_quiet *q, double until_s, double most_lag_s, double *bound);
 
 /* Takes the knot on to t_s, by the law found. knot is complete afterwards. */
 vs_status vs_quiet_step(vs_quiet *q, vs_knot *knot, double t_s, vs_error *err);
