@@ -217,6 +217,7 @@ typedef struct vs_deck {
   vs_part parts[VS_DECK_PARTS];
   size_t n_parts;
   const char *eva_file;       /* of the program's, that defines the EVA; NULL: "eva" */
+  bool eva_led;               /* it is one that can be led: eva_led.inc */
   char line[2][VS_DECK_NAME]; /* nodes at which surges couple in; empty: not said */
   int subcircuits;            /* open ones, while it is read */
   bool own_clock;             /* a source or formula of its own knows the time */

@@ -44,15 +44,16 @@ typedef struct coupling {
   bool touching; /* the armature its stop, at the last accepted knot */
   double jams_s; /* INFINITY: it does not */
   bool jammed;
-  double series_s;       /* a cubic's error over it is below 5e-6 of the amplitude */
-  vs_quiet *quiet;       /* NULL: the solver goes on to the end */
-  bool ends;             /* the solver is not needed any more */
-  bool without;          /* the solver, the one-port in its place */
-  bool follows;          /* the solver is led to where the one-port has come meanwhile */
-  double shift_s;        /* the run's time less the solver's: whole cycles that it was left for */
-  double pull_v, push_a; /* by which it is led */
-  double followed_s;     /* up to then */
-  double bound;          /* on the error by having left it */
+  double series_s; /* a cubic's error over it is below 5e-6 of the amplitude */
+  vs_quiet *quiet; /* NULL: the solver goes on to the end */
+  bool ends;       /* the solver is not needed any more */
+  bool without;    /* the solver, the one-port in its place */
+  bool follows;    /* the solver is led to where the one-port has come meanwhile */
+  double shift_s;  /* the run's time less the solver's: whole cycles that it was left for */
+  double led_s;    /* the one-port at that time, while the solver is led */
+  vs_knot led;
+  double followed_s; /* up to then */
+  double bound;      /* on the error by having left it */
 } coupling;
 
 /* Sets the flux linkage's course and the machine's state from which it is to be taken on. */
@@ -87,15 +88,33 @@ static double predicted_gap(coupling *c, double t_s) {
   return c->candidate_gap_m = vs_gap(&c->setup->model, p);
 }
 
-/* In the order of name_all. */
-enum { PORT_GAP, PORT_PULL, PORT_PUSH, EVA_PORTS };
+/* Where the one-port is at t. */
+static const vs_knot *one_port_at(coupling *c, double t_s) {
+  vs_error err = {0};
+  if (t_s == c->led_s) return &c->led;
+  vs_knot_copy(&c->frame, &c->knots[c->now], &c->led);
+  vs_quiet_step(c->quiet, &c->led, t_s, &err); /* if it fails, follow() fails too */
+  c->led_s = t_s;
+  return &c->led;
+}
+
+/* The EVA's ports behind the deck's own, in the order of name_all; all but the gap's lead it. */
+enum { PORT_GAP, PORT_FLUX, PORT_VOLTAGE, PORT_RATE, PORT_CONDUCTANCE, EVA_PORTS };
+
+/* Both halves are led with the same time constant, of some of the largest steps. */
+static double leading(coupling *c, size_t port, double t_s) {
+  double rate_1_s = 1 / (4 * c->max_step_s);
+  if (!c->follows) return 0;
+  if (port == PORT_FLUX) return one_port_at(c, t_s)->flux_wb;
+  if (port == PORT_VOLTAGE) return one_port_at(c, t_s)->v_eva_v;
+  return port == PORT_RATE ? rate_1_s : rate_1_s * vs_quiet_capacitance(c->quiet);
+}
 
 static double source(void *ctx, size_t port, double solver_s) {
   coupling *c = ctx;
   double t_s = solver_s + c->shift_s;
   if (port == c->gap_port + PORT_GAP) return predicted_gap(c, t_s);
-  if (port == c->gap_port + PORT_PULL) return c->pull_v;
-  if (port == c->gap_port + PORT_PUSH) return c->push_a;
+  if (port > c->gap_port) return leading(c, port - c->gap_port, t_s);
   const vs_port *p = &c->setup->deck.ports[port];
   return vs_drives[p->signal.drive].voltage(&c->setup->timeline, &p->signal, t_s);
 }
@@ -266,19 +285,10 @@ static vs_status go_without(coupling *c, double t_s, vs_error *err) {
   return status;
 }
 
-/* Back in the solver, its flux linkage and the EVA's voltage are led to those of the one-port, each
- * with a time constant of its own: of some of the largest steps, as they are led step by step, and
- * the voltage of some lags of the snubbers, through whose resistance the leading current goes. What
- * else the circuit holds follows. */
-static double lead_flux_s(const coupling *c) {
-  return 4 * c->max_step_s;
-}
-static double lead_voltage_s(const coupling *c) {
-  return fmax(4 * c->max_step_s, 3 * vs_quiet_lag(c->quiet));
-}
-static double following_s(const coupling *c) {
-  return fmax(c->setup->timeline.period_s / 4, 20 * lead_voltage_s(c));
-}
+/* Back in the solver, it is led for this part of a cycle: what else the circuit holds than the
+ * EVA's flux linkage and voltage follows with the lag of the snubbers, of which it shall have ten.
+ */
+static const double FOLLOWS = 0.9, MOST_LAG = 0.09;
 
 /* The solver stands at some phase of the mains while whole cycles pass by the one-port; then it
  * goes on with its clock moved on by them, and is led to where the machine, lambda and v have come.
@@ -288,8 +298,8 @@ static vs_status go_without_for(coupling *c, double cycles, vs_error *err) {
   vs_status status = go_without(c, back_s, err);
   c->shift_s += away_s;
   c->follows = true;
-  c->followed_s = back_s + following_s(c);
-  c->candidate_s = -1;
+  c->followed_s = back_s + FOLLOWS * c->setup->timeline.period_s;
+  c->candidate_s = c->led_s = -1;
   return status;
 }
 
@@ -312,10 +322,10 @@ static vs_status leave_if_quiet(coupling *c, vs_error *err) {
     return VS_OK;
   double cycles = INFINITY, most_lag_s = INFINITY, period_s = c->setup->timeline.period_s;
   if (next < until) {
-    if (c->setup->deck.eva_file) return VS_OK;   /* it has nothing to be led by */
+    if (!c->setup->deck.eva_led) return VS_OK;
     cycles = floor((next - now) / period_s) - 1; /* one to be led back in */
     until = now + cycles * period_s;
-    most_lag_s = period_s / 60; /* as following_s says */
+    most_lag_s = MOST_LAG * period_s;
   }
   if (cycles < 1 || !vs_quiet_may_leave(c->quiet, until, most_lag_s, &c->bound)) return VS_OK;
   if (isfinite(cycles)) return go_without_for(c, cycles, err);
@@ -323,18 +333,31 @@ static vs_status leave_if_quiet(coupling *c, vs_error *err) {
   return VS_OK; /* the rest once the solver has come back from its run */
 }
 
-/* The solver's step, taken while it is led: the one-port's is shown. */
+/* What the solver shows of the deck's terms. */
+static void take_terms(const coupling *c, const double *signals, vs_knot *k) {
+  k->i_mains_a = -signals[SIG_I_MAINS];
+  for (size_t n = 0; n < c->setup->deck.n_terms; n++)
+    k->terms[n] = signals[SIG_TERMS + 2 * n] - signals[SIG_TERMS + 2 * n + 1];
+}
+
+/* The solver's step, taken while it is led: the one-port's is shown. If the solver has not come to
+ * it in the end, that is part of the bound, and the solver is not left again. */
 static vs_status follow(coupling *c, double t_s, const double *signals, vs_error *err) {
-  vs_knot next;
+  vs_knot next, solver;
   vs_knot_copy(&c->frame, &c->knots[c->now], &next);
   vs_status status = vs_quiet_step(c->quiet, &next, t_s, err);
   c->follows = t_s < c->followed_s;
-  c->pull_v = c->follows ? (next.flux_wb - signals[SIG_FLUX]) / lead_flux_s(c) : 0;
-  double behind_v = next.v_eva_v - (signals[SIG_PLUS] - signals[SIG_MINUS]);
-  c->push_a = c->follows ? vs_quiet_capacitance(c->quiet) * behind_v / lead_voltage_s(c) : 0;
-  if (!c->follows) vs_quiet_restart(c->quiet);
-  c->without = c->follows;
-  return status ? status : show(c, &next, c->follows ? VS_EV_NONE : VS_EV_BACK, err);
+  if (status || c->follows) return status ? status : show(c, &next, VS_EV_NONE, err);
+  take_terms(c, signals, &solver);
+  double missed = vs_quiet_missed(c->quiet, &next, &solver);
+  c->without = false;
+  vs_quiet_restart(c->quiet);
+  if (missed > 1) {
+    c->bound = fmax(c->bound, missed * c->setup->run.tolerance);
+    vs_quiet_free(c->quiet);
+    c->quiet = NULL;
+  }
+  return show(c, &next, VS_EV_BACK, err);
 }
 
 static vs_status accept(void *ctx, double solver_s, const double *signals, vs_error *err) {
@@ -346,11 +369,9 @@ static vs_status accept(void *ctx, double solver_s, const double *signals, vs_er
   double h = t_s - from.t_s;
   next.t_s = t_s;
   next.flux_wb = signals[SIG_FLUX];
-  next.i_mains_a = -signals[SIG_I_MAINS];
+  take_terms(c, signals, &next);
   next.flux_rate_v = signals[SIG_COIL] - signals[SIG_MINUS];
   next.v_eva_v = signals[SIG_PLUS] - signals[SIG_MINUS];
-  for (size_t k = 0; k < c->setup->deck.n_terms; k++)
-    next.terms[k] = signals[SIG_TERMS + 2 * k] - signals[SIG_TERMS + 2 * k + 1];
   next.flux_rate2_v_s = (next.flux_rate_v - from.flux_rate_v) / h;
   /* the cubic through both ends' values and slopes */
   double slope = (next.flux_wb - from.flux_wb) / h;
@@ -394,8 +415,9 @@ static void name_all(const vs_deck *deck, names *n) {
     if (deck->ports[p].signal.drive == VS_DRIVE_MAINS) mains = deck->ports[p].source;
   }
   VS_NAMED(ports, n_ports, "v.%s.vgap", deck->eva);
-  VS_NAMED(ports, n_ports, "i.%s.ipull", deck->eva);
-  VS_NAMED(ports, n_ports, "i.%s.ipush", deck->eva);
+  static const char *const LEADING[] = {"igoal_l", "igoal_v", "irate", "ilead"};
+  for (size_t p = 0; deck->eva_led && p < EVA_PORTS - 1; p++)
+    VS_NAMED(ports, n_ports, "i.%s.%s", deck->eva, LEADING[p]);
   if (mains)
     VS_NAMED(signals, n_signals, "i(%s)", mains);
   else

@@ -328,8 +328,14 @@ double vs_quiet_capacitance(const vs_quiet *q) {
   return vs_oneport_capacitance(q->port);
 }
 
-double vs_quiet_lag(const vs_quiet *q) {
-  return vs_oneport_lag(q->port);
+double vs_quiet_missed(const vs_quiet *q, const vs_knot *one_port, const vs_knot *solver) {
+  double worst = 0;
+  for (size_t n = 0; n < n_signals(q); n++) {
+    double off = vs_knot_signal(q->frame, solver, n) - vs_knot_signal(q->frame, one_port, n);
+    if (vs_oneport_drift(q->port, n) != 0) continue; /* an integral: the solver's stood still */
+    worst = fmax(worst, fabs(off) / allowed(q, n));
+  }
+  return worst;
 }
 
 /* (w h)^2/8 is what a straight line leaves of a sine. */

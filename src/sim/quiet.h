@@ -36,8 +36,10 @@ void vs_quiet_restart(vs_quiet *q);
 
 /* C of the law, F; 0: it has none. */
 double vs_quiet_capacitance(const vs_quiet *q);
-/* and |tau|, s */
-double vs_quiet_lag(const vs_quiet *q);
+
+/* By how much the solver's terms differ from the one-port's: the worst of them, in parts of what it
+ * may be wrong by, a few tolerances of its peak so far. */
+double vs_quiet_missed(const vs_quiet *q, const vs_knot *one_port, const vs_knot *solver);
 
 /* Longest step, s, for which straight lines between knots keep the deck's terms. */
 double vs_quiet_longest(const vs_quiet *q);

@@ -129,6 +129,15 @@ static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err
                     1e3 * setup->start.x[P], a->stop.present ? " and the iron" : "", 1e3 * least);
 }
 
+/* A run in which something happens after the circuit may have been left wants an EVA that can be
+ * led back; it takes a few cycles to leave. */
+static void choose_eva(vs_setup *setup) {
+  bool again = setup->timeline.firing.every >= 4 || setup->timeline.events.count;
+  if (setup->deck.eva_file || setup->run.stays || !again) return;
+  setup->deck.eva_file = "eva_led";
+  setup->deck.eva_led = true;
+}
+
 vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
   *setup = (vs_setup){.solver = &vs_ngspice};
   vs_status s = vs_carry_on(err, vs_model_build(scene, &setup->model, err));
@@ -141,6 +150,7 @@ vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
                        err);
   if (!s) s = vs_events_wire(&line->events, &setup->deck, err);
   if (!s) s = vs_carry_on(err, read_start(scene, setup, err));
+  if (!s) choose_eva(setup);
   return s;
 }
 

@@ -54,8 +54,10 @@ void vs_absence_accept(vs_absence *a, const vs_step *step) {
     if (!a->times++) a->first_s = a->since_s;
     a->bound = fmax(a->bound, step->bound);
     a->now = true;
-  } else if (step->event[1] == VS_EV_BACK)
+  } else if (step->event[1] == VS_EV_BACK) {
+    a->bound = fmax(a->bound, step->bound);
     vs_absence_finish(a, step->event_s[1]);
+  }
 }
 
 void vs_absence_finish(vs_absence *a, double until_s) {
