@@ -274,6 +274,10 @@ vs_status vs_deck_netlist(const vs_deck *deck, const vs_circuit_values *values,
                           size_t *count, vs_error *err);
 void vs_netlist_free(char **lines, size_t count);
 
+/* Is there a capacitor or an inductor in the deck's own file, as opposed to parts, at no node that
+ * a probe, a loss, a store or a device names? What it holds nobody sees. */
+bool vs_deck_hides_state(const vs_deck *deck);
+
 /* Puts the place in the deck before what the solver said of its circuit, if it can be found: of a
  * signal that is not there, of an undefined parameter (ngspice says "[name]"), of an element. */
 void vs_deck_locate(const vs_deck *deck, vs_error *err);

@@ -67,6 +67,42 @@ vs_status vs_deck_netlist(const vs_deck *deck, const vs_circuit_values *values,
   return VS_OK;
 }
 
+static bool has_term_at(const vs_deck *deck, const char *node) {
+  char signal[VS_DECK_NAME + 4];
+  snprintf(signal, sizeof signal, "v(%s)", node);
+  for (size_t k = 0; k < deck->n_terms; k++)
+    if (!strcasecmp(deck->terms[k].plus, signal) || !strcasecmp(deck->terms[k].minus, signal))
+      return strcmp(node, "0") != 0;
+  return false;
+}
+
+/* Does a store name a parameter that the line has, too? */
+static bool has_store_of(const vs_deck *deck, const char *line) {
+  for (size_t k = 0; k < deck->stores.count; k++) {
+    const vs_formula *f = &deck->stores.item[k].formula;
+    for (size_t n = 0; n < f->count; n++) {
+      int name = vs_formula_name_of(&f->ops[n]);
+      char braced[VS_DECK_NAME + 3];
+      if (name < 0) continue;
+      snprintf(braced, sizeof braced, "{%s}", deck->names[name].name);
+      if (strcasestr(line, braced)) return true;
+    }
+  }
+  return false;
+}
+
+bool vs_deck_hides_state(const vs_deck *deck) {
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const vs_line *line = &deck->lines[k];
+    char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME];
+    if (line->where.file != deck->files[0] || !strchr("cClL", *line->text)) continue;
+    if (sscanf(line->text, "%63s %63s %63s", name, plus, minus) != 3) continue;
+    if (!has_term_at(deck, plus) && !has_term_at(deck, minus) && !has_store_of(deck, line->text))
+      return true;
+  }
+  return false;
+}
+
 void vs_netlist_free(char **lines, size_t count) {
   for (size_t k = 0; k < count; k++) free(lines[k]);
   free(lines);

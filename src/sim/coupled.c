@@ -520,7 +520,7 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
   void *circuit = NULL;
   vs_circuit_host host = {&c, source, edge, longest, accept, enough};
   if (!setup->run.stays && !setup->raw && isinf(c.jams_s) && !setup->deck.own_clock &&
-      setup->deck.stores.count)
+      setup->deck.stores.count && !vs_deck_hides_state(&setup->deck))
     c.quiet = vs_quiet_new(setup, &c.frame);
   vs_status s = vs_deck_netlist(&setup->deck, &setup->circuit_values, standard, VS_STANDARD,
                                 &netlist, &job.lines, err);

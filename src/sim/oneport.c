@@ -300,7 +300,7 @@ static double substep(const vs_oneport *o) {
     if (!(trace < 0 && det > 0)) return 0;
     h = fmin(h, 0.2 / fmax(-trace, sqrt(det)));
   }
-  return h > 1e-4 * o->setup->timeline.period_s ? h : 0;
+  return h > 5e-4 * o->setup->timeline.period_s ? h : 0; /* 2000 a cycle */
 }
 
 /* The first `count` columns. */

@@ -33,8 +33,8 @@ struct vs_quiet {
   const vs_seen *seen[VS_MOST_SEEN]; /* the same in order, while it is looked at them */
   vs_seen last;                      /* knot taken, also when it is not kept */
   bool any;
-  double looked_s,
-      bound_before[2]; /* with either law, when it was last looked; infinite: not yet */
+  double looked_s, blocks_s; /* when it was last looked, and since when the thyristor blocks */
+  double bound_before[2];    /* with either law, when it was last looked; infinite: not yet */
   double carried[VS_STATES], carried_s; /* each mode's error of having left before; as of then */
   double peak_x[VS_DOF], peak_force_n, peak_a, peak_signal[VS_SIGNALS];
   vs_oneport *port;
@@ -85,7 +85,7 @@ void vs_quiet_take(vs_quiet *q, const vs_knot *k, bool blocks) {
   take_peaks(q, k);
   if (!blocks) {
     vs_quiet_restart(q);
-    q->looked_s = k->t_s;
+    q->looked_s = q->blocks_s = k->t_s;
     return;
   }
   if (q->count && k->t_s < kept_at(q, q->count - 1)->knot.t_s + period / PER_CYCLE) return;
@@ -285,7 +285,10 @@ static bool may_touch(const vs_quiet *q, const vs_knot *k) {
 bool vs_quiet_may_leave(vs_quiet *q, double until_s, double most_lag_s, double *bound) {
   double period = q->setup->timeline.period_s, now = q->last.knot.t_s;
   if (q->count < VS_LEAST_SEEN || kept_at(q, 0)->knot.t_s > now - 0.98 * period) return false;
-  if (now < q->looked_s + period / LOOKS_PER_CYCLE || until_s < now + period) return false;
+  /* the less often, the longer it was in vain: a look may cost as much as some steps of the solver
+   */
+  double wait_s = fmax(period / LOOKS_PER_CYCLE, (now - q->blocks_s) / 16);
+  if (now < q->looked_s + wait_s || until_s < now + period) return false;
   if (may_touch(q, &q->last.knot)) return false;
   q->looked_s = now;
   for (size_t k = 0; k < q->count; k++) q->seen[k] = kept_at(q, k);
