@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "circuit/faults.h"
 #include "program.h"
 
@@ -243,6 +244,45 @@ static void on_the_mains(void) {
     CLOSE(at, 1e-3 * EDGES_MS[k], 1e-9);
   }
   CU_ASSERT_EQUAL(vs_events_edge(&t.events, at), INFINITY);
+}
+
+/* Several at once, at the same instant, in whatever order: first the angle, then the harmonics of
+ * that angle, then the factors. At 3 ms the sine stands at 54 degrees; jumped, at 84. To rounding.
+ */
+static void several_on_the_mains(void) {
+#define JUMP "kind: phase_jump, at: 1 ms, jump: 30 deg"
+#define FIFTH "kind: harmonic, at: 1 ms, order: 5, level: 20 %"
+#define SAG "kind: sag, at: 1 ms, level: 40 %"
+#define OUT "kind: interruption, at: 1 ms"
+#define NOTCH "kind: notch, at: 1 ms, duration: 5 ms, depth: 75 %"
+  const double jumped = sin(84 * M_PI / 180), fifth = 0.2 * sin(5 * 84 * M_PI / 180);
+  const struct {
+    const char *kind[4];
+    double value;
+  } ROWS[] = {{{SAG, JUMP}, 0.4 * jumped},
+              {{OUT, JUMP}, 0},
+              {{OUT, FIFTH}, 0},
+              {{JUMP, FIFTH}, jumped + fifth},
+              {{SAG, FIFTH, JUMP}, 0.4 * (jumped + fifth)},
+              {{NOTCH, JUMP}, 0.25 * jumped},
+              {{JUMP, NOTCH, SAG, FIFTH}, 0.25 * 0.4 * (jumped + fifth)}};
+#undef JUMP
+#undef FIFTH
+#undef SAG
+#undef OUT
+#undef NOTCH
+  for (size_t k = 0; k < COUNT(ROWS); k++)
+    for (int turn = 0; turn < 8; turn++) { /* each of them first once, either way round */
+      vs_text scene = {0};
+      vs_text_add(&scene, "events:\n");
+      for (int n = 0; n < 4; n++) {
+        int at = (turn < 4 ? n + turn : 7 - n - turn % 4) % 4;
+        if (ROWS[k].kind[at]) vs_text_add(&scene, " e%d: {%s}\n", at, ROWS[k].kind[at]);
+      }
+      vs_timeline t = timeline_of(scene.text);
+      CLOSE_OF(vs_mains(&t, 3e-3), ROWS[k].value * t.peak_v, t.peak_v, 1e-14);
+      vs_text_free(&scene);
+    }
 }
 
 /* Firing at 90 degrees: pulses at 5, 25, 45 ms, ... of 8 ms. */
@@ -575,6 +615,7 @@ static const vs_test TESTS[] = {
     {"surges on the paper's converter", surges_on_the_paper},
     {"ring wave and EFT", ring_wave_and_eft},
     {"on the mains", on_the_mains},
+    {"several on the mains", several_on_the_mains},
     {"at the gate", at_the_gate},
     {"at one gate", at_one_gate},
     {"opened and shorted", opened_and_shorted},

@@ -113,14 +113,15 @@ static bool is_on(const vs_occurrence *e, double t_s) {
   return t_s > e->start_s + slack && t_s <= e->end_s + slack;
 }
 
-static double scaled(const vs_occurrence *e, const vs_timeline *t, double t_s, double v) {
-  (void)t;
-  return is_on(e, t_s) ? v * e->v.part : v;
+static double scaled(const vs_occurrence *e, const vs_timeline *t, double t_s, double angle_rad) {
+  (void)t, (void)angle_rad;
+  return is_on(e, t_s) ? e->v.part : 1;
 }
 
-static double interrupted(const vs_occurrence *e, const vs_timeline *t, double t_s, double v) {
-  (void)t;
-  return is_on(e, t_s) ? 0 : v;
+static double interrupted(const vs_occurrence *e, const vs_timeline *t, double t_s,
+                          double angle_rad) {
+  (void)t, (void)angle_rad;
+  return is_on(e, t_s) ? 0 : 1;
 }
 
 /* The cycle of the notch that t is in or behind, from 0. */
@@ -129,21 +130,22 @@ static double notch_number(const vs_occurrence *e, double period_s, double t_s) 
   return fmin(fmax(n, 0), e->v.count - 1);
 }
 
-static double notched(const vs_occurrence *e, const vs_timeline *t, double t_s, double v) {
+static double notched(const vs_occurrence *e, const vs_timeline *t, double t_s, double angle_rad) {
+  (void)angle_rad;
   double since = t_s - e->start_s - notch_number(e, t->period_s, t_s) * t->period_s;
   double slack = vs_rounding(t_s);
-  return since > slack && since <= e->v.duration_s + slack ? v * (1 - e->v.part) : v;
+  return since > slack && since <= e->v.duration_s + slack ? 1 - e->v.part : 1;
 }
 
-static double jumped(const vs_occurrence *e, const vs_timeline *t, double t_s, double v) {
-  return is_on(e, t_s)
-             ? t->peak_v * sin(t->omega_rad_s * t_s + t->supply.phase_rad + e->v.phase_rad)
-             : v;
+static double jumped(const vs_occurrence *e, const vs_timeline *t, double t_s, double angle_rad) {
+  (void)t, (void)angle_rad;
+  return is_on(e, t_s) ? e->v.phase_rad : 0;
 }
 
-static double distorted(const vs_occurrence *e, const vs_timeline *t, double t_s, double v) {
-  double angle = t->omega_rad_s * t_s + t->supply.phase_rad;
-  return is_on(e, t_s) ? v + e->v.part * t->peak_v * sin(e->v.order * angle + e->v.phase_rad) : v;
+static double distorted(const vs_occurrence *e, const vs_timeline *t, double t_s,
+                        double angle_rad) {
+  (void)t;
+  return is_on(e, t_s) ? e->v.part * sin(e->v.order * angle_rad + e->v.phase_rad) : 0;
 }
 
 /* ---- what they do at the gate ---- */
@@ -191,15 +193,18 @@ const vs_event_kind vs_event_kinds[VS_EVENT_KINDS] = {
      .source = vs_ring_source, .edge = ends, .longest = vs_ring_longest, .wire = vs_ring_wire},
     {"eft", "burst of 5/50 ns pulses of IEC 61000-4-4", KEYS(EFT), .source = vs_eft_source,
      .edge = vs_eft_edge, .longest = vs_eft_longest, .wire = vs_eft_wire},
-    {"sag", "the mains are lower for a while", KEYS(SAG), .mains = scaled, .edge = ends},
-    {"swell", "the mains are higher for a while", KEYS(SWELL), .mains = scaled, .edge = ends},
-    {"interruption", "the mains are 0 V for a while", KEYS(INTERRUPTION), .mains = interrupted,
+    {"sag", "the mains are lower for a while", KEYS(SAG), .mains = scaled, .stage = VS_MAINS_FACTOR,
      .edge = ends},
+    {"swell", "the mains are higher for a while", KEYS(SWELL), .mains = scaled,
+     .stage = VS_MAINS_FACTOR, .edge = ends},
+    {"interruption", "the mains are 0 V for a while", KEYS(INTERRUPTION), .mains = interrupted,
+     .stage = VS_MAINS_FACTOR, .edge = ends},
     {"notch", "a part of the mains' voltage is gone for part of a cycle", KEYS(NOTCH),
-     .mains = notched, .edge = notch_edges},
+     .mains = notched, .stage = VS_MAINS_FACTOR, .edge = notch_edges},
     {"phase_jump", "the mains jump in phase; the gate's pulses stay where they were",
-     KEYS(PHASE_JUMP), .mains = jumped, .edge = ends},
-    {"harmonic", "a harmonic on the mains", KEYS(HARMONIC), .mains = distorted, .edge = ends},
+     KEYS(PHASE_JUMP), .mains = jumped, .stage = VS_MAINS_ANGLE, .edge = ends},
+    {"harmonic", "a harmonic on the mains", KEYS(HARMONIC), .mains = distorted,
+     .stage = VS_MAINS_ADDED, .edge = ends},
     {"missing_pulse", "no gate pulse in that cycle", KEYS(MISSING_PULSE), .at_cycle = true,
      .pulse = missing},
     {"short_pulse", "a shorter gate pulse in that cycle", KEYS(SHORT_PULSE), .at_cycle = true,

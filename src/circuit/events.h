@@ -4,7 +4,12 @@
  * kind.
  *
  * A kind is one row of a table: what it does to the mains' voltage, to the gate's pulses, to the
- * netlist. */
+ * netlist.
+ *
+ * Several at once act on the mains in fixed stages, whatever the order of their lines: phases are
+ * added to the undisturbed sine's; harmonics, of that sine's phase, to its voltage; what is left of
+ * the sum is multiplied by each factor, those of sag, swell and interruption, and then the notch's.
+ * So there is no voltage within an interruption. */
 #ifndef VS_CIRCUIT_EVENTS_H
 #define VS_CIRCUIT_EVENTS_H
 
@@ -33,6 +38,10 @@ typedef struct vs_event_values {
   char kind[VS_NAME_SIZE], element[VS_NAME_SIZE], gate[VS_NAME_SIZE];
 } vs_event_values;
 
+/* What a kind's number does to the mains: is added to their angle, rad; times their peak, to their
+ * voltage; is a factor of that. */
+typedef enum vs_mains_stage { VS_MAINS_ANGLE, VS_MAINS_ADDED, VS_MAINS_FACTOR } vs_mains_stage;
+
 typedef struct vs_event_kind vs_event_kind;
 typedef struct vs_occurrence {
   char name[VS_EVENT_NAME];
@@ -53,8 +62,11 @@ struct vs_event_kind {
   const vs_field *fields;
   size_t n_fields;
   bool at_cycle; /* it is told by its cycle alone */
-  /* The mains with it, V; NULL: as they are. */
-  double (*mains)(const vs_occurrence *e, const struct vs_timeline *t, double t_s, double voltage);
+  /* Its number, while it is on; angle_rad: of the mains, with all jumps. NULL: it leaves the mains
+   * alone. */
+  double (*mains)(const vs_occurrence *e, const struct vs_timeline *t, double t_s,
+                  double angle_rad);
+  vs_mains_stage stage;
   /* The gate pulse of its cycle: its length and its voltage. */
   void (*pulse)(const vs_occurrence *e, double *width_s, double *voltage);
   bool adds_pulse; /* from its start to its end */
