@@ -543,7 +543,9 @@ static void bad_input(void) {
       {"[surge]", "s.yaml:2:10: ", "events: a map of names is wanted"},
       {"{e: {kind: sag, at: 1 ms, levle: 3 %}}", "s.yaml:2:35: ", "did you mean 'level'?"},
       {"{e: {kind: surge, at: 1 ms, level: 5 kV}}", "s.yaml:2:44: ", "allowed: 0.5..4 kV"},
-      {"{e: {kind: surge, at: 1 ms, polarity: up}}", "s.yaml:2:47: ", "is not one of: +|-"},
+      {"{e: {kind: surge, at: 1 ms, polarity: up}}",
+       "s.yaml:2:47: ", "is not one of: +|-|positive|negative"},
+      {"{e: {kind: surge, at: 1 ms, polarity: -}}", "s.yaml:2:47: ", "is written in quotes: '-'"},
       {"{e: {kind: surge, at: 30 ms}}", "s.yaml:2:31: ", "the run ends at run.until = 0.025 s"},
       {"{e: {kind: surge, cycle: 3, angle: 90 deg}}", "s.yaml:2:34: ", "it would begin at 0.045 s"},
       {"{e: {kind: surge}}", "s.yaml:2:10: ", "'at', or 'cycle' and 'angle', is wanted"},
@@ -609,6 +611,35 @@ static void said_in_the_results(void) {
   free_ran(&r);
 }
 
+/* Every way to say which way the generator goes. */
+static void polarities(void) {
+  static const struct {
+    const char *scene, *set;
+    double sign;
+  } ROWS[] = {{"+", "", 1},
+              {"'-'", "", -1},
+              {"positive", "", 1},
+              {"negative", "", -1},
+              {"+", " --set events.s.polarity=-", -1},
+              {"+", " --set events.s.polarity=negative", -1},
+              {"'-'", " --set events.s.polarity=+", 1}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char scene[300];
+    write_file("d.cir", "*$ line a\n*$ probe v_a = v(a) V\nRa a 0 100\nRb b 0 1\nXeva b 0 eva\n");
+    snprintf(scene, sizeof scene,
+             "circuit: {deck: d.cir}\nrun: {until: 20 us, max_step: 1 us}\n"
+             "events: {s: {kind: surge, at: 1 us, polarity: %s}}\n",
+             ROWS[k].scene);
+    write_file("s.yaml", scene);
+    ran r = run("run s.yaml --json --quiet%s", ROWS[k].set);
+    EXPECT(r.status == 0, "%s%s: %s", ROWS[k].scene, ROWS[k].set, r.err);
+    double most = measure_of(r.out, "v_a_max"), least = measure_of(r.out, "v_a_min");
+    EXPECT(ROWS[k].sign * (most + least) > 500, "%s%s: %g..%g V", ROWS[k].scene, ROWS[k].set, least,
+           most);
+    free_ran(&r);
+  }
+}
+
 static const vs_test TESTS[] = {
     {"surge meets its standard", surge_meets_its_standard},
     {"surge into a varistor", surge_into_a_varistor},
@@ -623,6 +654,7 @@ static const vs_test TESTS[] = {
     {"a notch fires by its slope", a_notch_fires_by_its_slope},
     {"some turns are shorted", some_turns_are_shorted},
     {"a jammed armature", a_jammed_armature},
+    {"polarities", polarities},
     {"bad input", bad_input},
     {"said in the results", said_in_the_results},
 };

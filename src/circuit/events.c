@@ -30,8 +30,12 @@
     "duration", VS_REAL, "ms", value, 0, 1e9, true, V_(duration_s), "how long it lasts", NULL,     \
         NULL                                                                                       \
   }
+/* YAML has no bare - as a value: it begins a list. The odd ones are negative. */
 #define POLARITY                                                                                   \
-  { "polarity", VS_CHOICE, "", "+", 0, 0, false, V_(negative), "of the generator", "+|-", NULL }
+  {                                                                                                \
+    "polarity", VS_CHOICE, "", "+", 0, 0, false, V_(polarity),                                     \
+        "of the generator; - in quotes: '-'", "+|-|positive|negative", NULL                        \
+  }
 #define LEVEL(value, min, max, text)                                                               \
   { "level", VS_REAL, "kV", value, min, max, false, V_(level_v), text, NULL, NULL }
 #define PART(key, value, min, max, text)                                                           \

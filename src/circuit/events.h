@@ -32,7 +32,7 @@ typedef struct vs_event_values {
   int count; /* repetitions, cycle by cycle */
   double level_v;
   double part; /* of the mains' amplitude; of a gate pulse's; of the coil's turns */
-  int negative;
+  int polarity; /* negative: odd */
   double impedance_ohm, frequency_hz, phase_rad;
   int order;
   char kind[VS_NAME_SIZE], element[VS_NAME_SIZE], gate[VS_NAME_SIZE];
