@@ -565,6 +565,16 @@ static void bad_input(void) {
        "s.yaml:2:43: ", "it clashes with events.a: the same pulse"},
       {"{a: {kind: open, at: 1 ms, element: R1}, b: {kind: short, at: 3 ms, element: r1}}",
        "s.yaml:2:50: ", "it clashes with events.a: the same element"},
+      {"{a: {kind: coil_short, at: 1 ms}, b: {kind: coil_short, at: 3 ms, fraction: 30 %}}",
+       "s.yaml:2:43: ", "it clashes with events.a: the same element"},
+      {"{a: {kind: coil_short, at: 1 ms, fraction: 30 %}, b: {kind: open, at: 3 ms, element: "
+       "xeva}}",
+       "s.yaml:2:59: ", "it clashes with events.a: the same element"},
+      {"{e: {kind: open, at: 1 ms}}",
+       "s.yaml:2:10: ", "events.e: 'element' is wanted: the deck's to open, by its name, as R1"},
+      {"{e: {kind: short, at: 1 ms}}", "s.yaml:2:10: ", "events.e: 'element' is wanted"},
+      {"{e: {kind: notch, at: 1 ms, duration: 20 ms, count: 2}}",
+       "s.yaml:2:61: ", "'duration' must be below a cycle, 20 ms"},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     char scene[300];

@@ -282,11 +282,31 @@ static vs_status read_gate(const vs_node *map, vs_occurrence *e, vs_error *err) 
                     e->name);
 }
 
+/* What an element's switch acts on has no default. */
+static vs_status check_element(const vs_occurrence *e, vs_error *err) {
+  bool wanted = e->kind->fields == OPEN || e->kind->fields == SHORT;
+  if (!wanted || *e->v.element) return VS_OK;
+  return vs_fail_at(err, e->where,
+                    "events.%s: 'element' is wanted: the deck's to %s, by its name, as R1", e->name,
+                    e->kind->name);
+}
+
+/* A repetition comes a cycle after the one before it. */
+static vs_status check_count(const vs_node *map, const vs_timeline *t, const vs_occurrence *e,
+                             vs_error *err) {
+  if (e->v.count <= 1 || e->v.duration_s < t->period_s) return VS_OK;
+  return vs_fail_at(err, vs_node_child(map, "count")->where,
+                    "events.%s.count: one of %g ms reaches into the next one; with a count, "
+                    "'duration' must be below a cycle, %g ms",
+                    e->name, 1e3 * e->v.duration_s, 1e3 * t->period_s);
+}
+
 static bool meet(const vs_occurrence *a, const vs_occurrence *b) {
   return a->start_s <= b->end_s && b->start_s <= a->end_s;
 }
 
-/* Two of a kind at the same time, where one would hide the other. */
+/* Two of a kind at the same time, where one would hide the other. Generators are none of these:
+ * each stands at the line with a coupling of its own, and what they bring adds up. */
 static vs_status clash(const vs_events *events, const vs_occurrence *e, vs_error *err) {
   for (size_t k = 0; k < events->count; k++) {
     const vs_occurrence *o = &events->item[k];
@@ -294,13 +314,9 @@ static vs_status clash(const vs_events *events, const vs_occurrence *e, vs_error
     bool cycle = e->kind->pulse && o->kind->pulse && e->v.cycle == o->v.cycle && gate;
     bool mains = e->kind->mains && e->kind == o->kind && e->kind->mains != distorted && meet(e, o);
     bool added = e->kind->adds_pulse && o->kind->adds_pulse && meet(e, o) && gate;
-    bool element =
-        e->kind->wire && o->kind->wire && *e->v.element && !strcasecmp(e->v.element, o->v.element);
-    if (cycle || mains || added || element)
-      return vs_fail_at(err, e->where, "events.%s: it clashes with events.%s%s", e->name, o->name,
-                        element ? ": the same element"
-                        : cycle ? ": the same pulse"
-                                : ": at the same time");
+    if (cycle || mains || added)
+      return vs_fail_at(err, e->where, "events.%s: it clashes with events.%s: %s", e->name, o->name,
+                        cycle ? "the same pulse" : "at the same time");
   }
   return VS_OK;
 }
@@ -324,6 +340,8 @@ static vs_status read_event(const vs_node *map, const vs_timeline *t, double unt
   status = vs_section_read(&section, map, &e.v, err);
   if (!strcmp(e.v.element, "-")) *e.v.element = '\0';
   if (!status && vs_found(err) == found) status = vs_carry_on(err, read_gate(map, &e, err));
+  if (!status && vs_found(err) == found) status = vs_carry_on(err, check_element(&e, err));
+  if (!status && vs_found(err) == found) status = vs_carry_on(err, check_count(map, t, &e, err));
   if (!status && vs_found(err) == found)
     status = vs_carry_on(err, place_in_time(map, t, until_s, &e, err));
   if (!status && vs_found(err) == found) status = vs_carry_on(err, clash(events, &e, err));
@@ -359,10 +377,30 @@ static vs_status check_gate(const vs_occurrence *e, const vs_deck *deck, vs_erro
              : vs_fail_at(err, e->where, "events.%s: the deck has no port %s", e->name, e->v.gate);
 }
 
+/* The element it opens or shorts; "": none. */
+static const char *element_of(const vs_occurrence *e, const vs_deck *deck) {
+  return e->kind->fields == COIL_SHORT ? deck->eva : e->v.element;
+}
+
+/* Two switches at one element would each be put where the other one is not. */
+static vs_status check_switch(const vs_events *events, size_t k, const vs_deck *deck,
+                              vs_error *err) {
+  const vs_occurrence *e = &events->item[k];
+  for (size_t n = 0; n < k && *element_of(e, deck); n++)
+    if (!strcasecmp(element_of(e, deck), element_of(&events->item[n], deck)))
+      return vs_fail_at(err, e->where, "events.%s: it clashes with events.%s: the same element",
+                        e->name, events->item[n].name);
+  return VS_OK;
+}
+
 vs_status vs_events_wire(const vs_events *events, vs_deck *deck, vs_error *err) {
   vs_status status = VS_OK;
   for (size_t k = 0; k < events->count && !status; k++)
     status = vs_carry_on(err, check_gate(&events->item[k], deck, err));
+  size_t found = vs_found(err);
+  for (size_t k = 0; k < events->count && !status; k++)
+    status = vs_carry_on(err, check_switch(events, k, deck, err));
+  if (vs_found(err) > found) return status;
   for (size_t k = 0; k < events->count && !status; k++)
     if (events->item[k].kind->wire)
       status = vs_carry_on(err, events->item[k].kind->wire(&events->item[k], k, deck, err));
