@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "circuit/faults.h"
 #include "program.h"
 
@@ -243,6 +244,45 @@ static void on_the_mains(void) {
     CLOSE(at, 1e-3 * EDGES_MS[k], 1e-9);
   }
   CU_ASSERT_EQUAL(vs_events_edge(&t.events, at), INFINITY);
+}
+
+/* Several at once, at the same instant, in whatever order: first the angle, then the harmonics of
+ * that angle, then the factors. At 3 ms the sine stands at 54 degrees; jumped, at 84. To rounding.
+ */
+static void several_on_the_mains(void) {
+#define JUMP "kind: phase_jump, at: 1 ms, jump: 30 deg"
+#define FIFTH "kind: harmonic, at: 1 ms, order: 5, level: 20 %"
+#define SAG "kind: sag, at: 1 ms, level: 40 %"
+#define OUT "kind: interruption, at: 1 ms"
+#define NOTCH "kind: notch, at: 1 ms, duration: 5 ms, depth: 75 %"
+  const double jumped = sin(84 * M_PI / 180), fifth = 0.2 * sin(5 * 84 * M_PI / 180);
+  const struct {
+    const char *kind[4];
+    double value;
+  } ROWS[] = {{{SAG, JUMP}, 0.4 * jumped},
+              {{OUT, JUMP}, 0},
+              {{OUT, FIFTH}, 0},
+              {{JUMP, FIFTH}, jumped + fifth},
+              {{SAG, FIFTH, JUMP}, 0.4 * (jumped + fifth)},
+              {{NOTCH, JUMP}, 0.25 * jumped},
+              {{JUMP, NOTCH, SAG, FIFTH}, 0.25 * 0.4 * (jumped + fifth)}};
+#undef JUMP
+#undef FIFTH
+#undef SAG
+#undef OUT
+#undef NOTCH
+  for (size_t k = 0; k < COUNT(ROWS); k++)
+    for (int turn = 0; turn < 8; turn++) { /* each of them first once, either way round */
+      vs_text scene = {0};
+      vs_text_add(&scene, "events:\n");
+      for (int n = 0; n < 4; n++) {
+        int at = (turn < 4 ? n + turn : 7 - n - turn % 4) % 4;
+        if (ROWS[k].kind[at]) vs_text_add(&scene, " e%d: {%s}\n", at, ROWS[k].kind[at]);
+      }
+      vs_timeline t = timeline_of(scene.text);
+      CLOSE_OF(vs_mains(&t, 3e-3), ROWS[k].value * t.peak_v, t.peak_v, 1e-14);
+      vs_text_free(&scene);
+    }
 }
 
 /* Firing at 90 degrees: pulses at 5, 25, 45 ms, ... of 8 ms. */
@@ -503,7 +543,9 @@ static void bad_input(void) {
       {"[surge]", "s.yaml:2:10: ", "events: a map of names is wanted"},
       {"{e: {kind: sag, at: 1 ms, levle: 3 %}}", "s.yaml:2:35: ", "did you mean 'level'?"},
       {"{e: {kind: surge, at: 1 ms, level: 5 kV}}", "s.yaml:2:44: ", "allowed: 0.5..4 kV"},
-      {"{e: {kind: surge, at: 1 ms, polarity: up}}", "s.yaml:2:47: ", "is not one of: +|-"},
+      {"{e: {kind: surge, at: 1 ms, polarity: up}}",
+       "s.yaml:2:47: ", "is not one of: +|-|positive|negative"},
+      {"{e: {kind: surge, at: 1 ms, polarity: -}}", "s.yaml:2:47: ", "is written in quotes: '-'"},
       {"{e: {kind: surge, at: 30 ms}}", "s.yaml:2:31: ", "the run ends at run.until = 0.025 s"},
       {"{e: {kind: surge, cycle: 3, angle: 90 deg}}", "s.yaml:2:34: ", "it would begin at 0.045 s"},
       {"{e: {kind: surge}}", "s.yaml:2:10: ", "'at', or 'cycle' and 'angle', is wanted"},
@@ -523,6 +565,16 @@ static void bad_input(void) {
        "s.yaml:2:43: ", "it clashes with events.a: the same pulse"},
       {"{a: {kind: open, at: 1 ms, element: R1}, b: {kind: short, at: 3 ms, element: r1}}",
        "s.yaml:2:50: ", "it clashes with events.a: the same element"},
+      {"{a: {kind: coil_short, at: 1 ms}, b: {kind: coil_short, at: 3 ms, fraction: 30 %}}",
+       "s.yaml:2:43: ", "it clashes with events.a: the same element"},
+      {"{a: {kind: coil_short, at: 1 ms, fraction: 30 %}, b: {kind: open, at: 3 ms, element: "
+       "xeva}}",
+       "s.yaml:2:59: ", "it clashes with events.a: the same element"},
+      {"{e: {kind: open, at: 1 ms}}",
+       "s.yaml:2:10: ", "events.e: 'element' is wanted: the deck's to open, by its name, as R1"},
+      {"{e: {kind: short, at: 1 ms}}", "s.yaml:2:10: ", "events.e: 'element' is wanted"},
+      {"{e: {kind: notch, at: 1 ms, duration: 20 ms, count: 2}}",
+       "s.yaml:2:61: ", "'duration' must be below a cycle, 20 ms"},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     char scene[300];
@@ -569,12 +621,42 @@ static void said_in_the_results(void) {
   free_ran(&r);
 }
 
+/* Every way to say which way the generator goes. */
+static void polarities(void) {
+  static const struct {
+    const char *scene, *set;
+    double sign;
+  } ROWS[] = {{"+", "", 1},
+              {"'-'", "", -1},
+              {"positive", "", 1},
+              {"negative", "", -1},
+              {"+", " --set events.s.polarity=-", -1},
+              {"+", " --set events.s.polarity=negative", -1},
+              {"'-'", " --set events.s.polarity=+", 1}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char scene[300];
+    write_file("d.cir", "*$ line a\n*$ probe v_a = v(a) V\nRa a 0 100\nRb b 0 1\nXeva b 0 eva\n");
+    snprintf(scene, sizeof scene,
+             "circuit: {deck: d.cir}\nrun: {until: 20 us, max_step: 1 us}\n"
+             "events: {s: {kind: surge, at: 1 us, polarity: %s}}\n",
+             ROWS[k].scene);
+    write_file("s.yaml", scene);
+    ran r = run("run s.yaml --json --quiet%s", ROWS[k].set);
+    EXPECT(r.status == 0, "%s%s: %s", ROWS[k].scene, ROWS[k].set, r.err);
+    double most = measure_of(r.out, "v_a_max"), least = measure_of(r.out, "v_a_min");
+    EXPECT(ROWS[k].sign * (most + least) > 500, "%s%s: %g..%g V", ROWS[k].scene, ROWS[k].set, least,
+           most);
+    free_ran(&r);
+  }
+}
+
 static const vs_test TESTS[] = {
     {"surge meets its standard", surge_meets_its_standard},
     {"surge into a varistor", surge_into_a_varistor},
     {"surges on the paper's converter", surges_on_the_paper},
     {"ring wave and EFT", ring_wave_and_eft},
     {"on the mains", on_the_mains},
+    {"several on the mains", several_on_the_mains},
     {"at the gate", at_the_gate},
     {"at one gate", at_one_gate},
     {"opened and shorted", opened_and_shorted},
@@ -582,6 +664,7 @@ static const vs_test TESTS[] = {
     {"a notch fires by its slope", a_notch_fires_by_its_slope},
     {"some turns are shorted", some_turns_are_shorted},
     {"a jammed armature", a_jammed_armature},
+    {"polarities", polarities},
     {"bad input", bad_input},
     {"said in the results", said_in_the_results},
 };

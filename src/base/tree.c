@@ -102,7 +102,9 @@ static vs_status report(struct fy_diag *diag, const char *file, vs_error *err) {
   struct fy_diag_error *first = fy_diag_errors_iterate(diag, &position);
   if (!first) return vs_fail_at(err, (vs_where){.file = file}, "cannot be read as YAML");
   vs_where where = {file, first->line > 0 ? first->line : 1, first->column > 0 ? first->column : 1};
-  return vs_fail_at(err, where, "not YAML: %s", first->msg);
+  bool dash = strstr(first->msg, "'-'") || strstr(first->msg, "block sequence on the same line");
+  return vs_fail_at(err, where, "not YAML: %s%s", first->msg,
+                    dash ? "; a - that begins no list is written in quotes: '-'" : "");
 }
 
 /* text: the YAML; file: what to call it. Gives an empty map for a text that says nothing. */
@@ -223,7 +225,8 @@ vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
     return VS_INPUT;
   }
   vs_node *value = NULL;
-  vs_status status = parse(equals + 1, strlen(equals + 1), "--set", &value, err);
+  const char *text = strcmp(equals + 1, "-") ? equals + 1 : "'-'"; /* no list of nothing */
+  vs_status status = parse(text, strlen(text), "--set", &value, err);
   if (!status && !equals[1]) { /* nothing after the sign: an empty text, not an empty map */
     value->kind = VS_NODE_TEXT;
     value->text = vs_copy("");

@@ -19,7 +19,7 @@ typedef enum vs_reduction {
   VS_R_RMS,        /* root of the mean over the run */
   VS_R_INTEGRAL,   /* over the run */
   VS_R_PULSE,      /* the largest integral over one pulse: while it conducts; while |i| >= 1 mA */
-  VS_R_WITHIN,     /* the largest integral within 10 ms (up to 10.5 ms are taken) */
+  VS_R_WITHIN,     /* the largest integral within 10 ms */
   VS_R_SURGE,      /* peak of the half sine of 10 ms that has this integral */
   VS_R_STEEPEST,   /* the largest rate, either way */
   VS_R_JUNCTION,   /* temperature rise, by the part's zth */

@@ -30,8 +30,12 @@
     "duration", VS_REAL, "ms", value, 0, 1e9, true, V_(duration_s), "how long it lasts", NULL,     \
         NULL                                                                                       \
   }
+/* YAML has no bare - as a value: it begins a list. The odd ones are negative. */
 #define POLARITY                                                                                   \
-  { "polarity", VS_CHOICE, "", "+", 0, 0, false, V_(negative), "of the generator", "+|-", NULL }
+  {                                                                                                \
+    "polarity", VS_CHOICE, "", "+", 0, 0, false, V_(polarity),                                     \
+        "of the generator; - in quotes: '-'", "+|-|positive|negative", NULL                        \
+  }
 #define LEVEL(value, min, max, text)                                                               \
   { "level", VS_REAL, "kV", value, min, max, false, V_(level_v), text, NULL, NULL }
 #define PART(key, value, min, max, text)                                                           \
@@ -113,14 +117,15 @@ static bool is_on(const vs_occurrence *e, double t_s) {
   return t_s > e->start_s + slack && t_s <= e->end_s + slack;
 }
 
-static double scaled(const vs_occurrence *e, const vs_timeline *t, double t_s, double v) {
-  (void)t;
-  return is_on(e, t_s) ? v * e->v.part : v;
+static double scaled(const vs_occurrence *e, const vs_timeline *t, double t_s, double angle_rad) {
+  (void)t, (void)angle_rad;
+  return is_on(e, t_s) ? e->v.part : 1;
 }
 
-static double interrupted(const vs_occurrence *e, const vs_timeline *t, double t_s, double v) {
-  (void)t;
-  return is_on(e, t_s) ? 0 : v;
+static double interrupted(const vs_occurrence *e, const vs_timeline *t, double t_s,
+                          double angle_rad) {
+  (void)t, (void)angle_rad;
+  return is_on(e, t_s) ? 0 : 1;
 }
 
 /* The cycle of the notch that t is in or behind, from 0. */
@@ -129,21 +134,22 @@ static double notch_number(const vs_occurrence *e, double period_s, double t_s) 
   return fmin(fmax(n, 0), e->v.count - 1);
 }
 
-static double notched(const vs_occurrence *e, const vs_timeline *t, double t_s, double v) {
+static double notched(const vs_occurrence *e, const vs_timeline *t, double t_s, double angle_rad) {
+  (void)angle_rad;
   double since = t_s - e->start_s - notch_number(e, t->period_s, t_s) * t->period_s;
   double slack = vs_rounding(t_s);
-  return since > slack && since <= e->v.duration_s + slack ? v * (1 - e->v.part) : v;
+  return since > slack && since <= e->v.duration_s + slack ? 1 - e->v.part : 1;
 }
 
-static double jumped(const vs_occurrence *e, const vs_timeline *t, double t_s, double v) {
-  return is_on(e, t_s)
-             ? t->peak_v * sin(t->omega_rad_s * t_s + t->supply.phase_rad + e->v.phase_rad)
-             : v;
+static double jumped(const vs_occurrence *e, const vs_timeline *t, double t_s, double angle_rad) {
+  (void)t, (void)angle_rad;
+  return is_on(e, t_s) ? e->v.phase_rad : 0;
 }
 
-static double distorted(const vs_occurrence *e, const vs_timeline *t, double t_s, double v) {
-  double angle = t->omega_rad_s * t_s + t->supply.phase_rad;
-  return is_on(e, t_s) ? v + e->v.part * t->peak_v * sin(e->v.order * angle + e->v.phase_rad) : v;
+static double distorted(const vs_occurrence *e, const vs_timeline *t, double t_s,
+                        double angle_rad) {
+  (void)t;
+  return is_on(e, t_s) ? e->v.part * sin(e->v.order * angle_rad + e->v.phase_rad) : 0;
 }
 
 /* ---- what they do at the gate ---- */
@@ -191,15 +197,18 @@ const vs_event_kind vs_event_kinds[VS_EVENT_KINDS] = {
      .source = vs_ring_source, .edge = ends, .longest = vs_ring_longest, .wire = vs_ring_wire},
     {"eft", "burst of 5/50 ns pulses of IEC 61000-4-4", KEYS(EFT), .source = vs_eft_source,
      .edge = vs_eft_edge, .longest = vs_eft_longest, .wire = vs_eft_wire},
-    {"sag", "the mains are lower for a while", KEYS(SAG), .mains = scaled, .edge = ends},
-    {"swell", "the mains are higher for a while", KEYS(SWELL), .mains = scaled, .edge = ends},
-    {"interruption", "the mains are 0 V for a while", KEYS(INTERRUPTION), .mains = interrupted,
+    {"sag", "the mains are lower for a while", KEYS(SAG), .mains = scaled, .stage = VS_MAINS_FACTOR,
      .edge = ends},
+    {"swell", "the mains are higher for a while", KEYS(SWELL), .mains = scaled,
+     .stage = VS_MAINS_FACTOR, .edge = ends},
+    {"interruption", "the mains are 0 V for a while", KEYS(INTERRUPTION), .mains = interrupted,
+     .stage = VS_MAINS_FACTOR, .edge = ends},
     {"notch", "a part of the mains' voltage is gone for part of a cycle", KEYS(NOTCH),
-     .mains = notched, .edge = notch_edges},
+     .mains = notched, .stage = VS_MAINS_FACTOR, .edge = notch_edges},
     {"phase_jump", "the mains jump in phase; the gate's pulses stay where they were",
-     KEYS(PHASE_JUMP), .mains = jumped, .edge = ends},
-    {"harmonic", "a harmonic on the mains", KEYS(HARMONIC), .mains = distorted, .edge = ends},
+     KEYS(PHASE_JUMP), .mains = jumped, .stage = VS_MAINS_ANGLE, .edge = ends},
+    {"harmonic", "a harmonic on the mains", KEYS(HARMONIC), .mains = distorted,
+     .stage = VS_MAINS_ADDED, .edge = ends},
     {"missing_pulse", "no gate pulse in that cycle", KEYS(MISSING_PULSE), .at_cycle = true,
      .pulse = missing},
     {"short_pulse", "a shorter gate pulse in that cycle", KEYS(SHORT_PULSE), .at_cycle = true,
@@ -273,11 +282,31 @@ static vs_status read_gate(const vs_node *map, vs_occurrence *e, vs_error *err) 
                     e->name);
 }
 
+/* What an element's switch acts on has no default. */
+static vs_status check_element(const vs_occurrence *e, vs_error *err) {
+  bool wanted = e->kind->fields == OPEN || e->kind->fields == SHORT;
+  if (!wanted || *e->v.element) return VS_OK;
+  return vs_fail_at(err, e->where,
+                    "events.%s: 'element' is wanted: the deck's to %s, by its name, as R1", e->name,
+                    e->kind->name);
+}
+
+/* A repetition comes a cycle after the one before it. */
+static vs_status check_count(const vs_node *map, const vs_timeline *t, const vs_occurrence *e,
+                             vs_error *err) {
+  if (e->v.count <= 1 || e->v.duration_s < t->period_s) return VS_OK;
+  return vs_fail_at(err, vs_node_child(map, "count")->where,
+                    "events.%s.count: one of %g ms reaches into the next one; with a count, "
+                    "'duration' must be below a cycle, %g ms",
+                    e->name, 1e3 * e->v.duration_s, 1e3 * t->period_s);
+}
+
 static bool meet(const vs_occurrence *a, const vs_occurrence *b) {
   return a->start_s <= b->end_s && b->start_s <= a->end_s;
 }
 
-/* Two of a kind at the same time, where one would hide the other. */
+/* Two of a kind at the same time, where one would hide the other. Generators are none of these:
+ * each stands at the line with a coupling of its own, and what they bring adds up. */
 static vs_status clash(const vs_events *events, const vs_occurrence *e, vs_error *err) {
   for (size_t k = 0; k < events->count; k++) {
     const vs_occurrence *o = &events->item[k];
@@ -285,13 +314,9 @@ static vs_status clash(const vs_events *events, const vs_occurrence *e, vs_error
     bool cycle = e->kind->pulse && o->kind->pulse && e->v.cycle == o->v.cycle && gate;
     bool mains = e->kind->mains && e->kind == o->kind && e->kind->mains != distorted && meet(e, o);
     bool added = e->kind->adds_pulse && o->kind->adds_pulse && meet(e, o) && gate;
-    bool element =
-        e->kind->wire && o->kind->wire && *e->v.element && !strcasecmp(e->v.element, o->v.element);
-    if (cycle || mains || added || element)
-      return vs_fail_at(err, e->where, "events.%s: it clashes with events.%s%s", e->name, o->name,
-                        element ? ": the same element"
-                        : cycle ? ": the same pulse"
-                                : ": at the same time");
+    if (cycle || mains || added)
+      return vs_fail_at(err, e->where, "events.%s: it clashes with events.%s: %s", e->name, o->name,
+                        cycle ? "the same pulse" : "at the same time");
   }
   return VS_OK;
 }
@@ -315,6 +340,8 @@ static vs_status read_event(const vs_node *map, const vs_timeline *t, double unt
   status = vs_section_read(&section, map, &e.v, err);
   if (!strcmp(e.v.element, "-")) *e.v.element = '\0';
   if (!status && vs_found(err) == found) status = vs_carry_on(err, read_gate(map, &e, err));
+  if (!status && vs_found(err) == found) status = vs_carry_on(err, check_element(&e, err));
+  if (!status && vs_found(err) == found) status = vs_carry_on(err, check_count(map, t, &e, err));
   if (!status && vs_found(err) == found)
     status = vs_carry_on(err, place_in_time(map, t, until_s, &e, err));
   if (!status && vs_found(err) == found) status = vs_carry_on(err, clash(events, &e, err));
@@ -350,10 +377,30 @@ static vs_status check_gate(const vs_occurrence *e, const vs_deck *deck, vs_erro
              : vs_fail_at(err, e->where, "events.%s: the deck has no port %s", e->name, e->v.gate);
 }
 
+/* The element it opens or shorts; "": none. */
+static const char *element_of(const vs_occurrence *e, const vs_deck *deck) {
+  return e->kind->fields == COIL_SHORT ? deck->eva : e->v.element;
+}
+
+/* Two switches at one element would each be put where the other one is not. */
+static vs_status check_switch(const vs_events *events, size_t k, const vs_deck *deck,
+                              vs_error *err) {
+  const vs_occurrence *e = &events->item[k];
+  for (size_t n = 0; n < k && *element_of(e, deck); n++)
+    if (!strcasecmp(element_of(e, deck), element_of(&events->item[n], deck)))
+      return vs_fail_at(err, e->where, "events.%s: it clashes with events.%s: the same element",
+                        e->name, events->item[n].name);
+  return VS_OK;
+}
+
 vs_status vs_events_wire(const vs_events *events, vs_deck *deck, vs_error *err) {
   vs_status status = VS_OK;
   for (size_t k = 0; k < events->count && !status; k++)
     status = vs_carry_on(err, check_gate(&events->item[k], deck, err));
+  size_t found = vs_found(err);
+  for (size_t k = 0; k < events->count && !status; k++)
+    status = vs_carry_on(err, check_switch(events, k, deck, err));
+  if (vs_found(err) > found) return status;
   for (size_t k = 0; k < events->count && !status; k++)
     if (events->item[k].kind->wire)
       status = vs_carry_on(err, events->item[k].kind->wire(&events->item[k], k, deck, err));

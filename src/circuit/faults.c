@@ -75,7 +75,7 @@ static vs_status at_line(const vs_occurrence *e, size_t index, vs_deck *deck, vs
 /* ---- generators ---- */
 
 static double sign(const vs_occurrence *e) {
-  return e->v.negative ? -1 : 1;
+  return e->v.polarity % 2 ? -1 : 1;
 }
 
 double vs_surge_source(const vs_occurrence *e, double t_s) {

@@ -64,13 +64,24 @@ vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_error *err)
   return VS_OK;
 }
 
-double vs_mains(const vs_timeline *t, double t_s) {
-  double v = t->peak_v * sin(t->omega_rad_s * t_s + t->supply.phase_rad);
+/* The numbers of all events of a stage, together. */
+static double staged(const vs_timeline *t, vs_mains_stage stage, double t_s, double angle_rad) {
+  double number = stage == VS_MAINS_FACTOR ? 1 : 0;
   for (size_t k = 0; k < t->events.count; k++) {
     const vs_occurrence *e = &t->events.item[k];
-    if (e->kind->mains) v = e->kind->mains(e, t, t_s, v);
+    if (!e->kind->mains || e->kind->stage != stage) continue;
+    double own = e->kind->mains(e, t, t_s, angle_rad);
+    number = stage == VS_MAINS_FACTOR ? number * own : number + own;
   }
-  return v;
+  return number;
+}
+
+double vs_mains(const vs_timeline *t, double t_s) {
+  double angle = t->omega_rad_s * t_s + t->supply.phase_rad;
+  if (!t->events.count) return t->peak_v * sin(angle);
+  angle += staged(t, VS_MAINS_ANGLE, t_s, angle);
+  return t->peak_v * (sin(angle) + staged(t, VS_MAINS_ADDED, t_s, angle)) *
+         staged(t, VS_MAINS_FACTOR, t_s, angle);
 }
 
 double vs_phase(const vs_timeline *t, double t_s) {

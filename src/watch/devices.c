@@ -140,24 +140,36 @@ static void follow_pulse(vs_reduced *r, const vs_course_step *c, double more) {
   watch_limit(r, c, before, r->pulse);
 }
 
-/* What belongs to a step counts where the step ends. */
-static double window_add(vs_window *w, double t_s, double more) {
-  double skipped = floor((t_s - w->ends_s) / PART_S) - VS_WINDOW_PARTS;
-  if (skipped > 0) w->ends_s += skipped * PART_S; /* a step longer than all of it */
-  while (t_s > w->ends_s) {
-    w->now = (w->now + 1) % (VS_WINDOW_PARTS + 1);
-    w->part[w->now] = w->whole = 0;
-    for (size_t k = 0; k <= VS_WINDOW_PARTS; k++) w->whole += w->part[k];
-    w->ends_s += PART_S;
+static void window_next(vs_window *w) {
+  w->now = (w->now + 1) % (VS_WINDOW_PARTS + 1);
+  w->part[w->now] = w->whole = 0;
+  for (size_t k = 2; k <= VS_WINDOW_PARTS; k++)
+    w->whole += w->part[(w->now + k) % (VS_WINDOW_PARTS + 1)];
+  w->starts_s += PART_S;
+}
+
+/* The integral after a step that adds `more`, evenly. */
+static double window_add(vs_window *w, const vs_course_step *c, double more) {
+  double from_s = c->t0_s;
+  double skipped = floor((c->t1_s - w->starts_s) / PART_S) - VS_WINDOW_PARTS - 1;
+  if (skipped > 0) w->starts_s += skipped * PART_S; /* a step longer than all of it */
+  from_s = fmax(from_s, w->starts_s);
+  while (c->t1_s > w->starts_s + PART_S) {
+    double end_s = fmax(w->starts_s + PART_S, from_s);
+    w->part[w->now] += more * (end_s - from_s) / c->h_s;
+    from_s = end_s;
+    window_next(w);
   }
-  w->part[w->now] += more;
-  return w->whole + w->part[w->now];
+  w->part[w->now] += more * (c->t1_s - from_s) / c->h_s;
+  double oldest = w->part[(w->now + 1) % (VS_WINDOW_PARTS + 1)];
+  double still_in = fmax(1 - (c->t1_s - w->starts_s) / PART_S, 0);
+  return w->sum = w->whole + w->part[w->now] + still_in * oldest;
 }
 
 /* Up to 10 ms what a junction bears is a constant int i^2 dt; a half sine's is peak^2 length/2. */
 static void follow_window(vs_watched *w, vs_reduced *r, const vs_course_step *c, double more) {
   bool surge = r->measure->how == VS_R_SURGE;
-  double after = window_add(&w->window, c->t1_s, more), before = fmax(after - more, 0);
+  double before = w->window.sum, after = window_add(&w->window, c, more);
   if (surge) before = sqrt(2 * before / SURGE_S), after = sqrt(2 * after / SURGE_S);
   if (after > r->value.value) r->value = (vs_value){true, after, c->t1_s};
   watch_limit(r, c, before, after);
@@ -317,7 +329,7 @@ static void begin(vs_devices *d, const vs_step *step) {
     if (w->flux.formula) w->last[VS_OF_FLUX] = vs_formula_value(w->flux.formula, terms);
     complete(w->last);
     w->in_pulse = !w->states && fabs(w->last[VS_OF_I]) >= PULSE_A;
-    w->window.ends_s = d->began_s + PART_S;
+    w->window.starts_s = d->began_s;
     for (size_t n = 0; n < w->n_each_step; n++) {
       vs_reduced *r = w->each_step[n];
       const vs_device_measure *m = r->measure;

@@ -16,13 +16,15 @@ typedef struct vs_reduced {
   double failed_s;       /* when it first passed its limit; NaN: it has not */
 } vs_reduced;
 
-/* The integral over the last 10 ms: of the 20 parts of half a millisecond before the present one,
- * and of that. Start from {0} with ends_s set. */
-enum { VS_WINDOW_PARTS = 20 };
+/* The integral over the last 10 ms: parts of a quarter of a millisecond, each with its share of the
+ * steps that reach into it, and of the oldest the share that is not yet out. Start from {0} with
+ * starts_s set. */
+enum { VS_WINDOW_PARTS = 40 };
 typedef struct vs_window {
-  double part[VS_WINDOW_PARTS + 1], whole; /* whole: of all but the present one */
+  double part[VS_WINDOW_PARTS + 1], whole; /* whole: of all but the present and the oldest */
   size_t now;
-  double ends_s; /* of the present one */
+  double starts_s; /* when the present one began */
+  double sum;      /* at the end of the last step */
 } vs_window;
 
 /* A formula, by the short way where it is one term times a constant. */

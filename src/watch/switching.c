@@ -132,7 +132,8 @@ static bool fires(vs_switch *s, const vs_course_step *c) {
 static bool stops(vs_switch *s, const vs_course_step *c) {
   double i0 = c->from[VS_OF_I], i1 = c->to[VS_OF_I];
   s->most_a = fmax(s->most_a, i1);
-  if (i1 > fmax(EXTINCT * s->most_a, QUIET_A)) return false;
+  double hardly = fmin(EXTINCT * s->most_a, CONDUCTS_A / 2); /* of kiloamperes, too, no firing */
+  if (i1 > fmax(hardly, QUIET_A)) return false;
   s->zero_s = i1 < i0 ? fmin(c->t0_s + i0 / (i0 - i1) * c->h_s, c->t1_s + c->h_s) : c->t1_s;
   s->rest = c->to[VS_OF_V] < 0 ? REST_REVERSED : REST_NO_REVERSE_YET;
   return true;
