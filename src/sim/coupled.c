@@ -193,7 +193,7 @@ static vs_event find_event(coupling *c, const vs_knot *before, const vs_knot *fr
     return VS_EV_FIRES;
   }
   c->conducted_a = fmax(c->conducted_a, i);
-  if (i > EXTINCT * c->conducted_a) return VS_EV_NONE;
+  if (i > fmin(EXTINCT * c->conducted_a, CONDUCTS_A / 2)) return VS_EV_NONE;
   double latest = i > 0 ? 2 * to->t_s - from->t_s : to->t_s;
   c->conducting = false;
   *event_s = fmin(fmax(zero_of_current(c, before, from), from->t_s), latest);
