@@ -195,7 +195,7 @@ static void the_same_result(void) {
   double tolerance = a->scene.setup.run.tolerance;
   CU_ASSERT_EQUAL(left.times, 1);
   CU_ASSERT(left.first_s < 0.15);
-  CU_ASSERT(left.bound <= tolerance / 2 && left.bound > 0);
+  CU_ASSERT(left.bound <= 0.75 * tolerance && left.bound > 0);
   CU_ASSERT(difference(&left, &stayed) <= left.bound);
   CU_ASSERT(a->steps < b->steps / 2);
   for (int k = 0; k < VS_MEASURES; k++)

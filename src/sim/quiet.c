@@ -14,7 +14,7 @@ enum { PER_CYCLE = 200, LOOKS_PER_CYCLE = 4 };
 /* Of run.tolerance, for having left the circuit; how much worse than in the cycle in which it was
  * looked at the one-port may be later; what the integration without the solver may cost; and of
  * run.tolerance, by how much a run that stays differs from itself. */
-static const double SHARE = 0.5, SAFETY = 3, INTEGRATION = 1e-7, ITS_OWN = 1e-3;
+static const double SHARE = 0.75, SAFETY = 5, INTEGRATION = 1e-7, ITS_OWN = 1e-3;
 
 /* By how many run.tolerance of its peak one of the deck's signals may be wrong, or of 1 V or 0.1 A,
  * which is what the solver tells apart; how many times that it may drift to the end, as a fuse's
