@@ -116,6 +116,26 @@ static void surge_currents(void) {
   }
 }
 
+/* 20 A all the time, where 12 A are allowed for ever: judged once the run is a second long, and
+ * then passed at its end. */
+static void continuous_current(void) {
+  static const char *const UNTIL[] = {"0.99 s", "1 s"};
+  for (int k = 0; k < 2; k++) {
+    vs_trial *t =
+        run_deck(PARTED "*$ device t = v(x), i(Vs)\nIs 0 y 20\nVs y x 0\nRx x 0 1\n" ASIDE,
+                 PART("*$ limit i_t_rms = 12 A\n"), UNTIL[k], "1ms");
+    MEASURES(t, "t", "i_rms", 20, 1e-6);
+    const vs_reduced *r = measure(t, "t", "i_rms");
+    CU_ASSERT_EQUAL(r->limit != NULL, k == 1);
+    if (k) CLOSE(r->failed_s, 1, 1e-9);
+    vs_verdict v;
+    vs_verdict_reach(t->measures, t->devices, &v);
+    CU_ASSERT_EQUAL(v.first_to_fail != NULL, k == 1);
+    if (k && v.first_to_fail) CLOSE(v.first_to_fail->margin, -8.0 / 12, 1e-6);
+    vs_trial_free(t);
+  }
+}
+
 /* Forward voltage: a ramp of 180 V in 1 us with a tail of 20 V in 100 us, down in 1 us, up to 200 V
  * by 1 kohm and 10 nF. A ramp's mean rate is its rate; an exponential's from 10 to 90 % is
  * 0.8 V/(tau ln 9), and its largest V/tau, of which one step of 0.05 us shows 0.25 % less. */
@@ -684,6 +704,7 @@ static void devices_are_listed(void) {
 static const vs_test TESTS[] = {
     {"half sines", half_sines},
     {"surge currents", surge_currents},
+    {"continuous current", continuous_current},
     {"voltage rises", voltage_rises},
     {"impulse 8/20", impulse_8_20},
     {"resistor and capacitor", resistor_and_capacitor},

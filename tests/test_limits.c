@@ -188,6 +188,42 @@ static void below_the_mains(void) {
   }
 }
 
+/* A limit that nothing is held to is warned of, where it stands: a name that is spelled wrong, or
+ * of another kind of part. Not one that a rating asks for, that is none, or that is there to be
+ * read. */
+static void limits_that_nothing_is_held_to(void) {
+  static const struct {
+    const char *rating, *limit, *says;
+  } ROWS[] = {
+      {"", "i_ratet = 3 A",
+       "limit i_ratet of f.inc: no measure of a fuse and no rating is held to it; did you mean "
+       "'i_rated'?"},
+      {"", "t_q = 30 us", "limit t_q of f.inc: no measure of a fuse"},
+      {"", "i_ratet = none", NULL},
+      {"", "i_fusing = 3 A", NULL},
+      {"*$ rating i_f 0..fuse.i_ratet A\n", "i_ratet = 3 A", NULL},
+  };
+  write_file("s.yaml", "circuit: {deck: d.cir}\nrun: {until: 1 ms}\n");
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char text[800];
+    snprintf(text, sizeof text, "%s%s%s", DECK, ROWS[k].rating, CIRCUIT);
+    write_file("d.cir", text);
+    snprintf(text, sizeof text, PART("*$ limit %s\n"), ROWS[k].limit);
+    write_file("f.inc", text);
+    static const char *const COMMANDS[] = {"run s.yaml", "check s.yaml", "check d.cir",
+                                           "check f.inc"};
+    for (size_t n = 0; n < COUNT(COMMANDS); n++) {
+      if (n == 3 && *ROWS[k].rating) continue; /* a part alone does not know its decks */
+      snprintf(text, sizeof text, "%s: warning: %s", n ? "f.inc:2:1" : "vibrospice",
+               ROWS[k].says ? ROWS[k].says : "limit");
+      ran r = run("%s", COMMANDS[n]);
+      EXPECT(r.status == 0 && !strstr(r.err, text) == !ROWS[k].says, "%s: %s: %s", ROWS[k].limit,
+             COMMANDS[n], r.err);
+      free_ran(&r);
+    }
+  }
+}
+
 /* Every part that comes with the program says what it is, and those of a maker what they allow; a
  * part is added by adding its file. */
 static void parts_are_listed(void) {
@@ -227,6 +263,7 @@ static const vs_test TESTS[] = {
     {"bad input", bad_input},
     {"requirements that hold", requirements_that_hold},
     {"below the mains", below_the_mains},
+    {"limits that nothing is held to", limits_that_nothing_is_held_to},
     {"parts are listed", parts_are_listed},
     {"parts are checked", parts_are_checked},
 };

@@ -262,6 +262,9 @@ vs_status vs_deck_require(const vs_deck *deck, const vs_circuit_values *values,
 /* Do the mains alone, of this rms value, exceed what part number `part` of the deck allows? Then
  * text says so. */
 bool vs_part_below_mains(const vs_deck *deck, size_t part, double rms_v, char *text, size_t size);
+/* Is limit number `limit` of a name that nothing is held against, neither a measure of its part's
+ * kind nor a rating of the deck? Then text says so, and which name may be meant. */
+bool vs_limit_is_idle(const vs_deck *deck, size_t limit, char *text, size_t size);
 /* Does device number `device` of the deck protect another, and may it, by its maker's figures, let
  * more through than that one bears? Then text says so. */
 bool vs_device_fails_ward(const vs_deck *deck, size_t device, char *text, size_t size);

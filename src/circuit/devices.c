@@ -36,7 +36,10 @@ const vs_kind vs_kinds[] = {
           "heats as much by the same int i^2 dt",
           VS_R_SURGE, VS_OF_I2, 1, "i_tsm", VS_AT_MOST},
          {"i_mean", "A", "mean current over the run", VS_R_MEAN, VS_OF_I, 1, NULL, VS_AT_MOST},
-         {"i_rms", "A", "rms current over the run", VS_R_RMS, VS_OF_I2, 1, NULL, VS_AT_MOST},
+         {"i_rms", "A",
+          "rms current over the run; judged where that lasts 1 s or longer, as i_surge and i2t are "
+          "for what is short",
+          VS_R_RMS, VS_OF_I2, 1, "i_t_rms", VS_AT_MOST},
          {"i2t", "A2.s", "largest int i^2 dt of one conduction", VS_R_PULSE, VS_OF_I2, 1, "i2t",
           VS_AT_MOST},
          {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},

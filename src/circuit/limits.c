@@ -27,17 +27,37 @@ vs_status vs_limits_part(vs_deck *deck, vs_cursor *c, vs_error *err) {
   return status;
 }
 
-/* The unit of a limit that goes by a name of the field's; NULL: another name. */
+/* Limits that go by a name of the field's: their units, and the kind of part they are of ("": of
+ * any). Some are held against measures (circuit/devices.h), v_drm, v_rrm and v_rms against the
+ * mains, i2t_clear against what the fuse protects; the others are for the reader. */
+static const struct {
+  const char *name, *unit, *kind;
+} KNOWN[] = {{"v_drm", "V", ""},
+             {"v_rrm", "V", ""},
+             {"v_rms", "V", ""},
+             {"i_t_rms", "A", "thyristor"},
+             {"i_tsm", "A", "thyristor"},
+             {"i2t", "A2.s", "thyristor"},
+             {"dv_dt", "V/us", "thyristor"},
+             {"di_dt", "A/us", "thyristor"},
+             {"t_q", "us", "thyristor"},
+             {"t_j_rise", "K", "thyristor"},
+             {"v_dc", "V", "varistor"},
+             {"v_clamp", "V", "varistor"},
+             {"v_varistor", "V", "varistor"},
+             {"i_surge", "A", "varistor"},
+             {"energy", "J", "varistor"},
+             {"v_rated", "V", "fuse"},
+             {"i_rated", "A", "fuse"},
+             {"i_fusing", "A", "fuse"},
+             {"i2t_melt", "A2.s", "fuse"},
+             {"i2t_clear", "A2.s", "fuse"},
+             {"v_arc", "V", "fuse"},
+             {"volt_seconds", "V.s", "gate_drive"}};
+enum { KNOWN_LIMITS = sizeof KNOWN / sizeof *KNOWN };
+
 static const char *known_unit(const char *name) {
-  static const struct {
-    const char *name, *unit;
-  } KNOWN[] = {
-      {"v_drm", "V"},       {"v_rrm", "V"},        {"i_t_rms", "A"},  {"i_tsm", "A"},
-      {"i2t", "A2.s"},      {"dv_dt", "V/us"},     {"di_dt", "A/us"}, {"t_q", "us"},
-      {"v_rms", "V"},       {"v_dc", "V"},         {"v_clamp", "V"},  {"v_varistor", "V"},
-      {"i_surge", "A"},     {"energy", "J"},       {"v_rated", "V"},  {"i_rated", "A"},
-      {"i2t_melt", "A2.s"}, {"i2t_clear", "A2.s"}, {"v_arc", "V"},    {"volt_seconds", "V.s"}};
-  for (size_t k = 0; k < sizeof KNOWN / sizeof *KNOWN; k++)
+  for (size_t k = 0; k < KNOWN_LIMITS; k++)
     if (!strcmp(name, KNOWN[k].name)) return KNOWN[k].unit;
   return NULL;
 }
@@ -303,4 +323,35 @@ bool vs_part_below_mains(const vs_deck *deck, size_t part, double rms_v, char *t
     return true;
   }
   return false;
+}
+
+/* Does a rating of the deck go by this limit? */
+static bool is_rated_by(const vs_deck *deck, const vs_limit *limit) {
+  for (size_t k = 0; k < deck->n_ratings; k++)
+    for (int b = 0; b < 2; b++)
+      for (size_t p = 0; p < deck->n_parts; p++)
+        if (deck->parts[p].file && !strcmp(deck->parts[p].file, limit->where.file) &&
+            !strcmp(deck->parts[p].name, deck->ratings[k].bounds[b].part) &&
+            !strcmp(limit->name, deck->ratings[k].bounds[b].limit))
+          return true;
+  return false;
+}
+
+bool vs_limit_is_idle(const vs_deck *deck, size_t number, char *text, size_t size) {
+  const vs_limit *limit = &deck->limits[number];
+  const vs_part_file *file = vs_limits_file(deck, limit->where.file);
+  const char *names[KNOWN_LIMITS];
+  size_t count = 0;
+  if (!file || isinf(limit->value) || is_rated_by(deck, limit)) return false;
+  for (size_t k = 0; k < KNOWN_LIMITS; k++) {
+    if (*KNOWN[k].kind && strcmp(KNOWN[k].kind, file->kind)) continue;
+    names[count++] = KNOWN[k].name;
+    if (!strcmp(limit->name, KNOWN[k].name)) return false;
+  }
+  const char *nearest = vs_nearest(limit->name, names, count);
+  const char *slash = strrchr(limit->where.file, '/');
+  snprintf(text, size, "limit %s of %s: no measure of a %s and no rating is held to it%s%s%s",
+           limit->name, slash ? slash + 1 : limit->where.file, file->kind,
+           nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+  return true;
 }

@@ -130,6 +130,16 @@ static void describe_deck(const vs_deck *deck, vs_text *good) {
                                                     : "s");
 }
 
+static void warn_of_limits(report *r, const vs_deck *deck) {
+  char text[VS_DECK_TEXT + VS_NAME_SIZE];
+  size_t said = 0;
+  for (size_t k = 0; k < deck->n_limits && said < VS_IDLE_LIMITS; k++)
+    if (vs_limit_is_idle(deck, k, text, sizeof text)) {
+      vs_fail_at(warning(r), deck->limits[k].where, "%s", text);
+      said++;
+    }
+}
+
 /* In the scene that names this deck and nothing else. */
 static vs_status check_deck(report *r, vs_error *err) {
   const vs_check_options *o = r->options;
@@ -150,6 +160,7 @@ static vs_status check_deck(report *r, vs_error *err) {
     for (size_t p = 0; p < setup->deck.n_parts; p++)
       if (vs_part_below_mains(&setup->deck, p, setup->timeline.supply.voltage_v, text, sizeof text))
         vs_fail_at(warning(r), (vs_where){.file = setup->deck.files[0]}, "%s", text);
+    warn_of_limits(r, &setup->deck);
     warn_of_deck(r, &setup->deck);
   }
   vs_setup_free(setup);
@@ -168,6 +179,7 @@ static vs_status check_part(report *r, vs_error *err) {
     vs_text_add(&r->good, "a good part: %s, %s; %zu limits, %zu parameters",
                 part->part_files[0].kind, part->part_files[0].text, part->n_limits,
                 part->section.count - 1);
+  if (!status && !vs_found(err)) warn_of_limits(r, part);
   vs_deck_free(part);
   free(part);
   return status;

@@ -199,6 +199,17 @@ static void warn_below_theta(vs_scene *s) {
              u->timeline.firing.angle_rad / vs_unit_factor("deg"), theta / vs_unit_factor("deg"));
 }
 
+static void warn_of_limits(vs_scene *s) {
+  const vs_deck *deck = s->frame.deck;
+  char text[VS_DECK_TEXT + VS_NAME_SIZE];
+  size_t said = 0;
+  for (size_t k = 0; deck && k < deck->n_limits && said < VS_IDLE_LIMITS; k++)
+    if (vs_limit_is_idle(deck, k, text, sizeof text)) {
+      vs_fail_at(&s->warnings[s->n_warnings++], deck->limits[k].where, "%s", text);
+      said++;
+    }
+}
+
 static void warn_of_parts(vs_scene *s) {
   const vs_deck *deck = s->frame.deck;
   const vs_node *map = vs_node_child(s->tree.root, "circuit");
@@ -213,6 +224,7 @@ static void warn_of_parts(vs_scene *s) {
       const vs_node *named = vs_node_child(map, deck->parts[deck->devices[d].part].name);
       vs_fail_at(&s->warnings[s->n_warnings++], named ? named->where : (vs_where){0}, "%s", text);
     }
+  warn_of_limits(s);
 }
 
 void vs_scene_warn(const vs_scene *s) {

@@ -9,7 +9,8 @@
 
 extern const vs_shelf vs_scene_shelf;
 
-enum { VS_WARNINGS = 1 + VS_DECK_PARTS + VS_DECK_DEVICES }; /* at most */
+/* At most; of limits that nothing is held against. */
+enum { VS_IDLE_LIMITS = 8, VS_WARNINGS = 1 + VS_DECK_PARTS + VS_DECK_DEVICES + VS_IDLE_LIMITS };
 
 typedef struct vs_scene {
   char path[VS_PATH_SIZE];

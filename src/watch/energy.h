@@ -52,7 +52,8 @@ typedef struct vs_energy {
   double left_j[VS_BALANCES];                              /* what each balance leaves over */
   double furthest_j[VS_BALANCES], furthest_s[VS_BALANCES]; /* the most on the way, and when */
   bool balanced[VS_BALANCES];   /* false: nothing to balance (a deck without losses and stores) */
-  double residual[VS_BALANCES]; /* relative to the work of the force; in J where that is 0 */
+  double residual[VS_BALANCES]; /* relative to the work of the force or to 1 % of what was drawn
+                                   from the mains, whichever is more; in J where both are 0 */
   double worst;                 /* the largest of them */
 } vs_energy;
 

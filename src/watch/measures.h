@@ -32,7 +32,9 @@
   X(VS_M_ENERGY_COPPER, "energy_copper", "J", "lost in the coil's resistance")                     \
   X(VS_M_WORK_FORCE, "work_force", "J", "done by the force on the machine")                        \
   X(VS_M_ENERGY_RESIDUAL, "energy_residual", "",                                                   \
-    "what the worst energy balance leaves over, relative to work_force")
+    "what the worst energy balance leaves over, relative to |work_force| or to 1 % of "            \
+    "|energy_in|, "                                                                                \
+    "whichever is more")
 
 enum {
 #define VS_MEASURE_ID(id, name, unit, text) id,
