@@ -4,7 +4,7 @@
  * cycle.
  *
  * What that costs in accuracy is bounded. Over that cycle the law is run beside the solver, from
- * the same state. By how much each mode of the machine is then wrong, three times that is taken to
+ * the same state. By how much each mode of the machine is then wrong, five times that is taken to
  * be added in every cycle to come, in the same sense, less as the flux linkage falls (the law says
  * how far) and as the mode decays. */
 #ifndef VS_SIM_QUIET_H
