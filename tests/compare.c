@@ -17,27 +17,36 @@ static const struct {
 /* A sample and the end of a run that falls on it may differ by it. */
 static const double ROUNDING_S = 1e-13;
 
-comparison *compare_with(const oracle_scene *scene) {
-  double *table = vs_alloc(scene->rows * ORACLE_COLUMNS, sizeof *table);
-  if (!oracle_run(scene, table, NULL)) {
-    free(table);
-    return NULL;
-  }
+comparison *compare_with_run(const oracle_scene *scene) {
   comparison *c = vs_alloc(1, sizeof *c);
-  *c = (comparison){.table = table, .rows = scene->rows, .sample_s = scene->sample_s};
-  for (size_t n = 0; n < c->rows; n++)
-    for (int k = 0; k < COMPARED; k++)
-      c->peak[k] = fmax(c->peak[k], fabs(table[n * ORACLE_COLUMNS + (size_t)PROBE[k].column]));
+  *c = (comparison){.rows = scene->rows, .sample_s = scene->sample_s, .filling = true};
+  c->table = vs_alloc(scene->rows * ORACLE_COLUMNS, sizeof *c->table);
   return c;
 }
 
+static double *cell_of(const comparison *c, size_t row, int k) {
+  return &c->table[row * ORACLE_COLUMNS + (size_t)PROBE[k].column];
+}
+
 void compare_again(comparison *c) {
+  for (size_t n = 0; n < c->rows && c->filling; n++)
+    for (int k = 0; k < COMPARED; k++) c->peak[k] = fmax(c->peak[k], fabs(*cell_of(c, n, k)));
+  c->filling = false;
   c->next = 0;
   memset(c->worst, 0, sizeof c->worst);
 }
 
+comparison *compare_with(const oracle_scene *scene) {
+  comparison *c = compare_with_run(scene);
+  bool solved = oracle_run(scene, c->table, NULL);
+  compare_again(c);
+  if (solved) return c;
+  compare_free(c);
+  return NULL;
+}
+
 void compare_free(comparison *c) {
-  if (c) free((double *)(size_t)c->table);
+  if (c) free(c->table);
   free(c);
 }
 
@@ -51,8 +60,9 @@ vs_status compare_accept(void *ctx, const vs_step *step, vs_error *err) {
     if (sample > end + (last ? ROUNDING_S : 0)) break;
     vs_step_parts_at(step, fmin(sample, end), 0, y);
     for (int k = 0; k < COMPARED; k++) {
-      double expected = c->table[c->next * ORACLE_COLUMNS + (size_t)PROBE[k].column];
-      double error = fabs(y[PROBE[k].channel] - expected);
+      double *expected = cell_of(c, c->next, k);
+      if (c->filling) *expected = y[PROBE[k].channel];
+      double error = fabs(y[PROBE[k].channel] - *expected);
       c->worst[k] = isnan(error) ? INFINITY : fmax(c->worst[k], error);
     }
   }

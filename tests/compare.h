@@ -8,14 +8,17 @@
 
 enum { COMPARED = 6 };
 typedef struct comparison {
-  const double *table; /* the oracle's: rows x ORACLE_COLUMNS, the first at t = 0 */
-  size_t rows, next;   /* next: how many have been seen */
+  double *table;     /* the oracle's: rows x ORACLE_COLUMNS, the first at t = 0 */
+  size_t rows, next; /* next: how many have been seen */
+  bool filling;      /* the table, by the run that is seen */
   double sample_s;
   double worst[COMPARED], peak[COMPARED]; /* SI */
 } comparison;
 
 /* Solves the scene; NULL: it has no solution. */
 comparison *compare_with(const oracle_scene *scene);
+/* With the run seen next: it fills the table. */
+comparison *compare_with_run(const oracle_scene *scene);
 void compare_again(comparison *c); /* for another run */
 void compare_free(comparison *c);
 
