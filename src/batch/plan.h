@@ -30,14 +30,15 @@ enum { VS_PLAN_AXES = 32, VS_PLAN_COLUMNS = 96, VS_PLAN_PARTS = 4, VS_KEY_SIZE =
 typedef struct vs_axis {
   char key[VS_KEY_SIZE];         /* "circuit.r1" */
   char column[VS_KEY_SIZE + 24]; /* "circuit.r1_ohm" */
-  const vs_section *section;     /* its name is the key's first part */
-  const vs_field *field;         /* the key's own; both live as long as the plan */
+  char section[VS_KEY_SIZE];     /* "circuit" */
+  const vs_field *field;         /* the key's; lives as long as the plan */
   const char *unit;              /* the field's; "" for words and pure numbers */
   const char *by;                /* the study's key it stands under: "vary", "sample", ... */
   vs_where where;                /* of the key in the study */
   bool is_word;   /* a choice or a name: its numbers are indices into word, and it has no range */
   double nominal; /* as the scene and `set` have it; NaN: a word, or the scene has none */
   char **word;
+  vs_where *word_where;
   size_t n_words;
   double *value; /* those listed, or those its range is cut into; NULL: none */
   size_t n_values;
@@ -48,13 +49,13 @@ typedef struct vs_axis {
 } vs_axis;
 
 /* A column of study.csv behind the axes. */
-typedef struct vs_column {
+typedef struct vs_report_column {
   char name[VS_JUDGED_NAME];        /* "thyristor.v_reverse" */
   char column[VS_JUDGED_NAME + 24]; /* "thyristor.v_reverse_v" */
   char unit[16], text[VS_DECK_TEXT];
   double rating; /* the limit it is held against, in unit; NaN: none */
   vs_where where;
-} vs_column;
+} vs_report_column;
 enum { VS_COLUMN_MARGIN = -1 }; /* margin_least: in every study, though not asked for */
 
 typedef struct vs_plan vs_plan;
@@ -100,7 +101,7 @@ struct vs_method {
    * their place, by vs_fail_at; a check carries on from each (vs_carry_on). */
   vs_status (*read)(vs_plan *plan, const vs_node *section, void **state, vs_error *err);
   void (*free)(void *state); /* NULL: there is nothing to free */
-  /* How many points; at least 1. May say where it is too many: VS_PLAN_CASES. */
+  /* How many points; 0: an axis of its own has no values. */
   uint64_t (*count)(const vs_plan *plan, const vs_part_of_plan *part);
   /* Point `index` of the method's own axes, value[part->n], a pure function of index and seed: any
    * shard, worker and order gives the same. NULL: it is adaptive. */
@@ -110,6 +111,9 @@ struct vs_method {
    * called once a generation; after --resume again from the first. NULL: it is not adaptive. */
   vs_status (*next)(const vs_plan *plan, const vs_part_of_plan *part, const vs_results *results,
                     vs_generation *generation, vs_error *err);
+  /* Adds to an axis of its own, in the manifest, what it knows of it: `, "name": value` each. NULL:
+   * nothing. */
+  void (*axis_json)(const vs_axis *axis, vs_text *json);
   /* Adds to the manifest members that say what it was asked and, once results are there (else
    * NULL), what it found: `, "name": value` each. NULL: nothing. */
   void (*json)(const vs_plan *plan, const vs_part_of_plan *part, const vs_results *results,
@@ -126,13 +130,16 @@ typedef struct vs_input {
 struct vs_plan {
   char path[VS_PATH_SIZE]; /* of the study */
   vs_tree tree;
-  vs_scene *scene;   /* with `set`, --set and the first case's point: columns are resolved by it */
-  char *const *sets; /* --set; borrowed */
+  char scene_name[VS_PATH_SIZE];
+  vs_where scene_where; /* of that name */
+  vs_scene *base;       /* the scene with `set` and --set; its sections have the axes' fields */
+  vs_scene *first;      /* with the first case's point too: columns are resolved by it */
+  char *const *sets;    /* --set; borrowed */
   size_t n_sets;
   uint64_t seed; /* what methods key their random numbers on; 0 unless one reads another */
   vs_axis axes[VS_PLAN_AXES];
   size_t n_axes;
-  vs_column columns[VS_PLAN_COLUMNS];
+  vs_report_column columns[VS_PLAN_COLUMNS];
   size_t n_columns;
   vs_part_of_plan parts[VS_PLAN_PARTS];
   size_t n_parts;
@@ -155,6 +162,11 @@ void vs_plan_method(const vs_plan *plan, char *text, size_t size);
 /* Point of case `index`, point[n_axes]; not of an adaptive plan. */
 void vs_plan_point(const vs_plan *plan, uint64_t index, double *point);
 
+/* The scene with `set` and --set, to be altered and then settled (vs_scene_settle). */
+vs_status vs_plan_scene(const vs_plan *plan, vs_scene *scene, vs_error *err);
+/* Puts the axis' number into a scene's tree. */
+void vs_axis_put(const vs_axis *axis, double number, vs_tree *tree);
+
 /* The axis' number as it stands in study.csv, and as text that the scene reads ("330 ohm"). */
 void vs_axis_print(const vs_axis *axis, double number, char *text, size_t size);
 void vs_axis_text(const vs_axis *axis, double number, char *text, size_t size);
@@ -175,6 +187,12 @@ vs_status vs_axis_values(vs_axis *axis, const vs_node *node, vs_error *err);
 /* One value, with its unit, within the key's range: its number, to 12 digits; of a word the index,
  * at which it is added when it is new. */
 vs_status vs_axis_number(vs_axis *axis, const vs_node *node, double *number, vs_error *err);
+
+/* Finds a file the study names: as it stands, else from the study's folder. */
+vs_status vs_plan_find(const vs_plan *plan, const vs_node *name, char path[VS_PATH_SIZE],
+                       vs_error *err);
+/* A file that the cases are made of: it enters the manifest and what a study is told apart by. */
+vs_status vs_plan_input(vs_plan *plan, const char *path, vs_error *err);
 
 /* The index of that measure among the columns (VS_COLUMN_MARGIN for margin_least); a new one when
  * nobody asked for it before. Whether there is such a measure is found out later, with `where`. */

@@ -43,6 +43,10 @@ typedef struct vs_setup {
 vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err);
 void vs_setup_free(vs_setup *setup);
 
+/* The same over a setup that was built: the numbers anew, the deck's text only when the scene names
+ * another deck or other parts, or has events. What is built is the same. */
+vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err);
+
 /* The parameters every deck may use, as the scene has them, and those of its EVA (circuit/deck.h).
  */
 void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]);
