@@ -11,8 +11,6 @@
 #include "base/units.h"
 #include "study/summary.h"
 
-const vs_shelf vs_study_shelf = {"study", "studies", ".yaml"};
-
 /* ---- the scene ---- */
 
 vs_status vs_plan_find(const vs_plan *plan, const vs_node *name, char path[VS_PATH_SIZE],
@@ -91,30 +89,31 @@ static vs_status read_report(vs_plan *plan, vs_error *err) {
   return status;
 }
 
-static vs_status unknown_measure(const vs_report_column *column, const vs_scene *scene,
-                                 const vs_result *result, vs_error *err) {
+static vs_status unknown_measure(const vs_report_column *column, const vs_frame *frame,
+                                 const vs_tier *tier, const vs_result *result, vs_error *err) {
   enum { MOST = 1024 };
   vs_shown *all = vs_alloc(MOST, sizeof *all);
   const char **names = vs_alloc(MOST, sizeof *names);
   size_t n = 0;
-  while (n < MOST && vs_shown_at(&scene->frame, result, (int)n, &all[n])) {
+  while (n < MOST && vs_shown_at(frame, result, (int)n, &all[n])) {
     names[n] = all[n].name;
     n++;
   }
   const char *nearest = vs_nearest(column->name, names, n);
-  vs_fail_at(err, column->where, "no measure '%s' on tier %s%s%s%s", column->name,
-             scene->tier->name, nearest ? "; did you mean '" : "", nearest ? nearest : "",
+  vs_fail_at(err, column->where, "no measure '%s' on tier %s%s%s%s", column->name, tier->name,
+             nearest ? "; did you mean '" : "", nearest ? nearest : "",
              nearest ? "'?" : "; see 'vibrospice list measures'");
   free(all);
   free(names);
   return VS_INPUT;
 }
 
-/* Gives columns their units, as the first case's scene has them. */
-static vs_status resolve_columns(vs_plan *plan, vs_error *err) {
-  const vs_scene *scene = plan->first;
-  vs_measures *measures = vs_measures_new(&scene->frame);
-  vs_devices *devices = vs_devices_new(&scene->frame);
+/* Gives columns their units, as that scene on that tier has them. */
+static vs_status resolve_columns(vs_plan *plan, const vs_scene *scene, const vs_tier *tier,
+                                 vs_error *err) {
+  const vs_frame frame = tier->frame(&scene->setup);
+  vs_measures *measures = vs_measures_new(&frame);
+  vs_devices *devices = vs_devices_new(&frame);
   const vs_result result = {.measures = measures, .devices = devices};
   vs_status status = VS_OK;
   for (size_t c = 0; c < plan->n_columns && !status; c++) {
@@ -122,9 +121,9 @@ static vs_status resolve_columns(vs_plan *plan, vs_error *err) {
     vs_shown m = {0};
     char suffix[64];
     int k = 0;
-    while (vs_shown_at(&scene->frame, &result, k, &m) && strcmp(m.name, column->name)) k++;
+    while (vs_shown_at(&frame, &result, k, &m) && strcmp(m.name, column->name)) k++;
     if (strcmp(m.name, column->name)) {
-      status = vs_carry_on(err, unknown_measure(column, scene, &result, err));
+      status = vs_carry_on(err, unknown_measure(column, &frame, tier, &result, err));
       continue;
     }
     snprintf(column->unit, sizeof column->unit, "%s", m.unit);
@@ -308,7 +307,7 @@ static vs_status try_cases(vs_plan *plan, vs_error *err) {
   size_t found = vs_found(err);
   vs_status status = try_point(plan, point, plan->first, err);
   if (status || vs_found(err) > found) return status;
-  status = resolve_columns(plan, err);
+  status = resolve_columns(plan, plan->first, plan->first->tier, err);
   return status ? status : try_names(plan, point, err);
 }
 
@@ -335,6 +334,11 @@ static vs_status read_base(vs_plan *plan, vs_error *err) {
   return status ? status : vs_scene_settle(plan->base, NULL, err);
 }
 
+/* Where a check has found errors in the scene, its keys may be known all the same. */
+static bool has_sections(const vs_scene *scene) {
+  return scene && scene->setup.deck.n_files && !scene->setup.deck.lost;
+}
+
 vs_status vs_plan_read(const char *name, char *const *sets, size_t n_sets, vs_plan *plan,
                        vs_error *err) {
   const char *keys[16];
@@ -342,12 +346,12 @@ vs_status vs_plan_read(const char *name, char *const *sets, size_t n_sets, vs_pl
   vs_status status = vs_find(&vs_study_shelf, name, (vs_where){0}, plan->path, err);
   if (!status) status = vs_tree_read(plan->path, &plan->tree, err);
   if (!status) status = vs_known_keys(plan->tree.root, "a study", keys, study_keys(keys), err);
-  size_t found = vs_found(err);
   if (!status) status = vs_carry_on(err, read_base(plan, err));
-  if (status || vs_found(err) > found) return status; /* axes are keys of that scene */
+  if (status || !has_sections(plan->base)) return status; /* axes are keys of that scene */
   status = read_parts(plan, err);
   if (!status) status = read_report(plan, err);
-  if (status || vs_found(err)) return status;
+  if (status) return status;
+  if (vs_found(err)) return resolve_columns(plan, plan->base, &vs_tier_circuit, err);
   status = count_cases(plan, err);
   return status ? status : try_cases(plan, err);
 }

@@ -21,8 +21,6 @@
 #include "study/scene.h"
 #include "watch/verdict.h"
 
-extern const vs_shelf vs_study_shelf;
-
 enum { VS_PLAN_AXES = 32, VS_PLAN_COLUMNS = 96, VS_PLAN_PARTS = 4, VS_KEY_SIZE = 192 };
 #define VS_PLAN_CASES 100000000ull /* at most */
 

@@ -185,7 +185,9 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
 
 vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
   *setup = (vs_setup){.solver = &vs_ngspice};
-  return build(scene, setup, false, err);
+  vs_status s = build(scene, setup, false, err);
+  if (s) setup->deck.lost = VS_LOST_ALL; /* vs_setup_again reads it anew */
+  return s;
 }
 
 vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err) {

@@ -7,7 +7,8 @@
 
 #include "base/units.h"
 
-const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"};
+const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"},
+               vs_study_shelf = {"study", "studies", ".yaml"};
 
 vs_scene_part vs_scene_part_at(const vs_scene *s, int index) {
   const vs_setup *u = &s->setup;

@@ -7,7 +7,7 @@
 #include "sim/sim.h"
 #include "watch/measures.h"
 
-extern const vs_shelf vs_scene_shelf;
+extern const vs_shelf vs_scene_shelf, vs_study_shelf;
 
 /* At most; of limits that nothing is held against. */
 enum { VS_IDLE_LIMITS = 8, VS_WARNINGS = 1 + VS_DECK_PARTS + VS_DECK_DEVICES + VS_IDLE_LIMITS };

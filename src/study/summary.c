@@ -58,6 +58,18 @@ bool vs_shown_at(const vs_frame *frame, const vs_result *r, int k, vs_shown *m) 
   return true;
 }
 
+void vs_result_finish(vs_result *r, vs_devices *devices) {
+  vs_measures_finish(r->measures, r->values);
+  vs_energy_finish(&r->energy);
+  const double *joule = r->energy.joule;
+  r->values[VS_M_ENERGY_IN] = (vs_value){true, joule[VS_E_SOURCE], NAN};
+  r->values[VS_M_ENERGY_COPPER] = (vs_value){true, joule[VS_E_COPPER], NAN};
+  r->values[VS_M_WORK_FORCE] = (vs_value){true, joule[VS_E_WORK], NAN};
+  r->values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, r->energy.worst, NAN};
+  vs_devices_finish(devices);
+  vs_verdict_reach(r->measures, devices, &r->verdict);
+}
+
 void vs_absence_accept(vs_absence *a, const vs_step *step) {
   if (step->event[1] == VS_EV_QUIET) {
     a->since_s = step->event_s[1];

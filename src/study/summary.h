@@ -34,6 +34,10 @@ typedef struct vs_result {
   long steps;
 } vs_result;
 
+/* Once the run is over: values and verdict, by what its measures, energy and devices (the same as
+ * r->devices; may be NULL) have seen. */
+void vs_result_finish(vs_result *r, vs_devices *devices);
+
 /* A measure as it is shown. */
 typedef struct vs_shown {
   char name[VS_JUDGED_NAME], text[VS_DECK_TEXT + 16];
