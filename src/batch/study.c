@@ -180,7 +180,7 @@ static vs_status go_on(session *s, vs_journal_head *head, vs_error *err) {
                    "--resume",
                    j->path);
   if (j->head.shard != head->shard || j->head.shards != head->shards)
-    return vs_fail(err, VS_INPUT, "%s: is of shard %llu/%llu", j->path,
+    return vs_fail(err, VS_INPUT, "%s: is of shard %llu/%llu: give --shard so", j->path,
                    (unsigned long long)j->head.shard, (unsigned long long)j->head.shards);
   if (j->bad && !s->o->quiet)
     fprintf(stderr,
