@@ -186,6 +186,7 @@ static vs_status run_once(vs_case *c, uint64_t index, const double *point, vs_te
   vs_status status = c->keep ? open_csv(c, index, &w, err) : VS_OK;
   if (!status) status = vs_sim_run(s->tier, &s->setup, &observer, err);
   if (!status) {
+    s->setup.tried = c->circuit; /* until another deck is read */
     vs_result_finish(c->result, w.devices);
     add_row(c, index, point, row);
     if (w.csv.stream) status = vs_file_commit(&w.csv, err);

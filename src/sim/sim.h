@@ -36,6 +36,7 @@ typedef struct vs_setup {
   vs_circuit_values circuit_values;
   const vs_circuit_kind *solver; /* of the circuit: vs_ngspice, or a test's own */
   FILE *raw;                     /* tier circuit: gets a rawfile of the run; NULL: none */
+  bool tried; /* tier circuit: this deck with these parts was run in this process before */
 } vs_setup;
 
 /* Reads the sections machine, actuator, load, supply, firing, circuit, run, start. vs_setup_free
