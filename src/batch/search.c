@@ -25,8 +25,8 @@ struct vs_search {
   uint64_t generation;
   size_t population;
   double *member, *fitness; /* population x axes; population */
-  double *points;           /* of this generation */
-  size_t count;
+  double *points;           /* all so far; those of this generation behind the others */
+  size_t count;             /* of this generation */
   double best[VS_SEARCH_AXES], best_value;
   double center[VS_SEARCH_AXES], came[VS_SEARCH_AXES]; /* local: where it is, how it got there */
   double center_value, step;
@@ -44,8 +44,12 @@ static void snap(const vs_search_setup *setup, double *x) {
   }
 }
 
+static double *point(const vs_search *s, size_t k) { /* of this generation */
+  return &s->points[(s->asked + k) * s->setup.axes];
+}
+
 static double *add(vs_search *s) {
-  return &s->points[s->count++ * s->setup.axes];
+  return point(s, s->count++);
 }
 
 static void ask_start(vs_search *s) {
@@ -94,12 +98,11 @@ static void breed(const vs_search *s, size_t parent, double *x) {
   snap(&s->setup, x);
 }
 
-/* The point is kept unless it stands among those of this generation, or is the centre. */
+/* The point is kept unless it was asked for before: no such point is better than the centre. */
 static void add_new(vs_search *s, double *x) {
   const size_t bytes = s->setup.axes * sizeof *x;
   snap(&s->setup, x);
-  if (!memcmp(x, s->center, bytes)) return;
-  for (size_t k = 0; k < s->count; k++)
+  for (size_t k = 0; k < s->asked + s->count; k++)
     if (!memcmp(x, &s->points[k * s->setup.axes], bytes)) return;
   memcpy(add(s), x, bytes);
 }
@@ -122,18 +125,6 @@ static void ask_pattern(vs_search *s) {
   }
 }
 
-const double *vs_search_ask(vs_search *s, size_t *count) {
-  if (!s->count && s->phase == START) ask_start(s);
-  if (!s->count && s->phase == EVOLUTION)
-    for (size_t k = 0; k < s->population; k++) breed(s, k, add(s));
-  if (!s->count && s->phase == PATTERN) ask_pattern(s);
-  size_t left = s->setup.most - s->asked;
-  if (s->count > left) s->count = left;
-  if (!s->count) s->phase = OVER;
-  *count = s->count;
-  return s->points;
-}
-
 /* The best of the start make the population, in their order. */
 static void settle(vs_search *s, const double *values) {
   const size_t bytes = s->setup.axes * sizeof *s->member;
@@ -144,7 +135,7 @@ static void settle(vs_search *s, const double *values) {
     for (size_t i = 0; i < s->count; i++)
       if (!gone[i] && (found == SIZE_MAX || better(values[i], values[found]))) found = i;
     gone[found] = true;
-    memcpy(&s->member[k * s->setup.axes], &s->points[found * s->setup.axes], bytes);
+    memcpy(&s->member[k * s->setup.axes], point(s, found), bytes);
     s->fitness[k] = values[found];
   }
   free(gone);
@@ -153,8 +144,7 @@ static void settle(vs_search *s, const double *values) {
 static void select_children(vs_search *s, const double *values) {
   for (size_t k = 0; k < s->count; k++)
     if (better(values[k], s->fitness[k])) {
-      memcpy(&s->member[k * s->setup.axes], &s->points[k * s->setup.axes],
-             s->setup.axes * sizeof *s->member);
+      memcpy(&s->member[k * s->setup.axes], point(s, k), s->setup.axes * sizeof *s->member);
       s->fitness[k] = values[k];
     }
 }
@@ -193,14 +183,28 @@ static void move(vs_search *s) {
   if (s->step < s->setup.finest) s->phase = OVER;
 }
 
+const double *vs_search_ask(vs_search *s, size_t *count) {
+  if (!s->count && s->phase == START) ask_start(s);
+  if (!s->count && s->phase == EVOLUTION)
+    for (size_t k = 0; k < s->population; k++) breed(s, k, add(s));
+  while (!s->count && s->phase == PATTERN) {
+    ask_pattern(s);
+    if (!s->count) move(s); /* all about it is known: with a shorter step then */
+  }
+  size_t left = s->setup.most - s->asked;
+  if (s->count > left) s->count = left;
+  if (!s->count) s->phase = OVER;
+  *count = s->count;
+  return point(s, 0);
+}
+
 void vs_search_tell(vs_search *s, const double *values) {
   assert(s->count);
   for (size_t k = 0; k < s->count; k++)
     if (better(values[k], s->best_value)) {
-      memcpy(s->best, &s->points[k * s->setup.axes], s->setup.axes * sizeof *s->best);
+      memcpy(s->best, point(s, k), s->setup.axes * sizeof *s->best);
       s->best_value = values[k];
     }
-  s->asked += s->count;
   s->generation++;
   if (s->phase == START) {
     settle(s, values);
@@ -209,6 +213,7 @@ void vs_search_tell(vs_search *s, const double *values) {
     select_children(s, values);
   else
     move(s);
+  s->asked += s->count;
   s->count = 0;
   if (s->phase == EVOLUTION &&
       ((double)(s->asked + s->population) > GLOBAL_PART * (double)s->setup.most ||
@@ -237,7 +242,8 @@ vs_search *vs_search_new(const vs_search_setup *setup) {
   if (s->population > MOST) s->population = MOST;
   s->member = vs_alloc(s->population * setup->axes, sizeof *s->member);
   s->fitness = vs_alloc(s->population, sizeof *s->fitness);
-  size_t room = 2 * s->population + 2 * setup->axes + 3;
+  size_t room =
+      setup->most + 2 * s->population + 2 * setup->axes + 3; /* a generation is cut late */
   s->points = vs_alloc(room * setup->axes, sizeof *s->points);
   return s;
 }
