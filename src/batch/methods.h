@@ -5,6 +5,7 @@
 
 #include "batch/plan.h"
 
-extern const vs_method vs_method_grid, vs_method_list;
+extern const vs_method vs_method_list, vs_method_grid, vs_method_sobol, vs_method_latin,
+    vs_method_monte_carlo, vs_method_corners, vs_method_worst, vs_method_snubber;
 
 #endif

@@ -11,6 +11,8 @@
 #include "base/units.h"
 #include "study/summary.h"
 
+static bool is_of_study(const char *set);
+
 /* ---- the scene ---- */
 
 vs_status vs_plan_find(const vs_plan *plan, const vs_node *name, char path[VS_PATH_SIZE],
@@ -50,7 +52,8 @@ vs_status vs_plan_scene(const vs_plan *plan, vs_scene *scene, vs_error *err) {
   for (const vs_node *n = set ? set->child : NULL; n; n = n->next)
     vs_tree_graft(&scene->tree, n->key, n);
   for (size_t k = 0; k < plan->n_sets && !status; k++)
-    status = vs_carry_on(err, vs_tree_set(&scene->tree, plan->sets[k], err));
+    if (!is_of_study(plan->sets[k]))
+      status = vs_carry_on(err, vs_tree_set(&scene->tree, plan->sets[k], err));
   return status;
 }
 
@@ -185,6 +188,15 @@ static size_t study_keys(const char *names[16]) {
   return n;
 }
 
+/* Is a --set one of the study itself (sample.n=4096), none of its scene? */
+static bool is_of_study(const char *set) {
+  const char *keys[16];
+  size_t n = study_keys(keys), length = strcspn(set, ".=");
+  for (size_t k = 0; k < n; k++)
+    if (strlen(keys[k]) == length && !strncmp(keys[k], set, length)) return true;
+  return false;
+}
+
 static vs_status read_part(vs_plan *plan, const vs_node *section, vs_error *err) {
   const vs_method *method = find_method(section, err);
   if (!method) return VS_INPUT;
@@ -308,6 +320,9 @@ static vs_status try_cases(vs_plan *plan, vs_error *err) {
   vs_status status = try_point(plan, point, plan->first, err);
   if (status || vs_found(err) > found) return status;
   status = resolve_columns(plan, plan->first, plan->first->tier, err);
+  for (size_t p = 0; p < plan->n_parts && !status && vs_found(err) == found; p++)
+    if (plan->parts[p].method->ready)
+      status = vs_carry_on(err, plan->parts[p].method->ready(plan, &plan->parts[p], err));
   return status ? status : try_names(plan, point, err);
 }
 
@@ -345,6 +360,8 @@ vs_status vs_plan_read(const char *name, char *const *sets, size_t n_sets, vs_pl
   *plan = (vs_plan){.sets = sets, .n_sets = n_sets};
   vs_status status = vs_find(&vs_study_shelf, name, (vs_where){0}, plan->path, err);
   if (!status) status = vs_tree_read(plan->path, &plan->tree, err);
+  for (size_t k = 0; k < n_sets && !status; k++)
+    if (is_of_study(sets[k])) status = vs_carry_on(err, vs_tree_set(&plan->tree, sets[k], err));
   if (!status) status = vs_known_keys(plan->tree.root, "a study", keys, study_keys(keys), err);
   if (!status) status = vs_carry_on(err, read_base(plan, err));
   if (status || !has_sections(plan->base)) return status; /* axes are keys of that scene */

@@ -98,6 +98,8 @@ struct vs_method {
    * needs (vs_plan_column), keeps what else it wants in *state, which may stay NULL. Errors with
    * their place, by vs_fail_at; a check carries on from each (vs_carry_on). */
   vs_status (*read)(vs_plan *plan, const vs_node *section, void **state, vs_error *err);
+  /* Looks at the plan once its columns have their units and ratings. NULL: it has no need to. */
+  vs_status (*ready)(const vs_plan *plan, const vs_part_of_plan *part, vs_error *err);
   void (*free)(void *state); /* NULL: there is nothing to free */
   /* How many points; 0: an axis of its own has no values. */
   uint64_t (*count)(const vs_plan *plan, const vs_part_of_plan *part);
