@@ -3,7 +3,7 @@
  * choose points of it.
  *
  *   sample:
- *     method: sobol          or latin_hypercube, monte_carlo, corners
+ *     method: sobol          or latin_hypercube (lhs), monte_carlo, corners
  *     n: 4096                points; of the corners there are as many as there are
  *     seed: 7
  *     spread: {actuator.inductance: 5 % normal, circuit.c1: 10 % uniform}
@@ -32,6 +32,7 @@ typedef struct sample {
 
 static void sample_free(void *state) {
   sample *s = state;
+  if (!s) return;
   free(s->correlation);
   free(s->sobol);
   free(s);
@@ -187,7 +188,7 @@ static void place(const vs_plan *plan, const vs_part_of_plan *part, double *valu
 }
 
 static bool is_latin(const vs_node *section) {
-  return claims(section, "latin_hypercube");
+  return claims(section, "lhs") || claims(section, "latin_hypercube");
 }
 
 static void latin_point(const vs_plan *plan, const vs_part_of_plan *part, uint64_t index,
@@ -207,18 +208,12 @@ static void monte_carlo_point(const vs_plan *plan, const vs_part_of_plan *part, 
   place(plan, part, value);
 }
 
-/* Whatever no other method claims, so that a misspelt one is told which there are. */
 static bool is_sobol(const vs_node *section) {
-  return !is_latin(section) && !is_monte_carlo(section) && !claims(section, "corners");
+  return claims(section, "sobol");
 }
 
 static vs_status sobol_read(vs_plan *plan, const vs_node *section, void **state, vs_error *err) {
-  const vs_node *node = vs_node_child(section, "method");
   const size_t first = plan->n_axes;
-  if (node && strcmp(method_of(section), "sobol"))
-    return vs_fail_at(
-        err, node->where,
-        "sample.method: '%s' is not one of: sobol|latin_hypercube|monte_carlo|corners", node->text);
   vs_status status = sample_read(plan, section, state, err);
   sample *s = *state;
   if (status) return status;

@@ -2,6 +2,7 @@
 #include "batch/search.h"
 
 #include <assert.h>
+#include <gsl/gsl_cdf.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -10,11 +11,22 @@
 #include "base/text.h"
 #include "batch/random.h"
 
-/* Population: 6 to an axis within these; bred for at most 0.7 of all points. The start has twice as
- * many points. Each difference is weighted anew, 0.4 to 0.9, and nine coordinates of ten are taken
- * from the mutant. */
-enum { FEWEST = 12, MOST = 60, PER_AXIS = 6, SALT_PICK = 1 << 20, SALT_CROSS = 1 << 21 };
-static const double GLOBAL_PART = 0.7, CROSSOVER[] = {0.9, 0.3}, FIRST_STEP = 0.1;
+/* The start: a quarter of all points, within 2 populations and 50 points to an axis. Population: 6
+ * to an axis, within these; bred for at most 0.7 of all points. Each difference is weighted anew,
+ * 0.4 to 0.9, and every third child goes towards the best as well. Every other child takes nine
+ * coordinates of ten from the mutant, the others three: valleys that lie askew, and along the axes.
+ */
+enum { FEWEST = 12, MOST = 60, PER_AXIS = 6, START_PER_AXIS = 50 };
+enum { TURNS = 3 }; /* of the pattern, before its step is halved; the first along the axes */
+enum {
+  SALT_PICK = 1 << 20,
+  SALT_CROSS = 1 << 21,
+  SALT_TURN = 1 << 22
+}; /* keep the uses of one seed apart */
+static const double START_PART = 0.25, GLOBAL_PART = 0.7, CROSSOVER[] = {0.9, 0.3},
+                    TO_BEST[] = {0.7, 0, 0},
+                    FIRST_STEP = 0.1, /* of the pattern; it grows where it found something */
+    GROW = 2;
 
 typedef enum phase { START, EVOLUTION, PATTERN, OVER } phase;
 
@@ -23,13 +35,14 @@ struct vs_search {
   phase phase;
   size_t asked; /* points of all generations that were told */
   uint64_t generation;
-  size_t population;
-  double *member, *fitness; /* population x axes; population */
-  double *points;           /* all so far; those of this generation behind the others */
-  size_t count;             /* of this generation */
+  size_t population, members; /* members: while it is settled */
+  double *member, *fitness;   /* population x axes; population */
+  double *points;             /* all so far; those of this generation behind the others */
+  size_t count;               /* of this generation */
   double best[VS_SEARCH_AXES], best_value;
   double center[VS_SEARCH_AXES], came[VS_SEARCH_AXES]; /* local: where it is, how it got there */
   double center_value, step;
+  int turned;
 };
 
 static bool better(double value, double than) {
@@ -52,8 +65,15 @@ static double *add(vs_search *s) {
   return point(s, s->count++);
 }
 
+static size_t start_count(const vs_search *s) {
+  size_t n = (size_t)(START_PART * (double)s->setup.most), most = START_PER_AXIS * s->setup.axes;
+  if (n > most) n = most;
+  if (n < 2 * s->population) n = 2 * s->population;
+  return n < s->setup.most ? n : s->setup.most;
+}
+
 static void ask_start(vs_search *s) {
-  size_t n = 2 * s->population < s->setup.most ? 2 * s->population : s->setup.most;
+  const size_t n = start_count(s);
   vs_sobol *sobol = vs_alloc(1, sizeof *sobol);
   vs_sobol_begin(sobol, s->setup.axes, n, s->setup.seed);
   for (size_t i = 0; i < n; i++) {
@@ -77,7 +97,7 @@ static size_t pick(const vs_search *s, uint64_t child, const size_t *taken, size
   }
 }
 
-/* Halfway towards the best, and a difference of two others; beyond a bound: halfway to it. */
+/* A member, and the difference of two others; beyond a bound: halfway to it. */
 static void breed(const vs_search *s, size_t parent, double *x) {
   const size_t n = s->setup.axes;
   const uint64_t child = s->generation * MOST + parent;
@@ -90,7 +110,7 @@ static void breed(const vs_search *s, size_t parent, double *x) {
   for (size_t d = 0; d < n; d++) {
     bool crossed =
         vs_random_uniform(s->setup.seed, child, SALT_CROSS + 2 + d) < CROSSOVER[child % 2];
-    double mutant = own[d] + 0.5 * (s->best[d] - own[d]) + weight * (a[d] - b[d]);
+    double mutant = own[d] + TO_BEST[parent % 3] * (s->best[d] - own[d]) + weight * (a[d] - b[d]);
     if (mutant < 0) mutant = own[d] / 2;
     if (mutant > 1) mutant = (own[d] + 1) / 2;
     x[d] = crossed || d == always ? mutant : own[d];
@@ -107,6 +127,35 @@ static void add_new(vs_search *s, double *x) {
   memcpy(add(s), x, bytes);
 }
 
+/* A random direction, of length 1. */
+static void direction(const vs_search *s, double *v) {
+  const size_t n = s->setup.axes;
+  double sum = 0;
+  for (size_t d = 0; d < n; d++) {
+    double u = vs_random_uniform(s->setup.seed, s->generation, SALT_TURN + d);
+    v[d] = gsl_cdf_ugaussian_Pinv(u);
+    sum += v[d] * v[d];
+  }
+  for (size_t d = 0; d < n; d++) v[d] /= sqrt(sum);
+}
+
+/* By one step both ways along each axis; turned, along the axes mirrored at a random plane, so
+ * that it does not come to rest in a valley or at an edge that lies askew. */
+static void poll(vs_search *s) {
+  double x[VS_SEARCH_AXES], v[VS_SEARCH_AXES] = {0};
+  const size_t n = s->setup.axes;
+  if (s->turned) direction(s, v);
+  for (size_t k = 0; k < 2 * n; k++) {
+    for (size_t d = 0; d < n; d++) {
+      int levels = s->setup.levels[d];
+      double step = levels ? fmax(s->step, 1.0 / levels) : s->step;
+      double along = (d == k / 2) - 2 * v[d] * v[k / 2];
+      x[d] = s->center[d] + (k % 2 ? -step : step) * along;
+    }
+    add_new(s, x);
+  }
+}
+
 static void ask_pattern(vs_search *s) {
   double x[VS_SEARCH_AXES];
   const size_t n = s->setup.axes;
@@ -116,37 +165,68 @@ static void ask_pattern(vs_search *s) {
     for (size_t d = 0; d < n; d++) x[d] = s->center[d] + reach * s->came[d];
     add_new(s, x);
   }
-  for (size_t k = 0; k < 2 * n; k++) {
-    memcpy(x, s->center, n * sizeof *x);
-    int levels = s->setup.levels[k / 2];
-    double step = levels ? fmax(s->step, 1.0 / levels) : s->step;
-    x[k / 2] += k % 2 ? -step : step;
-    add_new(s, x);
-  }
+  poll(s);
 }
 
-/* The best of the start make the population, in their order. */
+/* How many of the start's points near to point k are better than it. */
+static size_t betters(const vs_search *s, const double *values, size_t k) {
+  size_t n = 0;
+  const double reach = 1.5 / pow((double)s->count, 1 / (double)s->setup.axes);
+  for (size_t i = 0; i < s->count; i++) {
+    double far = 0;
+    for (size_t d = 0; d < s->setup.axes; d++)
+      far = fmax(far, fabs(point(s, i)[d] - point(s, k)[d]));
+    n += far <= reach && better(values[i], values[k]);
+  }
+  return n;
+}
+
+static void take(vs_search *s, const double *values, size_t from) {
+  memcpy(&s->member[s->members * s->setup.axes], point(s, from), s->setup.axes * sizeof *s->member);
+  s->fitness[s->members++] = values[from];
+}
+
+/* The population: up to half of it points that none near them is better than, so that a narrow
+ * valley is not passed over for the slopes of a wide one; the others the best there are. */
 static void settle(vs_search *s, const double *values) {
-  const size_t bytes = s->setup.axes * sizeof *s->member;
   bool *gone = vs_alloc(s->count, sizeof *gone);
   if (s->population > s->count) s->population = s->count;
-  for (size_t k = 0; k < s->population; k++) {
-    size_t found = SIZE_MAX;
-    for (size_t i = 0; i < s->count; i++)
-      if (!gone[i] && (found == SIZE_MAX || better(values[i], values[found]))) found = i;
-    gone[found] = true;
-    memcpy(&s->member[k * s->setup.axes], point(s, found), bytes);
-    s->fitness[k] = values[found];
-  }
+  for (int pass = 0; pass < 2; pass++)
+    while (s->members < (pass ? s->population : s->population / 2)) {
+      size_t found = SIZE_MAX;
+      for (size_t i = 0; i < s->count; i++) {
+        if (gone[i] || (!pass && betters(s, values, i))) continue;
+        if (found == SIZE_MAX || better(values[i], values[found])) found = i;
+      }
+      if (found == SIZE_MAX) break;
+      gone[found] = true;
+      take(s, values, found);
+    }
   free(gone);
 }
 
+/* Of the population the one nearest to a point. */
+static size_t nearest(const vs_search *s, const double *x) {
+  size_t found = 0;
+  double least = INFINITY;
+  for (size_t k = 0; k < s->population; k++) {
+    double sum = 0;
+    for (size_t d = 0; d < s->setup.axes; d++)
+      sum += (s->member[k * s->setup.axes + d] - x[d]) * (s->member[k * s->setup.axes + d] - x[d]);
+    if (sum < least) least = sum, found = k;
+  }
+  return found;
+}
+
+/* A child takes the place of the member nearest to it, if it is better (crowding: Thomsen, CEC
+ * 2004): so that one far from all others is not lost before its own surroundings were seen. */
 static void select_children(vs_search *s, const double *values) {
-  for (size_t k = 0; k < s->count; k++)
-    if (better(values[k], s->fitness[k])) {
-      memcpy(&s->member[k * s->setup.axes], point(s, k), s->setup.axes * sizeof *s->member);
-      s->fitness[k] = values[k];
-    }
+  for (size_t k = 0; k < s->count; k++) {
+    size_t at = nearest(s, point(s, k));
+    if (!better(values[k], s->fitness[at])) continue;
+    memcpy(&s->member[at * s->setup.axes], point(s, k), s->setup.axes * sizeof *s->member);
+    s->fitness[at] = values[k];
+  }
 }
 
 /* The longest side of the box the population lies in. */
@@ -176,9 +256,12 @@ static void move(vs_search *s) {
     for (size_t d = 0; d < s->setup.axes; d++) s->came[d] = s->best[d] - s->center[d];
     memcpy(s->center, s->best, sizeof s->center);
     s->center_value = s->best_value;
+    s->step = fmin(FIRST_STEP, s->step * GROW);
     return;
   }
   memset(s->came, 0, sizeof s->came);
+  s->turned = (s->turned + 1) % TURNS;
+  if (s->turned) return; /* once more, in other directions */
   s->step /= 2;
   if (s->step < s->setup.finest) s->phase = OVER;
 }
@@ -242,8 +325,7 @@ vs_search *vs_search_new(const vs_search_setup *setup) {
   if (s->population > MOST) s->population = MOST;
   s->member = vs_alloc(s->population * setup->axes, sizeof *s->member);
   s->fitness = vs_alloc(s->population, sizeof *s->fitness);
-  size_t room =
-      setup->most + 2 * s->population + 2 * setup->axes + 3; /* a generation is cut late */
+  size_t room = setup->most + s->population + 2 * setup->axes + 3; /* a generation is cut late */
   s->points = vs_alloc(room * setup->axes, sizeof *s->points);
   return s;
 }

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Search for the least value of a function on the unit cube, generation by generation: it asks for
  * points, is told the values, and knows nothing of what they mean. Global first: Sobol points, the
- * best of which are bred by differential evolution (Storn and Price, J. Global Optimization, 1997);
- * then local: pattern search about the best one, along the axes and on in the direction it went
- * (Hooke and Jeeves, J. ACM, 1961). The same seed and values give the same points. */
+ * population of differential evolution (Storn and Price, J. Global Optimization, 1997) by crowding
+ * (Thomsen, CEC 2004); then local: pattern search about the best one, along the axes and on in the
+ * direction it went (Hooke and Jeeves, J. ACM, 1961). The same seed and values give the same
+ * points.
+ */
 #ifndef VS_BATCH_SEARCH_H
 #define VS_BATCH_SEARCH_H
 
