@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "batch/methods.h"
-#include "suite.h"
+#include "program.h"
 
 /* A study that is there as long as a test needs it. */
 typedef struct study {
@@ -170,12 +170,12 @@ static void crossed_with_a_grid(void) {
 /* ---- stand-ins for cases ---- */
 
 /* What a search ran: points and values, as the program keeps them. */
-typedef struct ran {
+typedef struct history {
   double *points, *values;
   int *status;
   uint64_t count;
   int generations;
-} ran;
+} history;
 
 /* Gives the value of that column; NaN: the case fails. */
 typedef double fake(const vs_plan *plan, const double *point, const char *column);
@@ -186,7 +186,7 @@ static int column_of(const vs_plan *plan, const char *name) {
   return VS_COLUMN_MARGIN;
 }
 
-static void run_case(const vs_plan *plan, fake *f, ran *r) {
+static void run_case(const vs_plan *plan, fake *f, history *r) {
   double *value = &r->values[r->count * (1 + plan->n_columns)];
   const double *point = &r->points[r->count * plan->n_axes];
   value[0] = f(plan, point, "margin_least");
@@ -195,12 +195,12 @@ static void run_case(const vs_plan *plan, fake *f, ran *r) {
 }
 
 /* Runs all a search asks for. */
-static ran run(const vs_plan *plan, fake *f) {
+static history pursue(const vs_plan *plan, fake *f) {
   const vs_part_of_plan *part = plan->adaptive;
   const size_t most = (size_t)plan->count;
-  ran r = {vs_alloc(most * plan->n_axes, sizeof(double)),
-           vs_alloc(most * (1 + plan->n_columns), sizeof(double)), vs_alloc(most, sizeof(int)), 0,
-           0};
+  history r = {vs_alloc(most * plan->n_axes, sizeof(double)),
+               vs_alloc(most * (1 + plan->n_columns), sizeof(double)), vs_alloc(most, sizeof(int)),
+               0, 0};
   for (;; r.generations++) {
     vs_generation g = {.n_axes = plan->n_axes};
     vs_error err = {0};
@@ -218,13 +218,13 @@ static ran run(const vs_plan *plan, fake *f) {
   }
 }
 
-static void forget(ran *r) {
+static void forget(history *r) {
   free(r->points);
   free(r->values);
   free(r->status);
 }
 
-static vs_text manifest(const vs_plan *plan, const ran *r) {
+static vs_text manifest(const vs_plan *plan, const history *r) {
   vs_text json = {0};
   const vs_results results = {plan, r->count, r->points, r->values, r->status};
   plan->adaptive->method->json(plan, plan->adaptive, &results, &json);
@@ -257,7 +257,7 @@ static void the_worst_case_is_found(void) {
              seed);
     study *s = good_study(text);
     CU_ASSERT_EQUAL(s->plan.count, 400);
-    ran r = run(&s->plan, two_hills);
+    history r = pursue(&s->plan, two_hills);
     double most = 0, at[2] = {0};
     int column = column_of(&s->plan, "thyristor.v_reverse");
     for (uint64_t k = 0; k < r.count; k++) {
@@ -293,7 +293,7 @@ static void lists_are_searched_too(void) {
                         "vary: {firing.every: [1, 2, 3, 5, 7, 9], circuit.thyristor: [latch, "
                         "TYN1212]}\n"
                         "find: {worst: min p_max, n: 60}\n");
-  ran r = run(&s->plan, words);
+  history r = pursue(&s->plan, words);
   double least = INFINITY;
   for (uint64_t k = 0; k < r.count; k++)
     least = fmin(least, r.values[k * (1 + s->plan.n_columns) + 1]);
@@ -323,7 +323,7 @@ static double snubbed(const vs_plan *plan, const double *p, const char *column) 
   "n: 300, finest: 1e-4}\n"
 
 /* Cases of the manifest's best candidate, and its energy. */
-static double found_snubber(const vs_plan *plan, const ran *r, double point[2]) {
+static double found_snubber(const vs_plan *plan, const history *r, double point[2]) {
   vs_text json = manifest(plan, r);
   const char *at = strstr(json.text, "\"found\": {\"case\": ");
   unsigned long long index = 0;
@@ -337,7 +337,7 @@ static double found_snubber(const vs_plan *plan, const ran *r, double point[2]) 
 
 static void check_snubber(const char *text, double c_nf) {
   study *s = good_study(text);
-  ran r = run(&s->plan, snubbed);
+  history r = pursue(&s->plan, snubbed);
   double point[2], cost_j = found_snubber(&s->plan, &r, point);
   /* Within 3 % of the cheapest there is, of which 300 candidates may fall short; never cheaper. */
   double least_j = c_nf * 1e-9 * 800 * 800 / 2 + 3e-3 * c_nf / 50;
@@ -363,7 +363,7 @@ static void over_its_spread(void) {
 static void spreads_are_run_for_what_holds(void) {
   study *s = good_study(SNUBBER "sample: {method: corners, spread: {circuit.varistor_voltage: 10 % "
                                 "uniform}}\n");
-  ran r = run(&s->plan, snubbed);
+  history r = pursue(&s->plan, snubbed);
   uint64_t off = 0, nominal = 0;
   for (uint64_t k = 0; k < r.count; k++) {
     const double *p = &r.points[3 * k];
@@ -386,7 +386,7 @@ static double nothing_holds(const vs_plan *plan, const double *p, const char *co
 /* It says so, and has gone where it is over by least: 100 ohm. */
 static void no_snubber_holds(void) {
   study *s = good_study(SNUBBER);
-  ran r = run(&s->plan, nothing_holds);
+  history r = pursue(&s->plan, nothing_holds);
   vs_text json = manifest(&s->plan, &r);
   EXPECT(strstr(json.text, "\"found\": null"), "%s", json.text);
   vs_text_free(&json);
@@ -457,6 +457,89 @@ static void refused(void) {
   }
 }
 
+/* ---- with the program ---- */
+
+/* The bytes of a study's results, all in one; free() it. */
+static char *results_of(const char *folder) {
+  static const char *const FILES[] = {"study.csv", "failures.csv", "manifest.json"};
+  vs_text all = {0};
+  for (size_t k = 0; k < COUNT(FILES); k++) {
+    char path[64];
+    snprintf(path, sizeof path, "%s/%s", folder, FILES[k]);
+    char *text = read_file(path);
+    EXPECT(*text, "%s is not there", path);
+    vs_text_add(&all, "%s", text);
+    free(text);
+  }
+  return all.text;
+}
+
+static void expect_exit(int status, const char *words) {
+  ran r = run("%s", words);
+  EXPECT(r.status == status, "%s: %d: %s", words, r.status, r.err);
+  free_ran(&r);
+}
+
+/* One process or two, at once or in two goes: the same bytes. The largest force is where it fires
+ * earliest, at the most voltage, with the least inductance, as Eq. 91 has it. */
+static void a_search_does_not_depend_on_who_runs_it(void) {
+  write_file("s.yaml",
+             "set: {run.until: 20 ms, run.tier: switched}\n"
+             "vary: {firing.angle: {from: 95 deg, to: 150 deg}, supply.voltage: {from: 400 "
+             "V, to: 480 V}}\n"
+             "sample: {spread: {actuator.inductance: 5 % normal}}\n"
+             "find: {worst: max force_peak, n: 150, seed: 3}\nreport: [i_peak]\n");
+  expect_exit(0, "study s.yaml --quiet --jobs 1 -o one");
+  expect_exit(0, "study s.yaml --quiet --jobs 2 -o two");
+  expect_exit(0, "study s.yaml --quiet --jobs 1 -o broken");
+  CU_ASSERT_EQUAL(remove("broken/manifest.json"), 0);
+  char *journal = read_file("broken/journal");
+  write_file("broken/journal", (journal[strlen(journal) * 2 / 3] = '\0', journal));
+  free(journal);
+  expect_exit(0, "study s.yaml --quiet --resume --jobs 2 -o broken");
+  char *one = results_of("one"), *two = results_of("two"), *broken = results_of("broken");
+  CU_ASSERT_STRING_EQUAL(one, two);
+  CU_ASSERT_STRING_EQUAL(one, broken);
+  unsigned long long index = 0;
+  const char *at = strstr(one, "\"found\": {\"case\": ");
+  EXPECT(at && sscanf(at, "\"found\": {\"case\": %llu", &index) == 1, "%s", one);
+  char row[64];
+  double angle, voltage, inductance;
+  snprintf(row, sizeof row, "\n%llu,", index);
+  at = strstr(one, row);
+  EXPECT(at && sscanf(at + strlen(row), "%lf,%lf,%lf", &angle, &voltage, &inductance) == 3, "%s",
+         one);
+  CLOSE_OF(angle, 95, 55, 2e-3); /* two steps of the finest, 0.1 % of each axis */
+  CLOSE_OF(voltage, 480, 80, 2e-3);
+  CLOSE_OF(inductance, 1.6 - 3 * 0.08, 6 * 0.08, 2e-3);
+  free(one), free(two), free(broken);
+}
+
+/* --set reaches what the study says of itself; a shorter sample is the beginning of a longer one.
+ */
+static void n_from_the_command_line(void) {
+  write_file("s.yaml", "set: {run.until: 20 ms, run.tier: switched}\n"
+                       "sample: {n: 32, seed: 3, spread: {actuator.inductance: 5 % normal}}\n"
+                       "report: [i_peak]\n");
+  expect_exit(0, "study s.yaml --quiet -o all");
+  expect_exit(0, "study s.yaml --quiet --set sample.n=8 -o some");
+  char *all = read_file("all/study.csv"), *some = read_file("some/study.csv");
+  CU_ASSERT_EQUAL(count_lines(all), 33);
+  CU_ASSERT_EQUAL(count_lines(some), 9);
+  EXPECT(!strncmp(all, some, strlen(some)), "%s\n%s", all, some);
+  free(all), free(some);
+}
+
+static void shipped_studies_are_good(void) {
+  static const char *const NAMES[] = {"surge_worst", "yield", "amplitude", "false_firing",
+                                      "snubber"};
+  for (size_t k = 0; k < COUNT(NAMES); k++) {
+    ran r = run("check %s", NAMES[k]);
+    EXPECT(!r.status && strstr(r.out, "a good study"), "%s: %s%s", NAMES[k], r.out, r.err);
+    free_ran(&r);
+  }
+}
+
 static const vs_test TESTS[] = {
     {"samples have the spreads asked for", samples_have_their_spreads},
     {"a case depends on seed and index alone", a_case_depends_on_seed_and_index},
@@ -471,5 +554,10 @@ static const vs_test TESTS[] = {
     {"only what holds is run over the spread", spreads_are_run_for_what_holds},
     {"no snubber holds", no_snubber_holds},
     {"what is refused", refused},
+    {"a search: one process, two, and in two goes", a_search_does_not_depend_on_who_runs_it},
+    {"--set sample.n", n_from_the_command_line},
+    {"shipped studies are good ones", shipped_studies_are_good},
 };
-VS_SUITE_MAIN("methods", TESTS)
+int main(void) {
+  return program_suite("methods", TESTS, COUNT(TESTS));
+}
