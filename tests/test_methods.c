@@ -528,6 +528,15 @@ static void n_from_the_command_line(void) {
   CU_ASSERT_EQUAL(count_lines(some), 9);
   EXPECT(!strncmp(all, some, strlen(some)), "%s\n%s", all, some);
   free(all), free(some);
+  /* the manifest is YAML too, which takes no key twice */
+  vs_tree tree;
+  vs_error err = {0};
+  EXPECT(!vs_tree_read("some/manifest.json", &tree, &err), "%s", err.text);
+  const vs_node *axes = vs_node_child(tree.root, "axes");
+  const vs_node *spread = axes ? vs_node_child(axes->child, "spread") : NULL;
+  const vs_node *sigma = vs_node_child(spread, "sigma");
+  EXPECT(sigma && !strcmp(sigma->text, "0.08"), "sigma is %s", sigma ? sigma->text : "not there");
+  vs_tree_free(&tree);
 }
 
 static void shipped_studies_are_good(void) {

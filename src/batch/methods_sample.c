@@ -166,9 +166,8 @@ static void spread_json(const vs_axis *axis, vs_text *json) {
   const vs_span *span = axis->own;
   if (!span) return;
   const bool normal = span->spread.shape == VS_SHAPE_NORMAL;
-  vs_text_add(json, ", \"nominal\": %.12g, \"spread\": {\"shape\": \"%s\", \"%s\": %.12g",
-              axis->nominal, normal ? "normal" : "uniform", normal ? "sigma" : "half_width",
-              span->spread.width);
+  vs_text_add(json, ", \"spread\": {\"shape\": \"%s\", \"%s\": %.12g",
+              normal ? "normal" : "uniform", normal ? "sigma" : "half_width", span->spread.width);
   if (span->spread.truncate) vs_text_add(json, ", \"within_sigmas\": %.12g", span->spread.truncate);
   vs_text_add(json, "}");
 }
