@@ -304,12 +304,12 @@ static void lists_are_searched_too(void) {
 
 /* ---- snubber ---- */
 
-/* v = 500 + 30000/c + r/10 V, nF and ohm, more by 0.7 of what the voltage of the varistor is more:
+/* v = 500 + 30000/c + r/10 V, nF and ohm, more by 0.7 of what the voltage of the varistor is less:
  * 1200 V with a margin of 20 % are 960 V. di/dt = 30000/r A/us, at most 80. r1's loss in W: c*3e-3;
  * at most 0.5*0.8, so c <= 133 nF. c1.v_peak = 800 V. Cost: c*1e-9*800^2/2 + 3e-3*c/50 J, which
  * rises with c alone. So r = 375 ohm, and c = 30000/(960 - 500 - 37.5 - spread). */
 static double snubbed(const vs_plan *plan, const double *p, const char *column) {
-  const double r = p[0], c = p[1], more = plan->n_axes > 2 ? 0.7 * (p[2] - 910) : 0;
+  const double r = p[0], c = p[1], more = plan->n_axes > 2 ? 0.7 * (910 - p[2]) : 0;
   if (!strcmp(column, "thyristor.v_reverse")) return 500 + 30000 / c + r / 10 + more;
   if (!strcmp(column, "thyristor.di_dt")) return 30000 / r;
   if (!strcmp(column, "r1.power")) return 3e-3 * c;
@@ -352,7 +352,7 @@ static void the_cheapest_snubber_is_found(void) {
   check_snubber(SNUBBER, 30000 / (960 - 500 - 37.5));
 }
 
-/* Its 10 % upwards are 91 V, 63.7 V of the thyristor's. */
+/* Its 10 % downwards are 91 V, 63.7 V of the thyristor's; that corner is not the last one. */
 static void over_its_spread(void) {
   check_snubber(SNUBBER "sample: {method: corners, spread: {circuit.varistor_voltage: 10 % "
                         "uniform}}\n",
