@@ -27,7 +27,7 @@
 #include "batch/search.h"
 #include "batch/span.h"
 
-enum { PER_AXIS = 80, MOST_CANDIDATES = 100000, RATINGS = 16 };
+enum { PER_AXIS = 80, MOST_CANDIDATES = 10000, RATINGS = 16 };
 
 typedef struct rating {
   const vs_node *node;

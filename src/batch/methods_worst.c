@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The worst case: the largest or least value of one measure, searched for (batch/search.h) over all
  * axes: where vary has a range, all of it; of a list, what it lists; of a spread of sample's, its
- * whole reach. What was found is the worst case that was looked at, no bound.
+ * whole reach, whatever their correlation. What was found is the worst case that was looked at, no
+ * bound.
  *
  *   find:
  *     worst: max thyristor.v_reverse     or min MEASURE
@@ -20,7 +21,7 @@
 #include "batch/search.h"
 #include "batch/span.h"
 
-enum { PER_AXIS = 100, MOST_CASES = 1000000 };
+enum { PER_AXIS = 100, MOST_CASES = 100000 };
 
 typedef struct worst {
   int sense; /* 1: the least is wanted, -1: the largest */
@@ -28,7 +29,15 @@ typedef struct worst {
   char measure[VS_JUDGED_NAME];
   uint64_t n; /* 0: not said */
   double finest;
+  vs_search *search; /* told of `done` results; NULL: it has not begun */
+  uint64_t done;
 } worst;
+
+static void free_worst(void *state) {
+  worst *w = state;
+  if (w) vs_search_free(w->search);
+  free(w);
+}
 
 static bool is_worst(const vs_node *section) {
   (void)section;
@@ -89,11 +98,10 @@ static vs_search *begin(const vs_plan *plan, const vs_part_of_plan *part) {
   return vs_search_new(&setup);
 }
 
-/* Tells the search of the results, generation by generation; gives how many of them it has used.
- * phases: NULL, or a list of what its phases were and the case each began with. */
-static uint64_t replay(vs_search *search, const worst *w, const vs_results *results,
+/* Tells the search of the results from `done` on, generation by generation; gives how many of them
+ * it then knows. phases: NULL, or a list of what its phases were and the case each began with. */
+static uint64_t replay(vs_search *search, const worst *w, const vs_results *results, uint64_t done,
                        vs_text *phases) {
-  uint64_t done = 0;
   const char *phase = "";
   for (size_t count; vs_search_ask(search, &count), count && done + count <= results->count;) {
     if (phases && strcmp(phase, vs_search_phase(search))) {
@@ -114,17 +122,21 @@ static uint64_t replay(vs_search *search, const worst *w, const vs_results *resu
 static vs_status worst_next(const vs_plan *plan, const vs_part_of_plan *part,
                             const vs_results *results, vs_generation *generation, vs_error *err) {
   (void)err;
-  vs_search *search = begin(plan, part);
+  worst *w = part->state;
   size_t count;
-  replay(search, part->state, results, NULL);
-  const double *points = vs_search_ask(search, &count);
+  if (!w->search || results->count < w->done) { /* from the first on; else where it stands */
+    vs_search_free(w->search);
+    w->search = begin(plan, part);
+    w->done = 0;
+  }
+  w->done = replay(w->search, w, results, w->done, NULL);
+  const double *points = vs_search_ask(w->search, &count);
   for (size_t k = 0; k < count; k++) {
     double value[VS_PLAN_AXES];
     for (size_t d = 0; d < plan->n_axes; d++)
       value[d] = vs_span_between(&plan->axes[d], points[k * plan->n_axes + d]);
     vs_generation_add(generation, value);
   }
-  vs_search_free(search);
   return VS_OK;
 }
 
@@ -136,7 +148,7 @@ static void worst_json(const vs_plan *plan, const vs_part_of_plan *part, const v
   if (results) {
     vs_search *search = begin(plan, part);
     vs_text_add(json, ", \"phases\": [");
-    replay(search, w, results, json);
+    replay(search, w, results, 0, json);
     vs_text_add(json, "]");
     vs_search_free(search);
     uint64_t best = UINT64_MAX;
@@ -162,7 +174,7 @@ const vs_method vs_method_worst = {
     .text = "search for the largest or least value: differential evolution, then pattern search",
     .claims = is_worst,
     .read = read_worst,
-    .free = free,
+    .free = free_worst,
     .count = worst_count,
     .next = worst_next,
     .json = worst_json};
