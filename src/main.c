@@ -10,6 +10,9 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "base/units.h"
+#include "batch/methods.h"
+#include "batch/study.h"
 #include "circuit/circuit.h"
 #include "study/check.h"
 #include "study/export.h"
@@ -34,6 +37,12 @@ typedef struct arguments {
   size_t n_sets;
   bool json, quiet, reproducible, raw, list, help;
   int digits;
+  char **names; /* what stands behind a command that takes several */
+  size_t n_names;
+  const char *shard;
+  bool resume, keep_runs, progress_json;
+  int jobs;
+  double timeout_s;
   vs_error err; /* of the parser */
 } arguments;
 
@@ -52,8 +61,12 @@ static vs_status do_run(const arguments *a, vs_error *err) {
   return vs_run_command(&o, err);
 }
 static vs_status do_check(const arguments *a, vs_error *err) {
-  const vs_check_options o = {
-      .name = a->name, .sets = a->sets, .n_sets = a->n_sets, .json = a->json, .quiet = a->quiet};
+  const vs_check_options o = {.name = a->name,
+                              .sets = a->sets,
+                              .n_sets = a->n_sets,
+                              .json = a->json,
+                              .quiet = a->quiet,
+                              .other = vs_is_study(a->name) ? vs_study_check : NULL};
   return vs_check_command(&o, err);
 }
 static vs_status do_list(const arguments *a, vs_error *err) {
@@ -79,6 +92,24 @@ static vs_status do_validate(const arguments *a, vs_error *err) {
                                  .stop = &stop_requested};
   return vs_validate_command(&o, err);
 }
+static vs_status do_study(const arguments *a, vs_error *err) {
+  const vs_study_options o = {.name = a->name,
+                              .folder = a->output,
+                              .sets = a->sets,
+                              .n_sets = a->n_sets,
+                              .jobs = a->jobs,
+                              .shard = a->shard,
+                              .resume = a->resume,
+                              .keep_runs = a->keep_runs,
+                              .progress_json = a->progress_json,
+                              .quiet = a->quiet,
+                              .timeout_s = a->timeout_s,
+                              .stop = &stop_requested};
+  return vs_study_command(&o, err);
+}
+static vs_status do_merge(const arguments *a, vs_error *err) {
+  return vs_merge_command(a->names, a->n_names, a->output, a->quiet, err);
+}
 
 enum {
   KEY_JSON = 256,
@@ -90,7 +121,13 @@ enum {
   KEY_TIER,
   KEY_DECK,
   KEY_OVERLAY,
-  KEY_LIST
+  KEY_LIST,
+  KEY_JOBS,
+  KEY_SHARD,
+  KEY_RESUME,
+  KEY_TIMEOUT,
+  KEY_PROGRESS,
+  KEY_KEEP
 };
 #define OPT_HELP                                                                                   \
   { "help", 'h', NULL, 0, "prints this and ends", -1 }
@@ -158,46 +195,79 @@ static const struct argp_option VALIDATE_OPTIONS[] = {
     {"quiet", KEY_QUIET, NULL, 0, "says only what is off", 0},
     OPT_HELP,
     {0}};
+static const struct argp_option STUDY_OPTIONS[] = {
+    OPT_SET,
+    {"output", 'o', "DIR", 0,
+     "writes study.csv, failures.csv and manifest.json there; without it study.csv goes to "
+     "standard output",
+     0},
+    {"jobs", KEY_JOBS, "N", 0, "worker processes (default: the cores this process may use)", 0},
+    {"shard", KEY_SHARD, "I/N", 0,
+     "only every N-th case, from the I-th on; auto: by the variables of a Slurm job array", 0},
+    {"resume", KEY_RESUME, NULL, 0, "goes on with what DIR has; begins where there is nothing", 0},
+    {"case-timeout", KEY_TIMEOUT, "T", 0,
+     "a case that takes longer fails (default 3600 s; 0: none does)", 0},
+    {"progress", KEY_PROGRESS, "json", 0, "a line of JSON a second on standard output", 0},
+    {"keep", KEY_KEEP, "runs", 0, "stores each case's run.csv as DIR/runs/CASE/run.csv", 0},
+    {"quiet", KEY_QUIET, NULL, 0, "no table, no progress", 0},
+    OPT_HELP,
+    {0}};
+static const struct argp_option MERGE_OPTIONS[] = {
+    {"output", 'o', "DIR", 0, "writes the whole study there (default: the one DIR named)", 0},
+    {"quiet", KEY_QUIET, NULL, 0, "prints nothing", 0},
+    OPT_HELP,
+    {0}};
 
 static const struct command {
   const char *name, *argument, *text, *examples;
   bool may_be_alone;
   const struct argp_option *options;
   vs_status (*act)(const arguments *, vs_error *);
+  bool takes_many; /* arguments */
 } COMMANDS[] = {
     {"run", "SCENE",
      "runs one scene; SCENE is a file, or the name of one that comes with the program",
      "  vibrospice run paper --tier circuit -o out\n"
      "  vibrospice run paper --set firing.angle=95deg --set circuit.r1=220ohm\n"
      "  vibrospice run my.yaml --json --quiet > result.json\n",
-     false, RUN_OPTIONS, do_run},
+     false, RUN_OPTIONS, do_run, false},
     {"check", "FILE",
      "tells all that can be known of a scene or deck before a run: every mistake, with its line",
      "  vibrospice check my.yaml\n"
      "  vibrospice check my.cir\n"
      "  vibrospice check paper --set run.tier=circuit --json\n",
-     false, CHECK_OPTIONS, do_check},
+     false, CHECK_OPTIONS, do_check, false},
     {"list", "[KIND]",
      "lists scenes, decks, parts, tiers, probes, measures, parameters (with unit, default, range)",
      "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n", true, LIST_OPTIONS,
-     do_list},
+     do_list, false},
     {"modes", "SCENE", "prints eigenfrequencies, damping and shapes; exports the state space",
      "  vibrospice modes paper\n  vibrospice modes paper --set machine.m14=derived -o modes\n",
-     false, MODES_OPTIONS, do_modes},
+     false, MODES_OPTIONS, do_modes, false},
     {"export", "SCENE",
      "writes one netlist for plain ngspice: the scene's circuit tier, with the machine in it",
      "  vibrospice export paper -o paper.cir && ngspice -b paper.cir\n"
      "  vibrospice export my.yaml --set run.until=0.1s -o my.cir\n",
-     false, EXPORT_OPTIONS, do_export},
+     false, EXPORT_OPTIONS, do_export, false},
     {"plot", "DIR",
      "draws a run: displacements, accelerations, force, current and voltage, as PNG and SVG",
      "  vibrospice plot out\n  vibrospice plot out -o sheet.svg --overlay measured.csv\n", false,
-     PLOT_OPTIONS, do_plot},
+     PLOT_OPTIONS, do_plot, false},
     {"validate", "[WORD]",
      "compares with closed forms and reference solutions, and tier with tier, each with its error; "
      "WORD: only checks whose names have it",
      "  vibrospice validate\n  vibrospice validate snubber\n  vibrospice validate --json\n", true,
-     VALIDATE_OPTIONS, do_validate},
+     VALIDATE_OPTIONS, do_validate, false},
+    {"study", "STUDY",
+     "runs many scenes: what a study file varies, samples or looks for, one row a case",
+     "  vibrospice study snubber_map -o map && vibrospice plot map\n"
+     "  vibrospice study my.yaml --shard 2/7 -o shards/2\n"
+     "  vibrospice study my.yaml --resume -o map\n",
+     false, STUDY_OPTIONS, do_study, false},
+    {"merge", "DIR...",
+     "joins the shards of one study; DIR: a shard's folder, or one that holds such",
+     "  vibrospice merge shards\n  vibrospice merge one two three -o whole\n", false, MERGE_OPTIONS,
+     do_merge, true},
 };
 enum { N_COMMANDS = sizeof COMMANDS / sizeof *COMMANDS };
 
@@ -205,6 +275,43 @@ static error_t fail(arguments *a, const char *what, const char *word) {
   vs_fail(&a->err, VS_INPUT, "%s: %s '%s'; see vibrospice %s --help", a->command->name, what, word,
           a->command->name);
   return EINVAL;
+}
+
+static error_t fail_with(arguments *a, const char *text) {
+  vs_fail(&a->err, VS_INPUT, "%s", text);
+  return EINVAL;
+}
+
+/* Those of study. */
+static error_t parse_study_option(int key, char *value, arguments *a) {
+  char *end, why[256];
+  switch (key) {
+  case KEY_SHARD:
+    a->shard = value;
+    return 0;
+  case KEY_RESUME:
+    a->resume = true;
+    return 0;
+  case KEY_JOBS:
+    a->jobs = (int)strtol(value, &end, 10);
+    if (!*value || *end || a->jobs < 1 || a->jobs > 4096)
+      return fail_with(a, "--jobs: allowed: 1 to 4096");
+    return 0;
+  case KEY_TIMEOUT:
+    if (!vs_quantity(value, "s", &a->timeout_s, why, sizeof why) || a->timeout_s < 0) {
+      vs_fail(&a->err, VS_INPUT, "--case-timeout %s: a time is wanted, as 20s", value);
+      return EINVAL;
+    }
+    return 0;
+  case KEY_PROGRESS:
+    a->progress_json = true;
+    return strcmp(value, "json") ? fail_with(a, "--progress: there is: json") : 0;
+  case KEY_KEEP:
+    a->keep_runs = true;
+    return strcmp(value, "runs") ? fail_with(a, "--keep: there is: runs") : 0;
+  default:
+    return ARGP_ERR_UNKNOWN;
+  }
 }
 
 static error_t parse_option(int key, char *value, struct argp_state *state) {
@@ -252,8 +359,9 @@ static error_t parse_option(int key, char *value, struct argp_state *state) {
     }
     return 0;
   case ARGP_KEY_ARG:
-    if (a->name) return fail(a, "one argument too many:", value);
+    if (a->name && !a->command->takes_many) return fail(a, "one argument too many:", value);
     a->name = value;
+    a->names[a->n_names++] = value;
     return 0;
   case ARGP_KEY_END:
     if (!a->name && !a->command->may_be_alone && !a->help)
@@ -264,7 +372,7 @@ static error_t parse_option(int key, char *value, struct argp_state *state) {
       fail(a, "unknown option, or one that lacks its argument:", state->argv[state->next - 1]);
     return 0;
   default:
-    return ARGP_ERR_UNKNOWN;
+    return parse_study_option(key, value, a);
   }
 }
 
@@ -287,6 +395,13 @@ static void print_help(FILE *out) {
   VS_STATUS_LIST(EXIT_TEXT)
 #undef EXIT_TEXT
   fputs("\nShipped files are looked up in $VIBROSPICE_PATH, then beside the program.\n", out);
+}
+
+/* What a study file may ask for. */
+static void add_methods(vs_text *doc) {
+  vs_text_add(doc, "\nA study has, besides scene, set and report:\n");
+  for (const vs_method *const *m = vs_methods; *m; m++)
+    vs_text_add(doc, "  %-8s %-12s %s\n", (*m)->key, (*m)->name, (*m)->text);
 }
 
 static const struct command *find_command(const char *word) {
@@ -332,12 +447,17 @@ int main(int argc, char **argv) {
   if (!command) return VS_INPUT;
   heed_signals();
 
-  arguments a = {.command = command, .digits = 9, .sets = vs_alloc((size_t)argc, sizeof(char *))};
+  arguments a = {.command = command,
+                 .digits = 9,
+                 .timeout_s = 3600,
+                 .sets = vs_alloc((size_t)argc, sizeof(char *)),
+                 .names = vs_alloc((size_t)argc, sizeof(char *))};
   vs_text doc = {0}, program = {0};
   vs_text_add(&doc,
               "%s\v"
               "Examples:\n%s",
               command->text, command->examples);
+  if (command->act == do_study) add_methods(&doc);
   vs_text_add(&program, "vibrospice %s", command->name);
   argv[1] = program.text; /* argp's name for the program in its messages */
   const struct argp parser = {
@@ -356,5 +476,6 @@ int main(int argc, char **argv) {
   vs_text_free(&doc);
   vs_text_free(&program);
   free(a.sets);
+  free(a.names);
   return (int)status;
 }

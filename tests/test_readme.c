@@ -66,9 +66,21 @@ static void bring_your_own_circuit(void) {
   free(lines);
 }
 
+/* The study is checked; running it takes a minute, and tests/test_study.c runs others. */
+static void studies(void) {
+  char *study = block("## Studies", "yaml");
+  write_file("snubbers.yaml", study);
+  ran r = run("check snubbers.yaml");
+  EXPECT(r.status == 0 && strstr(r.out, "grid, 108 cases of 3 axes, 4 columns"), "%s%s", r.out,
+         r.err);
+  free_ran(&r);
+  free(study);
+}
+
 static const vs_test TESTS[] = {
     {"write a scene", write_a_scene},
     {"bring your own circuit", bring_your_own_circuit},
+    {"studies", studies},
 };
 
 int main(void) {

@@ -214,6 +214,54 @@ static void stand_at(vs_node *node, vs_where where) {
   }
 }
 
+/* The node of a dotted key, made where it is not there, with all that is missing above it. */
+static vs_node *reach(vs_tree *tree, const char *dotted, vs_where where) {
+  vs_node *at = tree->root;
+  char *path = vs_copy(dotted), *rest = path;
+  for (char *key; (key = strsep(&rest, "."));) {
+    if (at->kind != VS_NODE_MAP) { /* a text stood where a map is wanted: the newer word counts */
+      node_free(at->child);
+      free(at->text);
+      at->text = NULL;
+      at->child = NULL;
+      at->kind = VS_NODE_MAP;
+    }
+    at = child_or_new(at, key, where);
+  }
+  free(path);
+  return at;
+}
+
+static vs_node *copy_of(const vs_node *from) {
+  vs_node *first = NULL, **tail = &first;
+  for (; from; from = from->next, tail = &(*tail)->next) {
+    *tail = vs_alloc(1, sizeof **tail);
+    **tail = *from;
+    (*tail)->next = NULL;
+    (*tail)->key = from->key ? vs_copy(from->key) : NULL;
+    (*tail)->text = from->text ? vs_copy(from->text) : NULL;
+    (*tail)->child = copy_of(from->child);
+  }
+  return first;
+}
+
+void vs_tree_graft(vs_tree *tree, const char *key, const vs_node *value) {
+  vs_node *at = reach(tree, key, value->key_where);
+  node_free(at->child);
+  free(at->text);
+  at->kind = value->kind;
+  at->text = value->text ? vs_copy(value->text) : NULL;
+  at->child = copy_of(value->child);
+  at->where = value->where;
+  at->key_where = value->key_where;
+}
+
+void vs_tree_put(vs_tree *tree, const char *key, const char *text, vs_where where) {
+  const vs_node value = {
+      .kind = VS_NODE_TEXT, .text = (char *)(size_t)text, .where = where, .key_where = where};
+  vs_tree_graft(tree, key, &value);
+}
+
 vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
   const char *equals = strchr(assignment, '=');
   vs_text label = {0};
@@ -237,18 +285,8 @@ vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
     vs_text_free(&label);
     return status;
   }
-  vs_node *at = tree->root;
-  char *path = strndup(assignment, (size_t)(equals - assignment)), *rest = path;
-  for (char *key; (key = strsep(&rest, "."));) {
-    if (at->kind != VS_NODE_MAP) { /* a text stood where a map is wanted: the newer word counts */
-      node_free(at->child);
-      free(at->text);
-      at->text = NULL;
-      at->child = NULL;
-      at->kind = VS_NODE_MAP;
-    }
-    at = child_or_new(at, key, where);
-  }
+  char *path = strndup(assignment, (size_t)(equals - assignment));
+  vs_node *at = reach(tree, path, where);
   free(path);
   node_free(at->child);
   free(at->text);

@@ -30,6 +30,10 @@ vs_status vs_tree_read(const char *path, vs_tree *tree, vs_error *err);
 /* Sets "a.b.c=value", the value read as YAML, over what stands there. Its place is "--set
  * a.b.c=value". */
 vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err);
+
+/* Sets the dotted key to a copy of value, with its places, or to a plain text that stands there. */
+void vs_tree_graft(vs_tree *tree, const char *key, const vs_node *value);
+void vs_tree_put(vs_tree *tree, const char *key, const char *text, vs_where where);
 void vs_tree_free(vs_tree *tree);
 
 const vs_node *vs_node_child(const vs_node *map,

@@ -33,8 +33,10 @@ typedef struct vs_circuit_job {
   /* Gives an error that quotes the netlist the place where that stands; may be NULL. */
   void (*locate)(const void *author, vs_error *err);
   const void *author; /* of the netlist */
-  FILE *raw; /* gets all the circuit's vectors at every accepted step as a rawfile, its head filled
-                in also when the run fails (circuit/rawfile.h); NULL: none */
+  bool tried; /* another with the same netlist but for its parameters' values was run in this
+                 process before: no trial in a child */
+  FILE *raw;  /* gets all the circuit's vectors at every accepted step as a rawfile, its head filled
+                 in also when the run fails (circuit/rawfile.h); NULL: none */
 } vs_circuit_job;
 
 typedef struct vs_circuit_host {
@@ -69,5 +71,7 @@ typedef struct vs_circuit_kind {
 
 extern const vs_circuit_kind vs_ngspice; /* one circuit at a time in a process */
 const char *vs_ngspice_version(void);
+/* Can this process still use it? Some nonsense makes ngspice end itself. */
+bool vs_ngspice_usable(void);
 
 #endif

@@ -442,8 +442,9 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   ng.reached_s = 0; /* complain() asks */
   ng.job = NULL;    /* the load itself asks for nothing */
   set_dialect(job->dialect);
-  status = try_in_child(job, host, lines, err);
+  status = job->tried ? VS_OK : try_in_child(job, host, lines, err);
   if (!status) ngSpice_Circ(lines);
+  if (!status && ng.ended) status = refuse(job, "load", err);
   free(lines);
   vs_text_free(&tail);
   if (status) return status;
@@ -488,6 +489,10 @@ static void release(void *circuit) {
 }
 
 const vs_circuit_kind vs_ngspice = {"ngspice", load, run, release};
+
+bool vs_ngspice_usable(void) {
+  return !ng.ended;
+}
 
 const char *vs_ngspice_version(void) {
   return NGSPICE_PACKAGE_VERSION;

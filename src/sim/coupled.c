@@ -514,6 +514,7 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                         .dialect = setup->deck.compat,
                         .max_step_s = c.max_step_s,
                         .raw = setup->raw,
+                        .tried = setup->tried,
                         .truncation_factor = setup->run.trtol,
                         .pivot_threshold = setup->run.pivrel,
                         .relative_tolerance = tolerance,

@@ -80,6 +80,18 @@ static vs_status check_probe_names(const vs_deck *deck, vs_error *err) {
   return s;
 }
 
+/* The values of the section circuit, against its deck's parameters. */
+static vs_status read_values(const vs_node *map, vs_setup *setup, vs_error *err) {
+  vs_circuit_values *values = &setup->circuit_values;
+  if (setup->deck.lost & VS_LOST_PARAM) map = NULL; /* a key may be that one's */
+  vs_status s = vs_section_read(&setup->deck.section, map, values, err);
+  vs_deck_value standard[VS_STANDARD];
+  vs_setup_standard(setup, standard);
+  size_t found = vs_found(err);
+  if (!s) s = vs_deck_bind(&setup->deck, values, standard, VS_STANDARD, err);
+  return s || vs_found(err) > found ? s : vs_deck_require(&setup->deck, values, map, err);
+}
+
 /* The section circuit: its key deck first, then all of it against that deck's parameters. */
 static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *err) {
   const vs_node *map = vs_node_child(scene, "circuit"),
@@ -98,13 +110,25 @@ static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *e
   }
   s = vs_deck_read_parts(&setup->deck, map, err);
   if (!s) s = check_probe_names(&setup->deck, err);
-  if (setup->deck.lost & VS_LOST_PARAM) map = NULL; /* a key may be that one's */
-  if (!s) s = vs_section_read(&setup->deck.section, map, values, err);
-  vs_deck_value standard[VS_STANDARD];
-  vs_setup_standard(setup, standard);
-  size_t found = vs_found(err);
-  if (!s) s = vs_deck_bind(&setup->deck, values, standard, VS_STANDARD, err);
-  return s || vs_found(err) > found ? s : vs_deck_require(&setup->deck, values, map, err);
+  return s ? s : read_values(map, setup, err);
+}
+
+/* Does the scene name the deck and the parts that the setup has? Events put lines of their own into
+ * a deck; one that had any, or will, is read anew. */
+static bool keeps_deck(const vs_node *scene, const vs_setup *setup) {
+  const vs_node *map = vs_node_child(scene, "circuit"), *events = vs_node_child(scene, "events");
+  const vs_deck *deck = &setup->deck;
+  if (!deck->n_files || deck->lost || setup->timeline.events.count || (events && events->child))
+    return false;
+  for (size_t k = 0; k < deck->section.count; k++) {
+    const vs_field *field = &deck->section.fields[k];
+    const vs_node *node = vs_node_child(map, field->key);
+    const char *had = (const char *)&setup->circuit_values + field->offset;
+    if (field->kind != VS_NAME) continue;
+    if (node && node->kind != VS_NODE_TEXT) return false;
+    if (strcmp(had, node ? node->text : field->default_text) != 0) return false;
+  }
+  return true;
 }
 
 void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]) {
@@ -132,17 +156,22 @@ static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err
 /* A run in which something happens after the circuit may have been left wants an EVA that can be
  * led back; it takes a few cycles to leave. */
 static void choose_eva(vs_setup *setup) {
+  if (setup->deck.eva_led) setup->deck.eva_file = NULL; /* of the run before, with the same deck */
+  setup->deck.eva_led = false;
   bool again = setup->timeline.firing.every >= 4 || setup->timeline.events.count;
   if (setup->deck.eva_file || setup->run.stays || !again) return;
   setup->deck.eva_file = "eva_led";
   setup->deck.eva_led = true;
 }
 
-vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
-  *setup = (vs_setup){.solver = &vs_ngspice};
+/* All but the deck's text, if that is there already. */
+static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_error *err) {
   vs_status s = vs_carry_on(err, vs_model_build(scene, &setup->model, err));
   if (!s) s = vs_carry_on(err, vs_timeline_build(scene, &setup->timeline, err));
-  if (!s) s = vs_carry_on(err, read_circuit(scene, setup, err));
+  if (!s && has_deck)
+    s = read_values(vs_node_child(scene, "circuit"), setup, err);
+  else if (!s)
+    s = vs_carry_on(err, read_circuit(scene, setup, err));
   if (!s) s = vs_section_read(&vs_run_section, vs_node_child(scene, "run"), &setup->run, err);
   vs_timeline *line = &setup->timeline;
   if (!s)
@@ -151,6 +180,21 @@ vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
   if (!s) s = vs_events_wire(&line->events, &setup->deck, err);
   if (!s) s = vs_carry_on(err, read_start(scene, setup, err));
   if (!s) choose_eva(setup);
+  return s;
+}
+
+vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
+  *setup = (vs_setup){.solver = &vs_ngspice};
+  vs_status s = build(scene, setup, false, err);
+  if (s) setup->deck.lost = VS_LOST_ALL; /* vs_setup_again reads it anew */
+  return s;
+}
+
+vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err) {
+  bool keeps = keeps_deck(scene, setup);
+  if (!keeps) vs_setup_free(setup);
+  vs_status s = keeps ? build(scene, setup, true, err) : vs_setup_build(scene, setup, err);
+  if (s) setup->deck.lost = VS_LOST_ALL; /* it is read anew the next time */
   return s;
 }
 

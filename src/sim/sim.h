@@ -36,12 +36,17 @@ typedef struct vs_setup {
   vs_circuit_values circuit_values;
   const vs_circuit_kind *solver; /* of the circuit: vs_ngspice, or a test's own */
   FILE *raw;                     /* tier circuit: gets a rawfile of the run; NULL: none */
+  bool tried; /* tier circuit: this deck with these parts was run in this process before */
 } vs_setup;
 
 /* Reads the sections machine, actuator, load, supply, firing, circuit, run, start. vs_setup_free
  * even after an error. */
 vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err);
 void vs_setup_free(vs_setup *setup);
+
+/* The same over a setup that was built: the numbers anew, the deck's text only when the scene names
+ * another deck or other parts, or has events. What is built is the same. */
+vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err);
 
 /* The parameters every deck may use, as the scene has them, and those of its EVA (circuit/deck.h).
  */

@@ -78,8 +78,7 @@ static vs_status stop_at_once(void *ctx, const vs_step *step, vs_error *err) {
   return vs_fail(err, VS_SIGNAL, "the first step is taken");
 }
 
-/* The run, up to its first step: finds what only the solver knows. */
-static vs_status begin_run(const vs_tier *tier, const vs_setup *setup, vs_error *err) {
+vs_status vs_check_begin(const vs_tier *tier, const vs_setup *setup, vs_error *err) {
   bool begun = false;
   const vs_observer observer = {&begun, stop_at_once};
   vs_status status = tier->run(setup, &observer, err);
@@ -97,7 +96,7 @@ static vs_status check_scene(report *r, vs_error *err) {
   const vs_check_options *o = r->options;
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_scene_read(o->name, o->sets, o->n_sets, NULL, scene, err);
-  if (!status && !vs_found(err)) status = begin_run(scene->tier, &scene->setup, err);
+  if (!status && !vs_found(err)) status = vs_check_begin(scene->tier, &scene->setup, err);
   if (!status && !vs_found(err)) {
     vs_text_add(&r->good, "a good scene: tier %s (%s)", scene->tier->name, scene->why);
     for (size_t w = 0; w < scene->n_warnings; w++) *warning(r) = scene->warnings[w];
@@ -154,7 +153,7 @@ static vs_status check_deck(report *r, vs_error *err) {
   vs_setup *setup = vs_alloc(1, sizeof *setup);
   char text[VS_DECK_TEXT + VS_NAME_SIZE];
   vs_status status = vs_setup_build(&scene, setup, err);
-  if (!status && !vs_found(err)) status = begin_run(&vs_tier_circuit, setup, err);
+  if (!status && !vs_found(err)) status = vs_check_begin(&vs_tier_circuit, setup, err);
   if (!status && !vs_found(err)) {
     describe_deck(&setup->deck, &r->good);
     for (size_t p = 0; p < setup->deck.n_parts; p++)
@@ -195,6 +194,7 @@ static vs_status check(report *r, vs_error *err) {
   const char *name = r->options->name;
   char path[VS_PATH_SIZE];
   vs_error none = {0};
+  if (r->options->other) return r->options->other(r->options, &r->good, err);
   if (ends_in(name, ".cir")) return check_deck(r, err);
   if (ends_in(name, ".inc")) return check_part(r, err);
   if (ends_in(name, ".yaml") || ends_in(name, ".yml") ||

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* A run may end because rounding errors grow beyond what Newton's iteration has to reach, where
@@ -74,4 +75,48 @@ bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
     return true;
   }
   return false;
+}
+
+/* ---- limits ---- */
+
+struct vs_kept_limits {
+  vs_rating rating[VS_DECK_MOST];
+  vs_limit limit[VS_DECK_LIMITS]; /* of the thyristor's part */
+  size_t n_ratings, n_limits;
+};
+
+/* The file of the part that the ladder replaces; NULL: there is none. */
+static const char *thyristor_file(const vs_deck *deck) {
+  for (size_t k = 0; k < deck->n_parts; k++)
+    if (!strcmp(deck->parts[k].name, "thyristor")) return deck->parts[k].file;
+  return NULL;
+}
+
+static bool is_of(const vs_limit *limit, const char *file) {
+  return file && !strcmp(limit->where.file, file);
+}
+
+vs_kept_limits *vs_ladder_keep_limits(const vs_deck *deck) {
+  vs_kept_limits *kept = vs_alloc(1, sizeof *kept);
+  const char *file = thyristor_file(deck);
+  kept->n_ratings = deck->n_ratings;
+  memcpy(kept->rating, deck->ratings, sizeof kept->rating);
+  for (size_t k = 0; k < kept->n_ratings; k++) kept->rating[k].where = (vs_where){0};
+  for (size_t k = 0; k < deck->n_limits; k++)
+    if (is_of(&deck->limits[k], file)) kept->limit[kept->n_limits++] = deck->limits[k];
+  return kept;
+}
+
+void vs_ladder_give_limits(const vs_kept_limits *kept, vs_deck *deck) {
+  const char *file = thyristor_file(deck);
+  size_t n = 0;
+  deck->n_ratings = kept->n_ratings;
+  memcpy(deck->ratings, kept->rating, sizeof kept->rating);
+  for (size_t k = 0; k < deck->n_limits; k++)
+    if (!is_of(&deck->limits[k], file)) deck->limits[n++] = deck->limits[k];
+  for (size_t k = 0; k < kept->n_limits && n < VS_DECK_LIMITS; k++) {
+    deck->limits[n] = kept->limit[k];
+    deck->limits[n++].where = (vs_where){.file = file};
+  }
+  deck->n_limits = n;
 }

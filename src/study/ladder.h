@@ -24,4 +24,10 @@ bool vs_ladder_is_ideal(int rung); /* has it another thyristor? */
 /* Goes to the next rung that changes anything for the scene; false: there is none. */
 bool vs_ladder_climb(vs_ladder *ladder, const vs_scene *scene);
 
+/* The ratings, and the limits of the thyristor's part, as the scene as it is has them: an ideal
+ * thyristor has none to be held against. Free with free(). */
+typedef struct vs_kept_limits vs_kept_limits;
+vs_kept_limits *vs_ladder_keep_limits(const vs_deck *deck);
+void vs_ladder_give_limits(const vs_kept_limits *kept, vs_deck *deck);
+
 #endif

@@ -19,6 +19,11 @@ static void list_scenes(const vs_deck *deck) {
   vs_shelf_list(&vs_scene_shelf, print_file, (void *)(size_t)&vs_scene_shelf);
 }
 
+static void list_studies(const vs_deck *deck) {
+  (void)deck;
+  vs_shelf_list(&vs_study_shelf, print_file, (void *)(size_t)&vs_study_shelf);
+}
+
 /* With its title; a deck that cannot be read is listed all the same. */
 static void print_deck(void *ctx, const char *path) {
   vs_deck *deck = vs_alloc(1, sizeof *deck);
@@ -133,6 +138,7 @@ static const struct kind {
   void (*print)(const vs_deck *);
 } KINDS[] = {
     {"scenes", "scenes that come with the program", list_scenes},
+    {"studies", "studies that come with the program", list_studies},
     {"decks", "decks that come with the program", list_decks},
     {"parts", "parts that come with the program", list_parts},
     {"tiers", "tiers, from the least modelled to the most", list_tiers},
@@ -152,11 +158,12 @@ vs_status vs_list_command(const char *kind, const char *deck_name, vs_error *err
   }
   if (!found) {
     const char *nearest = vs_nearest(kind, names, N_KINDS);
-    return vs_fail(
-        err, VS_INPUT,
-        "list: no kind '%s'; there are: scenes, decks, parts, tiers, probes, events, measures, "
-        "parameters%s%s%s",
-        kind, nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    return vs_fail(err, VS_INPUT,
+                   "list: no kind '%s'; there are: scenes, studies, decks, parts, tiers, probes, "
+                   "events, measures, "
+                   "parameters%s%s%s",
+                   kind, nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                   nearest ? "'?" : "");
   }
   vs_deck *deck = vs_alloc(1, sizeof *deck);
   char path[VS_PATH_SIZE];

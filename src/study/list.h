@@ -5,8 +5,8 @@
 
 #include "base/error.h"
 
-/* kind: scenes, decks, parts, tiers, probes, measures, parameters; NULL: all. deck: whose probes
- * and parameters. */
+/* kind: scenes, studies, decks, parts, tiers, probes, measures, parameters; NULL: all. deck: whose
+ * probes and parameters. */
 vs_status vs_list_command(const char *kind, const char *deck, vs_error *err);
 
 #endif

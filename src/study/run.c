@@ -172,18 +172,9 @@ static vs_status close_files(audience *a, vs_status ran, bool again, const char 
 }
 
 static void take_values(audience *a) {
-  vs_result *r = &a->result;
-  vs_measures_finish(a->measures, r->values);
-  vs_energy_finish(&r->energy);
-  const double *joule = r->energy.joule;
-  r->values[VS_M_ENERGY_IN] = (vs_value){true, joule[VS_E_SOURCE], NAN};
-  r->values[VS_M_ENERGY_COPPER] = (vs_value){true, joule[VS_E_COPPER], NAN};
-  r->values[VS_M_WORK_FORCE] = (vs_value){true, joule[VS_E_WORK], NAN};
-  r->open_books =
-      vs_energy_open(&r->energy, a->scene->setup.run.tolerance, a->books, sizeof a->books);
-  vs_devices_finish(a->devices);
-  vs_verdict_reach(a->measures, a->devices, &r->verdict);
-  r->values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, r->energy.worst, NAN};
+  vs_result_finish(&a->result, a->devices);
+  a->result.open_books =
+      vs_energy_open(&a->result.energy, a->scene->setup.run.tolerance, a->books, sizeof a->books);
 }
 
 /* On one rung of the ladder; more: where ngspice gives up another will be tried, and nothing is
@@ -263,53 +254,11 @@ static bool next_rung(const vs_run_options *o, const vs_scene *scene, vs_ladder 
   return good;
 }
 
-/* What stood in the scene as it is: an ideal thyristor has no limits to be held against. */
-typedef struct kept_limits {
-  vs_rating rating[VS_DECK_MOST];
-  vs_limit limit[VS_DECK_LIMITS]; /* of the thyristor's part */
-  size_t n_ratings, n_limits;
-} kept_limits;
-
-/* The file of the part that the ladder replaces; NULL: there is none. */
-static const char *thyristor_file(const vs_deck *deck) {
-  for (size_t k = 0; k < deck->n_parts; k++)
-    if (!strcmp(deck->parts[k].name, "thyristor")) return deck->parts[k].file;
-  return NULL;
-}
-
-static bool is_of(const vs_limit *limit, const char *file) {
-  return file && !strcmp(limit->where.file, file);
-}
-
-static void keep_limits(const vs_deck *deck, kept_limits *kept) {
-  const char *file = thyristor_file(deck);
-  kept->n_ratings = deck->n_ratings;
-  memcpy(kept->rating, deck->ratings, sizeof kept->rating);
-  for (size_t k = 0; k < kept->n_ratings; k++) kept->rating[k].where = (vs_where){0};
-  for (size_t k = 0; k < deck->n_limits; k++)
-    if (is_of(&deck->limits[k], file)) kept->limit[kept->n_limits++] = deck->limits[k];
-}
-
-static void give_limits(const kept_limits *kept, vs_deck *deck) {
-  const char *file = thyristor_file(deck);
-  size_t n = 0;
-  deck->n_ratings = kept->n_ratings;
-  memcpy(deck->ratings, kept->rating, sizeof kept->rating);
-  for (size_t k = 0; k < deck->n_limits; k++)
-    if (!is_of(&deck->limits[k], file)) deck->limits[n++] = deck->limits[k];
-  for (size_t k = 0; k < kept->n_limits && n < VS_DECK_LIMITS; k++) {
-    deck->limits[n] = kept->limit[k];
-    deck->limits[n++].where = (vs_where){.file = file};
-  }
-  deck->n_limits = n;
-}
-
 /* Runs the scene; when ngspice gives up, again from the beginning with the settings of the ladder's
  * next rung. */
 static vs_status climb(const vs_run_options *o, vs_scene *scene, vs_error *err) {
   vs_ladder ladder = {0};
-  kept_limits *kept = vs_alloc(1, sizeof *kept);
-  keep_limits(&scene->setup.deck, kept);
+  vs_kept_limits *kept = vs_ladder_keep_limits(&scene->setup.deck);
   vs_status status = VS_OK;
   for (bool again = true; again;) {
     vs_ladder next = ladder;
@@ -325,7 +274,7 @@ static vs_status climb(const vs_run_options *o, vs_scene *scene, vs_error *err) 
     ladder = next;
     status = read_scene(o, &ladder, scene, err);
     again = !status;
-    if (again && vs_ladder_is_ideal(ladder.rung)) give_limits(kept, &scene->setup.deck);
+    if (again && vs_ladder_is_ideal(ladder.rung)) vs_ladder_give_limits(kept, &scene->setup.deck);
   }
   free(kept);
   return status;

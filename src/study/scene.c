@@ -7,7 +7,8 @@
 
 #include "base/units.h"
 
-const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"};
+const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"},
+               vs_study_shelf = {"study", "studies", ".yaml"};
 
 vs_scene_part vs_scene_part_at(const vs_scene *s, int index) {
   const vs_setup *u = &s->setup;
@@ -232,27 +233,47 @@ void vs_scene_warn(const vs_scene *s) {
     fprintf(stderr, "vibrospice: warning: %s\n", s->warnings[k].text + s->warnings[k].place_size);
 }
 
-vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, const char *tier,
-                        vs_scene *s, vs_error *err) {
-  static const char *const TOP[] = {"machine", "actuator", "load",  "supply", "firing",  "circuit",
-                                    "events",  "run",      "start", "record", "measured"};
+vs_status vs_scene_open(const char *name, vs_where where, vs_scene *s, vs_error *err) {
   *s = (vs_scene){0};
-  vs_status status = vs_find(&vs_scene_shelf, name, (vs_where){0}, s->path, err);
-  if (!status) status = vs_tree_read(s->path, &s->tree, err);
-  for (size_t k = 0; k < n_sets && !status; k++)
-    status = vs_carry_on(err, vs_tree_set(&s->tree, sets[k], err));
-  if (!status) status = vs_known_keys(s->tree.root, "a scene", TOP, sizeof TOP / sizeof *TOP, err);
-  if (!status) status = vs_setup_build(s->tree.root, &s->setup, err);
-  if (!status) status = choose_tier(s, tier, err);
+  vs_status status = vs_find(&vs_scene_shelf, name, where, s->path, err);
+  return status ? status : vs_tree_read(s->path, &s->tree, err);
+}
+
+/* What follows from the setup. */
+static vs_status conclude(vs_scene *s, const char *tier, vs_error *err) {
+  vs_status status = choose_tier(s, tier, err);
   if (status) return status;
   s->frame = s->tier->frame(&s->setup);
   status = vs_carry_on(err, check_tolerance(s, err));
   if (!status) status = vs_carry_on(err, check_rows(s, err));
-  if (!status) status = vs_carry_on(err, read_record(s, err));
+  return status;
+}
+
+vs_status vs_scene_settle(vs_scene *s, const char *tier, vs_error *err) {
+  static const char *const TOP[] = {"machine", "actuator", "load",  "supply", "firing",  "circuit",
+                                    "events",  "run",      "start", "record", "measured"};
+  vs_status status = vs_known_keys(s->tree.root, "a scene", TOP, sizeof TOP / sizeof *TOP, err);
+  if (!status) status = vs_setup_build(s->tree.root, &s->setup, err);
+  if (!status) status = conclude(s, tier, err);
+  if (status) return status;
+  status = vs_carry_on(err, read_record(s, err));
   if (!status) status = read_measured(s, err);
   warn_below_theta(s);
   warn_of_parts(s);
   return status;
+}
+
+vs_status vs_scene_again(vs_scene *s, vs_error *err) {
+  vs_status status = vs_setup_again(s->tree.root, &s->setup, err);
+  return status ? status : conclude(s, NULL, err);
+}
+
+vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, const char *tier,
+                        vs_scene *s, vs_error *err) {
+  vs_status status = vs_scene_open(name, (vs_where){0}, s, err);
+  for (size_t k = 0; k < n_sets && !status; k++)
+    status = vs_carry_on(err, vs_tree_set(&s->tree, sets[k], err));
+  return status ? status : vs_scene_settle(s, tier, err);
 }
 
 vs_status vs_scene_take_circuit(vs_scene *s, const char *tier, const char *asks, vs_error *err) {

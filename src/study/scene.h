@@ -7,7 +7,7 @@
 #include "sim/sim.h"
 #include "watch/measures.h"
 
-extern const vs_shelf vs_scene_shelf;
+extern const vs_shelf vs_scene_shelf, vs_study_shelf;
 
 /* At most; of limits that nothing is held against. */
 enum { VS_IDLE_LIMITS = 8, VS_WARNINGS = 1 + VS_DECK_PARTS + VS_DECK_DEVICES + VS_IDLE_LIMITS };
@@ -31,6 +31,14 @@ typedef struct vs_scene {
 vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, const char *tier,
                         vs_scene *scene, vs_error *err);
 void vs_scene_free(vs_scene *scene);
+
+/* The same in two halves, for what alters the tree in between: where is of the name. */
+vs_status vs_scene_open(const char *name, vs_where where, vs_scene *scene, vs_error *err);
+vs_status vs_scene_settle(vs_scene *scene, const char *tier, vs_error *err);
+/* Once more after the tree was altered: the setup and its tier anew, as vs_scene_settle without
+ * --tier would have them (the deck is read again only if another is named); what to record, what
+ * was measured and warnings stay as they are. */
+vs_status vs_scene_again(vs_scene *scene, vs_error *err);
 
 /* A line for each warning on standard error. */
 void vs_scene_warn(const vs_scene *scene);

@@ -7,15 +7,12 @@
 
 #include "base/units.h"
 
-/* A measure as it is shown. */
-typedef struct shown {
-  char name[VS_JUDGED_NAME];
-  const char *unit;
-  vs_value value; /* in that unit */
-} shown;
+static void set_text(vs_shown *m, const char *format, const char *word) {
+  snprintf(m->text, sizeof m->text, format, word);
+}
 
 /* Measure k of the devices', in the unit of its kind; false: there are no more. */
-static bool device_measure_at(const vs_devices *devices, size_t k, shown *m) {
+static bool device_measure_at(const vs_devices *devices, size_t k, vs_shown *m) {
   for (size_t d = 0; devices && d < devices->count; k -= devices->item[d++].count) {
     const vs_watched *w = &devices->item[d];
     if (k >= w->count) continue;
@@ -24,28 +21,53 @@ static bool device_measure_at(const vs_devices *devices, size_t k, shown *m) {
     m->unit = r->measure->unit;
     m->value = r->value;
     m->value.value /= vs_unit_factor(m->unit);
+    if (r->limit) m->limit = r->limit->value / vs_unit_factor(m->unit);
+    set_text(m, "%s", r->measure->text);
     return true;
   }
   return false;
 }
 
-/* Each measure there is: the energies', the probes' extremes and the devices' included. */
-static bool measure_at(const vs_scene *s, const vs_result *r, int k, shown *m) {
+static double rating_of(const vs_deck *deck, int probe, int sense) {
+  for (size_t k = 0; k < deck->n_ratings; k++)
+    if (deck->ratings[k].probe == probe)
+      return sense < 0 ? deck->ratings[k].min : deck->ratings[k].max;
+  return NAN;
+}
+
+bool vs_shown_at(const vs_frame *frame, const vs_result *r, int k, vs_shown *m) {
+  m->limit = NAN;
   if (k < VS_MEASURES) {
     snprintf(m->name, sizeof m->name, "%s", vs_measures_known[k].name);
     m->unit = vs_measures_known[k].unit;
     m->value = r->values[k];
+    set_text(m, "%s", vs_measures_known[k].text);
     return true;
   }
   k += VS_STANDARD_EXTREMES - VS_MEASURES;
   if (k >= r->measures->n_extremes)
     return device_measure_at(r->devices, (size_t)(k - r->measures->n_extremes), m);
   const vs_extreme *e = &r->measures->extremes[k];
-  vs_channel channel = vs_channel_at(&s->frame, e->channel);
+  vs_channel channel = vs_channel_at(frame, e->channel);
   snprintf(m->name, sizeof m->name, "%s_%s", channel.name, e->sense < 0 ? "min" : "max");
   m->unit = channel.unit;
   m->value = e->best;
+  if (frame->deck)
+    m->limit = rating_of(frame->deck, e->channel - VS_CH_DECK, e->sense) / vs_unit_factor(m->unit);
+  set_text(m, e->sense < 0 ? "least %s" : "largest %s", channel.text);
   return true;
+}
+
+void vs_result_finish(vs_result *r, vs_devices *devices) {
+  vs_measures_finish(r->measures, r->values);
+  vs_energy_finish(&r->energy);
+  const double *joule = r->energy.joule;
+  r->values[VS_M_ENERGY_IN] = (vs_value){true, joule[VS_E_SOURCE], NAN};
+  r->values[VS_M_ENERGY_COPPER] = (vs_value){true, joule[VS_E_COPPER], NAN};
+  r->values[VS_M_WORK_FORCE] = (vs_value){true, joule[VS_E_WORK], NAN};
+  r->values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, r->energy.worst, NAN};
+  vs_devices_finish(devices);
+  vs_verdict_reach(r->measures, devices, &r->verdict);
 }
 
 void vs_absence_accept(vs_absence *a, const vs_step *step) {
@@ -106,7 +128,7 @@ static void print_verdict(const vs_verdict *v, int width, FILE *out) {
             v->first_to_fail->failed_s);
 }
 
-static void print_measure(const shown *m, int width, const vs_value *measured, FILE *out) {
+static void print_measure(const vs_shown *m, int width, const vs_value *measured, FILE *out) {
   fprintf(out, "%-*s ", width, m->name);
   if (!m->value.known) {
     fprintf(out, "%16s\n", "-");
@@ -126,11 +148,11 @@ static void print_measure(const shown *m, int width, const vs_value *measured, F
 }
 
 void vs_summary_table(const vs_scene *s, const vs_result *r, FILE *out) {
-  shown m;
+  vs_shown m;
   int width = 18;
   bool any = false;
   for (int k = 0; k < VS_MEASURES; k++) any = any || s->measured[k].known;
-  for (int k = 0; measure_at(s, r, k, &m); k++)
+  for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++)
     if ((int)strlen(m.name) > width) width = (int)strlen(m.name);
   fprintf(out, "scene  %s\ntier   %s (%s)\n", s->path, s->tier->name, s->why);
   if (r->ladder->rung)
@@ -147,7 +169,7 @@ void vs_summary_table(const vs_scene *s, const vs_result *r, FILE *out) {
   fputc('\n', out);
   fprintf(out, "%-*s %16s %-5s %14s%s\n", width, "measure", "computed", "", "at",
           any ? "         measured" : "");
-  for (int k = 0; measure_at(s, r, k, &m); k++)
+  for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++)
     print_measure(&m, width, k < VS_MEASURES ? &s->measured[k] : NULL, out);
   if (s->frame.gap_at_rest && r->energy.joule[VS_E_WORK] != 0)
     fprintf(out, "\nthe one-way force of this tier did %.4f J of work that nothing supplied\n",
@@ -197,10 +219,10 @@ static void add_scene(vs_text *json, const vs_scene *s) {
 }
 
 static void add_measures(vs_text *json, const vs_scene *s, const vs_result *r) {
-  shown m;
+  vs_shown m;
   bool first = true;
   vs_text_add(json, "  \"measures\": {");
-  for (int k = 0; measure_at(s, r, k, &m); k++) {
+  for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++) {
     if (!m.value.known) continue;
     vs_text_add(json, "%s\n    \"%s\": {\"value\": ", first ? "" : ",", m.name);
     add_number(json, m.value.value);

@@ -34,6 +34,22 @@ typedef struct vs_result {
   long steps;
 } vs_result;
 
+/* Once the run is over: values and verdict, by what its measures, energy and devices (the same as
+ * r->devices; may be NULL) have seen. */
+void vs_result_finish(vs_result *r, vs_devices *devices);
+
+/* A measure as it is shown. */
+typedef struct vs_shown {
+  char name[VS_JUDGED_NAME], text[VS_DECK_TEXT + 16];
+  const char *unit;
+  vs_value value; /* in that unit */
+  double limit;   /* that a rating of its probe or a limit of its device's part sets; NaN: none */
+} vs_shown;
+
+/* Each measure there is, k from 0: the energies', the probes' extremes and the devices' included;
+ * false: there are no more. Of the result its values, measures and devices are asked for. */
+bool vs_shown_at(const vs_frame *frame, const vs_result *result, int k, vs_shown *shown);
+
 void vs_summary_table(const vs_scene *scene, const vs_result *result, FILE *out);
 void vs_summary_json(const vs_scene *scene, const vs_result *result, bool with_cost, vs_text *json);
 

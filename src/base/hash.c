@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/hash.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+uint32_t vs_crc32(const void *bytes, size_t size) {
+  const unsigned char *b = bytes;
+  uint32_t crc = 0xffffffff;
+  for (size_t k = 0; k < size; k++) {
+    crc ^= b[k];
+    for (int bit = 0; bit < 8; bit++) crc = (crc >> 1) ^ (crc & 1 ? 0xedb88320 : 0);
+  }
+  return ~crc;
+}
+
+/* ---- SHA-256 ---- */
+
+/* First 32 bits of the fractional parts of the cube roots of the first 64 primes. */
+static const uint32_t ROUND[64] = {
+    0x428a2f98, 0x71374491, 0xb5c0fbcf, 0xe9b5dba5, 0x3956c25b, 0x59f111f1, 0x923f82a4, 0xab1c5ed5,
+    0xd807aa98, 0x12835b01, 0x243185be, 0x550c7dc3, 0x72be5d74, 0x80deb1fe, 0x9bdc06a7, 0xc19bf174,
+    0xe49b69c1, 0xefbe4786, 0x0fc19dc6, 0x240ca1cc, 0x2de92c6f, 0x4a7484aa, 0x5cb0a9dc, 0x76f988da,
+    0x983e5152, 0xa831c66d, 0xb00327c8, 0xbf597fc7, 0xc6e00bf3, 0xd5a79147, 0x06ca6351, 0x14292967,
+    0x27b70a85, 0x2e1b2138, 0x4d2c6dfc, 0x53380d13, 0x650a7354, 0x766a0abb, 0x81c2c92e, 0x92722c85,
+    0xa2bfe8a1, 0xa81a664b, 0xc24b8b70, 0xc76c51a3, 0xd192e819, 0xd6990624, 0xf40e3585, 0x106aa070,
+    0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
+    0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
+
+static uint32_t turn(uint32_t x, int by) {
+  return x >> by | x << (32 - by);
+}
+
+static void compress(uint32_t state[8], const unsigned char block[64]) {
+  uint32_t w[64], s[8];
+  for (int k = 0; k < 16; k++)
+    w[k] = (uint32_t)block[4 * k] << 24 | (uint32_t)block[4 * k + 1] << 16 |
+           (uint32_t)block[4 * k + 2] << 8 | block[4 * k + 3];
+  for (int k = 16; k < 64; k++)
+    w[k] = w[k - 16] + (turn(w[k - 15], 7) ^ turn(w[k - 15], 18) ^ w[k - 15] >> 3) + w[k - 7] +
+           (turn(w[k - 2], 17) ^ turn(w[k - 2], 19) ^ w[k - 2] >> 10);
+  memcpy(s, state, sizeof s);
+  for (int k = 0; k < 64; k++) {
+    uint32_t one = s[7] + (turn(s[4], 6) ^ turn(s[4], 11) ^ turn(s[4], 25)) +
+                   ((s[4] & s[5]) ^ (~s[4] & s[6])) + ROUND[k] + w[k];
+    uint32_t two = (turn(s[0], 2) ^ turn(s[0], 13) ^ turn(s[0], 22)) +
+                   ((s[0] & s[1]) ^ (s[0] & s[2]) ^ (s[1] & s[2]));
+    memmove(s + 1, s, 7 * sizeof *s);
+    s[4] += one;
+    s[0] = one + two;
+  }
+  for (int k = 0; k < 8; k++) state[k] += s[k];
+}
+
+void vs_sha256_begin(vs_sha256 *h) {
+  *h = (vs_sha256){.state = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c,
+                             0x1f83d9ab, 0x5be0cd19}};
+}
+
+void vs_sha256_add(vs_sha256 *h, const void *bytes, size_t size) {
+  const unsigned char *b = bytes;
+  for (size_t k = 0; k < size; k++) {
+    h->block[h->size++ % 64] = b[k];
+    if (h->size % 64 == 0) compress(h->state, h->block);
+  }
+}
+
+void vs_sha256_end(vs_sha256 *h, char text[VS_SHA256_TEXT]) {
+  static const unsigned char ONE = 0x80, NONE = 0;
+  uint64_t bits = 8 * h->size;
+  unsigned char length[8];
+  for (int k = 0; k < 8; k++) length[k] = (unsigned char)(bits >> (56 - 8 * k));
+  vs_sha256_add(h, &ONE, 1);
+  while (h->size % 64 != 56) vs_sha256_add(h, &NONE, 1);
+  vs_sha256_add(h, length, sizeof length);
+  for (int k = 0; k < 8; k++) snprintf(text + 8 * k, 9, "%08x", (unsigned)h->state[k]);
+}
+
+vs_status vs_sha256_file(const char *path, char text[VS_SHA256_TEXT], vs_error *err) {
+  const vs_where where = {.file = path};
+  FILE *f = fopen(path, "rb");
+  if (!f) return vs_fail_at(err, where, "cannot be opened: %s", strerror(errno));
+  vs_sha256 hash;
+  char part[4096];
+  size_t n;
+  vs_sha256_begin(&hash);
+  while ((n = fread(part, 1, sizeof part, f)) > 0) vs_sha256_add(&hash, part, n);
+  bool bad = ferror(f);
+  fclose(f);
+  if (bad) return vs_fail_at(err, where, "cannot be read: %s", strerror(errno));
+  vs_sha256_end(&hash, text);
+  return VS_OK;
+}

@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "batch/case.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "study/summary.h"
+#include "watch/table.h"
+
+struct vs_case {
+  const vs_plan *plan;
+  const char *keep;
+  vs_scene *scene;
+  bool begun;                 /* the scene's tree is there */
+  bool circuit;               /* the last case used ngspice */
+  int shown[VS_PLAN_COLUMNS]; /* where each column was found the last time */
+  vs_result *result;          /* large, so not on the stack */
+};
+
+vs_case *vs_case_new(const vs_plan *plan, const char *keep) {
+  vs_case *c = vs_alloc(1, sizeof *c);
+  c->plan = plan;
+  c->keep = keep;
+  c->scene = vs_alloc(1, sizeof *c->scene);
+  c->result = vs_alloc(1, sizeof *c->result);
+  return c;
+}
+
+void vs_case_free(vs_case *c) {
+  if (c->begun) vs_scene_free(c->scene);
+  free(c->scene);
+  free(c->result);
+  free(c);
+}
+
+/* ---- rows ---- */
+
+void vs_csv_cell(vs_text *row, const char *word) {
+  if (!strpbrk(word, ",\"\r\n")) {
+    vs_text_add(row, "%s", word);
+    return;
+  }
+  vs_text_add(row, "\"");
+  for (; *word; word++) {
+    bool breaks = *word == '\n' || *word == '\r';
+    vs_text_add(row, *word == '"' ? "\"\"" : "%c", breaks ? ' ' : *word);
+  }
+  vs_text_add(row, "\"");
+}
+
+size_t vs_csv_cut(char *row, char **cells, size_t most) {
+  size_t n = 0;
+  for (char *s = row; s && n < most;) {
+    char *out = s;
+    cells[n++] = s;
+    bool quoted = *s == '"';
+    for (s += quoted; *s && (quoted || *s != ','); s++) {
+      if (quoted && *s == '"' && s[1] != '"')
+        quoted = false;
+      else {
+        s += quoted && *s == '"';
+        *out++ = *s;
+      }
+    }
+    char end = *s;
+    *out = '\0';
+    s = end ? s + 1 : NULL;
+  }
+  return n;
+}
+
+void vs_case_header(const vs_plan *plan, vs_text *row) {
+  vs_text_add(row, "case");
+  for (size_t k = 0; k < plan->n_axes; k++) vs_text_add(row, ",%s", plan->axes[k].column);
+  for (size_t k = 0; k < plan->n_columns; k++) vs_text_add(row, ",%s", plan->columns[k].column);
+  vs_text_add(row, ",margin_least,weakest,status");
+}
+
+void vs_case_failure_header(const vs_plan *plan, vs_text *row) {
+  vs_text_add(row, "case");
+  for (size_t k = 0; k < plan->n_axes; k++) vs_text_add(row, ",%s", plan->axes[k].column);
+  vs_text_add(row, ",status,why");
+}
+
+static void begin_row(const vs_plan *plan, uint64_t index, const double *point, vs_text *row) {
+  char cell[VS_NAME_SIZE];
+  vs_text_add(row, "%llu", (unsigned long long)index);
+  for (size_t k = 0; k < plan->n_axes; k++) {
+    vs_axis_print(&plan->axes[k], point[k], cell, sizeof cell);
+    vs_text_add(row, ",");
+    vs_csv_cell(row, cell);
+  }
+}
+
+void vs_case_failure(const vs_plan *plan, uint64_t index, const double *point, const char *why,
+                     vs_text *row) {
+  begin_row(plan, index, point, row);
+  vs_text_add(row, ",%d,", VS_CASE_FAILED);
+  vs_csv_cell(row, why);
+}
+
+static void add_number(vs_text *row, double value) {
+  char text[VS_NUMBER_SIZE];
+  vs_print_number(text, value, 12);
+  vs_text_add(row, ",%s", isfinite(value) ? text : "");
+}
+
+/* Column k in this case; a deck of other devices may have it elsewhere or not at all. */
+static vs_value find_value(vs_case *c, size_t k) {
+  const char *name = c->plan->columns[k].name;
+  const vs_frame *frame = &c->scene->frame;
+  vs_shown m;
+  if (vs_shown_at(frame, c->result, c->shown[k], &m) && !strcmp(m.name, name)) return m.value;
+  for (int n = 0; vs_shown_at(frame, c->result, n, &m); n++)
+    if (!strcmp(m.name, name)) {
+      c->shown[k] = n;
+      return m.value;
+    }
+  return (vs_value){0};
+}
+
+static int add_row(vs_case *c, uint64_t index, const double *point, vs_text *row) {
+  const vs_judgement *weakest = c->result->verdict.weakest;
+  char name[VS_JUDGED_NAME];
+  int status = weakest && weakest->margin < 0 ? VS_CASE_VIOLATED : VS_CASE_DONE;
+  begin_row(c->plan, index, point, row);
+  for (size_t k = 0; k < c->plan->n_columns; k++) {
+    vs_value v = find_value(c, k);
+    add_number(row, v.known ? v.value : NAN);
+  }
+  add_number(row, weakest ? weakest->margin : NAN);
+  vs_text_add(row, ",%s,%d", weakest ? vs_judgement_name(weakest, name) : "", status);
+  return status;
+}
+
+/* ---- the run ---- */
+
+typedef struct watcher {
+  vs_result *result;
+  vs_measures *measures;
+  vs_devices *devices;
+  vs_file csv; /* closed where nothing is kept */
+  vs_table table;
+} watcher;
+
+static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
+  watcher *w = ctx;
+  vs_measures_accept(w->measures, step);
+  vs_devices_accept(w->devices, step);
+  vs_energy_accept(&w->result->energy, step);
+  return w->csv.stream ? vs_table_accept(&w->table, step, err) : VS_OK;
+}
+
+static vs_status open_csv(const vs_case *c, uint64_t index, watcher *w, vs_error *err) {
+  char folder[VS_PATH_SIZE + 32];
+  int made;
+  const vs_scene *s = c->scene;
+  snprintf(folder, sizeof folder, "%s/%llu", c->keep, (unsigned long long)index);
+  vs_status status = vs_folder_make(folder, &made, err);
+  if (!status) status = vs_file_open(&w->csv, folder, "run.csv", err);
+  if (status) return status;
+  w->table = (vs_table){.stream = w->csv.stream,
+                        .frame = &s->frame,
+                        .digits = 9,
+                        .sample_s = s->setup.run.sample_s,
+                        .until_s = s->setup.run.until_s};
+  for (int k = 0; k < vs_channel_count(&s->frame); k++)
+    if (vs_channel_at(&s->frame, k).listed) w->table.channels[w->table.count++] = k;
+  vs_table_begin(&w->table);
+  return VS_OK;
+}
+
+/* The scene as it stands, once. On VS_OK the row is added; *ended: 0 or 3. */
+static vs_status run_once(vs_case *c, uint64_t index, const double *point, vs_text *row,
+                          vs_error *err) {
+  vs_scene *s = c->scene;
+  *c->result = (vs_result){.energy.frame = &s->frame};
+  watcher w = {.result = c->result,
+               .measures = vs_measures_new(&s->frame),
+               .devices = vs_devices_new(&s->frame)};
+  c->result->measures = w.measures;
+  c->result->devices = w.devices;
+  const vs_observer observer = {&w, accept};
+  vs_status status = c->keep ? open_csv(c, index, &w, err) : VS_OK;
+  if (!status) status = vs_sim_run(s->tier, &s->setup, &observer, err);
+  if (!status) {
+    s->setup.tried = c->circuit; /* until another deck is read */
+    vs_result_finish(c->result, w.devices);
+    add_row(c, index, point, row);
+    if (w.csv.stream) status = vs_file_commit(&w.csv, err);
+  }
+  vs_file_discard(&w.csv);
+  vs_measures_free(w.measures);
+  vs_devices_free(w.devices);
+  return status;
+}
+
+/* The case's keys over the scene's, and what the ladder adds. */
+static vs_status read_scene(vs_case *c, const double *point, const vs_ladder *ladder,
+                            vs_error *err) {
+  const vs_plan *plan = c->plan;
+  bool again = c->begun && !ladder->n_keys;
+  vs_status status = VS_OK;
+  if (!again) {
+    if (c->begun) vs_scene_free(c->scene);
+    status = vs_plan_scene(plan, c->scene, err);
+    c->begun = true;
+  }
+  for (size_t k = 0; k < plan->n_axes && !status; k++)
+    vs_axis_put(&plan->axes[k], point[k], &c->scene->tree);
+  for (size_t k = 0; k < ladder->n_keys && !status; k++)
+    status = vs_tree_set(&c->scene->tree, ladder->keys[k], err);
+  if (status) return status;
+  return again ? vs_scene_again(c->scene, err) : vs_scene_settle(c->scene, NULL, err);
+}
+
+static void forget_scene(vs_case *c) {
+  if (c->begun) vs_scene_free(c->scene);
+  c->begun = false;
+}
+
+/* As `run` does it: when ngspice gives up, again with the settings of the ladder's next rung whose
+ * scene can be read. */
+static vs_status climb(vs_case *c, uint64_t index, const double *point, vs_text *row,
+                       vs_error *err) {
+  vs_ladder ladder = {0};
+  c->circuit = false;
+  vs_status status = read_scene(c, point, &ladder, err);
+  if (status) return status;
+  vs_kept_limits *kept = NULL;
+  c->circuit = c->scene->tier == &vs_tier_circuit;
+  status = run_once(c, index, point, row, err);
+  while (status == VS_RUN && err->gave_up && !c->scene->setup.run.stay) {
+    vs_error next = {0};
+    if (!kept) kept = vs_ladder_keep_limits(&c->scene->setup.deck);
+    if (!vs_ladder_climb(&ladder, c->scene)) break;
+    vs_status read = read_scene(c, point, &ladder, &next);
+    if (read) break;
+    if (vs_ladder_is_ideal(ladder.rung)) vs_ladder_give_limits(kept, &c->scene->setup.deck);
+    *err = (vs_error){0};
+    status = run_once(c, index, point, row, err);
+  }
+  if (ladder.rung) forget_scene(c); /* its tree has the ladder's keys */
+  free(kept);
+  return status;
+}
+
+int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, bool *circuit) {
+  vs_error err = {0};
+  size_t begun = row->length;
+  vs_status status = climb(c, index, point, row, &err);
+  *circuit = c->circuit;
+  if (!status)
+    return c->result->verdict.weakest && c->result->verdict.weakest->margin < 0 ? VS_CASE_VIOLATED
+                                                                                : VS_CASE_DONE;
+  row->length = begun; /* what a row that was not stored has added */
+  vs_case_failure(c->plan, index, point, err.text + err.place_size, row);
+  return VS_CASE_FAILED;
+}

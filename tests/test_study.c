@@ -1,0 +1,475 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Studies: their files and what is wrong with them, the order and the bytes of their rows, and what
+ * they survive. */
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/hash.h"
+#include "batch/case.h"
+#include "batch/journal.h"
+#include "program.h"
+
+/* Fast: switched, 12 x 10 cases of 0.1 s; the last angle of each voltage is below theta, and some
+ * of them meet the pole cover. */
+static const char GRID[] = "set: {run.until: 0.1 s, firing.every: 1}\n"
+                           "vary:\n"
+                           "  supply.voltage: {lin: [300 V, 520 V], n: 12}\n"
+                           "  firing.angle: {from: 80 deg, to: 125 deg, step: 5 deg}\n"
+                           "report: [p_min, i_peak]\n";
+static const char CIRCUIT[] = "set: {circuit.deck: halfwave_paper, run.until: 12 ms}\n"
+                              "vary:\n"
+                              "  circuit.r1: [100 ohm, 4.7 kohm]\n"
+                              "  circuit.thyristor: [latch, TYN1212]\n"
+                              "report: [thyristor.v_reverse, v_ak_min]\n";
+
+static void same_file(const char *a, const char *b, int line) {
+  char *x = read_file(a), *y = read_file(b);
+  size_t k = 0;
+  while (x[k] && x[k] == y[k]) k++;
+  expect(*x && x[k] == y[k], line, "%s and %s differ at byte %zu: '%.80s' and '%.80s'", a, b, k,
+         x + k, y + k);
+  free(x), free(y);
+}
+
+static void same_study(const char *a, const char *b, int line) {
+  static const char *const FILES[] = {"study.csv", "failures.csv", "manifest.json"};
+  for (size_t k = 0; k < COUNT(FILES); k++) {
+    char x[256], y[256];
+    snprintf(x, sizeof x, "%s/%s", a, FILES[k]);
+    snprintf(y, sizeof y, "%s/%s", b, FILES[k]);
+    same_file(x, y, line);
+  }
+}
+#define SAME_STUDY(a, b) same_study(a, b, __LINE__)
+
+/* Runs it and wants that exit status. */
+static void expect_exit(const char *words, int status, int line) {
+  ran r = run("%s", words);
+  expect(r.status == status, line, "%s: exit status %d: %s", words, r.status, r.err);
+  free_ran(&r);
+}
+#define EXPECT_EXIT(words, status) expect_exit(words, status, __LINE__)
+
+/* ---- the parts ---- */
+
+/* Known values: CRC-32 of "123456789" (its check value), SHA-256 of "abc" (FIPS 180-4, example) and
+ * of nothing. */
+static void checksums(void) {
+  vs_sha256 h;
+  char text[VS_SHA256_TEXT];
+  CU_ASSERT_EQUAL(vs_crc32("123456789", 9), 0xcbf43926);
+  vs_sha256_begin(&h);
+  vs_sha256_add(&h, "abc", 3);
+  vs_sha256_end(&h, text);
+  CU_ASSERT_STRING_EQUAL(text, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  vs_sha256_begin(&h);
+  vs_sha256_end(&h, text);
+  CU_ASSERT_STRING_EQUAL(text, "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+}
+
+static void cells(void) {
+  vs_text row = {0};
+  char *cell[8];
+  vs_csv_cell(&row, "a,b");
+  vs_text_add(&row, ",");
+  vs_csv_cell(&row, "say \"x\"");
+  vs_text_add(&row, ",,");
+  vs_csv_cell(&row, "plain");
+  CU_ASSERT_STRING_EQUAL(row.text, "\"a,b\",\"say \"\"x\"\"\",,plain");
+  CU_ASSERT_EQUAL_FATAL(vs_csv_cut(row.text, cell, 8), 4);
+  CU_ASSERT_STRING_EQUAL(cell[0], "a,b");
+  CU_ASSERT_STRING_EQUAL(cell[1], "say \"x\"");
+  CU_ASSERT_STRING_EQUAL(cell[2], "");
+  CU_ASSERT_STRING_EQUAL(cell[3], "plain");
+  vs_text_free(&row);
+}
+
+/* ---- what a study is made of ---- */
+
+/* Nested, the last axis fastest; numbers in the unit of the key's default, to 12 digits; a range
+ * ends at its last step, a logarithmic one on its end. */
+static void a_grid(void) {
+  write_file("g.yaml", "set: {run.until: 10 ms}\n"
+                       "vary: {supply.voltage: [0.44 kV, 400 V], firing.every: [once, 2], "
+                       "load.density: {log: [0.01 g/cm3, 1 g/cm3], n: 3}, firing.angle: {from: 100 "
+                       "deg, to: 109 deg, step: 5 deg}, machine.m14: [paper, derived]}\n");
+  ran r = run("study g.yaml");
+  CU_ASSERT_EQUAL(r.status, 0);
+  CU_ASSERT_EQUAL(count_lines(r.out), 1 + 2 * 2 * 3 * 2 * 2);
+  static const char *const HAS[] = {"case,supply.voltage_v,firing.every,load.density_g_cm3,firing."
+                                    "angle_deg,machine.m14,i_peak_a,",
+                                    ",energy_residual,margin_least,weakest,status\n",
+                                    "\n0,440,once,0.01,100,paper,",
+                                    "\n1,440,once,0.01,100,derived,",
+                                    "\n2,440,once,0.01,105,paper,",
+                                    "\n4,440,once,0.1,100,paper,",
+                                    "\n8,440,once,1,100,paper,",
+                                    "\n12,440,2,0.01,100,paper,",
+                                    "\n24,400,once,0.01,100,paper,",
+                                    "\n47,400,2,1,105,derived,"};
+  for (size_t k = 0; k < COUNT(HAS); k++)
+    EXPECT(strstr(r.out, HAS[k]), "no %s in %s", HAS[k], r.out);
+  free_ran(&r);
+}
+
+/* A case is what `run` does with its keys. */
+static void a_case_is_a_run(void) {
+  write_file("g.yaml", "set: {circuit.deck: halfwave_paper, run.until: 12 ms}\n"
+                       "vary: {circuit.r1: [100 ohm], firing.angle: [100 deg, 110 deg]}\n"
+                       "report: [thyristor.v_reverse, p_min]\n");
+  ran r = run("study g.yaml");
+  char *cell[16], *row = strstr(r.out, "\n1,");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(row);
+  CU_ASSERT_EQUAL_FATAL(vs_csv_cut(row + 1, cell, 16), 8);
+  ran one = run("run paper --set circuit.deck=halfwave_paper --set run.until=12ms --set "
+                "circuit.r1=100ohm --set firing.angle=110deg --json --quiet --reproducible");
+  char want[128];
+  snprintf(want, sizeof want, "\"thyristor.v_reverse\": {\"value\": %s, ", cell[3]);
+  EXPECT(strstr(one.out, want), "%s not in %s", want, one.out);
+  snprintf(want, sizeof want, "\"p_min\": {\"value\": %s, ", cell[4]);
+  EXPECT(strstr(one.out, want), "%s not in %s", want, one.out);
+  snprintf(want, sizeof want, "\"weakest\": \"%s\"", cell[6]);
+  EXPECT(strstr(one.out, want), "%s not in %s", want, one.out);
+  free_ran(&r), free_ran(&one);
+}
+
+/* A list's cells carry units, or its header does, as study.csv's. Another deck, other parts. */
+static void a_list(void) {
+  write_file("cases.csv", "# mine\ncircuit.deck,circuit.r1_ohm, circuit.c1\n"
+                          "halfwave_snubbed,100,100 nF\nhalfwave_paper, 200 ,\"0.2 uF\"\n");
+  write_file("l.yaml", "set: {run.until: 11 ms}\nvary: cases.csv\nreport: [fuse_2.i2t, p_min]\n");
+  ran r = run("check l.yaml"); /* the first case has no fuse */
+  EXPECT(r.status == 2 && strstr(r.err, "l.yaml:3:10: no measure 'fuse_2.i2t' on tier circuit"),
+         "%s", r.err);
+  free_ran(&r);
+  write_file("l.yaml", "set: {run.until: 11 ms}\nvary: cases.csv\nreport: [p_min]\n");
+  r = run("study l.yaml");
+  CU_ASSERT_EQUAL(r.status, 0);
+  EXPECT(strstr(r.out, "\n0,halfwave_snubbed,100,100,-") &&
+             strstr(r.out, "\n1,halfwave_paper,200,200,-"),
+         "%s%s", r.out, r.err);
+  free_ran(&r);
+}
+
+/* Every mistake at once, each with its place; nothing is written. */
+static void mistakes(void) {
+  write_file("bad.yaml", "scene: paper\n"
+                         "set: {run.untill: 2 s}\n"
+                         "vary:\n"
+                         "  firing.angel: {from: 90 deg, to: 150 deg, step: 10 deg}\n"
+                         "  supply.voltage: {lin: [300 V, 460 A], n: 30}\n"
+                         "  load.fraction: [2, 0.1, x]\n"
+                         "  actuator.gap: {from: 5 mm, to: 6 mm, step: -1 mm}\n"
+                         "  actuator.stop: none\n"
+                         "  machine.mount_3: [[1 mm, 2 mm]]\n"
+                         "  load.density: {log: [0 g/cm3, 1 g/cm3], n: 3}\n"
+                         "  firing.every: {from: 1, to: 2, step: 0.5}\n"
+                         "  run.tier: {from: 1, to: 2}\n"
+                         "report: [p_min, i_peek]\n"
+                         "vari: 1\n");
+  static const char *const SAYS[] = {
+      "bad.yaml:2:7: run has no key 'untill'; did you mean 'until'?",
+      "bad.yaml:4:3: a scene has no key 'firing.angel'; did you mean 'firing.angle'?",
+      "bad.yaml:5:33: supply.voltage: '460 A' has the wrong unit; write V",
+      "bad.yaml:6:19: load.fraction: 2 is out of range; allowed: 0..1",
+      "bad.yaml:6:27: load.fraction: 'x' is not a number",
+      "bad.yaml:7:46: actuator.gap: steps of -1 mm lead from 5 mm to 6 mm never",
+      "bad.yaml:8:3: actuator.stop has keys of its own, such as actuator.stop.stiffness",
+      "bad.yaml:9:3: machine.mount_3 is a pair [x, y]",
+      "bad.yaml:10:24: load.density: log: both ends must be of one sign, and not 0",
+      "bad.yaml:11:18: firing.every: 1.5 among its values is not a whole number",
+      "bad.yaml:12:14: run.tier has words for values: a list of them is wanted",
+      "bad.yaml:13:17: no measure 'i_peek' on tier circuit; did you mean 'i_peak'?",
+      "bad.yaml:14:1: a study has no key 'vari'; did you mean 'vary'?"};
+  ran r = run("check bad.yaml");
+  CU_ASSERT_EQUAL(r.status, 2);
+  for (size_t k = 0; k < COUNT(SAYS); k++)
+    EXPECT(strstr(r.err, SAYS[k]), "does not say '%s': %s", SAYS[k], r.err);
+  free_ran(&r);
+  refuse("study bad.yaml -o out", "mistakes", "bad.yaml:", (const char *[]){NULL, NULL}, __LINE__);
+}
+
+static void refused(const char *study, const char *words, const char *at, const char *what,
+                    int line) {
+  write_file("r.yaml", study);
+  refuse(words, study, at, (const char *[]){what, NULL}, line);
+}
+#define REFUSED(study, at, what) refused(study, "study r.yaml -o out", at, what, __LINE__)
+
+static void refusals(void) {
+  static const char ONE[] = "vary: {firing.angle: [100 deg]}\n";
+  REFUSED("scene: paper\n", "r.yaml: ", "nothing is varied");
+  REFUSED("vary: {firing.angle: []}\n", "r.yaml:1:", "the list is empty");
+  REFUSED("vary: {firing.angle: {from: 90 deg, to: 91 deg}}\n",
+          "r.yaml:1:8: ", "a range alone has no values; add step or n");
+  REFUSED("vary: {circuit.thyristor: [latch, lach]}\n", "r.yaml:1:35: ", "did you mean 'latch'?");
+  REFUSED("scene: papper\nvary: {firing.angle: [100 deg]}\n",
+          "r.yaml:1:8: ", "did you mean 'paper'?");
+  REFUSED("vary: nosuch.csv\n", "r.yaml:1:7: ", "nosuch.csv");
+  REFUSED("vary: {run.sample: {lin: [1 ms, 2 ms], n: 1000000}, run.until: {lin: [1 s, 2 s], n: "
+          "1000000}}\n",
+          "r.yaml: ", "more than 100000000 cases");
+  write_file("c.csv", "firing.angle,circuit.r1\n100 deg,1 ohm\n101 deg\n");
+  REFUSED("vary: c.csv\n", "c.csv:3:1: ", "1 cells, and the header has 2");
+  write_file("c.csv", "firing.angle_rad\n1\n");
+  REFUSED("vary: c.csv\n", "c.csv:1:1: ", "column firing.angle_rad: firing.angle_deg is wanted");
+  write_file("r.yaml", ONE);
+  refused(ONE, "study r.yaml --set firing.angle=90deg -o out", "r.yaml:1:8: ", "--set", __LINE__);
+  refused(ONE, "study r.yaml --shard 3/2 -o out", "--shard 3/2", "I/N is wanted", __LINE__);
+  refused(ONE, "study r.yaml --shard auto -o out", "--shard auto", "SLURM_ARRAY_TASK_ID", __LINE__);
+  refused(ONE, "study r.yaml --resume", "--resume", "-o DIR", __LINE__);
+  refused(ONE, "study r.yaml --jobs 0", "--jobs", "1 to 4096", __LINE__);
+  refused(ONE, "merge nosuch", "nosuch", "journal", __LINE__);
+}
+
+/* ---- bytes ---- */
+
+/* The same for any number of workers, for one shard and for three, and on another day. */
+static void one_result(void) {
+  write_file("g.yaml", GRID);
+  EXPECT_EXIT("study g.yaml -o one --jobs 1 --quiet", 1); /* some meet the pole */
+  EXPECT_EXIT("study g.yaml -o two --jobs 2 --quiet", 1);
+  EXPECT_EXIT("study g.yaml -o three --jobs 3 --quiet", 1);
+  SAME_STUDY("one", "two");
+  SAME_STUDY("one", "three");
+  ran r = run("study g.yaml -o shards/1 --shard 1/3 --quiet");
+  CU_ASSERT(r.status == 0 || r.status == 1);
+  free_ran(&r);
+  r = run("merge shards/1 -o short");
+  EXPECT(r.status == 2 && strstr(r.err, "shard 2 of 3 is missing"), "%s", r.err);
+  free_ran(&r);
+  setenv("SLURM_ARRAY_TASK_ID", "12", 1), setenv("SLURM_ARRAY_TASK_MIN", "10", 1);
+  setenv("SLURM_ARRAY_TASK_COUNT", "3", 1), setenv("SLURM_ARRAY_TASK_STEP", "1", 1);
+  r = run("study g.yaml -o shards/3 --shard auto --quiet");
+  CU_ASSERT(r.status == 0 || r.status == 1);
+  free_ran(&r);
+  r = run("study g.yaml -o shards/2 --shard 2/3 --quiet");
+  CU_ASSERT(r.status == 0 || r.status == 1);
+  free_ran(&r);
+  EXPECT_EXIT("merge shards --quiet", 1);
+  SAME_STUDY("one", "shards");
+  r = run("merge shards/1 shards/2 shards/3 shards/2 -o twice");
+  EXPECT(r.status == 2 && strstr(r.err, "is shard 2, as "), "%s", r.err);
+  free_ran(&r);
+  r = run("study g.yaml --set load.fraction=0.5 -o other/2 --shard 2/3 --quiet");
+  free_ran(&r);
+  r = run("merge shards/1 other/2 shards/3 -o strange");
+  EXPECT(r.status == 2 && strstr(r.err, "is of another study than"), "%s", r.err);
+  free_ran(&r);
+  CU_ASSERT(access("short", F_OK) && access("twice", F_OK) && access("strange", F_OK));
+  char *csv = read_file("one/study.csv"), *failures = read_file("one/failures.csv");
+  CU_ASSERT_EQUAL(count_lines(csv) + count_lines(failures), 122);
+  EXPECT(strstr(failures, ",1,") && strstr(failures, "the armature meets the pole cover"), "%s",
+         failures);
+  free(csv), free(failures);
+}
+
+/* In one process and in several: the order in which ngspice runs circuits does not matter. */
+static void one_result_of_circuits(void) {
+  write_file("c.yaml", CIRCUIT);
+  RUN_GOOD("study c.yaml -o c1 --jobs 1 --quiet --keep runs");
+  RUN_GOOD("study c.yaml -o c2 --jobs 4 --quiet");
+  SAME_STUDY("c1", "c2");
+  RUN_GOOD("run paper --set circuit.deck=halfwave_paper --set run.until=12ms --set "
+           "circuit.r1=4.7kohm --set circuit.thyristor=TYN1212 --quiet -o alone");
+  same_file("c1/runs/3/run.csv", "alone/run.csv", __LINE__);
+}
+
+/* ---- what it survives ---- */
+
+static double seconds(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void wait_s(double s) {
+  struct timespec t = {(time_t)s, (long)(1e9 * fmod(s, 1))};
+  nanosleep(&t, NULL);
+}
+
+static pid_t start(const char *format) {
+  char words[256];
+  const char *argv[MOST_WORDS];
+  snprintf(words, sizeof words, "%s", format);
+  split(words, argv);
+  return spawn(argv);
+}
+
+/* A child of that process; 0: it has none now. */
+static pid_t child_of(pid_t parent) {
+  char path[64], text[64] = "";
+  snprintf(path, sizeof path, "/proc/%d/task/%d/children", (int)parent, (int)parent);
+  FILE *f = fopen(path, "r");
+  if (!f || !fgets(text, sizeof text, f)) *text = '\0';
+  if (f) fclose(f);
+  return (pid_t)atoi(text);
+}
+
+/* A case that has no end costs itself. */
+static void a_hanging_case(void) {
+  write_file(
+      "h.yaml",
+      "set: {run.sample: 1 ms}\nvary: {run.until: [10 ms, 9e5 s, 20 ms]}\nreport: [p_min]\n");
+  ran r = run("study h.yaml -o h --case-timeout 0.5s --jobs 2");
+  EXPECT(r.status == 1 && strstr(r.out, "2 done, 1 failed") && strstr(r.err, "1 of 3 cases failed"),
+         "%s%s", r.out, r.err);
+  free_ran(&r);
+  char *csv = read_file("h/study.csv"), *failures = read_file("h/failures.csv");
+  EXPECT(strstr(csv, "\n0,0.01,") && strstr(csv, "\n2,0.02,") && count_lines(csv) == 3, "%s", csv);
+  EXPECT(!strcmp(failures, "case,run.until_s,status,why\n1,900000,1,no end after 0.5 s "
+                           "(--case-timeout)\n"),
+         "%s", failures);
+  free(csv), free(failures);
+}
+
+/* A worker that is ended is replaced, and its case run again; one that ends worker after worker
+ * fails, and says how. */
+static void a_case_that_kills(void) {
+  write_file("k.yaml", "set: {run.sample: 1 ms}\nvary: {run.until: [9e5 s]}\n");
+  pid_t master = start("study k.yaml -o k");
+  pid_t last = 0;
+  int killed = 0;
+  for (double end = seconds() + 20; killed < 2 && seconds() < end; wait_s(0.02)) {
+    pid_t worker = child_of(master);
+    if (!worker || worker == last) continue;
+    wait_s(0.1); /* so that it is one, and no longer the fork */
+    kill(worker, SIGKILL);
+    last = worker;
+    killed++;
+  }
+  ran r = collect(master);
+  CU_ASSERT_EQUAL(r.status, 1);
+  free_ran(&r);
+  char *failures = read_file("k/failures.csv");
+  EXPECT(strstr(failures, "\n0,900000,1,its process died: signal 9 (Killed)"), "%s",
+         failures);
+  free(failures);
+}
+
+/* Ended by a signal it can be gone on with, and loses nothing. */
+static void a_signal(void) {
+  write_file("g.yaml", GRID);
+  EXPECT_EXIT("study g.yaml -o whole --quiet", 1);
+  write_file("s.yaml",
+             "set: {run.sample: 1 ms}\nvary: {run.until: [10 ms, 9e5 s]}\nreport: [p_min]\n");
+  pid_t master = start("study s.yaml -o stopped --jobs 2");
+  for (double end = seconds() + 10; access("stopped/journal", F_OK) && seconds() < end;)
+    wait_s(0.01);
+  wait_s(0.3);
+  kill(master, SIGTERM);
+  ran r = collect(master);
+  EXPECT(r.status == 75 && strstr(r.err, "--resume goes on"), "%d %s", r.status, r.err);
+  free_ran(&r);
+  EXPECT_FILES("stopped", "journal ");
+  r = run("study s.yaml -o stopped");
+  EXPECT(r.status == 2 && strstr(r.err, "a study was broken off here; --resume goes on with it"),
+         "%s", r.err);
+  free_ran(&r);
+  r = run("study s.yaml -o stopped --resume --case-timeout 0.2s --progress json");
+  EXPECT(r.status == 1 && strstr(r.out, "{\"done\": 1, \"failed\": 1, \"total\": 2, \"per_s\": "),
+         "%s%s", r.out, r.err);
+  free_ran(&r);
+}
+
+/* A last line that is torn, and one that is damaged, are run again; a changed study is refused. */
+static void a_torn_journal(void) {
+  write_file("g.yaml", GRID);
+  EXPECT_EXIT("study g.yaml -o whole --quiet", 1);
+  EXPECT_EXIT("study g.yaml -o torn --quiet", 1);
+  struct stat s;
+  CU_ASSERT_EQUAL(stat("torn/journal", &s), 0);
+  CU_ASSERT_EQUAL(truncate("torn/journal", s.st_size - 7), 0);
+  FILE *f = fopen("torn/journal", "r+");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(f);
+  fseek(f, s.st_size / 2, SEEK_SET);
+  fputc('#', f);
+  fclose(f);
+  CU_ASSERT_EQUAL(remove("torn/manifest.json"), 0);
+  ran r = run("study g.yaml -o torn --resume");
+  EXPECT(r.status == 1 && strstr(r.err, "2 torn or damaged lines mended"), "%s", r.err);
+  free_ran(&r);
+  SAME_STUDY("whole", "torn");
+  r = run("study g.yaml -o torn --resume --quiet"); /* nothing is left to do */
+  CU_ASSERT_EQUAL(r.status, 1);
+  free_ran(&r);
+  SAME_STUDY("whole", "torn");
+  r = run("study g.yaml -o torn --resume --set load.fraction=0.1");
+  EXPECT(r.status == 2 && strstr(r.err, "torn/journal: is of another study"), "%s", r.err);
+  free_ran(&r);
+  char changed[sizeof GRID + 16];
+  snprintf(changed, sizeof changed, "%s# more\n", GRID);
+  write_file("g.yaml", changed);
+  r = run("study g.yaml -o torn --resume");
+  EXPECT(r.status == 2 && strstr(r.err, "torn/journal: is of another study"), "%s", r.err);
+  free_ran(&r);
+  SAME_STUDY("whole", "torn");
+}
+
+/* A scene whose cases take some milliseconds, so that there are instants to choose from. */
+static const char SLOW[] = "set: {run.until: 4 s, firing.every: 1}\n"
+                           "vary:\n"
+                           "  firing.angle: {from: 100 deg, to: 175 deg, step: 0.5 deg}\n"
+                           "report: [p_min, i_peak]\n";
+
+/* Waits for its end after ending its master, or a worker of it, at that instant. */
+static int disturb(const char *words, double at_s, bool worker) {
+  pid_t master = start(words);
+  wait_s(at_s);
+  pid_t child = worker ? child_of(master) : 0;
+  kill(child ? child : master, SIGKILL);
+  ran r = collect(master);
+  int status = r.status;
+  free_ran(&r);
+  return status;
+}
+
+/* kill -9 of the master or of a worker, again and again; each time --resume ends with the bytes of
+ * an undisturbed study. 20 instants; 200 with VS_LONG. */
+static void killed_at_any_instant(void) {
+  int instants = getenv("VS_LONG") ? 200 : 20, broken = 0;
+  write_file("slow.yaml", SLOW);
+  double began = seconds();
+  EXPECT_EXIT("study slow.yaml -o whole --quiet", 0);
+  double length = seconds() - began;
+  srand(7);
+  for (int k = 0; k < instants; k++) {
+    remove_tree("killed");
+    int status = 1137;
+    for (int n = 0; n < 50 && status; n++) {
+      double at_s = length * (double)rand() / RAND_MAX * (n ? 2 : 1);
+      status = disturb("study slow.yaml -o killed --resume --quiet", at_s, (k + n) % 3 == 2);
+      broken += status == 1000 + SIGKILL;
+      EXPECT(status == 0 || status == 1000 + SIGKILL, "exit status %d", status);
+    }
+    SAME_STUDY("whole", "killed");
+  }
+  EXPECT(broken >= instants / 3, "only %d of %d were broken off", broken, instants);
+}
+
+static const vs_test TESTS[] = {
+    {"checksums", checksums},
+    {"cells", cells},
+    {"a grid", a_grid},
+    {"a case is a run", a_case_is_a_run},
+    {"a list", a_list},
+    {"mistakes", mistakes},
+    {"refusals", refusals},
+    {"one result", one_result},
+    {"one result of circuits", one_result_of_circuits},
+    {"a hanging case", a_hanging_case},
+    {"a case that kills", a_case_that_kills},
+    {"a signal", a_signal},
+    {"a torn journal", a_torn_journal},
+    {"killed at any instant", killed_at_any_instant},
+};
+
+int main(void) {
+  return program_suite("study", TESTS, COUNT(TESTS));
+}
