@@ -33,9 +33,10 @@ static vs_status pick_row(void *ctx, const vs_study_row *row, vs_error *err) {
 
 static void add_line(vs_text *script, const char *name, int colour, bool points,
                      const char *title) {
+  static const int POINTS[VS_COLOURS] = {7, 5, 9, 13, 6, 4, 8};
   vs_text_add(script, "$%s using 1:2 with %s lc rgb '%s' lw 1.8 dt %d pt %d ps 0.6 title ", name,
               points ? "linespoints" : "lines", vs_colours[colour % VS_COLOURS], colour % 4 + 1,
-              colour + 4);
+              POINTS[colour % VS_COLOURS]);
   vs_gnuplot_quoted(script, title);
 }
 
@@ -55,9 +56,8 @@ static vs_status draw_family(const vs_sketch *k, size_t x, size_t words, size_t 
     snprintf(name, sizeof name, "line%zu", n);
     vs_sketch_data(&p->script, name, &m.line[n], false);
   }
-  vs_text_add(&p->script, "set key outside right top title ");
-  vs_gnuplot_quoted(&p->script, k->t->column[words].name);
-  vs_text_add(&p->script, "\nplot ");
+  vs_text_add(&p->caption, "A line for each %s. ", k->t->column[words].name);
+  vs_text_add(&p->script, "set key tmargin center horizontal samplen 2\nplot ");
   for (size_t n = 0, drawn = 0; n < w->count; n++) {
     if (!m.line[n].count) continue;
     vs_text_add(&p->script, "%s", drawn++ ? ", " : "");
@@ -198,14 +198,14 @@ vs_status vs_draw_cloud(const vs_sketch *k, size_t column, vs_picture *p, vs_err
   for (size_t n = 0; n < CLOUD_CELLS * CLOUD_CELLS; n++) c.point[n][2] = NAN;
   vs_status status = vs_study_each(k->t, add_point, &c, err);
   vs_sketch_title(k, column, " of each case", p);
-  p->width = 760;
-  p->height = 560;
+  p->width = 720;
+  p->height = 520;
   vs_sketch_begin(k, c.column[0], column, p);
   snprintf(p->name, sizeof p->name, "cloud_%.200s", k->t->column[column].title);
   vs_sketch_axis(k, c.column[1], 'y', &p->script);
   vs_text_add(&p->script, "%sset cblabel ", vs_palette);
   vs_gnuplot_quoted(&p->script, vs_sketch_scale(k, column).label);
-  vs_text_add(&p->script, "\nset rmargin 14\n$points << EOD\n");
+  vs_text_add(&p->script, "\nset rmargin 16\n$points << EOD\n");
   for (size_t n = 0; n < CLOUD_CELLS * CLOUD_CELLS; n++)
     if (!isnan(c.point[n][2]))
       vs_text_add(&p->script, "%.9g %.9g %.9g\n", c.point[n][0], c.point[n][1], c.point[n][2]);

@@ -164,6 +164,7 @@ static void add_cells(const map *m, vs_text *script) {
       if (isnan(z)) continue;
       bool more_x = i + 1 < m->x.cells && !isnan(m->z[j * m->x.cells + i + 1]);
       bool more_y = j + 1 < m->y.cells && !isnan(m->z[(j + 1) * m->x.cells + i]);
+      if (more_x && more_y && isnan(m->z[(j + 1) * m->x.cells + i + 1])) more_y = false;
       double right = more_x ? between(m->x.edge[i + 1], m->x.edge[i + 2], 0.2, m->x.scale.log)
                             : m->x.edge[i + 1];
       double top = more_y ? between(m->y.edge[j + 1], m->y.edge[j + 2], 0.2, m->y.scale.log)
@@ -190,6 +191,8 @@ static bool add_contour(const map *m, double level, vs_text *script) {
   return any;
 }
 
+enum { MOST_EVEN = 30 }; /* from there on colours go with the logarithm */
+
 static void add_colours(const map *m, vs_picture *p) {
   double least = INFINITY, largest = -INFINITY;
   for (size_t n = 0; n < m->x.cells * m->y.cells; n++) {
@@ -205,8 +208,9 @@ static void add_colours(const map *m, vs_picture *p) {
   vs_text_add(&p->script, "%sset cbrange [%.9g:%.9g]\nset cblabel ", vs_palette, least - room,
               largest + room);
   vs_gnuplot_quoted(&p->script, vs_sketch_scale(m->k, m->column).label);
-  vs_text_add(&p->script,
-              "\nset colorbox user origin 0.87,0.15 size 0.025,0.72\nset rmargin screen 0.84\n");
+  if (least > 0 && largest > MOST_EVEN * least) vs_text_add(&p->script, "\nset logscale cb");
+  vs_text_add(&p->script, "\nset colorbox user origin 0.81,0.15 size 0.025,0.72\nset rmargin "
+                          "screen 0.79\nset cbtics nomirror in\n");
 }
 
 static void say_of_others(const map *m, vs_picture *p) {
@@ -231,12 +235,12 @@ static void add_map(const map *m, vs_picture *p) {
   bool met = add_contour(m, limit, &p->script);
   vs_text_add(&p->script,
               "set object 1 rectangle from graph 0,0 to graph 1,1 fc rgb '#d9d9d9' "
-              "fs solid noborder behind\nunset grid\nset tics out\n"
+              "fs solid noborder behind\nunset grid\nset tics out nomirror\n"
               "plot $cells using 1:2:3:4:5:6:7 with boxxyerror fs solid noborder lc palette");
   if (met)
     vs_text_add(&p->script,
-                ", $limit using 1:2 with lines lw 5 lc rgb 'white', $limit using 1:2 with lines lw "
-                "2.2 lc rgb '%s'",
+                ", $limit using 1:2 with lines lw 7 lc rgb 'white', $limit using 1:2 with lines lw "
+                "3 lc rgb '%s'",
                 vs_colour_bad);
   vs_text_add(&p->script, "\n");
   const char *unit = vs_sketch_scale(m->k, m->column).unit;
@@ -254,8 +258,8 @@ vs_status vs_draw_map(const vs_sketch *k, size_t column, vs_picture *p, vs_error
   vs_status status = make_map(&m, k, column, err);
   vs_sketch_title(k, column, "", p);
   say_of_others(&m, p);
-  p->width = 760;
-  p->height = 560;
+  p->width = 720;
+  p->height = 520;
   vs_sketch_begin(k, m.x.column, column, p);
   vs_sketch_axis(k, m.y.column, 'y', &p->script);
   add_map(&m, p);

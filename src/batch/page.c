@@ -14,14 +14,16 @@ static const char STYLE[] =
     "solid #777;padding:.7rem 1.1rem;margin:1rem 0}.good{border-left-color:#0072b2}"
     ".bad{border-left-color:#d55e00}.big{font-size:1.5rem;font-weight:600;margin:.1rem 0}"
     "p{margin:.35rem 0}.pictures{display:flex;flex-wrap:wrap;gap:1.2rem}"
-    "figure{margin:0;flex:1 1 520px;max-width:760px;break-inside:avoid}"
+    "figure{margin:0;flex:1 1 520px;max-width:720px;break-inside:avoid}"
     "iframe{width:100%;border:1px solid #ddd;display:block}"
     "figcaption{font-size:.88rem;color:#333;padding:.3rem .1rem}"
     ".wide{overflow-x:auto}table{border-collapse:collapse;font-size:.88rem;margin:.4rem 0}"
     "th,td{border:1px solid #ccc;padding:.2rem .55rem;text-align:left;vertical-align:top;"
     "overflow-wrap:anywhere}"
     "th{background:#f2f2f2}td.n{text-align:right;white-space:nowrap;overflow-wrap:normal}"
-    ".bar{display:inline-block;height:.7em;background:#0072b2}"
+    ".wide th,.wide "
+    "td{white-space:nowrap;overflow-wrap:normal}.bar{display:inline-block;height:.7em;background:#"
+    "0072b2}"
     "@media print{main{max-width:none}a{color:inherit}}";
 
 /* ---- text in HTML ---- */
@@ -213,9 +215,7 @@ static void add_picture(vs_text *html, const vs_picture *p, const char *svg) {
     from += n;
     if (*from) vs_text_add(html, "%s", *from++ == '&' ? "&amp;" : "&quot;");
   }
-  vs_text_add(html, "\"></iframe>\n<figcaption><b>");
-  add_escaped(html, p->title.text);
-  vs_text_add(html, ".</b> ");
+  vs_text_add(html, "\"></iframe>\n<figcaption>");
   add_escaped(html, p->caption.text ? p->caption.text : "");
   vs_text_add(html, "</figcaption>\n</figure>\n");
 }

@@ -26,7 +26,7 @@ static vs_status draw(const vs_picture *p, bool svg, drawing *d, vs_error *err) 
   vs_text_add(
       &script,
       "set terminal %s noenhanced size %d,%d font 'sans-serif,%d' background rgb 'white'\n%s",
-      svg ? "svg dynamic mousing standalone" : "pngcairo", p->width, p->height, svg ? 13 : 10,
+      svg ? "svg dynamic mousing standalone" : "pngcairo", p->width, p->height, svg ? 15 : 11,
       p->script.text);
   vs_status status = vs_gnuplot_picture(script.text, &d->bytes, &d->size, err);
   vs_text_free(&script);

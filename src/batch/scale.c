@@ -5,8 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
-const char *const vs_colours[VS_COLOURS] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                            "#e69f00", "#56b4e9", "#000000"};
+const char *const vs_colours[VS_COLOURS] = {"#0072b2", "#e69f00", "#009e73", "#cc79a7",
+                                            "#000000", "#56b4e9", "#d55e00"};
 const char vs_colour_good[] = "#0072b2", vs_colour_bad[] = "#d55e00";
 const char vs_palette[] =
     "set palette defined (0 '#440154', 1 '#482878', 2 '#3e4989', 3 '#31688e', 4 '#26828e', "
@@ -15,9 +15,13 @@ const char vs_palette[] =
 void vs_unit_pretty(const char *unit, char *pretty, size_t size) {
   static const struct {
     const char *plain, *pretty;
-  } SIGNS[] = {{"ohm", "Ω"}, {"deg", "°"}, {"2", "²"}, {"3", "³"}, {".", "·"}};
+  } SIGNS[] = {{"ohm", "Ω"}, {"deg", "°"}, {"2", "²"}, {"3", "³"}, {".", "·"}, {"/u", "/µ"}};
   size_t n = 0;
   *pretty = '\0';
+  if (*unit == 'u' && unit[1]) { /* micro */
+    n = (size_t)snprintf(pretty, size, "µ");
+    unit++;
+  }
   while (*unit && n + 4 < size) {
     size_t k = 0;
     while (k < sizeof SIGNS / sizeof *SIGNS &&

@@ -118,33 +118,44 @@ void vs_sketch_begin(const vs_sketch *k, size_t x, size_t y, vs_picture *p) {
   if (!*p->name) snprintf(p->name, sizeof p->name, "%.250s", c->title);
   for (char *s = p->name; *s; s++)
     if (*s == '/') *s = '_';
-  if (!p->width) p->width = 760, p->height = 460;
+  if (!p->width) p->width = 720, p->height = 430;
   vs_text_add(&p->script, "set grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb '#404040'\n"
-                          "set key noautotitle\nset rmargin 4\nset title ");
+                          "set key noautotitle\nset rmargin 4\nset tics nomirror\nset title ");
   vs_gnuplot_quoted(&p->script, p->title.text);
-  vs_text_add(&p->script, "\n");
+  vs_text_add(&p->script, p->labels_above ? " offset 0,3.6\nset tmargin 7.5\n" : " offset 0,0.7\n");
   vs_sketch_axis(k, x, 'x', &p->script);
 }
 
 /* A line across the picture at the limit, and what it is. */
-static void add_limit(const vs_sketch *k, size_t column, char axis, double limit, vs_text *script) {
-  vs_scale scale = vs_sketch_scale(k, column);
-  bool upright = axis == 'x';
-  vs_text_add(script,
-              "set arrow from %s %.9g%s %s to %s %.9g%s %s nohead lc rgb '%s' lw 1.8 dt 2 front\n",
-              upright ? "first" : "graph 0, first", limit, upright ? "," : "",
-              upright ? "graph 0" : "", upright ? "first" : "graph 1, first", limit,
-              upright ? "," : "", upright ? "graph 1" : "", vs_colour_bad);
-  vs_text label = {0};
-  vs_text_add(&label, "limit %.4g %s", limit, scale.unit);
+static void add_limit(const vs_sketch *k, size_t column, char axis, double limit, vs_picture *p) {
+  vs_text *script = &p->script, label = {0};
+  const double height = p->labels_above ? 2.8 : 0.5; /* lines */
+  if (axis == 'x')
+    vs_text_add(script, "set arrow from first %.9g, graph 0 to first %.9g, graph 1", limit, limit);
+  else
+    vs_text_add(script, "set arrow from graph 0, first %.9g to graph 1, first %.9g", limit, limit);
+  vs_text_add(script, " nohead lc rgb '%s' lw 1.8 dt 2 front\n", vs_colour_bad);
+  vs_text_add(&label, "limit %.4g %s", limit, vs_sketch_scale(k, column).unit);
   vs_text_add(script, "set label ");
   vs_gnuplot_quoted(script, label.text);
-  vs_text_add(script,
-              upright ? " at first %.9g, graph 0.97 left offset 0.6,0"
-                      : " at graph 0.99, first %.9g right offset 0,0.6",
-              limit);
-  vs_text_add(script, " tc rgb '%s' front\n", vs_colour_bad);
   vs_text_free(&label);
+  if (axis == 'x')
+    vs_text_add(script, " at first %.9g, graph 1 center offset 0,%g", limit, height);
+  else
+    vs_text_add(script, " at graph 0.99, first %.9g right offset 0,0.6", limit);
+  vs_text_add(script, " tc rgb '%s' front\n", vs_colour_bad);
+}
+
+enum { LOW_MARGIN = -150 }; /* %; far below that nobody looks for how far */
+
+/* Where a few margins are far below 0, those about 0 would not be seen. */
+static double cut_low(const vs_sketch *k, size_t column, double least, double largest,
+                      vs_picture *p) {
+  if (k->t->column[column].role != VS_ROLE_MARGIN || least >= LOW_MARGIN ||
+      largest < LOW_MARGIN / 2)
+    return least;
+  vs_text_add(&p->caption, "It goes on below the picture, to %.4g %%. ", least);
+  return LOW_MARGIN;
 }
 
 void vs_sketch_range(const vs_sketch *k, size_t column, char axis, bool from_zero, vs_picture *p) {
@@ -152,12 +163,13 @@ void vs_sketch_range(const vs_sketch *k, size_t column, char axis, bool from_zer
   vs_scale scale = vs_sketch_scale(k, column);
   double least = profile->least * scale.factor, largest = profile->largest * scale.factor;
   if (from_zero) least = fmin(least, 0), largest = fmax(largest, 0);
+  if (axis == 'y') least = cut_low(k, column, least, largest, p);
   double limit = vs_sketch_limit(k, column), span = largest - least;
   bool near = limit >= least - span && limit <= largest + span;
   if (near) {
     least = fmin(least, limit);
     largest = fmax(largest, limit);
-    add_limit(k, column, axis, limit, &p->script);
+    add_limit(k, column, axis, limit, p);
   } else if (!isnan(limit))
     vs_text_add(&p->caption, "The limit, %.4g %s, lies outside the picture. ", limit, scale.unit);
   double room = largest > least ? 0.06 * (largest - least) : (least != 0 ? 0.05 * fabs(least) : 1);

@@ -12,6 +12,7 @@ typedef struct vs_picture {
   vs_text title, caption;
   vs_text script; /* all but terminal and output */
   int width, height;
+  bool labels_above; /* two lines of them above the frame; then a limit's, then the title */
 } vs_picture;
 
 /* What is drawn from. */

@@ -50,7 +50,7 @@ static void add_percentiles(const double *v, size_t n, const char *unit, vs_pict
     double percent;
     const char *place;
   } LINES[] = {
-      {5, "right offset -0.3,0.6"}, {50, "center offset 0,1.4"}, {95, "left offset 0.3,0.6"}};
+      {5, "right offset -0.3,0.6"}, {50, "center offset 0,1.65"}, {95, "left offset 0.3,0.6"}};
   vs_text_add(&p->caption, "%zu cases; ", n);
   for (size_t k = 0; k < 3; k++) {
     double at = vs_percentile(v, n, LINES[k].percent);
@@ -70,7 +70,7 @@ static void add_histogram(const vs_sketch *k, size_t column, double *v, size_t n
   vs_sketch_range(k, column, 'x', false, p);
   add_percentiles(v, n, vs_sketch_scale(k, column).unit, p);
   add_bins(&p->script, v, n, isnan(limit) ? v[0] : limit);
-  vs_text_add(&p->script, "set tmargin 6\nset ylabel 'share of cases / %%'\nset yrange [0:*]\n"
+  vs_text_add(&p->script, "set ylabel 'share of cases / %%'\nset yrange [0:*]\n"
                           "set style fill solid 0.8 border lc rgb 'white'\n");
   if (margin)
     vs_text_add(&p->script,
@@ -87,6 +87,9 @@ static void add_histogram(const vs_sketch *k, size_t column, double *v, size_t n
 vs_status vs_draw_histogram(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   vs_dots s;
   vs_sketch_title(k, column, ": how it is spread", p);
+  p->width = 720;
+  p->height = 470;
+  p->labels_above = true;
   vs_sketch_begin(k, column, column, p);
   vs_text_add(&p->script, "unset logscale x\n");
   vs_status status = vs_dots_load(k, 0, column, &s, err);
@@ -146,8 +149,7 @@ static void add_bars(const chosen *c, vs_picture *p) {
     vs_text_add(&p->script, " %zu", n);
     vs_text_free(&label);
   }
-  vs_text_add(&p->script, ") font 'sans-serif,10'\nset yrange [%g:-0.6]\n$bars << EOD\n",
-              (double)c->n - 0.4);
+  vs_text_add(&p->script, ")\nset yrange [%g:-0.6]\n$bars << EOD\n", (double)c->n - 0.4);
   for (size_t n = 0; n < c->n; n++) {
     vs_study_number(c->kept[n].cell[c->column], &y);
     vs_text_add(&p->script, "%zu %.9g\n", n, y * factor);
@@ -165,8 +167,8 @@ vs_status vs_draw_bars(const vs_sketch *k, size_t column, vs_picture *p, vs_erro
   chosen c = {.k = k, .column = column};
   vs_status status = vs_study_each(k->t, choose, &c, err);
   vs_sketch_title(k, column, " at the corners", p);
-  p->width = 760;
-  p->height = 110 + 18 * (int)c.n;
+  p->width = 720;
+  p->height = 120 + 24 * (int)c.n;
   vs_sketch_begin(k, column, column, p);
   vs_sketch_range(k, column, 'x', true, p);
   if ((size_t)k->s->rows > c.n) vs_text_add(&p->caption, "The %zu worst of %ld. ", c.n, k->s->rows);
@@ -235,8 +237,8 @@ vs_status vs_draw_influence(const vs_sketch *k, size_t column, vs_picture *p, vs
   qsort(all, n, sizeof *all, by_strength);
   if (n > MOST_BARS) n = MOST_BARS;
   snprintf(p->name, sizeof p->name, "influence");
-  p->width = 760;
-  p->height = 110 + 26 * (int)n;
+  p->width = 720;
+  p->height = 120 + 28 * (int)n;
   vs_text_add(&p->title, "What moves %s", k->t->column[column].name);
   vs_text_add(&p->caption, "Linear correlation with each axis, over all cases: 1 or -1 where it "
                            "alone decides, 0 where it has no part that is linear. ");
@@ -251,7 +253,7 @@ vs_status vs_draw_influence(const vs_sketch *k, size_t column, vs_picture *p, vs
   vs_text_add(&p->script, ")\nset yrange [%g:-0.6]\n$bars << EOD\n", (double)n - 0.4);
   for (size_t i = 0; i < n; i++) vs_text_add(&p->script, "%zu %.9g\n", i, all[i].r);
   vs_text_add(&p->script,
-              "EOD\nset style fill solid 0.8 noborder\nset xzeroaxis\n"
+              "EOD\nset style fill solid 0.8 noborder\nset yzeroaxis lt 1\n"
               "plot $bars using (0):1:($2 < 0 ? $2 : 0):($2 < 0 ? 0 : $2):($1-0.36):($1+0.36) with "
               "boxxyerror lc rgb '%s'\n",
               vs_colour_good);
@@ -305,11 +307,12 @@ vs_status vs_draw_effect(const vs_sketch *k, size_t axis, size_t column, vs_pict
                   e->at[i].least * factor, e->at[i].sum / (double)e->at[i].n * factor,
                   e->at[i].largest * factor);
   vs_text_add(&p->script,
-              "EOD\nset key outside right top\nplot $e using 1:4 with linespoints lc rgb '%s' lw "
+              "EOD\nset key tmargin center horizontal samplen 2\nplot $e using 1:4 with "
+              "linespoints lc rgb '%s' lw "
               "1.8 dt 2 pt 5 ps 0.6 title 'largest', $e using 1:3 with linespoints lc rgb '%s' lw "
               "1.8 pt 7 ps 0.6 title 'mean', $e using 1:2 with linespoints lc rgb '%s' lw 1.8 dt 4 "
               "pt 9 ps 0.6 title 'least'\n",
-              vs_colours[2], vs_colours[6], vs_colours[1]);
+              vs_colours[2], vs_colours[4], vs_colours[0]);
   free(e);
   return status;
 }
