@@ -46,7 +46,9 @@ static vs_picture *next_picture(vs_album *album) {
 static vs_status add(const vs_sketch *k, vs_draw draw, size_t column, vs_album *album,
                      vs_error *err) {
   vs_picture *p = next_picture(album);
-  return p ? draw(k, column, p, err) : VS_OK;
+  vs_status status = p ? draw(k, column, p, err) : VS_OK;
+  if (p && !*p->name) album->count--; /* there was nothing to draw */
+  return status;
 }
 
 /* Each axis' own part, where no picture shows it. */

@@ -206,15 +206,20 @@ vs_status vs_draw_cloud(const vs_sketch *k, size_t column, vs_picture *p, vs_err
   vs_text_add(&p->script, "%sset cblabel ", vs_palette);
   vs_gnuplot_quoted(&p->script, vs_sketch_scale(k, column).label);
   vs_text_add(&p->script, "\nset rmargin 16\n$points << EOD\n");
-  for (size_t n = 0; n < CLOUD_CELLS * CLOUD_CELLS; n++)
-    if (!isnan(c.point[n][2]))
-      vs_text_add(&p->script, "%.9g %.9g %.9g\n", c.point[n][0], c.point[n][1], c.point[n][2]);
+  bool violated = false;
+  for (size_t n = 0; n < CLOUD_CELLS * CLOUD_CELLS; n++) {
+    const double *at = c.point[n];
+    if (isnan(at[2])) continue;
+    vs_text_add(&p->script, "%.9g %.9g %.9g\n", at[0], at[1], at[2]);
+    violated = violated || (c.margin && at[2] < 0);
+  }
   vs_text_add(&p->script, "EOD\nplot $points using 1:2:3 with points pt 7 ps 0.7 lc palette");
-  if (c.margin)
+  if (violated)
     vs_text_add(&p->script,
                 ", $points using 1:($3 < 0 ? $2 : NaN) with points pt 2 ps 0.7 lc rgb "
-                "'%s' title 'a rating is violated'",
+                "'%s' ",
                 vs_colour_bad);
+  if (violated) vs_text_add(&p->caption, "Crosses: a rating is violated. ");
   vs_text_add(&p->script, "\n");
   free(c.point);
   return status;

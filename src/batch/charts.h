@@ -18,7 +18,8 @@ vs_status vs_draw_cases(const vs_sketch *k, size_t column, vs_picture *p, vs_err
 vs_status vs_draw_path(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err);
 /* Cases that lie anywhere between two axes that are numbers: points in colour. */
 vs_status vs_draw_cloud(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err);
-/* How much of the column moves with each axis that is a number: the correlation. */
+/* How much of the column moves with each axis that is a number: the correlation. Where
+ * nothing moves it there is no picture: it has no name. */
 vs_status vs_draw_influence(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err);
 /* Least, mean and largest at each value of one axis, over all the others. */
 vs_status vs_draw_effect(const vs_sketch *k, size_t axis, size_t column, vs_picture *p,
@@ -26,5 +27,18 @@ vs_status vs_draw_effect(const vs_sketch *k, size_t axis, size_t column, vs_pict
 
 /* By linear interpolation between the values of a rising list (Hyndman and Fan's type 7). */
 double vs_percentile(const double *rising, size_t count, double percent);
+
+/* A histogram's bars, from the least value to the largest; at least one value. They meet at `joint`
+ * where it lies between those (NAN: nowhere), so that none stands on both sides of it. */
+enum { VS_BINS = 64 };
+typedef struct vs_bins {
+  double width;
+  size_t count;
+  struct {
+    double middle;
+    size_t cases; /* from its left end on, to before its right one; of the last bar, with it */
+  } item[VS_BINS];
+} vs_bins;
+vs_bins vs_bins_of(const double *rising, size_t count, double joint);
 
 #endif

@@ -26,22 +26,31 @@ static int rising(const void *a, const void *b) {
 /* Freedman and Diaconis' width, for 8 to 60 bins. */
 static double bin_width(const double *v, size_t n) {
   double span = v[n - 1] - v[0];
-  if (!(span > 0)) return v[0] != 0 ? 0.05 * fabs(v[0]) : 1;
+  if (span <= 1e-10 * fabs(v[0])) return v[0] != 0 ? 0.05 * fabs(v[0]) : 1;
   double width = 2 * (vs_percentile(v, n, 75) - vs_percentile(v, n, 25)) / cbrt((double)n);
   return fmin(span / 8, fmax(span / 60, width));
 }
 
-/* Bars "x share"; bins meet at `joint`, so that none lies on both sides of it. */
-static void add_bins(vs_text *script, const double *v, size_t n, double joint) {
-  double width = bin_width(v, n);
-  long bin = (long)floor((v[0] - joint) / width);
-  vs_text_add(script, "width = %.9g\n$bins << EOD\n", width);
-  for (size_t k = 0; k < n; bin++) {
-    size_t first = k;
-    double end = joint + (double)(bin + 1) * width;
-    while (k < n && (v[k] < end || (k == n - 1 && v[k] <= end * (1 + 1e-12)))) k++;
-    vs_text_add(script, "%.9g %.9g\n", end - width / 2, 100 * (double)(k - first) / (double)n);
+vs_bins vs_bins_of(const double *v, size_t n, double joint) {
+  vs_bins b = {.width = bin_width(v, n)};
+  if (!(joint > v[0] && joint < v[n - 1])) joint = v[0];
+  double first = floor((v[0] - joint) / b.width);
+  for (size_t k = 0; k < n && b.count < VS_BINS; b.count++) {
+    size_t begin = k;
+    double end = joint + (first + (double)b.count + 1) * b.width;
+    bool last = b.count == VS_BINS - 1 || v[n - 1] <= end;
+    while (k < n && (last || v[k] < end)) k++;
+    b.item[b.count].middle = end - b.width / 2;
+    b.item[b.count].cases = k - begin;
   }
+  return b;
+}
+
+static void add_bins(vs_text *script, const vs_bins *b, size_t n) {
+  vs_text_add(script, "width = %.9g\n$bins << EOD\n", b->width);
+  for (size_t k = 0; k < b->count; k++)
+    vs_text_add(script, "%.9g %.9g\n", b->item[k].middle,
+                100 * (double)b->item[k].cases / (double)n);
   vs_text_add(script, "EOD\n");
 }
 
@@ -69,19 +78,14 @@ static void add_histogram(const vs_sketch *k, size_t column, double *v, size_t n
   double limit = vs_sketch_limit(k, column);
   vs_sketch_range(k, column, 'x', false, p);
   add_percentiles(v, n, vs_sketch_scale(k, column).unit, p);
-  add_bins(&p->script, v, n, isnan(limit) ? v[0] : limit);
+  const vs_bins bins = vs_bins_of(v, n, limit);
+  add_bins(&p->script, &bins, n);
   vs_text_add(&p->script, "set ylabel 'share of cases / %%'\nset yrange [0:*]\n"
                           "set style fill solid 0.8 border lc rgb 'white'\n");
-  if (margin)
-    vs_text_add(&p->script,
-                "set key at graph 0.02, graph 0.96 left top reverse Left\n"
-                "plot $bins using 1:($1 < 0 ? $2 : NaN):(width) with boxes lc rgb '%s' title 'a "
-                "rating is violated', $bins using 1:($1 >= 0 ? $2 : NaN):(width) with boxes lc rgb "
-                "'%s' title 'all are kept'\n",
-                vs_colour_bad, vs_colour_good);
-  else
-    vs_text_add(&p->script, "plot $bins using 1:2:(width) with boxes lc rgb '%s'\n",
-                vs_colour_good);
+  vs_text_add(&p->script, "bad(x) = %d && x < 0 ? 0x%s : 0x%s\n", margin, vs_colour_bad + 1,
+              vs_colour_good + 1);
+  vs_text_add(&p->script, "plot $bins using 1:2:(width):(bad($1)) with boxes lc rgb variable\n");
+  if (margin) vs_text_add(&p->caption, "Left of 0, in orange: a rating is violated. ");
 }
 
 vs_status vs_draw_histogram(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
@@ -156,7 +160,7 @@ static void add_bars(const chosen *c, vs_picture *p) {
   }
   bool margin = c->k->t->column[c->column].role == VS_ROLE_MARGIN;
   vs_text_add(&p->script,
-              "EOD\nset style fill solid 0.8 noborder\nset grid noytics\n"
+              "EOD\nunset key\nset style fill solid 0.8 noborder\nset grid noytics\n"
               "plot $bars using (0):1:(0):($2 < 0 ? 0 : $2):($1-0.38):($1+0.38) with boxxyerror lc "
               "rgb '%s', $bars using (0):1:($2 < 0 ? $2 : 0):(0):($1-0.38):($1+0.38) with "
               "boxxyerror lc rgb '%s'\n",
@@ -236,6 +240,7 @@ vs_status vs_draw_influence(const vs_sketch *k, size_t column, vs_picture *p, vs
   free(m);
   qsort(all, n, sizeof *all, by_strength);
   if (n > MOST_BARS) n = MOST_BARS;
+  if (!n) return status;
   snprintf(p->name, sizeof p->name, "influence");
   p->width = 720;
   p->height = 120 + 28 * (int)n;
@@ -243,8 +248,9 @@ vs_status vs_draw_influence(const vs_sketch *k, size_t column, vs_picture *p, vs
   vs_text_add(&p->caption, "Linear correlation with each axis, over all cases: 1 or -1 where it "
                            "alone decides, 0 where it has no part that is linear. ");
   vs_sketch_begin(k, 0, column, p);
-  vs_text_add(&p->script,
-              "set xlabel 'correlation'\nset xrange [-1:1]\nset grid noytics\nset ytics (");
+  vs_text_add(
+      &p->script,
+      "unset key\nset xlabel 'correlation'\nset xrange [-1:1]\nset grid noytics\nset ytics (");
   for (size_t i = 0; i < n; i++) {
     vs_text_add(&p->script, "%s", i ? ", " : "");
     vs_gnuplot_quoted(&p->script, k->t->column[all[i].column].name);
