@@ -216,17 +216,17 @@ static void a_map(void) {
   free_ran(&r);
   EXPECT_FILES("s", "failures.csv manifest.json margin_least.png p_min_m.png report.html study.csv "
                     "thyristor.v_reverse_v.png ");
-  EXPECT_REPORT("<title>Study studies/snubber &lt;map&gt;.yaml</title>", "id=\"verdict\"",
-                "Worst margin -25 %: thyristor.v_reverse, case 0",
-                "8 of 11 cases keep every rating",
-                "<td>thyristor.v_reverse</td><td class=\"n\">8</td><td class=\"n\">72.72 %</td>",
-                "<td>varistor_1.clamp</td><td class=\"n\">3</td>", "1 of 12 cases",
-                "ngspice gave up at 0.0123 s, &quot;timestep too small&quot;", "id=\"pictures\"",
-                "The line: margin = 0 %", "The line: limit = 1.2 kV", "circuit.r1 / Ω",
-                "circuit.c1 / nF", "margin_least / %", "p_min / mm", "id=\"cases\"", "id=\"axes\"",
-                "100, 330, 1000, 3300", "id=\"columns\"", "largest reverse voltage",
-                "id=\"manifest\"", "circuit.deck: halfwave_paper", "ngspice: 39",
-                "sha256: 5c1f0a37", "vibrospice study studies/snubber.yaml -o map");
+  EXPECT_REPORT(
+      "<title>Study studies/snubber &lt;map&gt;.yaml</title>", "id=\"verdict\"",
+      "Worst margin -25 %: thyristor.v_reverse, case 0", "8 of 11 cases keep every rating",
+      "<td>thyristor.v_reverse</td><td class=\"n\">8</td><td class=\"n\">72.72 %</td>",
+      "<td>varistor_1.clamp</td><td class=\"n\">3</td>", "1 of 12 cases",
+      "ngspice gave up at 0.0123 s, &quot;timestep too small&quot;", "id=\"pictures\"",
+      "The line: margin = 0 %", "Grey: no case, or one that failed", "The line: limit = 1.2 kV",
+      "circuit.r1 / Ω", "circuit.c1 / nF", "margin_least / %", "p_min / mm", "id=\"cases\"",
+      "id=\"axes\"", "100, 330, 1000, 3300", "id=\"columns\"", "largest reverse voltage",
+      "id=\"manifest\"", "circuit.deck: halfwave_paper", "ngspice: 39", "sha256: 5c1f0a37",
+      "vibrospice study studies/snubber.yaml -o map");
   char *html = read_file("s/report.html");
   CU_ASSERT_EQUAL(count_words(html, "<iframe "), 3);
   CU_ASSERT_EQUAL(count_words(html, "gnuplot_svg.plot_xmin = "), 3); /* each can be moused */
@@ -377,7 +377,7 @@ static void other_methods(void) {
                 "circuit.a / Ω");
   write_study("grid", "", 30, in_words);
   RUN_GOOD("plot s --quiet");
-  EXPECT_REPORT("No rating was judged", "peak / kV", "circuit.b", "Grey: no case");
+  EXPECT_REPORT("No rating was judged", "peak / kV", "circuit.b");
   write_study("worst", ", \"find\": {\"worst\": \"max peak\"}", 97, searched);
   RUN_GOOD("plot s --quiet"); /* 29·k mod 97 is 96 where k is the inverse of -29: 10 */
   EXPECT_REPORT("Worst found: peak 96 V, case 10", "search for the largest", "evaluation",
@@ -491,6 +491,55 @@ static void bad_folders(void) {
   }
 }
 
+/* Whatever the names of a study hold, they are names. */
+static void hostile_names(void) {
+  static const char MANIFEST[] =
+      "{\"study\": \"</script><script>alert(1)</script>\", \"method\": \"grid\", \"cases\": 2, "
+      "\"done\": 2, \"failed\": 0, \"axes\": [{\"key\": \"a'\\nsystem 'touch made'\\n\", "
+      "\"column\": \"a\", \"unit\": \"V\\n!touch made\\n\"}], \"report\": [{\"name\": "
+      "\"`touch made`\", \"column\": \"../b\", \"unit\": \"\", \"rating\": 1, \"text\": "
+      "\"<img src=x>\\n'\\nsystem 'touch made'\"}]}";
+  remove_tree("s");
+  CU_ASSERT_EQUAL(mkdir("s", 0777), 0);
+  write_file("s/manifest.json", MANIFEST);
+  write_file("s/study.csv", "case,a,../b,status\n0,1,1,0\n1,2,2,0\n");
+  RUN_GOOD("plot s --quiet");
+  EXPECT_FILES("s", ".._b.png manifest.json report.html study.csv ");
+  CU_ASSERT_EQUAL(access("made", F_OK), -1);
+  char *html = read_file("s/report.html");
+  EXPECT(!strstr(html, "<script>alert") && !strstr(html, "<img"), "names are read as HTML");
+  free(html);
+}
+
+static void no_rows(void) {
+  copy_map("none");
+  write_file("none/study.csv", "case,circuit.r1_ohm,circuit.c1_nf,thyristor.v_reverse_v,p_min_m,"
+                               "margin_least,weakest,status\n");
+  vs_text failures = {0};
+  vs_text_add(&failures, "case,circuit.r1_ohm,circuit.c1_nf,status,why\n");
+  for (int k = 0; k < 12; k++) vs_text_add(&failures, "%d,1,1,1,%s\n", k, k % 3 ? "jam" : "time");
+  write_file("none/failures.csv", failures.text);
+  vs_text_free(&failures);
+  char *manifest = read_file("none/manifest.json"), *count = strstr(manifest, "\"failed\": 1,");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(count);
+  vs_text changed = {0};
+  vs_text_add(&changed, "%.*s\"failed\": 12,%s", (int)(count - manifest), manifest,
+              count + strlen("\"failed\": 1,"));
+  write_file("none/manifest.json", changed.text);
+  vs_text_free(&changed);
+  free(manifest);
+  RUN_GOOD("plot none --quiet");
+  char *html = read_file("none/report.html");
+  EXPECT(strstr(html, "No case has a result") && strstr(html, "12 of 12 cases") &&
+             strstr(html, "<td class=\"n\">8</td><td>jam</td>") &&
+             strstr(html, "There is nothing to draw"),
+         "without rows the report says something else");
+  free(html);
+  static const char *const NOTHING[] = {"nothing to draw", NULL};
+  refuse("plot none -o one.png", "no rows", "none/study.csv: ", NOTHING, __LINE__);
+  remove_tree("none");
+}
+
 static void bad_words(void) {
   copy_map("bad");
   static const char *const OVERLAY[] = {"--overlay", "bad holds a study"}, *const ENDING[] = {
@@ -562,6 +611,8 @@ int main(void) {
       {"all alike", all_alike},
       {"other methods", other_methods},
       {"axes of words", axes_of_words},
+      {"hostile names", hostile_names},
+      {"no rows", no_rows},
       {"in a browser", in_a_browser},
   };
   return program_suite("report", TESTS, on_path("gnuplot") ? COUNT(TESTS) : 7);

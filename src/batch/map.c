@@ -226,6 +226,12 @@ static void say_of_others(const map *m, vs_picture *p) {
     vs_text_add(&p->caption, "A cell holds %zu by %zu values of its axes. ", m->x.each, m->y.each);
 }
 
+static bool has_holes(const map *m) {
+  for (size_t n = 0; n < m->x.cells * m->y.cells; n++)
+    if (isnan(m->z[n])) return true;
+  return false;
+}
+
 static void add_map(const map *m, vs_picture *p) {
   double limit = vs_sketch_limit(m->k, m->column);
   vs_text_add(&p->script, "set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\n", m->x.edge[0],
@@ -248,9 +254,9 @@ static void add_map(const map *m, vs_picture *p) {
     vs_text_add(&p->caption, "The line: %s = %.4g %s. ", m->margin ? "margin" : "limit", limit,
                 unit);
   else if (!isnan(limit))
-    vs_text_add(&p->caption, "%s %.4g %s is met nowhere between the cells. ",
-                m->margin ? "Margin" : "The limit,", limit, unit);
-  vs_text_add(&p->caption, "Grey: no case, or one that failed. ");
+    vs_text_add(&p->caption, "%s %.4g %s%s is met nowhere between the cells. ",
+                m->margin ? "Margin" : "The limit,", limit, unit, m->margin ? "" : ",");
+  if (has_holes(m)) vs_text_add(&p->caption, "Grey: no case, or one that failed. ");
 }
 
 vs_status vs_draw_map(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {

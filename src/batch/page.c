@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/text.h"
+#include "batch/html.h"
 
 static const char STYLE[] =
     "body{margin:0;background:#fff;color:#1a1a1a;font:15px/1.45 system-ui,'Liberation Sans',Arial,"
@@ -19,66 +19,12 @@ static const char STYLE[] =
     "figcaption{font-size:.88rem;color:#333;padding:.3rem .1rem}"
     ".wide{overflow-x:auto}table{border-collapse:collapse;font-size:.88rem;margin:.4rem 0}"
     "th,td{border:1px solid #ccc;padding:.2rem .55rem;text-align:left;vertical-align:top;"
-    "overflow-wrap:anywhere}"
-    "th{background:#f2f2f2}td.n{text-align:right;white-space:nowrap;overflow-wrap:normal}"
+    "overflow-wrap:break-word}"
+    "th{background:#f2f2f2;white-space:nowrap}td.n{text-align:right;white-space:nowrap}"
     ".wide th,.wide "
     "td{white-space:nowrap;overflow-wrap:normal}.bar{display:inline-block;height:.7em;background:#"
     "0072b2}"
     "@media print{main{max-width:none}a{color:inherit}}";
-
-/* ---- text in HTML ---- */
-
-static void add_escaped(vs_text *html, const char *text) {
-  while (*text) {
-    int n = (int)strcspn(text, "&<>\"");
-    vs_text_add(html, "%.*s", n, text);
-    text += n;
-    if (*text)
-      vs_text_add(html, "%s",
-                  *text == '&'   ? "&amp;"
-                  : *text == '<' ? "&lt;"
-                  : *text == '>' ? "&gt;"
-                                 : "&quot;");
-    text += *text != '\0';
-  }
-}
-
-static void add_cell(vs_text *html, const char *text) {
-  vs_text_add(html, "<td>");
-  add_escaped(html, text);
-  vs_text_add(html, "</td>");
-}
-
-static void add_number(vs_text *html, double value) {
-  if (isnan(value))
-    vs_text_add(html, "<td class=\"n\"></td>");
-  else
-    vs_text_add(html, "<td class=\"n\">%.6g</td>", value);
-}
-
-enum { MOST_ITEMS = 24 };
-
-/* What a manifest's node says, on one line. */
-static void add_node(vs_text *html, const vs_node *node) {
-  if (node->kind == VS_NODE_TEXT) {
-    add_escaped(html, node->text);
-    return;
-  }
-  size_t n = 0;
-  for (const vs_node *c = node->child; c; c = c->next, n++) {
-    if (n >= MOST_ITEMS && c->next) continue;
-    vs_text_add(html, n >= MOST_ITEMS ? ", ... " : n ? ", " : "");
-    if (c->key) {
-      add_escaped(html, c->key);
-      vs_text_add(html, ": ");
-    }
-    bool nested = c->kind != VS_NODE_TEXT;
-    if (nested) vs_text_add(html, "(");
-    add_node(html, c);
-    if (nested) vs_text_add(html, ")");
-  }
-  if (n > MOST_ITEMS + 1) vs_text_add(html, " (%zu of them)", n);
-}
 
 static const char *manifest_text(const vs_study_table *t, const char *key) {
   const vs_node *node = vs_node_child(t->manifest.root, key);
@@ -106,7 +52,7 @@ static void add_weakest(vs_text *html, const vs_counts *weakest, long judged) {
   for (size_t k = 0; k < weakest->count; k++) {
     double share = vs_share(weakest->item[k].times, judged);
     vs_text_add(html, "<tr>");
-    add_cell(html, weakest->item[k].name);
+    vs_html_cell(html, weakest->item[k].name);
     vs_text_add(html,
                 "<td class=\"n\">%ld</td><td class=\"n\">%.4g %%</td><td><span class=\"bar\" "
                 "style=\"width:%.0fpx\"></span></td></tr>\n",
@@ -129,7 +75,7 @@ static void add_failures(vs_text *html, const vs_study_table *t, const vs_survey
   vs_text_add(html, "<table><tr><th>cases</th><th>why</th></tr>\n");
   for (size_t k = 0; k < s->why.count; k++) {
     vs_text_add(html, "<tr><td class=\"n\">%ld</td>", s->why.item[k].times);
-    add_cell(html, s->why.item[k].name);
+    vs_html_cell(html, s->why.item[k].name);
     vs_text_add(html, "</tr>\n");
   }
   vs_text_add(html, "</table>\n");
@@ -143,7 +89,7 @@ static bool add_found(vs_text *html, const vs_study_table *t, const vs_survey *s
   vs_scale scale = vs_scale_of(&t->column[aim], vs_profile_extent(&s->profile[aim]));
   double found = scale.factor * (largest ? s->profile[aim].largest : s->profile[aim].least);
   vs_text_add(html, "<p class=\"big\">Worst found: ");
-  add_escaped(html, t->column[aim].name);
+  vs_html_text(html, t->column[aim].name);
   vs_text_add(html, " %.6g %s, case %s</p>\n", found, scale.unit, s->worst[0].cell[0]);
   return true;
 }
@@ -163,7 +109,7 @@ static void add_worst_margin(vs_text *html, const vs_study_table *t, const vs_su
   vs_text_add(html, "%.4g %%", 100 * s->profile[t->margin].least);
   if (strstr(t->method, "worst") || !s->n_worst || t->weakest < 0) return;
   vs_text_add(html, ": ");
-  add_escaped(html, s->worst[0].cell[t->weakest]);
+  vs_html_text(html, s->worst[0].cell[t->weakest]);
   vs_text_add(html, ", case %s", s->worst[0].cell[0]);
 }
 
@@ -204,7 +150,7 @@ static void add_verdict(vs_text *html, const vs_study_table *t, const vs_survey 
 static void add_picture(vs_text *html, const vs_picture *p, const char *svg) {
   const char *from = strstr(svg, "<svg");
   vs_text_add(html, "<figure>\n<iframe title=\"");
-  add_escaped(html, p->title.text);
+  vs_html_text(html, p->title.text);
   vs_text_add(html,
               "\" style=\"aspect-ratio:%d/%d\" srcdoc=\"<style>body{margin:0;overflow:hidden}"
               "svg{display:block;width:100%%}polygon{shape-rendering:crispEdges}</style>",
@@ -216,7 +162,7 @@ static void add_picture(vs_text *html, const vs_picture *p, const char *svg) {
     if (*from) vs_text_add(html, "%s", *from++ == '&' ? "&amp;" : "&quot;");
   }
   vs_text_add(html, "\"></iframe>\n<figcaption>");
-  add_escaped(html, p->caption.text ? p->caption.text : "");
+  vs_html_text(html, p->caption.text ? p->caption.text : "");
   vs_text_add(html, "</figcaption>\n</figure>\n");
 }
 
@@ -231,126 +177,24 @@ static void add_pictures(vs_text *html, const vs_album *album, char *const *svg)
   vs_text_add(html, "</section>\n");
 }
 
-/* ---- tables ---- */
-
-static void add_worst(vs_text *html, const vs_study_table *t, const vs_survey *s) {
-  bool largest;
-  bool ranked = vs_study_aim(t, &largest) != 0;
-  if (!s->n_worst) return;
-  vs_text_add(html,
-              "<section id=\"cases\">\n<h2>The %s cases</h2>\n<div class=\"wide\"><table><tr>",
-              ranked ? "worst" : "first");
-  for (size_t c = 0; c < t->count; c++) {
-    vs_text_add(html, "<th>");
-    add_escaped(html, t->column[c].title);
-    vs_text_add(html, "</th>");
-  }
-  vs_text_add(html, "</tr>\n");
-  for (size_t k = 0; k < s->n_worst; k++) {
-    vs_text_add(html, "<tr>");
-    for (size_t c = 0; c < t->count; c++) {
-      double value;
-      bool number = c && s->profile[c].is_number && vs_study_number(s->worst[k].cell[c], &value);
-      if (number)
-        add_number(html, value);
-      else
-        add_cell(html, s->worst[k].cell[c]);
-    }
-    vs_text_add(html, "</tr>\n");
-  }
-  vs_text_add(html, "</table></div>\n</section>\n");
-}
-
-static void add_axes(vs_text *html, const vs_study_table *t, const vs_survey *s) {
-  vs_text_add(html, "<section id=\"axes\">\n<h2>What was varied</h2>\n<table><tr><th>key</th>"
-                    "<th>unit</th><th>least</th><th>largest</th><th>asked for</th></tr>\n");
-  for (size_t c = 0; c < t->count; c++) {
-    if (t->column[c].role != VS_ROLE_AXIS) continue;
-    vs_text_add(html, "<tr>");
-    add_cell(html, t->column[c].name);
-    add_cell(html, t->column[c].unit);
-    add_number(html, s->profile[c].least);
-    add_number(html, s->profile[c].largest);
-    vs_text_add(html, "<td>");
-    size_t n = 0;
-    for (const vs_node *v = t->column[c].node->child; v; v = v->next) {
-      if (!strcmp(v->key, "key") || !strcmp(v->key, "unit")) continue;
-      vs_text_add(html, "%s", n++ ? "; " : "");
-      add_escaped(html, v->key);
-      vs_text_add(html, ": ");
-      add_node(html, v);
-    }
-    vs_text_add(html, "</td></tr>\n");
-  }
-  vs_text_add(html, "</table>\n</section>\n");
-}
-
-static void add_columns(vs_text *html, const vs_study_table *t, const vs_survey *s) {
-  vs_text_add(html,
-              "<section id=\"columns\">\n<h2>What is reported</h2>\n<table><tr><th>column</th>"
-              "<th>unit</th><th>rating</th><th>least</th><th>largest</th><th>cases</th>"
-              "<th>what it is</th></tr>\n");
-  for (size_t c = 0; c < t->count; c++) {
-    vs_study_role role = t->column[c].role;
-    if (role != VS_ROLE_REPORT && role != VS_ROLE_MARGIN) continue;
-    vs_text_add(html, "<tr>");
-    add_cell(html, t->column[c].name);
-    add_cell(html, t->column[c].unit);
-    add_number(html, role == VS_ROLE_MARGIN ? 0 : t->column[c].rating);
-    add_number(html, s->profile[c].least);
-    add_number(html, s->profile[c].largest);
-    vs_text_add(html, "<td class=\"n\">%ld</td>", s->profile[c].known);
-    add_cell(html, role == VS_ROLE_MARGIN && !*t->column[c].text
-                       ? "least margin of the verdict, as a part of the limit"
-                       : t->column[c].text);
-    vs_text_add(html, "</tr>\n");
-  }
-  vs_text_add(html, "</table>\n</section>\n");
-}
-
-/* All else that the manifest says: scene, fixed keys, versions, seed, hashes of the inputs. */
-static void add_manifest(vs_text *html, const vs_study_table *t) {
-  vs_text_add(html, "<section id=\"manifest\">\n<h2>How it was made</h2>\n<table>\n");
-  for (const vs_node *n = t->manifest.root->child; n; n = n->next) {
-    if (!n->key || !strcmp(n->key, "axes") || !strcmp(n->key, "report")) continue;
-    bool lines = n->kind == VS_NODE_LIST && !strcmp(n->key, "inputs");
-    vs_text_add(html, "<tr><th>");
-    add_escaped(html, n->key);
-    vs_text_add(html, "</th><td>");
-    for (const vs_node *c = n->child; lines && c; c = c->next) {
-      add_node(html, c);
-      vs_text_add(html, "<br>");
-    }
-    if (!lines && !strcmp(n->key, "command"))
-      for (const vs_node *c = n->child; c; c = c->next) {
-        add_escaped(html, c->text ? c->text : "");
-        vs_text_add(html, " ");
-      }
-    else if (!lines)
-      add_node(html, n);
-    vs_text_add(html, "</td></tr>\n");
-  }
-  vs_text_add(html, "</table>\n</section>\n");
-}
-
 void vs_page_write(const vs_study_table *t, const vs_survey *s, const vs_album *album,
                    char *const *svg, vs_text *html) {
   const char *study = manifest_text(t, "study");
   if (!*study) study = "without a name";
   vs_text_add(html, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
                     "<meta name=\"viewport\" content=\"width=device-width\">\n<title>Study ");
-  add_escaped(html, study);
+  vs_html_text(html, study);
   vs_text_add(html, "</title>\n<style>%s</style>\n</head>\n<body>\n<main>\n<h1>Study ", STYLE);
-  add_escaped(html, study);
+  vs_html_text(html, study);
   vs_text_add(html, "</h1>\n<p class=\"of\">");
-  add_escaped(html, t->method);
+  vs_html_text(html, t->method);
   vs_text_add(html, ", %ld cases</p>\n", t->done);
   add_verdict(html, t, s);
   add_pictures(html, album, svg);
-  add_worst(html, t, s);
+  vs_page_cases(html, t, s);
   vs_text_add(html, "<section id=\"parameters\">\n");
-  add_axes(html, t, s);
-  add_columns(html, t, s);
-  add_manifest(html, t);
+  vs_page_axes(html, t, s);
+  vs_page_columns(html, t, s);
+  vs_page_manifest(html, t);
   vs_text_add(html, "</section>\n</main>\n</body>\n</html>\n");
 }

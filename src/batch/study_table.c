@@ -144,7 +144,7 @@ static vs_status take_count(const vs_study_table *t, const char *key, long *coun
   return wanted(t, node, what, err);
 }
 
-/* Its name in study.csv: name_unit. */
+/* Its name in study.csv where the manifest does not say: name_unit. */
 static char *title_of(const char *name, const char *unit) {
   char suffix[64];
   vs_text title = {0};
@@ -183,7 +183,8 @@ static vs_status take_list(vs_study_table *t, const char *list, const char *key,
     const char *name = text_of(vs_node_child(n, key)), *unit = text_of(vs_node_child(n, "unit"));
     if (!name) return wanted(t, n, what, err);
     if (!unit || !strcmp(unit, "null")) unit = "";
-    char *title = title_of(name, unit);
+    const char *column = text_of(vs_node_child(n, "column"));
+    char *title = column ? vs_copy(column) : title_of(name, unit);
     vs_study_column *c = find(t, title);
     if (!c)
       vs_fail_at(err, (vs_where){t->path, 1, 1}, "has no column '%s', which %s names", title,

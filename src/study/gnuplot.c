@@ -2,6 +2,7 @@
 #include "study/gnuplot.h"
 
 #include <errno.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +13,8 @@ void vs_gnuplot_quoted(vs_text *script, const char *text) {
   vs_text_add(script, "'");
   for (; *text; text++) {
     if (*text == '\'') vs_text_add(script, "'");
-    vs_text_add(script, "%c", *text);
+    bool breaks = (unsigned char)*text < 0x20; /* what follows would be a command */
+    vs_text_add(script, "%c", breaks ? ' ' : *text);
   }
   vs_text_add(script, "'");
 }
