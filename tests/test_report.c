@@ -222,7 +222,7 @@ static void a_map(void) {
       "<td>thyristor.v_reverse</td><td class=\"n\">8</td><td class=\"n\">72.72 %</td>",
       "<td>varistor_1.clamp</td><td class=\"n\">3</td>", "1 of 12 cases",
       "ngspice gave up at 0.0123 s, &quot;timestep too small&quot;", "id=\"pictures\"",
-      "The line: margin = 0 %", "Grey: no case, or one that failed", "The line: limit = 1.2 kV",
+      "The line: margin 0 %", "Grey: no case, or one that failed", "The line: limit 1.2 kV",
       "circuit.r1 / Ω", "circuit.c1 / nF", "margin_least / %", "p_min / mm", "id=\"cases\"",
       "id=\"axes\"", "100, 330, 1000, 3300", "id=\"columns\"", "largest reverse voltage",
       "id=\"manifest\"", "circuit.deck: halfwave_paper", "ngspice: 39", "sha256: 5c1f0a37",

@@ -241,19 +241,23 @@ static void add_map(const map *m, vs_picture *p) {
   bool met = add_contour(m, limit, &p->script);
   vs_text_add(&p->script,
               "set object 1 rectangle from graph 0,0 to graph 1,1 fc rgb '#d9d9d9' "
-              "fs solid noborder behind\nunset grid\nset tics out nomirror\n"
+              "fs solid noborder behind\nunset grid\nset tics out nomirror\nset key tmargin right "
+              "samplen 2\n"
               "plot $cells using 1:2:3:4:5:6:7 with boxxyerror fs solid noborder lc palette");
-  if (met)
+  const char *unit = vs_sketch_scale(m->k, m->column).unit;
+  if (met) {
+    vs_text line = {0};
+    vs_text_add(&line, "%s %.4g %s", m->margin ? "margin" : "limit", limit, unit);
+    vs_text_add(&p->caption, "The line: %s. ", line.text);
     vs_text_add(&p->script,
                 ", $limit using 1:2 with lines lw 7 lc rgb 'white', $limit using 1:2 with lines lw "
-                "3 lc rgb '%s'",
+                "3 lc rgb '%s' title ",
                 vs_colour_bad);
+    vs_gnuplot_quoted(&p->script, line.text);
+    vs_text_free(&line);
+  }
   vs_text_add(&p->script, "\n");
-  const char *unit = vs_sketch_scale(m->k, m->column).unit;
-  if (met)
-    vs_text_add(&p->caption, "The line: %s = %.4g %s. ", m->margin ? "margin" : "limit", limit,
-                unit);
-  else if (!isnan(limit))
+  if (!met && !isnan(limit))
     vs_text_add(&p->caption, "%s %.4g %s%s is met nowhere between the cells. ",
                 m->margin ? "Margin" : "The limit,", limit, unit, m->margin ? "" : ",");
   if (has_holes(m)) vs_text_add(&p->caption, "Grey: no case, or one that failed. ");

@@ -24,7 +24,7 @@ static const char STYLE[] =
     ".wide th,.wide "
     "td{white-space:nowrap;overflow-wrap:normal}.bar{display:inline-block;height:.7em;background:#"
     "0072b2}"
-    "@media print{main{max-width:none}a{color:inherit}}";
+    "@media print{main{max-width:none}.screen{display:none}}";
 
 static const char *manifest_text(const vs_study_table *t, const char *key) {
   const vs_node *node = vs_node_child(t->manifest.root, key);
@@ -146,15 +146,18 @@ static void add_verdict(vs_text *html, const vs_study_table *t, const vs_survey 
 
 /* ---- pictures ---- */
 
+/* What stands before each picture. The wheel goes on scrolling the page unless Ctrl is held. */
+static const char FRAME[] =
+    "<style>body{margin:0;overflow:hidden}svg{display:block;width:100%}"
+    "polygon{shape-rendering:crispEdges}</style><script>addEventListener('wheel',function(e){"
+    "if(!e.ctrlKey)e.stopImmediatePropagation()},true)</script>";
+
 /* Each is a document of its own, so that their scripts do not meet. */
 static void add_picture(vs_text *html, const vs_picture *p, const char *svg) {
   const char *from = strstr(svg, "<svg");
   vs_text_add(html, "<figure>\n<iframe title=\"");
   vs_html_text(html, p->title.text);
-  vs_text_add(html,
-              "\" style=\"aspect-ratio:%d/%d\" srcdoc=\"<style>body{margin:0;overflow:hidden}"
-              "svg{display:block;width:100%%}polygon{shape-rendering:crispEdges}</style>",
-              p->width, p->height);
+  vs_text_add(html, "\" style=\"aspect-ratio:%d/%d\" srcdoc=\"%s", p->width, p->height, FRAME);
   for (from = from ? from : svg; *from;) {
     int n = (int)strcspn(from, "&\"");
     vs_text_add(html, "%.*s", n, from);
@@ -168,7 +171,11 @@ static void add_picture(vs_text *html, const vs_picture *p, const char *svg) {
 
 static void add_pictures(vs_text *html, const vs_album *album, char *const *svg) {
   vs_text_add(html, "<section id=\"pictures\">\n<h2>Pictures</h2>\n");
-  if (!album->count) vs_text_add(html, "<p>There is nothing to draw.</p>\n");
+  vs_text_add(html, album->count
+                        ? "<p class=\"of screen\">A click shows where the mouse is, one on "
+                          "a line's name hides that line; Ctrl and the wheel zoom, the "
+                          "right button goes back.</p>\n"
+                        : "<p>There is nothing to draw.</p>\n");
   vs_text_add(html, "<div class=\"pictures\">\n");
   for (size_t k = 0; k < album->count; k++) add_picture(html, &album->item[k], svg[k]);
   vs_text_add(html, "</div>\n");
