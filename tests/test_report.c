@@ -63,12 +63,14 @@ static void write_study(const char *method, const char *more, long n, sample (*a
                                 : "other.part",
                 s.margin < 0 ? 3 : 0);
   }
-  vs_text_add(&manifest,
-              "{\"study\": \"s.yaml\", \"method\": \"%s\", \"cases\": %ld, \"done\": %ld, "
-              "\"failed\": 0, \"axes\": [{\"key\": \"circuit.a\", \"unit\": \"ohm\"}, {\"key\": "
-              "\"circuit.b\", \"unit\": \"\"}], \"report\": [{\"name\": \"peak\", \"unit\": "
-              "\"V\", \"rating\": 3000, \"text\": \"a peak\"}]%s}",
-              method, n, n, more);
+  vs_text_add(
+      &manifest,
+      "{\"study\": \"s.yaml\", \"method\": \"%s\", \"cases\": %ld, \"done\": %ld, "
+      "\"failed\": 0, \"axes\": [{\"key\": \"circuit.a\", \"unit\": \"ohm\", \"from\": 1}, "
+      "{\"key\": "
+      "\"circuit.b\", \"unit\": \"\", \"from\": 1}], \"report\": [{\"name\": \"peak\", \"unit\": "
+      "\"V\", \"rating\": 3000, \"text\": \"a peak\"}]%s}",
+      method, n, n, more);
   remove_tree("s");
   CU_ASSERT_EQUAL(mkdir("s", 0777), 0);
   write_file("s/study.csv", csv.text);
@@ -390,6 +392,17 @@ static void other_methods(void) {
   RUN_GOOD("plot s --quiet");
   EXPECT_REPORT("Worst margin -30 %: peak, case 3", "case 3  ++", "case 2  −+", "case 0  −−",
                 "in the order circuit.a, circuit.b");
+  write_study("snubber",
+              ", \"snubber\": {\"candidates\": [{\"case\": 0, \"holds\": true}, {\"case\": 1, "
+              "\"holds\": true}, {\"case\": 3, \"holds\": false}], \"found\": {\"case\": 1}}",
+              4, cornered);
+  RUN_GOOD("plot s --quiet");
+  EXPECT_REPORT("Cheapest that holds: circuit.a = 110 Ω, circuit.b = 2; case 1",
+                "What was tried, and what holds over the spread", "does not hold", "cheapest",
+                "The worst case: circuit.a = 110 Ω, circuit.b = 4.");
+  write_study("snubber", ", \"snubber\": {\"candidates\": [], \"found\": null}", 4, cornered);
+  RUN_GOOD("plot s --quiet");
+  EXPECT_REPORT("None found that holds over the spread");
   write_study("list", "", 97, searched);
   RUN_GOOD("plot s --quiet");
   EXPECT_REPORT("peak, case by case", "97 of 97 cases keep every rating");

@@ -84,8 +84,9 @@ vs_status vs_album_make(const vs_study_table *t, const vs_survey *s, vs_album *a
     if (t->column[c].role == VS_ROLE_AXIS && (s->profile[c].many || s->profile[c].count > 1))
       k.axis[k.n_axes++] = c;
   size_t n = list_columns(&k, column);
+  if (strstr(t->method, "snubber") && n) status = add(&k, vs_draw_feasible, column[0], album, err);
   bool search = strstr(t->method, "worst") != NULL;
-  if (search && n) status = add(&k, vs_draw_path, column[0], album, err);
+  if (search && n && !status) status = add(&k, vs_draw_path, column[0], album, err);
   if (search && n && !status && is_cloud(&k))
     status = add(&k, vs_draw_cloud, column[0], album, err);
   vs_draw draw = search ? vs_draw_cases : every_column(&k);

@@ -18,6 +18,9 @@ vs_status vs_draw_cases(const vs_sketch *k, size_t column, vs_picture *p, vs_err
 vs_status vs_draw_path(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err);
 /* Cases that lie anywhere between two axes that are numbers: points in colour. */
 vs_status vs_draw_cloud(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err);
+/* What a search for a snubber tried over its first two axes, and what holds. No name: the manifest
+ * does not say. The column does not matter. */
+vs_status vs_draw_feasible(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err);
 /* How much of the column moves with each axis that is a number: the correlation. Where
  * nothing moves it there is no picture: it has no name. */
 vs_status vs_draw_influence(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err);

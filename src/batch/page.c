@@ -81,6 +81,42 @@ static void add_failures(vs_text *html, const vs_study_table *t, const vs_survey
   vs_text_add(html, "</table>\n");
 }
 
+/* Where among the axes a case lies: "circuit.r1 = 330 Ω, circuit.c1 = 47 nF"; ranged: only among
+ * those that have a range, not those with a spread. */
+static void add_place(vs_text *html, const vs_study_table *t, char *const *cell, bool ranged) {
+  size_t n = 0;
+  for (size_t c = 0; c < t->count; c++) {
+    if (t->column[c].role != VS_ROLE_AXIS) continue;
+    if (ranged && !vs_node_child(t->column[c].node, "from")) continue;
+    char unit[64];
+    vs_unit_pretty(t->column[c].unit, unit, sizeof unit);
+    vs_text_add(html, "%s", n++ ? ", " : "");
+    vs_html_text(html, t->column[c].name);
+    vs_text_add(html, " = ");
+    double value;
+    if (vs_study_number(cell[c], &value) && !isnan(value))
+      vs_text_add(html, "%.5g", value);
+    else
+      vs_html_text(html, cell[c]);
+    vs_text_add(html, "%s", *unit ? " " : "");
+    vs_html_text(html, unit);
+  }
+}
+
+/* What a search for a snubber came upon. */
+static bool add_cheapest(vs_text *html, const vs_study_table *t, const vs_survey *s) {
+  if (!strstr(t->method, "snubber") || !vs_node_child(t->manifest.root, "snubber")) return false;
+  if (!s->found.cell) {
+    vs_text_add(html, "<p class=\"big\">None found that holds over the spread</p>\n");
+    return true;
+  }
+  vs_text_add(html, "<p class=\"big\">Cheapest that holds: ");
+  add_place(html, t, s->found.cell, true);
+  vs_text_add(html, "; case %s</p>\n<p>What follows is of all that was tried.</p>\n",
+              s->found.cell[0]);
+  return true;
+}
+
 /* The largest or least value that a search came upon. */
 static bool add_found(vs_text *html, const vs_study_table *t, const vs_survey *s) {
   bool largest;
@@ -115,11 +151,14 @@ static void add_worst_margin(vs_text *html, const vs_study_table *t, const vs_su
 
 static void add_verdict(vs_text *html, const vs_study_table *t, const vs_survey *s) {
   bool adaptive = strstr(t->method, "worst") || strstr(t->method, "snubber");
+  bool good = s->good == s->judged;
+  if (strstr(t->method, "snubber") && vs_node_child(t->manifest.root, "snubber"))
+    good = s->found.cell != NULL;
   vs_text_add(html, "<section id=\"verdict\" class=\"verdict %s\">\n",
-              !s->judged             ? ""
-              : s->good == s->judged ? "good"
-                                     : "bad");
-  bool found = add_found(html, t, s);
+              !s->judged ? ""
+              : good     ? "good"
+                         : "bad");
+  bool found = add_found(html, t, s) || add_cheapest(html, t, s);
   if (!s->rows)
     vs_text_add(html, "<p class=\"big\">No case has a result</p>\n");
   else if (!s->judged)
@@ -134,6 +173,12 @@ static void add_verdict(vs_text *html, const vs_study_table *t, const vs_survey 
     vs_text_add(html, found ? "<p>Worst margin " : "<p class=\"big\">Worst margin ");
     add_worst_margin(html, t, s);
     vs_text_add(html, "</p>\n<p>%ld of %ld cases keep every rating.</p>\n", s->good, s->judged);
+  }
+  bool largest;
+  if (s->n_worst && vs_study_aim(t, &largest)) {
+    vs_text_add(html, "<p>The worst case: ");
+    add_place(html, t, s->worst[0].cell, false);
+    vs_text_add(html, ".</p>\n");
   }
   if (s->judged && s->judged < s->rows)
     vs_text_add(html, "<p>Without a margin: %ld cases.</p>\n", s->rows - s->judged);

@@ -171,7 +171,7 @@ void vs_sketch_range(const vs_sketch *k, size_t column, char axis, bool from_zer
     largest = fmax(largest, limit);
     add_limit(k, column, axis, limit, p);
   } else if (!isnan(limit))
-    vs_text_add(&p->caption, "The limit, %.4g %s, lies outside the picture. ", limit, scale.unit);
+    vs_text_add(&p->caption, "The limit, %.6g %s, lies outside the picture. ", limit, scale.unit);
   double room = largest - least > 1e-10 * fabs(least) ? 0.06 * (largest - least)
                                                       : (least != 0 ? 0.05 * fabs(least) : 1);
   vs_text_add(&p->script, "set %crange [%.9g:%.9g]\n", axis, least - room, largest + room);

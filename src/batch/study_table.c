@@ -312,3 +312,12 @@ size_t vs_study_aim(const vs_study_table *t, bool *largest) {
   *largest = false;
   return t->margin > 0 ? (size_t)t->margin : 0;
 }
+
+long vs_study_found(const vs_study_table *t) {
+  const vs_node *search = vs_node_child(t->manifest.root, "find");
+  if (!search) search = vs_node_child(t->manifest.root, "snubber");
+  const vs_node *found =
+      search && search->kind == VS_NODE_MAP ? vs_node_child(search, "found") : NULL;
+  const char *number = text_of(found ? vs_node_child(found, "case") : NULL);
+  return number && *number ? strtol(number, NULL, 10) : -1;
+}

@@ -45,6 +45,9 @@ void vs_study_close(vs_study_table *table);
  * search looks for ("find": "max thyristor.v_reverse"), else the least margin. 0: there is none. */
 size_t vs_study_aim(const vs_study_table *table, bool *largest);
 
+/* The case that a search gives as its answer, by "find" or "snubber"; -1: none. */
+long vs_study_found(const vs_study_table *table);
+
 /* True when the folder holds manifest.json or study.csv. */
 bool vs_study_here(const char *folder);
 

@@ -127,6 +127,7 @@ typedef struct reader {
   vs_survey *s;
   size_t aim; /* see vs_study_aim */
   bool largest;
+  long found;
 } reader;
 
 static vs_status note_cell(const reader *r, size_t c, const vs_study_row *row, vs_error *err) {
@@ -171,6 +172,10 @@ static vs_status note_row(void *ctx, const vs_study_row *row, vs_error *err) {
     s->good += margin >= 0;
     if (t->weakest >= 0 && *row->cell[t->weakest]) count_name(&s->weakest, row->cell[t->weakest]);
   }
+  if (row->number == r->found) {
+    size_t none = 0;
+    vs_keep(&s->found, &none, 1, 0, row);
+  }
   double key = NAN;
   if (r->aim) vs_study_number(row->cell[r->aim], &key);
   if (r->largest) key = -key;
@@ -193,6 +198,7 @@ vs_status vs_survey_take(const vs_study_table *t, vs_survey *s, vs_error *err) {
         .is_number = t->column[c].role != VS_ROLE_WEAKEST, .least = NAN, .largest = NAN};
   reader r = {.t = t, .s = s};
   r.aim = vs_study_aim(t, &r.largest);
+  r.found = vs_study_found(t);
   vs_status status = vs_study_each(t, note_row, &r, err);
   if (!status) status = vs_study_each_failure(t, note_failure, s, err);
   if (!status && s->rows != t->done && s->rows != t->done - t->failed)
@@ -211,6 +217,7 @@ void vs_survey_free(const vs_study_table *t, vs_survey *s) {
     free(p->value);
   }
   vs_kept_free(s->worst, s->n_worst, t->count);
+  if (s->found.cell) vs_kept_free(&s->found, 1, t->count);
   counts_free(&s->weakest);
   counts_free(&s->why);
 }

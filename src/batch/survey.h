@@ -46,6 +46,7 @@ typedef struct vs_survey {
   long failures;                        /* rows of failures.csv */
   vs_kept worst[VS_WORST]; /* by vs_study_aim, the worst first; without it the first cases */
   size_t n_worst;
+  vs_kept found; /* the case of vs_study_found; its cell NULL: none */
 } vs_survey;
 
 /* Errors: those of vs_study_each; a cell that is no number where the column has a unit; rows that
