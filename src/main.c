@@ -13,6 +13,8 @@
 #include "base/units.h"
 #include "batch/methods.h"
 #include "batch/study.h"
+#include "batch/report.h"
+#include "batch/study_table.h"
 #include "circuit/circuit.h"
 #include "study/check.h"
 #include "study/export.h"
@@ -82,7 +84,7 @@ static vs_status do_export(const arguments *a, vs_error *err) {
 }
 static vs_status do_plot(const arguments *a, vs_error *err) {
   const vs_plot_options o = {a->name, a->output, a->overlay, a->quiet};
-  return vs_plot_command(&o, err);
+  return vs_study_here(a->name) ? vs_report_command(&o, err) : vs_plot_command(&o, err);
 }
 static vs_status do_validate(const arguments *a, vs_error *err) {
   const vs_validate_options o = {.word = a->name,
@@ -180,7 +182,9 @@ static const struct argp_option EXPORT_OPTIONS[] = {
     OPT_SET, {"output", 'o', "FILE", 0, "writes the netlist there", 0}, OPT_HELP, {0}};
 static const struct argp_option PLOT_OPTIONS[] = {
     {"output", 'o', "FILE", 0,
-     "one sheet into FILE, which ends in .png or .svg, instead of the set in DIR", 0},
+     "one sheet (of a study, the first picture) into FILE, which ends in .png or .svg, instead of "
+     "the set in DIR",
+     0},
     {"overlay", KEY_OVERLAY, "FILE", 0,
      "draws measured curves over the computed ones: a CSV file, t_s or t_ms first, then columns "
      "named as in run.csv, also in other units (p_mm, i_ma)",
@@ -250,7 +254,8 @@ static const struct command {
      "  vibrospice export my.yaml --set run.until=0.1s -o my.cir\n",
      false, EXPORT_OPTIONS, do_export, false},
     {"plot", "DIR",
-     "draws a run: displacements, accelerations, force, current and voltage, as PNG and SVG",
+     "draws a run, as PNG and SVG: displacements, accelerations, force, current and voltage; or a "
+     "study: report.html and its pictures as PNG",
      "  vibrospice plot out\n  vibrospice plot out -o sheet.svg --overlay measured.csv\n", false,
      PLOT_OPTIONS, do_plot, false},
     {"validate", "[WORD]",

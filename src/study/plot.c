@@ -3,14 +3,13 @@
 
 #include <errno.h>
 #include <math.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/path.h"
 #include "base/text.h"
+#include "study/gnuplot.h"
 #include "study/overlay.h"
 
 typedef struct panel {
@@ -107,33 +106,15 @@ static int find_column(const char *header, const char *name) {
   return 0;
 }
 
-/* gnuplot's quoting inside '...' */
-static void add_quoted(vs_text *script, const char *text) {
-  vs_text_add(script, "'");
-  for (; *text; text++) {
-    if (*text == '\'') vs_text_add(script, "'");
-    vs_text_add(script, "%c", *text);
-  }
-  vs_text_add(script, "'");
-}
-
-/* The same for a file, whose name would be a command if it began with '<' or '|'. */
-static void add_path(vs_text *script, const char *path) {
-  vs_text name = {0};
-  vs_text_add(&name, "%s%s", *path == '/' ? "" : "./", path);
-  add_quoted(script, name.text);
-  vs_text_free(&name);
-}
-
 static void add_terminal(vs_text *script, const sheet *s, int rows, const char *output) {
   bool svg = strlen(output) > 4 && !strcmp(output + strlen(output) - 4, ".svg");
   vs_text_add(script,
               "set terminal %s size %d,%d font 'sans,%d' background rgb 'white'\nset output ",
               svg ? "svg noenhanced dynamic" : "pngcairo noenhanced", 420 * s->columns,
               60 + 260 * rows, 11);
-  add_path(script, output);
+  vs_gnuplot_path(script, output);
   vs_text_add(script, "\nset multiplot layout %d,%d title ", rows, s->columns);
-  add_quoted(script, s->title);
+  vs_gnuplot_quoted(script, s->title);
   vs_text_add(script, " font 'sans,13'\n");
 }
 
@@ -144,15 +125,15 @@ static void add_panel(vs_text *script, const run_file *run, const panel *p, doub
   const vs_overlay_curve *measured = vs_overlay_find(o, p->column);
   if (o->count) vs_text_add(script, "set key %s\n", measured ? LEGEND : "default");
   vs_text_add(script, "set ylabel ");
-  add_quoted(script, p->label);
+  vs_gnuplot_quoted(script, p->label);
   vs_text_add(script, "\nplot ");
-  add_path(script, run->path);
+  vs_gnuplot_path(script, run->path);
   vs_text_add(script, " using ($1*%g):($%d*%g) skip 1 with lines lc rgb '#1f4e79' lw 1.2 %s",
               time_scale, find_column(run->header, p->column), p->scale,
               measured ? "title 'computed'" : "notitle");
   if (measured) {
     vs_text_add(script, ", ");
-    add_path(script, o->path);
+    vs_gnuplot_path(script, o->path);
     vs_text_add(script, " using ($1*%.17g):($%d*%.17g) skip 1 with %s lc rgb '#d1495b' lw 1.2 ",
                 time_scale * o->time_s, measured->column, p->scale * measured->factor,
                 o->rows > MOST_POINTS ? "lines" : "linespoints pt 7 ps 0.4");
@@ -177,35 +158,6 @@ static int add_sheet(vs_text *script, const run_file *run, const sheet *s, const
   return there;
 }
 
-/* Runs gnuplot on the script. Its complaints go to standard error as they are. */
-static vs_status gnuplot(const char *script, vs_error *err) {
-  int pipe_ends[2];
-  fflush(NULL);
-  if (pipe(pipe_ends)) return vs_fail(err, VS_RUN, "no pipe to gnuplot: %s", strerror(errno));
-  pid_t child = fork();
-  if (child == 0) {
-    dup2(pipe_ends[0], STDIN_FILENO);
-    close(pipe_ends[0]);
-    close(pipe_ends[1]);
-    setenv("GNUTERM", "dumb", 1);
-    execlp("gnuplot", "gnuplot", "--default-settings", "-", (char *)NULL);
-    _exit(127);
-  }
-  close(pipe_ends[0]);
-  FILE *to = child > 0 ? fdopen(pipe_ends[1], "w") : NULL;
-  if (!to) return vs_fail(err, VS_RUN, "gnuplot cannot be started: %s", strerror(errno));
-  void (*on_broken_pipe)(int) = signal(SIGPIPE, SIG_IGN); /* it may end before it has read all */
-  fputs(script, to);
-  fclose(to);
-  signal(SIGPIPE, on_broken_pipe);
-  int how = 0;
-  while (waitpid(child, &how, 0) < 0 && errno == EINTR) {
-  }
-  if (WIFEXITED(how) && WEXITSTATUS(how) == 127)
-    return vs_fail(err, VS_RUN, "gnuplot is not installed (Debian package gnuplot-nox)");
-  return how ? vs_fail(err, VS_RUN, "gnuplot failed (status %d)", how) : VS_OK;
-}
-
 /* Draws into temporary names, then renames, so that a picture appears whole. */
 static vs_status draw(const run_file *run, const sheet *s, const char *output, bool quiet,
                       vs_error *err) {
@@ -219,7 +171,7 @@ static vs_status draw(const run_file *run, const sheet *s, const char *output, b
     vs_text_free(&script);
     return vs_fail(err, VS_INPUT, "%s: records nothing that '%s' shows", run->path, s->title);
   }
-  vs_status status = gnuplot(script.text, err);
+  vs_status status = vs_gnuplot(script.text, err);
   vs_text_free(&script);
   if (!status && rename(temporary, output))
     status = vs_fail(err, VS_RUN, "%s: cannot be written: %s", output, strerror(errno));
@@ -281,17 +233,21 @@ static bool is_name(const char *name) {
   return !name || (strlen(name) <= VS_PATH_SIZE / 2 && !strpbrk(name, "\r\n"));
 }
 
-vs_status vs_plot_command(const vs_plot_options *o, vs_error *err) {
-  run_file run = {0};
+vs_status vs_plot_check(const vs_plot_options *o, vs_error *err) {
   const char *ending = o->output ? strrchr(o->output, '.') : NULL;
   if (!is_name(o->folder) || !is_name(o->output) || !is_name(o->overlay))
     return vs_fail(err, VS_INPUT, "plot: too long a name, or a line break in it");
   if (o->output && (!ending || (strcmp(ending, ".png") && strcmp(ending, ".svg"))))
     return vs_fail(err, VS_INPUT, "-o %s: the file's name must end in .png or .svg", o->output);
-  vs_status status = open_run(o->folder, &run, err);
+  return o->output ? check_writable(o->output, err) : VS_OK;
+}
+
+vs_status vs_plot_command(const vs_plot_options *o, vs_error *err) {
+  run_file run = {0};
+  vs_status status = vs_plot_check(o, err);
+  if (!status) status = open_run(o->folder, &run, err);
   const vs_overlay_run against = {o->folder, run.path, run.header, run.until_s};
   if (!status && o->overlay) status = vs_overlay_read(o->overlay, &against, &run.overlay, err);
-  if (!status && o->output) status = check_writable(o->output, err);
   if (!status && o->output) {
     const sheet one = with_measured(&OVERVIEW, 1, &run.overlay);
     status = draw(&run, &one, o->output, o->quiet, err);

@@ -14,6 +14,10 @@ typedef struct vs_plot_options {
   bool quiet;
 } vs_plot_options;
 
+/* Names that cannot be: too long, with a line break, an output that is no picture or that cannot be
+ * written. */
+vs_status vs_plot_check(const vs_plot_options *options, vs_error *err);
+
 /* A measured curve that none of the pictures has a panel for gets one on the last. Errors: no
  * run.csv, only a partial one, a column missing, an overlay that does not fit, gnuplot missing or
  * failing. */

@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "batch/page.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "batch/html.h"
+
+static const char STYLE[] =
+    "body{margin:0;background:#fff;color:#1a1a1a;font:15px/1.45 system-ui,'Liberation Sans',Arial,"
+    "sans-serif}main{max-width:1180px;margin:0 auto;padding:1.2rem 1.4rem 3rem}"
+    "h1{font-size:1.5rem;margin:.2rem 0}h2{font-size:1.15rem;margin:2rem 0 .6rem;border-bottom:1px "
+    "solid #ccc}.of{color:#555;margin:0 0 1rem}.verdict{border:1px solid #bbb;border-left:10px "
+    "solid #777;padding:.7rem 1.1rem;margin:1rem 0}.good{border-left-color:#0072b2}"
+    ".bad{border-left-color:#d55e00}.big{font-size:1.5rem;font-weight:600;margin:.1rem 0}"
+    "p{margin:.35rem 0}.pictures{display:flex;flex-wrap:wrap;gap:1.2rem}"
+    "figure{margin:0;flex:1 1 520px;max-width:720px;break-inside:avoid}"
+    "iframe{width:100%;border:1px solid #ddd;display:block}"
+    "figcaption{font-size:.88rem;color:#333;padding:.3rem .1rem}"
+    ".wide{overflow-x:auto}table{border-collapse:collapse;font-size:.88rem;margin:.4rem 0}"
+    "th,td{border:1px solid #ccc;padding:.2rem .55rem;text-align:left;vertical-align:top;"
+    "overflow-wrap:break-word}"
+    "th{background:#f2f2f2;white-space:nowrap}td.n{text-align:right;white-space:nowrap}"
+    ".wide th,.wide "
+    "td{white-space:nowrap;overflow-wrap:normal}.bar{display:inline-block;height:.7em;background:#"
+    "0072b2}"
+    "@media print{main{max-width:none}.screen{display:none}}";
+
+static const char *manifest_text(const vs_study_table *t, const char *key) {
+  const vs_node *node = vs_node_child(t->manifest.root, key);
+  return node && node->kind == VS_NODE_TEXT ? node->text : "";
+}
+
+/* ---- the verdict ---- */
+
+void vs_wilson(double good, double n, double *least, double *largest) {
+  const double z = 1.959963984540054; /* of the normal distribution, 2.5 % beyond it */
+  double p = good / n, middle = p + z * z / (2 * n);
+  double half = z * sqrt(p * (1 - p) / n + z * z / (4 * n * n));
+  *least = (middle - half) / (1 + z * z / n);
+  *largest = (middle + half) / (1 + z * z / n);
+}
+
+double vs_share(long part, long whole) {
+  return whole ? floor(1e4 * (double)part / (double)whole) / 100 : 0;
+}
+
+static void add_weakest(vs_text *html, const vs_counts *weakest, long judged) {
+  if (!weakest->count) return;
+  vs_text_add(html, "<p>Weakest part:</p>\n<table><tr><th>part</th><th>cases</th><th>share</th>"
+                    "<th></th></tr>\n");
+  for (size_t k = 0; k < weakest->count; k++) {
+    double share = vs_share(weakest->item[k].times, judged);
+    vs_text_add(html, "<tr>");
+    vs_html_cell(html, weakest->item[k].name);
+    vs_text_add(html,
+                "<td class=\"n\">%ld</td><td class=\"n\">%.4g %%</td><td><span class=\"bar\" "
+                "style=\"width:%.0fpx\"></span></td></tr>\n",
+                weakest->item[k].times, share, 2 * share);
+  }
+  vs_text_add(html, "</table>\n");
+}
+
+static void add_failures(vs_text *html, const vs_study_table *t, const vs_survey *s) {
+  if (!t->failed) {
+    vs_text_add(html, "<p>No case failed.</p>\n");
+    return;
+  }
+  vs_text_add(html, "<p>Failed, and in no figure here: %ld of %ld cases.</p>\n", t->failed,
+              t->done > s->rows ? t->done : s->rows + t->failed);
+  if (!s->why.count) {
+    vs_text_add(html, "<p>Why is not known: failures.csv is not there.</p>\n");
+    return;
+  }
+  vs_text_add(html, "<table><tr><th>cases</th><th>why</th></tr>\n");
+  for (size_t k = 0; k < s->why.count; k++) {
+    vs_text_add(html, "<tr><td class=\"n\">%ld</td>", s->why.item[k].times);
+    vs_html_cell(html, s->why.item[k].name);
+    vs_text_add(html, "</tr>\n");
+  }
+  vs_text_add(html, "</table>\n");
+}
+
+/* Where among the axes a case lies: "circuit.r1 = 330 Ω, circuit.c1 = 47 nF"; ranged: only among
+ * those that have a range, not those with a spread. */
+static void add_place(vs_text *html, const vs_study_table *t, char *const *cell, bool ranged) {
+  size_t n = 0;
+  for (size_t c = 0; c < t->count; c++) {
+    if (t->column[c].role != VS_ROLE_AXIS) continue;
+    if (ranged && !vs_node_child(t->column[c].node, "from")) continue;
+    char unit[64];
+    vs_unit_pretty(t->column[c].unit, unit, sizeof unit);
+    vs_text_add(html, "%s", n++ ? ", " : "");
+    vs_html_text(html, t->column[c].name);
+    vs_text_add(html, " = ");
+    double value;
+    if (vs_study_number(cell[c], &value) && !isnan(value))
+      vs_text_add(html, "%.5g", value);
+    else
+      vs_html_text(html, cell[c]);
+    vs_text_add(html, "%s", *unit ? " " : "");
+    vs_html_text(html, unit);
+  }
+}
+
+/* What a search for a snubber came upon. */
+static bool add_cheapest(vs_text *html, const vs_study_table *t, const vs_survey *s) {
+  if (!strstr(t->method, "snubber") || !vs_node_child(t->manifest.root, "snubber")) return false;
+  if (!s->found.cell) {
+    vs_text_add(html, "<p class=\"big\">None found that holds over the spread</p>\n");
+    return true;
+  }
+  vs_text_add(html, "<p class=\"big\">Cheapest that holds: ");
+  add_place(html, t, s->found.cell, true);
+  vs_text_add(html, "; case %s</p>\n<p>What follows is of all that was tried.</p>\n",
+              s->found.cell[0]);
+  return true;
+}
+
+/* The largest or least value that a search came upon. */
+static bool add_found(vs_text *html, const vs_study_table *t, const vs_survey *s) {
+  bool largest;
+  size_t aim = vs_study_aim(t, &largest);
+  if (!strstr(t->method, "worst") || !aim || !s->profile[aim].known) return false;
+  vs_scale scale = vs_scale_of(&t->column[aim], vs_profile_extent(&s->profile[aim]));
+  double found = scale.factor * (largest ? s->profile[aim].largest : s->profile[aim].least);
+  vs_text_add(html, "<p class=\"big\">Worst found: ");
+  vs_html_text(html, t->column[aim].name);
+  vs_text_add(html, " %.6g %s, case %s</p>\n", found, scale.unit, s->worst[0].cell[0]);
+  return true;
+}
+
+static void add_yield(vs_text *html, const vs_study_table *t, const vs_survey *s) {
+  double least, largest;
+  vs_text_add(html, "<p class=\"big\">Yield %.4g %%</p>\n<p>%ld of %ld cases keep every rating",
+              vs_share(s->good, s->judged), s->good, s->judged);
+  vs_wilson((double)s->good, (double)s->judged, &least, &largest);
+  if (strstr(t->method, "monte_carlo"))
+    vs_text_add(html, "; with 95 %%, the true share lies between %.4g %% and %.4g %%", 100 * least,
+                100 * largest);
+  vs_text_add(html, ".</p>\n");
+}
+
+static void add_worst_margin(vs_text *html, const vs_study_table *t, const vs_survey *s) {
+  vs_text_add(html, "%.4g %%", 100 * s->profile[t->margin].least);
+  if (strstr(t->method, "worst") || !s->n_worst || t->weakest < 0) return;
+  vs_text_add(html, ": ");
+  vs_html_text(html, s->worst[0].cell[t->weakest]);
+  vs_text_add(html, ", case %s", s->worst[0].cell[0]);
+}
+
+static void add_verdict(vs_text *html, const vs_study_table *t, const vs_survey *s) {
+  bool adaptive = strstr(t->method, "worst") || strstr(t->method, "snubber");
+  bool good = s->good == s->judged;
+  if (strstr(t->method, "snubber") && vs_node_child(t->manifest.root, "snubber"))
+    good = s->found.cell != NULL;
+  vs_text_add(html, "<section id=\"verdict\" class=\"verdict %s\">\n",
+              !s->judged ? ""
+              : good     ? "good"
+                         : "bad");
+  bool found = add_found(html, t, s) || add_cheapest(html, t, s);
+  if (!s->rows)
+    vs_text_add(html, "<p class=\"big\">No case has a result</p>\n");
+  else if (!s->judged)
+    vs_text_add(html, "%sNo rating was judged: what ran has none.</p>\n",
+                found ? "<p>" : "<p class=\"big\">");
+  else if (vs_is_sampled(t)) {
+    add_yield(html, t, s);
+    vs_text_add(html, "<p>Worst margin ");
+    add_worst_margin(html, t, s);
+    vs_text_add(html, ".</p>\n");
+  } else {
+    vs_text_add(html, found ? "<p>Worst margin " : "<p class=\"big\">Worst margin ");
+    add_worst_margin(html, t, s);
+    vs_text_add(html, "</p>\n<p>%ld of %ld cases keep every rating.</p>\n", s->good, s->judged);
+  }
+  bool largest;
+  if (s->n_worst && vs_study_aim(t, &largest)) {
+    vs_text_add(html, "<p>The worst case: ");
+    add_place(html, t, s->worst[0].cell, false);
+    vs_text_add(html, ".</p>\n");
+  }
+  if (s->judged && s->judged < s->rows)
+    vs_text_add(html, "<p>Without a margin: %ld cases.</p>\n", s->rows - s->judged);
+  if (t->done < t->cases && !adaptive)
+    vs_text_add(html, "<p>Not complete: %ld of %ld cases have been run.</p>\n", t->done, t->cases);
+  add_weakest(html, &s->weakest, s->judged);
+  add_failures(html, t, s);
+  vs_text_add(html, "</section>\n");
+}
+
+/* ---- pictures ---- */
+
+/* What stands before each picture. The wheel goes on scrolling the page unless Ctrl is held. */
+static const char FRAME[] =
+    "<style>body{margin:0;overflow:hidden}svg{display:block;width:100%}"
+    "polygon{shape-rendering:crispEdges}</style><script>addEventListener('wheel',function(e){"
+    "if(!e.ctrlKey)e.stopImmediatePropagation()},true)</script>";
+
+/* Each is a document of its own, so that their scripts do not meet. */
+static void add_picture(vs_text *html, const vs_picture *p, const char *svg) {
+  const char *from = strstr(svg, "<svg");
+  vs_text_add(html, "<figure>\n<iframe title=\"");
+  vs_html_text(html, p->title.text);
+  vs_text_add(html, "\" style=\"aspect-ratio:%d/%d\" srcdoc=\"%s", p->width, p->height, FRAME);
+  for (from = from ? from : svg; *from;) {
+    int n = (int)strcspn(from, "&\"");
+    vs_text_add(html, "%.*s", n, from);
+    from += n;
+    if (*from) vs_text_add(html, "%s", *from++ == '&' ? "&amp;" : "&quot;");
+  }
+  vs_text_add(html, "\"></iframe>\n<figcaption>");
+  vs_html_text(html, p->caption.text ? p->caption.text : "");
+  vs_text_add(html, "</figcaption>\n</figure>\n");
+}
+
+static void add_pictures(vs_text *html, const vs_album *album, char *const *svg) {
+  vs_text_add(html, "<section id=\"pictures\">\n<h2>Pictures</h2>\n");
+  vs_text_add(html, album->count
+                        ? "<p class=\"of screen\">A click shows where the mouse is, one on "
+                          "a line's name hides that line; Ctrl and the wheel zoom, the "
+                          "right button goes back.</p>\n"
+                        : "<p>There is nothing to draw.</p>\n");
+  vs_text_add(html, "<div class=\"pictures\">\n");
+  for (size_t k = 0; k < album->count; k++) add_picture(html, &album->item[k], svg[k]);
+  vs_text_add(html, "</div>\n");
+  if (album->left_out)
+    vs_text_add(html, "<p>Not drawn, for there is no more room: %zu.</p>\n", album->left_out);
+  vs_text_add(html, "</section>\n");
+}
+
+void vs_page_write(const vs_study_table *t, const vs_survey *s, const vs_album *album,
+                   char *const *svg, vs_text *html) {
+  const char *study = manifest_text(t, "study");
+  if (!*study) study = "without a name";
+  vs_text_add(html, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+                    "<meta name=\"viewport\" content=\"width=device-width\">\n<title>Study ");
+  vs_html_text(html, study);
+  vs_text_add(html, "</title>\n<style>%s</style>\n</head>\n<body>\n<main>\n<h1>Study ", STYLE);
+  vs_html_text(html, study);
+  vs_text_add(html, "</h1>\n<p class=\"of\">");
+  vs_html_text(html, t->method);
+  vs_text_add(html, ", %ld cases</p>\n", t->done);
+  add_verdict(html, t, s);
+  add_pictures(html, album, svg);
+  vs_page_cases(html, t, s);
+  vs_text_add(html, "<section id=\"parameters\">\n");
+  vs_page_axes(html, t, s);
+  vs_page_columns(html, t, s);
+  vs_page_manifest(html, t);
+  vs_text_add(html, "</section>\n</main>\n</body>\n</html>\n");
+}

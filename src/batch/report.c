@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "batch/report.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "batch/album.h"
+#include "batch/page.h"
+#include "study/gnuplot.h"
+
+/* What gnuplot drew. */
+typedef struct drawing {
+  char *bytes;
+  size_t size;
+} drawing;
+
+typedef struct report {
+  vs_study_table table;
+  vs_survey survey;
+  vs_album album;
+} report;
+
+static vs_status draw(const vs_picture *p, bool svg, drawing *d, vs_error *err) {
+  vs_text script = {0};
+  vs_text_add(
+      &script,
+      "set terminal %s noenhanced size %d,%d font 'sans-serif,%d' background rgb 'white'\n%s",
+      svg ? "svg dynamic mousing standalone" : "pngcairo", p->width, p->height, svg ? 15 : 11,
+      p->script.text);
+  vs_status status = vs_gnuplot_picture(script.text, &d->bytes, &d->size, err);
+  vs_text_free(&script);
+  return status;
+}
+
+/* A file that is ready to appear. */
+static vs_status prepare(vs_file *file, const char *folder, const char *name, const drawing *d,
+                         vs_error *err) {
+  vs_status status = vs_file_open(file, folder, name, err);
+  if (!status && fwrite(d->bytes, 1, d->size, file->stream) != d->size)
+    status = vs_fail(err, VS_RUN, "%s: cannot be written: %s", file->path, strerror(errno));
+  return status;
+}
+
+static vs_status appear(vs_file *file, bool quiet, vs_error *err) {
+  vs_status status = vs_file_commit(file, err);
+  if (!status && !quiet) printf("%s\n", file->path);
+  return status;
+}
+
+static vs_status write_one(const report *r, const vs_plot_options *o, vs_error *err) {
+  size_t n = strlen(o->output);
+  vs_file file = {0};
+  drawing d = {0};
+  if (!r->album.count) return vs_fail(err, VS_INPUT, "%s: holds nothing to draw", r->table.path);
+  vs_status status = draw(&r->album.item[0], n > 4 && !strcmp(o->output + n - 4, ".svg"), &d, err);
+  if (!status) status = prepare(&file, "", o->output, &d, err);
+  if (!status) status = appear(&file, o->quiet, err);
+  vs_file_discard(&file);
+  free(d.bytes);
+  return status;
+}
+
+/* The pictures, then the page that has them all. */
+static vs_status write_all(const report *r, const vs_plot_options *o, vs_error *err) {
+  size_t n = r->album.count;
+  vs_file *files = vs_alloc(n + 1, sizeof *files);
+  char **svg = vs_alloc(n + 1, sizeof *svg), name[300];
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < n && !status; k++) {
+    drawing vector = {0}, pixels = {0};
+    status = draw(&r->album.item[k], true, &vector, err);
+    svg[k] = vector.bytes;
+    if (!status) status = draw(&r->album.item[k], false, &pixels, err);
+    snprintf(name, sizeof name, "%s.png", r->album.item[k].name);
+    if (!status) status = prepare(&files[k], o->folder, name, &pixels, err);
+    free(pixels.bytes);
+  }
+  vs_text html = {0};
+  if (!status) vs_page_write(&r->table, &r->survey, &r->album, svg, &html);
+  const drawing page = {html.text, html.length};
+  if (!status) status = prepare(&files[n], o->folder, "report.html", &page, err);
+  for (size_t k = 0; k <= n && !status; k++) status = appear(&files[k], o->quiet, err);
+  for (size_t k = 0; k <= n; k++) {
+    vs_file_discard(&files[k]);
+    free(svg[k]);
+  }
+  vs_text_free(&html);
+  free(svg);
+  free(files);
+  return status;
+}
+
+vs_status vs_report_command(const vs_plot_options *o, vs_error *err) {
+  report *r = vs_alloc(1, sizeof *r);
+  vs_status status = vs_plot_check(o, err);
+  if (!status && o->overlay)
+    status = vs_fail(err, VS_INPUT, "--overlay %s: goes over a run; %s holds a study", o->overlay,
+                     o->folder);
+  if (!status) status = vs_study_open(&r->table, o->folder, err);
+  if (!status) status = vs_survey_take(&r->table, &r->survey, err);
+  if (!status) status = vs_album_make(&r->table, &r->survey, &r->album, err);
+  if (!status) status = o->output ? write_one(r, o, err) : write_all(r, o, err);
+  vs_album_free(&r->album);
+  vs_survey_free(&r->table, &r->survey);
+  vs_study_close(&r->table);
+  free(r);
+  return status;
+}
