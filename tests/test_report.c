@@ -9,9 +9,9 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "batch/charts.h"
-#include "batch/map.h"
-#include "batch/page.h"
+#include "report/charts.h"
+#include "report/map.h"
+#include "report/page.h"
 #include "program.h"
 
 /* ---- study folders ---- */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "batch/study_table.h"
+#include "report/study_table.h"
 
 #include <errno.h>
 #include <math.h>

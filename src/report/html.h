@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Texts and cells of an HTML page. */
-#ifndef VS_BATCH_HTML_H
-#define VS_BATCH_HTML_H
+#ifndef VS_REPORT_HTML_H
+#define VS_REPORT_HTML_H
 
 #include "base/text.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "batch/sketch.h"
+#include "report/sketch.h"
 
 #include <math.h>
 #include <stdlib.h>

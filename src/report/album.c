@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "batch/album.h"
+#include "report/album.h"
 
 #include <string.h>
 
-#include "batch/charts.h"
-#include "batch/map.h"
+#include "report/charts.h"
+#include "report/map.h"
 
 bool vs_is_sampled(const vs_study_table *t) {
   return strstr(t->method, "sobol") || strstr(t->method, "lhs") || strstr(t->method, "monte_carlo");

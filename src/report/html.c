@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "batch/html.h"
+#include "report/html.h"
 
 #include <math.h>
 #include <string.h>

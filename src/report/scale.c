@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "batch/scale.h"
+#include "report/scale.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A column over two axes: cells in colour, and the line on which the limit is met. */
-#ifndef VS_BATCH_MAP_H
-#define VS_BATCH_MAP_H
+#ifndef VS_REPORT_MAP_H
+#define VS_REPORT_MAP_H
 
-#include "batch/sketch.h"
+#include "report/sketch.h"
 
 enum { VS_MAP_CELLS = 80 }; /* along each axis at most; more values share a cell */
 

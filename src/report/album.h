@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Which pictures a study's question asks for. */
-#ifndef VS_BATCH_ALBUM_H
-#define VS_BATCH_ALBUM_H
+#ifndef VS_REPORT_ALBUM_H
+#define VS_REPORT_ALBUM_H
 
-#include "batch/sketch.h"
+#include "report/sketch.h"
 
 enum { VS_ALBUM = 128 };
 typedef struct vs_album {

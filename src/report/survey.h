@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What one reading of study.csv tells: ranges, the verdict over all cases, which part is weakest
  * how often, the worst cases, why some failed. */
-#ifndef VS_BATCH_SURVEY_H
-#define VS_BATCH_SURVEY_H
+#ifndef VS_REPORT_SURVEY_H
+#define VS_REPORT_SURVEY_H
 
-#include "batch/scale.h"
-#include "batch/study_table.h"
+#include "report/scale.h"
+#include "report/study_table.h"
 
 typedef struct vs_count {
   char *name;

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "batch/charts.h"
+#include "report/charts.h"
 #include "study/gnuplot.h"
 
 typedef struct candidate {

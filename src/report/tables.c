@@ -2,8 +2,8 @@
  * The tables of a study's report: cases, axes, columns, all else. */
 #include <string.h>
 
-#include "batch/html.h"
-#include "batch/page.h"
+#include "report/html.h"
+#include "report/page.h"
 
 enum { MOST_ITEMS = 24 };
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Charts of how a column is spread over many cases. */
-#include "batch/charts.h"
+#include "report/charts.h"
 
 #include <math.h>
 #include <stdlib.h>

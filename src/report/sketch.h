@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What all pictures of a study share: a gnuplot script with its data in it, columns read and
  * thinned out, limits, labels. */
-#ifndef VS_BATCH_SKETCH_H
-#define VS_BATCH_SKETCH_H
+#ifndef VS_REPORT_SKETCH_H
+#define VS_REPORT_SKETCH_H
 
 #include "base/text.h"
-#include "batch/survey.h"
+#include "report/survey.h"
 
 typedef struct vs_picture {
   char name[256]; /* of its file, without the ending */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "batch/charts.h"
+#include "report/charts.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command `plot` of a study's folder: report.html, which needs nothing but itself, and each of
  * its pictures as PNG beside it. */
-#ifndef VS_BATCH_REPORT_H
-#define VS_BATCH_REPORT_H
+#ifndef VS_REPORT_REPORT_H
+#define VS_REPORT_REPORT_H
 
 #include "study/plot.h"
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A study's report as one page of HTML. */
-#ifndef VS_BATCH_PAGE_H
-#define VS_BATCH_PAGE_H
+#ifndef VS_REPORT_PAGE_H
+#define VS_REPORT_PAGE_H
 
-#include "batch/album.h"
+#include "report/album.h"
 
 /* svg: one text for each picture of the album. */
 void vs_page_write(const vs_study_table *table, const vs_survey *survey, const vs_album *album,

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * How numbers of a column are shown: in which unit, on an even or a logarithmic axis, and colours
  * that print and that colour-blind people can tell apart. */
-#ifndef VS_BATCH_SCALE_H
-#define VS_BATCH_SCALE_H
+#ifndef VS_REPORT_SCALE_H
+#define VS_REPORT_SCALE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "batch/study_table.h"
+#include "report/study_table.h"
 
 typedef struct vs_scale {
   double factor;   /* what is shown is factor times what study.csv says */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Pictures of one column of a study, each for another kind of question. All are vs_draw. */
-#ifndef VS_BATCH_CHARTS_H
-#define VS_BATCH_CHARTS_H
+#ifndef VS_REPORT_CHARTS_H
+#define VS_REPORT_CHARTS_H
 
-#include "batch/sketch.h"
+#include "report/sketch.h"
 
 /* Over the one axis; with a second axis of few words, a line for each. */
 vs_status vs_draw_curve(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "batch/report.h"
+#include "report/report.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "batch/album.h"
-#include "batch/page.h"
+#include "report/album.h"
+#include "report/page.h"
 #include "study/gnuplot.h"
 
 /* What gnuplot drew. */

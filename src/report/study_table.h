@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A study's folder as it is read: manifest.json says what was asked, study.csv holds a row a case,
  * failures.csv the cases that have none. Rows are shown one by one and never held all at once. */
-#ifndef VS_BATCH_STUDY_TABLE_H
-#define VS_BATCH_STUDY_TABLE_H
+#ifndef VS_REPORT_STUDY_TABLE_H
+#define VS_REPORT_STUDY_TABLE_H
 
 #include "base/path.h"
 #include "base/tree.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "batch/survey.h"
+#include "report/survey.h"
 
 #include <math.h>
 #include <stdlib.h>

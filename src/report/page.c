@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "batch/page.h"
+#include "report/page.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "batch/html.h"
+#include "report/html.h"
 
 static const char STYLE[] =
     "body{margin:0;background:#fff;color:#1a1a1a;font:15px/1.45 system-ui,'Liberation Sans',Arial,"
