@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -348,8 +349,7 @@ static void a_case_that_kills(void) {
   CU_ASSERT_EQUAL(r.status, 1);
   free_ran(&r);
   char *failures = read_file("k/failures.csv");
-  EXPECT(strstr(failures, "\n0,900000,1,its process died: signal 9 (Killed)"), "%s",
-         failures);
+  EXPECT(strstr(failures, "\n0,900000,1,its process died: signal 9 (Killed)"), "%s", failures);
   free(failures);
 }
 
@@ -412,6 +412,28 @@ static void a_torn_journal(void) {
   SAME_STUDY("whole", "torn");
 }
 
+/* A file that may not grow any more is what a full disk is: the study ends, and goes on later. */
+static void a_full_disk(void) {
+  struct stat whole;
+  struct rlimit before, small;
+  write_file("g.yaml", GRID);
+  EXPECT_EXIT("study g.yaml -o whole --quiet", 1);
+  CU_ASSERT_EQUAL(stat("whole/journal", &whole), 0);
+  getrlimit(RLIMIT_FSIZE, &before);
+  small = before;
+  small.rlim_cur = (rlim_t)whole.st_size * 4 / 5;
+  setrlimit(RLIMIT_FSIZE, &small);
+  ran r = run("study g.yaml -o full --quiet");
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT(r.status == 1 && strstr(r.err, "full/journal: cannot be written: ") &&
+             strstr(r.err, "--resume goes on with it"),
+         "%d %s", r.status, r.err);
+  EXPECT_FILES("full", "journal ");
+  free_ran(&r);
+  EXPECT_EXIT("study g.yaml -o full --resume --quiet", 1);
+  SAME_STUDY("whole", "full");
+}
+
 /* A scene whose cases take some milliseconds, so that there are instants to choose from. */
 static const char SLOW[] = "set: {run.until: 4 s, firing.every: 1}\n"
                            "vary:\n"
@@ -467,6 +489,7 @@ static const vs_test TESTS[] = {
     {"a case that kills", a_case_that_kills},
     {"a signal", a_signal},
     {"a torn journal", a_torn_journal},
+    {"a full disk", a_full_disk},
     {"killed at any instant", killed_at_any_instant},
 };
 
