@@ -159,7 +159,7 @@ static void choose_eva(vs_setup *setup) {
   if (setup->deck.eva_led) setup->deck.eva_file = NULL; /* of the run before, with the same deck */
   setup->deck.eva_led = false;
   bool again = setup->timeline.firing.every >= 4 || setup->timeline.events.count;
-  if (setup->deck.eva_file || setup->run.stays || !again) return;
+  if (setup->deck.eva_file || !again) return;
   setup->deck.eva_file = "eva_led";
   setup->deck.eva_led = true;
 }
