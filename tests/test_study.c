@@ -456,6 +456,9 @@ static int disturb(const char *words, double at_s, bool worker) {
  * an undisturbed study. 20 instants; 200 with VS_LONG. */
 static void killed_at_any_instant(void) {
   int instants = getenv("VS_LONG") ? 200 : 20, broken = 0;
+  /* what is killed has no end at which leaks are looked for; and beside a child that was just
+   * killed LeakSanitizer was once seen not to come to its end (200 instants without it: none) */
+  setenv("ASAN_OPTIONS", "detect_leaks=0", 1);
   write_file("slow.yaml", SLOW);
   double began = seconds();
   EXPECT_EXIT("study slow.yaml -o whole --quiet", 0);
