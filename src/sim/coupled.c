@@ -13,11 +13,10 @@
 
 #include "machine/actuator.h"
 #include "sim/motion.h"
+#include "sim/names.h"
+#include "sim/pace.h"
 #include "sim/quiet.h"
 #include "sim/sim.h"
-
-enum { SIG_FLUX, SIG_COIL, SIG_MINUS, SIG_PLUS, SIG_I_MAINS, SIG_TERMS }; /* then two per term */
-enum { MOST_SIGNALS = SIG_TERMS + 2 * VS_DECK_MOST };
 
 /* A thyristor counts as conducting above this anode current: its leakage and the displacement
  * current of a blocked junction stay below, any holding current is of this order or above. */
@@ -98,22 +97,19 @@ static const vs_knot *one_port_at(coupling *c, double t_s) {
   return &c->led;
 }
 
-/* The EVA's ports behind the deck's own, in the order of name_all; all but the gap's lead it. */
-enum { PORT_GAP, PORT_FLUX, PORT_VOLTAGE, PORT_RATE, PORT_CONDUCTANCE, EVA_PORTS };
-
 /* Both halves are led with the same time constant, of some of the largest steps. */
 static double leading(coupling *c, size_t port, double t_s) {
   double rate_1_s = 1 / (4 * c->max_step_s);
   if (!c->follows) return 0;
-  if (port == PORT_FLUX) return one_port_at(c, t_s)->flux_wb;
-  if (port == PORT_VOLTAGE) return one_port_at(c, t_s)->v_eva_v;
-  return port == PORT_RATE ? rate_1_s : rate_1_s * vs_quiet_capacitance(c->quiet);
+  if (port == VS_PORT_FLUX) return one_port_at(c, t_s)->flux_wb;
+  if (port == VS_PORT_VOLTAGE) return one_port_at(c, t_s)->v_eva_v;
+  return port == VS_PORT_RATE ? rate_1_s : rate_1_s * vs_quiet_capacitance(c->quiet);
 }
 
 static double source(void *ctx, size_t port, double solver_s) {
   coupling *c = ctx;
   double t_s = solver_s + c->shift_s;
-  if (port == c->gap_port + PORT_GAP) return predicted_gap(c, t_s);
+  if (port == c->gap_port + VS_PORT_GAP) return predicted_gap(c, t_s);
   if (port > c->gap_port) return leading(c, port - c->gap_port, t_s);
   const vs_port *p = &c->setup->deck.ports[port];
   return vs_drives[p->signal.drive].voltage(&c->setup->timeline, &p->signal, t_s);
@@ -290,11 +286,17 @@ static vs_status go_without(coupling *c, double t_s, vs_error *err) {
  */
 static const double FOLLOWS = 0.9, MOST_LAG = 0.09;
 
+/* Of run.tolerance: by how much a run may differ from one that stayed as the solver, once it is
+ * gone back to, takes other steps. Over the scenes of tests/test_quiet.c at most a fiftieth is
+ * seen. */
+static const double OTHER_STEPS = 0.1;
+
 /* The solver stands at some phase of the mains while whole cycles pass by the one-port; then it
  * goes on with its clock moved on by them, and is led to where the machine, lambda and v have come.
  */
 static vs_status go_without_for(coupling *c, double cycles, vs_error *err) {
   double away_s = cycles * c->setup->timeline.period_s, back_s = c->knots[c->now].t_s + away_s;
+  c->bound += OTHER_STEPS * c->setup->run.tolerance;
   vs_status status = go_without(c, back_s, err);
   c->shift_s += away_s;
   c->follows = true;
@@ -335,9 +337,9 @@ static vs_status leave_if_quiet(coupling *c, vs_error *err) {
 
 /* What the solver shows of the deck's terms. */
 static void take_terms(const coupling *c, const double *signals, vs_knot *k) {
-  k->i_mains_a = -signals[SIG_I_MAINS];
+  k->i_mains_a = -signals[VS_SIG_I_MAINS];
   for (size_t n = 0; n < c->setup->deck.n_terms; n++)
-    k->terms[n] = signals[SIG_TERMS + 2 * n] - signals[SIG_TERMS + 2 * n + 1];
+    k->terms[n] = signals[VS_SIG_TERMS + 2 * n] - signals[VS_SIG_TERMS + 2 * n + 1];
 }
 
 /* The solver's step, taken while it is led: the one-port's is shown. If the solver has not come to
@@ -368,10 +370,10 @@ static vs_status accept(void *ctx, double solver_s, const double *signals, vs_er
   vs_knot_copy(&c->frame, &c->knots[c->now], &from);
   double h = t_s - from.t_s;
   next.t_s = t_s;
-  next.flux_wb = signals[SIG_FLUX];
+  next.flux_wb = signals[VS_SIG_FLUX];
   take_terms(c, signals, &next);
-  next.flux_rate_v = signals[SIG_COIL] - signals[SIG_MINUS];
-  next.v_eva_v = signals[SIG_PLUS] - signals[SIG_MINUS];
+  next.flux_rate_v = signals[VS_SIG_COIL] - signals[VS_SIG_MINUS];
+  next.v_eva_v = signals[VS_SIG_PLUS] - signals[VS_SIG_MINUS];
   next.flux_rate2_v_s = (next.flux_rate_v - from.flux_rate_v) / h;
   /* the cubic through both ends' values and slopes */
   double slope = (next.flux_wb - from.flux_wb) / h;
@@ -394,88 +396,6 @@ static vs_frame frame(const vs_setup *setup) {
   return (vs_frame){.model = &setup->model, .timeline = &setup->timeline, .deck = &setup->deck};
 }
 
-/* The names by which the coupling and the deck's terms know the circuit. */
-typedef struct names {
-  char text[MOST_SIGNALS + VS_DECK_MOST + EVA_PORTS][2 * VS_DECK_NAME];
-  const char *signals[MOST_SIGNALS], *ports[VS_DECK_MOST + EVA_PORTS];
-  size_t n_signals, n_ports;
-} names;
-
-static void name_all(const vs_deck *deck, names *n) {
-  size_t k = 0;
-#define VS_NAMED(list, count, ...)                                                                 \
-  (snprintf(n->text[k], sizeof n->text[k], __VA_ARGS__), n->list[n->count++] = n->text[k], k++)
-  VS_NAMED(signals, n_signals, "v(%s.lam)", deck->eva);
-  VS_NAMED(signals, n_signals, "v(%s.x)", deck->eva);
-  VS_NAMED(signals, n_signals, "v(%s)", deck->eva_minus);
-  VS_NAMED(signals, n_signals, "v(%s)", deck->eva_plus);
-  const char *mains = NULL;
-  for (size_t p = 0; p < deck->n_ports; p++) {
-    VS_NAMED(ports, n_ports, "%s", deck->ports[p].source);
-    if (deck->ports[p].signal.drive == VS_DRIVE_MAINS) mains = deck->ports[p].source;
-  }
-  VS_NAMED(ports, n_ports, "v.%s.vgap", deck->eva);
-  static const char *const LEADING[] = {"igoal_l", "igoal_v", "irate", "ilead"};
-  for (size_t p = 0; deck->eva_led && p < EVA_PORTS - 1; p++)
-    VS_NAMED(ports, n_ports, "i.%s.%s", deck->eva, LEADING[p]);
-  if (mains)
-    VS_NAMED(signals, n_signals, "i(%s)", mains);
-  else
-    VS_NAMED(signals, n_signals, "v(0)");
-  for (size_t t = 0; t < deck->n_terms; t++) {
-    VS_NAMED(signals, n_signals, "%s", deck->terms[t].plus);
-    VS_NAMED(signals, n_signals, "%s", deck->terms[t].minus);
-  }
-#undef VS_NAMED
-}
-
-/* Largest step and relative tolerance of the solver for a wanted error. Measured on T3A (tests): at
- * 25 us of a 20 ms period the trapezoidal rule leaves 6.5e-5 of the first peak, falling with the
- * square of the step; Gear's rule four times as much. */
-double vs_largest_step(const vs_setup *s) {
-  double h = fmin(sqrt(s->run.tolerance / 1e-4) / 800, 1.0 / 200) * s->timeline.period_s;
-  if (s->run.gear) h /= 2;
-  return s->run.max_step_s > 0 ? s->run.max_step_s : h;
-}
-static vs_status note_depth(void *ctx, const vs_step *step, vs_error *err) {
-  (void)err;
-  double *least_p_m = ctx;
-  *least_p_m = fmin(*least_p_m, step->to->x[P]);
-  return VS_OK;
-}
-
-/* Each blow on the stop multiplies what error p has, ten of them by 35; and between them there may
- * be conductions of 50 us from the snubbers alone, whose end the solver finds as well as its
- * tolerance lets it. Such a run takes shorter steps and a finer tolerance. Whether it is one, the
- * switched tier tells in a millisecond or two; a fifth of the gap is for what it leaves out. */
-static bool has_blows(const vs_setup *s) {
-  if (!s->model.actuator.stop.present) return false;
-  double least_p_m = 0;
-  const vs_observer observer = {&least_p_m, note_depth};
-  vs_error err = {0};
-  vs_status status = vs_tier_switched.run(s, &observer, &err);
-  return status || least_p_m < -0.8 * s->model.actuator.gap_m;
-}
-
-/* At some hundred volts a solver's tolerance of 1e-4 is an exponential junction's whole step in
- * voltage: Newton's iteration then ends before a pair of transistors has fired (or goes on firing
- * and failing to). 1e-5 is measured to be fine enough; ideal switches it costs a few per cent. */
-static const double COARSEST = 1e-5;
-
-static double solver_tolerance(const vs_setup *s, bool blows) {
-  return fmin(fmax(s->run.tolerance, 1e-6) / (blows ? 100 : 10), COARSEST);
-}
-/* The amplitude of the current that the mains alone would drive through the coil at rest. */
-static double current_scale(const vs_setup *s) {
-  const vs_actuator_values *coil = &s->model.actuator;
-  return s->timeline.peak_v /
-         hypot(coil->resistance_ohm, s->timeline.omega_rad_s * coil->inductance_h);
-}
-
-/* A difference of voltages below the tolerance times this is none: some hundred volts are at work
- * in a converter, but nodes that stand for a flux linkage or a charge have some volts. */
-static const double VOLTAGE_SCALE_V = 10;
-
 static void locate(const void *deck, vs_error *err) {
   vs_deck_locate(deck, err);
 }
@@ -484,17 +404,16 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
   const vs_model *m = &setup->model;
   vs_deck_value standard[VS_STANDARD];
   vs_setup_standard(setup, standard);
-  names *n = vs_alloc(1, sizeof *n);
-  name_all(&setup->deck, n);
-  bool blows = has_blows(setup);
-  double tolerance = solver_tolerance(setup, blows);
+  vs_names *n = vs_alloc(1, sizeof *n);
+  vs_names_of(&setup->deck, n);
+  const vs_pace pace = vs_pace_of(setup);
   coupling c = {.setup = setup,
                 .frame = frame(setup),
                 .observer = observer,
                 .candidate_s = -1,
                 .gap_port = setup->deck.n_ports,
                 .jams_s = INFINITY,
-                .max_step_s = vs_largest_step(setup) / (blows ? M_SQRT2 : 1),
+                .max_step_s = pace.max_step_s,
                 .series_s = 0.1 / m->fastest_rad_s};
   c.knots[0] = vs_sim_start(setup, &c.frame);
   c.touching = vs_in_stop(m, c.knots[0].x[P]);
@@ -517,9 +436,9 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                         .tried = setup->tried,
                         .truncation_factor = setup->run.trtol,
                         .pivot_threshold = setup->run.pivrel,
-                        .relative_tolerance = tolerance,
-                        .current_tolerance_a = tolerance * current_scale(setup),
-                        .voltage_tolerance_v = tolerance * VOLTAGE_SCALE_V,
+                        .relative_tolerance = pace.relative,
+                        .current_tolerance_a = pace.current_a,
+                        .voltage_tolerance_v = pace.voltage_v,
                         .locate = locate,
                         .author = &setup->deck};
   char **netlist = NULL;
