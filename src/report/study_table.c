@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "report/study_table.h"
 
+#include "batch/case.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -31,32 +33,9 @@ bool vs_study_number(const char *cell, double *value) {
 
 /* ---- rows of CSV ---- */
 
-/* Cuts a row at its commas, quotes taken off; NULL in *rest when it was the last cell. */
-static char *next_cell(char **rest) {
-  char *cell = *rest, *to = cell;
-  if (*cell != '"') {
-    strsep(rest, ",");
-    return cell;
-  }
-  const char *from = cell + 1;
-  for (; *from && (*from != '"' || from[1] == '"'); from++) {
-    from += *from == '"';
-    *to++ = *from;
-  }
-  if (*from) from++;
-  *rest = *from == ',' ? cell + (from - cell) + 1 : NULL;
-  *to = '\0';
-  return cell;
-}
-
 static size_t split(char *line, char **cell, size_t most) {
-  size_t n = 0;
   line[strcspn(line, "\r\n")] = '\0';
-  for (char *rest = line; rest; n++) {
-    char *one = next_cell(&rest);
-    if (n < most) cell[n] = one;
-  }
-  return n;
+  return vs_csv_cut(line, cell, most);
 }
 
 typedef struct csv {
@@ -82,7 +61,7 @@ static vs_status show(const csv *file, vs_study_row *row, long *before, vs_error
 
 /* All rows behind the header. */
 static vs_status each(const csv *file, FILE *f, vs_study_visit visit, void *ctx, vs_error *err) {
-  char *line = NULL, *cell[VS_STUDY_COLUMNS];
+  char *line = NULL, *cell[VS_STUDY_COLUMNS + 1];
   size_t size = 0;
   long number = 1, before = -1;
   vs_status status = VS_OK;
@@ -90,7 +69,7 @@ static vs_status each(const csv *file, FILE *f, vs_study_visit visit, void *ctx,
     status = vs_fail_at(err, (vs_where){.file = file->path}, "the file is empty");
   while (!status && getline(&line, &size, f) > 0) {
     vs_study_row row = {.line = ++number, .cell = cell};
-    row.count = split(line, cell, VS_STUDY_COLUMNS);
+    row.count = split(line, cell, VS_STUDY_COLUMNS + 1);
     status = show(file, &row, &before, err);
     if (!status) status = visit(ctx, &row, err);
   }
@@ -226,9 +205,9 @@ static vs_study_role role_of(const char *title, size_t position) {
 }
 
 static vs_status take_header(vs_study_table *t, char *line, vs_error *err) {
-  char *cell[VS_STUDY_COLUMNS];
+  char *cell[VS_STUDY_COLUMNS + 1];
   const vs_where at = {t->path, 1, 1};
-  t->count = split(line, cell, VS_STUDY_COLUMNS);
+  t->count = split(line, cell, VS_STUDY_COLUMNS + 1);
   if (t->count > VS_STUDY_COLUMNS) {
     t->count = 0;
     return vs_fail_at(err, at, "more than %d columns", VS_STUDY_COLUMNS);
