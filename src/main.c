@@ -422,14 +422,16 @@ static const struct command *find_command(const char *word) {
   return NULL;
 }
 
+/* A second Ctrl-C kills; a second SIGTERM does not: who ends programs in earnest (Slurm, systemd,
+ * GNU parallel) may send several, and has SIGKILL. */
 static void heed_signals(void) {
-  const struct sigaction action = {.sa_handler = on_signal,
-                                   .sa_flags = (int)SA_RESETHAND}; /* the second one kills */
+  const struct sigaction once = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND},
+                         always = {.sa_handler = on_signal};
   struct sigaction before;
-  sigaction(SIGINT, &action, NULL);
-  sigaction(SIGTERM, &action, NULL);
+  sigaction(SIGINT, &once, NULL);
+  sigaction(SIGTERM, &always, NULL);
   sigaction(SIGHUP, NULL, &before);
-  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, NULL); /* else nohup's wish holds */
+  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &once, NULL); /* else nohup's wish holds */
   signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error to report, like a full disk */
 }
 
