@@ -9,10 +9,10 @@
 #include <unistd.h>
 
 #include "base/text.h"
+#include "program.h"
 #include "report/charts.h"
 #include "report/map.h"
 #include "report/page.h"
-#include "program.h"
 
 /* ---- study folders ---- */
 

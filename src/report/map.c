@@ -213,15 +213,19 @@ static void add_colours(const map *m, vs_picture *p) {
                           "screen 0.79\nset cbtics nomirror in\n");
 }
 
-static void say_of_others(const map *m, vs_picture *p) {
+/* Of more axes than two: what a cell is of the cases it stands for. */
+static void add_title(const map *m, vs_picture *p) {
   const vs_sketch *k = m->k;
+  vs_text what = {0};
+  vs_text_add(&what, "%s", "");
   if (k->n_axes > 2) {
-    vs_text_add(&p->caption, "Each cell: the %s over ", m->margin ? "least" : "largest amount");
+    vs_text_add(&what, ": the %s over ", m->margin ? "least" : "largest amount");
     for (size_t a = 0, n = 0; a < k->n_axes; a++)
       if (k->axis[a] != m->x.column && k->axis[a] != m->y.column)
-        vs_text_add(&p->caption, "%s%s", n++ ? ", " : "", k->t->column[k->axis[a]].name);
-    vs_text_add(&p->caption, ". ");
+        vs_text_add(&what, "%s%s", n++ ? ", " : "", k->t->column[k->axis[a]].name);
   }
+  vs_sketch_title(k, m->column, what.text, p);
+  vs_text_free(&what);
   if (m->x.each > 1 || m->y.each > 1)
     vs_text_add(&p->caption, "A cell holds %zu by %zu values of its axes. ", m->x.each, m->y.each);
 }
@@ -266,8 +270,7 @@ static void add_map(const map *m, vs_picture *p) {
 vs_status vs_draw_map(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   map m;
   vs_status status = make_map(&m, k, column, err);
-  vs_sketch_title(k, column, "", p);
-  say_of_others(&m, p);
+  add_title(&m, p);
   p->width = 720;
   p->height = 520;
   vs_sketch_begin(k, m.x.column, column, p);
