@@ -12,12 +12,13 @@
 
 enum { MOST_VALUES_SHOWN = 1000 };
 
-/* The plan and all it is made of, by content: paths may differ from machine to machine. */
-static char *identify(const vs_plan *plan) {
+/* The plan and all it is made of, by content: paths may differ from machine to machine. columns:
+ * the header of study.csv, as rows of another make do not go with them. */
+static char *identify(const vs_plan *plan, const char *columns) {
   vs_sha256 hash;
   vs_text text = {0};
   char digits[VS_SHA256_TEXT];
-  vs_text_add(&text, "%s\n%s\n%s\n", VS_VERSION, vs_ngspice_version(), gsl_version);
+  vs_text_add(&text, "%s\n%s\n%s\n%s\n", VS_VERSION, vs_ngspice_version(), gsl_version, columns);
   for (size_t k = 0; k < plan->n_inputs; k++) vs_text_add(&text, "%s\n", plan->inputs[k].sha256);
   for (size_t k = 0; k < plan->n_sets; k++) vs_text_add(&text, "--set %s\n", plan->sets[k]);
   vs_sha256_begin(&hash);
@@ -94,9 +95,9 @@ static void add_column(const vs_report_column *column, vs_text *json) {
   vs_text_json(json, column->column);
   vs_text_add(json, ", \"unit\": \"%s\", \"rating\": ", column->unit);
   if (isfinite(column->rating))
-    vs_text_add(json, "%.12g", column->rating);
+    vs_text_add(json, "%.12g, \"side\": \"%s\"", column->rating, column->at_least ? "min" : "max");
   else
-    vs_text_add(json, "null");
+    vs_text_add(json, "null, \"side\": null");
   vs_text_add(json, ", \"text\": ");
   vs_text_json(json, column->text);
   vs_text_add(json, "}");
@@ -137,7 +138,7 @@ void vs_study_head(const vs_plan *plan, const char *name, vs_journal_head *head)
   vs_case_failure_header(plan, &text[1]);
   add_begin(plan, name, &text[2]);
   add_end(plan, name, &text[3]);
-  *head = (vs_journal_head){.identity = identify(plan),
+  *head = (vs_journal_head){.identity = identify(plan, text[0].text),
                             .columns = text[0].text,
                             .failures = text[1].text,
                             .manifest_begin = text[2].text,

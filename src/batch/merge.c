@@ -63,7 +63,6 @@ static vs_status take_folder(shards *all, const char *folder, vs_error *err) {
 /* A folder of a shard, or one that holds such folders. */
 static vs_status take_folders(shards *all, const char *folder, vs_error *err) {
   struct dirent **entries;
-  vs_journal none = {0};
   char path[2 * VS_PATH_SIZE];
   vs_status status = VS_OK;
   size_t before = all->count;
@@ -75,7 +74,6 @@ static vs_status take_folders(shards *all, const char *folder, vs_error *err) {
     free(entries[k]);
   }
   if (n >= 0) free(entries);
-  (void)none;
   if (status || all->count > before) return status;
   return take_folder(all, folder, err);
 }

@@ -132,6 +132,7 @@ static vs_status resolve_columns(vs_plan *plan, const vs_scene *scene, const vs_
     snprintf(column->unit, sizeof column->unit, "%s", m.unit);
     snprintf(column->text, sizeof column->text, "%.*s", VS_DECK_TEXT - 1, m.text);
     column->rating = m.limit;
+    column->at_least = m.at_least;
     vs_unit_suffix(m.unit, suffix, sizeof suffix);
     snprintf(column->column, sizeof column->column, "%s%s%.20s", m.name, *suffix ? "_" : "",
              suffix);

@@ -52,6 +52,7 @@ typedef struct vs_report_column {
   char column[VS_JUDGED_NAME + 24]; /* "thyristor.v_reverse_v" */
   char unit[16], text[VS_DECK_TEXT];
   double rating; /* the limit it is held against, in unit; NaN: none */
+  bool at_least; /* that is the least allowed, not the most */
   vs_where where;
 } vs_report_column;
 enum { VS_COLUMN_MARGIN = -1 }; /* margin_least: in every study, though not asked for */

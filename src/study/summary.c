@@ -22,6 +22,7 @@ static bool device_measure_at(const vs_devices *devices, size_t k, vs_shown *m) 
     m->value = r->value;
     m->value.value /= vs_unit_factor(m->unit);
     if (r->limit) m->limit = r->limit->value / vs_unit_factor(m->unit);
+    m->at_least = r->measure->held == VS_AT_LEAST;
     set_text(m, "%s", r->measure->text);
     return true;
   }
@@ -37,6 +38,7 @@ static double rating_of(const vs_deck *deck, int probe, int sense) {
 
 bool vs_shown_at(const vs_frame *frame, const vs_result *r, int k, vs_shown *m) {
   m->limit = NAN;
+  m->at_least = false;
   if (k < VS_MEASURES) {
     snprintf(m->name, sizeof m->name, "%s", vs_measures_known[k].name);
     m->unit = vs_measures_known[k].unit;
@@ -52,6 +54,7 @@ bool vs_shown_at(const vs_frame *frame, const vs_result *r, int k, vs_shown *m) 
   snprintf(m->name, sizeof m->name, "%s_%s", channel.name, e->sense < 0 ? "min" : "max");
   m->unit = channel.unit;
   m->value = e->best;
+  m->at_least = e->sense < 0;
   if (frame->deck)
     m->limit = rating_of(frame->deck, e->channel - VS_CH_DECK, e->sense) / vs_unit_factor(m->unit);
   set_text(m, e->sense < 0 ? "least %s" : "largest %s", channel.text);

@@ -44,6 +44,7 @@ typedef struct vs_shown {
   const char *unit;
   vs_value value; /* in that unit */
   double limit;   /* that a rating of its probe or a limit of its device's part sets; NaN: none */
+  bool at_least;  /* that is the least allowed, not the most */
 } vs_shown;
 
 /* Each measure there is, k from 0: the energies', the probes' extremes and the devices' included;
