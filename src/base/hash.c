@@ -74,7 +74,9 @@ void vs_sha256_end(vs_sha256 *h, char text[VS_SHA256_TEXT]) {
   vs_sha256_add(h, &ONE, 1);
   while (h->size % 64 != 56) vs_sha256_add(h, &NONE, 1);
   vs_sha256_add(h, length, sizeof length);
-  for (int k = 0; k < 8; k++) snprintf(text + 8 * k, 9, "%08x", (unsigned)h->state[k]);
+  for (int k = 0; k < 64; k++)
+    text[k] = "0123456789abcdef"[h->state[k / 8] >> (28 - 4 * (k % 8)) & 15];
+  text[64] = '\0';
 }
 
 vs_status vs_sha256_file(const char *path, char text[VS_SHA256_TEXT], vs_error *err) {

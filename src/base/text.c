@@ -31,15 +31,16 @@ void vs_text_add(vs_text *t, const char *format, ...) {
   va_list args, again;
   va_start(args, format);
   va_copy(again, args);
-  int n = vsnprintf(NULL, 0, format, args);
+  size_t room = t->capacity - t->length;
+  int n = vsnprintf(t->text ? t->text + t->length : NULL, room, format, args);
   va_end(args);
   size_t need = t->length + (n > 0 ? (size_t)n : 0) + 1;
   if (need > t->capacity) {
     t->capacity = need * 2;
     t->text = realloc(t->text, t->capacity);
     if (!t->text) out_of_memory();
+    vsnprintf(t->text + t->length, t->capacity - t->length, format, again);
   }
-  vsnprintf(t->text + t->length, t->capacity - t->length, format, again);
   va_end(again);
   t->length = need - 1;
 }

@@ -339,6 +339,7 @@ static vs_status read_event(const vs_node *map, const vs_timeline *t, double unt
   size_t found = vs_found(err);
   status = vs_section_read(&section, map, &e.v, err);
   if (!strcmp(e.v.element, "-")) *e.v.element = '\0';
+  e.v.polarity %= 2; /* the word and the sign are one */
   if (!status && vs_found(err) == found) status = vs_carry_on(err, read_gate(map, &e, err));
   if (!status && vs_found(err) == found) status = vs_carry_on(err, check_element(&e, err));
   if (!status && vs_found(err) == found) status = vs_carry_on(err, check_count(map, t, &e, err));
