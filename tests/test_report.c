@@ -49,10 +49,10 @@ static void add_cell(vs_text *csv, double value) {
 
 static void write_study(const char *method, const char *more, long n, sample (*at)(long k)) {
   vs_text csv = {0}, manifest = {0};
-  vs_text_add(&csv, "case,circuit.a_ohm,circuit.b,peak_v,margin_least,weakest,status\n");
+  vs_text_add(&csv, "case,id,circuit.a_ohm,circuit.b,peak_v,margin_least,weakest,status\n");
   for (long k = 0; k < n; k++) {
     sample s = at(k);
-    vs_text_add(&csv, "%ld", k);
+    vs_text_add(&csv, "%ld,%016lx", k, 7919 * (k + 1));
     add_cell(&csv, s.a);
     add_cell(&csv, s.b);
     add_cell(&csv, s.peak_v);
@@ -412,11 +412,11 @@ static void other_methods(void) {
 static void axes_of_words(void) {
   copy_map("words");
   vs_text csv = {0};
-  vs_text_add(&csv, "case,circuit.thyristor,circuit.c1_nf,thyristor.v_reverse_v,p_min_m,"
+  vs_text_add(&csv, "case,id,circuit.thyristor,circuit.c1_nf,thyristor.v_reverse_v,p_min_m,"
                     "margin_least,weakest,status\n");
   for (int k = 0; k < 11; k++)
-    vs_text_add(&csv, "%d,\"%s\",%d,%d,,0.1,x,0\n", k, k % 2 ? "12TTS08S" : "it's, <b>", k / 2 + 1,
-                100 + k);
+    vs_text_add(&csv, "%d,%016x,\"%s\",%d,%d,,0.1,x,0\n", k, k, k % 2 ? "12TTS08S" : "it's, <b>",
+                k / 2 + 1, 100 + k);
   write_file("words/study.csv", csv.text);
   vs_text_free(&csv);
   char *manifest = read_file("words/manifest.json");
@@ -443,7 +443,7 @@ static void axes_of_words(void) {
 /* ---- what is refused ---- */
 
 static void bad_folders(void) {
-  static const char HEAD[] = "case,circuit.r1_ohm,circuit.c1_nf,thyristor.v_reverse_v,p_min_m,"
+  static const char HEAD[] = "case,id,circuit.r1_ohm,circuit.c1_nf,thyristor.v_reverse_v,p_min_m,"
                              "margin_least,weakest,status\n";
   static const struct {
     const char *file, *text; /* text NULL: the file is not there; "+...": behind the good header */
@@ -476,14 +476,20 @@ static void bad_folders(void) {
       {"study.csv", "", "bad/study.csv: ", {"empty", NULL}},
       {"study.csv", "t_s,p_m\n0,1\n", "bad/study.csv:1:1: ", {"'case'", "'status'"}},
       {"study.csv", "case,a,a,status\n", "bad/study.csv:1:1: ", {"'a'", "twice"}},
-      {"study.csv", "+0,1,1,1,1,1,x\n", "bad/study.csv:2:1: ", {"cells in this row: 7", "8"}},
-      {"study.csv", "+0,1,1,1,1,1,x,0\n1,1,1\n", "bad/study.csv:3:1: ", {"row: 3", NULL}},
-      {"study.csv", "+first,1,1,1,1,1,x,0\n", "bad/study.csv:2:1: ", {"'first'", NULL}},
-      {"study.csv", "+1,1,1,1,1,1,x,0\n1,1,1,1,1,1,x,0\n", "bad/study.csv:3:1: ", {"order", NULL}},
-      {"study.csv", "+0,wide,1,1,1,1,x,0\n", "bad/study.csv:2:1: ", {"'wide'", "circuit.r1_ohm"}},
-      {"study.csv", "+0,1,1,high,1,1,x,0\n", "bad/study.csv:2:1: ", {"'high'", "no number"}},
-      {"study.csv", "+0,1,1,1,1,1,x,0\n", "bad/study.csv: ", {"rows: 1", "done"}},
-      {"failures.csv", "case,why\n5,no\n", "bad/failures.csv:2:1: ", {"cells in this row: 2", "5"}},
+      {"study.csv", "+0,f00,1,1,1,1,1,x\n", "bad/study.csv:2:1: ", {"cells in this row: 8", "9"}},
+      {"study.csv", "+0,f00,1,1,1,1,1,x,0\n1,f00,1\n", "bad/study.csv:3:1: ", {"row: 3", NULL}},
+      {"study.csv", "+first,f00,1,1,1,1,1,x,0\n", "bad/study.csv:2:1: ", {"'first'", NULL}},
+      {"study.csv",
+       "+1,f00,1,1,1,1,1,x,0\n1,f00,1,1,1,1,1,x,0\n",
+       "bad/study.csv:3:1: ",
+       {"order", NULL}},
+      {"study.csv",
+       "+0,f00,wide,1,1,1,1,x,0\n",
+       "bad/study.csv:2:1: ",
+       {"'wide'", "circuit.r1_ohm"}},
+      {"study.csv", "+0,f00,1,1,high,1,1,x,0\n", "bad/study.csv:2:1: ", {"'high'", "no number"}},
+      {"study.csv", "+0,f00,1,1,1,1,1,x,0\n", "bad/study.csv: ", {"rows: 1", "done"}},
+      {"failures.csv", "case,why\n5,no\n", "bad/failures.csv:2:1: ", {"cells in this row: 2", "6"}},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     char path[64];
@@ -504,7 +510,8 @@ static void bad_folders(void) {
   }
 }
 
-/* Whatever the names of a study hold, they are names. */
+/* Whatever the names of a study hold, they are names. Its cases have no ids, as before there were
+ * any. */
 static void hostile_names(void) {
   static const char MANIFEST[] =
       "{\"study\": \"</script><script>alert(1)</script>\", \"method\": \"grid\", \"cases\": 2, "
@@ -526,11 +533,12 @@ static void hostile_names(void) {
 
 static void no_rows(void) {
   copy_map("none");
-  write_file("none/study.csv", "case,circuit.r1_ohm,circuit.c1_nf,thyristor.v_reverse_v,p_min_m,"
+  write_file("none/study.csv", "case,id,circuit.r1_ohm,circuit.c1_nf,thyristor.v_reverse_v,p_min_m,"
                                "margin_least,weakest,status\n");
   vs_text failures = {0};
-  vs_text_add(&failures, "case,circuit.r1_ohm,circuit.c1_nf,status,why\n");
-  for (int k = 0; k < 12; k++) vs_text_add(&failures, "%d,1,1,1,%s\n", k, k % 3 ? "jam" : "time");
+  vs_text_add(&failures, "case,id,circuit.r1_ohm,circuit.c1_nf,status,why\n");
+  for (int k = 0; k < 12; k++)
+    vs_text_add(&failures, "%d,%016x,1,1,1,%s\n", k, k, k % 3 ? "jam" : "time");
   write_file("none/failures.csv", failures.text);
   vs_text_free(&failures);
   char *manifest = read_file("none/manifest.json"), *count = strstr(manifest, "\"failed\": 1,");

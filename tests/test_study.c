@@ -13,6 +13,7 @@
 
 #include "base/hash.h"
 #include "batch/case.h"
+#include "batch/identity.h"
 #include "batch/journal.h"
 #include "program.h"
 
@@ -56,6 +57,18 @@ static void expect_exit(const char *words, int status, int line) {
   free_ran(&r);
 }
 #define EXPECT_EXIT(words, status) expect_exit(words, status, __LINE__)
+
+/* Takes the second cell, the id, out of each row. */
+static char *without_ids(char *csv) {
+  char *to = csv;
+  int cell = 0;
+  for (const char *s = csv; *s; s++) {
+    cell = *s == '\n' ? 0 : cell + (*s == ',');
+    if (cell != 1) *to++ = *s;
+  }
+  *to = '\0';
+  return csv;
+}
 
 /* ---- the parts ---- */
 
@@ -103,6 +116,8 @@ static void a_grid(void) {
   ran r = run("study g.yaml");
   CU_ASSERT_EQUAL(r.status, 0);
   CU_ASSERT_EQUAL(count_lines(r.out), 1 + 2 * 2 * 3 * 2 * 2);
+  CU_ASSERT_EQUAL(strncmp(r.out, "case,id,supply.voltage_v,", 25), 0);
+  without_ids(r.out);
   static const char *const HAS[] = {"case,supply.voltage_v,firing.every,load.density_g_cm3,firing."
                                     "angle_deg,machine.m14,i_peak_a,",
                                     ",energy_residual,margin_least,weakest,status\n",
@@ -127,17 +142,38 @@ static void a_case_is_a_run(void) {
   ran r = run("study g.yaml");
   char *cell[16], *row = strstr(r.out, "\n1,");
   CU_ASSERT_PTR_NOT_NULL_FATAL(row);
-  CU_ASSERT_EQUAL_FATAL(vs_csv_cut(row + 1, cell, 16), 8);
+  CU_ASSERT_EQUAL_FATAL(vs_csv_cut(row + 1, cell, 16), 9);
   ran one = run("run paper --set circuit.deck=halfwave_paper --set run.until=12ms --set "
                 "circuit.r1=100ohm --set firing.angle=110deg --json --quiet --reproducible");
   char want[128];
-  snprintf(want, sizeof want, "\"thyristor.v_reverse\": {\"value\": %s, ", cell[3]);
+  snprintf(want, sizeof want, "\"thyristor.v_reverse\": {\"value\": %s, ", cell[4]);
   EXPECT(strstr(one.out, want), "%s not in %s", want, one.out);
-  snprintf(want, sizeof want, "\"p_min\": {\"value\": %s, ", cell[4]);
+  snprintf(want, sizeof want, "\"p_min\": {\"value\": %s, ", cell[5]);
   EXPECT(strstr(one.out, want), "%s not in %s", want, one.out);
-  snprintf(want, sizeof want, "\"weakest\": \"%s\"", cell[6]);
+  snprintf(want, sizeof want, "\"weakest\": \"%s\"", cell[7]);
   EXPECT(strstr(one.out, want), "%s not in %s", want, one.out);
   free_ran(&r), free_ran(&one);
+}
+
+/* The manifest says of each limit whether it is the most or the least allowed. */
+static void sides_of_ratings(void) {
+  static const char *const SIDES[] = {"max", "min", "min", "max", "null"};
+  write_file("g.yaml",
+             "set: {circuit.deck: halfwave_paper, circuit.thyristor: TYN1212, run.until: "
+             "2 ms}\nvary: {circuit.r1: [100 ohm]}\n"
+             "report: [thyristor.v_reverse, thyristor.t_off, v_ak_min, v_ak_max, p_min]\n");
+  RUN_GOOD("study g.yaml -o sides --quiet");
+  vs_tree tree;
+  vs_error err = {0};
+  CU_ASSERT_EQUAL_FATAL(vs_tree_read("sides/manifest.json", &tree, &err), VS_OK);
+  const vs_node *list = vs_node_child(tree.root, "report"), *n = list ? list->child : NULL;
+  for (size_t k = 0; k < COUNT(SIDES); k++, n = n ? n->next : NULL) {
+    const vs_node *side = vs_node_child(n, "side"), *rating = vs_node_child(n, "rating");
+    EXPECT(side && !strcmp(side->text, SIDES[k]), "side %zu: %s", k, side ? side->text : "-");
+    EXPECT(rating && !strcmp(rating->text, "null") == (k == 4), "rating %zu", k);
+    if (k == 2 && rating) CU_ASSERT(atof(rating->text) < 0);
+  }
+  vs_tree_free(&tree);
 }
 
 /* A list's cells carry units, or its header does, as study.csv's. Another deck, other parts. */
@@ -152,6 +188,7 @@ static void a_list(void) {
   write_file("l.yaml", "set: {run.until: 11 ms}\nvary: cases.csv\nreport: [p_min]\n");
   r = run("study l.yaml");
   CU_ASSERT_EQUAL(r.status, 0);
+  without_ids(r.out);
   EXPECT(strstr(r.out, "\n0,halfwave_snubbed,100,100,-") &&
              strstr(r.out, "\n1,halfwave_paper,200,200,-"),
          "%s%s", r.out, r.err);
@@ -322,7 +359,8 @@ static void a_hanging_case(void) {
   EXPECT(r.status == 1 && strstr(r.out, "2 done, 1 failed") && strstr(r.err, "1 of 3 cases failed"),
          "%s%s", r.out, r.err);
   free_ran(&r);
-  char *csv = read_file("h/study.csv"), *failures = read_file("h/failures.csv");
+  char *csv = without_ids(read_file("h/study.csv"));
+  char *failures = without_ids(read_file("h/failures.csv"));
   EXPECT(strstr(csv, "\n0,0.01,") && strstr(csv, "\n2,0.02,") && count_lines(csv) == 3, "%s", csv);
   EXPECT(!strcmp(failures, "case,run.until_s,status,why\n1,900000,1,no end after 0.5 s "
                            "(--case-timeout)\n"),
@@ -348,7 +386,17 @@ static void a_case_that_kills(void) {
   ran r = collect(master);
   CU_ASSERT_EQUAL(r.status, 1);
   free_ran(&r);
-  char *failures = read_file("k/failures.csv");
+  char *failures = read_file("k/failures.csv"), id[32] = "";
+  vs_plan *plan = vs_alloc(1, sizeof *plan);
+  vs_error err = {0};
+  CU_ASSERT_EQUAL_FATAL(vs_plan_read("k.yaml", NULL, 0, plan, &err), VS_OK);
+  vs_identity *identity = vs_identity_new(plan);
+  vs_identity_of(identity, plan->first, id);
+  EXPECT(strlen(id) == 16 && strstr(failures, id), "no %s in %s", id, failures);
+  vs_identity_free(identity);
+  vs_plan_free(plan);
+  free(plan);
+  without_ids(failures);
   EXPECT(strstr(failures, "\n0,900000,1,its process died: signal 9 (Killed)"), "%s", failures);
   free(failures);
 }
@@ -483,6 +531,7 @@ static const vs_test TESTS[] = {
     {"cells", cells},
     {"a grid", a_grid},
     {"a case is a run", a_case_is_a_run},
+    {"sides of ratings", sides_of_ratings},
     {"a list", a_list},
     {"mistakes", mistakes},
     {"refusals", refusals},

@@ -6,14 +6,24 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "batch/identity.h"
 #include "study/summary.h"
 #include "watch/table.h"
+
+/* A case: its number, its point, and its id. */
+typedef struct which {
+  uint64_t index;
+  const double *point;
+  char id[VS_ID_SIZE]; /* empty: its scene is not read, or refused */
+} which;
 
 struct vs_case {
   const vs_plan *plan;
   const char *keep;
   vs_scene *scene;
-  bool begun;                 /* the scene's tree is there */
+  bool begun; /* the scene's tree is there */
+  vs_identity *identity;
+  which present;
   bool circuit;               /* the last case used ngspice */
   int shown[VS_PLAN_COLUMNS]; /* where each column was found the last time */
   vs_result *result;          /* large, so not on the stack */
@@ -24,6 +34,7 @@ vs_case *vs_case_new(const vs_plan *plan, const char *keep) {
   c->plan = plan;
   c->keep = keep;
   c->scene = vs_alloc(1, sizeof *c->scene);
+  c->identity = vs_identity_new(plan);
   c->result = vs_alloc(1, sizeof *c->result);
   return c;
 }
@@ -31,6 +42,7 @@ vs_case *vs_case_new(const vs_plan *plan, const char *keep) {
 void vs_case_free(vs_case *c) {
   if (c->begun) vs_scene_free(c->scene);
   free(c->scene);
+  vs_identity_free(c->identity);
   free(c->result);
   free(c);
 }
@@ -72,31 +84,30 @@ size_t vs_csv_cut(char *row, char **cells, size_t most) {
 }
 
 void vs_case_header(const vs_plan *plan, vs_text *row) {
-  vs_text_add(row, "case");
+  vs_text_add(row, "case,id");
   for (size_t k = 0; k < plan->n_axes; k++) vs_text_add(row, ",%s", plan->axes[k].column);
   for (size_t k = 0; k < plan->n_columns; k++) vs_text_add(row, ",%s", plan->columns[k].column);
   vs_text_add(row, ",margin_least,weakest,status");
 }
 
 void vs_case_failure_header(const vs_plan *plan, vs_text *row) {
-  vs_text_add(row, "case");
+  vs_text_add(row, "case,id");
   for (size_t k = 0; k < plan->n_axes; k++) vs_text_add(row, ",%s", plan->axes[k].column);
   vs_text_add(row, ",status,why");
 }
 
-static void begin_row(const vs_plan *plan, uint64_t index, const double *point, vs_text *row) {
+static void begin_row(const vs_plan *plan, const which *w, vs_text *row) {
   char cell[VS_NAME_SIZE];
-  vs_text_add(row, "%llu", (unsigned long long)index);
+  vs_text_add(row, "%llu,%s", (unsigned long long)w->index, w->id);
   for (size_t k = 0; k < plan->n_axes; k++) {
-    vs_axis_print(&plan->axes[k], point[k], cell, sizeof cell);
+    vs_axis_print(&plan->axes[k], w->point[k], cell, sizeof cell);
     vs_text_add(row, ",");
     vs_csv_cell(row, cell);
   }
 }
 
-void vs_case_failure(const vs_plan *plan, uint64_t index, const double *point, const char *why,
-                     vs_text *row) {
-  begin_row(plan, index, point, row);
+static void add_failure(const vs_case *c, const char *why, vs_text *row) {
+  begin_row(c->plan, &c->present, row);
   vs_text_add(row, ",%d,", VS_CASE_FAILED);
   vs_csv_cell(row, why);
 }
@@ -121,11 +132,11 @@ static vs_value find_value(vs_case *c, size_t k) {
   return (vs_value){0};
 }
 
-static int add_row(vs_case *c, uint64_t index, const double *point, vs_text *row) {
+static int add_row(vs_case *c, vs_text *row) {
   const vs_judgement *weakest = c->result->verdict.weakest;
   char name[VS_JUDGED_NAME];
   int status = weakest && weakest->margin < 0 ? VS_CASE_VIOLATED : VS_CASE_DONE;
-  begin_row(c->plan, index, point, row);
+  begin_row(c->plan, &c->present, row);
   for (size_t k = 0; k < c->plan->n_columns; k++) {
     vs_value v = find_value(c, k);
     add_number(row, v.known ? v.value : NAN);
@@ -153,11 +164,11 @@ static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
   return w->csv.stream ? vs_table_accept(&w->table, step, err) : VS_OK;
 }
 
-static vs_status open_csv(const vs_case *c, uint64_t index, watcher *w, vs_error *err) {
+static vs_status open_csv(const vs_case *c, watcher *w, vs_error *err) {
   char folder[VS_PATH_SIZE + 32];
   int made;
   const vs_scene *s = c->scene;
-  snprintf(folder, sizeof folder, "%s/%llu", c->keep, (unsigned long long)index);
+  snprintf(folder, sizeof folder, "%s/%llu", c->keep, (unsigned long long)c->present.index);
   vs_status status = vs_folder_make(folder, &made, err);
   if (!status) status = vs_file_open(&w->csv, folder, "run.csv", err);
   if (status) return status;
@@ -173,8 +184,7 @@ static vs_status open_csv(const vs_case *c, uint64_t index, watcher *w, vs_error
 }
 
 /* The scene as it stands, once. On VS_OK the row is added; *ended: 0 or 3. */
-static vs_status run_once(vs_case *c, uint64_t index, const double *point, vs_text *row,
-                          vs_error *err) {
+static vs_status run_once(vs_case *c, vs_text *row, vs_error *err) {
   vs_scene *s = c->scene;
   *c->result = (vs_result){.energy.frame = &s->frame};
   watcher w = {.result = c->result,
@@ -183,12 +193,12 @@ static vs_status run_once(vs_case *c, uint64_t index, const double *point, vs_te
   c->result->measures = w.measures;
   c->result->devices = w.devices;
   const vs_observer observer = {&w, accept};
-  vs_status status = c->keep ? open_csv(c, index, &w, err) : VS_OK;
+  vs_status status = c->keep ? open_csv(c, &w, err) : VS_OK;
   if (!status) status = vs_sim_run(s->tier, &s->setup, &observer, err);
   if (!status) {
     s->setup.tried = c->circuit; /* until another deck is read */
     vs_result_finish(c->result, w.devices);
-    add_row(c, index, point, row);
+    add_row(c, row);
     if (w.csv.stream) status = vs_file_commit(&w.csv, err);
   }
   vs_file_discard(&w.csv);
@@ -198,8 +208,7 @@ static vs_status run_once(vs_case *c, uint64_t index, const double *point, vs_te
 }
 
 /* The case's keys over the scene's, and what the ladder adds. */
-static vs_status read_scene(vs_case *c, const double *point, const vs_ladder *ladder,
-                            vs_error *err) {
+static vs_status read_scene(vs_case *c, const vs_ladder *ladder, vs_error *err) {
   const vs_plan *plan = c->plan;
   bool again = c->begun && !ladder->n_keys;
   vs_status status = VS_OK;
@@ -209,11 +218,20 @@ static vs_status read_scene(vs_case *c, const double *point, const vs_ladder *la
     c->begun = true;
   }
   for (size_t k = 0; k < plan->n_axes && !status; k++)
-    vs_axis_put(&plan->axes[k], point[k], &c->scene->tree);
+    vs_axis_put(&plan->axes[k], c->present.point[k], &c->scene->tree);
   for (size_t k = 0; k < ladder->n_keys && !status; k++)
     status = vs_tree_set(&c->scene->tree, ladder->keys[k], err);
   if (status) return status;
   return again ? vs_scene_again(c->scene, err) : vs_scene_settle(c->scene, NULL, err);
+}
+
+/* The scene of a case that is begun, without a ladder, and its id. */
+static vs_status begin(vs_case *c, uint64_t index, const double *point, vs_error *err) {
+  const vs_ladder none = {0};
+  c->present = (which){.index = index, .point = point};
+  vs_status status = read_scene(c, &none, err);
+  if (!status) vs_identity_of(c->identity, c->scene, c->present.id);
+  return status;
 }
 
 static void forget_scene(vs_case *c) {
@@ -223,24 +241,19 @@ static void forget_scene(vs_case *c) {
 
 /* As `run` does it: when ngspice gives up, again with the settings of the ladder's next rung whose
  * scene can be read. */
-static vs_status climb(vs_case *c, uint64_t index, const double *point, vs_text *row,
-                       vs_error *err) {
+static vs_status climb(vs_case *c, vs_text *row, vs_error *err) {
   vs_ladder ladder = {0};
-  c->circuit = false;
-  vs_status status = read_scene(c, point, &ladder, err);
-  if (status) return status;
   vs_kept_limits *kept = NULL;
-  c->circuit = c->scene->tier == &vs_tier_circuit;
-  status = run_once(c, index, point, row, err);
+  vs_status status = run_once(c, row, err);
   while (status == VS_RUN && err->gave_up && !c->scene->setup.run.stay) {
     vs_error next = {0};
     if (!kept) kept = vs_ladder_keep_limits(&c->scene->setup.deck);
     if (!vs_ladder_climb(&ladder, c->scene)) break;
-    vs_status read = read_scene(c, point, &ladder, &next);
+    vs_status read = read_scene(c, &ladder, &next);
     if (read) break;
     if (vs_ladder_is_ideal(ladder.rung)) vs_ladder_give_limits(kept, &c->scene->setup.deck);
     *err = (vs_error){0};
-    status = run_once(c, index, point, row, err);
+    status = run_once(c, row, err);
   }
   if (ladder.rung) forget_scene(c); /* its tree has the ladder's keys */
   free(kept);
@@ -250,12 +263,23 @@ static vs_status climb(vs_case *c, uint64_t index, const double *point, vs_text 
 int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, bool *circuit) {
   vs_error err = {0};
   size_t begun = row->length;
-  vs_status status = climb(c, index, point, row, &err);
+  vs_status status = begin(c, index, point, &err);
+  c->circuit = !status && c->scene->tier == &vs_tier_circuit;
   *circuit = c->circuit;
+  if (!status) status = climb(c, row, &err);
   if (!status)
     return c->result->verdict.weakest && c->result->verdict.weakest->margin < 0 ? VS_CASE_VIOLATED
                                                                                 : VS_CASE_DONE;
   row->length = begun; /* what a row that was not stored has added */
-  vs_case_failure(c->plan, index, point, err.text + err.place_size, row);
+  add_failure(c, err.text + err.place_size, row);
   return VS_CASE_FAILED;
+}
+
+void vs_case_failure(const vs_plan *plan, uint64_t index, const double *point, const char *why,
+                     vs_text *row) {
+  vs_error refused = {0};
+  vs_case *c = vs_case_new(plan, NULL);
+  begin(c, index, point, &refused);
+  add_failure(c, why, row);
+  vs_case_free(c);
 }

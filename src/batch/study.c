@@ -110,7 +110,7 @@ static void take_generation(session *s, uint64_t count, const vs_generation *g) 
 
 /* The values of one case, from its row: what a study that goes on has too. */
 static vs_status take_values(session *s, uint64_t index, vs_error *err) {
-  enum { MOST = 1 + VS_PLAN_AXES + VS_PLAN_COLUMNS + 3 };
+  enum { FIRST = 2, MOST = FIRST + VS_PLAN_AXES + VS_PLAN_COLUMNS + 3 }; /* case, id; axes; ... */
   size_t n = s->plan.n_columns, width = 1 + n;
   double *value = s->values + index * width;
   char *cells[MOST];
@@ -120,8 +120,8 @@ static vs_status take_values(session *s, uint64_t index, vs_error *err) {
   for (size_t k = 0; k < width; k++) value[k] = NAN;
   s->status[index] = 1;
   size_t count = status || failed ? 0 : vs_csv_cut(row.text, cells, MOST);
-  if (count == 1 + s->plan.n_axes + n + 3) {
-    char **cell = cells + 1 + s->plan.n_axes;
+  if (count == FIRST + s->plan.n_axes + n + 3) {
+    char **cell = cells + FIRST + s->plan.n_axes;
     for (size_t k = 0; k < n; k++)
       if (*cell[k]) value[1 + k] = strtod(cell[k], NULL);
     if (*cell[n]) value[0] = strtod(cell[n], NULL);

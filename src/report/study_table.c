@@ -90,8 +90,9 @@ vs_status vs_study_each(const vs_study_table *t, vs_study_visit visit, void *ctx
 vs_status vs_study_each_failure(const vs_study_table *t, vs_study_visit visit, void *ctx,
                                 vs_error *err) {
   char path[VS_PATH_SIZE];
-  size_t cells = 3; /* case, status, why; and the axes */
-  for (size_t c = 0; c < t->count; c++) cells += t->column[c].role == VS_ROLE_AXIS;
+  size_t cells = 3; /* case, status, why; and the id and the axes */
+  for (size_t c = 0; c < t->count; c++)
+    cells += t->column[c].role == VS_ROLE_AXIS || t->column[c].role == VS_ROLE_ID;
   snprintf(path, sizeof path, "%.*s/failures.csv", VS_PATH_SIZE - 32, t->folder);
   FILE *f = fopen(path, "r");
   if (!f && errno == ENOENT) return VS_OK;
@@ -198,6 +199,7 @@ static int find_role(const vs_study_table *t, vs_study_role role) {
 
 static vs_study_role role_of(const char *title, size_t position) {
   if (position == 0) return VS_ROLE_CASE;
+  if (position == 1 && !strcmp(title, "id")) return VS_ROLE_ID;
   if (!strcmp(title, "margin_least")) return VS_ROLE_MARGIN;
   if (!strcmp(title, "weakest")) return VS_ROLE_WEAKEST;
   if (!strcmp(title, "status")) return VS_ROLE_STATUS;

@@ -9,6 +9,7 @@
 
 typedef enum vs_study_role {
   VS_ROLE_CASE,    /* its number */
+  VS_ROLE_ID,      /* what it is told by in any study; may be missing */
   VS_ROLE_AXIS,    /* what was varied */
   VS_ROLE_REPORT,  /* what was measured */
   VS_ROLE_MARGIN,  /* the least margin of the verdict, a part of its limit */

@@ -120,6 +120,11 @@ vs_extent vs_profile_extent(const vs_profile *p) {
   return (vs_extent){p->least, p->largest, p->many ? NULL : p->value, p->count};
 }
 
+/* Is it a name, and no number to be counted? */
+static bool is_name(const vs_study_column *column) {
+  return column->role == VS_ROLE_ID || column->role == VS_ROLE_WEAKEST;
+}
+
 /* ---- the one reading ---- */
 
 typedef struct reader {
@@ -162,7 +167,7 @@ static vs_status note_row(void *ctx, const vs_study_row *row, vs_error *err) {
   double margin = NAN;
   vs_status status = VS_OK;
   for (size_t c = 1; c < t->count && !status; c++)
-    if (t->column[c].role != VS_ROLE_WEAKEST) status = note_cell(r, c, row, err);
+    if (!is_name(&t->column[c])) status = note_cell(r, c, row, err);
   if (status) return status;
   s->rows++;
   s->violated += !strcmp(row->cell[t->status], "3");
@@ -194,8 +199,8 @@ static vs_status note_failure(void *ctx, const vs_study_row *row, vs_error *err)
 vs_status vs_survey_take(const vs_study_table *t, vs_survey *s, vs_error *err) {
   *s = (vs_survey){0};
   for (size_t c = 0; c < t->count; c++)
-    s->profile[c] = (vs_profile){
-        .is_number = t->column[c].role != VS_ROLE_WEAKEST, .least = NAN, .largest = NAN};
+    s->profile[c] =
+        (vs_profile){.is_number = !is_name(&t->column[c]), .least = NAN, .largest = NAN};
   reader r = {.t = t, .s = s};
   r.aim = vs_study_aim(t, &r.largest);
   r.found = vs_study_found(t);

@@ -12,14 +12,17 @@ const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"},
 
 vs_scene_part vs_scene_part_at(const vs_scene *s, int index) {
   const vs_setup *u = &s->setup;
-  const vs_scene_part parts[VS_SCENE_PARTS] = {{&vs_machine_section, &u->model.machine},
-                                               {&vs_actuator_section, &u->model.actuator},
-                                               {&vs_load_section, &u->model.load},
-                                               {&vs_supply_section, &u->timeline.supply},
-                                               {&vs_firing_section, &u->timeline.firing},
-                                               {&u->deck.section, &u->circuit_values},
-                                               {&vs_run_section, &u->run},
-                                               {&vs_start_section, &u->start}};
+#define PART(section, values)                                                                      \
+  { &section, &values, sizeof values }
+  const vs_scene_part parts[VS_SCENE_PARTS] = {PART(vs_machine_section, u->model.machine),
+                                               PART(vs_actuator_section, u->model.actuator),
+                                               PART(vs_load_section, u->model.load),
+                                               PART(vs_supply_section, u->timeline.supply),
+                                               PART(vs_firing_section, u->timeline.firing),
+                                               PART(u->deck.section, u->circuit_values),
+                                               PART(vs_run_section, u->run),
+                                               PART(vs_start_section, u->start)};
+#undef PART
   return parts[index];
 }
 

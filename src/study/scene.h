@@ -53,6 +53,7 @@ vs_status vs_scene_take_circuit(vs_scene *scene, const char *tier, const char *a
 typedef struct vs_scene_part {
   const vs_section *section;
   const void *values;
+  size_t size; /* of the struct of values, bytes */
 } vs_scene_part;
 enum { VS_SCENE_PARTS = 8 };
 vs_scene_part vs_scene_part_at(const vs_scene *scene, int index);
