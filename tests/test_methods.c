@@ -329,6 +329,7 @@ static double snubbed(const vs_plan *plan, const double *p, const char *column) 
   if (!strcmp(column, "thyristor.di_dt")) return 30000 / r;
   if (!strcmp(column, "r1.power")) return 3e-3 * c;
   if (!strcmp(column, "c1.v_peak")) return 800;
+  if (!strcmp(column, "thyristor.t_off")) return 20 + c; /* us */
   return 0.1;
 }
 
@@ -365,6 +366,14 @@ static void check_snubber(const char *text, double c_nf) {
 
 static void the_cheapest_snubber_is_found(void) {
   check_snubber(SNUBBER, 30000 / (960 - 500 - 37.5));
+}
+
+/* A rating of which more is better, 100 us: 120 us with the margin, which 100 nF give. */
+static void a_least_allowed(void) {
+  check_snubber("vary: {circuit.r1: {log: [100 ohm, 10 kohm]}, circuit.c1: {log: [10 nF, 1 uF]}}\n"
+                "snubber: {ratings: {thyristor.v_reverse: 1.2 kV, thyristor.di_dt: 100 A/us, "
+                "r1.power: 0.5 W, thyristor.t_off: 100 us}, n: 300, finest: 1e-4}\n",
+                100);
 }
 
 /* Its 10 % downwards are 91 V, 63.7 V of the thyristor's; that corner is not the last one. */
@@ -574,6 +583,7 @@ static const vs_test TESTS[] = {
     {"the worst case: two hills and a gap", the_worst_case_is_found},
     {"the worst case: lists", lists_are_searched_too},
     {"the cheapest snubber", the_cheapest_snubber_is_found},
+    {"a rating that is the least allowed", a_least_allowed},
     {"the cheapest snubber over a spread", over_its_spread},
     {"only what holds is run over the spread", spreads_are_run_for_what_holds},
     {"no snubber holds", no_snubber_holds},

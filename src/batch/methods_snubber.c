@@ -191,14 +191,19 @@ typedef struct candidate {
   bool failed;             /* a run of it did */
 } candidate;
 
+/* What is left of a rating, as a part of it, as the verdict has it: a peak below its limit, a
+ * turn-off time above. */
+static double left_of(const rating *r, const vs_results *results, uint64_t index) {
+  double value = vs_results_value(results, index, r->column);
+  bool at_least = results->plan->columns[r->column].at_least;
+  return (at_least ? value - r->limit : r->limit - value) / fabs(r->limit);
+}
+
 static void judge(const snubber *s, const vs_results *results, uint64_t index, candidate *c) {
   const double *point = &results->points[index * results->plan->n_axes];
   double over = fmax(0, -vs_results_value(results, index, VS_COLUMN_MARGIN)), cost_j = 0;
-  for (size_t k = 0; k < s->n_ratings; k++) {
-    const rating *r = &s->ratings[k];
-    double part = vs_results_value(results, index, r->column) / r->limit;
-    over += fmax(0, part / (1 - s->margin) - 1);
-  }
+  for (size_t k = 0; k < s->n_ratings; k++)
+    over += fmax(0, (s->margin - left_of(&s->ratings[k], results, index)) / (1 - s->margin));
   for (size_t d = 0; d < s->n_design; d++) {
     double x = vs_results_value(results, index, s->prices[d].column);
     cost_j += s->prices[d].farad ? s->prices[d].farad * point[d] * x * x / 2 : x * s->cycle_s;
