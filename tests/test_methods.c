@@ -329,7 +329,7 @@ static double snubbed(const vs_plan *plan, const double *p, const char *column) 
   if (!strcmp(column, "thyristor.di_dt")) return 30000 / r;
   if (!strcmp(column, "r1.power")) return 3e-3 * c;
   if (!strcmp(column, "c1.v_peak")) return 800;
-  if (!strcmp(column, "thyristor.t_off")) return 20 + c; /* us */
+  if (!strcmp(column, "thyristor.t_off")) return 1e-6 * (20 + c);
   return 0.1;
 }
 
