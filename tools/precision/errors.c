@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What part d of tools/work_precision asks of the library:
+ * What part d of tools/work_precision, and tools/bench_study, ask of the library:
  *
- *   errors reference TIER FILE   p of the paper's scene every 0.1 ms of 2 s, by tests/oracle.h
+ *   errors reference TIER FILE [KEY=VALUE...]   p of the paper's scene every 0.1 ms of its 2 s (or
+ *                                of run.until, at most as long), by tests/oracle.h
  *   errors csv REF FILE          largest error of p in a run.csv, in parts of its peak
  *   errors bin REF FILE          in a record of the peers: p, u, w, phi, i as doubles
  *   errors deck REF FILE         in a table "time, p in mm, p' in mm/s" of ngspice's own points
@@ -21,7 +22,7 @@
 #include "base/text.h"
 #include "race.h"
 
-enum { ROWS = 20001 };
+enum { ROWS = 20001 }; /* at most */
 static const double SAMPLE_S = 1e-4;
 static double reference[ROWS], got[ROWS];
 
@@ -31,16 +32,17 @@ static FILE *opened(const char *path, const char *how) {
   return f;
 }
 
-static void write_reference(const char *tier, const char *path) {
-  const char *sets[] = {"run.until=2s", NULL};
-  vs_scene *scene = race_scene(tier, sets);
+/* sets: NULL-ended. */
+static void write_reference(const char *tier, const char *path, char **sets) {
+  vs_scene *scene = race_scene(tier, (const char *const *)sets);
   oracle_scene o =
       oracle_of(&scene->setup, strcmp(tier, "circuit") ? ORACLE_SWITCHED : ORACLE_SNUBBED);
+  if (o.rows > ROWS || o.sample_s != SAMPLE_S) race_give_up("not rows of 0.1 ms, 2 s at most");
   double *table = vs_alloc(o.rows * ORACLE_COLUMNS, sizeof *table);
-  if (o.rows != ROWS || !oracle_run(&o, table, NULL)) race_give_up("no reference");
-  for (size_t k = 0; k < ROWS; k++) got[k] = table[k * ORACLE_COLUMNS + ORACLE_P];
+  if (!oracle_run(&o, table, NULL)) race_give_up("no reference");
+  for (size_t k = 0; k < o.rows; k++) got[k] = table[k * ORACLE_COLUMNS + ORACLE_P];
   FILE *f = opened(path, "wb");
-  bool good = fwrite(got, sizeof got, 1, f) == 1;
+  bool good = fwrite(got, sizeof *got, o.rows, f) == o.rows;
   if (fclose(f) || !good) race_give_up(path);
   free(table);
   vs_scene_free(scene);
@@ -81,9 +83,10 @@ static size_t read_deck(FILE *f) {
 
 static void print_error(const char *ref, const char *path, size_t (*reader)(FILE *)) {
   FILE *f = opened(ref, "rb"), *g = opened(path, "rb");
-  if (fread(reference, sizeof reference, 1, f) != 1) race_give_up(ref);
-  double worst = reader(g) == ROWS ? 0 : INFINITY, peak = 0;
-  for (size_t k = 0; k < ROWS; k++) {
+  size_t rows = fread(reference, sizeof *reference, ROWS, f);
+  if (!rows) race_give_up(ref);
+  double worst = reader(g) >= rows ? 0 : INFINITY, peak = 0;
+  for (size_t k = 0; k < rows; k++) {
     double error = fabs(got[k] - reference[k]);
     worst = isnan(error) ? INFINITY : fmax(worst, error);
     peak = fmax(peak, fabs(reference[k]));
@@ -117,8 +120,8 @@ static void print_seconds(int times, char *const *arguments) {
 
 int main(int argc, char **argv) {
   gsl_set_error_handler_off();
-  if (argc == 4 && !strcmp(argv[1], "reference"))
-    write_reference(argv[2], argv[3]);
+  if (argc >= 4 && !strcmp(argv[1], "reference"))
+    write_reference(argv[2], argv[3], argv + 4);
   else if (argc == 4 && !strcmp(argv[1], "csv"))
     print_error(argv[2], argv[3], read_csv);
   else if (argc == 4 && !strcmp(argv[1], "bin"))
@@ -128,7 +131,8 @@ int main(int argc, char **argv) {
   else if (argc > 3 && !strcmp(argv[1], "seconds") && atoi(argv[2]) > 0)
     print_seconds(atoi(argv[2]), argv + 3);
   else {
-    fputs("usage: errors reference TIER FILE | csv|bin|deck REF FILE | seconds N COMMAND...\n",
+    fputs("usage: errors reference TIER FILE [KEY=VALUE...] | csv|bin|deck REF FILE | "
+          "seconds N COMMAND...\n",
           stderr);
     return 2;
   }

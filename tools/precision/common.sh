@@ -1,0 +1,25 @@
+# shellcheck shell=sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# What tools/work_precision and tools/bench_study share. Wants: the repository as folder, $dir with a build, $work.
+
+libraries=$(pkg-config --cflags --libs gsl libfyaml ngspice)
+tool() { # NAME: of tools/precision
+  # shellcheck disable=SC2086 # a list of words
+  "${CC:-cc}" -std=gnu11 -O2 -D_GNU_SOURCE -ffp-contract=off -Isrc -Itests -o "${dir:?}/precision_$1" \
+    "tools/precision/$1.c" tools/precision/race.c tests/oracle.c tests/compare.c tests/schemes.c "$dir/libvs.a" $libraries -lm
+}
+# An exported deck with another step and reltol, nothing saved but p; what follows .control goes.
+deck() { # FILE RELTOL STEP COMMAND
+  sed -e "s/^\.param vs_step=[^ ]*/.param vs_step=$3/" -e "s/ reltol=[^ ]*/ reltol=$2/" -e '/^\.save/d' -e '/^\.control/,$d' "$1"
+  printf '.save v(vs_p) v(vs_vp)\n.control\nrun\n%s\nquit 0\n.endc\n.end\n' "$4"
+}
+# The largest error of p in it, in parts of the peak; inf where ngspice gave up.
+deck_error() { # FILE REFERENCE RELTOL STEP
+  rm -f "${work:?}/points.txt"
+  deck "$1" "$3" "$4" "set wr_singlescale
+set numdgt=15
+wrdata $work/points.txt v(vs_p) v(vs_vp)" >"$work/points.cir"
+  ngspice -b "$work/points.cir" >/dev/null 2>&1 || :
+  : >>"$work/points.txt"
+  "$dir/precision_errors" deck "$2" "$work/points.txt"
+}
