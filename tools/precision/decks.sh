@@ -64,10 +64,11 @@ cheapest() { # decks|study BOUND STEP: the first one tried
 
 # The largest difference of p_min between study and decks, in parts of it; nothing where a deck said none.
 difference() { # N
-  sed -n 's/^least *= *\([^ ]*\).*/\1/p' "$work/$1/said_1" >"$work/$1/least"
-  sed 1d "$work/out/study.csv" | paste -d, - "$work/$1/least" | awk -F, -v n="$1" '
-    { d = 1e-3 * $NF / $3 - 1; if (d < 0) d = -d; if (d > most) most = d; if ($NF != "") got++ }
-    END { if (got == n && NR == n) print most + 0 }'
+  { echo least; sed -n 's/^least *= *\([^ ]*\).*/\1/p' "$work/$1/said_1"; } >"$work/$1/least"
+  paste -d, "$work/out/study.csv" "$work/$1/least" | awk -F, -v n="$1" '
+    NR == 1 { while ($++column != "p_min_m") if (column > NF) exit; next }
+    $NF != "" { got++; d = 1e-3 * $NF / $column - 1; if (d < 0) d = -d; if (d > most) most = d }
+    END { if (got == n && NR == n + 1) print most + 0 }'
 }
 
 # Into $work/decks_BOUND: error and setting of the deck, of the study, difference of p_min, N; then a line a round: wall and processor time
