@@ -189,7 +189,8 @@ static bool in_range(const vs_quiet *q, const range *r, double t_s, const vs_coi
   return c->v_v >= r->least[count] && c->v_v <= r->most[count];
 }
 
-static bool look_ahead(vs_quiet *q, outlook *o) {
+/* Not beyond the end. */
+static bool look_ahead(vs_quiet *q, double until_s, outlook *o) {
   double y[VS_ONEPORT_STATES], t = q->last.knot.t_s, now = 0;
   double h = q->setup->timeline.period_s / STEPS_AHEAD;
   for (size_t k = 0; k < q->count; k++) now = fmax(now, fabs(q->seen[k]->knot.flux_wb));
@@ -197,7 +198,7 @@ static bool look_ahead(vs_quiet *q, outlook *o) {
   see_range(q, &seen);
   vs_oneport_state(&q->last.knot, y);
   *o = (outlook){.reach = 1};
-  for (int cycle = 0; cycle < CYCLES_AHEAD; cycle++)
+  for (int cycle = 0; cycle < CYCLES_AHEAD && t < until_s; cycle++)
     for (int n = 0; n < STEPS_AHEAD; n++, t += h) {
       if (!vs_oneport_advance(q->port, t, t + h, y)) return false;
       vs_coil c = vs_oneport_coil(q->port, t + h, y);
@@ -268,7 +269,8 @@ static double bound_of(vs_quiet *q, bool dynamic, double until_s, double error[V
   double bound = SAFETY * fmax(wrong.force_n / q->peak_force_n, wrong.current_a / q->peak_a);
   outlook ahead;
   mode_errors(q, &wrong, NULL, until_s, error);
-  if (!(fmax(bound, motion_bound(q, error)) <= most) || !look_ahead(q, &ahead)) return INFINITY;
+  if (!(fmax(bound, motion_bound(q, error)) <= most) || !look_ahead(q, until_s, &ahead))
+    return INFINITY;
   mode_errors(q, &wrong, &ahead, until_s, error);
   return fmax(ahead.reach * bound, motion_bound(q, error));
 }
