@@ -300,7 +300,9 @@ bool vs_quiet_may_leave(vs_quiet *q, double until_s, double most_lag_s, double *
     q->bound_before[dynamic] = bound_of(q, dynamic, until_s, error);
     *bound =
         INTEGRATION + ITS_OWN * q->setup->run.tolerance + fmax(before, q->bound_before[dynamic]);
-    if (!(*bound <= most) || vs_oneport_lag(q->port) > most_lag_s) continue;
+    if (vs_oneport_lag(q->port) > most_lag_s) continue;
+    if (q->bound_before[dynamic] <= most && !(*bound <= most)) return false; /* at the next look */
+    if (!(*bound <= most)) continue;
     memcpy(q->carried, error, sizeof error);
     q->carried_s = until_s;
     return true;
