@@ -137,12 +137,13 @@ static void small_ones(void) {
 
 static void large_ones(void) {
   if (!getenv("VS_LONG") || SANITIZED) return;
-  FILE *table = fopen("large_studies.csv", "w");
+  FILE *table = fopen(VS_BUILD_TREE "/tests/run/test_large/large_studies.csv", "w");
   CU_ASSERT_PTR_NOT_NULL_FATAL(table);
   fputs("study,cases,time_min,all_mb,master_early_mb,master_late_mb,worker_early_mb,"
         "worker_late_mb,files_early,files_late\n",
         table);
   grid("switched", SWITCHED, 1000, 1000, table);
+  fflush(table);
   grid("circuit", CIRCUIT, 100, 100, table);
   fclose(table);
 }
