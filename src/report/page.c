@@ -67,7 +67,7 @@ static void add_failures(vs_text *html, const vs_study_table *t, const vs_survey
     return;
   }
   vs_text_add(html, "<p>Failed, and in no figure here: %ld of %ld cases.</p>\n", t->failed,
-              t->done > s->rows ? t->done : s->rows + t->failed);
+              t->done + t->failed);
   if (!s->why.count) {
     vs_text_add(html, "<p>Why is not known: failures.csv is not there.</p>\n");
     return;
@@ -182,8 +182,9 @@ static void add_verdict(vs_text *html, const vs_study_table *t, const vs_survey 
   }
   if (s->judged && s->judged < s->rows)
     vs_text_add(html, "<p>Without a margin: %ld cases.</p>\n", s->rows - s->judged);
-  if (t->done < t->cases && !adaptive)
-    vs_text_add(html, "<p>Not complete: %ld of %ld cases have been run.</p>\n", t->done, t->cases);
+  if (t->done + t->failed < t->cases && !adaptive)
+    vs_text_add(html, "<p>Not complete: %ld of %ld cases have been run.</p>\n", t->done + t->failed,
+                t->cases);
   add_weakest(html, &s->weakest, s->judged);
   add_failures(html, t, s);
   vs_text_add(html, "</section>\n");
@@ -240,7 +241,7 @@ void vs_page_write(const vs_study_table *t, const vs_survey *s, const vs_album *
   vs_html_text(html, study);
   vs_text_add(html, "</h1>\n<p class=\"of\">");
   vs_html_text(html, t->method);
-  vs_text_add(html, ", %ld cases</p>\n", t->done);
+  vs_text_add(html, ", %ld cases</p>\n", t->done + t->failed);
   add_verdict(html, t, s);
   add_pictures(html, album, svg);
   vs_page_cases(html, t, s);

@@ -32,7 +32,7 @@ typedef struct vs_study_table {
   char folder[VS_PATH_SIZE], path[VS_PATH_SIZE], manifest_path[VS_PATH_SIZE];
   vs_tree manifest;
   const char *method;       /* "grid", "sobol", ... */
-  long cases, done, failed; /* asked for; come to an end; of those, without a row */
+  long cases, done, failed; /* asked for; with a row; without one, in failures.csv */
   vs_study_column column[VS_STUDY_COLUMNS];
   size_t count;
   int margin, weakest, status; /* which column; margin and weakest -1: not there */
