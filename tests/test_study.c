@@ -195,6 +195,33 @@ static void a_list(void) {
   free_ran(&r);
 }
 
+/* A range of whole numbers needs no step, whoever asks: it is all of them. */
+static void whole_numbers(void) {
+  static const char *const ASK[] = {
+      "sample: {method: lhs, n: 9, spread: {firing.every: {from: 3, to: 1}}}\n",
+      "sample: {method: sobol, n: 9, spread: {firing.every: {from: 3, to: 1}}}\n",
+      "sample: {method: corners, spread: {firing.every: {from: 3, to: 1}}}\n",
+      "vary: {firing.every: {from: 3, to: 1}}\n",
+      "vary: {firing.every: {from: 3, to: 1}}\nfind: {worst: max i_peak, n: 20}\n"};
+  for (size_t k = 0; k < COUNT(ASK); k++) {
+    vs_text study = {0};
+    vs_text_add(&study, "set: {run.until: 0.1 s}\nreport: [i_peak]\n%s", ASK[k]);
+    write_file("whole.yaml", study.text);
+    vs_text_free(&study);
+    ran r = run("study whole.yaml");
+    expect_good(&r, ASK[k], __LINE__);
+    int seen[4] = {0};
+    for (const char *line = strchr(r.out, '\n'); line && line[1]; line = strchr(line + 1, '\n')) {
+      int every = 0;
+      if (sscanf(line + 1, "%*d,%*[0-9a-f],%d,", &every) == 1 && every >= 1 && every <= 3)
+        seen[every]++;
+    }
+    EXPECT(seen[1] && seen[2] && seen[3], "%s: 1 %d times, 2 %d times, 3 %d times", ASK[k], seen[1],
+           seen[2], seen[3]);
+    free_ran(&r);
+  }
+}
+
 /* Every mistake at once, each with its place; nothing is written. */
 static void mistakes(void) {
   write_file("bad.yaml", "scene: paper\n"
@@ -533,6 +560,7 @@ static const vs_test TESTS[] = {
     {"a case is a run", a_case_is_a_run},
     {"sides of ratings", sides_of_ratings},
     {"a list", a_list},
+    {"whole numbers", whole_numbers},
     {"mistakes", mistakes},
     {"refusals", refusals},
     {"one result", one_result},

@@ -227,7 +227,8 @@ static vs_status whole_values(const vs_axis *axis, const vs_node *node, vs_error
   return VS_OK;
 }
 
-/* {from: A, to: B, step: C}: A, A + C, ... up to B, which need not be met. */
+/* {from: A, to: B, step: C}: A, A + C, ... up to B, which need not be met. Without a step a range
+ * is a continuum, but of whole numbers it is all of them. */
 static vs_status stepped(vs_axis *axis, const vs_node *map, vs_error *err) {
   const vs_node *from = vs_node_child(map, "from"), *to = vs_node_child(map, "to"),
                 *step = vs_node_child(map, "step");
@@ -237,6 +238,13 @@ static vs_status stepped(vs_axis *axis, const vs_node *map, vs_error *err) {
     return vs_fail_at(err, map->where, "%s: both ends are wanted: {from: A, to: B, step: C}",
                       axis->key);
   vs_status status = read_ends(axis, from, to, err);
+  if (!status && !step && axis->field->kind == VS_COUNT) {
+    double n = fabs(axis->to - axis->from);
+    if (n >= MOST_VALUES)
+      return vs_fail_at(err, map->where, "%s: more than %d values", axis->key, MOST_VALUES);
+    cut(axis, (size_t)n + 1, lin_at, 1 / n);
+    return VS_OK;
+  }
   if (status || !step) return status;
   if (step->kind != VS_NODE_TEXT || !vs_quantity(step->text, axis->unit, &si, why, sizeof why))
     return vs_fail_at(err, step->where, "%s: step: %s", axis->key,
