@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Studies: their files and what is wrong with them, the order and the bytes of their rows, and what
  * they survive. */
+#include <fcntl.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <time.h>
@@ -487,6 +489,33 @@ static void a_torn_journal(void) {
   SAME_STUDY("whole", "torn");
 }
 
+/* One process at a time: another one neither begins in its folder nor reads a journal that may
+ * still grow, which it would cut off at where it read it to. */
+static void one_process(void) {
+  write_file("g.yaml", GRID);
+  CU_ASSERT_EQUAL(mkdir("busy", 0777), 0);
+  int folder = open("busy", O_RDONLY | O_CLOEXEC);
+  CU_ASSERT_EQUAL(flock(folder, LOCK_EX), 0);
+  ran r = run("study g.yaml -o busy");
+  EXPECT(r.status == 2 && strstr(r.err, "busy/journal: another process"), "%d %s", r.status, r.err);
+  free_ran(&r);
+  EXPECT_FILES("busy", "");
+  write_file("busy/journal", "half of a line");
+  r = run("study g.yaml -o busy --resume");
+  EXPECT(r.status == 2 && strstr(r.err, "busy/journal: another process"), "%d %s", r.status, r.err);
+  free_ran(&r);
+  close(folder);
+  /* where folders have no locks */
+  int file = open("busy/journal", O_RDWR | O_CLOEXEC);
+  struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+  CU_ASSERT_EQUAL(fcntl(file, F_SETLK, &whole), 0);
+  r = run("study g.yaml -o busy --resume");
+  EXPECT(r.status == 2 && strstr(r.err, "busy/journal: another process"), "%d %s", r.status, r.err);
+  free_ran(&r);
+  close(file);
+  remove_tree("busy");
+}
+
 /* A file that may not grow any more is what a full disk is: the study ends, and goes on later. */
 static void a_full_disk(void) {
   struct stat whole;
@@ -569,6 +598,7 @@ static const vs_test TESTS[] = {
     {"a case that kills", a_case_that_kills},
     {"a signal", a_signal},
     {"a torn journal", a_torn_journal},
+    {"one process", one_process},
     {"a full disk", a_full_disk},
     {"killed at any instant", killed_at_any_instant},
 };

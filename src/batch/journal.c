@@ -7,7 +7,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/hash.h"
@@ -133,22 +135,47 @@ static void reserve(vs_journal *j) {
   if (h->cases) make_room(j, (h->cases + h->shards - h->shard) / h->shards);
 }
 
-static vs_status lock(vs_journal *j, vs_error *err) {
+/* Tries it for a moment: a worker that was just forked has it too, and outlives its master by so
+ * long. */
+static vs_status held(const vs_journal *j, bool (*try)(const vs_journal *), vs_error *err) {
+  const struct timespec pause = {.tv_nsec = 20000000};
+  for (int k = 0; k < 10 && !try(j); k++) {
+    if (errno != EACCES && errno != EAGAIN) return VS_OK; /* a file system without locks */
+    if (k == 9) return vs_fail(err, VS_INPUT, "%s: another process is at this study", j->path);
+    nanosleep(&pause, NULL);
+  }
+  return VS_OK;
+}
+
+/* This descriptor's own lock: closing another one of the file, as read_lines does, keeps it. */
+static bool try_file(const vs_journal *j) {
   struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
-  if (!fcntl(j->fd, F_SETLK, &whole)) return VS_OK;
-  if (errno == EACCES || errno == EAGAIN)
-    return vs_fail(err, VS_INPUT, "%s: another process is at this study", j->path);
-  return VS_OK; /* a file system without locks */
+  return !fcntl(j->fd, F_OFD_SETLK, &whole);
+}
+
+static bool try_folder(const vs_journal *j) {
+  return !flock(j->folder, LOCK_EX | LOCK_NB);
+}
+
+static vs_status lock(vs_journal *j, vs_error *err) {
+  return held(j, try_file, err);
+}
+
+/* Of two processes that begin in one folder, neither of which has a journal yet, one may. */
+static vs_status lock_folder(vs_journal *j, const char *folder, vs_error *err) {
+  j->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  return j->folder < 0 ? VS_OK : held(j, try_folder, err);
 }
 
 vs_status vs_journal_create(vs_journal *j, const char *folder, vs_journal_head *head,
                             vs_error *err) {
   vs_file file = {0};
   vs_text text = {0};
-  *j = (vs_journal){.fd = -1, .head = *head};
+  *j = (vs_journal){.fd = -1, .folder = -1, .head = *head};
   *head = (vs_journal_head){0};
   name_file(j, folder);
-  vs_status status = vs_file_open(&file, folder, NAME, err);
+  vs_status status = lock_folder(j, folder, err);
+  if (!status) status = vs_file_open(&file, folder, NAME, err);
   add_head(&text, &j->head);
   if (!status) {
     fputs(text.text, file.stream);
@@ -222,16 +249,17 @@ static vs_status read_lines(vs_journal *j, uint64_t *whole, vs_error *err) {
 }
 
 vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error *err) {
-  *j = (vs_journal){.fd = -1};
+  *j = (vs_journal){.fd = -1, .folder = -1};
   name_file(j, folder);
+  vs_status status = mend ? lock_folder(j, folder, err) : VS_OK;
+  if (status) return status;
   j->fd = open(j->path, (mend ? O_RDWR : O_RDONLY) | O_CLOEXEC);
   if (j->fd < 0)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", j->path, strerror(errno));
-  vs_status status = VS_OK;
+  if (mend) status = lock(j, err); /* before it is read: whoever had it may have added to it */
   if (!status) status = read_lines(j, &j->end, err);
   if (!status && !is_whole(&j->head))
     status = vs_fail(err, VS_INPUT, "%s: is no journal of a study", j->path);
-  if (!status && mend) status = lock(j, err); /* a file once closed, as read_lines does, is free */
   if (!status && mend && ftruncate(j->fd, (off_t)j->end))
     status = vs_fail(err, VS_RUN, "%s: cannot be written: %s", j->path, strerror(errno));
   if (!status) reserve(j);
@@ -240,10 +268,11 @@ vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error
 
 void vs_journal_close(vs_journal *j) {
   if (j->fd >= 0) close(j->fd);
+  if (j->folder >= 0) close(j->folder);
   vs_journal_head_free(&j->head);
   free(j->place);
   vs_text_free(&j->fresh);
-  *j = (vs_journal){.fd = -1};
+  *j = (vs_journal){.fd = -1, .folder = -1};
 }
 
 /* ---- rows ---- */

@@ -29,7 +29,8 @@ void vs_journal_head_free(vs_journal_head *head);
 
 typedef struct vs_journal {
   char path[VS_PATH_SIZE];
-  int fd; /* -1: closed */
+  int fd;     /* -1: closed */
+  int folder; /* locked as long as this process is at the study; -1: not */
   vs_journal_head head;
   uint64_t *place; /* of each of its cases: where its line begins, plus 1; 0: not done */
   uint64_t room;   /* cases place has room for */

@@ -325,7 +325,7 @@ static vs_status run_session(session *s, vs_error *err) {
 vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   session *s = vs_alloc(1, sizeof *s);
   s->o = o;
-  s->journal.fd = -1;
+  s->journal.fd = s->journal.folder = -1;
   vs_status status = VS_OK;
   if (!o->folder && (o->resume || o->keep_runs || o->shard))
     status = vs_fail(err, VS_INPUT, "%s: wants a folder; name one with -o DIR",
