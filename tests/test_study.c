@@ -197,6 +197,20 @@ static void a_list(void) {
   free_ran(&r);
 }
 
+/* An event's name may hold commas and quotes: the header is cut up as its rows are, and drawn. */
+static void hostile_names(void) {
+  write_file("h.yaml", "set: {run.until: 50 ms, events: {'a,\"b': {kind: sag, cycle: 1}}}\n"
+                       "vary: {'events.a,\"b.cycle': [1, 2]}\n"
+                       "report: [p_min]\n");
+  RUN_GOOD("study h.yaml -o hostile --quiet");
+  char *csv = read_file("hostile/study.csv"), *failures = read_file("hostile/failures.csv");
+  EXPECT(!strncmp(csv, "case,id,\"events.a,\"\"b.cycle\",p_min_m,", 37), "%s", csv);
+  EXPECT(!strcmp(failures, "case,id,\"events.a,\"\"b.cycle\",status,why\n"), "%s", failures);
+  RUN_GOOD("plot hostile --quiet");
+  free(csv), free(failures);
+  remove_tree("hostile");
+}
+
 /* A range of whole numbers needs no step, whoever asks: it is all of them. */
 static void whole_numbers(void) {
   static const char *const ASK[] = {
@@ -589,6 +603,7 @@ static const vs_test TESTS[] = {
     {"a case is a run", a_case_is_a_run},
     {"sides of ratings", sides_of_ratings},
     {"a list", a_list},
+    {"hostile names", hostile_names},
     {"whole numbers", whole_numbers},
     {"mistakes", mistakes},
     {"refusals", refusals},

@@ -83,16 +83,23 @@ size_t vs_csv_cut(char *row, char **cells, size_t most) {
   return n;
 }
 
-void vs_case_header(const vs_plan *plan, vs_text *row) {
+/* The name of an event, which its user gives, may hold anything. */
+static void begin_header(const vs_plan *plan, vs_text *row) {
   vs_text_add(row, "case,id");
-  for (size_t k = 0; k < plan->n_axes; k++) vs_text_add(row, ",%s", plan->axes[k].column);
+  for (size_t k = 0; k < plan->n_axes; k++) {
+    vs_text_add(row, ",");
+    vs_csv_cell(row, plan->axes[k].column);
+  }
+}
+
+void vs_case_header(const vs_plan *plan, vs_text *row) {
+  begin_header(plan, row);
   for (size_t k = 0; k < plan->n_columns; k++) vs_text_add(row, ",%s", plan->columns[k].column);
   vs_text_add(row, ",margin_least,weakest,status");
 }
 
 void vs_case_failure_header(const vs_plan *plan, vs_text *row) {
-  vs_text_add(row, "case,id");
-  for (size_t k = 0; k < plan->n_axes; k++) vs_text_add(row, ",%s", plan->axes[k].column);
+  begin_header(plan, row);
   vs_text_add(row, ",status,why");
 }
 
