@@ -10,6 +10,7 @@
 #include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -197,6 +198,37 @@ static void a_list(void) {
   free_ran(&r);
 }
 
+/* Without -o a study is on standard output or nowhere, so quietly too. */
+static void on_standard_output(void) {
+  write_file("out.yaml", "set: {run.until: 20 ms}\nvary: {firing.angle: [100 deg, 110 deg]}\n");
+  ran r = run("study out.yaml --quiet");
+  expect_good(&r, "study --quiet", __LINE__);
+  EXPECT(count_lines(r.out) == 3 && !strncmp(r.out, "case,id,", 8), "%s", r.out);
+  free_ran(&r);
+}
+
+/* The files are there though nobody reads the progress any more. */
+static void unheard(void) {
+  int ends[2];
+  write_file("out.yaml", "set: {run.until: 20 ms}\nvary: {firing.angle: [100 deg, 110 deg]}\n");
+  CU_ASSERT_EQUAL_FATAL(pipe(ends), 0);
+  close(ends[0]);
+  fflush(NULL);
+  pid_t child = fork();
+  if (child == 0) {
+    dup2(ends[1], STDOUT_FILENO);
+    dup2(open("../stderr", O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
+    signal(SIGPIPE, SIG_DFL);
+    execl(VS_PROGRAM, "vibrospice", "study", "out.yaml", "-o", "unheard", "--progress", "json",
+          (char *)NULL);
+    _exit(127);
+  }
+  close(ends[1]);
+  waitpid(child, NULL, 0);
+  EXPECT_FILES("unheard", "failures.csv journal manifest.json study.csv ");
+  remove_tree("unheard");
+}
+
 /* An event's name may hold commas and quotes: the header is cut up as its rows are, and drawn. */
 static void hostile_names(void) {
   write_file("h.yaml", "set: {run.until: 50 ms, events: {'a,\"b': {kind: sag, cycle: 1}}}\n"
@@ -305,6 +337,7 @@ static void refusals(void) {
   refused(ONE, "study r.yaml --shard 3/2 -o out", "--shard 3/2", "I/N is wanted", __LINE__);
   refused(ONE, "study r.yaml --shard auto -o out", "--shard auto", "SLURM_ARRAY_TASK_ID", __LINE__);
   refused(ONE, "study r.yaml --resume", "--resume", "-o DIR", __LINE__);
+  refused(ONE, "study r.yaml --progress json", "--progress json", "-o DIR", __LINE__);
   refused(ONE, "study r.yaml --jobs 0", "--jobs", "1 to 4096", __LINE__);
   refused(ONE, "merge nosuch", "nosuch", "journal", __LINE__);
 }
@@ -603,6 +636,8 @@ static const vs_test TESTS[] = {
     {"a case is a run", a_case_is_a_run},
     {"sides of ratings", sides_of_ratings},
     {"a list", a_list},
+    {"on standard output", on_standard_output},
+    {"unheard", unheard},
     {"hostile names", hostile_names},
     {"whole numbers", whole_numbers},
     {"mistakes", mistakes},

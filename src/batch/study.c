@@ -268,12 +268,12 @@ static vs_status write_result(session *s, uint64_t cases, vs_error *err) {
 static void say_result(const session *s) {
   char method[128];
   const vs_journal *j = &s->journal;
-  if (s->o->quiet || s->o->progress_json) return;
-  if (!s->o->folder) {
+  if (!s->o->folder) { /* quiet or not: it stands nowhere else */
     show_file(s, "study.csv", true, stdout);
-    show_file(s, "failures.csv", false, stderr);
+    if (!s->o->quiet) show_file(s, "failures.csv", false, stderr);
     return;
   }
+  if (s->o->quiet || s->o->progress_json) return;
   vs_plan_method(&s->plan, method, sizeof method);
   printf("study  %s (%s)\n", s->plan.path, method);
   if (j->head.shards > 1)
@@ -310,6 +310,7 @@ static vs_status run_session(session *s, vs_error *err) {
   const vs_jobs_options options = {&s->plan, s->o->keep_runs ? s->keep : NULL, jobs,
                                    s->o->timeout_s, s->o->stop};
   s->jobs = vs_jobs_new(&options);
+  void (*before)(int) = signal(SIGPIPE, SIG_IGN); /* who reads the progress may be gone */
   vs_status status =
       s->plan.adaptive ? run_adaptive(s, &cases, err) : run_cases(s, head->shard - 1, cases, err);
   vs_jobs_free(s->jobs);
@@ -318,6 +319,7 @@ static vs_status run_session(session *s, vs_error *err) {
   if (!status) show_progress(s, vs_clock());
   if (s->show) fputs("\r\033[K", stderr);
   if (!status) status = write_result(s, cases, err);
+  signal(SIGPIPE, before);
   if (!status) say_result(s);
   return status ? status : judge(s, err);
 }
@@ -327,11 +329,12 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   s->o = o;
   s->journal.fd = s->journal.folder = -1;
   vs_status status = VS_OK;
-  if (!o->folder && (o->resume || o->keep_runs || o->shard))
+  if (!o->folder && (o->resume || o->keep_runs || o->shard || o->progress_json))
     status = vs_fail(err, VS_INPUT, "%s: wants a folder; name one with -o DIR",
-                     o->resume      ? "--resume"
-                     : o->keep_runs ? "--keep runs"
-                                    : "--shard");
+                     o->resume          ? "--resume"
+                     : o->keep_runs     ? "--keep runs"
+                     : o->progress_json ? "--progress json"
+                                        : "--shard");
   if (!status) status = vs_plan_read(o->name, o->sets, o->n_sets, &s->plan, err);
   if (!status) status = name_folder(s, err);
   bool named = !status;
