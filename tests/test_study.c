@@ -239,6 +239,11 @@ static void hostile_names(void) {
   EXPECT(!strncmp(csv, "case,id,\"events.a,\"\"b.cycle\",p_min_m,", 37), "%s", csv);
   EXPECT(!strcmp(failures, "case,id,\"events.a,\"\"b.cycle\",status,why\n"), "%s", failures);
   RUN_GOOD("plot hostile --quiet");
+  char *html = read_file("hostile/report.html");
+  EXPECT(strstr(html, "No rating was judged") && strstr(html, "The first cases") &&
+             !strstr(html, "The worst case"),
+         "without a rating and a search the report calls a case the worst");
+  free(html);
   free(csv), free(failures);
   remove_tree("hostile");
 }

@@ -174,8 +174,7 @@ static void add_verdict(vs_text *html, const vs_study_table *t, const vs_survey 
     add_worst_margin(html, t, s);
     vs_text_add(html, "</p>\n<p>%ld of %ld cases keep every rating.</p>\n", s->good, s->judged);
   }
-  bool largest;
-  if (s->n_worst && vs_study_aim(t, &largest)) {
+  if (s->n_worst && vs_survey_ranked(t, s)) {
     vs_text_add(html, "<p>The worst case: ");
     add_place(html, t, s->worst[0].cell, false);
     vs_text_add(html, ".</p>\n");

@@ -116,6 +116,12 @@ long vs_profile_index(const vs_profile *p, const char *cell) {
   return -1;
 }
 
+bool vs_survey_ranked(const vs_study_table *t, const vs_survey *s) {
+  bool largest;
+  size_t aim = vs_study_aim(t, &largest);
+  return aim && s->profile[aim].known > 0;
+}
+
 vs_extent vs_profile_extent(const vs_profile *p) {
   return (vs_extent){p->least, p->largest, p->many ? NULL : p->value, p->count};
 }

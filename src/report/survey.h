@@ -54,6 +54,10 @@ typedef struct vs_survey {
 vs_status vs_survey_take(const vs_study_table *table, vs_survey *survey, vs_error *err);
 void vs_survey_free(const vs_study_table *table, vs_survey *survey);
 
+/* Are its worst cases told by something? Not where no rating is judged and nothing is looked for.
+ */
+bool vs_survey_ranked(const vs_study_table *table, const vs_survey *survey);
+
 /* Where the cell stands among the column's different values: 0 to count - 1. -1: nowhere. */
 long vs_profile_index(const vs_profile *profile, const char *cell);
 

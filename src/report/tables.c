@@ -30,12 +30,10 @@ static void add_node(vs_text *html, const vs_node *node) {
 }
 
 void vs_page_cases(vs_text *html, const vs_study_table *t, const vs_survey *s) {
-  bool largest;
-  bool ranked = vs_study_aim(t, &largest) != 0;
   if (!s->n_worst) return;
   vs_text_add(html,
               "<section id=\"cases\">\n<h2>The %s cases</h2>\n<div class=\"wide\"><table><tr>",
-              ranked ? "worst" : "first");
+              vs_survey_ranked(t, s) ? "worst" : "first");
   for (size_t c = 0; c < t->count; c++) {
     vs_text_add(html, "<th>");
     vs_html_text(html, t->column[c].title);
