@@ -376,6 +376,24 @@ static void a_least_allowed(void) {
                 100);
 }
 
+static double unknown_below(const vs_plan *plan, const double *p, const char *column) {
+  return !strcmp(column, "thyristor.t_off") && p[1] < 100 ? NAN : snubbed(plan, p, column);
+}
+
+/* A rating whose measure is not known is not held: below 100 nF none is. */
+static void an_unknown_rating_is_not_held(void) {
+  study *s =
+      good_study("vary: {circuit.r1: {log: [100 ohm, 10 kohm]}, circuit.c1: {log: [10 nF, 1 uF]}}\n"
+                 "snubber: {ratings: {thyristor.v_reverse: 1.2 kV, thyristor.di_dt: 100 A/us, "
+                 "r1.power: 0.5 W, thyristor.t_off: 10 us}, n: 300, finest: 1e-4}\n");
+  history r = pursue(&s->plan, unknown_below);
+  double point[2];
+  found_snubber(&s->plan, &r, point);
+  EXPECT(point[1] >= 100 && point[1] < 133.4, "%g nF", point[1]);
+  forget(&r);
+  drop(s);
+}
+
 /* Its 10 % downwards are 91 V, 63.7 V of the thyristor's; that corner is not the last one. */
 static void over_its_spread(void) {
   check_snubber(SNUBBER "sample: {method: corners, spread: {circuit.varistor_voltage: 10 % "
@@ -584,6 +602,7 @@ static const vs_test TESTS[] = {
     {"the worst case: lists", lists_are_searched_too},
     {"the cheapest snubber", the_cheapest_snubber_is_found},
     {"a rating that is the least allowed", a_least_allowed},
+    {"an unknown rating is not held", an_unknown_rating_is_not_held},
     {"the cheapest snubber over a spread", over_its_spread},
     {"only what holds is run over the spread", spreads_are_run_for_what_holds},
     {"no snubber holds", no_snubber_holds},

@@ -2,7 +2,8 @@
  * The cheapest snubber that holds: a search (batch/search.h) over the axes under vary, R1 and C1 or
  * more. A candidate is run with the scene as it is and, when it holds there, at every point of
  * sample (n of it, or its corners). It holds when in each of these runs no measure is more than
- * (1 - margin) of its rating and no rating of the deck is violated.
+ * (1 - margin) of its rating and no rating of the deck is violated; a measure that a run does not
+ * know is within none.
  *
  *   snubber:
  *     ratings: {thyristor.v_reverse: part, thyristor.di_dt: 100 A/us, r1.power: 2 W}
@@ -188,7 +189,7 @@ typedef struct candidate {
   uint64_t runs;           /* how many there are, all in all */
   double over;             /* by which part of what is allowed it is over, in its worst run */
   double cost_j;           /* of its worst run */
-  bool failed;             /* a run of it did */
+  bool failed;             /* a run of it did, or does not know one of its ratings */
 } candidate;
 
 /* What is left of a rating, as a part of it, as the verdict has it: a peak below its limit, a
@@ -202,8 +203,11 @@ static double left_of(const rating *r, const vs_results *results, uint64_t index
 static void judge(const snubber *s, const vs_results *results, uint64_t index, candidate *c) {
   const double *point = &results->points[index * results->plan->n_axes];
   double over = fmax(0, -vs_results_value(results, index, VS_COLUMN_MARGIN)), cost_j = 0;
-  for (size_t k = 0; k < s->n_ratings; k++)
-    over += fmax(0, (s->margin - left_of(&s->ratings[k], results, index)) / (1 - s->margin));
+  for (size_t k = 0; k < s->n_ratings; k++) {
+    double left = left_of(&s->ratings[k], results, index);
+    c->failed |= isnan(left); /* what is not known is not held: a run that ends before turn-off */
+    over += fmax(0, (s->margin - left) / (1 - s->margin));
+  }
   for (size_t d = 0; d < s->n_design; d++) {
     double x = vs_results_value(results, index, s->prices[d].column);
     cost_j += s->prices[d].farad ? s->prices[d].farad * point[d] * x * x / 2 : x * s->cycle_s;
