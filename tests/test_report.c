@@ -361,6 +361,22 @@ static void all_alike(void) {
   EXPECT_REPORT("Yield 100 %", "5 % of them lie below 10 V, 50 % of them lie below 10 V");
 }
 
+/* What failed is not known to hold: 400 of 500 do. */
+static void a_yield_with_failures(void) {
+  vs_text changed = {0};
+  write_study("sobol", "", 400, alike);
+  char *manifest = read_file("s/manifest.json"), *count = strstr(manifest, "\"failed\": 0,");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(count);
+  vs_text_add(&changed, "%.*s\"failed\": 100,%s", (int)(count - manifest), manifest,
+              count + strlen("\"failed\": 0,"));
+  write_file("s/manifest.json", changed.text);
+  vs_text_free(&changed);
+  free(manifest);
+  RUN_GOOD("plot s --quiet");
+  EXPECT_REPORT("class=\"verdict bad\"", "Yield 80 %",
+                "400 of 500 cases keep every rating, the failed counted as not holding");
+}
+
 static sample along(long k) {
   return (sample){pow(10, 1 + (double)k / 10), 1, 2500 + 20 * (double)k, 0.1 - 0.005 * (double)k};
 }
@@ -633,6 +649,7 @@ int main(void) {
       {"one picture", one_picture},
       {"samples", samples},
       {"all alike", all_alike},
+      {"a yield with failures", a_yield_with_failures},
       {"other methods", other_methods},
       {"axes of words", axes_of_words},
       {"hostile names", hostile_names},

@@ -181,7 +181,7 @@ static void sides_of_ratings(void) {
 
 /* A list's cells carry units, or its header does, as study.csv's. Another deck, other parts. */
 static void a_list(void) {
-  write_file("cases.csv", "# mine\ncircuit.deck,circuit.r1_ohm, circuit.c1\n"
+  write_file("cases.csv", "\xef\xbb\xbf# mine\ncircuit.deck,circuit.r1_ohm, circuit.c1\n"
                           "halfwave_snubbed,100,100 nF\nhalfwave_paper, 200 ,\"0.2 uF\"\n");
   write_file("l.yaml", "set: {run.until: 11 ms}\nvary: cases.csv\nreport: [fuse_2.i2t, p_min]\n");
   ran r = run("check l.yaml"); /* the first case has no fuse */

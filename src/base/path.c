@@ -3,6 +3,8 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -174,6 +176,18 @@ vs_status vs_file_open(vs_file *file, const char *folder, const char *name, vs_e
   return VS_OK;
 }
 
+/* A name is in its folder: after a rename that has to come to the disk, too. Where it cannot, as on
+ * some file systems, the file is still whole or not there. */
+static void sync_folder_of(const char *path) {
+  char folder[VS_PATH_SIZE];
+  const char *slash = strrchr(path, '/');
+  snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
+  int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;
+  fsync(fd);
+  close(fd);
+}
+
 vs_status vs_file_commit(vs_file *file, vs_error *err) {
   FILE *stream = file->stream;
   file->stream = NULL;
@@ -187,7 +201,10 @@ vs_status vs_file_commit(vs_file *file, vs_error *err) {
     bad = true;
     why = errno;
   }
-  if (!bad) return VS_OK;
+  if (!bad) {
+    sync_folder_of(file->path);
+    return VS_OK;
+  }
   unlink(file->temporary);
   errno = why;
   return vs_fail(err, VS_RUN, "%s: cannot be written: %s", file->path, strerror(errno));

@@ -57,6 +57,7 @@ typedef struct shards {
 
 static vs_status take_folder(shards *all, const char *folder, vs_error *err) {
   all->item = realloc(all->item, (all->count + 1) * sizeof *all->item);
+  if (!all->item) abort();
   return vs_journal_open(&all->item[all->count++], folder, false, err);
 }
 

@@ -154,7 +154,8 @@ static vs_status read_rows(csv *c, FILE *f, vs_error *err) {
   size_t size = 0;
   vs_status status = VS_OK;
   while (!status && getline(&line, &size, f) >= 0) {
-    c->line++;
+    /* what some programs begin a file of UTF-8 with */
+    if (!c->line++ && !strncmp(line, "\xef\xbb\xbf", 3)) memmove(line, line + 3, strlen(line) - 2);
     const char *s = line + strspn(line, " \t\r\n");
     if (!*s || *s == '#') continue;
     bool header = !c->columns;

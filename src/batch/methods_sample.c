@@ -257,7 +257,8 @@ static void corners_point(const vs_plan *plan, const vs_part_of_plan *part, uint
 
 const vs_method vs_method_latin = {.name = "lhs",
                                    .key = "sample",
-                                   .text = "Latin hypercube: every n-th part of every axis once",
+                                   .text = "Latin hypercube: every n-th part of every axis once "
+                                           "(without correlation)",
                                    .claims = is_latin,
                                    .read = sample_read,
                                    .free = sample_free,

@@ -150,6 +150,7 @@ void vs_generation_add(vs_generation *g, const double *point) {
   if (g->count == g->capacity) {
     g->capacity = g->capacity ? 2 * g->capacity : 64;
     g->points = realloc(g->points, g->capacity * (g->n_axes ? g->n_axes : 1) * sizeof *g->points);
+    if (!g->points) abort();
   }
   memcpy(g->points + g->count++ * g->n_axes, point, g->n_axes * sizeof *point);
 }

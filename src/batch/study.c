@@ -176,8 +176,7 @@ static vs_status go_on(session *s, vs_journal_head *head, vs_error *err) {
   if (strcmp(j->head.identity, head->identity))
     return vs_fail(err, VS_INPUT,
                    "%s: is of another study: the study's file, a file it names, a --set or the "
-                   "program have changed since; take another folder, or begin anew without "
-                   "--resume",
+                   "program have changed since; take another folder, or remove this one",
                    j->path);
   if (j->head.shard != head->shard || j->head.shards != head->shards)
     return vs_fail(err, VS_INPUT, "%s: is of shard %llu/%llu: give --shard so", j->path,

@@ -130,11 +130,14 @@ static bool add_found(vs_text *html, const vs_study_table *t, const vs_survey *s
   return true;
 }
 
+/* A case that failed is not known to hold. */
 static void add_yield(vs_text *html, const vs_study_table *t, const vs_survey *s) {
   double least, largest;
+  const long all = s->judged + t->failed;
   vs_text_add(html, "<p class=\"big\">Yield %.4g %%</p>\n<p>%ld of %ld cases keep every rating",
-              vs_share(s->good, s->judged), s->good, s->judged);
-  vs_wilson((double)s->good, (double)s->judged, &least, &largest);
+              vs_share(s->good, all), s->good, all);
+  if (t->failed) vs_text_add(html, ", the failed counted as not holding");
+  vs_wilson((double)s->good, (double)all, &least, &largest);
   if (strstr(t->method, "monte_carlo"))
     vs_text_add(html, "; with 95 %%, the true share lies between %.4g %% and %.4g %%", 100 * least,
                 100 * largest);
@@ -151,7 +154,7 @@ static void add_worst_margin(vs_text *html, const vs_study_table *t, const vs_su
 
 static void add_verdict(vs_text *html, const vs_study_table *t, const vs_survey *s) {
   bool adaptive = strstr(t->method, "worst") || strstr(t->method, "snubber");
-  bool good = s->good == s->judged;
+  bool good = s->good == s->judged && !t->failed;
   if (strstr(t->method, "snubber") && vs_node_child(t->manifest.root, "snubber"))
     good = s->found.cell != NULL;
   vs_text_add(html, "<section id=\"verdict\" class=\"verdict %s\">\n",

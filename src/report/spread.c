@@ -95,7 +95,7 @@ vs_status vs_draw_histogram(const vs_sketch *k, size_t column, vs_picture *p, vs
   p->height = 470;
   p->labels_above = true;
   vs_sketch_begin(k, column, column, p);
-  vs_text_add(&p->script, "unset logscale x\n");
+  vs_text_add(&p->script, "unset logscale x\nset rmargin 10\n"); /* a percentile's label */
   vs_status status = vs_dots_load(k, 0, column, &s, err);
   size_t n = s.count;
   double *v = vs_alloc(n, sizeof *v);
