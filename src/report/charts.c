@@ -128,8 +128,7 @@ vs_status vs_draw_path(const vs_sketch *k, size_t column, vs_picture *p, vs_erro
   vs_sketch_begin(k, 0, column, p);
   vs_sketch_axis(k, column, 'y', &p->script);
   vs_sketch_range(k, column, 'y', false, p);
-  vs_text_add(&p->script, "set xlabel 'evaluation'\nset key %s right\n",
-              largest ? "bottom" : "top");
+  vs_text_add(&p->script, "set xlabel 'evaluation'\nset key tmargin center horizontal samplen 2\n");
   vs_status status = vs_dots_load(k, 0, column, &s, err);
   best.item = vs_alloc(s.count + 1, sizeof *best.item);
   for (size_t n = 0; n < s.count; n++) {
