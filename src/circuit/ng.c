@@ -49,8 +49,10 @@ static struct {
   vs_error *err;
   char complaints[MOST_COMPLAINTS][LOG_LINE]; /* what the log says best of what went wrong */
   size_t n_complaints;
-  int expected; /* lines of the last one still to come */
-  bool trial;   /* this is the child process that ends with the first accepted step */
+  int expected;   /* lines of the last one still to come */
+  bool trial;     /* this is the child process that ends with the first accepted step */
+  vs_text loaded; /* all that was given to ngspice for the circuit it has; empty: it has none */
+  bool sound;     /* it has run, and well */
   bool initialised,
       ended; /* ended: ngspice asked to be unloaded; this process cannot use it again */
 } ng;
@@ -416,12 +418,41 @@ static void set_dialect(const char *dialect) {
   ngSpice_Command(command);
 }
 
+static void forget(void) {
+  char remove[] = "remcirc";
+  if (ng.loaded.length && !ng.ended) ngSpice_Command(remove);
+  ng.loaded.length = 0;
+  ng.sound = false;
+}
+
+/* A circuit that has run well is run again where the same is asked for: a run starts from its
+ * initial conditions, whatever was before, and gives the same to the bit (tests/test_study.c). */
+static bool is_loaded(const vs_text *netlist) {
+  return ng.sound && ng.loaded.length == netlist->length &&
+         !memcmp(ng.loaded.text, netlist->text, netlist->length);
+}
+
+/* Takes the netlist over. */
+static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *host, char **lines,
+                           vs_text *netlist, vs_error *err) {
+  forget();
+  set_dialect(job->dialect);
+  vs_status status = job->tried ? VS_OK : try_in_child(job, host, lines, err);
+  if (status) return status;
+  ngSpice_Circ(lines);
+  if (ng.ended) return refuse(job, "load", err);
+  vs_text_free(&ng.loaded);
+  ng.loaded = *netlist;
+  *netlist = (vs_text){0};
+  return VS_OK;
+}
+
 static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
                       vs_error *err) {
   *circuit = NULL;
   vs_status status = initialise(err);
   if (status) return status;
-  vs_text tail = {0};
+  vs_text tail = {0}, netlist = {0};
   /* .save none keeps one point in memory; SendData still gives all vectors. */
   vs_text_add(&tail,
               ".options method=%s reltol=%.17g abstol=%.17g vntol=%.17g trtol=%.17g "
@@ -441,10 +472,10 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   ng.expected = 0;
   ng.reached_s = 0; /* complain() asks */
   ng.job = NULL;    /* the load itself asks for nothing */
-  set_dialect(job->dialect);
-  status = job->tried ? VS_OK : try_in_child(job, host, lines, err);
-  if (!status) ngSpice_Circ(lines);
-  if (!status && ng.ended) status = refuse(job, "load", err);
+  vs_text_add(&netlist, "%s\n", job->dialect);
+  for (size_t k = 0; k < n; k++) vs_text_add(&netlist, "%s\n", lines[k]);
+  status = is_loaded(&netlist) ? VS_OK : load_anew(job, host, lines, &netlist, err);
+  vs_text_free(&netlist);
   free(lines);
   vs_text_free(&tail);
   if (status) return status;
@@ -468,6 +499,7 @@ static vs_status run(void *circuit, vs_error *err) {
   (void)circuit;
   step_on(err);
   vs_status status = outcome(err);
+  ng.sound = !status;
   vs_error second = {0};
   if (ng.raw.stream && vs_rawfile_end(&ng.raw, status ? &second : err) && !status) return VS_RUN;
   return status;
@@ -483,9 +515,9 @@ static void release(void *circuit) {
   ng.values = ng.raw_values = NULL;
   ng.job = NULL;
   if (ng.ended) return;
-  char destroy[] = "destroy all", remove[] = "remcirc";
+  char destroy[] = "destroy all";
   ngSpice_Command(destroy);
-  ngSpice_Command(remove);
+  if (!ng.sound) forget();
 }
 
 const vs_circuit_kind vs_ngspice = {"ngspice", load, run, release};
