@@ -354,7 +354,12 @@ bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, boo
   if (!find_law(o, &in)) return false;
   o->substep_s = substep(o);
   if (dynamic) o->reach_seen = reach_of(o, &in);
-  return o->substep_s > 0 && find_signals(o, &in);
+  return o->substep_s > 0;
+}
+
+bool vs_oneport_fit_signals(vs_oneport *o, const vs_seen *const *seen, size_t count) {
+  const sight in = {seen, count};
+  return find_signals(o, &in);
 }
 
 double vs_oneport_capacitance(const vs_oneport *o) {

@@ -38,6 +38,8 @@ void vs_oneport_free(vs_oneport *o); /* NULL is fine */
 /* Finds its numbers; dynamic: with G, C, tau. false: there are none, or what they make is unstable
  * or too stiff to be worth it. */
 bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, bool dynamic);
+/* With that, what the deck's signals are made of. */
+bool vs_oneport_fit_signals(vs_oneport *o, const vs_seen *const *seen, size_t count);
 
 void vs_oneport_state(const vs_knot *knot, double y[VS_ONEPORT_STATES]);
 /* Takes the state on; false: GSL cannot. */

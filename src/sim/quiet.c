@@ -31,6 +31,7 @@ struct vs_quiet {
   vs_seen *kept; /* a ring: first, count */
   size_t first, count;
   const vs_seen *seen[VS_MOST_SEEN]; /* the same in order, while it is looked at them */
+  vs_coil coil[VS_MOST_SEEN];        /* what the one-port says of them */
   vs_seen last;                      /* knot taken, also when it is not kept */
   bool any;
   double looked_s, blocks_s; /* when it was last looked, and since when the thyristor blocks */
@@ -104,6 +105,10 @@ typedef struct misfit {
   double mode[VS_STATES]; /* largest share of each mode in the error of q, as vs_mode's shape */
 } misfit;
 
+static double electric_bound(const vs_quiet *q, const misfit *wrong) {
+  return SAFETY * fmax(wrong->force_n / q->peak_force_n, wrong->current_a / q->peak_a);
+}
+
 /* |shares| of the modes in x: V^-1 x, V's columns (shape, s shape). */
 static void shares(const vs_quiet *q, const double x[VS_STATES], double share[VS_STATES]) {
   for (size_t n = 0; n < VS_STATES; n++)
@@ -113,7 +118,8 @@ static void shares(const vs_quiet *q, const double x[VS_STATES], double share[VS
     share[n] = gsl_complex_abs(gsl_vector_complex_get(q->share, n));
 }
 
-static bool compare(vs_quiet *q, misfit *wrong) {
+/* Up to where force or current are wrong by more than that; then false. */
+static bool compare(vs_quiet *q, double most, misfit *wrong) {
   const vs_model *m = &q->setup->model;
   double y[VS_ONEPORT_STATES];
   *wrong = (misfit){0};
@@ -121,20 +127,28 @@ static bool compare(vs_quiet *q, misfit *wrong) {
   for (size_t k = 0; k < q->count; k++) {
     const vs_knot *seen = &q->seen[k]->knot;
     if (k && !vs_oneport_advance(q->port, q->seen[k - 1]->knot.t_s, seen->t_s, y)) return false;
-    vs_coil c = vs_oneport_coil(q->port, seen->t_s, y);
-    double signal[VS_SIGNALS], error[VS_STATES], share[VS_STATES];
-    vs_oneport_signals(q->port, seen->t_s, &c, signal);
+    const vs_coil c = q->coil[k] = vs_oneport_coil(q->port, seen->t_s, y);
+    double error[VS_STATES], share[VS_STATES];
     double force = vs_force(m, c.flux_wb) - vs_force(m, seen->flux_wb);
     wrong->force_n = fmax(wrong->force_n, fabs(force));
     wrong->current_a = fmax(wrong->current_a, fabs(c.i_a - vs_knot_current(m, seen)));
-    for (size_t n = 0; n < n_signals(q); n++)
-      wrong->signal[n] =
-          fmax(wrong->signal[n], fabs(signal[n] - vs_knot_signal(q->frame, seen, n)));
+    if (!(electric_bound(q, wrong) <= most)) return false;
     for (int n = 0; n < VS_STATES; n++) error[n] = y[n] - seen->x[n];
     shares(q, error, share);
     for (int n = 0; n < VS_STATES; n++) wrong->mode[n] = fmax(wrong->mode[n], share[n]);
   }
   return true;
+}
+
+static void compare_signals(const vs_quiet *q, misfit *wrong) {
+  double signal[VS_SIGNALS];
+  for (size_t k = 0; k < q->count; k++) {
+    const vs_knot *seen = &q->seen[k]->knot;
+    vs_oneport_signals(q->port, seen->t_s, &q->coil[k], signal);
+    for (size_t n = 0; n < n_signals(q); n++)
+      wrong->signal[n] =
+          fmax(wrong->signal[n], fabs(signal[n] - vs_knot_signal(q->frame, seen, n)));
+  }
 }
 
 /* ---- what may come of it ---- */
@@ -260,19 +274,21 @@ static bool signals_hold(const vs_quiet *q, const misfit *wrong, double until_s)
   return true;
 }
 
-/* The bound with that law, and each mode's error until_s; INFINITY: it is not to be gone by. */
+/* The bound with that law, and each mode's error until_s; INFINITY: it is not to be gone by. What
+ * costs most, the signals and the look ahead, comes last. */
 static double bound_of(vs_quiet *q, bool dynamic, double until_s, double error[VS_STATES]) {
   double most = SHARE * q->setup->run.tolerance;
   misfit wrong;
-  if (!vs_oneport_fit(q->port, q->seen, q->count, dynamic) || !compare(q, &wrong)) return INFINITY;
-  if (!signals_hold(q, &wrong, until_s)) return INFINITY;
-  double bound = SAFETY * fmax(wrong.force_n / q->peak_force_n, wrong.current_a / q->peak_a);
   outlook ahead;
+  if (!vs_oneport_fit(q->port, q->seen, q->count, dynamic)) return INFINITY;
+  if (!compare(q, most, &wrong)) return INFINITY;
   mode_errors(q, &wrong, NULL, until_s, error);
-  if (!(fmax(bound, motion_bound(q, error)) <= most) || !look_ahead(q, until_s, &ahead))
-    return INFINITY;
+  if (!(motion_bound(q, error) <= most)) return INFINITY;
+  if (!vs_oneport_fit_signals(q->port, q->seen, q->count)) return INFINITY;
+  compare_signals(q, &wrong);
+  if (!signals_hold(q, &wrong, until_s) || !look_ahead(q, until_s, &ahead)) return INFINITY;
   mode_errors(q, &wrong, &ahead, until_s, error);
-  return fmax(ahead.reach * bound, motion_bound(q, error));
+  return fmax(ahead.reach * electric_bound(q, &wrong), motion_bound(q, error));
 }
 
 /* Can the armature come to its stop, or to the pole cover, with the energy that is in the machine?
