@@ -121,7 +121,7 @@ static cell run_cell(const scene *s, const way *w, int decade, comparison *c) {
   vs_trial_go(t, &observer);
   clock_gettime(CLOCK_MONOTONIC, &ended);
   EXPECT(t->status == VS_OK, "%s, %s, %s: %s", s->name, w->name, tolerance, t->err.text);
-  cell out = {.steps = t->steps, .probe = "none"};
+  cell out = {.steps = t->result.steps, .probe = "none"};
   out.wall_s =
       (double)(ended.tv_sec - began.tv_sec) + 1e-9 * (double)(ended.tv_nsec - began.tv_nsec);
   out.error = compare_error(c, &out.probe) / pow(10, decade);

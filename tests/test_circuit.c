@@ -83,7 +83,7 @@ static void check(const char *file, const char *until, const char *setting, doub
   const char *sets[] = {setting, until, NULL};
   vs_trial *t = vs_trial_run("paper", "circuit", sets, &observer);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-  const vs_value *v = t->values;
+  const vs_value *v = t->result.values;
   CLOSE(v[VS_M_I_PEAK].value, I_PEAK, peaks);
   CLOSE(v[VS_M_T_EXTINCTION].value, EXTINCTION, peaks);
   CLOSE(v[VS_M_FORCE_PEAK].value, FORCE, peaks);
@@ -166,18 +166,18 @@ static void device_extremes_and_energies(void) {
   } ROWS[] = {
       {"v_ak", 1, 829.3, 0.02582}, {"v_ak", -1, -1048.7, 0.01521}, {"i_thyristor", 1, 7.186, NAN}};
   for (size_t k = 0; k < sizeof ROWS / sizeof *ROWS; k++)
-    for (int e = 0; e < t->measures->n_extremes; e++) {
-      const vs_extreme *x = &t->measures->extremes[e];
+    for (int e = 0; e < t->result.measures->n_extremes; e++) {
+      const vs_extreme *x = &t->result.measures->extremes[e];
       vs_channel c = vs_channel_at(&t->scene.frame, x->channel);
       if (strcmp(c.name, ROWS[k].probe) || x->sense != ROWS[k].sense) continue;
       CLOSE(x->best.value, ROWS[k].value,
             5e-4); /* half the reference's last digit, and the run's 2e-4 */
       if (!isnan(ROWS[k].at_s)) CLOSE_OF(x->best.at_s, ROWS[k].at_s, 1, 2e-5);
     }
-  CLOSE(t->energy.joule[VS_E_SOURCE], 0.89938843, 1e-3);
-  CLOSE(t->energy.joule[VS_E_COPPER], 0.30263443, 1e-3);
-  CLOSE(t->energy.joule[VS_E_WORK], 0.08136749, 1e-3);
-  CU_ASSERT(fabs(t->energy.residual[VS_B_EVA]) <= 1e-3);
+  CLOSE(t->result.energy.joule[VS_E_SOURCE], 0.89938843, 1e-3);
+  CLOSE(t->result.energy.joule[VS_E_COPPER], 0.30263443, 1e-3);
+  CLOSE(t->result.energy.joule[VS_E_WORK], 0.08136749, 1e-3);
+  CU_ASSERT(fabs(t->result.energy.residual[VS_B_EVA]) <= 1e-3);
   vs_trial_free(t);
 }
 
@@ -192,7 +192,7 @@ static void second_order_in_the_largest_step(void) {
     const char *sets[] = {STEPS[k], "run.tolerance=1e-3", "run.until=0.03s", NULL};
     vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-    error[k] = fabs(t->values[VS_M_P_FIRST].value - FIRST);
+    error[k] = fabs(t->result.values[VS_M_P_FIRST].value - FIRST);
     vs_trial_free(t);
   }
   for (int k = 0; k < 4; k++) {
@@ -217,11 +217,12 @@ static void bare_deck_is_the_switched_tier(void) {
                         NULL};
   vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-  CLOSE(t->values[VS_M_I_PEAK].value, 0.841947867587, 5e-5);
-  CLOSE(t->values[VS_M_T_EXTINCTION].value, 0.0137708354356, 5e-5);
-  CLOSE(t->values[VS_M_FORCE_PEAK].value, 95.7553916336, 5e-5);
-  CLOSE(t->values[VS_M_P_FIRST].value, -0.00141639233706, 5e-5);
-  const vs_extreme *v_ak = &t->measures->extremes[VS_STANDARD_EXTREMES]; /* least, then largest */
+  CLOSE(t->result.values[VS_M_I_PEAK].value, 0.841947867587, 5e-5);
+  CLOSE(t->result.values[VS_M_T_EXTINCTION].value, 0.0137708354356, 5e-5);
+  CLOSE(t->result.values[VS_M_FORCE_PEAK].value, 95.7553916336, 5e-5);
+  CLOSE(t->result.values[VS_M_P_FIRST].value, -0.00141639233706, 5e-5);
+  const vs_extreme *v_ak =
+      &t->result.measures->extremes[VS_STANDARD_EXTREMES]; /* least, then largest */
   CLOSE(v_ak[0].best.value, -622.253967, 1e-5);
   CLOSE(v_ak[1].best.value, 622.253967, 1e-5);
   vs_trial_free(t);
@@ -315,10 +316,12 @@ static void a_stopped_run_leaves_no_trace(void) {
   vs_trial *stopped = vs_trial_run("paper", "circuit", sets, &stopper);
   vs_trial *again = vs_trial_run("paper", "circuit", sets, NULL);
   CU_ASSERT_EQUAL(stopped->status, VS_SIGNAL);
-  CU_ASSERT_EQUAL(stopped->steps < first->steps, 1);
-  CU_ASSERT_EQUAL(again->steps, first->steps);
-  CU_ASSERT_EQUAL(again->values[VS_M_P_FIRST].value, first->values[VS_M_P_FIRST].value);
-  CU_ASSERT_EQUAL(again->values[VS_M_T_EXTINCTION].value, first->values[VS_M_T_EXTINCTION].value);
+  CU_ASSERT_EQUAL(stopped->result.steps < first->result.steps, 1);
+  CU_ASSERT_EQUAL(again->result.steps, first->result.steps);
+  CU_ASSERT_EQUAL(again->result.values[VS_M_P_FIRST].value,
+                  first->result.values[VS_M_P_FIRST].value);
+  CU_ASSERT_EQUAL(again->result.values[VS_M_T_EXTINCTION].value,
+                  first->result.values[VS_M_T_EXTINCTION].value);
   vs_trial_free(first);
   vs_trial_free(stopped);
   vs_trial_free(again);
@@ -580,7 +583,7 @@ static void nodes_named_like_constants(void) {
     const char *sets[] = {"run.until=1ms", "circuit.deck=constants.cir", NULL};
     vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-    CLOSE(t->measures->extremes[t->measures->n_extremes - 1].best.value, 0.25, 1e-6);
+    CLOSE(t->result.measures->extremes[t->result.measures->n_extremes - 1].best.value, 0.25, 1e-6);
     vs_trial_free(t);
   }
 }
@@ -598,8 +601,8 @@ static void gear_damps_what_rings(void) {
     const char *sets[] = {"run.until=0.02s", "circuit.deck=rings.cir", METHODS[k], NULL};
     vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-    peak[k] = t->values[VS_M_P_FIRST].value;
-    steps[k] = t->steps;
+    peak[k] = t->result.values[VS_M_P_FIRST].value;
+    steps[k] = t->result.steps;
     vs_trial_free(t);
   }
   CLOSE(peak[1], peak[0], 2e-4); /* the default tolerance of each */
@@ -607,8 +610,8 @@ static void gear_damps_what_rings(void) {
   const char *sets[] = {"run.until=0.02s", "run.method=gear", NULL};
   vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-  CLOSE(t->values[VS_M_P_FIRST].value, FIRST, 1e-4);
-  CLOSE(t->values[VS_M_I_PEAK].value, I_PEAK, 1e-4);
+  CLOSE(t->result.values[VS_M_P_FIRST].value, FIRST, 1e-4);
+  CLOSE(t->result.values[VS_M_I_PEAK].value, I_PEAK, 1e-4);
   vs_trial_free(t);
 }
 

@@ -36,15 +36,15 @@ static vs_trial *trial(const settings *s, const vs_observer *also, double limits
   expect(t->status == VS_OK, line, "%s", t->err.text);
   if (t->status) return t;
   double tolerance = limits * t->scene.setup.run.tolerance;
-  const char *open = vs_energy_open(&t->energy, tolerance, why, sizeof why);
+  const char *open = vs_energy_open(&t->result.energy, tolerance, why, sizeof why);
   expect(!open, line, "%s", open);
   return t;
 }
 #define TRIAL(s, also) trial(s, also, 1, __LINE__)
 
 static double extreme(const vs_trial *t, const char *probe, int sense) {
-  for (int e = 0; e < t->measures->n_extremes; e++) {
-    const vs_extreme *x = &t->measures->extremes[e];
+  for (int e = 0; e < t->result.measures->n_extremes; e++) {
+    const vs_extreme *x = &t->result.measures->extremes[e];
     if (x->sense == sense && !strcmp(vs_channel_at(&t->scene.frame, x->channel).name, probe))
       return x->best.value;
   }
@@ -87,8 +87,8 @@ static void ideal_parts_give_t3a(void) {
   settings s = as_t3a();
   ADD(&s, "run.until=0.1001s");
   vs_trial *t = TRIAL(&s, &observer);
-  CLOSE(t->values[VS_M_I_PEAK].value, 0.83336808722, 1e-4);
-  CLOSE(t->values[VS_M_P_FIRST].value, -1.3771464192e-3, 1e-4);
+  CLOSE(t->result.values[VS_M_I_PEAK].value, 0.83336808722, 1e-4);
+  CLOSE(t->result.values[VS_M_P_FIRST].value, -1.3771464192e-3, 1e-4);
   CLOSE_OF(p, -7.4366149576e-4, -1.3771464192e-3, 1e-4);
   CLOSE(extreme(t, "v_ak", -1), -1048.7, 1e-3);
   CLOSE(extreme(t, "v_ak", 1), 829.3, 1e-3);
@@ -122,8 +122,8 @@ static void a_drop_out_does_not_end_the_conduction(void) {
   settings s = {.count = 0};
   ADD(&s, "circuit.deck=halfwave_paper", "run.until=0.02s", "circuit.r2=220ohm");
   vs_trial *t = TRIAL(&s, NULL);
-  CLOSE(t->values[VS_M_CONDUCTION].value, 8.1e-3, 0.01);
-  CLOSE(t->values[VS_M_T_FIRE].value, 5.556e-3, 1e-3);
+  CLOSE(t->result.values[VS_M_CONDUCTION].value, 8.1e-3, 0.01);
+  CLOSE(t->result.values[VS_M_T_FIRE].value, 5.556e-3, 1e-3);
   vs_trial_free(t);
 }
 
@@ -403,8 +403,8 @@ static void exported(void) {
   CU_ASSERT_EQUAL(system("timeout 100 ngspice -b x.cir >x.log 2>&1"), 0);
   char *log = read_file("x.log");
   vs_trial *t = TRIAL(&s, NULL);
-  CLOSE(measured(log, "p_first_peak_m"), t->values[VS_M_P_FIRST].value, 1e-3);
-  CLOSE(measured(log, "i_peak_a"), t->values[VS_M_I_PEAK].value, 1e-3);
+  CLOSE(measured(log, "p_first_peak_m"), t->result.values[VS_M_P_FIRST].value, 1e-3);
+  CLOSE(measured(log, "i_peak_a"), t->result.values[VS_M_I_PEAK].value, 1e-3);
   vs_trial_free(t);
   free(log);
 }

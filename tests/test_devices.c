@@ -33,9 +33,9 @@ static vs_trial *run_deck(const char *deck, const char *part, const char *until,
 
 static const vs_reduced *measure(const vs_trial *t, const char *device, const char *what) {
   static const vs_reduced NONE = {.value = {false, NAN, NAN}, .failed_s = NAN};
-  for (size_t k = 0; t->devices && k < t->devices->count; k++)
-    for (size_t n = 0; n < t->devices->item[k].count; n++) {
-      const vs_watched *w = &t->devices->item[k];
+  for (size_t k = 0; t->result.devices && k < t->result.devices->count; k++)
+    for (size_t n = 0; n < t->result.devices->item[k].count; n++) {
+      const vs_watched *w = &t->result.devices->item[k];
       if (!strcmp(w->device->name, device) && !strcmp(w->reduced[n].measure->name, what))
         return &w->reduced[n];
     }
@@ -129,7 +129,7 @@ static void continuous_current(void) {
     CU_ASSERT_EQUAL(r->limit != NULL, k == 1);
     if (k) CLOSE(r->failed_s, 1, 1e-9);
     vs_verdict v;
-    vs_verdict_reach(t->measures, t->devices, &v);
+    vs_verdict_reach(t->result.measures, t->result.devices, &v);
     CU_ASSERT_EQUAL(v.first_to_fail != NULL, k == 1);
     if (k && v.first_to_fail) CLOSE(v.first_to_fail->margin, -8.0 / 12, 1e-6);
     vs_trial_free(t);
@@ -285,7 +285,7 @@ static void time_to_rest(void) {
   CLOSE(measure(t, "t", "t_off")->value.at_s, 340e-6, 1e-4);
   CLOSE(measure(t, "t", "t_off")->failed_s, 340e-6, 1e-4);
   vs_verdict *v = vs_alloc(1, sizeof *v);
-  vs_verdict_reach(t->measures, t->devices, v);
+  vs_verdict_reach(t->result.measures, t->result.devices, v);
   CU_ASSERT_EQUAL_FATAL(v->count, 1);
   CLOSE(v->item[0].margin, -0.25, 1e-3);
   CU_ASSERT_PTR_EQUAL(v->first_to_fail, &v->item[0]);
@@ -384,8 +384,9 @@ static void verdicts(void) {
   EXPECT(i2t && strstr(i2t, "\"guessed\"") && strstr(i2t, "\"assumed\": true"), "%s", r.out);
   free_ran(&r);
   r = run("run paper --set circuit.deck=d.cir --set run.until=40ms");
-  EXPECT(strstr(r.out, "\nt.i2t ") && strstr(r.out, "  assumed  violated\n") &&
-             strstr(r.out, "\nweakest: t.i2t, margin -100.0 %\nfirst to fail: v_x, at 0.00204"),
+  EXPECT(strstr(r.out, "\nt.i2t ") && strstr(r.out, "  violated  assumed\n") &&
+             strstr(r.out, "\nweakest: t.i2t, margin  -100.0 % +- ") &&
+             strstr(r.out, " %  violated\nfirst to fail: v_x, at 0.00204"),
          "%s", r.out);
   free_ran(&r);
 }
@@ -694,7 +695,7 @@ static void devices_are_listed(void) {
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   CU_ASSERT(measure(t, "t1", "i2t")->limit && measure(t, "t2", "i2t")->limit);
   CU_ASSERT_PTR_NULL(measure(t, "f1", "i2t")->limit);
-  CLOSE(t->devices->item[0].device->gate_rad, M_PI, 1e-12); /* the deck's only gate */
+  CLOSE(t->result.devices->item[0].device->gate_rad, M_PI, 1e-12); /* the deck's only gate */
   vs_trial_free(t);
   r = run("list parts");
   CU_ASSERT_EQUAL(r.status, 0);

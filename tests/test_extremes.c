@@ -35,8 +35,8 @@ static vs_trial *run_ideal(int tier, const char *const *sets, const vs_observer 
 }
 
 static double extreme_of(const vs_trial *t, const char *probe, int sense) {
-  for (int k = 0; k < t->measures->n_extremes; k++) {
-    const vs_extreme *e = &t->measures->extremes[k];
+  for (int k = 0; k < t->result.measures->n_extremes; k++) {
+    const vs_extreme *e = &t->result.measures->extremes[k];
     if (!strcmp(vs_channel_at(&t->scene.frame, e->channel).name, probe) && e->sense * sense > 0)
       return e->best.value;
   }
@@ -130,11 +130,11 @@ static void conductions_shorter_than_a_step(void) {
       const char *sets[] = {angle, "run.until=20ms", "run.tolerance=1e-4", NULL};
       vs_trial *t = run_ideal(tier, sets, NULL);
       CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-      printf(" %.0e", fabs(t->values[VS_M_I_PEAK].value / peak - 1));
-      CLOSE(t->values[VS_M_I_PEAK].value, peak, tier == CIRCUIT ? 1e-3 : 1e-6);
+      printf(" %.0e", fabs(t->result.values[VS_M_I_PEAK].value / peak - 1));
+      CLOSE(t->result.values[VS_M_I_PEAK].value, peak, tier == CIRCUIT ? 1e-3 : 1e-6);
       if (tier < CIRCUIT) { /* to a nanosecond, or a part of itself */
-        CLOSE_OF(t->values[VS_M_T_EXTINCTION].value, beta / (100 * M_PI), 1, 1e-9);
-        CLOSE_OF(t->values[VS_M_CONDUCTION].value, (beta - alpha) / (100 * M_PI), 1, 1e-9);
+        CLOSE_OF(t->result.values[VS_M_T_EXTINCTION].value, beta / (100 * M_PI), 1, 1e-9);
+        CLOSE_OF(t->result.values[VS_M_CONDUCTION].value, (beta - alpha) / (100 * M_PI), 1, 1e-9);
       }
       vs_trial_free(t);
     }
@@ -154,7 +154,7 @@ static void a_pulse_shorter_than_a_step(void) {
                             NULL};
       vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
       CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-      first[k] = t->values[VS_M_P_FIRST].value;
+      first[k] = t->result.values[VS_M_P_FIRST].value;
       vs_trial_free(t);
     }
     CLOSE(first[1], first[0], 1e-4);
@@ -194,8 +194,8 @@ static double least_p(int tier, double angle_deg, const char *stop, contacts *c)
   vs_observer observer = {c, note};
   vs_trial *t = run_ideal(tier, sets, &observer);
   EXPECT(t->status == VS_OK, "%s: %s", angle, t->err.text);
-  double p = t->values[VS_M_P_MIN].value;
-  CU_ASSERT(fabs(t->energy.residual[VS_B_MECHANICAL]) < 1e-6);
+  double p = t->result.values[VS_M_P_MIN].value;
+  CU_ASSERT(fabs(t->result.energy.residual[VS_B_MECHANICAL]) < 1e-6);
   vs_trial_free(t);
   return p;
 }
@@ -260,11 +260,11 @@ static void stiff_stops(void) {
       double inverse = fabs(t->scene.setup.model.mf[P]), w = sqrt(ROWS[k].k * inverse);
       double zeta = ROWS[k].c * inverse / (2 * w), root = sqrt(1 - zeta * zeta);
       double depth = -c.in_m_s / w * exp(-zeta / root * atan2(root, zeta));
-      printf(" %.1e/%.1e", fabs((-6e-3 - t->values[VS_M_P_MIN].value) / depth - 1),
+      printf(" %.1e/%.1e", fabs((-6e-3 - t->result.values[VS_M_P_MIN].value) / depth - 1),
              fabs(c.out_m_s / -c.in_m_s / exp(-M_PI * zeta / root) - 1));
-      CLOSE(-6e-3 - t->values[VS_M_P_MIN].value, depth, ROWS[k].tolerance);
+      CLOSE(-6e-3 - t->result.values[VS_M_P_MIN].value, depth, ROWS[k].tolerance);
       CLOSE(c.out_m_s / -c.in_m_s, exp(-M_PI * zeta / root), ROWS[k].tolerance);
-      CU_ASSERT(fabs(t->energy.residual[VS_B_MECHANICAL]) < (tier == CIRCUIT ? 1e-3 : 1e-8));
+      CU_ASSERT(fabs(t->result.energy.residual[VS_B_MECHANICAL]) < (tier == CIRCUIT ? 1e-3 : 1e-8));
       vs_trial_free(t);
     }
 }
@@ -361,7 +361,7 @@ static void late_firing_does_not_chatter(void) {
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
     CU_ASSERT(seen.fires >= 2 && seen.fires <= 3);
     CU_ASSERT(seen.extinct <= seen.fires);
-    CU_ASSERT(t->steps < 20000);
+    CU_ASSERT(t->result.steps < 20000);
     vs_trial_free(t);
   }
 }
@@ -385,9 +385,9 @@ static void shot_after(long cycles) {
   vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   double later = 0.02 * (double)cycles, ulp = 2.3e-16 * later;
-  CLOSE(t->values[VS_M_P_FIRST].value, -0.00141639233706, 1e-9 + 356 * ulp);
-  CLOSE_OF(t->values[VS_M_T_FIRE].value - later, 0.02 * 100 / 360, 1, 1e-15 + 2 * ulp);
-  CLOSE_OF(t->values[VS_M_T_EXTINCTION].value - later, 0.0137708354356, 1, 2e-13 + 2 * ulp);
+  CLOSE(t->result.values[VS_M_P_FIRST].value, -0.00141639233706, 1e-9 + 356 * ulp);
+  CLOSE_OF(t->result.values[VS_M_T_FIRE].value - later, 0.02 * 100 / 360, 1, 1e-15 + 2 * ulp);
+  CLOSE_OF(t->result.values[VS_M_T_EXTINCTION].value - later, 0.0137708354356, 1, 2e-13 + 2 * ulp);
   vs_trial_free(t);
 }
 

@@ -23,7 +23,8 @@ static int count(const char *text, const char *what) {
  * byte, that of the settings it names, and says where it stands and why. */
 static void an_ideal_device_is_the_last(void) {
   write_file("bad.inc", BAD);
-  ran r = run("run paper --set circuit.thyristor=bad.inc --set run.until=20ms -o climbed");
+  ran r = run("run paper --set circuit.thyristor=bad.inc --set run.until=20ms "
+              "--set run.ladder=ideal -o climbed");
   CU_ASSERT_EQUAL(r.status, 0);
   CU_ASSERT_EQUAL(count(r.err, "ngspice gave up"), 5);
   CU_ASSERT_EQUAL(count(r.err, "; trying "), 5);
@@ -38,6 +39,7 @@ static void an_ideal_device_is_the_last(void) {
   CU_ASSERT(count_lines(asked) == 202 && !strcmp(climbed, asked));
   EXPECT(strstr(json, "\"rung\": {\"number\": 5, \"text\": \"an ideal thyristor (latch), method "
                       "gear\", \"failed\": \"t = 0.00") &&
+             strstr(json, "\"warnings\": [\"got on rung 5 of the ladder, an ideal thyristor") &&
              strstr(json, "\"thyristor\": \"latch\"") && strstr(json, "\"method\": \"gear\""),
          "%s", json);
   EXPECT(strstr(plain, "\"rung\": {\"number\": 0, \"text\": \"the scene as it is\", \"failed\": "
@@ -56,7 +58,8 @@ static void the_part_that_was_chosen_counts(void) {
       "g\n"
       "R1 a k 1meg\n" GIVES_UP("a") ".ends\n";
   write_file("bad.inc", PART);
-  ran r = run("run paper --set circuit.thyristor=bad.inc --set run.until=20ms --quiet -o judged");
+  ran r = run("run paper --set circuit.thyristor=bad.inc --set run.until=20ms "
+              "--set run.ladder=ideal --quiet -o judged");
   EXPECT(r.status == 3 && strstr(r.err, "thyristor.i2t = 0.00") &&
              strstr(r.err, "allowed at most 0.001 A2.s"),
          "%s", r.err);
@@ -68,13 +71,40 @@ static void the_part_that_was_chosen_counts(void) {
              strstr(json, "\"limit\": 0.001, \"assumed\": true"),
          "%s", json);
   free(json);
-  r = run("run paper --set circuit.thyristor=bad.inc --set circuit.foo=4mA --set run.until=20ms -o "
-          "kept");
+  r = run("run paper --set circuit.thyristor=bad.inc --set circuit.foo=4mA --set run.until=20ms "
+          "--set run.ladder=ideal -o kept");
   EXPECT(r.status == 1 && count(r.err, "; trying ") == 4 && !strstr(r.err, "trying an ideal") &&
              strstr(r.err, "what was computed is in kept/run.partial.csv"),
          "%s", r.err);
   EXPECT_FILES("kept", "run.partial.csv ");
   free_ran(&r);
+}
+
+/* By default the thyristor stays the scene's: the run fails, and so does a study's case, and both
+ * say how an ideal one is had. A study that asks for it tells the rung in its row. */
+static void no_other_device_unasked(void) {
+  static const char WHY[] = "run.ladder: ideal would put an ideal thyristor in the place";
+  write_file("bad.inc", BAD);
+  ran r = run("run paper --set circuit.thyristor=bad.inc --set run.until=20ms -o failed");
+  EXPECT(r.status == 1 && strstr(r.err, WHY) && count(r.err, "; trying ") == 4, "%s", r.err);
+  EXPECT_FILES("failed", "run.partial.csv ");
+  free_ran(&r);
+  write_file("bad.yaml", "scene: paper\nset: {run.until: 20 ms}\n"
+                         "vary: {circuit.thyristor: [latch, bad.inc]}\nreport: [p_min]\n");
+  r = run("study bad.yaml --quiet -o stays");
+  char *rows = read_file("stays/study.csv"), *failures = read_file("stays/failures.csv");
+  EXPECT(r.status == 1 && count_lines(rows) == 2 && strstr(rows, ",,0,,0\n") &&
+             strstr(failures, WHY),
+         "%s\n%s", rows, failures);
+  free(rows), free(failures), free_ran(&r);
+  r = run("study bad.yaml --quiet --set run.ladder=ideal -o asked");
+  rows = read_file("asked/study.csv");
+  EXPECT(r.status == 0 && count_lines(rows) == 3 &&
+             strstr(rows, ",margin_least,margin_error,weakest,rung,warnings,status\n") &&
+             strstr(rows, ",5,\"got on rung 5 of the ladder, an ideal thyristor (latch), method "
+                          "gear; before, t = 0.00"),
+         "%s", rows);
+  free(rows), free_ran(&r);
 }
 
 /* No rung repeats what the scene has, and none makes it stricter. */
@@ -138,6 +168,7 @@ static void only_when_ngspice_gives_up(void) {
 
 static const vs_test TESTS[] = {
     {"an ideal device is the last", an_ideal_device_is_the_last},
+    {"no other device unasked", no_other_device_unasked},
     {"the part that was chosen counts", the_part_that_was_chosen_counts},
     {"rungs go by the scene", rungs_go_by_the_scene},
     {"one may stay", one_may_stay},

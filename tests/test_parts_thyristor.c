@@ -275,8 +275,8 @@ static void breakover(void) {
 /* ---- in the paper's circuit ---- */
 
 static double extreme(const vs_trial *t, const char *probe, int sense) {
-  for (int e = 0; e < t->measures->n_extremes; e++) {
-    const vs_extreme *x = &t->measures->extremes[e];
+  for (int e = 0; e < t->result.measures->n_extremes; e++) {
+    const vs_extreme *x = &t->result.measures->extremes[e];
     if (x->sense == sense && !strcmp(vs_channel_at(&t->scene.frame, x->channel).name, probe))
       return x->best.value;
   }
@@ -297,13 +297,13 @@ static void in_the_papers_scene(void) {
       t[k] = vs_trial_run("paper", "circuit", sets, NULL);
       CU_ASSERT_EQUAL_FATAL(t[k]->status, VS_OK);
     }
-    CLOSE(t[1]->values[VS_M_P_FIRST].value, t[0]->values[VS_M_P_FIRST].value, 2e-3);
-    CLOSE(t[1]->values[VS_M_I_PEAK].value, t[0]->values[VS_M_I_PEAK].value, 2e-3);
+    CLOSE(t[1]->result.values[VS_M_P_FIRST].value, t[0]->result.values[VS_M_P_FIRST].value, 2e-3);
+    CLOSE(t[1]->result.values[VS_M_I_PEAK].value, t[0]->result.values[VS_M_I_PEAK].value, 2e-3);
     CLOSE(extreme(t[1], "v_ak", -1), extreme(t[0], "v_ak", -1), 0.01);
     CLOSE(extreme(t[1], "v_ak", 1), extreme(t[0], "v_ak", 1), 0.01);
-    CU_ASSERT(t[1]->values[VS_M_T_EXTINCTION].value <
-              t[0]->values[VS_M_T_EXTINCTION].value - 50e-6);
-    CU_ASSERT(t[1]->steps < 1.1 * (double)t[0]->steps);
+    CU_ASSERT(t[1]->result.values[VS_M_T_EXTINCTION].value <
+              t[0]->result.values[VS_M_T_EXTINCTION].value - 50e-6);
+    CU_ASSERT(t[1]->result.steps < 1.1 * (double)t[0]->result.steps);
     for (int k = 0; k < 2; k++) vs_trial_free(t[k]);
   }
 }
@@ -335,7 +335,7 @@ static void at_tight_tolerances(void) {
       EXPECT(!t[tight]->status, "%s: %s", CASES[k][0], t[tight]->err.text);
       CU_ASSERT_EQUAL_FATAL(t[tight]->status, VS_OK);
     }
-    CLOSE(t[0]->values[VS_M_P_FIRST].value, t[1]->values[VS_M_P_FIRST].value, 1e-3);
+    CLOSE(t[0]->result.values[VS_M_P_FIRST].value, t[1]->result.values[VS_M_P_FIRST].value, 1e-3);
     CLOSE(extreme(t[0], "v_ak", -1), extreme(t[1], "v_ak", -1), 1e-3);
     CLOSE(extreme(t[0], "v_ak", 1), extreme(t[1], "v_ak", 1), 1e-3);
     for (int tight = 0; tight < 2; tight++) vs_trial_free(t[tight]);

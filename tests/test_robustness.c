@@ -62,34 +62,28 @@ typedef struct outcome {
 } outcome;
 
 static double extreme_of(const vs_trial *t, const char *probe, int sense) {
-  for (int k = 0; k < t->measures->n_extremes; k++) {
-    const vs_extreme *e = &t->measures->extremes[k];
-    if (!strcmp(vs_channel_at(&t->scene.frame, e->channel).name, probe) && e->sense * sense > 0)
+  for (int k = 0; k < t->result.measures->n_extremes; k++) {
+    const vs_extreme *e = &t->result.measures->extremes[k];
+    if (!strcmp(vs_channel_at(&t->result.scene->frame, e->channel).name, probe) &&
+        e->sense * sense > 0)
       return e->best.value;
   }
   return NAN;
 }
 
-/* As the command run does it, with its ladder. */
 static outcome run_case(const char *const *sets) {
-  outcome o = {0};
-  vs_ladder ladder = {0};
-  for (bool again = true; again;) {
-    const char *all[N_SETS + VS_LADDER_KEYS + 1] = {NULL};
-    size_t n = 0;
-    for (; sets[n]; n++) all[n] = sets[n];
-    for (size_t k = 0; k < ladder.n_keys; k++) all[n++] = ladder.keys[k];
-    vs_trial *t = vs_trial_run("paper", "circuit", all, NULL);
-    o.status = t->status;
-    o.rung = ladder.rung;
-    if (t->status && !*o.why) snprintf(o.why, sizeof o.why, "%.*s", 199, t->err.text);
-    again = t->status == VS_RUN && t->err.gave_up && vs_ladder_climb(&ladder, &t->scene);
-    o.steps = t->steps;
-    o.p_first_peak_m = t->values[VS_M_P_FIRST].value;
-    o.v_ak_min_v = t->status ? NAN : extreme_of(t, "v_ak", -1);
-    o.v_ak_max_v = t->status ? NAN : extreme_of(t, "v_ak", 1);
-    vs_trial_free(t);
-  }
+  const char *all[N_SETS + 2] = {"run.ladder=ideal"};
+  for (size_t n = 0; sets[n]; n++) all[n + 1] = sets[n];
+  vs_trial *t = vs_trial_run("paper", "circuit", all, NULL);
+  outcome o = {.status = t->status,
+               .rung = t->result.ladder.rung,
+               .steps = t->result.steps,
+               .p_first_peak_m = t->result.values[VS_M_P_FIRST].value,
+               .v_ak_min_v = t->status ? NAN : extreme_of(t, "v_ak", -1),
+               .v_ak_max_v = t->status ? NAN : extreme_of(t, "v_ak", 1)};
+  const char *why = o.rung ? t->result.ladder.failed : t->err.text;
+  snprintf(o.why, sizeof o.why, "%.*s", 199, why);
+  vs_trial_free(t);
   return o;
 }
 

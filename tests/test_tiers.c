@@ -51,7 +51,7 @@ static void check(const reference *r, const char *setting, double tolerance) {
   const char *sets[] = {setting, NULL};
   vs_trial *t = vs_trial_run("paper", r->tier, sets, &observer);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-  const vs_value *v = t->values;
+  const vs_value *v = t->result.values;
   CLOSE(v[VS_M_I_PEAK].value, r->i_peak, tolerance);
   CLOSE(v[VS_M_T_EXTINCTION].value, r->extinction, tolerance);
   CLOSE(v[VS_M_FORCE_PEAK].value, r->force, tolerance);
@@ -65,11 +65,11 @@ static void check(const reference *r, const char *setting, double tolerance) {
   CLOSE(v[VS_M_I_PEAK].at_s, r->i_at, tolerance);
   CLOSE(v[VS_M_P_FIRST].at_s, r->first_at, tolerance);
   for (int k = 0; k < 3; k++) CLOSE_OF(p.value[k], r->p[k], r->first, tolerance);
-  CLOSE(t->energy.joule[VS_E_SOURCE], r->in, tolerance);
-  CLOSE(t->energy.joule[VS_E_COPPER], r->copper, tolerance);
-  CLOSE(t->energy.joule[VS_E_WORK], r->work, tolerance);
-  CU_ASSERT(t->energy.balanced[VS_B_CIRCUIT]);
-  CU_ASSERT(t->energy.worst <= 1e-9); /* whatever the tolerance */
+  CLOSE(t->result.energy.joule[VS_E_SOURCE], r->in, tolerance);
+  CLOSE(t->result.energy.joule[VS_E_COPPER], r->copper, tolerance);
+  CLOSE(t->result.energy.joule[VS_E_WORK], r->work, tolerance);
+  CU_ASSERT(t->result.energy.balanced[VS_B_CIRCUIT]);
+  CU_ASSERT(t->result.energy.worst <= 1e-9); /* whatever the tolerance */
   vs_trial_free(t);
 }
 
@@ -93,8 +93,8 @@ static void resonance_and_decay(void) {
   const char *sets[] = {"run.tolerance=1e-10", NULL};
   vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-  CLOSE(t->values[VS_M_F_RESONANCE].value, 56.5762892, 1e-9);
-  CLOSE(t->values[VS_M_TAU_P].value, 0.57104797, 5e-4);
+  CLOSE(t->result.values[VS_M_F_RESONANCE].value, 56.5762892, 1e-9);
+  CLOSE(t->result.values[VS_M_TAU_P].value, 0.57104797, 5e-4);
   vs_trial_free(t);
 }
 
@@ -103,8 +103,8 @@ static void result_does_not_depend_on_the_step(void) {
   const char *sets[] = {"run.tolerance=1e-10", "run.max_step=37us", NULL};
   vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-  CLOSE(t->values[VS_M_P_FIRST].value, T2.first, 1e-9);
-  CLOSE(t->values[VS_M_T_EXTINCTION].value, T2.extinction, 1e-9);
+  CLOSE(t->result.values[VS_M_P_FIRST].value, T2.first, 1e-9);
+  CLOSE(t->result.values[VS_M_T_EXTINCTION].value, T2.extinction, 1e-9);
   vs_trial_free(t);
 }
 
@@ -121,10 +121,10 @@ static void phase_control_closed_form(void) {
     const char *sets[] = {ROWS[k].angle, "run.until=0.02s", "run.tolerance=1e-10", NULL};
     vs_trial *t = vs_trial_run("paper", "analytic", sets, NULL);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-    CLOSE_OF(t->values[VS_M_T_EXTINCTION].value * 18000, ROWS[k].beta_deg, 1,
+    CLOSE_OF(t->result.values[VS_M_T_EXTINCTION].value * 18000, ROWS[k].beta_deg, 1,
              5.1e-5); /* printed digits */
-    CLOSE_OF(t->values[VS_M_CONDUCTION].value * 1e3, ROWS[k].conduction_ms, 1, 5.1e-5);
-    CLOSE_OF(t->values[VS_M_I_PEAK].value, ROWS[k].i_peak, 1, 5.1e-6);
+    CLOSE_OF(t->result.values[VS_M_CONDUCTION].value * 1e3, ROWS[k].conduction_ms, 1, 5.1e-5);
+    CLOSE_OF(t->result.values[VS_M_I_PEAK].value, ROWS[k].i_peak, 1, 5.1e-6);
     vs_trial_free(t);
   }
 }
@@ -141,7 +141,7 @@ static void continuous_firing_from_rest(void) {
                           NULL};
     vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-    CLOSE(t->values[VS_M_P_MIN].value, ROWS[k].p_min, 2e-6);
+    CLOSE(t->result.values[VS_M_P_MIN].value, ROWS[k].p_min, 2e-6);
     vs_trial_free(t);
   }
 }
@@ -156,9 +156,9 @@ static void sharp_firing_angles_run(void) {
     vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
     CU_ASSERT_EQUAL(t->status, VS_OK);
     const double *joule =
-        t->energy.joule; /* at 179.9 degrees the work itself is lost in rounding */
-    CU_ASSERT(fabs(t->energy.left_j[VS_B_EVA]) < 1e-7 * joule[VS_E_SOURCE]);
-    CU_ASSERT_TRUE(t->values[VS_M_T_EXTINCTION].known);
+        t->result.energy.joule; /* at 179.9 degrees the work itself is lost in rounding */
+    CU_ASSERT(fabs(t->result.energy.left_j[VS_B_EVA]) < 1e-7 * joule[VS_E_SOURCE]);
+    CU_ASSERT_TRUE(t->result.values[VS_M_T_EXTINCTION].known);
     vs_trial_free(t);
   }
 }
@@ -183,8 +183,8 @@ static void late_and_quick_coils(void) {
                             NULL};
       vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
       CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-      p_min[fine] = t->values[VS_M_P_MIN].value;
-      i_peak[fine] = t->values[VS_M_I_PEAK].value;
+      p_min[fine] = t->result.values[VS_M_P_MIN].value;
+      i_peak[fine] = t->result.values[VS_M_I_PEAK].value;
       vs_trial_free(t);
     }
     CLOSE(p_min[0], p_min[1], 1e-8);
@@ -198,7 +198,7 @@ static void long_pulse_fires_again(void) {
   const char *sets[] = {"firing.pulse_width=18ms", "actuator.gap=60mm", "run.until=0.05s", NULL};
   vs_trial *once = vs_trial_run("paper", "switched", sets, NULL);
   CU_ASSERT_EQUAL_FATAL(once->status, VS_OK);
-  CLOSE_OF(once->measures->refired_s, 0.02, 1, 1e-12);
+  CLOSE_OF(once->result.measures->refired_s, 0.02, 1, 1e-12);
   vs_trial_free(once);
 }
 

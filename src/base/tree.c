@@ -245,6 +245,10 @@ static vs_node *copy_of(const vs_node *from) {
   return first;
 }
 
+void vs_tree_copy(const vs_tree *tree, vs_tree *copy) {
+  *copy = (vs_tree){.root = copy_of(tree->root), .name = vs_copy(tree->name)};
+}
+
 void vs_tree_graft(vs_tree *tree, const char *key, const vs_node *value) {
   vs_node *at = reach(tree, key, value->key_where);
   node_free(at->child);

@@ -27,6 +27,10 @@ typedef struct vs_tree {
  * document. */
 vs_status vs_tree_read(const char *path, vs_tree *tree, vs_error *err);
 
+/* A copy with nodes of its own. Their places name the original's file and labels, which must live
+ * as long. */
+void vs_tree_copy(const vs_tree *tree, vs_tree *copy);
+
 /* Sets "a.b.c=value", the value read as YAML, over what stands there. Its place is "--set
  * a.b.c=value". */
 vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err);

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "batch/identity.h"
-#include "study/summary.h"
+#include "study/session.h"
 #include "watch/table.h"
 
 /* A case: its number, its point, and its id. */
@@ -95,7 +95,7 @@ static void begin_header(const vs_plan *plan, vs_text *row) {
 void vs_case_header(const vs_plan *plan, vs_text *row) {
   begin_header(plan, row);
   for (size_t k = 0; k < plan->n_columns; k++) vs_text_add(row, ",%s", plan->columns[k].column);
-  vs_text_add(row, ",margin_least,weakest,status");
+  vs_text_add(row, ",margin_least,margin_error,weakest,rung,warnings,status");
 }
 
 void vs_case_failure_header(const vs_plan *plan, vs_text *row) {
@@ -128,7 +128,7 @@ static void add_number(vs_text *row, double value) {
 /* Column k in this case; a deck of other devices may have it elsewhere or not at all. */
 static vs_value find_value(vs_case *c, size_t k) {
   const char *name = c->plan->columns[k].name;
-  const vs_frame *frame = &c->scene->frame;
+  const vs_frame *frame = &c->result->scene->frame;
   vs_shown m;
   if (vs_shown_at(frame, c->result, c->shown[k], &m) && !strcmp(m.name, name)) return m.value;
   for (int n = 0; vs_shown_at(frame, c->result, n, &m); n++)
@@ -139,144 +139,119 @@ static vs_value find_value(vs_case *c, size_t k) {
   return (vs_value){0};
 }
 
-static int add_row(vs_case *c, vs_text *row) {
-  const vs_judgement *weakest = c->result->verdict.weakest;
+/* Texts side by side in one cell. */
+static void add_warning(void *ctx, const char *text) {
+  vs_text *all = ctx;
+  vs_text_add(all, "%s%s", all->length ? " | " : "", text);
+}
+
+static void add_row(vs_case *c, vs_text *row) {
+  const vs_result *r = c->result;
+  const vs_judgement *weakest = r->verdict.weakest;
   char name[VS_JUDGED_NAME];
-  int status = weakest && weakest->margin < 0 ? VS_CASE_VIOLATED : VS_CASE_DONE;
+  vs_text warnings = {0};
   begin_row(c->plan, &c->present, row);
   for (size_t k = 0; k < c->plan->n_columns; k++) {
     vs_value v = find_value(c, k);
     add_number(row, v.known ? v.value : NAN);
   }
   add_number(row, weakest ? weakest->margin : NAN);
-  vs_text_add(row, ",%s,%d", weakest ? vs_judgement_name(weakest, name) : "", status);
-  return status;
+  add_number(row, weakest ? weakest->margin_error : NAN);
+  vs_result_warnings(r, add_warning, &warnings);
+  vs_text_add(row, ",%s,%d,", weakest ? vs_judgement_name(weakest, name) : "", r->ladder.rung);
+  vs_csv_cell(row, warnings.text ? warnings.text : "");
+  vs_text_add(row, ",%d", vs_verdict_breach(&r->verdict) ? VS_CASE_VIOLATED : VS_CASE_DONE);
+  vs_text_free(&warnings);
 }
 
-/* ---- the run ---- */
+/* ---- the run.csv that --keep runs asks for ---- */
 
-typedef struct watcher {
-  vs_result *result;
-  vs_measures *measures;
-  vs_devices *devices;
+typedef struct keeper {
+  const vs_case *c;
   vs_file csv; /* closed where nothing is kept */
   vs_table table;
-} watcher;
+} keeper;
 
-static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
-  watcher *w = ctx;
-  vs_measures_accept(w->measures, step);
-  vs_devices_accept(w->devices, step);
-  vs_energy_accept(&w->result->energy, step);
-  return w->csv.stream ? vs_table_accept(&w->table, step, err) : VS_OK;
-}
-
-static vs_status open_csv(const vs_case *c, watcher *w, vs_error *err) {
+static vs_status begin_csv(void *ctx, vs_scene *s, vs_error *err) {
+  keeper *k = ctx;
   char folder[VS_PATH_SIZE + 32];
   int made;
-  const vs_scene *s = c->scene;
-  snprintf(folder, sizeof folder, "%s/%llu", c->keep, (unsigned long long)c->present.index);
+  snprintf(folder, sizeof folder, "%s/%llu", k->c->keep, (unsigned long long)k->c->present.index);
   vs_status status = vs_folder_make(folder, &made, err);
-  if (!status) status = vs_file_open(&w->csv, folder, "run.csv", err);
+  if (!status) status = vs_file_open(&k->csv, folder, "run.csv", err);
   if (status) return status;
-  w->table = (vs_table){.stream = w->csv.stream,
+  k->table = (vs_table){.stream = k->csv.stream,
                         .frame = &s->frame,
                         .digits = 9,
                         .sample_s = s->setup.run.sample_s,
                         .until_s = s->setup.run.until_s};
-  for (int k = 0; k < vs_channel_count(&s->frame); k++)
-    if (vs_channel_at(&s->frame, k).listed) w->table.channels[w->table.count++] = k;
-  vs_table_begin(&w->table);
+  for (int n = 0; n < vs_channel_count(&s->frame); n++)
+    if (vs_channel_at(&s->frame, n).listed) k->table.channels[k->table.count++] = n;
+  vs_table_begin(&k->table);
   return VS_OK;
 }
 
-/* The scene as it stands, once. On VS_OK the row is added; *ended: 0 or 3. */
-static vs_status run_once(vs_case *c, vs_text *row, vs_error *err) {
-  vs_scene *s = c->scene;
-  *c->result = (vs_result){.energy.frame = &s->frame};
-  watcher w = {.result = c->result,
-               .measures = vs_measures_new(&s->frame),
-               .devices = vs_devices_new(&s->frame)};
-  c->result->measures = w.measures;
-  c->result->devices = w.devices;
-  const vs_observer observer = {&w, accept};
-  vs_status status = c->keep ? open_csv(c, &w, err) : VS_OK;
-  if (!status) status = vs_sim_run(s->tier, &s->setup, &observer, err);
-  if (!status) {
-    s->setup.tried = c->circuit; /* until another deck is read */
-    vs_result_finish(c->result, w.devices);
-    add_row(c, row);
-    if (w.csv.stream) status = vs_file_commit(&w.csv, err);
-  }
-  vs_file_discard(&w.csv);
-  vs_measures_free(w.measures);
-  vs_devices_free(w.devices);
+static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+  keeper *k = ctx;
+  (void)result;
+  return vs_table_accept(&k->table, step, err);
+}
+
+static void again(void *ctx, const char *failed, int next) {
+  keeper *k = ctx;
+  (void)failed, (void)next;
+  vs_file_discard(&k->csv);
+}
+
+/* ---- the run ---- */
+
+static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
+  keeper k = {.c = c};
+  const vs_guest guest = {&k, begin_csv, accept, again};
+  const vs_session session = {.guest = c->keep ? &guest : NULL};
+  vs_status status = vs_session_run(&session, c->scene, c->result, err);
+  if (!status) add_row(c, row);
+  if (!status && k.csv.stream) status = vs_file_commit(&k.csv, err);
+  vs_file_discard(&k.csv);
   return status;
 }
 
-/* The case's keys over the scene's, and what the ladder adds. */
-static vs_status read_scene(vs_case *c, const vs_ladder *ladder, vs_error *err) {
+/* The case's keys over the scene's. */
+static vs_status read_scene(vs_case *c, vs_error *err) {
   const vs_plan *plan = c->plan;
-  bool again = c->begun && !ladder->n_keys;
+  bool again = c->begun;
   vs_status status = VS_OK;
   if (!again) {
-    if (c->begun) vs_scene_free(c->scene);
     status = vs_plan_scene(plan, c->scene, err);
     c->begun = true;
   }
   for (size_t k = 0; k < plan->n_axes && !status; k++)
     vs_axis_put(&plan->axes[k], c->present.point[k], &c->scene->tree);
-  for (size_t k = 0; k < ladder->n_keys && !status; k++)
-    status = vs_tree_set(&c->scene->tree, ladder->keys[k], err);
   if (status) return status;
   return again ? vs_scene_again(c->scene, err) : vs_scene_settle(c->scene, NULL, err);
 }
 
-/* The scene of a case that is begun, without a ladder, and its id. */
+/* The scene of a case that is begun, and its id. */
 static vs_status begin(vs_case *c, uint64_t index, const double *point, vs_error *err) {
-  const vs_ladder none = {0};
   c->present = (which){.index = index, .point = point};
-  vs_status status = read_scene(c, &none, err);
+  vs_status status = read_scene(c, err);
   if (!status) vs_identity_of(c->identity, c->scene, c->present.id);
-  return status;
-}
-
-static void forget_scene(vs_case *c) {
-  if (c->begun) vs_scene_free(c->scene);
-  c->begun = false;
-}
-
-/* As `run` does it: when ngspice gives up, again with the settings of the ladder's next rung whose
- * scene can be read. */
-static vs_status climb(vs_case *c, vs_text *row, vs_error *err) {
-  vs_ladder ladder = {0};
-  vs_kept_limits *kept = NULL;
-  vs_status status = run_once(c, row, err);
-  while (status == VS_RUN && err->gave_up && !c->scene->setup.run.stay) {
-    vs_error next = {0};
-    if (!kept) kept = vs_ladder_keep_limits(&c->scene->setup.deck);
-    if (!vs_ladder_climb(&ladder, c->scene)) break;
-    vs_status read = read_scene(c, &ladder, &next);
-    if (read) break;
-    if (vs_ladder_is_ideal(ladder.rung)) vs_ladder_give_limits(kept, &c->scene->setup.deck);
-    *err = (vs_error){0};
-    status = run_once(c, row, err);
-  }
-  if (ladder.rung) forget_scene(c); /* its tree has the ladder's keys */
-  free(kept);
   return status;
 }
 
 int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, bool *circuit) {
   vs_error err = {0};
   size_t begun = row->length;
+  bool breach = false;
   vs_status status = begin(c, index, point, &err);
   c->circuit = !status && c->scene->tier == &vs_tier_circuit;
   *circuit = c->circuit;
-  if (!status) status = climb(c, row, &err);
-  if (!status)
-    return c->result->verdict.weakest && c->result->verdict.weakest->margin < 0 ? VS_CASE_VIOLATED
-                                                                                : VS_CASE_DONE;
+  if (!status) {
+    status = run_scene(c, row, &err);
+    breach = !status && vs_verdict_breach(&c->result->verdict);
+    vs_result_free(c->result);
+  }
+  if (!status) return breach ? VS_CASE_VIOLATED : VS_CASE_DONE;
   row->length = begun; /* what a row that was not stored has added */
   add_failure(c, err.text + err.place_size, row);
   return VS_CASE_FAILED;

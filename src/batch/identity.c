@@ -85,7 +85,7 @@ static vs_status add_files(const vs_plan *plan, const vs_deck *deck, vs_text *te
 
 static vs_status add_section(const vs_plan *plan, const vs_scene_part *part, const vs_deck *deck,
                              vs_text *text) {
-  static const char *const OUT[] = {"tier", "sample", NULL}; /* of run */
+  static const char *const OUT[] = {"tier", "sample", "verify", NULL}; /* of run */
   const bool run = part->section == &vs_run_section, circuit = part->section == &deck->section;
   for (size_t k = 0; k < part->section->count; k++) {
     const vs_field *field = &part->section->fields[k];

@@ -13,6 +13,7 @@
  *
  *   - run.tier: the tier is there, which says more;
  *   - run.sample: it makes the rows of run.csv and nothing else;
+ *   - run.verify: it tells how sure a margin is, and changes no measure;
  *   - record and measured, which are for run.csv and the table (what `record` makes of tier auto is
  *     in the tier);
  *   - an event's at, cycle and angle: all they do is to say when it begins;

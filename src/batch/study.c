@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "batch/jobs.h"
+#include "study/session.h"
 
 /* A study under way. */
 typedef struct session {
@@ -110,7 +111,11 @@ static void take_generation(session *s, uint64_t count, const vs_generation *g) 
 
 /* The values of one case, from its row: what a study that goes on has too. */
 static vs_status take_values(session *s, uint64_t index, vs_error *err) {
-  enum { FIRST = 2, MOST = FIRST + VS_PLAN_AXES + VS_PLAN_COLUMNS + 3 }; /* case, id; axes; ... */
+  enum {
+    FIRST = 2,
+    LAST = 6,
+    MOST = FIRST + VS_PLAN_AXES + VS_PLAN_COLUMNS + LAST
+  }; /* case, id; axes; ... */
   size_t n = s->plan.n_columns, width = 1 + n;
   double *value = s->values + index * width;
   char *cells[MOST];
@@ -120,12 +125,12 @@ static vs_status take_values(session *s, uint64_t index, vs_error *err) {
   for (size_t k = 0; k < width; k++) value[k] = NAN;
   s->status[index] = 1;
   size_t count = status || failed ? 0 : vs_csv_cut(row.text, cells, MOST);
-  if (count == FIRST + s->plan.n_axes + n + 3) {
+  if (count == FIRST + s->plan.n_axes + n + LAST) {
     char **cell = cells + FIRST + s->plan.n_axes;
     for (size_t k = 0; k < n; k++)
       if (*cell[k]) value[1 + k] = strtod(cell[k], NULL);
     if (*cell[n]) value[0] = strtod(cell[n], NULL);
-    s->status[index] = atoi(cell[n + 2]);
+    s->status[index] = atoi(cell[n + LAST - 1]);
   }
   vs_text_free(&row);
   return status;
@@ -379,7 +384,7 @@ vs_status vs_study_check(const vs_check_options *o, vs_text *good, vs_error *err
   char method[128];
   vs_status status = vs_plan_read(o->name, o->sets, o->n_sets, plan, err);
   if (!status && !vs_found(err))
-    status = vs_check_begin(plan->first->tier, &plan->first->setup, err);
+    status = vs_session_try(plan->first->tier, &plan->first->setup, err);
   if (!status && !vs_found(err)) {
     vs_plan_method(plan, method, sizeof method);
     vs_text_add(good, "a good study: %s, %s%llu cases of %zu axes, %zu columns; tier %s (%s)",

@@ -9,6 +9,10 @@
 #include "circuit/circuit.h"
 #include "sim/step.h"
 
+/* The words of run.ladder and run.verify, in their order. */
+enum { VS_LADDER_CLIMB, VS_LADDER_IDEAL, VS_LADDER_STAY };
+enum { VS_VERIFY_AUTO, VS_VERIFY_ALWAYS, VS_VERIFY_NEVER };
+
 typedef struct vs_run_values {
   int tier; /* as chosen in the scene: 0 auto, then the order of vs_tiers */
   double until_s, sample_s;
@@ -17,7 +21,8 @@ typedef struct vs_run_values {
   double trtol;      /* ngspice's own: a factor on the truncation error a step may have */
   double pivrel;     /* ngspice's own: decides the order in which it eliminates */
   int gear;          /* the circuit's rule: 0 trapezoidal, 1 Gear's of second order */
-  int stay;          /* on the ladder's first rung */
+  int ladder;        /* how far it is climbed where ngspice gives up: VS_LADDER_... */
+  int verify;        /* whether a second run tells the margins' errors: VS_VERIFY_... */
   int stays;         /* in the circuit's solver to the end, also when the circuit is quiet */
 } vs_run_values;
 /* The machine's state at t = 0: q, q'. The circuit always begins without current and charge. */

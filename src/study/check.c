@@ -6,7 +6,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "study/scene.h"
+#include "study/session.h"
 
 /* ---- print-out ---- */
 
@@ -72,19 +72,6 @@ static vs_error *warning(report *r) {
   return &r->warnings[r->n_warnings++];
 }
 
-static vs_status stop_at_once(void *ctx, const vs_step *step, vs_error *err) {
-  (void)step;
-  *(bool *)ctx = true;
-  return vs_fail(err, VS_SIGNAL, "the first step is taken");
-}
-
-vs_status vs_check_begin(const vs_tier *tier, const vs_setup *setup, vs_error *err) {
-  bool begun = false;
-  const vs_observer observer = {&begun, stop_at_once};
-  vs_status status = tier->run(setup, &observer, err);
-  return begun ? VS_OK : status;
-}
-
 static void warn_of_deck(report *r, const vs_deck *deck) {
   for (size_t k = 0; k < deck->n_probes; k++)
     if (!strcmp(deck->probes[k].name, "i_thyristor")) return;
@@ -96,7 +83,7 @@ static vs_status check_scene(report *r, vs_error *err) {
   const vs_check_options *o = r->options;
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_scene_read(o->name, o->sets, o->n_sets, NULL, scene, err);
-  if (!status && !vs_found(err)) status = vs_check_begin(scene->tier, &scene->setup, err);
+  if (!status && !vs_found(err)) status = vs_session_try(scene->tier, &scene->setup, err);
   if (!status && !vs_found(err)) {
     vs_text_add(&r->good, "a good scene: tier %s (%s)", scene->tier->name, scene->why);
     for (size_t w = 0; w < scene->n_warnings; w++) *warning(r) = scene->warnings[w];
@@ -153,7 +140,7 @@ static vs_status check_deck(report *r, vs_error *err) {
   vs_setup *setup = vs_alloc(1, sizeof *setup);
   char text[VS_DECK_TEXT + VS_NAME_SIZE];
   vs_status status = vs_setup_build(&scene, setup, err);
-  if (!status && !vs_found(err)) status = vs_check_begin(&vs_tier_circuit, setup, err);
+  if (!status && !vs_found(err)) status = vs_session_try(&vs_tier_circuit, setup, err);
   if (!status && !vs_found(err)) {
     describe_deck(&setup->deck, &r->good);
     for (size_t p = 0; p < setup->deck.n_parts; p++)

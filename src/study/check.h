@@ -27,7 +27,4 @@ struct vs_check_options {
  * warnings. */
 vs_status vs_check_command(const vs_check_options *options, vs_error *err);
 
-/* A run up to its first step: finds what only the solver knows. */
-vs_status vs_check_begin(const vs_tier *tier, const vs_setup *setup, vs_error *err);
-
 #endif

@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A run may end because rounding errors grow beyond what Newton's iteration has to reach, where
@@ -44,6 +43,11 @@ static bool can_be_ideal(const vs_setup *s) {
   return false;
 }
 
+bool vs_ladder_stopped_short(const vs_scene *scene) {
+  return scene->tier == &vs_tier_circuit && scene->setup.run.ladder == VS_LADDER_CLIMB &&
+         can_be_ideal(&scene->setup);
+}
+
 static void add_key(vs_ladder *l, const char *key_and_value) {
   snprintf(l->keys[l->n_keys++], sizeof l->keys[0], "%s", key_and_value);
 }
@@ -51,7 +55,7 @@ static void add_key(vs_ladder *l, const char *key_and_value) {
 bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
   const vs_setup *s = &scene->setup;
   char step[64], trtol[64], pivrel[64];
-  if (scene->tier != &vs_tier_circuit) return false;
+  if (scene->tier != &vs_tier_circuit || s->run.ladder == VS_LADDER_STAY) return false;
   if (l->rung == 0) {
     l->gear = s->run.gear;
     l->step_s = vs_largest_step(s) / (s->run.gear || s->run.max_step_s > 0 ? 1 : 2);
@@ -62,7 +66,7 @@ bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
     const rung *r = &RUNGS[l->rung];
     bool other = (r->other_order && l->pivrel != OTHER_PIVREL) || (r->gear && !l->gear) ||
                  r->quarter || r->ideal;
-    if (!other || (r->ideal && !can_be_ideal(s))) continue;
+    if (!other || (r->ideal && (s->run.ladder != VS_LADDER_IDEAL || !can_be_ideal(s)))) continue;
     l->n_keys = 0;
     if (r->gear) add_key(l, "run.method=gear");
     snprintf(pivrel, sizeof pivrel, "run.pivrel=%.9g", OTHER_PIVREL);
@@ -79,12 +83,6 @@ bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
 
 /* ---- limits ---- */
 
-struct vs_kept_limits {
-  vs_rating rating[VS_DECK_MOST];
-  vs_limit limit[VS_DECK_LIMITS]; /* of the thyristor's part */
-  size_t n_ratings, n_limits;
-};
-
 /* The file of the part that the ladder replaces; NULL: there is none. */
 static const char *thyristor_file(const vs_deck *deck) {
   for (size_t k = 0; k < deck->n_parts; k++)
@@ -96,27 +94,17 @@ static bool is_of(const vs_limit *limit, const char *file) {
   return file && !strcmp(limit->where.file, file);
 }
 
-vs_kept_limits *vs_ladder_keep_limits(const vs_deck *deck) {
-  vs_kept_limits *kept = vs_alloc(1, sizeof *kept);
-  const char *file = thyristor_file(deck);
-  kept->n_ratings = deck->n_ratings;
-  memcpy(kept->rating, deck->ratings, sizeof kept->rating);
-  for (size_t k = 0; k < kept->n_ratings; k++) kept->rating[k].where = (vs_where){0};
-  for (size_t k = 0; k < deck->n_limits; k++)
-    if (is_of(&deck->limits[k], file)) kept->limit[kept->n_limits++] = deck->limits[k];
-  return kept;
-}
-
-void vs_ladder_give_limits(const vs_kept_limits *kept, vs_deck *deck) {
-  const char *file = thyristor_file(deck);
+void vs_ladder_give_limits(const vs_deck *from, vs_deck *to) {
+  const char *own = thyristor_file(from), *ideal = thyristor_file(to);
   size_t n = 0;
-  deck->n_ratings = kept->n_ratings;
-  memcpy(deck->ratings, kept->rating, sizeof kept->rating);
-  for (size_t k = 0; k < deck->n_limits; k++)
-    if (!is_of(&deck->limits[k], file)) deck->limits[n++] = deck->limits[k];
-  for (size_t k = 0; k < kept->n_limits && n < VS_DECK_LIMITS; k++) {
-    deck->limits[n] = kept->limit[k];
-    deck->limits[n++].where = (vs_where){.file = file};
+  to->n_ratings = from->n_ratings;
+  memcpy(to->ratings, from->ratings, sizeof to->ratings);
+  for (size_t k = 0; k < to->n_limits; k++)
+    if (!is_of(&to->limits[k], ideal)) to->limits[n++] = to->limits[k];
+  for (size_t k = 0; k < from->n_limits && n < VS_DECK_LIMITS; k++) {
+    if (!is_of(&from->limits[k], own)) continue;
+    to->limits[n] = from->limits[k];
+    to->limits[n++].where = (vs_where){.file = ideal};
   }
-  deck->n_limits = n;
+  to->n_limits = n;
 }

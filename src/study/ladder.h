@@ -21,13 +21,15 @@ const char *vs_ladder_text(int rung); /* what a rung is, in a few words */
 
 bool vs_ladder_is_ideal(int rung); /* has it another thyristor? */
 
-/* Goes to the next rung that changes anything for the scene; false: there is none. */
+/* Goes to the next rung that changes anything for the scene as it is; false: there is none, or
+ * run.ladder stops before it: `stay` on the first rung, `climb` before the ideal thyristor. */
 bool vs_ladder_climb(vs_ladder *ladder, const vs_scene *scene);
+/* True where run.ladder: ideal would have had one rung more. */
+bool vs_ladder_stopped_short(const vs_scene *scene);
 
-/* The ratings, and the limits of the thyristor's part, as the scene as it is has them: an ideal
- * thyristor has none to be held against. Free with free(). */
-typedef struct vs_kept_limits vs_kept_limits;
-vs_kept_limits *vs_ladder_keep_limits(const vs_deck *deck);
-void vs_ladder_give_limits(const vs_kept_limits *kept, vs_deck *deck);
+/* Gives the deck with the ideal thyristor the ratings of the scene's own deck, and the limits of
+ * the part it stands for: an ideal thyristor has none to be held against. `from` must live as long
+ * as `to`. */
+void vs_ladder_give_limits(const vs_deck *from, vs_deck *to);
 
 #endif

@@ -231,6 +231,13 @@ static void warn_of_parts(vs_scene *s) {
   warn_of_limits(s);
 }
 
+/* All that can be warned of before a run. */
+static void warn(vs_scene *s) {
+  s->n_warnings = 0;
+  warn_below_theta(s);
+  warn_of_parts(s);
+}
+
 void vs_scene_warn(const vs_scene *s) {
   for (size_t k = 0; k < s->n_warnings; k++)
     fprintf(stderr, "vibrospice: warning: %s\n", s->warnings[k].text + s->warnings[k].place_size);
@@ -256,19 +263,32 @@ vs_status vs_scene_settle(vs_scene *s, const char *tier, vs_error *err) {
   static const char *const TOP[] = {"machine", "actuator", "load",  "supply", "firing",  "circuit",
                                     "events",  "run",      "start", "record", "measured"};
   vs_status status = vs_known_keys(s->tree.root, "a scene", TOP, sizeof TOP / sizeof *TOP, err);
+  s->tier_named = tier;
   if (!status) status = vs_setup_build(s->tree.root, &s->setup, err);
   if (!status) status = conclude(s, tier, err);
   if (status) return status;
   status = vs_carry_on(err, read_record(s, err));
   if (!status) status = read_measured(s, err);
-  warn_below_theta(s);
-  warn_of_parts(s);
+  warn(s);
   return status;
 }
 
 vs_status vs_scene_again(vs_scene *s, vs_error *err) {
   vs_status status = vs_setup_again(s->tree.root, &s->setup, err);
-  return status ? status : conclude(s, NULL, err);
+  if (!status) status = conclude(s, NULL, err);
+  if (!status) warn(s);
+  return status;
+}
+
+vs_status vs_scene_with(const vs_scene *s, const char *const *keys, size_t n_keys, vs_scene *other,
+                        vs_error *err) {
+  *other = (vs_scene){0};
+  memcpy(other->path, s->path, sizeof other->path);
+  vs_tree_copy(&s->tree, &other->tree);
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < n_keys && !status; k++) status = vs_tree_set(&other->tree, keys[k], err);
+  if (!status) status = vs_scene_settle(other, s->tier_named, err);
+  return status || !s->asks ? status : vs_scene_take_circuit(other, s->asks, err);
 }
 
 vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, const char *tier,
@@ -279,7 +299,9 @@ vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, cons
   return status ? status : vs_scene_settle(s, tier, err);
 }
 
-vs_status vs_scene_take_circuit(vs_scene *s, const char *tier, const char *asks, vs_error *err) {
+vs_status vs_scene_take_circuit(vs_scene *s, const char *asks, vs_error *err) {
+  const char *tier = s->tier_named;
+  s->asks = asks;
   if (s->tier == &vs_tier_circuit) return VS_OK;
   if (tier ? strcmp(tier, "auto") != 0 : s->setup.run.tier > 0)
     return vs_fail(err, VS_INPUT, "%s: only tier circuit can do that, and this is tier %s (%s)",
@@ -287,7 +309,7 @@ vs_status vs_scene_take_circuit(vs_scene *s, const char *tier, const char *asks,
   s->tier = &vs_tier_circuit;
   snprintf(s->why, sizeof s->why, "auto: %s asks for it", asks);
   s->frame = s->tier->frame(&s->setup);
-  warn_of_parts(s);
+  warn(s);
   s->n_record = 0;
   vs_status status = check_tolerance(s, err);
   return status ? status : read_record(s, err);

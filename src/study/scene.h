@@ -16,6 +16,8 @@ typedef struct vs_scene {
   char path[VS_PATH_SIZE];
   vs_tree tree;
   vs_setup setup;
+  const char *tier_named; /* --tier's word, borrowed; NULL: not given */
+  const char *asks; /* what the command line asked the circuit tier for, borrowed; NULL: nothing */
   const vs_tier *tier;
   char why[256];  /* this tier */
   vs_frame frame; /* of this tier; its channels are what `record` chooses from */
@@ -36,17 +38,22 @@ void vs_scene_free(vs_scene *scene);
 vs_status vs_scene_open(const char *name, vs_where where, vs_scene *scene, vs_error *err);
 vs_status vs_scene_settle(vs_scene *scene, const char *tier, vs_error *err);
 /* Once more after the tree was altered: the setup and its tier anew, as vs_scene_settle without
- * --tier would have them (the deck is read again only if another is named); what to record, what
- * was measured and warnings stay as they are. */
+ * --tier would have them (the deck is read again only if another is named), and its warnings; what
+ * to record and what was measured stay as they are. */
 vs_status vs_scene_again(vs_scene *scene, vs_error *err);
+
+/* The same scene with these KEY=VALUE over its tree, read anew into `other`, which is freed with
+ * vs_scene_free also after an error, and before `scene`. Errors: those of vs_scene_settle. */
+vs_status vs_scene_with(const vs_scene *scene, const char *const *keys, size_t n_keys,
+                        vs_scene *other, vs_error *err);
 
 /* A line for each warning on standard error. */
 void vs_scene_warn(const vs_scene *scene);
 
 /* For what only the circuit tier has, and the command line asks for: tier auto takes that tier.
- * tier: as for vs_scene_read, which must have gone well. asks: "--raw". Error: another tier is
- * named. */
-vs_status vs_scene_take_circuit(vs_scene *scene, const char *tier, const char *asks, vs_error *err);
+ * The scene must have been settled well. asks: "--raw", lives as long as the scene. Error: another
+ * tier is named. */
+vs_status vs_scene_take_circuit(vs_scene *scene, const char *asks, vs_error *err);
 
 /* The sections of a scene and the values they filled, for print-outs; index from 0, false: no more.
  */

@@ -3,6 +3,7 @@
 
 #include <gsl/gsl_version.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/units.h"
@@ -61,7 +62,7 @@ bool vs_shown_at(const vs_frame *frame, const vs_result *r, int k, vs_shown *m) 
   return true;
 }
 
-void vs_result_finish(vs_result *r, vs_devices *devices) {
+void vs_result_finish(vs_result *r) {
   vs_measures_finish(r->measures, r->values);
   vs_energy_finish(&r->energy);
   const double *joule = r->energy.joule;
@@ -69,8 +70,36 @@ void vs_result_finish(vs_result *r, vs_devices *devices) {
   r->values[VS_M_ENERGY_COPPER] = (vs_value){true, joule[VS_E_COPPER], NAN};
   r->values[VS_M_WORK_FORCE] = (vs_value){true, joule[VS_E_WORK], NAN};
   r->values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, r->energy.worst, NAN};
-  vs_devices_finish(devices);
-  vs_verdict_reach(r->measures, devices, &r->verdict);
+  vs_devices_finish(r->devices);
+  vs_verdict_reach(r->measures, r->devices, &r->verdict);
+}
+
+void vs_result_free(vs_result *r) {
+  vs_measures_free(r->measures);
+  vs_devices_free(r->devices);
+  if (r->climbed) vs_scene_free(r->climbed);
+  free(r->climbed);
+  r->measures = NULL;
+  r->devices = NULL;
+  r->climbed = NULL;
+}
+
+void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *text), void *ctx) {
+  char text[VS_DECK_TEXT + sizeof r->ladder.failed];
+  const vs_scene *s = r->scene;
+  for (size_t k = 0; k < s->n_warnings; k++)
+    each(ctx, s->warnings[k].text + s->warnings[k].place_size);
+  if (r->ladder.rung) {
+    snprintf(text, sizeof text, "got on rung %d of the ladder, %s; before, %s", r->ladder.rung,
+             vs_ladder_text(r->ladder.rung), r->ladder.failed);
+    each(ctx, text);
+  }
+  if (*r->books) each(ctx, r->books);
+  if (*r->second.failed) {
+    snprintf(text, sizeof text, "no margin's error is known, as the second run failed: %s",
+             r->second.failed);
+    each(ctx, text);
+  }
 }
 
 void vs_absence_accept(vs_absence *a, const vs_step *step) {
@@ -90,8 +119,15 @@ void vs_absence_finish(vs_absence *a, double until_s) {
   a->now = false;
 }
 
-static const char *mark(const vs_judgement *j) {
-  return j->margin < 0 ? "  violated" : "";
+/* "  12.3 % +- 0.04 %  held" */
+static void print_margin(const vs_judgement *j, FILE *out) {
+  if (isfinite(j->margin_error))
+    fprintf(out, "%7.1f %% +- %-6.2g %%", 100 * j->margin, 100 * j->margin_error);
+  else
+    fprintf(out, "%7.1f %% %11s", 100 * j->margin, isnan(j->margin_error) ? "" : "+- ?");
+  vs_word word = vs_judgement_word(j);
+  fprintf(out, "  %s%s", word == VS_UNVERIFIED && j->margin < 0 ? "violated, " : "",
+          vs_words[word]);
 }
 
 /* Limits and stresses are shown in the unit of the rating's or limit's line. */
@@ -100,32 +136,37 @@ static void print_verdict(const vs_verdict *v, int width, FILE *out) {
   size_t k = 0;
   if (v->count && v->item[0].rating)
     fprintf(out, "\n%-*s %12s %12s %12s %12s %-5s %8s\n", width, "rating", "min", "least",
-            "largest", "max", "", "margin");
+            "largest", "max", "", "margin +- its numerical error");
   for (; k < v->count && v->item[k].rating; k++) {
     const vs_judgement *j = &v->item[k];
     double unit = vs_unit_factor(j->rating->unit);
-    fprintf(out, "%-*s %12.6g %12.6g %12.6g %12.6g %-5s %7.1f %%%s\n", width, j->probe->name,
+    fprintf(out, "%-*s %12.6g %12.6g %12.6g %12.6g %-5s ", width, j->probe->name,
             j->rating->min / unit, j->least.value / unit, j->largest.value / unit,
-            j->rating->max / unit, j->rating->unit, 100 * j->margin, mark(j));
+            j->rating->max / unit, j->rating->unit);
+    print_margin(j, out);
+    fputc('\n', out);
   }
   if (k < v->count)
-    fprintf(out, "\n%-*s %12s %12s %-5s %8s %14s\n", width, "device", "stress", "limit", "",
-            "margin", "at");
+    fprintf(out, "\n%-*s %12s %12s %-5s %14s %8s\n", width, "device", "stress", "limit", "", "at",
+            "margin +- its numerical error");
   for (; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
     double unit = vs_unit_factor(j->limit->unit);
-    fprintf(out, "%-*s %12.6g %12.6g %-5s %7.1f %% ", width, vs_judgement_name(j, name),
-            j->stress.value / unit, j->limit->value / unit, j->limit->unit, 100 * j->margin);
+    fprintf(out, "%-*s %12.6g %12.6g %-5s ", width, vs_judgement_name(j, name),
+            j->stress.value / unit, j->limit->value / unit, j->limit->unit);
     if (isnan(j->stress.at_s))
-      fprintf(out, "%14s", "");
+      fprintf(out, "%14s ", "");
     else
-      fprintf(out, "%12.7g s", j->stress.at_s);
+      fprintf(out, "%12.7g s ", j->stress.at_s);
+    print_margin(j, out);
     if (j->ward) fprintf(out, "  limit of %s", j->ward->name);
-    fprintf(out, "%s%s\n", j->limit->assumed ? "  assumed" : "", mark(j));
+    fprintf(out, "%s\n", j->limit->assumed ? "  assumed" : "");
   }
-  if (v->weakest)
-    fprintf(out, "\nweakest: %s, margin %.1f %%\n", vs_judgement_name(v->weakest, name),
-            100 * v->weakest->margin);
+  if (v->weakest) {
+    fprintf(out, "\nweakest: %s, margin ", vs_judgement_name(v->weakest, name));
+    print_margin(v->weakest, out);
+    fputc('\n', out);
+  }
   if (v->first_to_fail)
     fprintf(out, "first to fail: %s, at %.9g s\n", vs_judgement_name(v->first_to_fail, name),
             v->first_to_fail->failed_s);
@@ -150,7 +191,20 @@ static void print_measure(const vs_shown *m, int width, const vs_value *measured
   fputc('\n', out);
 }
 
-void vs_summary_table(const vs_scene *s, const vs_result *r, FILE *out) {
+/* How the errors of the margins were found, and what would decide those that are not. */
+static void print_second(const vs_result *r, FILE *out) {
+  const vs_second_run *second = &r->second;
+  if (second->done)
+    fprintf(out, "errors of margins: by a second run at run.tolerance = %.3g", second->tolerance);
+  else if (r->verdict.count)
+    fprintf(out, "errors of margins: not computed (run.verify)");
+  if (second->decides > 0)
+    fprintf(out, "; run.tolerance = %.1g would decide what is undecided", second->decides);
+  if (second->done || r->verdict.count) fputc('\n', out);
+}
+
+void vs_summary_table(const vs_result *r, FILE *out) {
+  const vs_scene *s = r->scene;
   vs_shown m;
   int width = 18;
   bool any = false;
@@ -158,9 +212,9 @@ void vs_summary_table(const vs_scene *s, const vs_result *r, FILE *out) {
   for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++)
     if ((int)strlen(m.name) > width) width = (int)strlen(m.name);
   fprintf(out, "scene  %s\ntier   %s (%s)\n", s->path, s->tier->name, s->why);
-  if (r->ladder->rung)
-    fprintf(out, "rung   %d: %s; before, %s\n", r->ladder->rung, vs_ladder_text(r->ladder->rung),
-            r->ladder->failed);
+  if (r->ladder.rung)
+    fprintf(out, "rung   %d: %s; before, %s\n", r->ladder.rung, vs_ladder_text(r->ladder.rung),
+            r->ladder.failed);
   const vs_absence *absence = &r->absence;
   if (absence->times)
     fprintf(
@@ -178,6 +232,7 @@ void vs_summary_table(const vs_scene *s, const vs_result *r, FILE *out) {
     fprintf(out, "\nthe one-way force of this tier did %.4f J of work that nothing supplied\n",
             r->energy.joule[VS_E_WORK]);
   print_verdict(&r->verdict, width, out);
+  print_second(r, out);
   fprintf(out, "\n%ld steps in %.3g s\n", r->steps, r->wall_s);
 }
 
@@ -250,8 +305,7 @@ static void add_accounts(vs_text *json, const char *name, const vs_accounts *acc
   vs_text_add(json, "}, ");
 }
 
-static void add_energy(vs_text *json, const vs_scene *s, const vs_energy *e,
-                       const char *open_books) {
+static void add_energy(vs_text *json, const vs_scene *s, const vs_energy *e, const char *books) {
   vs_text_add(json, "  \"energy\": {");
   for (int k = 0; k < VS_ENERGIES; k++) {
     vs_text_add(json, "\"%s_J\": ", vs_energy_names[k]);
@@ -271,7 +325,7 @@ static void add_energy(vs_text *json, const vs_scene *s, const vs_energy *e,
   vs_text_add(json, "\"residual\": ");
   add_number(json, e->worst);
   vs_text_add(json, ", \"audit\": ");
-  vs_text_json(json, open_books ? open_books : "the books close");
+  vs_text_json(json, *books ? books : "the books close");
   vs_text_add(json, "},\n");
 }
 
@@ -330,6 +384,9 @@ static void add_verdict(vs_text *json, const vs_verdict *v) {
       add_rating(json, j);
     vs_text_add(json, ", \"margin\": ");
     add_number(json, j->margin);
+    vs_text_add(json, ", \"margin_error\": ");
+    add_number(json, j->margin_error);
+    vs_text_add(json, ", \"word\": \"%s\"", vs_words[vs_judgement_word(j)]);
     vs_text_add(json, ", \"violated\": %s", j->margin < 0 ? "true" : "false");
     vs_text_add(json, ", \"failed_at_s\": ");
     add_number(json, j->failed_s);
@@ -341,7 +398,26 @@ static void add_verdict(vs_text *json, const vs_verdict *v) {
   vs_text_add(json, "\n}\n");
 }
 
-void vs_summary_json(const vs_scene *s, const vs_result *r, bool with_cost, vs_text *json) {
+/* One of a list of texts that ends with no comma. */
+static void add_warning(void *ctx, const char *text) {
+  vs_text *json = ctx;
+  if (json->text[json->length - 1] != '[') vs_text_add(json, ", ");
+  vs_text_json(json, text);
+}
+
+static void add_second(vs_text *json, const vs_result *r) {
+  const vs_second_run *second = &r->second;
+  vs_text_add(json, "  \"second_run\": {\"tolerance\": ");
+  add_number(json, second->done ? second->tolerance : NAN);
+  vs_text_add(json, ", \"decides\": ");
+  add_number(json, second->decides > 0 ? second->decides : NAN);
+  vs_text_add(json, ", \"failed\": ");
+  vs_text_json(json, second->failed);
+  vs_text_add(json, "},\n");
+}
+
+void vs_summary_json(const vs_result *r, bool with_cost, vs_text *json) {
+  const vs_scene *s = r->scene;
   vs_text_add(json,
               "{\n  \"program\": {\"version\": \"%s\", \"ngspice\": \"%s\", \"gsl\": \"%s\"},\n",
               VS_VERSION, vs_ngspice_version(), gsl_version);
@@ -349,10 +425,10 @@ void vs_summary_json(const vs_scene *s, const vs_result *r, bool with_cost, vs_t
   vs_text_add(json, "  \"tier\": \"%s\",\n  \"why\": ", s->tier->name);
   vs_text_json(json, s->why);
   vs_text_add(json, ",\n");
-  vs_text_add(json, "  \"rung\": {\"number\": %d, \"text\": ", r->ladder->rung);
-  vs_text_json(json, vs_ladder_text(r->ladder->rung));
+  vs_text_add(json, "  \"rung\": {\"number\": %d, \"text\": ", r->ladder.rung);
+  vs_text_json(json, vs_ladder_text(r->ladder.rung));
   vs_text_add(json, ", \"failed\": ");
-  vs_text_json(json, r->ladder->failed);
+  vs_text_json(json, r->ladder.failed);
   vs_text_add(json, "},\n  \"quiet\": {\"times\": %d, \"first_at_s\": ", r->absence.times);
   add_number(json, r->absence.times ? r->absence.first_s : NAN);
   vs_text_add(json, ", \"total_s\": ");
@@ -360,14 +436,13 @@ void vs_summary_json(const vs_scene *s, const vs_result *r, bool with_cost, vs_t
   vs_text_add(json, ", \"bound\": ");
   add_number(json, r->absence.bound);
   vs_text_add(json, "},\n  \"warnings\": [");
-  for (size_t k = 0; k < s->n_warnings; k++) {
-    vs_text_add(json, "%s", k ? ", " : "");
-    vs_text_json(json, s->warnings[k].text + s->warnings[k].place_size);
-  }
+  vs_result_warnings(r, add_warning, json);
   vs_text_add(json, "],\n");
   add_measures(json, s, r);
-  add_energy(json, s, &r->energy, r->open_books);
+  add_energy(json, s, &r->energy, r->books);
   if (with_cost)
-    vs_text_add(json, "  \"cost\": {\"wall_s\": %.6g, \"steps\": %ld},\n", r->wall_s, r->steps);
+    vs_text_add(json, "  \"cost\": {\"wall_s\": %.6g, \"second_run_s\": %.6g, \"steps\": %ld},\n",
+                r->wall_s, r->second.wall_s, r->steps);
+  add_second(json, r);
   add_verdict(json, &r->verdict);
 }

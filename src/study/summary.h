@@ -21,22 +21,43 @@ typedef struct vs_absence {
 void vs_absence_accept(vs_absence *absence, const vs_step *step);
 void vs_absence_finish(vs_absence *absence, double until_s);
 
+/* The second run, which tells the errors of the margins. */
+typedef struct vs_second_run {
+  bool done;
+  double tolerance; /* its run.tolerance */
+  double decides; /* a run.tolerance at which the undecided lines would be decided; 0: none does, or
+                     none need be */
+  double wall_s;
+  char failed[256]; /* why there is none though it was wanted; empty: there is one, or it was not
+                       wanted */
+} vs_second_run;
+
+enum { VS_RESULT_WARNINGS = VS_WARNINGS + 8 };
+
+/* What a run came to. Start from {0}; vs_result_free it. */
 typedef struct vs_result {
+  const vs_scene *scene; /* that was run: the caller's, or `climbed` */
+  vs_scene *climbed; /* the scene with the keys of the ladder's rung; NULL: the caller's as it is */
   vs_value values[VS_MEASURES];
-  const vs_measures *measures; /* its extremes of the deck's probes */
-  const vs_devices *devices;   /* NULL: the deck has none */
+  vs_measures *measures; /* its extremes of the deck's probes */
+  vs_devices *devices;   /* NULL: the deck has none */
   vs_energy energy;
-  const char *open_books; /* NULL: the energy audit finds nothing */
+  char books[512]; /* what the energy audit finds; empty: nothing */
   vs_verdict verdict;
-  const vs_ladder *ladder; /* and on which rung of it this was got */
+  vs_ladder ladder; /* on which rung of it this was got */
   vs_absence absence;
+  vs_second_run second;
   double wall_s;
   long steps;
 } vs_result;
 
-/* Once the run is over: values and verdict, by what its measures, energy and devices (the same as
- * r->devices; may be NULL) have seen. */
-void vs_result_finish(vs_result *r, vs_devices *devices);
+/* Once the run is over: values and verdict, by what its measures, energy and devices have seen. */
+void vs_result_finish(vs_result *r);
+void vs_result_free(vs_result *r);
+
+/* All that is to be warned of, before and after the run: calls each(ctx, text) for one after the
+ * other. */
+void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *text), void *ctx);
 
 /* A measure as it is shown. */
 typedef struct vs_shown {
@@ -51,7 +72,7 @@ typedef struct vs_shown {
  * false: there are no more. Of the result its values, measures and devices are asked for. */
 bool vs_shown_at(const vs_frame *frame, const vs_result *result, int k, vs_shown *shown);
 
-void vs_summary_table(const vs_scene *scene, const vs_result *result, FILE *out);
-void vs_summary_json(const vs_scene *scene, const vs_result *result, bool with_cost, vs_text *json);
+void vs_summary_table(const vs_result *result, FILE *out);
+void vs_summary_json(const vs_result *result, bool with_cost, vs_text *json);
 
 #endif

@@ -5,13 +5,10 @@
 
 #include "base/text.h"
 
-static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
-  vs_trial *t = ctx;
-  t->steps++;
-  vs_measures_accept(t->measures, step);
-  vs_devices_accept(t->devices, step);
-  vs_energy_accept(&t->energy, step);
-  return t->also ? t->also->accept(t->also->ctx, step, err) : VS_OK;
+static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+  const vs_observer *also = ctx;
+  (void)result;
+  return also->accept(also->ctx, step, err);
 }
 
 vs_trial *vs_trial_read(const char *name, const char *tier, const char *const *sets) {
@@ -24,15 +21,9 @@ vs_trial *vs_trial_read(const char *name, const char *tier, const char *const *s
 
 void vs_trial_go(vs_trial *t, const vs_observer *also) {
   if (t->status) return;
-  t->also = also;
-  t->measures = vs_measures_new(&t->scene.frame);
-  t->devices = vs_devices_new(&t->scene.frame);
-  t->energy.frame = &t->scene.frame;
-  vs_observer observer = {t, accept};
-  t->status = vs_sim_run(t->scene.tier, &t->scene.setup, &observer, &t->err);
-  vs_measures_finish(t->measures, t->values);
-  vs_energy_finish(&t->energy);
-  vs_devices_finish(t->devices);
+  const vs_guest guest = {.ctx = (void *)(size_t)also, .accept = accept};
+  const vs_session session = {.guest = also ? &guest : NULL};
+  t->status = vs_session_run(&session, &t->scene, &t->result, &t->err);
 }
 
 vs_trial *vs_trial_run(const char *name, const char *tier, const char *const *sets,
@@ -43,8 +34,7 @@ vs_trial *vs_trial_run(const char *name, const char *tier, const char *const *se
 }
 
 void vs_trial_free(vs_trial *t) {
-  vs_measures_free(t->measures);
-  vs_devices_free(t->devices);
+  vs_result_free(&t->result);
   vs_scene_free(&t->scene);
   free(t);
 }

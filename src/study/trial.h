@@ -4,23 +4,20 @@
 #ifndef VS_STUDY_TRIAL_H
 #define VS_STUDY_TRIAL_H
 
-#include "study/scene.h"
-#include "watch/devices.h"
-#include "watch/energy.h"
+#include "study/session.h"
 
-/* All measures taken. scene, tier: as for vs_scene_read; sets: a NULL-ended list of KEY=VALUE.
- * also: shown every step as well (may be NULL). The scene is freed with vs_trial_free. */
+/* A scene with its session's result. also: shown every step, once the watchers have seen it (may be
+ * NULL). Where the ladder was climbed result.scene is another than `scene`. All is freed with
+ * vs_trial_free. */
 typedef struct vs_trial {
   vs_scene scene;
-  vs_value values[VS_MEASURES];
-  vs_energy energy;
-  vs_measures *measures;
-  vs_devices *devices; /* NULL: the deck has none */
-  const vs_observer *also;
-  long steps;
+  vs_result result;
   vs_status status;
   vs_error err;
 } vs_trial;
+
+/* scene, tier: as for vs_scene_read; sets: a NULL-ended list of KEY=VALUE. Never NULL; status and
+ * err say how it went. */
 vs_trial *vs_trial_run(const char *scene, const char *tier, const char *const *sets,
                        const vs_observer *also);
 /* The same in two halves, for a test that alters the numbers in between. */

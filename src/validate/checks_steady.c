@@ -81,29 +81,22 @@ typedef struct contact {
   vs_error *err;
 } contact;
 
-static vs_status least(void *ctx, const vs_step *step, vs_error *err) {
-  (void)err;
-  vs_measures_accept(ctx, step);
-  return VS_OK;
-}
-
 /* How far p_min is from -D where the key has that value, m. */
 static double clearance(double value, void *ctx) {
   contact *c = ctx;
   char set[64];
   vs_numbers numbers = {0};
-  vs_value v[VS_MEASURES] = {{.value = NAN}};
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   snprintf(set, sizeof set, c->format, value);
   if (!c->status) c->status = vs_experiment_scene(c->experiment, set, scene, c->err);
   if (!c->status && c->in_orbit) c->status = vs_orbit_find(scene, c->also, &numbers, c->err);
   if (!c->status && !c->in_orbit) {
-    vs_measures *measures = vs_measures_new(&scene->frame);
-    const vs_observer observer = {measures, least};
-    c->status = scene->tier->run(&scene->setup, &observer, c->err);
-    vs_measures_finish(measures, v);
-    vs_numbers_add(&numbers, v[VS_M_P_MIN].value, "p_min");
-    vs_measures_free(measures);
+    const vs_session session = {.unguarded = true};
+    vs_result *r = vs_alloc(1, sizeof *r);
+    c->status = vs_session_run(&session, scene, r, c->err);
+    vs_numbers_add(&numbers, r->values[VS_M_P_MIN].value, "p_min");
+    vs_result_free(r);
+    free(r);
   }
   double p_min = vs_numbers_get(&numbers, "p_min");
   vs_numbers_free(&numbers);
@@ -182,15 +175,14 @@ enum { KEY_SIZE = 96 };
 
 static vs_status first_peak(const vs_experiment *e, const char *set, double *p_m, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
-  vs_value v[VS_MEASURES];
   vs_status status = vs_experiment_scene(e, set, scene, err);
   if (!status) {
-    vs_measures *measures = vs_measures_new(&scene->frame);
-    const vs_observer observer = {measures, least};
-    status = vs_sim_run(scene->tier, &scene->setup, &observer, err);
-    vs_measures_finish(measures, v);
-    *p_m = v[VS_M_P_FIRST].value;
-    vs_measures_free(measures);
+    const vs_session session = {.verify = false};
+    vs_result *r = vs_alloc(1, sizeof *r);
+    status = vs_session_run(&session, scene, r, err);
+    *p_m = r->values[VS_M_P_FIRST].value;
+    vs_result_free(r);
+    free(r);
   }
   vs_scene_free(scene);
   free(scene);

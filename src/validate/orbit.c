@@ -10,29 +10,31 @@
 
 enum { N = VS_STATES };
 
+/* What a flight ends at, and who else is shown its steps. */
 typedef struct flight {
   const vs_observer *also;
-  double x[N];           /* the state at the end */
-  vs_measures *measures; /* NULL: only the state is wanted */
-  vs_energy energy;
+  double x[N]; /* the state at the end */
 } flight;
 
-static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
+static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
   flight *f = ctx;
+  (void)result;
   memcpy(f->x, step->to->x, sizeof f->x);
-  if (f->measures) {
-    vs_measures_accept(f->measures, step);
-    vs_energy_accept(&f->energy, step);
-  }
   return f->also ? f->also->accept(f->also->ctx, step, err) : VS_OK;
 }
 
-/* From the state x at t = 0 to until_s. */
-static vs_status fly(vs_scene *s, const double x[N], double until_s, flight *f, vs_error *err) {
-  const vs_observer observer = {f, accept};
+/* From the state x at t = 0 to until_s. result: what was measured on the way; NULL: only the state
+ * is wanted. */
+static vs_status fly(vs_scene *s, const double x[N], double until_s, flight *f, vs_result *result,
+                     vs_error *err) {
+  const vs_guest guest = {.ctx = f, .accept = accept};
+  const vs_session session = {.guest = &guest, .bare = !result, .unguarded = true};
+  vs_result *none = result ? NULL : vs_alloc(1, sizeof *none);
   memcpy(s->setup.start.x, x, sizeof s->setup.start.x);
   s->setup.run.until_s = until_s;
-  return s->tier->run(&s->setup, &observer, err);
+  vs_status status = vs_session_run(&session, s, result ? result : none, err);
+  free(none);
+  return status;
 }
 
 /* Steps of the difference quotients: a thousandth of what p does at 50 Hz. */
@@ -45,13 +47,13 @@ static vs_status improve(vs_scene *s, double period_s, const vs_observer *also, 
                          double *change, vs_error *err) {
   double matrix[N * N], missing[N], end[N];
   flight f = {.also = also};
-  vs_status status = fly(s, x, period_s, &f, err);
+  vs_status status = fly(s, x, period_s, &f, NULL, err);
   memcpy(end, f.x, sizeof end);
   for (int j = 0; j < N && !status; j++) {
     double moved[N];
     memcpy(moved, x, sizeof moved);
     moved[j] += small_step(j);
-    status = fly(s, moved, period_s, &f, err);
+    status = fly(s, moved, period_s, &f, NULL, err);
     for (int i = 0; i < N; i++) matrix[i * N + j] = (i == j) - (f.x[i] - end[i]) / small_step(j);
     missing[j] = end[j] - x[j];
   }
@@ -75,18 +77,19 @@ static vs_status improve(vs_scene *s, double period_s, const vs_observer *also, 
 
 static vs_status measure(vs_scene *s, const double x[N], double period_s, vs_numbers *out,
                          vs_error *err) {
-  flight f = {.measures = vs_measures_new(&s->frame), .energy = {.frame = &s->frame}};
-  vs_value v[VS_MEASURES];
-  vs_status status = fly(s, x, period_s, &f, err);
-  vs_measures_finish(f.measures, v);
-  vs_measures_free(f.measures);
-  if (status) return status;
-  vs_numbers_add(out, v[VS_M_P_MIN].value, "p_min");
-  vs_numbers_add(out, v[VS_M_P_MAX].value, "p_max");
-  vs_numbers_add(out, v[VS_M_I_PEAK].value, "i_peak");
-  vs_numbers_add(out, v[VS_M_FORCE_PEAK].value, "force_peak");
-  vs_numbers_add(out, f.energy.joule[VS_E_SOURCE] / period_s, "power");
-  return VS_OK;
+  flight f = {.also = NULL};
+  vs_result *r = vs_alloc(1, sizeof *r);
+  vs_status status = fly(s, x, period_s, &f, r, err);
+  if (!status) {
+    vs_numbers_add(out, r->values[VS_M_P_MIN].value, "p_min");
+    vs_numbers_add(out, r->values[VS_M_P_MAX].value, "p_max");
+    vs_numbers_add(out, r->values[VS_M_I_PEAK].value, "i_peak");
+    vs_numbers_add(out, r->values[VS_M_FORCE_PEAK].value, "force_peak");
+    vs_numbers_add(out, r->energy.joule[VS_E_SOURCE] / period_s, "power");
+  }
+  vs_result_free(r);
+  free(r);
+  return status;
 }
 
 vs_status vs_orbit_find(vs_scene *s, const vs_observer *also, vs_numbers *out, vs_error *err) {
@@ -95,7 +98,7 @@ vs_status vs_orbit_find(vs_scene *s, const vs_observer *also, vs_numbers *out, v
   double marched_s = fmax(1, round(s->setup.run.until_s / period_s)) * period_s;
   flight march = {.also = also};
   memcpy(x, s->setup.start.x, sizeof x);
-  vs_status status = fly(s, x, marched_s, &march, err);
+  vs_status status = fly(s, x, marched_s, &march, NULL, err);
   memcpy(x, march.x, sizeof x);
   /* what is left after a step of 1e-3 is far below the tier's own error */
   for (int n = 0; n < 20 && change > 1e-3 && !status; n++)

@@ -147,10 +147,15 @@ void vs_energy_finish(vs_energy *e) {
   }
 }
 
+double vs_energy_whole(const vs_energy *e) {
+  return fmax(fabs(e->joule[VS_E_WORK]), fabs(e->joule[VS_E_SOURCE]));
+}
+
 const char *vs_energy_open(const vs_energy *e, double tolerance, char *buffer, size_t size) {
-  double whole = fmax(fabs(e->joule[VS_E_WORK]), fabs(e->joule[VS_E_SOURCE]));
+  double whole = vs_energy_whole(e);
   for (int b = 0; b < VS_BALANCES; b++) {
-    if (!e->balanced[b] || !(fabs(e->furthest_j[b]) > 10 * tolerance * whole)) continue;
+    if (!e->balanced[b] || !(fabs(e->furthest_j[b]) > VS_ENERGY_ALLOWED * tolerance * whole))
+      continue;
     snprintf(buffer, size,
              "the energy books do not close (%s): %s leaves %.3g J of %.3g J at %.6g s%s",
              vs_balance_names[b], vs_balance_texts[b], e->furthest_j[b], whole, e->furthest_s[b],

@@ -62,6 +62,11 @@ void vs_energy_accept(vs_energy *energy, const vs_step *step);
  * the work out: nothing supplies it. */
 void vs_energy_finish(vs_energy *energy);
 
+/* What may be left over before it is warned of, times run.tolerance and the whole below. */
+enum { VS_ENERGY_ALLOWED = 10 };
+/* The work of the force or what was drawn from the mains, whichever is more, J. */
+double vs_energy_whole(const vs_energy *energy);
+
 /* Do the books close, on the way and at the end? A balance may leave ten times run.tolerance of the
  * work of the force or of what was drawn from the mains, whichever is more. NULL: they do; else the
  * buffer says which does not. */

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* What `room` to a limit is as a part of the limit; of the whole range where the limit is 0.
  * Infinite where there is no limit. */
@@ -23,6 +24,9 @@ static vs_judgement judge_rating(const vs_measures *m, size_t k) {
                     .stress = pair[0].best};
   double below = part_of(j.least.value - r->min, r->min, r);
   double above = part_of(r->max - j.largest.value, r->max, r);
+  j.room[0] = below;
+  j.room[1] = above;
+  j.margin_error = NAN;
   j.margin = fmin(below, above);
   if (above < below) j.stress = j.largest;
   j.failed_s = m->passed_s[k];
@@ -32,14 +36,18 @@ static vs_judgement judge_rating(const vs_measures *m, size_t k) {
 
 static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const vs_reduced *r) {
   double limit = r->limit->value, stress = r->value.value;
-  return (vs_judgement){
-      .device = d,
-      .measure = r->measure,
-      .limit = r->limit,
-      .ward = r->measure->held == VS_WARD_AT_MOST ? &deck->devices[d->protects] : NULL,
-      .margin = (r->measure->held == VS_AT_LEAST ? stress - limit : limit - stress) / limit,
-      .stress = r->value,
-      .failed_s = r->failed_s};
+  bool least = r->measure->held == VS_AT_LEAST;
+  double room = (least ? stress - limit : limit - stress) / limit;
+  return (vs_judgement){.device = d,
+                        .measure = r->measure,
+                        .limit = r->limit,
+                        .ward = r->measure->held == VS_WARD_AT_MOST ? &deck->devices[d->protects]
+                                                                    : NULL,
+                        .room = {least ? room : INFINITY, least ? INFINITY : room},
+                        .margin = room,
+                        .margin_error = NAN,
+                        .stress = r->value,
+                        .failed_s = r->failed_s};
 }
 
 void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, vs_verdict *v) {
@@ -69,4 +77,68 @@ const char *vs_judgement_name(const vs_judgement *j, char name[VS_JUDGED_NAME]) 
 
 const char *vs_judgement_unit(const vs_judgement *j) {
   return j->device ? j->limit->unit : j->rating->unit;
+}
+
+/* ---- how sure ---- */
+
+const char *const vs_words[] = {"held", "violated", "undecided", "unverified"};
+
+vs_word vs_judgement_word(const vs_judgement *j) {
+  if (isnan(j->margin_error)) return VS_UNVERIFIED;
+  if (fabs(j->margin) <= j->margin_error) return VS_UNDECIDED;
+  return j->margin > 0 ? VS_HELD : VS_VIOLATED;
+}
+
+const vs_judgement *vs_verdict_breach(const vs_verdict *v) {
+  const vs_judgement *violated = NULL, *undecided = NULL;
+  for (size_t k = 0; k < v->count; k++) {
+    const vs_judgement *j = &v->item[k];
+    vs_word word = vs_judgement_word(j);
+    const vs_judgement **worst = word == VS_UNDECIDED ? &undecided : &violated;
+    if (word == VS_UNDECIDED || j->margin < 0)
+      if (!*worst || j->margin < (*worst)->margin) *worst = j;
+  }
+  return violated ? violated : undecided;
+}
+
+static bool is_same(const vs_judgement *a, const vs_judgement *b) {
+  char left[VS_JUDGED_NAME], right[VS_JUDGED_NAME];
+  return !a->device == !b->device &&
+         !strcmp(vs_judgement_name(a, left), vs_judgement_name(b, right));
+}
+
+/* The second run differs by ratio - 1 times this run's error where errors go as they should; what
+ * is told is SAFETY times the error that follows, as a spike between two steps may by chance be met
+ * nearly alike by both. */
+static const double SAFETY = 4;
+
+/* Of the room to one end: the limit less the room is the stress, of which the resolution is a part.
+ */
+static double error_of(double room, double second, double ratio, double resolution) {
+  return SAFETY / fabs(ratio - 1) * fabs(room - second) + resolution * fabs(1 - room);
+}
+
+/* The margin is the lesser of two rooms, each with its error. */
+static double margin_error(const vs_judgement *j, const vs_judgement *second, double ratio,
+                           double resolution) {
+  double least = INFINITY, largest = INFINITY;
+  for (int end = 0; end < 2; end++) {
+    if (isinf(j->room[end])) continue;
+    double error = error_of(j->room[end], second->room[end], ratio, resolution);
+    least = fmin(least, j->room[end] - error);
+    largest = fmin(largest, j->room[end] + error);
+  }
+  return fmax(j->margin - least, largest - j->margin);
+}
+
+void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double ratio, double resolution) {
+  for (size_t k = 0; k < v->count; k++) {
+    vs_judgement *j = &v->item[k];
+    size_t n = 0;
+    while (n < second->count && !is_same(j, &second->item[n])) n++;
+    j->margin_error = INFINITY;
+    if (n < second->count && isfinite(j->margin))
+      j->margin_error = margin_error(j, &second->item[n], ratio, resolution);
+    if (isnan(j->margin_error)) j->margin_error = INFINITY;
+  }
 }

@@ -15,9 +15,12 @@ typedef struct vs_judgement {
   const vs_limit *limit;
   const vs_device *ward;   /* whose limit it is, where that is another device's; else NULL */
   vs_value least, largest; /* of the probe in the run */
-  double margin;   /* what is left to the nearer limit, as a part of that limit; < 0: beyond */
-  vs_value stress; /* the extreme that is nearer to its limit, or further beyond; SI */
-  double failed_s; /* when the limit was first passed; NaN: it was not */
+  double room[2]; /* what is left to the lower and to the upper end, as parts of them; INFINITY: no
+                     such end */
+  double margin;  /* the lesser of the two; < 0: beyond */
+  double margin_error; /* numerical error of the margin, a part as it is; NAN: not computed */
+  vs_value stress;     /* the extreme that is nearer to its limit, or further beyond; SI */
+  double failed_s;     /* when the limit was first passed; NaN: it was not */
 } vs_judgement;
 
 enum { VS_MOST_JUDGEMENTS = VS_DECK_MOST + VS_DECK_DEVICES * VS_KIND_LIMITS };
@@ -31,6 +34,26 @@ typedef struct vs_verdict {
 /* Judges a run; devices may be NULL. Nothing is judged on a tier without a deck, of which neither
  * has any. A device of which nothing was measured is not judged. */
 void vs_verdict_reach(const vs_measures *measures, const vs_devices *devices, vs_verdict *verdict);
+
+/* What a line of a verdict comes to. */
+typedef enum vs_word {
+  VS_HELD,      /* the margin is above 0 by more than its error */
+  VS_VIOLATED,  /* below 0 by more than its error */
+  VS_UNDECIDED, /* its sign is not certain */
+  VS_UNVERIFIED /* no error was computed */
+} vs_word;
+extern const char *const vs_words[]; /* by vs_word */
+vs_word vs_judgement_word(const vs_judgement *judgement);
+/* Is there a line that is violated, verified or not, or undecided? The one with the least margin
+ * among the violated, else among the undecided; NULL: none. */
+const vs_judgement *vs_verdict_breach(const vs_verdict *verdict);
+
+/* Gives each line its margin's error, by the verdict of a second run of the same scene whose own
+ * error is about `ratio` times this one's; resolution: what every number of this run may be wrong
+ * by besides, as a part of itself. A line that the second run has not gets an infinite error, and
+ * is undecided. */
+void vs_verdict_compare(vs_verdict *verdict, const vs_verdict *second, double ratio,
+                        double resolution);
 
 /* "v_ak", "thyristor.i2t" */
 enum { VS_JUDGED_NAME = VS_DECK_NAME + 24 };
