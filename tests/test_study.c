@@ -123,7 +123,7 @@ static void a_grid(void) {
   without_ids(r.out);
   static const char *const HAS[] = {"case,supply.voltage_v,firing.every,load.density_g_cm3,firing."
                                     "angle_deg,machine.m14,i_peak_a,",
-                                    ",energy_residual,margin_least,weakest,status\n",
+                                    ",energy_residual,margin_least,margin_error,weakest,rung,leaving_bound,warnings,status\n",
                                     "\n0,440,once,0.01,100,paper,",
                                     "\n1,440,once,0.01,100,derived,",
                                     "\n2,440,once,0.01,105,paper,",
@@ -145,7 +145,7 @@ static void a_case_is_a_run(void) {
   ran r = run("study g.yaml");
   char *cell[16], *row = strstr(r.out, "\n1,");
   CU_ASSERT_PTR_NOT_NULL_FATAL(row);
-  CU_ASSERT_EQUAL_FATAL(vs_csv_cut(row + 1, cell, 16), 9);
+  CU_ASSERT_EQUAL_FATAL(vs_csv_cut(row + 1, cell, 16), 13);
   ran one = run("run paper --set circuit.deck=halfwave_paper --set run.until=12ms --set "
                 "circuit.r1=100ohm --set firing.angle=110deg --json --quiet --reproducible");
   char want[128];
@@ -153,7 +153,7 @@ static void a_case_is_a_run(void) {
   EXPECT(strstr(one.out, want), "%s not in %s", want, one.out);
   snprintf(want, sizeof want, "\"p_min\": {\"value\": %s, ", cell[5]);
   EXPECT(strstr(one.out, want), "%s not in %s", want, one.out);
-  snprintf(want, sizeof want, "\"weakest\": \"%s\"", cell[7]);
+  snprintf(want, sizeof want, "\"weakest\": \"%s\"", cell[8]);
   EXPECT(strstr(one.out, want), "%s not in %s", want, one.out);
   free_ran(&r), free_ran(&one);
 }
@@ -424,7 +424,7 @@ static void one_circuit_for_many(void) {
     CU_ASSERT_PTR_NOT_NULL_FATAL(line);
     free_ran(&r);
     snprintf(text, sizeof text, "%s", row[o][o]);
-    CU_ASSERT_EQUAL_FATAL(vs_csv_cut(text, cell, COUNT(cell)), 10);
+    CU_ASSERT_EQUAL_FATAL(vs_csv_cut(text, cell, COUNT(cell)), 14);
     CU_ASSERT(atof(cell[4]) > 5); /* A2s: it did melt */
   }
   CU_ASSERT_STRING_EQUAL(row[0][0], row[1][1]);

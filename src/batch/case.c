@@ -95,7 +95,7 @@ static void begin_header(const vs_plan *plan, vs_text *row) {
 void vs_case_header(const vs_plan *plan, vs_text *row) {
   begin_header(plan, row);
   for (size_t k = 0; k < plan->n_columns; k++) vs_text_add(row, ",%s", plan->columns[k].column);
-  vs_text_add(row, ",margin_least,margin_error,weakest,rung,warnings,status");
+  vs_text_add(row, ",margin_least,margin_error,weakest,rung,leaving_bound,warnings,status");
 }
 
 void vs_case_failure_header(const vs_plan *plan, vs_text *row) {
@@ -158,7 +158,9 @@ static void add_row(vs_case *c, vs_text *row) {
   add_number(row, weakest ? weakest->margin : NAN);
   add_number(row, weakest ? weakest->margin_error : NAN);
   vs_result_warnings(r, add_warning, &warnings);
-  vs_text_add(row, ",%s,%d,", weakest ? vs_judgement_name(weakest, name) : "", r->ladder.rung);
+  vs_text_add(row, ",%s,%d", weakest ? vs_judgement_name(weakest, name) : "", r->ladder.rung);
+  add_number(row, r->absence.bound);
+  vs_text_add(row, ",");
   vs_csv_cell(row, warnings.text ? warnings.text : "");
   vs_text_add(row, ",%d", vs_verdict_breach(&r->verdict) ? VS_CASE_VIOLATED : VS_CASE_DONE);
   vs_text_free(&warnings);

@@ -133,16 +133,17 @@ static vs_status write_merged(const shards *all, const char *folder, bool quiet,
     violated += all->item[k].violated;
   }
   if (!quiet)
-    printf("shards %zu\ncases  %llu done, %llu failed, in %llu a rating is violated\n"
+    printf("shards %zu\ncases  %llu done, %llu failed, in %llu a rating is violated or undecided\n"
            "written: study.csv, failures.csv, manifest.json in %s\n",
            all->count, (unsigned long long)done, (unsigned long long)failed,
            (unsigned long long)violated, folder);
   if (failed)
     return vs_fail(err, VS_RUN, "%llu of %llu cases failed; why stands in %s/failures.csv",
                    (unsigned long long)failed, (unsigned long long)(done + failed), folder);
-  return violated ? vs_fail(err, VS_RATING, "a rating is violated in %llu of %llu cases",
-                            (unsigned long long)violated, (unsigned long long)(done + failed))
-                  : VS_OK;
+  return violated
+             ? vs_fail(err, VS_RATING, "a rating is violated or undecided in %llu of %llu cases",
+                       (unsigned long long)violated, (unsigned long long)(done + failed))
+             : VS_OK;
 }
 
 vs_status vs_merge_command(char *const *folders, size_t count, const char *folder, bool quiet,

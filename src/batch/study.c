@@ -113,7 +113,7 @@ static void take_generation(session *s, uint64_t count, const vs_generation *g) 
 static vs_status take_values(session *s, uint64_t index, vs_error *err) {
   enum {
     FIRST = 2,
-    LAST = 6,
+    LAST = 7,
     MOST = FIRST + VS_PLAN_AXES + VS_PLAN_COLUMNS + LAST
   }; /* case, id; axes; ... */
   size_t n = s->plan.n_columns, width = 1 + n;
@@ -283,7 +283,7 @@ static void say_result(const session *s) {
   if (j->head.shards > 1)
     printf("shard  %llu of %llu\n", (unsigned long long)j->head.shard,
            (unsigned long long)j->head.shards);
-  printf("cases  %llu done, %llu failed, in %llu a rating is violated\n"
+  printf("cases  %llu done, %llu failed, in %llu a rating is violated or undecided\n"
          "written: study.csv, failures.csv, manifest.json in %s\n",
          (unsigned long long)j->done, (unsigned long long)j->failed,
          (unsigned long long)j->violated, s->folder);
@@ -297,7 +297,7 @@ static vs_status judge(const session *s, vs_error *err) {
                    all, s->o->folder ? "; why stands in " : "", s->o->folder ? s->folder : "",
                    s->o->folder ? "/failures.csv" : "");
   if (j->violated)
-    return vs_fail(err, VS_RATING, "a rating is violated in %llu of %llu cases",
+    return vs_fail(err, VS_RATING, "a rating is violated or undecided in %llu of %llu cases",
                    (unsigned long long)j->violated, all);
   return VS_OK;
 }

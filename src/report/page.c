@@ -152,6 +152,22 @@ static void add_worst_margin(vs_text *html, const vs_study_table *t, const vs_su
   vs_text_add(html, ", case %s", s->worst[0].cell[0]);
 }
 
+static void add_count(vs_text *html, long count, const char *of_what) {
+  if (count) vs_text_add(html, "<p>%ld case%s %s.</p>\n", count, count > 1 ? "s" : "", of_what);
+}
+
+/* What stands between the numbers and a verdict. */
+static void add_doubts(vs_text *html, const vs_survey *s) {
+  add_count(html, s->undecided, "undecided: the sign of a margin is within its numerical error");
+  add_count(html, s->unverified,
+            "unverified: the numerical error of the margins was not computed (run.verify: always "
+            "does so)");
+  add_count(html, s->climbed,
+            "on a rung of the ladder beyond the first: ngspice gave up on the scene as it is; see "
+            "column rung");
+  add_count(html, s->warned, "with warnings; see column warnings");
+}
+
 static void add_verdict(vs_text *html, const vs_study_table *t, const vs_survey *s) {
   bool adaptive = strstr(t->method, "worst") || strstr(t->method, "snubber");
   bool good = s->good == s->judged && !t->failed;
@@ -182,6 +198,7 @@ static void add_verdict(vs_text *html, const vs_study_table *t, const vs_survey 
     add_place(html, t, s->worst[0].cell, false);
     vs_text_add(html, ".</p>\n");
   }
+  add_doubts(html, s);
   if (s->judged && s->judged < s->rows)
     vs_text_add(html, "<p>Without a margin: %ld cases.</p>\n", s->rows - s->judged);
   if (t->done + t->failed < t->cases && !adaptive)

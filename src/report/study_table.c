@@ -201,7 +201,11 @@ static vs_study_role role_of(const char *title, size_t position) {
   if (position == 0) return VS_ROLE_CASE;
   if (position == 1 && !strcmp(title, "id")) return VS_ROLE_ID;
   if (!strcmp(title, "margin_least")) return VS_ROLE_MARGIN;
+  if (!strcmp(title, "margin_error")) return VS_ROLE_ERROR;
   if (!strcmp(title, "weakest")) return VS_ROLE_WEAKEST;
+  if (!strcmp(title, "rung")) return VS_ROLE_RUNG;
+  if (!strcmp(title, "leaving_bound")) return VS_ROLE_LEAVING;
+  if (!strcmp(title, "warnings")) return VS_ROLE_WARNINGS;
   if (!strcmp(title, "status")) return VS_ROLE_STATUS;
   return VS_ROLE_REPORT;
 }
@@ -222,7 +226,10 @@ static vs_status take_header(vs_study_table *t, char *line, vs_error *err) {
                                      .role = role_of(cell[c], c),
                                      .rating = NAN};
   t->margin = find_role(t, VS_ROLE_MARGIN);
+  t->error = find_role(t, VS_ROLE_ERROR);
   t->weakest = find_role(t, VS_ROLE_WEAKEST);
+  t->rung = find_role(t, VS_ROLE_RUNG);
+  t->warnings = find_role(t, VS_ROLE_WARNINGS);
   t->status = find_role(t, VS_ROLE_STATUS);
   if (strcmp(cell[0], "case") || t->status < 0)
     return vs_fail_at(err, at, "a study's columns begin with 'case' and end with 'status'");

@@ -13,8 +13,12 @@ typedef enum vs_study_role {
   VS_ROLE_AXIS,    /* what was varied */
   VS_ROLE_REPORT,  /* what was measured */
   VS_ROLE_MARGIN,  /* the least margin of the verdict, a part of its limit */
+  VS_ROLE_ERROR,   /* its numerical error; empty: not computed */
   VS_ROLE_WEAKEST, /* whose margin that is */
-  VS_ROLE_STATUS   /* 0, or 3 where a rating is violated */
+  VS_ROLE_RUNG,    /* of the ladder on which the case's run ended; 0: the scene as it is */
+  VS_ROLE_LEAVING, /* bound on the error by having left ngspice while the circuit was quiet */
+  VS_ROLE_WARNINGS,
+  VS_ROLE_STATUS /* 0, or 3 where a rating is violated or undecided */
 } vs_study_role;
 
 typedef struct vs_study_column {
@@ -35,7 +39,8 @@ typedef struct vs_study_table {
   long cases, done, failed; /* asked for; with a row; without one, in failures.csv */
   vs_study_column column[VS_STUDY_COLUMNS];
   size_t count;
-  int margin, weakest, status; /* which column; margin and weakest -1: not there */
+  int margin, error, weakest, rung, warnings,
+      status; /* which column; all but status -1: not there */
 } vs_study_table;
 
 /* Errors: a file missing or broken, columns that are not those the manifest names. */

@@ -128,7 +128,8 @@ vs_extent vs_profile_extent(const vs_profile *p) {
 
 /* Is it a name, and no number to be counted? */
 static bool is_name(const vs_study_column *column) {
-  return column->role == VS_ROLE_ID || column->role == VS_ROLE_WEAKEST;
+  return column->role == VS_ROLE_ID || column->role == VS_ROLE_WEAKEST ||
+         column->role == VS_ROLE_WARNINGS;
 }
 
 /* ---- the one reading ---- */
@@ -166,6 +167,23 @@ static vs_status note_cell(const reader *r, size_t c, const vs_study_row *row, v
   return VS_OK;
 }
 
+/* How the case ended, and how sure that is. */
+static void note_verdict(vs_survey *s, const vs_study_table *t, const vs_study_row *row,
+                         double margin) {
+  double error = NAN, rung = 0;
+  bool breach = !strcmp(row->cell[t->status], "3");
+  if (t->error >= 0) vs_study_number(row->cell[t->error], &error);
+  if (t->rung >= 0) vs_study_number(row->cell[t->rung], &rung);
+  bool sure = margin < 0 && !(fabs(margin) <= error);
+  s->judged += !isnan(margin);
+  s->good += !isnan(margin) && margin >= 0 && !breach;
+  s->violated += breach && sure;
+  s->undecided += breach && !sure;
+  s->unverified += !isnan(margin) && isnan(error);
+  s->climbed += rung > 0;
+  s->warned += t->warnings >= 0 && *row->cell[t->warnings];
+}
+
 static vs_status note_row(void *ctx, const vs_study_row *row, vs_error *err) {
   const reader *r = ctx;
   const vs_study_table *t = r->t;
@@ -176,11 +194,9 @@ static vs_status note_row(void *ctx, const vs_study_row *row, vs_error *err) {
     if (!is_name(&t->column[c])) status = note_cell(r, c, row, err);
   if (status) return status;
   s->rows++;
-  s->violated += !strcmp(row->cell[t->status], "3");
   if (t->margin >= 0) vs_study_number(row->cell[t->margin], &margin);
+  note_verdict(s, t, row, margin);
   if (!isnan(margin)) {
-    s->judged++;
-    s->good += margin >= 0;
     if (t->weakest >= 0 && *row->cell[t->weakest]) count_name(&s->weakest, row->cell[t->weakest]);
   }
   if (row->number == r->found) {

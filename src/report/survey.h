@@ -38,9 +38,13 @@ typedef struct vs_kept {
 
 typedef struct vs_survey {
   long rows;
-  long judged;                          /* with a least margin */
-  long good;                            /* of those, not below 0 */
-  long violated;                        /* status 3 */
+  long judged;     /* with a least margin */
+  long good;       /* of those: status 0, not below 0 */
+  long violated;   /* status 3, and below 0 by more than its error, if that is known */
+  long undecided;  /* status 3 otherwise */
+  long unverified; /* judged, and without an error of the margin */
+  long climbed;    /* on a rung of the ladder beyond the first */
+  long warned;
   vs_profile profile[VS_STUDY_COLUMNS]; /* by column */
   vs_counts weakest, why;               /* falling */
   long failures;                        /* rows of failures.csv */

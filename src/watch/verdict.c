@@ -112,10 +112,10 @@ static bool is_same(const vs_judgement *a, const vs_judgement *b) {
  * nearly alike by both. */
 static const double SAFETY = 4;
 
-/* Of the room to one end: the limit less the room is the stress, of which the resolution is a part.
- */
+/* Of the room to one end. The limit less the room is the stress; the resolution is of that or of the limit, whichever
+ * is more: a stress that is next to nothing need not be known to more digits than its limit. */
 static double error_of(double room, double second, double ratio, double resolution) {
-  return SAFETY / fabs(ratio - 1) * fabs(room - second) + resolution * fabs(1 - room);
+  return SAFETY / fabs(ratio - 1) * fabs(room - second) + resolution * fmax(fabs(1 - room), 1);
 }
 
 /* The margin is the lesser of two rooms, each with its error. */

@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a verdict says of its own numbers: the margin at run.tolerance 1e-7 lies within the error
+ * that a run at 1e-4 tells (a few cases here; 1,000 drawn at random with tools/test --long, which
+ * writes margins.csv, committed in tests/long); numbers that are not converged are never called
+ * held; the words and the statuses. */
+#include <gsl/gsl_qrng.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "program.h"
+
+enum { DIMENSIONS = 7, MOST_SETS = 12, CASES = 1000, FEW = 3 };
+
+/* Sets of case `number`: converters an engineer would rate, with real thyristors. */
+static size_t case_at(int number, char text[MOST_SETS][64], const char *sets[MOST_SETS + 3]) {
+  static const char *const DECKS[] = {"halfwave_snubbed", "halfwave_paper", "halfwave_snubbed"};
+  static const char *const THYRISTORS[] = {"TYN1212", "thyristor_2t", "BT151-800R", "12TTS08S",
+                                           "TYN1012"};
+  double x[DIMENSIONS];
+  gsl_qrng *sobol = gsl_qrng_alloc(gsl_qrng_sobol, DIMENSIONS);
+  for (int k = 0; k <= number; k++) gsl_qrng_get(sobol, x);
+  gsl_qrng_free(sobol);
+  const char *deck = DECKS[(size_t)number % COUNT(DECKS)];
+  size_t n = 0;
+#define KEY(...) snprintf(text[n++], sizeof text[0], __VA_ARGS__)
+  KEY("circuit.deck=%s", deck);
+  KEY("circuit.thyristor=%s", THYRISTORS[(size_t)number % COUNT(THYRISTORS)]);
+  KEY("run.until=25ms");
+  KEY("firing.angle=%.6gdeg", 60 + 105 * x[0]);
+  KEY("supply.inductance=%.4gH", 50e-6 * pow(100, x[1]));
+  KEY("supply.voltage=%.5gV", 300 + 200 * x[2]);
+  if (strcmp(deck, "halfwave_bare")) {
+    KEY("circuit.r1=%.4gohm", 20 * pow(300, x[3]));
+    KEY("circuit.c1=%.4gnF", 5 * pow(80, x[4]));
+    KEY("circuit.r2=%.4gohm", 50 * pow(50, x[5]));
+    KEY("circuit.c2=%.4gnF", 5 * pow(50, x[6]));
+  }
+#undef KEY
+  for (size_t k = 0; k < n; k++) sets[k] = text[k];
+  return n;
+}
+
+static vs_trial *at_tolerance(int number, const char *tolerance, const char *verify) {
+  char text[MOST_SETS][64];
+  const char *sets[MOST_SETS + 3];
+  size_t n = case_at(number, text, sets);
+  sets[n++] = tolerance;
+  sets[n++] = verify;
+  sets[n] = NULL;
+  return vs_trial_run("paper", "circuit", sets, NULL);
+}
+
+typedef struct tally {
+  int lines, inside, cases, whole, wrong, undecided, failed;
+} tally;
+
+/* Every line of the verdict against the tight run's. A word is wrong if it is sure of another sign
+ * than the tight run's. */
+static void compare(FILE *table, int number, const vs_verdict *v, const vs_verdict *tight,
+                    tally *all) {
+  bool whole = true;
+  for (size_t k = 0; k < v->count && k < tight->count; k++) {
+    const vs_judgement *j = &v->item[k], *t = &tight->item[k];
+    char name[VS_JUDGED_NAME], other[VS_JUDGED_NAME];
+    vs_judgement_name(j, name);
+    if (strcmp(name, vs_judgement_name(t, other))) continue; /* the lines differ: told below */
+    vs_word word = vs_judgement_word(j);
+    bool inside = fabs(j->margin - t->margin) <= j->margin_error;
+    bool wrong = (word == VS_HELD && t->margin < 0) || (word == VS_VIOLATED && t->margin > 0);
+    all->lines++;
+    all->inside += inside;
+    all->wrong += wrong;
+    all->undecided += word == VS_UNDECIDED;
+    whole = whole && inside;
+    if (table)
+      fprintf(table, "%d,%s,%.9g,%.3g,%s,%.9g,%d\n", number, name, j->margin, j->margin_error,
+              vs_words[word], t->margin, inside);
+  }
+  all->cases++;
+  all->whole += whole;
+}
+
+static void errors_are_as_told(void) {
+  bool whole = getenv("VS_LONG");
+  FILE *table = whole || getenv("VS_N") ? fopen(getenv("VS_N") ? "/tmp/rm/margins.csv" : "margins.csv", "w") : NULL;
+  tally all = {0};
+  if (table) fputs("case,line,margin,margin_error,word,margin_at_1e-7,inside\n", table);
+  for (int number = 0; number < (whole ? CASES : getenv("VS_N") ? atoi(getenv("VS_N")) : FEW); number++) {
+    vs_trial *t = at_tolerance(number, "run.tolerance=1e-4", "run.verify=always");
+    vs_trial *tight = at_tolerance(number, "run.tolerance=1e-7", "run.verify=never");
+    const vs_trial *failed = t->status ? t : tight->status ? tight : NULL;
+    if (failed) printf(" [%d: %s]", number, failed->err.text);
+    if (failed)
+      all.failed++;
+    else
+      compare(table, number, &t->result.verdict, &tight->result.verdict, &all);
+    vs_trial_free(t);
+    vs_trial_free(tight);
+    if (table) fflush(table);
+  }
+  if (table) fclose(table);
+  printf(" %d of %d cases (%d of %d lines) inside, %d wrong words, %d undecided, %d failed ",
+         all.whole, all.cases, all.inside, all.lines, all.wrong, all.undecided, all.failed);
+  CU_ASSERT(all.whole >= 0.99 * all.cases);
+  CU_ASSERT(all.wrong == 0);
+  CU_ASSERT(all.failed <= 0.01 * (all.cases + all.failed));
+}
+
+/* The shipped bare deck with ratings of its own for an ideal thyristor. */
+static void write_rated(const char *name, const char *ratings) {
+  char path[512], *line = NULL;
+  size_t size = 0;
+  snprintf(path, sizeof path, "%s/../spice/halfwave_bare.cir", VS_TEST_FOLDER);
+  FILE *in = fopen(path, "r"), *out = fopen(name, "w");
+  CU_ASSERT_FATAL(in && out);
+  while (getline(&line, &size, in) >= 0)
+    if (strncmp(line, "*$ rating", 9)) fputs(line, out);
+  fputs(ratings, out);
+  free(line);
+  fclose(in);
+  fclose(out);
+}
+
+/* A blocking voltage whose peak is the last step's chopped current times 1 Gohm, and a run whose
+ * truncation errors nothing holds down: whatever is said of them, it is not `held`. */
+static void lies_are_not_held(void) {
+  write_rated("rated.cir", "*$ rating v_ak -1200..1200 V\n");
+  ran r = run("run paper --set circuit.deck=rated.cir --set circuit.off_resistance=1Gohm "
+              "--set run.tolerance=1e-5 --set run.until=0.1s");
+  EXPECT(r.status == 3 && !strstr(r.out, "  held"), "%d %s%s", r.status, r.out, r.err);
+  free_ran(&r);
+}
+
+static void words_and_statuses(void) {
+  write_rated("rated.cir", "*$ rating i_source -10..0.84 A\n*$ rating v_ak -700..700 V\n");
+  ran r = run("run paper --set circuit.deck=rated.cir --set run.until=0.02s --json");
+  EXPECT(r.status == 0 && strstr(r.out, "\"word\": \"held\"") &&
+             strstr(r.out, "\"margin_error\": ") && !strstr(r.out, "\"margin_error\": null"),
+         "%d %s%s", r.status, r.out, r.err);
+  free_ran(&r);
+  r = run("run paper --set circuit.deck=rated.cir --set run.until=0.02s --json "
+          "--set run.verify=never");
+  EXPECT(r.status == 0 && strstr(r.out, "\"word\": \"unverified\"") &&
+             strstr(r.out, "\"margin_error\": null") && !strstr(r.out, "\"held\""),
+         "%d %s%s", r.status, r.out, r.err);
+  free_ran(&r);
+}
+
+/* A limit that the peak meets to five digits: at 1e-3 the sign is not certain, status 3, and the
+ * message says which tolerance decides; there it is decided. */
+static void a_sign_that_is_not_certain(void) {
+  write_rated("near.cir", "*$ rating i_source -10..0.8396 A\n");
+  ran r = run("run paper --set circuit.deck=near.cir --set run.until=0.02s "
+              "--set run.tolerance=1e-3");
+  EXPECT(r.status == 3 && strstr(r.err, "a rating is undecided: i_source = 0.84") &&
+             strstr(r.err, "; run.tolerance = ") && strstr(r.out, "  undecided\n"),
+         "%d %s%s", r.status, r.out, r.err);
+  free_ran(&r);
+}
+
+static const vs_test TESTS[] = {
+    {"errors are as told", errors_are_as_told},
+    {"lies are not held", lies_are_not_held},
+    {"words and statuses", words_and_statuses},
+    {"a sign that is not certain", a_sign_that_is_not_certain},
+};
+
+int main(void) {
+  return program_suite("margins", TESTS, COUNT(TESTS));
+}
