@@ -112,20 +112,20 @@ static const vs_field COIL_SHORT[] = {
 /* ---- what they do to the mains ---- */
 
 /* Has it begun? A step that ends with the edge, to rounding, still sees what was before. */
-static bool is_on(const vs_occurrence *e, double t_s) {
+bool vs_event_is_on(const vs_occurrence *e, double t_s) {
   double slack = vs_rounding(t_s);
   return t_s > e->start_s + slack && t_s <= e->end_s + slack;
 }
 
 static double scaled(const vs_occurrence *e, const vs_timeline *t, double t_s, double angle_rad) {
   (void)t, (void)angle_rad;
-  return is_on(e, t_s) ? e->v.part : 1;
+  return vs_event_is_on(e, t_s) ? e->v.part : 1;
 }
 
 static double interrupted(const vs_occurrence *e, const vs_timeline *t, double t_s,
                           double angle_rad) {
   (void)t, (void)angle_rad;
-  return is_on(e, t_s) ? 0 : 1;
+  return vs_event_is_on(e, t_s) ? 0 : 1;
 }
 
 /* The cycle of the notch that t is in or behind, from 0. */
@@ -143,13 +143,13 @@ static double notched(const vs_occurrence *e, const vs_timeline *t, double t_s, 
 
 static double jumped(const vs_occurrence *e, const vs_timeline *t, double t_s, double angle_rad) {
   (void)t, (void)angle_rad;
-  return is_on(e, t_s) ? e->v.phase_rad : 0;
+  return vs_event_is_on(e, t_s) ? e->v.phase_rad : 0;
 }
 
 static double distorted(const vs_occurrence *e, const vs_timeline *t, double t_s,
                         double angle_rad) {
   (void)t;
-  return is_on(e, t_s) ? e->v.part * sin(e->v.order * angle_rad + e->v.phase_rad) : 0;
+  return vs_event_is_on(e, t_s) ? e->v.part * sin(e->v.order * angle_rad + e->v.phase_rad) : 0;
 }
 
 /* ---- what they do at the gate ---- */

@@ -93,6 +93,9 @@ extern const vs_event_kind vs_event_kinds[VS_EVENT_KINDS];
 vs_status vs_events_read(const vs_node *map, const struct vs_timeline *timeline, double until_s,
                          vs_events *events, vs_error *err);
 
+/* Has it begun at t, and not ended? On its edges, to rounding, it still is what it was before. */
+bool vs_event_is_on(const vs_occurrence *e, double t_s);
+
 /* Does it act on the gate whose pulses are delayed so? */
 bool vs_event_at_gate(const vs_occurrence *e, double shift_rad);
 
