@@ -299,7 +299,7 @@ static vs_trial *run_it(const scene *sc, const char *tier, samples *s) {
   return vs_trial_run("paper", tier, sets, &observer);
 }
 
-/* Instants are compared where both have them, s; a firing or extinction more on one side is said. */
+/* Instants are compared where both have them; a firing or extinction more on one side is said. */
 static void compare_instants(const char *what, const double *got, size_t n, const double *expected,
                              size_t m, double tolerance_s) {
   EXPECT(n == m, "%s: %zu firings or extinctions for %zu", what, n, m);
@@ -355,7 +355,9 @@ static const scene SCENES[] = {
      {E("n", "notch", "at: 25ms, duration: 1ms"), "firing.pulse_width=0.5ms"},
      0},
     {"a jump in a conduction", {E("j", "phase_jump", "at: 27ms, jump: 60 deg")}, 0},
-    {"a jump back, two maxima", {E("j", "phase_jump", "at: 33ms, jump: -170 deg"), "supply.voltage=150V"}, 0},
+    {"a jump back, two maxima",
+     {E("j", "phase_jump", "at: 33ms, jump: -170 deg"), "supply.voltage=150V"},
+     0},
     {"a jump before a firing", {E("j", "phase_jump", "at: 22ms, jump: 100 deg")}, 0},
     {"fifth harmonic", {E("h", "harmonic", "at: 21ms, level: 20 %, phase: 40 deg")}, 0},
     {"third harmonic as large as the mains",
@@ -368,10 +370,12 @@ static const scene SCENES[] = {
      1e-6},
     {"missing pulse", {E("m", "missing_pulse", "cycle: 2")}, 0},
     {"short pulse, over before forward voltage",
-     {E("m", "short_pulse", "cycle: 2, duration: 0.3ms"), E("j", "phase_jump", "at: 21ms, jump: -120 deg"),
+     {E("m", "short_pulse", "cycle: 2, duration: 0.3ms"),
+      E("j", "phase_jump", "at: 21ms, jump: -120 deg"),
       "supply.voltage=150V"},
      0},
-    {"spurious pulse", {E("s", "spurious_pulse", "at: 44ms, duration: 0.2ms"), "supply.voltage=150V"},
+    {"spurious pulse",
+     {E("s", "spurious_pulse", "at: 44ms, duration: 0.2ms"), "supply.voltage=150V"},
      0},
     {"spurious pulse under reverse voltage", {E("s", "spurious_pulse", "at: 36ms")}, 0},
     {"spurious pulse that waits for forward voltage",

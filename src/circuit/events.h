@@ -73,6 +73,7 @@ struct vs_event_kind {
   void (*pulse)(const vs_occurrence *e, double *width_s, double *voltage);
   bool adds_pulse; /* from its start to its end */
   bool jams;       /* the armature stays where it is */
+  bool ideal;      /* it means the same to an ideal thyristor between mains and coil */
   /* Voltage of the source it puts into the netlist, V. */
   double (*source)(const vs_occurrence *e, double t_s);
   /* First instant after t that must be the end of a step; INFINITY: none. */

@@ -53,9 +53,9 @@ double vs_gate_voltage(const vs_timeline *timeline, double shift_rad, double t_s
 double vs_rounding(double t_s);
 /* First gate edge after t; INFINITY: none. */
 double vs_gate_edge(const vs_timeline *timeline, double shift_rad, double t_s);
-/* The first stretch of time with a gate pulse that ends after t and begins before `until`: one of the
- * train, as events leave it, or one they add. From its beginning or from t on. false: there is none.
- */
+/* The first stretch of time with a gate pulse that ends after t and begins before `until`: one of
+ * the train, as events leave it, or one they add. From its beginning or from t on. false: there is
+ * none. */
 bool vs_gate_stretch(const vs_timeline *timeline, double shift_rad, double t_s, double until_s,
                      double *from_s, double *to_s);
 /* The first burst_duty of each period 1/burst_hz of a gate pulse: what a pulse transformer is

@@ -57,7 +57,8 @@ bool vs_wave_is_silent(const vs_wave *w) {
   return true;
 }
 
-/* A voltage this small, in parts of the sum of all peaks, is none: what rounding makes of a zero. */
+/* A voltage this small, in parts of the sum of all peaks, is none: what rounding makes of a zero.
+ */
 static const double NONE = 1e-13;
 
 /* One that only touches zero does not turn: from a zero on it must rise by more than nothing, which

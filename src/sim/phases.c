@@ -109,7 +109,8 @@ static void fill(phases *p, double since_s, const double y[VS_CONDUCTING]) {
   complete(p, k);
   double z2 = moves * k->a[P];
   k->flux_rate2_v_s = u[1] - r * (k->flux_rate_v * z + k->flux_wb * z1);
-  k->flux_rate3_v_s2 = u[2] - r * (k->flux_rate2_v_s * z + 2 * k->flux_rate_v * z1 + k->flux_wb * z2);
+  k->flux_rate3_v_s2 =
+      u[2] - r * (k->flux_rate2_v_s * z + 2 * k->flux_rate_v * z1 + k->flux_wb * z2);
 }
 
 /* Something changed at the last knot: it is shown from its other side too, as a step of no length.
@@ -196,8 +197,8 @@ static void make_series(phases *p, double span_s) {
 }
 
 /* Of a conduction: does lambda end in the step to the knot to come, and between which two instants
- * from the last knot? Undisturbed u > 0 until its next zero, so lambda > 0 there: the zero of lambda
- * lies behind it. Else the series itself is asked for its first one. */
+ * from the last knot? Undisturbed u > 0 until its next zero, so lambda > 0 there: the zero of
+ * lambda lies behind it. Else the series itself is asked for its first one. */
 static bool flux_ends(const phases *p, double full_s, double *lower_s, double *upper_s) {
   double turn;
   if (!p->driven.conducting) return false;
@@ -219,7 +220,8 @@ static ending find_ending(const phases *p, double *length) {
     found = FLUX_ENDS;
     *length = locate(p, FLUX_ENDS, lower, upper);
   }
-  bool leaves = p->driven.touching && !p->driven.held && !vs_in_stop(p->driven.frame->model, to->x[P]);
+  bool leaves = p->driven.touching && !p->driven.held &&
+                !vs_in_stop(p->driven.frame->model, to->x[P]);
   if (!leaves && isnan(contact)) return found;
   ending change = leaves ? CONTACT_ENDS : CONTACT_BEGINS;
   double at = locate(p, change, 0, leaves ? full : contact - p->knots[p->now].t_s);
