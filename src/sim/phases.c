@@ -66,17 +66,23 @@ static void find_coordinates(phases *p) {
     p->driven.coordinate[i] = fmax(fabs(m->mf[i]), 1e-6 * fabs(m->mf[P])) * force / (w * w);
 }
 
+/* Less is no flux linkage, in parts of what the mains have: it is of a voltage that was as good as
+ * none. */
+static const double FAINT = 1e-9;
+
 /* A conduction begins: what is large for it is the flux linkage that u builds up until it falls or
  * changes, or what there was before. */
 static void rescale(phases *p, double t_s) {
   const vs_timeline *line = p->driven.frame->timeline;
   const vs_wave *wave = &p->driven.mains;
-  double step = 0.2 / wave->highest_rad_s, flux = 0, u[3] = {0};
-  double most = fmin(vs_wave_edge(line, t_s) - t_s, line->period_s);
-  for (double s = fmin(step, most) / 2; s < most && u[0] >= 0; s += step) {
-    vs_wave_at(wave, s, u);
-    flux += fmax(u[0], 0) * fmin(step, most);
+  double most = fmin(vs_wave_edge(line, t_s) - t_s, line->period_s), flux = 0;
+  double half = fmin(vs_wave_turns(wave, -1, 0, most), most) / 2;
+  for (size_t k = 0; k < wave->count; k++) { /* its integral: cosines' difference */
+    const vs_sine *s = &wave->sine[k];
+    double turned = s->omega_rad_s * half;
+    flux += 2 * s->peak_v / s->omega_rad_s * sin(s->phase_rad + turned) * sin(turned);
   }
+  flux = fmax(flux, FAINT * line->peak_v / line->omega_rad_s);
   p->driven.flux_wb = fmax(flux, p->largest_wb);
   find_coordinates(p);
 }
@@ -232,18 +238,21 @@ static ending find_ending(const phases *p, double *length) {
 
 /* ---- anything at all, by Taylor series ---- */
 
-/* Of harmonics the voltage, whose product with the current the books take, is as much larger than
- * their share in the flux linkage as they are faster than the mains. */
-static double slowest_part(const phases *p) {
+/* What the books of energy ask of lambda beside, as a part of that: of harmonics the voltage, whose
+ * product with the current they take, is as much larger than their share in lambda as they are
+ * faster than the mains; and a jammed machine does no work, so that they are told in parts of a
+ * hundredth of what is drawn (watch/energy.h). */
+static double books_part(const phases *p) {
   if (!p->disturbed || !p->driven.conducting) return 1;
-  return p->setup->timeline.omega_rad_s / p->driven.mains.highest_rad_s;
+  double slower = p->setup->timeline.omega_rad_s / p->driven.mains.highest_rad_s;
+  return slower * (p->driven.held ? 0.01 : 1);
 }
 
 /* How far the series may be used: its last terms must be negligible there, and that of degree eight
  * within what dense output may be off by. The one before each counts too: one alone may vanish. */
 static double reach(const phases *p, const vs_series *s) {
   enum { EIGHTH = 8, LAST = VS_SERIES_ORDER };
-  double rough = p->rough * slowest_part(p);
+  double rough = p->rough * books_part(p);
   double dense =
       fmax(vs_series_part(&p->driven, s, EIGHTH), vs_series_part(&p->driven, s, EIGHTH + 1));
   double last = fmax(vs_series_part(&p->driven, s, LAST - 1), vs_series_part(&p->driven, s, LAST));
