@@ -402,8 +402,128 @@ static void and_on_analytic(void) {
   for (size_t k = 1; k < COUNT(SCENES); k += 3) check(&SCENES[k], "analytic");
 }
 
+/* ---- tier against tier ---- */
+
+#define IDEAL                                                                                      \
+  "circuit.deck=halfwave_bare", "circuit.on_voltage=0 V", "circuit.on_resistance=1e-4 ohm",        \
+      "circuit.off_resistance=1000 Mohm", "supply.resistance=0", "supply.inductance=0"
+
+/* Three times the circuit tier's run.tolerance, as without events (src/validate/checks_tiers.c);
+ * its currents are straight lines between steps, so energies are told ten times less well. */
+static void circuit_with_ideal_parts(void) {
+  static const char *const KEYS[][4] = {
+      {E("s", "sag", "at: 27ms, duration: 23ms, level: 50 %")},
+      {E("i", "interruption", "at: 31ms, duration: 18ms")},
+      {E("n", "notch", "at: 27ms, duration: 0.7ms, count: 3, depth: 80 %")},
+      {E("j", "phase_jump", "at: 27ms, jump: 40 deg")},
+      {E("h", "harmonic", "at: 21ms, level: 20 %, phase: 40 deg")},
+      {E("m", "missing_pulse", "cycle: 2"), E("s", "spurious_pulse", "at: 48ms")},
+      {E("s", "short_pulse", "cycle: 2, duration: 0.2ms"), E("s2", "swell", "at: 41ms")},
+      {E("j", "jam", "at: 29ms")}};
+  static const struct {
+    int measure;
+    double tolerance;
+  } MEASURES[] = {{VS_M_I_PEAK, 3e-5}, {VS_M_FORCE_PEAK, 3e-5}, {VS_M_P_MIN, 3e-5},
+                  {VS_M_P_MAX, 3e-5},  {VS_M_AP_PEAK, 3e-5},    {VS_M_AU_PEAK, 3e-5}};
+  for (size_t k = 0; k < COUNT(KEYS); k++) {
+    const char *ideal[] = {"run.until=76ms", "firing.every=1", "run.tolerance=1e-5", IDEAL,
+                           KEYS[k][0], KEYS[k][1], NULL};
+    const char *alone[] = {"run.until=76ms", "firing.every=1", KEYS[k][0], KEYS[k][1], NULL};
+    vs_trial *c = vs_trial_run("paper", "circuit", ideal, NULL);
+    vs_trial *s = vs_trial_run("paper", "switched", alone, NULL);
+    EXPECT(!c->status && !s->status, "%s: %s%s", KEYS[k][0], c->err.text, s->err.text);
+    for (size_t n = 0; n < COUNT(MEASURES); n++) {
+      double of_circuit = c->values[MEASURES[n].measure].value;
+      double of_switched = s->values[MEASURES[n].measure].value;
+      EXPECT(fabs(of_circuit - of_switched) <= MEASURES[n].tolerance * fabs(of_switched),
+             "%s, %s: circuit %.9g, switched %.9g", KEYS[k][0],
+             vs_measures_known[MEASURES[n].measure].name, of_circuit, of_switched);
+    }
+    double in = s->energy.joule[VS_E_SOURCE], got = c->energy.joule[VS_E_SOURCE];
+    EXPECT(fabs(got - in) <= 3e-4 * in, "%s: circuit draws %.9g J, switched %.9g J", KEYS[k][0],
+           got, in);
+    vs_trial_free(c);
+    vs_trial_free(s);
+  }
+}
+
+/* A sag to half leaves half the current's peak and a quarter of the force, to what the back-EMF
+ * takes; before, the peak was the undisturbed one to the bit. */
+static void a_sag_is_no_footnote(void) {
+  const char *plain[] = {"run.until=30ms", NULL};
+  const char *sag[] = {"run.until=30ms", E("s", "sag", "at: 1ms, level: 50 %"), NULL};
+  vs_trial *whole = vs_trial_run("paper", "switched", plain, NULL);
+  vs_trial *half = vs_trial_run("paper", "switched", sag, NULL);
+  CU_ASSERT_EQUAL_FATAL(whole->status, VS_OK);
+  CU_ASSERT_EQUAL_FATAL(half->status, VS_OK);
+  CLOSE(half->values[VS_M_I_PEAK].value, whole->values[VS_M_I_PEAK].value / 2, 0.06);
+  CLOSE(half->values[VS_M_P_MIN].value, whole->values[VS_M_P_MIN].value / 4, 0.02);
+  CLOSE(half->energy.joule[VS_E_SOURCE], half->energy.joule[VS_E_PORT], 1e-9);
+  vs_trial_free(whole);
+  vs_trial_free(half);
+}
+
+/* A third harmonic as large as the mains, 4 sin x cos^2 x, touches zero from below at 270 degrees
+ * with the gate on: that is no forward voltage. */
+static void a_touch_is_no_firing(void) {
+  static const char *const LEVEL[] = {"99 %", "100 %"};
+  for (size_t k = 0; k < COUNT(LEVEL); k++) {
+    char keys[128];
+    snprintf(keys, sizeof keys, "events.h={kind: harmonic, at: 1ms, level: %s, order: 3}",
+             LEVEL[k]);
+    const char *sets[] = {"firing.first_cycle=2", keys, "run.until=20ms",
+                          E("s", "spurious_pulse", "at: 14ms, duration: 2ms"), NULL};
+    vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
+    EXPECT(t->status == VS_OK, "%s", t->err.text);
+    EXPECT(!t->values[VS_M_T_FIRE].known, "%s: it fires", LEVEL[k]);
+    vs_trial_free(t);
+  }
+}
+
+/* Mains that stay away: lambda dies away, and what is left of it conducts no more when they come
+ * back. With the gate off nothing fires then. */
+static void mains_that_stay_away(void) {
+  const char *sets[] = {"run.until=1.5s", "firing.pulse_width=1ms",
+                        E("i", "interruption", "at: 8ms, duration: 1s"), NULL};
+  vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  CU_ASSERT(t->values[VS_M_T_EXTINCTION].known);
+  CU_ASSERT(t->values[VS_M_T_EXTINCTION].value < 1.008);
+  CU_ASSERT(isnan(t->measures->refired_s));
+  vs_trial_free(t);
+}
+
+/* After the blow p rests: no velocity, no acceleration in any channel, on both tiers; the machine's
+ * loss by the blow is in the books. */
+static vs_status look_at_p(void *ctx, const vs_step *step, vs_error *err) {
+  (void)err;
+  double *largest = ctx, y[VS_CH_MOST];
+  if (step->from->t_s < 29e-3 || step->to->t_s == step->from->t_s) return VS_OK;
+  vs_step_at(step, (step->from->t_s + step->to->t_s) / 2, y);
+  *largest = fmax(*largest, fmax(fabs(y[VS_CH_VP]), fabs(y[VS_CH_AP])));
+  return VS_OK;
+}
+static void a_jam_holds_p(void) {
+  for (int tier = 0; tier < 2; tier++) {
+    const char *sets[] = {"run.until=60ms", "firing.every=1", E("j", "jam", "at: 29ms"), NULL};
+    double largest = 0;
+    vs_observer observer = {&largest, look_at_p};
+    vs_trial *t = vs_trial_run("paper", tier ? "circuit" : "switched", sets, &observer);
+    EXPECT(t->status == VS_OK, "%s", t->err.text);
+    /* p's rounding over a step's length, of half a m/s and 180 m/s2 before */
+    EXPECT(largest <= 1e-9, "tier %d: p moves by %g", tier, largest);
+    CU_ASSERT(t->energy.joule[VS_E_STOP] > 1e-3);
+    vs_trial_free(t);
+  }
+}
+
 static const vs_test TESTS[] = {
     {"each kind on tier switched", each_kind_on_switched},
     {"and on tier analytic", and_on_analytic},
+    {"the circuit tier with ideal parts", circuit_with_ideal_parts},
+    {"a sag acts", a_sag_is_no_footnote},
+    {"a touch of zero does not fire", a_touch_is_no_firing},
+    {"mains that stay away", mains_that_stay_away},
+    {"a jam holds p", a_jam_holds_p},
 };
 VS_SUITE_MAIN("events on the ideal tiers", TESTS)
