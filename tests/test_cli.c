@@ -650,7 +650,7 @@ static void auto_says_which_tier_and_why(void) {
       {"run: {tier: analytic}\n", "", "analytic", {"run.tier", NULL}},
       {"run: {tier: analytic}\n", "--tier circuit", "circuit", {"--tier", NULL}},
       {"run: {tier: analytic}\n", "--tier auto", "switched", {"auto", "nothing"}},
-      {"circuit: {r1: 220 ohm}\n", "--tier switched", "switched", {"--tier", NULL}},
+      {"circuit: {deck: halfwave_bare}\n", "--tier switched", "switched", {"--tier", NULL}},
   };
   for (size_t k = 0; k < sizeof ROWS / sizeof *ROWS; k++) {
     char tier[256], why[256];

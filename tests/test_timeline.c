@@ -107,7 +107,7 @@ static void edges_go_forward(void) {
 
 static void deck_becomes_a_netlist(void) {
   const char *sets[] = {"run.until=1us", "circuit.r1=220 ohm", "circuit.c1=0.33 uF", NULL};
-  vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
+  vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   const vs_deck_value standard[] = {{"u_rms", 440}};
   char **lines;

@@ -112,20 +112,20 @@ static const vs_field COIL_SHORT[] = {
 /* ---- what they do to the mains ---- */
 
 /* Has it begun? A step that ends with the edge, to rounding, still sees what was before. */
-static bool is_on(const vs_occurrence *e, double t_s) {
+bool vs_event_is_on(const vs_occurrence *e, double t_s) {
   double slack = vs_rounding(t_s);
   return t_s > e->start_s + slack && t_s <= e->end_s + slack;
 }
 
 static double scaled(const vs_occurrence *e, const vs_timeline *t, double t_s, double angle_rad) {
   (void)t, (void)angle_rad;
-  return is_on(e, t_s) ? e->v.part : 1;
+  return vs_event_is_on(e, t_s) ? e->v.part : 1;
 }
 
 static double interrupted(const vs_occurrence *e, const vs_timeline *t, double t_s,
                           double angle_rad) {
   (void)t, (void)angle_rad;
-  return is_on(e, t_s) ? 0 : 1;
+  return vs_event_is_on(e, t_s) ? 0 : 1;
 }
 
 /* The cycle of the notch that t is in or behind, from 0. */
@@ -143,13 +143,13 @@ static double notched(const vs_occurrence *e, const vs_timeline *t, double t_s, 
 
 static double jumped(const vs_occurrence *e, const vs_timeline *t, double t_s, double angle_rad) {
   (void)t, (void)angle_rad;
-  return is_on(e, t_s) ? e->v.phase_rad : 0;
+  return vs_event_is_on(e, t_s) ? e->v.phase_rad : 0;
 }
 
 static double distorted(const vs_occurrence *e, const vs_timeline *t, double t_s,
                         double angle_rad) {
   (void)t;
-  return is_on(e, t_s) ? e->v.part * sin(e->v.order * angle_rad + e->v.phase_rad) : 0;
+  return vs_event_is_on(e, t_s) ? e->v.part * sin(e->v.order * angle_rad + e->v.phase_rad) : 0;
 }
 
 /* ---- what they do at the gate ---- */
@@ -198,32 +198,33 @@ const vs_event_kind vs_event_kinds[VS_EVENT_KINDS] = {
     {"eft", "burst of 5/50 ns pulses of IEC 61000-4-4", KEYS(EFT), .source = vs_eft_source,
      .edge = vs_eft_edge, .longest = vs_eft_longest, .wire = vs_eft_wire},
     {"sag", "the mains are lower for a while", KEYS(SAG), .mains = scaled, .stage = VS_MAINS_FACTOR,
-     .edge = ends},
+     .edge = ends, .ideal = true},
     {"swell", "the mains are higher for a while", KEYS(SWELL), .mains = scaled,
-     .stage = VS_MAINS_FACTOR, .edge = ends},
+     .stage = VS_MAINS_FACTOR, .edge = ends, .ideal = true},
     {"interruption", "the mains are 0 V for a while", KEYS(INTERRUPTION), .mains = interrupted,
-     .stage = VS_MAINS_FACTOR, .edge = ends},
+     .stage = VS_MAINS_FACTOR, .edge = ends, .ideal = true},
     {"notch", "a part of the mains' voltage is gone for part of a cycle", KEYS(NOTCH),
-     .mains = notched, .stage = VS_MAINS_FACTOR, .edge = notch_edges},
+     .mains = notched, .stage = VS_MAINS_FACTOR, .edge = notch_edges, .ideal = true},
     {"phase_jump", "the mains jump in phase; the gate's pulses stay where they were",
-     KEYS(PHASE_JUMP), .mains = jumped, .stage = VS_MAINS_ANGLE, .edge = ends},
+     KEYS(PHASE_JUMP), .mains = jumped, .stage = VS_MAINS_ANGLE, .edge = ends, .ideal = true},
     {"harmonic", "a harmonic on the mains", KEYS(HARMONIC), .mains = distorted,
-     .stage = VS_MAINS_ADDED, .edge = ends},
+     .stage = VS_MAINS_ADDED, .edge = ends, .ideal = true},
     {"missing_pulse", "no gate pulse in that cycle", KEYS(MISSING_PULSE), .at_cycle = true,
-     .pulse = missing},
+     .pulse = missing, .ideal = true},
     {"short_pulse", "a shorter gate pulse in that cycle", KEYS(SHORT_PULSE), .at_cycle = true,
-     .pulse = shorter},
+     .pulse = shorter, .ideal = true},
     {"weak_pulse", "a weaker gate pulse in that cycle", KEYS(WEAK_PULSE), .at_cycle = true,
      .pulse = weaker},
     {"spurious_pulse", "one more gate pulse", KEYS(SPURIOUS_PULSE), .adds_pulse = true,
-     .edge = ends},
+     .edge = ends, .ideal = true},
     {"open", "an element of the deck is cut off", KEYS(OPEN), .source = vs_fault_source,
      .edge = ends, .wire = vs_open_wire},
     {"short", "an element of the deck is shorted", KEYS(SHORT), .source = vs_fault_source,
      .edge = ends, .wire = vs_short_wire},
     {"coil_short", "the EVA's coil is shorted, whole or in part", KEYS(COIL_SHORT),
      .source = vs_fault_source, .edge = ends, .wire = vs_turns_wire},
-    {"jam", "the armature is stuck: p stays what it is", KEYS(JAM), .jams = true, .edge = ends},
+    {"jam", "the armature is stuck: p stays what it is", KEYS(JAM), .jams = true, .edge = ends,
+     .ideal = true},
 };
 
 /* ---- reading ---- */

@@ -73,6 +73,7 @@ struct vs_event_kind {
   void (*pulse)(const vs_occurrence *e, double *width_s, double *voltage);
   bool adds_pulse; /* from its start to its end */
   bool jams;       /* the armature stays where it is */
+  bool ideal;      /* it means the same to an ideal thyristor between mains and coil */
   /* Voltage of the source it puts into the netlist, V. */
   double (*source)(const vs_occurrence *e, double t_s);
   /* First instant after t that must be the end of a step; INFINITY: none. */
@@ -92,6 +93,9 @@ extern const vs_event_kind vs_event_kinds[VS_EVENT_KINDS];
  */
 vs_status vs_events_read(const vs_node *map, const struct vs_timeline *timeline, double until_s,
                          vs_events *events, vs_error *err);
+
+/* Has it begun at t, and not ended? On its edges, to rounding, it still is what it was before. */
+bool vs_event_is_on(const vs_occurrence *e, double t_s);
 
 /* Does it act on the gate whose pulses are delayed so? */
 bool vs_event_at_gate(const vs_occurrence *e, double shift_rad);

@@ -84,6 +84,10 @@ double vs_mains(const vs_timeline *t, double t_s) {
          staged(t, VS_MAINS_FACTOR, t_s, angle);
 }
 
+double vs_mains_stage_at(const vs_timeline *t, vs_mains_stage stage, double t_s) {
+  return staged(t, stage, t_s, 0); /* the angle matters to harmonics alone */
+}
+
 double vs_phase(const vs_timeline *t, double t_s) {
   double turns = (t_s - t->first_zero_s) / t->period_s;
   return 2 * M_PI * (turns - floor(turns));
@@ -123,6 +127,38 @@ static void pulse(const vs_timeline *t, double shift_rad, double n, double *widt
         vs_event_at_gate(e, shift_rad))
       e->kind->pulse(e, width_s, voltage);
   }
+}
+
+/* Of the train's pulses the first that ends after t, as events leave it. */
+static bool train_stretch(const vs_timeline *t, double shift_rad, double t_s, double until_s,
+                          double *from_s, double *to_s) {
+  double width, voltage;
+  for (double n = fmax(last_pulse(t, shift_rad, t_s), 0); !n || t->firing.every; n++) {
+    double start = pulse_start(t, shift_rad, n);
+    if (start >= until_s) return false;
+    pulse(t, shift_rad, n, &width, &voltage);
+    if (!(voltage > 0) || start + width <= t_s) continue;
+    *from_s = fmax(start, t_s);
+    *to_s = start + width;
+    return true;
+  }
+  return false;
+}
+
+bool vs_gate_stretch(const vs_timeline *t, double shift_rad, double t_s, double until_s,
+                     double *from_s, double *to_s) {
+  bool found = train_stretch(t, shift_rad, t_s, until_s, from_s, to_s);
+  for (size_t k = 0; k < t->events.count; k++) {
+    const vs_occurrence *e = &t->events.item[k];
+    double from = fmax(e->start_s, t_s);
+    if (!e->kind->adds_pulse || e->end_s <= t_s || e->start_s >= until_s ||
+        !vs_event_at_gate(e, shift_rad) || (found && *from_s <= from))
+      continue;
+    found = true;
+    *from_s = from;
+    *to_s = e->end_s;
+  }
+  return found;
 }
 
 /* A pulse besides those of the train: its start; -INFINITY: none at t. */

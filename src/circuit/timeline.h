@@ -37,6 +37,9 @@ double vs_mains(const vs_timeline *timeline,
                 double t_s); /* u = sqrt(2) U sin(wt + phase), V (Eq. 90) */
 double vs_phase(const vs_timeline *timeline,
                 double t_s); /* angle since the last rising zero, 0..2 pi */
+/* What the events of a stage make together of the mains at t, but for harmonics: an angle to add,
+ * rad, or a factor. */
+double vs_mains_stage_at(const vs_timeline *timeline, vs_mains_stage stage, double t_s);
 
 /* Gate pulse present? shift_rad delays the train (a second thyristor fires 180 degrees later). On
  * after its leading edge and up to its trailing edge, so that a step that ends on an edge still
@@ -50,6 +53,11 @@ double vs_gate_voltage(const vs_timeline *timeline, double shift_rad, double t_s
 double vs_rounding(double t_s);
 /* First gate edge after t; INFINITY: none. */
 double vs_gate_edge(const vs_timeline *timeline, double shift_rad, double t_s);
+/* The first stretch of time with a gate pulse that ends after t and begins before `until`: one of
+ * the train, as events leave it, or one they add. From its beginning or from t on. false: there is
+ * none. */
+bool vs_gate_stretch(const vs_timeline *timeline, double shift_rad, double t_s, double until_s,
+                     double *from_s, double *to_s);
 /* The first burst_duty of each period 1/burst_hz of a gate pulse: what a pulse transformer is
  * driven with. */
 bool vs_burst(const vs_timeline *timeline, double shift_rad, double t_s);

@@ -197,10 +197,10 @@ static vs_event find_event(coupling *c, const vs_knot *before, const vs_knot *fr
 }
 
 static void complete(const coupling *c, vs_knot *k) {
-  vs_knot_complete(&c->frame, k, c->touching);
-  if (!c->jammed) return;
-  vs_hold_p(&c->setup->model, k->a);
-  vs_hold_p(&c->setup->model, k->j);
+  if (c->jammed)
+    vs_knot_hold(&c->frame, k);
+  else
+    vs_knot_complete(&c->frame, k, c->touching);
 }
 
 /* Shows the step to a knot. */
@@ -209,7 +209,8 @@ static vs_status show(coupling *c, const vs_knot *k, vs_event contact, vs_error 
   if (from->t_s == 0)
     memcpy(from->terms, k->terms, sizeof k->terms); /* the solver shows none at t = 0 */
   vs_step step = {
-      .frame = &c->frame, .from = from, .to = to, .cubic_flux = true, .periodic = c->without};
+      .frame = &c->frame, .from = from, .to = to, .cubic_flux = true, .periodic = c->without,
+      .held = c->jammed};
   step.event[0] = find_event(c, to, from, k, &step.event_s[0]); /* `to` is still the one before */
   vs_knot_copy(&c->frame, k, to);
   step.event[1] = contact;

@@ -13,8 +13,11 @@ typedef struct phases {
   const vs_observer *observer;
   vs_knot knots[2]; /* the last accepted one is knots[now] */
   int now;
+  double largest_wb; /* |lambda| at any knot so far */
   vs_driven driven;                /* from that knot on */
-  double began_s, began_phase_rad; /* where local time began, and the mains' phase then, -pi..pi */
+  bool disturbed;                  /* the scene has events */
+  double jams_s;                   /* INFINITY: it does not */
+  double began_s;                  /* where local time began, and with it the mains' wave */
   double since_s; /* local time of the last knot; as fine after hours as at first */
   double longest_s, longest_driven_s, longest_touching_s; /* step: free, conducting, in the stop */
   double rough; /* part of what is large that dense output may be off by */
@@ -40,23 +43,55 @@ static vs_status show(phases *p, vs_event event, vs_error *err) {
   vs_step step = {.frame = p->driven.frame,
                   .from = &p->knots[p->now],
                   .to = to,
+                  .held = p->driven.held,
                   .event = {event},
                   .event_s = {to->t_s}};
   p->now = 1 - p->now;
   return p->observer->accept(p->observer->ctx, &step, err);
 }
 
-/* u and its rate */
-static void mains(const phases *p, double since_s, double *voltage_v, double *rate_v_s) {
-  const vs_timeline *line = p->driven.frame->timeline;
-  double phase = p->began_phase_rad + line->omega_rad_s * since_s;
-  *voltage_v = line->peak_v * sin(phase);
-  *rate_v_s = line->peak_v * line->omega_rad_s * cos(phase);
+/* When u falls through zero, in local time, or near `most` where that comes first. */
+static double mains_turn(const phases *p, double most_s) {
+  const vs_wave *u = &p->driven.mains;
+  if (!p->disturbed) return (M_PI - u->sine[0].phase_rad) / u->sine[0].omega_rad_s;
+  return fmin(vs_wave_turns(u, -1, p->since_s, most_s), most_s); /* of a NaN the other */
 }
 
-/* When u falls through zero, in local time. */
-static double mains_turn(const phases *p) {
-  return (M_PI - p->began_phase_rad) / p->driven.frame->timeline->omega_rad_s;
+/* How far the force of what is a large flux linkage moves each coordinate at the working mode. */
+static void find_coordinates(phases *p) {
+  const vs_model *m = &p->setup->model;
+  double w = m->working_rad_s > 0 ? m->working_rad_s : m->fastest_rad_s;
+  double force = vs_force(m, p->driven.flux_wb);
+  for (int i = 0; i < VS_DOF; i++)
+    p->driven.coordinate[i] = fmax(fabs(m->mf[i]), 1e-6 * fabs(m->mf[P])) * force / (w * w);
+}
+
+/* Less is no flux linkage, in parts of what the mains have: it is of a voltage that was as good as
+ * none. */
+static const double FAINT = 1e-9;
+
+/* A conduction begins: what is large for it is the flux linkage that u builds up until it falls or
+ * changes, or what there was before. */
+static void rescale(phases *p, double t_s) {
+  const vs_timeline *line = p->driven.frame->timeline;
+  const vs_wave *wave = &p->driven.mains;
+  double most = fmin(vs_wave_edge(line, t_s) - t_s, line->period_s), flux = 0;
+  double half = fmin(vs_wave_turns(wave, -1, 0, most), most) / 2;
+  for (size_t k = 0; k < wave->count; k++) { /* its integral: cosines' difference */
+    const vs_sine *s = &wave->sine[k];
+    double turned = s->omega_rad_s * half;
+    flux += 2 * s->peak_v / s->omega_rad_s * sin(s->phase_rad + turned) * sin(turned);
+  }
+  flux = fmax(flux, FAINT * line->peak_v / line->omega_rad_s);
+  p->driven.flux_wb = fmax(flux, p->largest_wb);
+  find_coordinates(p);
+}
+
+static void complete(const phases *p, vs_knot *k) {
+  if (p->driven.held)
+    vs_knot_hold(p->driven.frame, k);
+  else
+    vs_knot_complete(p->driven.frame, k, p->driven.touching);
 }
 
 /* Fills the knot to come, `since_s` of local time on, from y:
@@ -70,38 +105,47 @@ static void fill(phases *p, double since_s, const double y[VS_CONDUCTING]) {
   k->flux_wb = y[VS_FLUX];
   k->flux_rate_v = k->flux_rate2_v_s = k->flux_rate3_v_s2 = 0;
   if (!p->driven.conducting) {
-    vs_knot_complete(frame, k, p->driven.touching);
+    complete(p, k);
     return;
   }
-  double u, u1, r = m->actuator.resistance_ohm / (2 * m->a_hm), moves = frame->gap_at_rest ? 0 : 1;
+  double u[3], r = m->actuator.resistance_ohm / (2 * m->a_hm), moves = frame->gap_at_rest ? 0 : 1;
   double z = vs_gap(m, moves * k->x[P]), z1 = moves * k->x[VS_DOF + P];
-  mains(p, since_s, &u, &u1);
-  k->flux_rate_v = u - r * k->flux_wb * z;
-  vs_knot_complete(frame, k, p->driven.touching);
-  double z2 = moves * k->a[P],
-         u2 = -u * frame->timeline->omega_rad_s * frame->timeline->omega_rad_s;
-  k->flux_rate2_v_s = u1 - r * (k->flux_rate_v * z + k->flux_wb * z1);
-  k->flux_rate3_v_s2 = u2 - r * (k->flux_rate2_v_s * z + 2 * k->flux_rate_v * z1 + k->flux_wb * z2);
+  vs_wave_at(&p->driven.mains, since_s, u);
+  k->flux_rate_v = u[0] - r * k->flux_wb * z;
+  complete(p, k);
+  double z2 = moves * k->a[P];
+  k->flux_rate2_v_s = u[1] - r * (k->flux_rate_v * z + k->flux_wb * z1);
+  k->flux_rate3_v_s2 =
+      u[2] - r * (k->flux_rate2_v_s * z + 2 * k->flux_rate_v * z1 + k->flux_wb * z2);
 }
 
 /* Something changed at the last knot: it is shown from its other side too, as a step of no length.
- * Local time begins anew unless a conduction goes on. */
+ * Local time begins anew, and the mains' wave with it, unless a conduction goes on undisturbed. */
 static vs_status turn_over(phases *p, bool conducting, bool touching, vs_event event,
                            vs_error *err) {
   double y[VS_CONDUCTING];
   const vs_knot *k = &p->knots[p->now];
   memcpy(y, k->x, sizeof k->x);
   y[VS_FLUX] = conducting ? k->flux_wb : 0;
-  if (!p->driven.conducting || !conducting) {
+  if (!p->driven.conducting || !conducting || p->disturbed) {
     p->began_s = k->t_s;
     p->since_s = 0;
-    p->began_phase_rad = remainder(vs_phase(p->driven.frame->timeline, k->t_s), 2 * M_PI);
+    vs_wave_of(p->driven.frame->timeline, k->t_s, &p->driven.mains);
+    if (p->disturbed && conducting && !p->driven.conducting) rescale(p, k->t_s);
   }
   p->driven.conducting = conducting;
   p->driven.touching = touching;
+  if (event == VS_EV_JAMS) { /* the blow */
+    p->driven.held = true;
+    vs_hold_p(p->driven.frame->model, y + VS_DOF);
+  }
   fill(p, p->since_s, y);
   return show(p, event, err);
 }
+
+/* In parts of what is large: rounding of lambda's series; and a flux linkage that is over, where
+ * 0 V let it die away for ever. */
+static const double NOTHING = 1e-14, OVER = 1e-9;
 
 /* ---- what may end a stretch of motion: a quantity that falls through zero ---- */
 
@@ -112,7 +156,7 @@ typedef enum ending { GOES_ON, FLUX_ENDS, CONTACT_BEGINS, CONTACT_ENDS } ending;
 static double first_contact(const phases *p) {
   const vs_model *m = p->driven.frame->model;
   const vs_knot *from = &p->knots[p->now], *to = &p->knots[1 - p->now];
-  if (!m->actuator.stop.present || p->driven.touching) return NAN;
+  if (!m->actuator.stop.present || p->driven.touching || p->driven.held) return NAN;
   if (to->x[P] < -m->actuator.gap_m) return to->t_s;
   if (from->x[VS_DOF + P] >= 0 || to->x[VS_DOF + P] <= 0) return NAN;
   const vs_step step = {.frame = p->driven.frame, .from = from, .to = to};
@@ -154,23 +198,36 @@ static double locate(const phases *p, ending e, double lower, double upper) {
 }
 
 static void make_series(phases *p, double span_s) {
-  mains(p, p->since_s, &p->driven.mains_v, &p->driven.mains_rate_v_s);
+  p->driven.since_s = p->since_s;
   vs_series_make(&p->driven, &p->knots[p->now], span_s, &p->series);
+}
+
+/* Of a conduction: does lambda end in the step to the knot to come, and between which two instants
+ * from the last knot? Undisturbed u > 0 until its next zero, so lambda > 0 there: the zero of
+ * lambda lies behind it. Else the series itself is asked for its first one. */
+static bool flux_ends(const phases *p, double full_s, double *lower_s, double *upper_s) {
+  double turn;
+  if (!p->driven.conducting) return false;
+  if (p->disturbed)
+    return vs_series_flux_falls(&p->series, full_s, NOTHING * p->driven.flux_wb, lower_s, upper_s);
+  turn = mains_turn(p, INFINITY) - p->since_s;
+  *lower_s = fmax(turn, 0);
+  *upper_s = full_s;
+  return p->knots[1 - p->now].flux_wb <= 0 && full_s >= turn;
 }
 
 /* Which ending comes first in the step just taken along the series (the knot to come is filled),
  * and where. */
 static ending find_ending(const phases *p, double *length) {
-  double full = *length, contact = first_contact(p);
+  double full = *length, contact = first_contact(p), lower, upper;
   const vs_knot *to = &p->knots[1 - p->now];
-  /* u > 0 until its next zero, so lambda > 0 there: the zero of lambda lies behind it */
-  double turn = mains_turn(p) - p->since_s;
   ending found = GOES_ON;
-  if (p->driven.conducting && to->flux_wb <= 0 && full >= turn) {
+  if (flux_ends(p, full, &lower, &upper)) {
     found = FLUX_ENDS;
-    *length = locate(p, FLUX_ENDS, fmax(turn, 0), full);
+    *length = locate(p, FLUX_ENDS, lower, upper);
   }
-  bool leaves = p->driven.touching && !vs_in_stop(p->driven.frame->model, to->x[P]);
+  bool leaves = p->driven.touching && !p->driven.held &&
+                !vs_in_stop(p->driven.frame->model, to->x[P]);
   if (!leaves && isnan(contact)) return found;
   ending change = leaves ? CONTACT_ENDS : CONTACT_BEGINS;
   double at = locate(p, change, 0, leaves ? full : contact - p->knots[p->now].t_s);
@@ -181,15 +238,33 @@ static ending find_ending(const phases *p, double *length) {
 
 /* ---- anything at all, by Taylor series ---- */
 
+/* What the books of energy ask of lambda beside, as a part of that: of harmonics the voltage, whose
+ * product with the current they take, is as much larger than their share in lambda as they are
+ * faster than the mains; and a jammed machine does no work, so that they are told in parts of a
+ * hundredth of what is drawn (watch/energy.h). */
+static double books_part(const phases *p) {
+  if (!p->disturbed || !p->driven.conducting) return 1;
+  double slower = p->setup->timeline.omega_rad_s / p->driven.mains.highest_rad_s;
+  return slower * (p->driven.held ? 0.01 : 1);
+}
+
 /* How far the series may be used: its last terms must be negligible there, and that of degree eight
  * within what dense output may be off by. The one before each counts too: one alone may vanish. */
 static double reach(const phases *p, const vs_series *s) {
   enum { EIGHTH = 8, LAST = VS_SERIES_ORDER };
+  double rough = p->rough * books_part(p);
   double dense =
       fmax(vs_series_part(&p->driven, s, EIGHTH), vs_series_part(&p->driven, s, EIGHTH + 1));
   double last = fmax(vs_series_part(&p->driven, s, LAST - 1), vs_series_part(&p->driven, s, LAST));
-  double r = fmin(pow(256 * p->rough / dense, 1.0 / EIGHTH), pow(p->negligible / last, 1.0 / LAST));
+  double r = fmin(pow(256 * rough / dense, 1.0 / EIGHTH), pow(p->negligible / last, 1.0 / LAST));
   return fmin(r, 1) * s->span_s;
+}
+
+static bool is_over(phases *p) {
+  double flux = fabs(p->knots[1 - p->now].flux_wb);
+  if (!p->disturbed || !p->driven.conducting) return false;
+  p->largest_wb = fmax(p->largest_wb, flux);
+  return flux <= OVER * p->largest_wb && vs_wave_is_silent(&p->driven.mains);
 }
 
 /* Until an instant, or until the thyristor goes out, or the armature meets or leaves the stop. */
@@ -198,6 +273,8 @@ static vs_status drive_until(phases *p, double end_s, vs_error *err) {
   double longest = p->driven.touching     ? p->longest_touching_s
                    : p->driven.conducting ? p->longest_driven_s
                                           : p->longest_s;
+  if (p->disturbed && p->driven.conducting)
+    longest = fmin(longest, 1 / p->driven.mains.highest_rad_s);
   double end = end_s - p->began_s, y[VS_CONDUCTING];
   vs_status status = VS_OK;
   while (!status && p->since_s < end) {
@@ -206,7 +283,8 @@ static vs_status drive_until(phases *p, double end_s, vs_error *err) {
     if (!(length > 1e-15 * end))
       return vs_fail(err, VS_RUN, "t = %.9g s: no step is short enough", p->knots[p->now].t_s);
     /* a knot near the largest flux, however short the conduction */
-    if (p->driven.conducting && p->since_s == 0) length = fmin(length, mains_turn(p));
+    double turn = p->driven.conducting && p->since_s == 0 ? mains_turn(p, length) : 0;
+    if (turn > 0) length = fmin(length, turn);
     if (length >= left)
       length = left;
     else if (2 * length > left)
@@ -218,11 +296,12 @@ static vs_status drive_until(phases *p, double end_s, vs_error *err) {
       vs_series_at(&p->series, length, y);
       fill(p, p->since_s + length, y);
     }
+    if (e == GOES_ON && is_over(p)) e = FLUX_ENDS;
     bool done = length == left;
     p->since_s += length;
     if (done) p->knots[1 - p->now].t_s = end_s;
     status = show(p, EVENT[e], err);
-    if (status || done) return status;
+    if (status || (done && e == GOES_ON)) return status;
     if (e == GOES_ON) continue;
     bool conducting = p->driven.conducting && e != FLUX_ENDS;
     bool touching = e == FLUX_ENDS ? p->driven.touching : e == CONTACT_BEGINS;
@@ -238,13 +317,19 @@ static vs_status drive_until(phases *p, double end_s, vs_error *err) {
  * 5e-15, for 2e-14 to 1e-12 without (h from 50 us to 0.8 ms, Table 1). */
 static void make_propagator(phases *p, double h_s) {
   const vs_model *m = &p->setup->model;
-  double w = m->fastest_rad_s;
+  double w = m->fastest_rad_s, k[VS_DOF], b[VS_DOF];
   gsl_matrix *a = gsl_matrix_calloc(VS_STATES, VS_STATES);
-  for (size_t i = 0; i < VS_DOF; i++) {
-    gsl_matrix_set(a, i, VS_DOF + i, h_s * w);
-    for (size_t j = 0; j < VS_DOF; j++) {
-      gsl_matrix_set(a, VS_DOF + i, j, -h_s * m->mk_column[j][i] / w);
-      gsl_matrix_set(a, VS_DOF + i, VS_DOF + j, -h_s * m->mb_column[j][i]);
+  for (size_t j = 0; j < VS_DOF; j++) {
+    gsl_matrix_set(a, j, VS_DOF + j, h_s * w);
+    memcpy(k, m->mk_column[j], sizeof k);
+    memcpy(b, m->mb_column[j], sizeof b);
+    if (p->driven.held) {
+      vs_hold_p(m, k);
+      vs_hold_p(m, b);
+    }
+    for (size_t i = 0; i < VS_DOF; i++) {
+      gsl_matrix_set(a, VS_DOF + i, j, -h_s * k[i] / w);
+      gsl_matrix_set(a, VS_DOF + i, VS_DOF + j, -h_s * b[i]);
     }
   }
   gsl_matrix_view e = gsl_matrix_view_array(&p->propagator_column[0][0], VS_STATES, VS_STATES);
@@ -286,16 +371,52 @@ static vs_status swing_until(phases *p, double end_s, vs_error *err) {
   return status;
 }
 
-/* What is large: the flux linkage that the mains can build up from the firing angle on, its force,
- * and how far that moves each coordinate at the working mode. */
+/* Free and off in long steps, else by series; may come back before the end. */
+static vs_status go(phases *p, double end_s, vs_error *err) {
+  bool swings = !p->driven.conducting && !p->driven.touching;
+  if (swings && end_s - p->knots[p->now].t_s >= 2 * p->longest_s) return swing_until(p, end_s, err);
+  return drive_until(p, end_s, err);
+}
+
+/* What is large: the flux linkage that the mains can build up from the firing angle on, and what it
+ * moves. */
 static void find_scales(phases *p) {
-  const vs_model *m = &p->setup->model;
   const vs_timeline *line = &p->setup->timeline;
-  double w = m->working_rad_s > 0 ? m->working_rad_s : m->fastest_rad_s;
   p->driven.flux_wb = line->peak_v / line->omega_rad_s * (1 + cos(line->firing.angle_rad));
-  double force = vs_force(m, p->driven.flux_wb);
-  for (int i = 0; i < VS_DOF; i++)
-    p->driven.coordinate[i] = fmax(fabs(m->mf[i]), 1e-6 * fabs(m->mf[P])) * force / (w * w);
+  find_coordinates(p);
+}
+
+/* ---- all of it ---- */
+
+/* Up to the end, and where the mains' next sines begin while current flows, on with them; or the
+ * armature jams. */
+static vs_status go_disturbed(phases *p, double end_s, vs_error *err) {
+  const vs_timeline *line = &p->setup->timeline;
+  double t = p->knots[p->now].t_s, edge = INFINITY;
+  if (!p->driven.held && t >= p->jams_s) {
+    vs_status status = turn_over(p, p->driven.conducting, p->driven.touching, VS_EV_JAMS, err);
+    make_propagator(p, p->longest_s);
+    return status;
+  }
+  if (p->driven.conducting) edge = vs_wave_edge(line, t);
+  double jams = p->driven.held ? INFINITY : p->jams_s;
+  vs_status status = go(p, fmin(fmin(end_s, edge), jams), err);
+  if (status || !p->driven.conducting || p->knots[p->now].t_s < edge) return status;
+  return turn_over(p, true, p->driven.touching, VS_EV_NONE, err);
+}
+
+static double next_firing(const phases *p, double t_s) {
+  const vs_timeline *line = &p->setup->timeline;
+  if (p->driven.conducting) return INFINITY;
+  return p->disturbed ? vs_wave_conduction(line, t_s, p->setup->run.until_s)
+                      : vs_next_conduction(line, t_s);
+}
+
+static double first_jam(const vs_events *events) {
+  double first = INFINITY;
+  for (size_t k = 0; k < events->count; k++)
+    if (events->item[k].kind->jams) first = fmin(first, events->item[k].start_s);
+  return first;
 }
 
 vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_observer *observer,
@@ -306,6 +427,8 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
   double coil = m->actuator.resistance_ohm * m->gap_rest_m / (2 * m->a_hm);
   phases p = {.setup = setup, .observer = observer, .rough = fmin(ROUGH * tolerance, ROUGHEST)};
   p.negligible = 1e-3 * p.rough;
+  p.disturbed = setup->timeline.events.count > 0;
+  p.jams_s = first_jam(&setup->timeline.events);
   p.driven = (vs_driven){.frame = frame};
   p.knots[0] = vs_sim_start(setup, frame);
   p.driven.touching = vs_in_stop(m, p.knots[0].x[P]);
@@ -316,15 +439,12 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
   make_propagator(&p, p.longest_s);
   vs_status status = vs_sim_check_steps(setup, p.longest_touching_s, err);
   while (!status && p.knots[p.now].t_s < until) {
-    double t = p.knots[p.now].t_s;
-    double fires = p.driven.conducting ? INFINITY : vs_next_conduction(&setup->timeline, t);
-    double end = fmin(fires, until);
-    if (fires <= t + 1e-10 * setup->timeline.period_s) /* to rounding */
+    double t = p.knots[p.now].t_s, fires = next_firing(&p, t), end = fmin(fires, until);
+    /* to rounding; of what is disturbed to the bit, as the mains may be others just before */
+    if (fires <= t + (p.disturbed ? 0 : 1e-10 * setup->timeline.period_s))
       status = turn_over(&p, true, p.driven.touching, VS_EV_FIRES, err);
-    else if (!p.driven.conducting && !p.driven.touching && end - t >= 2 * p.longest_s)
-      status = swing_until(&p, end, err);
     else
-      status = drive_until(&p, end, err);
+      status = p.disturbed ? go_disturbed(&p, end, err) : go(&p, end, err);
   }
   return status;
 }

@@ -5,6 +5,7 @@
 #ifndef VS_SIM_SERIES_H
 #define VS_SIM_SERIES_H
 
+#include "circuit/wave.h"
 #include "sim/step.h"
 
 enum { VS_SERIES_ORDER = 13 };
@@ -14,7 +15,9 @@ enum { VS_FLUX = VS_STATES, VS_CONDUCTING }; /* y = (q, q', lambda) */
 typedef struct vs_driven {
   const vs_frame *frame;
   bool conducting, touching;          /* dlambda/dt = u - R_c i, else lambda = 0; the stop */
-  double mains_v, mains_rate_v_s;     /* u, a sine of the timeline's omega, and its rate */
+  bool held;                          /* p stays what it is */
+  vs_wave mains;                      /* u */
+  double since_s;                     /* the knot, behind the origin of u */
   double coordinate[VS_DOF], flux_wb; /* what is large for q and lambda */
   double negligible;                  /* a term is, at this part of what is large */
 } vs_driven;
@@ -35,5 +38,10 @@ void vs_series_at(const vs_series *series, double s, double y[VS_CONDUCTING]);
 /* p or lambda alone, and its rate. */
 double vs_series_p(const vs_series *series, double s, double *rate);
 double vs_series_flux(const vs_series *series, double s, double *rate);
+
+/* Does lambda fall below -nothing_wb within s seconds? Then between these two for the first time,
+ * and there but once; whatever it does, no fall is passed over. */
+bool vs_series_flux_falls(const vs_series *series, double s, double nothing_wb, double *lower_s,
+                          double *upper_s);
 
 #endif

@@ -44,6 +44,17 @@ void vs_knot_complete(const vs_frame *frame, vs_knot *k, bool touching) {
   vs_jerks(m, va, rate + (touching ? vs_stop_rate(m, k->x, k->a) : 0), k->j);
 }
 
+void vs_knot_hold(const vs_frame *frame, vs_knot *k) {
+  const vs_model *m = frame->model;
+  double va[VS_STATES];
+  vs_accelerations(m, k->x, vs_force(m, k->flux_wb), k->a);
+  vs_hold_p(m, k->a);
+  memcpy(va, k->x + VS_DOF, sizeof(double[VS_DOF]));
+  memcpy(va + VS_DOF, k->a, sizeof(double[VS_DOF]));
+  vs_jerks(m, va, 0, k->j); /* what acts along p is held */
+  vs_hold_p(m, k->j);
+}
+
 /* Weights of value, slope, curvature and third derivative at the two ends of a step. */
 typedef struct weights {
   double y[2], d[2], e[2], f[2];
@@ -188,9 +199,11 @@ void vs_step_parts_at(const vs_step *step, double t_s, unsigned parts, double *y
                          ? m->actuator.resistance_ohm * y[VS_CH_I] + flux_rate(step, at)
                          : line(a->v_eva_v, b->v_eva_v, s);
   if (parts & VS_PART_V_MAINS) y[VS_CH_V_MAINS] = vs_mains(frame->timeline, t_s);
-  if (parts & VS_PART_ACCELERATIONS)
+  if (parts & VS_PART_ACCELERATIONS) {
     vs_accelerations(m, x, y[VS_CH_FORCE] + (vs_in_stop(m, x[P]) ? vs_stop_force(m, x) : 0),
                      y + VS_CH_AP);
+    if (step->held) vs_hold_p(m, y + VS_CH_AP);
+  }
   for (size_t n = 0; parts & VS_PART_DECK && frame->deck && n < frame->deck->n_probes; n++) {
     const vs_probe *probe = &frame->deck->probes[n];
     y[VS_CH_DECK + n] = probe->sign * line(a->terms[probe->term], b->terms[probe->term], s);

@@ -92,6 +92,7 @@ typedef struct vs_step {
   const vs_knot *from, *to;
   bool cubic_flux;   /* flux between the knots by its values and first derivatives alone */
   bool periodic;     /* the deck's terms are as in any other cycle */
+  bool held;         /* the armature is jammed: p" = 0 */
   vs_event event[2]; /* in order of time; VS_EV_NONE where there is none */
   double event_s[2]; /* in [from, to], or as near as it can be told */
   double bound;      /* of VS_EV_QUIET: largest error by it, relative to each probe's peak */
@@ -99,6 +100,8 @@ typedef struct vs_step {
 
 /* Fills q", q"' of a knot from its state and flux; touching: on the side of the stop. */
 void vs_knot_complete(const vs_frame *frame, vs_knot *knot, bool touching);
+/* The same of a jammed armature, whose p' is 0 and stays so. */
+void vs_knot_hold(const vs_frame *frame, vs_knot *knot);
 
 /* What some of the channels cost of their own; all others are always there. */
 enum {

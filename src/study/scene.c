@@ -26,41 +26,104 @@ vs_scene_part vs_scene_part_at(const vs_scene *s, int index) {
   return parts[index];
 }
 
-/* The first of ngspice's own keys that the section run has; NULL: none. */
-static const char *solver_key(const vs_node *run) {
-  static const char *const KEYS[] = {"method", "trtol", "pivrel", "leave_circuit"};
-  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS; k++)
-    if (vs_node_child(run, KEYS[k])) return KEYS[k];
+/* Keys of sections that every tier has, but that only the circuit tier obeys. */
+typedef struct circuit_key {
+  const char *section, *key;
+} circuit_key;
+static const circuit_key CIRCUIT_KEYS[] = {
+    {"supply", "resistance"}, {"supply", "inductance"},   {"run", "method"}, {"run", "trtol"},
+    {"run", "pivrel"},        {"run", "leave_circuit"},
+};
+enum { N_CIRCUIT_KEYS = sizeof CIRCUIT_KEYS / sizeof *CIRCUIT_KEYS };
+
+static const vs_node *node_of(const vs_scene *s, const circuit_key *k) {
+  return vs_node_child(vs_node_child(s->tree.root, k->section), k->key);
+}
+
+/* Its first probe that only the circuit tier has; NULL: none. */
+static const char *probe_of_circuit(const vs_scene *s) {
+  const vs_node *record = vs_node_child(s->tree.root, "record");
+  const vs_frame circuit_frame = vs_tier_circuit.frame(&s->setup);
+  const vs_node *item = record && record->kind == VS_NODE_LIST ? record->child : record;
+  for (; item; item = item->next)
+    if (item->kind == VS_NODE_TEXT && vs_channel_find(&circuit_frame, item->text) >= VS_CH_DECK)
+      return item->text;
   return NULL;
 }
 
-/* What the scene names that only the circuit tier has; NULL: nothing. */
+/* Of the scene's events the first that no other tier has; if there is none, the first; NULL: it has
+ * no events. */
+static const vs_occurrence *first_event(const vs_scene *s) {
+  const vs_events *events = &s->setup.timeline.events;
+  for (size_t k = 0; k < events->count; k++)
+    if (!events->item[k].kind->ideal) return &events->item[k];
+  return events->count ? events->item : NULL;
+}
+
+/* Why the scene needs the circuit tier: what it names that only that one has, or tells all of.
+ * NULL: it does not. */
 static const char *needs_circuit(const vs_scene *s, char *buffer, size_t size) {
-  const vs_node *root = s->tree.root, *circuit = vs_node_child(root, "circuit");
-  const vs_node *run = vs_node_child(root, "run");
-  const vs_node *supply = vs_node_child(root, "supply"), *record = vs_node_child(root, "record");
-  const char *source = vs_node_child(supply, "resistance")   ? "resistance"
-                       : vs_node_child(supply, "inductance") ? "inductance"
-                                                             : NULL;
+  static const char *const HAS = "which only this tier has";
+  const vs_node *circuit = vs_node_child(s->tree.root, "circuit");
+  const vs_occurrence *event = first_event(s);
+  const char *probe = probe_of_circuit(s);
+  const circuit_key *key = NULL;
+  for (size_t k = 0; k < N_CIRCUIT_KEYS && !key; k++)
+    if (node_of(s, &CIRCUIT_KEYS[k])) key = &CIRCUIT_KEYS[k];
   if (circuit && circuit->child)
-    snprintf(buffer, size, "circuit.%s", circuit->child->key);
-  else if (source)
-    snprintf(buffer, size, "supply.%s", source);
-  else if (s->setup.timeline.events.count)
-    snprintf(buffer, size, "events.%s", s->setup.timeline.events.item[0].name);
-  else if (solver_key(run))
-    snprintf(buffer, size, "run.%s", solver_key(run));
-  else {
-    const vs_frame circuit_frame = vs_tier_circuit.frame(&s->setup);
-    const vs_node *item = record && record->kind == VS_NODE_LIST ? record->child : record;
-    for (; item; item = item->next)
-      if (item->kind == VS_NODE_TEXT && vs_channel_find(&circuit_frame, item->text) >= VS_CH_DECK) {
-        snprintf(buffer, size, "probe %s", item->text);
-        return buffer;
-      }
+    snprintf(buffer, size, "circuit.%s, %s", circuit->child->key, HAS);
+  else if (key)
+    snprintf(buffer, size, "%s.%s, %s", key->section, key->key, HAS);
+  else if (event)
+    snprintf(buffer, size, "events.%s, %s", event->name,
+             event->kind->ideal ? "and only this tier tells how the devices bear it" : HAS);
+  else if (probe)
+    snprintf(buffer, size, "probe %s, %s", probe, HAS);
+  else
     return NULL;
-  }
   return buffer;
+}
+
+/* ---- what a tier that was asked for would ignore ---- */
+
+static vs_status ignored_key(const vs_scene *s, const char *section, const vs_node *node,
+                             vs_error *err) {
+  if (!node) return VS_OK;
+  return vs_carry_on(err, vs_fail_at(err, node->key_where,
+                                     "%s.%s: tier %s (%s) has no circuit and would ignore it; take "
+                                     "tier circuit or auto, or leave the key out",
+                                     section, node->key, s->tier->name, s->why));
+}
+
+static vs_status ignored_event(const vs_scene *s, const vs_occurrence *e, vs_error *err) {
+  bool other = !isnan(e->gate_rad) && !vs_event_at_gate(e, 0);
+  if (e->kind->ideal && !other) return VS_OK;
+  if (e->kind->ideal)
+    vs_fail_at(err, e->where,
+               "events.%s.gate: tier %s (%s) has one thyristor, whose gate is 'gate', and would "
+               "ignore %s; take tier circuit or auto",
+               e->name, s->tier->name, s->why, e->v.gate);
+  else
+    vs_fail_at(err, e->where,
+               "events.%s: tier %s (%s) has an ideal thyristor between mains and coil, to which a "
+               "%s is nothing; take tier circuit or auto",
+               e->name, s->tier->name, s->why, e->kind->name);
+  return vs_carry_on(err, VS_INPUT);
+}
+
+/* The deck's name alone is no conflict: it says what the tiers stand for. */
+static vs_status check_ignored(const vs_scene *s, vs_error *err) {
+  const vs_node *circuit = vs_node_child(s->tree.root, "circuit");
+  const vs_events *events = &s->setup.timeline.events;
+  vs_status status = VS_OK;
+  if (s->tier == &vs_tier_circuit) return VS_OK;
+  for (const vs_node *n = circuit ? circuit->child : NULL; n && !status; n = n->next)
+    if (strcmp(n->key, vs_deck_key.key)) status = ignored_key(s, "circuit", n, err);
+  for (size_t k = 0; k < N_CIRCUIT_KEYS && !status; k++)
+    status = ignored_key(s, CIRCUIT_KEYS[k].section, node_of(s, &CIRCUIT_KEYS[k]), err);
+  for (size_t k = 0; k < events->count && !status; k++)
+    status = ignored_event(s, &events->item[k], err);
+  return status;
 }
 
 /* A check carries on from a run.tier that is none; what is meant is then not known. */
@@ -71,7 +134,7 @@ static bool tier_is_known(const vs_scene *s) {
 }
 
 static vs_status choose_tier(vs_scene *s, const char *named, vs_error *err) {
-  char what[128];
+  char what[200];
   int choice = s->setup.run.tier;
   if (named && !strcmp(named, "auto"))
     choice = 0;
@@ -90,7 +153,7 @@ static vs_status choose_tier(vs_scene *s, const char *named, vs_error *err) {
     s->tier = &vs_tier_circuit; /* it has all probes */
   } else if (needs_circuit(s, what, sizeof what)) {
     s->tier = &vs_tier_circuit;
-    snprintf(s->why, sizeof s->why, "auto: the scene names %s, which only this tier has", what);
+    snprintf(s->why, sizeof s->why, "auto: the scene names %s", what);
   } else {
     s->tier = &vs_tier_switched;
     snprintf(s->why, sizeof s->why, "auto: nothing in the scene needs the circuit tier");
@@ -254,7 +317,8 @@ static vs_status conclude(vs_scene *s, const char *tier, vs_error *err) {
   vs_status status = choose_tier(s, tier, err);
   if (status) return status;
   s->frame = s->tier->frame(&s->setup);
-  status = vs_carry_on(err, check_tolerance(s, err));
+  status = check_ignored(s, err);
+  if (!status) status = vs_carry_on(err, check_tolerance(s, err));
   if (!status) status = vs_carry_on(err, check_rows(s, err));
   return status;
 }
