@@ -214,6 +214,7 @@ static vs_status run_scene(const vs_run_options *o, vs_scene *s, const vs_ladder
       printf("written: run.csv, events.csv, summary.json%s in %s\n", o->raw ? ", run.raw" : "",
              o->folder);
   }
+  if (!status && !o->quiet) vs_result_warn(s, &a.result);
   if (!status && a.result.open_books && !o->quiet)
     fprintf(stderr, "vibrospice: warning: %s\n", a.result.open_books);
   if (!status) status = judge(&a.result, err);

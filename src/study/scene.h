@@ -10,7 +10,7 @@
 extern const vs_shelf vs_scene_shelf, vs_study_shelf;
 
 /* At most; of limits that nothing is held against. */
-enum { VS_IDLE_LIMITS = 8, VS_WARNINGS = 1 + VS_DECK_PARTS + VS_DECK_DEVICES + VS_IDLE_LIMITS };
+enum { VS_IDLE_LIMITS = 8, VS_WARNINGS = 2 + VS_DECK_PARTS + VS_DECK_DEVICES + VS_IDLE_LIMITS };
 
 typedef struct vs_scene {
   char path[VS_PATH_SIZE];
@@ -55,7 +55,7 @@ typedef struct vs_scene_part {
   const void *values;
   size_t size; /* of the struct of values, bytes */
 } vs_scene_part;
-enum { VS_SCENE_PARTS = 8 };
+enum { VS_SCENE_PARTS = 9 };
 vs_scene_part vs_scene_part_at(const vs_scene *scene, int index);
 
 #endif

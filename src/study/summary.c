@@ -23,6 +23,7 @@ static bool device_measure_at(const vs_devices *devices, size_t k, vs_shown *m) 
     m->value.value /= vs_unit_factor(m->unit);
     if (r->limit) m->limit = r->limit->value / vs_unit_factor(m->unit);
     m->at_least = r->measure->held == VS_AT_LEAST;
+    m->unjudged = r->unjudged;
     set_text(m, "%s", r->measure->text);
     return true;
   }
@@ -39,6 +40,7 @@ static double rating_of(const vs_deck *deck, int probe, int sense) {
 bool vs_shown_at(const vs_frame *frame, const vs_result *r, int k, vs_shown *m) {
   m->limit = NAN;
   m->at_least = false;
+  m->unjudged = NULL;
   if (k < VS_MEASURES) {
     snprintf(m->name, sizeof m->name, "%s", vs_measures_known[k].name);
     m->unit = vs_measures_known[k].unit;
@@ -88,6 +90,55 @@ void vs_absence_accept(vs_absence *a, const vs_step *step) {
 void vs_absence_finish(vs_absence *a, double until_s) {
   if (a->now) a->total_s += until_s - a->since_s;
   a->now = false;
+}
+
+/* Has anything conducted? Only what the deck shows can tell: its probe i_thyristor, of which the
+ * firing is taken, and its devices that conduct or block. */
+static bool nothing_conducts(const vs_scene *s, const vs_result *r) {
+  const vs_deck *deck = s->frame.deck;
+  bool told = !deck || vs_channel_find(&s->frame, "i_thyristor") >= 0;
+  if (r->values[VS_M_T_FIRE].known) return false;
+  for (size_t k = 0; r->devices && k < r->devices->count; k++) {
+    const vs_switch *states = r->devices->item[k].states;
+    told = told || states;
+    if (states && states->most_a > 0) return false;
+  }
+  return told;
+}
+
+static bool has_port(const vs_deck *deck, int drive, int other) {
+  for (size_t k = 0; k < deck->n_ports; k++)
+    if (deck->ports[k].signal.drive == drive || deck->ports[k].signal.drive == other) return true;
+  return false;
+}
+
+size_t vs_result_warnings(const vs_scene *s, const vs_result *r, vs_error out[], size_t most) {
+  const vs_timeline *line = &s->setup.timeline;
+  const vs_deck *deck = s->frame.deck;
+  bool asked = !deck || has_port(deck, VS_DRIVE_GATE, VS_DRIVE_BURST);
+  if (!most || !asked || !nothing_conducts(s, r)) return 0;
+  double first_s = vs_next_conduction(line, 0), until_s = s->setup.run.until_s;
+  out[0] = (vs_error){0};
+  if (first_s < until_s)
+    vs_fail(&out[0], VS_INPUT, "nothing fires: the thyristor conducts nowhere in this run, though "
+                               "a gate pulse meets forward mains voltage at %.9g s",
+            first_s);
+  else if (isfinite(first_s))
+    vs_fail(&out[0], VS_INPUT, "nothing fires: no gate pulse meets forward mains voltage before "
+                               "run.until = %.9g s; the first would do so at %.9g s",
+            until_s, first_s);
+  else
+    vs_fail(&out[0], VS_INPUT,
+            "nothing fires: no gate pulse meets forward mains voltage; look at firing.angle and "
+            "firing.pulse_width");
+  return 1;
+}
+
+void vs_result_warn(const vs_scene *s, const vs_result *r) {
+  vs_error after[VS_RESULT_WARNINGS];
+  size_t n = vs_result_warnings(s, r, after, VS_RESULT_WARNINGS);
+  for (size_t k = 0; k < n; k++)
+    fprintf(stderr, "vibrospice: warning: %s\n", after[k].text + after[k].place_size);
 }
 
 static const char *mark(const vs_judgement *j) {
@@ -147,6 +198,7 @@ static void print_measure(const vs_shown *m, int width, const vs_value *measured
     if (measured->value != 0)
       fprintf(out, "   computed is %+.1f %%", 100 * (m->value.value / measured->value - 1));
   }
+  if (m->unjudged) fprintf(out, "  %s", m->unjudged);
   fputc('\n', out);
 }
 
@@ -169,6 +221,8 @@ void vs_summary_table(const vs_scene *s, const vs_result *r, FILE *out) {
         "%.2g of each peak\n",
         absence->total_s, absence->first_s, absence->times, absence->times > 1 ? "s" : "",
         absence->bound);
+  if (r->devices)
+    fprintf(out, "means over %.9g..%.9g s\n", s->setup.means.from_s, s->setup.means.to_s);
   fputc('\n', out);
   fprintf(out, "%-*s %16s %-5s %14s%s\n", width, "measure", "computed", "", "at",
           any ? "         measured" : "");
@@ -233,6 +287,7 @@ static void add_measures(vs_text *json, const vs_scene *s, const vs_result *r) {
     if (!isnan(m.value.at_s)) vs_text_add(json, ", \"at_s\": %.12g", m.value.at_s);
     if (k < VS_MEASURES && s->measured[k].known)
       vs_text_add(json, ", \"measured\": %.12g", s->measured[k].value);
+    if (m.unjudged) vs_text_add(json, ", \"unjudged\": \"%s\"", m.unjudged);
     vs_text_add(json, "}");
     first = false;
   }
@@ -341,6 +396,18 @@ static void add_verdict(vs_text *json, const vs_verdict *v) {
   vs_text_add(json, "\n}\n");
 }
 
+static void add_warnings(vs_text *json, const vs_scene *s, const vs_result *r) {
+  vs_error after[VS_RESULT_WARNINGS];
+  size_t n = vs_result_warnings(s, r, after, VS_RESULT_WARNINGS);
+  vs_text_add(json, "  \"warnings\": [");
+  for (size_t k = 0; k < s->n_warnings + n; k++) {
+    const vs_error *w = k < s->n_warnings ? &s->warnings[k] : &after[k - s->n_warnings];
+    vs_text_add(json, "%s", k ? ", " : "");
+    vs_text_json(json, w->text + w->place_size);
+  }
+  vs_text_add(json, "],\n");
+}
+
 void vs_summary_json(const vs_scene *s, const vs_result *r, bool with_cost, vs_text *json) {
   vs_text_add(json,
               "{\n  \"program\": {\"version\": \"%s\", \"ngspice\": \"%s\", \"gsl\": \"%s\"},\n",
@@ -359,12 +426,10 @@ void vs_summary_json(const vs_scene *s, const vs_result *r, bool with_cost, vs_t
   add_number(json, r->absence.total_s);
   vs_text_add(json, ", \"bound\": ");
   add_number(json, r->absence.bound);
-  vs_text_add(json, "},\n  \"warnings\": [");
-  for (size_t k = 0; k < s->n_warnings; k++) {
-    vs_text_add(json, "%s", k ? ", " : "");
-    vs_text_json(json, s->warnings[k].text + s->warnings[k].place_size);
-  }
-  vs_text_add(json, "],\n");
+  vs_text_add(json, "},\n");
+  add_warnings(json, s, r);
+  vs_text_add(json, "  \"measure\": {\"from_s\": %.12g, \"to_s\": %.12g},\n",
+              s->setup.means.from_s, s->setup.means.to_s);
   add_measures(json, s, r);
   add_energy(json, s, &r->energy, r->open_books);
   if (with_cost)

@@ -45,11 +45,21 @@ typedef struct vs_shown {
   vs_value value; /* in that unit */
   double limit;   /* that a rating of its probe or a limit of its device's part sets; NaN: none */
   bool at_least;  /* that is the least allowed, not the most */
+  const char *unjudged; /* why it is not held against its part's limit; NULL: nothing is to say */
 } vs_shown;
 
 /* Each measure there is, k from 0: the energies', the probes' extremes and the devices' included;
  * false: there are no more. Of the result its values, measures and devices are asked for. */
 bool vs_shown_at(const vs_frame *frame, const vs_result *result, int k, vs_shown *shown);
+
+/* What is to be told of a run that went well but may not be what was meant: nothing fires in it.
+ * Gives how many of them it wrote, at most `most`. */
+enum { VS_RESULT_WARNINGS = 2 };
+size_t vs_result_warnings(const vs_scene *scene, const vs_result *result, vs_error out[],
+                          size_t most);
+
+/* A line for each of them on standard error. */
+void vs_result_warn(const vs_scene *scene, const vs_result *result);
 
 void vs_summary_table(const vs_scene *scene, const vs_result *result, FILE *out);
 void vs_summary_json(const vs_scene *scene, const vs_result *result, bool with_cost, vs_text *json);

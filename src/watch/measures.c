@@ -90,6 +90,12 @@ static bool turns(const vs_measures *m) {
   return (b >= a && b > c) || (b <= a && b < c);
 }
 
+double vs_measures_slack(const vs_measures *m, const vs_rating *r) {
+  const vs_extreme *pair = &m->extremes[VS_STANDARD_EXTREMES + 2 * r->probe];
+  double range = r->max - r->min, size = fmax(fabs(pair[0].best.value), fabs(pair[1].best.value));
+  return m->frame->tolerance * (isfinite(range) ? range : size);
+}
+
 /* When the probe of a rating first leaves its range. */
 static void follow_rating(vs_measures *m, size_t k) {
   const vs_rating *r = &m->frame->deck->ratings[k];
@@ -98,7 +104,9 @@ static void follow_rating(vs_measures *m, size_t k) {
   double before = probe->sign * s->from.terms[probe->term];
   double now = probe->sign * s->to.terms[probe->term];
   if (!isnan(m->passed_s[k]) || (now <= r->max && now >= r->min)) return;
-  double part = ((now > r->max ? r->max : r->min) - before) / (now - before);
+  double end = now > r->max ? r->max : r->min;
+  if (end == 0 && fabs(now) <= vs_measures_slack(m, r)) return;
+  double part = (end - before) / (now - before);
   m->passed_s[k] = s->from.t_s + fmin(fmax(part, 0), 1) * (s->to.t_s - s->from.t_s);
 }
 

@@ -78,6 +78,10 @@ typedef struct vs_measures {
 vs_measures *vs_measures_new(const vs_frame *frame);
 void vs_measures_free(vs_measures *measures);
 void vs_measures_accept(vs_measures *measures, const vs_step *step);
+/* An end of a rating that is 0 says which sign the probe may have: up to this much beyond it is no
+ * violation, in the probe's SI unit. It is run.tolerance of the rating's range, the scale on which
+ * the run is judged, or of the probe's largest magnitude so far where the other end is none. */
+double vs_measures_slack(const vs_measures *measures, const vs_rating *rating);
 /* Values of all but the energies, [VS_MEASURES]. The extremes hold theirs. */
 void vs_measures_finish(const vs_measures *measures, vs_value values[VS_MEASURES]);
 

@@ -4,12 +4,17 @@
 #include <math.h>
 #include <stdio.h>
 
-/* What `room` to a limit is as a part of the limit; of the whole range where the limit is 0.
- * Infinite where there is no limit. */
-static double part_of(double room, double limit, const vs_rating *rating) {
-  double range = rating->max - rating->min;
+/* What `room` to a limit is as a part of the limit; infinite where there is none. A limit of 0 says
+ * which sign the probe may have: to keep it is no margin, however near to 0 the probe comes. Beyond
+ * it by more than the slack, what it is beyond is a part of the range; of the probe's largest
+ * magnitude where the other end is none, or 0 as well. */
+static double part_of(double room, double limit, const vs_measures *m, const vs_judgement *j) {
+  double range = j->rating->max - j->rating->min;
   if (isinf(limit)) return INFINITY;
-  return room / (limit != 0 ? fabs(limit) : isinf(range) ? 1 : range);
+  if (limit != 0) return room / fabs(limit);
+  if (room >= -vs_measures_slack(m, j->rating)) return INFINITY;
+  bool scaled = isfinite(range) && range > 0;
+  return room / (scaled ? range : fmax(fabs(j->least.value), fabs(j->largest.value)));
 }
 
 static vs_judgement judge_rating(const vs_measures *m, size_t k) {
@@ -21,11 +26,11 @@ static vs_judgement judge_rating(const vs_measures *m, size_t k) {
                     .least = pair[0].best,
                     .largest = pair[1].best,
                     .stress = pair[0].best};
-  double below = part_of(j.least.value - r->min, r->min, r);
-  double above = part_of(r->max - j.largest.value, r->max, r);
+  double below = part_of(j.least.value - r->min, r->min, m, &j);
+  double above = part_of(r->max - j.largest.value, r->max, m, &j);
   j.margin = fmin(below, above);
   if (above < below) j.stress = j.largest;
-  j.failed_s = m->passed_s[k];
+  j.failed_s = j.margin < 0 ? m->passed_s[k] : NAN;
   if (j.margin < 0 && isnan(j.failed_s)) j.failed_s = j.stress.at_s; /* between two knots only */
   return j;
 }
@@ -54,7 +59,7 @@ void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, vs_verdic
     }
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
-    if (!v->weakest || j->margin <= v->weakest->margin) v->weakest = j;
+    if (isfinite(j->margin) && (!v->weakest || j->margin <= v->weakest->margin)) v->weakest = j;
     if (j->margin < 0 && !j->ward &&
         (!v->first_to_fail || j->failed_s <= v->first_to_fail->failed_s))
       v->first_to_fail = j;

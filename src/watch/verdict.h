@@ -15,7 +15,8 @@ typedef struct vs_judgement {
   const vs_limit *limit;
   const vs_device *ward;   /* whose limit it is, where that is another device's; else NULL */
   vs_value least, largest; /* of the probe in the run */
-  double margin;   /* what is left to the nearer limit, as a part of that limit; < 0: beyond */
+  double margin;   /* what is left to the nearer limit, as a part of that limit; < 0: beyond. A limit
+                      of 0 counts only where it is passed, as a part of the range */
   vs_value stress; /* the extreme that is nearer to its limit, or further beyond; SI */
   double failed_s; /* when the limit was first passed; NaN: it was not */
 } vs_judgement;
@@ -24,7 +25,7 @@ enum { VS_MOST_JUDGEMENTS = VS_DECK_MOST + VS_DECK_DEVICES * VS_KIND_LIMITS };
 typedef struct vs_verdict {
   vs_judgement item[VS_MOST_JUDGEMENTS]; /* the ratings, then device by device */
   size_t count;
-  const vs_judgement *weakest;       /* of the least margin; NULL: nothing is judged */
+  const vs_judgement *weakest;       /* of the least finite margin; NULL: there is none */
   const vs_judgement *first_to_fail; /* NULL: none failed; never what another lets through */
 } vs_verdict; /* of two alike the later one, so that a device goes before a probe */
 
