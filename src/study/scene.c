@@ -204,15 +204,20 @@ static void warn_below_theta(vs_scene *s) {
              u->timeline.firing.angle_rad / vs_unit_factor("deg"), theta / vs_unit_factor("deg"));
 }
 
-/* Of the energy drawn from the mains: it is what the port mains gives. */
+/* The energy drawn from the mains is what the port mains gives. */
+const char *vs_scene_without_mains(const vs_deck *deck) {
+  if (deck->lost & VS_LOST_PORT) return NULL;
+  for (size_t k = 0; k < deck->n_ports; k++)
+    if (deck->ports[k].signal.drive == VS_DRIVE_MAINS) return NULL;
+  return "no port mains, so that energy_in, what is drawn from the mains, is 0 J, and supply.voltage "
+         "drives nothing";
+}
+
 static void warn_of_mains(vs_scene *s) {
   const vs_deck *deck = s->frame.deck;
-  if (!deck || deck->lost & VS_LOST_PORT) return;
-  for (size_t k = 0; k < deck->n_ports; k++)
-    if (deck->ports[k].signal.drive == VS_DRIVE_MAINS) return;
-  vs_fail_at(&s->warnings[s->n_warnings++], (vs_where){.file = deck->n_files ? deck->files[0] : NULL},
-             "the deck has no port mains: energy_in is 0 J, as nothing is drawn from the mains, and "
-             "supply acts on nothing but the firing");
+  const char *text = deck ? vs_scene_without_mains(deck) : NULL;
+  const char *file = deck && deck->n_files ? deck->files[0] : NULL;
+  if (text) vs_fail_at(&s->warnings[s->n_warnings++], (vs_where){.file = file}, "the deck has %s", text);
 }
 
 static void warn_of_limits(vs_scene *s) {

@@ -40,6 +40,10 @@ vs_status vs_scene_settle(vs_scene *scene, const char *tier, vs_error *err);
  * was measured and warnings stay as they are. */
 vs_status vs_scene_again(vs_scene *scene, vs_error *err);
 
+/* What is to be said of a deck without the port mains; NULL: it has one, or its ports are not known.
+ */
+const char *vs_scene_without_mains(const vs_deck *deck);
+
 /* A line for each warning on standard error. */
 void vs_scene_warn(const vs_scene *scene);
 

@@ -58,7 +58,7 @@ enum { VS_RESULT_WARNINGS = 2 };
 size_t vs_result_warnings(const vs_scene *scene, const vs_result *result, vs_error out[],
                           size_t most);
 
-/* A line for each of them on standard error. */
+/* A line for each of them on standard error, of a run of a cycle of the mains or longer. */
 void vs_result_warn(const vs_scene *scene, const vs_result *result);
 
 void vs_summary_table(const vs_scene *scene, const vs_result *result, FILE *out);

@@ -120,38 +120,33 @@ static void complete(double course[VS_COURSES]) {
 
 /* ---- means ---- */
 
-/* The integrals from the step's beginning on, over a part of it: of the parabola through its three
- * values of v and i, which is a straight line where the formulas are such, by Simpson's rule. */
-static void integrate_part(const vs_course_step *c, double part, double sum[VS_COURSES]) {
-  double y[2][VS_COURSES] = {{0}};
-  for (int k = 0; k < 2; k++) {
-    double s = part * (k + 1) / 2, mid = 4 * s * (1 - s), to = s * (2 * s - 1);
+/* Adds the integrals over a part of the step, from and to as parts of its length: of the parabola
+ * through its three values of v and i, which is a straight line where the formulas are such, by
+ * Simpson's rule. */
+static void integrate_part(const vs_course_step *c, double from, double to,
+                           double sum[VS_COURSES]) {
+  double y[3][VS_COURSES] = {{0}};
+  for (int k = 0; k < 3; k++) {
+    double s = from + (to - from) * k / 2, mid = 4 * s * (1 - s), end = s * (2 * s - 1);
     for (int of = VS_OF_V; of <= VS_OF_I; of++)
-      y[k][of] = (1 - mid - to) * c->from[of] + mid * c->mid[of] + to * c->to[of];
+      y[k][of] = (1 - mid - end) * c->from[of] + mid * c->mid[of] + end * c->to[of];
     complete(y[k]);
   }
   for (int of = VS_OF_I; of < VS_COURSES; of++)
-    sum[of] += part * c->h_s * (c->from[of] + 4 * y[0][of] + y[1][of]) / 6;
+    sum[of] += (to - from) * c->h_s * (y[0][of] + 4 * y[1][of] + y[2][of]) / 6;
 }
 
-/* Where an end of the stretch that means are over lies in the step, sum is what it was there;
- * before: at the step's beginning. */
-static void note_end(const vs_course_step *c, double end_s, const double before[VS_COURSES],
-                     double sum[VS_COURSES]) {
-  if (!(c->t0_s < end_s && end_s <= c->t1_s)) return;
-  memcpy(sum, before, sizeof(double[VS_COURSES]));
-  integrate_part(c, (end_s - c->t0_s) / c->h_s, sum);
-}
-
+/* more: the integrals over the whole step */
 static void follow_means(const vs_devices *d, vs_watched *w, const vs_course_step *c,
                          const double more[VS_COURSES]) {
-  double before[VS_COURSES];
-  if (c->t1_s <= d->means.from_s || c->t0_s >= d->means.to_s) return;
-  for (int of = 0; of < VS_COURSES; of++) before[of] = w->sum[of] - more[of];
+  double from_s = fmax(c->t0_s, d->means.from_s), to_s = fmin(c->t1_s, d->means.to_s);
+  if (!(to_s > from_s)) return;
   w->starts += c->on && !c->was_on;
   w->rests = w->rests || !c->on;
-  note_end(c, d->means.from_s, before, w->sum_from);
-  note_end(c, d->means.to_s, before, w->sum_to);
+  if (from_s > c->t0_s || to_s < c->t1_s)
+    integrate_part(c, (from_s - c->t0_s) / c->h_s, (to_s - c->t0_s) / c->h_s, w->sum_meant);
+  else
+    for (int of = VS_OF_I; of < VS_COURSES; of++) w->sum_meant[of] += more[of];
 }
 
 /* ---- reductions ---- */
@@ -428,9 +423,9 @@ static void finish_device(const vs_devices *d, vs_watched *w) {
     int of = r->measure->of;
     if (r->measure->how == VS_R_INTEGRAL) r->value = (vs_value){true, w->sum[of], NAN};
     if ((r->measure->how != VS_R_MEAN && r->measure->how != VS_R_RMS) || !(span_s > 0)) continue;
-    double sum = (d->now_s <= d->means.to_s ? w->sum[of] : w->sum_to[of]) - w->sum_from[of];
+    double mean = w->sum_meant[of] / span_s;
     bool rms = r->measure->how == VS_R_RMS;
-    r->value = (vs_value){true, rms ? sqrt(fmax(sum, 0) / span_s) : sum / span_s, NAN};
+    r->value = (vs_value){true, rms ? sqrt(mean) : mean, NAN};
     if (rms) judge_rms(d, w, r, span_s, to_s);
   }
 }

@@ -42,7 +42,7 @@ typedef struct vs_watched {
   vs_quick voltage, current, flux; /* flux: where its device has one */
   double last[VS_COURSES];         /* at the last knot */
   double sum[VS_COURSES];          /* integrals over the run, but of V and V.s */
-  double sum_from[VS_COURSES], sum_to[VS_COURSES]; /* the same up to the ends of frame->means */
+  double sum_meant[VS_COURSES];    /* the same over frame->means */
   int starts;                      /* how often it began to conduct between these */
   bool rests;                      /* it did not conduct all the time between them */
   vs_reduced reduced[VS_KIND_MEASURES];
