@@ -158,11 +158,26 @@ static void one_shot_is_no_current_to_rate(void) {
          ONCE);
 }
 
+static void table_and_json_say_why(void) {
+  write_file("gated.inc", PART);
+  write_file("gated.cir", GATED);
+  for (int json = 0; json < 2; json++) {
+    ran r = run("run paper --set circuit.deck=gated.cir --set run.tolerance=1e-2 --set "
+                "run.until=1.1s%s",
+                json ? " --json" : "");
+    const char *line = strstr(r.out, json ? "\"thyristor.i_rms\": {" : "thyristor.i_rms ");
+    const char *said = line ? strstr(line, "not judged: one shot") : NULL;
+    EXPECT(r.status == 0 && said && said < strchr(line, '\n'), "%s%s", r.out, r.err);
+    free_ran(&r);
+  }
+}
+
 static const vs_test TESTS[] = {
     {"means are over it exactly", means_are_over_it_exactly},
     {"what is wrong is refused", what_is_wrong_is_refused},
     {"table and JSON say it", table_and_json_say_it},
     {"one shot is no current to rate", one_shot_is_no_current_to_rate},
+    {"table and JSON say why", table_and_json_say_why},
 };
 int main(void) {
   return program_suite("window", TESTS, COUNT(TESTS));

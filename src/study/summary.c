@@ -120,7 +120,7 @@ size_t vs_result_warnings(const vs_scene *s, const vs_result *r, vs_error out[],
   double first_s = vs_next_conduction(line, 0), until_s = s->setup.run.until_s;
   out[0] = (vs_error){0};
   if (first_s < until_s)
-    vs_fail(&out[0], VS_INPUT, "nothing fires: the thyristor conducts nowhere in this run, though "
+    vs_fail(&out[0], VS_INPUT, "nothing fires: no thyristor is seen to conduct in this run, though "
                                "a gate pulse meets forward mains voltage at %.9g s",
             first_s);
   else if (isfinite(first_s))

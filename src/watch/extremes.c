@@ -250,12 +250,15 @@ bool vs_turn_of_p(const vs_step *step, vs_value *turn) {
 
 /* Looks into the part of the step from `lo` that is `width` long, both in parts of the step. Cut in
  * halves, a curve comes as near to its coefficients as the square of the width: twenty-five times
- * is as near as rounding. */
+ * is as near as rounding. What is level to rounding has no extreme but its ends. */
 static void look_into(const search *s, curve c, double lo, double width) {
-  double most = -INFINITY;
+  double most = -INFINITY, least = INFINITY;
   int changes = 0, before = 0, first = 0;
-  for (int k = 0; k <= c.degree; k++) most = fmax(most, s->sign * c.b[k]);
-  if (most < reach(s) - s->rounding) return;
+  for (int k = 0; k <= c.degree; k++) {
+    most = fmax(most, s->sign * c.b[k]);
+    least = fmin(least, s->sign * c.b[k]);
+  }
+  if (most < reach(s) - s->rounding || most - least <= s->rounding) return;
   curve slope = slope_of(&c, s->sign);
   for (int k = 0; k <= slope.degree; k++) {
     int now = (slope.b[k] > 0) - (slope.b[k] < 0);
