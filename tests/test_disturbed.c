@@ -106,8 +106,7 @@ static int rates(double t_s, const double y[], double rate[], void *ctx) {
   double force[4] = {-y[FLUX] * y[FLUX] / (4 * m->a_hm)}, a[3][3], b[3], z = m->gap_rest_m;
   if (!s->gap_rests) z += y[0];
   for (int i = 0; i < 4; i++)
-    for (int j = 0; j < 4; j++)
-      force[i] -= m->stiffness[i][j] * y[j] + m->damping[i][j] * y[4 + j];
+    for (int j = 0; j < 4; j++) force[i] -= m->stiffness[i][j] * y[j] + m->damping[i][j] * y[4 + j];
   memcpy(rate, y + 4, sizeof(double[4]));
   /* first the other three as if p" were 0, then what p" makes of it */
   rest_of_mass(m, a);
@@ -325,12 +324,13 @@ static void check(const scene *sc, const char *tier) {
     for (int c = 0; c < 6; c++)
       worst = fmax(worst, fabs(s->row[k][c] - row[k][c]) / fmax(peak[c], 1e-300));
   if (getenv("VS_SAY"))
-    printf("%-9s %-50s worst %.1e books %.1e fired %zu\n", tier, sc->what, worst, t->energy.worst,
-           s->fired);
+    printf("%-9s %-50s worst %.1e books %.1e fired %zu\n", tier, sc->what, worst,
+           t->result.energy.worst, s->fired);
   EXPECT(rows > 100 && worst <= 1e-8, "%s, %s: off by %.2e of the peak", sc->what, tier, worst);
   compare_instants(sc->what, s->fired_s, s->fired, m.fired_s, m.fired, 1e-10);
   compare_instants(sc->what, s->ended_s, s->ended, m.ended_s, m.ended, 1e-10);
-  EXPECT(t->energy.worst <= 1e-9, "%s, %s: books %.2e", sc->what, tier, t->energy.worst);
+  EXPECT(t->result.energy.worst <= 1e-9, "%s, %s: books %.2e", sc->what, tier,
+         t->result.energy.worst);
   vs_trial_free(t);
   free(row);
   free(s);
@@ -371,8 +371,7 @@ static const scene SCENES[] = {
     {"missing pulse", {E("m", "missing_pulse", "cycle: 2")}, 0},
     {"short pulse, over before forward voltage",
      {E("m", "short_pulse", "cycle: 2, duration: 0.3ms"),
-      E("j", "phase_jump", "at: 21ms, jump: -120 deg"),
-      "supply.voltage=150V"},
+      E("j", "phase_jump", "at: 21ms, jump: -120 deg"), "supply.voltage=150V"},
      0},
     {"spurious pulse",
      {E("s", "spurious_pulse", "at: 44ms, duration: 0.2ms"), "supply.voltage=150V"},
@@ -388,9 +387,8 @@ static const scene SCENES[] = {
       E("b", "harmonic", "at: 8ms, level: 15 %, order: 7"),
       E("c", "harmonic", "at: 12ms, level: 8 %, order: 11, phase: 33 deg, duration: 61ms"),
       E("d", "phase_jump", "at: 28ms, jump: 25 deg"),
-      E("e", "notch", "at: 47ms, duration: 0.4ms, count: 2"),
-      E("f", "missing_pulse", "cycle: 4"), E("g", "spurious_pulse", "at: 62ms"),
-      E("h", "jam", "at: 81ms")},
+      E("e", "notch", "at: 47ms, duration: 0.4ms, count: 2"), E("f", "missing_pulse", "cycle: 4"),
+      E("g", "spurious_pulse", "at: 62ms"), E("h", "jam", "at: 81ms")},
      0},
 };
 
@@ -426,20 +424,25 @@ static void circuit_with_ideal_parts(void) {
   } MEASURES[] = {{VS_M_I_PEAK, 3e-5}, {VS_M_FORCE_PEAK, 3e-5}, {VS_M_P_MIN, 3e-5},
                   {VS_M_P_MAX, 3e-5},  {VS_M_AP_PEAK, 3e-5},    {VS_M_AU_PEAK, 3e-5}};
   for (size_t k = 0; k < COUNT(KEYS); k++) {
-    const char *ideal[] = {"run.until=76ms", "firing.every=1", "run.tolerance=1e-5", IDEAL,
-                           KEYS[k][0], KEYS[k][1], NULL};
+    const char *ideal[] = {"run.until=76ms",
+                           "firing.every=1",
+                           "run.tolerance=1e-5",
+                           IDEAL,
+                           KEYS[k][0],
+                           KEYS[k][1],
+                           NULL};
     const char *alone[] = {"run.until=76ms", "firing.every=1", KEYS[k][0], KEYS[k][1], NULL};
     vs_trial *c = vs_trial_run("paper", "circuit", ideal, NULL);
     vs_trial *s = vs_trial_run("paper", "switched", alone, NULL);
     EXPECT(!c->status && !s->status, "%s: %s%s", KEYS[k][0], c->err.text, s->err.text);
     for (size_t n = 0; n < COUNT(MEASURES); n++) {
-      double of_circuit = c->values[MEASURES[n].measure].value;
-      double of_switched = s->values[MEASURES[n].measure].value;
+      double of_circuit = c->result.values[MEASURES[n].measure].value;
+      double of_switched = s->result.values[MEASURES[n].measure].value;
       EXPECT(fabs(of_circuit - of_switched) <= MEASURES[n].tolerance * fabs(of_switched),
              "%s, %s: circuit %.9g, switched %.9g", KEYS[k][0],
              vs_measures_known[MEASURES[n].measure].name, of_circuit, of_switched);
     }
-    double in = s->energy.joule[VS_E_SOURCE], got = c->energy.joule[VS_E_SOURCE];
+    double in = s->result.energy.joule[VS_E_SOURCE], got = c->result.energy.joule[VS_E_SOURCE];
     EXPECT(fabs(got - in) <= 3e-4 * in, "%s: circuit draws %.9g J, switched %.9g J", KEYS[k][0],
            got, in);
     vs_trial_free(c);
@@ -456,9 +459,9 @@ static void a_sag_is_no_footnote(void) {
   vs_trial *half = vs_trial_run("paper", "switched", sag, NULL);
   CU_ASSERT_EQUAL_FATAL(whole->status, VS_OK);
   CU_ASSERT_EQUAL_FATAL(half->status, VS_OK);
-  CLOSE(half->values[VS_M_I_PEAK].value, whole->values[VS_M_I_PEAK].value / 2, 0.06);
-  CLOSE(half->values[VS_M_P_MIN].value, whole->values[VS_M_P_MIN].value / 4, 0.02);
-  CLOSE(half->energy.joule[VS_E_SOURCE], half->energy.joule[VS_E_PORT], 1e-9);
+  CLOSE(half->result.values[VS_M_I_PEAK].value, whole->result.values[VS_M_I_PEAK].value / 2, 0.06);
+  CLOSE(half->result.values[VS_M_P_MIN].value, whole->result.values[VS_M_P_MIN].value / 4, 0.02);
+  CLOSE(half->result.energy.joule[VS_E_SOURCE], half->result.energy.joule[VS_E_PORT], 1e-9);
   vs_trial_free(whole);
   vs_trial_free(half);
 }
@@ -475,7 +478,7 @@ static void a_touch_is_no_firing(void) {
                           E("s", "spurious_pulse", "at: 14ms, duration: 2ms"), NULL};
     vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
     EXPECT(t->status == VS_OK, "%s", t->err.text);
-    EXPECT(!t->values[VS_M_T_FIRE].known, "%s: it fires", LEVEL[k]);
+    EXPECT(!t->result.values[VS_M_T_FIRE].known, "%s: it fires", LEVEL[k]);
     vs_trial_free(t);
   }
 }
@@ -487,9 +490,9 @@ static void mains_that_stay_away(void) {
                         E("i", "interruption", "at: 8ms, duration: 1s"), NULL};
   vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
   EXPECT(t->status == VS_OK, "%s", t->err.text);
-  CU_ASSERT(t->values[VS_M_T_EXTINCTION].known);
-  CU_ASSERT(t->values[VS_M_T_EXTINCTION].value < 1.008);
-  CU_ASSERT(isnan(t->measures->refired_s));
+  CU_ASSERT(t->result.values[VS_M_T_EXTINCTION].known);
+  CU_ASSERT(t->result.values[VS_M_T_EXTINCTION].value < 1.008);
+  CU_ASSERT(isnan(t->result.measures->refired_s));
   vs_trial_free(t);
 }
 
@@ -512,7 +515,7 @@ static void a_jam_holds_p(void) {
     EXPECT(t->status == VS_OK, "%s", t->err.text);
     /* p's rounding over a step's length, of half a m/s and 180 m/s2 before */
     EXPECT(largest <= 1e-9, "tier %d: p moves by %g", tier, largest);
-    CU_ASSERT(t->energy.joule[VS_E_STOP] > 1e-3);
+    CU_ASSERT(t->result.energy.joule[VS_E_STOP] > 1e-3);
     vs_trial_free(t);
   }
 }

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KG, M, S, A, ANGLE, TEMPERATURE, N_DIMENSIONS };
+enum { KG, M, S, A, ANGLE, TEMPERATURE, CYCLES, N_DIMENSIONS };
 
 typedef struct unit {
   double factor; /* to SI: factor * 10^tens */
@@ -43,6 +43,8 @@ static const struct named {
     {"K", {1, 0, {0, 0, 0, 0, 0, 1}}, true},
     {"%", {1, -2, {0}}, false},
     {"min", {60, 0, {0, 0, 1}}, false},
+    {"cycle", {1, 0, {0, 0, 0, 0, 0, 0, 1}}, false},
+    {"cycles", {1, 0, {0, 0, 0, 0, 0, 0, 1}}, false},
     {"1", {1, 0, {0}}, false},
 };
 static const struct {

@@ -35,10 +35,10 @@ const vs_kind vs_kinds[] = {
           "pulse "
           "heats as much by the same int i^2 dt",
           VS_R_SURGE, VS_OF_I2, 1, "i_tsm", VS_AT_MOST},
-         {"i_mean", "A", "mean current over the run", VS_R_MEAN, VS_OF_I, 1, NULL, VS_AT_MOST},
+         {"i_mean", "A", "mean current, over the time that measure says", VS_R_MEAN, VS_OF_I, 1, NULL, VS_AT_MOST},
          {"i_rms", "A",
-          "rms current over the run; judged where that lasts 1 s or longer, as i_surge and i2t are "
-          "for what is short",
+          "rms current, over the time that measure says; judged where that lasts 1 s or longer and "
+          "more than one shot falls into it, as i_surge and i2t are for what is short",
           VS_R_RMS, VS_OF_I2, 1, "i_t_rms", VS_AT_MOST},
          {"i2t", "A2.s", "largest int i^2 dt of one conduction", VS_R_PULSE, VS_OF_I2, 1, "i2t",
           VS_AT_MOST},
@@ -64,13 +64,13 @@ const vs_kind vs_kinds[] = {
           VS_AT_MOST})},
     {"resistor", false, false,
      MEASURES(
-         {"power", "W", "mean power over the run", VS_R_MEAN, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+         {"power", "W", "mean power, over the time that measure says", VS_R_MEAN, VS_OF_POWER, 1, NULL, VS_AT_MOST},
          {"power_peak", "W", "peak power", VS_R_PEAK, VS_OF_POWER, 1, NULL, VS_AT_MOST},
          {"energy", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST})},
     {"capacitor", false, false,
      MEASURES(
          {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
-         {"i_rms", "A", "rms current over the run", VS_R_RMS, VS_OF_I2, 1, NULL, VS_AT_MOST},
+         {"i_rms", "A", "rms current, over the time that measure says", VS_R_RMS, VS_OF_I2, 1, NULL, VS_AT_MOST},
          {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, VS_AT_MOST},
          {"dv_dt_max", "V/us",
           "largest rate of voltage, either way, over one step of 1 V or more, else over 0.1 us",
@@ -78,7 +78,7 @@ const vs_kind vs_kinds[] = {
     {"fuse", false, false,
      MEASURES(
          {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, VS_AT_MOST},
-         {"i_rms", "A", "rms current over the run", VS_R_RMS, VS_OF_I2, 1, NULL, VS_AT_MOST},
+         {"i_rms", "A", "rms current, over the time that measure says", VS_R_RMS, VS_OF_I2, 1, NULL, VS_AT_MOST},
          {"i2t", "A2.s", "int i^2 dt over the run", VS_R_INTEGRAL, VS_OF_I2, 1, NULL, VS_AT_MOST},
          {"let_through", "A2.s", "largest int i^2 dt within 10 ms", VS_R_WITHIN, VS_OF_I2, 1, "i2t",
           VS_WARD_AT_MOST},

@@ -15,8 +15,8 @@ enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
  * but for VS_R_GATE_LEAST, which is of one with a gate. */
 typedef enum vs_reduction {
   VS_R_PEAK,       /* the largest value, in the sense given */
-  VS_R_MEAN,       /* over the run */
-  VS_R_RMS,        /* root of the mean over the run */
+  VS_R_MEAN,       /* over the stretch that the scene's section measure says */
+  VS_R_RMS,        /* root of the mean over that */
   VS_R_INTEGRAL,   /* over the run */
   VS_R_PULSE,      /* the largest integral over one pulse: while it conducts; while |i| >= 1 mA */
   VS_R_WITHIN,     /* the largest integral within 10 ms */

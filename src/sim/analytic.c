@@ -10,6 +10,8 @@
 static vs_frame frame(const vs_setup *setup) {
   return (vs_frame){.model = &setup->model,
                     .timeline = &setup->timeline,
+                    .means = setup->means,
+                    .tolerance = setup->run.tolerance,
                     .source_is_coil = true,
                     .gap_at_rest = true};
 }

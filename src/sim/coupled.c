@@ -394,7 +394,11 @@ static bool enough(void *ctx) {
 }
 
 static vs_frame frame(const vs_setup *setup) {
-  return (vs_frame){.model = &setup->model, .timeline = &setup->timeline, .deck = &setup->deck};
+  return (vs_frame){.model = &setup->model,
+                    .timeline = &setup->timeline,
+                    .deck = &setup->deck,
+                    .means = setup->means,
+                    .tolerance = setup->run.tolerance};
 }
 
 static void locate(const void *deck, vs_error *err) {

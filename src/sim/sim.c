@@ -63,6 +63,16 @@ static const vs_field START[] = {
 };
 const vs_section vs_start_section = {"start", START, sizeof START / sizeof *START};
 
+static const vs_field MEASURE[] = {
+    {"from", VS_REAL, "s", "0 s", 0, 1e6, false, offsetof(vs_measure_values, from_s),
+     "means (power, i_mean, i_rms) are taken from here on", NULL, NULL},
+    {"to", VS_REAL, "s", "0 s", 0, 1e6, false, offsetof(vs_measure_values, to_s),
+     "up to here; 0: run.until", NULL, NULL},
+    {"last", VS_REAL, "cycles", "0 cycles", 0, 1e9, false, offsetof(vs_measure_values, last_cycles),
+     "instead of from and to: over the last cycles of the mains before run.until", NULL, NULL},
+};
+const vs_section vs_measure_section = {"measure", MEASURE, sizeof MEASURE / sizeof *MEASURE};
+
 const vs_tier *const vs_tiers[VS_TIERS] = {&vs_tier_analytic, &vs_tier_switched, &vs_tier_circuit};
 
 const vs_tier *vs_tier_find(const char *name) {
@@ -158,6 +168,46 @@ static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err
                     1e3 * setup->start.x[P], a->stop.present ? " and the iron" : "", 1e3 * least);
 }
 
+/* What is wrong with the stretch of time that means are over, and at which key; NULL: nothing. */
+static const char *wrong_means(const vs_measure_values *v, const vs_node *map, double period_s,
+                               double until_s, char *text, size_t size) {
+  bool from = vs_node_child(map, "from"), to = vs_node_child(map, "to");
+  double end_s = to ? v->to_s : until_s;
+  if (vs_node_child(map, "last")) {
+    if (from || to) {
+      snprintf(text, size, "stands beside %s; write from and to, or last", from ? "from" : "to");
+      return "last";
+    }
+    snprintf(text, size, "%g cycles of %g s are none, or more than run.until = %g s", v->last_cycles,
+             period_s, until_s);
+    return v->last_cycles > 0 && v->last_cycles * period_s <= until_s * (1 + 1e-12) ? NULL : "last";
+  }
+  snprintf(text, size, "%g s is beyond run.until = %g s", end_s, until_s);
+  if (end_s > until_s * (1 + 1e-12)) return "to";
+  snprintf(text, size, "%g s is not before the end of what means are over, %g s", v->from_s, end_s);
+  return v->from_s < end_s ? NULL : from ? "from" : "to";
+}
+
+/* Errors: from not before to, to beyond run.until, more cycles than the run has, both ways at once.
+ */
+static vs_status read_means(const vs_node *scene, vs_setup *setup, vs_error *err) {
+  const vs_node *map = vs_node_child(scene, vs_measure_section.name);
+  vs_measure_values *v = &setup->measure;
+  double until_s = setup->run.until_s, period_s = setup->timeline.period_s;
+  char text[160];
+  setup->means = (vs_span_s){0, until_s};
+  size_t found = vs_found(err);
+  vs_status s = vs_section_read(&vs_measure_section, map, v, err);
+  if (s || vs_found(err) > found || !map || map->kind != VS_NODE_MAP) return s;
+  const char *key = wrong_means(v, map, period_s, until_s, text, sizeof text);
+  const vs_node *node = key ? vs_node_child(map, key) : NULL;
+  if (key) return vs_fail_at(err, node ? node->where : map->where, "measure.%s: %s", key, text);
+  bool to = vs_node_child(map, "to");
+  double first_s = v->last_cycles > 0 ? until_s - v->last_cycles * period_s : v->from_s;
+  setup->means = (vs_span_s){fmax(first_s, 0), to ? fmin(v->to_s, until_s) : until_s};
+  return VS_OK;
+}
+
 /* A run in which something happens after the circuit may have been left wants an EVA that can be
  * led back; it takes a few cycles to leave. */
 static void choose_eva(vs_setup *setup) {
@@ -184,6 +234,7 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
                        err);
   if (!s) s = vs_events_wire(&line->events, &setup->deck, err);
   if (!s) s = vs_carry_on(err, read_start(scene, setup, err));
+  if (!s) s = vs_carry_on(err, read_means(scene, setup, err));
   if (!s) choose_eva(setup);
   return s;
 }

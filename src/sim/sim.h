@@ -25,11 +25,16 @@ typedef struct vs_run_values {
   int verify;        /* whether a second run tells the margins' errors: VS_VERIFY_... */
   int stays;         /* in the circuit's solver to the end, also when the circuit is quiet */
 } vs_run_values;
+/* What means are over: from one instant to another, or the run's last cycles of the mains. */
+typedef struct vs_measure_values {
+  double from_s, to_s; /* to_s 0: run.until */
+  double last_cycles;  /* 0: from and to hold */
+} vs_measure_values;
 /* The machine's state at t = 0: q, q'. The circuit always begins without current and charge. */
 typedef struct vs_start_values {
   double x[VS_STATES];
 } vs_start_values;
-extern const vs_section vs_run_section, vs_start_section;
+extern const vs_section vs_run_section, vs_start_section, vs_measure_section;
 
 /* One scene as numbers. Built once, then constant. */
 typedef struct vs_setup {
@@ -37,6 +42,8 @@ typedef struct vs_setup {
   vs_timeline timeline;
   vs_run_values run;
   vs_start_values start;
+  vs_measure_values measure;
+  vs_span_s means; /* as that says */
   vs_deck deck; /* the scene's, also when the tier does not use it */
   vs_circuit_values circuit_values;
   const vs_circuit_kind *solver; /* of the circuit: vs_ngspice, or a test's own */
@@ -44,7 +51,8 @@ typedef struct vs_setup {
   bool tried; /* tier circuit: this deck with these parts was run in this process before */
 } vs_setup;
 
-/* Reads the sections machine, actuator, load, supply, firing, circuit, run, start. vs_setup_free
+/* Reads the sections machine, actuator, load, supply, firing, circuit, run, start, measure.
+ * vs_setup_free
  * even after an error. */
 vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err);
 void vs_setup_free(vs_setup *setup);

@@ -48,12 +48,19 @@ typedef struct vs_channel {
 } vs_channel;
 extern const vs_channel vs_channels[VS_CH_DECK];
 
+/* A stretch of time, s. */
+typedef struct vs_span_s {
+  double from_s, to_s;
+} vs_span_s;
+
 /* Everything that is the same for all steps of one run. */
 typedef struct vs_frame {
   const vs_model *model;
   const vs_timeline *timeline;
   const vs_deck *deck; /* NULL but on the circuit tier */
   bool gap_at_rest;    /* analytic tier: i = lambda z(0)/(2a), L constant (Eq. 91) */
+  vs_span_s means;     /* what means are over; from 0 to 0: the whole run */
+  double tolerance;    /* run.tolerance */
   bool source_is_coil; /* no circuit in between: the mains current is the coil's, and v = R_c i +
                           dlambda/dt */
 } vs_frame;

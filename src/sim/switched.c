@@ -4,7 +4,11 @@
 #include "sim/phases.h"
 
 static vs_frame frame(const vs_setup *setup) {
-  return (vs_frame){.model = &setup->model, .timeline = &setup->timeline, .source_is_coil = true};
+  return (vs_frame){.model = &setup->model,
+                    .timeline = &setup->timeline,
+                    .means = setup->means,
+                    .tolerance = setup->run.tolerance,
+                    .source_is_coil = true};
 }
 
 static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_error *err) {

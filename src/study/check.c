@@ -73,10 +73,15 @@ static vs_error *warning(report *r) {
 }
 
 static void warn_of_deck(report *r, const vs_deck *deck) {
+  const vs_where file = {.file = deck->files[0]};
+  const char *mains = vs_scene_without_mains(deck);
+  bool fires = false;
   for (size_t k = 0; k < deck->n_probes; k++)
-    if (!strcmp(deck->probes[k].name, "i_thyristor")) return;
-  vs_fail_at(warning(r), (vs_where){.file = deck->files[0]},
-             "no probe i_thyristor, so that firing and extinction will not be found");
+    fires = fires || !strcmp(deck->probes[k].name, "i_thyristor");
+  if (!fires)
+    vs_fail_at(warning(r), file,
+               "no probe i_thyristor, so that firing and extinction will not be found");
+  if (mains) vs_fail_at(warning(r), file, "%s", mains);
 }
 
 static vs_status check_scene(report *r, vs_error *err) {

@@ -177,10 +177,7 @@ static void say_result(const vs_run_options *o, const vs_result *r, const char *
       printf("written: run.csv, events.csv, summary.json%s in %s\n", o->raw ? ", run.raw" : "",
              o->folder);
   }
-  if (!o->quiet && *r->books) fprintf(stderr, "vibrospice: warning: %s\n", r->books);
-  if (!o->quiet && *r->second.failed)
-    fprintf(stderr, "vibrospice: warning: the second run, for the errors of the margins: %s\n",
-            r->second.failed);
+  if (!o->quiet) vs_result_warn(r);
 }
 
 static vs_status run_scene(const vs_run_options *o, vs_scene *scene, vs_error *err) {

@@ -21,7 +21,8 @@ vs_scene_part vs_scene_part_at(const vs_scene *s, int index) {
                                                PART(vs_firing_section, u->timeline.firing),
                                                PART(u->deck.section, u->circuit_values),
                                                PART(vs_run_section, u->run),
-                                               PART(vs_start_section, u->start)};
+                                               PART(vs_start_section, u->start),
+                                               PART(vs_measure_section, u->measure)};
 #undef PART
   return parts[index];
 }
@@ -266,6 +267,22 @@ static void warn_below_theta(vs_scene *s) {
              u->timeline.firing.angle_rad / vs_unit_factor("deg"), theta / vs_unit_factor("deg"));
 }
 
+/* The energy drawn from the mains is what the port mains gives. */
+const char *vs_scene_without_mains(const vs_deck *deck) {
+  if (deck->lost & VS_LOST_PORT) return NULL;
+  for (size_t k = 0; k < deck->n_ports; k++)
+    if (deck->ports[k].signal.drive == VS_DRIVE_MAINS) return NULL;
+  return "no port mains, so that energy_in, what is drawn from the mains, is 0 J, and supply.voltage "
+         "drives nothing";
+}
+
+static void warn_of_mains(vs_scene *s) {
+  const vs_deck *deck = s->frame.deck;
+  const char *text = deck ? vs_scene_without_mains(deck) : NULL;
+  const char *file = deck && deck->n_files ? deck->files[0] : NULL;
+  if (text) vs_fail_at(&s->warnings[s->n_warnings++], (vs_where){.file = file}, "the deck has %s", text);
+}
+
 static void warn_of_limits(vs_scene *s) {
   const vs_deck *deck = s->frame.deck;
   char text[VS_DECK_TEXT + VS_NAME_SIZE];
@@ -291,6 +308,7 @@ static void warn_of_parts(vs_scene *s) {
       const vs_node *named = vs_node_child(map, deck->parts[deck->devices[d].part].name);
       vs_fail_at(&s->warnings[s->n_warnings++], named ? named->where : (vs_where){0}, "%s", text);
     }
+  warn_of_mains(s);
   warn_of_limits(s);
 }
 
@@ -325,7 +343,8 @@ static vs_status conclude(vs_scene *s, const char *tier, vs_error *err) {
 
 vs_status vs_scene_settle(vs_scene *s, const char *tier, vs_error *err) {
   static const char *const TOP[] = {"machine", "actuator", "load",  "supply", "firing",  "circuit",
-                                    "events",  "run",      "start", "record", "measured"};
+                                    "events",  "run",      "start", "record", "measured",
+                                    "measure"};
   vs_status status = vs_known_keys(s->tree.root, "a scene", TOP, sizeof TOP / sizeof *TOP, err);
   s->tier_named = tier;
   if (!status) status = vs_setup_build(s->tree.root, &s->setup, err);

@@ -10,7 +10,7 @@
 extern const vs_shelf vs_scene_shelf, vs_study_shelf;
 
 /* At most; of limits that nothing is held against. */
-enum { VS_IDLE_LIMITS = 8, VS_WARNINGS = 1 + VS_DECK_PARTS + VS_DECK_DEVICES + VS_IDLE_LIMITS };
+enum { VS_IDLE_LIMITS = 8, VS_WARNINGS = 2 + VS_DECK_PARTS + VS_DECK_DEVICES + VS_IDLE_LIMITS };
 
 typedef struct vs_scene {
   char path[VS_PATH_SIZE];
@@ -46,6 +46,9 @@ vs_status vs_scene_again(vs_scene *scene, vs_error *err);
  * vs_scene_free also after an error, and before `scene`. Errors: those of vs_scene_settle. */
 vs_status vs_scene_with(const vs_scene *scene, const char *const *keys, size_t n_keys,
                         vs_scene *other, vs_error *err);
+/* What is to be said of a deck without the port mains; NULL: it has one, or its ports are not known.
+ */
+const char *vs_scene_without_mains(const vs_deck *deck);
 
 /* A line for each warning on standard error. */
 void vs_scene_warn(const vs_scene *scene);
@@ -62,7 +65,7 @@ typedef struct vs_scene_part {
   const void *values;
   size_t size; /* of the struct of values, bytes */
 } vs_scene_part;
-enum { VS_SCENE_PARTS = 8 };
+enum { VS_SCENE_PARTS = 9 };
 vs_scene_part vs_scene_part_at(const vs_scene *scene, int index);
 
 #endif

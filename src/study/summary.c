@@ -24,6 +24,7 @@ static bool device_measure_at(const vs_devices *devices, size_t k, vs_shown *m) 
     m->value.value /= vs_unit_factor(m->unit);
     if (r->limit) m->limit = r->limit->value / vs_unit_factor(m->unit);
     m->at_least = r->measure->held == VS_AT_LEAST;
+    m->unjudged = r->unjudged;
     set_text(m, "%s", r->measure->text);
     return true;
   }
@@ -40,6 +41,7 @@ static double rating_of(const vs_deck *deck, int probe, int sense) {
 bool vs_shown_at(const vs_frame *frame, const vs_result *r, int k, vs_shown *m) {
   m->limit = NAN;
   m->at_least = false;
+  m->unjudged = NULL;
   if (k < VS_MEASURES) {
     snprintf(m->name, sizeof m->name, "%s", vs_measures_known[k].name);
     m->unit = vs_measures_known[k].unit;
@@ -84,6 +86,61 @@ void vs_result_free(vs_result *r) {
   r->climbed = NULL;
 }
 
+/* Has anything conducted? Only what the deck shows can tell: its probe i_thyristor, of which the
+ * firing is taken, and its devices that conduct or block. */
+static bool nothing_conducts(const vs_scene *s, const vs_result *r) {
+  const vs_deck *deck = s->frame.deck;
+  bool told = !deck || vs_channel_find(&s->frame, "i_thyristor") >= 0;
+  if (r->values[VS_M_T_FIRE].known) return false;
+  for (size_t k = 0; r->devices && k < r->devices->count; k++) {
+    const vs_switch *states = r->devices->item[k].states;
+    told = told || states;
+    if (states && states->most_a > 0) return false;
+  }
+  return told;
+}
+
+static bool has_port(const vs_deck *deck, int drive, int other) {
+  for (size_t k = 0; k < deck->n_ports; k++)
+    if (deck->ports[k].signal.drive == drive || deck->ports[k].signal.drive == other) return true;
+  return false;
+}
+
+/* What is to be said where nothing conducts though firing is asked for; false: nothing is. */
+static bool nothing_fires(const vs_result *r, char *text, size_t size) {
+  const vs_scene *s = r->scene;
+  const vs_deck *deck = s->frame.deck;
+  bool asked = !deck || has_port(deck, VS_DRIVE_GATE, VS_DRIVE_BURST);
+  if (!asked || !nothing_conducts(s, r)) return false;
+  double first_s = vs_next_conduction(&s->setup.timeline, 0), until_s = s->setup.run.until_s;
+  if (first_s < until_s)
+    snprintf(text, size,
+             "nothing fires: no thyristor is seen to conduct in this run, though a gate pulse "
+             "meets forward mains voltage at %.9g s",
+             first_s);
+  else if (isfinite(first_s))
+    snprintf(text, size,
+             "nothing fires: no gate pulse meets forward mains voltage before run.until = %.9g s; "
+             "the first would do so at %.9g s",
+             until_s, first_s);
+  else
+    snprintf(text, size,
+             "nothing fires: no gate pulse meets forward mains voltage; look at firing.angle and "
+             "firing.pulse_width");
+  return true;
+}
+
+/* What is known only once the run is over. */
+static void warn_after(const vs_result *r, void (*each)(void *ctx, const char *text), void *ctx) {
+  char text[VS_DECK_TEXT + sizeof r->second.failed];
+  if (nothing_fires(r, text, sizeof text)) each(ctx, text);
+  if (*r->books) each(ctx, r->books);
+  if (!*r->second.failed) return;
+  snprintf(text, sizeof text, "no margin's error is known, as the second run failed: %s",
+           r->second.failed);
+  each(ctx, text);
+}
+
 void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *text), void *ctx) {
   char text[VS_DECK_TEXT + sizeof r->ladder.failed];
   const vs_scene *s = r->scene;
@@ -94,12 +151,18 @@ void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *
              vs_ladder_text(r->ladder.rung), r->ladder.failed);
     each(ctx, text);
   }
-  if (*r->books) each(ctx, r->books);
-  if (*r->second.failed) {
-    snprintf(text, sizeof text, "no margin's error is known, as the second run failed: %s",
-             r->second.failed);
-    each(ctx, text);
-  }
+  warn_after(r, each, ctx);
+}
+
+static void print_warning(void *ctx, const char *text) {
+  const vs_result *r = ctx;
+  bool short_run = r->scene->setup.run.until_s < r->scene->setup.timeline.period_s;
+  if (!(short_run && strstr(text, "nothing fires")))
+    fprintf(stderr, "vibrospice: warning: %s\n", text);
+}
+
+void vs_result_warn(const vs_result *r) {
+  warn_after(r, print_warning, (void *)(size_t)r);
 }
 
 void vs_absence_accept(vs_absence *a, const vs_step *step) {
@@ -188,6 +251,7 @@ static void print_measure(const vs_shown *m, int width, const vs_value *measured
     if (measured->value != 0)
       fprintf(out, "   computed is %+.1f %%", 100 * (m->value.value / measured->value - 1));
   }
+  if (m->unjudged) fprintf(out, "  %s", m->unjudged);
   fputc('\n', out);
 }
 
@@ -223,6 +287,8 @@ void vs_summary_table(const vs_result *r, FILE *out) {
         "%.2g of each peak\n",
         absence->total_s, absence->first_s, absence->times, absence->times > 1 ? "s" : "",
         absence->bound);
+  if (r->devices)
+    fprintf(out, "means over %.9g..%.9g s\n", s->setup.means.from_s, s->setup.means.to_s);
   fputc('\n', out);
   fprintf(out, "%-*s %16s %-5s %14s%s\n", width, "measure", "computed", "", "at",
           any ? "         measured" : "");
@@ -288,6 +354,7 @@ static void add_measures(vs_text *json, const vs_scene *s, const vs_result *r) {
     if (!isnan(m.value.at_s)) vs_text_add(json, ", \"at_s\": %.12g", m.value.at_s);
     if (k < VS_MEASURES && s->measured[k].known)
       vs_text_add(json, ", \"measured\": %.12g", s->measured[k].value);
+    if (m.unjudged) vs_text_add(json, ", \"unjudged\": \"%s\"", m.unjudged);
     vs_text_add(json, "}");
     first = false;
   }
@@ -438,6 +505,8 @@ void vs_summary_json(const vs_result *r, bool with_cost, vs_text *json) {
   vs_text_add(json, "},\n  \"warnings\": [");
   vs_result_warnings(r, add_warning, json);
   vs_text_add(json, "],\n");
+  vs_text_add(json, "  \"measure\": {\"from_s\": %.12g, \"to_s\": %.12g},\n", s->setup.means.from_s,
+              s->setup.means.to_s);
   add_measures(json, s, r);
   add_energy(json, s, &r->energy, r->books);
   if (with_cost)

@@ -32,8 +32,6 @@ typedef struct vs_second_run {
                        wanted */
 } vs_second_run;
 
-enum { VS_RESULT_WARNINGS = VS_WARNINGS + 8 };
-
 /* What a run came to. Start from {0}; vs_result_free it. */
 typedef struct vs_result {
   const vs_scene *scene; /* that was run: the caller's, or `climbed` */
@@ -59,6 +57,11 @@ void vs_result_free(vs_result *r);
  * other. */
 void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *text), void *ctx);
 
+/* A line on standard error for each of those that are known only once the run is over. That nothing
+ * fires is not said of a run shorter than a cycle of the mains: who asks for one does not wait for
+ * a firing. */
+void vs_result_warn(const vs_result *r);
+
 /* A measure as it is shown. */
 typedef struct vs_shown {
   char name[VS_JUDGED_NAME], text[VS_DECK_TEXT + 16];
@@ -66,6 +69,7 @@ typedef struct vs_shown {
   vs_value value; /* in that unit */
   double limit;   /* that a rating of its probe or a limit of its device's part sets; NaN: none */
   bool at_least;  /* that is the least allowed, not the most */
+  const char *unjudged; /* why it is not held against its part's limit; NULL: nothing is to say */
 } vs_shown;
 
 /* Each measure there is, k from 0: the energies', the probes' extremes and the devices' included;

@@ -87,6 +87,8 @@ vs_devices *vs_devices_new(const vs_frame *frame) {
   d->frame = frame;
   d->count = count;
   d->began_s = NAN;
+  d->means = frame->means;
+  if (!(d->means.to_s > 0)) d->means = (vs_span_s){0, INFINITY};
   for (size_t k = 0; k < count; k++) begin_device(&d->item[k], frame, &frame->deck->devices[k]);
   return d;
 }
@@ -114,6 +116,37 @@ static void evaluate(const vs_quick *q, const double *mid, const double *to, dou
 static void complete(double course[VS_COURSES]) {
   course[VS_OF_POWER] = course[VS_OF_V] * course[VS_OF_I];
   course[VS_OF_I2] = course[VS_OF_I] * course[VS_OF_I];
+}
+
+/* ---- means ---- */
+
+/* Adds the integrals over a part of the step, from and to as parts of its length: of the parabola
+ * through its three values of v and i, which is a straight line where the formulas are such, by
+ * Simpson's rule. */
+static void integrate_part(const vs_course_step *c, double from, double to,
+                           double sum[VS_COURSES]) {
+  double y[3][VS_COURSES] = {{0}};
+  for (int k = 0; k < 3; k++) {
+    double s = from + (to - from) * k / 2, mid = 4 * s * (1 - s), end = s * (2 * s - 1);
+    for (int of = VS_OF_V; of <= VS_OF_I; of++)
+      y[k][of] = (1 - mid - end) * c->from[of] + mid * c->mid[of] + end * c->to[of];
+    complete(y[k]);
+  }
+  for (int of = VS_OF_I; of < VS_COURSES; of++)
+    sum[of] += (to - from) * c->h_s * (y[0][of] + 4 * y[1][of] + y[2][of]) / 6;
+}
+
+/* more: the integrals over the whole step */
+static void follow_means(const vs_devices *d, vs_watched *w, const vs_course_step *c,
+                         const double more[VS_COURSES]) {
+  double from_s = fmax(c->t0_s, d->means.from_s), to_s = fmin(c->t1_s, d->means.to_s);
+  if (!(to_s > from_s)) return;
+  w->starts += c->on && !c->was_on;
+  w->rests = w->rests || !c->on;
+  if (from_s > c->t0_s || to_s < c->t1_s)
+    integrate_part(c, (from_s - c->t0_s) / c->h_s, (to_s - c->t0_s) / c->h_s, w->sum_meant);
+  else
+    for (int of = VS_OF_I; of < VS_COURSES; of++) w->sum_meant[of] += more[of];
 }
 
 /* ---- reductions ---- */
@@ -317,6 +350,7 @@ static void follow(vs_devices *d, vs_watched *w, vs_course_step *c, const double
     c->was_on = w->in_pulse;
     c->on = w->in_pulse = fabs(c->to[VS_OF_I]) >= PULSE_A;
   }
+  follow_means(d, w, c, more);
   for (size_t k = 0; k < w->n_peaks; k++) follow_peak(w->each_step[k], c);
   for (size_t k = w->n_peaks; k < w->n_each_step; k++)
     follow_measure(w, w->each_step[k], c, more[w->each_step[k]->measure->of]);
@@ -359,24 +393,44 @@ void vs_devices_accept(vs_devices *d, const vs_step *step) {
   d->now_s = c.t1_s;
 }
 
-/* Its limit is for ever; what passes it does so at the run's end. */
-static void judge_rms(vs_reduced *r, double span_s, double now_s) {
-  if (span_s < CONTINUOUS_S * (1 - 1e-9)) r->limit = NULL;
-  if (r->limit && r->value.value > r->limit->value) r->failed_s = now_s;
+/* A firing that nothing follows says nothing of the power or current in operation: a scene that
+ * fires once, or a device that began to conduct once in the time meant, or never, and did not
+ * conduct all of it. */
+static bool is_one_shot(const vs_devices *d, const vs_watched *w) {
+  if (!isnan(w->device->gate_rad) && !d->frame->timeline->firing.every) return true;
+  return w->starts < 2 && w->rests;
+}
+
+/* Its limit is for ever; what passes it does so at the end of the time meant. */
+static void judge_rms(const vs_devices *d, const vs_watched *w, vs_reduced *r, double span_s,
+                      double end_s) {
+  if (!r->limit) return;
+  if (span_s < CONTINUOUS_S * (1 - 1e-9))
+    r->unjudged = "not judged: over less than 1 s";
+  else if (is_one_shot(d, w))
+    r->unjudged = "not judged: one shot";
+  if (r->unjudged)
+    r->limit = NULL;
+  else if (r->value.value > r->limit->value)
+    r->failed_s = end_s;
+}
+
+static void finish_device(const vs_devices *d, vs_watched *w) {
+  double from_s = fmax(d->began_s, d->means.from_s), to_s = fmin(d->now_s, d->means.to_s);
+  double span_s = to_s - from_s;
+  for (size_t n = 0; n < w->count; n++) {
+    vs_reduced *r = &w->reduced[n];
+    int of = r->measure->of;
+    if (r->measure->how == VS_R_INTEGRAL) r->value = (vs_value){true, w->sum[of], NAN};
+    if ((r->measure->how != VS_R_MEAN && r->measure->how != VS_R_RMS) || !(span_s > 0)) continue;
+    double mean = w->sum_meant[of] / span_s;
+    bool rms = r->measure->how == VS_R_RMS;
+    r->value = (vs_value){true, rms ? sqrt(mean) : mean, NAN};
+    if (rms) judge_rms(d, w, r, span_s, to_s);
+  }
 }
 
 void vs_devices_finish(vs_devices *d) {
   if (!d || isnan(d->began_s)) return;
-  double span = d->now_s - d->began_s;
-  for (size_t k = 0; k < d->count; k++)
-    for (size_t n = 0; n < d->item[k].count; n++) {
-      vs_reduced *r = &d->item[k].reduced[n];
-      double sum = d->item[k].sum[r->measure->of];
-      if (r->measure->how == VS_R_MEAN) r->value = (vs_value){true, sum / span, NAN};
-      if (r->measure->how == VS_R_RMS) {
-        r->value = (vs_value){true, sqrt(sum / span), NAN};
-        judge_rms(r, span, d->now_s);
-      }
-      if (r->measure->how == VS_R_INTEGRAL) r->value = (vs_value){true, sum, NAN};
-    }
+  for (size_t k = 0; k < d->count; k++) finish_device(d, &d->item[k]);
 }

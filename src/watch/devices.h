@@ -14,6 +14,8 @@ typedef struct vs_reduced {
   vs_value value;        /* SI; of a mean once the run is over */
   double pulse;          /* integral of the present one */
   double failed_s;       /* when it first passed its limit; NaN: it has not */
+  const char *unjudged;  /* why it is not held against the limit its part has; NULL: it is, or the
+                            part has none */
 } vs_reduced;
 
 /* The integral over the last 10 ms: parts of a quarter of a millisecond, each with its share of the
@@ -40,6 +42,9 @@ typedef struct vs_watched {
   vs_quick voltage, current, flux; /* flux: where its device has one */
   double last[VS_COURSES];         /* at the last knot */
   double sum[VS_COURSES];          /* integrals over the run, but of V and V.s */
+  double sum_meant[VS_COURSES];    /* the same over frame->means */
+  int starts;                      /* how often it began to conduct between these */
+  bool rests;                      /* it did not conduct all the time between them */
   vs_reduced reduced[VS_KIND_MEASURES];
   size_t count;
   vs_reduced *each_step[VS_KIND_MEASURES]; /* those that every step may change; the others come of
@@ -64,6 +69,7 @@ typedef struct vs_incident {
 
 typedef struct vs_devices {
   const vs_frame *frame;
+  vs_span_s means;       /* the frame's */
   double began_s, now_s; /* NaN: no step yet */
   vs_incident incidents[2 * VS_DECK_DEVICES];
   size_t n_incidents;
@@ -75,6 +81,8 @@ typedef struct vs_devices {
 vs_devices *vs_devices_new(const vs_frame *frame);
 void vs_devices_free(vs_devices *devices);
 void vs_devices_accept(vs_devices *devices, const vs_step *step);
-void vs_devices_finish(vs_devices *devices); /* the means */
+/* The means: over frame->means, exactly. An rms current is held against a limit for ever only where
+ * these last a second or longer and its device did not fire but once. */
+void vs_devices_finish(vs_devices *devices);
 
 #endif

@@ -3,7 +3,6 @@
 
 #include <gsl/gsl_errno.h>
 #include <math.h>
-#include <string.h>
 
 #include "base/text.h"
 
@@ -17,7 +16,7 @@ const vs_measure vs_measures_known[VS_MEASURES] = {
 static const struct {
   int measure, channel, sense;
 } STANDARD[VS_STANDARD_EXTREMES] = {
-    {VS_M_I_PEAK, VS_CH_I, 1},   {VS_M_FORCE_PEAK, VS_CH_FORCE, 1}, {VS_M_P_MIN, VS_CH_P, -1},
+    {VS_M_I_PEAK, VS_CH_I, 0},   {VS_M_FORCE_PEAK, VS_CH_FORCE, 1}, {VS_M_P_MIN, VS_CH_P, -1},
     {VS_M_P_MAX, VS_CH_P, 1},    {VS_M_AP_PEAK, VS_CH_AP, 0},       {VS_M_AU_PEAK, VS_CH_AU, 0},
     {VS_M_AW_PEAK, VS_CH_AW, 0},
 };
@@ -36,7 +35,6 @@ vs_measures *vs_measures_new(const vs_frame *frame) {
   for (int c = VS_CH_DECK; c < vs_channel_count(frame); c++)
     for (int sense = -1; sense <= 1; sense += 2)
       m->extremes[m->n_extremes++] = (vs_extreme){.channel = c, .sense = sense};
-  for (int k = 0; k < m->n_extremes; k++) m->parts |= vs_parts_of(&m->extremes[k].channel, 1);
   for (int k = 0; k < VS_DECK_MOST; k++) m->passed_s[k] = NAN;
   m->fired_s = m->extinct_s = m->refired_s = NAN;
   m->solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
@@ -53,31 +51,20 @@ void vs_measures_free(vs_measures *m) {
 typedef struct course {
   const vs_measures *measures;
   int channel;
-  double delta_s; /* > 0: the slope is meant, by differences over this; 0: the value */
 } course;
 
-static double value_at(const course *c, double t_s) {
+static double value_at(double t_s, void *user) {
+  const course *c = user;
   const vs_kept_step *newer = &c->measures->kept[c->measures->last];
   const vs_kept_step *older = &c->measures->kept[1 - c->measures->last];
   const vs_kept_step *in = c->measures->steps > 1 && t_s < newer->from.t_s ? older : newer;
   return vs_step_channel(&in->step, t_s, c->channel);
 }
 
-/* value, or slope by the central difference of fourth order: (8 D(d) - D(2d))/12d, D(d) = f(t+d) -
- * f(t-d) */
-static double course_function(double t_s, void *user) {
-  const course *c = user;
-  double d = c->delta_s;
-  if (d <= 0) return value_at(c, t_s);
-  return (8 * (value_at(c, t_s + d) - value_at(c, t_s - d)) -
-          (value_at(c, t_s + 2 * d) - value_at(c, t_s - 2 * d))) /
-         (12 * d);
-}
-
 /* Root of the function between lo and hi; NaN when it does not change sign there. */
 static double find_root(const vs_measures *m, course *c, double lo, double hi) {
-  gsl_function f = {course_function, c};
-  double at_lo = course_function(lo, c), at_hi = course_function(hi, c);
+  gsl_function f = {value_at, c};
+  double at_lo = value_at(lo, c), at_hi = value_at(hi, c);
   if (!(lo < hi) || !(at_lo * at_hi < 0)) return NAN;
   if (gsl_root_fsolver_set(m->solver, &f, lo, hi)) return NAN;
   for (int n = 0; n < 100; n++) {
@@ -88,72 +75,38 @@ static double find_root(const vs_measures *m, course *c, double lo, double hi) {
   return gsl_root_fsolver_root(m->solver);
 }
 
-/* The extremum of a channel around the middle of three knots. */
-static vs_value refine(const vs_measures *m, int channel) {
-  const vs_kept_step *older = &m->kept[1 - m->last], *newer = &m->kept[m->last];
-  double lo = older->from.t_s, hi = newer->to.t_s, middle = newer->from.t_s;
-  course c = {m, channel, 0.01 * fmin(middle - lo, hi - middle)};
-  if (channel < VS_CH_VP) c = (course){m, channel + VS_CH_VP, 0}; /* its slope is a channel */
-  double t = find_root(m, &c, lo + 2 * c.delta_s, hi - 2 * c.delta_s);
-  vs_value at_knot = {true, m->y[1][channel], middle};
-  if (isnan(t)) return at_knot;
-  c = (course){m, channel, 0};
-  return (vs_value){true, value_at(&c, t), t};
-}
-
-/* The extremum of a displacement in the newest step, which its velocity says is there. */
-static vs_value refine_in_step(const vs_measures *m, int channel) {
-  const vs_kept_step *step = &m->kept[m->last];
-  course slope = {m, channel + VS_CH_VP, 0}, c = {m, channel, 0};
-  double t = find_root(m, &slope, step->from.t_s, step->to.t_s);
-  if (isnan(t)) t = step->to.t_s; /* the velocity is 0 there */
-  return (vs_value){true, value_at(&c, t), t};
+/* The extremum of p around the middle of three knots. */
+static vs_value refine(const vs_measures *m) {
+  vs_value turn = {true, m->p_m[1], m->kept[m->last].from.t_s};
+  if (!vs_turn_of_p(&m->kept[1 - m->last].step, &turn)) vs_turn_of_p(&m->kept[m->last].step, &turn);
+  return turn;
 }
 
 /* ---- what is followed from step to step ---- */
 
-/* +1: the middle of the three values is a maximum, -1: a minimum, 0: neither */
-static int turn(const vs_measures *m, int channel) {
-  double a = m->y[0][channel], b = m->y[1][channel], c = m->y[2][channel];
-  return b >= a && b > c ? 1 : b <= a && b < c ? -1 : 0;
+/* Is the middle of the three an extremum of p? */
+static bool turns(const vs_measures *m) {
+  double a = m->p_m[0], b = m->p_m[1], c = m->p_m[2];
+  return (b >= a && b > c) || (b <= a && b < c);
 }
 
-/* The same of a displacement in the newest step, by its velocity. */
-static int turn_in_step(const vs_measures *m, int channel) {
-  double before = m->y[1][channel + VS_CH_VP], now = m->y[2][channel + VS_CH_VP];
-  return before > 0 && now <= 0 ? 1 : before < 0 && now >= 0 ? -1 : 0;
-}
-
-static void follow_extreme(vs_measures *m, vs_extreme *e) {
-  double now = m->y[2][e->channel], sign = e->sense, begin = m->y[1][e->channel];
-  if (!e->best.known)
-    e->best = (vs_value){true, e->sense ? begin : fabs(begin), m->kept[m->last].from.t_s};
-  if (!e->sense) sign = now < 0 ? -1 : 1;
-  double reach = e->sense ? e->sense * e->best.value : e->best.value;
-  if (sign * now > reach) {
-    reach = sign * now;
-    e->best = (vs_value){true, e->sense ? now : fabs(now), m->kept[m->last].to.t_s};
-  }
-  bool slope = e->channel < VS_CH_VP; /* is a channel, too */
-  int turns = slope ? turn_in_step(m, e->channel) : m->steps > 1 ? turn(m, e->channel) : 0;
-  double middle = m->y[1][e->channel];
-  if (!turns || (e->sense && turns != e->sense) || (!e->sense && turns * middle < 0)) return;
-  if (turns * middle < reach - 0.1 * fabs(reach))
-    return; /* between knots it cannot gain that much */
-  vs_value v = slope ? refine_in_step(m, e->channel) : refine(m, e->channel);
-  if (turns * v.value > reach)
-    e->best = (vs_value){true, e->sense ? v.value : fabs(v.value), v.at_s};
-  else if (e->best.at_s == m->kept[m->last].from.t_s)
-    e->best.at_s = v.at_s; /* a plateau to rounding: the root says when */
+double vs_measures_slack(const vs_measures *m, const vs_rating *r) {
+  const vs_extreme *pair = &m->extremes[VS_STANDARD_EXTREMES + 2 * r->probe];
+  double range = r->max - r->min, size = fmax(fabs(pair[0].best.value), fabs(pair[1].best.value));
+  return m->frame->tolerance * (isfinite(range) ? range : size);
 }
 
 /* When the probe of a rating first leaves its range. */
 static void follow_rating(vs_measures *m, size_t k) {
   const vs_rating *r = &m->frame->deck->ratings[k];
-  double before = m->y[1][VS_CH_DECK + r->probe], now = m->y[2][VS_CH_DECK + r->probe];
-  if (!isnan(m->passed_s[k]) || (now <= r->max && now >= r->min)) return;
+  const vs_probe *probe = &m->frame->deck->probes[r->probe];
   const vs_kept_step *s = &m->kept[m->last];
-  double part = ((now > r->max ? r->max : r->min) - before) / (now - before);
+  double before = probe->sign * s->from.terms[probe->term];
+  double now = probe->sign * s->to.terms[probe->term];
+  if (!isnan(m->passed_s[k]) || (now <= r->max && now >= r->min)) return;
+  double end = now > r->max ? r->max : r->min;
+  if (end == 0 && fabs(now) <= vs_measures_slack(m, r)) return;
+  double part = (end - before) / (now - before);
   m->passed_s[k] = s->from.t_s + fmin(fmax(part, 0), 1) * (s->to.t_s - s->from.t_s);
 }
 
@@ -164,13 +117,13 @@ static bool swings_freely(const vs_measures *m, double t_s) {
 /* Motion peaks after the first firing; in the free swing also ln of half the way between
  * neighbouring extremes, which slower modes below the swing do not move. */
 static void follow_peaks(vs_measures *m) {
-  if (m->steps < 2 || !turn(m, VS_CH_P)) return;
+  if (m->steps < 2 || !turns(m)) return;
   double middle = m->kept[m->last].from.t_s;
   bool free_swing = swings_freely(m, middle);
   bool wanted =
-      !m->first.known || !m->second.known || fabs(m->first.value) < RIPPLE * fabs(m->y[1][VS_CH_P]);
+      !m->first.known || !m->second.known || fabs(m->first.value) < RIPPLE * fabs(m->p_m[1]);
   if (!(middle > m->fired_s) || (!wanted && !free_swing)) return;
-  vs_value v = refine(m, VS_CH_P);
+  vs_value v = refine(m);
   if (!m->first.known || fabs(m->first.value) < RIPPLE * fabs(v.value)) {
     m->first = v;
     m->second.known = false;
@@ -190,8 +143,8 @@ static void follow_peaks(vs_measures *m) {
 
 static void follow_crossings(vs_measures *m) {
   const vs_kept_step *s = &m->kept[m->last];
-  if (!(m->y[1][VS_CH_P] < 0 && m->y[2][VS_CH_P] > 0) || !swings_freely(m, s->to.t_s)) return;
-  course c = {m, VS_CH_P, 0};
+  if (!(m->p_m[1] < 0 && m->p_m[2] > 0) || !swings_freely(m, s->to.t_s)) return;
+  course c = {m, VS_CH_P};
   double t = find_root(m, &c, s->from.t_s, s->to.t_s);
   if (isnan(t) || !swings_freely(m, t)) return;
   if (!m->crossings++) m->first_crossing_s = t;
@@ -214,6 +167,7 @@ static void follow_event(vs_measures *m, vs_event event, double t_s) {
   } else if (event == VS_EV_FIRES && isnan(m->refired_s))
     m->refired_s = t_s;
   if (event == VS_EV_EXTINCT && isnan(m->extinct_s)) m->extinct_s = t_s;
+  if (event == VS_EV_JAMS) m->jammed = true;
 }
 
 void vs_measures_accept(vs_measures *m, const vs_step *step) {
@@ -227,15 +181,11 @@ void vs_measures_accept(vs_measures *m, const vs_step *step) {
   kept->step = *step;
   kept->step.from = &kept->from;
   kept->step.to = &kept->to;
-  size_t row = (size_t)vs_channel_count(m->frame) * sizeof(double);
-  if (m->steps == 1) {
-    vs_step_parts_at(step, step->from->t_s, m->parts, m->y[1]);
-  } else {
-    memcpy(m->y[0], m->y[1], row);
-    memcpy(m->y[1], m->y[2], row);
-  }
-  vs_step_parts_at(step, step->to->t_s, m->parts, m->y[2]);
-  for (int k = 0; k < m->n_extremes; k++) follow_extreme(m, &m->extremes[k]);
+  m->p_m[0] = m->steps == 1 ? step->from->x[P] : m->p_m[1];
+  m->p_m[1] = step->from->x[P];
+  m->p_m[2] = step->to->x[P];
+  for (int k = 0; k < m->n_extremes; k++)
+    vs_extreme_follow(&m->extremes[k], step, m->jammed);
   for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++) follow_rating(m, k);
   follow_peaks(m);
   follow_crossings(m);

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Watcher that reduces a run to its measures while it goes on. Extremes and crossings are found by
- * root-finding on the dense output, not by the largest sample. */
+ * Watcher that reduces a run to its measures while it goes on. Extremes (extremes.h) and
+ * crossings are found by root-finding on the dense output, not by the largest sample. */
 #ifndef VS_WATCH_MEASURES_H
 #define VS_WATCH_MEASURES_H
 
 #include <gsl/gsl_roots.h>
 #include <stdbool.h>
 
-#include "sim/step.h"
+#include "watch/extremes.h"
 
 /* id, name, unit, text */
 #define VS_MEASURE_LIST(X)                                                                         \
-  X(VS_M_I_PEAK, "i_peak", "A", "largest coil current")                                            \
+  X(VS_M_I_PEAK, "i_peak", "A", "largest |coil current|")                                            \
   X(VS_M_T_FIRE, "t_fire", "s", "first firing")                                                    \
   X(VS_M_T_EXTINCTION, "t_extinction", "s", "first extinction: the anode current reaches zero")    \
   X(VS_M_CONDUCTION, "conduction_time", "s",                                                       \
@@ -48,18 +48,6 @@ typedef struct vs_measure {
 } vs_measure;
 extern const vs_measure vs_measures_known[VS_MEASURES];
 
-typedef struct vs_value {
-  bool known;         /* false: the run had nothing to measure (no firing, too few extremes) */
-  double value, at_s; /* at_s: NaN where the value belongs to no instant */
-} vs_value;
-
-/* Largest or least value of one channel so far. */
-typedef struct vs_extreme {
-  int channel;
-  int sense; /* +1 largest, -1 least, 0 largest magnitude */
-  vs_value best;
-} vs_extreme;
-
 enum { VS_STANDARD_EXTREMES = 7, VS_MOST_EXTREMES = VS_STANDARD_EXTREMES + 2 * VS_DECK_MOST };
 
 /* A step that outlives the tier's own knots. */
@@ -71,9 +59,9 @@ typedef struct vs_kept_step {
 typedef struct vs_measures {
   const vs_frame *frame;
   vs_kept_step kept[2];    /* the last two steps of some length; `last` is the newer */
-  int last, steps;         /* steps: how many are kept, 0..2 */
-  double y[3][VS_CH_MOST]; /* channels at the kept steps' three ends, of the parts below */
-  unsigned parts;          /* that the extremes need */
+  int last, steps; /* steps: how many are kept, 0..2 */
+  double p_m[3];   /* p at the kept steps' three ends */
+  bool jammed;     /* the armature, by now */
   vs_extreme
       extremes[VS_MOST_EXTREMES]; /* the standard ones, then least and largest of each probe */
   int n_extremes;
@@ -90,6 +78,10 @@ typedef struct vs_measures {
 vs_measures *vs_measures_new(const vs_frame *frame);
 void vs_measures_free(vs_measures *measures);
 void vs_measures_accept(vs_measures *measures, const vs_step *step);
+/* An end of a rating that is 0 says which sign the probe may have: up to this much beyond it is no
+ * violation, in the probe's SI unit. It is run.tolerance of the rating's range, the scale on which
+ * the run is judged, or of the probe's largest magnitude so far where the other end is none. */
+double vs_measures_slack(const vs_measures *measures, const vs_rating *rating);
 /* Values of all but the energies, [VS_MEASURES]. The extremes hold theirs. */
 void vs_measures_finish(const vs_measures *measures, vs_value values[VS_MEASURES]);
 

@@ -5,12 +5,17 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What `room` to a limit is as a part of the limit; of the whole range where the limit is 0.
- * Infinite where there is no limit. */
-static double part_of(double room, double limit, const vs_rating *rating) {
-  double range = rating->max - rating->min;
+/* What `room` to a limit is as a part of the limit; infinite where there is none. A limit of 0 says
+ * which sign the probe may have: to keep it is no margin, however near to 0 the probe comes. Beyond
+ * it by more than the slack, what it is beyond is a part of the range; of the probe's largest
+ * magnitude where the other end is none, or 0 as well. */
+static double part_of(double room, double limit, const vs_measures *m, const vs_judgement *j) {
+  double range = j->rating->max - j->rating->min;
   if (isinf(limit)) return INFINITY;
-  return room / (limit != 0 ? fabs(limit) : isinf(range) ? 1 : range);
+  if (limit != 0) return room / fabs(limit);
+  if (room >= -vs_measures_slack(m, j->rating)) return INFINITY;
+  bool scaled = isfinite(range) && range > 0;
+  return room / (scaled ? range : fmax(fabs(j->least.value), fabs(j->largest.value)));
 }
 
 static vs_judgement judge_rating(const vs_measures *m, size_t k) {
@@ -22,14 +27,14 @@ static vs_judgement judge_rating(const vs_measures *m, size_t k) {
                     .least = pair[0].best,
                     .largest = pair[1].best,
                     .stress = pair[0].best};
-  double below = part_of(j.least.value - r->min, r->min, r);
-  double above = part_of(r->max - j.largest.value, r->max, r);
+  double below = part_of(j.least.value - r->min, r->min, m, &j);
+  double above = part_of(r->max - j.largest.value, r->max, m, &j);
   j.room[0] = below;
   j.room[1] = above;
   j.margin_error = NAN;
   j.margin = fmin(below, above);
   if (above < below) j.stress = j.largest;
-  j.failed_s = m->passed_s[k];
+  j.failed_s = j.margin < 0 ? m->passed_s[k] : NAN;
   if (j.margin < 0 && isnan(j.failed_s)) j.failed_s = j.stress.at_s; /* between two knots only */
   return j;
 }
@@ -62,7 +67,7 @@ void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, vs_verdic
     }
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
-    if (!v->weakest || j->margin <= v->weakest->margin) v->weakest = j;
+    if (isfinite(j->margin) && (!v->weakest || j->margin <= v->weakest->margin)) v->weakest = j;
     if (j->margin < 0 && !j->ward &&
         (!v->first_to_fail || j->failed_s <= v->first_to_fail->failed_s))
       v->first_to_fail = j;
@@ -112,8 +117,9 @@ static bool is_same(const vs_judgement *a, const vs_judgement *b) {
  * nearly alike by both. */
 static const double SAFETY = 4;
 
-/* Of the room to one end. The limit less the room is the stress; the resolution is of that or of the limit, whichever
- * is more: a stress that is next to nothing need not be known to more digits than its limit. */
+/* Of the room to one end. The limit less the room is the stress; the resolution is of that or of
+ * the limit, whichever is more: a stress that is next to nothing need not be known to more digits
+ * than its limit. */
 static double error_of(double room, double second, double ratio, double resolution) {
   return SAFETY / fabs(ratio - 1) * fabs(room - second) + resolution * fmax(fabs(1 - room), 1);
 }
@@ -123,12 +129,13 @@ static double margin_error(const vs_judgement *j, const vs_judgement *second, do
                            double resolution) {
   double least = INFINITY, largest = INFINITY;
   for (int end = 0; end < 2; end++) {
+    if (isinf(j->room[end]) && second->room[end] < 0) return INFINITY; /* there it was passed */
     if (isinf(j->room[end])) continue;
     double error = error_of(j->room[end], second->room[end], ratio, resolution);
     least = fmin(least, j->room[end] - error);
     largest = fmin(largest, j->room[end] + error);
   }
-  return fmax(j->margin - least, largest - j->margin);
+  return isinf(j->margin) ? 0 : fmax(j->margin - least, largest - j->margin);
 }
 
 void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double ratio, double resolution) {
@@ -137,8 +144,7 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double ratio, d
     size_t n = 0;
     while (n < second->count && !is_same(j, &second->item[n])) n++;
     j->margin_error = INFINITY;
-    if (n < second->count && isfinite(j->margin))
-      j->margin_error = margin_error(j, &second->item[n], ratio, resolution);
+    if (n < second->count) j->margin_error = margin_error(j, &second->item[n], ratio, resolution);
     if (isnan(j->margin_error)) j->margin_error = INFINITY;
   }
 }

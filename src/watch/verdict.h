@@ -16,7 +16,7 @@ typedef struct vs_judgement {
   const vs_device *ward;   /* whose limit it is, where that is another device's; else NULL */
   vs_value least, largest; /* of the probe in the run */
   double room[2]; /* what is left to the lower and to the upper end, as parts of them; INFINITY: no
-                     such end */
+                     such end, or it is 0 and not passed; of a passed 0 a part of the range */
   double margin;  /* the lesser of the two; < 0: beyond */
   double margin_error; /* numerical error of the margin, a part as it is; NAN: not computed */
   vs_value stress;     /* the extreme that is nearer to its limit, or further beyond; SI */
@@ -27,7 +27,7 @@ enum { VS_MOST_JUDGEMENTS = VS_DECK_MOST + VS_DECK_DEVICES * VS_KIND_LIMITS };
 typedef struct vs_verdict {
   vs_judgement item[VS_MOST_JUDGEMENTS]; /* the ratings, then device by device */
   size_t count;
-  const vs_judgement *weakest;       /* of the least margin; NULL: nothing is judged */
+  const vs_judgement *weakest;       /* of the least finite margin; NULL: there is none */
   const vs_judgement *first_to_fail; /* NULL: none failed; never what another lets through */
 } vs_verdict; /* of two alike the later one, so that a device goes before a probe */
 

@@ -1,0 +1,319 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "watch/extremes.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "machine/actuator.h"
+
+/* ---- polynomials over a step, by their Bernstein coefficients ---- */
+
+enum { SEPTIC = 7, MOST = 2 * SEPTIC };
+typedef struct curve {
+  int degree;
+  double b[MOST + 1];
+} curve;
+
+/* Of degree seven, by value and three derivatives at both ends; or of degree three, by one. */
+static curve curve_between(const double from[4], const double to[4], double h, bool cubic) {
+  curve c = {.degree = cubic ? 3 : SEPTIC};
+  for (int end = 0; end < 2; end++) {
+    const double *y = end ? to : from, s = end ? -h : h;
+    double d = s * y[1] / c.degree, e = s * s * y[2] / 42, f = s * s * s * y[3] / 210;
+    double *b = end ? c.b + c.degree : c.b;
+    int on = end ? -1 : 1;
+    b[0] = y[0];
+    b[on] = y[0] + d;
+    if (cubic) continue;
+    b[2 * on] = y[0] + 2 * d + e;
+    b[3 * on] = y[0] + 3 * d + 3 * e + f;
+  }
+  return c;
+}
+
+static curve coordinate(const vs_step *step, int i) {
+  const vs_knot *a = step->from, *b = step->to;
+  const double from[] = {a->x[i], a->x[VS_DOF + i], a->a[i], a->j[i]};
+  const double to[] = {b->x[i], b->x[VS_DOF + i], b->a[i], b->j[i]};
+  return curve_between(from, to, b->t_s - a->t_s, false);
+}
+
+static curve flux(const vs_step *step) {
+  const vs_knot *a = step->from, *b = step->to;
+  const double from[] = {a->flux_wb, a->flux_rate_v, a->flux_rate2_v_s, a->flux_rate3_v_s2};
+  const double to[] = {b->flux_wb, b->flux_rate_v, b->flux_rate2_v_s, b->flux_rate3_v_s2};
+  return curve_between(from, to, b->t_s - a->t_s, step->cubic_flux);
+}
+
+/* The same polynomial, said to be of one degree more. */
+static void elevate(curve *c) {
+  int n = ++c->degree;
+  c->b[n] = c->b[n - 1];
+  for (int k = n - 1; k > 0; k--) c->b[k] = (k * c->b[k - 1] + (n - k) * c->b[k]) / n;
+}
+
+static curve slope_of(const curve *c, double h) {
+  curve s = {.degree = c->degree - 1};
+  for (int k = 0; k < c->degree; k++) s.b[k] = c->degree * (c->b[k + 1] - c->b[k]) / h;
+  return s;
+}
+
+static curve product(const curve *x, const curve *y) {
+  static const double CHOOSE[SEPTIC + 1][SEPTIC + 1] = {
+      {1},
+      {1, 1},
+      {1, 2, 1},
+      {1, 3, 3, 1},
+      {1, 4, 6, 4, 1},
+      {1, 5, 10, 10, 5, 1},
+      {1, 6, 15, 20, 15, 6, 1},
+      {1, 7, 21, 35, 35, 21, 7, 1}};
+  int m = x->degree, n = y->degree;
+  curve c = {.degree = m + n};
+  for (int k = 0; k <= m + n; k++) {
+    double sum = 0, all = 0;
+    for (int i = k > n ? k - n : 0; i <= k && i <= m; i++) {
+      double weight = CHOOSE[m][i] * CHOOSE[n][k - i];
+      sum += weight * x->b[i] * y->b[k - i];
+      all += weight;
+    }
+    c.b[k] = sum / all;
+  }
+  return c;
+}
+
+/* Its two halves; the first is returned. */
+static curve halve(curve *c) {
+  curve first = {.degree = c->degree};
+  for (int k = 0; k <= c->degree; k++) {
+    first.b[k] = c->b[0];
+    for (int i = 0; i < c->degree - k; i++) c->b[i] = (c->b[i] + c->b[i + 1]) / 2;
+  }
+  return first;
+}
+
+static double value_of(const curve *c, double s) {
+  curve at = *c;
+  for (int n = c->degree; n > 0; n--)
+    for (int i = 0; i < n; i++) at.b[i] += s * (at.b[i + 1] - at.b[i]);
+  return at.b[0];
+}
+
+/* ---- channels as such polynomials ---- */
+
+static curve current(const vs_step *step) {
+  const vs_model *m = step->frame->model;
+  curve c = flux(step), z = step->frame->gap_at_rest ? (curve){0} : coordinate(step, P);
+  for (int k = 0; k <= z.degree; k++) z.b[k] = (z.b[k] + m->gap_rest_m) / (2 * m->a_hm);
+  return product(&c, &z);
+}
+
+static curve force(const vs_step *step) {
+  curve c = flux(step);
+  c = product(&c, &c);
+  for (int k = 0; k <= c.degree; k++) c.b[k] /= 4 * step->frame->model->a_hm;
+  return c;
+}
+
+/* Adds x times a polynomial of no higher degree. */
+static void add(curve *sum, double x, const curve *more) {
+  curve c = *more;
+  while (c.degree < sum->degree) elevate(&c);
+  for (int k = 0; k <= c.degree; k++) sum->b[k] += x * c.b[k];
+}
+
+/* Eq. 54. Where the armature touches its stop it does so all over a step, as steps end there. */
+static curve acceleration(const vs_step *step, int i) {
+  const vs_model *m = step->frame->model;
+  const vs_stop_values *stop = &m->actuator.stop;
+  curve sum = {.degree = SEPTIC};
+  for (int n = 0; n < VS_DOF; n++) {
+    curve q = coordinate(step, n), v = slope_of(&q, step->to->t_s - step->from->t_s);
+    bool touches = n == P && vs_in_stop(m, value_of(&q, 0.5));
+    double share = touches ? m->mf[i] : 0;
+    add(&sum, share * stop->stiffness_n_m - m->mk_column[n][i], &q);
+    add(&sum, share * stop->damping_ns_m - m->mb_column[n][i], &v);
+    for (int k = 0; touches && k <= SEPTIC; k++)
+      sum.b[k] += share * stop->stiffness_n_m * m->actuator.gap_m;
+  }
+  if (vs_step_is_quiet(step)) return sum;
+  curve f = force(step);
+  while (sum.degree < f.degree) elevate(&sum);
+  add(&sum, m->mf[i], &f);
+  return sum;
+}
+
+static curve curve_of(const vs_step *step, int channel) {
+  if (channel == VS_CH_I) return current(step);
+  if (channel == VS_CH_FORCE) return force(step);
+  if (channel >= VS_CH_AP) return acceleration(step, channel - VS_CH_AP);
+  return coordinate(step, channel - VS_CH_P);
+}
+
+/* ---- the extremes of one step ---- */
+
+/* A channel's value and slope at a knot. */
+typedef struct at_knot {
+  double y, rate;
+} at_knot;
+
+static inline at_knot knot_of(const vs_frame *frame, const vs_knot *k, int channel) {
+  const vs_model *m = frame->model;
+  if (channel >= VS_CH_DECK) {
+    const vs_probe *probe = &frame->deck->probes[channel - VS_CH_DECK];
+    return (at_knot){probe->sign * k->terms[probe->term], 0};
+  }
+  if (channel == VS_CH_FORCE)
+    return (at_knot){vs_force(m, k->flux_wb), vs_force_rate(m, k->flux_wb, k->flux_rate_v)};
+  if (channel == VS_CH_I) {
+    double z = frame->gap_at_rest ? m->gap_rest_m : vs_gap(m, k->x[P]);
+    double z_rate = frame->gap_at_rest ? 0 : k->x[VS_DOF + P];
+    return (at_knot){vs_current(m, k->flux_wb, z),
+                     vs_current_rate(m, k->flux_wb, k->flux_rate_v, z, z_rate)};
+  }
+  int i = channel >= VS_CH_AP ? channel - VS_CH_AP : channel - VS_CH_P;
+  return channel >= VS_CH_AP ? (at_knot){k->a[i], k->j[i]} : (at_knot){k->x[i], k->x[VS_DOF + i]};
+}
+
+/* What the search goes for: the largest of sign times the channel. */
+typedef struct search {
+  vs_extreme *extreme;
+  const vs_step *step;
+  double sign;
+  double rounding; /* differences below it say nothing */
+} search;
+
+/* What of it is an extreme so far, in the sense of the search. */
+static double reach(const search *s) {
+  const vs_extreme *e = s->extreme;
+  return e->sense ? e->sense * e->best.value : e->best.value;
+}
+
+static void take(const search *s, double y, double at_s) {
+  vs_extreme *e = s->extreme;
+  if (e->best.known && !(s->sign * y > reach(s))) return;
+  e->best = (vs_value){true, e->sense ? y : s->sign * y + 0.0, at_s}; /* no -0 */
+}
+
+/* An extreme inside the step; where it is no larger than a knot's by rounding it says when. */
+static void take_inside(const search *s, double part) {
+  const vs_step *step = s->step;
+  double from = step->from->t_s, to = step->to->t_s;
+  double at_s = fmin(fmax(from + part * (to - from), from), to);
+  double y = vs_step_channel(step, at_s, s->extreme->channel);
+  double *best_at_s = &s->extreme->best.at_s;
+  bool same = s->sign * y >= reach(s) - s->rounding;
+  take(s, y, at_s);
+  if (same && (*best_at_s == from || *best_at_s == to)) *best_at_s = at_s;
+}
+
+/* Root of a curve that changes its sign once, from > 0 to < 0: Newton's, kept between bounds, on
+ * its powers. What rounding makes of those of degree 13 moves the root by 1e-11 of the step. */
+static double falls_through_zero(curve slope) {
+  int n = slope.degree;
+  double *a = slope.b, lo = 0, hi = 1, at = 0.5;
+  for (int k = 1; k <= n; k++)
+    for (int i = n; i >= k; i--) a[i] -= a[i - 1];
+  double choose = 1;
+  for (int k = 0; k <= n; k++) {
+    a[k] *= choose;
+    choose *= (double)(n - k) / (k + 1);
+  }
+  for (int turn = 0; turn < 60; turn++) {
+    double y = a[n], rate = 0;
+    for (int k = n - 1; k >= 0; k--) {
+      rate = rate * at + y;
+      y = y * at + a[k];
+    }
+    if (y > 0)
+      lo = at;
+    else
+      hi = at;
+    double next = at - y / rate;
+    if (!(next > lo && next < hi)) next = (lo + hi) / 2;
+    if (fabs(next - at) <= DBL_EPSILON) break;
+    at = next;
+  }
+  return at;
+}
+
+bool vs_turn_of_p(const vs_step *step, vs_value *turn) {
+  double before = step->from->x[VS_DOF + P], behind = step->to->x[VS_DOF + P];
+  if (!(before * behind < 0)) return false;
+  curve p = coordinate(step, P), slope = slope_of(&p, before > 0 ? 1 : -1);
+  double h = step->to->t_s - step->from->t_s;
+  turn->at_s = step->from->t_s + h * falls_through_zero(slope);
+  turn->value = vs_step_channel(step, turn->at_s, VS_CH_P);
+  turn->known = true;
+  return true;
+}
+
+/* Looks into the part of the step from `lo` that is `width` long, both in parts of the step. Cut in
+ * halves, a curve comes as near to its coefficients as the square of the width: twenty-five times
+ * is as near as rounding. What is level to rounding has no extreme but its ends. */
+static void look_into(const search *s, curve c, double lo, double width) {
+  double most = -INFINITY, least = INFINITY;
+  int changes = 0, before = 0, first = 0;
+  for (int k = 0; k <= c.degree; k++) {
+    most = fmax(most, s->sign * c.b[k]);
+    least = fmin(least, s->sign * c.b[k]);
+  }
+  if (most < reach(s) - s->rounding || most - least <= s->rounding) return;
+  curve slope = slope_of(&c, s->sign);
+  for (int k = 0; k <= slope.degree; k++) {
+    int now = (slope.b[k] > 0) - (slope.b[k] < 0);
+    if (!now) continue;
+    changes += before && now != before;
+    if (!first) first = now;
+    before = now;
+  }
+  if (!changes || (changes == 1 && first < 0)) return; /* largest at an end */
+  if (changes == 1)
+    take_inside(s, lo + width * falls_through_zero(slope));
+  else if (width > 0x1p-25) {
+    curve half = halve(&c);
+    look_into(s, half, lo, width / 2);
+    look_into(s, c, lo + width / 2, width / 2);
+  }
+}
+
+/* Can the step hold as much as what is an extreme so far? By the cubic through values and slopes: a
+ * sine that moves by one radian, the longest there is, leaves it by 1/384 of its size, and a
+ * twentieth of what is at both ends, twelve times that, is allowed for. */
+static inline bool may_hold_more(const vs_extreme *e, at_knot from, at_knot to, double h) {
+  double rise = h / 3 * from.rate, fall = h / 3 * to.rate, sign = e->sense;
+  double y[] = {from.y, from.y + rise, to.y - fall, to.y};
+  double size = fabs(from.y) + fabs(to.y) + fabs(rise) + fabs(fall);
+  for (int k = 0; k < 4; k++) y[k] = e->sense ? sign * y[k] : fabs(y[k]);
+  double a = y[0] > y[1] ? y[0] : y[1], b = y[2] > y[3] ? y[2] : y[3]; /* fmax would be called */
+  double most = (a > b ? a : b) + 0.05 * size;
+  return !e->best.known || most >= (e->sense ? sign * e->best.value : e->best.value);
+}
+
+static void follow(const search *s, at_knot from, at_knot to) {
+  const vs_step *step = s->step;
+  int channel = s->extreme->channel;
+  take(s, from.y, step->from->t_s);
+  take(s, to.y, step->to->t_s);
+  if (channel >= VS_CH_DECK) return; /* straight lines */
+  search in = *s;
+  curve c = curve_of(step, channel);
+  double size = 0;
+  for (int k = 0; k <= c.degree; k++) size = fmax(size, fabs(c.b[k]));
+  in.rounding = 4 * DBL_EPSILON * size;
+  take(&in, c.b[0], step->from->t_s);
+  take(&in, c.b[c.degree], step->to->t_s);
+  if (size > 0) look_into(&in, c, 0, 1);
+}
+
+void vs_extreme_follow(vs_extreme *e, const vs_step *step, bool jammed) {
+  bool of_flux = e->channel == VS_CH_I || e->channel == VS_CH_FORCE;
+  if (of_flux && e->best.known && vs_step_is_quiet(step)) return; /* both are 0, and |i| is meant */
+  const at_knot from = knot_of(step->frame, step->from, e->channel),
+                to = knot_of(step->frame, step->to, e->channel);
+  bool held = jammed && e->channel >= VS_CH_AP && e->channel <= VS_CH_APHI;
+  if (!held && !may_hold_more(e, from, to, step->to->t_s - step->from->t_s)) return;
+  for (int sign = 1; sign >= -1; sign -= 2)
+    if (!e->sense || e->sense == sign)
+      follow(&(search){.extreme = e, .step = step, .sign = sign}, from, to);
+}
