@@ -12,19 +12,12 @@
 #include <string.h>
 
 #include "machine/actuator.h"
+#include "sim/conduction.h"
 #include "sim/motion.h"
 #include "sim/names.h"
 #include "sim/pace.h"
 #include "sim/quiet.h"
 #include "sim/sim.h"
-
-/* A thyristor counts as conducting above this anode current: its leakage and the displacement
- * current of a blocked junction stay below, any holding current is of this order or above. */
-static const double CONDUCTS_A = 0.02, QUIET_A = 0.001;
-
-/* Below this share of its peak the anode current is over: what is left of it takes less than a
- * microsecond at 50 Hz, and what follows is leakage. */
-static const double EXTINCT = 1e-4;
 
 typedef struct coupling {
   const vs_setup *setup;
@@ -35,10 +28,8 @@ typedef struct coupling {
   double step_s, max_step_s;           /* the last accepted step's length; the largest allowed */
   double candidate_s, candidate_gap_m; /* what the solver was last told */
   size_t gap_port;                     /* ports before it are the deck's */
-  const vs_probe *anode_current;       /* the deck's probe; NULL: it has none */
-  bool conducting;
-  double conducted_a; /* largest anode current of this conduction */
-  double quiet_s;     /* last knot before it with hardly any */
+  const vs_probe *anode_current, *anode_voltage; /* the deck's probes; NULL: it has none */
+  vs_conduction conduction;
   vs_motion motion;
   bool touching; /* the armature its stop, at the last accepted knot */
   double jams_s; /* INFINITY: it does not */
@@ -115,8 +106,12 @@ static double source(void *ctx, size_t port, double solver_s) {
   return vs_drives[p->signal.drive].voltage(&c->setup->timeline, &p->signal, t_s);
 }
 
+static double probed(const vs_probe *probe, const vs_knot *k) {
+  return probe ? probe->sign * k->terms[probe->term] : 0;
+}
+
 static double anode_current(const coupling *c, const vs_knot *k) {
-  return c->anode_current->sign * k->terms[c->anode_current->term];
+  return probed(c->anode_current, k);
 }
 
 /* When the anode current, falling as from knot `before` to knot `from`, passes zero; INFINITY: it
@@ -131,7 +126,7 @@ static double zero_of_current(const coupling *c, const vs_knot *before, const vs
  * zero itself rounding would decide whether the thyristor conducts, and Newton's iteration find no
  * end. INFINITY: not within the next step, which at most doubles. */
 static double expected_extinction(const coupling *c) {
-  if (!c->conducting) return INFINITY;
+  if (!c->conduction.conducts) return INFINITY;
   const vs_knot *last = &c->knots[c->now];
   double zero = zero_of_current(c, &c->knots[1 - c->now], last), late = 1e-3 * c->max_step_s;
   double reach = fmin(2 * c->step_s, c->max_step_s);
@@ -165,35 +160,23 @@ static double longest(void *ctx, double solver_s) {
   const coupling *c = ctx;
   double t_s = solver_s + c->shift_s;
   double ring = fabs(c->knots[c->now].flux_rate_v) / c->setup->timeline.peak_v, part = 1;
-  if (!c->conducting && ring > RINGS && next_edge(c, t_s) < INFINITY)
+  if (!c->conduction.conducts && ring > RINGS && next_edge(c, t_s) < INFINITY)
     part = 1.0 / 4;
-  else if (!c->conducting && ring > RINGS_STRONGLY)
+  else if (!c->conduction.conducts && ring > RINGS_STRONGLY)
     part = 1.0 / 2;
   return fmin(part * c->max_step_s, vs_events_longest(&c->setup->timeline.events, t_s));
 }
 
-/* What the anode current did in the step just taken, and when. Firing is dated back along the line
- * through the last two currents, not before the last one that was hardly any. Extinction falls on
- * the zero of the line through the last two currents before it, which may lie just behind the step:
- * what flows past it is leakage, and may well be positive for a while. */
-static vs_event find_event(coupling *c, const vs_knot *before, const vs_knot *from,
-                           const vs_knot *to, double *event_s) {
+/* What the anode current did in the step just taken, and when. */
+static vs_event find_event(coupling *c, const vs_knot *from, const vs_knot *to, double *event_s) {
   if (!c->anode_current || to->t_s == from->t_s) return VS_EV_NONE;
-  double i = anode_current(c, to), i0 = anode_current(c, from);
-  if (!c->conducting) {
-    if (i0 <= QUIET_A) c->quiet_s = from->t_s;
-    if (i <= CONDUCTS_A) return VS_EV_NONE;
-    c->conducting = true;
-    c->conducted_a = i;
-    *event_s = fmax(from->t_s - i0 * (to->t_s - from->t_s) / (i - i0), c->quiet_s);
-    return VS_EV_FIRES;
-  }
-  c->conducted_a = fmax(c->conducted_a, i);
-  if (i > fmin(EXTINCT * c->conducted_a, CONDUCTS_A / 2)) return VS_EV_NONE;
-  double latest = i > 0 ? 2 * to->t_s - from->t_s : to->t_s;
-  c->conducting = false;
-  *event_s = fmin(fmax(zero_of_current(c, before, from), from->t_s), latest);
-  return VS_EV_EXTINCT;
+  const vs_conduction_step step = {from->t_s,
+                                   to->t_s,
+                                   anode_current(c, from),
+                                   anode_current(c, to),
+                                   probed(c->anode_voltage, from),
+                                   probed(c->anode_voltage, to)};
+  return vs_conduction_follow(&c->conduction, &step, event_s);
 }
 
 static void complete(const coupling *c, vs_knot *k) {
@@ -210,7 +193,7 @@ static vs_status show(coupling *c, const vs_knot *k, vs_event contact, vs_error 
     memcpy(from->terms, k->terms, sizeof k->terms); /* the solver shows none at t = 0 */
   vs_step step = {
       .frame = &c->frame, .from = from, .to = to, .cubic_flux = true, .periodic = c->without};
-  step.event[0] = find_event(c, to, from, k, &step.event_s[0]); /* `to` is still the one before */
+  step.event[0] = find_event(c, from, k, &step.event_s[0]);
   vs_knot_copy(&c->frame, k, to);
   step.event[1] = contact;
   step.event_s[1] = to->t_s;
@@ -318,8 +301,8 @@ static bool gate_is_on(const coupling *c, double t_s) {
 static vs_status leave_if_quiet(coupling *c, vs_error *err) {
   const vs_knot *k = &c->knots[c->now];
   double now = k->t_s, until = c->setup->run.until_s, next = next_edge(c, now);
-  vs_quiet_take(c->quiet, k, !c->conducting);
-  if (c->conducting || c->touching || gate_is_on(c, now) ||
+  vs_quiet_take(c->quiet, k, !c->conduction.conducts);
+  if (c->conduction.conducts || c->touching || gate_is_on(c, now) ||
       isfinite(vs_events_longest(&c->setup->timeline.events, now)))
     return VS_OK;
   double cycles = INFINITY, most_lag_s = INFINITY, period_s = c->setup->timeline.period_s;
@@ -400,6 +383,12 @@ static void locate(const void *deck, vs_error *err) {
   vs_deck_locate(deck, err);
 }
 
+static const vs_probe *find_probe(const vs_deck *deck, const char *name) {
+  for (size_t k = 0; k < deck->n_probes; k++)
+    if (!strcmp(deck->probes[k].name, name)) return &deck->probes[k];
+  return NULL;
+}
+
 static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_error *err) {
   const vs_model *m = &setup->model;
   vs_deck_value standard[VS_STANDARD];
@@ -420,9 +409,9 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
   for (size_t k = 0; k < setup->timeline.events.count; k++)
     if (setup->timeline.events.item[k].kind->jams)
       c.jams_s = fmin(c.jams_s, setup->timeline.events.item[k].start_s);
-  for (size_t k = 0; k < setup->deck.n_probes; k++)
-    if (!strcmp(setup->deck.probes[k].name, "i_thyristor"))
-      c.anode_current = &setup->deck.probes[k];
+  c.anode_current = find_probe(&setup->deck, "i_thyristor");
+  c.anode_voltage = find_probe(&setup->deck, "v_ak");
+  vs_conduction_begin(&c.conduction);
   vs_motion_begin(&c.motion, m);
   vs_circuit_job job = {.ports = n->ports,
                         .n_ports = n->n_ports,
