@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "circuit/devices.h"
 #include "machine/actuator.h"
 #include "sim/conduction.h"
 #include "sim/motion.h"
@@ -28,7 +29,8 @@ typedef struct coupling {
   double step_s, max_step_s;           /* the last accepted step's length; the largest allowed */
   double candidate_s, candidate_gap_m; /* what the solver was last told */
   size_t gap_port;                     /* ports before it are the deck's */
-  const vs_probe *anode_current, *anode_voltage; /* the deck's probes; NULL: it has none */
+  const vs_probe *anode_current;       /* the deck's probe; NULL: it has none */
+  int anode_voltage;                   /* the deck's term, of the same thyristor; -1: not known */
   vs_conduction conduction;
   vs_motion motion;
   bool touching; /* the armature its stop, at the last accepted knot */
@@ -106,12 +108,12 @@ static double source(void *ctx, size_t port, double solver_s) {
   return vs_drives[p->signal.drive].voltage(&c->setup->timeline, &p->signal, t_s);
 }
 
-static double probed(const vs_probe *probe, const vs_knot *k) {
-  return probe ? probe->sign * k->terms[probe->term] : 0;
+static double anode_current(const coupling *c, const vs_knot *k) {
+  return c->anode_current->sign * k->terms[c->anode_current->term];
 }
 
-static double anode_current(const coupling *c, const vs_knot *k) {
-  return probed(c->anode_current, k);
+static double anode_voltage(const coupling *c, const vs_knot *k) {
+  return c->anode_voltage < 0 ? 0 : k->terms[c->anode_voltage];
 }
 
 /* When the anode current, falling as from knot `before` to knot `from`, passes zero; INFINITY: it
@@ -174,8 +176,8 @@ static vs_event find_event(coupling *c, const vs_knot *from, const vs_knot *to, 
                                    to->t_s,
                                    anode_current(c, from),
                                    anode_current(c, to),
-                                   probed(c->anode_voltage, from),
-                                   probed(c->anode_voltage, to)};
+                                   anode_voltage(c, from),
+                                   anode_voltage(c, to)};
   return vs_conduction_follow(&c->conduction, &step, event_s);
 }
 
@@ -383,10 +385,21 @@ static void locate(const void *deck, vs_error *err) {
   vs_deck_locate(deck, err);
 }
 
-static const vs_probe *find_probe(const vs_deck *deck, const char *name) {
+/* Finds the probe of the anode current, and the voltage of the thyristor that has this current for
+ * its own. A current that is the sum of two thyristors' is of neither. */
+static void find_anode(coupling *c, const vs_deck *deck) {
+  int current, voltage;
+  double factor = 0;
+  c->anode_voltage = -1;
+  vs_conduction_begin(&c->conduction);
   for (size_t k = 0; k < deck->n_probes; k++)
-    if (!strcmp(deck->probes[k].name, name)) return &deck->probes[k];
-  return NULL;
+    if (!strcmp(deck->probes[k].name, "i_thyristor")) c->anode_current = &deck->probes[k];
+  for (size_t k = 0; c->anode_current && k < deck->n_devices; k++)
+    if (deck->devices[k].kind->switches &&
+        vs_formula_is_term(&deck->devices[k].current, &current, &factor) &&
+        current == c->anode_current->term &&
+        vs_formula_is_term(&deck->devices[k].voltage, &voltage, &factor))
+      c->anode_voltage = voltage;
 }
 
 static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_error *err) {
@@ -409,9 +422,7 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
   for (size_t k = 0; k < setup->timeline.events.count; k++)
     if (setup->timeline.events.item[k].kind->jams)
       c.jams_s = fmin(c.jams_s, setup->timeline.events.item[k].start_s);
-  c.anode_current = find_probe(&setup->deck, "i_thyristor");
-  c.anode_voltage = find_probe(&setup->deck, "v_ak");
-  vs_conduction_begin(&c.conduction);
+  find_anode(&c, &setup->deck);
   vs_motion_begin(&c.motion, m);
   vs_circuit_job job = {.ports = n->ports,
                         .n_ports = n->n_ports,
