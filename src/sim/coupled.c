@@ -32,6 +32,7 @@ typedef struct coupling {
   const vs_probe *anode_current;       /* the deck's probe; NULL: it has none */
   int anode_voltage;                   /* the deck's term, of the same thyristor; -1: not known */
   vs_conduction conduction;
+  double expected_s; /* the end of a step that was last told for an extinction */
   vs_motion motion;
   bool touching; /* the armature its stop, at the last accepted knot */
   double jams_s; /* INFINITY: it does not */
@@ -126,13 +127,16 @@ static double zero_of_current(const coupling *c, const vs_knot *before, const vs
 /* A step that ends where the anode current passes zero keeps the second order of the solver's rule,
  * which a kink inside a step would spoil. It ends a thousandth of the largest step later: at the
  * zero itself rounding would decide whether the thyristor conducts, and Newton's iteration find no
- * end. INFINITY: not within the next step, which at most doubles. */
-static double expected_extinction(const coupling *c) {
+ * end. One that was told stays an end, and nearly the same is not told again: two a picosecond apart
+ * have ngspice give up. INFINITY: not within the next step, which at most doubles. */
+static double expected_extinction(coupling *c) {
   if (!c->conduction.conducts) return INFINITY;
   const vs_knot *last = &c->knots[c->now];
   double zero = zero_of_current(c, &c->knots[1 - c->now], last), late = 1e-3 * c->max_step_s;
   double reach = fmin(2 * c->step_s, c->max_step_s);
-  return zero > last->t_s && zero < last->t_s + reach ? zero + late : INFINITY;
+  if (!(zero > last->t_s && zero < last->t_s + reach)) return INFINITY;
+  if (fabs(zero + late - c->expected_s) > late / 2) c->expected_s = zero + late;
+  return c->expected_s;
 }
 
 /* First gate edge or event after t; INFINITY: none. */
@@ -146,7 +150,7 @@ static double next_edge(const coupling *c, double t_s) {
 }
 
 static double edge(void *ctx, double solver_s) {
-  const coupling *c = ctx;
+  coupling *c = ctx;
   double next = fmin(expected_extinction(c), next_edge(c, solver_s + c->shift_s));
   if (c->shift_s > 0) next = fmin(next, c->setup->run.until_s);
   return next - c->shift_s;
