@@ -84,10 +84,10 @@ static void compare(FILE *table, int number, const vs_verdict *v, const vs_verdi
 
 static void errors_are_as_told(void) {
   bool whole = getenv("VS_LONG");
-  FILE *table = whole || getenv("VS_N") ? fopen(getenv("VS_N") ? "/tmp/rm/margins.csv" : "margins.csv", "w") : NULL;
+  FILE *table = whole ? fopen("margins.csv", "w") : NULL;
   tally all = {0};
   if (table) fputs("case,line,margin,margin_error,word,margin_at_1e-7,inside\n", table);
-  for (int number = 0; number < (whole ? CASES : getenv("VS_N") ? atoi(getenv("VS_N")) : FEW); number++) {
+  for (int number = 0; number < (whole ? CASES : FEW); number++) {
     vs_trial *t = at_tolerance(number, "run.tolerance=1e-4", "run.verify=always");
     vs_trial *tight = at_tolerance(number, "run.tolerance=1e-7", "run.verify=never");
     const vs_trial *failed = t->status ? t : tight->status ? tight : NULL;
@@ -123,14 +123,23 @@ static void write_rated(const char *name, const char *ratings) {
   fclose(out);
 }
 
-/* A blocking voltage whose peak is the last step's chopped current times 1 Gohm, and a run whose
- * truncation errors nothing holds down: whatever is said of them, it is not `held`. */
+/* Behind 1 Gohm what is left of the current when the thyristor goes out makes any voltage: the
+ * truth is the mains' peak of 622.25 V. At tolerances where the run has it wrong, it is not `held`
+ * against 1300 V. */
 static void lies_are_not_held(void) {
-  write_rated("rated.cir", "*$ rating v_ak -1200..1200 V\n");
-  ran r = run("run paper --set circuit.deck=rated.cir --set circuit.off_resistance=1Gohm "
-              "--set run.tolerance=1e-5 --set run.until=0.1s");
-  EXPECT(r.status == 3 && !strstr(r.out, "  held"), "%d %s%s", r.status, r.out, r.err);
-  free_ran(&r);
+  static const char *const TOLERANCES[] = {"1e-4", "1e-5", "1e-6"};
+  write_rated("rated.cir", "*$ rating v_ak -1300..1300 V\n");
+  for (size_t k = 0; k < COUNT(TOLERANCES); k++) {
+    ran r = run("run paper --set circuit.deck=rated.cir --set circuit.off_resistance=1Gohm "
+                "--set run.tolerance=%s --set run.until=0.1s",
+                TOLERANCES[k]);
+    const char *largest = strstr(r.out, "v_ak_max");
+    double v = largest ? strtod(largest + strlen("v_ak_max"), NULL) : NAN;
+    printf(" %.5g V%s", v, strstr(r.out, "  held") ? " held" : "");
+    EXPECT(fabs(v / 622.254 - 1) < 0.01 || !strstr(r.out, "  held"), "%d %s%s", r.status, r.out,
+           r.err);
+    free_ran(&r);
+  }
 }
 
 static void words_and_statuses(void) {
@@ -154,9 +163,17 @@ static void a_sign_that_is_not_certain(void) {
   write_rated("near.cir", "*$ rating i_source -10..0.8396 A\n");
   ran r = run("run paper --set circuit.deck=near.cir --set run.until=0.02s "
               "--set run.tolerance=1e-3");
-  EXPECT(r.status == 3 && strstr(r.err, "a rating is undecided: i_source = 0.84") &&
-             strstr(r.err, "; run.tolerance = ") && strstr(r.out, "  undecided\n"),
+  EXPECT(r.status == 3 && strstr(r.err, "a rating is undecided: i_source = 0.839") &&
+             strstr(r.err, "; run.tolerance = ") && strstr(r.out, " %  undecided\n"),
          "%d %s%s", r.status, r.out, r.err);
+  const char *decides = strstr(r.err, "; run.tolerance = ");
+  double tolerance = decides ? strtod(decides + strlen("; run.tolerance = "), NULL) : NAN;
+  free_ran(&r);
+  r = run("run paper --set circuit.deck=near.cir --set run.until=0.02s --set run.tolerance=%g",
+          tolerance);
+  EXPECT((strstr(r.out, "  held\n") || strstr(r.out, "  violated\n")) &&
+             !strstr(r.out, "undecided\n"),
+         "%g: %s%s", tolerance, r.out, r.err);
   free_ran(&r);
 }
 

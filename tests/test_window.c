@@ -114,11 +114,11 @@ static void table_and_json_say_it(void) {
 
 /* ---- one shot ---- */
 
-/* A part that conducts through 1 kohm while its gate is on: nothing that wants short steps. */
+/* A part that conducts through 50 ohm while its gate is on: nothing that wants short steps. */
 static const char PART[] = "* SPDX-License-Identifier: GPL-3.0-or-later\n"
                            "*$ part thyristor \"a resistor that its gate switches\"\n"
                            "*$ limit i_t_rms = 12 A \"as if\"\n"
-                           ".subckt gated a k g\nRg g k 1k\nBk a k I=v(a,k)*v(g,k)*1m\n.ends gated\n";
+                           ".subckt gated a k g\nRg g k 1k\nBk a k I=v(a,k)*v(g,k)*20m\n.ends gated\n";
 static const char GATED[] = "*$ param thyristor = gated.inc part thyristor\n*$ port mains = Vm\n"
                             "*$ port gate = Vg\n*$ probe v_ak = v(a,b) V\n"
                             "*$ device thyristor = v(a,b), i(Vt)\nVm a 0 external\n"

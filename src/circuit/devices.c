@@ -24,10 +24,9 @@ const vs_kind vs_kinds[] = {
           "or more",
           VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST},
          {"dv_dt_max", "V/us",
-          "largest rate of forward off-state voltage, over one step of 1 V or more, else over 0.1 "
-          "us",
+          "largest rate of forward off-state voltage, over any 0.1 us",
           VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
-         {"di_dt", "A/us", "largest rate of current from firing to its first maximum, over 0.1 us",
+         {"di_dt", "A/us", "largest rate of current from firing to its first maximum, over any 0.1 us",
           VS_R_ON_RATE, VS_OF_I, 1, "di_dt", VS_AT_MOST},
          {"i_peak", "A", "peak current", VS_R_PEAK, VS_OF_I, 1, NULL, VS_AT_MOST},
          {"i_surge", "A",
@@ -45,7 +44,9 @@ const vs_kind vs_kinds[] = {
          {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
          {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
           VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST},
-         {"t_off", "s", "shortest time from the current's zero to the return of forward voltage",
+         {"t_off", "s", "shortest time from the current's zero to the return of forward voltage while its gate is "
+          "off",
+         
           VS_R_OFFERED, VS_OF_V, 1, "t_q", VS_AT_LEAST},
          {"misfires", "", "gate pulses that it did not follow", VS_R_MISFIRE, VS_OF_I, 1, NULL,
           VS_AT_MOST},
@@ -58,8 +59,10 @@ const vs_kind vs_kinds[] = {
      MEASURES(
          {"v_clamp", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
          {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_surge", VS_AT_MOST},
-         {"energy", "J", "largest energy of one pulse; it lasts while |i| is 1 mA or more",
-          VS_R_PULSE, VS_OF_POWER, 1, "energy", VS_AT_MOST},
+         {"energy", "J",
+          "largest heat of one pulse, without what a capacitance stores; it ends when |i| has stayed "
+          "below 1 mA for a quarter of a mains cycle",
+          VS_R_HEAT, VS_OF_POWER, 1, "energy", VS_AT_MOST},
          {"energy_total", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL,
           VS_AT_MOST})},
     {"resistor", false, false,
@@ -73,7 +76,7 @@ const vs_kind vs_kinds[] = {
          {"i_rms", "A", "rms current, over the time that measure says", VS_R_RMS, VS_OF_I2, 1, NULL, VS_AT_MOST},
          {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, VS_AT_MOST},
          {"dv_dt_max", "V/us",
-          "largest rate of voltage, either way, over one step of 1 V or more, else over 0.1 us",
+          "largest rate of voltage, either way, over any 0.1 us",
           VS_R_STEEPEST, VS_OF_V, 0, NULL, VS_AT_MOST})},
     {"fuse", false, false,
      MEASURES(

@@ -18,15 +18,16 @@ typedef enum vs_reduction {
   VS_R_MEAN,       /* over the stretch that the scene's section measure says */
   VS_R_RMS,        /* root of the mean over that */
   VS_R_INTEGRAL,   /* over the run */
-  VS_R_PULSE,      /* the largest integral over one pulse: while it conducts; while |i| >= 1 mA */
+  VS_R_PULSE,      /* the largest integral over one conduction */
+  VS_R_HEAT,       /* the largest that one pulse turned into heat: watch/pulse.h */
   VS_R_WITHIN,     /* the largest integral within 10 ms */
   VS_R_SURGE,      /* peak of the half sine of 10 ms that has this integral */
-  VS_R_STEEPEST,   /* the largest rate, either way */
+  VS_R_STEEPEST,   /* the largest rate, either way, over any 0.1 us */
   VS_R_JUNCTION,   /* temperature rise, by the part's zth */
   VS_R_RISE,       /* the steepest mean rate from 10 to 90 % of a rise of forward voltage */
-  VS_R_OFF_RATE,   /* the largest rising rate while it blocks forward voltage */
-  VS_R_ON_RATE,    /* of current, from firing to its first maximum */
-  VS_R_OFFERED,    /* the shortest time between a conduction and forward voltage */
+  VS_R_OFF_RATE,   /* the largest rising rate while it blocks forward voltage, over any 0.1 us */
+  VS_R_ON_RATE,    /* of current, from firing to its first maximum, over any 0.1 us */
+  VS_R_OFFERED,    /* the shortest time between a conduction and forward voltage without a gate */
   VS_R_MISFIRE,    /* how often */
   VS_R_UNINTENDED, /* how often */
   VS_R_COMMUTATION_FAILURE, /* how often */

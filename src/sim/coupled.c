@@ -11,20 +11,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "circuit/devices.h"
 #include "machine/actuator.h"
+#include "sim/conduction.h"
 #include "sim/motion.h"
 #include "sim/names.h"
 #include "sim/pace.h"
 #include "sim/quiet.h"
 #include "sim/sim.h"
-
-/* A thyristor counts as conducting above this anode current: its leakage and the displacement
- * current of a blocked junction stay below, any holding current is of this order or above. */
-static const double CONDUCTS_A = 0.02, QUIET_A = 0.001;
-
-/* Below this share of its peak the anode current is over: what is left of it takes less than a
- * microsecond at 50 Hz, and what follows is leakage. */
-static const double EXTINCT = 1e-4;
 
 typedef struct coupling {
   const vs_setup *setup;
@@ -36,9 +30,9 @@ typedef struct coupling {
   double candidate_s, candidate_gap_m; /* what the solver was last told */
   size_t gap_port;                     /* ports before it are the deck's */
   const vs_probe *anode_current;       /* the deck's probe; NULL: it has none */
-  bool conducting;
-  double conducted_a; /* largest anode current of this conduction */
-  double quiet_s;     /* last knot before it with hardly any */
+  int anode_voltage;                   /* the deck's term, of the same thyristor; -1: not known */
+  vs_conduction conduction;
+  double expected_s; /* the end of a step that was last told for an extinction */
   vs_motion motion;
   bool touching; /* the armature its stop, at the last accepted knot */
   double jams_s; /* INFINITY: it does not */
@@ -119,6 +113,10 @@ static double anode_current(const coupling *c, const vs_knot *k) {
   return c->anode_current->sign * k->terms[c->anode_current->term];
 }
 
+static double anode_voltage(const coupling *c, const vs_knot *k) {
+  return c->anode_voltage < 0 ? 0 : k->terms[c->anode_voltage];
+}
+
 /* When the anode current, falling as from knot `before` to knot `from`, passes zero; INFINITY: it
  * does not fall. */
 static double zero_of_current(const coupling *c, const vs_knot *before, const vs_knot *from) {
@@ -129,13 +127,16 @@ static double zero_of_current(const coupling *c, const vs_knot *before, const vs
 /* A step that ends where the anode current passes zero keeps the second order of the solver's rule,
  * which a kink inside a step would spoil. It ends a thousandth of the largest step later: at the
  * zero itself rounding would decide whether the thyristor conducts, and Newton's iteration find no
- * end. INFINITY: not within the next step, which at most doubles. */
-static double expected_extinction(const coupling *c) {
-  if (!c->conducting) return INFINITY;
+ * end. One that was told stays an end, and nearly the same is not told again: two a picosecond apart
+ * have ngspice give up. INFINITY: not within the next step, which at most doubles. */
+static double expected_extinction(coupling *c) {
+  if (!c->conduction.conducts) return INFINITY;
   const vs_knot *last = &c->knots[c->now];
   double zero = zero_of_current(c, &c->knots[1 - c->now], last), late = 1e-3 * c->max_step_s;
   double reach = fmin(2 * c->step_s, c->max_step_s);
-  return zero > last->t_s && zero < last->t_s + reach ? zero + late : INFINITY;
+  if (!(zero > last->t_s && zero < last->t_s + reach)) return INFINITY;
+  if (fabs(zero + late - c->expected_s) > late / 2) c->expected_s = zero + late;
+  return c->expected_s;
 }
 
 /* First gate edge or event after t; INFINITY: none. */
@@ -149,7 +150,7 @@ static double next_edge(const coupling *c, double t_s) {
 }
 
 static double edge(void *ctx, double solver_s) {
-  const coupling *c = ctx;
+  coupling *c = ctx;
   double next = fmin(expected_extinction(c), next_edge(c, solver_s + c->shift_s));
   if (c->shift_s > 0) next = fmin(next, c->setup->run.until_s);
   return next - c->shift_s;
@@ -165,35 +166,23 @@ static double longest(void *ctx, double solver_s) {
   const coupling *c = ctx;
   double t_s = solver_s + c->shift_s;
   double ring = fabs(c->knots[c->now].flux_rate_v) / c->setup->timeline.peak_v, part = 1;
-  if (!c->conducting && ring > RINGS && next_edge(c, t_s) < INFINITY)
+  if (!c->conduction.conducts && ring > RINGS && next_edge(c, t_s) < INFINITY)
     part = 1.0 / 4;
-  else if (!c->conducting && ring > RINGS_STRONGLY)
+  else if (!c->conduction.conducts && ring > RINGS_STRONGLY)
     part = 1.0 / 2;
   return fmin(part * c->max_step_s, vs_events_longest(&c->setup->timeline.events, t_s));
 }
 
-/* What the anode current did in the step just taken, and when. Firing is dated back along the line
- * through the last two currents, not before the last one that was hardly any. Extinction falls on
- * the zero of the line through the last two currents before it, which may lie just behind the step:
- * what flows past it is leakage, and may well be positive for a while. */
-static vs_event find_event(coupling *c, const vs_knot *before, const vs_knot *from,
-                           const vs_knot *to, double *event_s) {
+/* What the anode current did in the step just taken, and when. */
+static vs_event find_event(coupling *c, const vs_knot *from, const vs_knot *to, double *event_s) {
   if (!c->anode_current || to->t_s == from->t_s) return VS_EV_NONE;
-  double i = anode_current(c, to), i0 = anode_current(c, from);
-  if (!c->conducting) {
-    if (i0 <= QUIET_A) c->quiet_s = from->t_s;
-    if (i <= CONDUCTS_A) return VS_EV_NONE;
-    c->conducting = true;
-    c->conducted_a = i;
-    *event_s = fmax(from->t_s - i0 * (to->t_s - from->t_s) / (i - i0), c->quiet_s);
-    return VS_EV_FIRES;
-  }
-  c->conducted_a = fmax(c->conducted_a, i);
-  if (i > fmin(EXTINCT * c->conducted_a, CONDUCTS_A / 2)) return VS_EV_NONE;
-  double latest = i > 0 ? 2 * to->t_s - from->t_s : to->t_s;
-  c->conducting = false;
-  *event_s = fmin(fmax(zero_of_current(c, before, from), from->t_s), latest);
-  return VS_EV_EXTINCT;
+  const vs_conduction_step step = {from->t_s,
+                                   to->t_s,
+                                   anode_current(c, from),
+                                   anode_current(c, to),
+                                   anode_voltage(c, from),
+                                   anode_voltage(c, to)};
+  return vs_conduction_follow(&c->conduction, &step, event_s);
 }
 
 static void complete(const coupling *c, vs_knot *k) {
@@ -211,7 +200,7 @@ static vs_status show(coupling *c, const vs_knot *k, vs_event contact, vs_error 
   vs_step step = {
       .frame = &c->frame, .from = from, .to = to, .cubic_flux = true, .periodic = c->without,
       .held = c->jammed};
-  step.event[0] = find_event(c, to, from, k, &step.event_s[0]); /* `to` is still the one before */
+  step.event[0] = find_event(c, from, k, &step.event_s[0]);
   vs_knot_copy(&c->frame, k, to);
   step.event[1] = contact;
   step.event_s[1] = to->t_s;
@@ -319,8 +308,8 @@ static bool gate_is_on(const coupling *c, double t_s) {
 static vs_status leave_if_quiet(coupling *c, vs_error *err) {
   const vs_knot *k = &c->knots[c->now];
   double now = k->t_s, until = c->setup->run.until_s, next = next_edge(c, now);
-  vs_quiet_take(c->quiet, k, !c->conducting);
-  if (c->conducting || c->touching || gate_is_on(c, now) ||
+  vs_quiet_take(c->quiet, k, !c->conduction.conducts);
+  if (c->conduction.conducts || c->touching || gate_is_on(c, now) ||
       isfinite(vs_events_longest(&c->setup->timeline.events, now)))
     return VS_OK;
   double cycles = INFINITY, most_lag_s = INFINITY, period_s = c->setup->timeline.period_s;
@@ -405,6 +394,23 @@ static void locate(const void *deck, vs_error *err) {
   vs_deck_locate(deck, err);
 }
 
+/* Finds the probe of the anode current, and the voltage of the thyristor that has this current for
+ * its own. A current that is the sum of two thyristors' is of neither. */
+static void find_anode(coupling *c, const vs_deck *deck) {
+  int current, voltage;
+  double factor = 0;
+  c->anode_voltage = -1;
+  vs_conduction_begin(&c->conduction);
+  for (size_t k = 0; k < deck->n_probes; k++)
+    if (!strcmp(deck->probes[k].name, "i_thyristor")) c->anode_current = &deck->probes[k];
+  for (size_t k = 0; c->anode_current && k < deck->n_devices; k++)
+    if (deck->devices[k].kind->switches &&
+        vs_formula_is_term(&deck->devices[k].current, &current, &factor) &&
+        current == c->anode_current->term &&
+        vs_formula_is_term(&deck->devices[k].voltage, &voltage, &factor))
+      c->anode_voltage = voltage;
+}
+
 static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_error *err) {
   const vs_model *m = &setup->model;
   vs_deck_value standard[VS_STANDARD];
@@ -425,9 +431,7 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
   for (size_t k = 0; k < setup->timeline.events.count; k++)
     if (setup->timeline.events.item[k].kind->jams)
       c.jams_s = fmin(c.jams_s, setup->timeline.events.item[k].start_s);
-  for (size_t k = 0; k < setup->deck.n_probes; k++)
-    if (!strcmp(setup->deck.probes[k].name, "i_thyristor"))
-      c.anode_current = &setup->deck.probes[k];
+  find_anode(&c, &setup->deck);
   vs_motion_begin(&c.motion, m);
   vs_circuit_job job = {.ports = n->ports,
                         .n_ports = n->n_ports,

@@ -95,7 +95,7 @@ static bool nothing_conducts(const vs_scene *s, const vs_result *r) {
   for (size_t k = 0; r->devices && k < r->devices->count; k++) {
     const vs_switch *states = r->devices->item[k].states;
     told = told || states;
-    if (states && states->most_a > 0) return false;
+    if (states && !isnan(states->fired_s)) return false;
   }
   return told;
 }

@@ -7,8 +7,6 @@
 
 #include "base/text.h"
 
-/* A device that does not switch has a pulse while its current is this much, either way. */
-static const double PULSE_A = 1e-3;
 /* Of the surge that I_TSM is given for; and what the windows over it are made of. */
 static const double SURGE_S = 10e-3, PART_S = 10e-3 / VS_WINDOW_PARTS;
 
@@ -28,6 +26,7 @@ static vs_quick quick(const vs_formula *formula) {
 static bool is_busy(const vs_watched *w, const vs_reduced *r) {
   switch (r->measure->how) {
   case VS_R_PULSE:
+  case VS_R_HEAT:
   case VS_R_WITHIN:
   case VS_R_SURGE:
   case VS_R_STEEPEST:
@@ -65,7 +64,7 @@ static void begin_device(vs_watched *w, const vs_frame *frame, const vs_device *
       .voltage = quick(&d->voltage),
       .current = quick(&d->current),
       .gate = {.timeline = frame->timeline, .delay_rad = d->gate_rad, .edge_s = -INFINITY},
-      .slope = {.least = 1, .window_s = 1e-7}};
+      .pulse = {.rest_s = frame->timeline->period_s / 4}};
   if (d->has_flux) w->flux = quick(&d->flux);
   const char *file = d->part < 0 ? "" : deck->parts[d->part].file;
   for (size_t k = 0; k < deck->n_zth; k++)
@@ -177,6 +176,21 @@ static void follow_pulse(vs_reduced *r, const vs_course_step *c, double more) {
   watch_limit(r, c, before, r->pulse);
 }
 
+static void follow_heat(vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+  double before = w->pulse.heat_j, heat = vs_pulse_follow(&w->pulse, c);
+  if (heat > r->value.value) r->value = (vs_value){true, heat, c->t1_s};
+  watch_limit(r, c, fmin(before, heat), heat);
+}
+
+/* What its current brings as the run ends counts whole; no pulse has more heat than the run, which
+ * may be less by the rounding of integrals. */
+static void end_heat(const vs_watched *w, vs_reduced *r, double now_s) {
+  double heat = vs_pulse_unfinished(&w->pulse, now_s);
+  if (heat > r->value.value) r->value = (vs_value){true, heat, now_s};
+  r->value.value = fmin(r->value.value, fmax(w->sum[VS_OF_POWER], 0));
+  if (r->limit && isnan(r->failed_s) && r->value.value > r->limit->value) r->failed_s = now_s;
+}
+
 static void window_next(vs_window *w) {
   w->now = (w->now + 1) % (VS_WINDOW_PARTS + 1);
   w->part[w->now] = w->whole = 0;
@@ -237,7 +251,9 @@ static void offer(vs_reduced *r, vs_value v) {
 }
 
 static void follow_slope(vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  double rate = vs_slope_follow(&w->slope, c, r->measure->of, r->measure->sense);
+  int of = r->measure->of;
+  double rate = vs_slope_follow(&w->slope, c->t0_s, c->from[of], c->t1_s, c->to[of],
+                                r->measure->sense);
   offer(r, (vs_value){rate >= 0, rate, c->t1_s});
 }
 
@@ -253,6 +269,9 @@ static void follow_measure(vs_watched *w, vs_reduced *r, const vs_course_step *c
   switch (r->measure->how) {
   case VS_R_PULSE:
     if (c->was_on || c->on) follow_pulse(r, c, more);
+    break;
+  case VS_R_HEAT:
+    follow_heat(w, r, c);
     break;
   case VS_R_WITHIN:
   case VS_R_SURGE:
@@ -322,9 +341,9 @@ static void tell(vs_devices *d, const vs_watched *w, const vs_switch_news *news)
 
 static void follow_states(vs_devices *d, vs_watched *w, vs_course_step *c) {
   vs_switch_news news;
-  c->was_on = w->states->conducts;
+  c->was_on = w->states->conduction.conducts;
   vs_switch_follow(w->states, c, &news);
-  c->on = w->states->conducts;
+  c->on = w->states->conduction.conducts;
   if (!news.any) return;
   for (size_t k = 0; k < w->count; k++) take_news(&w->reduced[k], &news);
   tell(d, w, &news);
@@ -344,12 +363,7 @@ static void follow(vs_devices *d, vs_watched *w, vs_course_step *c, const double
     more[of] = c->h_s * (c->from[of] + 4 * c->mid[of] + c->to[of]) / 6;
     w->sum[of] += more[of];
   }
-  if (w->states) {
-    follow_states(d, w, c);
-  } else {
-    c->was_on = w->in_pulse;
-    c->on = w->in_pulse = fabs(c->to[VS_OF_I]) >= PULSE_A;
-  }
+  if (w->states) follow_states(d, w, c);
   follow_means(d, w, c, more);
   for (size_t k = 0; k < w->n_peaks; k++) follow_peak(w->each_step[k], c);
   for (size_t k = w->n_peaks; k < w->n_each_step; k++)
@@ -366,7 +380,6 @@ static void begin(vs_devices *d, const vs_step *step) {
     w->last[VS_OF_I] = vs_formula_value(w->current.formula, terms);
     if (w->flux.formula) w->last[VS_OF_FLUX] = vs_formula_value(w->flux.formula, terms);
     complete(w->last);
-    w->in_pulse = !w->states && fabs(w->last[VS_OF_I]) >= PULSE_A;
     w->window.starts_s = d->began_s;
     for (size_t n = 0; n < w->n_each_step; n++) {
       vs_reduced *r = w->each_step[n];
@@ -422,6 +435,7 @@ static void finish_device(const vs_devices *d, vs_watched *w) {
     vs_reduced *r = &w->reduced[n];
     int of = r->measure->of;
     if (r->measure->how == VS_R_INTEGRAL) r->value = (vs_value){true, w->sum[of], NAN};
+    if (r->measure->how == VS_R_HEAT) end_heat(w, r, d->now_s);
     if ((r->measure->how != VS_R_MEAN && r->measure->how != VS_R_RMS) || !(span_s > 0)) continue;
     double mean = w->sum_meant[of] / span_s;
     bool rms = r->measure->how == VS_R_RMS;

@@ -5,6 +5,7 @@
 #ifndef VS_WATCH_DEVICES_H
 #define VS_WATCH_DEVICES_H
 
+#include "watch/pulse.h"
 #include "watch/switching.h"
 
 /* A measure of a device. */
@@ -50,12 +51,12 @@ typedef struct vs_watched {
   vs_reduced *each_step[VS_KIND_MEASURES]; /* those that every step may change; the others come of
                                               the sums, or with news */
   size_t n_each_step, n_peaks;             /* the peaks stand first */
-  bool in_pulse;
   vs_switch *states; /* of a device that conducts or blocks; else NULL */
   vs_gate_watch gate;
   double gate_peak_a; /* in the present gate pulse */
   vs_window window;   /* of the one measure that has one */
   vs_slope slope;
+  vs_pulse pulse;
   const vs_zth *zth[VS_PART_ZTH];
   double heat_k[VS_PART_ZTH]; /* rise of each term */
   size_t n_zth;

@@ -3,9 +3,8 @@
 
 #include <math.h>
 
-/* As the circuit tier has it (sim/coupled.c); what a blocked junction's capacitance draws, a few
- * hundred pF in a device of 100 A, is no conduction. */
-static const double CONDUCTS_A = 0.02, QUIET_A = 0.001, EXTINCT = 1e-4, DISPLACED_F = 1e-9;
+/* Below it a current that may have begun has not: what flows is leakage. */
+static const double QUIET_A = 0.001;
 /* From here on a voltage counts as forward voltage that is blocked: above any on-state voltage. */
 static const double FORWARD_V = 10;
 
@@ -28,33 +27,6 @@ void vs_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
   g->begins = g->on && !was;
   g->ended = was && !g->on;
   if (g->ended) g->off_since_s = c->t0_s;
-}
-
-/* ---- rates ---- */
-
-static double in_sense(double value, int sense) {
-  return sense ? sense * value : fabs(value);
-}
-
-double vs_slope_follow(vs_slope *s, const vs_course_step *c, int of, int sense) {
-  double y0 = c->from[of], y1 = c->to[of], rate = (y1 - y0) / c->h_s;
-  if (!s->begun) {
-    s->begun = true;
-    s->t_s = c->t0_s;
-    s->y = y0;
-  }
-  if (fabs(y1 - y0) >= s->least) {
-    s->t_s = c->t1_s;
-    s->y = y1;
-    return in_sense(rate, sense);
-  }
-  if (c->t1_s - s->t_s < s->window_s) return -INFINITY;
-  double end = fmax(s->t_s + s->window_s, c->t0_s), at_end = y0 + rate * (end - c->t0_s);
-  double largest = in_sense((at_end - s->y) / (end - s->t_s), sense);
-  bool rest_is_whole = c->t1_s - end >= s->window_s;
-  s->t_s = rest_is_whole ? c->t1_s : end;
-  s->y = rest_is_whole ? y1 : at_end;
-  return rest_is_whole ? fmax(largest, in_sense(rate, sense)) : largest;
 }
 
 /* ---- rises of forward voltage ---- */
@@ -115,28 +87,27 @@ static vs_value follow_rise(vs_rise *r, const vs_course_step *c) {
 
 /* ---- conduction ---- */
 
-static bool fires(vs_switch *s, const vs_course_step *c) {
-  double i0 = c->from[VS_OF_I], i1 = c->to[VS_OF_I];
-  double rate = (c->to[VS_OF_V] - c->from[VS_OF_V]) / c->h_s;
-  if (i0 <= QUIET_A) s->quiet_s = c->t0_s;
-  if (i1 <= CONDUCTS_A + DISPLACED_F * fmax(rate, 0)) return false;
-  double before = i1 > i0 ? i0 / (i1 - i0) * c->h_s : 0;
-  s->fired_s = fmax(c->t0_s - before, s->quiet_s);
-  s->fired_v = fmax(c->from[VS_OF_V], c->to[VS_OF_V]);
-  s->most_a = i1;
-  return true;
+/* The forward voltage at which its current began, which may be many steps back. */
+static void follow_fired_v(vs_switch *s, const vs_course_step *c, double began_s) {
+  if (began_s >= c->t0_s) s->fired_v = fmax(c->from[VS_OF_V], c->to[VS_OF_V]);
 }
 
-/* The zero of the current lies on the line through the step's ends, at most a step behind it: what
- * flows past it is leakage. */
-static bool stops(vs_switch *s, const vs_course_step *c) {
-  double i0 = c->from[VS_OF_I], i1 = c->to[VS_OF_I];
-  s->most_a = fmax(s->most_a, i1);
-  double hardly = fmin(EXTINCT * s->most_a, CONDUCTS_A / 2); /* of kiloamperes, too, no firing */
-  if (i1 > fmax(hardly, QUIET_A)) return false;
-  s->zero_s = i1 < i0 ? fmin(c->t0_s + i0 / (i0 - i1) * c->h_s, c->t1_s + c->h_s) : c->t1_s;
-  s->rest = c->to[VS_OF_V] < 0 ? REST_REVERSED : REST_NO_REVERSE_YET;
-  return true;
+static void follow_conduction(vs_switch *s, const vs_course_step *c) {
+  const vs_conduction_step step = {c->t0_s,        c->t1_s,          c->from[VS_OF_I],
+                                   c->to[VS_OF_I], c->from[VS_OF_V], c->to[VS_OF_V]};
+  double event_s = NAN;
+  switch (vs_conduction_follow(&s->conduction, &step, &event_s)) {
+  case VS_EV_FIRES:
+    s->fired_s = event_s;
+    follow_fired_v(s, c, s->fired_s);
+    break;
+  case VS_EV_EXTINCT:
+    s->zero_s = event_s;
+    s->rest = c->to[VS_OF_V] < 0 ? REST_REVERSED : REST_NO_REVERSE_YET;
+    break;
+  default:
+    if (!s->conduction.conducts) follow_fired_v(s, c, s->conduction.foot_s);
+  }
 }
 
 /* It is back at forward voltage without having been reversed. As long as its gate pulse lasts, it
@@ -164,7 +135,8 @@ static void follow_rest(vs_switch *s, const vs_course_step *c, vs_switch_news *n
     s->rest = REST_FORWARD_AGAIN;
     double returned = v0 < 0 ? c->t0_s - v0 / (v1 - v0) * c->h_s : c->t0_s;
     s->offered_s = fmax(returned - s->zero_s, 0);
-    news->offered = (vs_value){true, s->offered_s, returned};
+    if (!s->gate.on || isnan(s->gate.delay_rad)) /* else it is meant to conduct */
+      news->offered = (vs_value){true, s->offered_s, returned};
     break;
   case REST_FORWARD_AGAIN:
     if (v1 < 0) s->rest = REST_NONE;
@@ -187,14 +159,14 @@ static void judge_firing(vs_switch *s, vs_switch_news *news) {
 static void follow_pulse(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   if (s->gate.begins) s->forward = s->conducted = false;
   if (s->gate.on) {
-    s->conducted = s->conducted || s->conducts;
+    s->conducted = s->conducted || s->conduction.conducts;
     s->forward = s->forward || fmax(c->from[VS_OF_V], c->to[VS_OF_V]) > FORWARD_V;
   }
   if (s->gate.ended && s->forward && !s->conducted) s->unanswered_s = c->t0_s;
   if (isnan(s->unanswered_s)) return;
   bool blocks = c->to[VS_OF_V] > FORWARD_V || c->to[VS_OF_I] <= QUIET_A;
-  if (!s->conducts && !blocks) return;
-  if (!s->conducts) news->misfire = (vs_value){true, 1, s->unanswered_s};
+  if (!s->conduction.conducts && !blocks) return;
+  if (!s->conduction.conducts) news->misfire = (vs_value){true, 1, s->unanswered_s};
   s->unanswered_s = NAN;
 }
 
@@ -204,57 +176,61 @@ void vs_switch_begin(vs_switch *s, const vs_timeline *timeline, double gate_rad,
                             .edge_s = -INFINITY,
                             .off_since_s = -INFINITY},
                    .t_q_s = t_q_s,
-                   .unanswered_s = NAN,
-                   .off = {.least = 1, .window_s = 1e-7},
-                   .on = {.least = INFINITY, .window_s = 1e-7}};
+                   .fired_s = NAN,
+                   .unanswered_s = NAN};
+  vs_conduction_begin(&s->conduction);
 }
 
 static void follow_current(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
-  if (s->conducts) {
-    s->conducts = !stops(s, c);
-  } else {
-    follow_rest(s, c, news);
-    s->conducts = fires(s, c);
-    if (!s->conducts) return;
-    judge_firing(s, news);
-    s->turning_on = true;
-    s->on.begun = false;
-  }
+  bool was_on = s->conduction.conducts;
+  if (!was_on) follow_rest(s, c, news);
+  follow_conduction(s, c);
+  if (was_on || !s->conduction.conducts) return;
+  judge_firing(s, news);
+  s->turning_on = true;
 }
 
-/* A first maximum within the first window is taken over a whole one. */
-static vs_value follow_turn_on(vs_switch *s, const vs_course_step *c) {
+/* Up to the first maximum. */
+static vs_value follow_turn_on(vs_switch *s, const vs_course_step *c, double rate) {
   s->turning_on = c->to[VS_OF_I] >= c->from[VS_OF_I];
-  double rate = s->turning_on
-                    ? vs_slope_follow(&s->on, c, VS_OF_I, 1)
-                    : (c->from[VS_OF_I] - s->on.y) / fmax(c->t0_s - s->on.t_s, s->on.window_s);
-  return (vs_value){rate > 0, rate, s->turning_on ? c->t1_s : c->t0_s};
+  return (vs_value){s->turning_on && rate > 0, rate, c->t1_s};
 }
 
-static void follow_blocking(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+static void follow_blocking(vs_switch *s, const vs_course_step *c, double rate,
+                            vs_switch_news *news) {
   news->rise = follow_rise(&s->rise, c);
-  bool forward = c->to[VS_OF_V] > 0;
-  double rate = forward ? vs_slope_follow(&s->off, c, VS_OF_V, 1) : -INFINITY;
-  s->off.begun = s->off.begun && forward;
   if (rate > s->off_rate) {
     s->off_rate = rate;
     news->off_rate = (vs_value){true, rate, c->t1_s};
   }
 }
 
+/* Of forward voltage, which is 0 while the voltage is reversed. */
+static double forward_rate(vs_slope *slope, const vs_course_step *c) {
+  double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V], largest = -INFINITY, zero_s = c->t0_s;
+  if ((v0 < 0) != (v1 < 0)) {
+    zero_s = c->t0_s + v0 / (v0 - v1) * c->h_s;
+    largest = vs_slope_follow(slope, c->t0_s, fmax(v0, 0), zero_s, 0, 1);
+    v0 = 0;
+  }
+  return fmax(largest, vs_slope_follow(slope, zero_s, fmax(v0, 0), c->t1_s, fmax(v1, 0), 1));
+}
+
 void vs_switch_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   *news = (vs_switch_news){0};
-  bool was_on = s->conducts;
+  bool was_on = s->conduction.conducts;
+  double off_rate = forward_rate(&s->off, c);
+  double on_rate =
+      vs_slope_follow(&s->on, c->t0_s, c->from[VS_OF_I], c->t1_s, c->to[VS_OF_I], 1);
   vs_gate_follow(&s->gate, c);
   follow_current(s, c, news);
   follow_pulse(s, c, news);
-  if (!was_on && !s->conducts) {
-    follow_blocking(s, c, news);
+  if (!was_on && !s->conduction.conducts) {
+    follow_blocking(s, c, off_rate, news);
   } else {
     if (s->rise.count) news->rise = end_rise(&s->rise);
     s->rise.count = 0;
-    s->off.begun = false;
-    if (s->turning_on) news->on_rate = follow_turn_on(s, c);
+    if (s->turning_on) news->on_rate = follow_turn_on(s, c, on_rate);
   }
   news->any = news->rise.known || news->off_rate.known || news->on_rate.known ||
               news->offered.known || news->misfire.known || news->unintended.known;

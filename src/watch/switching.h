@@ -2,8 +2,7 @@
  * What a device that conducts or blocks is seen to do: when it fires and stops, how fast its
  * voltage rises while it blocks, how long its circuit lets it rest, and whether it obeyed its gate.
  *
- * It conducts from 20 mA on, and what 1 nF would draw from its rising voltage; until hardly
- * anything is left of its largest current. What is said of it:
+ * When it fires and goes out, sim/conduction.h says. What is said of it:
  *   misfires               a gate pulse under forward voltage (10 V or more) has ended and it did
  *                          not conduct; or it did not latch: it fell back, without a reverse
  *                          voltage between, to half of the forward voltage it fired from
@@ -14,13 +13,15 @@
 #define VS_WATCH_SWITCHING_H
 
 #include "circuit/devices.h"
+#include "sim/conduction.h"
 #include "watch/measures.h"
+#include "watch/slope.h"
 
 /* A device's courses over one step: at its beginning, half way, at its end. */
 typedef struct vs_course_step {
   double t0_s, t1_s, h_s; /* h_s > 0 */
   double from[VS_COURSES], mid[VS_COURSES], to[VS_COURSES];
-  bool was_on, on; /* in a conduction or a pulse, before and behind it */
+  bool was_on, on; /* in a conduction, before and behind it */
 } vs_course_step;
 
 /* The gate pulses of a device; their edges are ends of steps. Start with edge_s = -INFINITY. */
@@ -34,16 +35,6 @@ typedef struct vs_gate_watch {
 } vs_gate_watch;
 void vs_gate_follow(vs_gate_watch *gate, const vs_course_step *c);
 
-/* The largest rate of a course: over single steps in which it moves by `least` or more, else over
- * `window_s` at least. Start from {0} with these. */
-typedef struct vs_slope {
-  double least, window_s;
-  bool begun;
-  double t_s, y; /* where the present window begins */
-} vs_slope;
-/* Largest rate in the step, by sense as of a peak; -INFINITY: none can be told yet. */
-double vs_slope_follow(vs_slope *slope, const vs_course_step *c, int of, int sense);
-
 /* A rise of forward voltage, from its foot to its top so far. */
 enum { VS_RISE_POINTS = 256 };
 typedef struct vs_rise {
@@ -54,16 +45,17 @@ typedef struct vs_rise {
 typedef struct vs_switch {
   vs_gate_watch gate;
   double t_q_s; /* infinite: not known */
-  bool conducts, by_gate, turning_on;
-  double most_a, quiet_s, fired_s, fired_v,
-      zero_s; /* zero_s: of the current, when it last stopped */
+  vs_conduction conduction;
+  bool by_gate, turning_on;
+  double fired_s, fired_v,
+      zero_s; /* fired_s: NaN until it first fires; zero_s: of the current, when it last stopped */
   int rest;   /* since then; REST_... of switching.c */
   double offered_s;
   bool forward, conducted; /* in the present gate pulse */
   double unanswered_s;     /* end of a gate pulse that may have failed; NaN: none */
   vs_rise rise;
-  vs_slope off, on;
-  double off_rate; /* the largest so far, V/s */
+  vs_slope off, on; /* of its forward voltage and its current, all the time */
+  double off_rate;  /* the largest so far, V/s */
 } vs_switch;
 void vs_switch_begin(vs_switch *s, const vs_timeline *timeline, double gate_rad, double t_q_s);
 

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "watch/slope.h"
+
+#include <math.h>
+
+static const double WINDOW_S = 1e-7;
+
+static size_t at(const vs_slope *s, size_t n) {
+  return (s->first + n) % VS_SLOPE_KNOTS;
+}
+
+static void keep(vs_slope *s, double t_s, double y) {
+  if (s->count && t_s - s->t_s[at(s, s->count - 1)] < WINDOW_S / VS_SLOPE_PARTS) return;
+  size_t end = at(s, s->count++);
+  s->t_s[end] = t_s;
+  s->y[end] = y;
+}
+
+/* The course at a time not before its first knot; the last one kept is followed by the step's
+ * beginning. */
+static double value_at(const vs_slope *s, double t_s, double t0_s, double y0, double rate) {
+  if (t_s >= t0_s) return y0 + rate * (t_s - t0_s);
+  size_t n = 1;
+  while (n < s->count && s->t_s[at(s, n)] < t_s) n++;
+  double ta = s->t_s[at(s, n - 1)], ya = s->y[at(s, n - 1)];
+  double tb = n < s->count ? s->t_s[at(s, n)] : t0_s, yb = n < s->count ? s->y[at(s, n)] : y0;
+  return tb > ta ? ya + (yb - ya) * (t_s - ta) / (tb - ta) : yb;
+}
+
+double vs_slope_follow(vs_slope *s, double t0_s, double y0, double t1_s, double y1, int sense) {
+  if (!(t1_s > t0_s)) return -INFINITY;
+  double rate = (y1 - y0) / (t1_s - t0_s), largest = -INFINITY;
+  keep(s, t0_s, y0);
+  /* As the window moves the rate changes straight, but where one of its ends passes a knot. */
+  for (size_t n = 0; n <= s->count; n++) {
+    bool last = n == s->count;
+    double begin_s = last ? t1_s - WINDOW_S : s->t_s[at(s, n)], end_s = begin_s + WINDOW_S;
+    if (begin_s < s->t_s[s->first] || (!last && (end_s <= t0_s || end_s > t1_s))) continue;
+    double begin = last ? value_at(s, begin_s, t0_s, y0, rate) : s->y[at(s, n)];
+    double end = last ? y1 : y0 + rate * (end_s - t0_s), change = (end - begin) / WINDOW_S;
+    largest = fmax(largest, sense ? sense * change : fabs(change));
+  }
+  while (s->count > 1 && s->t_s[at(s, 1)] <= t1_s - WINDOW_S) {
+    s->first = at(s, 1);
+    s->count--;
+  }
+  return largest;
+}
