@@ -135,7 +135,7 @@ static void no_conflict(void) {
            "--set run.until=9ms");
 }
 
-/* Auto keeps to the circuit where there are events, and does not say that no other tier has them. */
+/* Auto keeps to the circuit where there are events; that no other tier has them it does not say. */
 static void auto_and_events(void) {
   write_file("s.yaml", "run: {until: 9 ms}\nevents: {e: {kind: sag, at: 5 ms}}\n");
   ran r = run("check s.yaml");
@@ -163,7 +163,11 @@ static void studies(void) {
        "t.yaml:2:49: circuit.c1: "},
       {"set: {run.until: 10 ms, run.tier: switched, events: {e: {kind: sag, at: 3 ms}}}\n"
        "vary:\n  events.e.kind: [sag, surge]\nreport: [p_min]\n",
-       "t.yaml:1:54: events.e: "}};
+       "t.yaml:1:54: events.e: "},
+      {"set: {run.until: 10 ms, circuit.r1: 220 ohm}\n"
+       "vary:\n  firing.angle: [100 deg, 120 deg]\n  run.tier: [circuit, switched]\n"
+       "report: [p_min]\n",
+       "t.yaml:1:25: circuit.r1: "}};
   static const char *const SAYS[] = {"tier switched", NULL}, *const OTHER[] = {"analytic", NULL};
   for (size_t k = 0; k < COUNT(STUDIES); k++) {
     write_file("t.yaml", STUDIES[k].text);

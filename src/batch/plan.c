@@ -314,6 +314,35 @@ static vs_status try_names(vs_plan *plan, double *point, vs_error *err) {
   return status;
 }
 
+/* The point of the first case, of so many, in which the axis has that number; false: there is
+ * none. */
+static bool case_with(const vs_plan *plan, size_t axis, double number, double *point) {
+  enum { MOST = 100000 };
+  for (uint64_t k = 0; k < plan->count && k < MOST; k++) {
+    vs_plan_point(plan, k, point);
+    if (point[axis] == number) return true;
+  }
+  return false;
+}
+
+/* Where the tier itself is an axis, a case of each is tried: a scene may be bad input for one of
+ * them alone, with keys of the circuit that it would ignore. */
+static vs_status try_tiers(vs_plan *plan, const double *first, vs_error *err) {
+  vs_status status = VS_OK;
+  double point[VS_PLAN_AXES];
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  for (size_t a = 0; a < plan->n_axes && !status && !plan->adaptive; a++) {
+    if (strcmp(plan->axes[a].key, "run.tier")) continue;
+    for (size_t w = 0; w < plan->axes[a].n_words && !status; w++) {
+      if ((double)w == first[a] || !case_with(plan, a, (double)w, point)) continue;
+      status = vs_carry_on(err, try_point(plan, point, scene, err));
+      vs_scene_free(scene);
+    }
+  }
+  free(scene);
+  return status;
+}
+
 static vs_status try_cases(vs_plan *plan, vs_error *err) {
   double point[VS_PLAN_AXES];
   first_point(plan, point);
@@ -325,6 +354,7 @@ static vs_status try_cases(vs_plan *plan, vs_error *err) {
   for (size_t p = 0; p < plan->n_parts && !status && vs_found(err) == found; p++)
     if (plan->parts[p].method->ready)
       status = vs_carry_on(err, plan->parts[p].method->ready(plan, &plan->parts[p], err));
+  if (!status) status = try_tiers(plan, point, err);
   return status ? status : try_names(plan, point, err);
 }
 
