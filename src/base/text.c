@@ -103,6 +103,25 @@ const char *vs_nearest(const char *name, const char *const *candidates, size_t c
   return best;
 }
 
+/* Bytes of the character that begins here, of which `left` bytes are there; 0: it is none. */
+static size_t utf8_size(const unsigned char *s, size_t left) {
+  size_t size = s[0] < 0x80 ? 1 : s[0] < 0xc2 ? 0 : s[0] < 0xe0 ? 2 : s[0] < 0xf0 ? 3 : 4;
+  if (size == 0 || s[0] > 0xf4 || size > left) return 0;
+  for (size_t k = 1; k < size; k++)
+    if ((s[k] & 0xc0) != 0x80) return 0;
+  bool overlong = (s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xf0 && s[1] < 0x90);
+  bool beyond = (s[0] == 0xed && s[1] >= 0xa0) || (s[0] == 0xf4 && s[1] >= 0x90);
+  return overlong || beyond ? 0 : size;
+}
+
+const char *vs_not_utf8(const char *text, size_t length) {
+  for (size_t at = 0, size; at < length; at += size) {
+    size = utf8_size((const unsigned char *)text + at, length - at);
+    if (!size) return text + at;
+  }
+  return NULL;
+}
+
 int vs_column(const char *line, const char *at) {
   int column = 1;
   for (; line < at; line++) column += (*line & 0xc0) != 0x80; /* not one that goes on */

@@ -23,6 +23,10 @@ char *vs_copy(const char *string);         /* the same for strings; free() both 
  */
 const char *vs_nearest(const char *name, const char *const *candidates, size_t count);
 
+/* The first byte that does not belong to UTF-8 (as RFC 3629 has it: nothing overlong, no surrogate,
+ * at most U+10FFFF); NULL: there is none. */
+const char *vs_not_utf8(const char *text, size_t length);
+
 /* Which character of the line (UTF-8) stands at `at`, from 1. */
 int vs_column(const char *line, const char *at);
 
