@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/leave.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "batch/methods.h"
@@ -23,13 +24,6 @@
 #include "study/plot.h"
 #include "study/run.h"
 #include "validate/validate.h"
-
-static volatile sig_atomic_t stop_requested;
-
-static void on_signal(int number) {
-  (void)number;
-  stop_requested = 1;
-}
 
 typedef struct arguments {
   const struct command *command;
@@ -59,7 +53,7 @@ static vs_status do_run(const arguments *a, vs_error *err) {
                             .reproducible = a->reproducible,
                             .raw = a->raw,
                             .digits = a->digits,
-                            .stop = &stop_requested};
+                            .stop = &vs_stop_requested};
   return vs_run_command(&o, err);
 }
 static vs_status do_check(const arguments *a, vs_error *err) {
@@ -91,7 +85,7 @@ static vs_status do_validate(const arguments *a, vs_error *err) {
                                  .json = a->json,
                                  .quiet = a->quiet,
                                  .list = a->list,
-                                 .stop = &stop_requested};
+                                 .stop = &vs_stop_requested};
   return vs_validate_command(&o, err);
 }
 static vs_status do_study(const arguments *a, vs_error *err) {
@@ -106,7 +100,7 @@ static vs_status do_study(const arguments *a, vs_error *err) {
                               .progress_json = a->progress_json,
                               .quiet = a->quiet,
                               .timeout_s = a->timeout_s,
-                              .stop = &stop_requested};
+                              .stop = &vs_stop_requested};
   return vs_study_command(&o, err);
 }
 static vs_status do_merge(const arguments *a, vs_error *err) {
@@ -422,19 +416,6 @@ static const struct command *find_command(const char *word) {
   return NULL;
 }
 
-/* A second Ctrl-C kills; a second SIGTERM does not: who ends programs in earnest (Slurm, systemd,
- * GNU parallel) may send several, and has SIGKILL. */
-static void heed_signals(void) {
-  const struct sigaction once = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND},
-                         always = {.sa_handler = on_signal};
-  struct sigaction before;
-  sigaction(SIGINT, &once, NULL);
-  sigaction(SIGTERM, &always, NULL);
-  sigaction(SIGHUP, NULL, &before);
-  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &once, NULL); /* else nohup's wish holds */
-  signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error to report, like a full disk */
-}
-
 int main(int argc, char **argv) {
   gsl_set_error_handler_off();
   if (argc < 2) {
@@ -452,7 +433,8 @@ int main(int argc, char **argv) {
   }
   const struct command *command = find_command(argv[1]);
   if (!command) return VS_INPUT;
-  heed_signals();
+  vs_leave_begin();
+  signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error to report, like a full disk */
 
   arguments a = {.command = command,
                  .digits = 9,

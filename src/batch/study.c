@@ -9,7 +9,11 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/leave.h"
 #include "batch/jobs.h"
+
+static const char *const RESULTS[] = {"manifest.json", "study.csv", "failures.csv"};
+enum { N_RESULTS = sizeof RESULTS / sizeof *RESULTS };
 
 /* A study under way. */
 typedef struct session {
@@ -18,6 +22,7 @@ typedef struct session {
   vs_journal journal;
   vs_jobs *jobs;
   char folder[VS_PATH_SIZE], keep[VS_PATH_SIZE + 8];
+  char own[N_RESULTS + 1][VS_PATH_SIZE + 16]; /* without -o: what stands in the folder */
   int made;             /* folders, for the output */
   uint64_t next, until; /* cases to deal; of an adaptive plan the present generation's */
   uint64_t total;       /* own cases, for the progress */
@@ -155,10 +160,9 @@ static vs_status run_adaptive(session *s, uint64_t *count, vs_error *err) {
 /* ---- the folder ---- */
 
 static void remove_result(const char *folder) {
-  static const char *const FILES[] = {"manifest.json", "study.csv", "failures.csv"};
   char path[VS_PATH_SIZE + 16];
-  for (size_t k = 0; k < sizeof FILES / sizeof *FILES; k++) {
-    snprintf(path, sizeof path, "%s/%s", folder, FILES[k]);
+  for (size_t k = 0; k < N_RESULTS; k++) {
+    snprintf(path, sizeof path, "%s/%s", folder, RESULTS[k]);
     unlink(path);
   }
 }
@@ -217,17 +221,29 @@ static vs_status open_journal(session *s, vs_error *err) {
   return status;
 }
 
-/* Without -o a folder of its own that goes when it has been shown. */
-static vs_status name_folder(session *s, vs_error *err) {
+/* Without -o a folder of its own that goes when it has been shown, or when a signal ends this. */
+static vs_status make_own_folder(session *s, vs_error *err) {
   const char *temporary = getenv("TMPDIR");
-  if (s->o->folder)
-    snprintf(s->folder, sizeof s->folder, "%.4000s", s->o->folder);
-  else {
-    snprintf(s->folder, sizeof s->folder, "%.4000s/vibrospice.XXXXXX",
-             temporary ? temporary : "/tmp");
-    if (!mkdtemp(s->folder))
-      return vs_fail(err, VS_RUN, "%s: cannot be made: %s", s->folder, strerror(errno));
+  sigset_t before;
+  snprintf(s->folder, sizeof s->folder, "%.4000s/vibrospice.XXXXXX",
+           temporary && *temporary ? temporary : "/tmp");
+  vs_leave_hold(&before);
+  bool made = mkdtemp(s->folder) != NULL;
+  int why = errno;
+  if (made) vs_leave_remove(s->folder);
+  vs_leave_release(&before);
+  if (!made) return vs_fail(err, VS_RUN, "%s: cannot be made: %s", s->folder, strerror(why));
+  for (size_t k = 0; k <= N_RESULTS; k++) {
+    snprintf(s->own[k], sizeof s->own[k], "%s/%s", s->folder,
+             k < N_RESULTS ? RESULTS[k] : "journal");
+    vs_leave_remove(s->own[k]);
   }
+  return VS_OK;
+}
+
+static vs_status name_folder(session *s, vs_error *err) {
+  if (!s->o->folder) return make_own_folder(s, err);
+  snprintf(s->folder, sizeof s->folder, "%.4000s", s->o->folder);
   snprintf(s->keep, sizeof s->keep, "%s/runs", s->folder);
   return VS_OK;
 }
@@ -244,11 +260,12 @@ static void show_file(const session *s, const char *name, bool header, FILE *out
 }
 
 static void discard_folder(const session *s) {
-  char path[VS_PATH_SIZE + 16];
-  remove_result(s->folder);
-  snprintf(path, sizeof path, "%s/journal", s->folder);
-  unlink(path);
+  for (size_t k = 0; k <= N_RESULTS; k++) {
+    unlink(s->own[k]);
+    vs_leave_forget(s->own[k]);
+  }
   rmdir(s->folder);
+  vs_leave_forget(s->folder);
 }
 
 /* ---- the command ---- */
@@ -309,10 +326,12 @@ static vs_status run_session(session *s, vs_error *err) {
   const vs_jobs_options options = {&s->plan, s->o->keep_runs ? s->keep : NULL, jobs,
                                    s->o->timeout_s, s->o->stop};
   s->jobs = vs_jobs_new(&options);
+  vs_heed heed = vs_heed_set(VS_HEED_KEEP);
   void (*before)(int) = signal(SIGPIPE, SIG_IGN); /* who reads the progress may be gone */
   vs_status status =
       s->plan.adaptive ? run_adaptive(s, &cases, err) : run_cases(s, head->shard - 1, cases, err);
   vs_jobs_free(s->jobs);
+  vs_heed_set(heed); /* the rows are in the journal: what follows can be done again */
   if (s->plan.adaptive) s->total = cases;
   if (s->show) fputs("\r\033[K", stderr);
   if (!status) show_progress(s, vs_clock());

@@ -7,6 +7,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/leave.h"
 #include "base/units.h"
 #include "study/ladder.h"
 #include "study/scene.h"
@@ -194,10 +195,12 @@ static vs_status run_scene(const vs_run_options *o, vs_scene *s, const vs_ladder
   vs_text json = {0};
   vs_status status = o->folder ? open_files(&a, err) : VS_OK;
   s->setup.raw = a.raw.stream;
+  vs_heed before = vs_heed_set(VS_HEED_SOON);
   if (!status) {
     a.began_s = wall_clock();
     status = vs_sim_run(s->tier, &s->setup, &observer, err);
     a.result.wall_s = wall_clock() - a.began_s;
+    vs_heed_set(VS_HEED_KEEP);
     vs_absence_finish(&a.result.absence, s->setup.run.until_s);
     if (a.shown_s > 0) fputs("\r\033[K", stderr);
   }
@@ -206,6 +209,7 @@ static vs_status run_scene(const vs_run_options *o, vs_scene *s, const vs_ladder
     vs_summary_json(s, &a.result, !o->reproducible, &json);
   }
   if (o->folder) status = close_files(&a, status, status && err->gave_up && more, json.text, err);
+  vs_heed_set(before);
   if (!status && o->json)
     fputs(json.text, stdout);
   else if (!status && !o->quiet) {
