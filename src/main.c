@@ -36,7 +36,7 @@ typedef struct arguments {
   char **names; /* what stands behind a command that takes several */
   size_t n_names;
   const char *shard;
-  bool resume, keep_runs, progress_json;
+  bool resume, overwrite, keep_runs, progress_json;
   int jobs;
   double timeout_s;
   vs_error err; /* of the parser */
@@ -96,6 +96,7 @@ static vs_status do_study(const arguments *a, vs_error *err) {
                               .jobs = a->jobs,
                               .shard = a->shard,
                               .resume = a->resume,
+                              .overwrite = a->overwrite,
                               .keep_runs = a->keep_runs,
                               .progress_json = a->progress_json,
                               .quiet = a->quiet,
@@ -121,6 +122,7 @@ enum {
   KEY_JOBS,
   KEY_SHARD,
   KEY_RESUME,
+  KEY_OVERWRITE,
   KEY_TIMEOUT,
   KEY_PROGRESS,
   KEY_KEEP
@@ -203,6 +205,8 @@ static const struct argp_option STUDY_OPTIONS[] = {
     {"shard", KEY_SHARD, "I/N", 0,
      "only every N-th case, from the I-th on; auto: by the variables of a Slurm job array", 0},
     {"resume", KEY_RESUME, NULL, 0, "goes on with what DIR has; begins where there is nothing", 0},
+    {"overwrite", KEY_OVERWRITE, NULL, 0,
+     "replaces what another study, or this one, has left in DIR; else that is refused", 0},
     {"case-timeout", KEY_TIMEOUT, "T", 0,
      "a case that takes longer fails (default 3600 s; 0: none does)", 0},
     {"progress", KEY_PROGRESS, "json", 0, "a line of JSON a second on standard output", 0},
@@ -290,6 +294,9 @@ static error_t parse_study_option(int key, char *value, arguments *a) {
     return 0;
   case KEY_RESUME:
     a->resume = true;
+    return 0;
+  case KEY_OVERWRITE:
+    a->overwrite = true;
     return 0;
   case KEY_JOBS:
     a->jobs = (int)strtol(value, &end, 10);

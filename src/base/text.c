@@ -10,20 +10,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void out_of_memory(void) {
+void vs_out_of_memory(void) {
   fputs("vibrospice: out of memory\n", stderr);
   exit(1);
 }
 
 void *vs_alloc(size_t count, size_t size) {
   void *memory = calloc(count ? count : 1, size ? size : 1);
-  if (!memory) out_of_memory();
+  if (!memory) vs_out_of_memory();
   return memory;
 }
 
 char *vs_copy(const char *string) {
   char *copy = strdup(string);
-  if (!copy) out_of_memory();
+  if (!copy) vs_out_of_memory();
   return copy;
 }
 
@@ -38,7 +38,7 @@ void vs_text_add(vs_text *t, const char *format, ...) {
   if (need > t->capacity) {
     t->capacity = need * 2;
     t->text = realloc(t->text, t->capacity);
-    if (!t->text) out_of_memory();
+    if (!t->text) vs_out_of_memory();
     vsnprintf(t->text + t->length, t->capacity - t->length, format, again);
   }
   va_end(again);

@@ -7,8 +7,6 @@
 
 #include "batch/study.h"
 
-enum { MOST_SHARDS = 10000 };
-
 /* ---- which ---- */
 
 static bool number(const char *text, uint64_t *value) {
@@ -41,10 +39,10 @@ vs_status vs_shard_read(const char *text, uint64_t *shard, uint64_t *shards, vs_
     status = read_slurm(shard, shards, err);
   else if (!slash || !number(first, shard) || !number(slash + 1, shards))
     *shard = 0;
-  if (!status && (!*shard || *shard > *shards || *shards > MOST_SHARDS))
+  if (!status && (!*shard || *shard > *shards || *shards > VS_MOST_SHARDS))
     status =
         vs_fail(err, VS_INPUT, "--shard %s: I/N is wanted, from 1/N to N/N, N at most %d; or auto",
-                text, MOST_SHARDS);
+                text, VS_MOST_SHARDS);
   return status;
 }
 
@@ -91,13 +89,17 @@ static uint64_t first_gap(const vs_journal *j) {
   return k < j->head.cases ? k : j->head.cases;
 }
 
+static bool is_same_study(const vs_journal_head *a, const vs_journal_head *b) {
+  return !strcmp(a->identity, b->identity) && !strcmp(a->columns, b->columns) &&
+         !strcmp(a->failures, b->failures) && a->cases == b->cases && a->shards == b->shards;
+}
+
 static vs_status check_shards(const shards *all, vs_error *err) {
   const vs_journal *first = &all->item[0];
   for (size_t k = 0; k < all->count; k++) {
     const vs_journal *j = &all->item[k];
     const vs_journal_head *h = &j->head;
-    if (strcmp(h->identity, first->head.identity) || h->cases != first->head.cases ||
-        h->shards != first->head.shards)
+    if (!is_same_study(h, &first->head))
       return vs_fail(err, VS_INPUT, "%s: is of another study than %s", j->path, first->path);
     if (k && h->shard == all->item[k - 1].head.shard)
       return vs_fail(err, VS_INPUT, "%s: is shard %llu, as %s is", j->path,

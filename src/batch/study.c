@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/leave.h"
@@ -167,10 +168,35 @@ static void remove_result(const char *folder) {
   }
 }
 
-static bool is_finished(const char *folder) {
+/* One of its files; NULL: it holds none. */
+static const char *find_result(const char *folder) {
   char path[VS_PATH_SIZE + 16];
-  snprintf(path, sizeof path, "%s/manifest.json", folder);
-  return !access(path, F_OK);
+  struct stat s;
+  for (size_t k = 0; k < N_RESULTS; k++) {
+    snprintf(path, sizeof path, "%s/%s", folder, RESULTS[k]);
+    if (!lstat(path, &s)) return RESULTS[k];
+  }
+  return NULL;
+}
+
+/* What a study left here, hours of work perhaps, is not thrown away unasked. */
+static vs_status check_free(const session *s, bool journal, vs_error *err) {
+  const char *result = find_result(s->folder);
+  if (s->o->overwrite || (!journal && !result)) return VS_OK;
+  if (!journal)
+    return vs_fail(err, VS_INPUT,
+                   "%s/%s: the result of a study is here, without a journal to go on with; "
+                   "--overwrite replaces it, or take another folder",
+                   s->folder, result);
+  if (!result)
+    return vs_fail(err, VS_INPUT,
+                   "%s/journal: a study was broken off here; --resume goes on with it, --overwrite "
+                   "throws it away, or take another folder",
+                   s->folder);
+  return vs_fail(err, VS_INPUT,
+                 "%s/%s: the result of a study is here; --overwrite replaces it, --resume does "
+                 "what the same study lacks, or take another folder",
+                 s->folder, result);
 }
 
 static vs_status go_on(session *s, vs_journal_head *head, vs_error *err) {
@@ -193,7 +219,6 @@ static vs_status go_on(session *s, vs_journal_head *head, vs_error *err) {
   return VS_OK;
 }
 
-/* A study that was broken off is not thrown away unasked. */
 static vs_status open_journal(session *s, vs_error *err) {
   vs_journal_head head;
   vs_study_head(&s->plan, s->o->name, &head);
@@ -208,14 +233,11 @@ static vs_status open_journal(session *s, vs_error *err) {
   bool there = !status && vs_journal_exists(s->folder);
   if (!status && there && s->o->resume)
     status = go_on(s, &head, err);
-  else if (!status && there && !is_finished(s->folder))
-    status = vs_fail(err, VS_INPUT,
-                     "%s/journal: a study was broken off here; --resume goes on with it, or remove "
-                     "the folder",
-                     s->folder);
-  else if (!status) {
-    remove_result(s->folder);
+  else if (!status)
+    status = check_free(s, there, err);
+  if (!status && !(there && s->o->resume)) {
     status = vs_journal_create(&s->journal, s->folder, &head, err);
+    if (!status) remove_result(s->folder);
   }
   vs_journal_head_free(&head);
   return status;
@@ -347,9 +369,13 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   s->o = o;
   s->journal.fd = s->journal.folder = -1;
   vs_status status = VS_OK;
-  if (!o->folder && (o->resume || o->keep_runs || o->shard || o->progress_json))
+  if (o->resume && o->overwrite)
+    status = vs_fail(err, VS_INPUT, "--resume goes on with what is there, --overwrite throws it "
+                                    "away; give one of them");
+  else if (!o->folder && (o->resume || o->keep_runs || o->shard || o->progress_json || o->overwrite))
     status = vs_fail(err, VS_INPUT, "%s: wants a folder; name one with -o DIR",
                      o->resume          ? "--resume"
+                     : o->overwrite     ? "--overwrite"
                      : o->keep_runs     ? "--keep runs"
                      : o->progress_json ? "--progress json"
                                         : "--shard");

@@ -15,7 +15,9 @@ typedef struct vs_study_options {
   size_t n_sets;
   int jobs;          /* worker processes; 0: one for each core this process may use */
   const char *shard; /* "I/N", "auto" (Slurm's array variables); NULL: all */
-  bool resume, keep_runs, progress_json, quiet;
+  bool resume;       /* go on with what the folder has of this study */
+  bool overwrite;    /* replace what the folder has of any; else it is refused */
+  bool keep_runs, progress_json, quiet;
   double timeout_s;                  /* of one case; 0: none */
   const volatile sig_atomic_t *stop; /* set by a signal: end, to be gone on with */
 } vs_study_options;

@@ -328,7 +328,7 @@ static vs_status initialise(vs_error *err) {
   if (ng.ended)
     return vs_fail(err, VS_RUN, "ngspice ended itself in an earlier run of this process");
   if (ng.initialised) return VS_OK;
-  char folder[VS_PATH_SIZE];
+  char folder[VS_PATH_SIZE] = ".";
   vs_status status = VS_OK;
   sigset_t before;
   forget_environment();
@@ -337,7 +337,7 @@ static vs_status initialise(vs_error *err) {
   bool made = home >= 0 && make_folder(folder);
   if (made && !chdir(folder)) empty = open(".spiceinit", O_WRONLY | O_CREAT | O_EXCL, 0600);
   if (empty < 0)
-    status = vs_fail(err, VS_RUN, "no private folder for ngspice (%s): %s", made ? folder : "TMPDIR",
+    status = vs_fail(err, VS_RUN, "no private folder for ngspice: %s: %s", folder,
                      strerror(errno));
   else {
     close(empty);

@@ -140,6 +140,21 @@ static void keep_partial(audience *a, vs_error *err) {
              csv ? "run.partial.csv" : "run.partial.raw", csv && raw ? " and run.partial.raw" : "");
 }
 
+/* Says which files of an older run in the folder give way to this one's. */
+static void say_replaced(const vs_run_options *o) {
+  static const char *const FILES[] = {"run.csv", "events.csv", "summary.json", "run.raw",
+                                      "run.partial.csv", "run.partial.raw"};
+  char path[VS_PATH_SIZE];
+  vs_text names = {0};
+  for (size_t k = 0; k < sizeof FILES / sizeof *FILES; k++) {
+    snprintf(path, sizeof path, "%s/%s", o->folder, FILES[k]);
+    if (!access(path, F_OK)) vs_text_add(&names, "%s%s", names.length ? ", " : "", FILES[k]);
+  }
+  if (names.length)
+    fprintf(stderr, "vibrospice: note: %s in %s: of an older run; replaced\n", names.text, o->folder);
+  vs_text_free(&names);
+}
+
 static void discard_files(audience *a) {
   vs_file_discard(&a->raw);
   vs_file_discard(&a->events);
@@ -152,6 +167,7 @@ static vs_status close_files(audience *a, vs_status ran, bool again, const char 
   const char *folder = a->options->folder;
   vs_file summary = {0};
   bool partial = ran && ran != VS_INPUT && !again && a->csv.stream;
+  if (!a->options->quiet && (!ran || partial)) say_replaced(a->options);
   if (partial) keep_partial(a, err);
   if (ran) discard_files(a);
   if (ran) vs_folder_unmake(folder, a->made); /* which a part that could be kept forbids */
