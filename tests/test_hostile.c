@@ -49,16 +49,16 @@ static double children_cpu_s(void) {
 /* The byte 0xc3 begins a character of two, and '(' does not go on with it. */
 static void no_utf8(void) {
   write_file("b.yaml", "%\xc3(");
-  REFUSED("run b.yaml", "b.yaml:1:2: ", "0xc3 is no UTF-8");
+  REFUSED("run b.yaml", "b.yaml:1:2: ", "0xc3 is not UTF8");
   write_file("b.yaml", "run:\n  until: \xc3\xa9\xff s\n");
-  REFUSED("run b.yaml", "b.yaml:2:11: ", "0xff is no UTF-8");
+  REFUSED("run b.yaml", "b.yaml:2:11: ", "0xff is not UTF8");
   write_file("b.yaml", "run: {until: 1 s} # cut off: \xe2\x82");
-  REFUSED("study b.yaml -o out", "b.yaml:1:30: ", "0xe2 is no UTF-8");
-  REFUSED("run paper --set run.until=%\xc3(", "--set run.until=%\xc3(: ", "0xc3 is no UTF-8");
+  REFUSED("study b.yaml -o out", "b.yaml:1:30: ", "0xe2 is not UTF8");
+  REFUSED("run paper --set run.until=%\xc3(", "--set run.until=%\xc3(: ", "0xc3 is not UTF8");
   CU_ASSERT_EQUAL(mkdir("d", 0777), 0);
   write_file("d/study.csv", "case\n");
   write_file("d/manifest.json", "%\xed\xa0\x80"); /* half of a surrogate pair */
-  REFUSED("plot d", "d/manifest.json:1:2: ", "0xed is no UTF-8");
+  REFUSED("plot d", "d/manifest.json:1:2: ", "0xed is not UTF8");
   remove_tree("d");
   unlink("b.yaml");
 }
@@ -156,7 +156,7 @@ static void signals_end_all(void) {
   static const char *const COMMANDS[] = {
       "check pipe.yaml", "run pipe.yaml",   "modes pipe.yaml",           "export pipe.yaml -o x.cir",
       "plot run",        "merge parts",     "study pipe.yaml -o out",    "validate",
-      "run paper --set run.until=9e5s",     "check paper --set circuit.deck=big.cir"};
+      "run paper --set run.until=9e5s --set run.sample=1ms", "check paper --set circuit.deck=big.cir"};
   CU_ASSERT_EQUAL(mkfifo("pipe.yaml", 0600) || mkdir("run", 0777) || mkdir("parts", 0777), 0);
   CU_ASSERT_EQUAL(mkfifo("run/run.csv", 0600) || mkfifo("parts/journal", 0600), 0);
   char *deck = read_file(VS_TEST_FOLDER "/../spice/halfwave_snubbed.cir");
@@ -446,9 +446,14 @@ static void a_second_run(void) {
   EXPECT(r.status == 0 && !*r.err, "%d %s", r.status, r.err);
   free_ran(&r);
   r = run("%s", WORDS);
-  EXPECT(r.status == 0 && strstr(r.err, "run.csv, events.csv, summary.json in r"), "%d %s", r.status,
+  EXPECT(r.status == 0 && strstr(r.err, "replaced in r, of an older run: run.csv, events.csv, summary.json"), "%d %s", r.status,
          r.err);
   free_ran(&r);
+  r = run("%s --set machine.trough_mass=0.2kg --set actuator.gap=0.6mm", WORDS);
+  EXPECT(r.status == 1 && count_lines(r.err) == 1 && strstr(r.err, "in the place of run.csv, "),
+         "%d %s", r.status, r.err);
+  free_ran(&r);
+  RUN_GOOD("run paper --tier switched --set run.until=20ms -o r --quiet");
   r = run("%s --quiet", WORDS);
   EXPECT(r.status == 0 && !*r.err, "%d %s", r.status, r.err);
   free_ran(&r);

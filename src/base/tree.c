@@ -148,7 +148,7 @@ static vs_status check_bytes(const char *text, size_t length, const char *file, 
   for (const char *end; (end = memchr(line, '\n', (size_t)(bad - line))); where.line++)
     line = end + 1;
   where.column = vs_column(line, bad);
-  return vs_fail_at(err, where, "the byte 0x%02x is no UTF-8; a text here is written in UTF-8",
+  return vs_fail_at(err, where, "the byte 0x%02x is not UTF8; what is read here is written in UTF-8",
                     (unsigned char)*bad);
 }
 

@@ -125,12 +125,27 @@ static void remove_stale(const char *folder, const char *name) {
   unlink(path);
 }
 
+/* Which files of an older run in the folder give way to this one's; empty: none. free() it. */
+static char *name_replaced(const char *folder) {
+  static const char *const FILES[] = {"run.csv", "events.csv",      "summary.json",
+                                      "run.raw", "run.partial.csv", "run.partial.raw"};
+  char path[VS_PATH_SIZE];
+  vs_text names = {0};
+  vs_text_add(&names, "%s", "");
+  for (size_t k = 0; k < sizeof FILES / sizeof *FILES; k++) {
+    snprintf(path, sizeof path, "%s/%s", folder, FILES[k]);
+    if (!access(path, F_OK)) vs_text_add(&names, "%s%s", names.length ? ", " : "", FILES[k]);
+  }
+  return names.text;
+}
+
 /* Of a run that failed: what was computed, under a name that says so. */
 static void keep_partial(audience *a, vs_error *err) {
   static const char *const STALE[] = {"run.csv", "events.csv", "summary.json", "run.raw",
                                       "run.partial.raw"};
   const char *folder = a->options->folder;
   vs_error second = {0};
+  char *replaced = name_replaced(folder);
   for (size_t k = 0; k < sizeof STALE / sizeof *STALE; k++) remove_stale(folder, STALE[k]);
   bool csv = !vs_file_commit_as(&a->csv, folder, "run.partial.csv", &second);
   bool raw = a->raw.stream && !vs_file_commit_as(&a->raw, folder, "run.partial.raw", &second);
@@ -138,21 +153,10 @@ static void keep_partial(audience *a, vs_error *err) {
   if (csv || raw)
     snprintf(err->text + n, sizeof err->text - n, "; what was computed is in %s/%s%s", folder,
              csv ? "run.partial.csv" : "run.partial.raw", csv && raw ? " and run.partial.raw" : "");
-}
-
-/* Says which files of an older run in the folder give way to this one's. */
-static void say_replaced(const vs_run_options *o) {
-  static const char *const FILES[] = {"run.csv", "events.csv", "summary.json", "run.raw",
-                                      "run.partial.csv", "run.partial.raw"};
-  char path[VS_PATH_SIZE];
-  vs_text names = {0};
-  for (size_t k = 0; k < sizeof FILES / sizeof *FILES; k++) {
-    snprintf(path, sizeof path, "%s/%s", o->folder, FILES[k]);
-    if (!access(path, F_OK)) vs_text_add(&names, "%s%s", names.length ? ", " : "", FILES[k]);
-  }
-  if (names.length)
-    fprintf(stderr, "vibrospice: note: %s in %s: of an older run; replaced\n", names.text, o->folder);
-  vs_text_free(&names);
+  n = strlen(err->text);
+  if (*replaced)
+    snprintf(err->text + n, sizeof err->text - n, ", in the place of %s of an older run", replaced);
+  free(replaced);
 }
 
 static void discard_files(audience *a) {
@@ -167,11 +171,11 @@ static vs_status close_files(audience *a, vs_status ran, bool again, const char 
   const char *folder = a->options->folder;
   vs_file summary = {0};
   bool partial = ran && ran != VS_INPUT && !again && a->csv.stream;
-  if (!a->options->quiet && (!ran || partial)) say_replaced(a->options);
   if (partial) keep_partial(a, err);
   if (ran) discard_files(a);
   if (ran) vs_folder_unmake(folder, a->made); /* which a part that could be kept forbids */
   if (ran) return ran;
+  char *replaced = name_replaced(folder);
   vs_status status = vs_file_open(&summary, folder, "summary.json", err);
   if (!status) fputs(json, summary.stream);
   if (!status && a->raw.stream) status = vs_file_commit(&a->raw, err);
@@ -180,6 +184,9 @@ static vs_status close_files(audience *a, vs_status ran, bool again, const char 
   if (!status) status = vs_file_commit(&summary, err);
   vs_file_discard(&summary);
   discard_files(a);
+  if (!status && *replaced && !a->options->quiet)
+    fprintf(stderr, "vibrospice: note: replaced in %s, of an older run: %s\n", folder, replaced);
+  free(replaced);
   if (status) vs_folder_unmake(folder, a->made);
   if (status) return status;
   if (!a->options->raw) remove_stale(folder, "run.raw");
