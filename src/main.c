@@ -105,7 +105,8 @@ static vs_status do_study(const arguments *a, vs_error *err) {
   return vs_study_command(&o, err);
 }
 static vs_status do_merge(const arguments *a, vs_error *err) {
-  return vs_merge_command(a->names, a->n_names, a->output, a->quiet, err);
+  const vs_merge_options o = {a->names, a->n_names, a->output, a->overwrite, a->quiet};
+  return vs_merge_command(&o, err);
 }
 
 enum {
@@ -216,6 +217,8 @@ static const struct argp_option STUDY_OPTIONS[] = {
     {0}};
 static const struct argp_option MERGE_OPTIONS[] = {
     {"output", 'o', "DIR", 0, "writes the whole study there (default: the one DIR named)", 0},
+    {"overwrite", KEY_OVERWRITE, NULL, 0, "over another study's result, too; else that is refused",
+     0},
     {"quiet", KEY_QUIET, NULL, 0, "prints nothing", 0},
     OPT_HELP,
     {0}};

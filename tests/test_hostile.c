@@ -122,6 +122,11 @@ static void many_keys(void) {
   write_many("m.yaml", "", "key%d: 1\n", 10000, "key77: 1\n");
   within(1, "check m.yaml", 2, __LINE__);
   REFUSED("run m.yaml", "m.yaml:10001:1: ", "duplicate key");
+  write_many("m.yaml", "", "k%d: &a v\n", 30000, ""); /* a minute before */
+  within(1, "check m.yaml", 2, __LINE__);
+  REFUSED("run m.yaml", "m.yaml:1001:1: ", "anchors");
+  write_many("m.yaml", "measured: |\n", "\n", 60000, "");
+  REFUSED("run m.yaml", "m.yaml:", "empty lines");
   unlink("m.yaml");
 }
 
@@ -294,7 +299,7 @@ static void links(void) {
   RUN_GOOD("study s.yaml -o study --quiet --resume");
   victim_lives("study --resume", __LINE__);
   link_to_victim("study", (const char *[]){"study.csv", "manifest.json", NULL});
-  RUN_GOOD("merge study --quiet");
+  RUN_GOOD("merge study --quiet --overwrite");
   victim_lives("merge", __LINE__);
   link_to_victim("modes", MODES);
   run_good("modes paper -o modes", __LINE__);
@@ -435,6 +440,15 @@ static void a_second_study(void) {
   REFUSED("study a.yaml -o s --resume", "s/manifest.json: ", "without a journal");
   RUN_GOOD("study a.yaml -o s --overwrite --quiet");
   same_file("s/study.csv", csv, __LINE__);
+  RUN_GOOD("study b.yaml -o b --quiet");
+  CU_ASSERT_EQUAL(unlink("b/journal"), 0);
+  REFUSED("merge s -o b", "b/manifest.json: ", "--overwrite");
+  RUN_GOOD("merge s -o b --overwrite --quiet");
+  RUN_GOOD("merge s -o b --quiet"); /* its own */
+  same_file("b/study.csv", csv, __LINE__);
+  CU_ASSERT_EQUAL(symlink("../b", "s/runs"), 0);
+  REFUSED("study a.yaml -o s --overwrite --keep runs", "s/runs: ", "link");
+  remove_tree("b");
   free(csv), free(journal), free(files);
   remove_tree("s");
   unlink("a.yaml"), unlink("b.yaml");

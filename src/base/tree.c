@@ -152,10 +152,34 @@ static vs_status check_bytes(const char *text, size_t length, const char *file, 
                     (unsigned char)*bad);
 }
 
+/* What libfyaml 0.7 takes time for that grows with the square of their number, and no scene has so
+ * many of: anchors (each is held against all before it; 30,000 take a minute) and empty lines in a
+ * row (30,000 in a text block take 4 s). A thousand and ten thousand take less than half a second. */
+enum { MOST_ANCHORS = 1000, MOST_EMPTY_LINES = 10000 };
+
+static vs_status check_patience(const char *text, size_t length, const char *file, vs_error *err) {
+  int anchors = 0, empty = 0;
+  vs_where where = {.file = file, .line = 1, .column = 1};
+  char before = '\n';
+  for (size_t k = 0; k < length; before = text[k++]) {
+    bool breaks = text[k] == '\n' || text[k] == '\r';
+    anchors += text[k] == '&' && strchr(" \t\r\n[{,:-?", before);
+    empty = breaks ? empty + 1 : text[k] == ' ' || text[k] == '\t' ? empty : 0;
+    where.line += text[k] == '\n';
+    if (anchors > MOST_ANCHORS)
+      return vs_fail_at(err, where, "more than %d anchors (&name); none are of use here",
+                        MOST_ANCHORS);
+    if (empty > MOST_EMPTY_LINES)
+      return vs_fail_at(err, where, "more than %d empty lines in a row", MOST_EMPTY_LINES);
+  }
+  return VS_OK;
+}
+
 /* text: the YAML; file: what to call it. Gives an empty map for a text that says nothing. */
 static vs_status parse(const char *text, size_t length, const char *file, vs_node **root,
                        vs_error *err) {
   vs_status status = check_bytes(text, length, file, err);
+  if (!status) status = check_patience(text, length, file, err);
   if (status) return status;
   struct fy_diag_cfg diag_cfg;
   fy_diag_cfg_default(&diag_cfg);

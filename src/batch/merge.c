@@ -147,18 +147,43 @@ static vs_status write_merged(const shards *all, const char *folder, bool quiet,
                   : VS_OK;
 }
 
-vs_status vs_merge_command(char *const *folders, size_t count, const char *folder, bool quiet,
-                           vs_error *err) {
+/* Does the manifest there say what these shards' does, but for the counts? */
+static bool is_of(const char *manifest, const vs_journal_head *head) {
+  size_t n = strlen(head->manifest_begin);
+  return !strncmp(manifest, head->manifest_begin, n) &&
+         strstr(manifest + n, head->manifest_end) != NULL;
+}
+
+/* Another study's result is not replaced unasked; that of these shards is what merge is for. */
+static vs_status check_free(const char *folder, const vs_journal_head *head, vs_error *err) {
+  char path[VS_PATH_SIZE + 16], *manifest = NULL;
+  size_t size = 0;
+  snprintf(path, sizeof path, "%.4000s/manifest.json", folder);
+  FILE *f = fopen(path, "r");
+  if (!f) return VS_OK;
+  bool same = getdelim(&manifest, &size, '\0', f) > 0 && is_of(manifest, head);
+  free(manifest);
+  fclose(f);
+  return same ? VS_OK
+              : vs_fail(err, VS_INPUT,
+                        "%s: is of another study than the shards; --overwrite replaces it, or take "
+                        "another folder",
+                        path);
+}
+
+vs_status vs_merge_command(const vs_merge_options *o, vs_error *err) {
   shards all = {0};
   vs_status status = VS_OK;
-  for (size_t k = 0; k < count && !status; k++) status = take_folders(&all, folders[k], err);
-  if (!status && !folder && count != 1)
+  for (size_t k = 0; k < o->count && !status; k++) status = take_folders(&all, o->folders[k], err);
+  if (!status && !o->folder && o->count != 1)
     status = vs_fail(err, VS_INPUT,
                      "merge: more than one folder; name where the result goes with "
                      "-o DIR");
+  const char *folder = o->folder ? o->folder : o->folders[0];
   if (!status) qsort(all.item, all.count, sizeof *all.item, by_shard);
   if (!status) status = check_shards(&all, err);
-  if (!status) status = write_merged(&all, folder ? folder : folders[0], quiet, err);
+  if (!status && !o->overwrite) status = check_free(folder, &all.item[0].head, err);
+  if (!status) status = write_merged(&all, folder, o->quiet, err);
   for (size_t k = 0; k < all.count; k++) vs_journal_close(&all.item[k]);
   free(all.item);
   return status;

@@ -229,6 +229,9 @@ static vs_status open_journal(session *s, vs_error *err) {
                      "--shard %s: method %s chooses its cases by the results of others; only "
                      "studies without it can be cut into shards",
                      s->o->shard, s->plan.adaptive->method->name);
+  struct stat st;
+  if (!status && s->o->keep_runs && !lstat(s->keep, &st) && S_ISLNK(st.st_mode))
+    status = vs_fail(err, VS_INPUT, "%s: is a link; runs are kept in the study's own folder", s->keep);
   if (!status) status = vs_folder_make(s->folder, &s->made, err);
   bool there = !status && vs_journal_exists(s->folder);
   if (!status && there && s->o->resume)

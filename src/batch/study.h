@@ -26,10 +26,17 @@ typedef struct vs_study_options {
  * VS_RATING, all cases ran, and in some a rating is violated; VS_SIGNAL. */
 vs_status vs_study_command(const vs_study_options *options, vs_error *err);
 
-/* Joins shards into folder (NULL: the one folder named, if it holds the shards' ones). Errors: a
- * case missing or done twice, shards of different studies. */
-vs_status vs_merge_command(char *const *folders, size_t count, const char *folder, bool quiet,
-                           vs_error *err);
+typedef struct vs_merge_options {
+  char *const *folders; /* of shards, or that hold such */
+  size_t count;
+  const char *folder; /* where the result goes; NULL: the one folder named */
+  bool overwrite;     /* over another study's result, too; else that is refused */
+  bool quiet;
+} vs_merge_options;
+
+/* Joins shards. Errors: a case missing or done twice, shards of different studies, another study's
+ * result where this one's shall go. */
+vs_status vs_merge_command(const vs_merge_options *options, vs_error *err);
 
 /* Is the file a study, rather than a scene? A name: does a study of that name come with the
  * program, and no scene? */
