@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/leave.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "batch/methods.h"
@@ -24,13 +25,6 @@
 #include "study/run.h"
 #include "validate/validate.h"
 
-static volatile sig_atomic_t stop_requested;
-
-static void on_signal(int number) {
-  (void)number;
-  stop_requested = 1;
-}
-
 typedef struct arguments {
   const struct command *command;
   const char *name; /* what stands behind the command: a scene, a kind, a folder */
@@ -42,7 +36,7 @@ typedef struct arguments {
   char **names; /* what stands behind a command that takes several */
   size_t n_names;
   const char *shard;
-  bool resume, keep_runs, progress_json;
+  bool resume, overwrite, keep_runs, progress_json;
   int jobs;
   double timeout_s;
   vs_error err; /* of the parser */
@@ -59,7 +53,7 @@ static vs_status do_run(const arguments *a, vs_error *err) {
                             .reproducible = a->reproducible,
                             .raw = a->raw,
                             .digits = a->digits,
-                            .stop = &stop_requested};
+                            .stop = &vs_stop_requested};
   return vs_run_command(&o, err);
 }
 static vs_status do_check(const arguments *a, vs_error *err) {
@@ -91,7 +85,7 @@ static vs_status do_validate(const arguments *a, vs_error *err) {
                                  .json = a->json,
                                  .quiet = a->quiet,
                                  .list = a->list,
-                                 .stop = &stop_requested};
+                                 .stop = &vs_stop_requested};
   return vs_validate_command(&o, err);
 }
 static vs_status do_study(const arguments *a, vs_error *err) {
@@ -102,15 +96,17 @@ static vs_status do_study(const arguments *a, vs_error *err) {
                               .jobs = a->jobs,
                               .shard = a->shard,
                               .resume = a->resume,
+                              .overwrite = a->overwrite,
                               .keep_runs = a->keep_runs,
                               .progress_json = a->progress_json,
                               .quiet = a->quiet,
                               .timeout_s = a->timeout_s,
-                              .stop = &stop_requested};
+                              .stop = &vs_stop_requested};
   return vs_study_command(&o, err);
 }
 static vs_status do_merge(const arguments *a, vs_error *err) {
-  return vs_merge_command(a->names, a->n_names, a->output, a->quiet, err);
+  const vs_merge_options o = {a->names, a->n_names, a->output, a->overwrite, a->quiet};
+  return vs_merge_command(&o, err);
 }
 
 enum {
@@ -127,6 +123,7 @@ enum {
   KEY_JOBS,
   KEY_SHARD,
   KEY_RESUME,
+  KEY_OVERWRITE,
   KEY_TIMEOUT,
   KEY_PROGRESS,
   KEY_KEEP
@@ -209,6 +206,8 @@ static const struct argp_option STUDY_OPTIONS[] = {
     {"shard", KEY_SHARD, "I/N", 0,
      "only every N-th case, from the I-th on; auto: by the variables of a Slurm job array", 0},
     {"resume", KEY_RESUME, NULL, 0, "goes on with what DIR has; begins where there is nothing", 0},
+    {"overwrite", KEY_OVERWRITE, NULL, 0,
+     "replaces what another study, or this one, has left in DIR; else that is refused", 0},
     {"case-timeout", KEY_TIMEOUT, "T", 0,
      "a case that takes longer fails (default 3600 s; 0: none does)", 0},
     {"progress", KEY_PROGRESS, "json", 0, "a line of JSON a second on standard output", 0},
@@ -218,6 +217,8 @@ static const struct argp_option STUDY_OPTIONS[] = {
     {0}};
 static const struct argp_option MERGE_OPTIONS[] = {
     {"output", 'o', "DIR", 0, "writes the whole study there (default: the one DIR named)", 0},
+    {"overwrite", KEY_OVERWRITE, NULL, 0, "over another study's result, too; else that is refused",
+     0},
     {"quiet", KEY_QUIET, NULL, 0, "prints nothing", 0},
     OPT_HELP,
     {0}};
@@ -296,6 +297,9 @@ static error_t parse_study_option(int key, char *value, arguments *a) {
     return 0;
   case KEY_RESUME:
     a->resume = true;
+    return 0;
+  case KEY_OVERWRITE:
+    a->overwrite = true;
     return 0;
   case KEY_JOBS:
     a->jobs = (int)strtol(value, &end, 10);
@@ -422,19 +426,6 @@ static const struct command *find_command(const char *word) {
   return NULL;
 }
 
-/* A second Ctrl-C kills; a second SIGTERM does not: who ends programs in earnest (Slurm, systemd,
- * GNU parallel) may send several, and has SIGKILL. */
-static void heed_signals(void) {
-  const struct sigaction once = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND},
-                         always = {.sa_handler = on_signal};
-  struct sigaction before;
-  sigaction(SIGINT, &once, NULL);
-  sigaction(SIGTERM, &always, NULL);
-  sigaction(SIGHUP, NULL, &before);
-  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &once, NULL); /* else nohup's wish holds */
-  signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error to report, like a full disk */
-}
-
 int main(int argc, char **argv) {
   gsl_set_error_handler_off();
   if (argc < 2) {
@@ -452,7 +443,8 @@ int main(int argc, char **argv) {
   }
   const struct command *command = find_command(argv[1]);
   if (!command) return VS_INPUT;
-  heed_signals();
+  vs_leave_begin();
+  signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error to report, like a full disk */
 
   arguments a = {.command = command,
                  .digits = 9,

@@ -88,8 +88,11 @@ void free_ran(ran *r) {
 }
 
 void expect_good(const ran *r, const char *what, int line) {
+  static const char NOTE[] = "vibrospice: note: replaced in "; /* a second run in its folder */
+  const char *err = r->err;
+  if (!strncmp(err, NOTE, sizeof NOTE - 1)) err += strcspn(err, "\n") + 1;
   expect(r->status == 0, line, "%s: exit status %d: %s", what, r->status, r->err);
-  expect(!*r->err, line, "%s: standard error: %s", what, r->err);
+  expect(!*err, line, "%s: standard error: %s", what, r->err);
 }
 
 void run_good(const char *words, int line) {

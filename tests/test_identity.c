@@ -311,7 +311,7 @@ static void circuits_agree(void) {
   for (int k = 0; k < 2; k++) {
     snprintf(part, sizeof part, PART, k ? "2meg" : "1meg");
     write_file("mine.inc", part);
-    EXITS("study c.yaml -o c --quiet", 0);
+    EXITS("study c.yaml -o c --quiet --overwrite", 0);
     char *got = ids_in("c/study.csv");
     snprintf(ids[k], sizeof ids[k], "%s", got);
     free(got);

@@ -82,7 +82,7 @@ static look largest(const look *looks, int from, int to) {
 static void watch(const char *name, const char *study, long cases, FILE *table) {
   static look looks[MOST_LOOKS];
   const char *argv[MOST_WORDS];
-  char words[64] = "study large.yaml -o large --quiet";
+  char words[64] = "study large.yaml -o large --quiet --overwrite";
   const struct timespec pause = {0, 20000000};
   siginfo_t end = {0};
   int n = 0;

@@ -541,7 +541,7 @@ static void a_signal(void) {
 /* A last line that is torn, and one that is damaged, are run again; a changed study is refused. */
 static void a_torn_journal(void) {
   write_file("g.yaml", GRID);
-  EXPECT_EXIT("study g.yaml -o whole --quiet", 1);
+  EXPECT_EXIT("study g.yaml -o whole --quiet --overwrite", 1);
   EXPECT_EXIT("study g.yaml -o torn --quiet", 1);
   struct stat s;
   CU_ASSERT_EQUAL(stat("torn/journal", &s), 0);
@@ -604,7 +604,7 @@ static void a_full_disk(void) {
   struct stat whole;
   struct rlimit before, small;
   write_file("g.yaml", GRID);
-  EXPECT_EXIT("study g.yaml -o whole --quiet", 1);
+  EXPECT_EXIT("study g.yaml -o whole --quiet --overwrite", 1);
   CU_ASSERT_EQUAL(stat("whole/journal", &whole), 0);
   getrlimit(RLIMIT_FSIZE, &before);
   small = before;
@@ -648,7 +648,7 @@ static void killed_at_any_instant(void) {
   setenv("ASAN_OPTIONS", "detect_leaks=0", 1);
   write_file("slow.yaml", SLOW);
   double began = seconds();
-  EXPECT_EXIT("study slow.yaml -o whole --quiet", 0);
+  EXPECT_EXIT("study slow.yaml -o whole --quiet --overwrite", 0);
   double length = seconds() - began;
   srand(7);
   for (int k = 0; k < instants; k++) {

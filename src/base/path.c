@@ -7,9 +7,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/leave.h"
 #include "base/text.h"
 
 #ifndef VS_SOURCE_LIBRARY
@@ -160,15 +162,68 @@ void vs_folder_unmake(const char *folder, int made) {
   }
 }
 
+static const char TEMPORARY[] = ".vibrospice-tmp.";
+enum { RANDOM = 6 }; /* characters behind that, of mkostemp's */
+
+static bool is_temporary(const char *name) {
+  size_t n = sizeof TEMPORARY - 1;
+  return !strncmp(name, TEMPORARY, n) && strlen(name) == n + RANDOM &&
+         strspn(name + n, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789") == RANDOM;
+}
+
+/* Takes it away if it is this user's and nobody has it locked; not where locks are not known. */
+static void remove_stale(int folder, const char *name) {
+  struct stat s;
+  int fd = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0) return;
+  if (!fstat(fd, &s) && S_ISREG(s.st_mode) && s.st_uid == geteuid() && s.st_nlink == 1 &&
+      !flock(fd, LOCK_EX | LOCK_NB))
+    unlinkat(folder, name, 0);
+  close(fd);
+}
+
+static void remove_all_stale(const char *folder) {
+  DIR *d = opendir(*folder ? folder : ".");
+  if (!d) return;
+  for (const struct dirent *e; (e = readdir(d));)
+    if (is_temporary(e->d_name)) remove_stale(dirfd(d), e->d_name);
+  closedir(d);
+}
+
+/* A new file, locked; a descriptor, or -1 with errno. Another process that tidies up may have had
+ * it before the lock: then it is gone, or will be. */
+static int make_temporary(vs_file *file, int folder_size) {
+  int fd = -1;
+  for (int tries = 0; tries < 10 && fd < 0; tries++) {
+    struct stat s;
+    snprintf(file->temporary, sizeof file->temporary, "%.*s%sXXXXXX", folder_size, file->path,
+             TEMPORARY);
+    fd = mkostemp(file->temporary, O_CLOEXEC);
+    if (fd < 0) return -1;
+    bool held = !flock(fd, LOCK_EX | LOCK_NB) || errno != EWOULDBLOCK;
+    if (held && !fstat(fd, &s) && s.st_nlink) break;
+    close(fd);
+    fd = -1;
+  }
+  return fd;
+}
+
 vs_status vs_file_open(vs_file *file, const char *folder, const char *name, vs_error *err) {
   *file = (vs_file){0};
   int n = snprintf(file->path, sizeof file->path, "%s%s%s", folder, *folder ? "/" : "", name);
   if (n >= (int)sizeof file->path)
     return vs_fail(err, VS_INPUT, "%s/%s: too long a name", folder, name);
-  snprintf(file->temporary, sizeof file->temporary, "%s.XXXXXX", file->path);
-  int fd = mkstemp(file->temporary);
-  if (fd < 0)
-    return vs_fail(err, VS_INPUT, "%s: cannot be written: %s", file->path, strerror(errno));
+  const char *slash = strrchr(file->path, '/');
+  int size = slash ? (int)(slash - file->path) + 1 : 0;
+  char place[VS_PATH_SIZE];
+  snprintf(place, sizeof place, "%.*s", size, file->path);
+  remove_all_stale(place);
+  sigset_t before;
+  vs_leave_hold(&before);
+  int fd = make_temporary(file, size), why = errno;
+  if (fd >= 0) vs_leave_remove(file->temporary);
+  vs_leave_release(&before);
+  if (fd < 0) return vs_fail(err, VS_INPUT, "%s: cannot be written: %s", file->path, strerror(why));
   mode_t mask = umask(0);
   umask(mask);
   fchmod(fd, 0666 & ~mask);
@@ -193,6 +248,7 @@ vs_status vs_file_commit(vs_file *file, vs_error *err) {
   file->stream = NULL;
   bool bad = fflush(stream) || ferror(stream) || fsync(fileno(stream));
   int why = errno;
+  int lock = dup(fileno(stream)); /* as long as it has that name */
   if (fclose(stream) && !bad) {
     bad = true;
     why = errno;
@@ -201,11 +257,13 @@ vs_status vs_file_commit(vs_file *file, vs_error *err) {
     bad = true;
     why = errno;
   }
+  if (bad) unlink(file->temporary);
+  if (lock >= 0) close(lock);
+  vs_leave_forget(file->temporary);
   if (!bad) {
     sync_folder_of(file->path);
     return VS_OK;
   }
-  unlink(file->temporary);
   errno = why;
   return vs_fail(err, VS_RUN, "%s: cannot be written: %s", file->path, strerror(errno));
 }
@@ -215,6 +273,7 @@ void vs_file_discard(vs_file *file) {
   fclose(file->stream);
   file->stream = NULL;
   unlink(file->temporary);
+  vs_leave_forget(file->temporary);
 }
 
 vs_status vs_file_commit_as(vs_file *file, const char *folder, const char *name, vs_error *err) {

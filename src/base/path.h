@@ -26,10 +26,13 @@ vs_status vs_find(const vs_shelf *shelf, const char *name, vs_where where, char 
 /* Calls each(ctx, path) for every file on the shelf, sorted by name within each library folder. */
 void vs_shelf_list(const vs_shelf *shelf, void (*each)(void *ctx, const char *path), void *ctx);
 
-/* A file being written beside its final place. */
+/* A file being written beside its final place, under a name of ours (".vibrospice-tmp.XXXXXX"),
+ * which this process keeps locked: one that nobody has locked was left by a process that was
+ * killed, and goes when the next file is opened in that folder. Not to be moved while it is open.
+ * The final name is replaced, whatever it was: a link is never followed. */
 typedef struct vs_file {
   FILE *stream; /* NULL when closed */
-  char path[VS_PATH_SIZE], temporary[VS_PATH_SIZE + 16];
+  char path[VS_PATH_SIZE], temporary[VS_PATH_SIZE + 32];
 } vs_file;
 
 /* Makes the folder and its parents and checks that it can be written; *made: how many of them it

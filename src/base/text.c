@@ -10,20 +10,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void out_of_memory(void) {
+void vs_out_of_memory(void) {
   fputs("vibrospice: out of memory\n", stderr);
   exit(1);
 }
 
 void *vs_alloc(size_t count, size_t size) {
   void *memory = calloc(count ? count : 1, size ? size : 1);
-  if (!memory) out_of_memory();
+  if (!memory) vs_out_of_memory();
   return memory;
 }
 
 char *vs_copy(const char *string) {
   char *copy = strdup(string);
-  if (!copy) out_of_memory();
+  if (!copy) vs_out_of_memory();
   return copy;
 }
 
@@ -38,7 +38,7 @@ void vs_text_add(vs_text *t, const char *format, ...) {
   if (need > t->capacity) {
     t->capacity = need * 2;
     t->text = realloc(t->text, t->capacity);
-    if (!t->text) out_of_memory();
+    if (!t->text) vs_out_of_memory();
     vsnprintf(t->text + t->length, t->capacity - t->length, format, again);
   }
   va_end(again);
@@ -101,6 +101,25 @@ const char *vs_nearest(const char *name, const char *const *candidates, size_t c
     }
   }
   return best;
+}
+
+/* Bytes of the character that begins here, of which `left` bytes are there; 0: it is none. */
+static size_t utf8_size(const unsigned char *s, size_t left) {
+  size_t size = s[0] < 0x80 ? 1 : s[0] < 0xc2 ? 0 : s[0] < 0xe0 ? 2 : s[0] < 0xf0 ? 3 : 4;
+  if (size == 0 || s[0] > 0xf4 || size > left) return 0;
+  for (size_t k = 1; k < size; k++)
+    if ((s[k] & 0xc0) != 0x80) return 0;
+  bool overlong = (s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xf0 && s[1] < 0x90);
+  bool beyond = (s[0] == 0xed && s[1] >= 0xa0) || (s[0] == 0xf4 && s[1] >= 0x90);
+  return overlong || beyond ? 0 : size;
+}
+
+const char *vs_not_utf8(const char *text, size_t length) {
+  for (size_t at = 0, size; at < length; at += size) {
+    size = utf8_size((const unsigned char *)text + at, length - at);
+    if (!size) return text + at;
+  }
+  return NULL;
 }
 
 int vs_column(const char *line, const char *at) {

@@ -16,12 +16,17 @@ void vs_text_add(vs_text *t, const char *format, ...) __attribute__((format(prin
 void vs_text_json(vs_text *t, const char *string); /* quoted and escaped as JSON wants it */
 void vs_text_free(vs_text *t);
 
+_Noreturn void vs_out_of_memory(void);      /* says so and ends the process */
 void *vs_alloc(size_t count, size_t size); /* zeroed; ends the process when memory ends */
 char *vs_copy(const char *string);         /* the same for strings; free() both */
 
 /* The candidate nearest to name (Damerau-Levenshtein), NULL when none is near enough to be meant.
  */
 const char *vs_nearest(const char *name, const char *const *candidates, size_t count);
+
+/* The first byte that does not belong to UTF-8 (as RFC 3629 has it: nothing overlong, no surrogate,
+ * at most U+10FFFF); NULL: there is none. */
+const char *vs_not_utf8(const char *text, size_t length);
 
 /* Which character of the line (UTF-8) stands at `at`, from 1. */
 int vs_column(const char *line, const char *at);

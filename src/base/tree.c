@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <libfyaml.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -38,6 +39,36 @@ static void node_free(vs_node *node) {
     free(node);
     node = next;
   }
+}
+
+typedef struct ranked_key {
+  const vs_node *node;
+  size_t rank; /* its place in the map */
+} ranked_key;
+
+static int by_key(const void *a, const void *b) {
+  const ranked_key *x = a, *y = b;
+  int order = strcmp(x->node->key, y->node->key);
+  return order ? order : x->rank < y->rank ? -1 : x->rank > y->rank;
+}
+
+/* The first key of the map that stood there before; NULL: none. By sorting, as libfyaml's own check
+ * holds each key against all before it: 4 s for 10,000 of them, minutes for 60,000. */
+static const vs_node *second_of_a_key(const vs_node *map) {
+  size_t count = 0, first = SIZE_MAX;
+  for (const vs_node *n = map->child; n; n = n->next) count++;
+  ranked_key *keys = vs_alloc(count, sizeof *keys);
+  size_t k = 0;
+  for (const vs_node *n = map->child; n; n = n->next, k++) keys[k] = (ranked_key){n, k};
+  qsort(keys, count, sizeof *keys, by_key);
+  const vs_node *second = NULL;
+  for (k = 1; k < count; k++)
+    if (!strcmp(keys[k - 1].node->key, keys[k].node->key) && keys[k].rank < first) {
+      first = keys[k].rank;
+      second = keys[k].node;
+    }
+  free(keys);
+  return second;
 }
 
 static vs_status convert(struct fy_node *fy, const char *file, vs_node **out, vs_error *err);
@@ -75,7 +106,8 @@ static vs_status convert_children(struct fy_node *fy, const char *file, vs_node 
     (*tail)->key_where = key_where;
     tail = &(*tail)->next;
   }
-  return VS_OK;
+  const vs_node *second = second_of_a_key(parent);
+  return second ? vs_fail_at(err, second->key_where, "not YAML: duplicate key") : VS_OK;
 }
 
 static vs_status convert(struct fy_node *fy, const char *file, vs_node **out, vs_error *err) {
@@ -107,18 +139,56 @@ static vs_status report(struct fy_diag *diag, const char *file, vs_error *err) {
                     dash ? "; a - that begins no list is written in quotes: '-'" : "");
 }
 
+/* Of bytes that are no UTF-8 libfyaml 0.7 makes what it likes: behind a '%' it never comes back. */
+static vs_status check_bytes(const char *text, size_t length, const char *file, vs_error *err) {
+  const char *bad = vs_not_utf8(text, length);
+  if (!bad) return VS_OK;
+  vs_where where = {.file = file, .line = 1};
+  const char *line = text;
+  for (const char *end; (end = memchr(line, '\n', (size_t)(bad - line))); where.line++)
+    line = end + 1;
+  where.column = vs_column(line, bad);
+  return vs_fail_at(err, where, "the byte 0x%02x is not UTF8; what is read here is written in UTF-8",
+                    (unsigned char)*bad);
+}
+
+/* What libfyaml 0.7 takes time for that grows with the square of their number, and no scene has so
+ * many of: anchors (each is held against all before it; 30,000 take a minute) and empty lines in a
+ * row (30,000 in a text block take 4 s). A thousand and ten thousand take less than half a second. */
+enum { MOST_ANCHORS = 1000, MOST_EMPTY_LINES = 10000 };
+
+static vs_status check_patience(const char *text, size_t length, const char *file, vs_error *err) {
+  int anchors = 0, empty = 0;
+  vs_where where = {.file = file, .line = 1, .column = 1};
+  char before = '\n';
+  for (size_t k = 0; k < length; before = text[k++]) {
+    bool breaks = text[k] == '\n' || text[k] == '\r';
+    anchors += text[k] == '&' && strchr(" \t\r\n[{,:-?", before);
+    empty = breaks ? empty + 1 : text[k] == ' ' || text[k] == '\t' ? empty : 0;
+    where.line += text[k] == '\n';
+    if (anchors > MOST_ANCHORS)
+      return vs_fail_at(err, where, "more than %d anchors (&name); none are of use here",
+                        MOST_ANCHORS);
+    if (empty > MOST_EMPTY_LINES)
+      return vs_fail_at(err, where, "more than %d empty lines in a row", MOST_EMPTY_LINES);
+  }
+  return VS_OK;
+}
+
 /* text: the YAML; file: what to call it. Gives an empty map for a text that says nothing. */
 static vs_status parse(const char *text, size_t length, const char *file, vs_node **root,
                        vs_error *err) {
+  vs_status status = check_bytes(text, length, file, err);
+  if (!status) status = check_patience(text, length, file, err);
+  if (status) return status;
   struct fy_diag_cfg diag_cfg;
   fy_diag_cfg_default(&diag_cfg);
   diag_cfg.fp = NULL;
   diag_cfg.level = FYET_ERROR;
   struct fy_diag *diag = fy_diag_create(&diag_cfg);
   fy_diag_set_collect_errors(diag, true);
-  struct fy_parse_cfg cfg = {.flags = FYPCF_QUIET, .diag = diag};
+  struct fy_parse_cfg cfg = {.flags = FYPCF_QUIET | FYPCF_ALLOW_DUPLICATE_KEYS, .diag = diag};
   struct fy_parser *parser = fy_parser_create(&cfg);
-  vs_status status = VS_OK;
   struct fy_document *document = NULL, *second = NULL;
   if (!parser || fy_parser_set_string(parser, text, length))
     status = vs_fail_at(err, (vs_where){.file = file}, "cannot be read as YAML");
@@ -151,6 +221,9 @@ static vs_status parse(const char *text, size_t length, const char *file, vs_nod
   return status;
 }
 
+/* Of a tree a byte takes up to a hundred bytes of memory; 60,000 keys are a megabyte. */
+enum { LONGEST_TEXT = 1 << 26 };
+
 static vs_status slurp(const char *path, char **text, size_t *length, vs_error *err) {
   const vs_where where = {.file = path};
   *text = NULL;
@@ -161,6 +234,10 @@ static vs_status slurp(const char *path, char **text, size_t *length, vs_error *
   size_t n;
   vs_status status = VS_OK;
   while ((n = fread(part, 1, sizeof part - 1, f)) > 0) {
+    if (all.length > LONGEST_TEXT) {
+      status = vs_fail_at(err, where, "longer than %d bytes; no scene or study is", LONGEST_TEXT);
+      break;
+    }
     if (memchr(part, '\0', n)) {
       status = vs_fail_at(err, where, "holds a zero byte; it is no text");
       break;
@@ -284,7 +361,8 @@ vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
     value->text = vs_copy("");
   }
   if (status) {
-    vs_fail_at(err, where, "the value cannot be read");
+    const vs_error why = *err;
+    vs_fail_at(err, where, "the value cannot be read: %s", why.text + why.place_size);
     node_free(value);
     vs_text_free(&label);
     return status;

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/hash.h"
+#include "batch/plan.h"
 
 static const char NAME[] = "journal";
 static const char MAGIC[] = "vibrospice journal 1";
@@ -81,17 +82,48 @@ static char *unfold(const char *text) {
   return copy;
 }
 
-/* false: it is none of the head's. */
-static bool read_head_line(vs_journal_head *head, const char *text) {
+/* A count in digits and nothing else, up to `most`. */
+static bool read_count(const char **at, char end, uint64_t most, uint64_t *count) {
+  size_t n = strspn(*at, "0123456789");
+  *count = strtoull(*at, NULL, 10);
+  if (!n || n > 18 || (*at)[n] != end || *count > most) return false;
+  *at += n + 1;
+  return true;
+}
+
+/* Those that no study has are not taken: the head then lacks them. */
+static bool read_counts(vs_journal_head *head, const char *text) {
+  vs_journal_head h;
+  if (!read_count(&text, ' ', VS_PLAN_CASES, &h.cases) ||
+      !read_count(&text, ' ', VS_MOST_SHARDS, &h.shard) ||
+      !read_count(&text, '\0', VS_MOST_SHARDS, &h.shards) || !h.shard || h.shard > h.shards)
+    return false;
+  head->cases = h.cases;
+  head->shard = h.shard;
+  head->shards = h.shards;
+  return true;
+}
+
+/* false: it is none of the head's. What is there already is not taken again. */
+static bool read_head_line(vs_journal *j, const char *text, uint64_t at) {
+  static const char COUNTS[] = "counts=";
+  vs_journal_head *head = &j->head;
+  if (!strcmp(text, MAGIC)) {
+    j->two_heads = j->two_heads || at > 0;
+    return true;
+  }
   for (size_t k = 0; k < N_TEXTS; k++) {
     size_t n = strlen(TEXTS[k].name);
     if (strncmp(text, TEXTS[k].name, n) || text[n] != '=') continue;
-    free(*text_of(head, k));
-    *text_of(head, k) = unfold(text + n + 1);
+    if (*text_of(head, k))
+      j->two_heads = true;
+    else
+      *text_of(head, k) = unfold(text + n + 1);
     return true;
   }
-  return !strcmp(text, MAGIC) || sscanf(text, "counts=%" SCNu64 " %" SCNu64 " %" SCNu64,
-                                        &head->cases, &head->shard, &head->shards) == 3;
+  if (strncmp(text, COUNTS, sizeof COUNTS - 1)) return false;
+  j->two_heads = j->two_heads || head->shards;
+  return j->two_heads || read_counts(head, text + sizeof COUNTS - 1);
 }
 
 static bool is_whole(const vs_journal_head *head) {
@@ -125,11 +157,12 @@ static void make_room(vs_journal *j, uint64_t cases) {
   if (cases <= j->room) return;
   uint64_t room = cases > 2 * j->room ? cases : 2 * j->room;
   j->place = realloc(j->place, room * sizeof *j->place);
-  if (!j->place) abort();
+  if (!j->place) vs_out_of_memory();
   memset(j->place + j->room, 0, (room - j->room) * sizeof *j->place);
   j->room = room;
 }
 
+/* For a study of this process' own, whose count is its plan's. */
 static void reserve(vs_journal *j) {
   const vs_journal_head *h = &j->head;
   if (h->cases) make_room(j, (h->cases + h->shards - h->shard) / h->shards);
@@ -184,7 +217,7 @@ vs_status vs_journal_create(vs_journal *j, const char *folder, vs_journal_head *
   j->end = text.length;
   vs_text_free(&text);
   if (status) return status;
-  j->fd = open(j->path, O_RDWR | O_CLOEXEC);
+  j->fd = open(j->path, O_RDWR | O_NOFOLLOW | O_CLOEXEC);
   if (j->fd < 0) return vs_fail(err, VS_RUN, "%s: cannot be opened: %s", j->path, strerror(errno));
   reserve(j);
   return lock(j, err);
@@ -194,10 +227,19 @@ static bool is_violated(const char *row, size_t length) {
   return length > 2 && row[length - 1] == '3' && row[length - 2] == ',';
 }
 
+/* Cases may be done out of their order by as many as all workers have at a time (VS_WORKER_QUEUE
+ * each, of whom there are 4096 at most); and a line of one takes more bytes than this. What lies
+ * farther ahead than the rows before it account for, no study wrote: so much memory is for so long a
+ * file. */
+static bool is_in_reach(const vs_journal *j, uint64_t index, uint64_t at) {
+  enum { AHEAD = 4096 * 256, SHORTEST_LINE = 12 };
+  return own(j, index) <= at / SHORTEST_LINE + AHEAD;
+}
+
 static void count_row(vs_journal *j, char kind, const char *row, size_t length, uint64_t at) {
   char *after;
   uint64_t index = strtoull(row, &after, 10);
-  if (after == row || *after != ',' || !is_own(j, index)) {
+  if (after == row || *after != ',' || !is_own(j, index) || !is_in_reach(j, index, at)) {
     j->bad++;
     return;
   }
@@ -217,7 +259,7 @@ static void take_line(vs_journal *j, const char *line, size_t length, uint64_t a
   if (!good || strlen(line) != length)
     j->bad++;
   else if (line[9] == 'h')
-    j->bad += !read_head_line(&j->head, line + 11);
+    j->bad += !read_head_line(j, line + 11, at);
   else if ((line[9] == '=' || line[9] == '!') && is_whole(&j->head))
     count_row(j, line[9], line + 11, length - 11, at);
   else
@@ -253,16 +295,23 @@ vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error
   name_file(j, folder);
   vs_status status = mend ? lock_folder(j, folder, err) : VS_OK;
   if (status) return status;
-  j->fd = open(j->path, (mend ? O_RDWR : O_RDONLY) | O_CLOEXEC);
+  j->fd = open(j->path, (mend ? O_RDWR | O_NOFOLLOW : O_RDONLY) | O_CLOEXEC);
   if (j->fd < 0)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", j->path, strerror(errno));
   if (mend) status = lock(j, err); /* before it is read: whoever had it may have added to it */
   if (!status) status = read_lines(j, &j->end, err);
+  if (!status && j->two_heads)
+    status = vs_fail(err, VS_INPUT,
+                     "%s: has two heads, so that its rows may be of two studies; a journal has one, "
+                     "in its first lines",
+                     j->path);
   if (!status && !is_whole(&j->head))
-    status = vs_fail(err, VS_INPUT, "%s: is no journal of a study", j->path);
+    status = vs_fail(err, VS_INPUT,
+                     "%s: is no journal of a study: its head lacks a line, or has counts that no "
+                     "study has (at most %llu cases and %d shards)",
+                     j->path, VS_PLAN_CASES, VS_MOST_SHARDS);
   if (!status && mend && ftruncate(j->fd, (off_t)j->end))
     status = vs_fail(err, VS_RUN, "%s: cannot be written: %s", j->path, strerror(errno));
-  if (!status) reserve(j);
   return status;
 }
 

@@ -5,9 +5,11 @@
  *
  * with the CRC-32 of "KIND TEXT" in 8 hexadecimal digits. KIND h: the head, NAME=VALUE; =: a row of
  * study.csv; !: a row of failures.csv. Lines are only ever added. One whose sum is wrong does not
- * count: its case is not done. The last one may be torn; it is cut off when the study goes on.
+ * count: its case is not done. The last one may be torn; it is cut off when the study goes on. There
+ * is one head, and it comes first.
  *
- * The rows themselves stay on the disk; of each case 8 bytes are in memory. */
+ * The rows themselves stay on the disk; of each case 8 bytes are in memory. No count that stands in
+ * a journal makes it take more than its length justifies. */
 #ifndef VS_BATCH_JOURNAL_H
 #define VS_BATCH_JOURNAL_H
 
@@ -15,6 +17,8 @@
 
 #include "base/path.h"
 #include "base/text.h"
+
+enum { VS_MOST_SHARDS = 10000 };
 
 /* What a study is told apart by, and what its files need besides the rows. */
 typedef struct vs_journal_head {
@@ -37,6 +41,7 @@ typedef struct vs_journal {
   uint64_t end;    /* bytes in the file */
   uint64_t done, failed, violated; /* cases with a row in study.csv, in failures.csv; of the former
                                       those of status 3 */
+  bool two_heads;                  /* something of the head stands there twice, or behind rows */
   uint64_t bad;                    /* lines that did not count, when it was opened */
   vs_text fresh;                   /* lines not written yet */
   bool unsynced;                   /* written since the last fsync */
@@ -48,7 +53,8 @@ bool vs_journal_exists(const char *folder);
 vs_status vs_journal_create(vs_journal *journal, const char *folder, vs_journal_head *head,
                             vs_error *err);
 /* One that is there, with what it has done. mend: to go on with it: locked, and what is torn cut
- * off. Errors: no journal; another process has it. vs_journal_close even then. */
+ * off. Errors: no journal; one with two heads,
+ * or with counts that no study has; another process has it. vs_journal_close even then. */
 vs_status vs_journal_open(vs_journal *journal, const char *folder, bool mend, vs_error *err);
 void vs_journal_close(vs_journal *journal);
 

@@ -7,8 +7,6 @@
 
 #include "batch/study.h"
 
-enum { MOST_SHARDS = 10000 };
-
 /* ---- which ---- */
 
 static bool number(const char *text, uint64_t *value) {
@@ -41,10 +39,10 @@ vs_status vs_shard_read(const char *text, uint64_t *shard, uint64_t *shards, vs_
     status = read_slurm(shard, shards, err);
   else if (!slash || !number(first, shard) || !number(slash + 1, shards))
     *shard = 0;
-  if (!status && (!*shard || *shard > *shards || *shards > MOST_SHARDS))
+  if (!status && (!*shard || *shard > *shards || *shards > VS_MOST_SHARDS))
     status =
         vs_fail(err, VS_INPUT, "--shard %s: I/N is wanted, from 1/N to N/N, N at most %d; or auto",
-                text, MOST_SHARDS);
+                text, VS_MOST_SHARDS);
   return status;
 }
 
@@ -91,13 +89,17 @@ static uint64_t first_gap(const vs_journal *j) {
   return k < j->head.cases ? k : j->head.cases;
 }
 
+static bool is_same_study(const vs_journal_head *a, const vs_journal_head *b) {
+  return !strcmp(a->identity, b->identity) && !strcmp(a->columns, b->columns) &&
+         !strcmp(a->failures, b->failures) && a->cases == b->cases && a->shards == b->shards;
+}
+
 static vs_status check_shards(const shards *all, vs_error *err) {
   const vs_journal *first = &all->item[0];
   for (size_t k = 0; k < all->count; k++) {
     const vs_journal *j = &all->item[k];
     const vs_journal_head *h = &j->head;
-    if (strcmp(h->identity, first->head.identity) || h->cases != first->head.cases ||
-        h->shards != first->head.shards)
+    if (!is_same_study(h, &first->head))
       return vs_fail(err, VS_INPUT, "%s: is of another study than %s", j->path, first->path);
     if (k && h->shard == all->item[k - 1].head.shard)
       return vs_fail(err, VS_INPUT, "%s: is shard %llu, as %s is", j->path,
@@ -146,18 +148,43 @@ static vs_status write_merged(const shards *all, const char *folder, bool quiet,
              : VS_OK;
 }
 
-vs_status vs_merge_command(char *const *folders, size_t count, const char *folder, bool quiet,
-                           vs_error *err) {
+/* Does the manifest there say what these shards' does, but for the counts? */
+static bool is_of(const char *manifest, const vs_journal_head *head) {
+  size_t n = strlen(head->manifest_begin);
+  return !strncmp(manifest, head->manifest_begin, n) &&
+         strstr(manifest + n, head->manifest_end) != NULL;
+}
+
+/* Another study's result is not replaced unasked; that of these shards is what merge is for. */
+static vs_status check_free(const char *folder, const vs_journal_head *head, vs_error *err) {
+  char path[VS_PATH_SIZE + 16], *manifest = NULL;
+  size_t size = 0;
+  snprintf(path, sizeof path, "%.4000s/manifest.json", folder);
+  FILE *f = fopen(path, "r");
+  if (!f) return VS_OK;
+  bool same = getdelim(&manifest, &size, '\0', f) > 0 && is_of(manifest, head);
+  free(manifest);
+  fclose(f);
+  return same ? VS_OK
+              : vs_fail(err, VS_INPUT,
+                        "%s: is of another study than the shards; --overwrite replaces it, or take "
+                        "another folder",
+                        path);
+}
+
+vs_status vs_merge_command(const vs_merge_options *o, vs_error *err) {
   shards all = {0};
   vs_status status = VS_OK;
-  for (size_t k = 0; k < count && !status; k++) status = take_folders(&all, folders[k], err);
-  if (!status && !folder && count != 1)
+  for (size_t k = 0; k < o->count && !status; k++) status = take_folders(&all, o->folders[k], err);
+  if (!status && !o->folder && o->count != 1)
     status = vs_fail(err, VS_INPUT,
                      "merge: more than one folder; name where the result goes with "
                      "-o DIR");
+  const char *folder = o->folder ? o->folder : o->folders[0];
   if (!status) qsort(all.item, all.count, sizeof *all.item, by_shard);
   if (!status) status = check_shards(&all, err);
-  if (!status) status = write_merged(&all, folder ? folder : folders[0], quiet, err);
+  if (!status && !o->overwrite) status = check_free(folder, &all.item[0].head, err);
+  if (!status) status = write_merged(&all, folder, o->quiet, err);
   for (size_t k = 0; k < all.count; k++) vs_journal_close(&all.item[k]);
   free(all.item);
   return status;

@@ -7,10 +7,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/leave.h"
 #include "batch/jobs.h"
 #include "study/session.h"
+
+static const char *const RESULTS[] = {"manifest.json", "study.csv", "failures.csv"};
+enum { N_RESULTS = sizeof RESULTS / sizeof *RESULTS };
 
 /* A study under way. */
 typedef struct session {
@@ -19,6 +24,7 @@ typedef struct session {
   vs_journal journal;
   vs_jobs *jobs;
   char folder[VS_PATH_SIZE], keep[VS_PATH_SIZE + 8];
+  char own[N_RESULTS + 1][VS_PATH_SIZE + 16]; /* without -o: what stands in the folder */
   int made;             /* folders, for the output */
   uint64_t next, until; /* cases to deal; of an adaptive plan the present generation's */
   uint64_t total;       /* own cases, for the progress */
@@ -160,18 +166,42 @@ static vs_status run_adaptive(session *s, uint64_t *count, vs_error *err) {
 /* ---- the folder ---- */
 
 static void remove_result(const char *folder) {
-  static const char *const FILES[] = {"manifest.json", "study.csv", "failures.csv"};
   char path[VS_PATH_SIZE + 16];
-  for (size_t k = 0; k < sizeof FILES / sizeof *FILES; k++) {
-    snprintf(path, sizeof path, "%s/%s", folder, FILES[k]);
+  for (size_t k = 0; k < N_RESULTS; k++) {
+    snprintf(path, sizeof path, "%s/%s", folder, RESULTS[k]);
     unlink(path);
   }
 }
 
-static bool is_finished(const char *folder) {
+/* One of its files; NULL: it holds none. */
+static const char *find_result(const char *folder) {
   char path[VS_PATH_SIZE + 16];
-  snprintf(path, sizeof path, "%s/manifest.json", folder);
-  return !access(path, F_OK);
+  struct stat s;
+  for (size_t k = 0; k < N_RESULTS; k++) {
+    snprintf(path, sizeof path, "%s/%s", folder, RESULTS[k]);
+    if (!lstat(path, &s)) return RESULTS[k];
+  }
+  return NULL;
+}
+
+/* What a study left here, hours of work perhaps, is not thrown away unasked. */
+static vs_status check_free(const session *s, bool journal, vs_error *err) {
+  const char *result = find_result(s->folder);
+  if (s->o->overwrite || (!journal && !result)) return VS_OK;
+  if (!journal)
+    return vs_fail(err, VS_INPUT,
+                   "%s/%s: the result of a study is here, without a journal to go on with; "
+                   "--overwrite replaces it, or take another folder",
+                   s->folder, result);
+  if (!result)
+    return vs_fail(err, VS_INPUT,
+                   "%s/journal: a study was broken off here; --resume goes on with it, --overwrite "
+                   "throws it away, or take another folder",
+                   s->folder);
+  return vs_fail(err, VS_INPUT,
+                 "%s/%s: the result of a study is here; --overwrite replaces it, --resume does "
+                 "what the same study lacks, or take another folder",
+                 s->folder, result);
 }
 
 static vs_status go_on(session *s, vs_journal_head *head, vs_error *err) {
@@ -194,7 +224,6 @@ static vs_status go_on(session *s, vs_journal_head *head, vs_error *err) {
   return VS_OK;
 }
 
-/* A study that was broken off is not thrown away unasked. */
 static vs_status open_journal(session *s, vs_error *err) {
   vs_journal_head head;
   vs_study_head(&s->plan, s->o->name, &head);
@@ -205,34 +234,46 @@ static vs_status open_journal(session *s, vs_error *err) {
                      "--shard %s: method %s chooses its cases by the results of others; only "
                      "studies without it can be cut into shards",
                      s->o->shard, s->plan.adaptive->method->name);
+  struct stat st;
+  if (!status && s->o->keep_runs && !lstat(s->keep, &st) && S_ISLNK(st.st_mode))
+    status = vs_fail(err, VS_INPUT, "%s: is a link; runs are kept in the study's own folder", s->keep);
   if (!status) status = vs_folder_make(s->folder, &s->made, err);
   bool there = !status && vs_journal_exists(s->folder);
   if (!status && there && s->o->resume)
     status = go_on(s, &head, err);
-  else if (!status && there && !is_finished(s->folder))
-    status = vs_fail(err, VS_INPUT,
-                     "%s/journal: a study was broken off here; --resume goes on with it, or remove "
-                     "the folder",
-                     s->folder);
-  else if (!status) {
-    remove_result(s->folder);
+  else if (!status)
+    status = check_free(s, there, err);
+  if (!status && !(there && s->o->resume)) {
     status = vs_journal_create(&s->journal, s->folder, &head, err);
+    if (!status) remove_result(s->folder);
   }
   vs_journal_head_free(&head);
   return status;
 }
 
-/* Without -o a folder of its own that goes when it has been shown. */
-static vs_status name_folder(session *s, vs_error *err) {
+/* Without -o a folder of its own that goes when it has been shown, or when a signal ends this. */
+static vs_status make_own_folder(session *s, vs_error *err) {
   const char *temporary = getenv("TMPDIR");
-  if (s->o->folder)
-    snprintf(s->folder, sizeof s->folder, "%.4000s", s->o->folder);
-  else {
-    snprintf(s->folder, sizeof s->folder, "%.4000s/vibrospice.XXXXXX",
-             temporary ? temporary : "/tmp");
-    if (!mkdtemp(s->folder))
-      return vs_fail(err, VS_RUN, "%s: cannot be made: %s", s->folder, strerror(errno));
+  sigset_t before;
+  snprintf(s->folder, sizeof s->folder, "%.4000s/vibrospice.XXXXXX",
+           temporary && *temporary ? temporary : "/tmp");
+  vs_leave_hold(&before);
+  bool made = mkdtemp(s->folder) != NULL;
+  int why = errno;
+  if (made) vs_leave_remove(s->folder);
+  vs_leave_release(&before);
+  if (!made) return vs_fail(err, VS_RUN, "%s: cannot be made: %s", s->folder, strerror(why));
+  for (size_t k = 0; k <= N_RESULTS; k++) {
+    snprintf(s->own[k], sizeof s->own[k], "%s/%s", s->folder,
+             k < N_RESULTS ? RESULTS[k] : "journal");
+    vs_leave_remove(s->own[k]);
   }
+  return VS_OK;
+}
+
+static vs_status name_folder(session *s, vs_error *err) {
+  if (!s->o->folder) return make_own_folder(s, err);
+  snprintf(s->folder, sizeof s->folder, "%.4000s", s->o->folder);
   snprintf(s->keep, sizeof s->keep, "%s/runs", s->folder);
   return VS_OK;
 }
@@ -249,11 +290,12 @@ static void show_file(const session *s, const char *name, bool header, FILE *out
 }
 
 static void discard_folder(const session *s) {
-  char path[VS_PATH_SIZE + 16];
-  remove_result(s->folder);
-  snprintf(path, sizeof path, "%s/journal", s->folder);
-  unlink(path);
+  for (size_t k = 0; k <= N_RESULTS; k++) {
+    unlink(s->own[k]);
+    vs_leave_forget(s->own[k]);
+  }
   rmdir(s->folder);
+  vs_leave_forget(s->folder);
 }
 
 /* ---- the command ---- */
@@ -314,10 +356,12 @@ static vs_status run_session(session *s, vs_error *err) {
   const vs_jobs_options options = {&s->plan, s->o->keep_runs ? s->keep : NULL, jobs,
                                    s->o->timeout_s, s->o->stop};
   s->jobs = vs_jobs_new(&options);
+  vs_heed heed = vs_heed_set(VS_HEED_KEEP);
   void (*before)(int) = signal(SIGPIPE, SIG_IGN); /* who reads the progress may be gone */
   vs_status status =
       s->plan.adaptive ? run_adaptive(s, &cases, err) : run_cases(s, head->shard - 1, cases, err);
   vs_jobs_free(s->jobs);
+  vs_heed_set(heed); /* the rows are in the journal: what follows can be done again */
   if (s->plan.adaptive) s->total = cases;
   if (s->show) fputs("\r\033[K", stderr);
   if (!status) show_progress(s, vs_clock());
@@ -333,9 +377,13 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   s->o = o;
   s->journal.fd = s->journal.folder = -1;
   vs_status status = VS_OK;
-  if (!o->folder && (o->resume || o->keep_runs || o->shard || o->progress_json))
+  if (o->resume && o->overwrite)
+    status = vs_fail(err, VS_INPUT, "--resume goes on with what is there, --overwrite throws it "
+                                    "away; give one of them");
+  else if (!o->folder && (o->resume || o->keep_runs || o->shard || o->progress_json || o->overwrite))
     status = vs_fail(err, VS_INPUT, "%s: wants a folder; name one with -o DIR",
                      o->resume          ? "--resume"
+                     : o->overwrite     ? "--overwrite"
                      : o->keep_runs     ? "--keep runs"
                      : o->progress_json ? "--progress json"
                                         : "--shard");

@@ -15,7 +15,9 @@ typedef struct vs_study_options {
   size_t n_sets;
   int jobs;          /* worker processes; 0: one for each core this process may use */
   const char *shard; /* "I/N", "auto" (Slurm's array variables); NULL: all */
-  bool resume, keep_runs, progress_json, quiet;
+  bool resume;       /* go on with what the folder has of this study */
+  bool overwrite;    /* replace what the folder has of any; else it is refused */
+  bool keep_runs, progress_json, quiet;
   double timeout_s;                  /* of one case; 0: none */
   const volatile sig_atomic_t *stop; /* set by a signal: end, to be gone on with */
 } vs_study_options;
@@ -24,10 +26,17 @@ typedef struct vs_study_options {
  * VS_RATING, all cases ran, and in some a rating is violated; VS_SIGNAL. */
 vs_status vs_study_command(const vs_study_options *options, vs_error *err);
 
-/* Joins shards into folder (NULL: the one folder named, if it holds the shards' ones). Errors: a
- * case missing or done twice, shards of different studies. */
-vs_status vs_merge_command(char *const *folders, size_t count, const char *folder, bool quiet,
-                           vs_error *err);
+typedef struct vs_merge_options {
+  char *const *folders; /* of shards, or that hold such */
+  size_t count;
+  const char *folder; /* where the result goes; NULL: the one folder named */
+  bool overwrite;     /* over another study's result, too; else that is refused */
+  bool quiet;
+} vs_merge_options;
+
+/* Joins shards. Errors: a case missing or done twice, shards of different studies, another study's
+ * result where this one's shall go. */
+vs_status vs_merge_command(const vs_merge_options *options, vs_error *err);
 
 /* Is the file a study, rather than a scene? A name: does a study of that name come with the
  * program, and no scene? */

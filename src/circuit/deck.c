@@ -117,10 +117,18 @@ static vs_status take_line(vs_deck *deck, vs_line line, vs_error *err) {
   return VS_OK;
 }
 
+/* A line that may go on: its text so far (NULL: there is none), how much of that stands in its first
+ * line, and where that is. */
+typedef struct begun_line {
+  vs_text text;
+  size_t first;
+  vs_where where;
+} begun_line;
+
 /* Takes the line begun, if any. */
-static vs_status end_line(vs_deck *deck, vs_line *begun, vs_error *err) {
-  vs_line line = *begun;
-  *begun = (vs_line){0};
+static vs_status end_line(vs_deck *deck, begun_line *begun, vs_error *err) {
+  vs_line line = {begun->text.text, begun->first, begun->where};
+  *begun = (begun_line){0};
   return line.text ? vs_carry_on(err, take_line(deck, line, err)) : VS_OK;
 }
 
@@ -139,7 +147,7 @@ static void cut_comment(const vs_deck *deck, char *text) {
 }
 
 /* A line of a file. What it begins goes on as long as lines with '+' follow. */
-static vs_status read_line(vs_deck *deck, char *line, vs_where where, vs_line *begun,
+static vs_status read_line(vs_deck *deck, char *line, vs_where where, begun_line *begun,
                            vs_error *err) {
   char *text = line + where.column - 1;
   for (const char *c = line; *c; c++)
@@ -152,21 +160,20 @@ static vs_status read_line(vs_deck *deck, char *line, vs_where where, vs_line *b
   if (!*text || *text == '*') return VS_OK;
   if (*text != '+') {
     vs_status status = end_line(deck, begun, err);
-    *begun = (vs_line){vs_copy(text), strlen(text), where};
+    *begun = (begun_line){.first = strlen(text), .where = where};
+    vs_text_add(&begun->text, "%s", text);
     return status;
   }
-  if (!begun->text) return vs_fail_at(err, where, "'+' goes on with a line, and there is none");
-  vs_text joined = {0};
-  vs_text_add(&joined, "%s %s", begun->text, text + 1);
-  free(begun->text);
-  begun->text = joined.text;
+  if (!begun->text.text)
+    return vs_fail_at(err, where, "'+' goes on with a line, and there is none");
+  vs_text_add(&begun->text, " %s", text + 1);
   return VS_OK;
 }
 
 static vs_status read_lines(vs_deck *deck, char *file, FILE *f, vs_error *err) {
   char *line = NULL;
   size_t size = 0;
-  vs_line begun = {0};
+  begun_line begun = {0};
   vs_status status = VS_OK;
   ssize_t n;
   for (int number = 1; !status && (n = getline(&line, &size, f)) >= 0; number++) {
@@ -177,7 +184,7 @@ static vs_status read_lines(vs_deck *deck, char *file, FILE *f, vs_error *err) {
     status = vs_carry_on(err, status);
   }
   if (!status) status = end_line(deck, &begun, err);
-  free(begun.text);
+  vs_text_free(&begun.text);
   free(line);
   return status;
 }

@@ -13,12 +13,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <ngspice/sharedspice.h>
 
+#include "base/leave.h"
+#include "base/path.h"
 #include "base/text.h"
 #include "circuit/circuit.h"
 #include "circuit/rawfile.h"
@@ -294,29 +297,60 @@ static int on_sync(double t, double *step, double old_step, int redo, int id, in
   return 0;
 }
 
+/* By these ngspice is told where its files are, and so which spinit's commands it runs; and more of
+ * the kind. Without them it takes those it was installed with, code models and all. */
+static void forget_environment(void) {
+  static const char *const NAMES[] = {
+      "SPICE_LIB_DIR", "SPICE_SCRIPTS", "SPICE_EXEC_DIR",   "SPICE_PATH",    "SPICE_HELP_DIR",
+      "SPICE_NEWS",    "SPICE_MAPFILE", "SPICE_ASCIIRAWFILE", "SPICE_EDITOR", "SPICE_HOST",
+      "SPICE_BUGADDR", "SPICE_NO_DATASEG_CHECK", "NGSPICE_INPUT_DIR", "NGSPICE_MEAS_PRECISION"};
+  for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) unsetenv(NAMES[k]);
+}
+
+/* Makes a folder below $TMPDIR, or /tmp; false: not there, and errno says why. */
+static bool make_folder(char path[VS_PATH_SIZE]) {
+  const char *temporary = getenv("TMPDIR");
+  snprintf(path, VS_PATH_SIZE, "%.4000s/vibrospice.XXXXXX",
+           temporary && *temporary ? temporary : "/tmp");
+  return mkdtemp(path) != NULL;
+}
+
+static void call_init(void) {
+  int id = 0;
+  ngSpice_Init(on_text, on_status, on_exit_wanted, on_accepted, on_vectors, on_thread, NULL);
+  ngSpice_Init_Sync(on_source, on_source, on_sync, &id, NULL);
+}
+
 /* ngspice reads .spiceinit from the working directory, else from the user's home; an empty one in a
- * folder of its own keeps the user's out, so that a scene gives the same result for everyone. */
+ * folder of its own keeps the user's out, so that a scene gives the same result for everyone. No
+ * signal is taken as long as the folder is there. */
 static vs_status initialise(vs_error *err) {
   if (ng.ended)
     return vs_fail(err, VS_RUN, "ngspice ended itself in an earlier run of this process");
   if (ng.initialised) return VS_OK;
-  char *home = getcwd(NULL, 0), folder[] = "/tmp/vibrospice.XXXXXX";
-  FILE *empty = NULL;
-  if (home && mkdtemp(folder) && !chdir(folder)) empty = fopen(".spiceinit", "w");
-  if (!empty) {
-    free(home);
-    return vs_fail(err, VS_RUN, "no private folder for ngspice below /tmp: %s", strerror(errno));
+  char folder[VS_PATH_SIZE] = ".";
+  vs_status status = VS_OK;
+  sigset_t before;
+  forget_environment();
+  int home = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC), empty = -1;
+  vs_leave_hold(&before);
+  bool made = home >= 0 && make_folder(folder);
+  if (made && !chdir(folder)) empty = open(".spiceinit", O_WRONLY | O_CREAT | O_EXCL, 0600);
+  if (empty < 0)
+    status = vs_fail(err, VS_RUN, "no private folder for ngspice: %s: %s", folder,
+                     strerror(errno));
+  else {
+    close(empty);
+    call_init();
+    unlink(".spiceinit");
+    ng.initialised = true;
   }
-  fclose(empty);
-  int id = 0;
-  ngSpice_Init(on_text, on_status, on_exit_wanted, on_accepted, on_vectors, on_thread, NULL);
-  ngSpice_Init_Sync(on_source, on_source, on_sync, &id, NULL);
-  unlink(".spiceinit");
-  bool back = chdir(home) == 0;
-  rmdir(folder);
-  free(home);
-  ng.initialised = true;
-  return back ? VS_OK : vs_fail(err, VS_RUN, "the working directory is gone: %s", strerror(errno));
+  if (made && fchdir(home) && !status)
+    status = vs_fail(err, VS_RUN, "the working directory is gone: %s", strerror(errno));
+  if (made) rmdir(folder);
+  vs_leave_release(&before);
+  if (home >= 0) close(home);
+  return status;
 }
 
 /* ---- the trial ---- */
@@ -358,7 +392,9 @@ static void die_quietly(void) {
 static _Noreturn void try_circuit(const vs_circuit_job *job, const vs_circuit_host *host,
                                   char **lines, int pipe_end) {
   vs_error err = {0};
+  prctl(PR_SET_PDEATHSIG, SIGKILL); /* nobody outlives the parent */
   int end = TRIAL_BAD_LOAD;
+  signal(SIGALRM, SIG_DFL);
   alarm(TRIAL_SECONDS);
   die_quietly();
   ngSpice_Circ(lines);

@@ -20,10 +20,11 @@ bool vs_is_standard(const char *name) {
   return AMONG(name, vs_standard_names);
 }
 
-/* The n-th word of a line, from 0, cut to fit; blanks, '(' , ')' and ',' part words, as for
- * ngspice. Empty: there is none. */
+/* What parts words, as for ngspice. */
+static const char PARTING[] = " \t(),";
+
+/* The n-th word of a line, from 0, cut to fit. Empty: there is none. */
 static const char *nth_word(const char *line, int n, char word[VS_DECK_NAME]) {
-  static const char PARTING[] = " \t(),";
   const char *s = line + strspn(line, PARTING);
   for (; n > 0; n--) {
     s += strcspn(s, PARTING);
@@ -188,12 +189,18 @@ bool vs_is_external(const char *line, char name[VS_DECK_NAME]) {
 
 /* "external" anywhere but as the fourth and last word: ngspice dies of some such lines. */
 static vs_status source_rule(const char *line, vs_where where, vs_error *err) {
-  char word[VS_DECK_NAME];
+  static const char EXTERNAL[] = "external";
   if (!strchr("vViI", *line)) return VS_OK;
-  for (int n = 3; *nth_word(line, n, word); n++)
-    if (!strcmp(word, "external") && (n > 3 || *nth_word(line, 4, word)))
+  int n = 0; /* which word it is */
+  for (const char *s = line + strspn(line, PARTING); *s; n++) {
+    size_t length = strcspn(s, PARTING);
+    const char *next = s + length + strspn(s + length, PARTING);
+    bool external = length == strlen(EXTERNAL) && !strncasecmp(s, EXTERNAL, length);
+    if (external && (n > 3 || (n == 3 && *next)))
       return vs_fail_at(err, where,
                         "a source the program drives is 'NAME n m external' and no more");
+    s = next;
+  }
   return VS_OK;
 }
 

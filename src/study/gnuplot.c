@@ -2,10 +2,13 @@
 #include "study/gnuplot.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,6 +30,7 @@ void vs_gnuplot_path(vs_text *script, const char *path) {
 }
 
 static void become_gnuplot(FILE *in, FILE *out) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
   dup2(fileno(in), STDIN_FILENO);
   if (out) dup2(fileno(out), STDOUT_FILENO);
   setenv("GNUTERM", "dumb", 1);
@@ -63,21 +67,25 @@ static vs_status take(FILE *file, char **text, size_t *size, vs_error *err) {
   return vs_fail(err, VS_RUN, "what gnuplot drew cannot be read: %s", strerror(errno));
 }
 
+/* A file in memory, which has no name that somebody else could have taken. */
+static FILE *nameless(void) {
+  int fd = memfd_create("vibrospice", MFD_CLOEXEC);
+  FILE *file = fd < 0 ? NULL : fdopen(fd, "w+");
+  if (fd >= 0 && !file) close(fd);
+  return file;
+}
+
 static vs_status run(const char *script, FILE *out, vs_error *err) {
-  FILE *in = tmpfile();
+  FILE *in = nameless();
   if (!in) return vs_fail(err, VS_RUN, "no script for gnuplot: %s", strerror(errno));
   vs_status status = between(script, in, out, err);
   fclose(in);
   return status;
 }
 
-vs_status vs_gnuplot(const char *script, vs_error *err) {
-  return run(script, NULL, err);
-}
-
 vs_status vs_gnuplot_picture(const char *script, char **picture, size_t *size, vs_error *err) {
   *picture = NULL;
-  FILE *out = tmpfile();
+  FILE *out = nameless();
   if (!out) return vs_fail(err, VS_RUN, "no room for a picture: %s", strerror(errno));
   vs_status status = run(script, out, err);
   if (!status) status = take(out, picture, size, err);

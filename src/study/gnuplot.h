@@ -11,12 +11,9 @@
 void vs_gnuplot_quoted(vs_text *script, const char *text);
 void vs_gnuplot_path(vs_text *script, const char *path);
 
-/* Runs gnuplot on the script. Its complaints go to standard error as they are. Errors: it is not
- * installed, it fails. */
-vs_status vs_gnuplot(const char *script, vs_error *err);
-
-/* The same, and what it writes to standard output (a script that sets no output): size bytes, a
- * zero behind them; free() it. NULL on errors. */
+/* Runs gnuplot on the script, which sets no output, and gives what it writes to standard output:
+ * size bytes, a zero behind them; free() it. gnuplot itself writes no file. Its complaints go to
+ * standard error as they are. Errors, with NULL: it is not installed, it fails. */
 vs_status vs_gnuplot_picture(const char *script, char **picture, size_t *size, vs_error *err);
 
 #endif

@@ -109,11 +109,10 @@ static int find_column(const char *header, const char *name) {
 static void add_terminal(vs_text *script, const sheet *s, int rows, const char *output) {
   bool svg = strlen(output) > 4 && !strcmp(output + strlen(output) - 4, ".svg");
   vs_text_add(script,
-              "set terminal %s size %d,%d font 'sans,%d' background rgb 'white'\nset output ",
+              "set terminal %s size %d,%d font 'sans,%d' background rgb 'white'\n",
               svg ? "svg noenhanced dynamic" : "pngcairo noenhanced", 420 * s->columns,
               60 + 260 * rows, 11);
-  vs_gnuplot_path(script, output);
-  vs_text_add(script, "\nset multiplot layout %d,%d title ", rows, s->columns);
+  vs_text_add(script, "set multiplot layout %d,%d title ", rows, s->columns);
   vs_gnuplot_quoted(script, s->title);
   vs_text_add(script, " font 'sans,13'\n");
 }
@@ -154,31 +153,36 @@ static int add_sheet(vs_text *script, const run_file *run, const sheet *s, const
               ms ? "ms" : "s");
   for (const panel *p = s->panels; p->column; p++)
     if (find_column(run->header, p->column)) add_panel(script, run, p, ms ? 1e3 : 1);
-  vs_text_add(script, "unset multiplot\nunset output\n");
+  vs_text_add(script, "unset multiplot\n");
   return there;
 }
 
-/* Draws into temporary names, then renames, so that a picture appears whole. */
+/* The picture appears whole, and in the place of what had its name, even of a link. */
+static vs_status write_picture(const char *output, const char *picture, size_t size,
+                               vs_error *err) {
+  vs_file file;
+  vs_status status = vs_file_open(&file, "", output, err);
+  if (status) return status;
+  fwrite(picture, 1, size, file.stream); /* an error stays in the stream */
+  return vs_file_commit(&file, err);
+}
+
 static vs_status draw(const run_file *run, const sheet *s, const char *output, bool quiet,
                       vs_error *err) {
-  char temporary[VS_PATH_SIZE + 16];
-  const char *ending = strrchr(output, '.');
-  snprintf(temporary, sizeof temporary, "%.*s.tmp%s", (int)(ending - output), output, ending);
   vs_text script = {0};
+  char *picture = NULL;
+  size_t size = 0;
   vs_text_add(&script, "set grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb '#404040'\n"
                        "set rmargin 3\nset datafile separator ','\n");
-  if (!add_sheet(&script, run, s, temporary)) {
+  if (!add_sheet(&script, run, s, output)) {
     vs_text_free(&script);
     return vs_fail(err, VS_INPUT, "%s: records nothing that '%s' shows", run->path, s->title);
   }
-  vs_status status = vs_gnuplot(script.text, err);
+  vs_status status = vs_gnuplot_picture(script.text, &picture, &size, err);
   vs_text_free(&script);
-  if (!status && rename(temporary, output))
-    status = vs_fail(err, VS_RUN, "%s: cannot be written: %s", output, strerror(errno));
-  if (status)
-    unlink(temporary);
-  else if (!quiet)
-    printf("%s\n", output);
+  if (!status) status = write_picture(output, picture, size, err);
+  free(picture);
+  if (!status && !quiet) printf("%s\n", output);
   return status;
 }
 

@@ -7,6 +7,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/leave.h"
 #include "study/session.h"
 #include "watch/table.h"
 
@@ -92,12 +93,27 @@ static void remove_stale(const char *folder, const char *name) {
   unlink(path);
 }
 
+/* Which files of an older run in the folder give way to this one's; empty: none. free() it. */
+static char *name_replaced(const char *folder) {
+  static const char *const FILES[] = {"run.csv", "events.csv",      "summary.json",
+                                      "run.raw", "run.partial.csv", "run.partial.raw"};
+  char path[VS_PATH_SIZE];
+  vs_text names = {0};
+  vs_text_add(&names, "%s", "");
+  for (size_t k = 0; k < sizeof FILES / sizeof *FILES; k++) {
+    snprintf(path, sizeof path, "%s/%s", folder, FILES[k]);
+    if (!access(path, F_OK)) vs_text_add(&names, "%s%s", names.length ? ", " : "", FILES[k]);
+  }
+  return names.text;
+}
+
 /* Of a run that failed: what was computed, under a name that says so. */
 static void keep_partial(audience *a, vs_error *err) {
   static const char *const STALE[] = {"run.csv", "events.csv", "summary.json", "run.raw",
                                       "run.partial.raw"};
   const char *folder = a->options->folder;
   vs_error second = {0};
+  char *replaced = name_replaced(folder);
   for (size_t k = 0; k < sizeof STALE / sizeof *STALE; k++) remove_stale(folder, STALE[k]);
   bool csv = !vs_file_commit_as(&a->csv, folder, "run.partial.csv", &second);
   bool raw = a->raw.stream && !vs_file_commit_as(&a->raw, folder, "run.partial.raw", &second);
@@ -105,6 +121,10 @@ static void keep_partial(audience *a, vs_error *err) {
   if (csv || raw)
     snprintf(err->text + n, sizeof err->text - n, "; what was computed is in %s/%s%s", folder,
              csv ? "run.partial.csv" : "run.partial.raw", csv && raw ? " and run.partial.raw" : "");
+  n = strlen(err->text);
+  if (*replaced)
+    snprintf(err->text + n, sizeof err->text - n, ", in the place of %s of an older run", replaced);
+  free(replaced);
 }
 
 static void discard_files(audience *a) {
@@ -122,6 +142,7 @@ static vs_status close_files(audience *a, vs_status ran, const char *json, vs_er
   if (ran) discard_files(a);
   if (ran) vs_folder_unmake(folder, a->made); /* which a part that could be kept forbids */
   if (ran) return ran;
+  char *replaced = name_replaced(folder);
   vs_status status = vs_file_open(&summary, folder, "summary.json", err);
   if (!status) fputs(json, summary.stream);
   if (!status && a->raw.stream) status = vs_file_commit(&a->raw, err);
@@ -130,6 +151,9 @@ static vs_status close_files(audience *a, vs_status ran, const char *json, vs_er
   if (!status) status = vs_file_commit(&summary, err);
   vs_file_discard(&summary);
   discard_files(a);
+  if (!status && *replaced && !a->options->quiet)
+    fprintf(stderr, "vibrospice: note: replaced in %s, of an older run: %s\n", folder, replaced);
+  free(replaced);
   if (status) vs_folder_unmake(folder, a->made);
   if (status) return status;
   if (!a->options->raw) remove_stale(folder, "run.raw");
@@ -186,10 +210,13 @@ static vs_status run_scene(const vs_run_options *o, vs_scene *scene, vs_error *e
   const vs_session session = {.guest = &guest, .verify = true, .stop = o->stop};
   vs_result *result = vs_alloc(1, sizeof *result);
   vs_text json = {0};
+  vs_heed before = vs_heed_set(VS_HEED_SOON);
   vs_status status = vs_session_run(&session, scene, result, err);
+  vs_heed_set(VS_HEED_KEEP);
   end_progress(&a);
   if (!status) vs_summary_json(result, !o->reproducible, &json);
   if (o->folder) status = close_files(&a, status, json.text, err);
+  vs_heed_set(before);
   if (!status) say_result(o, result, json.text);
   if (!status) status = vs_session_judge(result, err);
   vs_text_free(&json);

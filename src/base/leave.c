@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/leave.h"
+
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/error.h"
+
+volatile sig_atomic_t vs_stop_requested;
+
+/* The handler reads them between any two instructions of this, the only thread; each is one word.
+ */
+static const char *volatile removed[VS_LEAVE_MOST];
+static volatile sig_atomic_t heed = VS_HEED_NOT;
+static volatile pid_t owner; /* whose files they are: not a forked child's */
+
+static void take_away(void) {
+  if (getpid() != owner) return;
+  for (int k = 0; k < VS_LEAVE_MOST; k++)
+    if (removed[k]) unlink(removed[k]);
+  for (int k = 0; k < VS_LEAVE_MOST; k++)
+    if (removed[k]) rmdir(removed[k]); /* of a file it fails */
+}
+
+static _Noreturn void leave(void) {
+  static const char TEXT[] = "vibrospice: stopped by a signal\n";
+  take_away();
+  if (getpid() == owner && write(STDERR_FILENO, TEXT, sizeof TEXT - 1) < 0) _exit(VS_SIGNAL);
+  _exit(VS_SIGNAL);
+}
+
+/* Nobody heeded it. */
+static void on_alarm(int number) {
+  (void)number;
+  if (heed == VS_HEED_SOON) leave();
+}
+
+static void set_alarm(void) {
+  signal(SIGALRM, on_alarm);
+  alarm(VS_HEED_S);
+}
+
+/* As without a handler, but for what is taken away. */
+static void on_end(int number) {
+  take_away();
+  signal(number, SIG_DFL);
+  raise(number); /* comes when this has returned */
+}
+
+static void on_stop(int number) {
+  bool again = vs_stop_requested;
+  vs_stop_requested = 1;
+  if (heed == VS_HEED_NOT || getpid() != owner) leave();
+  if (again && number != SIGTERM) on_end(number); /* a second Ctrl-C kills */
+  if (!again && heed == VS_HEED_SOON) set_alarm();
+}
+
+/* A second TERM does not kill: who ends programs in earnest (Slurm, systemd, GNU parallel) may send
+ * several, and has KILL. */
+void vs_leave_begin(void) {
+  const struct sigaction stop = {.sa_handler = on_stop}, pipe = {.sa_handler = on_end};
+  struct sigaction before;
+  owner = getpid();
+  sigaction(SIGINT, &stop, NULL);
+  sigaction(SIGTERM, &stop, NULL);
+  sigaction(SIGHUP, NULL, &before);
+  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &stop, NULL); /* else nohup's wish holds */
+  sigaction(SIGPIPE, NULL, &before);
+  if (before.sa_handler != SIG_IGN) sigaction(SIGPIPE, &pipe, NULL);
+  atexit(take_away);
+}
+
+vs_heed vs_heed_set(vs_heed next) {
+  vs_heed before = (vs_heed)heed;
+  heed = (sig_atomic_t)next;
+  if (before == VS_HEED_SOON && vs_stop_requested) alarm(0);
+  if (next == VS_HEED_SOON && vs_stop_requested) set_alarm();
+  return before;
+}
+
+void vs_leave_remove(const char *path) {
+  for (int k = 0; k < VS_LEAVE_MOST; k++)
+    if (!removed[k]) {
+      removed[k] = path;
+      return;
+    }
+}
+
+void vs_leave_forget(const char *path) {
+  for (int k = 0; k < VS_LEAVE_MOST; k++)
+    if (removed[k] == path) removed[k] = NULL;
+}
+
+void vs_leave_hold(sigset_t *before) {
+  static const int ENDING[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGALRM};
+  sigset_t held;
+  sigemptyset(&held);
+  for (size_t k = 0; k < sizeof ENDING / sizeof *ENDING; k++) sigaddset(&held, ENDING[k]);
+  sigprocmask(SIG_BLOCK, &held, before);
+}
+
+void vs_leave_release(const sigset_t *before) {
+  sigprocmask(SIG_SETMASK, before, NULL);
+}
