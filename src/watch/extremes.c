@@ -152,17 +152,23 @@ static curve curve_of(const vs_step *step, int channel) {
 
 /* ---- the extremes of one step ---- */
 
-/* A channel's value and slope at a knot. */
+/* A deck's probe goes on a straight line between two knots. */
+static void follow_probe(vs_extreme *e, const vs_step *step) {
+  const vs_probe *probe = &step->frame->deck->probes[e->channel - VS_CH_DECK];
+  double from = probe->sign * step->from->terms[probe->term];
+  double to = probe->sign * step->to->terms[probe->term], sense = e->sense;
+  if (!e->best.known || sense * from > sense * e->best.value)
+    e->best = (vs_value){true, from, step->from->t_s};
+  if (sense * to > sense * e->best.value) e->best = (vs_value){true, to, step->to->t_s};
+}
+
+/* Value and slope at a knot, of a channel that is no probe. */
 typedef struct at_knot {
   double y, rate;
 } at_knot;
 
 static inline at_knot knot_of(const vs_frame *frame, const vs_knot *k, int channel) {
   const vs_model *m = frame->model;
-  if (channel >= VS_CH_DECK) {
-    const vs_probe *probe = &frame->deck->probes[channel - VS_CH_DECK];
-    return (at_knot){probe->sign * k->terms[probe->term], 0};
-  }
   if (channel == VS_CH_FORCE)
     return (at_knot){vs_force(m, k->flux_wb), vs_force_rate(m, k->flux_wb, k->flux_rate_v)};
   if (channel == VS_CH_I) {
@@ -315,7 +321,11 @@ static void look_between(const search *s) {
 }
 
 void vs_extreme_follow(vs_extreme *e, const vs_step *step, bool jammed) {
-  bool of_flux = e->channel == VS_CH_I || e->channel == VS_CH_FORCE, line = e->channel >= VS_CH_DECK;
+  bool of_flux = e->channel == VS_CH_I || e->channel == VS_CH_FORCE;
+  if (e->channel >= VS_CH_DECK) {
+    follow_probe(e, step);
+    return;
+  }
   if (of_flux && e->best.known && vs_step_is_quiet(step)) return; /* both are 0, and |i| is meant */
   const at_knot from = knot_of(step->frame, step->from, e->channel),
                 to = knot_of(step->frame, step->to, e->channel);
@@ -326,6 +336,6 @@ void vs_extreme_follow(vs_extreme *e, const vs_step *step, bool jammed) {
     const search s = {.extreme = e, .step = step, .sign = sign};
     if (e->sense && e->sense != sign) continue;
     take_ends(&s, from, to);
-    if (seen == UNKNOWN && !line) look_between(&s);
+    if (seen == UNKNOWN) look_between(&s);
   }
 }
