@@ -152,17 +152,23 @@ static curve curve_of(const vs_step *step, int channel) {
 
 /* ---- the extremes of one step ---- */
 
-/* A channel's value and slope at a knot. */
+/* A deck's probe goes on a straight line between two knots. */
+static void follow_probe(vs_extreme *e, const vs_step *step) {
+  const vs_probe *probe = &step->frame->deck->probes[e->channel - VS_CH_DECK];
+  double from = probe->sign * step->from->terms[probe->term];
+  double to = probe->sign * step->to->terms[probe->term], sense = e->sense;
+  if (!e->best.known || sense * from > sense * e->best.value)
+    e->best = (vs_value){true, from, step->from->t_s};
+  if (sense * to > sense * e->best.value) e->best = (vs_value){true, to, step->to->t_s};
+}
+
+/* Value and slope at a knot, of a channel that is no probe. */
 typedef struct at_knot {
   double y, rate;
 } at_knot;
 
 static inline at_knot knot_of(const vs_frame *frame, const vs_knot *k, int channel) {
   const vs_model *m = frame->model;
-  if (channel >= VS_CH_DECK) {
-    const vs_probe *probe = &frame->deck->probes[channel - VS_CH_DECK];
-    return (at_knot){probe->sign * k->terms[probe->term], 0};
-  }
   if (channel == VS_CH_FORCE)
     return (at_knot){vs_force(m, k->flux_wb), vs_force_rate(m, k->flux_wb, k->flux_rate_v)};
   if (channel == VS_CH_I) {
@@ -277,27 +283,35 @@ static void look_into(const search *s, curve c, double lo, double width) {
   }
 }
 
-/* Can the step hold as much as what is an extreme so far? By the cubic through values and slopes: a
- * sine that moves by one radian, the longest there is, leaves it by 1/384 of its size, and a
- * twentieth of what is at both ends, twelve times that, is allowed for. */
-static inline bool may_hold_more(const vs_extreme *e, at_knot from, at_knot to, double h) {
-  double rise = h / 3 * from.rate, fall = h / 3 * to.rate, sign = e->sense;
-  double y[] = {from.y, from.y + rise, to.y - fall, to.y};
-  double size = fabs(from.y) + fabs(to.y) + fabs(rise) + fabs(fall);
+/* What the cubic through the values and slopes at both ends says of the step: whether it stays below
+ * the extreme so far, and whether it rises or falls all along, so that an end is the most. A sine
+ * that moves by one radian, the longest there is, leaves that cubic by 1/384 of its size, and its
+ * slope by three times that; a twentieth of what is at the ends is allowed for, and a tenth of the
+ * way. */
+typedef enum outlook { BELOW, AT_AN_END, UNKNOWN } outlook;
+
+static inline outlook outlook_of(const vs_extreme *e, at_knot from, at_knot to, double h) {
+  double d = h / 3 * from.rate, f = h / 3 * to.rate, m = to.y - from.y - d - f, sign = e->sense;
+  double y[] = {from.y, from.y + d, to.y - f, to.y};
+  double size = fabs(from.y) + fabs(to.y) + fabs(d) + fabs(f);
   for (int k = 0; k < 4; k++) y[k] = e->sense ? sign * y[k] : fabs(y[k]);
   double a = y[0] > y[1] ? y[0] : y[1], b = y[2] > y[3] ? y[2] : y[3]; /* fmax would be called */
   double most = (a > b ? a : b) + 0.05 * size;
-  return !e->best.known || most >= (e->sense ? sign * e->best.value : e->best.value);
+  if (e->best.known && most < (e->sense ? sign * e->best.value : e->best.value)) return BELOW;
+  double least = 0.1 * (fabs(d) + fabs(m) + fabs(f));
+  bool rises = d > least && m > least && f > least, falls = d < -least && m < -least && f < -least;
+  return rises || falls ? AT_AN_END : UNKNOWN;
 }
 
-static void follow(const search *s, at_knot from, at_knot to) {
+static void take_ends(const search *s, at_knot from, at_knot to) {
+  take(s, from.y, s->step->from->t_s);
+  take(s, to.y, s->step->to->t_s);
+}
+
+static void look_between(const search *s) {
   const vs_step *step = s->step;
-  int channel = s->extreme->channel;
-  take(s, from.y, step->from->t_s);
-  take(s, to.y, step->to->t_s);
-  if (channel >= VS_CH_DECK) return; /* straight lines */
   search in = *s;
-  curve c = curve_of(step, channel);
+  curve c = curve_of(step, s->extreme->channel);
   double size = 0;
   for (int k = 0; k <= c.degree; k++) size = fmax(size, fabs(c.b[k]));
   in.rounding = 4 * DBL_EPSILON * size;
@@ -308,12 +322,20 @@ static void follow(const search *s, at_knot from, at_knot to) {
 
 void vs_extreme_follow(vs_extreme *e, const vs_step *step, bool jammed) {
   bool of_flux = e->channel == VS_CH_I || e->channel == VS_CH_FORCE;
+  if (e->channel >= VS_CH_DECK) {
+    follow_probe(e, step);
+    return;
+  }
   if (of_flux && e->best.known && vs_step_is_quiet(step)) return; /* both are 0, and |i| is meant */
   const at_knot from = knot_of(step->frame, step->from, e->channel),
                 to = knot_of(step->frame, step->to, e->channel);
   bool held = jammed && e->channel >= VS_CH_AP && e->channel <= VS_CH_APHI;
-  if (!held && !may_hold_more(e, from, to, step->to->t_s - step->from->t_s)) return;
-  for (int sign = 1; sign >= -1; sign -= 2)
-    if (!e->sense || e->sense == sign)
-      follow(&(search){.extreme = e, .step = step, .sign = sign}, from, to);
+  outlook seen = held ? UNKNOWN : outlook_of(e, from, to, step->to->t_s - step->from->t_s);
+  if (seen == BELOW) return;
+  for (int sign = 1; sign >= -1; sign -= 2) {
+    const search s = {.extreme = e, .step = step, .sign = sign};
+    if (e->sense && e->sense != sign) continue;
+    take_ends(&s, from, to);
+    if (seen == UNKNOWN) look_between(&s);
+  }
 }

@@ -20,7 +20,7 @@ typedef struct vs_value {
 /* Largest or least value of one channel so far. */
 typedef struct vs_extreme {
   int channel; /* VS_CH_P, VS_CH_I, VS_CH_FORCE, VS_CH_AP, VS_CH_AU, VS_CH_AW or a deck's probe */
-  int sense;   /* +1 largest, -1 least, 0 largest magnitude */
+  int sense;   /* +1 largest, -1 least; 0 largest magnitude, of no probe */
   vs_value best;
 } vs_extreme;
 
