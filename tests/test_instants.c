@@ -65,7 +65,7 @@ static void fall(const course *c, double from_s, double to_s, double *peak_a, do
 /* A scene at a tolerance. Leakage through 1 Mohm at an on-state voltage of 1 V is 1 uA, which the
  * run's own current does not pass: it is down to twice that some 0.05 us early at the slowest fall.
  * The truth is off by what the tolerance allows of the coil's current; of the anode's own where it
- * goes out in a ring and fires again. Twice that at 1e-3, where the solver's error is what it is. */
+ * goes out in a ring and fires again. Twice that at 1e-3, where the solver itself is off. */
 static void instants_of(const char *const *scene, double tolerance, course *c,
                         const oracle_events *truth, double i_peak_a) {
   char set[32];
@@ -81,8 +81,8 @@ static void instants_of(const char *const *scene, double tolerance, course *c,
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   CLOSE_OF(t->result.values[VS_M_T_FIRE].value, c->fires_s[0], 1, 1e-12);
   vs_trial_free(t);
-  EXPECT(c->fired == truth->fired && c->ended == truth->ended, "%s at %g: %zu, %zu events", scene[0],
-         tolerance, c->fired, c->ended);
+  EXPECT(c->fired == truth->fired && c->ended == truth->ended, "%s at %g: %zu, %zu events",
+         scene[0], tolerance, c->fired, c->ended);
   CLOSE_OF(c->fires_s[0], truth->fires_s[0], 1, 1e-7);
   for (size_t k = 0; k < c->ended && k < truth->ended; k++) {
     double peak_a, fall_a_s, own_s = down_to(c, c->fires_s[k], 2e-6);
@@ -218,8 +218,8 @@ static void courses(void) {
 
 /* ---- the turn-off time ---- */
 
-/* Fired at 5.556 ms, the current passes zero at 5.8 ms. The voltage is reversed at once, and forward
- * again at 5.85 ms: within a gate pulse of 2 ms that is no turn-off that were judged, behind one of
+/* Fired at 5.556 ms, the current passes zero at 5.8 ms. The voltage is reversed at once, and
+ * forward again at 5.85 ms: within a gate pulse of 2 ms that is no turn-off that were judged, behind one of
  * 0.25 ms it is one of 50 us. The second current, within or behind the pulse, ends at 6.2 ms, and
  * forward voltage is back behind any pulse 2 ms later. */
 static void turn_off_under_the_gate(void) {
@@ -228,8 +228,8 @@ static void turn_off_under_the_gate(void) {
   write_file("d.cir",
              "*$ param t = p part\n*$ port gate = Vg\n*$ device t = v(x), i(Vt)\n"
              "Vg g 0 external\n"
-             "Vx x 0 PWL(0 600 5.6m 600 5.601m 1 5.8m 1 5.801m -100 5.849m -100 5.851m 100 5.9m 100 "
-             "5.901m 1 6.2m 1 6.201m -100 8.199m -100 8.201m 100)\n"
+             "Vx x 0 PWL(0 600 5.6m 600 5.601m 1 5.8m 1 5.801m -100 5.849m -100 5.851m 100 5.9m "
+             "100 5.901m 1 6.2m 1 6.201m -100 8.199m -100 8.201m 100)\n"
              "It 0 y PWL(0 0 5.6m 0 5.601m 1 5.799m 1 5.8m 0 5.9m 0 5.901m 1 6.199m 1 6.2m 0)\n"
              "Vt y z 0\nRz z 0 1\nRe e 0 1\nXeva e 0 eva\n");
   static const struct {

@@ -26,7 +26,8 @@ const vs_kind vs_kinds[] = {
          {"dv_dt_max", "V/us",
           "largest rate of forward off-state voltage, over any 0.1 us",
           VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
-         {"di_dt", "A/us", "largest rate of current from firing to its first maximum, over any 0.1 us",
+         {"di_dt", "A/us",
+          "largest rate of current from firing to its first maximum, over any 0.1 us",
           VS_R_ON_RATE, VS_OF_I, 1, "di_dt", VS_AT_MOST},
          {"i_peak", "A", "peak current", VS_R_PEAK, VS_OF_I, 1, NULL, VS_AT_MOST},
          {"i_surge", "A",
@@ -44,9 +45,9 @@ const vs_kind vs_kinds[] = {
          {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
          {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
           VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST},
-         {"t_off", "s", "shortest time from the current's zero to the return of forward voltage while its gate is "
-          "off",
-         
+         {"t_off", "s",
+          "shortest time from the current's zero to the return of forward voltage while its gate "
+          "is off",
           VS_R_OFFERED, VS_OF_V, 1, "t_q", VS_AT_LEAST},
          {"misfires", "", "gate pulses that it did not follow", VS_R_MISFIRE, VS_OF_I, 1, NULL,
           VS_AT_MOST},
@@ -60,8 +61,8 @@ const vs_kind vs_kinds[] = {
          {"v_clamp", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
          {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_surge", VS_AT_MOST},
          {"energy", "J",
-          "largest heat of one pulse, without what a capacitance stores; it ends when |i| has stayed "
-          "below 1 mA for a quarter of a mains cycle",
+          "largest heat of one pulse, without what a capacitance stores; it ends when |i| has "
+          "stayed below 1 mA for a quarter of a mains cycle",
           VS_R_HEAT, VS_OF_POWER, 1, "energy", VS_AT_MOST},
          {"energy_total", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL,
           VS_AT_MOST})},

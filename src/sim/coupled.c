@@ -127,8 +127,8 @@ static double zero_of_current(const coupling *c, const vs_knot *before, const vs
 /* A step that ends where the anode current passes zero keeps the second order of the solver's rule,
  * which a kink inside a step would spoil. It ends a thousandth of the largest step later: at the
  * zero itself rounding would decide whether the thyristor conducts, and Newton's iteration find no
- * end. One that was told stays an end, and nearly the same is not told again: two a picosecond apart
- * have ngspice give up. INFINITY: not within the next step, which at most doubles. */
+ * end. One that was told stays an end, and nearly the same is not told again: two a picosecond
+ * apart have ngspice give up. INFINITY: not within the next step, which at most doubles. */
 static double expected_extinction(coupling *c) {
   if (!c->conduction.conducts) return INFINITY;
   const vs_knot *last = &c->knots[c->now];
