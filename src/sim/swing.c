@@ -32,11 +32,16 @@ vs_swing vs_swing_of(const vs_setup *s) {
                     .flux_wb = part * t->peak_v / t->omega_rad_s};
 }
 
+/* A voltage that bends within a step by this part of its slope is no swing that steps resolve: it
+ * jumped, as a thyristor switched, or what is left of a jump alternates from step to step. Shorter
+ * steps would only make more of it; what there is of truth in it is for the solver's own control. */
+static const double RESOLVED = 0.5;
+
 void vs_swing_take(vs_swing *w, const vs_knot *from, const vs_knot *to, double before_s) {
-  double middles_s = (to->t_s - from->t_s + before_s) / 2;
-  double bend = fabs(to->flux_rate2_v_s - from->flux_rate2_v_s) / middles_s;
+  double h = to->t_s - from->t_s;
+  double bend = fabs(to->flux_rate2_v_s - from->flux_rate2_v_s) / ((h + before_s) / 2);
   w->slope_v_s = fmax(FADES * w->slope_v_s, fabs(to->flux_rate2_v_s));
-  w->bend_v_s2 = fmax(FADES * w->bend_v_s2, bend);
+  w->bend_v_s2 = fmax(FADES * w->bend_v_s2, bend * h <= RESOLVED * w->slope_v_s ? bend : 0);
   w->flux_wb = fmax(w->flux_wb, fabs(to->flux_wb));
 }
 
