@@ -26,6 +26,7 @@ typedef struct vs_circuit_job {
    * a difference of currents is none */
   double relative_tolerance, current_tolerance_a;
   double voltage_tolerance_v; /* as of currents; 0: ngspice's own 1e-6 */
+  double charge_tolerance_c; /* below it a capacitor's charge is none; 0: ngspice's own 1e-14 */
   /* Least part of a column's largest entry that a pivot may be (ngspice's pivrel); 0: its own 1e-3.
    * It decides the order of elimination, and so how rounding errors add up. */
   double pivot_threshold;

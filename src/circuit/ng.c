@@ -491,11 +491,12 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   vs_text tail = {0}, netlist = {0};
   /* .save none keeps one point in memory; SendData still gives all vectors. */
   vs_text_add(&tail,
-              ".options method=%s reltol=%.17g abstol=%.17g vntol=%.17g trtol=%.17g "
+              ".options method=%s reltol=%.17g abstol=%.17g vntol=%.17g chgtol=%.17g trtol=%.17g "
               "pivrel=%.17g\n.save none\n"
               ".tran %.17g %.17g 0 %.17g uic\n.end",
               job->gear ? "gear" : "trap", job->relative_tolerance, job->current_tolerance_a,
               job->voltage_tolerance_v > 0 ? job->voltage_tolerance_v : 1e-6,
+              job->charge_tolerance_c > 0 ? job->charge_tolerance_c : 1e-14,
               job->truncation_factor > 0 ? job->truncation_factor : 7,
               job->pivot_threshold > 0 ? job->pivot_threshold : 1e-3, job->max_step_s, job->until_s,
               job->max_step_s);

@@ -19,6 +19,7 @@
 #include "sim/pace.h"
 #include "sim/quiet.h"
 #include "sim/sim.h"
+#include "sim/swing.h"
 
 typedef struct coupling {
   const vs_setup *setup;
@@ -47,6 +48,7 @@ typedef struct coupling {
   vs_knot led;
   double followed_s; /* up to then */
   double bound;      /* on the error by having left it */
+  vs_swing swing;    /* of the coil's voltage */
 } coupling;
 
 /* Sets the flux linkage's course and the machine's state from which it is to be taken on. */
@@ -156,21 +158,10 @@ static double edge(void *ctx, double solver_s) {
   return next - c->shift_s;
 }
 
-/* While the thyristor blocks, the coil rings with the snubbers, faster than the mains, and what
- * flux linkage it is at when the thyristor fires the whole conduction then carries along. Steps are
- * a quarter then, while there is such a voltage (a part of the mains' peak); behind the last
- * firing, where only the current's own samples suffer, a half while the ring is strong. */
-static const double RINGS = 0.001, RINGS_STRONGLY = 0.03;
-
 static double longest(void *ctx, double solver_s) {
   const coupling *c = ctx;
-  double t_s = solver_s + c->shift_s;
-  double ring = fabs(c->knots[c->now].flux_rate_v) / c->setup->timeline.peak_v, part = 1;
-  if (!c->conduction.conducts && ring > RINGS && next_edge(c, t_s) < INFINITY)
-    part = 1.0 / 4;
-  else if (!c->conduction.conducts && ring > RINGS_STRONGLY)
-    part = 1.0 / 2;
-  return fmin(part * c->max_step_s, vs_events_longest(&c->setup->timeline.events, t_s));
+  double part = fmin(c->max_step_s, vs_swing_longest(&c->swing));
+  return fmin(part, vs_events_longest(&c->setup->timeline.events, solver_s + c->shift_s));
 }
 
 /* What the anode current did in the step just taken, and when. */
@@ -370,6 +361,7 @@ static vs_status accept(void *ctx, double solver_s, const double *signals, vs_er
   set_course(c, from.flux_wb, from.flux_rate_v,
              (3 * slope - 2 * from.flux_rate_v - next.flux_rate_v) / h,
              (from.flux_rate_v + next.flux_rate_v - 2 * slope) / (h * h));
+  vs_swing_take(&c->swing, &from, &next, c->step_s);
   c->step_s = h;
   c->candidate_s = -1;
   vs_status status = move(c, &from, &next, err);
@@ -425,6 +417,7 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                 .gap_port = setup->deck.n_ports,
                 .jams_s = INFINITY,
                 .max_step_s = pace.max_step_s,
+                .swing = vs_swing_of(setup),
                 .series_s = 0.1 / m->fastest_rad_s};
   c.knots[0] = vs_sim_start(setup, &c.frame);
   c.touching = vs_in_stop(m, c.knots[0].x[P]);
@@ -443,11 +436,12 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
                         .max_step_s = c.max_step_s,
                         .raw = setup->raw,
                         .tried = setup->tried,
-                        .truncation_factor = setup->run.trtol,
+                        .truncation_factor = pace.truncation,
                         .pivot_threshold = setup->run.pivrel,
                         .relative_tolerance = pace.relative,
                         .current_tolerance_a = pace.current_a,
                         .voltage_tolerance_v = pace.voltage_v,
+                        .charge_tolerance_c = pace.charge_c,
                         .locate = locate,
                         .author = &setup->deck};
   char **netlist = NULL;

@@ -7,7 +7,8 @@
 
 typedef struct vs_pace {
   double max_step_s;
-  double relative, current_a, voltage_v; /* tolerances */
+  double relative, current_a, voltage_v, charge_c; /* tolerances */
+  double truncation; /* how much more than tolerated a step's truncation error may be */
 } vs_pace;
 
 /* May run the scene on the switched tier, to see whether its stop is met. */
