@@ -94,13 +94,12 @@ static const char *find_random(const char *line, const char **word) {
   static const char *const NOISES[] = {"trnoise", "trrandom"};
   bool model = !strncasecmp(line, ".model", 6), source = *line && strchr("vViI", *line);
   const char *from = line, *first = NULL;
-  for (int n = 0; n < (model || source ? 3 : 0); n++) {
+  for (int n = 0; n < (model ? 2 : source ? 3 : 0); n++) {
     from += strcspn(from, " \t");
     from += strspn(from, " \t");
   }
   for (size_t k = 0; k < sizeof DRAWN / sizeof *DRAWN; k++) {
     const char *s = find_whole(model ? from + strcspn(from, " \t(") : line, DRAWN[k], true);
-    if (model && s && s[-1] == '(' && strcspn(from, " \t(") == 0) s = NULL;
     if (s && (!first || s < first)) first = s, *word = DRAWN[k];
   }
   for (size_t k = 0; source && k < sizeof NOISES / sizeof *NOISES; k++) {

@@ -4,7 +4,6 @@
 #include <gsl/gsl_complex_math.h>
 #include <gsl/gsl_linalg.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,7 +23,7 @@ static const double SHARE = 0.75, SAFETY = 5, WALK_SAFETY = 2, SAMPLING = 0.02, 
 /* By how many run.tolerance of its peak one of the deck's signals may be wrong, or of 1 V or 0.1 A,
  * which is what the solver tells apart; how many times that it may drift to the end, as a fuse's
  * integral does (a store may not at all: its current would go on changing). */
-static const double SIGNAL_SHARE = 3, HIDDEN_SHARE = 1, LEAST_V = 1, LEAST_A = 0.1, MOST_DRIFT = 100;
+static const double SIGNAL_SHARE = 3, HIDDEN_SHARE = 1, LEAST_HIDDEN = 1e-3, EXTREMES = 0.2, LEAST_V = 1, LEAST_A = 0.1, MOST_DRIFT = 100;
 
 struct vs_quiet {
   const vs_setup *setup;
@@ -47,6 +46,7 @@ struct vs_quiet {
   double carried[VS_STATES], carried_s; /* each mode's error of having left before; as of then */
   double peak_x[VS_DOF], peak_force_n, peak_a, peak_signal[VS_SIGNALS];
   double least[VS_MEMORIES], most[VS_MEMORIES]; /* of each memory, so far */
+  double unfitted[VS_SIGNALS]; /* what the law by which it was left did not say of each signal */
   double stepped[VS_SIGNALS];                   /* the signals where vs_quiet_step has come */
   vs_oneport *port;
 };
@@ -88,7 +88,6 @@ static void take_memory(vs_quiet *q, const double *memory) {
     q->least[n] = fmin(q->least[n], memory[n]);
     q->most[n] = fmax(q->most[n], memory[n]);
     q->peak_signal[n_terms(q) + 1 + n] = (q->most[n] - q->least[n]) / 2;
-    if (!isfinite(memory[n]) && !q->blind && getenv("VQ")) fprintf(stderr, "blind %s %s\n", q->memories->item[n].plus, q->memories->item[n].minus);
     q->blind = q->blind || !isfinite(memory[n]);
   }
 }
@@ -239,8 +238,9 @@ typedef struct outlook {
 
 /* What signal n may be wrong by. */
 static double allowed(const vs_quiet *q, size_t n) {
-  return q->setup->run.tolerance *
-         fmax(SIGNAL_SHARE * q->peak_signal[n], is_current(q, n) ? LEAST_A : LEAST_V);
+  double least = is_current(q, n) ? LEAST_A : LEAST_V;
+  if (n > n_terms(q)) least *= LEAST_HIDDEN;
+  return q->setup->run.tolerance * fmax(SIGNAL_SHARE * q->peak_signal[n], least);
 }
 
 /* Where the signals and the EVA's voltage were. A law found in there says nothing of what lies
@@ -304,10 +304,9 @@ typedef struct parts {
   double of[VS_SIGNALS][PARTS];
 } parts;
 
-static double scale_of(const vs_quiet *q, size_t n);
 static double distance(const double a[PARTS], const double b[PARTS]) {
-  double sum = 0;
-  for (int n = 0; n < PARTS; n++) sum += fabs(a[n] - b[n]);
+  double sum = fabs(a[0] - b[0]);
+  for (int n = 1; n < PARTS; n += 2) sum += hypot(a[n] - b[n], a[n + 1] - b[n + 1]);
   return sum;
 }
 
@@ -431,10 +430,24 @@ static bool signals_hold(const vs_quiet *q, const misfit *wrong, double until_s)
     double most = allowed(q, n);
     double drift = fabs(vs_oneport_drift(q->port, n)) * (until_s - q->last.knot.t_s);
     double times = n < n_terms(q) && !in_a_store(q, n) ? MOST_DRIFT : 1;
+    if (n > n_terms(q)) /* the bias of a capacitor that begins charged counts here */
+      most = fmax(most, SIGNAL_SHARE * q->setup->run.tolerance *
+                            fmax(q->most[n - n_terms(q) - 1], -q->least[n - n_terms(q) - 1]));
     double least_known = n > n_terms(q) ? HIDDEN_SHARE * q->peak_signal[n] : 0;
-    if (!(wrong->signal[n] <= fmax(most, least_known)) || !(drift <= times * most)) { if (getenv("VQ")) fprintf(stderr, "t %.4f signal %zu %s wrong %.2e drift %.2e most %.2e\n", q->last.knot.t_s, n, n<n_terms(q)?q->frame->deck->terms[n].plus:n==n_terms(q)?"im":q->memories->item[n-n_terms(q)-1].plus, wrong->signal[n], drift, most); return false;}
+    if (!(wrong->signal[n] <= fmax(most, least_known)) || !(drift <= times * most)) return false;
   }
   return true;
+}
+
+/* In how many cycles a beat of the machine with the mains may take what it changes from one to the
+ * next: a mode turns by s T in a cycle, so both ends lie apart by 2/|1 - exp(s T)| such changes. */
+static double beat_cycles(const vs_quiet *q) {
+  double most = 0, period = q->setup->timeline.period_s;
+  for (int k = 0; k < VS_STATES; k++) {
+    double size = exp(q->modes[k].re_1_s * period), angle = q->modes[k].im_rad_s * period;
+    most = fmax(most, 2 / hypot(1 - size * cos(angle), size * sin(angle)));
+  }
+  return most;
 }
 
 /* What the signals are wrong by at the end, the worst of them relative to its peak. Of what nobody is
@@ -442,15 +455,16 @@ static bool signals_hold(const vs_quiet *q, const misfit *wrong, double until_s)
  * What a signal that hangs on the coil is wrong by, more in each cycle, is for the beat of the
  * machine with the mains, beyond which it grows no more: the source's own walk is known better. */
 static double signals_bound(const vs_quiet *q, const misfit *wrong, const walk *w, double cycles) {
-  double worst = 0;
+  double worst = 0, beat = beat_cycles(q);
   for (size_t n = 0; n < n_signals(q); n++) {
     bool told = n <= n_terms(q);
-    double times = vs_oneport_hangs(q->port, n) ? fmin(cycles, CYCLES_AHEAD) : cycles;
+    double times = vs_oneport_hangs(q->port, n) ? fmin(cycles, beat) : WALK_SAFETY * cycles;
     double each = told ? w->signal[n] : fmax(w->signal[n] - SAMPLING * wrong->signal[n], 0);
-    double error = (told ? wrong->signal[n] : 0) + WALK_SAFETY * times * each;
-    worst = fmax(worst, error / scale_of(q, n));
+    double error = (told ? wrong->signal[n] : 0) + times * each;
+    if (!told && !(error <= allowed(q, n))) return INFINITY;
+    if (told) worst = fmax(worst, error / scale_of(q, n));
   }
-  return worst;
+  return worst + EXTREMES * q->setup->run.tolerance;
 }
 
 /* The same with what the law says of the cycle that ended so many before the last knot, to which it
@@ -460,11 +474,6 @@ static double earlier_bound(vs_quiet *q, const misfit *wrong, const parts *fitte
   double cycles = (until_s - q->last.knot.t_s) / q->setup->timeline.period_s;
   if (!view(q, 1, earlier)) return INFINITY;
   find_walk(q, fitted, earlier, w);
-  if (getenv("VQ")) {
-    fprintf(stderr,"t %.4f m %d force0 %.2e cur0 %.2e | walk F %.2e i %.2e |", q->last.knot.t_s, earlier, wrong->force_n/q->peak_force_n, wrong->current_a/q->peak_a, cycles*w->force_n/q->peak_force_n, cycles*w->current_a/q->peak_a);
-    for (size_t n=0;n<n_signals(q);n++) if (wrong->signal[n]/scale_of(q,n)>2e-5 || cycles*w->signal[n]/scale_of(q,n)>2e-5) fprintf(stderr," %s:%.1e,%.1e", n<n_terms(q)?q->frame->deck->terms[n].plus:n==n_terms(q)?"im":q->memories->item[n-n_terms(q)-1].plus, wrong->signal[n]/scale_of(q,n), cycles*w->signal[n]/scale_of(q,n));
-    fprintf(stderr,"\n");
-  }
   w->electric = cycles * fmax(w->force_n / q->peak_force_n, w->current_a / q->peak_a);
   return signals_bound(q, wrong, w, cycles);
 }
@@ -494,10 +503,10 @@ static double bound_of(vs_quiet *q, bool dynamic, double until_s, double error[V
     double tried[VS_STATES];
     mode_errors(q, &wrong, &w, &ahead, until_s, tried);
     double machine = fmax(ahead.reach * electric_bound(q, &wrong) + WALK_SAFETY * w.electric, motion_bound(q, tried));
-  if (getenv("VQ")) fprintf(stderr,"  -> signals %.2e motion %.2e elec %.2e most %.2e\n", bound, motion_bound(q,tried), ahead.reach * electric_bound(q, &wrong), most);
     if (!(machine <= most && fmax(machine, bound) < best)) continue;
     best = fmax(machine, bound);
     memcpy(error, tried, sizeof tried);
+    memcpy(q->unfitted, wrong.signal, sizeof q->unfitted);
   }
   return best;
 }
@@ -513,7 +522,6 @@ static bool may_touch(const vs_quiet *q, const vs_knot *k) {
 
 bool vs_quiet_may_leave(vs_quiet *q, double until_s, double most_lag_s, double *bound) {
   double period = q->setup->timeline.period_s, now = q->last.knot.t_s;
-  if (0) fprintf(stderr, "look %g\n", now);
   if (q->blind || !q->count || kept_at(q, 0)->knot.t_s > now - 1.98 * period) return false;
   /* the less often, the longer it was in vain: a look may cost as much as some steps of the solver
    */
@@ -571,7 +579,7 @@ double vs_quiet_missed(const vs_quiet *q, const vs_knot *one_port, const vs_knot
   for (size_t n = 0; n < n_signals(q); n++) {
     double off = vs_seen_signal(q->frame, &b, n) - vs_seen_signal(q->frame, &a, n);
     if (vs_oneport_drift(q->port, n) != 0) continue; /* an integral: the solver's stood still */
-    worst = fmax(worst, fabs(off) / allowed(q, n));
+    worst = fmax(worst, fabs(off) / fmax(allowed(q, n), n > n_terms(q) ? 2 * q->unfitted[n] : 0));
   }
   return worst;
 }
