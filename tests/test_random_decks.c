@@ -93,7 +93,7 @@ static void every_file(void) {
 static void others_are_fine(void) {
   make_deck(".param limit1 = 1k\n.param gauss_of = {limit1*2}\n"
             "R9 limit 0 {limit1}\nR10 limit unif 1k\nR11 unif 0 {gauss_of}\n"
-            "B9 unif 0 I = 1u*v(limit)*(v(unif)+1)\n"
+            "B9 limits 0 I = 1u*(v(limits)+1)\nR16 limits 0 1k\n"
             ".func my_limit(x) {min(x,1)}\nR12 unif 0 {my_limit(1)}\n"
             ".model x limit(gain=1 out_lower_limit=-1 out_upper_limit=1)\n"
             "A9 limit z x\nR13 z 0 1k\nV9 trnoise 0 1\nR14 trnoise 0 1k\n"
