@@ -87,9 +87,20 @@ static const char *find_whole(const char *text, const char *word, bool call) {
   return NULL;
 }
 
+/* LIMIT(x, least, most) of PSpice's dialect cuts off and draws nothing; limit(mean, range) does. */
+static bool cuts_off(const char *call) {
+  int depth = 0, commas = 0;
+  for (const char *s = strchr(call, '('); s && *s; s++) {
+    depth += (*s == '(') - (*s == ')');
+    commas += depth == 1 && *s == ',';
+    if (depth == 0) break;
+  }
+  return commas == 2;
+}
+
 /* The first of the words that the line names; NULL: none. In "V1 a b trnoise ..." the words of a
  * source's course stand behind its nodes, in ".model NAME limit(...)" the type behind the name. */
-static const char *find_random(const char *line, const char **word) {
+static const char *find_random(const char *line, bool pspice, const char **word) {
   static const char *const DRAWN[] = {"gauss", "agauss", "unif", "aunif", "limit"};
   static const char *const NOISES[] = {"trnoise", "trrandom"};
   bool model = !strncasecmp(line, ".model", 6), source = *line && strchr("vViI", *line);
@@ -100,6 +111,7 @@ static const char *find_random(const char *line, const char **word) {
   }
   for (size_t k = 0; k < sizeof DRAWN / sizeof *DRAWN; k++) {
     const char *s = find_whole(model ? from + strcspn(from, " \t(") : line, DRAWN[k], true);
+    while (s && pspice && *DRAWN[k] == 'l' && cuts_off(s)) s = find_whole(s + 1, DRAWN[k], true);
     if (s && (!first || s < first)) first = s, *word = DRAWN[k];
   }
   for (size_t k = 0; source && k < sizeof NOISES / sizeof *NOISES; k++) {
@@ -129,9 +141,9 @@ static vs_where place_of(const char *word, bool call, vs_where where) {
   return where;
 }
 
-vs_status vs_rule_random(const char *line, vs_where where, vs_error *err) {
+vs_status vs_rule_random(const char *line, bool pspice, vs_where where, vs_error *err) {
   const char *word = NULL;
-  if (!find_random(line, &word)) return VS_OK;
+  if (!find_random(line, pspice, &word)) return VS_OK;
   bool noise = !strncmp(word, "tr", 2);
   return vs_fail_at(err, place_of(word, !noise, where),
                     noise ? "%s is random anew in each run; a course that is the same each time "
