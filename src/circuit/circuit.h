@@ -19,6 +19,7 @@ typedef struct vs_circuit_job {
   const char *const
       *signals; /* what accept() is given: "v(a)", "i(vth)", lower case; "v(0)" is 0 */
   size_t n_signals;
+  size_t n_wanted; /* of these, the last ones: one that is not there is NaN, no error */
   double until_s, max_step_s; /* the run goes from 0 to until_s in steps of at most max_step_s */
   bool gear;                  /* Gear's rule of second order, not the trapezoidal */
   const char *dialect;        /* how the netlist is to be read: "ps", or "" for ngspice's own */

@@ -101,7 +101,9 @@ static vs_status take_line(vs_deck *deck, vs_line line, vs_error *err) {
   snprintf(word, sizeof word, "%.*s", (int)strcspn(text, " \t"), text);
   vs_lower(word);
   bool other_file = !strcmp(word, ".include") || !strcmp(word, ".inc") || !strcmp(word, ".lib");
-  vs_status status = other_file     ? include(deck, text, line.where, err)
+  vs_status random = other_file ? VS_OK : vs_rule_random(text, *deck->compat != 0, line.where, err);
+  vs_status status = random         ? random
+                     : other_file   ? include(deck, text, line.where, err)
                      : *text == '.' ? vs_rule_statement(deck, text, line.where, err)
                                     : vs_rule_element(deck, text, line.where, err);
   if (status && (other_file || (*text != '.' && !isalpha((unsigned char)*text))))

@@ -37,7 +37,7 @@ enum { TRIAL_SECONDS = 20 };
 static struct {
   const vs_circuit_job *job;
   const vs_circuit_host *host;
-  int *vector; /* per signal: its index in SendData, -1 for ground */
+  int *vector; /* per signal: its index in SendData, -1 for ground, -2 for none */
   double *values;
   int time_vector;
   vs_rawfile raw;  /* stream NULL: none */
@@ -223,7 +223,9 @@ static int on_vectors(pvecinfoall all, int id, void *user) {
   for (size_t s = 0; s < ng.job->n_signals; s++) {
     const char *signal = ng.job->signals[s];
     ng.vector[s] = strcmp(signal, "v(0)") ? find_vector(all, signal) : -1;
-    if (ng.vector[s] < 0 && strcmp(signal, "v(0)")) stop_with(no_signal(signal));
+    if (ng.vector[s] >= 0 || !strcmp(signal, "v(0)")) continue;
+    ng.vector[s] = -2;
+    if (s + ng.job->n_wanted < ng.job->n_signals) stop_with(no_signal(signal));
   }
   if (ng.time_vector >= 0) set_edge(0);
   if (ng.time_vector >= 0 && ng.job->raw && !ng.raw.stream && !ng.trial) begin_raw(all);
@@ -237,7 +239,7 @@ static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
   if (t <= ng.reached_s) return 0;
   if (ng.trial) _exit(TRIAL_GOOD);
   for (size_t s = 0; s < ng.job->n_signals; s++)
-    ng.values[s] = ng.vector[s] < 0 ? 0 : all->vecsa[ng.vector[s]]->creal;
+    ng.values[s] = ng.vector[s] >= 0 ? all->vecsa[ng.vector[s]]->creal : ng.vector[s] == -1 ? 0 : NAN;
   ng.reached_s = t;
   stop_with(ng.host->accept(ng.host->ctx, t, ng.values, ng.err));
   if (!ng.status && ng.raw.stream) {

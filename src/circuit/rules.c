@@ -74,6 +74,86 @@ static bool knows_time(const char *line) {
   return false;
 }
 
+/* ---- chance ---- */
+
+/* The word in a text, whole; with `call` only where '(' comes next, blanks aside. NULL: it is not
+ * there. */
+static const char *find_whole(const char *text, const char *word, bool call) {
+  size_t n = strlen(word);
+  for (const char *s = text; *s; s++) {
+    bool within = s > text && (isalnum((unsigned char)s[-1]) || strchr("_.#", s[-1]));
+    if (within || strncasecmp(s, word, n) || isalnum((unsigned char)s[n]) || s[n] == '_') continue;
+    if (!call || s[n + strspn(s + n, " \t")] == '(') return s;
+  }
+  return NULL;
+}
+
+/* LIMIT(x, least, most) of PSpice's dialect cuts off and draws nothing; limit(mean, range) does. */
+static bool cuts_off(const char *call) {
+  int depth = 0, commas = 0;
+  for (const char *s = strchr(call, '('); s && *s; s++) {
+    depth += (*s == '(') - (*s == ')');
+    commas += depth == 1 && *s == ',';
+    if (depth == 0) break;
+  }
+  return commas == 2;
+}
+
+/* The first of the words that the line names; NULL: none. In "V1 a b trnoise ..." the words of a
+ * source's course stand behind its nodes, in ".model NAME limit(...)" the type behind the name. */
+static const char *find_random(const char *line, bool pspice, const char **word) {
+  static const char *const DRAWN[] = {"gauss", "agauss", "unif", "aunif", "limit"};
+  static const char *const NOISES[] = {"trnoise", "trrandom"};
+  bool model = !strncasecmp(line, ".model", 6), source = *line && strchr("vViI", *line);
+  const char *from = line, *first = NULL;
+  for (int n = 0; n < (model ? 2 : source ? 3 : 0); n++) {
+    from += strcspn(from, " \t");
+    from += strspn(from, " \t");
+  }
+  for (size_t k = 0; k < sizeof DRAWN / sizeof *DRAWN; k++) {
+    const char *s = find_whole(model ? from + strcspn(from, " \t(") : line, DRAWN[k], true);
+    while (s && pspice && *DRAWN[k] == 'l' && cuts_off(s)) s = find_whole(s + 1, DRAWN[k], true);
+    if (s && (!first || s < first)) first = s, *word = DRAWN[k];
+  }
+  for (size_t k = 0; source && k < sizeof NOISES / sizeof *NOISES; k++) {
+    const char *s = find_whole(from, NOISES[k], false);
+    if (s && (!first || s < first)) first = s, *word = NOISES[k];
+  }
+  return first;
+}
+
+/* Where it stands in its file, as the line may go on below: the line as it is kept is a joined one.
+ */
+static vs_where place_of(const char *word, bool call, vs_where where) {
+  FILE *f = fopen(where.file, "r");
+  char *text = NULL;
+  size_t size = 0;
+  bool found = false;
+  for (int number = 1; f && !found && getline(&text, &size, f) >= 0; number++) {
+    const char *s = number < where.line ? NULL : find_whole(text, word, call);
+    if (number > where.line && !strchr("+*", text[strspn(text, " \t")])) break;
+    if (!s || text[strspn(text, " \t")] == '*') continue;
+    where.line = number;
+    where.column = vs_column(text, s);
+    found = true;
+  }
+  free(text);
+  if (f) fclose(f);
+  return where;
+}
+
+vs_status vs_rule_random(const char *line, bool pspice, vs_where where, vs_error *err) {
+  const char *word = NULL;
+  if (!find_random(line, pspice, &word)) return VS_OK;
+  bool noise = !strncmp(word, "tr", 2);
+  return vs_fail_at(err, place_of(word, !noise, where),
+                    noise ? "%s is random anew in each run; a course that is the same each time "
+                            "would be right, or a study over a parameter"
+                          : "%s(...) is random anew in each run of ngspice's; a number would be "
+                            "right, or a '*$ param' that a study varies",
+                    word);
+}
+
 typedef struct place {
   const vs_deck *deck;
   vs_where where;

@@ -49,6 +49,8 @@ typedef struct coupling {
   double followed_s; /* up to then */
   double bound;      /* on the error by having left it */
   vs_swing swing;    /* of the coil's voltage */
+  vs_memories memories; /* of the circuit, which the solver shows last of all; watched to leave it */
+  size_t first_memory;  /* among the signals */
 } coupling;
 
 /* Sets the flux linkage's course and the machine's state from which it is to be taken on. */
@@ -296,10 +298,10 @@ static bool gate_is_on(const coupling *c, double t_s) {
 }
 
 /* Leaves the solver, for good or until shortly before the next edge, if the circuit is quiet. */
-static vs_status leave_if_quiet(coupling *c, vs_error *err) {
+static vs_status leave_if_quiet(coupling *c, const double *memory, vs_error *err) {
   const vs_knot *k = &c->knots[c->now];
   double now = k->t_s, until = c->setup->run.until_s, next = next_edge(c, now);
-  vs_quiet_take(c->quiet, k, !c->conduction.conducts);
+  vs_quiet_take(c->quiet, k, memory, !c->conduction.conducts);
   if (c->conduction.conducts || c->touching || gate_is_on(c, now) ||
       isfinite(vs_events_longest(&c->setup->timeline.events, now)))
     return VS_OK;
@@ -323,6 +325,11 @@ static void take_terms(const coupling *c, const double *signals, vs_knot *k) {
     k->terms[n] = signals[VS_SIG_TERMS + 2 * n] - signals[VS_SIG_TERMS + 2 * n + 1];
 }
 
+static void take_memory(const coupling *c, const double *signals, double *memory) {
+  const double *s = signals + c->first_memory;
+  for (size_t n = 0; n < c->memories.count; n++) memory[n] = s[2 * n] - s[2 * n + 1];
+}
+
 /* The solver's step, taken while it is led: the one-port's is shown. If the solver has not come to
  * it in the end, that is part of the bound, and the solver is not left again. */
 static vs_status follow(coupling *c, double t_s, const double *signals, vs_error *err) {
@@ -331,8 +338,10 @@ static vs_status follow(coupling *c, double t_s, const double *signals, vs_error
   vs_status status = vs_quiet_step(c->quiet, &next, t_s, err);
   c->follows = t_s < c->followed_s;
   if (status || c->follows) return status ? status : show(c, &next, VS_EV_NONE, err);
+  double memory[VS_MEMORIES];
   take_terms(c, signals, &solver);
-  double missed = vs_quiet_missed(c->quiet, &next, &solver);
+  take_memory(c, signals, memory);
+  double missed = vs_quiet_missed(c->quiet, &next, &solver, memory);
   c->without = false;
   vs_quiet_restart(c->quiet);
   if (missed > 1) {
@@ -365,7 +374,10 @@ static vs_status accept(void *ctx, double solver_s, const double *signals, vs_er
   c->step_s = h;
   c->candidate_s = -1;
   vs_status status = move(c, &from, &next, err);
-  return status || !c->quiet ? status : leave_if_quiet(c, err);
+  if (status || !c->quiet) return status;
+  double memory[VS_MEMORIES];
+  take_memory(c, signals, memory);
+  return leave_if_quiet(c, memory, err);
 }
 
 static bool enough(void *ctx) {
@@ -380,6 +392,17 @@ static vs_frame frame(const vs_setup *setup) {
                     .deck = &setup->deck,
                     .means = setup->means,
                     .tolerance = setup->run.tolerance};
+}
+
+/* What the solver is to show: of the names' signals, then of the memories. */
+static size_t list_signals(coupling *c, const vs_names *n, const char **signals) {
+  size_t count = c->first_memory = n->n_signals;
+  memcpy(signals, n->signals, count * sizeof *signals);
+  for (size_t k = 0; k < c->memories.count; k++) {
+    signals[count++] = c->memories.item[k].plus;
+    signals[count++] = c->memories.item[k].minus;
+  }
+  return count;
 }
 
 static void locate(const void *deck, vs_error *err) {
@@ -409,6 +432,7 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
   vs_setup_standard(setup, standard);
   vs_names *n = vs_alloc(1, sizeof *n);
   vs_names_of(&setup->deck, n);
+  const char *signals[VS_SIG_MOST + 2 * VS_MEMORIES];
   const vs_pace pace = vs_pace_of(setup);
   coupling c = {.setup = setup,
                 .frame = frame(setup),
@@ -426,10 +450,16 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
       c.jams_s = fmin(c.jams_s, setup->timeline.events.item[k].start_s);
   find_anode(&c, &setup->deck);
   vs_motion_begin(&c.motion, m);
+  if (!setup->run.stays && !setup->raw && isinf(c.jams_s) && !setup->deck.own_clock &&
+      setup->deck.stores.count && !vs_deck_hides_state(&setup->deck) &&
+      vs_memories_of(&setup->deck, &c.memories))
+    c.quiet = vs_quiet_new(setup, &c.frame, &c.memories);
+  if (!c.quiet) c.memories.count = 0;
   vs_circuit_job job = {.ports = n->ports,
                         .n_ports = n->n_ports,
-                        .signals = n->signals,
-                        .n_signals = n->n_signals,
+                        .signals = signals,
+                        .n_signals = list_signals(&c, n, signals),
+                        .n_wanted = 2 * c.memories.count,
                         .until_s = setup->run.until_s,
                         .gear = setup->run.gear,
                         .dialect = setup->deck.compat,
@@ -447,9 +477,6 @@ static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_erro
   char **netlist = NULL;
   void *circuit = NULL;
   vs_circuit_host host = {&c, source, edge, longest, accept, enough};
-  if (!setup->run.stays && !setup->raw && isinf(c.jams_s) && !setup->deck.own_clock &&
-      setup->deck.stores.count && !vs_deck_hides_state(&setup->deck))
-    c.quiet = vs_quiet_new(setup, &c.frame);
   vs_status s = vs_deck_netlist(&setup->deck, &setup->circuit_values, standard, VS_STANDARD,
                                 &netlist, &job.lines, err);
   job.netlist = netlist;

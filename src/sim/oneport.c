@@ -21,6 +21,7 @@ static const double RANK = 1e-9;
 struct vs_oneport {
   const vs_setup *setup;
   const vs_frame *frame;
+  size_t signals;
   bool dynamic;                /* false: i = i_N(t) */
   double cosine, sine, mean_a; /* of i_N; dynamic: of its integral, but the mean */
   double g_s, c_f, tau_s;
@@ -42,8 +43,9 @@ double vs_knot_current_rate(const vs_model *m, const vs_knot *k) {
   return vs_current_rate(m, k->flux_wb, k->flux_rate_v, vs_gap(m, k->x[P]), k->x[VS_DOF + P]);
 }
 
-double vs_knot_signal(const vs_frame *frame, const vs_knot *k, size_t n) {
-  return n < frame->deck->n_terms ? k->terms[n] : k->i_mains_a;
+double vs_seen_signal(const vs_frame *frame, const vs_seen *s, size_t n) {
+  size_t terms = frame->deck->n_terms;
+  return n < terms ? s->knot.terms[n] : n == terms ? s->knot.i_mains_a : s->memory[n - terms - 1];
 }
 
 /* i_N and its rate (dynamic: i_N alone) */
@@ -121,7 +123,7 @@ void vs_oneport_signals(const vs_oneport *o, double t_s, const vs_coil *c,
                         double signal[VS_SIGNALS]) {
   double column[TERM_COLUMNS];
   columns(o, t_s, c, column);
-  for (size_t n = 0; n < o->frame->deck->n_terms + 1; n++) {
+  for (size_t n = 0; n < o->signals; n++) {
     signal[n] = 0;
     for (size_t j = 0; j < TERM_COLUMNS; j++) signal[n] += o->signal[n][j] * column[j];
   }
@@ -259,6 +261,41 @@ static bool find_law(vs_oneport *o, const sight *in) {
   return true;
 }
 
+/* Columns of the source, first in either law. */
+static size_t source_columns(const vs_oneport *o) {
+  return o->dynamic ? 4 : STATIC_COLUMNS;
+}
+
+/* What part of a source's sine flows through the coil. */
+static double through_coil(const vs_oneport *o) {
+  const vs_model *m = &o->setup->model;
+  double w = o->setup->timeline.omega_rad_s, r = m->actuator.resistance_ohm,
+         x = w * 2 * m->a_hm / m->gap_rest_m, coil2 = r * r + x * x;
+  if (!o->dynamic) return 1;
+  return 1 / (hypot(o->g_s + r / coil2, w * o->c_f - x / coil2) * sqrt(coil2));
+}
+
+void vs_oneport_walked(const vs_oneport *o, const vs_seen *const *seen, size_t count, double *sine_a,
+                       double *mean_a) {
+  fit f = fit_new(count, source_columns(o));
+  double x[LAW_COLUMNS], rate = o->dynamic ? o->setup->timeline.omega_rad_s : 1;
+  const double found[LAW_COLUMNS] = {o->cosine, o->sine, o->mean_a, 0, o->g_s, o->c_f, o->tau_s};
+  for (size_t k = 0; k < count; k++) {
+    double row[LAW_COLUMNS + 1] = {0}, left;
+    (o->dynamic ? law_row : static_row)(o, seen[k], seen[0], row);
+    left = o->dynamic ? seen[k]->charge_c - seen[0]->charge_c
+                      : vs_knot_current(&o->setup->model, &seen[k]->knot);
+    for (size_t j = 0; j < (o->dynamic ? LAW_COLUMNS : STATIC_COLUMNS); j++)
+      left -= found[j] * row[j];
+    for (size_t j = 0; j < f.a->size2; j++) gsl_matrix_set(f.a, k, j, row[j]);
+    gsl_vector_set(f.b, k, left);
+  }
+  bool good = fit_decompose(&f) && isfinite(fit_left(&f, x));
+  fit_free(&f);
+  *sine_a = good ? through_coil(o) * rate * hypot(x[0], x[1]) : INFINITY;
+  *mean_a = good ? fabs(x[2]) : INFINITY;
+}
+
 double vs_oneport_reach(const vs_oneport *o, double t_s, const vs_coil *c) {
   if (!o->dynamic) return 1;
   double w = o->setup->timeline.omega_rad_s;
@@ -303,45 +340,69 @@ static double substep(const vs_oneport *o) {
   return h > 5e-4 * o->setup->timeline.period_s ? h : 0; /* 2000 a cycle */
 }
 
-/* The first `count` columns. */
-static bool begin_signals(const vs_oneport *o, const sight *in, size_t count, fit *f) {
-  *f = fit_new(in->count, count);
+/* Least squares for signal n. Gives what is left over, as the root of its sum of squares. */
+static double find_signal(const vs_oneport *o, const sight *in, size_t n, fit *f, double *x) {
+  for (size_t k = 0; k < in->count; k++)
+    gsl_vector_set(f->b, k, vs_seen_signal(o->frame, in->seen[k], n));
+  return fit_left(f, x);
+}
+
+/* A signal is taken to drift, as an integral does, or to hang on the coil where that leaves hardly
+ * anything over: over one cycle the coil's voltage is nearly a sine, and what it shares with the
+ * signal beyond that may be chance, which does not last. */
+static const double BETTER = 0.1, HANGS = 0.8;
+
+/* The columns that fits may have: with those of the coil or not, with the drift or not. */
+enum { FITS = 4, OF_COIL = 1, OF_DRIFT = 2, COIL_AT = 2 * HARMONICS + 1 };
+
+static size_t column_at(int kind, size_t j) {
+  if (!(kind & OF_COIL) && j >= COIL_AT) return TERM_COLUMNS - 1;
+  return j;
+}
+
+static size_t columns_of(int kind) {
+  size_t count = kind & OF_COIL ? TERM_COLUMNS - 1 : COIL_AT;
+  return kind & OF_DRIFT ? count + 1 : count;
+}
+
+static bool begin_signals(const vs_oneport *o, const sight *in, int kind, fit *f) {
+  *f = fit_new(in->count, columns_of(kind));
   for (size_t k = 0; k < in->count; k++) {
     const vs_knot *seen = &in->seen[k]->knot;
     double y[VS_ONEPORT_STATES], column[TERM_COLUMNS];
     vs_oneport_state(seen, y);
     vs_coil c = vs_oneport_coil(o, seen->t_s, y);
     columns(o, seen->t_s, &c, column);
-    for (size_t j = 0; j < count; j++) gsl_matrix_set(f->a, k, j, column[j]);
+    for (size_t j = 0; j < f->a->size2; j++)
+      gsl_matrix_set(f->a, k, j, column[column_at(kind, j)]);
   }
   return fit_decompose(f);
 }
 
-/* Least squares for signal n. Gives what is left over, as the root of its sum of squares. */
-static double find_signal(const vs_oneport *o, const sight *in, size_t n, fit *f, double *x) {
-  for (size_t k = 0; k < in->count; k++)
-    gsl_vector_set(f->b, k, vs_knot_signal(o->frame, &in->seen[k]->knot, n));
-  return fit_left(f, x);
+static bool find_signals(vs_oneport *o, const sight *in) {
+  fit fits[FITS];
+  bool good = true;
+  o->from_s = in->seen[0]->knot.t_s;
+  for (int kind = 0; kind < FITS; kind++) good = begin_signals(o, in, kind, &fits[kind]) && good;
+  for (size_t n = 0; good && n < o->signals; n++) {
+    double x[TERM_COLUMNS], *signal = o->signal[n], best = INFINITY;
+    for (int kind = 0; kind < FITS; kind++) {
+      double left = find_signal(o, in, n, &fits[kind], x);
+      if (!(left < (kind & OF_DRIFT ? BETTER : HANGS) * best) && kind) continue;
+      best = left;
+      memset(signal, 0, sizeof o->signal[n]);
+      for (size_t j = 0; j < columns_of(kind); j++) signal[column_at(kind, j)] = x[j];
+    }
+    good = isfinite(best);
+  }
+  for (int kind = 0; kind < FITS; kind++) fit_free(&fits[kind]);
+  return good;
 }
 
-/* A signal is taken to drift, as an integral does, where that leaves hardly anything over. */
-static const double DRIFTS = 0.1;
-
-static bool find_signals(vs_oneport *o, const sight *in) {
-  fit still, drifting;
-  o->from_s = in->seen[0]->knot.t_s;
-  bool good = begin_signals(o, in, TERM_COLUMNS - 1, &still);
-  good = begin_signals(o, in, TERM_COLUMNS, &drifting) && good;
-  for (size_t n = 0; good && n < o->frame->deck->n_terms + 1; n++) {
-    double x[TERM_COLUMNS], *signal = o->signal[n];
-    signal[TERM_COLUMNS - 1] = 0;
-    double left = find_signal(o, in, n, &still, signal);
-    if (find_signal(o, in, n, &drifting, x) < DRIFTS * left) memcpy(signal, x, sizeof x);
-    good = isfinite(left);
-  }
-  fit_free(&still);
-  fit_free(&drifting);
-  return good;
+bool vs_oneport_hangs(const vs_oneport *o, size_t n) {
+  for (size_t j = COIL_AT; j < TERM_COLUMNS - 1; j++)
+    if (o->signal[n][j] != 0) return true;
+  return false;
 }
 
 double vs_oneport_drift(const vs_oneport *o, size_t n) {
@@ -370,9 +431,10 @@ double vs_oneport_lag(const vs_oneport *o) {
   return o->dynamic ? fabs(o->tau_s) : 0;
 }
 
-vs_oneport *vs_oneport_new(const vs_setup *setup, const vs_frame *frame) {
+vs_oneport *vs_oneport_new(const vs_setup *setup, const vs_frame *frame, size_t memories) {
   vs_oneport *o = vs_alloc(1, sizeof *o);
-  *o = (vs_oneport){.setup = setup, .frame = frame};
+  *o = (vs_oneport){
+      .setup = setup, .frame = frame, .signals = frame->deck->n_terms + 1 + memories};
   o->system = (gsl_odeiv2_system){rhs, NULL, VS_ONEPORT_STATES, o};
   o->step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, VS_ONEPORT_STATES);
   return o;

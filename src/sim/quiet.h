@@ -15,12 +15,13 @@
 typedef struct vs_quiet vs_quiet;
 
 /* NULL: GSL finds no modes of this machine. */
-vs_quiet *vs_quiet_new(const vs_setup *setup, const vs_frame *frame);
+vs_quiet *vs_quiet_new(const vs_setup *setup, const vs_frame *frame, const vs_memories *memories);
 void vs_quiet_free(vs_quiet *q); /* NULL is fine */
 
-/* Every knot of the circuit tier, in order; blocks: neither conducts nor was its gate on. What was
- * before the last knot that did not is not looked at. */
-void vs_quiet_take(vs_quiet *q, const vs_knot *knot, bool blocks);
+/* Every knot of the circuit tier, in order, and what the circuit remembers then, V or A, as listed
+ * (NaN: the solver does not show it; it is never left then); blocks: neither conducts nor was its
+ * gate on. What was before the last knot that did not is not looked at. */
+void vs_quiet_take(vs_quiet *q, const vs_knot *knot, const double *memory, bool blocks);
 
 /* Can the solver be left at the last knot for until_s - t, by a law of no more than that lag? Looks
  * a few times a cycle, only when a whole cycle is known, and one is still to come. Then bound is
@@ -37,9 +38,10 @@ void vs_quiet_restart(vs_quiet *q);
 /* C of the law, F; 0: it has none. */
 double vs_quiet_capacitance(const vs_quiet *q);
 
-/* By how much the solver's terms differ from the one-port's: the worst of them, in parts of what it
+/* By how much the solver's terms, and what it remembers, differ from the one-port's: the worst of them, in parts of what it
  * may be wrong by, a few tolerances of its peak so far. */
-double vs_quiet_missed(const vs_quiet *q, const vs_knot *one_port, const vs_knot *solver);
+double vs_quiet_missed(const vs_quiet *q, const vs_knot *one_port, const vs_knot *solver,
+                       const double *memory);
 
 /* Longest step, s, for which straight lines between knots keep the deck's terms. */
 double vs_quiet_longest(const vs_quiet *q);

@@ -1,0 +1,301 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Leaving ngspice where the circuit remembers more than the snubbers do: an L-C hardly damped at or
+ * near the mains' frequency, in the deck or in a subcircuit of an included file, and timers that
+ * throw a switch. Either ngspice is not left, or what is told, extremes of the devices too, is that
+ * of the run that stays, within the bound. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "suite.h"
+
+static const int CHANNELS[] = {VS_CH_P, VS_CH_U, VS_CH_W, VS_CH_PHI, VS_CH_FORCE, VS_CH_I};
+enum { N_CHANNELS = COUNT(CHANNELS), MOST_SAMPLES = 10001, N_SETS = 8 };
+static const double SAMPLE_S = 4e-4;
+
+typedef struct course {
+  int count, times;
+  double first_s, bound;
+  double y[MOST_SAMPLES][N_CHANNELS];
+} course;
+
+static vs_status record(void *ctx, const vs_step *step, vs_error *err) {
+  (void)err;
+  course *c = ctx;
+  if (step->event[1] == VS_EV_QUIET) {
+    if (!c->times++) c->first_s = step->event_s[1];
+    c->bound = fmax(c->bound, step->bound);
+  }
+  if (step->event[1] == VS_EV_BACK) c->bound = fmax(c->bound, step->bound);
+  for (; c->count < MOST_SAMPLES && c->count * SAMPLE_S <= step->to->t_s; c->count++) {
+    double all[VS_CH_MOST];
+    vs_step_at(step, c->count * SAMPLE_S, all);
+    for (int k = 0; k < N_CHANNELS; k++) c->y[c->count][k] = all[CHANNELS[k]];
+  }
+  return VS_OK;
+}
+
+static course left, stayed; /* too large for the stack */
+
+static vs_trial *run(const char *const *sets, const char *leave, course *c) {
+  const char *all[N_SETS + 2] = {NULL};
+  char key[64];
+  size_t n = 0;
+  for (; sets[n]; n++) all[n] = sets[n];
+  snprintf(key, sizeof key, "run.leave_circuit=%s", leave);
+  all[n] = key;
+  memset(c, 0, sizeof *c);
+  const vs_observer observer = {c, record};
+  return vs_trial_run("paper", "circuit", all, &observer);
+}
+
+/* What is told, in parts of its peak. */
+static double difference(const course *a, const course *b) {
+  double worst = 0;
+  int count = a->count < b->count ? a->count : b->count;
+  for (int k = 0; k < N_CHANNELS; k++) {
+    double peak = 0, off = 0;
+    for (int n = 0; n < count; n++) {
+      peak = fmax(peak, fabs(b->y[n][k]));
+      off = fmax(off, fabs(a->y[n][k] - b->y[n][k]));
+    }
+    worst = fmax(worst, off / peak);
+  }
+  return worst;
+}
+
+/* An extreme is of a signal whose peak is the larger of its two; below 1 V and 0.1 A the solver
+ * tells nothing apart (sim/quiet.c), a third of which counts as a peak. */
+static double extremes_off(const vs_trial *a, const vs_trial *b) {
+  double worst = 0;
+  for (int k = 0; k < a->result.measures->n_extremes; k++) {
+    const vs_extreme *x = &a->result.measures->extremes[k], *y = &b->result.measures->extremes[k];
+    const char *unit = vs_channel_at(&a->scene.frame, x->channel).unit;
+    double peak = 0, least = !strcmp(unit, "V") ? 1.0 / 3 : !strcmp(unit, "A") ? 0.1 / 3 : 0;
+    for (int n = 0; n < a->result.measures->n_extremes; n++)
+      if (b->result.measures->extremes[n].channel == y->channel)
+        peak = fmax(peak, fabs(b->result.measures->extremes[n].best.value));
+    if (!(peak > 0)) continue;
+    worst = fmax(worst, fabs(x->best.value - y->best.value) / fmax(peak, least));
+  }
+  return worst;
+}
+
+/* halfwave_snubbed, or another, with lines put before the EVA's. */
+static void make_deck(const char *deck, const char *lines) {
+  char path[512], text[16384];
+  snprintf(path, sizeof path, "%s/../spice/%s.cir", VS_TEST_FOLDER, deck);
+  FILE *in = fopen(path, "r");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(in);
+  size_t n = fread(text, 1, sizeof text - 1, in);
+  fclose(in);
+  text[n] = '\0';
+  char *eva = strstr(text, "Xeva ");
+  FILE *out = fopen("d.cir", "w");
+  fprintf(out, "%.*s%s\n%s", (int)(eva - text), text, lines, eva);
+  fclose(out);
+}
+
+typedef struct scene {
+  const char *where; /* "across the EVA", ... */
+  const char *deck, *node, *other;
+  double f_hz, tau_s;
+  bool series, included;
+} scene;
+
+/* An L-C of 2 H, parallel to the two nodes behind 20 kohm, or in series, with tau = 2 L/R. */
+static void write_scene(const scene *s) {
+  char lines[1024], part[1024];
+  double l = 2, w = 2 * M_PI * s->f_hz, c = 1 / (w * w * l);
+  if (s->series)
+    snprintf(part, sizeof part, "Rs %%s m1 %.6g\nLs m1 m2 %.6g ic=0\nCs m2 %%s %.9g ic=0\n",
+             2 * l / s->tau_s, l, c);
+  else
+    snprintf(part, sizeof part,
+             "Rp %%s m1 20k\nLp m1 m2 %.6g ic=0\nRl m2 %%2$s %.6g\nCp m1 %%2$s %.9g ic=0\n", l,
+             2 * l / s->tau_s, c);
+  if (s->included) {
+    FILE *f = fopen("lc.inc", "w");
+    fprintf(f, ".subckt lc a b\n");
+    fprintf(f, part, "a", "b");
+    fprintf(f, ".ends lc\n");
+    fclose(f);
+    snprintf(lines, sizeof lines, ".include lc.inc\nXlc %s %s lc", s->node, s->other);
+  } else {
+    int n = snprintf(lines, sizeof lines,
+                     "*$ probe  v_lc = v(%s%s%s)  V  \"of the L-C\"\n*$ store c_lc = "
+                     "%.9g*v(%s%s%s)^2/2\n",
+                     s->series ? "m2" : "m1", strcmp(s->other, "0") ? "," : "",
+                     strcmp(s->other, "0") ? s->other : "", c, s->series ? "m2" : "m1",
+                     strcmp(s->other, "0") ? "," : "", strcmp(s->other, "0") ? s->other : "");
+    snprintf(lines + n, sizeof lines - (size_t)n, part, s->node, s->other);
+  }
+  make_deck(s->deck, lines);
+}
+
+typedef struct seen {
+  bool left;
+  double bound, off, extremes; /* relative to the peaks */
+  double first_s;
+} seen;
+
+static seen compare_runs(const char *const *sets) {
+  seen s = {0};
+  vs_trial *a = run(sets, "when_quiet", &left);
+  EXPECT(a->status == VS_OK || strstr(a->err.text, "pole cover"), "%s", a->err.text);
+  s.left = left.times > 0;
+  if (s.left) {
+    vs_trial *b = run(sets, "never", &stayed);
+    EXPECT(b->status == a->status, "%s", b->err.text);
+    s.bound = left.bound;
+    s.first_s = left.first_s;
+    s.off = difference(&left, &stayed);
+    s.extremes = extremes_off(a, b);
+    vs_trial_free(b);
+  }
+  vs_trial_free(a);
+  return s;
+}
+
+static bool table_wanted(void) {
+  return getenv("VS_LONG");
+}
+
+static void run_scene(const scene *s, const char *until) {
+  char key[64];
+  snprintf(key, sizeof key, "run.until=%s", until);
+  const char *sets[] = {"circuit.deck=d.cir", key, NULL};
+  write_scene(s);
+  seen r = compare_runs(sets);
+  double part = r.left ? fmax(r.off, r.extremes) / r.bound : 0;
+  if (table_wanted())
+    printf("\n%-16s %-18s %-8s %-8s %4g Hz %4g s: %s at %.3f s, bound %.2e, off %.2e, extremes %.2e, "
+           "ratio %.2g",
+           s->deck, s->where, s->series ? "series" : "parallel", s->included ? "included" : "deck",
+           s->f_hz, s->tau_s, r.left ? "left" : "stays", r.first_s, r.bound, r.off, r.extremes,
+           part);
+  EXPECT(part <= 1, "L-C %s, %s, %g Hz, %g s: off by %.2g, extremes by %.2g, bound %.2g", s->where,
+         s->series ? "series" : "parallel", s->f_hz, s->tau_s, r.off, r.extremes, r.bound);
+}
+
+static void resonances(void) {
+  static const scene PLACES[] = {
+      {"across the EVA", "halfwave_snubbed", "b", "0", 50, 10, false, false},
+      {"across the EVA", "halfwave_snubbed", "b", "0", 50, 10, true, false},
+      {"across the line", "halfwave_snubbed", "a", "0", 50, 10, false, false},
+      {"the thyristor", "halfwave_snubbed", "a", "b", 50, 10, false, false},
+      {"across the line", "halfwave_bare", "a", "0", 50, 10, false, false},
+      {"across the EVA", "halfwave_bare", "b", "0", 50, 10, false, false},
+      {"across the EVA", "fullwave_antiparallel", "k", "0", 50, 10, false, false},
+  };
+  static const double HZ[] = {45, 48, 49.5, 50, 50.3, 53, 55}, TAU_S[] = {0.5, 2, 10, 30};
+  if (!table_wanted()) return;
+  size_t number = 0;
+  for (size_t p = 0; p < COUNT(PLACES); p++)
+    for (size_t f = 0; f < COUNT(HZ); f++)
+      for (size_t t = 0; t < COUNT(TAU_S); t++) {
+        scene s = PLACES[p];
+        s.f_hz = HZ[f];
+        s.tau_s = TAU_S[t];
+        s.included = number++ % 2;
+        if (getenv("VS_FEW") && number % (size_t)atoi(getenv("VS_FEW")) != 1) continue;
+        run_scene(&s, "2s");
+      }
+}
+
+static void a_few_resonances(void) {
+  static const scene ROWS[] = {
+      {"across the EVA", "halfwave_snubbed", "b", "0", 50, 10, false, false},
+      {"across the line", "halfwave_snubbed", "a", "0", 50, 10, false, true},
+      {"across the EVA", "halfwave_snubbed", "b", "0", 49.5, 30, false, true},
+      {"the thyristor", "halfwave_snubbed", "a", "b", 50, 0.5, false, false},
+  };
+  if (table_wanted()) return;
+  for (size_t k = 0; k < COUNT(ROWS); k++) run_scene(&ROWS[k], "1s");
+}
+
+/* ---- what nobody names ---- */
+
+/* A timer of 80 s towards 100 V: it passes 1 V after 0.8 s and then makes the thyristor's gate its
+ * own, or, drawn from the mains by a diode, does so. */
+static const char TIMER[] = ".subckt timer a b\n"
+                            "Vown s 0 100\nRt s t 80meg\nCt t 0 1u ic=0\n"
+                            "Sx a b t 0 late off\n.model late sw(ron=100 roff=1g vt=1 vh=0)\n"
+                            ".ends timer\n",
+                  PUMPED[] = ".subckt timer a b\n"
+                             "Dp a s pump\n.model pump d(is=1n)\nRt s t 3g\nCt t 0 1u ic=0\n"
+                             "Sx a b t 0 late off\n.model late sw(ron=100 roff=1g vt=0.02 vh=0)\n"
+                             ".ends timer\n",
+                  NESTED[] = ".subckt timer a b\n.subckt clock t\n"
+                             "Vown s 0 100\nRt s t 80meg\nCt t 0 1u ic=0\n.ends clock\n"
+                             "Xc t clock\n"
+                             "Sx a b t 0 late off\n.model late sw(ron=100 roff=1g vt=1 vh=0)\n"
+                             ".ends timer\n",
+                  JUNCTION[] = ".subckt timer a b\n"
+                               "Vown s 0 100\nRt s t 80meg\nDt 0 t big\n"
+                               ".model big d(is=1e-16 cjo=1u m=0.01)\n"
+                               "Sx a b t 0 late off\n.model late sw(ron=100 roff=1g vt=1 vh=0)\n"
+                               ".ends timer\n",
+                  INDUCTOR[] = ".subckt timer a b\n"
+                               "Vown s 0 1u\nLt s s2 1 ic=0\nVs s2 0 0\n"
+                               "Wx a b Vs late off\n.model late csw(ron=100 roff=1g it=0.8u ih=0)\n"
+                               ".ends timer\n";
+
+static void timers(void) {
+  static const char *const TIMERS[] = {TIMER, PUMPED, NESTED, JUNCTION, INDUCTOR};
+  static const char *const DECKS[] = {"halfwave_snubbed", "halfwave_bare"};
+  for (size_t d = 0; d < COUNT(DECKS); d++)
+    for (size_t k = 0; k < COUNT(TIMERS); k++) {
+      static const char *const SETS[] = {"circuit.deck=d.cir", "run.until=1.2s", NULL};
+      write_file("timer.inc", TIMERS[k]);
+      make_deck(DECKS[d], ".include timer.inc\nXtimer a b timer");
+      seen s = compare_runs(SETS);
+      EXPECT(!s.left || fmax(s.off, s.extremes) <= s.bound, "%s, timer %zu: off by %g, bound %g",
+             DECKS[d], k, fmax(s.off, s.extremes), s.bound);
+    }
+}
+
+/* What no signal shows, and what cannot be told from one that does not. */
+static void not_to_be_seen(void) {
+  static const char *const LINES[] = {
+      "Tline y 0 z 0 z0=50 td=3m\nRy y 0 50\nRz z 0 50",
+      ".model keeps int(in_offset=0 gain=1 out_lower_limit=-1e9 out_upper_limit=1e9 limit_range=1n out_ic=0)\nAint y z keeps\nRy y 0 1k\nRz z 0 1k",
+      ".model halves hyst(in_low=0 in_high=1)\nAh y z halves\nRy y 0 1k\nRz z 0 1k",
+  };
+  for (size_t k = 0; k < COUNT(LINES); k++) {
+    static const char *const SETS[] = {"circuit.deck=d.cir", "run.until=0.2s", NULL};
+    make_deck("halfwave_snubbed", LINES[k]);
+    vs_trial *t = run(SETS, "when_quiet", &left);
+    EXPECT(t->status == VS_OK && left.times == 0, "line %zu: %s", k, t->err.text);
+    vs_trial_free(t);
+  }
+}
+
+/* The shipped decks leave, a part's inner charges and all, and about as early as they did. */
+static void still_left(void) {
+  static const struct {
+    const char *deck, *set;
+    double latest_s;
+  } ROWS[] = {{"halfwave_snubbed", "run.tolerance=1e-4", 0.12},
+              {"halfwave_bare", "run.tolerance=1e-4", 0.075},
+              {"fullwave_antiparallel", "run.tolerance=1e-4", 0.12}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char deck[64];
+    snprintf(deck, sizeof deck, "circuit.deck=%s", ROWS[k].deck);
+    const char *sets[] = {deck, ROWS[k].set, "run.until=0.6s", NULL};
+    seen s = compare_runs(sets);
+    EXPECT(s.left && s.first_s < ROWS[k].latest_s, "%s: at %g s", ROWS[k].deck, s.first_s);
+    EXPECT(fmax(s.off, s.extremes) <= s.bound, "%s: off by %g, extremes %g, bound %g", ROWS[k].deck,
+           s.off, s.extremes, s.bound);
+  }
+}
+
+static const vs_test TESTS[] = {
+    {"timers", timers},
+    {"not to be seen", not_to_be_seen},
+    {"still left", still_left},
+    {"a few resonances", a_few_resonances},
+    {"resonances (long)", resonances},
+};
+VS_SUITE_MAIN("leaving", TESTS)
