@@ -8,10 +8,14 @@
 
 static const struct {
   const char *key, *value;
-} KEYS[] = {{"circuit.r1", "100 ohm"},        {"circuit.off_resistance", "1 Mohm"},
-            {"circuit.thyristor", "latch"},   {"supply.resistance", "0 ohm"},
-            {"supply.inductance", "0.5 mH"},  {"run.method", "gear"},
-            {"run.trtol", "7"},               {"run.pivrel", "0.05"},
+} KEYS[] = {{"circuit.r1", "100 ohm"},
+            {"circuit.off_resistance", "1 Mohm"},
+            {"circuit.thyristor", "latch"},
+            {"supply.resistance", "0 ohm"},
+            {"supply.inductance", "0.5 mH"},
+            {"run.method", "gear"},
+            {"run.trtol", "7"},
+            {"run.pivrel", "0.05"},
             {"run.leave_circuit", "never"}};
 
 /* Its key stands at line 4, or, in a section of its own, at line 5, column 3. */

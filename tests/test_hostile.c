@@ -41,8 +41,7 @@ static double children_cpu_s(void) {
          1e-6 * (double)(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
 }
 
-#define REFUSED(words, at, what)                                                                   \
-  refuse(words, words, at, (const char *[]){what, NULL}, __LINE__)
+#define REFUSED(words, at, what) refuse(words, words, at, (const char *[]){what, NULL}, __LINE__)
 
 /* ---- bytes ---- */
 
@@ -65,11 +64,49 @@ static void no_utf8(void) {
 
 /* All texts of one and two of these; in a child, as one that hangs shall end with it. */
 static void short_texts(void) {
-  static const char *const PARTS[] = {
-      "%",        "&",  "*",        "!",        "|",  ">",   "'",   "\"",  "{",   "}",    "[",
-      "]",        ",",  "#",        ":",        "-",  "?",   "@",   "`",   "\\",  "\n",   "\r",
-      "\t",       " ",  "a",        "0",        "~",  "<<",  "---", "...", "\x01", "\x7f", "\xc2\x85",
-      "\xe2\x80\xa8", "\xef\xbb\xbf", "\xc3", "\x80", "\xff", "(", "=", "a: ", "- ", "%YAML 1.1"};
+  static const char *const PARTS[] = {"%",
+                                      "&",
+                                      "*",
+                                      "!",
+                                      "|",
+                                      ">",
+                                      "'",
+                                      "\"",
+                                      "{",
+                                      "}",
+                                      "[",
+                                      "]",
+                                      ",",
+                                      "#",
+                                      ":",
+                                      "-",
+                                      "?",
+                                      "@",
+                                      "`",
+                                      "\\",
+                                      "\n",
+                                      "\r",
+                                      "\t",
+                                      " ",
+                                      "a",
+                                      "0",
+                                      "~",
+                                      "<<",
+                                      "---",
+                                      "...",
+                                      "\x01",
+                                      "\x7f",
+                                      "\xc2\x85",
+                                      "\xe2\x80\xa8",
+                                      "\xef\xbb\xbf",
+                                      "\xc3",
+                                      "\x80",
+                                      "\xff",
+                                      "(",
+                                      "=",
+                                      "a: ",
+                                      "- ",
+                                      "%YAML 1.1"};
   fflush(NULL);
   pid_t child = fork();
   if (child == 0) {
@@ -115,7 +152,8 @@ static void within(double cpu_s, const char *words, int status, int line) {
 }
 
 /* Work that grows with the square of their number took 4 s for 10,000 keys, and would have taken 36
- * times that for 60,000. Now it is 0.2 s of processor time; a second leaves room for slow machines. */
+ * times that for 60,000. Now it is 0.2 s of processor time; a second leaves room for slow machines.
+ */
 static void many_keys(void) {
   write_many("m.yaml", "", "key%d: 1\n", 60000, "");
   within(1, "check m.yaml", 2, __LINE__);
@@ -158,10 +196,16 @@ static void many_continued_lines(void) {
 
 /* Each command waits for ever for a file that nobody writes, or is at long work. */
 static void signals_end_all(void) {
-  static const char *const COMMANDS[] = {
-      "check pipe.yaml", "run pipe.yaml",   "modes pipe.yaml",           "export pipe.yaml -o x.cir",
-      "plot run",        "merge parts",     "study pipe.yaml -o out",    "validate",
-      "run paper --set run.until=9e5s --set run.sample=1ms", "check paper --set circuit.deck=big.cir"};
+  static const char *const COMMANDS[] = {"check pipe.yaml",
+                                         "run pipe.yaml",
+                                         "modes pipe.yaml",
+                                         "export pipe.yaml -o x.cir",
+                                         "plot run",
+                                         "merge parts",
+                                         "study pipe.yaml -o out",
+                                         "validate",
+                                         "run paper --set run.until=9e5s --set run.sample=1ms",
+                                         "check paper --set circuit.deck=big.cir"};
   CU_ASSERT_EQUAL(mkfifo("pipe.yaml", 0600) || mkdir("run", 0777) || mkdir("parts", 0777), 0);
   CU_ASSERT_EQUAL(mkfifo("run/run.csv", 0600) || mkfifo("parts/journal", 0600), 0);
   char *deck = read_file(VS_TEST_FOLDER "/../spice/halfwave_snubbed.cir");
@@ -222,9 +266,18 @@ static void write_journal(const char *folder, vs_text *journal) {
 }
 
 static void journals_that_lie(void) {
-  static const char *const COUNTS[] = {
-      "18446744073709551615 1 1", "18446744073709551614 1 18446744073709551615", "100000001 1 1",
-      "2000000000 1 1", "-1 1 1", "4 2 1", "4 0 1", "4 1 0", "4 1 10001", "4 1 1 1", "4 1", "x 1 1"};
+  static const char *const COUNTS[] = {"18446744073709551615 1 1",
+                                       "18446744073709551614 1 18446744073709551615",
+                                       "100000001 1 1",
+                                       "2000000000 1 1",
+                                       "-1 1 1",
+                                       "4 2 1",
+                                       "4 0 1",
+                                       "4 1 0",
+                                       "4 1 10001",
+                                       "4 1 1 1",
+                                       "4 1",
+                                       "x 1 1"};
   vs_text journal = {0};
   for (size_t k = 0; k < COUNT(COUNTS); k++) {
     add_head(&journal, "abc", COUNTS[k]);
@@ -281,12 +334,20 @@ static void victim_lives(const char *what, int line) {
 /* No file is written through a link that stands where it belongs. */
 static void links(void) {
   static const char *const RUN[] = {"run.csv", "events.csv", "summary.json", NULL};
-  static const char *const STUDY[] = {"study.csv", "failures.csv", "manifest.json", "journal", NULL};
+  static const char *const STUDY[] = {"study.csv", "failures.csv", "manifest.json", "journal",
+                                      NULL};
   static const char *const MODES[] = {"modes.csv", "A.csv", "B.csv", "C.csv", "D.csv", NULL};
-  static const char *const PLOTS[] = {
-      "motion_run.png",   "motion_run.svg",   "motion_100ms.png", "motion_100ms.svg",
-      "pulse_50ms.png",   "pulse_50ms.svg",   "report.html",      "motion_run.tmp.png",
-      "motion_run.tmp.svg", "motion_100ms.tmp.png", NULL};
+  static const char *const PLOTS[] = {"motion_run.png",
+                                      "motion_run.svg",
+                                      "motion_100ms.png",
+                                      "motion_100ms.svg",
+                                      "pulse_50ms.png",
+                                      "pulse_50ms.svg",
+                                      "report.html",
+                                      "motion_run.tmp.png",
+                                      "motion_run.tmp.svg",
+                                      "motion_100ms.tmp.png",
+                                      NULL};
   write_file("../victim", "precious");
   write_file("s.yaml", "set: {run.until: 20 ms}\nvary: {firing.angle: [90 deg, 100 deg]}\n");
   link_to_victim("run", RUN);
@@ -356,7 +417,8 @@ static void temporary_folder(void) {
   CU_ASSERT_EQUAL(mkdir("tmp", 0777), 0);
   RUN_GOOD("run paper --tier circuit --set run.until=2ms --quiet");
   EXPECT_FILES("tmp", "");
-  write_file("s.yaml", "set: {run.until: 1 ms}\nvary: {firing.angle: {lin: [90 deg, 100 deg], n: 200}}\n");
+  write_file("s.yaml",
+             "set: {run.until: 1 ms}\nvary: {firing.angle: {lin: [90 deg, 100 deg], n: 200}}\n");
   snprintf(command, sizeof command, "%s study s.yaml --quiet 2>../stderr | true", VS_PROGRAM);
   EXPECT(system(command) == 0, "%s", command);
   EXPECT_FILES("tmp", "");
@@ -374,7 +436,8 @@ static void temporary_folder(void) {
 static pid_t start_long_run(const char *folder) {
   char words[128];
   const char *argv[MOST_WORDS];
-  snprintf(words, sizeof words, "run paper --set run.until=9e5s --set run.sample=1ms -o %s", folder);
+  snprintf(words, sizeof words, "run paper --set run.until=9e5s --set run.sample=1ms -o %s",
+           folder);
   split(words, argv);
   pid_t child = spawn(argv);
   wait_s(0.4 * SLOWER);
@@ -460,8 +523,9 @@ static void a_second_run(void) {
   EXPECT(r.status == 0 && !*r.err, "%d %s", r.status, r.err);
   free_ran(&r);
   r = run("%s", WORDS);
-  EXPECT(r.status == 0 && strstr(r.err, "replaced in r, of an older run: run.csv, events.csv, summary.json"), "%d %s", r.status,
-         r.err);
+  EXPECT(r.status == 0 &&
+             strstr(r.err, "replaced in r, of an older run: run.csv, events.csv, summary.json"),
+         "%d %s", r.status, r.err);
   free_ran(&r);
   r = run("%s --set machine.trough_mass=0.2kg --set actuator.gap=0.6mm", WORDS);
   EXPECT(r.status == 1 && count_lines(r.err) == 1 && strstr(r.err, "in the place of run.csv, "),

@@ -151,8 +151,8 @@ static void early_firing(void) {
     snprintf(angle, sizeof angle, "firing.angle=%s", ANGLES[k % 3]);
     snprintf(off, sizeof off, "circuit.off_resistance=%s", OFF[k / 3 % 3]);
     snprintf(tolerance, sizeof tolerance, "run.tolerance=%s", TOLERANCES[k / 9]);
-    const char *sets[] = {"circuit.deck=halfwave_bare", "run.until=5 ms", angle, off, tolerance,
-                          NULL};
+    const char *sets[] = {
+        "circuit.deck=halfwave_bare", "run.until=5 ms", angle, off, tolerance, NULL};
     vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
     CLOSE_OF(t->result.values[VS_M_T_FIRE].value, 0.02 * DEGREES[k % 3] / 360, 1, 1e-7);
@@ -171,8 +171,9 @@ static void follow(const double (*knots)[3], size_t count) {
   vs_conduction_begin(&followed);
   seen_n = 0;
   for (size_t k = 1; k < count; k++) {
-    const vs_conduction_step s = {knots[k - 1][0] * 1e-3, knots[k][0] * 1e-3, knots[k - 1][1],
-                                  knots[k][1],            knots[k - 1][2],    knots[k][2]};
+    const vs_conduction_step s = {knots[k - 1][0] * 1e-3, knots[k][0] * 1e-3,
+                                  knots[k - 1][1],        knots[k][1],
+                                  knots[k - 1][2],        knots[k][2]};
     if (vs_conduction_follow(&followed, &s, &seen_s[seen_n])) seen_n++;
   }
 }
@@ -219,9 +220,9 @@ static void courses(void) {
 /* ---- the turn-off time ---- */
 
 /* Fired at 5.556 ms, the current passes zero at 5.8 ms. The voltage is reversed at once, and
- * forward again at 5.85 ms: within a gate pulse of 2 ms that is no turn-off that were judged, behind one of
- * 0.25 ms it is one of 50 us. The second current, within or behind the pulse, ends at 6.2 ms, and
- * forward voltage is back behind any pulse 2 ms later. */
+ * forward again at 5.85 ms: within a gate pulse of 2 ms that is no turn-off that were judged,
+ * behind one of 0.25 ms it is one of 50 us. The second current, within or behind the pulse, ends
+ * at 6.2 ms, and forward voltage is back behind any pulse 2 ms later. */
 static void turn_off_under_the_gate(void) {
   write_file("p.inc", "*$ part thyristor \"P\"\n*$ limit t_q = 60 us assumed \"x\"\n"
                       ".subckt p a k g\nR1 a k 1meg\nR2 g k 1k\n.ends\n");

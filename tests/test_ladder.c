@@ -99,11 +99,12 @@ static void no_other_device_unasked(void) {
   free(rows), free(failures), free_ran(&r);
   r = run("study bad.yaml --quiet --set run.ladder=ideal -o asked");
   rows = read_file("asked/study.csv");
-  EXPECT(r.status == 0 && count_lines(rows) == 3 &&
-             strstr(rows, ",margin_least,margin_error,weakest,rung,leaving_bound,warnings,status\n") &&
-             strstr(rows, ",5,0,\"got on rung 5 of the ladder, an ideal thyristor (latch), method "
-                          "gear; before, t = 0.00"),
-         "%s", rows);
+  EXPECT(
+      r.status == 0 && count_lines(rows) == 3 &&
+          strstr(rows, ",margin_least,margin_error,weakest,rung,leaving_bound,warnings,status\n") &&
+          strstr(rows, ",5,0,\"got on rung 5 of the ladder, an ideal thyristor (latch), method "
+                       "gear; before, t = 0.00"),
+      "%s", rows);
   free(rows), free_ran(&r);
 }
 

@@ -170,11 +170,11 @@ static void run_scene(const scene *s, const char *until) {
   seen r = compare_runs(sets);
   double part = r.left ? fmax(r.off, r.extremes) / r.bound : 0;
   if (table_wanted())
-    printf("\n%-16s %-18s %-8s %-8s %4g Hz %4g s: %s at %.3f s, bound %.2e, off %.2e, extremes %.2e, "
-           "ratio %.2g",
-           s->deck, s->where, s->series ? "series" : "parallel", s->included ? "included" : "deck",
-           s->f_hz, s->tau_s, r.left ? "left" : "stays", r.first_s, r.bound, r.off, r.extremes,
-           part);
+    printf(
+        "\n%-16s %-18s %-8s %-8s %4g Hz %4g s: %s at %.3f s, bound %.2e, off %.2e, extremes %.2e, "
+        "ratio %.2g",
+        s->deck, s->where, s->series ? "series" : "parallel", s->included ? "included" : "deck",
+        s->f_hz, s->tau_s, r.left ? "left" : "stays", r.first_s, r.bound, r.off, r.extremes, part);
   EXPECT(part <= 1, "L-C %s, %s, %g Hz, %g s: off by %.2g, extremes by %.2g, bound %.2g", s->where,
          s->series ? "series" : "parallel", s->f_hz, s->tau_s, r.off, r.extremes, r.bound);
 }
@@ -260,7 +260,8 @@ static void timers(void) {
 static void not_to_be_seen(void) {
   static const char *const LINES[] = {
       "Tline y 0 z 0 z0=50 td=3m\nRy y 0 50\nRz z 0 50",
-      ".model keeps int(in_offset=0 gain=1 out_lower_limit=-1e9 out_upper_limit=1e9 limit_range=1n out_ic=0)\nAint y z keeps\nRy y 0 1k\nRz z 0 1k",
+      ".model keeps int(in_offset=0 gain=1 out_lower_limit=-1e9 out_upper_limit=1e9 limit_range=1n "
+      "out_ic=0)\nAint y z keeps\nRy y 0 1k\nRz z 0 1k",
       ".model halves hyst(in_low=0 in_high=1)\nAh y z halves\nRy y 0 1k\nRz z 0 1k",
   };
   for (size_t k = 0; k < COUNT(LINES); k++) {

@@ -94,9 +94,9 @@ static void surges(void) {
   for (int k = 0; k < 4; k++) {
     double joule[2][3];
     for (int n = 0; n < 2; n++) {
-      vs_trial *t = run_scene((const char *[]){DECKS[k / 2], EVENTS[k % 2], TOLERANCES[n],
-                                               "run.until=30 ms", NULL},
-                              NULL);
+      vs_trial *t = run_scene(
+          (const char *[]){DECKS[k / 2], EVENTS[k % 2], TOLERANCES[n], "run.until=30 ms", NULL},
+          NULL);
       for (int v = 0; v < 3; v++) {
         joule[n][v] = value_of(t, NAMES[v], "energy");
         CU_ASSERT(joule[n][v] >= 0 && joule[n][v] <= value_of(t, NAMES[v], "energy_total"));

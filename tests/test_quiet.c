@@ -189,12 +189,15 @@ static void the_same_result(void) {
   CU_ASSERT(a->result.steps < b->result.steps / 2);
   for (int k = 0; k < VS_MEASURES; k++)
     if (k < VS_M_ENERGY_IN) /* the others are the energies */
-      CLOSE_OF(a->result.values[k].value, b->result.values[k].value, b->result.values[k].value, 3 * tolerance);
-  for (int k = 0; k < a->result.measures->n_extremes; k++) /* device voltages: of the first cycles */
+      CLOSE_OF(a->result.values[k].value, b->result.values[k].value, b->result.values[k].value,
+               3 * tolerance);
+  for (int k = 0; k < a->result.measures->n_extremes;
+       k++) /* device voltages: of the first cycles */
     CLOSE_OF(a->result.measures->extremes[k].best.value, b->result.measures->extremes[k].best.value,
              b->result.measures->extremes[k].best.value, 3 * tolerance);
   for (size_t k = 0; k < a->scene.setup.deck.losses.count; k++)
-    CLOSE_OF(a->result.energy.loss_j[k], b->result.energy.loss_j[k], b->result.energy.joule[VS_E_SOURCE], tolerance);
+    CLOSE_OF(a->result.energy.loss_j[k], b->result.energy.loss_j[k],
+             b->result.energy.joule[VS_E_SOURCE], tolerance);
   vs_trial_free(a);
   vs_trial_free(b);
 }
@@ -241,10 +244,12 @@ static void led_gently(void) {
     CU_ASSERT(difference(&left, &stayed) <= (left.times ? left.bound : 0));
     for (size_t d = 0; d < a->result.devices->count; d++)
       for (size_t k = 0; k < a->result.devices->item[d].count; k++) {
-        const vs_reduced *x = &a->result.devices->item[d].reduced[k], *y = &b->result.devices->item[d].reduced[k];
+        const vs_reduced *x = &a->result.devices->item[d].reduced[k],
+                         *y = &b->result.devices->item[d].reduced[k];
         if (!y->value.known || fabs(y->value.value) < 1e-9) continue;
         EXPECT(fabs(x->value.value / y->value.value - 1) < 0.02, "%s: %s.%s is %g, and %g", R2[r],
-               a->result.devices->item[d].device->name, x->measure->name, x->value.value, y->value.value);
+               a->result.devices->item[d].device->name, x->measure->name, x->value.value,
+               y->value.value);
       }
     vs_trial_free(a);
     vs_trial_free(b);

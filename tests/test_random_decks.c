@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Decks that are another circuit in each run: what ngspice draws anew is refused where it stands, in
- * every file of a deck, and nothing else of a like name is. */
+ * Decks that are another circuit in each run: what ngspice draws anew is refused where it stands,
+ * in every file of a deck, and nothing else of a like name is. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -67,7 +67,8 @@ static void each_form(void) {
 
 static void every_file(void) {
   make_deck(".include more.inc\nX9 y 0 some");
-  write_file("more.inc", "* a part of the deck\n.subckt some a b\nR9 a b {gauss(1k,0.1,3)}\n.ends\n");
+  write_file("more.inc",
+             "* a part of the deck\n.subckt some a b\nR9 a b {gauss(1k,0.1,3)}\n.ends\n");
   expect_refused("more.inc:3:9: gauss", "random", "an include");
   char *part = read_file(VS_TEST_FOLDER "/../spice/parts/latch.inc");
   vs_text own = {0};

@@ -121,17 +121,18 @@ static void a_grid(void) {
   CU_ASSERT_EQUAL(count_lines(r.out), 1 + 2 * 2 * 3 * 2 * 2);
   CU_ASSERT_EQUAL(strncmp(r.out, "case,id,supply.voltage_v,", 25), 0);
   without_ids(r.out);
-  static const char *const HAS[] = {"case,supply.voltage_v,firing.every,load.density_g_cm3,firing."
-                                    "angle_deg,machine.m14,i_peak_a,",
-                                    ",energy_residual,margin_least,margin_error,weakest,rung,leaving_bound,warnings,status\n",
-                                    "\n0,440,once,0.01,100,paper,",
-                                    "\n1,440,once,0.01,100,derived,",
-                                    "\n2,440,once,0.01,105,paper,",
-                                    "\n4,440,once,0.1,100,paper,",
-                                    "\n8,440,once,1,100,paper,",
-                                    "\n12,440,2,0.01,100,paper,",
-                                    "\n24,400,once,0.01,100,paper,",
-                                    "\n47,400,2,1,105,derived,"};
+  static const char *const HAS[] = {
+      "case,supply.voltage_v,firing.every,load.density_g_cm3,firing."
+      "angle_deg,machine.m14,i_peak_a,",
+      ",energy_residual,margin_least,margin_error,weakest,rung,leaving_bound,warnings,status\n",
+      "\n0,440,once,0.01,100,paper,",
+      "\n1,440,once,0.01,100,derived,",
+      "\n2,440,once,0.01,105,paper,",
+      "\n4,440,once,0.1,100,paper,",
+      "\n8,440,once,1,100,paper,",
+      "\n12,440,2,0.01,100,paper,",
+      "\n24,400,once,0.01,100,paper,",
+      "\n47,400,2,1,105,derived,"};
   for (size_t k = 0; k < COUNT(HAS); k++)
     EXPECT(strstr(r.out, HAS[k]), "no %s in %s", HAS[k], r.out);
   free_ran(&r);

@@ -14,8 +14,8 @@ static const char DECK[] = "*$ port mains = Vm\n*$ probe v_r = v(a) V\n"
                            "*$ device r1 resistor = v(a), v(a)/100\n*$ device c1 capacitor = v(a), "
                            "v(a)/100\nVm a 0 external\nR1 a 0 100\nRe a e 1meg\nXeva e 0 eva\n";
 
-/* The mean of v^2 over a stretch: exact for straight lines between knots, which is what all watchers
- * of devices take it for. */
+/* The mean of v^2 over a stretch: exact for straight lines between knots, which is what all
+ * watchers of devices take it for. */
 typedef struct mean_square {
   double from_s, to_s, sum;
 } mean_square;
@@ -115,10 +115,11 @@ static void table_and_json_say_it(void) {
 /* ---- one shot ---- */
 
 /* A part that conducts through 50 ohm while its gate is on: nothing that wants short steps. */
-static const char PART[] = "* SPDX-License-Identifier: GPL-3.0-or-later\n"
-                           "*$ part thyristor \"a resistor that its gate switches\"\n"
-                           "*$ limit i_t_rms = 12 A \"as if\"\n"
-                           ".subckt gated a k g\nRg g k 1k\nBk a k I=v(a,k)*v(g,k)*20m\n.ends gated\n";
+static const char PART[] =
+    "* SPDX-License-Identifier: GPL-3.0-or-later\n"
+    "*$ part thyristor \"a resistor that its gate switches\"\n"
+    "*$ limit i_t_rms = 12 A \"as if\"\n"
+    ".subckt gated a k g\nRg g k 1k\nBk a k I=v(a,k)*v(g,k)*20m\n.ends gated\n";
 static const char GATED[] = "*$ param thyristor = gated.inc part thyristor\n*$ port mains = Vm\n"
                             "*$ port gate = Vg\n*$ probe v_ak = v(a,b) V\n"
                             "*$ device thyristor = v(a,b), i(Vt)\nVm a 0 external\n"

@@ -20,7 +20,8 @@ static const char DECK[] =
     "Bh h 0 V=max(v(a),0)\nBt t 0 V=max(v(a),-1m)\nBd d 0 V=max(v(a),-20)\nRe a e 1meg\n"
     "Xeva e 0 eva\n";
 
-/* One rating, judged. The extremes are the sine's to 1e-3, as knots lie half a millisecond apart. */
+/* One rating, judged. The extremes are the sine's to 1e-3, as knots lie half a millisecond apart.
+ */
 typedef struct row {
   const char *rating;
   double margin; /* infinite: no limit of it is a number other than 0, and its sign is kept */

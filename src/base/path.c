@@ -168,7 +168,8 @@ enum { RANDOM = 6 }; /* characters behind that, of mkostemp's */
 static bool is_temporary(const char *name) {
   size_t n = sizeof TEMPORARY - 1;
   return !strncmp(name, TEMPORARY, n) && strlen(name) == n + RANDOM &&
-         strspn(name + n, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789") == RANDOM;
+         strspn(name + n, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789") ==
+             RANDOM;
 }
 
 /* Takes it away if it is this user's and nobody has it locked; not where locks are not known. */

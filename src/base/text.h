@@ -16,7 +16,7 @@ void vs_text_add(vs_text *t, const char *format, ...) __attribute__((format(prin
 void vs_text_json(vs_text *t, const char *string); /* quoted and escaped as JSON wants it */
 void vs_text_free(vs_text *t);
 
-_Noreturn void vs_out_of_memory(void);      /* says so and ends the process */
+_Noreturn void vs_out_of_memory(void);     /* says so and ends the process */
 void *vs_alloc(size_t count, size_t size); /* zeroed; ends the process when memory ends */
 char *vs_copy(const char *string);         /* the same for strings; free() both */
 

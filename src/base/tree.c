@@ -148,13 +148,15 @@ static vs_status check_bytes(const char *text, size_t length, const char *file, 
   for (const char *end; (end = memchr(line, '\n', (size_t)(bad - line))); where.line++)
     line = end + 1;
   where.column = vs_column(line, bad);
-  return vs_fail_at(err, where, "the byte 0x%02x is not UTF8; what is read here is written in UTF-8",
+  return vs_fail_at(err, where,
+                    "the byte 0x%02x is not UTF8; what is read here is written in UTF-8",
                     (unsigned char)*bad);
 }
 
 /* What libfyaml 0.7 takes time for that grows with the square of their number, and no scene has so
  * many of: anchors (each is held against all before it; 30,000 take a minute) and empty lines in a
- * row (30,000 in a text block take 4 s). A thousand and ten thousand take less than half a second. */
+ * row (30,000 in a text block take 4 s). A thousand and ten thousand take less than half a second.
+ */
 enum { MOST_ANCHORS = 1000, MOST_EMPTY_LINES = 10000 };
 
 static vs_status check_patience(const char *text, size_t length, const char *file, vs_error *err) {

@@ -18,10 +18,10 @@ vs_case *vs_case_new(const vs_plan *plan, const char *keep);
 void vs_case_free(vs_case *c);
 
 /* Runs the case and adds its row: "case,id,axes,columns,margin_least,margin_error,weakest,
- * rung,leaving_bound,warnings,status" (margin_error is empty unless run.verify: always; rung: of the ladder; leaving_bound: on the error
- * by having left ngspice, a part of each peak); of
- * one that failed "case,id,axes,1,why". No newline. *circuit: ngspice was used. id:
- * batch/identity.h; empty where the case's scene is refused. */
+ * rung,leaving_bound,warnings,status" (margin_error is empty unless run.verify: always; rung: of
+ * the ladder; leaving_bound: on the error by having left ngspice, a part of each peak); of one that
+ * failed "case,id,axes,1,why". No newline. *circuit: ngspice was used. id: batch/identity.h; empty
+ * where the case's scene is refused. */
 int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, bool *circuit);
 
 /* The row of a case that its worker did not live to tell. Reads its scene for its id, so it takes

@@ -229,8 +229,8 @@ static bool is_violated(const char *row, size_t length) {
 
 /* Cases may be done out of their order by as many as all workers have at a time (VS_WORKER_QUEUE
  * each, of whom there are 4096 at most); and a line of one takes more bytes than this. What lies
- * farther ahead than the rows before it account for, no study wrote: so much memory is for so long a
- * file. */
+ * farther ahead than the rows before it account for, no study wrote: so much memory is for so long
+ * a file. */
 static bool is_in_reach(const vs_journal *j, uint64_t index, uint64_t at) {
   enum { AHEAD = 4096 * 256, SHORTEST_LINE = 12 };
   return own(j, index) <= at / SHORTEST_LINE + AHEAD;
@@ -301,10 +301,11 @@ vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error
   if (mend) status = lock(j, err); /* before it is read: whoever had it may have added to it */
   if (!status) status = read_lines(j, &j->end, err);
   if (!status && j->two_heads)
-    status = vs_fail(err, VS_INPUT,
-                     "%s: has two heads, so that its rows may be of two studies; a journal has one, "
-                     "in its first lines",
-                     j->path);
+    status =
+        vs_fail(err, VS_INPUT,
+                "%s: has two heads, so that its rows may be of two studies; a journal has one, "
+                "in its first lines",
+                j->path);
   if (!status && !is_whole(&j->head))
     status = vs_fail(err, VS_INPUT,
                      "%s: is no journal of a study: its head lacks a line, or has counts that no "

@@ -5,8 +5,8 @@
  *
  * with the CRC-32 of "KIND TEXT" in 8 hexadecimal digits. KIND h: the head, NAME=VALUE; =: a row of
  * study.csv; !: a row of failures.csv. Lines are only ever added. One whose sum is wrong does not
- * count: its case is not done. The last one may be torn; it is cut off when the study goes on. There
- * is one head, and it comes first.
+ * count: its case is not done. The last one may be torn; it is cut off when the study goes on.
+ * There is one head, and it comes first.
  *
  * The rows themselves stay on the disk; of each case 8 bytes are in memory. No count that stands in
  * a journal makes it take more than its length justifies. */

@@ -25,7 +25,7 @@ typedef struct session {
   vs_jobs *jobs;
   char folder[VS_PATH_SIZE], keep[VS_PATH_SIZE + 8];
   char own[N_RESULTS + 1][VS_PATH_SIZE + 16]; /* without -o: what stands in the folder */
-  int made;             /* folders, for the output */
+  int made;                                   /* folders, for the output */
   uint64_t next, until; /* cases to deal; of an adaptive plan the present generation's */
   uint64_t total;       /* own cases, for the progress */
   uint64_t before;      /* done when it began */
@@ -236,7 +236,8 @@ static vs_status open_journal(session *s, vs_error *err) {
                      s->o->shard, s->plan.adaptive->method->name);
   struct stat st;
   if (!status && s->o->keep_runs && !lstat(s->keep, &st) && S_ISLNK(st.st_mode))
-    status = vs_fail(err, VS_INPUT, "%s: is a link; runs are kept in the study's own folder", s->keep);
+    status =
+        vs_fail(err, VS_INPUT, "%s: is a link; runs are kept in the study's own folder", s->keep);
   if (!status) status = vs_folder_make(s->folder, &s->made, err);
   bool there = !status && vs_journal_exists(s->folder);
   if (!status && there && s->o->resume)
@@ -378,9 +379,11 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   s->journal.fd = s->journal.folder = -1;
   vs_status status = VS_OK;
   if (o->resume && o->overwrite)
-    status = vs_fail(err, VS_INPUT, "--resume goes on with what is there, --overwrite throws it "
-                                    "away; give one of them");
-  else if (!o->folder && (o->resume || o->keep_runs || o->shard || o->progress_json || o->overwrite))
+    status = vs_fail(err, VS_INPUT,
+                     "--resume goes on with what is there, --overwrite throws it "
+                     "away; give one of them");
+  else if (!o->folder &&
+           (o->resume || o->keep_runs || o->shard || o->progress_json || o->overwrite))
     status = vs_fail(err, VS_INPUT, "%s: wants a folder; name one with -o DIR",
                      o->resume          ? "--resume"
                      : o->overwrite     ? "--overwrite"

@@ -19,7 +19,7 @@ typedef struct vs_circuit_job {
   const char *const
       *signals; /* what accept() is given: "v(a)", "i(vth)", lower case; "v(0)" is 0 */
   size_t n_signals;
-  size_t n_wanted; /* of these, the last ones: one that is not there is NaN, no error */
+  size_t n_wanted;            /* of these, the last ones: one that is not there is NaN, no error */
   double until_s, max_step_s; /* the run goes from 0 to until_s in steps of at most max_step_s */
   bool gear;                  /* Gear's rule of second order, not the trapezoidal */
   const char *dialect;        /* how the netlist is to be read: "ps", or "" for ngspice's own */
@@ -27,7 +27,7 @@ typedef struct vs_circuit_job {
    * a difference of currents is none */
   double relative_tolerance, current_tolerance_a;
   double voltage_tolerance_v; /* as of currents; 0: ngspice's own 1e-6 */
-  double charge_tolerance_c; /* below it a capacitor's charge is none; 0: ngspice's own 1e-14 */
+  double charge_tolerance_c;  /* below it a capacitor's charge is none; 0: ngspice's own 1e-14 */
   /* Least part of a column's largest entry that a pivot may be (ngspice's pivrel); 0: its own 1e-3.
    * It decides the order of elimination, and so how rounding errors add up. */
   double pivot_threshold;

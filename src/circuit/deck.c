@@ -119,8 +119,8 @@ static vs_status take_line(vs_deck *deck, vs_line line, vs_error *err) {
   return VS_OK;
 }
 
-/* A line that may go on: its text so far (NULL: there is none), how much of that stands in its first
- * line, and where that is. */
+/* A line that may go on: its text so far (NULL: there is none), how much of that stands in its
+ * first line, and where that is. */
 typedef struct begun_line {
   vs_text text;
   size_t first;

@@ -16,8 +16,8 @@
  *   *$ loss   NAME = FORMULA                           power that leaves the circuit, W
  *   *$ store  NAME = FORMULA                           energy held in the circuit, J
  *   *$ rating PROBE MIN..MAX UNIT  "TEXT"              allowed for a probe; enters the verdict.
- * Each end is a number or a limit of a part: -thyristor.v_rrm. An end of 0 says which sign the probe
- * may have, and is no margin while it is kept
+ * Each end is a number or a limit of a part: -thyristor.v_rrm. An end of 0 says which sign the
+ * probe may have, and is no margin while it is kept
  *   *$ require A <= B  "TEXT"                          a condition between parameters (or A < B)
  *   *$ device NAME [PART or KIND] [gate+ANGLE] [protects DEVICE] = FORMULA, FORMULA [, FORMULA]
  * "TEXT"                             its voltage and current, and its core's flux linkage, V.s (of

@@ -47,8 +47,8 @@ static void split(const char *line, words *w) {
 typedef struct level {
   const struct level *home; /* where its definition stands: what is defined there it may use */
   size_t first, last;
-  char path[VS_MEMORY_NAME]; /* "" or "xa.xb." */
-  words inner; /* its .subckt line: the nodes are words 2 .. */
+  char path[VS_MEMORY_NAME];              /* "" or "xa.xb." */
+  words inner;                            /* its .subckt line: the nodes are words 2 .. */
   char names[MOST_WORDS][VS_MEMORY_NAME]; /* of the nodes it hangs at, full */
   size_t n_nodes;
   int depth;
@@ -87,8 +87,7 @@ static bool is_global(const vs_deck *deck, const char *node) {
 }
 
 /* A node's name in the whole circuit. */
-static void full_name(const search *s, const level *l, const char *node,
-                      char out[VS_MEMORY_NAME]) {
+static void full_name(const search *s, const level *l, const char *node, char out[VS_MEMORY_NAME]) {
   for (size_t k = 0; k < l->n_nodes; k++)
     if (!strcmp(l->inner.word[k + 2], node)) {
       snprintf(out, VS_MEMORY_NAME, "%s", l->names[k]);
@@ -154,8 +153,8 @@ static bool model_says(const vs_deck *deck, const char *model, const char *const
 
 /* A junction whose model has no charge holds none. */
 static bool holds_charge(const search *s, const words *w, size_t from) {
-  static const char *const CHARGES[] = {"cjo", "cj0", "cj",  "cjp", "cjsw", "tt", "cje",
-                                        "cjc", "cjs", "tf",  "tr",  "cgs",  "cgd"};
+  static const char *const CHARGES[] = {"cjo", "cj0", "cj", "cjp", "cjsw", "tt", "cje",
+                                        "cjc", "cjs", "tf", "tr",  "cgs",  "cgd"};
   for (size_t k = from; k < w->count; k++)
     if (MODEL_SAYS(s->deck, w->word[k], CHARGES)) return true;
   return false;
@@ -163,8 +162,8 @@ static bool holds_charge(const search *s, const words *w, size_t from) {
 
 /* Code models whose output follows from their inputs alone. */
 static bool forgets(const search *s, const words *w) {
-  static const char *const MEMORIES[] = {"hyst",    "slew",  "s_xfer", "int",    "d_dt",
-                                         "lcouple", "core",  "delay",  "pswitch"};
+  static const char *const MEMORIES[] = {"hyst",    "slew", "s_xfer", "int",    "d_dt",
+                                         "lcouple", "core", "delay",  "pswitch"};
   return w->count > 1 && !MODEL_SAYS(s->deck, w->word[w->count - 1], MEMORIES);
 }
 
@@ -273,8 +272,7 @@ static bool subcircuit(const search *s, const level *l, const words *w) {
   bool good = !in->inner.cut && w->count == in->inner.count &&
               strlen(l->path) + strlen(w->word[0]) + 2 < 80;
   snprintf(in->path, sizeof in->path, "%.80s%.60s.", l->path, w->word[0]);
-  for (size_t k = 0; good && k < in->n_nodes; k++)
-    full_name(s, l, w->word[k + 1], in->names[k]);
+  for (size_t k = 0; good && k < in->n_nodes; k++) full_name(s, l, w->word[k + 1], in->names[k]);
   good = good && take_apart(s, in);
   free(in);
   return good;

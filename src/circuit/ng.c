@@ -239,7 +239,9 @@ static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
   if (t <= ng.reached_s) return 0;
   if (ng.trial) _exit(TRIAL_GOOD);
   for (size_t s = 0; s < ng.job->n_signals; s++)
-    ng.values[s] = ng.vector[s] >= 0 ? all->vecsa[ng.vector[s]]->creal : ng.vector[s] == -1 ? 0 : NAN;
+    ng.values[s] = ng.vector[s] >= 0    ? all->vecsa[ng.vector[s]]->creal
+                   : ng.vector[s] == -1 ? 0
+                                        : NAN;
   ng.reached_s = t;
   stop_with(ng.host->accept(ng.host->ctx, t, ng.values, ng.err));
   if (!ng.status && ng.raw.stream) {
@@ -303,9 +305,11 @@ static int on_sync(double t, double *step, double old_step, int redo, int id, in
  * the kind. Without them it takes those it was installed with, code models and all. */
 static void forget_environment(void) {
   static const char *const NAMES[] = {
-      "SPICE_LIB_DIR", "SPICE_SCRIPTS", "SPICE_EXEC_DIR",   "SPICE_PATH",    "SPICE_HELP_DIR",
-      "SPICE_NEWS",    "SPICE_MAPFILE", "SPICE_ASCIIRAWFILE", "SPICE_EDITOR", "SPICE_HOST",
-      "SPICE_BUGADDR", "SPICE_NO_DATASEG_CHECK", "NGSPICE_INPUT_DIR", "NGSPICE_MEAS_PRECISION"};
+      "SPICE_LIB_DIR",     "SPICE_SCRIPTS",         "SPICE_EXEC_DIR",
+      "SPICE_PATH",        "SPICE_HELP_DIR",        "SPICE_NEWS",
+      "SPICE_MAPFILE",     "SPICE_ASCIIRAWFILE",    "SPICE_EDITOR",
+      "SPICE_HOST",        "SPICE_BUGADDR",         "SPICE_NO_DATASEG_CHECK",
+      "NGSPICE_INPUT_DIR", "NGSPICE_MEAS_PRECISION"};
   for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) unsetenv(NAMES[k]);
 }
 
@@ -339,8 +343,7 @@ static vs_status initialise(vs_error *err) {
   bool made = home >= 0 && make_folder(folder);
   if (made && !chdir(folder)) empty = open(".spiceinit", O_WRONLY | O_CREAT | O_EXCL, 0600);
   if (empty < 0)
-    status = vs_fail(err, VS_RUN, "no private folder for ngspice: %s: %s", folder,
-                     strerror(errno));
+    status = vs_fail(err, VS_RUN, "no private folder for ngspice: %s: %s", folder, strerror(errno));
   else {
     close(empty);
     call_init();

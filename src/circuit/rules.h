@@ -12,10 +12,10 @@ vs_status vs_rule_statement(vs_deck *deck, const char *line, vs_where where, vs_
 vs_status vs_rule_element(vs_deck *deck, const char *line, vs_where where, vs_error *err);
 
 /* Refuses what ngspice draws anew in each run, in any line but one that includes a file: gauss,
- * agauss, unif, aunif and limit wherever an expression calls them, trnoise and trrandom of a source.
- * Names that merely contain such a word are fine, as is the code model limit. A deck's own .func of
- * such a name is refused too: ngspice has the name for itself in some expressions and not in
- * others. pspice: the deck is read in that dialect, whose LIMIT of three is no such thing. */
+ * agauss, unif, aunif and limit wherever an expression calls them, trnoise and trrandom of a
+ * source. Names that merely contain such a word are fine, as is the code model limit. A deck's own
+ * .func of such a name is refused too: ngspice has the name for itself in some expressions and not
+ * in others. pspice: the deck is read in that dialect, whose LIMIT of three is no such thing. */
 vs_status vs_rule_random(const char *line, bool pspice, vs_where where, vs_error *err);
 
 /* "Vname n m external"; name is filled, in lower case. */

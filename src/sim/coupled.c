@@ -49,8 +49,9 @@ typedef struct coupling {
   double followed_s; /* up to then */
   double bound;      /* on the error by having left it */
   vs_swing swing;    /* of the coil's voltage */
-  vs_memories memories; /* of the circuit, which the solver shows last of all; watched to leave it */
-  size_t first_memory;  /* among the signals */
+  vs_memories
+      memories;        /* of the circuit, which the solver shows last of all; watched to leave it */
+  size_t first_memory; /* among the signals */
 } coupling;
 
 /* Sets the flux linkage's course and the machine's state from which it is to be taken on. */
@@ -190,9 +191,12 @@ static vs_status show(coupling *c, const vs_knot *k, vs_event contact, vs_error 
   vs_knot *from = &c->knots[c->now], *to = &c->knots[1 - c->now];
   if (from->t_s == 0)
     memcpy(from->terms, k->terms, sizeof k->terms); /* the solver shows none at t = 0 */
-  vs_step step = {
-      .frame = &c->frame, .from = from, .to = to, .cubic_flux = true, .periodic = c->without,
-      .held = c->jammed};
+  vs_step step = {.frame = &c->frame,
+                  .from = from,
+                  .to = to,
+                  .cubic_flux = true,
+                  .periodic = c->without,
+                  .held = c->jammed};
   step.event[0] = find_event(c, from, k, &step.event_s[0]);
   vs_knot_copy(&c->frame, k, to);
   step.event[1] = contact;

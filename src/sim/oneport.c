@@ -275,8 +275,8 @@ static double through_coil(const vs_oneport *o) {
   return 1 / (hypot(o->g_s + r / coil2, w * o->c_f - x / coil2) * sqrt(coil2));
 }
 
-void vs_oneport_walked(const vs_oneport *o, const vs_seen *const *seen, size_t count, double *sine_a,
-                       double *mean_a) {
+void vs_oneport_walked(const vs_oneport *o, const vs_seen *const *seen, size_t count,
+                       double *sine_a, double *mean_a) {
   fit f = fit_new(count, source_columns(o));
   double x[LAW_COLUMNS], rate = o->dynamic ? o->setup->timeline.omega_rad_s : 1;
   const double found[LAW_COLUMNS] = {o->cosine, o->sine, o->mean_a, 0, o->g_s, o->c_f, o->tau_s};
@@ -373,8 +373,7 @@ static bool begin_signals(const vs_oneport *o, const sight *in, int kind, fit *f
     vs_oneport_state(seen, y);
     vs_coil c = vs_oneport_coil(o, seen->t_s, y);
     columns(o, seen->t_s, &c, column);
-    for (size_t j = 0; j < f->a->size2; j++)
-      gsl_matrix_set(f->a, k, j, column[column_at(kind, j)]);
+    for (size_t j = 0; j < f->a->size2; j++) gsl_matrix_set(f->a, k, j, column[column_at(kind, j)]);
   }
   return fit_decompose(f);
 }
@@ -433,8 +432,7 @@ double vs_oneport_lag(const vs_oneport *o) {
 
 vs_oneport *vs_oneport_new(const vs_setup *setup, const vs_frame *frame, size_t memories) {
   vs_oneport *o = vs_alloc(1, sizeof *o);
-  *o = (vs_oneport){
-      .setup = setup, .frame = frame, .signals = frame->deck->n_terms + 1 + memories};
+  *o = (vs_oneport){.setup = setup, .frame = frame, .signals = frame->deck->n_terms + 1 + memories};
   o->system = (gsl_odeiv2_system){rhs, NULL, VS_ONEPORT_STATES, o};
   o->step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, VS_ONEPORT_STATES);
   return o;

@@ -54,8 +54,8 @@ void vs_oneport_signals(const vs_oneport *o, double t_s, const vs_coil *coil,
 
 /* By how much the coil's current would be another if the source were what fits a cycle that it was
  * not fitted to, with the coil at rest: its sine and its mean, A; INFINITY: GSL finds none. */
-void vs_oneport_walked(const vs_oneport *o, const vs_seen *const *seen, size_t count, double *sine_a,
-                       double *mean_a);
+void vs_oneport_walked(const vs_oneport *o, const vs_seen *const *seen, size_t count,
+                       double *sine_a, double *mean_a);
 
 /* How far an instant lies beyond those the law was fitted to: an error of its numbers that does
  * not show there by more than e may make the current wrong by this times e here. */

@@ -46,8 +46,8 @@ static double solver_tolerance(const vs_setup *s, bool blows) {
 
 /* A step's truncation error is a part of a capacitor's charge, and so it falls with the third power
  * of the step; what such steps add up to, with the second. So it must fall as the tolerance to the
- * power of 1.5: the solver's tolerance sees to the first power, this to the rest. With that alone the
- * error was up to 50 times the tolerance at 1e-7 (tests/test_tolerance_grid.c). */
+ * power of 1.5: the solver's tolerance sees to the first power, this to the rest. With that alone
+ * the error was up to 50 times the tolerance at 1e-7 (tests/test_tolerance_grid.c). */
 static double truncation(const vs_setup *s) {
   return s->run.trtol * fmin(1, sqrt(s->run.tolerance / 1e-4));
 }
@@ -64,8 +64,8 @@ static double current_scale(const vs_setup *s) {
 static const double VOLTAGE_SCALE_V = 10;
 
 /* No error of a charge below this matters, C: a microvolt on 1 nF. Without it, where a thyristor
- * fires while a snubber's capacitor is just empty, the solver takes steps of down to 1e-18 s to keep
- * a part of no charge, or finds none short enough and gives up. */
+ * fires while a snubber's capacitor is just empty, the solver takes steps of down to 1e-18 s to
+ * keep a part of no charge, or finds none short enough and gives up. */
 static const double LEAST_CHARGE_C = 1e-15;
 
 vs_pace vs_pace_of(const vs_setup *s) {

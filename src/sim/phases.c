@@ -14,11 +14,11 @@ typedef struct phases {
   vs_knot knots[2]; /* the last accepted one is knots[now] */
   int now;
   double largest_wb; /* |lambda| at any knot so far */
-  vs_driven driven;                /* from that knot on */
-  bool disturbed;                  /* the scene has events */
-  double jams_s;                   /* INFINITY: it does not */
-  double began_s;                  /* where local time began, and with it the mains' wave */
-  double since_s; /* local time of the last knot; as fine after hours as at first */
+  vs_driven driven;  /* from that knot on */
+  bool disturbed;    /* the scene has events */
+  double jams_s;     /* INFINITY: it does not */
+  double began_s;    /* where local time began, and with it the mains' wave */
+  double since_s;    /* local time of the last knot; as fine after hours as at first */
   double longest_s, longest_driven_s, longest_touching_s; /* step: free, conducting, in the stop */
   double rough; /* part of what is large that dense output may be off by */
   double propagator_column[VS_STATES][VS_STATES]; /* exp(A longest_s); [j][i] is row i, column j */
@@ -226,8 +226,8 @@ static ending find_ending(const phases *p, double *length) {
     found = FLUX_ENDS;
     *length = locate(p, FLUX_ENDS, lower, upper);
   }
-  bool leaves = p->driven.touching && !p->driven.held &&
-                !vs_in_stop(p->driven.frame->model, to->x[P]);
+  bool leaves =
+      p->driven.touching && !p->driven.held && !vs_in_stop(p->driven.frame->model, to->x[P]);
   if (!leaves && isnan(contact)) return found;
   ending change = leaves ? CONTACT_ENDS : CONTACT_BEGINS;
   double at = locate(p, change, 0, leaves ? full : contact - p->knots[p->now].t_s);

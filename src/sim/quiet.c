@@ -18,12 +18,14 @@ enum { FIT_CYCLES = 2, CYCLES_KEPT = 4, MOST_KEPT = 1024 };
 /* Of run.tolerance, for having left the circuit; how much worse than in the cycle in which it was
  * looked at the one-port may be later; what the integration without the solver may cost; and of
  * run.tolerance, by how much a run that stays differs from itself. */
-static const double SHARE = 0.75, SAFETY = 5, WALK_SAFETY = 2, SAMPLING = 0.02, INTEGRATION = 1e-7, ITS_OWN = 1e-3;
+static const double SHARE = 0.75, SAFETY = 5, WALK_SAFETY = 2, SAMPLING = 0.02, INTEGRATION = 1e-7,
+                    ITS_OWN = 1e-3;
 
 /* By how many run.tolerance of its peak one of the deck's signals may be wrong, or of 1 V or 0.1 A,
  * which is what the solver tells apart; how many times that it may drift to the end, as a fuse's
  * integral does (a store may not at all: its current would go on changing). */
-static const double SIGNAL_SHARE = 3, HIDDEN_SHARE = 1, LEAST_HIDDEN = 1e-3, EXTREMES = 0.2, LEAST_V = 1, LEAST_A = 0.1, MOST_DRIFT = 100;
+static const double SIGNAL_SHARE = 3, HIDDEN_SHARE = 1, LEAST_HIDDEN = 1e-3, EXTREMES = 0.2,
+                    LEAST_V = 1, LEAST_A = 0.1, MOST_DRIFT = 100;
 
 struct vs_quiet {
   const vs_setup *setup;
@@ -33,21 +35,21 @@ struct vs_quiet {
   gsl_matrix_complex *vectors; /* of the modes, (shape, s shape), decomposed */
   gsl_permutation *order;
   gsl_vector_complex *share;
-  vs_seen *kept; /* a ring: first, count */
+  vs_seen *kept;  /* a ring: first, count */
   double *memory; /* of each of them */
   size_t first, count;
   const vs_seen *seen[VS_MOST_SEEN]; /* a cycle of it in order, while it is looked at that */
   size_t n_seen;
-  vs_coil coil[VS_MOST_SEEN];        /* what the one-port says of them */
-  vs_seen last;                      /* knot taken, also when it is not kept */
-  bool any, blind; /* blind: the solver does not show what it remembers */
-  double looked_s, blocks_s; /* when it was last looked, and since when the thyristor blocks */
-  double bound_before[2];    /* with either law, when it was last looked; infinite: not yet */
+  vs_coil coil[VS_MOST_SEEN]; /* what the one-port says of them */
+  vs_seen last;               /* knot taken, also when it is not kept */
+  bool any, blind;            /* blind: the solver does not show what it remembers */
+  double looked_s, blocks_s;  /* when it was last looked, and since when the thyristor blocks */
+  double bound_before[2];     /* with either law, when it was last looked; infinite: not yet */
   double carried[VS_STATES], carried_s; /* each mode's error of having left before; as of then */
   double peak_x[VS_DOF], peak_force_n, peak_a, peak_signal[VS_SIGNALS];
   double least[VS_MEMORIES], most[VS_MEMORIES]; /* of each memory, so far */
   double unfitted[VS_SIGNALS]; /* what the law by which it was left did not say of each signal */
-  double stepped[VS_SIGNALS];                   /* the signals where vs_quiet_step has come */
+  double stepped[VS_SIGNALS];  /* the signals where vs_quiet_step has come */
   vs_oneport *port;
 };
 
@@ -123,8 +125,8 @@ void vs_quiet_take(vs_quiet *q, const vs_knot *k, const double *memory, bool blo
     return;
   }
   if (q->count && k->t_s < kept_at(q, q->count - 1)->knot.t_s + period / PER_CYCLE) return;
-  while (q->count && (q->count == MOST_KEPT ||
-                      kept_at(q, 0)->knot.t_s < k->t_s - CYCLES_KEPT * period)) {
+  while (q->count &&
+         (q->count == MOST_KEPT || kept_at(q, 0)->knot.t_s < k->t_s - CYCLES_KEPT * period)) {
     q->first = (q->first + 1) % MOST_KEPT;
     q->count--;
   }
@@ -325,8 +327,8 @@ static void see_parts(const vs_quiet *q, parts *all) {
   }
 }
 
-/* What a mode takes from the cycle in view if the flux linkage there is more by a sine of the mains'
- * frequency, of any phase, and a mean: the force is more in proportion to their product. */
+/* What a mode takes from the cycle in view if the flux linkage there is more by a sine of the
+ * mains' frequency, of any phase, and a mean: the force is more in proportion to their product. */
 static double swing(const vs_quiet *q, const vs_mode *m, double sine, double mean) {
   double sum[3][2] = {{0}}, w = q->setup->timeline.omega_rad_s, t0 = q->seen[0]->knot.t_s;
   for (size_t k = 1; k < q->n_seen; k++) {
@@ -343,8 +345,8 @@ static double swing(const vs_quiet *q, const vs_mode *m, double sine, double mea
          mean * hypot(sum[2][0], sum[2][1]);
 }
 
-/* From the cycle it was fitted to to the one in view, so many before. What dies away there counts as
- * well, as if it came up. A coil that is driven so much more makes a force in proportion to the
+/* From the cycle it was fitted to to the one in view, so many before. What dies away there counts
+ * as well, as if it came up. A coil that is driven so much more makes a force in proportion to the
  * flux linkage it has. */
 static void find_walk(const vs_quiet *q, const parts *fitted, int cycles, walk *w) {
   static parts earlier; /* large */
@@ -423,8 +425,8 @@ static double scale_of(const vs_quiet *q, size_t n) {
   return allowed(q, n) / (SIGNAL_SHARE * q->setup->run.tolerance);
 }
 
-/* Do the deck's signals, and all that the circuit remembers, do as they did, to the end? An integral
- * that only shows may drift on. */
+/* Do the deck's signals, and all that the circuit remembers, do as they did, to the end? An
+ * integral that only shows may drift on. */
 static bool signals_hold(const vs_quiet *q, const misfit *wrong, double until_s) {
   for (size_t n = 0; n < n_signals(q); n++) {
     double most = allowed(q, n);
@@ -450,8 +452,8 @@ static double beat_cycles(const vs_quiet *q) {
   return most;
 }
 
-/* What the signals are wrong by at the end, the worst of them relative to its peak. Of what nobody is
- * told only the walk counts, and of that what is more than the sampling of a law's misfit makes.
+/* What the signals are wrong by at the end, the worst of them relative to its peak. Of what nobody
+ * is told only the walk counts, and of that what is more than the sampling of a law's misfit makes.
  * What a signal that hangs on the coil is wrong by, more in each cycle, is for the beat of the
  * machine with the mains, beyond which it grows no more: the source's own walk is known better. */
 static double signals_bound(const vs_quiet *q, const misfit *wrong, const walk *w, double cycles) {
@@ -469,8 +471,8 @@ static double signals_bound(const vs_quiet *q, const misfit *wrong, const walk *
 
 /* The same with what the law says of the cycle that ended so many before the last knot, to which it
  * was not fitted. */
-static double earlier_bound(vs_quiet *q, const misfit *wrong, const parts *fitted, int earlier, double until_s,
-                            walk *w) {
+static double earlier_bound(vs_quiet *q, const misfit *wrong, const parts *fitted, int earlier,
+                            double until_s, walk *w) {
   double cycles = (until_s - q->last.knot.t_s) / q->setup->timeline.period_s;
   if (!view(q, 1, earlier)) return INFINITY;
   find_walk(q, fitted, earlier, w);
@@ -502,7 +504,8 @@ static double bound_of(vs_quiet *q, bool dynamic, double until_s, double error[V
     if (isinf(bound)) break;
     double tried[VS_STATES];
     mode_errors(q, &wrong, &w, &ahead, until_s, tried);
-    double machine = fmax(ahead.reach * electric_bound(q, &wrong) + WALK_SAFETY * w.electric, motion_bound(q, tried));
+    double machine = fmax(ahead.reach * electric_bound(q, &wrong) + WALK_SAFETY * w.electric,
+                          motion_bound(q, tried));
     if (!(machine <= most && fmax(machine, bound) < best)) continue;
     best = fmax(machine, bound);
     memcpy(error, tried, sizeof tried);

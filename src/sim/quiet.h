@@ -38,8 +38,8 @@ void vs_quiet_restart(vs_quiet *q);
 /* C of the law, F; 0: it has none. */
 double vs_quiet_capacitance(const vs_quiet *q);
 
-/* By how much the solver's terms, and what it remembers, differ from the one-port's: the worst of them, in parts of what it
- * may be wrong by, a few tolerances of its peak so far. */
+/* By how much the solver's terms, and what it remembers, differ from the one-port's: the worst of
+ * them, in parts of what it may be wrong by, a few tolerances of its peak so far. */
 double vs_quiet_missed(const vs_quiet *q, const vs_knot *one_port, const vs_knot *solver,
                        const double *memory);
 

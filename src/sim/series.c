@@ -65,7 +65,7 @@ void vs_series_make(const vs_driven *driven, const vs_knot *knot, double span_s,
   const vs_wave *mains = &driven->mains;
   sine_terms sine[VS_WAVE_MOST];
   double per_2a = 1 / (2 * m->a_hm);
-  double z[VS_SERIES_ORDER + 1] = {m->gap_rest_m}, force = 0;           /* terms of the gap */
+  double z[VS_SERIES_ORDER + 1] = {m->gap_rest_m}, force = 0; /* terms of the gap */
   bool moves = !driven->frame->gap_at_rest;
   s->span_s = span_s;
   memset(s->flux, 0, sizeof s->flux);
@@ -162,8 +162,7 @@ static void halve(const stretch *s, stretch *left, stretch *right) {
   left->upper = right->lower = (s->lower + s->upper) / 2;
   for (int n = 0; n <= VS_SERIES_ORDER; n++) {
     left->b[n] = right->b[0];
-    for (int k = 0; k < VS_SERIES_ORDER - n; k++)
-      right->b[k] = (right->b[k] + right->b[k + 1]) / 2;
+    for (int k = 0; k < VS_SERIES_ORDER - n; k++) right->b[k] = (right->b[k] + right->b[k + 1]) / 2;
   }
 }
 

@@ -178,8 +178,8 @@ static const char *wrong_means(const vs_measure_values *v, const vs_node *map, d
       snprintf(text, size, "stands beside %s; write from and to, or last", from ? "from" : "to");
       return "last";
     }
-    snprintf(text, size, "%g cycles of %g s are none, or more than run.until = %g s", v->last_cycles,
-             period_s, until_s);
+    snprintf(text, size, "%g cycles of %g s are none, or more than run.until = %g s",
+             v->last_cycles, period_s, until_s);
     return v->last_cycles > 0 && v->last_cycles * period_s <= until_s * (1 + 1e-12) ? NULL : "last";
   }
   snprintf(text, size, "%g s is beyond run.until = %g s", end_s, until_s);

@@ -44,7 +44,7 @@ typedef struct vs_setup {
   vs_start_values start;
   vs_measure_values measure;
   vs_span_s means; /* as that says */
-  vs_deck deck; /* the scene's, also when the tier does not use it */
+  vs_deck deck;    /* the scene's, also when the tier does not use it */
   vs_circuit_values circuit_values;
   const vs_circuit_kind *solver; /* of the circuit: vs_ngspice, or a test's own */
   FILE *raw;                     /* tier circuit: gets a rawfile of the run; NULL: none */

@@ -108,8 +108,7 @@ static int find_column(const char *header, const char *name) {
 
 static void add_terminal(vs_text *script, const sheet *s, int rows, const char *output) {
   bool svg = strlen(output) > 4 && !strcmp(output + strlen(output) - 4, ".svg");
-  vs_text_add(script,
-              "set terminal %s size %d,%d font 'sans,%d' background rgb 'white'\n",
+  vs_text_add(script, "set terminal %s size %d,%d font 'sans,%d' background rgb 'white'\n",
               svg ? "svg noenhanced dynamic" : "pngcairo noenhanced", 420 * s->columns,
               60 + 260 * rows, 11);
   vs_text_add(script, "set multiplot layout %d,%d title ", rows, s->columns);

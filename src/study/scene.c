@@ -32,8 +32,8 @@ typedef struct circuit_key {
   const char *section, *key;
 } circuit_key;
 static const circuit_key CIRCUIT_KEYS[] = {
-    {"supply", "resistance"}, {"supply", "inductance"},   {"run", "method"}, {"run", "trtol"},
-    {"run", "pivrel"},        {"run", "leave_circuit"},
+    {"supply", "resistance"}, {"supply", "inductance"}, {"run", "method"},
+    {"run", "trtol"},         {"run", "pivrel"},        {"run", "leave_circuit"},
 };
 enum { N_CIRCUIT_KEYS = sizeof CIRCUIT_KEYS / sizeof *CIRCUIT_KEYS };
 
@@ -272,7 +272,8 @@ const char *vs_scene_without_mains(const vs_deck *deck) {
   if (deck->lost & VS_LOST_PORT) return NULL;
   for (size_t k = 0; k < deck->n_ports; k++)
     if (deck->ports[k].signal.drive == VS_DRIVE_MAINS) return NULL;
-  return "no port mains, so that energy_in, what is drawn from the mains, is 0 J, and supply.voltage "
+  return "no port mains, so that energy_in, what is drawn from the mains, is 0 J, and "
+         "supply.voltage "
          "drives nothing";
 }
 
@@ -280,7 +281,8 @@ static void warn_of_mains(vs_scene *s) {
   const vs_deck *deck = s->frame.deck;
   const char *text = deck ? vs_scene_without_mains(deck) : NULL;
   const char *file = deck && deck->n_files ? deck->files[0] : NULL;
-  if (text) vs_fail_at(&s->warnings[s->n_warnings++], (vs_where){.file = file}, "the deck has %s", text);
+  if (text)
+    vs_fail_at(&s->warnings[s->n_warnings++], (vs_where){.file = file}, "the deck has %s", text);
 }
 
 static void warn_of_limits(vs_scene *s) {
@@ -342,9 +344,9 @@ static vs_status conclude(vs_scene *s, const char *tier, vs_error *err) {
 }
 
 vs_status vs_scene_settle(vs_scene *s, const char *tier, vs_error *err) {
-  static const char *const TOP[] = {"machine", "actuator", "load",  "supply", "firing",  "circuit",
-                                    "events",  "run",      "start", "record", "measured",
-                                    "measure"};
+  static const char *const TOP[] = {"machine", "actuator", "load",     "supply",
+                                    "firing",  "circuit",  "events",   "run",
+                                    "start",   "record",   "measured", "measure"};
   vs_status status = vs_known_keys(s->tree.root, "a scene", TOP, sizeof TOP / sizeof *TOP, err);
   s->tier_named = tier;
   if (!status) status = vs_setup_build(s->tree.root, &s->setup, err);

@@ -46,7 +46,8 @@ vs_status vs_scene_again(vs_scene *scene, vs_error *err);
  * vs_scene_free also after an error, and before `scene`. Errors: those of vs_scene_settle. */
 vs_status vs_scene_with(const vs_scene *scene, const char *const *keys, size_t n_keys,
                         vs_scene *other, vs_error *err);
-/* What is to be said of a deck without the port mains; NULL: it has one, or its ports are not known.
+/* What is to be said of a deck without the port mains; NULL: it has one, or its ports are not
+ * known.
  */
 const char *vs_scene_without_mains(const vs_deck *deck);
 

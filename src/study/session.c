@@ -163,8 +163,8 @@ static vs_status climb(const vs_session *session, vs_scene *scene, vs_result *r,
 /* ---- the second run ---- */
 
 /* The second run's tolerance over the first's. Steps go with the root of the tolerance, so a
- * coarser run costs about 0.35 of the first. Where the first is coarse itself its steps are at their
- * longest; the second one is finer then. */
+ * coarser run costs about 0.35 of the first. Where the first is coarse itself its steps are at
+ * their longest; the second one is finer then. */
 static const double COARSER = 8, COARSE = 2e-4;
 /* Below the ratio of the errors that is expected of a change of tolerance by COARSER nothing is
  * believed of it. */

@@ -198,8 +198,8 @@ vs_status vs_perform_scene(const vs_experiment *e, const vs_observer *also, vs_n
   if (status)
     *err = t->err;
   else if (t->result.ladder.rung)
-    status = vs_fail(err, VS_RUN, "ngspice gave up on the scene as it is: %s",
-                     t->result.ladder.failed);
+    status =
+        vs_fail(err, VS_RUN, "ngspice gave up on the scene as it is: %s", t->result.ladder.failed);
   else
     add_all(t, &w, out);
   vs_trial_free(t);

@@ -252,8 +252,8 @@ static void offer(vs_reduced *r, vs_value v) {
 
 static void follow_slope(vs_watched *w, vs_reduced *r, const vs_course_step *c) {
   int of = r->measure->of;
-  double rate = vs_slope_follow(&w->slope, c->t0_s, c->from[of], c->t1_s, c->to[of],
-                                r->measure->sense);
+  double rate =
+      vs_slope_follow(&w->slope, c->t0_s, c->from[of], c->t1_s, c->to[of], r->measure->sense);
   offer(r, (vs_value){rate >= 0, rate, c->t1_s});
 }
 

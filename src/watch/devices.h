@@ -51,7 +51,7 @@ typedef struct vs_watched {
   vs_reduced *each_step[VS_KIND_MEASURES]; /* those that every step may change; the others come of
                                               the sums, or with news */
   size_t n_each_step, n_peaks;             /* the peaks stand first */
-  vs_switch *states; /* of a device that conducts or blocks; else NULL */
+  vs_switch *states;                       /* of a device that conducts or blocks; else NULL */
   vs_gate_watch gate;
   double gate_peak_a; /* in the present gate pulse */
   vs_window window;   /* of the one measure that has one */

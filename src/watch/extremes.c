@@ -59,15 +59,14 @@ static curve slope_of(const curve *c, double h) {
 }
 
 static curve product(const curve *x, const curve *y) {
-  static const double CHOOSE[SEPTIC + 1][SEPTIC + 1] = {
-      {1},
-      {1, 1},
-      {1, 2, 1},
-      {1, 3, 3, 1},
-      {1, 4, 6, 4, 1},
-      {1, 5, 10, 10, 5, 1},
-      {1, 6, 15, 20, 15, 6, 1},
-      {1, 7, 21, 35, 35, 21, 7, 1}};
+  static const double CHOOSE[SEPTIC + 1][SEPTIC + 1] = {{1},
+                                                        {1, 1},
+                                                        {1, 2, 1},
+                                                        {1, 3, 3, 1},
+                                                        {1, 4, 6, 4, 1},
+                                                        {1, 5, 10, 10, 5, 1},
+                                                        {1, 6, 15, 20, 15, 6, 1},
+                                                        {1, 7, 21, 35, 35, 21, 7, 1}};
   int m = x->degree, n = y->degree;
   curve c = {.degree = m + n};
   for (int k = 0; k <= m + n; k++) {
@@ -283,11 +282,11 @@ static void look_into(const search *s, curve c, double lo, double width) {
   }
 }
 
-/* What the cubic through the values and slopes at both ends says of the step: whether it stays below
- * the extreme so far, and whether it rises or falls all along, so that an end is the most. A sine
- * that moves by one radian, the longest there is, leaves that cubic by 1/384 of its size, and its
- * slope by three times that; a twentieth of what is at the ends is allowed for, and a tenth of the
- * way. */
+/* What the cubic through the values and slopes at both ends says of the step: whether it stays
+ * below the extreme so far, and whether it rises or falls all along, so that an end is the most. A
+ * sine that moves by one radian, the longest there is, leaves that cubic by 1/384 of its size, and
+ * its slope by three times that; a twentieth of what is at the ends is allowed for, and a tenth of
+ * the way. */
 typedef enum outlook { BELOW, AT_AN_END, UNKNOWN } outlook;
 
 static inline outlook outlook_of(const vs_extreme *e, at_knot from, at_knot to, double h) {

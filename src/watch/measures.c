@@ -184,8 +184,7 @@ void vs_measures_accept(vs_measures *m, const vs_step *step) {
   m->p_m[0] = m->steps == 1 ? step->from->x[P] : m->p_m[1];
   m->p_m[1] = step->from->x[P];
   m->p_m[2] = step->to->x[P];
-  for (int k = 0; k < m->n_extremes; k++)
-    vs_extreme_follow(&m->extremes[k], step, m->jammed);
+  for (int k = 0; k < m->n_extremes; k++) vs_extreme_follow(&m->extremes[k], step, m->jammed);
   for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++) follow_rating(m, k);
   follow_peaks(m);
   follow_crossings(m);

@@ -11,7 +11,7 @@
 
 /* id, name, unit, text */
 #define VS_MEASURE_LIST(X)                                                                         \
-  X(VS_M_I_PEAK, "i_peak", "A", "largest |coil current|")                                            \
+  X(VS_M_I_PEAK, "i_peak", "A", "largest |coil current|")                                          \
   X(VS_M_T_FIRE, "t_fire", "s", "first firing")                                                    \
   X(VS_M_T_EXTINCTION, "t_extinction", "s", "first extinction: the anode current reaches zero")    \
   X(VS_M_CONDUCTION, "conduction_time", "s",                                                       \
@@ -58,10 +58,10 @@ typedef struct vs_kept_step {
 
 typedef struct vs_measures {
   const vs_frame *frame;
-  vs_kept_step kept[2];    /* the last two steps of some length; `last` is the newer */
-  int last, steps; /* steps: how many are kept, 0..2 */
-  double p_m[3];   /* p at the kept steps' three ends */
-  bool jammed;     /* the armature, by now */
+  vs_kept_step kept[2]; /* the last two steps of some length; `last` is the newer */
+  int last, steps;      /* steps: how many are kept, 0..2 */
+  double p_m[3];        /* p at the kept steps' three ends */
+  bool jammed;          /* the armature, by now */
   vs_extreme
       extremes[VS_MOST_EXTREMES]; /* the standard ones, then least and largest of each probe */
   int n_extremes;

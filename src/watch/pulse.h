@@ -30,11 +30,11 @@ enum { VS_PULSE_OCTAVES = 17, VS_PULSE_IN_OCTAVE = 16, VS_PULSE_LEVELS = 2 + 17 
 typedef struct vs_pulse {
   double rest_s; /* a pulse ends when its current has stayed away that long */
   bool lasts;
-  double current_s;                /* when it last had a current */
-  double energy_j, heat_j;         /* the integral of v i; the most that was found to be heat */
-  double begin_v;                  /* |v| at its beginning */
+  double current_s;                 /* when it last had a current */
+  double energy_j, heat_j;          /* the integral of v i; the most that was found to be heat */
+  double begin_v;                   /* |v| at its beginning */
   double passed_j[VS_PULSE_LEVELS]; /* the integral when |v| first was at each level */
-  int top;                         /* the highest level passed */
+  int top;                          /* the highest level passed */
 } vs_pulse;
 
 /* Takes the next step of the device's course. Returns the heat of the present pulse; 0 where there

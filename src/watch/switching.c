@@ -220,8 +220,7 @@ void vs_switch_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *new
   *news = (vs_switch_news){0};
   bool was_on = s->conduction.conducts;
   double off_rate = forward_rate(&s->off, c);
-  double on_rate =
-      vs_slope_follow(&s->on, c->t0_s, c->from[VS_OF_I], c->t1_s, c->to[VS_OF_I], 1);
+  double on_rate = vs_slope_follow(&s->on, c->t0_s, c->from[VS_OF_I], c->t1_s, c->to[VS_OF_I], 1);
   vs_gate_follow(&s->gate, c);
   follow_current(s, c, news);
   follow_pulse(s, c, news);
