@@ -430,68 +430,103 @@ static void find_anode(coupling *c, const vs_deck *deck) {
       c->anode_voltage = voltage;
 }
 
-static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_error *err) {
+static double first_jam(const vs_events *events) {
+  double first_s = INFINITY;
+  for (size_t k = 0; k < events->count; k++)
+    if (events->item[k].kind->jams) first_s = fmin(first_s, events->item[k].start_s);
+  return first_s;
+}
+
+/* Makes what decides when the solver may be left: not where the user forbids it or wants all that
+ * the solver shows, where the armature jams, where the deck tells the time by itself or keeps a
+ * state or a store that is not seen. */
+static void begin_leaving(coupling *c) {
+  const vs_setup *setup = c->setup;
+  const vs_deck *deck = &setup->deck;
+  if (!setup->run.stays && !setup->raw && isinf(c->jams_s) && !deck->own_clock &&
+      deck->stores.count && !vs_deck_hides_state(deck) && vs_memories_of(deck, &c->memories))
+    c->quiet = vs_quiet_new(setup, &c->frame, &c->memories);
+  if (!c->quiet) c->memories.count = 0;
+}
+
+static void begin(coupling *c, const vs_setup *setup, const vs_observer *observer,
+                  double max_step_s) {
   const vs_model *m = &setup->model;
+  *c = (coupling){.setup = setup,
+                  .frame = frame(setup),
+                  .observer = observer,
+                  .candidate_s = -1,
+                  .gap_port = setup->deck.n_ports,
+                  .jams_s = first_jam(&setup->timeline.events),
+                  .max_step_s = max_step_s,
+                  .swing = vs_swing_of(setup),
+                  .series_s = 0.1 / m->fastest_rad_s};
+  c->knots[0] = vs_sim_start(setup, &c->frame);
+  c->touching = vs_in_stop(m, c->knots[0].x[P]);
+  find_anode(c, &setup->deck);
+  vs_motion_begin(&c->motion, m);
+  begin_leaving(c);
+}
+
+static void end(coupling *c) {
+  vs_motion_end(&c->motion);
+  vs_quiet_free(c->quiet);
+}
+
+/* All of the solver's job but its ports, its signals and its netlist. */
+static vs_circuit_job job_of(const coupling *c, const vs_pace *pace) {
+  const vs_setup *setup = c->setup;
+  return (vs_circuit_job){.n_wanted = 2 * c->memories.count,
+                          .until_s = setup->run.until_s,
+                          .gear = setup->run.gear,
+                          .dialect = setup->deck.compat,
+                          .max_step_s = c->max_step_s,
+                          .raw = setup->raw,
+                          .tried = setup->tried,
+                          .truncation_factor = pace->truncation,
+                          .pivot_threshold = setup->run.pivrel,
+                          .relative_tolerance = pace->relative,
+                          .current_tolerance_a = pace->current_a,
+                          .voltage_tolerance_v = pace->voltage_v,
+                          .charge_tolerance_c = pace->charge_c,
+                          .locate = locate,
+                          .author = &setup->deck};
+}
+
+/* Takes the deck through the solver, and on to the end if the solver is left for good before it. */
+static vs_status go(coupling *c, vs_circuit_job *job, vs_error *err) {
+  const vs_setup *setup = c->setup;
   vs_deck_value standard[VS_STANDARD];
-  vs_setup_standard(setup, standard);
-  vs_names *n = vs_alloc(1, sizeof *n);
-  vs_names_of(&setup->deck, n);
-  const char *signals[VS_SIG_MOST + 2 * VS_MEMORIES];
-  const vs_pace pace = vs_pace_of(setup);
-  coupling c = {.setup = setup,
-                .frame = frame(setup),
-                .observer = observer,
-                .candidate_s = -1,
-                .gap_port = setup->deck.n_ports,
-                .jams_s = INFINITY,
-                .max_step_s = pace.max_step_s,
-                .swing = vs_swing_of(setup),
-                .series_s = 0.1 / m->fastest_rad_s};
-  c.knots[0] = vs_sim_start(setup, &c.frame);
-  c.touching = vs_in_stop(m, c.knots[0].x[P]);
-  for (size_t k = 0; k < setup->timeline.events.count; k++)
-    if (setup->timeline.events.item[k].kind->jams)
-      c.jams_s = fmin(c.jams_s, setup->timeline.events.item[k].start_s);
-  find_anode(&c, &setup->deck);
-  vs_motion_begin(&c.motion, m);
-  if (!setup->run.stays && !setup->raw && isinf(c.jams_s) && !setup->deck.own_clock &&
-      setup->deck.stores.count && !vs_deck_hides_state(&setup->deck) &&
-      vs_memories_of(&setup->deck, &c.memories))
-    c.quiet = vs_quiet_new(setup, &c.frame, &c.memories);
-  if (!c.quiet) c.memories.count = 0;
-  vs_circuit_job job = {.ports = n->ports,
-                        .n_ports = n->n_ports,
-                        .signals = signals,
-                        .n_signals = list_signals(&c, n, signals),
-                        .n_wanted = 2 * c.memories.count,
-                        .until_s = setup->run.until_s,
-                        .gear = setup->run.gear,
-                        .dialect = setup->deck.compat,
-                        .max_step_s = c.max_step_s,
-                        .raw = setup->raw,
-                        .tried = setup->tried,
-                        .truncation_factor = pace.truncation,
-                        .pivot_threshold = setup->run.pivrel,
-                        .relative_tolerance = pace.relative,
-                        .current_tolerance_a = pace.current_a,
-                        .voltage_tolerance_v = pace.voltage_v,
-                        .charge_tolerance_c = pace.charge_c,
-                        .locate = locate,
-                        .author = &setup->deck};
   char **netlist = NULL;
   void *circuit = NULL;
-  vs_circuit_host host = {&c, source, edge, longest, accept, enough};
+  vs_circuit_host host = {c, source, edge, longest, accept, enough};
+  vs_setup_standard(setup, standard);
   vs_status s = vs_deck_netlist(&setup->deck, &setup->circuit_values, standard, VS_STANDARD,
-                                &netlist, &job.lines, err);
-  job.netlist = netlist;
-  if (!s) s = vs_sim_check_steps(setup, fmin(c.max_step_s, c.motion.substep_touching_s), err);
-  if (!s) s = setup->solver->load(&job, &host, &circuit, err);
+                                &netlist, &job->lines, err);
+  job->netlist = netlist;
+  if (!s) s = vs_sim_check_steps(setup, fmin(c->max_step_s, c->motion.substep_touching_s), err);
+  if (!s) s = setup->solver->load(job, &host, &circuit, err);
   if (!s) s = setup->solver->run(circuit, err);
-  if (!s && c.ends) s = go_without(&c, setup->run.until_s, err);
+  if (!s && c->ends) s = go_without(c, setup->run.until_s, err);
   setup->solver->free(circuit);
-  vs_netlist_free(netlist, job.lines);
-  vs_motion_end(&c.motion);
-  vs_quiet_free(c.quiet);
+  vs_netlist_free(netlist, job->lines);
+  return s;
+}
+
+static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_error *err) {
+  const vs_pace pace = vs_pace_of(setup);
+  const char *signals[VS_SIG_MOST + 2 * VS_MEMORIES];
+  vs_names *n = vs_alloc(1, sizeof *n);
+  vs_names_of(&setup->deck, n);
+  coupling c; /* stays where it is: the solver's host and the motion point to it */
+  begin(&c, setup, observer, pace.max_step_s);
+  vs_circuit_job job = job_of(&c, &pace);
+  job.ports = n->ports;
+  job.n_ports = n->n_ports;
+  job.signals = signals;
+  job.n_signals = list_signals(&c, n, signals);
+  vs_status s = go(&c, &job, err);
+  end(&c);
   free(n);
   return s;
 }
