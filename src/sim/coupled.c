@@ -11,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "circuit/devices.h"
 #include "machine/actuator.h"
 #include "sim/anode.h"
 #include "sim/motion.h"
