@@ -11,9 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "circuit/devices.h"
 #include "machine/actuator.h"
-#include "sim/conduction.h"
+#include "sim/anode.h"
 #include "sim/motion.h"
 #include "sim/names.h"
 #include "sim/pace.h"
@@ -30,10 +29,7 @@ typedef struct coupling {
   double step_s, max_step_s;           /* the last accepted step's length; the largest allowed */
   double candidate_s, candidate_gap_m; /* what the solver was last told */
   size_t gap_port;                     /* ports before it are the deck's */
-  const vs_probe *anode_current;       /* the deck's probe; NULL: it has none */
-  int anode_voltage;                   /* the deck's term, of the same thyristor; -1: not known */
-  vs_conduction conduction;
-  double expected_s; /* the end of a step that was last told for an extinction */
+  vs_anode anode;
   vs_motion motion;
   bool touching; /* the armature its stop, at the last accepted knot */
   double jams_s; /* INFINITY: it does not */
@@ -114,36 +110,6 @@ static double source(void *ctx, size_t port, double solver_s) {
   return vs_drives[p->signal.drive].voltage(&c->setup->timeline, &p->signal, t_s);
 }
 
-static double anode_current(const coupling *c, const vs_knot *k) {
-  return c->anode_current->sign * k->terms[c->anode_current->term];
-}
-
-static double anode_voltage(const coupling *c, const vs_knot *k) {
-  return c->anode_voltage < 0 ? 0 : k->terms[c->anode_voltage];
-}
-
-/* When the anode current, falling as from knot `before` to knot `from`, passes zero; INFINITY: it
- * does not fall. */
-static double zero_of_current(const coupling *c, const vs_knot *before, const vs_knot *from) {
-  double i0 = anode_current(c, before), i1 = anode_current(c, from);
-  return i1 < i0 ? from->t_s + (from->t_s - before->t_s) * i1 / (i0 - i1) : INFINITY;
-}
-
-/* A step that ends where the anode current passes zero keeps the second order of the solver's rule,
- * which a kink inside a step would spoil. It ends a thousandth of the largest step later: at the
- * zero itself rounding would decide whether the thyristor conducts, and Newton's iteration find no
- * end. One that was told stays an end, and nearly the same is not told again: two a picosecond
- * apart have ngspice give up. INFINITY: not within the next step, which at most doubles. */
-static double expected_extinction(coupling *c) {
-  if (!c->conduction.conducts) return INFINITY;
-  const vs_knot *last = &c->knots[c->now];
-  double zero = zero_of_current(c, &c->knots[1 - c->now], last), late = 1e-3 * c->max_step_s;
-  double reach = fmin(2 * c->step_s, c->max_step_s);
-  if (!(zero > last->t_s && zero < last->t_s + reach)) return INFINITY;
-  if (fabs(zero + late - c->expected_s) > late / 2) c->expected_s = zero + late;
-  return c->expected_s;
-}
-
 /* First gate edge or event after t; INFINITY: none. */
 static double next_edge(const coupling *c, double t_s) {
   double next = vs_events_edge(&c->setup->timeline.events, t_s);
@@ -156,7 +122,9 @@ static double next_edge(const coupling *c, double t_s) {
 
 static double edge(void *ctx, double solver_s) {
   coupling *c = ctx;
-  double next = fmin(expected_extinction(c), next_edge(c, solver_s + c->shift_s));
+  double extinction = vs_anode_extinction(&c->anode, &c->knots[1 - c->now], &c->knots[c->now],
+                                          c->step_s, c->max_step_s);
+  double next = fmin(extinction, next_edge(c, solver_s + c->shift_s));
   if (c->shift_s > 0) next = fmin(next, c->setup->run.until_s);
   return next - c->shift_s;
 }
@@ -165,18 +133,6 @@ static double longest(void *ctx, double solver_s) {
   const coupling *c = ctx;
   double part = fmin(c->max_step_s, vs_swing_longest(&c->swing));
   return fmin(part, vs_events_longest(&c->setup->timeline.events, solver_s + c->shift_s));
-}
-
-/* What the anode current did in the step just taken, and when. */
-static vs_event find_event(coupling *c, const vs_knot *from, const vs_knot *to, double *event_s) {
-  if (!c->anode_current || to->t_s == from->t_s) return VS_EV_NONE;
-  const vs_conduction_step step = {from->t_s,
-                                   to->t_s,
-                                   anode_current(c, from),
-                                   anode_current(c, to),
-                                   anode_voltage(c, from),
-                                   anode_voltage(c, to)};
-  return vs_conduction_follow(&c->conduction, &step, event_s);
 }
 
 static void complete(const coupling *c, vs_knot *k) {
@@ -197,7 +153,7 @@ static vs_status show(coupling *c, const vs_knot *k, vs_event contact, vs_error 
                   .cubic_flux = true,
                   .periodic = c->without,
                   .held = c->jammed};
-  step.event[0] = find_event(c, from, k, &step.event_s[0]);
+  step.event[0] = vs_anode_follow(&c->anode, from, k, &step.event_s[0]);
   vs_knot_copy(&c->frame, k, to);
   step.event[1] = contact;
   step.event_s[1] = to->t_s;
@@ -305,8 +261,8 @@ static bool gate_is_on(const coupling *c, double t_s) {
 static vs_status leave_if_quiet(coupling *c, const double *memory, vs_error *err) {
   const vs_knot *k = &c->knots[c->now];
   double now = k->t_s, until = c->setup->run.until_s, next = next_edge(c, now);
-  vs_quiet_take(c->quiet, k, memory, !c->conduction.conducts);
-  if (c->conduction.conducts || c->touching || gate_is_on(c, now) ||
+  vs_quiet_take(c->quiet, k, memory, !c->anode.conduction.conducts);
+  if (c->anode.conduction.conducts || c->touching || gate_is_on(c, now) ||
       isfinite(vs_events_longest(&c->setup->timeline.events, now)))
     return VS_OK;
   double cycles = INFINITY, most_lag_s = INFINITY, period_s = c->setup->timeline.period_s;
@@ -413,85 +369,103 @@ static void locate(const void *deck, vs_error *err) {
   vs_deck_locate(deck, err);
 }
 
-/* Finds the probe of the anode current, and the voltage of the thyristor that has this current for
- * its own. A current that is the sum of two thyristors' is of neither. */
-static void find_anode(coupling *c, const vs_deck *deck) {
-  int current, voltage;
-  double factor = 0;
-  c->anode_voltage = -1;
-  vs_conduction_begin(&c->conduction);
-  for (size_t k = 0; k < deck->n_probes; k++)
-    if (!strcmp(deck->probes[k].name, "i_thyristor")) c->anode_current = &deck->probes[k];
-  for (size_t k = 0; c->anode_current && k < deck->n_devices; k++)
-    if (deck->devices[k].kind->switches &&
-        vs_formula_is_term(&deck->devices[k].current, &current, &factor) &&
-        current == c->anode_current->term &&
-        vs_formula_is_term(&deck->devices[k].voltage, &voltage, &factor))
-      c->anode_voltage = voltage;
+static double first_jam(const vs_events *events) {
+  double first_s = INFINITY;
+  for (size_t k = 0; k < events->count; k++)
+    if (events->item[k].kind->jams) first_s = fmin(first_s, events->item[k].start_s);
+  return first_s;
+}
+
+/* Makes what decides when the solver may be left: not where the user forbids it or wants all that
+ * the solver shows, where the armature jams, where the deck tells the time by itself or keeps a
+ * state or a store that is not seen. */
+static void begin_leaving(coupling *c) {
+  const vs_setup *setup = c->setup;
+  const vs_deck *deck = &setup->deck;
+  if (!setup->run.stays && !setup->raw && isinf(c->jams_s) && !deck->own_clock &&
+      deck->stores.count && !vs_deck_hides_state(deck) && vs_memories_of(deck, &c->memories))
+    c->quiet = vs_quiet_new(setup, &c->frame, &c->memories);
+  if (!c->quiet) c->memories.count = 0;
+}
+
+static void begin(coupling *c, const vs_setup *setup, const vs_observer *observer,
+                  double max_step_s) {
+  const vs_model *m = &setup->model;
+  *c = (coupling){.setup = setup,
+                  .frame = frame(setup),
+                  .observer = observer,
+                  .candidate_s = -1,
+                  .gap_port = setup->deck.n_ports,
+                  .jams_s = first_jam(&setup->timeline.events),
+                  .max_step_s = max_step_s,
+                  .swing = vs_swing_of(setup),
+                  .series_s = 0.1 / m->fastest_rad_s};
+  c->knots[0] = vs_sim_start(setup, &c->frame);
+  c->touching = vs_in_stop(m, c->knots[0].x[P]);
+  vs_anode_begin(&c->anode, &setup->deck);
+  vs_motion_begin(&c->motion, m);
+  begin_leaving(c);
+}
+
+static void end(coupling *c) {
+  vs_motion_end(&c->motion);
+  vs_quiet_free(c->quiet);
+}
+
+/* All of the solver's job but its ports, its signals and its netlist. */
+static vs_circuit_job job_of(const coupling *c, const vs_pace *pace) {
+  const vs_setup *setup = c->setup;
+  return (vs_circuit_job){.n_wanted = 2 * c->memories.count,
+                          .until_s = setup->run.until_s,
+                          .gear = setup->run.gear,
+                          .dialect = setup->deck.compat,
+                          .max_step_s = c->max_step_s,
+                          .raw = setup->raw,
+                          .tried = setup->tried,
+                          .truncation_factor = pace->truncation,
+                          .pivot_threshold = setup->run.pivrel,
+                          .relative_tolerance = pace->relative,
+                          .current_tolerance_a = pace->current_a,
+                          .voltage_tolerance_v = pace->voltage_v,
+                          .charge_tolerance_c = pace->charge_c,
+                          .locate = locate,
+                          .author = &setup->deck};
+}
+
+/* Takes the deck through the solver, and on to the end if the solver is left for good before it. */
+static vs_status go(coupling *c, vs_circuit_job *job, vs_error *err) {
+  const vs_setup *setup = c->setup;
+  vs_deck_value standard[VS_STANDARD];
+  char **netlist = NULL;
+  void *circuit = NULL;
+  vs_circuit_host host = {c, source, edge, longest, accept, enough};
+  vs_setup_standard(setup, standard);
+  vs_status s = vs_deck_netlist(&setup->deck, &setup->circuit_values, standard, VS_STANDARD,
+                                &netlist, &job->lines, err);
+  job->netlist = netlist;
+  if (!s) s = vs_sim_check_steps(setup, fmin(c->max_step_s, c->motion.substep_touching_s), err);
+  if (!s) s = setup->solver->load(job, &host, &circuit, err);
+  if (!s) s = setup->solver->run(circuit, err);
+  if (!s && c->ends) s = go_without(c, setup->run.until_s, err);
+  setup->solver->free(circuit);
+  vs_netlist_free(netlist, job->lines);
+  return s;
 }
 
 static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_error *err) {
-  const vs_model *m = &setup->model;
-  vs_deck_value standard[VS_STANDARD];
-  vs_setup_standard(setup, standard);
+  const vs_pace pace = vs_pace_of(setup);
+  const char *signals[VS_SIG_MOST + 2 * VS_MEMORIES];
   vs_names *n = vs_alloc(1, sizeof *n);
   vs_names_of(&setup->deck, n);
-  const char *signals[VS_SIG_MOST + 2 * VS_MEMORIES];
-  const vs_pace pace = vs_pace_of(setup);
-  coupling c = {.setup = setup,
-                .frame = frame(setup),
-                .observer = observer,
-                .candidate_s = -1,
-                .gap_port = setup->deck.n_ports,
-                .jams_s = INFINITY,
-                .max_step_s = pace.max_step_s,
-                .swing = vs_swing_of(setup),
-                .series_s = 0.1 / m->fastest_rad_s};
-  c.knots[0] = vs_sim_start(setup, &c.frame);
-  c.touching = vs_in_stop(m, c.knots[0].x[P]);
-  for (size_t k = 0; k < setup->timeline.events.count; k++)
-    if (setup->timeline.events.item[k].kind->jams)
-      c.jams_s = fmin(c.jams_s, setup->timeline.events.item[k].start_s);
-  find_anode(&c, &setup->deck);
-  vs_motion_begin(&c.motion, m);
-  if (!setup->run.stays && !setup->raw && isinf(c.jams_s) && !setup->deck.own_clock &&
-      setup->deck.stores.count && !vs_deck_hides_state(&setup->deck) &&
-      vs_memories_of(&setup->deck, &c.memories))
-    c.quiet = vs_quiet_new(setup, &c.frame, &c.memories);
-  if (!c.quiet) c.memories.count = 0;
-  vs_circuit_job job = {.ports = n->ports,
-                        .n_ports = n->n_ports,
-                        .signals = signals,
-                        .n_signals = list_signals(&c, n, signals),
-                        .n_wanted = 2 * c.memories.count,
-                        .until_s = setup->run.until_s,
-                        .gear = setup->run.gear,
-                        .dialect = setup->deck.compat,
-                        .max_step_s = c.max_step_s,
-                        .raw = setup->raw,
-                        .tried = setup->tried,
-                        .truncation_factor = pace.truncation,
-                        .pivot_threshold = setup->run.pivrel,
-                        .relative_tolerance = pace.relative,
-                        .current_tolerance_a = pace.current_a,
-                        .voltage_tolerance_v = pace.voltage_v,
-                        .charge_tolerance_c = pace.charge_c,
-                        .locate = locate,
-                        .author = &setup->deck};
-  char **netlist = NULL;
-  void *circuit = NULL;
-  vs_circuit_host host = {&c, source, edge, longest, accept, enough};
-  vs_status s = vs_deck_netlist(&setup->deck, &setup->circuit_values, standard, VS_STANDARD,
-                                &netlist, &job.lines, err);
-  job.netlist = netlist;
-  if (!s) s = vs_sim_check_steps(setup, fmin(c.max_step_s, c.motion.substep_touching_s), err);
-  if (!s) s = setup->solver->load(&job, &host, &circuit, err);
-  if (!s) s = setup->solver->run(circuit, err);
-  if (!s && c.ends) s = go_without(&c, setup->run.until_s, err);
-  setup->solver->free(circuit);
-  vs_netlist_free(netlist, job.lines);
-  vs_motion_end(&c.motion);
-  vs_quiet_free(c.quiet);
+  coupling c; /* stays where it is: the solver's host and the motion point to it */
+  begin(&c, setup, observer, pace.max_step_s);
+  vs_circuit_job job = job_of(&c, &pace);
+  job.ports = n->ports;
+  job.n_ports = n->n_ports;
+  job.signals = signals;
+  job.n_signals = list_signals(&c, n, signals);
+  vs_status s = go(&c, &job, err);
+  end(&c);
   free(n);
   return s;
 }
