@@ -122,16 +122,17 @@ static double next_edge(const coupling *c, double t_s) {
 
 static double edge(void *ctx, double solver_s) {
   coupling *c = ctx;
-  double extinction = vs_anode_extinction(&c->anode, &c->knots[1 - c->now], &c->knots[c->now],
-                                          c->step_s, c->max_step_s);
-  double next = fmin(extinction, next_edge(c, solver_s + c->shift_s));
+  if (c->anode.crossed) return solver_s; /* a kink: the rule begins anew */
+  double next = next_edge(c, solver_s + c->shift_s);
   if (c->shift_s > 0) next = fmin(next, c->setup->run.until_s);
   return next - c->shift_s;
 }
 
 static double longest(void *ctx, double solver_s) {
-  const coupling *c = ctx;
+  coupling *c = ctx;
   double part = fmin(c->max_step_s, vs_swing_longest(&c->swing));
+  part = fmin(part,
+              vs_anode_longest(&c->anode, &c->knots[1 - c->now], &c->knots[c->now], c->max_step_s));
   return fmin(part, vs_events_longest(&c->setup->timeline.events, solver_s + c->shift_s));
 }
 
@@ -333,7 +334,9 @@ static vs_status accept(void *ctx, double solver_s, const double *signals, vs_er
   vs_swing_take(&c->swing, &from, &next, c->step_s);
   c->step_s = h;
   c->candidate_s = -1;
+  bool conducted = c->anode.conduction.conducts;
   vs_status status = move(c, &from, &next, err);
+  vs_anode_take(&c->anode, &c->knots[c->now], conducted);
   if (status || !c->quiet) return status;
   double memory[VS_MEMORIES];
   take_memory(c, signals, memory);
