@@ -74,6 +74,9 @@ static void compare(FILE *table, int number, const vs_verdict *v, const vs_verdi
     all->wrong += wrong;
     all->undecided += word == VS_UNDECIDED;
     whole = whole && inside;
+    if (!inside)
+      printf(" [%d: %s %.6g +- %.2g, %.6g at 1e-7]", number, name, j->margin, j->margin_error,
+             t->margin);
     if (table)
       fprintf(table, "%d,%s,%.9g,%.3g,%s,%.9g,%d\n", number, name, j->margin, j->margin_error,
               vs_words[word], t->margin, inside);

@@ -184,7 +184,9 @@ static void the_same_result(void) {
   double tolerance = a->scene.setup.run.tolerance;
   CU_ASSERT_EQUAL(left.times, 1);
   CU_ASSERT(left.first_s < 0.15);
-  CU_ASSERT(left.bound <= 0.75 * tolerance && left.bound > 0);
+  /* that of p, u, w, phi, force and i is 0.75 at most; the deck's signals, which belong into it,
+   * have 3 */
+  CU_ASSERT(left.bound <= 3 * tolerance && left.bound > 0);
   CU_ASSERT(difference(&left, &stayed) <= left.bound);
   CU_ASSERT(a->result.steps < b->result.steps / 2);
   for (int k = 0; k < VS_MEASURES; k++)

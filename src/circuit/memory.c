@@ -9,7 +9,10 @@
 
 #include "circuit/contract.h"
 
-enum { MOST_WORDS = 48, MOST_DEPTH = 12 };
+/* More words than a device of ngspice has nodes; deeper than subcircuits of makers are nested; and
+ * a path that leaves room for a node's name behind it in VS_MEMORY_NAME. A netlist that has more
+ * is not taken apart. */
+enum { MOST_WORDS = 48, MOST_DEPTH = 12, MOST_PATH = 80 };
 
 /* The words of a line before its parameters (NAME = ..., params:), in lower case. */
 typedef struct words {
@@ -177,30 +180,30 @@ static bool transistor(const search *s, const level *l, const words *w) {
 
 static bool subcircuit(const search *s, const level *l, const words *w);
 
-/* false: it remembers what no signal shows. */
+/* Elements that remember nothing of their own: k couples inductors, whose currents are seen; s and
+ * w switch only when their control does other than it did. */
+static const char FORGETFUL[] = "bfhikrsvw";
+
+/* A formula's inductor becomes something else in ngspice, whose current has no such name. */
+static bool inductor(const search *s, const level *l, const char *line, const words *w) {
+  return !strcasestr(line, "v(") && !strcasestr(line, "i(") && add_current(s, l, w->word[0]);
+}
+
+/* Adds what one element remembers. Returns false where no signal shows it. */
 static bool element(const search *s, const level *l, const char *line) {
   words w;
   split(line, &w);
   if (w.cut || w.count < 2) return false;
   const char *const *n = w.word + 1;
+  if (strchr(FORGETFUL, **w.word)) return true;
   switch (**w.word) {
-  case 'b':
-  case 'f':
-  case 'h':
-  case 'i':
-  case 'k': /* couples inductors, whose currents are seen */
-  case 'r':
-  case 's': /* switches only when its control does other than it did */
-  case 'v':
-  case 'w':
-    return true;
   case 'e':
   case 'g':
     return !strcasestr(line, "laplace") && !strcasestr(line, "freq");
   case 'c':
     return w.count > 2 && add_voltage(s, l, n[0], n[1]);
-  case 'l': /* of one that a formula gives, ngspice makes something else */
-    return !strcasestr(line, "v(") && !strcasestr(line, "i(") && add_current(s, l, w.word[0]);
+  case 'l':
+    return inductor(s, l, line, &w);
   case 'd':
     return w.count > 2 && (!holds_charge(s, &w, 3) || add_voltage(s, l, n[0], n[1]));
   case 'q':
@@ -244,36 +247,49 @@ static size_t definition(const vs_deck *deck, const level *at, const char *name,
   return found;
 }
 
-static bool subcircuit(const search *s, const level *l, const words *w) {
-  const vs_deck *deck = s->deck;
-  const char *name = w->word[w->count - 1];
-  bool twice = false;
-  if (!*l->path && !strcmp(w->word[0], deck->eva)) return true;
-  if (l->depth == MOST_DEPTH) return false;
+/* What a subcircuit is called that an instance names, by a part or by itself. */
+static const char *name_of(const vs_deck *deck, const char *name) {
   for (size_t p = 0; p < deck->n_parts; p++)
-    if (!strcasecmp(name, deck->parts[p].name)) {
-      name = deck->parts[p].subcircuit;
-      break;
-    }
-  const level *home = l;
-  size_t at = definition(deck, home, name, &twice);
-  while (at == deck->n_lines && home->home) {
-    home = home->home;
-    at = definition(deck, home, name, &twice);
+    if (!strcasecmp(name, deck->parts[p].name)) return deck->parts[p].subcircuit;
+  return name;
+}
+
+/* Finds the definition that holds at a level: its own, or that of the nearest level about it, which
+ * becomes *home. Returns n_lines where there is none, or where two are not to be told apart. */
+static size_t definition_for(const vs_deck *deck, const char *name, const level **home) {
+  bool twice = false;
+  size_t at = definition(deck, *home, name, &twice);
+  while (at == deck->n_lines && (*home)->home) {
+    *home = (*home)->home;
+    at = definition(deck, *home, name, &twice);
   }
-  if (at == deck->n_lines || twice) return false;
-  level *in = vs_alloc(1, sizeof *in);
-  split(deck->lines[at].text, &in->inner);
-  in->home = home;
+  return twice ? deck->n_lines : at;
+}
+
+/* Fills the level of an instance w at level l, whose definition begins at that line. Returns false
+ * where its nodes are not as many as the definition's, or its path is longer than there is room. */
+static bool descend(const search *s, const level *l, const words *w, size_t at, level *in) {
+  split(s->deck->lines[at].text, &in->inner);
   in->first = at + 1;
-  in->last = behind(deck, at) - 1;
+  in->last = behind(s->deck, at) - 1;
   in->depth = l->depth + 1;
+  if (in->inner.cut || w->count != in->inner.count) return false;
+  if (strlen(l->path) + strlen(w->word[0]) + 2 >= MOST_PATH) return false;
   in->n_nodes = in->inner.count - 2;
-  bool good = !in->inner.cut && w->count == in->inner.count &&
-              strlen(l->path) + strlen(w->word[0]) + 2 < 80;
   snprintf(in->path, sizeof in->path, "%.80s%.60s.", l->path, w->word[0]);
-  for (size_t k = 0; good && k < in->n_nodes; k++) full_name(s, l, w->word[k + 1], in->names[k]);
-  good = good && take_apart(s, in);
+  for (size_t k = 0; k < in->n_nodes; k++) full_name(s, l, w->word[k + 1], in->names[k]);
+  return true;
+}
+
+static bool subcircuit(const search *s, const level *l, const words *w) {
+  const level *home = l;
+  if (!*l->path && !strcmp(w->word[0], s->deck->eva)) return true;
+  if (l->depth == MOST_DEPTH) return false;
+  size_t at = definition_for(s->deck, name_of(s->deck, w->word[w->count - 1]), &home);
+  if (at == s->deck->n_lines) return false;
+  level *in = vs_alloc(1, sizeof *in);
+  in->home = home;
+  bool good = descend(s, l, w, at, in) && take_apart(s, in);
   free(in);
   return good;
 }

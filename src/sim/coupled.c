@@ -11,9 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "circuit/devices.h"
 #include "machine/actuator.h"
-#include "sim/conduction.h"
+#include "sim/anode.h"
 #include "sim/motion.h"
 #include "sim/names.h"
 #include "sim/pace.h"
@@ -30,13 +29,7 @@ typedef struct coupling {
   double step_s, max_step_s;           /* the last accepted step's length; the largest allowed */
   double candidate_s, candidate_gap_m; /* what the solver was last told */
   size_t gap_port;                     /* ports before it are the deck's */
-  const vs_probe *anode_current;       /* the deck's probe; NULL: it has none */
-  int anode_voltage;                   /* the deck's term, of the same thyristor; -1: not known */
-  vs_conduction conduction;
-  double leak_s; /* conductance of the thyristor while it last blocked, S */
-  bool nearing;  /* the anode current has still to pass its zero, or has not yet been seen to fall */
-  double crosses_s; /* the end of the step that is to pass it; INFINITY: none yet */
-  bool crossed;     /* that step was the last one */
+  vs_anode anode;
   vs_motion motion;
   bool touching; /* the armature its stop, at the last accepted knot */
   double jams_s; /* INFINITY: it does not */
@@ -117,64 +110,6 @@ static double source(void *ctx, size_t port, double solver_s) {
   return vs_drives[p->signal.drive].voltage(&c->setup->timeline, &p->signal, t_s);
 }
 
-static double anode_current(const coupling *c, const vs_knot *k) {
-  return c->anode_current->sign * k->terms[c->anode_current->term];
-}
-
-/* Below it a voltage may be an on-state one. */
-static const double LEAKS_FROM_V = 10;
-
-static double anode_voltage(const coupling *c, const vs_knot *k) {
-  return c->anode_voltage < 0 ? 0 : k->terms[c->anode_voltage];
-}
-
-/* The anode current without leakage: at its zero an ideal latch lets go. */
-static double forward_current(const coupling *c, const vs_knot *k) {
-  return anode_current(c, k) - c->leak_s * anode_voltage(c, k);
-}
-
-/* When that, falling as over the last step, passes zero; INFINITY: it does not fall. */
-static double zero_of_current(const coupling *c) {
-  const vs_knot *before = &c->knots[1 - c->now], *last = &c->knots[c->now];
-  double i0 = forward_current(c, before), i1 = forward_current(c, last);
-  return i1 < i0 ? last->t_s + (last->t_s - before->t_s) * i1 / (i0 - i1) : INFINITY;
-}
-
-/* The step that passes the zero begins and ends so near to it. At the zero itself rounding would
- * decide whether the thyristor conducts, which is some 1e-13 s. What is chopped off the current,
- * 20 nA where it falls by 200 A/s, makes 20 V at an off_resistance of 1 Gohm. */
-static const double NEAR_S = 1e-10;
-/* Up to there a step goes this part of the way: a current is so straight on it that it does not
- * pass the zero. */
-static const double PART_WAY = 0.9;
-
-/* The longest step on the way to the anode current's zero. A kink inside a step spoils the second
- * order of the solver's rule; and one that it tries and rejects because of that has its end stay in
- * Newton's iteration: a latch that has let go in it then does so at the beginning of the next try.
- * So no step that would pass the zero is tried but from close by. */
-static double longest_to_zero(coupling *c) {
-  c->crosses_s = INFINITY;
-  if (!c->nearing) return INFINITY;
-  double now = c->knots[c->now].t_s, left = zero_of_current(c) - now;
-  if (!(left > 0 && left < 2 * c->max_step_s)) return INFINITY;
-  if (left > NEAR_S) return fmax(PART_WAY * left, NEAR_S / 2);
-  c->crosses_s = now + left + NEAR_S / 2;
-  return left + NEAR_S;
-}
-
-/* Follows the anode current over the step just taken. */
-static void follow_zero(coupling *c, bool conducted) {
-  const vs_knot *last = &c->knots[c->now];
-  if (!c->anode_current) return;
-  double v = anode_voltage(c, last), i = anode_current(c, last);
-  c->crossed = c->nearing && last->t_s >= c->crosses_s;
-  if (c->conduction.conducts)
-    c->nearing = true;
-  else if (c->crossed || (!conducted && !(forward_current(c, last) > 0)))
-    c->nearing = false;
-  if (!c->nearing && fabs(v) > LEAKS_FROM_V) c->leak_s = fmax(i / v, 0);
-}
-
 /* First gate edge or event after t; INFINITY: none. */
 static double next_edge(const coupling *c, double t_s) {
   double next = vs_events_edge(&c->setup->timeline.events, t_s);
@@ -187,7 +122,7 @@ static double next_edge(const coupling *c, double t_s) {
 
 static double edge(void *ctx, double solver_s) {
   coupling *c = ctx;
-  if (c->crossed) return solver_s; /* a kink: the rule begins anew */
+  if (c->anode.crossed) return solver_s; /* a kink: the rule begins anew */
   double next = next_edge(c, solver_s + c->shift_s);
   if (c->shift_s > 0) next = fmin(next, c->setup->run.until_s);
   return next - c->shift_s;
@@ -196,20 +131,9 @@ static double edge(void *ctx, double solver_s) {
 static double longest(void *ctx, double solver_s) {
   coupling *c = ctx;
   double part = fmin(c->max_step_s, vs_swing_longest(&c->swing));
-  part = fmin(part, longest_to_zero(c));
+  part = fmin(part,
+              vs_anode_longest(&c->anode, &c->knots[1 - c->now], &c->knots[c->now], c->max_step_s));
   return fmin(part, vs_events_longest(&c->setup->timeline.events, solver_s + c->shift_s));
-}
-
-/* What the anode current did in the step just taken, and when. */
-static vs_event find_event(coupling *c, const vs_knot *from, const vs_knot *to, double *event_s) {
-  if (!c->anode_current || to->t_s == from->t_s) return VS_EV_NONE;
-  const vs_conduction_step step = {from->t_s,
-                                   to->t_s,
-                                   anode_current(c, from),
-                                   anode_current(c, to),
-                                   anode_voltage(c, from),
-                                   anode_voltage(c, to)};
-  return vs_conduction_follow(&c->conduction, &step, event_s);
 }
 
 static void complete(const coupling *c, vs_knot *k) {
@@ -230,7 +154,7 @@ static vs_status show(coupling *c, const vs_knot *k, vs_event contact, vs_error 
                   .cubic_flux = true,
                   .periodic = c->without,
                   .held = c->jammed};
-  step.event[0] = find_event(c, from, k, &step.event_s[0]);
+  step.event[0] = vs_anode_follow(&c->anode, from, k, &step.event_s[0]);
   vs_knot_copy(&c->frame, k, to);
   step.event[1] = contact;
   step.event_s[1] = to->t_s;
@@ -338,8 +262,8 @@ static bool gate_is_on(const coupling *c, double t_s) {
 static vs_status leave_if_quiet(coupling *c, const double *memory, vs_error *err) {
   const vs_knot *k = &c->knots[c->now];
   double now = k->t_s, until = c->setup->run.until_s, next = next_edge(c, now);
-  vs_quiet_take(c->quiet, k, memory, !c->conduction.conducts);
-  if (c->conduction.conducts || c->touching || gate_is_on(c, now) ||
+  vs_quiet_take(c->quiet, k, memory, !c->anode.conduction.conducts);
+  if (c->anode.conduction.conducts || c->touching || gate_is_on(c, now) ||
       isfinite(vs_events_longest(&c->setup->timeline.events, now)))
     return VS_OK;
   double cycles = INFINITY, most_lag_s = INFINITY, period_s = c->setup->timeline.period_s;
@@ -410,9 +334,9 @@ static vs_status accept(void *ctx, double solver_s, const double *signals, vs_er
   vs_swing_take(&c->swing, &from, &next, c->step_s);
   c->step_s = h;
   c->candidate_s = -1;
-  bool conducted = c->conduction.conducts;
+  bool conducted = c->anode.conduction.conducts;
   vs_status status = move(c, &from, &next, err);
-  follow_zero(c, conducted);
+  vs_anode_take(&c->anode, &c->knots[c->now], conducted);
   if (status || !c->quiet) return status;
   double memory[VS_MEMORIES];
   take_memory(c, signals, memory);
@@ -448,86 +372,103 @@ static void locate(const void *deck, vs_error *err) {
   vs_deck_locate(deck, err);
 }
 
-/* Finds the probe of the anode current, and the voltage of the thyristor that has this current for
- * its own. A current that is the sum of two thyristors' is of neither. */
-static void find_anode(coupling *c, const vs_deck *deck) {
-  int current, voltage;
-  double factor = 0;
-  c->anode_voltage = -1;
-  vs_conduction_begin(&c->conduction);
-  for (size_t k = 0; k < deck->n_probes; k++)
-    if (!strcmp(deck->probes[k].name, "i_thyristor")) c->anode_current = &deck->probes[k];
-  for (size_t k = 0; c->anode_current && k < deck->n_devices; k++)
-    if (deck->devices[k].kind->switches &&
-        vs_formula_is_term(&deck->devices[k].current, &current, &factor) &&
-        current == c->anode_current->term &&
-        vs_formula_is_term(&deck->devices[k].voltage, &voltage, &factor))
-      c->anode_voltage = voltage;
+static double first_jam(const vs_events *events) {
+  double first_s = INFINITY;
+  for (size_t k = 0; k < events->count; k++)
+    if (events->item[k].kind->jams) first_s = fmin(first_s, events->item[k].start_s);
+  return first_s;
+}
+
+/* Makes what decides when the solver may be left: not where the user forbids it or wants all that
+ * the solver shows, where the armature jams, where the deck tells the time by itself or keeps a
+ * state or a store that is not seen. */
+static void begin_leaving(coupling *c) {
+  const vs_setup *setup = c->setup;
+  const vs_deck *deck = &setup->deck;
+  if (!setup->run.stays && !setup->raw && isinf(c->jams_s) && !deck->own_clock &&
+      deck->stores.count && !vs_deck_hides_state(deck) && vs_memories_of(deck, &c->memories))
+    c->quiet = vs_quiet_new(setup, &c->frame, &c->memories);
+  if (!c->quiet) c->memories.count = 0;
+}
+
+static void begin(coupling *c, const vs_setup *setup, const vs_observer *observer,
+                  double max_step_s) {
+  const vs_model *m = &setup->model;
+  *c = (coupling){.setup = setup,
+                  .frame = frame(setup),
+                  .observer = observer,
+                  .candidate_s = -1,
+                  .gap_port = setup->deck.n_ports,
+                  .jams_s = first_jam(&setup->timeline.events),
+                  .max_step_s = max_step_s,
+                  .swing = vs_swing_of(setup),
+                  .series_s = 0.1 / m->fastest_rad_s};
+  c->knots[0] = vs_sim_start(setup, &c->frame);
+  c->touching = vs_in_stop(m, c->knots[0].x[P]);
+  vs_anode_begin(&c->anode, &setup->deck);
+  vs_motion_begin(&c->motion, m);
+  begin_leaving(c);
+}
+
+static void end(coupling *c) {
+  vs_motion_end(&c->motion);
+  vs_quiet_free(c->quiet);
+}
+
+/* All of the solver's job but its ports, its signals and its netlist. */
+static vs_circuit_job job_of(const coupling *c, const vs_pace *pace) {
+  const vs_setup *setup = c->setup;
+  return (vs_circuit_job){.n_wanted = 2 * c->memories.count,
+                          .until_s = setup->run.until_s,
+                          .gear = setup->run.gear,
+                          .dialect = setup->deck.compat,
+                          .max_step_s = c->max_step_s,
+                          .raw = setup->raw,
+                          .tried = setup->tried,
+                          .truncation_factor = pace->truncation,
+                          .pivot_threshold = setup->run.pivrel,
+                          .relative_tolerance = pace->relative,
+                          .current_tolerance_a = pace->current_a,
+                          .voltage_tolerance_v = pace->voltage_v,
+                          .charge_tolerance_c = pace->charge_c,
+                          .locate = locate,
+                          .author = &setup->deck};
+}
+
+/* Takes the deck through the solver, and on to the end if the solver is left for good before it. */
+static vs_status go(coupling *c, vs_circuit_job *job, vs_error *err) {
+  const vs_setup *setup = c->setup;
+  vs_deck_value standard[VS_STANDARD];
+  char **netlist = NULL;
+  void *circuit = NULL;
+  vs_circuit_host host = {c, source, edge, longest, accept, enough};
+  vs_setup_standard(setup, standard);
+  vs_status s = vs_deck_netlist(&setup->deck, &setup->circuit_values, standard, VS_STANDARD,
+                                &netlist, &job->lines, err);
+  job->netlist = netlist;
+  if (!s) s = vs_sim_check_steps(setup, fmin(c->max_step_s, c->motion.substep_touching_s), err);
+  if (!s) s = setup->solver->load(job, &host, &circuit, err);
+  if (!s) s = setup->solver->run(circuit, err);
+  if (!s && c->ends) s = go_without(c, setup->run.until_s, err);
+  setup->solver->free(circuit);
+  vs_netlist_free(netlist, job->lines);
+  return s;
 }
 
 static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_error *err) {
-  const vs_model *m = &setup->model;
-  vs_deck_value standard[VS_STANDARD];
-  vs_setup_standard(setup, standard);
+  const vs_pace pace = vs_pace_of(setup);
+  const char *signals[VS_SIG_MOST + 2 * VS_MEMORIES];
   vs_names *n = vs_alloc(1, sizeof *n);
   vs_names_of(&setup->deck, n);
-  const char *signals[VS_SIG_MOST + 2 * VS_MEMORIES];
-  const vs_pace pace = vs_pace_of(setup);
-  coupling c = {.setup = setup,
-                .frame = frame(setup),
-                .observer = observer,
-                .candidate_s = -1,
-                .gap_port = setup->deck.n_ports,
-                .jams_s = INFINITY,
-                .crosses_s = INFINITY,
-                .max_step_s = pace.max_step_s,
-                .swing = vs_swing_of(setup),
-                .series_s = 0.1 / m->fastest_rad_s};
-  c.knots[0] = vs_sim_start(setup, &c.frame);
-  c.touching = vs_in_stop(m, c.knots[0].x[P]);
-  for (size_t k = 0; k < setup->timeline.events.count; k++)
-    if (setup->timeline.events.item[k].kind->jams)
-      c.jams_s = fmin(c.jams_s, setup->timeline.events.item[k].start_s);
-  find_anode(&c, &setup->deck);
-  vs_motion_begin(&c.motion, m);
-  if (!setup->run.stays && !setup->raw && isinf(c.jams_s) && !setup->deck.own_clock &&
-      setup->deck.stores.count && !vs_deck_hides_state(&setup->deck) &&
-      vs_memories_of(&setup->deck, &c.memories))
-    c.quiet = vs_quiet_new(setup, &c.frame, &c.memories);
-  if (!c.quiet) c.memories.count = 0;
-  vs_circuit_job job = {.ports = n->ports,
-                        .n_ports = n->n_ports,
-                        .signals = signals,
-                        .n_signals = list_signals(&c, n, signals),
-                        .n_wanted = 2 * c.memories.count,
-                        .until_s = setup->run.until_s,
-                        .gear = setup->run.gear,
-                        .dialect = setup->deck.compat,
-                        .max_step_s = c.max_step_s,
-                        .raw = setup->raw,
-                        .tried = setup->tried,
-                        .truncation_factor = pace.truncation,
-                        .pivot_threshold = setup->run.pivrel,
-                        .relative_tolerance = pace.relative,
-                        .current_tolerance_a = pace.current_a,
-                        .voltage_tolerance_v = pace.voltage_v,
-                        .charge_tolerance_c = pace.charge_c,
-                        .locate = locate,
-                        .author = &setup->deck};
-  char **netlist = NULL;
-  void *circuit = NULL;
-  vs_circuit_host host = {&c, source, edge, longest, accept, enough};
-  vs_status s = vs_deck_netlist(&setup->deck, &setup->circuit_values, standard, VS_STANDARD,
-                                &netlist, &job.lines, err);
-  job.netlist = netlist;
-  if (!s) s = vs_sim_check_steps(setup, fmin(c.max_step_s, c.motion.substep_touching_s), err);
-  if (!s) s = setup->solver->load(&job, &host, &circuit, err);
-  if (!s) s = setup->solver->run(circuit, err);
-  if (!s && c.ends) s = go_without(&c, setup->run.until_s, err);
-  setup->solver->free(circuit);
-  vs_netlist_free(netlist, job.lines);
-  vs_motion_end(&c.motion);
-  vs_quiet_free(c.quiet);
+  coupling c; /* stays where it is: the solver's host and the motion point to it */
+  begin(&c, setup, observer, pace.max_step_s);
+  vs_circuit_job job = job_of(&c, &pace);
+  job.ports = n->ports;
+  job.n_ports = n->n_ports;
+  job.signals = signals;
+  job.n_signals = list_signals(&c, n, signals);
+  vs_status s = go(&c, &job, err);
+  end(&c);
   free(n);
   return s;
 }

@@ -163,11 +163,15 @@ static vs_status climb(const vs_session *session, vs_scene *scene, vs_result *r,
 /* ---- the second run ---- */
 
 /* The second run's tolerance over the first's. Steps go with the root of the tolerance, so a
- * coarser run costs about 0.35 of the first. Where the first is coarse itself its steps are at
+ * coarser run costs about 0.4 of the first. Where the first is coarse itself its steps are at
  * their longest; the second one is finer then. */
-static const double COARSER = 8, COARSE = 2e-4;
-/* Below the ratio of the errors that is expected of a change of tolerance by COARSER nothing is
- * believed of it. */
+static const double COARSER = 10, COARSE = 2e-4;
+/* Above this run.tolerance the circuit's own tolerances are held where they are (sim/pace.c), and
+ * trtol does alone what they and it do below: a step's truncation error goes with the tolerance to
+ * the power of 1.5. */
+static const double HELD = 1e-4;
+/* ngspice's default. A run.trtol above it is taken back to it in the second run, so that what a
+ * loose one costs shows. */
 static const double USUAL_TRTOL = 7;
 
 static bool wants_second(const vs_session *session, const vs_result *r) {
@@ -180,9 +184,11 @@ static bool wants_second(const vs_session *session, const vs_result *r) {
  */
 static void change_settings(vs_scene *s, double factor) {
   vs_run_values *run = &s->setup.run;
-  run->tolerance = fmin(fmax(run->tolerance * factor, s->tier->finest), 0.1);
+  const double own = run->tolerance;
+  run->tolerance = fmin(fmax(own * factor, s->tier->finest), 0.1);
   run->max_step_s *= sqrt(factor);
-  run->trtol = run->trtol > USUAL_TRTOL ? USUAL_TRTOL : fmax(run->trtol * factor, 1);
+  double held = fmax(run->tolerance, HELD) / fmax(own, HELD);
+  run->trtol = run->trtol > USUAL_TRTOL ? USUAL_TRTOL : fmax(run->trtol * pow(held, 1.5), 1);
   s->setup.raw = NULL;
   s->setup.tried = true;
   s->frame = s->tier->frame(&s->setup);
@@ -222,7 +228,7 @@ static vs_status run_second(const vs_session *session, vs_result *r, vs_error *e
     status = VS_OK;
   } else {
     double bound = fmax(r->absence.bound, second->absence.bound);
-    vs_verdict_compare(&r->verdict, &second->verdict, factor, own + bound);
+    vs_verdict_compare(&r->verdict, &second->verdict, own + bound);
     r->second.decides = deciding_tolerance(r);
   }
   vs_result_free(second);

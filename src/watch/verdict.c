@@ -112,39 +112,38 @@ static bool is_same(const vs_judgement *a, const vs_judgement *b) {
          !strcmp(vs_judgement_name(a, left), vs_judgement_name(b, right));
 }
 
-/* The second run differs by ratio - 1 times this run's error where errors go as they should; what
- * is told is SAFETY times the error that follows, as a spike between two steps may by chance be met
- * nearly alike by both. */
-static const double SAFETY = 4;
+/* Where errors fall as they should, the second run differs by some times this run's error. Not all
+ * do: a spike between two steps may by chance be met nearly alike by both. So twice the difference
+ * is told; with half of it a tenth of the margins drawn for tests/test_margins.c lay outside. */
+static const double SAFETY = 2;
 
 /* Of the room to one end. The limit less the room is the stress; the resolution is of that or of
  * the limit, whichever is more: a stress that is next to nothing need not be known to more digits
  * than its limit. */
-static double error_of(double room, double second, double ratio, double resolution) {
-  return SAFETY / fabs(ratio - 1) * fabs(room - second) + resolution * fmax(fabs(1 - room), 1);
+static double error_of(double room, double second, double resolution) {
+  return SAFETY * fabs(room - second) + resolution * fmax(fabs(1 - room), 1);
 }
 
 /* The margin is the lesser of two rooms, each with its error. */
-static double margin_error(const vs_judgement *j, const vs_judgement *second, double ratio,
-                           double resolution) {
+static double margin_error(const vs_judgement *j, const vs_judgement *second, double resolution) {
   double least = INFINITY, largest = INFINITY;
   for (int end = 0; end < 2; end++) {
     if (isinf(j->room[end]) && second->room[end] < 0) return INFINITY; /* there it was passed */
     if (isinf(j->room[end])) continue;
-    double error = error_of(j->room[end], second->room[end], ratio, resolution);
+    double error = error_of(j->room[end], second->room[end], resolution);
     least = fmin(least, j->room[end] - error);
     largest = fmin(largest, j->room[end] + error);
   }
   return isinf(j->margin) ? 0 : fmax(j->margin - least, largest - j->margin);
 }
 
-void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double ratio, double resolution) {
+void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double resolution) {
   for (size_t k = 0; k < v->count; k++) {
     vs_judgement *j = &v->item[k];
     size_t n = 0;
     while (n < second->count && !is_same(j, &second->item[n])) n++;
     j->margin_error = INFINITY;
-    if (n < second->count) j->margin_error = margin_error(j, &second->item[n], ratio, resolution);
+    if (n < second->count) j->margin_error = margin_error(j, &second->item[n], resolution);
     if (isnan(j->margin_error)) j->margin_error = INFINITY;
   }
 }

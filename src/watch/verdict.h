@@ -48,12 +48,11 @@ vs_word vs_judgement_word(const vs_judgement *judgement);
  * among the violated, else among the undecided; NULL: none. */
 const vs_judgement *vs_verdict_breach(const vs_verdict *verdict);
 
-/* Gives each line its margin's error, by the verdict of a second run of the same scene whose own
- * error is about `ratio` times this one's; resolution: what every number of this run may be wrong
- * by besides, as a part of itself. A line that the second run has not gets an infinite error, and
- * is undecided. */
-void vs_verdict_compare(vs_verdict *verdict, const vs_verdict *second, double ratio,
-                        double resolution);
+/* Gives each line its margin's error: twice what the verdict of a second run of the same scene at
+ * another tolerance differs by, and what every number of this run may be wrong by besides, as a
+ * part of itself or of its limit (resolution). A line that the second run has not gets an infinite
+ * error, and is undecided. */
+void vs_verdict_compare(vs_verdict *verdict, const vs_verdict *second, double resolution);
 
 /* "v_ak", "thyristor.i2t" */
 enum { VS_JUDGED_NAME = VS_DECK_NAME + 24 };
