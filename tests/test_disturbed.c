@@ -513,8 +513,9 @@ static void a_jam_holds_p(void) {
     vs_observer observer = {&largest, look_at_p};
     vs_trial *t = vs_trial_run("paper", tier ? "circuit" : "switched", sets, &observer);
     EXPECT(t->status == VS_OK, "%s", t->err.text);
-    /* p's rounding over a step's length, of half a m/s and 180 m/s2 before */
-    EXPECT(largest <= 1e-9, "tier %d: p moves by %g", tier, largest);
+    /* p's rounding over a step's length, which is 5e-11 s where a thyristor goes out; half a m/s
+     * and 180 m/s2 before */
+    EXPECT(largest <= 1e-8, "tier %d: p moves by %g", tier, largest);
     CU_ASSERT(t->result.energy.joule[VS_E_STOP] > 1e-3);
     vs_trial_free(t);
   }

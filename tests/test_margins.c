@@ -146,7 +146,7 @@ static void lies_are_not_held(void) {
 }
 
 static void words_and_statuses(void) {
-  write_rated("rated.cir", "*$ rating i_source -10..0.84 A\n*$ rating v_ak -700..700 V\n");
+  write_rated("rated.cir", "*$ rating i_source -10..0.86 A\n*$ rating v_ak -700..700 V\n");
   ran r = run("run paper --set circuit.deck=rated.cir --set run.until=0.02s --json");
   EXPECT(r.status == 0 && strstr(r.out, "\"word\": \"held\"") &&
              strstr(r.out, "\"margin_error\": ") && !strstr(r.out, "\"margin_error\": null"),

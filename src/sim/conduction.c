@@ -17,19 +17,12 @@ static const double LEAKS_S = 2e-3, DISPLACED_F = 1e-9;
 static const double GONE_A = 5e-6, REST_S = 1e-6, LEAKAGE_A = 1e-3;
 /* From here on a voltage is above any on-state voltage. */
 static const double BLOCKED_V = 10;
-/* Or already from here on, if that is twice the on-state voltage of this conduction and one volt
- * more: a pair of transistors that has let go below its holding current takes some 10 us to 10 V,
- * while what it stored leaks away. */
-static double blocked_from(double on_v) {
-  return fmin(2 * on_v + 1, BLOCKED_V);
-}
 /* A rise this much steeper than the mean since its foot is another rise, which has its foot here. A
  * current that begins as t^2 is up to 4 times as steep from one doubled step to the next. */
 static const double KINK = 10;
 
 void vs_conduction_begin(vs_conduction *c) {
-  *c = (vs_conduction){
-      .before_s = NAN, .before_a = NAN, .foot_s = NAN, .foot_a = NAN, .on_v = INFINITY};
+  *c = (vs_conduction){.before_s = NAN, .before_a = NAN, .foot_s = NAN, .foot_a = NAN};
 }
 
 /* What the blocked junction's capacitance draws at most. */
@@ -81,7 +74,7 @@ static double taken_on(const vs_conduction *c, const vs_conduction_step *s, doub
 
 static bool stops(const vs_conduction *c, const vs_conduction_step *s, double *event_s) {
   double zero_s, expected_a = taken_on(c, s, &zero_s);
-  bool blocked = fabs(s->v1_v) > blocked_from(c->on_v) && s->i1_a < leakage(s->v1_v) / 2;
+  bool blocked = fabs(s->v1_v) > BLOCKED_V && s->i1_a < leakage(s->v1_v) / 2;
   bool broke_off = s->i1_a <= LEAKAGE_A && expected_a <= 0;
   if (s->i1_a > GONE_A && !broke_off && !blocked) return false;
   double chord_s = s->i1_a < s->i0_a ? zero_of(s->t0_s, s->i0_a, s->t1_s, s->i1_a) : s->t1_s;
@@ -93,12 +86,10 @@ static bool stops(const vs_conduction *c, const vs_conduction_step *s, double *e
 
 vs_event vs_conduction_follow(vs_conduction *c, const vs_conduction_step *s, double *event_s) {
   bool was = c->conducts;
-  if (was && s->i1_a > CONDUCTS_A) c->on_v = fmin(c->on_v, fabs(s->v1_v));
   if (was)
     c->conducts = !stops(c, s, event_s);
   else
     c->conducts = fires(c, s, event_s);
-  if (!was) c->on_v = INFINITY;
   c->before_s = s->t0_s;
   c->before_a = s->i0_a;
   if (c->conducts == was) return VS_EV_NONE;

@@ -24,7 +24,6 @@ typedef struct vs_conduction {
   bool conducts;
   double before_s, before_a; /* the knot before the last step's beginning; NaN: none yet */
   double foot_s, foot_a;     /* while it blocks: where the present rise of its current began */
-  double on_v;               /* least voltage of this conduction above 20 mA; INFINITY: none yet */
 } vs_conduction;
 void vs_conduction_begin(vs_conduction *c);
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/units.h"
+#include "circuit/wave.h"
 
 static void set_text(vs_shown *m, const char *format, const char *word) {
   snprintf(m->text, sizeof m->text, format, word);
@@ -112,12 +113,15 @@ static bool nothing_fires(const vs_result *r, char *text, size_t size) {
   const vs_deck *deck = s->frame.deck;
   bool asked = !deck || has_port(deck, VS_DRIVE_GATE, VS_DRIVE_BURST);
   if (!asked || !nothing_conducts(s, r)) return false;
-  double first_s = vs_next_conduction(&s->setup.timeline, 0), until_s = s->setup.run.until_s;
+  double until_s = s->setup.run.until_s;
+  double first_s = vs_wave_conduction(&s->setup.timeline, 0, until_s);
+  if (!(first_s < until_s) && !s->setup.timeline.events.count)
+    first_s = vs_next_conduction(&s->setup.timeline, 0);
   if (first_s < until_s)
     snprintf(text, size,
-             "nothing fires: no thyristor is seen to conduct in this run, though a gate pulse "
-             "meets forward mains voltage at %.9g s",
-             first_s);
+             "nothing fires: no thyristor is seen to conduct more than 20 mA in this run (largest "
+             "coil current: %.3g A), though a gate pulse meets forward mains voltage at %.9g s",
+             r->values[VS_M_I_PEAK].value, first_s);
   else if (isfinite(first_s))
     snprintf(text, size,
              "nothing fires: no gate pulse meets forward mains voltage before run.until = %.9g s; "
@@ -263,7 +267,7 @@ static void print_second(const vs_result *r, FILE *out) {
   else if (r->verdict.count)
     fprintf(out, "errors of margins: not computed (run.verify)");
   if (second->decides > 0)
-    fprintf(out, "; run.tolerance = %.1g would decide what is undecided", second->decides);
+    fprintf(out, "; run.tolerance = %.1g may decide what is undecided", second->decides);
   if (second->done || r->verdict.count) fputc('\n', out);
 }
 

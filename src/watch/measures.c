@@ -154,7 +154,8 @@ static void follow_crossings(vs_measures *m) {
 /* Below its latching current a thyristor goes out between two sub-pulses of its gate, and is fired
  * by the next one: it was no extinction, and what was read of a free swing is none. */
 static bool goes_on(const vs_measures *m, double t_s) {
-  return t_s - m->extinct_s <= 1.01 / m->frame->timeline->firing.burst_hz && isnan(m->refired_s);
+  return t_s - m->extinct_s <= 1.01 / m->frame->timeline->firing.burst_hz && isnan(m->refired_s) &&
+         vs_gate(m->frame->timeline, 0, t_s);
 }
 
 static void follow_event(vs_measures *m, vs_event event, double t_s) {

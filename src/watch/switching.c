@@ -106,7 +106,9 @@ static void follow_conduction(vs_switch *s, const vs_course_step *c) {
     s->rest = c->to[VS_OF_V] < 0 ? REST_REVERSED : REST_NO_REVERSE_YET;
     break;
   default:
-    if (!s->conduction.conducts) follow_fired_v(s, c, s->conduction.foot_s);
+    /* while it rests after a conduction the voltage at which that began is still asked for */
+    if (!s->conduction.conducts && (s->rest == REST_NONE || s->rest == REST_FORWARD_AGAIN))
+      follow_fired_v(s, c, s->conduction.foot_s);
   }
 }
 

@@ -128,11 +128,13 @@ static double error_of(double room, double second, double resolution) {
 static double margin_error(const vs_judgement *j, const vs_judgement *second, double resolution) {
   double least = INFINITY, largest = INFINITY;
   for (int end = 0; end < 2; end++) {
-    if (isinf(j->room[end]) && second->room[end] < 0) return INFINITY; /* there it was passed */
-    if (isinf(j->room[end])) continue;
-    double error = error_of(j->room[end], second->room[end], resolution);
-    least = fmin(least, j->room[end] - error);
-    largest = fmin(largest, j->room[end] + error);
+    double own = j->room[end], other = second->room[end];
+    if (isinf(own) && isinf(other)) continue;
+    if (isinf(own)) own = 0; /* an end at 0 that only one of the two passed */
+    if (isinf(other)) other = 0;
+    double error = error_of(own, other, resolution);
+    least = fmin(least, own - error);
+    largest = fmin(largest, own + error);
   }
   return isinf(j->margin) ? 0 : fmax(j->margin - least, largest - j->margin);
 }
@@ -145,5 +147,12 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double resoluti
     j->margin_error = INFINITY;
     if (n < second->count) j->margin_error = margin_error(j, &second->item[n], resolution);
     if (isnan(j->margin_error)) j->margin_error = INFINITY;
+  }
+  v->weakest = NULL;
+  for (size_t k = 0; k < v->count; k++) {
+    const vs_judgement *j = &v->item[k];
+    if (isinf(j->margin)) continue;
+    if (!v->weakest || j->margin - j->margin_error <= v->weakest->margin - v->weakest->margin_error)
+      v->weakest = j;
   }
 }

@@ -27,7 +27,8 @@ enum { VS_MOST_JUDGEMENTS = VS_DECK_MOST + VS_DECK_DEVICES * VS_KIND_LIMITS };
 typedef struct vs_verdict {
   vs_judgement item[VS_MOST_JUDGEMENTS]; /* the ratings, then device by device */
   size_t count;
-  const vs_judgement *weakest;       /* of the least finite margin; NULL: there is none */
+  const vs_judgement
+      *weakest; /* of the least finite margin, less its error where that is known; NULL: none */
   const vs_judgement *first_to_fail; /* NULL: none failed; never what another lets through */
 } vs_verdict; /* of two alike the later one, so that a device goes before a probe */
 
