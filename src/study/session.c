@@ -9,6 +9,7 @@
 
 #include "base/text.h"
 #include "base/units.h"
+#include "circuit/faults.h"
 
 /* ---- one attempt ---- */
 
@@ -70,11 +71,18 @@ static double energy_there(const vs_energy *e) {
   return vs_energy_whole(e) + brought;
 }
 
-/* A deck without the port mains has a source that the books do not know. */
-static bool has_mains(const vs_deck *deck) {
+/* Do the deck's lines speak of the circuit that is run? A deck without the port mains has a source
+ * that the books do not know, and the loss of an element that an event opens or shorts is no longer
+ * what its line says. */
+static bool has_whole_books(const vs_frame *frame) {
+  const vs_deck *deck = frame->deck;
+  const vs_events *events = &frame->timeline->events;
+  bool mains = !deck;
   for (size_t k = 0; deck && k < deck->n_ports; k++)
-    if (deck->ports[k].signal.drive == VS_DRIVE_MAINS) return true;
-  return !deck;
+    mains = mains || deck->ports[k].signal.drive == VS_DRIVE_MAINS;
+  for (size_t k = 0; k < events->count; k++)
+    if (events->item[k].kind->source == vs_fault_source) return false;
+  return mains;
 }
 
 static vs_status close_books(vs_result *r, double tolerance, vs_error *err) {
@@ -83,7 +91,7 @@ static vs_status close_books(vs_result *r, double tolerance, vs_error *err) {
   double whole = energy_there(e), own = fmin(MOST_OPEN * VS_ENERGY_ALLOWED * tolerance, 1);
   for (int b = 0; b < VS_BALANCES; b++) {
     double most = (b == VS_B_CIRCUIT ? 1 : own) * whole;
-    if (b == VS_B_CIRCUIT && !has_mains(e->frame->deck)) continue;
+    if (b == VS_B_CIRCUIT && !has_whole_books(e->frame)) continue;
     if (whole > 0 && e->balanced[b] && fabs(e->furthest_j[b]) > most)
       return vs_fail(err, VS_RUN,
                      "t = %.9g s: the energy books (%s) leave %.3g J, with %.3g J in all; so far "
