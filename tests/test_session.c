@@ -78,9 +78,31 @@ static void one_verdict_through_both_doors(void) {
   free_ran(&study), free_ran(&one);
 }
 
+/* A loss that is wrong by far does not raise the bar that it is judged by. */
+static void a_wrong_loss_is_no_result(void) {
+  write_deck_with("loss.cir", "*$ loss more = 1e6*v(b,c2p)^2/{r2}\n");
+  ran r = run("run paper --set circuit.deck=loss.cir --set run.until=20ms");
+  EXPECT(r.status == 1 && strstr(r.err, "the energy books (circuit) leave -"), "%d %s", r.status,
+         r.err);
+  free_ran(&r);
+}
+
+/* What a pair of transistors has stored flows on behind its conduction, at some volts: that is no
+ * misfire, and the turn-off behind it is judged. */
+static void a_turn_off_behind_a_tail_is_judged(void) {
+  ran r = run("run paper --set circuit.deck=halfwave_paper --set run.until=25ms --set "
+              "run.verify=never --json --quiet");
+  EXPECT(r.status == 0 && strstr(r.out, "\"thyristor.misfires\": {\"value\": 0,") &&
+             strstr(r.out, "\"measure\": \"t_off\""),
+         "%d %s", r.status, r.out);
+  free_ran(&r);
+}
+
 static const vs_test TESTS[] = {
     {"books beyond sense are no result", books_beyond_sense_are_no_result},
     {"open books are told everywhere", open_books_are_told_everywhere},
+    {"a wrong loss is no result", a_wrong_loss_is_no_result},
+    {"a turn-off behind a tail is judged", a_turn_off_behind_a_tail_is_judged},
     {"one verdict through both doors", one_verdict_through_both_doors},
 };
 
