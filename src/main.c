@@ -12,17 +12,17 @@
 #include "base/leave.h"
 #include "base/text.h"
 #include "base/units.h"
-#include "batch/methods.h"
-#include "batch/study.h"
-#include "circuit/circuit.h"
+#include "command/check.h"
+#include "command/export.h"
+#include "command/list.h"
+#include "command/modes.h"
+#include "command/plot.h"
+#include "command/run.h"
+#include "method/methods.h"
 #include "report/report.h"
-#include "report/study_table.h"
-#include "study/check.h"
-#include "study/export.h"
-#include "study/list.h"
-#include "study/modes.h"
-#include "study/plot.h"
-#include "study/run.h"
+#include "solver/circuit.h"
+#include "study/study.h"
+#include "survey/folder.h"
 #include "validate/validate.h"
 
 typedef struct arguments {
@@ -53,7 +53,7 @@ static vs_status do_run(const arguments *a, vs_error *err) {
                             .reproducible = a->reproducible,
                             .raw = a->raw,
                             .digits = a->digits,
-                            .stop = &vs_stop_requested};
+                            .stop = &vs_leave_requested};
   return vs_run_command(&o, err);
 }
 static vs_status do_check(const arguments *a, vs_error *err) {
@@ -62,7 +62,7 @@ static vs_status do_check(const arguments *a, vs_error *err) {
                               .n_sets = a->n_sets,
                               .json = a->json,
                               .quiet = a->quiet,
-                              .other = vs_is_study(a->name) ? vs_study_check : NULL};
+                              .other = vs_study_is(a->name) ? vs_study_check : NULL};
   return vs_check_command(&o, err);
 }
 static vs_status do_list(const arguments *a, vs_error *err) {
@@ -78,14 +78,14 @@ static vs_status do_export(const arguments *a, vs_error *err) {
 }
 static vs_status do_plot(const arguments *a, vs_error *err) {
   const vs_plot_options o = {a->name, a->output, a->overlay, a->quiet};
-  return vs_study_here(a->name) ? vs_report_command(&o, err) : vs_plot_command(&o, err);
+  return vs_folder_here(a->name) ? vs_report_command(&o, err) : vs_plot_command(&o, err);
 }
 static vs_status do_validate(const arguments *a, vs_error *err) {
   const vs_validate_options o = {.word = a->name,
                                  .json = a->json,
                                  .quiet = a->quiet,
                                  .list = a->list,
-                                 .stop = &vs_stop_requested};
+                                 .stop = &vs_leave_requested};
   return vs_validate_command(&o, err);
 }
 static vs_status do_study(const arguments *a, vs_error *err) {
@@ -101,7 +101,7 @@ static vs_status do_study(const arguments *a, vs_error *err) {
                               .progress_json = a->progress_json,
                               .quiet = a->quiet,
                               .timeout_s = a->timeout_s,
-                              .stop = &vs_stop_requested};
+                              .stop = &vs_leave_requested};
   return vs_study_command(&o, err);
 }
 static vs_status do_merge(const arguments *a, vs_error *err) {
@@ -307,7 +307,7 @@ static error_t parse_study_option(int key, char *value, arguments *a) {
       return fail_with(a, "--jobs: allowed: 1 to 4096");
     return 0;
   case KEY_TIMEOUT:
-    if (!vs_quantity(value, "s", &a->timeout_s, why, sizeof why) || a->timeout_s < 0) {
+    if (!vs_units_read(value, "s", &a->timeout_s, why, sizeof why) || a->timeout_s < 0) {
       vs_fail(&a->err, VS_INPUT, "--case-timeout %s: a time is wanted, as 20s", value);
       return EINVAL;
     }
@@ -386,8 +386,7 @@ static error_t parse_option(int key, char *value, struct argp_state *state) {
 }
 
 static void print_version(FILE *out) {
-  fprintf(out, "vibrospice %s (ngspice %s, GSL %s)\n", VS_VERSION, vs_ngspice_version(),
-          gsl_version);
+  fprintf(out, "vibrospice %s (ngspice %s, GSL %s)\n", VS_VERSION, vs_ng_version(), gsl_version);
 }
 
 static void print_help(FILE *out) {
@@ -409,7 +408,7 @@ static void print_help(FILE *out) {
 /* What a study file may ask for. */
 static void add_methods(vs_text *doc) {
   vs_text_add(doc, "\nA study has, besides scene, set and report:\n");
-  for (const vs_method *const *m = vs_methods; *m; m++)
+  for (const vs_method *const *m = vs_methods_all; *m; m++)
     vs_text_add(doc, "  %-8s %-12s %s\n", (*m)->key, (*m)->name, (*m)->text);
 }
 
@@ -419,7 +418,7 @@ static const struct command *find_command(const char *word) {
     if (!strcmp(word, COMMANDS[k].name)) return &COMMANDS[k];
     names[k] = COMMANDS[k].name;
   }
-  const char *nearest = vs_nearest(word, names, N_COMMANDS);
+  const char *nearest = vs_text_nearest(word, names, N_COMMANDS);
   fprintf(stderr, "vibrospice: no command '%s'%s%s%s\n", word,
           nearest ? "; did you mean '" : "; see vibrospice --help", nearest ? nearest : "",
           nearest ? "'?" : "");

@@ -45,9 +45,9 @@ static vs_status solve(bench *b, const vs_deck *deck, char **netlist, size_t lin
   vs_circuit_host host = {b, gap, no_edge, no_edge, accept, NULL};
   void *circuit = NULL;
   b->steps = 0;
-  vs_status s = vs_ngspice.load(&job, &host, &circuit, err);
-  if (!s) s = vs_ngspice.run(circuit, err);
-  vs_ngspice.free(circuit);
+  vs_status s = vs_ng_kind.load(&job, &host, &circuit, err);
+  if (!s) s = vs_ng_kind.run(circuit, err);
+  vs_ng_kind.free(circuit);
   return s;
 }
 
@@ -67,7 +67,7 @@ static vs_status read_deck(const bench *b, vs_deck *deck, vs_circuit_values *val
   vs_text_free(&text);
   vs_status s = vs_deck_read("bench.cir", deck, err);
   if (!s) s = vs_deck_read_parts(deck, NULL, err);
-  if (!s) s = vs_section_read(&deck->section, NULL, values, err);
+  if (!s) s = vs_field_section_read(&deck->section, NULL, values, err);
   for (const bench_value *v = b->set; !s && v && v->key; v++) {
     double *value = find(deck, values, v->key);
     if (value) *value = v->value;
@@ -85,8 +85,8 @@ vs_status bench_run(bench *b, vs_error *err) {
   size_t lines = 0;
   vs_status s = read_deck(b, deck, values, err);
   if (!s) s = vs_deck_bind(deck, values, standard, COUNT(standard), err);
-  if (!s) s = vs_deck_require(deck, values, NULL, err);
-  if (!s) s = vs_deck_netlist(deck, values, standard, COUNT(standard), &netlist, &lines, err);
+  if (!s) s = vs_parts_require_hold(deck, values, NULL, err);
+  if (!s) s = vs_netlist_make(deck, values, standard, COUNT(standard), &netlist, &lines, err);
   if (!s) s = solve(b, deck, netlist, lines, err);
   vs_netlist_free(netlist, lines);
   vs_deck_free(deck);

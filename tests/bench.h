@@ -4,8 +4,8 @@
 #ifndef VS_TESTS_BENCH_H
 #define VS_TESTS_BENCH_H
 
-#include "circuit/circuit.h"
-#include "circuit/deck.h"
+#include "deck/deck.h"
+#include "solver/circuit.h"
 
 enum { BENCH_SIGNALS = 4 };
 

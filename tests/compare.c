@@ -58,7 +58,7 @@ vs_status compare_accept(void *ctx, const vs_step *step, vs_error *err) {
     double sample = (double)c->next * c->sample_s;
     bool last = c->next + 1 == c->rows;
     if (sample > end + (last ? ROUNDING_S : 0)) break;
-    vs_step_parts_at(step, fmin(sample, end), 0, y);
+    vs_step_groups_at(step, fmin(sample, end), 0, y);
     for (int k = 0; k < COMPARED; k++) {
       double *expected = cell_of(c, c->next, k);
       if (c->filling) *expected = y[PROBE[k].channel];

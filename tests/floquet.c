@@ -28,7 +28,7 @@ static const vs_mode *working_mode(const vs_mode modes[VS_STATES]) {
 
 double floquet_mass(const vs_model *model) {
   vs_mode modes[VS_STATES];
-  if (!vs_modes(model, modes)) return NAN;
+  if (!vs_mechanics_modes(model, modes)) return NAN;
   const vs_mode *w = working_mode(modes);
   return 1 / (2 * w->drive * 2 * M_PI * w->frequency_hz);
 }
@@ -36,8 +36,8 @@ double floquet_mass(const vs_model *model) {
 /* F/z by the trapezoidal rule: the integrand is zero at both ends of the period. */
 static void add(void *ctx, const vs_knot *from, const vs_knot *to) {
   map *m = ctx;
-  double f0 = vs_force(m->model, from->flux_wb) / vs_gap(m->model, from->x[P]);
-  double f1 = vs_force(m->model, to->flux_wb) / vs_gap(m->model, to->x[P]);
+  double f0 = vs_actuator_force(m->model, from->flux_wb) / vs_actuator_gap(m->model, from->x[P]);
+  double f1 = vs_actuator_force(m->model, to->flux_wb) / vs_actuator_gap(m->model, to->x[P]);
   m->mean += (to->t_s - from->t_s) * (f0 + f1) / 2 / m->timeline->period_s;
 }
 

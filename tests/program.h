@@ -20,7 +20,8 @@ void free_ran(ran *r);
  * quotes'. */
 ran run(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Exit status 0 and nothing on standard error, but that files of an older run were replaced; what: the run, for the message. */
+/* Exit status 0 and nothing on standard error, but that files of an older run were replaced; what:
+ * the run, for the message. */
 void expect_good(const ran *r, const char *what, int line);
 /* A run that must go well and of which only the files matter. */
 void run_good(const char *words, int line);

@@ -43,9 +43,9 @@ enum { Y, TAKEN, COPPER, COIL_STATES };
 static void coil_rates(const void *of, double s, const double y[], double rate[]) {
   const coil *k = of;
   const vs_model *m = k->c->model;
-  double u = vs_mains(k->c->timeline, k->c->t_s + s), r = m->actuator.resistance_ohm;
+  double u = vs_mains_voltage(k->c->timeline, k->c->t_s + s), r = m->actuator.resistance_ohm;
   bool flux = k->c->scheme->form == COIL_FLUX;
-  double i = flux ? vs_current(m, y[Y], k->z.at + s * k->z.rate) : y[Y];
+  double i = flux ? vs_actuator_current(m, y[Y], k->z.at + s * k->z.rate) : y[Y];
   rate[Y] = flux ? u - r * i : (u - (r + k->l_rate_ohm) * i) / k->l_h;
   rate[TAKEN] = u * i;
   rate[COPPER] = r * i * i;
@@ -103,7 +103,8 @@ static void solve_circuit(cosim *c, course z, cosim_state *to) {
       at = y[Y] > 0 ? end : at + length;
       if (y[Y] > 0) continue;
       to->on = false;
-      to->fires_s = vs_next_conduction(c->timeline, c->t_s + at + 1e-6 * c->timeline->period_s);
+      to->fires_s =
+          vs_gate_next_conduction(c->timeline, c->t_s + at + 1e-6 * c->timeline->period_s);
     }
     coil_rates(&k, end, y, rate);
     c->y[n + 1] = y[Y];
@@ -121,13 +122,13 @@ static double told_by(const cosim *c, course z, const cosim_state *to) {
   bool flux = c->scheme->form == COIL_FLUX;
   switch (c->scheme->tells) {
   case TELLS_I:
-    return flux ? vs_current(m, to->y, z_end) : to->y;
+    return flux ? vs_actuator_current(m, to->y, z_end) : to->y;
   case TELLS_FLUX:
     return to->y;
   case TELLS_FORCE:
     break;
   }
-  return flux ? vs_force(m, to->y) : m->a_hm * to->y * to->y / (z_end * z_end);
+  return flux ? vs_actuator_force(m, to->y) : m->a_hm * to->y * to->y / (z_end * z_end);
 }
 
 /* ---- the machine ---- */
@@ -142,11 +143,11 @@ enum { WORK = VS_STATES };
 static void machine_rates(const void *of, double s, const double x[], double rate[]) {
   const push *p = of;
   const vs_model *m = p->c->model;
-  double w = p->told.at + s * p->told.rate, z = vs_gap(m, x[P]), force = w;
+  double w = p->told.at + s * p->told.rate, z = vs_actuator_gap(m, x[P]), force = w;
   if (p->c->scheme->tells == TELLS_I) force = m->a_hm * w * w / (z * z);
-  if (p->c->scheme->tells == TELLS_FLUX) force = vs_force(m, w);
+  if (p->c->scheme->tells == TELLS_FLUX) force = vs_actuator_force(m, w);
   memcpy(rate, x + VS_DOF, sizeof(double[VS_DOF]));
-  vs_accelerations(m, x, force, rate + VS_DOF);
+  vs_mechanics_accelerations(m, x, force, rate + VS_DOF);
   rate[WORK] = -force * x[VS_DOF + P];
 }
 
@@ -161,7 +162,7 @@ static double solve_machine(cosim *c, course told, cosim_state *to) {
     rk4(machine_rates, &p, (double)n * sub, sub, x, VS_STATES + 1);
     memcpy(c->x[n + 1], x, sizeof c->x[0]);
     memcpy(to->x, x, sizeof to->x);
-    if (!(vs_gap(c->model, x[P]) > 0)) return (double)(n + 1) * sub;
+    if (!(vs_actuator_gap(c->model, x[P]) > 0)) return (double)(n + 1) * sub;
   }
   to->book_j[BOOK_WORK] = c->now.book_j[BOOK_WORK] + x[WORK];
   return INFINITY;
@@ -175,14 +176,14 @@ static void show(const cosim *c) {
   double sub = c->step_s / (double)c->substeps;
   for (long n = 0; n <= c->substeps; n++) {
     vs_knot *k = &c->knots[n % 2];
-    double z = vs_gap(m, c->x[n][P]), y = c->y[n], rate = c->y_rate[n];
+    double z = vs_actuator_gap(m, c->x[n][P]), y = c->y[n], rate = c->y_rate[n];
     bool flux = c->scheme->form == COIL_FLUX;
     memcpy(k->x, c->x[n], sizeof k->x);
     k->t_s = n < c->substeps ? c->t_s + (double)n * sub : (double)(c->n + 1) * c->step_s;
     k->flux_wb = flux ? y : 2 * m->a_hm * y / z;
     k->flux_rate_v = flux ? rate : 2 * m->a_hm * (rate - y * k->x[VS_DOF + P] / z) / z;
-    k->i_mains_a = flux ? vs_current(m, y, z) : y;
-    k->v_eva_v = c->conducts[n] ? vs_mains(c->timeline, k->t_s) : 0;
+    k->i_mains_a = flux ? vs_actuator_current(m, y, z) : y;
+    k->v_eva_v = c->conducts[n] ? vs_mains_voltage(c->timeline, k->t_s) : 0;
     vs_knot_complete(&frame, k, false);
     if (n > 0) c->show(c->ctx, &c->knots[1 - n % 2], k);
   }
@@ -202,7 +203,7 @@ static bool accept(cosim *c, const cosim_state *to, double told, double collapse
   c->now = *to;
   c->y_rate[0] = c->y_rate[c->substeps];
   c->z_before_m = c->z_m;
-  c->z_m = vs_gap(c->model, to->x[P]);
+  c->z_m = vs_actuator_gap(c->model, to->x[P]);
   c->told_before = c->told;
   c->told = told;
   c->t_s = (double)++c->n * c->step_s;
@@ -242,13 +243,13 @@ static double told_scale(const cosim *c) {
   double flux = c->timeline->peak_v / c->timeline->omega_rad_s;
   switch (c->scheme->tells) {
   case TELLS_I:
-    return vs_current(m, flux, m->gap_rest_m);
+    return vs_actuator_current(m, flux, m->gap_rest_m);
   case TELLS_FLUX:
     return flux;
   case TELLS_FORCE:
     break;
   }
-  return vs_force(m, flux);
+  return vs_actuator_force(m, flux);
 }
 
 /* Both again and again, z and what is told on straight lines to their ends, until told = told anew.
@@ -258,7 +259,7 @@ static bool iterate(cosim *c, bool condensed) {
   double told = 2 * c->told - c->told_before, error = 0, before = 0, error_before = 0;
   for (int n = 0; n < MOST_ITERATIONS; n++) {
     double collapses = solve_machine(c, (course){c->told, (told - c->told) / c->step_s}, &to);
-    course z = {c->z_m, (vs_gap(c->model, to.x[P]) - c->z_m) / c->step_s};
+    course z = {c->z_m, (vs_actuator_gap(c->model, to.x[P]) - c->z_m) / c->step_s};
     solve_circuit(c, z, &to);
     c->iterations++;
     error = told_by(c, z, &to) - told;
@@ -338,7 +339,7 @@ void cosim_begin(cosim *c, const scheme *s, const vs_model *model, const vs_time
                .collapsed_s = NAN,
                .diverged_s = NAN,
                .substeps = (long)ceil(step_s / longest * (1 - 1e-12))};
-  c->now.fires_s = vs_next_conduction(timeline, 0);
+  c->now.fires_s = vs_gate_next_conduction(timeline, 0);
   size_t n = (size_t)c->substeps + 1;
   c->x = vs_alloc(n, sizeof *c->x);
   c->y = vs_alloc(n, sizeof *c->y);
@@ -349,7 +350,7 @@ void cosim_begin(cosim *c, const scheme *s, const vs_model *model, const vs_time
 
 void cosim_place(cosim *c, const double x[VS_STATES]) {
   memcpy(c->now.x, x, sizeof c->now.x);
-  c->z_m = c->z_before_m = vs_gap(c->model, x[P]);
+  c->z_m = c->z_before_m = vs_actuator_gap(c->model, x[P]);
 }
 
 bool cosim_step(cosim *c) {
@@ -377,5 +378,5 @@ double cosim_flux(const cosim *c) {
 double cosim_left(const cosim *c) {
   const double *b = c->now.book_j;
   return b[BOOK_TAKEN] - b[BOOK_COPPER] - b[BOOK_WORK] -
-         vs_magnetic_energy(c->model, cosim_flux(c), c->z_m);
+         vs_actuator_energy(c->model, cosim_flux(c), c->z_m);
 }

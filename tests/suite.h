@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "study/trial.h"
+#include "scene/trial.h"
 
 typedef struct vs_test {
   const char *name;

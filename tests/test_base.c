@@ -95,7 +95,7 @@ static void good_quantities(void) {
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     double si = NAN;
     char why[256] = "";
-    bool good = vs_quantity(ROWS[k].text, ROWS[k].unit, &si, why, sizeof why);
+    bool good = vs_units_read(ROWS[k].text, ROWS[k].unit, &si, why, sizeof why);
     EXPECT(good && si == ROWS[k].si, "'%s' = %.17g, expected %.17g %s", ROWS[k].text, si,
            ROWS[k].si, why);
   }
@@ -141,7 +141,7 @@ static void bad_quantities(void) {
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     double si = NAN;
     char why[256] = "";
-    bool good = vs_quantity(ROWS[k].text, ROWS[k].unit, &si, why, sizeof why);
+    bool good = vs_units_read(ROWS[k].text, ROWS[k].unit, &si, why, sizeof why);
     EXPECT(!good, "'%s' in %s was read as %g", ROWS[k].text, ROWS[k].unit, si);
     size_t n = strlen(why);
     EXPECT(good || (n > 0 && why[n - 1] != '.'), "'%s': %s", ROWS[k].text, why);
@@ -155,14 +155,14 @@ static void units_known(void) {
   static const char *const GOOD[] = {"", "m", "kg.m2", "N.s/m", "1/s", "%", "µm", "Mohm", "m^-2"},
                            *const BAD[] = {"x", "mm mm", "m/", "/s", "m2m", "dm", "kk", "."};
   for (size_t k = 0; k < COUNT(GOOD); k++)
-    EXPECT(vs_unit_known(GOOD[k]), "'%s' is unknown", GOOD[k]);
-  for (size_t k = 0; k < COUNT(BAD); k++) EXPECT(!vs_unit_known(BAD[k]), "'%s' is known", BAD[k]);
-  CU_ASSERT(vs_unit_factor("") == 1);
-  CU_ASSERT(vs_unit_factor("kg") == 1);
-  CU_ASSERT(vs_unit_factor("min") == 60);
-  CLOSE(vs_unit_factor("g/cm3"), 1000, 1e-15);
-  CLOSE(vs_unit_factor("kg.cm2"), 1e-4, 1e-15);
-  CLOSE(vs_unit_factor("deg"), 0.017453292519943295, 1e-15);
+    EXPECT(vs_units_known(GOOD[k]), "'%s' is unknown", GOOD[k]);
+  for (size_t k = 0; k < COUNT(BAD); k++) EXPECT(!vs_units_known(BAD[k]), "'%s' is known", BAD[k]);
+  CU_ASSERT(vs_units_factor("") == 1);
+  CU_ASSERT(vs_units_factor("kg") == 1);
+  CU_ASSERT(vs_units_factor("min") == 60);
+  CLOSE(vs_units_factor("g/cm3"), 1000, 1e-15);
+  CLOSE(vs_units_factor("kg.cm2"), 1e-4, 1e-15);
+  CLOSE(vs_units_factor("deg"), 0.017453292519943295, 1e-15);
 }
 
 /* ---- text ---- */
@@ -186,12 +186,12 @@ static void nearest_names(void) {
       {"a_name_that_is_longer_than_any_that_this_function_has_room_for_in_its_rows", NULL},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
-    const char *nearest = vs_nearest(ROWS[k].name, KEYS, COUNT(KEYS));
+    const char *nearest = vs_text_nearest(ROWS[k].name, KEYS, COUNT(KEYS));
     bool same =
         nearest && ROWS[k].nearest ? !strcmp(nearest, ROWS[k].nearest) : nearest == ROWS[k].nearest;
     EXPECT(same, "nearest to '%s': %s", ROWS[k].name, nearest ? nearest : "none");
   }
-  CU_ASSERT_PTR_NULL(vs_nearest("gap", KEYS, 0));
+  CU_ASSERT_PTR_NULL(vs_text_nearest("gap", KEYS, 0));
 }
 
 static void unit_suffixes(void) {
@@ -201,11 +201,11 @@ static void unit_suffixes(void) {
               {"A", "a"}, {"V", "v"},     {"N.s/m", "n_s_m"}, {"kg.m2", "kg_m2"},   {"", ""}};
   char suffix[32];
   for (size_t k = 0; k < COUNT(ROWS); k++) {
-    vs_unit_suffix(ROWS[k].unit, suffix, sizeof suffix);
+    vs_units_suffix(ROWS[k].unit, suffix, sizeof suffix);
     EXPECT(!strcmp(suffix, ROWS[k].suffix), "'%s': '%s'", ROWS[k].unit, suffix);
   }
   memset(suffix, 'x', sizeof suffix);
-  vs_unit_suffix("rad/s2", suffix, 4);
+  vs_units_suffix("rad/s2", suffix, 4);
   CU_ASSERT_STRING_EQUAL(suffix, "rad");
   CU_ASSERT_EQUAL(suffix[4], 'x');
 }
@@ -248,7 +248,7 @@ static void units_from_suffixes(void) {
               {"", "m", NAN},
               {"x", "m", NAN}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
-    double factor = vs_unit_suffix_factor(ROWS[k].suffix, ROWS[k].unit);
+    double factor = vs_units_suffix_factor(ROWS[k].suffix, ROWS[k].unit);
     EXPECT(isnan(ROWS[k].factor) ? isnan(factor)
                                  : fabs(factor / ROWS[k].factor - 1) < 1e-15, /* rounding */
            "'%s' as %s: %.17g", ROWS[k].suffix, ROWS[k].unit, factor);
@@ -263,7 +263,7 @@ static void growing_text(void) {
   CU_ASSERT_STRING_EQUAL(t.text + 3992, "998,999,");
   vs_text_free(&t);
   CU_ASSERT_PTR_NULL(t.text);
-  vs_text_json(&t, "a \"b\" \\ \n\x01 ü");
+  vs_json_string(&t, "a \"b\" \\ \n\x01 ü");
   CU_ASSERT_STRING_EQUAL(t.text, "\"a \\\"b\\\" \\\\ \\u000a\\u0001 ü\"");
   vs_text_free(&t);
 }
@@ -300,32 +300,33 @@ static void errors_can_be_carried_on_from(void) {
   static const char *const SORTED[] = {"b:1:2: e", "b:1:9: e", "b:2:1: e", "a: e", "a:3:1: e", "e"};
   vs_findings *all = vs_alloc(1, sizeof *all);
   vs_error err = {0};
-  CU_ASSERT_EQUAL(vs_carry_on(&err, vs_fail(&err, VS_INPUT, "e")), VS_INPUT); /* kept nowhere */
-  CU_ASSERT_EQUAL(vs_found(&err), 0);
+  CU_ASSERT_EQUAL(vs_error_carry_on(&err, vs_fail(&err, VS_INPUT, "e")),
+                  VS_INPUT); /* kept nowhere */
+  CU_ASSERT_EQUAL(vs_error_count(&err), 0);
   err.findings = all;
   for (size_t k = 0; k < COUNT(PLACES); k++) /* one of them twice */
-    CU_ASSERT_EQUAL(vs_carry_on(&err, vs_fail_at(&err, PLACES[k], "e")), VS_OK);
-  CU_ASSERT_EQUAL(vs_carry_on(&err, VS_OK), VS_OK);
-  CU_ASSERT_EQUAL(vs_carry_on(&err, vs_fail(&err, VS_RUN, "no input")), VS_RUN);
-  CU_ASSERT_EQUAL_FATAL(vs_found(&err), COUNT(SORTED));
+    CU_ASSERT_EQUAL(vs_error_carry_on(&err, vs_fail_at(&err, PLACES[k], "e")), VS_OK);
+  CU_ASSERT_EQUAL(vs_error_carry_on(&err, VS_OK), VS_OK);
+  CU_ASSERT_EQUAL(vs_error_carry_on(&err, vs_fail(&err, VS_RUN, "no input")), VS_RUN);
+  CU_ASSERT_EQUAL_FATAL(vs_error_count(&err), COUNT(SORTED));
   for (size_t k = 0; k < COUNT(SORTED); k++) CU_ASSERT_STRING_EQUAL(all->item[k].text, SORTED[k]);
   const vs_error *e = &all->item[1];
   CU_ASSERT_EQUAL(e->line, 1);
   CU_ASSERT_EQUAL(e->column, 9);
   CU_ASSERT_EQUAL(e->file_size, 1);
   CU_ASSERT_STRING_EQUAL(e->text + e->place_size, "e");
-  for (int k = 0; vs_found(&err) < VS_MOST_FINDINGS; k++)
-    vs_carry_on(&err, vs_fail(&err, VS_INPUT, "%d", k));
-  CU_ASSERT_EQUAL(vs_carry_on(&err, vs_fail(&err, VS_INPUT, "no room")), VS_INPUT);
+  for (int k = 0; vs_error_count(&err) < VS_MOST_FINDINGS; k++)
+    vs_error_carry_on(&err, vs_fail(&err, VS_INPUT, "%d", k));
+  CU_ASSERT_EQUAL(vs_error_carry_on(&err, vs_fail(&err, VS_INPUT, "no room")), VS_INPUT);
   free(all);
 }
 
 /* A letter of two bytes is one column. */
 static void columns_are_characters(void) {
   static const char LINE[] = "aµb\tc";
-  CU_ASSERT_EQUAL(vs_column(LINE, LINE), 1);
-  CU_ASSERT_EQUAL(vs_column(LINE, LINE + 3), 3);
-  CU_ASSERT_EQUAL(vs_column(LINE, LINE + 5), 5);
+  CU_ASSERT_EQUAL(vs_text_column(LINE, LINE), 1);
+  CU_ASSERT_EQUAL(vs_text_column(LINE, LINE + 3), 3);
+  CU_ASSERT_EQUAL(vs_text_column(LINE, LINE + 5), 5);
 }
 
 /* ---- trees ---- */
@@ -336,7 +337,7 @@ static const vs_node *node_at(const vs_node *node, const char *path) {
   snprintf(words, sizeof words, "%s", path);
   for (char *word; node && (word = strsep(&rest, "."));) {
     if (node->kind == VS_NODE_MAP) {
-      node = vs_node_child(node, word);
+      node = vs_tree_child(node, word);
       continue;
     }
     node = node->child;
@@ -396,8 +397,8 @@ static void a_tree_remembers_where_things_stood(void) {
                (n->key_where.line == ROWS[k].key_line && n->key_where.column == ROWS[k].key_column),
            "%s: key at %d:%d", ROWS[k].path, n->key_where.line, n->key_where.column);
   }
-  CU_ASSERT_PTR_NULL(vs_node_child(tree.root, "nothing"));
-  CU_ASSERT_PTR_NULL(vs_node_child(NULL, "nothing"));
+  CU_ASSERT_PTR_NULL(vs_tree_child(tree.root, "nothing"));
+  CU_ASSERT_PTR_NULL(vs_tree_child(NULL, "nothing"));
   vs_tree_free(&tree);
 }
 
@@ -523,7 +524,7 @@ static vs_status read_part(const char *yaml, values *v, vs_error *err) {
   memset(v, 0x55, sizeof *v); /* every member must be written */
   write_file("part.yaml", yaml);
   vs_status status = vs_tree_read("part.yaml", &tree, err);
-  if (!status) status = vs_section_read(&SECTION, vs_node_child(tree.root, "part"), v, err);
+  if (!status) status = vs_field_section_read(&SECTION, vs_tree_child(tree.root, "part"), v, err);
   vs_tree_free(&tree);
   return status;
 }
@@ -719,22 +720,23 @@ static void folders(void) {
   vs_error err = {0};
   int made = -1;
   write_file("plain", "");
-  CU_ASSERT_EQUAL(vs_folder_make("one/two/three", &made, &err), VS_OK);
+  CU_ASSERT_EQUAL(vs_file_folder_make("one/two/three", &made, &err), VS_OK);
   CU_ASSERT_EQUAL(made, 3);
   EXPECT_FILES("one/two", "three ");
-  vs_folder_unmake("one/two/three", 2);
+  vs_file_folder_unmake("one/two/three", 2);
   EXPECT_FILES("one", "");
-  CU_ASSERT_EQUAL(vs_folder_make("one/four/five/", &made, &err), VS_OK);
+  CU_ASSERT_EQUAL(vs_file_folder_make("one/four/five/", &made, &err), VS_OK);
   CU_ASSERT_EQUAL(made, 2);
   write_file("one/four/kept", "");
-  vs_folder_unmake("one/four/five/", made);
+  vs_file_folder_unmake("one/four/five/", made);
   EXPECT_FILES("one/four", "kept ");
-  CU_ASSERT_EQUAL(vs_folder_make("one/four", &made, &err), VS_OK); /* there already */
+  CU_ASSERT_EQUAL(vs_file_folder_make("one/four", &made, &err), VS_OK); /* there already */
   CU_ASSERT_EQUAL(made, 0);
-  vs_folder_unmake("one/four", made);
+  vs_file_folder_unmake("one/four", made);
   EXPECT_FILES("one", "four ");
   for (size_t k = 0; k < COUNT(BAD); k++) {
-    EXPECT(vs_folder_make(BAD[k].folder, &made, &err) == VS_INPUT, "'%s' was made", BAD[k].folder);
+    EXPECT(vs_file_folder_make(BAD[k].folder, &made, &err) == VS_INPUT, "'%s' was made",
+           BAD[k].folder);
     EXPECT(strstr(err.text, BAD[k].says), "'%s': %s", BAD[k].folder, err.text);
   }
 }
@@ -751,26 +753,26 @@ static void shipped_files_are_found(void) {
   int made;
   char path[VS_PATH_SIZE];
   const vs_where asked = {"s.yaml", 4, 2};
-  CU_ASSERT_EQUAL(vs_folder_make("library/scenes", &made, &err), VS_OK);
+  CU_ASSERT_EQUAL(vs_file_folder_make("library/scenes", &made, &err), VS_OK);
   write_file("library/scenes/mine.yaml", "");
   write_file("library/scenes/another.yaml", "");
   write_file("library/scenes/notes.txt", "");
   setenv("VIBROSPICE_PATH", "nowhere::library", 1);
-  CU_ASSERT_EQUAL(vs_find(&SHELF, "mine", asked, path, &err), VS_OK);
+  CU_ASSERT_EQUAL(vs_path_find(&SHELF, "mine", asked, path, &err), VS_OK);
   CU_ASSERT_STRING_EQUAL(path, "library/scenes/mine.yaml");
-  CU_ASSERT_EQUAL(vs_find(&SHELF, "library/scenes/notes.txt", asked, path, &err), VS_OK);
+  CU_ASSERT_EQUAL(vs_path_find(&SHELF, "library/scenes/notes.txt", asked, path, &err), VS_OK);
   CU_ASSERT_STRING_EQUAL(path, "library/scenes/notes.txt");
-  CU_ASSERT_EQUAL(vs_find(&SHELF, "paper", asked, path, &err), VS_OK);
+  CU_ASSERT_EQUAL(vs_path_find(&SHELF, "paper", asked, path, &err), VS_OK);
   CU_ASSERT_PTR_NULL(strstr(path, "library/"));
   write_file("library/scenes/paper.yaml", ""); /* the user's own comes first */
-  CU_ASSERT_EQUAL(vs_find(&SHELF, "paper", asked, path, &err), VS_OK);
+  CU_ASSERT_EQUAL(vs_path_find(&SHELF, "paper", asked, path, &err), VS_OK);
   CU_ASSERT_STRING_EQUAL(path, "library/scenes/paper.yaml");
-  CU_ASSERT_EQUAL(vs_find(&SHELF, "anothr", asked, path, &err), VS_INPUT);
+  CU_ASSERT_EQUAL(vs_path_find(&SHELF, "anothr", asked, path, &err), VS_INPUT);
   CU_ASSERT_EQUAL(strncmp(err.text, "s.yaml:4:2: no scene 'anothr'", 29), 0);
   CU_ASSERT_PTR_NOT_NULL(strstr(err.text, "did you mean 'another'?"));
-  CU_ASSERT_EQUAL(vs_find(&SHELF, "library", asked, path, &err), VS_INPUT); /* a folder */
-  CU_ASSERT_EQUAL(vs_find(&SHELF, "", asked, path, &err), VS_INPUT);
-  vs_shelf_list(&SHELF, add_listed, &listed);
+  CU_ASSERT_EQUAL(vs_path_find(&SHELF, "library", asked, path, &err), VS_INPUT); /* a folder */
+  CU_ASSERT_EQUAL(vs_path_find(&SHELF, "", asked, path, &err), VS_INPUT);
+  vs_path_list(&SHELF, add_listed, &listed);
   CU_ASSERT_STRING_EQUAL(listed.text, "library/scenes/another.yaml library/scenes/mine.yaml "
                                       "library/scenes/paper.yaml ");
   vs_text_free(&listed);
@@ -781,7 +783,7 @@ static void shipped_files_are_found(void) {
 
 static bool prints_as_printf(double value, int digits) {
   char got[VS_NUMBER_SIZE], expected[64];
-  size_t length = vs_print_number(got, value, digits);
+  size_t length = vs_text_number(got, value, digits);
   snprintf(expected, sizeof expected, "%.*g", digits, value);
   bool same = !strcmp(got, expected) && length == strlen(expected);
   EXPECT(same, "%.17g with %d digits: %s, and printf has %s", value, digits, got, expected);

@@ -196,7 +196,7 @@ static void a_value_that_failed_leaves_its_default(void) {
     write_file("s.yaml", ROWS[k].scene);
     CU_ASSERT_EQUAL(vs_scene_read("s.yaml", NULL, 0, NULL, s, &err), VS_OK);
     remove("s.yaml");
-    CU_ASSERT_EQUAL(vs_found(&err), ROWS[k].found);
+    CU_ASSERT_EQUAL(vs_error_count(&err), ROWS[k].found);
     const vs_machine_values *m = &s->setup.model.machine;
     CLOSE(m->trough_mass_kg, 0.83, 1e-15);
     CLOSE(m->base_com_m[0], k ? 0.194 : 0.001, 1e-15);
@@ -407,8 +407,8 @@ static void is_good(void *ctx, const char *path) {
 }
 
 static void all_that_ships_is_good(void) {
-  vs_shelf_list(&vs_scene_shelf, is_good, NULL);
-  vs_shelf_list(&vs_deck_shelf, is_good, NULL);
+  vs_path_list(&vs_scene_shelf, is_good, NULL);
+  vs_path_list(&vs_deck_shelf, is_good, NULL);
 }
 
 static void verdicts(void) {

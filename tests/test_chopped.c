@@ -26,8 +26,12 @@ static void no_overvoltage(void) {
                            *const TOLERANCES[] = {"run.tolerance=1e-3", "run.tolerance=1e-4",
                                                   "run.tolerance=1e-5", "run.tolerance=1e-6"};
   for (int k = 0; k < 16; k++) {
-    const char *sets[] = {"circuit.deck=halfwave_bare", "run.until=50 ms", OFF[k % 2],
-                          ANGLES[k / 2 % 2],            TOLERANCES[k / 4], NULL};
+    const char *sets[] = {"circuit.deck=halfwave_bare",
+                          "run.until=50 ms",
+                          OFF[k % 2],
+                          ANGLES[k / 2 % 2],
+                          TOLERANCES[k / 4],
+                          NULL};
     vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
     double peak_v = t->scene.setup.timeline.peak_v;

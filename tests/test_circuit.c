@@ -390,13 +390,13 @@ static vs_status load_counted(const vs_circuit_job *job, const vs_circuit_host *
   counted.asked = 0;
   counted.host = counted.counting = *host;
   counted.counting.source = count_source; /* hands on to the host's own, whatever its ctx */
-  return vs_ngspice.load(job, &counted.counting, circuit, err);
+  return vs_ng_kind.load(job, &counted.counting, circuit, err);
 }
 static vs_status run_counted(void *circuit, vs_error *err) {
-  return vs_ngspice.run(circuit, err);
+  return vs_ng_kind.run(circuit, err);
 }
 static void free_counted(void *circuit) {
-  vs_ngspice.free(circuit);
+  vs_ng_kind.free(circuit);
 }
 
 /* Newton's second iteration has the gap exactly and finds the EVA linear; a third would only see
@@ -466,10 +466,10 @@ static vs_status try_bare(const char *netlist, bool only_load, bare *b, long *st
   FILE *f = tmpfile();
   CU_ASSERT_PTR_NOT_NULL_FATAL(f);
   b->accepted = fileno(f);
-  vs_status status = vs_ngspice.load(&job, &host, &circuit, &b->err);
+  vs_status status = vs_ng_kind.load(&job, &host, &circuit, &b->err);
   CU_ASSERT_EQUAL(circuit != NULL, status == VS_OK);
-  if (!status && !only_load) status = vs_ngspice.run(circuit, &b->err);
-  vs_ngspice.free(circuit);
+  if (!status && !only_load) status = vs_ng_kind.run(circuit, &b->err);
+  vs_ng_kind.free(circuit);
   *steps = bytes_in(b->accepted);
   fclose(f);
   free(text);

@@ -510,7 +510,7 @@ static void an_empty_scene_is_the_paper(void) {
                      *paper = read_json("paper/summary.json");
   check_table_1(empty);
   for (size_t k = 0; k < VS_MEASURES; k++) {
-    const char *name = vs_measures_known[k].name;
+    const char *name = vs_measures_standard[k].name;
     double value = measure_of(empty, name, "value");
     EXPECT(isfinite(value) && value == measure_of(paper, name, "value"), "%s = %.17g and %.17g",
            name, value, measure_of(paper, name, "value"));

@@ -255,7 +255,7 @@ static void books_close_over_the_circuit(void) {
       for (int b = 0; b < VS_BALANCES; b++) {
         CU_ASSERT(t->result.energy.balanced[b]);
         EXPECT(fabs(t->result.energy.residual[b]) <= LIMIT[k], "%s, %s: %s leaves %g", DECKS[d],
-               TOLERANCES[k], vs_balance_names[b], t->result.energy.residual[b]);
+               TOLERANCES[k], vs_energy_balance_names[b], t->result.energy.residual[b]);
       }
       CU_ASSERT_PTR_NULL(
           vs_energy_open(&t->result.energy, t->scene.setup.run.tolerance, text, sizeof text));
@@ -285,7 +285,7 @@ static int open_balance(const vs_trial *t) {
   if (!vs_energy_open(&t->result.energy, t->scene.setup.run.tolerance, text, sizeof text))
     return -1;
   for (int b = 0; b < VS_BALANCES; b++) {
-    snprintf(name, sizeof name, "(%s)", vs_balance_names[b]);
+    snprintf(name, sizeof name, "(%s)", vs_energy_balance_names[b]);
     if (strstr(text, name)) return b;
   }
   return VS_BALANCES;

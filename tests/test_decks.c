@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "command/export.h"
 #include "program.h"
-#include "study/export.h"
 #include "suite.h"
 
 enum { MOST_SETS = 40 };

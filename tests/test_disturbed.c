@@ -440,7 +440,7 @@ static void circuit_with_ideal_parts(void) {
       double of_switched = s->result.values[MEASURES[n].measure].value;
       EXPECT(fabs(of_circuit - of_switched) <= MEASURES[n].tolerance * fabs(of_switched),
              "%s, %s: circuit %.9g, switched %.9g", KEYS[k][0],
-             vs_measures_known[MEASURES[n].measure].name, of_circuit, of_switched);
+             vs_measures_standard[MEASURES[n].measure].name, of_circuit, of_switched);
     }
     double in = s->result.energy.joule[VS_E_SOURCE], got = c->result.energy.joule[VS_E_SOURCE];
     EXPECT(fabs(got - in) <= 3e-4 * in, "%s: circuit draws %.9g J, switched %.9g J", KEYS[k][0],

@@ -7,7 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "study/export.h"
+#include "command/export.h"
 #include "suite.h"
 
 enum { MOST_ROWS = 2101 };
@@ -229,11 +229,11 @@ static void gates_follow_the_timeline(void) {
     CU_ASSERT(y[2] == -y[0] && fabs(y[3] - (y[1] - y[0])) < 1e-9);
     for (int gate = 0; gate < 2; gate++) {
       double at = t->y[r][0], seen = y[gate];
-      bool wanted = vs_gate(line, gate * M_PI, at);
+      bool wanted = vs_gate_is_on(line, gate * M_PI, at);
       on += wanted;
       /* between two of ngspice's points an edge is a straight line in the table */
-      bool near = wanted != vs_gate(line, gate * M_PI, at - 1e-5) ||
-                  wanted != vs_gate(line, gate * M_PI, at + 1e-5);
+      bool near = wanted != vs_gate_is_on(line, gate * M_PI, at - 1e-5) ||
+                  wanted != vs_gate_is_on(line, gate * M_PI, at + 1e-5);
       EXPECT(near || fabs(seen - wanted) < 1e-9, "t = %.4g: gate %d is at %g V", at, gate, seen);
     }
   }

@@ -10,8 +10,8 @@
 #include <sys/wait.h>
 
 #include "bench.h"
+#include "command/export.h"
 #include "machine/actuator.h"
-#include "study/export.h"
 #include "suite.h"
 
 static const double PEAK_V = 622.2539674441618; /* 440 V rms */
@@ -31,7 +31,7 @@ static vs_trial *run_ideal(int tier, const char *const *sets, const vs_observer 
   size_t n = 0;
   for (; sets[n]; n++) all[n] = sets[n];
   for (size_t k = 0; tier == CIRCUIT && k < COUNT(IDEAL); k++) all[n++] = IDEAL[k];
-  return vs_trial_run("paper", vs_tiers[tier]->name, all, observer);
+  return vs_trial_run("paper", vs_tiers_all[tier]->name, all, observer);
 }
 
 static double extreme_of(const vs_trial *t, const char *probe, int sense) {
@@ -452,7 +452,7 @@ static void a_million_cycles(void) {
       "firing.first_cycle=1000000000"
 
 static double energy_of(const vs_model *m, const double x[VS_STATES]) {
-  return vs_kinetic_energy(m, x) + vs_elastic_energy(m, x);
+  return vs_mechanics_kinetic_energy(m, x) + vs_mechanics_elastic_energy(m, x);
 }
 
 /* Released in its working mode's shape: the amplitude after 10,000 periods, from the energy. */
@@ -462,7 +462,7 @@ static void free_oscillation(void) {
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   const vs_model *m = &t->scene.setup.model;
   vs_mode modes[VS_STATES];
-  vs_modes(m, modes);
+  vs_mechanics_modes(m, modes);
   CLOSE(modes[6].frequency_hz, 56.577111, 1e-7);
   for (int i = 0; i < VS_DOF; i++) t->scene.setup.start.x[i] = 1e-3 * modes[6].shape_re[i];
   vs_knot *last = vs_alloc(1, sizeof *last);

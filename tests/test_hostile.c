@@ -13,9 +13,9 @@
 #include <unistd.h>
 
 #include "base/hash.h"
-#include "batch/journal.h"
-#include "circuit/deck.h"
+#include "deck/deck.h"
 #include "program.h"
+#include "study/journal.h"
 
 #ifdef __SANITIZE_ADDRESS__
 static const double SLOWER = 10;
@@ -241,7 +241,7 @@ static void signals_end_all(void) {
 /* ---- journals ---- */
 
 static void add_line(vs_text *journal, const char *line) {
-  vs_text_add(journal, "%08x %s\n", vs_crc32(line, strlen(line)), line);
+  vs_text_add(journal, "%08x %s\n", vs_hash_crc32(line, strlen(line)), line);
 }
 
 static void add_head(vs_text *journal, const char *identity, const char *counts) {

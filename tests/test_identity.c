@@ -8,9 +8,9 @@
 #include <unistd.h>
 
 #include "base/units.h"
-#include "batch/case.h"
-#include "batch/identity.h"
 #include "program.h"
+#include "study/case.h"
+#include "study/identity.h"
 
 /* ---- of scenes ---- */
 
@@ -97,14 +97,14 @@ static bool changes(key_test *t, const char *key, const char *value) {
 /* By a part in a thousand million; where it is 0, a little of it. Of a pair each. */
 static bool changes_number(key_test *t, const char *key, const vs_field *f, const double *si) {
   static const double BY[] = {1e-9, -1e-9};
-  double value = si[0] / vs_unit_factor(f->unit);
+  double value = si[0] / vs_units_factor(f->unit);
   char text[128];
   for (size_t k = 0; k < COUNT(BY); k++) {
     double other = value ? value * (1 + BY[k]) : BY[k];
     snprintf(text, sizeof text, "%.12g %s", other, f->unit);
     if (f->kind == VS_REAL && changes(t, key, text)) return true;
     if (f->kind == VS_REAL) continue;
-    double second = si[1] / vs_unit_factor(f->unit);
+    double second = si[1] / vs_units_factor(f->unit);
     snprintf(text, sizeof text, "[%.12g %s, %.12g %s]", other, f->unit, second, f->unit);
     if (!changes(t, key, text)) continue;
     snprintf(text, sizeof text, "[%.12g %s, %.12g %s]", value, f->unit, second * (1 + BY[k]),
@@ -147,8 +147,8 @@ static void every_key_counts(void) {
   char sets[] = "actuator.stop={stiffness: 1e7 N/m, damping: 300 N.s/m}", *set[] = {sets};
   CU_ASSERT_EQUAL_FATAL(vs_scene_read("paper", set, 1, NULL, scene, &err), VS_OK);
   int keys = 0;
-  for (int p = 0; p < VS_SCENE_PARTS; p++) {
-    const vs_scene_part part = vs_scene_part_at(scene, p);
+  for (int p = 0; p < VS_SCENE_SECTIONS; p++) {
+    const vs_scene_section part = vs_scene_section_at(scene, p);
     for (size_t k = 0; k < part.section->count; k++) {
       const vs_field *f = &part.section->fields[k];
       bool run = !strcmp(part.section->name, "run");
@@ -242,7 +242,7 @@ static char *ids_in(const char *path) {
   vs_text_add(&ids, "%s", "");
   strsep(&rest, "\n");
   while ((line = strsep(&rest, "\n")) && *line)
-    vs_text_add(&ids, "%s ", vs_csv_cut(line, cell, COUNT(cell)) > 2 ? cell[1] : "?");
+    vs_text_add(&ids, "%s ", vs_csv_split(line, cell, COUNT(cell)) > 2 ? cell[1] : "?");
   free(csv);
   return ids.text;
 }

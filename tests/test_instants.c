@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "coupling/conduction.h"
 #include "oracle.h"
 #include "program.h"
-#include "sim/conduction.h"
 
 /* ---- against the tests' own solver ---- */
 

@@ -22,14 +22,14 @@ static void modes_have_their_frequencies(void) {
   static const double TAU[4] = {58.090078, 14.487634, 4.0159056, 0.57104797};
   vs_mode modes[VS_STATES];
   vs_model m = model_of("machine.m14=paper");
-  CU_ASSERT_TRUE_FATAL(vs_modes(&m, modes));
+  CU_ASSERT_TRUE_FATAL(vs_mechanics_modes(&m, modes));
   for (int k = 0; k < 4; k++) {
     CLOSE_OF(modes[2 * k].frequency_hz, PAPER[k], 1, 6e-9); /* the printed digits end at 1e-8 Hz */
     CLOSE(modes[2 * k].time_constant_s, TAU[k], 1e-7);      /* eight digits are printed */
     CU_ASSERT_DOUBLE_EQUAL(modes[2 * k].im_rad_s, -modes[2 * k + 1].im_rad_s, 1e-9);
   }
   m = model_of("machine.m14=derived");
-  CU_ASSERT_TRUE_FATAL(vs_modes(&m, modes));
+  CU_ASSERT_TRUE_FATAL(vs_mechanics_modes(&m, modes));
   for (int k = 0; k < 4; k++) CLOSE_OF(modes[2 * k].frequency_hz, DERIVED[k], 1, 6e-9);
 }
 
@@ -60,10 +60,10 @@ static void load_adds_to_the_trough(void) {
 static void state_space_is_the_equation_of_motion(void) {
   vs_model m = model_of("machine.m14=derived");
   vs_state_space s;
-  vs_state_space_of(&m, &s);
+  vs_mechanics_state_space(&m, &s);
   const double x[VS_STATES] = {1e-3, -2e-4, 3e-4, 1e-2, 0.3, -0.05, 0.02, 1.5}, force = 90;
   double a[VS_DOF];
-  vs_accelerations(&m, x, force, a);
+  vs_mechanics_accelerations(&m, x, force, a);
   for (int i = 0; i < VS_DOF; i++) {
     double from_space = -s.b[i][P] * force, q = 0;
     for (int j = 0; j < VS_DOF; j++) {
@@ -85,13 +85,13 @@ static void state_space_is_the_equation_of_motion(void) {
 static void actuator_is_consistent(void) {
   vs_model m = model_of("machine.m14=paper");
   CLOSE(m.a_hm, 5.2e-3, 1e-14);
-  double z = vs_gap(&m, -1e-3), flux = 1.2, i = vs_current(&m, flux, z);
-  CLOSE(vs_force(&m, flux), m.a_hm * i * i / (z * z), 1e-14); /* F = a i^2/z^2, Eq. 72 */
-  CLOSE(vs_magnetic_energy(&m, flux, z), flux * i / 2, 1e-14);
+  double z = vs_actuator_gap(&m, -1e-3), flux = 1.2, i = vs_actuator_current(&m, flux, z);
+  CLOSE(vs_actuator_force(&m, flux), m.a_hm * i * i / (z * z), 1e-14); /* F = a i^2/z^2, Eq. 72 */
+  CLOSE(vs_actuator_energy(&m, flux, z), flux * i / 2, 1e-14);
   double dz = 1e-7; /* F = -dW/dz at constant lambda, by a central difference that is exact: W is
                        linear in z */
-  CLOSE((vs_magnetic_energy(&m, flux, z + dz) - vs_magnetic_energy(&m, flux, z - dz)) / (2 * dz),
-        vs_force(&m, flux), 1e-8);
+  CLOSE((vs_actuator_energy(&m, flux, z + dz) - vs_actuator_energy(&m, flux, z - dz)) / (2 * dz),
+        vs_actuator_force(&m, flux), 1e-8);
 }
 
 /* M and K must be positive definite: Eq. 55 with the paper's m14 = 0 and hardly any inertia is not;

@@ -64,9 +64,9 @@ static void compare(FILE *table, int number, const vs_verdict *v, const vs_verdi
   for (size_t k = 0; k < v->count && k < tight->count; k++) {
     const vs_judgement *j = &v->item[k], *t = &tight->item[k];
     char name[VS_JUDGED_NAME], other[VS_JUDGED_NAME];
-    vs_judgement_name(j, name);
-    if (strcmp(name, vs_judgement_name(t, other))) continue; /* the lines differ: told below */
-    vs_word word = vs_judgement_word(j);
+    vs_verdict_name(j, name);
+    if (strcmp(name, vs_verdict_name(t, other))) continue; /* the lines differ: told below */
+    vs_word word = vs_verdict_word(j);
     bool inside = fabs(j->margin - t->margin) <= j->margin_error;
     bool wrong = (word == VS_HELD && t->margin < 0) || (word == VS_VIOLATED && t->margin > 0);
     all->lines++;
@@ -79,7 +79,7 @@ static void compare(FILE *table, int number, const vs_verdict *v, const vs_verdi
              t->margin);
     if (table)
       fprintf(table, "%d,%s,%.9g,%.3g,%s,%.9g,%d\n", number, name, j->margin, j->margin_error,
-              vs_words[word], t->margin, inside);
+              vs_verdict_words[word], t->margin, inside);
   }
   all->cases++;
   all->whole += whole;

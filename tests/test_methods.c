@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "batch/methods.h"
+#include "method/methods.h"
 #include "program.h"
 
 /* A study that is there as long as a test needs it. */
@@ -196,7 +196,7 @@ static void run_case(const vs_plan *plan, fake *f, history *r) {
 
 /* Runs all a search asks for. */
 static history pursue(const vs_plan *plan, fake *f) {
-  const vs_part_of_plan *part = plan->adaptive;
+  const vs_plan_stage *part = plan->adaptive;
   const size_t most = (size_t)plan->count;
   history r = {vs_alloc(most * plan->n_axes, sizeof(double)),
                vs_alloc(most * (1 + plan->n_columns), sizeof(double)), vs_alloc(most, sizeof(int)),
@@ -574,9 +574,9 @@ static void n_from_the_command_line(void) {
   vs_tree tree;
   vs_error err = {0};
   EXPECT(!vs_tree_read("some/manifest.json", &tree, &err), "%s", err.text);
-  const vs_node *axes = vs_node_child(tree.root, "axes");
-  const vs_node *spread = axes ? vs_node_child(axes->child, "spread") : NULL;
-  const vs_node *sigma = vs_node_child(spread, "sigma");
+  const vs_node *axes = vs_tree_child(tree.root, "axes");
+  const vs_node *spread = axes ? vs_tree_child(axes->child, "spread") : NULL;
+  const vs_node *sigma = vs_tree_child(spread, "sigma");
   EXPECT(sigma && !strcmp(sigma->text, "0.08"), "sigma is %s", sigma ? sigma->text : "not there");
   vs_tree_free(&tree);
 }

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "batch/random.h"
+#include "method/random.h"
 #include "suite.h"
 
 enum { N = 4096 };
@@ -116,17 +116,18 @@ static void sobol_is_gsl_s(void) {
   enum { AXES = 7, POINTS = 1500 };
   vs_sobol s;
   double point[AXES];
-  CU_ASSERT_FATAL(vs_sobol_begin(&s, AXES, POINTS + 1, 1));
+  CU_ASSERT_FATAL(vs_random_sobol_begin(&s, AXES, POINTS + 1, 1));
   memset(s.shift, 0, sizeof s.shift);
   gsl_qrng *q = gsl_qrng_alloc(gsl_qrng_sobol, AXES);
   for (uint64_t k = 0; k < POINTS; k++) {
     gsl_qrng_get(q, point);
-    for (size_t d = 0; d < AXES; d++) CLOSE_OF(vs_sobol_at(&s, k + 1, d), point[d], 1, 0x1p-52);
+    for (size_t d = 0; d < AXES; d++)
+      CLOSE_OF(vs_random_sobol_at(&s, k + 1, d), point[d], 1, 0x1p-52);
   }
   gsl_qrng_free(q);
-  CU_ASSERT(!vs_sobol_begin(&s, VS_SOBOL_AXES + 1, 10, 1));
-  CU_ASSERT(!vs_sobol_begin(&s, 1, ((uint64_t)1 << VS_SOBOL_BITS) + 1, 1));
-  CU_ASSERT(vs_sobol_begin(&s, 0, 10, 1));
+  CU_ASSERT(!vs_random_sobol_begin(&s, VS_SOBOL_AXES + 1, 10, 1));
+  CU_ASSERT(!vs_random_sobol_begin(&s, 1, ((uint64_t)1 << VS_SOBOL_BITS) + 1, 1));
+  CU_ASSERT(vs_random_sobol_begin(&s, 0, 10, 1));
 }
 
 /* The shift keeps a net a net: of 2^m points one lies in each of 2^m equal parts of every axis, and
@@ -135,17 +136,18 @@ static void a_shifted_net_is_one(void) {
   enum { M = 10 };
   vs_sobol s;
   for (uint64_t seed = 0; seed < 5; seed++) {
-    CU_ASSERT_FATAL(vs_sobol_begin(&s, 12, 1 << M, seed));
+    CU_ASSERT_FATAL(vs_random_sobol_begin(&s, 12, 1 << M, seed));
     for (size_t d = 0; d < 12; d++) {
       bool seen[1 << M] = {0};
-      for (uint64_t k = 0; k < 1 << M; k++) seen[(size_t)(vs_sobol_at(&s, k, d) * (1 << M))] = true;
+      for (uint64_t k = 0; k < 1 << M; k++)
+        seen[(size_t)(vs_random_sobol_at(&s, k, d) * (1 << M))] = true;
       for (size_t k = 0; k < 1 << M; k++) EXPECT(seen[k], "axis %zu: part %zu is empty", d, k);
     }
     for (int a = 0; a <= M; a++) {
       bool seen[1 << M] = {0};
       for (uint64_t k = 0; k < 1 << M; k++) {
-        size_t x = (size_t)(vs_sobol_at(&s, k, 0) * (1 << a)),
-               y = (size_t)(vs_sobol_at(&s, k, 1) * (1 << (M - a)));
+        size_t x = (size_t)(vs_random_sobol_at(&s, k, 0) * (1 << a)),
+               y = (size_t)(vs_random_sobol_at(&s, k, 1) * (1 << (M - a)));
         seen[(x << (M - a)) + y] = true;
       }
       for (size_t k = 0; k < 1 << M; k++) EXPECT(seen[k], "%d: box %zu is empty", a, k);
@@ -159,13 +161,13 @@ static double error_of(int method, uint64_t seed) {
   enum { AXES = 5, POINTS = 1024 };
   vs_sobol s;
   double sum = 0;
-  vs_sobol_begin(&s, AXES, POINTS, seed);
+  vs_random_sobol_begin(&s, AXES, POINTS, seed);
   for (uint64_t k = 0; k < POINTS; k++) {
     double f = 1;
     for (size_t d = 0; d < AXES; d++)
       f *= 0.5 + (method == 0   ? vs_random_uniform(seed, k, d)
                   : method == 1 ? vs_random_latin(seed, k, POINTS, d)
-                                : vs_sobol_at(&s, k, d));
+                                : vs_random_sobol_at(&s, k, d));
     sum += f / POINTS;
   }
   return sum - 1;
@@ -188,16 +190,17 @@ static void sobol_beats_latin_beats_monte_carlo(void) {
 static void quantiles(void) {
   const vs_spread normal = {VS_SHAPE_NORMAL, 2, 0}, uniform = {VS_SHAPE_UNIFORM, 3, 0},
                   cut = {VS_SHAPE_NORMAL, 2, 1.5};
-  CLOSE_OF(vs_spread_at(&normal, 0.5), 0, 1, 1e-15);
-  CLOSE(vs_spread_at(&normal, 0.975), 2 * 1.959963984540054, 1e-12); /* tables of the normal */
-  CLOSE(vs_spread_at(&normal, 0.001), -2 * 3.090232306167813, 1e-12);
-  CLOSE(vs_spread_at(&uniform, 0.25), -1.5, 1e-15);
-  CLOSE(vs_spread_at(&cut, 1e-300), -3, 1e-12); /* the cut itself */
-  CLOSE(vs_spread_at(&cut, 1 - 0x1p-53), 3, 1e-12);
-  CLOSE_OF(vs_spread_at(&cut, 0.5), 0, 1, 1e-15);
+  CLOSE_OF(vs_random_spread_at(&normal, 0.5), 0, 1, 1e-15);
+  CLOSE(vs_random_spread_at(&normal, 0.975), 2 * 1.959963984540054,
+        1e-12); /* tables of the normal */
+  CLOSE(vs_random_spread_at(&normal, 0.001), -2 * 3.090232306167813, 1e-12);
+  CLOSE(vs_random_spread_at(&uniform, 0.25), -1.5, 1e-15);
+  CLOSE(vs_random_spread_at(&cut, 1e-300), -3, 1e-12); /* the cut itself */
+  CLOSE(vs_random_spread_at(&cut, 1 - 0x1p-53), 3, 1e-12);
+  CLOSE_OF(vs_random_spread_at(&cut, 0.5), 0, 1, 1e-15);
   /* The part of a normal between -1.5 and 1 of that between -1.5 and 1.5 */
   double below = gsl_cdf_ugaussian_P(-1.5);
-  CLOSE(vs_spread_at(&cut, (gsl_cdf_ugaussian_P(1) - below) / (1 - 2 * below)), 2, 1e-12);
+  CLOSE(vs_random_spread_at(&cut, (gsl_cdf_ugaussian_P(1) - below) / (1 - 2 * below)), 2, 1e-12);
 }
 
 /* 4096 samples; four standard errors. Truncated at 2: 1 - 2*2*phi(2)/(2*Phi(2) - 1) = 0.77374 of
@@ -206,8 +209,8 @@ static void sampled_distributions(void) {
   static double x[N], y[N];
   const vs_spread normal = {VS_SHAPE_NORMAL, 1, 0}, cut = {VS_SHAPE_NORMAL, 1, 2};
   for (uint64_t k = 0; k < N; k++) {
-    x[k] = vs_spread_at(&normal, vs_random_uniform(11, k, 0));
-    y[k] = vs_spread_at(&cut, vs_random_uniform(11, k, 1));
+    x[k] = vs_random_spread_at(&normal, vs_random_uniform(11, k, 0));
+    y[k] = vs_random_spread_at(&cut, vs_random_uniform(11, k, 1));
     EXPECT(fabs(y[k]) <= 2, "%g is beyond its cut", y[k]);
   }
   moments m = moments_of(x, y);
@@ -223,16 +226,16 @@ static void correlations(void) {
   static double x[N], y[N], z[N];
   const double matrix[] = {1, 0, 0.8, 0, 1, 0, 0.8, 0, 1}, impossible[] = {1, 1, 1, 1};
   const vs_spread normal = {VS_SHAPE_NORMAL, 3, 0}, uniform = {VS_SHAPE_UNIFORM, 1, 0};
-  vs_correlation *c = vs_correlation_new(3, matrix);
+  vs_correlation *c = vs_random_correlation(3, matrix);
   CU_ASSERT_PTR_NOT_NULL_FATAL(c);
   for (uint64_t k = 0; k < N; k++) {
     double u[3], alone[3];
     for (uint64_t d = 0; d < 3; d++) alone[d] = u[d] = vs_random_uniform(5, k, d);
-    vs_correlate(c, u);
+    vs_random_correlate(c, u);
     CU_ASSERT(u[0] == alone[0] && u[1] == alone[1]); /* to the last bit */
-    x[k] = vs_spread_at(&normal, u[0]);
-    y[k] = vs_spread_at(&normal, u[2]);
-    z[k] = vs_spread_at(&uniform, u[1]);
+    x[k] = vs_random_spread_at(&normal, u[0]);
+    y[k] = vs_random_spread_at(&normal, u[2]);
+    z[k] = vs_random_spread_at(&uniform, u[1]);
   }
   free(c);
   /* standard error of a correlation rho: (1 - rho^2)/64 */
@@ -245,7 +248,7 @@ static void correlations(void) {
   }
   CLOSE_OF(moments_of(x, y).correlation, 0.7859, 1, 4 * 0.38 / 64);
   CLOSE_OF(distance(y, N), 0, 1, 2.2 / 64); /* and they stay uniform */
-  CU_ASSERT_PTR_NULL(vs_correlation_new(2, impossible));
+  CU_ASSERT_PTR_NULL(vs_random_correlation(2, impossible));
 }
 
 static const vs_test TESTS[] = {

@@ -9,8 +9,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "circuit/rawfile.h"
 #include "program.h"
+#include "solver/rawfile.h"
 
 static const char GOOD_RUN[] = "events.csv run.csv run.raw summary.json ",
                   BROKEN_RUN[] = "run.partial.csv run.partial.raw ";

@@ -9,9 +9,9 @@
 #include <unistd.h>
 
 #include "base/text.h"
+#include "picture/charts.h"
+#include "picture/map.h"
 #include "program.h"
-#include "report/charts.h"
-#include "report/map.h"
 #include "report/page.h"
 
 /* ---- study folders ---- */
@@ -101,26 +101,27 @@ static void expect_words(const char *path, const char *const *words, size_t coun
 
 static void percentiles(void) {
   const double v[] = {1, 2, 4, 8, 16};
-  CLOSE(vs_percentile(v, 5, 0), 1, 0);
-  CLOSE(vs_percentile(v, 5, 50), 4, 0);
-  CLOSE(vs_percentile(v, 5, 100), 16, 0);
-  CLOSE(vs_percentile(v, 5, 5), 1.2, 1e-15); /* a fifth of the way from 1 to 2 */
-  CLOSE(vs_percentile(v, 5, 90), 12.8, 1e-15);
-  CLOSE(vs_percentile(v, 1, 95), 1, 0);
-  CU_ASSERT(isnan(vs_percentile(v, 0, 50)));
+  CLOSE(vs_spread_percentile(v, 5, 0), 1, 0);
+  CLOSE(vs_spread_percentile(v, 5, 50), 4, 0);
+  CLOSE(vs_spread_percentile(v, 5, 100), 16, 0);
+  CLOSE(vs_spread_percentile(v, 5, 5), 1.2, 1e-15); /* a fifth of the way from 1 to 2 */
+  CLOSE(vs_spread_percentile(v, 5, 90), 12.8, 1e-15);
+  CLOSE(vs_spread_percentile(v, 1, 95), 1, 0);
+  CU_ASSERT(isnan(vs_spread_percentile(v, 0, 50)));
 }
 
 static void shares(void) {
   double least, largest;
-  vs_wilson(8, 10, &least, &largest); /* by hand: (0.8 + z²/20 ∓ z√(0.016 + z²/400))/(1 + z²/10) */
+  vs_page_wilson(8, 10, &least,
+                 &largest); /* by hand: (0.8 + z²/20 ∓ z√(0.016 + z²/400))/(1 + z²/10) */
   CLOSE(least, 0.4901624715, 1e-9);
   CLOSE(largest, 0.9433178485, 1e-9);
-  vs_wilson(0, 4, &least, &largest);
+  vs_page_wilson(0, 4, &least, &largest);
   CLOSE_OF(least, 0, 1, 1e-15);
   CLOSE(largest, 3.841458820694124 / (4 + 3.841458820694124), 1e-12); /* z²/(n + z²) */
-  CLOSE(vs_share(4095, 4096), 99.97, 0);
-  CLOSE(vs_share(999999, 1000000), 99.99, 0); /* never 100 when one is missing */
-  CLOSE(vs_share(7, 7), 100, 0);
+  CLOSE(vs_page_share(4095, 4096), 99.97, 0);
+  CLOSE(vs_page_share(999999, 1000000), 99.99, 0); /* never 100 when one is missing */
+  CLOSE(vs_page_share(7, 7), 100, 0);
 }
 
 typedef struct pieces {
@@ -161,7 +162,7 @@ static pieces trace(double (*field)(double, double), double low, double step, bo
     for (int i = 0; i < SIDE; i++)
       z[j * SIDE + i] = x[i] == hole && x[j] == hole ? NAN : field(x[i], x[j]);
   const vs_field_grid grid = {SIDE, SIDE, x, x, z, is_log, is_log};
-  vs_contour(&grid, p.level, note_piece, &p);
+  vs_map_contour(&grid, p.level, note_piece, &p);
   return p;
 }
 
@@ -200,7 +201,7 @@ static void units(void) {
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     char name[] = "x", unit[16];
     snprintf(unit, sizeof unit, "%s", ROWS[k].unit);
-    const vs_study_column c = {.name = name, .unit = unit, .role = VS_ROLE_REPORT};
+    const vs_folder_column c = {.name = name, .unit = unit, .role = VS_ROLE_REPORT};
     vs_scale s = vs_scale_of(&c, (vs_extent){ROWS[k].least, ROWS[k].largest, NULL, 0});
     EXPECT(!strcmp(s.label, ROWS[k].label), "%s: '%s'", ROWS[k].label, s.label);
     CLOSE(s.factor, ROWS[k].factor, 1e-15);
@@ -329,7 +330,7 @@ static void bars_add_up(void) {
   for (int shape = 1; shape < 5; shape++)
     for (size_t j = 0; j < COUNT(JOINTS); j++) {
       for (int k = 0; k < N; k++) v[k] = pow(k / (N - 1.0), shape);
-      const vs_bins b = vs_bins_of(v, N, JOINTS[j]);
+      const vs_bins b = vs_spread_bins(v, N, JOINTS[j]);
       size_t all = 0;
       for (size_t k = 0; k < b.count; k++) {
         double left = b.item[k].middle - b.width / 2, right = b.item[k].middle + b.width / 2;
@@ -346,7 +347,7 @@ static void bars_add_up(void) {
       CU_ASSERT(b.count >= 8 && b.count < VS_BINS);
     }
   for (int k = 0; k < N; k++) v[k] = 573 + k * 1e-16; /* but for rounding, alike */
-  const vs_bins one = vs_bins_of(v, N, 1200);
+  const vs_bins one = vs_spread_bins(v, N, 1200);
   CU_ASSERT_EQUAL(one.count, 1);
   CU_ASSERT_EQUAL(one.item[0].cases, N);
 }

@@ -10,8 +10,8 @@
 #include <string.h>
 #include <sys/wait.h>
 
-#include "study/export.h"
-#include "study/ladder.h"
+#include "command/export.h"
+#include "scene/ladder.h"
 #include "suite.h"
 
 static const char *const THYRISTORS[] = {"latch",   "thyristor_2t", "BT151-800R",

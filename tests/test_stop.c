@@ -40,9 +40,9 @@ static void plain_rates(const vs_setup *s, double t, const double y[9], bool on,
   double depth = -m->actuator.gap_m - y[P];
   double stop = depth > 0 ? 2e7 * depth - 500 * y[VS_DOF + P] : 0; /* pushes p up */
   double current = y[8] * (m->gap_rest_m + y[P]) / (2 * m->a_hm);
-  vs_accelerations(m, y, y[8] * y[8] / (4 * m->a_hm) - stop, rate + 4);
+  vs_mechanics_accelerations(m, y, y[8] * y[8] / (4 * m->a_hm) - stop, rate + 4);
   for (int i = 0; i < 4; i++) rate[i] = y[4 + i];
-  rate[8] = on ? vs_mains(&s->timeline, t) - m->actuator.resistance_ohm * current : 0;
+  rate[8] = on ? vs_mains_voltage(&s->timeline, t) - m->actuator.resistance_ohm * current : 0;
 }
 
 static plain march(const vs_setup *s, double until) {
@@ -52,7 +52,8 @@ static plain march(const vs_setup *s, double until) {
   bool on = false;
   for (int n = 0; n * h < until; n++) {
     double t = n * h, before = y[P];
-    if (!on && vs_gate(&s->timeline, 0, t) && vs_mains(&s->timeline, t) > 0) on = true;
+    if (!on && vs_gate_is_on(&s->timeline, 0, t) && vs_mains_voltage(&s->timeline, t) > 0)
+      on = true;
     plain_rates(s, t, y, on, k[0]);
     for (int stage = 1; stage < 4; stage++) {
       double part = stage < 3 ? h / 2 : h;
@@ -241,7 +242,7 @@ static void starts_in_motion(void) {
     vs_trial *t = vs_trial_run("paper", k ? "circuit" : "switched", sets, NULL);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
     CLOSE(t->result.values[VS_M_P_MAX].value, 2e-3, 1e-12);
-    CU_ASSERT(vs_elastic_energy(&t->scene.setup.model, t->result.energy.first.x) > 0.1);
+    CU_ASSERT(vs_mechanics_elastic_energy(&t->scene.setup.model, t->result.energy.first.x) > 0.1);
     CU_ASSERT(fabs(t->result.energy.left_j[VS_B_MECHANICAL]) < 1e-8);
     CU_ASSERT(t->result.energy.joule[VS_E_MECHANICAL] < 0);
     vs_trial_free(t);

@@ -15,10 +15,10 @@
 #include <unistd.h>
 
 #include "base/hash.h"
-#include "batch/case.h"
-#include "batch/identity.h"
-#include "batch/journal.h"
 #include "program.h"
+#include "study/case.h"
+#include "study/identity.h"
+#include "study/journal.h"
 
 /* Fast: switched, 12 x 10 cases of 0.1 s; the last angle of each voltage is below theta, and some
  * of them meet the pole cover. */
@@ -78,15 +78,15 @@ static char *without_ids(char *csv) {
 /* Known values: CRC-32 of "123456789" (its check value), SHA-256 of "abc" (FIPS 180-4, example) and
  * of nothing. */
 static void checksums(void) {
-  vs_sha256 h;
-  char text[VS_SHA256_TEXT];
-  CU_ASSERT_EQUAL(vs_crc32("123456789", 9), 0xcbf43926);
-  vs_sha256_begin(&h);
-  vs_sha256_add(&h, "abc", 3);
-  vs_sha256_end(&h, text);
+  vs_hash h;
+  char text[VS_HASH_TEXT];
+  CU_ASSERT_EQUAL(vs_hash_crc32("123456789", 9), 0xcbf43926);
+  vs_hash_begin(&h);
+  vs_hash_add(&h, "abc", 3);
+  vs_hash_end(&h, text);
   CU_ASSERT_STRING_EQUAL(text, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  vs_sha256_begin(&h);
-  vs_sha256_end(&h, text);
+  vs_hash_begin(&h);
+  vs_hash_end(&h, text);
   CU_ASSERT_STRING_EQUAL(text, "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
 }
 
@@ -99,7 +99,7 @@ static void cells(void) {
   vs_text_add(&row, ",,");
   vs_csv_cell(&row, "plain");
   CU_ASSERT_STRING_EQUAL(row.text, "\"a,b\",\"say \"\"x\"\"\",,plain");
-  CU_ASSERT_EQUAL_FATAL(vs_csv_cut(row.text, cell, 8), 4);
+  CU_ASSERT_EQUAL_FATAL(vs_csv_split(row.text, cell, 8), 4);
   CU_ASSERT_STRING_EQUAL(cell[0], "a,b");
   CU_ASSERT_STRING_EQUAL(cell[1], "say \"x\"");
   CU_ASSERT_STRING_EQUAL(cell[2], "");
@@ -146,7 +146,7 @@ static void a_case_is_a_run(void) {
   ran r = run("study g.yaml");
   char *cell[16], *row = strstr(r.out, "\n1,");
   CU_ASSERT_PTR_NOT_NULL_FATAL(row);
-  CU_ASSERT_EQUAL_FATAL(vs_csv_cut(row + 1, cell, 16), 13);
+  CU_ASSERT_EQUAL_FATAL(vs_csv_split(row + 1, cell, 16), 13);
   ran one = run("run paper --set circuit.deck=halfwave_paper --set run.until=12ms --set "
                 "circuit.r1=100ohm --set firing.angle=110deg --json --quiet --reproducible");
   char want[128];
@@ -170,9 +170,9 @@ static void sides_of_ratings(void) {
   vs_tree tree;
   vs_error err = {0};
   CU_ASSERT_EQUAL_FATAL(vs_tree_read("sides/manifest.json", &tree, &err), VS_OK);
-  const vs_node *list = vs_node_child(tree.root, "report"), *n = list ? list->child : NULL;
+  const vs_node *list = vs_tree_child(tree.root, "report"), *n = list ? list->child : NULL;
   for (size_t k = 0; k < COUNT(SIDES); k++, n = n ? n->next : NULL) {
-    const vs_node *side = vs_node_child(n, "side"), *rating = vs_node_child(n, "rating");
+    const vs_node *side = vs_tree_child(n, "side"), *rating = vs_tree_child(n, "rating");
     EXPECT(side && !strcmp(side->text, SIDES[k]), "side %zu: %s", k, side ? side->text : "-");
     EXPECT(rating && !strcmp(rating->text, "null") == (k == 4), "rating %zu", k);
     if (k == 2 && rating) CU_ASSERT(atof(rating->text) < 0);
@@ -425,7 +425,7 @@ static void one_circuit_for_many(void) {
     CU_ASSERT_PTR_NOT_NULL_FATAL(line);
     free_ran(&r);
     snprintf(text, sizeof text, "%s", row[o][o]);
-    CU_ASSERT_EQUAL_FATAL(vs_csv_cut(text, cell, COUNT(cell)), 14);
+    CU_ASSERT_EQUAL_FATAL(vs_csv_split(text, cell, COUNT(cell)), 14);
     CU_ASSERT(atof(cell[4]) > 5); /* A2s: it did melt */
   }
   CU_ASSERT_STRING_EQUAL(row[0][0], row[1][1]);

@@ -65,7 +65,7 @@ static void word_and_list(void) {
 }
 
 static const char *text_of(const vs_node *map, const char *key) {
-  const vs_node *node = vs_node_child(map, key);
+  const vs_node *node = vs_tree_child(map, key);
   return node && node->text ? node->text : "";
 }
 
@@ -77,7 +77,7 @@ static void json(void) {
   vs_tree tree = {0};
   vs_error err = {0};
   CU_ASSERT_EQUAL_FATAL(vs_tree_read("v.json", &tree, &err), VS_OK);
-  const vs_node *checks = vs_node_child(tree.root, "checks");
+  const vs_node *checks = vs_tree_child(tree.root, "checks");
   CU_ASSERT_FATAL(checks && checks->kind == VS_NODE_LIST && checks->child);
   const vs_node *one = checks->child;
   CU_ASSERT_PTR_NULL(one->next);
@@ -103,33 +103,33 @@ static vs_status gives(const vs_experiment *e, const vs_observer *also, vs_numbe
                        vs_error *err) {
   (void)e, (void)also, (void)err;
   performed++;
-  vs_numbers_add(out, 3, "three");
-  vs_numbers_add(out, NAN, "nothing");
+  vs_experiment_add(out, 3, "three");
+  vs_experiment_add(out, NAN, "nothing");
   return VS_OK;
 }
 static vs_status fails(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
                        vs_error *err) {
   (void)e, (void)also;
   performed++;
-  vs_numbers_add(out, 3, "three");
+  vs_experiment_add(out, 3, "three");
   return vs_fail(err, VS_RUN, "this one always fails");
 }
 static const vs_experiment good = {.perform = gives}, same = {.perform = gives},
                            bad = {.perform = fails};
 
-static vs_status validate(vs_check check, vs_error *err) {
+static vs_status validate(vs_comparison check, vs_error *err) {
   static const volatile sig_atomic_t never;
   const vs_validate_options quiet = {.quiet = true, .stop = &never};
-  const vs_check items[2] = {check, check};
-  const vs_checks list = {items, 2};
-  const vs_checks *const lists[] = {&list};
+  const vs_comparison items[2] = {check, check};
+  const vs_comparisons list = {items, 2};
+  const vs_comparisons *const lists[] = {&list};
   return vs_validate(lists, 1, &quiet, err);
 }
 
 /* On either side of the tolerance, which is of the scale; and a run is done once for all. */
 static void what_is_off_is_told(void) {
   static const struct {
-    vs_check check;
+    vs_comparison check;
     bool good;
   } ROWS[] = {
       {{.experiment = &good, .what = "three", .expected = 3, .tolerance = 1e-12}, true},
@@ -148,7 +148,7 @@ static void what_is_off_is_told(void) {
       {{.experiment = &bad, .what = "three", .expected = 3, .tolerance = 1}, false},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
-    vs_check check = ROWS[k].check;
+    vs_comparison check = ROWS[k].check;
     vs_error err = {0};
     check.name = "a check", check.unit = "", check.source = check.why = "the test";
     performed = 0;
@@ -162,7 +162,7 @@ static void what_is_off_is_told(void) {
 /* The program's own first check, expected a little beside what it is. */
 static void a_wrong_expectation_is_off(void) {
   for (int k = 0; k < 2; k++) {
-    vs_check check = vs_checks_single.item[0];
+    vs_comparison check = vs_single_comparisons.item[0];
     vs_error err = {0};
     check.expected += k * 2e-8; /* Hz; allowed are 6e-9 */
     CU_ASSERT_EQUAL(validate(check, &err), k ? VS_RUN : VS_OK);
@@ -172,7 +172,7 @@ static void a_wrong_expectation_is_off(void) {
 static void a_signal_ends_it(void) {
   const volatile sig_atomic_t at_once = 1;
   const vs_validate_options options = {.quiet = true, .stop = &at_once};
-  const vs_checks *const lists[] = {&vs_checks_single};
+  const vs_comparisons *const lists[] = {&vs_single_comparisons};
   vs_error err = {0};
   CU_ASSERT_EQUAL(vs_validate(lists, 1, &options, &err), VS_SIGNAL);
 }

@@ -23,7 +23,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "study/scene.h"
+#include "scene/scene.h"
 #include "watch/energy.h"
 
 /* The peers' record: p, u, w, phi, i every 0.1 ms of 2 s. */
@@ -98,7 +98,7 @@ static vs_status store(void *ctx, const vs_step *step, vs_error *err) {
   double y[VS_CH_MOST];
   r->steps++;
   for (; r->rows < ROWS && (double)r->rows / ROWS_PER_SECOND <= step->to->t_s; r->rows++) {
-    vs_step_parts_at(step, (double)r->rows / ROWS_PER_SECOND, r->parts, y);
+    vs_step_groups_at(step, (double)r->rows / ROWS_PER_SECOND, r->parts, y);
     for (int k = 0; k < COLUMNS; k++) r->y[r->rows][k] = y[RECORDED[k]];
   }
   return VS_OK;
@@ -123,7 +123,7 @@ static double run_stored(const vs_scene *scene, record *r) {
   vs_observer observer = {r, store};
   r->rows = 0;
   r->steps = 0;
-  r->parts = vs_parts_of(RECORDED, COLUMNS);
+  r->parts = vs_channel_groups(RECORDED, COLUMNS);
   double spent = run_timed(scene, &observer);
   if (r->rows != ROWS) give_up("the run did not reach its end");
   return spent;
@@ -293,18 +293,18 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   timed.now = 0;
   if (!timed.circuit_alone) timed.limits = 0;
   timed.host = *host;
-  return vs_ngspice.load(job, timed.circuit_alone ? &rest : &counted, circuit, err);
+  return vs_ng_kind.load(job, timed.circuit_alone ? &rest : &counted, circuit, err);
 }
 
 static vs_status run(void *circuit, vs_error *err) {
   double began = wall_clock();
-  vs_status status = vs_ngspice.run(circuit, err);
+  vs_status status = vs_ng_kind.run(circuit, err);
   timed.solving_s = wall_clock() - began;
   return status;
 }
 
 static void release(void *circuit) {
-  vs_ngspice.free(circuit);
+  vs_ng_kind.free(circuit);
 }
 
 /* One line per round; of the product with measures and energy, the product with an idle observer,

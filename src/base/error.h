@@ -30,7 +30,7 @@ typedef struct vs_error {
   int place_size;        /* bytes of text before the message itself */
   int line, column;      /* of the place, from 1; 0: not known */
   bool gave_up;          /* the circuit's solver did, and might not have with other settings */
-  vs_findings *findings; /* where vs_carry_on keeps what it carries on from; NULL: nowhere */
+  vs_findings *findings; /* where vs_error_carry_on keeps what it carries on from; NULL: nowhere */
 } vs_error;
 
 /* The errors of one check: file by file, each in the order of its lines, none twice. */
@@ -56,10 +56,10 @@ vs_status vs_fail_at(vs_error *err, vs_where where, const char *format, ...)
 /* For those who read many things one after the other: gives VS_OK in place of VS_INPUT when err has
  * room to keep the error, else the status as it is. What could not be read is then as by default.
  */
-vs_status vs_carry_on(vs_error *err, vs_status status);
+vs_status vs_error_carry_on(vs_error *err, vs_status status);
 
 /* How many errors were kept so far. Where some were, a further one may be nothing but their echo.
  */
-size_t vs_found(const vs_error *err);
+size_t vs_error_count(const vs_error *err);
 
 #endif

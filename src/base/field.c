@@ -31,9 +31,9 @@ static vs_status read_real(const char *name, const vs_field *field, const vs_nod
   if (node->kind != VS_NODE_TEXT)
     return vs_fail_at(err, node->where, "%s: one value is wanted, for example %s", name,
                       field->default_text);
-  if (!vs_quantity(node->text, field->unit, &si, why, sizeof why))
+  if (!vs_units_read(node->text, field->unit, &si, why, sizeof why))
     return vs_fail_at(err, node->where, "%s: %s", name, why);
-  double shown = si / vs_unit_factor(field->unit);
+  double shown = si / vs_units_factor(field->unit);
   double slack = 1e-12 * (field->max < 0 ? -field->max : field->max); /* of the unit's conversion */
   bool inside = field->open ? shown > field->min && shown < field->max
                             : shown >= field->min - slack && shown <= field->max + slack;
@@ -80,7 +80,7 @@ static vs_status read_option(const char *name, const vs_field *field, const vs_n
   char range[128];
   if (node->kind == VS_NODE_MAP) {
     *present = 1;
-    return vs_section_read(field->part, node, present, err);
+    return vs_field_section_read(field->part, node, present, err);
   }
   if (node->kind == VS_NODE_TEXT && !strcmp(node->text, field->choices)) {
     *present = 0;
@@ -119,7 +119,7 @@ vs_status vs_field_read(const vs_section *section, const vs_field *field, const 
   if (!x || !x->next || x->next->next)
     return vs_fail_at(err, node->where, "%s: two values are wanted: [x, y]", name);
   double *pair = (double *)(void *)member;
-  vs_status status = vs_carry_on(err, read_real(name, field, x, pair, err));
+  vs_status status = vs_error_carry_on(err, read_real(name, field, x, pair, err));
   return status ? status : read_real(name, field, x->next, pair + 1, err);
 }
 
@@ -137,40 +137,42 @@ static vs_status read_default(const vs_section *section, const vs_field *field, 
   return vs_field_read(section, field, &list, out, err);
 }
 
-vs_status vs_known_keys(const vs_node *map, const char *what, const char *const *names,
-                        size_t count, vs_error *err) {
+vs_status vs_field_known_keys(const vs_node *map, const char *what, const char *const *names,
+                              size_t count, vs_error *err) {
   for (const vs_node *n = map ? map->child : NULL; n; n = n->next) {
     bool known = false;
     for (size_t k = 0; k < count && !known; k++) known = !strcmp(names[k], n->key);
     if (known) continue;
-    const char *nearest = vs_nearest(n->key, names, count);
+    const char *nearest = vs_text_nearest(n->key, names, count);
     vs_status status =
         vs_fail_at(err, n->key_where, "%s has no key '%s'%s%s%s", what, n->key,
                    nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
-    status = vs_carry_on(err, status);
+    status = vs_error_carry_on(err, status);
     if (status) return status;
   }
   return VS_OK;
 }
 
-vs_status vs_section_read(const vs_section *section, const vs_node *map, void *out, vs_error *err) {
+vs_status vs_field_section_read(const vs_section *section, const vs_node *map, void *out,
+                                vs_error *err) {
   vs_status status = VS_OK;
   if (map && map->kind == VS_NODE_TEXT && !*map->text) map = NULL; /* "run:" and nothing more */
   if (map && map->kind != VS_NODE_MAP) {
     status = vs_fail_at(err, map->where, "%s: a map of keys is wanted: {key: value, ...}",
                         section->name);
-    status = vs_carry_on(err, status);
+    status = vs_error_carry_on(err, status);
     map = NULL;
   }
   const char **names = vs_alloc(section->count, sizeof *names);
   for (size_t k = 0; k < section->count; k++) names[k] = section->fields[k].key;
-  if (!status) status = vs_known_keys(map, section->name, names, section->count, err);
+  if (!status) status = vs_field_known_keys(map, section->name, names, section->count, err);
   free(names);
   for (size_t k = 0; k < section->count && !status; k++) {
     const vs_field *field = &section->fields[k];
-    const vs_node *node = vs_node_child(map, field->key);
+    const vs_node *node = vs_tree_child(map, field->key);
     status = read_default(section, field, out, err); /* stays when the scene's is no good */
-    if (!status && node) status = vs_carry_on(err, vs_field_read(section, field, node, out, err));
+    if (!status && node)
+      status = vs_error_carry_on(err, vs_field_read(section, field, node, out, err));
   }
   return status;
 }
@@ -179,7 +181,7 @@ void vs_field_json(const vs_field *field, const void *values, vs_text *json) {
   const char *member = (const char *)values + field->offset;
   const double *real = (const double *)(const void *)member;
   const int *whole = (const int *)(const void *)member;
-  double factor = vs_unit_factor(field->unit);
+  double factor = vs_units_factor(field->unit);
   char words[256], *rest = words, *word = words;
   switch (field->kind) {
   case VS_REAL:
@@ -192,20 +194,20 @@ void vs_field_json(const vs_field *field, const void *values, vs_text *json) {
   case VS_CHOICE:
     snprintf(words, sizeof words, "%s", field->choices);
     for (int k = 0; k <= *whole; k++) word = strsep(&rest, "|");
-    vs_text_json(json, word);
+    vs_json_string(json, word);
     break;
   case VS_COUNT:
     if (field->choices && *whole == 0)
-      vs_text_json(json, field->choices);
+      vs_json_string(json, field->choices);
     else
       vs_text_add(json, "%d", *whole);
     break;
   case VS_NAME:
-    vs_text_json(json, member);
+    vs_json_string(json, member);
     break;
   case VS_OPTION:
     if (!*whole) {
-      vs_text_json(json, field->choices);
+      vs_json_string(json, field->choices);
       break;
     }
     for (size_t k = 0; k < field->part->count; k++) {

@@ -44,11 +44,12 @@ typedef struct vs_section {
 /* Fills every member of out: from the scene's map where it names the key, else from the default.
  * map: NULL for "not there". Errors, each of which a check carries on from: unknown key (nearest
  * one named), wrong unit, out of range. */
-vs_status vs_section_read(const vs_section *section, const vs_node *map, void *out, vs_error *err);
+vs_status vs_field_section_read(const vs_section *section, const vs_node *map, void *out,
+                                vs_error *err);
 
 /* Refuses keys of map that stand in no section's name; others are asked for by `names`. */
-vs_status vs_known_keys(const vs_node *map, const char *what, const char *const *names,
-                        size_t count, vs_error *err);
+vs_status vs_field_known_keys(const vs_node *map, const char *what, const char *const *names,
+                              size_t count, vs_error *err);
 
 /* Effective value as JSON: {"value": 6, "unit": "mm"} or "paper". */
 void vs_field_json(const vs_field *field, const void *values, vs_text *json);

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-uint32_t vs_crc32(const void *bytes, size_t size) {
+uint32_t vs_hash_crc32(const void *bytes, size_t size) {
   const unsigned char *b = bytes;
   uint32_t crc = 0xffffffff;
   for (size_t k = 0; k < size; k++) {
@@ -53,12 +53,12 @@ static void compress(uint32_t state[8], const unsigned char block[64]) {
   for (int k = 0; k < 8; k++) state[k] += s[k];
 }
 
-void vs_sha256_begin(vs_sha256 *h) {
-  *h = (vs_sha256){.state = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c,
-                             0x1f83d9ab, 0x5be0cd19}};
+void vs_hash_begin(vs_hash *h) {
+  *h = (vs_hash){.state = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c,
+                           0x1f83d9ab, 0x5be0cd19}};
 }
 
-void vs_sha256_add(vs_sha256 *h, const void *bytes, size_t size) {
+void vs_hash_add(vs_hash *h, const void *bytes, size_t size) {
   const unsigned char *b = bytes;
   for (size_t k = 0; k < size; k++) {
     h->block[h->size++ % 64] = b[k];
@@ -66,31 +66,31 @@ void vs_sha256_add(vs_sha256 *h, const void *bytes, size_t size) {
   }
 }
 
-void vs_sha256_end(vs_sha256 *h, char text[VS_SHA256_TEXT]) {
+void vs_hash_end(vs_hash *h, char text[VS_HASH_TEXT]) {
   static const unsigned char ONE = 0x80, NONE = 0;
   uint64_t bits = 8 * h->size;
   unsigned char length[8];
   for (int k = 0; k < 8; k++) length[k] = (unsigned char)(bits >> (56 - 8 * k));
-  vs_sha256_add(h, &ONE, 1);
-  while (h->size % 64 != 56) vs_sha256_add(h, &NONE, 1);
-  vs_sha256_add(h, length, sizeof length);
+  vs_hash_add(h, &ONE, 1);
+  while (h->size % 64 != 56) vs_hash_add(h, &NONE, 1);
+  vs_hash_add(h, length, sizeof length);
   for (int k = 0; k < 64; k++)
     text[k] = "0123456789abcdef"[h->state[k / 8] >> (28 - 4 * (k % 8)) & 15];
   text[64] = '\0';
 }
 
-vs_status vs_sha256_file(const char *path, char text[VS_SHA256_TEXT], vs_error *err) {
+vs_status vs_hash_file(const char *path, char text[VS_HASH_TEXT], vs_error *err) {
   const vs_where where = {.file = path};
   FILE *f = fopen(path, "rb");
   if (!f) return vs_fail_at(err, where, "cannot be opened: %s", strerror(errno));
-  vs_sha256 hash;
+  vs_hash hash;
   char part[4096];
   size_t n;
-  vs_sha256_begin(&hash);
-  while ((n = fread(part, 1, sizeof part, f)) > 0) vs_sha256_add(&hash, part, n);
+  vs_hash_begin(&hash);
+  while ((n = fread(part, 1, sizeof part, f)) > 0) vs_hash_add(&hash, part, n);
   bool bad = ferror(f);
   fclose(f);
   if (bad) return vs_fail_at(err, where, "cannot be read: %s", strerror(errno));
-  vs_sha256_end(&hash, text);
+  vs_hash_end(&hash, text);
   return VS_OK;
 }

@@ -9,20 +9,20 @@
 
 #include "base/error.h"
 
-uint32_t vs_crc32(const void *bytes, size_t size);
+uint32_t vs_hash_crc32(const void *bytes, size_t size);
 
-typedef struct vs_sha256 {
+typedef struct vs_hash {
   uint32_t state[8];
   uint64_t size; /* bytes so far */
   unsigned char block[64];
-} vs_sha256;
+} vs_hash;
 
-enum { VS_SHA256_TEXT = 65 };
-void vs_sha256_begin(vs_sha256 *hash);
-void vs_sha256_add(vs_sha256 *hash, const void *bytes, size_t size);
-void vs_sha256_end(vs_sha256 *hash, char text[VS_SHA256_TEXT]); /* 64 hexadecimal digits */
+enum { VS_HASH_TEXT = 65 };
+void vs_hash_begin(vs_hash *hash);
+void vs_hash_add(vs_hash *hash, const void *bytes, size_t size);
+void vs_hash_end(vs_hash *hash, char text[VS_HASH_TEXT]); /* 64 hexadecimal digits */
 
 /* Of a file's contents. Error: it cannot be read. */
-vs_status vs_sha256_file(const char *path, char text[VS_SHA256_TEXT], vs_error *err);
+vs_status vs_hash_file(const char *path, char text[VS_HASH_TEXT], vs_error *err);
 
 #endif

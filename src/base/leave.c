@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 
-volatile sig_atomic_t vs_stop_requested;
+volatile sig_atomic_t vs_leave_requested;
 
 /* The handler reads them between any two instructions of this, the only thread; each is one word.
  */
@@ -50,8 +50,8 @@ static void on_end(int number) {
 }
 
 static void on_stop(int number) {
-  bool again = vs_stop_requested;
-  vs_stop_requested = 1;
+  bool again = vs_leave_requested;
+  vs_leave_requested = 1;
   if (heed == VS_HEED_NOT || getpid() != owner) leave();
   if (again && number != SIGTERM) on_end(number); /* a second Ctrl-C kills */
   if (!again && heed == VS_HEED_SOON) set_alarm();
@@ -72,11 +72,11 @@ void vs_leave_begin(void) {
   atexit(take_away);
 }
 
-vs_heed vs_heed_set(vs_heed next) {
+vs_heed vs_leave_heed_set(vs_heed next) {
   vs_heed before = (vs_heed)heed;
   heed = (sig_atomic_t)next;
-  if (before == VS_HEED_SOON && vs_stop_requested) alarm(0);
-  if (next == VS_HEED_SOON && vs_stop_requested) set_alarm();
+  if (before == VS_HEED_SOON && vs_leave_requested) alarm(0);
+  if (next == VS_HEED_SOON && vs_leave_requested) set_alarm();
   return before;
 }
 

@@ -81,7 +81,7 @@ static bool list_library(void *ctx, const char *folder) {
   return false;
 }
 
-void vs_shelf_list(const vs_shelf *shelf, void (*each)(void *, const char *), void *ctx) {
+void vs_path_list(const vs_shelf *shelf, void (*each)(void *, const char *), void *ctx) {
   struct listing l = {shelf, each, ctx};
   each_library(list_library, &l);
 }
@@ -100,16 +100,16 @@ static void collect_name(void *ctx, const char *path) {
     n->names[n->count++] = strndup(base, strlen(base) - strlen(n->shelf->ending));
 }
 
-vs_status vs_find(const vs_shelf *shelf, const char *name, vs_where where, char path[VS_PATH_SIZE],
-                  vs_error *err) {
+vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
+                       char path[VS_PATH_SIZE], vs_error *err) {
   if (strlen(name) >= VS_PATH_SIZE / 2) return vs_fail_at(err, where, "%s: name too long", name);
   snprintf(path, VS_PATH_SIZE, "%s", name);
   if (is_file(path)) return VS_OK;
   struct search search = {shelf, name, path};
   if (*name && each_library(try_library, &search)) return VS_OK;
   struct names known = {.shelf = shelf};
-  vs_shelf_list(shelf, collect_name, &known);
-  const char *nearest = vs_nearest(name, known.names, known.count);
+  vs_path_list(shelf, collect_name, &known);
+  const char *nearest = vs_text_nearest(name, known.names, known.count);
   vs_fail_at(err, where, "no %s '%s': not a file, and not a%s %s that comes with the program%s%s%s",
              shelf->what, name, strchr("aeiou", *shelf->what) ? "n" : "", shelf->what,
              nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
@@ -117,7 +117,7 @@ vs_status vs_find(const vs_shelf *shelf, const char *name, vs_where where, char 
   return VS_INPUT;
 }
 
-vs_status vs_folder_make(const char *folder, int *made, vs_error *err) {
+vs_status vs_file_folder_make(const char *folder, int *made, vs_error *err) {
   char path[VS_PATH_SIZE];
   *made = 0;
   if (!*folder || strlen(folder) >= sizeof path)
@@ -142,11 +142,11 @@ vs_status vs_folder_make(const char *folder, int *made, vs_error *err) {
   if (!status && access(folder, W_OK | X_OK))
     status = vs_fail(err, VS_INPUT, "output directory %s: cannot be written to: %s", folder,
                      strerror(errno));
-  if (status) vs_folder_unmake(folder, *made);
+  if (status) vs_file_folder_unmake(folder, *made);
   return status;
 }
 
-void vs_folder_unmake(const char *folder, int made) {
+void vs_file_folder_unmake(const char *folder, int made) {
   char path[VS_PATH_SIZE];
   snprintf(path, sizeof path, "%s", folder);
   while (made > 0) {

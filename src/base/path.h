@@ -20,11 +20,11 @@ typedef struct vs_shelf {
  * $VIBROSPICE_PATH (colon-separated), share/vibrospice beside the executable, the source tree it
  * was built from. where: who asked, for the message. Error: not found (nearest shipped name given).
  */
-vs_status vs_find(const vs_shelf *shelf, const char *name, vs_where where, char path[VS_PATH_SIZE],
-                  vs_error *err);
+vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
+                       char path[VS_PATH_SIZE], vs_error *err);
 
 /* Calls each(ctx, path) for every file on the shelf, sorted by name within each library folder. */
-void vs_shelf_list(const vs_shelf *shelf, void (*each)(void *ctx, const char *path), void *ctx);
+void vs_path_list(const vs_shelf *shelf, void (*each)(void *ctx, const char *path), void *ctx);
 
 /* A file being written beside its final place, under a name of ours (".vibrospice-tmp.XXXXXX"),
  * which this process keeps locked: one that nobody has locked was left by a process that was
@@ -36,9 +36,9 @@ typedef struct vs_file {
 } vs_file;
 
 /* Makes the folder and its parents and checks that it can be written; *made: how many of them it
- * made. vs_folder_unmake takes that many away again, as far as they are empty. */
-vs_status vs_folder_make(const char *folder, int *made, vs_error *err);
-void vs_folder_unmake(const char *folder, int made);
+ * made. vs_file_folder_unmake takes that many away again, as far as they are empty. */
+vs_status vs_file_folder_make(const char *folder, int *made, vs_error *err);
+void vs_file_folder_unmake(const char *folder, int made);
 vs_status vs_file_open(vs_file *file, const char *folder, const char *name, vs_error *err);
 vs_status vs_file_commit(vs_file *file,
                          vs_error *err); /* flush, fsync, rename; then it is there, whole */

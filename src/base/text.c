@@ -45,7 +45,7 @@ void vs_text_add(vs_text *t, const char *format, ...) {
   t->length = need - 1;
 }
 
-void vs_text_json(vs_text *t, const char *string) {
+void vs_json_string(vs_text *t, const char *string) {
   vs_text_add(t, "\"");
   for (const unsigned char *s = (const unsigned char *)string; *s; s++) {
     if (*s == '"' || *s == '\\')
@@ -90,7 +90,7 @@ static size_t edit_distance(const char *a, const char *b) {
   return row[n % 3][m];
 }
 
-const char *vs_nearest(const char *name, const char *const *candidates, size_t count) {
+const char *vs_text_nearest(const char *name, const char *const *candidates, size_t count) {
   const char *best = NULL;
   size_t best_distance = strlen(name) / 2 + 2; /* farther than this is another word */
   for (size_t k = 0; k < count; k++) {
@@ -114,7 +114,7 @@ static size_t utf8_size(const unsigned char *s, size_t left) {
   return overlong || beyond ? 0 : size;
 }
 
-const char *vs_not_utf8(const char *text, size_t length) {
+const char *vs_text_not_utf8(const char *text, size_t length) {
   for (size_t at = 0, size; at < length; at += size) {
     size = utf8_size((const unsigned char *)text + at, length - at);
     if (!size) return text + at;
@@ -122,13 +122,13 @@ const char *vs_not_utf8(const char *text, size_t length) {
   return NULL;
 }
 
-int vs_column(const char *line, const char *at) {
+int vs_text_column(const char *line, const char *at) {
   int column = 1;
   for (; line < at; line++) column += (*line & 0xc0) != 0x80; /* not one that goes on */
   return column;
 }
 
-void vs_unit_suffix(const char *unit, char *suffix, size_t size) {
+void vs_units_suffix(const char *unit, char *suffix, size_t size) {
   size_t n = 0;
   for (; *unit && n + 1 < size; unit++)
     suffix[n++] = isalnum((unsigned char)*unit) ? (char)tolower((unsigned char)*unit) : '_';
@@ -163,7 +163,7 @@ static uint64_t leading_digits(double a, int digits, int *tens) {
   return number / 10;
 }
 
-size_t vs_print_number(char text[VS_NUMBER_SIZE], double value, int digits) {
+size_t vs_text_number(char text[VS_NUMBER_SIZE], double value, int digits) {
   int tens = 0, count = digits;
   uint64_t number = 0;
   if (isfinite(value) && value != 0 && digits > 0 && digits <= MOST_DIGITS)

@@ -13,7 +13,7 @@ typedef struct vs_text {
 } vs_text;
 
 void vs_text_add(vs_text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
-void vs_text_json(vs_text *t, const char *string); /* quoted and escaped as JSON wants it */
+void vs_json_string(vs_text *t, const char *string); /* quoted and escaped as JSON wants it */
 void vs_text_free(vs_text *t);
 
 _Noreturn void vs_out_of_memory(void);     /* says so and ends the process */
@@ -22,20 +22,20 @@ char *vs_copy(const char *string);         /* the same for strings; free() both 
 
 /* The candidate nearest to name (Damerau-Levenshtein), NULL when none is near enough to be meant.
  */
-const char *vs_nearest(const char *name, const char *const *candidates, size_t count);
+const char *vs_text_nearest(const char *name, const char *const *candidates, size_t count);
 
 /* The first byte that does not belong to UTF-8 (as RFC 3629 has it: nothing overlong, no surrogate,
  * at most U+10FFFF); NULL: there is none. */
-const char *vs_not_utf8(const char *text, size_t length);
+const char *vs_text_not_utf8(const char *text, size_t length);
 
 /* Which character of the line (UTF-8) stands at `at`, from 1. */
-int vs_column(const char *line, const char *at);
+int vs_text_column(const char *line, const char *at);
 
 /* Writes what "%.*g" would, in a tenth of its time where digits <= 12; gives its length. */
 enum { VS_NUMBER_SIZE = 32 };
-size_t vs_print_number(char text[VS_NUMBER_SIZE], double value, int digits);
+size_t vs_text_number(char text[VS_NUMBER_SIZE], double value, int digits);
 
 /* "m/s2" -> "m_s2", "Wb" -> "wb", "" -> "": the unit as it ends a CSV column's name. */
-void vs_unit_suffix(const char *unit, char *suffix, size_t size);
+void vs_units_suffix(const char *unit, char *suffix, size_t size);
 
 #endif

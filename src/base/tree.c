@@ -141,13 +141,13 @@ static vs_status report(struct fy_diag *diag, const char *file, vs_error *err) {
 
 /* Of bytes that are no UTF-8 libfyaml 0.7 makes what it likes: behind a '%' it never comes back. */
 static vs_status check_bytes(const char *text, size_t length, const char *file, vs_error *err) {
-  const char *bad = vs_not_utf8(text, length);
+  const char *bad = vs_text_not_utf8(text, length);
   if (!bad) return VS_OK;
   vs_where where = {.file = file, .line = 1};
   const char *line = text;
   for (const char *end; (end = memchr(line, '\n', (size_t)(bad - line))); where.line++)
     line = end + 1;
-  where.column = vs_column(line, bad);
+  where.column = vs_text_column(line, bad);
   return vs_fail_at(err, where,
                     "the byte 0x%02x is not UTF8; what is read here is written in UTF-8",
                     (unsigned char)*bad);
@@ -268,7 +268,7 @@ vs_status vs_tree_read(const char *path, vs_tree *tree, vs_error *err) {
   return status;
 }
 
-const vs_node *vs_node_child(const vs_node *map, const char *key) {
+const vs_node *vs_tree_child(const vs_node *map, const char *key) {
   for (const vs_node *n = map ? map->child : NULL; n; n = n->next)
     if (n->key && !strcmp(n->key, key)) return n;
   return NULL;

@@ -40,7 +40,7 @@ void vs_tree_graft(vs_tree *tree, const char *key, const vs_node *value);
 void vs_tree_put(vs_tree *tree, const char *key, const char *text, vs_where where);
 void vs_tree_free(vs_tree *tree);
 
-const vs_node *vs_node_child(const vs_node *map,
+const vs_node *vs_tree_child(const vs_node *map,
                              const char *key); /* NULL: not there (or map is NULL) */
 
 #endif

@@ -125,22 +125,22 @@ static double to_si(double value, const unit *u) {
   return u->tens < 0 ? value / pow(10, -u->tens) : value * pow(10, u->tens);
 }
 
-bool vs_unit_known(const char *text) {
+bool vs_units_known(const char *text) {
   unit u;
   return parse_unit(text, &u);
 }
 
-bool vs_unit_same_kind(const char *text, const char *other) {
+bool vs_units_same_kind(const char *text, const char *other) {
   unit a, b;
   return parse_unit(text, &a) && parse_unit(other, &b) && !memcmp(a.power, b.power, sizeof a.power);
 }
 
-double vs_unit_factor(const char *text) {
+double vs_units_factor(const char *text) {
   unit u;
   return parse_unit(text, &u) ? to_si(1, &u) : NAN;
 }
 
-bool vs_quantity(const char *text, const char *expected, double *si, char *why, size_t size) {
+bool vs_units_read(const char *text, const char *expected, double *si, char *why, size_t size) {
   char *end;
   errno = 0;
   double value = strtod(text, &end);
@@ -175,7 +175,7 @@ bool vs_quantity(const char *text, const char *expected, double *si, char *why, 
   return false;
 }
 
-double vs_unit_suffix_factor(const char *suffix, const char *expected) {
+double vs_units_suffix_factor(const char *suffix, const char *expected) {
   char text[64];
   unit want, got;
   size_t length = strlen(suffix);

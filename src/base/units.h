@@ -11,17 +11,17 @@
  * µ m c k M G; products with '.' or '*', one '/', integer powers ("m2" or "m^2").
  * false: not readable; why[size] then says, without a final stop, what is wrong and what would be
  * right. */
-bool vs_quantity(const char *text, const char *unit, double *si, char *why, size_t size);
+bool vs_units_read(const char *text, const char *unit, double *si, char *why, size_t size);
 
 /* SI value of one `unit`; 1 for "". The unit must be readable (it comes from a table of ours or
- * from a deck that was checked with vs_unit_known). */
-double vs_unit_factor(const char *unit);
-bool vs_unit_known(const char *unit);
-bool vs_unit_same_kind(const char *unit, const char *other); /* false also for one that is none */
+ * from a deck that was checked with vs_units_known). */
+double vs_units_factor(const char *unit);
+bool vs_units_known(const char *unit);
+bool vs_units_same_kind(const char *unit, const char *other); /* false also for one that is none */
 
 /* SI value of the unit of the same kind as `unit` that a CSV column's name ends in, written as
- * vs_unit_suffix writes it or with its capitals: "mm_s2", "ma", "mA". NAN: it names no such unit.
+ * vs_units_suffix writes it or with its capitals: "mm_s2", "ma", "mA". NAN: it names no such unit.
  */
-double vs_unit_suffix_factor(const char *suffix, const char *unit);
+double vs_units_suffix_factor(const char *suffix, const char *unit);
 
 #endif

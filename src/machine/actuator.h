@@ -7,29 +7,29 @@
 #include "machine/model.h"
 
 /* z = D + d + p, m */
-static inline double vs_gap(const vs_model *m, double p_m) {
+static inline double vs_actuator_gap(const vs_model *m, double p_m) {
   return m->gap_rest_m + p_m;
 }
 /* i = lambda z/(2a), A (Eqs. 66, 81) */
-static inline double vs_current(const vs_model *m, double flux_wb, double z_m) {
+static inline double vs_actuator_current(const vs_model *m, double flux_wb, double z_m) {
   return flux_wb * z_m / (2 * m->a_hm);
 }
 /* di/dt = (dlambda/dt z + lambda dz/dt)/(2a), A/s */
-static inline double vs_current_rate(const vs_model *m, double flux_wb, double flux_rate_v,
-                                     double z_m, double z_rate_m_s) {
+static inline double vs_actuator_current_rate(const vs_model *m, double flux_wb, double flux_rate_v,
+                                              double z_m, double z_rate_m_s) {
   return (flux_rate_v * z_m + flux_wb * z_rate_m_s) / (2 * m->a_hm);
 }
 /* F = lambda^2/(4a), N (Eqs. 71, 72) */
-static inline double vs_force(const vs_model *m, double flux_wb) {
+static inline double vs_actuator_force(const vs_model *m, double flux_wb) {
   return flux_wb * flux_wb / (4 * m->a_hm);
 }
 /* dF/dt = lambda dlambda/dt/(2a), N/s */
-static inline double vs_force_rate(const vs_model *m, double flux_wb, double flux_rate_v) {
+static inline double vs_actuator_force_rate(const vs_model *m, double flux_wb, double flux_rate_v) {
   return flux_wb * flux_rate_v / (2 * m->a_hm);
 }
 /* energy stored in the air gap, lambda^2 z/(4a), J (equal to the co-energy of Eq. 69: the EVA is
  * linear) */
-static inline double vs_magnetic_energy(const vs_model *m, double flux_wb, double z_m) {
+static inline double vs_actuator_energy(const vs_model *m, double flux_wb, double z_m) {
   return flux_wb * flux_wb * z_m / (4 * m->a_hm);
 }
 

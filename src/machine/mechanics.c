@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-void vs_hold_p(const vs_model *model, double rate[VS_DOF]) {
+void vs_mechanics_hold_p(const vs_model *model, double rate[VS_DOF]) {
   double force = rate[P] / model->mf[P];
   for (int i = 0; i < VS_DOF; i++) rate[i] -= model->mf[i] * force;
   rate[P] = 0;
@@ -21,15 +21,15 @@ static double quadratic_form(const double m[VS_DOF][VS_DOF], const double v[VS_D
   return sum;
 }
 
-double vs_kinetic_energy(const vs_model *model, const double x[VS_STATES]) {
+double vs_mechanics_kinetic_energy(const vs_model *model, const double x[VS_STATES]) {
   return quadratic_form(model->mass, x + VS_DOF) / 2;
 }
 
-double vs_elastic_energy(const vs_model *model, const double x[VS_STATES]) {
+double vs_mechanics_elastic_energy(const vs_model *model, const double x[VS_STATES]) {
   return quadratic_form(model->stiffness, x) / 2;
 }
 
-void vs_state_space_of(const vs_model *model, vs_state_space *out) {
+void vs_mechanics_state_space(const vs_model *model, vs_state_space *out) {
   *out = (vs_state_space){0};
   double inverse[VS_DOF * VS_DOF];
   memcpy(inverse, model->mass, sizeof inverse);
@@ -78,9 +78,9 @@ static bool find_drive(const vs_model *model, const gsl_matrix_complex *vectors,
   return good;
 }
 
-bool vs_modes(const vs_model *model, vs_mode modes[VS_STATES]) {
+bool vs_mechanics_modes(const vs_model *model, vs_mode modes[VS_STATES]) {
   vs_state_space space;
-  vs_state_space_of(model, &space);
+  vs_mechanics_state_space(model, &space);
   gsl_matrix_view a = gsl_matrix_view_array(&space.a[0][0], VS_STATES, VS_STATES);
   gsl_vector_complex *values = gsl_vector_complex_alloc(VS_STATES);
   gsl_matrix_complex *vectors = gsl_matrix_complex_alloc(VS_STATES, VS_STATES);

@@ -79,9 +79,10 @@ static const vs_field LOAD[] = {
     {"fraction", VS_REAL, "", "0", 0, 1, false, L_(fraction),
      "lambda_t, share of the material that rides (Eq. 88); adds to m_k only", NULL, NULL},
 };
-const vs_section vs_machine_section = {"machine", MACHINE, sizeof MACHINE / sizeof *MACHINE};
-const vs_section vs_actuator_section = {"actuator", ACTUATOR, sizeof ACTUATOR / sizeof *ACTUATOR};
-const vs_section vs_load_section = {"load", LOAD, sizeof LOAD / sizeof *LOAD};
+const vs_section vs_model_machine_section = {"machine", MACHINE, sizeof MACHINE / sizeof *MACHINE};
+const vs_section vs_model_actuator_section = {"actuator", ACTUATOR,
+                                              sizeof ACTUATOR / sizeof *ACTUATOR};
+const vs_section vs_model_load_section = {"load", LOAD, sizeof LOAD / sizeof *LOAD};
 
 /* One of B (Eq. 56) and K (Eq. 57): the same form with (beta, beta_x, beta_y) or (k, k_x, k_y).
  *   c11 = 2 c;  c22 = 2 cx;  c33 = 2 cy
@@ -161,14 +162,16 @@ static vs_status check_stiffness(const vs_model *model, vs_error *err) {
 
 vs_status vs_model_build(const vs_node *scene, vs_model *model, vs_error *err) {
   *model = (vs_model){0};
-  size_t found = vs_found(err);
-  vs_status s =
-      vs_section_read(&vs_machine_section, vs_node_child(scene, "machine"), &model->machine, err);
+  size_t found = vs_error_count(err);
+  vs_status s = vs_field_section_read(&vs_model_machine_section, vs_tree_child(scene, "machine"),
+                                      &model->machine, err);
   if (!s)
-    s = vs_section_read(&vs_actuator_section, vs_node_child(scene, "actuator"), &model->actuator,
-                        err);
-  if (!s) s = vs_section_read(&vs_load_section, vs_node_child(scene, "load"), &model->load, err);
-  if (s || vs_found(err) > found) return s;
+    s = vs_field_section_read(&vs_model_actuator_section, vs_tree_child(scene, "actuator"),
+                              &model->actuator, err);
+  if (!s)
+    s = vs_field_section_read(&vs_model_load_section, vs_tree_child(scene, "load"), &model->load,
+                              err);
+  if (s || vs_error_count(err) > found) return s;
   const vs_machine_values *v = &model->machine;
   const double b[3] = {v->spring_damping_ns_m, v->mount_damping_x_ns_m, v->mount_damping_y_ns_m};
   const double k[3] = {v->spring_stiffness_n_m, v->mount_stiffness_x_n_m, v->mount_stiffness_y_n_m};
@@ -181,7 +184,7 @@ vs_status vs_model_build(const vs_node *scene, vs_model *model, vs_error *err) {
   model->gap_rest_m = model->actuator.gap_m + model->actuator.pole_cover_m;
   model->a_hm = model->actuator.inductance_h * model->gap_rest_m / 2;
   vs_mode modes[VS_STATES];
-  if (!vs_modes(model, modes))
+  if (!vs_mechanics_modes(model, modes))
     return vs_fail(err, VS_INPUT, "machine: the eigenvalues of the mechanics cannot be found");
   double drive = 0;
   for (int m = 0; m < VS_STATES; m++) {

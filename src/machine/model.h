@@ -10,7 +10,7 @@
 enum { P, U, W, PHI, VS_DOF };   /* coordinates q, Eq. 59 */
 enum { VS_STATES = 2 * VS_DOF }; /* x = (q, q') */
 
-/* What the scene says, in SI. Field texts: vs_machine_section and its two sisters. */
+/* What the scene says, in SI. Field texts: vs_model_machine_section and its two sisters. */
 typedef struct vs_machine_values {
   double trough_mass_kg, base_mass_kg, trough_inertia_kgm2, base_inertia_kgm2, spring_angle_rad;
   double base_com_m[2], trough_com_m[2], mount_3_m[2], mount_4_m[2];
@@ -30,7 +30,7 @@ typedef struct vs_load_values {
   double density_kg_m3, volume_m3, fraction;
 } vs_load_values;
 
-extern const vs_section vs_machine_section, vs_actuator_section, vs_load_section;
+extern const vs_section vs_model_machine_section, vs_model_actuator_section, vs_model_load_section;
 
 typedef struct vs_model {
   vs_machine_values machine;
@@ -50,8 +50,8 @@ typedef struct vs_model {
 } vs_model;
 
 /* Builds the model from the scene's sections machine, actuator and load (each may be missing).
- * Errors: what vs_section_read refuses (the model is then not whole, even if the check carries on);
- * M or K not positive definite. */
+ * Errors: what vs_field_section_read refuses (the model is then not whole, even if the check
+ * carries on); M or K not positive definite. */
 vs_status vs_model_build(const vs_node *scene, vs_model *model, vs_error *err);
 
 #endif

@@ -26,14 +26,14 @@ static const char STYLE[] =
     "0072b2}"
     "@media print{main{max-width:none}.screen{display:none}}";
 
-static const char *manifest_text(const vs_study_table *t, const char *key) {
-  const vs_node *node = vs_node_child(t->manifest.root, key);
+static const char *manifest_text(const vs_folder *t, const char *key) {
+  const vs_node *node = vs_tree_child(t->manifest.root, key);
   return node && node->kind == VS_NODE_TEXT ? node->text : "";
 }
 
 /* ---- the verdict ---- */
 
-void vs_wilson(double good, double n, double *least, double *largest) {
+void vs_page_wilson(double good, double n, double *least, double *largest) {
   const double z = 1.959963984540054; /* of the normal distribution, 2.5 % beyond it */
   double p = good / n, middle = p + z * z / (2 * n);
   double half = z * sqrt(p * (1 - p) / n + z * z / (4 * n * n));
@@ -41,7 +41,7 @@ void vs_wilson(double good, double n, double *least, double *largest) {
   *largest = (middle + half) / (1 + z * z / n);
 }
 
-double vs_share(long part, long whole) {
+double vs_page_share(long part, long whole) {
   return whole ? floor(1e4 * (double)part / (double)whole) / 100 : 0;
 }
 
@@ -50,7 +50,7 @@ static void add_weakest(vs_text *html, const vs_counts *weakest, long judged) {
   vs_text_add(html, "<p>Weakest part:</p>\n<table><tr><th>part</th><th>cases</th><th>share</th>"
                     "<th></th></tr>\n");
   for (size_t k = 0; k < weakest->count; k++) {
-    double share = vs_share(weakest->item[k].times, judged);
+    double share = vs_page_share(weakest->item[k].times, judged);
     vs_text_add(html, "<tr>");
     vs_html_cell(html, weakest->item[k].name);
     vs_text_add(html,
@@ -61,7 +61,7 @@ static void add_weakest(vs_text *html, const vs_counts *weakest, long judged) {
   vs_text_add(html, "</table>\n");
 }
 
-static void add_failures(vs_text *html, const vs_study_table *t, const vs_survey *s) {
+static void add_failures(vs_text *html, const vs_folder *t, const vs_survey *s) {
   if (!t->failed) {
     vs_text_add(html, "<p>No case failed.</p>\n");
     return;
@@ -83,18 +83,18 @@ static void add_failures(vs_text *html, const vs_study_table *t, const vs_survey
 
 /* Where among the axes a case lies: "circuit.r1 = 330 Ω, circuit.c1 = 47 nF"; ranged: only among
  * those that have a range, not those with a spread. */
-static void add_place(vs_text *html, const vs_study_table *t, char *const *cell, bool ranged) {
+static void add_place(vs_text *html, const vs_folder *t, char *const *cell, bool ranged) {
   size_t n = 0;
   for (size_t c = 0; c < t->count; c++) {
     if (t->column[c].role != VS_ROLE_AXIS) continue;
-    if (ranged && !vs_node_child(t->column[c].node, "from")) continue;
+    if (ranged && !vs_tree_child(t->column[c].node, "from")) continue;
     char unit[64];
-    vs_unit_pretty(t->column[c].unit, unit, sizeof unit);
+    vs_scale_unit(t->column[c].unit, unit, sizeof unit);
     vs_text_add(html, "%s", n++ ? ", " : "");
     vs_html_text(html, t->column[c].name);
     vs_text_add(html, " = ");
     double value;
-    if (vs_study_number(cell[c], &value) && !isnan(value))
+    if (vs_folder_number(cell[c], &value) && !isnan(value))
       vs_text_add(html, "%.5g", value);
     else
       vs_html_text(html, cell[c]);
@@ -104,8 +104,8 @@ static void add_place(vs_text *html, const vs_study_table *t, char *const *cell,
 }
 
 /* What a search for a snubber came upon. */
-static bool add_cheapest(vs_text *html, const vs_study_table *t, const vs_survey *s) {
-  if (!strstr(t->method, "snubber") || !vs_node_child(t->manifest.root, "snubber")) return false;
+static bool add_cheapest(vs_text *html, const vs_folder *t, const vs_survey *s) {
+  if (!strstr(t->method, "snubber") || !vs_tree_child(t->manifest.root, "snubber")) return false;
   if (!s->found.cell) {
     vs_text_add(html, "<p class=\"big\">None found that holds over the spread</p>\n");
     return true;
@@ -118,11 +118,11 @@ static bool add_cheapest(vs_text *html, const vs_study_table *t, const vs_survey
 }
 
 /* The largest or least value that a search came upon. */
-static bool add_found(vs_text *html, const vs_study_table *t, const vs_survey *s) {
+static bool add_found(vs_text *html, const vs_folder *t, const vs_survey *s) {
   bool largest;
-  size_t aim = vs_study_aim(t, &largest);
+  size_t aim = vs_folder_aim(t, &largest);
   if (!strstr(t->method, "worst") || !aim || !s->profile[aim].known) return false;
-  vs_scale scale = vs_scale_of(&t->column[aim], vs_profile_extent(&s->profile[aim]));
+  vs_scale scale = vs_scale_of(&t->column[aim], vs_survey_extent(&s->profile[aim]));
   double found = scale.factor * (largest ? s->profile[aim].largest : s->profile[aim].least);
   vs_text_add(html, "<p class=\"big\">Worst found: ");
   vs_html_text(html, t->column[aim].name);
@@ -131,20 +131,20 @@ static bool add_found(vs_text *html, const vs_study_table *t, const vs_survey *s
 }
 
 /* A case that failed is not known to hold. */
-static void add_yield(vs_text *html, const vs_study_table *t, const vs_survey *s) {
+static void add_yield(vs_text *html, const vs_folder *t, const vs_survey *s) {
   double least, largest;
   const long all = s->judged + t->failed;
   vs_text_add(html, "<p class=\"big\">Yield %.4g %%</p>\n<p>%ld of %ld cases keep every rating",
-              vs_share(s->good, all), s->good, all);
+              vs_page_share(s->good, all), s->good, all);
   if (t->failed) vs_text_add(html, ", the failed counted as not holding");
-  vs_wilson((double)s->good, (double)all, &least, &largest);
+  vs_page_wilson((double)s->good, (double)all, &least, &largest);
   if (strstr(t->method, "monte_carlo"))
     vs_text_add(html, "; with 95 %%, the true share lies between %.4g %% and %.4g %%", 100 * least,
                 100 * largest);
   vs_text_add(html, ".</p>\n");
 }
 
-static void add_worst_margin(vs_text *html, const vs_study_table *t, const vs_survey *s) {
+static void add_worst_margin(vs_text *html, const vs_folder *t, const vs_survey *s) {
   vs_text_add(html, "%.4g %%", 100 * s->profile[t->margin].least);
   if (strstr(t->method, "worst") || !s->n_worst || t->weakest < 0) return;
   vs_text_add(html, ": ");
@@ -168,10 +168,10 @@ static void add_doubts(vs_text *html, const vs_survey *s) {
   add_count(html, s->warned, "with warnings; see column warnings");
 }
 
-static void add_verdict(vs_text *html, const vs_study_table *t, const vs_survey *s) {
+static void add_verdict(vs_text *html, const vs_folder *t, const vs_survey *s) {
   bool adaptive = strstr(t->method, "worst") || strstr(t->method, "snubber");
   bool good = s->good == s->judged && !t->failed;
-  if (strstr(t->method, "snubber") && vs_node_child(t->manifest.root, "snubber"))
+  if (strstr(t->method, "snubber") && vs_tree_child(t->manifest.root, "snubber"))
     good = s->found.cell != NULL;
   vs_text_add(html, "<section id=\"verdict\" class=\"verdict %s\">\n",
               !s->judged ? ""
@@ -183,7 +183,7 @@ static void add_verdict(vs_text *html, const vs_study_table *t, const vs_survey 
   else if (!s->judged)
     vs_text_add(html, "%sNo rating was judged: what ran has none.</p>\n",
                 found ? "<p>" : "<p class=\"big\">");
-  else if (vs_is_sampled(t)) {
+  else if (vs_album_is_sampled(t)) {
     add_yield(html, t, s);
     vs_text_add(html, "<p>Worst margin ");
     add_worst_margin(html, t, s);
@@ -249,8 +249,8 @@ static void add_pictures(vs_text *html, const vs_album *album, char *const *svg)
   vs_text_add(html, "</section>\n");
 }
 
-void vs_page_write(const vs_study_table *t, const vs_survey *s, const vs_album *album,
-                   char *const *svg, vs_text *html) {
+void vs_page_write(const vs_folder *t, const vs_survey *s, const vs_album *album, char *const *svg,
+                   vs_text *html) {
   const char *study = manifest_text(t, "study");
   if (!*study) study = "without a name";
   vs_text_add(html, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
@@ -263,10 +263,10 @@ void vs_page_write(const vs_study_table *t, const vs_survey *s, const vs_album *
   vs_text_add(html, ", %ld cases</p>\n", t->done + t->failed);
   add_verdict(html, t, s);
   add_pictures(html, album, svg);
-  vs_page_cases(html, t, s);
+  vs_tables_cases(html, t, s);
   vs_text_add(html, "<section id=\"parameters\">\n");
-  vs_page_axes(html, t, s);
-  vs_page_columns(html, t, s);
-  vs_page_manifest(html, t);
+  vs_tables_axes(html, t, s);
+  vs_tables_columns(html, t, s);
+  vs_tables_manifest(html, t);
   vs_text_add(html, "</section>\n</main>\n</body>\n</html>\n");
 }

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "report/album.h"
+#include "command/gnuplot.h"
+#include "picture/album.h"
 #include "report/page.h"
-#include "study/gnuplot.h"
 
 /* What gnuplot drew. */
 typedef struct drawing {
@@ -16,7 +16,7 @@ typedef struct drawing {
 } drawing;
 
 typedef struct report {
-  vs_study_table table;
+  vs_folder table;
   vs_survey survey;
   vs_album album;
 } report;
@@ -97,13 +97,13 @@ vs_status vs_report_command(const vs_plot_options *o, vs_error *err) {
   if (!status && o->overlay)
     status = vs_fail(err, VS_INPUT, "--overlay %s: goes over a run; %s holds a study", o->overlay,
                      o->folder);
-  if (!status) status = vs_study_open(&r->table, o->folder, err);
+  if (!status) status = vs_folder_open(&r->table, o->folder, err);
   if (!status) status = vs_survey_take(&r->table, &r->survey, err);
   if (!status) status = vs_album_make(&r->table, &r->survey, &r->album, err);
   if (!status) status = o->output ? write_one(r, o, err) : write_all(r, o, err);
   vs_album_free(&r->album);
   vs_survey_free(&r->table, &r->survey);
-  vs_study_close(&r->table);
+  vs_folder_close(&r->table);
   free(r);
   return status;
 }

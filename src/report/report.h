@@ -4,7 +4,7 @@
 #ifndef VS_REPORT_REPORT_H
 #define VS_REPORT_REPORT_H
 
-#include "study/plot.h"
+#include "command/plot.h"
 
 /* With an output: only the first picture, into that file. The same study gives the same bytes.
  * Errors: those of reading the study, an overlay asked for, gnuplot missing or failing; then

@@ -29,7 +29,7 @@ static void add_node(vs_text *html, const vs_node *node) {
   if (n > MOST_ITEMS + 1) vs_text_add(html, " (%zu of them)", n);
 }
 
-void vs_page_cases(vs_text *html, const vs_study_table *t, const vs_survey *s) {
+void vs_tables_cases(vs_text *html, const vs_folder *t, const vs_survey *s) {
   if (!s->n_worst) return;
   vs_text_add(html,
               "<section id=\"cases\">\n<h2>The %s cases</h2>\n<div class=\"wide\"><table><tr>",
@@ -44,7 +44,7 @@ void vs_page_cases(vs_text *html, const vs_study_table *t, const vs_survey *s) {
     vs_text_add(html, "<tr>");
     for (size_t c = 0; c < t->count; c++) {
       double value;
-      bool number = c && s->profile[c].is_number && vs_study_number(s->worst[k].cell[c], &value);
+      bool number = c && s->profile[c].is_number && vs_folder_number(s->worst[k].cell[c], &value);
       if (number)
         vs_html_number(html, value);
       else
@@ -63,7 +63,7 @@ static bool is_said(const char *key) {
   return false;
 }
 
-void vs_page_axes(vs_text *html, const vs_study_table *t, const vs_survey *s) {
+void vs_tables_axes(vs_text *html, const vs_folder *t, const vs_survey *s) {
   vs_text_add(html, "<section id=\"axes\">\n<h2>What was varied</h2>\n<table><tr><th>key</th>"
                     "<th>unit</th><th>least</th><th>largest</th><th>asked for</th><th>what it is"
                     "</th></tr>\n");
@@ -90,13 +90,13 @@ void vs_page_axes(vs_text *html, const vs_study_table *t, const vs_survey *s) {
   vs_text_add(html, "</table>\n</section>\n");
 }
 
-void vs_page_columns(vs_text *html, const vs_study_table *t, const vs_survey *s) {
+void vs_tables_columns(vs_text *html, const vs_folder *t, const vs_survey *s) {
   vs_text_add(html,
               "<section id=\"columns\">\n<h2>What is reported</h2>\n<table><tr><th>column</th>"
               "<th>unit</th><th>rating</th><th>least</th><th>largest</th><th>cases</th>"
               "<th>what it is</th></tr>\n");
   for (size_t c = 0; c < t->count; c++) {
-    vs_study_role role = t->column[c].role;
+    vs_folder_role role = t->column[c].role;
     if (role != VS_ROLE_REPORT && role != VS_ROLE_MARGIN) continue;
     vs_text_add(html, "<tr>");
     vs_html_cell(html, t->column[c].name);
@@ -113,7 +113,7 @@ void vs_page_columns(vs_text *html, const vs_study_table *t, const vs_survey *s)
   vs_text_add(html, "</table>\n</section>\n");
 }
 
-void vs_page_manifest(vs_text *html, const vs_study_table *t) {
+void vs_tables_manifest(vs_text *html, const vs_folder *t) {
   vs_text_add(html, "<section id=\"manifest\">\n<h2>How it was made</h2>\n<table>\n");
   for (const vs_node *n = t->manifest.root->child; n; n = n->next) {
     if (!n->key || !strcmp(n->key, "axes") || !strcmp(n->key, "report")) continue;

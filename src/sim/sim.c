@@ -44,7 +44,7 @@ static const vs_field RUN[] = {
      "well below the tolerance",
      "when_quiet|never", NULL},
 };
-const vs_section vs_run_section = {"run", RUN, sizeof RUN / sizeof *RUN};
+const vs_section vs_setup_run_section = {"run", RUN, sizeof RUN / sizeof *RUN};
 
 #define START_(key, unit, limit, index, text)                                                      \
   {                                                                                                \
@@ -61,7 +61,7 @@ static const vs_field START[] = {
     START_("vw", "m/s", 100, VS_DOF + W, "velocity of w at t = 0"),
     START_("vphi", "rad/s", 1000, VS_DOF + PHI, "velocity of phi at t = 0"),
 };
-const vs_section vs_start_section = {"start", START, sizeof START / sizeof *START};
+const vs_section vs_setup_start_section = {"start", START, sizeof START / sizeof *START};
 
 static const vs_field MEASURE[] = {
     {"from", VS_REAL, "s", "0 s", 0, 1e6, false, offsetof(vs_measure_values, from_s),
@@ -71,13 +71,14 @@ static const vs_field MEASURE[] = {
     {"last", VS_REAL, "cycles", "0 cycles", 0, 1e9, false, offsetof(vs_measure_values, last_cycles),
      "instead of from and to: over the last cycles of the mains before run.until", NULL, NULL},
 };
-const vs_section vs_measure_section = {"measure", MEASURE, sizeof MEASURE / sizeof *MEASURE};
+const vs_section vs_setup_measure_section = {"measure", MEASURE, sizeof MEASURE / sizeof *MEASURE};
 
-const vs_tier *const vs_tiers[VS_TIERS] = {&vs_tier_analytic, &vs_tier_switched, &vs_tier_circuit};
+const vs_tier *const vs_tiers_all[VS_TIERS] = {&vs_analytic_tier, &vs_switched_tier,
+                                               &vs_coupled_tier};
 
-const vs_tier *vs_tier_find(const char *name) {
+const vs_tier *vs_tiers_find(const char *name) {
   for (int k = 0; k < VS_TIERS; k++)
-    if (!strcmp(vs_tiers[k]->name, name)) return vs_tiers[k];
+    if (!strcmp(vs_tiers_all[k]->name, name)) return vs_tiers_all[k];
   return NULL;
 }
 
@@ -87,10 +88,11 @@ static vs_status check_probe_names(const vs_deck *deck, vs_error *err) {
   for (size_t k = 0; k < deck->n_probes && !s; k++) {
     const vs_probe *probe = &deck->probes[k];
     bool taken = !strcmp(probe->name, "t");
-    for (int c = 0; c < VS_CH_DECK; c++) taken = taken || !strcmp(probe->name, vs_channels[c].name);
+    for (int c = 0; c < VS_CH_DECK; c++)
+      taken = taken || !strcmp(probe->name, vs_channel_standard[c].name);
     if (taken)
-      s = vs_carry_on(err, vs_fail_at(err, deck->terms[probe->term].where,
-                                      "probe %s: that name is the program's", probe->name));
+      s = vs_error_carry_on(err, vs_fail_at(err, deck->terms[probe->term].where,
+                                            "probe %s: that name is the program's", probe->name));
   }
   return s;
 }
@@ -99,25 +101,26 @@ static vs_status check_probe_names(const vs_deck *deck, vs_error *err) {
 static vs_status read_values(const vs_node *map, vs_setup *setup, vs_error *err) {
   vs_circuit_values *values = &setup->circuit_values;
   if (setup->deck.lost & VS_LOST_PARAM) map = NULL; /* a key may be that one's */
-  vs_status s = vs_section_read(&setup->deck.section, map, values, err);
+  vs_status s = vs_field_section_read(&setup->deck.section, map, values, err);
   vs_deck_value standard[VS_STANDARD];
   vs_setup_standard(setup, standard);
-  size_t found = vs_found(err);
+  size_t found = vs_error_count(err);
   if (!s) s = vs_deck_bind(&setup->deck, values, standard, VS_STANDARD, err);
-  return s || vs_found(err) > found ? s : vs_deck_require(&setup->deck, values, map, err);
+  return s || vs_error_count(err) > found ? s
+                                          : vs_parts_require_hold(&setup->deck, values, map, err);
 }
 
 /* The section circuit: its key deck first, then all of it against that deck's parameters. */
 static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *err) {
-  const vs_node *map = vs_node_child(scene, "circuit"),
-                *named = vs_node_child(map, vs_deck_key.key);
+  const vs_node *map = vs_tree_child(scene, "circuit"),
+                *named = vs_tree_child(map, vs_deck_key.key);
   const vs_section only_deck = {"circuit", &vs_deck_key, 1};
   vs_node word = {.kind = VS_NODE_TEXT, .text = (char *)(size_t)vs_deck_key.default_text};
   char path[VS_PATH_SIZE];
   vs_circuit_values *values = &setup->circuit_values;
   vs_status s = vs_field_read(&only_deck, &vs_deck_key, named ? named : &word, values, err);
   if (!s)
-    s = vs_find(&vs_deck_shelf, values->deck, named ? named->where : (vs_where){0}, path, err);
+    s = vs_path_find(&vs_deck_shelf, values->deck, named ? named->where : (vs_where){0}, path, err);
   if (!s) s = vs_deck_read(path, &setup->deck, err);
   if (s) {
     setup->deck.lost = VS_LOST_ALL;
@@ -131,13 +134,13 @@ static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *e
 /* Does the scene name the deck and the parts that the setup has? Events put lines of their own into
  * a deck; one that had any, or will, is read anew. */
 static bool keeps_deck(const vs_node *scene, const vs_setup *setup) {
-  const vs_node *map = vs_node_child(scene, "circuit"), *events = vs_node_child(scene, "events");
+  const vs_node *map = vs_tree_child(scene, "circuit"), *events = vs_tree_child(scene, "events");
   const vs_deck *deck = &setup->deck;
   if (!deck->n_files || deck->lost || setup->timeline.events.count || (events && events->child))
     return false;
   for (size_t k = 0; k < deck->section.count; k++) {
     const vs_field *field = &deck->section.fields[k];
-    const vs_node *node = vs_node_child(map, field->key);
+    const vs_node *node = vs_tree_child(map, field->key);
     const char *had = (const char *)&setup->circuit_values + field->offset;
     if (field->kind != VS_NAME) continue;
     if (node && node->kind != VS_NODE_TEXT) return false;
@@ -148,20 +151,21 @@ static bool keeps_deck(const vs_node *scene, const vs_setup *setup) {
 
 void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]) {
   const vs_supply_values *supply = &setup->timeline.supply;
-  const double values[VS_STANDARD] = {supply->voltage_v,    supply->frequency_hz,
-                                      supply->phase_rad,    supply->resistance_ohm,
-                                      supply->inductance_h, setup->model.actuator.resistance_ohm,
-                                      setup->model.a_hm}; /* in the order of vs_standard_names */
+  const double values[VS_STANDARD] = {
+      supply->voltage_v,      supply->frequency_hz, supply->phase_rad,
+      supply->resistance_ohm, supply->inductance_h, setup->model.actuator.resistance_ohm,
+      setup->model.a_hm}; /* in the order of vs_deck_standard_names */
   for (int k = 0; k < VS_STANDARD; k++)
-    standard[k] = (vs_deck_value){vs_standard_names[k], values[k]};
+    standard[k] = (vs_deck_value){vs_deck_standard_names[k], values[k]};
 }
 
 static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err) {
-  const vs_node *map = vs_node_child(scene, vs_start_section.name), *p = vs_node_child(map, "p");
+  const vs_node *map = vs_tree_child(scene, vs_setup_start_section.name),
+                *p = vs_tree_child(map, "p");
   const vs_actuator_values *a = &setup->model.actuator;
-  vs_status s = vs_section_read(&vs_start_section, map, &setup->start, err);
+  vs_status s = vs_field_section_read(&vs_setup_start_section, map, &setup->start, err);
   double least = -(a->gap_m + (a->stop.present ? a->pole_cover_m : 0));
-  if (s || vs_found(err)) return s; /* of the gap, perhaps */
+  if (s || vs_error_count(err)) return s; /* of the gap, perhaps */
   if (setup->start.x[P] > least) return s;
   return vs_fail_at(err, p ? p->where : (vs_where){0},
                     "start.p: %g mm is beyond the pole cover%s; allowed: more than %g mm",
@@ -171,9 +175,9 @@ static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err
 /* What is wrong with the stretch of time that means are over, and at which key; NULL: nothing. */
 static const char *wrong_means(const vs_measure_values *v, const vs_node *map, double period_s,
                                double until_s, char *text, size_t size) {
-  bool from = vs_node_child(map, "from"), to = vs_node_child(map, "to");
+  bool from = vs_tree_child(map, "from"), to = vs_tree_child(map, "to");
   double end_s = to ? v->to_s : until_s;
-  if (vs_node_child(map, "last")) {
+  if (vs_tree_child(map, "last")) {
     if (from || to) {
       snprintf(text, size, "stands beside %s; write from and to, or last", from ? "from" : "to");
       return "last";
@@ -191,18 +195,18 @@ static const char *wrong_means(const vs_measure_values *v, const vs_node *map, d
 /* Errors: from not before to, to beyond run.until, more cycles than the run has, both ways at once.
  */
 static vs_status read_means(const vs_node *scene, vs_setup *setup, vs_error *err) {
-  const vs_node *map = vs_node_child(scene, vs_measure_section.name);
+  const vs_node *map = vs_tree_child(scene, vs_setup_measure_section.name);
   vs_measure_values *v = &setup->measure;
   double until_s = setup->run.until_s, period_s = setup->timeline.period_s;
   char text[160];
   setup->means = (vs_span_s){0, until_s};
-  size_t found = vs_found(err);
-  vs_status s = vs_section_read(&vs_measure_section, map, v, err);
-  if (s || vs_found(err) > found || !map || map->kind != VS_NODE_MAP) return s;
+  size_t found = vs_error_count(err);
+  vs_status s = vs_field_section_read(&vs_setup_measure_section, map, v, err);
+  if (s || vs_error_count(err) > found || !map || map->kind != VS_NODE_MAP) return s;
   const char *key = wrong_means(v, map, period_s, until_s, text, sizeof text);
-  const vs_node *node = key ? vs_node_child(map, key) : NULL;
+  const vs_node *node = key ? vs_tree_child(map, key) : NULL;
   if (key) return vs_fail_at(err, node ? node->where : map->where, "measure.%s: %s", key, text);
-  bool to = vs_node_child(map, "to");
+  bool to = vs_tree_child(map, "to");
   double first_s = v->last_cycles > 0 ? until_s - v->last_cycles * period_s : v->from_s;
   setup->means = (vs_span_s){fmax(first_s, 0), to ? fmin(v->to_s, until_s) : until_s};
   return VS_OK;
@@ -221,26 +225,27 @@ static void choose_eva(vs_setup *setup) {
 
 /* All but the deck's text, if that is there already. */
 static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_error *err) {
-  vs_status s = vs_carry_on(err, vs_model_build(scene, &setup->model, err));
-  if (!s) s = vs_carry_on(err, vs_timeline_build(scene, &setup->timeline, err));
+  vs_status s = vs_error_carry_on(err, vs_model_build(scene, &setup->model, err));
+  if (!s) s = vs_error_carry_on(err, vs_timeline_build(scene, &setup->timeline, err));
   if (!s && has_deck)
-    s = read_values(vs_node_child(scene, "circuit"), setup, err);
+    s = read_values(vs_tree_child(scene, "circuit"), setup, err);
   else if (!s)
-    s = vs_carry_on(err, read_circuit(scene, setup, err));
-  if (!s) s = vs_section_read(&vs_run_section, vs_node_child(scene, "run"), &setup->run, err);
+    s = vs_error_carry_on(err, read_circuit(scene, setup, err));
+  if (!s)
+    s = vs_field_section_read(&vs_setup_run_section, vs_tree_child(scene, "run"), &setup->run, err);
   vs_timeline *line = &setup->timeline;
   if (!s)
-    s = vs_events_read(vs_node_child(scene, "events"), line, setup->run.until_s, &line->events,
+    s = vs_events_read(vs_tree_child(scene, "events"), line, setup->run.until_s, &line->events,
                        err);
   if (!s) s = vs_events_wire(&line->events, &setup->deck, err);
-  if (!s) s = vs_carry_on(err, read_start(scene, setup, err));
-  if (!s) s = vs_carry_on(err, read_means(scene, setup, err));
+  if (!s) s = vs_error_carry_on(err, read_start(scene, setup, err));
+  if (!s) s = vs_error_carry_on(err, read_means(scene, setup, err));
   if (!s) choose_eva(setup);
   return s;
 }
 
 vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
-  *setup = (vs_setup){.solver = &vs_ngspice};
+  *setup = (vs_setup){.solver = &vs_ng_kind};
   vs_status s = build(scene, setup, false, err);
   if (s) setup->deck.lost = VS_LOST_ALL; /* vs_setup_again reads it anew */
   return s;
@@ -261,7 +266,7 @@ void vs_setup_free(vs_setup *setup) {
 vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame) {
   vs_knot k = {0};
   memcpy(k.x, setup->start.x, sizeof k.x);
-  vs_knot_complete(frame, &k, vs_in_stop(&setup->model, k.x[P]));
+  vs_knot_complete(frame, &k, vs_mechanics_in_stop(&setup->model, k.x[P]));
   return k;
 }
 
@@ -299,7 +304,7 @@ static vs_status guard(void *ctx, const vs_step *step, vs_error *err) {
   for (size_t n = 0; step->frame->deck && n < step->frame->deck->n_terms; n++) sum += k->terms[n];
   if (!isfinite(sum))
     return vs_fail(err, VS_RUN, "t = %.9g s: the state is not a number any more", k->t_s);
-  double z = vs_gap(m, k->x[P]);
+  double z = vs_actuator_gap(m, k->x[P]);
   if (k->x[P] < -m->actuator.gap_m && !m->actuator.stop.present)
     return vs_fail(
         err, VS_RUN,
@@ -310,7 +315,7 @@ static vs_status guard(void *ctx, const vs_step *step, vs_error *err) {
     return vs_fail(err, VS_RUN,
                    "t = %.9g s: the gap is closed (z = %.3g mm): the stop has given way", k->t_s,
                    1e3 * z);
-  double i = vs_current(m, k->flux_wb, z);
+  double i = vs_actuator_current(m, k->flux_wb, z);
   if (fabs(i) > MOST_AMPERES)
     return vs_fail(err, VS_RUN, "t = %.9g s: coil current of %.3g A is beyond sense", k->t_s, i);
   return observer->accept(observer->ctx, step, err);

@@ -6,15 +6,15 @@
 
 #include <stddef.h>
 
-#include "circuit/circuit.h"
 #include "sim/step.h"
+#include "solver/circuit.h"
 
 /* The words of run.ladder and run.verify, in their order. */
 enum { VS_LADDER_CLIMB, VS_LADDER_IDEAL, VS_LADDER_STAY };
 enum { VS_VERIFY_AUTO, VS_VERIFY_ALWAYS, VS_VERIFY_NEVER };
 
 typedef struct vs_run_values {
-  int tier; /* as chosen in the scene: 0 auto, then the order of vs_tiers */
+  int tier; /* as chosen in the scene: 0 auto, then the order of vs_tiers_all */
   double until_s, sample_s;
   double tolerance;  /* largest error wanted, relative to each quantity's own peak */
   double max_step_s; /* 0: from the tolerance */
@@ -34,7 +34,7 @@ typedef struct vs_measure_values {
 typedef struct vs_start_values {
   double x[VS_STATES];
 } vs_start_values;
-extern const vs_section vs_run_section, vs_start_section, vs_measure_section;
+extern const vs_section vs_setup_run_section, vs_setup_start_section, vs_setup_measure_section;
 
 /* One scene as numbers. Built once, then constant. */
 typedef struct vs_setup {
@@ -46,7 +46,7 @@ typedef struct vs_setup {
   vs_span_s means; /* as that says */
   vs_deck deck;    /* the scene's, also when the tier does not use it */
   vs_circuit_values circuit_values;
-  const vs_circuit_kind *solver; /* of the circuit: vs_ngspice, or a test's own */
+  const vs_circuit_kind *solver; /* of the circuit: vs_ng_kind, or a test's own */
   FILE *raw;                     /* tier circuit: gets a rawfile of the run; NULL: none */
   bool tried; /* tier circuit: this deck with these parts was run in this process before */
 } vs_setup;
@@ -61,7 +61,7 @@ void vs_setup_free(vs_setup *setup);
  * another deck or other parts, or has events. What is built is the same. */
 vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err);
 
-/* The parameters every deck may use, as the scene has them, and those of its EVA (circuit/deck.h).
+/* The parameters every deck may use, as the scene has them, and those of its EVA (deck/deck.h).
  */
 void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]);
 
@@ -79,10 +79,10 @@ typedef struct vs_tier {
   vs_status (*run)(const vs_setup *setup, const vs_observer *observer, vs_error *err);
 } vs_tier;
 
-extern const vs_tier vs_tier_analytic, vs_tier_switched, vs_tier_circuit;
+extern const vs_tier vs_analytic_tier, vs_switched_tier, vs_coupled_tier;
 enum { VS_TIERS = 3 };
-extern const vs_tier *const vs_tiers[VS_TIERS];
-const vs_tier *vs_tier_find(const char *name); /* NULL: there is none */
+extern const vs_tier *const vs_tiers_all[VS_TIERS];
+const vs_tier *vs_tiers_find(const char *name); /* NULL: there is none */
 
 /* For tiers: the knot at t = 0. */
 vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame);
@@ -91,7 +91,7 @@ vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame);
 vs_status vs_sim_check_steps(const vs_setup *setup, double step_s, vs_error *err);
 
 /* The longest step that the circuit tier takes, s. */
-double vs_largest_step(const vs_setup *setup);
+double vs_pace_largest_step(const vs_setup *setup);
 
 /* Runs the tier, and ends the run where it leaves the model's validity (finite, z > 0, p >= -D
  * without a stop, a current that makes sense): the observer is not shown such a step. */

@@ -5,7 +5,7 @@
 
 #include "machine/actuator.h"
 
-const vs_channel vs_channels[VS_CH_DECK] = {
+const vs_channel vs_channel_standard[VS_CH_DECK] = {
 #define VS_CHANNEL_ROW(id, name, unit, text) {name, unit, text, id != VS_CH_I_MAINS},
     VS_CHANNEL_LIST(VS_CHANNEL_ROW)
 #undef VS_CHANNEL_ROW
@@ -16,7 +16,7 @@ int vs_channel_count(const vs_frame *frame) {
 }
 
 vs_channel vs_channel_at(const vs_frame *frame, int index) {
-  if (index < VS_CH_DECK) return vs_channels[index];
+  if (index < VS_CH_DECK) return vs_channel_standard[index];
   const vs_probe *probe = &frame->deck->probes[index - VS_CH_DECK];
   return (vs_channel){probe->name, probe->unit, probe->text, true};
 }
@@ -36,23 +36,24 @@ void vs_knot_copy(const vs_frame *frame, const vs_knot *from, vs_knot *to) {
 
 void vs_knot_complete(const vs_frame *frame, vs_knot *k, bool touching) {
   const vs_model *m = frame->model;
-  double va[VS_STATES], force = vs_force(m, k->flux_wb), rate;
-  vs_accelerations(m, k->x, force + (touching ? vs_stop_force(m, k->x) : 0), k->a);
+  double va[VS_STATES], force = vs_actuator_force(m, k->flux_wb), rate;
+  vs_mechanics_accelerations(m, k->x, force + (touching ? vs_mechanics_stop_force(m, k->x) : 0),
+                             k->a);
   memcpy(va, k->x + VS_DOF, sizeof(double[VS_DOF]));
   memcpy(va + VS_DOF, k->a, sizeof(double[VS_DOF]));
-  rate = vs_force_rate(m, k->flux_wb, k->flux_rate_v);
-  vs_jerks(m, va, rate + (touching ? vs_stop_rate(m, k->x, k->a) : 0), k->j);
+  rate = vs_actuator_force_rate(m, k->flux_wb, k->flux_rate_v);
+  vs_mechanics_jerks(m, va, rate + (touching ? vs_mechanics_stop_rate(m, k->x, k->a) : 0), k->j);
 }
 
 void vs_knot_hold(const vs_frame *frame, vs_knot *k) {
   const vs_model *m = frame->model;
   double va[VS_STATES];
-  vs_accelerations(m, k->x, vs_force(m, k->flux_wb), k->a);
-  vs_hold_p(m, k->a);
+  vs_mechanics_accelerations(m, k->x, vs_actuator_force(m, k->flux_wb), k->a);
+  vs_mechanics_hold_p(m, k->a);
   memcpy(va, k->x + VS_DOF, sizeof(double[VS_DOF]));
   memcpy(va + VS_DOF, k->a, sizeof(double[VS_DOF]));
-  vs_jerks(m, va, 0, k->j); /* what acts along p is held */
-  vs_hold_p(m, k->j);
+  vs_mechanics_jerks(m, va, 0, k->j); /* what acts along p is held */
+  vs_mechanics_hold_p(m, k->j);
 }
 
 /* Weights of value, slope, curvature and third derivative at the two ends of a step. */
@@ -158,25 +159,25 @@ static double line(double from, double to, double s) {
   return from + s * (to - from);
 }
 
-unsigned vs_parts_of(const int *channels, int count) {
+unsigned vs_channel_groups(const int *channels, int count) {
   unsigned parts = 0;
   for (int k = 0; k < count; k++) {
     int c = channels[k];
     if (c >= VS_CH_DECK)
-      parts |= VS_PART_DECK;
+      parts |= VS_GROUP_DECK;
     else if (c == VS_CH_V_MAINS)
-      parts |= VS_PART_V_MAINS;
+      parts |= VS_GROUP_V_MAINS;
     else if (c == VS_CH_V_EVA)
-      parts |= VS_PART_V_EVA;
+      parts |= VS_GROUP_V_EVA;
     else if (c >= VS_CH_AP && c <= VS_CH_APHI)
-      parts |= VS_PART_ACCELERATIONS | VS_PART_VELOCITIES;
+      parts |= VS_GROUP_ACCELERATIONS | VS_GROUP_VELOCITIES;
     else if (c >= VS_CH_VP && c <= VS_CH_VPHI)
-      parts |= VS_PART_VELOCITIES;
+      parts |= VS_GROUP_VELOCITIES;
   }
   return parts;
 }
 
-void vs_step_parts_at(const vs_step *step, double t_s, unsigned parts, double *y) {
+void vs_step_groups_at(const vs_step *step, double t_s, unsigned parts, double *y) {
   const vs_knot *a = step->from, *b = step->to;
   const vs_frame *frame = step->frame;
   const vs_model *m = frame->model;
@@ -184,38 +185,40 @@ void vs_step_parts_at(const vs_step *step, double t_s, unsigned parts, double *y
   const views at = views_of(s, h);
   weights w = septic(at);
   apply(&w, coordinates_of(a), coordinates_of(b), VS_DOF, x);
-  if (parts & VS_PART_VELOCITIES) velocities(step, at, x + VS_DOF);
-  y[VS_CH_Z] = vs_gap(m, x[P]);
+  if (parts & VS_GROUP_VELOCITIES) velocities(step, at, x + VS_DOF);
+  y[VS_CH_Z] = vs_actuator_gap(m, x[P]);
   y[VS_CH_LAMBDA] = y[VS_CH_I] = y[VS_CH_FORCE] = 0;
   if (!vs_step_is_quiet(step)) {
     if (step->cubic_flux) w = cubic(at);
     apply(&w, flux_of(a), flux_of(b), 1, y + VS_CH_LAMBDA);
-    y[VS_CH_I] = vs_current(m, y[VS_CH_LAMBDA], frame->gap_at_rest ? m->gap_rest_m : y[VS_CH_Z]);
-    y[VS_CH_FORCE] = vs_force(m, y[VS_CH_LAMBDA]);
+    y[VS_CH_I] =
+        vs_actuator_current(m, y[VS_CH_LAMBDA], frame->gap_at_rest ? m->gap_rest_m : y[VS_CH_Z]);
+    y[VS_CH_FORCE] = vs_actuator_force(m, y[VS_CH_LAMBDA]);
   }
   y[VS_CH_I_MAINS] = frame->source_is_coil ? y[VS_CH_I] : line(a->i_mains_a, b->i_mains_a, s);
-  if (parts & VS_PART_V_EVA)
+  if (parts & VS_GROUP_V_EVA)
     y[VS_CH_V_EVA] = frame->source_is_coil
                          ? m->actuator.resistance_ohm * y[VS_CH_I] + flux_rate(step, at)
                          : line(a->v_eva_v, b->v_eva_v, s);
-  if (parts & VS_PART_V_MAINS) y[VS_CH_V_MAINS] = vs_mains(frame->timeline, t_s);
-  if (parts & VS_PART_ACCELERATIONS) {
-    vs_accelerations(m, x, y[VS_CH_FORCE] + (vs_in_stop(m, x[P]) ? vs_stop_force(m, x) : 0),
-                     y + VS_CH_AP);
-    if (step->held) vs_hold_p(m, y + VS_CH_AP);
+  if (parts & VS_GROUP_V_MAINS) y[VS_CH_V_MAINS] = vs_mains_voltage(frame->timeline, t_s);
+  if (parts & VS_GROUP_ACCELERATIONS) {
+    vs_mechanics_accelerations(
+        m, x, y[VS_CH_FORCE] + (vs_mechanics_in_stop(m, x[P]) ? vs_mechanics_stop_force(m, x) : 0),
+        y + VS_CH_AP);
+    if (step->held) vs_mechanics_hold_p(m, y + VS_CH_AP);
   }
-  for (size_t n = 0; parts & VS_PART_DECK && frame->deck && n < frame->deck->n_probes; n++) {
+  for (size_t n = 0; parts & VS_GROUP_DECK && frame->deck && n < frame->deck->n_probes; n++) {
     const vs_probe *probe = &frame->deck->probes[n];
     y[VS_CH_DECK + n] = probe->sign * line(a->terms[probe->term], b->terms[probe->term], s);
   }
 }
 
 void vs_step_at(const vs_step *step, double t_s, double *y) {
-  vs_step_parts_at(step, t_s, VS_PART_ALL, y);
+  vs_step_groups_at(step, t_s, VS_GROUP_ALL, y);
 }
 
 double vs_step_channel(const vs_step *step, double t_s, int channel) {
   double y[VS_CH_MOST];
-  vs_step_parts_at(step, t_s, vs_parts_of(&channel, 1), y);
+  vs_step_groups_at(step, t_s, vs_channel_groups(&channel, 1), y);
   return y[channel];
 }

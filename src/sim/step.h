@@ -7,8 +7,8 @@
 #include <stdbool.h>
 
 #include "base/error.h"
-#include "circuit/deck.h"
-#include "circuit/timeline.h"
+#include "deck/deck.h"
+#include "drive/timeline.h"
 #include "machine/mechanics.h"
 
 /* Channels of every tier, in the order of the CSV: id, name, unit, text.
@@ -46,7 +46,7 @@ typedef struct vs_channel {
   const char *name, *unit, *text;
   bool listed; /* in CSV files and lists */
 } vs_channel;
-extern const vs_channel vs_channels[VS_CH_DECK];
+extern const vs_channel vs_channel_standard[VS_CH_DECK];
 
 /* A stretch of time, s. */
 typedef struct vs_span_s {
@@ -90,7 +90,7 @@ typedef enum vs_event {
   VS_EV_MEETS_STOP,
   VS_EV_LEAVES_STOP,
   VS_EV_JAMS,
-  VS_EV_QUIET, /* the circuit's solver is left: sim/quiet.h */
+  VS_EV_QUIET, /* the circuit's solver is left: quiet/quiet.h */
   VS_EV_BACK
 } vs_event;
 
@@ -112,21 +112,21 @@ void vs_knot_hold(const vs_frame *frame, vs_knot *knot);
 
 /* What some of the channels cost of their own; all others are always there. */
 enum {
-  VS_PART_VELOCITIES = 1,
-  VS_PART_ACCELERATIONS = 2, /* needs the velocities */
-  VS_PART_V_EVA = 4,
-  VS_PART_V_MAINS = 8,
-  VS_PART_DECK = 16, /* the deck's probes */
-  VS_PART_ALL = 31
+  VS_GROUP_VELOCITIES = 1,
+  VS_GROUP_ACCELERATIONS = 2, /* needs the velocities */
+  VS_GROUP_V_EVA = 4,
+  VS_GROUP_V_MAINS = 8,
+  VS_GROUP_DECK = 16, /* the deck's probes */
+  VS_GROUP_ALL = 31
 };
-unsigned vs_parts_of(const int *channels, int count);
+unsigned vs_channel_groups(const int *channels, int count);
 
 /* All channels at t in [from, to], y[vs_channel_count]: for q the Hermite polynomial of degree
  * seven from value and three derivatives at each end, for q' its slope; the same or a cubic for
  * lambda; accelerations from Eq. 54; straight lines for the deck's terms. */
 void vs_step_at(const vs_step *step, double t_s, double *y);
 /* The same numbers, but only the parts wanted: the other channels are left as they are. */
-void vs_step_parts_at(const vs_step *step, double t_s, unsigned parts, double *y);
+void vs_step_groups_at(const vs_step *step, double t_s, unsigned parts, double *y);
 double vs_step_channel(const vs_step *step, double t_s, int channel);
 /* Is there no flux anywhere in it, and so neither current nor force? */
 bool vs_step_is_quiet(const vs_step *step);

@@ -17,7 +17,7 @@ static void *grown(void *items, size_t count, size_t size) {
   return more;
 }
 
-void vs_numbers_add(vs_numbers *n, double value, const char *format, ...) {
+void vs_experiment_add(vs_numbers *n, double value, const char *format, ...) {
   if (n->count == n->capacity) {
     n->capacity = 2 * n->capacity + 64;
     n->item = grown(n->item, n->capacity, sizeof *n->item);
@@ -30,20 +30,20 @@ void vs_numbers_add(vs_numbers *n, double value, const char *format, ...) {
   number->value = value;
 }
 
-double vs_numbers_get(const vs_numbers *n, const char *name) {
+double vs_experiment_get(const vs_numbers *n, const char *name) {
   for (size_t k = 0; k < n->count; k++)
     if (!strcmp(n->item[k].name, name)) return n->item[k].value;
   return NAN;
 }
 
-void vs_numbers_free(vs_numbers *n) {
+void vs_experiment_numbers_free(vs_numbers *n) {
   free(n->item);
   *n = (vs_numbers){0};
 }
 
 /* ---- curves ---- */
 
-void vs_curve_add(vs_curve *c, double t_s, double y) {
+void vs_experiment_curve_add(vs_experiment_curve *c, double t_s, double y) {
   if (c->count == c->capacity) {
     c->capacity = 2 * c->capacity + 1024;
     c->t_s = grown(c->t_s, c->capacity, sizeof *c->t_s);
@@ -53,14 +53,14 @@ void vs_curve_add(vs_curve *c, double t_s, double y) {
   c->y[c->count++] = y;
 }
 
-void vs_curve_free(vs_curve *c) {
+void vs_experiment_curve_free(vs_experiment_curve *c) {
   free(c->t_s);
   free(c->y);
-  *c = (vs_curve){0};
+  *c = (vs_experiment_curve){0};
 }
 
 /* Where it first rises above part of its peak, or first falls below that behind the peak. */
-static double passes(const vs_curve *c, size_t peak, double part, bool behind) {
+static double passes(const vs_experiment_curve *c, size_t peak, double part, bool behind) {
   double level = part * c->y[peak];
   size_t k = behind ? peak : 0;
   while (k + 1 < c->count && (behind ? c->y[k + 1] > level : c->y[k + 1] < level)) k++;
@@ -68,7 +68,7 @@ static double passes(const vs_curve *c, size_t peak, double part, bool behind) {
   return c->t_s[k] + (level - c->y[k]) / (c->y[k + 1] - c->y[k]) * (c->t_s[k + 1] - c->t_s[k]);
 }
 
-void vs_curve_numbers(const vs_curve *c, vs_numbers *out) {
+void vs_experiment_curve_numbers(const vs_experiment_curve *c, vs_numbers *out) {
   size_t peak = 0, least = 0;
   for (size_t k = 1; k < c->count; k++) {
     if (c->y[k] > c->y[peak]) peak = k;
@@ -78,14 +78,14 @@ void vs_curve_numbers(const vs_curve *c, vs_numbers *out) {
   double t10 = passes(c, peak, 0.1, false), t30 = passes(c, peak, 0.3, false);
   double t50 = passes(c, peak, 0.5, false), t90 = passes(c, peak, 0.9, false);
   double half = passes(c, peak, 0.5, true);
-  vs_numbers_add(out, c->y[peak], "peak");
-  vs_numbers_add(out, c->y[least], "least");
-  vs_numbers_add(out, t90 - t10, "rise");
-  vs_numbers_add(out, half - t50, "width");
-  vs_numbers_add(out, 1.67 * (t90 - t30), "front_v");
-  vs_numbers_add(out, half - (t30 - (t90 - t30) / 2), "half_v");
-  vs_numbers_add(out, 1.25 * (t90 - t10), "front_i");
-  vs_numbers_add(out, half - (t10 - (t90 - t10) / 8), "half_i");
+  vs_experiment_add(out, c->y[peak], "peak");
+  vs_experiment_add(out, c->y[least], "least");
+  vs_experiment_add(out, t90 - t10, "rise");
+  vs_experiment_add(out, half - t50, "width");
+  vs_experiment_add(out, 1.67 * (t90 - t30), "front_v");
+  vs_experiment_add(out, half - (t30 - (t90 - t30) / 2), "half_v");
+  vs_experiment_add(out, 1.25 * (t90 - t10), "front_i");
+  vs_experiment_add(out, half - (t10 - (t90 - t10) / 8), "half_i");
 }
 
 /* ---- a scene ---- */
@@ -108,7 +108,7 @@ typedef struct watch {
   const vs_observer *also;
   double p_m[VS_EXPERIMENT_LOOKS];
   double charge_as; /* integral of the coil current */
-  vs_curve curve;
+  vs_experiment_curve curve;
   int channel; /* of the curve; -1: not known yet */
 } watch;
 
@@ -118,9 +118,11 @@ static void note_curve(watch *w, const vs_step *step) {
   if (w->channel < 0) {
     w->channel = vs_channel_find(step->frame, name);
     if (w->channel < 0) return;
-    vs_curve_add(&w->curve, step->from->t_s, vs_step_channel(step, step->from->t_s, w->channel));
+    vs_experiment_curve_add(&w->curve, step->from->t_s,
+                            vs_step_channel(step, step->from->t_s, w->channel));
   }
-  vs_curve_add(&w->curve, step->to->t_s, vs_step_channel(step, step->to->t_s, w->channel));
+  vs_experiment_curve_add(&w->curve, step->to->t_s,
+                          vs_step_channel(step, step->to->t_s, w->channel));
 }
 
 static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
@@ -139,14 +141,14 @@ static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
 
 static void add_value(vs_numbers *out, const vs_value *v, const char *name, const char *ending) {
   if (!v->known) return;
-  vs_numbers_add(out, v->value, "%s%s", name, ending);
-  vs_numbers_add(out, v->at_s, "%s%s.at", name, ending);
+  vs_experiment_add(out, v->value, "%s%s", name, ending);
+  vs_experiment_add(out, v->at_s, "%s%s.at", name, ending);
 }
 
 static void add_circuit(const vs_trial *t, vs_numbers *out) {
   const vs_deck *deck = t->scene.frame.deck;
   for (size_t k = 0; deck && k < deck->losses.count; k++)
-    vs_numbers_add(out, t->result.energy.loss_j[k], "loss.%s", deck->losses.item[k].name);
+    vs_experiment_add(out, t->result.energy.loss_j[k], "loss.%s", deck->losses.item[k].name);
   for (int k = VS_STANDARD_EXTREMES; k < t->result.measures->n_extremes; k++) {
     const vs_extreme *x = &t->result.measures->extremes[k];
     add_value(out, &x->best, vs_channel_at(&t->scene.frame, x->channel).name,
@@ -155,8 +157,8 @@ static void add_circuit(const vs_trial *t, vs_numbers *out) {
   for (size_t d = 0; t->result.devices && d < t->result.devices->count; d++) {
     const vs_watched *w = &t->result.devices->item[d];
     for (size_t k = 0; k < w->count; k++)
-      vs_numbers_add(out, w->reduced[k].value.value, "%s.%s", w->device->name,
-                     w->reduced[k].measure->name);
+      vs_experiment_add(out, w->reduced[k].value.value, "%s.%s", w->device->name,
+                        w->reduced[k].measure->name);
   }
 }
 
@@ -172,23 +174,23 @@ static double left_over(const vs_energy *e) {
 static void add_all(const vs_trial *t, const watch *w, vs_numbers *out) {
   double until = t->scene.setup.run.until_s;
   for (int k = 0; k < VS_MEASURES; k++)
-    add_value(out, &t->result.values[k], vs_measures_known[k].name, "");
+    add_value(out, &t->result.values[k], vs_measures_standard[k].name, "");
   for (int k = 0; k < VS_ENERGIES; k++)
-    vs_numbers_add(out, t->result.energy.joule[k], "energy.%s", vs_energy_names[k]);
-  vs_numbers_add(out, left_over(&t->result.energy), "books");
+    vs_experiment_add(out, t->result.energy.joule[k], "energy.%s", vs_energy_names[k]);
+  vs_experiment_add(out, left_over(&t->result.energy), "books");
   add_circuit(t, out);
-  vs_numbers_add(out, w->charge_as / until, "i_mean");
-  vs_numbers_add(out,
-                 sqrt(t->result.energy.joule[VS_E_COPPER] /
-                      t->scene.setup.model.actuator.resistance_ohm / until),
-                 "i_rms");
+  vs_experiment_add(out, w->charge_as / until, "i_mean");
+  vs_experiment_add(out,
+                    sqrt(t->result.energy.joule[VS_E_COPPER] /
+                         t->scene.setup.model.actuator.resistance_ohm / until),
+                    "i_rms");
   for (int k = 0; k < VS_EXPERIMENT_LOOKS && w->experiment->look_s[k] > 0; k++)
-    vs_numbers_add(out, w->p_m[k], "p@%g", w->experiment->look_s[k]);
-  vs_curve_numbers(&w->curve, out);
+    vs_experiment_add(out, w->p_m[k], "p@%g", w->experiment->look_s[k]);
+  vs_experiment_curve_numbers(&w->curve, out);
 }
 
-vs_status vs_perform_scene(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
-                           vs_error *err) {
+vs_status vs_experiment_perform(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
+                                vs_error *err) {
   watch w = {.experiment = e, .also = also, .channel = -1};
   const vs_observer observer = {&w, accept};
   const char *sets[VS_EXPERIMENT_SETS + 1] = {NULL};
@@ -203,6 +205,6 @@ vs_status vs_perform_scene(const vs_experiment *e, const vs_observer *also, vs_n
   else
     add_all(t, &w, out);
   vs_trial_free(t);
-  vs_curve_free(&w.curve);
+  vs_experiment_curve_free(&w.curve);
   return status;
 }

@@ -81,11 +81,11 @@ static vs_status measure(vs_scene *s, const double x[N], double period_s, vs_num
   vs_result *r = vs_alloc(1, sizeof *r);
   vs_status status = fly(s, x, period_s, &f, r, err);
   if (!status) {
-    vs_numbers_add(out, r->values[VS_M_P_MIN].value, "p_min");
-    vs_numbers_add(out, r->values[VS_M_P_MAX].value, "p_max");
-    vs_numbers_add(out, r->values[VS_M_I_PEAK].value, "i_peak");
-    vs_numbers_add(out, r->values[VS_M_FORCE_PEAK].value, "force_peak");
-    vs_numbers_add(out, r->energy.joule[VS_E_SOURCE] / period_s, "power");
+    vs_experiment_add(out, r->values[VS_M_P_MIN].value, "p_min");
+    vs_experiment_add(out, r->values[VS_M_P_MAX].value, "p_max");
+    vs_experiment_add(out, r->values[VS_M_I_PEAK].value, "i_peak");
+    vs_experiment_add(out, r->values[VS_M_FORCE_PEAK].value, "force_peak");
+    vs_experiment_add(out, r->energy.joule[VS_E_SOURCE] / period_s, "power");
   }
   vs_result_free(r);
   free(r);
@@ -108,7 +108,7 @@ vs_status vs_orbit_find(vs_scene *s, const vs_observer *also, vs_numbers *out, v
   return status ? status : measure(s, x, period_s, out, err);
 }
 
-vs_status vs_perform_orbit(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
+vs_status vs_orbit_perform(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
                            vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_experiment_scene(e, NULL, scene, err);

@@ -11,7 +11,7 @@
  * first, a whole number of firing cycles: where several orbits live side by side that decides which
  * one is found. No guard ends the run where the armature is beyond the pole cover. Errors: the
  * scene's, the run's; VS_RUN, no orbit is found. */
-vs_status vs_perform_orbit(const vs_experiment *experiment, const vs_observer *also,
+vs_status vs_orbit_perform(const vs_experiment *experiment, const vs_observer *also,
                            vs_numbers *out, vs_error *err);
 
 /* The same of a scene that was read. */

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "circuit/circuit.h"
+#include "solver/circuit.h"
 
 /* An experiment that some of the chosen checks need; done when the first of them asks. */
 typedef struct outcome {
@@ -23,11 +23,11 @@ typedef struct outcome {
 
 typedef struct session {
   const vs_validate_options *options;
-  const vs_check **checks; /* the chosen ones */
+  const vs_comparison **checks; /* the chosen ones */
   size_t n_checks, failed;
   outcome *outcomes;
   size_t n_outcomes;
-  const vs_check *now;
+  const vs_comparison *now;
   const vs_experiment *present;
   double began_s, shown_s, stage_s; /* wall clock; stage: of the present experiment */
   double planned_s, passed_s;       /* sums of wall_s: of all; of those that are done */
@@ -56,7 +56,8 @@ static void plan(session *s, const vs_experiment *e) {
   s->planned_s += e->wall_s;
 }
 
-static vs_status choose(session *s, const vs_checks *const *lists, size_t n_lists, vs_error *err) {
+static vs_status choose(session *s, const vs_comparisons *const *lists, size_t n_lists,
+                        vs_error *err) {
   const char *word = s->options->word;
   size_t most = 0;
   for (size_t l = 0; l < n_lists; l++) most += lists[l]->count;
@@ -64,7 +65,7 @@ static vs_status choose(session *s, const vs_checks *const *lists, size_t n_list
   s->outcomes = vs_alloc(2 * most + 1, sizeof *s->outcomes);
   for (size_t l = 0; l < n_lists; l++)
     for (size_t k = 0; k < lists[l]->count; k++) {
-      const vs_check *check = &lists[l]->item[k];
+      const vs_comparison *check = &lists[l]->item[k];
       if (word && !strcasestr(check->name, word)) continue;
       s->checks[s->n_checks++] = check;
       plan(s, check->experiment);
@@ -123,14 +124,14 @@ typedef struct verdict {
   const char *failure; /* of a run, one line; NULL: none */
 } verdict;
 
-static verdict judge(session *s, const vs_check *c, vs_status *status) {
+static verdict judge(session *s, const vs_comparison *c, vs_status *status) {
   verdict v = {.expected = c->expected, .got = NAN};
   const outcome *o = perform(s, c->experiment), *other = c->other ? perform(s, c->other) : NULL;
   if (o->status) v.failure = o->err.text;
   if (other && other->status) v.failure = other->err.text;
   if (o->status == VS_SIGNAL || (other && other->status == VS_SIGNAL)) *status = VS_SIGNAL;
-  if (!o->status) v.got = vs_numbers_get(&o->numbers, c->what);
-  if (other) v.expected = other->status ? NAN : vs_numbers_get(&other->numbers, c->what);
+  if (!o->status) v.got = vs_experiment_get(&o->numbers, c->what);
+  if (other) v.expected = other->status ? NAN : vs_experiment_get(&other->numbers, c->what);
   v.error = fabs(v.got - v.expected) / fabs(c->scale != 0 ? c->scale : v.expected);
   v.good = v.error <= c->tolerance; /* never of a number that is none */
   return v;
@@ -145,7 +146,7 @@ static int name_width(const session *s) {
   return (int)width;
 }
 
-static void print_row(const session *s, const vs_check *c, const verdict *v) {
+static void print_row(const session *s, const vs_comparison *c, const verdict *v) {
   printf("%-3s %-*s %15.10g %15.10g %-6s %8.1e %8.1e  %s; %s\n", v->good ? "ok" : "OFF",
          name_width(s), c->name, v->expected, v->got, c->unit, v->error, c->tolerance, c->source,
          c->why);
@@ -160,13 +161,13 @@ static void add_real(vs_text *json, const char *key, double value) {
 
 static void add_string(vs_text *json, const char *key, const char *value) {
   vs_text_add(json, ", \"%s\": ", key);
-  vs_text_json(json, value);
+  vs_json_string(json, value);
 }
 
-static void add_row(session *s, const vs_check *c, const verdict *v) {
+static void add_row(session *s, const vs_comparison *c, const verdict *v) {
   vs_text *json = &s->json;
   vs_text_add(json, "%s\n    {\"name\": ", json->length ? "," : "");
-  vs_text_json(json, c->name);
+  vs_json_string(json, c->name);
   add_string(json, "unit", c->unit);
   add_real(json, "expected", v->expected);
   add_real(json, "got", v->got);
@@ -181,13 +182,13 @@ static void add_row(session *s, const vs_check *c, const verdict *v) {
 
 static void print_json(const session *s) {
   printf("{\n  \"program\": {\"version\": \"%s\", \"ngspice\": \"%s\", \"gsl\": \"%s\"},\n",
-         VS_VERSION, vs_ngspice_version(), gsl_version);
+         VS_VERSION, vs_ng_version(), gsl_version);
   printf("  \"checks\": [%s\n  ],\n", s->json.text);
   printf("  \"count\": %zu, \"off\": %zu, \"ok\": %s\n}\n", s->n_checks, s->failed,
          s->failed ? "false" : "true");
 }
 
-static void show(session *s, const vs_check *c, const verdict *v) {
+static void show(session *s, const vs_comparison *c, const verdict *v) {
   hide_progress(s);
   if (!v->good && s->options->quiet)
     fprintf(stderr,
@@ -223,14 +224,14 @@ static vs_status validate(session *s, vs_error *err) {
                    : VS_OK;
 }
 
-vs_status vs_validate(const vs_checks *const *lists, size_t n_lists,
+vs_status vs_validate(const vs_comparisons *const *lists, size_t n_lists,
                       const vs_validate_options *options, vs_error *err) {
   session s = {.options = options, .began_s = wall_clock()};
   s.show_progress = !options->quiet && isatty(STDERR_FILENO);
   vs_status status = choose(&s, lists, n_lists, err);
   for (size_t k = 0; k < s.n_checks && options->list; k++) puts(s.checks[k]->name);
   if (!status && !options->list) status = validate(&s, err);
-  for (size_t k = 0; k < s.n_outcomes; k++) vs_numbers_free(&s.outcomes[k].numbers);
+  for (size_t k = 0; k < s.n_outcomes; k++) vs_experiment_numbers_free(&s.outcomes[k].numbers);
   vs_text_free(&s.json);
   free(s.outcomes);
   free(s.checks);
@@ -238,7 +239,8 @@ vs_status vs_validate(const vs_checks *const *lists, size_t n_lists,
 }
 
 vs_status vs_validate_command(const vs_validate_options *options, vs_error *err) {
-  static const vs_checks *const LISTS[] = {&vs_checks_single, &vs_checks_control, &vs_checks_steady,
-                                           &vs_checks_tiers,  &vs_checks_snubber, &vs_checks_surge};
+  static const vs_comparisons *const LISTS[] = {&vs_single_comparisons,  &vs_control_comparisons,
+                                                &vs_steady_comparisons,  &vs_tiers_comparisons,
+                                                &vs_snubber_comparisons, &vs_surge_comparisons};
   return vs_validate(LISTS, sizeof LISTS / sizeof *LISTS, options, err);
 }

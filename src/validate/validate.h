@@ -10,8 +10,8 @@
 #include "validate/experiment.h"
 
 /* The program's own, each list in a file checks_*.c. */
-extern const vs_checks vs_checks_single, vs_checks_control, vs_checks_steady, vs_checks_snubber,
-    vs_checks_surge, vs_checks_tiers;
+extern const vs_comparisons vs_single_comparisons, vs_control_comparisons, vs_steady_comparisons,
+    vs_snubber_comparisons, vs_surge_comparisons, vs_tiers_comparisons;
 
 typedef struct vs_validate_options {
   const char *word; /* only checks whose names have it, in small or capital letters; NULL: all */
@@ -23,7 +23,7 @@ typedef struct vs_validate_options {
 
 /* Does the checks of some lists, one after the other. Errors: VS_RUN, a check is off, or a run that
  * it needs failed; VS_INPUT, no check has that word; VS_SIGNAL. */
-vs_status vs_validate(const vs_checks *const *lists, size_t n_lists,
+vs_status vs_validate(const vs_comparisons *const *lists, size_t n_lists,
                       const vs_validate_options *options, vs_error *err);
 
 vs_status vs_validate_command(const vs_validate_options *options, vs_error *err);

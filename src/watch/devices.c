@@ -48,7 +48,7 @@ static void begin_measures(vs_watched *w, const vs_deck *deck) {
   for (size_t k = 0; k < w->count; k++) {
     const vs_device_measure *m = &d->kind->measures[k];
     vs_reduced *r = &w->reduced[k];
-    *r = (vs_reduced){m, vs_device_limit(deck, d, m), {.at_s = NAN}, .failed_s = NAN};
+    *r = (vs_reduced){m, vs_devices_limit(deck, d, m), {.at_s = NAN}, .failed_s = NAN};
     if (m->how >= VS_R_MISFIRE && m->how <= VS_R_COMMUTATION_FAILURE) r->value.known = gate_known;
     if (m->how == VS_R_PEAK && (m->of != VS_OF_FLUX || d->has_flux)) w->each_step[w->n_peaks++] = r;
   }
@@ -76,7 +76,7 @@ static void begin_device(vs_watched *w, const vs_frame *frame, const vs_device *
   for (size_t k = 0; k < w->count; k++)
     if (w->reduced[k].measure->how == VS_R_OFFERED && w->reduced[k].limit)
       t_q_s = w->reduced[k].limit->value;
-  vs_switch_begin(w->states, frame->timeline, d->gate_rad, t_q_s);
+  vs_switching_begin(w->states, frame->timeline, d->gate_rad, t_q_s);
 }
 
 vs_devices *vs_devices_new(const vs_frame *frame) {
@@ -258,7 +258,7 @@ static void follow_slope(vs_watched *w, vs_reduced *r, const vs_course_step *c) 
 }
 
 static void follow_gate(vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  vs_gate_follow(&w->gate, c);
+  vs_switching_gate_follow(&w->gate, c);
   if (w->gate.ended) offer(r, (vs_value){true, w->gate_peak_a, c->t0_s});
   if (w->gate.begins) w->gate_peak_a = 0;
   w->gate_peak_a = fmax(w->gate_peak_a, c->to[VS_OF_I]);
@@ -342,7 +342,7 @@ static void tell(vs_devices *d, const vs_watched *w, const vs_switch_news *news)
 static void follow_states(vs_devices *d, vs_watched *w, vs_course_step *c) {
   vs_switch_news news;
   c->was_on = w->states->conduction.conducts;
-  vs_switch_follow(w->states, c, &news);
+  vs_switching_follow(w->states, c, &news);
   c->on = w->states->conduction.conducts;
   if (!news.any) return;
   for (size_t k = 0; k < w->count; k++) take_news(&w->reduced[k], &news);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Watcher that measures the stress of the deck's devices (circuit/devices.h). Between two knots
+ * Watcher that measures the stress of the deck's devices (deck/devices.h). Between two knots
  * their terms lie on straight lines, as the probes do, so that extremes are at knots; integrals are
  * Simpson's, exact for a voltage times a current on such lines. */
 #ifndef VS_WATCH_DEVICES_H

@@ -12,12 +12,12 @@ const char *const vs_energy_names[VS_ENERGIES] = {
 #undef VS_ENERGY_NAME
 };
 
-const char *const vs_balance_names[VS_BALANCES] = {
+const char *const vs_energy_balance_names[VS_BALANCES] = {
 #define VS_BALANCE_NAME(id, name, text) name,
     VS_BALANCE_LIST(VS_BALANCE_NAME)
 #undef VS_BALANCE_NAME
 };
-const char *const vs_balance_texts[VS_BALANCES] = {
+const char *const vs_energy_balance_texts[VS_BALANCES] = {
 #define VS_BALANCE_TEXT(id, name, text) text,
     VS_BALANCE_LIST(VS_BALANCE_TEXT)
 #undef VS_BALANCE_TEXT
@@ -39,12 +39,13 @@ static const struct {
 
 static double magnetic(const vs_frame *frame, const vs_knot *k) {
   const vs_model *m = frame->model;
-  return vs_magnetic_energy(m, k->flux_wb, frame->gap_at_rest ? m->gap_rest_m : vs_gap(m, k->x[P]));
+  return vs_actuator_energy(m, k->flux_wb,
+                            frame->gap_at_rest ? m->gap_rest_m : vs_actuator_gap(m, k->x[P]));
 }
 
 static double mechanical(const vs_model *m, const vs_knot *k) {
-  double depth = vs_in_stop(m, k->x[P]) ? k->x[P] + m->actuator.gap_m : 0;
-  return vs_kinetic_energy(m, k->x) + vs_elastic_energy(m, k->x) +
+  double depth = vs_mechanics_in_stop(m, k->x[P]) ? k->x[P] + m->actuator.gap_m : 0;
+  return vs_mechanics_kinetic_energy(m, k->x) + vs_mechanics_elastic_energy(m, k->x) +
          m->actuator.stop.stiffness_n_m * depth * depth / 2;
 }
 
@@ -106,18 +107,18 @@ enum { STOCK_TAKING = 32 }; /* steps between two looks at the books */
 void vs_energy_accept(vs_energy *e, const vs_step *step) {
   /* the machine alone moves, and dissipates */
   bool alone = step->frame->source_is_coil && vs_step_is_quiet(step);
-  unsigned parts = VS_PART_VELOCITIES | (alone ? 0 : VS_PART_V_EVA | VS_PART_V_MAINS);
+  unsigned parts = VS_GROUP_VELOCITIES | (alone ? 0 : VS_GROUP_V_EVA | VS_GROUP_V_MAINS);
   const vs_model *m = step->frame->model;
   double h = step->to->t_s - step->from->t_s, y[VS_CH_MOST];
   if (!e->steps++) begin(e, step);
   if (h == 0) e->joule[VS_E_STOP] += mechanical(m, step->from) - mechanical(m, step->to); /* jams */
   for (int g = step->cubic_flux ? 0 : 1, k = 0; k < GAUSS[g].count; k++) {
-    vs_step_parts_at(step, step->from->t_s + h * GAUSS[g].at[k], parts, y);
+    vs_step_groups_at(step, step->from->t_s + h * GAUSS[g].at[k], parts, y);
     double w = h * GAUSS[g].weight[k], lost = 0;
     for (int i = 0; i < VS_DOF; i++)
       for (int j = 0; j < VS_DOF; j++) lost += y[VS_CH_VP + i] * m->damping[i][j] * y[VS_CH_VP + j];
     e->joule[VS_E_DAMPING] += w * lost;
-    if (vs_in_stop(m, y[VS_CH_P]))
+    if (vs_mechanics_in_stop(m, y[VS_CH_P]))
       e->joule[VS_E_STOP] += w * m->actuator.stop.damping_ns_m * y[VS_CH_VP] * y[VS_CH_VP];
     if (alone) continue;
     e->joule[VS_E_SOURCE] += w * y[VS_CH_V_MAINS] * y[VS_CH_I_MAINS];
@@ -158,7 +159,8 @@ const char *vs_energy_open(const vs_energy *e, double tolerance, char *buffer, s
       continue;
     snprintf(buffer, size,
              "the energy books do not close (%s): %s leaves %.3g J of %.3g J at %.6g s%s",
-             vs_balance_names[b], vs_balance_texts[b], e->furthest_j[b], whole, e->furthest_s[b],
+             vs_energy_balance_names[b], vs_energy_balance_texts[b], e->furthest_j[b], whole,
+             e->furthest_s[b],
              b == VS_B_CIRCUIT ? "; is a loss or store line of the deck missing or wrong?" : "");
     return buffer;
   }

@@ -38,7 +38,8 @@ enum {
 #undef VS_BALANCE_ID
       VS_BALANCES
 };
-extern const char *const vs_balance_names[VS_BALANCES], *const vs_balance_texts[VS_BALANCES];
+extern const char *const vs_energy_balance_names[VS_BALANCES],
+    *const vs_energy_balance_texts[VS_BALANCES];
 
 /* Start from {0} with the frame set. */
 typedef struct vs_energy {

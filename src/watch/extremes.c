@@ -128,7 +128,7 @@ static curve acceleration(const vs_step *step, int i) {
   curve sum = {.degree = SEPTIC};
   for (int n = 0; n < VS_DOF; n++) {
     curve q = coordinate(step, n), v = slope_of(&q, step->to->t_s - step->from->t_s);
-    bool touches = n == P && vs_in_stop(m, value_of(&q, 0.5));
+    bool touches = n == P && vs_mechanics_in_stop(m, value_of(&q, 0.5));
     double share = touches ? m->mf[i] : 0;
     add(&sum, share * stop->stiffness_n_m - m->mk_column[n][i], &q);
     add(&sum, share * stop->damping_ns_m - m->mb_column[n][i], &v);
@@ -169,12 +169,13 @@ typedef struct at_knot {
 static inline at_knot knot_of(const vs_frame *frame, const vs_knot *k, int channel) {
   const vs_model *m = frame->model;
   if (channel == VS_CH_FORCE)
-    return (at_knot){vs_force(m, k->flux_wb), vs_force_rate(m, k->flux_wb, k->flux_rate_v)};
+    return (at_knot){vs_actuator_force(m, k->flux_wb),
+                     vs_actuator_force_rate(m, k->flux_wb, k->flux_rate_v)};
   if (channel == VS_CH_I) {
-    double z = frame->gap_at_rest ? m->gap_rest_m : vs_gap(m, k->x[P]);
+    double z = frame->gap_at_rest ? m->gap_rest_m : vs_actuator_gap(m, k->x[P]);
     double z_rate = frame->gap_at_rest ? 0 : k->x[VS_DOF + P];
-    return (at_knot){vs_current(m, k->flux_wb, z),
-                     vs_current_rate(m, k->flux_wb, k->flux_rate_v, z, z_rate)};
+    return (at_knot){vs_actuator_current(m, k->flux_wb, z),
+                     vs_actuator_current_rate(m, k->flux_wb, k->flux_rate_v, z, z_rate)};
   }
   int i = channel >= VS_CH_AP ? channel - VS_CH_AP : channel - VS_CH_P;
   return channel >= VS_CH_AP ? (at_knot){k->a[i], k->j[i]} : (at_knot){k->x[i], k->x[VS_DOF + i]};
@@ -242,7 +243,7 @@ static double falls_through_zero(curve slope) {
   return at;
 }
 
-bool vs_turn_of_p(const vs_step *step, vs_value *turn) {
+bool vs_extreme_turn_of_p(const vs_step *step, vs_value *turn) {
   double before = step->from->x[VS_DOF + P], behind = step->to->x[VS_DOF + P];
   if (!(before * behind < 0)) return false;
   curve p = coordinate(step, P), slope = slope_of(&p, before > 0 ? 1 : -1);

@@ -29,6 +29,6 @@ typedef struct vs_extreme {
 void vs_extreme_follow(vs_extreme *extreme, const vs_step *step, bool jammed);
 
 /* Where p turns in a step, between ends with velocities of unlike signs; false: they are not. */
-bool vs_turn_of_p(const vs_step *step, vs_value *turn);
+bool vs_extreme_turn_of_p(const vs_step *step, vs_value *turn);
 
 #endif

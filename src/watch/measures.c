@@ -6,7 +6,7 @@
 
 #include "base/text.h"
 
-const vs_measure vs_measures_known[VS_MEASURES] = {
+const vs_measure vs_measures_standard[VS_MEASURES] = {
 #define VS_MEASURE_ROW(id, name, unit, text) {name, unit, text},
     VS_MEASURE_LIST(VS_MEASURE_ROW)
 #undef VS_MEASURE_ROW
@@ -78,7 +78,8 @@ static double find_root(const vs_measures *m, course *c, double lo, double hi) {
 /* The extremum of p around the middle of three knots. */
 static vs_value refine(const vs_measures *m) {
   vs_value turn = {true, m->p_m[1], m->kept[m->last].from.t_s};
-  if (!vs_turn_of_p(&m->kept[1 - m->last].step, &turn)) vs_turn_of_p(&m->kept[m->last].step, &turn);
+  if (!vs_extreme_turn_of_p(&m->kept[1 - m->last].step, &turn))
+    vs_extreme_turn_of_p(&m->kept[m->last].step, &turn);
   return turn;
 }
 
@@ -155,7 +156,7 @@ static void follow_crossings(vs_measures *m) {
  * by the next one: it was no extinction, and what was read of a free swing is none. */
 static bool goes_on(const vs_measures *m, double t_s) {
   return t_s - m->extinct_s <= 1.01 / m->frame->timeline->firing.burst_hz && isnan(m->refired_s) &&
-         vs_gate(m->frame->timeline, 0, t_s);
+         vs_gate_is_on(m->frame->timeline, 0, t_s);
 }
 
 static void follow_event(vs_measures *m, vs_event event, double t_s) {

@@ -46,7 +46,7 @@ enum {
 typedef struct vs_measure {
   const char *name, *unit, *text;
 } vs_measure;
-extern const vs_measure vs_measures_known[VS_MEASURES];
+extern const vs_measure vs_measures_standard[VS_MEASURES];
 
 enum { VS_STANDARD_EXTREMES = 7, VS_MOST_EXTREMES = VS_STANDARD_EXTREMES + 2 * VS_DECK_MOST };
 

@@ -12,7 +12,7 @@ enum { REST_NONE, REST_NO_REVERSE_YET, REST_REVERSED, REST_FORWARD_AGAIN };
 
 /* ---- gate ---- */
 
-void vs_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
+void vs_switching_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
   double middle = (c->t0_s + c->t1_s) / 2;
   g->begins = g->ended = false;
   if (isnan(g->delay_rad)) {
@@ -21,7 +21,7 @@ void vs_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
   }
   if (middle < g->edge_s) return;
   bool was = g->on;
-  g->on = vs_gate(g->timeline, g->delay_rad, middle);
+  g->on = vs_gate_is_on(g->timeline, g->delay_rad, middle);
   g->edge_s = fmin(vs_gate_edge(g->timeline, g->delay_rad, middle),
                    vs_events_edge(&g->timeline->events, middle)); /* one may add a pulse */
   g->begins = g->on && !was;
@@ -172,7 +172,7 @@ static void follow_pulse(vs_switch *s, const vs_course_step *c, vs_switch_news *
   s->unanswered_s = NAN;
 }
 
-void vs_switch_begin(vs_switch *s, const vs_timeline *timeline, double gate_rad, double t_q_s) {
+void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double gate_rad, double t_q_s) {
   *s = (vs_switch){.gate = {.timeline = timeline,
                             .delay_rad = gate_rad,
                             .edge_s = -INFINITY,
@@ -218,12 +218,12 @@ static double forward_rate(vs_slope *slope, const vs_course_step *c) {
   return fmax(largest, vs_slope_follow(slope, zero_s, fmax(v0, 0), c->t1_s, fmax(v1, 0), 1));
 }
 
-void vs_switch_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   *news = (vs_switch_news){0};
   bool was_on = s->conduction.conducts;
   double off_rate = forward_rate(&s->off, c);
   double on_rate = vs_slope_follow(&s->on, c->t0_s, c->from[VS_OF_I], c->t1_s, c->to[VS_OF_I], 1);
-  vs_gate_follow(&s->gate, c);
+  vs_switching_gate_follow(&s->gate, c);
   follow_current(s, c, news);
   follow_pulse(s, c, news);
   if (!was_on && !s->conduction.conducts) {

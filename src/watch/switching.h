@@ -2,7 +2,7 @@
  * What a device that conducts or blocks is seen to do: when it fires and stops, how fast its
  * voltage rises while it blocks, how long its circuit lets it rest, and whether it obeyed its gate.
  *
- * When it fires and goes out, sim/conduction.h says. What is said of it:
+ * When it fires and goes out, coupling/conduction.h says. What is said of it:
  *   misfires               a gate pulse under forward voltage (10 V or more) has ended and it did
  *                          not conduct; or it did not latch: it fell back, without a reverse
  *                          voltage between, to half of the forward voltage it fired from
@@ -12,8 +12,8 @@
 #ifndef VS_WATCH_SWITCHING_H
 #define VS_WATCH_SWITCHING_H
 
-#include "circuit/devices.h"
-#include "sim/conduction.h"
+#include "coupling/conduction.h"
+#include "deck/devices.h"
 #include "watch/measures.h"
 #include "watch/slope.h"
 
@@ -33,7 +33,7 @@ typedef struct vs_gate_watch {
   double edge_s;      /* next one */
   double off_since_s;
 } vs_gate_watch;
-void vs_gate_follow(vs_gate_watch *gate, const vs_course_step *c);
+void vs_switching_gate_follow(vs_gate_watch *gate, const vs_course_step *c);
 
 /* A rise of forward voltage, from its foot to its top so far. */
 enum { VS_RISE_POINTS = 256 };
@@ -57,7 +57,7 @@ typedef struct vs_switch {
   vs_slope off, on; /* of its forward voltage and its current, all the time */
   double off_rate;  /* the largest so far, V/s */
 } vs_switch;
-void vs_switch_begin(vs_switch *s, const vs_timeline *timeline, double gate_rad, double t_q_s);
+void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double gate_rad, double t_q_s);
 
 /* What a step brought. */
 typedef struct vs_switch_news {
@@ -66,6 +66,6 @@ typedef struct vs_switch_news {
   vs_value misfire, unintended;              /* at_s alone */
   bool commutation_failure;                  /* it is what the unintended firing is */
 } vs_switch_news;
-void vs_switch_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news);
+void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news);
 
 #endif

@@ -12,7 +12,7 @@ void vs_table_begin(vs_table *table) {
   for (int k = 0; k < table->count; k++) {
     char suffix[32];
     vs_channel c = vs_channel_at(table->frame, table->channels[k]);
-    vs_unit_suffix(c.unit, suffix, sizeof suffix);
+    vs_units_suffix(c.unit, suffix, sizeof suffix);
     fprintf(table->stream, ",%s%s%s", c.name, *suffix ? "_" : "", suffix);
   }
   fputc('\n', table->stream);
@@ -20,7 +20,7 @@ void vs_table_begin(vs_table *table) {
 
 static void write_number(vs_table *table, double value, char before) {
   char text[VS_NUMBER_SIZE];
-  size_t length = vs_print_number(text, value, table->digits);
+  size_t length = vs_text_number(text, value, table->digits);
   if (before) putc_unlocked(before, table->stream);
   fwrite_unlocked(text, 1, length, table->stream);
 }

@@ -74,21 +74,21 @@ void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, vs_verdic
   }
 }
 
-const char *vs_judgement_name(const vs_judgement *j, char name[VS_JUDGED_NAME]) {
+const char *vs_verdict_name(const vs_judgement *j, char name[VS_JUDGED_NAME]) {
   snprintf(name, VS_JUDGED_NAME, "%s%s%s", j->device ? j->device->name : j->probe->name,
            j->device ? "." : "", j->device ? j->measure->name : "");
   return name;
 }
 
-const char *vs_judgement_unit(const vs_judgement *j) {
+const char *vs_verdict_unit(const vs_judgement *j) {
   return j->device ? j->limit->unit : j->rating->unit;
 }
 
 /* ---- how sure ---- */
 
-const char *const vs_words[] = {"held", "violated", "undecided", "unverified"};
+const char *const vs_verdict_words[] = {"held", "violated", "undecided", "unverified"};
 
-vs_word vs_judgement_word(const vs_judgement *j) {
+vs_word vs_verdict_word(const vs_judgement *j) {
   if (isnan(j->margin_error)) return VS_UNVERIFIED;
   if (fabs(j->margin) <= j->margin_error) return VS_UNDECIDED;
   return j->margin > 0 ? VS_HELD : VS_VIOLATED;
@@ -98,7 +98,7 @@ const vs_judgement *vs_verdict_breach(const vs_verdict *v) {
   const vs_judgement *violated = NULL, *undecided = NULL;
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
-    vs_word word = vs_judgement_word(j);
+    vs_word word = vs_verdict_word(j);
     const vs_judgement **worst = word == VS_UNDECIDED ? &undecided : &violated;
     if (word == VS_UNDECIDED || j->margin < 0)
       if (!*worst || j->margin < (*worst)->margin) *worst = j;
@@ -108,8 +108,7 @@ const vs_judgement *vs_verdict_breach(const vs_verdict *v) {
 
 static bool is_same(const vs_judgement *a, const vs_judgement *b) {
   char left[VS_JUDGED_NAME], right[VS_JUDGED_NAME];
-  return !a->device == !b->device &&
-         !strcmp(vs_judgement_name(a, left), vs_judgement_name(b, right));
+  return !a->device == !b->device && !strcmp(vs_verdict_name(a, left), vs_verdict_name(b, right));
 }
 
 /* Where errors fall as they should, the second run differs by some times this run's error. Not all

@@ -43,8 +43,8 @@ typedef enum vs_word {
   VS_UNDECIDED, /* its sign is not certain */
   VS_UNVERIFIED /* no error was computed */
 } vs_word;
-extern const char *const vs_words[]; /* by vs_word */
-vs_word vs_judgement_word(const vs_judgement *judgement);
+extern const char *const vs_verdict_words[]; /* by vs_word */
+vs_word vs_verdict_word(const vs_judgement *judgement);
 /* Is there a line that is violated, verified or not, or undecided? The one with the least margin
  * among the violated, else among the undecided; NULL: none. */
 const vs_judgement *vs_verdict_breach(const vs_verdict *verdict);
@@ -57,8 +57,8 @@ void vs_verdict_compare(vs_verdict *verdict, const vs_verdict *second, double re
 
 /* "v_ak", "thyristor.i2t" */
 enum { VS_JUDGED_NAME = VS_DECK_NAME + 24 };
-const char *vs_judgement_name(const vs_judgement *judgement, char name[VS_JUDGED_NAME]);
+const char *vs_verdict_name(const vs_judgement *judgement, char name[VS_JUDGED_NAME]);
 /* The unit that stress and limits are shown in: as they were written. */
-const char *vs_judgement_unit(const vs_judgement *judgement);
+const char *vs_verdict_unit(const vs_judgement *judgement);
 
 #endif

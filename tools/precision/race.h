@@ -6,7 +6,7 @@
 #include <stddef.h>
 
 #include "compare.h"
-#include "study/scene.h"
+#include "scene/scene.h"
 
 typedef struct attempt attempt;
 struct attempt {

@@ -1,0 +1,435 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The machine in ngspice: each of its eight states is the voltage of a 1 F capacitor, charged by a
+ * B source with the state's rate. States are in mm, mm/s, mrad, mrad/s, so that ngspice's absolute
+ * tolerances (1 uV) are small beside them; M^-1 B and M^-1 K are the same in these units as in SI.
+ * Whatever {expression} a B source holds stands in brackets: ngspice pastes it as text. */
+#include "command/export.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+#include "scene/scene.h"
+
+static const char *const STATES[VS_STATES] = {"p", "u", "w", "phi", "vp", "vu", "vw", "vphi"};
+
+/* Measured under plain ngspice against the circuit tier at a tolerance of 1e-6, with steps of a
+ * two-thousandth of a period by the trapezoidal rule: p is off by 3e-5 of its peak after a single
+ * shot and by 1.4e-4 after ten cycles of continuous firing, p, u, w, phi, i and force by up to 5e-4
+ * where the thyristor fires late; with a stop, 67 steps in a radian of the contact keep them within
+ * 6e-4. The error falls with the square of the step, and Gear's rule has four times as much. A
+ * reltol below 1e-3 only makes it slower; so do, by a twentieth, ngspice's own abstol and vntol. */
+static double largest_step(const vs_setup *s) {
+  double period = s->timeline.period_s;
+  double fine = fmin(period / 2000, 0.015 / s->model.contact_rad_s);
+  double h = fmin(sqrt(s->run.tolerance / 1e-4) * fine, period / 200);
+  if (s->run.gear) h /= 2;
+  return s->run.max_step_s > 0 ? s->run.max_step_s : h;
+}
+static const double RELTOL = 1e-3;
+
+/* A difference of two signals as commands have it: nothing for v(0), quotes around a name with
+ * operators in it. */
+static void add_difference(vs_text *t, const char *plus, const char *minus) {
+  const char *const signal[] = {plus, minus};
+  bool grounded[2];
+  for (int k = 0; k < 2; k++) {
+    grounded[k] = !strcmp(signal[k], "v(0)");
+    if (grounded[k]) continue;
+    const char *quote = strpbrk(signal[k], "+-:") ? "\"" : "";
+    vs_text_add(t, "%s%.2s%s%.*s%s)", k ? "-" : "", signal[k], quote, (int)strlen(signal[k]) - 3,
+                signal[k] + 2, quote);
+  }
+  if (grounded[0] && grounded[1]) vs_text_add(t, "0*time");
+}
+
+/* ---- the columns of the table ---- */
+
+typedef struct column {
+  char name[VS_DECK_NAME + 32]; /* as in run.csv */
+  vs_text value;                /* of vectors that are saved */
+} column;
+enum { OUR_COLUMNS = 9, MOST_COLUMNS = OUR_COLUMNS + VS_DECK_MOST };
+
+static void name_column(column *c, vs_channel channel) {
+  char suffix[32];
+  vs_units_suffix(channel.unit, suffix, sizeof suffix);
+  snprintf(c->name, sizeof c->name, "%s%s%s", channel.name, *suffix ? "_" : "", suffix);
+}
+
+static size_t find_columns(const vs_scene *scene, column columns[MOST_COLUMNS]) {
+  static const int OURS[OUR_COLUMNS] = {VS_CH_P,      VS_CH_U, VS_CH_W,     VS_CH_PHI,  VS_CH_Z,
+                                        VS_CH_LAMBDA, VS_CH_I, VS_CH_FORCE, VS_CH_V_EVA};
+  const vs_deck *deck = &scene->setup.deck;
+  for (int k = 0; k < OUR_COLUMNS; k++) name_column(&columns[k], vs_channel_standard[OURS[k]]);
+  for (int k = 0; k < VS_DOF; k++) vs_text_add(&columns[k].value, "v(vs_%s)/1000", STATES[k]);
+  vs_text_add(&columns[4].value, "v(%s.z)", deck->eva);
+  vs_text_add(&columns[5].value, "v(%s.lam)", deck->eva);
+  vs_text_add(&columns[6].value, "v(%s.lam)*v(%s.z)/(2*vs_a)", deck->eva, deck->eva);
+  vs_text_add(&columns[7].value, "v(vs_f)");
+  char plus[VS_DECK_NAME + 4], minus[VS_DECK_NAME + 4];
+  snprintf(plus, sizeof plus, "v(%s)", deck->eva_plus);
+  snprintf(minus, sizeof minus, "v(%s)", deck->eva_minus);
+  add_difference(&columns[8].value, plus, minus);
+  for (size_t k = 0; k < deck->n_probes; k++) {
+    column *c = &columns[OUR_COLUMNS + k];
+    const vs_probe *probe = &deck->probes[k];
+    name_column(c, vs_channel_at(&scene->frame, VS_CH_DECK + (int)k));
+    const vs_term *term = &deck->terms[probe->term];
+    if (probe->sign < 0) vs_text_add(&c->value, "-(");
+    add_difference(&c->value, term->plus, term->minus);
+    if (probe->sign < 0) vs_text_add(&c->value, ")");
+  }
+  return OUR_COLUMNS + deck->n_probes;
+}
+
+/* ---- names ---- */
+
+/* Does a line of the deck use a name the export makes? They all begin with "vs_", those of elements
+ * behind their letter. (A voltage source may be called vs_..., there is none among them.) */
+static bool uses_our_names(const char *line) {
+  for (const char *s = line; *s;) {
+    size_t n = 0;
+    while (isalnum((unsigned char)s[n]) || s[n] == '_' || s[n] == '.') n++;
+    bool element = s == line && n > 0;
+    if (!strncasecmp(s + element, "vs_", 3)) return true;
+    s += n ? n : 1;
+  }
+  return false;
+}
+
+/* What the commands measure; names of vectors, as the columns' are. */
+static const char *const MEASURED[] = {"p_first_peak_m", "p_min_m", "i_peak_a", "force_peak_n"};
+enum { N_MEASURED = sizeof MEASURED / sizeof *MEASURED };
+
+/* A column named as a node whose voltage is asked for later would hide it. */
+static vs_status check_column(const vs_deck *deck, const char *name, vs_error *err) {
+  char signal[sizeof(column) + 4];
+  snprintf(signal, sizeof signal, "v(%s)", name);
+  bool used = !strcasecmp(deck->eva_plus, name) || !strcasecmp(deck->eva_minus, name);
+  for (size_t j = 0; j < deck->n_terms && !used; j++)
+    used = !strcasecmp(deck->terms[j].plus, signal) || !strcasecmp(deck->terms[j].minus, signal);
+  return used ? vs_fail(err, VS_INPUT, "%s: node %s: the export's table has a column of this name",
+                        deck->files[0], name)
+              : VS_OK;
+}
+
+static vs_status check_names(const vs_deck *deck, const column *columns, size_t count,
+                             vs_error *err) {
+  static const char OURS[] = "names that begin with vs_ are the export's own";
+  for (size_t k = 0; k < deck->n_lines; k++)
+    if (uses_our_names(deck->lines[k].text)) return vs_fail_at(err, deck->lines[k].where, OURS);
+  for (size_t k = 0; k < deck->section.count; k++)
+    if (!strncasecmp(deck->section.fields[k].key, "vs_", 3))
+      return vs_fail(err, VS_INPUT, "%s: param %s: %s", deck->files[0], deck->section.fields[k].key,
+                     OURS);
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < count && !status; k++) {
+    const char *name = columns[k].name;
+    bool twice = false;
+    for (size_t j = 0; j < k; j++) twice = twice || !strcasecmp(columns[j].name, name);
+    for (int j = 0; j < N_MEASURED; j++) twice = twice || !strcasecmp(MEASURED[j], name);
+    status = twice ? vs_fail(err, VS_INPUT, "%s: probe: %s stands in the export already",
+                             deck->files[0], name)
+                   : check_column(deck, name, err);
+  }
+  return status;
+}
+
+/* ---- the pieces of the deck, in their order ---- */
+
+static void add_head(vs_text *t, const vs_scene *scene, const char *deck_name,
+                     const char *table_name) {
+  const vs_deck *deck = &scene->setup.deck;
+  vs_text_add(t, "%s: a vibratory conveyor and its converter, for ngspice\n", deck_name);
+  vs_text_add(t, "* Exported by vibrospice %s. Converter: %s.\n", VS_VERSION,
+              *deck->title ? deck->title : "no title");
+  vs_text_add(t, "*\n* Run it:   ngspice %s%s%s-b %s\n", *deck->compat ? "-D ngbehavior=" : "",
+              deck->compat, *deck->compat ? "a " : "", deck_name);
+  vs_text_add(
+      t,
+      "* It prints a few measures (first peak: the first minimum of p after firing) and writes a\n"
+      "* table in the working directory, %s: columns between blanks, names first, a row every\n"
+      "* vs_sample seconds. A name ends in its unit. p: trough relative to base; u w phi: base; "
+      "z:\n"
+      "* air gap; lambda i v_eva: of the coil; force: on the armature; then what the converter\n"
+      "* declares. A run that ends early or meets the pole gives no table and exit status 1.\n",
+      table_name);
+}
+
+typedef struct param {
+  const char *name;
+  double value;
+  const char *text;
+} param;
+
+static void add_params(vs_text *t, const param *rows, size_t count) {
+  for (size_t k = 0; k < count; k++)
+    vs_text_add(t, ".param %s=%.17g ; %s\n", rows[k].name, rows[k].value, rows[k].text);
+}
+
+/* The scene's values that stand in no parameter of the netlist's own. */
+static void add_scene(vs_text *t, const vs_setup *s) {
+  const vs_firing_values *firing = &s->timeline.firing;
+  const vs_actuator_values *eva = &s->model.actuator;
+  const param ROWS[] = {
+      {"vs_angle", firing->angle_rad, "rad, of firing, from the rising zero of the mains"},
+      {"vs_pulse", firing->pulse_width_s, "s, length of a gate pulse"},
+      {"vs_first", firing->first_cycle, "cycle of the first pulse, from 1"},
+      {"vs_every", firing->every, "cycles from pulse to pulse; 0: one pulse only"},
+      {"vs_gate_burst", firing->burst_hz, "Hz, of sub-pulses"},
+      {"vs_burst_duty", firing->burst_duty, "part of a sub-pulse's period that it is there"},
+      {"vs_d", eva->gap_m, "m, D, from the armature to the pole cover"},
+      {"vs_actuator_gap", s->model.gap_rest_m, "m, D + d, the air gap at rest"},
+      {"vs_until", s->run.until_s, "s, end of the run"},
+      {"vs_sample", fmin(s->run.sample_s, s->run.until_s), "s, from row to row of the table"},
+      {"vs_step", largest_step(s), "s, the largest step; the error falls with its square"},
+  };
+  const param STOP[] = {
+      {"vs_stop_k", eva->stop.stiffness_n_m, "N/m, of the elastic stop at p = -D"},
+      {"vs_stop_c", eva->stop.damping_ns_m, "N s/m"},
+  };
+  vs_text_add(t, "*\n* The scene, in SI. Change a value and run again.\n");
+  add_params(t, ROWS, sizeof ROWS / sizeof *ROWS);
+  for (int k = 0; k < VS_STATES; k++)
+    vs_text_add(t, ".param vs_%s0=%.17g ; SI, %s\n", STATES[k], s->start.x[k],
+                vs_setup_start_section.fields[k].text);
+  if (eva->stop.present) add_params(t, STOP, sizeof STOP / sizeof *STOP);
+}
+
+/* Instants of the gate pulses as drive/timeline.c has them, from the parameters. Edges of 10 ns
+ * cost 1e-5 of the first peak; in shorter ones ngspice may fail to step (1 ns: one scene of fifty,
+ * with a diode in its deck; 0.1 ns and below: that one always). */
+static void add_timing(vs_text *t) {
+  const double turn = 2 * M_PI;
+  vs_text_add(t, "* first rising zero of the mains, first pulse, period and edges of the pulses\n");
+  vs_text_add(t, ".param vs_zero={(-phase/%.17g-floor(-phase/%.17g))/f_mains}\n", turn, turn);
+  vs_text_add(t, ".param vs_fire={vs_zero+(vs_first-1+vs_angle/%.17g)/f_mains}\n", turn);
+  vs_text_add(t, ".param vs_period={vs_every>0 ? vs_every/f_mains : vs_until+vs_pulse+1}\n");
+  vs_text_add(t, ".param vs_edge={min(1e-8,vs_pulse/10)}\n");
+  vs_text_add(t, ".param vs_gate_burst_edge={min(1e-8,vs_burst_duty/vs_gate_burst/10)}\n");
+}
+
+static void add_pulses(vs_text *t, const char *name, const char *nodes, double turns) {
+  vs_text_add(t,
+              "%s %s PULSE(0 1 {vs_fire+%.17g/f_mains} {vs_edge} {vs_edge} {vs_pulse-vs_edge} "
+              "{vs_period})\n",
+              name, nodes, turns);
+}
+
+/* Sub-pulses: those of one endless train that fall into a gate pulse. */
+static void add_burst(vs_text *t, const char *name, const char *nodes[2], double turns) {
+  char source[2 * VS_DECK_NAME], node[2 * VS_DECK_NAME];
+  snprintf(source, sizeof source, "Vvs_w_%s", name);
+  snprintf(node, sizeof node, "vs_w_%s 0", name);
+  add_pulses(t, source, node, turns);
+  vs_text_add(
+      t,
+      "Vvs_b_%s vs_b_%s 0 PULSE(0 1 {vs_fire+%.17g/f_mains} {vs_gate_burst_edge} "
+      "{vs_gate_burst_edge} {vs_burst_duty/vs_gate_burst-vs_gate_burst_edge} {1/vs_gate_burst})\n"
+      "Bvs_%s vs_%s %s V = v(vs_w_%s)*v(vs_b_%s)\n%s %s vs_%s 0\n",
+      name, name, turns, name, name, nodes[1], name, name, name, nodes[0], name);
+}
+
+/* The train keeps its phase from gate pulse to gate pulse. */
+static vs_status check_burst(const vs_setup *s, vs_error *err) {
+  const vs_firing_values *f = &s->timeline.firing;
+  double n = f->burst_hz * f->every * s->timeline.period_s;
+  for (size_t k = 0; k < s->deck.n_ports; k++)
+    if (s->deck.ports[k].signal.drive == VS_DRIVE_BURST && fabs(n - rint(n)) > 1e-6 * (n + 1))
+      return vs_fail(err, VS_INPUT,
+                     "export: firing.burst_frequency: the time from gate pulse to gate pulse must "
+                     "be a whole number of sub-pulses (it is %.9g)",
+                     n);
+  return VS_OK;
+}
+
+/* The source of a port, or the gap's (port: NULL), in the place of "NAME n m external". */
+static void add_source(vs_text *t, const char *line, const vs_port *port) {
+  char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME], nodes[2 * VS_DECK_NAME];
+  sscanf(line, "%63s %63s %63s", name, plus, minus);
+  if (!port)
+    vs_text_add(t, "B%s %s %s V = ({vs_actuator_gap})+v(vs_p)/1000\n", name + 1, plus, minus);
+  else if (port->signal.drive == VS_DRIVE_MAINS)
+    vs_text_add(t, "%s %s %s SIN(0 {sqrt(2)*u_rms} {f_mains} 0 0 {phase*%.17g})\n", name, plus,
+                minus, 180 / M_PI);
+  else if (port->signal.drive == VS_DRIVE_BURST)
+    add_burst(t, name, (const char *[]){plus, minus}, port->signal.shift_rad / (2 * M_PI));
+  else {
+    snprintf(nodes, sizeof nodes, "%s %s", plus, minus);
+    add_pulses(t, name, nodes, port->signal.shift_rad / (2 * M_PI));
+  }
+}
+
+/* The netlist with its external sources replaced. The EVA's stands after the deck's own lines. */
+static vs_status add_netlist(vs_text *t, const vs_setup *s, vs_error *err) {
+  vs_deck_value standard[VS_STANDARD];
+  char **lines;
+  size_t count;
+  vs_setup_standard(s, standard);
+  vs_text_add(t, "*\n* The converter.\n");
+  vs_status status = check_burst(s, err);
+  if (status) return status;
+  status =
+      vs_netlist_make(&s->deck, &s->circuit_values, standard, VS_STANDARD, &lines, &count, err);
+  for (size_t k = 1; k < count && !status; k++) { /* the first is its title */
+    char name[VS_DECK_NAME], word[VS_DECK_NAME];
+    if (sscanf(lines[k], "%63s %*s %*s %63s", name, word) != 2 || strcasecmp(word, "external")) {
+      vs_text_add(t, "%s\n", lines[k]);
+      continue;
+    }
+    if (strchr("iI", *name)) continue; /* the EVA's, by which the program leads ngspice */
+    size_t p = 0;
+    while (p < s->deck.n_ports && strcasecmp(s->deck.ports[p].source, name)) p++;
+    add_source(t, lines[k], p < s->deck.n_ports ? &s->deck.ports[p] : NULL);
+  }
+  vs_netlist_free(lines, count);
+  return status;
+}
+
+static void add_machine(vs_text *t, const vs_setup *s) {
+  const vs_model *m = &s->model;
+  const char *eva = s->deck.eva;
+  vs_text_add(t,
+              "*\n* The machine: M q\" + B q' + K q = (-F, 0, 0, 0), solved for q\". Each state is "
+              "the voltage of\n* 1 F: 1 V is 1 mm, 1 mrad, 1 mm/s, 1 mrad/s; F, too, as 1 V/N.\n"
+              ".global vs_p\n");
+  vs_text_add(t, "Bvs_f vs_f 0 V = v(%s.lam)*v(%s.lam)/(4*({eva_a}))\n", eva, eva);
+  if (m->actuator.stop.present)
+    vs_text_add(t, "Bvs_stop vs_stop 0 V = v(vs_p) < -1000*({vs_d}) ? "
+                   "({vs_stop_k})*(v(vs_p)/1000+({vs_d}))+({vs_stop_c})*v(vs_vp)/1000 : 0\n");
+  for (int i = 0; i < VS_DOF; i++) {
+    const char *q = STATES[i];
+    vs_text_add(t, "Cvs_%s vs_%s 0 1 ic={1000*vs_%s0}\n", q, q, q);
+    vs_text_add(t, "Cvs_v%s vs_v%s 0 1 ic={1000*vs_v%s0}\n", q, q, q);
+    vs_text_add(t, "Bvs_%s 0 vs_%s I = v(vs_v%s)\n", q, q, q);
+    vs_text_add(t, "Bvs_v%s 0 vs_v%s I = %.17g*%s", q, q, 1e3 * m->mf[i],
+                m->actuator.stop.present ? "(v(vs_f)+v(vs_stop))" : "v(vs_f)");
+    for (int j = 0; j < VS_STATES; j++) {
+      double rate = j < VS_DOF ? -m->mk_column[j][i] : -m->mb_column[j - VS_DOF][i];
+      if (rate != 0)
+        vs_text_add(t, " %c %.17g*v(vs_%s)", rate < 0 ? '-' : '+', fabs(rate), STATES[j]);
+    }
+    vs_text_add(t, "\n");
+  }
+}
+
+static void add_saved(vs_text *t, const char *signal) {
+  if (strcmp(signal, "v(0)")) vs_text_add(t, ".save %s\n", signal);
+}
+
+static void add_analysis(vs_text *t, const vs_setup *s) {
+  vs_text_add(t, "*\n.options method=%s reltol=%g trtol=%g pivrel=%g\n",
+              s->run.gear ? "gear" : "trap", RELTOL, s->run.trtol, s->run.pivrel);
+  vs_text_add(t, ".tran {vs_sample} {vs_until} 0 {vs_step} uic\n");
+  const vs_deck *deck = &s->deck;
+  vs_text_add(t, ".save v(vs_p) v(vs_u) v(vs_w) v(vs_phi) v(vs_vp) v(vs_f) v(%s.z) v(%s.lam)\n",
+              deck->eva, deck->eva);
+  char signal[VS_DECK_NAME + 4];
+  for (int k = 0; k < 2; k++) {
+    snprintf(signal, sizeof signal, "v(%s)", k ? deck->eva_minus : deck->eva_plus);
+    add_saved(t, signal);
+  }
+  for (size_t k = 0; k < deck->n_probes; k++) {
+    add_saved(t, deck->terms[deck->probes[k].term].plus);
+    add_saved(t, deck->terms[deck->probes[k].term].minus);
+  }
+  vs_text_add(t, ".csparam vs_until={vs_until}\n.csparam vs_fire={vs_fire}\n"
+                 ".csparam vs_d={vs_d}\n.csparam vs_a={eva_a}\n");
+}
+
+/* What follows the run: a run that ended early, or that left what the model holds for, gives no
+ * table and exit status 1. */
+static void add_commands(vs_text *t, const vs_setup *s, const column *columns, size_t count,
+                         const char *table_name) {
+  vs_text_add(t, ".control\nrun\nlet vs_reached = 0\nlet vs_reached = vecmax(time)\n"
+                 "if vs_reached < 0.999999*vs_until\n"
+                 "  echo \"ERROR: ngspice gave up before the end of the run\"\n  quit 1\nend\n");
+  for (size_t k = 0; k < count; k++)
+    vs_text_add(t, "let %s = %s\n", columns[k].name, columns[k].value.text);
+  if (!s->model.actuator.stop.present)
+    vs_text_add(
+        t, "if vecmin(p_m) < -vs_d\n  echo \"ERROR: the armature meets the pole cover (p = -D) "
+           "and there is no stop; this is not physical\"\n  quit 1\nend\n");
+  vs_text_add(t, "if vecmin(z_m) <= 0\n  echo \"ERROR: the gap is closed\"\n  quit 1\nend\n");
+  static const char *const HOW[N_MEASURED] = {"find p_m when v(vs_vp)=0 rise=1 td=$&vs_fire",
+                                              "min p_m", "max i_a", "max force_n"};
+  for (int k = 0; k < N_MEASURED; k++) vs_text_add(t, "meas tran %s %s\n", MEASURED[k], HOW[k]);
+  vs_text_add(t, "linearize");
+  for (size_t k = 0; k < count; k++) vs_text_add(t, " %s", columns[k].name);
+  vs_text_add(t, "\nset wr_singlescale\nset wr_vecnames\nset numdgt=9\nwrdata %s", table_name);
+  for (size_t k = 0; k < count; k++) vs_text_add(t, " %s", columns[k].name);
+  vs_text_add(t, "\n* without the next line ngspice, started without -b, stays and can plot\nquit "
+                 "0\n.endc\n.end\n");
+}
+
+/* ---- the command ---- */
+
+/* What ngspice's commands would not take as part of a file's name becomes '_'. */
+static void tame(char *name) {
+  for (; *name; name++)
+    if (!isalnum((unsigned char)*name) && !strchr("._-", *name)) *name = '_';
+}
+
+/* The deck as text; its file is called name, its table NAME.txt, and X.txt for X.cir. */
+static vs_status write_text(vs_text *t, const vs_scene *scene, const char *name, vs_error *err) {
+  char deck_name[VS_NAME_SIZE], table_name[VS_NAME_SIZE + 8];
+  snprintf(deck_name, sizeof deck_name, "%s", name);
+  tame(deck_name);
+  const char *ending = strrchr(deck_name, '.');
+  size_t stem = strlen(deck_name) - (ending && !strcmp(ending, ".cir") ? 4 : 0);
+  snprintf(table_name, sizeof table_name, "%.*s.txt", (int)stem, deck_name);
+  column *columns = vs_alloc(MOST_COLUMNS, sizeof *columns);
+  size_t count = find_columns(scene, columns);
+  vs_status status = check_names(&scene->setup.deck, columns, count, err);
+  add_head(t, scene, deck_name, table_name);
+  add_scene(t, &scene->setup);
+  add_timing(t);
+  if (!status) status = add_netlist(t, &scene->setup, err);
+  add_machine(t, &scene->setup);
+  add_analysis(t, &scene->setup);
+  add_commands(t, &scene->setup, columns, count, table_name);
+  for (size_t k = 0; k < count; k++) vs_text_free(&columns[k].value);
+  free(columns);
+  return status;
+}
+
+static vs_status write_deck(const vs_scene *scene, const char *output, vs_error *err) {
+  const char *slash = strrchr(output, '/'), *name = slash ? slash + 1 : output;
+  char folder[VS_PATH_SIZE] = "";
+  struct stat s;
+  if (!*name || strlen(output) >= sizeof folder || (!stat(output, &s) && S_ISDIR(s.st_mode)))
+    return vs_fail(err, VS_INPUT, "-o %s: the name of a file is wanted", output);
+  if (slash)
+    snprintf(folder, sizeof folder, "%.*s", (int)(slash - output + (slash == output)), output);
+  vs_text text = {0};
+  vs_file file = {0};
+  vs_status status = write_text(&text, scene, name, err);
+  if (!status) status = vs_file_open(&file, folder, name, err);
+  if (!status) {
+    fputs(text.text, file.stream);
+    status = vs_file_commit(&file, err);
+  }
+  vs_text_free(&text);
+  return status;
+}
+
+vs_status vs_export_command(const char *name, char *const *sets, size_t n_sets, const char *output,
+                            vs_error *err) {
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_status status = vs_scene_read(name, sets, n_sets, "circuit", scene, err);
+  if (!status) vs_scene_warn(scene);
+  if (!status && scene->setup.timeline.events.count)
+    status = vs_fail_at(err, scene->setup.timeline.events.item[0].where,
+                        "export: a netlist for plain ngspice has no events; leave %s out",
+                        scene->setup.timeline.events.item[0].name);
+  if (!status) status = write_deck(scene, output, err);
+  if (!status) printf("written: %s\n", output);
+  vs_scene_free(scene);
+  free(scene);
+  return status;
+}

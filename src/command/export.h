@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command `export`: the scene on its circuit tier as one netlist for plain ngspice. */
+#ifndef VS_COMMAND_EXPORT_H
+#define VS_COMMAND_EXPORT_H
+
+#include <stddef.h>
+
+#include "base/error.h"
+
+/* Writes the scene to the file `output`: the deck's netlist, its external sources replaced by ones
+ * that follow the supply and the firing, the machine as capacitors and B sources, the analysis, and
+ * commands that measure and write a table. sets: the --set arguments. Errors: everything a scene
+ * can be wrong in; a deck that uses the export's own names; a file that cannot be written. */
+vs_status vs_export_command(const char *scene, char *const *sets, size_t n_sets, const char *output,
+                            vs_error *err);
+
+#endif

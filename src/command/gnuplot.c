@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command/gnuplot.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+void vs_gnuplot_quoted(vs_text *script, const char *text) {
+  vs_text_add(script, "'");
+  for (; *text; text++) {
+    if (*text == '\'') vs_text_add(script, "'");
+    bool breaks = (unsigned char)*text < 0x20; /* what follows would be a command */
+    vs_text_add(script, "%c", breaks ? ' ' : *text);
+  }
+  vs_text_add(script, "'");
+}
+
+void vs_gnuplot_path(vs_text *script, const char *path) {
+  vs_text name = {0};
+  vs_text_add(&name, "%s%s", *path == '/' ? "" : "./", path);
+  vs_gnuplot_quoted(script, name.text);
+  vs_text_free(&name);
+}
+
+static void become_gnuplot(FILE *in, FILE *out) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  dup2(fileno(in), STDIN_FILENO);
+  if (out) dup2(fileno(out), STDOUT_FILENO);
+  setenv("GNUTERM", "dumb", 1);
+  execlp("gnuplot", "gnuplot", "--default-settings", "-", (char *)NULL);
+  _exit(127);
+}
+
+/* Files, not pipes: neither side then waits for the other to read. */
+static vs_status between(const char *script, FILE *in, FILE *out, vs_error *err) {
+  if (fputs(script, in) < 0 || fflush(in) || fseek(in, 0, SEEK_SET))
+    return vs_fail(err, VS_RUN, "no script for gnuplot: %s", strerror(errno));
+  fflush(NULL);
+  pid_t child = fork();
+  if (child < 0) return vs_fail(err, VS_RUN, "gnuplot cannot be started: %s", strerror(errno));
+  if (child == 0) become_gnuplot(in, out);
+  int how = 0;
+  while (waitpid(child, &how, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFEXITED(how) && WEXITSTATUS(how) == 127)
+    return vs_fail(err, VS_RUN, "gnuplot is not installed (Debian package gnuplot-nox)");
+  return how ? vs_fail(err, VS_RUN, "gnuplot failed (status %d)", how) : VS_OK;
+}
+
+/* All of a file from its beginning. */
+static vs_status take(FILE *file, char **text, size_t *size, vs_error *err) {
+  long length = fseek(file, 0, SEEK_END) ? -1 : ftell(file);
+  if (length <= 0) return vs_fail(err, VS_RUN, "gnuplot drew nothing");
+  rewind(file);
+  *text = vs_alloc((size_t)length + 1, 1);
+  *size = fread(*text, 1, (size_t)length, file);
+  if (*size == (size_t)length) return VS_OK;
+  free(*text);
+  *text = NULL;
+  return vs_fail(err, VS_RUN, "what gnuplot drew cannot be read: %s", strerror(errno));
+}
+
+/* A file in memory, which has no name that somebody else could have taken. */
+static FILE *nameless(void) {
+  int fd = memfd_create("vibrospice", MFD_CLOEXEC);
+  FILE *file = fd < 0 ? NULL : fdopen(fd, "w+");
+  if (fd >= 0 && !file) close(fd);
+  return file;
+}
+
+static vs_status run(const char *script, FILE *out, vs_error *err) {
+  FILE *in = nameless();
+  if (!in) return vs_fail(err, VS_RUN, "no script for gnuplot: %s", strerror(errno));
+  vs_status status = between(script, in, out, err);
+  fclose(in);
+  return status;
+}
+
+vs_status vs_gnuplot_picture(const char *script, char **picture, size_t *size, vs_error *err) {
+  *picture = NULL;
+  FILE *out = nameless();
+  if (!out) return vs_fail(err, VS_RUN, "no room for a picture: %s", strerror(errno));
+  vs_status status = run(script, out, err);
+  if (!status) status = take(out, picture, size, err);
+  fclose(out);
+  return status;
+}

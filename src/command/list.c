@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command/list.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "deck/devices.h"
+#include "scene/scene.h"
+
+static void print_file(void *ctx, const char *path) {
+  const vs_shelf *shelf = ctx;
+  const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
+  printf("%-20.*s %s\n", (int)(strlen(base) - strlen(shelf->ending)), base, path);
+}
+
+static void list_scenes(const vs_deck *deck) {
+  (void)deck;
+  vs_path_list(&vs_scene_shelf, print_file, (void *)(size_t)&vs_scene_shelf);
+}
+
+static void list_studies(const vs_deck *deck) {
+  (void)deck;
+  vs_path_list(&vs_plan_shelf, print_file, (void *)(size_t)&vs_plan_shelf);
+}
+
+/* With its title; a deck that cannot be read is listed all the same. */
+static void print_deck(void *ctx, const char *path) {
+  vs_deck *deck = vs_alloc(1, sizeof *deck);
+  vs_error err = {0};
+  print_file(ctx, path);
+  if (!vs_deck_read(path, deck, &err)) printf("%-20s %s\n", "", deck->title);
+  vs_deck_free(deck);
+  free(deck);
+}
+
+static void list_decks(const vs_deck *deck) {
+  (void)deck;
+  vs_path_list(&vs_deck_shelf, print_deck, (void *)(size_t)&vs_deck_shelf);
+}
+
+/* What it is, what its maker allows, and its parameters. */
+static void print_part(void *ctx, const char *path) {
+  vs_deck *part = vs_alloc(1, sizeof *part);
+  vs_error err = {0};
+  print_file(ctx, path);
+  vs_status status = vs_deck_read_part(path, part, &err);
+  if (status) printf("    %s\n", err.text);
+  if (!status && part->n_part_files)
+    printf("    %s: %s\n", part->part_files[0].kind, part->part_files[0].text);
+  for (size_t k = 0; k < part->n_limits && !status; k++)
+    printf("    limit %-18s %-14s %s%s\n", part->limits[k].name, part->limits[k].written,
+           part->limits[k].text, part->limits[k].assumed ? " (assumed)" : "");
+  for (size_t k = 0; k < part->n_zth && !status; k++)
+    printf("    zth   %g K/W, %g s%s\n", part->zth[k].k_per_w, part->zth[k].tau_s,
+           part->zth[k].assumed ? " (assumed)" : "");
+  for (size_t k = 1; k < part->section.count && !status; k++)
+    printf("    param %-18s %-14s %s\n", part->section.fields[k].key,
+           part->section.fields[k].default_text, part->section.fields[k].text);
+  vs_deck_free(part);
+  free(part);
+}
+
+static void list_parts(const vs_deck *deck) {
+  (void)deck;
+  vs_path_list(&vs_parts_shelf, print_part, (void *)(size_t)&vs_parts_shelf);
+}
+
+static void list_tiers(const vs_deck *deck) {
+  (void)deck;
+  for (int k = 0; k < VS_TIERS; k++)
+    printf("%-20s %s\n", vs_tiers_all[k]->name, vs_tiers_all[k]->text);
+}
+
+static void list_probes(const vs_deck *deck) {
+  const vs_frame frame = {.deck = deck};
+  for (int k = 0; k < vs_channel_count(&frame); k++) {
+    vs_channel c = vs_channel_at(&frame, k);
+    if (c.listed)
+      printf("%-20s %-7s %s%s\n", c.name, c.unit, c.text, k >= VS_CH_DECK ? " (tier circuit)" : "");
+  }
+}
+
+static void list_device(const vs_device *d) {
+  for (size_t n = 0; d->kind && n < d->kind->n_measures; n++) {
+    const vs_device_measure *m = &d->kind->measures[n];
+    char name[VS_DECK_NAME + 24];
+    snprintf(name, sizeof name, "%s.%s", d->name, m->name);
+    printf("%-20s %-7s %s (tier circuit)%s%s%s\n", name, m->unit, m->text,
+           m->limit ? "; limit " : "", m->limit ? m->limit : "",
+           m->held == VS_WARD_AT_MOST ? " of what it protects" : "");
+  }
+}
+
+static void list_measures(const vs_deck *deck) {
+  for (int k = 0; k < VS_MEASURES; k++)
+    printf("%-20s %-7s %s\n", vs_measures_standard[k].name, vs_measures_standard[k].unit,
+           vs_measures_standard[k].text);
+  for (size_t k = 0; k < deck->n_probes; k++)
+    printf("%s_min, %s_max  %s  extremes of the probe (tier circuit)\n", deck->probes[k].name,
+           deck->probes[k].name, deck->probes[k].unit);
+  for (size_t k = 0; k < deck->n_devices; k++) list_device(&deck->devices[k]);
+}
+
+static void print_field(const char *section, const vs_field *f) {
+  char name[128], range[128];
+  snprintf(name, sizeof name, "%s.%s", section, f->key);
+  vs_field_range(f, range, sizeof range);
+  printf("%-28s %-18s %-26s %s\n", name, f->default_text,
+         f->kind == VS_NAME ? "a name or path" : range, f->text);
+  for (size_t k = 0; f->part && k < f->part->count; k++) print_field(name, &f->part->fields[k]);
+}
+
+static void list_parameters(const vs_deck *deck) {
+  const vs_section *const sections[] = {&vs_model_machine_section,   &vs_model_actuator_section,
+                                        &vs_model_load_section,      &vs_timeline_supply_section,
+                                        &vs_timeline_firing_section, &deck->section,
+                                        &vs_setup_run_section,       &vs_setup_start_section};
+  for (size_t s = 0; s < sizeof sections / sizeof *sections; s++)
+    for (size_t k = 0; k < sections[s]->count; k++)
+      print_field(sections[s]->name, &sections[s]->fields[k]);
+}
+
+static void list_events(const vs_deck *deck) {
+  (void)deck;
+  for (size_t k = 0; k < VS_EVENT_KINDS; k++) {
+    const vs_event_kind *kind = &vs_events_kinds[k];
+    printf("%-20s %s\n", kind->name, kind->text);
+    for (size_t f = 1; f < kind->n_fields; f++) {
+      char range[128];
+      vs_field_range(&kind->fields[f], range, sizeof range);
+      printf("    %-16s %-12s %-26s %s\n", kind->fields[f].key, kind->fields[f].default_text,
+             kind->fields[f].kind == VS_NAME ? "a name" : range, kind->fields[f].text);
+    }
+  }
+}
+
+static const struct kind {
+  const char *name, *heading;
+  void (*print)(const vs_deck *);
+} KINDS[] = {
+    {"scenes", "scenes that come with the program", list_scenes},
+    {"studies", "studies that come with the program", list_studies},
+    {"decks", "decks that come with the program", list_decks},
+    {"parts", "parts that come with the program", list_parts},
+    {"tiers", "tiers, from the least modelled to the most", list_tiers},
+    {"probes", "probes: name, unit, meaning", list_probes},
+    {"events", "events: kind, its keys with default, allowed, meaning", list_events},
+    {"measures", "measures: name, unit, meaning", list_measures},
+    {"parameters", "parameters: scene key, default, allowed, meaning", list_parameters},
+};
+enum { N_KINDS = sizeof KINDS / sizeof *KINDS };
+
+vs_status vs_list_command(const char *kind, const char *deck_name, vs_error *err) {
+  const char *names[N_KINDS];
+  bool found = !kind;
+  for (size_t k = 0; k < N_KINDS; k++) {
+    names[k] = KINDS[k].name;
+    found = found || !strcmp(kind, names[k]);
+  }
+  if (!found) {
+    const char *nearest = vs_text_nearest(kind, names, N_KINDS);
+    return vs_fail(err, VS_INPUT,
+                   "list: no kind '%s'; there are: scenes, studies, decks, parts, tiers, probes, "
+                   "events, measures, "
+                   "parameters%s%s%s",
+                   kind, nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                   nearest ? "'?" : "");
+  }
+  vs_deck *deck = vs_alloc(1, sizeof *deck);
+  char path[VS_PATH_SIZE];
+  vs_status status = vs_path_find(&vs_deck_shelf, deck_name ? deck_name : vs_deck_key.default_text,
+                                  (vs_where){0}, path, err);
+  if (!status) status = vs_deck_read(path, deck, err);
+  if (!status) status = vs_deck_read_parts(deck, NULL, err);
+  for (size_t k = 0; k < N_KINDS && !status; k++) {
+    if (kind && strcmp(kind, KINDS[k].name)) continue;
+    if (!kind) printf("%s%s\n", k ? "\n" : "", KINDS[k].heading);
+    KINDS[k].print(deck);
+  }
+  vs_deck_free(deck);
+  free(deck);
+  return status;
+}

@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command/modes.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "scene/scene.h"
+
+static const char *const COORDINATES[VS_DOF] = {"p", "u", "w", "phi"};
+
+/* the one of each conjugate pair with the positive imaginary part; overdamped ones stand alone */
+static bool shown(const vs_mode *mode) {
+  return mode->im_rad_s >= 0;
+}
+
+static void print_table(const vs_mode modes[VS_STATES]) {
+  printf("%16s %18s %14s   %s\n", "frequency Hz", "time constant s", "damping ratio",
+         "shape |p|, |u| in m, |w| in m, |phi| in rad, with angles in deg");
+  for (int m = 0; m < VS_STATES; m++) {
+    const vs_mode *mode = &modes[m];
+    if (!shown(mode)) continue;
+    printf("%16.10g %18.10g %14.6g  ", mode->frequency_hz, mode->time_constant_s,
+           mode->damping_ratio);
+    for (int i = 0; i < VS_DOF; i++)
+      printf(" %s %.4g@%.1f", COORDINATES[i], hypot(mode->shape_re[i], mode->shape_im[i]),
+             atan2(mode->shape_im[i], mode->shape_re[i]) * 180 / M_PI);
+    putchar('\n');
+  }
+}
+
+static void print_json(const vs_mode modes[VS_STATES]) {
+  bool first = true;
+  printf("{\"modes\": [");
+  for (int m = 0; m < VS_STATES; m++) {
+    const vs_mode *mode = &modes[m];
+    if (!shown(mode)) continue;
+    printf("%s\n  {\"frequency_hz\": %.12g, \"time_constant_s\": ", first ? "" : ",",
+           mode->frequency_hz);
+    if (isfinite(mode->time_constant_s))
+      printf("%.12g", mode->time_constant_s);
+    else
+      printf("null");
+    printf(", \"damping_ratio\": %.12g, \"shape\": {", mode->damping_ratio);
+    for (int i = 0; i < VS_DOF; i++)
+      printf("%s\"%s\": [%.12g, %.12g]", i ? ", " : "", COORDINATES[i], mode->shape_re[i],
+             mode->shape_im[i]);
+    printf("}}");
+    first = false;
+  }
+  printf("\n]}\n");
+}
+
+static vs_status write_matrix(const char *folder, const char *name, const double *m, int rows,
+                              int columns, vs_error *err) {
+  vs_file file;
+  vs_status status = vs_file_open(&file, folder, name, err);
+  if (status) return status;
+  for (int i = 0; i < rows; i++)
+    for (int j = 0; j < columns; j++)
+      fprintf(file.stream, "%.17g%c", m[i * columns + j], j + 1 < columns ? ',' : '\n');
+  return vs_file_commit(&file, err);
+}
+
+static vs_status write_modes(const char *folder, const vs_mode modes[VS_STATES], vs_error *err) {
+  vs_file file;
+  vs_status status = vs_file_open(&file, folder, "modes.csv", err);
+  if (status) return status;
+  fputs("eigenvalue_re_1_s,eigenvalue_im_rad_s,frequency_hz,time_constant_s,damping_ratio",
+        file.stream);
+  for (int i = 0; i < VS_DOF; i++)
+    fprintf(file.stream, ",%s_re,%s_im", COORDINATES[i], COORDINATES[i]);
+  for (int m = 0; m < VS_STATES; m++) {
+    const vs_mode *mode = &modes[m];
+    fprintf(file.stream, "\n%.17g,%.17g,%.17g,%.17g,%.17g", mode->re_1_s, mode->im_rad_s,
+            mode->frequency_hz, mode->time_constant_s, mode->damping_ratio);
+    for (int i = 0; i < VS_DOF; i++)
+      fprintf(file.stream, ",%.17g,%.17g", mode->shape_re[i], mode->shape_im[i]);
+  }
+  fputc('\n', file.stream);
+  return vs_file_commit(&file, err);
+}
+
+static vs_status write_all(const char *folder, const vs_model *model, const vs_mode *modes,
+                           vs_error *err) {
+  vs_state_space s;
+  vs_mechanics_state_space(model, &s);
+  int made;
+  vs_status status = vs_file_folder_make(folder, &made, err);
+  if (!status) status = write_modes(folder, modes, err);
+  if (!status) status = write_matrix(folder, "A.csv", &s.a[0][0], VS_STATES, VS_STATES, err);
+  if (!status) status = write_matrix(folder, "B.csv", &s.b[0][0], VS_STATES, VS_DOF, err);
+  if (!status) status = write_matrix(folder, "C.csv", &s.c[0][0], VS_DOF, VS_STATES, err);
+  if (!status) status = write_matrix(folder, "D.csv", &s.d[0][0], VS_DOF, VS_DOF, err);
+  return status;
+}
+
+vs_status vs_modes_command(const char *name, char *const *sets, size_t n_sets, const char *folder,
+                           bool json, vs_error *err) {
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_mode modes[VS_STATES];
+  vs_status status = vs_scene_read(name, sets, n_sets, NULL, scene, err);
+  const vs_model *model = &scene->setup.model;
+  if (!status && !vs_mechanics_modes(model, modes))
+    status = vs_fail(err, VS_RUN, "no eigenvalues found");
+  if (!status && folder) status = write_all(folder, model, modes, err);
+  if (!status) {
+    if (json)
+      print_json(modes);
+    else
+      print_table(modes);
+    if (folder && !json)
+      printf("written: modes.csv and the state space (x = velocities, then coordinates; input: "
+             "generalised "
+             "forces, the actuator's is -F on p) as A.csv, B.csv, C.csv, D.csv in %s\n",
+             folder);
+  }
+  vs_scene_free(scene);
+  free(scene);
+  return status;
+}

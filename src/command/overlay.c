@@ -1,0 +1,264 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command/overlay.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/path.h"
+#include "base/text.h"
+#include "base/tree.h"
+#include "base/units.h"
+#include "sim/step.h"
+
+enum { MOST_COLUMNS = VS_CH_MOST + 1, LONGEST_UNIT = 8 };
+
+/* A column of run.csv: probe and unit as its name joins them. unit NULL: not known, and then the
+ * name is only good as a whole. */
+typedef struct known {
+  const char *name; /* "ap_m_s2" */
+  char probe[VS_OVERLAY_NAME], unit[32];
+  bool has_unit;
+} known;
+
+typedef struct reader {
+  vs_overlay *overlay;
+  const vs_overlay_run *run;
+  char *names; /* run.csv's header, cut up */
+  known known[MOST_COLUMNS];
+  size_t n_known;
+  int columns; /* of the measured file */
+  vs_where at;
+} reader;
+
+/* ---- the columns of run.csv ---- */
+
+/* Takes probe and unit where, joined, they are the column's name. */
+static void try_probe(known *k, const char *probe, const char *unit) {
+  char suffix[32], name[2 * VS_OVERLAY_NAME];
+  vs_units_suffix(unit, suffix, sizeof suffix);
+  snprintf(name, sizeof name, "%s%s%s", probe, *suffix ? "_" : "", suffix);
+  if (strcmp(name, k->name) || !vs_units_known(unit)) return;
+  snprintf(k->probe, sizeof k->probe, "%s", probe);
+  snprintf(k->unit, sizeof k->unit, "%s", unit);
+  k->has_unit = true;
+}
+
+/* The units of a deck's probes stand in summary.json, with their extremes: v_ak_min. */
+static void ask_summary(reader *r) {
+  char path[VS_PATH_SIZE];
+  vs_tree tree = {0};
+  vs_error unread = {0};
+  snprintf(path, sizeof path, "%s/summary.json", r->run->folder);
+  vs_status status = vs_tree_read(path, &tree, &unread);
+  const vs_node *measures = status ? NULL : vs_tree_child(tree.root, "measures");
+  for (const vs_node *m = measures ? measures->child : NULL; m; m = m->next) {
+    const vs_node *unit = m->kind == VS_NODE_MAP ? vs_tree_child(m, "unit") : NULL;
+    size_t n = strlen(m->key);
+    if (!unit || !unit->text || n < 4 || strcmp(m->key + n - 4, "_min")) continue;
+    char probe[VS_OVERLAY_NAME];
+    snprintf(probe, sizeof probe, "%.*s", (int)(n - 4), m->key);
+    for (size_t k = 0; k < r->n_known; k++) try_probe(&r->known[k], probe, unit->text);
+  }
+  vs_tree_free(&tree);
+}
+
+static void know_columns(reader *r) {
+  r->names = vs_copy(r->run->header);
+  char *rest = r->names;
+  strsep(&rest, ","); /* the time */
+  for (char *name; r->n_known < MOST_COLUMNS && (name = strsep(&rest, ","));)
+    r->known[r->n_known++].name = name;
+  ask_summary(r);
+  for (size_t k = 0; k < r->n_known; k++)
+    for (int c = 0; c < VS_CH_DECK; c++)
+      try_probe(&r->known[k], vs_channel_standard[c].name, vs_channel_standard[c].unit);
+}
+
+/* ---- the measured file ---- */
+
+/* Cuts the next cell off a row, blanks around it left out; *column: where it begins, from 1. */
+static char *next_cell(char **rest, const char *row, int *column) {
+  char *cell = strsep(rest, ",");
+  if (!cell) return NULL;
+  cell += strspn(cell, " \t");
+  *column = (int)(cell - row) + 1;
+  size_t n = strlen(cell);
+  while (n > 0 && (cell[n - 1] == ' ' || cell[n - 1] == '\t')) cell[--n] = '\0';
+  return cell;
+}
+
+/* The column of the probe that the name begins with, when at most a unit follows; NULL: none. */
+static const known *find_stem(const reader *r, const char *name) {
+  const known *longest = NULL;
+  for (size_t k = 0; k < r->n_known; k++) {
+    const known *c = &r->known[k];
+    size_t n = strlen(c->probe);
+    if (c->has_unit && !strncmp(name, c->probe, n) && (!name[n] || name[n] == '_') &&
+        strlen(name + n) < LONGEST_UNIT && (!longest || n > strlen(longest->probe)))
+      longest = c;
+  }
+  return longest;
+}
+
+static vs_status unknown_column(const reader *r, const char *name, vs_error *err) {
+  const known *stem = find_stem(r, name);
+  if (stem) {
+    const char *unit = name + strlen(stem->probe);
+    return vs_fail_at(err, r->at, "column '%s': '%s' is no unit of %s; did you mean '%s'?", name,
+                      unit + (*unit == '_'), stem->probe, stem->name);
+  }
+  const char *names[MOST_COLUMNS];
+  for (size_t k = 0; k < r->n_known; k++) names[k] = r->known[k].name;
+  const char *nearest = vs_text_nearest(name, names, r->n_known);
+  return vs_fail_at(err, r->at, "%s has no column '%s'%s%s%s", r->run->path, name,
+                    nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+}
+
+static vs_status take_curve(reader *r, const char *name, int column, vs_error *err) {
+  const known *c = NULL;
+  double factor = NAN;
+  for (size_t k = 0; k < r->n_known && !c; k++)
+    if (!strcmp(name, r->known[k].name)) c = &r->known[k], factor = 1;
+  for (size_t k = 0; k < r->n_known && !c; k++) {
+    size_t n = strlen(r->known[k].probe);
+    if (!r->known[k].has_unit || strncmp(name, r->known[k].probe, n) || name[n] != '_') continue;
+    factor =
+        vs_units_suffix_factor(name + n + 1, r->known[k].unit) / vs_units_factor(r->known[k].unit);
+    if (!isnan(factor)) c = &r->known[k];
+  }
+  if (!c) return unknown_column(r, name, err);
+  if (vs_overlay_find(r->overlay, c->name))
+    return vs_fail_at(err, r->at, "column '%s': %s stands here a second time", name, c->name);
+  vs_overlay_curve *curve = &r->overlay->curves[r->overlay->count++];
+  *curve = (vs_overlay_curve){.column = column, .factor = factor};
+  snprintf(curve->name, sizeof curve->name, "%s", c->name);
+  if (c->has_unit)
+    snprintf(curve->label, sizeof curve->label, "%.60s / %s", c->probe, c->unit);
+  else
+    snprintf(curve->label, sizeof curve->label, "%s", c->name);
+  return VS_OK;
+}
+
+static vs_status read_header(reader *r, char *row, vs_error *err) {
+  char *rest = row;
+  static const char MARK[] = "\xEF\xBB\xBF"; /* some programs begin a UTF-8 text with it */
+  if (!strncmp(rest, MARK, strlen(MARK))) rest += strlen(MARK);
+  char *name = next_cell(&rest, row, &r->at.column);
+  r->overlay->time_s = strncmp(name, "t_", 2) ? NAN : vs_units_suffix_factor(name + 2, "s");
+  if (isnan(r->overlay->time_s))
+    return vs_fail_at(err, r->at, "the first column is the time: t_s, t_ms or t_us, not '%s'",
+                      name);
+  r->columns = 1;
+  vs_status status = VS_OK;
+  while (!status && (name = next_cell(&rest, row, &r->at.column))) {
+    if (++r->columns > MOST_COLUMNS) return vs_fail_at(err, r->at, "too many columns");
+    status = take_curve(r, name, r->columns, err);
+  }
+  if (!status && r->columns == 1)
+    status = vs_fail_at(err, r->at,
+                        "no column follows the time: name them as in %s, for example "
+                        "'p_m' or 'p_mm'",
+                        r->run->path);
+  return status;
+}
+
+static bool is_number(const char *cell, double *value) {
+  char *end;
+  if (cell[strspn(cell, "0123456789+-.eE")]) return false;
+  *value = strtod(cell, &end);
+  return end != cell && !*end && isfinite(*value);
+}
+
+static vs_status read_row(reader *r, char *row, double *t, vs_error *err) {
+  char *rest = row;
+  double before = *t, value = NAN;
+  int cells = 1;
+  for (const char *c = row; *c; c++) cells += *c == ',';
+  if (cells != r->columns)
+    return vs_fail_at(err, r->at, "cells in this row: %d; columns in the header: %d", cells,
+                      r->columns);
+  for (int k = 0; k < cells; k++) {
+    const char *cell = next_cell(&rest, row, &r->at.column);
+    if (!is_number(cell, &value))
+      return vs_fail_at(err, r->at, "'%s' is not a finite number", cell);
+    if (k == 0) *t = value;
+  }
+  r->at.column = 1;
+  if (*t <= before)
+    return vs_fail_at(err, r->at, "the time does not rise: %.9g after %.9g", *t, before);
+  double t_s = *t * r->overlay->time_s;
+  if (t_s >= 0 && t_s <= r->run->until_s) r->overlay->rows++;
+  return VS_OK;
+}
+
+/* One line after the other; blank ones may stand at the end only. */
+static vs_status read_lines(reader *r, FILE *f, vs_error *err) {
+  char *row = NULL;
+  size_t size = 0;
+  double t = -INFINITY;
+  vs_where blank = {0};
+  vs_status status = VS_OK;
+  for (ssize_t n; !status && (n = getline(&row, &size, f)) >= 0;) {
+    r->at.line++;
+    r->at.column = 1;
+    if (strlen(row) != (size_t)n) {
+      status = vs_fail_at(err, r->at, "a zero byte; this is no text");
+      break;
+    }
+    if (n > 0 && row[n - 1] == '\n') row[--n] = '\0';
+    if (n > 0 && row[n - 1] == '\r') row[--n] = '\0';
+    if (r->at.line == 1)
+      status = read_header(r, row, err);
+    else if (!row[strspn(row, " \t")]) {
+      if (!blank.line) blank = r->at;
+    } else if (blank.line)
+      status = vs_fail_at(err, blank, "a blank line between rows");
+    else
+      status = read_row(r, row, &t, err);
+  }
+  free(row);
+  if (!status && ferror(f))
+    status = vs_fail(err, VS_INPUT, "%s: cannot be read: %s", r->at.file, strerror(errno));
+  r->at.column = 1;
+  if (!status && isinf(t))
+    status = vs_fail_at(err, (vs_where){r->at.file, r->at.line + !r->at.line, 1},
+                        r->at.line ? "no row of numbers follows the header" : "the file is empty");
+  if (!status && !r->overlay->rows)
+    status =
+        vs_fail_at(err, r->at, "no row lies within the run, which is 0 to %.9g s", r->run->until_s);
+  return status;
+}
+
+vs_status vs_overlay_read(const char *path, const vs_overlay_run *run, vs_overlay *overlay,
+                          vs_error *err) {
+  reader r = {.overlay = overlay, .run = run, .at = {.file = path}};
+  struct stat s;
+  *overlay = (vs_overlay){.path = path};
+  errno = 0;
+  FILE *f = stat(path, &s) || !S_ISREG(s.st_mode) ? NULL : fopen(path, "r");
+  if (!f)
+    return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path,
+                   errno ? strerror(errno) : "not a plain file");
+  overlay->curves = vs_alloc(MOST_COLUMNS, sizeof *overlay->curves);
+  know_columns(&r);
+  vs_status status = read_lines(&r, f, err);
+  fclose(f);
+  free(r.names);
+  return status;
+}
+
+void vs_overlay_free(vs_overlay *overlay) {
+  free(overlay->curves);
+  *overlay = (vs_overlay){0};
+}
+
+const vs_overlay_curve *vs_overlay_find(const vs_overlay *overlay, const char *name) {
+  for (size_t k = 0; k < overlay->count; k++)
+    if (!strcmp(overlay->curves[k].name, name)) return &overlay->curves[k];
+  return NULL;
+}

@@ -1,0 +1,262 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command/plot.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/path.h"
+#include "base/text.h"
+#include "command/gnuplot.h"
+#include "command/overlay.h"
+
+typedef struct panel {
+  const char *column, *label; /* of run.csv; what the axis says */
+  double scale;               /* of the column on the way to the axis */
+} panel;
+
+enum {
+  MOST_PANELS = 96, /* at most 9 of the program's own, then those an overlay asks for */
+  MOST_POINTS = 100 /* measured ones that are marked each */
+};
+
+/* One picture: what one of the paper's figures shows. */
+typedef struct sheet {
+  const char *name, *title;
+  double until_s; /* 0: the whole run */
+  int columns;
+  panel panels[MOST_PANELS + 1]; /* ends with an empty one */
+} sheet;
+
+#define MOTION_PANELS                                                                              \
+  {                                                                                                \
+    {"p_m", "p / mm", 1e3}, {"u_m", "u / mm", 1e3}, {"w_m", "w / mm", 1e3},                        \
+        {"phi_rad", "φ / mrad", 1e3}, {"ap_m_s2", "p̈ / (m/s²)", 1}, {"au_m_s2", "ü / (m/s²)", 1},  \
+        {"aw_m_s2", "ẅ / (m/s²)", 1}, {"aphi_rad_s2", "φ̈ / (rad/s²)", 1}, {                        \
+      "force_n", "F / N", 1                                                                        \
+    }                                                                                              \
+  }
+
+static const sheet SHEETS[] = {
+    {"motion_run", "Displacements, accelerations and force (as Fig. 9 of the paper)", 0, 3,
+     MOTION_PANELS},
+    {"motion_100ms", "Displacements, accelerations and force, first 100 ms (as Fig. 10)", 0.1, 3,
+     MOTION_PANELS},
+    {"pulse_50ms",
+     "Displacement, force, EVA current and voltage, first 50 ms (as Fig. 11)",
+     0.05,
+     2,
+     {{"p_m", "p / mm", 1e3},
+      {"force_n", "F / N", 1},
+      {"i_a", "i / A", 1},
+      {"v_eva_v", "EVA voltage / V", 1}}},
+};
+enum { N_SHEETS = sizeof SHEETS / sizeof *SHEETS };
+/* what -o draws on its one sheet */
+static const sheet OVERVIEW = {"",
+                               "Vibratory conveyor and its thyristor converter, first 50 ms",
+                               0.05,
+                               2,
+                               {{"p_m", "p / mm", 1e3},
+                                {"ap_m_s2", "p̈ / (m/s²)", 1},
+                                {"force_n", "F / N", 1},
+                                {"i_a", "i / A", 1},
+                                {"v_eva_v", "EVA voltage / V", 1},
+                                {"v_mains_v", "mains voltage / V", 1}}};
+
+typedef struct run_file {
+  char path[VS_PATH_SIZE];
+  char *header;   /* its first line */
+  double until_s; /* of its last row */
+  vs_overlay overlay;
+} run_file;
+
+static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
+  char partial[VS_PATH_SIZE];
+  snprintf(run->path, sizeof run->path, "%s/run.csv", folder);
+  snprintf(partial, sizeof partial, "%s/run.partial.csv", folder);
+  FILE *f = fopen(run->path, "r");
+  if (!f && !access(partial, R_OK))
+    return vs_fail(err, VS_INPUT, "%s: the run did not end well; only run.partial.csv is there",
+                   folder);
+  if (!f)
+    return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s; 'vibrospice run SCENE -o %s' makes it",
+                   run->path, strerror(errno), folder);
+  size_t size = 0, row_size = 0;
+  char *row = NULL;
+  if (getline(&run->header, &size, f) < 0) run->header = vs_copy("");
+  while (getline(&row, &row_size, f) > 0) run->until_s = strtod(row, NULL);
+  run->header[strcspn(run->header, "\r\n")] = '\0';
+  free(row);
+  fclose(f);
+  return run->until_s > 0 ? VS_OK : vs_fail(err, VS_INPUT, "%s: holds no rows", run->path);
+}
+
+/* Number of a column from 1; 0: not there. */
+static int find_column(const char *header, const char *name) {
+  size_t n = strlen(name);
+  int column = 1;
+  for (const char *s = header; *s; column++) {
+    size_t length = strcspn(s, ",");
+    if (length == n && !strncmp(s, name, n)) return column;
+    s += length + (s[length] == ',');
+  }
+  return 0;
+}
+
+static void add_terminal(vs_text *script, const sheet *s, int rows, const char *output) {
+  bool svg = strlen(output) > 4 && !strcmp(output + strlen(output) - 4, ".svg");
+  vs_text_add(script, "set terminal %s size %d,%d font 'sans,%d' background rgb 'white'\n",
+              svg ? "svg noenhanced dynamic" : "pngcairo noenhanced", 420 * s->columns,
+              60 + 260 * rows, 11);
+  vs_text_add(script, "set multiplot layout %d,%d title ", rows, s->columns);
+  vs_gnuplot_quoted(script, s->title);
+  vs_text_add(script, " font 'sans,13'\n");
+}
+
+/* The computed curve, and over it the measured one if there is one. */
+static void add_panel(vs_text *script, const run_file *run, const panel *p, double time_scale) {
+  static const char LEGEND[] = "tmargin right horizontal reverse Left samplen 2";
+  const vs_overlay *o = &run->overlay;
+  const vs_overlay_curve *measured = vs_overlay_find(o, p->column);
+  if (o->count) vs_text_add(script, "set key %s\n", measured ? LEGEND : "default");
+  vs_text_add(script, "set ylabel ");
+  vs_gnuplot_quoted(script, p->label);
+  vs_text_add(script, "\nplot ");
+  vs_gnuplot_path(script, run->path);
+  vs_text_add(script, " using ($1*%g):($%d*%g) skip 1 with lines lc rgb '#1f4e79' lw 1.2 %s",
+              time_scale, find_column(run->header, p->column), p->scale,
+              measured ? "title 'computed'" : "notitle");
+  if (measured) {
+    vs_text_add(script, ", ");
+    vs_gnuplot_path(script, o->path);
+    vs_text_add(script, " using ($1*%.17g):($%d*%.17g) skip 1 with %s lc rgb '#d1495b' lw 1.2 ",
+                time_scale * o->time_s, measured->column, p->scale * measured->factor,
+                o->rows > MOST_POINTS ? "lines" : "linespoints pt 7 ps 0.4");
+    vs_text_add(script, "title 'measured'");
+  }
+  vs_text_add(script, "\n");
+}
+
+/* The panels there are columns for; a run that recorded less is drawn with less. */
+static int add_sheet(vs_text *script, const run_file *run, const sheet *s, const char *output) {
+  int there = 0;
+  for (const panel *p = s->panels; p->column; p++) there += find_column(run->header, p->column) > 0;
+  if (!there) return 0;
+  double until = s->until_s > 0 ? fmin(s->until_s, run->until_s) : run->until_s;
+  bool ms = until <= 0.5;
+  add_terminal(script, s, (there + s->columns - 1) / s->columns, output);
+  vs_text_add(script, "set xrange [0:%.9g]\nset xlabel 't / %s'\n", ms ? 1e3 * until : until,
+              ms ? "ms" : "s");
+  for (const panel *p = s->panels; p->column; p++)
+    if (find_column(run->header, p->column)) add_panel(script, run, p, ms ? 1e3 : 1);
+  vs_text_add(script, "unset multiplot\n");
+  return there;
+}
+
+/* The picture appears whole, and in the place of what had its name, even of a link. */
+static vs_status write_picture(const char *output, const char *picture, size_t size,
+                               vs_error *err) {
+  vs_file file;
+  vs_status status = vs_file_open(&file, "", output, err);
+  if (status) return status;
+  fwrite(picture, 1, size, file.stream); /* an error stays in the stream */
+  return vs_file_commit(&file, err);
+}
+
+static vs_status draw(const run_file *run, const sheet *s, const char *output, bool quiet,
+                      vs_error *err) {
+  vs_text script = {0};
+  char *picture = NULL;
+  size_t size = 0;
+  vs_text_add(&script, "set grid lt 1 lw 0.5 lc rgb '#d0d0d0'\nset border lc rgb '#404040'\n"
+                       "set rmargin 3\nset datafile separator ','\n");
+  if (!add_sheet(&script, run, s, output)) {
+    vs_text_free(&script);
+    return vs_fail(err, VS_INPUT, "%s: records nothing that '%s' shows", run->path, s->title);
+  }
+  vs_status status = vs_gnuplot_picture(script.text, &picture, &size, err);
+  vs_text_free(&script);
+  if (!status) status = write_picture(output, picture, size, err);
+  free(picture);
+  if (!status && !quiet) printf("%s\n", output);
+  return status;
+}
+
+/* NULL: none of the sheets shows the column. */
+static const panel *find_panel(const sheet *sheets, size_t count, const char *column) {
+  for (size_t s = 0; s < count; s++)
+    for (const panel *p = sheets[s].panels; p->column; p++)
+      if (!strcmp(p->column, column)) return p;
+  return NULL;
+}
+
+/* The last of the sheets, with a panel more for each measured curve that none of them shows. */
+static sheet with_measured(const sheet *sheets, size_t count, const vs_overlay *overlay) {
+  sheet last = sheets[count - 1];
+  int n = 0;
+  while (last.panels[n].column) n++;
+  for (size_t c = 0; c < overlay->count && n < MOST_PANELS; c++) {
+    const vs_overlay_curve *curve = &overlay->curves[c];
+    if (find_panel(sheets, count, curve->name)) continue;
+    const panel *elsewhere = find_panel(SHEETS, N_SHEETS, curve->name);
+    last.panels[n++] = elsewhere ? *elsewhere : (panel){curve->name, curve->label, 1};
+  }
+  return last;
+}
+
+static vs_status draw_all(const char *folder, const run_file *run, bool quiet, vs_error *err) {
+  static const char *const ENDINGS[] = {"png", "svg"};
+  const sheet last = with_measured(SHEETS, N_SHEETS, &run->overlay);
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < N_SHEETS; k++)
+    for (size_t e = 0; e < sizeof ENDINGS / sizeof *ENDINGS && !status; e++) {
+      char output[VS_PATH_SIZE];
+      snprintf(output, sizeof output, "%s/%s.%s", folder, SHEETS[k].name, ENDINGS[e]);
+      status = draw(run, k + 1 < N_SHEETS ? &SHEETS[k] : &last, output, quiet, err);
+    }
+  return status;
+}
+
+/* Before gnuplot says the same in ten lines. */
+static vs_status check_writable(const char *output, vs_error *err) {
+  char folder[VS_PATH_SIZE];
+  const char *slash = strrchr(output, '/');
+  snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - output + 1) : 1,
+           slash ? output : ".");
+  return access(folder, W_OK | X_OK)
+             ? vs_fail(err, VS_INPUT, "-o %s: cannot be written: %s", output, strerror(errno))
+             : VS_OK;
+}
+
+/* A line break would end a line of gnuplot's script. */
+static bool is_name(const char *name) {
+  return !name || (strlen(name) <= VS_PATH_SIZE / 2 && !strpbrk(name, "\r\n"));
+}
+
+vs_status vs_plot_check(const vs_plot_options *o, vs_error *err) {
+  const char *ending = o->output ? strrchr(o->output, '.') : NULL;
+  if (!is_name(o->folder) || !is_name(o->output) || !is_name(o->overlay))
+    return vs_fail(err, VS_INPUT, "plot: too long a name, or a line break in it");
+  if (o->output && (!ending || (strcmp(ending, ".png") && strcmp(ending, ".svg"))))
+    return vs_fail(err, VS_INPUT, "-o %s: the file's name must end in .png or .svg", o->output);
+  return o->output ? check_writable(o->output, err) : VS_OK;
+}
+
+vs_status vs_plot_command(const vs_plot_options *o, vs_error *err) {
+  run_file run = {0};
+  vs_status status = vs_plot_check(o, err);
+  if (!status) status = open_run(o->folder, &run, err);
+  const vs_overlay_run against = {o->folder, run.path, run.header, run.until_s};
+  if (!status && o->overlay) status = vs_overlay_read(o->overlay, &against, &run.overlay, err);
+  if (!status && o->output) {
+    const sheet one = with_measured(&OVERVIEW, 1, &run.overlay);
+    status = draw(&run, &one, o->output, o->quiet, err);
+  } else if (!status)
+    status = draw_all(o->folder, &run, o->quiet, err);
+  vs_overlay_free(&run.overlay);
+  free(run.header);
+  return status;
+}

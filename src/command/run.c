@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command/run.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/leave.h"
+#include "scene/session.h"
+#include "watch/table.h"
+
+/* What the command adds to a run: its files and its progress line. */
+typedef struct audience {
+  const vs_run_options *options;
+  const vs_scene *scene;
+  vs_file csv, events, raw; /* closed when there is no folder; raw: when it is not asked for */
+  int made;                 /* folders, for the output */
+  vs_table table;
+  double began_s, shown_s; /* wall clock: of the run, of the last progress line */
+  bool show_progress;
+} audience;
+
+static double wall_clock(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void progress(audience *a, double t_s, long steps) {
+  if (!a->show_progress || steps % 256) return;
+  double now = wall_clock(), spent = now - a->began_s, until = a->scene->setup.run.until_s;
+  if (spent < 1 || now - a->shown_s < 0.25) return;
+  a->shown_s = now;
+  fprintf(stderr, "\r%5.1f %%  t = %.4g s of %.4g s, %.0f s left \033[K", 100 * t_s / until, t_s,
+          until, spent * (until - t_s) / t_s);
+}
+
+static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+  static const char *const WHAT[] = {[VS_EV_FIRES] = "thyristor fires",
+                                     [VS_EV_EXTINCT] = "thyristor extinct",
+                                     [VS_EV_MEETS_STOP] = "armature meets the stop",
+                                     [VS_EV_LEAVES_STOP] = "armature leaves the stop",
+                                     [VS_EV_JAMS] = "armature jams",
+                                     [VS_EV_QUIET] = "the circuit is quiet: ngspice is left",
+                                     [VS_EV_BACK] = "back in ngspice"};
+  audience *a = ctx;
+  vs_status status = VS_OK;
+  if (a->table.stream) status = vs_table_accept(&a->table, step, err);
+  for (int k = 0; a->events.stream && k < 2; k++)
+    if (step->event[k] != VS_EV_NONE)
+      fprintf(a->events.stream, "%.*g,%s\n", a->options->digits, step->event_s[k],
+              WHAT[step->event[k]]);
+  const vs_events *events = &a->scene->setup.timeline.events;
+  for (size_t k = 0; a->events.stream && k < events->count; k++)
+    if (events->item[k].start_s >= step->from->t_s && events->item[k].start_s < step->to->t_s)
+      fprintf(a->events.stream, "%.*g,%s begins (%s)\n", a->options->digits,
+              events->item[k].start_s, events->item[k].name, events->item[k].kind->name);
+  const vs_devices *devices = result->devices;
+  for (size_t k = 0; a->events.stream && devices && k < devices->n_incidents; k++) {
+    const vs_incident *i = &devices->incidents[k];
+    fprintf(a->events.stream, "%.*g,%s %s\n", a->options->digits, i->at_s, i->device, i->what);
+  }
+  progress(a, step->to->t_s, result->steps);
+  return status;
+}
+
+static vs_status open_files(audience *a, vs_error *err) {
+  const vs_scene *s = a->scene;
+  const char *folder = a->options->folder;
+  vs_status status = vs_file_folder_make(folder, &a->made, err);
+  if (!status) status = vs_file_open(&a->csv, folder, "run.csv", err);
+  if (!status) status = vs_file_open(&a->events, folder, "events.csv", err);
+  if (!status && a->options->raw) status = vs_file_open(&a->raw, folder, "run.raw", err);
+  if (status) return status;
+  a->table = (vs_table){.stream = a->csv.stream,
+                        .frame = &s->frame,
+                        .count = s->n_record,
+                        .digits = a->options->digits,
+                        .sample_s = s->setup.run.sample_s,
+                        .until_s = s->setup.run.until_s};
+  memcpy(a->table.channels, s->record, sizeof s->record);
+  vs_table_begin(&a->table);
+  fputs("t_s,what\n", a->events.stream);
+  return VS_OK;
+}
+
+/* An older result in the folder that this run's files would contradict. */
+static void remove_stale(const char *folder, const char *name) {
+  char path[VS_PATH_SIZE];
+  snprintf(path, sizeof path, "%s/%s", folder, name);
+  unlink(path);
+}
+
+/* Which files of an older run in the folder give way to this one's; empty: none. free() it. */
+static char *name_replaced(const char *folder) {
+  static const char *const FILES[] = {"run.csv", "events.csv",      "summary.json",
+                                      "run.raw", "run.partial.csv", "run.partial.raw"};
+  char path[VS_PATH_SIZE];
+  vs_text names = {0};
+  vs_text_add(&names, "%s", "");
+  for (size_t k = 0; k < sizeof FILES / sizeof *FILES; k++) {
+    snprintf(path, sizeof path, "%s/%s", folder, FILES[k]);
+    if (!access(path, F_OK)) vs_text_add(&names, "%s%s", names.length ? ", " : "", FILES[k]);
+  }
+  return names.text;
+}
+
+/* Of a run that failed: what was computed, under a name that says so. */
+static void keep_partial(audience *a, vs_error *err) {
+  static const char *const STALE[] = {"run.csv", "events.csv", "summary.json", "run.raw",
+                                      "run.partial.raw"};
+  const char *folder = a->options->folder;
+  vs_error second = {0};
+  char *replaced = name_replaced(folder);
+  for (size_t k = 0; k < sizeof STALE / sizeof *STALE; k++) remove_stale(folder, STALE[k]);
+  bool csv = !vs_file_commit_as(&a->csv, folder, "run.partial.csv", &second);
+  bool raw = a->raw.stream && !vs_file_commit_as(&a->raw, folder, "run.partial.raw", &second);
+  size_t n = strlen(err->text);
+  if (csv || raw)
+    snprintf(err->text + n, sizeof err->text - n, "; what was computed is in %s/%s%s", folder,
+             csv ? "run.partial.csv" : "run.partial.raw", csv && raw ? " and run.partial.raw" : "");
+  n = strlen(err->text);
+  if (*replaced)
+    snprintf(err->text + n, sizeof err->text - n, ", in the place of %s of an older run", replaced);
+  free(replaced);
+}
+
+static void discard_files(audience *a) {
+  vs_file_discard(&a->raw);
+  vs_file_discard(&a->events);
+  vs_file_discard(&a->csv);
+}
+
+/* ran: how the run ended. */
+static vs_status close_files(audience *a, vs_status ran, const char *json, vs_error *err) {
+  const char *folder = a->options->folder;
+  vs_file summary = {0};
+  bool partial = ran && ran != VS_INPUT && a->csv.stream;
+  if (partial) keep_partial(a, err);
+  if (ran) discard_files(a);
+  if (ran) vs_file_folder_unmake(folder, a->made); /* which a part that could be kept forbids */
+  if (ran) return ran;
+  char *replaced = name_replaced(folder);
+  vs_status status = vs_file_open(&summary, folder, "summary.json", err);
+  if (!status) fputs(json, summary.stream);
+  if (!status && a->raw.stream) status = vs_file_commit(&a->raw, err);
+  if (!status) status = vs_file_commit(&a->csv, err);
+  if (!status) status = vs_file_commit(&a->events, err);
+  if (!status) status = vs_file_commit(&summary, err);
+  vs_file_discard(&summary);
+  discard_files(a);
+  if (!status && *replaced && !a->options->quiet)
+    fprintf(stderr, "vibrospice: note: replaced in %s, of an older run: %s\n", folder, replaced);
+  free(replaced);
+  if (status) vs_file_folder_unmake(folder, a->made);
+  if (status) return status;
+  if (!a->options->raw) remove_stale(folder, "run.raw");
+  remove_stale(folder, "run.partial.csv");
+  remove_stale(folder, "run.partial.raw");
+  return VS_OK;
+}
+
+/* ---- as the session's guest ---- */
+
+static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {
+  audience *a = ctx;
+  a->scene = scene;
+  vs_status status = a->options->folder ? open_files(a, err) : VS_OK;
+  scene->setup.raw = a->raw.stream;
+  a->began_s = wall_clock();
+  a->shown_s = 0;
+  return status;
+}
+
+static void end_progress(const audience *a) {
+  if (a->shown_s > 0) fputs("\r\033[K", stderr);
+}
+
+/* Nothing is kept of an attempt behind which there is another. */
+static void again(void *ctx, const char *failed, int next) {
+  audience *a = ctx;
+  end_progress(a);
+  if (a->options->folder) {
+    discard_files(a);
+    vs_file_folder_unmake(a->options->folder, a->made);
+  }
+  if (!a->options->quiet)
+    fprintf(stderr, "vibrospice: warning: %s; trying %s\n", failed, vs_ladder_text(next));
+}
+
+/* ---- the command ---- */
+
+static void say_result(const vs_run_options *o, const vs_result *r, const char *json) {
+  if (o->json)
+    fputs(json, stdout);
+  else if (!o->quiet) {
+    vs_summary_table(r, stdout);
+    if (o->folder)
+      printf("written: run.csv, events.csv, summary.json%s in %s\n", o->raw ? ", run.raw" : "",
+             o->folder);
+  }
+  if (!o->quiet) vs_result_warn(r);
+}
+
+static vs_status run_scene(const vs_run_options *o, vs_scene *scene, vs_error *err) {
+  audience a = {.options = o, .show_progress = !o->quiet && isatty(STDERR_FILENO)};
+  const vs_guest guest = {&a, begin, accept, again};
+  const vs_session session = {.guest = &guest, .verify = true, .stop = o->stop};
+  vs_result *result = vs_alloc(1, sizeof *result);
+  vs_text json = {0};
+  vs_heed before = vs_leave_heed_set(VS_HEED_SOON);
+  vs_status status = vs_session_run(&session, scene, result, err);
+  vs_leave_heed_set(VS_HEED_KEEP);
+  end_progress(&a);
+  if (!status) vs_summary_json(result, !o->reproducible, &json);
+  if (o->folder) status = close_files(&a, status, json.text, err);
+  vs_leave_heed_set(before);
+  if (!status) say_result(o, result, json.text);
+  if (!status) status = vs_session_judge(result, err);
+  vs_text_free(&json);
+  vs_result_free(result);
+  free(result);
+  return status;
+}
+
+vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
+  if (o->raw && !o->folder)
+    return vs_fail(err, VS_INPUT, "--raw: run.raw goes into a folder; name one with -o DIR");
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
+  if (!status && o->raw) status = vs_scene_take_circuit(scene, "--raw", err);
+  if (!status && !o->quiet) vs_scene_warn(scene);
+  if (!status) status = run_scene(o, scene, err);
+  vs_scene_free(scene);
+  free(scene);
+  return status;
+}

@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupling/conduction.h"
+
+#include <math.h>
+
+/* A conduction has begun for certain above this current: any holding current is of this order or
+ * above. */
+static const double CONDUCTS_A = 0.02;
+/* Not counted in that: what leaks through 500 ohm, half of the least off_resistance that a
+ * part may have; and what a junction of 1 nF draws, where devices of 100 A have a few hundred pF.
+ */
+static const double LEAKS_S = 2e-3, DISPLACED_F = 1e-9;
+/* A current is over below the first, and its zero is looked for up to REST_S ahead: there the
+ * slowest fall that ends at a zero, of some 5 A/s, has come to it, and what decays has no zero. It
+ * may be over below the second, which is leakage at an on-state voltage of 1 V through 1 kohm, if
+ * by its fall it should be gone. */
+static const double GONE_A = 5e-6, REST_S = 1e-6, LEAKAGE_A = 1e-3;
+/* From here on a voltage is above any on-state voltage. */
+static const double BLOCKED_V = 10;
+/* A rise this much steeper than the mean since its foot is another rise, which has its foot here. A
+ * current that begins as t^2 is up to 4 times as steep from one doubled step to the next. */
+static const double KINK = 10;
+
+void vs_conduction_begin(vs_conduction *c) {
+  *c = (vs_conduction){.before_s = NAN, .before_a = NAN, .foot_s = NAN, .foot_a = NAN};
+}
+
+/* What the blocked junction's capacitance draws at most. */
+static double displaced(const vs_conduction_step *s) {
+  return DISPLACED_F * fmax((fabs(s->v1_v) - fabs(s->v0_v)) / (s->t1_s - s->t0_s), 0);
+}
+
+/* Where the line through two points of the current passes zero. */
+static double zero_of(double t0_s, double i0_a, double t1_s, double i1_a) {
+  return t0_s + (t1_s - t0_s) * i0_a / (i0_a - i1_a);
+}
+
+static void set_foot(vs_conduction *c, double t_s, double i_a) {
+  c->foot_s = t_s;
+  c->foot_a = i_a;
+}
+
+static double leakage(double v_v) {
+  return LEAKS_S * fabs(v_v);
+}
+
+/* A current that does not rise, only charges a capacitance or leaks has not begun. */
+static void follow_foot(vs_conduction *c, const vs_conduction_step *s) {
+  if (isnan(c->foot_s)) set_foot(c, s->t0_s, s->i0_a);
+  double rise = s->i1_a - s->i0_a, steep = rise / (s->t1_s - s->t0_s);
+  bool blocked = fabs(s->v1_v) > BLOCKED_V && s->i1_a <= leakage(s->v1_v);
+  if (rise <= 0 || s->i1_a <= displaced(s) || blocked)
+    set_foot(c, s->t1_s, s->i1_a);
+  else if (s->i0_a <= 0)
+    set_foot(c, zero_of(s->t0_s, s->i0_a, s->t1_s, s->i1_a), 0);
+  else if (steep * (s->t0_s - c->foot_s) > KINK * (s->i0_a - c->foot_a))
+    set_foot(c, s->t0_s, s->i0_a);
+}
+
+static bool fires(vs_conduction *c, const vs_conduction_step *s, double *event_s) {
+  follow_foot(c, s);
+  if (s->i1_a <= CONDUCTS_A + displaced(s) + leakage(s->v1_v)) return false;
+  *event_s = c->foot_s;
+  return true;
+}
+
+/* The fall up to the step's beginning, taken on: the current at its end, and its zero. */
+static double taken_on(const vs_conduction *c, const vs_conduction_step *s, double *zero_s) {
+  *zero_s = INFINITY;
+  if (!(s->i0_a < c->before_a)) return INFINITY;
+  *zero_s = zero_of(c->before_s, c->before_a, s->t0_s, s->i0_a);
+  return s->i0_a * (*zero_s - s->t1_s) / (*zero_s - s->t0_s);
+}
+
+static bool stops(const vs_conduction *c, const vs_conduction_step *s, double *event_s) {
+  double zero_s, expected_a = taken_on(c, s, &zero_s);
+  bool blocked = fabs(s->v1_v) > BLOCKED_V && s->i1_a < leakage(s->v1_v) / 2;
+  bool broke_off = s->i1_a <= LEAKAGE_A && expected_a <= 0;
+  if (s->i1_a > GONE_A && !broke_off && !blocked) return false;
+  double chord_s = s->i1_a < s->i0_a ? zero_of(s->t0_s, s->i0_a, s->t1_s, s->i1_a) : s->t1_s;
+  if (s->i1_a > 0 && (broke_off || blocked)) chord_s = s->t1_s;
+  zero_s = fmin(fmax(zero_s, s->t0_s), chord_s);
+  *event_s = fmin(zero_s, s->t1_s + REST_S);
+  return true;
+}
+
+vs_event vs_conduction_follow(vs_conduction *c, const vs_conduction_step *s, double *event_s) {
+  bool was = c->conducts;
+  if (was)
+    c->conducts = !stops(c, s, event_s);
+  else
+    c->conducts = fires(c, s, event_s);
+  c->before_s = s->t0_s;
+  c->before_a = s->i0_a;
+  if (c->conducts == was) return VS_EV_NONE;
+  set_foot(c, s->t1_s, s->i1_a);
+  return was ? VS_EV_EXTINCT : VS_EV_FIRES;
+}

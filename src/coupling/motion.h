@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The machine between two of the circuit's knots: Eq. 54 under a flux linkage that is a cubic of
+ * time, integrated by GSL's rkf45, the contact with the elastic stop located. */
+#ifndef VS_COUPLING_MOTION_H
+#define VS_COUPLING_MOTION_H
+
+#include <gsl/gsl_odeiv2.h>
+
+#include "machine/mechanics.h"
+
+typedef struct vs_motion {
+  const vs_model *model;
+  double flux[4]; /* lambda(t0 + s) = flux[0] + s flux[1] + ..., Wb */
+  bool touching;  /* the armature its stop */
+  bool jammed;
+  double substep_s, substep_touching_s; /* rkf45's error over it is below 1e-12 of the amplitude */
+  gsl_odeiv2_system system;
+  gsl_odeiv2_step *step;
+} vs_motion;
+
+/* The motion stays where it is made, as its system points to it. */
+void vs_motion_begin(vs_motion *motion, const vs_model *model);
+void vs_motion_end(vs_motion *motion);
+
+/* Takes x = (q, q') on from `at_s` seconds into the course of the flux, to h or to where the
+ * armature meets or leaves its stop. Gives how far it came; NaN: GSL cannot step on. */
+double vs_motion_advance(vs_motion *motion, double at_s, double h, double x[VS_STATES]);
+
+#endif

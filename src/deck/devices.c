@@ -1,0 +1,345 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "deck/devices.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "base/units.h"
+#include "deck/contract.h"
+#include "deck/parts.h"
+
+/* name, unit, text, how, of, sense, limit, how held to it */
+#define MEASURES(...)                                                                              \
+  {__VA_ARGS__}, sizeof((vs_device_measure[]){__VA_ARGS__}) / sizeof(vs_device_measure)
+const vs_kind vs_kinds_all[] = {
+    {"thyristor", true, true,
+     MEASURES(
+         {"v_forward", "V", "peak forward voltage", VS_R_PEAK, VS_OF_V, 1, "v_drm", VS_AT_MOST},
+         {"v_reverse", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, -1, "v_rrm", VS_AT_MOST},
+         {"dv_dt", "V/us",
+          "steepest rise of forward off-state voltage, mean rate from 10 to 90 % of a rise of 10 V "
+          "or more",
+          VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST},
+         {"dv_dt_max", "V/us", "largest rate of forward off-state voltage, over any 0.1 us",
+          VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
+         {"di_dt", "A/us",
+          "largest rate of current from firing to its first maximum, over any 0.1 us", VS_R_ON_RATE,
+          VS_OF_I, 1, "di_dt", VS_AT_MOST},
+         {"i_peak", "A", "peak current", VS_R_PEAK, VS_OF_I, 1, NULL, VS_AT_MOST},
+         {"i_surge", "A",
+          "peak of the half sine of 10 ms with the largest int i^2 dt within 10 ms: a shorter "
+          "pulse "
+          "heats as much by the same int i^2 dt",
+          VS_R_SURGE, VS_OF_I2, 1, "i_tsm", VS_AT_MOST},
+         {"i_mean", "A", "mean current, over the time that measure says", VS_R_MEAN, VS_OF_I, 1,
+          NULL, VS_AT_MOST},
+         {"i_rms", "A",
+          "rms current, over the time that measure says; judged where that lasts 1 s or longer and "
+          "more than one shot falls into it, as i_surge and i2t are for what is short",
+          VS_R_RMS, VS_OF_I2, 1, "i_t_rms", VS_AT_MOST},
+         {"i2t", "A2.s", "largest int i^2 dt of one conduction", VS_R_PULSE, VS_OF_I2, 1, "i2t",
+          VS_AT_MOST},
+         {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+         {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
+          VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST},
+         {"t_off", "s",
+          "shortest time from the current's zero to the return of forward voltage while its gate "
+          "is off",
+          VS_R_OFFERED, VS_OF_V, 1, "t_q", VS_AT_LEAST},
+         {"misfires", "", "gate pulses that it did not follow", VS_R_MISFIRE, VS_OF_I, 1, NULL,
+          VS_AT_MOST},
+         {"unintended", "", "firings without a gate pulse", VS_R_UNINTENDED, VS_OF_I, 1, NULL,
+          VS_AT_MOST},
+         {"commutation_failures", "",
+          "of these, on the first forward voltage after a conduction and before t_q",
+          VS_R_COMMUTATION_FAILURE, VS_OF_I, 1, NULL, VS_AT_MOST})},
+    {"varistor", false, false,
+     MEASURES(
+         {"v_clamp", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
+         {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_surge", VS_AT_MOST},
+         {"energy", "J",
+          "largest heat of one pulse, without what a capacitance stores; it ends when |i| has "
+          "stayed below 1 mA for a quarter of a mains cycle",
+          VS_R_HEAT, VS_OF_POWER, 1, "energy", VS_AT_MOST},
+         {"energy_total", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL,
+          VS_AT_MOST})},
+    {"resistor", false, false,
+     MEASURES(
+         {"power", "W", "mean power, over the time that measure says", VS_R_MEAN, VS_OF_POWER, 1,
+          NULL, VS_AT_MOST},
+         {"power_peak", "W", "peak power", VS_R_PEAK, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+         {"energy", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST})},
+    {"capacitor", false, false,
+     MEASURES({"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
+              {"i_rms", "A", "rms current, over the time that measure says", VS_R_RMS, VS_OF_I2, 1,
+               NULL, VS_AT_MOST},
+              {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, VS_AT_MOST},
+              {"dv_dt_max", "V/us", "largest rate of voltage, either way, over any 0.1 us",
+               VS_R_STEEPEST, VS_OF_V, 0, NULL, VS_AT_MOST})},
+    {"fuse", false, false,
+     MEASURES(
+         {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, VS_AT_MOST},
+         {"i_rms", "A", "rms current, over the time that measure says", VS_R_RMS, VS_OF_I2, 1, NULL,
+          VS_AT_MOST},
+         {"i2t", "A2.s", "int i^2 dt over the run", VS_R_INTEGRAL, VS_OF_I2, 1, NULL, VS_AT_MOST},
+         {"let_through", "A2.s", "largest int i^2 dt within 10 ms", VS_R_WITHIN, VS_OF_I2, 1, "i2t",
+          VS_WARD_AT_MOST},
+         {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST})},
+    {"gate_drive", false, true,
+     MEASURES({"i_peak", "A", "largest gate current", VS_R_PEAK, VS_OF_I, 1, NULL, VS_AT_MOST},
+              {"i_min", "A", "gate current at its worst: the least of all gate pulses' peaks",
+               VS_R_GATE_LEAST, VS_OF_I, 1, NULL, VS_AT_MOST},
+              {"volt_seconds", "V.s", "largest flux linkage of its core, either way", VS_R_PEAK,
+               VS_OF_FLUX, 0, "volt_seconds", VS_AT_MOST})},
+};
+#undef MEASURES
+const size_t vs_n_kinds = sizeof vs_kinds_all / sizeof *vs_kinds_all;
+
+static const vs_kind *find_kind(const char *name) {
+  for (size_t k = 0; k < vs_n_kinds; k++)
+    if (!strcmp(vs_kinds_all[k].name, name)) return &vs_kinds_all[k];
+  return NULL;
+}
+
+/* ---- reading ---- */
+
+/* A word of the line before '='. */
+static bool read_word(vs_device *d, vs_cursor *c) {
+  char word[VS_DECK_NAME];
+  vs_where where = vs_cursor_here(c);
+  if (!vs_cursor_word(c, "+.", word, sizeof word)) return false;
+  if (!strcmp(word, "protects") && !*d->ward) {
+    vs_cursor_skip(c);
+    d->where_ward = vs_cursor_here(c);
+    return vs_cursor_word(c, "", d->ward, sizeof d->ward);
+  }
+  if (isnan(d->gate_rad) && vs_gate_named(word, &d->gate_rad)) {
+    d->where_gate = where;
+    return true;
+  }
+  if (*d->of) return false;
+  memcpy(d->of, word, sizeof d->of);
+  d->where_of = where;
+  return true;
+}
+
+/* device NAME [PART or KIND] [gate+ANGLE] [protects DEVICE] = VOLTAGE, CURRENT [, FLUX] "TEXT" */
+vs_status vs_devices_line(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  static const char WANTED[] =
+      "'device NAME [PART or KIND] [gate+ANGLE] [protects DEVICE] = VOLTAGE, CURRENT [, FLUX] "
+      "\"TEXT\"' is wanted here";
+  if (deck->n_devices >= VS_DECK_DEVICES)
+    return vs_fail_at(err, c->line, "more than %d devices", VS_DECK_DEVICES);
+  vs_device *d = &deck->devices[deck->n_devices];
+  *d = (vs_device){.gate_rad = NAN, .part = -1, .protects = -1};
+  vs_cursor_skip(c);
+  d->where = d->where_of = d->where_gate = vs_cursor_here(c);
+  if (!vs_cursor_word(c, "", d->name, sizeof d->name))
+    return vs_fail_at(err, vs_cursor_here(c), "%s", WANTED);
+  for (size_t k = 0; k < deck->n_devices; k++)
+    if (!strcmp(deck->devices[k].name, d->name))
+      return vs_fail_at(err, d->where, "device %s stands here a second time", d->name);
+  while (!vs_cursor_take(c, '=')) {
+    vs_where where = vs_cursor_here(c);
+    if (!read_word(d, c)) return vs_fail_at(err, where, "%s", WANTED);
+  }
+  deck->n_devices++; /* its formulas are freed with the deck, also when they are not good */
+  vs_status status = vs_contract_formula(deck, c, ",", &d->voltage, err);
+  if (!status && !vs_cursor_take(c, ','))
+    status =
+        vs_fail_at(err, vs_cursor_here(c), "',' and the formula of its current are wanted here");
+  if (!status) status = vs_contract_formula(deck, c, ",\"", &d->current, err);
+  vs_cursor_skip(c);
+  d->where_flux = vs_cursor_here(c);
+  d->has_flux = !status && vs_cursor_take(c, ',');
+  if (d->has_flux) status = vs_contract_formula(deck, c, "\"", &d->flux, err);
+  return status ? status : vs_cursor_text(c, d->text, sizeof d->text, err);
+}
+
+/* "0.5 K/W" */
+static bool read_positive(vs_cursor *c, const char *unit, double *si) {
+  char value[VS_DECK_NAME], written[VS_DECK_NAME], both[2 * VS_DECK_NAME], why[200];
+  vs_cursor_token(c, value, sizeof value);
+  vs_cursor_token(c, written, sizeof written);
+  snprintf(both, sizeof both, "%s %s", value, written);
+  return vs_units_read(both, unit, si, why, sizeof why) && *si > 0;
+}
+
+/* zth R K/W TAU s [assumed] "TEXT" */
+vs_status vs_devices_zth(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  vs_zth zth = {.where = c->line};
+  char text[VS_DECK_TEXT];
+  vs_cursor_skip(c);
+  vs_where where = vs_cursor_here(c);
+  if (!read_positive(c, "K/W", &zth.k_per_w) || !read_positive(c, "s", &zth.tau_s))
+    return vs_fail_at(err, where,
+                      "zth: a thermal resistance and its time constant are wanted here, both "
+                      "positive, as 0.5 K/W 1 ms");
+  zth.assumed = vs_cursor_is(c, "assumed");
+  vs_status status = vs_cursor_text(c, text, sizeof text, err);
+  size_t same = 0;
+  for (size_t k = 0; k < deck->n_zth; k++) same += !strcmp(deck->zth[k].where.file, c->line.file);
+  if (!status && (same >= VS_PART_ZTH || deck->n_zth >= VS_DECK_LIMITS))
+    status = vs_fail_at(err, c->line, "more than %d of these lines", VS_PART_ZTH);
+  if (!status) deck->zth[deck->n_zth++] = zth;
+  return status;
+}
+
+/* ---- once the parts are chosen ---- */
+
+/* Which of the deck's parts goes by this name; -1: none does. */
+static int find_part(const vs_deck *deck, const char *name) {
+  for (size_t p = 0; p < deck->n_parts; p++)
+    if (!strcmp(deck->parts[p].name, name)) return (int)p;
+  return -1;
+}
+
+static vs_status unknown_kind(const vs_deck *deck, const vs_device *d, const char *said,
+                              vs_error *err) {
+  const char *names[VS_DECK_PARTS + VS_DECK_MOST];
+  vs_text kinds = {0};
+  size_t n = 0;
+  for (size_t p = 0; p < deck->n_parts; p++) names[n++] = deck->parts[p].name;
+  for (size_t k = 0; k < vs_n_kinds; k++) {
+    vs_text_add(&kinds, "%s%s", k ? ", " : "", vs_kinds_all[k].name);
+    names[n++] = vs_kinds_all[k].name;
+  }
+  const char *nearest = vs_text_nearest(said, names, n);
+  vs_status status = vs_fail_at(
+      err, d->where_of, "device %s: '%s' is no part of this deck and no kind; there are: %s%s%s%s",
+      d->name, said, kinds.text, nearest ? "; did you mean '" : "", nearest ? nearest : "",
+      nearest ? "'?" : "");
+  vs_text_free(&kinds);
+  return status;
+}
+
+/* The kind is that of the part's file, else as the line says. */
+static vs_status resolve_kind(const vs_deck *deck, vs_device *d, vs_error *err) {
+  const char *said = *d->of ? d->of : d->name;
+  d->part = find_part(deck, said);
+  if (d->part < 0) d->part = find_part(deck, d->name);
+  d->kind = find_kind(said);
+  bool known = d->kind || find_part(deck, said) >= 0;
+  if (!known) return deck->lost & VS_LOST_PARAM ? VS_OK : unknown_kind(deck, d, said, err);
+  if (d->part < 0) return VS_OK;
+  const vs_part *part = &deck->parts[d->part];
+  if (!part->file) return VS_OK; /* a check carries on: it was not found */
+  const vs_part_file *file = vs_parts_file(deck, part->file);
+  if (!file && !d->kind)
+    return vs_fail_at(err, (vs_where){.file = part->file},
+                      "has no line '*$ part KIND \"TEXT\"', which the device %s at %s:%d asks for",
+                      d->name, d->where.file, d->where.line);
+  if (!file) return VS_OK;
+  if (d->kind && *d->of && strcmp(d->of, part->name) && strcmp(d->of, file->kind))
+    return vs_fail_at(err, d->where_of, "device %s: its part %s is of kind %s, not %s", d->name,
+                      part->subcircuit, file->kind, d->of);
+  d->kind = find_kind(file->kind);
+  return d->kind ? VS_OK
+                 : vs_fail_at(err, d->where_of,
+                              "device %s: its part %s is of kind %s, of which nothing is measured",
+                              d->name, part->subcircuit, file->kind);
+}
+
+/* Its gate pulses are those of the port named, else of the deck's first. */
+static vs_status resolve_gate(const vs_deck *deck, vs_device *d, vs_error *err) {
+  bool named = !isnan(d->gate_rad);
+  if (named && d->kind && !d->kind->gated)
+    return vs_fail_at(err, d->where_gate, "device %s: a %s has no gate", d->name, d->kind->name);
+  for (size_t p = 0; p < deck->n_ports; p++) {
+    const vs_signal *signal = &deck->ports[p].signal;
+    if (signal->drive != VS_DRIVE_GATE && signal->drive != VS_DRIVE_BURST) continue;
+    if (named && fabs(signal->shift_rad - d->gate_rad) > 1e-9) continue;
+    d->gate_rad = signal->shift_rad;
+    return VS_OK;
+  }
+  if (!named || deck->lost & VS_LOST_PORT) return VS_OK;
+  return vs_fail_at(err, d->where_gate, "device %s: the deck has no such port", d->name);
+}
+
+static vs_status check_flux(const vs_device *d, vs_error *err) {
+  bool can = !d->kind || !d->has_flux;
+  for (size_t k = 0; d->kind && k < d->kind->n_measures; k++)
+    can = can || d->kind->measures[k].of == VS_OF_FLUX;
+  return can ? VS_OK
+             : vs_fail_at(err, d->where_flux,
+                          "device %s: of a %s two formulas are wanted, not three", d->name,
+                          d->kind->name);
+}
+
+/* A device it protects stands in the deck, and there is something to be held against it. */
+static vs_status resolve_ward(const vs_deck *deck, vs_device *d, vs_error *err) {
+  const char *names[VS_DECK_DEVICES];
+  bool can = !d->kind;
+  if (!*d->ward) return VS_OK;
+  for (size_t k = 0; d->kind && k < d->kind->n_measures; k++)
+    can = can || d->kind->measures[k].held == VS_WARD_AT_MOST;
+  if (!can)
+    return vs_fail_at(err, d->where_ward, "device %s: a %s protects nothing; a fuse does", d->name,
+                      d->kind->name);
+  for (size_t k = 0; k < deck->n_devices; k++) {
+    names[k] = deck->devices[k].name;
+    if (!strcmp(names[k], d->ward)) d->protects = (int)k;
+  }
+  if (d->protects >= 0) return VS_OK;
+  const char *nearest = vs_text_nearest(d->ward, names, deck->n_devices);
+  return vs_fail_at(err, d->where_ward, "device %s: no device '%s' stands in the deck%s%s%s",
+                    d->name, d->ward, nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                    nearest ? "'?" : "");
+}
+
+static const char *file_of(const vs_deck *deck, const vs_device *d) {
+  return d->part < 0 ? NULL : deck->parts[d->part].file;
+}
+
+const vs_limit *vs_devices_limit(const vs_deck *deck, const vs_device *d,
+                                 const vs_device_measure *m) {
+  bool ward = m->held == VS_WARD_AT_MOST;
+  if (ward && d->protects < 0) return NULL;
+  const char *file = file_of(deck, ward ? &deck->devices[d->protects] : d);
+  const vs_limit *limit = file && m->limit ? vs_parts_find_limit(deck, file, m->limit) : NULL;
+  return limit && isfinite(limit->value) ? limit : NULL;
+}
+
+static vs_status check_limits(const vs_deck *deck, const vs_device *d, vs_error *err) {
+  vs_status status = VS_OK;
+  for (size_t k = 0; d->kind && k < d->kind->n_measures && !status; k++) {
+    const vs_device_measure *m = &d->kind->measures[k];
+    const vs_limit *limit = vs_devices_limit(deck, d, m);
+    if (!limit || vs_units_same_kind(limit->unit, m->unit)) continue;
+    status = vs_fail_at(err, limit->where, "limit %s: a unit as %s is wanted, for %s.%s",
+                        limit->name, m->unit, d->name, m->name);
+    status = vs_error_carry_on(err, status);
+  }
+  return status;
+}
+
+vs_status vs_devices_resolve(vs_deck *deck, vs_error *err) {
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < deck->n_devices && !status; k++) {
+    vs_device *d = &deck->devices[k];
+    status = vs_error_carry_on(err, resolve_kind(deck, d, err));
+    if (!status) status = vs_error_carry_on(err, resolve_gate(deck, d, err));
+    if (!status) status = vs_error_carry_on(err, check_flux(d, err));
+    if (!status) status = vs_error_carry_on(err, resolve_ward(deck, d, err));
+  }
+  for (size_t k = 0; k < deck->n_devices && !status; k++)
+    status = check_limits(deck, &deck->devices[k], err);
+  return status;
+}
+
+bool vs_devices_fails_ward(const vs_deck *deck, size_t device, char *text, size_t size) {
+  const vs_device *d = &deck->devices[device];
+  if (d->protects < 0) return false;
+  const vs_device *ward = &deck->devices[d->protects];
+  const char *own = file_of(deck, d), *its = file_of(deck, ward);
+  const vs_limit *clears = own ? vs_parts_find_limit(deck, own, "i2t_clear") : NULL;
+  const vs_limit *bears = its ? vs_parts_find_limit(deck, its, "i2t") : NULL;
+  if (!clears || !bears || !isfinite(clears->value) || clears->value <= bears->value) return false;
+  snprintf(text, size, "%s: i2t_clear of %s, %s, is above i2t of %s, %s, which it is to protect",
+           d->name, deck->parts[d->part].subcircuit, clears->written,
+           deck->parts[ward->part].subcircuit, bears->written);
+  return true;
+}

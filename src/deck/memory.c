@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "deck/memory.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "deck/contract.h"
+
+/* More words than a device of ngspice has nodes; deeper than subcircuits of makers are nested; and
+ * a path that leaves room for a node's name behind it in VS_MEMORY_NAME. A netlist that has more
+ * is not taken apart. */
+enum { MOST_WORDS = 48, MOST_DEPTH = 12, MOST_PATH = 80 };
+
+/* The words of a line before its parameters (NAME = ..., params:), in lower case. */
+typedef struct words {
+  char text[1024];
+  const char *word[MOST_WORDS];
+  size_t count;
+  bool cut; /* there were more than there is room for */
+} words;
+
+static void split(const char *line, words *w) {
+  static const char PARTING[] = " \t(),";
+  w->count = 0;
+  w->cut = strlen(line) >= sizeof w->text;
+  size_t used = 0;
+  for (const char *s = line + strspn(line, PARTING); *s;) {
+    size_t n = strcspn(s, PARTING);
+    const char *after = s + n + strspn(s + n, PARTING);
+    if (memchr(s, '=', n) || *after == '=' || !strncasecmp(s, "params:", 7)) break;
+    if (w->count == MOST_WORDS || used + n + 1 > sizeof w->text) {
+      w->cut = true;
+      break;
+    }
+    char *word = w->text + used;
+    memcpy(word, s, n);
+    word[n] = '\0';
+    vs_cursor_lower(word);
+    w->word[w->count++] = word;
+    used += n + 1;
+    s = after;
+  }
+}
+
+/* An instance of a subcircuit, or the deck: lines first..last - 1, but for those of subcircuits
+ * defined there. */
+typedef struct level {
+  const struct level *home; /* where its definition stands: what is defined there it may use */
+  size_t first, last;
+  char path[VS_MEMORY_NAME];              /* "" or "xa.xb." */
+  words inner;                            /* its .subckt line: the nodes are words 2 .. */
+  char names[MOST_WORDS][VS_MEMORY_NAME]; /* of the nodes it hangs at, full */
+  size_t n_nodes;
+  int depth;
+} level;
+
+typedef struct search {
+  const vs_deck *deck;
+  vs_memories *all;
+} search;
+
+static bool starts(const vs_line *line, const char *word) {
+  size_t n = strlen(word);
+  return !strncasecmp(line->text, word, n) && !isalnum((unsigned char)line->text[n]);
+}
+
+/* The line behind the .ends that closes the .subckt at line k. */
+static size_t behind(const vs_deck *deck, size_t k) {
+  int depth = 0;
+  for (; k < deck->n_lines; k++) {
+    depth += starts(&deck->lines[k], ".subckt");
+    depth -= starts(&deck->lines[k], ".ends");
+    if (depth == 0) return k + 1;
+  }
+  return k;
+}
+
+static bool is_global(const vs_deck *deck, const char *node) {
+  words w;
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    if (!starts(&deck->lines[k], ".global")) continue;
+    split(deck->lines[k].text, &w);
+    for (size_t n = 1; n < w.count; n++)
+      if (!strcmp(w.word[n], node)) return true;
+  }
+  return false;
+}
+
+/* A node's name in the whole circuit. */
+static void full_name(const search *s, const level *l, const char *node, char out[VS_MEMORY_NAME]) {
+  for (size_t k = 0; k < l->n_nodes; k++)
+    if (!strcmp(l->inner.word[k + 2], node)) {
+      snprintf(out, VS_MEMORY_NAME, "%s", l->names[k]);
+      return;
+    }
+  if (!strcmp(node, "0") || !strcmp(node, "gnd"))
+    snprintf(out, VS_MEMORY_NAME, "0");
+  else
+    snprintf(out, VS_MEMORY_NAME, "%.80s%.70s", is_global(s->deck, node) ? "" : l->path, node);
+}
+
+static bool add(const search *s, const vs_memory *m) {
+  vs_memories *all = s->all;
+  for (size_t k = 0; k < all->count; k++)
+    if (!strcmp(all->item[k].plus, m->plus) && !strcmp(all->item[k].minus, m->minus)) return true;
+  if (!strcmp(m->plus, m->minus)) return true;
+  if (all->count == VS_MEMORIES) return false;
+  all->item[all->count++] = *m;
+  return true;
+}
+
+static bool add_voltage(const search *s, const level *l, const char *plus, const char *minus) {
+  char p[VS_MEMORY_NAME], n[VS_MEMORY_NAME];
+  vs_memory m;
+  full_name(s, l, plus, p);
+  full_name(s, l, minus, n);
+  snprintf(m.plus, sizeof m.plus, "v(%.150s)", p);
+  snprintf(m.minus, sizeof m.minus, "v(%.150s)", n);
+  return add(s, &m);
+}
+
+/* "l1" in xa.xb is ngspice's l.xa.xb.l1 */
+static bool add_current(const search *s, const level *l, const char *element) {
+  vs_memory m;
+  if (*l->path)
+    snprintf(m.plus, sizeof m.plus, "i(%c.%.80s%.64s)", *element, l->path, element);
+  else
+    snprintf(m.plus, sizeof m.plus, "i(%.64s)", element);
+  snprintf(m.minus, sizeof m.minus, "v(0)");
+  return add(s, &m);
+}
+
+/* Does any .model line of that name say one of the words? As they may be local, all are asked. */
+static bool model_says(const vs_deck *deck, const char *model, const char *const *said,
+                       size_t count) {
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    words w;
+    const char *text = deck->lines[k].text;
+    if (!starts(&deck->lines[k], ".model")) continue;
+    split(text, &w);
+    if (w.count < 2 || strcmp(w.word[1], model)) continue;
+    for (const char *s = text + 6; *s;) {
+      size_t n = 0;
+      while (isalnum((unsigned char)s[n]) || s[n] == '_') n++;
+      for (size_t c = 0; c < count; c++)
+        if (n == strlen(said[c]) && !strncasecmp(s, said[c], n)) return true;
+      s += n ? n : 1;
+    }
+  }
+  return false;
+}
+#define MODEL_SAYS(deck, model, list) model_says(deck, model, list, sizeof list / sizeof *list)
+
+/* A junction whose model has no charge holds none. */
+static bool holds_charge(const search *s, const words *w, size_t from) {
+  static const char *const CHARGES[] = {"cjo", "cj0", "cj", "cjp", "cjsw", "tt", "cje",
+                                        "cjc", "cjs", "tf", "tr",  "cgs",  "cgd"};
+  for (size_t k = from; k < w->count; k++)
+    if (MODEL_SAYS(s->deck, w->word[k], CHARGES)) return true;
+  return false;
+}
+
+/* Code models whose output follows from their inputs alone. */
+static bool forgets(const search *s, const words *w) {
+  static const char *const MEMORIES[] = {"hyst",    "slew", "s_xfer", "int",    "d_dt",
+                                         "lcouple", "core", "delay",  "pswitch"};
+  return w->count > 1 && !MODEL_SAYS(s->deck, w->word[w->count - 1], MEMORIES);
+}
+
+static bool transistor(const search *s, const level *l, const words *w) {
+  const char *const *n = w->word + 1;
+  if (w->count < 5) return false;
+  if (strchr("qj", **w->word) && !holds_charge(s, w, 4)) return true;
+  bool good = add_voltage(s, l, n[1], n[0]) && add_voltage(s, l, n[1], n[2]);
+  return good && (**w->word == 'q' || add_voltage(s, l, n[0], n[2]));
+}
+
+static bool subcircuit(const search *s, const level *l, const words *w);
+
+/* Elements that remember nothing of their own: k couples inductors, whose currents are seen; s and
+ * w switch only when their control does other than it did. */
+static const char FORGETFUL[] = "bfhikrsvw";
+
+/* A formula's inductor becomes something else in ngspice, whose current has no such name. */
+static bool inductor(const search *s, const level *l, const char *line, const words *w) {
+  return !strcasestr(line, "v(") && !strcasestr(line, "i(") && add_current(s, l, w->word[0]);
+}
+
+/* Adds what one element remembers. Returns false where no signal shows it. */
+static bool element(const search *s, const level *l, const char *line) {
+  words w;
+  split(line, &w);
+  if (w.cut || w.count < 2) return false;
+  const char *const *n = w.word + 1;
+  if (strchr(FORGETFUL, **w.word)) return true;
+  switch (**w.word) {
+  case 'e':
+  case 'g':
+    return !strcasestr(line, "laplace") && !strcasestr(line, "freq");
+  case 'c':
+    return w.count > 2 && add_voltage(s, l, n[0], n[1]);
+  case 'l':
+    return inductor(s, l, line, &w);
+  case 'd':
+    return w.count > 2 && (!holds_charge(s, &w, 3) || add_voltage(s, l, n[0], n[1]));
+  case 'q':
+  case 'j':
+  case 'z':
+  case 'm':
+    return !strcasestr(line, "thermal") && transistor(s, l, &w);
+  case 'a':
+    return forgets(s, &w);
+  case 'x':
+    return subcircuit(s, l, &w);
+  default:
+    return false;
+  }
+}
+
+static bool take_apart(const search *s, const level *l) {
+  for (size_t k = l->first; k < l->last; k++) {
+    const vs_line *line = &s->deck->lines[k];
+    if (starts(line, ".subckt"))
+      k = behind(s->deck, k) - 1;
+    else if (*line->text != '.' && !element(s, l, line->text))
+      return false;
+  }
+  return true;
+}
+
+/* The one definition of that name at a level; n_lines: none. Two are not to be told apart. */
+static size_t definition(const vs_deck *deck, const level *at, const char *name, bool *twice) {
+  size_t found = deck->n_lines;
+  for (size_t k = at->first; k < at->last; k++) {
+    words w;
+    if (!starts(&deck->lines[k], ".subckt")) continue;
+    split(deck->lines[k].text, &w);
+    if (w.count > 1 && !strcmp(w.word[1], name)) {
+      *twice = *twice || found < deck->n_lines;
+      found = k;
+    }
+    k = behind(deck, k) - 1;
+  }
+  return found;
+}
+
+/* What a subcircuit is called that an instance names, by a part or by itself. */
+static const char *name_of(const vs_deck *deck, const char *name) {
+  for (size_t p = 0; p < deck->n_parts; p++)
+    if (!strcasecmp(name, deck->parts[p].name)) return deck->parts[p].subcircuit;
+  return name;
+}
+
+/* Finds the definition that holds at a level: its own, or that of the nearest level about it, which
+ * becomes *home. Returns n_lines where there is none, or where two are not to be told apart. */
+static size_t definition_for(const vs_deck *deck, const char *name, const level **home) {
+  bool twice = false;
+  size_t at = definition(deck, *home, name, &twice);
+  while (at == deck->n_lines && (*home)->home) {
+    *home = (*home)->home;
+    at = definition(deck, *home, name, &twice);
+  }
+  return twice ? deck->n_lines : at;
+}
+
+/* Fills the level of an instance w at level l, whose definition begins at that line. Returns false
+ * where its nodes are not as many as the definition's, or its path is longer than there is room. */
+static bool descend(const search *s, const level *l, const words *w, size_t at, level *in) {
+  split(s->deck->lines[at].text, &in->inner);
+  in->first = at + 1;
+  in->last = behind(s->deck, at) - 1;
+  in->depth = l->depth + 1;
+  if (in->inner.cut || w->count != in->inner.count) return false;
+  if (strlen(l->path) + strlen(w->word[0]) + 2 >= MOST_PATH) return false;
+  in->n_nodes = in->inner.count - 2;
+  snprintf(in->path, sizeof in->path, "%.80s%.60s.", l->path, w->word[0]);
+  for (size_t k = 0; k < in->n_nodes; k++) full_name(s, l, w->word[k + 1], in->names[k]);
+  return true;
+}
+
+static bool subcircuit(const search *s, const level *l, const words *w) {
+  const level *home = l;
+  if (!*l->path && !strcmp(w->word[0], s->deck->eva)) return true;
+  if (l->depth == MOST_DEPTH) return false;
+  size_t at = definition_for(s->deck, name_of(s->deck, w->word[w->count - 1]), &home);
+  if (at == s->deck->n_lines) return false;
+  level *in = vs_alloc(1, sizeof *in);
+  in->home = home;
+  bool good = descend(s, l, w, at, in) && take_apart(s, in);
+  free(in);
+  return good;
+}
+
+bool vs_memory_list(const vs_deck *deck, vs_memories *all) {
+  level *top = vs_alloc(1, sizeof *top);
+  top->last = deck->n_lines;
+  const search s = {deck, all};
+  bool good = take_apart(&s, top);
+  free(top);
+  return good;
+}

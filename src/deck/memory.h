@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Lists what a circuit remembers, so that all of it can be watched: every capacitor's and every
+ * junction's voltage and every inductor's current, in the whole netlist, with each instance of a
+ * subcircuit taken apart. When all of these do as they did a cycle ago, so does the circuit; that
+ * is what leaving its solver depends on (quiet/quiet.h). */
+#ifndef VS_DECK_MEMORY_H
+#define VS_DECK_MEMORY_H
+
+#include "deck/deck.h"
+
+/* Room for 192 values is six times what any deck needs that comes with the program, the most of
+ * them 29. A name has room for a path of 80 characters and a node. */
+enum { VS_MEMORIES = 192, VS_MEMORY_NAME = 160 };
+
+/* One value, V or A: the signal `plus` less the signal `minus`, as ngspice names them. A voltage
+ * is "v(xf1.i2t)" less "v(0)"; a current is "i(l.xt.lleak)" less "v(0)". */
+typedef struct vs_memory {
+  char plus[VS_MEMORY_NAME], minus[VS_MEMORY_NAME];
+} vs_memory;
+
+/* The caller owns it; it needs no freeing. */
+typedef struct vs_memories {
+  vs_memory item[VS_MEMORIES];
+  size_t count;
+} vs_memories;
+
+/* Fills *all, which must be empty (count 0). The EVA itself is left out: its flux linkage is known.
+ * Returns false where the list cannot be complete; *all is void then. That is so where an element
+ * keeps a state that no signal shows (a transmission line, a code model such as `int`), where the
+ * netlist cannot be taken apart for certain (a name defined twice), and where there are too many
+ * values. */
+bool vs_memory_list(const vs_deck *deck, vs_memories *all);
+
+#endif

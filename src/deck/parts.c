@@ -1,0 +1,360 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "deck/parts.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "base/units.h"
+#include "deck/contract.h"
+
+/* ---- reading ---- */
+
+/* part KIND "TEXT" */
+vs_status vs_parts_kind(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  vs_part_file file = {.where = c->line};
+  if (!vs_cursor_word(c, "", file.kind, sizeof file.kind))
+    return vs_fail_at(err, vs_cursor_here(c), "'part KIND \"TEXT\"' is wanted here");
+  vs_status status = vs_cursor_text(c, file.text, sizeof file.text, err);
+  for (size_t k = 0; k < deck->n_part_files && !status; k++)
+    if (!strcmp(deck->part_files[k].where.file, c->line.file))
+      status = vs_fail_at(err, c->line, "a second line 'part'; a file is one part");
+  if (!status && deck->n_part_files >= VS_DECK_PARTS)
+    status = vs_fail_at(err, c->line, "more than %d parts", VS_DECK_PARTS);
+  if (!status) deck->part_files[deck->n_part_files++] = file;
+  return status;
+}
+
+/* Limits that go by a name of the field's: their units, and the kind of part they are of ("": of
+ * any). Some are held against measures (deck/devices.h), v_drm, v_rrm and v_rms against the
+ * mains, i2t_clear against what the fuse protects; the others are for the reader. */
+static const struct {
+  const char *name, *unit, *kind;
+} KNOWN[] = {{"v_drm", "V", ""},
+             {"v_rrm", "V", ""},
+             {"v_rms", "V", ""},
+             {"i_t_rms", "A", "thyristor"},
+             {"i_tsm", "A", "thyristor"},
+             {"i2t", "A2.s", "thyristor"},
+             {"dv_dt", "V/us", "thyristor"},
+             {"di_dt", "A/us", "thyristor"},
+             {"t_q", "us", "thyristor"},
+             {"t_j_rise", "K", "thyristor"},
+             {"v_dc", "V", "varistor"},
+             {"v_clamp", "V", "varistor"},
+             {"v_varistor", "V", "varistor"},
+             {"i_surge", "A", "varistor"},
+             {"energy", "J", "varistor"},
+             {"v_rated", "V", "fuse"},
+             {"i_rated", "A", "fuse"},
+             {"i_fusing", "A", "fuse"},
+             {"i2t_melt", "A2.s", "fuse"},
+             {"i2t_clear", "A2.s", "fuse"},
+             {"v_arc", "V", "fuse"},
+             {"volt_seconds", "V.s", "gate_drive"}};
+enum { KNOWN_LIMITS = sizeof KNOWN / sizeof *KNOWN };
+
+static const char *known_unit(const char *name) {
+  for (size_t k = 0; k < KNOWN_LIMITS; k++)
+    if (!strcmp(name, KNOWN[k].name)) return KNOWN[k].unit;
+  return NULL;
+}
+
+/* limit NAME = VALUE UNIT [assumed] "TEXT", limit NAME = none "TEXT" */
+vs_status vs_parts_limit(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  char value[VS_DECK_NAME], why[200];
+  vs_limit limit = {.where = c->line, .value = INFINITY};
+  vs_status status = vs_cursor_name(c, limit.name, sizeof limit.name, err);
+  if (status) return status;
+  vs_cursor_skip(c);
+  vs_where where = vs_cursor_here(c);
+  vs_cursor_token(c, value, sizeof value);
+  snprintf(limit.written, sizeof limit.written, "%s", value);
+  if (strcmp(value, "none")) {
+    vs_cursor_token(c, limit.unit, sizeof limit.unit);
+    snprintf(limit.written, sizeof limit.written, "%s %s", value, limit.unit);
+    const char *kind = known_unit(limit.name);
+    if (kind && vs_units_known(limit.unit) && !vs_units_same_kind(limit.unit, kind))
+      return vs_fail_at(err, where, "limit %s: a unit as %s is wanted, not '%s'", limit.name, kind,
+                        limit.unit);
+    if (!*limit.unit || !vs_units_known(limit.unit) ||
+        !vs_units_read(limit.written, limit.unit, &limit.value, why, sizeof why) ||
+        limit.value <= 0)
+      return vs_fail_at(err, where,
+                        "limit %s: a positive number with a unit known here, or 'none', is wanted, "
+                        "not '%s'",
+                        limit.name, limit.written);
+    limit.assumed = vs_cursor_is(c, "assumed");
+  }
+  status = vs_cursor_text(c, limit.text, sizeof limit.text, err);
+  for (size_t k = 0; k < deck->n_limits && !status; k++)
+    if (!strcmp(deck->limits[k].where.file, c->line.file) &&
+        !strcmp(deck->limits[k].name, limit.name))
+      status = vs_fail_at(err, c->line, "limit %s stands here a second time", limit.name);
+  if (!status && deck->n_limits >= VS_DECK_LIMITS)
+    status = vs_fail_at(err, c->line, "more than %d limits", VS_DECK_LIMITS);
+  if (!status) deck->limits[deck->n_limits++] = limit;
+  return status;
+}
+
+/* "-0.5", "thyristor.v_drm", "-thyristor.v_rrm" */
+static bool read_bound(const char *text, vs_bound *bound) {
+  char *end, *dot;
+  bound->value = strtod(text, &end);
+  if (end != text && !*end) return true;
+  bound->sign = *text == '-' ? -1 : 1;
+  snprintf(bound->part, sizeof bound->part, "%s", text + (*text == '-'));
+  dot = strchr(bound->part, '.');
+  if (!dot || dot == bound->part || !dot[1]) return false;
+  *dot = '\0';
+  snprintf(bound->limit, sizeof bound->limit, "%s", dot + 1);
+  return true;
+}
+
+static bool read_bounds(char *range, vs_rating *rating) {
+  char *dots = strstr(range, "..");
+  if (!dots) return false;
+  *dots = '\0';
+  return read_bound(range, &rating->bounds[0]) && read_bound(dots + 2, &rating->bounds[1]) &&
+         (*rating->bounds[0].part || *rating->bounds[1].part ||
+          rating->bounds[0].value <= rating->bounds[1].value);
+}
+
+/* rating PROBE MIN..MAX UNIT "TEXT" */
+vs_status vs_parts_rating(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  char name[VS_DECK_NAME], range[4 * VS_DECK_NAME];
+  const char *names[VS_DECK_MOST];
+  vs_rating rating = {.probe = -1, .where = c->line};
+  vs_cursor_skip(c);
+  vs_where where = vs_cursor_here(c);
+  if (!vs_cursor_word(c, "", name, sizeof name))
+    return vs_fail_at(err, where, "'rating PROBE MIN..MAX UNIT' is wanted here");
+  for (size_t k = 0; k < deck->n_probes; k++) {
+    names[k] = deck->probes[k].name;
+    if (!strcmp(name, names[k])) rating.probe = (int)k;
+  }
+  if (rating.probe < 0 && deck->lost & VS_LOST_PROBE) return VS_OK;
+  if (rating.probe < 0) {
+    const char *nearest = vs_text_nearest(name, names, deck->n_probes);
+    return vs_fail_at(err, where, "rating: no probe '%s' stands above%s%s%s", name,
+                      nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                      nearest ? "'?" : "");
+  }
+  vs_cursor_skip(c);
+  where = vs_cursor_here(c);
+  vs_cursor_token(c, range, sizeof range);
+  if (!read_bounds(range, &rating))
+    return vs_fail_at(err, where,
+                      "rating %s: a range MIN..MAX is wanted here, each a number or a part's limit "
+                      "(thyristor.v_drm)",
+                      name);
+  vs_cursor_skip(c);
+  where = vs_cursor_here(c);
+  bool good = vs_cursor_word(c, "./^%", rating.unit, sizeof rating.unit);
+  if (!good || !vs_units_same_kind(rating.unit, deck->probes[rating.probe].unit))
+    return vs_fail_at(err, where, "rating %s: a unit of the probe's kind is wanted here, as %s",
+                      name, deck->probes[rating.probe].unit);
+  vs_status status = vs_cursor_text(c, rating.text, sizeof rating.text, err);
+  if (!status && deck->n_ratings >= VS_DECK_MOST)
+    status = vs_fail_at(err, c->line, "more than %d ratings", VS_DECK_MOST);
+  if (!status) deck->ratings[deck->n_ratings++] = rating;
+  return status;
+}
+
+/* require FORMULA <= FORMULA "TEXT", of parameters; or < */
+vs_status vs_parts_require(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  if (deck->n_requirements >= VS_DECK_MOST)
+    return vs_fail_at(err, c->line, "more than %d of these lines", VS_DECK_MOST);
+  vs_requirement *r = &deck->requirements[deck->n_requirements++];
+  vs_cursor_skip(c);
+  const char *begin = c->at;
+  r->where = vs_cursor_here(c);
+  vs_status status = vs_contract_formula(deck, c, "<", &r->left, err);
+  if (status) return status;
+  if (!vs_cursor_take(c, '<'))
+    return vs_fail_at(err, vs_cursor_here(c), "an operator, '<' or '<=' is wanted here");
+  r->equal = *c->at == '=';
+  c->at += r->equal;
+  status = vs_contract_formula(deck, c, "\"", &r->right, err);
+  if (status) return status;
+  if (vs_formula_has_terms(&r->left) || vs_formula_has_terms(&r->right))
+    return vs_fail_at(err, r->where, "require: parameters are compared, no voltages and currents");
+  const char *end = c->at;
+  while (end > begin && strchr(" \t", end[-1])) end--;
+  snprintf(r->written, sizeof r->written, "%.*s", (int)(end - begin), begin);
+  return vs_cursor_text(c, r->text, sizeof r->text, err);
+}
+
+/* ---- once the parts are chosen ---- */
+
+const vs_part_file *vs_parts_file(const vs_deck *deck, const char *path) {
+  for (size_t k = 0; k < deck->n_part_files; k++)
+    if (!strcmp(deck->part_files[k].where.file, path)) return &deck->part_files[k];
+  return NULL;
+}
+
+vs_status vs_parts_check_kind(const vs_deck *deck, const vs_part *part, vs_where where,
+                              vs_error *err) {
+  const vs_part_file *file = vs_parts_file(deck, part->file);
+  if (!*part->kind || (file && !strcmp(file->kind, part->kind))) return VS_OK;
+  if (!file)
+    return vs_fail_at(err, (vs_where){.file = part->file},
+                      "has no line '*$ part %s \"TEXT\"', which circuit.%s asks for", part->kind,
+                      part->name);
+  return vs_fail_at(err, where,
+                    "circuit.%s: %s is a part of kind %s, and %s is wanted; see 'vibrospice list "
+                    "parts'",
+                    part->name, part->subcircuit, file->kind, part->kind);
+}
+
+const vs_limit *vs_parts_find_limit(const vs_deck *deck, const char *file, const char *name) {
+  for (size_t k = 0; k < deck->n_limits; k++)
+    if (!strcmp(deck->limits[k].where.file, file) && !strcmp(deck->limits[k].name, name))
+      return &deck->limits[k];
+  return NULL;
+}
+
+static vs_status resolve_bound(const vs_deck *deck, const vs_rating *r, const vs_bound *bound,
+                               double *value, vs_error *err) {
+  if (!*bound->part) {
+    *value = bound->value * vs_units_factor(r->unit);
+    return VS_OK;
+  }
+  size_t p = 0;
+  const char *names[VS_DECK_PARTS];
+  for (size_t k = 0; k < deck->n_parts; k++) names[k] = deck->parts[k].name;
+  while (p < deck->n_parts && strcmp(names[p], bound->part)) p++;
+  if (p == deck->n_parts && deck->lost & VS_LOST_PARAM) return VS_OK;
+  if (p == deck->n_parts) {
+    const char *nearest = vs_text_nearest(bound->part, names, deck->n_parts);
+    return vs_fail_at(err, r->where, "rating: '%s' is no part of this deck%s%s%s", bound->part,
+                      nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                      nearest ? "'?" : "");
+  }
+  if (!deck->parts[p].file) return VS_OK; /* a check carries on: it was not found */
+  const vs_limit *limit = vs_parts_find_limit(deck, deck->parts[p].file, bound->limit);
+  if (!limit)
+    return vs_fail_at(err, (vs_where){.file = deck->parts[p].file},
+                      "has no line '*$ limit %s = VALUE UNIT' (or none), which the rating of %s at "
+                      "%s:%d asks for",
+                      bound->limit, deck->probes[r->probe].name, r->where.file, r->where.line);
+  if (isfinite(limit->value) && !vs_units_same_kind(limit->unit, r->unit))
+    return vs_fail_at(err, limit->where, "limit %s: a unit as %s is wanted, for the rating of %s",
+                      limit->name, r->unit, deck->probes[r->probe].name);
+  *value = bound->sign * limit->value;
+  return VS_OK;
+}
+
+vs_status vs_parts_resolve(vs_deck *deck, vs_error *err) {
+  vs_status status = VS_OK;
+  size_t kept = 0;
+  for (size_t k = 0; k < deck->n_ratings && !status; k++) {
+    vs_rating r = deck->ratings[k];
+    r.min = -INFINITY;
+    r.max = INFINITY;
+    status = vs_error_carry_on(err, resolve_bound(deck, &r, &r.bounds[0], &r.min, err));
+    if (!status)
+      status = vs_error_carry_on(err, resolve_bound(deck, &r, &r.bounds[1], &r.max, err));
+    if (!status && r.min > r.max)
+      status = vs_error_carry_on(
+          err,
+          vs_fail_at(err, r.where,
+                     "rating: from %g to %g %s there is nothing; MIN..MAX is "
+                     "wanted",
+                     r.min / vs_units_factor(r.unit), r.max / vs_units_factor(r.unit), r.unit));
+    if (isfinite(r.min) || isfinite(r.max)) deck->ratings[kept++] = r;
+  }
+  deck->n_ratings = kept;
+  return status;
+}
+
+/* The parameters a requirement names, with their values: "a = 3 mA, b = 2 mA". node: of the first
+ * that the scene gives. */
+static void describe(const vs_deck *deck, const vs_requirement *r, const vs_circuit_values *values,
+                     const vs_node *section, const vs_node **node, vs_text *text) {
+  const vs_formula *sides[] = {&r->left, &r->right};
+  bool told[VS_DECK_MOST] = {false};
+  for (int side = 0; side < 2; side++)
+    for (size_t n = 0; n < sides[side]->count; n++) {
+      int name = vs_formula_name_of(&sides[side]->ops[n]);
+      for (size_t k = 1; name >= 0 && !told[name] && k < deck->section.count; k++) {
+        const vs_field *f = &deck->section.fields[k];
+        if (f->kind != VS_REAL || strcasecmp(f->key, deck->names[name].name)) continue;
+        double si = *(const double *)(const void *)((const char *)values + f->offset);
+        vs_text_add(text, "%s%s = %.9g%s%s", text->length ? ", " : "", f->key,
+                    si / vs_units_factor(f->unit), *f->unit ? " " : "", f->unit);
+        if (!*node) *node = vs_tree_child(section, f->key);
+        told[name] = true;
+      }
+    }
+}
+
+vs_status vs_parts_require_hold(const vs_deck *deck, const vs_circuit_values *values,
+                                const vs_node *section, vs_error *err) {
+  vs_status status = VS_OK;
+  if (deck->lost & VS_LOST_PARAM) return VS_OK;
+  for (size_t k = 0; k < deck->n_requirements && !status; k++) {
+    const vs_requirement *r = &deck->requirements[k];
+    double left = vs_formula_value(&r->left, NULL), right = vs_formula_value(&r->right, NULL);
+    double slack = r->equal ? 1e-12 * fabs(right) : 0; /* of units' conversion */
+    if (left < right + slack || (r->equal && left == right)) continue;
+    vs_text text = {0};
+    const vs_node *node = NULL;
+    describe(deck, r, values, section, &node, &text);
+    status = vs_fail_at(err, node ? node->where : r->where, "circuit: %s is wanted%s%s%s, and %s",
+                        r->written, *r->text ? " (" : "", r->text, *r->text ? ")" : "",
+                        text.text ? text.text : "it is not so");
+    status = vs_error_carry_on(err, status);
+    vs_text_free(&text);
+  }
+  return status;
+}
+
+bool vs_parts_below_mains(const vs_deck *deck, size_t part, double rms_v, char *text, size_t size) {
+  static const struct {
+    const char *limit, *what;
+    double factor;
+  } HELD[] = {{"v_drm", "peak", M_SQRT2}, {"v_rrm", "peak", M_SQRT2}, {"v_rms", "rms", 1}};
+  const vs_part *p = &deck->parts[part];
+  for (size_t k = 0; k < sizeof HELD / sizeof *HELD && p->file; k++) {
+    const vs_limit *limit = vs_parts_find_limit(deck, p->file, HELD[k].limit);
+    if (!limit || limit->value >= HELD[k].factor * rms_v) continue;
+    snprintf(text, size, "circuit.%s: %s of %s, %s, is below the mains: %.6g V %s", p->name,
+             limit->name, p->subcircuit, limit->written, HELD[k].factor * rms_v, HELD[k].what);
+    return true;
+  }
+  return false;
+}
+
+/* Does a rating of the deck go by this limit? */
+static bool is_rated_by(const vs_deck *deck, const vs_limit *limit) {
+  for (size_t k = 0; k < deck->n_ratings; k++)
+    for (int b = 0; b < 2; b++)
+      for (size_t p = 0; p < deck->n_parts; p++)
+        if (deck->parts[p].file && !strcmp(deck->parts[p].file, limit->where.file) &&
+            !strcmp(deck->parts[p].name, deck->ratings[k].bounds[b].part) &&
+            !strcmp(limit->name, deck->ratings[k].bounds[b].limit))
+          return true;
+  return false;
+}
+
+bool vs_parts_limit_is_idle(const vs_deck *deck, size_t number, char *text, size_t size) {
+  const vs_limit *limit = &deck->limits[number];
+  const vs_part_file *file = vs_parts_file(deck, limit->where.file);
+  const char *names[KNOWN_LIMITS];
+  size_t count = 0;
+  if (!file || isinf(limit->value) || is_rated_by(deck, limit)) return false;
+  for (size_t k = 0; k < KNOWN_LIMITS; k++) {
+    if (*KNOWN[k].kind && strcmp(KNOWN[k].kind, file->kind)) continue;
+    names[count++] = KNOWN[k].name;
+    if (!strcmp(limit->name, KNOWN[k].name)) return false;
+  }
+  const char *nearest = vs_text_nearest(limit->name, names, count);
+  const char *slash = strrchr(limit->where.file, '/');
+  snprintf(text, size, "limit %s of %s: no measure of a %s and no rating is held to it%s%s%s",
+           limit->name, slash ? slash + 1 : limit->where.file, file->kind,
+           nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+  return true;
+}

@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "drive/wave.h"
+
+#include <math.h>
+
+double vs_wave_edge(const vs_timeline *t, double t_s) {
+  double next = INFINITY;
+  for (size_t k = 0; k < t->events.count; k++) {
+    const vs_occurrence *e = &t->events.item[k];
+    if (e->kind->mains && e->kind->edge) next = fmin(next, e->kind->edge(e, t_s));
+  }
+  return next;
+}
+
+/* The stages of drive/events.h: jumps of phase, then harmonics of the wave that jumped, then
+ * factors. What is on is asked for half way to the next edge. */
+static void disturb(const vs_timeline *t, double t_s, vs_wave *w) {
+  double edge = vs_wave_edge(t, t_s);
+  double inside = isinf(edge) ? t_s + t->period_s : t_s + (edge - t_s) / 2;
+  double factor = vs_mains_stage_at(t, VS_MAINS_FACTOR, inside);
+  vs_sine *first = &w->sine[0];
+  first->phase_rad += vs_mains_stage_at(t, VS_MAINS_ANGLE, inside);
+  for (size_t k = 0; k < t->events.count; k++) {
+    const vs_occurrence *e = &t->events.item[k];
+    if (!e->kind->mains || e->kind->stage != VS_MAINS_ADDED || !vs_occurrence_is_on(e, inside))
+      continue;
+    int order = e->v.order;
+    double phase = remainder(order * first->phase_rad, 2 * M_PI) + e->v.phase_rad;
+    vs_sine sine = {factor * e->v.part * t->peak_v, order * t->omega_rad_s, phase};
+    w->highest_rad_s = fmax(w->highest_rad_s, sine.omega_rad_s);
+    w->sine[w->count++] = sine;
+  }
+  first->peak_v *= factor;
+}
+
+void vs_wave_of(const vs_timeline *t, double t_s, vs_wave *w) {
+  w->count = 1;
+  w->highest_rad_s = t->omega_rad_s;
+  w->sine[0] = (vs_sine){t->peak_v, t->omega_rad_s, remainder(vs_mains_phase(t, t_s), 2 * M_PI)};
+  if (t->events.count) disturb(t, t_s, w);
+}
+
+void vs_wave_at(const vs_wave *w, double since_s, double u[3]) {
+  for (size_t k = 0; k < w->count; k++) {
+    const vs_sine *s = &w->sine[k];
+    double omega = s->omega_rad_s, phase = s->phase_rad + omega * since_s;
+    double v = s->peak_v * sin(phase), rate = s->peak_v * omega * cos(phase);
+    double bend = -v * omega * omega;
+    u[0] = k ? u[0] + v : v;
+    u[1] = k ? u[1] + rate : rate;
+    u[2] = k ? u[2] + bend : bend;
+  }
+}
+
+bool vs_wave_is_silent(const vs_wave *w) {
+  for (size_t k = 0; k < w->count; k++)
+    if (w->sine[k].peak_v != 0) return false;
+  return true;
+}
+
+/* A voltage this small, in parts of the sum of all peaks, is none: what rounding makes of a zero.
+ */
+static const double NONE = 1e-13;
+
+/* One that only touches zero does not turn: from a zero on it must rise by more than nothing, which
+ * its rate tells, as u'' lies within its bound. For the same reason u stays below u + u' s + bound
+ * s^2/2: up to that one's zero there is none of u, and near a zero of u the steps are Newton's. */
+double vs_wave_turns(const vs_wave *w, int sense, double since_s, double until_s) {
+  double peak = 0, bound = 0, u[3];
+  for (size_t k = 0; k < w->count; k++) {
+    double omega = w->sine[k].omega_rad_s, of_sine = fabs(w->sine[k].peak_v);
+    peak += of_sine;
+    bound += of_sine * omega * omega;
+  }
+  double none = NONE * peak, at = since_s;
+  while (peak > 0 && at < until_s) {
+    vs_wave_at(w, at, u);
+    double v = sense * u[0], rate = sense * u[1];
+    if (v > none || (v >= -none && rate > sqrt(4 * bound * none))) return at;
+    v = fmin(v, -none); /* it falls through zero, or has touched it */
+    double root = sqrt(rate * rate - 2 * bound * v);
+    at = fmax(at + (rate > 0 ? -2 * v / (root + rate) : (root - rate) / bound),
+              nextafter(at, INFINITY));
+  }
+  return NAN;
+}
+
+double vs_wave_conduction(const vs_timeline *t, double t_s, double until_s) {
+  double from, to;
+  while (vs_gate_stretch(t, 0, t_s, until_s, &from, &to)) {
+    for (t_s = to; from < to;) {
+      double edge = fmin(vs_wave_edge(t, from), to);
+      vs_wave wave;
+      vs_wave_of(t, from, &wave);
+      double since = vs_wave_turns(&wave, 1, 0, edge - from);
+      if (!isnan(since)) return from + since;
+      from = edge;
+    }
+  }
+  return INFINITY;
+}

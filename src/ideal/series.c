@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "ideal/series.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "machine/actuator.h"
+
+/* n-th term of a product of two series; the newest terms come last, so that it can begin before
+ * they are there. */
+static double product(const double *x, const double *y, int n) {
+  double sum = 0;
+  for (int j = 1; j < n; j++) sum += x[j] * y[n - j];
+  return n ? sum + x[0] * y[n] + x[n] * y[0] : x[0] * y[0];
+}
+
+static double larger(double a, double b) {
+  return a > b ? a : b;
+}
+
+/* q[n+2] from q[n], q[n+1] and the n-th term of F: Eq. 54, order by order. */
+static void next_q(const vs_driven *driven, vs_series *s, int n, double force) {
+  const vs_model *m = driven->frame->model;
+  double x[VS_STATES], acceleration[VS_DOF], h = s->span_s, rate = (n + 1) / h;
+  for (int i = 0; i < VS_DOF; i++) {
+    x[i] = s->q[n][i];
+    x[VS_DOF + i] = rate * s->q[n + 1][i];
+  }
+  if (driven->touching) { /* k (p + D) + c p': the D belongs to order 0 */
+    const vs_stop_values *stop = &m->actuator.stop;
+    double depth = n ? x[P] : x[P] + m->actuator.gap_m;
+    force += stop->stiffness_n_m * depth + stop->damping_ns_m * x[VS_DOF + P];
+  }
+  vs_mechanics_accelerations(m, x, force, acceleration);
+  if (driven->held) vs_mechanics_hold_p(m, acceleration);
+  double weight = h * h / ((n + 1) * (n + 2));
+  for (int i = 0; i < VS_DOF; i++) s->q[n + 2][i] = weight * acceleration[i];
+}
+
+/* The terms of one of the mains' sines: u and, beside it, the cosine. */
+typedef struct sine_terms {
+  double wh, u, v;
+} sine_terms;
+
+static sine_terms begin_sine(const vs_sine *s, double since_s, double span_s) {
+  double phase = s->phase_rad + s->omega_rad_s * since_s, wh = s->omega_rad_s * span_s;
+  return (sine_terms){wh, s->peak_v * sin(phase),
+                      s->peak_v * s->omega_rad_s * cos(phase) * span_s / wh};
+}
+
+/* The n-th term of u; each sine goes on to its next one. */
+static double mains_term(sine_terms *sine, size_t count, int n) {
+  double sum = sine->u;
+  for (size_t k = 1; k < count; k++) sum += sine[k].u;
+  for (size_t k = 0; k < count; k++) {
+    double part = sine[k].wh / (n + 1), next = part * sine[k].v;
+    sine[k].v = -part * sine[k].u;
+    sine[k].u = next;
+  }
+  return sum;
+}
+
+void vs_series_make(const vs_driven *driven, const vs_knot *knot, double span_s, vs_series *s) {
+  const vs_model *m = driven->frame->model;
+  const vs_wave *mains = &driven->mains;
+  sine_terms sine[VS_WAVE_MOST];
+  double per_2a = 1 / (2 * m->a_hm);
+  double z[VS_SERIES_ORDER + 1] = {m->gap_rest_m}, force = 0; /* terms of the gap */
+  bool moves = !driven->frame->gap_at_rest;
+  s->span_s = span_s;
+  memset(s->flux, 0, sizeof s->flux);
+  s->flux[0] = knot->flux_wb;
+  for (int i = 0; i < VS_DOF; i++) {
+    s->q[0][i] = knot->x[i];
+    s->q[1][i] = knot->x[VS_DOF + i] * span_s;
+  }
+  for (size_t k = 0; k < mains->count && driven->conducting; k++)
+    sine[k] = begin_sine(&mains->sine[k], driven->since_s, span_s);
+  for (int n = 0; n < VS_SERIES_ORDER; n++) {
+    if (driven->conducting) { /* lambda[n+1] (Eqs. 80, 81), F[n] = lambda^2/(4a) */
+      double part = span_s / (n + 1), u = mains_term(sine, mains->count, n);
+      z[n] += moves ? s->q[n][P] : 0;
+      force = product(s->flux, s->flux, n) * per_2a / 2;
+      s->flux[n + 1] = part * (u - m->actuator.resistance_ohm * per_2a * product(s->flux, z, n));
+    }
+    if (n + 2 <= VS_SERIES_ORDER) next_q(driven, s, n, force);
+  }
+}
+
+double vs_series_part(const vs_driven *driven, const vs_series *s, int n) {
+  double largest = fabs(s->flux[n]) / larger(driven->flux_wb, fabs(s->flux[0]));
+  for (int i = 0; i < VS_DOF; i++) {
+    double size = larger(driven->coordinate[i], fabs(s->q[0][i]) + fabs(s->q[1][i]));
+    largest = larger(largest, fabs(s->q[n][i]) / size);
+  }
+  return largest;
+}
+
+void vs_series_at(const vs_series *s, double at_s, double y[VS_CONDUCTING]) {
+  double r = at_s / s->span_s, flux = s->flux[VS_SERIES_ORDER], q[VS_DOF], v[VS_DOF] = {0};
+  memcpy(q, s->q[VS_SERIES_ORDER], sizeof q);
+  for (int n = VS_SERIES_ORDER - 1; n >= 0; n--) {
+    for (int i = 0; i < VS_DOF; i++) {
+      v[i] = v[i] * r + q[i];
+      q[i] = q[i] * r + s->q[n][i];
+    }
+    flux = flux * r + s->flux[n];
+  }
+  for (int i = 0; i < VS_DOF; i++) {
+    y[i] = q[i];
+    y[VS_DOF + i] = v[i] / s->span_s;
+  }
+  y[VS_FLUX] = flux;
+}
+
+/* One column of terms and its slope. */
+static double column(const vs_series *s, const double *terms, size_t stride, double at_s,
+                     double *rate) {
+  double r = at_s / s->span_s, value = 0, slope = 0;
+  for (int n = VS_SERIES_ORDER; n >= 0; n--) {
+    slope = slope * r + value;
+    value = value * r + terms[(size_t)n * stride];
+  }
+  *rate = slope / s->span_s;
+  return value;
+}
+
+double vs_series_p(const vs_series *s, double at_s, double *rate) {
+  return column(s, &s->q[0][P], VS_DOF, at_s, rate);
+}
+
+double vs_series_flux(const vs_series *s, double at_s, double *rate) {
+  return column(s, s->flux, 1, at_s, rate);
+}
+
+/* ---- the first fall of lambda ---- */
+
+/* Bernstein's coefficients of a polynomial on a stretch of its argument: it lies within them. */
+typedef struct stretch {
+  double lower, upper; /* of 0..1 */
+  double b[VS_SERIES_ORDER + 1];
+} stretch;
+
+/* Of sum c[n] x^n on 0..1: b[k] = sum over n of c[n] binomial(k, n)/binomial(N, n), made by sums of
+ * neighbours. */
+static void bernstein(const double c[VS_SERIES_ORDER + 1], stretch *s) {
+  double choose = 1;
+  s->lower = 0;
+  s->upper = 1;
+  for (int n = 0; n <= VS_SERIES_ORDER; n++) {
+    s->b[n] = c[n] / choose;
+    choose = choose * (VS_SERIES_ORDER - n) / (n + 1);
+  }
+  for (int round = 1; round <= VS_SERIES_ORDER; round++)
+    for (int n = VS_SERIES_ORDER; n >= round; n--) s->b[n] += s->b[n - 1];
+}
+
+/* Both halves, by de Casteljau. */
+static void halve(const stretch *s, stretch *left, stretch *right) {
+  *right = *s;
+  left->lower = s->lower;
+  left->upper = right->lower = (s->lower + s->upper) / 2;
+  for (int n = 0; n <= VS_SERIES_ORDER; n++) {
+    left->b[n] = right->b[0];
+    for (int k = 0; k < VS_SERIES_ORDER - n; k++) right->b[k] = (right->b[k] + right->b[k + 1]) / 2;
+  }
+}
+
+typedef enum falls { NEVER, ONCE, UNKNOWN } falls;
+
+/* By the signs of the coefficients: as many changes as zeros, or an even number more. */
+static falls judge(const stretch *s, double nothing) {
+  int changes = 0, sign = 1;
+  bool below = false;
+  for (int k = 0; k <= VS_SERIES_ORDER; k++) {
+    int own = s->b[k] > nothing ? 1 : s->b[k] < -nothing ? -1 : sign;
+    changes += own != sign;
+    below = below || own < 0;
+    sign = own;
+  }
+  return !below ? NEVER : changes == 1 && s->b[VS_SERIES_ORDER] < -nothing ? ONCE : UNKNOWN;
+}
+
+bool vs_series_flux_falls(const vs_series *series, double at_s, double nothing_wb, double *lower_s,
+                          double *upper_s) {
+  enum { DEEPEST = 48 }; /* halvings, to rounding of the stretch */
+  stretch waiting[DEEPEST + 2];
+  double c[VS_SERIES_ORDER + 1], r = at_s / series->span_s, power = 1;
+  for (int n = 0; n <= VS_SERIES_ORDER; n++, power *= r) c[n] = series->flux[n] * power;
+  bernstein(c, &waiting[0]);
+  for (size_t count = 1; count;) {
+    stretch s = waiting[--count];
+    falls f = judge(&s, nothing_wb);
+    if (f == UNKNOWN && s.upper - s.lower < ldexp(1, -DEEPEST))
+      f = s.b[VS_SERIES_ORDER] < -nothing_wb ? ONCE : NEVER;
+    *lower_s = s.lower * at_s;
+    *upper_s = s.upper * at_s;
+    if (f == ONCE) return true;
+    if (f == NEVER) continue;
+    halve(&s, &waiting[count + 1], &waiting[count]);
+    count += 2;
+  }
+  return false;
+}

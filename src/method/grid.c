@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What stands under vary: a grid, which is all combinations of the values listed, the last axis
+ * running fastest; or a list, the rows of a CSV file. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/units.h"
+#include "method/methods.h"
+
+/* ---- grid ---- */
+
+static bool is_map(const vs_node *section) {
+  return section->kind != VS_NODE_TEXT;
+}
+
+static vs_status read_grid(vs_plan *plan, const vs_node *section, void **state, vs_error *err) {
+  (void)state;
+  if (section->kind != VS_NODE_MAP || !section->child)
+    return vs_fail_at(err, section->where,
+                      "vary: a map of keys is wanted: {circuit.r1: [100 ohm, 1 kohm], ...}, or the "
+                      "name of a CSV file");
+  vs_status status = VS_OK;
+  for (const vs_node *node = section->child; node && !status; node = node->next) {
+    vs_axis *axis = NULL;
+    status = vs_axis_new(plan, node, "vary", &axis, err);
+    if (!status) status = vs_axis_values(axis, node, err);
+    status = vs_error_carry_on(err, status);
+  }
+  return status;
+}
+
+static uint64_t count_grid(const vs_plan *plan, const vs_plan_stage *part) {
+  uint64_t count = 1;
+  for (size_t k = part->axis; k < part->axis + part->n && count <= VS_PLAN_CASES; k++)
+    count *= plan->axes[k].n_values;
+  return count;
+}
+
+static void grid_point(const vs_plan *plan, const vs_plan_stage *part, uint64_t index,
+                       double *value) {
+  for (size_t k = part->n; k-- > 0;) {
+    const vs_axis *axis = &plan->axes[part->axis + k];
+    value[k] = axis->value[index % axis->n_values];
+    index /= axis->n_values;
+  }
+}
+
+const vs_method vs_grid_method = {.name = "grid",
+                                  .key = "vary",
+                                  .text = "all combinations of the values listed",
+                                  .claims = is_map,
+                                  .read = read_grid,
+                                  .count = count_grid,
+                                  .point = grid_point};
+
+/* ---- list ---- */
+
+/* Its rows stand in each axis' values. */
+static bool is_text(const vs_node *section) {
+  return section->kind == VS_NODE_TEXT && *section->text;
+}
+
+enum { MOST_CELLS = VS_PLAN_AXES };
+
+/* One line, cut at its commas; cells lose the blanks and quotes around them. */
+static size_t cut_line(char *line, char *cells[MOST_CELLS + 1]) {
+  size_t n = 0;
+  line[strcspn(line, "\r\n")] = '\0';
+  for (char *cell; (cell = strsep(&line, ",")) && n <= MOST_CELLS;) {
+    cell += strspn(cell, " \t");
+    size_t length = strlen(cell);
+    while (length && strchr(" \t", cell[length - 1])) cell[--length] = '\0';
+    if (length > 1 && *cell == '"' && cell[length - 1] == '"') {
+      cell[length - 1] = '\0';
+      cell++;
+    }
+    cells[n++] = cell;
+  }
+  return n;
+}
+
+/* A CSV file on its way in. */
+typedef struct csv {
+  vs_plan *plan;
+  const char *file; /* lives as long as the plan */
+  int line;
+  size_t columns;
+  vs_axis *axis[MOST_CELLS];
+  bool bare[MOST_CELLS]; /* its header names the unit: cells are numbers without one */
+} csv;
+
+static vs_where cell_place(const csv *c, const char *line, const char *cell) {
+  return (vs_where){c->file, c->line, (int)(cell - line) + 1};
+}
+
+/* "circuit.r1", or as study.csv has it, "circuit.r1_ohm", whose cells are plain numbers. */
+static vs_status read_header(csv *c, const char *line, char *cell, size_t k, vs_error *err) {
+  vs_where where = cell_place(c, line, cell);
+  vs_node node = {.kind = VS_NODE_TEXT, .key = cell, .where = where, .key_where = where};
+  vs_error first = {0};
+  if (!vs_axis_new(c->plan, &node, "vary", &c->axis[k], &first)) return VS_OK;
+  char key[VS_KEY_SIZE];
+  for (const char *s = cell; (s = strchr(s, '_')); s++) {
+    vs_error none = {0};
+    snprintf(key, sizeof key, "%.*s", (int)(s - cell), cell);
+    node.key = key;
+    if (vs_axis_new(c->plan, &node, "vary", &c->axis[k], &none)) continue;
+    c->bare[k] = true;
+    if (!strcmp(c->axis[k]->column, cell)) return VS_OK;
+    return vs_fail_at(err, where, "column %s: %s is wanted, or %s with units in its cells", cell,
+                      c->axis[k]->column, key);
+  }
+  return vs_fail_at(err, where, "%s", first.text + first.place_size);
+}
+
+static vs_status read_cell(csv *c, const char *line, char *cell, size_t k, vs_error *err) {
+  vs_axis *axis = c->axis[k];
+  vs_text text = {0};
+  double number = 0;
+  vs_text_add(&text, "%s%s%s", cell, c->bare[k] ? " " : "", c->bare[k] ? axis->unit : "");
+  const vs_node node = {
+      .kind = VS_NODE_TEXT, .text = text.text, .where = cell_place(c, line, cell)};
+  vs_status status = vs_axis_number(axis, &node, &number, err);
+  vs_text_free(&text);
+  if (status) return status;
+  if ((axis->n_values & (axis->n_values - 1)) == 0) /* full at each power of two */
+    axis->value =
+        realloc(axis->value, (axis->n_values ? 2 * axis->n_values : 1) * sizeof *axis->value);
+  axis->value[axis->n_values++] = number;
+  return VS_OK;
+}
+
+/* Cuts the line up. */
+static vs_status read_row(csv *c, char *line, vs_error *err) {
+  char *cells[MOST_CELLS + 1];
+  size_t n = cut_line(line, cells);
+  const bool header = !c->columns;
+  if (n > MOST_CELLS)
+    return vs_fail_at(err, (vs_where){c->file, c->line, 1}, "more than %d columns", MOST_CELLS);
+  if (!header && n != c->columns)
+    return vs_fail_at(err, (vs_where){c->file, c->line, 1}, "%zu cells, and the header has %zu", n,
+                      c->columns);
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < n && !status; k++)
+    status = header ? read_header(c, line, cells[k], k, err) : read_cell(c, line, cells[k], k, err);
+  if (header) c->columns = n;
+  return status;
+}
+
+static vs_status read_rows(csv *c, FILE *f, vs_error *err) {
+  char *line = NULL;
+  size_t size = 0;
+  vs_status status = VS_OK;
+  while (!status && getline(&line, &size, f) >= 0) {
+    /* what some programs begin a file of UTF-8 with */
+    if (!c->line++ && !strncmp(line, "\xef\xbb\xbf", 3)) memmove(line, line + 3, strlen(line) - 2);
+    const char *s = line + strspn(line, " \t\r\n");
+    if (!*s || *s == '#') continue;
+    bool header = !c->columns;
+    status = read_row(c, line, err);
+    if (!header) status = vs_error_carry_on(err, status); /* without a header no cell can be read */
+  }
+  free(line);
+  if (!status && ferror(f))
+    status = vs_fail_at(err, (vs_where){.file = c->file}, "cannot be read: %s", strerror(errno));
+  return status;
+}
+
+static vs_status read_list(vs_plan *plan, const vs_node *section, void **state, vs_error *err) {
+  char path[VS_PATH_SIZE];
+  vs_status status = vs_plan_find(plan, section, path, err);
+  if (status) return status;
+  *state = vs_copy(path);
+  csv c = {.plan = plan, .file = *state};
+  FILE *f = fopen(path, "r");
+  if (!f) return vs_fail_at(err, section->where, "%s: cannot be opened: %s", path, strerror(errno));
+  size_t found = vs_error_count(err);
+  status = read_rows(&c, f, err);
+  fclose(f);
+  if (!status && vs_error_count(err) == found && (!c.columns || !c.axis[0]->n_values))
+    status = vs_fail_at(err, (vs_where){.file = c.file},
+                        "a header row of scene keys and a row for each case are wanted");
+  return status ? status : vs_plan_input(plan, path, err);
+}
+
+static uint64_t count_list(const vs_plan *plan, const vs_plan_stage *part) {
+  return plan->axes[part->axis].n_values;
+}
+
+static void list_point(const vs_plan *plan, const vs_plan_stage *part, uint64_t index,
+                       double *value) {
+  for (size_t k = 0; k < part->n; k++) value[k] = plan->axes[part->axis + k].value[index];
+}
+
+const vs_method vs_grid_list = {.name = "list",
+                                .key = "vary",
+                                .text = "the rows of a CSV file, whose header names scene keys",
+                                .claims = is_text,
+                                .read = read_list,
+                                .free = free,
+                                .count = count_list,
+                                .point = list_point};

@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Samples: `spread` says what of the scene is not known exactly (method/span.h), and the methods
+ * choose points of it.
+ *
+ *   sample:
+ *     method: sobol          or latin_hypercube (lhs), monte_carlo, corners
+ *     n: 4096                points; of the corners there are as many as there are
+ *     seed: 7
+ *     spread: {actuator.inductance: 5 % normal, circuit.c1: 10 % uniform}
+ *     correlation: [[circuit.r1, circuit.c1, 0.8], ...]    of the normal scores (method/random.h)
+ *     sigmas: 3              how far corners and searches go where normal spreads have no end
+ *
+ * Corners: first the scene as it is, then all ends of all spreads (of a list: all it has), the
+ * first axis running fastest. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "base/units.h"
+#include "method/methods.h"
+#include "method/span.h"
+
+static const char *const KEYS[] = {"method", "n", "seed", "spread", "correlation", "sigmas"};
+
+typedef struct sample {
+  uint64_t n;
+  vs_correlation *correlation; /* NULL: none */
+  vs_sobol *sobol;             /* NULL: of other methods */
+} sample;
+
+static void sample_free(void *state) {
+  sample *s = state;
+  if (!s) return;
+  free(s->correlation);
+  free(s->sobol);
+  free(s);
+}
+
+static const char *method_of(const vs_node *section) {
+  const vs_node *node = vs_tree_child(section, "method");
+  return node && node->kind == VS_NODE_TEXT && *node->text ? node->text : "sobol";
+}
+
+static vs_status read_spread(vs_plan *plan, const vs_node *section, double sigmas, vs_error *err) {
+  const vs_node *map = vs_tree_child(section, "spread");
+  if (!map || map->kind != VS_NODE_MAP || !map->child)
+    return vs_fail_at(err, map ? map->where : section->where,
+                      "sample.spread: a map is wanted: {KEY: 5 %% normal, KEY: 2 ohm uniform}");
+  vs_status status = VS_OK;
+  for (const vs_node *node = map->child; node && !status; node = node->next) {
+    vs_axis *axis;
+    status = vs_axis_new(plan, node, "sample", &axis, err);
+    if (!status) status = vs_span_read(axis, node, sigmas, err);
+    status = vs_error_carry_on(err, status);
+  }
+  return status;
+}
+
+/* ---- correlation ---- */
+
+/* Which of the sample's axes the node names. */
+static vs_status find_axis(vs_plan *plan, size_t first, const vs_node *node, size_t *at,
+                           vs_error *err) {
+  const char *names[VS_PLAN_AXES];
+  size_t n = plan->n_axes - first;
+  for (*at = 0; *at < n; ++*at) {
+    names[*at] = plan->axes[first + *at].key;
+    if (node->kind == VS_NODE_TEXT && !strcmp(names[*at], node->text)) return VS_OK;
+  }
+  const char *near = node->kind == VS_NODE_TEXT ? vs_text_nearest(node->text, names, n) : NULL;
+  return vs_fail_at(err, node->where, "sample.correlation: '%s' is not under spread%s%s%s",
+                    node->kind == VS_NODE_TEXT ? node->text : "a list or map", near ? "; is '" : "",
+                    near ? near : "", near ? "' meant?" : "");
+}
+
+static vs_status read_pair(vs_plan *plan, size_t first, const vs_node *pair, double *matrix,
+                           vs_error *err) {
+  const size_t n = plan->n_axes - first;
+  size_t a, b;
+  double rho;
+  char why[256];
+  const vs_node *one = pair->kind == VS_NODE_LIST ? pair->child : NULL,
+                *two = one ? one->next : NULL, *number = two ? two->next : NULL;
+  if (!number || number->next || number->kind != VS_NODE_TEXT)
+    return vs_fail_at(err, pair->where,
+                      "sample.correlation: a list of [KEY, KEY, NUMBER] is wanted");
+  vs_status status = find_axis(plan, first, one, &a, err);
+  if (!status) status = find_axis(plan, first, two, &b, err);
+  if (status) return status;
+  if (!vs_units_read(number->text, "", &rho, why, sizeof why))
+    return vs_fail_at(err, number->where, "sample.correlation: %s", why);
+  if (a == b || !(fabs(rho) < 1))
+    return vs_fail_at(err, a == b ? two->where : number->where,
+                      "sample.correlation: of two different axes, and between -1 and 1");
+  matrix[a * n + b] = matrix[b * n + a] = rho;
+  return VS_OK;
+}
+
+static vs_status read_correlation(vs_plan *plan, const vs_node *section, size_t first, sample *s,
+                                  vs_error *err) {
+  const vs_node *list = vs_tree_child(section, "correlation");
+  const size_t n = plan->n_axes - first;
+  vs_status status = VS_OK;
+  if (!list || (list->kind == VS_NODE_TEXT && !*list->text)) return VS_OK;
+  if (list->kind != VS_NODE_LIST)
+    return vs_fail_at(err, list->where,
+                      "sample.correlation: a list is wanted: [[KEY, KEY, 0.8], ...]");
+  if (!strcmp(method_of(section), "corners"))
+    return vs_fail_at(err, list->where, "sample.correlation: corners have none");
+  double *matrix = vs_alloc(n * n + 1, sizeof *matrix);
+  for (size_t k = 0; k < n; k++) matrix[k * n + k] = 1;
+  for (const vs_node *pair = list->child; pair && !status; pair = pair->next)
+    status = vs_error_carry_on(err, read_pair(plan, first, pair, matrix, err));
+  if (!status && n && !(s->correlation = vs_random_correlation(n, matrix)))
+    status = vs_fail_at(err, list->where,
+                        "sample.correlation: no numbers can be correlated like this (the matrix is "
+                        "not positive definite)");
+  free(matrix);
+  return status;
+}
+
+/* ---- reading ---- */
+
+static vs_status read_numbers(vs_plan *plan, const vs_node *section, sample *s, double *sigmas,
+                              vs_error *err) {
+  const vs_node *node = vs_tree_child(section, "sigmas");
+  const bool corners = !strcmp(method_of(section), "corners");
+  char why[256];
+  s->n = 256;
+  *sigmas = 3;
+  vs_status status =
+      vs_error_carry_on(err, vs_axis_whole(section, "n", 1, VS_PLAN_CASES, &s->n, err));
+  if (!status)
+    status = vs_error_carry_on(
+        err, vs_axis_whole(section, "seed", 0, UINT64_MAX >> 12, &plan->seed, err));
+  if (status) return status;
+  if (corners && vs_tree_child(section, "n"))
+    status = vs_error_carry_on(err, vs_fail_at(err, vs_tree_child(section, "n")->key_where,
+                                               "sample.n: there are as many corners as there are"));
+  if (!node || status) return status;
+  if (node->kind != VS_NODE_TEXT || !vs_units_read(node->text, "", sigmas, why, sizeof why) ||
+      !(*sigmas > 0 && *sigmas <= 10))
+    return vs_fail_at(err, node->where, "sample.sigmas: a number above 0 and up to 10 is wanted");
+  return VS_OK;
+}
+
+static vs_status sample_read(vs_plan *plan, const vs_node *section, void **state, vs_error *err) {
+  const size_t first = plan->n_axes;
+  double sigmas;
+  sample *s = *state = vs_alloc(1, sizeof *s);
+  vs_status status = vs_field_known_keys(section, "sample", KEYS, sizeof KEYS / sizeof *KEYS, err);
+  if (!status) status = read_numbers(plan, section, s, &sigmas, err);
+  if (!status) status = read_spread(plan, section, sigmas, err);
+  if (!status) status = read_correlation(plan, section, first, s, err);
+  return status;
+}
+
+static bool claims(const vs_node *section, const char *method) {
+  return !strcmp(method_of(section), method);
+}
+
+/* ---- manifest ---- */
+
+static void spread_json(const vs_axis *axis, vs_text *json) {
+  const vs_span *span = axis->own;
+  if (!span) return;
+  const bool normal = span->spread.shape == VS_SHAPE_NORMAL;
+  vs_text_add(json, ", \"spread\": {\"shape\": \"%s\", \"%s\": %.12g",
+              normal ? "normal" : "uniform", normal ? "sigma" : "half_width", span->spread.width);
+  if (span->spread.truncate) vs_text_add(json, ", \"within_sigmas\": %.12g", span->spread.truncate);
+  vs_text_add(json, "}");
+}
+
+/* ---- points ---- */
+
+static uint64_t sample_count(const vs_plan *plan, const vs_plan_stage *part) {
+  (void)plan;
+  return ((const sample *)part->state)->n;
+}
+
+/* Makes what lies in the unit cube a point. */
+static void place(const vs_plan *plan, const vs_plan_stage *part, double *value) {
+  const sample *s = part->state;
+  if (s->correlation) vs_random_correlate(s->correlation, value);
+  for (size_t d = 0; d < part->n; d++) value[d] = vs_span_at(&plan->axes[part->axis + d], value[d]);
+}
+
+static bool is_latin(const vs_node *section) {
+  return claims(section, "lhs") || claims(section, "latin_hypercube");
+}
+
+static void latin_point(const vs_plan *plan, const vs_plan_stage *part, uint64_t index,
+                        double *value) {
+  const sample *s = part->state;
+  for (size_t d = 0; d < part->n; d++) value[d] = vs_random_latin(plan->seed, index, s->n, d);
+  place(plan, part, value);
+}
+
+static bool is_monte_carlo(const vs_node *section) {
+  return claims(section, "monte_carlo");
+}
+
+static void monte_carlo_point(const vs_plan *plan, const vs_plan_stage *part, uint64_t index,
+                              double *value) {
+  for (size_t d = 0; d < part->n; d++) value[d] = vs_random_uniform(plan->seed, index, d);
+  place(plan, part, value);
+}
+
+static bool is_sobol(const vs_node *section) {
+  return claims(section, "sobol");
+}
+
+static vs_status sobol_read(vs_plan *plan, const vs_node *section, void **state, vs_error *err) {
+  const size_t first = plan->n_axes;
+  vs_status status = sample_read(plan, section, state, err);
+  sample *s = *state;
+  if (status) return status;
+  s->sobol = vs_alloc(1, sizeof *s->sobol);
+  vs_random_sobol_begin(s->sobol, plan->n_axes - first, s->n, plan->seed);
+  return VS_OK;
+}
+
+static void sobol_point(const vs_plan *plan, const vs_plan_stage *part, uint64_t index,
+                        double *value) {
+  const sample *s = part->state;
+  for (size_t d = 0; d < part->n; d++) value[d] = vs_random_sobol_at(s->sobol, index, d);
+  place(plan, part, value);
+}
+
+static bool is_corners(const vs_node *section) {
+  return claims(section, "corners");
+}
+
+static uint64_t corners_count(const vs_plan *plan, const vs_plan_stage *part) {
+  uint64_t count = 1;
+  for (size_t d = 0; d < part->n && count <= VS_PLAN_CASES; d++) {
+    size_t levels = vs_span_levels(&plan->axes[part->axis + d]);
+    count *= levels ? levels : 2;
+  }
+  return count + 1;
+}
+
+static void corners_point(const vs_plan *plan, const vs_plan_stage *part, uint64_t index,
+                          double *value) {
+  uint64_t rest = index - 1;
+  for (size_t d = 0; d < part->n; d++) {
+    const vs_axis *axis = &plan->axes[part->axis + d];
+    size_t levels = vs_span_levels(axis), n = levels ? levels : 2;
+    if (!index)
+      value[d] = vs_span_nominal(axis);
+    else
+      value[d] = levels ? axis->value[rest % n] : vs_span_between(axis, (double)(rest % n));
+    rest /= n;
+  }
+}
+
+const vs_method vs_sample_latin = {.name = "lhs",
+                                   .key = "sample",
+                                   .text = "Latin hypercube: every n-th part of every axis once "
+                                           "(without correlation)",
+                                   .claims = is_latin,
+                                   .read = sample_read,
+                                   .free = sample_free,
+                                   .count = sample_count,
+                                   .point = latin_point,
+                                   .axis_json = spread_json};
+const vs_method vs_sample_monte_carlo = {.name = "monte_carlo",
+                                         .key = "sample",
+                                         .text = "independent random points",
+                                         .claims = is_monte_carlo,
+                                         .read = sample_read,
+                                         .free = sample_free,
+                                         .count = sample_count,
+                                         .point = monte_carlo_point,
+                                         .axis_json = spread_json};
+const vs_method vs_sample_sobol = {.name = "sobol",
+                                   .key = "sample",
+                                   .text = "Sobol's sequence, shifted by the seed",
+                                   .claims = is_sobol,
+                                   .read = sobol_read,
+                                   .free = sample_free,
+                                   .count = sample_count,
+                                   .point = sobol_point,
+                                   .axis_json = spread_json};
+const vs_method vs_worst_corners = {.name = "corners",
+                                    .key = "sample",
+                                    .text = "the scene as it is, then all ends of all spreads",
+                                    .claims = is_corners,
+                                    .read = sample_read,
+                                    .free = sample_free,
+                                    .count = corners_count,
+                                    .point = corners_point,
+                                    .axis_json = spread_json};

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "quiet/modal.h"
+
+#include <gsl/gsl_complex_math.h>
+#include <gsl/gsl_linalg.h>
+
+/* V^-1 x */
+void vs_modal_shares(const vs_modal *modal, const double x[VS_STATES], double share[VS_STATES]) {
+  for (size_t n = 0; n < VS_STATES; n++)
+    gsl_vector_complex_set(modal->share, n, gsl_complex_rect(x[n], 0));
+  gsl_linalg_complex_LU_svx(modal->vectors, modal->order, modal->share);
+  for (size_t n = 0; n < VS_STATES; n++)
+    share[n] = gsl_complex_abs(gsl_vector_complex_get(modal->share, n));
+}
+
+bool vs_modal_begin(vs_modal *modal, const vs_model *model) {
+  int sign;
+  modal->vectors = gsl_matrix_complex_alloc(VS_STATES, VS_STATES);
+  modal->order = gsl_permutation_alloc(VS_STATES);
+  modal->share = gsl_vector_complex_alloc(VS_STATES);
+  if (!vs_mechanics_modes(model, modal->mode)) return false;
+  for (size_t k = 0; k < VS_STATES; k++)
+    for (size_t n = 0; n < VS_DOF; n++) {
+      const vs_mode *m = &modal->mode[k];
+      gsl_complex shape = gsl_complex_rect(m->shape_re[n], m->shape_im[n]);
+      gsl_matrix_complex_set(modal->vectors, n, k, shape);
+      gsl_matrix_complex_set(modal->vectors, VS_DOF + n, k,
+                             gsl_complex_mul(gsl_complex_rect(m->re_1_s, m->im_rad_s), shape));
+    }
+  gsl_linalg_complex_LU_decomp(modal->vectors, modal->order, &sign);
+  return gsl_complex_abs(gsl_linalg_complex_LU_det(modal->vectors, sign)) > 0;
+}
+
+void vs_modal_end(vs_modal *modal) {
+  gsl_matrix_complex_free(modal->vectors);
+  gsl_permutation_free(modal->order);
+  gsl_vector_complex_free(modal->share);
+}

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/ladder.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* A run may end because rounding errors grow beyond what Newton's iteration has to reach, where
+ * voltages of 600 V and steps of picoseconds meet; in another order of elimination they may not,
+ * and nothing else changes. Gear's rule damps what rings behind a junction; a shorter step is one
+ * that Newton's iteration may still find an end in; a larger trtol makes ngspice accept steps whose
+ * truncation error it cannot get down by shortening them (their length is then given by the largest
+ * step, which is why that is a quarter); and where it is the thyristor's model that has no
+ * solution, an ideal one has. */
+typedef struct rung {
+  const char *text;
+  bool other_order, gear, quarter, loose, ideal;
+} rung;
+static const rung RUNGS[] = {
+    {"the scene as it is", false, false, false, false, false},
+    {"another order of elimination (pivrel 0.001)", true, false, false, false, false},
+    {"method gear", false, true, false, false, false},
+    {"method gear, a quarter of the step", false, true, true, false, false},
+    {"method gear, a quarter of the step, trtol 100", false, true, true, true, false},
+    {"an ideal thyristor (latch), method gear", false, true, false, false, true},
+};
+static const double OTHER_PIVREL = 1e-3; /* ngspice's default */
+enum { N_RUNGS = sizeof RUNGS / sizeof *RUNGS };
+
+const char *vs_ladder_text(int number) {
+  return RUNGS[number].text;
+}
+
+bool vs_ladder_is_ideal(int number) {
+  return RUNGS[number].ideal;
+}
+
+/* The deck's parameter for its thyristor, if that is not ideal already. */
+static bool can_be_ideal(const vs_setup *s) {
+  for (size_t k = 0; k < s->deck.n_parts; k++)
+    if (!strcmp(s->deck.parts[k].name, "thyristor"))
+      return strcmp(s->deck.parts[k].subcircuit, "latch") != 0;
+  return false;
+}
+
+bool vs_ladder_stopped_short(const vs_scene *scene) {
+  return scene->tier == &vs_coupled_tier && scene->setup.run.ladder == VS_LADDER_CLIMB &&
+         can_be_ideal(&scene->setup);
+}
+
+static void add_key(vs_ladder *l, const char *key_and_value) {
+  snprintf(l->keys[l->n_keys++], sizeof l->keys[0], "%s", key_and_value);
+}
+
+bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
+  const vs_setup *s = &scene->setup;
+  char step[64], trtol[64], pivrel[64];
+  if (scene->tier != &vs_coupled_tier || s->run.ladder == VS_LADDER_STAY) return false;
+  if (l->rung == 0) {
+    l->gear = s->run.gear;
+    l->step_s = vs_pace_largest_step(s) / (s->run.gear || s->run.max_step_s > 0 ? 1 : 2);
+    l->trtol = s->run.trtol;
+    l->pivrel = s->run.pivrel;
+  }
+  for (l->rung++; l->rung < N_RUNGS; l->rung++) {
+    const rung *r = &RUNGS[l->rung];
+    bool other = (r->other_order && l->pivrel != OTHER_PIVREL) || (r->gear && !l->gear) ||
+                 r->quarter || r->ideal;
+    if (!other || (r->ideal && (s->run.ladder != VS_LADDER_IDEAL || !can_be_ideal(s)))) continue;
+    l->n_keys = 0;
+    if (r->gear) add_key(l, "run.method=gear");
+    snprintf(pivrel, sizeof pivrel, "run.pivrel=%.9g", OTHER_PIVREL);
+    if (r->other_order) add_key(l, pivrel);
+    snprintf(step, sizeof step, "run.max_step=%.9gus", 1e6 * l->step_s / 4);
+    if (r->quarter) add_key(l, step);
+    snprintf(trtol, sizeof trtol, "run.trtol=%.9g", fmax(100, l->trtol));
+    if (r->loose) add_key(l, trtol);
+    if (r->ideal) add_key(l, "circuit.thyristor=latch");
+    return true;
+  }
+  return false;
+}
+
+/* ---- limits ---- */
+
+/* The file of the part that the ladder replaces; NULL: there is none. */
+static const char *thyristor_file(const vs_deck *deck) {
+  for (size_t k = 0; k < deck->n_parts; k++)
+    if (!strcmp(deck->parts[k].name, "thyristor")) return deck->parts[k].file;
+  return NULL;
+}
+
+static bool is_of(const vs_limit *limit, const char *file) {
+  return file && !strcmp(limit->where.file, file);
+}
+
+void vs_ladder_give_limits(const vs_deck *from, vs_deck *to) {
+  const char *own = thyristor_file(from), *ideal = thyristor_file(to);
+  size_t n = 0;
+  to->n_ratings = from->n_ratings;
+  memcpy(to->ratings, from->ratings, sizeof to->ratings);
+  for (size_t k = 0; k < to->n_limits; k++)
+    if (!is_of(&to->limits[k], ideal)) to->limits[n++] = to->limits[k];
+  for (size_t k = 0; k < from->n_limits && n < VS_DECK_LIMITS; k++) {
+    if (!is_of(&from->limits[k], own)) continue;
+    to->limits[n] = from->limits[k];
+    to->limits[n++].where = (vs_where){.file = ideal};
+  }
+  to->n_limits = n;
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a run tries when ngspice gives up: the same scene with other settings, one rung after the
+ * other, each a few keys that a user could set. What was climbed stands in the result. */
+#ifndef VS_SCENE_LADDER_H
+#define VS_SCENE_LADDER_H
+
+#include "scene/scene.h"
+
+enum { VS_LADDER_KEYS = 4 }; /* at most, on one rung */
+
+typedef struct vs_ladder {
+  int rung;                      /* 0: the scene as it is */
+  char keys[VS_LADDER_KEYS][64]; /* KEY=VALUE of this rung, as for --set */
+  size_t n_keys;
+  bool gear;                    /* the scene as it is: its method, */
+  double step_s, trtol, pivrel; /* its largest step by Gear's rule, and ngspice's own */
+  char failed[sizeof(((vs_error *)0)->text)]; /* how the scene as it is ended */
+} vs_ladder;
+
+const char *vs_ladder_text(int rung); /* what a rung is, in a few words */
+
+bool vs_ladder_is_ideal(int rung); /* has it another thyristor? */
+
+/* Goes to the next rung that changes anything for the scene as it is; false: there is none, or
+ * run.ladder stops before it: `stay` on the first rung, `climb` before the ideal thyristor. */
+bool vs_ladder_climb(vs_ladder *ladder, const vs_scene *scene);
+/* True where run.ladder: ideal would have had one rung more. */
+bool vs_ladder_stopped_short(const vs_scene *scene);
+
+/* Gives the deck with the ideal thyristor the ratings of the scene's own deck, and the limits of
+ * the part it stands for: an ideal thyristor has none to be held against. `from` must live as long
+ * as `to`. */
+void vs_ladder_give_limits(const vs_deck *from, vs_deck *to);
+
+#endif

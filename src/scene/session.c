@@ -1,0 +1,315 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/session.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/text.h"
+#include "base/units.h"
+#include "drive/faults.h"
+
+/* ---- one attempt ---- */
+
+typedef struct attempt {
+  const vs_session *session;
+  vs_result *result;
+} attempt;
+
+static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
+  const attempt *a = ctx;
+  const vs_guest *guest = a->session->guest;
+  vs_result *r = a->result;
+  r->steps++;
+  if (!a->session->bare) {
+    vs_absence_accept(&r->absence, step);
+    vs_measures_accept(r->measures, step);
+    vs_devices_accept(r->devices, step);
+    vs_energy_accept(&r->energy, step);
+  }
+  vs_status status = guest && guest->accept ? guest->accept(guest->ctx, step, r, err) : VS_OK;
+  if (!status && a->session->stop && *a->session->stop)
+    return vs_fail(err, VS_SIGNAL, "t = %.9g s: stopped by a signal", step->to->t_s);
+  return status;
+}
+
+static double seconds(clockid_t clock) {
+  struct timespec now;
+  clock_gettime(clock, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void begin_watchers(vs_result *r, const vs_scene *s) {
+  vs_measures_free(r->measures);
+  vs_devices_free(r->devices);
+  r->measures = vs_measures_new(&s->frame);
+  r->devices = vs_devices_new(&s->frame);
+  r->energy = (vs_energy){.frame = &s->frame};
+  r->absence = (vs_absence){0};
+}
+
+/* A balance of the machine or of the coil is the program's own: beyond this multiple of what is
+ * warned of, the numbers of the run mean nothing. That of the circuit rests on the deck's lines
+ * too, of which some may be missing; it cannot leave more than all the energy there was, whatever
+ * is missing. */
+static const double MOST_OPEN = 100;
+
+static bool is_an_event(const vs_events *events, const char *name) {
+  for (size_t k = 0; k < events->count; k++)
+    if (!strcmp(events->item[k].name, name)) return true;
+  return false;
+}
+
+/* Drawn from the mains or done by the force, whichever is more, and what events have brought, J. */
+static double energy_there(const vs_energy *e) {
+  double brought = 0;
+  for (size_t k = 0; e->frame->deck && k < e->frame->deck->losses.count; k++)
+    if (is_an_event(&e->frame->timeline->events, e->frame->deck->losses.item[k].name))
+      brought += fabs(e->loss_j[k]);
+  return vs_energy_whole(e) + brought;
+}
+
+/* Do the deck's lines speak of the circuit that is run? A deck without the port mains has a source
+ * that the books do not know, and the loss of an element that an event opens or shorts is no longer
+ * what its line says. */
+static bool has_whole_books(const vs_frame *frame) {
+  const vs_deck *deck = frame->deck;
+  const vs_events *events = &frame->timeline->events;
+  bool mains = !deck;
+  for (size_t k = 0; deck && k < deck->n_ports; k++)
+    mains = mains || deck->ports[k].signal.drive == VS_DRIVE_MAINS;
+  for (size_t k = 0; k < events->count; k++)
+    if (events->item[k].kind->source == vs_faults_source) return false;
+  return mains;
+}
+
+static vs_status close_books(vs_result *r, double tolerance, vs_error *err) {
+  const vs_energy *e = &r->energy;
+  vs_energy_open(e, tolerance, r->books, sizeof r->books);
+  double whole = energy_there(e), own = fmin(MOST_OPEN * VS_ENERGY_ALLOWED * tolerance, 1);
+  for (int b = 0; b < VS_BALANCES; b++) {
+    double most = (b == VS_B_CIRCUIT ? 1 : own) * whole;
+    if (b == VS_B_CIRCUIT && !has_whole_books(e->frame)) continue;
+    if (whole > 0 && e->balanced[b] && fabs(e->furthest_j[b]) > most)
+      return vs_fail(err, VS_RUN,
+                     "t = %.9g s: the energy books (%s) leave %.3g J, with %.3g J in all; so far "
+                     "off the numbers mean nothing",
+                     e->furthest_s[b], vs_energy_balance_names[b], e->furthest_j[b], whole);
+  }
+  return VS_OK;
+}
+
+static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, vs_error *err) {
+  attempt a = {session, r};
+  const vs_observer observer = {&a, accept};
+  const vs_guest *guest = session->guest;
+  r->scene = s;
+  r->steps = 0;
+  if (!session->bare) begin_watchers(r, s);
+  vs_status status = guest && guest->begin ? guest->begin(guest->ctx, s, err) : VS_OK;
+  if (status) return status;
+  double began_s = seconds(CLOCK_MONOTONIC);
+  status = session->unguarded ? s->tier->run(&s->setup, &observer, err)
+                              : vs_sim_run(s->tier, &s->setup, &observer, err);
+  r->wall_s = seconds(CLOCK_MONOTONIC) - began_s;
+  if (status || session->bare) return status;
+  vs_absence_finish(&r->absence, s->setup.run.until_s);
+  vs_result_finish(r);
+  return close_books(r, s->setup.run.tolerance, err);
+}
+
+/* ---- the ladder ---- */
+
+/* Goes to the next rung whose scene can be read, and reads it. An ideal thyristor is no rung for a
+ * scene that sets what only its own one has. NULL: there is none. */
+static vs_scene *next_rung(const vs_scene *scene, vs_ladder *ladder) {
+  const char *keys[VS_LADDER_KEYS];
+  vs_error err = {0};
+  if (!vs_ladder_climb(ladder, scene)) return NULL;
+  for (size_t k = 0; k < ladder->n_keys; k++) keys[k] = ladder->keys[k];
+  vs_scene *other = vs_alloc(1, sizeof *other);
+  if (!vs_scene_with(scene, keys, ladder->n_keys, other, &err)) {
+    if (vs_ladder_is_ideal(ladder->rung))
+      vs_ladder_give_limits(&scene->setup.deck, &other->setup.deck);
+    return other;
+  }
+  vs_scene_free(other);
+  free(other);
+  return NULL;
+}
+
+static void take_scene(vs_result *r, vs_scene *climbed) {
+  vs_measures_free(r->measures);
+  vs_devices_free(r->devices);
+  r->measures = NULL;
+  r->devices = NULL;
+  if (r->climbed) vs_scene_free(r->climbed);
+  free(r->climbed);
+  r->climbed = climbed;
+}
+
+/* No rung helped. */
+static vs_status say_rungs(const vs_scene *scene, const vs_ladder *ladder, vs_error *err) {
+  const vs_error last = *err;
+  const char *ideal =
+      vs_ladder_stopped_short(scene)
+          ? "; run.ladder: ideal would put an ideal thyristor in the place of the scene's"
+          : "";
+  vs_status status = ladder->rung
+                         ? vs_fail(err, VS_RUN, "%s (%s; before, the scene as it is: %s)%s",
+                                   last.text, vs_ladder_text(ladder->rung), ladder->failed, ideal)
+                         : vs_fail(err, VS_RUN, "%s%s", last.text, ideal);
+  err->gave_up = true;
+  return status;
+}
+
+static vs_status climb(const vs_session *session, vs_scene *scene, vs_result *r, vs_error *err) {
+  vs_scene *now = scene;
+  for (;;) {
+    vs_status status = run_once(session, now, r, err);
+    if (status != VS_RUN || !err->gave_up || session->bare) return status;
+    vs_ladder next = r->ladder;
+    vs_scene *other = next_rung(scene, &next);
+    if (!other) return say_rungs(scene, &r->ladder, err);
+    if (!next.failed[0]) memcpy(next.failed, err->text, sizeof next.failed);
+    if (session->guest && session->guest->again)
+      session->guest->again(session->guest->ctx, err->text, next.rung);
+    take_scene(r, other);
+    r->ladder = next;
+    *err = (vs_error){.findings = err->findings};
+    now = other;
+  }
+}
+
+/* ---- the second run ---- */
+
+/* The second run's tolerance over the first's. Steps go with the root of the tolerance, so a
+ * coarser run costs about 0.4 of the first. Where the first is coarse itself its steps are at
+ * their longest; the second one is finer then. */
+static const double COARSER = 10, COARSE = 2e-4;
+/* ngspice's default. A run.trtol above it is taken back to it in the second run, so that what a
+ * loose one costs shows. */
+static const double USUAL_TRTOL = 7;
+
+/* What any number of a run may be wrong by, in run.tolerance: that bounds the motion, and a
+ * device's spikes are known less well. */
+static const double RESOLUTION = 3;
+
+static bool wants_second(const vs_session *session, const vs_result *r) {
+  int word = r->scene->setup.run.verify;
+  return r->verdict.count &&
+         (word == VS_VERIFY_ALWAYS || (word == VS_VERIFY_AUTO && session->verify));
+}
+
+/* The same numbers but for how finely they are solved. The scene is borrowed from: it is not freed.
+ */
+static void change_settings(vs_scene *s, double factor) {
+  vs_run_values *run = &s->setup.run;
+  const double own = run->tolerance;
+  run->tolerance = fmin(fmax(own * factor, s->tier->finest), 0.1);
+  run->max_step_s *= sqrt(factor);
+  run->trtol = run->trtol > USUAL_TRTOL ? USUAL_TRTOL : fmax(run->trtol * factor, 1);
+  s->setup.raw = NULL;
+  s->setup.tried = true;
+  s->frame = s->tier->frame(&s->setup);
+}
+
+/* The run.tolerance at which every undecided line is likely to be decided, as errors go with it; 0:
+ * none can hold it. */
+static double deciding_tolerance(const vs_result *r) {
+  double most = INFINITY, own = r->scene->setup.run.tolerance;
+  for (size_t k = 0; k < r->verdict.count; k++) {
+    const vs_judgement *j = &r->verdict.item[k];
+    if (vs_verdict_word(j) == VS_UNDECIDED)
+      most = fmin(most, own * fabs(j->margin) / j->margin_error / 2);
+  }
+  if (isinf(most) || most < r->scene->tier->finest) return 0;
+  return pow(10, floor(log10(most)));
+}
+
+static vs_status run_second(const vs_session *session, vs_result *r, vs_error *err) {
+  const double own = r->scene->setup.run.tolerance;
+  const double factor = own > COARSE ? 1 / COARSER : COARSER;
+  const vs_session plain = {.stop = session->stop, .unguarded = session->unguarded};
+  vs_scene *other = vs_alloc(1, sizeof *other);
+  vs_result *second = vs_alloc(1, sizeof *second);
+  vs_error why = {0};
+  *other = *r->scene;
+  change_settings(other, factor);
+  vs_status status = run_once(&plain, other, second, &why);
+  r->second.tolerance = other->setup.run.tolerance;
+  r->second.wall_s = second->wall_s;
+  r->second.done = !status;
+  if (status == VS_SIGNAL) {
+    vs_fail(err, VS_SIGNAL,
+            "stopped by a signal in the second run, for the errors of the margins: %s", why.text);
+  } else if (status) {
+    snprintf(r->second.failed, sizeof r->second.failed, "%.255s", why.text);
+    for (size_t k = 0; k < r->verdict.count; k++) r->verdict.item[k].margin_error = INFINITY;
+    status = VS_OK;
+  } else {
+    double bound = fmax(r->absence.bound, second->absence.bound);
+    vs_verdict_compare(&r->verdict, &second->verdict, RESOLUTION * own + bound);
+    r->second.decides = deciding_tolerance(r);
+  }
+  vs_result_free(second);
+  free(second);
+  free(other);
+  return status;
+}
+
+vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *r, vs_error *err) {
+  *r = (vs_result){.scene = scene};
+  vs_status status = climb(session, scene, r, err);
+  if (!status && scene->tier == &vs_coupled_tier)
+    scene->setup.tried = true; /* until another deck is read */
+  return status || !wants_second(session, r) ? status : run_second(session, r, err);
+}
+
+/* ---- what follows ---- */
+
+static void print_allowed(const vs_judgement *j, double unit, char *text, size_t size) {
+  if (j->rating)
+    snprintf(text, size, "%g..%g", j->rating->min / unit, j->rating->max / unit);
+  else
+    snprintf(text, size, "%s %g", j->measure->held == VS_AT_LEAST ? "at least" : "at most",
+             j->limit->value / unit);
+}
+
+vs_status vs_session_judge(const vs_result *r, vs_error *err) {
+  const vs_judgement *worst = vs_verdict_breach(&r->verdict);
+  if (!worst) return VS_OK;
+  const char *unit_name = vs_verdict_unit(worst);
+  char name[VS_JUDGED_NAME], allowed[64], decides[96] = "";
+  double unit = vs_units_factor(unit_name);
+  print_allowed(worst, unit, allowed, sizeof allowed);
+  vs_verdict_name(worst, name);
+  if (vs_verdict_word(worst) != VS_UNDECIDED)
+    return vs_fail(err, VS_RATING, "a rating is violated: %s = %.6g %s at %.6g s, allowed %s %s",
+                   name, worst->stress.value / unit, unit_name, worst->stress.at_s, allowed,
+                   unit_name);
+  if (r->second.decides > 0)
+    snprintf(decides, sizeof decides, "; run.tolerance = %.1g may decide", r->second.decides);
+  else
+    snprintf(decides, sizeof decides, "; no run.tolerance is known to decide");
+  return vs_fail(err, VS_RATING,
+                 "a rating is undecided: %s = %.6g %s at %.6g s, allowed %s %s: margin %.3g %% +- "
+                 "%.2g %%%s",
+                 name, worst->stress.value / unit, unit_name, worst->stress.at_s, allowed,
+                 unit_name, 100 * worst->margin, 100 * worst->margin_error, decides);
+}
+
+static vs_status stop_at_once(void *ctx, const vs_step *step, vs_error *err) {
+  (void)step;
+  *(bool *)ctx = true;
+  return vs_fail(err, VS_SIGNAL, "the first step is taken");
+}
+
+vs_status vs_session_try(const vs_tier *tier, const vs_setup *setup, vs_error *err) {
+  bool begun = false;
+  const vs_observer observer = {&begun, stop_at_once};
+  vs_status status = tier->run(setup, &observer, err);
+  return begun ? VS_OK : status;
+}

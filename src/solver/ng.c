@@ -1,0 +1,573 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The circuit seam over libngspice, by its documented shared-library interface only.
+ *
+ * ngspice calls back in this order for each step: source values at the candidate time, once per
+ * Newton iteration; then, once the step is accepted, SendData. Steps it rejects it repeats by
+ * itself. Its return codes say nothing: whether a run was good is seen from the time it reached and
+ * from its log. */
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <ngspice/sharedspice.h>
+
+#include "base/leave.h"
+#include "base/path.h"
+#include "base/text.h"
+#include "solver/circuit.h"
+#include "solver/rawfile.h"
+
+enum { LOG_LINE = 256, MOST_COMPLAINTS = 16 };
+
+/* Of the trial in a child process: how it may end by itself, and how long it may take; a circuit
+ * takes a few milliseconds. */
+enum { TRIAL_GOOD, TRIAL_BAD_LOAD, TRIAL_BAD_RUN };
+enum { TRIAL_SECONDS = 20 };
+
+/* libngspice is one global instance in a process; so is what its callbacks need. */
+static struct {
+  const vs_circuit_job *job;
+  const vs_circuit_host *host;
+  int *vector; /* per signal: its index in SendData, -1 for ground, -2 for none */
+  double *values;
+  int time_vector;
+  vs_rawfile raw;  /* stream NULL: none */
+  int *raw_vector; /* per vector of the rawfile: its index in SendData */
+  double *raw_values;
+  double reached_s, edge_s;
+  double progress_from_s; /* where the present stretch began that guard_progress() looks at */
+  long tries;             /* steps in it, failed ones too */
+  vs_status status;       /* other than VS_OK: the run is to end */
+  bool enough;            /* it is to end, and well */
+  size_t next_port;       /* that ngspice is likely to ask for */
+  vs_error *err;
+  char complaints[MOST_COMPLAINTS][LOG_LINE]; /* what the log says best of what went wrong */
+  size_t n_complaints;
+  int expected;   /* lines of the last one still to come */
+  bool trial;     /* this is the child process that ends with the first accepted step */
+  vs_text loaded; /* all that was given to ngspice for the circuit it has; empty: it has none */
+  bool sound;     /* it has run, and well */
+  bool initialised,
+      ended; /* ended: ngspice asked to be unloaded; this process cannot use it again */
+} ng;
+
+/* Signs of what went wrong in a line of the log. */
+static const struct sign {
+  const char *text;
+  int more;  /* lines that go on with it */
+  bool each; /* of these all are kept; else only the first complaint of any kind */
+} SIGNS[] = {
+    {"Timestep too small", 0, false},
+    {"or its substitute", 2, true}, /* "Error on line N ...": N counts lines ngspice has made */
+    {"ndefined parameter [", 0, true},
+    {"can't find model", 1, true},
+    {"unknown subckt", 0, true},
+    {"not enough parameters in line", 1, true},
+    {"singular matrix", 0, false},
+    {"xpression err", 0, false},
+    {"oo few parameters", 0, false},
+    {"rror", 0, false},
+    {"nknown", 0, false},
+    {"ndefined", 0, false},
+    {"not parsed", 0, false},
+    {"no such", 0, false},
+    {"aborted", 0, false},
+};
+enum { SIGN_STEP, SIGN_SUBSTITUTE };
+
+static bool complained(const char *text) {
+  for (size_t k = 0; k < ng.n_complaints; k++)
+    if (strstr(ng.complaints[k], text)) return true;
+  return false;
+}
+
+/* Does a complaint quote the netlist line of that element? */
+static bool complained_of(const char *line) {
+  char quoted[64];
+  snprintf(quoted, sizeof quoted, ": %.*s", (int)strcspn(line, " ") + 1, line);
+  return complained(quoted);
+}
+
+/* The next line of the last complaint. Of a netlist line that another complaint quotes nothing more
+ * need be said; why an expression cannot be read, ngspice says before it quotes the line. */
+static void complain_on(const char *text) {
+  char *last = ng.complaints[ng.n_complaints - 1], *first = ng.complaints[0];
+  size_t used = strlen(last);
+  ng.expected--;
+  if (!used && complained_of(text)) {
+    ng.expected = 0;
+    ng.n_complaints--;
+  } else
+    snprintf(last + used, LOG_LINE - used, "%s%s", used ? ": " : "", text);
+  if (ng.n_complaints == 2 && !strncmp(text, "parameter value out of range", 28) &&
+      (!strncmp(first, "no such function", 16) || !strncmp(first, "PTerror", 7))) {
+    snprintf(last + used, LOG_LINE - used, ": %s", first);
+    memcpy(first, last, LOG_LINE);
+    ng.n_complaints = 1;
+  }
+}
+
+static void complain(size_t sign, const char *text) {
+  static const char *const RANKS[] = {"Error: ", "Fatal error: ", "Warning: ", "warning, "};
+  for (size_t k = 0; k < sizeof RANKS / sizeof *RANKS; k++)
+    if (!strncmp(text, RANKS[k], strlen(RANKS[k]))) text += strlen(RANKS[k]);
+  if (sign == SIGN_STEP && ng.reached_s > 0)
+    ng.n_complaints = 0; /* it is what gives up in the end */
+  if (ng.n_complaints >= MOST_COMPLAINTS || (ng.n_complaints && !SIGNS[sign].each) ||
+      (!SIGNS[sign].more && complained(text)))
+    return;
+  snprintf(ng.complaints[ng.n_complaints++], LOG_LINE, "%s", sign == SIGN_SUBSTITUTE ? "" : text);
+  ng.expected = SIGNS[sign].more;
+}
+
+static int on_text(char *line, int id, void *user) {
+  (void)id, (void)user;
+  const char *stream = strchr(line, ' '); /* "stderr text" */
+  const char *text = stream ? stream + 1 : line;
+  text += strspn(text, " \t");
+  if (ng.expected > 0 && *text) {
+    complain_on(text);
+    return 0;
+  }
+  size_t sign = 0;
+  while (sign < sizeof SIGNS / sizeof *SIGNS && !strstr(text, SIGNS[sign].text)) sign++;
+  if (sign < sizeof SIGNS / sizeof *SIGNS) complain(sign, text);
+  return 0;
+}
+
+/* One error for each complaint; a run ends with the first. */
+static vs_status refuse(const vs_circuit_job *job, const char *what, vs_error *err) {
+  vs_status status = VS_OK;
+  if (!ng.n_complaints) complain(SIGN_STEP, "it gave no reason");
+  for (size_t k = 0; k < ng.n_complaints && !status; k++) {
+    status = vs_fail(err, VS_INPUT, "ngspice cannot %s the circuit: %s", what, ng.complaints[k]);
+    if (job->locate) job->locate(job->author, err);
+    if (k + 1 < ng.n_complaints) status = vs_error_carry_on(err, status);
+  }
+  return status;
+}
+
+static int on_status(char *text, int id, void *user) {
+  (void)text, (void)id, (void)user;
+  return 0;
+}
+
+static int on_exit_wanted(int status, NG_BOOL at_once, NG_BOOL by_quit, int id, void *user) {
+  (void)status, (void)at_once, (void)by_quit, (void)id, (void)user;
+  ng.ended = true;
+  return 0;
+}
+
+static int on_thread(NG_BOOL running, int id, void *user) {
+  (void)running, (void)id, (void)user;
+  return 0;
+}
+
+static void stop_with(vs_status status) {
+  if (ng.status == VS_OK) ng.status = status;
+}
+
+/* "v(a)" is vector "a", "i(vth)" is "vth#branch" */
+static int find_vector(const vecinfoall *all, const char *signal) {
+  char name[256];
+  snprintf(name, sizeof name, "%.*s%s", (int)strlen(signal) - 3, signal + 2,
+           signal[0] == 'i' ? "#branch" : "");
+  for (int k = 0; k < all->veccount; k++)
+    if (!strcmp(all->vecs[k]->vecname, name)) return k;
+  return -1;
+}
+
+static void set_edge(double t_s) {
+  double edge = ng.host->edge(ng.host->ctx, t_s);
+  if (edge != ng.edge_s && edge < ng.job->until_s) ngSpice_SetBkpt(edge);
+  ng.edge_s = edge;
+}
+
+static vs_status no_signal(const char *signal) {
+  vs_status status = vs_fail(ng.err, VS_INPUT, "the circuit has no %s", signal);
+  if (ng.job->locate) ng.job->locate(ng.job->author, ng.err);
+  return vs_error_carry_on(ng.err, status);
+}
+
+/* The time first, then the others as ngspice's equations stand; it lists them backwards. */
+static void begin_raw(const vecinfoall *all) {
+  size_t n = (size_t)all->veccount, at = 0;
+  const char **names = vs_alloc(n, sizeof *names);
+  ng.raw_vector = vs_alloc(n, sizeof *ng.raw_vector);
+  ng.raw_values = vs_alloc(n, sizeof *ng.raw_values);
+  ng.raw_vector[at++] = ng.time_vector;
+  for (int k = all->veccount; k-- > 0;)
+    if (k != ng.time_vector) ng.raw_vector[at++] = k;
+  for (size_t k = 0; k < n; k++) names[k] = all->vecs[ng.raw_vector[k]]->vecname;
+  ng.raw = vs_rawfile_begin(ng.job->raw, all->title, names, n);
+  free(names);
+}
+
+static int on_vectors(pvecinfoall all, int id, void *user) {
+  (void)id, (void)user;
+  if (!ng.job) return 0;
+  ng.time_vector = -1;
+  ng.n_complaints = 0; /* of the load, which went well */
+  ng.expected = 0;
+  for (int k = 0; k < all->veccount; k++)
+    if (!strcmp(all->vecs[k]->vecname, "time")) ng.time_vector = k;
+  for (size_t s = 0; s < ng.job->n_signals; s++) {
+    const char *signal = ng.job->signals[s];
+    ng.vector[s] = strcmp(signal, "v(0)") ? find_vector(all, signal) : -1;
+    if (ng.vector[s] >= 0 || !strcmp(signal, "v(0)")) continue;
+    ng.vector[s] = -2;
+    if (s + ng.job->n_wanted < ng.job->n_signals) stop_with(no_signal(signal));
+  }
+  if (ng.time_vector >= 0) set_edge(0);
+  if (ng.time_vector >= 0 && ng.job->raw && !ng.raw.stream && !ng.trial) begin_raw(all);
+  return 0;
+}
+
+static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
+  (void)count, (void)id, (void)user;
+  if (!ng.job || ng.time_vector < 0 || ng.status || ng.enough) return 0;
+  double t = all->vecsa[ng.time_vector]->creal;
+  if (t <= ng.reached_s) return 0;
+  if (ng.trial) _exit(TRIAL_GOOD);
+  for (size_t s = 0; s < ng.job->n_signals; s++)
+    ng.values[s] = ng.vector[s] >= 0    ? all->vecsa[ng.vector[s]]->creal
+                   : ng.vector[s] == -1 ? 0
+                                        : NAN;
+  ng.reached_s = t;
+  stop_with(ng.host->accept(ng.host->ctx, t, ng.values, ng.err));
+  if (!ng.status && ng.raw.stream) {
+    for (size_t k = 0; k < ng.raw.vectors; k++)
+      ng.raw_values[k] = all->vecsa[ng.raw_vector[k]]->creal;
+    stop_with(vs_rawfile_point(&ng.raw, ng.raw_values, ng.err));
+  }
+  ng.enough = !ng.status && ng.host->enough && ng.host->enough(ng.host->ctx);
+  if (!ng.status) set_edge(t);
+  return 0;
+}
+
+/* ngspice asks for its sources in the same order each time, so the one behind the last is tried
+ * first. */
+static int on_source(double *value, double t, char *name, int id, void *user) {
+  (void)id, (void)user;
+  *value = 0;
+  for (size_t k = 0; ng.job && k < ng.job->n_ports; k++) {
+    size_t p = (ng.next_port + k) % ng.job->n_ports;
+    if (strcmp(name, ng.job->ports[p])) continue;
+    ng.next_port = p + 1 < ng.job->n_ports ? p + 1 : 0;
+    *value = ng.host->source(ng.host->ctx, p, t);
+    break;
+  }
+  return 0;
+}
+
+/* A circuit may have an instant that ngspice neither gets past nor gives up at: it shrinks its step
+ * until one converges, doubles it until one fails, and so on. MOST_TRIES steps, failed ones too,
+ * for PROGRESS_S or one largest step are no progress. Measured: at such instants steps of 1e-12 s
+ * on average, 1e7 for PROGRESS_S; a junction that rings undamped takes 3e3 at its worst. Steps are
+ * counted, not seconds: every machine ends the run at the same one. */
+enum { MOST_TRIES = 100000 };
+static const double PROGRESS_S = 1e-5;
+
+static vs_status guard_progress(void) {
+  double gone = ng.reached_s - ng.progress_from_s;
+  ng.tries++;
+  if (gone >= fmin(ng.job->max_step_s, PROGRESS_S)) {
+    ng.progress_from_s = ng.reached_s;
+    ng.tries = 0;
+  }
+  if (ng.tries < MOST_TRIES) return VS_OK;
+  vs_fail(ng.err, VS_RUN, "t = %.9g s: ngspice makes no progress: %d steps for %.2g s",
+          ng.reached_s, MOST_TRIES, gone);
+  ng.err->gave_up = true;
+  return VS_RUN;
+}
+
+/* A step length of zero is how a host makes ngspice end a run; it stays usable. */
+static int on_sync(double t, double *step, double old_step, int redo, int id, int place,
+                   void *user) {
+  (void)old_step, (void)redo, (void)id, (void)user;
+  if (ng.job && place == 1 && !ng.status && !ng.enough) stop_with(guard_progress());
+  if (ng.job && place == 0 && !ng.status) *step = fmin(*step, ng.host->longest(ng.host->ctx, t));
+  if (ng.status || ng.enough) *step = 0;
+  return 0;
+}
+
+/* By these ngspice is told where its files are, and so which spinit's commands it runs; and more of
+ * the kind. Without them it takes those it was installed with, code models and all. */
+static void forget_environment(void) {
+  static const char *const NAMES[] = {
+      "SPICE_LIB_DIR",     "SPICE_SCRIPTS",         "SPICE_EXEC_DIR",
+      "SPICE_PATH",        "SPICE_HELP_DIR",        "SPICE_NEWS",
+      "SPICE_MAPFILE",     "SPICE_ASCIIRAWFILE",    "SPICE_EDITOR",
+      "SPICE_HOST",        "SPICE_BUGADDR",         "SPICE_NO_DATASEG_CHECK",
+      "NGSPICE_INPUT_DIR", "NGSPICE_MEAS_PRECISION"};
+  for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) unsetenv(NAMES[k]);
+}
+
+/* Makes a folder below $TMPDIR, or /tmp; false: not there, and errno says why. */
+static bool make_folder(char path[VS_PATH_SIZE]) {
+  const char *temporary = getenv("TMPDIR");
+  snprintf(path, VS_PATH_SIZE, "%.4000s/vibrospice.XXXXXX",
+           temporary && *temporary ? temporary : "/tmp");
+  return mkdtemp(path) != NULL;
+}
+
+static void call_init(void) {
+  int id = 0;
+  ngSpice_Init(on_text, on_status, on_exit_wanted, on_accepted, on_vectors, on_thread, NULL);
+  ngSpice_Init_Sync(on_source, on_source, on_sync, &id, NULL);
+}
+
+/* ngspice reads .spiceinit from the working directory, else from the user's home; an empty one in a
+ * folder of its own keeps the user's out, so that a scene gives the same result for everyone. No
+ * signal is taken as long as the folder is there. */
+static vs_status initialise(vs_error *err) {
+  if (ng.ended)
+    return vs_fail(err, VS_RUN, "ngspice ended itself in an earlier run of this process");
+  if (ng.initialised) return VS_OK;
+  char folder[VS_PATH_SIZE] = ".";
+  vs_status status = VS_OK;
+  sigset_t before;
+  forget_environment();
+  int home = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC), empty = -1;
+  vs_leave_hold(&before);
+  bool made = home >= 0 && make_folder(folder);
+  if (made && !chdir(folder)) empty = open(".spiceinit", O_WRONLY | O_CREAT | O_EXCL, 0600);
+  if (empty < 0)
+    status = vs_fail(err, VS_RUN, "no private folder for ngspice: %s: %s", folder, strerror(errno));
+  else {
+    close(empty);
+    call_init();
+    unlink(".spiceinit");
+    ng.initialised = true;
+  }
+  if (made && fchdir(home) && !status)
+    status = vs_fail(err, VS_RUN, "the working directory is gone: %s", strerror(errno));
+  if (made) rmdir(folder);
+  vs_leave_release(&before);
+  if (home >= 0) close(home);
+  return status;
+}
+
+/* ---- the trial ---- */
+
+static void take_job(const vs_circuit_job *job, const vs_circuit_host *host) {
+  ng.job = job;
+  ng.host = host;
+  ng.vector = vs_alloc(job->n_signals, sizeof *ng.vector);
+  ng.values = vs_alloc(job->n_signals, sizeof *ng.values);
+}
+
+static void step_on(vs_error *err) {
+  ng.err = err;
+  ng.status = VS_OK;
+  ng.enough = false;
+  ng.next_port = 0;
+  ng.edge_s = INFINITY;
+  ng.time_vector = -1;
+  ng.reached_s = ng.progress_from_s = 0;
+  ng.tries = 0;
+  ng.raw = (vs_rawfile){0};
+  char command[] = "run";
+  ngSpice_Command(command);
+}
+
+/* A crash shall end the child by its signal, without a word and without a core file. */
+static void die_quietly(void) {
+  static const int CRASHES[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+  const struct rlimit none = {0, 0};
+  int null = open("/dev/null", O_WRONLY);
+  dup2(null, STDOUT_FILENO);
+  dup2(null, STDERR_FILENO);
+  setrlimit(RLIMIT_CORE, &none);
+  for (size_t k = 0; k < sizeof CRASHES / sizeof *CRASHES; k++) signal(CRASHES[k], SIG_DFL);
+}
+
+/* The child: loads the circuit and runs it up to its first accepted step (on_accepted). What goes
+ * wrong without harm to the process is left to the parent to find. */
+static _Noreturn void try_circuit(const vs_circuit_job *job, const vs_circuit_host *host,
+                                  char **lines, int pipe_end) {
+  vs_error err = {0};
+  prctl(PR_SET_PDEATHSIG, SIGKILL); /* nobody outlives the parent */
+  int end = TRIAL_BAD_LOAD;
+  signal(SIGALRM, SIG_DFL);
+  alarm(TRIAL_SECONDS);
+  die_quietly();
+  ngSpice_Circ(lines);
+  if (!ng.ended) {
+    end = TRIAL_BAD_RUN;
+    ng.trial = true;
+    take_job(job, host);
+    step_on(&err);
+  }
+  size_t size = ng.n_complaints * LOG_LINE; /* PIPE_BUF at most: it is written at once */
+  if (!ng.ended) _exit(TRIAL_GOOD);
+  _exit(write(pipe_end, ng.complaints, size) < 0 ? TRIAL_BAD_LOAD : end);
+}
+
+/* Takes what the child says and waits for its end, which it gives as waitpid does. A signal that
+ * this process handles is the wish to stop. */
+static vs_status hear_child(pid_t child, int pipe_end, int *how, vs_error *err) {
+  ssize_t n = read(pipe_end, ng.complaints, sizeof ng.complaints);
+  bool stopped = n < 0 && errno == EINTR;
+  if (stopped) kill(child, SIGKILL);
+  while (waitpid(child, how, 0) < 0 && errno == EINTR) {
+  }
+  ng.n_complaints = n > 0 ? (size_t)n / LOG_LINE : 0;
+  return stopped ? vs_fail(err, VS_SIGNAL, "t = 0 s: stopped by a signal") : VS_OK;
+}
+
+/* Tries the circuit in a child process first: an undefined parameter makes ngspice end the process
+ * it is in, other nonsense crashes it, at loading or in its first step, or keeps it for ever. What
+ * the child says comes back by a pipe. */
+static vs_status try_in_child(const vs_circuit_job *job, const vs_circuit_host *host, char **lines,
+                              vs_error *err) {
+  int ends[2], how = 0;
+  if (pipe(ends)) return vs_fail(err, VS_RUN, "no pipe: %s", strerror(errno));
+  fflush(NULL);
+  pid_t child = fork();
+  if (child == 0) try_circuit(job, host, lines, ends[1]);
+  int why = errno;
+  close(ends[1]);
+  vs_status status = child < 0 ? vs_fail(err, VS_RUN, "no child process: %s", strerror(why))
+                               : hear_child(child, ends[0], &how, err);
+  close(ends[0]);
+  if (status) return status;
+  if (WIFSIGNALED(how) && WTERMSIG(how) == SIGALRM)
+    return vs_fail(err, VS_INPUT,
+                   "ngspice cannot take the circuit: it did not come back from it in %d s",
+                   TRIAL_SECONDS);
+  if (WIFSIGNALED(how))
+    return vs_fail(err, VS_INPUT, "ngspice cannot take the circuit: ngspice died of it (signal %d)",
+                   WTERMSIG(how));
+  return how ? refuse(job, WEXITSTATUS(how) == TRIAL_BAD_RUN ? "run" : "load", err) : VS_OK;
+}
+
+/* The dialect is a setting of ngspice's that lasts; it says what a netlist's words mean. */
+static void set_dialect(const char *dialect) {
+  char command[64];
+  snprintf(command, sizeof command, *dialect ? "set ngbehavior=%sa" : "unset ngbehavior", dialect);
+  ngSpice_Command(command);
+}
+
+static void forget(void) {
+  char remove[] = "remcirc";
+  if (ng.loaded.length && !ng.ended) ngSpice_Command(remove);
+  ng.loaded.length = 0;
+  ng.sound = false;
+}
+
+/* A circuit that has run well is run again where the same is asked for: a run starts from its
+ * initial conditions, whatever was before, and gives the same to the bit (tests/test_study.c). */
+static bool is_loaded(const vs_text *netlist) {
+  return ng.sound && ng.loaded.length == netlist->length &&
+         !memcmp(ng.loaded.text, netlist->text, netlist->length);
+}
+
+/* Takes the netlist over. */
+static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *host, char **lines,
+                           vs_text *netlist, vs_error *err) {
+  forget();
+  set_dialect(job->dialect);
+  vs_status status = job->tried ? VS_OK : try_in_child(job, host, lines, err);
+  if (status) return status;
+  ngSpice_Circ(lines);
+  if (ng.ended) return refuse(job, "load", err);
+  vs_text_free(&ng.loaded);
+  ng.loaded = *netlist;
+  *netlist = (vs_text){0};
+  return VS_OK;
+}
+
+static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
+                      vs_error *err) {
+  *circuit = NULL;
+  vs_status status = initialise(err);
+  if (status) return status;
+  vs_text tail = {0}, netlist = {0};
+  /* .save none keeps one point in memory; SendData still gives all vectors. */
+  vs_text_add(&tail,
+              ".options method=%s reltol=%.17g abstol=%.17g vntol=%.17g chgtol=%.17g trtol=%.17g "
+              "pivrel=%.17g\n.save none\n"
+              ".tran %.17g %.17g 0 %.17g uic\n.end",
+              job->gear ? "gear" : "trap", job->relative_tolerance, job->current_tolerance_a,
+              job->voltage_tolerance_v > 0 ? job->voltage_tolerance_v : 1e-6,
+              job->charge_tolerance_c > 0 ? job->charge_tolerance_c : 1e-14,
+              job->truncation_factor > 0 ? job->truncation_factor : 7,
+              job->pivot_threshold > 0 ? job->pivot_threshold : 1e-3, job->max_step_s, job->until_s,
+              job->max_step_s);
+  char **lines = vs_alloc(job->lines + 5, sizeof *lines);
+  size_t n = 0;
+  for (; n < job->lines; n++) lines[n] = job->netlist[n];
+  char *rest = tail.text;
+  for (char *line; (line = strsep(&rest, "\n"));) lines[n++] = line;
+  ng.n_complaints = 0;
+  ng.expected = 0;
+  ng.reached_s = 0; /* complain() asks */
+  ng.job = NULL;    /* the load itself asks for nothing */
+  vs_text_add(&netlist, "%s\n", job->dialect);
+  for (size_t k = 0; k < n; k++) vs_text_add(&netlist, "%s\n", lines[k]);
+  status = is_loaded(&netlist) ? VS_OK : load_anew(job, host, lines, &netlist, err);
+  vs_text_free(&netlist);
+  free(lines);
+  vs_text_free(&tail);
+  if (status) return status;
+  take_job(job, host);
+  *circuit = &ng;
+  return VS_OK;
+}
+
+/* How the run went, once ngspice has come back from it. */
+static vs_status outcome(vs_error *err) {
+  if (ng.status || ng.enough) return ng.status;
+  if (ng.time_vector < 0 || ng.reached_s == 0) return refuse(ng.job, "run", err);
+  if (ng.reached_s >= ng.job->until_s * (1 - 1e-9)) return VS_OK;
+  vs_fail(err, VS_RUN, "t = %.9g s: ngspice gave up: %s", ng.reached_s,
+          ng.n_complaints ? ng.complaints[0] : "it gave no reason");
+  err->gave_up = true;
+  return VS_RUN;
+}
+
+static vs_status run(void *circuit, vs_error *err) {
+  (void)circuit;
+  step_on(err);
+  vs_status status = outcome(err);
+  ng.sound = !status;
+  vs_error second = {0};
+  if (ng.raw.stream && vs_rawfile_end(&ng.raw, status ? &second : err) && !status) return VS_RUN;
+  return status;
+}
+
+static void release(void *circuit) {
+  if (!circuit) return;
+  free(ng.vector);
+  free(ng.values);
+  free(ng.raw_vector);
+  free(ng.raw_values);
+  ng.vector = ng.raw_vector = NULL;
+  ng.values = ng.raw_values = NULL;
+  ng.job = NULL;
+  if (ng.ended) return;
+  char destroy[] = "destroy all";
+  ngSpice_Command(destroy);
+  if (!ng.sound) forget();
+}
+
+const vs_circuit_kind vs_ng_kind = {"ngspice", load, run, release};
+
+bool vs_ng_usable(void) {
+  return !ng.ended;
+}
+
+const char *vs_ng_version(void) {
+  return NGSPICE_PACKAGE_VERSION;
+}

@@ -1,0 +1,341 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Axes: which scene key, in which unit, and the values a study lists of it. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/units.h"
+#include "study/plan.h"
+
+enum { MOST_KEYS = 512, MOST_VALUES = 10000000 };
+
+/* ---- scene keys ---- */
+
+/* A key there is, with where its value stands in the base scene. */
+typedef struct scene_key {
+  char name[VS_KEY_SIZE], section[VS_KEY_SIZE];
+  const vs_field *field;
+  const void *value; /* NULL: it has none there */
+} scene_key;
+
+typedef struct key_list {
+  scene_key item[MOST_KEYS];
+  size_t count;
+} key_list;
+
+static void add_keys(key_list *list, const char *section, const vs_section *fields,
+                     const void *values) {
+  for (size_t k = 0; k < fields->count && list->count < MOST_KEYS; k++) {
+    const vs_field *f = &fields->fields[k];
+    const char *member = values ? (const char *)values + f->offset : NULL;
+    scene_key *key = &list->item[list->count++];
+    snprintf(key->name, sizeof key->name, "%s.%s", section, f->key);
+    snprintf(key->section, sizeof key->section, "%s", section);
+    key->field = f;
+    key->value = member;
+    if (f->kind == VS_OPTION) {
+      int present = 0;
+      if (member) memcpy(&present, member, sizeof present);
+      char part[VS_KEY_SIZE];
+      snprintf(part, sizeof part, "%s", key->name);
+      add_keys(list, part, f->part, present ? member : NULL);
+    }
+  }
+}
+
+static key_list *all_keys(const vs_scene *scene) {
+  key_list *list = vs_alloc(1, sizeof *list);
+  for (int p = 0; p < VS_SCENE_SECTIONS; p++) {
+    vs_scene_section part = vs_scene_section_at(scene, p);
+    add_keys(list, part.section->name, part.section, part.values);
+  }
+  const vs_events *events = &scene->setup.timeline.events;
+  for (size_t e = 0; e < events->count; e++) {
+    char name[VS_KEY_SIZE];
+    snprintf(name, sizeof name, "events.%s", events->item[e].name);
+    const vs_section section = {name, events->item[e].kind->fields, events->item[e].kind->n_fields};
+    add_keys(list, name, &section, &events->item[e].v);
+  }
+  return list;
+}
+
+static const scene_key *find_key(const key_list *list, const char *name, vs_where where,
+                                 vs_error *err) {
+  const char *names[MOST_KEYS];
+  for (size_t k = 0; k < list->count; k++) {
+    names[k] = list->item[k].name;
+    if (!strcmp(names[k], name)) return &list->item[k];
+  }
+  const char *nearest = vs_text_nearest(name, names, list->count);
+  vs_fail_at(err, where, "a scene has no key '%s'%s%s%s", name, nearest ? "; did you mean '" : "",
+             nearest ? nearest : "", nearest ? "'?" : "; see 'vibrospice list parameters'");
+  return NULL;
+}
+
+static double to_12_digits(double value) {
+  char text[VS_NUMBER_SIZE];
+  snprintf(text, sizeof text, "%.12g", value);
+  return strtod(text, NULL);
+}
+
+static double nominal_of(const scene_key *key) {
+  double real = NAN;
+  int whole = 0;
+  if (!key->value) return NAN;
+  if (key->field->kind == VS_REAL) memcpy(&real, key->value, sizeof real);
+  if (key->field->kind == VS_COUNT) {
+    memcpy(&whole, key->value, sizeof whole);
+    return whole;
+  }
+  return to_12_digits(real / vs_units_factor(key->field->unit));
+}
+
+vs_axis *vs_axis_find(vs_plan *plan, const char *key) {
+  for (size_t k = 0; k < plan->n_axes; k++)
+    if (!strcmp(plan->axes[k].key, key)) return &plan->axes[k];
+  return NULL;
+}
+
+/* A --set of the same key would say nothing. */
+static const char *set_of(const vs_plan *plan, const char *key) {
+  size_t n = strlen(key);
+  for (size_t k = 0; k < plan->n_sets; k++)
+    if (!strncmp(plan->sets[k], key, n) && plan->sets[k][n] == '=') return plan->sets[k];
+  return NULL;
+}
+
+static vs_status describe(vs_axis *axis, const scene_key *key, vs_error *err) {
+  char suffix[64];
+  const vs_field *f = key->field;
+  if (f->kind == VS_PAIR)
+    return vs_fail_at(err, axis->where, "%s is a pair [x, y], and an axis has one value",
+                      axis->key);
+  if (f->kind == VS_OPTION)
+    return vs_fail_at(err, axis->where, "%s has keys of its own, such as %s.%s: name one of those",
+                      axis->key, axis->key, f->part->fields[0].key);
+  snprintf(axis->section, sizeof axis->section, "%s", key->section);
+  axis->field = f;
+  axis->unit = f->unit;
+  axis->is_word = f->kind == VS_CHOICE || f->kind == VS_NAME;
+  axis->nominal = axis->is_word ? NAN : nominal_of(key);
+  vs_units_suffix(f->unit, suffix, sizeof suffix);
+  snprintf(axis->column, sizeof axis->column, "%.190s%s%.20s", axis->key, *suffix ? "_" : "",
+           suffix);
+  return VS_OK;
+}
+
+vs_status vs_axis_new(vs_plan *plan, const vs_node *node, const char *by, vs_axis **out,
+                      vs_error *err) {
+  const vs_axis *other = vs_axis_find(plan, node->key);
+  const char *set = set_of(plan, node->key);
+  if (other)
+    return vs_fail_at(err, node->key_where, "%s is an axis already, under %s", node->key,
+                      other->by);
+  if (set)
+    return vs_fail_at(err, node->key_where, "%s is an axis, and --set %s sets it", node->key, set);
+  if (plan->n_axes >= VS_PLAN_AXES)
+    return vs_fail_at(err, node->key_where, "more than %d axes", VS_PLAN_AXES);
+  key_list *list = all_keys(plan->base);
+  const scene_key *key = find_key(list, node->key, node->key_where, err);
+  vs_axis axis = {.by = by, .where = node->key_where};
+  snprintf(axis.key, sizeof axis.key, "%s", node->key);
+  vs_status status = key ? describe(&axis, key, err) : VS_INPUT;
+  free(list);
+  if (status) return status;
+  *out = &plan->axes[plan->n_axes++];
+  **out = axis;
+  return VS_OK;
+}
+
+/* ---- values ---- */
+
+static double add_word(vs_axis *axis, const vs_node *node) {
+  for (size_t k = 0; k < axis->n_words; k++)
+    if (!strcmp(axis->word[k], node->text)) return (double)k;
+  size_t n = axis->n_words++;
+  axis->word = realloc(axis->word, axis->n_words * sizeof *axis->word);
+  axis->word_where = realloc(axis->word_where, axis->n_words * sizeof *axis->word_where);
+  axis->word[n] = vs_copy(node->text);
+  axis->word_where[n] = node->where;
+  return (double)n;
+}
+
+vs_status vs_axis_number(vs_axis *axis, const vs_node *node, double *number, vs_error *err) {
+  union {
+    double real;
+    int whole;
+    char name[VS_NAME_SIZE];
+  } value = {0};
+  vs_field field = *axis->field;
+  const vs_section section = {axis->section, &field, 1};
+  field.offset = 0;
+  vs_status status = vs_field_read(&section, &field, node, &value, err);
+  if (status) return status;
+  *number = axis->is_word            ? add_word(axis, node)
+            : field.kind == VS_COUNT ? value.whole
+                                     : to_12_digits(value.real / vs_units_factor(axis->unit));
+  return VS_OK;
+}
+
+static vs_status one_value(vs_axis *axis, const vs_node *node, vs_error *err) {
+  double number = 0;
+  vs_status status = vs_axis_number(axis, node, &number, err);
+  if (status) return status;
+  axis->value = realloc(axis->value, (axis->n_values + 1) * sizeof *axis->value);
+  axis->value[axis->n_values++] = number;
+  return VS_OK;
+}
+
+static vs_status list_values(vs_axis *axis, const vs_node *list, vs_error *err) {
+  if (!list->child) return vs_fail_at(err, list->where, "%s: the list is empty", axis->key);
+  vs_status status = VS_OK;
+  for (const vs_node *item = list->child; item && !status; item = item->next)
+    status = vs_error_carry_on(err, one_value(axis, item, err));
+  return status;
+}
+
+/* Both ends of the range, in the order given. */
+static vs_status read_ends(vs_axis *axis, const vs_node *from, const vs_node *to, vs_error *err) {
+  vs_status status = vs_axis_number(axis, from, &axis->from, err);
+  if (!status) status = vs_axis_number(axis, to, &axis->to, err);
+  if (!status && axis->from == axis->to)
+    status = vs_fail_at(err, to->where, "%s: the range ends where it begins", axis->key);
+  axis->ranged = !status;
+  return status;
+}
+
+static void cut(vs_axis *axis, size_t count, double (*at)(const vs_axis *, double), double step) {
+  axis->n_values = count;
+  axis->value = vs_alloc(count, sizeof *axis->value);
+  for (size_t k = 0; k < count; k++) axis->value[k] = to_12_digits(at(axis, (double)k * step));
+}
+
+static double lin_at(const vs_axis *a, double part) {
+  return a->from + part * (a->to - a->from);
+}
+
+static double log_at(const vs_axis *a, double part) {
+  return a->from * pow(a->to / a->from, part);
+}
+
+static vs_status whole_values(const vs_axis *axis, const vs_node *node, vs_error *err) {
+  for (size_t k = 0; k < axis->n_values && axis->field->kind == VS_COUNT; k++)
+    if (axis->value[k] != floor(axis->value[k]))
+      return vs_fail_at(err, node->where, "%s: %g among its values is not a whole number",
+                        axis->key, axis->value[k]);
+  return VS_OK;
+}
+
+/* {from: A, to: B, step: C}: A, A + C, ... up to B, which need not be met. Without a step a range
+ * is a continuum, but of whole numbers it is all of them. */
+static vs_status stepped(vs_axis *axis, const vs_node *map, vs_error *err) {
+  const vs_node *from = vs_tree_child(map, "from"), *to = vs_tree_child(map, "to"),
+                *step = vs_tree_child(map, "step");
+  char why[256];
+  double si;
+  if (!from || !to)
+    return vs_fail_at(err, map->where, "%s: both ends are wanted: {from: A, to: B, step: C}",
+                      axis->key);
+  vs_status status = read_ends(axis, from, to, err);
+  if (!status && !step && axis->field->kind == VS_COUNT) {
+    double n = fabs(axis->to - axis->from);
+    if (n >= MOST_VALUES)
+      return vs_fail_at(err, map->where, "%s: more than %d values", axis->key, MOST_VALUES);
+    cut(axis, (size_t)n + 1, lin_at, 1 / n);
+    return VS_OK;
+  }
+  if (status || !step) return status;
+  if (step->kind != VS_NODE_TEXT || !vs_units_read(step->text, axis->unit, &si, why, sizeof why))
+    return vs_fail_at(err, step->where, "%s: step: %s", axis->key,
+                      step->kind == VS_NODE_TEXT ? why : "one value is wanted");
+  double steps = (axis->to - axis->from) / to_12_digits(si / vs_units_factor(axis->unit));
+  if (!(steps > 0) || steps > MOST_VALUES)
+    return vs_fail_at(err, step->where, "%s: steps of %s lead from %s to %s %s", axis->key,
+                      step->text, from->text, to->text, steps > 0 ? "in too many" : "never");
+  cut(axis, (size_t)floor(steps * (1 + 1e-9)) + 1, lin_at, 1 / steps);
+  return whole_values(axis, map, err);
+}
+
+/* {log: [A, B], n: N}, {lin: [A, B], n: N} */
+static vs_status spaced(vs_axis *axis, const vs_node *map, const vs_node *ends, vs_error *err) {
+  uint64_t n = 0;
+  const vs_node *a = ends->kind == VS_NODE_LIST ? ends->child : NULL;
+  if (!a || !a->next || a->next->next)
+    return vs_fail_at(err, ends->where, "%s: %s: two ends are wanted: [A, B]", axis->key,
+                      ends->key);
+  axis->log = !strcmp(ends->key, "log");
+  vs_status status = read_ends(axis, a, a->next, err);
+  if (status) return status;
+  if (axis->log && !(axis->from * axis->to > 0)) /* 0 and signs have no logarithm */
+    return vs_fail_at(err, ends->where, "%s: log: both ends must be of one sign, and not 0",
+                      axis->key);
+  status = vs_axis_whole(map, "n", 2, MOST_VALUES, &n, err);
+  if (status || !n) return status;
+  cut(axis, (size_t)n, axis->log ? log_at : lin_at, 1 / (double)(n - 1));
+  axis->value[n - 1] = axis->to;
+  return whole_values(axis, map, err);
+}
+
+vs_status vs_axis_values(vs_axis *axis, const vs_node *node, vs_error *err) {
+  static const char *const STEP[] = {"from", "to", "step"}, *const LOG[] = {"log", "n"},
+                           *const LIN[] = {"lin", "n"};
+  if (node->kind == VS_NODE_TEXT) return one_value(axis, node, err);
+  if (node->kind == VS_NODE_LIST) return list_values(axis, node, err);
+  if (axis->is_word)
+    return vs_fail_at(err, node->where, "%s has words for values: a list of them is wanted",
+                      axis->key);
+  const vs_node *log = vs_tree_child(node, "log"), *lin = vs_tree_child(node, "lin");
+  size_t found = vs_error_count(err);
+  vs_status status = log   ? vs_field_known_keys(node, axis->key, LOG, 2, err)
+                     : lin ? vs_field_known_keys(node, axis->key, LIN, 2, err)
+                           : vs_field_known_keys(node, axis->key, STEP, 3, err);
+  if (status || vs_error_count(err) > found) return status;
+  return log || lin ? spaced(axis, node, log ? log : lin, err) : stepped(axis, node, err);
+}
+
+vs_status vs_axis_whole(const vs_node *map, const char *key, uint64_t least, uint64_t most,
+                        uint64_t *value, vs_error *err) {
+  const vs_node *node = vs_tree_child(map, key);
+  char *end = NULL;
+  if (!node) return VS_OK;
+  double number = node->kind == VS_NODE_TEXT ? strtod(node->text, &end) : NAN;
+  if (!end || end == node->text || *end || number != floor(number) || number < (double)least ||
+      number > (double)most)
+    return vs_fail_at(err, node->where, "%s: a whole number from %llu to %llu is wanted", key,
+                      (unsigned long long)least, (unsigned long long)most);
+  *value = (uint64_t)number;
+  return VS_OK;
+}
+
+/* ---- print-out ---- */
+
+/* A count's word, where it has one for 0 ("once"), or a word's. */
+static const char *word_of(const vs_axis *axis, double number) {
+  if (axis->is_word) return axis->word[(size_t)number];
+  return axis->field->kind == VS_COUNT && axis->field->choices && number == 0 ? axis->field->choices
+                                                                              : NULL;
+}
+
+void vs_axis_print(const vs_axis *axis, double number, char *text, size_t size) {
+  const char *word = word_of(axis, number);
+  if (word)
+    snprintf(text, size, "%s", word);
+  else
+    snprintf(text, size, "%.12g", number);
+}
+
+void vs_axis_text(const vs_axis *axis, double number, char *text, size_t size) {
+  const char *word = word_of(axis, number);
+  if (word)
+    snprintf(text, size, "%s", word);
+  else
+    snprintf(text, size, "%.12g%s%s", number, *axis->unit ? " " : "", axis->unit);
+}
+
+void vs_axis_put(const vs_axis *axis, double number, vs_tree *tree) {
+  char text[VS_NAME_SIZE];
+  vs_axis_text(axis, number, text, sizeof text);
+  vs_tree_put(tree, axis->key, text,
+              axis->is_word ? axis->word_where[(size_t)number] : axis->where);
+}

@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/case.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/session.h"
+#include "study/identity.h"
+#include "watch/table.h"
+
+/* A case: its number, its point, and its id. */
+typedef struct which {
+  uint64_t index;
+  const double *point;
+  char id[VS_ID_SIZE]; /* empty: its scene is not read, or refused */
+} which;
+
+struct vs_case {
+  const vs_plan *plan;
+  const char *keep;
+  vs_scene *scene;
+  bool begun; /* the scene's tree is there */
+  vs_identity *identity;
+  which present;
+  bool circuit;               /* the last case used ngspice */
+  int shown[VS_PLAN_COLUMNS]; /* where each column was found the last time */
+  vs_result *result;          /* large, so not on the stack */
+};
+
+vs_case *vs_case_new(const vs_plan *plan, const char *keep) {
+  vs_case *c = vs_alloc(1, sizeof *c);
+  c->plan = plan;
+  c->keep = keep;
+  c->scene = vs_alloc(1, sizeof *c->scene);
+  c->identity = vs_identity_new(plan);
+  c->result = vs_alloc(1, sizeof *c->result);
+  return c;
+}
+
+void vs_case_free(vs_case *c) {
+  if (c->begun) vs_scene_free(c->scene);
+  free(c->scene);
+  vs_identity_free(c->identity);
+  free(c->result);
+  free(c);
+}
+
+/* ---- rows ---- */
+
+void vs_csv_cell(vs_text *row, const char *word) {
+  if (!strpbrk(word, ",\"\r\n")) {
+    vs_text_add(row, "%s", word);
+    return;
+  }
+  vs_text_add(row, "\"");
+  for (; *word; word++) {
+    bool breaks = *word == '\n' || *word == '\r';
+    vs_text_add(row, *word == '"' ? "\"\"" : "%c", breaks ? ' ' : *word);
+  }
+  vs_text_add(row, "\"");
+}
+
+size_t vs_csv_split(char *row, char **cells, size_t most) {
+  size_t n = 0;
+  for (char *s = row; s && n < most;) {
+    char *out = s;
+    cells[n++] = s;
+    bool quoted = *s == '"';
+    for (s += quoted; *s && (quoted || *s != ','); s++) {
+      if (quoted && *s == '"' && s[1] != '"')
+        quoted = false;
+      else {
+        s += quoted && *s == '"';
+        *out++ = *s;
+      }
+    }
+    char end = *s;
+    *out = '\0';
+    s = end ? s + 1 : NULL;
+  }
+  return n;
+}
+
+/* The name of an event, which its user gives, may hold anything. */
+static void begin_header(const vs_plan *plan, vs_text *row) {
+  vs_text_add(row, "case,id");
+  for (size_t k = 0; k < plan->n_axes; k++) {
+    vs_text_add(row, ",");
+    vs_csv_cell(row, plan->axes[k].column);
+  }
+}
+
+void vs_case_header(const vs_plan *plan, vs_text *row) {
+  begin_header(plan, row);
+  for (size_t k = 0; k < plan->n_columns; k++) vs_text_add(row, ",%s", plan->columns[k].column);
+  vs_text_add(row, ",margin_least,margin_error,weakest,rung,leaving_bound,warnings,status");
+}
+
+void vs_case_failure_header(const vs_plan *plan, vs_text *row) {
+  begin_header(plan, row);
+  vs_text_add(row, ",status,why");
+}
+
+static void begin_row(const vs_plan *plan, const which *w, vs_text *row) {
+  char cell[VS_NAME_SIZE];
+  vs_text_add(row, "%llu,%s", (unsigned long long)w->index, w->id);
+  for (size_t k = 0; k < plan->n_axes; k++) {
+    vs_axis_print(&plan->axes[k], w->point[k], cell, sizeof cell);
+    vs_text_add(row, ",");
+    vs_csv_cell(row, cell);
+  }
+}
+
+static void add_failure(const vs_case *c, const char *why, vs_text *row) {
+  begin_row(c->plan, &c->present, row);
+  vs_text_add(row, ",%d,", VS_CASE_FAILED);
+  vs_csv_cell(row, why);
+}
+
+static void add_number(vs_text *row, double value) {
+  char text[VS_NUMBER_SIZE];
+  vs_text_number(text, value, 12);
+  vs_text_add(row, ",%s", isfinite(value) ? text : "");
+}
+
+/* Column k in this case; a deck of other devices may have it elsewhere or not at all. */
+static vs_value find_value(vs_case *c, size_t k) {
+  const char *name = c->plan->columns[k].name;
+  const vs_frame *frame = &c->result->scene->frame;
+  vs_shown m;
+  if (vs_result_shown_at(frame, c->result, c->shown[k], &m) && !strcmp(m.name, name))
+    return m.value;
+  for (int n = 0; vs_result_shown_at(frame, c->result, n, &m); n++)
+    if (!strcmp(m.name, name)) {
+      c->shown[k] = n;
+      return m.value;
+    }
+  return (vs_value){0};
+}
+
+/* Texts side by side in one cell. */
+static void add_warning(void *ctx, const char *text) {
+  vs_text *all = ctx;
+  vs_text_add(all, "%s%s", all->length ? " | " : "", text);
+}
+
+static void add_row(vs_case *c, vs_text *row) {
+  const vs_result *r = c->result;
+  const vs_judgement *weakest = r->verdict.weakest;
+  char name[VS_JUDGED_NAME];
+  vs_text warnings = {0};
+  begin_row(c->plan, &c->present, row);
+  for (size_t k = 0; k < c->plan->n_columns; k++) {
+    vs_value v = find_value(c, k);
+    add_number(row, v.known ? v.value : NAN);
+  }
+  add_number(row, weakest ? weakest->margin : NAN);
+  add_number(row, weakest ? weakest->margin_error : NAN);
+  vs_result_warnings(r, add_warning, &warnings);
+  vs_text_add(row, ",%s,%d", weakest ? vs_verdict_name(weakest, name) : "", r->ladder.rung);
+  add_number(row, r->absence.bound);
+  vs_text_add(row, ",");
+  vs_csv_cell(row, warnings.text ? warnings.text : "");
+  vs_text_add(row, ",%d", vs_verdict_breach(&r->verdict) ? VS_CASE_VIOLATED : VS_CASE_DONE);
+  vs_text_free(&warnings);
+}
+
+/* ---- the run.csv that --keep runs asks for ---- */
+
+typedef struct keeper {
+  const vs_case *c;
+  vs_file csv; /* closed where nothing is kept */
+  vs_table table;
+} keeper;
+
+static vs_status begin_csv(void *ctx, vs_scene *s, vs_error *err) {
+  keeper *k = ctx;
+  char folder[VS_PATH_SIZE + 32];
+  int made;
+  snprintf(folder, sizeof folder, "%s/%llu", k->c->keep, (unsigned long long)k->c->present.index);
+  vs_status status = vs_file_folder_make(folder, &made, err);
+  if (!status) status = vs_file_open(&k->csv, folder, "run.csv", err);
+  if (status) return status;
+  k->table = (vs_table){.stream = k->csv.stream,
+                        .frame = &s->frame,
+                        .digits = 9,
+                        .sample_s = s->setup.run.sample_s,
+                        .until_s = s->setup.run.until_s};
+  for (int n = 0; n < vs_channel_count(&s->frame); n++)
+    if (vs_channel_at(&s->frame, n).listed) k->table.channels[k->table.count++] = n;
+  vs_table_begin(&k->table);
+  return VS_OK;
+}
+
+static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+  keeper *k = ctx;
+  (void)result;
+  return vs_table_accept(&k->table, step, err);
+}
+
+static void again(void *ctx, const char *failed, int next) {
+  keeper *k = ctx;
+  (void)failed, (void)next;
+  vs_file_discard(&k->csv);
+}
+
+/* ---- the run ---- */
+
+static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
+  keeper k = {.c = c};
+  const vs_guest guest = {&k, begin_csv, accept, again};
+  const vs_session session = {.guest = c->keep ? &guest : NULL};
+  vs_status status = vs_session_run(&session, c->scene, c->result, err);
+  if (!status) add_row(c, row);
+  if (!status && k.csv.stream) status = vs_file_commit(&k.csv, err);
+  vs_file_discard(&k.csv);
+  return status;
+}
+
+/* The case's keys over the scene's. */
+static vs_status read_scene(vs_case *c, vs_error *err) {
+  const vs_plan *plan = c->plan;
+  bool again = c->begun;
+  vs_status status = VS_OK;
+  if (!again) {
+    status = vs_plan_scene(plan, c->scene, err);
+    c->begun = true;
+  }
+  for (size_t k = 0; k < plan->n_axes && !status; k++)
+    vs_axis_put(&plan->axes[k], c->present.point[k], &c->scene->tree);
+  if (status) return status;
+  return again ? vs_scene_again(c->scene, err) : vs_scene_settle(c->scene, NULL, err);
+}
+
+/* The scene of a case that is begun, and its id. */
+static vs_status begin(vs_case *c, uint64_t index, const double *point, vs_error *err) {
+  c->present = (which){.index = index, .point = point};
+  vs_status status = read_scene(c, err);
+  if (!status) vs_identity_of(c->identity, c->scene, c->present.id);
+  return status;
+}
+
+int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, bool *circuit) {
+  vs_error err = {0};
+  size_t begun = row->length;
+  bool breach = false;
+  vs_status status = begin(c, index, point, &err);
+  c->circuit = !status && c->scene->tier == &vs_coupled_tier;
+  *circuit = c->circuit;
+  if (!status) {
+    status = run_scene(c, row, &err);
+    breach = !status && vs_verdict_breach(&c->result->verdict);
+    vs_result_free(c->result);
+  }
+  if (!status) return breach ? VS_CASE_VIOLATED : VS_CASE_DONE;
+  row->length = begun; /* what a row that was not stored has added */
+  add_failure(c, err.text + err.place_size, row);
+  return VS_CASE_FAILED;
+}
+
+void vs_case_failure(const vs_plan *plan, uint64_t index, const double *point, const char *why,
+                     vs_text *row) {
+  vs_error refused = {0};
+  vs_case *c = vs_case_new(plan, NULL);
+  begin(c, index, point, &refused);
+  add_failure(c, why, row);
+  vs_case_free(c);
+}

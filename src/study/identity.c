@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/identity.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/hash.h"
+
+/* The sum of a section whose values are these. */
+typedef struct kept {
+  void *values; /* a copy; NULL: none yet */
+  char sum[VS_ID_SIZE];
+} kept;
+
+struct vs_identity {
+  const vs_plan *plan;
+  kept kept[VS_SCENE_SECTIONS];
+  vs_text part, whole; /* of a section; of its sections' sums and what else there is */
+};
+
+vs_identity *vs_identity_new(const vs_plan *plan) {
+  vs_identity *identity = vs_alloc(1, sizeof *identity);
+  identity->plan = plan;
+  return identity;
+}
+
+void vs_identity_free(vs_identity *identity) {
+  for (int p = 0; p < VS_SCENE_SECTIONS; p++) free(identity->kept[p].values);
+  vs_text_free(&identity->part);
+  vs_text_free(&identity->whole);
+  free(identity);
+}
+
+static void sum_of(const vs_text *text, char sum[VS_ID_SIZE]) {
+  vs_hash hash;
+  char digits[VS_HASH_TEXT];
+  vs_hash_begin(&hash);
+  vs_hash_add(&hash, text->text, text->length);
+  vs_hash_end(&hash, digits);
+  memcpy(sum, digits, VS_ID_SIZE - 1);
+  sum[VS_ID_SIZE - 1] = '\0';
+}
+
+static bool is_among(const char *key, const char *const *keys) {
+  for (; *keys; keys++)
+    if (!strcmp(*keys, key)) return true;
+  return false;
+}
+
+/* A key is known by its place: those of a section come in its table's order, a deck's in the order
+ * of the file, whose contents are there. There is but one zero. */
+static void add_value(const vs_field *field, const void *values, vs_text *text) {
+  const char *member = (const char *)values + field->offset;
+  const size_t n = field->kind == VS_REAL ? 1 : field->kind == VS_PAIR ? 2 : 0;
+  double si[2];
+  char number[VS_NUMBER_SIZE];
+  memcpy(si, member, n * sizeof *si);
+  for (size_t k = 0; k < n; k++) {
+    vs_text_number(number, si[k] + 0.0, 12);
+    vs_text_add(text, "%s\n", number);
+  }
+  if (n) return;
+  vs_field_json(field, values, text);
+  vs_text_add(text, "\n");
+}
+
+/* Files by their contents: their names are the scene's own affair. */
+static vs_status add_files(const vs_plan *plan, const vs_deck *deck, vs_text *text) {
+  vs_error none = {0};
+  vs_status status = VS_OK;
+  for (size_t f = 0; f < deck->n_files && !status; f++) {
+    char read[VS_HASH_TEXT];
+    const char *sum = NULL;
+    for (size_t k = 0; k < plan->n_inputs && !sum; k++)
+      if (!strcmp(plan->inputs[k].path, deck->files[f])) sum = plan->inputs[k].sha256;
+    if (!sum) status = vs_hash_file(deck->files[f], read, &none);
+    if (!status) vs_text_add(text, "%s\n", sum ? sum : read);
+  }
+  for (size_t p = 0; p < deck->n_parts; p++)
+    for (size_t f = 0; f < deck->n_files; f++)
+      if (deck->files[f] == deck->parts[p].file)
+        vs_text_add(text, "%s is %zu\n", deck->parts[p].name, f);
+  return status;
+}
+
+static vs_status add_section(const vs_plan *plan, const vs_scene_section *part, const vs_deck *deck,
+                             vs_text *text) {
+  static const char *const OUT[] = {"tier", "sample", "verify", NULL}; /* of run */
+  const bool run = part->section == &vs_setup_run_section,
+             circuit = part->section == &deck->section;
+  for (size_t k = 0; k < part->section->count; k++) {
+    const vs_field *field = &part->section->fields[k];
+    if (run && is_among(field->key, OUT)) continue;
+    if (circuit && field->kind == VS_NAME) continue; /* deck and parts */
+    add_value(field, part->values, text);
+  }
+  return circuit ? add_files(plan, deck, text) : VS_OK;
+}
+
+static vs_status update(vs_identity *identity, int index, const vs_scene *scene) {
+  kept *k = &identity->kept[index];
+  const vs_scene_section part = vs_scene_section_at(scene, index);
+  if (k->values && !memcmp(k->values, part.values, part.size)) return VS_OK;
+  identity->part.length = 0;
+  vs_status status = add_section(identity->plan, &part, &scene->setup.deck, &identity->part);
+  if (status) return status;
+  sum_of(&identity->part, k->sum);
+  if (!k->values) k->values = vs_alloc(1, part.size);
+  memcpy(k->values, part.values, part.size);
+  return VS_OK;
+}
+
+static void add_events(const vs_events *events, vs_text *text) {
+  static const char *const OUT[] = {"at", "cycle", "angle", NULL};
+  for (size_t k = 0; k < events->count; k++) {
+    const vs_occurrence *e = &events->item[k];
+    vs_json_string(text, e->name);
+    vs_text_add(text, " at %.12g\n", e->start_s);
+    for (size_t f = 0; f < e->kind->n_fields; f++)
+      if (!is_among(e->kind->fields[f].key, OUT)) add_value(&e->kind->fields[f], &e->v, text);
+  }
+}
+
+void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_SIZE]) {
+  vs_text *whole = &identity->whole;
+  whole->length = 0;
+  *id = '\0';
+  vs_text_add(whole, "%s\n", scene->tier->name);
+  for (int p = 0; p < VS_SCENE_SECTIONS; p++) {
+    if (update(identity, p, scene)) return;
+    vs_text_add(whole, "%s\n", identity->kept[p].sum);
+  }
+  add_events(&scene->setup.timeline.events, whole);
+  sum_of(whole, id);
+}

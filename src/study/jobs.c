@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/jobs.h"
+
+#include <errno.h>
+#include <math.h>
+#include <poll.h>
+#include <sched.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* libngspice leaks about a kilobyte a run: a worker is replaced after so many. */
+enum { MOST_CIRCUITS = 500 };
+/* What a worker is given in advance, as time; it must outlast a pause of this process' (a write
+ * that waits for the disk). */
+static const double AHEAD_S = 0.1;
+/* How often a case may end a worker that runs nothing else: a worker may also be ended from
+ * outside. */
+enum { MOST_TRIES = 2 };
+
+struct vs_jobs {
+  vs_jobs_options o;
+  vs_worker *workers;
+  struct pollfd *polls;
+  vs_task tasks[VS_WORKER_QUEUE]; /* chosen for one worker */
+  vs_task *again;                 /* cases of workers that died, to be run alone */
+  size_t n_again, room;
+  const vs_dealer *dealer;
+  bool dealt; /* the dealer has no more */
+};
+
+int vs_jobs_cores(void) {
+  cpu_set_t set;
+  int n = sched_getaffinity(0, sizeof set, &set) ? 1 : CPU_COUNT(&set);
+  return n > 0 ? n : 1;
+}
+
+vs_jobs *vs_jobs_new(const vs_jobs_options *options) {
+  vs_jobs *j = vs_alloc(1, sizeof *j);
+  j->o = *options;
+  j->workers = vs_alloc((size_t)options->count, sizeof *j->workers);
+  j->polls = vs_alloc((size_t)options->count, sizeof *j->polls);
+  return j;
+}
+
+void vs_jobs_free(vs_jobs *j) {
+  for (int k = 0; k < j->o.count; k++) {
+    vs_worker_kill(&j->workers[k]);
+    free(j->workers[k].in);
+  }
+  free(j->workers);
+  free(j->polls);
+  free(j->again);
+  free(j);
+}
+
+static void put_back(vs_jobs *j, const vs_task *task) {
+  if (j->n_again == j->room) {
+    j->room = j->room ? 2 * j->room : 16;
+    j->again = realloc(j->again, j->room * sizeof *j->again);
+    if (!j->again) abort();
+  }
+  j->again[j->n_again++] = *task;
+}
+
+static vs_status give_up(vs_jobs *j, const vs_task *task, const char *why, vs_error *err) {
+  vs_text row = {0};
+  vs_case_failure(j->o.plan, task->index, task->point, why, &row);
+  const vs_answer answer = {
+      .index = task->index, .status = VS_CASE_FAILED, .row = row.text, .length = row.length};
+  vs_status status = j->dealer->take(j->dealer->ctx, &answer, err);
+  vs_text_free(&row);
+  return status;
+}
+
+/* The worker is gone. What it had is run again, but for a case that was alone with it often enough.
+ * slow: it was, and so it was ended. */
+static vs_status bury(vs_jobs *j, vs_worker *w, bool slow, vs_error *err) {
+  char why[128];
+  int how = vs_worker_kill(w);
+  bool alone = w->queued == 1;
+  vs_status status = VS_OK;
+  if (slow)
+    snprintf(why, sizeof why, "no end after %g s (--case-timeout)", j->o.timeout_s);
+  else if (WIFSIGNALED(how))
+    snprintf(why, sizeof why, "its process died: signal %d (%s)", WTERMSIG(how),
+             strsignal(WTERMSIG(how)));
+  else
+    snprintf(why, sizeof why, "its process ended itself: exit status %d", WEXITSTATUS(how));
+  for (; w->queued; w->queued--, w->first = (w->first + 1) % VS_WORKER_QUEUE) {
+    vs_task *task = &w->queue[w->first];
+    task->tries += alone;
+    if (alone && (slow || task->tries >= MOST_TRIES))
+      status = status ? status : give_up(j, task, why, err);
+    else
+      put_back(j, task);
+  }
+  return status;
+}
+
+/* ---- dealing ---- */
+
+static size_t wanted_ahead(const vs_worker *w) {
+  if (!(w->case_s > 0)) return 1;
+  double n = ceil(AHEAD_S / w->case_s);
+  return n > VS_WORKER_QUEUE ? VS_WORKER_QUEUE : (size_t)n;
+}
+
+/* How many tasks for the worker; 0: it has enough, or there are none. */
+static size_t choose(vs_jobs *j, const vs_worker *w, bool *alone) {
+  size_t n = 0, most = wanted_ahead(w);
+  *alone = j->n_again > 0;
+  if (w->queued && (*alone || w->alone || w->circuits >= MOST_CIRCUITS || 2 * w->queued > most))
+    return 0; /* it shall be empty first, or has enough */
+  if (*alone) {
+    j->tasks[n++] = j->again[--j->n_again];
+    return n;
+  }
+  while (w->queued + n < most && !j->dealt) {
+    j->tasks[n].tries = 0;
+    if (j->dealer->next(j->dealer->ctx, &j->tasks[n]))
+      n++;
+    else
+      j->dealt = true;
+  }
+  return n;
+}
+
+/* Fills the worker's queue up, if it is half empty. A case that comes again goes alone. */
+static vs_status deal(vs_jobs *j, vs_worker *w, vs_error *err) {
+  bool alone;
+  size_t n = choose(j, w, &alone);
+  if (!n) return VS_OK;
+  if (w->circuits >= MOST_CIRCUITS) vs_worker_kill(w);
+  if (!w->pid) {
+    vs_status status = vs_worker_start(w, j->o.plan, j->o.keep, err);
+    if (status) return status;
+  }
+  w->alone = alone;
+  vs_worker_send(w, j->o.plan, j->tasks, n); /* one that is gone is seen by its pipe */
+  return VS_OK;
+}
+
+static vs_status deal_all(vs_jobs *j, vs_error *err) {
+  vs_status status = VS_OK;
+  for (int k = 0; k < j->o.count && !status; k++) status = deal(j, &j->workers[k], err);
+  return status;
+}
+
+/* ---- hearing ---- */
+
+static vs_status hear(vs_jobs *j, vs_worker *w, vs_error *err) {
+  vs_answer answer;
+  vs_status status = VS_OK;
+  bool alive = vs_worker_hear(w);
+  size_t n = 0;
+  while (!status && vs_worker_take(w, &answer)) {
+    status = j->dealer->take(j->dealer->ctx, &answer, err);
+    n++;
+  }
+  double now = vs_worker_clock();
+  if (n) {
+    double each = (now - w->heard_s) / (double)n;
+    w->case_s = w->case_s > 0 ? 0.7 * w->case_s + 0.3 * each : each;
+    w->heard_s = now;
+  }
+  return status || alive ? status : bury(j, w, false, err);
+}
+
+static vs_status check_time(vs_jobs *j, vs_worker *w, vs_error *err) {
+  if (!w->pid || !w->queued || !(j->o.timeout_s > 0)) return VS_OK;
+  return vs_worker_clock() - w->heard_s > j->o.timeout_s ? bury(j, w, true, err) : VS_OK;
+}
+
+static bool is_over(const vs_jobs *j) {
+  for (int k = 0; k < j->o.count; k++)
+    if (j->workers[k].queued) return false;
+  return j->dealt && !j->n_again;
+}
+
+static vs_status hear_all(vs_jobs *j, vs_error *err) {
+  vs_status status = VS_OK;
+  nfds_t n = 0;
+  for (int k = 0; k < j->o.count; k++)
+    if (j->workers[k].pid) j->polls[n++] = (struct pollfd){j->workers[k].from, POLLIN, 0};
+  if (poll(j->polls, n, 50) < 0 && errno != EINTR)
+    return vs_fail(err, VS_RUN, "no word from the workers: %s", strerror(errno));
+  n = 0;
+  for (int k = 0; k < j->o.count && !status; k++) {
+    if (!j->workers[k].pid) continue;
+    short events = j->polls[n++].revents;
+    if (events) status = hear(j, &j->workers[k], err);
+    if (!status) status = check_time(j, &j->workers[k], err);
+  }
+  return status;
+}
+
+vs_status vs_jobs_run(vs_jobs *j, const vs_dealer *dealer, vs_error *err) {
+  void (*before)(int) = signal(SIGPIPE, SIG_IGN); /* a worker may be gone */
+  j->dealer = dealer;
+  j->dealt = false;
+  vs_status status = VS_OK;
+  while (!status) {
+    if (*j->o.stop) {
+      status = vs_fail(err, VS_SIGNAL, "stopped by a signal");
+      break;
+    }
+    status = deal_all(j, err);
+    if (status || is_over(j)) break;
+    status = hear_all(j, err);
+    if (!status) status = dealer->beat(dealer->ctx, err);
+  }
+  signal(SIGPIPE, before);
+  return status;
+}

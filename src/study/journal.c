@@ -1,0 +1,439 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/journal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/hash.h"
+#include "study/plan.h"
+
+static const char NAME[] = "journal";
+static const char MAGIC[] = "vibrospice journal 1";
+
+/* ---- the head ---- */
+
+/* Its texts, in the order of their lines. */
+static const struct {
+  const char *name;
+  size_t offset;
+} TEXTS[] = {{"identity", offsetof(vs_journal_head, identity)},
+             {"columns", offsetof(vs_journal_head, columns)},
+             {"failures", offsetof(vs_journal_head, failures)},
+             {"manifest_begin", offsetof(vs_journal_head, manifest_begin)},
+             {"manifest_end", offsetof(vs_journal_head, manifest_end)}};
+enum { N_TEXTS = sizeof TEXTS / sizeof *TEXTS };
+
+static char **text_of(const vs_journal_head *head, size_t k) {
+  return (char **)(void *)((char *)(size_t)head + TEXTS[k].offset);
+}
+
+void vs_journal_head_free(vs_journal_head *head) {
+  for (size_t k = 0; k < N_TEXTS; k++) free(*text_of(head, k));
+  *head = (vs_journal_head){0};
+}
+
+/* A line; the text's own line ends are written as \n. */
+static void add_line(vs_text *to, char kind, const char *text, size_t length) {
+  vs_text line = {0};
+  vs_text_add(&line, "%c ", kind);
+  const char *end = text + length;
+  for (const char *s = text; s < end;) {
+    const char *stop = memchr(s, '\n', (size_t)(end - s));
+    vs_text_add(&line, "%.*s%s", (int)((stop ? stop : end) - s), s, stop ? "\\n" : "");
+    s = stop ? stop + 1 : end;
+  }
+  vs_text_add(to, "%08" PRIx32 " %s\n", vs_hash_crc32(line.text, line.length), line.text);
+  vs_text_free(&line);
+}
+
+static void add_head(vs_text *to, const vs_journal_head *head) {
+  vs_text line = {0};
+  add_line(to, 'h', MAGIC, strlen(MAGIC));
+  for (size_t k = 0; k < N_TEXTS; k++) {
+    line.length = 0;
+    vs_text_add(&line, "%s=%s", TEXTS[k].name, *text_of(head, k));
+    add_line(to, 'h', line.text, line.length);
+  }
+  line.length = 0;
+  vs_text_add(&line, "counts=%" PRIu64 " %" PRIu64 " %" PRIu64, head->cases, head->shard,
+              head->shards);
+  add_line(to, 'h', line.text, line.length);
+  vs_text_free(&line);
+}
+
+/* Takes "\n" back to line ends, in place. */
+static char *unfold(const char *text) {
+  char *copy = vs_copy(text), *out = copy;
+  for (const char *s = copy; *s; s++)
+    if (s[0] == '\\' && s[1] == 'n' && (s == copy || s[-1] != '\\')) {
+      *out++ = '\n';
+      s++;
+    } else
+      *out++ = *s;
+  *out = '\0';
+  return copy;
+}
+
+/* A count in digits and nothing else, up to `most`. */
+static bool read_count(const char **at, char end, uint64_t most, uint64_t *count) {
+  size_t n = strspn(*at, "0123456789");
+  *count = strtoull(*at, NULL, 10);
+  if (!n || n > 18 || (*at)[n] != end || *count > most) return false;
+  *at += n + 1;
+  return true;
+}
+
+/* Those that no study has are not taken: the head then lacks them. */
+static bool read_counts(vs_journal_head *head, const char *text) {
+  vs_journal_head h;
+  if (!read_count(&text, ' ', VS_PLAN_CASES, &h.cases) ||
+      !read_count(&text, ' ', VS_MOST_SHARDS, &h.shard) ||
+      !read_count(&text, '\0', VS_MOST_SHARDS, &h.shards) || !h.shard || h.shard > h.shards)
+    return false;
+  head->cases = h.cases;
+  head->shard = h.shard;
+  head->shards = h.shards;
+  return true;
+}
+
+/* false: it is none of the head's. What is there already is not taken again. */
+static bool read_head_line(vs_journal *j, const char *text, uint64_t at) {
+  static const char COUNTS[] = "counts=";
+  vs_journal_head *head = &j->head;
+  if (!strcmp(text, MAGIC)) {
+    j->two_heads = j->two_heads || at > 0;
+    return true;
+  }
+  for (size_t k = 0; k < N_TEXTS; k++) {
+    size_t n = strlen(TEXTS[k].name);
+    if (strncmp(text, TEXTS[k].name, n) || text[n] != '=') continue;
+    if (*text_of(head, k))
+      j->two_heads = true;
+    else
+      *text_of(head, k) = unfold(text + n + 1);
+    return true;
+  }
+  if (strncmp(text, COUNTS, sizeof COUNTS - 1)) return false;
+  j->two_heads = j->two_heads || head->shards;
+  return j->two_heads || read_counts(head, text + sizeof COUNTS - 1);
+}
+
+static bool is_whole(const vs_journal_head *head) {
+  for (size_t k = 0; k < N_TEXTS; k++)
+    if (!*text_of(head, k)) return false;
+  return head->shards > 0 && head->shard > 0 && head->shard <= head->shards;
+}
+
+/* ---- opening ---- */
+
+static void name_file(vs_journal *j, const char *folder) {
+  snprintf(j->path, sizeof j->path, "%.4000s/%s", folder, NAME);
+}
+
+bool vs_journal_exists(const char *folder) {
+  vs_journal j;
+  name_file(&j, folder);
+  return !access(j.path, F_OK);
+}
+
+/* Which of its own cases it is. */
+static uint64_t own(const vs_journal *j, uint64_t index) {
+  return index / j->head.shards;
+}
+
+static bool is_own(const vs_journal *j, uint64_t index) {
+  return index % j->head.shards + 1 == j->head.shard && (!j->head.cases || index < j->head.cases);
+}
+
+static void make_room(vs_journal *j, uint64_t cases) {
+  if (cases <= j->room) return;
+  uint64_t room = cases > 2 * j->room ? cases : 2 * j->room;
+  j->place = realloc(j->place, room * sizeof *j->place);
+  if (!j->place) vs_out_of_memory();
+  memset(j->place + j->room, 0, (room - j->room) * sizeof *j->place);
+  j->room = room;
+}
+
+/* For a study of this process' own, whose count is its plan's. */
+static void reserve(vs_journal *j) {
+  const vs_journal_head *h = &j->head;
+  if (h->cases) make_room(j, (h->cases + h->shards - h->shard) / h->shards);
+}
+
+/* Tries it for a moment: a worker that was just forked has it too, and outlives its master by so
+ * long. */
+static vs_status held(const vs_journal *j, bool (*try)(const vs_journal *), vs_error *err) {
+  const struct timespec pause = {.tv_nsec = 20000000};
+  for (int k = 0; k < 10 && !try(j); k++) {
+    if (errno != EACCES && errno != EAGAIN) return VS_OK; /* a file system without locks */
+    if (k == 9) return vs_fail(err, VS_INPUT, "%s: another process is at this study", j->path);
+    nanosleep(&pause, NULL);
+  }
+  return VS_OK;
+}
+
+/* This descriptor's own lock: closing another one of the file, as read_lines does, keeps it. */
+static bool try_file(const vs_journal *j) {
+  struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+  return !fcntl(j->fd, F_OFD_SETLK, &whole);
+}
+
+static bool try_folder(const vs_journal *j) {
+  return !flock(j->folder, LOCK_EX | LOCK_NB);
+}
+
+static vs_status lock(vs_journal *j, vs_error *err) {
+  return held(j, try_file, err);
+}
+
+/* Of two processes that begin in one folder, neither of which has a journal yet, one may. */
+static vs_status lock_folder(vs_journal *j, const char *folder, vs_error *err) {
+  j->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  return j->folder < 0 ? VS_OK : held(j, try_folder, err);
+}
+
+vs_status vs_journal_create(vs_journal *j, const char *folder, vs_journal_head *head,
+                            vs_error *err) {
+  vs_file file = {0};
+  vs_text text = {0};
+  *j = (vs_journal){.fd = -1, .folder = -1, .head = *head};
+  *head = (vs_journal_head){0};
+  name_file(j, folder);
+  vs_status status = lock_folder(j, folder, err);
+  if (!status) status = vs_file_open(&file, folder, NAME, err);
+  add_head(&text, &j->head);
+  if (!status) {
+    fputs(text.text, file.stream);
+    status = vs_file_commit(&file, err);
+  }
+  j->end = text.length;
+  vs_text_free(&text);
+  if (status) return status;
+  j->fd = open(j->path, O_RDWR | O_NOFOLLOW | O_CLOEXEC);
+  if (j->fd < 0) return vs_fail(err, VS_RUN, "%s: cannot be opened: %s", j->path, strerror(errno));
+  reserve(j);
+  return lock(j, err);
+}
+
+static bool is_violated(const char *row, size_t length) {
+  return length > 2 && row[length - 1] == '3' && row[length - 2] == ',';
+}
+
+/* Cases may be done out of their order by as many as all workers have at a time (VS_WORKER_QUEUE
+ * each, of whom there are 4096 at most); and a line of one takes more bytes than this. What lies
+ * farther ahead than the rows before it account for, no study wrote: so much memory is for so long
+ * a file. */
+static bool is_in_reach(const vs_journal *j, uint64_t index, uint64_t at) {
+  enum { AHEAD = 4096 * 256, SHORTEST_LINE = 12 };
+  return own(j, index) <= at / SHORTEST_LINE + AHEAD;
+}
+
+static void count_row(vs_journal *j, char kind, const char *row, size_t length, uint64_t at) {
+  char *after;
+  uint64_t index = strtoull(row, &after, 10);
+  if (after == row || *after != ',' || !is_own(j, index) || !is_in_reach(j, index, at)) {
+    j->bad++;
+    return;
+  }
+  make_room(j, own(j, index) + 1);
+  if (j->place[own(j, index)]) return; /* it has one already */
+  j->place[own(j, index)] = at + 1;
+  j->done += kind == '=';
+  j->failed += kind == '!';
+  j->violated += kind == '=' && is_violated(row, length);
+}
+
+/* A line without its end; at: where it begins. */
+static void take_line(vs_journal *j, const char *line, size_t length, uint64_t at) {
+  char *after;
+  bool good = length > 11 && strtoull(line, &after, 16) == vs_hash_crc32(line + 9, length - 9) &&
+              after == line + 8;
+  if (!good || strlen(line) != length)
+    j->bad++;
+  else if (line[9] == 'h')
+    j->bad += !read_head_line(j, line + 11, at);
+  else if ((line[9] == '=' || line[9] == '!') && is_whole(&j->head))
+    count_row(j, line[9], line + 11, length - 11, at);
+  else
+    j->bad++;
+}
+
+/* Reads all lines; gives where the last whole one ends. */
+static vs_status read_lines(vs_journal *j, uint64_t *whole, vs_error *err) {
+  int copy = dup(j->fd);
+  FILE *f = copy < 0 ? NULL : fdopen(copy, "r");
+  if (!f) return vs_fail(err, VS_RUN, "%s: cannot be read: %s", j->path, strerror(errno));
+  char *line = NULL;
+  size_t size = 0;
+  ssize_t n;
+  uint64_t at = 0;
+  while ((n = getline(&line, &size, f)) > 0) {
+    if (line[n - 1] == '\n') {
+      line[n - 1] = '\0';
+      take_line(j, line, (size_t)n - 1, at);
+      *whole = at + (uint64_t)n;
+    } else
+      j->bad++;
+    at += (uint64_t)n;
+  }
+  bool bad = ferror(f);
+  free(line);
+  fclose(f);
+  return bad ? vs_fail(err, VS_RUN, "%s: cannot be read: %s", j->path, strerror(errno)) : VS_OK;
+}
+
+vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error *err) {
+  *j = (vs_journal){.fd = -1, .folder = -1};
+  name_file(j, folder);
+  vs_status status = mend ? lock_folder(j, folder, err) : VS_OK;
+  if (status) return status;
+  j->fd = open(j->path, (mend ? O_RDWR | O_NOFOLLOW : O_RDONLY) | O_CLOEXEC);
+  if (j->fd < 0)
+    return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", j->path, strerror(errno));
+  if (mend) status = lock(j, err); /* before it is read: whoever had it may have added to it */
+  if (!status) status = read_lines(j, &j->end, err);
+  if (!status && j->two_heads)
+    status =
+        vs_fail(err, VS_INPUT,
+                "%s: has two heads, so that its rows may be of two studies; a journal has one, "
+                "in its first lines",
+                j->path);
+  if (!status && !is_whole(&j->head))
+    status = vs_fail(err, VS_INPUT,
+                     "%s: is no journal of a study: its head lacks a line, or has counts that no "
+                     "study has (at most %llu cases and %d shards)",
+                     j->path, VS_PLAN_CASES, VS_MOST_SHARDS);
+  if (!status && mend && ftruncate(j->fd, (off_t)j->end))
+    status = vs_fail(err, VS_RUN, "%s: cannot be written: %s", j->path, strerror(errno));
+  return status;
+}
+
+void vs_journal_close(vs_journal *j) {
+  if (j->fd >= 0) close(j->fd);
+  if (j->folder >= 0) close(j->folder);
+  vs_journal_head_free(&j->head);
+  free(j->place);
+  vs_text_free(&j->fresh);
+  *j = (vs_journal){.fd = -1, .folder = -1};
+}
+
+/* ---- rows ---- */
+
+bool vs_journal_has(const vs_journal *j, uint64_t index) {
+  return own(j, index) < j->room && j->place[own(j, index)];
+}
+
+vs_status vs_journal_add(vs_journal *j, uint64_t index, int status, const char *row, size_t length,
+                         vs_error *err) {
+  const bool failed = status == 1;
+  make_room(j, own(j, index) + 1);
+  j->place[own(j, index)] = j->end + j->fresh.length + 1;
+  add_line(&j->fresh, failed ? '!' : '=', row, length);
+  j->done += !failed;
+  j->failed += failed;
+  j->violated += status == 3;
+  return j->fresh.length < 1 << 16 ? VS_OK : vs_journal_flush(j, false, err);
+}
+
+vs_status vs_journal_flush(vs_journal *j, bool sync, vs_error *err) {
+  size_t done = 0;
+  while (done < j->fresh.length) {
+    ssize_t n = pwrite(j->fd, j->fresh.text + done, j->fresh.length - done, (off_t)(j->end + done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0)
+      return vs_fail(err, VS_RUN, "%s: cannot be written: %s; --resume goes on with it", j->path,
+                     n ? strerror(errno) : "no room");
+    done += (size_t)n;
+  }
+  j->unsynced = j->unsynced || done;
+  j->end += done;
+  j->fresh.length = 0;
+  if (sync && j->unsynced && fdatasync(j->fd))
+    return vs_fail(err, VS_RUN, "%s: cannot be written: %s; --resume goes on with it", j->path,
+                   strerror(errno));
+  if (sync) j->unsynced = false;
+  return VS_OK;
+}
+
+vs_status vs_journal_row(const vs_journal *j, uint64_t index, vs_text *row, bool *failed,
+                         vs_error *err) {
+  uint64_t at = j->place[own(j, index)] - 1;
+  char part[1024];
+  row->length = 0;
+  for (bool ended = false; !ended;) {
+    ssize_t n = pread(j->fd, part, sizeof part - 1, (off_t)at);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return vs_fail(err, VS_RUN, "%s: cannot be read: %s", j->path, strerror(errno));
+    part[n] = '\0';
+    char *end = strchr(part, '\n');
+    ended = end;
+    if (end) *end = '\0';
+    vs_text_add(row, "%s", part);
+    at += (uint64_t)n;
+  }
+  *failed = row->text[9] == '!';
+  row->length -= 11;
+  memmove(row->text, row->text + 11, row->length + 1);
+  return VS_OK;
+}
+
+/* ---- the files ---- */
+
+static vs_status write_rows(const vs_journals *all, FILE *study, FILE *failures, vs_error *err) {
+  const vs_journal *first = &all->item[0];
+  vs_text row = {0};
+  vs_status status = VS_OK;
+  fprintf(study, "%s\n", first->head.columns);
+  fprintf(failures, "%s\n", first->head.failures);
+  for (uint64_t k = 0; k < all->cases && !status; k++) {
+    const vs_journal *j = &all->item[all->count > 1 ? k % all->count : 0];
+    bool failed;
+    if (!is_own(j, k)) continue;
+    status = vs_journal_row(j, k, &row, &failed, err);
+    if (!status) fprintf(failed ? failures : study, "%s\n", row.text);
+  }
+  vs_text_free(&row);
+  return status;
+}
+
+static void write_manifest(const vs_journals *all, FILE *f) {
+  const vs_journal_head *head = &all->item[0].head;
+  uint64_t done = 0, failed = 0, violated = 0;
+  for (uint64_t k = 0; k < all->count; k++) {
+    done += all->item[k].done;
+    failed += all->item[k].failed;
+    violated += all->item[k].violated;
+  }
+  fprintf(f,
+          "%s,\n  \"cases\": %" PRIu64 ",\n  \"done\": %" PRIu64 ",\n  \"failed\": %" PRIu64
+          ",\n  \"violated\": %" PRIu64 "%s%s,\n  \"shard\": [%" PRIu64 ", %" PRIu64 "]\n}\n",
+          head->manifest_begin, all->cases, done, failed, violated, head->manifest_end,
+          all->more ? all->more : "", all->count > 1 ? 1 : head->shard,
+          all->count > 1 ? 1 : head->shards);
+}
+
+vs_status vs_journals_write(const vs_journals *all, const char *folder, vs_error *err) {
+  vs_file study = {0}, failures = {0}, manifest = {0};
+  vs_status status = vs_file_open(&study, folder, "study.csv", err);
+  if (!status) status = vs_file_open(&failures, folder, "failures.csv", err);
+  if (!status) status = vs_file_open(&manifest, folder, "manifest.json", err);
+  if (!status) status = write_rows(all, study.stream, failures.stream, err);
+  if (!status) {
+    write_manifest(all, manifest.stream);
+    status = vs_file_commit(&study, err);
+  }
+  if (!status) status = vs_file_commit(&failures, err);
+  if (!status) status = vs_file_commit(&manifest, err);
+  vs_file_discard(&study);
+  vs_file_discard(&failures);
+  vs_file_discard(&manifest);
+  return status;
+}

@@ -1,0 +1,448 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/study.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/leave.h"
+#include "scene/session.h"
+#include "study/jobs.h"
+
+static const char *const RESULTS[] = {"manifest.json", "study.csv", "failures.csv"};
+enum { N_RESULTS = sizeof RESULTS / sizeof *RESULTS };
+
+/* A study under way. */
+typedef struct session {
+  const vs_study_options *o;
+  vs_plan plan;
+  vs_journal journal;
+  vs_jobs *jobs;
+  char folder[VS_PATH_SIZE], keep[VS_PATH_SIZE + 8];
+  char own[N_RESULTS + 1][VS_PATH_SIZE + 16]; /* without -o: what stands in the folder */
+  int made;                                   /* folders, for the output */
+  uint64_t next, until; /* cases to deal; of an adaptive plan the present generation's */
+  uint64_t total;       /* own cases, for the progress */
+  uint64_t before;      /* done when it began */
+  double began_s, shown_s;
+  bool show;               /* progress on a terminal */
+  double *points, *values; /* of an adaptive plan: all so far, as vs_results has them */
+  int *status;
+  uint64_t room;
+} session;
+
+/* ---- dealing ---- */
+
+static bool next_case(void *ctx, vs_task *task) {
+  session *s = ctx;
+  const vs_journal_head *head = &s->journal.head;
+  for (; s->next < s->until; s->next += head->shards) {
+    if (vs_journal_has(&s->journal, s->next)) continue;
+    task->index = s->next;
+    if (s->plan.adaptive)
+      memcpy(task->point, s->points + s->next * s->plan.n_axes, s->plan.n_axes * sizeof(double));
+    else
+      vs_plan_point(&s->plan, s->next, task->point);
+    s->next += head->shards;
+    return true;
+  }
+  return false;
+}
+
+static vs_status take_row(void *ctx, const vs_answer *answer, vs_error *err) {
+  session *s = ctx;
+  return vs_journal_add(&s->journal, answer->index, answer->status, answer->row, answer->length,
+                        err);
+}
+
+/* ---- progress ---- */
+
+static void show_progress(const session *s, double now) {
+  uint64_t over = s->journal.done + s->journal.failed;
+  double rate = (double)(over - s->before) / fmax(now - s->began_s, 1e-9);
+  double left = rate > 0 ? (double)(s->total - over) / rate : NAN;
+  if (s->o->progress_json) {
+    printf("{\"done\": %llu, \"failed\": %llu, \"total\": %llu, \"per_s\": %.6g, \"eta_s\": ",
+           (unsigned long long)s->journal.done, (unsigned long long)s->journal.failed,
+           (unsigned long long)s->total, rate);
+    printf(isfinite(left) ? "%.6g}\n" : "null}\n", left);
+    fflush(stdout);
+  } else if (s->show)
+    fprintf(stderr, "\r%llu of %s%llu cases, %llu failed, %.4g a second, %.0f s left \033[K",
+            (unsigned long long)over, s->plan.adaptive ? "at most " : "",
+            (unsigned long long)s->total, (unsigned long long)s->journal.failed, rate, left);
+}
+
+/* Once a second. What is said to be done is on the disk. */
+static vs_status beat(void *ctx, vs_error *err) {
+  session *s = ctx;
+  double now = vs_worker_clock();
+  vs_status status = vs_journal_flush(&s->journal, now - s->shown_s >= 1, err);
+  if (status || now - s->shown_s < 1) return status;
+  s->shown_s = now;
+  show_progress(s, now);
+  return VS_OK;
+}
+
+/* ---- running ---- */
+
+static vs_status run_cases(session *s, uint64_t first, uint64_t until, vs_error *err) {
+  const vs_dealer dealer = {s, next_case, take_row, beat};
+  s->next = first;
+  s->until = until;
+  vs_status status = vs_jobs_run(s->jobs, &dealer, err);
+  vs_error second = {0};
+  vs_status kept = vs_journal_flush(&s->journal, true, status ? &second : err);
+  return status ? status : kept;
+}
+
+/* Makes room for so many cases and takes their points. */
+static void take_generation(session *s, uint64_t count, const vs_generation *g) {
+  size_t axes = s->plan.n_axes, width = 1 + s->plan.n_columns;
+  uint64_t need = count + g->count;
+  if (need > s->room) {
+    s->room = 2 * need;
+    s->points = realloc(s->points, s->room * axes * sizeof *s->points);
+    s->values = realloc(s->values, s->room * width * sizeof *s->values);
+    s->status = realloc(s->status, s->room * sizeof *s->status);
+    if (!s->points || !s->values || !s->status) abort();
+  }
+  memcpy(s->points + count * axes, g->points, g->count * axes * sizeof *s->points);
+}
+
+/* The values of one case, from its row: what a study that goes on has too. */
+static vs_status take_values(session *s, uint64_t index, vs_error *err) {
+  enum {
+    FIRST = 2,
+    LAST = 7,
+    MOST = FIRST + VS_PLAN_AXES + VS_PLAN_COLUMNS + LAST
+  }; /* case, id; axes; ... */
+  size_t n = s->plan.n_columns, width = 1 + n;
+  double *value = s->values + index * width;
+  char *cells[MOST];
+  vs_text row = {0};
+  bool failed = false;
+  vs_status status = vs_journal_row(&s->journal, index, &row, &failed, err);
+  for (size_t k = 0; k < width; k++) value[k] = NAN;
+  s->status[index] = 1;
+  size_t count = status || failed ? 0 : vs_csv_split(row.text, cells, MOST);
+  if (count == FIRST + s->plan.n_axes + n + LAST) {
+    char **cell = cells + FIRST + s->plan.n_axes;
+    for (size_t k = 0; k < n; k++)
+      if (*cell[k]) value[1 + k] = strtod(cell[k], NULL);
+    if (*cell[n]) value[0] = strtod(cell[n], NULL);
+    s->status[index] = atoi(cell[n + LAST - 1]);
+  }
+  vs_text_free(&row);
+  return status;
+}
+
+/* Generation after generation, as the method asks for them by the results so far. */
+static vs_status run_adaptive(session *s, uint64_t *count, vs_error *err) {
+  const vs_plan_stage *part = s->plan.adaptive;
+  vs_status status = VS_OK;
+  *count = 0;
+  for (bool more = true; more && !status;) {
+    vs_generation g = {.n_axes = s->plan.n_axes};
+    const vs_results results = {&s->plan, *count, s->points, s->values, s->status};
+    status = part->method->next(&s->plan, part, &results, &g, err);
+    more = !status && g.count;
+    if (more) {
+      take_generation(s, *count, &g);
+      status = run_cases(s, *count, *count + g.count, err);
+      for (size_t k = 0; k < g.count && !status; k++) status = take_values(s, *count + k, err);
+      *count += g.count;
+    }
+    free(g.points);
+  }
+  return status;
+}
+
+/* ---- the folder ---- */
+
+static void remove_result(const char *folder) {
+  char path[VS_PATH_SIZE + 16];
+  for (size_t k = 0; k < N_RESULTS; k++) {
+    snprintf(path, sizeof path, "%s/%s", folder, RESULTS[k]);
+    unlink(path);
+  }
+}
+
+/* One of its files; NULL: it holds none. */
+static const char *find_result(const char *folder) {
+  char path[VS_PATH_SIZE + 16];
+  struct stat s;
+  for (size_t k = 0; k < N_RESULTS; k++) {
+    snprintf(path, sizeof path, "%s/%s", folder, RESULTS[k]);
+    if (!lstat(path, &s)) return RESULTS[k];
+  }
+  return NULL;
+}
+
+/* What a study left here, hours of work perhaps, is not thrown away unasked. */
+static vs_status check_free(const session *s, bool journal, vs_error *err) {
+  const char *result = find_result(s->folder);
+  if (s->o->overwrite || (!journal && !result)) return VS_OK;
+  if (!journal)
+    return vs_fail(err, VS_INPUT,
+                   "%s/%s: the result of a study is here, without a journal to go on with; "
+                   "--overwrite replaces it, or take another folder",
+                   s->folder, result);
+  if (!result)
+    return vs_fail(err, VS_INPUT,
+                   "%s/journal: a study was broken off here; --resume goes on with it, --overwrite "
+                   "throws it away, or take another folder",
+                   s->folder);
+  return vs_fail(err, VS_INPUT,
+                 "%s/%s: the result of a study is here; --overwrite replaces it, --resume does "
+                 "what the same study lacks, or take another folder",
+                 s->folder, result);
+}
+
+static vs_status go_on(session *s, vs_journal_head *head, vs_error *err) {
+  vs_journal *j = &s->journal;
+  vs_status status = vs_journal_open(j, s->folder, true, err);
+  if (status) return status;
+  if (strcmp(j->head.identity, head->identity))
+    return vs_fail(err, VS_INPUT,
+                   "%s: is of another study: the study's file, a file it names, a --set or the "
+                   "program have changed since; take another folder, or remove this one",
+                   j->path);
+  if (j->head.shard != head->shard || j->head.shards != head->shards)
+    return vs_fail(err, VS_INPUT, "%s: is of shard %llu/%llu: give --shard so", j->path,
+                   (unsigned long long)j->head.shard, (unsigned long long)j->head.shards);
+  if (j->bad && !s->o->quiet)
+    fprintf(stderr,
+            "vibrospice: warning: %s: %llu torn or damaged line%s mended; what stood there is run "
+            "again\n",
+            j->path, (unsigned long long)j->bad, j->bad > 1 ? "s" : "");
+  return VS_OK;
+}
+
+static vs_status open_journal(session *s, vs_error *err) {
+  vs_journal_head head;
+  vs_manifest_head(&s->plan, s->o->name, &head);
+  vs_status status = VS_OK;
+  if (s->o->shard) status = vs_merge_shard_read(s->o->shard, &head.shard, &head.shards, err);
+  if (!status && s->plan.adaptive && head.shards > 1)
+    status = vs_fail(err, VS_INPUT,
+                     "--shard %s: method %s chooses its cases by the results of others; only "
+                     "studies without it can be cut into shards",
+                     s->o->shard, s->plan.adaptive->method->name);
+  struct stat st;
+  if (!status && s->o->keep_runs && !lstat(s->keep, &st) && S_ISLNK(st.st_mode))
+    status =
+        vs_fail(err, VS_INPUT, "%s: is a link; runs are kept in the study's own folder", s->keep);
+  if (!status) status = vs_file_folder_make(s->folder, &s->made, err);
+  bool there = !status && vs_journal_exists(s->folder);
+  if (!status && there && s->o->resume)
+    status = go_on(s, &head, err);
+  else if (!status)
+    status = check_free(s, there, err);
+  if (!status && !(there && s->o->resume)) {
+    status = vs_journal_create(&s->journal, s->folder, &head, err);
+    if (!status) remove_result(s->folder);
+  }
+  vs_journal_head_free(&head);
+  return status;
+}
+
+/* Without -o a folder of its own that goes when it has been shown, or when a signal ends this. */
+static vs_status make_own_folder(session *s, vs_error *err) {
+  const char *temporary = getenv("TMPDIR");
+  sigset_t before;
+  snprintf(s->folder, sizeof s->folder, "%.4000s/vibrospice.XXXXXX",
+           temporary && *temporary ? temporary : "/tmp");
+  vs_leave_hold(&before);
+  bool made = mkdtemp(s->folder) != NULL;
+  int why = errno;
+  if (made) vs_leave_remove(s->folder);
+  vs_leave_release(&before);
+  if (!made) return vs_fail(err, VS_RUN, "%s: cannot be made: %s", s->folder, strerror(why));
+  for (size_t k = 0; k <= N_RESULTS; k++) {
+    snprintf(s->own[k], sizeof s->own[k], "%s/%s", s->folder,
+             k < N_RESULTS ? RESULTS[k] : "journal");
+    vs_leave_remove(s->own[k]);
+  }
+  return VS_OK;
+}
+
+static vs_status name_folder(session *s, vs_error *err) {
+  if (!s->o->folder) return make_own_folder(s, err);
+  snprintf(s->folder, sizeof s->folder, "%.4000s", s->o->folder);
+  snprintf(s->keep, sizeof s->keep, "%s/runs", s->folder);
+  return VS_OK;
+}
+
+static void show_file(const session *s, const char *name, bool header, FILE *out) {
+  char path[VS_PATH_SIZE + 16], *line = NULL;
+  size_t size = 0;
+  snprintf(path, sizeof path, "%s/%s", s->folder, name);
+  FILE *f = fopen(path, "r");
+  for (bool first = true; f && getline(&line, &size, f) > 0; first = false)
+    if (header || !first) fputs(line, out);
+  free(line);
+  if (f) fclose(f);
+}
+
+static void discard_folder(const session *s) {
+  for (size_t k = 0; k <= N_RESULTS; k++) {
+    unlink(s->own[k]);
+    vs_leave_forget(s->own[k]);
+  }
+  rmdir(s->folder);
+  vs_leave_forget(s->folder);
+}
+
+/* ---- the command ---- */
+
+static vs_status write_result(session *s, uint64_t cases, vs_error *err) {
+  vs_text more = {0};
+  const vs_plan_stage *part = s->plan.adaptive;
+  const vs_results results = {&s->plan, cases, s->points, s->values, s->status};
+  if (part && part->method->json) part->method->json(&s->plan, part, &results, &more);
+  const vs_journals all = {&s->journal, 1, cases, more.text};
+  vs_status status = vs_journals_write(&all, s->folder, err);
+  vs_text_free(&more);
+  return status;
+}
+
+static void say_result(const session *s) {
+  char method[128];
+  const vs_journal *j = &s->journal;
+  if (!s->o->folder) { /* quiet or not: it stands nowhere else */
+    show_file(s, "study.csv", true, stdout);
+    if (!s->o->quiet) show_file(s, "failures.csv", false, stderr);
+    return;
+  }
+  if (s->o->quiet || s->o->progress_json) return;
+  vs_plan_method(&s->plan, method, sizeof method);
+  printf("study  %s (%s)\n", s->plan.path, method);
+  if (j->head.shards > 1)
+    printf("shard  %llu of %llu\n", (unsigned long long)j->head.shard,
+           (unsigned long long)j->head.shards);
+  printf("cases  %llu done, %llu failed, in %llu a rating is violated or undecided\n"
+         "written: study.csv, failures.csv, manifest.json in %s\n",
+         (unsigned long long)j->done, (unsigned long long)j->failed,
+         (unsigned long long)j->violated, s->folder);
+}
+
+static vs_status judge(const session *s, vs_error *err) {
+  const vs_journal *j = &s->journal;
+  unsigned long long all = j->done + j->failed;
+  if (j->failed)
+    return vs_fail(err, VS_RUN, "%llu of %llu cases failed%s%s%s", (unsigned long long)j->failed,
+                   all, s->o->folder ? "; why stands in " : "", s->o->folder ? s->folder : "",
+                   s->o->folder ? "/failures.csv" : "");
+  if (j->violated)
+    return vs_fail(err, VS_RATING, "a rating is violated or undecided in %llu of %llu cases",
+                   (unsigned long long)j->violated, all);
+  return VS_OK;
+}
+
+static vs_status run_session(session *s, vs_error *err) {
+  const vs_journal_head *head = &s->journal.head;
+  uint64_t cases = s->plan.count;
+  int jobs = s->o->jobs ? s->o->jobs : vs_jobs_cores();
+  s->total = (cases + head->shards - head->shard) / head->shards;
+  s->before = s->journal.done + s->journal.failed;
+  s->began_s = s->shown_s = vs_worker_clock();
+  s->show = !s->o->quiet && !s->o->progress_json && isatty(STDERR_FILENO);
+  if ((uint64_t)jobs > s->total && s->total) jobs = (int)s->total;
+  const vs_jobs_options options = {&s->plan, s->o->keep_runs ? s->keep : NULL, jobs,
+                                   s->o->timeout_s, s->o->stop};
+  s->jobs = vs_jobs_new(&options);
+  vs_heed heed = vs_leave_heed_set(VS_HEED_KEEP);
+  void (*before)(int) = signal(SIGPIPE, SIG_IGN); /* who reads the progress may be gone */
+  vs_status status =
+      s->plan.adaptive ? run_adaptive(s, &cases, err) : run_cases(s, head->shard - 1, cases, err);
+  vs_jobs_free(s->jobs);
+  vs_leave_heed_set(heed); /* the rows are in the journal: what follows can be done again */
+  if (s->plan.adaptive) s->total = cases;
+  if (s->show) fputs("\r\033[K", stderr);
+  if (!status) show_progress(s, vs_worker_clock());
+  if (s->show) fputs("\r\033[K", stderr);
+  if (!status) status = write_result(s, cases, err);
+  signal(SIGPIPE, before);
+  if (!status) say_result(s);
+  return status ? status : judge(s, err);
+}
+
+vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
+  session *s = vs_alloc(1, sizeof *s);
+  s->o = o;
+  s->journal.fd = s->journal.folder = -1;
+  vs_status status = VS_OK;
+  if (o->resume && o->overwrite)
+    status = vs_fail(err, VS_INPUT,
+                     "--resume goes on with what is there, --overwrite throws it "
+                     "away; give one of them");
+  else if (!o->folder &&
+           (o->resume || o->keep_runs || o->shard || o->progress_json || o->overwrite))
+    status = vs_fail(err, VS_INPUT, "%s: wants a folder; name one with -o DIR",
+                     o->resume          ? "--resume"
+                     : o->overwrite     ? "--overwrite"
+                     : o->keep_runs     ? "--keep runs"
+                     : o->progress_json ? "--progress json"
+                                        : "--shard");
+  if (!status) status = vs_plan_read(o->name, o->sets, o->n_sets, &s->plan, err);
+  if (!status) status = name_folder(s, err);
+  bool named = !status;
+  if (!status) {
+    status = open_journal(s, err);
+    if (status) vs_file_folder_unmake(s->folder, s->made);
+  }
+  if (!status) status = run_session(s, err);
+  if (status == VS_SIGNAL && o->folder)
+    status = vs_fail(err, VS_SIGNAL, "stopped by a signal; --resume goes on: %llu cases are done",
+                     (unsigned long long)(s->journal.done + s->journal.failed));
+  vs_journal_close(&s->journal);
+  if (named && !o->folder) discard_folder(s);
+  vs_plan_free(&s->plan);
+  free(s->points);
+  free(s->values);
+  free(s->status);
+  free(s);
+  return status;
+}
+
+/* ---- check ---- */
+
+bool vs_study_is(const char *name) {
+  static const char *const KEYS[] = {"scene", "set", "vary", "sample", "find", "snubber", "report"};
+  char path[VS_PATH_SIZE];
+  vs_error none = {0};
+  vs_tree tree = {0};
+  if (vs_path_find(&vs_scene_shelf, name, (vs_where){0}, path, &none))
+    return !vs_path_find(&vs_plan_shelf, name, (vs_where){0}, path, &none);
+  bool study = false;
+  size_t n = strlen(path);
+  bool yaml = (n > 5 && !strcmp(path + n - 5, ".yaml")) || (n > 4 && !strcmp(path + n - 4, ".yml"));
+  if (!yaml || vs_tree_read(path, &tree, &none)) n = 0;
+  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS && n; k++)
+    study = study || vs_tree_child(tree.root, KEYS[k]);
+  vs_tree_free(&tree);
+  return study;
+}
+
+vs_status vs_study_check(const vs_check_options *o, vs_text *good, vs_error *err) {
+  vs_plan *plan = vs_alloc(1, sizeof *plan);
+  char method[128];
+  vs_status status = vs_plan_read(o->name, o->sets, o->n_sets, plan, err);
+  if (!status && !vs_error_count(err))
+    status = vs_session_try(plan->first->tier, &plan->first->setup, err);
+  if (!status && !vs_error_count(err)) {
+    vs_plan_method(plan, method, sizeof method);
+    vs_text_add(good, "a good study: %s, %s%llu cases of %zu axes, %zu columns; tier %s (%s)",
+                method, plan->adaptive ? "at most " : "", (unsigned long long)plan->count,
+                plan->n_axes, plan->n_columns, plan->first->tier->name, plan->first->why);
+  }
+  vs_plan_free(plan);
+  free(plan);
+  return status;
+}

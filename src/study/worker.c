@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/worker.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+double vs_worker_clock(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* Both ends are the same program, so that structs go as they are. */
+typedef struct answer_head {
+  uint64_t index, length;
+  int32_t status, circuit;
+} answer_head;
+
+/* ---- the child ---- */
+
+/* Answers wait this long for more, so that quick cases cost one write for many. */
+static const double PATIENCE_S = 0.01;
+
+static bool read_all(int fd, void *to, size_t size) {
+  for (char *at = to; size;) {
+    ssize_t n = read(fd, at, size);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    at += n;
+    size -= (size_t)n;
+  }
+  return true;
+}
+
+static bool write_all(int fd, const void *from, size_t size) {
+  for (const char *at = from; size;) {
+    ssize_t n = write(fd, at, size);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    at += n;
+    size -= (size_t)n;
+  }
+  return true;
+}
+
+typedef struct outbox {
+  int fd;
+  char *bytes;
+  size_t size, room;
+  double since_s; /* the oldest of them */
+} outbox;
+
+static void post(outbox *o, const void *bytes, size_t size) {
+  if (!o->size) o->since_s = vs_worker_clock();
+  if (o->size + size > o->room) {
+    o->room = 2 * (o->size + size);
+    o->bytes = realloc(o->bytes, o->room);
+    if (!o->bytes) _exit(1);
+  }
+  memcpy(o->bytes + o->size, bytes, size);
+  o->size += size;
+}
+
+static void deliver(outbox *o) {
+  if (!write_all(o->fd, o->bytes, o->size)) _exit(0); /* nobody hears it any more */
+  o->size = 0;
+}
+
+static _Noreturn void work(const vs_plan *plan, const char *keep, int in, int out) {
+  vs_case *c = vs_case_new(plan, keep);
+  outbox box = {.fd = out};
+  vs_text row = {0};
+  uint32_t count;
+  vs_task *tasks = vs_alloc(VS_WORKER_QUEUE, sizeof *tasks);
+  while (read_all(in, &count, sizeof count)) {
+    for (uint32_t k = 0; k < count; k++)
+      if (!read_all(in, &tasks[k].index, sizeof tasks[k].index) ||
+          !read_all(in, tasks[k].point, plan->n_axes * sizeof(double)))
+        _exit(0);
+    for (uint32_t k = 0; k < count; k++) {
+      bool circuit;
+      if (box.size && vs_worker_clock() - box.since_s > PATIENCE_S) deliver(&box);
+      row.length = 0;
+      int status = vs_case_run(c, tasks[k].index, tasks[k].point, &row, &circuit);
+      const answer_head head = {tasks[k].index, row.length, status, circuit};
+      post(&box, &head, sizeof head);
+      post(&box, row.text, row.length);
+      if (vs_ng_usable()) continue;
+      deliver(&box);
+      _exit(0); /* what else it was sent another one does */
+    }
+    deliver(&box);
+  }
+  _exit(0); /* without what the parent's exit would flush or remove */
+}
+
+/* Signals are the parent's to heed; a crash shall be quiet; and nobody outlives the parent. */
+static void settle_in(pid_t parent, int in, int out) {
+  const struct rlimit none = {0, 0};
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(0);
+  setpgid(0, 0);
+  signal(SIGINT, SIG_IGN);
+  signal(SIGTERM, SIG_IGN);
+  signal(SIGHUP, SIG_IGN);
+  signal(SIGPIPE, SIG_DFL);
+  setrlimit(RLIMIT_CORE, &none);
+  int low = in < out ? in : out, high = in < out ? out : in;
+  if (low > 3) close_range(3, (unsigned)low - 1, 0); /* the journal, the other workers' pipes */
+  if (high > low + 1) close_range((unsigned)low + 1, (unsigned)high - 1, 0);
+  close_range((unsigned)high + 1, ~0u, 0);
+}
+
+/* ---- the parent ---- */
+
+vs_status vs_worker_start(vs_worker *w, const vs_plan *plan, const char *keep, vs_error *err) {
+  int there[2], back[2];
+  if (pipe2(there, O_CLOEXEC)) return vs_fail(err, VS_RUN, "no pipe: %s", strerror(errno));
+  if (pipe2(back, O_CLOEXEC)) {
+    close(there[0]), close(there[1]);
+    return vs_fail(err, VS_RUN, "no pipe: %s", strerror(errno));
+  }
+  fflush(NULL);
+  pid_t parent = getpid(), pid = fork();
+  if (pid == 0) {
+    settle_in(parent, there[0], back[1]);
+    work(plan, keep, there[0], back[1]);
+  }
+  int why = errno;
+  close(there[0]), close(back[1]);
+  if (pid < 0) {
+    close(there[1]), close(back[0]);
+    return vs_fail(err, VS_RUN, "no worker process: %s", strerror(why));
+  }
+  setpgid(pid, pid); /* whoever of the two is first */
+  fcntl(back[0], F_SETFL, O_NONBLOCK);
+  w->pid = pid;
+  w->to = there[1];
+  w->from = back[0];
+  w->circuits = 0;
+  w->n_in = w->at = 0;
+  w->heard_s = vs_worker_clock();
+  return VS_OK;
+}
+
+bool vs_worker_send(vs_worker *w, const vs_plan *plan, const vs_task *tasks, size_t count) {
+  const uint32_t n = (uint32_t)count;
+  const size_t point = plan->n_axes * sizeof(double), each = sizeof(uint64_t) + point;
+  char *message = vs_alloc(1, sizeof n + count * each), *at = message + sizeof n;
+  memcpy(message, &n, sizeof n);
+  for (size_t k = 0; k < count; k++, at += each) {
+    memcpy(at, &tasks[k].index, sizeof(uint64_t));
+    memcpy(at + sizeof(uint64_t), tasks[k].point, point);
+    w->queue[(w->first + w->queued + k) % VS_WORKER_QUEUE] = tasks[k];
+  }
+  if (!w->queued) w->heard_s = vs_worker_clock();
+  w->queued += count;
+  bool sent = write_all(w->to, message, sizeof n + count * each);
+  free(message);
+  return sent;
+}
+
+bool vs_worker_hear(vs_worker *w) {
+  if (w->at) memmove(w->in, w->in + w->at, w->n_in -= w->at);
+  w->at = 0;
+  for (;;) {
+    if (w->room - w->n_in < 4096) {
+      w->room = w->room ? 2 * w->room : 65536;
+      w->in = realloc(w->in, w->room);
+      if (!w->in) abort();
+    }
+    ssize_t n = read(w->from, w->in + w->n_in, w->room - w->n_in);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return errno == EAGAIN;
+    if (n == 0) return false;
+    w->n_in += (size_t)n;
+  }
+}
+
+bool vs_worker_take(vs_worker *w, vs_answer *answer) {
+  answer_head head;
+  if (w->n_in - w->at < sizeof head) return false;
+  memcpy(&head, w->in + w->at, sizeof head);
+  if (w->n_in - w->at - sizeof head < head.length) return false;
+  *answer = (vs_answer){.index = head.index,
+                        .status = head.status,
+                        .circuit = head.circuit,
+                        .row = w->in + w->at + sizeof head,
+                        .length = head.length};
+  w->at += sizeof head + head.length;
+  w->first = (w->first + 1) % VS_WORKER_QUEUE;
+  w->queued--;
+  w->circuits += answer->circuit;
+  return true;
+}
+
+int vs_worker_kill(vs_worker *w) {
+  int how = 0;
+  if (!w->pid) return 0;
+  kill(-w->pid, SIGKILL); /* its group: a circuit's trial is a child of its own */
+  kill(w->pid, SIGKILL);
+  while (waitpid(w->pid, &how, 0) < 0 && errno == EINTR) {
+  }
+  close(w->to);
+  close(w->from);
+  w->pid = 0;
+  return how;
+}

@@ -1,0 +1,310 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "survey/folder.h"
+
+#include "study/case.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/text.h"
+
+static bool is_there(const char *folder, const char *name) {
+  char path[VS_PATH_SIZE];
+  snprintf(path, sizeof path, "%s/%s", folder, name);
+  return !access(path, F_OK);
+}
+
+bool vs_folder_here(const char *folder) {
+  return is_there(folder, "manifest.json") || is_there(folder, "study.csv");
+}
+
+bool vs_folder_number(const char *cell, double *value) {
+  char *end;
+  *value = NAN;
+  if (!*cell) return true;
+  double number = strtod(cell, &end);
+  if (*end || end == cell) return false;
+  if (isfinite(number)) *value = number;
+  return true;
+}
+
+/* ---- rows of CSV ---- */
+
+static size_t split(char *line, char **cell, size_t most) {
+  line[strcspn(line, "\r\n")] = '\0';
+  return vs_csv_split(line, cell, most);
+}
+
+typedef struct csv {
+  const char *path;
+  size_t cells; /* in each row */
+} csv;
+
+static vs_status show(const csv *file, vs_folder_row *row, long *before, vs_error *err) {
+  const vs_where at = {file->path, (int)row->line, 1};
+  char *end;
+  if (row->count != file->cells)
+    return vs_fail_at(err, at, "cells in this row: %zu; columns in the header: %zu", row->count,
+                      file->cells);
+  row->number = strtol(row->cell[0], &end, 10);
+  if (*end || end == row->cell[0] || row->number < 0)
+    return vs_fail_at(err, at, "'%s' is no case's number", row->cell[0]);
+  if (row->number <= *before)
+    return vs_fail_at(err, at, "case %ld stands after case %ld; rows come in case order",
+                      row->number, *before);
+  *before = row->number;
+  return VS_OK;
+}
+
+/* All rows behind the header. */
+static vs_status each(const csv *file, FILE *f, vs_folder_visit visit, void *ctx, vs_error *err) {
+  char *line = NULL, *cell[VS_STUDY_COLUMNS + 1];
+  size_t size = 0;
+  long number = 1, before = -1;
+  vs_status status = VS_OK;
+  if (getline(&line, &size, f) < 0)
+    status = vs_fail_at(err, (vs_where){.file = file->path}, "the file is empty");
+  while (!status && getline(&line, &size, f) > 0) {
+    vs_folder_row row = {.line = ++number, .cell = cell};
+    row.count = split(line, cell, VS_STUDY_COLUMNS + 1);
+    status = show(file, &row, &before, err);
+    if (!status) status = visit(ctx, &row, err);
+  }
+  if (!status && ferror(f))
+    status = vs_fail(err, VS_RUN, "%s: cannot be read: %s", file->path, strerror(errno));
+  free(line);
+  return status;
+}
+
+vs_status vs_folder_each(const vs_folder *t, vs_folder_visit visit, void *ctx, vs_error *err) {
+  FILE *f = fopen(t->path, "r");
+  if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", t->path, strerror(errno));
+  vs_status status = each(&(csv){t->path, t->count}, f, visit, ctx, err);
+  fclose(f);
+  return status;
+}
+
+vs_status vs_folder_each_failure(const vs_folder *t, vs_folder_visit visit, void *ctx,
+                                 vs_error *err) {
+  char path[VS_PATH_SIZE];
+  size_t cells = 3; /* case, status, why; and the id and the axes */
+  for (size_t c = 0; c < t->count; c++)
+    cells += t->column[c].role == VS_ROLE_AXIS || t->column[c].role == VS_ROLE_ID;
+  snprintf(path, sizeof path, "%.*s/failures.csv", VS_PATH_SIZE - 32, t->folder);
+  FILE *f = fopen(path, "r");
+  if (!f && errno == ENOENT) return VS_OK;
+  if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
+  vs_status status = each(&(csv){path, cells}, f, visit, ctx, err);
+  fclose(f);
+  return status;
+}
+
+/* ---- manifest.json ---- */
+
+static const char *text_of(const vs_node *node) {
+  return node && node->kind == VS_NODE_TEXT ? node->text : NULL;
+}
+
+static vs_status wanted(const vs_folder *t, const vs_node *node, const char *what, vs_error *err) {
+  return vs_fail_at(err, node ? node->where : (vs_where){.file = t->manifest_path},
+                    "%s; this is no manifest of a study", what);
+}
+
+static vs_status take_count(const vs_folder *t, const char *key, long *count, vs_error *err) {
+  const vs_node *node = vs_tree_child(t->manifest.root, key);
+  const char *text = text_of(node);
+  char *end = NULL, what[64];
+  *count = text ? strtol(text, &end, 10) : -1;
+  if (*count >= 0 && !*end && end != text) return VS_OK;
+  snprintf(what, sizeof what, "\"%s\" must be a number of cases", key);
+  return wanted(t, node, what, err);
+}
+
+/* Its name in study.csv where the manifest does not say: name_unit. */
+static char *title_of(const char *name, const char *unit) {
+  char suffix[64];
+  vs_text title = {0};
+  vs_units_suffix(unit, suffix, sizeof suffix);
+  vs_text_add(&title, "%s%s%s", name, *suffix ? "_" : "", suffix);
+  return title.text;
+}
+
+static vs_folder_column *find(vs_folder *t, const char *title) {
+  for (size_t c = 0; c < t->count; c++)
+    if (!strcmp(t->column[c].title, title)) return &t->column[c];
+  return NULL;
+}
+
+static void describe(vs_folder_column *c, const vs_node *node, const char *name, const char *unit) {
+  const char *text = text_of(vs_tree_child(node, "text"));
+  const char *rating = text_of(vs_tree_child(node, "rating"));
+  free(c->name);
+  free(c->unit);
+  free(c->text);
+  c->name = vs_copy(name);
+  c->unit = vs_copy(unit);
+  c->text = vs_copy(text ? text : "");
+  c->node = node;
+  if (!rating || !vs_folder_number(rating, &c->rating)) c->rating = NAN; /* "null" */
+}
+
+/* Gives the columns of study.csv what the manifest says of them. */
+static vs_status take_list(vs_folder *t, const char *list, const char *key, vs_folder_role role,
+                           vs_error *err) {
+  const vs_node *all = vs_tree_child(t->manifest.root, list);
+  char what[96];
+  snprintf(what, sizeof what, "\"%s\" must be a list of {\"%s\", \"unit\", ...}", list, key);
+  if (!all || all->kind != VS_NODE_LIST) return wanted(t, all, what, err);
+  for (const vs_node *n = all->child; n; n = n->next) {
+    const char *name = text_of(vs_tree_child(n, key)), *unit = text_of(vs_tree_child(n, "unit"));
+    if (!name) return wanted(t, n, what, err);
+    if (!unit || !strcmp(unit, "null")) unit = "";
+    const char *column = text_of(vs_tree_child(n, "column"));
+    char *title = column ? vs_copy(column) : title_of(name, unit);
+    vs_folder_column *c = find(t, title);
+    if (!c)
+      vs_fail_at(err, (vs_where){t->path, 1, 1}, "has no column '%s', which %s names", title,
+                 t->manifest_path);
+    free(title);
+    if (!c) return VS_INPUT;
+    describe(c, n, name, unit);
+    if (c->role == VS_ROLE_REPORT || c->role == VS_ROLE_AXIS) c->role = role;
+  }
+  return VS_OK;
+}
+
+static vs_status read_manifest(vs_folder *t, vs_error *err) {
+  vs_status status = vs_tree_read(t->manifest_path, &t->manifest, err);
+  if (status && t->manifest.root) return wanted(t, t->manifest.root, "not {...}", err);
+  if (status) return status;
+  t->method = text_of(vs_tree_child(t->manifest.root, "method"));
+  if (!t->method) return wanted(t, NULL, "\"method\" is missing", err);
+  status = take_count(t, "cases", &t->cases, err);
+  if (!status) status = take_count(t, "done", &t->done, err);
+  if (!status) status = take_count(t, "failed", &t->failed, err);
+  return status;
+}
+
+/* ---- the header of study.csv ---- */
+
+static int find_role(const vs_folder *t, vs_folder_role role) {
+  for (size_t c = 0; c < t->count; c++)
+    if (t->column[c].role == role) return (int)c;
+  return -1;
+}
+
+static vs_folder_role role_of(const char *title, size_t position) {
+  if (position == 0) return VS_ROLE_CASE;
+  if (position == 1 && !strcmp(title, "id")) return VS_ROLE_ID;
+  if (!strcmp(title, "margin_least")) return VS_ROLE_MARGIN;
+  if (!strcmp(title, "margin_error")) return VS_ROLE_ERROR;
+  if (!strcmp(title, "weakest")) return VS_ROLE_WEAKEST;
+  if (!strcmp(title, "rung")) return VS_ROLE_RUNG;
+  if (!strcmp(title, "leaving_bound")) return VS_ROLE_LEAVING;
+  if (!strcmp(title, "warnings")) return VS_ROLE_WARNINGS;
+  if (!strcmp(title, "status")) return VS_ROLE_STATUS;
+  return VS_ROLE_REPORT;
+}
+
+static vs_status take_header(vs_folder *t, char *line, vs_error *err) {
+  char *cell[VS_STUDY_COLUMNS + 1];
+  const vs_where at = {t->path, 1, 1};
+  t->count = split(line, cell, VS_STUDY_COLUMNS + 1);
+  if (t->count > VS_STUDY_COLUMNS) {
+    t->count = 0;
+    return vs_fail_at(err, at, "more than %d columns", VS_STUDY_COLUMNS);
+  }
+  for (size_t c = 0; c < t->count; c++)
+    t->column[c] = (vs_folder_column){.title = vs_copy(cell[c]),
+                                      .name = vs_copy(cell[c]),
+                                      .unit = vs_copy(""),
+                                      .text = vs_copy(""),
+                                      .role = role_of(cell[c], c),
+                                      .rating = NAN};
+  t->margin = find_role(t, VS_ROLE_MARGIN);
+  t->error = find_role(t, VS_ROLE_ERROR);
+  t->weakest = find_role(t, VS_ROLE_WEAKEST);
+  t->rung = find_role(t, VS_ROLE_RUNG);
+  t->warnings = find_role(t, VS_ROLE_WARNINGS);
+  t->status = find_role(t, VS_ROLE_STATUS);
+  if (strcmp(cell[0], "case") || t->status < 0)
+    return vs_fail_at(err, at, "a study's columns begin with 'case' and end with 'status'");
+  for (size_t c = 1; c < t->count; c++)
+    for (size_t d = 0; d < c; d++)
+      if (!strcmp(cell[c], cell[d]))
+        return vs_fail_at(err, at, "column '%s' stands here twice", cell[c]);
+  return VS_OK;
+}
+
+static vs_status read_header(vs_folder *t, vs_error *err) {
+  FILE *f = fopen(t->path, "r");
+  char *line = NULL;
+  size_t size = 0;
+  if (!f)
+    return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s; a study that ended has one", t->path,
+                   strerror(errno));
+  vs_status status = getline(&line, &size, f) < 0
+                         ? vs_fail_at(err, (vs_where){.file = t->path}, "the file is empty")
+                         : take_header(t, line, err);
+  free(line);
+  fclose(f);
+  return status;
+}
+
+/* Columns that the manifest does not speak of are a mistake: they are of another study. */
+static vs_status check_columns(const vs_folder *t, vs_error *err) {
+  for (size_t c = 0; c < t->count; c++)
+    if (t->column[c].role == VS_ROLE_REPORT && !t->column[c].node)
+      return vs_fail_at(err, (vs_where){t->path, 1, 1}, "%s says nothing of column '%s'",
+                        t->manifest_path, t->column[c].title);
+  return VS_OK;
+}
+
+vs_status vs_folder_open(vs_folder *t, const char *folder, vs_error *err) {
+  *t = (vs_folder){0};
+  if (strlen(folder) > VS_PATH_SIZE / 2)
+    return vs_fail(err, VS_INPUT, "%s: too long a name", folder);
+  snprintf(t->folder, sizeof t->folder, "%s", folder);
+  snprintf(t->path, sizeof t->path, "%s/study.csv", folder);
+  snprintf(t->manifest_path, sizeof t->manifest_path, "%s/manifest.json", folder);
+  vs_status status = read_manifest(t, err);
+  if (!status) status = read_header(t, err);
+  if (!status) status = take_list(t, "axes", "key", VS_ROLE_AXIS, err);
+  if (!status) status = take_list(t, "report", "name", VS_ROLE_REPORT, err);
+  if (!status) status = check_columns(t, err);
+  return status;
+}
+
+void vs_folder_close(vs_folder *t) {
+  for (size_t c = 0; c < t->count; c++) {
+    free(t->column[c].title);
+    free(t->column[c].name);
+    free(t->column[c].unit);
+    free(t->column[c].text);
+  }
+  vs_tree_free(&t->manifest);
+  *t = (vs_folder){0};
+}
+
+size_t vs_folder_aim(const vs_folder *t, bool *largest) {
+  const vs_node *find = vs_tree_child(t->manifest.root, "find");
+  const vs_node *worst = find && find->kind == VS_NODE_MAP ? vs_tree_child(find, "worst") : find;
+  const char *words = text_of(worst), *name = words ? strrchr(words, ' ') : NULL;
+  *largest = name && !strncmp(words, "max", 3);
+  for (size_t c = 1; name && c < t->count; c++)
+    if (!strcmp(t->column[c].name, name + 1)) return c;
+  *largest = false;
+  return t->margin > 0 ? (size_t)t->margin : 0;
+}
+
+long vs_folder_found(const vs_folder *t) {
+  const vs_node *search = vs_tree_child(t->manifest.root, "find");
+  if (!search) search = vs_tree_child(t->manifest.root, "snubber");
+  const vs_node *found =
+      search && search->kind == VS_NODE_MAP ? vs_tree_child(search, "found") : NULL;
+  const char *number = text_of(found ? vs_tree_child(found, "case") : NULL);
+  return number && *number ? strtol(number, NULL, 10) : -1;
+}
