@@ -20,7 +20,7 @@
 #include "command/run.h"
 #include "method/methods.h"
 #include "report/report.h"
-#include "solver/circuit.h"
+#include "solver/ng.h"
 #include "study/study.h"
 #include "survey/folder.h"
 #include "validate/validate.h"

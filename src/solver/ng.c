@@ -13,9 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <ngspice/sharedspice.h>
@@ -23,15 +20,9 @@
 #include "base/leave.h"
 #include "base/path.h"
 #include "base/text.h"
-#include "solver/circuit.h"
+#include "solver/child.h"
+#include "solver/ng.h"
 #include "solver/rawfile.h"
-
-enum { LOG_LINE = 256, MOST_COMPLAINTS = 16 };
-
-/* Of the trial in a child process: how it may end by itself, and how long it may take; a circuit
- * takes a few milliseconds. */
-enum { TRIAL_GOOD, TRIAL_BAD_LOAD, TRIAL_BAD_RUN };
-enum { TRIAL_SECONDS = 20 };
 
 /* libngspice is one global instance in a process; so is what its callbacks need. */
 static struct {
@@ -50,110 +41,18 @@ static struct {
   bool enough;            /* it is to end, and well */
   size_t next_port;       /* that ngspice is likely to ask for */
   vs_error *err;
-  char complaints[MOST_COMPLAINTS][LOG_LINE]; /* what the log says best of what went wrong */
-  size_t n_complaints;
-  int expected;   /* lines of the last one still to come */
-  bool trial;     /* this is the child process that ends with the first accepted step */
+  vs_complaints complaints; /* of the present load or run */
+  bool trial;               /* this is the child process that ends with the first accepted step */
   vs_text loaded; /* all that was given to ngspice for the circuit it has; empty: it has none */
   bool sound;     /* it has run, and well */
   bool initialised,
       ended; /* ended: ngspice asked to be unloaded; this process cannot use it again */
 } ng;
 
-/* Signs of what went wrong in a line of the log. */
-static const struct sign {
-  const char *text;
-  int more;  /* lines that go on with it */
-  bool each; /* of these all are kept; else only the first complaint of any kind */
-} SIGNS[] = {
-    {"Timestep too small", 0, false},
-    {"or its substitute", 2, true}, /* "Error on line N ...": N counts lines ngspice has made */
-    {"ndefined parameter [", 0, true},
-    {"can't find model", 1, true},
-    {"unknown subckt", 0, true},
-    {"not enough parameters in line", 1, true},
-    {"singular matrix", 0, false},
-    {"xpression err", 0, false},
-    {"oo few parameters", 0, false},
-    {"rror", 0, false},
-    {"nknown", 0, false},
-    {"ndefined", 0, false},
-    {"not parsed", 0, false},
-    {"no such", 0, false},
-    {"aborted", 0, false},
-};
-enum { SIGN_STEP, SIGN_SUBSTITUTE };
-
-static bool complained(const char *text) {
-  for (size_t k = 0; k < ng.n_complaints; k++)
-    if (strstr(ng.complaints[k], text)) return true;
-  return false;
-}
-
-/* Does a complaint quote the netlist line of that element? */
-static bool complained_of(const char *line) {
-  char quoted[64];
-  snprintf(quoted, sizeof quoted, ": %.*s", (int)strcspn(line, " ") + 1, line);
-  return complained(quoted);
-}
-
-/* The next line of the last complaint. Of a netlist line that another complaint quotes nothing more
- * need be said; why an expression cannot be read, ngspice says before it quotes the line. */
-static void complain_on(const char *text) {
-  char *last = ng.complaints[ng.n_complaints - 1], *first = ng.complaints[0];
-  size_t used = strlen(last);
-  ng.expected--;
-  if (!used && complained_of(text)) {
-    ng.expected = 0;
-    ng.n_complaints--;
-  } else
-    snprintf(last + used, LOG_LINE - used, "%s%s", used ? ": " : "", text);
-  if (ng.n_complaints == 2 && !strncmp(text, "parameter value out of range", 28) &&
-      (!strncmp(first, "no such function", 16) || !strncmp(first, "PTerror", 7))) {
-    snprintf(last + used, LOG_LINE - used, ": %s", first);
-    memcpy(first, last, LOG_LINE);
-    ng.n_complaints = 1;
-  }
-}
-
-static void complain(size_t sign, const char *text) {
-  static const char *const RANKS[] = {"Error: ", "Fatal error: ", "Warning: ", "warning, "};
-  for (size_t k = 0; k < sizeof RANKS / sizeof *RANKS; k++)
-    if (!strncmp(text, RANKS[k], strlen(RANKS[k]))) text += strlen(RANKS[k]);
-  if (sign == SIGN_STEP && ng.reached_s > 0)
-    ng.n_complaints = 0; /* it is what gives up in the end */
-  if (ng.n_complaints >= MOST_COMPLAINTS || (ng.n_complaints && !SIGNS[sign].each) ||
-      (!SIGNS[sign].more && complained(text)))
-    return;
-  snprintf(ng.complaints[ng.n_complaints++], LOG_LINE, "%s", sign == SIGN_SUBSTITUTE ? "" : text);
-  ng.expected = SIGNS[sign].more;
-}
-
 static int on_text(char *line, int id, void *user) {
   (void)id, (void)user;
-  const char *stream = strchr(line, ' '); /* "stderr text" */
-  const char *text = stream ? stream + 1 : line;
-  text += strspn(text, " \t");
-  if (ng.expected > 0 && *text) {
-    complain_on(text);
-    return 0;
-  }
-  size_t sign = 0;
-  while (sign < sizeof SIGNS / sizeof *SIGNS && !strstr(text, SIGNS[sign].text)) sign++;
-  if (sign < sizeof SIGNS / sizeof *SIGNS) complain(sign, text);
+  vs_complaints_hear(&ng.complaints, line, ng.reached_s > 0);
   return 0;
-}
-
-/* One error for each complaint; a run ends with the first. */
-static vs_status refuse(const vs_circuit_job *job, const char *what, vs_error *err) {
-  vs_status status = VS_OK;
-  if (!ng.n_complaints) complain(SIGN_STEP, "it gave no reason");
-  for (size_t k = 0; k < ng.n_complaints && !status; k++) {
-    status = vs_fail(err, VS_INPUT, "ngspice cannot %s the circuit: %s", what, ng.complaints[k]);
-    if (job->locate) job->locate(job->author, err);
-    if (k + 1 < ng.n_complaints) status = vs_error_carry_on(err, status);
-  }
-  return status;
 }
 
 static int on_status(char *text, int id, void *user) {
@@ -216,8 +115,7 @@ static int on_vectors(pvecinfoall all, int id, void *user) {
   (void)id, (void)user;
   if (!ng.job) return 0;
   ng.time_vector = -1;
-  ng.n_complaints = 0; /* of the load, which went well */
-  ng.expected = 0;
+  vs_complaints_clear(&ng.complaints); /* of the load, which went well */
   for (int k = 0; k < all->veccount; k++)
     if (!strcmp(all->vecs[k]->vecname, "time")) ng.time_vector = k;
   for (size_t s = 0; s < ng.job->n_signals; s++) {
@@ -237,7 +135,7 @@ static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
   if (!ng.job || ng.time_vector < 0 || ng.status || ng.enough) return 0;
   double t = all->vecsa[ng.time_vector]->creal;
   if (t <= ng.reached_s) return 0;
-  if (ng.trial) _exit(TRIAL_GOOD);
+  if (ng.trial) vs_child_finish();
   for (size_t s = 0; s < ng.job->n_signals; s++)
     ng.values[s] = ng.vector[s] >= 0    ? all->vecsa[ng.vector[s]]->creal
                    : ng.vector[s] == -1 ? 0
@@ -381,75 +279,33 @@ static void step_on(vs_error *err) {
   ngSpice_Command(command);
 }
 
-/* A crash shall end the child by its signal, without a word and without a core file. */
-static void die_quietly(void) {
-  static const int CRASHES[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
-  const struct rlimit none = {0, 0};
-  int null = open("/dev/null", O_WRONLY);
-  dup2(null, STDOUT_FILENO);
-  dup2(null, STDERR_FILENO);
-  setrlimit(RLIMIT_CORE, &none);
-  for (size_t k = 0; k < sizeof CRASHES / sizeof *CRASHES; k++) signal(CRASHES[k], SIG_DFL);
-}
+/* What is given to the child. */
+typedef struct trial {
+  const vs_circuit_job *job;
+  const vs_circuit_host *host;
+  char **lines;
+} trial;
 
-/* The child: loads the circuit and runs it up to its first accepted step (on_accepted). What goes
- * wrong without harm to the process is left to the parent to find. */
-static _Noreturn void try_circuit(const vs_circuit_job *job, const vs_circuit_host *host,
-                                  char **lines, int pipe_end) {
+/* In the child: loads the circuit and runs it up to its first accepted step, where on_accepted ends
+ * the child. What goes wrong without harm to the process is left to the parent to find. */
+static vs_child_end attempt(void *ctx) {
+  const trial *t = ctx;
   vs_error err = {0};
-  prctl(PR_SET_PDEATHSIG, SIGKILL); /* nobody outlives the parent */
-  int end = TRIAL_BAD_LOAD;
-  signal(SIGALRM, SIG_DFL);
-  alarm(TRIAL_SECONDS);
-  die_quietly();
-  ngSpice_Circ(lines);
-  if (!ng.ended) {
-    end = TRIAL_BAD_RUN;
-    ng.trial = true;
-    take_job(job, host);
-    step_on(&err);
-  }
-  size_t size = ng.n_complaints * LOG_LINE; /* PIPE_BUF at most: it is written at once */
-  if (!ng.ended) _exit(TRIAL_GOOD);
-  _exit(write(pipe_end, ng.complaints, size) < 0 ? TRIAL_BAD_LOAD : end);
+  ngSpice_Circ(t->lines);
+  if (ng.ended) return VS_CHILD_BAD_LOAD;
+  ng.trial = true;
+  take_job(t->job, t->host);
+  step_on(&err);
+  return ng.ended ? VS_CHILD_BAD_RUN : VS_CHILD_GOOD;
 }
 
-/* Takes what the child says and waits for its end, which it gives as waitpid does. A signal that
- * this process handles is the wish to stop. */
-static vs_status hear_child(pid_t child, int pipe_end, int *how, vs_error *err) {
-  ssize_t n = read(pipe_end, ng.complaints, sizeof ng.complaints);
-  bool stopped = n < 0 && errno == EINTR;
-  if (stopped) kill(child, SIGKILL);
-  while (waitpid(child, how, 0) < 0 && errno == EINTR) {
-  }
-  ng.n_complaints = n > 0 ? (size_t)n / LOG_LINE : 0;
-  return stopped ? vs_fail(err, VS_SIGNAL, "t = 0 s: stopped by a signal") : VS_OK;
-}
-
-/* Tries the circuit in a child process first: an undefined parameter makes ngspice end the process
- * it is in, other nonsense crashes it, at loading or in its first step, or keeps it for ever. What
- * the child says comes back by a pipe. */
 static vs_status try_in_child(const vs_circuit_job *job, const vs_circuit_host *host, char **lines,
                               vs_error *err) {
-  int ends[2], how = 0;
-  if (pipe(ends)) return vs_fail(err, VS_RUN, "no pipe: %s", strerror(errno));
-  fflush(NULL);
-  pid_t child = fork();
-  if (child == 0) try_circuit(job, host, lines, ends[1]);
-  int why = errno;
-  close(ends[1]);
-  vs_status status = child < 0 ? vs_fail(err, VS_RUN, "no child process: %s", strerror(why))
-                               : hear_child(child, ends[0], &how, err);
-  close(ends[0]);
-  if (status) return status;
-  if (WIFSIGNALED(how) && WTERMSIG(how) == SIGALRM)
-    return vs_fail(err, VS_INPUT,
-                   "ngspice cannot take the circuit: it did not come back from it in %d s",
-                   TRIAL_SECONDS);
-  if (WIFSIGNALED(how))
-    return vs_fail(err, VS_INPUT, "ngspice cannot take the circuit: ngspice died of it (signal %d)",
-                   WTERMSIG(how));
-  return how ? refuse(job, WEXITSTATUS(how) == TRIAL_BAD_RUN ? "run" : "load", err) : VS_OK;
+  trial t = {job, host, lines};
+  vs_child_end end;
+  vs_status status = vs_child_try(attempt, &t, &ng.complaints, &end, err);
+  if (status || end == VS_CHILD_GOOD) return status;
+  return vs_complaints_tell(&ng.complaints, job, end == VS_CHILD_BAD_RUN ? "run" : "load", err);
 }
 
 /* The dialect is a setting of ngspice's that lasts; it says what a netlist's words mean. */
@@ -481,7 +337,7 @@ static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *hos
   vs_status status = job->tried ? VS_OK : try_in_child(job, host, lines, err);
   if (status) return status;
   ngSpice_Circ(lines);
-  if (ng.ended) return refuse(job, "load", err);
+  if (ng.ended) return vs_complaints_tell(&ng.complaints, job, "load", err);
   vs_text_free(&ng.loaded);
   ng.loaded = *netlist;
   *netlist = (vs_text){0};
@@ -510,9 +366,8 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   for (; n < job->lines; n++) lines[n] = job->netlist[n];
   char *rest = tail.text;
   for (char *line; (line = strsep(&rest, "\n"));) lines[n++] = line;
-  ng.n_complaints = 0;
-  ng.expected = 0;
-  ng.reached_s = 0; /* complain() asks */
+  vs_complaints_clear(&ng.complaints);
+  ng.reached_s = 0; /* on_text() asks */
   ng.job = NULL;    /* the load itself asks for nothing */
   vs_text_add(&netlist, "%s\n", job->dialect);
   for (size_t k = 0; k < n; k++) vs_text_add(&netlist, "%s\n", lines[k]);
@@ -529,10 +384,11 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
 /* How the run went, once ngspice has come back from it. */
 static vs_status outcome(vs_error *err) {
   if (ng.status || ng.enough) return ng.status;
-  if (ng.time_vector < 0 || ng.reached_s == 0) return refuse(ng.job, "run", err);
+  if (ng.time_vector < 0 || ng.reached_s == 0)
+    return vs_complaints_tell(&ng.complaints, ng.job, "run", err);
   if (ng.reached_s >= ng.job->until_s * (1 - 1e-9)) return VS_OK;
   vs_fail(err, VS_RUN, "t = %.9g s: ngspice gave up: %s", ng.reached_s,
-          ng.n_complaints ? ng.complaints[0] : "it gave no reason");
+          vs_complaints_first(&ng.complaints));
   err->gave_up = true;
   return VS_RUN;
 }

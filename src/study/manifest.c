@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "solver/ng.h"
 #include "study/case.h"
 #include "study/study.h"
 

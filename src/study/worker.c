@@ -12,6 +12,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "solver/ng.h"
+
 double vs_worker_clock(void) {
   struct timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);

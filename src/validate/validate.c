@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "solver/circuit.h"
+#include "solver/ng.h"
 
 /* An experiment that some of the chosen checks need; done when the first of them asks. */
 typedef struct outcome {

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "solver/child.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* A circuit takes a few milliseconds. */
+enum { MOST_SECONDS = 20 };
+
+/* A crash shall end the child by its signal, without a word and without a core file. */
+static void die_quietly(void) {
+  static const int CRASHES[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+  const struct rlimit none = {0, 0};
+  int null = open("/dev/null", O_WRONLY);
+  dup2(null, STDOUT_FILENO);
+  dup2(null, STDERR_FILENO);
+  setrlimit(RLIMIT_CORE, &none);
+  for (size_t k = 0; k < sizeof CRASHES / sizeof *CRASHES; k++) signal(CRASHES[k], SIG_DFL);
+}
+
+_Noreturn void vs_child_finish(void) {
+  _exit(VS_CHILD_GOOD);
+}
+
+/* The complaints are written at once, as a pipe takes that many bytes whole. */
+_Static_assert(sizeof((vs_complaints *)0)->item <= PIPE_BUF, "a pipe takes all complaints at once");
+
+/* The child's own life. */
+static _Noreturn void attempt_alone(vs_child_end (*attempt)(void *), void *ctx,
+                                    const vs_complaints *complaints, int pipe_end) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL); /* nobody outlives the parent */
+  signal(SIGALRM, SIG_DFL);
+  alarm(MOST_SECONDS);
+  die_quietly();
+  vs_child_end end = attempt(ctx);
+  if (end == VS_CHILD_GOOD) vs_child_finish();
+  size_t size = complaints->count * VS_COMPLAINTS_LINE;
+  if (write(pipe_end, complaints->item, size) < 0) end = VS_CHILD_BAD_LOAD;
+  _exit((int)end);
+}
+
+/* Takes what the child says and waits for its end, which it gives as waitpid does. A signal that
+ * this process handles is the wish to stop. */
+static vs_status hear_child(pid_t child, int pipe_end, vs_complaints *c, int *how, vs_error *err) {
+  ssize_t n = read(pipe_end, c->item, sizeof c->item);
+  bool stopped = n < 0 && errno == EINTR;
+  if (stopped) kill(child, SIGKILL);
+  while (waitpid(child, how, 0) < 0 && errno == EINTR) {
+  }
+  c->count = n > 0 ? (size_t)n / VS_COMPLAINTS_LINE : 0;
+  return stopped ? vs_fail(err, VS_SIGNAL, "t = 0 s: stopped by a signal") : VS_OK;
+}
+
+vs_status vs_child_try(vs_child_end (*attempt)(void *), void *ctx, vs_complaints *complaints,
+                       vs_child_end *end, vs_error *err) {
+  int ends[2], how = 0;
+  *end = VS_CHILD_GOOD;
+  if (pipe(ends)) return vs_fail(err, VS_RUN, "no pipe: %s", strerror(errno));
+  fflush(NULL);
+  pid_t child = fork();
+  if (child == 0) attempt_alone(attempt, ctx, complaints, ends[1]);
+  int why = errno;
+  close(ends[1]);
+  vs_status status = child < 0 ? vs_fail(err, VS_RUN, "no child process: %s", strerror(why))
+                               : hear_child(child, ends[0], complaints, &how, err);
+  close(ends[0]);
+  if (status) return status;
+  if (WIFSIGNALED(how) && WTERMSIG(how) == SIGALRM)
+    return vs_fail(err, VS_INPUT,
+                   "ngspice cannot take the circuit: it did not come back from it in %d s",
+                   MOST_SECONDS);
+  if (WIFSIGNALED(how))
+    return vs_fail(err, VS_INPUT, "ngspice cannot take the circuit: ngspice died of it (signal %d)",
+                   WTERMSIG(how));
+  if (how) *end = WEXITSTATUS(how) == VS_CHILD_BAD_RUN ? VS_CHILD_BAD_RUN : VS_CHILD_BAD_LOAD;
+  return VS_OK;
+}

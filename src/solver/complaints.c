@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "solver/complaints.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char NO_REASON[] = "it gave no reason";
+
+/* Signs of what went wrong in a line of the log. A line has the first of them that it contains. */
+static const struct sign {
+  const char *text;
+  int more;        /* lines that go on with it */
+  bool each;       /* all of these are kept; of others only the first complaint of any kind */
+  bool gives_up;   /* in a run it is what ngspice gives up with in the end */
+  bool is_preface; /* the complaint is in the lines that follow, not in this one */
+} SIGNS[] = {
+    {"Timestep too small", 0, false, true, false},
+    /* "Error on line N or its substitute": N counts lines that ngspice has made */
+    {"or its substitute", 2, true, false, true},
+    {"ndefined parameter [", 0, true, false, false},
+    {"can't find model", 1, true, false, false},
+    {"unknown subckt", 0, true, false, false},
+    {"not enough parameters in line", 1, true, false, false},
+    {"singular matrix", 0, false, false, false},
+    {"xpression err", 0, false, false, false},
+    {"oo few parameters", 0, false, false, false},
+    {"rror", 0, false, false, false},
+    {"nknown", 0, false, false, false},
+    {"ndefined", 0, false, false, false},
+    {"not parsed", 0, false, false, false},
+    {"no such", 0, false, false, false},
+    {"aborted", 0, false, false, false},
+};
+
+void vs_complaints_clear(vs_complaints *c) {
+  c->count = 0;
+  c->expected = 0;
+}
+
+static bool complained(const vs_complaints *c, const char *text) {
+  for (size_t k = 0; k < c->count; k++)
+    if (strstr(c->item[k], text)) return true;
+  return false;
+}
+
+/* Does a complaint quote the netlist line of that element? */
+static bool complained_of(const vs_complaints *c, const char *line) {
+  char quoted[64];
+  snprintf(quoted, sizeof quoted, ": %.*s", (int)strcspn(line, " ") + 1, line);
+  return complained(c, quoted);
+}
+
+/* Takes the next line of the last complaint. If another complaint quotes the same netlist line, the
+ * last one is dropped. Why an expression cannot be read, ngspice says before it quotes the line:
+ * these two become one. */
+static void complain_on(vs_complaints *c, const char *text) {
+  char *last = c->item[c->count - 1], *first = c->item[0];
+  size_t used = strlen(last);
+  c->expected--;
+  if (!used && complained_of(c, text)) {
+    c->expected = 0;
+    c->count--;
+  } else
+    snprintf(last + used, VS_COMPLAINTS_LINE - used, "%s%s", used ? ": " : "", text);
+  if (c->count == 2 && !strncmp(text, "parameter value out of range", 28) &&
+      (!strncmp(first, "no such function", 16) || !strncmp(first, "PTerror", 7))) {
+    char why[VS_COMPLAINTS_LINE];
+    memcpy(why, first, sizeof why);
+    snprintf(last + used, VS_COMPLAINTS_LINE - used, ": %s", why);
+    memcpy(first, last, VS_COMPLAINTS_LINE);
+    c->count = 1;
+  }
+}
+
+static void complain(vs_complaints *c, const struct sign *sign, const char *text, bool runs) {
+  static const char *const RANKS[] = {"Error: ", "Fatal error: ", "Warning: ", "warning, "};
+  for (size_t k = 0; k < sizeof RANKS / sizeof *RANKS; k++)
+    if (!strncmp(text, RANKS[k], strlen(RANKS[k]))) text += strlen(RANKS[k]);
+  if (sign->gives_up && runs) c->count = 0;
+  if (c->count >= VS_COMPLAINTS_MOST || (c->count && !sign->each) ||
+      (!sign->more && complained(c, text)))
+    return;
+  snprintf(c->item[c->count++], VS_COMPLAINTS_LINE, "%s", sign->is_preface ? "" : text);
+  c->expected = sign->more;
+}
+
+void vs_complaints_hear(vs_complaints *c, const char *line, bool runs) {
+  const char *stream = strchr(line, ' '); /* "stderr text" */
+  const char *text = stream ? stream + 1 : line;
+  text += strspn(text, " \t");
+  if (c->expected > 0 && *text) {
+    complain_on(c, text);
+    return;
+  }
+  for (size_t k = 0; k < sizeof SIGNS / sizeof *SIGNS; k++)
+    if (strstr(text, SIGNS[k].text)) {
+      complain(c, &SIGNS[k], text, runs);
+      return;
+    }
+}
+
+const char *vs_complaints_first(const vs_complaints *c) {
+  return c->count ? c->item[0] : NO_REASON;
+}
+
+vs_status vs_complaints_tell(const vs_complaints *c, const vs_circuit_job *job, const char *what,
+                             vs_error *err) {
+  vs_status status = VS_OK;
+  size_t k = 0;
+  do {
+    const char *text = k ? c->item[k] : vs_complaints_first(c);
+    status = vs_fail(err, VS_INPUT, "ngspice cannot %s the circuit: %s", what, text);
+    if (job->locate) job->locate(job->author, err);
+    k++;
+    if (k < c->count) status = vs_error_carry_on(err, status);
+  } while (k < c->count && !status);
+  return status;
+}

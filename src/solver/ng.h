@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The circuit seam over libngspice. libngspice is one global instance in a process, so a process
+ * has one such circuit at a time. */
+#ifndef VS_SOLVER_NG_H
+#define VS_SOLVER_NG_H
+
+#include "solver/circuit.h"
+
+extern const vs_circuit_kind vs_ng_kind;
+
+/* The version of the library, as its header says it. */
+const char *vs_ng_version(void);
+
+/* False once ngspice has ended itself in this process, as some nonsense makes it do: nothing can be
+ * loaded any more. */
+bool vs_ng_usable(void);
+
+#endif
