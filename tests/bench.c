@@ -6,6 +6,9 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "deck/netlist.h"
+#include "deck/parts.h"
+#include "solver/ng.h"
 #include "suite.h"
 
 static double gap(void *ctx, size_t port, double t_s) {
@@ -65,8 +68,8 @@ static vs_status read_deck(const bench *b, vs_deck *deck, vs_circuit_values *val
   vs_text_add(&text, "%s\nReva eva_ 0 1\nXeva eva_ 0 eva\n", b->deck);
   write_file("bench.cir", text.text);
   vs_text_free(&text);
-  vs_status s = vs_deck_read("bench.cir", deck, err);
-  if (!s) s = vs_deck_read_parts(deck, NULL, err);
+  vs_status s = vs_netlist_read("bench.cir", deck, err);
+  if (!s) s = vs_netlist_read_parts(deck, NULL, err);
   if (!s) s = vs_field_section_read(&deck->section, NULL, values, err);
   for (const bench_value *v = b->set; !s && v && v->key; v++) {
     double *value = find(deck, values, v->key);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "drive/gate.h"
 #include "machine/actuator.h"
 
 /* Of an iteration: the largest change that counts as none, as a part of what the mains can build
@@ -43,7 +44,7 @@ enum { Y, TAKEN, COPPER, COIL_STATES };
 static void coil_rates(const void *of, double s, const double y[], double rate[]) {
   const coil *k = of;
   const vs_model *m = k->c->model;
-  double u = vs_mains_voltage(k->c->timeline, k->c->t_s + s), r = m->actuator.resistance_ohm;
+  double u = vs_timeline_voltage(k->c->timeline, k->c->t_s + s), r = m->actuator.resistance_ohm;
   bool flux = k->c->scheme->form == COIL_FLUX;
   double i = flux ? vs_actuator_current(m, y[Y], k->z.at + s * k->z.rate) : y[Y];
   rate[Y] = flux ? u - r * i : (u - (r + k->l_rate_ohm) * i) / k->l_h;
@@ -183,7 +184,7 @@ static void show(const cosim *c) {
     k->flux_wb = flux ? y : 2 * m->a_hm * y / z;
     k->flux_rate_v = flux ? rate : 2 * m->a_hm * (rate - y * k->x[VS_DOF + P] / z) / z;
     k->i_mains_a = flux ? vs_actuator_current(m, y, z) : y;
-    k->v_eva_v = c->conducts[n] ? vs_mains_voltage(c->timeline, k->t_s) : 0;
+    k->v_eva_v = c->conducts[n] ? vs_timeline_voltage(c->timeline, k->t_s) : 0;
     vs_knot_complete(&frame, k, false);
     if (n > 0) c->show(c->ctx, &c->knots[1 - n % 2], k);
   }

@@ -11,6 +11,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include "solver/ng.h"
 #include "suite.h"
 
 /* Reference solution of T3A with exact switching instants, digits agreeing between integrators. */

@@ -505,6 +505,7 @@ static void ratings_are_judged(void) {
   CU_ASSERT(current > 0.1);
   CU_ASSERT_PTR_EQUAL(v->weakest, &j[1 - current < j[0].margin]);
   CU_ASSERT_PTR_NULL(v->first_to_fail);
+  vs_verdict_free(v);
   free(v);
   vs_trial_free(t);
 }

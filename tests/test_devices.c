@@ -128,10 +128,11 @@ static void continuous_current(void) {
     const vs_reduced *r = measure(t, "t", "i_rms");
     CU_ASSERT_EQUAL(r->limit != NULL, k == 1);
     if (k) CLOSE(r->failed_s, 1, 1e-9);
-    vs_verdict v;
+    vs_verdict v = {0};
     vs_verdict_reach(t->result.measures, t->result.devices, &v);
     CU_ASSERT_EQUAL(v.first_to_fail != NULL, k == 1);
     if (k && v.first_to_fail) CLOSE(v.first_to_fail->margin, -8.0 / 12, 1e-6);
+    vs_verdict_free(&v);
     vs_trial_free(t);
   }
 }
@@ -293,6 +294,7 @@ static void time_to_rest(void) {
   CU_ASSERT_EQUAL_FATAL(v->count, 1);
   CLOSE(v->item[0].margin, -0.25, 1e-3);
   CU_ASSERT_PTR_EQUAL(v->first_to_fail, &v->item[0]);
+  vs_verdict_free(v);
   free(v);
   vs_trial_free(t);
 }

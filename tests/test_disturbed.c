@@ -49,10 +49,10 @@ static double mains(const march *m, double t_s) {
   for (size_t k = 0; k < all->count; k++) {
     const vs_occurrence *e = &all->item[k];
     if (!within(e, m->mid_s)) continue;
-    if (is(e, "harmonic")) added += e->v.part * sin(e->v.order * angle + e->v.phase_rad);
-    if (is(e, "sag") || is(e, "swell")) factor *= e->v.part;
+    if (is(e, "harmonic")) added += e->v.fraction * sin(e->v.order * angle + e->v.phase_rad);
+    if (is(e, "sag") || is(e, "swell")) factor *= e->v.fraction;
     if (is(e, "interruption")) factor = 0;
-    if (is(e, "notch")) factor *= 1 - e->v.part;
+    if (is(e, "notch")) factor *= 1 - e->v.fraction;
   }
   return sqrt(2) * m->setup->timeline.supply.voltage_v * (sin(angle) + added) * factor;
 }

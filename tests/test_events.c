@@ -7,7 +7,9 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "drive/faults.h"
+#include "drive/events.h"
+#include "drive/gate.h"
+#include "drive/generators.h"
 #include "program.h"
 
 /* ---- the surge generator ---- */
@@ -215,25 +217,25 @@ static void peak_of_wave(const vs_occurrence *e, double (*wave)(const vs_occurre
 static void ring_wave_and_eft(void) {
   vs_occurrence e = {.v = {.level_v = 1000, .frequency_hz = 5000, .duration_s = 15e-3}};
   double at, peak;
-  peak_of_wave(&e, vs_faults_ring_source, 1e-9, &at, &peak);
+  peak_of_wave(&e, vs_generators_ring_source, 1e-9, &at, &peak);
   CLOSE(peak, 1000.1, 1e-3);
-  CLOSE(first_at(&e, vs_faults_ring_source, 0.9 * peak, 0, 1e-10) -
-            first_at(&e, vs_faults_ring_source, 0.1 * peak, 0, 1e-10),
+  CLOSE(first_at(&e, vs_generators_ring_source, 0.9 * peak, 0, 1e-10) -
+            first_at(&e, vs_generators_ring_source, 0.1 * peak, 0, 1e-10),
         0.4999e-6, 2e-3);
-  CU_ASSERT(vs_faults_ring_source(&e, 5e-6) < 0 && vs_faults_ring_source(&e, 10e-6) > 0);
-  peak_of_wave(&e, vs_faults_eft_source, 0.1e-9, &at, &peak);
+  CU_ASSERT(vs_generators_ring_source(&e, 5e-6) < 0 && vs_generators_ring_source(&e, 10e-6) > 0);
+  peak_of_wave(&e, vs_generators_eft_source, 0.1e-9, &at, &peak);
   CLOSE(peak, 1000, 0.03); /* the standard's equation has its scale for other reasons */
-  double up = first_at(&e, vs_faults_eft_source, 0.5 * peak, 0, 1e-12), down = at;
-  while (vs_faults_eft_source(&e, down) > 0.5 * peak) down += 1e-12;
-  CLOSE(first_at(&e, vs_faults_eft_source, 0.9 * peak, 0, 1e-12) -
-            first_at(&e, vs_faults_eft_source, 0.1 * peak, 0, 1e-12),
+  double up = first_at(&e, vs_generators_eft_source, 0.5 * peak, 0, 1e-12), down = at;
+  while (vs_generators_eft_source(&e, down) > 0.5 * peak) down += 1e-12;
+  CLOSE(first_at(&e, vs_generators_eft_source, 0.9 * peak, 0, 1e-12) -
+            first_at(&e, vs_generators_eft_source, 0.1 * peak, 0, 1e-12),
         5.12e-9, 3e-3);
   CLOSE(down - up, 49.4e-9, 3e-3);
-  CLOSE(vs_faults_eft_source(&e, 3 * 200e-6 + at), peak, 1e-6); /* 75 pulses, 200 us apart */
-  CU_ASSERT_EQUAL(vs_faults_eft_source(&e, 15e-3 + at), 0);
-  CLOSE(vs_faults_eft_edge(&e, 0.1e-3), 0.2e-3, 1e-12);
-  CLOSE(vs_faults_eft_edge(&e, 0.2e-3), 0.4e-3, 1e-12);
-  CU_ASSERT_EQUAL(vs_faults_eft_edge(&e, 14.85e-3), INFINITY);
+  CLOSE(vs_generators_eft_source(&e, 3 * 200e-6 + at), peak, 1e-6); /* 75 pulses, 200 us apart */
+  CU_ASSERT_EQUAL(vs_generators_eft_source(&e, 15e-3 + at), 0);
+  CLOSE(vs_generators_eft_edge(&e, 0.1e-3), 0.2e-3, 1e-12);
+  CLOSE(vs_generators_eft_edge(&e, 0.2e-3), 0.4e-3, 1e-12);
+  CU_ASSERT_EQUAL(vs_generators_eft_edge(&e, 14.85e-3), INFINITY);
 }
 
 /* ---- the mains and the gate ---- */
@@ -284,7 +286,8 @@ static void on_the_mains(void) {
               {265, 1},
               {305, 0.8660254}};
   for (size_t k = 0; k < COUNT(ROWS); k++)
-    CLOSE_OF(vs_mains_voltage(&t, 1e-3 * ROWS[k].t_ms), ROWS[k].value * t.peak_v, t.peak_v, 1e-8);
+    CLOSE_OF(vs_timeline_voltage(&t, 1e-3 * ROWS[k].t_ms), ROWS[k].value * t.peak_v, t.peak_v,
+             1e-8);
   static const double EDGES_MS[] = {20,  40,  60,  80,  105, 125, 145, 146,
                                     165, 166, 185, 186, 240, 260, 300};
   double at = 0;
@@ -329,7 +332,7 @@ static void several_on_the_mains(void) {
         if (ROWS[k].kind[at]) vs_text_add(&scene, " e%d: {%s}\n", at, ROWS[k].kind[at]);
       }
       vs_timeline t = timeline_of(scene.text);
-      CLOSE_OF(vs_mains_voltage(&t, 3e-3), ROWS[k].value * t.peak_v, t.peak_v, 1e-14);
+      CLOSE_OF(vs_timeline_voltage(&t, 3e-3), ROWS[k].value * t.peak_v, t.peak_v, 1e-14);
       vs_text_free(&scene);
     }
 }

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "command/export.h"
+#include "drive/gate.h"
 #include "suite.h"
 
 enum { MOST_ROWS = 2101 };

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "drive/gate.h"
 #include "machine/actuator.h"
 #include "suite.h"
 
@@ -42,7 +43,7 @@ static void plain_rates(const vs_setup *s, double t, const double y[9], bool on,
   double current = y[8] * (m->gap_rest_m + y[P]) / (2 * m->a_hm);
   vs_mechanics_accelerations(m, y, y[8] * y[8] / (4 * m->a_hm) - stop, rate + 4);
   for (int i = 0; i < 4; i++) rate[i] = y[4 + i];
-  rate[8] = on ? vs_mains_voltage(&s->timeline, t) - m->actuator.resistance_ohm * current : 0;
+  rate[8] = on ? vs_timeline_voltage(&s->timeline, t) - m->actuator.resistance_ohm * current : 0;
 }
 
 static plain march(const vs_setup *s, double until) {
@@ -52,7 +53,7 @@ static plain march(const vs_setup *s, double until) {
   bool on = false;
   for (int n = 0; n * h < until; n++) {
     double t = n * h, before = y[P];
-    if (!on && vs_gate_is_on(&s->timeline, 0, t) && vs_mains_voltage(&s->timeline, t) > 0)
+    if (!on && vs_gate_is_on(&s->timeline, 0, t) && vs_timeline_voltage(&s->timeline, t) > 0)
       on = true;
     plain_rates(s, t, y, on, k[0]);
     for (int stage = 1; stage < 4; stage++) {

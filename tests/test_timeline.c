@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "deck/netlist.h"
+#include "drive/gate.h"
 #include "suite.h"
 
 static vs_timeline timeline_of(const char *const *sets) {
@@ -18,8 +20,8 @@ static vs_timeline timeline_of(const char *const *sets) {
 
 static void mains_is_a_sine_of_its_rms(void) {
   vs_timeline l = TIMELINE("supply.phase=30deg");
-  CLOSE(vs_mains_voltage(&l, 0), 440 * M_SQRT2 * 0.5, 1e-14);
-  CLOSE_OF(vs_mains_voltage(&l, l.first_zero_s), 0, 622, 1e-12);
+  CLOSE(vs_timeline_voltage(&l, 0), 440 * M_SQRT2 * 0.5, 1e-14);
+  CLOSE_OF(vs_timeline_voltage(&l, l.first_zero_s), 0, 622, 1e-12);
   CLOSE(l.first_zero_s, 0.02 * 330 / 360, 1e-12); /* the first rising zero at or after t = 0 */
 }
 

@@ -52,6 +52,7 @@ static void judge(const row *r) {
     EXPECT(fabs(j->failed_s - 0.01) < 1e-3, "%s: failed at %g s", r->rating, j->failed_s);
   else
     CU_ASSERT(isnan(j->failed_s));
+  vs_verdict_free(v);
   free(v);
   vs_trial_free(t);
 }

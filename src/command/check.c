@@ -6,6 +6,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "deck/netlist.h"
+#include "deck/parts.h"
 #include "scene/session.h"
 
 /* ---- print-out ---- */
@@ -163,7 +165,7 @@ static vs_status check_deck(report *r, vs_error *err) {
 /* A part's file: its own lines. What a deck asks of it the deck's check says. */
 static vs_status check_part(report *r, vs_error *err) {
   vs_deck *part = vs_alloc(1, sizeof *part);
-  vs_status status = vs_deck_read_part(r->options->name, part, err);
+  vs_status status = vs_netlist_read_part(r->options->name, part, err);
   if (!status && !vs_error_count(err) && !part->n_part_files)
     status = vs_fail_at(err, (vs_where){.file = r->options->name},
                         "has no line '*$ part KIND \"TEXT\"'");

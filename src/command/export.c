@@ -13,6 +13,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
+#include "deck/netlist.h"
 #include "scene/scene.h"
 
 static const char *const STATES[VS_STATES] = {"p", "u", "w", "phi", "vp", "vu", "vw", "vphi"};
@@ -240,7 +241,7 @@ static vs_status check_burst(const vs_setup *s, vs_error *err) {
   const vs_firing_values *f = &s->timeline.firing;
   double n = f->burst_hz * f->every * s->timeline.period_s;
   for (size_t k = 0; k < s->deck.n_ports; k++)
-    if (s->deck.ports[k].signal.drive == VS_DRIVE_BURST && fabs(n - rint(n)) > 1e-6 * (n + 1))
+    if (s->deck.ports[k].signal.drive == VS_PORT_BURST && fabs(n - rint(n)) > 1e-6 * (n + 1))
       return vs_fail(err, VS_INPUT,
                      "export: firing.burst_frequency: the time from gate pulse to gate pulse must "
                      "be a whole number of sub-pulses (it is %.9g)",
@@ -254,10 +255,10 @@ static void add_source(vs_text *t, const char *line, const vs_port *port) {
   sscanf(line, "%63s %63s %63s", name, plus, minus);
   if (!port)
     vs_text_add(t, "B%s %s %s V = ({vs_actuator_gap})+v(vs_p)/1000\n", name + 1, plus, minus);
-  else if (port->signal.drive == VS_DRIVE_MAINS)
+  else if (port->signal.drive == VS_PORT_MAINS)
     vs_text_add(t, "%s %s %s SIN(0 {sqrt(2)*u_rms} {f_mains} 0 0 {phase*%.17g})\n", name, plus,
                 minus, 180 / M_PI);
-  else if (port->signal.drive == VS_DRIVE_BURST)
+  else if (port->signal.drive == VS_PORT_BURST)
     add_burst(t, name, (const char *[]){plus, minus}, port->signal.shift_rad / (2 * M_PI));
   else {
     snprintf(nodes, sizeof nodes, "%s %s", plus, minus);

@@ -6,6 +6,8 @@
 #include <string.h>
 
 #include "deck/devices.h"
+#include "deck/netlist.h"
+#include "drive/events.h"
 #include "scene/scene.h"
 
 static void print_file(void *ctx, const char *path) {
@@ -29,7 +31,7 @@ static void print_deck(void *ctx, const char *path) {
   vs_deck *deck = vs_alloc(1, sizeof *deck);
   vs_error err = {0};
   print_file(ctx, path);
-  if (!vs_deck_read(path, deck, &err)) printf("%-20s %s\n", "", deck->title);
+  if (!vs_netlist_read(path, deck, &err)) printf("%-20s %s\n", "", deck->title);
   vs_deck_free(deck);
   free(deck);
 }
@@ -44,7 +46,7 @@ static void print_part(void *ctx, const char *path) {
   vs_deck *part = vs_alloc(1, sizeof *part);
   vs_error err = {0};
   print_file(ctx, path);
-  vs_status status = vs_deck_read_part(path, part, &err);
+  vs_status status = vs_netlist_read_part(path, part, &err);
   if (status) printf("    %s\n", err.text);
   if (!status && part->n_part_files)
     printf("    %s: %s\n", part->part_files[0].kind, part->part_files[0].text);
@@ -63,7 +65,7 @@ static void print_part(void *ctx, const char *path) {
 
 static void list_parts(const vs_deck *deck) {
   (void)deck;
-  vs_path_list(&vs_parts_shelf, print_part, (void *)(size_t)&vs_parts_shelf);
+  vs_path_list(&vs_deck_parts_shelf, print_part, (void *)(size_t)&vs_deck_parts_shelf);
 }
 
 static void list_tiers(const vs_deck *deck) {
@@ -123,8 +125,8 @@ static void list_parameters(const vs_deck *deck) {
 
 static void list_events(const vs_deck *deck) {
   (void)deck;
-  for (size_t k = 0; k < VS_EVENT_KINDS; k++) {
-    const vs_event_kind *kind = &vs_events_kinds[k];
+  const vs_event_kind *kind;
+  for (size_t k = 0; (kind = vs_events_kind(k)); k++) {
     printf("%-20s %s\n", kind->name, kind->text);
     for (size_t f = 1; f < kind->n_fields; f++) {
       char range[128];
@@ -171,8 +173,8 @@ vs_status vs_list_command(const char *kind, const char *deck_name, vs_error *err
   char path[VS_PATH_SIZE];
   vs_status status = vs_path_find(&vs_deck_shelf, deck_name ? deck_name : vs_deck_key.default_text,
                                   (vs_where){0}, path, err);
-  if (!status) status = vs_deck_read(path, deck, err);
-  if (!status) status = vs_deck_read_parts(deck, NULL, err);
+  if (!status) status = vs_netlist_read(path, deck, err);
+  if (!status) status = vs_netlist_read_parts(deck, NULL, err);
   for (size_t k = 0; k < N_KINDS && !status; k++) {
     if (kind && strcmp(kind, KINDS[k].name)) continue;
     if (!kind) printf("%s%s\n", k ? "\n" : "", KINDS[k].heading);

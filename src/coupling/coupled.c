@@ -16,6 +16,10 @@
 #include "coupling/names.h"
 #include "coupling/pace.h"
 #include "coupling/swing.h"
+#include "deck/netlist.h"
+#include "drive/events.h"
+#include "drive/gate.h"
+#include "drive/signals.h"
 #include "machine/actuator.h"
 #include "quiet/quiet.h"
 #include "sim/sim.h"
@@ -108,7 +112,7 @@ static double source(void *ctx, size_t port, double solver_s) {
   if (port == c->gap_port + VS_PORT_GAP) return predicted_gap(c, t_s);
   if (port > c->gap_port) return leading(c, port - c->gap_port, t_s);
   const vs_port *p = &c->setup->deck.ports[port];
-  return vs_drives[p->signal.drive].voltage(&c->setup->timeline, &p->signal, t_s);
+  return vs_signals_voltage(&c->setup->timeline, &p->signal, t_s);
 }
 
 /* First gate edge or event after t; INFINITY: none. */
@@ -116,7 +120,7 @@ static double next_edge(const coupling *c, double t_s) {
   double next = vs_events_edge(&c->setup->timeline.events, t_s);
   for (size_t k = 0; k < c->setup->deck.n_ports; k++) {
     const vs_signal *s = &c->setup->deck.ports[k].signal;
-    next = fmin(next, vs_drives[s->drive].edge(&c->setup->timeline, s, t_s));
+    next = fmin(next, vs_signals_edge(&c->setup->timeline, s, t_s));
   }
   return next;
 }
@@ -253,7 +257,7 @@ static vs_status go_without_for(coupling *c, double cycles, vs_error *err) {
 static bool gate_is_on(const coupling *c, double t_s) {
   for (size_t k = 0; k < c->setup->deck.n_ports; k++) {
     const vs_signal *s = &c->setup->deck.ports[k].signal;
-    if (s->drive != VS_DRIVE_GATE && s->drive != VS_DRIVE_BURST) continue;
+    if (s->drive != VS_PORT_GATE && s->drive != VS_PORT_BURST) continue;
     if (vs_gate_is_on(&c->setup->timeline, s->shift_rad, t_s)) return true;
   }
   return false;
@@ -348,7 +352,7 @@ static bool enough(void *ctx) {
   const coupling *c = ctx;
   double until_s = c->setup->run.until_s;
   return c->ends ||
-         (c->shift_s > 0 && c->knots[c->now].t_s >= until_s - vs_timeline_rounding(until_s));
+         (c->shift_s > 0 && c->knots[c->now].t_s >= until_s - vs_occurrence_rounding(until_s));
 }
 
 static vs_frame frame(const vs_setup *setup) {
@@ -388,7 +392,7 @@ static void begin_leaving(coupling *c) {
   const vs_setup *setup = c->setup;
   const vs_deck *deck = &setup->deck;
   if (!setup->run.stays && !setup->raw && isinf(c->jams_s) && !deck->own_clock &&
-      deck->stores.count && !vs_netlist_hides_state(deck) && vs_memory_list(deck, &c->memories))
+      deck->stores.count && !vs_memory_is_hidden(deck) && vs_memory_list(deck, &c->memories))
     c->quiet = vs_quiet_new(setup, &c->frame, &c->memories);
   if (!c->quiet) c->memories.count = 0;
 }

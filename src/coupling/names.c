@@ -14,7 +14,7 @@ void vs_names_of(const vs_deck *deck, vs_names *n) {
   const char *mains = NULL;
   for (size_t p = 0; p < deck->n_ports; p++) {
     VS_NAMED(ports, n_ports, "%s", deck->ports[p].source);
-    if (deck->ports[p].signal.drive == VS_DRIVE_MAINS) mains = deck->ports[p].source;
+    if (deck->ports[p].signal.drive == VS_PORT_MAINS) mains = deck->ports[p].source;
   }
   VS_NAMED(ports, n_ports, "v.%s.vgap", deck->eva);
   static const char *const LEADING[] = {"igoal_l", "igoal_v", "irate", "ilead"};

@@ -7,16 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "base/units.h"
 #include "deck/devices.h"
 #include "deck/parts.h"
-#include "deck/rules.h"
-
-void vs_cursor_lower(char *s) {
-  for (; *s; s++) *s = (char)tolower((unsigned char)*s);
-}
-
-/* ---- the lines of the contract ---- */
 
 static bool read_range(char *token, double *min, double *max) {
   char *dots = strstr(token, ".."), *end_min, *end_max;
@@ -25,23 +19,6 @@ static bool read_range(char *token, double *min, double *max) {
   *min = strtod(token, &end_min);
   *max = strtod(dots + 2, &end_max);
   return end_min != token && !*end_min && end_max != dots + 2 && !*end_max && *min <= *max;
-}
-
-/* Adds a field to the deck's section; the texts are copied. */
-static vs_status add_field(vs_deck *deck, const vs_field *field, vs_where where, vs_error *err) {
-  for (size_t k = 0; k < deck->section.count; k++)
-    if (!strcmp(deck->section.fields[k].key, field->key))
-      return vs_fail_at(err, where, "param %s stands here a second time%s", field->key,
-                        k ? "" : ": that key is the program's");
-  if (vs_deck_is_standard(field->key))
-    return vs_fail_at(err, where, "param %s is the program's; give yours another name", field->key);
-  vs_field *own = &vs_contract_fields(deck)[deck->section.count++];
-  *own = *field;
-  own->key = vs_copy(field->key);
-  own->unit = vs_copy(field->unit);
-  own->default_text = vs_copy(field->default_text);
-  own->text = vs_copy(field->text);
-  return VS_OK;
 }
 
 /* param NAME = PART part [KIND] "TEXT"; begun: up to the word part */
@@ -56,7 +33,7 @@ static vs_status read_part(vs_deck *deck, vs_cursor *c, vs_field *field, vs_wher
   field->kind = VS_NAME;
   field->text = text;
   field->offset = offsetof(vs_circuit_values, parts) + deck->n_parts * VS_NAME_SIZE;
-  if (!status) status = add_field(deck, field, where, err);
+  if (!status) status = vs_deck_add_field(deck, field, where, err);
   if (status) return status;
   vs_part *part = &deck->parts[deck->n_parts++];
   part->name = deck->section.fields[deck->section.count - 1].key;
@@ -103,31 +80,21 @@ static vs_status read_param(vs_deck *deck, vs_cursor *c, vs_error *err) {
   if (!status && n >= VS_DECK_MOST)
     status = vs_fail_at(err, at_value, "more than %d parameters", VS_DECK_MOST);
   field.offset = offsetof(vs_circuit_values, params) + n * sizeof(double);
-  if (!status) status = add_field(deck, &field, at_value, err);
+  if (!status) status = vs_deck_add_field(deck, &field, at_value, err);
   vs_text_free(&shown);
   return status;
 }
 
 /* port mains = SOURCE, port gate+180deg = SOURCE */
 static vs_status read_port(vs_deck *deck, vs_cursor *c, vs_error *err) {
-  char name[VS_DECK_NAME], why[200];
+  char name[VS_DECK_NAME];
   vs_cursor_skip(c);
   vs_port port = {.where = vs_cursor_here(c)};
   if (!vs_cursor_word(c, "+.", name, sizeof name) || !vs_cursor_take(c, '=') ||
       !vs_cursor_word(c, ".", port.source, sizeof port.source))
     return vs_fail_at(err, vs_cursor_here(c), "'port NAME = SOURCE' is wanted here");
-  char *shift = strchr(name, '+');
-  if (shift) *shift++ = '\0';
-  int drive = 0;
-  while (drive < VS_DRIVES && (!vs_drives[drive].name || strcmp(name, vs_drives[drive].name) ||
-                               (shift && !vs_drives[drive].shifts)))
-    drive++;
-  port.signal.drive = drive;
-  if (drive == VS_DRIVES)
-    return vs_fail_at(err, port.where,
-                      "no port '%s'; there are: mains, gate, gate+ANGLE, burst, burst+ANGLE", name);
-  if (shift && !vs_units_read(shift, "deg", &port.signal.shift_rad, why, sizeof why))
-    return vs_fail_at(err, port.where, "port %s: %s", name, why);
+  vs_status status = vs_port_read(name, port.where, &port.signal, err);
+  if (status) return status;
   vs_cursor_lower(port.source);
   if (port.source[0] != 'v')
     return vs_fail_at(err, port.where, "a port drives a voltage source (V...), not '%s'",
@@ -135,7 +102,7 @@ static vs_status read_port(vs_deck *deck, vs_cursor *c, vs_error *err) {
   for (size_t k = 0; k < deck->n_ports; k++) {
     if (!strcmp(deck->ports[k].source, port.source))
       return vs_fail_at(err, port.where, "source %s has a port already", port.source);
-    if (drive == VS_DRIVE_MAINS && deck->ports[k].signal.drive == VS_DRIVE_MAINS)
+    if (port.signal.drive == VS_PORT_MAINS && deck->ports[k].signal.drive == VS_PORT_MAINS)
       return vs_fail_at(err, port.where, "a second port mains; a deck has one at most");
   }
   if (deck->n_ports >= VS_DECK_MOST)
@@ -144,20 +111,6 @@ static vs_status read_port(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_cursor_skip(c);
   return *c->at ? vs_fail_at(err, vs_cursor_here(c), "nothing may follow the source's name")
                 : VS_OK;
-}
-
-/* The term's index; a new one if nobody named it before; -1: no room. */
-static int find_term(vs_deck *deck, vs_where where, char quantity, const char *first,
-                     const char *second) {
-  vs_term term = {.where = where};
-  snprintf(term.plus, sizeof term.plus, "%c(%s)", quantity, first);
-  snprintf(term.minus, sizeof term.minus, "v(%s)", second);
-  for (size_t k = 0; k < deck->n_terms; k++)
-    if (!strcmp(deck->terms[k].plus, term.plus) && !strcmp(deck->terms[k].minus, term.minus))
-      return (int)k;
-  if (deck->n_terms >= VS_DECK_MOST) return -1;
-  deck->terms[deck->n_terms++] = term;
-  return (int)deck->n_terms - 1;
 }
 
 /* probe NAME = [-]v(n) | v(n,m) | i(Vx)  UNIT  "TEXT" */
@@ -178,7 +131,7 @@ static vs_status read_probe(vs_deck *deck, vs_cursor *c, vs_error *err) {
                       "'probe NAME = v(n) | v(n,m) | i(Vx)  UNIT' is wanted here");
   status = vs_cursor_text(c, probe.text, sizeof probe.text, err);
   if (status) return status;
-  probe.term = find_term(deck, where, quantity, first, second);
+  probe.term = vs_deck_add_term(deck, where, quantity, first, second);
   for (size_t k = 0; k < deck->n_probes; k++)
     if (!strcmp(deck->probes[k].name, probe.name))
       return vs_fail_at(err, c->line, "probe %s stands here a second time", probe.name);
@@ -186,53 +139,6 @@ static vs_status read_probe(vs_deck *deck, vs_cursor *c, vs_error *err) {
     return vs_fail_at(err, c->line, "more than %d probes and terms of formulas", VS_DECK_MOST);
   deck->probes[deck->n_probes++] = probe;
   return VS_OK;
-}
-
-/* What a formula is read for. */
-typedef struct formula_scope {
-  vs_deck *deck;
-  const vs_cursor *line;
-} formula_scope;
-
-static vs_where place(const formula_scope *scope, const char *at) {
-  vs_cursor c = *scope->line;
-  c.at = at;
-  return vs_cursor_here(&c);
-}
-
-static int formula_term(void *ctx, const char *at, const vs_formula_term *term) {
-  const formula_scope *scope = ctx;
-  return find_term(scope->deck, place(scope, at), term->quantity, term->first, term->second);
-}
-
-static int formula_name(void *ctx, const char *at, const char *name) {
-  const formula_scope *scope = ctx;
-  vs_deck *deck = scope->deck;
-  for (size_t k = 0; k < deck->n_names; k++)
-    if (!strcmp(deck->names[k].name, name)) return (int)k;
-  if (deck->n_names >= VS_DECK_MOST) return -1;
-  vs_named *named = &deck->names[deck->n_names++];
-  snprintf(named->name, sizeof named->name, "%s", name);
-  named->where = place(scope, at);
-  return (int)deck->n_names - 1;
-}
-
-vs_status vs_contract_formula(vs_deck *deck, vs_cursor *c, const char *follow, vs_formula *formula,
-                              vs_error *err) {
-  char why[200] = "an operator or the end of the line is wanted here";
-  const char *bad = NULL;
-  vs_cursor_skip(c);
-  size_t n_terms = deck->n_terms, n_names = deck->n_names;
-  formula_scope own = {deck, c};
-  const vs_formula_scope scope = {&own, formula_term, formula_name};
-  const char *end = vs_formula_read(c->at, &scope, formula, &bad, why, sizeof why);
-  c->at = end ? end : bad;
-  vs_cursor_skip(c);
-  if (end && (!*c->at || strchr(follow, *c->at))) return VS_OK;
-  vs_formula_free(formula);
-  deck->n_terms = n_terms; /* what a broken formula seems to name need not be there */
-  deck->n_names = n_names;
-  return vs_fail_at(err, vs_cursor_here(c), "%s", why);
 }
 
 /* loss NAME = FORMULA, store NAME = FORMULA */
@@ -246,7 +152,7 @@ static vs_status read_account(vs_deck *deck, vs_accounts *accounts, vs_cursor *c
     if (!strcmp(accounts->item[k].name, account->name))
       return vs_fail_at(err, c->line, "%s stands here a second time", account->name);
   accounts->count++; /* its formula is freed with the deck, also when it is not good */
-  return vs_contract_formula(deck, c, "", &account->formula, err);
+  return vs_deck_add_formula(deck, c, "", &account->formula, err);
 }
 
 static vs_status read_loss(vs_deck *deck, vs_cursor *c, vs_error *err) {
@@ -291,7 +197,7 @@ static vs_status read_title(vs_deck *deck, vs_cursor *c, vs_error *err) {
 static const struct directive {
   const char *word;
   vs_status (*read)(vs_deck *, vs_cursor *, vs_error *);
-  unsigned lost; /* when it cannot be read */
+  unsigned lost; /* VS_LOST_... where such a line cannot be read */
 } DIRECTIVES[] = {{"title", read_title, 0},
                   {"param", read_param, VS_LOST_PARAM},
                   {"port", read_port, VS_LOST_PORT},

@@ -1,25 +1,64 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The "*$" lines of a deck, one at a time. */
+ * The netlist contract: the lines of an ngspice netlist that begin with "*$". ngspice takes them
+ * for comments; the program reads from them what it must know of the netlist.
+ *
+ *   *$ title  TEXT
+ *   *$ param  NAME = VALUE UNIT  MIN..MAX [assumed] "TEXT"
+ *       becomes .param NAME, and the scene's key circuit.NAME
+ *   *$ param  NAME = PART part [KIND] "TEXT"
+ *       a part by name: its file is included, and subcircuit NAME in the deck means the part's
+ *   *$ port   mains = SOURCE
+ *       "SOURCE n m external" has the mains' voltage
+ *   *$ port   gate[+ANGLE] = SOURCE
+ *       1 V while the (delayed) gate pulse is there
+ *   *$ port   burst[+ANGLE] = SOURCE
+ *       1 V during each of the sub-pulses of the gate pulse
+ *   *$ line   NODE [NODE]
+ *       the mains' terminals, where surges couple in
+ *   *$ probe  NAME = [-]v(n) | v(n,m) | i(Vx)  UNIT  "TEXT"
+ *       a channel; the one called i_thyristor is the anode current
+ *   *$ loss   NAME = FORMULA
+ *       power that leaves the circuit, W
+ *   *$ store  NAME = FORMULA
+ *       energy held in the circuit, J
+ *   *$ rating PROBE MIN..MAX UNIT  "TEXT"
+ *       allowed for a probe; enters the verdict. Each end is a number or a limit of a part, as
+ *       -thyristor.v_rrm. An end of 0 says which sign the probe may have, and is no margin while it
+ *       is kept
+ *   *$ require A <= B  "TEXT"
+ *       a condition between parameters (or A < B)
+ *   *$ device NAME [PART or KIND] [gate+ANGLE] [protects DEVICE] = FORMULA, FORMULA [, FORMULA]
+ *             "TEXT"
+ *       its voltage and current, and (of a gate drive) its core's flux linkage, V.s. Its measures
+ *       are NAME.what, and enter the verdict against the limits of the part of that name
+ *       (deck/kinds.h). gate+ANGLE: the port that its gate pulses go by; else the deck's first.
+ *       protects: what it lets through is held against that device's limit
+ *   *$ compat ps
+ *       the netlist is read as PSpice's dialect
+ *   Xeva n m eva
+ *       the actuator, once (no line of the contract, but wanted in every deck)
+ *
+ * The file of a part says besides what it is and what its maker allows:
+ *
+ *   *$ part   KIND "TEXT"
+ *       thyristor, varistor, fuse, ...
+ *   *$ limit  NAME = VALUE UNIT [assumed] "TEXT"
+ *       by the names of the field: v_drm, i2t, ...; assumed: no source says it
+ *   *$ limit  NAME = none "TEXT"
+ *       an ideal part has none
+ *   *$ zth    R K/W  TAU s [assumed] "TEXT"
+ *       a term of its junction's transient thermal impedance, sum of R (1 - exp(-t/TAU)) (a Foster
+ *       network)
+ *
+ * A FORMULA is as deck/formula.h has it. It may name the deck's parameters and the program's:
+ * u_rms, f_mains, phase (rad), r_source, l_source. */
 #ifndef VS_DECK_CONTRACT_H
 #define VS_DECK_CONTRACT_H
 
-#include "deck/cursor.h"
 #include "deck/deck.h"
 
-/* Reads one line of the contract into the deck; begin: where its "*$" stands. Errors with their
- * place. */
+/* Reads one line of the contract into the deck. `begin` is the place of its "*$" in `line`. Error,
+ * with its place: the line cannot be read; deck->lost then has its kind. */
 vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_error *err);
-
-/* Reads a formula, and the names in it into the deck. follow: what may stand behind it, besides the
- * end of the line. */
-vs_status vs_contract_formula(vs_deck *deck, vs_cursor *c, const char *follow, vs_formula *formula,
-                              vs_error *err);
-
-/* The deck owns its fields; its section shows them as constant. */
-static inline vs_field *vs_contract_fields(vs_deck *deck) {
-  return (vs_field *)(size_t)deck->section.fields;
-}
-
-void vs_cursor_lower(char *text); /* in place; ngspice knows no capitals */
 
 #endif

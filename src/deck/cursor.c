@@ -13,6 +13,10 @@ vs_where vs_cursor_here(const vs_cursor *c) {
   return w;
 }
 
+void vs_cursor_lower(char *s) {
+  for (; *s; s++) *s = (char)tolower((unsigned char)*s);
+}
+
 void vs_cursor_skip(vs_cursor *c) {
   c->at += strspn(c->at, " \t");
 }

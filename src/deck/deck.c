@@ -1,24 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "deck/deck.h"
 
-#include <ctype.h>
-#include <errno.h>
 #include <math.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include "deck/contract.h"
-#include "deck/devices.h"
-#include "deck/parts.h"
-#include "deck/rules.h"
+#include "base/text.h"
 
-const vs_shelf vs_deck_shelf = {"deck", "", ".cir"}, vs_parts_shelf = {"part", "parts", ".inc"};
-static const vs_shelf INCLUDE_SHELF = {"include file", "", ""};
+const vs_shelf vs_deck_shelf = {"deck", "", ".cir"},
+               vs_deck_parts_shelf = {"part", "parts", ".inc"};
 
 const vs_field vs_deck_key = {"deck",
                               VS_NAME,
@@ -32,319 +24,174 @@ const vs_field vs_deck_key = {"deck",
                               NULL,
                               NULL};
 
-const char *const vs_deck_standard_names[VS_STANDARD] = {
-    "u_rms", "f_mains", "phase", "r_source", "l_source", "eva_resistance", "eva_a"};
+const char *const vs_deck_standard_names[] = {
+    [VS_STANDARD_U_RMS] = "u_rms",       [VS_STANDARD_F_MAINS] = "f_mains",
+    [VS_STANDARD_PHASE] = "phase",       [VS_STANDARD_R_SOURCE] = "r_source",
+    [VS_STANDARD_L_SOURCE] = "l_source", [VS_STANDARD_EVA_RESISTANCE] = "eva_resistance",
+    [VS_STANDARD_EVA_A] = "eva_a"};
+_Static_assert(sizeof vs_deck_standard_names / sizeof *vs_deck_standard_names == VS_STANDARD,
+               "a name for each parameter of the program's");
 
-/* ---- the netlist's own lines ---- */
-
-/* Ports and external sources belong together, one to one: a source nobody drives would stay at 0 V.
- */
-static vs_status match_sources(const vs_deck *deck, vs_error *err) {
-  bool driven[VS_DECK_MOST] = {false};
-  vs_status status = VS_OK;
-  for (size_t k = 0; k < deck->n_lines && !status; k++) {
-    char name[VS_DECK_NAME];
-    if (!vs_rules_is_external(deck->lines[k].text, name)) continue;
-    size_t p = 0;
-    while (p < deck->n_ports && strcmp(deck->ports[p].source, name)) p++;
-    if (p < deck->n_ports)
-      driven[p] = true;
-    else if (!(deck->lost & VS_LOST_PORT))
-      status = vs_error_carry_on(
-          err, vs_fail_at(err, deck->lines[k].where,
-                          "the external source %s has no line '*$ port ... = %s'", name, name));
-  }
-  for (size_t p = 0; p < deck->n_ports && !status; p++)
-    if (!driven[p] && !(deck->lost & VS_LOST_ELEMENT))
-      status = vs_error_carry_on(err, vs_fail_at(err, deck->ports[p].where,
-                                                 "port: the deck has no source '%s n m external'",
-                                                 deck->ports[p].source));
-  return status;
-}
-
-static vs_status read_file(vs_deck *deck, const char *path, vs_error *err);
-
-static bool is_taken(const vs_deck *deck, const char *path) {
-  for (size_t k = 0; k < deck->n_files; k++)
-    if (!strcmp(deck->files[k], path)) return true;
+bool vs_deck_is_standard(const char *name) {
+  for (size_t k = 0; k < VS_STANDARD; k++)
+    if (!strcasecmp(name, vs_deck_standard_names[k])) return true;
   return false;
 }
 
-/* ".include FILE": from the folder of the file it stands in, else one that comes with the program.
- * The lines are taken in here, so that they are held to the same rules; once only, as two parts may
- * rest on the same file. Within a subcircuit they are its own, each time. */
-static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
-  char name[VS_PATH_SIZE / 2], path[VS_PATH_SIZE];
-  const char *from = line + strcspn(line, " \t"), *slash = strrchr(where.file, '/');
-  from += strspn(from, " \t");
-  char quote = *from == '"' || *from == '\'' ? *from++ : '\0';
-  size_t n = quote ? strcspn(from, (char[]){quote, '\0'}) : strcspn(from, " \t");
-  const char *after = from + n + (quote && from[n] == quote);
-  if (n == 0 || n >= sizeof name || after[strspn(after, " \t")])
-    return vs_fail_at(err, where, "'.include FILE' is wanted here, one file and nothing more");
-  snprintf(name, sizeof name, "%.*s", (int)n, from);
-  snprintf(path, sizeof path, "%.*s%s", slash && *name != '/' ? (int)(slash - where.file + 1) : 0,
-           where.file, name);
-  if (access(path, R_OK)) {
-    vs_status status = vs_path_find(&INCLUDE_SHELF, name, where, path, err);
-    if (status) return status;
-  }
-  if (!strcmp(path, where.file)) return vs_fail_at(err, where, "%s includes itself", path);
-  if (deck->subcircuits == 0 && is_taken(deck, path)) return VS_OK;
-  return read_file(deck, path, err);
+/* The deck owns its fields; its section shows them as constant. */
+static vs_field *own_fields(vs_deck *deck) {
+  return (vs_field *)(size_t)deck->section.fields;
 }
 
-/* A line that is whole. The deck keeps its text, or frees it. */
-static vs_status take_line(vs_deck *deck, vs_line line, vs_error *err) {
-  const char *text = line.text;
-  char word[16];
-  snprintf(word, sizeof word, "%.*s", (int)strcspn(text, " \t"), text);
-  vs_cursor_lower(word);
-  bool other_file = !strcmp(word, ".include") || !strcmp(word, ".inc") || !strcmp(word, ".lib");
-  vs_status random =
-      other_file ? VS_OK : vs_rules_random(text, *deck->compat != 0, line.where, err);
-  vs_status status = random         ? random
-                     : other_file   ? include(deck, text, line.where, err)
-                     : *text == '.' ? vs_rules_statement(deck, text, line.where, err)
-                                    : vs_rules_element(deck, text, line.where, err);
-  if (status && (other_file || (*text != '.' && !isalpha((unsigned char)*text))))
-    deck->lost |= VS_LOST_ALL; /* it may have been anything */
-  else if (status && *text != '.')
-    deck->lost |= VS_LOST_ELEMENT;
-  if (status || other_file) {
-    free(line.text);
-    return status;
-  }
-  deck->lines = realloc(deck->lines, (deck->n_lines + 1) * sizeof *deck->lines);
-  deck->lines[deck->n_lines++] = line;
-  return VS_OK;
-}
-
-/* A line that may go on: its text so far (NULL: there is none), how much of that stands in its
- * first line, and where that is. */
-typedef struct begun_line {
-  vs_text text;
-  size_t first;
-  vs_where where;
-} begun_line;
-
-/* Takes the line begun, if any. */
-static vs_status end_line(vs_deck *deck, begun_line *begun, vs_error *err) {
-  vs_line line = {begun->text.text, begun->first, begun->where};
-  *begun = (begun_line){0};
-  return line.text ? vs_error_carry_on(err, take_line(deck, line, err)) : VS_OK;
-}
-
-/* Cuts the end of a line that ngspice takes for a comment: from ';' or '//' on, or from a '$'
- * behind a blank or comma (in PSpice's dialect that is a name). */
-static void cut_comment(const vs_deck *deck, char *text) {
-  size_t n = 0;
-  for (; text[n]; n++) {
-    bool parted = n > 0 && strchr(" \t,", text[n - 1]);
-    if (text[n] == ';' || (text[n] == '/' && text[n + 1] == '/') ||
-        (text[n] == '$' && parted && !*deck->compat))
-      break;
-  }
-  while (n > 0 && strchr(" \t", text[n - 1])) n--;
-  text[n] = '\0';
-}
-
-/* A line of a file. What it begins goes on as long as lines with '+' follow. */
-static vs_status read_line(vs_deck *deck, char *line, vs_where where, begun_line *begun,
-                           vs_error *err) {
-  char *text = line + where.column - 1;
-  for (const char *c = line; *c; c++)
-    if ((unsigned char)*c < ' ' && *c != '\t') {
-      where.column = vs_text_column(line, c);
-      return vs_fail_at(err, where, "a control character (%d)", *c);
-    }
-  if (!strncmp(text, "*$", 2)) return vs_contract_line(deck, line, where, err);
-  if (*text != '*') cut_comment(deck, text);
-  if (!*text || *text == '*') return VS_OK;
-  if (*text != '+') {
-    vs_status status = end_line(deck, begun, err);
-    *begun = (begun_line){.first = strlen(text), .where = where};
-    vs_text_add(&begun->text, "%s", text);
-    return status;
-  }
-  if (!begun->text.text)
-    return vs_fail_at(err, where, "'+' goes on with a line, and there is none");
-  vs_text_add(&begun->text, " %s", text + 1);
-  return VS_OK;
-}
-
-static vs_status read_lines(vs_deck *deck, char *file, FILE *f, vs_error *err) {
-  char *line = NULL;
-  size_t size = 0;
-  begun_line begun = {0};
-  vs_status status = VS_OK;
-  ssize_t n;
-  for (int number = 1; !status && (n = getline(&line, &size, f)) >= 0; number++) {
-    while (n > 0 && strchr("\r\n", line[n - 1])) line[--n] = '\0';
-    vs_where where = {file, number, (int)strspn(line, " \t") + 1};
-    status = strlen(line) < (size_t)n ? vs_fail_at(err, where, "a zero byte")
-                                      : read_line(deck, line, where, &begun, err);
-    status = vs_error_carry_on(err, status);
-  }
-  if (!status) status = end_line(deck, &begun, err);
-  vs_text_free(&begun.text);
-  free(line);
-  return status;
-}
-
-static vs_status read_file(vs_deck *deck, const char *path, vs_error *err) {
-  const vs_where place = {.file = path};
-  struct stat s;
-  if (deck->n_files >= VS_DECK_FILES)
-    return vs_fail_at(err, place, "more than %d files; does one include itself?", VS_DECK_FILES);
-  char *file = deck->files[deck->n_files++] = vs_copy(path);
-  if (!stat(path, &s) && !S_ISREG(s.st_mode)) return vs_fail_at(err, place, "is no file of text");
-  FILE *f = fopen(path, "r");
-  if (!f) return vs_fail_at(err, place, "cannot be opened: %s", strerror(errno));
-  vs_status status = read_lines(deck, file, f, err);
-  if (!status && ferror(f)) status = vs_fail_at(err, place, "cannot be read: %s", strerror(errno));
-  fclose(f);
-  return status;
-}
-
-static void begin_deck(vs_deck *deck) {
+void vs_deck_begin(vs_deck *deck) {
   *deck = (vs_deck){0};
   deck->section =
       (vs_section){"circuit", vs_alloc(1 + VS_DECK_MOST + VS_DECK_PARTS, sizeof(vs_field)), 1};
-  vs_contract_fields(deck)[0] = vs_deck_key;
+  own_fields(deck)[0] = vs_deck_key;
 }
 
-vs_status vs_deck_read(const char *path, vs_deck *deck, vs_error *err) {
-  begin_deck(deck);
-  vs_status status = read_file(deck, path, err);
-  if (!status && deck->n_part_files)
-    status =
-        vs_error_carry_on(err, vs_fail_at(err, deck->part_files[0].where,
-                                          "'*$ part' belongs into a part's file, not into a deck"));
-  if (!status && !*deck->eva && !(deck->lost & VS_LOST_ELEMENT))
-    status = vs_error_carry_on(err, vs_fail_at(err, (vs_where){.file = path},
-                                               "has no EVA; a deck has one line 'Xeva n m eva'"));
-  return status;
+/* ---- filling it ---- */
+
+void vs_deck_add_line(vs_deck *deck, vs_line line) {
+  deck->lines = realloc(deck->lines, (deck->n_lines + 1) * sizeof *deck->lines);
+  if (!deck->lines) vs_out_of_memory();
+  deck->lines[deck->n_lines++] = line;
 }
 
-vs_status vs_deck_read_part(const char *path, vs_deck *part, vs_error *err) {
-  begin_deck(part);
-  return read_file(part, path, err);
+vs_status vs_deck_add_field(vs_deck *deck, const vs_field *field, vs_where where, vs_error *err) {
+  for (size_t k = 0; k < deck->section.count; k++)
+    if (!strcmp(deck->section.fields[k].key, field->key))
+      return vs_fail_at(err, where, "param %s stands here a second time%s", field->key,
+                        k ? "" : ": that key is the program's");
+  if (vs_deck_is_standard(field->key))
+    return vs_fail_at(err, where, "param %s is the program's; give yours another name", field->key);
+  vs_field *own = &own_fields(deck)[deck->section.count++];
+  *own = *field;
+  own->key = vs_copy(field->key);
+  own->unit = vs_copy(field->unit);
+  own->default_text = vs_copy(field->default_text);
+  own->text = vs_copy(field->text);
+  return VS_OK;
 }
 
-/* ---- parts ---- */
-
-/* Where a part's file is: the path given, or in the deck's folder, or on the shelf of parts. */
-static vs_status find_part(const vs_deck *deck, const char *name, vs_where where,
-                           char path[VS_PATH_SIZE], vs_error *err) {
-  const char *slash = strrchr(deck->files[0], '/');
-  int folder = slash ? (int)(slash - deck->files[0] + 1) : 0;
-  for (int ending = 0; ending < 2; ending++) {
-    snprintf(path, VS_PATH_SIZE, "%.*s%s%s", *name == '/' ? 0 : folder, deck->files[0], name,
-             ending ? vs_parts_shelf.ending : "");
-    struct stat s;
-    if (!stat(path, &s) && S_ISREG(s.st_mode)) return VS_OK;
-  }
-  return vs_path_find(&vs_parts_shelf, name, where, path, err);
-}
-
-/* The file's name without folders and ending, in lower case: the subcircuit it must define. */
-static void subcircuit_of(const char *path, char name[VS_DECK_NAME]) {
-  const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
-  snprintf(name, VS_DECK_NAME, "%.*s", (int)strcspn(base, "."), base);
-  vs_cursor_lower(name);
-}
-
-static bool defines(const vs_deck *deck, const char *subcircuit) {
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    char word[16], name[VS_DECK_NAME];
-    if (sscanf(deck->lines[k].text, "%15s %63s", word, name) != 2) continue;
-    vs_cursor_lower(word);
-    vs_cursor_lower(name);
-    if (!strcmp(word, ".subckt") && !strcmp(name, subcircuit)) return true;
-  }
-  return false;
-}
-
-static vs_status take_part(vs_deck *deck, vs_part *part, const char *name, vs_where where,
-                           vs_error *err) {
-  char path[VS_PATH_SIZE];
-  vs_status status = find_part(deck, name, where, path, err);
-  if (!status && !is_taken(deck, path)) status = read_file(deck, path, err);
-  if (status) return status;
-  for (size_t k = 0; k < deck->n_files; k++)
-    if (!strcmp(deck->files[k], path)) part->file = deck->files[k];
-  subcircuit_of(path, part->subcircuit);
-  return defines(deck, part->subcircuit) || deck->lost & VS_LOST_ELEMENT
-             ? vs_parts_check_kind(deck, part, where, err)
-             : vs_fail_at(err, where, "circuit.%s: %s defines no subcircuit '%s' (the file's name)",
-                          part->name, path, part->subcircuit);
-}
-
-vs_status vs_deck_read_parts(vs_deck *deck, const vs_node *section, vs_error *err) {
-  vs_status status = VS_OK;
-  for (size_t p = 0, k = 1; p < deck->n_parts && !status; k++) {
-    const vs_field *field = &deck->section.fields[k];
-    if (field->kind != VS_NAME) continue;
-    const vs_node *node = vs_tree_child(section, field->key);
-    bool given = node && node->kind == VS_NODE_TEXT;
-    vs_where where = given ? node->where : (vs_where){deck->files[0], 0, 0};
-    status =
-        vs_error_carry_on(err, take_part(deck, &deck->parts[p++],
-                                         given ? node->text : field->default_text, where, err));
-  }
-  if (!status) status = vs_parts_resolve(deck, err);
-  if (!status) status = vs_devices_resolve(deck, err);
-  return status ? status : match_sources(deck, err);
+int vs_deck_add_term(vs_deck *deck, vs_where where, char quantity, const char *first,
+                     const char *second) {
+  vs_term term = {.where = where};
+  snprintf(term.plus, sizeof term.plus, "%c(%s)", quantity, first);
+  snprintf(term.minus, sizeof term.minus, "v(%s)", second);
+  for (size_t k = 0; k < deck->n_terms; k++)
+    if (!strcmp(deck->terms[k].plus, term.plus) && !strcmp(deck->terms[k].minus, term.minus))
+      return (int)k;
+  if (deck->n_terms >= VS_DECK_MOST) return -1;
+  deck->terms[deck->n_terms++] = term;
+  return (int)deck->n_terms - 1;
 }
 
 /* ---- formulas ---- */
+
+/* The deck and the line that a formula is read for. */
+typedef struct formula_scope {
+  vs_deck *deck;
+  const vs_cursor *line;
+} formula_scope;
+
+static vs_where place(const formula_scope *scope, const char *at) {
+  vs_cursor c = *scope->line;
+  c.at = at;
+  return vs_cursor_here(&c);
+}
+
+static int formula_term(void *ctx, const char *at, const vs_formula_term *term) {
+  const formula_scope *scope = ctx;
+  return vs_deck_add_term(scope->deck, place(scope, at), term->quantity, term->first, term->second);
+}
+
+static int formula_name(void *ctx, const char *at, const char *name) {
+  const formula_scope *scope = ctx;
+  vs_deck *deck = scope->deck;
+  for (size_t k = 0; k < deck->n_names; k++)
+    if (!strcmp(deck->names[k].name, name)) return (int)k;
+  if (deck->n_names >= VS_DECK_MOST) return -1;
+  vs_named *named = &deck->names[deck->n_names++];
+  snprintf(named->name, sizeof named->name, "%s", name);
+  named->where = place(scope, at);
+  return (int)deck->n_names - 1;
+}
+
+vs_status vs_deck_add_formula(vs_deck *deck, vs_cursor *c, const char *follow, vs_formula *formula,
+                              vs_error *err) {
+  char why[200] = "an operator or the end of the line is wanted here";
+  const char *bad = NULL;
+  vs_cursor_skip(c);
+  size_t n_terms = deck->n_terms, n_names = deck->n_names;
+  formula_scope own = {deck, c};
+  const vs_formula_scope scope = {&own, formula_term, formula_name};
+  const char *end = vs_formula_read(c->at, &scope, formula, &bad, why, sizeof why);
+  c->at = end ? end : bad;
+  vs_cursor_skip(c);
+  if (end && (!*c->at || strchr(follow, *c->at))) return VS_OK;
+  vs_formula_free(formula);
+  deck->n_terms = n_terms; /* what a broken formula seems to name need not be there */
+  deck->n_names = n_names;
+  return vs_fail_at(err, vs_cursor_here(c), "%s", why);
+}
+
+/* Calls each(formula, values) for all formulas of the deck. */
+static void each_formula(vs_deck *deck, void (*each)(vs_formula *, const double *),
+                         const double *values) {
+  for (size_t k = 0; k < deck->losses.count; k++) each(&deck->losses.item[k].formula, values);
+  for (size_t k = 0; k < deck->stores.count; k++) each(&deck->stores.item[k].formula, values);
+  for (size_t k = 0; k < deck->n_requirements; k++) {
+    each(&deck->requirements[k].left, values);
+    each(&deck->requirements[k].right, values);
+  }
+  for (size_t k = 0; k < deck->n_devices; k++) {
+    each(&deck->devices[k].voltage, values);
+    each(&deck->devices[k].current, values);
+    each(&deck->devices[k].flux, values);
+  }
+}
+
+/* The value of a parameter that formulas name. Error: nobody declared it; the value is NaN then. */
+static vs_status find_value(const vs_deck *deck, const vs_named *named,
+                            const vs_circuit_values *values, const vs_deck_value *standard,
+                            size_t n_standard, double *value, vs_error *err) {
+  const char *known[2 * VS_DECK_MOST];
+  size_t count = 0;
+  *value = NAN;
+  for (size_t k = 1; k < deck->section.count; k++) {
+    const vs_field *field = &deck->section.fields[k];
+    if (field->kind != VS_REAL) continue;
+    known[count++] = field->key;
+    if (!strcasecmp(field->key, named->name))
+      *value = *(const double *)(const void *)((const char *)values + field->offset);
+  }
+  for (size_t k = 0; k < n_standard; k++) {
+    known[count++] = standard[k].name;
+    if (!strcmp(standard[k].name, named->name)) *value = standard[k].value;
+  }
+  if (!isnan(*value)) return VS_OK;
+  const char *nearest = vs_text_nearest(named->name, known, count);
+  return vs_fail_at(err, named->where, "no parameter '%s' is declared%s%s%s", named->name,
+                    nearest ? "; did you mean '" : " by '*$ param'", nearest ? nearest : "",
+                    nearest ? "'?" : "");
+}
 
 vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,
                        const vs_deck_value *standard, size_t n_standard, vs_error *err) {
   if (deck->lost & VS_LOST_PARAM) return VS_OK;
   vs_status status = VS_OK;
   double of_name[VS_DECK_MOST];
-  const char *known[2 * VS_DECK_MOST];
-  for (size_t n = 0; n < deck->n_names && !status; n++) {
-    size_t count = 0;
-    of_name[n] = NAN;
-    for (size_t k = 1; k < deck->section.count; k++) {
-      const vs_field *field = &deck->section.fields[k];
-      if (field->kind != VS_REAL) continue;
-      known[count++] = field->key;
-      if (!strcasecmp(field->key, deck->names[n].name))
-        of_name[n] = *(const double *)(const void *)((const char *)values + field->offset);
-    }
-    for (size_t k = 0; k < n_standard; k++) {
-      known[count++] = standard[k].name;
-      if (!strcmp(standard[k].name, deck->names[n].name)) of_name[n] = standard[k].value;
-    }
-    if (!isnan(of_name[n])) continue;
-    const char *nearest = vs_text_nearest(deck->names[n].name, known, count);
-    status = vs_fail_at(err, deck->names[n].where, "no parameter '%s' is declared%s%s%s",
-                        deck->names[n].name, nearest ? "; did you mean '" : " by '*$ param'",
-                        nearest ? nearest : "", nearest ? "'?" : "");
-    status = vs_error_carry_on(err, status);
-  }
-  for (size_t k = 0; k < deck->losses.count; k++)
-    vs_formula_bind(&deck->losses.item[k].formula, of_name);
-  for (size_t k = 0; k < deck->stores.count; k++)
-    vs_formula_bind(&deck->stores.item[k].formula, of_name);
-  for (size_t k = 0; k < deck->n_requirements; k++) {
-    vs_formula_bind(&deck->requirements[k].left, of_name);
-    vs_formula_bind(&deck->requirements[k].right, of_name);
-  }
-  for (size_t k = 0; k < deck->n_devices; k++) {
-    vs_formula_bind(&deck->devices[k].voltage, of_name);
-    vs_formula_bind(&deck->devices[k].current, of_name);
-    vs_formula_bind(&deck->devices[k].flux, of_name);
-  }
+  for (size_t n = 0; n < deck->n_names && !status; n++)
+    status = vs_error_carry_on(
+        err, find_value(deck, &deck->names[n], values, standard, n_standard, &of_name[n], err));
+  each_formula(deck, vs_formula_bind, of_name);
   return status;
 }
 
-static void free_accounts(vs_accounts *accounts) {
-  for (size_t k = 0; k < accounts->count; k++) vs_formula_free(&accounts->item[k].formula);
+static void free_formula(vs_formula *formula, const double *values) {
+  (void)values;
+  vs_formula_free(formula);
 }
 
 void vs_deck_free(vs_deck *deck) {
@@ -354,20 +201,10 @@ void vs_deck_free(vs_deck *deck) {
     free((char *)(size_t)deck->section.fields[k].default_text);
     free((char *)(size_t)deck->section.fields[k].text);
   }
-  free(vs_contract_fields(deck));
+  free(own_fields(deck));
   for (size_t k = 0; k < deck->n_lines; k++) free(deck->lines[k].text);
   free(deck->lines);
-  free_accounts(&deck->losses);
-  free_accounts(&deck->stores);
-  for (size_t k = 0; k < deck->n_requirements; k++) {
-    vs_formula_free(&deck->requirements[k].left);
-    vs_formula_free(&deck->requirements[k].right);
-  }
-  for (size_t k = 0; k < deck->n_devices; k++) {
-    vs_formula_free(&deck->devices[k].voltage);
-    vs_formula_free(&deck->devices[k].current);
-    vs_formula_free(&deck->devices[k].flux);
-  }
+  each_formula(deck, free_formula, NULL);
   for (size_t k = 0; k < deck->n_files; k++) free(deck->files[k]);
   *deck = (vs_deck){0};
 }

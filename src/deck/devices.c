@@ -8,101 +8,7 @@
 
 #include "base/text.h"
 #include "base/units.h"
-#include "deck/contract.h"
 #include "deck/parts.h"
-
-/* name, unit, text, how, of, sense, limit, how held to it */
-#define MEASURES(...)                                                                              \
-  {__VA_ARGS__}, sizeof((vs_device_measure[]){__VA_ARGS__}) / sizeof(vs_device_measure)
-const vs_kind vs_kinds_all[] = {
-    {"thyristor", true, true,
-     MEASURES(
-         {"v_forward", "V", "peak forward voltage", VS_R_PEAK, VS_OF_V, 1, "v_drm", VS_AT_MOST},
-         {"v_reverse", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, -1, "v_rrm", VS_AT_MOST},
-         {"dv_dt", "V/us",
-          "steepest rise of forward off-state voltage, mean rate from 10 to 90 % of a rise of 10 V "
-          "or more",
-          VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST},
-         {"dv_dt_max", "V/us", "largest rate of forward off-state voltage, over any 0.1 us",
-          VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
-         {"di_dt", "A/us",
-          "largest rate of current from firing to its first maximum, over any 0.1 us", VS_R_ON_RATE,
-          VS_OF_I, 1, "di_dt", VS_AT_MOST},
-         {"i_peak", "A", "peak current", VS_R_PEAK, VS_OF_I, 1, NULL, VS_AT_MOST},
-         {"i_surge", "A",
-          "peak of the half sine of 10 ms with the largest int i^2 dt within 10 ms: a shorter "
-          "pulse "
-          "heats as much by the same int i^2 dt",
-          VS_R_SURGE, VS_OF_I2, 1, "i_tsm", VS_AT_MOST},
-         {"i_mean", "A", "mean current, over the time that measure says", VS_R_MEAN, VS_OF_I, 1,
-          NULL, VS_AT_MOST},
-         {"i_rms", "A",
-          "rms current, over the time that measure says; judged where that lasts 1 s or longer and "
-          "more than one shot falls into it, as i_surge and i2t are for what is short",
-          VS_R_RMS, VS_OF_I2, 1, "i_t_rms", VS_AT_MOST},
-         {"i2t", "A2.s", "largest int i^2 dt of one conduction", VS_R_PULSE, VS_OF_I2, 1, "i2t",
-          VS_AT_MOST},
-         {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
-         {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
-          VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST},
-         {"t_off", "s",
-          "shortest time from the current's zero to the return of forward voltage while its gate "
-          "is off",
-          VS_R_OFFERED, VS_OF_V, 1, "t_q", VS_AT_LEAST},
-         {"misfires", "", "gate pulses that it did not follow", VS_R_MISFIRE, VS_OF_I, 1, NULL,
-          VS_AT_MOST},
-         {"unintended", "", "firings without a gate pulse", VS_R_UNINTENDED, VS_OF_I, 1, NULL,
-          VS_AT_MOST},
-         {"commutation_failures", "",
-          "of these, on the first forward voltage after a conduction and before t_q",
-          VS_R_COMMUTATION_FAILURE, VS_OF_I, 1, NULL, VS_AT_MOST})},
-    {"varistor", false, false,
-     MEASURES(
-         {"v_clamp", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
-         {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_surge", VS_AT_MOST},
-         {"energy", "J",
-          "largest heat of one pulse, without what a capacitance stores; it ends when |i| has "
-          "stayed below 1 mA for a quarter of a mains cycle",
-          VS_R_HEAT, VS_OF_POWER, 1, "energy", VS_AT_MOST},
-         {"energy_total", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL,
-          VS_AT_MOST})},
-    {"resistor", false, false,
-     MEASURES(
-         {"power", "W", "mean power, over the time that measure says", VS_R_MEAN, VS_OF_POWER, 1,
-          NULL, VS_AT_MOST},
-         {"power_peak", "W", "peak power", VS_R_PEAK, VS_OF_POWER, 1, NULL, VS_AT_MOST},
-         {"energy", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST})},
-    {"capacitor", false, false,
-     MEASURES({"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
-              {"i_rms", "A", "rms current, over the time that measure says", VS_R_RMS, VS_OF_I2, 1,
-               NULL, VS_AT_MOST},
-              {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, VS_AT_MOST},
-              {"dv_dt_max", "V/us", "largest rate of voltage, either way, over any 0.1 us",
-               VS_R_STEEPEST, VS_OF_V, 0, NULL, VS_AT_MOST})},
-    {"fuse", false, false,
-     MEASURES(
-         {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, VS_AT_MOST},
-         {"i_rms", "A", "rms current, over the time that measure says", VS_R_RMS, VS_OF_I2, 1, NULL,
-          VS_AT_MOST},
-         {"i2t", "A2.s", "int i^2 dt over the run", VS_R_INTEGRAL, VS_OF_I2, 1, NULL, VS_AT_MOST},
-         {"let_through", "A2.s", "largest int i^2 dt within 10 ms", VS_R_WITHIN, VS_OF_I2, 1, "i2t",
-          VS_WARD_AT_MOST},
-         {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST})},
-    {"gate_drive", false, true,
-     MEASURES({"i_peak", "A", "largest gate current", VS_R_PEAK, VS_OF_I, 1, NULL, VS_AT_MOST},
-              {"i_min", "A", "gate current at its worst: the least of all gate pulses' peaks",
-               VS_R_GATE_LEAST, VS_OF_I, 1, NULL, VS_AT_MOST},
-              {"volt_seconds", "V.s", "largest flux linkage of its core, either way", VS_R_PEAK,
-               VS_OF_FLUX, 0, "volt_seconds", VS_AT_MOST})},
-};
-#undef MEASURES
-const size_t vs_n_kinds = sizeof vs_kinds_all / sizeof *vs_kinds_all;
-
-static const vs_kind *find_kind(const char *name) {
-  for (size_t k = 0; k < vs_n_kinds; k++)
-    if (!strcmp(vs_kinds_all[k].name, name)) return &vs_kinds_all[k];
-  return NULL;
-}
 
 /* ---- reading ---- */
 
@@ -116,7 +22,7 @@ static bool read_word(vs_device *d, vs_cursor *c) {
     d->where_ward = vs_cursor_here(c);
     return vs_cursor_word(c, "", d->ward, sizeof d->ward);
   }
-  if (isnan(d->gate_rad) && vs_gate_named(word, &d->gate_rad)) {
+  if (isnan(d->gate_rad) && vs_port_read_gate(word, &d->gate_rad)) {
     d->where_gate = where;
     return true;
   }
@@ -147,15 +53,15 @@ vs_status vs_devices_line(vs_deck *deck, vs_cursor *c, vs_error *err) {
     if (!read_word(d, c)) return vs_fail_at(err, where, "%s", WANTED);
   }
   deck->n_devices++; /* its formulas are freed with the deck, also when they are not good */
-  vs_status status = vs_contract_formula(deck, c, ",", &d->voltage, err);
+  vs_status status = vs_deck_add_formula(deck, c, ",", &d->voltage, err);
   if (!status && !vs_cursor_take(c, ','))
     status =
         vs_fail_at(err, vs_cursor_here(c), "',' and the formula of its current are wanted here");
-  if (!status) status = vs_contract_formula(deck, c, ",\"", &d->current, err);
+  if (!status) status = vs_deck_add_formula(deck, c, ",\"", &d->current, err);
   vs_cursor_skip(c);
   d->where_flux = vs_cursor_here(c);
   d->has_flux = !status && vs_cursor_take(c, ',');
-  if (d->has_flux) status = vs_contract_formula(deck, c, "\"", &d->flux, err);
+  if (d->has_flux) status = vs_deck_add_formula(deck, c, "\"", &d->flux, err);
   return status ? status : vs_cursor_text(c, d->text, sizeof d->text, err);
 }
 
@@ -199,11 +105,12 @@ static int find_part(const vs_deck *deck, const char *name) {
 
 static vs_status unknown_kind(const vs_deck *deck, const vs_device *d, const char *said,
                               vs_error *err) {
-  const char *names[VS_DECK_PARTS + VS_DECK_MOST];
   vs_text kinds = {0};
-  size_t n = 0;
+  size_t n_kinds = 0, n = 0;
+  while (vs_kinds_all[n_kinds].name) n_kinds++;
+  const char **names = vs_alloc(deck->n_parts + n_kinds, sizeof *names);
   for (size_t p = 0; p < deck->n_parts; p++) names[n++] = deck->parts[p].name;
-  for (size_t k = 0; k < vs_n_kinds; k++) {
+  for (size_t k = 0; k < n_kinds; k++) {
     vs_text_add(&kinds, "%s%s", k ? ", " : "", vs_kinds_all[k].name);
     names[n++] = vs_kinds_all[k].name;
   }
@@ -213,6 +120,7 @@ static vs_status unknown_kind(const vs_deck *deck, const vs_device *d, const cha
       d->name, said, kinds.text, nearest ? "; did you mean '" : "", nearest ? nearest : "",
       nearest ? "'?" : "");
   vs_text_free(&kinds);
+  free(names);
   return status;
 }
 
@@ -221,7 +129,7 @@ static vs_status resolve_kind(const vs_deck *deck, vs_device *d, vs_error *err) 
   const char *said = *d->of ? d->of : d->name;
   d->part = find_part(deck, said);
   if (d->part < 0) d->part = find_part(deck, d->name);
-  d->kind = find_kind(said);
+  d->kind = vs_kinds_find(said);
   bool known = d->kind || find_part(deck, said) >= 0;
   if (!known) return deck->lost & VS_LOST_PARAM ? VS_OK : unknown_kind(deck, d, said, err);
   if (d->part < 0) return VS_OK;
@@ -236,7 +144,7 @@ static vs_status resolve_kind(const vs_deck *deck, vs_device *d, vs_error *err) 
   if (d->kind && *d->of && strcmp(d->of, part->name) && strcmp(d->of, file->kind))
     return vs_fail_at(err, d->where_of, "device %s: its part %s is of kind %s, not %s", d->name,
                       part->subcircuit, file->kind, d->of);
-  d->kind = find_kind(file->kind);
+  d->kind = vs_kinds_find(file->kind);
   return d->kind ? VS_OK
                  : vs_fail_at(err, d->where_of,
                               "device %s: its part %s is of kind %s, of which nothing is measured",
@@ -250,7 +158,7 @@ static vs_status resolve_gate(const vs_deck *deck, vs_device *d, vs_error *err) 
     return vs_fail_at(err, d->where_gate, "device %s: a %s has no gate", d->name, d->kind->name);
   for (size_t p = 0; p < deck->n_ports; p++) {
     const vs_signal *signal = &deck->ports[p].signal;
-    if (signal->drive != VS_DRIVE_GATE && signal->drive != VS_DRIVE_BURST) continue;
+    if (!vs_port_is_gated(signal)) continue;
     if (named && fabs(signal->shift_rad - d->gate_rad) > 1e-9) continue;
     d->gate_rad = signal->shift_rad;
     return VS_OK;

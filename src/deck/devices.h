@@ -1,75 +1,29 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What the devices of a deck are watched for: the kinds there are, what each kind's voltage and
- * current are reduced to, and which limit of its part's file that is held against. One table for
- * lists, summary and verdict; and the contract's lines device and zth. */
+ * The devices of a deck, whose stress is measured: the contract's lines device and zth, and, once
+ * the parts are chosen, what each device is and which limits it is held against. What is measured
+ * of a device says its kind (deck/kinds.h). */
 #ifndef VS_DECK_DEVICES_H
 #define VS_DECK_DEVICES_H
 
-#include "deck/cursor.h"
 #include "deck/deck.h"
+#include "deck/kinds.h"
 
-/* Of a device: V, V.s, A, W, A2. */
-enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
-
-/* How a course becomes one number. Those from VS_R_RISE on are of a device that conducts or blocks,
- * but for VS_R_GATE_LEAST, which is of one with a gate. */
-typedef enum vs_reduction {
-  VS_R_PEAK,       /* the largest value, in the sense given */
-  VS_R_MEAN,       /* over the stretch that the scene's section measure says */
-  VS_R_RMS,        /* root of the mean over that */
-  VS_R_INTEGRAL,   /* over the run */
-  VS_R_PULSE,      /* the largest integral over one conduction */
-  VS_R_HEAT,       /* the largest that one pulse turned into heat: watch/pulse.h */
-  VS_R_WITHIN,     /* the largest integral within 10 ms */
-  VS_R_SURGE,      /* peak of the half sine of 10 ms that has this integral */
-  VS_R_STEEPEST,   /* the largest rate, either way, over any 0.1 us */
-  VS_R_JUNCTION,   /* temperature rise, by the part's zth */
-  VS_R_RISE,       /* the steepest mean rate from 10 to 90 % of a rise of forward voltage */
-  VS_R_OFF_RATE,   /* the largest rising rate while it blocks forward voltage, over any 0.1 us */
-  VS_R_ON_RATE,    /* of current, from firing to its first maximum, over any 0.1 us */
-  VS_R_OFFERED,    /* the shortest time between a conduction and forward voltage without a gate */
-  VS_R_MISFIRE,    /* how often */
-  VS_R_UNINTENDED, /* how often */
-  VS_R_COMMUTATION_FAILURE, /* how often */
-  VS_R_GATE_LEAST           /* the smallest of all gate pulses' peaks */
-} vs_reduction;
-
-/* The limit is the most allowed, the least allowed, the most that the device bears which this one
- * protects. */
-enum { VS_AT_MOST, VS_AT_LEAST, VS_WARD_AT_MOST };
-
-/* A device's measure is called DEVICE.name. */
-typedef struct vs_device_measure {
-  const char *name, *unit, *text;
-  vs_reduction how;
-  int of;            /* VS_OF_... */
-  int sense;         /* of a peak: +1 largest, -1 least with its sign turned, 0 magnitude */
-  const char *limit; /* of the part's file that it is held against; NULL: none */
-  int held;          /* to its limit: VS_AT_MOST, ... */
-} vs_device_measure;
-
-enum { VS_KIND_MEASURES = 16, VS_KIND_LIMITS = 10 }; /* at most, of one kind */
-typedef struct vs_kind {
-  const char *name;
-  bool switches, gated; /* conducts or blocks; goes by the deck's gate pulses */
-  vs_device_measure measures[VS_KIND_MEASURES];
-  size_t n_measures;
-} vs_kind;
-extern const vs_kind vs_kinds_all[];
-extern const size_t vs_n_kinds;
-
-/* Each reads the rest of one line. */
+/* Each reads the rest of one line, behind its first word. Errors with their place. */
 vs_status vs_devices_line(vs_deck *deck, vs_cursor *c, vs_error *err);
 vs_status vs_devices_zth(vs_deck *deck, vs_cursor *c, vs_error *err);
 
-/* Gives devices their kinds, parts and gates, once the parts are chosen. Errors with their place: a
- * device that is no part and of no kind, a gate no port has, a limit in a unit of another kind, one
- * to protect that is not there. */
+/* Gives devices their kinds, parts, gates and wards, once the parts are chosen. Errors with their
+ * place, each of which a check carries on from: a device that is no part and of no kind, a gate
+ * that no port has, a limit in a unit of another kind, a device to protect that is not there. */
 vs_status vs_devices_resolve(vs_deck *deck, vs_error *err);
 
-/* The limit that the device's measure is held against; NULL: the file of its part, or of the part
- * it protects, has none, or "none". */
+/* The limit that a measure of the device is held against, from the file of its part or of the part
+ * it protects. NULL where there is none, or where the file says "none". */
 const vs_limit *vs_devices_limit(const vs_deck *deck, const vs_device *device,
                                  const vs_device_measure *measure);
+
+/* True where device number `device` protects another one and, by the makers' figures, may let more
+ * through (i2t_clear) than that one bears (i2t). `text` then says so. */
+bool vs_devices_fails_ward(const vs_deck *deck, size_t device, char *text, size_t size);
 
 #endif

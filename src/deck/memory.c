@@ -7,7 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "deck/contract.h"
+#include "base/text.h"
 
 /* More words than a device of ngspice has nodes; deeper than subcircuits of makers are nested; and
  * a path that leaves room for a node's name behind it in VS_MEMORY_NAME. A netlist that has more
@@ -23,13 +23,13 @@ typedef struct words {
 } words;
 
 static void split(const char *line, words *w) {
-  static const char PARTING[] = " \t(),";
+  static const char BETWEEN[] = " \t(),";
   w->count = 0;
   w->cut = strlen(line) >= sizeof w->text;
   size_t used = 0;
-  for (const char *s = line + strspn(line, PARTING); *s;) {
-    size_t n = strcspn(s, PARTING);
-    const char *after = s + n + strspn(s + n, PARTING);
+  for (const char *s = line + strspn(line, BETWEEN); *s;) {
+    size_t n = strcspn(s, BETWEEN);
+    const char *after = s + n + strspn(s + n, BETWEEN);
     if (memchr(s, '=', n) || *after == '=' || !strncasecmp(s, "params:", 7)) break;
     if (w->count == MOST_WORDS || used + n + 1 > sizeof w->text) {
       w->cut = true;
@@ -301,4 +301,42 @@ bool vs_memory_list(const vs_deck *deck, vs_memories *all) {
   bool good = take_apart(&s, top);
   free(top);
   return good;
+}
+
+/* ---- what nobody sees ---- */
+
+static bool has_term_at(const vs_deck *deck, const char *node) {
+  char signal[VS_DECK_NAME + 4];
+  snprintf(signal, sizeof signal, "v(%s)", node);
+  for (size_t k = 0; k < deck->n_terms; k++)
+    if (!strcasecmp(deck->terms[k].plus, signal) || !strcasecmp(deck->terms[k].minus, signal))
+      return strcmp(node, "0") != 0;
+  return false;
+}
+
+/* Does a store name a parameter that the line has, too? */
+static bool has_store_of(const vs_deck *deck, const char *line) {
+  for (size_t k = 0; k < deck->stores.count; k++) {
+    const vs_formula *f = &deck->stores.item[k].formula;
+    for (size_t n = 0; n < f->count; n++) {
+      int name = vs_formula_name_of(&f->ops[n]);
+      char braced[VS_DECK_NAME + 3];
+      if (name < 0) continue;
+      snprintf(braced, sizeof braced, "{%s}", deck->names[name].name);
+      if (strcasestr(line, braced)) return true;
+    }
+  }
+  return false;
+}
+
+bool vs_memory_is_hidden(const vs_deck *deck) {
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const vs_line *line = &deck->lines[k];
+    char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME];
+    if (line->where.file != deck->files[0] || !strchr("cClL", *line->text)) continue;
+    if (sscanf(line->text, "%63s %63s %63s", name, plus, minus) != 3) continue;
+    if (!has_term_at(deck, plus) && !has_term_at(deck, minus) && !has_store_of(deck, line->text))
+      return true;
+  }
+  return false;
 }

@@ -31,4 +31,9 @@ typedef struct vs_memories {
  * values. */
 bool vs_memory_list(const vs_deck *deck, vs_memories *all);
 
+/* True where a capacitor or an inductor of the deck's own file, as opposed to its parts' files,
+ * stands at no node that a probe, a loss, a store or a device names. Nobody sees the energy it
+ * holds. */
+bool vs_memory_is_hidden(const vs_deck *deck);
+
 #endif

@@ -1,16 +1,280 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later
- * A deck as the netlist that the solver is given, and the way back from what it says to the deck.
- */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "deck/netlist.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include "base/text.h"
+#include "deck/contract.h"
+#include "deck/devices.h"
+#include "deck/parts.h"
 #include "deck/rules.h"
 
-static const vs_shelf EVA_SHELF = {"subcircuit", "", ".inc"};
+static const vs_shelf INCLUDE_SHELF = {"include file", "", ""},
+                      EVA_SHELF = {"subcircuit", "", ".inc"};
+
+/* ---- files ---- */
+
+/* Ports and external sources belong together, one to one: a source nobody drives would stay at 0 V.
+ */
+static vs_status match_sources(const vs_deck *deck, vs_error *err) {
+  bool driven[VS_DECK_MOST] = {false};
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < deck->n_lines && !status; k++) {
+    char name[VS_DECK_NAME];
+    if (!vs_rules_is_external(deck->lines[k].text, name)) continue;
+    size_t p = 0;
+    while (p < deck->n_ports && strcmp(deck->ports[p].source, name)) p++;
+    if (p < deck->n_ports)
+      driven[p] = true;
+    else if (!(deck->lost & VS_LOST_PORT))
+      status = vs_error_carry_on(
+          err, vs_fail_at(err, deck->lines[k].where,
+                          "the external source %s has no line '*$ port ... = %s'", name, name));
+  }
+  for (size_t p = 0; p < deck->n_ports && !status; p++)
+    if (!driven[p] && !(deck->lost & VS_LOST_ELEMENT))
+      status = vs_error_carry_on(err, vs_fail_at(err, deck->ports[p].where,
+                                                 "port: the deck has no source '%s n m external'",
+                                                 deck->ports[p].source));
+  return status;
+}
+
+static vs_status read_file(vs_deck *deck, const char *path, vs_error *err);
+
+static bool is_taken(const vs_deck *deck, const char *path) {
+  for (size_t k = 0; k < deck->n_files; k++)
+    if (!strcmp(deck->files[k], path)) return true;
+  return false;
+}
+
+/* ".include FILE": from the folder of the file it stands in, else one that comes with the program.
+ * The lines are taken in here, so that they are held to the same rules; once only, as two parts may
+ * rest on the same file. Within a subcircuit they are its own, each time. */
+static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
+  char name[VS_PATH_SIZE / 2], path[VS_PATH_SIZE];
+  const char *from = line + strcspn(line, " \t"), *slash = strrchr(where.file, '/');
+  from += strspn(from, " \t");
+  char quote = *from == '"' || *from == '\'' ? *from++ : '\0';
+  size_t n = quote ? strcspn(from, (char[]){quote, '\0'}) : strcspn(from, " \t");
+  const char *after = from + n + (quote && from[n] == quote);
+  if (n == 0 || n >= sizeof name || after[strspn(after, " \t")])
+    return vs_fail_at(err, where, "'.include FILE' is wanted here, one file and nothing more");
+  snprintf(name, sizeof name, "%.*s", (int)n, from);
+  snprintf(path, sizeof path, "%.*s%s", slash && *name != '/' ? (int)(slash - where.file + 1) : 0,
+           where.file, name);
+  if (access(path, R_OK)) {
+    vs_status status = vs_path_find(&INCLUDE_SHELF, name, where, path, err);
+    if (status) return status;
+  }
+  if (!strcmp(path, where.file)) return vs_fail_at(err, where, "%s includes itself", path);
+  if (deck->subcircuits == 0 && is_taken(deck, path)) return VS_OK;
+  return read_file(deck, path, err);
+}
+
+/* A line that is whole. The deck keeps its text, or frees it. */
+static vs_status take_line(vs_deck *deck, vs_line line, vs_error *err) {
+  const char *text = line.text;
+  char word[16];
+  snprintf(word, sizeof word, "%.*s", (int)strcspn(text, " \t"), text);
+  vs_cursor_lower(word);
+  bool other_file = !strcmp(word, ".include") || !strcmp(word, ".inc") || !strcmp(word, ".lib");
+  vs_status random =
+      other_file ? VS_OK : vs_rules_random(text, *deck->compat != 0, line.where, err);
+  vs_status status = random         ? random
+                     : other_file   ? include(deck, text, line.where, err)
+                     : *text == '.' ? vs_rules_statement(deck, text, line.where, err)
+                                    : vs_rules_element(deck, text, line.where, err);
+  if (status && (other_file || (*text != '.' && !isalpha((unsigned char)*text))))
+    deck->lost |= VS_LOST_ALL; /* it may have been anything */
+  else if (status && *text != '.')
+    deck->lost |= VS_LOST_ELEMENT;
+  if (status || other_file) {
+    free(line.text);
+    return status;
+  }
+  vs_deck_add_line(deck, line);
+  return VS_OK;
+}
+
+/* A line that may go on: its text so far (NULL: there is none), how much of that stands in its
+ * first line, and where that is. */
+typedef struct begun_line {
+  vs_text text;
+  size_t first;
+  vs_where where;
+} begun_line;
+
+/* Takes the line begun, if any. */
+static vs_status end_line(vs_deck *deck, begun_line *begun, vs_error *err) {
+  vs_line line = {begun->text.text, begun->first, begun->where};
+  *begun = (begun_line){0};
+  return line.text ? vs_error_carry_on(err, take_line(deck, line, err)) : VS_OK;
+}
+
+/* Cuts the end of a line that ngspice takes for a comment: from ';' or '//' on, or from a '$'
+ * behind a blank or comma (in PSpice's dialect that is a name). */
+static void cut_comment(const vs_deck *deck, char *text) {
+  size_t n = 0;
+  for (; text[n]; n++) {
+    bool parted = n > 0 && strchr(" \t,", text[n - 1]);
+    if (text[n] == ';' || (text[n] == '/' && text[n + 1] == '/') ||
+        (text[n] == '$' && parted && !*deck->compat))
+      break;
+  }
+  while (n > 0 && strchr(" \t", text[n - 1])) n--;
+  text[n] = '\0';
+}
+
+/* A line of a file. What it begins goes on as long as lines with '+' follow. */
+static vs_status read_line(vs_deck *deck, char *line, vs_where where, begun_line *begun,
+                           vs_error *err) {
+  char *text = line + where.column - 1;
+  for (const char *c = line; *c; c++)
+    if ((unsigned char)*c < ' ' && *c != '\t') {
+      where.column = vs_text_column(line, c);
+      return vs_fail_at(err, where, "a control character (%d)", *c);
+    }
+  if (!strncmp(text, "*$", 2)) return vs_contract_line(deck, line, where, err);
+  if (*text != '*') cut_comment(deck, text);
+  if (!*text || *text == '*') return VS_OK;
+  if (*text != '+') {
+    vs_status status = end_line(deck, begun, err);
+    *begun = (begun_line){.first = strlen(text), .where = where};
+    vs_text_add(&begun->text, "%s", text);
+    return status;
+  }
+  if (!begun->text.text)
+    return vs_fail_at(err, where, "'+' goes on with a line, and there is none");
+  vs_text_add(&begun->text, " %s", text + 1);
+  return VS_OK;
+}
+
+static vs_status read_lines(vs_deck *deck, char *file, FILE *f, vs_error *err) {
+  char *line = NULL;
+  size_t size = 0;
+  begun_line begun = {0};
+  vs_status status = VS_OK;
+  ssize_t n;
+  for (int number = 1; !status && (n = getline(&line, &size, f)) >= 0; number++) {
+    while (n > 0 && strchr("\r\n", line[n - 1])) line[--n] = '\0';
+    vs_where where = {file, number, (int)strspn(line, " \t") + 1};
+    status = strlen(line) < (size_t)n ? vs_fail_at(err, where, "a zero byte")
+                                      : read_line(deck, line, where, &begun, err);
+    status = vs_error_carry_on(err, status);
+  }
+  if (!status) status = end_line(deck, &begun, err);
+  vs_text_free(&begun.text);
+  free(line);
+  return status;
+}
+
+static vs_status read_file(vs_deck *deck, const char *path, vs_error *err) {
+  const vs_where place = {.file = path};
+  struct stat s;
+  if (deck->n_files >= VS_DECK_FILES)
+    return vs_fail_at(err, place, "more than %d files; does one include itself?", VS_DECK_FILES);
+  char *file = deck->files[deck->n_files++] = vs_copy(path);
+  if (!stat(path, &s) && !S_ISREG(s.st_mode)) return vs_fail_at(err, place, "is no file of text");
+  FILE *f = fopen(path, "r");
+  if (!f) return vs_fail_at(err, place, "cannot be opened: %s", strerror(errno));
+  vs_status status = read_lines(deck, file, f, err);
+  if (!status && ferror(f)) status = vs_fail_at(err, place, "cannot be read: %s", strerror(errno));
+  fclose(f);
+  return status;
+}
+
+vs_status vs_netlist_read(const char *path, vs_deck *deck, vs_error *err) {
+  vs_deck_begin(deck);
+  vs_status status = read_file(deck, path, err);
+  if (!status && deck->n_part_files)
+    status =
+        vs_error_carry_on(err, vs_fail_at(err, deck->part_files[0].where,
+                                          "'*$ part' belongs into a part's file, not into a deck"));
+  if (!status && !*deck->eva && !(deck->lost & VS_LOST_ELEMENT))
+    status = vs_error_carry_on(err, vs_fail_at(err, (vs_where){.file = path},
+                                               "has no EVA; a deck has one line 'Xeva n m eva'"));
+  return status;
+}
+
+vs_status vs_netlist_read_part(const char *path, vs_deck *part, vs_error *err) {
+  vs_deck_begin(part);
+  return read_file(part, path, err);
+}
+
+/* ---- parts ---- */
+
+/* Where a part's file is: the path given, or in the deck's folder, or on the shelf of parts. */
+static vs_status find_part(const vs_deck *deck, const char *name, vs_where where,
+                           char path[VS_PATH_SIZE], vs_error *err) {
+  const char *slash = strrchr(deck->files[0], '/');
+  int folder = slash ? (int)(slash - deck->files[0] + 1) : 0;
+  for (int ending = 0; ending < 2; ending++) {
+    snprintf(path, VS_PATH_SIZE, "%.*s%s%s", *name == '/' ? 0 : folder, deck->files[0], name,
+             ending ? vs_deck_parts_shelf.ending : "");
+    struct stat s;
+    if (!stat(path, &s) && S_ISREG(s.st_mode)) return VS_OK;
+  }
+  return vs_path_find(&vs_deck_parts_shelf, name, where, path, err);
+}
+
+/* The file's name without folders and ending, in lower case: the subcircuit it must define. */
+static void subcircuit_of(const char *path, char name[VS_DECK_NAME]) {
+  const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
+  snprintf(name, VS_DECK_NAME, "%.*s", (int)strcspn(base, "."), base);
+  vs_cursor_lower(name);
+}
+
+static bool defines(const vs_deck *deck, const char *subcircuit) {
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    char word[16], name[VS_DECK_NAME];
+    if (sscanf(deck->lines[k].text, "%15s %63s", word, name) != 2) continue;
+    vs_cursor_lower(word);
+    vs_cursor_lower(name);
+    if (!strcmp(word, ".subckt") && !strcmp(name, subcircuit)) return true;
+  }
+  return false;
+}
+
+static vs_status take_part(vs_deck *deck, vs_part *part, const char *name, vs_where where,
+                           vs_error *err) {
+  char path[VS_PATH_SIZE];
+  vs_status status = find_part(deck, name, where, path, err);
+  if (!status && !is_taken(deck, path)) status = read_file(deck, path, err);
+  if (status) return status;
+  for (size_t k = 0; k < deck->n_files; k++)
+    if (!strcmp(deck->files[k], path)) part->file = deck->files[k];
+  subcircuit_of(path, part->subcircuit);
+  return defines(deck, part->subcircuit) || deck->lost & VS_LOST_ELEMENT
+             ? vs_parts_check_kind(deck, part, where, err)
+             : vs_fail_at(err, where, "circuit.%s: %s defines no subcircuit '%s' (the file's name)",
+                          part->name, path, part->subcircuit);
+}
+
+vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error *err) {
+  vs_status status = VS_OK;
+  for (size_t p = 0, k = 1; p < deck->n_parts && !status; k++) {
+    const vs_field *field = &deck->section.fields[k];
+    if (field->kind != VS_NAME) continue;
+    const vs_node *node = vs_tree_child(section, field->key);
+    bool given = node && node->kind == VS_NODE_TEXT;
+    vs_where where = given ? node->where : (vs_where){deck->files[0], 0, 0};
+    status =
+        vs_error_carry_on(err, take_part(deck, &deck->parts[p++],
+                                         given ? node->text : field->default_text, where, err));
+  }
+  if (!status) status = vs_parts_resolve(deck, err);
+  if (!status) status = vs_devices_resolve(deck, err);
+  return status ? status : match_sources(deck, err);
+}
+
+/* ---- for the solver ---- */
 
 static void add_text(char ***lines, size_t *count, const char *text) {
   *lines = realloc(*lines, (*count + 1) * sizeof **lines);
@@ -65,42 +329,6 @@ vs_status vs_netlist_make(const vs_deck *deck, const vs_circuit_values *values,
   free(line);
   fclose(eva);
   return VS_OK;
-}
-
-static bool has_term_at(const vs_deck *deck, const char *node) {
-  char signal[VS_DECK_NAME + 4];
-  snprintf(signal, sizeof signal, "v(%s)", node);
-  for (size_t k = 0; k < deck->n_terms; k++)
-    if (!strcasecmp(deck->terms[k].plus, signal) || !strcasecmp(deck->terms[k].minus, signal))
-      return strcmp(node, "0") != 0;
-  return false;
-}
-
-/* Does a store name a parameter that the line has, too? */
-static bool has_store_of(const vs_deck *deck, const char *line) {
-  for (size_t k = 0; k < deck->stores.count; k++) {
-    const vs_formula *f = &deck->stores.item[k].formula;
-    for (size_t n = 0; n < f->count; n++) {
-      int name = vs_formula_name_of(&f->ops[n]);
-      char braced[VS_DECK_NAME + 3];
-      if (name < 0) continue;
-      snprintf(braced, sizeof braced, "{%s}", deck->names[name].name);
-      if (strcasestr(line, braced)) return true;
-    }
-  }
-  return false;
-}
-
-bool vs_netlist_hides_state(const vs_deck *deck) {
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    const vs_line *line = &deck->lines[k];
-    char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME];
-    if (line->where.file != deck->files[0] || !strchr("cClL", *line->text)) continue;
-    if (sscanf(line->text, "%63s %63s %63s", name, plus, minus) != 3) continue;
-    if (!has_term_at(deck, plus) && !has_term_at(deck, minus) && !has_store_of(deck, line->text))
-      return true;
-  }
-  return false;
 }
 
 void vs_netlist_free(char **lines, size_t count) {

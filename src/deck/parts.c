@@ -7,8 +7,9 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/text.h"
 #include "base/units.h"
-#include "deck/contract.h"
+#include "deck/kinds.h"
 
 /* ---- reading ---- */
 
@@ -27,41 +28,6 @@ vs_status vs_parts_kind(vs_deck *deck, vs_cursor *c, vs_error *err) {
   return status;
 }
 
-/* Limits that go by a name of the field's: their units, and the kind of part they are of ("": of
- * any). Some are held against measures (deck/devices.h), v_drm, v_rrm and v_rms against the
- * mains, i2t_clear against what the fuse protects; the others are for the reader. */
-static const struct {
-  const char *name, *unit, *kind;
-} KNOWN[] = {{"v_drm", "V", ""},
-             {"v_rrm", "V", ""},
-             {"v_rms", "V", ""},
-             {"i_t_rms", "A", "thyristor"},
-             {"i_tsm", "A", "thyristor"},
-             {"i2t", "A2.s", "thyristor"},
-             {"dv_dt", "V/us", "thyristor"},
-             {"di_dt", "A/us", "thyristor"},
-             {"t_q", "us", "thyristor"},
-             {"t_j_rise", "K", "thyristor"},
-             {"v_dc", "V", "varistor"},
-             {"v_clamp", "V", "varistor"},
-             {"v_varistor", "V", "varistor"},
-             {"i_surge", "A", "varistor"},
-             {"energy", "J", "varistor"},
-             {"v_rated", "V", "fuse"},
-             {"i_rated", "A", "fuse"},
-             {"i_fusing", "A", "fuse"},
-             {"i2t_melt", "A2.s", "fuse"},
-             {"i2t_clear", "A2.s", "fuse"},
-             {"v_arc", "V", "fuse"},
-             {"volt_seconds", "V.s", "gate_drive"}};
-enum { KNOWN_LIMITS = sizeof KNOWN / sizeof *KNOWN };
-
-static const char *known_unit(const char *name) {
-  for (size_t k = 0; k < KNOWN_LIMITS; k++)
-    if (!strcmp(name, KNOWN[k].name)) return KNOWN[k].unit;
-  return NULL;
-}
-
 /* limit NAME = VALUE UNIT [assumed] "TEXT", limit NAME = none "TEXT" */
 vs_status vs_parts_limit(vs_deck *deck, vs_cursor *c, vs_error *err) {
   char value[VS_DECK_NAME], why[200];
@@ -75,7 +41,7 @@ vs_status vs_parts_limit(vs_deck *deck, vs_cursor *c, vs_error *err) {
   if (strcmp(value, "none")) {
     vs_cursor_token(c, limit.unit, sizeof limit.unit);
     snprintf(limit.written, sizeof limit.written, "%s %s", value, limit.unit);
-    const char *kind = known_unit(limit.name);
+    const char *kind = vs_kinds_limit_unit(limit.name);
     if (kind && vs_units_known(limit.unit) && !vs_units_same_kind(limit.unit, kind))
       return vs_fail_at(err, where, "limit %s: a unit as %s is wanted, not '%s'", limit.name, kind,
                         limit.unit);
@@ -171,13 +137,13 @@ vs_status vs_parts_require(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_cursor_skip(c);
   const char *begin = c->at;
   r->where = vs_cursor_here(c);
-  vs_status status = vs_contract_formula(deck, c, "<", &r->left, err);
+  vs_status status = vs_deck_add_formula(deck, c, "<", &r->left, err);
   if (status) return status;
   if (!vs_cursor_take(c, '<'))
     return vs_fail_at(err, vs_cursor_here(c), "an operator, '<' or '<=' is wanted here");
   r->equal = *c->at == '=';
   c->at += r->equal;
-  status = vs_contract_formula(deck, c, "\"", &r->right, err);
+  status = vs_deck_add_formula(deck, c, "\"", &r->right, err);
   if (status) return status;
   if (vs_formula_has_terms(&r->left) || vs_formula_has_terms(&r->right))
     return vs_fail_at(err, r->where, "require: parameters are compared, no voltages and currents");
@@ -343,15 +309,9 @@ static bool is_rated_by(const vs_deck *deck, const vs_limit *limit) {
 bool vs_parts_limit_is_idle(const vs_deck *deck, size_t number, char *text, size_t size) {
   const vs_limit *limit = &deck->limits[number];
   const vs_part_file *file = vs_parts_file(deck, limit->where.file);
-  const char *names[KNOWN_LIMITS];
-  size_t count = 0;
+  const char *nearest;
   if (!file || isinf(limit->value) || is_rated_by(deck, limit)) return false;
-  for (size_t k = 0; k < KNOWN_LIMITS; k++) {
-    if (*KNOWN[k].kind && strcmp(KNOWN[k].kind, file->kind)) continue;
-    names[count++] = KNOWN[k].name;
-    if (!strcmp(limit->name, KNOWN[k].name)) return false;
-  }
-  const char *nearest = vs_text_nearest(limit->name, names, count);
+  if (vs_kinds_knows_limit(file->kind, limit->name, &nearest)) return false;
   const char *slash = strrchr(limit->where.file, '/');
   snprintf(text, size, "limit %s of %s: no measure of a %s and no rating is held to it%s%s%s",
            limit->name, slash ? slash + 1 : limit->where.file, file->kind,

@@ -1,27 +1,44 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What parts are, what their makers allow, and what a deck and its parts ask of that: the
- * contract's lines part, limit, rating, require. */
+ * What parts are, what their makers allow, and what a deck asks of both: the contract's lines part,
+ * limit, rating and require, and what comes of them once the parts are chosen. */
 #ifndef VS_DECK_PARTS_H
 #define VS_DECK_PARTS_H
 
-#include "deck/cursor.h"
 #include "deck/deck.h"
 
-/* Each reads the rest of one line. */
+/* Each reads the rest of one line, behind its first word. Errors with their place. */
 vs_status vs_parts_kind(vs_deck *deck, vs_cursor *c, vs_error *err);
 vs_status vs_parts_limit(vs_deck *deck, vs_cursor *c, vs_error *err);
 vs_status vs_parts_rating(vs_deck *deck, vs_cursor *c, vs_error *err);
 vs_status vs_parts_require(vs_deck *deck, vs_cursor *c, vs_error *err);
 
-/* Is the part's file of the kind that the deck wants? where: of its name. */
+/* Error: the part's file is of another kind than the deck wants, or says none. `where` is the place
+ * where the part is named. */
 vs_status vs_parts_check_kind(const vs_deck *deck, const vs_part *part, vs_where where,
                               vs_error *err);
 
-/* What the file says of its part; a limit of that name. NULL: nothing. */
+/* What the file says of its part; NULL: nothing. */
 const vs_part_file *vs_parts_file(const vs_deck *deck, const char *file);
+/* The file's limit of that name; NULL: it has none. */
 const vs_limit *vs_parts_find_limit(const vs_deck *deck, const char *file, const char *name);
 
-/* Gives ratings the limits of the parts chosen; one without limits is left out. */
+/* Gives ratings the limits of the parts chosen, and drops ratings that have no limit at either end.
+ * Errors, each of which a check carries on from: no such part, no such limit in its file, a limit
+ * in a unit of another kind, a rating from more to less. */
 vs_status vs_parts_resolve(vs_deck *deck, vs_error *err);
+
+/* Error, once formulas are bound: a condition between parameters that does not hold. `section` is
+ * the scene's section circuit, in which the place of what breaks the condition is found; may be
+ * NULL. */
+vs_status vs_parts_require_hold(const vs_deck *deck, const vs_circuit_values *values,
+                                const vs_node *section, vs_error *err);
+
+/* True where the mains alone, of this rms value, exceed what part number `part` allows. `text` then
+ * says so. */
+bool vs_parts_below_mains(const vs_deck *deck, size_t part, double rms_v, char *text, size_t size);
+
+/* True where limit number `limit` is of a name that nothing is held against, neither a measure of
+ * its part's kind nor a rating of the deck. `text` then says so, and which name may be meant. */
+bool vs_parts_limit_is_idle(const vs_deck *deck, size_t limit, char *text, size_t size);
 
 #endif

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "deck/contract.h"
+#include "base/text.h"
 
 static bool among(const char *word, const char *const *list, size_t count) {
   for (size_t k = 0; k < count; k++)
@@ -16,21 +16,17 @@ static bool among(const char *word, const char *const *list, size_t count) {
 }
 #define AMONG(word, list) among(word, list, sizeof(list) / sizeof *(list))
 
-bool vs_deck_is_standard(const char *name) {
-  return AMONG(name, vs_deck_standard_names);
-}
-
-/* What parts words, as for ngspice. */
-static const char PARTING[] = " \t(),";
+/* What stands between words, as for ngspice. */
+static const char BETWEEN[] = " \t(),";
 
 /* The n-th word of a line, from 0, cut to fit. Empty: there is none. */
 static const char *nth_word(const char *line, int n, char word[VS_DECK_NAME]) {
-  const char *s = line + strspn(line, PARTING);
+  const char *s = line + strspn(line, BETWEEN);
   for (; n > 0; n--) {
-    s += strcspn(s, PARTING);
-    s += strspn(s, PARTING);
+    s += strcspn(s, BETWEEN);
+    s += strspn(s, BETWEEN);
   }
-  snprintf(word, VS_DECK_NAME, "%.*s", (int)strcspn(s, PARTING), s);
+  snprintf(word, VS_DECK_NAME, "%.*s", (int)strcspn(s, BETWEEN), s);
   vs_cursor_lower(word);
   return word;
 }
@@ -272,9 +268,9 @@ static vs_status source_rule(const char *line, vs_where where, vs_error *err) {
   static const char EXTERNAL[] = "external";
   if (!strchr("vViI", *line)) return VS_OK;
   int n = 0; /* which word it is */
-  for (const char *s = line + strspn(line, PARTING); *s; n++) {
-    size_t length = strcspn(s, PARTING);
-    const char *next = s + length + strspn(s + length, PARTING);
+  for (const char *s = line + strspn(line, BETWEEN); *s; n++) {
+    size_t length = strcspn(s, BETWEEN);
+    const char *next = s + length + strspn(s + length, BETWEEN);
     bool external = length == strlen(EXTERNAL) && !strncasecmp(s, EXTERNAL, length);
     if (external && (n > 3 || (n == 3 && *next)))
       return vs_fail_at(err, where,

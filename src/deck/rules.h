@@ -1,31 +1,31 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What may stand in a deck, line by line (continuations joined): circuits, and nothing that runs a
- * command, reads or writes a file, or takes what is the program's. */
+ * command, reads or writes a file, or takes a name of the program's. Errors have the place `where`.
+ */
 #ifndef VS_DECK_RULES_H
 #define VS_DECK_RULES_H
 
 #include "deck/deck.h"
 
-/* A line that begins with '.'. Keeps count of the subcircuits it opens and closes. */
+/* Holds a line that begins with '.' to the rules. Counts in deck->subcircuits those that it opens
+ * and closes, and sets deck->own_clock where it knows the time. */
 vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, vs_error *err);
-/* Any other line; notes the EVA. Both note a clock of the deck's own. */
+/* Holds any other line to the rules. Notes the EVA, and sets deck->own_clock as above. */
 vs_status vs_rules_element(vs_deck *deck, const char *line, vs_where where, vs_error *err);
 
 /* Refuses what ngspice draws anew in each run, in any line but one that includes a file: gauss,
  * agauss, unif, aunif and limit wherever an expression calls them, trnoise and trrandom of a
  * source. Names that merely contain such a word are fine, as is the code model limit. A deck's own
  * .func of such a name is refused too: ngspice has the name for itself in some expressions and not
- * in others. pspice: the deck is read in that dialect, whose LIMIT of three is no such thing. */
+ * in others. `pspice` says that the deck is read in that dialect, whose LIMIT of three arguments
+ * draws nothing. */
 vs_status vs_rules_random(const char *line, bool pspice, vs_where where, vs_error *err);
 
-/* "Vname n m external"; name is filled, in lower case. */
+/* True for a line "Vname n m external" (or Iname). `name` is then the source's, in lower case. */
 bool vs_rules_is_external(const char *line, char name[VS_DECK_NAME]);
 
-/* The subcircuit an instance "Xname n m ... SUBCIRCUIT [NAME=VALUE ...]" is of: where it begins in
- * the line, and its length; NULL: the line is none. */
+/* Finds the subcircuit's name in a line "Xname n m ... SUBCIRCUIT [NAME=VALUE ...]". Returns where
+ * it begins in the line and gives its length; NULL: the line is no instance. */
 const char *vs_rules_instance_of(const char *line, size_t *length);
-
-/* Is it a parameter of the program's that decks only use? */
-bool vs_deck_is_standard(const char *name);
 
 #endif

@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "drive/gate.h"
+
 double vs_wave_edge(const vs_timeline *t, double t_s) {
   double next = INFINITY;
   for (size_t k = 0; k < t->events.count; k++) {
@@ -12,21 +14,21 @@ double vs_wave_edge(const vs_timeline *t, double t_s) {
   return next;
 }
 
-/* The stages of drive/events.h: jumps of phase, then harmonics of the wave that jumped, then
- * factors. What is on is asked for half way to the next edge. */
+/* Puts the events that are on behind t into the wave, by the stages of drive/timeline.h. What is on
+ * is asked for half way to the next edge, where rounding plays no part. */
 static void disturb(const vs_timeline *t, double t_s, vs_wave *w) {
   double edge = vs_wave_edge(t, t_s);
   double inside = isinf(edge) ? t_s + t->period_s : t_s + (edge - t_s) / 2;
-  double factor = vs_mains_stage_at(t, VS_MAINS_FACTOR, inside);
+  double factor = vs_timeline_stage(t, VS_MAINS_FACTOR, inside);
   vs_sine *first = &w->sine[0];
-  first->phase_rad += vs_mains_stage_at(t, VS_MAINS_ANGLE, inside);
+  first->phase_rad += vs_timeline_stage(t, VS_MAINS_ANGLE, inside);
   for (size_t k = 0; k < t->events.count; k++) {
     const vs_occurrence *e = &t->events.item[k];
     if (!e->kind->mains || e->kind->stage != VS_MAINS_ADDED || !vs_occurrence_is_on(e, inside))
       continue;
     int order = e->v.order;
     double phase = remainder(order * first->phase_rad, 2 * M_PI) + e->v.phase_rad;
-    vs_sine sine = {factor * e->v.part * t->peak_v, order * t->omega_rad_s, phase};
+    vs_sine sine = {factor * e->v.fraction * t->peak_v, order * t->omega_rad_s, phase};
     w->highest_rad_s = fmax(w->highest_rad_s, sine.omega_rad_s);
     w->sine[w->count++] = sine;
   }
@@ -36,7 +38,7 @@ static void disturb(const vs_timeline *t, double t_s, vs_wave *w) {
 void vs_wave_of(const vs_timeline *t, double t_s, vs_wave *w) {
   w->count = 1;
   w->highest_rad_s = t->omega_rad_s;
-  w->sine[0] = (vs_sine){t->peak_v, t->omega_rad_s, remainder(vs_mains_phase(t, t_s), 2 * M_PI)};
+  w->sine[0] = (vs_sine){t->peak_v, t->omega_rad_s, remainder(vs_timeline_phase(t, t_s), 2 * M_PI)};
   if (t->events.count) disturb(t, t_s, w);
 }
 
@@ -58,13 +60,13 @@ bool vs_wave_is_silent(const vs_wave *w) {
   return true;
 }
 
-/* A voltage this small, in parts of the sum of all peaks, is none: what rounding makes of a zero.
- */
+/* A voltage below this fraction of the sum of all peaks is zero: rounding makes that much of it. */
 static const double NONE = 1e-13;
 
-/* One that only touches zero does not turn: from a zero on it must rise by more than nothing, which
- * its rate tells, as u'' lies within its bound. For the same reason u stays below u + u' s + bound
- * s^2/2: up to that one's zero there is none of u, and near a zero of u the steps are Newton's. */
+/* |u''| never exceeds `bound`, the sum of peak times omega^2. So s behind an instant u is at most
+ * u + u' s + bound s^2/2, and up to the zero of that parabola u has none: the search steps there.
+ * Near a zero of u these are Newton's steps. A voltage that only touches zero does not turn: at a
+ * zero it must rise by more than rounding, and the bound gives the rate that this takes. */
 double vs_wave_turns(const vs_wave *w, int sense, double since_s, double until_s) {
   double peak = 0, bound = 0, u[3];
   for (size_t k = 0; k < w->count; k++) {

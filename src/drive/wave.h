@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The mains between two edges of the events: a sum of few sines. What drive/timeline.h has at one
- * instant, for those who need its derivatives and zeros. */
+ * The mains between two edges of the events, as a sum of few sines: what vs_timeline_voltage gives
+ * for one instant, for those who need derivatives and zeros. */
 #ifndef VS_DRIVE_WAVE_H
 #define VS_DRIVE_WAVE_H
 
@@ -12,28 +12,29 @@ typedef struct vs_sine {
   double peak_v, omega_rad_s, phase_rad; /* the phase at the wave's origin */
 } vs_sine;
 typedef struct vs_wave {
-  size_t count; /* 1 or more: the fundamental comes first */
-  double highest_rad_s;
+  size_t count;         /* 1 or more: the fundamental comes first */
+  double highest_rad_s; /* the largest omega of the sines */
   vs_sine sine[VS_WAVE_MOST];
 } vs_wave;
 
-/* From its origin t_s on, up to the next edge: with the events that are on right behind t_s. */
+/* Fills the wave whose origin is t_s. It holds up to the next edge (vs_wave_edge), with the events
+ * that are on right behind t_s. */
 void vs_wave_of(const vs_timeline *timeline, double t_s, vs_wave *wave);
 
-/* u [V], its rate and the rate of that, `since_s` behind the origin. */
+/* u [V], u' [V/s] and u'' [V/s2], `since_s` behind the origin. */
 void vs_wave_at(const vs_wave *wave, double since_s, double u[3]);
 
-/* Is it 0 V throughout? */
+/* True where the wave is 0 V throughout. */
 bool vs_wave_is_silent(const vs_wave *wave);
 
-/* First instant in [since_s, until_s), local time, from which on sense*u > 0; NaN: there is none.
- * Found to rounding, and none is passed over. */
+/* The first instant in [since_s, until_s), counted from the origin, from which on sense*u > 0; NaN:
+ * there is none. It is found to rounding, and no zero is passed over. */
 double vs_wave_turns(const vs_wave *wave, int sense, double since_s, double until_s);
 
-/* First instant after t at which an event changes the mains; INFINITY: none. */
+/* The first instant after t at which an event changes the mains; INFINITY: none. */
 double vs_wave_edge(const vs_timeline *timeline, double t_s);
 
-/* As vs_gate_next_conduction, with events: the first instant at or after t, before the end, at
+/* As vs_gate_next_conduction, with events: the first instant at or after t, and before until_s, at
  * which the first gate's pulse, as events leave or add it, meets forward voltage; INFINITY: never.
  */
 double vs_wave_conduction(const vs_timeline *timeline, double t_s, double until_s);

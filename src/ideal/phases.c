@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "drive/gate.h"
 #include "ideal/series.h"
 #include "machine/actuator.h"
 

@@ -7,7 +7,9 @@
 #include <string.h>
 
 #include "base/units.h"
+#include "drive/gate.h"
 #include "drive/wave.h"
+#include "solver/ng.h"
 
 static void set_text(vs_shown *m, const char *format, const char *word) {
   snprintf(m->text, sizeof m->text, format, word);
@@ -80,6 +82,7 @@ void vs_result_finish(vs_result *r) {
 void vs_result_free(vs_result *r) {
   vs_measures_free(r->measures);
   vs_devices_free(r->devices);
+  vs_verdict_free(&r->verdict);
   if (r->climbed) vs_scene_free(r->climbed);
   free(r->climbed);
   r->measures = NULL;
@@ -111,7 +114,7 @@ static bool has_port(const vs_deck *deck, int drive, int other) {
 static bool nothing_fires(const vs_result *r, char *text, size_t size) {
   const vs_scene *s = r->scene;
   const vs_deck *deck = s->frame.deck;
-  bool asked = !deck || has_port(deck, VS_DRIVE_GATE, VS_DRIVE_BURST);
+  bool asked = !deck || has_port(deck, VS_PORT_GATE, VS_PORT_BURST);
   if (!asked || !nothing_conducts(s, r)) return false;
   double until_s = s->setup.run.until_s;
   double first_s = vs_wave_conduction(&s->setup.timeline, 0, until_s);

@@ -6,6 +6,8 @@
 #include <string.h>
 
 #include "base/units.h"
+#include "deck/devices.h"
+#include "deck/parts.h"
 
 const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"},
                vs_plan_shelf = {"study", "studies", ".yaml"};
@@ -273,7 +275,7 @@ static void warn_below_theta(vs_scene *s) {
 const char *vs_scene_without_mains(const vs_deck *deck) {
   if (deck->lost & VS_LOST_PORT) return NULL;
   for (size_t k = 0; k < deck->n_ports; k++)
-    if (deck->ports[k].signal.drive == VS_DRIVE_MAINS) return NULL;
+    if (deck->ports[k].signal.drive == VS_PORT_MAINS) return NULL;
   return "no port mains, so that energy_in, what is drawn from the mains, is 0 J, and "
          "supply.voltage "
          "drives nothing";

@@ -9,7 +9,6 @@
 
 #include "base/text.h"
 #include "base/units.h"
-#include "drive/faults.h"
 
 /* ---- one attempt ---- */
 
@@ -79,9 +78,9 @@ static bool has_whole_books(const vs_frame *frame) {
   const vs_events *events = &frame->timeline->events;
   bool mains = !deck;
   for (size_t k = 0; deck && k < deck->n_ports; k++)
-    mains = mains || deck->ports[k].signal.drive == VS_DRIVE_MAINS;
+    mains = mains || deck->ports[k].signal.drive == VS_PORT_MAINS;
   for (size_t k = 0; k < events->count; k++)
-    if (events->item[k].kind->source == vs_faults_source) return false;
+    if (events->item[k].kind->element) return false;
   return mains;
 }
 

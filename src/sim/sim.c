@@ -4,7 +4,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "deck/netlist.h"
+#include "deck/parts.h"
+#include "drive/events.h"
 #include "machine/actuator.h"
+#include "solver/ng.h"
 
 #define R_(member) offsetof(vs_run_values, member)
 
@@ -121,12 +125,12 @@ static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *e
   vs_status s = vs_field_read(&only_deck, &vs_deck_key, named ? named : &word, values, err);
   if (!s)
     s = vs_path_find(&vs_deck_shelf, values->deck, named ? named->where : (vs_where){0}, path, err);
-  if (!s) s = vs_deck_read(path, &setup->deck, err);
+  if (!s) s = vs_netlist_read(path, &setup->deck, err);
   if (s) {
     setup->deck.lost = VS_LOST_ALL;
     return s;
   }
-  s = vs_deck_read_parts(&setup->deck, map, err);
+  s = vs_netlist_read_parts(&setup->deck, map, err);
   if (!s) s = check_probe_names(&setup->deck, err);
   return s ? s : read_values(map, setup, err);
 }
@@ -151,10 +155,16 @@ static bool keeps_deck(const vs_node *scene, const vs_setup *setup) {
 
 void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]) {
   const vs_supply_values *supply = &setup->timeline.supply;
-  const double values[VS_STANDARD] = {
-      supply->voltage_v,      supply->frequency_hz, supply->phase_rad,
-      supply->resistance_ohm, supply->inductance_h, setup->model.actuator.resistance_ohm,
-      setup->model.a_hm}; /* in the order of vs_deck_standard_names */
+  const double values[] = {
+      [VS_STANDARD_U_RMS] = supply->voltage_v,
+      [VS_STANDARD_F_MAINS] = supply->frequency_hz,
+      [VS_STANDARD_PHASE] = supply->phase_rad,
+      [VS_STANDARD_R_SOURCE] = supply->resistance_ohm,
+      [VS_STANDARD_L_SOURCE] = supply->inductance_h,
+      [VS_STANDARD_EVA_RESISTANCE] = setup->model.actuator.resistance_ohm,
+      [VS_STANDARD_EVA_A] = setup->model.a_hm,
+  };
+  _Static_assert(sizeof values / sizeof *values == VS_STANDARD, "a value for each name");
   for (int k = 0; k < VS_STANDARD; k++)
     standard[k] = (vs_deck_value){vs_deck_standard_names[k], values[k]};
 }

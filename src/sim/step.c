@@ -200,7 +200,7 @@ void vs_step_groups_at(const vs_step *step, double t_s, unsigned parts, double *
     y[VS_CH_V_EVA] = frame->source_is_coil
                          ? m->actuator.resistance_ohm * y[VS_CH_I] + flux_rate(step, at)
                          : line(a->v_eva_v, b->v_eva_v, s);
-  if (parts & VS_GROUP_V_MAINS) y[VS_CH_V_MAINS] = vs_mains_voltage(frame->timeline, t_s);
+  if (parts & VS_GROUP_V_MAINS) y[VS_CH_V_MAINS] = vs_timeline_voltage(frame->timeline, t_s);
   if (parts & VS_GROUP_ACCELERATIONS) {
     vs_mechanics_accelerations(
         m, x, y[VS_CH_FORCE] + (vs_mechanics_in_stop(m, x[P]) ? vs_mechanics_stop_force(m, x) : 0),

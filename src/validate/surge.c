@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Generators against the standards they are made for, the surge into a varistor, varistor laws, and
  * the I2t of a half sine. */
-#include "drive/faults.h"
+#include "drive/generators.h"
 #include "validate/validate.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
@@ -55,13 +55,13 @@ static const vs_occurrence OF_1V = {.v = {.level_v = 1, .frequency_hz = 5000, .d
 static vs_status perform_ring(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
                               vs_error *err) {
   (void)e, (void)also, (void)err;
-  sample(vs_faults_ring_source, 20e-6, &OF_1V, out);
+  sample(vs_generators_ring_source, 20e-6, &OF_1V, out);
   return VS_OK;
 }
 static vs_status perform_eft(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
                              vs_error *err) {
   (void)e, (void)also, (void)err;
-  sample(vs_faults_eft_source, 200e-9, &OF_1V, out);
+  sample(vs_generators_eft_source, 200e-9, &OF_1V, out);
   return VS_OK;
 }
 static const vs_experiment ring = {.perform = perform_ring}, eft = {.perform = perform_eft};

@@ -45,6 +45,8 @@ static void begin_measures(vs_watched *w, const vs_deck *deck) {
   const vs_device *d = w->device;
   bool gate_known = !isnan(d->gate_rad);
   w->count = d->kind->n_measures;
+  w->reduced = vs_alloc(w->count, sizeof *w->reduced);
+  w->each_step = vs_alloc(w->count, sizeof(vs_reduced *));
   for (size_t k = 0; k < w->count; k++) {
     const vs_device_measure *m = &d->kind->measures[k];
     vs_reduced *r = &w->reduced[k];
@@ -93,7 +95,11 @@ vs_devices *vs_devices_new(const vs_frame *frame) {
 }
 
 void vs_devices_free(vs_devices *d) {
-  for (size_t k = 0; d && k < d->count; k++) free(d->item[k].states);
+  for (size_t k = 0; d && k < d->count; k++) {
+    free(d->item[k].states);
+    free(d->item[k].reduced);
+    free(d->item[k].each_step);
+  }
   free(d);
 }
 

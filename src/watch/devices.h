@@ -46,12 +46,12 @@ typedef struct vs_watched {
   double sum_meant[VS_COURSES];    /* the same over frame->means */
   int starts;                      /* how often it began to conduct between these */
   bool rests;                      /* it did not conduct all the time between them */
-  vs_reduced reduced[VS_KIND_MEASURES];
+  vs_reduced *reduced;             /* by the kind's measures; owned */
   size_t count;
-  vs_reduced *each_step[VS_KIND_MEASURES]; /* those that every step may change; the others come of
-                                              the sums, or with news */
-  size_t n_each_step, n_peaks;             /* the peaks stand first */
-  vs_switch *states;                       /* of a device that conducts or blocks; else NULL */
+  vs_reduced **each_step; /* those that every step may change, owned; the others come of the sums,
+                             or with news */
+  size_t n_each_step, n_peaks; /* the peaks stand first */
+  vs_switch *states;           /* of a device that conducts or blocks; else NULL */
   vs_gate_watch gate;
   double gate_peak_a; /* in the present gate pulse */
   vs_window window;   /* of the one measure that has one */

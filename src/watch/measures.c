@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "base/text.h"
+#include "drive/gate.h"
 
 const vs_measure vs_measures_standard[VS_MEASURES] = {
 #define VS_MEASURE_ROW(id, name, unit, text) {name, unit, text},

@@ -3,6 +3,9 @@
 
 #include <math.h>
 
+#include "drive/events.h"
+#include "drive/gate.h"
+
 /* Below it a current that may have begun has not: what flows is leakage. */
 static const double QUIET_A = 0.001;
 /* From here on a voltage counts as forward voltage that is blocked: above any on-state voltage. */

@@ -3,7 +3,10 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+#include "base/text.h"
 
 /* What `room` to a limit is as a part of the limit; infinite where there is none. A limit of 0 says
  * which sign the probe may have: to keep it is no margin, however near to 0 the probe comes. Beyond
@@ -55,8 +58,16 @@ static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const 
                         .failed_s = r->failed_s};
 }
 
-void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, vs_verdict *v) {
+void vs_verdict_free(vs_verdict *v) {
+  free(v->item);
   *v = (vs_verdict){0};
+}
+
+void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, vs_verdict *v) {
+  vs_verdict_free(v);
+  size_t most = m->frame->deck ? m->frame->deck->n_ratings : 0;
+  for (size_t k = 0; devices && k < devices->count; k++) most += devices->item[k].count;
+  v->item = vs_alloc(most, sizeof *v->item);
   for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++)
     v->item[v->count++] = judge_rating(m, k);
   for (size_t k = 0; devices && k < devices->count; k++)

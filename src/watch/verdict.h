@@ -23,18 +23,19 @@ typedef struct vs_judgement {
   double failed_s;     /* when the limit was first passed; NaN: it was not */
 } vs_judgement;
 
-enum { VS_MOST_JUDGEMENTS = VS_DECK_MOST + VS_DECK_DEVICES * VS_KIND_LIMITS };
 typedef struct vs_verdict {
-  vs_judgement item[VS_MOST_JUDGEMENTS]; /* the ratings, then device by device */
+  vs_judgement *item; /* the ratings, then device by device; owned */
   size_t count;
   const vs_judgement
       *weakest; /* of the least finite margin, less its error where that is known; NULL: none */
   const vs_judgement *first_to_fail; /* NULL: none failed; never what another lets through */
 } vs_verdict; /* of two alike the later one, so that a device goes before a probe */
 
-/* Judges a run; devices may be NULL. Nothing is judged on a tier without a deck, of which neither
+/* Judges a run; what *verdict had before is freed, so begin with {0}, and end with vs_verdict_free.
+ * Devices may be NULL. Nothing is judged on a tier without a deck, of which neither
  * has any. A device of which nothing was measured is not judged. */
 void vs_verdict_reach(const vs_measures *measures, const vs_devices *devices, vs_verdict *verdict);
+void vs_verdict_free(vs_verdict *verdict);
 
 /* What a line of a verdict comes to. */
 typedef enum vs_word {

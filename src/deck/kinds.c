@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "deck/kinds.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+
+/* Each row: name, unit, text, how, of, sense, limit, held. */
+static const vs_device_measure THYRISTOR[] = {
+    {"v_forward", "V", "peak forward voltage", VS_R_PEAK, VS_OF_V, 1, "v_drm", VS_AT_MOST},
+    {"v_reverse", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, -1, "v_rrm", VS_AT_MOST},
+    {"dv_dt", "V/us",
+     "steepest rise of forward off-state voltage, mean rate from 10 to 90 % of a rise of 10 V "
+     "or more",
+     VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST},
+    {"dv_dt_max", "V/us", "largest rate of forward off-state voltage, over any 0.1 us",
+     VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
+    {"di_dt", "A/us", "largest rate of current from firing to its first maximum, over any 0.1 us",
+     VS_R_ON_RATE, VS_OF_I, 1, "di_dt", VS_AT_MOST},
+    {"i_peak", "A", "peak current", VS_R_PEAK, VS_OF_I, 1, NULL, VS_AT_MOST},
+    {"i_surge", "A",
+     "peak of the half sine of 10 ms with the largest int i^2 dt within 10 ms: a shorter pulse "
+     "heats as much by the same int i^2 dt",
+     VS_R_SURGE, VS_OF_I2, 1, "i_tsm", VS_AT_MOST},
+    {"i_mean", "A", "mean current, over the time that measure says", VS_R_MEAN, VS_OF_I, 1, NULL,
+     VS_AT_MOST},
+    {"i_rms", "A",
+     "rms current, over the time that measure says; judged where that lasts 1 s or longer and "
+     "more than one shot falls into it, as i_surge and i2t are for what is short",
+     VS_R_RMS, VS_OF_I2, 1, "i_t_rms", VS_AT_MOST},
+    {"i2t", "A2.s", "largest int i^2 dt of one conduction", VS_R_PULSE, VS_OF_I2, 1, "i2t",
+     VS_AT_MOST},
+    {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
+     VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST},
+    {"t_off", "s",
+     "shortest time from the current's zero to the return of forward voltage while its gate "
+     "is off",
+     VS_R_OFFERED, VS_OF_V, 1, "t_q", VS_AT_LEAST},
+    {"misfires", "", "gate pulses that it did not follow", VS_R_MISFIRE, VS_OF_I, 1, NULL,
+     VS_AT_MOST},
+    {"unintended", "", "firings without a gate pulse", VS_R_UNINTENDED, VS_OF_I, 1, NULL,
+     VS_AT_MOST},
+    {"commutation_failures", "",
+     "of these, on the first forward voltage after a conduction and before t_q",
+     VS_R_COMMUTATION_FAILURE, VS_OF_I, 1, NULL, VS_AT_MOST}};
+static const vs_device_measure VARISTOR[] = {
+    {"v_clamp", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
+    {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_surge", VS_AT_MOST},
+    {"energy", "J",
+     "largest heat of one pulse, without what a capacitance stores; it ends when |i| has "
+     "stayed below 1 mA for a quarter of a mains cycle",
+     VS_R_HEAT, VS_OF_POWER, 1, "energy", VS_AT_MOST},
+    {"energy_total", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST}};
+static const vs_device_measure RESISTOR[] = {
+    {"power", "W", "mean power, over the time that measure says", VS_R_MEAN, VS_OF_POWER, 1, NULL,
+     VS_AT_MOST},
+    {"power_peak", "W", "peak power", VS_R_PEAK, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"energy", "J", "energy over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST}};
+static const vs_device_measure CAPACITOR[] = {
+    {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
+    {"i_rms", "A", "rms current, over the time that measure says", VS_R_RMS, VS_OF_I2, 1, NULL,
+     VS_AT_MOST},
+    {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, VS_AT_MOST},
+    {"dv_dt_max", "V/us", "largest rate of voltage, either way, over any 0.1 us", VS_R_STEEPEST,
+     VS_OF_V, 0, NULL, VS_AT_MOST}};
+static const vs_device_measure FUSE[] = {
+    {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, NULL, VS_AT_MOST},
+    {"i_rms", "A", "rms current, over the time that measure says", VS_R_RMS, VS_OF_I2, 1, NULL,
+     VS_AT_MOST},
+    {"i2t", "A2.s", "int i^2 dt over the run", VS_R_INTEGRAL, VS_OF_I2, 1, NULL, VS_AT_MOST},
+    {"let_through", "A2.s", "largest int i^2 dt within 10 ms", VS_R_WITHIN, VS_OF_I2, 1, "i2t",
+     VS_WARD_AT_MOST},
+    {"v_peak", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST}};
+static const vs_device_measure GATE_DRIVE[] = {
+    {"i_peak", "A", "largest gate current", VS_R_PEAK, VS_OF_I, 1, NULL, VS_AT_MOST},
+    {"i_min", "A", "gate current at its worst: the least of all gate pulses' peaks",
+     VS_R_GATE_LEAST, VS_OF_I, 1, NULL, VS_AT_MOST},
+    {"volt_seconds", "V.s", "largest flux linkage of its core, either way", VS_R_PEAK, VS_OF_FLUX,
+     0, "volt_seconds", VS_AT_MOST}};
+
+#define MEASURED(rows) rows, sizeof rows / sizeof *rows
+const vs_kind vs_kinds_all[] = {{"thyristor", true, true, MEASURED(THYRISTOR)},
+                                {"varistor", false, false, MEASURED(VARISTOR)},
+                                {"resistor", false, false, MEASURED(RESISTOR)},
+                                {"capacitor", false, false, MEASURED(CAPACITOR)},
+                                {"fuse", false, false, MEASURED(FUSE)},
+                                {"gate_drive", false, true, MEASURED(GATE_DRIVE)},
+                                {NULL, false, false, NULL, 0}};
+
+const vs_kind *vs_kinds_find(const char *name) {
+  for (const vs_kind *kind = vs_kinds_all; kind->name; kind++)
+    if (!strcmp(kind->name, name)) return kind;
+  return NULL;
+}
+
+/* ---- limits ---- */
+
+/* Limits that no measure above is held against in its own unit, with the kind of part they are of
+ * ("": of any). v_drm, v_rrm and v_rms are held against the mains, whatever the part; t_q, which
+ * makers give in us, is held against t_off; i2t_clear is held against what the fuse protects; the
+ * others are for the reader. */
+static const struct figure {
+  const char *name, *unit, *kind;
+} FIGURES[] = {{"v_drm", "V", ""},
+               {"v_rrm", "V", ""},
+               {"v_rms", "V", ""},
+               {"t_q", "us", "thyristor"},
+               {"v_dc", "V", "varistor"},
+               {"v_clamp", "V", "varistor"},
+               {"v_varistor", "V", "varistor"},
+               {"v_rated", "V", "fuse"},
+               {"i_rated", "A", "fuse"},
+               {"i_fusing", "A", "fuse"},
+               {"i2t_melt", "A2.s", "fuse"},
+               {"i2t_clear", "A2.s", "fuse"},
+               {"v_arc", "V", "fuse"}};
+enum { N_FIGURES = sizeof FIGURES / sizeof *FIGURES };
+
+/* The limit of its own part's file that a measure is held against; NULL: none. */
+static const char *own_limit(const vs_device_measure *measure) {
+  return measure->held == VS_WARD_AT_MOST ? NULL : measure->limit;
+}
+
+const char *vs_kinds_limit_unit(const char *limit) {
+  for (size_t k = 0; k < N_FIGURES; k++)
+    if (!strcmp(limit, FIGURES[k].name)) return FIGURES[k].unit;
+  for (const vs_kind *kind = vs_kinds_all; kind->name; kind++)
+    for (size_t k = 0; k < kind->n_measures; k++) {
+      const char *own = own_limit(&kind->measures[k]);
+      if (own && !strcmp(limit, own)) return kind->measures[k].unit;
+    }
+  return NULL;
+}
+
+bool vs_kinds_knows_limit(const char *kind_name, const char *limit, const char **nearest) {
+  const vs_kind *kind = vs_kinds_find(kind_name);
+  size_t n_measures = kind ? kind->n_measures : 0, count = 0;
+  const char **names = vs_alloc(N_FIGURES + n_measures, sizeof *names);
+  for (size_t k = 0; k < N_FIGURES; k++)
+    if (!*FIGURES[k].kind || !strcmp(FIGURES[k].kind, kind_name)) names[count++] = FIGURES[k].name;
+  for (size_t k = 0; k < n_measures; k++) {
+    const char *own = own_limit(&kind->measures[k]);
+    if (own) names[count++] = own;
+  }
+  bool known = false;
+  for (size_t k = 0; k < count && !known; k++) known = !strcmp(limit, names[k]);
+  *nearest = known ? limit : vs_text_nearest(limit, names, count);
+  free(names);
+  return known;
+}

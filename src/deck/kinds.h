@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Kinds of devices: what is measured of a thyristor, a varistor, a fuse, ..., and which limit of
+ * its part's file each measure is held against. One table serves lists, summary and verdict.
+ *
+ * A new measure is one row of its kind's table in kinds.c, with its limit, if any, in the same row;
+ * where it needs a way of becoming one number that there is not yet, a vs_reduction besides, and
+ * its function in watch/. A new kind is a table of measures and one row of vs_kinds_all. */
+#ifndef VS_DECK_KINDS_H
+#define VS_DECK_KINDS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* The courses of a device over time: its voltage (V), the flux linkage of its core (V.s), its
+ * current (A), voltage times current (W), current squared (A2). */
+enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
+
+/* How a course becomes one number. Those from VS_R_RISE on are for devices that switch (vs_kind),
+ * but for VS_R_GATE_LEAST, which is for devices with a gate. */
+typedef enum vs_reduction {
+  VS_R_PEAK,       /* the largest value, in the sense given */
+  VS_R_MEAN,       /* the mean over the stretch that the scene's section measure says */
+  VS_R_RMS,        /* the root of the mean over that stretch */
+  VS_R_INTEGRAL,   /* the integral over the run */
+  VS_R_PULSE,      /* the largest integral over one conduction */
+  VS_R_HEAT,       /* the most that one pulse turned into heat: watch/pulse.h */
+  VS_R_WITHIN,     /* the largest integral within 10 ms */
+  VS_R_SURGE,      /* the peak of the half sine of 10 ms that has this integral */
+  VS_R_STEEPEST,   /* the largest rate, either way, over any 0.1 us */
+  VS_R_JUNCTION,   /* the temperature rise, by the part's zth */
+  VS_R_RISE,       /* the steepest mean rate from 10 to 90 % of a rise of forward voltage */
+  VS_R_OFF_RATE,   /* the largest rising rate while it blocks forward voltage, over any 0.1 us */
+  VS_R_ON_RATE,    /* of current, from firing to its first maximum, over any 0.1 us */
+  VS_R_OFFERED,    /* the shortest time between a conduction and forward voltage without a gate */
+  VS_R_MISFIRE,    /* how often a gate pulse was not followed */
+  VS_R_UNINTENDED, /* how often it fired without a gate pulse */
+  VS_R_COMMUTATION_FAILURE, /* how many of these came right after a conduction */
+  VS_R_GATE_LEAST           /* the smallest of all gate pulses' peaks */
+} vs_reduction;
+
+/* How a measure is held to its limit: it may be at most the limit, or at least the limit; or it may
+ * be at most the limit of the device that this one protects. */
+enum { VS_AT_MOST, VS_AT_LEAST, VS_WARD_AT_MOST };
+
+/* One measure. A device's measure is called DEVICE.name. */
+typedef struct vs_device_measure {
+  const char *name, *unit, *text;
+  vs_reduction how;
+  int of;            /* the course it is made of: VS_OF_... */
+  int sense;         /* of a peak or rate: +1 the largest, -1 the least with its sign turned, 0 the
+                        largest magnitude */
+  const char *limit; /* the limit of a part's file that it is held against; NULL: none */
+  int held;          /* VS_AT_MOST, ... */
+} vs_device_measure;
+
+typedef struct vs_kind {
+  const char *name; /* as in `*$ part KIND` and `*$ device NAME KIND` */
+  bool switches;    /* it conducts or blocks, as a thyristor does */
+  bool gated;       /* it goes by the deck's gate pulses */
+  const vs_device_measure *measures;
+  size_t n_measures;
+} vs_kind;
+
+/* All kinds; the last row has no name. */
+extern const vs_kind vs_kinds_all[];
+
+/* The kind of that name; NULL: there is none. */
+const vs_kind *vs_kinds_find(const char *name);
+
+/* The unit a limit of that name is usually given in; NULL: no measure is held against such a limit,
+ * and no maker's figure of that name is known either. */
+const char *vs_kinds_limit_unit(const char *limit);
+
+/* True where a limit of that name means something for a part of that kind: a measure of the kind is
+ * held against it, the mains are, or it is a maker's figure that readers look for. Otherwise
+ * *nearest is the name that may be meant; NULL: none is near. */
+bool vs_kinds_knows_limit(const char *kind, const char *limit, const char **nearest);
+
+#endif

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "deck/port.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/units.h"
+
+/* What a deck may say, by VS_PORT_.... A drive without a name is put in by the program alone. */
+static const struct drive {
+  const char *name;
+  bool gated; /* follows gate pulses, and so may be delayed by an angle */
+} DRIVES[] = {[VS_PORT_MAINS] = {"mains", false},
+              [VS_PORT_GATE] = {"gate", true},
+              [VS_PORT_BURST] = {"burst", true},
+              [VS_PORT_EVENT] = {NULL, false}};
+_Static_assert(sizeof DRIVES / sizeof *DRIVES == VS_PORT_DRIVES, "a row for each drive");
+
+vs_status vs_port_read(const char *name, vs_where where, vs_signal *signal, vs_error *err) {
+  char why[200];
+  size_t length = strcspn(name, "+");
+  bool shifted = name[length];
+  int drive = 0;
+  *signal = (vs_signal){0};
+  for (; drive < VS_PORT_DRIVES; drive++) {
+    const struct drive *d = &DRIVES[drive];
+    if (d->name && strlen(d->name) == length && !strncmp(name, d->name, length) &&
+        (d->gated || !shifted))
+      break;
+  }
+  if (drive == VS_PORT_DRIVES)
+    return vs_fail_at(err, where,
+                      "no port '%.*s'; there are: mains, gate, gate+ANGLE, burst, burst+ANGLE",
+                      (int)length, name);
+  signal->drive = drive;
+  if (shifted && !vs_units_read(name + length + 1, "deg", &signal->shift_rad, why, sizeof why))
+    return vs_fail_at(err, where, "port %.*s: %s", (int)length, name, why);
+  return VS_OK;
+}
+
+bool vs_port_read_gate(const char *name, double *shift_rad) {
+  char why[200];
+  if (strncmp(name, "gate", 4) || (name[4] && name[4] != '+')) return false;
+  *shift_rad = 0;
+  return !name[4] || vs_units_read(name + 5, "deg", shift_rad, why, sizeof why);
+}
+
+bool vs_port_is_gated(const vs_signal *signal) {
+  return DRIVES[signal->drive].gated;
+}

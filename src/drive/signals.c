@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "drive/signals.h"
+
+#include <math.h>
+
+#include "drive/gate.h"
+
+static double mains_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  (void)s;
+  return vs_timeline_voltage(t, t_s);
+}
+static double no_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
+  (void)t, (void)s, (void)t_s;
+  return INFINITY;
+}
+static double gate_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_gate_voltage(t, s->shift_rad, t_s);
+}
+static double gate_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_gate_edge(t, s->shift_rad, t_s);
+}
+static double burst_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_gate_burst(t, s->shift_rad, t_s) ? vs_gate_voltage(t, s->shift_rad, t_s) : 0;
+}
+static double burst_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_gate_burst_edge(t, s->shift_rad, t_s);
+}
+static double event_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  const vs_occurrence *e = &t->events.item[s->event];
+  return e->kind->source(e, t_s);
+}
+
+/* By VS_PORT_.... */
+static const struct drive {
+  double (*voltage)(const vs_timeline *timeline, const vs_signal *signal, double t_s);
+  double (*edge)(const vs_timeline *timeline, const vs_signal *signal, double t_s);
+} DRIVES[] = {[VS_PORT_MAINS] = {mains_voltage, no_edge},
+              [VS_PORT_GATE] = {gate_voltage, gate_edge},
+              [VS_PORT_BURST] = {burst_voltage, burst_edge},
+              [VS_PORT_EVENT] = {event_voltage, no_edge}};
+_Static_assert(sizeof DRIVES / sizeof *DRIVES == VS_PORT_DRIVES, "a row for each drive of a port");
+
+double vs_signals_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return DRIVES[s->drive].voltage(t, s, t_s);
+}
+
+double vs_signals_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return DRIVES[s->drive].edge(t, s, t_s);
+}
