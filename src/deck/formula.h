@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What a loss or store line says: a formula over voltages, currents and parameters of the circuit.
+ * A formula over voltages, currents and parameters of the circuit, as the contract's lines loss,
+ * store, device and require have it.
  *
  *   numbers       2, 1e-3, 4.7u (ngspice's t g meg k m u n p f)
  *   terms         v(n), v(n,m), i(Vx)
@@ -7,64 +8,73 @@
  *   operators     + - * / ^ (binds tightest, from the right) and brackets
  *   functions     abs sqrt exp ln log10; pow(x,y); pwr(x,y) = sign(x) |x|^y; min max
  *
- * It is evaluated by the program, outside ngspice, so that a loss costs no Newton iteration. */
+ * The program evaluates it outside ngspice, so that a loss costs no Newton iteration. */
 #ifndef VS_DECK_FORMULA_H
 #define VS_DECK_FORMULA_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { VS_FORMULA_DEPTH = 32 }; /* values waiting at a time */
+/* How many values may wait for their operator at a time; a longer formula is refused. */
+enum { VS_FORMULA_DEPTH = 32 };
 
+/* One operation of a formula. */
 typedef struct vs_op {
-  int kind;     /* of formula.c */
-  int index;    /* of a term or a name */
-  double value; /* of a number; of a name, once it is known */
+  int kind;     /* which one; only formula.c knows */
+  int index;    /* of a term or a name, as the scope gave it */
+  double value; /* of a number; of a name, once it is bound */
 } vs_op;
 
-/* Postfix. Zero is the empty formula; vs_formula_free it. */
+/* A formula in postfix order. {0} is the empty formula, whose value is 0. Free it with
+ * vs_formula_free. */
 typedef struct vs_formula {
   vs_op *ops;
   size_t count;
 } vs_formula;
 
-/* A term: its quantity is 'v' or 'i', its nodes are in lower case. */
+/* A term as it is read: its quantity is 'v' or 'i', its nodes are in lower case. */
 typedef struct vs_formula_term {
   char quantity;
-  const char *first, *second;
+  const char *first, *second; /* second: "0" where the text has one node alone */
 } vs_formula_term;
 
-/* Whoever reads a formula gives terms and parameters their numbers; -1: no room for more. at: where
- * it stands in the text. */
+/* Gives the terms and parameters of a formula their numbers. Both functions return an index, or -1
+ * where there is no room for more; `at` is where the word stands in the text. */
 typedef struct vs_formula_scope {
   void *ctx;
   int (*term)(void *ctx, const char *at, const vs_formula_term *term);
   int (*name)(void *ctx, const char *at, const char *name);
 } vs_formula_scope;
 
-/* Reads up to the first thing that cannot belong to the formula, and says where that is. NULL: not
- * a formula; then why says what is wrong and *bad is where. */
+/* Reads a formula, up to the first thing that cannot belong to it, and returns where that is. NULL:
+ * the text is no formula; `why` then says what is wrong, and *bad is where. */
 const char *vs_formula_read(const char *text, const vs_formula_scope *scope, vs_formula *formula,
                             const char **bad, char *why, size_t size);
 void vs_formula_free(vs_formula *formula);
 
+/* True where the formula has terms, and not parameters alone. */
 bool vs_formula_has_terms(const vs_formula *formula);
+/* True where it has the term of that index. */
 bool vs_formula_uses(const vs_formula *formula, int term);
-int vs_formula_name_of(const vs_op *op); /* the index of the name it is; -1: it is none */
+/* The index of the name that an operation is; -1: it is something else. */
+int vs_formula_name_of(const vs_op *op);
 
 /* Gives the formula's names their values, values[index]. */
 void vs_formula_bind(vs_formula *formula, const double *values);
 
-/* Is it nothing but one term times a constant, its names bound? Then which and which. */
+/* True where the formula, its names bound, is one term times a constant. Gives the term's index and
+ * the constant then. */
 bool vs_formula_is_term(const vs_formula *formula, int *term, double *factor);
 
-/* The value with each of two sets of terms, in less time than one after the other. */
+/* The values for two sets of terms, in less time than one after the other. */
 void vs_formula_pair(const vs_formula *formula, const double *first, const double *second,
                      double value[2]);
+/* The value for one set of terms; NULL will do where the formula has none. */
 double vs_formula_value(const vs_formula *formula, const double *terms);
 
-/* Reads the "(n)" or "(n,m)" behind a 'v' or 'i' at *at, blanks allowed; lower case, 0 for no m.
- * false: it is none. Each buffer holds size bytes. */
+/* Reads the "(n)" or "(n,m)" behind a 'v' or 'i' at *at, blanks allowed, and goes on behind it. The
+ * nodes are in lower case; `second` is "0" where there is no m. Returns false, and leaves *at,
+ * where something else stands there. Each buffer holds size bytes. */
 bool vs_formula_term_read(const char **at, char quantity, char *first, char *second, size_t size);
 
 #endif

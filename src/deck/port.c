@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "base/units.h"
 
 /* What a deck may say, by VS_PORT_.... A drive without a name is put in by the program alone. */
@@ -15,6 +16,20 @@ static const struct drive {
               [VS_PORT_BURST] = {"burst", true},
               [VS_PORT_EVENT] = {NULL, false}};
 _Static_assert(sizeof DRIVES / sizeof *DRIVES == VS_PORT_DRIVES, "a row for each drive");
+
+static vs_status unknown_port(const char *name, int length, vs_where where, vs_error *err) {
+  vs_text all = {0};
+  for (int k = 0; k < VS_PORT_DRIVES; k++) {
+    const struct drive *d = &DRIVES[k];
+    if (!d->name) continue;
+    vs_text_add(&all, "%s%s", all.length ? ", " : "", d->name);
+    if (d->gated) vs_text_add(&all, ", %s+ANGLE", d->name);
+  }
+  vs_status status =
+      vs_fail_at(err, where, "no port '%.*s'; there are: %s", length, name, all.text);
+  vs_text_free(&all);
+  return status;
+}
 
 vs_status vs_port_read(const char *name, vs_where where, vs_signal *signal, vs_error *err) {
   char why[200];
@@ -28,10 +43,7 @@ vs_status vs_port_read(const char *name, vs_where where, vs_signal *signal, vs_e
         (d->gated || !shifted))
       break;
   }
-  if (drive == VS_PORT_DRIVES)
-    return vs_fail_at(err, where,
-                      "no port '%.*s'; there are: mains, gate, gate+ANGLE, burst, burst+ANGLE",
-                      (int)length, name);
+  if (drive == VS_PORT_DRIVES) return unknown_port(name, (int)length, where, err);
   signal->drive = drive;
   if (shifted && !vs_units_read(name + length + 1, "deg", &signal->shift_rad, why, sizeof why))
     return vs_fail_at(err, where, "port %.*s: %s", (int)length, name, why);

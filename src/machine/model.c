@@ -84,6 +84,9 @@ const vs_section vs_model_actuator_section = {"actuator", ACTUATOR,
                                               sizeof ACTUATOR / sizeof *ACTUATOR};
 const vs_section vs_model_load_section = {"load", LOAD, sizeof LOAD / sizeof *LOAD};
 
+_Static_assert(P == 0 && U == 1 && W == 2 && PHI == 3 && VS_DOF == 4,
+               "the matrices below are written out in this order");
+
 /* One of B (Eq. 56) and K (Eq. 57): the same form with (beta, beta_x, beta_y) or (k, k_x, k_y).
  *   c11 = 2 c;  c22 = 2 cx;  c33 = 2 cy
  *   c24 = cx [(yB - y3) + (yB - y4)];  c34 = cy [(x3 - xB) + (x4 - xB)]
@@ -145,6 +148,15 @@ static vs_status solve_mass(vs_model *model, vs_error *err) {
   return VS_OK;
 }
 
+/* K of Eq. 57 couples p with no other coordinate. The bound of |p| in quiet/quiet.c, by 1/K_pp in
+ * the place of (K^-1)_pp, holds for no other K. */
+static vs_status check_coupling(const vs_model *model, vs_error *err) {
+  for (int i = 0; i < VS_DOF; i++)
+    if (i != P && (model->stiffness[P][i] != 0 || model->stiffness[i][P] != 0))
+      return vs_fail(err, VS_RUN, "machine: the stiffness matrix couples p with coordinate %d", i);
+  return VS_OK;
+}
+
 /* Sylvester's criterion (after Eq. 57) by Cholesky: without it the rest position is not stable. */
 static vs_status check_stiffness(const vs_model *model, vs_error *err) {
   double k[VS_DOF * VS_DOF];
@@ -180,6 +192,7 @@ vs_status vs_model_build(const vs_node *scene, vs_model *model, vs_error *err) {
   mass_matrix(model);
   s = solve_mass(model, err);
   if (!s) s = check_stiffness(model, err);
+  if (!s) s = check_coupling(model, err);
   if (s) return s;
   model->gap_rest_m = model->actuator.gap_m + model->actuator.pole_cover_m;
   model->a_hm = model->actuator.inductance_h * model->gap_rest_m / 2;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A rawfile as ngspice's `load` reads it, written point by point: a head of text (ngspice manual,
  * "Rawfile format"), then each point as doubles in the machine's own order of bytes. It bears no
- * date: the same run gives the same bytes. */
+ * date, so that the same run gives the same bytes. */
 #ifndef VS_SOLVER_RAWFILE_H
 #define VS_SOLVER_RAWFILE_H
 
@@ -11,20 +11,20 @@
 #include "base/error.h"
 
 typedef struct vs_rawfile {
-  FILE *stream;
+  FILE *stream; /* borrowed; NULL: no file is written */
   size_t vectors;
   long points;
   long count_at; /* where the head says how many points there are, bytes from the beginning */
 } vs_rawfile;
 
-/* Writes the head. names: ngspice's own, the time first: "time", "a", "vthy#branch"; they become
- * time, v(a), i(vthy). A stream that cannot be written to shows at the first point or at the end.
- */
+/* Writes the head. The names are ngspice's own, the time first: "time", "a", "vthy#branch"; they
+ * become time, v(a), i(vthy). A stream that cannot be written to shows at the first point or at the
+ * end. */
 vs_rawfile vs_rawfile_begin(FILE *stream, const char *title, const char *const *names,
                             size_t count);
-/* values: as many as names, SI. Error: cannot be written. */
+/* Writes a point: as many values as names, SI. Error: the stream cannot be written to. */
 vs_status vs_rawfile_point(vs_rawfile *raw, const double *values, vs_error *err);
-/* Fills in the number of points; the stream is left open. Error: cannot be written. */
+/* Fills in the number of points; the stream is left open. Error: it cannot be written to. */
 vs_status vs_rawfile_end(vs_rawfile *raw, vs_error *err);
 
 #endif
