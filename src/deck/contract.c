@@ -41,36 +41,37 @@ static vs_status read_part(vs_deck *deck, vs_cursor *c, vs_field *field, vs_wher
   return VS_OK;
 }
 
-/* param NAME = VALUE UNIT  MIN..MAX [assumed] "TEXT" */
-static vs_status read_param(vs_deck *deck, vs_cursor *c, vs_error *err) {
-  char name[VS_DECK_NAME], value[VS_DECK_NAME], unit[VS_DECK_NAME] = "", range[VS_DECK_NAME];
-  char text[VS_DECK_TEXT], default_text[2 * VS_DECK_NAME], why[200];
+/* A line param of a number, as it is written. */
+typedef struct param_text {
+  char name[VS_DECK_NAME], value[VS_DECK_NAME], unit[VS_DECK_NAME], range[VS_DECK_NAME];
+  vs_where where; /* of the value */
+} param_text;
+
+/* Gives the field its default and its range. */
+static vs_status set_range(vs_field *field, param_text *p, char *default_text, size_t size,
+                           vs_error *err) {
+  char why[200];
   double si;
-  vs_field field = {
-      .kind = VS_REAL, .key = name, .unit = unit, .default_text = default_text, .text = text};
-  vs_status status = vs_cursor_name(c, name, VS_DECK_NAME, err);
-  if (status) return status;
-  vs_cursor_skip(c);
-  vs_where at_value = vs_cursor_here(c);
-  vs_cursor_token(c, value, sizeof value);
-  vs_cursor_token(c, range, sizeof range);
-  if (!strstr(range, "..")) { /* that was the unit, or the word part */
-    memcpy(unit, range, sizeof unit);
-    if (strcmp(unit, "part")) vs_cursor_token(c, range, sizeof range);
-  }
-  if (!strcmp(unit, "part")) {
-    field.default_text = value;
-    *unit = '\0';
-    return read_part(deck, c, &field, at_value, err);
-  }
-  snprintf(default_text, sizeof default_text, "%s%s%s", value, *unit ? " " : "", unit);
-  if (!vs_units_known(unit) || !vs_units_read(default_text, unit, &si, why, sizeof why))
-    return vs_fail_at(err, at_value, "param %s: '%s' is not a number with a unit known here", name,
+  snprintf(default_text, size, "%s%s%s", p->value, *p->unit ? " " : "", p->unit);
+  if (!vs_units_known(p->unit) || !vs_units_read(default_text, p->unit, &si, why, sizeof why))
+    return vs_fail_at(err, p->where, "param %s: '%s' is not a number with a unit known here",
+                      p->name, default_text);
+  if (!read_range(p->range, &field->min, &field->max))
+    return vs_fail_at(err, p->where, "param %s: a range MIN..MAX is wanted after the value",
+                      p->name);
+  double shown = si / vs_units_factor(p->unit);
+  if (shown < field->min || shown > field->max)
+    return vs_fail_at(err, p->where, "param %s: %s is outside its own range", p->name,
                       default_text);
-  if (!read_range(range, &field.min, &field.max))
-    return vs_fail_at(err, at_value, "param %s: a range MIN..MAX is wanted after the value", name);
-  if (si / vs_units_factor(unit) < field.min || si / vs_units_factor(unit) > field.max)
-    return vs_fail_at(err, at_value, "param %s: %s is outside its own range", name, default_text);
+  return VS_OK;
+}
+
+/* param NAME = VALUE UNIT  MIN..MAX [assumed] "TEXT"; begun: up to the range */
+static vs_status read_number(vs_deck *deck, vs_cursor *c, param_text *p, vs_error *err) {
+  char text[VS_DECK_TEXT], default_text[2 * VS_DECK_NAME];
+  vs_field field = {.kind = VS_REAL, .key = p->name, .unit = p->unit, .default_text = default_text};
+  vs_status status = set_range(&field, p, default_text, sizeof default_text, err);
+  if (status) return status;
   bool assumed = vs_cursor_is(c, "assumed");
   status = vs_cursor_text(c, text, sizeof text, err);
   vs_text shown = {0};
@@ -78,11 +79,29 @@ static vs_status read_param(vs_deck *deck, vs_cursor *c, vs_error *err) {
   field.text = shown.text;
   size_t n = deck->section.count - 1 - deck->n_parts; /* parameters so far */
   if (!status && n >= VS_DECK_MOST)
-    status = vs_fail_at(err, at_value, "more than %d parameters", VS_DECK_MOST);
+    status = vs_fail_at(err, p->where, "more than %d parameters", VS_DECK_MOST);
   field.offset = offsetof(vs_circuit_values, params) + n * sizeof(double);
-  if (!status) status = vs_deck_add_field(deck, &field, at_value, err);
+  if (!status) status = vs_deck_add_field(deck, &field, p->where, err);
   vs_text_free(&shown);
   return status;
+}
+
+/* param NAME = ..., of a number or of a part */
+static vs_status read_param(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  param_text p = {.unit = ""};
+  vs_status status = vs_cursor_name(c, p.name, VS_DECK_NAME, err);
+  if (status) return status;
+  vs_cursor_skip(c);
+  p.where = vs_cursor_here(c);
+  vs_cursor_token(c, p.value, sizeof p.value);
+  vs_cursor_token(c, p.range, sizeof p.range);
+  if (!strstr(p.range, "..")) { /* that was the unit, or the word part */
+    memcpy(p.unit, p.range, sizeof p.unit);
+    if (strcmp(p.unit, "part")) vs_cursor_token(c, p.range, sizeof p.range);
+  }
+  if (strcmp(p.unit, "part")) return read_number(deck, c, &p, err);
+  vs_field field = {.key = p.name, .unit = "", .default_text = p.value};
+  return read_part(deck, c, &field, p.where, err);
 }
 
 /* port mains = SOURCE, port gate+180deg = SOURCE */

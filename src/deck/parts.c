@@ -28,9 +28,30 @@ vs_status vs_parts_kind(vs_deck *deck, vs_cursor *c, vs_error *err) {
   return status;
 }
 
+/* VALUE UNIT [assumed] of a limit, of which the value has been taken. where: of the value */
+static vs_status read_amount(vs_limit *limit, vs_cursor *c, const char *value, vs_where where,
+                             vs_error *err) {
+  char why[200];
+  vs_cursor_token(c, limit->unit, sizeof limit->unit);
+  snprintf(limit->written, sizeof limit->written, "%s %s", value, limit->unit);
+  const char *usual = vs_kinds_limit_unit(limit->name);
+  bool known = *limit->unit && vs_units_known(limit->unit);
+  if (usual && vs_units_known(limit->unit) && !vs_units_same_kind(limit->unit, usual))
+    return vs_fail_at(err, where, "limit %s: a unit as %s is wanted, not '%s'", limit->name, usual,
+                      limit->unit);
+  if (!known || !vs_units_read(limit->written, limit->unit, &limit->value, why, sizeof why) ||
+      limit->value <= 0)
+    return vs_fail_at(err, where,
+                      "limit %s: a positive number with a unit known here, or 'none', is wanted, "
+                      "not '%s'",
+                      limit->name, limit->written);
+  limit->assumed = vs_cursor_is(c, "assumed");
+  return VS_OK;
+}
+
 /* limit NAME = VALUE UNIT [assumed] "TEXT", limit NAME = none "TEXT" */
 vs_status vs_parts_limit(vs_deck *deck, vs_cursor *c, vs_error *err) {
-  char value[VS_DECK_NAME], why[200];
+  char value[VS_DECK_NAME];
   vs_limit limit = {.where = c->line, .value = INFINITY};
   vs_status status = vs_cursor_name(c, limit.name, sizeof limit.name, err);
   if (status) return status;
@@ -38,23 +59,8 @@ vs_status vs_parts_limit(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_where where = vs_cursor_here(c);
   vs_cursor_token(c, value, sizeof value);
   snprintf(limit.written, sizeof limit.written, "%s", value);
-  if (strcmp(value, "none")) {
-    vs_cursor_token(c, limit.unit, sizeof limit.unit);
-    snprintf(limit.written, sizeof limit.written, "%s %s", value, limit.unit);
-    const char *kind = vs_kinds_limit_unit(limit.name);
-    if (kind && vs_units_known(limit.unit) && !vs_units_same_kind(limit.unit, kind))
-      return vs_fail_at(err, where, "limit %s: a unit as %s is wanted, not '%s'", limit.name, kind,
-                        limit.unit);
-    if (!*limit.unit || !vs_units_known(limit.unit) ||
-        !vs_units_read(limit.written, limit.unit, &limit.value, why, sizeof why) ||
-        limit.value <= 0)
-      return vs_fail_at(err, where,
-                        "limit %s: a positive number with a unit known here, or 'none', is wanted, "
-                        "not '%s'",
-                        limit.name, limit.written);
-    limit.assumed = vs_cursor_is(c, "assumed");
-  }
-  status = vs_cursor_text(c, limit.text, sizeof limit.text, err);
+  if (strcmp(value, "none")) status = read_amount(&limit, c, value, where, err);
+  if (!status) status = vs_cursor_text(c, limit.text, sizeof limit.text, err);
   for (size_t k = 0; k < deck->n_limits && !status; k++)
     if (!strcmp(deck->limits[k].where.file, c->line.file) &&
         !strcmp(deck->limits[k].name, limit.name))
@@ -88,26 +94,33 @@ static bool read_bounds(char *range, vs_rating *rating) {
           rating->bounds[0].value <= rating->bounds[1].value);
 }
 
+/* The probe's index; -1, with an error, where none of that name stands above. */
+static int find_probe(const vs_deck *deck, const char *name, vs_where where, vs_status *status,
+                      vs_error *err) {
+  const char *names[VS_DECK_MOST];
+  for (size_t k = 0; k < deck->n_probes; k++) {
+    names[k] = deck->probes[k].name;
+    if (!strcmp(name, names[k])) return (int)k;
+  }
+  if (deck->lost & VS_LOST_PROBE) return -1; /* it may be that one */
+  const char *nearest = vs_text_nearest(name, names, deck->n_probes);
+  *status =
+      vs_fail_at(err, where, "rating: no probe '%s' stands above%s%s%s", name,
+                 nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+  return -1;
+}
+
 /* rating PROBE MIN..MAX UNIT "TEXT" */
 vs_status vs_parts_rating(vs_deck *deck, vs_cursor *c, vs_error *err) {
   char name[VS_DECK_NAME], range[4 * VS_DECK_NAME];
-  const char *names[VS_DECK_MOST];
-  vs_rating rating = {.probe = -1, .where = c->line};
+  vs_rating rating = {.where = c->line};
+  vs_status status = VS_OK;
   vs_cursor_skip(c);
   vs_where where = vs_cursor_here(c);
   if (!vs_cursor_word(c, "", name, sizeof name))
     return vs_fail_at(err, where, "'rating PROBE MIN..MAX UNIT' is wanted here");
-  for (size_t k = 0; k < deck->n_probes; k++) {
-    names[k] = deck->probes[k].name;
-    if (!strcmp(name, names[k])) rating.probe = (int)k;
-  }
-  if (rating.probe < 0 && deck->lost & VS_LOST_PROBE) return VS_OK;
-  if (rating.probe < 0) {
-    const char *nearest = vs_text_nearest(name, names, deck->n_probes);
-    return vs_fail_at(err, where, "rating: no probe '%s' stands above%s%s%s", name,
-                      nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                      nearest ? "'?" : "");
-  }
+  rating.probe = find_probe(deck, name, where, &status, err);
+  if (rating.probe < 0) return status;
   vs_cursor_skip(c);
   where = vs_cursor_here(c);
   vs_cursor_token(c, range, sizeof range);
@@ -122,7 +135,7 @@ vs_status vs_parts_rating(vs_deck *deck, vs_cursor *c, vs_error *err) {
   if (!good || !vs_units_same_kind(rating.unit, deck->probes[rating.probe].unit))
     return vs_fail_at(err, where, "rating %s: a unit of the probe's kind is wanted here, as %s",
                       name, deck->probes[rating.probe].unit);
-  vs_status status = vs_cursor_text(c, rating.text, sizeof rating.text, err);
+  status = vs_cursor_text(c, rating.text, sizeof rating.text, err);
   if (!status && deck->n_ratings >= VS_DECK_MOST)
     status = vs_fail_at(err, c->line, "more than %d ratings", VS_DECK_MOST);
   if (!status) deck->ratings[deck->n_ratings++] = rating;

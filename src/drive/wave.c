@@ -15,7 +15,7 @@ double vs_wave_edge(const vs_timeline *t, double t_s) {
 }
 
 /* Puts the events that are on behind t into the wave, by the stages of drive/timeline.h. What is on
- * is asked for half way to the next edge, where rounding plays no part. */
+ * is asked for half way to the next edge, where rounding does not matter. */
 static void disturb(const vs_timeline *t, double t_s, vs_wave *w) {
   double edge = vs_wave_edge(t, t_s);
   double inside = isinf(edge) ? t_s + t->period_s : t_s + (edge - t_s) / 2;
