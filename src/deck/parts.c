@@ -142,11 +142,7 @@ vs_status vs_parts_rating(vs_deck *deck, vs_cursor *c, vs_error *err) {
   return status;
 }
 
-/* require FORMULA <= FORMULA "TEXT", of parameters; or < */
-vs_status vs_parts_require(vs_deck *deck, vs_cursor *c, vs_error *err) {
-  if (deck->n_requirements >= VS_DECK_MOST)
-    return vs_fail_at(err, c->line, "more than %d of these lines", VS_DECK_MOST);
-  vs_requirement *r = &deck->requirements[deck->n_requirements++];
+static vs_status read_requirement(vs_deck *deck, vs_cursor *c, vs_requirement *r, vs_error *err) {
   vs_cursor_skip(c);
   const char *begin = c->at;
   r->where = vs_cursor_here(c);
@@ -164,6 +160,21 @@ vs_status vs_parts_require(vs_deck *deck, vs_cursor *c, vs_error *err) {
   while (end > begin && strchr(" \t", end[-1])) end--;
   snprintf(r->written, sizeof r->written, "%.*s", (int)(end - begin), begin);
   return vs_cursor_text(c, r->text, sizeof r->text, err);
+}
+
+/* require FORMULA <= FORMULA "TEXT", of parameters; or <. A line that cannot be read is no
+ * requirement: its formulas may have terms, which nobody could evaluate here. */
+vs_status vs_parts_require(vs_deck *deck, vs_cursor *c, vs_error *err) {
+  if (deck->n_requirements >= VS_DECK_MOST)
+    return vs_fail_at(err, c->line, "more than %d of these lines", VS_DECK_MOST);
+  vs_requirement r = {0};
+  vs_status status = read_requirement(deck, c, &r, err);
+  if (status) {
+    vs_formula_free(&r.left);
+    vs_formula_free(&r.right);
+  } else
+    deck->requirements[deck->n_requirements++] = r;
+  return status;
 }
 
 /* ---- once the parts are chosen ---- */
