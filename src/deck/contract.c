@@ -21,7 +21,7 @@ static bool read_range(char *token, double *min, double *max) {
   return end_min != token && !*end_min && end_max != dots + 2 && !*end_max && *min <= *max;
 }
 
-/* param NAME = PART part [KIND] "TEXT"; begun: up to the word part */
+/* param NAME = PART part [KIND] "TEXT", from behind the word part on */
 static vs_status read_part(vs_deck *deck, vs_cursor *c, vs_field *field, vs_where where,
                            vs_error *err) {
   char text[VS_DECK_TEXT], kind[VS_DECK_NAME] = "";
@@ -41,7 +41,7 @@ static vs_status read_part(vs_deck *deck, vs_cursor *c, vs_field *field, vs_wher
   return VS_OK;
 }
 
-/* A line param of a number, as it is written. */
+/* The words of a line param, as they are written. */
 typedef struct param_text {
   char name[VS_DECK_NAME], value[VS_DECK_NAME], unit[VS_DECK_NAME], range[VS_DECK_NAME];
   vs_where where; /* of the value */
@@ -66,7 +66,7 @@ static vs_status set_range(vs_field *field, param_text *p, char *default_text, s
   return VS_OK;
 }
 
-/* param NAME = VALUE UNIT  MIN..MAX [assumed] "TEXT"; begun: up to the range */
+/* param NAME = VALUE UNIT MIN..MAX [assumed] "TEXT", from behind the range on */
 static vs_status read_number(vs_deck *deck, vs_cursor *c, param_text *p, vs_error *err) {
   char text[VS_DECK_TEXT], default_text[2 * VS_DECK_NAME];
   vs_field field = {.kind = VS_REAL, .key = p->name, .unit = p->unit, .default_text = default_text};

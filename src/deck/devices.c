@@ -12,7 +12,7 @@
 
 /* ---- reading ---- */
 
-/* A word of the line before '='. */
+/* Reads a word of the line before '='. Returns false where it does not belong there. */
 static bool read_word(vs_device *d, vs_cursor *c) {
   char word[VS_DECK_NAME];
   vs_where where = vs_cursor_here(c);
@@ -65,7 +65,7 @@ vs_status vs_devices_line(vs_deck *deck, vs_cursor *c, vs_error *err) {
   return status ? status : vs_cursor_text(c, d->text, sizeof d->text, err);
 }
 
-/* "0.5 K/W" */
+/* Reads a positive number with a unit, as "0.5 K/W". */
 static bool read_positive(vs_cursor *c, const char *unit, double *si) {
   char value[VS_DECK_NAME], written[VS_DECK_NAME], both[2 * VS_DECK_NAME], why[200];
   vs_cursor_token(c, value, sizeof value);
@@ -96,7 +96,7 @@ vs_status vs_devices_zth(vs_deck *deck, vs_cursor *c, vs_error *err) {
 
 /* ---- once the parts are chosen ---- */
 
-/* Which of the deck's parts goes by this name; -1: none does. */
+/* The index of the deck's part of that name; -1: there is none. */
 static int find_part(const vs_deck *deck, const char *name) {
   for (size_t p = 0; p < deck->n_parts; p++)
     if (!strcmp(deck->parts[p].name, name)) return (int)p;
@@ -124,7 +124,7 @@ static vs_status unknown_kind(const vs_deck *deck, const vs_device *d, const cha
   return status;
 }
 
-/* The kind is that of the part's file, else as the line says. */
+/* Gives the device its part, and its kind: that of the part's file, else the one the line says. */
 static vs_status resolve_kind(const vs_deck *deck, vs_device *d, vs_error *err) {
   const char *said = *d->of ? d->of : d->name;
   d->part = find_part(deck, said);
@@ -134,7 +134,7 @@ static vs_status resolve_kind(const vs_deck *deck, vs_device *d, vs_error *err) 
   if (!known) return deck->lost & VS_LOST_PARAM ? VS_OK : unknown_kind(deck, d, said, err);
   if (d->part < 0) return VS_OK;
   const vs_part *part = &deck->parts[d->part];
-  if (!part->file) return VS_OK; /* a check carries on: it was not found */
+  if (!part->file) return VS_OK; /* its file was not found, and a check carries on */
   const vs_part_file *file = vs_parts_file(deck, part->file);
   if (!file && !d->kind)
     return vs_fail_at(err, (vs_where){.file = part->file},
@@ -151,7 +151,8 @@ static vs_status resolve_kind(const vs_deck *deck, vs_device *d, vs_error *err) 
                               d->name, part->subcircuit, file->kind);
 }
 
-/* Its gate pulses are those of the port named, else of the deck's first. */
+/* Gives the device the gate pulses of the port that it names, else of the deck's first gate port.
+ */
 static vs_status resolve_gate(const vs_deck *deck, vs_device *d, vs_error *err) {
   bool named = !isnan(d->gate_rad);
   if (named && d->kind && !d->kind->gated)
@@ -177,7 +178,8 @@ static vs_status check_flux(const vs_device *d, vs_error *err) {
                           d->kind->name);
 }
 
-/* A device it protects stands in the deck, and there is something to be held against it. */
+/* Finds the device that this one protects. Errors: its kind has no measure to hold against another
+ * device; there is no such device. */
 static vs_status resolve_ward(const vs_deck *deck, vs_device *d, vs_error *err) {
   const char *names[VS_DECK_DEVICES];
   bool can = !d->kind;

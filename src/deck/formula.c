@@ -11,8 +11,8 @@
 
 enum { NUMBER, TERM, NAME, ADD, SUBTRACT, MULTIPLY, DIVIDE, POWER, NEGATE, FUNCTIONS };
 
-/* Squares and exponents of varistors are whole numbers mostly, for which pow is five times slower.
- */
+/* x^y. Most exponents are whole numbers, as of squares and of varistors' laws; for these pow is
+ * five times slower than multiplying. */
 static double power(double x, double y) {
   return y == rint(y) && fabs(y) <= 100 ? gsl_pow_int(x, (int)y) : pow(x, y);
 }
@@ -23,7 +23,7 @@ static double sign_power(double x, double y) {
 static const struct function {
   const char *name;
   double (*of)(double);
-  double (*of_two)(double, double); /* the one or the other */
+  double (*of_two)(double, double); /* one of the two is NULL */
 } FUNCTION[] = {{"abs", fabs, NULL},       {"sqrt", sqrt, NULL},   {"exp", exp, NULL},
                 {"ln", log, NULL},         {"log10", log10, NULL}, {"pow", NULL, power},
                 {"pwr", NULL, sign_power}, {"min", NULL, fmin},    {"max", NULL, fmax}};
@@ -33,7 +33,7 @@ typedef struct reader {
   const char *at, *bad;
   const vs_formula_scope *scope;
   vs_formula *formula;
-  int depth, level; /* values waiting; brackets open */
+  int depth, level; /* how many values wait; how many brackets are open */
   char *why;
   size_t size;
 } reader;
@@ -46,7 +46,7 @@ static bool fail(reader *r, const char *what) {
   return false;
 }
 
-/* pops: how many values it takes; it leaves one */
+/* Adds an operation that takes `pops` values and leaves one. */
 static bool emit(reader *r, vs_op op, int pops) {
   r->depth += 1 - pops;
   if (r->depth > VS_FORMULA_DEPTH) return fail(r, "too long a formula");
@@ -161,7 +161,7 @@ static bool read_value(reader *r) {
   return isdigit((unsigned char)c) || c == '.' ? number(r) : word(r);
 }
 
-/* -x^y is -(x^y), x^-y and x^y^z read from the right */
+/* Reads a value or a power. -x^y is -(x^y); x^-y and x^y^z are read from the right. */
 static bool read_power(reader *r) {
   if (take(r, '-')) {
     if (++r->level > LEVELS) return fail(r, "too many signs");
@@ -226,8 +226,8 @@ void vs_formula_bind(vs_formula *f, const double *values) {
 }
 
 bool vs_formula_is_term(const vs_formula *f, int *term, double *factor) {
-  double stack[VS_FORMULA_DEPTH + 1]; /* with the term at 1 */
-  bool with[VS_FORMULA_DEPTH + 1];    /* the term */
+  double stack[VS_FORMULA_DEPTH + 1]; /* the values that wait, with the term at 1 */
+  bool with[VS_FORMULA_DEPTH + 1];    /* whether the term is in the value */
   int top = -1, terms = 0;
   for (const vs_op *op = f->ops, *end = op + f->count; op < end; op++) {
     bool of_two = op->kind == MULTIPLY || op->kind == DIVIDE;
@@ -255,7 +255,8 @@ typedef struct pair {
 
 void vs_formula_pair(const vs_formula *f, const double *first, const double *second,
                      double value[2]) {
-  pair y = {0, 0}, stack[VS_FORMULA_DEPTH + 1], *x = stack; /* y: the last value, *x that before */
+  pair y = {0, 0}, stack[VS_FORMULA_DEPTH + 1],
+       *x = stack; /* y is the last value, *x the one before it */
   for (const vs_op *op = f->ops, *end = op + f->count; op < end; op++) switch (op->kind) {
     case TERM:
       *++x = y;

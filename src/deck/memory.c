@@ -9,9 +9,9 @@
 
 #include "base/text.h"
 
-/* More words than a device of ngspice has nodes; deeper than subcircuits of makers are nested; and
- * a path that leaves room for a node's name behind it in VS_MEMORY_NAME. A netlist that has more
- * is not taken apart. */
+/* Bounds of what is taken apart; a netlist beyond them has no list. 48 words are more than any
+ * device of ngspice has nodes; 12 levels are more than makers nest subcircuits; a path of 80 bytes
+ * leaves room for a node's name behind it in VS_MEMORY_NAME. */
 enum { MOST_WORDS = 48, MOST_DEPTH = 12, MOST_PATH = 80 };
 
 /* The words of a line before its parameters (NAME = ..., params:), in lower case. */
@@ -45,14 +45,15 @@ static void split(const char *line, words *w) {
   }
 }
 
-/* An instance of a subcircuit, or the deck: lines first..last - 1, but for those of subcircuits
- * defined there. */
+/* A level of the netlist: the deck, or an instance of a subcircuit. Its lines are first to last -
+ * 1, without those of subcircuits that are defined there. */
 typedef struct level {
-  const struct level *home; /* where its definition stands: what is defined there it may use */
+  const struct level *home; /* the level of its definition, whose subcircuits it may use */
   size_t first, last;
-  char path[VS_MEMORY_NAME];              /* "" or "xa.xb." */
-  words inner;                            /* its .subckt line: the nodes are words 2 .. */
-  char names[MOST_WORDS][VS_MEMORY_NAME]; /* of the nodes it hangs at, full */
+  char path[VS_MEMORY_NAME]; /* "" or "xa.xb." */
+  words inner;               /* the words of its .subckt line; its nodes are those from 2 on */
+  char names[MOST_WORDS][VS_MEMORY_NAME]; /* names in the whole circuit of the nodes that the
+                                             instance is connected to */
   size_t n_nodes;
   int depth;
 } level;
@@ -67,7 +68,7 @@ static bool starts(const vs_line *line, const char *word) {
   return !strncasecmp(line->text, word, n) && !isalnum((unsigned char)line->text[n]);
 }
 
-/* The line behind the .ends that closes the .subckt at line k. */
+/* Returns the line behind the .ends that closes the .subckt at line k. */
 static size_t behind(const vs_deck *deck, size_t k) {
   int depth = 0;
   for (; k < deck->n_lines; k++) {
@@ -89,7 +90,7 @@ static bool is_global(const vs_deck *deck, const char *node) {
   return false;
 }
 
-/* A node's name in the whole circuit. */
+/* Gives the name that a level's node has in the whole circuit. */
 static void full_name(const search *s, const level *l, const char *node, char out[VS_MEMORY_NAME]) {
   for (size_t k = 0; k < l->n_nodes; k++)
     if (!strcmp(l->inner.word[k + 2], node)) {
@@ -122,7 +123,7 @@ static bool add_voltage(const search *s, const level *l, const char *plus, const
   return add(s, &m);
 }
 
-/* "l1" in xa.xb is ngspice's l.xa.xb.l1 */
+/* Adds the current of an inductor; ngspice calls "l1" of xa.xb l.xa.xb.l1. */
 static bool add_current(const search *s, const level *l, const char *element) {
   vs_memory m;
   if (*l->path)
@@ -133,7 +134,8 @@ static bool add_current(const search *s, const level *l, const char *element) {
   return add(s, &m);
 }
 
-/* Does any .model line of that name say one of the words? As they may be local, all are asked. */
+/* True where some .model line of that name says one of the words. Models may be local to a
+ * subcircuit; all of that name are asked. */
 static bool model_says(const vs_deck *deck, const char *model, const char *const *said,
                        size_t count) {
   for (size_t k = 0; k < deck->n_lines; k++) {
@@ -154,7 +156,8 @@ static bool model_says(const vs_deck *deck, const char *model, const char *const
 }
 #define MODEL_SAYS(deck, model, list) model_says(deck, model, list, sizeof list / sizeof *list)
 
-/* A junction whose model has no charge holds none. */
+/* True where a model of the element, among its words from `from` on, gives its junctions a charge.
+ */
 static bool holds_charge(const search *s, const words *w, size_t from) {
   static const char *const CHARGES[] = {"cjo", "cj0", "cj", "cjp", "cjsw", "tt", "cje",
                                         "cjc", "cjs", "tf", "tr",  "cgs",  "cgd"};
@@ -163,7 +166,7 @@ static bool holds_charge(const search *s, const words *w, size_t from) {
   return false;
 }
 
-/* Code models whose output follows from their inputs alone. */
+/* True for a code model whose output follows from its inputs alone. */
 static bool forgets(const search *s, const words *w) {
   static const char *const MEMORIES[] = {"hyst",    "slew", "s_xfer", "int",    "d_dt",
                                          "lcouple", "core", "delay",  "pswitch"};
@@ -180,11 +183,12 @@ static bool transistor(const search *s, const level *l, const words *w) {
 
 static bool subcircuit(const search *s, const level *l, const words *w);
 
-/* Elements that remember nothing of their own: k couples inductors, whose currents are seen; s and
- * w switch only when their control does other than it did. */
+/* Letters of elements that remember nothing of their own. k couples inductors, whose currents are
+ * listed; s and w switch only where their control does something else than a cycle ago. */
 static const char FORGETFUL[] = "bfhikrsvw";
 
-/* A formula's inductor becomes something else in ngspice, whose current has no such name. */
+/* Adds an inductor's current. Returns false for one that is given by a formula: ngspice makes other
+ * elements of it, and its current has no such name. */
 static bool inductor(const search *s, const level *l, const char *line, const words *w) {
   return !strcasestr(line, "v(") && !strcasestr(line, "i(") && add_current(s, l, w->word[0]);
 }
@@ -231,7 +235,8 @@ static bool take_apart(const search *s, const level *l) {
   return true;
 }
 
-/* The one definition of that name at a level; n_lines: none. Two are not to be told apart. */
+/* Finds the definition of that name at a level; n_lines: there is none. *twice is set where there
+ * are two, which cannot be told apart. */
 static size_t definition(const vs_deck *deck, const level *at, const char *name, bool *twice) {
   size_t found = deck->n_lines;
   for (size_t k = at->first; k < at->last; k++) {
@@ -247,7 +252,7 @@ static size_t definition(const vs_deck *deck, const level *at, const char *name,
   return found;
 }
 
-/* What a subcircuit is called that an instance names, by a part or by itself. */
+/* The subcircuit that an instance names, directly or by a parameter that is a part. */
 static const char *name_of(const vs_deck *deck, const char *name) {
   for (size_t p = 0; p < deck->n_parts; p++)
     if (!strcasecmp(name, deck->parts[p].name)) return deck->parts[p].subcircuit;
@@ -314,7 +319,7 @@ static bool has_term_at(const vs_deck *deck, const char *node) {
   return false;
 }
 
-/* Does a store name a parameter that the line has, too? */
+/* True where a store names a parameter that the line names, too. */
 static bool has_store_of(const vs_deck *deck, const char *line) {
   for (size_t k = 0; k < deck->stores.count; k++) {
     const vs_formula *f = &deck->stores.item[k].formula;

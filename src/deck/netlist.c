@@ -21,8 +21,8 @@ static const vs_shelf INCLUDE_SHELF = {"include file", "", ""},
 
 /* ---- files ---- */
 
-/* Ports and external sources belong together, one to one: a source nobody drives would stay at 0 V.
- */
+/* Holds ports and external sources against each other: each port drives one source, and a source
+ * that no port drives would stay at 0 V. */
 static vs_status match_sources(const vs_deck *deck, vs_error *err) {
   bool driven[VS_DECK_MOST] = {false};
   vs_status status = VS_OK;
@@ -54,9 +54,10 @@ static bool is_taken(const vs_deck *deck, const char *path) {
   return false;
 }
 
-/* ".include FILE": from the folder of the file it stands in, else one that comes with the program.
- * The lines are taken in here, so that they are held to the same rules; once only, as two parts may
- * rest on the same file. Within a subcircuit they are its own, each time. */
+/* Takes in the file of a line ".include FILE", from the folder of the file it stands in, else from
+ * those that come with the program. ngspice does not include it itself, so that its lines are held
+ * to the same rules. A file is taken in once, as two parts may rest on the same one; within a
+ * subcircuit its lines are the subcircuit's own, and it is taken in each time. */
 static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
   char name[VS_PATH_SIZE / 2], path[VS_PATH_SIZE];
   const char *from = line + strcspn(line, " \t"), *slash = strrchr(where.file, '/');
@@ -78,7 +79,8 @@ static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_err
   return read_file(deck, path, err);
 }
 
-/* A line that is whole. The deck keeps its text, or frees it. */
+/* Takes a line, joined with those that continue it, into the deck. The line's text is the deck's
+ * then, or freed. */
 static vs_status take_line(vs_deck *deck, vs_line line, vs_error *err) {
   const char *text = line.text;
   char word[16];
@@ -103,15 +105,15 @@ static vs_status take_line(vs_deck *deck, vs_line line, vs_error *err) {
   return VS_OK;
 }
 
-/* A line that may go on: its text so far (NULL: there is none), how much of that stands in its
- * first line, and where that is. */
+/* A line that may still be continued: its text so far (NULL: there is no such line), how many bytes
+ * of it stand in its first line, and where that line is. */
 typedef struct begun_line {
   vs_text text;
   size_t first;
   vs_where where;
 } begun_line;
 
-/* Takes the line begun, if any. */
+/* Takes the line begun, if there is one, as whole. */
 static vs_status end_line(vs_deck *deck, begun_line *begun, vs_error *err) {
   vs_line line = {begun->text.text, begun->first, begun->where};
   *begun = (begun_line){0};
@@ -132,7 +134,8 @@ static void cut_comment(const vs_deck *deck, char *text) {
   text[n] = '\0';
 }
 
-/* A line of a file. What it begins goes on as long as lines with '+' follow. */
+/* Reads a line of a file. The line of the netlist that it begins lasts as long as lines with '+'
+ * follow. */
 static vs_status read_line(vs_deck *deck, char *line, vs_where where, begun_line *begun,
                            vs_error *err) {
   char *text = line + where.column - 1;
@@ -210,7 +213,8 @@ vs_status vs_netlist_read_part(const char *path, vs_deck *part, vs_error *err) {
 
 /* ---- parts ---- */
 
-/* Where a part's file is: the path given, or in the deck's folder, or on the shelf of parts. */
+/* Finds the file of a part: at the path given, or in the deck's folder, or on the shelf of parts.
+ */
 static vs_status find_part(const vs_deck *deck, const char *name, vs_where where,
                            char path[VS_PATH_SIZE], vs_error *err) {
   const char *slash = strrchr(deck->files[0], '/');
@@ -224,7 +228,8 @@ static vs_status find_part(const vs_deck *deck, const char *name, vs_where where
   return vs_path_find(&vs_deck_parts_shelf, name, where, path, err);
 }
 
-/* The file's name without folders and ending, in lower case: the subcircuit it must define. */
+/* Gives the name of the subcircuit that a part's file must define: the file's own, without folders
+ * and ending, in lower case. */
 static void subcircuit_of(const char *path, char name[VS_DECK_NAME]) {
   const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
   snprintf(name, VS_DECK_NAME, "%.*s", (int)strcspn(base, "."), base);
@@ -281,7 +286,8 @@ static void add_text(char ***lines, size_t *count, const char *text) {
   (*lines)[(*count)++] = vs_copy(text);
 }
 
-/* The deck's line, with the part's subcircuit where it names the parameter. */
+/* Adds a line of the deck. Where it is an instance of a parameter that is a part, the part's
+ * subcircuit takes the parameter's place. */
 static void add_deck_line(const vs_deck *deck, const char *line, char ***lines, size_t *count) {
   size_t n = 0;
   const char *name = vs_rules_instance_of(line, &n);
@@ -349,9 +355,10 @@ static const char *find_word(const char *line, const char *from, const char *wor
   return NULL;
 }
 
-static const char PARAMETER[] = "ndefined parameter ["; /* as ngspice says it */
+static const char PARAMETER[] =
+    "ndefined parameter ["; /* from ngspice's message of an undefined parameter */
 
-/* What a message puts between two signs; NULL: nothing. */
+/* Finds what a message puts between `open` and `close`; NULL: nothing. */
 static const char *find_quoted(const char *message, const char *open, char close, size_t *length) {
   const char *begin = strstr(message, open), *end;
   if (!begin) return NULL;
@@ -361,8 +368,8 @@ static const char *find_quoted(const char *message, const char *open, char close
   return end ? begin : NULL;
 }
 
-/* Is the line of the element that the message speaks of: "...: r1 a b ...", "...: r1: ...",
- * "... instance r1 ...", "... check node r1#branch"? */
+/* True where the message speaks of the line's element, by one of its ways: "...: r1 a b ...", "...:
+ * r1: ...", "... instance r1 ...", "... check node r1#branch". */
 static bool is_element_of(const char *line, const char *message) {
   static const char *const BEFORE[] = {": ", "instance ", "check node "};
   size_t n = strcspn(line, " \t");
@@ -375,11 +382,11 @@ static bool is_element_of(const char *line, const char *message) {
   return false;
 }
 
-/* Where in the line stands what the message speaks of; NULL: not in this line. */
+/* Finds in the line what the message speaks of; NULL: it is not in this line. */
 static const char *find_subject(const char *line, const char *message) {
   size_t n = 0;
   const char *name = find_quoted(message, PARAMETER, ']', &n);
-  if (name) { /* a parameter: in an expression, so behind the first '{', quote or '=' */
+  if (name) { /* a parameter stands in an expression, and so behind the first '{', quote or '=' */
     const char *from = strpbrk(line, "{'=");
     return from ? find_word(line, from, name, n) : NULL;
   }

@@ -28,7 +28,7 @@ vs_status vs_parts_kind(vs_deck *deck, vs_cursor *c, vs_error *err) {
   return status;
 }
 
-/* VALUE UNIT [assumed] of a limit, of which the value has been taken. where: of the value */
+/* Reads the rest of "VALUE UNIT [assumed]" behind the value, whose place is `where`. */
 static vs_status read_amount(vs_limit *limit, vs_cursor *c, const char *value, vs_where where,
                              vs_error *err) {
   char why[200];
@@ -71,7 +71,7 @@ vs_status vs_parts_limit(vs_deck *deck, vs_cursor *c, vs_error *err) {
   return status;
 }
 
-/* "-0.5", "thyristor.v_drm", "-thyristor.v_rrm" */
+/* Reads an end of a rating, as "-0.5", "thyristor.v_drm" or "-thyristor.v_rrm". */
 static bool read_bound(const char *text, vs_bound *bound) {
   char *end, *dot;
   bound->value = strtod(text, &end);
@@ -102,7 +102,8 @@ static int find_probe(const vs_deck *deck, const char *name, vs_where where, vs_
     names[k] = deck->probes[k].name;
     if (!strcmp(name, names[k])) return (int)k;
   }
-  if (deck->lost & VS_LOST_PROBE) return -1; /* it may be that one */
+  if (deck->lost & VS_LOST_PROBE)
+    return -1; /* the line of this probe may be the one that could not be read */
   const char *nearest = vs_text_nearest(name, names, deck->n_probes);
   *status =
       vs_fail_at(err, where, "rating: no probe '%s' stands above%s%s%s", name,
@@ -223,7 +224,7 @@ static vs_status resolve_bound(const vs_deck *deck, const vs_rating *r, const vs
                       nearest ? "; did you mean '" : "", nearest ? nearest : "",
                       nearest ? "'?" : "");
   }
-  if (!deck->parts[p].file) return VS_OK; /* a check carries on: it was not found */
+  if (!deck->parts[p].file) return VS_OK; /* its file was not found, and a check carries on */
   const vs_limit *limit = vs_parts_find_limit(deck, deck->parts[p].file, bound->limit);
   if (!limit)
     return vs_fail_at(err, (vs_where){.file = deck->parts[p].file},
@@ -260,8 +261,8 @@ vs_status vs_parts_resolve(vs_deck *deck, vs_error *err) {
   return status;
 }
 
-/* The parameters a requirement names, with their values: "a = 3 mA, b = 2 mA". node: of the first
- * that the scene gives. */
+/* Writes the parameters that a requirement names, with their values: "a = 3 mA, b = 2 mA". *node is
+ * that of the first one which the scene gives. */
 static void describe(const vs_deck *deck, const vs_requirement *r, const vs_circuit_values *values,
                      const vs_node *section, const vs_node **node, vs_text *text) {
   const vs_formula *sides[] = {&r->left, &r->right};
@@ -288,7 +289,7 @@ vs_status vs_parts_require_hold(const vs_deck *deck, const vs_circuit_values *va
   for (size_t k = 0; k < deck->n_requirements && !status; k++) {
     const vs_requirement *r = &deck->requirements[k];
     double left = vs_formula_value(&r->left, NULL), right = vs_formula_value(&r->right, NULL);
-    double slack = r->equal ? 1e-12 * fabs(right) : 0; /* of units' conversion */
+    double slack = r->equal ? 1e-12 * fabs(right) : 0; /* rounding of the conversion of units */
     if (left < right + slack || (r->equal && left == right)) continue;
     vs_text text = {0};
     const vs_node *node = NULL;
@@ -318,7 +319,7 @@ bool vs_parts_below_mains(const vs_deck *deck, size_t part, double rms_v, char *
   return false;
 }
 
-/* Does a rating of the deck go by this limit? */
+/* True where a rating of the deck names this limit. */
 static bool is_rated_by(const vs_deck *deck, const vs_limit *limit) {
   for (size_t k = 0; k < deck->n_ratings; k++)
     for (int b = 0; b < 2; b++)

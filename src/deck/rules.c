@@ -16,10 +16,11 @@ static bool among(const char *word, const char *const *list, size_t count) {
 }
 #define AMONG(word, list) among(word, list, sizeof(list) / sizeof *(list))
 
-/* What stands between words, as for ngspice. */
+/* What ngspice takes for the space between words. */
 static const char BETWEEN[] = " \t(),";
 
-/* The n-th word of a line, from 0, cut to fit. Empty: there is none. */
+/* Gives the n-th word of a line, from 0, in lower case and cut to fit; empty where there is none.
+ */
 static const char *nth_word(const char *line, int n, char word[VS_DECK_NAME]) {
   const char *s = line + strspn(line, BETWEEN);
   for (; n > 0; n--) {
@@ -53,7 +54,8 @@ static vs_status assignments(const char *line, vs_status (*each)(void *, const c
   return status;
 }
 
-/* Does a line say what happens when, besides what the program drives? */
+/* True where a line knows the time by itself: a source with a course, or an expression of the time.
+ */
 static bool knows_time(const char *line) {
   static const char *const COURSES[] = {"pulse", "sin",     "exp",      "pwl", "sffm",
                                         "am",    "trnoise", "trrandom", "pat"};
@@ -72,8 +74,7 @@ static bool knows_time(const char *line) {
 
 /* ---- chance ---- */
 
-/* The word in a text, whole; with `call` only where '(' comes next, blanks aside. NULL: it is not
- * there. */
+/* Finds the whole word in a text; with `call`, only where '(' follows it. NULL: it is not there. */
 static const char *find_whole(const char *text, const char *word, bool call) {
   size_t n = strlen(word);
   for (const char *s = text; *s; s++) {
@@ -84,7 +85,8 @@ static const char *find_whole(const char *text, const char *word, bool call) {
   return NULL;
 }
 
-/* LIMIT(x, least, most) of PSpice's dialect cuts off and draws nothing; limit(mean, range) does. */
+/* True for LIMIT(x, least, most) of PSpice's dialect, which cuts off; ngspice's limit(mean, range)
+ * draws a number. */
 static bool cuts_off(const char *call) {
   int depth = 0, commas = 0;
   for (const char *s = strchr(call, '('); s && *s; s++) {
@@ -95,8 +97,9 @@ static bool cuts_off(const char *call) {
   return commas == 2;
 }
 
-/* The first of the words that the line names; NULL: none. In "V1 a b trnoise ..." the words of a
- * source's course stand behind its nodes, in ".model NAME limit(...)" the type behind the name. */
+/* Finds the first word of chance in a line; NULL: there is none. In "V1 a b trnoise ..." the words
+ * of a source's course stand behind its nodes; in ".model NAME limit(...)" the type, which is no
+ * word of chance, stands behind the name. */
 static const char *find_random(const char *line, bool pspice, const char **word) {
   static const char *const DRAWN[] = {"gauss", "agauss", "unif", "aunif", "limit"};
   static const char *const NOISES[] = {"trnoise", "trrandom"};
@@ -118,8 +121,8 @@ static const char *find_random(const char *line, bool pspice, const char **word)
   return first;
 }
 
-/* Where it stands in its file, as the line may go on below: the line as it is kept is a joined one.
- */
+/* Finds the place of a word in its file, which is read again: the line at hand is joined from
+ * several. */
 static vs_where place_of(const char *word, bool call, vs_where where) {
   FILE *f = fopen(where.file, "r");
   char *text = NULL;
@@ -156,7 +159,8 @@ typedef struct place {
   vs_error *err;
 } place;
 
-/* At the top of a deck: within a subcircuit a name is the subcircuit's own. */
+/* Refuses a .param of a name that is the program's or a '*$ param's. For lines at the top of a
+ * deck; within a subcircuit a name is the subcircuit's own. */
 static vs_status param_rule(void *ctx, const char *name) {
   const place *p = ctx;
   if (vs_deck_is_standard(name))
@@ -263,7 +267,7 @@ bool vs_rules_is_external(const char *line, char name[VS_DECK_NAME]) {
   return (*name == 'v' || *name == 'i') && !strcmp(nth_word(line, 3, word), "external");
 }
 
-/* "external" anywhere but as the fourth and last word: ngspice dies of some such lines. */
+/* Refuses "external" anywhere but as the fourth and last word; ngspice dies of some such lines. */
 static vs_status source_rule(const char *line, vs_where where, vs_error *err) {
   static const char EXTERNAL[] = "external";
   if (!strchr("vViI", *line)) return VS_OK;
@@ -280,7 +284,7 @@ static vs_status source_rule(const char *line, vs_where where, vs_error *err) {
   return VS_OK;
 }
 
-/* "Xname n m eva", at the top of the deck */
+/* Notes the EVA, "Xname n m eva" at the top of the deck, and refuses it anywhere else. */
 static vs_status eva_rule(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
   size_t n = 0;
   char word[VS_DECK_NAME];
@@ -297,8 +301,8 @@ static vs_status eva_rule(vs_deck *deck, const char *line, vs_where where, vs_er
 }
 
 vs_status vs_rules_element(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
-  /* A name and at least two words. Others are refused here because libngspice, given them, may read
-   * beyond its memory or never come back. */
+  /* An element is a name and at least two words. Other lines are refused here because libngspice
+   * may read beyond its memory, or never come back, when it is given them. */
   size_t n = 0;
   while (isalnum((unsigned char)line[n]) || line[n] == '_' || line[n] == '.' || line[n] == '#') n++;
   const char *second = line + n + strspn(line + n, " \t"), *third = second + strcspn(second, " \t");

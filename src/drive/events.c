@@ -28,7 +28,8 @@ const vs_event_kind *vs_events_kind(size_t number) {
 
 /* ---- reading ---- */
 
-/* The kind that an event's map names. Error: none of that name; NULL then. */
+/* Finds the kind that an event's map names. NULL, with an error in *status: there is none of that
+ * name. */
 static const vs_event_kind *find_kind(const vs_node *map, const char *name, vs_status *status,
                                       vs_error *err) {
   const vs_node *node = vs_tree_child(map, "kind");
@@ -54,7 +55,7 @@ static const vs_event_kind *find_kind(const vs_node *map, const char *name, vs_s
   return NULL;
 }
 
-/* Its start, from `at` or from cycle and angle, and its end. */
+/* Sets the event's start, from `at` or from cycle and angle, and its end. */
 static vs_status place_in_time(const vs_node *map, const vs_timeline *t, double until_s,
                                vs_occurrence *e, vs_error *err) {
   const vs_node *at = vs_tree_child(map, "at"), *cycle = vs_tree_child(map, "cycle"),
@@ -84,7 +85,7 @@ static vs_status read_gate(const vs_node *map, vs_occurrence *e, vs_error *err) 
                     e->name);
 }
 
-/* What an element's switch acts on has no default. */
+/* Error: an event of this kind needs an element, and none is said. */
 static vs_status check_element(const vs_occurrence *e, vs_error *err) {
   if (!e->kind->wants_element || *e->v.element) return VS_OK;
   return vs_fail_at(err, e->where,
@@ -92,7 +93,7 @@ static vs_status check_element(const vs_occurrence *e, vs_error *err) {
                     e->kind->name);
 }
 
-/* A repetition comes a cycle after the one before it. */
+/* Error: a repetition, which comes a cycle after the one before it, overlaps that one. */
 static vs_status check_count(const vs_node *map, const vs_timeline *t, const vs_occurrence *e,
                              vs_error *err) {
   if (e->v.count <= 1 || e->v.duration_s < t->period_s) return VS_OK;
@@ -106,8 +107,8 @@ static bool meet(const vs_occurrence *a, const vs_occurrence *b) {
   return a->start_s <= b->end_s && b->start_s <= a->end_s;
 }
 
-/* Two of a kind at the same time, where one would hide the other. Generators are none of these:
- * each stands at the line with a coupling of its own, and what they bring adds up. */
+/* Error: the event and one before it act at the same time, and one would hide the other. Generators
+ * do not: each is coupled to the line on its own, and what they bring adds up. */
 static vs_status clash(const vs_events *events, const vs_occurrence *e, vs_error *err) {
   for (size_t k = 0; k < events->count; k++) {
     const vs_occurrence *o = &events->item[k];
@@ -140,7 +141,7 @@ static vs_status read_event(const vs_node *map, const vs_timeline *t, double unt
   size_t found = vs_error_count(err);
   status = vs_field_section_read(&section, map, &e.v, err);
   if (!strcmp(e.v.element, "-")) *e.v.element = '\0';
-  e.v.polarity %= 2; /* the word and the sign are one */
+  e.v.polarity %= 2; /* + and positive are the same choice, and so are - and negative */
   if (!status && vs_error_count(err) == found)
     status = vs_error_carry_on(err, read_gate(map, &e, err));
   if (!status && vs_error_count(err) == found)
@@ -172,7 +173,7 @@ vs_status vs_events_read(const vs_node *map, const vs_timeline *t, double until_
   return status;
 }
 
-/* The gate it names is one of the deck's ports. */
+/* Error: the gate that the event names is none of the deck's ports. */
 static vs_status check_gate(const vs_occurrence *e, const vs_deck *deck, vs_error *err) {
   bool found = isnan(e->gate_rad) || deck->lost & VS_LOST_PORT;
   for (size_t p = 0; p < deck->n_ports && !found; p++) {
@@ -189,7 +190,8 @@ static const char *element_of(const vs_occurrence *e, const vs_deck *deck) {
   return e->kind->element ? e->kind->element(e, deck) : "";
 }
 
-/* Two switches at one element would each be put where the other one is not. */
+/* Error: an event before this one changes the same element. Each would be wired as if the other
+ * were not there. */
 static vs_status check_switch(const vs_events *events, size_t k, const vs_deck *deck,
                               vs_error *err) {
   const vs_occurrence *e = &events->item[k];

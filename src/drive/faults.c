@@ -52,7 +52,7 @@ static double opening(const vs_occurrence *e, double t_s) {
 typedef struct element {
   vs_line *line;
   char name[VS_DECK_NAME], node[2][VS_DECK_NAME];
-  const char *rest; /* of its line, behind the first node */
+  const char *rest; /* what follows the first node in its line */
 } element;
 
 static bool has_two_nodes(const char *line) {
@@ -96,7 +96,7 @@ static vs_status find_element(vs_deck *deck, const vs_occurrence *e, const char 
                     nearest ? "'?" : "");
 }
 
-/* The switch between two nodes, number `index`, and what it takes. */
+/* Puts a switch between two nodes, with its control and the account of the energy it takes. */
 static vs_status add_switch(vs_deck *deck, const vs_occurrence *e, size_t k,
                             const char *const nodes[2], vs_error *err) {
   char control[VS_DECK_NAME], between[2 * VS_DECK_NAME + 1];
@@ -125,7 +125,8 @@ static vs_status open_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_e
   free(at.line->text);
   at.line->text = vs_copy(line);
   status = add_switch(deck, e, k, nodes, err);
-  /* an opening contact arcs; without that a coil's current would have nowhere to go */
+  /* An opening contact arcs; otherwise a coil's current would have nowhere to go. The arc's current
+   * is i = 1 A (v/level)^30 up to the level and goes on straight above; 100 pF lie beside it. */
   vs_wiring_line(
       deck, e->where,
       "Bvs_a%zu vs_l%zu vs_n%zu I = abs(v(vs_l%zu,vs_n%zu)) < %.17g ? "
@@ -144,8 +145,9 @@ static vs_status short_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_
   return add_switch(deck, e, k, nodes, err);
 }
 
-/* All the turns: the coil is shorted at its terminals. Some: another EVA, and what goes in at its
- * terminals beyond what the energy audit takes for the coil's is the event's. */
+/* Where all turns are shorted, the coil is shorted at its terminals. Where some are, another EVA
+ * takes the place of the deck's; the event's loss is then what goes in at the EVA's terminals
+ * beyond what the energy audit counts as the coil's. */
 static vs_status coil_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
   element at;
   char line[1024], control[VS_DECK_NAME], plus[VS_DECK_NAME];

@@ -5,14 +5,14 @@
 
 /* ---- the train ---- */
 
-/* Leading edge of the n-th pulse (n = 0, 1, ...), from integers, so that a million cycles do not
- * drift. */
+/* The leading edge of the n-th pulse (n = 0, 1, ...). It is computed from integers, so that it does
+ * not drift over a million cycles. */
 static double pulse_start(const vs_timeline *t, double shift_rad, double n) {
   double cycle = t->firing.first_cycle - 1 + n * t->firing.every;
   return t->first_zero_s + (cycle + (t->firing.angle_rad + shift_rad) / (2 * M_PI)) * t->period_s;
 }
 
-/* The last pulse that started before t (strictly, up to rounding); -1: none yet. */
+/* The number of the last pulse that started before t, strictly but for rounding; -1: none yet. */
 static double last_pulse(const vs_timeline *t, double shift_rad, double t_s) {
   double since = t_s - pulse_start(t, shift_rad, 0);
   double slack = vs_occurrence_rounding(t_s);
@@ -21,7 +21,7 @@ static double last_pulse(const vs_timeline *t, double shift_rad, double t_s) {
   return ceil((since - slack) / (t->firing.every * t->period_s)) - 1;
 }
 
-/* Length and voltage of the n-th pulse. */
+/* The length and the voltage of the n-th pulse, as events leave it. */
 static void pulse(const vs_timeline *t, double shift_rad, double n, double *width_s,
                   double *voltage) {
   *width_s = t->firing.pulse_width_s;
@@ -34,7 +34,7 @@ static void pulse(const vs_timeline *t, double shift_rad, double n, double *widt
   }
 }
 
-/* Of the train's pulses the first that ends after t, as events leave it. */
+/* As vs_gate_stretch, of the train's pulses alone. */
 static bool train_stretch(const vs_timeline *t, double shift_rad, double t_s, double until_s,
                           double *from_s, double *to_s) {
   double width, voltage;
@@ -66,7 +66,8 @@ bool vs_gate_stretch(const vs_timeline *t, double shift_rad, double t_s, double 
   return found;
 }
 
-/* A pulse besides those of the train: its start; -INFINITY: none at t. */
+/* The start and the end of a pulse at t that an event adds to the train; the start is -INFINITY
+ * where there is none. */
 static double added_pulse(const vs_timeline *t, double shift_rad, double t_s, double *end_s) {
   double slack = vs_occurrence_rounding(t_s);
   for (size_t k = 0; k < t->events.count; k++) {
@@ -101,8 +102,8 @@ double vs_gate_edge(const vs_timeline *t, double shift_rad, double t_s) {
   return rise > t_s + slack ? rise : vs_gate_edge(t, shift_rad, t_s + 2 * slack);
 }
 
-/* The sub-pulse that began before t (strictly, up to rounding), by its time and the end of its gate
- * pulse; false: t is in none's period. */
+/* The start of the last sub-pulse that began before t, strictly but for rounding, and the end of
+ * its gate pulse. Returns false where t lies in no sub-pulse's period. */
 static bool last_sub_pulse(const vs_timeline *t, double shift_rad, double t_s, double *start_s,
                            double *end_s) {
   double n = last_pulse(t, shift_rad, t_s), slack = vs_occurrence_rounding(t_s), width, voltage;
@@ -126,13 +127,13 @@ bool vs_gate_burst(const vs_timeline *t, double shift_rad, double t_s) {
 
 double vs_gate_burst_edge(const vs_timeline *t, double shift_rad, double t_s) {
   double start, end, slack = vs_occurrence_rounding(t_s);
-  if (last_sub_pulse(t, shift_rad, t_s + 2 * slack, &start, &end)) { /* one that begins now, too */
+  if (last_sub_pulse(t, shift_rad, t_s + 2 * slack, &start, &end)) { /* with one that begins at t */
     double fall = fmin(start + t->firing.burst_duty / t->firing.burst_hz, end);
     double rise = start + 1 / t->firing.burst_hz;
     if (fall > t_s + slack) return fall;
     if (rise > t_s + slack && rise < end - slack) return rise;
   }
-  /* of the gate's edges only the leading ones are left */
+  /* the next sub-pulse begins with a gate pulse: trailing edges are passed over */
   double edge = vs_gate_edge(t, shift_rad, t_s);
   return vs_gate_is_on(t, shift_rad, edge) ? vs_gate_edge(t, shift_rad, edge) : edge;
 }

@@ -81,7 +81,7 @@ double vs_timeline_voltage(const vs_timeline *t, double t_s) {
 }
 
 double vs_timeline_stage(const vs_timeline *t, vs_mains_stage stage, double t_s) {
-  return staged(t, stage, t_s, 0); /* the angle matters to harmonics alone */
+  return staged(t, stage, t_s, 0); /* only harmonics ask for the angle */
 }
 
 double vs_timeline_phase(const vs_timeline *t, double t_s) {

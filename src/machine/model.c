@@ -104,8 +104,8 @@ static void mounts_matrix(const vs_machine_values *v, const double c[3],
   out[PHI][PHI] = c[1] * (y3 * y3 + y4 * y4) + c[2] * (x3 * x3 + x4 * x4);
 }
 
-/* M, Eq. 55 with m34 = m_K (x_C - x_B) (the paper prints x_K there) and m_K, J_C of the loaded
- * trough: m_k = m_k0 + lambda_t rho V_k (Eq. 88). */
+/* M of Eq. 55, with m34 = m_K (x_C - x_B) (the paper prints x_K there) and with the mass of the
+ * loaded trough, m_k = m_k0 + lambda_t rho V_k (Eq. 88). */
 static void mass_matrix(vs_model *model) {
   const vs_machine_values *v = &model->machine;
   const vs_load_values *load = &model->load;
@@ -163,7 +163,7 @@ static vs_status check_stiffness(const vs_model *model, vs_error *err) {
   memcpy(k, model->stiffness, sizeof k);
   gsl_matrix_view kv = gsl_matrix_view_array(k, VS_DOF, VS_DOF);
   bool positive = gsl_linalg_cholesky_decomp1(&kv.matrix) == GSL_SUCCESS;
-  for (size_t i = 0; positive && i < VS_DOF; i++) /* a pivot that is nothing but rounding */
+  for (size_t i = 0; positive && i < VS_DOF; i++) /* of a smaller pivot only rounding is left */
     positive = pow(gsl_matrix_get(&kv.matrix, i, i), 2) > 1e-14 * model->stiffness[i][i];
   return positive
              ? VS_OK

@@ -24,29 +24,28 @@
 #include "solver/ng.h"
 #include "solver/rawfile.h"
 
-/* libngspice is one global instance in a process; so is what its callbacks need. */
+/* libngspice is one global instance in a process, and so is what its callbacks need. */
 static struct {
   const vs_circuit_job *job;
   const vs_circuit_host *host;
   int *vector; /* per signal: its index in SendData, -1 for ground, -2 for none */
   double *values;
   int time_vector;
-  vs_rawfile raw;  /* stream NULL: none */
+  vs_rawfile raw;  /* its stream is NULL where none is wanted */
   int *raw_vector; /* per vector of the rawfile: its index in SendData */
   double *raw_values;
   double reached_s, edge_s;
-  double progress_from_s; /* where the present stretch began that guard_progress() looks at */
-  long tries;             /* steps in it, failed ones too */
-  vs_status status;       /* other than VS_OK: the run is to end */
-  bool enough;            /* it is to end, and well */
-  size_t next_port;       /* that ngspice is likely to ask for */
+  double progress_from_s; /* where the stretch that guard_progress() looks at began */
+  long tries;             /* steps in that stretch, failed ones too */
+  vs_status status;       /* the run ends once it is not VS_OK */
+  bool enough;            /* the host has seen enough: the run ends with VS_OK */
+  size_t next_port;       /* the one that ngspice is likely to ask for next */
   vs_error *err;
   vs_complaints complaints; /* of the present load or run */
-  bool trial;               /* this is the child process that ends with the first accepted step */
+  bool trial;               /* this is the child process, which ends with the first accepted step */
   vs_text loaded; /* all that was given to ngspice for the circuit it has; empty: it has none */
-  bool sound;     /* it has run, and well */
-  bool initialised,
-      ended; /* ended: ngspice asked to be unloaded; this process cannot use it again */
+  bool sound;     /* that circuit has run well */
+  bool initialised, ended; /* ngspice asked to be unloaded; this process cannot use it again */
 } ng;
 
 static int on_text(char *line, int id, void *user) {
@@ -75,7 +74,7 @@ static void stop_with(vs_status status) {
   if (ng.status == VS_OK) ng.status = status;
 }
 
-/* "v(a)" is vector "a", "i(vth)" is "vth#branch" */
+/* Finds the vector of a signal: "v(a)" is vector "a", "i(vth)" is "vth#branch". -1: none. */
 static int find_vector(const vecinfoall *all, const char *signal) {
   char name[256];
   snprintf(name, sizeof name, "%.*s%s", (int)strlen(signal) - 3, signal + 2,
@@ -97,7 +96,8 @@ static vs_status no_signal(const char *signal) {
   return vs_error_carry_on(ng.err, status);
 }
 
-/* The time first, then the others as ngspice's equations stand; it lists them backwards. */
+/* Begins the rawfile: the time first, then the other vectors in the order of ngspice's equations,
+ * which it lists backwards. */
 static void begin_raw(const vecinfoall *all) {
   size_t n = (size_t)all->veccount, at = 0;
   const char **names = vs_alloc(n, sizeof *names);
@@ -115,7 +115,7 @@ static int on_vectors(pvecinfoall all, int id, void *user) {
   (void)id, (void)user;
   if (!ng.job) return 0;
   ng.time_vector = -1;
-  vs_complaints_clear(&ng.complaints); /* of the load, which went well */
+  vs_complaints_clear(&ng.complaints); /* those of the load, which went well */
   for (int k = 0; k < all->veccount; k++)
     if (!strcmp(all->vecs[k]->vecname, "time")) ng.time_vector = k;
   for (size_t s = 0; s < ng.job->n_signals; s++) {
@@ -168,10 +168,11 @@ static int on_source(double *value, double t, char *name, int id, void *user) {
 }
 
 /* A circuit may have an instant that ngspice neither gets past nor gives up at: it shrinks its step
- * until one converges, doubles it until one fails, and so on. MOST_TRIES steps, failed ones too,
- * for PROGRESS_S or one largest step are no progress. Measured: at such instants steps of 1e-12 s
- * on average, 1e7 for PROGRESS_S; a junction that rings undamped takes 3e3 at its worst. Steps are
- * counted, not seconds: every machine ends the run at the same one. */
+ * until one converges, doubles it until one fails, and so on. A run makes no progress when it takes
+ * MOST_TRIES steps, failed ones too, for PROGRESS_S or for one largest step. At such instants steps
+ * of 1e-12 s on average were measured, which is 1e7 steps for PROGRESS_S; a junction that rings
+ * undamped takes 3e3 at its worst. Steps are counted and not seconds, so that every computer ends
+ * the run at the same step. */
 enum { MOST_TRIES = 100000 };
 static const double PROGRESS_S = 1e-5;
 
@@ -189,7 +190,8 @@ static vs_status guard_progress(void) {
   return VS_RUN;
 }
 
-/* A step length of zero is how a host makes ngspice end a run; it stays usable. */
+/* Limits the next step to what the host allows. A step of zero makes ngspice end the run; it stays
+ * usable. */
 static int on_sync(double t, double *step, double old_step, int redo, int id, int place,
                    void *user) {
   (void)old_step, (void)redo, (void)id, (void)user;
@@ -199,8 +201,9 @@ static int on_sync(double t, double *step, double old_step, int redo, int id, in
   return 0;
 }
 
-/* By these ngspice is told where its files are, and so which spinit's commands it runs; and more of
- * the kind. Without them it takes those it was installed with, code models and all. */
+/* Removes the variables by which a user tells ngspice where its files are, and so whose spinit it
+ * runs, and more of the kind. Without them it takes those that it was installed with, code models
+ * included. */
 static void forget_environment(void) {
   static const char *const NAMES[] = {
       "SPICE_LIB_DIR",     "SPICE_SCRIPTS",         "SPICE_EXEC_DIR",
@@ -211,7 +214,7 @@ static void forget_environment(void) {
   for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) unsetenv(NAMES[k]);
 }
 
-/* Makes a folder below $TMPDIR, or /tmp; false: not there, and errno says why. */
+/* Makes a folder below $TMPDIR, or /tmp. Returns false where it cannot; errno says why. */
 static bool make_folder(char path[VS_PATH_SIZE]) {
   const char *temporary = getenv("TMPDIR");
   snprintf(path, VS_PATH_SIZE, "%.4000s/vibrospice.XXXXXX",
@@ -225,9 +228,9 @@ static void call_init(void) {
   ngSpice_Init_Sync(on_source, on_source, on_sync, &id, NULL);
 }
 
-/* ngspice reads .spiceinit from the working directory, else from the user's home; an empty one in a
- * folder of its own keeps the user's out, so that a scene gives the same result for everyone. No
- * signal is taken as long as the folder is there. */
+/* Initialises ngspice once in a process. It reads .spiceinit from the working directory, else from
+ * the user's home; an empty one in a private folder keeps the user's out, so that a scene gives the
+ * same result for everyone. Signals are held back as long as that folder is there. */
 static vs_status initialise(vs_error *err) {
   if (ng.ended)
     return vs_fail(err, VS_RUN, "ngspice ended itself in an earlier run of this process");
@@ -308,7 +311,8 @@ static vs_status try_in_child(const vs_circuit_job *job, const vs_circuit_host *
   return vs_complaints_tell(&ng.complaints, job, end == VS_CHILD_BAD_RUN ? "run" : "load", err);
 }
 
-/* The dialect is a setting of ngspice's that lasts; it says what a netlist's words mean. */
+/* Sets the dialect, which says what a netlist's words mean. In ngspice it is a setting that lasts.
+ */
 static void set_dialect(const char *dialect) {
   char command[64];
   snprintf(command, sizeof command, *dialect ? "set ngbehavior=%sa" : "unset ngbehavior", dialect);
@@ -322,14 +326,16 @@ static void forget(void) {
   ng.sound = false;
 }
 
-/* A circuit that has run well is run again where the same is asked for: a run starts from its
- * initial conditions, whatever was before, and gives the same to the bit (tests/test_study.c). */
+/* True where ngspice has this netlist loaded and it has run well. It then need not be loaded again:
+ * a run starts from its initial conditions, whatever was before, and gives the same to the bit
+ * (tests/test_study.c). */
 static bool is_loaded(const vs_text *netlist) {
   return ng.sound && ng.loaded.length == netlist->length &&
          !memcmp(ng.loaded.text, netlist->text, netlist->length);
 }
 
-/* Takes the netlist over. */
+/* Loads a netlist in the place of the one that ngspice has, after a trial. Owns *netlist from then
+ * on. */
 static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *host, char **lines,
                            vs_text *netlist, vs_error *err) {
   forget();
@@ -350,7 +356,7 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   vs_status status = initialise(err);
   if (status) return status;
   vs_text tail = {0}, netlist = {0};
-  /* .save none keeps one point in memory; SendData still gives all vectors. */
+  /* .save none keeps one point in memory; SendData gives all vectors nevertheless. */
   vs_text_add(&tail,
               ".options method=%s reltol=%.17g abstol=%.17g vntol=%.17g chgtol=%.17g trtol=%.17g "
               "pivrel=%.17g\n.save none\n"
