@@ -38,7 +38,7 @@ static void pulse(const vs_timeline *t, double shift_rad, double n, double *widt
 static bool train_stretch(const vs_timeline *t, double shift_rad, double t_s, double until_s,
                           double *from_s, double *to_s) {
   double width, voltage;
-  for (double n = fmax(last_pulse(t, shift_rad, t_s), 0); !n || t->firing.every; n++) {
+  for (double n = fmax(last_pulse(t, shift_rad, t_s), 0); n == 0 || t->firing.every; n++) {
     double start = pulse_start(t, shift_rad, n);
     if (start >= until_s) return false;
     pulse(t, shift_rad, n, &width, &voltage);
