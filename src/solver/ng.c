@@ -24,11 +24,14 @@
 #include "solver/ng.h"
 #include "solver/rawfile.h"
 
+/* In the place of a vector's index: of a signal that is 0, and of one that the circuit has not. */
+enum { GROUND = -1, MISSING = -2 };
+
 /* libngspice is one global instance in a process, and so is what its callbacks need. */
 static struct {
   const vs_circuit_job *job;
   const vs_circuit_host *host;
-  int *vector; /* per signal: its index in SendData, -1 for ground, -2 for none */
+  int *vector; /* per signal: its index in SendData, GROUND or MISSING */
   double *values;
   int time_vector;
   vs_rawfile raw;  /* its stream is NULL where none is wanted */
@@ -74,14 +77,14 @@ static void stop_with(vs_status status) {
   if (ng.status == VS_OK) ng.status = status;
 }
 
-/* Finds the vector of a signal: "v(a)" is vector "a", "i(vth)" is "vth#branch". -1: none. */
+/* Finds the vector of a signal: "v(a)" is vector "a", "i(vth)" is "vth#branch". */
 static int find_vector(const vecinfoall *all, const char *signal) {
   char name[256];
   snprintf(name, sizeof name, "%.*s%s", (int)strlen(signal) - 3, signal + 2,
            signal[0] == 'i' ? "#branch" : "");
   for (int k = 0; k < all->veccount; k++)
     if (!strcmp(all->vecs[k]->vecname, name)) return k;
-  return -1;
+  return MISSING;
 }
 
 static void set_edge(double t_s) {
@@ -120,10 +123,9 @@ static int on_vectors(pvecinfoall all, int id, void *user) {
     if (!strcmp(all->vecs[k]->vecname, "time")) ng.time_vector = k;
   for (size_t s = 0; s < ng.job->n_signals; s++) {
     const char *signal = ng.job->signals[s];
-    ng.vector[s] = strcmp(signal, "v(0)") ? find_vector(all, signal) : -1;
-    if (ng.vector[s] >= 0 || !strcmp(signal, "v(0)")) continue;
-    ng.vector[s] = -2;
-    if (s + ng.job->n_wanted < ng.job->n_signals) stop_with(no_signal(signal));
+    ng.vector[s] = strcmp(signal, "v(0)") ? find_vector(all, signal) : GROUND;
+    if (ng.vector[s] == MISSING && s + ng.job->n_wanted < ng.job->n_signals)
+      stop_with(no_signal(signal));
   }
   if (ng.time_vector >= 0) set_edge(0);
   if (ng.time_vector >= 0 && ng.job->raw && !ng.raw.stream && !ng.trial) begin_raw(all);
@@ -137,9 +139,9 @@ static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
   if (t <= ng.reached_s) return 0;
   if (ng.trial) vs_child_finish();
   for (size_t s = 0; s < ng.job->n_signals; s++)
-    ng.values[s] = ng.vector[s] >= 0    ? all->vecsa[ng.vector[s]]->creal
-                   : ng.vector[s] == -1 ? 0
-                                        : NAN;
+    ng.values[s] = ng.vector[s] >= 0        ? all->vecsa[ng.vector[s]]->creal
+                   : ng.vector[s] == GROUND ? 0
+                                            : NAN;
   ng.reached_s = t;
   stop_with(ng.host->accept(ng.host->ctx, t, ng.values, ng.err));
   if (!ng.status && ng.raw.stream) {
