@@ -114,10 +114,10 @@ static void print_field(const char *section, const vs_field *f) {
 }
 
 static void list_parameters(const vs_deck *deck) {
-  const vs_section *const sections[] = {&vs_model_machine_section,   &vs_model_actuator_section,
-                                        &vs_model_load_section,      &vs_timeline_supply_section,
-                                        &vs_timeline_firing_section, &deck->section,
-                                        &vs_setup_run_section,       &vs_setup_start_section};
+  const vs_section *const sections[] = {
+      &vs_model_machine_section,   &vs_model_actuator_section,  &vs_model_load_section,
+      &vs_timeline_supply_section, &vs_timeline_firing_section, &deck->section,
+      &vs_setup_run_section,       &vs_setup_start_section,     &vs_setup_measure_section};
   for (size_t s = 0; s < sizeof sections / sizeof *sections; s++)
     for (size_t k = 0; k < sections[s]->count; k++)
       print_field(sections[s]->name, &sections[s]->fields[k]);

@@ -127,7 +127,7 @@ static double next_edge(const coupling *c, double t_s) {
 
 static double edge(void *ctx, double solver_s) {
   coupling *c = ctx;
-  if (c->anode.crossed) return solver_s; /* a kink: the rule begins anew */
+  if (c->anode.crossed || c->swing.anew) return solver_s; /* the rule begins anew */
   double next = next_edge(c, solver_s + c->shift_s);
   if (c->shift_s > 0) next = fmin(next, c->setup->run.until_s);
   return next - c->shift_s;
@@ -411,7 +411,7 @@ static void begin(coupling *c, const vs_setup *setup, const vs_observer *observe
                   .series_s = 0.1 / m->fastest_rad_s};
   c->knots[0] = vs_sim_start(setup, &c->frame);
   c->touching = vs_mechanics_in_stop(m, c->knots[0].x[P]);
-  vs_anode_begin(&c->anode, &setup->deck);
+  vs_anode_begin(&c->anode, &setup->deck, &setup->timeline);
   vs_motion_begin(&c->motion, m);
   begin_leaving(c);
 }

@@ -32,10 +32,26 @@ const char *const vs_deck_standard_names[] = {
 _Static_assert(sizeof vs_deck_standard_names / sizeof *vs_deck_standard_names == VS_STANDARD,
                "a name for each parameter of the program's");
 
-bool vs_deck_is_standard(const char *name) {
-  for (size_t k = 0; k < VS_STANDARD; k++)
-    if (!strcasecmp(name, vs_deck_standard_names[k])) return true;
+static bool among(const char *name, const char *const *list, size_t count) {
+  for (size_t k = 0; k < count; k++)
+    if (!strcasecmp(name, list[k])) return true;
   return false;
+}
+#define AMONG(name, list) among(name, list, sizeof(list) / sizeof *(list))
+
+bool vs_deck_is_standard(const char *name) {
+  return AMONG(name, vs_deck_standard_names);
+}
+
+/* Each was tried as ".param NAME=1000" and "R1 a b {NAME}" in ngspice 39. */
+bool vs_deck_is_reserved(const char *name) {
+  static const char *const FUNCTIONS[] = {
+      "sqr", "sqrt", "sin",   "cos",  "exp",         "ln",     "arctan", "abs",   "pow",
+      "pwr", "max",  "min",   "int",  "log",         "log10",  "sinh",   "cosh",  "tanh",
+      "sgn", "ceil", "floor", "asin", "acos",        "atan",   "asinh",  "acosh", "atanh",
+      "tan", "nint", "gauss", "unif", "ternary_fcn", "agauss", "aunif",  "limit"};
+  static const char *const VARIABLES[] = {"time", "temper", "hertz"};
+  return AMONG(name, FUNCTIONS) || AMONG(name, VARIABLES);
 }
 
 /* The deck owns its fields; its section shows them as constant. */
@@ -65,6 +81,11 @@ vs_status vs_deck_add_field(vs_deck *deck, const vs_field *field, vs_where where
                         k ? "" : ": that key is the program's");
   if (vs_deck_is_standard(field->key))
     return vs_fail_at(err, where, "param %s is the program's; give yours another name", field->key);
+  if (vs_deck_is_reserved(field->key))
+    return vs_fail_at(err, where,
+                      "param %s: ngspice has that name for itself in expressions; give yours "
+                      "another name",
+                      field->key);
   vs_field *own = &own_fields(deck)[deck->section.count++];
   *own = *field;
   own->key = vs_copy(field->key);

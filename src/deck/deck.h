@@ -224,7 +224,7 @@ void vs_deck_free(vs_deck *deck);
 void vs_deck_add_line(vs_deck *deck, vs_line line);
 
 /* Adds a field to the deck's section; its texts are copied. `where` is the place of its line.
- * Error: the key stands there already, or is one of the program's. */
+ * Error: the key stands there already, or is one of the program's or of ngspice's. */
 vs_status vs_deck_add_field(vs_deck *deck, const vs_field *field, vs_where where, vs_error *err);
 
 /* Adds the term of these nodes, quantity 'v' or 'i', unless it is there already. Returns its index,
@@ -256,6 +256,11 @@ extern const char *const vs_deck_standard_names[VS_STANDARD];
 
 /* True for the name of one of these parameters, in capitals or not. */
 bool vs_deck_is_standard(const char *name);
+
+/* True for a name that ngspice takes for its own in an expression, whatever a parameter of that
+ * name says: a function, which then cannot be read, or time, temper and hertz, which are other
+ * numbers. */
+bool vs_deck_is_reserved(const char *name);
 
 /* A parameter's name and value, SI. */
 typedef struct vs_deck_value {

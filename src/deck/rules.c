@@ -85,10 +85,11 @@ static const char *find_whole(const char *text, const char *word, bool call) {
   return NULL;
 }
 
-/* True for LIMIT(x, least, most) of PSpice's dialect, which cuts off; ngspice's limit(mean, range)
- * draws a number. */
+/* True for LIMIT(x, least, most) of PSpice's dialect, which cuts off and draws nothing: ngspice 39
+ * has a .func of that name there, which it finds where '(' comes right behind it. */
 static bool cuts_off(const char *call) {
   int depth = 0, commas = 0;
+  if (call[strlen("limit")] != '(') return false;
   for (const char *s = strchr(call, '('); s && *s; s++) {
     depth += (*s == '(') - (*s == ')');
     commas += depth == 1 && *s == ',';
@@ -145,6 +146,11 @@ vs_status vs_rules_random(const char *line, bool pspice, vs_where where, vs_erro
   const char *word = NULL;
   if (!find_random(line, pspice, &word)) return VS_OK;
   bool noise = !strncmp(word, "tr", 2);
+  if (pspice && !strcmp(word, "limit"))
+    return vs_fail_at(
+        err, place_of(word, true, where),
+        "limit: in PSpice's dialect ngspice knows LIMIT(x, least, most), of three and "
+        "with no blank before '('");
   return vs_fail_at(err, place_of(word, !noise, where),
                     noise ? "%s is random anew in each run; a course that is the same each time "
                             "would be right, or a study over a parameter"
@@ -158,6 +164,18 @@ typedef struct place {
   vs_where where;
   vs_error *err;
 } place;
+
+/* Refuses a name that ngspice has for itself. */
+static vs_status name_rule(void *ctx, const char *name) {
+  const place *p = ctx;
+  return vs_deck_is_reserved(name)
+             ? vs_fail_at(
+                   p->err, p->where,
+                   "parameter %s: ngspice has that name for itself in expressions; give yours "
+                   "another name",
+                   name)
+             : VS_OK;
+}
 
 /* Refuses a .param of a name that is the program's or a '*$ param's. For lines at the top of a
  * deck; within a subcircuit a name is the subcircuit's own. */
@@ -235,6 +253,10 @@ vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, vs
                       "program's",
                       word);
   if (!strcmp(word, ".model")) return model_rule(&p, line);
+  if (!strcmp(word, ".param") || !strcmp(word, ".subckt")) {
+    vs_status status = assignments(line, name_rule, (void *)(size_t)&p);
+    if (status) return status;
+  }
   if (!strcmp(word, ".param") && deck->subcircuits == 0)
     return assignments(line, param_rule, (void *)(size_t)&p);
   if (!strcmp(word, ".ends") && deck->subcircuits > 0) deck->subcircuits--;

@@ -18,7 +18,7 @@ vs_status vs_rules_element(vs_deck *deck, const char *line, vs_where where, vs_e
  * source. Names that merely contain such a word are fine, as is the code model limit. A deck's own
  * .func of such a name is refused too: ngspice has the name for itself in some expressions and not
  * in others. `pspice` says that the deck is read in that dialect, whose LIMIT of three arguments
- * draws nothing. */
+ * draws nothing; with another number of them, or a blank before them, ngspice does not know it. */
 vs_status vs_rules_random(const char *line, bool pspice, vs_where where, vs_error *err);
 
 /* True for a line "Vname n m external" (or Iname). `name` is then the source's, in lower case. */

@@ -13,6 +13,7 @@ typedef struct vs_reduced {
   const vs_device_measure *measure;
   const vs_limit *limit; /* NULL: none */
   vs_value value;        /* SI; of a mean once the run is over */
+  double spread;         /* times a relative error of the run is an error of the value, SI */
   double pulse;          /* integral of the present one */
   double failed_s;       /* when it first passed its limit; NaN: it has not */
   const char *unjudged;  /* why it is not held against the limit its part has; NULL: it is, or the
@@ -44,7 +45,10 @@ typedef struct vs_watched {
   double last[VS_COURSES];         /* at the last knot */
   double sum[VS_COURSES];          /* integrals over the run, but of V and V.s */
   double sum_meant[VS_COURSES];    /* the same over frame->means */
-  int starts;                      /* how often it began to conduct between these */
+  vs_gate_watch train;             /* its gate, or the deck's first where it is not known */
+  bool fresh;                      /* a gate pulse has begun since it last began to conduct */
+  double shot_s;                   /* when its last shot began; -INFINITY: none did */
+  int starts;                      /* how many shots began between these */
   bool rests;                      /* it did not conduct all the time between them */
   vs_reduced *reduced;             /* by the kind's measures; owned */
   size_t count;

@@ -99,6 +99,7 @@ static void follow_conduction(vs_switch *s, const vs_course_step *c) {
   const vs_conduction_step step = {c->t0_s,        c->t1_s,          c->from[VS_OF_I],
                                    c->to[VS_OF_I], c->from[VS_OF_V], c->to[VS_OF_V]};
   double event_s = NAN;
+  s->conduction.gated = s->gate.on && !isnan(s->gate.delay_rad);
   switch (vs_conduction_follow(&s->conduction, &step, &event_s)) {
   case VS_EV_FIRES:
     s->fired_s = event_s;
@@ -142,6 +143,7 @@ static void follow_rest(vs_switch *s, const vs_course_step *c, vs_switch_news *n
     s->offered_s = fmax(returned - s->zero_s, 0);
     if (!s->gate.on || isnan(s->gate.delay_rad)) /* else it is meant to conduct */
       news->offered = (vs_value){true, s->offered_s, returned};
+    news->spread_s = s->conduction.peak_a / fabs(s->conduction.zero_a_s);
     break;
   case REST_FORWARD_AGAIN:
     if (v1 < 0) s->rest = REST_NONE;
