@@ -225,10 +225,12 @@ static void forget(history *r) {
 }
 
 static vs_text manifest(const vs_plan *plan, const history *r) {
-  vs_text json = {0};
+  vs_text text = {0};
+  vs_json json = vs_json_inside(&text);
   const vs_results results = {plan, r->count, r->points, r->values, r->status};
+  vs_json_same_row(&json);
   plan->adaptive->method->json(plan, plan->adaptive, &results, &json);
-  return json;
+  return text;
 }
 
 /* ---- worst case ---- */

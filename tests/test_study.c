@@ -14,6 +14,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/csv.h"
 #include "base/hash.h"
 #include "program.h"
 #include "study/case.h"

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/json.h"
 #include "base/units.h"
 
 void vs_field_range(const vs_field *field, char *text, size_t size) {
@@ -127,11 +128,12 @@ static vs_status read_default(const vs_section *section, const vs_field *field, 
                               vs_error *err) {
   char words[128];
   snprintf(words, sizeof words, "%s", field->default_text);
-  vs_node node = {.kind = VS_NODE_TEXT, .text = words, .where = {.file = "built-in default"}};
+  const vs_where where = {.file = "built-in default"};
+  vs_node node = vs_tree_word(NULL, words, where);
   if (field->kind != VS_PAIR) return vs_field_read(section, field, &node, out, err);
   char *second = strchr(words, ',');
   *second = '\0';
-  vs_node y = {.kind = VS_NODE_TEXT, .text = second + 1 + strspn(second + 1, " ")};
+  vs_node y = vs_tree_word(NULL, second + 1 + strspn(second + 1, " "), where);
   node.next = &y;
   vs_node list = {.kind = VS_NODE_LIST, .child = &node};
   return vs_field_read(section, field, &list, out, err);
@@ -177,44 +179,53 @@ vs_status vs_field_section_read(const vs_section *section, const vs_node *map, v
   return status;
 }
 
-void vs_field_json(const vs_field *field, const void *values, vs_text *json) {
+void vs_field_json(const vs_field *field, const void *values, vs_text *text) {
   const char *member = (const char *)values + field->offset;
   const double *real = (const double *)(const void *)member;
   const int *whole = (const int *)(const void *)member;
   double factor = vs_units_factor(field->unit);
   char words[256], *rest = words, *word = words;
+  vs_json json = vs_json_new(text);
   switch (field->kind) {
   case VS_REAL:
-    vs_text_add(json, "{\"value\": %.12g, \"unit\": \"%s\"}", real[0] / factor, field->unit);
+    vs_json_object(&json, NULL, VS_JSON_ROW);
+    vs_json_number(&json, "value", real[0] / factor, 12);
+    vs_json_text(&json, "unit", field->unit);
+    vs_json_end(&json);
     break;
   case VS_PAIR:
-    vs_text_add(json, "{\"value\": [%.12g, %.12g], \"unit\": \"%s\"}", real[0] / factor,
-                real[1] / factor, field->unit);
+    vs_json_object(&json, NULL, VS_JSON_ROW);
+    vs_json_array(&json, "value", VS_JSON_ROW);
+    for (int k = 0; k < 2; k++) vs_json_number(&json, NULL, real[k] / factor, 12);
+    vs_json_end(&json);
+    vs_json_text(&json, "unit", field->unit);
+    vs_json_end(&json);
     break;
   case VS_CHOICE:
     snprintf(words, sizeof words, "%s", field->choices);
     for (int k = 0; k <= *whole; k++) word = strsep(&rest, "|");
-    vs_json_string(json, word);
+    vs_json_text(&json, NULL, word);
     break;
   case VS_COUNT:
     if (field->choices && *whole == 0)
-      vs_json_string(json, field->choices);
+      vs_json_text(&json, NULL, field->choices);
     else
-      vs_text_add(json, "%d", *whole);
+      vs_json_whole(&json, NULL, *whole);
     break;
   case VS_NAME:
-    vs_json_string(json, member);
+    vs_json_text(&json, NULL, member);
     break;
   case VS_OPTION:
     if (!*whole) {
-      vs_json_string(json, field->choices);
+      vs_json_text(&json, NULL, field->choices);
       break;
     }
+    vs_json_object(&json, NULL, VS_JSON_ROW);
     for (size_t k = 0; k < field->part->count; k++) {
-      vs_text_add(json, "%s\"%s\": ", k ? ", " : "{", field->part->fields[k].key);
-      vs_field_json(&field->part->fields[k], member, json);
+      vs_json_key(&json, field->part->fields[k].key);
+      vs_field_json(&field->part->fields[k], member, text);
     }
-    vs_text_add(json, "}");
+    vs_json_end(&json);
     break;
   }
 }

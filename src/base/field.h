@@ -51,8 +51,8 @@ vs_status vs_field_section_read(const vs_section *section, const vs_node *map, v
 vs_status vs_field_known_keys(const vs_node *map, const char *what, const char *const *names,
                               size_t count, vs_error *err);
 
-/* Effective value as JSON: {"value": 6, "unit": "mm"} or "paper". */
-void vs_field_json(const vs_field *field, const void *values, vs_text *json);
+/* Adds the field's present value as JSON: {"value": 6, "unit": "mm"} or "paper". */
+void vs_field_json(const vs_field *field, const void *values, vs_text *text);
 
 /* "6..12 mm", "paper|derived", ...: what is allowed, for messages and listings. */
 void vs_field_range(const vs_field *field, char *text, size_t size);

@@ -45,19 +45,6 @@ void vs_text_add(vs_text *t, const char *format, ...) {
   t->length = need - 1;
 }
 
-void vs_json_string(vs_text *t, const char *string) {
-  vs_text_add(t, "\"");
-  for (const unsigned char *s = (const unsigned char *)string; *s; s++) {
-    if (*s == '"' || *s == '\\')
-      vs_text_add(t, "\\%c", *s);
-    else if (*s < 0x20)
-      vs_text_add(t, "\\u%04x", *s);
-    else
-      vs_text_add(t, "%c", *s);
-  }
-  vs_text_add(t, "\"");
-}
-
 void vs_text_free(vs_text *t) {
   free(t->text);
   *t = (vs_text){0};

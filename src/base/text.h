@@ -13,7 +13,6 @@ typedef struct vs_text {
 } vs_text;
 
 void vs_text_add(vs_text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
-void vs_json_string(vs_text *t, const char *string); /* quoted and escaped as JSON wants it */
 void vs_text_free(vs_text *t);
 
 _Noreturn void vs_out_of_memory(void);     /* says so and ends the process */

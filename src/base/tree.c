@@ -5,6 +5,7 @@
 #include <libfyaml.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -268,6 +269,21 @@ vs_status vs_tree_read(const char *path, vs_tree *tree, vs_error *err) {
   return status;
 }
 
+vs_node vs_tree_word(const char *key, const char *text, vs_where where) {
+  return (vs_node){.kind = VS_NODE_TEXT,
+                   .key = (char *)(size_t)key,
+                   .text = (char *)(size_t)text,
+                   .where = where,
+                   .key_where = where};
+}
+
+vs_node vs_tree_map(const char *key, vs_node *child) {
+  vs_node map = vs_tree_word(key, NULL, child->where);
+  map.kind = VS_NODE_MAP;
+  map.child = child;
+  return map;
+}
+
 const vs_node *vs_tree_child(const vs_node *map, const char *key) {
   for (const vs_node *n = map ? map->child : NULL; n; n = n->next)
     if (n->key && !strcmp(n->key, key)) return n;
@@ -340,8 +356,7 @@ void vs_tree_graft(vs_tree *tree, const char *key, const vs_node *value) {
 }
 
 void vs_tree_put(vs_tree *tree, const char *key, const char *text, vs_where where) {
-  const vs_node value = {
-      .kind = VS_NODE_TEXT, .text = (char *)(size_t)text, .where = where, .key_where = where};
+  const vs_node value = vs_tree_word(NULL, text, where);
   vs_tree_graft(tree, key, &value);
 }
 

@@ -40,7 +40,13 @@ void vs_tree_graft(vs_tree *tree, const char *key, const vs_node *value);
 void vs_tree_put(vs_tree *tree, const char *key, const char *text, vs_where where);
 void vs_tree_free(vs_tree *tree);
 
-const vs_node *vs_tree_child(const vs_node *map,
-                             const char *key); /* NULL: not there (or map is NULL) */
+/* The map's value of that key; NULL when it has none or map is NULL. */
+const vs_node *vs_tree_child(const vs_node *map, const char *key);
+
+/* A text, and a map of one child, that belong to no tree, for readers that want a node where the
+ * program itself has a word. They borrow what they are made of and must not be freed; key may be
+ * NULL. */
+vs_node vs_tree_word(const char *key, const char *text, vs_where where);
+vs_node vs_tree_map(const char *key, vs_node *child);
 
 #endif

@@ -13,6 +13,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
+#include "base/file.h"
 #include "scene/scene.h"
 
 static const char *const STATES[VS_STATES] = {"p", "u", "w", "phi", "vp", "vu", "vw", "vphi"};

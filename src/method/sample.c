@@ -17,6 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/json.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "method/methods.h"
@@ -163,14 +164,15 @@ static bool claims(const vs_node *section, const char *method) {
 
 /* ---- manifest ---- */
 
-static void spread_json(const vs_axis *axis, vs_text *json) {
+static void spread_json(const vs_axis *axis, vs_json *json) {
   const vs_span *span = axis->own;
   if (!span) return;
   const bool normal = span->spread.shape == VS_SHAPE_NORMAL;
-  vs_text_add(json, ", \"spread\": {\"shape\": \"%s\", \"%s\": %.12g",
-              normal ? "normal" : "uniform", normal ? "sigma" : "half_width", span->spread.width);
-  if (span->spread.truncate) vs_text_add(json, ", \"within_sigmas\": %.12g", span->spread.truncate);
-  vs_text_add(json, "}");
+  vs_json_object(json, "spread", VS_JSON_ROW);
+  vs_json_text(json, "shape", normal ? "normal" : "uniform");
+  vs_json_number(json, normal ? "sigma" : "half_width", span->spread.width, 12);
+  if (span->spread.truncate) vs_json_number(json, "within_sigmas", span->spread.truncate, 12);
+  vs_json_end(json);
 }
 
 /* ---- points ---- */

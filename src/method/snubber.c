@@ -22,6 +22,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/json.h"
 #include "base/text.h"
 #include "base/units.h"
 #include "method/methods.h"
@@ -328,51 +329,68 @@ static vs_status next_snubber(const vs_plan *plan, const vs_plan_stage *part,
 /* ---- manifest ---- */
 
 typedef struct list {
-  vs_text *json;
-  candidate best;
-  uint64_t count, held;
+  vs_json *json;
+  candidate best; /* the cheapest of those that hold */
+  uint64_t held;
 } list;
 
-/* {"case", "first", "runs", "holds", "over", "cost_j"} */
 static void list_candidate(void *ctx, const candidate *c) {
   list *l = ctx;
-  vs_text_add(l->json, "%s{\"case\": %llu, \"spread\": %llu, \"runs\": %llu, \"holds\": %s, ",
-              l->count ? ", " : "", (unsigned long long)c->nominal, (unsigned long long)c->first,
-              (unsigned long long)c->runs, holds(c) ? "true" : "false");
-  if (c->failed)
-    vs_text_add(l->json, "\"over\": null, \"cost_j\": null}");
-  else
-    vs_text_add(l->json, "\"over\": %.12g, \"cost_j\": %.12g}", c->over, c->cost_j);
+  vs_json_object(l->json, NULL, VS_JSON_ROW);
+  vs_json_whole(l->json, "case", (int64_t)c->nominal);
+  vs_json_whole(l->json, "spread", (int64_t)c->first);
+  vs_json_whole(l->json, "runs", (int64_t)c->runs);
+  vs_json_bool(l->json, "holds", holds(c));
+  vs_json_number(l->json, "over", c->failed ? NAN : c->over, 12);
+  vs_json_number(l->json, "cost_j", c->failed ? NAN : c->cost_j, 12);
+  vs_json_end(l->json);
   if (holds(c) && (!l->held || c->cost_j < l->best.cost_j)) l->best = *c;
   l->held += holds(c);
-  l->count++;
+}
+
+static void add_ratings(const vs_plan *plan, const snubber *s, vs_json *json) {
+  vs_json_array(json, "ratings", VS_JSON_ROW);
+  for (size_t k = 0; k < s->n_ratings; k++) {
+    const vs_report_column *c = &plan->columns[s->ratings[k].column];
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    vs_json_text(json, "name", c->name);
+    vs_json_text(json, "unit", c->unit);
+    vs_json_number(json, "limit", s->ratings[k].limit, 12);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
+static void add_candidates(const vs_plan *plan, const snubber *s, const vs_results *results,
+                           vs_json *json) {
+  list l = {.json = json};
+  hunt h = {.plan = plan, .s = s, .results = results};
+  vs_json_array(json, "candidates", VS_JSON_ROW);
+  go(&h, list_candidate, &l);
+  vs_json_end(json);
+  if (!l.held) {
+    vs_json_null(json, "found");
+    return;
+  }
+  vs_json_object(json, "found", VS_JSON_ROW);
+  vs_json_whole(json, "case", (int64_t)l.best.nominal);
+  vs_json_number(json, "cost_j", l.best.cost_j, 12);
+  vs_json_end(json);
 }
 
 static void json_snubber(const vs_plan *plan, const vs_plan_stage *part, const vs_results *results,
-                         vs_text *json) {
+                         vs_json *json) {
   const snubber *s = part->state;
-  vs_text_add(json, ", \"snubber\": {\"margin\": %.12g, \"finest\": %.12g, \"ratings\": [",
-              s->margin, s->finest);
-  for (size_t k = 0; k < s->n_ratings; k++) {
-    const vs_report_column *c = &plan->columns[s->ratings[k].column];
-    vs_text_add(json, "%s{\"name\": \"%s\", \"unit\": \"%s\", \"limit\": %.12g}", k ? ", " : "",
-                c->name, c->unit, s->ratings[k].limit);
-  }
-  vs_text_add(json,
-              "], \"cost\": \"energy that the varied parts hold and burn in one cycle: sum of "
-              "C*v_peak^2/2 and power/f\", \"cost_unit\": \"J\"");
-  if (results) {
-    list l = {.json = json};
-    hunt h = {.plan = plan, .s = s, .results = results};
-    vs_text_add(json, ", \"candidates\": [");
-    go(&h, list_candidate, &l);
-    if (l.held)
-      vs_text_add(json, "], \"found\": {\"case\": %llu, \"cost_j\": %.12g}}",
-                  (unsigned long long)l.best.nominal, l.best.cost_j);
-    else
-      vs_text_add(json, "], \"found\": null}");
-  } else
-    vs_text_add(json, "}");
+  vs_json_object(json, "snubber", VS_JSON_ROW);
+  vs_json_number(json, "margin", s->margin, 12);
+  vs_json_number(json, "finest", s->finest, 12);
+  add_ratings(plan, s, json);
+  vs_json_text(json, "cost",
+               "energy that the varied parts hold and burn in one cycle: sum of C*v_peak^2/2 and "
+               "power/f");
+  vs_json_text(json, "cost_unit", "J");
+  if (results) add_candidates(plan, s, results, json);
+  vs_json_end(json);
 }
 
 const vs_method vs_snubber_method = {

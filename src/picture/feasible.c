@@ -2,6 +2,7 @@
  * What a search for the cheapest snubber tried: which values hold over the spread, and which not.
  */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,9 +2,11 @@
 #include "report/report.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "command/gnuplot.h"
 #include "picture/album.h"
 #include "report/page.h"

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/csv.h"
+#include "base/file.h"
 #include "scene/session.h"
 #include "study/identity.h"
 #include "watch/table.h"
@@ -48,40 +50,6 @@ void vs_case_free(vs_case *c) {
 }
 
 /* ---- rows ---- */
-
-void vs_csv_cell(vs_text *row, const char *word) {
-  if (!strpbrk(word, ",\"\r\n")) {
-    vs_text_add(row, "%s", word);
-    return;
-  }
-  vs_text_add(row, "\"");
-  for (; *word; word++) {
-    bool breaks = *word == '\n' || *word == '\r';
-    vs_text_add(row, *word == '"' ? "\"\"" : "%c", breaks ? ' ' : *word);
-  }
-  vs_text_add(row, "\"");
-}
-
-size_t vs_csv_split(char *row, char **cells, size_t most) {
-  size_t n = 0;
-  for (char *s = row; s && n < most;) {
-    char *out = s;
-    cells[n++] = s;
-    bool quoted = *s == '"';
-    for (s += quoted; *s && (quoted || *s != ','); s++) {
-      if (quoted && *s == '"' && s[1] != '"')
-        quoted = false;
-      else {
-        s += quoted && *s == '"';
-        *out++ = *s;
-      }
-    }
-    char end = *s;
-    *out = '\0';
-    s = end ? s + 1 : NULL;
-  }
-  return n;
-}
 
 /* The name of an event, which its user gives, may hold anything. */
 static void begin_header(const vs_plan *plan, vs_text *row) {

@@ -33,9 +33,4 @@ void vs_case_failure(const vs_plan *plan, uint64_t index, const double *point, c
 void vs_case_header(const vs_plan *plan, vs_text *row);
 void vs_case_failure_header(const vs_plan *plan, vs_text *row);
 
-/* One cell, in quotes where a comma, a quote or a line's end asks for them. */
-void vs_csv_cell(vs_text *row, const char *word);
-/* Cuts a row up at its commas: a cell loses its quotes. Gives how many; at most `most`. */
-size_t vs_csv_split(char *row, char **cells, size_t most);
-
 #endif

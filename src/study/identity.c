@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "base/json.h"
 
 /* The sum of a section whose values are these. */
 typedef struct kept {

@@ -12,7 +12,9 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "base/hash.h"
+#include "base/json.h"
 #include "study/plan.h"
 
 static const char NAME[] = "journal";
@@ -412,12 +414,21 @@ static void write_manifest(const vs_journals *all, FILE *f) {
     failed += all->item[k].failed;
     violated += all->item[k].violated;
   }
-  fprintf(f,
-          "%s,\n  \"cases\": %" PRIu64 ",\n  \"done\": %" PRIu64 ",\n  \"failed\": %" PRIu64
-          ",\n  \"violated\": %" PRIu64 "%s%s,\n  \"shard\": [%" PRIu64 ", %" PRIu64 "]\n}\n",
-          head->manifest_begin, all->cases, done, failed, violated, head->manifest_end,
-          all->more ? all->more : "", all->count > 1 ? 1 : head->shard,
-          all->count > 1 ? 1 : head->shards);
+  vs_text text = {0};
+  vs_text_add(&text, "%s", head->manifest_begin);
+  vs_json json = vs_json_inside(&text);
+  vs_json_whole(&json, "cases", (int64_t)all->cases);
+  vs_json_whole(&json, "done", (int64_t)done);
+  vs_json_whole(&json, "failed", (int64_t)failed);
+  vs_json_whole(&json, "violated", (int64_t)violated);
+  vs_text_add(&text, "%s%s", head->manifest_end, all->more ? all->more : "");
+  vs_json_array(&json, "shard", VS_JSON_ROW);
+  vs_json_whole(&json, NULL, all->count > 1 ? 1 : (int64_t)head->shard);
+  vs_json_whole(&json, NULL, all->count > 1 ? 1 : (int64_t)head->shards);
+  vs_json_end(&json);
+  vs_json_end(&json);
+  fprintf(f, "%s\n", text.text);
+  vs_text_free(&text);
 }
 
 vs_status vs_journals_write(const vs_journals *all, const char *folder, vs_error *err) {

@@ -70,7 +70,7 @@ vs_status vs_journal_row(const vs_journal *journal, uint64_t index, vs_text *row
 
 /* Writes study.csv, failures.csv, manifest.json into the folder, from one journal or from all
  * shards' (item k is shard k + 1); cases: of the whole study. more: members of the manifest
- * besides, `, "name": value` each. */
+ * besides, as a writer inside it (vs_json_inside) adds them; NULL: none. */
 typedef struct vs_journals {
   vs_journal *item;
   uint64_t count, cases;

@@ -18,6 +18,7 @@
 
 #include <stdint.h>
 
+#include "base/json.h"
 #include "scene/scene.h"
 #include "watch/verdict.h"
 
@@ -112,13 +113,12 @@ struct vs_method {
    * called once a generation; after --resume again from the first. NULL: it is not adaptive. */
   vs_status (*next)(const vs_plan *plan, const vs_plan_stage *part, const vs_results *results,
                     vs_generation *generation, vs_error *err);
-  /* Adds to an axis of its own, in the manifest, what it knows of it: `, "name": value` each. NULL:
-   * nothing. */
-  void (*axis_json)(const vs_axis *axis, vs_text *json);
-  /* Adds to the manifest members that say what it was asked and, once results are there (else
-   * NULL), what it found: `, "name": value` each. NULL: nothing. */
+  /* Adds to an axis of its own, in the manifest, what it knows of it. NULL: nothing. */
+  void (*axis_json)(const vs_axis *axis, vs_json *json);
+  /* Adds to the manifest the one member that says what it was asked and, once results are there
+   * (else NULL), what it found. NULL: nothing. */
   void (*json)(const vs_plan *plan, const vs_plan_stage *part, const vs_results *results,
-               vs_text *json);
+               vs_json *json);
 };
 
 /* methods.c: NULL ends it. */

@@ -10,6 +10,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/csv.h"
+#include "base/file.h"
+#include "base/json.h"
 #include "base/leave.h"
 #include "scene/session.h"
 #include "study/jobs.h"
@@ -67,11 +70,18 @@ static void show_progress(const session *s, double now) {
   double rate = (double)(over - s->before) / fmax(now - s->began_s, 1e-9);
   double left = rate > 0 ? (double)(s->total - over) / rate : NAN;
   if (s->o->progress_json) {
-    printf("{\"done\": %llu, \"failed\": %llu, \"total\": %llu, \"per_s\": %.6g, \"eta_s\": ",
-           (unsigned long long)s->journal.done, (unsigned long long)s->journal.failed,
-           (unsigned long long)s->total, rate);
-    printf(isfinite(left) ? "%.6g}\n" : "null}\n", left);
+    vs_text text = {0};
+    vs_json json = vs_json_new(&text);
+    vs_json_object(&json, NULL, VS_JSON_ROW);
+    vs_json_whole(&json, "done", (int64_t)s->journal.done);
+    vs_json_whole(&json, "failed", (int64_t)s->journal.failed);
+    vs_json_whole(&json, "total", (int64_t)s->total);
+    vs_json_number(&json, "per_s", rate, 6);
+    vs_json_number(&json, "eta_s", left, 6);
+    vs_json_end(&json);
+    puts(text.text);
     fflush(stdout);
+    vs_text_free(&text);
   } else if (s->show)
     fprintf(stderr, "\r%llu of %s%llu cases, %llu failed, %.4g a second, %.0f s left \033[K",
             (unsigned long long)over, s->plan.adaptive ? "at most " : "",
@@ -305,7 +315,11 @@ static vs_status write_result(session *s, uint64_t cases, vs_error *err) {
   vs_text more = {0};
   const vs_plan_stage *part = s->plan.adaptive;
   const vs_results results = {&s->plan, cases, s->points, s->values, s->status};
-  if (part && part->method->json) part->method->json(&s->plan, part, &results, &more);
+  if (part && part->method->json) {
+    vs_json json = vs_json_inside(&more);
+    vs_json_same_row(&json);
+    part->method->json(&s->plan, part, &results, &json);
+  }
   const vs_journals all = {&s->journal, 1, cases, more.text};
   vs_status status = vs_journals_write(&all, s->folder, err);
   vs_text_free(&more);

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "survey/folder.h"
 
-#include "study/case.h"
-
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "base/csv.h"
 #include "base/text.h"
 
 static bool is_there(const char *folder, const char *name) {
@@ -33,22 +33,15 @@ bool vs_folder_number(const char *cell, double *value) {
 
 /* ---- rows of CSV ---- */
 
-static size_t split(char *line, char **cell, size_t most) {
-  line[strcspn(line, "\r\n")] = '\0';
-  return vs_csv_split(line, cell, most);
-}
-
-typedef struct csv {
-  const char *path;
-  size_t cells; /* in each row */
-} csv;
-
-static vs_status show(const csv *file, vs_folder_row *row, long *before, vs_error *err) {
-  const vs_where at = {file->path, (int)row->line, 1};
+/* Takes the case's number, which must be larger than *before. cells: as many as each row has. */
+static vs_status take_row(const vs_csv *csv, size_t cells, vs_folder_row *row, long *before,
+                          vs_error *err) {
+  const vs_where at = {csv->file, csv->line, 1};
   char *end;
-  if (row->count != file->cells)
+  *row = (vs_folder_row){.line = csv->line, .cell = csv->cell, .count = csv->count};
+  if (row->count != cells)
     return vs_fail_at(err, at, "cells in this row: %zu; columns in the header: %zu", row->count,
-                      file->cells);
+                      cells);
   row->number = strtol(row->cell[0], &end, 10);
   if (*end || end == row->cell[0] || row->number < 0)
     return vs_fail_at(err, at, "'%s' is no case's number", row->cell[0]);
@@ -60,29 +53,24 @@ static vs_status show(const csv *file, vs_folder_row *row, long *before, vs_erro
 }
 
 /* All rows behind the header. */
-static vs_status each(const csv *file, FILE *f, vs_folder_visit visit, void *ctx, vs_error *err) {
-  char *line = NULL, *cell[VS_STUDY_COLUMNS + 1];
-  size_t size = 0;
-  long number = 1, before = -1;
-  vs_status status = VS_OK;
-  if (getline(&line, &size, f) < 0)
-    status = vs_fail_at(err, (vs_where){.file = file->path}, "the file is empty");
-  while (!status && getline(&line, &size, f) > 0) {
-    vs_folder_row row = {.line = ++number, .cell = cell};
-    row.count = split(line, cell, VS_STUDY_COLUMNS + 1);
-    status = show(file, &row, &before, err);
+static vs_status each(vs_csv *csv, size_t cells, vs_folder_visit visit, void *ctx, vs_error *err) {
+  long before = -1;
+  vs_folder_row row;
+  vs_status status = vs_csv_next(csv, err);
+  if (!status && !csv->count)
+    status = vs_fail_at(err, (vs_where){.file = csv->file}, "the file is empty");
+  while (!status && !(status = vs_csv_next(csv, err)) && csv->count) {
+    status = take_row(csv, cells, &row, &before, err);
     if (!status) status = visit(ctx, &row, err);
   }
-  if (!status && ferror(f))
-    status = vs_fail(err, VS_RUN, "%s: cannot be read: %s", file->path, strerror(errno));
-  free(line);
+  vs_csv_free(csv);
   return status;
 }
 
 vs_status vs_folder_each(const vs_folder *t, vs_folder_visit visit, void *ctx, vs_error *err) {
   FILE *f = fopen(t->path, "r");
   if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", t->path, strerror(errno));
-  vs_status status = each(&(csv){t->path, t->count}, f, visit, ctx, err);
+  vs_status status = each(&(vs_csv){.file = t->path, .stream = f}, t->count, visit, ctx, err);
   fclose(f);
   return status;
 }
@@ -97,7 +85,7 @@ vs_status vs_folder_each_failure(const vs_folder *t, vs_folder_visit visit, void
   FILE *f = fopen(path, "r");
   if (!f && errno == ENOENT) return VS_OK;
   if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
-  vs_status status = each(&(csv){path, cells}, f, visit, ctx, err);
+  vs_status status = each(&(vs_csv){.file = path, .stream = f}, cells, visit, ctx, err);
   fclose(f);
   return status;
 }
@@ -209,14 +197,12 @@ static vs_folder_role role_of(const char *title, size_t position) {
   return VS_ROLE_REPORT;
 }
 
-static vs_status take_header(vs_folder *t, char *line, vs_error *err) {
-  char *cell[VS_STUDY_COLUMNS + 1];
+static vs_status take_header(vs_folder *t, char *const *cell, size_t count, vs_error *err) {
   const vs_where at = {t->path, 1, 1};
-  t->count = split(line, cell, VS_STUDY_COLUMNS + 1);
-  if (t->count > VS_STUDY_COLUMNS) {
-    t->count = 0;
+  if (!count) return vs_fail_at(err, (vs_where){.file = t->path}, "the file is empty");
+  if (count > VS_STUDY_COLUMNS)
     return vs_fail_at(err, at, "more than %d columns", VS_STUDY_COLUMNS);
-  }
+  t->count = count;
   for (size_t c = 0; c < t->count; c++)
     t->column[c] = (vs_folder_column){.title = vs_copy(cell[c]),
                                       .name = vs_copy(cell[c]),
@@ -241,15 +227,13 @@ static vs_status take_header(vs_folder *t, char *line, vs_error *err) {
 
 static vs_status read_header(vs_folder *t, vs_error *err) {
   FILE *f = fopen(t->path, "r");
-  char *line = NULL;
-  size_t size = 0;
   if (!f)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s; a study that ended has one", t->path,
                    strerror(errno));
-  vs_status status = getline(&line, &size, f) < 0
-                         ? vs_fail_at(err, (vs_where){.file = t->path}, "the file is empty")
-                         : take_header(t, line, err);
-  free(line);
+  vs_csv csv = {.file = t->path, .stream = f};
+  vs_status status = vs_csv_next(&csv, err);
+  if (!status) status = take_header(t, csv.cell, csv.count, err);
+  vs_csv_free(&csv);
   fclose(f);
   return status;
 }
