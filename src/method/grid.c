@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What stands under vary: a grid, which is all combinations of the values listed, the last axis
  * running fastest; or a list, the rows of a CSV file. */
+#include "method/grid.h"
+
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,7 +10,7 @@
 
 #include "base/csv.h"
 #include "base/units.h"
-#include "method/methods.h"
+#include "study/plan.h"
 
 /* ---- grid ---- */
 
@@ -25,28 +27,31 @@ static vs_status read_grid(vs_plan *plan, const vs_node *section, void **state, 
   vs_status status = VS_OK;
   for (const vs_node *node = section->child; node && !status; node = node->next) {
     vs_axis *axis = NULL;
-    status = vs_axis_new(plan, node, "vary", &axis, err);
+    status = vs_plan_axis(plan, node, "vary", &axis, err);
     if (!status) status = vs_axis_values(axis, node, err);
     status = vs_error_carry_on(err, status);
   }
   return status;
 }
 
-static uint64_t count_grid(const vs_plan *plan, const vs_plan_stage *part) {
+static uint64_t count_grid(const vs_plan *plan, const vs_plan_stage *stage) {
   uint64_t count = 1;
-  for (size_t k = part->axis; k < part->axis + part->n && count <= VS_PLAN_CASES; k++)
+  for (size_t k = stage->axis; k < stage->axis + stage->n && count <= VS_PLAN_CASES; k++)
     count *= plan->axes[k].n_values;
   return count;
 }
 
-static void grid_point(const vs_plan *plan, const vs_plan_stage *part, uint64_t index,
+static void grid_point(const vs_plan *plan, const vs_plan_stage *stage, uint64_t index,
                        double *value) {
-  for (size_t k = part->n; k-- > 0;) {
-    const vs_axis *axis = &plan->axes[part->axis + k];
+  for (size_t k = stage->n; k-- > 0;) {
+    const vs_axis *axis = &plan->axes[stage->axis + k];
     value[k] = axis->value[index % axis->n_values];
     index /= axis->n_values;
   }
 }
+
+static const char *const GRID_EACH[] = {"curve", "map", "cases", NULL}, *const GRID_LAST[] = {
+                                                                            "effect", NULL};
 
 const vs_method vs_grid_method = {.name = "grid",
                                   .key = "vary",
@@ -54,7 +59,8 @@ const vs_method vs_grid_method = {.name = "grid",
                                   .claims = is_map,
                                   .read = read_grid,
                                   .count = count_grid,
-                                  .point = grid_point};
+                                  .point = grid_point,
+                                  .report = {.each = GRID_EACH, .last = GRID_LAST}};
 
 /* ---- list ---- */
 
@@ -80,13 +86,13 @@ static vs_status read_header(reader *c, size_t k, vs_error *err) {
   const vs_where where = c->csv.where[k];
   vs_node node = vs_tree_word(cell, NULL, where);
   vs_error first = {0};
-  if (!vs_axis_new(c->plan, &node, "vary", &c->axis[k], &first)) return VS_OK;
+  if (!vs_plan_axis(c->plan, &node, "vary", &c->axis[k], &first)) return VS_OK;
   char key[VS_KEY_SIZE];
   for (const char *s = cell; (s = strchr(s, '_')); s++) {
     vs_error none = {0};
     snprintf(key, sizeof key, "%.*s", (int)(s - cell), cell);
     node = vs_tree_word(key, NULL, where);
-    if (vs_axis_new(c->plan, &node, "vary", &c->axis[k], &none)) continue;
+    if (vs_plan_axis(c->plan, &node, "vary", &c->axis[k], &none)) continue;
     c->bare[k] = true;
     if (!strcmp(c->axis[k]->column, cell)) return VS_OK;
     return vs_fail_at(err, where, "column %s: %s is wanted, or %s with units in its cells", cell,
@@ -158,14 +164,16 @@ static vs_status read_list(vs_plan *plan, const vs_node *section, void **state, 
   return status ? status : vs_plan_input(plan, path, err);
 }
 
-static uint64_t count_list(const vs_plan *plan, const vs_plan_stage *part) {
-  return plan->axes[part->axis].n_values;
+static uint64_t count_list(const vs_plan *plan, const vs_plan_stage *stage) {
+  return plan->axes[stage->axis].n_values;
 }
 
-static void list_point(const vs_plan *plan, const vs_plan_stage *part, uint64_t index,
+static void list_point(const vs_plan *plan, const vs_plan_stage *stage, uint64_t index,
                        double *value) {
-  for (size_t k = 0; k < part->n; k++) value[k] = plan->axes[part->axis + k].value[index];
+  for (size_t k = 0; k < stage->n; k++) value[k] = plan->axes[stage->axis + k].value[index];
 }
+
+static const char *const LIST_EACH[] = {"cases", NULL};
 
 const vs_method vs_grid_list = {.name = "list",
                                 .key = "vary",
@@ -174,4 +182,5 @@ const vs_method vs_grid_list = {.name = "list",
                                 .read = read_list,
                                 .free = free,
                                 .count = count_list,
-                                .point = list_point};
+                                .point = list_point,
+                                .report = {.each = LIST_EACH}};

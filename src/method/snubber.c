@@ -17,6 +17,8 @@
  * joules: the sum of C*v_peak^2/2 over the capacitors under vary and of power/f over the resistors,
  * of the candidate's worst run. Of candidates that do not hold, the one that is over its ratings by
  * less is better; and all of them are worse than any that holds. */
+#include "method/snubber.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,9 +27,9 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "base/units.h"
-#include "method/methods.h"
 #include "method/search.h"
 #include "method/span.h"
+#include "study/plan.h"
 
 enum { PER_AXIS = 80, MOST_CANDIDATES = 10000, RATINGS = 16 };
 
@@ -123,8 +125,8 @@ static vs_status read_snubber(vs_plan *plan, const vs_node *section, void **stat
   snubber *s = *state = vs_alloc(1, sizeof *s);
   s->margin = 0.2;
   s->finest = 0.01;
-  for (size_t p = 0; p < plan->n_parts; p++)
-    if (!strcmp(plan->parts[p].method->key, "sample")) s->sample = &plan->parts[p];
+  for (size_t p = 0; p < plan->n_stages; p++)
+    if (!strcmp(plan->stages[p].method->key, "sample")) s->sample = &plan->stages[p];
   vs_status status = vs_field_known_keys(section, "snubber", KEYS, sizeof KEYS / sizeof *KEYS, err);
   if (!status) status = vs_error_carry_on(err, read_ratings(plan, section, s, err));
   if (!status)
@@ -162,8 +164,8 @@ static vs_status take_limit(const vs_plan *plan, rating *r, vs_error *err) {
                     column->name);
 }
 
-static vs_status ready_snubber(const vs_plan *plan, const vs_plan_stage *part, vs_error *err) {
-  snubber *s = part->state;
+static vs_status ready_snubber(const vs_plan *plan, const vs_plan_stage *stage, vs_error *err) {
+  snubber *s = stage->state;
   vs_status status = VS_OK;
   for (size_t k = 0; k < s->n_ratings && !status; k++)
     status = vs_error_carry_on(err, take_limit(plan, &s->ratings[k], err));
@@ -179,8 +181,8 @@ static uint64_t spreads(const vs_plan *plan, const snubber *s) {
   return s->sample ? s->sample->method->count(plan, s->sample) : 0;
 }
 
-static uint64_t count_snubber(const vs_plan *plan, const vs_plan_stage *part) {
-  const snubber *s = part->state;
+static uint64_t count_snubber(const vs_plan *plan, const vs_plan_stage *stage) {
+  const snubber *s = stage->state;
   return candidates(plan, s) * (1 + spreads(plan, s));
 }
 
@@ -318,10 +320,10 @@ static void go(hunt *h, void (*each)(void *ctx, const candidate *), void *ctx) {
   vs_search_free(h->search);
 }
 
-static vs_status next_snubber(const vs_plan *plan, const vs_plan_stage *part,
+static vs_status next_snubber(const vs_plan *plan, const vs_plan_stage *stage,
                               const vs_results *results, vs_generation *generation, vs_error *err) {
   (void)err;
-  hunt h = {.plan = plan, .s = part->state, .results = results, .generation = generation};
+  hunt h = {.plan = plan, .s = stage->state, .results = results, .generation = generation};
   go(&h, NULL, NULL);
   return VS_OK;
 }
@@ -378,9 +380,9 @@ static void add_candidates(const vs_plan *plan, const snubber *s, const vs_resul
   vs_json_end(json);
 }
 
-static void json_snubber(const vs_plan *plan, const vs_plan_stage *part, const vs_results *results,
+static void json_snubber(const vs_plan *plan, const vs_plan_stage *stage, const vs_results *results,
                          vs_json *json) {
-  const snubber *s = part->state;
+  const snubber *s = stage->state;
   vs_json_object(json, "snubber", VS_JSON_ROW);
   vs_json_number(json, "margin", s->margin, 12);
   vs_json_number(json, "finest", s->finest, 12);
@@ -393,6 +395,9 @@ static void json_snubber(const vs_plan *plan, const vs_plan_stage *part, const v
   vs_json_end(json);
 }
 
+static const char *const LEAD[] = {"feasible", NULL}, *const EACH[] = {"map", "cloud", "cases",
+                                                                       NULL};
+
 const vs_method vs_snubber_method = {
     .name = "snubber",
     .key = "snubber",
@@ -403,4 +408,8 @@ const vs_method vs_snubber_method = {
     .free = free,
     .count = count_snubber,
     .next = next_snubber,
-    .json = json_snubber};
+    .json = json_snubber,
+    .report = {.lead = LEAD,
+               .each = EACH,
+               .best = "Cheapest that holds",
+               .none = "None found that holds over the spread"}};

@@ -10,6 +10,8 @@
  *     seed: 7
  *     finest: 0.1 %                      of each axis: shorter steps end the search
  */
+#include "method/worst.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,9 +20,9 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "base/units.h"
-#include "method/methods.h"
 #include "method/search.h"
 #include "method/span.h"
+#include "study/plan.h"
 
 enum { PER_AXIS = 100, MOST_CASES = 100000 };
 
@@ -85,16 +87,16 @@ static vs_status read_worst(vs_plan *plan, const vs_node *section, void **state,
   return status;
 }
 
-static uint64_t worst_count(const vs_plan *plan, const vs_plan_stage *part) {
-  const worst *w = part->state;
+static uint64_t worst_count(const vs_plan *plan, const vs_plan_stage *stage) {
+  const worst *w = stage->state;
   return w->n ? w->n : PER_AXIS * plan->n_axes;
 }
 
-static vs_search *begin(const vs_plan *plan, const vs_plan_stage *part) {
-  const worst *w = part->state;
+static vs_search *begin(const vs_plan *plan, const vs_plan_stage *stage) {
+  const worst *w = stage->state;
   vs_search_setup setup = {.axes = plan->n_axes,
                            .seed = plan->seed,
-                           .most = (size_t)worst_count(plan, part),
+                           .most = (size_t)worst_count(plan, stage),
                            .finest = w->finest};
   for (size_t d = 0; d < plan->n_axes; d++) setup.levels[d] = (int)vs_span_levels(&plan->axes[d]);
   return vs_search_new(&setup);
@@ -123,14 +125,14 @@ static uint64_t replay(vs_search *search, const worst *w, const vs_results *resu
   return done;
 }
 
-static vs_status worst_next(const vs_plan *plan, const vs_plan_stage *part,
+static vs_status worst_next(const vs_plan *plan, const vs_plan_stage *stage,
                             const vs_results *results, vs_generation *generation, vs_error *err) {
   (void)err;
-  worst *w = part->state;
+  worst *w = stage->state;
   size_t count;
   if (!w->search || results->count < w->done) { /* from the first on; else where it stands */
     vs_search_free(w->search);
-    w->search = begin(plan, part);
+    w->search = begin(plan, stage);
     w->done = 0;
   }
   w->done = replay(w->search, w, results, w->done, NULL);
@@ -157,10 +159,10 @@ static uint64_t find_best(const worst *w, const vs_results *results) {
   return best;
 }
 
-static void add_found(const vs_plan *plan, const vs_plan_stage *part, const vs_results *results,
+static void add_found(const vs_plan *plan, const vs_plan_stage *stage, const vs_results *results,
                       vs_json *json) {
-  const worst *w = part->state;
-  vs_search *search = begin(plan, part);
+  const worst *w = stage->state;
+  vs_search *search = begin(plan, stage);
   vs_json_array(json, "phases", VS_JSON_ROW);
   replay(search, w, results, 0, json);
   vs_json_end(json);
@@ -176,17 +178,19 @@ static void add_found(const vs_plan *plan, const vs_plan_stage *part, const vs_r
   vs_json_end(json);
 }
 
-static void worst_json(const vs_plan *plan, const vs_plan_stage *part, const vs_results *results,
+static void worst_json(const vs_plan *plan, const vs_plan_stage *stage, const vs_results *results,
                        vs_json *json) {
-  const worst *w = part->state;
+  const worst *w = stage->state;
   char aim[VS_JUDGED_NAME + 8];
   snprintf(aim, sizeof aim, "%s %s", w->sense < 0 ? "max" : "min", w->measure);
   vs_json_object(json, "find", VS_JSON_ROW);
   vs_json_text(json, "worst", aim);
   vs_json_number(json, "finest", w->finest, 12);
-  if (results) add_found(plan, part, results, json);
+  if (results) add_found(plan, stage, results, json);
   vs_json_end(json);
 }
+
+static const char *const LEAD[] = {"path", "cloud", NULL}, *const EACH[] = {"cases", NULL};
 
 const vs_method vs_worst_method = {
     .name = "worst",
@@ -197,4 +201,5 @@ const vs_method vs_worst_method = {
     .free = free_worst,
     .count = worst_count,
     .next = worst_next,
-    .json = worst_json};
+    .json = worst_json,
+    .report = {.lead = LEAD, .each = EACH, .aim = "worst", .best = "Worst found"}};

@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "survey/folder.h"
+#include "survey/survey.h"
 
 typedef struct vs_scale {
   double factor;   /* what is shown is factor times what study.csv says */
@@ -16,13 +16,6 @@ typedef struct vs_scale {
   char label[320]; /* "circuit.c1 / µF" */
 } vs_scale;
 
-/* least, largest: of the column; NAN both: nothing is known. value: its different values, rising;
- * NULL: too many. */
-typedef struct vs_extent {
-  double least, largest;
-  const double *value;
-  size_t count;
-} vs_extent;
 vs_scale vs_scale_of(const vs_folder_column *column, vs_extent span);
 
 /* "ohm" -> "Ω", "m/s2" -> "m/s²", "N.s/m" -> "N·s/m" */

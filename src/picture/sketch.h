@@ -5,6 +5,7 @@
 #define VS_PICTURE_SKETCH_H
 
 #include "base/text.h"
+#include "picture/scale.h"
 #include "survey/survey.h"
 
 typedef struct vs_picture {
@@ -21,11 +22,20 @@ typedef struct vs_sketch {
   const vs_survey *s;
   size_t axis[VS_STUDY_COLUMNS]; /* which columns are axes, and there is more than one value of */
   size_t n_axes;
+  size_t one; /* the axis whose turn it is, for a chart that is drawn for each */
 } vs_sketch;
 
-/* A picture of a column. Errors: the file can no longer be read. */
-typedef vs_status (*vs_sketch_draw)(const vs_sketch *k, size_t column, vs_picture *p,
-                                    vs_error *err);
+/* A kind of picture: one const struct, and a row in the table in album.c. */
+typedef struct vs_chart {
+  const char *name; /* as methods name it */
+  /* Says whether the study's axes and cases allow it. NULL: whatever they are. */
+  bool (*fits)(const vs_sketch *k);
+  bool whole;     /* it shows a search as a whole: the column it is drawn for is still to show */
+  bool each_axis; /* it is drawn once for each axis of few values, which is k->one then */
+  /* Draws the column. Leaves p->name empty where there is nothing to draw. Errors: study.csv can no
+   * longer be read. */
+  vs_status (*draw)(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err);
+} vs_chart;
 
 vs_scale vs_sketch_scale(const vs_sketch *k, size_t column);
 

@@ -1,6 +1,6 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later
- * What a study's manifest says, but for the counts of its cases: the same for every worker count,
- * shard and machine speed. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/manifest.h"
+
 #include <gsl/gsl_version.h>
 #include <math.h>
 #include <stdlib.h>
@@ -10,7 +10,6 @@
 #include "base/json.h"
 #include "scene/version.h"
 #include "study/case.h"
-#include "study/study.h"
 
 enum { MOST_VALUES_SHOWN = 1000 };
 
@@ -56,21 +55,21 @@ static void add_number(const vs_axis *axis, const char *key, double number, vs_j
   vs_text_add(json->text, "%s", text);
 }
 
-static const vs_plan_stage *part_of(const vs_plan *plan, size_t axis) {
-  for (size_t p = 0; p < plan->n_parts; p++)
-    if (axis >= plan->parts[p].axis && axis < plan->parts[p].axis + plan->parts[p].n)
-      return &plan->parts[p];
+static const vs_plan_stage *stage_of(const vs_plan *plan, size_t axis) {
+  for (size_t p = 0; p < plan->n_stages; p++)
+    if (axis >= plan->stages[p].axis && axis < plan->stages[p].axis + plan->stages[p].n)
+      return &plan->stages[p];
   return NULL;
 }
 
 static void add_axis(const vs_plan *plan, size_t k, vs_json *json) {
   const vs_axis *axis = &plan->axes[k];
-  const vs_plan_stage *part = part_of(plan, k);
+  const vs_plan_stage *stage = stage_of(plan, k);
   vs_json_object(json, NULL, VS_JSON_ROW);
   vs_json_text(json, "key", axis->key);
   vs_json_text(json, "column", axis->column);
   vs_json_text(json, "unit", axis->unit);
-  vs_json_text(json, "by", part ? part->method->name : axis->by);
+  vs_json_text(json, "by", stage ? stage->method->name : axis->by);
   vs_json_text(json, "text", axis->field->text);
   if (isfinite(axis->nominal)) add_number(axis, "nominal", axis->nominal, json);
   if (axis->ranged) {
@@ -83,7 +82,7 @@ static void add_axis(const vs_plan *plan, size_t k, vs_json *json) {
     for (size_t v = 0; v < axis->n_values; v++) add_number(axis, NULL, axis->value[v], json);
     vs_json_end(json);
   }
-  if (part && part->method->axis_json) part->method->axis_json(axis, json);
+  if (stage && stage->method->axis_json) stage->method->axis_json(axis, json);
   vs_json_end(json);
 }
 
@@ -130,10 +129,10 @@ static void add_end(const vs_plan *plan, const char *name, vs_text *text) {
   for (size_t k = 0; k < plan->n_inputs; k++) add_input(&plan->inputs[k], &json);
   vs_json_end(&json);
   add_command(plan, name, &json);
-  for (size_t p = 0; p < plan->n_parts && !plan->adaptive; p++) {
-    if (!plan->parts[p].method->json) continue;
+  for (size_t p = 0; p < plan->n_stages && !plan->adaptive; p++) {
+    if (!plan->stages[p].method->json) continue;
     vs_json_same_row(&json);
-    plan->parts[p].method->json(plan, &plan->parts[p], NULL, &json);
+    plan->stages[p].method->json(plan, &plan->stages[p], NULL, &json);
   }
 }
 

@@ -1,12 +1,13 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later
- * Shards: which part of a study one process does, and how the parts become one. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/merge.h"
+
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
-#include "study/study.h"
+#include "study/journal.h"
 
 /* ---- which ---- */
 

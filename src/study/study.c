@@ -16,6 +16,8 @@
 #include "base/leave.h"
 #include "scene/session.h"
 #include "study/jobs.h"
+#include "study/manifest.h"
+#include "study/merge.h"
 
 static const char *const RESULTS[] = {"manifest.json", "study.csv", "failures.csv"};
 enum { N_RESULTS = sizeof RESULTS / sizeof *RESULTS };
@@ -154,13 +156,13 @@ static vs_status take_values(session *s, uint64_t index, vs_error *err) {
 
 /* Generation after generation, as the method asks for them by the results so far. */
 static vs_status run_adaptive(session *s, uint64_t *count, vs_error *err) {
-  const vs_plan_stage *part = s->plan.adaptive;
+  const vs_plan_stage *stage = s->plan.adaptive;
   vs_status status = VS_OK;
   *count = 0;
   for (bool more = true; more && !status;) {
     vs_generation g = {.n_axes = s->plan.n_axes};
     const vs_results results = {&s->plan, *count, s->points, s->values, s->status};
-    status = part->method->next(&s->plan, part, &results, &g, err);
+    status = stage->method->next(&s->plan, stage, &results, &g, err);
     more = !status && g.count;
     if (more) {
       take_generation(s, *count, &g);
@@ -313,12 +315,12 @@ static void discard_folder(const session *s) {
 
 static vs_status write_result(session *s, uint64_t cases, vs_error *err) {
   vs_text more = {0};
-  const vs_plan_stage *part = s->plan.adaptive;
+  const vs_plan_stage *stage = s->plan.adaptive;
   const vs_results results = {&s->plan, cases, s->points, s->values, s->status};
-  if (part && part->method->json) {
+  if (stage && stage->method->json) {
     vs_json json = vs_json_inside(&more);
     vs_json_same_row(&json);
-    part->method->json(&s->plan, part, &results, &json);
+    stage->method->json(&s->plan, stage, &results, &json);
   }
   const vs_journals all = {&s->journal, 1, cases, more.text};
   vs_status status = vs_journals_write(&all, s->folder, err);
@@ -404,7 +406,7 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
                      : o->keep_runs     ? "--keep runs"
                      : o->progress_json ? "--progress json"
                                         : "--shard");
-  if (!status) status = vs_plan_read(o->name, o->sets, o->n_sets, &s->plan, err);
+  if (!status) status = vs_plan_read(o->name, o->methods, o->sets, o->n_sets, &s->plan, err);
   if (!status) status = name_folder(s, err);
   bool named = !status;
   if (!status) {
@@ -427,8 +429,7 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
 
 /* ---- check ---- */
 
-bool vs_study_is(const char *name) {
-  static const char *const KEYS[] = {"scene", "set", "vary", "sample", "find", "snubber", "report"};
+bool vs_study_is(const char *name, const vs_method *const *methods) {
   char path[VS_PATH_SIZE];
   vs_error none = {0};
   vs_tree tree = {0};
@@ -438,16 +439,16 @@ bool vs_study_is(const char *name) {
   size_t n = strlen(path);
   bool yaml = (n > 5 && !strcmp(path + n - 5, ".yaml")) || (n > 4 && !strcmp(path + n - 4, ".yml"));
   if (!yaml || vs_tree_read(path, &tree, &none)) n = 0;
-  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS && n; k++)
-    study = study || vs_tree_child(tree.root, KEYS[k]);
+  if (n) study = vs_plan_has_keys(&tree, methods);
   vs_tree_free(&tree);
   return study;
 }
 
-vs_status vs_study_check(const vs_check_options *o, vs_text *good, vs_error *err) {
+vs_status vs_study_check(const vs_check_options *o, const vs_method *const *methods, vs_text *good,
+                         vs_error *err) {
   vs_plan *plan = vs_alloc(1, sizeof *plan);
   char method[128];
-  vs_status status = vs_plan_read(o->name, o->sets, o->n_sets, plan, err);
+  vs_status status = vs_plan_read(o->name, methods, o->sets, o->n_sets, plan, err);
   if (!status && !vs_error_count(err))
     status = vs_session_try(plan->first->tier, &plan->first->setup, err);
   if (!status && !vs_error_count(err)) {

@@ -176,6 +176,21 @@ static vs_status read_manifest(vs_folder *t, vs_error *err) {
   return status;
 }
 
+/* Those the manifest names, "grid x sobol", as far as this program has them. */
+static void find_methods(vs_folder *t, const vs_method *const *methods) {
+  static const char AND[] = " x ";
+  size_t names = 1;
+  for (const char *s = t->method; (s = strstr(s, AND)); s += strlen(AND)) names++;
+  t->methods = vs_alloc(names, sizeof *t->methods);
+  for (const char *s = t->method, *end; s; s = end ? end + strlen(AND) : NULL) {
+    end = strstr(s, AND);
+    const vs_method *m = vs_method_named(methods, s, end ? (size_t)(end - s) : strlen(s));
+    if (!m) continue;
+    t->methods[t->n_methods++] = m;
+    if (m->next) t->search = m;
+  }
+}
+
 /* ---- the header of study.csv ---- */
 
 static int find_role(const vs_folder *t, vs_folder_role role) {
@@ -247,7 +262,8 @@ static vs_status check_columns(const vs_folder *t, vs_error *err) {
   return VS_OK;
 }
 
-vs_status vs_folder_open(vs_folder *t, const char *folder, vs_error *err) {
+vs_status vs_folder_open(vs_folder *t, const char *folder, const vs_method *const *methods,
+                         vs_error *err) {
   *t = (vs_folder){0};
   if (strlen(folder) > VS_PATH_SIZE / 2)
     return vs_fail(err, VS_INPUT, "%s: too long a name", folder);
@@ -255,6 +271,7 @@ vs_status vs_folder_open(vs_folder *t, const char *folder, vs_error *err) {
   snprintf(t->path, sizeof t->path, "%s/study.csv", folder);
   snprintf(t->manifest_path, sizeof t->manifest_path, "%s/manifest.json", folder);
   vs_status status = read_manifest(t, err);
+  if (!status) find_methods(t, methods);
   if (!status) status = read_header(t, err);
   if (!status) status = take_list(t, "axes", "key", VS_ROLE_AXIS, err);
   if (!status) status = take_list(t, "report", "name", VS_ROLE_REPORT, err);
@@ -270,13 +287,25 @@ void vs_folder_close(vs_folder *t) {
     free(t->column[c].text);
   }
   vs_tree_free(&t->manifest);
+  free(t->methods);
   *t = (vs_folder){0};
 }
 
+const vs_node *vs_folder_search(const vs_folder *t) {
+  return t->search ? vs_tree_child(t->manifest.root, t->search->key) : NULL;
+}
+
+bool vs_folder_is_sampled(const vs_folder *t) {
+  bool sampled = false;
+  for (size_t k = 0; k < t->n_methods; k++) sampled = sampled || t->methods[k]->report.sampled;
+  return sampled;
+}
+
 size_t vs_folder_aim(const vs_folder *t, bool *largest) {
-  const vs_node *find = vs_tree_child(t->manifest.root, "find");
-  const vs_node *worst = find && find->kind == VS_NODE_MAP ? vs_tree_child(find, "worst") : find;
-  const char *words = text_of(worst), *name = words ? strrchr(words, ' ') : NULL;
+  const vs_node *search = vs_folder_search(t);
+  const char *key = search && search->kind == VS_NODE_MAP ? t->search->report.aim : NULL;
+  const char *words = key ? text_of(vs_tree_child(search, key)) : NULL;
+  const char *name = words ? strrchr(words, ' ') : NULL;
   *largest = name && !strncmp(words, "max", 3);
   for (size_t c = 1; name && c < t->count; c++)
     if (!strcmp(t->column[c].name, name + 1)) return c;
@@ -285,10 +314,9 @@ size_t vs_folder_aim(const vs_folder *t, bool *largest) {
 }
 
 long vs_folder_found(const vs_folder *t) {
-  const vs_node *search = vs_tree_child(t->manifest.root, "find");
-  if (!search) search = vs_tree_child(t->manifest.root, "snubber");
+  const vs_node *search = vs_folder_search(t);
   const vs_node *found =
       search && search->kind == VS_NODE_MAP ? vs_tree_child(search, "found") : NULL;
-  const char *number = text_of(found ? vs_tree_child(found, "case") : NULL);
+  const char *number = text_of(vs_tree_child(found, "case"));
   return number && *number ? strtol(number, NULL, 10) : -1;
 }

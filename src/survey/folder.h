@@ -6,6 +6,7 @@
 
 #include "base/path.h"
 #include "base/tree.h"
+#include "study/method.h"
 
 typedef enum vs_folder_role {
   VS_ROLE_CASE,    /* its number */
@@ -35,7 +36,10 @@ enum { VS_STUDY_COLUMNS = 256 };
 typedef struct vs_folder {
   char folder[VS_PATH_SIZE], path[VS_PATH_SIZE], manifest_path[VS_PATH_SIZE];
   vs_tree manifest;
-  const char *method;       /* "grid", "sobol", ... */
+  const char *method;        /* as the manifest names it: "grid", "grid x sobol", ... */
+  const vs_method **methods; /* those of it that this program has, in that order */
+  size_t n_methods;
+  const vs_method *search;  /* the one of them that searches; NULL: none */
   long cases, done, failed; /* asked for; with a row; without one, in failures.csv */
   vs_folder_column column[VS_STUDY_COLUMNS];
   size_t count;
@@ -44,14 +48,22 @@ typedef struct vs_folder {
 } vs_folder;
 
 /* Errors: a file missing or broken, columns that are not those the manifest names. */
-vs_status vs_folder_open(vs_folder *table, const char *folder, vs_error *err);
+vs_status vs_folder_open(vs_folder *table, const char *folder, const vs_method *const *methods,
+                         vs_error *err);
 void vs_folder_close(vs_folder *table);
 
 /* The column that says how bad a case is, and whether the worst is the largest: what a worst-case
  * search looks for ("find": "max thyristor.v_reverse"), else the least margin. 0: there is none. */
 size_t vs_folder_aim(const vs_folder *table, bool *largest);
 
-/* The case that a search gives as its answer, by "find" or "snubber"; -1: none. */
+/* The member of the manifest in which the search says what it was asked and what it found; NULL:
+ * nothing searched, or the manifest has no such member. */
+const vs_node *vs_folder_search(const vs_folder *table);
+
+/* True if the cases are random samples, so that a share of them is a yield. */
+bool vs_folder_is_sampled(const vs_folder *table);
+
+/* The case that a search gives as its answer; -1: none. */
 long vs_folder_found(const vs_folder *table);
 
 /* True when the folder holds manifest.json or study.csv. */

@@ -4,7 +4,6 @@
 #ifndef VS_SURVEY_SURVEY_H
 #define VS_SURVEY_SURVEY_H
 
-#include "picture/scale.h"
 #include "survey/folder.h"
 
 typedef struct vs_count {
@@ -18,6 +17,13 @@ typedef struct vs_counts {
 } vs_counts;
 
 enum { VS_DISTINCT = 1024, VS_WORST = 10 };
+
+/* What is known of a column's numbers. */
+typedef struct vs_extent {
+  double least, largest; /* NAN both: nothing is known */
+  const double *value;   /* its different numbers, rising; NULL: too many */
+  size_t count;          /* of value */
+} vs_extent;
 
 /* Of one column. */
 typedef struct vs_profile {
