@@ -32,7 +32,7 @@ typedef struct vs_field {
   size_t offset;                 /* of the member in the struct it fills */
   const char *text;              /* what it means, one line */
   const char *choices;           /* VS_CHOICE: "paper|derived"; VS_COUNT, VS_OPTION: a word for 0 */
-  const struct vs_section *part; /* VS_OPTION: what a map may hold */
+  const struct vs_section *keys; /* VS_OPTION: what a map may hold */
 } vs_field;
 
 typedef struct vs_section {

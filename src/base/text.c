@@ -115,13 +115,6 @@ int vs_text_column(const char *line, const char *at) {
   return column;
 }
 
-void vs_units_suffix(const char *unit, char *suffix, size_t size) {
-  size_t n = 0;
-  for (; *unit && n + 1 < size; unit++)
-    suffix[n++] = isalnum((unsigned char)*unit) ? (char)tolower((unsigned char)*unit) : '_';
-  suffix[n] = '\0';
-}
-
 /* Powers of ten that a double has exactly. */
 enum { LARGEST_POWER = 22, MOST_DIGITS = 12 };
 static const double TEN[LARGEST_POWER + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,

@@ -34,7 +34,4 @@ int vs_text_column(const char *line, const char *at);
 enum { VS_NUMBER_SIZE = 32 };
 size_t vs_text_number(char text[VS_NUMBER_SIZE], double value, int digits);
 
-/* "m/s2" -> "m_s2", "Wb" -> "wb", "" -> "": the unit as it ends a CSV column's name. */
-void vs_units_suffix(const char *unit, char *suffix, size_t size);
-
 #endif

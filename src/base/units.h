@@ -19,6 +19,9 @@ double vs_units_factor(const char *unit);
 bool vs_units_known(const char *unit);
 bool vs_units_same_kind(const char *unit, const char *other); /* false also for one that is none */
 
+/* Writes the unit as it ends a CSV column's name: "m/s2" as "m_s2", "Wb" as "wb", "" as "". */
+void vs_units_suffix(const char *unit, char *suffix, size_t size);
+
 /* SI value of the unit of the same kind as `unit` that a CSV column's name ends in, written as
  * vs_units_suffix writes it or with its capitals: "mm_s2", "ma", "mA". NAN: it names no such unit.
  */

@@ -14,6 +14,7 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
+#include "base/units.h"
 #include "scene/scene.h"
 
 static const char *const STATES[VS_STATES] = {"p", "u", "w", "phi", "vp", "vu", "vw", "vphi"};

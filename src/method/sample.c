@@ -14,6 +14,7 @@
  * first axis running fastest. */
 #include "method/sample.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -223,7 +224,11 @@ static vs_status sobol_read(vs_plan *plan, const vs_node *section, void **state,
   sample *s = *state;
   if (status) return status;
   s->sobol = vs_alloc(1, sizeof *s->sobol);
-  vs_random_sobol_begin(s->sobol, plan->n_axes - first, s->n, plan->seed);
+  _Static_assert((int)VS_PLAN_AXES <= (int)VS_SOBOL_AXES && VS_PLAN_CASES <= 1ull << VS_SOBOL_BITS,
+                 "every study that can be asked for has a Sobol sequence");
+  bool begun = vs_random_sobol_begin(s->sobol, plan->n_axes - first, s->n, plan->seed);
+  assert(begun);
+  (void)begun;
   return VS_OK;
 }
 

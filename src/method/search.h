@@ -12,7 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { VS_SEARCH_AXES = 40 }; /* at most */
+enum { VS_SEARCH_AXES = 40 }; /* at most; Sobol points give the first ones (VS_SOBOL_AXES) */
 
 typedef struct vs_search_setup {
   size_t axes;

@@ -246,6 +246,8 @@ typedef struct hunt {
   vs_generation *generation; /* NULL: nothing is asked for */
 } hunt;
 
+_Static_assert((int)VS_PLAN_AXES <= (int)VS_SEARCH_AXES, "all axes of a plan can be searched");
+
 static vs_search *begin(const vs_plan *plan, const snubber *s) {
   vs_search_setup setup = {.axes = s->n_design,
                            .seed = plan->seed,

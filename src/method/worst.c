@@ -92,6 +92,8 @@ static uint64_t worst_count(const vs_plan *plan, const vs_plan_stage *stage) {
   return w->n ? w->n : PER_AXIS * plan->n_axes;
 }
 
+_Static_assert((int)VS_PLAN_AXES <= (int)VS_SEARCH_AXES, "all axes of a plan can be searched");
+
 static vs_search *begin(const vs_plan *plan, const vs_plan_stage *stage) {
   const worst *w = stage->state;
   vs_search_setup setup = {.axes = plan->n_axes,

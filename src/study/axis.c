@@ -39,7 +39,7 @@ static void add_keys(key_list *list, const char *section, const vs_section *fiel
       if (member) memcpy(&present, member, sizeof present);
       char part[VS_KEY_SIZE];
       snprintf(part, sizeof part, "%s", key->name);
-      add_keys(list, part, f->part, present ? member : NULL);
+      add_keys(list, part, f->keys, present ? member : NULL);
     }
   }
 }
@@ -99,7 +99,7 @@ static vs_status describe(vs_axis *axis, const scene_key *key, vs_error *err) {
                       axis->key);
   if (f->kind == VS_OPTION)
     return vs_fail_at(err, axis->where, "%s has keys of its own, such as %s.%s: name one of those",
-                      axis->key, axis->key, f->part->fields[0].key);
+                      axis->key, axis->key, f->keys->fields[0].key);
   snprintf(axis->section, sizeof axis->section, "%s", key->section);
   axis->field = f;
   axis->unit = f->unit;

@@ -29,6 +29,23 @@ int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, b
 void vs_case_failure(const vs_plan *plan, uint64_t index, const double *point, const char *why,
                      vs_text *row);
 
+/* The columns of study.csv behind the measures, in their order. */
+typedef enum vs_case_column {
+  VS_CASE_MARGIN,
+  VS_CASE_MARGIN_ERROR,
+  VS_CASE_WEAKEST,
+  VS_CASE_RUNG,
+  VS_CASE_LEAVING,
+  VS_CASE_WARNINGS,
+  VS_CASE_STATUS,
+  VS_CASE_COLUMNS /* how many they are */
+} vs_case_column;
+extern const char *const vs_case_titles[VS_CASE_COLUMNS];
+
+/* Takes apart a row that vs_case_run has added, which loses its commas. values[1 + n_columns]: the
+ * least margin, then the plan's columns; NaN: not known. false: it is no row of that plan's. */
+bool vs_case_values(const vs_plan *plan, char *row, double *values, int *status);
+
 /* Header rows, without a newline. */
 void vs_case_header(const vs_plan *plan, vs_text *row);
 void vs_case_failure_header(const vs_plan *plan, vs_text *row);

@@ -33,8 +33,12 @@ static const struct {
              {"manifest_end", offsetof(vs_journal_head, manifest_end)}};
 enum { N_TEXTS = sizeof TEXTS / sizeof *TEXTS };
 
-static char **text_of(const vs_journal_head *head, size_t k) {
-  return (char **)(void *)((char *)(size_t)head + TEXTS[k].offset);
+static char **text_of(vs_journal_head *head, size_t k) {
+  return (char **)(void *)((char *)head + TEXTS[k].offset);
+}
+
+static const char *text_in(const vs_journal_head *head, size_t k) {
+  return *(char *const *)(const void *)((const char *)head + TEXTS[k].offset);
 }
 
 void vs_journal_head_free(vs_journal_head *head) {
@@ -61,7 +65,7 @@ static void add_head(vs_text *to, const vs_journal_head *head) {
   add_line(to, 'h', MAGIC, strlen(MAGIC));
   for (size_t k = 0; k < N_TEXTS; k++) {
     line.length = 0;
-    vs_text_add(&line, "%s=%s", TEXTS[k].name, *text_of(head, k));
+    vs_text_add(&line, "%s=%s", TEXTS[k].name, text_in(head, k));
     add_line(to, 'h', line.text, line.length);
   }
   line.length = 0;
@@ -130,7 +134,7 @@ static bool read_head_line(vs_journal *j, const char *text, uint64_t at) {
 
 static bool is_whole(const vs_journal_head *head) {
   for (size_t k = 0; k < N_TEXTS; k++)
-    if (!*text_of(head, k)) return false;
+    if (!text_in(head, k)) return false;
   return head->shards > 0 && head->shard > 0 && head->shard <= head->shards;
 }
 
@@ -431,7 +435,7 @@ static void write_manifest(const vs_journals *all, FILE *f) {
   vs_text_free(&text);
 }
 
-vs_status vs_journals_write(const vs_journals *all, const char *folder, vs_error *err) {
+vs_status vs_journal_write(const vs_journals *all, const char *folder, vs_error *err) {
   vs_file study = {0}, failures = {0}, manifest = {0};
   vs_status status = vs_file_open(&study, folder, "study.csv", err);
   if (!status) status = vs_file_open(&failures, folder, "failures.csv", err);

@@ -76,6 +76,6 @@ typedef struct vs_journals {
   uint64_t count, cases;
   const char *more;
 } vs_journals;
-vs_status vs_journals_write(const vs_journals *journals, const char *folder, vs_error *err);
+vs_status vs_journal_write(const vs_journals *journals, const char *folder, vs_error *err);
 
 #endif

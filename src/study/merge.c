@@ -128,7 +128,7 @@ static vs_status write_merged(const shards *all, const char *folder, bool quiet,
   const vs_journals journals = {all->item, all->count, all->item[0].head.cases, NULL};
   vs_status status = vs_file_folder_make(folder, &made, err);
   if (status) return status;
-  status = vs_journals_write(&journals, folder, err);
+  status = vs_journal_write(&journals, folder, err);
   if (status) vs_file_folder_unmake(folder, made);
   if (status) return status;
   for (size_t k = 0; k < all->count; k++) {

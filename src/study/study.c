@@ -10,7 +10,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/csv.h"
 #include "base/file.h"
 #include "base/json.h"
 #include "base/leave.h"
@@ -129,27 +128,14 @@ static void take_generation(session *s, uint64_t count, const vs_generation *g) 
 
 /* The values of one case, from its row: what a study that goes on has too. */
 static vs_status take_values(session *s, uint64_t index, vs_error *err) {
-  enum {
-    FIRST = 2,
-    LAST = 7,
-    MOST = FIRST + VS_PLAN_AXES + VS_PLAN_COLUMNS + LAST
-  }; /* case, id; axes; ... */
-  size_t n = s->plan.n_columns, width = 1 + n;
+  const size_t width = 1 + s->plan.n_columns;
   double *value = s->values + index * width;
-  char *cells[MOST];
   vs_text row = {0};
   bool failed = false;
   vs_status status = vs_journal_row(&s->journal, index, &row, &failed, err);
   for (size_t k = 0; k < width; k++) value[k] = NAN;
-  s->status[index] = 1;
-  size_t count = status || failed ? 0 : vs_csv_split(row.text, cells, MOST);
-  if (count == FIRST + s->plan.n_axes + n + LAST) {
-    char **cell = cells + FIRST + s->plan.n_axes;
-    for (size_t k = 0; k < n; k++)
-      if (*cell[k]) value[1 + k] = strtod(cell[k], NULL);
-    if (*cell[n]) value[0] = strtod(cell[n], NULL);
-    s->status[index] = atoi(cell[n + LAST - 1]);
-  }
+  s->status[index] = VS_CASE_FAILED;
+  if (!status && !failed) vs_case_values(&s->plan, row.text, value, &s->status[index]);
   vs_text_free(&row);
   return status;
 }
@@ -323,7 +309,7 @@ static vs_status write_result(session *s, uint64_t cases, vs_error *err) {
     stage->method->json(&s->plan, stage, &results, &json);
   }
   const vs_journals all = {&s->journal, 1, cases, more.text};
-  vs_status status = vs_journals_write(&all, s->folder, err);
+  vs_status status = vs_journal_write(&all, s->folder, err);
   vs_text_free(&more);
   return status;
 }
@@ -389,23 +375,36 @@ static vs_status run_session(session *s, vs_error *err) {
   return status ? status : judge(s, err);
 }
 
+/* Errors: options that do not go together. */
+static vs_status check_options(const vs_study_options *o, vs_error *err) {
+  if (o->resume && o->overwrite)
+    return vs_fail(err, VS_INPUT,
+                   "--resume goes on with what is there, --overwrite throws it "
+                   "away; give one of them");
+  const char *wants_folder = o->resume          ? "--resume"
+                             : o->overwrite     ? "--overwrite"
+                             : o->keep_runs     ? "--keep runs"
+                             : o->progress_json ? "--progress json"
+                             : o->shard         ? "--shard"
+                                                : NULL;
+  if (o->folder || !wants_folder) return VS_OK;
+  return vs_fail(err, VS_INPUT, "%s: wants a folder; name one with -o DIR", wants_folder);
+}
+
+static void free_session(session *s) {
+  vs_journal_close(&s->journal);
+  vs_plan_free(&s->plan);
+  free(s->points);
+  free(s->values);
+  free(s->status);
+  free(s);
+}
+
 vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   session *s = vs_alloc(1, sizeof *s);
   s->o = o;
   s->journal.fd = s->journal.folder = -1;
-  vs_status status = VS_OK;
-  if (o->resume && o->overwrite)
-    status = vs_fail(err, VS_INPUT,
-                     "--resume goes on with what is there, --overwrite throws it "
-                     "away; give one of them");
-  else if (!o->folder &&
-           (o->resume || o->keep_runs || o->shard || o->progress_json || o->overwrite))
-    status = vs_fail(err, VS_INPUT, "%s: wants a folder; name one with -o DIR",
-                     o->resume          ? "--resume"
-                     : o->overwrite     ? "--overwrite"
-                     : o->keep_runs     ? "--keep runs"
-                     : o->progress_json ? "--progress json"
-                                        : "--shard");
+  vs_status status = check_options(o, err);
   if (!status) status = vs_plan_read(o->name, o->methods, o->sets, o->n_sets, &s->plan, err);
   if (!status) status = name_folder(s, err);
   bool named = !status;
@@ -417,13 +416,8 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   if (status == VS_SIGNAL && o->folder)
     status = vs_fail(err, VS_SIGNAL, "stopped by a signal; --resume goes on: %llu cases are done",
                      (unsigned long long)(s->journal.done + s->journal.failed));
-  vs_journal_close(&s->journal);
   if (named && !o->folder) discard_folder(s);
-  vs_plan_free(&s->plan);
-  free(s->points);
-  free(s->values);
-  free(s->status);
-  free(s);
+  free_session(s);
   return status;
 }
 

@@ -10,6 +10,8 @@
 
 #include "base/csv.h"
 #include "base/text.h"
+#include "base/units.h"
+#include "study/case.h"
 
 static bool is_there(const char *folder, const char *name) {
   char path[VS_PATH_SIZE];
@@ -199,16 +201,21 @@ static int find_role(const vs_folder *t, vs_folder_role role) {
   return -1;
 }
 
+_Static_assert(VS_ROLE_STATUS - VS_ROLE_MARGIN + 1 == VS_CASE_COLUMNS &&
+                   VS_ROLE_ERROR - VS_ROLE_MARGIN == VS_CASE_MARGIN_ERROR &&
+                   VS_ROLE_WEAKEST - VS_ROLE_MARGIN == VS_CASE_WEAKEST &&
+                   VS_ROLE_RUNG - VS_ROLE_MARGIN == VS_CASE_RUNG &&
+                   VS_ROLE_LEAVING - VS_ROLE_MARGIN == VS_CASE_LEAVING &&
+                   VS_ROLE_WARNINGS - VS_ROLE_MARGIN == VS_CASE_WARNINGS,
+               "roles from VS_ROLE_MARGIN on stand in the order of a case's columns");
+_Static_assert(2 + VS_PLAN_AXES + VS_PLAN_COLUMNS + VS_CASE_COLUMNS <= VS_STUDY_COLUMNS,
+               "every study that can be run can be read");
+
 static vs_folder_role role_of(const char *title, size_t position) {
   if (position == 0) return VS_ROLE_CASE;
   if (position == 1 && !strcmp(title, "id")) return VS_ROLE_ID;
-  if (!strcmp(title, "margin_least")) return VS_ROLE_MARGIN;
-  if (!strcmp(title, "margin_error")) return VS_ROLE_ERROR;
-  if (!strcmp(title, "weakest")) return VS_ROLE_WEAKEST;
-  if (!strcmp(title, "rung")) return VS_ROLE_RUNG;
-  if (!strcmp(title, "leaving_bound")) return VS_ROLE_LEAVING;
-  if (!strcmp(title, "warnings")) return VS_ROLE_WARNINGS;
-  if (!strcmp(title, "status")) return VS_ROLE_STATUS;
+  for (int k = 0; k < VS_CASE_COLUMNS; k++)
+    if (!strcmp(title, vs_case_titles[k])) return (vs_folder_role)(VS_ROLE_MARGIN + k);
   return VS_ROLE_REPORT;
 }
 
