@@ -20,7 +20,9 @@
 #include "command/run.h"
 #include "method/methods.h"
 #include "report/report.h"
+#include "solver/circuit.h"
 #include "solver/ng.h"
+#include "study/merge.h"
 #include "study/study.h"
 #include "survey/folder.h"
 #include "validate/validate.h"
@@ -56,13 +58,16 @@ static vs_status do_run(const arguments *a, vs_error *err) {
                             .stop = &vs_leave_requested};
   return vs_run_command(&o, err);
 }
+static vs_status check_study(const vs_check_options *o, vs_text *good, vs_error *err) {
+  return vs_study_check(o, vs_methods_all, good, err);
+}
 static vs_status do_check(const arguments *a, vs_error *err) {
   const vs_check_options o = {.name = a->name,
                               .sets = a->sets,
                               .n_sets = a->n_sets,
                               .json = a->json,
                               .quiet = a->quiet,
-                              .other = vs_study_is(a->name) ? vs_study_check : NULL};
+                              .other = vs_study_is(a->name, vs_methods_all) ? check_study : NULL};
   return vs_check_command(&o, err);
 }
 static vs_status do_list(const arguments *a, vs_error *err) {
@@ -78,7 +83,8 @@ static vs_status do_export(const arguments *a, vs_error *err) {
 }
 static vs_status do_plot(const arguments *a, vs_error *err) {
   const vs_plot_options o = {a->name, a->output, a->overlay, a->quiet};
-  return vs_folder_here(a->name) ? vs_report_command(&o, err) : vs_plot_command(&o, err);
+  return vs_folder_here(a->name) ? vs_report_command(&o, vs_methods_all, err)
+                                 : vs_plot_command(&o, err);
 }
 static vs_status do_validate(const arguments *a, vs_error *err) {
   const vs_validate_options o = {.word = a->name,
@@ -90,6 +96,7 @@ static vs_status do_validate(const arguments *a, vs_error *err) {
 }
 static vs_status do_study(const arguments *a, vs_error *err) {
   const vs_study_options o = {.name = a->name,
+                              .methods = vs_methods_all,
                               .folder = a->output,
                               .sets = a->sets,
                               .n_sets = a->n_sets,

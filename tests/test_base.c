@@ -11,7 +11,8 @@
 #include <unistd.h>
 
 #include "base/field.h"
-#include "base/path.h"
+#include "base/file.h"
+#include "base/json.h"
 #include "base/text.h"
 #include "base/tree.h"
 #include "base/units.h"

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/csv.h"
 #include "base/units.h"
 #include "program.h"
 #include "study/case.h"
@@ -126,7 +127,7 @@ static void change_field(key_test *t, const char *section, const vs_field *f, co
   } else if (f->kind == VS_COUNT)
     good = changes(t, key, "7");
   else if (f->kind == VS_OPTION)
-    for (size_t k = 0; k < f->part->count; k++) change_field(t, key, &f->part->fields[k], member);
+    for (size_t k = 0; k < f->keys->count; k++) change_field(t, key, &f->keys->fields[k], member);
   else if (f->kind == VS_CHOICE) {
     int choice;
     memcpy(&choice, member, sizeof choice);

@@ -8,6 +8,7 @@
 
 #include "method/methods.h"
 #include "program.h"
+#include "study/plan.h"
 
 /* A study that is there as long as a test needs it. */
 typedef struct study {
@@ -19,7 +20,7 @@ typedef struct study {
 static study *read_study(const char *text) {
   study *s = vs_alloc(1, sizeof *s);
   write_file("study.yaml", text);
-  s->status = vs_plan_read("study.yaml", NULL, 0, &s->plan, &s->err);
+  s->status = vs_plan_read("study.yaml", vs_methods_all, NULL, 0, &s->plan, &s->err);
   return s;
 }
 
@@ -196,7 +197,7 @@ static void run_case(const vs_plan *plan, fake *f, history *r) {
 
 /* Runs all a search asks for. */
 static history pursue(const vs_plan *plan, fake *f) {
-  const vs_plan_stage *part = plan->adaptive;
+  const vs_plan_stage *stage = plan->adaptive;
   const size_t most = (size_t)plan->count;
   history r = {vs_alloc(most * plan->n_axes, sizeof(double)),
                vs_alloc(most * (1 + plan->n_columns), sizeof(double)), vs_alloc(most, sizeof(int)),
@@ -205,7 +206,7 @@ static history pursue(const vs_plan *plan, fake *f) {
     vs_generation g = {.n_axes = plan->n_axes};
     vs_error err = {0};
     const vs_results results = {plan, r.count, r.points, r.values, r.status};
-    CU_ASSERT_EQUAL(part->method->next(plan, part, &results, &g, &err), VS_OK);
+    CU_ASSERT_EQUAL(stage->method->next(plan, stage, &results, &g, &err), VS_OK);
     EXPECT(r.count + g.count <= most, "%llu cases, at most %zu were said",
            (unsigned long long)(r.count + g.count), most);
     if (!g.count || r.count + g.count > most) {
@@ -225,10 +226,12 @@ static void forget(history *r) {
 }
 
 static vs_text manifest(const vs_plan *plan, const history *r) {
-  vs_text json = {0};
+  vs_text text = {0};
+  vs_json json = vs_json_inside(&text);
   const vs_results results = {plan, r->count, r->points, r->values, r->status};
+  vs_json_same_row(&json);
   plan->adaptive->method->json(plan, plan->adaptive, &results, &json);
-  return json;
+  return text;
 }
 
 /* ---- worst case ---- */

@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "picture/charts.h"
 #include "picture/map.h"
+#include "picture/spread.h"
 #include "program.h"
 #include "report/page.h"
 

@@ -14,7 +14,9 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/csv.h"
 #include "base/hash.h"
+#include "method/methods.h"
 #include "program.h"
 #include "study/case.h"
 #include "study/identity.h"
@@ -502,7 +504,7 @@ static void a_case_that_kills(void) {
   char *failures = read_file("k/failures.csv"), id[32] = "";
   vs_plan *plan = vs_alloc(1, sizeof *plan);
   vs_error err = {0};
-  CU_ASSERT_EQUAL_FATAL(vs_plan_read("k.yaml", NULL, 0, plan, &err), VS_OK);
+  CU_ASSERT_EQUAL_FATAL(vs_plan_read("k.yaml", vs_methods_all, NULL, 0, plan, &err), VS_OK);
   vs_identity *identity = vs_identity_new(plan);
   vs_identity_of(identity, plan->first, id);
   EXPECT(strlen(id) == 16 && strstr(failures, id), "no %s in %s", id, failures);

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * How a function says that it failed: a status to act on and one line to show the user. In a run
- * the first error is the last; a check carries on and gathers them all. */
+ * How a function says that it failed: it returns a status to act on, and fills a vs_error with one
+ * line to show the user. A run ends at its first error. The command `check` carries on behind most
+ * errors and gathers them all. */
 #ifndef VS_BASE_ERROR_H
 #define VS_BASE_ERROR_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/* name, exit status of the program, what it means */
+/* Each status: its name, the exit status of the program, what it means. */
 #define VS_STATUS_LIST(X)                                                                          \
   X(VS_OK, 0, "done")                                                                              \
   X(VS_RUN, 1, "a run, a case or a validation failed")                                             \
@@ -23,43 +24,47 @@ typedef enum vs_status {
 
 typedef struct vs_findings vs_findings;
 
-/* Begin with {0}. */
+/* What went wrong. Start from {0}. */
 typedef struct vs_error {
-  char text[1024];       /* one line, no newline; empty while nothing failed */
-  int file_size;         /* bytes of text that name the file; 0: it names none */
-  int place_size;        /* bytes of text before the message itself */
+  char text[1024];       /* one line without a newline; empty while nothing has failed */
+  int file_size;         /* how many bytes of text, from its start, name the file; 0: no file */
+  int place_size;        /* how many bytes of text stand before the message: "file:line:column: " */
   int line, column;      /* of the place, from 1; 0: not known */
-  bool gave_up;          /* the circuit's solver did, and might not have with other settings */
-  vs_findings *findings; /* where vs_error_carry_on keeps what it carries on from; NULL: nowhere */
+  bool gave_up;          /* the circuit's solver gave up; with other settings it might not have */
+  vs_findings *findings; /* a check keeps its errors here; NULL: the first error is the last;
+                            borrowed */
 } vs_error;
 
-/* The errors of one check: file by file, each in the order of its lines, none twice. */
+/* The errors that one check has found. They stand file by file, each file's in the order of its
+ * lines, and none stands twice. */
 enum { VS_MOST_FINDINGS = 100 };
 struct vs_findings {
   size_t count;
   vs_error item[VS_MOST_FINDINGS];
 };
 
-/* A place in a text the user wrote. Borrowed: the name lives as long as what it was read from. */
+/* A place in a text that the user wrote. The file's name is borrowed from what was read from it, a
+ * tree or a deck, and lasts as long as that. */
 typedef struct vs_where {
   const char *file; /* path, or what stands in for one ("--set"); NULL: no place is known */
   int line;         /* from 1; 0: the file as a whole */
   int column;       /* from 1 */
 } vs_where;
 
-/* Both fill err and return status, so that a caller can write `return vs_fail(...)`. */
+/* Fills err and returns status, so that a caller can write `return vs_fail(...)`. */
 vs_status vs_fail(vs_error *err, vs_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+/* The same for input: the text begins with "file:line:column: ", the status is VS_INPUT. */
 vs_status vs_fail_at(vs_error *err, vs_where where, const char *format, ...)
-    __attribute__((format(printf, 3, 4))); /* always VS_INPUT; "file:line:column: " first */
+    __attribute__((format(printf, 3, 4)));
 
-/* For those who read many things one after the other: gives VS_OK in place of VS_INPUT when err has
- * room to keep the error, else the status as it is. What could not be read is then as by default.
- */
+/* For a caller that reads many things one after the other. When status is VS_INPUT and err has
+ * findings with room, the error is kept there and the result is VS_OK: the caller goes on, and the
+ * fields that failed to parse keep their defaults. Otherwise the result is status. */
 vs_status vs_error_carry_on(vs_error *err, vs_status status);
 
-/* How many errors were kept so far. Where some were, a further one may be nothing but their echo.
- */
+/* Returns how many errors were kept so far; 0 without findings. A caller compares the count before
+ * and after a step: what fails behind a kept error may be nothing but its echo. */
 size_t vs_error_count(const vs_error *err);
 
 #endif

@@ -5,15 +5,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/json.h"
 #include "base/units.h"
 
 void vs_field_range(const vs_field *field, char *text, size_t size) {
   const char *space = *field->unit ? " " : "";
   if (field->kind == VS_OPTION) {
     int n = snprintf(text, size, "%s or {", field->choices);
-    for (size_t k = 0; k < field->part->count && n > 0 && (size_t)n < size; k++)
-      n += snprintf(text + n, size - (size_t)n, "%s%s", field->part->fields[k].key,
-                    k + 1 < field->part->count ? ", " : "}");
+    for (size_t k = 0; k < field->keys->count && n > 0 && (size_t)n < size; k++)
+      n += snprintf(text + n, size - (size_t)n, "%s%s", field->keys->fields[k].key,
+                    k + 1 < field->keys->count ? ", " : "}");
     return;
   }
   if (field->kind == VS_CHOICE || field->kind == VS_NAME)
@@ -80,7 +81,7 @@ static vs_status read_option(const char *name, const vs_field *field, const vs_n
   char range[128];
   if (node->kind == VS_NODE_MAP) {
     *present = 1;
-    return vs_field_section_read(field->part, node, present, err);
+    return vs_field_section_read(field->keys, node, present, err);
   }
   if (node->kind == VS_NODE_TEXT && !strcmp(node->text, field->choices)) {
     *present = 0;
@@ -127,11 +128,12 @@ static vs_status read_default(const vs_section *section, const vs_field *field, 
                               vs_error *err) {
   char words[128];
   snprintf(words, sizeof words, "%s", field->default_text);
-  vs_node node = {.kind = VS_NODE_TEXT, .text = words, .where = {.file = "built-in default"}};
+  const vs_where where = {.file = "built-in default"};
+  vs_node node = vs_tree_word(NULL, words, where);
   if (field->kind != VS_PAIR) return vs_field_read(section, field, &node, out, err);
   char *second = strchr(words, ',');
   *second = '\0';
-  vs_node y = {.kind = VS_NODE_TEXT, .text = second + 1 + strspn(second + 1, " ")};
+  vs_node y = vs_tree_word(NULL, second + 1 + strspn(second + 1, " "), where);
   node.next = &y;
   vs_node list = {.kind = VS_NODE_LIST, .child = &node};
   return vs_field_read(section, field, &list, out, err);
@@ -177,44 +179,65 @@ vs_status vs_field_section_read(const vs_section *section, const vs_node *map, v
   return status;
 }
 
-void vs_field_json(const vs_field *field, const void *values, vs_text *json) {
-  const char *member = (const char *)values + field->offset;
-  const double *real = (const double *)(const void *)member;
-  const int *whole = (const int *)(const void *)member;
-  double factor = vs_units_factor(field->unit);
+/* The choice-th of the words in "paper|derived". */
+static void add_choice(const char *choices, int choice, vs_json *json) {
   char words[256], *rest = words, *word = words;
+  snprintf(words, sizeof words, "%s", choices);
+  for (int k = 0; k <= choice; k++) word = strsep(&rest, "|");
+  vs_json_text(json, NULL, word);
+}
+
+/* {"value": 6, "unit": "mm"}; of a pair [x, y]. */
+static void add_quantity(const vs_field *field, const double *si, vs_json *json) {
+  const double factor = vs_units_factor(field->unit);
+  vs_json_object(json, NULL, VS_JSON_ROW);
+  if (field->kind == VS_PAIR) {
+    vs_json_array(json, "value", VS_JSON_ROW);
+    for (int k = 0; k < 2; k++) vs_json_number(json, NULL, si[k] / factor, 12);
+    vs_json_end(json);
+  } else
+    vs_json_number(json, "value", si[0] / factor, 12);
+  vs_json_text(json, "unit", field->unit);
+  vs_json_end(json);
+}
+
+static void add_keys(const vs_section *keys, const void *values, vs_json *json) {
+  vs_json_object(json, NULL, VS_JSON_ROW);
+  for (size_t k = 0; k < keys->count; k++) {
+    vs_json_key(json, keys->fields[k].key);
+    vs_field_json(&keys->fields[k], values, json->text);
+  }
+  vs_json_end(json);
+}
+
+void vs_field_json(const vs_field *field, const void *values, vs_text *text) {
+  const char *member = (const char *)values + field->offset;
+  int whole = 0;
+  vs_json json = vs_json_new(text);
+  if (field->kind == VS_CHOICE || field->kind == VS_COUNT || field->kind == VS_OPTION)
+    memcpy(&whole, member, sizeof whole);
   switch (field->kind) {
   case VS_REAL:
-    vs_text_add(json, "{\"value\": %.12g, \"unit\": \"%s\"}", real[0] / factor, field->unit);
-    break;
   case VS_PAIR:
-    vs_text_add(json, "{\"value\": [%.12g, %.12g], \"unit\": \"%s\"}", real[0] / factor,
-                real[1] / factor, field->unit);
+    add_quantity(field, (const double *)(const void *)member, &json);
     break;
   case VS_CHOICE:
-    snprintf(words, sizeof words, "%s", field->choices);
-    for (int k = 0; k <= *whole; k++) word = strsep(&rest, "|");
-    vs_json_string(json, word);
+    add_choice(field->choices, whole, &json);
     break;
   case VS_COUNT:
-    if (field->choices && *whole == 0)
-      vs_json_string(json, field->choices);
+    if (field->choices && whole == 0)
+      vs_json_text(&json, NULL, field->choices);
     else
-      vs_text_add(json, "%d", *whole);
+      vs_json_whole(&json, NULL, whole);
     break;
   case VS_NAME:
-    vs_json_string(json, member);
+    vs_json_text(&json, NULL, member);
     break;
   case VS_OPTION:
-    if (!*whole) {
-      vs_json_string(json, field->choices);
-      break;
-    }
-    for (size_t k = 0; k < field->part->count; k++) {
-      vs_text_add(json, "%s\"%s\": ", k ? ", " : "{", field->part->fields[k].key);
-      vs_field_json(&field->part->fields[k], member, json);
-    }
-    vs_text_add(json, "}");
+    if (whole)
+      add_keys(field->keys, member, &json);
+    else
+      vs_json_text(&json, NULL, field->choices);
     break;
   }
 }

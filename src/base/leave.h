@@ -1,36 +1,38 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * How the program ends when a signal asks for it: at once, taking away what it has begun, except
- * where somebody heeds the signal and ends in good order. */
+ * How the program ends when a signal asks for it. It removes the files it has begun and ends at
+ * once, unless a command heeds the signal and ends in good order itself. */
 #ifndef VS_BASE_LEAVE_H
 #define VS_BASE_LEAVE_H
 
 #include <signal.h>
 
-/* INT, TERM and HUP set it; who heeds signals looks at it. */
+/* Set by INT, TERM and HUP while a command heeds signals; the command looks at it. */
 extern volatile sig_atomic_t vs_leave_requested;
 
-/* Handles INT, TERM, HUP (unless nohup had it ignored) and PIPE in this process, from now on. A
- * child that is forked inherits that, and takes nothing away. */
+/* From now on handles INT, TERM, HUP (unless nohup had it ignored) and PIPE in this process. A
+ * forked child inherits the handlers, but removes nothing. */
 void vs_leave_begin(void);
 
 /* What INT, TERM and HUP do. */
 typedef enum vs_heed {
-  VS_HEED_NOT,  /* the process ends with status 75; so it is to begin with */
-  VS_HEED_SOON, /* vs_leave_requested is set; where the process goes on for VS_HEED_S, it ends */
-  VS_HEED_KEEP  /* vs_leave_requested is set, and no more: results are being kept */
+  VS_HEED_NOT,  /* they end the process with status 75; this holds at first */
+  VS_HEED_SOON, /* they set vs_leave_requested, and end the process if it still runs VS_HEED_S later
+                 */
+  VS_HEED_KEEP  /* they only set vs_leave_requested, because results are being kept */
 } vs_heed;
-enum { VS_HEED_S = 3 };
-/* Gives what held before, to be put back. */
+enum { VS_HEED_S = 3 }; /* s; who pressed Ctrl-C waits that long */
+/* Returns what held before, so that the caller can put it back. */
 vs_heed vs_leave_heed_set(vs_heed heed);
 
-/* A file, or a folder that will be empty, to be taken away when the process ends by a signal or by
- * exit. Borrowed: the path lasts until vs_leave_forget. With more than VS_LEAVE_MOST of them the
- * others stay behind. */
+/* Notes a file, or a folder that will be empty, which is removed when the process ends by a signal
+ * or by exit. The path is borrowed until vs_leave_forget. Beyond VS_LEAVE_MOST notes, further files
+ * stay behind. */
 enum { VS_LEAVE_MOST = 512 };
 void vs_leave_remove(const char *path);
 void vs_leave_forget(const char *path);
 
-/* Between the two no signal is taken, so that what is made is known as soon as it is there. */
+/* Between these two calls no signal is handled, so that a file can be made and noted in one step.
+ */
 void vs_leave_hold(sigset_t *before);
 void vs_leave_release(const sigset_t *before);
 

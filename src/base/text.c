@@ -45,19 +45,6 @@ void vs_text_add(vs_text *t, const char *format, ...) {
   t->length = need - 1;
 }
 
-void vs_json_string(vs_text *t, const char *string) {
-  vs_text_add(t, "\"");
-  for (const unsigned char *s = (const unsigned char *)string; *s; s++) {
-    if (*s == '"' || *s == '\\')
-      vs_text_add(t, "\\%c", *s);
-    else if (*s < 0x20)
-      vs_text_add(t, "\\u%04x", *s);
-    else
-      vs_text_add(t, "%c", *s);
-  }
-  vs_text_add(t, "\"");
-}
-
 void vs_text_free(vs_text *t) {
   free(t->text);
   *t = (vs_text){0};
@@ -126,13 +113,6 @@ int vs_text_column(const char *line, const char *at) {
   int column = 1;
   for (; line < at; line++) column += (*line & 0xc0) != 0x80; /* not one that goes on */
   return column;
-}
-
-void vs_units_suffix(const char *unit, char *suffix, size_t size) {
-  size_t n = 0;
-  for (; *unit && n + 1 < size; unit++)
-    suffix[n++] = isalnum((unsigned char)*unit) ? (char)tolower((unsigned char)*unit) : '_';
-  suffix[n] = '\0';
 }
 
 /* Powers of ten that a double has exactly. */

@@ -1,41 +1,42 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Strings: growing buffers, nearest names. */
+ * Strings that grow, memory that is there or ends the process, nearest names, UTF-8, numbers. */
 #ifndef VS_BASE_TEXT_H
 #define VS_BASE_TEXT_H
 
 #include <stddef.h>
 
-/* A string that grows. Start from {0}; text is NULL until something is added. Ends the process when
- * memory ends. */
+/* A string that grows. Start from {0}; text is NULL until something is added. Adding ends the
+ * process when there is no memory. */
 typedef struct vs_text {
   char *text;
   size_t length, capacity;
 } vs_text;
 
 void vs_text_add(vs_text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
-void vs_json_string(vs_text *t, const char *string); /* quoted and escaped as JSON wants it */
 void vs_text_free(vs_text *t);
 
-_Noreturn void vs_out_of_memory(void);     /* says so and ends the process */
-void *vs_alloc(size_t count, size_t size); /* zeroed; ends the process when memory ends */
-char *vs_copy(const char *string);         /* the same for strings; free() both */
+/* Says on standard error that there is no memory, and ends the process. */
+_Noreturn void vs_out_of_memory(void);
+/* Returns count*size zeroed bytes, to be freed with free(). Ends the process when there is no
+ * memory. */
+void *vs_alloc(size_t count, size_t size);
+/* Returns a copy of the string, in the same way. */
+char *vs_copy(const char *string);
 
-/* The candidate nearest to name (Damerau-Levenshtein), NULL when none is near enough to be meant.
- */
+/* Returns the candidate nearest to name by Damerau and Levenshtein's distance, capitals aside; NULL
+ * when none is near enough to be meant. */
 const char *vs_text_nearest(const char *name, const char *const *candidates, size_t count);
 
-/* The first byte that does not belong to UTF-8 (as RFC 3629 has it: nothing overlong, no surrogate,
- * at most U+10FFFF); NULL: there is none. */
+/* Returns the first byte that is not part of UTF-8 as RFC 3629 defines it, which allows nothing
+ * overlong, no surrogate and at most U+10FFFF; NULL: the text is UTF-8. */
 const char *vs_text_not_utf8(const char *text, size_t length);
 
-/* Which character of the line (UTF-8) stands at `at`, from 1. */
+/* Returns the number, from 1, of the UTF-8 character that stands at `at` in the line. */
 int vs_text_column(const char *line, const char *at);
 
-/* Writes what "%.*g" would, in a tenth of its time where digits <= 12; gives its length. */
-enum { VS_NUMBER_SIZE = 32 };
+/* Writes what "%.*g" would and returns its length. With up to 12 digits it takes a tenth of
+ * snprintf's time, which matters for tables of a million numbers. */
+enum { VS_NUMBER_SIZE = 32 }; /* bytes, the end included */
 size_t vs_text_number(char text[VS_NUMBER_SIZE], double value, int digits);
-
-/* "m/s2" -> "m_s2", "Wb" -> "wb", "" -> "": the unit as it ends a CSV column's name. */
-void vs_units_suffix(const char *unit, char *suffix, size_t size);
 
 #endif

@@ -5,6 +5,7 @@
 #include <libfyaml.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -268,6 +269,21 @@ vs_status vs_tree_read(const char *path, vs_tree *tree, vs_error *err) {
   return status;
 }
 
+vs_node vs_tree_word(const char *key, const char *text, vs_where where) {
+  return (vs_node){.kind = VS_NODE_TEXT,
+                   .key = (char *)(size_t)key,
+                   .text = (char *)(size_t)text,
+                   .where = where,
+                   .key_where = where};
+}
+
+vs_node vs_tree_map(const char *key, vs_node *child) {
+  vs_node map = vs_tree_word(key, NULL, child->where);
+  map.kind = VS_NODE_MAP;
+  map.child = child;
+  return map;
+}
+
 const vs_node *vs_tree_child(const vs_node *map, const char *key) {
   for (const vs_node *n = map ? map->child : NULL; n; n = n->next)
     if (n->key && !strcmp(n->key, key)) return n;
@@ -340,38 +356,27 @@ void vs_tree_graft(vs_tree *tree, const char *key, const vs_node *value) {
 }
 
 void vs_tree_put(vs_tree *tree, const char *key, const char *text, vs_where where) {
-  const vs_node value = {
-      .kind = VS_NODE_TEXT, .text = (char *)(size_t)text, .where = where, .key_where = where};
+  const vs_node value = vs_tree_word(NULL, text, where);
   vs_tree_graft(tree, key, &value);
 }
 
-vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
-  const char *equals = strchr(assignment, '=');
-  vs_text label = {0};
-  vs_text_add(&label, "--set %s", assignment);
-  vs_where where = {.file = label.text}; /* kept in tree->labels as long as the tree */
-  if (!equals || equals == assignment) {
-    vs_fail_at(err, where, "write KEY=VALUE, for example firing.angle=95deg");
-    vs_text_free(&label);
-    return VS_INPUT;
-  }
-  vs_node *value = NULL;
-  const char *text = strcmp(equals + 1, "-") ? equals + 1 : "'-'"; /* no list of nothing */
-  vs_status status = parse(text, strlen(text), "--set", &value, err);
-  if (!status && !equals[1]) { /* nothing after the sign: an empty text, not an empty map */
-    value->kind = VS_NODE_TEXT;
-    value->text = vs_copy("");
-  }
+/* What stands behind the sign, as YAML. */
+static vs_status parse_value(const char *text, vs_where where, vs_node **value, vs_error *err) {
+  const char *yaml = strcmp(text, "-") ? text : "'-'"; /* no list of nothing */
+  vs_status status = parse(yaml, strlen(yaml), "--set", value, err);
   if (status) {
     const vs_error why = *err;
-    vs_fail_at(err, where, "the value cannot be read: %s", why.text + why.place_size);
-    node_free(value);
-    vs_text_free(&label);
-    return status;
+    return vs_fail_at(err, where, "the value cannot be read: %s", why.text + why.place_size);
   }
-  char *path = strndup(assignment, (size_t)(equals - assignment));
-  vs_node *at = reach(tree, path, where);
-  free(path);
+  if (!*text) { /* nothing after the sign: an empty text, not an empty map */
+    (*value)->kind = VS_NODE_TEXT;
+    (*value)->text = vs_copy("");
+  }
+  return VS_OK;
+}
+
+/* Gives the node what the value has, and frees the rest of that. */
+static void take_value(vs_node *at, vs_node *value, vs_where where) {
   node_free(at->child);
   free(at->text);
   at->kind = value->kind;
@@ -381,6 +386,25 @@ vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
   stand_at(at->child, where);
   free(value->key);
   free(value);
+}
+
+vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
+  const char *equals = strchr(assignment, '=');
+  vs_text label = {0};
+  vs_text_add(&label, "--set %s", assignment);
+  vs_where where = {.file = label.text}; /* kept in tree->labels as long as the tree */
+  vs_node *value = NULL;
+  vs_status status = !equals || equals == assignment
+                         ? vs_fail_at(err, where, "write KEY=VALUE, for example firing.angle=95deg")
+                         : parse_value(equals + 1, where, &value, err);
+  if (status) {
+    node_free(value);
+    vs_text_free(&label);
+    return status;
+  }
+  char *path = strndup(assignment, (size_t)(equals - assignment));
+  take_value(reach(tree, path, where), value, where);
+  free(path);
   vs_node *keep = vs_alloc(1, sizeof *keep); /* owns the label */
   keep->text = label.text;
   keep->next = tree->labels;

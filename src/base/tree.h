@@ -7,6 +7,8 @@
 
 typedef enum vs_node_kind { VS_NODE_TEXT, VS_NODE_LIST, VS_NODE_MAP } vs_node_kind;
 
+/* One key with its value, or one element of a list. Nodes of a tree own their strings and what
+ * hangs below them. */
 typedef struct vs_node {
   vs_node_kind kind;
   char *key;             /* its name inside a map, else NULL */
@@ -20,27 +22,34 @@ typedef struct vs_node {
 typedef struct vs_tree {
   vs_node *root;   /* always a map; empty for an empty file, which is a valid scene */
   char *name;      /* the file's */
-  vs_node *labels; /* what --set values call their place; owned here */
+  vs_node *labels; /* the texts "--set KEY=VALUE" that places of such values point to */
 } vs_tree;
 
-/* Errors: unreadable file, YAML that does not parse, a root that is no map, aliases, a second
- * document. */
+/* Reads the file. Errors: it cannot be read, is not YAML, has a root that is no map, an alias or a
+ * second document. vs_tree_free even then. */
 vs_status vs_tree_read(const char *path, vs_tree *tree, vs_error *err);
 
-/* A copy with nodes of its own. Their places name the original's file and labels, which must live
- * as long. */
+/* Makes a copy with nodes of its own. Their places point to the file name and labels of the
+ * original, which must live as long as the copy. */
 void vs_tree_copy(const vs_tree *tree, vs_tree *copy);
 
-/* Sets "a.b.c=value", the value read as YAML, over what stands there. Its place is "--set
- * a.b.c=value". */
+/* Sets "a.b.c=value" over what stands there. The value is read as YAML; its place is called "--set
+ * a.b.c=value". Error: there is no sign, or the value is not YAML. */
 vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err);
 
-/* Sets the dotted key to a copy of value, with its places, or to a plain text that stands there. */
+/* Both set the dotted key, and make the maps above it that are missing: to a copy of value with its
+ * places, or to a plain text that stands at `where`. */
 void vs_tree_graft(vs_tree *tree, const char *key, const vs_node *value);
 void vs_tree_put(vs_tree *tree, const char *key, const char *text, vs_where where);
 void vs_tree_free(vs_tree *tree);
 
-const vs_node *vs_tree_child(const vs_node *map,
-                             const char *key); /* NULL: not there (or map is NULL) */
+/* The map's value of that key; NULL when it has none or map is NULL. */
+const vs_node *vs_tree_child(const vs_node *map, const char *key);
+
+/* A text, and a map of one child, that belong to no tree, for readers that want a node where the
+ * program itself has a word. They borrow what they are made of and must not be freed; key may be
+ * NULL. */
+vs_node vs_tree_word(const char *key, const char *text, vs_where where);
+vs_node vs_tree_map(const char *key, vs_node *child);
 
 #endif

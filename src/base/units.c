@@ -190,3 +190,10 @@ double vs_units_suffix_factor(const char *suffix, const char *expected) {
   }
   return NAN;
 }
+
+void vs_units_suffix(const char *of, char *suffix, size_t size) {
+  size_t n = 0;
+  for (; *of && n + 1 < size; of++)
+    suffix[n++] = isalnum((unsigned char)*of) ? (char)tolower((unsigned char)*of) : '_';
+  suffix[n] = '\0';
+}

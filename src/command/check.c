@@ -7,6 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/json.h"
 #include "deck/netlist.h"
 #include "deck/parts.h"
 #include "drive/gate.h"
@@ -49,18 +50,15 @@ static void print_finding(const char *name, const char *kind, const vs_error *e)
   if (e->line) print_source(file, e->line, e->column);
 }
 
-static void add_json(const char *name, const vs_error *e, vs_text *json) {
-  char file[sizeof e->text], number[2][16] = {"null", "null"};
+static void add_json(const char *name, const vs_error *e, vs_json *json) {
+  char file[sizeof e->text];
   snprintf(file, sizeof file, "%.*s", e->file_size, e->text);
-  if (e->line) {
-    snprintf(number[0], sizeof number[0], "%d", e->line);
-    snprintf(number[1], sizeof number[1], "%d", e->column);
-  }
-  vs_text_add(json, "%s\n  {\"file\": ", json->length > 1 ? "," : "");
-  vs_json_string(json, e->place_size ? file : name);
-  vs_text_add(json, ", \"line\": %s, \"column\": %s, \"message\": ", number[0], number[1]);
-  vs_json_string(json, e->text + e->place_size);
-  vs_text_add(json, "}");
+  vs_json_object(json, NULL, VS_JSON_ROW);
+  vs_json_text(json, "file", e->place_size ? file : name);
+  vs_json_number(json, "line", e->line ? (double)e->line : (double)NAN, 12);
+  vs_json_number(json, "column", e->line ? (double)e->column : (double)NAN, 12);
+  vs_json_text(json, "message", e->text + e->place_size);
+  vs_json_end(json);
 }
 
 /* ---- what is checked ---- */
@@ -192,11 +190,9 @@ static vs_status check_deck(report *r, vs_error *err) {
   if (o->n_sets)
     return vs_fail(err, VS_INPUT, "--set %s: a deck has no keys to set; check a scene with it",
                    o->sets[0]);
-  vs_node deck = {.kind = VS_NODE_TEXT,
-                  .key = (char *)(size_t)vs_deck_key.key,
-                  .text = (char *)(size_t)o->name};
-  vs_node circuit = {.kind = VS_NODE_MAP, .key = (char *)(size_t) "circuit", .child = &deck};
-  const vs_node scene = {.kind = VS_NODE_MAP, .child = &circuit};
+  vs_node deck = vs_tree_word(vs_deck_key.key, o->name, (vs_where){0});
+  vs_node circuit = vs_tree_map("circuit", &deck);
+  const vs_node scene = vs_tree_map(NULL, &circuit);
   vs_setup *setup = vs_alloc(1, sizeof *setup);
   char text[VS_DECK_TEXT + VS_NAME_SIZE];
   vs_status status = vs_setup_build(&scene, setup, err);
@@ -259,8 +255,9 @@ vs_status vs_check_command(const vs_check_options *o, vs_error *err) {
   report r = {.options = o};
   vs_error own = {.findings = all};
   vs_status status = vs_error_carry_on(&own, check(&r, &own));
-  vs_text json = {0};
-  vs_text_add(&json, "[");
+  vs_text text = {0};
+  vs_json json = vs_json_new(&text);
+  vs_json_array(&json, NULL, all->count ? VS_JSON_LINES : VS_JSON_ROW);
   for (size_t k = 0; k < all->count; k++)
     if (o->json)
       add_json(o->name, &all->item[k], &json);
@@ -268,14 +265,15 @@ vs_status vs_check_command(const vs_check_options *o, vs_error *err) {
       print_finding(o->name, "", &all->item[k]);
   for (size_t k = 0; k < r.n_warnings && !o->quiet; k++)
     print_finding(o->name, "warning: ", &r.warnings[k]);
+  vs_json_end(&json);
   if (o->json)
-    printf("%s%s]\n", json.text, all->count ? "\n" : "");
+    puts(text.text);
   else if (!status && !all->count && !o->quiet)
     printf("%s: %s\n", o->name, r.good.text);
   if (status == VS_INPUT) vs_fail(err, status, "%s: and more than these", o->name); /* no room */
   if (status && status != VS_INPUT) vs_fail(err, status, "%s", own.text);
   if (!status && all->count) status = VS_INPUT;
-  vs_text_free(&json);
+  vs_text_free(&text);
   vs_text_free(&r.good);
   free(all);
   return status;

@@ -13,6 +13,8 @@
 #include <strings.h>
 #include <sys/stat.h>
 
+#include "base/file.h"
+#include "base/units.h"
 #include "deck/netlist.h"
 #include "scene/scene.h"
 

@@ -110,7 +110,7 @@ static void print_field(const char *section, const vs_field *f) {
   vs_field_range(f, range, sizeof range);
   printf("%-28s %-18s %-26s %s\n", name, f->default_text,
          f->kind == VS_NAME ? "a name or path" : range, f->text);
-  for (size_t k = 0; f->part && k < f->part->count; k++) print_field(name, &f->part->fields[k]);
+  for (size_t k = 0; f->keys && k < f->keys->count; k++) print_field(name, &f->keys->fields[k]);
 }
 
 static void list_parameters(const vs_deck *deck) {

@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/file.h"
+#include "base/json.h"
 #include "scene/scene.h"
 
 static const char *const COORDINATES[VS_DOF] = {"p", "u", "w", "phi"};
@@ -30,25 +32,31 @@ static void print_table(const vs_mode modes[VS_STATES]) {
 }
 
 static void print_json(const vs_mode modes[VS_STATES]) {
-  bool first = true;
-  printf("{\"modes\": [");
+  vs_text text = {0};
+  vs_json json = vs_json_new(&text);
+  vs_json_object(&json, NULL, VS_JSON_ROW);
+  vs_json_array(&json, "modes", VS_JSON_LINES);
   for (int m = 0; m < VS_STATES; m++) {
     const vs_mode *mode = &modes[m];
     if (!shown(mode)) continue;
-    printf("%s\n  {\"frequency_hz\": %.12g, \"time_constant_s\": ", first ? "" : ",",
-           mode->frequency_hz);
-    if (isfinite(mode->time_constant_s))
-      printf("%.12g", mode->time_constant_s);
-    else
-      printf("null");
-    printf(", \"damping_ratio\": %.12g, \"shape\": {", mode->damping_ratio);
-    for (int i = 0; i < VS_DOF; i++)
-      printf("%s\"%s\": [%.12g, %.12g]", i ? ", " : "", COORDINATES[i], mode->shape_re[i],
-             mode->shape_im[i]);
-    printf("}}");
-    first = false;
+    vs_json_object(&json, NULL, VS_JSON_ROW);
+    vs_json_number(&json, "frequency_hz", mode->frequency_hz, 12);
+    vs_json_number(&json, "time_constant_s", mode->time_constant_s, 12);
+    vs_json_number(&json, "damping_ratio", mode->damping_ratio, 12);
+    vs_json_object(&json, "shape", VS_JSON_ROW);
+    for (int i = 0; i < VS_DOF; i++) {
+      vs_json_array(&json, COORDINATES[i], VS_JSON_ROW);
+      vs_json_number(&json, NULL, mode->shape_re[i], 12);
+      vs_json_number(&json, NULL, mode->shape_im[i], 12);
+      vs_json_end(&json);
+    }
+    vs_json_end(&json);
+    vs_json_end(&json);
   }
-  printf("\n]}\n");
+  vs_json_end(&json);
+  vs_json_end(&json);
+  puts(text.text);
+  vs_text_free(&text);
 }
 
 static vs_status write_matrix(const char *folder, const char *name, const double *m, int rows,

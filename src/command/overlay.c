@@ -9,6 +9,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/csv.h"
 #include "base/path.h"
 #include "base/text.h"
 #include "base/tree.h"
@@ -28,10 +29,10 @@ typedef struct known {
 typedef struct reader {
   vs_overlay *overlay;
   const vs_overlay_run *run;
-  char *names; /* run.csv's header, cut up */
+  char *names; /* run.csv's header, cut up: known[].name points into it */
   known known[MOST_COLUMNS];
   size_t n_known;
-  int columns; /* of the measured file */
+  size_t columns; /* of the measured file; 0: its header is not read yet */
   vs_where at;
 } reader;
 
@@ -68,11 +69,10 @@ static void ask_summary(reader *r) {
 }
 
 static void know_columns(reader *r) {
+  char *cells[MOST_COLUMNS + 1];
   r->names = vs_copy(r->run->header);
-  char *rest = r->names;
-  strsep(&rest, ","); /* the time */
-  for (char *name; r->n_known < MOST_COLUMNS && (name = strsep(&rest, ","));)
-    r->known[r->n_known++].name = name;
+  size_t n = vs_csv_split(r->names, cells, MOST_COLUMNS + 1);
+  for (size_t k = 1; k < n; k++) r->known[r->n_known++].name = cells[k]; /* behind the time */
   ask_summary(r);
   for (size_t k = 0; k < r->n_known; k++)
     for (int c = 0; c < VS_CH_DECK; c++)
@@ -80,17 +80,6 @@ static void know_columns(reader *r) {
 }
 
 /* ---- the measured file ---- */
-
-/* Cuts the next cell off a row, blanks around it left out; *column: where it begins, from 1. */
-static char *next_cell(char **rest, const char *row, int *column) {
-  char *cell = strsep(rest, ",");
-  if (!cell) return NULL;
-  cell += strspn(cell, " \t");
-  *column = (int)(cell - row) + 1;
-  size_t n = strlen(cell);
-  while (n > 0 && (cell[n - 1] == ' ' || cell[n - 1] == '\t')) cell[--n] = '\0';
-  return cell;
-}
 
 /* The column of the probe that the name begins with, when at most a unit follows; NULL: none. */
 static const known *find_stem(const reader *r, const char *name) {
@@ -144,21 +133,20 @@ static vs_status take_curve(reader *r, const char *name, int column, vs_error *e
   return VS_OK;
 }
 
-static vs_status read_header(reader *r, char *row, vs_error *err) {
-  char *rest = row;
-  static const char MARK[] = "\xEF\xBB\xBF"; /* some programs begin a UTF-8 text with it */
-  if (!strncmp(rest, MARK, strlen(MARK))) rest += strlen(MARK);
-  char *name = next_cell(&rest, row, &r->at.column);
+static vs_status read_header(reader *r, const vs_csv *csv, vs_error *err) {
+  const char *name = csv->cell[0];
+  r->at = csv->where[0];
   r->overlay->time_s = strncmp(name, "t_", 2) ? NAN : vs_units_suffix_factor(name + 2, "s");
   if (isnan(r->overlay->time_s))
     return vs_fail_at(err, r->at, "the first column is the time: t_s, t_ms or t_us, not '%s'",
                       name);
-  r->columns = 1;
   vs_status status = VS_OK;
-  while (!status && (name = next_cell(&rest, row, &r->at.column))) {
-    if (++r->columns > MOST_COLUMNS) return vs_fail_at(err, r->at, "too many columns");
-    status = take_curve(r, name, r->columns, err);
+  for (size_t k = 1; !status && k < csv->count; k++) {
+    r->at = csv->where[k];
+    if (k >= MOST_COLUMNS) return vs_fail_at(err, r->at, "too many columns");
+    status = take_curve(r, csv->cell[k], (int)k + 1, err);
   }
+  r->columns = csv->count;
   if (!status && r->columns == 1)
     status = vs_fail_at(err, r->at,
                         "no column follows the time: name them as in %s, for example "
@@ -174,21 +162,16 @@ static bool is_number(const char *cell, double *value) {
   return end != cell && !*end && isfinite(*value);
 }
 
-static vs_status read_row(reader *r, char *row, double *t, vs_error *err) {
-  char *rest = row;
+static vs_status read_row(reader *r, const vs_csv *csv, double *t, vs_error *err) {
   double before = *t, value = NAN;
-  int cells = 1;
-  for (const char *c = row; *c; c++) cells += *c == ',';
-  if (cells != r->columns)
-    return vs_fail_at(err, r->at, "cells in this row: %d; columns in the header: %d", cells,
+  if (csv->count != r->columns)
+    return vs_fail_at(err, r->at, "cells in this row: %zu; columns in the header: %zu", csv->count,
                       r->columns);
-  for (int k = 0; k < cells; k++) {
-    const char *cell = next_cell(&rest, row, &r->at.column);
-    if (!is_number(cell, &value))
-      return vs_fail_at(err, r->at, "'%s' is not a finite number", cell);
+  for (size_t k = 0; k < csv->count; k++) {
+    if (!is_number(csv->cell[k], &value))
+      return vs_fail_at(err, csv->where[k], "'%s' is not a finite number", csv->cell[k]);
     if (k == 0) *t = value;
   }
-  r->at.column = 1;
   if (*t <= before)
     return vs_fail_at(err, r->at, "the time does not rise: %.9g after %.9g", *t, before);
   double t_s = *t * r->overlay->time_s;
@@ -196,38 +179,26 @@ static vs_status read_row(reader *r, char *row, double *t, vs_error *err) {
   return VS_OK;
 }
 
-/* One line after the other; blank ones may stand at the end only. */
-static vs_status read_lines(reader *r, FILE *f, vs_error *err) {
-  char *row = NULL;
-  size_t size = 0;
+/* One row after the other; blank lines may stand at the end only. */
+static vs_status read_rows(reader *r, vs_csv *csv, vs_error *err) {
   double t = -INFINITY;
   vs_where blank = {0};
   vs_status status = VS_OK;
-  for (ssize_t n; !status && (n = getline(&row, &size, f)) >= 0;) {
-    r->at.line++;
-    r->at.column = 1;
-    if (strlen(row) != (size_t)n) {
-      status = vs_fail_at(err, r->at, "a zero byte; this is no text");
-      break;
-    }
-    if (n > 0 && row[n - 1] == '\n') row[--n] = '\0';
-    if (n > 0 && row[n - 1] == '\r') row[--n] = '\0';
-    if (r->at.line == 1)
-      status = read_header(r, row, err);
-    else if (!row[strspn(row, " \t")]) {
+  while (!status && !(status = vs_csv_next(csv, err)) && csv->count) {
+    r->at = (vs_where){csv->file, csv->line, 1};
+    if (!r->columns)
+      status = read_header(r, csv, err);
+    else if (vs_csv_is_blank(csv)) {
       if (!blank.line) blank = r->at;
     } else if (blank.line)
       status = vs_fail_at(err, blank, "a blank line between rows");
     else
-      status = read_row(r, row, &t, err);
+      status = read_row(r, csv, &t, err);
   }
-  free(row);
-  if (!status && ferror(f))
-    status = vs_fail(err, VS_INPUT, "%s: cannot be read: %s", r->at.file, strerror(errno));
-  r->at.column = 1;
+  r->at = (vs_where){csv->file, csv->line, 1};
   if (!status && isinf(t))
-    status = vs_fail_at(err, (vs_where){r->at.file, r->at.line + !r->at.line, 1},
-                        r->at.line ? "no row of numbers follows the header" : "the file is empty");
+    status = vs_fail_at(err, r->at,
+                        r->columns ? "no row of numbers follows the header" : "the file is empty");
   if (!status && !r->overlay->rows)
     status =
         vs_fail_at(err, r->at, "no row lies within the run, which is 0 to %.9g s", r->run->until_s);
@@ -246,7 +217,9 @@ vs_status vs_overlay_read(const char *path, const vs_overlay_run *run, vs_overla
                    errno ? strerror(errno) : "not a plain file");
   overlay->curves = vs_alloc(MOST_COLUMNS, sizeof *overlay->curves);
   know_columns(&r);
-  vs_status status = read_lines(&r, f, err);
+  vs_csv csv = {.file = path, .stream = f, .trim = true};
+  vs_status status = read_rows(&r, &csv, err);
+  vs_csv_free(&csv);
   fclose(f);
   free(r.names);
   return status;

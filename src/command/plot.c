@@ -3,11 +3,12 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "base/path.h"
+#include "base/file.h"
 #include "base/text.h"
 #include "command/gnuplot.h"
 #include "command/overlay.h"

@@ -2,12 +2,14 @@
 #include "command/run.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "base/leave.h"
 #include "scene/session.h"
 #include "watch/table.h"

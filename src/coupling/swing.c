@@ -2,6 +2,7 @@
 #include "coupling/swing.h"
 
 #include <math.h>
+#include <stdio.h>
 
 /* The trapezoidal rule puts lambda wrong by h^2/12 of its third derivative in each second, and
  * while the coil rings with the snubbers, these errors add up to one of its phase. At the next

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What stands under vary: a grid, which is all combinations of the values listed, the last axis
  * running fastest; or a list, the rows of a CSV file. */
+#include "method/grid.h"
+
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/csv.h"
 #include "base/units.h"
-#include "method/methods.h"
+#include "study/plan.h"
 
 /* ---- grid ---- */
 
@@ -24,28 +27,31 @@ static vs_status read_grid(vs_plan *plan, const vs_node *section, void **state, 
   vs_status status = VS_OK;
   for (const vs_node *node = section->child; node && !status; node = node->next) {
     vs_axis *axis = NULL;
-    status = vs_axis_new(plan, node, "vary", &axis, err);
+    status = vs_plan_axis(plan, node, "vary", &axis, err);
     if (!status) status = vs_axis_values(axis, node, err);
     status = vs_error_carry_on(err, status);
   }
   return status;
 }
 
-static uint64_t count_grid(const vs_plan *plan, const vs_plan_stage *part) {
+static uint64_t count_grid(const vs_plan *plan, const vs_plan_stage *stage) {
   uint64_t count = 1;
-  for (size_t k = part->axis; k < part->axis + part->n && count <= VS_PLAN_CASES; k++)
+  for (size_t k = stage->axis; k < stage->axis + stage->n && count <= VS_PLAN_CASES; k++)
     count *= plan->axes[k].n_values;
   return count;
 }
 
-static void grid_point(const vs_plan *plan, const vs_plan_stage *part, uint64_t index,
+static void grid_point(const vs_plan *plan, const vs_plan_stage *stage, uint64_t index,
                        double *value) {
-  for (size_t k = part->n; k-- > 0;) {
-    const vs_axis *axis = &plan->axes[part->axis + k];
+  for (size_t k = stage->n; k-- > 0;) {
+    const vs_axis *axis = &plan->axes[stage->axis + k];
     value[k] = axis->value[index % axis->n_values];
     index /= axis->n_values;
   }
 }
+
+static const char *const GRID_EACH[] = {"curve", "map", "cases", NULL}, *const GRID_LAST[] = {
+                                                                            "effect", NULL};
 
 const vs_method vs_grid_method = {.name = "grid",
                                   .key = "vary",
@@ -53,7 +59,8 @@ const vs_method vs_grid_method = {.name = "grid",
                                   .claims = is_map,
                                   .read = read_grid,
                                   .count = count_grid,
-                                  .point = grid_point};
+                                  .point = grid_point,
+                                  .report = {.each = GRID_EACH, .last = GRID_LAST}};
 
 /* ---- list ---- */
 
@@ -64,49 +71,28 @@ static bool is_text(const vs_node *section) {
 
 enum { MOST_CELLS = VS_PLAN_AXES };
 
-/* One line, cut at its commas; cells lose the blanks and quotes around them. */
-static size_t cut_line(char *line, char *cells[MOST_CELLS + 1]) {
-  size_t n = 0;
-  line[strcspn(line, "\r\n")] = '\0';
-  for (char *cell; (cell = strsep(&line, ",")) && n <= MOST_CELLS;) {
-    cell += strspn(cell, " \t");
-    size_t length = strlen(cell);
-    while (length && strchr(" \t", cell[length - 1])) cell[--length] = '\0';
-    if (length > 1 && *cell == '"' && cell[length - 1] == '"') {
-      cell[length - 1] = '\0';
-      cell++;
-    }
-    cells[n++] = cell;
-  }
-  return n;
-}
-
 /* A CSV file on its way in. */
-typedef struct csv {
+typedef struct reader {
   vs_plan *plan;
-  const char *file; /* lives as long as the plan */
-  int line;
+  vs_csv csv;
   size_t columns;
   vs_axis *axis[MOST_CELLS];
   bool bare[MOST_CELLS]; /* its header names the unit: cells are numbers without one */
-} csv;
-
-static vs_where cell_place(const csv *c, const char *line, const char *cell) {
-  return (vs_where){c->file, c->line, (int)(cell - line) + 1};
-}
+} reader;
 
 /* "circuit.r1", or as study.csv has it, "circuit.r1_ohm", whose cells are plain numbers. */
-static vs_status read_header(csv *c, const char *line, char *cell, size_t k, vs_error *err) {
-  vs_where where = cell_place(c, line, cell);
-  vs_node node = {.kind = VS_NODE_TEXT, .key = cell, .where = where, .key_where = where};
+static vs_status read_header(reader *c, size_t k, vs_error *err) {
+  const char *cell = c->csv.cell[k];
+  const vs_where where = c->csv.where[k];
+  vs_node node = vs_tree_word(cell, NULL, where);
   vs_error first = {0};
-  if (!vs_axis_new(c->plan, &node, "vary", &c->axis[k], &first)) return VS_OK;
+  if (!vs_plan_axis(c->plan, &node, "vary", &c->axis[k], &first)) return VS_OK;
   char key[VS_KEY_SIZE];
   for (const char *s = cell; (s = strchr(s, '_')); s++) {
     vs_error none = {0};
     snprintf(key, sizeof key, "%.*s", (int)(s - cell), cell);
-    node.key = key;
-    if (vs_axis_new(c->plan, &node, "vary", &c->axis[k], &none)) continue;
+    node = vs_tree_word(key, NULL, where);
+    if (vs_plan_axis(c->plan, &node, "vary", &c->axis[k], &none)) continue;
     c->bare[k] = true;
     if (!strcmp(c->axis[k]->column, cell)) return VS_OK;
     return vs_fail_at(err, where, "column %s: %s is wanted, or %s with units in its cells", cell,
@@ -115,13 +101,12 @@ static vs_status read_header(csv *c, const char *line, char *cell, size_t k, vs_
   return vs_fail_at(err, where, "%s", first.text + first.place_size);
 }
 
-static vs_status read_cell(csv *c, const char *line, char *cell, size_t k, vs_error *err) {
+static vs_status read_cell(reader *c, size_t k, vs_error *err) {
   vs_axis *axis = c->axis[k];
   vs_text text = {0};
   double number = 0;
-  vs_text_add(&text, "%s%s%s", cell, c->bare[k] ? " " : "", c->bare[k] ? axis->unit : "");
-  const vs_node node = {
-      .kind = VS_NODE_TEXT, .text = text.text, .where = cell_place(c, line, cell)};
+  vs_text_add(&text, "%s%s%s", c->csv.cell[k], c->bare[k] ? " " : "", c->bare[k] ? axis->unit : "");
+  const vs_node node = vs_tree_word(NULL, text.text, c->csv.where[k]);
   vs_status status = vs_axis_number(axis, &node, &number, err);
   vs_text_free(&text);
   if (status) return status;
@@ -132,39 +117,28 @@ static vs_status read_cell(csv *c, const char *line, char *cell, size_t k, vs_er
   return VS_OK;
 }
 
-/* Cuts the line up. */
-static vs_status read_row(csv *c, char *line, vs_error *err) {
-  char *cells[MOST_CELLS + 1];
-  size_t n = cut_line(line, cells);
+static vs_status read_row(reader *c, vs_error *err) {
+  const size_t n = c->csv.count;
   const bool header = !c->columns;
-  if (n > MOST_CELLS)
-    return vs_fail_at(err, (vs_where){c->file, c->line, 1}, "more than %d columns", MOST_CELLS);
+  const vs_where where = {c->csv.file, c->csv.line, 1};
+  if (n > MOST_CELLS) return vs_fail_at(err, where, "more than %d columns", MOST_CELLS);
   if (!header && n != c->columns)
-    return vs_fail_at(err, (vs_where){c->file, c->line, 1}, "%zu cells, and the header has %zu", n,
-                      c->columns);
+    return vs_fail_at(err, where, "%zu cells, and the header has %zu", n, c->columns);
   vs_status status = VS_OK;
   for (size_t k = 0; k < n && !status; k++)
-    status = header ? read_header(c, line, cells[k], k, err) : read_cell(c, line, cells[k], k, err);
+    status = header ? read_header(c, k, err) : read_cell(c, k, err);
   if (header) c->columns = n;
   return status;
 }
 
-static vs_status read_rows(csv *c, FILE *f, vs_error *err) {
-  char *line = NULL;
-  size_t size = 0;
+/* Without a header no cell can be read; of rows that cannot, a check tells each. */
+static vs_status read_rows(reader *c, vs_error *err) {
   vs_status status = VS_OK;
-  while (!status && getline(&line, &size, f) >= 0) {
-    /* what some programs begin a file of UTF-8 with */
-    if (!c->line++ && !strncmp(line, "\xef\xbb\xbf", 3)) memmove(line, line + 3, strlen(line) - 2);
-    const char *s = line + strspn(line, " \t\r\n");
-    if (!*s || *s == '#') continue;
+  while (!status && !(status = vs_csv_next(&c->csv, err)) && c->csv.count) {
     bool header = !c->columns;
-    status = read_row(c, line, err);
-    if (!header) status = vs_error_carry_on(err, status); /* without a header no cell can be read */
+    status = read_row(c, err);
+    if (!header) status = vs_error_carry_on(err, status);
   }
-  free(line);
-  if (!status && ferror(f))
-    status = vs_fail_at(err, (vs_where){.file = c->file}, "cannot be read: %s", strerror(errno));
   return status;
 }
 
@@ -173,26 +147,33 @@ static vs_status read_list(vs_plan *plan, const vs_node *section, void **state, 
   vs_status status = vs_plan_find(plan, section, path, err);
   if (status) return status;
   *state = vs_copy(path);
-  csv c = {.plan = plan, .file = *state};
   FILE *f = fopen(path, "r");
+  reader c = {.plan = plan,
+              .csv = {.file = *state /* lasts as long as the plan */,
+                      .stream = f,
+                      .trim = true,
+                      .comments = true}};
   if (!f) return vs_fail_at(err, section->where, "%s: cannot be opened: %s", path, strerror(errno));
   size_t found = vs_error_count(err);
-  status = read_rows(&c, f, err);
+  status = read_rows(&c, err);
+  vs_csv_free(&c.csv);
   fclose(f);
   if (!status && vs_error_count(err) == found && (!c.columns || !c.axis[0]->n_values))
-    status = vs_fail_at(err, (vs_where){.file = c.file},
+    status = vs_fail_at(err, (vs_where){.file = *state},
                         "a header row of scene keys and a row for each case are wanted");
   return status ? status : vs_plan_input(plan, path, err);
 }
 
-static uint64_t count_list(const vs_plan *plan, const vs_plan_stage *part) {
-  return plan->axes[part->axis].n_values;
+static uint64_t count_list(const vs_plan *plan, const vs_plan_stage *stage) {
+  return plan->axes[stage->axis].n_values;
 }
 
-static void list_point(const vs_plan *plan, const vs_plan_stage *part, uint64_t index,
+static void list_point(const vs_plan *plan, const vs_plan_stage *stage, uint64_t index,
                        double *value) {
-  for (size_t k = 0; k < part->n; k++) value[k] = plan->axes[part->axis + k].value[index];
+  for (size_t k = 0; k < stage->n; k++) value[k] = plan->axes[stage->axis + k].value[index];
 }
+
+static const char *const LIST_EACH[] = {"cases", NULL};
 
 const vs_method vs_grid_list = {.name = "list",
                                 .key = "vary",
@@ -201,4 +182,5 @@ const vs_method vs_grid_list = {.name = "list",
                                 .read = read_list,
                                 .free = free,
                                 .count = count_list,
-                                .point = list_point};
+                                .point = list_point,
+                                .report = {.each = LIST_EACH}};

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The methods there are; each file methods_*.c publishes its own. */
+ * The table of all methods. A new one is a file with its const struct, and a row in the table. */
 #ifndef VS_METHOD_METHODS_H
 #define VS_METHOD_METHODS_H
 
-#include "study/plan.h"
+#include "study/method.h"
 
-extern const vs_method vs_grid_list, vs_grid_method, vs_sample_sobol, vs_sample_latin,
-    vs_sample_monte_carlo, vs_worst_corners, vs_worst_method, vs_snubber_method;
+/* NULL ends it. Of several methods that claim a section the first is taken. In this order a study's
+ * methods are numbered: the first one's index runs slowest, and one that searches comes behind
+ * those whose axes it takes. */
+extern const vs_method *const vs_methods_all[];
 
 #endif

@@ -12,15 +12,19 @@
  *
  * Corners: first the scene as it is, then all ends of all spreads (of a list: all it has), the
  * first axis running fastest. */
+#include "method/sample.h"
+
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/json.h"
 #include "base/text.h"
 #include "base/units.h"
-#include "method/methods.h"
 #include "method/span.h"
+#include "study/plan.h"
 
 static const char *const KEYS[] = {"method", "n", "seed", "spread", "correlation", "sigmas"};
 
@@ -51,7 +55,7 @@ static vs_status read_spread(vs_plan *plan, const vs_node *section, double sigma
   vs_status status = VS_OK;
   for (const vs_node *node = map->child; node && !status; node = node->next) {
     vs_axis *axis;
-    status = vs_axis_new(plan, node, "sample", &axis, err);
+    status = vs_plan_axis(plan, node, "sample", &axis, err);
     if (!status) status = vs_span_read(axis, node, sigmas, err);
     status = vs_error_carry_on(err, status);
   }
@@ -163,49 +167,51 @@ static bool claims(const vs_node *section, const char *method) {
 
 /* ---- manifest ---- */
 
-static void spread_json(const vs_axis *axis, vs_text *json) {
+static void spread_json(const vs_axis *axis, vs_json *json) {
   const vs_span *span = axis->own;
   if (!span) return;
   const bool normal = span->spread.shape == VS_SHAPE_NORMAL;
-  vs_text_add(json, ", \"spread\": {\"shape\": \"%s\", \"%s\": %.12g",
-              normal ? "normal" : "uniform", normal ? "sigma" : "half_width", span->spread.width);
-  if (span->spread.truncate) vs_text_add(json, ", \"within_sigmas\": %.12g", span->spread.truncate);
-  vs_text_add(json, "}");
+  vs_json_object(json, "spread", VS_JSON_ROW);
+  vs_json_text(json, "shape", normal ? "normal" : "uniform");
+  vs_json_number(json, normal ? "sigma" : "half_width", span->spread.width, 12);
+  if (span->spread.truncate) vs_json_number(json, "within_sigmas", span->spread.truncate, 12);
+  vs_json_end(json);
 }
 
 /* ---- points ---- */
 
-static uint64_t sample_count(const vs_plan *plan, const vs_plan_stage *part) {
+static uint64_t sample_count(const vs_plan *plan, const vs_plan_stage *stage) {
   (void)plan;
-  return ((const sample *)part->state)->n;
+  return ((const sample *)stage->state)->n;
 }
 
 /* Makes what lies in the unit cube a point. */
-static void place(const vs_plan *plan, const vs_plan_stage *part, double *value) {
-  const sample *s = part->state;
+static void place(const vs_plan *plan, const vs_plan_stage *stage, double *value) {
+  const sample *s = stage->state;
   if (s->correlation) vs_random_correlate(s->correlation, value);
-  for (size_t d = 0; d < part->n; d++) value[d] = vs_span_at(&plan->axes[part->axis + d], value[d]);
+  for (size_t d = 0; d < stage->n; d++)
+    value[d] = vs_span_at(&plan->axes[stage->axis + d], value[d]);
 }
 
 static bool is_latin(const vs_node *section) {
   return claims(section, "lhs") || claims(section, "latin_hypercube");
 }
 
-static void latin_point(const vs_plan *plan, const vs_plan_stage *part, uint64_t index,
+static void latin_point(const vs_plan *plan, const vs_plan_stage *stage, uint64_t index,
                         double *value) {
-  const sample *s = part->state;
-  for (size_t d = 0; d < part->n; d++) value[d] = vs_random_latin(plan->seed, index, s->n, d);
-  place(plan, part, value);
+  const sample *s = stage->state;
+  for (size_t d = 0; d < stage->n; d++) value[d] = vs_random_latin(plan->seed, index, s->n, d);
+  place(plan, stage, value);
 }
 
 static bool is_monte_carlo(const vs_node *section) {
   return claims(section, "monte_carlo");
 }
 
-static void monte_carlo_point(const vs_plan *plan, const vs_plan_stage *part, uint64_t index,
+static void monte_carlo_point(const vs_plan *plan, const vs_plan_stage *stage, uint64_t index,
                               double *value) {
-  for (size_t d = 0; d < part->n; d++) value[d] = vs_random_uniform(plan->seed, index, d);
-  place(plan, part, value);
+  for (size_t d = 0; d < stage->n; d++) value[d] = vs_random_uniform(plan->seed, index, d);
+  place(plan, stage, value);
 }
 
 static bool is_sobol(const vs_node *section) {
@@ -218,35 +224,39 @@ static vs_status sobol_read(vs_plan *plan, const vs_node *section, void **state,
   sample *s = *state;
   if (status) return status;
   s->sobol = vs_alloc(1, sizeof *s->sobol);
-  vs_random_sobol_begin(s->sobol, plan->n_axes - first, s->n, plan->seed);
+  _Static_assert((int)VS_PLAN_AXES <= (int)VS_SOBOL_AXES && VS_PLAN_CASES <= 1ull << VS_SOBOL_BITS,
+                 "every study that can be asked for has a Sobol sequence");
+  bool begun = vs_random_sobol_begin(s->sobol, plan->n_axes - first, s->n, plan->seed);
+  assert(begun);
+  (void)begun;
   return VS_OK;
 }
 
-static void sobol_point(const vs_plan *plan, const vs_plan_stage *part, uint64_t index,
+static void sobol_point(const vs_plan *plan, const vs_plan_stage *stage, uint64_t index,
                         double *value) {
-  const sample *s = part->state;
-  for (size_t d = 0; d < part->n; d++) value[d] = vs_random_sobol_at(s->sobol, index, d);
-  place(plan, part, value);
+  const sample *s = stage->state;
+  for (size_t d = 0; d < stage->n; d++) value[d] = vs_random_sobol_at(s->sobol, index, d);
+  place(plan, stage, value);
 }
 
 static bool is_corners(const vs_node *section) {
   return claims(section, "corners");
 }
 
-static uint64_t corners_count(const vs_plan *plan, const vs_plan_stage *part) {
+static uint64_t corners_count(const vs_plan *plan, const vs_plan_stage *stage) {
   uint64_t count = 1;
-  for (size_t d = 0; d < part->n && count <= VS_PLAN_CASES; d++) {
-    size_t levels = vs_span_levels(&plan->axes[part->axis + d]);
+  for (size_t d = 0; d < stage->n && count <= VS_PLAN_CASES; d++) {
+    size_t levels = vs_span_levels(&plan->axes[stage->axis + d]);
     count *= levels ? levels : 2;
   }
   return count + 1;
 }
 
-static void corners_point(const vs_plan *plan, const vs_plan_stage *part, uint64_t index,
+static void corners_point(const vs_plan *plan, const vs_plan_stage *stage, uint64_t index,
                           double *value) {
   uint64_t rest = index - 1;
-  for (size_t d = 0; d < part->n; d++) {
-    const vs_axis *axis = &plan->axes[part->axis + d];
+  for (size_t d = 0; d < stage->n; d++) {
+    const vs_axis *axis = &plan->axes[stage->axis + d];
     size_t levels = vs_span_levels(axis), n = levels ? levels : 2;
     if (!index)
       value[d] = vs_span_nominal(axis);
@@ -256,40 +266,51 @@ static void corners_point(const vs_plan *plan, const vs_plan_stage *part, uint64
   }
 }
 
-const vs_method vs_sample_latin = {.name = "lhs",
-                                   .key = "sample",
-                                   .text = "Latin hypercube: every n-th part of every axis once "
-                                           "(without correlation)",
-                                   .claims = is_latin,
-                                   .read = sample_read,
-                                   .free = sample_free,
-                                   .count = sample_count,
-                                   .point = latin_point,
-                                   .axis_json = spread_json};
-const vs_method vs_sample_monte_carlo = {.name = "monte_carlo",
-                                         .key = "sample",
-                                         .text = "independent random points",
-                                         .claims = is_monte_carlo,
-                                         .read = sample_read,
-                                         .free = sample_free,
-                                         .count = sample_count,
-                                         .point = monte_carlo_point,
-                                         .axis_json = spread_json};
-const vs_method vs_sample_sobol = {.name = "sobol",
-                                   .key = "sample",
-                                   .text = "Sobol's sequence, shifted by the seed",
-                                   .claims = is_sobol,
-                                   .read = sobol_read,
-                                   .free = sample_free,
-                                   .count = sample_count,
-                                   .point = sobol_point,
-                                   .axis_json = spread_json};
-const vs_method vs_worst_corners = {.name = "corners",
-                                    .key = "sample",
-                                    .text = "the scene as it is, then all ends of all spreads",
-                                    .claims = is_corners,
-                                    .read = sample_read,
-                                    .free = sample_free,
-                                    .count = corners_count,
-                                    .point = corners_point,
-                                    .axis_json = spread_json};
+static const char *const SPREAD_EACH[] = {"histogram", NULL},
+                         *const SPREAD_LAST[] = {"influence", NULL},
+                         *const CORNERS_EACH[] = {"bars", NULL};
+
+const vs_method vs_sample_latin = {
+    .name = "lhs",
+    .key = "sample",
+    .text = "Latin hypercube: every n-th part of every axis once "
+            "(without correlation)",
+    .claims = is_latin,
+    .read = sample_read,
+    .free = sample_free,
+    .count = sample_count,
+    .point = latin_point,
+    .report = {.each = SPREAD_EACH, .last = SPREAD_LAST, .sampled = true},
+    .axis_json = spread_json};
+const vs_method vs_sample_monte_carlo = {
+    .name = "monte_carlo",
+    .key = "sample",
+    .text = "independent random points",
+    .claims = is_monte_carlo,
+    .read = sample_read,
+    .free = sample_free,
+    .count = sample_count,
+    .point = monte_carlo_point,
+    .report = {.each = SPREAD_EACH, .last = SPREAD_LAST, .sampled = true, .independent = true},
+    .axis_json = spread_json};
+const vs_method vs_sample_sobol = {
+    .name = "sobol",
+    .key = "sample",
+    .text = "Sobol's sequence, shifted by the seed",
+    .claims = is_sobol,
+    .read = sobol_read,
+    .free = sample_free,
+    .count = sample_count,
+    .point = sobol_point,
+    .report = {.each = SPREAD_EACH, .last = SPREAD_LAST, .sampled = true},
+    .axis_json = spread_json};
+const vs_method vs_sample_corners = {.name = "corners",
+                                     .key = "sample",
+                                     .text = "the scene as it is, then all ends of all spreads",
+                                     .claims = is_corners,
+                                     .read = sample_read,
+                                     .free = sample_free,
+                                     .count = corners_count,
+                                     .point = corners_point,
+                                     .report = {.each = CORNERS_EACH},
+                                     .axis_json = spread_json};

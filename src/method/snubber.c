@@ -17,16 +17,19 @@
  * joules: the sum of C*v_peak^2/2 over the capacitors under vary and of power/f over the resistors,
  * of the candidate's worst run. Of candidates that do not hold, the one that is over its ratings by
  * less is better; and all of them are worse than any that holds. */
+#include "method/snubber.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/json.h"
 #include "base/text.h"
 #include "base/units.h"
-#include "method/methods.h"
 #include "method/search.h"
 #include "method/span.h"
+#include "study/plan.h"
 
 enum { PER_AXIS = 80, MOST_CANDIDATES = 10000, RATINGS = 16 };
 
@@ -122,8 +125,8 @@ static vs_status read_snubber(vs_plan *plan, const vs_node *section, void **stat
   snubber *s = *state = vs_alloc(1, sizeof *s);
   s->margin = 0.2;
   s->finest = 0.01;
-  for (size_t p = 0; p < plan->n_parts; p++)
-    if (!strcmp(plan->parts[p].method->key, "sample")) s->sample = &plan->parts[p];
+  for (size_t p = 0; p < plan->n_stages; p++)
+    if (!strcmp(plan->stages[p].method->key, "sample")) s->sample = &plan->stages[p];
   vs_status status = vs_field_known_keys(section, "snubber", KEYS, sizeof KEYS / sizeof *KEYS, err);
   if (!status) status = vs_error_carry_on(err, read_ratings(plan, section, s, err));
   if (!status)
@@ -161,8 +164,8 @@ static vs_status take_limit(const vs_plan *plan, rating *r, vs_error *err) {
                     column->name);
 }
 
-static vs_status ready_snubber(const vs_plan *plan, const vs_plan_stage *part, vs_error *err) {
-  snubber *s = part->state;
+static vs_status ready_snubber(const vs_plan *plan, const vs_plan_stage *stage, vs_error *err) {
+  snubber *s = stage->state;
   vs_status status = VS_OK;
   for (size_t k = 0; k < s->n_ratings && !status; k++)
     status = vs_error_carry_on(err, take_limit(plan, &s->ratings[k], err));
@@ -178,8 +181,8 @@ static uint64_t spreads(const vs_plan *plan, const snubber *s) {
   return s->sample ? s->sample->method->count(plan, s->sample) : 0;
 }
 
-static uint64_t count_snubber(const vs_plan *plan, const vs_plan_stage *part) {
-  const snubber *s = part->state;
+static uint64_t count_snubber(const vs_plan *plan, const vs_plan_stage *stage) {
+  const snubber *s = stage->state;
   return candidates(plan, s) * (1 + spreads(plan, s));
 }
 
@@ -242,6 +245,8 @@ typedef struct hunt {
   uint64_t used;             /* of the results */
   vs_generation *generation; /* NULL: nothing is asked for */
 } hunt;
+
+_Static_assert((int)VS_PLAN_AXES <= (int)VS_SEARCH_AXES, "all axes of a plan can be searched");
 
 static vs_search *begin(const vs_plan *plan, const snubber *s) {
   vs_search_setup setup = {.axes = s->n_design,
@@ -317,10 +322,10 @@ static void go(hunt *h, void (*each)(void *ctx, const candidate *), void *ctx) {
   vs_search_free(h->search);
 }
 
-static vs_status next_snubber(const vs_plan *plan, const vs_plan_stage *part,
+static vs_status next_snubber(const vs_plan *plan, const vs_plan_stage *stage,
                               const vs_results *results, vs_generation *generation, vs_error *err) {
   (void)err;
-  hunt h = {.plan = plan, .s = part->state, .results = results, .generation = generation};
+  hunt h = {.plan = plan, .s = stage->state, .results = results, .generation = generation};
   go(&h, NULL, NULL);
   return VS_OK;
 }
@@ -328,52 +333,72 @@ static vs_status next_snubber(const vs_plan *plan, const vs_plan_stage *part,
 /* ---- manifest ---- */
 
 typedef struct list {
-  vs_text *json;
-  candidate best;
-  uint64_t count, held;
+  vs_json *json;
+  candidate best; /* the cheapest of those that hold */
+  uint64_t held;
 } list;
 
-/* {"case", "first", "runs", "holds", "over", "cost_j"} */
 static void list_candidate(void *ctx, const candidate *c) {
   list *l = ctx;
-  vs_text_add(l->json, "%s{\"case\": %llu, \"spread\": %llu, \"runs\": %llu, \"holds\": %s, ",
-              l->count ? ", " : "", (unsigned long long)c->nominal, (unsigned long long)c->first,
-              (unsigned long long)c->runs, holds(c) ? "true" : "false");
-  if (c->failed)
-    vs_text_add(l->json, "\"over\": null, \"cost_j\": null}");
-  else
-    vs_text_add(l->json, "\"over\": %.12g, \"cost_j\": %.12g}", c->over, c->cost_j);
+  vs_json_object(l->json, NULL, VS_JSON_ROW);
+  vs_json_whole(l->json, "case", (int64_t)c->nominal);
+  vs_json_whole(l->json, "spread", (int64_t)c->first);
+  vs_json_whole(l->json, "runs", (int64_t)c->runs);
+  vs_json_bool(l->json, "holds", holds(c));
+  vs_json_number(l->json, "over", c->failed ? NAN : c->over, 12);
+  vs_json_number(l->json, "cost_j", c->failed ? NAN : c->cost_j, 12);
+  vs_json_end(l->json);
   if (holds(c) && (!l->held || c->cost_j < l->best.cost_j)) l->best = *c;
   l->held += holds(c);
-  l->count++;
 }
 
-static void json_snubber(const vs_plan *plan, const vs_plan_stage *part, const vs_results *results,
-                         vs_text *json) {
-  const snubber *s = part->state;
-  vs_text_add(json, ", \"snubber\": {\"margin\": %.12g, \"finest\": %.12g, \"ratings\": [",
-              s->margin, s->finest);
+static void add_ratings(const vs_plan *plan, const snubber *s, vs_json *json) {
+  vs_json_array(json, "ratings", VS_JSON_ROW);
   for (size_t k = 0; k < s->n_ratings; k++) {
     const vs_report_column *c = &plan->columns[s->ratings[k].column];
-    vs_text_add(json, "%s{\"name\": \"%s\", \"unit\": \"%s\", \"limit\": %.12g}", k ? ", " : "",
-                c->name, c->unit, s->ratings[k].limit);
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    vs_json_text(json, "name", c->name);
+    vs_json_text(json, "unit", c->unit);
+    vs_json_number(json, "limit", s->ratings[k].limit, 12);
+    vs_json_end(json);
   }
-  vs_text_add(json,
-              "], \"cost\": \"energy that the varied parts hold and burn in one cycle: sum of "
-              "C*v_peak^2/2 and power/f\", \"cost_unit\": \"J\"");
-  if (results) {
-    list l = {.json = json};
-    hunt h = {.plan = plan, .s = s, .results = results};
-    vs_text_add(json, ", \"candidates\": [");
-    go(&h, list_candidate, &l);
-    if (l.held)
-      vs_text_add(json, "], \"found\": {\"case\": %llu, \"cost_j\": %.12g}}",
-                  (unsigned long long)l.best.nominal, l.best.cost_j);
-    else
-      vs_text_add(json, "], \"found\": null}");
-  } else
-    vs_text_add(json, "}");
+  vs_json_end(json);
 }
+
+static void add_candidates(const vs_plan *plan, const snubber *s, const vs_results *results,
+                           vs_json *json) {
+  list l = {.json = json};
+  hunt h = {.plan = plan, .s = s, .results = results};
+  vs_json_array(json, "candidates", VS_JSON_ROW);
+  go(&h, list_candidate, &l);
+  vs_json_end(json);
+  if (!l.held) {
+    vs_json_null(json, "found");
+    return;
+  }
+  vs_json_object(json, "found", VS_JSON_ROW);
+  vs_json_whole(json, "case", (int64_t)l.best.nominal);
+  vs_json_number(json, "cost_j", l.best.cost_j, 12);
+  vs_json_end(json);
+}
+
+static void json_snubber(const vs_plan *plan, const vs_plan_stage *stage, const vs_results *results,
+                         vs_json *json) {
+  const snubber *s = stage->state;
+  vs_json_object(json, "snubber", VS_JSON_ROW);
+  vs_json_number(json, "margin", s->margin, 12);
+  vs_json_number(json, "finest", s->finest, 12);
+  add_ratings(plan, s, json);
+  vs_json_text(json, "cost",
+               "energy that the varied parts hold and burn in one cycle: sum of C*v_peak^2/2 and "
+               "power/f");
+  vs_json_text(json, "cost_unit", "J");
+  if (results) add_candidates(plan, s, results, json);
+  vs_json_end(json);
+}
+
+static const char *const LEAD[] = {"feasible", NULL}, *const EACH[] = {"map", "cloud", "cases",
+                                                                       NULL};
 
 const vs_method vs_snubber_method = {
     .name = "snubber",
@@ -385,4 +410,8 @@ const vs_method vs_snubber_method = {
     .free = free,
     .count = count_snubber,
     .next = next_snubber,
-    .json = json_snubber};
+    .json = json_snubber,
+    .report = {.lead = LEAD,
+               .each = EACH,
+               .best = "Cheapest that holds",
+               .none = "None found that holds over the spread"}};

@@ -10,16 +10,19 @@
  *     seed: 7
  *     finest: 0.1 %                      of each axis: shorter steps end the search
  */
+#include "method/worst.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/json.h"
 #include "base/text.h"
 #include "base/units.h"
-#include "method/methods.h"
 #include "method/search.h"
 #include "method/span.h"
+#include "study/plan.h"
 
 enum { PER_AXIS = 100, MOST_CASES = 100000 };
 
@@ -84,16 +87,18 @@ static vs_status read_worst(vs_plan *plan, const vs_node *section, void **state,
   return status;
 }
 
-static uint64_t worst_count(const vs_plan *plan, const vs_plan_stage *part) {
-  const worst *w = part->state;
+static uint64_t worst_count(const vs_plan *plan, const vs_plan_stage *stage) {
+  const worst *w = stage->state;
   return w->n ? w->n : PER_AXIS * plan->n_axes;
 }
 
-static vs_search *begin(const vs_plan *plan, const vs_plan_stage *part) {
-  const worst *w = part->state;
+_Static_assert((int)VS_PLAN_AXES <= (int)VS_SEARCH_AXES, "all axes of a plan can be searched");
+
+static vs_search *begin(const vs_plan *plan, const vs_plan_stage *stage) {
+  const worst *w = stage->state;
   vs_search_setup setup = {.axes = plan->n_axes,
                            .seed = plan->seed,
-                           .most = (size_t)worst_count(plan, part),
+                           .most = (size_t)worst_count(plan, stage),
                            .finest = w->finest};
   for (size_t d = 0; d < plan->n_axes; d++) setup.levels[d] = (int)vs_span_levels(&plan->axes[d]);
   return vs_search_new(&setup);
@@ -102,13 +107,15 @@ static vs_search *begin(const vs_plan *plan, const vs_plan_stage *part) {
 /* Tells the search of the results from `done` on, generation by generation; gives how many of them
  * it then knows. phases: NULL, or a list of what its phases were and the case each began with. */
 static uint64_t replay(vs_search *search, const worst *w, const vs_results *results, uint64_t done,
-                       vs_text *phases) {
+                       vs_json *phases) {
   const char *phase = "";
   for (size_t count; vs_search_ask(search, &count), count && done + count <= results->count;) {
     if (phases && strcmp(phase, vs_search_phase(search))) {
       phase = vs_search_phase(search);
-      vs_text_add(phases, "%s{\"phase\": \"%s\", \"case\": %llu}", done ? ", " : "", phase,
-                  (unsigned long long)done);
+      vs_json_object(phases, NULL, VS_JSON_ROW);
+      vs_json_text(phases, "phase", phase);
+      vs_json_whole(phases, "case", (int64_t)done);
+      vs_json_end(phases);
     }
     double *values = vs_alloc(count, sizeof *values);
     for (size_t k = 0; k < count; k++)
@@ -120,14 +127,14 @@ static uint64_t replay(vs_search *search, const worst *w, const vs_results *resu
   return done;
 }
 
-static vs_status worst_next(const vs_plan *plan, const vs_plan_stage *part,
+static vs_status worst_next(const vs_plan *plan, const vs_plan_stage *stage,
                             const vs_results *results, vs_generation *generation, vs_error *err) {
   (void)err;
-  worst *w = part->state;
+  worst *w = stage->state;
   size_t count;
   if (!w->search || results->count < w->done) { /* from the first on; else where it stands */
     vs_search_free(w->search);
-    w->search = begin(plan, part);
+    w->search = begin(plan, stage);
     w->done = 0;
   }
   w->done = replay(w->search, w, results, w->done, NULL);
@@ -141,33 +148,51 @@ static vs_status worst_next(const vs_plan *plan, const vs_plan_stage *part,
   return VS_OK;
 }
 
-static void worst_json(const vs_plan *plan, const vs_plan_stage *part, const vs_results *results,
-                       vs_text *json) {
-  const worst *w = part->state;
-  vs_text_add(json, ", \"find\": {\"worst\": \"%s %s\", \"finest\": %.12g",
-              w->sense < 0 ? "max" : "min", w->measure, w->finest);
-  if (results) {
-    vs_search *search = begin(plan, part);
-    vs_text_add(json, ", \"phases\": [");
-    replay(search, w, results, 0, json);
-    vs_text_add(json, "]");
-    vs_search_free(search);
-    uint64_t best = UINT64_MAX;
-    double value = NAN;
-    for (uint64_t k = 0; k < results->count; k++) {
-      double now = w->sense * vs_plan_results_value(results, k, w->column);
-      if (isnan(now) || !(isnan(value) || now < value)) continue;
-      value = now;
-      best = k;
-    }
-    if (best == UINT64_MAX)
-      vs_text_add(json, ", \"found\": null");
-    else
-      vs_text_add(json, ", \"found\": {\"case\": %llu, \"value\": %.12g}", (unsigned long long)best,
-                  w->sense * value);
+/* The case whose value is the worst of all; UINT64_MAX: none has one. */
+static uint64_t find_best(const worst *w, const vs_results *results) {
+  uint64_t best = UINT64_MAX;
+  double value = NAN;
+  for (uint64_t k = 0; k < results->count; k++) {
+    double now = w->sense * vs_plan_results_value(results, k, w->column);
+    if (isnan(now) || !(isnan(value) || now < value)) continue;
+    value = now;
+    best = k;
   }
-  vs_text_add(json, "}");
+  return best;
 }
+
+static void add_found(const vs_plan *plan, const vs_plan_stage *stage, const vs_results *results,
+                      vs_json *json) {
+  const worst *w = stage->state;
+  vs_search *search = begin(plan, stage);
+  vs_json_array(json, "phases", VS_JSON_ROW);
+  replay(search, w, results, 0, json);
+  vs_json_end(json);
+  vs_search_free(search);
+  const uint64_t best = find_best(w, results);
+  if (best == UINT64_MAX) {
+    vs_json_null(json, "found");
+    return;
+  }
+  vs_json_object(json, "found", VS_JSON_ROW);
+  vs_json_whole(json, "case", (int64_t)best);
+  vs_json_number(json, "value", vs_plan_results_value(results, best, w->column), 12);
+  vs_json_end(json);
+}
+
+static void worst_json(const vs_plan *plan, const vs_plan_stage *stage, const vs_results *results,
+                       vs_json *json) {
+  const worst *w = stage->state;
+  char aim[VS_JUDGED_NAME + 8];
+  snprintf(aim, sizeof aim, "%s %s", w->sense < 0 ? "max" : "min", w->measure);
+  vs_json_object(json, "find", VS_JSON_ROW);
+  vs_json_text(json, "worst", aim);
+  vs_json_number(json, "finest", w->finest, 12);
+  if (results) add_found(plan, stage, results, json);
+  vs_json_end(json);
+}
+
+static const char *const LEAD[] = {"path", "cloud", NULL}, *const EACH[] = {"cases", NULL};
 
 const vs_method vs_worst_method = {
     .name = "worst",
@@ -178,4 +203,5 @@ const vs_method vs_worst_method = {
     .free = free_worst,
     .count = worst_count,
     .next = worst_next,
-    .json = worst_json};
+    .json = worst_json,
+    .report = {.lead = LEAD, .each = EACH, .aim = "worst", .best = "Worst found"}};

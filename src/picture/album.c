@@ -1,38 +1,41 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "picture/album.h"
 
+#include <assert.h>
 #include <string.h>
 
 #include "picture/charts.h"
+#include "picture/feasible.h"
 #include "picture/map.h"
+#include "picture/spread.h"
 
-bool vs_album_is_sampled(const vs_folder *t) {
-  return strstr(t->method, "sobol") || strstr(t->method, "lhs") || strstr(t->method, "monte_carlo");
+/* A new kind of picture is a file with its const struct, and a row here; methods name it. */
+static const vs_chart *const CHARTS[] = {
+    &vs_charts_curve,     &vs_charts_cases,   &vs_charts_path,      &vs_charts_cloud,
+    &vs_map_chart,        &vs_feasible_chart, &vs_spread_histogram, &vs_spread_bars,
+    &vs_spread_influence, &vs_spread_effect};
+enum { N_CHARTS = sizeof CHARTS / sizeof *CHARTS };
+
+static const vs_chart *find_chart(const char *name) {
+  size_t k = 0;
+  while (k < N_CHARTS && strcmp(CHARTS[k]->name, name)) k++;
+  assert(k < N_CHARTS); /* a method names a kind of picture that there is none of */
+  return CHARTS[k];
 }
 
-/* A map, or where one axis has few words a curve for each of them. */
-static vs_sketch_draw two_axes(const vs_sketch *k) {
-  const vs_profile *a = &k->s->profile[k->axis[0]], *b = &k->s->profile[k->axis[1]];
-  const vs_profile *words = !a->is_number ? a : b, *numbers = !a->is_number ? b : a;
-  if (!words->is_number && words->count <= VS_FAMILY && numbers->is_number) return vs_charts_curve;
-  return vs_map_fits(k) ? vs_map_draw : vs_charts_cases;
+static bool fits(const vs_chart *chart, const vs_sketch *k) {
+  return !chart->fits || chart->fits(k);
 }
 
-static bool is_cloud(const vs_sketch *k) {
-  return k->n_axes == 2 && k->s->profile[k->axis[0]].is_number &&
-         k->s->profile[k->axis[1]].is_number;
-}
-
-static vs_sketch_draw every_column(const vs_sketch *k) {
-  const char *method = k->t->method;
-  if (vs_album_is_sampled(k->t)) return vs_spread_histogram;
-  if (strstr(method, "corners")) return vs_spread_bars;
-  if (strstr(method, "snubber"))
-    return vs_map_fits(k) ? vs_map_draw : is_cloud(k) ? vs_charts_cloud : vs_charts_cases;
-  if (strstr(method, "list") || !k->n_axes) return vs_charts_cases;
-  if (k->n_axes == 1) return k->s->profile[k->axis[0]].many ? vs_charts_cases : vs_charts_curve;
-  if (k->n_axes == 2) return two_axes(k);
-  return vs_map_fits(k) ? vs_map_draw : vs_charts_cases;
+/* The first that fits of those the last method names that names any. */
+static const vs_chart *every_column(const vs_sketch *k) {
+  static const char *const UNKNOWN[] = {"curve", "map", "cases", NULL};
+  const char *const *names = UNKNOWN;
+  for (size_t m = 0; m < k->t->n_methods; m++)
+    if (k->t->methods[m]->report.each) names = k->t->methods[m]->report.each;
+  for (; *names; names++)
+    if (fits(find_chart(*names), k)) return find_chart(*names);
+  return &vs_charts_cases;
 }
 
 static vs_picture *next_picture(vs_album *album) {
@@ -43,21 +46,36 @@ static vs_picture *next_picture(vs_album *album) {
   return &album->item[album->count++];
 }
 
-static vs_status add(const vs_sketch *k, vs_sketch_draw draw, size_t column, vs_album *album,
-                     vs_error *err) {
+static vs_status add_one(const vs_sketch *k, const vs_chart *chart, size_t column, vs_album *album,
+                         vs_error *err) {
   vs_picture *p = next_picture(album);
-  vs_status status = p ? draw(k, column, p, err) : VS_OK;
+  vs_status status = p ? chart->draw(k, column, p, err) : VS_OK;
   if (p && !*p->name) album->count--; /* there was nothing to draw */
   return status;
 }
 
-/* Each axis' own part, where no picture shows it. */
-static vs_status add_effects(const vs_sketch *k, size_t lead, vs_album *album, vs_error *err) {
+static vs_status add(const vs_sketch *k, const vs_chart *chart, size_t column, vs_album *album,
+                     vs_error *err) {
+  vs_sketch of_axis = *k;
   vs_status status = VS_OK;
+  if (!chart->each_axis) return add_one(k, chart, column, album, err);
   for (size_t a = 0; a < k->n_axes && !status; a++) {
     if (k->s->profile[k->axis[a]].many) continue;
-    vs_picture *p = next_picture(album);
-    if (p) status = vs_spread_effect(k, k->axis[a], lead, p, err);
+    of_axis.one = k->axis[a];
+    status = add_one(&of_axis, chart, column, album, err);
+  }
+  return status;
+}
+
+/* All of the list that fit; *shown: one of them shows the column. */
+static vs_status add_list(const vs_sketch *k, const char *const *names, size_t column, bool *shown,
+                          vs_album *album, vs_error *err) {
+  vs_status status = VS_OK;
+  for (; names && *names && !status; names++) {
+    const vs_chart *chart = find_chart(*names);
+    if (!fits(chart, k)) continue;
+    *shown = *shown || !chart->whole;
+    status = add(k, chart, column, album, err);
   }
   return status;
 }
@@ -75,26 +93,28 @@ static size_t list_columns(const vs_sketch *k, size_t *column) {
   return n;
 }
 
+/* The axes of which there is more than one value. */
+static void list_axes(vs_sketch *k) {
+  for (size_t c = 0; c < k->t->count; c++)
+    if (k->t->column[c].role == VS_ROLE_AXIS &&
+        (k->s->profile[c].many || k->s->profile[c].count > 1))
+      k->axis[k->n_axes++] = c;
+}
+
 vs_status vs_album_make(const vs_folder *t, const vs_survey *s, vs_album *album, vs_error *err) {
   vs_sketch k = {.t = t, .s = s};
   size_t column[VS_STUDY_COLUMNS];
   vs_status status = VS_OK;
-  for (size_t c = 0; c < t->count; c++)
-    if (t->column[c].role == VS_ROLE_AXIS && (s->profile[c].many || s->profile[c].count > 1))
-      k.axis[k.n_axes++] = c;
+  bool shown = false;
+  list_axes(&k);
   size_t n = list_columns(&k, column);
-  if (strstr(t->method, "snubber") && n) status = add(&k, vs_feasible_draw, column[0], album, err);
-  bool search = strstr(t->method, "worst") != NULL;
-  if (search && n && !status) status = add(&k, vs_charts_path, column[0], album, err);
-  if (search && n && !status && is_cloud(&k))
-    status = add(&k, vs_charts_cloud, column[0], album, err);
-  vs_sketch_draw draw = search ? vs_charts_cases : every_column(&k);
-  for (size_t i = search; i < n && !status; i++) status = add(&k, draw, column[i], album, err);
-  bool sampled = vs_album_is_sampled(t);
-  if (!status && n && sampled && k.n_axes)
-    status = add(&k, vs_spread_influence, column[0], album, err);
-  if (!status && n && strstr(t->method, "grid") && (sampled || k.n_axes > 2))
-    status = add_effects(&k, column[0], album, err);
+  if (!n) return VS_OK;
+  for (size_t m = t->n_methods; m-- > 0 && !status;)
+    status = add_list(&k, t->methods[m]->report.lead, column[0], &shown, album, err);
+  const vs_chart *chart = every_column(&k);
+  for (size_t i = shown; i < n && !status; i++) status = add(&k, chart, column[i], album, err);
+  for (size_t m = t->n_methods; m-- > 0 && !status;)
+    status = add_list(&k, t->methods[m]->report.last, column[0], &shown, album, err);
   return status;
 }
 

@@ -2,12 +2,14 @@
 #include "picture/charts.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "command/gnuplot.h"
 
-enum { MOST_POINTS = 2000, FEW_POINTS = 100 };
+enum { FAMILY = 7 /* lines at most */, MOST_POINTS = 2000, FEW_POINTS = 100 };
+
 /* ---- curves ---- */
 
 /* The rows of one word of another axis, taken out of the rest. */
@@ -15,7 +17,7 @@ typedef struct picker {
   const vs_sketch *k;
   size_t x, y, words; /* columns */
   double x_factor, y_factor;
-  vs_dots line[VS_FAMILY];
+  vs_dots line[FAMILY];
 } picker;
 
 static vs_status pick_row(void *ctx, const vs_folder_row *row, vs_error *err) {
@@ -23,7 +25,7 @@ static vs_status pick_row(void *ctx, const vs_folder_row *row, vs_error *err) {
   double x, y;
   (void)err;
   long line = vs_survey_index(&m->k->s->profile[m->words], row->cell[m->words]);
-  if (line < 0 || line >= VS_FAMILY) return VS_OK;
+  if (line < 0 || line >= FAMILY) return VS_OK;
   if (!vs_folder_number(row->cell[m->x], &x) || !vs_folder_number(row->cell[m->y], &y))
     return VS_OK;
   if (isnan(x) || isnan(y)) return VS_OK;
@@ -70,7 +72,17 @@ static vs_status draw_family(const vs_sketch *k, size_t x, size_t words, size_t 
   return status;
 }
 
-vs_status vs_charts_curve(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+/* Over the one axis; with a second axis of few words, a line for each. */
+static bool fits_curve(const vs_sketch *k) {
+  const vs_profile *profile = k->s->profile;
+  if (k->n_axes == 1) return !profile[k->axis[0]].many;
+  if (k->n_axes != 2) return false;
+  const vs_profile *a = &profile[k->axis[0]], *b = &profile[k->axis[1]];
+  const vs_profile *words = !a->is_number ? a : b, *numbers = !a->is_number ? b : a;
+  return !words->is_number && words->count <= FAMILY && numbers->is_number;
+}
+
+static vs_status draw_curve(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   size_t x = k->n_axes ? k->axis[0] : 0, words = 0;
   if (k->n_axes > 1) {
     bool first = k->s->profile[x].is_number;
@@ -101,9 +113,11 @@ vs_status vs_charts_curve(const vs_sketch *k, size_t column, vs_picture *p, vs_e
   return status;
 }
 
+const vs_chart vs_charts_curve = {.name = "curve", .fits = fits_curve, .draw = draw_curve};
+
 /* ---- cases, and the path of a search ---- */
 
-vs_status vs_charts_cases(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw_cases(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   vs_dots s;
   vs_sketch_title(k, column, ", case by case", p);
   vs_sketch_begin(k, 0, column, p);
@@ -120,7 +134,9 @@ vs_status vs_charts_cases(const vs_sketch *k, size_t column, vs_picture *p, vs_e
   return status;
 }
 
-vs_status vs_charts_path(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+const vs_chart vs_charts_cases = {.name = "cases", .draw = draw_cases};
+
+static vs_status draw_path(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   bool largest;
   bool aim = vs_folder_aim(k->t, &largest) == column;
   if (!aim) largest = k->t->column[column].role != VS_ROLE_MARGIN;
@@ -155,6 +171,8 @@ vs_status vs_charts_path(const vs_sketch *k, size_t column, vs_picture *p, vs_er
   return status;
 }
 
+const vs_chart vs_charts_path = {.name = "path", .draw = draw_path};
+
 /* ---- points in colour ---- */
 
 enum { CLOUD_CELLS = 100 }; /* along each axis; of the points in one the worst is drawn */
@@ -185,7 +203,12 @@ static vs_status add_point(void *ctx, const vs_folder_row *row, vs_error *err) {
   return VS_OK;
 }
 
-vs_status vs_charts_cloud(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static bool fits_cloud(const vs_sketch *k) {
+  return k->n_axes == 2 && k->s->profile[k->axis[0]].is_number &&
+         k->s->profile[k->axis[1]].is_number;
+}
+
+static vs_status draw_cloud(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   cloud c = {.k = k, .column = {k->axis[0], k->axis[1], column}};
   c.margin = k->t->column[column].role == VS_ROLE_MARGIN;
   for (int n = 0; n < 3; n++) c.factor[n] = vs_sketch_scale(k, c.column[n]).factor;
@@ -224,3 +247,5 @@ vs_status vs_charts_cloud(const vs_sketch *k, size_t column, vs_picture *p, vs_e
   free(c.point);
   return status;
 }
+
+const vs_chart vs_charts_cloud = {.name = "cloud", .fits = fits_cloud, .draw = draw_cloud};

@@ -1,12 +1,12 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later
- * What a search for the cheapest snubber tried: which values hold over the spread, and which not.
- */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "picture/feasible.h"
+
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "command/gnuplot.h"
-#include "picture/charts.h"
 
 typedef struct candidate {
   long number; /* the case's */
@@ -33,7 +33,7 @@ static int by_number(const void *a, const void *b) {
 }
 
 static const vs_node *candidates_of(const vs_folder *t) {
-  return vs_tree_child(vs_tree_child(t->manifest.root, "snubber"), "candidates");
+  return vs_tree_child(vs_folder_search(t), "candidates");
 }
 
 /* false: the manifest names no candidates, or there are not two axes to draw them over. */
@@ -107,7 +107,7 @@ static void add_range(const vs_sketch *k, size_t column, char axis, vs_text *scr
                 scale.log ? largest * 1.3 : largest + room);
 }
 
-vs_status vs_feasible_draw(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   region r = {.k = k};
   bool any = false;
   if (!find_candidates(&r)) return VS_OK;
@@ -127,3 +127,5 @@ vs_status vs_feasible_draw(const vs_sketch *k, size_t column, vs_picture *p, vs_
   free(r.item);
   return status;
 }
+
+const vs_chart vs_feasible_chart = {.name = "feasible", .whole = true, .draw = draw};

@@ -7,6 +7,8 @@
 
 #include "command/gnuplot.h"
 
+enum { MOST_CELLS = 80 }; /* along each axis; more values share a cell */
+
 /* ---- the contour ---- */
 
 static double between(double a, double b, double part, bool is_log) {
@@ -58,12 +60,12 @@ void vs_map_contour(const vs_field_grid *g, double level,
 
 /* ---- cells ---- */
 
-/* An axis cut into at most VS_MAP_CELLS cells. */
+/* An axis cut into at most MOST_CELLS cells. */
 typedef struct map_side {
   size_t column, cells, each; /* values to a cell */
   const vs_profile *profile;
   vs_scale scale;
-  double middle[VS_MAP_CELLS], edge[VS_MAP_CELLS + 1]; /* as shown */
+  double middle[MOST_CELLS], edge[MOST_CELLS + 1]; /* as shown */
 } map_side;
 
 typedef struct map {
@@ -81,7 +83,7 @@ static double value_at(const map_side *s, size_t k) {
 static void cut_side(map_side *s) {
   size_t count = s->profile->count;
   bool is_log = s->scale.log;
-  s->each = (count + VS_MAP_CELLS - 1) / VS_MAP_CELLS;
+  s->each = (count + MOST_CELLS - 1) / MOST_CELLS;
   s->cells = (count + s->each - 1) / s->each;
   for (size_t c = 0; c < s->cells; c++) {
     size_t last = (c + 1) * s->each < count ? (c + 1) * s->each - 1 : count - 1;
@@ -127,7 +129,7 @@ static void choose_sides(const vs_sketch *k, size_t side[2]) {
   }
 }
 
-bool vs_map_fits(const vs_sketch *k) {
+static bool fits(const vs_sketch *k) {
   size_t side[2];
   choose_sides(k, side);
   if (!side[0] || !side[1]) return false;
@@ -267,7 +269,7 @@ static void add_map(const map *m, vs_picture *p) {
   if (has_holes(m)) vs_text_add(&p->caption, "Grey: no case, or one that failed. ");
 }
 
-vs_status vs_map_draw(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   map m;
   vs_status status = make_map(&m, k, column, err);
   add_title(&m, p);
@@ -279,3 +281,5 @@ vs_status vs_map_draw(const vs_sketch *k, size_t column, vs_picture *p, vs_error
   free(m.z);
   return status;
 }
+
+const vs_chart vs_map_chart = {.name = "map", .fits = fits, .draw = draw};

@@ -5,23 +5,22 @@
 
 #include "picture/sketch.h"
 
-enum { VS_MAP_CELLS = 80 }; /* along each axis at most; more values share a cell */
+/* "map": its axes are the two of most values. With further axes, or where values share a cell, a
+ * cell shows the least margin, or the largest amount, among its cases. It fits where each axis has
+ * so few values that the cases fill at least half of the map. */
+extern const vs_chart vs_map_chart;
 
-/* The axes of the map: the two of most values. With further axes, or where values share a cell,
- * a cell shows the least margin, or the largest amount, among its cases. */
-vs_status vs_map_draw(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err);
-
-/* Is each axis one of few enough values, so that the cases fill at least half of the map? */
-bool vs_map_fits(const vs_sketch *k);
-
-/* Pieces of the line on which a field is `level`, between the values of a grid (bilinear, so exact
- * for a plane). z[ny][nx], NAN: not known, no line passes there. each(ctx, x0, y0, x1, y1). */
+/* A field on the points of a grid. */
 typedef struct vs_field_grid {
   size_t nx, ny;
-  const double *x, *y; /* rising */
-  const double *z;
-  bool x_log, y_log; /* between values as on a logarithmic axis */
+  const double *x, *y; /* [nx], [ny], rising */
+  const double *z;     /* [ny][nx]; NaN: not known */
+  bool x_log, y_log;   /* lengths between values are taken as on a logarithmic axis */
 } vs_field_grid;
+
+/* Calls each(ctx, from, to) for the pieces of the line on which the field is `level`. Between the
+ * grid's points the field is taken as bilinear, so the line of a plane is exact. No piece passes
+ * where the field is not known. For tests. */
 void vs_map_contour(const vs_field_grid *grid, double level,
                     void (*each)(void *ctx, const double from[2], const double to[2]), void *ctx);
 

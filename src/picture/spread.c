@@ -1,8 +1,8 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later
- * Charts of how a column is spread over many cases. */
-#include "picture/charts.h"
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "picture/spread.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -89,7 +89,7 @@ static void add_histogram(const vs_sketch *k, size_t column, double *v, size_t n
   if (margin) vs_text_add(&p->caption, "Left of 0, in orange: a rating is violated. ");
 }
 
-vs_status vs_spread_histogram(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw_histogram(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   vs_dots s;
   vs_sketch_title(k, column, ": how it is spread", p);
   p->width = 720;
@@ -107,6 +107,8 @@ vs_status vs_spread_histogram(const vs_sketch *k, size_t column, vs_picture *p, 
   free(v);
   return status;
 }
+
+const vs_chart vs_spread_histogram = {.name = "histogram", .draw = draw_histogram};
 
 /* ---- corners ---- */
 
@@ -168,7 +170,7 @@ static void add_bars(const chosen *c, vs_picture *p) {
               vs_scale_colour_good, margin ? vs_scale_colour_bad : vs_scale_colour_good);
 }
 
-vs_status vs_spread_bars(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw_bars(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   chosen c = {.k = k, .column = column};
   vs_status status = vs_folder_each(k->t, choose, &c, err);
   vs_sketch_title(k, column, " at the corners", p);
@@ -185,6 +187,8 @@ vs_status vs_spread_bars(const vs_sketch *k, size_t column, vs_picture *p, vs_er
   vs_survey_kept_free(c.kept, c.n, k->t->count);
   return status;
 }
+
+const vs_chart vs_spread_bars = {.name = "bars", .draw = draw_bars};
 
 /* ---- what moves it ---- */
 
@@ -226,7 +230,7 @@ static int by_strength(const void *a, const void *b) {
   return (one->column > other->column) - (one->column < other->column);
 }
 
-vs_status vs_spread_influence(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+static vs_status draw_influence(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   moments *m = vs_alloc(1, sizeof *m);
   influence all[VS_STUDY_COLUMNS];
   size_t n = 0;
@@ -267,6 +271,13 @@ vs_status vs_spread_influence(const vs_sketch *k, size_t column, vs_picture *p, 
   return status;
 }
 
+static bool fits_influence(const vs_sketch *k) {
+  return k->n_axes > 0;
+}
+
+const vs_chart vs_spread_influence = {
+    .name = "influence", .fits = fits_influence, .draw = draw_influence};
+
 /* ---- one axis among many ---- */
 
 typedef struct effects {
@@ -291,8 +302,13 @@ static vs_status add_effect(void *ctx, const vs_folder_row *row, vs_error *err) 
   return VS_OK;
 }
 
-vs_status vs_spread_effect(const vs_sketch *k, size_t axis, size_t column, vs_picture *p,
-                           vs_error *err) {
+/* One or two axes and nothing random: then other pictures show all there is. */
+static bool fits_effect(const vs_sketch *k) {
+  return k->n_axes > 2 || vs_folder_is_sampled(k->t);
+}
+
+static vs_status draw_effect(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+  const size_t axis = k->one;
   effects *e = vs_alloc(1, sizeof *e);
   e->k = k;
   e->axis = axis;
@@ -323,3 +339,6 @@ vs_status vs_spread_effect(const vs_sketch *k, size_t axis, size_t column, vs_pi
   free(e);
   return status;
 }
+
+const vs_chart vs_spread_effect = {
+    .name = "effect", .fits = fits_effect, .each_axis = true, .draw = draw_effect};

@@ -5,8 +5,11 @@
 
 #include "base/text.h"
 
-void vs_html_text(vs_text *html, const char *text); /* whatever it holds, it is shown as it is */
-void vs_html_cell(vs_text *html, const char *text); /* <td> */
-void vs_html_number(vs_text *html, double value);   /* <td>, empty for NAN */
+/* Adds the text, escaped: whatever it holds is shown as it is. */
+void vs_html_text(vs_text *html, const char *text);
+/* Adds a table's cell (<td>) with the text, escaped. */
+void vs_html_cell(vs_text *html, const char *text);
+/* Adds a table's cell with a number of 6 digits; the cell is empty for NaN. */
+void vs_html_number(vs_text *html, double value);
 
 #endif

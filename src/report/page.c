@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "report/html.h"
+#include "report/tables.h"
 
 static const char STYLE[] =
     "body{margin:0;background:#fff;color:#1a1a1a;font:15px/1.45 system-ui,'Liberation Sans',Arial,"
@@ -103,14 +104,14 @@ static void add_place(vs_text *html, const vs_folder *t, char *const *cell, bool
   }
 }
 
-/* What a search for a snubber came upon. */
-static bool add_cheapest(vs_text *html, const vs_folder *t, const vs_survey *s) {
-  if (!strstr(t->method, "snubber") || !vs_tree_child(t->manifest.root, "snubber")) return false;
+/* What a search came upon that judges a case by more than one measure. */
+static bool add_best(vs_text *html, const vs_folder *t, const vs_survey *s) {
+  if (!t->search || t->search->report.aim || !vs_folder_search(t)) return false;
   if (!s->found.cell) {
-    vs_text_add(html, "<p class=\"big\">None found that holds over the spread</p>\n");
+    vs_text_add(html, "<p class=\"big\">%s</p>\n", t->search->report.none);
     return true;
   }
-  vs_text_add(html, "<p class=\"big\">Cheapest that holds: ");
+  vs_text_add(html, "<p class=\"big\">%s: ", t->search->report.best);
   add_place(html, t, s->found.cell, true);
   vs_text_add(html, "; case %s</p>\n<p>What follows is of all that was tried.</p>\n",
               s->found.cell[0]);
@@ -121,10 +122,10 @@ static bool add_cheapest(vs_text *html, const vs_folder *t, const vs_survey *s) 
 static bool add_found(vs_text *html, const vs_folder *t, const vs_survey *s) {
   bool largest;
   size_t aim = vs_folder_aim(t, &largest);
-  if (!strstr(t->method, "worst") || !aim || !s->profile[aim].known) return false;
+  if (!t->search || !t->search->report.aim || !aim || !s->profile[aim].known) return false;
   vs_scale scale = vs_scale_of(&t->column[aim], vs_survey_extent(&s->profile[aim]));
   double found = scale.factor * (largest ? s->profile[aim].largest : s->profile[aim].least);
-  vs_text_add(html, "<p class=\"big\">Worst found: ");
+  vs_text_add(html, "<p class=\"big\">%s: ", t->search->report.best);
   vs_html_text(html, t->column[aim].name);
   vs_text_add(html, " %.6g %s, case %s</p>\n", found, scale.unit, s->worst[0].cell[0]);
   return true;
@@ -138,7 +139,10 @@ static void add_yield(vs_text *html, const vs_folder *t, const vs_survey *s) {
               vs_page_share(s->good, all), s->good, all);
   if (t->failed) vs_text_add(html, ", the failed counted as not holding");
   vs_page_wilson((double)s->good, (double)all, &least, &largest);
-  if (strstr(t->method, "monte_carlo"))
+  bool independent = false;
+  for (size_t k = 0; k < t->n_methods; k++)
+    independent = independent || t->methods[k]->report.independent;
+  if (independent)
     vs_text_add(html, "; with 95 %%, the true share lies between %.4g %% and %.4g %%", 100 * least,
                 100 * largest);
   vs_text_add(html, ".</p>\n");
@@ -146,7 +150,7 @@ static void add_yield(vs_text *html, const vs_folder *t, const vs_survey *s) {
 
 static void add_worst_margin(vs_text *html, const vs_folder *t, const vs_survey *s) {
   vs_text_add(html, "%.4g %%", 100 * s->profile[t->margin].least);
-  if (strstr(t->method, "worst") || !s->n_worst || t->weakest < 0) return;
+  if ((t->search && t->search->report.aim) || !s->n_worst || t->weakest < 0) return;
   vs_text_add(html, ": ");
   vs_html_text(html, s->worst[0].cell[t->weakest]);
   vs_text_add(html, ", case %s", s->worst[0].cell[0]);
@@ -178,21 +182,19 @@ static void add_doubts(vs_text *html, const vs_survey *s) {
 }
 
 static void add_verdict(vs_text *html, const vs_folder *t, const vs_survey *s) {
-  bool adaptive = strstr(t->method, "worst") || strstr(t->method, "snubber");
   bool good = s->good == s->judged && !t->failed;
-  if (strstr(t->method, "snubber") && vs_tree_child(t->manifest.root, "snubber"))
-    good = s->found.cell != NULL;
+  if (t->search && t->search->report.none && vs_folder_search(t)) good = s->found.cell != NULL;
   vs_text_add(html, "<section id=\"verdict\" class=\"verdict %s\">\n",
               !s->judged ? ""
               : good     ? "good"
                          : "bad");
-  bool found = add_found(html, t, s) || add_cheapest(html, t, s);
+  bool found = add_found(html, t, s) || add_best(html, t, s);
   if (!s->rows)
     vs_text_add(html, "<p class=\"big\">No case has a result</p>\n");
   else if (!s->judged)
     vs_text_add(html, "%sNo rating was judged: what ran has none.</p>\n",
                 found ? "<p>" : "<p class=\"big\">");
-  else if (vs_album_is_sampled(t)) {
+  else if (vs_folder_is_sampled(t)) {
     add_yield(html, t, s);
     vs_text_add(html, "<p>Worst margin ");
     add_worst_margin(html, t, s);
@@ -210,7 +212,7 @@ static void add_verdict(vs_text *html, const vs_folder *t, const vs_survey *s) {
   add_doubts(html, s);
   if (s->judged && s->judged < s->rows)
     vs_text_add(html, "<p>Without a margin: %ld cases.</p>\n", s->rows - s->judged);
-  if (t->done + t->failed < t->cases && !adaptive)
+  if (t->done + t->failed < t->cases && !t->search)
     vs_text_add(html, "<p>Not complete: %ld of %ld cases have been run.</p>\n", t->done + t->failed,
                 t->cases);
   add_weakest(html, &s->weakest, s->judged);

@@ -2,9 +2,11 @@
 #include "report/report.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "command/gnuplot.h"
 #include "picture/album.h"
 #include "report/page.h"
@@ -91,13 +93,14 @@ static vs_status write_all(const report *r, const vs_plot_options *o, vs_error *
   return status;
 }
 
-vs_status vs_report_command(const vs_plot_options *o, vs_error *err) {
+vs_status vs_report_command(const vs_plot_options *o, const vs_method *const *methods,
+                            vs_error *err) {
   report *r = vs_alloc(1, sizeof *r);
   vs_status status = vs_plot_check(o, err);
   if (!status && o->overlay)
     status = vs_fail(err, VS_INPUT, "--overlay %s: goes over a run; %s holds a study", o->overlay,
                      o->folder);
-  if (!status) status = vs_folder_open(&r->table, o->folder, err);
+  if (!status) status = vs_folder_open(&r->table, o->folder, methods, err);
   if (!status) status = vs_survey_take(&r->table, &r->survey, err);
   if (!status) status = vs_album_make(&r->table, &r->survey, &r->album, err);
   if (!status) status = o->output ? write_one(r, o, err) : write_all(r, o, err);

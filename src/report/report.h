@@ -5,10 +5,12 @@
 #define VS_REPORT_REPORT_H
 
 #include "command/plot.h"
+#include "study/method.h"
 
-/* With an output: only the first picture, into that file. The same study gives the same bytes.
- * Errors: those of reading the study, an overlay asked for, gnuplot missing or failing; then
- * nothing is written. */
-vs_status vs_report_command(const vs_plot_options *options, vs_error *err);
+/* Draws the study in the folder; with an output only its first picture, into that file. methods:
+ * all there are; NULL ends them. The same study gives the same bytes. Errors: those of reading the
+ * study; an overlay is asked for; gnuplot is missing or fails. Nothing is written then. */
+vs_status vs_report_command(const vs_plot_options *options, const vs_method *const *methods,
+                            vs_error *err);
 
 #endif

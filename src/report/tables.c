@@ -1,9 +1,9 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later
- * The tables of a study's report: cases, axes, columns, all else. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "report/tables.h"
+
 #include <string.h>
 
 #include "report/html.h"
-#include "report/page.h"
 
 enum { MOST_ITEMS = 24 };
 

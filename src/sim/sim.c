@@ -2,6 +2,7 @@
 #include "sim/sim.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "deck/netlist.h"
@@ -119,7 +120,7 @@ static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *e
   const vs_node *map = vs_tree_child(scene, "circuit"),
                 *named = vs_tree_child(map, vs_deck_key.key);
   const vs_section only_deck = {"circuit", &vs_deck_key, 1};
-  vs_node word = {.kind = VS_NODE_TEXT, .text = (char *)(size_t)vs_deck_key.default_text};
+  const vs_node word = vs_tree_word(NULL, vs_deck_key.default_text, (vs_where){0});
   char path[VS_PATH_SIZE];
   vs_circuit_values *values = &setup->circuit_values;
   vs_status s = vs_field_read(&only_deck, &vs_deck_key, named ? named : &word, values, err);

@@ -1,12 +1,12 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later
- * Axes: which scene key, in which unit, and the values a study lists of it. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/axis.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/units.h"
-#include "study/plan.h"
 
 enum { MOST_KEYS = 512, MOST_VALUES = 10000000 };
 
@@ -39,7 +39,7 @@ static void add_keys(key_list *list, const char *section, const vs_section *fiel
       if (member) memcpy(&present, member, sizeof present);
       char part[VS_KEY_SIZE];
       snprintf(part, sizeof part, "%s", key->name);
-      add_keys(list, part, f->part, present ? member : NULL);
+      add_keys(list, part, f->keys, present ? member : NULL);
     }
   }
 }
@@ -91,20 +91,6 @@ static double nominal_of(const scene_key *key) {
   return to_12_digits(real / vs_units_factor(key->field->unit));
 }
 
-vs_axis *vs_axis_find(vs_plan *plan, const char *key) {
-  for (size_t k = 0; k < plan->n_axes; k++)
-    if (!strcmp(plan->axes[k].key, key)) return &plan->axes[k];
-  return NULL;
-}
-
-/* A --set of the same key would say nothing. */
-static const char *set_of(const vs_plan *plan, const char *key) {
-  size_t n = strlen(key);
-  for (size_t k = 0; k < plan->n_sets; k++)
-    if (!strncmp(plan->sets[k], key, n) && plan->sets[k][n] == '=') return plan->sets[k];
-  return NULL;
-}
-
 static vs_status describe(vs_axis *axis, const scene_key *key, vs_error *err) {
   char suffix[64];
   const vs_field *f = key->field;
@@ -113,7 +99,7 @@ static vs_status describe(vs_axis *axis, const scene_key *key, vs_error *err) {
                       axis->key);
   if (f->kind == VS_OPTION)
     return vs_fail_at(err, axis->where, "%s has keys of its own, such as %s.%s: name one of those",
-                      axis->key, axis->key, f->part->fields[0].key);
+                      axis->key, axis->key, f->keys->fields[0].key);
   snprintf(axis->section, sizeof axis->section, "%s", key->section);
   axis->field = f;
   axis->unit = f->unit;
@@ -125,27 +111,23 @@ static vs_status describe(vs_axis *axis, const scene_key *key, vs_error *err) {
   return VS_OK;
 }
 
-vs_status vs_axis_new(vs_plan *plan, const vs_node *node, const char *by, vs_axis **out,
-                      vs_error *err) {
-  const vs_axis *other = vs_axis_find(plan, node->key);
-  const char *set = set_of(plan, node->key);
-  if (other)
-    return vs_fail_at(err, node->key_where, "%s is an axis already, under %s", node->key,
-                      other->by);
-  if (set)
-    return vs_fail_at(err, node->key_where, "%s is an axis, and --set %s sets it", node->key, set);
-  if (plan->n_axes >= VS_PLAN_AXES)
-    return vs_fail_at(err, node->key_where, "more than %d axes", VS_PLAN_AXES);
-  key_list *list = all_keys(plan->base);
+vs_status vs_axis_init(vs_axis *axis, const vs_scene *scene, const vs_node *node, const char *by,
+                       vs_error *err) {
+  key_list *list = all_keys(scene);
   const scene_key *key = find_key(list, node->key, node->key_where, err);
-  vs_axis axis = {.by = by, .where = node->key_where};
-  snprintf(axis.key, sizeof axis.key, "%s", node->key);
-  vs_status status = key ? describe(&axis, key, err) : VS_INPUT;
+  *axis = (vs_axis){.by = by, .where = node->key_where};
+  snprintf(axis->key, sizeof axis->key, "%s", node->key);
+  vs_status status = key ? describe(axis, key, err) : VS_INPUT;
   free(list);
-  if (status) return status;
-  *out = &plan->axes[plan->n_axes++];
-  **out = axis;
-  return VS_OK;
+  return status;
+}
+
+void vs_axis_free(vs_axis *axis) {
+  for (size_t w = 0; w < axis->n_words; w++) free(axis->word[w]);
+  free(axis->word);
+  free(axis->word_where);
+  free(axis->value);
+  free(axis->own);
 }
 
 /* ---- values ---- */
@@ -325,7 +307,8 @@ void vs_axis_print(const vs_axis *axis, double number, char *text, size_t size) 
     snprintf(text, size, "%.12g", number);
 }
 
-void vs_axis_text(const vs_axis *axis, double number, char *text, size_t size) {
+/* As text that the scene reads ("330 ohm"). */
+static void print_with_unit(const vs_axis *axis, double number, char *text, size_t size) {
   const char *word = word_of(axis, number);
   if (word)
     snprintf(text, size, "%s", word);
@@ -335,7 +318,7 @@ void vs_axis_text(const vs_axis *axis, double number, char *text, size_t size) {
 
 void vs_axis_put(const vs_axis *axis, double number, vs_tree *tree) {
   char text[VS_NAME_SIZE];
-  vs_axis_text(axis, number, text, sizeof text);
+  print_with_unit(axis, number, text, sizeof text);
   vs_tree_put(tree, axis->key, text,
               axis->is_word ? axis->word_where[(size_t)number] : axis->where);
 }

@@ -6,9 +6,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/csv.h"
+#include "base/file.h"
 #include "scene/session.h"
 #include "study/identity.h"
 #include "watch/table.h"
+
+const char *const vs_case_titles[VS_CASE_COLUMNS] = {
+    [VS_CASE_MARGIN] = "margin_least",   [VS_CASE_MARGIN_ERROR] = "margin_error",
+    [VS_CASE_WEAKEST] = "weakest",       [VS_CASE_RUNG] = "rung",
+    [VS_CASE_LEAVING] = "leaving_bound", [VS_CASE_WARNINGS] = "warnings",
+    [VS_CASE_STATUS] = "status"};
+enum { HEAD = 2 }; /* columns before the axes: case, id */
 
 /* A case: its number, its point, and its id. */
 typedef struct which {
@@ -49,40 +58,6 @@ void vs_case_free(vs_case *c) {
 
 /* ---- rows ---- */
 
-void vs_csv_cell(vs_text *row, const char *word) {
-  if (!strpbrk(word, ",\"\r\n")) {
-    vs_text_add(row, "%s", word);
-    return;
-  }
-  vs_text_add(row, "\"");
-  for (; *word; word++) {
-    bool breaks = *word == '\n' || *word == '\r';
-    vs_text_add(row, *word == '"' ? "\"\"" : "%c", breaks ? ' ' : *word);
-  }
-  vs_text_add(row, "\"");
-}
-
-size_t vs_csv_split(char *row, char **cells, size_t most) {
-  size_t n = 0;
-  for (char *s = row; s && n < most;) {
-    char *out = s;
-    cells[n++] = s;
-    bool quoted = *s == '"';
-    for (s += quoted; *s && (quoted || *s != ','); s++) {
-      if (quoted && *s == '"' && s[1] != '"')
-        quoted = false;
-      else {
-        s += quoted && *s == '"';
-        *out++ = *s;
-      }
-    }
-    char end = *s;
-    *out = '\0';
-    s = end ? s + 1 : NULL;
-  }
-  return n;
-}
-
 /* The name of an event, which its user gives, may hold anything. */
 static void begin_header(const vs_plan *plan, vs_text *row) {
   vs_text_add(row, "case,id");
@@ -95,7 +70,19 @@ static void begin_header(const vs_plan *plan, vs_text *row) {
 void vs_case_header(const vs_plan *plan, vs_text *row) {
   begin_header(plan, row);
   for (size_t k = 0; k < plan->n_columns; k++) vs_text_add(row, ",%s", plan->columns[k].column);
-  vs_text_add(row, ",margin_least,margin_error,weakest,rung,leaving_bound,warnings,status");
+  for (size_t k = 0; k < VS_CASE_COLUMNS; k++) vs_text_add(row, ",%s", vs_case_titles[k]);
+}
+
+bool vs_case_values(const vs_plan *plan, char *row, double *values, int *status) {
+  enum { MOST = HEAD + VS_PLAN_AXES + VS_PLAN_COLUMNS + VS_CASE_COLUMNS };
+  char *cells[MOST];
+  const size_t n = plan->n_columns;
+  if (vs_csv_split(row, cells, MOST) != HEAD + plan->n_axes + n + VS_CASE_COLUMNS) return false;
+  char **measure = cells + HEAD + plan->n_axes, **tail = measure + n;
+  values[0] = *tail[VS_CASE_MARGIN] ? strtod(tail[VS_CASE_MARGIN], NULL) : NAN;
+  for (size_t k = 0; k < n; k++) values[1 + k] = *measure[k] ? strtod(measure[k], NULL) : NAN;
+  *status = atoi(tail[VS_CASE_STATUS]);
+  return true;
 }
 
 void vs_case_failure_header(const vs_plan *plan, vs_text *row) {

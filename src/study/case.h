@@ -1,41 +1,63 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * One case of a study, run in this process: its point, as keys, over the scene; one sim; its row.
- * What is constant from case to case is kept: the scene's tree, and the deck's text as long as
- * neither deck nor parts change. */
+ * One case of a study, run in this process: its point is put, as keys, over the scene, the scene is
+ * run once, and a row for study.csv or failures.csv comes of it. What is constant from case to case
+ * is kept: the scene's tree, and the deck's text as long as neither deck nor parts change. */
 #ifndef VS_STUDY_CASE_H
 #define VS_STUDY_CASE_H
 
 #include "study/plan.h"
 
 /* How a case ended. */
-enum { VS_CASE_DONE = 0, VS_CASE_FAILED = 1, VS_CASE_VIOLATED = 3 };
+enum {
+  VS_CASE_DONE = 0,
+  VS_CASE_FAILED = 1,
+  VS_CASE_VIOLATED = 3 /* it is done, and a rating is violated or undecided */
+};
 
-typedef struct vs_case vs_case; /* one that runs cases, one after the other */
+/* Runs cases, one after the other. */
+typedef struct vs_case vs_case;
 
-/* keep: a folder, where each case's run.csv is to be stored in a folder of the case's number;
- * NULL: nowhere. The plan is borrowed. */
+/* The plan is borrowed. keep is the folder in which each case's run.csv is stored, in a folder
+ * named by the case's number; NULL: no run.csv is stored. */
 vs_case *vs_case_new(const vs_plan *plan, const char *keep);
 void vs_case_free(vs_case *c);
 
-/* Runs the case and adds its row: "case,id,axes,columns,margin_least,margin_error,weakest,
- * rung,leaving_bound,warnings,status" (margin_error is empty unless run.verify: always; rung: of
- * the ladder; leaving_bound: on the error by having left ngspice, a part of each peak); of one that
- * failed "case,id,axes,1,why". No newline. *circuit: ngspice was used. id: study/identity.h; empty
- * where the case's scene is refused. */
+/* The columns of study.csv behind the measures, in their order. */
+typedef enum vs_case_column {
+  VS_CASE_MARGIN,
+  VS_CASE_MARGIN_ERROR,
+  VS_CASE_WEAKEST,
+  VS_CASE_RUNG,
+  VS_CASE_LEAVING,
+  VS_CASE_WARNINGS,
+  VS_CASE_STATUS,
+  VS_CASE_COLUMNS /* how many they are */
+} vs_case_column;
+extern const char *const vs_case_titles[VS_CASE_COLUMNS];
+
+/* Reads back a row that vs_case_run has added; the row's text is cut up. values[1 + n_columns] are
+ * the least margin and the plan's columns, NaN where the row has none; *status is the case's.
+ * Returns false, and sets nothing, where the row is not as long as a row of the plan. */
+bool vs_case_values(const vs_plan *plan, char *row, double *values, int *status);
+
+/* Runs case `index`, whose point is point[plan->n_axes], and adds its row without a newline:
+ *
+ *   case, id, the axes, the plan's columns, then the columns of vs_case_column
+ *   case, id, the axes, 1, why               where it failed
+ *
+ * id is vs_identity's; it is empty where the case's scene is refused. margin_error is empty unless
+ * the scene says run.verify: always. rung is the ladder's. leaving_bound bounds the error by having
+ * left ngspice, relative to each probe's peak. Returns how the case ended; *circuit tells whether
+ * ngspice was used. */
 int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, bool *circuit);
 
-/* The row of a case that its worker did not live to tell. Reads its scene for its id, so it takes
- * its time. */
+/* Adds the row of a case whose worker died. It reads the case's scene, to know its id, and so takes
+ * as long as that. */
 void vs_case_failure(const vs_plan *plan, uint64_t index, const double *point, const char *why,
                      vs_text *row);
 
-/* Header rows, without a newline. */
+/* Add the header rows of study.csv and failures.csv, without a newline. */
 void vs_case_header(const vs_plan *plan, vs_text *row);
 void vs_case_failure_header(const vs_plan *plan, vs_text *row);
-
-/* One cell, in quotes where a comma, a quote or a line's end asks for them. */
-void vs_csv_cell(vs_text *row, const char *word);
-/* Cuts a row up at its commas: a cell loses its quotes. Gives how many; at most `most`. */
-size_t vs_csv_split(char *row, char **cells, size_t most);
 
 #endif

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "base/json.h"
 
 /* The sum of a section whose values are these. */
 typedef struct kept {
@@ -15,7 +16,7 @@ typedef struct kept {
 struct vs_identity {
   const vs_plan *plan;
   kept kept[VS_SCENE_SECTIONS];
-  vs_text part, whole; /* of a section; of its sections' sums and what else there is */
+  vs_text section, whole; /* of a section; of its sections' sums and what else there is */
 };
 
 vs_identity *vs_identity_new(const vs_plan *plan) {
@@ -26,7 +27,7 @@ vs_identity *vs_identity_new(const vs_plan *plan) {
 
 void vs_identity_free(vs_identity *identity) {
   for (int p = 0; p < VS_SCENE_SECTIONS; p++) free(identity->kept[p].values);
-  vs_text_free(&identity->part);
+  vs_text_free(&identity->section);
   vs_text_free(&identity->whole);
   free(identity);
 }
@@ -83,30 +84,30 @@ static vs_status add_files(const vs_plan *plan, const vs_deck *deck, vs_text *te
   return status;
 }
 
-static vs_status add_section(const vs_plan *plan, const vs_scene_section *part, const vs_deck *deck,
-                             vs_text *text) {
+static vs_status add_section(const vs_plan *plan, const vs_scene_section *section,
+                             const vs_deck *deck, vs_text *text) {
   static const char *const OUT[] = {"tier", "sample", "verify", NULL}; /* of run */
-  const bool run = part->section == &vs_setup_run_section,
-             circuit = part->section == &deck->section;
-  for (size_t k = 0; k < part->section->count; k++) {
-    const vs_field *field = &part->section->fields[k];
+  const bool run = section->section == &vs_setup_run_section,
+             circuit = section->section == &deck->section;
+  for (size_t k = 0; k < section->section->count; k++) {
+    const vs_field *field = &section->section->fields[k];
     if (run && is_among(field->key, OUT)) continue;
     if (circuit && field->kind == VS_NAME) continue; /* deck and parts */
-    add_value(field, part->values, text);
+    add_value(field, section->values, text);
   }
   return circuit ? add_files(plan, deck, text) : VS_OK;
 }
 
 static vs_status update(vs_identity *identity, int index, const vs_scene *scene) {
   kept *k = &identity->kept[index];
-  const vs_scene_section part = vs_scene_section_at(scene, index);
-  if (k->values && !memcmp(k->values, part.values, part.size)) return VS_OK;
-  identity->part.length = 0;
-  vs_status status = add_section(identity->plan, &part, &scene->setup.deck, &identity->part);
+  const vs_scene_section section = vs_scene_section_at(scene, index);
+  if (k->values && !memcmp(k->values, section.values, section.size)) return VS_OK;
+  identity->section.length = 0;
+  vs_status status = add_section(identity->plan, &section, &scene->setup.deck, &identity->section);
   if (status) return status;
-  sum_of(&identity->part, k->sum);
-  if (!k->values) k->values = vs_alloc(1, part.size);
-  memcpy(k->values, part.values, part.size);
+  sum_of(&identity->section, k->sum);
+  if (!k->values) k->values = vs_alloc(1, section.size);
+  memcpy(k->values, section.values, section.size);
   return VS_OK;
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Cases dealt out to workers. A worker that dies or does not answer in time costs no more than its
- * own case: it is replaced, the cases it had are run again, each alone, and the one that ends a
- * worker again fails with a row that says so. */
+ * Deals cases out to workers. A worker that dies or does not answer in time costs no more than its
+ * own case. It is replaced, and each case it had is run again in a worker that has nothing else. A
+ * case that ends such a worker, too, has failed; its row says how. */
 #ifndef VS_STUDY_JOBS_H
 #define VS_STUDY_JOBS_H
 
@@ -9,12 +9,15 @@
 
 #include "study/worker.h"
 
-/* Whose cases they are, and who takes the rows. */
+/* Where cases come from and rows go to: three functions of the caller's, all called with ctx. */
 typedef struct vs_dealer {
   void *ctx;
-  bool (*next)(void *ctx, vs_task *task); /* its index and point; false: there are no more */
+  /* Writes the next task's index and point; false: there are no more. */
+  bool (*next)(void *ctx, vs_task *task);
+  /* Takes the row of a case, in the order in which cases end. An error ends the jobs. */
   vs_status (*take)(void *ctx, const vs_answer *answer, vs_error *err);
-  vs_status (*beat)(void *ctx, vs_error *err); /* ten times a second at least */
+  /* Is called at least ten times a second, for progress. An error ends the jobs. */
+  vs_status (*beat)(void *ctx, vs_error *err);
 } vs_dealer;
 
 typedef struct vs_jobs vs_jobs;
@@ -23,15 +26,16 @@ typedef struct vs_jobs_options {
   const char *keep;                  /* as for vs_case_new */
   int count;                         /* of workers */
   double timeout_s;                  /* of one case; 0: none */
-  const volatile sig_atomic_t *stop; /* set by a signal: end */
+  const volatile sig_atomic_t *stop; /* a signal sets it; the jobs then end with VS_SIGNAL */
 } vs_jobs_options;
 
-/* The cores this process may use. */
+/* Returns how many cores this process may use. */
 int vs_jobs_cores(void);
 
+/* The workers themselves are started when there is a case for them. The plan is borrowed. */
 vs_jobs *vs_jobs_new(const vs_jobs_options *options);
-/* Runs all cases the dealer has. Errors: VS_SIGNAL; what the dealer says; no process. Cases in
- * flight are then dropped. May be called again. */
+/* Runs all cases the dealer has; it may be called again with others. Errors: VS_SIGNAL; what the
+ * dealer returns; no process can be made. The cases under way are then dropped. */
 vs_status vs_jobs_run(vs_jobs *jobs, const vs_dealer *dealer, vs_error *err);
 void vs_jobs_free(vs_jobs *jobs);
 

@@ -12,7 +12,9 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "base/hash.h"
+#include "base/json.h"
 #include "study/plan.h"
 
 static const char NAME[] = "journal";
@@ -31,8 +33,12 @@ static const struct {
              {"manifest_end", offsetof(vs_journal_head, manifest_end)}};
 enum { N_TEXTS = sizeof TEXTS / sizeof *TEXTS };
 
-static char **text_of(const vs_journal_head *head, size_t k) {
-  return (char **)(void *)((char *)(size_t)head + TEXTS[k].offset);
+static char **text_of(vs_journal_head *head, size_t k) {
+  return (char **)(void *)((char *)head + TEXTS[k].offset);
+}
+
+static const char *text_in(const vs_journal_head *head, size_t k) {
+  return *(char *const *)(const void *)((const char *)head + TEXTS[k].offset);
 }
 
 void vs_journal_head_free(vs_journal_head *head) {
@@ -59,7 +65,7 @@ static void add_head(vs_text *to, const vs_journal_head *head) {
   add_line(to, 'h', MAGIC, strlen(MAGIC));
   for (size_t k = 0; k < N_TEXTS; k++) {
     line.length = 0;
-    vs_text_add(&line, "%s=%s", TEXTS[k].name, *text_of(head, k));
+    vs_text_add(&line, "%s=%s", TEXTS[k].name, text_in(head, k));
     add_line(to, 'h', line.text, line.length);
   }
   line.length = 0;
@@ -128,7 +134,7 @@ static bool read_head_line(vs_journal *j, const char *text, uint64_t at) {
 
 static bool is_whole(const vs_journal_head *head) {
   for (size_t k = 0; k < N_TEXTS; k++)
-    if (!*text_of(head, k)) return false;
+    if (!text_in(head, k)) return false;
   return head->shards > 0 && head->shard > 0 && head->shard <= head->shards;
 }
 
@@ -462,15 +468,24 @@ static void write_manifest(const vs_journals *all, FILE *f) {
     failed += all->item[k].failed;
     violated += all->item[k].violated;
   }
-  fprintf(f,
-          "%s,\n  \"cases\": %" PRIu64 ",\n  \"done\": %" PRIu64 ",\n  \"failed\": %" PRIu64
-          ",\n  \"violated\": %" PRIu64 "%s%s,\n  \"shard\": [%" PRIu64 ", %" PRIu64 "]\n}\n",
-          head->manifest_begin, all->cases, done, failed, violated, head->manifest_end,
-          all->more ? all->more : "", all->count > 1 ? 1 : head->shard,
-          all->count > 1 ? 1 : head->shards);
+  vs_text text = {0};
+  vs_text_add(&text, "%s", head->manifest_begin);
+  vs_json json = vs_json_inside(&text);
+  vs_json_whole(&json, "cases", (int64_t)all->cases);
+  vs_json_whole(&json, "done", (int64_t)done);
+  vs_json_whole(&json, "failed", (int64_t)failed);
+  vs_json_whole(&json, "violated", (int64_t)violated);
+  vs_text_add(&text, "%s%s", head->manifest_end, all->more ? all->more : "");
+  vs_json_array(&json, "shard", VS_JSON_ROW);
+  vs_json_whole(&json, NULL, all->count > 1 ? 1 : (int64_t)head->shard);
+  vs_json_whole(&json, NULL, all->count > 1 ? 1 : (int64_t)head->shards);
+  vs_json_end(&json);
+  vs_json_end(&json);
+  fprintf(f, "%s\n", text.text);
+  vs_text_free(&text);
 }
 
-vs_status vs_journals_write(const vs_journals *all, const char *folder, vs_error *err) {
+vs_status vs_journal_write(const vs_journals *all, const char *folder, vs_error *err) {
   vs_file study = {0}, failures = {0}, manifest = {0};
   vs_status status = vs_file_open(&study, folder, "study.csv", err);
   if (!status) status = vs_file_open(&failures, folder, "failures.csv", err);

@@ -1,17 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * DIR/journal: what a study has done so far, row by row in the order of their coming. Each line is
+ * The file DIR/journal: what a study has done so far, one row after the other as they come. Each of
+ * its lines is
  *
  *   CRC32 KIND TEXT
  *
- * with the CRC-32 of "KIND TEXT" in 8 hexadecimal digits. KIND h: the head, NAME=VALUE; =: a row of
- * study.csv; !: a row of failures.csv. Lines are only ever added. One whose sum is wrong does not
- * count: its case is not done. The last one may be torn; it is cut off when the study goes on.
- * There is one head, and it comes first. A row whose sum is right and that is none by its header,
- * or that says of a case something else than an earlier one, is refused: nobody knows which of the
- * two is true. The same row twice is one row.
+ * where CRC32 is the CRC-32 of "KIND TEXT" in 8 hexadecimal digits, and KIND is
  *
- * The rows themselves stay on the disk; of each case 8 bytes are in memory. No count that stands in
- * a journal makes it take more than its length justifies. */
+ *   h   for a line NAME=VALUE of the head, which comes first and once;
+ *   =   for a row of study.csv;
+ *   !   for a row of failures.csv.
+ *
+ * Lines are only ever added. A line whose sum is wrong does not count, and its case is not done.
+ * The last line may be torn, when the process was killed; it is cut off when the study goes on. A
+ * row that does not fit its header is refused. So is a row that differs from an earlier one of the
+ * same case, as nobody knows which of the two is true. The same row twice counts as one.
+ *
+ * The rows stay on the disk; in memory are 8 bytes for each case. A count that stands in a journal
+ * never makes this process take more memory than the journal's length justifies. */
 #ifndef VS_STUDY_JOURNAL_H
 #define VS_STUDY_JOURNAL_H
 
@@ -23,64 +28,74 @@
 
 enum { VS_MOST_SHARDS = 10000 };
 
-/* What a study is told apart by, and what its files need besides the rows. */
+/* What tells a study from others, and what its files need besides the rows. The strings are the
+ * head's own. */
 typedef struct vs_journal_head {
-  char *identity;           /* hash of the plan and of all it is made of */
+  char *identity;           /* SHA-256 over the plan and all it is made of */
   char *columns, *failures; /* header rows of study.csv and failures.csv */
-  char *manifest_begin;     /* of manifest.json, up to the counts of cases */
-  char *manifest_end;       /* from behind them to the shard */
+  char *manifest_begin;     /* manifest.json up to the counts of cases */
+  char *manifest_end;       /* manifest.json from behind the counts to the shard */
   uint64_t cases;           /* of the whole study; 0: not known before its end */
-  uint64_t shard, shards;   /* from 1; case k is shard 1 + k % shards' */
+  uint64_t shard, shards;   /* this shard, from 1, and how many there are; case k belongs to shard
+                               1 + k % shards */
 } vs_journal_head;
 void vs_journal_head_free(vs_journal_head *head);
 
 typedef struct vs_journal {
   char path[VS_PATH_SIZE];
-  int fd;     /* -1: closed */
-  int folder; /* locked as long as this process is at the study; -1: not */
+  int fd;     /* of the file; -1: closed */
+  int folder; /* of the folder, locked as long as this process runs the study; -1: not locked */
   vs_journal_head head;
-  uint64_t *place; /* of each of its cases: where its line begins, plus 1; 0: not done */
-  uint64_t room;   /* cases place has room for */
-  uint64_t end;    /* bytes in the file */
-  uint64_t done, failed, violated; /* cases with a row in study.csv, in failures.csv; of the former
-                                      those of status 3 */
-  vs_shape *shape;                 /* of its rows; NULL: no row was read yet */
-  bool two_heads;                  /* something of the head stands there twice, or behind rows */
-  uint64_t bad;                    /* lines that did not count, when it was opened */
-  vs_text fresh;                   /* lines not written yet */
-  bool unsynced;                   /* written since the last fsync */
+  uint64_t *place; /* [room], by the shard's cases: where the case's line begins, plus 1; 0: it is
+                      not done */
+  uint64_t room;
+  uint64_t end;    /* bytes in the file, without `fresh` */
+  uint64_t done;   /* cases with a row in study.csv */
+  uint64_t failed; /* cases with a row in failures.csv */
+  uint64_t violated; /* those of `done` that have status 3 */
+  vs_row_shape *shape; /* that every row must have; NULL: no row was read yet */
+  bool two_heads;  /* a line of the head stands there twice, or behind rows */
+  uint64_t bad;    /* lines that did not count when it was opened */
+  vs_text fresh;   /* lines that are not written yet */
+  bool unsynced;   /* lines were written since the last fsync */
 } vs_journal;
 
-/* Is there one in the folder? */
+/* True if the folder holds a journal. */
 bool vs_journal_exists(const char *folder);
-/* A new one, over an older one; takes the head over. */
+/* Begins a new journal in place of an older one. It takes the head's strings over. Errors: another
+ * process is at the study in that folder; the file cannot be written. */
 vs_status vs_journal_create(vs_journal *journal, const char *folder, vs_journal_head *head,
                             vs_error *err);
-/* One that is there, with what it has done. mend: to go on with it: locked, and what is torn cut
- * off. Errors: no journal; one with two heads,
- * or with counts that no study has; a row that is none, or two of one case, with their place;
- * another process has it. vs_journal_close even then. */
+/* Opens the journal that the folder holds and reads what is done. With `mend` the study goes on:
+ * the folder is locked, and a torn last line is cut off. Errors: there is no journal; it has two
+ * heads, or counts that no study has; a row does not fit its header, or a case has two different
+ * rows, which the error names with their place; another process is at the study. vs_journal_close
+ * even then. */
 vs_status vs_journal_open(vs_journal *journal, const char *folder, bool mend, vs_error *err);
 void vs_journal_close(vs_journal *journal);
 
+/* True if the case is done. It must be one of the shard's. */
 bool vs_journal_has(const vs_journal *journal, uint64_t index);
-/* status: of the case; row: as it stands in the CSV file, without a newline. */
+/* Adds the row of a case, as the CSV file has it but without a newline. status is VS_CASE_... of
+ * study/case.h: it says to which of the two files the row belongs. Error: the file cannot be
+ * written. */
 vs_status vs_journal_add(vs_journal *journal, uint64_t index, int status, const char *row,
                          size_t length, vs_error *err);
-/* Hands what is fresh to the system; and, with sync, to the disk. */
+/* Writes the fresh lines; with sync it also waits until they are on the disk. */
 vs_status vs_journal_flush(vs_journal *journal, bool sync, vs_error *err);
-/* The row of a case that is done, and whether it failed. */
+/* Adds to row the row of a case that is done, and tells whether the case failed. */
 vs_status vs_journal_row(const vs_journal *journal, uint64_t index, vs_text *row, bool *failed,
                          vs_error *err);
 
-/* Writes study.csv, failures.csv, manifest.json into the folder, from one journal or from all
- * shards' (item k is shard k + 1); cases: of the whole study. more: members of the manifest
- * besides, `, "name": value` each. */
+/* The journals of a whole study. */
 typedef struct vs_journals {
-  vs_journal *item;
-  uint64_t count, cases;
-  const char *more;
+  vs_journal *item; /* one journal, or those of all shards: item k is shard k + 1 */
+  uint64_t count;
+  uint64_t cases;   /* of the whole study */
+  const char *more; /* further members of the manifest, as a writer inside it (vs_json_inside) adds
+                       them; NULL: none */
 } vs_journals;
-vs_status vs_journals_write(const vs_journals *journals, const char *folder, vs_error *err);
+/* Writes study.csv, failures.csv and manifest.json into the folder, in the order of the cases. */
+vs_status vs_journal_write(const vs_journals *journals, const char *folder, vs_error *err);
 
 #endif

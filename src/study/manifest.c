@@ -1,15 +1,16 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later
- * What a study's manifest says, but for the counts of its cases: the same for every worker count,
- * shard and machine speed. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/manifest.h"
+
 #include <gsl/gsl_version.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/hash.h"
+#include "base/json.h"
+#include "scene/version.h"
 #include "solver/ng.h"
 #include "study/case.h"
-#include "study/study.h"
 
 enum { MOST_VALUES_SHOWN = 1000 };
 
@@ -29,108 +30,111 @@ static char *identify(const vs_plan *plan, const char *columns) {
   return vs_copy(digits);
 }
 
-static void add_begin(const vs_plan *plan, const char *name, vs_text *json) {
+/* The object stays open: the journal goes on with the counts of cases. */
+static void add_begin(const vs_plan *plan, const char *name, vs_text *text) {
   char method[128];
   vs_plan_method(plan, method, sizeof method);
-  vs_text_add(json,
-              "{\n  \"program\": {\"version\": \"%s\", \"ngspice\": \"%s\", \"gsl\": \"%s\"},\n"
-              "  \"study\": ",
-              VS_VERSION, vs_ng_version(), gsl_version);
-  vs_json_string(json, name);
-  vs_text_add(json, ",\n  \"method\": \"%s\",\n  \"seed\": %llu", method,
-              (unsigned long long)plan->seed);
+  vs_json json = vs_json_new(text);
+  vs_json_object(&json, NULL, VS_JSON_LINES);
+  vs_version_json(&json);
+  vs_json_text(&json, "study", name);
+  vs_json_text(&json, "method", method);
+  vs_json_whole(&json, "seed", (int64_t)plan->seed);
 }
 
-static void add_number(const vs_axis *axis, double number, vs_text *json) {
+/* A number as study.csv has it; or a word. */
+static void add_number(const vs_axis *axis, const char *key, double number, vs_json *json) {
   char text[VS_NAME_SIZE];
   vs_axis_print(axis, number, text, sizeof text);
   char *end;
   strtod(text, &end);
-  if (*end || end == text)
-    vs_json_string(json, text);
-  else
-    vs_text_add(json, "%s", text);
+  if (*end || end == text) {
+    vs_json_text(json, key, text);
+    return;
+  }
+  vs_json_key(json, key);
+  vs_text_add(json->text, "%s", text);
 }
 
-static const vs_plan_stage *part_of(const vs_plan *plan, size_t axis) {
-  for (size_t p = 0; p < plan->n_parts; p++)
-    if (axis >= plan->parts[p].axis && axis < plan->parts[p].axis + plan->parts[p].n)
-      return &plan->parts[p];
+static const vs_plan_stage *stage_of(const vs_plan *plan, size_t axis) {
+  for (size_t p = 0; p < plan->n_stages; p++)
+    if (axis >= plan->stages[p].axis && axis < plan->stages[p].axis + plan->stages[p].n)
+      return &plan->stages[p];
   return NULL;
 }
 
-static void add_axis(const vs_plan *plan, size_t k, vs_text *json) {
+static void add_axis(const vs_plan *plan, size_t k, vs_json *json) {
   const vs_axis *axis = &plan->axes[k];
-  const vs_plan_stage *part = part_of(plan, k);
-  vs_text_add(json, "\n    {\"key\": ");
-  vs_json_string(json, axis->key);
-  vs_text_add(json, ", \"column\": ");
-  vs_json_string(json, axis->column);
-  vs_text_add(json, ", \"unit\": \"%s\", \"by\": \"%s\", \"text\": ", axis->unit,
-              part ? part->method->name : axis->by);
-  vs_json_string(json, axis->field->text);
-  if (isfinite(axis->nominal)) {
-    vs_text_add(json, ", \"nominal\": ");
-    add_number(axis, axis->nominal, json);
-  }
+  const vs_plan_stage *stage = stage_of(plan, k);
+  vs_json_object(json, NULL, VS_JSON_ROW);
+  vs_json_text(json, "key", axis->key);
+  vs_json_text(json, "column", axis->column);
+  vs_json_text(json, "unit", axis->unit);
+  vs_json_text(json, "by", stage ? stage->method->name : axis->by);
+  vs_json_text(json, "text", axis->field->text);
+  if (isfinite(axis->nominal)) add_number(axis, "nominal", axis->nominal, json);
   if (axis->ranged) {
-    vs_text_add(json, ", \"from\": %.12g, \"to\": %.12g, \"log\": %s", axis->from, axis->to,
-                axis->log ? "true" : "false");
+    vs_json_number(json, "from", axis->from, 12);
+    vs_json_number(json, "to", axis->to, 12);
+    vs_json_bool(json, "log", axis->log);
   }
   if (axis->n_values && axis->n_values <= MOST_VALUES_SHOWN) {
-    vs_text_add(json, ", \"values\": [");
-    for (size_t v = 0; v < axis->n_values; v++) {
-      vs_text_add(json, "%s", v ? ", " : "");
-      add_number(axis, axis->value[v], json);
-    }
-    vs_text_add(json, "]");
+    vs_json_array(json, "values", VS_JSON_ROW);
+    for (size_t v = 0; v < axis->n_values; v++) add_number(axis, NULL, axis->value[v], json);
+    vs_json_end(json);
   }
-  if (part && part->method->axis_json) part->method->axis_json(axis, json);
-  vs_text_add(json, "}");
+  if (stage && stage->method->axis_json) stage->method->axis_json(axis, json);
+  vs_json_end(json);
 }
 
-static void add_column(const vs_report_column *column, vs_text *json) {
-  vs_text_add(json, "\n    {\"name\": ");
-  vs_json_string(json, column->name);
-  vs_text_add(json, ", \"column\": ");
-  vs_json_string(json, column->column);
-  vs_text_add(json, ", \"unit\": \"%s\", \"rating\": ", column->unit);
-  if (isfinite(column->rating))
-    vs_text_add(json, "%.12g, \"side\": \"%s\"", column->rating, column->at_least ? "min" : "max");
-  else
-    vs_text_add(json, "null, \"side\": null");
-  vs_text_add(json, ", \"text\": ");
-  vs_json_string(json, column->text);
-  vs_text_add(json, "}");
+static void add_column(const vs_report_column *column, vs_json *json) {
+  const bool rated = isfinite(column->rating);
+  vs_json_object(json, NULL, VS_JSON_ROW);
+  vs_json_text(json, "name", column->name);
+  vs_json_text(json, "column", column->column);
+  vs_json_text(json, "unit", column->unit);
+  vs_json_number(json, "rating", column->rating, 12);
+  vs_json_text(json, "side", !rated ? NULL : column->at_least ? "min" : "max");
+  vs_json_text(json, "text", column->text);
+  vs_json_end(json);
 }
 
-static void add_end(const vs_plan *plan, const char *name, vs_text *json) {
-  vs_text_add(json, ",\n  \"axes\": [");
-  for (size_t k = 0; k < plan->n_axes; k++) {
-    vs_text_add(json, "%s", k ? "," : "");
-    add_axis(plan, k, json);
-  }
-  vs_text_add(json, "\n  ],\n  \"report\": [");
-  for (size_t k = 0; k < plan->n_columns; k++) {
-    vs_text_add(json, "%s", k ? "," : "");
-    add_column(&plan->columns[k], json);
-  }
-  vs_text_add(json, "\n  ],\n  \"inputs\": [");
-  for (size_t k = 0; k < plan->n_inputs; k++) {
-    vs_text_add(json, "%s\n    {\"path\": ", k ? "," : "");
-    vs_json_string(json, plan->inputs[k].path);
-    vs_text_add(json, ", \"sha256\": \"%s\"}", plan->inputs[k].sha256);
-  }
-  vs_text_add(json, "\n  ],\n  \"command\": [\"vibrospice\", \"study\", ");
-  vs_json_string(json, name);
+static void add_input(const vs_input *input, vs_json *json) {
+  vs_json_object(json, NULL, VS_JSON_ROW);
+  vs_json_text(json, "path", input->path);
+  vs_json_text(json, "sha256", input->sha256);
+  vs_json_end(json);
+}
+
+static void add_command(const vs_plan *plan, const char *name, vs_json *json) {
+  vs_json_array(json, "command", VS_JSON_ROW);
+  vs_json_text(json, NULL, "vibrospice");
+  vs_json_text(json, NULL, "study");
+  vs_json_text(json, NULL, name);
   for (size_t k = 0; k < plan->n_sets; k++) {
-    vs_text_add(json, ", \"--set\", ");
-    vs_json_string(json, plan->sets[k]);
+    vs_json_text(json, NULL, "--set");
+    vs_json_text(json, NULL, plan->sets[k]);
   }
-  vs_text_add(json, "]");
-  for (size_t p = 0; p < plan->n_parts; p++)
-    if (plan->parts[p].method->json && !plan->adaptive)
-      plan->parts[p].method->json(plan, &plan->parts[p], NULL, json);
+  vs_json_end(json);
+}
+
+static void add_end(const vs_plan *plan, const char *name, vs_text *text) {
+  vs_json json = vs_json_inside(text);
+  vs_json_array(&json, "axes", VS_JSON_LINES);
+  for (size_t k = 0; k < plan->n_axes; k++) add_axis(plan, k, &json);
+  vs_json_end(&json);
+  vs_json_array(&json, "report", VS_JSON_LINES);
+  for (size_t k = 0; k < plan->n_columns; k++) add_column(&plan->columns[k], &json);
+  vs_json_end(&json);
+  vs_json_array(&json, "inputs", VS_JSON_LINES);
+  for (size_t k = 0; k < plan->n_inputs; k++) add_input(&plan->inputs[k], &json);
+  vs_json_end(&json);
+  add_command(plan, name, &json);
+  for (size_t p = 0; p < plan->n_stages && !plan->adaptive; p++) {
+    if (!plan->stages[p].method->json) continue;
+    vs_json_same_row(&json);
+    plan->stages[p].method->json(plan, &plan->stages[p], NULL, &json);
+  }
 }
 
 void vs_manifest_head(const vs_plan *plan, const char *name, vs_journal_head *head) {

@@ -1,10 +1,13 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later
- * Shards: which part of a study one process does, and how the parts become one. */
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/merge.h"
+
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
+#include "study/journal.h"
 #include "study/stale.h"
 #include "study/study.h"
 
@@ -130,7 +133,7 @@ static vs_status write_merged(const shards *all, const char *folder, bool other,
   vs_status status = vs_file_folder_make(folder, &made, err);
   if (status) return status;
   if (other) vs_stale_remove(folder);
-  status = vs_journals_write(&journals, folder, err);
+  status = vs_journal_write(&journals, folder, err);
   if (status) vs_file_folder_unmake(folder, made);
   if (status) return status;
   for (size_t k = 0; k < all->count; k++) {

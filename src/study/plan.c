@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "study/plan.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,7 +12,7 @@
 #include "base/units.h"
 #include "scene/result.h"
 
-static bool is_of_study(const char *set);
+static bool is_of_study(const vs_plan *plan, const char *set);
 
 /* ---- the scene ---- */
 
@@ -52,9 +53,44 @@ vs_status vs_plan_scene(const vs_plan *plan, vs_scene *scene, vs_error *err) {
   for (const vs_node *n = set ? set->child : NULL; n; n = n->next)
     vs_tree_graft(&scene->tree, n->key, n);
   for (size_t k = 0; k < plan->n_sets && !status; k++)
-    if (!is_of_study(plan->sets[k]))
+    if (!is_of_study(plan, plan->sets[k]))
       status = vs_error_carry_on(err, vs_tree_set(&scene->tree, plan->sets[k], err));
   return status;
+}
+
+/* ---- axes ---- */
+
+static const vs_axis *find_axis(const vs_plan *plan, const char *key) {
+  for (size_t k = 0; k < plan->n_axes; k++)
+    if (!strcmp(plan->axes[k].key, key)) return &plan->axes[k];
+  return NULL;
+}
+
+/* A --set of the same key would say nothing. */
+static const char *set_of(const vs_plan *plan, const char *key) {
+  size_t n = strlen(key);
+  for (size_t k = 0; k < plan->n_sets; k++)
+    if (!strncmp(plan->sets[k], key, n) && plan->sets[k][n] == '=') return plan->sets[k];
+  return NULL;
+}
+
+vs_status vs_plan_axis(vs_plan *plan, const vs_node *node, const char *by, vs_axis **out,
+                       vs_error *err) {
+  const vs_axis *other = find_axis(plan, node->key);
+  const char *set = set_of(plan, node->key);
+  vs_axis axis;
+  if (other)
+    return vs_fail_at(err, node->key_where, "%s is an axis already, under %s", node->key,
+                      other->by);
+  if (set)
+    return vs_fail_at(err, node->key_where, "%s is an axis, and --set %s sets it", node->key, set);
+  if (plan->n_axes >= VS_PLAN_AXES)
+    return vs_fail_at(err, node->key_where, "more than %d axes", VS_PLAN_AXES);
+  vs_status status = vs_axis_init(&axis, plan->base, node, by, err);
+  if (status) return status;
+  *out = &plan->axes[plan->n_axes++];
+  **out = axis;
+  return VS_OK;
 }
 
 /* ---- columns ---- */
@@ -157,77 +193,76 @@ void vs_plan_generation_add(vs_generation *g, const double *point) {
 
 /* ---- methods ---- */
 
-static const vs_method *find_method(const vs_node *section, vs_error *err) {
-  vs_text names = {0};
-  for (const vs_method *const *m = vs_methods_all; *m; m++) {
-    if (strcmp((*m)->key, section->key)) continue;
-    if ((*m)->claims(section)) {
-      vs_text_free(&names);
-      return *m;
-    }
-    vs_text_add(&names, "%s%s", names.length ? ", " : "", (*m)->name);
-  }
-  const vs_node *word = vs_tree_child(section, "method");
-  vs_fail_at(err, word ? word->where : section->where, "%s: no method '%s'; there are: %s",
-             section->key, word && word->text ? word->text : "", names.text ? names.text : "none");
-  vs_text_free(&names);
-  return NULL;
-}
-
-static bool is_key(const char *key, size_t before) {
-  for (size_t k = 0; k < before; k++)
-    if (!strcmp(vs_methods_all[k]->key, key)) return true;
-  return false;
-}
-
-/* The keys a study may have: its own, and one for each kind of method. */
-static size_t study_keys(const char *names[16]) {
+/* The keys a study may have: its own, and those that methods stand under. The list is the
+ * caller's. */
+static const char **study_keys(const vs_method *const *methods, size_t *count) {
   static const char *const OWN[] = {"scene", "set", "report"};
-  size_t n = 0;
-  for (; n < sizeof OWN / sizeof *OWN; n++) names[n] = OWN[n];
-  for (size_t k = 0; vs_methods_all[k] && n < 16; k++)
-    if (!is_key(vs_methods_all[k]->key, k)) names[n++] = vs_methods_all[k]->key;
-  return n;
+  enum { N_OWN = sizeof OWN / sizeof *OWN };
+  const char **names = vs_alloc(N_OWN + vs_method_count(methods), sizeof *names);
+  memcpy(names, OWN, sizeof OWN);
+  *count = N_OWN + vs_method_keys(methods, names + N_OWN);
+  return names;
 }
 
-/* Is a --set one of the study itself (sample.n=4096), none of its scene? */
-static bool is_of_study(const char *set) {
-  const char *keys[16];
-  size_t n = study_keys(keys), length = strcspn(set, ".=");
-  for (size_t k = 0; k < n; k++)
-    if (strlen(keys[k]) == length && !strncmp(keys[k], set, length)) return true;
-  return false;
+bool vs_plan_has_keys(const vs_tree *file, const vs_method *const *methods) {
+  size_t n;
+  const char **keys = study_keys(methods, &n);
+  bool has = false;
+  for (size_t k = 0; k < n && !has; k++) has = vs_tree_child(file->root, keys[k]) != NULL;
+  free(keys);
+  return has;
 }
 
-static vs_status read_part(vs_plan *plan, const vs_node *section, vs_error *err) {
-  const vs_method *method = find_method(section, err);
+/* True if a --set is one of the study itself (sample.n=4096) and none of its scene. */
+static bool is_of_study(const vs_plan *plan, const char *set) {
+  size_t n, length = strcspn(set, ".=");
+  const char **keys = study_keys(plan->methods, &n);
+  bool own = false;
+  for (size_t k = 0; k < n && !own; k++)
+    own = strlen(keys[k]) == length && !strncmp(keys[k], set, length);
+  free(keys);
+  return own;
+}
+
+static vs_status read_stage(vs_plan *plan, const vs_node *section, vs_error *err) {
+  const vs_method *method = vs_method_claiming(plan->methods, section, err);
   if (!method) return VS_INPUT;
-  vs_plan_stage *part = &plan->parts[plan->n_parts++];
-  *part = (vs_plan_stage){.method = method, .axis = plan->n_axes};
-  vs_status status = method->read(plan, section, &part->state, err);
-  part->n = plan->n_axes - part->axis;
+  assert((method->point == NULL) == (method->next != NULL)); /* it searches, or it does not */
+  vs_plan_stage *stage = &plan->stages[plan->n_stages++];
+  *stage = (vs_plan_stage){.method = method, .axis = plan->n_axes};
+  vs_status status = method->read(plan, section, &stage->state, err);
+  stage->n = plan->n_axes - stage->axis;
   if (status || !method->next) return status;
   if (plan->adaptive)
     return vs_fail_at(err, section->key_where, "%s: %s chooses the cases already; one study, one",
                       section->key, plan->adaptive->method->key);
-  plan->adaptive = part;
+  plan->adaptive = stage;
   return VS_OK;
 }
 
+static vs_status nothing_varied(const vs_plan *plan, const char *const *keys, size_t n,
+                                vs_error *err) {
+  vs_text list = {0};
+  for (size_t k = 0; k < n; k++) vs_text_add(&list, "%s%s", k ? ", " : "", keys[k]);
+  vs_status status = vs_fail_at(err, (vs_where){.file = plan->tree.name},
+                                "nothing is varied: one of %s is wanted", list.text);
+  vs_text_free(&list);
+  return status;
+}
+
 /* In the order of the table, whatever the file's: of two, the first runs slower. */
-static vs_status read_parts(vs_plan *plan, vs_error *err) {
+static vs_status read_stages(vs_plan *plan, vs_error *err) {
   vs_status status = VS_OK;
-  for (size_t k = 0; vs_methods_all[k] && !status; k++) {
-    if (is_key(vs_methods_all[k]->key, k)) continue;
-    const vs_node *section = vs_tree_child(plan->tree.root, vs_methods_all[k]->key);
-    if (section && plan->n_parts < VS_PLAN_STAGES)
-      status = vs_error_carry_on(err, read_part(plan, section, err));
+  const char **keys = vs_alloc(vs_method_count(plan->methods), sizeof *keys);
+  size_t n = vs_method_keys(plan->methods, keys);
+  plan->stages = vs_alloc(n, sizeof *plan->stages);
+  for (size_t k = 0; k < n && !status; k++) {
+    const vs_node *section = vs_tree_child(plan->tree.root, keys[k]);
+    if (section) status = vs_error_carry_on(err, read_stage(plan, section, err));
   }
-  if (!status && !vs_error_count(err) && !plan->n_parts)
-    status = vs_error_carry_on(
-        err, vs_fail_at(err, (vs_where){.file = plan->tree.name},
-                        "nothing is varied: one of vary, sample, find, snubber is "
-                        "wanted"));
+  if (!status && !vs_error_count(err) && !plan->n_stages)
+    status = vs_error_carry_on(err, nothing_varied(plan, keys, n, err));
+  free(keys);
   return status;
 }
 
@@ -239,16 +274,16 @@ static vs_status too_many(const vs_plan *plan, vs_error *err) {
 
 static vs_status count_cases(vs_plan *plan, vs_error *err) {
   plan->count = 1;
-  for (size_t p = 0; p < plan->n_parts; p++) {
-    vs_plan_stage *part = &plan->parts[p];
-    if (plan->adaptive && part != plan->adaptive) continue;
-    part->count = part->method->count(plan, part);
-    for (size_t k = part->axis; k < part->axis + part->n && !part->count; k++)
+  for (size_t p = 0; p < plan->n_stages; p++) {
+    vs_plan_stage *stage = &plan->stages[p];
+    if (plan->adaptive && stage != plan->adaptive) continue;
+    stage->count = stage->method->count(plan, stage);
+    for (size_t k = stage->axis; k < stage->axis + stage->n && !stage->count; k++)
       if (!plan->axes[k].n_values)
         return vs_fail_at(err, plan->axes[k].where,
                           "%s: a range alone has no values; add step or n", plan->axes[k].key);
-    if (part->count > VS_PLAN_CASES) return too_many(plan, err);
-    plan->count *= part->count;
+    if (stage->count > VS_PLAN_CASES) return too_many(plan, err);
+    plan->count *= stage->count;
     if (plan->count > VS_PLAN_CASES) return too_many(plan, err);
   }
   return VS_OK;
@@ -256,18 +291,18 @@ static vs_status count_cases(vs_plan *plan, vs_error *err) {
 
 void vs_plan_method(const vs_plan *plan, char *text, size_t size) {
   *text = '\0';
-  for (size_t p = 0; p < plan->n_parts; p++) {
+  for (size_t p = 0; p < plan->n_stages; p++) {
     size_t n = strlen(text);
-    if (!plan->adaptive || plan->adaptive == &plan->parts[p])
-      snprintf(text + n, size - n, "%s%s", n ? " x " : "", plan->parts[p].method->name);
+    if (!plan->adaptive || plan->adaptive == &plan->stages[p])
+      snprintf(text + n, size - n, "%s%s", n ? " x " : "", plan->stages[p].method->name);
   }
 }
 
 void vs_plan_point(const vs_plan *plan, uint64_t index, double *point) {
-  for (size_t p = plan->n_parts; p-- > 0;) {
-    const vs_plan_stage *part = &plan->parts[p];
-    part->method->point(plan, part, index % part->count, point + part->axis);
-    index /= part->count;
+  for (size_t p = plan->n_stages; p-- > 0;) {
+    const vs_plan_stage *stage = &plan->stages[p];
+    stage->method->point(plan, stage, index % stage->count, point + stage->axis);
+    index /= stage->count;
   }
 }
 
@@ -352,9 +387,9 @@ static vs_status try_cases(vs_plan *plan, vs_error *err) {
   vs_status status = try_point(plan, point, plan->first, err);
   if (status || vs_error_count(err) > found) return status;
   status = resolve_columns(plan, plan->first, plan->first->tier, err);
-  for (size_t p = 0; p < plan->n_parts && !status && vs_error_count(err) == found; p++)
-    if (plan->parts[p].method->ready)
-      status = vs_error_carry_on(err, plan->parts[p].method->ready(plan, &plan->parts[p], err));
+  for (size_t p = 0; p < plan->n_stages && !status && vs_error_count(err) == found; p++)
+    if (plan->stages[p].method->ready)
+      status = vs_error_carry_on(err, plan->stages[p].method->ready(plan, &plan->stages[p], err));
   if (!status) status = try_tiers(plan, point, err);
   return status ? status : try_names(plan, point, err);
 }
@@ -387,20 +422,27 @@ static bool has_sections(const vs_scene *scene) {
   return scene && scene->setup.deck.n_files && !scene->setup.deck.lost;
 }
 
-vs_status vs_plan_read(const char *name, char *const *sets, size_t n_sets, vs_plan *plan,
-                       vs_error *err) {
-  const char *keys[16];
-  *plan = (vs_plan){.sets = sets, .n_sets = n_sets};
+/* Errors: a key that no study has. */
+static vs_status check_keys(const vs_plan *plan, vs_error *err) {
+  size_t n;
+  const char **keys = study_keys(plan->methods, &n);
+  vs_status status = vs_field_known_keys(plan->tree.root, "a study", keys, n, err);
+  free(keys);
+  return status;
+}
+
+vs_status vs_plan_read(const char *name, const vs_method *const *methods, char *const *sets,
+                       size_t n_sets, vs_plan *plan, vs_error *err) {
+  *plan = (vs_plan){.methods = methods, .sets = sets, .n_sets = n_sets};
   vs_status status = vs_path_find(&vs_plan_shelf, name, (vs_where){0}, plan->path, err);
   if (!status) status = vs_tree_read(plan->path, &plan->tree, err);
   for (size_t k = 0; k < n_sets && !status; k++)
-    if (is_of_study(sets[k]))
+    if (is_of_study(plan, sets[k]))
       status = vs_error_carry_on(err, vs_tree_set(&plan->tree, sets[k], err));
-  if (!status)
-    status = vs_field_known_keys(plan->tree.root, "a study", keys, study_keys(keys), err);
+  if (!status) status = check_keys(plan, err);
   if (!status) status = vs_error_carry_on(err, read_base(plan, err));
   if (status || !has_sections(plan->base)) return status; /* axes are keys of that scene */
-  status = read_parts(plan, err);
+  status = read_stages(plan, err);
   if (!status) status = read_report(plan, err);
   if (status) return status;
   if (vs_error_count(err)) return resolve_columns(plan, plan->base, &vs_coupled_tier, err);
@@ -414,18 +456,12 @@ static void free_scene(vs_scene *scene) {
 }
 
 void vs_plan_free(vs_plan *plan) {
-  for (size_t p = 0; p < plan->n_parts; p++)
-    if (plan->parts[p].method->free) plan->parts[p].method->free(plan->parts[p].state);
-  for (size_t k = 0; k < plan->n_axes; k++) {
-    vs_axis *axis = &plan->axes[k];
-    for (size_t w = 0; w < axis->n_words; w++) free(axis->word[w]);
-    free(axis->word);
-    free(axis->word_where);
-    free(axis->value);
-    free(axis->own);
-  }
+  for (size_t p = 0; p < plan->n_stages; p++)
+    if (plan->stages[p].method->free) plan->stages[p].method->free(plan->stages[p].state);
+  for (size_t k = 0; k < plan->n_axes; k++) vs_axis_free(&plan->axes[k]);
   free_scene(plan->base);
   free_scene(plan->first);
+  free(plan->stages);
   free(plan->inputs);
   vs_tree_free(&plan->tree);
   *plan = (vs_plan){0};

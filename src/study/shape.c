@@ -24,7 +24,7 @@ typedef struct header {
   size_t count;
 } header;
 
-struct vs_shape {
+struct vs_row_shape {
   header done, failed;
 };
 
@@ -79,8 +79,8 @@ static void find_kinds(header *h, const header *other, bool failed, const char *
   }
 }
 
-vs_shape *vs_shape_new(const char *columns, const char *failures, const char *manifest) {
-  vs_shape *shape = vs_alloc(1, sizeof *shape);
+vs_row_shape *vs_shape_new(const char *columns, const char *failures, const char *manifest) {
+  vs_row_shape *shape = vs_alloc(1, sizeof *shape);
   shape->done = cut(columns);
   shape->failed = cut(failures);
   find_kinds(&shape->done, &shape->failed, false, manifest);
@@ -88,7 +88,7 @@ vs_shape *vs_shape_new(const char *columns, const char *failures, const char *ma
   return shape;
 }
 
-void vs_shape_free(vs_shape *shape) {
+void vs_shape_free(vs_row_shape *shape) {
   if (!shape) return;
   discard(&shape->done);
   discard(&shape->failed);
@@ -124,7 +124,7 @@ static bool holds(const char *cell, cell_kind kind) {
   }
 }
 
-bool vs_shape_fits(const vs_shape *shape, bool failed, const char *row, size_t *at, char *why,
+bool vs_shape_fits(const vs_row_shape *shape, bool failed, const char *row, size_t *at, char *why,
                    size_t size) {
   const header *h = failed ? &shape->failed : &shape->done;
   char *copy = vs_copy(row), **cell = vs_alloc(h->count + 1, sizeof *cell);

@@ -7,16 +7,16 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-typedef struct vs_shape vs_shape;
+typedef struct vs_row_shape vs_row_shape;
 
 /* columns, failures: header rows of study.csv and failures.csv; manifest: that part of it which
  * names the axes, with their units. All are copied from. vs_shape_free; NULL is nothing. */
-vs_shape *vs_shape_new(const char *columns, const char *failures, const char *manifest);
-void vs_shape_free(vs_shape *shape);
+vs_row_shape *vs_shape_new(const char *columns, const char *failures, const char *manifest);
+void vs_shape_free(vs_row_shape *shape);
 
 /* Is it one? failed: a row of failures.csv. If not, why says what is wrong and what would be right,
  * and *at where in the row, from 0. */
-bool vs_shape_fits(const vs_shape *shape, bool failed, const char *row, size_t *at, char *why,
+bool vs_shape_fits(const vs_row_shape *shape, bool failed, const char *row, size_t *at, char *why,
                    size_t size);
 
 #endif

@@ -10,9 +10,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/file.h"
+#include "base/json.h"
 #include "base/leave.h"
 #include "scene/session.h"
 #include "study/jobs.h"
+#include "study/manifest.h"
+#include "study/merge.h"
 #include "study/stale.h"
 
 static const char *const RESULTS[] = {"manifest.json", "study.csv", "failures.csv"};
@@ -68,11 +72,18 @@ static void show_progress(const session *s, double now) {
   double rate = (double)(over - s->before) / fmax(now - s->began_s, 1e-9);
   double left = rate > 0 ? (double)(s->total - over) / rate : NAN;
   if (s->o->progress_json) {
-    printf("{\"done\": %llu, \"failed\": %llu, \"total\": %llu, \"per_s\": %.6g, \"eta_s\": ",
-           (unsigned long long)s->journal.done, (unsigned long long)s->journal.failed,
-           (unsigned long long)s->total, rate);
-    printf(isfinite(left) ? "%.6g}\n" : "null}\n", left);
+    vs_text text = {0};
+    vs_json json = vs_json_new(&text);
+    vs_json_object(&json, NULL, VS_JSON_ROW);
+    vs_json_whole(&json, "done", (int64_t)s->journal.done);
+    vs_json_whole(&json, "failed", (int64_t)s->journal.failed);
+    vs_json_whole(&json, "total", (int64_t)s->total);
+    vs_json_number(&json, "per_s", rate, 6);
+    vs_json_number(&json, "eta_s", left, 6);
+    vs_json_end(&json);
+    puts(text.text);
     fflush(stdout);
+    vs_text_free(&text);
   } else if (s->show)
     fprintf(stderr, "\r%llu of %s%llu cases, %llu failed, %.4g a second, %.0f s left \033[K",
             (unsigned long long)over, s->plan.adaptive ? "at most " : "",
@@ -118,40 +129,27 @@ static void take_generation(session *s, uint64_t count, const vs_generation *g) 
 
 /* The values of one case, from its row: what a study that goes on has too. */
 static vs_status take_values(session *s, uint64_t index, vs_error *err) {
-  enum {
-    FIRST = 2,
-    LAST = 7,
-    MOST = FIRST + VS_PLAN_AXES + VS_PLAN_COLUMNS + LAST
-  }; /* case, id; axes; ... */
-  size_t n = s->plan.n_columns, width = 1 + n;
+  const size_t width = 1 + s->plan.n_columns;
   double *value = s->values + index * width;
-  char *cells[MOST];
   vs_text row = {0};
   bool failed = false;
   vs_status status = vs_journal_row(&s->journal, index, &row, &failed, err);
   for (size_t k = 0; k < width; k++) value[k] = NAN;
-  s->status[index] = 1;
-  size_t count = status || failed ? 0 : vs_csv_split(row.text, cells, MOST);
-  if (count == FIRST + s->plan.n_axes + n + LAST) {
-    char **cell = cells + FIRST + s->plan.n_axes;
-    for (size_t k = 0; k < n; k++)
-      if (*cell[k]) value[1 + k] = strtod(cell[k], NULL);
-    if (*cell[n]) value[0] = strtod(cell[n], NULL);
-    s->status[index] = atoi(cell[n + LAST - 1]);
-  }
+  s->status[index] = VS_CASE_FAILED;
+  if (!status && !failed) vs_case_values(&s->plan, row.text, value, &s->status[index]);
   vs_text_free(&row);
   return status;
 }
 
 /* Generation after generation, as the method asks for them by the results so far. */
 static vs_status run_adaptive(session *s, uint64_t *count, vs_error *err) {
-  const vs_plan_stage *part = s->plan.adaptive;
+  const vs_plan_stage *stage = s->plan.adaptive;
   vs_status status = VS_OK;
   *count = 0;
   for (bool more = true; more && !status;) {
     vs_generation g = {.n_axes = s->plan.n_axes};
     const vs_results results = {&s->plan, *count, s->points, s->values, s->status};
-    status = part->method->next(&s->plan, part, &results, &g, err);
+    status = stage->method->next(&s->plan, stage, &results, &g, err);
     more = !status && g.count;
     if (more) {
       take_generation(s, *count, &g);
@@ -305,11 +303,15 @@ static void discard_folder(const session *s) {
 
 static vs_status write_result(session *s, uint64_t cases, vs_error *err) {
   vs_text more = {0};
-  const vs_plan_stage *part = s->plan.adaptive;
+  const vs_plan_stage *stage = s->plan.adaptive;
   const vs_results results = {&s->plan, cases, s->points, s->values, s->status};
-  if (part && part->method->json) part->method->json(&s->plan, part, &results, &more);
+  if (stage && stage->method->json) {
+    vs_json json = vs_json_inside(&more);
+    vs_json_same_row(&json);
+    stage->method->json(&s->plan, stage, &results, &json);
+  }
   const vs_journals all = {&s->journal, 1, cases, more.text};
-  vs_status status = vs_journals_write(&all, s->folder, err);
+  vs_status status = vs_journal_write(&all, s->folder, err);
   vs_text_free(&more);
   return status;
 }
@@ -375,24 +377,37 @@ static vs_status run_session(session *s, vs_error *err) {
   return status ? status : judge(s, err);
 }
 
+/* Errors: options that do not go together. */
+static vs_status check_options(const vs_study_options *o, vs_error *err) {
+  if (o->resume && o->overwrite)
+    return vs_fail(err, VS_INPUT,
+                   "--resume goes on with what is there, --overwrite throws it "
+                   "away; give one of them");
+  const char *wants_folder = o->resume          ? "--resume"
+                             : o->overwrite     ? "--overwrite"
+                             : o->keep_runs     ? "--keep runs"
+                             : o->progress_json ? "--progress json"
+                             : o->shard         ? "--shard"
+                                                : NULL;
+  if (o->folder || !wants_folder) return VS_OK;
+  return vs_fail(err, VS_INPUT, "%s: wants a folder; name one with -o DIR", wants_folder);
+}
+
+static void free_session(session *s) {
+  vs_journal_close(&s->journal);
+  vs_plan_free(&s->plan);
+  free(s->points);
+  free(s->values);
+  free(s->status);
+  free(s);
+}
+
 vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   session *s = vs_alloc(1, sizeof *s);
   s->o = o;
   s->journal.fd = s->journal.folder = -1;
-  vs_status status = VS_OK;
-  if (o->resume && o->overwrite)
-    status = vs_fail(err, VS_INPUT,
-                     "--resume goes on with what is there, --overwrite throws it "
-                     "away; give one of them");
-  else if (!o->folder &&
-           (o->resume || o->keep_runs || o->shard || o->progress_json || o->overwrite))
-    status = vs_fail(err, VS_INPUT, "%s: wants a folder; name one with -o DIR",
-                     o->resume          ? "--resume"
-                     : o->overwrite     ? "--overwrite"
-                     : o->keep_runs     ? "--keep runs"
-                     : o->progress_json ? "--progress json"
-                                        : "--shard");
-  if (!status) status = vs_plan_read(o->name, o->sets, o->n_sets, &s->plan, err);
+  vs_status status = check_options(o, err);
+  if (!status) status = vs_plan_read(o->name, o->methods, o->sets, o->n_sets, &s->plan, err);
   if (!status) status = name_folder(s, err);
   bool named = !status;
   if (!status) {
@@ -403,20 +418,14 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   if (status == VS_SIGNAL && o->folder)
     status = vs_fail(err, VS_SIGNAL, "stopped by a signal; --resume goes on: %llu cases are done",
                      (unsigned long long)(s->journal.done + s->journal.failed));
-  vs_journal_close(&s->journal);
   if (named && !o->folder) discard_folder(s);
-  vs_plan_free(&s->plan);
-  free(s->points);
-  free(s->values);
-  free(s->status);
-  free(s);
+  free_session(s);
   return status;
 }
 
 /* ---- check ---- */
 
-bool vs_study_is(const char *name) {
-  static const char *const KEYS[] = {"scene", "set", "vary", "sample", "find", "snubber", "report"};
+bool vs_study_is(const char *name, const vs_method *const *methods) {
   char path[VS_PATH_SIZE];
   vs_error none = {0};
   vs_tree tree = {0};
@@ -426,16 +435,16 @@ bool vs_study_is(const char *name) {
   size_t n = strlen(path);
   bool yaml = (n > 5 && !strcmp(path + n - 5, ".yaml")) || (n > 4 && !strcmp(path + n - 4, ".yml"));
   if (!yaml || vs_tree_read(path, &tree, &none)) n = 0;
-  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS && n; k++)
-    study = study || vs_tree_child(tree.root, KEYS[k]);
+  if (n) study = vs_plan_has_keys(&tree, methods);
   vs_tree_free(&tree);
   return study;
 }
 
-vs_status vs_study_check(const vs_check_options *o, vs_text *good, vs_error *err) {
+vs_status vs_study_check(const vs_check_options *o, const vs_method *const *methods, vs_text *good,
+                         vs_error *err) {
   vs_plan *plan = vs_alloc(1, sizeof *plan);
   char method[128];
-  vs_status status = vs_plan_read(o->name, o->sets, o->n_sets, plan, err);
+  vs_status status = vs_plan_read(o->name, methods, o->sets, o->n_sets, plan, err);
   if (!status && !vs_error_count(err))
     status = vs_session_try(plan->first->tier, &plan->first->setup, err);
   if (!status && !vs_error_count(err)) {

@@ -1,52 +1,38 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The commands `study` and `merge`, and what `check` says of a study. */
+ * The command `study`, and what `check` says of a study. */
 #ifndef VS_STUDY_STUDY_H
 #define VS_STUDY_STUDY_H
 
 #include <signal.h>
 
 #include "command/check.h"
-#include "study/journal.h"
-#include "study/plan.h"
+#include "study/method.h"
 
 typedef struct vs_study_options {
-  const char *name, *folder; /* folder: NULL, then study.csv goes to standard output */
+  const char *name, *folder;       /* folder: NULL, then study.csv goes to standard output */
+  const vs_method *const *methods; /* all there are; NULL ends them */
   char *const *sets;
   size_t n_sets;
   int jobs;          /* worker processes; 0: one for each core this process may use */
-  const char *shard; /* "I/N", "auto" (Slurm's array variables); NULL: all */
-  bool resume;       /* go on with what the folder has of this study */
-  bool overwrite;    /* replace what the folder has of any; else it is refused */
+  const char *shard; /* "I/N", "auto" (vs_merge_shard_read); NULL: all cases */
+  bool resume;       /* goes on with what the folder has of this study */
+  bool overwrite;    /* replaces what the folder has of any study; else that is refused */
   bool keep_runs, progress_json, quiet;
   double timeout_s;                  /* of one case; 0: none */
   const volatile sig_atomic_t *stop; /* set by a signal: end, to be gone on with */
 } vs_study_options;
 
-/* Errors: VS_INPUT, with nothing written; VS_RUN, a case failed, or a file could not be written;
- * VS_RATING, all cases ran, and in some a rating is violated; VS_SIGNAL. */
+/* Runs the study. Errors: VS_INPUT, and nothing is written; VS_RUN, a case failed, or a file could
+ * not be written; VS_RATING, all cases ran, and in some a rating is violated; VS_SIGNAL. */
 vs_status vs_study_command(const vs_study_options *options, vs_error *err);
 
-typedef struct vs_merge_options {
-  char *const *folders; /* of shards, or that hold such */
-  size_t count;
-  const char *folder; /* where the result goes; NULL: the one folder named */
-  bool overwrite;     /* over another study's result, too; else that is refused */
-  bool quiet;
-} vs_merge_options;
+/* True if name is a file that is a study rather than a scene, or is the name of a study that comes
+ * with the program and of no scene. */
+bool vs_study_is(const char *name, const vs_method *const *methods);
 
-/* Joins shards. Errors: a case missing or done twice, shards of different studies, another study's
- * result where this one's shall go. */
-vs_status vs_merge_command(const vs_merge_options *options, vs_error *err);
-
-/* Is the file a study, rather than a scene? A name: does a study of that name come with the
- * program, and no scene? */
-bool vs_study_is(const char *name);
-vs_status vs_study_check(const vs_check_options *options, vs_text *good, vs_error *err);
-
-/* "I/N" or "auto". Error: it is neither. */
-vs_status vs_merge_shard_read(const char *text, uint64_t *shard, uint64_t *shards, vs_error *err);
-
-/* For the journal: what identifies the plan, and the parts of its manifest. name: as given. */
-void vs_manifest_head(const vs_plan *plan, const char *name, vs_journal_head *head);
+/* Reads the study as the command would, without running it, and takes its first case's first step.
+ * On success it adds one line that describes the study to good. */
+vs_status vs_study_check(const vs_check_options *options, const vs_method *const *methods,
+                         vs_text *good, vs_error *err);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * A worker: a child process that runs cases it is sent through a pipe and answers through another,
- * several at once each way. It is made by fork before this process uses libngspice, of which there
- * is one in a process, and ends when its pipe does, or with this process. */
+ * A worker is a child process that runs cases. Tasks reach it through one pipe and answers come
+ * back through another, several at once each way. It is forked before this process uses libngspice,
+ * as a process can have only one. It ends when its pipe ends, or with this process. */
 #ifndef VS_STUDY_WORKER_H
 #define VS_STUDY_WORKER_H
 
@@ -10,47 +10,51 @@
 
 #include "study/case.h"
 
-enum { VS_WORKER_QUEUE = 256 }; /* cases it may have at a time */
+enum { VS_WORKER_QUEUE = 256 }; /* tasks a worker may have at a time */
 
 /* A case that is to be run. */
 typedef struct vs_task {
   uint64_t index;
-  int tries; /* of it alone, by a worker that died */
+  int tries; /* how often a worker that had nothing else has died of it */
   double point[VS_PLAN_AXES];
 } vs_task;
 
+/* What came of a case. */
 typedef struct vs_answer {
   uint64_t index;
-  int status; /* VS_CASE_... */
-  bool circuit;
-  const char *row; /* lives until the next answer is taken */
-  size_t length;
+  int status;      /* VS_CASE_... */
+  bool circuit;    /* ngspice was used */
+  const char *row; /* as vs_case_run adds it; lives until the next answer is taken */
+  size_t length;   /* of row, in bytes */
 } vs_answer;
 
-/* The sender's view of one. Start from {0}. */
+/* A worker as its sender sees it. Start from {0}. */
 typedef struct vs_worker {
-  pid_t pid;                      /* 0: there is none */
-  int to, from;                   /* pipes; from does not block */
-  vs_task queue[VS_WORKER_QUEUE]; /* sent and not answered, the oldest at `first` */
+  pid_t pid;                      /* 0: there is no process */
+  int to, from;                   /* pipes; reading from the latter does not block */
+  vs_task queue[VS_WORKER_QUEUE]; /* a ring of tasks sent and not answered, the oldest at `first` */
   size_t first, queued;
-  bool alone;     /* what it has is a case that is tried again */
-  long circuits;  /* cases that used ngspice */
-  double heard_s; /* when it last answered, or was sent something while it had nothing; monotonic */
-  double case_s;  /* what a case takes; 0: not known yet */
-  char *in;       /* bytes come in, not taken yet */
+  bool alone;     /* the task it has is one that is tried again */
+  long circuits;  /* how many of the process' cases used ngspice */
+  double heard_s; /* vs_worker_clock when it last answered, or got tasks while it had none */
+  double case_s;  /* s a case takes, as a running mean; 0: not known yet */
+  char *in;       /* bytes that came in; those from `at` on are not taken yet */
   size_t n_in, at, room;
 } vs_worker;
 
-/* Error: no process or no pipe. keep: as for vs_case_new. */
+/* Starts the process. keep: as for vs_case_new. Error: no process or no pipe can be made. */
 vs_status vs_worker_start(vs_worker *worker, const vs_plan *plan, const char *keep, vs_error *err);
-/* false: it is gone, and its pipe broken. */
+/* Sends it tasks and queues them. false: the process is gone, and its pipe broken. */
 bool vs_worker_send(vs_worker *worker, const vs_plan *plan, const vs_task *tasks, size_t count);
-/* Takes what has come in; false: the pipe has ended. vs_worker_take then gives the answers. */
+/* Reads what has come in. false: the pipe has ended. */
 bool vs_worker_hear(vs_worker *worker);
+/* Takes one whole answer out of what was read; false: there is none. */
 bool vs_worker_take(vs_worker *worker, vs_answer *answer);
-/* Ends it, and what it has started; gives how, as waitpid does. Its queue stays. */
+/* Ends the process and all it has started; returns how it ended, as waitpid does. The queue
+ * stays. */
 int vs_worker_kill(vs_worker *worker);
 
-double vs_worker_clock(void); /* monotonic, s */
+/* Returns a time in s that only ever rises. */
+double vs_worker_clock(void);
 
 #endif

@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "survey/folder.h"
 
-#include "study/case.h"
-
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "base/csv.h"
 #include "base/text.h"
+#include "base/units.h"
+#include "study/case.h"
 
 static bool is_there(const char *folder, const char *name) {
   char path[VS_PATH_SIZE];
@@ -33,22 +35,15 @@ bool vs_folder_number(const char *cell, double *value) {
 
 /* ---- rows of CSV ---- */
 
-static size_t split(char *line, char **cell, size_t most) {
-  line[strcspn(line, "\r\n")] = '\0';
-  return vs_csv_split(line, cell, most);
-}
-
-typedef struct csv {
-  const char *path;
-  size_t cells; /* in each row */
-} csv;
-
-static vs_status show(const csv *file, vs_folder_row *row, long *before, vs_error *err) {
-  const vs_where at = {file->path, (int)row->line, 1};
+/* Takes the case's number, which must be larger than *before. cells: as many as each row has. */
+static vs_status take_row(const vs_csv *csv, size_t cells, vs_folder_row *row, long *before,
+                          vs_error *err) {
+  const vs_where at = {csv->file, csv->line, 1};
   char *end;
-  if (row->count != file->cells)
+  *row = (vs_folder_row){.line = csv->line, .cell = csv->cell, .count = csv->count};
+  if (row->count != cells)
     return vs_fail_at(err, at, "cells in this row: %zu; columns in the header: %zu", row->count,
-                      file->cells);
+                      cells);
   row->number = strtol(row->cell[0], &end, 10);
   if (*end || end == row->cell[0] || row->number < 0)
     return vs_fail_at(err, at, "'%s' is no case's number", row->cell[0]);
@@ -60,29 +55,24 @@ static vs_status show(const csv *file, vs_folder_row *row, long *before, vs_erro
 }
 
 /* All rows behind the header. */
-static vs_status each(const csv *file, FILE *f, vs_folder_visit visit, void *ctx, vs_error *err) {
-  char *line = NULL, *cell[VS_STUDY_COLUMNS + 1];
-  size_t size = 0;
-  long number = 1, before = -1;
-  vs_status status = VS_OK;
-  if (getline(&line, &size, f) < 0)
-    status = vs_fail_at(err, (vs_where){.file = file->path}, "the file is empty");
-  while (!status && getline(&line, &size, f) > 0) {
-    vs_folder_row row = {.line = ++number, .cell = cell};
-    row.count = split(line, cell, VS_STUDY_COLUMNS + 1);
-    status = show(file, &row, &before, err);
+static vs_status each(vs_csv *csv, size_t cells, vs_folder_visit visit, void *ctx, vs_error *err) {
+  long before = -1;
+  vs_folder_row row;
+  vs_status status = vs_csv_next(csv, err);
+  if (!status && !csv->count)
+    status = vs_fail_at(err, (vs_where){.file = csv->file}, "the file is empty");
+  while (!status && !(status = vs_csv_next(csv, err)) && csv->count) {
+    status = take_row(csv, cells, &row, &before, err);
     if (!status) status = visit(ctx, &row, err);
   }
-  if (!status && ferror(f))
-    status = vs_fail(err, VS_RUN, "%s: cannot be read: %s", file->path, strerror(errno));
-  free(line);
+  vs_csv_free(csv);
   return status;
 }
 
 vs_status vs_folder_each(const vs_folder *t, vs_folder_visit visit, void *ctx, vs_error *err) {
   FILE *f = fopen(t->path, "r");
   if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", t->path, strerror(errno));
-  vs_status status = each(&(csv){t->path, t->count}, f, visit, ctx, err);
+  vs_status status = each(&(vs_csv){.file = t->path, .stream = f}, t->count, visit, ctx, err);
   fclose(f);
   return status;
 }
@@ -97,7 +87,7 @@ vs_status vs_folder_each_failure(const vs_folder *t, vs_folder_visit visit, void
   FILE *f = fopen(path, "r");
   if (!f && errno == ENOENT) return VS_OK;
   if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
-  vs_status status = each(&(csv){path, cells}, f, visit, ctx, err);
+  vs_status status = each(&(vs_csv){.file = path, .stream = f}, cells, visit, ctx, err);
   fclose(f);
   return status;
 }
@@ -188,6 +178,21 @@ static vs_status read_manifest(vs_folder *t, vs_error *err) {
   return status;
 }
 
+/* Those the manifest names, "grid x sobol", as far as this program has them. */
+static void find_methods(vs_folder *t, const vs_method *const *methods) {
+  static const char AND[] = " x ";
+  size_t names = 1;
+  for (const char *s = t->method; (s = strstr(s, AND)); s += strlen(AND)) names++;
+  t->methods = vs_alloc(names, sizeof *t->methods);
+  for (const char *s = t->method, *end; s; s = end ? end + strlen(AND) : NULL) {
+    end = strstr(s, AND);
+    const vs_method *m = vs_method_named(methods, s, end ? (size_t)(end - s) : strlen(s));
+    if (!m) continue;
+    t->methods[t->n_methods++] = m;
+    if (m->next) t->search = m;
+  }
+}
+
 /* ---- the header of study.csv ---- */
 
 static int find_role(const vs_folder *t, vs_folder_role role) {
@@ -196,27 +201,30 @@ static int find_role(const vs_folder *t, vs_folder_role role) {
   return -1;
 }
 
+_Static_assert(VS_ROLE_STATUS - VS_ROLE_MARGIN + 1 == VS_CASE_COLUMNS &&
+                   VS_ROLE_ERROR - VS_ROLE_MARGIN == VS_CASE_MARGIN_ERROR &&
+                   VS_ROLE_WEAKEST - VS_ROLE_MARGIN == VS_CASE_WEAKEST &&
+                   VS_ROLE_RUNG - VS_ROLE_MARGIN == VS_CASE_RUNG &&
+                   VS_ROLE_LEAVING - VS_ROLE_MARGIN == VS_CASE_LEAVING &&
+                   VS_ROLE_WARNINGS - VS_ROLE_MARGIN == VS_CASE_WARNINGS,
+               "roles from VS_ROLE_MARGIN on stand in the order of a case's columns");
+_Static_assert(2 + VS_PLAN_AXES + VS_PLAN_COLUMNS + VS_CASE_COLUMNS <= VS_STUDY_COLUMNS,
+               "every study that can be run can be read");
+
 static vs_folder_role role_of(const char *title, size_t position) {
   if (position == 0) return VS_ROLE_CASE;
   if (position == 1 && !strcmp(title, "id")) return VS_ROLE_ID;
-  if (!strcmp(title, "margin_least")) return VS_ROLE_MARGIN;
-  if (!strcmp(title, "margin_error")) return VS_ROLE_ERROR;
-  if (!strcmp(title, "weakest")) return VS_ROLE_WEAKEST;
-  if (!strcmp(title, "rung")) return VS_ROLE_RUNG;
-  if (!strcmp(title, "leaving_bound")) return VS_ROLE_LEAVING;
-  if (!strcmp(title, "warnings")) return VS_ROLE_WARNINGS;
-  if (!strcmp(title, "status")) return VS_ROLE_STATUS;
+  for (int k = 0; k < VS_CASE_COLUMNS; k++)
+    if (!strcmp(title, vs_case_titles[k])) return (vs_folder_role)(VS_ROLE_MARGIN + k);
   return VS_ROLE_REPORT;
 }
 
-static vs_status take_header(vs_folder *t, char *line, vs_error *err) {
-  char *cell[VS_STUDY_COLUMNS + 1];
+static vs_status take_header(vs_folder *t, char *const *cell, size_t count, vs_error *err) {
   const vs_where at = {t->path, 1, 1};
-  t->count = split(line, cell, VS_STUDY_COLUMNS + 1);
-  if (t->count > VS_STUDY_COLUMNS) {
-    t->count = 0;
+  if (!count) return vs_fail_at(err, (vs_where){.file = t->path}, "the file is empty");
+  if (count > VS_STUDY_COLUMNS)
     return vs_fail_at(err, at, "more than %d columns", VS_STUDY_COLUMNS);
-  }
+  t->count = count;
   for (size_t c = 0; c < t->count; c++)
     t->column[c] = (vs_folder_column){.title = vs_copy(cell[c]),
                                       .name = vs_copy(cell[c]),
@@ -241,15 +249,13 @@ static vs_status take_header(vs_folder *t, char *line, vs_error *err) {
 
 static vs_status read_header(vs_folder *t, vs_error *err) {
   FILE *f = fopen(t->path, "r");
-  char *line = NULL;
-  size_t size = 0;
   if (!f)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s; a study that ended has one", t->path,
                    strerror(errno));
-  vs_status status = getline(&line, &size, f) < 0
-                         ? vs_fail_at(err, (vs_where){.file = t->path}, "the file is empty")
-                         : take_header(t, line, err);
-  free(line);
+  vs_csv csv = {.file = t->path, .stream = f};
+  vs_status status = vs_csv_next(&csv, err);
+  if (!status) status = take_header(t, csv.cell, csv.count, err);
+  vs_csv_free(&csv);
   fclose(f);
   return status;
 }
@@ -263,7 +269,8 @@ static vs_status check_columns(const vs_folder *t, vs_error *err) {
   return VS_OK;
 }
 
-vs_status vs_folder_open(vs_folder *t, const char *folder, vs_error *err) {
+vs_status vs_folder_open(vs_folder *t, const char *folder, const vs_method *const *methods,
+                         vs_error *err) {
   *t = (vs_folder){0};
   if (strlen(folder) > VS_PATH_SIZE / 2)
     return vs_fail(err, VS_INPUT, "%s: too long a name", folder);
@@ -271,6 +278,7 @@ vs_status vs_folder_open(vs_folder *t, const char *folder, vs_error *err) {
   snprintf(t->path, sizeof t->path, "%s/study.csv", folder);
   snprintf(t->manifest_path, sizeof t->manifest_path, "%s/manifest.json", folder);
   vs_status status = read_manifest(t, err);
+  if (!status) find_methods(t, methods);
   if (!status) status = read_header(t, err);
   if (!status) status = take_list(t, "axes", "key", VS_ROLE_AXIS, err);
   if (!status) status = take_list(t, "report", "name", VS_ROLE_REPORT, err);
@@ -286,13 +294,25 @@ void vs_folder_close(vs_folder *t) {
     free(t->column[c].text);
   }
   vs_tree_free(&t->manifest);
+  free(t->methods);
   *t = (vs_folder){0};
 }
 
+const vs_node *vs_folder_search(const vs_folder *t) {
+  return t->search ? vs_tree_child(t->manifest.root, t->search->key) : NULL;
+}
+
+bool vs_folder_is_sampled(const vs_folder *t) {
+  bool sampled = false;
+  for (size_t k = 0; k < t->n_methods; k++) sampled = sampled || t->methods[k]->report.sampled;
+  return sampled;
+}
+
 size_t vs_folder_aim(const vs_folder *t, bool *largest) {
-  const vs_node *find = vs_tree_child(t->manifest.root, "find");
-  const vs_node *worst = find && find->kind == VS_NODE_MAP ? vs_tree_child(find, "worst") : find;
-  const char *words = text_of(worst), *name = words ? strrchr(words, ' ') : NULL;
+  const vs_node *search = vs_folder_search(t);
+  const char *key = search && search->kind == VS_NODE_MAP ? t->search->report.aim : NULL;
+  const char *words = key ? text_of(vs_tree_child(search, key)) : NULL;
+  const char *name = words ? strrchr(words, ' ') : NULL;
   *largest = name && !strncmp(words, "max", 3);
   for (size_t c = 1; name && c < t->count; c++)
     if (!strcmp(t->column[c].name, name + 1)) return c;
@@ -301,10 +321,9 @@ size_t vs_folder_aim(const vs_folder *t, bool *largest) {
 }
 
 long vs_folder_found(const vs_folder *t) {
-  const vs_node *search = vs_tree_child(t->manifest.root, "find");
-  if (!search) search = vs_tree_child(t->manifest.root, "snubber");
+  const vs_node *search = vs_folder_search(t);
   const vs_node *found =
       search && search->kind == VS_NODE_MAP ? vs_tree_child(search, "found") : NULL;
-  const char *number = text_of(found ? vs_tree_child(found, "case") : NULL);
+  const char *number = text_of(vs_tree_child(found, "case"));
   return number && *number ? strtol(number, NULL, 10) : -1;
 }

@@ -1,36 +1,46 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What one reading of study.csv tells: ranges, the verdict over all cases, which part is weakest
- * how often, the worst cases, why some failed. */
+ * What one reading of study.csv tells: the columns' ranges, the verdict over all cases, what is
+ * weakest how often, the worst cases, why some failed. */
 #ifndef VS_SURVEY_SURVEY_H
 #define VS_SURVEY_SURVEY_H
 
-#include "picture/scale.h"
 #include "survey/folder.h"
 
+/* How often a name came. */
 typedef struct vs_count {
   char *name;
   long times;
 } vs_count;
-enum { VS_COUNTS = 64 }; /* the names told apart; what is more goes to the last one, "others" */
+enum { VS_COUNTS = 64 }; /* names told apart; further ones are counted as the last, "others" */
 typedef struct vs_counts {
   vs_count item[VS_COUNTS];
   size_t count;
 } vs_counts;
 
-enum { VS_DISTINCT = 1024, VS_WORST = 10 };
+enum {
+  VS_DISTINCT = 1024, /* different values of an axis that are told apart */
+  VS_WORST = 10       /* worst cases that are kept */
+};
 
-/* Of one column. */
+/* What is known of a column's numbers. */
+typedef struct vs_extent {
+  double least, largest; /* NAN both: nothing is known */
+  const double *value;   /* its different numbers, rising; NULL: too many */
+  size_t count;          /* of value */
+} vs_extent;
+
+/* What is known of one column. */
 typedef struct vs_profile {
-  bool is_number;        /* else its cells are words */
-  long known;            /* cells that hold a number */
-  double least, largest; /* NAN: none known */
-  double *value;         /* an axis' different numbers, rising; NULL: more than VS_DISTINCT */
+  bool is_number;        /* its cells are numbers; false: words */
+  long known;            /* how many cells hold a number */
+  double least, largest; /* of these; NaN: there are none */
+  double *value;         /* an axis' different numbers, rising */
   char **word;           /* its different words, in the order they came */
   size_t count;          /* of value or word */
-  bool many;             /* more than VS_DISTINCT */
+  bool many;             /* there are more than VS_DISTINCT; count has only the first ones */
 } vs_profile;
 
-/* A case kept: its cells. key: what it was chosen by. */
+/* A case that is kept: its cells, and the number it was chosen by, of which the least is worst. */
 typedef struct vs_kept {
   double key;
   char **cell;
@@ -38,37 +48,38 @@ typedef struct vs_kept {
 
 typedef struct vs_survey {
   long rows;
-  long judged;     /* with a least margin */
-  long good;       /* of those: status 0, not below 0 */
-  long violated;   /* status 3, and below 0 by more than its error, if that is known */
-  long undecided;  /* status 3 otherwise */
-  long unverified; /* judged, and without an error of the margin */
-  long climbed;    /* on a rung of the ladder beyond the first */
-  long warned;
+  long judged;    /* cases with a least margin */
+  long good;      /* those of them with status 0 whose margin is not below 0 */
+  long violated;  /* cases with status 3 whose margin is below 0 by more than its error, if known */
+  long undecided; /* the other cases with status 3 */
+  long unverified;                      /* judged cases whose margin's error is not known */
+  long climbed;                         /* cases on a rung of the ladder beyond the first */
+  long warned;                          /* cases with warnings */
   vs_profile profile[VS_STUDY_COLUMNS]; /* by column */
-  vs_counts weakest, why;               /* falling */
-  vs_counts doubtful;                   /* which limit is undecided where a case is; falling */
+  vs_counts weakest;                    /* what was weakest; the most frequent first */
+  vs_counts doubtful;                   /* which limit is undecided; the most frequent first */
+  vs_counts why;                        /* why cases failed; the most frequent first */
   long failures;                        /* rows of failures.csv */
-  vs_kept worst[VS_WORST]; /* by vs_folder_aim, the worst first; without it the first cases */
+  vs_kept worst[VS_WORST]; /* by vs_folder_aim, the worst first; where it is 0, the first cases */
   size_t n_worst;
-  vs_kept found; /* the case of vs_folder_found; its cell NULL: none */
+  vs_kept found; /* the case of vs_folder_found; its cell is NULL when there is none */
 } vs_survey;
 
-/* Errors: those of vs_folder_each; a cell that is no number where the column has a unit; rows that
- * are not as many as the manifest says. vs_survey_free even then. */
+/* Reads all rows once. Errors: those of vs_folder_each; a cell is no number where the column has a
+ * unit; the rows are not as many as the manifest says. vs_survey_free even then. */
 vs_status vs_survey_take(const vs_folder *table, vs_survey *survey, vs_error *err);
 void vs_survey_free(const vs_folder *table, vs_survey *survey);
 
-/* Are its worst cases told by something? Not where no rating is judged and nothing is looked for.
- */
+/* True if the worst cases are the worst. False where no rating is judged and nothing is searched
+ * for: they are the first cases then. */
 bool vs_survey_ranked(const vs_folder *table, const vs_survey *survey);
 
-/* Where the cell stands among the column's different values: 0 to count - 1. -1: nowhere. */
+/* Returns the cell's index among the column's different values; -1: it is none of them. */
 long vs_survey_index(const vs_profile *profile, const char *cell);
 
 vs_extent vs_survey_extent(const vs_profile *profile);
 
-/* One kept case more among the first `most` by rising key. */
+/* Puts a copy of the row among kept[*count], which stand by rising key, at most `most` of them. */
 void vs_survey_keep(vs_kept *kept, size_t *count, size_t most, double key,
                     const vs_folder_row *row);
 void vs_survey_kept_free(vs_kept *kept, size_t count, size_t cells);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "validate/validate.h"
 
-#include <gsl/gsl_version.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +8,10 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/json.h"
 #include "base/text.h"
+#include "scene/version.h"
+#include "solver/circuit.h"
 #include "solver/ng.h"
 
 /* An experiment that some of the chosen checks need; done when the first of them asks. */
@@ -33,7 +35,8 @@ typedef struct session {
   double planned_s, passed_s;       /* sums of wall_s: of all; of those that are done */
   bool show_progress;
   unsigned long steps;
-  vs_text json;
+  vs_text text; /* of --json */
+  vs_json json;
 } session;
 
 static double wall_clock(void) {
@@ -152,40 +155,40 @@ static void print_row(const session *s, const vs_comparison *c, const verdict *v
          c->why);
 }
 
-static void add_real(vs_text *json, const char *key, double value) {
-  if (isfinite(value))
-    vs_text_add(json, ", \"%s\": %.17g", key, value);
-  else
-    vs_text_add(json, ", \"%s\": null", key);
-}
-
-static void add_string(vs_text *json, const char *key, const char *value) {
-  vs_text_add(json, ", \"%s\": ", key);
-  vs_json_string(json, value);
-}
-
 static void add_row(session *s, const vs_comparison *c, const verdict *v) {
-  vs_text *json = &s->json;
-  vs_text_add(json, "%s\n    {\"name\": ", json->length ? "," : "");
-  vs_json_string(json, c->name);
-  add_string(json, "unit", c->unit);
-  add_real(json, "expected", v->expected);
-  add_real(json, "got", v->got);
-  add_real(json, "error", v->error);
-  add_real(json, "tolerance", c->tolerance);
-  add_real(json, "scale", c->scale != 0 ? fabs(c->scale) : fabs(v->expected));
-  add_string(json, "source", c->source);
-  add_string(json, "tolerance_why", c->why);
-  if (v->failure) add_string(json, "failure", v->failure);
-  vs_text_add(json, ", \"ok\": %s}", v->good ? "true" : "false");
+  enum { DIGITS = 17 }; /* a double's, exactly */
+  vs_json *json = &s->json;
+  vs_json_object(json, NULL, VS_JSON_ROW);
+  vs_json_text(json, "name", c->name);
+  vs_json_text(json, "unit", c->unit);
+  vs_json_number(json, "expected", v->expected, DIGITS);
+  vs_json_number(json, "got", v->got, DIGITS);
+  vs_json_number(json, "error", v->error, DIGITS);
+  vs_json_number(json, "tolerance", c->tolerance, DIGITS);
+  vs_json_number(json, "scale", c->scale != 0 ? fabs(c->scale) : fabs(v->expected), DIGITS);
+  vs_json_text(json, "source", c->source);
+  vs_json_text(json, "tolerance_why", c->why);
+  if (v->failure) vs_json_text(json, "failure", v->failure);
+  vs_json_bool(json, "ok", v->good);
+  vs_json_end(json);
 }
 
-static void print_json(const session *s) {
-  printf("{\n  \"program\": {\"version\": \"%s\", \"ngspice\": \"%s\", \"gsl\": \"%s\"},\n",
-         VS_VERSION, vs_ng_version(), gsl_version);
-  printf("  \"checks\": [%s\n  ],\n", s->json.text);
-  printf("  \"count\": %zu, \"off\": %zu, \"ok\": %s\n}\n", s->n_checks, s->failed,
-         s->failed ? "false" : "true");
+static void begin_json(session *s) {
+  s->json = vs_json_new(&s->text);
+  vs_json_object(&s->json, NULL, VS_JSON_LINES);
+  vs_version_json(&s->json);
+  vs_json_array(&s->json, "checks", VS_JSON_LINES);
+}
+
+static void print_json(session *s) {
+  vs_json_end(&s->json);
+  vs_json_whole(&s->json, "count", (int64_t)s->n_checks);
+  vs_json_same_row(&s->json);
+  vs_json_whole(&s->json, "off", (int64_t)s->failed);
+  vs_json_same_row(&s->json);
+  vs_json_bool(&s->json, "ok", !s->failed);
+  vs_json_end(&s->json);
+  puts(s->text.text);
 }
 
 static void show(session *s, const vs_comparison *c, const verdict *v) {
@@ -204,6 +207,7 @@ static void show(session *s, const vs_comparison *c, const verdict *v) {
 
 static vs_status validate(session *s, vs_error *err) {
   vs_status status = VS_OK;
+  begin_json(s);
   if (!s->options->json && !s->options->quiet)
     printf("%-3s %-*s %15s %15s %-6s %8s %8s  %s\n", "", name_width(s), "check", "expected", "got",
            "", "error", "allowed", "source; tolerance");
@@ -232,7 +236,7 @@ vs_status vs_validate(const vs_comparisons *const *lists, size_t n_lists,
   for (size_t k = 0; k < s.n_checks && options->list; k++) puts(s.checks[k]->name);
   if (!status && !options->list) status = validate(&s, err);
   for (size_t k = 0; k < s.n_outcomes; k++) vs_experiment_numbers_free(&s.outcomes[k].numbers);
-  vs_text_free(&s.json);
+  vs_text_free(&s.text);
   free(s.outcomes);
   free(s.checks);
   return status;

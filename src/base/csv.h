@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Rows of comma-separated values, as RFC 4180 has them: a cell in double quotes may hold commas,
+ * line breaks and quotes, of which each is written twice. */
+#ifndef VS_BASE_CSV_H
+#define VS_BASE_CSV_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "base/error.h"
+#include "base/text.h"
+
+/* A file of rows that is being read. Fill the first group, leave the rest 0; vs_csv_free it. */
+typedef struct vs_csv {
+  const char *file; /* its name, for errors; borrowed */
+  FILE *stream;     /* borrowed, open for reading */
+  bool trim;        /* blanks around cells do not belong to them */
+  bool comments;    /* blank lines, and lines whose first character is '#', are no rows */
+
+  /* The present row. It lasts until the next is read. */
+  char **cell;
+  vs_where *where; /* of each cell: its line, and the byte at which it begins, from 1 */
+  size_t count;    /* of cells; an empty line is one empty cell; 0: the file has ended */
+  int line;        /* on which the row begins, from 1; at the file's end the last one's, or 1 */
+
+  /* The reader's own. */
+  char *text;     /* the row's bytes */
+  size_t *begins; /* where in text each of the row's n_lines lines begins */
+  size_t n_lines, room, most;
+} vs_csv;
+
+/* Reads the next row. A byte order mark before the first is passed over. Errors, with
+ * file:line:column: a quoted cell that does not end, or is followed by something else than a comma;
+ * a zero byte; a file that cannot be read. */
+vs_status vs_csv_next(vs_csv *csv, vs_error *err);
+void vs_csv_free(vs_csv *csv);
+
+/* True if the row holds nothing but blanks. */
+bool vs_csv_is_blank(const vs_csv *csv);
+
+/* Cuts a row that is in memory, and has no line end, into its cells; quotes are taken off in place.
+ * Returns how many there are, at most `most`. */
+size_t vs_csv_split(char *row, char **cells, size_t most);
+
+/* Adds one cell, in quotes where a comma, a quote or a line break asks for them. A line break is
+ * written as a blank, so that each row of ours is one line. */
+void vs_csv_cell(vs_text *row, const char *word);
+
+#endif

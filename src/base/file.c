@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/file.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/leave.h"
+
+vs_status vs_file_folder_make(const char *folder, int *made, vs_error *err) {
+  char path[VS_PATH_SIZE];
+  *made = 0;
+  if (!*folder || strlen(folder) >= sizeof path)
+    return vs_fail(err, VS_INPUT, "output directory '%s': empty or too long a name", folder);
+  snprintf(path, sizeof path, "%s", folder);
+  vs_status status = VS_OK;
+  for (char *s = path + 1; !status; s++) {
+    if (*s && *s != '/') continue;
+    char kept = *s;
+    *s = '\0';
+    if (!mkdir(path, 0777))
+      ++*made;
+    else if (errno != EEXIST)
+      status =
+          vs_fail(err, VS_INPUT, "output directory %s: cannot be made: %s", path, strerror(errno));
+    *s = kept;
+    if (!kept) break;
+  }
+  struct stat st;
+  if (!status && (stat(folder, &st) || !S_ISDIR(st.st_mode)))
+    status = vs_fail(err, VS_INPUT, "output directory %s: is there and is not a directory", folder);
+  if (!status && access(folder, W_OK | X_OK))
+    status = vs_fail(err, VS_INPUT, "output directory %s: cannot be written to: %s", folder,
+                     strerror(errno));
+  if (status) vs_file_folder_unmake(folder, *made);
+  return status;
+}
+
+void vs_file_folder_unmake(const char *folder, int made) {
+  char path[VS_PATH_SIZE];
+  snprintf(path, sizeof path, "%s", folder);
+  while (made > 0) {
+    size_t n = strlen(path);
+    while (n > 1 && path[n - 1] == '/') path[--n] = '\0';
+    if (!rmdir(path))
+      made--;
+    else if (errno != ENOENT)
+      return; /* one that was never made, below the one that failed, is skipped */
+    char *slash = strrchr(path, '/');
+    if (!slash) return;
+    *slash = '\0';
+  }
+}
+
+static const char TEMPORARY[] = ".vibrospice-tmp.";
+enum { RANDOM = 6 }; /* characters behind that, of mkostemp's */
+
+static bool is_temporary(const char *name) {
+  size_t n = sizeof TEMPORARY - 1;
+  return !strncmp(name, TEMPORARY, n) && strlen(name) == n + RANDOM &&
+         strspn(name + n, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789") ==
+             RANDOM;
+}
+
+/* Takes it away if it is this user's and nobody has it locked; not where locks are not known. */
+static void remove_stale(int folder, const char *name) {
+  struct stat s;
+  int fd = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0) return;
+  if (!fstat(fd, &s) && S_ISREG(s.st_mode) && s.st_uid == geteuid() && s.st_nlink == 1 &&
+      !flock(fd, LOCK_EX | LOCK_NB))
+    unlinkat(folder, name, 0);
+  close(fd);
+}
+
+static void remove_all_stale(const char *folder) {
+  DIR *d = opendir(*folder ? folder : ".");
+  if (!d) return;
+  for (const struct dirent *e; (e = readdir(d));)
+    if (is_temporary(e->d_name)) remove_stale(dirfd(d), e->d_name);
+  closedir(d);
+}
+
+/* A new file, locked; a descriptor, or -1 with errno. Another process that tidies up may have had
+ * it before the lock: then it is gone, or will be. */
+static int make_temporary(vs_file *file, int folder_size) {
+  int fd = -1;
+  for (int tries = 0; tries < 10 && fd < 0; tries++) {
+    struct stat s;
+    snprintf(file->temporary, sizeof file->temporary, "%.*s%sXXXXXX", folder_size, file->path,
+             TEMPORARY);
+    fd = mkostemp(file->temporary, O_CLOEXEC);
+    if (fd < 0) return -1;
+    bool held = !flock(fd, LOCK_EX | LOCK_NB) || errno != EWOULDBLOCK;
+    if (held && !fstat(fd, &s) && s.st_nlink) break;
+    close(fd);
+    fd = -1;
+  }
+  return fd;
+}
+
+vs_status vs_file_open(vs_file *file, const char *folder, const char *name, vs_error *err) {
+  *file = (vs_file){0};
+  int n = snprintf(file->path, sizeof file->path, "%s%s%s", folder, *folder ? "/" : "", name);
+  if (n >= (int)sizeof file->path)
+    return vs_fail(err, VS_INPUT, "%s/%s: too long a name", folder, name);
+  const char *slash = strrchr(file->path, '/');
+  int size = slash ? (int)(slash - file->path) + 1 : 0;
+  char place[VS_PATH_SIZE];
+  snprintf(place, sizeof place, "%.*s", size, file->path);
+  remove_all_stale(place);
+  sigset_t before;
+  vs_leave_hold(&before);
+  int fd = make_temporary(file, size), why = errno;
+  if (fd >= 0) vs_leave_remove(file->temporary);
+  vs_leave_release(&before);
+  if (fd < 0) return vs_fail(err, VS_INPUT, "%s: cannot be written: %s", file->path, strerror(why));
+  mode_t mask = umask(0);
+  umask(mask);
+  fchmod(fd, 0666 & ~mask);
+  file->stream = fdopen(fd, "w");
+  return VS_OK;
+}
+
+/* A name is in its folder: after a rename that has to come to the disk, too. Where it cannot, as on
+ * some file systems, the file is still whole or not there. */
+static void sync_folder_of(const char *path) {
+  char folder[VS_PATH_SIZE];
+  const char *slash = strrchr(path, '/');
+  snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
+  int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;
+  fsync(fd);
+  close(fd);
+}
+
+vs_status vs_file_commit(vs_file *file, vs_error *err) {
+  FILE *stream = file->stream;
+  file->stream = NULL;
+  bool bad = fflush(stream) || ferror(stream) || fsync(fileno(stream));
+  int why = errno;
+  int lock = dup(fileno(stream)); /* as long as it has that name */
+  if (fclose(stream) && !bad) {
+    bad = true;
+    why = errno;
+  }
+  if (!bad && rename(file->temporary, file->path)) {
+    bad = true;
+    why = errno;
+  }
+  if (bad) unlink(file->temporary);
+  if (lock >= 0) close(lock);
+  vs_leave_forget(file->temporary);
+  if (!bad) {
+    sync_folder_of(file->path);
+    return VS_OK;
+  }
+  errno = why;
+  return vs_fail(err, VS_RUN, "%s: cannot be written: %s", file->path, strerror(errno));
+}
+
+void vs_file_discard(vs_file *file) {
+  if (!file->stream) return;
+  fclose(file->stream);
+  file->stream = NULL;
+  unlink(file->temporary);
+  vs_leave_forget(file->temporary);
+}
+
+vs_status vs_file_commit_as(vs_file *file, const char *folder, const char *name, vs_error *err) {
+  snprintf(file->path, sizeof file->path, "%s%s%s", folder, *folder ? "/" : "", name);
+  return vs_file_commit(file, err);
+}

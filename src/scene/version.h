@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Which program wrote a file: its version, and those of the libraries its numbers depend on. */
+#ifndef VS_SCENE_VERSION_H
+#define VS_SCENE_VERSION_H
+
+#include "base/json.h"
+
+/* Adds the member "program": {"version", "ngspice", "gsl"}. */
+void vs_version_json(vs_json *json);
+
+#endif
