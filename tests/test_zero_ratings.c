@@ -37,7 +37,7 @@ static void judge(const row *r) {
   vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
   EXPECT(t->status == VS_OK, "%s", t->err.text);
   vs_verdict *v = vs_alloc(1, sizeof *v);
-  if (!t->status) vs_verdict_reach(t->result.measures, NULL, v);
+  if (!t->status) vs_verdict_reach(t->result.watchers.measures, NULL, v);
   const vs_judgement *j = v->item;
   EXPECT(v->count == 1, "%s: %zu judged", r->rating, v->count);
   if (v->count == 1 && isfinite(r->margin)) {
@@ -52,6 +52,7 @@ static void judge(const row *r) {
     EXPECT(fabs(j->failed_s - 0.01) < 1e-3, "%s: failed at %g s", r->rating, j->failed_s);
   else
     CU_ASSERT(isnan(j->failed_s));
+  vs_verdict_free(v);
   free(v);
   vs_trial_free(t);
 }

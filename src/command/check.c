@@ -64,24 +64,19 @@ static void add_json(const char *name, const vs_error *e, vs_text *json) {
 typedef struct report {
   const vs_check_options *options;
   vs_text good; /* what it is, when nothing was found */
-  vs_error warnings[VS_WARNINGS + 1];
-  size_t n_warnings;
+  vs_warnings warnings;
 } report;
-
-static vs_error *warning(report *r) {
-  return &r->warnings[r->n_warnings++];
-}
 
 static void warn_of_deck(report *r, const vs_deck *deck) {
   const vs_where file = {.file = deck->files[0]};
-  const char *mains = vs_scene_without_mains(deck);
+  const char *mains = vs_warnings_without_mains(deck);
   bool fires = false;
   for (size_t k = 0; k < deck->n_probes; k++)
     fires = fires || !strcmp(deck->probes[k].name, "i_thyristor");
   if (!fires)
-    vs_fail_at(warning(r), file,
+    vs_fail_at(vs_warnings_add(&r->warnings), file,
                "no probe i_thyristor, so that firing and extinction will not be found");
-  if (mains) vs_fail_at(warning(r), file, "%s", mains);
+  if (mains) vs_fail_at(vs_warnings_add(&r->warnings), file, "%s", mains);
 }
 
 static vs_status check_scene(report *r, vs_error *err) {
@@ -91,7 +86,8 @@ static vs_status check_scene(report *r, vs_error *err) {
   if (!status && !vs_error_count(err)) status = vs_session_try(scene->tier, &scene->setup, err);
   if (!status && !vs_error_count(err)) {
     vs_text_add(&r->good, "a good scene: tier %s (%s)", scene->tier->name, scene->why);
-    for (size_t w = 0; w < scene->n_warnings; w++) *warning(r) = scene->warnings[w];
+    for (size_t w = 0; w < scene->warnings.count; w++)
+      *vs_warnings_add(&r->warnings) = scene->warnings.item[w];
     if (scene->frame.deck) warn_of_deck(r, scene->frame.deck);
   }
   vs_scene_free(scene);
@@ -121,16 +117,6 @@ static void describe_deck(const vs_deck *deck, vs_text *good) {
                                                     : "s");
 }
 
-static void warn_of_limits(report *r, const vs_deck *deck) {
-  char text[VS_DECK_TEXT + VS_NAME_SIZE];
-  size_t said = 0;
-  for (size_t k = 0; k < deck->n_limits && said < VS_IDLE_LIMITS; k++)
-    if (vs_parts_limit_is_idle(deck, k, text, sizeof text)) {
-      vs_fail_at(warning(r), deck->limits[k].where, "%s", text);
-      said++;
-    }
-}
-
 /* In the scene that names this deck and nothing else. */
 static vs_status check_deck(report *r, vs_error *err) {
   const vs_check_options *o = r->options;
@@ -151,8 +137,9 @@ static vs_status check_deck(report *r, vs_error *err) {
     for (size_t p = 0; p < setup->deck.n_parts; p++)
       if (vs_parts_below_mains(&setup->deck, p, setup->timeline.supply.voltage_v, text,
                                sizeof text))
-        vs_fail_at(warning(r), (vs_where){.file = setup->deck.files[0]}, "%s", text);
-    warn_of_limits(r, &setup->deck);
+        vs_fail_at(vs_warnings_add(&r->warnings), (vs_where){.file = setup->deck.files[0]}, "%s",
+                   text);
+    vs_warnings_of_limits(&setup->deck, &r->warnings);
     warn_of_deck(r, &setup->deck);
   }
   vs_setup_free(setup);
@@ -171,7 +158,7 @@ static vs_status check_part(report *r, vs_error *err) {
     vs_text_add(&r->good, "a good part: %s, %s; %zu limits, %zu parameters",
                 part->part_files[0].kind, part->part_files[0].text, part->n_limits,
                 part->section.count - 1);
-  if (!status && !vs_error_count(err)) warn_of_limits(r, part);
+  if (!status && !vs_error_count(err)) vs_warnings_of_limits(part, &r->warnings);
   vs_deck_free(part);
   free(part);
   return status;
@@ -211,8 +198,8 @@ vs_status vs_check_command(const vs_check_options *o, vs_error *err) {
       add_json(o->name, &all->item[k], &json);
     else
       print_finding(o->name, "", &all->item[k]);
-  for (size_t k = 0; k < r.n_warnings && !o->quiet; k++)
-    print_finding(o->name, "warning: ", &r.warnings[k]);
+  for (size_t k = 0; k < r.warnings.count && !o->quiet; k++)
+    print_finding(o->name, "warning: ", &r.warnings.item[k]);
   if (o->json)
     printf("%s%s]\n", json.text, all->count ? "\n" : "");
   else if (!status && !all->count && !o->quiet)
@@ -222,6 +209,7 @@ vs_status vs_check_command(const vs_check_options *o, vs_error *err) {
   if (!status && all->count) status = VS_INPUT;
   vs_text_free(&json);
   vs_text_free(&r.good);
+  vs_warnings_free(&r.warnings);
   free(all);
   return status;
 }

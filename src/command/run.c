@@ -8,6 +8,8 @@
 #include <unistd.h>
 
 #include "base/leave.h"
+#include "command/show.h"
+#include "command/summary.h"
 #include "scene/session.h"
 #include "watch/table.h"
 
@@ -57,7 +59,7 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
     if (events->item[k].start_s >= step->from->t_s && events->item[k].start_s < step->to->t_s)
       fprintf(a->events.stream, "%.*g,%s begins (%s)\n", a->options->digits,
               events->item[k].start_s, events->item[k].name, events->item[k].kind->name);
-  const vs_devices *devices = result->devices;
+  const vs_devices *devices = result->watchers.devices;
   for (size_t k = 0; a->events.stream && devices && k < devices->n_incidents; k++) {
     const vs_incident *i = &devices->incidents[k];
     fprintf(a->events.stream, "%.*g,%s %s\n", a->options->digits, i->at_s, i->device, i->what);
@@ -196,7 +198,7 @@ static void say_result(const vs_run_options *o, const vs_result *r, const char *
   if (o->json)
     fputs(json, stdout);
   else if (!o->quiet) {
-    vs_summary_table(r, stdout);
+    vs_show_result(r, stdout);
     if (o->folder)
       printf("written: run.csv, events.csv, summary.json%s in %s\n", o->raw ? ", run.raw" : "",
              o->folder);

@@ -11,27 +11,50 @@
 /* Of a device: V, V.s, A, W, A2. */
 enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
 
-/* How a course becomes one number. Those from VS_R_RISE on are of a device that conducts or blocks,
- * but for VS_R_GATE_LEAST, which is of one with a gate. */
+/* How a course becomes one number. Each row is an id and the name of its plug in
+ * watch/reductions.c, which does it. Those from VS_R_RISE to VS_R_COMMUTATION_FAILURE are of a
+ * device that conducts or blocks, VS_R_GATE_LEAST is of one with a gate.
+ *   VS_R_PEAK         largest value, in the sense that the measure gives
+ *   VS_R_MEAN         mean over the stretch that the scene's section measure says
+ *   VS_R_RMS          root of the mean over that stretch
+ *   VS_R_INTEGRAL     integral over the run
+ *   VS_R_PULSE        largest integral over one conduction
+ *   VS_R_HEAT         most that one pulse turned into heat: watch/pulse.h
+ *   VS_R_WITHIN       largest integral within 10 ms
+ *   VS_R_SURGE        peak of the half sine of 10 ms that has this integral
+ *   VS_R_STEEPEST     largest rate, in the sense that the measure gives, over any 0.1 us
+ *   VS_R_JUNCTION     rise of the junction's temperature, by the part's lines zth
+ *   VS_R_RISE         steepest mean rate from 10 to 90 % of a rise of forward voltage
+ *   VS_R_OFF_RATE     largest rising rate of blocked forward voltage, over any 0.1 us
+ *   VS_R_ON_RATE      largest rate of current from firing to its first maximum, over any 0.1 us
+ *   VS_R_OFFERED      shortest time between a conduction and forward voltage without a gate pulse
+ *   VS_R_MISFIRE, VS_R_UNINTENDED, VS_R_COMMUTATION_FAILURE   how often: watch/switching.h
+ *   VS_R_GATE_LEAST   smallest of all gate pulses' peaks */
+#define VS_REDUCTION_LIST(X)                                                                       \
+  X(VS_R_PEAK, peak)                                                                               \
+  X(VS_R_MEAN, mean)                                                                               \
+  X(VS_R_RMS, rms)                                                                                 \
+  X(VS_R_INTEGRAL, integral)                                                                       \
+  X(VS_R_PULSE, pulse)                                                                             \
+  X(VS_R_HEAT, heat)                                                                               \
+  X(VS_R_WITHIN, within)                                                                           \
+  X(VS_R_SURGE, surge)                                                                             \
+  X(VS_R_STEEPEST, steepest)                                                                       \
+  X(VS_R_JUNCTION, junction)                                                                       \
+  X(VS_R_RISE, rise)                                                                               \
+  X(VS_R_OFF_RATE, off_rate)                                                                       \
+  X(VS_R_ON_RATE, on_rate)                                                                         \
+  X(VS_R_OFFERED, offered)                                                                         \
+  X(VS_R_MISFIRE, misfire)                                                                         \
+  X(VS_R_UNINTENDED, unintended)                                                                   \
+  X(VS_R_COMMUTATION_FAILURE, commutation_failure)                                                 \
+  X(VS_R_GATE_LEAST, gate_least)
+
 typedef enum vs_reduction {
-  VS_R_PEAK,       /* the largest value, in the sense given */
-  VS_R_MEAN,       /* over the stretch that the scene's section measure says */
-  VS_R_RMS,        /* root of the mean over that */
-  VS_R_INTEGRAL,   /* over the run */
-  VS_R_PULSE,      /* the largest integral over one conduction */
-  VS_R_HEAT,       /* the largest that one pulse turned into heat: watch/pulse.h */
-  VS_R_WITHIN,     /* the largest integral within 10 ms */
-  VS_R_SURGE,      /* peak of the half sine of 10 ms that has this integral */
-  VS_R_STEEPEST,   /* the largest rate, either way, over any 0.1 us */
-  VS_R_JUNCTION,   /* temperature rise, by the part's zth */
-  VS_R_RISE,       /* the steepest mean rate from 10 to 90 % of a rise of forward voltage */
-  VS_R_OFF_RATE,   /* the largest rising rate while it blocks forward voltage, over any 0.1 us */
-  VS_R_ON_RATE,    /* of current, from firing to its first maximum, over any 0.1 us */
-  VS_R_OFFERED,    /* the shortest time between a conduction and forward voltage without a gate */
-  VS_R_MISFIRE,    /* how often */
-  VS_R_UNINTENDED, /* how often */
-  VS_R_COMMUTATION_FAILURE, /* how often */
-  VS_R_GATE_LEAST           /* the smallest of all gate pulses' peaks */
+#define VS_REDUCTION_ID(id, plug) id,
+  VS_REDUCTION_LIST(VS_REDUCTION_ID)
+#undef VS_REDUCTION_ID
+      VS_REDUCTIONS
 } vs_reduction;
 
 /* The limit is the most allowed, the least allowed, the most that the device bears which this one

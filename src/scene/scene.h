@@ -4,13 +4,10 @@
 #define VS_SCENE_SCENE_H
 
 #include "base/path.h"
-#include "sim/sim.h"
+#include "scene/warnings.h"
 #include "watch/measures.h"
 
-extern const vs_shelf vs_scene_shelf, vs_plan_shelf;
-
-/* At most; of limits that nothing is held against. */
-enum { VS_IDLE_LIMITS = 8, VS_WARNINGS = 2 + VS_DECK_PARTS + VS_DECK_DEVICES + VS_IDLE_LIMITS };
+extern const vs_shelf vs_scene_shelf, vs_scene_study_shelf;
 
 typedef struct vs_scene {
   char path[VS_PATH_SIZE];
@@ -23,8 +20,7 @@ typedef struct vs_scene {
   vs_frame frame; /* of this tier; its channels are what `record` chooses from */
   int record[VS_CH_MOST], n_record;
   vs_value measured[VS_MEASURES]; /* SI */
-  vs_error warnings[VS_WARNINGS]; /* with their place, if what they warn of was written */
-  size_t n_warnings;
+  vs_warnings warnings;
 } vs_scene;
 
 /* name: a path, or the name of a scene that comes with the program. sets: the --set arguments.
@@ -46,10 +42,6 @@ vs_status vs_scene_again(vs_scene *scene, vs_error *err);
  * vs_scene_free also after an error, and before `scene`. Errors: those of vs_scene_settle. */
 vs_status vs_scene_with(const vs_scene *scene, const char *const *keys, size_t n_keys,
                         vs_scene *other, vs_error *err);
-/* What is to be said of a deck without the port mains; NULL: it has one, or its ports are not
- * known.
- */
-const char *vs_scene_without_mains(const vs_deck *deck);
 
 /* A line for each warning on standard error. */
 void vs_scene_warn(const vs_scene *scene);
@@ -58,15 +50,5 @@ void vs_scene_warn(const vs_scene *scene);
  * The scene must have been settled well. asks: "--raw", lives as long as the scene. Error: another
  * tier is named. */
 vs_status vs_scene_take_circuit(vs_scene *scene, const char *asks, vs_error *err);
-
-/* The sections of a scene and the values they filled, for print-outs; index from 0, false: no more.
- */
-typedef struct vs_scene_section {
-  const vs_section *section;
-  const void *values;
-  size_t size; /* of the struct of values, bytes */
-} vs_scene_section;
-enum { VS_SCENE_SECTIONS = 9 };
-vs_scene_section vs_scene_section_at(const vs_scene *scene, int index);
 
 #endif

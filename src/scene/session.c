@@ -23,12 +23,7 @@ static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
   const vs_guest *guest = a->session->guest;
   vs_result *r = a->result;
   r->steps++;
-  if (!a->session->bare) {
-    vs_absence_accept(&r->absence, step);
-    vs_measures_accept(r->measures, step);
-    vs_devices_accept(r->devices, step);
-    vs_energy_accept(&r->energy, step);
-  }
+  if (!a->session->bare) vs_watchers_accept(&r->watchers, step);
   vs_status status = guest && guest->accept ? guest->accept(guest->ctx, step, r, err) : VS_OK;
   if (!status && a->session->stop && *a->session->stop)
     return vs_fail(err, VS_SIGNAL, "t = %.9g s: stopped by a signal", step->to->t_s);
@@ -39,15 +34,6 @@ static double seconds(clockid_t clock) {
   struct timespec now;
   clock_gettime(clock, &now);
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static void begin_watchers(vs_result *r, const vs_scene *s) {
-  vs_measures_free(r->measures);
-  vs_devices_free(r->devices);
-  r->measures = vs_measures_new(&s->frame);
-  r->devices = vs_devices_new(&s->frame);
-  r->energy = (vs_energy){.frame = &s->frame};
-  r->absence = (vs_absence){0};
 }
 
 /* A balance of the machine or of the coil is the program's own: beyond this multiple of what is
@@ -86,7 +72,7 @@ static bool has_whole_books(const vs_frame *frame) {
 }
 
 static vs_status close_books(vs_result *r, double tolerance, vs_error *err) {
-  const vs_energy *e = &r->energy;
+  const vs_energy *e = &r->watchers.energy;
   vs_energy_open(e, tolerance, r->books, sizeof r->books);
   double whole = energy_there(e), own = fmin(MOST_OPEN * VS_ENERGY_ALLOWED * tolerance, 1);
   for (int b = 0; b < VS_BALANCES; b++) {
@@ -107,7 +93,7 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
   const vs_guest *guest = session->guest;
   r->scene = s;
   r->steps = 0;
-  if (!session->bare) begin_watchers(r, s);
+  if (!session->bare) vs_watchers_begin(&r->watchers, &s->frame);
   vs_status status = guest && guest->begin ? guest->begin(guest->ctx, s, err) : VS_OK;
   if (status) return status;
   double began_s = seconds(CLOCK_MONOTONIC);
@@ -115,7 +101,6 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
                               : vs_sim_run(s->tier, &s->setup, &observer, err);
   r->wall_s = seconds(CLOCK_MONOTONIC) - began_s;
   if (status || session->bare) return status;
-  vs_absence_finish(&r->absence, s->setup.run.until_s);
   vs_result_finish(r);
   return close_books(r, s->setup.run.tolerance, err);
 }
@@ -141,10 +126,7 @@ static vs_scene *next_rung(const vs_scene *scene, vs_ladder *ladder) {
 }
 
 static void take_scene(vs_result *r, vs_scene *climbed) {
-  vs_measures_free(r->measures);
-  vs_devices_free(r->devices);
-  r->measures = NULL;
-  r->devices = NULL;
+  vs_watchers_free(&r->watchers); /* they look at the scene that was run before */
   if (r->climbed) vs_scene_free(r->climbed);
   free(r->climbed);
   r->climbed = climbed;
@@ -250,7 +232,7 @@ static vs_status run_second(const vs_session *session, vs_result *r, vs_error *e
     for (size_t k = 0; k < r->verdict.count; k++) r->verdict.item[k].margin_error = INFINITY;
     status = VS_OK;
   } else {
-    double bound = fmax(r->absence.bound, second->absence.bound);
+    double bound = fmax(r->watchers.absence.bound, second->watchers.absence.bound);
     vs_verdict_compare(&r->verdict, &second->verdict, RESOLUTION * own + bound);
     r->second.decides = deciding_tolerance(r);
   }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "watch/measures.h"
 
+#include <assert.h>
 #include <gsl/gsl_errno.h>
 #include <math.h>
 
@@ -12,14 +13,14 @@ const vs_measure vs_measures_standard[VS_MEASURES] = {
 #undef VS_MEASURE_ROW
 };
 
-/* which measure is which extreme; the order of vs_measures.extremes */
 static const struct {
   int measure, channel, sense;
-} STANDARD[VS_STANDARD_EXTREMES] = {
-    {VS_M_I_PEAK, VS_CH_I, 0},   {VS_M_FORCE_PEAK, VS_CH_FORCE, 1}, {VS_M_P_MIN, VS_CH_P, -1},
-    {VS_M_P_MAX, VS_CH_P, 1},    {VS_M_AP_PEAK, VS_CH_AP, 0},       {VS_M_AU_PEAK, VS_CH_AU, 0},
-    {VS_M_AW_PEAK, VS_CH_AW, 0},
+} STANDARD[] = {
+#define VS_EXTREME_ROW(measure, channel, sense) {measure, channel, sense},
+    VS_EXTREME_LIST(VS_EXTREME_ROW)
+#undef VS_EXTREME_ROW
 };
+_Static_assert(sizeof STANDARD / sizeof *STANDARD == VS_STANDARD_EXTREMES, "counted by its rows");
 
 /* The resonance and the decay are read up to here, as the paper's figures are. */
 static const double SWING_ENDS_S = 1.0;
@@ -91,8 +92,15 @@ static bool turns(const vs_measures *m) {
   return (b >= a && b > c) || (b <= a && b < c);
 }
 
+const vs_extreme *vs_measures_of_probe(const vs_measures *m, int probe) {
+  const vs_extreme *pair = &m->extremes[VS_STANDARD_EXTREMES + 2 * probe];
+  assert(pair[0].channel == VS_CH_DECK + probe && pair[0].sense < 0);
+  assert(pair[1].channel == VS_CH_DECK + probe && pair[1].sense > 0);
+  return pair;
+}
+
 double vs_measures_slack(const vs_measures *m, const vs_rating *r) {
-  const vs_extreme *pair = &m->extremes[VS_STANDARD_EXTREMES + 2 * r->probe];
+  const vs_extreme *pair = vs_measures_of_probe(m, r->probe);
   double range = r->max - r->min, size = fmax(fabs(pair[0].best.value), fabs(pair[1].best.value));
   return m->frame->tolerance * (isfinite(range) ? range : size);
 }

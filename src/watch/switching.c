@@ -12,6 +12,11 @@ enum { REST_NONE, REST_NO_REVERSE_YET, REST_REVERSED, REST_FORWARD_AGAIN };
 
 /* ---- gate ---- */
 
+void vs_switching_gate_begin(vs_gate_watch *g, const vs_timeline *timeline, double delay_rad) {
+  *g = (vs_gate_watch){
+      .timeline = timeline, .delay_rad = delay_rad, .edge_s = -INFINITY, .off_since_s = -INFINITY};
+}
+
 void vs_switching_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
   double middle = (c->t0_s + c->t1_s) / 2;
   g->begins = g->ended = false;
@@ -172,14 +177,9 @@ static void follow_pulse(vs_switch *s, const vs_course_step *c, vs_switch_news *
   s->unanswered_s = NAN;
 }
 
-void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double gate_rad, double t_q_s) {
-  *s = (vs_switch){.gate = {.timeline = timeline,
-                            .delay_rad = gate_rad,
-                            .edge_s = -INFINITY,
-                            .off_since_s = -INFINITY},
-                   .t_q_s = t_q_s,
-                   .fired_s = NAN,
-                   .unanswered_s = NAN};
+void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double gate_rad) {
+  *s = (vs_switch){.t_q_s = INFINITY, .fired_s = NAN, .unanswered_s = NAN};
+  vs_switching_gate_begin(&s->gate, timeline, gate_rad);
   vs_conduction_begin(&s->conduction);
 }
 

@@ -21,10 +21,11 @@
 typedef struct vs_course_step {
   double t0_s, t1_s, h_s; /* h_s > 0 */
   double from[VS_COURSES], mid[VS_COURSES], to[VS_COURSES];
-  bool was_on, on; /* in a conduction, before and behind it */
+  double more[VS_COURSES]; /* integrals over the step; of V and V.s 0 */
+  bool was_on, on;         /* in a conduction, before and behind it */
 } vs_course_step;
 
-/* The gate pulses of a device; their edges are ends of steps. Start with edge_s = -INFINITY. */
+/* The gate pulses of a device; their edges are ends of steps. */
 typedef struct vs_gate_watch {
   const vs_timeline *timeline;
   double delay_rad;   /* NaN: nothing is known of its gate, which then counts as always on */
@@ -33,6 +34,7 @@ typedef struct vs_gate_watch {
   double edge_s;      /* next one */
   double off_since_s;
 } vs_gate_watch;
+void vs_switching_gate_begin(vs_gate_watch *gate, const vs_timeline *timeline, double delay_rad);
 void vs_switching_gate_follow(vs_gate_watch *gate, const vs_course_step *c);
 
 /* A rise of forward voltage, from its foot to its top so far. */
@@ -57,7 +59,7 @@ typedef struct vs_switch {
   vs_slope off, on; /* of its forward voltage and its current, all the time */
   double off_rate;  /* the largest so far, V/s */
 } vs_switch;
-void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double gate_rad, double t_q_s);
+void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double gate_rad);
 
 /* What a step brought. */
 typedef struct vs_switch_news {

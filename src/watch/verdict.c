@@ -3,7 +3,10 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+#include "base/text.h"
 
 /* What `room` to a limit is as a part of the limit; infinite where there is none. A limit of 0 says
  * which sign the probe may have: to keep it is no margin, however near to 0 the probe comes. Beyond
@@ -21,7 +24,7 @@ static double part_of(double room, double limit, const vs_measures *m, const vs_
 static vs_judgement judge_rating(const vs_measures *m, size_t k) {
   const vs_deck *deck = m->frame->deck;
   const vs_rating *r = &deck->ratings[k];
-  const vs_extreme *pair = &m->extremes[VS_STANDARD_EXTREMES + 2 * r->probe];
+  const vs_extreme *pair = vs_measures_of_probe(m, r->probe);
   vs_judgement j = {.rating = r,
                     .probe = &deck->probes[r->probe],
                     .least = pair[0].best,
@@ -56,9 +59,10 @@ static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const 
 }
 
 void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, vs_verdict *v) {
-  *v = (vs_verdict){0};
-  for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++)
-    v->item[v->count++] = judge_rating(m, k);
+  size_t n_ratings = m->frame->deck ? m->frame->deck->n_ratings : 0, most = n_ratings;
+  for (size_t k = 0; devices && k < devices->count; k++) most += devices->item[k].count;
+  *v = (vs_verdict){.item = vs_alloc(most, sizeof *v->item)};
+  for (size_t k = 0; k < n_ratings; k++) v->item[v->count++] = judge_rating(m, k);
   for (size_t k = 0; devices && k < devices->count; k++)
     for (size_t n = 0; n < devices->item[k].count; n++) {
       const vs_reduced *r = &devices->item[k].reduced[n];
@@ -74,6 +78,11 @@ void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, vs_verdic
   }
 }
 
+void vs_verdict_free(vs_verdict *v) {
+  free(v->item);
+  *v = (vs_verdict){0};
+}
+
 const char *vs_verdict_name(const vs_judgement *j, char name[VS_JUDGED_NAME]) {
   snprintf(name, VS_JUDGED_NAME, "%s%s%s", j->device ? j->device->name : j->probe->name,
            j->device ? "." : "", j->device ? j->measure->name : "");
@@ -86,7 +95,10 @@ const char *vs_verdict_unit(const vs_judgement *j) {
 
 /* ---- how sure ---- */
 
-const char *const vs_verdict_words[] = {"held", "violated", "undecided", "unverified"};
+const char *const vs_verdict_words[VS_WORDS] = {[VS_HELD] = "held",
+                                                [VS_VIOLATED] = "violated",
+                                                [VS_UNDECIDED] = "undecided",
+                                                [VS_UNVERIFIED] = "unverified"};
 
 vs_word vs_verdict_word(const vs_judgement *j) {
   if (isnan(j->margin_error)) return VS_UNVERIFIED;

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command/show.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/units.h"
+#include "scene/shown.h"
+
+/* "  12.3 % +- 0.04 %  held" */
+static void print_margin(const vs_judgement *j, FILE *out) {
+  if (isfinite(j->margin_error))
+    fprintf(out, "%7.1f %% +- %-6.2g %%", 100 * j->margin, 100 * j->margin_error);
+  else
+    fprintf(out, "%7.1f %% %11s", 100 * j->margin, isnan(j->margin_error) ? "" : "+- ?");
+  vs_word word = vs_verdict_word(j);
+  fprintf(out, "  %s%s", word == VS_UNVERIFIED && j->margin < 0 ? "violated, " : "",
+          vs_verdict_words[word]);
+}
+
+/* Limits and stresses are shown in the unit of the rating's or limit's line. */
+static void print_verdict(const vs_verdict *v, int width, FILE *out) {
+  char name[VS_JUDGED_NAME];
+  size_t k = 0;
+  if (v->count && v->item[0].rating)
+    fprintf(out, "\n%-*s %12s %12s %12s %12s %-5s %8s\n", width, "rating", "min", "least",
+            "largest", "max", "", "margin +- its numerical error");
+  for (; k < v->count && v->item[k].rating; k++) {
+    const vs_judgement *j = &v->item[k];
+    double unit = vs_units_factor(j->rating->unit);
+    fprintf(out, "%-*s %12.6g %12.6g %12.6g %12.6g %-5s ", width, j->probe->name,
+            j->rating->min / unit, j->least.value / unit, j->largest.value / unit,
+            j->rating->max / unit, j->rating->unit);
+    print_margin(j, out);
+    fputc('\n', out);
+  }
+  if (k < v->count)
+    fprintf(out, "\n%-*s %12s %12s %-5s %14s %8s\n", width, "device", "stress", "limit", "", "at",
+            "margin +- its numerical error");
+  for (; k < v->count; k++) {
+    const vs_judgement *j = &v->item[k];
+    double unit = vs_units_factor(j->limit->unit);
+    fprintf(out, "%-*s %12.6g %12.6g %-5s ", width, vs_verdict_name(j, name),
+            j->stress.value / unit, j->limit->value / unit, j->limit->unit);
+    if (isnan(j->stress.at_s))
+      fprintf(out, "%14s ", "");
+    else
+      fprintf(out, "%12.7g s ", j->stress.at_s);
+    print_margin(j, out);
+    if (j->ward) fprintf(out, "  limit of %s", j->ward->name);
+    fprintf(out, "%s\n", j->limit->assumed ? "  assumed" : "");
+  }
+  if (v->weakest) {
+    fprintf(out, "\nweakest: %s, margin ", vs_verdict_name(v->weakest, name));
+    print_margin(v->weakest, out);
+    fputc('\n', out);
+  }
+  if (v->first_to_fail)
+    fprintf(out, "first to fail: %s, at %.9g s\n", vs_verdict_name(v->first_to_fail, name),
+            v->first_to_fail->failed_s);
+}
+
+static void print_measure(const vs_shown *m, int width, const vs_value *measured, FILE *out) {
+  fprintf(out, "%-*s ", width, m->name);
+  if (!m->value.known) {
+    fprintf(out, "%16s\n", "-");
+    return;
+  }
+  fprintf(out, "%16.9g %-5s ", m->value.value, m->unit);
+  if (isnan(m->value.at_s))
+    fprintf(out, "%14s", "");
+  else
+    fprintf(out, "%12.7g s", m->value.at_s);
+  if (measured && measured->known) {
+    fprintf(out, " %16.6g", measured->value);
+    if (measured->value != 0)
+      fprintf(out, "   computed is %+.1f %%", 100 * (m->value.value / measured->value - 1));
+  }
+  if (m->unjudged) fprintf(out, "  %s", m->unjudged);
+  fputc('\n', out);
+}
+
+/* How the errors of the margins were found, and what would decide those that are not. */
+static void print_second(const vs_result *r, FILE *out) {
+  const vs_second_run *second = &r->second;
+  if (second->done)
+    fprintf(out, "errors of margins: by a second run at run.tolerance = %.3g", second->tolerance);
+  else if (r->verdict.count)
+    fprintf(out, "errors of margins: not computed (run.verify)");
+  if (second->decides > 0)
+    fprintf(out, "; run.tolerance = %.1g may decide what is undecided", second->decides);
+  if (second->done || r->verdict.count) fputc('\n', out);
+}
+
+void vs_show_result(const vs_result *r, FILE *out) {
+  const vs_scene *s = r->scene;
+  vs_shown m;
+  int width = 18;
+  bool any = false;
+  for (int k = 0; k < VS_MEASURES; k++) any = any || s->measured[k].known;
+  for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++)
+    if ((int)strlen(m.name) > width) width = (int)strlen(m.name);
+  fprintf(out, "scene  %s\ntier   %s (%s)\n", s->path, s->tier->name, s->why);
+  if (r->ladder.rung)
+    fprintf(out, "rung   %d: %s; before, %s\n", r->ladder.rung, vs_ladder_text(r->ladder.rung),
+            r->ladder.failed);
+  const vs_absence *absence = &r->watchers.absence;
+  if (absence->times)
+    fprintf(
+        out,
+        "quiet  %.4g s of it without ngspice, from %.6g s on, %d time%s; errors by that: at most "
+        "%.2g of each peak\n",
+        absence->total_s, absence->first_s, absence->times, absence->times > 1 ? "s" : "",
+        absence->bound);
+  if (r->watchers.devices)
+    fprintf(out, "means over %.9g..%.9g s\n", s->setup.means.from_s, s->setup.means.to_s);
+  fputc('\n', out);
+  fprintf(out, "%-*s %16s %-5s %14s%s\n", width, "measure", "computed", "", "at",
+          any ? "         measured" : "");
+  for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++)
+    print_measure(&m, width, k < VS_MEASURES ? &s->measured[k] : NULL, out);
+  if (s->frame.gap_at_rest && r->watchers.energy.joule[VS_E_WORK] != 0)
+    fprintf(out, "\nthe one-way force of this tier did %.4f J of work that nothing supplied\n",
+            r->watchers.energy.joule[VS_E_WORK]);
+  print_verdict(&r->verdict, width, out);
+  print_second(r, out);
+  fprintf(out, "\n%ld steps in %.3g s\n", r->steps, r->wall_s);
+}
