@@ -37,6 +37,8 @@ static const struct {
       0.11846344252809454}},
 };
 
+_Static_assert(VS_CH_VPHI - VS_CH_VP == VS_DOF - 1, "velocities stand in the order of the states");
+
 static double magnetic(const vs_frame *frame, const vs_knot *k) {
   const vs_model *m = frame->model;
   return vs_actuator_energy(m, k->flux_wb,

@@ -177,9 +177,9 @@ static void follow_pulse(vs_switch *s, const vs_course_step *c, vs_switch_news *
   s->unanswered_s = NAN;
 }
 
-void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double gate_rad) {
+void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double delay_rad) {
   *s = (vs_switch){.t_q_s = INFINITY, .fired_s = NAN, .unanswered_s = NAN};
-  vs_switching_gate_begin(&s->gate, timeline, gate_rad);
+  vs_switching_gate_begin(&s->gate, timeline, delay_rad);
   vs_conduction_begin(&s->conduction);
 }
 
