@@ -5,6 +5,7 @@
  * Whatever {expression} a B source holds stands in brackets: ngspice pastes it as text. */
 #include "command/export.h"
 
+#include <assert.h>
 #include <ctype.h>
 #include <math.h>
 #include <stdio.h>
@@ -64,6 +65,7 @@ static void name_column(column *c, vs_channel channel) {
 static size_t find_columns(const vs_scene *scene, column columns[MOST_COLUMNS]) {
   static const int OURS[OUR_COLUMNS] = {VS_CH_P,      VS_CH_U, VS_CH_W,     VS_CH_PHI,  VS_CH_Z,
                                         VS_CH_LAMBDA, VS_CH_I, VS_CH_FORCE, VS_CH_V_EVA};
+  _Static_assert(VS_DOF == 4 && OUR_COLUMNS == VS_DOF + 5, "columns[4] to [8] follow coordinates");
   const vs_deck *deck = &scene->setup.deck;
   for (int k = 0; k < OUR_COLUMNS; k++) name_column(&columns[k], vs_channel_standard[OURS[k]]);
   for (int k = 0; k < VS_DOF; k++) vs_text_add(&columns[k].value, "v(vs_%s)/1000", STATES[k]);
@@ -195,9 +197,12 @@ static void add_scene(vs_text *t, const vs_setup *s) {
   };
   vs_text_add(t, "*\n* The scene, in SI. Change a value and run again.\n");
   add_params(t, ROWS, sizeof ROWS / sizeof *ROWS);
-  for (int k = 0; k < VS_STATES; k++)
-    vs_text_add(t, ".param vs_%s0=%.17g ; SI, %s\n", STATES[k], s->start.x[k],
-                vs_setup_start_section.fields[k].text);
+  assert(vs_setup_start_section.count == VS_STATES);
+  for (int k = 0; k < VS_STATES; k++) {
+    const vs_field *field = &vs_setup_start_section.fields[k];
+    assert(!strcmp(field->key, STATES[k]));
+    vs_text_add(t, ".param vs_%s0=%.17g ; SI, %s\n", STATES[k], s->start.x[k], field->text);
+  }
   if (eva->stop.present) add_params(t, STOP, sizeof STOP / sizeof *STOP);
 }
 

@@ -47,6 +47,7 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
                                      [VS_EV_JAMS] = "armature jams",
                                      [VS_EV_QUIET] = "the circuit is quiet: ngspice is left",
                                      [VS_EV_BACK] = "back in ngspice"};
+  _Static_assert(sizeof WHAT / sizeof *WHAT == VS_EV_BACK + 1, "every event has its words");
   audience *a = ctx;
   vs_status status = VS_OK;
   if (a->table.stream) status = vs_table_accept(&a->table, step, err);
