@@ -10,7 +10,8 @@
 
 /* ---- print-out ---- */
 
-/* The line a place speaks of and a caret below the column; nothing when it cannot be read again. */
+/* Prints the line that a place speaks of and a caret below the column. Prints nothing where the
+ * file cannot be read again. */
 static void print_source(const char *path, int number, int column) {
   struct stat s;
   FILE *f = !stat(path, &s) && S_ISREG(s.st_mode) ? fopen(path, "r") : NULL;
@@ -33,7 +34,7 @@ static void print_source(const char *path, int number, int column) {
   if (f) fclose(f);
 }
 
-/* name: of what was checked, for an error that knows no place of its own */
+/* name: of the file under check, for a finding that knows no place of its own. */
 static void print_finding(const char *name, const char *kind, const vs_error *e) {
   char file[sizeof e->text];
   snprintf(file, sizeof file, "%.*s", e->file_size, e->text);
@@ -63,7 +64,7 @@ static void add_json(const char *name, const vs_error *e, vs_text *json) {
 
 typedef struct report {
   const vs_check_options *options;
-  vs_text good; /* what it is, when nothing was found */
+  vs_text good; /* describes the file, where nothing was found */
   vs_warnings warnings;
 } report;
 
@@ -117,7 +118,7 @@ static void describe_deck(const vs_deck *deck, vs_text *good) {
                                                     : "s");
 }
 
-/* In the scene that names this deck and nothing else. */
+/* A deck is checked in the scene that names it and nothing else. */
 static vs_status check_deck(report *r, vs_error *err) {
   const vs_check_options *o = r->options;
   if (o->n_sets)
@@ -147,7 +148,8 @@ static vs_status check_deck(report *r, vs_error *err) {
   return status;
 }
 
-/* A part's file: its own lines. What a deck asks of it the deck's check says. */
+/* Of a part's file its own lines are checked. What a deck asks of the part is found with the deck.
+ */
 static vs_status check_part(report *r, vs_error *err) {
   vs_deck *part = vs_alloc(1, sizeof *part);
   vs_status status = vs_deck_read_part(r->options->name, part, err);
@@ -169,7 +171,8 @@ static bool ends_in(const char *name, const char *ending) {
   return n > m && !strcmp(name + n - m, ending);
 }
 
-/* By its ending; a name without one is looked for among the scenes, then among the decks. */
+/* The name's ending says which kind of file it is. A name without one is looked for among the
+ * scenes that come with the program, then among the decks. */
 static vs_status check(report *r, vs_error *err) {
   const char *name = r->options->name;
   char path[VS_PATH_SIZE];

@@ -17,8 +17,9 @@
 typedef struct audience {
   const vs_run_options *options;
   const vs_scene *scene;
-  vs_file csv, events, raw; /* closed when there is no folder; raw: when it is not asked for */
-  int made;                 /* folders, for the output */
+  vs_file csv, events,
+      raw;  /* closed where there is no folder; raw also where it is not asked for */
+  int made; /* how many folders were made for the output */
   vs_table table;
   double began_s, shown_s; /* wall clock: of the run, of the last progress line */
   bool show_progress;
@@ -89,14 +90,15 @@ static vs_status open_files(audience *a, vs_error *err) {
   return VS_OK;
 }
 
-/* An older result in the folder that this run's files would contradict. */
+/* Removes a file of an older run in the folder, which this run's files would contradict. */
 static void remove_stale(const char *folder, const char *name) {
   char path[VS_PATH_SIZE];
   snprintf(path, sizeof path, "%s/%s", folder, name);
   unlink(path);
 }
 
-/* Which files of an older run in the folder give way to this one's; empty: none. free() it. */
+/* The names of an older run's files in the folder, which give way to this run's; empty: none. To be
+ * freed by the caller. */
 static char *name_replaced(const char *folder) {
   static const char *const FILES[] = {"run.csv", "events.csv",      "summary.json",
                                       "run.raw", "run.partial.csv", "run.partial.raw"};
@@ -110,7 +112,7 @@ static char *name_replaced(const char *folder) {
   return names.text;
 }
 
-/* Of a run that failed: what was computed, under a name that says so. */
+/* Keeps what a failed run has computed, under names that say so, and adds to err where it is. */
 static void keep_partial(audience *a, vs_error *err) {
   static const char *const STALE[] = {"run.csv", "events.csv", "summary.json", "run.raw",
                                       "run.partial.raw"};
@@ -136,7 +138,7 @@ static void discard_files(audience *a) {
   vs_file_discard(&a->csv);
 }
 
-/* ran: how the run ended. */
+/* Keeps or discards the files, as the run ended (`ran`), and writes summary.json. */
 static vs_status close_files(audience *a, vs_status ran, const char *json, vs_error *err) {
   const char *folder = a->options->folder;
   vs_file summary = {0};
@@ -181,7 +183,7 @@ static void end_progress(const audience *a) {
   if (a->shown_s > 0) fputs("\r\033[K", stderr);
 }
 
-/* Nothing is kept of an attempt behind which there is another. */
+/* Nothing is kept of an attempt that another one follows. */
 static void again(void *ctx, const char *failed, int next) {
   audience *a = ctx;
   end_progress(a);

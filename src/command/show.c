@@ -18,38 +18,41 @@ static void print_margin(const vs_judgement *j, FILE *out) {
           vs_verdict_words[word]);
 }
 
-/* Limits and stresses are shown in the unit of the rating's or limit's line. */
+static void print_rating(const vs_judgement *j, int width, FILE *out) {
+  double unit = vs_units_factor(j->rating->unit);
+  fprintf(out, "%-*s %12.6g %12.6g %12.6g %12.6g %-5s ", width, j->probe->name,
+          j->rating->min / unit, j->least.value / unit, j->largest.value / unit,
+          j->rating->max / unit, j->rating->unit);
+  print_margin(j, out);
+  fputc('\n', out);
+}
+
+static void print_device(const vs_judgement *j, int width, FILE *out) {
+  char name[VS_JUDGED_NAME];
+  double unit = vs_units_factor(j->limit->unit);
+  fprintf(out, "%-*s %12.6g %12.6g %-5s ", width, vs_verdict_name(j, name), j->stress.value / unit,
+          j->limit->value / unit, j->limit->unit);
+  if (isnan(j->stress.at_s))
+    fprintf(out, "%14s ", "");
+  else
+    fprintf(out, "%12.7g s ", j->stress.at_s);
+  print_margin(j, out);
+  if (j->ward) fprintf(out, "  limit of %s", j->ward->name);
+  fprintf(out, "%s\n", j->limit->assumed ? "  assumed" : "");
+}
+
+/* The ratings come first; limits and stresses are shown in the unit they were written in. */
 static void print_verdict(const vs_verdict *v, int width, FILE *out) {
   char name[VS_JUDGED_NAME];
   size_t k = 0;
   if (v->count && v->item[0].rating)
     fprintf(out, "\n%-*s %12s %12s %12s %12s %-5s %8s\n", width, "rating", "min", "least",
             "largest", "max", "", "margin +- its numerical error");
-  for (; k < v->count && v->item[k].rating; k++) {
-    const vs_judgement *j = &v->item[k];
-    double unit = vs_units_factor(j->rating->unit);
-    fprintf(out, "%-*s %12.6g %12.6g %12.6g %12.6g %-5s ", width, j->probe->name,
-            j->rating->min / unit, j->least.value / unit, j->largest.value / unit,
-            j->rating->max / unit, j->rating->unit);
-    print_margin(j, out);
-    fputc('\n', out);
-  }
+  for (; k < v->count && v->item[k].rating; k++) print_rating(&v->item[k], width, out);
   if (k < v->count)
     fprintf(out, "\n%-*s %12s %12s %-5s %14s %8s\n", width, "device", "stress", "limit", "", "at",
             "margin +- its numerical error");
-  for (; k < v->count; k++) {
-    const vs_judgement *j = &v->item[k];
-    double unit = vs_units_factor(j->limit->unit);
-    fprintf(out, "%-*s %12.6g %12.6g %-5s ", width, vs_verdict_name(j, name),
-            j->stress.value / unit, j->limit->value / unit, j->limit->unit);
-    if (isnan(j->stress.at_s))
-      fprintf(out, "%14s ", "");
-    else
-      fprintf(out, "%12.7g s ", j->stress.at_s);
-    print_margin(j, out);
-    if (j->ward) fprintf(out, "  limit of %s", j->ward->name);
-    fprintf(out, "%s\n", j->limit->assumed ? "  assumed" : "");
-  }
+  for (; k < v->count; k++) print_device(&v->item[k], width, out);
   if (v->weakest) {
     fprintf(out, "\nweakest: %s, margin ", vs_verdict_name(v->weakest, name));
     print_margin(v->weakest, out);
@@ -92,19 +95,14 @@ static void print_second(const vs_result *r, FILE *out) {
   if (second->done || r->verdict.count) fputc('\n', out);
 }
 
-void vs_show_result(const vs_result *r, FILE *out) {
+/* What was run, and how. */
+static void print_head(const vs_result *r, FILE *out) {
   const vs_scene *s = r->scene;
-  vs_shown m;
-  int width = 18;
-  bool any = false;
-  for (int k = 0; k < VS_MEASURES; k++) any = any || s->measured[k].known;
-  for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++)
-    if ((int)strlen(m.name) > width) width = (int)strlen(m.name);
+  const vs_absence *absence = &r->watchers.absence;
   fprintf(out, "scene  %s\ntier   %s (%s)\n", s->path, s->tier->name, s->why);
   if (r->ladder.rung)
     fprintf(out, "rung   %d: %s; before, %s\n", r->ladder.rung, vs_ladder_text(r->ladder.rung),
             r->ladder.failed);
-  const vs_absence *absence = &r->watchers.absence;
   if (absence->times)
     fprintf(
         out,
@@ -115,13 +113,31 @@ void vs_show_result(const vs_result *r, FILE *out) {
   if (r->watchers.devices)
     fprintf(out, "means over %.9g..%.9g s\n", s->setup.means.from_s, s->setup.means.to_s);
   fputc('\n', out);
+}
+
+static void print_measures(const vs_result *r, int width, FILE *out) {
+  const vs_scene *s = r->scene;
+  vs_shown m;
+  bool any = false;
+  for (int k = 0; k < VS_MEASURES; k++) any = any || s->measured[k].known;
   fprintf(out, "%-*s %16s %-5s %14s%s\n", width, "measure", "computed", "", "at",
           any ? "         measured" : "");
   for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++)
     print_measure(&m, width, k < VS_MEASURES ? &s->measured[k] : NULL, out);
-  if (s->frame.gap_at_rest && r->watchers.energy.joule[VS_E_WORK] != 0)
+}
+
+void vs_show_result(const vs_result *r, FILE *out) {
+  const vs_scene *s = r->scene;
+  const double work_j = r->watchers.energy.joule[VS_E_WORK];
+  vs_shown m;
+  int width = 18;
+  for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++)
+    if ((int)strlen(m.name) > width) width = (int)strlen(m.name);
+  print_head(r, out);
+  print_measures(r, width, out);
+  if (s->frame.gap_at_rest && work_j != 0)
     fprintf(out, "\nthe one-way force of this tier did %.4f J of work that nothing supplied\n",
-            r->watchers.energy.joule[VS_E_WORK]);
+            work_j);
   print_verdict(&r->verdict, width, out);
   print_second(r, out);
   fprintf(out, "\n%ld steps in %.3g s\n", r->steps, r->wall_s);

@@ -23,8 +23,8 @@ void vs_result_free(vs_result *r) {
 
 /* ---- warnings ---- */
 
-/* Has anything conducted? Only what the deck shows can tell: its probe i_thyristor, of which the
- * firing is taken, and its devices that conduct or block. */
+/* True: nothing has conducted, as far as the deck shows it. Its probe i_thyristor, from which the
+ * firing is taken, and its devices that conduct or block can tell; without either it is false. */
 static bool nothing_conducts(const vs_scene *s, const vs_result *r) {
   const vs_deck *deck = s->frame.deck;
   bool told = !deck || vs_channel_find(&s->frame, "i_thyristor") >= 0;
@@ -43,7 +43,8 @@ static bool has_port(const vs_deck *deck, int drive, int other) {
   return false;
 }
 
-/* What is to be said where nothing conducts though firing is asked for; false: nothing is. */
+/* Where nothing conducts though firing is asked for, writes what is to be said of it. False:
+ * nothing is to be said. */
 static bool nothing_fires(const vs_result *r, char *text, size_t size) {
   const vs_scene *s = r->scene;
   const vs_deck *deck = s->frame.deck;
@@ -70,7 +71,7 @@ static bool nothing_fires(const vs_result *r, char *text, size_t size) {
   return true;
 }
 
-/* What is known only once the run is over. */
+/* The warnings that are known only once the run is over. */
 static void warn_after(const vs_result *r, void (*each)(void *ctx, const char *text), void *ctx) {
   char text[VS_DECK_TEXT + sizeof r->second.failed];
   if (nothing_fires(r, text, sizeof text)) each(ctx, text);

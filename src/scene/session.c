@@ -36,10 +36,10 @@ static double seconds(clockid_t clock) {
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* A balance of the machine or of the coil is the program's own: beyond this multiple of what is
- * warned of, the numbers of the run mean nothing. That of the circuit rests on the deck's lines
- * too, of which some may be missing; it cannot leave more than all the energy there was, whatever
- * is missing. */
+/* The balances of the machine and of the coil are the program's own: where one leaves more than
+ * this multiple of what is warned of, the numbers of the run mean nothing. The balance of the
+ * circuit rests on the deck's lines too, of which some may be missing. Whatever is missing, it
+ * cannot leave more than all the energy there was. */
 static const double MOST_OPEN = 100;
 
 static bool is_an_event(const vs_events *events, const char *name) {
@@ -48,7 +48,8 @@ static bool is_an_event(const vs_events *events, const char *name) {
   return false;
 }
 
-/* Drawn from the mains or done by the force, whichever is more, and what events have brought, J. */
+/* The energy there was, J: what was drawn from the mains or done by the force, whichever is more,
+ * and what events have brought. */
 static double energy_there(const vs_energy *e) {
   double brought = 0;
   for (size_t k = 0; e->frame->deck && k < e->frame->deck->losses.count; k++)
@@ -57,9 +58,9 @@ static double energy_there(const vs_energy *e) {
   return vs_energy_whole(e) + brought;
 }
 
-/* Do the deck's lines speak of the circuit that is run? A deck without the port mains has a source
- * that the books do not know, and the loss of an element that an event opens or shorts is no longer
- * what its line says. */
+/* True: the deck's loss and store lines speak of the circuit that is run. A deck without the port
+ * mains has a source that the books do not know, and the loss of an element that an event opens or
+ * shorts is no longer what its line says. */
 static bool has_whole_books(const vs_frame *frame) {
   const vs_deck *deck = frame->deck;
   const vs_events *events = &frame->timeline->events;
@@ -71,6 +72,7 @@ static bool has_whole_books(const vs_frame *frame) {
   return mains;
 }
 
+/* Notes what the energy audit finds. Error: VS_RUN, the books are open beyond all meaning. */
 static vs_status close_books(vs_result *r, double tolerance, vs_error *err) {
   const vs_energy *e = &r->watchers.energy;
   vs_energy_open(e, tolerance, r->books, sizeof r->books);
@@ -132,7 +134,7 @@ static void take_scene(vs_result *r, vs_scene *climbed) {
   r->climbed = climbed;
 }
 
-/* No rung helped. */
+/* No rung helped: says how the last one and the scene as it is ended. */
 static vs_status say_rungs(const vs_scene *scene, const vs_ladder *ladder, vs_error *err) {
   const vs_error last = *err;
   const char *ideal =
@@ -167,16 +169,16 @@ static vs_status climb(const vs_session *session, vs_scene *scene, vs_result *r,
 
 /* ---- the second run ---- */
 
-/* The second run's tolerance over the first's. Steps go with the root of the tolerance, so a
- * coarser run costs about 0.4 of the first. Where the first is coarse itself its steps are at
- * their longest; the second one is finer then. */
+/* The second run's tolerance is COARSER times the first's. Steps go with the root of the tolerance,
+ * so such a run costs about 0.4 of the first. Where the first run's tolerance is above COARSE its
+ * steps are at their longest, and a coarser run would be the same; the second one is finer then. */
 static const double COARSER = 10, COARSE = 2e-4;
-/* ngspice's default. A run.trtol above it is taken back to it in the second run, so that what a
- * loose one costs shows. */
+/* ngspice's default. The second run takes a run.trtol above this back to it, so that what a loose
+ * trtol costs shows as a difference. */
 static const double USUAL_TRTOL = 7;
 
-/* What any number of a run may be wrong by, in run.tolerance: that bounds the motion, and a
- * device's spikes are known less well. */
+/* What any number of a run may be wrong by, as a multiple of run.tolerance. The tolerance bounds
+ * the motion; a device's spikes are known less well. */
 static const double RESOLUTION = 3;
 
 static bool wants_second(const vs_session *session, const vs_result *r) {
@@ -185,8 +187,7 @@ static bool wants_second(const vs_session *session, const vs_result *r) {
          (word == VS_VERIFY_ALWAYS || (word == VS_VERIFY_AUTO && session->verify));
 }
 
-/* The same numbers but for how finely they are solved. The scene is borrowed from: it is not freed.
- */
+/* Changes how finely the scene is solved and nothing else. */
 static void change_settings(vs_scene *s, double factor) {
   vs_run_values *run = &s->setup.run;
   const double own = run->tolerance;
@@ -198,8 +199,8 @@ static void change_settings(vs_scene *s, double factor) {
   s->frame = s->tier->frame(&s->setup);
 }
 
-/* The run.tolerance at which every undecided line is likely to be decided, as errors go with it; 0:
- * none can hold it. */
+/* The run.tolerance at which every undecided line is likely to be decided, as errors go with the
+ * tolerance. 0: no line is undecided, or the tier cannot hold such a tolerance. */
 static double deciding_tolerance(const vs_result *r) {
   double most = INFINITY, own = r->scene->setup.run.tolerance;
   for (size_t k = 0; k < r->verdict.count; k++) {
@@ -211,6 +212,8 @@ static double deciding_tolerance(const vs_result *r) {
   return pow(10, floor(log10(most)));
 }
 
+/* Runs the scene a second time and gives the margins their errors. `other` shares what the scene
+ * owns and is not freed as a scene. */
 static vs_status run_second(const vs_session *session, vs_result *r, vs_error *err) {
   const double own = r->scene->setup.run.tolerance;
   const double factor = own > COARSE ? 1 / COARSER : COARSER;

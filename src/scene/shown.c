@@ -10,7 +10,7 @@ static void set_text(vs_shown *m, const char *format, const char *word) {
   snprintf(m->text, sizeof m->text, format, word);
 }
 
-/* Measure k of the devices', in the unit of its kind; false: there are no more. */
+/* The k-th of all devices' measures, in the unit of its kind. False: there are no more. */
 static bool device_measure_at(const vs_devices *devices, size_t k, vs_shown *m) {
   for (size_t d = 0; devices && d < devices->count; k -= devices->item[d++].count) {
     const vs_watched *w = &devices->item[d];

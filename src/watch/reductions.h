@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * How the voltage and current of a device become one number each: one plug for each reduction that
- * deck/devices.h names. A reduction sees its device step by step and keeps what it must remember in
- * a state of its own. */
+ * How the courses of a device (its voltage, its current, ...) become one number each: one plug for
+ * each vs_reduction that the deck's kinds name. A reduction sees its device step by step and keeps
+ * what it must remember in a state of its own. */
 #ifndef VS_WATCH_REDUCTIONS_H
 #define VS_WATCH_REDUCTIONS_H
 
@@ -62,7 +62,7 @@ struct vs_reducer {
   void (*finish)(const vs_watched *w, vs_reduced *r, const vs_run_end *end);
 };
 
-/* The plugs, by the ids of deck/devices.h. */
+/* The plugs, by vs_reduction. */
 extern const vs_reducer *const vs_reductions_all[VS_REDUCTIONS];
 
 #endif

@@ -8,10 +8,10 @@
 
 #include "base/text.h"
 
-/* What `room` to a limit is as a part of the limit; infinite where there is none. A limit of 0 says
- * which sign the probe may have: to keep it is no margin, however near to 0 the probe comes. Beyond
- * it by more than the slack, what it is beyond is a part of the range; of the probe's largest
- * magnitude where the other end is none, or 0 as well. */
+/* The room to a limit as a part of that limit; INFINITY where there is no limit. A limit of 0 says
+ * which sign the probe may have: keeping it is no margin, however near to 0 the probe comes, so the
+ * room is INFINITY as well. Beyond such a limit by more than the slack, the room is a part of the
+ * rating's range, or of the probe's largest magnitude where the other end is infinite or 0. */
 static double part_of(double room, double limit, const vs_measures *m, const vs_judgement *j) {
   double range = j->rating->max - j->rating->min;
   if (isinf(limit)) return INFINITY;
@@ -123,14 +123,15 @@ static bool is_same(const vs_judgement *a, const vs_judgement *b) {
   return !a->device == !b->device && !strcmp(vs_verdict_name(a, left), vs_verdict_name(b, right));
 }
 
-/* Where errors fall as they should, the second run differs by some times this run's error. Not all
- * do: a spike between two steps may by chance be met nearly alike by both. So twice the difference
- * is told; with half of it a tenth of the margins drawn for tests/test_margins.c lay outside. */
+/* Where errors fall with the tolerance as they should, the second run differs by a multiple of this
+ * run's error. Not all do: both runs may by chance meet a spike between two steps nearly alike. So
+ * twice the difference is told. With once the difference, a tenth of the margins drawn for
+ * tests/test_margins.c lay outside. */
 static const double SAFETY = 2;
 
-/* Of the room to one end. The limit less the room is the stress; the resolution is of that or of
- * the limit, whichever is more: a stress that is next to nothing need not be known to more digits
- * than its limit. */
+/* The error of the room to one end. The stress is 1 - room, in parts of the limit. The resolution
+ * counts for the stress or the limit, whichever is more: a stress that is next to nothing need not
+ * be known to more digits than its limit. */
 static double error_of(double room, double second, double resolution) {
   return SAFETY * fabs(room - second) + resolution * fmax(fabs(1 - room), 1);
 }
