@@ -8,7 +8,7 @@
 #include "suite.h"
 
 static double extreme(const vs_trial *t, int sense) {
-  const vs_measures *m = t->result.measures;
+  const vs_measures *m = t->result.watchers.measures;
   for (int k = 0; k < m->n_extremes; k++) {
     const vs_extreme *e = &m->extremes[k];
     const char *name = vs_channel_at(&t->result.scene->frame, e->channel).name;

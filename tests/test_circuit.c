@@ -167,18 +167,18 @@ static void device_extremes_and_energies(void) {
   } ROWS[] = {
       {"v_ak", 1, 829.3, 0.02582}, {"v_ak", -1, -1048.7, 0.01521}, {"i_thyristor", 1, 7.186, NAN}};
   for (size_t k = 0; k < sizeof ROWS / sizeof *ROWS; k++)
-    for (int e = 0; e < t->result.measures->n_extremes; e++) {
-      const vs_extreme *x = &t->result.measures->extremes[e];
+    for (int e = 0; e < t->result.watchers.measures->n_extremes; e++) {
+      const vs_extreme *x = &t->result.watchers.measures->extremes[e];
       vs_channel c = vs_channel_at(&t->scene.frame, x->channel);
       if (strcmp(c.name, ROWS[k].probe) || x->sense != ROWS[k].sense) continue;
       CLOSE(x->best.value, ROWS[k].value,
             5e-4); /* half the reference's last digit, and the run's 2e-4 */
       if (!isnan(ROWS[k].at_s)) CLOSE_OF(x->best.at_s, ROWS[k].at_s, 1, 2e-5);
     }
-  CLOSE(t->result.energy.joule[VS_E_SOURCE], 0.89938843, 1e-3);
-  CLOSE(t->result.energy.joule[VS_E_COPPER], 0.30263443, 1e-3);
-  CLOSE(t->result.energy.joule[VS_E_WORK], 0.08136749, 1e-3);
-  CU_ASSERT(fabs(t->result.energy.residual[VS_B_EVA]) <= 1e-3);
+  CLOSE(t->result.watchers.energy.joule[VS_E_SOURCE], 0.89938843, 1e-3);
+  CLOSE(t->result.watchers.energy.joule[VS_E_COPPER], 0.30263443, 1e-3);
+  CLOSE(t->result.watchers.energy.joule[VS_E_WORK], 0.08136749, 1e-3);
+  CU_ASSERT(fabs(t->result.watchers.energy.residual[VS_B_EVA]) <= 1e-3);
   vs_trial_free(t);
 }
 
@@ -224,7 +224,7 @@ static void bare_deck_is_the_switched_tier(void) {
   CLOSE(t->result.values[VS_M_FORCE_PEAK].value, 95.7553916336, 5e-5);
   CLOSE(t->result.values[VS_M_P_FIRST].value, -0.00141639233706, 5e-5);
   const vs_extreme *v_ak =
-      &t->result.measures->extremes[VS_STANDARD_EXTREMES]; /* least, then largest */
+      &t->result.watchers.measures->extremes[VS_STANDARD_EXTREMES]; /* least, then largest */
   CLOSE(v_ak[0].best.value, -622.253967, 1e-5);
   CLOSE(v_ak[1].best.value, 622.253967, 1e-5);
   vs_trial_free(t);
@@ -585,7 +585,9 @@ static void nodes_named_like_constants(void) {
     const char *sets[] = {"run.until=1ms", "circuit.deck=constants.cir", NULL};
     vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-    CLOSE(t->result.measures->extremes[t->result.measures->n_extremes - 1].best.value, 0.25, 1e-6);
+    CLOSE(t->result.watchers.measures->extremes[t->result.watchers.measures->n_extremes - 1]
+              .best.value,
+          0.25, 1e-6);
     vs_trial_free(t);
   }
 }

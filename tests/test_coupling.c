@@ -136,14 +136,15 @@ static outcome couple(const vs_circuit_kind *solver, const char *const *sets) {
   vs_trial_go(t, NULL);
   /* The fakes show no voltages, so that the session's books are open; this test keeps its own. */
   if (strstr(t->err.text, "energy books")) t->status = VS_OK;
-  double work = t->result.energy.joule[VS_E_WORK];
-  outcome o = {t->status,
-               t->result.values[VS_M_P_FIRST].value,
-               t->result.values[VS_M_P_MIN].value,
-               t->result.values[VS_M_T_EXTINCTION].value,
-               work,
-               (last.taken_j - last.copper_j - work - t->result.energy.joule[VS_E_MAGNETIC]) /
-                   work};
+  double work = t->result.watchers.energy.joule[VS_E_WORK];
+  outcome o = {
+      t->status,
+      t->result.values[VS_M_P_FIRST].value,
+      t->result.values[VS_M_P_MIN].value,
+      t->result.values[VS_M_T_EXTINCTION].value,
+      work,
+      (last.taken_j - last.copper_j - work - t->result.watchers.energy.joule[VS_E_MAGNETIC]) /
+          work};
   vs_trial_free(t);
   return o;
 }

@@ -198,7 +198,7 @@ static void strangers_lines_are_refused(void) {
                                             "Rb m q {25*phase}\n.ends\nX1 a b half\n" EVA);
   vs_trial *t = run_deck("good.cir", NULL, NULL);
   EXPECT(t->status == VS_OK, "%s", t->err.text);
-  CU_ASSERT(fabs(t->result.energy.residual[VS_B_CIRCUIT]) < 1e-3);
+  CU_ASSERT(fabs(t->result.watchers.energy.residual[VS_B_CIRCUIT]) < 1e-3);
   vs_trial_free(t);
 }
 
@@ -232,7 +232,7 @@ static void losses_of_the_paper(void) {
   for (size_t r = 0; r < COUNT(ROWS); r++) {
     double found = NAN;
     for (size_t k = 0; k < losses->count; k++)
-      if (!strcmp(losses->item[k].name, ROWS[r].name)) found = t->result.energy.loss_j[k];
+      if (!strcmp(losses->item[k].name, ROWS[r].name)) found = t->result.watchers.energy.loss_j[k];
     EXPECT(fabs(found - ROWS[r].joule) <= ROWS[r].digit + 1e-5, "%s: %.6g J", ROWS[r].name, found);
   }
   vs_trial_free(t);
@@ -253,12 +253,13 @@ static void books_close_over_the_circuit(void) {
       vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
       CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
       for (int b = 0; b < VS_BALANCES; b++) {
-        CU_ASSERT(t->result.energy.balanced[b]);
-        EXPECT(fabs(t->result.energy.residual[b]) <= LIMIT[k], "%s, %s: %s leaves %g", DECKS[d],
-               TOLERANCES[k], vs_energy_balance_names[b], t->result.energy.residual[b]);
+        CU_ASSERT(t->result.watchers.energy.balanced[b]);
+        EXPECT(fabs(t->result.watchers.energy.residual[b]) <= LIMIT[k], "%s, %s: %s leaves %g",
+               DECKS[d], TOLERANCES[k], vs_energy_balance_names[b],
+               t->result.watchers.energy.residual[b]);
       }
-      CU_ASSERT_PTR_NULL(
-          vs_energy_open(&t->result.energy, t->scene.setup.run.tolerance, text, sizeof text));
+      CU_ASSERT_PTR_NULL(vs_energy_open(&t->result.watchers.energy, t->scene.setup.run.tolerance,
+                                        text, sizeof text));
       vs_trial_free(t);
     }
 }
@@ -282,7 +283,7 @@ static int open_balance(const vs_trial *t) {
   char text[512], name[64];
   /* so far open that the run is none */
   CU_ASSERT_FATAL(t->status == VS_OK || strstr(t->err.text, "the energy books ("));
-  if (!vs_energy_open(&t->result.energy, t->scene.setup.run.tolerance, text, sizeof text))
+  if (!vs_energy_open(&t->result.watchers.energy, t->scene.setup.run.tolerance, text, sizeof text))
     return -1;
   for (int b = 0; b < VS_BALANCES; b++) {
     snprintf(name, sizeof name, "(%s)", vs_energy_balance_names[b]);
@@ -306,8 +307,10 @@ static void a_missing_loss_is_seen(void) {
     CU_ASSERT_EQUAL(open_balance(t), VS_B_CIRCUIT);
     for (size_t n = 0; n < losses->count; n++)
       if (!strcmp(losses->item[n].name, LINES[k] + strlen("*$ loss   ")))
-        CLOSE_OF(t->result.energy.left_j[VS_B_CIRCUIT] - whole->result.energy.left_j[VS_B_CIRCUIT],
-                 whole->result.energy.loss_j[n], whole->result.energy.joule[VS_E_SOURCE], 1e-9);
+        CLOSE_OF(t->result.watchers.energy.left_j[VS_B_CIRCUIT] -
+                     whole->result.watchers.energy.left_j[VS_B_CIRCUIT],
+                 whole->result.watchers.energy.loss_j[n],
+                 whole->result.watchers.energy.joule[VS_E_SOURCE], 1e-9);
     vs_trial_free(t);
   }
   vs_trial_free(whole);
@@ -323,7 +326,7 @@ static void a_missing_store_is_seen(void) {
   vs_trial *with = run_deck("with.cir", NULL, NULL), *without = run_deck("without.cir", NULL, NULL);
   CU_ASSERT_EQUAL(open_balance(with), -1);
   CU_ASSERT_EQUAL(open_balance(without), VS_B_CIRCUIT);
-  CLOSE(without->result.energy.left_j[VS_B_CIRCUIT], 0.5 * 10e-6 * 141 * 141,
+  CLOSE(without->result.watchers.energy.left_j[VS_B_CIRCUIT], 0.5 * 10e-6 * 141 * 141,
         0.1); /* near the peak */
   vs_trial_free(with);
   vs_trial_free(without);
@@ -349,8 +352,8 @@ static void no_accounts_no_books(void) {
   write_file("silent.cir", SUPPLY "R1 a b 100\n" EVA);
   vs_trial *t = run_deck("silent.cir", NULL, NULL);
   CU_ASSERT_EQUAL(open_balance(t), -1);
-  CU_ASSERT_FALSE(t->result.energy.balanced[VS_B_CIRCUIT]);
-  CU_ASSERT(fabs(t->result.energy.left_j[VS_B_CIRCUIT]) > 0.01);
+  CU_ASSERT_FALSE(t->result.watchers.energy.balanced[VS_B_CIRCUIT]);
+  CU_ASSERT(fabs(t->result.watchers.energy.left_j[VS_B_CIRCUIT]) > 0.01);
   vs_trial_free(t);
 }
 
@@ -399,7 +402,7 @@ static void a_missing_back_emf_is_seen(void) {
   "Xone a b element\n" EVA
 
 static double ratio(const vs_trial *t) {
-  const vs_extreme *e = &t->result.measures->extremes[VS_STANDARD_EXTREMES];
+  const vs_extreme *e = &t->result.watchers.measures->extremes[VS_STANDARD_EXTREMES];
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   return e[1].best.value / e[3].best.value;
 }
@@ -456,7 +459,7 @@ static void dialects(void) {
     write_file("dialect.cir", text);
     vs_trial *t = run_deck("dialect.cir", "run.until=1ms", NULL);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-    const vs_extreme *e = &t->result.measures->extremes[VS_STANDARD_EXTREMES];
+    const vs_extreme *e = &t->result.watchers.measures->extremes[VS_STANDARD_EXTREMES];
     CLOSE(e[0].best.value, EXPECTED[k][0], 1e-9);
     CLOSE(e[2].best.value, EXPECTED[k][1], 1e-9);
     vs_trial_free(t);
@@ -470,8 +473,8 @@ static void dialects(void) {
   write_file("user.cir", "*$ compat ps\n" VENDOR);
   vs_trial *t = run_deck("user.cir", NULL, NULL);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-  CLOSE(t->result.measures->extremes[VS_STANDARD_EXTREMES].best.value, -1, 1e-9);
-  CLOSE(t->result.measures->extremes[VS_STANDARD_EXTREMES + 1].best.value, 7, 1e-9);
+  CLOSE(t->result.watchers.measures->extremes[VS_STANDARD_EXTREMES].best.value, -1, 1e-9);
+  CLOSE(t->result.watchers.measures->extremes[VS_STANDARD_EXTREMES + 1].best.value, 7, 1e-9);
   vs_trial_free(t);
   write_file("user.cir", VENDOR); /* and without asking for it, it is not understood */
   t = run_deck("user.cir", NULL, NULL);
@@ -492,11 +495,11 @@ static void ratings_are_judged(void) {
   vs_trial *t = run_deck("rated.cir", "supply.resistance=0", NULL);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   vs_verdict *v = vs_alloc(1, sizeof *v);
-  vs_verdict_reach(t->result.measures, NULL, v);
+  vs_verdict_reach(t->result.watchers.measures, NULL, v);
   const vs_judgement *j = v->item;
   CU_ASSERT_EQUAL_FATAL(v->count, 2);
   double peak = 100 * sqrt(2),
-         current = t->result.measures->extremes[VS_STANDARD_EXTREMES + 3].best.value;
+         current = t->result.watchers.measures->extremes[VS_STANDARD_EXTREMES + 3].best.value;
   CLOSE(j[0].least.value, -peak, 1e-4); /* the peak lies between knots 25 us apart */
   CLOSE(j[0].stress.value, peak, 1e-4);
   CLOSE(j[0].margin, (200 - peak) / 200, 1e-3);

@@ -36,15 +36,15 @@ static vs_trial *trial(const settings *s, const vs_observer *also, double limits
   expect(t->status == VS_OK, line, "%s", t->err.text);
   if (t->status) return t;
   double tolerance = limits * t->scene.setup.run.tolerance;
-  const char *open = vs_energy_open(&t->result.energy, tolerance, why, sizeof why);
+  const char *open = vs_energy_open(&t->result.watchers.energy, tolerance, why, sizeof why);
   expect(!open, line, "%s", open);
   return t;
 }
 #define TRIAL(s, also) trial(s, also, 1, __LINE__)
 
 static double extreme(const vs_trial *t, const char *probe, int sense) {
-  for (int e = 0; e < t->result.measures->n_extremes; e++) {
-    const vs_extreme *x = &t->result.measures->extremes[e];
+  for (int e = 0; e < t->result.watchers.measures->n_extremes; e++) {
+    const vs_extreme *x = &t->result.watchers.measures->extremes[e];
     if (x->sense == sense && !strcmp(vs_channel_at(&t->scene.frame, x->channel).name, probe))
       return x->best.value;
   }

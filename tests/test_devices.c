@@ -33,9 +33,9 @@ static vs_trial *run_deck(const char *deck, const char *part, const char *until,
 
 static const vs_reduced *measure(const vs_trial *t, const char *device, const char *what) {
   static const vs_reduced NONE = {.value = {false, NAN, NAN}, .failed_s = NAN};
-  for (size_t k = 0; t->result.devices && k < t->result.devices->count; k++)
-    for (size_t n = 0; n < t->result.devices->item[k].count; n++) {
-      const vs_watched *w = &t->result.devices->item[k];
+  for (size_t k = 0; t->result.watchers.devices && k < t->result.watchers.devices->count; k++)
+    for (size_t n = 0; n < t->result.watchers.devices->item[k].count; n++) {
+      const vs_watched *w = &t->result.watchers.devices->item[k];
       if (!strcmp(w->device->name, device) && !strcmp(w->reduced[n].measure->name, what))
         return &w->reduced[n];
     }
@@ -128,8 +128,8 @@ static void continuous_current(void) {
     const vs_reduced *r = measure(t, "t", "i_rms");
     CU_ASSERT_EQUAL(r->limit != NULL, k == 1);
     if (k) CLOSE(r->failed_s, 1, 1e-9);
-    vs_verdict v = {0};
-    vs_verdict_reach(t->result.measures, t->result.devices, &v);
+    vs_verdict v;
+    vs_verdict_reach(t->result.watchers.measures, t->result.watchers.devices, &v);
     CU_ASSERT_EQUAL(v.first_to_fail != NULL, k == 1);
     if (k && v.first_to_fail) CLOSE(v.first_to_fail->margin, -8.0 / 12, 1e-6);
     vs_verdict_free(&v);
@@ -290,7 +290,7 @@ static void time_to_rest(void) {
   CLOSE(measure(t, "t", "t_off")->value.at_s, 340e-6, 1e-4);
   CLOSE(measure(t, "t", "t_off")->failed_s, 340e-6, 1e-4);
   vs_verdict *v = vs_alloc(1, sizeof *v);
-  vs_verdict_reach(t->result.measures, t->result.devices, v);
+  vs_verdict_reach(t->result.watchers.measures, t->result.watchers.devices, v);
   CU_ASSERT_EQUAL_FATAL(v->count, 1);
   CLOSE(v->item[0].margin, -0.25, 1e-3);
   CU_ASSERT_PTR_EQUAL(v->first_to_fail, &v->item[0]);
@@ -701,7 +701,8 @@ static void devices_are_listed(void) {
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   CU_ASSERT(measure(t, "t1", "i2t")->limit && measure(t, "t2", "i2t")->limit);
   CU_ASSERT_PTR_NULL(measure(t, "f1", "i2t")->limit);
-  CLOSE(t->result.devices->item[0].device->gate_rad, M_PI, 1e-12); /* the deck's only gate */
+  CLOSE(t->result.watchers.devices->item[0].device->gate_rad, M_PI,
+        1e-12); /* the deck's only gate */
   vs_trial_free(t);
   r = run("list parts");
   CU_ASSERT_EQUAL(r.status, 0);

@@ -325,12 +325,12 @@ static void check(const scene *sc, const char *tier) {
       worst = fmax(worst, fabs(s->row[k][c] - row[k][c]) / fmax(peak[c], 1e-300));
   if (getenv("VS_SAY"))
     printf("%-9s %-50s worst %.1e books %.1e fired %zu\n", tier, sc->what, worst,
-           t->result.energy.worst, s->fired);
+           t->result.watchers.energy.worst, s->fired);
   EXPECT(rows > 100 && worst <= 1e-8, "%s, %s: off by %.2e of the peak", sc->what, tier, worst);
   compare_instants(sc->what, s->fired_s, s->fired, m.fired_s, m.fired, 1e-10);
   compare_instants(sc->what, s->ended_s, s->ended, m.ended_s, m.ended, 1e-10);
-  EXPECT(t->result.energy.worst <= 1e-9, "%s, %s: books %.2e", sc->what, tier,
-         t->result.energy.worst);
+  EXPECT(t->result.watchers.energy.worst <= 1e-9, "%s, %s: books %.2e", sc->what, tier,
+         t->result.watchers.energy.worst);
   vs_trial_free(t);
   free(row);
   free(s);
@@ -442,7 +442,8 @@ static void circuit_with_ideal_parts(void) {
              "%s, %s: circuit %.9g, switched %.9g", KEYS[k][0],
              vs_measures_standard[MEASURES[n].measure].name, of_circuit, of_switched);
     }
-    double in = s->result.energy.joule[VS_E_SOURCE], got = c->result.energy.joule[VS_E_SOURCE];
+    double in = s->result.watchers.energy.joule[VS_E_SOURCE],
+           got = c->result.watchers.energy.joule[VS_E_SOURCE];
     EXPECT(fabs(got - in) <= 3e-4 * in, "%s: circuit draws %.9g J, switched %.9g J", KEYS[k][0],
            got, in);
     vs_trial_free(c);
@@ -461,7 +462,8 @@ static void a_sag_is_no_footnote(void) {
   CU_ASSERT_EQUAL_FATAL(half->status, VS_OK);
   CLOSE(half->result.values[VS_M_I_PEAK].value, whole->result.values[VS_M_I_PEAK].value / 2, 0.06);
   CLOSE(half->result.values[VS_M_P_MIN].value, whole->result.values[VS_M_P_MIN].value / 4, 0.02);
-  CLOSE(half->result.energy.joule[VS_E_SOURCE], half->result.energy.joule[VS_E_PORT], 1e-9);
+  CLOSE(half->result.watchers.energy.joule[VS_E_SOURCE],
+        half->result.watchers.energy.joule[VS_E_PORT], 1e-9);
   vs_trial_free(whole);
   vs_trial_free(half);
 }
@@ -492,7 +494,7 @@ static void mains_that_stay_away(void) {
   EXPECT(t->status == VS_OK, "%s", t->err.text);
   CU_ASSERT(t->result.values[VS_M_T_EXTINCTION].known);
   CU_ASSERT(t->result.values[VS_M_T_EXTINCTION].value < 1.008);
-  CU_ASSERT(isnan(t->result.measures->refired_s));
+  CU_ASSERT(isnan(t->result.watchers.measures->refired_s));
   vs_trial_free(t);
 }
 
@@ -516,7 +518,7 @@ static void a_jam_holds_p(void) {
     /* p's rounding over a step's length, which is 5e-11 s where a thyristor goes out; half a m/s
      * and 180 m/s2 before */
     EXPECT(largest <= 1e-8, "tier %d: p moves by %g", tier, largest);
-    CU_ASSERT(t->result.energy.joule[VS_E_STOP] > 1e-3);
+    CU_ASSERT(t->result.watchers.energy.joule[VS_E_STOP] > 1e-3);
     vs_trial_free(t);
   }
 }

@@ -115,7 +115,7 @@ static void surge_into_a_varistor(void) {
     for (size_t n = 1; n < c->points; n++)
       i2t += (c->t_s[n] - c->t_s[n - 1]) * (pow(c->y[n], 2) + pow(c->y[n - 1], 2)) / 2;
     CLOSE(c->y[peak_of(c, 1)], ROWS[k].a, 5e-3);
-    CLOSE(t->result.energy.loss_j[0], ROWS[k].j, 5e-3);
+    CLOSE(t->result.watchers.energy.loss_j[0], ROWS[k].j, 5e-3);
     if (ROWS[k].i2t > 0) CLOSE(i2t, ROWS[k].i2t, 5e-3);
     vs_trial_free(t);
   }
@@ -140,7 +140,7 @@ static void surges_on_the_paper(void) {
     write_file("s.yaml", scene);
     vs_trial *t = vs_trial_run("s.yaml", "circuit", NULL, NULL);
     EXPECT(t->status == VS_OK, "%s: %s", scene, t->err.text);
-    worst = fmax(worst, t->result.energy.worst);
+    worst = fmax(worst, t->result.watchers.energy.worst);
     vs_trial_free(t);
   }
   CU_ASSERT(worst > 0 && worst < 0.01);
@@ -187,7 +187,7 @@ static void books_of_an_idle_machine(void) {
                        "events.s={kind: surge, cycle: 1, angle: 90 deg, level: 1 kV}", NULL},
       NULL);
   EXPECT(t->status == VS_OK, "%s", t->err.text);
-  const vs_energy *e = &t->result.energy;
+  const vs_energy *e = &t->result.watchers.energy;
   double drawn = fabs(e->joule[VS_E_SOURCE]), scale = 0.01 * drawn;
   CU_ASSERT(fabs(e->joule[VS_E_WORK]) < 1e-6 * drawn);
   CLOSE(e->residual[VS_B_CIRCUIT], e->left_j[VS_B_CIRCUIT] / scale, 1e-12);
@@ -461,7 +461,7 @@ static void some_turns_are_shorted(void) {
   vs_trial *t = vs_trial_run("s.yaml", "circuit", NULL, &also);
   EXPECT(t->status == VS_OK, "%s", t->err.text);
   CU_ASSERT(worst > 0 && worst < 0.03);
-  CLOSE_OF(t->result.energy.worst, 0, 1, 1e-3); /* the books close */
+  CLOSE_OF(t->result.watchers.energy.worst, 0, 1, 1e-3); /* the books close */
   vs_trial_free(t);
 }
 
@@ -578,8 +578,8 @@ static void a_jammed_armature(void) {
   CU_ASSERT_EQUAL(j.last_p_m, j.p_m);
   CU_ASSERT_EQUAL(j.vp_m_s, 0);
   CLOSE(j.after_n_s, j.before_n_s, 1e-12);
-  CU_ASSERT(t->result.energy.joule[VS_E_STOP] > 0.01);
-  CLOSE_OF(t->result.energy.residual[VS_B_MECHANICAL], 0, 1, 1e-6);
+  CU_ASSERT(t->result.watchers.energy.joule[VS_E_STOP] > 0.01);
+  CLOSE_OF(t->result.watchers.energy.residual[VS_B_MECHANICAL], 0, 1, 1e-6);
   vs_trial_free(t);
 }
 

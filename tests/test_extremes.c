@@ -35,8 +35,8 @@ static vs_trial *run_ideal(int tier, const char *const *sets, const vs_observer 
 }
 
 static double extreme_of(const vs_trial *t, const char *probe, int sense) {
-  for (int k = 0; k < t->result.measures->n_extremes; k++) {
-    const vs_extreme *e = &t->result.measures->extremes[k];
+  for (int k = 0; k < t->result.watchers.measures->n_extremes; k++) {
+    const vs_extreme *e = &t->result.watchers.measures->extremes[k];
     if (!strcmp(vs_channel_at(&t->scene.frame, e->channel).name, probe) && e->sense * sense > 0)
       return e->best.value;
   }
@@ -196,7 +196,7 @@ static double least_p(int tier, double angle_deg, const char *stop, contacts *c)
   vs_trial *t = run_ideal(tier, sets, &observer);
   EXPECT(t->status == VS_OK, "%s: %s", angle, t->err.text);
   double p = t->result.values[VS_M_P_MIN].value;
-  CU_ASSERT(fabs(t->result.energy.residual[VS_B_MECHANICAL]) < 1e-6);
+  CU_ASSERT(fabs(t->result.watchers.energy.residual[VS_B_MECHANICAL]) < 1e-6);
   vs_trial_free(t);
   return p;
 }
@@ -265,7 +265,8 @@ static void stiff_stops(void) {
              fabs(c.out_m_s / -c.in_m_s / exp(-M_PI * zeta / root) - 1));
       CLOSE(-6e-3 - t->result.values[VS_M_P_MIN].value, depth, ROWS[k].tolerance);
       CLOSE(c.out_m_s / -c.in_m_s, exp(-M_PI * zeta / root), ROWS[k].tolerance);
-      CU_ASSERT(fabs(t->result.energy.residual[VS_B_MECHANICAL]) < (tier == CIRCUIT ? 1e-3 : 1e-8));
+      CU_ASSERT(fabs(t->result.watchers.energy.residual[VS_B_MECHANICAL]) <
+                (tier == CIRCUIT ? 1e-3 : 1e-8));
       vs_trial_free(t);
     }
 }

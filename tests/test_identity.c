@@ -10,6 +10,7 @@
 #include "base/csv.h"
 #include "base/units.h"
 #include "program.h"
+#include "scene/sections.h"
 #include "study/case.h"
 #include "study/identity.h"
 
@@ -148,8 +149,8 @@ static void every_key_counts(void) {
   char sets[] = "actuator.stop={stiffness: 1e7 N/m, damping: 300 N.s/m}", *set[] = {sets};
   CU_ASSERT_EQUAL_FATAL(vs_scene_read("paper", set, 1, NULL, scene, &err), VS_OK);
   int keys = 0;
-  for (int p = 0; p < VS_SCENE_SECTIONS; p++) {
-    const vs_scene_section part = vs_scene_section_at(scene, p);
+  for (int p = 0; p < VS_SECTIONS; p++) {
+    const vs_filled_section part = vs_section_at(&scene->setup, p);
     for (size_t k = 0; k < part.section->count; k++) {
       const vs_field *f = &part.section->fields[k];
       bool run = !strcmp(part.section->name, "run");

@@ -244,9 +244,9 @@ static void turn_off_under_the_gate(void) {
         (const char *[]){"circuit.deck=d.cir", "run.until=9 ms", ROWS[k].width, NULL}, NULL);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
     const vs_reduced *r = NULL;
-    for (size_t n = 0; n < t->result.devices->item[0].count; n++)
-      if (t->result.devices->item[0].reduced[n].measure->how == VS_R_OFFERED)
-        r = &t->result.devices->item[0].reduced[n];
+    for (size_t n = 0; n < t->result.watchers.devices->item[0].count; n++)
+      if (t->result.watchers.devices->item[0].reduced[n].measure->how == VS_R_OFFERED)
+        r = &t->result.watchers.devices->item[0].reduced[n];
     CU_ASSERT_TRUE_FATAL(r && r->value.known);
     CLOSE_OF(r->value.value, ROWS[k].t_off_s, 1, 2e-8); /* rounding of PWL's edges by the solver */
     CU_ASSERT_EQUAL(isnan(r->failed_s), k == 0);

@@ -69,13 +69,14 @@ static double difference(const course *a, const course *b) {
  * tells nothing apart (quiet/quiet.c), a third of which counts as a peak. */
 static double extremes_off(const vs_trial *a, const vs_trial *b) {
   double worst = 0;
-  for (int k = 0; k < a->result.measures->n_extremes; k++) {
-    const vs_extreme *x = &a->result.measures->extremes[k], *y = &b->result.measures->extremes[k];
+  for (int k = 0; k < a->result.watchers.measures->n_extremes; k++) {
+    const vs_extreme *x = &a->result.watchers.measures->extremes[k],
+                     *y = &b->result.watchers.measures->extremes[k];
     const char *unit = vs_channel_at(&a->scene.frame, x->channel).unit;
     double peak = 0, least = !strcmp(unit, "V") ? 1.0 / 3 : !strcmp(unit, "A") ? 0.1 / 3 : 0;
-    for (int n = 0; n < a->result.measures->n_extremes; n++)
-      if (b->result.measures->extremes[n].channel == y->channel)
-        peak = fmax(peak, fabs(b->result.measures->extremes[n].best.value));
+    for (int n = 0; n < a->result.watchers.measures->n_extremes; n++)
+      if (b->result.watchers.measures->extremes[n].channel == y->channel)
+        peak = fmax(peak, fabs(b->result.watchers.measures->extremes[n].best.value));
     if (!(peak > 0)) continue;
     worst = fmax(worst, fabs(x->best.value - y->best.value) / fmax(peak, least));
   }

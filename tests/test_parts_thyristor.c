@@ -275,8 +275,8 @@ static void breakover(void) {
 /* ---- in the paper's circuit ---- */
 
 static double extreme(const vs_trial *t, const char *probe, int sense) {
-  for (int e = 0; e < t->result.measures->n_extremes; e++) {
-    const vs_extreme *x = &t->result.measures->extremes[e];
+  for (int e = 0; e < t->result.watchers.measures->n_extremes; e++) {
+    const vs_extreme *x = &t->result.watchers.measures->extremes[e];
     if (x->sense == sense && !strcmp(vs_channel_at(&t->scene.frame, x->channel).name, probe))
       return x->best.value;
   }

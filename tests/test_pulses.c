@@ -19,9 +19,9 @@ static vs_trial *run_scene(const char *const *sets, const vs_observer *also) {
 }
 
 static double value_of(const vs_trial *t, const char *device, const char *what) {
-  for (size_t k = 0; t->result.devices && k < t->result.devices->count; k++)
-    for (size_t n = 0; n < t->result.devices->item[k].count; n++) {
-      const vs_watched *w = &t->result.devices->item[k];
+  for (size_t k = 0; t->result.watchers.devices && k < t->result.watchers.devices->count; k++)
+    for (size_t n = 0; n < t->result.watchers.devices->item[k].count; n++) {
+      const vs_watched *w = &t->result.watchers.devices->item[k];
       if (!strcmp(w->device->name, device) && !strcmp(w->reduced[n].measure->name, what))
         return w->reduced[n].value.value;
     }

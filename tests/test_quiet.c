@@ -71,8 +71,8 @@ static double difference(const course *a, const course *b) {
 static course left, stayed; /* of a scene: too large for the stack */
 
 static double extreme(const vs_trial *t, const char *probe, int sense) {
-  for (int k = 0; k < t->result.measures->n_extremes; k++) {
-    const vs_extreme *e = &t->result.measures->extremes[k];
+  for (int k = 0; k < t->result.watchers.measures->n_extremes; k++) {
+    const vs_extreme *e = &t->result.watchers.measures->extremes[k];
     if (!strcmp(vs_channel_at(&t->scene.frame, e->channel).name, probe) && e->sense * sense > 0)
       return e->best.value;
   }
@@ -193,13 +193,14 @@ static void the_same_result(void) {
     if (k < VS_M_ENERGY_IN) /* the others are the energies */
       CLOSE_OF(a->result.values[k].value, b->result.values[k].value, b->result.values[k].value,
                3 * tolerance);
-  for (int k = 0; k < a->result.measures->n_extremes;
+  for (int k = 0; k < a->result.watchers.measures->n_extremes;
        k++) /* device voltages: of the first cycles */
-    CLOSE_OF(a->result.measures->extremes[k].best.value, b->result.measures->extremes[k].best.value,
-             b->result.measures->extremes[k].best.value, 3 * tolerance);
+    CLOSE_OF(a->result.watchers.measures->extremes[k].best.value,
+             b->result.watchers.measures->extremes[k].best.value,
+             b->result.watchers.measures->extremes[k].best.value, 3 * tolerance);
   for (size_t k = 0; k < a->scene.setup.deck.losses.count; k++)
-    CLOSE_OF(a->result.energy.loss_j[k], b->result.energy.loss_j[k],
-             b->result.energy.joule[VS_E_SOURCE], tolerance);
+    CLOSE_OF(a->result.watchers.energy.loss_j[k], b->result.watchers.energy.loss_j[k],
+             b->result.watchers.energy.joule[VS_E_SOURCE], tolerance);
   vs_trial_free(a);
   vs_trial_free(b);
 }
@@ -244,13 +245,13 @@ static void led_gently(void) {
      * 1.8e-3 of its peak off, 33 times what was told, so ngspice may be left later, or not. */
     CU_ASSERT(r == 2 ? left.times <= 2 : left.times == 2);
     CU_ASSERT(difference(&left, &stayed) <= (left.times ? left.bound : 0));
-    for (size_t d = 0; d < a->result.devices->count; d++)
-      for (size_t k = 0; k < a->result.devices->item[d].count; k++) {
-        const vs_reduced *x = &a->result.devices->item[d].reduced[k],
-                         *y = &b->result.devices->item[d].reduced[k];
+    for (size_t d = 0; d < a->result.watchers.devices->count; d++)
+      for (size_t k = 0; k < a->result.watchers.devices->item[d].count; k++) {
+        const vs_reduced *x = &a->result.watchers.devices->item[d].reduced[k],
+                         *y = &b->result.watchers.devices->item[d].reduced[k];
         if (!y->value.known || fabs(y->value.value) < 1e-9) continue;
         EXPECT(fabs(x->value.value / y->value.value - 1) < 0.02, "%s: %s.%s is %g, and %g", R2[r],
-               a->result.devices->item[d].device->name, x->measure->name, x->value.value,
+               a->result.watchers.devices->item[d].device->name, x->measure->name, x->value.value,
                y->value.value);
       }
     vs_trial_free(a);

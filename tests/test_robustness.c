@@ -62,8 +62,8 @@ typedef struct outcome {
 } outcome;
 
 static double extreme_of(const vs_trial *t, const char *probe, int sense) {
-  for (int k = 0; k < t->result.measures->n_extremes; k++) {
-    const vs_extreme *e = &t->result.measures->extremes[k];
+  for (int k = 0; k < t->result.watchers.measures->n_extremes; k++) {
+    const vs_extreme *e = &t->result.watchers.measures->extremes[k];
     if (!strcmp(vs_channel_at(&t->result.scene->frame, e->channel).name, probe) &&
         e->sense * sense > 0)
       return e->best.value;

@@ -103,9 +103,9 @@ static void books_close_with_the_stop(void) {
     vs_trial *t = vs_trial_run("paper", "switched", sets, &observer);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
     CU_ASSERT(m.met == 5 && m.left == 5);
-    CU_ASSERT(t->result.energy.joule[VS_E_STOP] > 0.3);
-    CU_ASSERT(fabs(t->result.energy.residual[VS_B_EVA]) < (k < 2 ? 1e-6 : 1e-9));
-    CU_ASSERT(fabs(t->result.energy.residual[VS_B_MECHANICAL]) < (k < 2 ? 1e-6 : 1e-9));
+    CU_ASSERT(t->result.watchers.energy.joule[VS_E_STOP] > 0.3);
+    CU_ASSERT(fabs(t->result.watchers.energy.residual[VS_B_EVA]) < (k < 2 ? 1e-6 : 1e-9));
+    CU_ASSERT(fabs(t->result.watchers.energy.residual[VS_B_MECHANICAL]) < (k < 2 ? 1e-6 : 1e-9));
     depth[k] = t->result.values[VS_M_P_MIN].value;
     vs_trial_free(t);
   }
@@ -138,8 +138,8 @@ static void circuit_against_switched(void) {
     CLOSE_OF(circuit.leaves_s[k], switched.leaves_s[k], 1, 2e-6);
   }
   CLOSE(c->result.values[VS_M_P_MIN].value, s->result.values[VS_M_P_MIN].value, 1e-4);
-  CU_ASSERT(fabs(c->result.energy.residual[VS_B_MECHANICAL]) < 1e-3);
-  CU_ASSERT(fabs(c->result.energy.residual[VS_B_EVA]) < 1e-3);
+  CU_ASSERT(fabs(c->result.watchers.energy.residual[VS_B_MECHANICAL]) < 1e-3);
+  CU_ASSERT(fabs(c->result.watchers.energy.residual[VS_B_EVA]) < 1e-3);
   vs_trial_free(c);
   vs_trial_free(s);
 }
@@ -243,9 +243,10 @@ static void starts_in_motion(void) {
     vs_trial *t = vs_trial_run("paper", k ? "circuit" : "switched", sets, NULL);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
     CLOSE(t->result.values[VS_M_P_MAX].value, 2e-3, 1e-12);
-    CU_ASSERT(vs_mechanics_elastic_energy(&t->scene.setup.model, t->result.energy.first.x) > 0.1);
-    CU_ASSERT(fabs(t->result.energy.left_j[VS_B_MECHANICAL]) < 1e-8);
-    CU_ASSERT(t->result.energy.joule[VS_E_MECHANICAL] < 0);
+    CU_ASSERT(vs_mechanics_elastic_energy(&t->scene.setup.model,
+                                          t->result.watchers.energy.first.x) > 0.1);
+    CU_ASSERT(fabs(t->result.watchers.energy.left_j[VS_B_MECHANICAL]) < 1e-8);
+    CU_ASSERT(t->result.watchers.energy.joule[VS_E_MECHANICAL] < 0);
     vs_trial_free(t);
   }
 }

@@ -65,11 +65,11 @@ static void check(const reference *r, const char *setting, double tolerance) {
   CLOSE(v[VS_M_I_PEAK].at_s, r->i_at, tolerance);
   CLOSE(v[VS_M_P_FIRST].at_s, r->first_at, tolerance);
   for (int k = 0; k < 3; k++) CLOSE_OF(p.value[k], r->p[k], r->first, tolerance);
-  CLOSE(t->result.energy.joule[VS_E_SOURCE], r->in, tolerance);
-  CLOSE(t->result.energy.joule[VS_E_COPPER], r->copper, tolerance);
-  CLOSE(t->result.energy.joule[VS_E_WORK], r->work, tolerance);
-  CU_ASSERT(t->result.energy.balanced[VS_B_CIRCUIT]);
-  CU_ASSERT(t->result.energy.worst <= 1e-9); /* whatever the tolerance */
+  CLOSE(t->result.watchers.energy.joule[VS_E_SOURCE], r->in, tolerance);
+  CLOSE(t->result.watchers.energy.joule[VS_E_COPPER], r->copper, tolerance);
+  CLOSE(t->result.watchers.energy.joule[VS_E_WORK], r->work, tolerance);
+  CU_ASSERT(t->result.watchers.energy.balanced[VS_B_CIRCUIT]);
+  CU_ASSERT(t->result.watchers.energy.worst <= 1e-9); /* whatever the tolerance */
   vs_trial_free(t);
 }
 
@@ -156,8 +156,8 @@ static void sharp_firing_angles_run(void) {
     vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
     CU_ASSERT_EQUAL(t->status, VS_OK);
     const double *joule =
-        t->result.energy.joule; /* at 179.9 degrees the work itself is lost in rounding */
-    CU_ASSERT(fabs(t->result.energy.left_j[VS_B_EVA]) < 1e-7 * joule[VS_E_SOURCE]);
+        t->result.watchers.energy.joule; /* at 179.9 degrees the work itself is lost in rounding */
+    CU_ASSERT(fabs(t->result.watchers.energy.left_j[VS_B_EVA]) < 1e-7 * joule[VS_E_SOURCE]);
     CU_ASSERT_TRUE(t->result.values[VS_M_T_EXTINCTION].known);
     vs_trial_free(t);
   }
@@ -198,7 +198,7 @@ static void long_pulse_fires_again(void) {
   const char *sets[] = {"firing.pulse_width=18ms", "actuator.gap=60mm", "run.until=0.05s", NULL};
   vs_trial *once = vs_trial_run("paper", "switched", sets, NULL);
   CU_ASSERT_EQUAL_FATAL(once->status, VS_OK);
-  CLOSE_OF(once->result.measures->refired_s, 0.02, 1, 1e-12);
+  CLOSE_OF(once->result.watchers.measures->refired_s, 0.02, 1, 1e-12);
   vs_trial_free(once);
 }
 

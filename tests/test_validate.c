@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "program.h"
+#include "validate/single_shot.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 enum { SANITIZED = true };
@@ -162,7 +163,7 @@ static void what_is_off_is_told(void) {
 /* The program's own first check, expected a little beside what it is. */
 static void a_wrong_expectation_is_off(void) {
   for (int k = 0; k < 2; k++) {
-    vs_comparison check = vs_single_comparisons.item[0];
+    vs_comparison check = vs_single_shot_comparisons.item[0];
     vs_error err = {0};
     check.expected += k * 2e-8; /* Hz; allowed are 6e-9 */
     CU_ASSERT_EQUAL(validate(check, &err), k ? VS_RUN : VS_OK);
@@ -172,7 +173,7 @@ static void a_wrong_expectation_is_off(void) {
 static void a_signal_ends_it(void) {
   const volatile sig_atomic_t at_once = 1;
   const vs_validate_options options = {.quiet = true, .stop = &at_once};
-  const vs_comparisons *const lists[] = {&vs_single_comparisons};
+  const vs_comparisons *const lists[] = {&vs_single_shot_comparisons};
   vs_error err = {0};
   CU_ASSERT_EQUAL(vs_validate(lists, 1, &options, &err), VS_SIGNAL);
 }

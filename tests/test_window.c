@@ -33,8 +33,8 @@ static vs_status look(void *ctx, const vs_step *step, vs_error *err) {
 }
 
 static double measure_of(const vs_trial *t, const char *name) {
-  for (size_t n = 0; n < t->result.devices->item[0].count; n++) {
-    const vs_reduced *r = &t->result.devices->item[0].reduced[n];
+  for (size_t n = 0; n < t->result.watchers.devices->item[0].count; n++) {
+    const vs_reduced *r = &t->result.watchers.devices->item[0].reduced[n];
     if (!strcmp(r->measure->name, name)) return r->value.value;
   }
   return NAN;
@@ -133,7 +133,7 @@ static void judged(const char *const *more, const char *why) {
   vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
   EXPECT(t->status == VS_OK, "%s", t->err.text);
   if (!t->status) {
-    const vs_watched *w = &t->result.devices->item[0];
+    const vs_watched *w = &t->result.watchers.devices->item[0];
     for (size_t k = 0; k < w->count; k++) {
       const vs_reduced *r = &w->reduced[k];
       if (strcmp(r->measure->name, "i_rms")) continue;

@@ -15,7 +15,8 @@
 
 /* ---- print-out ---- */
 
-/* The line a place speaks of and a caret below the column; nothing when it cannot be read again. */
+/* Prints the line that a place speaks of and a caret below the column. Prints nothing where the
+ * file cannot be read again. */
 static void print_source(const char *path, int number, int column) {
   struct stat s;
   FILE *f = !stat(path, &s) && S_ISREG(s.st_mode) ? fopen(path, "r") : NULL;
@@ -38,7 +39,7 @@ static void print_source(const char *path, int number, int column) {
   if (f) fclose(f);
 }
 
-/* name: of what was checked, for an error that knows no place of its own */
+/* name: of the file under check, for a finding that knows no place of its own. */
 static void print_finding(const char *name, const char *kind, const vs_error *e) {
   char file[sizeof e->text];
   snprintf(file, sizeof file, "%.*s", e->file_size, e->text);
@@ -65,25 +66,20 @@ static void add_json(const char *name, const vs_error *e, vs_json *json) {
 
 typedef struct report {
   const vs_check_options *options;
-  vs_text good; /* what it is, when nothing was found */
-  vs_error warnings[VS_WARNINGS + 3];
-  size_t n_warnings;
+  vs_text good; /* describes the file, where nothing was found */
+  vs_warnings warnings;
 } report;
-
-static vs_error *warning(report *r) {
-  return &r->warnings[r->n_warnings++];
-}
 
 static void warn_of_deck(report *r, const vs_deck *deck) {
   const vs_where file = {.file = deck->files[0]};
-  const char *mains = vs_scene_without_mains(deck);
+  const char *mains = vs_warnings_without_mains(deck);
   bool fires = false;
   for (size_t k = 0; k < deck->n_probes; k++)
     fires = fires || !strcmp(deck->probes[k].name, "i_thyristor");
   if (!fires)
-    vs_fail_at(warning(r), file,
+    vs_fail_at(vs_warnings_add(&r->warnings), file,
                "no probe i_thyristor, so that firing and extinction will not be found");
-  if (mains) vs_fail_at(warning(r), file, "%s", mains);
+  if (mains) vs_fail_at(vs_warnings_add(&r->warnings), file, "%s", mains);
 }
 
 /* Where the mains drive less than this no junction of silicon conducts. */
@@ -130,7 +126,7 @@ static void warn_of_firing(report *r, const vs_scene *s) {
   }
   if (asked && isinf(first_s))
     vs_fail_at(
-        warning(r), where_of_firing(s),
+        vs_warnings_add(&r->warnings), where_of_firing(s),
         "nothing can fire: no gate pulse meets forward mains voltage before run.until = %.9g "
         "s; look at firing.first_cycle, firing.angle and firing.pulse_width",
         s->setup.run.until_s);
@@ -143,7 +139,8 @@ static vs_status check_scene(report *r, vs_error *err) {
   if (!status && !vs_error_count(err)) status = vs_session_try(scene->tier, &scene->setup, err);
   if (!status && !vs_error_count(err)) {
     vs_text_add(&r->good, "a good scene: tier %s (%s)", scene->tier->name, scene->why);
-    for (size_t w = 0; w < scene->n_warnings; w++) *warning(r) = scene->warnings[w];
+    for (size_t w = 0; w < scene->warnings.count; w++)
+      *vs_warnings_add(&r->warnings) = scene->warnings.item[w];
     if (scene->frame.deck) warn_of_deck(r, scene->frame.deck);
     warn_of_firing(r, scene);
   }
@@ -174,17 +171,7 @@ static void describe_deck(const vs_deck *deck, vs_text *good) {
                                                     : "s");
 }
 
-static void warn_of_limits(report *r, const vs_deck *deck) {
-  char text[VS_DECK_TEXT + VS_NAME_SIZE];
-  size_t said = 0;
-  for (size_t k = 0; k < deck->n_limits && said < VS_IDLE_LIMITS; k++)
-    if (vs_parts_limit_is_idle(deck, k, text, sizeof text)) {
-      vs_fail_at(warning(r), deck->limits[k].where, "%s", text);
-      said++;
-    }
-}
-
-/* In the scene that names this deck and nothing else. */
+/* A deck is checked in the scene that names it and nothing else. */
 static vs_status check_deck(report *r, vs_error *err) {
   const vs_check_options *o = r->options;
   if (o->n_sets)
@@ -202,8 +189,9 @@ static vs_status check_deck(report *r, vs_error *err) {
     for (size_t p = 0; p < setup->deck.n_parts; p++)
       if (vs_parts_below_mains(&setup->deck, p, setup->timeline.supply.voltage_v, text,
                                sizeof text))
-        vs_fail_at(warning(r), (vs_where){.file = setup->deck.files[0]}, "%s", text);
-    warn_of_limits(r, &setup->deck);
+        vs_fail_at(vs_warnings_add(&r->warnings), (vs_where){.file = setup->deck.files[0]}, "%s",
+                   text);
+    vs_warnings_of_limits(&setup->deck, &r->warnings);
     warn_of_deck(r, &setup->deck);
   }
   vs_setup_free(setup);
@@ -211,7 +199,8 @@ static vs_status check_deck(report *r, vs_error *err) {
   return status;
 }
 
-/* A part's file: its own lines. What a deck asks of it the deck's check says. */
+/* Of a part's file its own lines are checked. What a deck asks of the part is found with the deck.
+ */
 static vs_status check_part(report *r, vs_error *err) {
   vs_deck *part = vs_alloc(1, sizeof *part);
   vs_status status = vs_netlist_read_part(r->options->name, part, err);
@@ -222,7 +211,7 @@ static vs_status check_part(report *r, vs_error *err) {
     vs_text_add(&r->good, "a good part: %s, %s; %zu limits, %zu parameters",
                 part->part_files[0].kind, part->part_files[0].text, part->n_limits,
                 part->section.count - 1);
-  if (!status && !vs_error_count(err)) warn_of_limits(r, part);
+  if (!status && !vs_error_count(err)) vs_warnings_of_limits(part, &r->warnings);
   vs_deck_free(part);
   free(part);
   return status;
@@ -233,7 +222,8 @@ static bool ends_in(const char *name, const char *ending) {
   return n > m && !strcmp(name + n - m, ending);
 }
 
-/* By its ending; a name without one is looked for among the scenes, then among the decks. */
+/* The name's ending says which kind of file it is. A name without one is looked for among the
+ * scenes that come with the program, then among the decks. */
 static vs_status check(report *r, vs_error *err) {
   const char *name = r->options->name;
   char path[VS_PATH_SIZE];
@@ -263,8 +253,8 @@ vs_status vs_check_command(const vs_check_options *o, vs_error *err) {
       add_json(o->name, &all->item[k], &json);
     else
       print_finding(o->name, "", &all->item[k]);
-  for (size_t k = 0; k < r.n_warnings && !o->quiet; k++)
-    print_finding(o->name, "warning: ", &r.warnings[k]);
+  for (size_t k = 0; k < r.warnings.count && !o->quiet; k++)
+    print_finding(o->name, "warning: ", &r.warnings.item[k]);
   vs_json_end(&json);
   if (o->json)
     puts(text.text);
@@ -275,6 +265,7 @@ vs_status vs_check_command(const vs_check_options *o, vs_error *err) {
   if (!status && all->count) status = VS_INPUT;
   vs_text_free(&text);
   vs_text_free(&r.good);
+  vs_warnings_free(&r.warnings);
   free(all);
   return status;
 }

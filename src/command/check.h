@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The command `check`: everything that can be known of a scene or a deck before a run. */
+ * The command `check`: tells all that can be known of a scene, a deck or a part before a run. */
 #ifndef VS_COMMAND_CHECK_H
 #define VS_COMMAND_CHECK_H
 
@@ -12,19 +12,21 @@
 
 typedef struct vs_check_options vs_check_options;
 struct vs_check_options {
-  const char *name; /* a path, or the name of a scene or else a deck that comes with the program */
-  char *const *sets;
-  size_t n_sets; /* for scenes only */
-  bool json, quiet;
-  /* Reads what is neither scene nor deck nor part, and adds what it is a good one of; NULL: it is
-   * one of those. */
+  const char
+      *name; /* a path, or the name of a scene or else of a deck that comes with the program */
+  char *const *sets; /* KEY=VALUE of each --set; for scenes only */
+  size_t n_sets;
+  bool json;  /* findings as a JSON array on standard output */
+  bool quiet; /* prints nothing but findings */
+  /* Hook for another kind of file, such as studies. On success it appends one line to `good` that
+   * describes the file. NULL: the file is a scene, a deck or a part. */
   vs_status (*other)(const vs_check_options *options, vs_text *good, vs_error *err);
 };
 
-/* Reads the file to its end, then takes the run's first step and no more. Prints all findings to
- * standard error, each with its line of the file; or as a JSON array to standard output. VS_INPUT:
- * there are some, and err says nothing more. Otherwise prints what it is a good one of, and
- * warnings. */
+/* Reads the file to its end, and takes the first step of a run and no more. Prints all findings to
+ * standard error, each with its line of the file, or as JSON to standard output. Without findings
+ * it prints one line that describes the file, and warnings. Returns VS_INPUT where there are
+ * findings, with an empty err, or with one line more where there were too many to keep. */
 vs_status vs_check_command(const vs_check_options *options, vs_error *err);
 
 #endif

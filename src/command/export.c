@@ -5,6 +5,7 @@
  * Whatever {expression} a B source holds stands in brackets: ngspice pastes it as text. */
 #include "command/export.h"
 
+#include <assert.h>
 #include <ctype.h>
 #include <math.h>
 #include <stdio.h>
@@ -67,6 +68,7 @@ static void name_column(column *c, vs_channel channel) {
 static size_t find_columns(const vs_scene *scene, column columns[MOST_COLUMNS]) {
   static const int OURS[OUR_COLUMNS] = {VS_CH_P,      VS_CH_U, VS_CH_W,     VS_CH_PHI,  VS_CH_Z,
                                         VS_CH_LAMBDA, VS_CH_I, VS_CH_FORCE, VS_CH_V_EVA};
+  _Static_assert(VS_DOF == 4 && OUR_COLUMNS == VS_DOF + 5, "columns[4] to [8] follow coordinates");
   const vs_deck *deck = &scene->setup.deck;
   for (int k = 0; k < OUR_COLUMNS; k++) name_column(&columns[k], vs_channel_standard[OURS[k]]);
   for (int k = 0; k < VS_DOF; k++) vs_text_add(&columns[k].value, "v(vs_%s)/1000", STATES[k]);
@@ -184,10 +186,10 @@ static void add_scene(vs_text *t, const vs_setup *s) {
       {"vs_pulse", firing->pulse_width_s, "s, length of a gate pulse"},
       {"vs_first", firing->first_cycle, "cycle of the first pulse, from 1"},
       {"vs_every", firing->every, "cycles from pulse to pulse; 0: one pulse only"},
-      {"vs_gate_burst", firing->burst_hz, "Hz, of sub-pulses"},
+      {"vs_burst", firing->burst_hz, "Hz, of sub-pulses"},
       {"vs_burst_duty", firing->burst_duty, "part of a sub-pulse's period that it is there"},
       {"vs_d", eva->gap_m, "m, D, from the armature to the pole cover"},
-      {"vs_actuator_gap", s->model.gap_rest_m, "m, D + d, the air gap at rest"},
+      {"vs_gap", s->model.gap_rest_m, "m, D + d, the air gap at rest"},
       {"vs_until", s->run.until_s, "s, end of the run"},
       {"vs_sample", fmin(s->run.sample_s, s->run.until_s), "s, from row to row of the table"},
       {"vs_step", largest_step(s), "s, the largest step; the error falls with its square"},
@@ -198,9 +200,12 @@ static void add_scene(vs_text *t, const vs_setup *s) {
   };
   vs_text_add(t, "*\n* The scene, in SI. Change a value and run again.\n");
   add_params(t, ROWS, sizeof ROWS / sizeof *ROWS);
-  for (int k = 0; k < VS_STATES; k++)
-    vs_text_add(t, ".param vs_%s0=%.17g ; SI, %s\n", STATES[k], s->start.x[k],
-                vs_setup_start_section.fields[k].text);
+  assert(vs_setup_start_section.count == VS_STATES);
+  for (int k = 0; k < VS_STATES; k++) {
+    const vs_field *field = &vs_setup_start_section.fields[k];
+    assert(!strcmp(field->key, STATES[k]));
+    vs_text_add(t, ".param vs_%s0=%.17g ; SI, %s\n", STATES[k], s->start.x[k], field->text);
+  }
   if (eva->stop.present) add_params(t, STOP, sizeof STOP / sizeof *STOP);
 }
 
@@ -214,7 +219,7 @@ static void add_timing(vs_text *t) {
   vs_text_add(t, ".param vs_fire={vs_zero+(vs_first-1+vs_angle/%.17g)/f_mains}\n", turn);
   vs_text_add(t, ".param vs_period={vs_every>0 ? vs_every/f_mains : vs_until+vs_pulse+1}\n");
   vs_text_add(t, ".param vs_edge={min(1e-8,vs_pulse/10)}\n");
-  vs_text_add(t, ".param vs_gate_burst_edge={min(1e-8,vs_burst_duty/vs_gate_burst/10)}\n");
+  vs_text_add(t, ".param vs_burst_edge={min(1e-8,vs_burst_duty/vs_burst/10)}\n");
 }
 
 static void add_pulses(vs_text *t, const char *name, const char *nodes, double turns) {
@@ -230,12 +235,11 @@ static void add_burst(vs_text *t, const char *name, const char *nodes[2], double
   snprintf(source, sizeof source, "Vvs_w_%s", name);
   snprintf(node, sizeof node, "vs_w_%s 0", name);
   add_pulses(t, source, node, turns);
-  vs_text_add(
-      t,
-      "Vvs_b_%s vs_b_%s 0 PULSE(0 1 {vs_fire+%.17g/f_mains} {vs_gate_burst_edge} "
-      "{vs_gate_burst_edge} {vs_burst_duty/vs_gate_burst-vs_gate_burst_edge} {1/vs_gate_burst})\n"
-      "Bvs_%s vs_%s %s V = v(vs_w_%s)*v(vs_b_%s)\n%s %s vs_%s 0\n",
-      name, name, turns, name, name, nodes[1], name, name, name, nodes[0], name);
+  vs_text_add(t,
+              "Vvs_b_%s vs_b_%s 0 PULSE(0 1 {vs_fire+%.17g/f_mains} {vs_burst_edge} "
+              "{vs_burst_edge} {vs_burst_duty/vs_burst-vs_burst_edge} {1/vs_burst})\n"
+              "Bvs_%s vs_%s %s V = v(vs_w_%s)*v(vs_b_%s)\n%s %s vs_%s 0\n",
+              name, name, turns, name, name, nodes[1], name, name, name, nodes[0], name);
 }
 
 /* The train keeps its phase from gate pulse to gate pulse. */
@@ -256,7 +260,7 @@ static void add_source(vs_text *t, const char *line, const vs_port *port) {
   char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME], nodes[2 * VS_DECK_NAME];
   sscanf(line, "%63s %63s %63s", name, plus, minus);
   if (!port)
-    vs_text_add(t, "B%s %s %s V = ({vs_actuator_gap})+v(vs_p)/1000\n", name + 1, plus, minus);
+    vs_text_add(t, "B%s %s %s V = ({vs_gap})+v(vs_p)/1000\n", name + 1, plus, minus);
   else if (port->signal.drive == VS_PORT_MAINS)
     vs_text_add(t, "%s %s %s SIN(0 {sqrt(2)*u_rms} {f_mains} 0 0 {phase*%.17g})\n", name, plus,
                 minus, 180 / M_PI);

@@ -9,6 +9,7 @@
 #include "deck/netlist.h"
 #include "drive/events.h"
 #include "scene/scene.h"
+#include "scene/sections.h"
 
 static void print_file(void *ctx, const char *path) {
   const vs_shelf *shelf = ctx;
@@ -23,7 +24,7 @@ static void list_scenes(const vs_deck *deck) {
 
 static void list_studies(const vs_deck *deck) {
   (void)deck;
-  vs_path_list(&vs_plan_shelf, print_file, (void *)(size_t)&vs_plan_shelf);
+  vs_path_list(&vs_scene_study_shelf, print_file, (void *)(size_t)&vs_scene_study_shelf);
 }
 
 /* With its title; a deck that cannot be read is listed all the same. */
@@ -114,13 +115,11 @@ static void print_field(const char *section, const vs_field *f) {
 }
 
 static void list_parameters(const vs_deck *deck) {
-  const vs_section *const sections[] = {
-      &vs_model_machine_section,   &vs_model_actuator_section,  &vs_model_load_section,
-      &vs_timeline_supply_section, &vs_timeline_firing_section, &deck->section,
-      &vs_setup_run_section,       &vs_setup_start_section,     &vs_setup_measure_section};
-  for (size_t s = 0; s < sizeof sections / sizeof *sections; s++)
-    for (size_t k = 0; k < sections[s]->count; k++)
-      print_field(sections[s]->name, &sections[s]->fields[k]);
+  for (int s = 0; s < VS_SECTIONS; s++) {
+    const vs_section *section = vs_section_listed(deck, s);
+    for (size_t k = 0; section && k < section->count; k++)
+      print_field(section->name, &section->fields[k]);
+  }
 }
 
 static void list_events(const vs_deck *deck) {
@@ -162,12 +161,12 @@ vs_status vs_list_command(const char *kind, const char *deck_name, vs_error *err
   }
   if (!found) {
     const char *nearest = vs_text_nearest(kind, names, N_KINDS);
-    return vs_fail(err, VS_INPUT,
-                   "list: no kind '%s'; there are: scenes, studies, decks, parts, tiers, probes, "
-                   "events, measures, "
-                   "parameters%s%s%s",
-                   kind, nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                   nearest ? "'?" : "");
+    vs_text there_are = {0};
+    for (size_t k = 0; k < N_KINDS; k++) vs_text_add(&there_are, "%s%s", k ? ", " : "", names[k]);
+    vs_fail(err, VS_INPUT, "list: no kind '%s'; there are: %s%s%s%s", kind, there_are.text,
+            nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    vs_text_free(&there_are);
+    return VS_INPUT;
   }
   vs_deck *deck = vs_alloc(1, sizeof *deck);
   char path[VS_PATH_SIZE];

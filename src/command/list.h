@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The command `list`: what there is, printed from the tables the program itself works from. */
+ * The command `list`: what there is, printed from the tables that the program itself works from. */
 #ifndef VS_COMMAND_LIST_H
 #define VS_COMMAND_LIST_H
 
 #include "base/error.h"
 
-/* kind: scenes, studies, decks, parts, tiers, probes, measures, parameters; NULL: all. deck: whose
- * probes and parameters. */
+/* Prints one kind of things, or all. kind: scenes, studies, decks, parts, tiers, probes, events,
+ * measures or parameters; NULL: all of them. deck: the one whose probes, measures and parameters
+ * are listed, a path or a name; NULL: the deck of a scene that names none. Errors: VS_INPUT, there
+ * is no such kind; those of reading the deck. */
 vs_status vs_list_command(const char *kind, const char *deck, vs_error *err);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Measured curves to lay over a run's: a CSV file whose columns are named as run.csv's are, in the
- * same units or other ones of the same kind. Its first column is the time. */
+ * Measured curves to draw over those of a run. They come from a CSV file whose first column is the
+ * time and whose other columns are named as those of run.csv, in the same unit or another of its
+ * kind. */
 #ifndef VS_COMMAND_OVERLAY_H
 #define VS_COMMAND_OVERLAY_H
 
@@ -11,36 +12,36 @@
 enum { VS_OVERLAY_NAME = 96 };
 
 typedef struct vs_overlay_curve {
-  char name[VS_OVERLAY_NAME];  /* of the column in run.csv that it goes with */
-  char label[VS_OVERLAY_NAME]; /* "v_ak / V", for an axis */
-  int column;                  /* of the measured file, from 1 */
-  double factor;               /* from its unit to the one in run.csv */
+  char name[VS_OVERLAY_NAME];  /* of the column in run.csv that the curve goes with */
+  char label[VS_OVERLAY_NAME]; /* for an axis: "v_ak / V" */
+  int column;                  /* number in the measured file, from 1 */
+  double factor;               /* from the curve's unit to that of the column in run.csv */
 } vs_overlay_curve;
 
 typedef struct vs_overlay {
-  const char *path; /* borrowed; NULL: there is no overlay */
-  double time_s;    /* what a one in the first column means */
-  long rows;        /* within the run */
-  vs_overlay_curve *curves;
+  const char *path;         /* borrowed; NULL: there is no overlay */
+  double time_s;            /* unit of the first column, s */
+  long rows;                /* how many lie within the run */
+  vs_overlay_curve *curves; /* owned */
   size_t count;
 } vs_overlay;
 
-/* What the file is held against. */
+/* The run that the curves are drawn over. */
 typedef struct vs_overlay_run {
-  const char *folder;        /* of the run; its summary.json knows the units of the deck's probes */
-  const char *path, *header; /* run.csv and its first line */
-  double until_s;            /* time of its last row */
+  const char *folder;        /* whose summary.json knows the units of the deck's probes */
+  const char *path, *header; /* of run.csv; its first line */
+  double until_s;            /* time of run.csv's last row */
 } vs_overlay_run;
 
-/* Reads and checks the whole file, row by row. Errors, each with file:line:column: a column that
- * run.csv has not (the nearest named) or whose unit is not of its kind, a cell that is no number, a
- * row of another length, time that does not rise; no row within the run. vs_overlay_free even
- * then. */
+/* Reads the whole file, row by row, and fills the overlay, which vs_overlay_free frees also after
+ * an error. Errors, each with its place: a column that run.csv does not have (the nearest is named)
+ * or whose unit is not of its kind, a cell that is no number, a row of another length, a time that
+ * does not rise; no row lies within the run. */
 vs_status vs_overlay_read(const char *path, const vs_overlay_run *run, vs_overlay *overlay,
                           vs_error *err);
 void vs_overlay_free(vs_overlay *overlay);
 
-/* The curve to lay over that column of run.csv; NULL: none. */
+/* The curve to draw over that column of run.csv; NULL: there is none. */
 const vs_overlay_curve *vs_overlay_find(const vs_overlay *overlay, const char *name);
 
 #endif

@@ -141,7 +141,7 @@ static void add_panel(vs_text *script, const run_file *run, const panel *p, doub
   vs_text_add(script, "\n");
 }
 
-/* The panels there are columns for; a run that recorded less is drawn with less. */
+/* Adds the panels that run.csv has columns for, and returns how many these are. */
 static int add_sheet(vs_text *script, const run_file *run, const sheet *s, const char *output) {
   int there = 0;
   for (const panel *p = s->panels; p->column; p++) there += find_column(run->header, p->column) > 0;
@@ -157,7 +157,7 @@ static int add_sheet(vs_text *script, const run_file *run, const sheet *s, const
   return there;
 }
 
-/* The picture appears whole, and in the place of what had its name, even of a link. */
+/* The file appears whole, in the place of what had its name, even of a link. */
 static vs_status write_picture(const char *output, const char *picture, size_t size,
                                vs_error *err) {
   vs_file file;
@@ -186,7 +186,7 @@ static vs_status draw(const run_file *run, const sheet *s, const char *output, b
   return status;
 }
 
-/* NULL: none of the sheets shows the column. */
+/* The panel that shows the column; NULL: none of the sheets does. */
 static const panel *find_panel(const sheet *sheets, size_t count, const char *column) {
   for (size_t s = 0; s < count; s++)
     for (const panel *p = sheets[s].panels; p->column; p++)
@@ -221,7 +221,7 @@ static vs_status draw_all(const char *folder, const run_file *run, bool quiet, v
   return status;
 }
 
-/* Before gnuplot says the same in ten lines. */
+/* Says in one line what gnuplot would say in ten. */
 static vs_status check_writable(const char *output, vs_error *err) {
   char folder[VS_PATH_SIZE];
   const char *slash = strrchr(output, '/');

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The command `plot`: what the paper shows in Figs. 9-11, from a run's files, drawn by gnuplot. */
+ * The command `plot` of a run's folder: the pictures of the paper's Figs. 9 to 11, drawn by
+ * gnuplot.
+ */
 #ifndef VS_COMMAND_PLOT_H
 #define VS_COMMAND_PLOT_H
 
@@ -8,19 +10,21 @@
 #include "base/error.h"
 
 typedef struct vs_plot_options {
-  const char *folder;  /* holds run.csv of a run that recorded what the pictures need */
-  const char *output;  /* NULL: the set of pictures in the folder; else one, in .png or .svg */
+  const char *folder; /* of the run; its run.csv has the columns that the run recorded */
+  const char *output; /* the one picture to draw, ending in .png or .svg; NULL: the set of pictures,
+                         in the folder */
   const char *overlay; /* a CSV file of measured curves (command/overlay.h); NULL: none */
   bool quiet;
 } vs_plot_options;
 
-/* Names that cannot be: too long, with a line break, an output that is no picture or that cannot be
- * written. */
+/* Looks at the names before anything is drawn. Errors: VS_INPUT, a name is too long or has a line
+ * break; the output is no picture or cannot be written. */
 vs_status vs_plot_check(const vs_plot_options *options, vs_error *err);
 
-/* A measured curve that none of the pictures has a panel for gets one on the last. Errors: no
- * run.csv, only a partial one, a column missing, an overlay that does not fit, gnuplot missing or
- * failing. */
+/* Draws the pictures. A panel whose column was not recorded is left out; a measured curve that none
+ * of the pictures has a panel for gets one on the last. Errors: there is no run.csv, or only a
+ * partial one; a picture has no column at all; the overlay does not fit; gnuplot is missing or
+ * fails. */
 vs_status vs_plot_command(const vs_plot_options *options, vs_error *err);
 
 #endif

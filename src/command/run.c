@@ -11,6 +11,8 @@
 
 #include "base/file.h"
 #include "base/leave.h"
+#include "command/show.h"
+#include "command/summary.h"
 #include "scene/session.h"
 #include "watch/table.h"
 
@@ -18,8 +20,9 @@
 typedef struct audience {
   const vs_run_options *options;
   const vs_scene *scene;
-  vs_file csv, events, raw; /* closed when there is no folder; raw: when it is not asked for */
-  int made;                 /* folders, for the output */
+  vs_file csv, events,
+      raw;  /* closed where there is no folder; raw also where it is not asked for */
+  int made; /* how many folders were made for the output */
   vs_table table;
   double began_s, shown_s; /* wall clock: of the run, of the last progress line */
   bool show_progress;
@@ -48,6 +51,7 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
                                      [VS_EV_JAMS] = "armature jams",
                                      [VS_EV_QUIET] = "the circuit is quiet: ngspice is left",
                                      [VS_EV_BACK] = "back in ngspice"};
+  _Static_assert(sizeof WHAT / sizeof *WHAT == VS_EV_BACK + 1, "every event has its words");
   audience *a = ctx;
   vs_status status = VS_OK;
   if (a->table.stream) status = vs_table_accept(&a->table, step, err);
@@ -60,7 +64,7 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
     if (events->item[k].start_s >= step->from->t_s && events->item[k].start_s < step->to->t_s)
       fprintf(a->events.stream, "%.*g,%s begins (%s)\n", a->options->digits,
               events->item[k].start_s, events->item[k].name, events->item[k].kind->name);
-  const vs_devices *devices = result->devices;
+  const vs_devices *devices = result->watchers.devices;
   for (size_t k = 0; a->events.stream && devices && k < devices->n_incidents; k++) {
     const vs_incident *i = &devices->incidents[k];
     fprintf(a->events.stream, "%.*g,%s %s\n", a->options->digits, i->at_s, i->device, i->what);
@@ -89,14 +93,14 @@ static vs_status open_files(audience *a, vs_error *err) {
   return VS_OK;
 }
 
-/* An older result in the folder that this run's files would contradict. */
+/* Removes a file of an older run in the folder, which this run's files would contradict. */
 static void remove_stale(const char *folder, const char *name) {
   char path[VS_PATH_SIZE];
   snprintf(path, sizeof path, "%s/%s", folder, name);
   unlink(path);
 }
 
-/* What `plot` drew of the older run; a link is none of its. */
+/* What `plot` drew of the older run. A link is left alone: the program drew none. */
 static const char *const PICTURES[] = {"motion_run.png",   "motion_run.svg", "motion_100ms.png",
                                        "motion_100ms.svg", "pulse_50ms.png", "pulse_50ms.svg"};
 enum { N_PICTURES = sizeof PICTURES / sizeof *PICTURES };
@@ -108,7 +112,8 @@ static bool is_picture(const char *folder, size_t k) {
   return !lstat(path, &s) && S_ISREG(s.st_mode);
 }
 
-/* Which files of an older run in the folder give way to this one's; empty: none. free() it. */
+/* The names of an older run's files in the folder, which give way to this run's; empty: none. To be
+ * freed by the caller. */
 static char *name_replaced(const char *folder) {
   static const char *const FILES[] = {"run.csv", "events.csv",      "summary.json",
                                       "run.raw", "run.partial.csv", "run.partial.raw"};
@@ -124,13 +129,13 @@ static char *name_replaced(const char *folder) {
   return names.text;
 }
 
-/* replaced: that there was an older run. */
+/* Removes the older run's pictures; `replaced` names its files, empty where there was none. */
 static void remove_pictures(const char *folder, const char *replaced) {
   for (size_t k = 0; k < N_PICTURES && *replaced; k++)
     if (is_picture(folder, k)) remove_stale(folder, PICTURES[k]);
 }
 
-/* Of a run that failed: what was computed, under a name that says so. */
+/* Keeps what a failed run has computed, under names that say so, and adds to err where it is. */
 static void keep_partial(audience *a, vs_error *err) {
   static const char *const STALE[] = {"run.csv", "events.csv", "summary.json", "run.raw",
                                       "run.partial.raw"};
@@ -157,7 +162,7 @@ static void discard_files(audience *a) {
   vs_file_discard(&a->csv);
 }
 
-/* ran: how the run ended. */
+/* Keeps or discards the files, as the run ended (`ran`), and writes summary.json. */
 static vs_status close_files(audience *a, vs_status ran, const char *json, vs_error *err) {
   const char *folder = a->options->folder;
   vs_file summary = {0};
@@ -203,7 +208,7 @@ static void end_progress(const audience *a) {
   if (a->shown_s > 0) fputs("\r\033[K", stderr);
 }
 
-/* Nothing is kept of an attempt behind which there is another. */
+/* Nothing is kept of an attempt that another one follows. */
 static void again(void *ctx, const char *failed, int next) {
   audience *a = ctx;
   end_progress(a);
@@ -221,7 +226,7 @@ static void say_result(const vs_run_options *o, const vs_result *r, const char *
   if (o->json)
     fputs(json, stdout);
   else if (!o->quiet) {
-    vs_summary_table(r, stdout);
+    vs_show_result(r, stdout);
     if (o->folder)
       printf("written: run.csv, events.csv, summary.json%s in %s\n", o->raw ? ", run.raw" : "",
              o->folder);

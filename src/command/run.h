@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The command `run`: one scene, one sim, its files and its table. */
+ * The command `run`: runs one scene, writes its files and prints its table. */
 #ifndef VS_COMMAND_RUN_H
 #define VS_COMMAND_RUN_H
 
@@ -10,17 +10,21 @@
 #include "base/error.h"
 
 typedef struct vs_run_options {
-  const char *scene, *tier, *folder; /* tier, folder: NULL when not given */
-  char *const *sets;
+  const char *scene, *tier; /* as for vs_scene_read */
+  const char *folder;       /* for the files; NULL: none are written */
+  char *const *sets;        /* KEY=VALUE of each --set */
   size_t n_sets;
-  bool json, quiet, reproducible;
-  bool raw;                          /* run.raw too; wants a folder and the circuit tier */
-  int digits;                        /* of run.csv */
-  const volatile sig_atomic_t *stop; /* set by a signal: end, keep what there is */
+  bool json;         /* prints JSON instead of the table */
+  bool quiet;        /* no table, no warnings, no progress */
+  bool reproducible; /* leaves the cost out of summary.json */
+  bool raw;          /* writes run.raw, too, which wants a folder and the circuit tier */
+  int digits;        /* significant ones in CSV files, 1..17 */
+  const volatile sig_atomic_t *stop; /* set by a signal: the run ends and keeps what there is */
 } vs_run_options;
 
-/* VS_RUN and VS_SIGNAL keep run.partial.csv (and run.partial.raw) in the folder; VS_INPUT writes
- * nothing. */
+/* Errors: VS_INPUT, with nothing written; VS_RUN and VS_SIGNAL, which leave run.partial.csv (and
+ * run.partial.raw) in the folder; VS_RATING, all is written and a line of the verdict is violated
+ * or undecided. */
 vs_status vs_run_command(const vs_run_options *options, vs_error *err);
 
 #endif

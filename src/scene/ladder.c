@@ -5,13 +5,16 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A run may end because rounding errors grow beyond what Newton's iteration has to reach, where
- * voltages of 600 V and steps of picoseconds meet; in another order of elimination they may not,
- * and nothing else changes. Gear's rule damps what rings behind a junction; a shorter step is one
- * that Newton's iteration may still find an end in; a larger trtol makes ngspice accept steps whose
- * truncation error it cannot get down by shortening them (their length is then given by the largest
- * step, which is why that is a quarter); and where it is the thyristor's model that has no
- * solution, an ideal one has. */
+/* Why each rung may help:
+ * - Where voltages of 600 V and steps of picoseconds meet, rounding errors may grow beyond what
+ *   Newton's iteration has to reach. With another order of elimination they may not, and nothing
+ *   else changes.
+ * - Gear's rule damps what rings behind a junction.
+ * - In a shorter step Newton's iteration may still find an end.
+ * - With a larger trtol ngspice accepts steps whose truncation error it cannot get down by
+ *   shortening them. Their length is then given by the largest step, which is why that is a
+ * quarter.
+ * - Where the model of the thyristor has no solution, an ideal thyristor has one. */
 typedef struct rung {
   const char *text;
   bool other_order, gear, quarter, loose, ideal;

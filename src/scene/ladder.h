@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What a run tries when ngspice gives up: the same scene with other settings, one rung after the
- * other, each a few keys that a user could set. What was climbed stands in the result. */
+ * What is tried when ngspice gives up on a scene: the same scene with other settings, one rung
+ * after the other. A rung is a few keys that a user could set. The result says how far was climbed.
+ */
 #ifndef VS_SCENE_LADDER_H
 #define VS_SCENE_LADDER_H
 
@@ -12,19 +13,24 @@ typedef struct vs_ladder {
   int rung;                      /* 0: the scene as it is */
   char keys[VS_LADDER_KEYS][64]; /* KEY=VALUE of this rung, as for --set */
   size_t n_keys;
-  bool gear;                    /* the scene as it is: its method, */
-  double step_s, trtol, pivrel; /* its largest step by Gear's rule, and ngspice's own */
-  char failed[sizeof(((vs_error *)0)->text)]; /* how the scene as it is ended */
+  bool gear;            /* method of the scene as it is */
+  double step_s;        /* largest step by Gear's rule of the scene as it is, s */
+  double trtol, pivrel; /* ngspice's own settings in the scene as it is */
+  char failed[sizeof(((vs_error *)0)->text)]; /* how the scene as it is ended; empty while it is
+                                                 not known */
 } vs_ladder;
 
-const char *vs_ladder_text(int rung); /* what a rung is, in a few words */
+/* What a rung is, in a few words. */
+const char *vs_ladder_text(int rung);
 
-bool vs_ladder_is_ideal(int rung); /* has it another thyristor? */
+/* True: the rung has an ideal thyristor in the place of the scene's. */
+bool vs_ladder_is_ideal(int rung);
 
-/* Goes to the next rung that changes anything for the scene as it is; false: there is none, or
- * run.ladder stops before it: `stay` on the first rung, `climb` before the ideal thyristor. */
+/* Goes to the next rung that changes anything for the scene as it is, and fills its keys. Returns
+ * false where there is none, or where run.ladder stops before it: `stay` on the first rung, `climb`
+ * before the ideal thyristor. */
 bool vs_ladder_climb(vs_ladder *ladder, const vs_scene *scene);
-/* True where run.ladder: ideal would have had one rung more. */
+/* True: `run.ladder: ideal` would have one rung more for this scene. */
 bool vs_ladder_stopped_short(const vs_scene *scene);
 
 /* Gives the deck with the ideal thyristor the ratings of the scene's own deck, and the limits of

@@ -1,82 +1,51 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The result of one run as a table for people and as JSON for programs. */
+ * What one run of a scene came to, and what is to be warned of in it. */
 #ifndef VS_SCENE_RESULT_H
 #define VS_SCENE_RESULT_H
 
-#include <stdio.h>
-
 #include "scene/ladder.h"
-#include "scene/scene.h"
-#include "watch/energy.h"
 #include "watch/verdict.h"
+#include "watch/watchers.h"
 
-/* Stretches of a run that went without ngspice, as the circuit was quiet. */
-typedef struct vs_absence {
-  int times;
-  double first_s, total_s; /* when it was first left; how long in all */
-  double since_s;          /* the present one */
-  bool now;
-  double bound; /* on the error by it, relative to each probe's peak */
-} vs_absence;
-void vs_absence_accept(vs_absence *absence, const vs_step *step);
-void vs_absence_finish(vs_absence *absence, double until_s);
-
-/* The second run, which tells the errors of the margins. */
+/* The second run of the scene, which tells the errors of the margins. */
 typedef struct vs_second_run {
-  bool done, stopped; /* stopped: by a signal */
-  double tolerance;   /* its run.tolerance */
-  double decides; /* a run.tolerance at which the undecided lines would be decided; 0: none does, or
-                     none need be */
+  bool done;
+  bool stopped; /* by a signal */
+  double tolerance; /* its run.tolerance */
+  double decides;   /* a run.tolerance at which the undecided lines of the verdict are likely to be
+                       decided; 0: none is known, or none is needed */
   double wall_s;
-  char failed[256]; /* why there is none though it was wanted; empty: there is one, or it was not
+  char failed[256]; /* why there was none though it was wanted; empty: there was one, or it was not
                        wanted */
 } vs_second_run;
 
-/* What a run came to. Start from {0}; vs_result_free it. */
+/* Start from {0} and free with vs_result_free. Not to be copied: its verdict points into itself. */
 typedef struct vs_result {
   const vs_scene *scene; /* that was run: the caller's, or `climbed` */
-  vs_scene *climbed; /* the scene with the keys of the ladder's rung; NULL: the caller's as it is */
-  vs_value values[VS_MEASURES];
-  vs_measures *measures; /* its extremes of the deck's probes */
-  vs_devices *devices;   /* NULL: the deck has none */
-  vs_energy energy;
-  char books[512]; /* what the energy audit finds; empty: nothing */
+  vs_scene *climbed;     /* the scene with the keys of the ladder's rung, owned; NULL: the caller's
+                            scene     was run as it is */
+  vs_value values[VS_MEASURES]; /* the standard measures, SI */
+  vs_watchers watchers;         /* what they have seen of the run */
+  char books[512];              /* what the energy audit finds; empty: nothing */
   vs_verdict verdict;
   vs_ladder ladder; /* on which rung of it this was got */
-  vs_absence absence;
   vs_second_run second;
   double wall_s;
   long steps;
 } vs_result;
 
-/* Once the run is over: values and verdict, by what its measures, energy and devices have seen. */
-void vs_result_finish(vs_result *r);
-void vs_result_free(vs_result *r);
+/* Fills values and verdict from what the watchers have seen, once the run has reached its end. */
+void vs_result_finish(vs_result *result);
+void vs_result_free(vs_result *result);
 
-/* All that is to be warned of, before and after the run: calls each(ctx, text) for one after the
- * other. */
-void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *text), void *ctx);
+/* Calls each(ctx, text) with every warning, one after the other: those of the scene, then those
+ * that are known only once it was run. */
+void vs_result_warnings(const vs_result *result, void (*each)(void *ctx, const char *text),
+                        void *ctx);
 
-/* A line on standard error for each of those that are known only once the run is over. That nothing
- * fires is not said of a run shorter than a cycle of the mains: who asks for one does not wait for
- * a firing. */
-void vs_result_warn(const vs_result *r);
-
-/* A measure as it is shown. */
-typedef struct vs_shown {
-  char name[VS_JUDGED_NAME], text[VS_DECK_TEXT + 16];
-  const char *unit;
-  vs_value value; /* in that unit */
-  double limit;   /* that a rating of its probe or a limit of its device's part sets; NaN: none */
-  bool at_least;  /* that is the least allowed, not the most */
-  const char *unjudged; /* why it is not held against its part's limit; NULL: nothing is to say */
-} vs_shown;
-
-/* Each measure there is, k from 0: the energies', the probes' extremes and the devices' included;
- * false: there are no more. Of the result its values, measures and devices are asked for. */
-bool vs_result_shown_at(const vs_frame *frame, const vs_result *result, int k, vs_shown *shown);
-
-void vs_summary_table(const vs_result *result, FILE *out);
-void vs_summary_json(const vs_result *result, bool with_cost, vs_text *json);
+/* Prints a line on standard error for each warning that is known only once the scene was run. That
+ * nothing fires is not said of a run shorter than a cycle of the mains: whoever asks for one does
+ * not wait for a firing. */
+void vs_result_warn(const vs_result *result);
 
 #endif

@@ -8,27 +8,10 @@
 #include "base/units.h"
 #include "deck/devices.h"
 #include "deck/parts.h"
+#include "scene/sections.h"
 
 const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"},
-               vs_plan_shelf = {"study", "studies", ".yaml"};
-
-vs_scene_section vs_scene_section_at(const vs_scene *s, int index) {
-  const vs_setup *u = &s->setup;
-#define PART(section, values)                                                                      \
-  { &section, &values, sizeof values }
-  const vs_scene_section parts[VS_SCENE_SECTIONS] = {
-      PART(vs_model_machine_section, u->model.machine),
-      PART(vs_model_actuator_section, u->model.actuator),
-      PART(vs_model_load_section, u->model.load),
-      PART(vs_timeline_supply_section, u->timeline.supply),
-      PART(vs_timeline_firing_section, u->timeline.firing),
-      PART(u->deck.section, u->circuit_values),
-      PART(vs_setup_run_section, u->run),
-      PART(vs_setup_start_section, u->start),
-      PART(vs_setup_measure_section, u->measure)};
-#undef PART
-  return parts[index];
-}
+               vs_scene_study_shelf = {"study", "studies", ".yaml"};
 
 /* Keys of sections that every tier has, but that only the circuit tier obeys: alone it has a
  * source's impedance, ngspice, a gate drive that is fed with bursts, and devices with means and
@@ -273,94 +256,15 @@ static vs_status check_rows(const vs_scene *s, vs_error *err) {
                     1e3 * run->until_s / MOST_ROWS, MOST_ROWS);
 }
 
-/* Eqs. 92, 93: theta = atan(w L(0)/R_c) <= alpha* */
-static void warn_below_theta(vs_scene *s) {
-  const vs_setup *u = &s->setup;
-  double theta = atan2(u->timeline.omega_rad_s * u->model.actuator.inductance_h,
-                       u->model.actuator.resistance_ohm);
-  const vs_node *angle = vs_tree_child(vs_tree_child(s->tree.root, "firing"), "angle");
-  if (u->timeline.firing.angle_rad >= theta) return;
-  vs_fail_at(&s->warnings[s->n_warnings++], angle ? angle->where : (vs_where){0},
-             "firing.angle = %.6g deg is below theta = %.6g deg, the lower end of the control "
-             "range (Eq. 92): "
-             "the thyristor conducts as Eq. 91 says, for more than 180 deg",
-             u->timeline.firing.angle_rad / vs_units_factor("deg"), theta / vs_units_factor("deg"));
-}
-
-/* The energy drawn from the mains is what the port mains gives. */
-const char *vs_scene_without_mains(const vs_deck *deck) {
-  if (deck->lost & VS_LOST_PORT) return NULL;
-  for (size_t k = 0; k < deck->n_ports; k++)
-    if (deck->ports[k].signal.drive == VS_PORT_MAINS) return NULL;
-  return "no port mains, so that energy_in, what is drawn from the mains, is 0 J, and "
-         "supply.voltage "
-         "drives nothing";
-}
-
-static void warn_of_mains(vs_scene *s) {
-  const vs_deck *deck = s->frame.deck;
-  const char *text = deck ? vs_scene_without_mains(deck) : NULL;
-  const char *file = deck && deck->n_files ? deck->files[0] : NULL;
-  if (text)
-    vs_fail_at(&s->warnings[s->n_warnings++], (vs_where){.file = file}, "the deck has %s", text);
-}
-
-/* Sub-pulses that no source of the deck's is driven with. */
-static void warn_of_bursts(vs_scene *s) {
-  static const char *const KEYS[] = {"burst_frequency", "burst_duty"};
-  const vs_node *firing = vs_tree_child(s->tree.root, "firing");
-  const vs_deck *deck = s->frame.deck;
-  const vs_node *node = NULL;
-  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS && !node; k++)
-    node = vs_tree_child(firing, KEYS[k]);
-  if (!deck || !node || (deck->lost & VS_LOST_PORT)) return;
-  for (size_t k = 0; k < deck->n_ports; k++)
-    if (deck->ports[k].signal.drive == VS_PORT_BURST) return;
-  vs_fail_at(&s->warnings[s->n_warnings++], node->key_where,
-             "firing.%s: the deck has no port burst, so that nothing is driven with sub-pulses",
-             node->key);
-}
-
-static void warn_of_limits(vs_scene *s) {
-  const vs_deck *deck = s->frame.deck;
-  char text[VS_DECK_TEXT + VS_NAME_SIZE];
-  size_t said = 0;
-  for (size_t k = 0; deck && k < deck->n_limits && said < VS_IDLE_LIMITS; k++)
-    if (vs_parts_limit_is_idle(deck, k, text, sizeof text)) {
-      vs_fail_at(&s->warnings[s->n_warnings++], deck->limits[k].where, "%s", text);
-      said++;
-    }
-}
-
-static void warn_of_parts(vs_scene *s) {
-  const vs_deck *deck = s->frame.deck;
-  const vs_node *map = vs_tree_child(s->tree.root, "circuit");
-  char text[2 * VS_DECK_TEXT + VS_NAME_SIZE];
-  for (size_t p = 0; deck && p < deck->n_parts; p++) {
-    const vs_node *named = vs_tree_child(map, deck->parts[p].name);
-    if (vs_parts_below_mains(deck, p, s->setup.timeline.supply.voltage_v, text, sizeof text))
-      vs_fail_at(&s->warnings[s->n_warnings++], named ? named->where : (vs_where){0}, "%s", text);
-  }
-  for (size_t d = 0; deck && d < deck->n_devices; d++)
-    if (vs_devices_fails_ward(deck, d, text, sizeof text)) {
-      const vs_node *named = vs_tree_child(map, deck->parts[deck->devices[d].part].name);
-      vs_fail_at(&s->warnings[s->n_warnings++], named ? named->where : (vs_where){0}, "%s", text);
-    }
-  warn_of_mains(s);
-  warn_of_bursts(s);
-  warn_of_limits(s);
-}
-
-/* All that can be warned of before a run. */
+/* Finds the warnings anew. */
 static void warn(vs_scene *s) {
-  s->n_warnings = 0;
-  warn_below_theta(s);
-  warn_of_parts(s);
+  s->warnings.count = 0;
+  vs_warnings_of_scene(s->tree.root, &s->setup, &s->frame, &s->warnings);
 }
 
 void vs_scene_warn(const vs_scene *s) {
-  for (size_t k = 0; k < s->n_warnings; k++)
-    fprintf(stderr, "vibrospice: warning: %s\n", s->warnings[k].text + s->warnings[k].place_size);
+  for (size_t k = 0; k < s->warnings.count; k++)
+    fprintf(stderr, "vibrospice: warning: %s\n", vs_warnings_text(&s->warnings.item[k]));
 }
 
 vs_status vs_scene_open(const char *name, vs_where where, vs_scene *s, vs_error *err) {
@@ -381,11 +285,8 @@ static vs_status conclude(vs_scene *s, const char *tier, vs_error *err) {
 }
 
 vs_status vs_scene_settle(vs_scene *s, const char *tier, vs_error *err) {
-  static const char *const TOP[] = {"machine", "actuator", "load",     "supply",
-                                    "firing",  "circuit",  "events",   "run",
-                                    "start",   "record",   "measured", "measure"};
   vs_status status =
-      vs_field_known_keys(s->tree.root, "a scene", TOP, sizeof TOP / sizeof *TOP, err);
+      vs_field_known_keys(s->tree.root, "a scene", vs_section_keys, VS_SECTION_KEYS, err);
   s->tier_named = tier;
   if (!status) status = vs_setup_build(s->tree.root, &s->setup, err);
   if (!status) status = conclude(s, tier, err);
@@ -439,6 +340,7 @@ vs_status vs_scene_take_circuit(vs_scene *s, const char *asks, vs_error *err) {
 }
 
 void vs_scene_free(vs_scene *s) {
+  vs_warnings_free(&s->warnings);
   vs_setup_free(&s->setup);
   vs_tree_free(&s->tree);
 }

@@ -22,12 +22,7 @@ static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
   const vs_guest *guest = a->session->guest;
   vs_result *r = a->result;
   r->steps++;
-  if (!a->session->bare) {
-    vs_absence_accept(&r->absence, step);
-    vs_measures_accept(r->measures, step);
-    vs_devices_accept(r->devices, step);
-    vs_energy_accept(&r->energy, step);
-  }
+  if (!a->session->bare) vs_watchers_accept(&r->watchers, step);
   vs_status status = guest && guest->accept ? guest->accept(guest->ctx, step, r, err) : VS_OK;
   if (!status && a->session->stop && *a->session->stop)
     return vs_fail(err, VS_SIGNAL, "t = %.9g s: stopped by a signal", step->to->t_s);
@@ -40,19 +35,10 @@ static double seconds(clockid_t clock) {
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static void begin_watchers(vs_result *r, const vs_scene *s) {
-  vs_measures_free(r->measures);
-  vs_devices_free(r->devices);
-  r->measures = vs_measures_new(&s->frame);
-  r->devices = vs_devices_new(&s->frame);
-  r->energy = (vs_energy){.frame = &s->frame};
-  r->absence = (vs_absence){0};
-}
-
-/* A balance of the machine or of the coil is the program's own: beyond this multiple of what is
- * warned of, the numbers of the run mean nothing. That of the circuit rests on the deck's lines
- * too, of which some may be missing; it cannot leave more than all the energy there was, whatever
- * is missing. */
+/* The balances of the machine and of the coil are the program's own: where one leaves more than
+ * this multiple of what is warned of, the numbers of the run mean nothing. The balance of the
+ * circuit rests on the deck's lines too, of which some may be missing. Whatever is missing, it
+ * cannot leave more than all the energy there was. */
 static const double MOST_OPEN = 100;
 
 static bool is_an_event(const vs_events *events, const char *name) {
@@ -61,7 +47,8 @@ static bool is_an_event(const vs_events *events, const char *name) {
   return false;
 }
 
-/* Drawn from the mains or done by the force, whichever is more, and what events have brought, J. */
+/* The energy there was, J: what was drawn from the mains or done by the force, whichever is more,
+ * and what events have brought. */
 static double energy_there(const vs_energy *e) {
   double brought = 0;
   for (size_t k = 0; e->frame->deck && k < e->frame->deck->losses.count; k++)
@@ -70,9 +57,9 @@ static double energy_there(const vs_energy *e) {
   return vs_energy_whole(e) + brought;
 }
 
-/* Do the deck's lines speak of the circuit that is run? A deck without the port mains has a source
- * that the books do not know, and the loss of an element that an event opens or shorts is no longer
- * what its line says. */
+/* True: the deck's loss and store lines speak of the circuit that is run. A deck without the port
+ * mains has a source that the books do not know, and the loss of an element that an event opens or
+ * shorts is no longer what its line says. */
 static bool has_whole_books(const vs_frame *frame) {
   const vs_deck *deck = frame->deck;
   const vs_events *events = &frame->timeline->events;
@@ -84,8 +71,9 @@ static bool has_whole_books(const vs_frame *frame) {
   return mains;
 }
 
+/* Notes what the energy audit finds. Error: VS_RUN, the books are open beyond all meaning. */
 static vs_status close_books(vs_result *r, double tolerance, vs_error *err) {
-  const vs_energy *e = &r->energy;
+  const vs_energy *e = &r->watchers.energy;
   vs_energy_open(e, tolerance, r->books, sizeof r->books);
   double whole = energy_there(e), own = fmin(MOST_OPEN * VS_ENERGY_ALLOWED * tolerance, 1);
   for (int b = 0; b < VS_BALANCES; b++) {
@@ -106,7 +94,7 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
   const vs_guest *guest = session->guest;
   r->scene = s;
   r->steps = 0;
-  if (!session->bare) begin_watchers(r, s);
+  if (!session->bare) vs_watchers_begin(&r->watchers, &s->frame);
   vs_status status = guest && guest->begin ? guest->begin(guest->ctx, s, err) : VS_OK;
   if (status) return status;
   double began_s = seconds(CLOCK_MONOTONIC);
@@ -114,7 +102,6 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
                               : vs_sim_run(s->tier, &s->setup, &observer, err);
   r->wall_s = seconds(CLOCK_MONOTONIC) - began_s;
   if (status || session->bare) return status;
-  vs_absence_finish(&r->absence, s->setup.run.until_s);
   vs_result_finish(r);
   return close_books(r, s->setup.run.tolerance, err);
 }
@@ -140,16 +127,13 @@ static vs_scene *next_rung(const vs_scene *scene, vs_ladder *ladder) {
 }
 
 static void take_scene(vs_result *r, vs_scene *climbed) {
-  vs_measures_free(r->measures);
-  vs_devices_free(r->devices);
-  r->measures = NULL;
-  r->devices = NULL;
+  vs_watchers_free(&r->watchers); /* they look at the scene that was run before */
   if (r->climbed) vs_scene_free(r->climbed);
   free(r->climbed);
   r->climbed = climbed;
 }
 
-/* No rung helped. */
+/* No rung helped: says how the last one and the scene as it is ended. */
 static vs_status say_rungs(const vs_scene *scene, const vs_ladder *ladder, vs_error *err) {
   const vs_error last = *err;
   const char *ideal =
@@ -184,12 +168,12 @@ static vs_status climb(const vs_session *session, vs_scene *scene, vs_result *r,
 
 /* ---- the second run ---- */
 
-/* The second run's tolerance over the first's. Steps go with the root of the tolerance, so a
- * coarser run costs about 0.4 of the first. Where the first is coarse itself its steps are at
- * their longest; the second one is finer then. */
+/* The second run's tolerance is COARSER times the first's. Steps go with the root of the tolerance,
+ * so such a run costs about 0.4 of the first. Where the first run's tolerance is above COARSE its
+ * steps are at their longest, and a coarser run would be the same; the second one is finer then. */
 static const double COARSER = 10, COARSE = 2e-4;
-/* ngspice's default. A run.trtol above it is taken back to it in the second run, so that what a
- * loose one costs shows. */
+/* ngspice's default. The second run takes a run.trtol above this back to it, so that what a loose
+ * trtol costs shows as a difference. */
 static const double USUAL_TRTOL = 7;
 /* How much more of that a coarser run allows than its tolerance would: where a thyristor of two
  * transistors conducts, its gate is pulsed and each edge has the solver reject steps and take them
@@ -197,8 +181,8 @@ static const double USUAL_TRTOL = 7;
  * three times no less. */
 static const double LOOSER = 2;
 
-/* What any number of a run may be wrong by, in run.tolerance: that bounds the motion, and a
- * device's spikes are known less well. */
+/* What any number of a run may be wrong by, as a multiple of run.tolerance. The tolerance bounds
+ * the motion; a device's spikes are known less well. */
 static const double RESOLUTION = 3;
 
 static bool wants_second(const vs_session *session, const vs_result *r) {
@@ -207,8 +191,7 @@ static bool wants_second(const vs_session *session, const vs_result *r) {
          (word == VS_VERIFY_ALWAYS || (word == VS_VERIFY_AUTO && session->verify));
 }
 
-/* The same numbers but for how finely they are solved. The scene is borrowed from: it is not freed.
- */
+/* Changes how finely the scene is solved and nothing else. */
 static void change_settings(vs_scene *s, double factor) {
   vs_run_values *run = &s->setup.run;
   const double own = run->tolerance;
@@ -221,8 +204,8 @@ static void change_settings(vs_scene *s, double factor) {
   s->frame = s->tier->frame(&s->setup);
 }
 
-/* The run.tolerance at which every undecided line is likely to be decided, as errors go with it; 0:
- * none can hold it. */
+/* The run.tolerance at which every undecided line is likely to be decided, as errors go with the
+ * tolerance. 0: no line is undecided, or the tier cannot hold such a tolerance. */
 static double deciding_tolerance(const vs_result *r) {
   double most = INFINITY, own = r->scene->setup.run.tolerance;
   for (size_t k = 0; k < r->verdict.count; k++) {
@@ -234,6 +217,8 @@ static double deciding_tolerance(const vs_result *r) {
   return pow(10, floor(log10(most)));
 }
 
+/* Runs the scene a second time and gives the margins their errors. `other` shares what the scene
+ * owns and is not freed as a scene. */
 static void run_second(const vs_session *session, vs_result *r) {
   const double own = r->scene->setup.run.tolerance;
   const double factor = own > COARSE ? 1 / COARSER : COARSER;
@@ -254,7 +239,7 @@ static void run_second(const vs_session *session, vs_result *r) {
     snprintf(r->second.failed, sizeof r->second.failed, "%.255s", why.text);
     for (size_t k = 0; k < r->verdict.count; k++) r->verdict.item[k].margin_error = INFINITY;
   } else {
-    double bound = fmax(r->absence.bound, second->absence.bound);
+    double bound = fmax(r->watchers.absence.bound, second->watchers.absence.bound);
     vs_verdict_compare(&r->verdict, &second->verdict, RESOLUTION * own + bound);
     r->second.decides = deciding_tolerance(r);
   }

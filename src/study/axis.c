@@ -7,6 +7,8 @@
 #include <string.h>
 
 #include "base/units.h"
+#include "scene/sections.h"
+#include "study/plan.h"
 
 enum { MOST_KEYS = 512, MOST_VALUES = 10000000 };
 
@@ -46,8 +48,8 @@ static void add_keys(key_list *list, const char *section, const vs_section *fiel
 
 static key_list *all_keys(const vs_scene *scene) {
   key_list *list = vs_alloc(1, sizeof *list);
-  for (int p = 0; p < VS_SCENE_SECTIONS; p++) {
-    vs_scene_section part = vs_scene_section_at(scene, p);
+  for (int p = 0; p < VS_SECTIONS; p++) {
+    vs_filled_section part = vs_section_at(&scene->setup, p);
     add_keys(list, part.section->name, part.section, part.values);
   }
   const vs_events *events = &scene->setup.timeline.events;

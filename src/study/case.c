@@ -9,6 +9,7 @@
 #include "base/csv.h"
 #include "base/file.h"
 #include "scene/session.h"
+#include "scene/shown.h"
 #include "study/identity.h"
 #include "watch/table.h"
 
@@ -117,9 +118,8 @@ static vs_value find_value(vs_case *c, size_t k) {
   const char *name = c->plan->columns[k].name;
   const vs_frame *frame = &c->result->scene->frame;
   vs_shown m;
-  if (vs_result_shown_at(frame, c->result, c->shown[k], &m) && !strcmp(m.name, name))
-    return m.value;
-  for (int n = 0; vs_result_shown_at(frame, c->result, n, &m); n++)
+  if (vs_shown_at(frame, c->result, c->shown[k], &m) && !strcmp(m.name, name)) return m.value;
+  for (int n = 0; vs_shown_at(frame, c->result, n, &m); n++)
     if (!strcmp(m.name, name)) {
       c->shown[k] = n;
       return m.value;
@@ -147,7 +147,7 @@ static void add_row(vs_case *c, vs_text *row) {
   add_number(row, weakest ? weakest->margin_error : NAN);
   vs_result_warnings(r, add_warning, &warnings);
   vs_text_add(row, ",%s,%d", weakest ? vs_verdict_name(weakest, name) : "", r->ladder.rung);
-  add_number(row, r->absence.bound);
+  add_number(row, r->watchers.absence.bound);
   vs_text_add(row, ",");
   vs_csv_cell(row, warnings.text ? warnings.text : "");
   vs_text_add(row, ",%d", vs_verdict_breach(&r->verdict) ? VS_CASE_VIOLATED : VS_CASE_DONE);

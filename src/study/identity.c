@@ -6,6 +6,7 @@
 
 #include "base/hash.h"
 #include "base/json.h"
+#include "scene/sections.h"
 
 /* The sum of a section whose values are these. */
 typedef struct kept {
@@ -15,7 +16,7 @@ typedef struct kept {
 
 struct vs_identity {
   const vs_plan *plan;
-  kept kept[VS_SCENE_SECTIONS];
+  kept kept[VS_SECTIONS];
   vs_text section, whole; /* of a section; of its sections' sums and what else there is */
 };
 
@@ -26,7 +27,7 @@ vs_identity *vs_identity_new(const vs_plan *plan) {
 }
 
 void vs_identity_free(vs_identity *identity) {
-  for (int p = 0; p < VS_SCENE_SECTIONS; p++) free(identity->kept[p].values);
+  for (int p = 0; p < VS_SECTIONS; p++) free(identity->kept[p].values);
   vs_text_free(&identity->section);
   vs_text_free(&identity->whole);
   free(identity);
@@ -84,7 +85,7 @@ static vs_status add_files(const vs_plan *plan, const vs_deck *deck, vs_text *te
   return status;
 }
 
-static vs_status add_section(const vs_plan *plan, const vs_scene_section *section,
+static vs_status add_section(const vs_plan *plan, const vs_filled_section *section,
                              const vs_deck *deck, vs_text *text) {
   static const char *const OUT[] = {"tier", "sample", "verify", NULL}; /* of run */
   const bool run = section->section == &vs_setup_run_section,
@@ -100,7 +101,7 @@ static vs_status add_section(const vs_plan *plan, const vs_scene_section *sectio
 
 static vs_status update(vs_identity *identity, int index, const vs_scene *scene) {
   kept *k = &identity->kept[index];
-  const vs_scene_section section = vs_scene_section_at(scene, index);
+  const vs_filled_section section = vs_section_at(&scene->setup, index);
   if (k->values && !memcmp(k->values, section.values, section.size)) return VS_OK;
   identity->section.length = 0;
   vs_status status = add_section(identity->plan, &section, &scene->setup.deck, &identity->section);
@@ -127,7 +128,7 @@ void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_
   whole->length = 0;
   *id = '\0';
   vs_text_add(whole, "%s\n", scene->tier->name);
-  for (int p = 0; p < VS_SCENE_SECTIONS; p++) {
+  for (int p = 0; p < VS_SECTIONS; p++) {
     if (update(identity, p, scene)) return;
     vs_text_add(whole, "%s\n", identity->kept[p].sum);
   }

@@ -10,7 +10,7 @@
 
 #include "base/hash.h"
 #include "base/units.h"
-#include "scene/result.h"
+#include "scene/shown.h"
 
 static bool is_of_study(const vs_plan *plan, const char *set);
 
@@ -134,7 +134,7 @@ static vs_status unknown_measure(const vs_report_column *column, const vs_frame 
   vs_shown *all = vs_alloc(MOST, sizeof *all);
   const char **names = vs_alloc(MOST, sizeof *names);
   size_t n = 0;
-  while (n < MOST && vs_result_shown_at(frame, result, (int)n, &all[n])) {
+  while (n < MOST && vs_shown_at(frame, result, (int)n, &all[n])) {
     names[n] = all[n].name;
     n++;
   }
@@ -151,16 +151,15 @@ static vs_status unknown_measure(const vs_report_column *column, const vs_frame 
 static vs_status resolve_columns(vs_plan *plan, const vs_scene *scene, const vs_tier *tier,
                                  vs_error *err) {
   const vs_frame frame = tier->frame(&scene->setup);
-  vs_measures *measures = vs_measures_new(&frame);
-  vs_devices *devices = vs_devices_new(&frame);
-  const vs_result result = {.measures = measures, .devices = devices};
+  vs_result result = {0};
+  vs_watchers_begin(&result.watchers, &frame);
   vs_status status = VS_OK;
   for (size_t c = 0; c < plan->n_columns && !status; c++) {
     vs_report_column *column = &plan->columns[c];
     vs_shown m = {0};
     char suffix[64];
     int k = 0;
-    while (vs_result_shown_at(&frame, &result, k, &m) && strcmp(m.name, column->name)) k++;
+    while (vs_shown_at(&frame, &result, k, &m) && strcmp(m.name, column->name)) k++;
     if (strcmp(m.name, column->name)) {
       status = vs_error_carry_on(err, unknown_measure(column, &frame, tier, &result, err));
       continue;
@@ -173,8 +172,7 @@ static vs_status resolve_columns(vs_plan *plan, const vs_scene *scene, const vs_
     snprintf(column->column, sizeof column->column, "%s%s%.20s", m.name, *suffix ? "_" : "",
              suffix);
   }
-  vs_measures_free(measures);
-  vs_devices_free(devices);
+  vs_result_free(&result);
   return status;
 }
 
@@ -434,7 +432,7 @@ static vs_status check_keys(const vs_plan *plan, vs_error *err) {
 vs_status vs_plan_read(const char *name, const vs_method *const *methods, char *const *sets,
                        size_t n_sets, vs_plan *plan, vs_error *err) {
   *plan = (vs_plan){.methods = methods, .sets = sets, .n_sets = n_sets};
-  vs_status status = vs_path_find(&vs_plan_shelf, name, (vs_where){0}, plan->path, err);
+  vs_status status = vs_path_find(&vs_scene_study_shelf, name, (vs_where){0}, plan->path, err);
   if (!status) status = vs_tree_read(plan->path, &plan->tree, err);
   for (size_t k = 0; k < n_sets && !status; k++)
     if (is_of_study(plan, sets[k]))

@@ -430,7 +430,7 @@ bool vs_study_is(const char *name, const vs_method *const *methods) {
   vs_error none = {0};
   vs_tree tree = {0};
   if (vs_path_find(&vs_scene_shelf, name, (vs_where){0}, path, &none))
-    return !vs_path_find(&vs_plan_shelf, name, (vs_where){0}, path, &none);
+    return !vs_path_find(&vs_scene_study_shelf, name, (vs_where){0}, path, &none);
   bool study = false;
   size_t n = strlen(path);
   bool yaml = (n > 5 && !strcmp(path + n - 5, ".yaml")) || (n > 4 && !strcmp(path + n - 4, ".yml"));

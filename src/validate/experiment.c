@@ -148,14 +148,15 @@ static void add_value(vs_numbers *out, const vs_value *v, const char *name, cons
 static void add_circuit(const vs_trial *t, vs_numbers *out) {
   const vs_deck *deck = t->scene.frame.deck;
   for (size_t k = 0; deck && k < deck->losses.count; k++)
-    vs_experiment_add(out, t->result.energy.loss_j[k], "loss.%s", deck->losses.item[k].name);
-  for (int k = VS_STANDARD_EXTREMES; k < t->result.measures->n_extremes; k++) {
-    const vs_extreme *x = &t->result.measures->extremes[k];
+    vs_experiment_add(out, t->result.watchers.energy.loss_j[k], "loss.%s",
+                      deck->losses.item[k].name);
+  for (int k = VS_STANDARD_EXTREMES; k < t->result.watchers.measures->n_extremes; k++) {
+    const vs_extreme *x = &t->result.watchers.measures->extremes[k];
     add_value(out, &x->best, vs_channel_at(&t->scene.frame, x->channel).name,
               x->sense < 0 ? "_min" : "_max");
   }
-  for (size_t d = 0; t->result.devices && d < t->result.devices->count; d++) {
-    const vs_watched *w = &t->result.devices->item[d];
+  for (size_t d = 0; t->result.watchers.devices && d < t->result.watchers.devices->count; d++) {
+    const vs_watched *w = &t->result.watchers.devices->item[d];
     for (size_t k = 0; k < w->count; k++)
       vs_experiment_add(out, w->reduced[k].value.value, "%s.%s", w->device->name,
                         w->reduced[k].measure->name);
@@ -176,12 +177,12 @@ static void add_all(const vs_trial *t, const watch *w, vs_numbers *out) {
   for (int k = 0; k < VS_MEASURES; k++)
     add_value(out, &t->result.values[k], vs_measures_standard[k].name, "");
   for (int k = 0; k < VS_ENERGIES; k++)
-    vs_experiment_add(out, t->result.energy.joule[k], "energy.%s", vs_energy_names[k]);
-  vs_experiment_add(out, left_over(&t->result.energy), "books");
+    vs_experiment_add(out, t->result.watchers.energy.joule[k], "energy.%s", vs_energy_names[k]);
+  vs_experiment_add(out, left_over(&t->result.watchers.energy), "books");
   add_circuit(t, out);
   vs_experiment_add(out, w->charge_as / until, "i_mean");
   vs_experiment_add(out,
-                    sqrt(t->result.energy.joule[VS_E_COPPER] /
+                    sqrt(t->result.watchers.energy.joule[VS_E_COPPER] /
                          t->scene.setup.model.actuator.resistance_ohm / until),
                     "i_rms");
   for (int k = 0; k < VS_EXPERIMENT_LOOKS && w->experiment->look_s[k] > 0; k++)

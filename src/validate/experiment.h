@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What `validate` compares: an experiment is done once and gives numbers by name, in SI units; a
- * check is one of them beside what it should be. */
+ * What `validate` works from. An experiment is done once and gives numbers by name, in SI units. A
+ * comparison holds one of these numbers against what it should be. */
 #ifndef VS_VALIDATE_EXPERIMENT_H
 #define VS_VALIDATE_EXPERIMENT_H
 
@@ -12,40 +12,41 @@ typedef struct vs_number {
   double value;
 } vs_number;
 
-/* Start from {0}. */
+/* A list of numbers. Start from {0}; vs_experiment_numbers_free it. */
 typedef struct vs_numbers {
   vs_number *item;
   size_t count, capacity;
 } vs_numbers;
 void vs_experiment_add(vs_numbers *numbers, double value, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-double vs_experiment_get(const vs_numbers *numbers, const char *name); /* NaN: there is none */
+/* The first number of that name; NaN: there is none. */
+double vs_experiment_get(const vs_numbers *numbers, const char *name);
 void vs_experiment_numbers_free(vs_numbers *numbers);
 
 enum { VS_EXPERIMENT_SETS = 16, VS_EXPERIMENT_LOOKS = 3 };
 
 typedef struct vs_experiment vs_experiment;
 struct vs_experiment {
-  /* also: to be shown every step of a run, which it may end. */
+  /* Adds the experiment's numbers to `out`. `also` is shown every step of a run and may end it. */
   vs_status (*perform)(const vs_experiment *experiment, const vs_observer *also, vs_numbers *out,
                        vs_error *err);
-  double wall_s;                        /* about what it takes: for the time left, nothing else */
-  const char *tier;                     /* NULL: as the scene says */
+  double wall_s;                        /* about what it takes, for the progress line alone */
+  const char *tier;                     /* NULL: the one that the scene takes */
   const char *sets[VS_EXPERIMENT_SETS]; /* KEY=VALUE over a scene of defaults; NULL ends them */
-  double look_s[VS_EXPERIMENT_LOOKS];   /* when to note p; 0: no more */
+  double look_s[VS_EXPERIMENT_LOOKS];   /* instants at which p is noted; 0 ends them */
   const char *curve;                    /* a probe whose wave form is read; NULL: none */
 };
 
-/* One check, one line. */
+/* One comparison: one line of what `validate` prints. */
 typedef struct vs_comparison {
   const char *name, *unit;
   const vs_experiment *experiment;
-  const char *what; /* number of the experiment */
-  double expected;
-  const vs_experiment *other; /* NULL; else `what` is expected to be as it is there */
-  double tolerance;           /* of scale */
-  double scale;               /* what errors are parts of; 0: of what is expected */
-  const char *source, *why;   /* of the number; of the tolerance */
+  const char *what;           /* name of the experiment's number */
+  double expected;            /* in SI; not read where there is `other` */
+  const vs_experiment *other; /* the experiment whose number of that name is expected; NULL: none */
+  double tolerance;           /* as a part of the scale */
+  double scale;               /* what errors are parts of; 0: what is expected */
+  const char *source, *why;   /* of the number expected; of the tolerance */
 } vs_comparison;
 
 typedef struct vs_comparisons {
@@ -53,28 +54,32 @@ typedef struct vs_comparisons {
   size_t count;
 } vs_comparisons;
 
-/* Runs a scene of defaults with the experiment's sets. Gives: every measure, and when it was
- * (NAME.at); energy.NAME, loss.NAME, NAME_min and NAME_max of probes, DEVICE.MEASURE; books, what
- * the worst energy balance leaves over, as a part of what was drawn; i_mean and i_rms of the coil
- * over the run; p@INSTANT; of the curve what vs_experiment_curve_numbers gives. */
+/* Runs a scene of defaults with the experiment's sets, and adds: every standard measure, and its
+ * instant as NAME.at; energy.NAME; loss.NAME; NAME_min and NAME_max of the deck's probes;
+ * DEVICE.MEASURE; books, which is what the worst energy balance leaves over, as a part of what was
+ * drawn; i_mean and i_rms of the coil over the run; p@INSTANT; and what
+ * vs_experiment_curve_numbers adds of the curve. Errors: those of the scene and of the run; VS_RUN,
+ * the ladder had to be climbed. */
 vs_status vs_experiment_perform(const vs_experiment *experiment, const vs_observer *also,
                                 vs_numbers *out, vs_error *err);
 
-/* Reads the scene of an experiment; another KEY=VALUE goes over its sets (NULL: none).
- * vs_scene_free even after an error. */
+/* Reads the scene of an experiment. `another` is one more KEY=VALUE over its sets; NULL: none.
+ * vs_scene_free it even after an error. */
 vs_status vs_experiment_scene(const vs_experiment *experiment, const char *another, vs_scene *scene,
                               vs_error *err);
 
-/* A curve, point by point; straight between them. Start from {0}. */
+/* A curve, point by point, straight between them. Start from {0}; vs_experiment_curve_free it. */
 typedef struct vs_experiment_curve {
   double *t_s, *y;
   size_t count, capacity;
 } vs_experiment_curve;
 void vs_experiment_curve_add(vs_experiment_curve *curve, double t_s, double y);
 void vs_experiment_curve_free(vs_experiment_curve *curve);
-/* peak, least; rise (10 to 90 % of the peak), width (between the halves of it); front_v and half_v:
- * 1.67 times 30 to 90 %, and from the zero of the line through these to the half behind the peak
- * (of a voltage, IEC 61000-4-5); front_i and half_i: 1.25 times 10 to 90 %, the same. */
+/* Adds numbers of a curve's shape. peak, least: its extremes. rise: from 10 to 90 % of the peak.
+ * width: between the two halves of the peak. front_v, half_v: front time and time to half value of
+ * a voltage surge by IEC 61000-4-5: the front time is 1.67 times the rise from 30 to 90 %; the time
+ * to half value counts from the zero of the line through these two points to half the peak behind
+ * it. front_i, half_i: the same of a current surge, with 1.25 times the rise from 10 to 90 %. */
 void vs_experiment_curve_numbers(const vs_experiment_curve *curve, vs_numbers *out);
 
 #endif

@@ -85,7 +85,7 @@ static vs_status measure(vs_scene *s, const double x[N], double period_s, vs_num
     vs_experiment_add(out, r->values[VS_M_P_MAX].value, "p_max");
     vs_experiment_add(out, r->values[VS_M_I_PEAK].value, "i_peak");
     vs_experiment_add(out, r->values[VS_M_FORCE_PEAK].value, "force_peak");
-    vs_experiment_add(out, r->energy.joule[VS_E_SOURCE] / period_s, "power");
+    vs_experiment_add(out, r->watchers.energy.joule[VS_E_SOURCE] / period_s, "power");
   }
   vs_result_free(r);
   free(r);

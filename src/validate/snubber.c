@@ -2,7 +2,7 @@
  * The RC snubber: a voltage E switched onto R-L with R_S-C across the open switch, by ngspice,
  * against closed forms. omega0 = 1/sqrt(LC), zeta = R/2 sqrt(C/L), chi = I_RR/E sqrt(L/C). Here E
  * is 100 V, L 1 mH and C 100 nF, so that R is 200 ohm zeta, I_RR 1 A chi and E omega0 10 V/us. */
-#include "validate/validate.h"
+#include "validate/snubber.h"
 
 #define WIDTH "circuit.deck=validate/snubber", "run.tolerance=1e-6"
 #define NORMAL WIDTH, "run.until=50us", "run.max_step=10ns", "supply.voltage=1 V"
@@ -97,7 +97,7 @@ BENCH(sine_4k, GOING_ON, "circuit.snubber_r=4 kohm");
         NULL, 5e-3, 1, "closed form", "half a unit of the last digit given"                        \
   }
 
-static const vs_comparison CHECKS[] = {
+static const vs_comparison COMPARISONS[] = {
     DAMPED("0.05", zeta_005, 1.8588, .9313),
     DAMPED("0.1", zeta_01, 1.7441, .8801),
     DAMPED("0.2", zeta_02, 1.5717, .8209),
@@ -121,4 +121,5 @@ static const vs_comparison CHECKS[] = {
     ON_COIL("mains going on, 2 kohm", sine_2k, -906.0, 1.19),
     ON_COIL("mains going on, 4 kohm", sine_4k, -784.1, 1.43),
 };
-const vs_comparisons vs_snubber_comparisons = {CHECKS, sizeof CHECKS / sizeof *CHECKS};
+const vs_comparisons vs_snubber_comparisons = {COMPARISONS,
+                                               sizeof COMPARISONS / sizeof *COMPARISONS};

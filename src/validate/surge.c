@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Generators against the standards they are made for, the surge into a varistor, varistor laws, and
  * the I2t of a half sine. */
+#include "drive/faults.h"
 #include "drive/generators.h"
+#include "validate/surge.h"
 #include "validate/validate.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
@@ -99,7 +101,7 @@ static const vs_experiment half_sine = {
     .tier = "circuit",
     .sets = {"circuit.deck=validate/half_sine", "run.until=10ms", "run.max_step=10us", NULL}};
 
-static const vs_comparison CHECKS[] = {
+static const vs_comparison COMPARISONS[] = {
     GENERATOR("open: peak", "V", open_circuit, "peak", 2000),
     GENERATOR("open: front time", "s", open_circuit, "front_v", 1.2e-6),
     GENERATOR("open: time to half value", "s", open_circuit, "half_v", 50e-6),
@@ -141,4 +143,4 @@ static const vs_comparison CHECKS[] = {
     {"half sine of 100 A, 10 ms: I2t", "A2.s", &half_sine, "pulse.i2t", 50, NULL, 1e-4, 0,
      "closed form, I^2 t/2", "run.tolerance"},
 };
-const vs_comparisons vs_surge_comparisons = {CHECKS, COUNT(CHECKS)};
+const vs_comparisons vs_surge_comparisons = {COMPARISONS, COUNT(COMPARISONS)};

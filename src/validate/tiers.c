@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Tier against tier, where both are valid. */
-#include "validate/validate.h"
+#include "validate/tiers.h"
 
 #define SCENE(name, tier_name, seconds, ...)                                                       \
   static const vs_experiment name = {.perform = vs_experiment_perform,                             \
@@ -73,7 +73,7 @@ SCENE(snubbed, "circuit", 0.1, SHORT, "circuit.deck=halfwave_snubbed");
   }
 #define BOTH "run.tolerance, 1e-4, of both"
 
-static const vs_comparison CHECKS[] = {
+static const vs_comparison COMPARISONS[] = {
     AS_ANALYTIC("peak current", "A", "i_peak"),
     AS_ANALYTIC("extinction", "s", "t_extinction"),
     AS_ANALYTIC("peak force", "N", "force_peak"),
@@ -116,4 +116,4 @@ static const vs_comparison CHECKS[] = {
      "energy is conserved; in parts of what was drawn",
      "ten times run.tolerance: what a run warns of"},
 };
-const vs_comparisons vs_tiers_comparisons = {CHECKS, sizeof CHECKS / sizeof *CHECKS};
+const vs_comparisons vs_tiers_comparisons = {COMPARISONS, sizeof COMPARISONS / sizeof *COMPARISONS};

@@ -13,8 +13,15 @@
 #include "scene/version.h"
 #include "solver/circuit.h"
 #include "solver/ng.h"
+#include "validate/continuous.h"
+#include "validate/phase_control.h"
+#include "validate/single_shot.h"
+#include "validate/snubber.h"
+#include "validate/surge.h"
+#include "validate/tiers.h"
 
-/* An experiment that some of the chosen checks need; done when the first of them asks. */
+/* An experiment that some of the chosen comparisons need. It is done when the first of them asks.
+ */
 typedef struct outcome {
   const vs_experiment *experiment;
   bool done;
@@ -25,8 +32,8 @@ typedef struct outcome {
 
 typedef struct session {
   const vs_validate_options *options;
-  const vs_comparison **checks; /* the chosen ones */
-  size_t n_checks, failed;
+  const vs_comparison **chosen;
+  size_t n_chosen, failed;
   outcome *outcomes;
   size_t n_outcomes;
   const vs_comparison *now;
@@ -64,17 +71,17 @@ static vs_status choose(session *s, const vs_comparisons *const *lists, size_t n
   const char *word = s->options->word;
   size_t most = 0;
   for (size_t l = 0; l < n_lists; l++) most += lists[l]->count;
-  s->checks = vs_alloc(most + 1, sizeof *s->checks);
+  s->chosen = vs_alloc(most + 1, sizeof *s->chosen);
   s->outcomes = vs_alloc(2 * most + 1, sizeof *s->outcomes);
   for (size_t l = 0; l < n_lists; l++)
     for (size_t k = 0; k < lists[l]->count; k++) {
-      const vs_comparison *check = &lists[l]->item[k];
-      if (word && !strcasestr(check->name, word)) continue;
-      s->checks[s->n_checks++] = check;
-      plan(s, check->experiment);
-      plan(s, check->other);
+      const vs_comparison *c = &lists[l]->item[k];
+      if (word && !strcasestr(c->name, word)) continue;
+      s->chosen[s->n_chosen++] = c;
+      plan(s, c->experiment);
+      plan(s, c->other);
     }
-  if (s->n_checks) return VS_OK;
+  if (s->n_chosen) return VS_OK;
   return vs_fail(err, VS_INPUT,
                  "validate: no check's name has '%s' in it; see vibrospice validate --list", word);
 }
@@ -122,7 +129,7 @@ static outcome *perform(session *s, const vs_experiment *e) {
 }
 
 typedef struct verdict {
-  double expected, got, error; /* error: of the check's scale */
+  double expected, got, error; /* error: as a part of the comparison's scale */
   bool good;
   const char *failure; /* of a run, one line; NULL: none */
 } verdict;
@@ -144,8 +151,8 @@ static verdict judge(session *s, const vs_comparison *c, vs_status *status) {
 
 static int name_width(const session *s) {
   size_t width = 0;
-  for (size_t k = 0; k < s->n_checks; k++)
-    if (strlen(s->checks[k]->name) > width) width = strlen(s->checks[k]->name);
+  for (size_t k = 0; k < s->n_chosen; k++)
+    if (strlen(s->chosen[k]->name) > width) width = strlen(s->chosen[k]->name);
   return (int)width;
 }
 
@@ -182,7 +189,7 @@ static void begin_json(session *s) {
 
 static void print_json(session *s) {
   vs_json_end(&s->json);
-  vs_json_whole(&s->json, "count", (int64_t)s->n_checks);
+  vs_json_whole(&s->json, "count", (int64_t)s->n_chosen);
   vs_json_same_row(&s->json);
   vs_json_whole(&s->json, "off", (int64_t)s->failed);
   vs_json_same_row(&s->json);
@@ -211,8 +218,8 @@ static vs_status validate(session *s, vs_error *err) {
   if (!s->options->json && !s->options->quiet)
     printf("%-3s %-*s %15s %15s %-6s %8s %8s  %s\n", "", name_width(s), "check", "expected", "got",
            "", "error", "allowed", "source; tolerance");
-  for (size_t k = 0; k < s->n_checks; k++) {
-    s->now = s->checks[k];
+  for (size_t k = 0; k < s->n_chosen; k++) {
+    s->now = s->chosen[k];
     const verdict v = judge(s, s->now, &status);
     if (status || *s->options->stop) break;
     s->failed += !v.good;
@@ -222,9 +229,9 @@ static vs_status validate(session *s, vs_error *err) {
   if (status || *s->options->stop) return vs_fail(err, VS_SIGNAL, "validate: stopped by a signal");
   if (s->options->json) print_json(s);
   if (!s->options->json && !s->options->quiet)
-    printf("%zu check%s, %zu off, in %.1f s\n", s->n_checks, s->n_checks > 1 ? "s" : "", s->failed,
+    printf("%zu check%s, %zu off, in %.1f s\n", s->n_chosen, s->n_chosen > 1 ? "s" : "", s->failed,
            wall_clock() - s->began_s);
-  return s->failed ? vs_fail(err, VS_RUN, "validate: %zu of %zu off", s->failed, s->n_checks)
+  return s->failed ? vs_fail(err, VS_RUN, "validate: %zu of %zu off", s->failed, s->n_chosen)
                    : VS_OK;
 }
 
@@ -233,18 +240,18 @@ vs_status vs_validate(const vs_comparisons *const *lists, size_t n_lists,
   session s = {.options = options, .began_s = wall_clock()};
   s.show_progress = !options->quiet && isatty(STDERR_FILENO);
   vs_status status = choose(&s, lists, n_lists, err);
-  for (size_t k = 0; k < s.n_checks && options->list; k++) puts(s.checks[k]->name);
+  for (size_t k = 0; k < s.n_chosen && options->list; k++) puts(s.chosen[k]->name);
   if (!status && !options->list) status = validate(&s, err);
   for (size_t k = 0; k < s.n_outcomes; k++) vs_experiment_numbers_free(&s.outcomes[k].numbers);
   vs_text_free(&s.text);
   free(s.outcomes);
-  free(s.checks);
+  free(s.chosen);
   return status;
 }
 
 vs_status vs_validate_command(const vs_validate_options *options, vs_error *err) {
-  static const vs_comparisons *const LISTS[] = {&vs_single_comparisons,  &vs_control_comparisons,
-                                                &vs_steady_comparisons,  &vs_tiers_comparisons,
-                                                &vs_snubber_comparisons, &vs_surge_comparisons};
+  static const vs_comparisons *const LISTS[] = {
+      &vs_single_shot_comparisons, &vs_phase_control_comparisons, &vs_continuous_comparisons,
+      &vs_tiers_comparisons,       &vs_snubber_comparisons,       &vs_surge_comparisons};
   return vs_validate(LISTS, sizeof LISTS / sizeof *LISTS, options, err);
 }

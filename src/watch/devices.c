@@ -1,97 +1,89 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "watch/devices.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
 
-/* Of the surge that I_TSM is given for; and what the windows over it are made of. */
-static const double SURGE_S = 10e-3, PART_S = 10e-3 / VS_WINDOW_PARTS;
+/* A formula of the deck. One that is a single term times a constant is evaluated the short way. */
+typedef struct quick {
+  const vs_formula *formula; /* NULL: the device has no such formula */
+  bool is_term;
+  int term;
+  double factor;
+} quick;
 
-/* A continuous rating says nothing of a shorter run: one pulse that the part's i2t allows would be
- * above it over 0.7 s (i2t/i_t_rms^2 of the parts that ship: 0.46 to 0.68 s). */
-static const double CONTINUOUS_S = 1;
+/* The shots of a device that conducts or blocks. One that goes out in a ring and is fired again by
+ * the same gate pulse is at the same shot, as long as the same half cycle of the mains may drive
+ * it. */
+typedef struct shots {
+  vs_gate_watch gate; /* the device's, or the deck's first where that is not known */
+  bool fresh;         /* a gate pulse has begun since the device last began to conduct */
+  double last_s;      /* when the last shot began; -INFINITY: none did */
+} shots;
+
+struct vs_device_watch {
+  quick voltage, current, flux;
+  shots shots;
+  vs_reduced **busy; /* those of the device's measures that every step may change; owned */
+  size_t n_busy;
+};
 
 /* ---- beginning ---- */
 
-static vs_quick quick(const vs_formula *formula) {
-  vs_quick q = {.formula = formula};
+static quick quick_of(const vs_formula *formula) {
+  quick q = {.formula = formula};
   q.is_term = vs_formula_is_term(formula, &q.term, &q.factor);
   return q;
 }
 
-/* Is there something to be done for the measure in every step, other than of a peak? */
-static bool is_busy(const vs_watched *w, const vs_reduced *r) {
-  switch (r->measure->how) {
-  case VS_R_PULSE:
-  case VS_R_HEAT:
-  case VS_R_WITHIN:
-  case VS_R_SURGE:
-  case VS_R_STEEPEST:
-  case VS_R_GATE_LEAST:
-    return true;
-  case VS_R_JUNCTION:
-    return w->n_zth;
-  case VS_R_INTEGRAL:
-    return r->limit;
-  default:
-    return false;
-  }
+static void begin_measure(vs_watched *w, vs_reduced *r, const vs_device_measure *m) {
+  const vs_reducer *by = vs_reductions_all[m->how];
+  assert(by);
+  *r = (vs_reduced){.measure = m,
+                    .by = by,
+                    .limit = vs_devices_limit(w->deck, w->device, m),
+                    .value = {.known = by->counts && !isnan(w->device->gate_rad), .at_s = NAN},
+                    .failed_s = NAN};
+  if (by->state_size) r->state = vs_alloc(1, by->state_size);
+  if (by->prepare) by->prepare(w, r);
 }
 
-static void begin_measures(vs_watched *w, const vs_deck *deck) {
-  const vs_device *d = w->device;
-  bool gate_known = !isnan(d->gate_rad);
-  w->count = d->kind->n_measures;
-  w->reduced = vs_alloc(w->count, sizeof *w->reduced);
-  w->each_step = vs_alloc(w->count, sizeof(vs_reduced *));
-  for (size_t k = 0; k < w->count; k++) {
-    const vs_device_measure *m = &d->kind->measures[k];
-    vs_reduced *r = &w->reduced[k];
-    *r = (vs_reduced){m, vs_devices_limit(deck, d, m), {.at_s = NAN}, .failed_s = NAN};
-    if (m->how >= VS_R_MISFIRE && m->how <= VS_R_COMMUTATION_FAILURE) r->value.known = gate_known;
-    if (m->how == VS_R_PEAK && (m->of != VS_OF_FLUX || d->has_flux)) w->each_step[w->n_peaks++] = r;
-  }
-  w->n_each_step = w->n_peaks;
-  for (size_t k = 0; k < w->count; k++)
-    if (is_busy(w, &w->reduced[k])) w->each_step[w->n_each_step++] = &w->reduced[k];
-}
-
-/* Of the deck's first gate; NaN: it has none. */
+/* The delay of the deck's first gate; NaN: the deck has none. */
 static double any_gate_rad(const vs_deck *deck) {
   for (size_t k = 0; k < deck->n_ports; k++)
-    if (deck->ports[k].signal.drive == VS_PORT_GATE ||
-        deck->ports[k].signal.drive == VS_PORT_BURST)
-      return deck->ports[k].signal.shift_rad;
+    if (vs_port_is_gated(&deck->ports[k].signal)) return deck->ports[k].signal.shift_rad;
   return NAN;
 }
 
-static void begin_device(vs_watched *w, const vs_frame *frame, const vs_device *d) {
-  const vs_deck *deck = frame->deck;
+static void begin_shots(shots *s, const vs_frame *frame, const vs_device *d) {
+  double delay_rad = isnan(d->gate_rad) ? any_gate_rad(frame->deck) : d->gate_rad;
+  *s = (shots){.fresh = true, .last_s = -INFINITY};
+  vs_switching_gate_begin(&s->gate, frame->timeline, delay_rad);
+}
+
+static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *frame,
+                         const vs_device *d) {
   *w = (vs_watched){
-      .device = d,
-      .voltage = quick(&d->voltage),
-      .current = quick(&d->current),
-      .gate = {.timeline = frame->timeline, .delay_rad = d->gate_rad, .edge_s = -INFINITY},
-      .fresh = true,
-      .shot_s = -INFINITY,
-      .pulse = {.rest_s = frame->timeline->period_s / 4}};
-  w->train = w->gate;
-  if (isnan(d->gate_rad)) w->train.delay_rad = any_gate_rad(deck);
-  if (d->has_flux) w->flux = quick(&d->flux);
-  const char *file = d->part < 0 ? "" : deck->parts[d->part].file;
-  for (size_t k = 0; k < deck->n_zth; k++)
-    if (!strcmp(deck->zth[k].where.file, file)) w->zth[w->n_zth++] = &deck->zth[k];
-  begin_measures(w, deck);
-  if (!d->kind->switches) return;
-  w->states = vs_alloc(1, sizeof *w->states);
-  double t_q_s = INFINITY;
-  for (size_t k = 0; k < w->count; k++)
-    if (w->reduced[k].measure->how == VS_R_OFFERED && w->reduced[k].limit)
-      t_q_s = w->reduced[k].limit->value;
-  vs_switching_begin(w->states, frame->timeline, d->gate_rad, t_q_s);
+      .device = d, .deck = frame->deck, .timeline = frame->timeline, .count = d->kind->n_measures};
+  own->voltage = quick_of(&d->voltage);
+  own->current = quick_of(&d->current);
+  if (d->has_flux) own->flux = quick_of(&d->flux);
+  if (d->kind->switches) {
+    w->states = vs_alloc(1, sizeof *w->states);
+    vs_switching_begin(w->states, frame->timeline, d->gate_rad);
+    begin_shots(&own->shots, frame, d);
+  }
+  w->reduced = vs_alloc(w->count, sizeof *w->reduced);
+  own->busy = vs_alloc(w->count, sizeof *own->busy);
+  for (size_t k = 0; k < w->count; k++) {
+    vs_reduced *r = &w->reduced[k];
+    begin_measure(w, r, &d->kind->measures[k]);
+    if (r->by->follow && (!r->by->is_busy || r->by->is_busy(w, r))) own->busy[own->n_busy++] = r;
+  }
 }
 
 vs_devices *vs_devices_new(const vs_frame *frame) {
@@ -100,25 +92,30 @@ vs_devices *vs_devices_new(const vs_frame *frame) {
   vs_devices *d = vs_alloc(1, sizeof *d + count * sizeof *d->item);
   d->frame = frame;
   d->count = count;
+  d->watch = vs_alloc(count, sizeof *d->watch);
   d->began_s = NAN;
   d->means = frame->means;
   if (!(d->means.to_s > 0)) d->means = (vs_span_s){0, INFINITY};
-  for (size_t k = 0; k < count; k++) begin_device(&d->item[k], frame, &frame->deck->devices[k]);
+  for (size_t k = 0; k < count; k++)
+    begin_device(&d->item[k], &d->watch[k], frame, &frame->deck->devices[k]);
   return d;
 }
 
 void vs_devices_free(vs_devices *d) {
   for (size_t k = 0; d && k < d->count; k++) {
-    free(d->item[k].states);
-    free(d->item[k].reduced);
-    free(d->item[k].each_step);
+    vs_watched *w = &d->item[k];
+    for (size_t n = 0; n < w->count; n++) free(w->reduced[n].state);
+    free(w->reduced);
+    free(w->states);
+    free(d->watch[k].busy);
   }
+  if (d) free(d->watch);
   free(d);
 }
 
 /* ---- courses ---- */
 
-static void evaluate(const vs_quick *q, const double *mid, const double *to, double *at_mid,
+static void evaluate(const quick *q, const double *mid, const double *to, double *at_mid,
                      double *at_to) {
   if (q->is_term) {
     *at_mid = q->factor * mid[q->term];
@@ -154,209 +151,27 @@ static void integrate_part(const vs_course_step *c, double from, double to,
     sum[of] += (to - from) * c->h_s * (y[0][of] + 4 * y[1][of] + y[2][of]) / 6;
 }
 
-/* A device that goes out in a ring and is fired again by the same gate pulse is at the same shot,
- * as long as the same half cycle of the mains may drive it. */
-static void follow_starts(const vs_devices *d, vs_watched *w, const vs_course_step *c) {
-  vs_switching_gate_follow(&w->train, c);
-  w->fresh = w->fresh || w->train.begins;
+static void follow_shots(const vs_devices *d, vs_watched *w, shots *s, const vs_course_step *c) {
+  vs_switching_gate_follow(&s->gate, c);
+  s->fresh = s->fresh || s->gate.begins;
   if (!c->on || c->was_on) return;
-  bool gated = w->train.on && !isnan(w->train.delay_rad);
-  bool again = gated && !w->fresh && c->t0_s - w->shot_s < d->frame->timeline->period_s / 2;
-  w->fresh = false;
+  bool gated = s->gate.on && !isnan(s->gate.delay_rad);
+  bool again = gated && !s->fresh && c->t0_s - s->last_s < d->frame->timeline->period_s / 2;
+  s->fresh = false;
   if (again) return;
-  w->shot_s = c->t0_s;
+  s->last_s = c->t0_s;
   w->starts += c->t1_s > d->means.from_s && c->t0_s < d->means.to_s;
 }
 
-/* more: the integrals over the whole step */
-static void follow_means(const vs_devices *d, vs_watched *w, const vs_course_step *c,
-                         const double more[VS_COURSES]) {
+/* Adds to the integrals over the stretch that means are over. */
+static void follow_means(const vs_devices *d, vs_watched *w, const vs_course_step *c) {
   double from_s = fmax(c->t0_s, d->means.from_s), to_s = fmin(c->t1_s, d->means.to_s);
   if (!(to_s > from_s)) return;
   w->rests = w->rests || !c->on;
   if (from_s > c->t0_s || to_s < c->t1_s)
     integrate_part(c, (from_s - c->t0_s) / c->h_s, (to_s - c->t0_s) / c->h_s, w->sum_meant);
   else
-    for (int of = VS_OF_I; of < VS_COURSES; of++) w->sum_meant[of] += more[of];
-}
-
-/* ---- reductions ---- */
-
-/* What was `before` at the step's beginning is `after` at its end: when was the limit passed? */
-static void watch_limit(vs_reduced *r, const vs_course_step *c, double before, double after) {
-  if (!r->limit || !isnan(r->failed_s) || !(after > r->limit->value)) return;
-  double part = (r->limit->value - before) / (after - before);
-  r->failed_s = c->t0_s + fmin(fmax(part, 0), 1) * c->h_s;
-}
-
-static double in_sense(double value, int sense) {
-  return (sense ? sense * value : fabs(value)) + 0.0; /* no -0 */
-}
-
-static void follow_peak(vs_reduced *r, const vs_course_step *c) {
-  const vs_device_measure *m = r->measure;
-  double to = in_sense(c->to[m->of], m->sense);
-  if (to > r->value.value) r->value = (vs_value){true, to, c->t1_s};
-  if (r->limit) watch_limit(r, c, in_sense(c->from[m->of], m->sense), to);
-}
-
-/* more: the step's own integral */
-static void follow_pulse(vs_reduced *r, const vs_course_step *c, double more) {
-  double before = c->was_on ? r->pulse : 0;
-  r->pulse = before + more;
-  if (r->pulse > r->value.value) r->value = (vs_value){true, r->pulse, c->t1_s};
-  watch_limit(r, c, before, r->pulse);
-}
-
-static void follow_heat(vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  double before = w->pulse.heat_j, heat = vs_pulse_follow(&w->pulse, c);
-  if (heat > r->value.value) r->value = (vs_value){true, heat, c->t1_s};
-  watch_limit(r, c, fmin(before, heat), heat);
-}
-
-/* What its current brings as the run ends counts whole; no pulse has more heat than the run, which
- * may be less by the rounding of integrals. */
-static void end_heat(const vs_watched *w, vs_reduced *r, double now_s) {
-  double heat = vs_pulse_unfinished(&w->pulse, now_s);
-  if (heat > r->value.value) r->value = (vs_value){true, heat, now_s};
-  r->value.value = fmin(r->value.value, fmax(w->sum[VS_OF_POWER], 0));
-  if (r->limit && isnan(r->failed_s) && r->value.value > r->limit->value) r->failed_s = now_s;
-}
-
-static void window_next(vs_window *w) {
-  w->now = (w->now + 1) % (VS_WINDOW_PARTS + 1);
-  w->part[w->now] = w->whole = 0;
-  for (size_t k = 2; k <= VS_WINDOW_PARTS; k++)
-    w->whole += w->part[(w->now + k) % (VS_WINDOW_PARTS + 1)];
-  w->starts_s += PART_S;
-}
-
-/* The integral after a step that adds `more`, evenly. */
-static double window_add(vs_window *w, const vs_course_step *c, double more) {
-  double from_s = c->t0_s;
-  double skipped = floor((c->t1_s - w->starts_s) / PART_S) - VS_WINDOW_PARTS - 1;
-  if (skipped > 0) w->starts_s += skipped * PART_S; /* a step longer than all of it */
-  from_s = fmax(from_s, w->starts_s);
-  while (c->t1_s > w->starts_s + PART_S) {
-    double end_s = fmax(w->starts_s + PART_S, from_s);
-    w->part[w->now] += more * (end_s - from_s) / c->h_s;
-    from_s = end_s;
-    window_next(w);
-  }
-  w->part[w->now] += more * (c->t1_s - from_s) / c->h_s;
-  double oldest = w->part[(w->now + 1) % (VS_WINDOW_PARTS + 1)];
-  double still_in = fmax(1 - (c->t1_s - w->starts_s) / PART_S, 0);
-  return w->sum = w->whole + w->part[w->now] + still_in * oldest;
-}
-
-/* Up to 10 ms what a junction bears is a constant int i^2 dt; a half sine's is peak^2 length/2. */
-static void follow_window(vs_watched *w, vs_reduced *r, const vs_course_step *c, double more) {
-  bool surge = r->measure->how == VS_R_SURGE;
-  double before = w->window.sum, after = window_add(&w->window, c, more);
-  if (surge) before = sqrt(2 * before / SURGE_S), after = sqrt(2 * after / SURGE_S);
-  if (after > r->value.value) r->value = (vs_value){true, after, c->t1_s};
-  watch_limit(r, c, before, after);
-}
-
-/* The part's Foster network: each term on its own, under the step's mean power. */
-static void follow_junction(vs_watched *w, vs_reduced *r, const vs_course_step *c, double power) {
-  double before = 0, after = 0;
-  for (size_t k = 0; k < w->n_zth; k++) {
-    double less = -expm1(-c->h_s / w->zth[k]->tau_s);
-    before += w->heat_k[k];
-    w->heat_k[k] += less * (w->zth[k]->k_per_w * power - w->heat_k[k]);
-    after += w->heat_k[k];
-  }
-  if (after > r->value.value) r->value = (vs_value){true, after, c->t1_s};
-  watch_limit(r, c, before, after);
-}
-
-/* One more value of something that comes now and then: the most, or the least, of all is kept. */
-static void offer(vs_reduced *r, vs_value v) {
-  if (!v.known) return;
-  bool least = r->measure->held == VS_AT_LEAST || r->measure->how == VS_R_GATE_LEAST;
-  if (!r->value.known || (least ? v.value < r->value.value : v.value > r->value.value))
-    r->value = v;
-  if (!r->limit || !isnan(r->failed_s)) return;
-  if (r->measure->held == VS_AT_LEAST ? v.value < r->limit->value : v.value > r->limit->value)
-    r->failed_s = v.at_s;
-}
-
-static void follow_slope(vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  int of = r->measure->of;
-  double rate =
-      vs_slope_follow(&w->slope, c->t0_s, c->from[of], c->t1_s, c->to[of], r->measure->sense);
-  offer(r, (vs_value){rate >= 0, rate, c->t1_s});
-}
-
-static void follow_gate(vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  vs_switching_gate_follow(&w->gate, c);
-  if (w->gate.ended) offer(r, (vs_value){true, w->gate_peak_a, c->t0_s});
-  if (w->gate.begins) w->gate_peak_a = 0;
-  w->gate_peak_a = fmax(w->gate_peak_a, c->to[VS_OF_I]);
-}
-
-/* more: what the step adds to the integral of its course */
-static void follow_measure(vs_watched *w, vs_reduced *r, const vs_course_step *c, double more) {
-  switch (r->measure->how) {
-  case VS_R_PULSE:
-    if (c->was_on || c->on) follow_pulse(r, c, more);
-    break;
-  case VS_R_HEAT:
-    follow_heat(w, r, c);
-    break;
-  case VS_R_WITHIN:
-  case VS_R_SURGE:
-    follow_window(w, r, c, more);
-    break;
-  case VS_R_INTEGRAL:
-    watch_limit(r, c, w->sum[r->measure->of] - more, w->sum[r->measure->of]);
-    break;
-  case VS_R_STEEPEST:
-    follow_slope(w, r, c);
-    break;
-  case VS_R_JUNCTION:
-    follow_junction(w, r, c, more / c->h_s);
-    break;
-  case VS_R_GATE_LEAST:
-    follow_gate(w, r, c);
-    break;
-  default:
-    break;
-  }
-}
-
-static void count(vs_reduced *r, bool once, double at_s) {
-  if (once && !r->value.value++) r->value.at_s = at_s;
-}
-
-static void take_news(vs_reduced *r, const vs_switch_news *news) {
-  switch (r->measure->how) {
-  case VS_R_RISE:
-    offer(r, news->rise);
-    break;
-  case VS_R_OFF_RATE:
-    offer(r, news->off_rate);
-    break;
-  case VS_R_ON_RATE:
-    offer(r, news->on_rate);
-    break;
-  case VS_R_OFFERED:
-    offer(r, news->offered);
-    if (news->offered.known && r->value.at_s == news->offered.at_s) r->spread = news->spread_s;
-    break;
-  case VS_R_MISFIRE:
-    count(r, news->misfire.known, news->misfire.at_s);
-    break;
-  case VS_R_UNINTENDED:
-    count(r, news->unintended.known, news->unintended.at_s);
-    break;
-  case VS_R_COMMUTATION_FAILURE:
-    count(r, news->commutation_failure, news->unintended.at_s);
-    break;
-  default:
-    break;
-  }
+    for (int of = VS_OF_I; of < VS_COURSES; of++) w->sum_meant[of] += c->more[of];
 }
 
 /* ---- step by step ---- */
@@ -378,51 +193,45 @@ static void follow_states(vs_devices *d, vs_watched *w, vs_course_step *c) {
   vs_switching_follow(w->states, c, &news);
   c->on = w->states->conduction.conducts;
   if (!news.any) return;
-  for (size_t k = 0; k < w->count; k++) take_news(&w->reduced[k], &news);
+  for (size_t k = 0; k < w->count; k++)
+    if (w->reduced[k].by->take_news) w->reduced[k].by->take_news(&w->reduced[k], &news);
   tell(d, w, &news);
 }
 
-static void follow(vs_devices *d, vs_watched *w, vs_course_step *c, const double *mid,
+static void follow(vs_devices *d, size_t k, vs_course_step *c, const double *mid,
                    const double *to) {
-  double more[VS_COURSES] = {0};
+  vs_watched *w = &d->item[k];
+  vs_device_watch *own = &d->watch[k];
   memcpy(c->from, w->last, sizeof c->from);
-  evaluate(&w->voltage, mid, to, &c->mid[VS_OF_V], &c->to[VS_OF_V]);
-  evaluate(&w->current, mid, to, &c->mid[VS_OF_I], &c->to[VS_OF_I]);
-  if (w->flux.formula) evaluate(&w->flux, mid, to, &c->mid[VS_OF_FLUX], &c->to[VS_OF_FLUX]);
+  evaluate(&own->voltage, mid, to, &c->mid[VS_OF_V], &c->to[VS_OF_V]);
+  evaluate(&own->current, mid, to, &c->mid[VS_OF_I], &c->to[VS_OF_I]);
+  if (own->flux.formula) evaluate(&own->flux, mid, to, &c->mid[VS_OF_FLUX], &c->to[VS_OF_FLUX]);
   complete(c->mid);
   complete(c->to);
   memcpy(w->last, c->to, sizeof c->to);
   for (int of = VS_OF_I; of < VS_COURSES; of++) {
-    more[of] = c->h_s * (c->from[of] + 4 * c->mid[of] + c->to[of]) / 6;
-    w->sum[of] += more[of];
+    c->more[of] = c->h_s * (c->from[of] + 4 * c->mid[of] + c->to[of]) / 6;
+    w->sum[of] += c->more[of];
   }
   if (w->states) follow_states(d, w, c);
-  if (w->states) follow_starts(d, w, c);
-  follow_means(d, w, c, more);
-  for (size_t k = 0; k < w->n_peaks; k++) follow_peak(w->each_step[k], c);
-  for (size_t k = w->n_peaks; k < w->n_each_step; k++)
-    follow_measure(w, w->each_step[k], c, more[w->each_step[k]->measure->of]);
+  if (w->states) follow_shots(d, w, &own->shots, c);
+  follow_means(d, w, c);
+  for (size_t n = 0; n < own->n_busy; n++) own->busy[n]->by->follow(w, own->busy[n], c);
 }
 
-/* The courses at the beginning of the first step; the peaks and pulses begin there. */
+/* The courses at the first step's beginning, where peaks and pulses begin. */
 static void begin(vs_devices *d, const vs_step *step) {
   const double *terms = step->from->terms;
   d->began_s = step->from->t_s;
   for (size_t k = 0; k < d->count; k++) {
     vs_watched *w = &d->item[k];
-    w->last[VS_OF_V] = vs_formula_value(w->voltage.formula, terms);
-    w->last[VS_OF_I] = vs_formula_value(w->current.formula, terms);
-    if (w->flux.formula) w->last[VS_OF_FLUX] = vs_formula_value(w->flux.formula, terms);
+    const vs_device_watch *own = &d->watch[k];
+    w->last[VS_OF_V] = vs_formula_value(own->voltage.formula, terms);
+    w->last[VS_OF_I] = vs_formula_value(own->current.formula, terms);
+    if (own->flux.formula) w->last[VS_OF_FLUX] = vs_formula_value(own->flux.formula, terms);
     complete(w->last);
-    w->window.starts_s = d->began_s;
-    for (size_t n = 0; n < w->n_each_step; n++) {
-      vs_reduced *r = w->each_step[n];
-      const vs_device_measure *m = r->measure;
-      if (m->how == VS_R_PEAK)
-        r->value = (vs_value){true, in_sense(w->last[m->of], m->sense), d->began_s};
-      if ((m->how >= VS_R_PULSE && m->how <= VS_R_SURGE) || m->how == VS_R_JUNCTION)
-        r->value = (vs_value){true, 0, NAN};
-    }
+    for (size_t n = 0; n < own->n_busy; n++)
+      if (own->busy[n]->by->begin) own->busy[n]->by->begin(w, own->busy[n], d->began_s);
   }
 }
 
@@ -436,49 +245,17 @@ void vs_devices_accept(vs_devices *d, const vs_step *step) {
   const double *from = step->from->terms, *to = step->to->terms;
   double mid[VS_DECK_MOST];
   for (size_t t = 0; t < d->frame->deck->n_terms; t++) mid[t] = (from[t] + to[t]) / 2;
-  for (size_t k = 0; k < d->count; k++) follow(d, &d->item[k], &c, mid, to);
+  for (size_t k = 0; k < d->count; k++) follow(d, k, &c, mid, to);
   d->now_s = c.t1_s;
-}
-
-/* A firing that nothing follows says nothing of the power or current in operation: a scene that
- * fires once, or a device that began to conduct once in the time meant, or never, and did not
- * conduct all of it. */
-static bool is_one_shot(const vs_devices *d, const vs_watched *w) {
-  if (!isnan(w->device->gate_rad) && !d->frame->timeline->firing.every) return true;
-  return w->starts < 2 && w->rests;
-}
-
-/* Its limit is for ever; what passes it does so at the end of the time meant. */
-static void judge_rms(const vs_devices *d, const vs_watched *w, vs_reduced *r, double span_s,
-                      double end_s) {
-  if (!r->limit) return;
-  if (span_s < CONTINUOUS_S * (1 - 1e-9))
-    r->unjudged = "not judged: over less than 1 s";
-  else if (is_one_shot(d, w))
-    r->unjudged = "not judged: one shot";
-  if (r->unjudged)
-    r->limit = NULL;
-  else if (r->value.value > r->limit->value)
-    r->failed_s = end_s;
-}
-
-static void finish_device(const vs_devices *d, vs_watched *w) {
-  double from_s = fmax(d->began_s, d->means.from_s), to_s = fmin(d->now_s, d->means.to_s);
-  double span_s = to_s - from_s;
-  for (size_t n = 0; n < w->count; n++) {
-    vs_reduced *r = &w->reduced[n];
-    int of = r->measure->of;
-    if (r->measure->how == VS_R_INTEGRAL) r->value = (vs_value){true, w->sum[of], NAN};
-    if (r->measure->how == VS_R_HEAT) end_heat(w, r, d->now_s);
-    if ((r->measure->how != VS_R_MEAN && r->measure->how != VS_R_RMS) || !(span_s > 0)) continue;
-    double mean = w->sum_meant[of] / span_s;
-    bool rms = r->measure->how == VS_R_RMS;
-    r->value = (vs_value){true, rms ? sqrt(mean) : mean, NAN};
-    if (rms) judge_rms(d, w, r, span_s, to_s);
-  }
 }
 
 void vs_devices_finish(vs_devices *d) {
   if (!d || isnan(d->began_s)) return;
-  for (size_t k = 0; k < d->count; k++) finish_device(d, &d->item[k]);
+  const vs_run_end end = {d->now_s, fmax(d->began_s, d->means.from_s),
+                          fmin(d->now_s, d->means.to_s)};
+  for (size_t k = 0; k < d->count; k++)
+    for (size_t n = 0; n < d->item[k].count; n++) {
+      vs_reduced *r = &d->item[k].reduced[n];
+      if (r->by->finish) r->by->finish(&d->item[k], r, &end);
+    }
 }

@@ -23,9 +23,9 @@ const char *const vs_energy_balance_texts[VS_BALANCES] = {
 #undef VS_BALANCE_TEXT
 };
 
-/* Gauss-Legendre on [0,1] (Abramowitz & Stegun, table 25.4): five points are exact to degree 9, as
- * the product of two quintics nearly is; two to degree 3, as the step of a second-order circuit
- * needs. */
+/* Gauss-Legendre rules on [0,1] (Abramowitz & Stegun, table 25.4). Five points are exact to degree
+ * 9, which the product of two quintics nearly is. Two points are exact to degree 3, which the step
+ * of a second-order circuit needs. */
 static const struct {
   int count;
   double at[5], weight[5];
@@ -36,6 +36,8 @@ static const struct {
      {0.11846344252809454, 0.23931433524968324, 0.28444444444444444, 0.23931433524968324,
       0.11846344252809454}},
 };
+
+_Static_assert(VS_CH_VPHI - VS_CH_VP == VS_DOF - 1, "velocities stand in the order of the states");
 
 static double magnetic(const vs_frame *frame, const vs_knot *k) {
   const vs_model *m = frame->model;
@@ -56,9 +58,10 @@ static void begin(vs_energy *e, const vs_step *step) {
     e->loss_w[n] = vs_formula_value(&deck->losses.item[n].formula, e->first.terms);
 }
 
-/* The deck's losses by Simpson's rule with its terms on straight lines between the ends of a step:
- * exact for a voltage times a current, and off by the square of the step as the solver is. Of what
- * is periodic the trapezoidal rule adds up whole cycles exactly. */
+/* Integrates the deck's losses by Simpson's rule, with the deck's terms on straight lines between
+ * the ends of a step. That is exact for a voltage times a current on such lines, and off by the
+ * square of the step, as the solver is. Where the circuit is periodic the trapezoidal rule adds up
+ * whole cycles exactly. */
 static void add_losses(vs_energy *e, const vs_step *step) {
   const vs_deck *deck = step->frame->deck;
   const double *from = step->from->terms, *to = step->to->terms;
@@ -76,7 +79,7 @@ static void add_losses(vs_energy *e, const vs_step *step) {
   }
 }
 
-/* What is stored is told by the first and the last knot alone; with it the balances. */
+/* Fills what is stored, which the first and the last knot alone tell, and takes the balances. */
 static void take_stock(vs_energy *e) {
   const vs_deck *deck = e->frame->deck;
   const vs_model *m = e->frame->model;
@@ -105,7 +108,7 @@ static void take_stock(vs_energy *e) {
 enum { STOCK_TAKING = 32 }; /* steps between two looks at the books */
 
 void vs_energy_accept(vs_energy *e, const vs_step *step) {
-  /* the machine alone moves, and dissipates */
+  /* true: no current flows, so only the machine's own terms change */
   bool alone = step->frame->source_is_coil && vs_step_is_quiet(step);
   unsigned parts = VS_GROUP_VELOCITIES | (alone ? 0 : VS_GROUP_V_EVA | VS_GROUP_V_MAINS);
   const vs_model *m = step->frame->model;
@@ -131,9 +134,9 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
   if (e->steps % STOCK_TAKING == 0) take_stock(e);
 }
 
-/* Of what is drawn at least this counts as work: where the machine hardly moves (not fired, at 1
- * Hz), what is left over would be told as a multiple of next to nothing. A machine that is driven
- * takes 9 to 25 %. */
+/* The residual's scale is at least this share of what was drawn. Where the machine hardly moves
+ * (not fired, or at 1 Hz), what is left over would else be told as a multiple of next to nothing. A
+ * machine that is driven takes 9 to 25 % of what is drawn. */
 static const double LEAST_SHARE = 0.01;
 
 void vs_energy_finish(vs_energy *e) {

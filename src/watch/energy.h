@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Watcher that keeps the books of energy, each term integrated on its own. */
+ * Watcher that keeps the books of energy. Every term is integrated on its own, so that a balance
+ * that does not close shows an error. */
 #ifndef VS_WATCH_ENERGY_H
 #define VS_WATCH_ENERGY_H
 
@@ -7,7 +8,7 @@
 
 #include "sim/step.h"
 
-/* name, text; all J */
+/* The terms, all in J. id, name, text */
 #define VS_ENERGY_LIST(X)                                                                          \
   X(VS_E_SOURCE, "source", "drawn from the mains, int u i dt")                                     \
   X(VS_E_PORT, "eva", "taken in by the EVA, int v i dt")                                           \
@@ -26,7 +27,7 @@ enum {
 };
 extern const char *const vs_energy_names[VS_ENERGIES];
 
-/* The balances; each is what comes in less what is lost and stored. id, name, text */
+/* The balances. Each is what comes in, less what is lost and stored. id, name, text */
 #define VS_BALANCE_LIST(X)                                                                         \
   X(VS_B_EVA, "eva", "eva - copper - magnetic - work_force")                                       \
   X(VS_B_MECHANICAL, "mechanical", "work_force - damping - stop - mechanical")                     \
@@ -41,36 +42,39 @@ enum {
 extern const char *const vs_energy_balance_names[VS_BALANCES],
     *const vs_energy_balance_texts[VS_BALANCES];
 
-/* Start from {0} with the frame set. */
+/* Start from {0} with the frame set. The frame is borrowed. */
 typedef struct vs_energy {
   const vs_frame *frame;
   double joule[VS_ENERGIES];
-  double loss_w[VS_DECK_MOST];  /* of the deck's loss lines, at the last step's end */
+  double loss_w[VS_DECK_MOST];  /* the deck's loss lines at the last step's end */
   double loss_j[VS_DECK_MOST];  /* their integrals */
-  double store_j[VS_DECK_MOST]; /* of the deck's store lines: gained since the beginning */
-  vs_knot first, last;          /* of the steps shown */
+  double store_j[VS_DECK_MOST]; /* what the deck's store lines have gained since the beginning */
+  vs_knot first, last;          /* of the steps accepted so far */
   long steps;
-  double left_j[VS_BALANCES];                              /* what each balance leaves over */
-  double furthest_j[VS_BALANCES], furthest_s[VS_BALANCES]; /* the most on the way, and when */
-  bool balanced[VS_BALANCES];   /* false: nothing to balance (a deck without losses and stores) */
-  double residual[VS_BALANCES]; /* relative to the work of the force or to 1 % of what was drawn
-                                   from the mains, whichever is more; in J where both are 0 */
-  double worst;                 /* the largest of them */
+  double left_j[VS_BALANCES];     /* what each balance leaves over when it was last taken */
+  double furthest_j[VS_BALANCES]; /* the most that it left over so far, with its sign */
+  double furthest_s[VS_BALANCES]; /* and when */
+  bool balanced[VS_BALANCES];   /* false: there is nothing to balance, as the deck declares neither
+                                   losses nor stores */
+  double residual[VS_BALANCES]; /* left_j as a part of the work of the force or of 1 % of what was
+                                   drawn from the mains, whichever is more; in J where both are 0 */
+  double worst;                 /* the largest |residual| */
 } vs_energy;
 
+/* Takes one accepted step. The balances are taken every 32 steps. */
 void vs_energy_accept(vs_energy *energy, const vs_step *step);
-/* Fills balanced, residual and worst. With a one-way force (analytic tier) the EVA's balance leaves
- * the work out: nothing supplies it. */
+/* Takes the balances at the end of the run and fills balanced, residual and worst. With a one-way
+ * force (analytic tier) the EVA's balance leaves the work out, as nothing supplies it. */
 void vs_energy_finish(vs_energy *energy);
 
-/* What may be left over before it is warned of, times run.tolerance and the whole below. */
+/* What a balance may leave over without a warning, times run.tolerance and vs_energy_whole. */
 enum { VS_ENERGY_ALLOWED = 10 };
 /* The work of the force or what was drawn from the mains, whichever is more, J. */
 double vs_energy_whole(const vs_energy *energy);
 
-/* Do the books close, on the way and at the end? A balance may leave ten times run.tolerance of the
- * work of the force or of what was drawn from the mains, whichever is more. NULL: they do; else the
- * buffer says which does not. */
+/* Returns NULL where the books close, at the end and on the way. Otherwise writes into the buffer
+ * which balance does not, and returns it. A balance may leave VS_ENERGY_ALLOWED times the tolerance
+ * of vs_energy_whole. */
 const char *vs_energy_open(const vs_energy *energy, double tolerance, char *buffer, size_t size);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "watch/extremes.h"
 
+#include <assert.h>
 #include <float.h>
 #include <math.h>
 
@@ -100,6 +101,9 @@ static double value_of(const curve *c, double s) {
 
 /* ---- channels as such polynomials ---- */
 
+_Static_assert(VS_CH_PHI - VS_CH_P == VS_DOF - 1 && VS_CH_APHI - VS_CH_AP == VS_DOF - 1,
+               "coordinates and accelerations stand in the order of the states");
+
 static curve current(const vs_step *step) {
   const vs_model *m = step->frame->model;
   curve c = flux(step), z = step->frame->gap_at_rest ? (curve){0} : coordinate(step, P);
@@ -145,7 +149,8 @@ static curve acceleration(const vs_step *step, int i) {
 static curve curve_of(const vs_step *step, int channel) {
   if (channel == VS_CH_I) return current(step);
   if (channel == VS_CH_FORCE) return force(step);
-  if (channel >= VS_CH_AP) return acceleration(step, channel - VS_CH_AP);
+  if (channel >= VS_CH_AP && channel <= VS_CH_APHI) return acceleration(step, channel - VS_CH_AP);
+  assert(channel >= VS_CH_P && channel <= VS_CH_PHI);
   return coordinate(step, channel - VS_CH_P);
 }
 

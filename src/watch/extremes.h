@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The largest and least values of channels over a run, taken from the dense output and not from
- * samples of it: no row of the run's CSV lies beyond them by more than rounding.
+ * The largest and least values of channels over a run. They are taken from the dense output and not
+ * from samples of it, so that no row of the run's CSV lies beyond them by more than rounding.
  *
  * Between two knots the coordinates and the flux linkage are polynomials of time, and so are the
  * force, the current and the accelerations. A polynomial never leaves the range of its Bernstein
- * coefficients; where that range ends before the extreme known so far, the step holds no new one.
- * Else it is cut until its slope changes sign but once, and that root is found. */
+ * coefficients. Where that range ends before the extreme known so far, the step holds no new one.
+ * Otherwise the step is cut until the polynomial's slope changes sign only once, and that root is
+ * found. */
 #ifndef VS_WATCH_EXTREMES_H
 #define VS_WATCH_EXTREMES_H
 
@@ -13,22 +14,23 @@
 
 /* A number that a run gave, in SI, and the instant it belongs to. */
 typedef struct vs_value {
-  bool known;         /* false: the run had nothing to measure (no firing, too few extremes) */
+  bool known;         /* false: the run had nothing to measure, as no firing or too few extremes */
   double value, at_s; /* at_s: NaN where the value belongs to no instant */
 } vs_value;
 
-/* Largest or least value of one channel so far. */
+/* The largest or least value of one channel so far. */
 typedef struct vs_extreme {
-  int channel; /* VS_CH_P, VS_CH_I, VS_CH_FORCE, VS_CH_AP, VS_CH_AU, VS_CH_AW or a deck's probe */
-  int sense;   /* +1 largest, -1 least; 0 largest magnitude, of no probe */
+  int channel; /* a coordinate, an acceleration, VS_CH_I, VS_CH_FORCE or a probe of the deck */
+  int sense;   /* +1 the largest, -1 the least, 0 the largest magnitude; a probe has no 0 */
   vs_value best;
 } vs_extreme;
 
-/* Takes a step of some length into account, with both its ends; jammed: the armature is held, and
+/* Takes a step of some length into account, with both its ends. jammed: the armature is held, and
  * the accelerations of the knots are not those of the channels. */
 void vs_extreme_follow(vs_extreme *extreme, const vs_step *step, bool jammed);
 
-/* Where p turns in a step, between ends with velocities of unlike signs; false: they are not. */
+/* Finds where p turns in a step whose ends have velocities of unlike signs. Returns false and
+ * leaves `turn` as it is where they have not. */
 bool vs_extreme_turn_of_p(const vs_step *step, vs_value *turn);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "watch/measures.h"
 
+#include <assert.h>
 #include <gsl/gsl_errno.h>
 #include <math.h>
 
@@ -13,16 +14,16 @@ const vs_measure vs_measures_standard[VS_MEASURES] = {
 #undef VS_MEASURE_ROW
 };
 
-/* which measure is which extreme; the order of vs_measures.extremes */
 static const struct {
   int measure, channel, sense;
-} STANDARD[VS_STANDARD_EXTREMES] = {
-    {VS_M_I_PEAK, VS_CH_I, 0},   {VS_M_FORCE_PEAK, VS_CH_FORCE, 1}, {VS_M_P_MIN, VS_CH_P, -1},
-    {VS_M_P_MAX, VS_CH_P, 1},    {VS_M_AP_PEAK, VS_CH_AP, 0},       {VS_M_AU_PEAK, VS_CH_AU, 0},
-    {VS_M_AW_PEAK, VS_CH_AW, 0},
+} STANDARD[] = {
+#define VS_EXTREME_ROW(measure, channel, sense) {measure, channel, sense},
+    VS_EXTREME_LIST(VS_EXTREME_ROW)
+#undef VS_EXTREME_ROW
 };
+_Static_assert(sizeof STANDARD / sizeof *STANDARD == VS_STANDARD_EXTREMES, "counted by its rows");
 
-/* The resonance and the decay are read up to here, as the paper's figures are. */
+/* The resonance and the decay are read up to this instant, as the paper's figures are. */
 static const double SWING_ENDS_S = 1.0;
 /* An extremum this much smaller than a later one was no motion peak but a ripple before it. */
 static const double RIPPLE = 0.01;
@@ -62,7 +63,8 @@ static double value_at(double t_s, void *user) {
   return vs_step_channel(&in->step, t_s, c->channel);
 }
 
-/* Root of the function between lo and hi; NaN when it does not change sign there. */
+/* The instant between lo and hi at which the channel is 0; NaN where it does not change sign there.
+ */
 static double find_root(const vs_measures *m, course *c, double lo, double hi) {
   gsl_function f = {value_at, c};
   double at_lo = value_at(lo, c), at_hi = value_at(hi, c);
@@ -86,19 +88,26 @@ static vs_value refine(const vs_measures *m) {
 
 /* ---- what is followed from step to step ---- */
 
-/* Is the middle of the three an extremum of p? */
+/* True: the middle one of the three values of p is an extremum. */
 static bool turns(const vs_measures *m) {
   double a = m->p_m[0], b = m->p_m[1], c = m->p_m[2];
   return (b >= a && b > c) || (b <= a && b < c);
 }
 
+const vs_extreme *vs_measures_of_probe(const vs_measures *m, int probe) {
+  const vs_extreme *pair = &m->extremes[VS_STANDARD_EXTREMES + 2 * probe];
+  assert(pair[0].channel == VS_CH_DECK + probe && pair[0].sense < 0);
+  assert(pair[1].channel == VS_CH_DECK + probe && pair[1].sense > 0);
+  return pair;
+}
+
 double vs_measures_slack(const vs_measures *m, const vs_rating *r) {
-  const vs_extreme *pair = &m->extremes[VS_STANDARD_EXTREMES + 2 * r->probe];
+  const vs_extreme *pair = vs_measures_of_probe(m, r->probe);
   double range = r->max - r->min, size = fmax(fabs(pair[0].best.value), fabs(pair[1].best.value));
   return m->frame->tolerance * (isfinite(range) ? range : size);
 }
 
-/* When the probe of a rating first leaves its range. */
+/* Notes when the probe of a rating first leaves the rating's range. */
 static void follow_rating(vs_measures *m, size_t k) {
   const vs_rating *r = &m->frame->deck->ratings[k];
   const vs_probe *probe = &m->frame->deck->probes[r->probe];
@@ -116,8 +125,8 @@ static bool swings_freely(const vs_measures *m, double t_s) {
   return t_s > m->extinct_s && t_s <= SWING_ENDS_S && !(t_s > m->refired_s);
 }
 
-/* Motion peaks after the first firing; in the free swing also ln of half the way between
- * neighbouring extremes, which slower modes below the swing do not move. */
+/* Follows the motion peaks after the first firing. In the free swing it also sums up the logarithm
+ * of half the way between neighbouring extremes, which slower modes below the swing do not move. */
 static void follow_peaks(vs_measures *m) {
   if (m->steps < 2 || !turns(m)) return;
   double middle = m->kept[m->last].from.t_s;
@@ -153,8 +162,9 @@ static void follow_crossings(vs_measures *m) {
   m->last_crossing_s = t;
 }
 
-/* Below its latching current a thyristor goes out between two sub-pulses of its gate, and is fired
- * by the next one: it was no extinction, and what was read of a free swing is none. */
+/* True: the firing at t_s goes on with the conduction before it. Below its latching current a
+ * thyristor goes out between two sub-pulses of its gate and is fired by the next one. That was no
+ * extinction, and no free swing followed it. */
 static bool goes_on(const vs_measures *m, double t_s) {
   return t_s - m->extinct_s <= 1.01 / m->frame->timeline->firing.burst_hz && isnan(m->refired_s) &&
          vs_gate_is_on(m->frame->timeline, 0, t_s);

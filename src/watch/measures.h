@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Watcher that reduces a run to its measures while it goes on. Extremes (extremes.h) and
+ * Watcher that reduces a run to its standard measures while it goes on. Extremes (extremes.h) and
  * crossings are found by root-finding on the dense output, not by the largest sample. */
 #ifndef VS_WATCH_MEASURES_H
 #define VS_WATCH_MEASURES_H
@@ -9,7 +9,7 @@
 
 #include "watch/extremes.h"
 
-/* id, name, unit, text */
+/* The standard measures, which every tier has. id, name, unit, text */
 #define VS_MEASURE_LIST(X)                                                                         \
   X(VS_M_I_PEAK, "i_peak", "A", "largest |coil current|")                                          \
   X(VS_M_T_FIRE, "t_fire", "s", "first firing")                                                    \
@@ -48,7 +48,22 @@ typedef struct vs_measure {
 } vs_measure;
 extern const vs_measure vs_measures_standard[VS_MEASURES];
 
-enum { VS_STANDARD_EXTREMES = 7, VS_MOST_EXTREMES = VS_STANDARD_EXTREMES + 2 * VS_DECK_MOST };
+/* The measures that are extremes of a channel. id, channel, sense (as vs_extreme has it) */
+#define VS_EXTREME_LIST(X)                                                                         \
+  X(VS_M_I_PEAK, VS_CH_I, 0)                                                                       \
+  X(VS_M_FORCE_PEAK, VS_CH_FORCE, 1)                                                               \
+  X(VS_M_P_MIN, VS_CH_P, -1)                                                                       \
+  X(VS_M_P_MAX, VS_CH_P, 1)                                                                        \
+  X(VS_M_AP_PEAK, VS_CH_AP, 0)                                                                     \
+  X(VS_M_AU_PEAK, VS_CH_AU, 0)                                                                     \
+  X(VS_M_AW_PEAK, VS_CH_AW, 0)
+
+enum {
+#define VS_EXTREME_ONE(measure, channel, sense) +1
+  VS_STANDARD_EXTREMES = 0 VS_EXTREME_LIST(VS_EXTREME_ONE),
+#undef VS_EXTREME_ONE
+  VS_MOST_EXTREMES = VS_STANDARD_EXTREMES + 2 * VS_DECK_MOST
+};
 
 /* A step that outlives the tier's own knots. */
 typedef struct vs_kept_step {
@@ -58,31 +73,38 @@ typedef struct vs_kept_step {
 
 typedef struct vs_measures {
   const vs_frame *frame;
-  vs_kept_step kept[2]; /* the last two steps of some length; `last` is the newer */
+  vs_kept_step kept[2]; /* the last two steps of some length; `last` is the index of the newer */
   int last, steps;      /* steps: how many are kept, 0..2 */
-  double p_m[3];        /* p at the kept steps' three ends */
-  bool jammed;          /* the armature, by now */
-  vs_extreme
-      extremes[VS_MOST_EXTREMES]; /* the standard ones, then least and largest of each probe */
+  double p_m[3];        /* p at the three ends of the kept steps */
+  bool jammed;          /* the armature has jammed */
+  /* those of VS_EXTREME_LIST in its order, then least and largest of each of the deck's probes */
+  vs_extreme extremes[VS_MOST_EXTREMES];
   int n_extremes;
-  double passed_s[VS_DECK_MOST]; /* when each of the deck's ratings first was; NaN: it was not */
-  double fired_s, extinct_s,
-      refired_s;          /* first firing, first extinction, second firing; NaN: not yet */
-  vs_value first, second; /* motion peaks of p */
+  double passed_s[VS_DECK_MOST]; /* when each of the deck's ratings was first passed; NaN: it was
+                                    not */
+  double fired_s, extinct_s, refired_s; /* first firing, first extinction, second firing; NaN: not
+                                           yet */
+  vs_value first, second;               /* motion peaks of p */
+  /* rising zero crossings of p in the free swing: how many, and when the first and the last were */
   double crossings, first_crossing_s, last_crossing_s;
   vs_value swing;             /* the last extremum of p in the free swing */
-  double n, st, sl, stt, stl; /* sums of the fit ln(amplitude) over t */
-  gsl_root_fsolver *solver;
+  double n, st, sl, stt, stl; /* sums for the straight line of ln(amplitude) over t */
+  gsl_root_fsolver *solver;   /* owned */
 } vs_measures;
 
+/* The frame must outlive the watcher, which vs_measures_free frees. */
 vs_measures *vs_measures_new(const vs_frame *frame);
 void vs_measures_free(vs_measures *measures);
+/* Takes one accepted step. */
 void vs_measures_accept(vs_measures *measures, const vs_step *step);
-/* An end of a rating that is 0 says which sign the probe may have: up to this much beyond it is no
- * violation, in the probe's SI unit. It is run.tolerance of the rating's range, the scale on which
- * the run is judged, or of the probe's largest magnitude so far where the other end is none. */
+/* The least and the largest value of one of the deck's probes so far: two extremes, one behind the
+ * other. probe: its number in the deck, from 0. */
+const vs_extreme *vs_measures_of_probe(const vs_measures *measures, int probe);
+/* How far a probe may pass an end of its rating that is 0, in the probe's SI unit: such an end says
+ * which sign the probe may have. It is run.tolerance of the rating's range, the scale on which the
+ * run is judged, or of the probe's largest magnitude so far where the rating has no other end. */
 double vs_measures_slack(const vs_measures *measures, const vs_rating *rating);
-/* Values of all but the energies, [VS_MEASURES]. The extremes hold theirs. */
+/* Gives the values of all standard measures but the energies, values[VS_MEASURES]. */
 void vs_measures_finish(const vs_measures *measures, vs_value values[VS_MEASURES]);
 
 #endif

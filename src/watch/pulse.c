@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+/* A current from here on begins a pulse, or keeps it going. */
 static const double PULSE_A = 1e-3;
 
 static double level_v(int k) {
@@ -23,7 +24,8 @@ typedef struct leg {
   double begin_j;  /* the pulse's energy at the step's beginning */
 } leg;
 
-/* The pulse's energy a part of the step behind its beginning; power runs on a parabola. */
+/* The pulse's energy at `at`, a part of the step from its beginning on. Within a step the power
+ * runs on a parabola. */
 static double energy_at(const leg *l, double at) {
   const vs_course_step *c = l->c;
   double p0 = c->from[VS_OF_POWER], pm = c->mid[VS_OF_POWER], p1 = c->to[VS_OF_POWER];
@@ -31,7 +33,7 @@ static double energy_at(const leg *l, double at) {
   return l->begin_j + c->h_s * at * (p0 + at * (slope / 2 + at * bend / 3));
 }
 
-/* The energy when |v| is at v; at the leg's end if it does not come there. */
+/* The pulse's energy when |v| is v; at the leg's end where |v| does not come there. */
 static double energy_when(const leg *l, double v) {
   bool comes = l->v0 != l->v1 && (v - l->v0) * (v - l->v1) <= 0;
   return energy_at(l, comes ? l->at0 + (l->at1 - l->at0) * (v - l->v0) / (l->v1 - l->v0) : l->at1);

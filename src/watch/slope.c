@@ -16,8 +16,8 @@ static void keep(vs_slope *s, double t_s, double y) {
   s->y[end] = y;
 }
 
-/* The course at a time not before its first knot; the last one kept is followed by the step's
- * beginning. */
+/* The course at a time not before its first kept knot. Behind the last kept knot comes the
+ * beginning of the step. */
 static double value_at(const vs_slope *s, double t_s, double t0_s, double y0, double rate) {
   if (t_s >= t0_s) return y0 + rate * (t_s - t0_s);
   size_t n = 1;
@@ -31,7 +31,8 @@ double vs_slope_follow(vs_slope *s, double t0_s, double y0, double t1_s, double 
   if (!(t1_s > t0_s)) return -INFINITY;
   double rate = (y1 - y0) / (t1_s - t0_s), largest = -INFINITY;
   keep(s, t0_s, y0);
-  /* As the window moves the rate changes straight, but where one of its ends passes a knot. */
+  /* As the window moves, the rate changes along a straight line until one end passes a knot. So its
+   * largest value is at such an instant. */
   for (size_t n = 0; n <= s->count; n++) {
     bool last = n == s->count;
     double begin_s = last ? t1_s - WINDOW_S : s->t_s[at(s, n)], end_s = begin_s + WINDOW_S;

@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The largest rate of a course that runs straight from knot to knot: its change over a window of
- * exactly 0.1 us, wherever that lies, divided by 0.1 us. */
+ * The largest rate of a course that runs straight from knot to knot. A rate is the change over a
+ * window of exactly 0.1 us, divided by 0.1 us; the window may lie anywhere. */
 #ifndef VS_WATCH_SLOPE_H
 #define VS_WATCH_SLOPE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Knots that are less than a 256th of the window behind one that is kept are left out where the
- * window begins, so that no more than these are kept: there the course counts as straight over
- * 0.4 ns. At the window's end every knot counts. */
+/* The window's beginning moves over the knots that are kept. A knot less than a 256th of the window
+ * behind a kept one is not kept, which bounds their number: there the course counts as straight
+ * over 0.4 ns. The window's end moves over every knot. */
 enum { VS_SLOPE_PARTS = 256, VS_SLOPE_KNOTS = VS_SLOPE_PARTS + 4 };
 
-/* Start with {0}. A ring of the knots within the last window, and one before it. */
+/* Start from {0}. A ring of the knots within the last window, and one before it. */
 typedef struct vs_slope {
   size_t first, count;
   double t_s[VS_SLOPE_KNOTS], y[VS_SLOPE_KNOTS];
 } vs_slope;
 
 /* Takes the next step of the course. Returns the largest rate of the windows that end in it, in
- * units of y per second: sense +1, of rising; -1, of falling; 0, of either, without its sign.
- * -INFINITY: the course is not a window long yet. A step of no length has no window's end. */
+ * units of y per second. sense +1: of rising; -1: of falling; 0: of either, without its sign.
+ * Returns -INFINITY while the course is not a window long yet, and for a step of no length. */
 double vs_slope_follow(vs_slope *slope, double t0_s, double y0, double t1_s, double y1, int sense);
 
 #endif

@@ -6,14 +6,22 @@
 #include "drive/events.h"
 #include "drive/gate.h"
 
-/* Below it a current that may have begun has not: what flows is leakage. */
+/* A current up to this is leakage: the device has not begun to conduct. */
 static const double QUIET_A = 0.001;
-/* From here on a voltage counts as forward voltage that is blocked: above any on-state voltage. */
+/* A voltage above this counts as forward voltage that is blocked. It is above any on-state voltage.
+ */
 static const double FORWARD_V = 10;
 
+/* What the voltage did since the last conduction. NONE also: the device has not conducted yet, or
+ * its forward voltage was followed by reverse voltage. */
 enum { REST_NONE, REST_NO_REVERSE_YET, REST_REVERSED, REST_FORWARD_AGAIN };
 
 /* ---- gate ---- */
+
+void vs_switching_gate_begin(vs_gate_watch *g, const vs_timeline *timeline, double delay_rad) {
+  *g = (vs_gate_watch){
+      .timeline = timeline, .delay_rad = delay_rad, .edge_s = -INFINITY, .off_since_s = -INFINITY};
+}
 
 void vs_switching_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
   double middle = (c->t0_s + c->t1_s) / 2;
@@ -40,8 +48,8 @@ static void begin_rise(vs_rise *r, double t_s, double v) {
   r->v[0] = v;
 }
 
-/* Leaves out points whose neighbours are less than a 64th of the rise apart: half are left
- * at most, and no steep step loses its foot. */
+/* Leaves out points whose neighbours are less than a 64th of the rise apart. At most half of the
+ * points remain, and no steep step loses its foot. */
 static void thin_out(vs_rise *r) {
   size_t kept = 1, last = r->count - 1;
   double apart = (r->v[last] - r->v[0]) / 64;
@@ -59,7 +67,8 @@ static double time_of(const vs_rise *r, double v) {
   return r->t_s[k - 1] + (v - r->v[k - 1]) / (r->v[k] - r->v[k - 1]) * (r->t_s[k] - r->t_s[k - 1]);
 }
 
-/* The rate from 10 to 90 % of the rise, told at its beginning. */
+/* The mean rate from 10 to 90 % of the rise, with the instant of the 10 %. Not known: the rise is
+ * lower than 10 V. */
 static vs_value end_rise(const vs_rise *r) {
   double height = r->count > 1 ? r->v[r->count - 1] - r->v[0] : 0;
   if (height < FORWARD_V) return (vs_value){0};
@@ -67,7 +76,8 @@ static vs_value end_rise(const vs_rise *r) {
   return (vs_value){true, 0.8 * height / (end - begin), begin};
 }
 
-/* A rise ends at its top when the voltage has come down by a tenth of it. */
+/* Follows the present rise and returns its rate where it ends. A rise ends at its top, once the
+ * voltage has come down by a tenth of it. */
 static vs_value follow_rise(vs_rise *r, const vs_course_step *c) {
   double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V], now = fmax(v1, 0);
   if (!r->count) begin_rise(r, c->t0_s, fmax(v0, 0));
@@ -90,7 +100,7 @@ static vs_value follow_rise(vs_rise *r, const vs_course_step *c) {
 
 /* ---- conduction ---- */
 
-/* The forward voltage at which its current began, which may be many steps back. */
+/* Notes the forward voltage at which the current began, which may be many steps back. */
 static void follow_fired_v(vs_switch *s, const vs_course_step *c, double began_s) {
   if (began_s >= c->t0_s) s->fired_v = fmax(c->from[VS_OF_V], c->to[VS_OF_V]);
 }
@@ -116,8 +126,9 @@ static void follow_conduction(vs_switch *s, const vs_course_step *c) {
   }
 }
 
-/* It is back at forward voltage without having been reversed. As long as its gate pulse lasts, it
- * may be fired again, by the next of the sub-pulses; the end of the pulse will tell. */
+/* The device is back at forward voltage without having been reversed: it did not latch. As long as
+ * its gate pulse lasts it may be fired again, by the next of the sub-pulses, and the end of the
+ * pulse will tell. Otherwise this is a misfire. */
 static void fall_back(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   bool gate_known = !isnan(s->gate.delay_rad);
   s->rest = REST_NONE;
@@ -127,7 +138,7 @@ static void fall_back(vs_switch *s, const vs_course_step *c, vs_switch_news *new
     news->misfire = (vs_value){true, 1, c->t1_s};
 }
 
-/* While it blocks after a conduction: reverse voltage, then forward voltage again. */
+/* Follows the voltage of a device that blocks after a conduction: reverse, then forward again. */
 static void follow_rest(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V];
   switch (s->rest) {
@@ -151,7 +162,7 @@ static void follow_rest(vs_switch *s, const vs_course_step *c, vs_switch_news *n
   }
 }
 
-/* Was the gate there when the current began? If not, that is news. */
+/* A current has begun. Without a gate pulse at that time this is an unintended firing. */
 static void judge_firing(vs_switch *s, vs_switch_news *news) {
   s->by_gate = s->gate.on || s->fired_s < s->gate.off_since_s;
   if (!s->by_gate) {
@@ -161,8 +172,9 @@ static void judge_firing(vs_switch *s, vs_switch_news *news) {
   s->rest = REST_NONE;
 }
 
-/* A gate pulse that found forward voltage and has ended. As long as a current flows that is only
- * small yet, it may have been answered. */
+/* Follows whether the device answers its gate pulses. A pulse that found forward voltage and has
+ * ended is unanswered; as long as a small current flows, though, it may still have been answered.
+ */
 static void follow_pulse(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   if (s->gate.begins) s->forward = s->conducted = false;
   if (s->gate.on) {
@@ -177,14 +189,9 @@ static void follow_pulse(vs_switch *s, const vs_course_step *c, vs_switch_news *
   s->unanswered_s = NAN;
 }
 
-void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double gate_rad, double t_q_s) {
-  *s = (vs_switch){.gate = {.timeline = timeline,
-                            .delay_rad = gate_rad,
-                            .edge_s = -INFINITY,
-                            .off_since_s = -INFINITY},
-                   .t_q_s = t_q_s,
-                   .fired_s = NAN,
-                   .unanswered_s = NAN};
+void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double delay_rad) {
+  *s = (vs_switch){.t_q_s = INFINITY, .fired_s = NAN, .unanswered_s = NAN};
+  vs_switching_gate_begin(&s->gate, timeline, delay_rad);
   vs_conduction_begin(&s->conduction);
 }
 
@@ -197,7 +204,7 @@ static void follow_current(vs_switch *s, const vs_course_step *c, vs_switch_news
   s->turning_on = true;
 }
 
-/* Up to the first maximum. */
+/* The rate of the current up to its first maximum; not known behind that. */
 static vs_value follow_turn_on(vs_switch *s, const vs_course_step *c, double rate) {
   s->turning_on = c->to[VS_OF_I] >= c->from[VS_OF_I];
   return (vs_value){s->turning_on && rate > 0, rate, c->t1_s};
@@ -212,7 +219,7 @@ static void follow_blocking(vs_switch *s, const vs_course_step *c, double rate,
   }
 }
 
-/* Of forward voltage, which is 0 while the voltage is reversed. */
+/* The largest rate of forward voltage, which counts as 0 while the voltage is reversed. */
 static double forward_rate(vs_slope *slope, const vs_course_step *c) {
   double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V], largest = -INFINITY, zero_s = c->t0_s;
   if ((v0 < 0) != (v1 < 0)) {

@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What a device that conducts or blocks is seen to do: when it fires and stops, how fast its
+ * What a device that conducts or blocks is seen to do: when it fires and goes out, how fast its
  * voltage rises while it blocks, how long its circuit lets it rest, and whether it obeyed its gate.
  *
- * When it fires and goes out, coupling/conduction.h says. What is said of it:
- *   misfires               a gate pulse under forward voltage (10 V or more) has ended and it did
- *                          not conduct; or it did not latch: it fell back, without a reverse
- *                          voltage between, to half of the forward voltage it fired from
- *   unintended firing      its current begins outside any gate pulse
+ * coupling/conduction.h defines when a device fires and goes out. This file defines:
+ *   misfire                a gate pulse under forward voltage (10 V or more) has ended and the
+ *                          device did not conduct; or the device did not latch: without a reverse
+ *                          voltage in between it fell back to half of the forward voltage it had
+ *                          fired from
+ *   unintended firing      the device's current begins outside any gate pulse
+ *   time offered           from the zero of the current to the return of forward voltage
  *   commutation failure    an unintended firing on the first forward voltage after a conduction,
- *                          when the time offered was below its part's t_q, or that is not known */
+ *                          where the time offered was below the part's t_q, or that is not known */
 #ifndef VS_WATCH_SWITCHING_H
 #define VS_WATCH_SWITCHING_H
 
@@ -17,57 +19,71 @@
 #include "watch/measures.h"
 #include "watch/slope.h"
 
-/* A device's courses over one step: at its beginning, half way, at its end. */
+/* The courses of a device over one step (VS_OF_V, ...): at its beginning, half way, at its end. */
 typedef struct vs_course_step {
   double t0_s, t1_s, h_s; /* h_s > 0 */
   double from[VS_COURSES], mid[VS_COURSES], to[VS_COURSES];
-  bool was_on, on; /* in a conduction, before and behind it */
+  double more[VS_COURSES]; /* integrals over the step; those of V and V.s are 0 */
+  bool was_on, on;         /* the device conducts at the beginning; at the end */
 } vs_course_step;
 
-/* The gate pulses of a device; their edges are ends of steps. Start with edge_s = -INFINITY. */
+/* The gate pulses of a device. Their edges are ends of steps. */
 typedef struct vs_gate_watch {
   const vs_timeline *timeline;
-  double delay_rad;   /* NaN: nothing is known of its gate, which then counts as always on */
-  bool on;            /* in the step last followed */
-  bool begins, ended; /* with its beginning */
-  double edge_s;      /* next one */
-  double off_since_s;
+  double delay_rad;   /* of its pulses behind those of `gate`; NaN: nothing is known of its gate,
+                         which   then counts as always on */
+  bool on;            /* there is a pulse in the step last followed */
+  bool begins, ended; /* a pulse began, or ended, at that step's beginning */
+  double edge_s;      /* instant of the next edge */
+  double off_since_s; /* end of the last pulse; -INFINITY: there was none */
 } vs_gate_watch;
+/* delay_rad: as in the struct. */
+void vs_switching_gate_begin(vs_gate_watch *gate, const vs_timeline *timeline, double delay_rad);
+/* Takes the next step. */
 void vs_switching_gate_follow(vs_gate_watch *gate, const vs_course_step *c);
 
-/* A rise of forward voltage, from its foot to its top so far. */
+/* A rise of forward voltage, from its foot to its top so far. Where the points are full, those that
+ * say least are left out. */
 enum { VS_RISE_POINTS = 256 };
 typedef struct vs_rise {
-  size_t count; /* 0: none is followed */
+  size_t count; /* 0: no rise is followed */
   double t_s[VS_RISE_POINTS], v[VS_RISE_POINTS];
 } vs_rise;
 
 typedef struct vs_switch {
   vs_gate_watch gate;
-  double t_q_s; /* infinite: not known */
+  double t_q_s; /* of the part; INFINITY, as at the beginning: not known */
   vs_conduction conduction;
-  bool by_gate, turning_on;
-  double fired_s, fired_v,
-      zero_s; /* fired_s: NaN until it first fires; zero_s: of the current, when it last stopped */
-  int rest;   /* since then; REST_... of switching.c */
-  double offered_s;
-  bool forward, conducted; /* in the present gate pulse */
-  double unanswered_s;     /* end of a gate pulse that may have failed; NaN: none */
+  bool by_gate;        /* the present or last conduction began with a gate pulse */
+  bool turning_on;     /* the current has not come to its first maximum */
+  double fired_s;      /* when it last fired; NaN: it has not fired yet */
+  double fired_v;      /* the forward voltage it fired from */
+  double zero_s;       /* when its current last went to zero */
+  int rest;            /* what its voltage did since then: REST_... of switching.c */
+  double offered_s;    /* the time that its circuit offered it to rest */
+  bool forward;        /* in the present gate pulse it had forward voltage */
+  bool conducted;      /* in the present gate pulse it conducted */
+  double unanswered_s; /* end of a gate pulse that may have failed; NaN: there is none */
   vs_rise rise;
-  vs_slope off, on; /* of its forward voltage and its current, all the time */
-  double off_rate;  /* the largest so far, V/s */
+  vs_slope off, on; /* rates of its forward voltage and of its current, followed all the time */
+  double off_rate;  /* the largest of its forward voltage while it blocked, V/s */
 } vs_switch;
-void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double gate_rad, double t_q_s);
+/* delay_rad: as in vs_gate_watch. */
+void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double delay_rad);
 
-/* What a step brought. */
+/* What a step brought. Values that are not known were not brought. */
 typedef struct vs_switch_news {
-  bool any;                                  /* of it is known */
-  vs_value rise, off_rate, on_rate, offered; /* V/s, V/s, A/s, s */
-  double
-      spread_s; /* of what was offered: the peak of the current before, by the rate at its zero */
-  vs_value misfire, unintended; /* at_s alone */
-  bool commutation_failure;     /* it is what the unintended firing is */
+  bool any;                     /* one of the values is known */
+  vs_value rise;                /* mean rate from 10 to 90 % of a rise that has ended, V/s */
+  vs_value off_rate;            /* a rate of blocked forward voltage, V/s, above all before */
+  vs_value on_rate;             /* a rate of the current as it turns on, A/s */
+  vs_value offered;             /* the time offered, s, where no gate pulse was there at its end */
+  double spread_s;              /* a relative error of the current, times this, is an error of the
+                                   time offered: its peak divided by its rate at the zero */
+  vs_value misfire, unintended; /* only their instants mean anything */
+  bool commutation_failure;     /* the unintended firing is one */
 } vs_switch_news;
+/* Takes the next step and fills `news`. */
 void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news);
 
 #endif

@@ -8,10 +8,10 @@
 
 #include "base/text.h"
 
-/* What `room` to a limit is as a part of the limit; infinite where there is none. A limit of 0 says
- * which sign the probe may have: to keep it is no margin, however near to 0 the probe comes. Beyond
- * it by more than the slack, what it is beyond is a part of the range; of the probe's largest
- * magnitude where the other end is none, or 0 as well. */
+/* The room to a limit as a part of that limit; INFINITY where there is no limit. A limit of 0 says
+ * which sign the probe may have: keeping it is no margin, however near to 0 the probe comes, so the
+ * room is INFINITY as well. Beyond such a limit by more than the slack, the room is a part of the
+ * rating's range, or of the probe's largest magnitude where the other end is infinite or 0. */
 static double part_of(double room, double limit, const vs_measures *m, const vs_judgement *j) {
   double range = j->rating->max - j->rating->min;
   if (isinf(limit)) return INFINITY;
@@ -24,7 +24,7 @@ static double part_of(double room, double limit, const vs_measures *m, const vs_
 static vs_judgement judge_rating(const vs_measures *m, size_t k) {
   const vs_deck *deck = m->frame->deck;
   const vs_rating *r = &deck->ratings[k];
-  const vs_extreme *pair = &m->extremes[VS_STANDARD_EXTREMES + 2 * r->probe];
+  const vs_extreme *pair = vs_measures_of_probe(m, r->probe);
   vs_judgement j = {.rating = r,
                     .probe = &deck->probes[r->probe],
                     .least = pair[0].best,
@@ -65,12 +65,10 @@ void vs_verdict_free(vs_verdict *v) {
 }
 
 void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, vs_verdict *v) {
-  vs_verdict_free(v);
-  size_t most = m->frame->deck ? m->frame->deck->n_ratings : 0;
+  size_t n_ratings = m->frame->deck ? m->frame->deck->n_ratings : 0, most = n_ratings;
   for (size_t k = 0; devices && k < devices->count; k++) most += devices->item[k].count;
-  v->item = vs_alloc(most, sizeof *v->item);
-  for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++)
-    v->item[v->count++] = judge_rating(m, k);
+  *v = (vs_verdict){.item = vs_alloc(most, sizeof *v->item)};
+  for (size_t k = 0; k < n_ratings; k++) v->item[v->count++] = judge_rating(m, k);
   for (size_t k = 0; devices && k < devices->count; k++)
     for (size_t n = 0; n < devices->item[k].count; n++) {
       const vs_reduced *r = &devices->item[k].reduced[n];
@@ -98,7 +96,10 @@ const char *vs_verdict_unit(const vs_judgement *j) {
 
 /* ---- how sure ---- */
 
-const char *const vs_verdict_words[] = {"held", "violated", "undecided", "unverified"};
+const char *const vs_verdict_words[VS_WORDS] = {[VS_HELD] = "held",
+                                                [VS_VIOLATED] = "violated",
+                                                [VS_UNDECIDED] = "undecided",
+                                                [VS_UNVERIFIED] = "unverified"};
 
 vs_word vs_verdict_word(const vs_judgement *j) {
   if (isnan(j->margin_error)) return VS_UNVERIFIED;
@@ -123,14 +124,15 @@ static bool is_same(const vs_judgement *a, const vs_judgement *b) {
   return !a->device == !b->device && !strcmp(vs_verdict_name(a, left), vs_verdict_name(b, right));
 }
 
-/* Where errors fall as they should, the second run differs by some times this run's error. Not all
- * do: a spike between two steps may by chance be met nearly alike by both. So twice the difference
- * is told; with half of it a tenth of the margins drawn for tests/test_margins.c lay outside. */
+/* Where errors fall with the tolerance as they should, the second run differs by a multiple of this
+ * run's error. Not all do: both runs may by chance meet a spike between two steps nearly alike. So
+ * twice the difference is told. With once the difference, a tenth of the margins drawn for
+ * tests/test_margins.c lay outside. */
 static const double SAFETY = 2;
 
-/* Of the room to one end. The limit less the room is the stress; the resolution is of that or of
- * the limit, whichever is more: a stress that is next to nothing need not be known to more digits
- * than its limit. */
+/* The error of the room to one end. The stress is 1 - room, in parts of the limit. The resolution
+ * counts for the stress or the limit, whichever is more: a stress that is next to nothing need not
+ * be known to more digits than its limit. */
 static double error_of(double room, double second, double resolution) {
   return SAFETY * fabs(room - second) + resolution * fmax(fabs(1 - room), 1);
 }

@@ -1,66 +1,75 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The deck's ratings held against what its probes did in a run, and the limits of its parts against
- * what was measured of its devices. */
+ * The verdict on a run: the deck's ratings held against what its probes did, and the limits of its
+ * parts held against what was measured of its devices. */
 #ifndef VS_WATCH_VERDICT_H
 #define VS_WATCH_VERDICT_H
 
 #include "watch/devices.h"
 #include "watch/measures.h"
 
+/* One line of a verdict: a rating of a probe, or a limit of a device's part. Values are in SI.
+ * Everything it points to belongs to the deck. */
 typedef struct vs_judgement {
-  const vs_rating *rating; /* with its probe; NULL: it is of a device */
-  const vs_probe *probe;
-  const vs_device *device; /* with its measure and limit; NULL: it is of a rating */
+  const vs_rating *rating; /* NULL: the line is of a device */
+  const vs_probe *probe;   /* of the rating */
+  const vs_device *device; /* NULL: the line is of a rating */
   const vs_device_measure *measure;
   const vs_limit *limit;
-  const vs_device *ward;   /* whose limit it is, where that is another device's; else NULL */
+  const vs_device *ward; /* the device whose limit this is, where that is another one; else NULL */
   vs_value least, largest; /* of the probe in the run */
-  double room[2]; /* what is left to the lower and to the upper end, as parts of them; INFINITY: no
-                     such end, or it is 0 and not passed; of a passed 0 a part of the range */
-  double margin;  /* the lesser of the two; < 0: beyond */
-  double margin_error; /* numerical error of the margin, a part as it is; NAN: not computed */
-  vs_value stress;     /* the extreme that is nearer to its limit, or further beyond; SI */
-  double spread;       /* times a relative error of the run is an error of the margin besides */
-  double failed_s;     /* when the limit was first passed; NaN: it was not */
+  double room[2]; /* what is left to the lower and to the upper end, as a part of that end. Beyond
+                     an end of 0 it is a part of the range. INFINITY: there is no such end, or it is
+                     0 and was not passed */
+  double margin;  /* the lesser of the two; below 0 the limit was passed */
+  double margin_error; /* numerical error of the margin, in the margin's own scale; INFINITY: it
+                          could not be found; NaN: it was not computed */
+  vs_value stress;     /* the extreme that is nearer to its limit, or further beyond it */
+  double spread;       /* a relative error of the run, times this, is an error of the margin
+                          besides */
+  double failed_s;     /* instant at which the limit was first passed; NaN: it was not */
 } vs_judgement;
 
+/* Not to be copied: it points into itself. */
 typedef struct vs_verdict {
-  vs_judgement *item; /* the ratings, then device by device; owned */
+  vs_judgement *item; /* the ratings in the deck's order, then device by device; owned */
   size_t count;
-  const vs_judgement
-      *weakest; /* of the least finite margin, less its error where that is known; NULL: none */
-  const vs_judgement *first_to_fail; /* NULL: none failed; never what another lets through */
-} vs_verdict; /* of two alike the later one, so that a device goes before a probe */
+  /* The line of the least finite margin, less its error where that is known; NULL: none has one.
+   * Of two alike it is the later one, so that a device goes before a probe. */
+  const vs_judgement *weakest;
+  /* The line that failed first; NULL: none did. A fuse that lets through more than its ward bears
+   * is never the first to fail. */
+  const vs_judgement *first_to_fail;
+} vs_verdict;
 
-/* Judges a run; what *verdict had before is freed, so begin with {0}, and end with vs_verdict_free.
- * Devices may be NULL. Nothing is judged on a tier without a deck, of which neither
- * has any. A device of which nothing was measured is not judged. */
+/* Judges a run and fills the verdict, which vs_verdict_free frees. devices may be NULL. On a tier
+ * without a deck nothing is judged, nor is a device of which nothing was measured. */
 void vs_verdict_reach(const vs_measures *measures, const vs_devices *devices, vs_verdict *verdict);
 void vs_verdict_free(vs_verdict *verdict);
 
 /* What a line of a verdict comes to. */
 typedef enum vs_word {
-  VS_HELD,      /* the margin is above 0 by more than its error */
-  VS_VIOLATED,  /* below 0 by more than its error */
-  VS_UNDECIDED, /* its sign is not certain */
-  VS_UNVERIFIED /* no error was computed */
+  VS_HELD,       /* the margin is above 0 by more than its error */
+  VS_VIOLATED,   /* the margin is below 0 by more than its error */
+  VS_UNDECIDED,  /* the margin's sign is not certain */
+  VS_UNVERIFIED, /* no error was computed */
+  VS_WORDS
 } vs_word;
-extern const char *const vs_verdict_words[]; /* by vs_word */
+extern const char *const vs_verdict_words[VS_WORDS];
 vs_word vs_verdict_word(const vs_judgement *judgement);
-/* Is there a line that is violated, verified or not, or undecided? The one with the least margin
- * among the violated, else among the undecided; NULL: none. */
+/* Returns the line with the least margin among those that are violated, verified or not; where
+ * there is none, among those that are undecided; NULL: there is none of these either. */
 const vs_judgement *vs_verdict_breach(const vs_verdict *verdict);
 
-/* Gives each line its margin's error: twice what the verdict of a second run of the same scene at
- * another tolerance differs by, and what every number of this run may be wrong by besides, as a
- * part of itself or of its limit (resolution). A line that the second run has not gets an infinite
- * error, and is undecided. */
+/* Gives each line its margin's error: twice the difference to the verdict of a second run of the
+ * same scene at another tolerance, and the resolution besides. That is what every number of this
+ * run may be wrong by, as a part of the number or of its limit, whichever is more. A line that the
+ * second run does not have gets an infinite error, and so is undecided. */
 void vs_verdict_compare(vs_verdict *verdict, const vs_verdict *second, double resolution);
 
-/* "v_ak", "thyristor.i2t" */
+/* Writes the line's name, "v_ak" or "thyristor.i2t", and returns it. */
 enum { VS_JUDGED_NAME = VS_DECK_NAME + 24 };
 const char *vs_verdict_name(const vs_judgement *judgement, char name[VS_JUDGED_NAME]);
-/* The unit that stress and limits are shown in: as they were written. */
+/* The unit that the line's limit was written in; stress and limits are shown in it. */
 const char *vs_verdict_unit(const vs_judgement *judgement);
 
 #endif

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The paper's scene, one current pulse at 100 degrees, on each tier against independent solutions;
  * the machine's modes. */
+#include "validate/single_shot.h"
+
 #include <stdlib.h>
 
 #include "base/text.h"
-#include "validate/validate.h"
 
 #define REFERENCE "independent high-order solution"
 #define COUNT(array) (sizeof(array) / sizeof *(array))
@@ -101,7 +102,7 @@ static const vs_experiment modes_derived = {.perform = perform_modes,
         "half a unit of the last digit given"                                                      \
   }
 
-static const vs_comparison CHECKS[] = {
+static const vs_comparison COMPARISONS[] = {
     MODE(modes_paper, "mode 1: frequency", "Hz", "f1", 8.33011423, 1, 6e-9),
     MODE(modes_paper, "mode 2: frequency", "Hz", "f2", 16.72221123, 1, 6e-9),
     MODE(modes_paper, "mode 3: frequency", "Hz", "f3", 31.61794792, 1, 6e-9),
@@ -198,4 +199,4 @@ static const vs_comparison CHECKS[] = {
     TO_THE_END("energy drawn", "J", "energy.source", 0.89938843, 0, 3e-4, SUM),
     BOOKS("circuit to the end", to_the_end, 1e-4, "ten times run.tolerance: what a run warns of"),
 };
-const vs_comparisons vs_single_comparisons = {CHECKS, COUNT(CHECKS)};
+const vs_comparisons vs_single_shot_comparisons = {COMPARISONS, COUNT(COMPARISONS)};

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Phase control of R-L, closed form: what the analytic tier must give of the current. */
+#include "validate/phase_control.h"
+
 #include <gsl/gsl_integration.h>
 #include <gsl/gsl_roots.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "base/text.h"
-#include "validate/validate.h"
 
 /* i(x) = U sqrt2/Z (sin(x - theta) - sin(alpha - theta) exp(-(x - alpha)/tan theta)), x from alpha
  * to beta, where it is zero again (Eq. 91). */
@@ -88,17 +89,17 @@ AT(100);
 AT(120);
 AT(150);
 
-#define CHECK(degrees, text, unit, what)                                                           \
+#define ONE_AT(degrees, text, unit, what)                                                          \
   {                                                                                                \
     "phase control of R-L at " #degrees " deg: " text, unit, &analytic_##degrees, what, 0,         \
         &closed_##degrees, 1e-9, 0, "closed form, Eq. 91", "ten times run.tolerance, 1e-10"        \
   }
-#define CHECKS_AT(degrees)                                                                         \
-  CHECK(degrees, "extinction", "s", "t_extinction"),                                               \
-      CHECK(degrees, "conduction", "s", "conduction_time"),                                        \
-      CHECK(degrees, "peak current", "A", "i_peak"),                                               \
-      CHECK(degrees, "mean current", "A", "i_mean"), CHECK(degrees, "rms current", "A", "i_rms")
+#define ALL_AT(degrees)                                                                            \
+  ONE_AT(degrees, "extinction", "s", "t_extinction"),                                              \
+      ONE_AT(degrees, "conduction", "s", "conduction_time"),                                       \
+      ONE_AT(degrees, "peak current", "A", "i_peak"),                                              \
+      ONE_AT(degrees, "mean current", "A", "i_mean"), ONE_AT(degrees, "rms current", "A", "i_rms")
 
-static const vs_comparison CHECKS[] = {CHECKS_AT(80), CHECKS_AT(100), CHECKS_AT(120),
-                                       CHECKS_AT(150)};
-const vs_comparisons vs_control_comparisons = {CHECKS, sizeof CHECKS / sizeof *CHECKS};
+static const vs_comparison COMPARISONS[] = {ALL_AT(80), ALL_AT(100), ALL_AT(120), ALL_AT(150)};
+const vs_comparisons vs_phase_control_comparisons = {COMPARISONS,
+                                                     sizeof COMPARISONS / sizeof *COMPARISONS};

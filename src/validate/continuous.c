@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Continuous firing on the switched tier: periodic orbits, start-up, the pole cover, the stop; and
  * what one pulse's first peak depends on. */
+#include "validate/continuous.h"
+
 #include <gsl/gsl_roots.h>
 #include <math.h>
 #include <stdio.h>
@@ -8,7 +10,6 @@
 
 #include "base/text.h"
 #include "validate/orbit.h"
-#include "validate/validate.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
@@ -225,7 +226,7 @@ static const vs_experiment sensitivity = {.perform = perform_sensitivity,
         "independent solution, d ln/d ln", "half a unit of the last digit given"                   \
   }
 
-static const vs_comparison CHECKS[] = {
+static const vs_comparison COMPARISONS[] = {
     STEADY_AT("90 deg", orbit_90, -3.557126323e-3, 3.123037779e-3, 0.51250361, 156.546237,
               8.62049699),
     STEADY_AT("100 deg", orbit_100, -2.137732828e-3, 1.922138543e-3, 0.61590926, 103.472962,
@@ -259,4 +260,4 @@ static const vs_comparison CHECKS[] = {
     SENSITIVE("actuator.resistance", -0.3178),
     SENSITIVE("machine.trough_mass", -0.3039),
 };
-const vs_comparisons vs_steady_comparisons = {CHECKS, COUNT(CHECKS)};
+const vs_comparisons vs_continuous_comparisons = {COMPARISONS, COUNT(COMPARISONS)};

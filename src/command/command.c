@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command/command.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/units.h"
+
+typedef struct parser {
+  const vs_command *command;
+  vs_arguments arguments;
+  vs_error err;
+} parser;
+
+const char *vs_command_name(const vs_arguments *a) {
+  return a->n_names ? a->names[0] : NULL;
+}
+
+static error_t fail(parser *p, const char *what, const char *word) {
+  const char *name = p->command->name;
+  vs_fail(&p->err, VS_INPUT, "%s: %s '%s'; see vibrospice %s --help", name, what, word, name);
+  return EINVAL;
+}
+
+static error_t fail_with(parser *p, const char *text) {
+  vs_fail(&p->err, VS_INPUT, "%s", text);
+  return EINVAL;
+}
+
+/* ---- options that set one member and nothing else ---- */
+
+static bool *flag_of(vs_arguments *a, int key) {
+  const struct {
+    int key;
+    bool *flag;
+  } FLAGS[] = {{'h', &a->help},
+               {VS_KEY_JSON, &a->json},
+               {VS_KEY_QUIET, &a->quiet},
+               {VS_KEY_REPRODUCIBLE, &a->reproducible},
+               {VS_KEY_RAW, &a->raw},
+               {VS_KEY_LIST, &a->list},
+               {VS_KEY_RESUME, &a->resume},
+               {VS_KEY_OVERWRITE, &a->overwrite}};
+  for (size_t k = 0; k < sizeof FLAGS / sizeof *FLAGS; k++)
+    if (FLAGS[k].key == key) return FLAGS[k].flag;
+  return NULL;
+}
+
+static const char **word_of(vs_arguments *a, int key) {
+  const struct {
+    int key;
+    const char **word;
+  } WORDS[] = {{'o', &a->output},
+               {VS_KEY_TIER, &a->tier},
+               {VS_KEY_DECK, &a->deck},
+               {VS_KEY_OVERLAY, &a->overlay},
+               {VS_KEY_SHARD, &a->shard}};
+  for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
+    if (WORDS[k].key == key) return WORDS[k].word;
+  return NULL;
+}
+
+/* ---- options with a value of their own ---- */
+
+/* A whole number in a range; false: the word is none. */
+static bool read_whole(const char *word, int least, int most, int *value) {
+  char *end;
+  *value = (int)strtol(word, &end, 10);
+  return *word && !*end && *value >= least && *value <= most;
+}
+
+static error_t parse_value(parser *p, int key, char *value) {
+  vs_arguments *a = &p->arguments;
+  char why[256];
+  switch (key) {
+  case VS_KEY_SET:
+    a->sets[a->n_sets++] = value;
+    return 0;
+  case VS_KEY_DIGITS:
+    if (read_whole(value, 1, 17, &a->digits)) return 0;
+    vs_fail(&p->err, VS_INPUT, "--digits %s: allowed: 1 to 17", value);
+    return EINVAL;
+  case VS_KEY_JOBS:
+    return read_whole(value, 1, 4096, &a->jobs) ? 0 : fail_with(p, "--jobs: allowed: 1 to 4096");
+  case VS_KEY_TIMEOUT:
+    if (vs_units_read(value, "s", &a->timeout_s, why, sizeof why) && a->timeout_s >= 0) return 0;
+    vs_fail(&p->err, VS_INPUT, "--case-timeout %s: a time is wanted, as 20s", value);
+    return EINVAL;
+  case VS_KEY_PROGRESS:
+    a->progress_json = true;
+    return strcmp(value, "json") ? fail_with(p, "--progress: there is: json") : 0;
+  case VS_KEY_KEEP:
+    a->keep_runs = true;
+    return strcmp(value, "runs") ? fail_with(p, "--keep: there is: runs") : 0;
+  default:
+    return ARGP_ERR_UNKNOWN;
+  }
+}
+
+/* ---- the whole line ---- */
+
+static error_t parse(int key, char *value, struct argp_state *state) {
+  parser *p = state->input;
+  vs_arguments *a = &p->arguments;
+  bool *flag = flag_of(a, key);
+  const char **word = word_of(a, key);
+  if (flag) return *flag = true, 0;
+  if (word) return *word = value, 0;
+  switch (key) {
+  case ARGP_KEY_ARG:
+    if (a->n_names && !p->command->takes_many) return fail(p, "one argument too many:", value);
+    a->names[a->n_names++] = value;
+    return 0;
+  case ARGP_KEY_END:
+    if (!a->n_names && !p->command->may_be_alone && !a->help)
+      return fail(p, "wants one argument:", p->command->argument);
+    return 0;
+  case ARGP_KEY_ERROR: /* getopt's own, if nobody said anything yet */
+    if (!*p->err.text)
+      fail(p, "unknown option, or one that lacks its argument:", state->argv[state->next - 1]);
+    return 0;
+  default:
+    return parse_value(p, key, value);
+  }
+}
+
+static vs_status parse_and_run(parser *p, int argc, char **argv) {
+  const vs_command *c = p->command;
+  vs_text doc = {0}, program = {0};
+  vs_text_add(&doc, "%s\vExamples:\n%s", c->text, c->examples);
+  if (c->explain) c->explain(&doc);
+  vs_text_add(&program, "vibrospice %s", c->name);
+  argv[1] = program.text; /* argp's name for the program in its messages */
+  const struct argp argp = {c->options, parse, c->argument, doc.text, NULL, NULL, NULL};
+  error_t failed = argp_parse(&argp, argc - 1, argv + 1, ARGP_NO_ERRS | ARGP_NO_HELP, NULL, p);
+  vs_status status = failed ? VS_INPUT : VS_OK;
+  if (!failed && p->arguments.help)
+    argp_help(&argp, stdout, ARGP_HELP_USAGE | ARGP_HELP_LONG | ARGP_HELP_DOC, program.text);
+  else if (!failed)
+    status = c->run(&p->arguments, &p->err);
+  vs_text_free(&doc);
+  vs_text_free(&program);
+  return status;
+}
+
+vs_status vs_command_run(const vs_command *command, int argc, char **argv) {
+  parser p = {.command = command,
+              .arguments = {.digits = 9,
+                            .timeout_s = 3600,
+                            .sets = vs_alloc((size_t)argc, sizeof(char *)),
+                            .names = vs_alloc((size_t)argc, sizeof(char *))}};
+  vs_status status = parse_and_run(&p, argc, argv);
+  if (status && *p.err.text) fprintf(stderr, "vibrospice: %s\n", p.err.text);
+  free(p.arguments.sets);
+  free(p.arguments.names);
+  return status;
+}

@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a command of the program is, and how the words behind it become its arguments. */
+#ifndef VS_COMMAND_COMMAND_H
+#define VS_COMMAND_COMMAND_H
+
+#include <argp.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/error.h"
+#include "base/text.h"
+
+/* What stands behind a command. All words are borrowed from the command line; a word that was not
+ * given is NULL. */
+typedef struct vs_arguments {
+  char **names; /* those that are no options: a scene, a kind, folders */
+  size_t n_names;
+  char **sets; /* KEY=VALUE of each --set */
+  size_t n_sets;
+  const char *tier, *output, *deck, *overlay, *shard;
+  bool json, quiet, reproducible, raw, list, help, resume, overwrite, keep_runs, progress_json;
+  int digits; /* 1..17 */
+  int jobs;   /* 0: not given */
+  double timeout_s;
+} vs_arguments;
+
+/* The first name; NULL: there is none. */
+const char *vs_command_name(const vs_arguments *arguments);
+
+/* One command: a plug of the program's table. */
+typedef struct vs_command {
+  const char *name, *text;
+  const char *argument;              /* what is to stand behind it: "SCENE" */
+  const char *examples;              /* whole lines, for --help */
+  bool may_be_alone;                 /* the argument may be left out */
+  bool takes_many;                   /* arguments */
+  const struct argp_option *options; /* made of the macros below; ended by {0} */
+  vs_status (*run)(const vs_arguments *arguments, vs_error *err);
+  void (*explain)(vs_text *help); /* adds to --help, behind the examples; NULL: nothing */
+} vs_command;
+
+/* The keys of options that have no letter of their own. */
+enum {
+  VS_KEY_JSON = 256,
+  VS_KEY_QUIET,
+  VS_KEY_REPRODUCIBLE,
+  VS_KEY_DIGITS,
+  VS_KEY_RAW,
+  VS_KEY_SET,
+  VS_KEY_TIER,
+  VS_KEY_DECK,
+  VS_KEY_OVERLAY,
+  VS_KEY_LIST,
+  VS_KEY_JOBS,
+  VS_KEY_SHARD,
+  VS_KEY_RESUME,
+  VS_KEY_OVERWRITE,
+  VS_KEY_TIMEOUT,
+  VS_KEY_PROGRESS,
+  VS_KEY_KEEP
+};
+
+/* Rows of vs_command.options: an option that takes a value, and one that takes none. */
+#define VS_COMMAND_VALUE(name, key, value, text)                                                   \
+  { name, key, value, 0, text, 0 }
+#define VS_COMMAND_FLAG(name, key, text)                                                           \
+  { name, key, NULL, 0, text, 0 }
+#define VS_COMMAND_HELP                                                                            \
+  { "help", 'h', NULL, 0, "prints this and ends", -1 }
+#define VS_COMMAND_SET                                                                             \
+  VS_COMMAND_VALUE("set", VS_KEY_SET, "KEY=VALUE",                                                 \
+                   "sets a scene key over what the file says; may stand several times")
+#define VS_COMMAND_JSON                                                                            \
+  VS_COMMAND_FLAG("json", VS_KEY_JSON, "JSON on standard output instead of the table")
+#define VS_COMMAND_QUIET                                                                           \
+  VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "no table, no warnings, no progress")
+
+/* Runs the command whose name is argv[1] with what stands behind it, or prints its help. Prints one
+ * line on standard error where it fails. Writes into argv[1]. */
+vs_status vs_command_run(const vs_command *command, int argc, char **argv);
+
+#endif

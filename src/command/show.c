@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command/show.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/units.h"
+#include "scene/shown.h"
+
+/* "  12.3 % +- 0.04 %  held" */
+static void print_margin(const vs_judgement *j, FILE *out) {
+  if (isfinite(j->margin_error))
+    fprintf(out, "%7.1f %% +- %-6.2g %%", 100 * j->margin, 100 * j->margin_error);
+  else
+    fprintf(out, "%7.1f %% %11s", 100 * j->margin, isnan(j->margin_error) ? "" : "+- ?");
+  vs_word word = vs_verdict_word(j);
+  fprintf(out, "  %s%s", word == VS_UNVERIFIED && j->margin < 0 ? "violated, " : "",
+          vs_verdict_words[word]);
+}
+
+static void print_rating(const vs_judgement *j, int width, FILE *out) {
+  double unit = vs_units_factor(j->rating->unit);
+  fprintf(out, "%-*s %12.6g %12.6g %12.6g %12.6g %-5s ", width, j->probe->name,
+          j->rating->min / unit, j->least.value / unit, j->largest.value / unit,
+          j->rating->max / unit, j->rating->unit);
+  print_margin(j, out);
+  fputc('\n', out);
+}
+
+static void print_device(const vs_judgement *j, int width, FILE *out) {
+  char name[VS_JUDGED_NAME];
+  double unit = vs_units_factor(j->limit->unit);
+  fprintf(out, "%-*s %12.6g %12.6g %-5s ", width, vs_verdict_name(j, name), j->stress.value / unit,
+          j->limit->value / unit, j->limit->unit);
+  if (isnan(j->stress.at_s))
+    fprintf(out, "%14s ", "");
+  else
+    fprintf(out, "%12.7g s ", j->stress.at_s);
+  print_margin(j, out);
+  if (j->ward) fprintf(out, "  limit of %s", j->ward->name);
+  fprintf(out, "%s\n", j->limit->assumed ? "  assumed" : "");
+}
+
+/* "undecided: v_ak, thyristor.i2t" */
+static void print_undecided(const vs_verdict *v, FILE *out) {
+  char name[VS_JUDGED_NAME];
+  size_t n = 0;
+  for (size_t k = 0; k < v->count; k++)
+    if (vs_verdict_word(&v->item[k]) == VS_UNDECIDED)
+      fprintf(out, "%s%s", n++ ? ", " : "undecided: ", vs_verdict_name(&v->item[k], name));
+  if (n) fputc('\n', out);
+}
+
+/* The ratings come first; limits and stresses are shown in the unit they were written in. */
+static void print_verdict(const vs_verdict *v, int width, FILE *out) {
+  char name[VS_JUDGED_NAME];
+  size_t k = 0;
+  if (v->count && v->item[0].rating)
+    fprintf(out, "\n%-*s %12s %12s %12s %12s %-5s %8s\n", width, "rating", "min", "least",
+            "largest", "max", "", "margin +- its numerical error");
+  for (; k < v->count && v->item[k].rating; k++) print_rating(&v->item[k], width, out);
+  if (k < v->count)
+    fprintf(out, "\n%-*s %12s %12s %-5s %14s %8s\n", width, "device", "stress", "limit", "", "at",
+            "margin +- its numerical error");
+  for (; k < v->count; k++) print_device(&v->item[k], width, out);
+  if (v->weakest) {
+    fprintf(out, "\nweakest: %s, margin ", vs_verdict_name(v->weakest, name));
+    print_margin(v->weakest, out);
+    fputc('\n', out);
+  }
+  print_undecided(v, out);
+  if (v->first_to_fail)
+    fprintf(out, "first to fail: %s, at %.9g s\n", vs_verdict_name(v->first_to_fail, name),
+            v->first_to_fail->failed_s);
+}
+
+static void print_measure(const vs_shown *m, int width, const vs_value *measured, FILE *out) {
+  fprintf(out, "%-*s ", width, m->name);
+  if (!m->value.known) {
+    fprintf(out, "%16s\n", "-");
+    return;
+  }
+  fprintf(out, "%16.9g %-5s ", m->value.value, m->unit);
+  if (isnan(m->value.at_s))
+    fprintf(out, "%14s", "");
+  else
+    fprintf(out, "%12.7g s", m->value.at_s);
+  if (measured && measured->known) {
+    fprintf(out, " %16.6g", measured->value);
+    if (measured->value != 0)
+      fprintf(out, "   computed is %+.1f %%", 100 * (m->value.value / measured->value - 1));
+  }
+  if (m->unjudged) fprintf(out, "  %s", m->unjudged);
+  fputc('\n', out);
+}
+
+/* How the errors of the margins were found, and what would decide those that are not. */
+static void print_second(const vs_result *r, FILE *out) {
+  const vs_second_run *second = &r->second;
+  if (second->done)
+    fprintf(out, "errors of margins: by a second run at run.tolerance = %.3g", second->tolerance);
+  else if (r->verdict.count)
+    fprintf(out, "errors of margins: not computed (%s)",
+            second->stopped   ? "the second run was stopped by a signal"
+            : *second->failed ? "the second run failed"
+                              : "run.verify");
+  if (second->decides > 0)
+    fprintf(out, "; run.tolerance = %.1g may decide what is undecided", second->decides);
+  if (second->done || r->verdict.count) fputc('\n', out);
+}
+
+/* What was run, and how. */
+static void print_head(const vs_result *r, FILE *out) {
+  const vs_scene *s = r->scene;
+  const vs_absence *absence = &r->watchers.absence;
+  fprintf(out, "scene  %s\ntier   %s (%s)\n", s->path, s->tier->name, s->why);
+  if (r->ladder.rung)
+    fprintf(out, "rung   %d: %s; before, %s\n", r->ladder.rung, vs_ladder_text(r->ladder.rung),
+            r->ladder.failed);
+  if (absence->times)
+    fprintf(
+        out,
+        "quiet  %.4g s of it without ngspice, from %.6g s on, %d time%s; errors by that: at most "
+        "%.2g of each peak\n",
+        absence->total_s, absence->first_s, absence->times, absence->times > 1 ? "s" : "",
+        absence->bound);
+  if (r->watchers.devices)
+    fprintf(out, "means over %.9g..%.9g s\n", s->setup.means.from_s, s->setup.means.to_s);
+  fputc('\n', out);
+}
+
+static void print_measures(const vs_result *r, int width, FILE *out) {
+  const vs_scene *s = r->scene;
+  vs_shown m;
+  bool any = false;
+  for (int k = 0; k < VS_MEASURES; k++) any = any || s->measured[k].known;
+  fprintf(out, "%-*s %16s %-5s %14s%s\n", width, "measure", "computed", "", "at",
+          any ? "         measured" : "");
+  for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++)
+    print_measure(&m, width, k < VS_MEASURES ? &s->measured[k] : NULL, out);
+}
+
+void vs_show_result(const vs_result *r, FILE *out) {
+  const vs_scene *s = r->scene;
+  const double work_j = r->watchers.energy.joule[VS_E_WORK];
+  vs_shown m;
+  int width = 18;
+  for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++)
+    if ((int)strlen(m.name) > width) width = (int)strlen(m.name);
+  print_head(r, out);
+  print_measures(r, width, out);
+  if (s->frame.gap_at_rest && work_j != 0)
+    fprintf(out, "\nthe one-way force of this tier did %.4f J of work that nothing supplied\n",
+            work_j);
+  print_verdict(&r->verdict, width, out);
+  print_second(r, out);
+  fprintf(out, "\n%ld steps in %.3g s\n", r->steps, r->wall_s);
+}

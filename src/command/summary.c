@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command/summary.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "base/json.h"
+#include "base/units.h"
+#include "scene/sections.h"
+#include "scene/shown.h"
+#include "scene/version.h"
+
+enum { DIGITS = 12 };
+
+/* Each with its keys, and when it begins. */
+static void add_events(vs_json *json, const vs_events *events) {
+  vs_json_object(json, "events", events->count ? VS_JSON_LINES : VS_JSON_ROW);
+  for (size_t k = 0; k < events->count; k++) {
+    const vs_occurrence *e = &events->item[k];
+    vs_json_object(json, e->name, VS_JSON_ROW);
+    vs_json_number(json, "starts_s", e->start_s, DIGITS);
+    for (size_t f = 0; f < e->kind->n_fields; f++) {
+      vs_json_key(json, e->kind->fields[f].key);
+      vs_field_json(&e->kind->fields[f], &e->v, json->text);
+    }
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
+static void add_scene(vs_json *json, const vs_scene *s) {
+  vs_json_object(json, "scene", VS_JSON_LINES);
+  for (int p = 0; p < VS_SECTIONS; p++) {
+    vs_filled_section part = vs_section_at(&s->setup, p);
+    vs_json_object(json, part.section->name, VS_JSON_LINES);
+    for (size_t k = 0; k < part.section->count; k++) {
+      vs_json_key(json, part.section->fields[k].key);
+      vs_field_json(&part.section->fields[k], part.values, json->text);
+    }
+    vs_json_end(json);
+  }
+  add_events(json, &s->setup.timeline.events);
+  vs_json_end(json);
+}
+
+static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r) {
+  vs_shown m;
+  vs_json_object(json, "measures", VS_JSON_LINES);
+  for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++) {
+    if (!m.value.known) continue;
+    vs_json_object(json, m.name, VS_JSON_ROW);
+    vs_json_number(json, "value", m.value.value, DIGITS);
+    vs_json_text(json, "unit", m.unit);
+    if (!isnan(m.value.at_s)) vs_json_number(json, "at_s", m.value.at_s, DIGITS);
+    if (k < VS_MEASURES && s->measured[k].known)
+      vs_json_number(json, "measured", s->measured[k].value, DIGITS);
+    if (m.unjudged) vs_json_text(json, "unjudged", m.unjudged);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
+/* A member whose name is `name` and an ending. */
+static void add_joined(vs_json *json, const char *name, const char *ending, double value) {
+  char key[VS_NAME_SIZE];
+  snprintf(key, sizeof key, "%s%s", name, ending);
+  vs_json_number(json, key, value, DIGITS);
+}
+
+/* {"r1": 0.0655, ...}: the deck's own accounts, J */
+static void add_accounts(vs_json *json, const char *key, const vs_accounts *accounts,
+                         const double *joule) {
+  vs_json_object(json, key, VS_JSON_ROW);
+  for (size_t k = 0; k < accounts->count; k++)
+    vs_json_number(json, accounts->item[k].name, joule[k], DIGITS);
+  vs_json_end(json);
+}
+
+static void add_energy(vs_json *json, const vs_scene *s, const vs_energy *e, const char *books) {
+  vs_json_object(json, "energy", VS_JSON_ROW);
+  for (int k = 0; k < VS_ENERGIES; k++) add_joined(json, vs_energy_names[k], "_J", e->joule[k]);
+  if (s->frame.deck) {
+    add_accounts(json, "losses_J", &s->frame.deck->losses, e->loss_j);
+    add_accounts(json, "stores_J", &s->frame.deck->stores, e->store_j);
+  }
+  if (s->frame.gap_at_rest) vs_json_number(json, "unsupplied_J", e->joule[VS_E_WORK], DIGITS);
+  for (int b = 0; b < VS_BALANCES; b++)
+    add_joined(json, vs_energy_balance_names[b], "_residual",
+               e->balanced[b] ? e->residual[b] : NAN);
+  vs_json_number(json, "residual", e->worst, DIGITS);
+  vs_json_text(json, "audit", *books ? books : "the books close");
+  vs_json_end(json);
+}
+
+static void add_extreme(vs_json *json, const char *name, vs_value v, double unit) {
+  vs_json_number(json, name, v.value / unit, DIGITS);
+  add_joined(json, name, "_at_s", v.at_s);
+}
+
+static void add_rating(vs_json *json, const vs_judgement *j) {
+  double unit = vs_units_factor(j->rating->unit);
+  vs_json_text(json, "rating", j->probe->name);
+  vs_json_text(json, "unit", j->rating->unit);
+  vs_json_text(json, "text", j->rating->text);
+  vs_json_number(json, "min", j->rating->min / unit, DIGITS);
+  vs_json_number(json, "max", j->rating->max / unit, DIGITS);
+  add_extreme(json, "least", j->least, unit);
+  add_extreme(json, "largest", j->largest, unit);
+}
+
+static void add_device(vs_json *json, const vs_judgement *j) {
+  double unit = vs_units_factor(j->limit->unit);
+  vs_json_text(json, "device", j->device->name);
+  vs_json_text(json, "measure", j->measure->name);
+  vs_json_text(json, "unit", j->limit->unit);
+  vs_json_text(json, "text", j->limit->text);
+  vs_json_number(json, "stress", j->stress.value / unit, DIGITS);
+  vs_json_number(json, "at_s", j->stress.at_s, DIGITS);
+  vs_json_number(json, "limit", j->limit->value / unit, DIGITS);
+  if (j->ward) vs_json_text(json, "limit_of", j->ward->name);
+  vs_json_bool(json, "assumed", j->limit->assumed);
+}
+
+static void add_judged(vs_json *json, const char *key, const vs_judgement *j) {
+  char name[VS_JUDGED_NAME];
+  vs_json_text(json, key, j ? vs_verdict_name(j, name) : NULL);
+}
+
+static void add_verdict(vs_json *json, const vs_verdict *v) {
+  vs_json_array(json, "verdict", v->count ? VS_JSON_LINES : VS_JSON_ROW);
+  for (size_t k = 0; k < v->count; k++) {
+    const vs_judgement *j = &v->item[k];
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    if (j->device)
+      add_device(json, j);
+    else
+      add_rating(json, j);
+    vs_json_number(json, "margin", j->margin, DIGITS);
+    vs_json_number(json, "margin_error", j->margin_error, DIGITS);
+    vs_json_text(json, "word", vs_verdict_words[vs_verdict_word(j)]);
+    vs_json_bool(json, "violated", j->margin < 0);
+    vs_json_number(json, "failed_at_s", j->failed_s, DIGITS);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+  add_judged(json, "weakest", v->weakest);
+  add_judged(json, "first_to_fail", v->first_to_fail);
+}
+
+static void add_warning(void *ctx, const char *text) {
+  vs_json_text(ctx, NULL, text);
+}
+
+static void add_rung(vs_json *json, const vs_ladder *ladder) {
+  vs_json_object(json, "rung", VS_JSON_ROW);
+  vs_json_whole(json, "number", ladder->rung);
+  vs_json_text(json, "text", vs_ladder_text(ladder->rung));
+  vs_json_text(json, "failed", ladder->failed);
+  vs_json_end(json);
+}
+
+static void add_quiet(vs_json *json, const vs_absence *absence) {
+  vs_json_object(json, "quiet", VS_JSON_ROW);
+  vs_json_whole(json, "times", absence->times);
+  vs_json_number(json, "first_at_s", absence->times ? absence->first_s : NAN, DIGITS);
+  vs_json_number(json, "total_s", absence->total_s, DIGITS);
+  vs_json_number(json, "bound", absence->bound, DIGITS);
+  vs_json_end(json);
+}
+
+static void add_cost(vs_json *json, const vs_result *r) {
+  vs_json_object(json, "cost", VS_JSON_ROW);
+  vs_json_number(json, "wall_s", r->wall_s, 6);
+  vs_json_number(json, "second_run_s", r->second.wall_s, 6);
+  vs_json_whole(json, "steps", r->steps);
+  vs_json_end(json);
+}
+
+static void add_second(vs_json *json, const vs_second_run *second) {
+  vs_json_object(json, "second_run", VS_JSON_ROW);
+  vs_json_number(json, "tolerance", second->done ? second->tolerance : NAN, DIGITS);
+  vs_json_number(json, "decides", second->decides > 0 ? second->decides : NAN, DIGITS);
+  vs_json_text(json, "failed", second->failed);
+  vs_json_end(json);
+}
+
+void vs_summary_json(const vs_result *r, bool with_cost, vs_text *text) {
+  const vs_scene *s = r->scene;
+  vs_json json = vs_json_new(text);
+  vs_json_object(&json, NULL, VS_JSON_LINES);
+  vs_version_json(&json);
+  add_scene(&json, s);
+  vs_json_text(&json, "tier", s->tier->name);
+  vs_json_text(&json, "why", s->why);
+  add_rung(&json, &r->ladder);
+  add_quiet(&json, &r->watchers.absence);
+  vs_json_array(&json, "warnings", VS_JSON_ROW);
+  vs_result_warnings(r, add_warning, &json);
+  vs_json_end(&json);
+  vs_json_object(&json, "measure", VS_JSON_ROW);
+  vs_json_number(&json, "from_s", s->setup.means.from_s, DIGITS);
+  vs_json_number(&json, "to_s", s->setup.means.to_s, DIGITS);
+  vs_json_end(&json);
+  add_measures(&json, s, r);
+  add_energy(&json, s, &r->watchers.energy, r->books);
+  if (with_cost) add_cost(&json, r);
+  add_second(&json, &r->second);
+  add_verdict(&json, &r->verdict);
+  vs_json_end(&json);
+  vs_text_add(text, "\n");
+}

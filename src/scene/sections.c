@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/sections.h"
+
+#include <assert.h>
+#include <string.h>
+
+#define NAME(name, ...) #name,
+const char *const vs_section_keys[VS_SECTION_KEYS] = {VS_SECTION_LIST(NAME, NAME)};
+#undef NAME
+
+typedef struct row {
+  const char *name;
+  const vs_section *fields; /* NULL: those of the deck */
+  size_t offset, size;      /* of the values in vs_setup, bytes */
+  bool listed;
+} row;
+
+#define ROW(name, fields, member, listed)                                                          \
+  {#name, fields, offsetof(vs_setup, member), sizeof(((vs_setup *)0)->member), listed},
+#define NOTHING(name)
+static const row ROWS[VS_SECTIONS] = {VS_SECTION_LIST(ROW, NOTHING)};
+#undef ROW
+#undef NOTHING
+
+static const vs_section *fields_of(const row *r, const vs_deck *deck) {
+  const vs_section *fields = r->fields ? r->fields : &deck->section;
+  assert(!fields->name || !strcmp(fields->name, r->name)); /* a deck that was not read has none */
+  return fields;
+}
+
+vs_filled_section vs_section_at(const vs_setup *s, int index) {
+  const row *r = &ROWS[index];
+  return (vs_filled_section){fields_of(r, &s->deck), (const char *)s + r->offset, r->size};
+}
+
+const vs_section *vs_section_listed(const vs_deck *deck, int index) {
+  return ROWS[index].listed ? fields_of(&ROWS[index], deck) : NULL;
+}

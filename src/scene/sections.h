@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The sections of a scene: the one table that says which keys may stand at a scene's top, which of
+ * them have fields, and where a setup keeps the values of these fields. */
+#ifndef VS_SCENE_SECTIONS_H
+#define VS_SCENE_SECTIONS_H
+
+#include "sim/sim.h"
+
+/* One row for each key at the top of a scene, in the order in which a scene is shown.
+ * SECTION(name, fields, member, listed): fields is the vs_section, NULL for that of the scene's own
+ * deck; member is the one of vs_setup that the fields fill; listed is true where `list parameters`
+ * shows the fields. OTHER(name): the key has no fields of its own; scene/scene.c and drive/events.c
+ * read such keys. */
+#define VS_SECTION_LIST(SECTION, OTHER)                                                            \
+  SECTION(machine, &vs_model_machine_section, model.machine, true)                                 \
+  SECTION(actuator, &vs_model_actuator_section, model.actuator, true)                              \
+  SECTION(load, &vs_model_load_section, model.load, true)                                          \
+  SECTION(supply, &vs_timeline_supply_section, timeline.supply, true)                              \
+  SECTION(firing, &vs_timeline_firing_section, timeline.firing, true)                              \
+  SECTION(circuit, NULL, circuit_values, true)                                                     \
+  OTHER(events)                                                                                    \
+  SECTION(run, &vs_setup_run_section, run, true)                                                   \
+  SECTION(start, &vs_setup_start_section, start, true)                                             \
+  OTHER(record)                                                                                    \
+  OTHER(measured)                                                                                  \
+  SECTION(measure, &vs_setup_measure_section, measure, true)
+
+/* How many sections have fields, and how many keys there are. */
+enum {
+#define VS_SECTION_ID(name, fields, member, listed) VS_SECTION_NUMBER_##name,
+#define VS_SECTION_NO_ID(name)
+  VS_SECTION_LIST(VS_SECTION_ID, VS_SECTION_NO_ID) VS_SECTIONS
+#undef VS_SECTION_ID
+#undef VS_SECTION_NO_ID
+};
+enum {
+#define VS_SECTION_KEY_ID(name, ...) VS_SECTION_KEY_##name,
+  VS_SECTION_LIST(VS_SECTION_KEY_ID, VS_SECTION_KEY_ID) VS_SECTION_KEYS
+#undef VS_SECTION_KEY_ID
+};
+
+extern const char *const vs_section_keys[VS_SECTION_KEYS];
+
+/* A section and the values that its fields have in one setup. */
+typedef struct vs_filled_section {
+  const vs_section *section;
+  const void *values; /* borrowed from the setup */
+  size_t size;        /* of the struct of values, bytes */
+} vs_filled_section;
+
+/* index: from 0, below VS_SECTIONS, in the table's order. */
+vs_filled_section vs_section_at(const vs_setup *setup, int index);
+/* The same section without a setup, with that deck for the scene's. NULL: `list parameters` does
+ * not show it. */
+const vs_section *vs_section_listed(const vs_deck *deck, int index);
+
+#endif

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/shown.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "base/units.h"
+
+static void set_text(vs_shown *m, const char *format, const char *word) {
+  snprintf(m->text, sizeof m->text, format, word);
+}
+
+/* The k-th of all devices' measures, in the unit of its kind. False: there are no more. */
+static bool device_measure_at(const vs_devices *devices, size_t k, vs_shown *m) {
+  for (size_t d = 0; devices && d < devices->count; k -= devices->item[d++].count) {
+    const vs_watched *w = &devices->item[d];
+    if (k >= w->count) continue;
+    const vs_reduced *r = &w->reduced[k];
+    snprintf(m->name, sizeof m->name, "%s.%s", w->device->name, r->measure->name);
+    m->unit = r->measure->unit;
+    m->value = r->value;
+    m->value.value /= vs_units_factor(m->unit);
+    if (r->limit) m->limit = r->limit->value / vs_units_factor(m->unit);
+    m->at_least = r->measure->held == VS_AT_LEAST;
+    m->unjudged = r->unjudged;
+    set_text(m, "%s", r->measure->text);
+    return true;
+  }
+  return false;
+}
+
+static double rating_of(const vs_deck *deck, int probe, int sense) {
+  for (size_t k = 0; k < deck->n_ratings; k++)
+    if (deck->ratings[k].probe == probe)
+      return sense < 0 ? deck->ratings[k].min : deck->ratings[k].max;
+  return NAN;
+}
+
+bool vs_shown_at(const vs_frame *frame, const vs_result *r, int k, vs_shown *m) {
+  m->limit = NAN;
+  m->at_least = false;
+  m->unjudged = NULL;
+  if (k < VS_MEASURES) {
+    snprintf(m->name, sizeof m->name, "%s", vs_measures_standard[k].name);
+    m->unit = vs_measures_standard[k].unit;
+    m->value = r->values[k];
+    set_text(m, "%s", vs_measures_standard[k].text);
+    return true;
+  }
+  const vs_measures *measures = r->watchers.measures;
+  k += VS_STANDARD_EXTREMES - VS_MEASURES; /* the standard extremes are shown already */
+  if (k >= measures->n_extremes)
+    return device_measure_at(r->watchers.devices, (size_t)(k - measures->n_extremes), m);
+  const vs_extreme *e = &measures->extremes[k];
+  vs_channel channel = vs_channel_at(frame, e->channel);
+  snprintf(m->name, sizeof m->name, "%s_%s", channel.name, e->sense < 0 ? "min" : "max");
+  m->unit = channel.unit;
+  m->value = e->best;
+  m->at_least = e->sense < 0;
+  if (frame->deck)
+    m->limit = rating_of(frame->deck, e->channel - VS_CH_DECK, e->sense) / vs_units_factor(m->unit);
+  set_text(m, e->sense < 0 ? "least %s" : "largest %s", channel.text);
+  return true;
+}

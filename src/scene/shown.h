@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The measures of a run as they are shown, in tables, JSON and a study's columns: by name, in the
+ * unit of their kind, with the limit they are held against. */
+#ifndef VS_SCENE_SHOWN_H
+#define VS_SCENE_SHOWN_H
+
+#include "scene/result.h"
+
+typedef struct vs_shown {
+  char name[VS_JUDGED_NAME], text[VS_DECK_TEXT + 16];
+  const char *unit; /* borrowed from the deck or from a table of the program */
+  vs_value value;   /* in that unit */
+  double limit;     /* in that unit: of a rating of its probe or of its device's part; NaN: none */
+  bool at_least;    /* the limit is the least allowed, not the most */
+  const char *unjudged; /* why the value is not held against its part's limit; NULL: nothing is to
+                           be said */
+} vs_shown;
+
+/* Fills `shown` with the k-th measure, from 0, and returns true; false: there are no more. First
+ * come the standard measures, the energies among them; then the extremes of the deck's probes; then
+ * the measures of its devices. Of the result only its values and its watchers' measures and devices
+ * are read, which must have begun with this frame. */
+bool vs_shown_at(const vs_frame *frame, const vs_result *result, int k, vs_shown *shown);
+
+#endif

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/warnings.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/units.h"
+
+/* ---- the list ---- */
+
+void vs_warnings_free(vs_warnings *w) {
+  free(w->item);
+  *w = (vs_warnings){0};
+}
+
+vs_error *vs_warnings_add(vs_warnings *w) {
+  if (w->count == w->capacity) {
+    vs_error *old = w->item;
+    w->capacity = 2 * w->capacity + 8;
+    w->item = vs_alloc(w->capacity, sizeof *w->item);
+    if (w->count) memcpy(w->item, old, w->count * sizeof *old);
+    free(old);
+  }
+  w->item[w->count] = (vs_error){0};
+  return &w->item[w->count++];
+}
+
+const char *vs_warnings_text(const vs_error *warning) {
+  return warning->text + warning->place_size;
+}
+
+/* ---- a scene ---- */
+
+static vs_where place_of(const vs_node *node) {
+  return node ? node->where : (vs_where){0};
+}
+
+/* The lower end of the control range is theta = atan(w L(0)/R_c) <= alpha* (Eqs. 92, 93). */
+static void warn_below_theta(const vs_node *root, const vs_setup *s, vs_warnings *w) {
+  double theta = atan2(s->timeline.omega_rad_s * s->model.actuator.inductance_h,
+                       s->model.actuator.resistance_ohm);
+  const vs_node *angle = vs_tree_child(vs_tree_child(root, "firing"), "angle");
+  if (s->timeline.firing.angle_rad >= theta) return;
+  vs_fail_at(vs_warnings_add(w), place_of(angle),
+             "firing.angle = %.6g deg is below theta = %.6g deg, the lower end of the control "
+             "range (Eq. 92): "
+             "the thyristor conducts as Eq. 91 says, for more than 180 deg",
+             s->timeline.firing.angle_rad / vs_units_factor("deg"), theta / vs_units_factor("deg"));
+}
+
+/* The energy drawn from the mains is what the port mains gives. */
+const char *vs_warnings_without_mains(const vs_deck *deck) {
+  if (deck->lost & VS_LOST_PORT) return NULL;
+  for (size_t k = 0; k < deck->n_ports; k++)
+    if (deck->ports[k].signal.drive == VS_PORT_MAINS) return NULL;
+  return "no port mains, so that energy_in, what is drawn from the mains, is 0 J, and "
+         "supply.voltage "
+         "drives nothing";
+}
+
+static void warn_of_mains(const vs_deck *deck, vs_warnings *w) {
+  const char *text = vs_warnings_without_mains(deck);
+  const char *file = deck->n_files ? deck->files[0] : NULL;
+  if (text) vs_fail_at(vs_warnings_add(w), (vs_where){.file = file}, "the deck has %s", text);
+}
+
+void vs_warnings_of_limits(const vs_deck *deck, vs_warnings *w) {
+  enum { MOST = 8 }; /* a part of another kind may have dozens */
+  char text[VS_DECK_TEXT + VS_NAME_SIZE];
+  size_t said = 0;
+  for (size_t k = 0; k < deck->n_limits && said < MOST; k++)
+    if (vs_parts_limit_is_idle(deck, k, text, sizeof text)) {
+      vs_fail_at(vs_warnings_add(w), deck->limits[k].where, "%s", text);
+      said++;
+    }
+}
+
+/* Parts that the supply is too much for, and fuses that do not protect what they are to. */
+static void warn_of_parts(const vs_node *circuit, const vs_deck *deck, double mains_v,
+                          vs_warnings *w) {
+  char text[2 * VS_DECK_TEXT + VS_NAME_SIZE];
+  for (size_t p = 0; p < deck->n_parts; p++)
+    if (vs_parts_below_mains(deck, p, mains_v, text, sizeof text))
+      vs_fail_at(vs_warnings_add(w), place_of(vs_tree_child(circuit, deck->parts[p].name)), "%s",
+                 text);
+  for (size_t d = 0; d < deck->n_devices; d++)
+    if (vs_devices_fails_ward(deck, d, text, sizeof text)) {
+      const char *part = deck->parts[deck->devices[d].part].name;
+      vs_fail_at(vs_warnings_add(w), place_of(vs_tree_child(circuit, part)), "%s", text);
+    }
+}
+
+/* Sub-pulses that drive no source of the deck. */
+static void warn_of_bursts(const vs_node *firing, const vs_deck *deck, vs_warnings *w) {
+  static const char *const KEYS[] = {"burst_frequency", "burst_duty"};
+  const vs_node *node = NULL;
+  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS && !node; k++)
+    node = vs_tree_child(firing, KEYS[k]);
+  if (!node || (deck->lost & VS_LOST_PORT)) return;
+  for (size_t k = 0; k < deck->n_ports; k++)
+    if (deck->ports[k].signal.drive == VS_PORT_BURST) return;
+  vs_fail_at(vs_warnings_add(w), node->key_where,
+             "firing.%s: the deck has no port burst, so that nothing is driven with sub-pulses",
+             node->key);
+}
+
+void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame *frame,
+                          vs_warnings *w) {
+  const vs_deck *deck = frame->deck;
+  warn_below_theta(root, s, w);
+  if (!deck) return;
+  warn_of_parts(vs_tree_child(root, "circuit"), deck, s->timeline.supply.voltage_v, w);
+  warn_of_mains(deck, w);
+  warn_of_bursts(vs_tree_child(root, "firing"), deck, w);
+  vs_warnings_of_limits(deck, w);
+}

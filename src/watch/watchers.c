@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "watch/watchers.h"
+
+#include <math.h>
+
+/* ---- absence ---- */
+
+static void end_absence(vs_absence *a, double until_s) {
+  if (a->now) a->total_s += until_s - a->since_s;
+  a->now = false;
+}
+
+static void follow_absence(vs_absence *a, const vs_step *step) {
+  if (step->event[1] == VS_EV_QUIET) {
+    a->since_s = step->event_s[1];
+    if (!a->times++) a->first_s = a->since_s;
+    a->bound = fmax(a->bound, step->bound);
+    a->now = true;
+  } else if (step->event[1] == VS_EV_BACK) {
+    a->bound = fmax(a->bound, step->bound);
+    end_absence(a, step->event_s[1]);
+  }
+}
+
+/* ---- all of them ---- */
+
+void vs_watchers_begin(vs_watchers *w, const vs_frame *frame) {
+  vs_watchers_free(w);
+  w->measures = vs_measures_new(frame);
+  w->devices = vs_devices_new(frame);
+  w->energy.frame = frame;
+}
+
+void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
+  follow_absence(&w->absence, step);
+  vs_measures_accept(w->measures, step);
+  vs_devices_accept(w->devices, step);
+  vs_energy_accept(&w->energy, step);
+}
+
+void vs_watchers_finish(vs_watchers *w, double until_s, vs_value values[VS_MEASURES]) {
+  end_absence(&w->absence, until_s);
+  vs_measures_finish(w->measures, values);
+  vs_energy_finish(&w->energy);
+  const double *joule = w->energy.joule;
+  values[VS_M_ENERGY_IN] = (vs_value){true, joule[VS_E_SOURCE], NAN};
+  values[VS_M_ENERGY_COPPER] = (vs_value){true, joule[VS_E_COPPER], NAN};
+  values[VS_M_WORK_FORCE] = (vs_value){true, joule[VS_E_WORK], NAN};
+  values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, w->energy.worst, NAN};
+  vs_devices_finish(w->devices);
+}
+
+void vs_watchers_free(vs_watchers *w) {
+  vs_measures_free(w->measures);
+  vs_devices_free(w->devices);
+  *w = (vs_watchers){0};
+}

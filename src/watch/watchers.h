@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * All watchers of one run. Each accepted step is shown to every one of them; what they have seen is
+ * read from their own structs. */
+#ifndef VS_WATCH_WATCHERS_H
+#define VS_WATCH_WATCHERS_H
+
+#include "watch/devices.h"
+#include "watch/energy.h"
+
+/* The stretches of a run that went without ngspice, as the circuit was quiet (quiet/quiet.h). */
+typedef struct vs_absence {
+  int times;      /* how often ngspice was left */
+  double first_s; /* instant at which it was first left */
+  double total_s; /* how long all stretches are together, s */
+  double since_s; /* beginning of the present stretch */
+  bool now;       /* a stretch has begun and not ended */
+  double bound;   /* on the error by all of this, relative to each probe's peak */
+} vs_absence;
+
+/* Start from {0}. vs_watchers_begin may be called again for another run, and vs_watchers_free may
+ * be called at any time. */
+typedef struct vs_watchers {
+  vs_measures *measures; /* owned; NULL before the first run */
+  vs_devices *devices;   /* owned; NULL: the deck has none */
+  vs_energy energy;
+  vs_absence absence;
+} vs_watchers;
+
+/* Begins a run anew. The frame must outlive the watchers' use. */
+void vs_watchers_begin(vs_watchers *watchers, const vs_frame *frame);
+/* Shows one accepted step to all. */
+void vs_watchers_accept(vs_watchers *watchers, const vs_step *step);
+/* The run has ended at until_s: completes what each has seen and gives the standard measures, the
+ * energies included, values[VS_MEASURES]. */
+void vs_watchers_finish(vs_watchers *watchers, double until_s, vs_value values[VS_MEASURES]);
+void vs_watchers_free(vs_watchers *watchers);
+
+#endif
