@@ -26,13 +26,13 @@ static void judged(const char *const *more, bool one_shot) {
   vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
   EXPECT(t->status == VS_OK, "%s", t->err.text);
   bool found = false;
-  for (size_t k = 0; !t->status && k < t->result.devices->item[0].count; k++) {
-    const vs_reduced *r = &t->result.devices->item[0].reduced[k];
+  for (size_t k = 0; !t->status && k < t->result.watchers.devices->item[0].count; k++) {
+    const vs_reduced *r = &t->result.watchers.devices->item[0].reduced[k];
     if (strcmp(r->measure->name, "i_rms")) continue;
     found = true;
     bool said = r->unjudged && !strcmp(r->unjudged, "not judged: one shot");
     EXPECT(said == one_shot, "%s, %s: %s; %d shots", more[0], more[2],
-           r->unjudged ? r->unjudged : "judged", t->result.devices->item[0].starts);
+           r->unjudged ? r->unjudged : "judged", t->result.watchers.devices->item[0].starts);
   }
   CU_ASSERT_TRUE(found);
   vs_trial_free(t);
