@@ -11,7 +11,7 @@ static const char BLANKS[] = " \t";
 
 typedef struct cell {
   char *text;        /* without its quotes */
-  const char *begin; /* where it stood: its first character, or its opening quote */
+  const char *begin; /* the cell's first character in the row, or its opening quote */
   bool open;         /* its closing quote is missing */
   bool stray;        /* something stands between the closing quote and the comma */
 } cell;
@@ -28,8 +28,8 @@ static char *take_quoted(char **at, bool *open) {
   return out;
 }
 
-/* Takes the cell off the row that begins at *rest; *rest is NULL behind the last one. What stands
- * behind a closing quote is added to the cell. */
+/* Takes off the row the cell that begins at *rest; afterwards *rest is where the next one begins,
+ * or NULL. Text between a closing quote and the comma is added to the cell. */
 static cell take_cell(char **rest, bool trim) {
   char *s = *rest;
   if (trim) s += strspn(s, BLANKS);
@@ -70,8 +70,8 @@ void vs_csv_cell(vs_text *row, const char *word) {
 
 /* ---- a file of them ---- */
 
-/* Whether the row goes on in the next line, as this one ends inside a quoted cell; open: it begins
- * inside one. */
+/* True if this line ends inside a quoted cell, so that the row goes on in the next one. open tells
+ * whether it begins inside one. */
 static bool ends_open(const char *line, bool open, bool trim) {
   for (const char *s = line;; s++) { /* s stands where a cell begins, or inside the quoted one */
     if (trim && !open) s += strspn(s, BLANKS);
@@ -85,8 +85,8 @@ static bool ends_open(const char *line, bool open, bool trim) {
   }
 }
 
-/* The next line of the file, behind what the row has already; *size: what the row then has. Gives
- * false at the file's end. */
+/* Adds the file's next line to the row, whose bytes so far *size counts. Returns false at the
+ * file's end. */
 static bool add_line(vs_csv *csv, size_t *size) {
   char *line = NULL;
   size_t room = 0;
@@ -109,13 +109,14 @@ static bool add_line(vs_csv *csv, size_t *size) {
   return true;
 }
 
-/* A line that the file's reader wants to pass over. */
+/* True if the row is a line that is to be passed over. */
 static bool is_comment(const vs_csv *csv) {
   const char *s = csv->text + strspn(csv->text, " \t\r\n");
   return csv->comments && (!*s || *s == '#');
 }
 
-/* All lines of the row, without the last line's end; csv->n_lines is 0 at the file's end. */
+/* Reads all lines of the next row and takes the last line's end off. csv->n_lines is 0 at the
+ * file's end. */
 static vs_status read_lines(vs_csv *csv, vs_error *err) {
   static const char MARK[] = "\xEF\xBB\xBF"; /* some programs begin a UTF-8 text with it */
   size_t size = 0;

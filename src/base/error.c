@@ -53,7 +53,8 @@ static bool comes_before(const vs_error *a, const vs_error *b) {
   return a->line != b->line ? a->line < b->line : a->column < b->column;
 }
 
-/* Behind those of its file that stand no later; behind all when its file is new. */
+/* The error goes behind those of its file that stand no later in it; the first of a file goes
+ * behind all. */
 static size_t position_of(const vs_findings *all, const vs_error *err) {
   bool begun = false;
   for (size_t k = 0; k < all->count; k++) {

@@ -35,7 +35,8 @@ static vs_status read_real(const char *name, const vs_field *field, const vs_nod
   if (!vs_units_read(node->text, field->unit, &si, why, sizeof why))
     return vs_fail_at(err, node->where, "%s: %s", name, why);
   double shown = si / vs_units_factor(field->unit);
-  double slack = 1e-12 * (field->max < 0 ? -field->max : field->max); /* of the unit's conversion */
+  double slack =
+      1e-12 * (field->max < 0 ? -field->max : field->max); /* rounding, by the unit's conversion */
   bool inside = field->open ? shown > field->min && shown < field->max
                             : shown >= field->min - slack && shown <= field->max + slack;
   if (inside) {
@@ -158,7 +159,8 @@ vs_status vs_field_known_keys(const vs_node *map, const char *what, const char *
 vs_status vs_field_section_read(const vs_section *section, const vs_node *map, void *out,
                                 vs_error *err) {
   vs_status status = VS_OK;
-  if (map && map->kind == VS_NODE_TEXT && !*map->text) map = NULL; /* "run:" and nothing more */
+  if (map && map->kind == VS_NODE_TEXT && !*map->text)
+    map = NULL; /* the scene says "run:" and nothing more */
   if (map && map->kind != VS_NODE_MAP) {
     status = vs_fail_at(err, map->where, "%s: a map of keys is wanted: {key: value, ...}",
                         section->name);
@@ -172,14 +174,15 @@ vs_status vs_field_section_read(const vs_section *section, const vs_node *map, v
   for (size_t k = 0; k < section->count && !status; k++) {
     const vs_field *field = &section->fields[k];
     const vs_node *node = vs_tree_child(map, field->key);
-    status = read_default(section, field, out, err); /* stays when the scene's is no good */
+    status = read_default(section, field, out,
+                          err); /* the default stays where the scene's value is refused */
     if (!status && node)
       status = vs_error_carry_on(err, vs_field_read(section, field, node, out, err));
   }
   return status;
 }
 
-/* The choice-th of the words in "paper|derived". */
+/* Writes the word of that index among "paper|derived". */
 static void add_choice(const char *choices, int choice, vs_json *json) {
   char words[256], *rest = words, *word = words;
   snprintf(words, sizeof words, "%s", choices);
@@ -187,7 +190,7 @@ static void add_choice(const char *choices, int choice, vs_json *json) {
   vs_json_text(json, NULL, word);
 }
 
-/* {"value": 6, "unit": "mm"}; of a pair [x, y]. */
+/* Writes {"value": 6, "unit": "mm"}; the value of a pair is [x, y]. */
 static void add_quantity(const vs_field *field, const double *si, vs_json *json) {
   const double factor = vs_units_factor(field->unit);
   vs_json_object(json, NULL, VS_JSON_ROW);

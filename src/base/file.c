@@ -51,7 +51,7 @@ void vs_file_folder_unmake(const char *folder, int made) {
     if (!rmdir(path))
       made--;
     else if (errno != ENOENT)
-      return; /* one that was never made, below the one that failed, is skipped */
+      return; /* folders below the one that failed were never made and are skipped */
     char *slash = strrchr(path, '/');
     if (!slash) return;
     *slash = '\0';
@@ -59,7 +59,7 @@ void vs_file_folder_unmake(const char *folder, int made) {
 }
 
 static const char TEMPORARY[] = ".vibrospice-tmp.";
-enum { RANDOM = 6 }; /* characters behind that, of mkostemp's */
+enum { RANDOM = 6 }; /* characters that mkostemp puts behind TEMPORARY */
 
 static bool is_temporary(const char *name) {
   size_t n = sizeof TEMPORARY - 1;
@@ -68,7 +68,8 @@ static bool is_temporary(const char *name) {
              RANDOM;
 }
 
-/* Takes it away if it is this user's and nobody has it locked; not where locks are not known. */
+/* Removes the file if it belongs to this user and nobody has it locked. Where the file system has
+ * no locks it stays. */
 static void remove_stale(int folder, const char *name) {
   struct stat s;
   int fd = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
@@ -87,8 +88,8 @@ static void remove_all_stale(const char *folder) {
   closedir(d);
 }
 
-/* A new file, locked; a descriptor, or -1 with errno. Another process that tidies up may have had
- * it before the lock: then it is gone, or will be. */
+/* Makes a new file and locks it; returns its descriptor, or -1 with errno. Between the two, another
+ * process that removes stale files may have taken it for one; then a new one is made. */
 static int make_temporary(vs_file *file, int folder_size) {
   int fd = -1;
   for (int tries = 0; tries < 10 && fd < 0; tries++) {
@@ -128,8 +129,8 @@ vs_status vs_file_open(vs_file *file, const char *folder, const char *name, vs_e
   return VS_OK;
 }
 
-/* A name is in its folder: after a rename that has to come to the disk, too. Where it cannot, as on
- * some file systems, the file is still whole or not there. */
+/* A file's name stands in its folder, so after a rename the folder has to be written to the disk,
+ * too. Some file systems cannot do that; there the file is still whole or not there at all. */
 static void sync_folder_of(const char *path) {
   char folder[VS_PATH_SIZE];
   const char *slash = strrchr(path, '/');
@@ -145,7 +146,8 @@ vs_status vs_file_commit(vs_file *file, vs_error *err) {
   file->stream = NULL;
   bool bad = fflush(stream) || ferror(stream) || fsync(fileno(stream));
   int why = errno;
-  int lock = dup(fileno(stream)); /* as long as it has that name */
+  int lock = dup(fileno(
+      stream)); /* a copy of the descriptor keeps the lock until the file has its final name */
   if (fclose(stream) && !bad) {
     bad = true;
     why = errno;

@@ -10,18 +10,18 @@
 
 volatile sig_atomic_t vs_leave_requested;
 
-/* The handler reads them between any two instructions of this, the only thread; each is one word.
- */
+/* The paths to be removed. The signal handler may read them between any two instructions of this
+ * process' only thread; each is one word, and so is never half written. */
 static const char *volatile removed[VS_LEAVE_MOST];
 static volatile sig_atomic_t heed = VS_HEED_NOT;
-static volatile pid_t owner; /* whose files they are: not a forked child's */
+static volatile pid_t owner; /* the process whose files they are; a forked child removes nothing */
 
 static void take_away(void) {
   if (getpid() != owner) return;
   for (int k = 0; k < VS_LEAVE_MOST; k++)
     if (removed[k]) unlink(removed[k]);
   for (int k = 0; k < VS_LEAVE_MOST; k++)
-    if (removed[k]) rmdir(removed[k]); /* of a file it fails */
+    if (removed[k]) rmdir(removed[k]); /* rmdir fails where the path is a file */
 }
 
 static _Noreturn void leave(void) {
@@ -31,7 +31,7 @@ static _Noreturn void leave(void) {
   _exit(VS_SIGNAL);
 }
 
-/* Nobody heeded it. */
+/* The grace time is over: nobody heeded the signal. */
 static void on_alarm(int number) {
   (void)number;
   if (heed == VS_HEED_SOON) leave();
@@ -42,23 +42,23 @@ static void set_alarm(void) {
   alarm(VS_HEED_S);
 }
 
-/* As without a handler, but for what is taken away. */
+/* Ends the process as the signal does without a handler, after its files were removed. */
 static void on_end(int number) {
   take_away();
   signal(number, SIG_DFL);
-  raise(number); /* comes when this has returned */
+  raise(number); /* the signal is taken when this handler has returned */
 }
 
 static void on_stop(int number) {
   bool again = vs_leave_requested;
   vs_leave_requested = 1;
   if (heed == VS_HEED_NOT || getpid() != owner) leave();
-  if (again && number != SIGTERM) on_end(number); /* a second Ctrl-C kills */
+  if (again && number != SIGTERM) on_end(number); /* a second Ctrl-C ends the process at once */
   if (!again && heed == VS_HEED_SOON) set_alarm();
 }
 
-/* A second TERM does not kill: who ends programs in earnest (Slurm, systemd, GNU parallel) may send
- * several, and has KILL. */
+/* A second TERM does not end the process at once: Slurm, systemd and GNU parallel may send several
+ * in a row, and have KILL for what does not end. */
 void vs_leave_begin(void) {
   const struct sigaction stop = {.sa_handler = on_stop}, pipe = {.sa_handler = on_end};
   struct sigaction before;
@@ -66,7 +66,8 @@ void vs_leave_begin(void) {
   sigaction(SIGINT, &stop, NULL);
   sigaction(SIGTERM, &stop, NULL);
   sigaction(SIGHUP, NULL, &before);
-  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &stop, NULL); /* else nohup's wish holds */
+  if (before.sa_handler != SIG_IGN)
+    sigaction(SIGHUP, &stop, NULL); /* under nohup HUP stays ignored */
   sigaction(SIGPIPE, NULL, &before);
   if (before.sa_handler != SIG_IGN) sigaction(SIGPIPE, &pipe, NULL);
   atexit(take_away);

@@ -14,7 +14,8 @@
 #error "the build names the source tree's spice/ folder"
 #endif
 
-/* The library folders in order; stops and gives true when visit does. */
+/* Calls visit for the library folders in their order, until it returns true; returns whether it
+ * did. */
 static bool each_library(bool (*visit)(void *ctx, const char *folder), void *ctx) {
   const char *path = getenv("VIBROSPICE_PATH");
   char *folders = vs_copy(path ? path : ""), *rest = folders;

@@ -57,7 +57,8 @@ static size_t min3(size_t a, size_t b, size_t c) {
   return m < c ? m : c;
 }
 
-/* Insertions, deletions, substitutions and swaps of neighbours, capitals aside. */
+/* Counts the insertions, deletions, substitutions and swaps of neighbours that turn a into b,
+ * capitals aside. */
 static size_t edit_distance(const char *a, const char *b) {
   size_t n = strlen(a), m = strlen(b);
   if (n > LONGEST_NAME || m > LONGEST_NAME) return n > m ? n : m;
@@ -79,7 +80,7 @@ static size_t edit_distance(const char *a, const char *b) {
 
 const char *vs_text_nearest(const char *name, const char *const *candidates, size_t count) {
   const char *best = NULL;
-  size_t best_distance = strlen(name) / 2 + 2; /* farther than this is another word */
+  size_t best_distance = strlen(name) / 2 + 2; /* a name that is farther away is another word */
   for (size_t k = 0; k < count; k++) {
     size_t d = edit_distance(name, candidates[k]);
     if (d < best_distance) {
@@ -90,7 +91,8 @@ const char *vs_text_nearest(const char *name, const char *const *candidates, siz
   return best;
 }
 
-/* Bytes of the character that begins here, of which `left` bytes are there; 0: it is none. */
+/* Returns how many bytes the UTF-8 character at s has, where `left` bytes are left; 0: there is
+ * none. */
 static size_t utf8_size(const unsigned char *s, size_t left) {
   size_t size = s[0] < 0x80 ? 1 : s[0] < 0xc2 ? 0 : s[0] < 0xe0 ? 2 : s[0] < 0xf0 ? 3 : 4;
   if (size == 0 || s[0] > 0xf4 || size > left) return 0;
@@ -111,27 +113,31 @@ const char *vs_text_not_utf8(const char *text, size_t length) {
 
 int vs_text_column(const char *line, const char *at) {
   int column = 1;
-  for (; line < at; line++) column += (*line & 0xc0) != 0x80; /* not one that goes on */
+  for (; line < at; line++)
+    column += (*line & 0xc0) != 0x80; /* bytes that continue a character do not count */
   return column;
 }
 
-/* Powers of ten that a double has exactly. */
+/* Powers of ten that a double holds exactly. */
 enum { LARGEST_POWER = 22, MOST_DIGITS = 12 };
 static const double TEN[LARGEST_POWER + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                               1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
                                               1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
-/* Digits of a > 0 as a whole number, the first of them worth 10^*tens; 0: too near to the middle of
- * two such numbers to tell by one multiplication, or too large or small. */
+/* Returns the first `digits` digits of a > 0 as a whole number; the first of them is worth
+ * 10^*tens. It returns 0 where one multiplication cannot tell how to round, as a is too near to the
+ * middle between two such numbers, and where a is too large or small for TEN. */
 static uint64_t leading_digits(double a, int digits, int *tens) {
   int binary;
   frexp(a, &binary);
-  *tens = (int)floor((binary - 1) * 0.30102999566398120); /* or one more */
+  *tens =
+      (int)floor((binary - 1) * 0.30102999566398120); /* an estimate, which may be one too small */
   double scaled = 0;
   for (int again = 0; again < 2; again++) {
     int shift = digits - 1 - *tens;
     if (abs(shift) > LARGEST_POWER) return 0;
-    scaled = shift < 0 ? a / TEN[-shift] : a * TEN[shift]; /* rounded once */
+    scaled =
+        shift < 0 ? a / TEN[-shift] : a * TEN[shift]; /* one rounding, as both factors are exact */
     if (scaled < TEN[digits]) break;
     ++*tens;
   }
@@ -165,7 +171,7 @@ size_t vs_text_number(char text[VS_NUMBER_SIZE], double value, int digits) {
     *to++ = k < count ? digit[k] : '0';
     if (k == point && k + 1 < count) *to++ = '.';
   }
-  if (!fixed) { /* of two digits: leading_digits() goes no further */
+  if (!fixed) { /* the exponent has two digits, as leading_digits() goes no further */
     *to++ = 'e';
     *to++ = tens < 0 ? '-' : '+';
     *to++ = (char)('0' + abs(tens) / 10);

@@ -44,7 +44,7 @@ static void node_free(vs_node *node) {
 
 typedef struct ranked_key {
   const vs_node *node;
-  size_t rank; /* its place in the map */
+  size_t rank; /* the how-manieth key of the map it is */
 } ranked_key;
 
 static int by_key(const void *a, const void *b) {
@@ -53,8 +53,9 @@ static int by_key(const void *a, const void *b) {
   return order ? order : x->rank < y->rank ? -1 : x->rank > y->rank;
 }
 
-/* The first key of the map that stood there before; NULL: none. By sorting, as libfyaml's own check
- * holds each key against all before it: 4 s for 10,000 of them, minutes for 60,000. */
+/* Returns the first key that the map has twice; NULL: there is none. The keys are sorted for that,
+ * because libfyaml's own check compares each key with all before it, which takes 4 s for 10,000
+ * keys and minutes for 60,000. */
 static const vs_node *second_of_a_key(const vs_node *map) {
   size_t count = 0, first = SIZE_MAX;
   for (const vs_node *n = map->child; n; n = n->next) count++;
@@ -129,7 +130,7 @@ static vs_status convert(struct fy_node *fy, const char *file, vs_node **out, vs
   return VS_OK;
 }
 
-/* The first thing the parser complained about, as one line of ours. */
+/* Makes the parser's first complaint an error of this program. */
 static vs_status report(struct fy_diag *diag, const char *file, vs_error *err) {
   void *position = NULL;
   struct fy_diag_error *first = fy_diag_errors_iterate(diag, &position);
@@ -140,7 +141,8 @@ static vs_status report(struct fy_diag *diag, const char *file, vs_error *err) {
                     dash ? "; a - that begins no list is written in quotes: '-'" : "");
 }
 
-/* Of bytes that are no UTF-8 libfyaml 0.7 makes what it likes: behind a '%' it never comes back. */
+/* Refuses bytes that are not UTF-8, with which libfyaml 0.7 does anything: behind a '%' it never
+ * returns. */
 static vs_status check_bytes(const char *text, size_t length, const char *file, vs_error *err) {
   const char *bad = vs_text_not_utf8(text, length);
   if (!bad) return VS_OK;
@@ -154,10 +156,10 @@ static vs_status check_bytes(const char *text, size_t length, const char *file, 
                     (unsigned char)*bad);
 }
 
-/* What libfyaml 0.7 takes time for that grows with the square of their number, and no scene has so
- * many of: anchors (each is held against all before it; 30,000 take a minute) and empty lines in a
- * row (30,000 in a text block take 4 s). A thousand and ten thousand take less than half a second.
- */
+/* The time libfyaml 0.7 takes for two things grows with the square of their number: anchors (it
+ * compares each with all before it; 30,000 take a minute) and empty lines in a row (30,000 in a
+ * text block take 4 s). So many as are allowed here take less than half a second, and no scene
+ * needs more. */
 enum { MOST_ANCHORS = 1000, MOST_EMPTY_LINES = 10000 };
 
 static vs_status check_patience(const char *text, size_t length, const char *file, vs_error *err) {
@@ -178,7 +180,8 @@ static vs_status check_patience(const char *text, size_t length, const char *fil
   return VS_OK;
 }
 
-/* text: the YAML; file: what to call it. Gives an empty map for a text that says nothing. */
+/* Reads the YAML in text; file is what errors call it. A text that says nothing gives an empty map.
+ */
 static vs_status parse(const char *text, size_t length, const char *file, vs_node **root,
                        vs_error *err) {
   vs_status status = check_bytes(text, length, file, err);
@@ -224,7 +227,8 @@ static vs_status parse(const char *text, size_t length, const char *file, vs_nod
   return status;
 }
 
-/* Of a tree a byte takes up to a hundred bytes of memory; 60,000 keys are a megabyte. */
+/* The longest text that is read. A byte of it may take a hundred bytes of memory in the tree; a
+ * megabyte holds some 60,000 keys. */
 enum { LONGEST_TEXT = 1 << 26 };
 
 static vs_status slurp(const char *path, char **text, size_t *length, vs_error *err) {
@@ -263,7 +267,7 @@ vs_status vs_tree_read(const char *path, vs_tree *tree, vs_error *err) {
   if (!status) status = parse(text, length, tree->name, &tree->root, err);
   free(text);
   if (!status && tree->root->kind == VS_NODE_TEXT && !*tree->root->text)
-    tree->root->kind = VS_NODE_MAP; /* "~" says nothing */
+    tree->root->kind = VS_NODE_MAP; /* a file that is "~" says nothing */
   if (!status && tree->root->kind != VS_NODE_MAP)
     status = vs_fail_at(err, tree->root->where, "a scene is a list of 'key: value' lines");
   return status;
@@ -301,7 +305,7 @@ static vs_node *child_or_new(vs_node *map, const char *key, vs_where where) {
   return *link;
 }
 
-/* everything below and at node is said to stand at where */
+/* Gives the node, its siblings and all below them the place `where`. */
 static void stand_at(vs_node *node, vs_where where) {
   for (; node; node = node->next) {
     node->where = node->key_where = where;
@@ -309,12 +313,13 @@ static void stand_at(vs_node *node, vs_where where) {
   }
 }
 
-/* The node of a dotted key, made where it is not there, with all that is missing above it. */
+/* Returns the node of a dotted key. It is made where it is missing, and so are the maps above it.
+ */
 static vs_node *reach(vs_tree *tree, const char *dotted, vs_where where) {
   vs_node *at = tree->root;
   char *path = vs_copy(dotted), *rest = path;
   for (char *key; (key = strsep(&rest, "."));) {
-    if (at->kind != VS_NODE_MAP) { /* a text stood where a map is wanted: the newer word counts */
+    if (at->kind != VS_NODE_MAP) { /* a text stands where a map is wanted: the newer value wins */
       node_free(at->child);
       free(at->text);
       at->text = NULL;
@@ -360,9 +365,9 @@ void vs_tree_put(vs_tree *tree, const char *key, const char *text, vs_where wher
   vs_tree_graft(tree, key, &value);
 }
 
-/* What stands behind the sign, as YAML. */
+/* Reads the text behind the sign as YAML. */
 static vs_status parse_value(const char *text, vs_where where, vs_node **value, vs_error *err) {
-  const char *yaml = strcmp(text, "-") ? text : "'-'"; /* no list of nothing */
+  const char *yaml = strcmp(text, "-") ? text : "'-'"; /* a lone - is a text here, no list */
   vs_status status = parse(yaml, strlen(yaml), "--set", value, err);
   if (status) {
     const vs_error why = *err;
@@ -375,7 +380,7 @@ static vs_status parse_value(const char *text, vs_where where, vs_node **value, 
   return VS_OK;
 }
 
-/* Gives the node what the value has, and frees the rest of that. */
+/* Moves the value's contents to the node, and frees what is left of the value. */
 static void take_value(vs_node *at, vs_node *value, vs_where where) {
   node_free(at->child);
   free(at->text);
@@ -405,7 +410,7 @@ vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
   char *path = strndup(assignment, (size_t)(equals - assignment));
   take_value(reach(tree, path, where), value, where);
   free(path);
-  vs_node *keep = vs_alloc(1, sizeof *keep); /* owns the label */
+  vs_node *keep = vs_alloc(1, sizeof *keep); /* it owns the label */
   keep->text = label.text;
   keep->next = tree->labels;
   tree->labels = keep;

@@ -11,7 +11,7 @@
 enum { KG, M, S, A, ANGLE, TEMPERATURE, CYCLES, N_DIMENSIONS };
 
 typedef struct unit {
-  double factor; /* to SI: factor * 10^tens */
+  double factor; /* its SI value is factor * 10^tens */
   int tens, power[N_DIMENSIONS];
 } unit;
 
@@ -53,7 +53,7 @@ static const struct {
 } PREFIXES[] = {{"", 0},   {"f", -15}, {"p", -12}, {"n", -9}, {"u", -6}, {"µ", -6},
                 {"m", -3}, {"c", -2},  {"k", 3},   {"M", 6},  {"G", 9}};
 
-/* lower: a capital of the name may be written small */
+/* Finds the unit by its name; with `lower` a capital of the name may be written small. */
 static bool same_name(const char *text, const char *name, size_t length, bool lower) {
   for (size_t k = 0; k < length; k++)
     if (text[k] != name[k] && !(lower && text[k] == tolower((unsigned char)name[k]))) return false;
@@ -62,7 +62,8 @@ static bool same_name(const char *text, const char *name, size_t length, bool lo
 
 static bool named_unit(const char *name, size_t length, bool lower, unit *out) {
   for (size_t k = 0; k < sizeof UNITS / sizeof *UNITS; k++) {
-    size_t nu = strlen(UNITS[k].name), np = length - nu; /* what is left for a prefix */
+    size_t nu = strlen(UNITS[k].name),
+           np = length - nu; /* how many bytes stand before the unit's name, as its prefix */
     if (nu > length || (np && !UNITS[k].prefixed)) continue;
     if (!same_name(name + np, UNITS[k].name, nu, lower)) continue;
     for (size_t p = 0; p < sizeof PREFIXES / sizeof *PREFIXES; p++) {
@@ -75,7 +76,8 @@ static bool named_unit(const char *name, size_t length, bool lower, unit *out) {
   return false;
 }
 
-/* product of NAME[^][-]POWER terms, '.' or '*' between, what follows a '/' counts inversely */
+/* Reads a product of NAME[^][-]POWER terms with '.' or '*' between them; terms behind a '/' count
+ * inversely. */
 static bool parse_any_unit(const char *text, bool lower, unit *out) {
   *out = (unit){.factor = 1};
   int sign = 1;

@@ -64,23 +64,24 @@ const vs_method vs_grid_method = {.name = "grid",
 
 /* ---- list ---- */
 
-/* Its rows stand in each axis' values. */
+/* The file's rows are kept as the values of each axis. */
 static bool is_text(const vs_node *section) {
   return section->kind == VS_NODE_TEXT && *section->text;
 }
 
 enum { MOST_CELLS = VS_PLAN_AXES };
 
-/* A CSV file on its way in. */
+/* A CSV file that is being read. */
 typedef struct reader {
   vs_plan *plan;
   vs_csv csv;
   size_t columns;
   vs_axis *axis[MOST_CELLS];
-  bool bare[MOST_CELLS]; /* its header names the unit: cells are numbers without one */
+  bool bare[MOST_CELLS]; /* the header names the unit, and the cells are numbers without one */
 } reader;
 
-/* "circuit.r1", or as study.csv has it, "circuit.r1_ohm", whose cells are plain numbers. */
+/* Reads a title, which is a key ("circuit.r1") or what study.csv calls it ("circuit.r1_ohm"); cells
+ * under the latter are plain numbers. */
 static vs_status read_header(reader *c, size_t k, vs_error *err) {
   const char *cell = c->csv.cell[k];
   const vs_where where = c->csv.where[k];
@@ -110,7 +111,7 @@ static vs_status read_cell(reader *c, size_t k, vs_error *err) {
   vs_status status = vs_axis_number(axis, &node, &number, err);
   vs_text_free(&text);
   if (status) return status;
-  if ((axis->n_values & (axis->n_values - 1)) == 0) /* full at each power of two */
+  if ((axis->n_values & (axis->n_values - 1)) == 0) /* the array is full at each power of two */
     axis->value =
         realloc(axis->value, (axis->n_values ? 2 * axis->n_values : 1) * sizeof *axis->value);
   axis->value[axis->n_values++] = number;
@@ -131,7 +132,8 @@ static vs_status read_row(reader *c, vs_error *err) {
   return status;
 }
 
-/* Without a header no cell can be read; of rows that cannot, a check tells each. */
+/* Reads all rows. An error in the header ends the reading, as no cell can be read without it; a
+ * check goes on behind errors in other rows. */
 static vs_status read_rows(reader *c, vs_error *err) {
   vs_status status = VS_OK;
   while (!status && !(status = vs_csv_next(&c->csv, err)) && c->csv.count) {

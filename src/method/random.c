@@ -23,7 +23,8 @@ uint64_t vs_random_bits(uint64_t seed, uint64_t index, uint64_t axis) {
   return mix(mix(mix(seed) ^ axis) ^ index);
 }
 
-/* The middle of one of 2^52 equal parts: with 2^53 the last would round to 1. */
+/* Returns the middle of one of 2^52 equal pieces; with 2^53 of them the last one's would round
+ * to 1. */
 static double within(uint64_t bits) {
   return ((double)(bits >> 12) + 0.5) * 0x1p-52;
 }
@@ -36,8 +37,9 @@ double vs_random_uniform(uint64_t seed, uint64_t index, uint64_t axis) {
 
 enum { ROUNDS = 8, SALT_ORDER = 1, SALT_SHIFT }; /* salts keep the uses of one seed apart */
 
-/* Feistel's network on pairs (left, right) of side*side >= count places (Black and Rogaway, CT-RSA
- * 2002); from places that are none it goes on until it comes to one that is. */
+/* A Feistel network permutes the pairs (left, right) of side*side >= count places; where it leads
+ * to a place that is not below count, it is applied again until it leads to one that is (Black and
+ * Rogaway, CT-RSA 2002). */
 uint64_t vs_random_permuted(uint64_t seed, uint64_t axis, uint64_t index, uint64_t count) {
   assert(index < count);
   const uint64_t key = vs_random_bits(seed, SALT_ORDER, axis);
@@ -96,8 +98,9 @@ double vs_random_spread_at(const vs_spread *s, double u) {
   if (s->shape == VS_SHAPE_UNIFORM) return s->width * (2 * u - 1);
   if (!s->truncate) return s->width * gsl_cdf_ugaussian_Pinv(u);
   double below = gsl_cdf_ugaussian_P(-s->truncate);
-  double z = u < 0.5 ? gsl_cdf_ugaussian_Pinv(below + u * (1 - 2 * below)) /* the half where P's */
-                     : -gsl_cdf_ugaussian_Pinv(below + (1 - u) * (1 - 2 * below)); /* digits are */
+  /* by the half of the distribution in which P is small, where it has all its digits */
+  double z = u < 0.5 ? gsl_cdf_ugaussian_Pinv(below + u * (1 - 2 * below))
+                     : -gsl_cdf_ugaussian_Pinv(below + (1 - u) * (1 - 2 * below));
   return s->width * fmin(fmax(z, -s->truncate), s->truncate);
 }
 
@@ -113,7 +116,9 @@ vs_correlation *vs_random_correlation(size_t axes, const double *matrix) {
 }
 
 void vs_random_correlate(const vs_correlation *c, double *u) {
-  for (size_t i = c->axes; i-- > 0;) { /* backwards: u[k] of k < i are still independent */
+  for (size_t i = c->axes;
+       i-- >
+       0;) { /* from the last to the first, as u[k] with k < i must still be the independent ones */
     const double *row = &c->factor[i * c->axes];
     double z = 0;
     bool alone = true;

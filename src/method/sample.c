@@ -30,8 +30,8 @@ static const char *const KEYS[] = {"method", "n", "seed", "spread", "correlation
 
 typedef struct sample {
   uint64_t n;
-  vs_correlation *correlation; /* NULL: none */
-  vs_sobol *sobol;             /* NULL: of other methods */
+  vs_correlation *correlation; /* NULL: no axes are correlated */
+  vs_sobol *sobol;             /* NULL: the method is another */
 } sample;
 
 static void sample_free(void *state) {
@@ -64,7 +64,7 @@ static vs_status read_spread(vs_plan *plan, const vs_node *section, double sigma
 
 /* ---- correlation ---- */
 
-/* Which of the sample's axes the node names. */
+/* Finds the axis of the sample that the node names. */
 static vs_status find_axis(vs_plan *plan, size_t first, const vs_node *node, size_t *at,
                            vs_error *err) {
   const char *names[VS_PLAN_AXES];
@@ -185,7 +185,7 @@ static uint64_t sample_count(const vs_plan *plan, const vs_plan_stage *stage) {
   return ((const sample *)stage->state)->n;
 }
 
-/* Makes what lies in the unit cube a point. */
+/* Turns value[], a point of the unit cube, into one of the axes. */
 static void place(const vs_plan *plan, const vs_plan_stage *stage, double *value) {
   const sample *s = stage->state;
   if (s->correlation) vs_random_correlate(s->correlation, value);

@@ -11,21 +11,20 @@
 #include "base/text.h"
 #include "method/random.h"
 
-/* The start: a quarter of all points, within 2 populations and 50 points to an axis. Population: 6
- * to an axis, within these; bred for at most 0.7 of all points. Each difference is weighted anew,
- * 0.4 to 0.9, and every third child goes towards the best as well. Every other child takes nine
- * coordinates of ten from the mutant, the others three: valleys that lie askew, and along the axes.
- */
+/* The start takes a quarter of all points, but at least 2 populations and at most 50 points for
+ * each axis. The population has 6 members for each axis, within these bounds, and is bred until at
+ * most 0.7 of all points are used. Each difference has a new weight, 0.4 to 0.9, and every third
+ * child goes towards the best member as well. Every other child takes nine coordinates of ten from
+ * the mutant, which suits valleys that lie askew; the others take three of ten, which suits valleys
+ * along the axes. */
 enum { FEWEST = 12, MOST = 60, PER_AXIS = 6, START_PER_AXIS = 50 };
-enum { TURNS = 3 }; /* of the pattern, before its step is halved; the first along the axes */
-enum {
-  SALT_PICK = 1 << 20,
-  SALT_CROSS = 1 << 21,
-  SALT_TURN = 1 << 22
-}; /* keep the uses of one seed apart */
+/* Rounds of the pattern before its step is halved; the first one goes along the axes. */
+enum { TURNS = 3 };
+/* These keep the uses of one seed apart. */
+enum { SALT_PICK = 1 << 20, SALT_CROSS = 1 << 21, SALT_TURN = 1 << 22 };
 static const double START_PART = 0.25, GLOBAL_PART = 0.7, CROSSOVER[] = {0.9, 0.3},
                     TO_BEST[] = {0.7, 0, 0},
-                    FIRST_STEP = 0.1, /* of the pattern; it grows where it found something */
+                    FIRST_STEP = 0.1, /* the pattern's step; it grows where it found something */
     GROW = 2;
 
 typedef enum phase { START, EVOLUTION, PATTERN, OVER } phase;
@@ -35,12 +34,13 @@ struct vs_search {
   phase phase;
   size_t asked; /* points of all generations that were told */
   uint64_t generation;
-  size_t population, members; /* members: while it is settled */
-  double *member, *fitness;   /* population x axes; population */
-  double *points;             /* all so far; those of this generation behind the others */
+  size_t population, members; /* members of the population, while that is being settled */
+  double *member, *fitness;   /* [population][axes]; [population] */
+  double *points;             /* all points so far; those of this generation come last */
   size_t count;               /* of this generation */
   double best[VS_SEARCH_AXES], best_value;
-  double center[VS_SEARCH_AXES], came[VS_SEARCH_AXES]; /* local: where it is, how it got there */
+  double center[VS_SEARCH_AXES],
+      came[VS_SEARCH_AXES]; /* local search: where it is, and how it got there */
   double center_value, step;
   int turned;
 };
@@ -84,7 +84,7 @@ static void ask_start(vs_search *s) {
   free(sobol);
 }
 
-/* A place of the population that is none of those so far. */
+/* Returns a member of the population that is none of those chosen so far. */
 static size_t pick(const vs_search *s, uint64_t child, const size_t *taken, size_t n_taken) {
   uint64_t draw = 0;
   for (;; draw++) {
@@ -97,7 +97,8 @@ static size_t pick(const vs_search *s, uint64_t child, const size_t *taken, size
   }
 }
 
-/* A member, and the difference of two others; beyond a bound: halfway to it. */
+/* Makes the mutant: a member and the weighted difference of two others. A coordinate beyond a bound
+ * is put halfway to it. */
 static void breed(const vs_search *s, size_t parent, double *x) {
   const size_t n = s->setup.axes;
   const uint64_t child = s->generation * MOST + parent;
@@ -118,7 +119,7 @@ static void breed(const vs_search *s, size_t parent, double *x) {
   snap(&s->setup, x);
 }
 
-/* The point is kept unless it was asked for before: no such point is better than the centre. */
+/* Adds the point unless it was asked for before, as no such point is better than the centre. */
 static void add_new(vs_search *s, double *x) {
   const size_t bytes = s->setup.axes * sizeof *x;
   snap(&s->setup, x);
@@ -127,7 +128,7 @@ static void add_new(vs_search *s, double *x) {
   memcpy(add(s), x, bytes);
 }
 
-/* A random direction, of length 1. */
+/* Makes a random direction of length 1. */
 static void direction(const vs_search *s, double *v) {
   const size_t n = s->setup.axes;
   double sum = 0;
@@ -139,8 +140,9 @@ static void direction(const vs_search *s, double *v) {
   for (size_t d = 0; d < n; d++) v[d] /= sqrt(sum);
 }
 
-/* By one step both ways along each axis; turned, along the axes mirrored at a random plane, so
- * that it does not come to rest in a valley or at an edge that lies askew. */
+/* Asks for the points one step away, both ways along each axis. When it is turned, the axes are
+ * mirrored at a random plane, so that the pattern does not come to rest in a valley or at an edge
+ * that lies askew. */
 static void poll(vs_search *s) {
   double x[VS_SEARCH_AXES], v[VS_SEARCH_AXES] = {0};
   const size_t n = s->setup.axes;
@@ -161,14 +163,15 @@ static void ask_pattern(vs_search *s) {
   const size_t n = s->setup.axes;
   double far = 0;
   for (size_t d = 0; d < n; d++) far = fmax(far, fabs(s->came[d]));
-  for (double reach = 1; far > 0 && reach <= 4; reach *= 2) { /* on as it went */
+  for (double reach = 1; far > 0 && reach <= 4;
+       reach *= 2) { /* on in the direction in which it went */
     for (size_t d = 0; d < n; d++) x[d] = s->center[d] + reach * s->came[d];
     add_new(s, x);
   }
   poll(s);
 }
 
-/* How many of the start's points near to point k are better than it. */
+/* Returns how many of the start's points near to point k are better than it. */
 static size_t betters(const vs_search *s, const double *values, size_t k) {
   size_t n = 0;
   const double reach = 1.5 / pow((double)s->count, 1 / (double)s->setup.axes);
@@ -186,8 +189,9 @@ static void take(vs_search *s, const double *values, size_t from) {
   s->fitness[s->members++] = values[from];
 }
 
-/* The population: up to half of it points that none near them is better than, so that a narrow
- * valley is not passed over for the slopes of a wide one; the others the best there are. */
+/* Chooses the population among the start's points. Up to half of it are points than which none near
+ * them is better, so that a narrow valley is not passed over for the slopes of a wide one. The
+ * others are the best there are. */
 static void settle(vs_search *s, const double *values) {
   bool *gone = vs_alloc(s->count, sizeof *gone);
   if (s->population > s->count) s->population = s->count;
@@ -205,7 +209,7 @@ static void settle(vs_search *s, const double *values) {
   free(gone);
 }
 
-/* Of the population the one nearest to a point. */
+/* Returns the member of the population that is nearest to a point. */
 static size_t nearest(const vs_search *s, const double *x) {
   size_t found = 0;
   double least = INFINITY;
@@ -218,8 +222,9 @@ static size_t nearest(const vs_search *s, const double *x) {
   return found;
 }
 
-/* A child takes the place of the member nearest to it, if it is better (crowding: Thomsen, CEC
- * 2004): so that one far from all others is not lost before its own surroundings were seen. */
+/* A child takes the place of the member nearest to it, if it is better. Through this crowding
+ * (Thomsen, CEC 2004) a member far from all others is not lost before its own surroundings were
+ * seen. */
 static void select_children(vs_search *s, const double *values) {
   for (size_t k = 0; k < s->count; k++) {
     size_t at = nearest(s, point(s, k));
@@ -229,7 +234,7 @@ static void select_children(vs_search *s, const double *values) {
   }
 }
 
-/* The longest side of the box the population lies in. */
+/* Returns the longest side of the box that the population lies in. */
 static double extent(const vs_search *s) {
   double longest = 0;
   for (size_t d = 0; d < s->setup.axes; d++) {
@@ -261,7 +266,7 @@ static void move(vs_search *s) {
   }
   memset(s->came, 0, sizeof s->came);
   s->turned = (s->turned + 1) % TURNS;
-  if (s->turned) return; /* once more, in other directions */
+  if (s->turned) return; /* looks once more, in other directions */
   s->step /= 2;
   if (s->step < s->setup.finest) s->phase = OVER;
 }
@@ -272,7 +277,7 @@ const double *vs_search_ask(vs_search *s, size_t *count) {
     for (size_t k = 0; k < s->population; k++) breed(s, k, add(s));
   while (!s->count && s->phase == PATTERN) {
     ask_pattern(s);
-    if (!s->count) move(s); /* all about it is known: with a shorter step then */
+    if (!s->count) move(s); /* all points about it are known, so the step is halved */
   }
   size_t left = s->setup.most - s->asked;
   if (s->count > left) s->count = left;
@@ -302,7 +307,8 @@ void vs_search_tell(vs_search *s, const double *values) {
       ((double)(s->asked + s->population) > GLOBAL_PART * (double)s->setup.most ||
        s->population < 4 || extent(s) < 4 * s->setup.finest))
     begin_pattern(s);
-  if (isnan(s->best_value) && s->phase == PATTERN) s->phase = OVER; /* nowhere to begin */
+  if (isnan(s->best_value) && s->phase == PATTERN)
+    s->phase = OVER; /* no point has a value, so there is nowhere to begin */
 }
 
 const double *vs_search_best(const vs_search *s, double *value) {
@@ -325,7 +331,8 @@ vs_search *vs_search_new(const vs_search_setup *setup) {
   if (s->population > MOST) s->population = MOST;
   s->member = vs_alloc(s->population * setup->axes, sizeof *s->member);
   s->fitness = vs_alloc(s->population, sizeof *s->fitness);
-  size_t room = setup->most + s->population + 2 * setup->axes + 3; /* a generation is cut late */
+  size_t room = setup->most + s->population + 2 * setup->axes +
+                3; /* the last generation is cut to what may still be asked for */
   s->points = vs_alloc(room * setup->axes, sizeof *s->points);
   return s;
 }

@@ -36,13 +36,13 @@ enum { PER_AXIS = 80, MOST_CANDIDATES = 10000, RATINGS = 16 };
 typedef struct rating {
   const vs_node *node;
   int column;
-  double limit; /* in the column's unit; once the columns are known */
+  double limit; /* in the column's unit; known once the columns are */
 } rating;
 
 /* What one axis adds to the energy. */
 typedef struct price {
-  int column;   /* of v_peak or power */
-  double farad; /* what one of the axis' unit is; 0: it is a resistor */
+  int column;   /* the column of v_peak or power */
+  double farad; /* the axis' unit in F; 0: the axis is a resistor */
 } price;
 
 typedef struct snubber {
@@ -51,9 +51,9 @@ typedef struct snubber {
   price prices[VS_PLAN_AXES]; /* of each axis under vary */
   double cycle_s;
   double margin, finest;
-  uint64_t n;                  /* 0: not said */
-  const vs_plan_stage *sample; /* NULL: there is none */
-  size_t n_design;             /* axes under vary, which stand first */
+  uint64_t n;                  /* 0: the study does not say */
+  const vs_plan_stage *sample; /* the stage of sample; NULL: there is none */
+  size_t n_design;             /* how many axes stand under vary; these come first */
 } snubber;
 
 static bool is_snubber(const vs_node *section) {
@@ -96,7 +96,8 @@ static vs_status read_ratings(vs_plan *plan, const vs_node *section, snubber *s,
   return status;
 }
 
-/* Each axis under vary is a resistor or a capacitor of the deck, and a device of it. */
+/* Each axis under vary must be a resistor or a capacitor of the deck, and a device of it, so that
+ * it has a price. */
 static vs_status read_prices(vs_plan *plan, const vs_node *section, snubber *s, vs_error *err) {
   char measure[VS_KEY_SIZE + 16];
   s->cycle_s = 1 / plan->base->setup.timeline.supply.frequency_hz;
@@ -190,15 +191,15 @@ static uint64_t count_snubber(const vs_plan *plan, const vs_plan_stage *stage) {
 
 /* What is known of one candidate. */
 typedef struct candidate {
-  uint64_t nominal, first; /* its cases: as the scene is; the first with a spread */
-  uint64_t runs;           /* how many there are, all in all */
-  double over;             /* by which part of what is allowed it is over, in its worst run */
-  double cost_j;           /* of its worst run */
-  bool failed;             /* a run of it did, or does not know one of its ratings */
+  uint64_t nominal, first; /* its cases: the one with the scene as it is; the first with a spread */
+  uint64_t runs;           /* how many cases it has in all */
+  double over; /* how much more than allowed it has in its worst run, relative to what is allowed */
+  double cost_j; /* of its worst run */
+  bool failed;   /* a run of it failed, or does not know one of the rated measures */
 } candidate;
 
-/* What is left of a rating, as a part of it, as the verdict has it: a peak below its limit, a
- * turn-off time above. */
+/* Returns what is left of a rating, relative to its limit, as the verdict has it: a peak must be
+ * below its limit, a turn-off time above. */
 static double left_of(const rating *r, const vs_results *results, uint64_t index) {
   double value = vs_plan_results_value(results, index, r->column);
   bool at_least = results->plan->columns[r->column].at_least;
@@ -210,7 +211,8 @@ static void judge(const snubber *s, const vs_results *results, uint64_t index, c
   double over = fmax(0, -vs_plan_results_value(results, index, VS_COLUMN_MARGIN)), cost_j = 0;
   for (size_t k = 0; k < s->n_ratings; k++) {
     double left = left_of(&s->ratings[k], results, index);
-    c->failed |= isnan(left); /* what is not known is not held: a run that ends before turn-off */
+    c->failed |= isnan(
+        left); /* a measure that is not known is not held, as in a run that ends before turn-off */
     over += fmax(0, (s->margin - left) / (1 - s->margin));
   }
   for (size_t d = 0; d < s->n_design; d++) {
@@ -227,7 +229,8 @@ static bool holds(const candidate *c) {
   return !c->failed && c->over == 0;
 }
 
-/* 0 to 1: it holds; from 1 on: it does not */
+/* What the search makes least. Below 1 the candidate holds, and its cost decides; from 1 on it does
+ * not, and what it is over decides. */
 static double merit(const candidate *c) {
   return c->failed ? NAN : c->over > 0 ? 1 + c->over : c->cost_j / (1 + c->cost_j);
 }
@@ -239,11 +242,11 @@ typedef struct hunt {
   const snubber *s;
   const vs_results *results;
   vs_search *search;
-  const double *points; /* of the present generation */
+  const double *points; /* the points of the present generation */
   candidate *candidate;
   size_t count;
-  uint64_t used;             /* of the results */
-  vs_generation *generation; /* NULL: nothing is asked for */
+  uint64_t used;             /* how many of the results were looked at */
+  vs_generation *generation; /* where new cases are asked for; NULL: none are */
 } hunt;
 
 _Static_assert((int)VS_PLAN_AXES <= (int)VS_SEARCH_AXES, "all axes of a plan can be searched");
@@ -257,7 +260,8 @@ static vs_search *begin(const vs_plan *plan, const snubber *s) {
   return vs_search_new(&setup);
 }
 
-/* sample: SIZE_MAX, the scene as it is; else which of its points */
+/* Asks for a case of candidate k. sample is the index of a point of the spread; UINT64_MAX: the
+ * scene is as it is. */
 static void add_case(const hunt *h, size_t k, uint64_t sample) {
   double value[VS_PLAN_AXES];
   for (size_t d = 0; d < h->plan->n_axes; d++)
@@ -269,7 +273,8 @@ static void add_case(const hunt *h, size_t k, uint64_t sample) {
   vs_plan_generation_add(h->generation, value);
 }
 
-/* Every candidate with the scene as it is. false: they are not run yet, and are asked for. */
+/* Judges every candidate with the scene as it is. false: these cases are not run yet, and are asked
+ * for. */
 static bool nominal_runs(hunt *h) {
   const bool known = h->used + h->count <= h->results->count;
   for (size_t k = 0; k < h->count; k++) {
@@ -283,7 +288,8 @@ static bool nominal_runs(hunt *h) {
   return known;
 }
 
-/* Those that held, over the spread. */
+/* Judges the candidates that held at all points of the spread. false: these cases are not run yet,
+ * and are asked for. */
 static bool spread_runs(hunt *h) {
   const uint64_t n = spreads(h->plan, h->s);
   uint64_t wanted = 0;
@@ -302,8 +308,8 @@ static bool spread_runs(hunt *h) {
   return known;
 }
 
-/* Goes through the results, generation by generation, and tells of each candidate; at their end
- * asks for the next cases. */
+/* Goes through the results, generation by generation, and calls each(ctx, candidate). At their end
+ * it asks for the next cases. */
 static void go(hunt *h, void (*each)(void *ctx, const candidate *), void *ctx) {
   bool known = true;
   h->search = begin(h->plan, h->s);

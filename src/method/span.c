@@ -17,7 +17,7 @@ static vs_status misread(const vs_axis *axis, const vs_node *node, vs_error *err
                     axis->key, node->text, unit);
 }
 
-/* Takes the last word off the text; NULL: there is none. */
+/* Takes the last word off the text and returns it; NULL: there is only one. */
 static char *last_word(char *text) {
   size_t length = strlen(text);
   while (length && text[length - 1] == ' ') text[--length] = '\0';
@@ -26,7 +26,8 @@ static char *last_word(char *text) {
   return word;
 }
 
-/* "within K sigma" off the end of the text; false: it ends in something like it. */
+/* Takes "within K sigma" off the end of the text, if it is there. false: the text ends in something
+ * like it that is wrong. */
 static bool take_cut(char *text, double *cut) {
   char *at = strstr(text, " within "), *end;
   *cut = 0;
@@ -48,7 +49,7 @@ static vs_status check_reach(const vs_axis *axis, const vs_node *node, double re
                     axis->key, node->text, axis->nominal, axis->unit, low, high, range);
 }
 
-/* A width of the axis, in its unit; per cent are of its nominal value. */
+/* Reads a width in the axis' unit; per cent are of its nominal value. */
 static vs_status read_width(const vs_axis *axis, const vs_node *node, const char *text,
                             double *width, vs_error *err) {
   char why[256];
@@ -109,7 +110,7 @@ double vs_span_between(const vs_axis *axis, double u) {
   if (span) return axis->nominal + span->reach * (2 * u - 1);
   if (!is_continuous(axis))
     return axis->value[(size_t)fmin(u * (double)axis->n_values, (double)(axis->n_values - 1))];
-  if (u <= 0) return axis->from; /* to the last digit */
+  if (u <= 0) return axis->from; /* exact at both ends */
   if (u >= 1) return axis->to;
   return axis->log ? axis->from * pow(axis->to / axis->from, u)
                    : axis->from + u * (axis->to - axis->from);

@@ -27,12 +27,12 @@
 enum { PER_AXIS = 100, MOST_CASES = 100000 };
 
 typedef struct worst {
-  int sense; /* 1: the least is wanted, -1: the largest */
+  int sense; /* 1: the least value is searched for; -1: the largest */
   int column;
   char measure[VS_JUDGED_NAME];
-  uint64_t n; /* 0: not said */
+  uint64_t n; /* 0: the study does not say */
   double finest;
-  vs_search *search; /* told of `done` results; NULL: it has not begun */
+  vs_search *search; /* it has been told of `done` results; NULL: it has not begun */
   uint64_t done;
 } worst;
 
@@ -104,8 +104,9 @@ static vs_search *begin(const vs_plan *plan, const vs_plan_stage *stage) {
   return vs_search_new(&setup);
 }
 
-/* Tells the search of the results from `done` on, generation by generation; gives how many of them
- * it then knows. phases: NULL, or a list of what its phases were and the case each began with. */
+/* Tells the search of the results from `done` on, generation by generation, and returns how many of
+ * them it then knows. phases: a list to which the search's phases are added, with the case each
+ * began with; NULL: none is wanted. */
 static uint64_t replay(vs_search *search, const worst *w, const vs_results *results, uint64_t done,
                        vs_json *phases) {
   const char *phase = "";
@@ -132,7 +133,8 @@ static vs_status worst_next(const vs_plan *plan, const vs_plan_stage *stage,
   (void)err;
   worst *w = stage->state;
   size_t count;
-  if (!w->search || results->count < w->done) { /* from the first on; else where it stands */
+  if (!w->search ||
+      results->count < w->done) { /* begins anew; otherwise it goes on where it stands */
     vs_search_free(w->search);
     w->search = begin(plan, stage);
     w->done = 0;
@@ -148,7 +150,7 @@ static vs_status worst_next(const vs_plan *plan, const vs_plan_stage *stage,
   return VS_OK;
 }
 
-/* The case whose value is the worst of all; UINT64_MAX: none has one. */
+/* Returns the case whose value is the worst of all; UINT64_MAX: no case has a value. */
 static uint64_t find_best(const worst *w, const vs_results *results) {
   uint64_t best = UINT64_MAX;
   double value = NAN;

@@ -19,7 +19,7 @@ enum { N_CHARTS = sizeof CHARTS / sizeof *CHARTS };
 static const vs_chart *find_chart(const char *name) {
   size_t k = 0;
   while (k < N_CHARTS && strcmp(CHARTS[k]->name, name)) k++;
-  assert(k < N_CHARTS); /* a method names a kind of picture that there is none of */
+  assert(k < N_CHARTS); /* fails where a method names a picture that is not in the table */
   return CHARTS[k];
 }
 
@@ -27,7 +27,8 @@ static bool fits(const vs_chart *chart, const vs_sketch *k) {
   return !chart->fits || chart->fits(k);
 }
 
-/* The first that fits of those the last method names that names any. */
+/* Returns the kind of picture for every column: the first that fits of those that the last method
+ * names. */
 static const vs_chart *every_column(const vs_sketch *k) {
   static const char *const UNKNOWN[] = {"curve", "map", "cases", NULL};
   const char *const *names = UNKNOWN;
@@ -67,7 +68,7 @@ static vs_status add(const vs_sketch *k, const vs_chart *chart, size_t column, v
   return status;
 }
 
-/* All of the list that fit; *shown: one of them shows the column. */
+/* Draws all pictures of the list that fit; sets *shown where one of them shows the column. */
 static vs_status add_list(const vs_sketch *k, const char *const *names, size_t column, bool *shown,
                           vs_album *album, vs_error *err) {
   vs_status status = VS_OK;
@@ -80,7 +81,7 @@ static vs_status add_list(const vs_sketch *k, const char *const *names, size_t c
   return status;
 }
 
-/* Columns that hold something: the one the cases are judged by first. */
+/* Lists the columns that hold a number, first the one by which cases are judged. */
 static size_t list_columns(const vs_sketch *k, size_t *column) {
   bool largest;
   size_t n = 0, aim = vs_folder_aim(k->t, &largest);
@@ -93,7 +94,7 @@ static size_t list_columns(const vs_sketch *k, size_t *column) {
   return n;
 }
 
-/* The axes of which there is more than one value. */
+/* Lists the axes that have more than one value. */
 static void list_axes(vs_sketch *k) {
   for (size_t c = 0; c < k->t->count; c++)
     if (k->t->column[c].role == VS_ROLE_AXIS &&

@@ -12,7 +12,7 @@ enum { FAMILY = 7 /* lines at most */, MOST_POINTS = 2000, FEW_POINTS = 100 };
 
 /* ---- curves ---- */
 
-/* The rows of one word of another axis, taken out of the rest. */
+/* Sorts the rows into lines, one for each word of an axis. */
 typedef struct picker {
   const vs_sketch *k;
   size_t x, y, words; /* columns */
@@ -175,14 +175,17 @@ const vs_chart vs_charts_path = {.name = "path", .draw = draw_path};
 
 /* ---- points in colour ---- */
 
-enum { CLOUD_CELLS = 100 }; /* along each axis; of the points in one the worst is drawn */
+enum {
+  CLOUD_CELLS = 100
+}; /* cells along each axis; of the points in a cell only the worst is drawn */
 
 typedef struct cloud {
   const vs_sketch *k;
   size_t column[3];
   double factor[3], least[2], step[2];
   bool margin;
-  double (*point)[3]; /* [CLOUD_CELLS][CLOUD_CELLS]; NAN: none there */
+  double (
+      *point)[3]; /* [CLOUD_CELLS * CLOUD_CELLS]: x, y and the column's value; NaN: there is none */
 } cloud;
 
 static vs_status add_point(void *ctx, const vs_folder_row *row, vs_error *err) {

@@ -11,7 +11,7 @@
 typedef struct candidate {
   long number; /* the case's */
   bool holds;
-  double x, y; /* as shown; NAN: not read yet */
+  double x, y; /* as shown; NaN: not read yet */
 } candidate;
 
 typedef struct region {
@@ -36,7 +36,8 @@ static const vs_node *candidates_of(const vs_folder *t) {
   return vs_tree_child(vs_folder_search(t), "candidates");
 }
 
-/* false: the manifest names no candidates, or there are not two axes to draw them over. */
+/* Reads the candidates that the manifest names. false: it names none, or there are not two axes to
+ * draw them over. */
 static bool find_candidates(region *r) {
   const vs_folder *t = r->k->t;
   const vs_node *list = candidates_of(t);
@@ -70,7 +71,7 @@ static vs_status place(void *ctx, const vs_folder_row *row, vs_error *err) {
   return VS_OK;
 }
 
-/* Those that hold, or do not, or the one that was found; how they are drawn. */
+/* Draws the candidates of one kind, by its index in the tables below. */
 static void add_points(const region *r, int kind, bool *any, vs_picture *p) {
   static const char *const NAMES[] = {"fails", "holds", "found"};
   static const char *const STYLES[] = {"pt 2 ps 0.9 lw 1.6", "pt 7 ps 1", "pt 6 ps 2.4 lw 2.4"};
@@ -96,7 +97,7 @@ static void add_points(const region *r, int kind, bool *any, vs_picture *p) {
   vs_text_free(&points);
 }
 
-/* All that was tried, and a little room. */
+/* Sets the axis' range to all that was tried, with a little room. */
 static void add_range(const vs_sketch *k, size_t column, char axis, vs_text *script) {
   const vs_profile *f = &k->s->profile[column];
   const vs_scale scale = vs_sketch_scale(k, column);

@@ -15,12 +15,12 @@ static double between(double a, double b, double part, bool is_log) {
   return is_log ? a * pow(b / a, part) : a + part * (b - a);
 }
 
-/* The corners of a cell, in turn about it. */
+/* A corner of a cell. */
 typedef struct corner {
   double x, y, z;
 } corner;
 
-/* Where the level is met between two corners; false: nowhere. */
+/* Finds where the level is met between two corners; false: nowhere. */
 static bool crossing(const vs_field_grid *g, const corner *a, const corner *b, double level,
                      double at[2]) {
   if ((a->z < level) == (b->z < level)) return false;
@@ -47,7 +47,7 @@ void vs_map_contour(const vs_field_grid *g, double level,
         if (met && !n) first = k;
         n += met;
       }
-      /* a saddle: its middle says which corners belong together */
+      /* at a saddle the middle says which corners belong together */
       bool turn = n == 4 && first == 0 &&
                   (c[0].z < level) == ((c[0].z + c[1].z + c[2].z + c[3].z) / 4 < level);
       if (n == 2) each(ctx, at[0], at[1]);
@@ -62,7 +62,7 @@ void vs_map_contour(const vs_field_grid *g, double level,
 
 /* An axis cut into at most MOST_CELLS cells. */
 typedef struct map_side {
-  size_t column, cells, each; /* values to a cell */
+  size_t column, cells, each; /* of each: how many values of the axis share a cell */
   const vs_profile *profile;
   vs_scale scale;
   double middle[MOST_CELLS], edge[MOST_CELLS + 1]; /* as shown */
@@ -110,7 +110,7 @@ static vs_status fill_cell(void *ctx, const vs_folder_row *row, vs_error *err) {
   return VS_OK;
 }
 
-/* The two axes of most values, in the order of the columns. */
+/* Chooses the two axes that have most values; they stand in the order of the columns. */
 static void choose_sides(const vs_sketch *k, size_t side[2]) {
   side[0] = side[1] = 0;
   for (int n = 0; n < 2; n++) {
@@ -157,7 +157,7 @@ static vs_status make_map(map *m, const vs_sketch *k, size_t column, vs_error *e
 
 /* ---- the picture ---- */
 
-/* Each cell reaches a little into the next ones, which cover that: no seams between them. */
+/* Each cell reaches a little into the next ones, which are drawn over it, so that no seams show. */
 static void add_cells(const map *m, vs_text *script) {
   vs_text_add(script, "$cells << EOD\n");
   for (size_t j = 0; j < m->y.cells; j++)
@@ -181,7 +181,7 @@ static void add_piece(void *ctx, const double from[2], const double to[2]) {
   vs_text_add(ctx, "%.7g %.7g\n%.7g %.7g\n\n", from[0], from[1], to[0], to[1]);
 }
 
-/* false: the limit is met nowhere. */
+/* Draws the line on which the limit is met; false: it is met nowhere. */
 static bool add_contour(const map *m, double level, vs_text *script) {
   const vs_field_grid grid = {m->x.cells, m->y.cells,     m->x.middle,   m->y.middle,
                               m->z,       m->x.scale.log, m->y.scale.log};
@@ -193,7 +193,7 @@ static bool add_contour(const map *m, double level, vs_text *script) {
   return any;
 }
 
-enum { MOST_EVEN = 30 }; /* from there on colours go with the logarithm */
+enum { MOST_EVEN = 30 }; /* values this many times apart get colours by their logarithm */
 
 static void add_colours(const map *m, vs_picture *p) {
   double least = INFINITY, largest = -INFINITY;
@@ -215,7 +215,7 @@ static void add_colours(const map *m, vs_picture *p) {
                           "screen 0.79\nset cbtics nomirror in\n");
 }
 
-/* Of more axes than two: what a cell is of the cases it stands for. */
+/* Where there are more than two axes, says in the caption which of its cases a cell shows. */
 static void add_title(const map *m, vs_picture *p) {
   const vs_sketch *k = m->k;
   vs_text what = {0};

@@ -128,10 +128,10 @@ void vs_sketch_begin(const vs_sketch *k, size_t x, size_t y, vs_picture *p) {
   vs_sketch_axis(k, x, 'x', &p->script);
 }
 
-/* A line across the picture at the limit, and what it is. */
+/* Draws a line across the picture at the limit, and says what it is. */
 static void add_limit(const vs_sketch *k, size_t column, char axis, double limit, vs_picture *p) {
   vs_text *script = &p->script, label = {0};
-  const double height = p->labels_above ? 2.8 : 0.5; /* lines */
+  const double height = p->labels_above ? 2.8 : 0.5; /* of text lines */
   if (axis == 'x')
     vs_text_add(script, "set arrow from first %.9g, graph 0 to first %.9g, graph 1", limit, limit);
   else
@@ -148,9 +148,10 @@ static void add_limit(const vs_sketch *k, size_t column, char axis, double limit
   vs_text_add(script, " tc rgb '%s' front\n", vs_scale_colour_bad);
 }
 
-enum { LOW_MARGIN = -150 }; /* %; far below that nobody looks for how far */
+enum { LOW_MARGIN = -150 }; /* %; what lies far below needs no exact place */
 
-/* Where a few margins are far below 0, those about 0 would not be seen. */
+/* Cuts the picture off at LOW_MARGIN where some margins lie below and others well above, so that
+ * those about 0 can be seen. */
 static double cut_low(const vs_sketch *k, size_t column, double least, double largest,
                       vs_picture *p) {
   if (k->t->column[column].role != VS_ROLE_MARGIN || least >= LOW_MARGIN ||

@@ -23,7 +23,8 @@ static int rising(const void *a, const void *b) {
   return (one > other) - (one < other);
 }
 
-/* Freedman and Diaconis' width, for 8 to 60 bins. */
+/* Returns the bins' width by Freedman and Diaconis' rule (1981), 2 IQR / n^(1/3), but for 8 to 60
+ * bins. */
 static double bin_width(const double *v, size_t n) {
   double span = v[n - 1] - v[0];
   if (span <= 1e-10 * fabs(v[0])) return v[0] != 0 ? 0.05 * fabs(v[0]) : 1;
@@ -130,7 +131,7 @@ static vs_status choose(void *ctx, const vs_folder_row *row, vs_error *err) {
   return VS_OK;
 }
 
-/* Which end of its range each axis is at: "+−+". */
+/* Says at which end of its range each axis is: "+−+". */
 static void add_corner(const vs_sketch *k, char **cell, vs_text *label) {
   vs_text_add(label, "case %s  ", cell[0]);
   for (size_t a = 0; a < k->n_axes; a++) {
@@ -302,7 +303,7 @@ static vs_status add_effect(void *ctx, const vs_folder_row *row, vs_error *err) 
   return VS_OK;
 }
 
-/* One or two axes and nothing random: then other pictures show all there is. */
+/* With one or two axes and nothing random, other pictures show all there is. */
 static bool fits_effect(const vs_sketch *k) {
   return k->n_axes > 2 || vs_folder_is_sampled(k->t);
 }

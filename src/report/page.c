@@ -35,7 +35,7 @@ static const char *manifest_text(const vs_folder *t, const char *key) {
 /* ---- the verdict ---- */
 
 void vs_page_wilson(double good, double n, double *least, double *largest) {
-  const double z = 1.959963984540054; /* of the normal distribution, 2.5 % beyond it */
+  const double z = 1.959963984540054; /* the normal distribution's quantile with 2.5 % beyond it */
   double p = good / n, middle = p + z * z / (2 * n);
   double half = z * sqrt(p * (1 - p) / n + z * z / (4 * n * n));
   *least = (middle - half) / (1 + z * z / n);
@@ -82,8 +82,8 @@ static void add_failures(vs_text *html, const vs_folder *t, const vs_survey *s) 
   vs_text_add(html, "</table>\n");
 }
 
-/* Where among the axes a case lies: "circuit.r1 = 330 Ω, circuit.c1 = 47 nF"; ranged: only among
- * those that have a range, not those with a spread. */
+/* Says where a case lies: "circuit.r1 = 330 Ω, circuit.c1 = 47 nF". With `ranged` only axes that
+ * have a range are named, not those with a spread. */
 static void add_place(vs_text *html, const vs_folder *t, char *const *cell, bool ranged) {
   size_t n = 0;
   for (size_t c = 0; c < t->count; c++) {
@@ -104,7 +104,8 @@ static void add_place(vs_text *html, const vs_folder *t, char *const *cell, bool
   }
 }
 
-/* What a search came upon that judges a case by more than one measure. */
+/* Says what a search has found that judges a case by more than one measure; false: there was no
+ * such search. */
 static bool add_best(vs_text *html, const vs_folder *t, const vs_survey *s) {
   if (!t->search || t->search->report.aim || !vs_folder_search(t)) return false;
   if (!s->found.cell) {
@@ -118,7 +119,7 @@ static bool add_best(vs_text *html, const vs_folder *t, const vs_survey *s) {
   return true;
 }
 
-/* The largest or least value that a search came upon. */
+/* Says which largest or least value a search has found; false: there was no such search. */
 static bool add_found(vs_text *html, const vs_folder *t, const vs_survey *s) {
   bool largest;
   size_t aim = vs_folder_aim(t, &largest);
@@ -131,7 +132,7 @@ static bool add_found(vs_text *html, const vs_folder *t, const vs_survey *s) {
   return true;
 }
 
-/* A case that failed is not known to hold. */
+/* Says the yield. A case that failed counts as not holding, as it is not known to hold. */
 static void add_yield(vs_text *html, const vs_folder *t, const vs_survey *s) {
   double least, largest;
   const long all = s->judged + t->failed;
@@ -163,7 +164,7 @@ static void add_count(vs_text *html, long count, const char *of_what) {
   vs_text_add(html, ".</p>\n");
 }
 
-/* What stands between the numbers and a verdict. */
+/* Says what makes the verdict less than sure. */
 static void add_doubts(vs_text *html, const vs_survey *s) {
   vs_text undecided = {0};
   vs_text_add(&undecided, "undecided: the sign of a margin is within its numerical error");

@@ -35,7 +35,7 @@ static vs_status draw(const vs_picture *p, bool svg, drawing *d, vs_error *err) 
   return status;
 }
 
-/* A file that is ready to appear. */
+/* Writes a file, which does not appear yet. */
 static vs_status prepare(vs_file *file, const char *folder, const char *name, const drawing *d,
                          vs_error *err) {
   vs_status status = vs_file_open(file, folder, name, err);
@@ -63,7 +63,7 @@ static vs_status write_one(const report *r, const vs_plot_options *o, vs_error *
   return status;
 }
 
-/* The pictures, then the page that has them all. */
+/* Draws all pictures, makes the page, and then lets all files appear. */
 static vs_status write_all(const report *r, const vs_plot_options *o, vs_error *err) {
   size_t n = r->album.count;
   vs_file *files = vs_alloc(n + 1, sizeof *files);

@@ -7,7 +7,7 @@
 
 enum { MOST_ITEMS = 24 };
 
-/* What a manifest's node says, on one line. */
+/* Adds what a node of the manifest says, on one line. */
 static void add_node(vs_text *html, const vs_node *node) {
   if (node->kind == VS_NODE_TEXT) {
     vs_html_text(html, node->text);
@@ -55,7 +55,7 @@ void vs_tables_cases(vs_text *html, const vs_folder *t, const vs_survey *s) {
   vs_text_add(html, "</table></div>\n</section>\n");
 }
 
-/* Of an axis, what the table says elsewhere. */
+/* True if the table says that of an axis in a column of its own. */
 static bool is_said(const char *key) {
   static const char *const SAID[] = {"key", "unit", "column", "text"};
   for (size_t k = 0; k < sizeof SAID / sizeof *SAID; k++)

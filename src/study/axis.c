@@ -14,11 +14,11 @@ enum { MOST_KEYS = 512, MOST_VALUES = 10000000 };
 
 /* ---- scene keys ---- */
 
-/* A key there is, with where its value stands in the base scene. */
+/* A scene's key, and where its value is in that scene. */
 typedef struct scene_key {
   char name[VS_KEY_SIZE], section[VS_KEY_SIZE];
   const vs_field *field;
-  const void *value; /* NULL: it has none there */
+  const void *value; /* NULL: the scene has no value */
 } scene_key;
 
 typedef struct key_list {
@@ -179,7 +179,7 @@ static vs_status list_values(vs_axis *axis, const vs_node *list, vs_error *err) 
   return status;
 }
 
-/* Both ends of the range, in the order given. */
+/* Reads both ends of the range, in the order given. */
 static vs_status read_ends(vs_axis *axis, const vs_node *from, const vs_node *to, vs_error *err) {
   vs_status status = vs_axis_number(axis, from, &axis->from, err);
   if (!status) status = vs_axis_number(axis, to, &axis->to, err);
@@ -211,8 +211,8 @@ static vs_status whole_values(const vs_axis *axis, const vs_node *node, vs_error
   return VS_OK;
 }
 
-/* {from: A, to: B, step: C}: A, A + C, ... up to B, which need not be met. Without a step a range
- * is a continuum, but of whole numbers it is all of them. */
+/* Reads {from: A, to: B, step: C}, which is A, A + C, ... up to B; B itself need not be met.
+ * Without a step a range is a continuum; one of whole numbers is all of them. */
 static vs_status stepped(vs_axis *axis, const vs_node *map, vs_error *err) {
   const vs_node *from = vs_tree_child(map, "from"), *to = vs_tree_child(map, "to"),
                 *step = vs_tree_child(map, "step");
@@ -241,7 +241,7 @@ static vs_status stepped(vs_axis *axis, const vs_node *map, vs_error *err) {
   return whole_values(axis, map, err);
 }
 
-/* {log: [A, B], n: N}, {lin: [A, B], n: N} */
+/* Reads {log: [A, B], n: N} or {lin: [A, B], n: N}. */
 static vs_status spaced(vs_axis *axis, const vs_node *map, const vs_node *ends, vs_error *err) {
   uint64_t n = 0;
   const vs_node *a = ends->kind == VS_NODE_LIST ? ends->child : NULL;
@@ -294,7 +294,8 @@ vs_status vs_axis_whole(const vs_node *map, const char *key, uint64_t least, uin
 
 /* ---- print-out ---- */
 
-/* A count's word, where it has one for 0 ("once"), or a word's. */
+/* Returns the word that the number stands for: an axis of words has one for each, a count may have
+ * one for 0 ("once"). NULL: it is a number. */
 static const char *word_of(const vs_axis *axis, double number) {
   if (axis->is_word) return axis->word[(size_t)number];
   return axis->field->kind == VS_COUNT && axis->field->choices && number == 0 ? axis->field->choices
@@ -309,7 +310,7 @@ void vs_axis_print(const vs_axis *axis, double number, char *text, size_t size) 
     snprintf(text, size, "%.12g", number);
 }
 
-/* As text that the scene reads ("330 ohm"). */
+/* Writes the number as text that the scene reads ("330 ohm"). */
 static void print_with_unit(const vs_axis *axis, double number, char *text, size_t size) {
   const char *word = word_of(axis, number);
   if (word)

@@ -24,19 +24,19 @@ enum { HEAD = 2 }; /* columns before the axes: case, id */
 typedef struct which {
   uint64_t index;
   const double *point;
-  char id[VS_ID_SIZE]; /* empty: its scene is not read, or refused */
+  char id[VS_ID_SIZE]; /* empty while the scene is not read, and where it is refused */
 } which;
 
 struct vs_case {
   const vs_plan *plan;
   const char *keep;
   vs_scene *scene;
-  bool begun; /* the scene's tree is there */
+  bool begun; /* the scene's tree has been read */
   vs_identity *identity;
   which present;
   bool circuit;               /* the last case used ngspice */
   int shown[VS_PLAN_COLUMNS]; /* where each column was found the last time */
-  vs_result *result;          /* large, so not on the stack */
+  vs_result *result;          /* too large for the stack */
 };
 
 vs_case *vs_case_new(const vs_plan *plan, const char *keep) {
@@ -59,7 +59,8 @@ void vs_case_free(vs_case *c) {
 
 /* ---- rows ---- */
 
-/* The name of an event, which its user gives, may hold anything. */
+/* Columns are written as cells, because an event's name, which its user gives, may hold anything.
+ */
 static void begin_header(const vs_plan *plan, vs_text *row) {
   vs_text_add(row, "case,id");
   for (size_t k = 0; k < plan->n_axes; k++) {
@@ -113,7 +114,8 @@ static void add_number(vs_text *row, double value) {
   vs_text_add(row, ",%s", isfinite(value) ? text : "");
 }
 
-/* Column k in this case; a deck of other devices may have it elsewhere or not at all. */
+/* Returns the case's value in column k. A deck with other devices may have the measure elsewhere or
+ * not at all. */
 static vs_value find_value(vs_case *c, size_t k) {
   const char *name = c->plan->columns[k].name;
   const vs_frame *frame = &c->result->scene->frame;
@@ -127,7 +129,7 @@ static vs_value find_value(vs_case *c, size_t k) {
   return (vs_value){0};
 }
 
-/* Texts side by side in one cell. */
+/* Adds a warning to the one cell that holds all. */
 static void add_warning(void *ctx, const char *text) {
   vs_text *all = ctx;
   vs_text_add(all, "%s%s", all->length ? " | " : "", text);
@@ -158,7 +160,7 @@ static void add_row(vs_case *c, vs_text *row) {
 
 typedef struct keeper {
   const vs_case *c;
-  vs_file csv; /* closed where nothing is kept */
+  vs_file csv; /* closed where no run.csv is stored */
   vs_table table;
 } keeper;
 
@@ -206,7 +208,7 @@ static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
   return status;
 }
 
-/* The case's keys over the scene's. */
+/* Reads the scene with the case's keys put over it. */
 static vs_status read_scene(vs_case *c, vs_error *err) {
   const vs_plan *plan = c->plan;
   bool again = c->begun;
@@ -221,7 +223,7 @@ static vs_status read_scene(vs_case *c, vs_error *err) {
   return again ? vs_scene_again(c->scene, err) : vs_scene_settle(c->scene, NULL, err);
 }
 
-/* The scene of a case that is begun, and its id. */
+/* Begins a case: reads its scene and makes its id. */
 static vs_status begin(vs_case *c, uint64_t index, const double *point, vs_error *err) {
   c->present = (which){.index = index, .point = point};
   vs_status status = read_scene(c, err);
@@ -242,7 +244,7 @@ int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, b
     vs_result_free(c->result);
   }
   if (!status) return breach ? VS_CASE_VIOLATED : VS_CASE_DONE;
-  row->length = begun; /* what a row that was not stored has added */
+  row->length = begun; /* a row whose run.csv could not be stored is taken back */
   add_failure(c, err.text + err.place_size, row);
   return VS_CASE_FAILED;
 }

@@ -8,16 +8,17 @@
 #include "base/json.h"
 #include "scene/sections.h"
 
-/* The sum of a section whose values are these. */
+/* A section's values and their sum. */
 typedef struct kept {
-  void *values; /* a copy; NULL: none yet */
+  void *values; /* a copy; NULL: there is none yet */
   char sum[VS_ID_SIZE];
 } kept;
 
 struct vs_identity {
   const vs_plan *plan;
   kept kept[VS_SECTIONS];
-  vs_text section, whole; /* of a section; of its sections' sums and what else there is */
+  vs_text section; /* the text of a section */
+  vs_text whole;   /* the text of all sections' sums and of all else */
 };
 
 vs_identity *vs_identity_new(const vs_plan *plan) {
@@ -49,8 +50,8 @@ static bool is_among(const char *key, const char *const *keys) {
   return false;
 }
 
-/* A key is known by its place: those of a section come in its table's order, a deck's in the order
- * of the file, whose contents are there. There is but one zero. */
+/* Adds a value without its key, which is known by its place: a section's keys come in its table's
+ * order, a deck's in the order of its file, whose contents are in the sum. -0 counts as 0. */
 static void add_value(const vs_field *field, const void *values, vs_text *text) {
   const char *member = (const char *)values + field->offset;
   const size_t n = field->kind == VS_REAL ? 1 : field->kind == VS_PAIR ? 2 : 0;
@@ -66,7 +67,7 @@ static void add_value(const vs_field *field, const void *values, vs_text *text) 
   vs_text_add(text, "\n");
 }
 
-/* Files by their contents: their names are the scene's own affair. */
+/* Adds files by their contents; a file may be renamed without another id. */
 static vs_status add_files(const vs_plan *plan, const vs_deck *deck, vs_text *text) {
   vs_error none = {0};
   vs_status status = VS_OK;
@@ -87,13 +88,14 @@ static vs_status add_files(const vs_plan *plan, const vs_deck *deck, vs_text *te
 
 static vs_status add_section(const vs_plan *plan, const vs_filled_section *section,
                              const vs_deck *deck, vs_text *text) {
-  static const char *const OUT[] = {"tier", "sample", "verify", NULL}; /* of run */
+  static const char *const OUT[] = {"tier", "sample", "verify", NULL}; /* keys of run */
   const bool run = section->section == &vs_setup_run_section,
              circuit = section->section == &deck->section;
   for (size_t k = 0; k < section->section->count; k++) {
     const vs_field *field = &section->section->fields[k];
     if (run && is_among(field->key, OUT)) continue;
-    if (circuit && field->kind == VS_NAME) continue; /* deck and parts */
+    if (circuit && field->kind == VS_NAME)
+      continue; /* these are the deck and its parts, which are known by their files */
     add_value(field, section->values, text);
   }
   return circuit ? add_files(plan, deck, text) : VS_OK;

@@ -11,20 +11,20 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* libngspice leaks about a kilobyte a run: a worker is replaced after so many. */
+/* libngspice leaks about a kilobyte a run, so a worker is replaced after this many. */
 enum { MOST_CIRCUITS = 500 };
-/* What a worker is given in advance, as time; it must outlast a pause of this process' (a write
- * that waits for the disk). */
+/* How much work a worker is given in advance, as time. It must outlast a pause of this process,
+ * such as a write that waits for the disk. */
 static const double AHEAD_S = 0.1;
-/* How often a case may end a worker that runs nothing else: a worker may also be ended from
- * outside. */
+/* How often a case may end a worker that runs nothing else. Once is not enough to blame the case,
+ * as a worker may also be ended from outside. */
 enum { MOST_TRIES = 2 };
 
 struct vs_jobs {
   vs_jobs_options o;
   vs_worker *workers;
   struct pollfd *polls;
-  vs_task tasks[VS_WORKER_QUEUE]; /* chosen for one worker */
+  vs_task tasks[VS_WORKER_QUEUE]; /* those just chosen for one worker */
   vs_task *again;                 /* cases of workers that died, to be run alone */
   size_t n_again, room;
   const vs_dealer *dealer;
@@ -75,8 +75,8 @@ static vs_status give_up(vs_jobs *j, const vs_task *task, const char *why, vs_er
   return status;
 }
 
-/* The worker is gone. What it had is run again, but for a case that was alone with it often enough.
- * slow: it was, and so it was ended. */
+/* Replaces a worker that is gone, or, with `slow`, that is to end because it took too long. The
+ * cases it had are run again, except one that was alone with it often enough: that has failed. */
 static vs_status bury(vs_jobs *j, vs_worker *w, bool slow, vs_error *err) {
   char why[128];
   int how = vs_worker_kill(w);
@@ -108,12 +108,12 @@ static size_t wanted_ahead(const vs_worker *w) {
   return n > VS_WORKER_QUEUE ? VS_WORKER_QUEUE : (size_t)n;
 }
 
-/* How many tasks for the worker; 0: it has enough, or there are none. */
+/* Chooses tasks for the worker and returns how many; 0: it has enough, or there are none. */
 static size_t choose(vs_jobs *j, const vs_worker *w, bool *alone) {
   size_t n = 0, most = wanted_ahead(w);
   *alone = j->n_again > 0;
   if (w->queued && (*alone || w->alone || w->circuits >= MOST_CIRCUITS || 2 * w->queued > most))
-    return 0; /* it shall be empty first, or has enough */
+    return 0; /* it has enough, or must be empty before it gets what comes */
   if (*alone) {
     j->tasks[n++] = j->again[--j->n_again];
     return n;
@@ -128,7 +128,8 @@ static size_t choose(vs_jobs *j, const vs_worker *w, bool *alone) {
   return n;
 }
 
-/* Fills the worker's queue up, if it is half empty. A case that comes again goes alone. */
+/* Fills the worker's queue up if it is half empty. A case that is run again gets a worker of its
+ * own. */
 static vs_status deal(vs_jobs *j, vs_worker *w, vs_error *err) {
   bool alone;
   size_t n = choose(j, w, &alone);
@@ -139,7 +140,7 @@ static vs_status deal(vs_jobs *j, vs_worker *w, vs_error *err) {
     if (status) return status;
   }
   w->alone = alone;
-  vs_worker_send(w, j->o.plan, j->tasks, n); /* one that is gone is seen by its pipe */
+  vs_worker_send(w, j->o.plan, j->tasks, n); /* if the worker is gone, its pipe will tell */
   return VS_OK;
 }
 
@@ -198,7 +199,8 @@ static vs_status hear_all(vs_jobs *j, vs_error *err) {
 }
 
 vs_status vs_jobs_run(vs_jobs *j, const vs_dealer *dealer, vs_error *err) {
-  void (*before)(int) = signal(SIGPIPE, SIG_IGN); /* a worker may be gone */
+  void (*before)(int) =
+      signal(SIGPIPE, SIG_IGN); /* writing to a worker that is gone must not end this process */
   j->dealer = dealer;
   j->dealt = false;
   vs_status status = VS_OK;

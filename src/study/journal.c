@@ -22,7 +22,7 @@ static const char MAGIC[] = "vibrospice journal 1";
 
 /* ---- the head ---- */
 
-/* Its texts, in the order of their lines. */
+/* The head's texts, in the order of their lines. */
 static const struct {
   const char *name;
   size_t offset;
@@ -46,7 +46,7 @@ void vs_journal_head_free(vs_journal_head *head) {
   *head = (vs_journal_head){0};
 }
 
-/* A line; the text's own line ends are written as \n. */
+/* Adds a line of the journal; the text's own line ends are written as \n. */
 static void add_line(vs_text *to, char kind, const char *text, size_t length) {
   vs_text line = {0};
   vs_text_add(&line, "%c ", kind);
@@ -75,7 +75,7 @@ static void add_head(vs_text *to, const vs_journal_head *head) {
   vs_text_free(&line);
 }
 
-/* Takes "\n" back to line ends, in place. */
+/* Turns "\n" back into line ends, in place. */
 static char *unfold(const char *text) {
   char *copy = vs_copy(text), *out = copy;
   for (const char *s = copy; *s; s++)
@@ -88,7 +88,7 @@ static char *unfold(const char *text) {
   return copy;
 }
 
-/* A count in digits and nothing else, up to `most`. */
+/* Reads a count that is digits and nothing else, up to `most`. */
 static bool read_count(const char **at, char end, uint64_t most, uint64_t *count) {
   size_t n = strspn(*at, "0123456789");
   *count = strtoull(*at, NULL, 10);
@@ -97,7 +97,8 @@ static bool read_count(const char **at, char end, uint64_t most, uint64_t *count
   return true;
 }
 
-/* Those that no study has are not taken: the head then lacks them. */
+/* Reads the line of counts. Counts that no study has are not taken, and the head then lacks them.
+ */
 static bool read_counts(vs_journal_head *head, const char *text) {
   vs_journal_head h;
   if (!read_count(&text, ' ', VS_PLAN_CASES, &h.cases) ||
@@ -110,7 +111,7 @@ static bool read_counts(vs_journal_head *head, const char *text) {
   return true;
 }
 
-/* false: it is none of the head's. What is there already is not taken again. */
+/* Takes a line of the head; false: it is none. What the head has already is not taken again. */
 static bool read_head_line(vs_journal *j, const char *text, uint64_t at) {
   static const char COUNTS[] = "counts=";
   vs_journal_head *head = &j->head;
@@ -150,7 +151,7 @@ bool vs_journal_exists(const char *folder) {
   return !access(j.path, F_OK);
 }
 
-/* Which of its own cases it is. */
+/* Returns the index of a case among the shard's own. */
 static uint64_t own(const vs_journal *j, uint64_t index) {
   return index / j->head.shards;
 }
@@ -168,14 +169,14 @@ static void make_room(vs_journal *j, uint64_t cases) {
   j->room = room;
 }
 
-/* For a study of this process' own, whose count is its plan's. */
+/* Makes room for all cases of a study that this process begins, whose count comes from its plan. */
 static void reserve(vs_journal *j) {
   const vs_journal_head *h = &j->head;
   if (h->cases) make_room(j, (h->cases + h->shards - h->shard) / h->shards);
 }
 
-/* Tries it for a moment: a worker that was just forked has it too, and outlives its master by so
- * long. */
+/* Tries for a moment, as a worker that was just forked holds the lock, too, and may outlive its
+ * killed parent by so long. */
 static vs_status held(const vs_journal *j, bool (*try)(const vs_journal *), vs_error *err) {
   const struct timespec pause = {.tv_nsec = 20000000};
   for (int k = 0; k < 10 && !try(j); k++) {
@@ -200,7 +201,7 @@ static vs_status lock(vs_journal *j, vs_error *err) {
   return held(j, try_file, err);
 }
 
-/* Of two processes that begin in one folder, neither of which has a journal yet, one may. */
+/* Locks the folder, so that of two processes that begin a study in it only one goes on. */
 static vs_status lock_folder(vs_journal *j, const char *folder, vs_error *err) {
   j->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   return j->folder < 0 ? VS_OK : held(j, try_folder, err);
@@ -233,10 +234,10 @@ static bool is_violated(const char *row, size_t length) {
   return length > 2 && row[length - 1] == '3' && row[length - 2] == ',';
 }
 
-/* Cases may be done out of their order by as many as all workers have at a time (VS_WORKER_QUEUE
- * each, of whom there are 4096 at most); and a line of one takes more bytes than this. What lies
- * farther ahead than the rows before it account for, no study wrote: so much memory is for so long
- * a file. */
+/* False where a study cannot have written that case at byte `at`, so that no memory is taken for
+ * it. Cases may be done out of order by as many as all workers have at a time (VS_WORKER_QUEUE
+ * each, of at most 4096 workers); the others have their lines before it, which are longer than
+ * SHORTEST_LINE. */
 static bool is_in_reach(const vs_journal *j, uint64_t index, uint64_t at) {
   enum { AHEAD = 4096 * 256, SHORTEST_LINE = 12 };
   return own(j, index) <= at / SHORTEST_LINE + AHEAD;
@@ -318,7 +319,7 @@ static vs_status take_line(vs_journal *j, const entry *e, vs_error *err) {
   return VS_OK;
 }
 
-/* Reads all lines; gives where the last whole one ends. */
+/* Reads all lines; *end is where the last whole one ends. */
 static vs_status read_lines(vs_journal *j, uint64_t *whole, vs_error *err) {
   int copy = dup(j->fd);
   FILE *f = copy < 0 ? NULL : fdopen(copy, "r");
@@ -353,7 +354,9 @@ vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error
   j->fd = open(j->path, (mend ? O_RDWR | O_NOFOLLOW : O_RDONLY) | O_CLOEXEC);
   if (j->fd < 0)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", j->path, strerror(errno));
-  if (mend) status = lock(j, err); /* before it is read: whoever had it may have added to it */
+  if (mend)
+    status =
+        lock(j, err); /* locked before it is read, as whoever had the lock may have added lines */
   if (!status) status = read_lines(j, &j->end, err);
   if (!status && j->two_heads)
     status =

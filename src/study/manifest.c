@@ -14,8 +14,9 @@
 
 enum { MOST_VALUES_SHOWN = 1000 };
 
-/* The plan and all it is made of, by content: paths may differ from machine to machine. columns:
- * the header of study.csv, as rows of another make do not go with them. */
+/* Returns a SHA-256 over the plan and all it is made of. Files enter by their contents, as their
+ * paths may differ from machine to machine. The header of study.csv (columns) enters, too, as rows
+ * of another layout cannot be added. */
 static char *identify(const vs_plan *plan, const char *columns) {
   vs_hash hash;
   vs_text text = {0};
@@ -42,7 +43,7 @@ static void add_begin(const vs_plan *plan, const char *name, vs_text *text) {
   vs_json_whole(&json, "seed", (int64_t)plan->seed);
 }
 
-/* A number as study.csv has it; or a word. */
+/* Adds a number as study.csv has it, or a word. */
 static void add_number(const vs_axis *axis, const char *key, double number, vs_json *json) {
   char text[VS_NAME_SIZE];
   vs_axis_print(axis, number, text, sizeof text);

@@ -63,7 +63,7 @@ static vs_status take_folder(shards *all, const char *folder, vs_error *err) {
   return vs_journal_open(&all->item[all->count++], folder, false, err);
 }
 
-/* A folder of a shard, or one that holds such folders. */
+/* Opens the journal in the folder, or else those in the folders it holds. */
 static vs_status take_folders(shards *all, const char *folder, vs_error *err) {
   struct dirent **entries;
   char path[2 * VS_PATH_SIZE];
@@ -86,7 +86,7 @@ static int by_shard(const void *a, const void *b) {
   return x->head.shard < y->head.shard ? -1 : x->head.shard > y->head.shard;
 }
 
-/* The first case of the shard's own that has no row; cases: none. */
+/* Returns the first of the shard's cases that has no row; head.cases: all have one. */
 static uint64_t first_gap(const vs_journal *j) {
   uint64_t k = j->head.shard - 1;
   while (k < j->head.cases && vs_journal_has(j, k)) k += j->head.shards;
@@ -155,14 +155,14 @@ static vs_status write_merged(const shards *all, const char *folder, bool other,
              : VS_OK;
 }
 
-/* Does the manifest there say what these shards' does, but for the counts? */
+/* True if the manifest says what these shards' does, except for the counts. */
 static bool is_of(const char *manifest, const vs_journal_head *head) {
   size_t n = strlen(head->manifest_begin);
   return !strncmp(manifest, head->manifest_begin, n) &&
          strstr(manifest + n, head->manifest_end) != NULL;
 }
 
-/* Another study's result is not replaced unasked; that of these shards is what merge is for. */
+/* Error: the folder holds another study's result. A result of these same shards may be replaced. */
 static vs_status check_free(const char *folder, const vs_journal_head *head, vs_error *err) {
   char path[VS_PATH_SIZE + 16], *manifest = NULL;
   size_t size = 0;

@@ -29,7 +29,8 @@ vs_status vs_plan_find(const vs_plan *plan, const vs_node *name, char path[VS_PA
   return vs_path_find(&FILES, name->text, name->where, path, err);
 }
 
-/* scene: a path, also from the study's folder, or the name of one that comes with the program. */
+/* Reads `scene`: a path, which may start from the study's folder, or the name of a scene that comes
+ * with the program. */
 static vs_status name_scene(vs_plan *plan, vs_error *err) {
   const vs_node *node = vs_tree_child(plan->tree.root, "scene");
   snprintf(plan->scene_name, sizeof plan->scene_name, "paper");
@@ -66,7 +67,7 @@ static const vs_axis *find_axis(const vs_plan *plan, const char *key) {
   return NULL;
 }
 
-/* A --set of the same key would say nothing. */
+/* Returns the --set of the same key, which would have no effect; NULL: there is none. */
 static const char *set_of(const vs_plan *plan, const char *key) {
   size_t n = strlen(key);
   for (size_t k = 0; k < plan->n_sets; k++)
@@ -99,7 +100,8 @@ int vs_plan_column(vs_plan *plan, const char *measure, vs_where where) {
   if (!strcmp(measure, "margin_least")) return VS_COLUMN_MARGIN;
   for (size_t k = 0; k < plan->n_columns; k++)
     if (!strcmp(plan->columns[k].name, measure)) return (int)k;
-  if (plan->n_columns >= VS_PLAN_COLUMNS) return VS_COLUMN_MARGIN; /* read_report refuses so many */
+  if (plan->n_columns >= VS_PLAN_COLUMNS)
+    return VS_COLUMN_MARGIN; /* read_report refuses a study with so many */
   vs_report_column *column = &plan->columns[plan->n_columns];
   *column = (vs_report_column){.rating = NAN, .where = where};
   snprintf(column->name, sizeof column->name, "%s", measure);
@@ -147,7 +149,7 @@ static vs_status unknown_measure(const vs_report_column *column, const vs_frame 
   return VS_INPUT;
 }
 
-/* Gives columns their units, as that scene on that tier has them. */
+/* Gives the columns the units and ratings that the scene has on that tier. */
 static vs_status resolve_columns(vs_plan *plan, const vs_scene *scene, const vs_tier *tier,
                                  vs_error *err) {
   const vs_frame frame = tier->frame(&scene->setup);
@@ -191,8 +193,8 @@ void vs_plan_generation_add(vs_generation *g, const double *point) {
 
 /* ---- methods ---- */
 
-/* The keys a study may have: its own, and those that methods stand under. The list is the
- * caller's. */
+/* Returns the keys a study may have: its own, and those that methods stand under. The list is the
+ * caller's to free(). */
 static const char **study_keys(const vs_method *const *methods, size_t *count) {
   static const char *const OWN[] = {"scene", "set", "report"};
   enum { N_OWN = sizeof OWN / sizeof *OWN };
@@ -225,7 +227,8 @@ static bool is_of_study(const vs_plan *plan, const char *set) {
 static vs_status read_stage(vs_plan *plan, const vs_node *section, vs_error *err) {
   const vs_method *method = vs_method_claiming(plan->methods, section, err);
   if (!method) return VS_INPUT;
-  assert((method->point == NULL) == (method->next != NULL)); /* it searches, or it does not */
+  assert((method->point == NULL) ==
+         (method->next != NULL)); /* a method either searches or has points */
   vs_plan_stage *stage = &plan->stages[plan->n_stages++];
   *stage = (vs_plan_stage){.method = method, .axis = plan->n_axes};
   vs_status status = method->read(plan, section, &stage->state, err);
@@ -248,7 +251,8 @@ static vs_status nothing_varied(const vs_plan *plan, const char *const *keys, si
   return status;
 }
 
-/* In the order of the table, whatever the file's: of two, the first runs slower. */
+/* Reads the methods' sections in the order of the table, whatever the order of the file. Of two
+ * methods the first one's index runs slower. */
 static vs_status read_stages(vs_plan *plan, vs_error *err) {
   vs_status status = VS_OK;
   const char **keys = vs_alloc(vs_method_count(plan->methods), sizeof *keys);
@@ -318,7 +322,7 @@ static void first_point(const vs_plan *plan, double *point) {
   for (size_t k = 0; k < plan->n_axes; k++) point[k] = some_value(&plan->axes[k]);
 }
 
-/* The scene of that point, settled, and its deck's files as inputs. */
+/* Settles the scene of that point, and adds its deck's files to the inputs. */
 static vs_status try_point(vs_plan *plan, const double *point, vs_scene *scene, vs_error *err) {
   vs_status status = vs_plan_scene(plan, scene, err);
   if (status) return status;
@@ -330,7 +334,7 @@ static vs_status try_point(vs_plan *plan, const double *point, vs_scene *scene, 
   return status;
 }
 
-/* Each name an axis lists is tried once, as it may be a file that is not there. */
+/* Tries each name that an axis lists once, as it may be a file that is not there. */
 static vs_status try_names(vs_plan *plan, double *point, vs_error *err) {
   vs_status status = VS_OK;
   vs_scene *scene = vs_alloc(1, sizeof *scene);
@@ -348,8 +352,8 @@ static vs_status try_names(vs_plan *plan, double *point, vs_error *err) {
   return status;
 }
 
-/* The point of the first case, of so many, in which the axis has that number; false: there is
- * none. */
+/* Finds the first case in which the axis has that number, among the first MOST, and writes its
+ * point; false: there is none. */
 static bool case_with(const vs_plan *plan, size_t axis, double number, double *point) {
   enum { MOST = 100000 };
   for (uint64_t k = 0; k < plan->count && k < MOST; k++) {
@@ -359,8 +363,8 @@ static bool case_with(const vs_plan *plan, size_t axis, double number, double *p
   return false;
 }
 
-/* Where the tier itself is an axis, a case of each is tried: a scene may be bad input for one of
- * them alone, with keys of the circuit that it would ignore. */
+/* Where the tier is an axis, a case of each tier is tried: a scene may be bad input for one tier
+ * alone, which would ignore its keys of the circuit. */
 static vs_status try_tiers(vs_plan *plan, const double *first, vs_error *err) {
   vs_status status = VS_OK;
   double point[VS_PLAN_AXES];
@@ -415,12 +419,13 @@ static vs_status read_base(vs_plan *plan, vs_error *err) {
   return status ? status : vs_scene_settle(plan->base, NULL, err);
 }
 
-/* Where a check has found errors in the scene, its keys may be known all the same. */
+/* True if the scene's keys are known. In a check they may be, though errors were found in the
+ * scene. */
 static bool has_sections(const vs_scene *scene) {
   return scene && scene->setup.deck.n_files && !scene->setup.deck.lost;
 }
 
-/* Errors: a key that no study has. */
+/* Error: the file has a key that no study has. */
 static vs_status check_keys(const vs_plan *plan, vs_error *err) {
   size_t n;
   const char **keys = study_keys(plan->methods, &n);
@@ -439,7 +444,8 @@ vs_status vs_plan_read(const char *name, const vs_method *const *methods, char *
       status = vs_error_carry_on(err, vs_tree_set(&plan->tree, sets[k], err));
   if (!status) status = check_keys(plan, err);
   if (!status) status = vs_error_carry_on(err, read_base(plan, err));
-  if (status || !has_sections(plan->base)) return status; /* axes are keys of that scene */
+  if (status || !has_sections(plan->base))
+    return status; /* without the scene's keys no axis can be read */
   status = read_stages(plan, err);
   if (!status) status = read_report(plan, err);
   if (status) return status;

@@ -29,14 +29,15 @@ typedef struct session {
   vs_journal journal;
   vs_jobs *jobs;
   char folder[VS_PATH_SIZE], keep[VS_PATH_SIZE + 8];
-  char own[N_RESULTS + 1][VS_PATH_SIZE + 16]; /* without -o: what stands in the folder */
-  int made;                                   /* folders, for the output */
-  uint64_t next, until; /* cases to deal; of an adaptive plan the present generation's */
-  uint64_t total;       /* own cases, for the progress */
-  uint64_t before;      /* done when it began */
+  char own[N_RESULTS + 1][VS_PATH_SIZE + 16]; /* without -o: the files in the folder, and their
+                                                 journal, to be removed */
+  int made;                                   /* how many folders were made for the output */
+  uint64_t next, until; /* cases to deal; of a search those of the present generation */
+  uint64_t total;       /* cases of this shard, for the progress */
+  uint64_t before;      /* how many were done when this process began */
   double began_s, shown_s;
-  bool show;               /* progress on a terminal */
-  double *points, *values; /* of an adaptive plan: all so far, as vs_results has them */
+  bool show;               /* progress is shown on a terminal */
+  double *points, *values; /* of a search: those of all cases so far, as vs_results has them */
   int *status;
   uint64_t room;
 } session;
@@ -90,7 +91,7 @@ static void show_progress(const session *s, double now) {
             (unsigned long long)s->total, (unsigned long long)s->journal.failed, rate, left);
 }
 
-/* Once a second. What is said to be done is on the disk. */
+/* Shows the progress once a second; what it says is done is on the disk by then. */
 static vs_status beat(void *ctx, vs_error *err) {
   session *s = ctx;
   double now = vs_worker_clock();
@@ -113,7 +114,7 @@ static vs_status run_cases(session *s, uint64_t first, uint64_t until, vs_error 
   return status ? status : kept;
 }
 
-/* Makes room for so many cases and takes their points. */
+/* Makes room for the generation's cases behind the first `count` and takes their points. */
 static void take_generation(session *s, uint64_t count, const vs_generation *g) {
   size_t axes = s->plan.n_axes, width = 1 + s->plan.n_columns;
   uint64_t need = count + g->count;
@@ -127,7 +128,8 @@ static void take_generation(session *s, uint64_t count, const vs_generation *g) 
   memcpy(s->points + count * axes, g->points, g->count * axes * sizeof *s->points);
 }
 
-/* The values of one case, from its row: what a study that goes on has too. */
+/* Takes the values of one case from its row, not from the run, so that a study that goes on has the
+ * same. */
 static vs_status take_values(session *s, uint64_t index, vs_error *err) {
   const size_t width = 1 + s->plan.n_columns;
   double *value = s->values + index * width;
@@ -141,7 +143,7 @@ static vs_status take_values(session *s, uint64_t index, vs_error *err) {
   return status;
 }
 
-/* Generation after generation, as the method asks for them by the results so far. */
+/* Runs generation after generation, as the method asks for them by the results so far. */
 static vs_status run_adaptive(session *s, uint64_t *count, vs_error *err) {
   const vs_plan_stage *stage = s->plan.adaptive;
   vs_status status = VS_OK;
@@ -172,7 +174,7 @@ static void remove_result(const char *folder) {
   }
 }
 
-/* One of its files; NULL: it holds none. */
+/* Returns the name of a result that the folder holds; NULL: it holds none. */
 static const char *find_result(const char *folder) {
   char path[VS_PATH_SIZE + 16];
   struct stat s;
@@ -183,7 +185,8 @@ static const char *find_result(const char *folder) {
   return NULL;
 }
 
-/* What a study left here, hours of work perhaps, is not thrown away unasked. */
+/* Error: the folder holds a study's result, which may be hours of work and is not thrown away
+ * unasked. */
 static vs_status check_free(const session *s, bool journal, vs_error *err) {
   const char *result = find_result(s->folder);
   if (s->o->overwrite || (!journal && !result)) return VS_OK;
@@ -252,7 +255,8 @@ static vs_status open_journal(session *s, vs_error *err) {
   return status;
 }
 
-/* Without -o a folder of its own that goes when it has been shown, or when a signal ends this. */
+/* Without -o, makes a folder of this process' own. It is removed when its result has been shown, or
+ * when a signal ends the process. */
 static vs_status make_own_folder(session *s, vs_error *err) {
   const char *temporary = getenv("TMPDIR");
   sigset_t before;
@@ -319,7 +323,7 @@ static vs_status write_result(session *s, uint64_t cases, vs_error *err) {
 static void say_result(const session *s) {
   char method[128];
   const vs_journal *j = &s->journal;
-  if (!s->o->folder) { /* quiet or not: it stands nowhere else */
+  if (!s->o->folder) { /* even with --quiet, as the result is nowhere else */
     show_file(s, "study.csv", true, stdout);
     if (!s->o->quiet) show_file(s, "failures.csv", false, stderr);
     return;
@@ -362,7 +366,7 @@ static vs_status run_session(session *s, vs_error *err) {
                                    s->o->timeout_s, s->o->stop};
   s->jobs = vs_jobs_new(&options);
   vs_heed heed = vs_leave_heed_set(VS_HEED_KEEP);
-  void (*before)(int) = signal(SIGPIPE, SIG_IGN); /* who reads the progress may be gone */
+  void (*before)(int) = signal(SIGPIPE, SIG_IGN); /* whoever reads the progress may be gone */
   vs_status status =
       s->plan.adaptive ? run_adaptive(s, &cases, err) : run_cases(s, head->shard - 1, cases, err);
   vs_jobs_free(s->jobs);

@@ -20,7 +20,8 @@ double vs_worker_clock(void) {
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* Both ends are the same program, so that structs go as they are. */
+/* Precedes each row in the pipe. Both ends are the same program, so the struct is sent as it is in
+ * memory. */
 typedef struct answer_head {
   uint64_t index, length;
   int32_t status, circuit;
@@ -28,7 +29,7 @@ typedef struct answer_head {
 
 /* ---- the child ---- */
 
-/* Answers wait this long for more, so that quick cases cost one write for many. */
+/* An answer waits this long for others, so that many quick cases cost one write. */
 static const double PATIENCE_S = 0.01;
 
 static bool read_all(int fd, void *to, size_t size) {
@@ -57,7 +58,7 @@ typedef struct outbox {
   int fd;
   char *bytes;
   size_t size, room;
-  double since_s; /* the oldest of them */
+  double since_s; /* when the oldest of the bytes was posted */
 } outbox;
 
 static void post(outbox *o, const void *bytes, size_t size) {
@@ -72,7 +73,7 @@ static void post(outbox *o, const void *bytes, size_t size) {
 }
 
 static void deliver(outbox *o) {
-  if (!write_all(o->fd, o->bytes, o->size)) _exit(0); /* nobody hears it any more */
+  if (!write_all(o->fd, o->bytes, o->size)) _exit(0); /* the parent is gone */
   o->size = 0;
 }
 
@@ -97,14 +98,15 @@ static _Noreturn void work(const vs_plan *plan, const char *keep, int in, int ou
       post(&box, row.text, row.length);
       if (vs_ng_usable()) continue;
       deliver(&box);
-      _exit(0); /* what else it was sent another one does */
+      _exit(0); /* another worker runs what is left in the queue */
     }
     deliver(&box);
   }
-  _exit(0); /* without what the parent's exit would flush or remove */
+  _exit(0); /* exit() would flush and remove what is the parent's */
 }
 
-/* Signals are the parent's to heed; a crash shall be quiet; and nobody outlives the parent. */
+/* Sets the child up: it leaves signals to the parent, dumps no core when it crashes, and dies with
+ * the parent. */
 static void settle_in(pid_t parent, int in, int out) {
   const struct rlimit none = {0, 0};
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -116,7 +118,8 @@ static void settle_in(pid_t parent, int in, int out) {
   signal(SIGPIPE, SIG_DFL);
   setrlimit(RLIMIT_CORE, &none);
   int low = in < out ? in : out, high = in < out ? out : in;
-  if (low > 3) close_range(3, (unsigned)low - 1, 0); /* the journal, the other workers' pipes */
+  if (low > 3)
+    close_range(3, (unsigned)low - 1, 0); /* closes the journal and the other workers' pipes */
   if (high > low + 1) close_range((unsigned)low + 1, (unsigned)high - 1, 0);
   close_range((unsigned)high + 1, ~0u, 0);
 }
@@ -142,7 +145,7 @@ vs_status vs_worker_start(vs_worker *w, const vs_plan *plan, const char *keep, v
     close(there[1]), close(back[0]);
     return vs_fail(err, VS_RUN, "no worker process: %s", strerror(why));
   }
-  setpgid(pid, pid); /* whoever of the two is first */
+  setpgid(pid, pid); /* both processes do this, and either may be first */
   fcntl(back[0], F_SETFL, O_NONBLOCK);
   w->pid = pid;
   w->to = there[1];
@@ -207,7 +210,7 @@ bool vs_worker_take(vs_worker *w, vs_answer *answer) {
 int vs_worker_kill(vs_worker *w) {
   int how = 0;
   if (!w->pid) return 0;
-  kill(-w->pid, SIGKILL); /* its group: a circuit's trial is a child of its own */
+  kill(-w->pid, SIGKILL); /* the whole group, as a worker may have a child that tries a circuit */
   kill(w->pid, SIGKILL);
   while (waitpid(w->pid, &how, 0) < 0 && errno == EINTR) {
   }

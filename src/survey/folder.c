@@ -35,7 +35,8 @@ bool vs_folder_number(const char *cell, double *value) {
 
 /* ---- rows of CSV ---- */
 
-/* Takes the case's number, which must be larger than *before. cells: as many as each row has. */
+/* Makes a row of the file's present one. Its case must come after *before, and it must have as many
+ * cells as `cells`. */
 static vs_status take_row(const vs_csv *csv, size_t cells, vs_folder_row *row, long *before,
                           vs_error *err) {
   const vs_where at = {csv->file, csv->line, 1};
@@ -54,7 +55,7 @@ static vs_status take_row(const vs_csv *csv, size_t cells, vs_folder_row *row, l
   return VS_OK;
 }
 
-/* All rows behind the header. */
+/* Calls visit for all rows behind the header, and frees the reader. */
 static vs_status each(vs_csv *csv, size_t cells, vs_folder_visit visit, void *ctx, vs_error *err) {
   long before = -1;
   vs_folder_row row;
@@ -80,7 +81,7 @@ vs_status vs_folder_each(const vs_folder *t, vs_folder_visit visit, void *ctx, v
 vs_status vs_folder_each_failure(const vs_folder *t, vs_folder_visit visit, void *ctx,
                                  vs_error *err) {
   char path[VS_PATH_SIZE];
-  size_t cells = 3; /* case, status, why; and the id and the axes */
+  size_t cells = 3; /* case, status and why; the id and the axes come on top */
   for (size_t c = 0; c < t->count; c++)
     cells += t->column[c].role == VS_ROLE_AXIS || t->column[c].role == VS_ROLE_ID;
   snprintf(path, sizeof path, "%.*s/failures.csv", VS_PATH_SIZE - 32, t->folder);
@@ -113,7 +114,7 @@ static vs_status take_count(const vs_folder *t, const char *key, long *count, vs
   return wanted(t, node, what, err);
 }
 
-/* Its name in study.csv where the manifest does not say: name_unit. */
+/* Returns a column's title in study.csv where the manifest does not say it: name_unit. */
 static char *title_of(const char *name, const char *unit) {
   char suffix[64];
   vs_text title = {0};
@@ -138,10 +139,11 @@ static void describe(vs_folder_column *c, const vs_node *node, const char *name,
   c->unit = vs_copy(unit);
   c->text = vs_copy(text ? text : "");
   c->node = node;
-  if (!rating || !vs_folder_number(rating, &c->rating)) c->rating = NAN; /* "null" */
+  if (!rating || !vs_folder_number(rating, &c->rating))
+    c->rating = NAN; /* the manifest says null */
 }
 
-/* Gives the columns of study.csv what the manifest says of them. */
+/* Notes what a list of the manifest says of the columns of study.csv. */
 static vs_status take_list(vs_folder *t, const char *list, const char *key, vs_folder_role role,
                            vs_error *err) {
   const vs_node *all = vs_tree_child(t->manifest.root, list);
@@ -178,7 +180,7 @@ static vs_status read_manifest(vs_folder *t, vs_error *err) {
   return status;
 }
 
-/* Those the manifest names, "grid x sobol", as far as this program has them. */
+/* Finds the methods that the manifest names ("grid x sobol"), as far as this program has them. */
 static void find_methods(vs_folder *t, const vs_method *const *methods) {
   static const char AND[] = " x ";
   size_t names = 1;
@@ -260,7 +262,8 @@ static vs_status read_header(vs_folder *t, vs_error *err) {
   return status;
 }
 
-/* Columns that the manifest does not speak of are a mistake: they are of another study. */
+/* Error: study.csv has a column that the manifest does not name; the two are of different studies.
+ */
 static vs_status check_columns(const vs_folder *t, vs_error *err) {
   for (size_t c = 0; c < t->count; c++)
     if (t->column[c].role == VS_ROLE_REPORT && !t->column[c].node)

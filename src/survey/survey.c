@@ -53,7 +53,7 @@ void vs_survey_kept_free(vs_kept *kept, size_t count, size_t cells) {
 
 /* ---- what a column holds ---- */
 
-/* Where value stands, or would stand, among those that rise. */
+/* Returns where value stands, or would stand, among the rising ones. */
 static size_t place_of(const vs_profile *p, double value) {
   size_t low = 0, high = p->count;
   while (low < high) {
@@ -91,7 +91,7 @@ static void note_word(vs_profile *p, const char *word) {
   p->word[p->count++] = vs_copy(word);
 }
 
-/* Numbers it held so far become words: "1, 2, once". */
+/* Turns the numbers so far into words, as a column may hold "1, 2, once". */
 static void turn_to_words(vs_profile *p) {
   char text[32];
   size_t n = p->count;
@@ -128,7 +128,7 @@ vs_extent vs_survey_extent(const vs_profile *p) {
   return (vs_extent){p->least, p->largest, p->many ? NULL : p->value, p->count};
 }
 
-/* Is it a name, and no number to be counted? */
+/* True if the column holds names rather than numbers. */
 static bool is_name(const vs_folder_column *column) {
   return column->role == VS_ROLE_ID || column->role == VS_ROLE_WEAKEST ||
          column->role == VS_ROLE_WARNINGS;
@@ -163,13 +163,13 @@ static vs_status note_cell(const reader *r, size_t c, const vs_folder_row *row, 
   }
   if (isnan(value)) return VS_OK;
   p->known++;
-  p->least = fmin(p->least, value); /* NAN at first */
+  p->least = fmin(p->least, value); /* fmin and fmax pass over the NaN that it is at first */
   p->largest = fmax(p->largest, value);
   if (axis) note_value(p, value);
   return VS_OK;
 }
 
-/* How the case ended, and how sure that is. */
+/* Counts how the case ended, and how sure that is. */
 static void note_verdict(vs_survey *s, const vs_folder *t, const vs_folder_row *row,
                          double margin) {
   double error = NAN, rung = 0;
