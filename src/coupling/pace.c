@@ -28,7 +28,7 @@ static bool has_blows(const vs_setup *s) {
   double least_p_m = 0;
   const vs_observer observer = {&least_p_m, note_depth};
   vs_error err = {0};
-  vs_status status = vs_switched_tier.run(s, &observer, &err);
+  vs_status status = vs_switched_tier.run(s, NULL, &observer, &err);
   return status || least_p_m < -0.8 * s->model.actuator.gap_m;
 }
 

@@ -1,25 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * How long a step of the circuit tier may be while the voltage across the coil swings, faster than
+ * How long a step of the circuit tier may be while the voltage across the coil swings faster than
  * the mains do. */
 #ifndef VS_COUPLING_SWING_H
 #define VS_COUPLING_SWING_H
 
 #include "sim/sim.h"
 
+/* Begins as vs_swing_of makes it. */
 typedef struct vs_swing {
-  double part;                 /* of the largest flux linkage that it may be put wrong by */
-  double period_s;             /* of the mains */
-  double flux_wb;              /* the largest so far, at first what the first firing may bring */
+  double share;    /* error of lambda that the swing may make, relative to flux_wb */
+  double period_s; /* of the mains */
+  double flux_wb;  /* largest flux linkage so far; at first what the first firing may bring */
   double slope_v_s, bend_v_s2; /* sizes of the first two derivatives of v = dlambda/dt of late */
+  double before_s;             /* length of the last step; 0: there was none */
 } vs_swing;
 
 vs_swing vs_swing_of(const vs_setup *setup);
 
-/* Takes in the solver's step between two knots, each with flux_rate2_v_s of the step that ends
- * there. before_s: the length of the step before; 0: there was none. */
-void vs_swing_take(vs_swing *swing, const vs_knot *from, const vs_knot *to, double before_s);
+/* Takes in the solver's step between two knots. The flux_rate2_v_s of each is the mean over the
+ * step that ends there. */
+void vs_swing_take(vs_swing *swing, const vs_knot *from, const vs_knot *to);
 
-/* Longest step from the last knot on, s; INFINITY: as long as one likes. */
+/* Returns the longest step, s, that may be taken from the last knot on; INFINITY: any. */
 double vs_swing_longest(const vs_swing *swing);
 
 #endif

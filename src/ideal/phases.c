@@ -412,13 +412,6 @@ static double next_firing(const phases *p, double t_s) {
                       : vs_gate_next_conduction(line, t_s);
 }
 
-static double first_jam(const vs_events *events) {
-  double first = INFINITY;
-  for (size_t k = 0; k < events->count; k++)
-    if (events->item[k].kind->jams) first = fmin(first, events->item[k].start_s);
-  return first;
-}
-
 vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_observer *observer,
                         vs_error *err) {
   const vs_model *m = &setup->model;
@@ -428,7 +421,7 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
   phases p = {.setup = setup, .observer = observer, .rough = fmin(ROUGH * tolerance, ROUGHEST)};
   p.negligible = 1e-3 * p.rough;
   p.disturbed = setup->timeline.events.count > 0;
-  p.jams_s = first_jam(&setup->timeline.events);
+  p.jams_s = vs_setup_jams(setup);
   p.driven = (vs_driven){.frame = frame};
   p.knots[0] = vs_sim_start(setup, frame);
   p.driven.touching = vs_mechanics_in_stop(m, p.knots[0].x[P]);

@@ -46,9 +46,11 @@ static const double MAY_TOUCH = 1.1;
  * degree seven between two knots (sim/step.h) then leave far less than any tolerance. */
 static const double STEP_RAD = 0.15;
 
-struct vs_quiet {
+typedef struct quiet {
   const vs_setup *setup;
   const vs_frame *frame;
+  vs_memories memories; /* what the circuit remembers */
+  bool blocks;          /* the thyristor, at the last knot */
   vs_record record;
   vs_modal modal;
   vs_oneport *port;
@@ -57,18 +59,21 @@ struct vs_quiet {
   double bound_before[2];               /* of the last look, by law; INFINITY: there was none */
   double carried[VS_STATES], carried_s; /* each mode's error of having left before; as of then */
   double unfitted[VS_SIGNALS];          /* each signal's misfit of the law that it was left by */
-  double stepped[VS_SIGNALS];           /* the signals where vs_quiet_step has come */
-};
+  double stepped[VS_SIGNALS];           /* the signals where step() has come */
+} quiet;
 
-void vs_quiet_restart(vs_quiet *q) {
+static void restart(void *self) {
+  quiet *q = self;
   vs_record_clear(&q->record);
   q->bound_before[0] = q->bound_before[1] = INFINITY;
 }
 
-void vs_quiet_take(vs_quiet *q, const vs_knot *k, const double *memory, bool blocks) {
+static void take(void *self, const vs_knot *k, const double *memory, bool blocks) {
+  quiet *q = self;
   vs_record_take(&q->record, k, memory, blocks);
+  q->blocks = blocks;
   if (blocks) return;
-  vs_quiet_restart(q);
+  restart(q);
   q->looked_s = q->blocks_s = k->t_s;
 }
 
@@ -80,14 +85,14 @@ typedef struct misfit {
   double mode[VS_STATES]; /* largest share of each mode in the error of q, as vs_mode's shape */
 } misfit;
 
-static double electric_bound(const vs_quiet *q, const misfit *wrong) {
+static double electric_bound(const quiet *q, const misfit *wrong) {
   return SAFETY *
          fmax(wrong->force_n / q->record.peak_force_n, wrong->current_a / q->record.peak_a);
 }
 
 /* Runs the law beside the solver over the cycle in view. Returns false, and ends there, where force
  * or current are wrong by more than `most` of their peaks. */
-static bool compare(vs_quiet *q, double most, misfit *wrong) {
+static bool compare(quiet *q, double most, misfit *wrong) {
   const vs_model *m = &q->setup->model;
   const vs_record *r = &q->record;
   double y[VS_ONEPORT_STATES];
@@ -109,7 +114,7 @@ static bool compare(vs_quiet *q, double most, misfit *wrong) {
   return true;
 }
 
-static void compare_signals(const vs_quiet *q, misfit *wrong) {
+static void compare_signals(const quiet *q, misfit *wrong) {
   double signal[VS_SIGNALS];
   for (size_t k = 0; k < q->record.n_seen; k++) {
     const vs_seen *seen = q->record.seen[k];
@@ -142,7 +147,7 @@ typedef struct range {
 
 /* Sets the range of signal n over the cycle in view, or of the EVA behind the last one: half of how
  * far it went more at either end, for the beat. A signal that drifts has no limits. */
-static void see_range_of(const vs_quiet *q, size_t n, range *out) {
+static void see_range_of(const quiet *q, size_t n, range *out) {
   const vs_record *r = &q->record;
   bool of_eva = n == vs_record_signals(r);
   double least = INFINITY, most = -INFINITY;
@@ -158,11 +163,11 @@ static void see_range_of(const vs_quiet *q, size_t n, range *out) {
   out->most[n] = drifts ? INFINITY : most + slack;
 }
 
-static void see_range(const vs_quiet *q, range *out) {
+static void see_range(const quiet *q, range *out) {
   for (size_t n = 0; n <= vs_record_signals(&q->record); n++) see_range_of(q, n, out);
 }
 
-static bool in_range(const vs_quiet *q, const range *r, double t_s, const vs_coil *c) {
+static bool in_range(const quiet *q, const range *r, double t_s, const vs_coil *c) {
   double signal[VS_SIGNALS];
   size_t count = vs_record_signals(&q->record);
   vs_oneport_signals(q->port, t_s, c, signal);
@@ -173,7 +178,7 @@ static bool in_range(const vs_quiet *q, const range *r, double t_s, const vs_coi
 
 /* Follows the law from the last knot on, but not beyond the end. Returns false where it leaves the
  * range that was seen. */
-static bool look_ahead(vs_quiet *q, double until_s, outlook *o) {
+static bool look_ahead(quiet *q, double until_s, outlook *o) {
   double y[VS_ONEPORT_STATES], t = q->record.last.knot.t_s, now = 0;
   double h = q->setup->timeline.period_s / STEPS_AHEAD;
   for (size_t k = 0; k < q->record.n_seen; k++)
@@ -214,8 +219,8 @@ static double times_added(const outlook *o, const vs_mode *m, double cycles, dou
 
 /* Each mode's error until_s: what it still has of having left before, and what it takes in a cycle,
  * added up in the same sense. Without `ahead` it is added once; w may be NULL too. */
-static void mode_errors(const vs_quiet *q, const misfit *wrong, const vs_walk *w,
-                        const outlook *ahead, double until_s, double error[VS_STATES]) {
+static void mode_errors(const quiet *q, const misfit *wrong, const vs_walk *w, const outlook *ahead,
+                        double until_s, double error[VS_STATES]) {
   double period = q->setup->timeline.period_s, now = q->record.last.knot.t_s;
   for (size_t k = 0; k < VS_STATES; k++) {
     const vs_mode *m = &q->modal.mode[k];
@@ -227,7 +232,7 @@ static void mode_errors(const vs_quiet *q, const misfit *wrong, const vs_walk *w
 }
 
 /* Largest part of its peak by which p, u, w or phi is wrong with these errors. */
-static double motion_bound(const vs_quiet *q, const double error[VS_STATES]) {
+static double motion_bound(const quiet *q, const double error[VS_STATES]) {
   double worst = 0;
   for (int n = 0; n < VS_DOF; n++) {
     double sum = 0;
@@ -238,7 +243,7 @@ static double motion_bound(const vs_quiet *q, const double error[VS_STATES]) {
   return worst;
 }
 
-static bool in_a_store(const vs_quiet *q, size_t term) {
+static bool in_a_store(const quiet *q, size_t term) {
   const vs_accounts *stores = &q->frame->deck->stores;
   for (size_t k = 0; k < stores->count; k++)
     if (vs_formula_uses(&stores->item[k].formula, (int)term)) return true;
@@ -246,7 +251,7 @@ static bool in_a_store(const vs_quiet *q, size_t term) {
 }
 
 /* Does signal n do as it did, to the end? An integral that only shows may drift on. */
-static bool signal_holds(const vs_quiet *q, size_t n, double misfit_now, double until_s) {
+static bool signal_holds(const quiet *q, size_t n, double misfit_now, double until_s) {
   const vs_record *r = &q->record;
   size_t terms = vs_record_terms(r);
   double most = vs_record_allowed(r, n), misfit_most = most;
@@ -260,7 +265,7 @@ static bool signal_holds(const vs_quiet *q, size_t n, double misfit_now, double 
   return misfit_now <= misfit_most && drift <= times * most;
 }
 
-static bool signals_hold(const vs_quiet *q, const misfit *wrong, double until_s) {
+static bool signals_hold(const quiet *q, const misfit *wrong, double until_s) {
   for (size_t n = 0; n < vs_record_signals(&q->record); n++)
     if (!signal_holds(q, n, wrong->signal[n], until_s)) return false;
   return true;
@@ -270,7 +275,7 @@ static bool signals_hold(const vs_quiet *q, const misfit *wrong, double until_s)
 
 /* Fits the law to the last cycle, compares it there, and looks ahead. Returns false where the law
  * is not to be gone by. What costs most, the signals and the look ahead, comes last. */
-static bool find_law(vs_quiet *q, bool dynamic, double until_s, misfit *wrong, outlook *ahead) {
+static bool find_law(quiet *q, bool dynamic, double until_s, misfit *wrong, outlook *ahead) {
   vs_record *r = &q->record;
   double most = SHARE * q->setup->run.tolerance, error[VS_STATES];
   if (!vs_record_view(r, 1, 0) || !vs_oneport_fit(q->port, r->seen, r->n_seen, dynamic))
@@ -287,7 +292,7 @@ static bool find_law(vs_quiet *q, bool dynamic, double until_s, misfit *wrong, o
 
 /* The bound on p, u, w, phi, force and i if the law walks on like that, and each mode's error
  * until_s. Returns INFINITY where it is more than leaving may cost. */
-static double machine_bound(const vs_quiet *q, const misfit *wrong, const vs_walk *w,
+static double machine_bound(const quiet *q, const misfit *wrong, const vs_walk *w,
                             const outlook *ahead, double until_s, double error[VS_STATES]) {
   double cycles = (until_s - q->record.last.knot.t_s) / q->setup->timeline.period_s;
   mode_errors(q, wrong, w, ahead, until_s, error);
@@ -299,7 +304,7 @@ static double machine_bound(const vs_quiet *q, const misfit *wrong, const vs_wal
 
 /* The bound with that law, and each mode's error until_s; INFINITY: it is not to be gone by. The
  * smallest of the bounds by the walks from each earlier cycle counts: one is enough to hold by. */
-static double bound_of(vs_quiet *q, bool dynamic, double until_s, double error[VS_STATES]) {
+static double bound_of(quiet *q, bool dynamic, double until_s, double error[VS_STATES]) {
   double best = INFINITY, tried[VS_STATES];
   misfit wrong;
   outlook ahead;
@@ -323,15 +328,33 @@ static double bound_of(vs_quiet *q, bool dynamic, double until_s, double error[V
 
 /* Can the armature come to its stop, or to the pole cover, with the energy that is in the machine?
  * |p| <= sqrt(2 E (K^-1)_pp). */
-static bool may_touch(const vs_quiet *q, const vs_knot *k) {
+static bool may_touch(const quiet *q, const vs_knot *k) {
   const vs_model *m = &q->setup->model;
   double energy = vs_mechanics_kinetic_energy(m, k->x) + vs_mechanics_elastic_energy(m, k->x);
   double compliance = 1 / m->stiffness[P][P]; /* p is coupled to the others by mass alone */
   return MAY_TOUCH * sqrt(2 * energy * compliance) > m->actuator.gap_m;
 }
 
+static bool gate_is_on(const quiet *q, double t_s) {
+  const vs_deck *deck = &q->setup->deck;
+  for (size_t k = 0; k < deck->n_ports; k++) {
+    const vs_signal *s = &deck->ports[k].signal;
+    if (s->drive != VS_DRIVE_GATE && s->drive != VS_DRIVE_BURST) continue;
+    if (vs_gate_is_on(&q->setup->timeline, s->shift_rad, t_s)) return true;
+  }
+  return false;
+}
+
+/* Does anything happen at the last knot that the law knows nothing of: does the thyristor conduct,
+ * is a gate on, does an event go on? */
+static bool something_is_on(const quiet *q) {
+  double now = q->record.last.knot.t_s;
+  return !q->blocks || gate_is_on(q, now) ||
+         isfinite(vs_events_longest(&q->setup->timeline.events, now));
+}
+
 /* Is it time for a look? Only when two cycles are known, and one at least is to come. */
-static bool is_due(const vs_quiet *q, double until_s) {
+static bool is_due(const quiet *q, double until_s) {
   double period = q->setup->timeline.period_s, now = q->record.last.knot.t_s;
   if (q->record.blind || !vs_record_two_cycles(&q->record)) return false;
   double wait_s = fmax(period / LOOKS_PER_CYCLE, (now - q->blocks_s) / IN_VAIN);
@@ -340,9 +363,10 @@ static bool is_due(const vs_quiet *q, double until_s) {
 
 /* A bound must hold at two looks in a row, so the larger of the two counts. While the law with G
  * and C holds for the first time, the one without is not tried in its place. */
-bool vs_quiet_may_leave(vs_quiet *q, double until_s, double most_lag_s, double *bound) {
+static bool may_leave(void *self, double until_s, double most_lag_s, double *bound) {
+  quiet *q = self;
   double most = vs_record_share(&q->record), error[VS_STATES];
-  if (!is_due(q, until_s) || may_touch(q, &q->record.last.knot)) return false;
+  if (something_is_on(q) || !is_due(q, until_s) || may_touch(q, &q->record.last.knot)) return false;
   q->looked_s = q->record.last.knot.t_s;
   for (int dynamic = 1; dynamic >= 0; dynamic--) {
     double before = q->bound_before[dynamic];
@@ -361,7 +385,8 @@ bool vs_quiet_may_leave(vs_quiet *q, double until_s, double most_lag_s, double *
 
 /* ---- going by it ---- */
 
-vs_status vs_quiet_step(vs_quiet *q, vs_knot *k, double t_s, vs_error *err) {
+static vs_status step(void *self, vs_knot *k, double t_s, vs_error *err) {
+  quiet *q = self;
   double y[VS_ONEPORT_STATES], signal[VS_SIGNALS];
   vs_oneport_state(k, y);
   if (!vs_oneport_advance(q->port, k->t_s, t_s, y))
@@ -381,16 +406,18 @@ vs_status vs_quiet_step(vs_quiet *q, vs_knot *k, double t_s, vs_error *err) {
   return VS_OK;
 }
 
-double vs_quiet_capacitance(const vs_quiet *q) {
+static double capacitance(const void *self) {
+  const quiet *q = self;
   return vs_oneport_capacitance(q->port);
 }
 
 /* A memory may miss by twice what the law said of it wrongly from the first: it left from such an
  * error, and comes back to one. */
-double vs_quiet_missed(const vs_quiet *q, const vs_knot *one_port, const vs_knot *solver,
-                       const double *memory) {
+static double missed(const void *self, const vs_knot *own, const vs_knot *solver,
+                     const double *memory) {
+  const quiet *q = self;
   size_t terms = vs_record_terms(&q->record);
-  const vs_seen a = {.knot = *one_port, .memory = q->stepped + terms + 1},
+  const vs_seen a = {.knot = *own, .memory = q->stepped + terms + 1},
                 b = {.knot = *solver, .memory = memory};
   double worst = 0;
   for (size_t n = 0; n < vs_record_signals(&q->record); n++) {
@@ -403,26 +430,64 @@ double vs_quiet_missed(const vs_quiet *q, const vs_knot *one_port, const vs_knot
 }
 
 /* (w h)^2/8 is what a straight line leaves of a sine. */
-double vs_quiet_longest(const vs_quiet *q) {
+static double longest(const void *self) {
+  const quiet *q = self;
   double h = sqrt(8 * q->setup->run.tolerance) / q->setup->timeline.omega_rad_s;
   return fmin(h, STEP_RAD / q->setup->model.fastest_rad_s);
 }
 
-vs_quiet *vs_quiet_new(const vs_setup *setup, const vs_frame *frame, const vs_memories *memories) {
-  vs_quiet *q = vs_alloc(1, sizeof *q);
-  *q = (vs_quiet){.setup = setup, .frame = frame};
-  vs_record_begin(&q->record, setup, frame, memories);
-  q->port = vs_oneport_new(setup, frame, memories->count);
-  vs_quiet_restart(q);
-  if (vs_modal_begin(&q->modal, &setup->model)) return q;
-  vs_quiet_free(q);
-  return NULL;
+/* ---- begun and ended ---- */
+
+/* Not where the armature jams, where the deck tells the time by itself, or where it keeps a state
+ * or a store that is not seen. */
+static bool can_stand_in(const vs_setup *setup, vs_memories *memories) {
+  const vs_deck *deck = &setup->deck;
+  return isinf(vs_setup_jams(setup)) && !deck->own_clock && deck->stores.count &&
+         !vs_netlist_hides_state(deck) && vs_memory_list(deck, memories);
 }
 
-void vs_quiet_free(vs_quiet *q) {
+/* may_touch() takes (K^-1)_pp for 1/K_pp. */
+static bool springs_leave_p_alone(const vs_model *m) {
+  for (int k = 0; k < VS_DOF; k++)
+    if (k != P && m->stiffness[P][k] != 0) return false;
+  return true;
+}
+
+static void end(void *self) {
+  quiet *q = self;
   if (!q) return;
   vs_modal_end(&q->modal);
   vs_oneport_free(q->port);
   vs_record_end(&q->record);
   free(q);
 }
+
+static void *begin(const vs_setup *setup, const vs_frame *frame) {
+  quiet *q = vs_alloc(1, sizeof *q);
+  *q = (quiet){.setup = setup, .frame = frame};
+  if (!springs_leave_p_alone(&setup->model) || !can_stand_in(setup, &q->memories)) {
+    free(q);
+    return NULL;
+  }
+  vs_record_begin(&q->record, setup, frame, &q->memories);
+  q->port = vs_oneport_new(setup, frame, q->memories.count);
+  restart(q);
+  if (vs_modal_begin(&q->modal, &setup->model)) return q;
+  end(q);
+  return NULL;
+}
+
+static const vs_memories *memories(const void *self) {
+  return &((const quiet *)self)->memories;
+}
+
+const vs_stand_in vs_quiet_stand_in = {.begin = begin,
+                                       .end = end,
+                                       .memories = memories,
+                                       .take = take,
+                                       .may_leave = may_leave,
+                                       .longest = longest,
+                                       .step = step,
+                                       .capacitance = capacitance,
+                                       .missed = missed,
+                                       .restart = restart};

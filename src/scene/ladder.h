@@ -19,17 +19,16 @@ typedef struct vs_ladder {
 
 const char *vs_ladder_text(int rung); /* what a rung is, in a few words */
 
-bool vs_ladder_is_ideal(int rung); /* has it another thyristor? */
-
 /* Goes to the next rung that changes anything for the scene as it is; false: there is none, or
  * run.ladder stops before it: `stay` on the first rung, `climb` before the ideal thyristor. */
 bool vs_ladder_climb(vs_ladder *ladder, const vs_scene *scene);
 /* True where run.ladder: ideal would have had one rung more. */
 bool vs_ladder_stopped_short(const vs_scene *scene);
 
-/* Gives the deck with the ideal thyristor the ratings of the scene's own deck, and the limits of
- * the part it stands for: an ideal thyristor has none to be held against. `from` must live as long
- * as `to`. */
-void vs_ladder_give_limits(const vs_deck *from, vs_deck *to);
+/* Reads the scene of this rung into `other`: `scene` with the rung's keys. On a rung with an ideal
+ * thyristor its ratings and limits are those of `scene`, which must live as long as `other`.
+ * Errors: those of vs_scene_with; `other` is freed with vs_scene_free also after one. */
+vs_status vs_ladder_scene(const vs_ladder *ladder, const vs_scene *scene, vs_scene *other,
+                          vs_error *err);
 
 #endif

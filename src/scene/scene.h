@@ -4,7 +4,7 @@
 #define VS_SCENE_SCENE_H
 
 #include "base/path.h"
-#include "sim/sim.h"
+#include "scene/tiers.h"
 #include "watch/measures.h"
 
 extern const vs_shelf vs_scene_shelf, vs_plan_shelf;
@@ -15,7 +15,8 @@ enum { VS_IDLE_LIMITS = 8, VS_WARNINGS = 2 + VS_DECK_PARTS + VS_DECK_DEVICES + V
 typedef struct vs_scene {
   char path[VS_PATH_SIZE];
   vs_tree tree;
-  vs_setup setup;
+  vs_setup setup;         /* constant once the scene is settled */
+  vs_run_order order;     /* what its next run has besides; whoever runs it may change it */
   const char *tier_named; /* --tier's word, borrowed; NULL: not given */
   const char *asks; /* what the command line asked the circuit tier for, borrowed; NULL: nothing */
   const vs_tier *tier;

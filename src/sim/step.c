@@ -5,64 +5,25 @@
 
 #include "machine/actuator.h"
 
-const vs_channel vs_channel_standard[VS_CH_DECK] = {
-#define VS_CHANNEL_ROW(id, name, unit, text) {name, unit, text, id != VS_CH_I_MAINS},
-    VS_CHANNEL_LIST(VS_CHANNEL_ROW)
-#undef VS_CHANNEL_ROW
-};
+/* Velocities and accelerations are written beside the coordinates as whole vectors q, q', q". */
+_Static_assert(VS_CH_P == (int)P && VS_CH_U == (int)U && VS_CH_W == (int)W && VS_CH_PHI == (int)PHI,
+               "the first channels are q in the order of the state");
+_Static_assert(VS_CH_VP == VS_CH_P + VS_DOF && VS_CH_VU == VS_CH_U + VS_DOF &&
+                   VS_CH_VW == VS_CH_W + VS_DOF && VS_CH_VPHI == VS_CH_PHI + VS_DOF,
+               "then q'");
+_Static_assert(VS_CH_AP == VS_CH_VP + VS_DOF && VS_CH_AU == VS_CH_VU + VS_DOF &&
+                   VS_CH_AW == VS_CH_VW + VS_DOF && VS_CH_APHI == VS_CH_VPHI + VS_DOF,
+               "then q\"");
 
-int vs_channel_count(const vs_frame *frame) {
-  return VS_CH_DECK + (frame->deck ? (int)frame->deck->n_probes : 0);
-}
-
-vs_channel vs_channel_at(const vs_frame *frame, int index) {
-  if (index < VS_CH_DECK) return vs_channel_standard[index];
-  const vs_probe *probe = &frame->deck->probes[index - VS_CH_DECK];
-  return (vs_channel){probe->name, probe->unit, probe->text, true};
-}
-
-int vs_channel_find(const vs_frame *frame, const char *name) {
-  for (int k = 0; k < vs_channel_count(frame); k++) {
-    vs_channel c = vs_channel_at(frame, k);
-    if (c.listed && !strcmp(c.name, name)) return k;
-  }
-  return -1;
-}
-
-void vs_knot_copy(const vs_frame *frame, const vs_knot *from, vs_knot *to) {
-  size_t terms = frame->deck ? frame->deck->n_terms : 0;
-  memcpy(to, from, offsetof(vs_knot, terms) + terms * sizeof *from->terms);
-}
-
-void vs_knot_complete(const vs_frame *frame, vs_knot *k, bool touching) {
-  const vs_model *m = frame->model;
-  double va[VS_STATES], force = vs_actuator_force(m, k->flux_wb), rate;
-  vs_mechanics_accelerations(m, k->x, force + (touching ? vs_mechanics_stop_force(m, k->x) : 0),
-                             k->a);
-  memcpy(va, k->x + VS_DOF, sizeof(double[VS_DOF]));
-  memcpy(va + VS_DOF, k->a, sizeof(double[VS_DOF]));
-  rate = vs_actuator_force_rate(m, k->flux_wb, k->flux_rate_v);
-  vs_mechanics_jerks(m, va, rate + (touching ? vs_mechanics_stop_rate(m, k->x, k->a) : 0), k->j);
-}
-
-void vs_knot_hold(const vs_frame *frame, vs_knot *k) {
-  const vs_model *m = frame->model;
-  double va[VS_STATES];
-  vs_mechanics_accelerations(m, k->x, vs_actuator_force(m, k->flux_wb), k->a);
-  vs_mechanics_hold_p(m, k->a);
-  memcpy(va, k->x + VS_DOF, sizeof(double[VS_DOF]));
-  memcpy(va + VS_DOF, k->a, sizeof(double[VS_DOF]));
-  vs_mechanics_jerks(m, va, 0, k->j); /* what acts along p is held */
-  vs_mechanics_hold_p(m, k->j);
-}
-
-/* Weights of value, slope, curvature and third derivative at the two ends of a step. */
+/* Weights of value, slope, curvature and third derivative at the two ends of a step, by which a
+ * Hermite polynomial is their sum. */
 typedef struct weights {
   double y[2], d[2], e[2], f[2];
 } weights;
 
-/* The distances s from an end and r to the other, in parts of h, and h: seen from the far end time
- * runs backwards. */
+/* An instant as each end of the step sees it: its distance s from that end and r to the other one,
+ * both relative to the step's length, and the length h, which is negative at the far end, as time
+ * runs backwards from there. */
 typedef struct views {
   double s[2], r[2], h[2];
 } views;
@@ -70,7 +31,7 @@ static inline views views_of(double s, double h) {
   return (views){{s, 1 - s}, {1 - s, s}, {h, -h}};
 }
 
-/* Hermite polynomials of degree seven. */
+/* The polynomial of degree seven through value and three derivatives at either end. */
 static inline weights septic(views v) {
   weights w;
   for (int k = 0; k < 2; k++) {
@@ -83,7 +44,7 @@ static inline weights septic(views v) {
   return w;
 }
 
-/* Their slopes; none where h = 0. */
+/* Its slope; h must not be 0. */
 static inline weights septic_rate(views v) {
   weights w;
   for (int k = 0; k < 2; k++) {
@@ -96,7 +57,8 @@ static inline weights septic_rate(views v) {
   return w;
 }
 
-/* Of degree three: what a solver of second order has. */
+/* The cubic through value and slope at either end, which is as much as a solver of second order
+ * knows. */
 static inline weights cubic(views v) {
   weights w = {.e = {0}};
   for (int k = 0; k < 2; k++) {
@@ -114,7 +76,7 @@ static inline weights cubic_rate(views v) {
   return w;
 }
 
-/* At one end: some quantities side by side and their derivatives. */
+/* Some quantities at one end of the step, side by side, and their first three derivatives. */
 typedef struct ends {
   const double *y, *d, *e, *f;
 } ends;
@@ -159,25 +121,7 @@ static double line(double from, double to, double s) {
   return from + s * (to - from);
 }
 
-unsigned vs_channel_groups(const int *channels, int count) {
-  unsigned parts = 0;
-  for (int k = 0; k < count; k++) {
-    int c = channels[k];
-    if (c >= VS_CH_DECK)
-      parts |= VS_GROUP_DECK;
-    else if (c == VS_CH_V_MAINS)
-      parts |= VS_GROUP_V_MAINS;
-    else if (c == VS_CH_V_EVA)
-      parts |= VS_GROUP_V_EVA;
-    else if (c >= VS_CH_AP && c <= VS_CH_APHI)
-      parts |= VS_GROUP_ACCELERATIONS | VS_GROUP_VELOCITIES;
-    else if (c >= VS_CH_VP && c <= VS_CH_VPHI)
-      parts |= VS_GROUP_VELOCITIES;
-  }
-  return parts;
-}
-
-void vs_step_groups_at(const vs_step *step, double t_s, unsigned parts, double *y) {
+void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double *y) {
   const vs_knot *a = step->from, *b = step->to;
   const vs_frame *frame = step->frame;
   const vs_model *m = frame->model;
@@ -185,7 +129,7 @@ void vs_step_groups_at(const vs_step *step, double t_s, unsigned parts, double *
   const views at = views_of(s, h);
   weights w = septic(at);
   apply(&w, coordinates_of(a), coordinates_of(b), VS_DOF, x);
-  if (parts & VS_GROUP_VELOCITIES) velocities(step, at, x + VS_DOF);
+  if (groups & VS_GROUP_VELOCITIES) velocities(step, at, x + VS_DOF);
   y[VS_CH_Z] = vs_actuator_gap(m, x[P]);
   y[VS_CH_LAMBDA] = y[VS_CH_I] = y[VS_CH_FORCE] = 0;
   if (!vs_step_is_quiet(step)) {
@@ -196,18 +140,18 @@ void vs_step_groups_at(const vs_step *step, double t_s, unsigned parts, double *
     y[VS_CH_FORCE] = vs_actuator_force(m, y[VS_CH_LAMBDA]);
   }
   y[VS_CH_I_MAINS] = frame->source_is_coil ? y[VS_CH_I] : line(a->i_mains_a, b->i_mains_a, s);
-  if (parts & VS_GROUP_V_EVA)
+  if (groups & VS_GROUP_V_EVA)
     y[VS_CH_V_EVA] = frame->source_is_coil
                          ? m->actuator.resistance_ohm * y[VS_CH_I] + flux_rate(step, at)
                          : line(a->v_eva_v, b->v_eva_v, s);
-  if (parts & VS_GROUP_V_MAINS) y[VS_CH_V_MAINS] = vs_mains_voltage(frame->timeline, t_s);
-  if (parts & VS_GROUP_ACCELERATIONS) {
+  if (groups & VS_GROUP_V_MAINS) y[VS_CH_V_MAINS] = vs_mains_voltage(frame->timeline, t_s);
+  if (groups & VS_GROUP_ACCELERATIONS) {
     vs_mechanics_accelerations(
         m, x, y[VS_CH_FORCE] + (vs_mechanics_in_stop(m, x[P]) ? vs_mechanics_stop_force(m, x) : 0),
         y + VS_CH_AP);
     if (step->held) vs_mechanics_hold_p(m, y + VS_CH_AP);
   }
-  for (size_t n = 0; parts & VS_GROUP_DECK && frame->deck && n < frame->deck->n_probes; n++) {
+  for (size_t n = 0; groups & VS_GROUP_DECK && frame->deck && n < frame->deck->n_probes; n++) {
     const vs_probe *probe = &frame->deck->probes[n];
     y[VS_CH_DECK + n] = probe->sign * line(a->terms[probe->term], b->terms[probe->term], s);
   }

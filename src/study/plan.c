@@ -114,7 +114,7 @@ static vs_status unknown_measure(const vs_report_column *column, const vs_frame 
 /* Gives columns their units, as that scene on that tier has them. */
 static vs_status resolve_columns(vs_plan *plan, const vs_scene *scene, const vs_tier *tier,
                                  vs_error *err) {
-  const vs_frame frame = tier->frame(&scene->setup);
+  const vs_frame frame = vs_sim_frame(tier, &scene->setup);
   vs_measures *measures = vs_measures_new(&frame);
   vs_devices *devices = vs_devices_new(&frame);
   const vs_result result = {.measures = measures, .devices = devices};
@@ -403,7 +403,7 @@ vs_status vs_plan_read(const char *name, char *const *sets, size_t n_sets, vs_pl
   status = read_parts(plan, err);
   if (!status) status = read_report(plan, err);
   if (status) return status;
-  if (vs_error_count(err)) return resolve_columns(plan, plan->base, &vs_coupled_tier, err);
+  if (vs_error_count(err)) return resolve_columns(plan, plan->base, vs_tiers_automatic(true), err);
   status = count_cases(plan, err);
   return status ? status : try_cases(plan, err);
 }
