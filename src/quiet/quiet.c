@@ -34,8 +34,9 @@ static const double HIDDEN_SHARE = 1;
  * it may be wrong by. A signal in a store may not: its current would go on changing. */
 static const double MOST_DRIFT = 100;
 
-/* A look may cost as much as some of the solver's steps, of which a cycle has hundreds. So there are
- * four in a cycle at most, and never two within a sixteenth of the time since the thyristor blocks. */
+/* A look may cost as much as some of the solver's steps, of which a cycle has hundreds. So there
+ * are four in a cycle at most, and never two within a sixteenth of the time since the thyristor
+ * blocks. */
 static const double LOOKS_PER_CYCLE = 4, IN_VAIN = 16;
 
 /* A tenth more for what the force may add to the energy that is in the machine. */

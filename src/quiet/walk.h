@@ -18,7 +18,7 @@
 
 /* A mean, and three pairs of a cosine and a sine of the mains' harmonics. They do not change when
  * the same error is seen in another cycle at other knots, so that two cycles can be compared. */
-enum { VS_HARMONICS = 3, VS_WALK_SHARES = 1 + 2 * VS_HARMONICS };
+enum { VS_WALK_SHARES = 1 + 2 * VS_HARMONICS };
 
 /* The error of every signal over one cycle, in these parts, V or A. */
 typedef struct vs_walk_shares {
