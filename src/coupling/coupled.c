@@ -73,6 +73,7 @@ static vs_status accept(void *ctx, double solver_s, const double *signals, vs_er
   vs_names_take_coil(signals, &next);
   vs_names_take_terms(&c->setup->deck, signals, &next);
   next.flux_rate2_v_s = (next.flux_rate_v - from->flux_rate_v) / (t_s - from->t_s);
+  next.flux_rate3_v_s2 = 0; /* not known; a cubic's weight for it is 0 */
   vs_swing_take(&c->swing, from, &next);
   vs_status status = vs_course_move(&c->course, &next, err);
   return status ? status : vs_away_consider(&c->away, signals, err);

@@ -5,7 +5,7 @@
 #include <gsl/gsl_linalg.h>
 #include <math.h>
 
-/* A column of which less than this part is its own counts as none. */
+/* A column that is a combination of others but for this share of it counts as none. */
 static const double RANK = 1e-9;
 
 vs_fit vs_fit_new(size_t rows, size_t columns) {

@@ -11,7 +11,8 @@ typedef struct vs_knot {
   double t_s;
   double x[VS_STATES];         /* q, q': m, rad, m/s, rad/s */
   double a[VS_DOF], j[VS_DOF]; /* q", q"' */
-  /* lambda and its derivatives. Where a step's cubic_flux is set the last two are not looked at. */
+  /* lambda and its derivatives. Where a step's cubic_flux is set the last two do not count, but are
+   * finite all the same. */
   double flux_wb, flux_rate_v, flux_rate2_v_s, flux_rate3_v_s2;
   double v_eva_v, i_mains_a;  /* as the circuit has them; not set on a tier without a circuit */
   double terms[VS_DECK_MOST]; /* of the deck's probes and formulas, V or A, in the deck's order; the
