@@ -278,48 +278,65 @@ static bool is_over(phases *p) {
   return flux <= OVER * p->largest_wb && vs_wave_is_silent(&p->driven.mains);
 }
 
-/* Goes by series until end_s, or until the thyristor goes out, or the armature meets or leaves its
- * stop. */
-static vs_status drive_until(phases *p, double end_s, vs_error *err) {
-  static const vs_event EVENT[] = {VS_EV_NONE, VS_EV_EXTINCT, VS_EV_MEETS_STOP, VS_EV_LEAVES_STOP};
+static double longest_by_series(const phases *p) {
   double longest = p->driven.touching     ? p->longest_touching_s
                    : p->driven.conducting ? p->longest_driven_s
                                           : p->longest_s;
   if (p->disturbed && p->driven.conducting)
     longest = fmin(longest, 1 / p->driven.mains.highest_rad_s);
-  double end = end_s - p->began_s, y[VS_CONDUCTING];
-  vs_status status = VS_OK;
-  while (!status && p->since_s < end) {
-    make_series(p, longest);
-    double length = reach(p, &p->series), left = end - p->since_s;
-    if (!(length > 1e-15 * end))
+  return longest;
+}
+
+/* Makes the series from the last knot, and returns the length of the step to go by it, s, where
+ * `left_s` remain. Returns 0 where no step is short enough. */
+static double choose_length(phases *p, double left_s) {
+  make_series(p, longest_by_series(p));
+  double length = reach(p, &p->series);
+  if (!(length > 1e-15 * (p->since_s + left_s))) return 0;
+  /* a knot near the largest flux, however short the conduction */
+  double turn = p->driven.conducting && p->since_s == 0 ? mains_turn(p, length) : 0;
+  if (turn > 0) length = fmin(length, turn);
+  if (length >= left_s) return left_s;
+  return 2 * length > left_s ? left_s / 2 : length;
+}
+
+/* Fills the knot to come, *length on by the series or where an ending comes first; *length becomes
+ * the time to it. */
+static ending go_by_series(phases *p, double *length) {
+  double y[VS_CONDUCTING];
+  vs_series_at(&p->series, *length, y);
+  fill(p, p->since_s + *length, y);
+  ending e = find_ending(p, length);
+  if (e == GOES_ON) return is_over(p) ? FLUX_ENDS : GOES_ON;
+  vs_series_at(&p->series, *length, y);
+  fill(p, p->since_s + *length, y);
+  return e;
+}
+
+/* Goes by series until end_s, or until the thyristor goes out, or the armature meets or leaves its
+ * stop. */
+static vs_status drive_until(phases *p, double end_s, vs_error *err) {
+  static const vs_event EVENT[] = {[GOES_ON] = VS_EV_NONE,
+                                   [FLUX_ENDS] = VS_EV_EXTINCT,
+                                   [CONTACT_BEGINS] = VS_EV_MEETS_STOP,
+                                   [CONTACT_ENDS] = VS_EV_LEAVES_STOP};
+  double end = end_s - p->began_s;
+  while (p->since_s < end) {
+    double left = end - p->since_s, length = choose_length(p, left);
+    if (!(length > 0))
       return vs_fail(err, VS_RUN, "t = %.9g s: no step is short enough", p->knots[p->now].t_s);
-    /* a knot near the largest flux, however short the conduction */
-    double turn = p->driven.conducting && p->since_s == 0 ? mains_turn(p, length) : 0;
-    if (turn > 0) length = fmin(length, turn);
-    if (length >= left)
-      length = left;
-    else if (2 * length > left)
-      length = left / 2;
-    vs_series_at(&p->series, length, y);
-    fill(p, p->since_s + length, y);
-    ending e = find_ending(p, &length);
-    if (e != GOES_ON) {
-      vs_series_at(&p->series, length, y);
-      fill(p, p->since_s + length, y);
-    }
-    if (e == GOES_ON && is_over(p)) e = FLUX_ENDS;
+    ending e = go_by_series(p, &length);
     bool done = length == left;
     p->since_s += length;
     if (done) p->knots[1 - p->now].t_s = end_s;
-    status = show(p, EVENT[e], err);
+    vs_status status = show(p, EVENT[e], err);
     if (status || (done && e == GOES_ON)) return status;
     if (e == GOES_ON) continue;
     bool conducting = p->driven.conducting && e != FLUX_ENDS;
     bool touching = e == FLUX_ENDS ? p->driven.touching : e == CONTACT_BEGINS;
     return turn_over(p, conducting, touching, VS_EV_NONE, err);
   }
-  return status;
+  return VS_OK;
 }
 
 /* ---- free and off ---- */

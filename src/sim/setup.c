@@ -85,7 +85,8 @@ static const vs_field MEASURE[] = {
 };
 const vs_section vs_setup_measure_section = {"measure", MEASURE, sizeof MEASURE / sizeof *MEASURE};
 
-/* A probe of the deck's must not be called as a channel of every tier's is, nor as the time. */
+/* A probe of the deck must not have the name of a channel that every tier has, nor that of the
+ * time. */
 static vs_status check_probe_names(const vs_deck *deck, vs_error *err) {
   vs_status s = VS_OK;
   for (size_t k = 0; k < deck->n_probes && !s; k++) {
@@ -100,7 +101,7 @@ static vs_status check_probe_names(const vs_deck *deck, vs_error *err) {
   return s;
 }
 
-/* The values of the section circuit, against its deck's parameters. */
+/* Reads the values of the section circuit, whose keys are its deck's parameters. */
 static vs_status read_values(const vs_node *map, vs_setup *setup, vs_error *err) {
   vs_circuit_values *values = &setup->circuit_values;
   if (setup->deck.lost & VS_LOST_PARAM) map = NULL; /* a key may be that one's */
@@ -113,7 +114,8 @@ static vs_status read_values(const vs_node *map, vs_setup *setup, vs_error *err)
                                           : vs_parts_require_hold(&setup->deck, values, map, err);
 }
 
-/* The section circuit: its key deck first, then all of it against that deck's parameters. */
+/* Reads the section circuit: first its key `deck`, then all of it, as that deck's parameters are
+ * its other keys. */
 static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *err) {
   const vs_node *map = vs_tree_child(scene, "circuit"),
                 *named = vs_tree_child(map, vs_deck_key.key);
@@ -158,7 +160,8 @@ static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err
                     1e3 * setup->start.x[P], a->stop.present ? " and the iron" : "", 1e3 * least);
 }
 
-/* What is wrong with the stretch of time that means are over, and at which key; NULL: nothing. */
+/* Returns the key at which the stretch of time that means are taken over is wrong, with what is
+ * wrong in `text`; NULL: nothing is. */
 static const char *wrong_means(const vs_measure_values *v, const vs_node *map, double period_s,
                                double until_s, char *text, size_t size) {
   bool from = vs_tree_child(map, "from"), to = vs_tree_child(map, "to");
@@ -178,8 +181,8 @@ static const char *wrong_means(const vs_measure_values *v, const vs_node *map, d
   return v->from_s < end_s ? NULL : from ? "from" : "to";
 }
 
-/* Errors: from not before to, to beyond run.until, more cycles than the run has, both ways at once.
- */
+/* Reads the section measure. Errors: from is not before to, to is beyond run.until, there are more
+ * cycles than the run has, both ways are taken at once. */
 static vs_status read_means(const vs_node *scene, vs_setup *setup, vs_error *err) {
   const vs_node *map = vs_tree_child(scene, vs_setup_measure_section.name);
   vs_measure_values *v = &setup->measure;
@@ -206,7 +209,7 @@ static void choose_eva(vs_setup *setup) {
   setup->deck.eva_led = again && !setup->deck.eva_file;
 }
 
-/* All but the deck's text, if that is there already. */
+/* Builds all of it; with has_deck the deck's text is there already. */
 static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_error *err) {
   vs_status s = vs_error_carry_on(err, vs_model_build(scene, &setup->model, err));
   if (!s) s = vs_error_carry_on(err, vs_timeline_build(scene, &setup->timeline, err));
@@ -230,7 +233,7 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
 vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
   *setup = (vs_setup){0};
   vs_status s = build(scene, setup, false, err);
-  if (s) setup->deck.lost = VS_LOST_ALL; /* vs_setup_again reads it anew */
+  if (s) setup->deck.lost = VS_LOST_ALL; /* so that vs_setup_again reads it anew */
   return s;
 }
 
@@ -254,7 +257,7 @@ vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err) {
   bool keeps = vs_setup_keeps_deck(scene, setup);
   if (!keeps) vs_setup_free(setup);
   vs_status s = keeps ? build(scene, setup, true, err) : vs_setup_build(scene, setup, err);
-  if (s) setup->deck.lost = VS_LOST_ALL; /* it is read anew the next time */
+  if (s) setup->deck.lost = VS_LOST_ALL; /* so that it is read anew the next time */
   return s;
 }
 

@@ -23,7 +23,8 @@ vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame) {
   return k;
 }
 
-/* First instant in the step at which the armature is through the pole cover, by bisection. */
+/* Returns the first instant in the step at which the armature is through the pole cover, by
+ * bisection. At the step's end it is. */
 static double contact_time(const vs_step *step) {
   double lo = step->from->t_s, hi = step->to->t_s;
   for (int n = 0; n < 60; n++) {
@@ -45,9 +46,10 @@ vs_status vs_sim_check_steps(const vs_setup *setup, double step_s, vs_error *err
                                 steps, step_s);
 }
 
-enum { MOST_AMPERES = 1000000 }; /* no coil this model is for survives a millionth of it */
+enum { MOST_AMPERES = 1000000 }; /* the coils that this model is for carry some amperes */
 
-/* Stands before the observer of a run and lets through what is within the model's validity. */
+/* Stands before the observer of a run, and lets a step through if it is within the model's
+ * validity. */
 static vs_status guard(void *ctx, const vs_step *step, vs_error *err) {
   const vs_observer *observer = ctx;
   const vs_model *m = step->frame->model;

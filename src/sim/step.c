@@ -121,40 +121,55 @@ static double line(double from, double to, double s) {
   return from + s * (to - from);
 }
 
-void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double *y) {
-  const vs_knot *a = step->from, *b = step->to;
+/* lambda, i and the force; z is there already. */
+static void put_flux(const vs_step *step, views at, double *y) {
   const vs_frame *frame = step->frame;
   const vs_model *m = frame->model;
+  y[VS_CH_LAMBDA] = y[VS_CH_I] = y[VS_CH_FORCE] = 0;
+  if (vs_step_is_quiet(step)) return;
+  weights w = step->cubic_flux ? cubic(at) : septic(at);
+  apply(&w, flux_of(step->from), flux_of(step->to), 1, y + VS_CH_LAMBDA);
+  y[VS_CH_I] =
+      vs_actuator_current(m, y[VS_CH_LAMBDA], frame->gap_at_rest ? m->gap_rest_m : y[VS_CH_Z]);
+  y[VS_CH_FORCE] = vs_actuator_force(m, y[VS_CH_LAMBDA]);
+}
+
+/* q, q' and the force are there already. */
+static void put_accelerations(const vs_step *step, double *y) {
+  const vs_model *m = step->frame->model;
+  const double *x = y + VS_CH_P;
+  double stop = vs_mechanics_in_stop(m, x[P]) ? vs_mechanics_stop_force(m, x) : 0;
+  vs_mechanics_accelerations(m, x, y[VS_CH_FORCE] + stop, y + VS_CH_AP);
+  if (step->held) vs_mechanics_hold_p(m, y + VS_CH_AP);
+}
+
+static void put_probes(const vs_step *step, double s, double *y) {
+  const vs_deck *deck = step->frame->deck;
+  for (size_t n = 0; deck && n < deck->n_probes; n++) {
+    const vs_probe *probe = &deck->probes[n];
+    double from = step->from->terms[probe->term], to = step->to->terms[probe->term];
+    y[VS_CH_DECK + n] = probe->sign * line(from, to, s);
+  }
+}
+
+void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double *y) {
+  const vs_knot *a = step->from, *b = step->to;
+  const vs_model *m = step->frame->model;
+  bool coil = step->frame->source_is_coil;
   double h = b->t_s - a->t_s, s = h > 0 ? (t_s - a->t_s) / h : 1, *x = y + VS_CH_P;
   const views at = views_of(s, h);
   weights w = septic(at);
   apply(&w, coordinates_of(a), coordinates_of(b), VS_DOF, x);
   if (groups & VS_GROUP_VELOCITIES) velocities(step, at, x + VS_DOF);
   y[VS_CH_Z] = vs_actuator_gap(m, x[P]);
-  y[VS_CH_LAMBDA] = y[VS_CH_I] = y[VS_CH_FORCE] = 0;
-  if (!vs_step_is_quiet(step)) {
-    if (step->cubic_flux) w = cubic(at);
-    apply(&w, flux_of(a), flux_of(b), 1, y + VS_CH_LAMBDA);
-    y[VS_CH_I] =
-        vs_actuator_current(m, y[VS_CH_LAMBDA], frame->gap_at_rest ? m->gap_rest_m : y[VS_CH_Z]);
-    y[VS_CH_FORCE] = vs_actuator_force(m, y[VS_CH_LAMBDA]);
-  }
-  y[VS_CH_I_MAINS] = frame->source_is_coil ? y[VS_CH_I] : line(a->i_mains_a, b->i_mains_a, s);
+  put_flux(step, at, y);
+  y[VS_CH_I_MAINS] = coil ? y[VS_CH_I] : line(a->i_mains_a, b->i_mains_a, s);
   if (groups & VS_GROUP_V_EVA)
-    y[VS_CH_V_EVA] = frame->source_is_coil
-                         ? m->actuator.resistance_ohm * y[VS_CH_I] + flux_rate(step, at)
-                         : line(a->v_eva_v, b->v_eva_v, s);
-  if (groups & VS_GROUP_V_MAINS) y[VS_CH_V_MAINS] = vs_mains_voltage(frame->timeline, t_s);
-  if (groups & VS_GROUP_ACCELERATIONS) {
-    vs_mechanics_accelerations(
-        m, x, y[VS_CH_FORCE] + (vs_mechanics_in_stop(m, x[P]) ? vs_mechanics_stop_force(m, x) : 0),
-        y + VS_CH_AP);
-    if (step->held) vs_mechanics_hold_p(m, y + VS_CH_AP);
-  }
-  for (size_t n = 0; groups & VS_GROUP_DECK && frame->deck && n < frame->deck->n_probes; n++) {
-    const vs_probe *probe = &frame->deck->probes[n];
-    y[VS_CH_DECK + n] = probe->sign * line(a->terms[probe->term], b->terms[probe->term], s);
-  }
+    y[VS_CH_V_EVA] = coil ? m->actuator.resistance_ohm * y[VS_CH_I] + flux_rate(step, at)
+                          : line(a->v_eva_v, b->v_eva_v, s);
+  if (groups & VS_GROUP_V_MAINS) y[VS_CH_V_MAINS] = vs_mains_voltage(step->frame->timeline, t_s);
+  if (groups & VS_GROUP_ACCELERATIONS) put_accelerations(step, y);
+  if (groups & VS_GROUP_DECK) put_probes(step, s, y);
 }
 
 void vs_step_at(const vs_step *step, double t_s, double *y) {
