@@ -90,14 +90,19 @@ static const char *needs_circuit(const vs_scene *s, char *buffer, size_t size) {
 
 /* ---- what a tier that was asked for would ignore ---- */
 
+/* The tier to take instead. */
+static const char *circuit_tier(void) {
+  return vs_tiers_automatic(true)->name;
+}
+
 static vs_status ignored_key(const vs_scene *s, const char *section, const vs_node *node,
                              vs_error *err) {
   if (!node) return VS_OK;
   return vs_error_carry_on(
       err, vs_fail_at(err, node->key_where,
                       "%s.%s: tier %s (%s) has no circuit and would ignore it; take "
-                      "tier circuit or auto, or leave the key out",
-                      section, node->key, s->tier->name, s->why));
+                      "tier %s or auto, or leave the key out",
+                      section, node->key, s->tier->name, s->why, circuit_tier()));
 }
 
 static vs_status ignored_event(const vs_scene *s, const vs_occurrence *e, vs_error *err) {
@@ -106,13 +111,13 @@ static vs_status ignored_event(const vs_scene *s, const vs_occurrence *e, vs_err
   if (e->kind->ideal)
     vs_fail_at(err, e->where,
                "events.%s.gate: tier %s (%s) has one thyristor, whose gate is 'gate', and would "
-               "ignore %s; take tier circuit or auto",
-               e->name, s->tier->name, s->why, e->v.gate);
+               "ignore %s; take tier %s or auto",
+               e->name, s->tier->name, s->why, e->v.gate, circuit_tier());
   else
     vs_fail_at(err, e->where,
                "events.%s: tier %s (%s) has an ideal thyristor between mains and coil, to which a "
-               "%s is nothing; take tier circuit or auto",
-               e->name, s->tier->name, s->why, e->kind->name);
+               "%s is nothing; take tier %s or auto",
+               e->name, s->tier->name, s->why, e->kind->name, circuit_tier());
   return vs_error_carry_on(err, VS_INPUT);
 }
 
@@ -180,8 +185,8 @@ static vs_status unknown_probe(const vs_scene *s, const vs_node *node, vs_error 
   if (s->setup.deck.lost & VS_LOST_PROBE) return VS_OK; /* a check carries on: it may be that one */
   if (vs_channel_find(&full, name) >= 0)
     return vs_fail_at(err, node->where,
-                      "record: probe %s exists only on tier circuit, and this is tier %s", name,
-                      s->tier->name);
+                      "record: probe %s exists only on tier %s, and this is tier %s", name,
+                      circuit_tier(), s->tier->name);
   for (int k = 0; k < vs_channel_count(&full); k++)
     if (vs_channel_at(&full, k).listed) names[n++] = vs_channel_at(&full, k).name;
   const char *nearest = vs_text_nearest(name, names, n);
@@ -402,8 +407,8 @@ vs_status vs_scene_take_circuit(vs_scene *s, const char *asks, vs_error *err) {
   s->asks = asks;
   if (s->tier->has_circuit) return VS_OK;
   if (tier ? strcmp(tier, "auto") != 0 : s->setup.run.tier > 0)
-    return vs_fail(err, VS_INPUT, "%s: only tier circuit can do that, and this is tier %s (%s)",
-                   asks, s->tier->name, s->why);
+    return vs_fail(err, VS_INPUT, "%s: only tier %s can do that, and this is tier %s (%s)", asks,
+                   circuit_tier(), s->tier->name, s->why);
   s->tier = vs_tiers_automatic(true);
   snprintf(s->why, sizeof s->why, "auto: %s asks for it", asks);
   s->frame = vs_sim_frame(s->tier, &s->setup);
