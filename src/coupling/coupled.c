@@ -128,7 +128,7 @@ static vs_status go(coupling *c, vs_error *err) {
                                 &netlist, &job.lines, err);
   job.netlist = netlist;
   double shortest_s = fmin(c->pace.max_step_s, c->course.motion.substep_touching_s);
-  if (!s) s = vs_sim_check_steps(setup, shortest_s, err);
+  if (!s) s = vs_sim_refuse_endless(setup, shortest_s, err);
   if (!s) s = solver->load(&job, &host, &circuit, err);
   if (!s) s = solver->run(circuit, err);
   if (!s) s = vs_away_finish(&c->away, err);

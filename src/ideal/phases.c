@@ -418,7 +418,7 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
   p.longest_driven_s = longest_step(&p, 1, fmax(fmax(m->fastest_rad_s, mains), coil / 8));
   p.longest_touching_s = fmin(longest_step(&p, 1, m->contact_rad_s), p.longest_driven_s);
   vs_propagator_make(&p.propagator, m, false, p.longest_s);
-  vs_status status = vs_sim_check_steps(setup, p.longest_touching_s, err);
+  vs_status status = vs_sim_refuse_endless(setup, p.longest_touching_s, err);
   while (!status && p.knots[p.now].t_s < until) {
     double t = p.knots[p.now].t_s, fires = next_firing(&p, t), end = fmin(fires, until);
     /* A firing is met to rounding. In a scene with events it is met to the bit, as the mains may be

@@ -9,8 +9,8 @@
 #include "sim/sim.h"
 
 /* Runs the setup from t = 0 to run.until. Of the frame gap_at_rest decides between the two tiers:
- * the coil's current is lambda z(0)/(2a) or lambda z/(2a). Errors: those of vs_sim_check_steps and
- * of the observer; VS_RUN where no step is short enough. */
+ * the coil's current is lambda z(0)/(2a) or lambda z/(2a). Errors: those of vs_sim_refuse_endless
+ * and of the observer; VS_RUN where no step is short enough. */
 vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_observer *observer,
                         vs_error *err);
 

@@ -87,7 +87,7 @@ const vs_section vs_setup_measure_section = {"measure", MEASURE, sizeof MEASURE 
 
 /* A probe of the deck must not have the name of a channel that every tier has, nor that of the
  * time. */
-static vs_status check_probe_names(const vs_deck *deck, vs_error *err) {
+static vs_status refuse_taken_names(const vs_deck *deck, vs_error *err) {
   vs_status s = VS_OK;
   for (size_t k = 0; k < deck->n_probes && !s; k++) {
     const vs_probe *probe = &deck->probes[k];
@@ -132,7 +132,7 @@ static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *e
     return s;
   }
   s = vs_deck_read_parts(&setup->deck, map, err);
-  if (!s) s = check_probe_names(&setup->deck, err);
+  if (!s) s = refuse_taken_names(&setup->deck, err);
   return s ? s : read_values(map, setup, err);
 }
 

@@ -37,7 +37,7 @@ static double contact_time(const vs_step *step) {
   return hi;
 }
 
-vs_status vs_sim_check_steps(const vs_setup *setup, double step_s, vs_error *err) {
+vs_status vs_sim_refuse_endless(const vs_setup *setup, double step_s, vs_error *err) {
   double steps = setup->run.until_s / step_s;
   return steps < 1e10 ? VS_OK
                       : vs_fail(err, VS_INPUT,

@@ -64,7 +64,7 @@ vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame);
 
 /* For tiers: refuses, with VS_INPUT, a run that would take 1e10 steps of this length or more, as it
  * would not end. */
-vs_status vs_sim_check_steps(const vs_setup *setup, double step_s, vs_error *err);
+vs_status vs_sim_refuse_endless(const vs_setup *setup, double step_s, vs_error *err);
 
 /* Runs the tier, and ends the run with VS_RUN where it leaves the model's validity: a state that is
  * not finite, the armature beyond the pole cover without a stop, a closed gap (z <= 0), a current
