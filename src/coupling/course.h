@@ -16,12 +16,15 @@ typedef struct vs_course {
   int now;
   vs_anode anode;
   vs_motion motion;
-  bool touching, jammed;               /* the armature its stop; the armature itself */
-  double jams_s;                       /* when it does; INFINITY: never */
+  bool touching;                       /* the armature is in its stop */
+  bool jammed;                         /* the armature is jammed, since jams_s */
+  double jams_s;                       /* INFINITY: it never is */
   double series_s;                     /* how far p's Taylor polynomial is good enough */
-  double candidate_s, candidate_gap_m; /* the last answer of vs_course_gap; -1: none is kept */
+  double candidate_s, candidate_gap_m; /* the last question and answer of vs_course_gap; -1: the
+                                          answer does not hold any more */
   bool without;                        /* the steps shown are a stand-in's, not the solver's */
-  double bound;                        /* on the error of having left the solver so far */
+  double bound;                        /* on the error of having left the solver so far, relative to
+                                          each probe's peak */
 } vs_course;
 
 /* Begins at t = 0. Setup and observer must outlive the course. It stays where it is made, as its

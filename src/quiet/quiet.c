@@ -115,8 +115,7 @@ static bool in_a_store(const quiet *q, size_t term) {
   return false;
 }
 
-/* True if signal n is going to do as it did, until the end. An integral that only shows may drift.
- */
+/* True if signal n goes on as it did, until the end. An integral that only shows may drift. */
 static bool signal_holds(const quiet *q, size_t n, double until_s) {
   const vs_record *r = &q->record;
   double misfit_now = q->misfit.signal[n];
@@ -297,8 +296,8 @@ static double missed(const void *self, const vs_knot *own, const vs_knot *solver
   return worst;
 }
 
-/* The deck's terms run straight from knot to knot, and a straight line is wrong of a sine by (w
- * h)^2/8 of its peak: that is run.tolerance for a sine of the mains. */
+/* The deck's terms run straight from knot to knot. Between two points of a sine, h apart, a
+ * straight line is off by (w h)^2/8 of the peak. For the mains' w that shall be run.tolerance. */
 static double longest(const void *self) {
   const quiet *q = self;
   double h = sqrt(8 * q->setup->run.tolerance) / q->setup->timeline.omega_rad_s;
@@ -307,8 +306,8 @@ static double longest(const void *self) {
 
 /* ---- begun and ended ---- */
 
-/* Not where the armature jams, where the deck tells the time by itself, or where it keeps a state
- * or a store that is not seen. */
+/* False where the armature jams, where the deck tells the time by itself, where it has no store, or
+ * where it keeps a state that is not seen. */
 static bool can_stand_in(const vs_setup *setup, vs_memories *memories) {
   const vs_deck *deck = &setup->deck;
   return isinf(vs_setup_jams(setup)) && !deck->own_clock && deck->stores.count &&

@@ -62,8 +62,8 @@ size_t vs_record_signals(const vs_record *r); /* how many signals there are */
 
 /* Largest error of a signal that is allowed, relative to its peak. */
 double vs_record_share(const vs_record *r);
-/* Largest error of signal n that is allowed, V or A. A signal whose peak is below a volt or a tenth
- * of an ampere is allowed more of its peak, as the solver's own tolerances end there. */
+/* Largest error of signal n that is allowed, V or A: vs_record_share of its peak, or, for a small
+ * signal, run.tolerance of 1 V or 0.1 A, as the solver's own tolerances end there. */
 double vs_record_allowed(const vs_record *r, size_t n);
 
 #endif
