@@ -412,8 +412,8 @@ static void two_iterations_per_step(void) {
   long steps = 0;
   vs_observer observer = {&steps, count_steps};
   CU_ASSERT_EQUAL_FATAL(vs_scene_read("paper", sets, 2, "circuit", &scene, &err), VS_OK);
-  scene.setup.solver = &COUNTED;
-  CU_ASSERT_EQUAL(scene.tier->run(&scene.setup, &observer, &err), VS_OK);
+  scene.order.solver = &COUNTED;
+  CU_ASSERT_EQUAL(scene.tier->run(&scene.setup, &scene.order, &observer, &err), VS_OK);
   CLOSE_OF((double)counted.asked / (double)steps, 2, 1, 0.1);
   vs_scene_free(&scene);
 }

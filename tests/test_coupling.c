@@ -132,7 +132,7 @@ typedef struct outcome {
 static outcome couple(const vs_circuit_kind *solver, const char *const *sets) {
   vs_trial *t = vs_trial_read("paper", "circuit", sets);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-  t->scene.setup.solver = solver;
+  t->scene.order.solver = solver;
   vs_trial_go(t, NULL);
   /* The fakes show no voltages, so that the session's books are open; this test keeps its own. */
   if (strstr(t->err.text, "energy books")) t->status = VS_OK;

@@ -203,8 +203,9 @@ static orbit orbit_of(const char *stop, const char *kick, double until_s, bool g
   vs_error err = {0};
   vs_observer observer = {&o, follow};
   CU_ASSERT_EQUAL_FATAL(vs_scene_read("paper", sets, COUNT(sets), "switched", scene, &err), VS_OK);
-  vs_status status = guarded ? vs_sim_run(scene->tier, &scene->setup, &observer, &err)
-                             : scene->tier->run(&scene->setup, &observer, &err);
+  vs_status status = guarded
+                         ? vs_sim_run(scene->tier, &scene->setup, &scene->order, &observer, &err)
+                         : scene->tier->run(&scene->setup, &scene->order, &observer, &err);
   EXPECT(status == VS_OK, "%s, %s: %s", stop, kick, err.text);
   vs_scene_free(scene);
   free(scene);

@@ -81,7 +81,7 @@ static void free_scene(vs_scene *scene) {
 static double run_timed(const vs_scene *scene, const vs_observer *observer) {
   vs_error err = {0};
   double began = wall_clock();
-  must(vs_sim_run(scene->tier, &scene->setup, observer, &err), &err);
+  must(vs_sim_run(scene->tier, &scene->setup, &scene->order, observer, &err), &err);
   return wall_clock() - began;
 }
 
@@ -194,7 +194,7 @@ static void time_measures(const char *tolerance, size_t repeat) {
     double built = wall_clock();
     watchers w = {.measures = vs_measures_new(&scene->frame), .energy = {.frame = &scene->frame}};
     const vs_observer watching = {&w, watch};
-    must(vs_sim_run(scene->tier, &scene->setup, &watching, &err), &err);
+    must(vs_sim_run(scene->tier, &scene->setup, &scene->order, &watching, &err), &err);
     vs_measures_finish(w.measures, values);
     vs_energy_finish(&w.energy);
     vs_measures_free(w.measures);
@@ -313,7 +313,7 @@ static void time_circuit(int rounds) {
   const vs_circuit_kind solver = {"ngspice, timed", load, run, release};
   char until[] = "run.until=0.1s", *sets[] = {until};
   vs_scene *scene = read_scene("circuit", sets, 1);
-  scene->setup.solver = &solver;
+  scene->order.solver = &solver;
   timed.setup = &scene->setup;
   const vs_observer idle = {NULL, nothing};
   for (int round = -1; round < rounds;

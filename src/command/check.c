@@ -183,7 +183,8 @@ static vs_status check_deck(report *r, vs_error *err) {
   vs_setup *setup = vs_alloc(1, sizeof *setup);
   char text[VS_DECK_TEXT + VS_NAME_SIZE];
   vs_status status = vs_setup_build(&scene, setup, err);
-  if (!status && !vs_error_count(err)) status = vs_session_try(&vs_coupled_tier, setup, err);
+  if (!status && !vs_error_count(err))
+    status = vs_session_try(vs_tiers_automatic(true), setup, err);
   if (!status && !vs_error_count(err)) {
     describe_deck(&setup->deck, &r->good);
     for (size_t p = 0; p < setup->deck.n_parts; p++)

@@ -198,7 +198,7 @@ static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {
   audience *a = ctx;
   a->scene = scene;
   vs_status status = a->options->folder ? open_files(a, err) : VS_OK;
-  scene->setup.raw = a->raw.stream;
+  scene->order.raw = a->raw.stream;
   a->began_s = wall_clock();
   a->shown_s = 0;
   return status;

@@ -15,36 +15,37 @@ static double voltage_at(const vs_anode *a, const vs_knot *k) {
   return a->voltage < 0 ? 0 : k->terms[a->voltage];
 }
 
-/* The current without leakage: at its zero an ideal latch lets go. */
+/* The current without leakage. At its zero an ideal latch lets go. */
 static double forward_current(const vs_anode *a, const vs_knot *k) {
   return vs_conduction_current(&a->conduction, current_at(a, k), voltage_at(a, k));
 }
 
-/* When that, falling as over the last step, passes zero; INFINITY: it does not fall. */
+/* When that current passes zero, if it goes on to fall as over the last step; INFINITY: it does not
+ * fall. */
 static double zero_of_current(const vs_anode *a, const vs_knot *before, const vs_knot *last) {
   double i0 = forward_current(a, before), i1 = forward_current(a, last);
   return i1 < i0 ? last->t_s + (last->t_s - before->t_s) * i1 / (i0 - i1) : INFINITY;
 }
 
-/* The step that passes the zero begins and ends so near to it. At the zero itself rounding would
- * decide whether the thyristor conducts, which is some 1e-13 s. What is chopped off the current,
- * 20 nA where it falls by 200 A/s, makes 20 V at an off_resistance of 1 Gohm. */
+/* The step that passes the zero begins and ends this near to it. Nearer than some 1e-13 s rounding
+ * would decide whether the thyristor conducts. Further away more would be chopped off the current:
+ * here 20 nA where it falls by 200 A/s, which makes 20 V at an off_resistance of 1 Gohm. */
 static const double NEAR_S = 1e-10;
-/* Up to there a step goes this part of the way: a current is so straight on it that it does not
- * pass the zero. */
-static const double PART_WAY = 0.9;
+/* A step that does not pass the zero goes this share of the way to it. The current is straight
+ * enough over that not to pass the zero early. */
+static const double NEARER = 0.9;
 
-/* A kink inside a step spoils the second order of the solver's rule; and one that the solver tries
- * and rejects because of that has its end stay in Newton's iteration: a latch that has let go in it
- * then does so at the beginning of the next try. So no step that would pass the zero is tried but
- * from close by. */
+/* At the zero the current has a kink, and a kink inside a step spoils the second order of the
+ * solver's rule. A step that the solver tries and rejects because of that is worse: its end stays
+ * in Newton's iteration, so that a latch that has let go there lets go at the beginning of the next
+ * try. So a step that would pass the zero is tried only from close by. */
 double vs_anode_longest(vs_anode *a, const vs_knot *before, const vs_knot *last,
                         double max_step_s) {
   a->crosses_s = INFINITY;
   if (!a->nearing) return INFINITY;
   double now = last->t_s, left = zero_of_current(a, before, last) - now;
   if (!(left > 0 && left < 2 * max_step_s)) return INFINITY;
-  if (left > NEAR_S) return fmax(PART_WAY * left, NEAR_S / 2);
+  if (left > NEAR_S) return fmax(NEARER * left, NEAR_S / 2);
   a->crosses_s = now + left + NEAR_S / 2;
   return left + NEAR_S;
 }
@@ -68,7 +69,8 @@ vs_event vs_anode_follow(vs_anode *a, const vs_knot *from, const vs_knot *to, do
   return vs_conduction_follow(&a->conduction, &step, event_s);
 }
 
-/* A current that is the sum of two thyristors' is of neither. */
+/* A voltage is known only where a thyristor has just this current for its own; the sum of two
+ * thyristors' currents belongs to neither. */
 void vs_anode_begin(vs_anode *a, const vs_deck *deck, const vs_timeline *timeline) {
   int current, voltage;
   double factor = 0;

@@ -3,28 +3,30 @@
 
 #include <math.h>
 
-/* A conduction has begun for certain above this current: any holding current is of this order or
- * above. */
+/* Above this current, A, a conduction has begun for certain: holding currents are of this order or
+ * larger. */
 static const double CONDUCTS_A = 0.02;
-/* With the gate's help it has begun above the first, a third of the peak at 178 degrees of 50 V,
- * and above the second of the peak before: of what is left behind a conduction of 38 mA at a
- * tolerance of 1e-4 the solver made swings of 0.7 % of that. */
+/* With its gate pulse there a conduction has begun above GATED_A, a third of the peak at 178
+ * degrees of 50 V, and above the share REMAINS of the peak before: behind a conduction of 38 mA the
+ * solver made swings of 0.7 % of that at a tolerance of 1e-4. */
 static const double GATED_A = 1e-5, REMAINS = 0.02;
-/* Leakage is told from this voltage on: from there it is above rounding errors. */
+/* Leakage is told from this voltage on; below it rounding errors are as large. */
 static const double LEAKS_FROM_V = 0.1;
-/* Not counted in that: what leaks through 500 ohm, half of the least off_resistance that a
- * part may have; and what a junction of 1 nF draws, where devices of 100 A have a few hundred pF.
- */
+/* Two currents do not count in CONDUCTS_A: what leaks through 500 ohm, half of the least
+ * off_resistance that a part of spice/parts may have; and what a junction of 1 nF draws, where
+ * devices of 100 A have a few hundred pF. */
 static const double LEAKS_S = 2e-3, DISPLACED_F = 1e-9;
-/* A current is over below the first, and its zero is looked for up to REST_S ahead: there the
- * slowest fall that ends at a zero, of some 5 A/s, has come to it, and what decays has no zero. It
- * may be over below the second, which is leakage at an on-state voltage of 1 V through 1 kohm, if
- * by its fall it should be gone. Where its peak is below CONDUCTS_A both are as much smaller. */
+/* Below GONE_A a current is over. Its zero is looked for up to REST_S ahead: the slowest fall that
+ * ends at a zero, of some 5 A/s, has come to it by then, and a current that decays has no zero.
+ * Below LEAKAGE_A, which is what leaks through 1 kohm at an on-state voltage of 1 V, a current may
+ * be over, if by the fall so far it should be gone. Where the current's peak was below CONDUCTS_A,
+ * GONE_A and LEAKAGE_A are smaller in the same proportion. */
 static const double GONE_A = 5e-6, REST_S = 1e-6, LEAKAGE_A = 1e-3;
-/* From here on a voltage is above any on-state voltage. */
+/* A voltage above this is no on-state voltage, V. */
 static const double BLOCKED_V = 10;
-/* A rise this much steeper than the mean since its foot is another rise, which has its foot here. A
- * current that begins as t^2 is up to 4 times as steep from one doubled step to the next. */
+/* Where the current rises this many times as steeply as on the mean since its foot, another rise
+ * begins, with its foot here. It must be well above 4: a current that begins as t^2 is up to 4
+ * times as steep from one step to the next, if steps double. */
 static const double KINK = 10;
 
 void vs_conduction_begin(vs_conduction *c) {
@@ -46,7 +48,7 @@ double vs_conduction_current(const vs_conduction *c, double i_a, double v_v) {
   return isnan(c->leak_s) ? i_a : i_a - c->leak_s * v_v;
 }
 
-/* What the blocked junction's capacitance draws at most. */
+/* The most that the capacitance of the blocked junction draws. */
 static double displaced(const vs_conduction_step *s) {
   return DISPLACED_F * fmax((fabs(s->v1_v) - fabs(s->v0_v)) / (s->t1_s - s->t0_s), 0);
 }
@@ -65,7 +67,8 @@ static double leakage(double v_v) {
   return LEAKS_S * fabs(v_v);
 }
 
-/* A current that does not rise, only charges a capacitance or leaks has not begun. */
+/* Moves the foot on to the step's end where the current has not begun: where it does not rise, or
+ * only charges a capacitance, or leaks. */
 static void follow_foot(vs_conduction *c, const vs_conduction_step *s) {
   if (isnan(c->foot_s)) set_foot(c, s->t0_s, s->i0_a);
   double rise = s->i1_a - s->i0_a, steep = rise / (s->t1_s - s->t0_s);
@@ -90,7 +93,8 @@ static bool fires(vs_conduction *c, const vs_conduction_step *s, double *event_s
   return true;
 }
 
-/* The fall up to the step's beginning, taken on: the current at its end, and its zero. */
+/* Continues the fall up to the step's beginning. Returns the current that this gives at the step's
+ * end, and *zero_s is when it comes to zero; both are INFINITY where there was no fall. */
 static double taken_on(const vs_conduction *c, const vs_conduction_step *s, double *zero_s) {
   *zero_s = INFINITY;
   if (!(s->i0_a < c->before_a)) return INFINITY;

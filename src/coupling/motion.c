@@ -22,7 +22,8 @@ static bool substep(vs_motion *m, double at_s, double h, double x[VS_STATES]) {
   return !gsl_odeiv2_step_apply(m->step, at_s, h, x, error, NULL, NULL, &m->system);
 }
 
-/* The armature passes p = -D in the substep of h from x: Newton on its length. Takes x there. */
+/* The armature passes p = -D in the substep of h from x. Takes x to that instant, by Newton's
+ * iteration on the substep's length, and returns that length. */
 static double to_contact(vs_motion *m, double at_s, double h, double x[VS_STATES]) {
   double from[VS_STATES], lower = 0, upper = h, sign = m->touching ? -1 : 1;
   double gap = m->model->actuator.gap_m;

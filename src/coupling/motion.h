@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The machine between two of the circuit's knots: Eq. 54 under a flux linkage that is a cubic of
- * time, integrated by GSL's rkf45, the contact with the elastic stop located. */
+ * The machine between two of the circuit's knots: Eq. 54 under a flux linkage that is a cubic in
+ * time, integrated by GSL's rkf45. The instant at which the armature meets or leaves its stop is
+ * located. */
 #ifndef VS_COUPLING_MOTION_H
 #define VS_COUPLING_MOTION_H
 
@@ -8,22 +9,26 @@
 
 #include "machine/mechanics.h"
 
+/* The caller sets flux, touching and jammed. */
 typedef struct vs_motion {
   const vs_model *model;
-  double flux[4]; /* lambda(t0 + s) = flux[0] + s flux[1] + ..., Wb */
-  bool touching;  /* the armature its stop */
-  bool jammed;
-  double substep_s, substep_touching_s; /* rkf45's error over it is below 1e-12 of the amplitude */
+  double flux[4];                       /* lambda(t0 + s) = flux[0] + s flux[1] + ..., Wb */
+  bool touching;                        /* the armature is in its stop */
+  bool jammed;                          /* the armature stays where it is */
+  double substep_s, substep_touching_s; /* longest substep, free and in the stop: 0.02 rad of the
+                                           fastest mode, where rkf45's error is below 1e-12 of the
+                                           amplitude */
   gsl_odeiv2_system system;
   gsl_odeiv2_step *step;
 } vs_motion;
 
-/* The motion stays where it is made, as its system points to it. */
+/* The motion must stay where it is made, as its system points to it. The model must outlive it. */
 void vs_motion_begin(vs_motion *motion, const vs_model *model);
 void vs_motion_end(vs_motion *motion);
 
-/* Takes x = (q, q') on from `at_s` seconds into the course of the flux, to h or to where the
- * armature meets or leaves its stop. Gives how far it came; NaN: GSL cannot step on. */
+/* Takes x = (q, q') on from `at_s` seconds into the course of the flux, to h seconds or to where
+ * the armature meets or leaves its stop. Returns how far it has come, s; NaN where GSL cannot step
+ * on. */
 double vs_motion_advance(vs_motion *motion, double at_s, double h, double x[VS_STATES]);
 
 #endif

@@ -3,30 +3,70 @@
 
 #include <stdio.h>
 
-void vs_names_of(const vs_deck *deck, vs_names *n) {
-  size_t k = 0;
-#define VS_NAMED(list, count, ...)                                                                 \
-  (snprintf(n->text[k], sizeof n->text[k], __VA_ARGS__), n->list[n->count++] = n->text[k], k++)
-  VS_NAMED(signals, n_signals, "v(%s.lam)", deck->eva);
-  VS_NAMED(signals, n_signals, "v(%s.x)", deck->eva);
-  VS_NAMED(signals, n_signals, "v(%s)", deck->eva_minus);
-  VS_NAMED(signals, n_signals, "v(%s)", deck->eva_plus);
+/* The next name is written into the next free text, and stands at a place of its list. */
+#define NAMED(place, ...)                                                                          \
+  (snprintf(n->text[used], sizeof n->text[used], __VA_ARGS__), (place) = n->text[used++])
+
+/* The sources in eva_led.inc, by the port each is. */
+static const char *const LEADING[VS_EVA_PORTS] = {[VS_PORT_FLUX] = "igoal_l",
+                                                  [VS_PORT_VOLTAGE] = "igoal_v",
+                                                  [VS_PORT_RATE] = "irate",
+                                                  [VS_PORT_CONDUCTANCE] = "ilead"};
+
+static size_t name_ports(const vs_deck *deck, vs_names *n, size_t used) {
+  const char **of_eva = n->ports + deck->n_ports;
+  for (size_t p = 0; p < deck->n_ports; p++) NAMED(n->ports[p], "%s", deck->ports[p].source);
+  NAMED(of_eva[VS_PORT_GAP], "v.%s.vgap", deck->eva);
+  n->n_ports = deck->n_ports + VS_PORT_GAP + 1;
+  _Static_assert(VS_PORT_GAP == 0, "an EVA that cannot be led has the first port alone");
+  if (!deck->eva_led) return used;
+  for (size_t p = VS_PORT_GAP + 1; p < VS_EVA_PORTS; p++)
+    NAMED(of_eva[p], "i.%s.%s", deck->eva, LEADING[p]);
+  n->n_ports = deck->n_ports + VS_EVA_PORTS;
+  return used;
+}
+
+static void name_signals(const vs_deck *deck, vs_names *n, size_t used) {
   const char *mains = NULL;
-  for (size_t p = 0; p < deck->n_ports; p++) {
-    VS_NAMED(ports, n_ports, "%s", deck->ports[p].source);
+  for (size_t p = 0; p < deck->n_ports; p++)
     if (deck->ports[p].signal.drive == VS_PORT_MAINS) mains = deck->ports[p].source;
-  }
-  VS_NAMED(ports, n_ports, "v.%s.vgap", deck->eva);
-  static const char *const LEADING[] = {"igoal_l", "igoal_v", "irate", "ilead"};
-  for (size_t p = 0; deck->eva_led && p < VS_EVA_PORTS - 1; p++)
-    VS_NAMED(ports, n_ports, "i.%s.%s", deck->eva, LEADING[p]);
+  NAMED(n->signals[VS_SIG_FLUX], "v(%s.lam)", deck->eva);
+  NAMED(n->signals[VS_SIG_COIL], "v(%s.x)", deck->eva);
+  NAMED(n->signals[VS_SIG_MINUS], "v(%s)", deck->eva_minus);
+  NAMED(n->signals[VS_SIG_PLUS], "v(%s)", deck->eva_plus);
   if (mains)
-    VS_NAMED(signals, n_signals, "i(%s)", mains);
+    NAMED(n->signals[VS_SIG_I_MAINS], "i(%s)", mains);
   else
-    VS_NAMED(signals, n_signals, "v(0)");
+    NAMED(n->signals[VS_SIG_I_MAINS], "v(0)");
   for (size_t t = 0; t < deck->n_terms; t++) {
-    VS_NAMED(signals, n_signals, "%s", deck->terms[t].plus);
-    VS_NAMED(signals, n_signals, "%s", deck->terms[t].minus);
+    NAMED(n->signals[VS_SIG_TERMS + 2 * t], "%s", deck->terms[t].plus);
+    NAMED(n->signals[VS_SIG_TERMS + 2 * t + 1], "%s", deck->terms[t].minus);
   }
-#undef VS_NAMED
+  n->n_signals = VS_SIG_TERMS + 2 * deck->n_terms;
+}
+
+void vs_names_of(const vs_deck *deck, const vs_memories *memories, vs_names *n) {
+  name_signals(deck, n, name_ports(deck, n, 0));
+  n->n_memories = memories ? memories->count : 0;
+  for (size_t k = 0; k < n->n_memories; k++) {
+    n->signals[n->n_signals++] = memories->item[k].plus;
+    n->signals[n->n_signals++] = memories->item[k].minus;
+  }
+}
+
+void vs_names_take_terms(const vs_deck *deck, const double *signals, vs_knot *k) {
+  k->i_mains_a = -signals[VS_SIG_I_MAINS];
+  for (size_t n = 0; n < deck->n_terms; n++)
+    k->terms[n] = signals[VS_SIG_TERMS + 2 * n] - signals[VS_SIG_TERMS + 2 * n + 1];
+}
+
+void vs_names_take_coil(const double *signals, vs_knot *k) {
+  k->flux_wb = signals[VS_SIG_FLUX];
+  k->flux_rate_v = signals[VS_SIG_COIL] - signals[VS_SIG_MINUS];
+  k->v_eva_v = signals[VS_SIG_PLUS] - signals[VS_SIG_MINUS];
+}
+
+void vs_names_take_memory(const vs_names *n, const double *signals, double memory[VS_MEMORIES]) {
+  const double *s = signals + n->n_signals - 2 * n->n_memories;
+  for (size_t k = 0; k < n->n_memories; k++) memory[k] = s[2 * k] - s[2 * k + 1];
 }

@@ -1,37 +1,51 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The names by which the coupling and the deck's terms know the circuit, and their order. */
+ * The signals and the ports of a circuit: by which names its solver knows them, in which order it
+ * shows and asks for them, and what they mean in a knot. */
 #ifndef VS_COUPLING_NAMES_H
 #define VS_COUPLING_NAMES_H
 
-#include "deck/deck.h"
+#include "deck/memory.h"
+#include "sim/knot.h"
 
-/* Signals: the EVA's, the mains current, then two of each term, whose difference it is. */
+/* Signals: those of the EVA, the mains current, then two for each of the deck's terms, whose
+ * difference the term is. Behind these stand two for each value that the circuit remembers. */
 enum {
-  VS_SIG_FLUX,
-  VS_SIG_COIL,
-  VS_SIG_MINUS,
+  VS_SIG_FLUX,  /* lambda, Wb, as a voltage */
+  VS_SIG_COIL,  /* voltage between the coil's resistance and its flux */
+  VS_SIG_MINUS, /* the EVA's two nodes */
   VS_SIG_PLUS,
-  VS_SIG_I_MAINS,
+  VS_SIG_I_MAINS, /* current into the mains' source */
   VS_SIG_TERMS,
   VS_SIG_MOST = VS_SIG_TERMS + 2 * VS_DECK_MOST
 };
-/* Ports: the deck's, then the EVA's; all but the gap's only where it can be led (eva_led.inc). */
+/* Ports: the deck's, then the EVA's. Those but the gap are there only where the EVA can be led
+ * (eva_led.inc). */
 enum {
-  VS_PORT_GAP,
-  VS_PORT_FLUX,
-  VS_PORT_VOLTAGE,
-  VS_PORT_RATE,
-  VS_PORT_CONDUCTANCE,
+  VS_PORT_GAP,         /* z, m */
+  VS_PORT_FLUX,        /* lambda that the EVA is led to, Wb */
+  VS_PORT_VOLTAGE,     /* voltage that it is led to, V */
+  VS_PORT_RATE,        /* how fast lambda is led, 1/s; 0: it is not */
+  VS_PORT_CONDUCTANCE, /* through which the voltage is led, S; 0: it is not */
   VS_EVA_PORTS
 };
 
 typedef struct vs_names {
-  char text[VS_SIG_MOST + VS_DECK_MOST + VS_EVA_PORTS][2 * VS_DECK_NAME];
-  const char *signals[VS_SIG_MOST], *ports[VS_DECK_MOST + VS_EVA_PORTS];
+  char text[VS_SIG_MOST + VS_DECK_MOST + VS_EVA_PORTS][2 * VS_DECK_NAME]; /* room for the names */
+  const char *signals[VS_SIG_MOST + 2 * VS_MEMORIES];
+  const char *ports[VS_DECK_MOST + VS_EVA_PORTS];
   size_t n_signals, n_ports;
+  size_t n_memories; /* the last 2 n_memories signals are theirs */
 } vs_names;
 
-/* Fills an empty one, which stays where it is. */
-void vs_names_of(const vs_deck *deck, vs_names *names);
+/* Fills names that are all zero, and that stay where they are made, as they point into themselves.
+ * The memories' own names are borrowed. memories NULL: none are to be shown. */
+void vs_names_of(const vs_deck *deck, const vs_memories *memories, vs_names *names);
+
+/* Puts the deck's terms and the mains current into a knot. */
+void vs_names_take_terms(const vs_deck *deck, const double *signals, vs_knot *knot);
+/* Puts lambda, its rate and the EVA's voltage into a knot. */
+void vs_names_take_coil(const double *signals, vs_knot *knot);
+/* Gives the values that the circuit remembers, V or A. */
+void vs_names_take_memory(const vs_names *names, const double *signals, double memory[VS_MEMORIES]);
 
 #endif

@@ -204,8 +204,9 @@ typedef struct vs_deck {
   size_t n_zth;
   vs_part parts[VS_DECK_PARTS];
   size_t n_parts;
-  const char *eva_file;       /* the program's file that defines the EVA; NULL: "eva" */
-  bool eva_led;               /* that file is one whose EVA can be led: eva_led.inc */
+  const char *eva_file;       /* of the program's, that an event has put in the place of the EVA's
+                                 own; NULL: none has */
+  bool eva_led;               /* the EVA's own file is eva_led.inc, which can be led, not eva.inc */
   char line[2][VS_DECK_NAME]; /* nodes at which surges couple in; empty: not said */
   int subcircuits;            /* how many are open, while the deck is read */
   bool own_clock;             /* a source or an expression of the deck's own knows the time */

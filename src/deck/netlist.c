@@ -322,8 +322,9 @@ vs_status vs_netlist_make(const vs_deck *deck, const vs_circuit_values *values,
   *lines = NULL;
   *count = 0;
   char path[VS_PATH_SIZE], param[128];
+  const char *own = deck->eva_led ? "eva_led" : "eva";
   vs_status status =
-      vs_path_find(&EVA_SHELF, deck->eva_file ? deck->eva_file : "eva", (vs_where){0}, path, err);
+      vs_path_find(&EVA_SHELF, deck->eva_file ? deck->eva_file : own, (vs_where){0}, path, err);
   if (status) return status;
   FILE *eva = fopen(path, "r");
   if (!eva) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));

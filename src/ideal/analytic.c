@@ -7,20 +7,16 @@
  * i^2 (Eq. 89) is lambda^2/(4a): the switched tier's equations with the gap at rest. */
 #include "ideal/phases.h"
 
-static vs_frame frame(const vs_setup *setup) {
-  return (vs_frame){.model = &setup->model,
-                    .timeline = &setup->timeline,
-                    .means = setup->means,
-                    .tolerance = setup->run.tolerance,
-                    .source_is_coil = true,
-                    .gap_at_rest = true};
-}
-
-static vs_status run(const vs_setup *setup, const vs_observer *observer, vs_error *err) {
-  const vs_frame f = frame(setup);
-  return vs_phases_run(setup, &f, observer, err);
+static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_observer *observer,
+                     vs_error *err) {
+  (void)order;
+  const vs_frame frame = vs_sim_frame(&vs_analytic_tier, setup);
+  return vs_phases_run(setup, &frame, observer, err);
 }
 
 const vs_tier vs_analytic_tier = {
-    "analytic", "Eq. 91 with L(0), F = k_i i^2: the paper's own simulation; mechanics only", 1e-10,
-    frame, run};
+    .name = vs_setup_tier_words[VS_TIER_ANALYTIC],
+    .text = "Eq. 91 with L(0), F = k_i i^2: the paper's own simulation; mechanics only",
+    .finest = 1e-10,
+    .gap_at_rest = true,
+    .run = run};

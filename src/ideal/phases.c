@@ -1,35 +1,42 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "ideal/phases.h"
 
-#include <gsl/gsl_linalg.h>
 #include <math.h>
 #include <string.h>
 
 #include "drive/gate.h"
+#include "ideal/propagator.h"
 #include "ideal/series.h"
 #include "machine/actuator.h"
 
+/* Time is kept relative to an instant at which local time began, so that it is as fine after hours
+ * as at first. "What is large" is the size of each quantity in vs_driven, to which errors are
+ * relative. */
 typedef struct phases {
   const vs_setup *setup;
   const vs_observer *observer;
-  vs_knot knots[2]; /* the last accepted one is knots[now] */
+  vs_knot knots[2]; /* the last accepted one is knots[now], the one to come the other */
   int now;
-  double largest_wb; /* |lambda| at any knot so far */
-  vs_driven driven;  /* from that knot on */
-  bool disturbed;    /* the scene has events */
-  double jams_s;     /* INFINITY: it does not */
-  double began_s;    /* where local time began, and with it the mains' wave */
-  double since_s;    /* local time of the last knot; as fine after hours as at first */
-  double longest_s, longest_driven_s, longest_touching_s; /* step: free, conducting, in the stop */
-  double rough; /* part of what is large that dense output may be off by */
-  double propagator_column[VS_STATES][VS_STATES]; /* exp(A longest_s); [j][i] is row i, column j */
-  double negligible; /* part of what is large that a series may leave out */
-  vs_series series;
+  vs_driven driven;          /* what drives the machine from the last knot on */
+  bool disturbed;            /* the scene has events */
+  double jams_s;             /* when the armature jams; INFINITY: never */
+  double began_s;            /* where local time began, and with it the mains' wave */
+  double since_s;            /* local time of the last knot */
+  double largest_wb;         /* |lambda| at any knot so far; kept where disturbed */
+  double longest_s;          /* longest step, free */
+  double longest_driven_s;   /* conducting */
+  double longest_touching_s; /* in the stop */
+  double rough;              /* by how much dense output may be off, relative to what is large */
+  double negligible;         /* how much a series may leave out, relative to what is large */
+  vs_propagator propagator;  /* for steps of longest_s */
+  vs_series series;          /* from the last knot on */
 } phases;
 
-/* The polynomial of degree seven between knots is off by (w h)^8/10321920 at most, or by the
- * series' eighth term/256. That much is allowed of it; never more than the second, with which the
- * books of energy, kept on the dense output, close to 1e-9 of the work. */
+/* The polynomial of degree seven between two knots is off by (w h)^8/10321920 at most, w being the
+ * fastest mode's, or by a 256th of the series' eighth term: the remainder of Hermite's
+ * interpolation, (h/2)^8/8! of the eighth derivative. Relative to what is large it may be off by
+ * ROUGH of run.tolerance, and never by more than ROUGHEST, with which the books of energy, which
+ * are kept on the dense output, close to 1e-9 of the work. */
 static const double DENSE = 10321920, ROUGH = 0.05, ROUGHEST = 5e-11;
 
 static double longest_step(const phases *p, double radians, double fastest_rad_s) {
@@ -51,14 +58,15 @@ static vs_status show(phases *p, vs_event event, vs_error *err) {
   return p->observer->accept(p->observer->ctx, &step, err);
 }
 
-/* When u falls through zero, in local time, or near `most` where that comes first. */
+/* Returns when u falls through zero next, in local time, or `most_s` where that comes first. */
 static double mains_turn(const phases *p, double most_s) {
   const vs_wave *u = &p->driven.mains;
   if (!p->disturbed) return (M_PI - u->sine[0].phase_rad) / u->sine[0].omega_rad_s;
-  return fmin(vs_wave_turns(u, -1, p->since_s, most_s), most_s); /* of a NaN the other */
+  return fmin(vs_wave_turns(u, -1, p->since_s, most_s), most_s); /* NaN: it does not */
 }
 
-/* How far the force of what is a large flux linkage moves each coordinate at the working mode. */
+/* Sets what is large for the coordinates: how far the force of a large flux linkage moves each of
+ * them at the working mode. One that the force does not move gets 1e-6 of what p gets. */
 static void find_coordinates(phases *p) {
   const vs_model *m = &p->setup->model;
   double w = m->working_rad_s > 0 ? m->working_rad_s : m->fastest_rad_s;
@@ -67,12 +75,12 @@ static void find_coordinates(phases *p) {
     p->driven.coordinate[i] = fmax(fabs(m->mf[i]), 1e-6 * fabs(m->mf[P])) * force / (w * w);
 }
 
-/* Less is no flux linkage, in parts of what the mains have: it is of a voltage that was as good as
- * none. */
+/* A flux linkage below this, relative to that of the mains, is none: it comes from a voltage that
+ * was as good as none. */
 static const double FAINT = 1e-9;
 
-/* A conduction begins: what is large for it is the flux linkage that u builds up until it falls or
- * changes, or what there was before. */
+/* A conduction begins. What is large for lambda is then what u builds up until it falls or changes,
+ * or what lambda was before, if that is more. */
 static void rescale(phases *p, double t_s) {
   const vs_timeline *line = p->driven.frame->timeline;
   const vs_wave *wave = &p->driven.mains;
@@ -144,16 +152,16 @@ static vs_status turn_over(phases *p, bool conducting, bool touching, vs_event e
   return show(p, event, err);
 }
 
-/* In parts of what is large: rounding of lambda's series; and a flux linkage that is over, where
- * 0 V let it die away for ever. */
+/* Relative to what is large: the rounding of lambda's series. Relative to the largest so far: a
+ * flux linkage that is over, where 0 V would let it die away for ever. */
 static const double NOTHING = 1e-14, OVER = 1e-9;
 
 /* ---- what may end a stretch of motion: a quantity that falls through zero ---- */
 
 typedef enum ending { GOES_ON, FLUX_ENDS, CONTACT_BEGINS, CONTACT_ENDS } ending;
 
-/* First sign in the step to the knot to come that p goes through -D: its end, or the least p on the
- * way where p turns inside it; NaN: none. */
+/* Returns an instant in the step to the knot to come at which p is below -D, if there is one: the
+ * step's end, or the least p on the way where p turns inside it. NaN: none. */
 static double first_contact(const phases *p) {
   const vs_model *m = p->driven.frame->model;
   const vs_knot *from = &p->knots[p->now], *to = &p->knots[1 - p->now];
@@ -180,8 +188,8 @@ static double ending_value(const phases *p, ending e, double at_s, double *rate)
   return -depth;
 }
 
-/* The quantity falls through zero between lower and upper, from the last knot: Newton on the
- * series. */
+/* Returns when the quantity falls through zero, in seconds from the last knot. It does so between
+ * `lower` and `upper`. Newton's iteration on the series. */
 static double locate(const phases *p, ending e, double lower, double upper) {
   double nothing = 1e-15 * (e == FLUX_ENDS ? p->driven.flux_wb : p->setup->model.actuator.gap_m);
   double at = upper;
@@ -203,9 +211,9 @@ static void make_series(phases *p, double span_s) {
   vs_series_make(&p->driven, &p->knots[p->now], span_s, &p->series);
 }
 
-/* Of a conduction: does lambda end in the step to the knot to come, and between which two instants
- * from the last knot? Undisturbed u > 0 until its next zero, so lambda > 0 there: the zero of
- * lambda lies behind it. Else the series itself is asked for its first one. */
+/* Does a conduction end in the step to the knot to come, and between which two instants, in seconds
+ * from the last knot? Undisturbed u > 0 until its next zero, and so lambda > 0 there: the zero of
+ * lambda lies behind it. Disturbed, the series itself is asked for its first fall. */
 static bool flux_ends(const phases *p, double full_s, double *lower_s, double *upper_s) {
   double turn;
   if (!p->driven.conducting) return false;
@@ -217,8 +225,8 @@ static bool flux_ends(const phases *p, double full_s, double *lower_s, double *u
   return p->knots[1 - p->now].flux_wb <= 0 && full_s >= turn;
 }
 
-/* Which ending comes first in the step just taken along the series (the knot to come is filled),
- * and where. */
+/* Returns which ending comes first in the step just taken along the series, which is `*length` long
+ * and whose end the knot to come has. *length becomes the time to that ending. */
 static ending find_ending(const phases *p, double *length) {
   double full = *length, contact = first_contact(p), lower, upper;
   const vs_knot *to = &p->knots[1 - p->now];
@@ -239,28 +247,31 @@ static ending find_ending(const phases *p, double *length) {
 
 /* ---- anything at all, by Taylor series ---- */
 
-/* What the books of energy ask of lambda beside, as a part of that: of harmonics the voltage, whose
- * product with the current they take, is as much larger than their share in lambda as they are
- * faster than the mains; and a jammed machine does no work, so that they are told in parts of a
- * hundredth of what is drawn (watch/energy.h). */
-static double books_part(const phases *p) {
+/* By which factor the books of energy ask lambda to be better than `rough` says. The voltage of
+ * harmonics, whose product with the current the books take, is larger than their share in lambda,
+ * by as much as they are faster than the mains. And a jammed machine does no work, so that the
+ * books are held against a hundredth of what is drawn (watch/energy.h). */
+static double books_factor(const phases *p) {
   if (!p->disturbed || !p->driven.conducting) return 1;
   double slower = p->setup->timeline.omega_rad_s / p->driven.mains.highest_rad_s;
   return slower * (p->driven.held ? 0.01 : 1);
 }
 
-/* How far the series may be used: its last terms must be negligible there, and that of degree eight
- * within what dense output may be off by. The one before each counts too: one alone may vanish. */
+/* Returns how far the series may be used, s: its last term must be negligible there, and its term
+ * of degree eight within what dense output may be off by. A neighbour of each counts too, as one
+ * term alone may vanish. */
 static double reach(const phases *p, const vs_series *s) {
   enum { EIGHTH = 8, LAST = VS_SERIES_ORDER };
-  double rough = p->rough * books_part(p);
+  _Static_assert(EIGHTH + 1 <= LAST, "the series has the terms that dense output is judged by");
+  double rough = p->rough * books_factor(p);
   double dense =
-      fmax(vs_series_part(&p->driven, s, EIGHTH), vs_series_part(&p->driven, s, EIGHTH + 1));
-  double last = fmax(vs_series_part(&p->driven, s, LAST - 1), vs_series_part(&p->driven, s, LAST));
+      fmax(vs_series_term(&p->driven, s, EIGHTH), vs_series_term(&p->driven, s, EIGHTH + 1));
+  double last = fmax(vs_series_term(&p->driven, s, LAST - 1), vs_series_term(&p->driven, s, LAST));
   double r = fmin(pow(256 * rough / dense, 1.0 / EIGHTH), pow(p->negligible / last, 1.0 / LAST));
   return fmin(r, 1) * s->span_s;
 }
 
+/* Has lambda died away, and do the mains keep it at 0? */
 static bool is_over(phases *p) {
   double flux = fabs(p->knots[1 - p->now].flux_wb);
   if (!p->disturbed || !p->driven.conducting) return false;
@@ -268,102 +279,78 @@ static bool is_over(phases *p) {
   return flux <= OVER * p->largest_wb && vs_wave_is_silent(&p->driven.mains);
 }
 
-/* Until an instant, or until the thyristor goes out, or the armature meets or leaves the stop. */
-static vs_status drive_until(phases *p, double end_s, vs_error *err) {
-  static const vs_event EVENT[] = {VS_EV_NONE, VS_EV_EXTINCT, VS_EV_MEETS_STOP, VS_EV_LEAVES_STOP};
+static double longest_by_series(const phases *p) {
   double longest = p->driven.touching     ? p->longest_touching_s
                    : p->driven.conducting ? p->longest_driven_s
                                           : p->longest_s;
   if (p->disturbed && p->driven.conducting)
     longest = fmin(longest, 1 / p->driven.mains.highest_rad_s);
-  double end = end_s - p->began_s, y[VS_CONDUCTING];
-  vs_status status = VS_OK;
-  while (!status && p->since_s < end) {
-    make_series(p, longest);
-    double length = reach(p, &p->series), left = end - p->since_s;
-    if (!(length > 1e-15 * end))
+  return longest;
+}
+
+/* Makes the series from the last knot, and returns the length of the step to go by it, s, where
+ * `left_s` remain. Returns 0 where no step is short enough. */
+static double choose_length(phases *p, double left_s) {
+  make_series(p, longest_by_series(p));
+  double length = reach(p, &p->series);
+  if (!(length > 1e-15 * (p->since_s + left_s))) return 0;
+  /* a knot near the largest flux, however short the conduction */
+  double turn = p->driven.conducting && p->since_s == 0 ? mains_turn(p, length) : 0;
+  if (turn > 0) length = fmin(length, turn);
+  if (length >= left_s) return left_s;
+  return 2 * length > left_s ? left_s / 2 : length;
+}
+
+/* Fills the knot to come, *length on by the series or where an ending comes first; *length becomes
+ * the time to it. */
+static ending go_by_series(phases *p, double *length) {
+  double y[VS_CONDUCTING];
+  vs_series_at(&p->series, *length, y);
+  fill(p, p->since_s + *length, y);
+  ending e = find_ending(p, length);
+  if (e == GOES_ON) return is_over(p) ? FLUX_ENDS : GOES_ON;
+  vs_series_at(&p->series, *length, y);
+  fill(p, p->since_s + *length, y);
+  return e;
+}
+
+/* Goes by series until end_s, or until the thyristor goes out, or the armature meets or leaves its
+ * stop. */
+static vs_status drive_until(phases *p, double end_s, vs_error *err) {
+  static const vs_event EVENT[] = {[GOES_ON] = VS_EV_NONE,
+                                   [FLUX_ENDS] = VS_EV_EXTINCT,
+                                   [CONTACT_BEGINS] = VS_EV_MEETS_STOP,
+                                   [CONTACT_ENDS] = VS_EV_LEAVES_STOP};
+  double end = end_s - p->began_s;
+  while (p->since_s < end) {
+    double left = end - p->since_s, length = choose_length(p, left);
+    if (!(length > 0))
       return vs_fail(err, VS_RUN, "t = %.9g s: no step is short enough", p->knots[p->now].t_s);
-    /* a knot near the largest flux, however short the conduction */
-    double turn = p->driven.conducting && p->since_s == 0 ? mains_turn(p, length) : 0;
-    if (turn > 0) length = fmin(length, turn);
-    if (length >= left)
-      length = left;
-    else if (2 * length > left)
-      length = left / 2;
-    vs_series_at(&p->series, length, y);
-    fill(p, p->since_s + length, y);
-    ending e = find_ending(p, &length);
-    if (e != GOES_ON) {
-      vs_series_at(&p->series, length, y);
-      fill(p, p->since_s + length, y);
-    }
-    if (e == GOES_ON && is_over(p)) e = FLUX_ENDS;
+    ending e = go_by_series(p, &length);
     bool done = length == left;
     p->since_s += length;
     if (done) p->knots[1 - p->now].t_s = end_s;
-    status = show(p, EVENT[e], err);
+    vs_status status = show(p, EVENT[e], err);
     if (status || (done && e == GOES_ON)) return status;
     if (e == GOES_ON) continue;
     bool conducting = p->driven.conducting && e != FLUX_ENDS;
     bool touching = e == FLUX_ENDS ? p->driven.touching : e == CONTACT_BEGINS;
     return turn_over(p, conducting, touching, VS_EV_NONE, err);
   }
-  return status;
+  return VS_OK;
 }
 
-/* ---- free and off: lambda = 0, x' = A x, solved exactly ---- */
+/* ---- free and off ---- */
 
-/* exp(A h) for x = (q, q'), A = [0 I; -M^-1 K  -M^-1 B]. Taken of (w q, q') with the fastest mode's
- * w, whose matrix is of one order of magnitude throughout: GSL's result is then right to 2e-15 to
- * 5e-15, for 2e-14 to 1e-12 without (h from 50 us to 0.8 ms, Table 1). */
-static void make_propagator(phases *p, double h_s) {
-  const vs_model *m = &p->setup->model;
-  double w = m->fastest_rad_s, k[VS_DOF], b[VS_DOF];
-  gsl_matrix *a = gsl_matrix_calloc(VS_STATES, VS_STATES);
-  for (size_t j = 0; j < VS_DOF; j++) {
-    gsl_matrix_set(a, j, VS_DOF + j, h_s * w);
-    memcpy(k, m->mk_column[j], sizeof k);
-    memcpy(b, m->mb_column[j], sizeof b);
-    if (p->driven.held) {
-      vs_mechanics_hold_p(m, k);
-      vs_mechanics_hold_p(m, b);
-    }
-    for (size_t i = 0; i < VS_DOF; i++) {
-      gsl_matrix_set(a, VS_DOF + i, j, -h_s * k[i] / w);
-      gsl_matrix_set(a, VS_DOF + i, VS_DOF + j, -h_s * b[i]);
-    }
-  }
-  gsl_matrix_view e = gsl_matrix_view_array(&p->propagator_column[0][0], VS_STATES, VS_STATES);
-  gsl_linalg_exponential_ss(a, &e.matrix, GSL_PREC_DOUBLE);
-  gsl_matrix_free(a);
-  gsl_matrix_transpose(&e.matrix);
-  for (int i = 0; i < VS_DOF; i++)
-    for (int j = 0; j < VS_DOF; j++) {
-      p->propagator_column[VS_DOF + j][i] /= w;
-      p->propagator_column[j][VS_DOF + i] *= w;
-    }
-}
-
-/* By columns, side by side: half the time of a sum for each row. */
-static void swing(const phases *p, const double x[VS_STATES], double y[VS_CONDUCTING]) {
-  const double(*e)[VS_STATES] = p->propagator_column;
-  double sum[VS_STATES];
-  for (int i = 0; i < VS_STATES; i++)
-    sum[i] = e[0][i] * x[0] + e[1][i] * x[1] + e[2][i] * x[2] + e[3][i] * x[3] + e[4][i] * x[4] +
-             e[5][i] * x[5] + e[6][i] * x[6] + e[7][i] * x[7];
-  memcpy(y, sum, sizeof sum);
-  y[VS_FLUX] = 0;
-}
-
-/* In steps of one length, as many as leave one of them and more for the rest; where the armature is
- * about to meet the stop, on to an ending. */
+/* Goes by the propagator, in steps of longest_s, of which one or more are left over at the end.
+ * Where the armature is about to meet its stop, goes on by series. */
 static vs_status swing_until(phases *p, double end_s, vs_error *err) {
   double began = p->since_s, n = floor((end_s - p->knots[p->now].t_s) / p->longest_s) - 1;
-  double y[VS_CONDUCTING];
+  double y[VS_CONDUCTING] = {[VS_FLUX] = 0};
   vs_status status = VS_OK;
   for (double k = 1; k <= n && !status; k++) {
     double since = began + k * p->longest_s;
-    swing(p, p->knots[p->now].x, y);
+    vs_propagator_step(&p->propagator, p->knots[p->now].x, y);
     fill(p, since, y);
     if (!isnan(first_contact(p))) return drive_until(p, end_s, err);
     p->since_s = since;
@@ -372,15 +359,15 @@ static vs_status swing_until(phases *p, double end_s, vs_error *err) {
   return status;
 }
 
-/* Free and off in long steps, else by series; may come back before the end. */
+/* Goes on to end_s, by the propagator or by series, and may come back before it. */
 static vs_status go(phases *p, double end_s, vs_error *err) {
   bool swings = !p->driven.conducting && !p->driven.touching;
   if (swings && end_s - p->knots[p->now].t_s >= 2 * p->longest_s) return swing_until(p, end_s, err);
   return drive_until(p, end_s, err);
 }
 
-/* What is large: the flux linkage that the mains can build up from the firing angle on, and what it
- * moves. */
+/* Sets what is large: for lambda what the mains can build up from the firing angle on, for the
+ * coordinates what its force moves. */
 static void find_scales(phases *p) {
   const vs_timeline *line = &p->setup->timeline;
   p->driven.flux_wb = line->peak_v / line->omega_rad_s * (1 + cos(line->firing.angle_rad));
@@ -389,14 +376,15 @@ static void find_scales(phases *p) {
 
 /* ---- all of it ---- */
 
-/* Up to the end, and where the mains' next sines begin while current flows, on with them; or the
- * armature jams. */
+/* Goes on to end_s in a scene with events. Stops where the armature jams, and, while current flows,
+ * where other sines of the mains begin; goes on with these. */
 static vs_status go_disturbed(phases *p, double end_s, vs_error *err) {
   const vs_timeline *line = &p->setup->timeline;
+  const vs_model *m = &p->setup->model;
   double t = p->knots[p->now].t_s, edge = INFINITY;
   if (!p->driven.held && t >= p->jams_s) {
     vs_status status = turn_over(p, p->driven.conducting, p->driven.touching, VS_EV_JAMS, err);
-    make_propagator(p, p->longest_s);
+    vs_propagator_make(&p->propagator, m, true, p->longest_s);
     return status;
   }
   if (p->driven.conducting) edge = vs_wave_edge(line, t);
@@ -413,13 +401,6 @@ static double next_firing(const phases *p, double t_s) {
                       : vs_gate_next_conduction(line, t_s);
 }
 
-static double first_jam(const vs_events *events) {
-  double first = INFINITY;
-  for (size_t k = 0; k < events->count; k++)
-    if (events->item[k].kind->jams) first = fmin(first, events->item[k].start_s);
-  return first;
-}
-
 vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_observer *observer,
                         vs_error *err) {
   const vs_model *m = &setup->model;
@@ -429,7 +410,7 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
   phases p = {.setup = setup, .observer = observer, .rough = fmin(ROUGH * tolerance, ROUGHEST)};
   p.negligible = 1e-3 * p.rough;
   p.disturbed = setup->timeline.events.count > 0;
-  p.jams_s = first_jam(&setup->timeline.events);
+  p.jams_s = vs_setup_jams(setup);
   p.driven = (vs_driven){.frame = frame};
   p.knots[0] = vs_sim_start(setup, frame);
   p.driven.touching = vs_mechanics_in_stop(m, p.knots[0].x[P]);
@@ -437,11 +418,12 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
   p.longest_s = longest_step(&p, pow(DENSE * 6 * p.rough, 1.0 / 8), m->fastest_rad_s);
   p.longest_driven_s = longest_step(&p, 1, fmax(fmax(m->fastest_rad_s, mains), coil / 8));
   p.longest_touching_s = fmin(longest_step(&p, 1, m->contact_rad_s), p.longest_driven_s);
-  make_propagator(&p, p.longest_s);
-  vs_status status = vs_sim_check_steps(setup, p.longest_touching_s, err);
+  vs_propagator_make(&p.propagator, m, false, p.longest_s);
+  vs_status status = vs_sim_refuse_endless(setup, p.longest_touching_s, err);
   while (!status && p.knots[p.now].t_s < until) {
     double t = p.knots[p.now].t_s, fires = next_firing(&p, t), end = fmin(fires, until);
-    /* to rounding; of what is disturbed to the bit, as the mains may be others just before */
+    /* A firing is met to rounding. In a scene with events it is met to the bit, as the mains may be
+     * others just before. */
     if (fires <= t + (p.disturbed ? 0 : 1e-10 * setup->timeline.period_s))
       status = turn_over(&p, true, p.driven.touching, VS_EV_FIRES, err);
     else

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The two tiers with an ideal thyristor: it conducts or it does not, and the instants between are
- * located exactly. */
+ * A run with an ideal thyristor, which conducts or does not: what the tiers "analytic" and
+ * "switched" have in common. While it conducts dlambda/dt = u - R_c i; while it is off lambda = 0
+ * and the machine swings freely. The instants between these phases, and those at which the armature
+ * meets or leaves its stop, are located to rounding. */
 #ifndef VS_IDEAL_PHASES_H
 #define VS_IDEAL_PHASES_H
 
 #include "sim/sim.h"
 
-/* Of the two frames the tiers have, gap_at_rest alone makes a difference: conducting, dlambda/dt =
- * u - R_c i; off, lambda = 0 and the machine swings freely. */
+/* Runs the setup from t = 0 to run.until. Of the frame gap_at_rest decides between the two tiers:
+ * the coil's current is lambda z(0)/(2a) or lambda z/(2a). Errors: those of vs_sim_refuse_endless
+ * and of the observer; VS_RUN where no step is short enough. */
 vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_observer *observer,
                         vs_error *err);
 

@@ -6,8 +6,8 @@
 
 #include "machine/actuator.h"
 
-/* n-th term of a product of two series; the newest terms come last, so that it can begin before
- * they are there. */
+/* n-th term of a product of two series. The newest terms are added last, so that the sum over the
+ * others need not wait for them. */
 static double product(const double *x, const double *y, int n) {
   double sum = 0;
   for (int j = 1; j < n; j++) sum += x[j] * y[n - j];
@@ -37,7 +37,8 @@ static void next_q(const vs_driven *driven, vs_series *s, int n, double force) {
   for (int i = 0; i < VS_DOF; i++) s->q[n + 2][i] = weight * acceleration[i];
 }
 
-/* The terms of one of the mains' sines: u and, beside it, the cosine. */
+/* The terms of one of the mains' sines: those of its voltage u and, from which these follow, of the
+ * cosine v beside it; wh is the angle that it turns over the span. */
 typedef struct sine_terms {
   double wh, u, v;
 } sine_terms;
@@ -48,13 +49,13 @@ static sine_terms begin_sine(const vs_sine *s, double since_s, double span_s) {
                       s->peak_v * s->omega_rad_s * cos(phase) * span_s / wh};
 }
 
-/* The n-th term of u; each sine goes on to its next one. */
+/* Returns the n-th term of the mains' voltage, and takes each sine on to its next term. */
 static double mains_term(sine_terms *sine, size_t count, int n) {
   double sum = sine->u;
   for (size_t k = 1; k < count; k++) sum += sine[k].u;
   for (size_t k = 0; k < count; k++) {
-    double part = sine[k].wh / (n + 1), next = part * sine[k].v;
-    sine[k].v = -part * sine[k].u;
+    double ratio = sine[k].wh / (n + 1), next = ratio * sine[k].v;
+    sine[k].v = -ratio * sine[k].u;
     sine[k].u = next;
   }
   return sum;
@@ -78,16 +79,16 @@ void vs_series_make(const vs_driven *driven, const vs_knot *knot, double span_s,
     sine[k] = begin_sine(&mains->sine[k], driven->since_s, span_s);
   for (int n = 0; n < VS_SERIES_ORDER; n++) {
     if (driven->conducting) { /* lambda[n+1] (Eqs. 80, 81), F[n] = lambda^2/(4a) */
-      double part = span_s / (n + 1), u = mains_term(sine, mains->count, n);
+      double ratio = span_s / (n + 1), u = mains_term(sine, mains->count, n);
       z[n] += moves ? s->q[n][P] : 0;
       force = product(s->flux, s->flux, n) * per_2a / 2;
-      s->flux[n + 1] = part * (u - m->actuator.resistance_ohm * per_2a * product(s->flux, z, n));
+      s->flux[n + 1] = ratio * (u - m->actuator.resistance_ohm * per_2a * product(s->flux, z, n));
     }
     if (n + 2 <= VS_SERIES_ORDER) next_q(driven, s, n, force);
   }
 }
 
-double vs_series_part(const vs_driven *driven, const vs_series *s, int n) {
+double vs_series_term(const vs_driven *driven, const vs_series *s, int n) {
   double largest = fabs(s->flux[n]) / larger(driven->flux_wb, fabs(s->flux[0]));
   for (int i = 0; i < VS_DOF; i++) {
     double size = larger(driven->coordinate[i], fabs(s->q[0][i]) + fabs(s->q[1][i]));
@@ -113,7 +114,7 @@ void vs_series_at(const vs_series *s, double at_s, double y[VS_CONDUCTING]) {
   y[VS_FLUX] = flux;
 }
 
-/* One column of terms and its slope. */
+/* Sums up one column of terms, and gives its slope. */
 static double column(const vs_series *s, const double *terms, size_t stride, double at_s,
                      double *rate) {
   double r = at_s / s->span_s, value = 0, slope = 0;
@@ -135,14 +136,15 @@ double vs_series_flux(const vs_series *s, double at_s, double *rate) {
 
 /* ---- the first fall of lambda ---- */
 
-/* Bernstein's coefficients of a polynomial on a stretch of its argument: it lies within them. */
+/* Bernstein's coefficients of a polynomial on a stretch of its argument, between the least and the
+ * largest of which it lies. */
 typedef struct stretch {
   double lower, upper; /* of 0..1 */
   double b[VS_SERIES_ORDER + 1];
 } stretch;
 
-/* Of sum c[n] x^n on 0..1: b[k] = sum over n of c[n] binomial(k, n)/binomial(N, n), made by sums of
- * neighbours. */
+/* The coefficients of sum c[n] x^n on 0..1: b[k] = sum over n of c[n] binomial(k, n)/binomial(N,
+ * n), made by sums of neighbours. */
 static void bernstein(const double c[VS_SERIES_ORDER + 1], stretch *s) {
   double choose = 1;
   s->lower = 0;
@@ -155,7 +157,7 @@ static void bernstein(const double c[VS_SERIES_ORDER + 1], stretch *s) {
     for (int n = VS_SERIES_ORDER; n >= round; n--) s->b[n] += s->b[n - 1];
 }
 
-/* Both halves, by de Casteljau. */
+/* The coefficients on either half of the stretch, by de Casteljau's scheme. */
 static void halve(const stretch *s, stretch *left, stretch *right) {
   *right = *s;
   left->lower = s->lower;
@@ -168,7 +170,9 @@ static void halve(const stretch *s, stretch *left, stretch *right) {
 
 typedef enum falls { NEVER, ONCE, UNKNOWN } falls;
 
-/* By the signs of the coefficients: as many changes as zeros, or an even number more. */
+/* Tells by the signs of the coefficients whether the polynomial falls below zero: they change as
+ * often as it has zeros, or an even number of times more. Between -nothing and nothing a
+ * coefficient has the sign of the one before. */
 static falls judge(const stretch *s, double nothing) {
   int changes = 0, sign = 1;
   bool below = false;
@@ -183,7 +187,7 @@ static falls judge(const stretch *s, double nothing) {
 
 bool vs_series_flux_falls(const vs_series *series, double at_s, double nothing_wb, double *lower_s,
                           double *upper_s) {
-  enum { DEEPEST = 48 }; /* halvings, to rounding of the stretch */
+  enum { DEEPEST = 48 }; /* halvings, which come near the rounding of the stretch's ends */
   stretch waiting[DEEPEST + 2];
   double c[VS_SERIES_ORDER + 1], r = at_s / series->span_s, power = 1;
   for (int n = 0; n <= VS_SERIES_ORDER; n++, power *= r) c[n] = series->flux[n] * power;

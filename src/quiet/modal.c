@@ -4,7 +4,7 @@
 #include <gsl/gsl_complex_math.h>
 #include <gsl/gsl_linalg.h>
 
-/* V^-1 x */
+/* The shares are V^-1 x, with the modes as the columns of V. */
 void vs_modal_shares(const vs_modal *modal, const double x[VS_STATES], double share[VS_STATES]) {
   for (size_t n = 0; n < VS_STATES; n++)
     gsl_vector_complex_set(modal->share, n, gsl_complex_rect(x[n], 0));

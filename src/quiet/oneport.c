@@ -1,36 +1,64 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "quiet/oneport.h"
 
-#include <gsl/gsl_blas.h>
 #include <gsl/gsl_errno.h>
-#include <gsl/gsl_linalg.h>
 #include <gsl/gsl_odeiv2.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "machine/actuator.h"
+#include "quiet/fit.h"
 
-/* The source is one sine: harmonics would take for their own what the mains' beat with the machine
- * makes, as a cycle cannot tell the two apart. */
-enum { LAW_COLUMNS = 7, HARMONICS = 3, TERM_COLUMNS = 2 * HARMONICS + 5 };
+/* Columns of the law, one for each of its numbers. The source is one sine: harmonics would take for
+ * their own what the mains' beat with the machine makes, as one cycle cannot tell the two apart. */
+enum {
+  LAW_COSINE,
+  LAW_SINE,
+  LAW_MEAN,
+  LAW_CONSTANT, /* of the integration; here end the columns of the source */
+  LAW_G,
+  LAW_C,
+  LAW_TAU,
+  LAW_COLUMNS
+};
+/* Columns of the static law, all of which are the source's. */
+enum { STATIC_COSINE, STATIC_SINE, STATIC_MEAN, STATIC_COLUMNS };
+_Static_assert(STATIC_COSINE == (int)LAW_COSINE && STATIC_SINE == (int)LAW_SINE &&
+                   STATIC_MEAN == (int)LAW_MEAN,
+               "find_law takes the source's numbers from the same places of either law");
+/* Behind the columns of either law may stand one more, of a drift. */
+enum { LAW_ROOM = LAW_COLUMNS + 1 };
 
-/* A column of a fit of which less than this is its own counts as none. */
-static const double RANK = 1e-9;
+/* Columns of a signal: cosines and sines of the harmonics, a mean, three of the coil, a drift. */
+enum {
+  TERM_SINES = VS_HARMONICS,
+  TERM_MEAN = 2 * VS_HARMONICS,
+  TERM_V,
+  TERM_I,
+  TERM_V_RATE,
+  TERM_DRIFT,
+  TERM_COLUMNS
+};
+_Static_assert(LAW_ROOM <= (int)VS_FIT_COLUMNS && TERM_COLUMNS <= (int)VS_FIT_COLUMNS,
+               "a fit has room for every column");
 
 struct vs_oneport {
   const vs_setup *setup;
   const vs_frame *frame;
   size_t signals;
-  bool dynamic;                /* false: i = i_N(t) */
-  double cosine, sine, mean_a; /* of i_N; dynamic: of its integral, but the mean */
+  bool dynamic;                /* false: the static law, i = i_N(t) */
+  double cosine, sine, mean_a; /* of i_N, A; of the dynamic law the first two of its integral, C */
   double g_s, c_f, tau_s;
-  double signal[VS_SIGNALS][TERM_COLUMNS];
-  double from_s;                                              /* where the time of a drift begins */
-  double shape[LAW_COLUMNS][LAW_COLUMNS], scale[LAW_COLUMNS]; /* of the fit: R, and its columns' */
-  size_t column[LAW_COLUMNS], rank;
-  double reach_seen;
-  double substep_s;
+  double signal[VS_SIGNALS][TERM_COLUMNS]; /* of each signal: how much of each column */
+  double from_s;                           /* where the time of a drift begins */
+  double shape[LAW_COLUMNS][LAW_COLUMNS];  /* R of the dynamic law's fit, in its first `rank` rows
+                                              and  columns */
+  double scale[LAW_COLUMNS];               /* what each column of R was divided by */
+  size_t column[LAW_COLUMNS];              /* which of the law's columns it is */
+  size_t rank;
+  double reach_seen; /* largest reach at the knots of the fit, to which others are relative */
+  double substep_s;  /* longest one of the integration */
   gsl_odeiv2_system system;
   gsl_odeiv2_step *step;
 };
@@ -49,7 +77,8 @@ double vs_oneport_seen_signal(const vs_frame *frame, const vs_seen *s, size_t n)
   return n < terms ? s->knot.terms[n] : n == terms ? s->knot.i_mains_a : s->memory[n - terms - 1];
 }
 
-/* i_N and its rate (dynamic: i_N alone) */
+/* Returns i_N at t_s, A. *rate is its rate, A/s, of the static law; of the dynamic law it has no
+ * meaning to the caller. */
 static double source(const vs_oneport *o, double t_s, double *rate) {
   double w = o->setup->timeline.omega_rad_s, c = cos(w * t_s), s = sin(w * t_s);
   *rate = w * (o->sine * c - o->cosine * s);
@@ -104,21 +133,21 @@ bool vs_oneport_advance(vs_oneport *o, double from_s, double to_s, double y[VS_O
   return true;
 }
 
-/* What the terms are combined of; the last one for those that drift. */
+/* What a signal is combined of, at t_s beside that coil. */
 static void columns(const vs_oneport *o, double t_s, const vs_coil *c, double out[TERM_COLUMNS]) {
   double angle = o->setup->timeline.omega_rad_s * t_s, cosine = cos(angle), sine = sin(angle);
-  out[0] = cosine;
-  out[HARMONICS] = sine;
-  for (int h = 1; h < HARMONICS; h++) {
-    out[h] = out[h - 1] * cosine - out[HARMONICS + h - 1] * sine;
-    out[HARMONICS + h] = out[HARMONICS + h - 1] * cosine + out[h - 1] * sine;
+  double *cosines = out, *sines = out + TERM_SINES;
+  cosines[0] = cosine;
+  sines[0] = sine;
+  for (int h = 1; h < VS_HARMONICS; h++) {
+    cosines[h] = cosines[h - 1] * cosine - sines[h - 1] * sine;
+    sines[h] = sines[h - 1] * cosine + cosines[h - 1] * sine;
   }
-  double *rest = out + 2 * HARMONICS;
-  rest[0] = 1;
-  rest[1] = c->v_v;
-  rest[2] = c->i_a;
-  rest[3] = c->v_rate_v_s;
-  rest[4] = t_s - o->from_s;
+  out[TERM_MEAN] = 1;
+  out[TERM_V] = c->v_v;
+  out[TERM_I] = c->i_a;
+  out[TERM_V_RATE] = c->v_rate_v_s;
+  out[TERM_DRIFT] = t_s - o->from_s;
 }
 
 void vs_oneport_signals(const vs_oneport *o, double t_s, const vs_coil *c,
@@ -133,58 +162,14 @@ void vs_oneport_signals(const vs_oneport *o, double t_s, const vs_coil *c,
 
 /* ---- its numbers ---- */
 
-/* What it is found from. */
+/* The knots from which the numbers are found, in order of time. */
 typedef struct sight {
   const vs_seen *const *seen;
   size_t count;
 } sight;
 
-/* Least squares on the samples: one matrix, many right sides. Columns are scaled to one another. */
-typedef struct fit {
-  gsl_matrix *a;
-  gsl_vector *tau, *norm, *b, *x, *residual;
-  gsl_permutation *p;
-  double scale[TERM_COLUMNS]; /* room for either kind */
-  size_t rank;
-} fit;
-
-static fit fit_new(size_t rows, size_t count) {
-  return (fit){.a = gsl_matrix_alloc(rows, count),
-               .tau = gsl_vector_alloc(count),
-               .norm = gsl_vector_alloc(count),
-               .b = gsl_vector_alloc(rows),
-               .x = gsl_vector_alloc(count),
-               .residual = gsl_vector_alloc(rows),
-               .p = gsl_permutation_alloc(count)};
-}
-static void fit_free(fit *f) {
-  gsl_matrix_free(f->a);
-  gsl_vector_free(f->tau);
-  gsl_vector_free(f->norm);
-  gsl_vector_free(f->b);
-  gsl_vector_free(f->x);
-  gsl_vector_free(f->residual);
-  gsl_permutation_free(f->p);
-}
-static bool fit_decompose(fit *f) {
-  int sign;
-  for (size_t j = 0; j < f->a->size2; j++) {
-    gsl_vector_view column = gsl_matrix_column(f->a, j);
-    f->scale[j] = fmax(gsl_vector_max(&column.vector), -gsl_vector_min(&column.vector));
-    if (f->scale[j] > 0) gsl_vector_scale(&column.vector, 1 / f->scale[j]);
-  }
-  if (gsl_linalg_QRPT_decomp(f->a, f->tau, f->p, &sign, f->norm)) return false;
-  f->rank = gsl_linalg_QRPT_rank(f->a, RANK * fabs(gsl_matrix_get(f->a, 0, 0)));
-  return f->rank > 0;
-}
-static bool fit_solve(fit *f, double *x) {
-  if (gsl_linalg_QRPT_lssolve2(f->a, f->tau, f->p, f->b, f->rank, f->x, f->residual)) return false;
-  for (size_t j = 0; j < f->a->size2; j++)
-    x[j] = f->scale[j] > 0 ? gsl_vector_get(f->x, j) / f->scale[j] : 0;
-  return true;
-}
-
-static void keep_shape(vs_oneport *o, const fit *f) {
+/* Keeps of the fit what vs_oneport_reach needs. */
+static void keep_shape(vs_oneport *o, const vs_fit *f) {
   o->rank = f->rank;
   for (size_t j = 0; j < f->rank; j++) {
     o->column[j] = gsl_permutation_get(f->p, j);
@@ -193,82 +178,76 @@ static void keep_shape(vs_oneport *o, const fit *f) {
   }
 }
 
-/* Least squares for the right side at hand. Gives what is left over, the root of its sum of
- * squares.
- */
-static double fit_left(fit *f, double *x) {
-  return fit_solve(f, x) ? gsl_blas_dnrm2(f->residual) : INFINITY;
-}
-
-/* The law in its integral form, which needs no derivative of what the solver showed:
- * q + tau i + G int v + C v = a sine + mean t + constant (+ drift t^2/2). */
+/* A row of the law in its integral form, which needs no derivative of what the solver showed:
+ * q + tau i + G int v + C v = a sine + mean t + constant (+ drift t^2/2), q being the charge. */
 static void law_row(const vs_oneport *o, const vs_seen *s, const vs_seen *first,
-                    double row[LAW_COLUMNS + 1]) {
+                    double row[LAW_ROOM]) {
   double angle = o->setup->timeline.omega_rad_s * s->knot.t_s, t = s->knot.t_s - first->knot.t_s;
-  const double columns[LAW_COLUMNS + 1] = {cos(angle),
-                                           sin(angle),
-                                           t,
-                                           1,
-                                           -(s->flux_in_wb - first->flux_in_wb),
-                                           -s->knot.v_eva_v,
-                                           -vs_oneport_knot_current(&o->setup->model, &s->knot),
-                                           t * t / 2};
-  memcpy(row, columns, sizeof columns);
+  row[LAW_COSINE] = cos(angle);
+  row[LAW_SINE] = sin(angle);
+  row[LAW_MEAN] = t;
+  row[LAW_CONSTANT] = 1;
+  row[LAW_G] = -(s->flux_in_wb - first->flux_in_wb);
+  row[LAW_C] = -s->knot.v_eva_v;
+  row[LAW_TAU] = -vs_oneport_knot_current(&o->setup->model, &s->knot);
+  row[LAW_COLUMNS] = t * t / 2;
 }
 
-/* i = i_N(t): a sine + mean (+ drift t) */
-enum { STATIC_COLUMNS = 3 };
+/* A row of the static law: i = a sine + mean (+ drift t). */
 static void static_row(const vs_oneport *o, const vs_seen *s, const vs_seen *first,
-                       double row[LAW_COLUMNS + 1]) {
+                       double row[LAW_ROOM]) {
   double angle = o->setup->timeline.omega_rad_s * s->knot.t_s;
-  row[0] = cos(angle);
-  row[1] = sin(angle);
-  row[2] = 1;
-  row[3] = s->knot.t_s - first->knot.t_s;
+  row[STATIC_COSINE] = cos(angle);
+  row[STATIC_SINE] = sin(angle);
+  row[STATIC_MEAN] = 1;
+  row[STATIC_COLUMNS] = s->knot.t_s - first->knot.t_s;
 }
 
-/* The first `count` columns of the law; what is left over. */
-static double fit_law(vs_oneport *o, const sight *in, size_t count, double x[LAW_COLUMNS + 1]) {
-  fit f = fit_new(in->count, count);
+/* A row of either law, and its right side: the charge, C, or the current, A. */
+static double row_of(const vs_oneport *o, const vs_seen *s, const vs_seen *first,
+                     double row[LAW_ROOM]) {
+  (o->dynamic ? law_row : static_row)(o, s, first, row);
+  return o->dynamic ? s->charge_c - first->charge_c
+                    : vs_oneport_knot_current(&o->setup->model, &s->knot);
+}
+
+static size_t law_columns(const vs_oneport *o) {
+  return o->dynamic ? (size_t)LAW_COLUMNS : (size_t)STATIC_COLUMNS;
+}
+
+/* Fits the first `count` columns of the law, and returns what is left over. */
+static double fit_law(vs_oneport *o, const sight *in, size_t count, double x[LAW_ROOM]) {
+  vs_fit f = vs_fit_new(in->count, count);
   for (size_t k = 0; k < in->count; k++) {
-    const vs_seen *s = in->seen[k];
-    double row[LAW_COLUMNS + 1];
-    (o->dynamic ? law_row : static_row)(o, s, in->seen[0], row);
+    double row[LAW_ROOM];
+    gsl_vector_set(f.b, k, row_of(o, in->seen[k], in->seen[0], row));
     for (size_t j = 0; j < count; j++) gsl_matrix_set(f.a, k, j, row[j]);
-    gsl_vector_set(f.b, k,
-                   o->dynamic ? s->charge_c - in->seen[0]->charge_c
-                              : vs_oneport_knot_current(&o->setup->model, &s->knot));
   }
-  double left = fit_decompose(&f) ? fit_left(&f, x) : INFINITY;
+  double left = vs_fit_decompose(&f) ? vs_fit_solve(&f, x) : INFINITY;
   if (count == LAW_COLUMNS) keep_shape(o, &f);
-  fit_free(&f);
+  vs_fit_free(&f);
   return left;
 }
 
-/* With a drift so much less is left over: then the source does drift, as from a store that empties
- * slowly, and is no periodic one. */
+/* Where a drift leaves less than this share over of what is left over without one, the source does
+ * drift, as from a store that empties slowly, and is not periodic. */
 static const double LAW_DRIFTS = 0.5;
 
 static bool find_law(vs_oneport *o, const sight *in) {
-  double x[LAW_COLUMNS + 1], drifting[LAW_COLUMNS + 1];
-  size_t count = o->dynamic ? LAW_COLUMNS : STATIC_COLUMNS;
+  double x[LAW_ROOM], drifting[LAW_ROOM];
+  size_t count = law_columns(o);
   double without = fit_law(o, in, count, x), with = fit_law(o, in, count + 1, drifting);
   if (!isfinite(without) || with < LAW_DRIFTS * without) return false;
-  o->cosine = x[0];
-  o->sine = x[1];
-  o->mean_a = x[2];
-  o->g_s = o->dynamic ? x[4] : 0;
-  o->c_f = o->dynamic ? x[5] : 0;
-  o->tau_s = o->dynamic ? x[6] : 0;
+  o->cosine = x[LAW_COSINE];
+  o->sine = x[LAW_SINE];
+  o->mean_a = x[LAW_MEAN];
+  o->g_s = o->dynamic ? x[LAW_G] : 0;
+  o->c_f = o->dynamic ? x[LAW_C] : 0;
+  o->tau_s = o->dynamic ? x[LAW_TAU] : 0;
   return true;
 }
 
-/* Columns of the source, first in either law. */
-static size_t source_columns(const vs_oneport *o) {
-  return o->dynamic ? 4 : STATIC_COLUMNS;
-}
-
-/* What part of a source's sine flows through the coil. */
+/* The share of a source's sine that flows through the coil, which is at rest. */
 static double through_coil(const vs_oneport *o) {
   const vs_model *m = &o->setup->model;
   double w = o->setup->timeline.omega_rad_s, r = m->actuator.resistance_ohm,
@@ -279,31 +258,36 @@ static double through_coil(const vs_oneport *o) {
 
 void vs_oneport_walked(const vs_oneport *o, const vs_seen *const *seen, size_t count,
                        double *sine_a, double *mean_a) {
-  fit f = fit_new(count, source_columns(o));
+  const size_t of_source = o->dynamic ? (size_t)LAW_CONSTANT + 1 : (size_t)STATIC_COLUMNS;
+  vs_fit f = vs_fit_new(count, of_source);
   double x[LAW_COLUMNS], rate = o->dynamic ? o->setup->timeline.omega_rad_s : 1;
-  const double found[LAW_COLUMNS] = {o->cosine, o->sine, o->mean_a, 0, o->g_s, o->c_f, o->tau_s};
+  const double found[LAW_COLUMNS] = {
+      [LAW_COSINE] = o->cosine, [LAW_SINE] = o->sine, [LAW_MEAN] = o->mean_a,
+      [LAW_G] = o->g_s,         [LAW_C] = o->c_f,     [LAW_TAU] = o->tau_s};
   for (size_t k = 0; k < count; k++) {
-    double row[LAW_COLUMNS + 1] = {0}, left;
-    (o->dynamic ? law_row : static_row)(o, seen[k], seen[0], row);
-    left = o->dynamic ? seen[k]->charge_c - seen[0]->charge_c
-                      : vs_oneport_knot_current(&o->setup->model, &seen[k]->knot);
-    for (size_t j = 0; j < (o->dynamic ? LAW_COLUMNS : STATIC_COLUMNS); j++)
-      left -= found[j] * row[j];
-    for (size_t j = 0; j < f.a->size2; j++) gsl_matrix_set(f.a, k, j, row[j]);
+    double row[LAW_ROOM], left = row_of(o, seen[k], seen[0], row);
+    for (size_t j = 0; j < law_columns(o); j++) left -= found[j] * row[j];
+    for (size_t j = 0; j < of_source; j++) gsl_matrix_set(f.a, k, j, row[j]);
     gsl_vector_set(f.b, k, left);
   }
-  bool good = fit_decompose(&f) && isfinite(fit_left(&f, x));
-  fit_free(&f);
-  *sine_a = good ? through_coil(o) * rate * hypot(x[0], x[1]) : INFINITY;
-  *mean_a = good ? fabs(x[2]) : INFINITY;
+  bool good = vs_fit_decompose(&f) && isfinite(vs_fit_solve(&f, x));
+  vs_fit_free(&f);
+  *sine_a = good ? through_coil(o) * rate * hypot(x[LAW_COSINE], x[LAW_SINE]) : INFINITY;
+  *mean_a = good ? fabs(x[LAW_MEAN]) : INFINITY;
 }
 
+/* With A = QR of the fit, the current at t_s hangs on the law's numbers by the row below (the law's
+ * integral form, differentiated), and its error on the misfit by |R^-T row|. */
 double vs_oneport_reach(const vs_oneport *o, double t_s, const vs_coil *c) {
   if (!o->dynamic) return 1;
   double w = o->setup->timeline.omega_rad_s;
-  const double row[LAW_COLUMNS] = {-w * sin(w * t_s), w * cos(w * t_s), 1, 0, -c->v_v,
-                                   -c->v_rate_v_s,    -c->i_rate_a_s};
-  double sum = 0, y[LAW_COLUMNS]; /* R' y = row */
+  const double row[LAW_COLUMNS] = {[LAW_COSINE] = -w * sin(w * t_s),
+                                   [LAW_SINE] = w * cos(w * t_s),
+                                   [LAW_MEAN] = 1,
+                                   [LAW_G] = -c->v_v,
+                                   [LAW_C] = -c->v_rate_v_s,
+                                   [LAW_TAU] = -c->i_rate_a_s};
+  double sum = 0, y[LAW_COLUMNS]; /* R^T y = row */
   for (size_t j = 0; j < o->rank; j++) {
     y[j] = row[o->column[j]] / o->scale[j];
     for (size_t k = 0; k < j; k++) y[j] -= o->shape[k][j] * y[k];
@@ -324,10 +308,10 @@ static double reach_of(vs_oneport *o, const sight *in) {
   return most;
 }
 
-/* rkf45's error over 0.1 rad of the machine's swing is 1e-9 of it, over 0.2 rad of the coil's with
- * its capacitances, which dies, 1e-7. 0: the law is none to go by, as it is unstable or too stiff.
- * The electrical half at rest: lambda' = v - R k lambda, k = z/(2a); C v' = -G v - k lambda -
- * tau k (v - R k lambda). */
+/* Returns the longest substep of the integration, s, or 0 where the law is unstable or too stiff.
+ * rkf45's error over 0.1 rad of the machine's swing is 1e-9 of it; over 0.2 rad of the swing of the
+ * coil with its capacitances, which dies away, it is 1e-7. The electrical half at rest is
+ * lambda' = v - R k lambda, C v' = -G v - k lambda - tau k (v - R k lambda) with k = z/(2a). */
 static double substep(const vs_oneport *o) {
   const vs_model *m = &o->setup->model;
   double h = 0.1 / fmax(m->fastest_rad_s, o->setup->timeline.omega_rad_s);
@@ -342,33 +326,37 @@ static double substep(const vs_oneport *o) {
   return h > 5e-4 * o->setup->timeline.period_s ? h : 0; /* 2000 a cycle */
 }
 
-/* Least squares for signal n. Gives what is left over, as the root of its sum of squares. */
-static double find_signal(const vs_oneport *o, const sight *in, size_t n, fit *f, double *x) {
+/* Fits signal n, and returns what is left over. */
+static double find_signal(const vs_oneport *o, const sight *in, size_t n, vs_fit *f, double *x) {
   for (size_t k = 0; k < in->count; k++)
     gsl_vector_set(f->b, k, vs_oneport_seen_signal(o->frame, in->seen[k], n));
-  return fit_left(f, x);
+  return vs_fit_solve(f, x);
 }
 
-/* A signal is taken to drift, as an integral does, or to hang on the coil where that leaves hardly
- * anything over: over one cycle the coil's voltage is nearly a sine, and what it shares with the
- * signal beyond that may be chance, which does not last. */
+/* A signal is taken to drift, as an integral does, only where a fit with a drift leaves less than a
+ * tenth over of what the best one without leaves; and to hang on the coil where that leaves less
+ * than 0.8. Over one cycle the coil's voltage is nearly a sine, and what it shares with the signal
+ * beyond that may be chance, which does not last. */
 static const double BETTER = 0.1, HANGS = 0.8;
 
-/* The columns that fits may have: with those of the coil or not, with the drift or not. */
-enum { FITS = 4, OF_COIL = 1, OF_DRIFT = 2, COIL_AT = 2 * HARMONICS + 1 };
+/* The fits that are tried for a signal: with the columns of the coil or without, with the drift or
+ * without. As bits; the plainest comes first. */
+enum { OF_COIL = 1, OF_DRIFT = 2, FITS = 4 };
 
+/* Which of a signal's columns is the j-th of this kind of fit. Without the coil's the drift, if
+ * there is one, stands right behind the mean. */
 static size_t column_at(int kind, size_t j) {
-  if (!(kind & OF_COIL) && j >= COIL_AT) return TERM_COLUMNS - 1;
+  if (!(kind & OF_COIL) && j >= TERM_V) return TERM_DRIFT;
   return j;
 }
 
 static size_t columns_of(int kind) {
-  size_t count = kind & OF_COIL ? TERM_COLUMNS - 1 : COIL_AT;
+  size_t count = kind & OF_COIL ? TERM_DRIFT : TERM_V;
   return kind & OF_DRIFT ? count + 1 : count;
 }
 
-static bool begin_signals(const vs_oneport *o, const sight *in, int kind, fit *f) {
-  *f = fit_new(in->count, columns_of(kind));
+static bool begin_signals(const vs_oneport *o, const sight *in, int kind, vs_fit *f) {
+  *f = vs_fit_new(in->count, columns_of(kind));
   for (size_t k = 0; k < in->count; k++) {
     const vs_knot *seen = &in->seen[k]->knot;
     double y[VS_ONEPORT_STATES], column[TERM_COLUMNS];
@@ -377,11 +365,11 @@ static bool begin_signals(const vs_oneport *o, const sight *in, int kind, fit *f
     columns(o, seen->t_s, &c, column);
     for (size_t j = 0; j < f->a->size2; j++) gsl_matrix_set(f->a, k, j, column[column_at(kind, j)]);
   }
-  return fit_decompose(f);
+  return vs_fit_decompose(f);
 }
 
 static bool find_signals(vs_oneport *o, const sight *in) {
-  fit fits[FITS];
+  vs_fit fits[FITS];
   bool good = true;
   o->from_s = in->seen[0]->knot.t_s;
   for (int kind = 0; kind < FITS; kind++) good = begin_signals(o, in, kind, &fits[kind]) && good;
@@ -396,18 +384,18 @@ static bool find_signals(vs_oneport *o, const sight *in) {
     }
     good = isfinite(best);
   }
-  for (int kind = 0; kind < FITS; kind++) fit_free(&fits[kind]);
+  for (int kind = 0; kind < FITS; kind++) vs_fit_free(&fits[kind]);
   return good;
 }
 
 bool vs_oneport_hangs(const vs_oneport *o, size_t n) {
-  for (size_t j = COIL_AT; j < TERM_COLUMNS - 1; j++)
+  for (size_t j = TERM_V; j < TERM_DRIFT; j++)
     if (o->signal[n][j] != 0) return true;
   return false;
 }
 
 double vs_oneport_drift(const vs_oneport *o, size_t n) {
-  return o->signal[n][TERM_COLUMNS - 1];
+  return o->signal[n][TERM_DRIFT];
 }
 
 bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, bool dynamic) {

@@ -7,20 +7,20 @@
 
 #include "machine/actuator.h"
 
-/* Knots kept in a cycle, at most: they leave 66 for a period of the third harmonic, the highest
- * that is fitted. The ring then has room for five cycles. */
+/* At most so many knots are kept of a cycle: that leaves 66 for a period of the third harmonic, the
+ * highest that is fitted. The ring then has room for five cycles. */
 enum { PER_CYCLE = 200, MOST_KEPT = 1024 };
 
-/* A view may begin this part of a cycle late: four of the knots kept. */
+/* A view may begin late by this share of a cycle, which is four of the knots kept. */
 static const double LATE = 0.02;
 
-/* Three run.tolerance of its peak is what a signal may be wrong by. The deck's signals run straight
- * from knot to knot, which alone takes one (vs_quiet_longest). */
+/* A signal may be wrong by three times run.tolerance, relative to its peak. The deck's signals run
+ * straight from knot to knot, which alone takes one of the three (quiet.c, longest()). */
 static const double SIGNAL_SHARE = 3;
 
-/* As much of 1 V or 0.1 A a signal may be wrong by in any case: that is the size that the solver's
- * tolerances tell apart. Of a memory it is a thousandth, as a small voltage inside a part may
- * decide what a large one does. */
+/* In any case a signal may be wrong by run.tolerance of 1 V or 0.1 A: that is the size below which
+ * the solver's own tolerances end. For what the circuit remembers it is a thousandth of that, as a
+ * small voltage inside a component may decide what a large one does. */
 static const double LEAST_V = 1, LEAST_A = 0.1, LEAST_HIDDEN = 1e-3;
 
 size_t vs_record_terms(const vs_record *r) {
@@ -61,7 +61,8 @@ static void take_peaks(vs_record *r, const vs_knot *k) {
   r->peak_signal[terms] = fmax(r->peak_signal[terms], fabs(k->i_mains_a));
 }
 
-/* Of what the circuit remembers the peak is half of how far it went: there may be a bias. */
+/* The peak of what the circuit remembers is half of the range it went over, as there may be a bias.
+ */
 static void take_memory(vs_record *r, const double *memory) {
   for (size_t n = 0; n < r->memories->count; n++) {
     r->least[n] = fmin(r->least[n], memory[n]);
@@ -71,8 +72,8 @@ static void take_memory(vs_record *r, const double *memory) {
   }
 }
 
-/* The integral of i by its values and slopes at both ends of a step, and of v = R i + dlambda/dt.
- */
+/* Adds the step to k to the integrals of i, by values and slopes at both ends, and of
+ * v = R i + dlambda/dt. */
 static void integrate_port(vs_record *r, const vs_knot *k) {
   const vs_model *m = &r->setup->model;
   const vs_knot *from = &r->last.knot;

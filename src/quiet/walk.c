@@ -4,21 +4,22 @@
 #include <math.h>
 #include <string.h>
 
-/* A walk is counted twice. It is known from a few cycles alone, in which a beat of the machine with
- * the mains may hide some of it; two is a choice, not a proof. */
+/* A walk counts twice: it is known from a few cycles alone, in which a beat of the machine with the
+ * mains may hide some of it. Two is a choice, not a proof. */
 static const double SAFETY = 2;
 
-/* Of its misfit, so much of a signal's walk comes from the knots: they lie otherwise in each cycle,
- * at either end one of the 200 may count or not, and in a harmonic it counts twice. */
+/* Relative to its misfit, so much of a signal's walk is only made by where the knots lie: at either
+ * end of a cycle one of the 200 may count or not, and in a harmonic it counts twice. */
 static const double SAMPLING = 0.02;
 
-/* Of run.tolerance: what an extreme of a signal may be off besides, as it is read from knots that
- * lie elsewhere than the solver's would. A choice that holds over the scenes of test_leaving. */
+/* Relative to run.tolerance: how much an extreme of a signal may be off besides, as it is read from
+ * other knots than the solver's would be. A choice that holds over the scenes of test_leaving. */
 static const double EXTREMES = 0.2;
 
-/* ---- a signal's error in parts ---- */
+/* ---- the shares of a signal's error ---- */
 
-/* Of knot k in view: what its error counts for each part, so that their sum is the part. */
+/* How much the error at knot k in view counts for each share: the sum over all knots is the share.
+ */
 static void weights(const vs_record *r, size_t k, double weight[VS_WALK_SHARES]) {
   size_t last = r->n_seen - 1;
   double span_s = r->seen[last]->knot.t_s - r->seen[0]->knot.t_s;
@@ -31,12 +32,12 @@ static void weights(const vs_record *r, size_t k, double weight[VS_WALK_SHARES])
   }
 }
 
-static void add_parts(const double weight[VS_WALK_SHARES], double error,
-                      double part[VS_WALK_SHARES]) {
-  for (int n = 0; n < VS_WALK_SHARES; n++) part[n] += weight[n] * error;
+static void add_shares(const double weight[VS_WALK_SHARES], double error,
+                       double share[VS_WALK_SHARES]) {
+  for (int n = 0; n < VS_WALK_SHARES; n++) share[n] += weight[n] * error;
 }
 
-/* The largest value that the difference of two errors can have. */
+/* The largest value that the difference of two errors with these shares can have. */
 static double distance(const double a[VS_WALK_SHARES], const double b[VS_WALK_SHARES]) {
   double sum = fabs(a[0] - b[0]);
   for (int n = 1; n < VS_WALK_SHARES; n += 2) sum += hypot(a[n] - b[n], a[n + 1] - b[n + 1]);
@@ -54,14 +55,16 @@ void vs_walk_shares_of(const vs_record *r, const vs_oneport *port, vs_walk_share
     vs_oneport_signals(port, seen->knot.t_s, &c, signal);
     weights(r, k, weight);
     for (size_t n = 0; n < count; n++)
-      add_parts(weight, signal[n] - vs_oneport_seen_signal(r->frame, seen, n), all->of[n]);
+      add_shares(weight, signal[n] - vs_oneport_seen_signal(r->frame, seen, n), all->of[n]);
   }
 }
 
 /* ---- the walk from an earlier cycle ---- */
 
-/* What a mode takes from the cycle in view if the flux linkage there is more by a sine of the
- * mains' frequency, of any phase, and a mean: the force is more in proportion to their product. */
+/* How much more a mode takes from the cycle in view if the flux linkage is larger by a sine of the
+ * mains' frequency, of any phase, and by a mean. The force is then larger in proportion to the
+ * product of that and of the flux linkage; the return value is the size of that product's integral,
+ * in the mode's own phase. */
 static double swing(const vs_record *r, const vs_mode *m, double sine, double mean) {
   double sum[3][2] = {{0}}, w = r->setup->timeline.omega_rad_s, t0 = r->seen[0]->knot.t_s;
   for (size_t k = 1; k < r->n_seen; k++) {
@@ -78,7 +81,7 @@ static double swing(const vs_record *r, const vs_mode *m, double sine, double me
          mean * hypot(sum[2][0], sum[2][1]);
 }
 
-/* Shares of the modes in what one newton of the coil's force changes of the state's rate. */
+/* The modes' shares in what one newton of the coil's force changes of the state's rate. */
 static void unit_force(const vs_record *r, const vs_modal *modal, double share[VS_STATES]) {
   const vs_model *m = &r->setup->model;
   double unit[VS_STATES] = {0}, none[VS_STATES] = {0}, rest[VS_DOF];
@@ -88,15 +91,15 @@ static void unit_force(const vs_record *r, const vs_modal *modal, double share[V
   vs_modal_shares(modal, unit, share);
 }
 
-/* The coil and the machine. A coil that is driven so much more makes a force in proportion to the
- * flux linkage it has. */
+/* The walk of the coil and of the machine. A current that is larger makes the force larger in
+ * proportion to the flux linkage that the coil has. */
 static void walk_of_machine(const vs_record *r, const vs_oneport *port, const vs_modal *modal,
                             int cycles, vs_walk *w) {
   const vs_model *m = &r->setup->model;
   double flux = 0, sine, mean;
   vs_oneport_walked(port, r->seen, r->n_seen, &sine, &mean);
   const double to_flux =
-      2 * m->a_hm / m->gap_rest_m / cycles; /* of a current, at the gap at rest */
+      2 * m->a_hm / m->gap_rest_m / cycles; /* Wb/A at the gap at rest, for one cycle */
   for (size_t k = 0; k < r->n_seen; k++) flux = fmax(flux, fabs(r->seen[k]->knot.flux_wb));
   w->current_a = (sine + mean) / cycles;
   w->force_n = flux * to_flux * (sine + mean) / (2 * m->a_hm);
@@ -122,8 +125,9 @@ double vs_walk_electric(const vs_record *r, const vs_walk *w, double cycles) {
   return SAFETY * cycles * fmax(w->force_n / r->peak_force_n, w->current_a / r->peak_a);
 }
 
-/* In how many cycles a beat of the machine with the mains may take what it changes from one to the
- * next: a mode turns by s T in a cycle, so both ends lie apart by 2/|1 - exp(s T)| such changes. */
+/* A beat of the machine with the mains changes a signal by so much from one cycle to the next; this
+ * is how many such changes lie between its two ends. A mode turns by s T in a cycle, which makes it
+ * 2/|1 - exp(s T)|, of the slowest beat. */
 static double beat_cycles(const vs_modal *modal, double period) {
   double most = 0;
   for (int k = 0; k < VS_STATES; k++) {
@@ -133,9 +137,9 @@ static double beat_cycles(const vs_modal *modal, double period) {
   return most;
 }
 
-/* Of a memory, which nobody is shown, only the walk counts, and of that what is more than sampling
- * makes. What a signal that hangs on the coil is wrong by grows for the beat of the machine with
- * the mains and no longer: the source's own walk is known better, by vs_walk_electric. */
+/* What the circuit remembers is shown to nobody: only its walk counts, less what sampling makes of
+ * it. The error of a signal that hangs on the coil grows as long as a beat of the machine with the
+ * mains and no longer, as the source's own walk is known better, by vs_walk_electric. */
 double vs_walk_signals(const vs_record *r, const vs_oneport *port, const vs_modal *modal,
                        const double misfit_now[VS_SIGNALS], const vs_walk *w, double cycles) {
   double worst = 0, beat = beat_cycles(modal, r->setup->timeline.period_s);

@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "coupling/pace.h"
+
 /* Why each rung may help:
  * - Where voltages of 600 V and steps of picoseconds meet, rounding errors may grow beyond what
  *   Newton's iteration has to reach. With another order of elimination they may not, and nothing
@@ -13,7 +15,7 @@
  * - In a shorter step Newton's iteration may still find an end.
  * - With a larger trtol ngspice accepts steps whose truncation error it cannot get down by
  *   shortening them. Their length is then given by the largest step, which is why that is a
- * quarter.
+ *   quarter.
  * - Where the model of the thyristor has no solution, an ideal thyristor has one. */
 typedef struct rung {
   const char *text;
@@ -34,10 +36,6 @@ const char *vs_ladder_text(int number) {
   return RUNGS[number].text;
 }
 
-bool vs_ladder_is_ideal(int number) {
-  return RUNGS[number].ideal;
-}
-
 /* The deck's parameter for its thyristor, if that is not ideal already. */
 static bool can_be_ideal(const vs_setup *s) {
   for (size_t k = 0; k < s->deck.n_parts; k++)
@@ -47,7 +45,7 @@ static bool can_be_ideal(const vs_setup *s) {
 }
 
 bool vs_ladder_stopped_short(const vs_scene *scene) {
-  return scene->tier == &vs_coupled_tier && scene->setup.run.ladder == VS_LADDER_CLIMB &&
+  return scene->tier->has_circuit && scene->setup.run.ladder == VS_LADDER_CLIMB &&
          can_be_ideal(&scene->setup);
 }
 
@@ -58,7 +56,7 @@ static void add_key(vs_ladder *l, const char *key_and_value) {
 bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
   const vs_setup *s = &scene->setup;
   char step[64], trtol[64], pivrel[64];
-  if (scene->tier != &vs_coupled_tier || s->run.ladder == VS_LADDER_STAY) return false;
+  if (!scene->tier->has_circuit || s->run.ladder == VS_LADDER_STAY) return false;
   if (l->rung == 0) {
     l->gear = s->run.gear;
     l->step_s = vs_pace_largest_step(s) / (s->run.gear || s->run.max_step_s > 0 ? 1 : 2);
@@ -97,7 +95,9 @@ static bool is_of(const vs_limit *limit, const char *file) {
   return file && !strcmp(limit->where.file, file);
 }
 
-void vs_ladder_give_limits(const vs_deck *from, vs_deck *to) {
+/* Gives the deck with the ideal thyristor the ratings of the scene's own deck, and the limits of
+ * the part it stands for: an ideal thyristor has none to be held against. */
+static void give_limits(const vs_deck *from, vs_deck *to) {
   const char *own = thyristor_file(from), *ideal = thyristor_file(to);
   size_t n = 0;
   to->n_ratings = from->n_ratings;
@@ -110,4 +110,13 @@ void vs_ladder_give_limits(const vs_deck *from, vs_deck *to) {
     to->limits[n++].where = (vs_where){.file = ideal};
   }
   to->n_limits = n;
+}
+
+vs_status vs_ladder_scene(const vs_ladder *l, const vs_scene *scene, vs_scene *other,
+                          vs_error *err) {
+  const char *keys[VS_LADDER_KEYS];
+  for (size_t k = 0; k < l->n_keys; k++) keys[k] = l->keys[k];
+  vs_status status = vs_scene_with(scene, keys, l->n_keys, other, err);
+  if (!status && RUNGS[l->rung].ideal) give_limits(&scene->setup.deck, &other->setup.deck);
+  return status;
 }

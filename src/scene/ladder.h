@@ -33,9 +33,10 @@ bool vs_ladder_climb(vs_ladder *ladder, const vs_scene *scene);
 /* True: `run.ladder: ideal` would have one rung more for this scene. */
 bool vs_ladder_stopped_short(const vs_scene *scene);
 
-/* Gives the deck with the ideal thyristor the ratings of the scene's own deck, and the limits of
- * the part it stands for: an ideal thyristor has none to be held against. `from` must live as long
- * as `to`. */
-void vs_ladder_give_limits(const vs_deck *from, vs_deck *to);
+/* Reads the scene of this rung into `other`: `scene` with the rung's keys. On a rung with an ideal
+ * thyristor its ratings and limits are those of `scene`, which must live as long as `other`.
+ * Errors: those of vs_scene_with; `other` is freed with vs_scene_free also after one. */
+vs_status vs_ladder_scene(const vs_ladder *ladder, const vs_scene *scene, vs_scene *other,
+                          vs_error *err);
 
 #endif

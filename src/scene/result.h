@@ -10,7 +10,7 @@
 /* The second run of the scene, which tells the errors of the margins. */
 typedef struct vs_second_run {
   bool done;
-  bool stopped; /* by a signal */
+  bool stopped;     /* by a signal */
   double tolerance; /* its run.tolerance */
   double decides;   /* a run.tolerance at which the undecided lines of the verdict are likely to be
                        decided; 0: none is known, or none is needed */

@@ -13,40 +13,30 @@
 const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"},
                vs_scene_study_shelf = {"study", "studies", ".yaml"};
 
-/* Keys of sections that every tier has, but that only the circuit tier obeys: alone it has a
- * source's impedance, ngspice, a gate drive that is fed with bursts, and devices with means and
- * ratings. What is on no other tier either way (run.verify: never) is no conflict. */
-typedef struct circuit_key {
-  const char *section, *key;
-  const char *value; /* only this one; NULL: any */
-} circuit_key;
-static const circuit_key CIRCUIT_KEYS[] = {
-    {"supply", "resistance", NULL},
-    {"supply", "inductance", NULL},
-    {"run", "method", NULL},
-    {"run", "trtol", NULL},
-    {"run", "pivrel", NULL},
-    {"run", "leave_circuit", NULL},
-    {"run", "ladder", NULL},
-    {"run", "verify", "always"},
-    {"firing", "burst_frequency", NULL},
-    {"firing", "burst_duty", NULL},
-    {"measure", "from", NULL},
-    {"measure", "to", NULL},
-    {"measure", "last", NULL},
-};
-enum { N_CIRCUIT_KEYS = sizeof CIRCUIT_KEYS / sizeof *CIRCUIT_KEYS };
-
-static const vs_node *node_of(const vs_scene *s, const circuit_key *k) {
+static const vs_node *node_of(const vs_scene *s, const vs_tier_key *k) {
   const vs_node *node = vs_tree_child(vs_tree_child(s->tree.root, k->section), k->key);
   if (!node || !k->value) return node;
   return node->kind == VS_NODE_TEXT && !strcmp(node->text, k->value) ? node : NULL;
 }
 
-/* Its first probe that only the circuit tier has; NULL: none. */
+/* The first key, of those that this tier obeys and others do not, that the scene has; NULL: none.
+ */
+static const vs_tier_key *own_key(const vs_scene *s, const vs_tier *tier) {
+  for (const vs_tier_key *k = tier->keys; k && k->section; k++)
+    if (node_of(s, k)) return k;
+  return NULL;
+}
+
+static bool obeys(const vs_tier *tier, const vs_tier_key *key) {
+  for (const vs_tier_key *k = tier->keys; k && k->section; k++)
+    if (!strcmp(k->section, key->section) && !strcmp(k->key, key->key)) return true;
+  return false;
+}
+
+/* The scene's first probe that only a tier with a circuit has; NULL: none. */
 static const char *probe_of_circuit(const vs_scene *s) {
   const vs_node *record = vs_tree_child(s->tree.root, "record");
-  const vs_frame circuit_frame = vs_coupled_tier.frame(&s->setup);
+  const vs_frame circuit_frame = vs_sim_frame(vs_tiers_automatic(true), &s->setup);
   const vs_node *item = record && record->kind == VS_NODE_LIST ? record->child : record;
   for (; item; item = item->next)
     if (item->kind == VS_NODE_TEXT && vs_channel_find(&circuit_frame, item->text) >= VS_CH_DECK)
@@ -70,9 +60,7 @@ static const char *needs_circuit(const vs_scene *s, char *buffer, size_t size) {
   const vs_node *circuit = vs_tree_child(s->tree.root, "circuit");
   const vs_occurrence *event = first_event(s);
   const char *probe = probe_of_circuit(s);
-  const circuit_key *key = NULL;
-  for (size_t k = 0; k < N_CIRCUIT_KEYS && !key; k++)
-    if (node_of(s, &CIRCUIT_KEYS[k])) key = &CIRCUIT_KEYS[k];
+  const vs_tier_key *key = own_key(s, vs_tiers_automatic(true));
   if (circuit && circuit->child)
     snprintf(buffer, size, "circuit.%s, %s", circuit->child->key, HAS);
   else if (key)
@@ -89,14 +77,19 @@ static const char *needs_circuit(const vs_scene *s, char *buffer, size_t size) {
 
 /* ---- what a tier that was asked for would ignore ---- */
 
+/* The tier to take instead. */
+static const char *circuit_tier(void) {
+  return vs_tiers_automatic(true)->name;
+}
+
 static vs_status ignored_key(const vs_scene *s, const char *section, const vs_node *node,
                              vs_error *err) {
   if (!node) return VS_OK;
   return vs_error_carry_on(
       err, vs_fail_at(err, node->key_where,
                       "%s.%s: tier %s (%s) has no circuit and would ignore it; take "
-                      "tier circuit or auto, or leave the key out",
-                      section, node->key, s->tier->name, s->why));
+                      "tier %s or auto, or leave the key out",
+                      section, node->key, s->tier->name, s->why, circuit_tier()));
 }
 
 static vs_status ignored_event(const vs_scene *s, const vs_occurrence *e, vs_error *err) {
@@ -105,14 +98,23 @@ static vs_status ignored_event(const vs_scene *s, const vs_occurrence *e, vs_err
   if (e->kind->ideal)
     vs_fail_at(err, e->where,
                "events.%s.gate: tier %s (%s) has one thyristor, whose gate is 'gate', and would "
-               "ignore %s; take tier circuit or auto",
-               e->name, s->tier->name, s->why, e->v.gate);
+               "ignore %s; take tier %s or auto",
+               e->name, s->tier->name, s->why, e->v.gate, circuit_tier());
   else
     vs_fail_at(err, e->where,
                "events.%s: tier %s (%s) has an ideal thyristor between mains and coil, to which a "
-               "%s is nothing; take tier circuit or auto",
-               e->name, s->tier->name, s->why, e->kind->name);
+               "%s is nothing; take tier %s or auto",
+               e->name, s->tier->name, s->why, e->kind->name, circuit_tier());
   return vs_error_carry_on(err, VS_INPUT);
+}
+
+/* The keys of the scene that other tiers obey and this one does not. */
+static vs_status check_ignored_keys(const vs_scene *s, vs_error *err) {
+  vs_status status = VS_OK;
+  for (int t = 0; t < VS_TIERS; t++)
+    for (const vs_tier_key *k = vs_tiers_all[t]->keys; k && k->section && !status; k++)
+      if (!obeys(s->tier, k)) status = ignored_key(s, k->section, node_of(s, k), err);
+  return status;
 }
 
 /* The deck's name alone is no conflict: it says what the tiers stand for. */
@@ -120,11 +122,10 @@ static vs_status check_ignored(const vs_scene *s, vs_error *err) {
   const vs_node *circuit = vs_tree_child(s->tree.root, "circuit");
   const vs_events *events = &s->setup.timeline.events;
   vs_status status = VS_OK;
-  if (s->tier == &vs_coupled_tier) return VS_OK;
+  if (s->tier->has_circuit) return VS_OK;
   for (const vs_node *n = circuit ? circuit->child : NULL; n && !status; n = n->next)
     if (strcmp(n->key, vs_deck_key.key)) status = ignored_key(s, "circuit", n, err);
-  for (size_t k = 0; k < N_CIRCUIT_KEYS && !status; k++)
-    status = ignored_key(s, CIRCUIT_KEYS[k].section, node_of(s, &CIRCUIT_KEYS[k]), err);
+  if (!status) status = check_ignored_keys(s, err);
   for (size_t k = 0; k < events->count && !status; k++)
     status = ignored_event(s, &events->item[k], err);
   return status;
@@ -144,9 +145,7 @@ static vs_status choose_tier(vs_scene *s, const char *named, vs_error *err) {
     choice = 0;
   else if (named) {
     s->tier = vs_tiers_find(named);
-    if (!s->tier)
-      return vs_fail(err, VS_INPUT, "--tier %s: there are: auto, analytic, switched, circuit",
-                     named);
+    if (!s->tier) return vs_fail(err, VS_INPUT, "--tier %s: there are: %s", named, vs_tiers_words);
     snprintf(s->why, sizeof s->why, "asked for by --tier");
     return VS_OK;
   }
@@ -154,27 +153,27 @@ static vs_status choose_tier(vs_scene *s, const char *named, vs_error *err) {
     s->tier = vs_tiers_all[choice - 1];
     snprintf(s->why, sizeof s->why, "asked for by run.tier");
   } else if (!tier_is_known(s)) {
-    s->tier = &vs_coupled_tier; /* it has all probes */
+    s->tier = vs_tiers_automatic(true); /* it has all probes */
   } else if (needs_circuit(s, what, sizeof what)) {
-    s->tier = &vs_coupled_tier;
+    s->tier = vs_tiers_automatic(true);
     snprintf(s->why, sizeof s->why, "auto: the scene names %s", what);
   } else {
-    s->tier = &vs_switched_tier;
+    s->tier = vs_tiers_automatic(false);
     snprintf(s->why, sizeof s->why, "auto: nothing in the scene needs the circuit tier");
   }
   return VS_OK;
 }
 
 static vs_status unknown_probe(const vs_scene *s, const vs_node *node, vs_error *err) {
-  vs_frame full = vs_coupled_tier.frame(&s->setup);
+  vs_frame full = vs_sim_frame(vs_tiers_automatic(true), &s->setup);
   const char *names[VS_CH_MOST];
   size_t n = 0;
   const char *name = node->kind == VS_NODE_TEXT ? node->text : "a list or map";
   if (s->setup.deck.lost & VS_LOST_PROBE) return VS_OK; /* a check carries on: it may be that one */
   if (vs_channel_find(&full, name) >= 0)
     return vs_fail_at(err, node->where,
-                      "record: probe %s exists only on tier circuit, and this is tier %s", name,
-                      s->tier->name);
+                      "record: probe %s exists only on tier %s, and this is tier %s", name,
+                      circuit_tier(), s->tier->name);
   for (int k = 0; k < vs_channel_count(&full); k++)
     if (vs_channel_at(&full, k).listed) names[n++] = vs_channel_at(&full, k).name;
   const char *nearest = vs_text_nearest(name, names, n);
@@ -277,7 +276,7 @@ vs_status vs_scene_open(const char *name, vs_where where, vs_scene *s, vs_error 
 static vs_status conclude(vs_scene *s, const char *tier, vs_error *err) {
   vs_status status = choose_tier(s, tier, err);
   if (status) return status;
-  s->frame = s->tier->frame(&s->setup);
+  s->frame = vs_sim_frame(s->tier, &s->setup);
   status = check_ignored(s, err);
   if (!status) status = vs_error_carry_on(err, check_tolerance(s, err));
   if (!status) status = vs_error_carry_on(err, check_rows(s, err));
@@ -288,6 +287,7 @@ vs_status vs_scene_settle(vs_scene *s, const char *tier, vs_error *err) {
   vs_status status =
       vs_field_known_keys(s->tree.root, "a scene", vs_section_keys, VS_SECTION_KEYS, err);
   s->tier_named = tier;
+  s->order = vs_tiers_order;
   if (!status) status = vs_setup_build(s->tree.root, &s->setup, err);
   if (!status) status = conclude(s, tier, err);
   if (status) return status;
@@ -298,6 +298,7 @@ vs_status vs_scene_settle(vs_scene *s, const char *tier, vs_error *err) {
 }
 
 vs_status vs_scene_again(vs_scene *s, vs_error *err) {
+  if (!vs_setup_keeps_deck(s->tree.root, &s->setup)) s->order.tried = false;
   vs_status status = vs_setup_again(s->tree.root, &s->setup, err);
   if (!status) status = conclude(s, NULL, err);
   if (!status) warn(s);
@@ -326,13 +327,13 @@ vs_status vs_scene_read(const char *name, char *const *sets, size_t n_sets, cons
 vs_status vs_scene_take_circuit(vs_scene *s, const char *asks, vs_error *err) {
   const char *tier = s->tier_named;
   s->asks = asks;
-  if (s->tier == &vs_coupled_tier) return VS_OK;
+  if (s->tier->has_circuit) return VS_OK;
   if (tier ? strcmp(tier, "auto") != 0 : s->setup.run.tier > 0)
-    return vs_fail(err, VS_INPUT, "%s: only tier circuit can do that, and this is tier %s (%s)",
-                   asks, s->tier->name, s->why);
-  s->tier = &vs_coupled_tier;
+    return vs_fail(err, VS_INPUT, "%s: only tier %s can do that, and this is tier %s (%s)", asks,
+                   circuit_tier(), s->tier->name, s->why);
+  s->tier = vs_tiers_automatic(true);
   snprintf(s->why, sizeof s->why, "auto: %s asks for it", asks);
-  s->frame = s->tier->frame(&s->setup);
+  s->frame = vs_sim_frame(s->tier, &s->setup);
   warn(s);
   s->n_record = 0;
   vs_status status = check_tolerance(s, err);

@@ -5,6 +5,7 @@
 #define VS_SCENE_SCENE_H
 
 #include "base/path.h"
+#include "scene/tiers.h"
 #include "scene/warnings.h"
 #include "watch/measures.h"
 
@@ -16,7 +17,8 @@ extern const vs_shelf vs_scene_shelf, vs_scene_study_shelf;
 typedef struct vs_scene {
   char path[VS_PATH_SIZE];
   vs_tree tree;
-  vs_setup setup;
+  vs_setup setup;         /* constant once the scene is settled */
+  vs_run_order order;     /* what its next run has besides; whoever runs it may change it */
   const char *tier_named; /* the word of --tier, borrowed; NULL: not given */
   const char *asks; /* what the command line asked the circuit tier for, borrowed; NULL: nothing */
   const vs_tier *tier;

@@ -98,8 +98,8 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
   vs_status status = guest && guest->begin ? guest->begin(guest->ctx, s, err) : VS_OK;
   if (status) return status;
   double began_s = seconds(CLOCK_MONOTONIC);
-  status = session->unguarded ? s->tier->run(&s->setup, &observer, err)
-                              : vs_sim_run(s->tier, &s->setup, &observer, err);
+  status = session->unguarded ? s->tier->run(&s->setup, &s->order, &observer, err)
+                              : vs_sim_run(s->tier, &s->setup, &s->order, &observer, err);
   r->wall_s = seconds(CLOCK_MONOTONIC) - began_s;
   if (status || session->bare) return status;
   vs_result_finish(r);
@@ -111,16 +111,10 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
 /* Goes to the next rung whose scene can be read, and reads it. An ideal thyristor is no rung for a
  * scene that sets what only its own one has. NULL: there is none. */
 static vs_scene *next_rung(const vs_scene *scene, vs_ladder *ladder) {
-  const char *keys[VS_LADDER_KEYS];
   vs_error err = {0};
   if (!vs_ladder_climb(ladder, scene)) return NULL;
-  for (size_t k = 0; k < ladder->n_keys; k++) keys[k] = ladder->keys[k];
   vs_scene *other = vs_alloc(1, sizeof *other);
-  if (!vs_scene_with(scene, keys, ladder->n_keys, other, &err)) {
-    if (vs_ladder_is_ideal(ladder->rung))
-      vs_ladder_give_limits(&scene->setup.deck, &other->setup.deck);
-    return other;
-  }
+  if (!vs_ladder_scene(ladder, scene, other, &err)) return other;
   vs_scene_free(other);
   free(other);
   return NULL;
@@ -199,9 +193,9 @@ static void change_settings(vs_scene *s, double factor) {
   run->max_step_s *= sqrt(factor);
   double looser = factor > 1 ? factor * LOOSER : factor;
   run->trtol = run->trtol > USUAL_TRTOL ? USUAL_TRTOL : fmax(run->trtol * looser, 1);
-  s->setup.raw = NULL;
-  s->setup.tried = true;
-  s->frame = s->tier->frame(&s->setup);
+  s->order.raw = NULL;
+  s->order.tried = true;
+  s->frame = vs_sim_frame(s->tier, &s->setup);
 }
 
 /* The run.tolerance at which every undecided line is likely to be decided, as errors go with the
@@ -251,8 +245,8 @@ static void run_second(const vs_session *session, vs_result *r) {
 vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *r, vs_error *err) {
   *r = (vs_result){.scene = scene};
   vs_status status = climb(session, scene, r, err);
-  if (!status && scene->tier == &vs_coupled_tier)
-    scene->setup.tried = true; /* until another deck is read */
+  if (!status && scene->tier->has_circuit)
+    scene->order.tried = true; /* until another deck is read */
   if (!status && wants_second(session, r)) run_second(session, r);
   return status;
 }
@@ -304,6 +298,6 @@ static vs_status stop_at_once(void *ctx, const vs_step *step, vs_error *err) {
 vs_status vs_session_try(const vs_tier *tier, const vs_setup *setup, vs_error *err) {
   bool begun = false;
   const vs_observer observer = {&begun, stop_at_once};
-  vs_status status = tier->run(setup, &observer, err);
+  vs_status status = tier->run(setup, &vs_tiers_order, &observer, err);
   return begun ? VS_OK : status;
 }

@@ -4,6 +4,7 @@
 #include <gsl/gsl_version.h>
 
 #include "solver/circuit.h"
+#include "solver/ng.h"
 
 void vs_version_json(vs_json *json) {
   vs_json_object(json, "program", VS_JSON_ROW);

@@ -6,6 +6,8 @@
 #include <string.h>
 
 #include "base/units.h"
+#include "deck/devices.h"
+#include "deck/parts.h"
 
 /* ---- the list ---- */
 

@@ -11,267 +11,14 @@
 #include "machine/actuator.h"
 #include "solver/ng.h"
 
-#define R_(member) offsetof(vs_run_values, member)
-
-static const vs_field RUN[] = {
-    {"tier", VS_CHOICE, "", "auto", 0, 0, false, R_(tier),
-     "how much is modelled; auto: no more than the scene needs", "auto|analytic|switched|circuit",
-     NULL},
-    {"until", VS_REAL, "s", "2 s", 0, 1e6, true, R_(until_s), "end of the run, which starts at 0",
-     NULL, NULL},
-    {"sample", VS_REAL, "ms", "0.1 ms", 0, 1e9, true, R_(sample_s),
-     "step of the rows in run.csv; does not change the run", NULL, NULL},
-    {"tolerance", VS_REAL, "", "1e-4", 1e-10, 0.1, false, R_(tolerance),
-     "largest error of p, u, w, phi, force and i, each relative to its peak", NULL, NULL},
-    {"max_step", VS_REAL, "us", "0 us", 0, 1e6, false, R_(max_step_s),
-     "largest step; 0: chosen from the tolerance", NULL, NULL},
-    {"trtol", VS_REAL, "", "7", 1, 1e4, false, R_(trtol),
-     "ngspice's: how much larger than tolerated its estimate of a step's truncation error may be",
-     NULL, NULL},
-    {"pivrel", VS_REAL, "", "0.05", 1e-6, 1, false, R_(pivrel),
-     "ngspice's: how small a pivot may be in its column; decides the order of elimination", NULL,
-     NULL},
-    {"method", VS_CHOICE, "", "trap", 0, 0, false, R_(gear),
-     "circuit tier's rule: trap, or gear, which damps the ringing of stiff circuits and needs half "
-     "the step",
-     "trap|gear", NULL},
-    {"ladder", VS_CHOICE, "", "climb", 0, 0, false, R_(ladder),
-     "when ngspice gives up: climb, to other methods and steps, and say so; ideal, to an ideal "
-     "thyristor in the place of the scene's besides; or stay",
-     "climb|ideal|stay", NULL},
-    {"verify", VS_CHOICE, "", "auto", 0, 0, false, R_(verify),
-     "a second, coarser run tells the numerical error of each margin: auto, in run where something "
-     "is rated; always, in studies too; never",
-     "auto|always|never", NULL},
-    {"leave_circuit", VS_CHOICE, "", "when_quiet", 0, 0, false, R_(stays),
-     "circuit tier: go on without ngspice once nothing fires any more and what that costs is "
-     "bounded "
-     "well below the tolerance",
-     "when_quiet|never", NULL},
-};
-const vs_section vs_setup_run_section = {"run", RUN, sizeof RUN / sizeof *RUN};
-
-#define START_(key, unit, limit, index, text)                                                      \
-  {                                                                                                \
-    key, VS_REAL, unit, "0 " unit, -limit, limit, false,                                           \
-        offsetof(vs_start_values, x) + (index) * sizeof(double), text, NULL, NULL                  \
-  }
-static const vs_field START[] = {
-    START_("p", "mm", 1000, P, "p at t = 0"),
-    START_("u", "mm", 1000, U, "u at t = 0"),
-    START_("w", "mm", 1000, W, "w at t = 0"),
-    START_("phi", "rad", 1, PHI, "phi at t = 0"),
-    START_("vp", "m/s", 100, VS_DOF + P, "velocity of p at t = 0: a kick"),
-    START_("vu", "m/s", 100, VS_DOF + U, "velocity of u at t = 0"),
-    START_("vw", "m/s", 100, VS_DOF + W, "velocity of w at t = 0"),
-    START_("vphi", "rad/s", 1000, VS_DOF + PHI, "velocity of phi at t = 0"),
-};
-const vs_section vs_setup_start_section = {"start", START, sizeof START / sizeof *START};
-
-static const vs_field MEASURE[] = {
-    {"from", VS_REAL, "s", "0 s", 0, 1e6, false, offsetof(vs_measure_values, from_s),
-     "means (power, i_mean, i_rms) are taken from here on", NULL, NULL},
-    {"to", VS_REAL, "s", "0 s", 0, 1e6, false, offsetof(vs_measure_values, to_s),
-     "up to here; 0: run.until", NULL, NULL},
-    {"last", VS_REAL, "cycles", "0 cycles", 0, 1e9, false, offsetof(vs_measure_values, last_cycles),
-     "instead of from and to: over the last cycles of the mains before run.until", NULL, NULL},
-};
-const vs_section vs_setup_measure_section = {"measure", MEASURE, sizeof MEASURE / sizeof *MEASURE};
-
-const vs_tier *const vs_tiers_all[VS_TIERS] = {&vs_analytic_tier, &vs_switched_tier,
-                                               &vs_coupled_tier};
-
-const vs_tier *vs_tiers_find(const char *name) {
-  for (int k = 0; k < VS_TIERS; k++)
-    if (!strcmp(vs_tiers_all[k]->name, name)) return vs_tiers_all[k];
-  return NULL;
-}
-
-/* A probe of the deck's must not be called as a channel of every tier's is, nor as the time. */
-static vs_status check_probe_names(const vs_deck *deck, vs_error *err) {
-  vs_status s = VS_OK;
-  for (size_t k = 0; k < deck->n_probes && !s; k++) {
-    const vs_probe *probe = &deck->probes[k];
-    bool taken = !strcmp(probe->name, "t");
-    for (int c = 0; c < VS_CH_DECK; c++)
-      taken = taken || !strcmp(probe->name, vs_channel_standard[c].name);
-    if (taken)
-      s = vs_error_carry_on(err, vs_fail_at(err, deck->terms[probe->term].where,
-                                            "probe %s: that name is the program's", probe->name));
-  }
-  return s;
-}
-
-/* The values of the section circuit, against its deck's parameters. */
-static vs_status read_values(const vs_node *map, vs_setup *setup, vs_error *err) {
-  vs_circuit_values *values = &setup->circuit_values;
-  if (setup->deck.lost & VS_LOST_PARAM) map = NULL; /* a key may be that one's */
-  vs_status s = vs_field_section_read(&setup->deck.section, map, values, err);
-  vs_deck_value standard[VS_STANDARD];
-  vs_setup_standard(setup, standard);
-  size_t found = vs_error_count(err);
-  if (!s) s = vs_deck_bind(&setup->deck, values, standard, VS_STANDARD, err);
-  return s || vs_error_count(err) > found ? s
-                                          : vs_parts_require_hold(&setup->deck, values, map, err);
-}
-
-/* The section circuit: its key deck first, then all of it against that deck's parameters. */
-static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *err) {
-  const vs_node *map = vs_tree_child(scene, "circuit"),
-                *named = vs_tree_child(map, vs_deck_key.key);
-  const vs_section only_deck = {"circuit", &vs_deck_key, 1};
-  const vs_node word = vs_tree_word(NULL, vs_deck_key.default_text, (vs_where){0});
-  char path[VS_PATH_SIZE];
-  vs_circuit_values *values = &setup->circuit_values;
-  vs_status s = vs_field_read(&only_deck, &vs_deck_key, named ? named : &word, values, err);
-  if (!s)
-    s = vs_path_find(&vs_deck_shelf, values->deck, named ? named->where : (vs_where){0}, path, err);
-  if (!s) s = vs_netlist_read(path, &setup->deck, err);
-  if (s) {
-    setup->deck.lost = VS_LOST_ALL;
-    return s;
-  }
-  s = vs_netlist_read_parts(&setup->deck, map, err);
-  if (!s) s = check_probe_names(&setup->deck, err);
-  return s ? s : read_values(map, setup, err);
-}
-
-/* Does the scene name the deck and the parts that the setup has? Events put lines of their own into
- * a deck; one that had any, or will, is read anew. */
-static bool keeps_deck(const vs_node *scene, const vs_setup *setup) {
-  const vs_node *map = vs_tree_child(scene, "circuit"), *events = vs_tree_child(scene, "events");
-  const vs_deck *deck = &setup->deck;
-  if (!deck->n_files || deck->lost || setup->timeline.events.count || (events && events->child))
-    return false;
-  for (size_t k = 0; k < deck->section.count; k++) {
-    const vs_field *field = &deck->section.fields[k];
-    const vs_node *node = vs_tree_child(map, field->key);
-    const char *had = (const char *)&setup->circuit_values + field->offset;
-    if (field->kind != VS_NAME) continue;
-    if (node && node->kind != VS_NODE_TEXT) return false;
-    if (strcmp(had, node ? node->text : field->default_text) != 0) return false;
-  }
-  return true;
-}
-
-void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]) {
-  const vs_supply_values *supply = &setup->timeline.supply;
-  const double values[] = {
-      [VS_STANDARD_U_RMS] = supply->voltage_v,
-      [VS_STANDARD_F_MAINS] = supply->frequency_hz,
-      [VS_STANDARD_PHASE] = supply->phase_rad,
-      [VS_STANDARD_R_SOURCE] = supply->resistance_ohm,
-      [VS_STANDARD_L_SOURCE] = supply->inductance_h,
-      [VS_STANDARD_EVA_RESISTANCE] = setup->model.actuator.resistance_ohm,
-      [VS_STANDARD_EVA_A] = setup->model.a_hm,
-  };
-  _Static_assert(sizeof values / sizeof *values == VS_STANDARD, "a value for each name");
-  for (int k = 0; k < VS_STANDARD; k++)
-    standard[k] = (vs_deck_value){vs_deck_standard_names[k], values[k]};
-}
-
-static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err) {
-  const vs_node *map = vs_tree_child(scene, vs_setup_start_section.name),
-                *p = vs_tree_child(map, "p");
-  const vs_actuator_values *a = &setup->model.actuator;
-  vs_status s = vs_field_section_read(&vs_setup_start_section, map, &setup->start, err);
-  double least = -(a->gap_m + (a->stop.present ? a->pole_cover_m : 0));
-  if (s || vs_error_count(err)) return s; /* of the gap, perhaps */
-  if (setup->start.x[P] > least) return s;
-  return vs_fail_at(err, p ? p->where : (vs_where){0},
-                    "start.p: %g mm is beyond the pole cover%s; allowed: more than %g mm",
-                    1e3 * setup->start.x[P], a->stop.present ? " and the iron" : "", 1e3 * least);
-}
-
-/* What is wrong with the stretch of time that means are over, and at which key; NULL: nothing. */
-static const char *wrong_means(const vs_measure_values *v, const vs_node *map, double period_s,
-                               double until_s, char *text, size_t size) {
-  bool from = vs_tree_child(map, "from"), to = vs_tree_child(map, "to");
-  double end_s = to ? v->to_s : until_s;
-  if (vs_tree_child(map, "last")) {
-    if (from || to) {
-      snprintf(text, size, "stands beside %s; write from and to, or last", from ? "from" : "to");
-      return "last";
-    }
-    snprintf(text, size, "%g cycles of %g s are none, or more than run.until = %g s",
-             v->last_cycles, period_s, until_s);
-    return v->last_cycles > 0 && v->last_cycles * period_s <= until_s * (1 + 1e-12) ? NULL : "last";
-  }
-  snprintf(text, size, "%g s is beyond run.until = %g s", end_s, until_s);
-  if (end_s > until_s * (1 + 1e-12)) return "to";
-  snprintf(text, size, "%g s is not before the end of what means are over, %g s", v->from_s, end_s);
-  return v->from_s < end_s ? NULL : from ? "from" : "to";
-}
-
-/* Errors: from not before to, to beyond run.until, more cycles than the run has, both ways at once.
- */
-static vs_status read_means(const vs_node *scene, vs_setup *setup, vs_error *err) {
-  const vs_node *map = vs_tree_child(scene, vs_setup_measure_section.name);
-  vs_measure_values *v = &setup->measure;
-  double until_s = setup->run.until_s, period_s = setup->timeline.period_s;
-  char text[160];
-  setup->means = (vs_span_s){0, until_s};
-  size_t found = vs_error_count(err);
-  vs_status s = vs_field_section_read(&vs_setup_measure_section, map, v, err);
-  if (s || vs_error_count(err) > found || !map || map->kind != VS_NODE_MAP) return s;
-  const char *key = wrong_means(v, map, period_s, until_s, text, sizeof text);
-  const vs_node *node = key ? vs_tree_child(map, key) : NULL;
-  if (key) return vs_fail_at(err, node ? node->where : map->where, "measure.%s: %s", key, text);
-  bool to = vs_tree_child(map, "to");
-  double first_s = v->last_cycles > 0 ? until_s - v->last_cycles * period_s : v->from_s;
-  setup->means = (vs_span_s){fmax(first_s, 0), to ? fmin(v->to_s, until_s) : until_s};
-  return VS_OK;
-}
-
-/* A run in which something happens after the circuit may have been left wants an EVA that can be
- * led back; it takes a few cycles to leave. */
-static void choose_eva(vs_setup *setup) {
-  if (setup->deck.eva_led) setup->deck.eva_file = NULL; /* of the run before, with the same deck */
-  setup->deck.eva_led = false;
-  bool again = setup->timeline.firing.every >= 4 || setup->timeline.events.count;
-  if (setup->deck.eva_file || !again) return;
-  setup->deck.eva_file = "eva_led";
-  setup->deck.eva_led = true;
-}
-
-/* All but the deck's text, if that is there already. */
-static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_error *err) {
-  vs_status s = vs_error_carry_on(err, vs_model_build(scene, &setup->model, err));
-  if (!s) s = vs_error_carry_on(err, vs_timeline_build(scene, &setup->timeline, err));
-  if (!s && has_deck)
-    s = read_values(vs_tree_child(scene, "circuit"), setup, err);
-  else if (!s)
-    s = vs_error_carry_on(err, read_circuit(scene, setup, err));
-  if (!s)
-    s = vs_field_section_read(&vs_setup_run_section, vs_tree_child(scene, "run"), &setup->run, err);
-  vs_timeline *line = &setup->timeline;
-  if (!s)
-    s = vs_events_read(vs_tree_child(scene, "events"), line, setup->run.until_s, &line->events,
-                       err);
-  if (!s) s = vs_events_wire(&line->events, &setup->deck, err);
-  if (!s) s = vs_error_carry_on(err, read_start(scene, setup, err));
-  if (!s) s = vs_error_carry_on(err, read_means(scene, setup, err));
-  if (!s) choose_eva(setup);
-  return s;
-}
-
-vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
-  *setup = (vs_setup){.solver = &vs_ng_kind};
-  vs_status s = build(scene, setup, false, err);
-  if (s) setup->deck.lost = VS_LOST_ALL; /* vs_setup_again reads it anew */
-  return s;
-}
-
-vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err) {
-  bool keeps = keeps_deck(scene, setup);
-  if (!keeps) vs_setup_free(setup);
-  vs_status s = keeps ? build(scene, setup, true, err) : vs_setup_build(scene, setup, err);
-  if (s) setup->deck.lost = VS_LOST_ALL; /* it is read anew the next time */
-  return s;
-}
-
-void vs_setup_free(vs_setup *setup) {
-  vs_deck_free(&setup->deck);
+vs_frame vs_sim_frame(const vs_tier *tier, const vs_setup *setup) {
+  return (vs_frame){.model = &setup->model,
+                    .timeline = &setup->timeline,
+                    .deck = tier->has_circuit ? &setup->deck : NULL,
+                    .gap_at_rest = tier->gap_at_rest,
+                    .means = setup->means,
+                    .tolerance = setup->run.tolerance,
+                    .source_is_coil = !tier->has_circuit};
 }
 
 vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame) {
@@ -281,7 +28,8 @@ vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame) {
   return k;
 }
 
-/* First instant in the step at which the armature is through the pole cover, by bisection. */
+/* Returns the first instant in the step at which the armature is through the pole cover, by
+ * bisection. At the step's end it is. */
 static double contact_time(const vs_step *step) {
   double lo = step->from->t_s, hi = step->to->t_s;
   for (int n = 0; n < 60; n++) {
@@ -294,7 +42,7 @@ static double contact_time(const vs_step *step) {
   return hi;
 }
 
-vs_status vs_sim_check_steps(const vs_setup *setup, double step_s, vs_error *err) {
+vs_status vs_sim_refuse_endless(const vs_setup *setup, double step_s, vs_error *err) {
   double steps = setup->run.until_s / step_s;
   return steps < 1e10 ? VS_OK
                       : vs_fail(err, VS_INPUT,
@@ -303,9 +51,10 @@ vs_status vs_sim_check_steps(const vs_setup *setup, double step_s, vs_error *err
                                 steps, step_s);
 }
 
-enum { MOST_AMPERES = 1000000 }; /* no coil this model is for survives a millionth of it */
+enum { MOST_AMPERES = 1000000 }; /* the coils that this model is for carry some amperes */
 
-/* Stands before the observer of a run and lets through what is within the model's validity. */
+/* Stands before the observer of a run, and lets a step through if it is within the model's
+ * validity. */
 static vs_status guard(void *ctx, const vs_step *step, vs_error *err) {
   const vs_observer *observer = ctx;
   const vs_model *m = step->frame->model;
@@ -332,8 +81,8 @@ static vs_status guard(void *ctx, const vs_step *step, vs_error *err) {
   return observer->accept(observer->ctx, step, err);
 }
 
-vs_status vs_sim_run(const vs_tier *tier, const vs_setup *setup, const vs_observer *observer,
-                     vs_error *err) {
+vs_status vs_sim_run(const vs_tier *tier, const vs_setup *setup, const vs_run_order *order,
+                     const vs_observer *observer, vs_error *err) {
   const vs_observer guarded = {(void *)(size_t)observer, guard};
-  return tier->run(setup, &guarded, err);
+  return tier->run(setup, order, &guarded, err);
 }

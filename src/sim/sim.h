@@ -1,101 +1,76 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * A sim lets time pass for a model through one tier and shows every accepted step to an observer.
- */
+ * A sim lets time pass for a scene through one tier, and shows every accepted step to an observer.
+ * This is the seam between the tiers (ideal/, coupling/) and those who run them (scene/). */
 #ifndef VS_SIM_SIM_H
 #define VS_SIM_SIM_H
 
-#include <stddef.h>
+#include <stdio.h>
 
+#include "sim/setup.h"
+#include "sim/stand_in.h"
 #include "sim/step.h"
 #include "solver/circuit.h"
 
-/* The words of run.ladder and run.verify, in their order. */
-enum { VS_LADDER_CLIMB, VS_LADDER_IDEAL, VS_LADDER_STAY };
-enum { VS_VERIFY_AUTO, VS_VERIFY_ALWAYS, VS_VERIFY_NEVER };
-
-typedef struct vs_run_values {
-  int tier; /* as chosen in the scene: 0 auto, then the order of vs_tiers_all */
-  double until_s, sample_s;
-  double tolerance;  /* largest error wanted, relative to each quantity's own peak */
-  double max_step_s; /* 0: from the tolerance */
-  double trtol;      /* ngspice's own: a factor on the truncation error a step may have */
-  double pivrel;     /* ngspice's own: decides the order in which it eliminates */
-  int gear;          /* the circuit's rule: 0 trapezoidal, 1 Gear's of second order */
-  int ladder;        /* how far it is climbed where ngspice gives up: VS_LADDER_... */
-  int verify;        /* whether a second run tells the margins' errors: VS_VERIFY_... */
-  int stays;         /* in the circuit's solver to the end, also when the circuit is quiet */
-} vs_run_values;
-/* What means are over: from one instant to another, or the run's last cycles of the mains. */
-typedef struct vs_measure_values {
-  double from_s, to_s; /* to_s 0: run.until */
-  double last_cycles;  /* 0: from and to hold */
-} vs_measure_values;
-/* The machine's state at t = 0: q, q'. The circuit always begins without current and charge. */
-typedef struct vs_start_values {
-  double x[VS_STATES];
-} vs_start_values;
-extern const vs_section vs_setup_run_section, vs_setup_start_section, vs_setup_measure_section;
-
-/* One scene as numbers. Built once, then constant. */
-typedef struct vs_setup {
-  vs_model model;
-  vs_timeline timeline;
-  vs_run_values run;
-  vs_start_values start;
-  vs_measure_values measure;
-  vs_span_s means; /* as that says */
-  vs_deck deck;    /* the scene's, also when the tier does not use it */
-  vs_circuit_values circuit_values;
-  const vs_circuit_kind *solver; /* of the circuit: vs_ng_kind, or a test's own */
-  FILE *raw;                     /* tier circuit: gets a rawfile of the run; NULL: none */
-  bool tried; /* tier circuit: this deck with these parts was run in this process before */
-} vs_setup;
-
-/* Reads the sections machine, actuator, load, supply, firing, circuit, run, start, measure.
- * vs_setup_free
- * even after an error. */
-vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err);
-void vs_setup_free(vs_setup *setup);
-
-/* The same over a setup that was built: the numbers anew, the deck's text only when the scene names
- * another deck or other parts, or has events. What is built is the same. */
-vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err);
-
-/* The parameters every deck may use, as the scene has them, and those of its EVA (deck/deck.h).
- */
-void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]);
-
+/* Someone who is shown the steps, in order of time. A status other than VS_OK ends the run, which
+ * then returns it. */
 typedef struct vs_observer {
   void *ctx;
-  vs_status (*accept)(void *ctx, const vs_step *step, vs_error *err); /* not VS_OK ends the run */
+  vs_status (*accept)(void *ctx, const vs_step *step, vs_error *err);
 } vs_observer;
 
+/* What one run has besides its setup. Only a tier with a circuit looks at it. */
+typedef struct vs_run_order {
+  const vs_circuit_kind *solver; /* who solves the circuit: vs_ng_kind, or a test's own */
+  const vs_stand_in *stand_in;   /* who may stand in for the circuit; NULL: nobody may */
+  FILE *raw;  /* gets a rawfile of the run; NULL: none is written. The caller owns it */
+  bool tried; /* this deck with these parts was run in this process before, so that the solver need
+                 not try first whether it survives them */
+} vs_run_order;
+
+/* A key of a section that every tier reads. */
+typedef struct vs_tier_key {
+  const char *section, *key;
+  const char *value; /* the only value that matters; NULL: any does */
+} vs_tier_key;
+
+/* One way of computing a scene. Each tier is a constant in its own file, named in VS_TIER_LIST
+ * (sim/setup.h). */
 typedef struct vs_tier {
-  const char *name, *text;
-  double finest; /* smallest run.tolerance it can hold */
-  vs_frame (*frame)(const vs_setup *setup);
-  /* From the start at t = 0 to run.until; nothing guards its validity: see vs_sim_run. Errors name
-   * the time and the cause. */
-  vs_status (*run)(const vs_setup *setup, const vs_observer *observer, vs_error *err);
+  const char *name; /* vs_setup_tier_words[VS_TIER_...] */
+  const char *text; /* for lists */
+  double finest;    /* smallest run.tolerance it can hold */
+  bool automatic;   /* run.tier: auto may take it; of several the first in VS_TIER_LIST */
+  bool has_circuit; /* the scene's deck is run: this tier has its probes, obeys the section circuit
+                       and all events, and can write a rawfile */
+  bool gap_at_rest; /* the coil's inductance stays as at rest */
+  /* The keys besides, of sections that every tier reads, that this tier obeys and others ignore;
+   * ends with {NULL, NULL, NULL}. NULL: there are none. */
+  const vs_tier_key *keys;
+  /* Runs from the start at t = 0 to run.until. Nothing here guards the model's validity; vs_sim_run
+   * does. Errors name the time and the cause. */
+  vs_status (*run)(const vs_setup *setup, const vs_run_order *order, const vs_observer *observer,
+                   vs_error *err);
 } vs_tier;
 
-extern const vs_tier vs_analytic_tier, vs_switched_tier, vs_coupled_tier;
-enum { VS_TIERS = 3 };
-extern const vs_tier *const vs_tiers_all[VS_TIERS];
-const vs_tier *vs_tiers_find(const char *name); /* NULL: there is none */
+/* Each tier's file defines its own of these. */
+#define VS_TIER_EXTERN(id, file, word) extern const vs_tier vs_##file##_tier;
+VS_TIER_LIST(VS_TIER_EXTERN)
+#undef VS_TIER_EXTERN
+
+/* The frame of all steps that this tier makes of this setup. */
+vs_frame vs_sim_frame(const vs_tier *tier, const vs_setup *setup);
 
 /* For tiers: the knot at t = 0. */
 vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame);
 
-/* For tiers: refuses a run of so many steps that it would not end. */
-vs_status vs_sim_check_steps(const vs_setup *setup, double step_s, vs_error *err);
+/* For tiers: refuses, with VS_INPUT, a run that would take 1e10 steps of this length or more, as it
+ * would not end. */
+vs_status vs_sim_refuse_endless(const vs_setup *setup, double step_s, vs_error *err);
 
-/* The longest step that the circuit tier takes, s. */
-double vs_pace_largest_step(const vs_setup *setup);
-
-/* Runs the tier, and ends the run where it leaves the model's validity (finite, z > 0, p >= -D
- * without a stop, a current that makes sense): the observer is not shown such a step. */
-vs_status vs_sim_run(const vs_tier *tier, const vs_setup *setup, const vs_observer *observer,
-                     vs_error *err);
+/* Runs the tier, and ends the run with VS_RUN where it leaves the model's validity: a state that is
+ * not finite, the armature beyond the pole cover without a stop, a closed gap (z <= 0), a current
+ * beyond sense. The observer is not shown such a step. */
+vs_status vs_sim_run(const vs_tier *tier, const vs_setup *setup, const vs_run_order *order,
+                     const vs_observer *observer, vs_error *err);
 
 #endif

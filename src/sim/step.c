@@ -5,64 +5,25 @@
 
 #include "machine/actuator.h"
 
-const vs_channel vs_channel_standard[VS_CH_DECK] = {
-#define VS_CHANNEL_ROW(id, name, unit, text) {name, unit, text, id != VS_CH_I_MAINS},
-    VS_CHANNEL_LIST(VS_CHANNEL_ROW)
-#undef VS_CHANNEL_ROW
-};
+/* Velocities and accelerations are written beside the coordinates as whole vectors q, q', q". */
+_Static_assert(VS_CH_P == (int)P && VS_CH_U == (int)U && VS_CH_W == (int)W && VS_CH_PHI == (int)PHI,
+               "the first channels are q in the order of the state");
+_Static_assert(VS_CH_VP == VS_CH_P + VS_DOF && VS_CH_VU == VS_CH_U + VS_DOF &&
+                   VS_CH_VW == VS_CH_W + VS_DOF && VS_CH_VPHI == VS_CH_PHI + VS_DOF,
+               "then q'");
+_Static_assert(VS_CH_AP == VS_CH_VP + VS_DOF && VS_CH_AU == VS_CH_VU + VS_DOF &&
+                   VS_CH_AW == VS_CH_VW + VS_DOF && VS_CH_APHI == VS_CH_VPHI + VS_DOF,
+               "then q\"");
 
-int vs_channel_count(const vs_frame *frame) {
-  return VS_CH_DECK + (frame->deck ? (int)frame->deck->n_probes : 0);
-}
-
-vs_channel vs_channel_at(const vs_frame *frame, int index) {
-  if (index < VS_CH_DECK) return vs_channel_standard[index];
-  const vs_probe *probe = &frame->deck->probes[index - VS_CH_DECK];
-  return (vs_channel){probe->name, probe->unit, probe->text, true};
-}
-
-int vs_channel_find(const vs_frame *frame, const char *name) {
-  for (int k = 0; k < vs_channel_count(frame); k++) {
-    vs_channel c = vs_channel_at(frame, k);
-    if (c.listed && !strcmp(c.name, name)) return k;
-  }
-  return -1;
-}
-
-void vs_knot_copy(const vs_frame *frame, const vs_knot *from, vs_knot *to) {
-  size_t terms = frame->deck ? frame->deck->n_terms : 0;
-  memcpy(to, from, offsetof(vs_knot, terms) + terms * sizeof *from->terms);
-}
-
-void vs_knot_complete(const vs_frame *frame, vs_knot *k, bool touching) {
-  const vs_model *m = frame->model;
-  double va[VS_STATES], force = vs_actuator_force(m, k->flux_wb), rate;
-  vs_mechanics_accelerations(m, k->x, force + (touching ? vs_mechanics_stop_force(m, k->x) : 0),
-                             k->a);
-  memcpy(va, k->x + VS_DOF, sizeof(double[VS_DOF]));
-  memcpy(va + VS_DOF, k->a, sizeof(double[VS_DOF]));
-  rate = vs_actuator_force_rate(m, k->flux_wb, k->flux_rate_v);
-  vs_mechanics_jerks(m, va, rate + (touching ? vs_mechanics_stop_rate(m, k->x, k->a) : 0), k->j);
-}
-
-void vs_knot_hold(const vs_frame *frame, vs_knot *k) {
-  const vs_model *m = frame->model;
-  double va[VS_STATES];
-  vs_mechanics_accelerations(m, k->x, vs_actuator_force(m, k->flux_wb), k->a);
-  vs_mechanics_hold_p(m, k->a);
-  memcpy(va, k->x + VS_DOF, sizeof(double[VS_DOF]));
-  memcpy(va + VS_DOF, k->a, sizeof(double[VS_DOF]));
-  vs_mechanics_jerks(m, va, 0, k->j); /* what acts along p is held */
-  vs_mechanics_hold_p(m, k->j);
-}
-
-/* Weights of value, slope, curvature and third derivative at the two ends of a step. */
+/* Weights of value, slope, curvature and third derivative at the two ends of a step, by which a
+ * Hermite polynomial is their sum. */
 typedef struct weights {
   double y[2], d[2], e[2], f[2];
 } weights;
 
-/* The distances s from an end and r to the other, in parts of h, and h: seen from the far end time
- * runs backwards. */
+/* An instant as each end of the step sees it: its distance s from that end and r to the other one,
+ * both relative to the step's length, and the length h, which is negative at the far end, as time
+ * runs backwards from there. */
 typedef struct views {
   double s[2], r[2], h[2];
 } views;
@@ -70,7 +31,7 @@ static inline views views_of(double s, double h) {
   return (views){{s, 1 - s}, {1 - s, s}, {h, -h}};
 }
 
-/* Hermite polynomials of degree seven. */
+/* The polynomial of degree seven through value and three derivatives at either end. */
 static inline weights septic(views v) {
   weights w;
   for (int k = 0; k < 2; k++) {
@@ -83,7 +44,7 @@ static inline weights septic(views v) {
   return w;
 }
 
-/* Their slopes; none where h = 0. */
+/* Its slope; h must not be 0. */
 static inline weights septic_rate(views v) {
   weights w;
   for (int k = 0; k < 2; k++) {
@@ -96,7 +57,8 @@ static inline weights septic_rate(views v) {
   return w;
 }
 
-/* Of degree three: what a solver of second order has. */
+/* The cubic through value and slope at either end, which is as much as a solver of second order
+ * knows. */
 static inline weights cubic(views v) {
   weights w = {.e = {0}};
   for (int k = 0; k < 2; k++) {
@@ -114,7 +76,7 @@ static inline weights cubic_rate(views v) {
   return w;
 }
 
-/* At one end: some quantities side by side and their derivatives. */
+/* Some quantities at one end of the step, side by side, and their first three derivatives. */
 typedef struct ends {
   const double *y, *d, *e, *f;
 } ends;
@@ -159,58 +121,55 @@ static double line(double from, double to, double s) {
   return from + s * (to - from);
 }
 
-unsigned vs_channel_groups(const int *channels, int count) {
-  unsigned parts = 0;
-  for (int k = 0; k < count; k++) {
-    int c = channels[k];
-    if (c >= VS_CH_DECK)
-      parts |= VS_GROUP_DECK;
-    else if (c == VS_CH_V_MAINS)
-      parts |= VS_GROUP_V_MAINS;
-    else if (c == VS_CH_V_EVA)
-      parts |= VS_GROUP_V_EVA;
-    else if (c >= VS_CH_AP && c <= VS_CH_APHI)
-      parts |= VS_GROUP_ACCELERATIONS | VS_GROUP_VELOCITIES;
-    else if (c >= VS_CH_VP && c <= VS_CH_VPHI)
-      parts |= VS_GROUP_VELOCITIES;
-  }
-  return parts;
-}
-
-void vs_step_groups_at(const vs_step *step, double t_s, unsigned parts, double *y) {
-  const vs_knot *a = step->from, *b = step->to;
+/* lambda, i and the force; z is there already. */
+static void put_flux(const vs_step *step, views at, double *y) {
   const vs_frame *frame = step->frame;
   const vs_model *m = frame->model;
+  y[VS_CH_LAMBDA] = y[VS_CH_I] = y[VS_CH_FORCE] = 0;
+  if (vs_step_is_quiet(step)) return;
+  weights w = step->cubic_flux ? cubic(at) : septic(at);
+  apply(&w, flux_of(step->from), flux_of(step->to), 1, y + VS_CH_LAMBDA);
+  y[VS_CH_I] =
+      vs_actuator_current(m, y[VS_CH_LAMBDA], frame->gap_at_rest ? m->gap_rest_m : y[VS_CH_Z]);
+  y[VS_CH_FORCE] = vs_actuator_force(m, y[VS_CH_LAMBDA]);
+}
+
+/* q, q' and the force are there already. */
+static void put_accelerations(const vs_step *step, double *y) {
+  const vs_model *m = step->frame->model;
+  const double *x = y + VS_CH_P;
+  double stop = vs_mechanics_in_stop(m, x[P]) ? vs_mechanics_stop_force(m, x) : 0;
+  vs_mechanics_accelerations(m, x, y[VS_CH_FORCE] + stop, y + VS_CH_AP);
+  if (step->held) vs_mechanics_hold_p(m, y + VS_CH_AP);
+}
+
+static void put_probes(const vs_step *step, double s, double *y) {
+  const vs_deck *deck = step->frame->deck;
+  for (size_t n = 0; deck && n < deck->n_probes; n++) {
+    const vs_probe *probe = &deck->probes[n];
+    double from = step->from->terms[probe->term], to = step->to->terms[probe->term];
+    y[VS_CH_DECK + n] = probe->sign * line(from, to, s);
+  }
+}
+
+void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double *y) {
+  const vs_knot *a = step->from, *b = step->to;
+  const vs_model *m = step->frame->model;
+  bool coil = step->frame->source_is_coil;
   double h = b->t_s - a->t_s, s = h > 0 ? (t_s - a->t_s) / h : 1, *x = y + VS_CH_P;
   const views at = views_of(s, h);
   weights w = septic(at);
   apply(&w, coordinates_of(a), coordinates_of(b), VS_DOF, x);
-  if (parts & VS_GROUP_VELOCITIES) velocities(step, at, x + VS_DOF);
+  if (groups & VS_GROUP_VELOCITIES) velocities(step, at, x + VS_DOF);
   y[VS_CH_Z] = vs_actuator_gap(m, x[P]);
-  y[VS_CH_LAMBDA] = y[VS_CH_I] = y[VS_CH_FORCE] = 0;
-  if (!vs_step_is_quiet(step)) {
-    if (step->cubic_flux) w = cubic(at);
-    apply(&w, flux_of(a), flux_of(b), 1, y + VS_CH_LAMBDA);
-    y[VS_CH_I] =
-        vs_actuator_current(m, y[VS_CH_LAMBDA], frame->gap_at_rest ? m->gap_rest_m : y[VS_CH_Z]);
-    y[VS_CH_FORCE] = vs_actuator_force(m, y[VS_CH_LAMBDA]);
-  }
-  y[VS_CH_I_MAINS] = frame->source_is_coil ? y[VS_CH_I] : line(a->i_mains_a, b->i_mains_a, s);
-  if (parts & VS_GROUP_V_EVA)
-    y[VS_CH_V_EVA] = frame->source_is_coil
-                         ? m->actuator.resistance_ohm * y[VS_CH_I] + flux_rate(step, at)
-                         : line(a->v_eva_v, b->v_eva_v, s);
-  if (parts & VS_GROUP_V_MAINS) y[VS_CH_V_MAINS] = vs_timeline_voltage(frame->timeline, t_s);
-  if (parts & VS_GROUP_ACCELERATIONS) {
-    vs_mechanics_accelerations(
-        m, x, y[VS_CH_FORCE] + (vs_mechanics_in_stop(m, x[P]) ? vs_mechanics_stop_force(m, x) : 0),
-        y + VS_CH_AP);
-    if (step->held) vs_mechanics_hold_p(m, y + VS_CH_AP);
-  }
-  for (size_t n = 0; parts & VS_GROUP_DECK && frame->deck && n < frame->deck->n_probes; n++) {
-    const vs_probe *probe = &frame->deck->probes[n];
-    y[VS_CH_DECK + n] = probe->sign * line(a->terms[probe->term], b->terms[probe->term], s);
-  }
+  put_flux(step, at, y);
+  y[VS_CH_I_MAINS] = coil ? y[VS_CH_I] : line(a->i_mains_a, b->i_mains_a, s);
+  if (groups & VS_GROUP_V_EVA)
+    y[VS_CH_V_EVA] = coil ? m->actuator.resistance_ohm * y[VS_CH_I] + flux_rate(step, at)
+                          : line(a->v_eva_v, b->v_eva_v, s);
+  if (groups & VS_GROUP_V_MAINS) y[VS_CH_V_MAINS] = vs_timeline_voltage(step->frame->timeline, t_s);
+  if (groups & VS_GROUP_ACCELERATIONS) put_accelerations(step, y);
+  if (groups & VS_GROUP_DECK) put_probes(step, s, y);
 }
 
 void vs_step_at(const vs_step *step, double t_s, double *y) {

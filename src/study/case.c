@@ -236,7 +236,7 @@ int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, b
   size_t begun = row->length;
   bool breach = false;
   vs_status status = begin(c, index, point, &err);
-  c->circuit = !status && c->scene->tier == &vs_coupled_tier;
+  c->circuit = !status && c->scene->tier->has_circuit;
   *circuit = c->circuit;
   if (!status) {
     status = run_scene(c, row, &err);

@@ -49,15 +49,15 @@ typedef struct vs_journal {
   uint64_t *place; /* [room], by the shard's cases: where the case's line begins, plus 1; 0: it is
                       not done */
   uint64_t room;
-  uint64_t end;    /* bytes in the file, without `fresh` */
-  uint64_t done;   /* cases with a row in study.csv */
-  uint64_t failed; /* cases with a row in failures.csv */
-  uint64_t violated; /* those of `done` that have status 3 */
+  uint64_t end;        /* bytes in the file, without `fresh` */
+  uint64_t done;       /* cases with a row in study.csv */
+  uint64_t failed;     /* cases with a row in failures.csv */
+  uint64_t violated;   /* those of `done` that have status 3 */
   vs_row_shape *shape; /* that every row must have; NULL: no row was read yet */
-  bool two_heads;  /* a line of the head stands there twice, or behind rows */
-  uint64_t bad;    /* lines that did not count when it was opened */
-  vs_text fresh;   /* lines that are not written yet */
-  bool unsynced;   /* lines were written since the last fsync */
+  bool two_heads;      /* a line of the head stands there twice, or behind rows */
+  uint64_t bad;        /* lines that did not count when it was opened */
+  vs_text fresh;       /* lines that are not written yet */
+  bool unsynced;       /* lines were written since the last fsync */
 } vs_journal;
 
 /* True if the folder holds a journal. */

@@ -152,7 +152,7 @@ static vs_status unknown_measure(const vs_report_column *column, const vs_frame 
 /* Gives the columns the units and ratings that the scene has on that tier. */
 static vs_status resolve_columns(vs_plan *plan, const vs_scene *scene, const vs_tier *tier,
                                  vs_error *err) {
-  const vs_frame frame = tier->frame(&scene->setup);
+  const vs_frame frame = vs_sim_frame(tier, &scene->setup);
   vs_result result = {0};
   vs_watchers_begin(&result.watchers, &frame);
   vs_status status = VS_OK;
@@ -449,7 +449,7 @@ vs_status vs_plan_read(const char *name, const vs_method *const *methods, char *
   status = read_stages(plan, err);
   if (!status) status = read_report(plan, err);
   if (status) return status;
-  if (vs_error_count(err)) return resolve_columns(plan, plan->base, &vs_coupled_tier, err);
+  if (vs_error_count(err)) return resolve_columns(plan, plan->base, vs_tiers_automatic(true), err);
   status = count_cases(plan, err);
   return status ? status : try_cases(plan, err);
 }

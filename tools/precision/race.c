@@ -96,7 +96,7 @@ double race_compare(const vs_scene *scene, comparison *c, long *steps) {
   counter n = {.c = c};
   vs_observer observer = {&n, accept};
   compare_again(c);
-  if (vs_sim_run(scene->tier, &scene->setup, &observer, &err)) return INFINITY;
+  if (vs_sim_run(scene->tier, &scene->setup, &scene->order, &observer, &err)) return INFINITY;
   *steps = n.steps;
   return compare_error(c, NULL);
 }

@@ -48,7 +48,7 @@ static void run_lap(attempt *self) {
   const lap *l = self->with;
   const char *sets[] = {UNTIL, l->tolerance, *l->max_step ? l->max_step : NULL, EVERY, NULL};
   vs_scene *scene = race_scene(l->tier, sets);
-  if (l->solver) scene->setup.solver = l->solver;
+  if (l->solver) scene->order.solver = l->solver;
   self->error = race_compare(scene, l->reference, &self->steps);
   vs_scene_free(scene);
   free(scene);

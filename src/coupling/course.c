@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "coupling/course.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "machine/actuator.h"
+
+/* Sets the polynomial of the flux linkage under which the machine moves on from the last knot, and
+ * how the armature stands there. */
+static void set_flux(vs_course *c, double f0, double f1, double f2, double f3) {
+  const double flux[4] = {f0, f1, f2, f3};
+  memcpy(c->motion.flux, flux, sizeof flux);
+  c->motion.touching = c->touching;
+  c->motion.jammed = c->jammed;
+}
+
+/* ---- foretold ---- */
+
+/* p after h seconds by the mechanics' integration, for where the armature is in its stop or may
+ * meet it. lambda goes on with the slope it has, and the slope as it last changed. */
+static double integrated_p(vs_course *c, double h) {
+  const vs_knot *k = &c->knots[c->now];
+  double x[VS_STATES];
+  memcpy(x, k->x, sizeof x);
+  set_flux(c, k->flux_wb, k->flux_rate_v, k->flux_rate2_v_s / 2, 0);
+  for (double at = 0; at < h; c->motion.touching = !c->motion.touching)
+    at = vs_motion_advance(&c->motion, at, h, x); /* a NaN ends this too, and move() will say so */
+  return x[P];
+}
+
+/* p follows its Taylor polynomial of third order. The next term is (w h)^4/24 of the amplitude at
+ * most, with w of the fastest mode. */
+double vs_course_gap(vs_course *c, double t_s) {
+  const vs_knot *k = &c->knots[c->now];
+  if (t_s == c->candidate_s) return c->candidate_gap_m;
+  double h = t_s - k->t_s,
+         p = k->x[P] + h * (k->x[VS_DOF + P] + h / 2 * (k->a[P] + h / 3 * k->j[P]));
+  if (h > c->series_s || c->touching || vs_mechanics_in_stop(&c->setup->model, p))
+    p = integrated_p(c, h);
+  c->candidate_s = t_s;
+  return c->candidate_gap_m = vs_actuator_gap(&c->setup->model, p);
+}
+
+/* ---- shown ---- */
+
+static void complete(const vs_course *c, vs_knot *k) {
+  if (c->jammed)
+    vs_knot_hold(&c->frame, k);
+  else
+    vs_knot_complete(&c->frame, k, c->touching);
+}
+
+vs_status vs_course_show(vs_course *c, const vs_knot *k, vs_event what, vs_error *err) {
+  vs_knot *from = &c->knots[c->now], *to = &c->knots[1 - c->now];
+  if (from->t_s == 0)
+    memcpy(from->terms, k->terms, sizeof k->terms); /* the solver shows none at t = 0 */
+  vs_step step = {.frame = &c->frame,
+                  .from = from,
+                  .to = to,
+                  .cubic_flux = true,
+                  .periodic = c->without,
+                  .held = c->jammed};
+  step.event[0] = vs_anode_follow(&c->anode, from, k, &step.event_s[0]);
+  vs_knot_copy(&c->frame, k, to);
+  step.event[1] = what;
+  step.event_s[1] = to->t_s;
+  step.bound = c->bound;
+  c->now = 1 - c->now;
+  return c->observer->accept(c->observer->ctx, &step, err);
+}
+
+/* ---- moved ---- */
+
+/* The knot `at_s` seconds behind a, on the way to b, under the present polynomial of the flux. */
+static vs_knot between(const vs_course *c, const vs_knot *a, const vs_knot *b, double at_s) {
+  const double *f = c->motion.flux, ratio = at_s / (b->t_s - a->t_s);
+  vs_knot k = *b;
+  k.t_s = a->t_s + at_s;
+  k.flux_wb = f[0] + at_s * (f[1] + at_s * (f[2] + at_s * f[3]));
+  k.flux_rate_v = f[1] + at_s * (2 * f[2] + at_s * 3 * f[3]);
+  k.v_eva_v = a->v_eva_v + ratio * (b->v_eva_v - a->v_eva_v);
+  k.i_mains_a = a->i_mains_a + ratio * (b->i_mains_a - a->i_mains_a);
+  for (size_t n = 0; n < c->setup->deck.n_terms; n++)
+    k.terms[n] = a->terms[n] + ratio * (b->terms[n] - a->terms[n]);
+  return k;
+}
+
+/* Shows a knot at which the armature meets or leaves its stop, from both sides. */
+static vs_status show_contact(vs_course *c, vs_knot *cut, vs_error *err) {
+  vs_status status =
+      vs_course_show(c, cut, c->touching ? VS_EV_LEAVES_STOP : VS_EV_MEETS_STOP, err);
+  c->touching = c->motion.touching = !c->touching;
+  complete(c, cut);
+  return status ? status : vs_course_show(c, cut, VS_EV_NONE, err);
+}
+
+/* The last knot is the instant at which the armature jams; it is shown from behind that too. */
+static vs_status jam(vs_course *c, vs_knot *k, vs_error *err) {
+  c->jammed = c->motion.jammed = true;
+  vs_mechanics_hold_p(&c->setup->model, k->x + VS_DOF);
+  complete(c, k);
+  return vs_course_show(c, k, VS_EV_JAMS, err);
+}
+
+/* From `start` to `end`, both of which are outside of c, as the knots in it are overwritten. */
+static vs_status move(vs_course *c, const vs_knot *start, vs_knot *end, vs_error *err) {
+  double h = end->t_s - start->t_s, x[VS_STATES];
+  vs_knot cut, *k = &cut;
+  memcpy(x, start->x, sizeof x);
+  for (double at = 0; at < h;) {
+    at = vs_motion_advance(&c->motion, at, h, x);
+    if (isnan(at)) return vs_fail(err, VS_RUN, "t = %.9g s: GSL cannot step on", end->t_s);
+    if (at < h)
+      cut = between(c, start, end, at);
+    else
+      k = end;
+    memcpy(k->x, x, sizeof x);
+    complete(c, k);
+    if (k == end) break;
+    vs_status status = show_contact(c, k, err);
+    if (status) return status;
+  }
+  vs_status status = vs_course_show(c, end, VS_EV_NONE, err);
+  if (status || c->jammed || end->t_s < c->jams_s - 1e-12) return status; /* 1e-12 s: rounding */
+  return jam(c, end, err);
+}
+
+vs_status vs_course_move(vs_course *c, vs_knot *end, vs_error *err) {
+  vs_knot from;
+  vs_knot_copy(&c->frame, &c->knots[c->now], &from);
+  /* lambda is the cubic through both ends' values and slopes */
+  double h = end->t_s - from.t_s, slope = (end->flux_wb - from.flux_wb) / h;
+  set_flux(c, from.flux_wb, from.flux_rate_v,
+           (3 * slope - 2 * from.flux_rate_v - end->flux_rate_v) / h,
+           (from.flux_rate_v + end->flux_rate_v - 2 * slope) / (h * h));
+  c->candidate_s = -1;
+  bool conducted = c->anode.conduction.conducts;
+  vs_status status = move(c, &from, end, err);
+  vs_anode_take(&c->anode, &c->knots[c->now], conducted);
+  return status;
+}
+
+/* ---- begun and ended ---- */
+
+/* A cubic's error over 0.1 rad of the fastest mode is (0.1)^4/24 = 4e-6 of the amplitude. */
+static const double SERIES_RAD = 0.1;
+
+void vs_course_begin(vs_course *c, const vs_setup *setup, const vs_frame *frame,
+                     const vs_observer *observer) {
+  const vs_model *m = &setup->model;
+  *c = (vs_course){.setup = setup,
+                   .frame = *frame,
+                   .observer = observer,
+                   .candidate_s = -1,
+                   .jams_s = vs_setup_jams(setup),
+                   .series_s = SERIES_RAD / m->fastest_rad_s};
+  c->knots[0] = vs_sim_start(setup, &c->frame);
+  c->touching = vs_mechanics_in_stop(m, c->knots[0].x[P]);
+  vs_anode_begin(&c->anode, &setup->deck, &setup->timeline);
+  vs_motion_begin(&c->motion, m);
+}
+
+void vs_course_end(vs_course *c) {
+  vs_motion_end(&c->motion);
+}

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The course of a run on tier "circuit": the machine's motion beside the circuit, the contacts with
+ * its stop, the thyristor's firing and extinction, and every step as the observer is shown it. */
+#ifndef VS_COUPLING_COURSE_H
+#define VS_COUPLING_COURSE_H
+
+#include "coupling/anode.h"
+#include "coupling/motion.h"
+#include "sim/sim.h"
+
+typedef struct vs_course {
+  const vs_setup *setup;
+  vs_frame frame;
+  const vs_observer *observer;
+  vs_knot knots[2]; /* the last one shown is knots[now], the one before it the other */
+  int now;
+  vs_anode anode;
+  vs_motion motion;
+  bool touching;                       /* the armature is in its stop */
+  bool jammed;                         /* the armature is jammed, since jams_s */
+  double jams_s;                       /* INFINITY: it never is */
+  double series_s;                     /* how far p's Taylor polynomial is good enough */
+  double candidate_s, candidate_gap_m; /* the last question and answer of vs_course_gap; -1: the
+                                          answer does not hold any more */
+  bool without;                        /* the steps shown are a stand-in's, not the solver's */
+  double bound;                        /* on the error of having left the solver so far, relative to
+                                          each probe's peak */
+} vs_course;
+
+/* Begins at t = 0. Setup and observer must outlive the course. It stays where it is made, as its
+ * motion points to itself. */
+void vs_course_begin(vs_course *course, const vs_setup *setup, const vs_frame *frame,
+                     const vs_observer *observer);
+void vs_course_end(vs_course *course);
+
+/* The last knot shown. */
+static inline const vs_knot *vs_course_last(const vs_course *course) {
+  return &course->knots[course->now];
+}
+
+/* The gap, m, where the mechanics will be at t_s, foretold from the last knot. */
+double vs_course_gap(vs_course *course, double t_s);
+
+/* Integrates the machine over the step from the last knot to *end and shows it. *end says what the
+ * circuit knows: time, lambda with two derivatives, v_eva, i_mains, terms; the rest is filled in.
+ * The step is cut where the armature meets or leaves its stop, and such an instant is shown from
+ * either side. Errors: the observer's; VS_RUN where GSL cannot integrate. */
+vs_status vs_course_move(vs_course *course, vs_knot *end, vs_error *err);
+
+/* Shows the step from the last knot to `to`, which is copied. `what` happens at its end, besides
+ * what the thyristor does. Errors: the observer's. */
+vs_status vs_course_show(vs_course *course, const vs_knot *to, vs_event what, vs_error *err);
+
+#endif

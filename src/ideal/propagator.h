@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The machine's free motion, exactly: without a force and outside of its stop x' = A x, and so
+ * x(t + h) = exp(A h) x(t) for x = (q, q'). */
+#ifndef VS_IDEAL_PROPAGATOR_H
+#define VS_IDEAL_PROPAGATOR_H
+
+#include "machine/mechanics.h"
+
+/* exp(A h) for one length h: column[j][i] stands in row i and column j. */
+typedef struct vs_propagator {
+  double column[VS_STATES][VS_STATES];
+} vs_propagator;
+
+/* Makes it for steps of h_s. `held`: the armature is jammed, so that p" = 0. */
+void vs_propagator_make(vs_propagator *propagator, const vs_model *model, bool held, double h_s);
+
+/* Gives the state y, one step after the state x. */
+void vs_propagator_step(const vs_propagator *propagator, const double x[VS_STATES],
+                        double y[VS_STATES]);
+
+#endif

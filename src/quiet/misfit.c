@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "quiet/misfit.h"
+
+#include <math.h>
+
+#include "machine/actuator.h"
+
+const double vs_misfit_safety = 5;
+
+double vs_misfit_electric(const vs_record *r, const vs_misfit *wrong) {
+  return vs_misfit_safety * fmax(wrong->force_n / r->peak_force_n, wrong->current_a / r->peak_a);
+}
+
+static void compare_modes(const vs_modal *modal, const double y[VS_ONEPORT_STATES],
+                          const vs_knot *seen, vs_misfit *wrong) {
+  double error[VS_STATES], share[VS_STATES];
+  for (int n = 0; n < VS_STATES; n++) error[n] = y[n] - seen->x[n];
+  vs_modal_shares(modal, error, share);
+  for (int n = 0; n < VS_STATES; n++) wrong->mode[n] = fmax(wrong->mode[n], share[n]);
+}
+
+bool vs_misfit_find(const vs_record *r, vs_oneport *port, const vs_modal *modal, double most,
+                    vs_misfit *wrong) {
+  const vs_model *m = &r->setup->model;
+  double y[VS_ONEPORT_STATES];
+  *wrong = (vs_misfit){0};
+  vs_oneport_state(&r->seen[0]->knot, y);
+  for (size_t k = 0; k < r->n_seen; k++) {
+    const vs_knot *seen = &r->seen[k]->knot;
+    if (k && !vs_oneport_advance(port, r->seen[k - 1]->knot.t_s, seen->t_s, y)) return false;
+    const vs_coil c = wrong->coil[k] = vs_oneport_coil(port, seen->t_s, y);
+    double force = vs_actuator_force(m, c.flux_wb) - vs_actuator_force(m, seen->flux_wb);
+    wrong->force_n = fmax(wrong->force_n, fabs(force));
+    wrong->current_a = fmax(wrong->current_a, fabs(c.i_a - vs_oneport_knot_current(m, seen)));
+    if (!(vs_misfit_electric(r, wrong) <= most)) return false;
+    compare_modes(modal, y, seen, wrong);
+  }
+  return true;
+}
+
+void vs_misfit_find_signals(const vs_record *r, const vs_oneport *port, vs_misfit *wrong) {
+  double signal[VS_SIGNALS];
+  for (size_t k = 0; k < r->n_seen; k++) {
+    const vs_seen *seen = r->seen[k];
+    vs_oneport_signals(port, seen->knot.t_s, &wrong->coil[k], signal);
+    for (size_t n = 0; n < vs_record_signals(r); n++)
+      wrong->signal[n] =
+          fmax(wrong->signal[n], fabs(signal[n] - vs_oneport_seen_signal(r->frame, seen, n)));
+  }
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/tiers.h"
+
+#include <string.h>
+
+#include "quiet/quiet.h"
+#include "solver/ng.h"
+
+const vs_tier *const vs_tiers_all[VS_TIERS] = {
+#define TIER_ROW(id, file, word) [id] = &vs_##file##_tier,
+    VS_TIER_LIST(TIER_ROW)
+#undef TIER_ROW
+};
+
+#define TIER_WORD(id, file, word) ", " word
+const char vs_tiers_words[] = "auto" VS_TIER_LIST(TIER_WORD);
+#undef TIER_WORD
+
+const vs_run_order vs_tiers_order = {.solver = &vs_ng_kind, .stand_in = &vs_quiet_stand_in};
+
+const vs_tier *vs_tiers_find(const char *name) {
+  for (int k = 0; k < VS_TIERS; k++)
+    if (!strcmp(vs_tiers_all[k]->name, name)) return vs_tiers_all[k];
+  return NULL;
+}
+
+const vs_tier *vs_tiers_automatic(bool circuit) {
+  for (int k = 0; k < VS_TIERS; k++)
+    if (vs_tiers_all[k]->automatic && vs_tiers_all[k]->has_circuit == circuit)
+      return vs_tiers_all[k];
+  return NULL;
+}

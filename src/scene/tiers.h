@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The table of tiers. A tier is a constant in a file of its own; a row of VS_TIER_LIST
+ * (sim/setup.h) puts it into this table, into the choices of run.tier and into what --tier takes.
+ */
+#ifndef VS_SCENE_TIERS_H
+#define VS_SCENE_TIERS_H
+
+#include "sim/sim.h"
+
+/* In the order of VS_TIER_LIST. */
+extern const vs_tier *const vs_tiers_all[VS_TIERS];
+
+/* The tier of that name; NULL: there is none. */
+const vs_tier *vs_tiers_find(const char *name);
+
+/* The tier that run.tier: auto takes for a scene that needs a circuit, or for one that does not. */
+const vs_tier *vs_tiers_automatic(bool circuit);
+
+/* "auto, analytic, ...": every word that --tier takes. */
+extern const char vs_tiers_words[];
+
+/* What a run of the product has: ngspice for its solver, the one-port (quiet/quiet.h) for its
+ * stand-in, no rawfile. */
+extern const vs_run_order vs_tiers_order;
+
+#endif

@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * One scene as numbers: machine, mains, deck, and the sections `run`, `start` and `measure`, which
+ * are read here. */
+#ifndef VS_SIM_SETUP_H
+#define VS_SIM_SETUP_H
+
+#include "sim/frame.h"
+
+/* The tiers, from the simplest to the fullest: id, file, and the word for run.tier and --tier. The
+ * file defines `const vs_tier vs_FILE_tier` (sim/sim.h); everything else that lists tiers, or names
+ * them to the user, is made from these rows. */
+#define VS_TIER_LIST(X)                                                                            \
+  X(VS_TIER_ANALYTIC, analytic, "analytic")                                                        \
+  X(VS_TIER_SWITCHED, switched, "switched")                                                        \
+  X(VS_TIER_CIRCUIT, coupled, "circuit")
+
+enum {
+#define VS_TIER_ID(id, file, word) id,
+  VS_TIER_LIST(VS_TIER_ID)
+#undef VS_TIER_ID
+      VS_TIERS
+};
+extern const char vs_setup_tier_words[VS_TIERS][16];
+
+/* The words of run.ladder and of run.verify, each in the order of the field's choices. */
+enum { VS_LADDER_CLIMB, VS_LADDER_IDEAL, VS_LADDER_STAY };
+enum { VS_VERIFY_AUTO, VS_VERIFY_ALWAYS, VS_VERIFY_NEVER };
+
+typedef struct vs_run_values {
+  int tier; /* as the scene chooses it: 0 is auto, 1 + VS_TIER_... a tier */
+  double until_s, sample_s;
+  double tolerance;  /* largest error wanted, relative to each quantity's own peak */
+  double max_step_s; /* 0: it follows from the tolerance */
+  double trtol;      /* ngspice's own: a factor on the truncation error a step may have */
+  double pivrel;     /* ngspice's own: decides the order in which it eliminates */
+  int gear;          /* the circuit's rule: 0 is the trapezoidal, 1 Gear's of second order */
+  int ladder;        /* how far it is climbed where ngspice gives up: VS_LADDER_... */
+  int verify;        /* whether a second run tells the margins' errors: VS_VERIFY_... */
+  int stays;         /* 1: in the circuit's solver to the end, also when the circuit is quiet */
+} vs_run_values;
+
+/* What means are taken over: from one instant to another, or the run's last cycles of the mains. */
+typedef struct vs_measure_values {
+  double from_s, to_s; /* to_s 0 stands for run.until */
+  double last_cycles;  /* 0: from_s and to_s hold */
+} vs_measure_values;
+
+/* The machine's state at t = 0: q, q'. The circuit always begins without current and charge. */
+typedef struct vs_start_values {
+  double x[VS_STATES];
+} vs_start_values;
+
+extern const vs_section vs_setup_run_section, vs_setup_start_section, vs_setup_measure_section;
+
+/* Built once by vs_setup_build, then constant: what one run alone has, such as its files, stands
+ * in its vs_run_order (sim/sim.h). */
+typedef struct vs_setup {
+  vs_model model;
+  vs_timeline timeline;
+  vs_run_values run;
+  vs_start_values start;
+  vs_measure_values measure;
+  vs_span_s means; /* what `measure` says, as a stretch of time */
+  vs_deck deck;    /* the scene's, also for a tier that does not use it; with what the scene's
+                      events put into it */
+  vs_circuit_values circuit_values;
+} vs_setup;
+
+/* Reads the scene's sections machine, actuator, load, supply, firing, circuit, run, events, start
+ * and measure. Errors: whatever these can be wrong in; a check carries on from most of it. The
+ * caller owns the setup and calls vs_setup_free, also after an error. */
+vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err);
+void vs_setup_free(vs_setup *setup);
+
+/* Builds another scene over a setup that was built before. The result is the same as vs_setup_build
+ * would give, but the deck's text is only read where vs_setup_keeps_deck says no. */
+vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err);
+
+/* True if the scene names the deck and the parts that the setup has, so that vs_setup_again keeps
+ * their text. Events put lines of their own into a deck; one that has some, or is to get some, is
+ * not kept. */
+bool vs_setup_keeps_deck(const vs_node *scene, const vs_setup *setup);
+
+/* The values of the parameters that every deck may use, and of those of its EVA (deck/deck.h). */
+void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]);
+
+/* First instant after t_s that must be the end of a step for the circuit: an edge of what a port of
+ * the deck is driven with, or of an event. INFINITY: there is none. */
+double vs_setup_edge(const vs_setup *setup, double t_s);
+
+/* When an event jams the armature first, s; INFINITY: none does. */
+double vs_setup_jams(const vs_setup *setup);
+
+#endif
