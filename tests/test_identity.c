@@ -11,8 +11,8 @@
 #include "base/units.h"
 #include "program.h"
 #include "scene/sections.h"
-#include "study/case.h"
-#include "study/identity.h"
+#include "work/case.h"
+#include "work/identity.h"
 
 /* ---- of scenes ---- */
 

@@ -8,7 +8,7 @@
 
 #include "method/methods.h"
 #include "program.h"
-#include "study/plan.h"
+#include "plan/plan.h"
 
 /* A study that is there as long as a test needs it. */
 typedef struct study {

@@ -18,8 +18,8 @@
 #include "base/hash.h"
 #include "method/methods.h"
 #include "program.h"
-#include "study/case.h"
-#include "study/identity.h"
+#include "work/case.h"
+#include "work/identity.h"
 #include "study/journal.h"
 
 /* Fast: switched, 12 x 10 cases of 0.1 s; the last angle of each voltage is below theta, and some

@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "method/methods.h"
-#include "study/worker.h"
+#include "work/worker.h"
 
 static double processor_s(int who) {
   struct rusage u;

@@ -9,6 +9,8 @@
  *
  * This file is the solver's host. course.h moves the machine and shows the steps, pace.h, swing.h
  * and anode.h say how long a step may be, away.h leaves the solver where the circuit is quiet. */
+#include "coupling/coupled.h"
+
 #include <math.h>
 #include <stdlib.h>
 

@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "ideal/switched.h"
+
 /* 1/800 of a period at a tolerance of 1e-4, and never more than 1/200. Measured on T3A (tests):
  * with 25 us in a period of 20 ms the trapezoidal rule is wrong by 6.5e-5 of the first peak, which
  * falls with the square of the step. Gear's rule is wrong by four times as much, and so takes half.

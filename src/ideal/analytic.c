@@ -5,6 +5,8 @@
  * t_f, i = U sqrt2/sqrt(R_c^2 + (w L)^2) [sin(w t - theta) - exp(-(t - t_f)/tau) sin(w t_f -
  * theta)] (Eq. 91) is the solution of dlambda/dt = u - R_c i with lambda = L(0) i, for which k_i
  * i^2 (Eq. 89) is lambda^2/(4a): the switched tier's equations with the gap at rest. */
+#include "ideal/analytic.h"
+
 #include "ideal/phases.h"
 
 static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_observer *observer,

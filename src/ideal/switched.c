@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Tier "switched": ideal thyristor, coil resistance, flux linkage as state, exact events:
  * dlambda/dt = u - R_c i with i = lambda z/(2a) (Eqs. 80, 81). */
+#include "ideal/switched.h"
+
 #include "ideal/phases.h"
 
 static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_observer *observer,

@@ -34,7 +34,7 @@ void vs_mechanics_state_space(const vs_model *model, vs_state_space *out) {
   double inverse[VS_DOF * VS_DOF];
   memcpy(inverse, model->mass, sizeof inverse);
   gsl_matrix_view mv = gsl_matrix_view_array(inverse, VS_DOF, VS_DOF);
-  gsl_linalg_cholesky_decomp1(&mv.matrix); /* it works, or vs_model_build would have refused M */
+  gsl_linalg_cholesky_decomp1(&mv.matrix); /* it works, or vs_build_model would have refused M */
   gsl_linalg_cholesky_invert(&mv.matrix);
   for (int i = 0; i < VS_DOF; i++) {
     for (int j = 0; j < VS_DOF; j++) {

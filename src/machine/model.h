@@ -4,7 +4,6 @@
 #ifndef VS_MACHINE_MODEL_H
 #define VS_MACHINE_MODEL_H
 
-#include "base/error.h"
 #include "base/field.h"
 #include "base/tree.h"
 
@@ -56,10 +55,5 @@ typedef struct vs_model {
                            fastest_rad_s */
   double working_rad_s; /* |s| of the mode that F drives hardest in p */
 } vs_model;
-
-/* Builds the model from the scene's sections machine, actuator and load, of which each may be
- * missing. Errors: what vs_field_section_read refuses (the model is then not whole, even if a check
- * carries on); an M or K that is not positive definite. */
-vs_status vs_model_build(const vs_node *scene, vs_model *model, vs_error *err);
 
 #endif

@@ -10,7 +10,7 @@
 
 #include "base/csv.h"
 #include "base/units.h"
-#include "study/plan.h"
+#include "plan/plan.h"
 
 /* ---- grid ---- */
 

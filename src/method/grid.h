@@ -3,7 +3,7 @@
 #ifndef VS_METHOD_GRID_H
 #define VS_METHOD_GRID_H
 
-#include "study/method.h"
+#include "plan/method.h"
 
 extern const vs_method vs_grid_method, vs_grid_list;
 

@@ -3,7 +3,7 @@
 #ifndef VS_METHOD_METHODS_H
 #define VS_METHOD_METHODS_H
 
-#include "study/method.h"
+#include "plan/method.h"
 
 /* NULL ends it. Of several methods that claim a section the first is taken. In this order a study's
  * methods are numbered: the first one's index runs slowest, and one that searches comes behind

@@ -24,7 +24,7 @@
 #include "base/text.h"
 #include "base/units.h"
 #include "method/span.h"
-#include "study/plan.h"
+#include "plan/plan.h"
 
 static const char *const KEYS[] = {"method", "n", "seed", "spread", "correlation", "sigmas"};
 

@@ -3,7 +3,7 @@
 #ifndef VS_METHOD_SAMPLE_H
 #define VS_METHOD_SAMPLE_H
 
-#include "study/method.h"
+#include "plan/method.h"
 
 extern const vs_method vs_sample_sobol, vs_sample_latin, vs_sample_monte_carlo, vs_sample_corners;
 

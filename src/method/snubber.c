@@ -29,7 +29,7 @@
 #include "base/units.h"
 #include "method/search.h"
 #include "method/span.h"
-#include "study/plan.h"
+#include "plan/plan.h"
 
 enum { PER_AXIS = 80, MOST_CANDIDATES = 10000, RATINGS = 16 };
 

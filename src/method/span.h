@@ -11,7 +11,7 @@
 #define VS_METHOD_SPAN_H
 
 #include "method/random.h"
-#include "study/plan.h"
+#include "plan/plan.h"
 
 /* A spread that has a shape. It is the axis' `own`; it is in the axis' unit and about its nominal
  * value. Of a range or a list the axis' `own` is NULL. */

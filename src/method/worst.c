@@ -22,7 +22,7 @@
 #include "base/units.h"
 #include "method/search.h"
 #include "method/span.h"
-#include "study/plan.h"
+#include "plan/plan.h"
 
 enum { PER_AXIS = 100, MOST_CASES = 100000 };
 

@@ -3,7 +3,7 @@
 #ifndef VS_METHOD_WORST_H
 #define VS_METHOD_WORST_H
 
-#include "study/method.h"
+#include "plan/method.h"
 
 extern const vs_method vs_worst_method;
 

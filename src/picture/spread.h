@@ -24,7 +24,7 @@ double vs_spread_percentile(const double *rising, size_t count, double percent);
 
 /* A histogram's bars, from the least value to the largest of a rising list that is not empty. Where
  * `joint` lies between those two, two bars meet there, so that none stands on both sides of it;
- * NaN: there is no such place. For tests. */
+ * NaN: there is no such place. */
 enum { VS_BINS = 64 };
 typedef struct vs_bins {
   double width;
@@ -34,6 +34,7 @@ typedef struct vs_bins {
     size_t cases; /* from its left end on, to before its right one; of the last bar, with it */
   } item[VS_BINS];
 } vs_bins;
+/* For tests. */
 vs_bins vs_spread_bins(const double *rising, size_t count, double joint);
 
 #endif

@@ -5,7 +5,7 @@
 #define VS_REPORT_REPORT_H
 
 #include "command/plot.h"
-#include "study/method.h"
+#include "plan/method.h"
 
 /* Draws the study in the folder; with an output only its first picture, into that file. methods:
  * all there are; NULL ends them. The same study gives the same bytes. Errors: those of reading the

@@ -23,9 +23,6 @@ typedef struct vs_ladder {
 /* What a rung is, in a few words. */
 const char *vs_ladder_text(int rung);
 
-/* True: the rung has an ideal thyristor in the place of the scene's. */
-bool vs_ladder_is_ideal(int rung);
-
 /* Goes to the next rung that changes anything for the scene as it is, and fills its keys. Returns
  * false where there is none, or where run.ladder stops before it: `stay` on the first rung, `climb`
  * before the ideal thyristor. */

@@ -3,6 +3,9 @@
 
 #include <string.h>
 
+#include "coupling/coupled.h"
+#include "ideal/analytic.h"
+#include "ideal/switched.h"
 #include "quiet/quiet.h"
 #include "solver/ng.h"
 

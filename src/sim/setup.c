@@ -10,6 +10,7 @@
 #include "deck/parts.h"
 #include "drive/events.h"
 #include "drive/signals.h"
+#include "machine/build.h"
 #include "sim/channel.h"
 
 const char vs_setup_tier_words[VS_TIERS][16] = {
@@ -220,7 +221,7 @@ static void choose_eva(vs_setup *setup) {
 
 /* Builds all of it; with has_deck the deck's text is there already. */
 static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_error *err) {
-  vs_status s = vs_error_carry_on(err, vs_model_build(scene, &setup->model, err));
+  vs_status s = vs_error_carry_on(err, vs_build_model(scene, &setup->model, err));
   if (!s) s = vs_error_carry_on(err, vs_timeline_build(scene, &setup->timeline, err));
   if (!s && has_deck)
     s = read_values(vs_tree_child(scene, "circuit"), setup, err);

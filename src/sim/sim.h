@@ -52,11 +52,6 @@ typedef struct vs_tier {
                    vs_error *err);
 } vs_tier;
 
-/* Each tier's file defines its own of these. */
-#define VS_TIER_EXTERN(id, file, word) extern const vs_tier vs_##file##_tier;
-VS_TIER_LIST(VS_TIER_EXTERN)
-#undef VS_TIER_EXTERN
-
 /* The frame of all steps that this tier makes of this setup. */
 vs_frame vs_sim_frame(const vs_tier *tier, const vs_setup *setup);
 

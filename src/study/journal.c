@@ -15,7 +15,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/json.h"
-#include "study/plan.h"
+#include "plan/plan.h"
 
 static const char NAME[] = "journal";
 static const char MAGIC[] = "vibrospice journal 1";
@@ -264,8 +264,8 @@ static vs_status check_row(vs_journal *j, const entry *e, vs_error *err) {
   const vs_journal_head *h = &j->head;
   char why[256];
   size_t at;
-  if (!j->shape) j->shape = vs_shape_new(h->columns, h->failures, h->manifest_end);
-  if (vs_shape_fits(j->shape, e->line[9] == '!', e->line + BEFORE_ROW, &at, why, sizeof why))
+  if (!j->shape) j->shape = vs_row_new(h->columns, h->failures, h->manifest_end);
+  if (vs_row_fits(j->shape, e->line[9] == '!', e->line + BEFORE_ROW, &at, why, sizeof why))
     return VS_OK;
   return refuse_row(j, e, at, why, err);
 }
@@ -379,7 +379,7 @@ void vs_journal_close(vs_journal *j) {
   if (j->folder >= 0) close(j->folder);
   vs_journal_head_free(&j->head);
   free(j->place);
-  vs_shape_free(j->shape);
+  vs_row_free(j->shape);
   vs_text_free(&j->fresh);
   *j = (vs_journal){.fd = -1, .folder = -1};
 }

@@ -24,7 +24,7 @@
 
 #include "base/path.h"
 #include "base/text.h"
-#include "study/shape.h"
+#include "study/row.h"
 
 enum { VS_MOST_SHARDS = 10000 };
 
@@ -49,15 +49,15 @@ typedef struct vs_journal {
   uint64_t *place; /* [room], by the shard's cases: where the case's line begins, plus 1; 0: it is
                       not done */
   uint64_t room;
-  uint64_t end;        /* bytes in the file, without `fresh` */
-  uint64_t done;       /* cases with a row in study.csv */
-  uint64_t failed;     /* cases with a row in failures.csv */
-  uint64_t violated;   /* those of `done` that have status 3 */
-  vs_row_shape *shape; /* that every row must have; NULL: no row was read yet */
-  bool two_heads;      /* a line of the head stands there twice, or behind rows */
-  uint64_t bad;        /* lines that did not count when it was opened */
-  vs_text fresh;       /* lines that are not written yet */
-  bool unsynced;       /* lines were written since the last fsync */
+  uint64_t end;      /* bytes in the file, without `fresh` */
+  uint64_t done;     /* cases with a row in study.csv */
+  uint64_t failed;   /* cases with a row in failures.csv */
+  uint64_t violated; /* those of `done` that have status 3 */
+  vs_row *shape;     /* that every row must have; NULL: no row was read yet */
+  bool two_heads;    /* a line of the head stands there twice, or behind rows */
+  uint64_t bad;      /* lines that did not count when it was opened */
+  vs_text fresh;     /* lines that are not written yet */
+  bool unsynced;     /* lines were written since the last fsync */
 } vs_journal;
 
 /* True if the folder holds a journal. */
@@ -77,7 +77,7 @@ void vs_journal_close(vs_journal *journal);
 /* True if the case is done. It must be one of the shard's. */
 bool vs_journal_has(const vs_journal *journal, uint64_t index);
 /* Adds the row of a case, as the CSV file has it but without a newline. status is VS_CASE_... of
- * study/case.h: it says to which of the two files the row belongs. Error: the file cannot be
+ * work/case.h: it says to which of the two files the row belongs. Error: the file cannot be
  * written. */
 vs_status vs_journal_add(vs_journal *journal, uint64_t index, int status, const char *row,
                          size_t length, vs_error *err);

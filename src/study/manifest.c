@@ -10,7 +10,7 @@
 #include "base/json.h"
 #include "scene/version.h"
 #include "solver/ng.h"
-#include "study/case.h"
+#include "work/case.h"
 
 enum { MOST_VALUES_SHOWN = 1000 };
 

@@ -9,7 +9,6 @@
 #include "base/file.h"
 #include "study/journal.h"
 #include "study/stale.h"
-#include "study/study.h"
 
 /* ---- which ---- */
 

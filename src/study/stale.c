@@ -12,7 +12,7 @@
 
 #include "base/csv.h"
 #include "base/text.h"
-#include "study/case.h"
+#include "work/case.h"
 
 static void remove_file(int folder, const char *name) {
   struct stat s;

@@ -14,10 +14,10 @@
 #include "base/json.h"
 #include "base/leave.h"
 #include "scene/session.h"
-#include "study/jobs.h"
 #include "study/manifest.h"
 #include "study/merge.h"
 #include "study/stale.h"
+#include "work/jobs.h"
 
 static const char *const RESULTS[] = {"manifest.json", "study.csv", "failures.csv"};
 enum { N_RESULTS = sizeof RESULTS / sizeof *RESULTS };

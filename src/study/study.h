@@ -6,7 +6,7 @@
 #include <signal.h>
 
 #include "command/check.h"
-#include "study/method.h"
+#include "plan/method.h"
 
 typedef struct vs_study_options {
   const char *name, *folder;       /* folder: NULL, then study.csv goes to standard output */

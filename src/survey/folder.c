@@ -11,7 +11,7 @@
 #include "base/csv.h"
 #include "base/text.h"
 #include "base/units.h"
-#include "study/case.h"
+#include "work/case.h"
 
 static bool is_there(const char *folder, const char *name) {
   char path[VS_PATH_SIZE];

@@ -4,7 +4,6 @@
 #include "validate/surge.h"
 #include "drive/faults.h"
 #include "drive/generators.h"
-#include "validate/validate.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 

@@ -17,7 +17,7 @@ const char *const vs_energy_balance_names[VS_BALANCES] = {
     VS_BALANCE_LIST(VS_BALANCE_NAME)
 #undef VS_BALANCE_NAME
 };
-const char *const vs_energy_balance_texts[VS_BALANCES] = {
+static const char *const BALANCE_TEXTS[VS_BALANCES] = {
 #define VS_BALANCE_TEXT(id, name, text) text,
     VS_BALANCE_LIST(VS_BALANCE_TEXT)
 #undef VS_BALANCE_TEXT
@@ -160,11 +160,10 @@ const char *vs_energy_open(const vs_energy *e, double tolerance, char *buffer, s
   for (int b = 0; b < VS_BALANCES; b++) {
     if (!e->balanced[b] || !(fabs(e->furthest_j[b]) > VS_ENERGY_ALLOWED * tolerance * whole))
       continue;
-    snprintf(buffer, size,
-             "the energy books do not close (%s): %s leaves %.3g J of %.3g J at %.6g s%s",
-             vs_energy_balance_names[b], vs_energy_balance_texts[b], e->furthest_j[b], whole,
-             e->furthest_s[b],
-             b == VS_B_CIRCUIT ? "; is a loss or store line of the deck missing or wrong?" : "");
+    snprintf(
+        buffer, size, "the energy books do not close (%s): %s leaves %.3g J of %.3g J at %.6g s%s",
+        vs_energy_balance_names[b], BALANCE_TEXTS[b], e->furthest_j[b], whole, e->furthest_s[b],
+        b == VS_B_CIRCUIT ? "; is a loss or store line of the deck missing or wrong?" : "");
     return buffer;
   }
   return NULL;

@@ -39,8 +39,7 @@ enum {
 #undef VS_BALANCE_ID
       VS_BALANCES
 };
-extern const char *const vs_energy_balance_names[VS_BALANCES],
-    *const vs_energy_balance_texts[VS_BALANCES];
+extern const char *const vs_energy_balance_names[VS_BALANCES];
 
 /* Start from {0} with the frame set. The frame is borrowed. */
 typedef struct vs_energy {

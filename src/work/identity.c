@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/identity.h"
+#include "work/identity.h"
 
 #include <stdlib.h>
 #include <string.h>

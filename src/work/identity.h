@@ -18,10 +18,10 @@
  *     in the tier);
  *   - an event's at, cycle and angle, which only say when it begins;
  *   - the program: its version and ngspice's, its circuit of the EVA. */
-#ifndef VS_STUDY_IDENTITY_H
-#define VS_STUDY_IDENTITY_H
+#ifndef VS_WORK_IDENTITY_H
+#define VS_WORK_IDENTITY_H
 
-#include "study/plan.h"
+#include "plan/plan.h"
 
 enum { VS_ID_SIZE = 17 }; /* bytes of an id, the end included */
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/plan.h"
+#include "plan/plan.h"
 
 #include <assert.h>
 #include <math.h>

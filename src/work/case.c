@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/case.h"
+#include "work/case.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -10,8 +10,8 @@
 #include "base/file.h"
 #include "scene/session.h"
 #include "scene/shown.h"
-#include "study/identity.h"
 #include "watch/table.h"
+#include "work/identity.h"
 
 const char *const vs_case_titles[VS_CASE_COLUMNS] = {
     [VS_CASE_MARGIN] = "margin_least",   [VS_CASE_MARGIN_ERROR] = "margin_error",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/worker.h"
+#include "work/worker.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -2,13 +2,13 @@
  * A worker is a child process that runs cases. Tasks reach it through one pipe and answers come
  * back through another, several at once each way. It is forked before this process uses libngspice,
  * as a process can have only one. It ends when its pipe ends, or with this process. */
-#ifndef VS_STUDY_WORKER_H
-#define VS_STUDY_WORKER_H
+#ifndef VS_WORK_WORKER_H
+#define VS_WORK_WORKER_H
 
 #include <stdint.h>
 #include <sys/types.h>
 
-#include "study/case.h"
+#include "work/case.h"
 
 enum { VS_WORKER_QUEUE = 256 }; /* tasks a worker may have at a time */
 

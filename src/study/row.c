@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/shape.h"
+#include "study/row.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -8,7 +8,7 @@
 
 #include "base/csv.h"
 #include "base/text.h"
-#include "study/case.h"
+#include "work/case.h"
 
 /* What a cell may hold. */
 typedef enum cell_kind { ANY, WORD, NUMBER, NUMBER_OR_NOTHING, COUNT, DONE, FAILED } cell_kind;
@@ -25,7 +25,7 @@ typedef struct header {
   size_t count;
 } header;
 
-struct vs_row_shape {
+struct vs_row {
   header done, failed;
 };
 
@@ -80,8 +80,8 @@ static void find_kinds(header *h, const header *other, bool failed, const char *
   }
 }
 
-vs_row_shape *vs_shape_new(const char *columns, const char *failures, const char *manifest) {
-  vs_row_shape *shape = vs_alloc(1, sizeof *shape);
+vs_row *vs_row_new(const char *columns, const char *failures, const char *manifest) {
+  vs_row *shape = vs_alloc(1, sizeof *shape);
   shape->done = cut(columns);
   shape->failed = cut(failures);
   find_kinds(&shape->done, &shape->failed, false, manifest);
@@ -89,7 +89,7 @@ vs_row_shape *vs_shape_new(const char *columns, const char *failures, const char
   return shape;
 }
 
-void vs_shape_free(vs_row_shape *shape) {
+void vs_row_free(vs_row *shape) {
   if (!shape) return;
   discard(&shape->done);
   discard(&shape->failed);
@@ -125,8 +125,8 @@ static bool holds(const char *cell, cell_kind kind) {
   }
 }
 
-bool vs_shape_fits(const vs_row_shape *shape, bool failed, const char *row, size_t *at, char *why,
-                   size_t size) {
+bool vs_row_fits(const vs_row *shape, bool failed, const char *row, size_t *at, char *why,
+                 size_t size) {
   const header *h = failed ? &shape->failed : &shape->done;
   char *copy = vs_copy(row), **cell = vs_alloc(h->count + 1, sizeof *cell);
   size_t count = vs_csv_split(copy, cell, h->count + 1), k = 0;

@@ -2,10 +2,10 @@
  * One case of a study, run in this process: its point is put, as keys, over the scene, the scene is
  * run once, and a row for study.csv or failures.csv comes of it. What is constant from case to case
  * is kept: the scene's tree, and the deck's text as long as neither deck nor parts change. */
-#ifndef VS_STUDY_CASE_H
-#define VS_STUDY_CASE_H
+#ifndef VS_WORK_CASE_H
+#define VS_WORK_CASE_H
 
-#include "study/plan.h"
+#include "plan/plan.h"
 
 /* How a case ended. */
 enum {
@@ -20,6 +20,7 @@ typedef struct vs_case vs_case;
 /* The plan is borrowed. keep is the folder in which each case's run.csv is stored, in a folder
  * named by the case's number; NULL: no run.csv is stored. */
 vs_case *vs_case_new(const vs_plan *plan, const char *keep);
+/* Frees it; for tools and tests, as a worker ends with its process. */
 void vs_case_free(vs_case *c);
 
 /* The columns of study.csv behind the measures, in their order. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/axis.h"
+#include "plan/axis.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -8,7 +8,6 @@
 
 #include "base/units.h"
 #include "scene/sections.h"
-#include "study/plan.h"
 
 enum { MOST_KEYS = 512, MOST_VALUES = 10000000 };
 

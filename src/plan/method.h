@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A method chooses the cases of a study. Each is one const struct; the table of them, which NULL
  * ends, comes from main. What a report needs to know of the method stands in the struct, too. */
-#ifndef VS_STUDY_METHOD_H
-#define VS_STUDY_METHOD_H
+#ifndef VS_PLAN_METHOD_H
+#define VS_PLAN_METHOD_H
 
 #include "base/json.h"
-#include "study/axis.h"
+#include "plan/axis.h"
 
 struct vs_plan;
 struct vs_plan_stage;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/jobs.h"
+#include "work/jobs.h"
 
 #include <errno.h>
 #include <math.h>

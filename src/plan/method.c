@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/method.h"
+#include "plan/method.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * An axis: one scene key that differs from case to case, its unit, and what a study lists of it. */
-#ifndef VS_STUDY_AXIS_H
-#define VS_STUDY_AXIS_H
+#ifndef VS_PLAN_AXIS_H
+#define VS_PLAN_AXIS_H
 
 #include <stdint.h>
 

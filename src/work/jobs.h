@@ -2,12 +2,12 @@
  * Deals cases out to workers. A worker that dies or does not answer in time costs no more than its
  * own case. It is replaced, and each case it had is run again in a worker that has nothing else. A
  * case that ends such a worker, too, has failed; its row says how. */
-#ifndef VS_STUDY_JOBS_H
-#define VS_STUDY_JOBS_H
+#ifndef VS_WORK_JOBS_H
+#define VS_WORK_JOBS_H
 
 #include <signal.h>
 
-#include "study/worker.h"
+#include "work/worker.h"
 
 /* Where cases come from and rows go to: three functions of the caller's, all called with ctx. */
 typedef struct vs_dealer {

@@ -13,12 +13,12 @@
  * A study that has vary and sample runs all pairs of their points, the last one's index running
  * fastest. A method that chooses its cases by earlier ones' results (find, snubber) uses all axes
  * itself, by their ranges, lists and spreads; the points of vary and sample are then not run. */
-#ifndef VS_STUDY_PLAN_H
-#define VS_STUDY_PLAN_H
+#ifndef VS_PLAN_PLAN_H
+#define VS_PLAN_PLAN_H
 
 #include <stdint.h>
 
-#include "study/method.h"
+#include "plan/method.h"
 #include "watch/verdict.h"
 
 enum { VS_PLAN_AXES = 32, VS_PLAN_COLUMNS = 96 }; /* at most */
