@@ -178,6 +178,7 @@ static void follow(vs_devices *d, size_t k, vs_course_step *c, const double *mid
     c->more[of] = c->h_s * (c->from[of] + 4 * c->mid[of] + c->to[of]) / 6;
     w->sum[of] += c->more[of];
   }
+  c->was_on = c->on = true; /* a device that does not switch conducts all the time */
   if (w->states) follow_states(d, w, c);
   follow_means(d, w, c);
   for (size_t n = 0; n < own->n_busy; n++) own->busy[n]->by->follow(w, own->busy[n], c);
