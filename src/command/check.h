@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "sim/sim.h"
 
 typedef struct vs_check_options vs_check_options;
 struct vs_check_options {

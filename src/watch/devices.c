@@ -213,6 +213,7 @@ static void follow(vs_devices *d, size_t k, vs_course_step *c, const double *mid
     c->more[of] = c->h_s * (c->from[of] + 4 * c->mid[of] + c->to[of]) / 6;
     w->sum[of] += c->more[of];
   }
+  c->was_on = c->on = true; /* a device that does not switch conducts all the time */
   if (w->states) follow_states(d, w, c);
   if (w->states) follow_shots(d, w, &own->shots, c);
   follow_means(d, w, c);

@@ -16,7 +16,7 @@
 
 #include "coupling/conduction.h"
 #include "deck/devices.h"
-#include "watch/measures.h"
+#include "watch/extremes.h"
 #include "watch/slope.h"
 
 /* The courses of a device over one step (VS_OF_V, ...): at its beginning, half way, at its end. */
@@ -30,8 +30,8 @@ typedef struct vs_course_step {
 /* The gate pulses of a device. Their edges are ends of steps. */
 typedef struct vs_gate_watch {
   const vs_timeline *timeline;
-  double delay_rad;   /* of its pulses behind those of `gate`; NaN: nothing is known of its gate,
-                         which   then counts as always on */
+  double delay_rad;   /* of its pulses against the deck's port gate; NaN: nothing is known of its
+                         gate, which then counts as always on */
   bool on;            /* there is a pulse in the step last followed */
   bool begins, ended; /* a pulse began, or ended, at that step's beginning */
   double edge_s;      /* instant of the next edge */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "watch/verdict.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -85,8 +86,9 @@ void vs_verdict_reach(const vs_measures *m, const vs_devices *devices, vs_verdic
 }
 
 const char *vs_verdict_name(const vs_judgement *j, char name[VS_JUDGED_NAME]) {
-  snprintf(name, VS_JUDGED_NAME, "%s%s%s", j->device ? j->device->name : j->probe->name,
-           j->device ? "." : "", j->device ? j->measure->name : "");
+  int size = snprintf(name, VS_JUDGED_NAME, "%s%s%s", j->device ? j->device->name : j->probe->name,
+                      j->device ? "." : "", j->device ? j->measure->name : "");
+  assert(size < VS_JUDGED_NAME);
   return name;
 }
 

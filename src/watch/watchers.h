@@ -6,6 +6,7 @@
 
 #include "watch/devices.h"
 #include "watch/energy.h"
+#include "watch/measures.h"
 
 /* The stretches of a run that went without ngspice, as the circuit was quiet (quiet/quiet.h). */
 typedef struct vs_absence {
