@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/csv.h"
 #include "base/field.h"
 #include "base/file.h"
 #include "base/json.h"
@@ -24,6 +25,78 @@ static const char *head(const char *path, char text[256]) {
   text[f ? fread(text, 1, 255, f) : 0] = '\0';
   if (f) fclose(f);
   return text;
+}
+
+/* ---- CSV and JSON ---- */
+
+/* Reads rows.csv; of each cell its place and text: "1:1<a>1:3<b>", and of the error its text. */
+static vs_text rows_of(const char *text, bool trim, bool comments) {
+  vs_text all = {0};
+  vs_error err = {0};
+  write_file("rows.csv", text);
+  FILE *f = fopen("rows.csv", "r");
+  vs_csv csv = {.file = "rows.csv", .stream = f, .trim = trim, .comments = comments};
+  vs_status status;
+  while (!(status = vs_csv_next(&csv, &err)) && csv.count) {
+    for (size_t k = 0; k < csv.count; k++)
+      vs_text_add(&all, "%d:%d<%s>", csv.where[k].line, csv.where[k].column, csv.cell[k]);
+    vs_text_add(&all, ";");
+  }
+  if (status) vs_text_add(&all, "%s", err.text);
+  vs_csv_free(&csv);
+  fclose(f);
+  return all;
+}
+
+static void rows_of_csv(void) {
+  static const struct {
+    const char *text;
+    bool trim, comments;
+    const char *rows;
+  } ROWS[] = {
+      {"", false, false, NULL},
+      {"a,b\n1,\n", false, false, "1:1<a>1:3<b>;2:1<1>2:3<>;"},
+      {"\xEF\xBB\xBF"
+       "a,b\r\n1,2",
+       false, false, "1:1<a>1:3<b>;2:1<1>2:3<2>;"},
+      {"\"a,b\",\"say \"\"x\"\"\",\"\"\n", false, false, "1:1<a,b>1:7<say \"x\">1:19<>;"},
+      {"\"two\nlines\",x\nnext\n", false, false, "1:1<two\nlines>2:8<x>;3:1<next>;"},
+      {" a , \" b \" \n\n# \"no\n", true, true, "1:2<a>1:6< b >;"},
+      {" a , b\n\n", false, false, "1:1< a >1:5< b>;2:1<>;"},
+      {"5\" pipe,a\"b\n", false, false, "1:1<5\" pipe>1:9<a\"b>;"},
+      {"a\n1,\"x\n\n", false, false,
+       "1:1<a>;rows.csv:2:3: a cell in quotes that has no closing quote"},
+      {"\"a\"b\n", true, false, "rows.csv:1:1: behind a cell in quotes a comma is wanted"},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text rows = rows_of(ROWS[k].text, ROWS[k].trim, ROWS[k].comments);
+    EXPECT(ROWS[k].rows ? rows.text && !strcmp(rows.text, ROWS[k].rows) : !rows.text, "%s: %s",
+           ROWS[k].text, rows.text ? rows.text : "no rows");
+    vs_text_free(&rows);
+  }
+}
+
+static void json_is_laid_out(void) {
+  vs_text text = {0};
+  vs_json json = vs_json_new(&text);
+  vs_json_object(&json, NULL, VS_JSON_LINES);
+  vs_json_text(&json, "a \"b\"", "\\\n");
+  vs_json_array(&json, "rows", VS_JSON_LINES);
+  vs_json_object(&json, NULL, VS_JSON_ROW);
+  vs_json_number(&json, "x", 1.0 / 3, 3);
+  vs_json_number(&json, "y", NAN, 3);
+  vs_json_end(&json);
+  vs_json_end(&json);
+  vs_json_array(&json, "none", VS_JSON_ROW);
+  vs_json_end(&json);
+  vs_json_same_row(&json);
+  vs_json_bool(&json, "yes", true);
+  vs_json_whole(&json, "n", -7);
+  vs_json_end(&json);
+  CU_ASSERT_STRING_EQUAL(text.text, "{\n  \"a \\\"b\\\"\": \"\\\\\\u000a\",\n  \"rows\": [\n"
+                                    "    {\"x\": 0.333, \"y\": null}\n  ],\n  \"none\": [], "
+                                    "\"yes\": true,\n  \"n\": -7\n}");
+  vs_text_free(&text);
 }
 
 /* ---- units ---- */
@@ -816,6 +889,8 @@ static void numbers_are_written_as_printf_does(void) {
 }
 
 static const vs_test TESTS[] = {
+    {"rows of CSV", rows_of_csv},
+    {"JSON is laid out", json_is_laid_out},
     {"good quantities", good_quantities},
     {"bad quantities", bad_quantities},
     {"units known", units_known},

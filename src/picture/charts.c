@@ -136,29 +136,36 @@ static vs_status draw_cases(const vs_sketch *k, size_t column, vs_picture *p, vs
 
 const vs_chart vs_charts_cases = {.name = "cases", .draw = draw_cases};
 
+/* The points that are better than all before them, and one at the end of the search. */
+static vs_dots best_so_far(const vs_dots *s, bool largest) {
+  vs_dots best = {.item = vs_alloc(s->count + 1, sizeof *best.item)};
+  for (size_t n = 0; n < s->count; n++) {
+    const vs_dot *last = best.count ? &best.item[best.count - 1] : NULL;
+    bool better = !last || (largest ? s->item[n].y > last->y : s->item[n].y < last->y);
+    if (better) best.item[best.count++] = s->item[n];
+  }
+  if (!best.count) return best;
+  const vs_dot end = best.item[best.count - 1];
+  best.item[best.count++] = (vs_dot){s->item[s->count - 1].x, end.y, end.number};
+  return best;
+}
+
 static vs_status draw_path(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   bool largest;
   bool aim = vs_folder_aim(k->t, &largest) == column;
   if (!aim) largest = k->t->column[column].role != VS_ROLE_MARGIN;
-  vs_dots s, best = {0};
+  vs_dots s;
   vs_sketch_title(k, column, largest ? ": search for the largest" : ": search for the least", p);
   vs_sketch_begin(k, 0, column, p);
   vs_sketch_axis(k, column, 'y', &p->script);
   vs_sketch_range(k, column, 'y', false, p);
   vs_text_add(&p->script, "set xlabel 'evaluation'\nset key tmargin center horizontal samplen 2\n");
   vs_status status = vs_sketch_dots_load(k, 0, column, &s, err);
-  best.item = vs_alloc(s.count + 1, sizeof *best.item);
-  for (size_t n = 0; n < s.count; n++) {
-    const vs_dot *last = best.count ? &best.item[best.count - 1] : NULL;
-    bool better = !last || (largest ? s.item[n].y > last->y : s.item[n].y < last->y);
-    if (better) best.item[best.count++] = s.item[n];
-  }
-  if (best.count) {
-    vs_dot end = best.item[best.count - 1];
-    vs_text_add(&p->caption, "The worst found, %.6g %s, at evaluation %ld of %zu. ", end.y,
-                vs_sketch_scale(k, column).unit, end.number, s.count);
-    best.item[best.count++] = (vs_dot){s.item[s.count - 1].x, end.y, end.number};
-  }
+  vs_dots best = best_so_far(&s, largest);
+  if (best.count)
+    vs_text_add(&p->caption, "The worst found, %.6g %s, at evaluation %ld of %zu. ",
+                best.item[best.count - 1].y, vs_sketch_scale(k, column).unit,
+                best.item[best.count - 1].number, s.count);
   vs_sketch_dots_thin(&s, MOST_POINTS);
   vs_sketch_data(&p->script, "all", &s, false);
   vs_sketch_data(&p->script, "best", &best, false);
@@ -175,17 +182,16 @@ const vs_chart vs_charts_path = {.name = "path", .draw = draw_path};
 
 /* ---- points in colour ---- */
 
-enum {
-  CLOUD_CELLS = 100
-}; /* cells along each axis; of the points in a cell only the worst is drawn */
+/* Cells along each axis; of the points in a cell only the worst is drawn. */
+enum { CLOUD_CELLS = 100 };
 
 typedef struct cloud {
   const vs_sketch *k;
   size_t column[3];
   double factor[3], least[2], step[2];
   bool margin;
-  double (
-      *point)[3]; /* [CLOUD_CELLS * CLOUD_CELLS]: x, y and the column's value; NaN: there is none */
+  /* [CLOUD_CELLS * CLOUD_CELLS]: x, y and the column's value; NaN: there is none */
+  double (*point)[3];
 } cloud;
 
 static vs_status add_point(void *ctx, const vs_folder_row *row, vs_error *err) {
@@ -211,6 +217,26 @@ static bool fits_cloud(const vs_sketch *k) {
          k->s->profile[k->axis[1]].is_number;
 }
 
+/* The script to plot the points; crosses mark those that violate a rating. */
+static void add_cloud(const cloud *c, vs_picture *p) {
+  bool violated = false;
+  vs_text_add(&p->script, "$points << EOD\n");
+  for (size_t n = 0; n < CLOUD_CELLS * CLOUD_CELLS; n++) {
+    const double *at = c->point[n];
+    if (isnan(at[2])) continue;
+    vs_text_add(&p->script, "%.9g %.9g %.9g\n", at[0], at[1], at[2]);
+    violated = violated || (c->margin && at[2] < 0);
+  }
+  vs_text_add(&p->script, "EOD\nplot $points using 1:2:3 with points pt 7 ps 0.7 lc palette");
+  if (violated)
+    vs_text_add(&p->script,
+                ", $points using 1:($3 < 0 ? $2 : NaN) with points pt 2 ps 0.7 lc rgb "
+                "'%s' ",
+                vs_scale_colour_bad);
+  if (violated) vs_text_add(&p->caption, "Crosses: a rating is violated. ");
+  vs_text_add(&p->script, "\n");
+}
+
 static vs_status draw_cloud(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
   cloud c = {.k = k, .column = {k->axis[0], k->axis[1], column}};
   c.margin = k->t->column[column].role == VS_ROLE_MARGIN;
@@ -231,22 +257,8 @@ static vs_status draw_cloud(const vs_sketch *k, size_t column, vs_picture *p, vs
   vs_sketch_axis(k, c.column[1], 'y', &p->script);
   vs_text_add(&p->script, "%sset cblabel ", vs_scale_palette);
   vs_gnuplot_quoted(&p->script, vs_sketch_scale(k, column).label);
-  vs_text_add(&p->script, "\nset rmargin 16\n$points << EOD\n");
-  bool violated = false;
-  for (size_t n = 0; n < CLOUD_CELLS * CLOUD_CELLS; n++) {
-    const double *at = c.point[n];
-    if (isnan(at[2])) continue;
-    vs_text_add(&p->script, "%.9g %.9g %.9g\n", at[0], at[1], at[2]);
-    violated = violated || (c.margin && at[2] < 0);
-  }
-  vs_text_add(&p->script, "EOD\nplot $points using 1:2:3 with points pt 7 ps 0.7 lc palette");
-  if (violated)
-    vs_text_add(&p->script,
-                ", $points using 1:($3 < 0 ? $2 : NaN) with points pt 2 ps 0.7 lc rgb "
-                "'%s' ",
-                vs_scale_colour_bad);
-  if (violated) vs_text_add(&p->caption, "Crosses: a rating is violated. ");
-  vs_text_add(&p->script, "\n");
+  vs_text_add(&p->script, "\nset rmargin 16\n");
+  add_cloud(&c, p);
   free(c.point);
   return status;
 }

@@ -231,9 +231,10 @@ static int by_strength(const void *a, const void *b) {
   return (one->column > other->column) - (one->column < other->column);
 }
 
-static vs_status draw_influence(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+/* The strongest influences on the column, the first of them the strongest; *count of them. */
+static vs_status find_influences(const vs_sketch *k, size_t column, influence all[VS_STUDY_COLUMNS],
+                                 size_t *count, vs_error *err) {
   moments *m = vs_alloc(1, sizeof *m);
-  influence all[VS_STUDY_COLUMNS];
   size_t n = 0;
   m->k = k;
   m->column = column;
@@ -245,7 +246,14 @@ static vs_status draw_influence(const vs_sketch *k, size_t column, vs_picture *p
   }
   free(m);
   qsort(all, n, sizeof *all, by_strength);
-  if (n > MOST_BARS) n = MOST_BARS;
+  *count = n > MOST_BARS ? MOST_BARS : n;
+  return status;
+}
+
+static vs_status draw_influence(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+  influence all[VS_STUDY_COLUMNS];
+  size_t n;
+  vs_status status = find_influences(k, column, all, &n, err);
   if (!n) return status;
   snprintf(p->name, sizeof p->name, "influence");
   p->width = 720;
@@ -303,26 +311,11 @@ static vs_status add_effect(void *ctx, const vs_folder_row *row, vs_error *err) 
   return VS_OK;
 }
 
-/* With one or two axes and nothing random, other pictures show all there is. */
-static bool fits_effect(const vs_sketch *k) {
-  return k->n_axes > 2 || vs_folder_is_sampled(k->t);
-}
-
-static vs_status draw_effect(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
-  const size_t axis = k->one;
-  effects *e = vs_alloc(1, sizeof *e);
-  e->k = k;
-  e->axis = axis;
-  e->column = column;
-  vs_status status = vs_folder_each(k->t, add_effect, e, err);
-  const vs_profile *profile = &k->s->profile[axis];
-  double x_factor = vs_sketch_scale(k, axis).factor, factor = vs_sketch_scale(k, column).factor;
-  vs_text_add(&p->title, "%s over %s, all else as it may be", k->t->column[column].name,
-              k->t->column[axis].name);
-  snprintf(p->name, sizeof p->name, "over_%.200s", k->t->column[axis].title);
-  vs_sketch_begin(k, axis, column, p);
-  vs_sketch_axis(k, column, 'y', &p->script);
-  vs_sketch_range(k, column, 'y', false, p);
+/* The data, least, mean and largest at each value of the axis, and the script to plot them. */
+static void add_effects(const effects *e, vs_picture *p) {
+  const vs_profile *profile = &e->k->s->profile[e->axis];
+  const double x_factor = vs_sketch_scale(e->k, e->axis).factor,
+               factor = vs_sketch_scale(e->k, e->column).factor;
   vs_text_add(&p->script, "$e << EOD\n");
   for (size_t i = 0; i < profile->count; i++)
     if (e->at[i].n)
@@ -337,6 +330,27 @@ static vs_status draw_effect(const vs_sketch *k, size_t column, vs_picture *p, v
               "1.8 pt 7 ps 0.6 title 'mean', $e using 1:2 with linespoints lc rgb '%s' lw 1.8 dt 4 "
               "pt 9 ps 0.6 title 'least'\n",
               vs_scale_colours[2], vs_scale_colours[4], vs_scale_colours[0]);
+}
+
+/* With one or two axes and nothing random, other pictures show all there is. */
+static bool fits_effect(const vs_sketch *k) {
+  return k->n_axes > 2 || vs_folder_is_sampled(k->t);
+}
+
+static vs_status draw_effect(const vs_sketch *k, size_t column, vs_picture *p, vs_error *err) {
+  const size_t axis = k->one;
+  effects *e = vs_alloc(1, sizeof *e);
+  e->k = k;
+  e->axis = axis;
+  e->column = column;
+  vs_status status = vs_folder_each(k->t, add_effect, e, err);
+  vs_text_add(&p->title, "%s over %s, all else as it may be", k->t->column[column].name,
+              k->t->column[axis].name);
+  snprintf(p->name, sizeof p->name, "over_%.200s", k->t->column[axis].title);
+  vs_sketch_begin(k, axis, column, p);
+  vs_sketch_axis(k, column, 'y', &p->script);
+  vs_sketch_range(k, column, 'y', false, p);
+  add_effects(e, p);
   free(e);
   return status;
 }

@@ -182,6 +182,25 @@ static void add_doubts(vs_text *html, const vs_survey *s) {
   add_count(html, s->warned, "with warnings; see column warnings");
 }
 
+/* found: what a search has found was said already, and in large letters. */
+static void add_share(vs_text *html, const vs_folder *t, const vs_survey *s, bool found) {
+  const char *begin = found ? "<p>" : "<p class=\"big\">";
+  if (!s->rows)
+    vs_text_add(html, "<p class=\"big\">No case has a result</p>\n");
+  else if (!s->judged)
+    vs_text_add(html, "%sNo rating was judged: what ran has none.</p>\n", begin);
+  else if (vs_folder_is_sampled(t)) {
+    add_yield(html, t, s);
+    vs_text_add(html, "<p>Worst margin ");
+    add_worst_margin(html, t, s);
+    vs_text_add(html, ".</p>\n");
+  } else {
+    vs_text_add(html, "%sWorst margin ", begin);
+    add_worst_margin(html, t, s);
+    vs_text_add(html, "</p>\n<p>%ld of %ld cases keep every rating.</p>\n", s->good, s->judged);
+  }
+}
+
 static void add_verdict(vs_text *html, const vs_folder *t, const vs_survey *s) {
   bool good = s->good == s->judged && !t->failed;
   if (t->search && t->search->report.none && vs_folder_search(t)) good = s->found.cell != NULL;
@@ -189,22 +208,7 @@ static void add_verdict(vs_text *html, const vs_folder *t, const vs_survey *s) {
               !s->judged ? ""
               : good     ? "good"
                          : "bad");
-  bool found = add_found(html, t, s) || add_best(html, t, s);
-  if (!s->rows)
-    vs_text_add(html, "<p class=\"big\">No case has a result</p>\n");
-  else if (!s->judged)
-    vs_text_add(html, "%sNo rating was judged: what ran has none.</p>\n",
-                found ? "<p>" : "<p class=\"big\">");
-  else if (vs_folder_is_sampled(t)) {
-    add_yield(html, t, s);
-    vs_text_add(html, "<p>Worst margin ");
-    add_worst_margin(html, t, s);
-    vs_text_add(html, ".</p>\n");
-  } else {
-    vs_text_add(html, found ? "<p>Worst margin " : "<p class=\"big\">Worst margin ");
-    add_worst_margin(html, t, s);
-    vs_text_add(html, "</p>\n<p>%ld of %ld cases keep every rating.</p>\n", s->good, s->judged);
-  }
+  add_share(html, t, s, add_found(html, t, s) || add_best(html, t, s));
   if (s->n_worst && vs_survey_ranked(t, s)) {
     vs_text_add(html, "<p>The worst case: ");
     add_place(html, t, s->worst[0].cell, false);
