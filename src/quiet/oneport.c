@@ -30,32 +30,19 @@ _Static_assert(STATIC_COSINE == (int)LAW_COSINE && STATIC_SINE == (int)LAW_SINE 
 /* Behind the columns of either law may stand one more, of a drift. */
 enum { LAW_ROOM = LAW_COLUMNS + 1 };
 
-/* Columns of a signal: cosines and sines of the harmonics, a mean, three of the coil, a drift. */
-enum {
-  TERM_SINES = VS_HARMONICS,
-  TERM_MEAN = 2 * VS_HARMONICS,
-  TERM_V,
-  TERM_I,
-  TERM_V_RATE,
-  TERM_DRIFT,
-  TERM_COLUMNS
-};
-_Static_assert(LAW_ROOM <= (int)VS_FIT_COLUMNS && TERM_COLUMNS <= (int)VS_FIT_COLUMNS,
-               "a fit has room for every column");
+_Static_assert(LAW_ROOM <= (int)VS_FIT_COLUMNS, "a fit has room for every column");
 
 struct vs_oneport {
   const vs_setup *setup;
   const vs_frame *frame;
-  size_t signals;
   bool dynamic;                /* false: the static law, i = i_N(t) */
   double cosine, sine, mean_a; /* of i_N, A; of the dynamic law the first two of its integral, C */
   double g_s, c_f, tau_s;
-  double signal[VS_SIGNALS][TERM_COLUMNS]; /* of each signal: how much of each column */
-  double from_s;                           /* where the time of a drift begins */
-  double shape[LAW_COLUMNS][LAW_COLUMNS];  /* R of the dynamic law's fit, in its first `rank` rows
-                                              and  columns */
-  double scale[LAW_COLUMNS];               /* what each column of R was divided by */
-  size_t column[LAW_COLUMNS];              /* which of the law's columns it is */
+  vs_signals signals;
+  double shape[LAW_COLUMNS][LAW_COLUMNS]; /* R of the dynamic law's fit, in its first `rank` rows
+                                             and  columns */
+  double scale[LAW_COLUMNS];              /* what each column of R was divided by */
+  size_t column[LAW_COLUMNS];             /* which of the law's columns it is */
   size_t rank;
   double reach_seen; /* largest reach at the knots of the fit, to which others are relative */
   double substep_s;  /* longest one of the integration */
@@ -70,11 +57,6 @@ double vs_oneport_knot_current(const vs_model *m, const vs_knot *k) {
 double vs_oneport_knot_current_rate(const vs_model *m, const vs_knot *k) {
   return vs_actuator_current_rate(m, k->flux_wb, k->flux_rate_v, vs_actuator_gap(m, k->x[P]),
                                   k->x[VS_DOF + P]);
-}
-
-double vs_oneport_seen_signal(const vs_frame *frame, const vs_seen *s, size_t n) {
-  size_t terms = frame->deck->n_terms;
-  return n < terms ? s->knot.terms[n] : n == terms ? s->knot.i_mains_a : s->memory[n - terms - 1];
 }
 
 /* Returns i_N at t_s, A. *rate is its rate, A/s, of the static law; of the dynamic law it has no
@@ -131,33 +113,6 @@ bool vs_oneport_advance(vs_oneport *o, double from_s, double to_s, double y[VS_O
     if (gsl_odeiv2_step_apply(o->step, from_s + k * h, h, y, error, NULL, NULL, &o->system))
       return false;
   return true;
-}
-
-/* What a signal is combined of, at t_s beside that coil. */
-static void columns(const vs_oneport *o, double t_s, const vs_coil *c, double out[TERM_COLUMNS]) {
-  double angle = o->setup->timeline.omega_rad_s * t_s, cosine = cos(angle), sine = sin(angle);
-  double *cosines = out, *sines = out + TERM_SINES;
-  cosines[0] = cosine;
-  sines[0] = sine;
-  for (int h = 1; h < VS_HARMONICS; h++) {
-    cosines[h] = cosines[h - 1] * cosine - sines[h - 1] * sine;
-    sines[h] = sines[h - 1] * cosine + cosines[h - 1] * sine;
-  }
-  out[TERM_MEAN] = 1;
-  out[TERM_V] = c->v_v;
-  out[TERM_I] = c->i_a;
-  out[TERM_V_RATE] = c->v_rate_v_s;
-  out[TERM_DRIFT] = t_s - o->from_s;
-}
-
-void vs_oneport_signals(const vs_oneport *o, double t_s, const vs_coil *c,
-                        double signal[VS_SIGNALS]) {
-  double column[TERM_COLUMNS];
-  columns(o, t_s, c, column);
-  for (size_t n = 0; n < o->signals; n++) {
-    signal[n] = 0;
-    for (size_t j = 0; j < TERM_COLUMNS; j++) signal[n] += o->signal[n][j] * column[j];
-  }
 }
 
 /* ---- its numbers ---- */
@@ -326,78 +281,6 @@ static double substep(const vs_oneport *o) {
   return h > 5e-4 * o->setup->timeline.period_s ? h : 0; /* 2000 a cycle */
 }
 
-/* Fits signal n, and returns what is left over. */
-static double find_signal(const vs_oneport *o, const sight *in, size_t n, vs_fit *f, double *x) {
-  for (size_t k = 0; k < in->count; k++)
-    gsl_vector_set(f->b, k, vs_oneport_seen_signal(o->frame, in->seen[k], n));
-  return vs_fit_solve(f, x);
-}
-
-/* A signal is taken to drift, as an integral does, only where a fit with a drift leaves less than a
- * tenth over of what the best one without leaves; and to hang on the coil where that leaves less
- * than 0.8. Over one cycle the coil's voltage is nearly a sine, and what it shares with the signal
- * beyond that may be chance, which does not last. */
-static const double BETTER = 0.1, HANGS = 0.8;
-
-/* The fits that are tried for a signal: with the columns of the coil or without, with the drift or
- * without. As bits; the plainest comes first. */
-enum { OF_COIL = 1, OF_DRIFT = 2, FITS = 4 };
-
-/* Which of a signal's columns is the j-th of this kind of fit. Without the coil's the drift, if
- * there is one, stands right behind the mean. */
-static size_t column_at(int kind, size_t j) {
-  if (!(kind & OF_COIL) && j >= TERM_V) return TERM_DRIFT;
-  return j;
-}
-
-static size_t columns_of(int kind) {
-  size_t count = kind & OF_COIL ? TERM_DRIFT : TERM_V;
-  return kind & OF_DRIFT ? count + 1 : count;
-}
-
-static bool begin_signals(const vs_oneport *o, const sight *in, int kind, vs_fit *f) {
-  *f = vs_fit_new(in->count, columns_of(kind));
-  for (size_t k = 0; k < in->count; k++) {
-    const vs_knot *seen = &in->seen[k]->knot;
-    double y[VS_ONEPORT_STATES], column[TERM_COLUMNS];
-    vs_oneport_state(seen, y);
-    vs_coil c = vs_oneport_coil(o, seen->t_s, y);
-    columns(o, seen->t_s, &c, column);
-    for (size_t j = 0; j < f->a->size2; j++) gsl_matrix_set(f->a, k, j, column[column_at(kind, j)]);
-  }
-  return vs_fit_decompose(f);
-}
-
-static bool find_signals(vs_oneport *o, const sight *in) {
-  vs_fit fits[FITS];
-  bool good = true;
-  o->from_s = in->seen[0]->knot.t_s;
-  for (int kind = 0; kind < FITS; kind++) good = begin_signals(o, in, kind, &fits[kind]) && good;
-  for (size_t n = 0; good && n < o->signals; n++) {
-    double x[TERM_COLUMNS], *signal = o->signal[n], best = INFINITY;
-    for (int kind = 0; kind < FITS; kind++) {
-      double left = find_signal(o, in, n, &fits[kind], x);
-      if (!(left < (kind & OF_DRIFT ? BETTER : HANGS) * best) && kind) continue;
-      best = left;
-      memset(signal, 0, sizeof o->signal[n]);
-      for (size_t j = 0; j < columns_of(kind); j++) signal[column_at(kind, j)] = x[j];
-    }
-    good = isfinite(best);
-  }
-  for (int kind = 0; kind < FITS; kind++) vs_fit_free(&fits[kind]);
-  return good;
-}
-
-bool vs_oneport_hangs(const vs_oneport *o, size_t n) {
-  for (size_t j = TERM_V; j < TERM_DRIFT; j++)
-    if (o->signal[n][j] != 0) return true;
-  return false;
-}
-
-double vs_oneport_drift(const vs_oneport *o, size_t n) {
-  return o->signal[n][TERM_DRIFT];
-}
-
 bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, bool dynamic) {
   const sight in = {seen, count};
   o->dynamic = dynamic;
@@ -408,8 +291,17 @@ bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, boo
 }
 
 bool vs_oneport_fit_signals(vs_oneport *o, const vs_seen *const *seen, size_t count) {
-  const sight in = {seen, count};
-  return find_signals(o, &in);
+  vs_coil coil[VS_MOST_SEEN];
+  double y[VS_ONEPORT_STATES];
+  for (size_t k = 0; k < count; k++) {
+    vs_oneport_state(&seen[k]->knot, y);
+    coil[k] = vs_oneport_coil(o, seen[k]->knot.t_s, y);
+  }
+  return vs_signals_fit(&o->signals, o->frame, seen, coil, count);
+}
+
+const vs_signals *vs_oneport_signals(const vs_oneport *o) {
+  return &o->signals;
 }
 
 double vs_oneport_capacitance(const vs_oneport *o) {
@@ -422,7 +314,8 @@ double vs_oneport_lag(const vs_oneport *o) {
 
 vs_oneport *vs_oneport_new(const vs_setup *setup, const vs_frame *frame, size_t memories) {
   vs_oneport *o = vs_alloc(1, sizeof *o);
-  *o = (vs_oneport){.setup = setup, .frame = frame, .signals = frame->deck->n_terms + 1 + memories};
+  *o = (vs_oneport){.setup = setup, .frame = frame};
+  vs_signals_begin(&o->signals, setup->timeline.omega_rad_s, frame->deck->n_terms + 1 + memories);
   o->system = (gsl_odeiv2_system){rhs, NULL, VS_ONEPORT_STATES, o};
   o->step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, VS_ONEPORT_STATES);
   return o;

@@ -11,42 +11,15 @@
  *
  * The numbers are fitted by least squares to knots that the solver showed. Machine and coil then go
  * on by lambda' = v - R_c i, i = lambda z/(2a), and Eq. 54, without the solver. The other signals
- * follow from the coil and the time. Each is a linear combination of the mains' harmonics, a mean,
- * v, dv/dt and i, to which a drift may be added for one that is an integral. */
+ * follow from the coil and the time (signals.h). */
 #ifndef VS_QUIET_ONEPORT_H
 #define VS_QUIET_ONEPORT_H
 
-#include "deck/memory.h"
-#include "sim/knot.h"
+#include "quiet/signals.h"
 #include "sim/setup.h"
-
-/* Signals are numbered: the deck's terms (V or A), then the mains current (A), then what else the
- * circuit remembers (V or A, deck/memory.h). An array of signals has this much room. */
-enum { VS_SIGNALS = VS_DECK_MOST + 1 + VS_MEMORIES };
-
-/* The mains' harmonics that a signal is made of: the first three. */
-enum { VS_HARMONICS = 3 };
-
-/* The fewest knots of a cycle that a fit needs, which are 26 for a period of the third harmonic,
- * and the most that a fit is given: two cycles hold 400 at the pace of record.c. */
-enum { VS_LEAST_SEEN = 80, VS_MOST_SEEN = 640 };
-
-/* A knot that the solver showed. The integrals of i and v up to it, C and Wb, may begin anywhere.
- * `memory` points to what the circuit remembered there, V or A; the record (record.h) owns it. */
-typedef struct vs_seen {
-  vs_knot knot;
-  double charge_c, flux_in_wb;
-  const double *memory;
-} vs_seen;
 
 /* The state that the law integrates: q and q' (VS_STATES numbers), lambda, Wb, and v, V. */
 enum { VS_ONEPORT_FLUX = VS_STATES, VS_ONEPORT_VOLTAGE, VS_ONEPORT_STATES };
-
-/* The coil at one instant, by the law: current, flux linkage and the EVA's voltage, each with its
- * rate. The static law does not know v_rate_v_s and leaves it 0. */
-typedef struct vs_coil {
-  double i_a, i_rate_a_s, flux_wb, flux_rate_v, v_v, v_rate_v_s;
-} vs_coil;
 
 typedef struct vs_oneport vs_oneport;
 
@@ -74,9 +47,8 @@ bool vs_oneport_advance(vs_oneport *o, double from_s, double to_s, double y[VS_O
 /* Returns the coil at t_s for a state of the law. */
 vs_coil vs_oneport_coil(const vs_oneport *o, double t_s, const double y[VS_ONEPORT_STATES]);
 
-/* Gives all signals at t_s for that coil, V or A; needs vs_oneport_fit_signals. */
-void vs_oneport_signals(const vs_oneport *o, double t_s, const vs_coil *coil,
-                        double signal[VS_SIGNALS]);
+/* The signals that vs_oneport_fit_signals found; owned by the one-port. */
+const vs_signals *vs_oneport_signals(const vs_oneport *o);
 
 /* Fits the source alone anew, with the law's G, C and tau, to a cycle that the law was not fitted
  * to. With that source the current, A, of a coil at rest would be another: *sine_a is the amplitude
@@ -90,18 +62,11 @@ void vs_oneport_walked(const vs_oneport *o, const vs_seen *const *seen, size_t c
  * static law. */
 double vs_oneport_reach(const vs_oneport *o, double t_s, const vs_coil *coil);
 
-/* True if signal n hangs on the coil, and not on the time alone. */
-bool vs_oneport_hangs(const vs_oneport *o, size_t n);
-
-/* How fast signal n drifts, V/s or A/s; 0 for a signal that does not. */
-double vs_oneport_drift(const vs_oneport *o, size_t n);
-
 double vs_oneport_capacitance(const vs_oneport *o); /* C, F; 0 for the static law */
 double vs_oneport_lag(const vs_oneport *o);         /* |tau|, s; 0 for the static law */
 
-/* Of knots, without a law: the coil's current, A, its rate, A/s, and signal n, V or A. */
+/* Of knots, without a law: the coil's current, A, and its rate, A/s. */
 double vs_oneport_knot_current(const vs_model *model, const vs_knot *knot);
 double vs_oneport_knot_current_rate(const vs_model *model, const vs_knot *knot);
-double vs_oneport_seen_signal(const vs_frame *frame, const vs_seen *seen, size_t n);
 
 #endif

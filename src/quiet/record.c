@@ -10,6 +10,8 @@
 /* At most so many knots are kept of a cycle: that leaves 66 for a period of the third harmonic, the
  * highest that is fitted. The ring then has room for five cycles. */
 enum { PER_CYCLE = 200, MOST_KEPT = 1024 };
+_Static_assert(MOST_KEPT >= (VS_CYCLES_KEPT + 1) * PER_CYCLE, "the ring has room for its cycles");
+_Static_assert(VS_MOST_SEEN >= 2 * PER_CYCLE, "a view has room for the two cycles of a fit");
 
 /* A view may begin late by this share of a cycle, which is four of the knots kept. */
 static const double LATE = 0.02;

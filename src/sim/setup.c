@@ -47,11 +47,11 @@ static const vs_field RUN[] = {
     {"ladder", VS_CHOICE, "", "climb", 0, 0, false, R_(ladder),
      "when ngspice gives up: climb, to other methods and steps, and say so; ideal, to an ideal "
      "thyristor in the place of the scene's besides; or stay",
-     "climb|ideal|stay", NULL},
+     VS_LADDER_WORDS, NULL},
     {"verify", VS_CHOICE, "", "auto", 0, 0, false, R_(verify),
      "a second, coarser run tells the numerical error of each margin: auto, in run where something "
      "is rated; always, in studies too; never",
-     "auto|always|never", NULL},
+     VS_VERIFY_WORDS, NULL},
     {"leave_circuit", VS_CHOICE, "", "when_quiet", 0, 0, false, R_(stays),
      "circuit tier: go on without ngspice once nothing fires any more and what that costs is "
      "bounded "

@@ -22,9 +22,11 @@ enum {
 };
 extern const char vs_setup_tier_words[VS_TIERS][16];
 
-/* The words of run.ladder and of run.verify, each in the order of the field's choices. */
+/* What run.ladder and run.verify may be, and their words in the same order. */
 enum { VS_LADDER_CLIMB, VS_LADDER_IDEAL, VS_LADDER_STAY };
+#define VS_LADDER_WORDS "climb|ideal|stay"
 enum { VS_VERIFY_AUTO, VS_VERIFY_ALWAYS, VS_VERIFY_NEVER };
+#define VS_VERIFY_WORDS "auto|always|never"
 
 typedef struct vs_run_values {
   int tier; /* as the scene chooses it: 0 is auto, 1 + VS_TIER_... a tier */
