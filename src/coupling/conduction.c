@@ -31,7 +31,7 @@ static const double KINK = 10;
 
 void vs_conduction_begin(vs_conduction *c) {
   *c = (vs_conduction){
-      .leak_s = NAN, .before_s = NAN, .before_a = NAN, .foot_s = NAN, .foot_a = NAN};
+      .leak_s = NAN, .low_s = NAN, .before_s = NAN, .before_a = NAN, .foot_s = NAN, .foot_a = NAN};
 }
 
 /* Of all that it drew while it blocked in parts of the voltage the least counts: a capacitance's
@@ -102,18 +102,31 @@ static double taken_on(const vs_conduction *c, const vs_conduction_step *s, doub
   return s->i0_a * (*zero_s - s->t1_s) / (*zero_s - s->t0_s);
 }
 
+/* Since when the current is below low_a. */
+static void follow_low(vs_conduction *c, const vs_conduction_step *s, double low_a) {
+  if (s->i1_a > low_a)
+    c->low_s = NAN;
+  else if (isnan(c->low_s))
+    c->low_s =
+        s->i0_a > low_a ? zero_of(s->t0_s, s->i0_a - low_a, s->t1_s, s->i1_a - low_a) : s->t0_s;
+}
+
 static bool stops(vs_conduction *c, const vs_conduction_step *s, double *event_s) {
   double zero_s, expected_a = taken_on(c, s, &zero_s);
   c->peak_a = fmax(c->peak_a, s->i1_a);
   double part = fmin(c->peak_a / CONDUCTS_A, 1);
   bool blocked = fabs(s->v1_v) > BLOCKED_V && s->i1_a < leakage(s->v1_v) / 2;
   double leaks_a = part * LEAKAGE_A;
+  follow_low(c, s, leaks_a);
   bool broke_off = s->i1_a <= leaks_a && expected_a <= 0;
   if (s->i1_a > part * GONE_A && !broke_off && !blocked) return false;
   double chord_s = s->i1_a < s->i0_a ? zero_of(s->t0_s, s->i0_a, s->t1_s, s->i1_a) : s->t1_s;
   if (s->i1_a > 0 && (broke_off || blocked)) chord_s = s->t1_s;
   zero_s = fmin(fmax(zero_s, s->t0_s), chord_s);
   *event_s = fmin(zero_s, s->t1_s + REST_S);
+  c->tail_s = isnan(c->low_s) ? 0 : fmax(*event_s - c->low_s, 0);
+  c->tail_a_s = leaks_a / c->tail_s;
+  c->low_s = NAN;
   return true;
 }
 
@@ -124,7 +137,6 @@ vs_event vs_conduction_follow(vs_conduction *c, const vs_conduction_step *step, 
   net.i0_a = vs_conduction_current(c, step->i0_a, step->v0_v);
   net.i1_a = vs_conduction_current(c, step->i1_a, step->v1_v);
   c->conducts = was ? !stops(c, &net, event_s) : fires(c, &net, event_s);
-  if (was && !c->conducts) c->zero_a_s = (net.i1_a - net.i0_a) / (net.t1_s - net.t0_s);
   c->before_s = net.t0_s;
   c->before_a = net.i0_a;
   if (c->conducts == was) return VS_EV_NONE;

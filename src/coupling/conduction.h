@@ -27,7 +27,10 @@ typedef struct vs_conduction {
   bool gated;      /* set by the owner before each step: a gate pulse is known to be there */
   double leak_s;   /* conductance of the device while it blocks; NaN: not known yet */
   double peak_a;   /* of the present conduction, or of the last one */
-  double zero_a_s; /* rate at which the current came to its last zero; 0: there was none yet */
+  double low_s;    /* while it conducts: since when the current is so low that it may be over; NaN:
+                      it is not */
+  double tail_s;   /* how long the last conduction's current was as low before its zero */
+  double tail_a_s; /* mean rate at which the current fell in that time */
   double before_s, before_a; /* time and current at the beginning of the last step; NaN: none yet */
   double foot_s, foot_a; /* while it blocks: where the present rise of its current began; NaN: no
                             step was taken yet */

@@ -321,7 +321,9 @@ static void prepare_offered(vs_watched *w, vs_reduced *r) {
 
 static void take_offered(vs_reduced *r, const vs_switch_news *news) {
   offer(r, news->offered, is_held_from_below(r));
-  if (news->offered.known && r->value.at_s == news->offered.at_s) r->spread = news->spread_s;
+  if (!news->offered.known || r->value.at_s != news->offered.at_s) return;
+  r->doubt = news->doubt_s;
+  r->spread = news->spread_s;
 }
 
 static void take_misfire(vs_reduced *r, const vs_switch_news *news) {

@@ -15,6 +15,7 @@ typedef struct vs_reduced {
   const vs_reducer *by;  /* the plug of measure->how */
   const vs_limit *limit; /* of the device's part; NULL: the measure is held against none */
   vs_value value;        /* in SI units; a mean is known once the run is over */
+  double doubt;          /* the value may be wrong by this besides */
   double spread;         /* a relative error of the run, times this, is an error of the value */
   double failed_s;       /* instant at which the value first passed the limit; NaN: it has not */
   const char *unjudged;  /* why the value is not held against the limit that the part has; NULL: it

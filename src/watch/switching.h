@@ -73,13 +73,13 @@ void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double delay_
 
 /* What a step brought. Values that are not known were not brought. */
 typedef struct vs_switch_news {
-  bool any;                     /* one of the values is known */
-  vs_value rise;                /* mean rate from 10 to 90 % of a rise that has ended, V/s */
-  vs_value off_rate;            /* a rate of blocked forward voltage, V/s, above all before */
-  vs_value on_rate;             /* a rate of the current as it turns on, A/s */
-  vs_value offered;             /* the time offered, s, where no gate pulse was there at its end */
-  double spread_s;              /* a relative error of the current, times this, is an error of the
-                                   time offered: its peak divided by its rate at the zero */
+  bool any;          /* one of the values is known */
+  vs_value rise;     /* mean rate from 10 to 90 % of a rise that has ended, V/s */
+  vs_value off_rate; /* a rate of blocked forward voltage, V/s, above all before */
+  vs_value on_rate;  /* a rate of the current as it turns on, A/s */
+  vs_value offered;  /* the time offered, s, where no gate pulse was there at its end */
+  double doubt_s;    /* error of the time offered: how long the current crept before its zero */
+  double spread_s; /* times a relative error of the current, is an error of the time offered too */
   vs_value misfire, unintended; /* only their instants mean anything */
   bool commutation_failure;     /* the unintended firing is one */
 } vs_switch_news;

@@ -24,8 +24,8 @@ typedef struct vs_judgement {
   double margin_error; /* numerical error of the margin, in the margin's own scale; INFINITY: it
                           could not be found; NaN: it was not computed */
   vs_value stress;     /* the extreme that is nearer to its limit, or further beyond it */
-  double spread;       /* a relative error of the run, times this, is an error of the margin
-                          besides */
+  double doubt;        /* the margin may be wrong by this besides */
+  double spread;       /* a relative error of the run, times this, is another such error */
   double failed_s;     /* instant at which the limit was first passed; NaN: it was not */
 } vs_judgement;
 
