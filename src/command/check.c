@@ -82,11 +82,12 @@ static void warn_of_deck(report *r, const vs_deck *deck) {
   if (mains) vs_fail_at(vs_warnings_add(&r->warnings), file, "%s", mains);
 }
 
-/* Where the mains drive less than this no junction of silicon conducts. */
+/* No junction of silicon conducts where the mains drive less than this. */
 static const double FAINT_V = 0.7;
 
-/* When a pulse of that gate first meets mains that can fire something, or 0; INFINITY: never.
- * Which way is forward is known of the thyristor that is fired without a delay. */
+/* The instant at which a pulse of that gate first meets mains that can fire something, or 0 where
+ * too many pulses would have to be looked at; INFINITY: no pulse does. Which way is forward is
+ * known of the thyristor that is fired without a delay. */
 static double first_chance(const vs_scene *s, double shift_rad) {
   enum { POINTS = 32 }; /* of a cycle's sine: its top is missed by 1 % at most */
   enum {
@@ -107,13 +108,13 @@ static double first_chance(const vs_scene *s, double shift_rad) {
   return 0;
 }
 
-/* The key of section firing that comes first in the scene's text, or the scene. */
+/* The place of the first key of section firing; no place where the scene has none. */
 static vs_where where_of_firing(const vs_scene *s) {
   const vs_node *firing = vs_tree_child(s->tree.root, "firing");
   return firing && firing->child ? firing->child->key_where : (vs_where){0};
 }
 
-/* What a run would say once it is over. */
+/* Warns of what a run would say once it is over: nothing can fire. */
 static void warn_of_firing(report *r, const vs_scene *s) {
   const vs_deck *deck = s->frame.deck;
   double first_s = deck ? INFINITY : first_chance(s, 0);

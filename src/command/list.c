@@ -116,9 +116,8 @@ static void print_field(const char *section, const vs_field *f) {
 
 static void list_parameters(const vs_deck *deck) {
   for (int s = 0; s < VS_SECTIONS; s++) {
-    const vs_section *section = vs_section_listed(deck, s);
-    for (size_t k = 0; section && k < section->count; k++)
-      print_field(section->name, &section->fields[k]);
+    const vs_section *section = vs_section_fields(deck, s);
+    for (size_t k = 0; k < section->count; k++) print_field(section->name, &section->fields[k]);
   }
 }
 

@@ -12,11 +12,10 @@ typedef struct row {
   const char *name;
   const vs_section *fields; /* NULL: those of the deck */
   size_t offset, size;      /* of the values in vs_setup, bytes */
-  bool listed;
 } row;
 
-#define ROW(name, fields, member, listed)                                                          \
-  {#name, fields, offsetof(vs_setup, member), sizeof(((vs_setup *)0)->member), listed},
+#define ROW(name, fields, member)                                                                  \
+  {#name, fields, offsetof(vs_setup, member), sizeof(((vs_setup *)0)->member)},
 #define NOTHING(name)
 static const row ROWS[VS_SECTIONS] = {VS_SECTION_LIST(ROW, NOTHING)};
 #undef ROW
@@ -33,6 +32,6 @@ vs_filled_section vs_section_at(const vs_setup *s, int index) {
   return (vs_filled_section){fields_of(r, &s->deck), (const char *)s + r->offset, r->size};
 }
 
-const vs_section *vs_section_listed(const vs_deck *deck, int index) {
-  return ROWS[index].listed ? fields_of(&ROWS[index], deck) : NULL;
+const vs_section *vs_section_fields(const vs_deck *deck, int index) {
+  return fields_of(&ROWS[index], deck);
 }

@@ -169,10 +169,10 @@ static const double COARSER = 10, COARSE = 2e-4;
 /* ngspice's default. The second run takes a run.trtol above this back to it, so that what a loose
  * trtol costs shows as a difference. */
 static const double USUAL_TRTOL = 7;
-/* How much more of that a coarser run allows than its tolerance would: where a thyristor of two
- * transistors conducts, its gate is pulsed and each edge has the solver reject steps and take them
- * up again. With the tolerance alone such a run cost 0.54 of the first, with twice that 0.45; with
- * three times no less. */
+/* A coarser run lets the truncation be this much looser than its tolerance asks for. Where a
+ * thyristor of two transistors conducts, its gate is pulsed, and at each edge the solver rejects
+ * steps and takes them up again. With the tolerance alone such a run cost 0.54 of the first, with
+ * twice that 0.45, with three times no less. */
 static const double LOOSER = 2;
 
 /* What any number of a run may be wrong by, as a multiple of run.tolerance. The tolerance bounds
