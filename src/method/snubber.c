@@ -101,9 +101,9 @@ static vs_status read_ratings(vs_plan *plan, const vs_node *section, snubber *s,
 static vs_status read_prices(vs_plan *plan, const vs_node *section, snubber *s, vs_error *err) {
   char measure[VS_KEY_SIZE + 16];
   s->cycle_s = 1 / plan->base->setup.timeline.supply.frequency_hz;
-  for (; s->n_design < plan->n_axes; s->n_design++) {
+  const size_t n = s->sample ? s->sample->axis : plan->n_axes;
+  for (; s->n_design < n; s->n_design++) {
     const vs_axis *axis = &plan->axes[s->n_design];
-    if (strcmp(axis->by, "vary")) break;
     const bool c = vs_units_same_kind(axis->unit, "F"), r = vs_units_same_kind(axis->unit, "ohm");
     const char *name = strrchr(axis->key, '.');
     if (axis->is_word || strncmp(axis->key, "circuit.", 8) || !(c || r))
@@ -127,7 +127,7 @@ static vs_status read_snubber(vs_plan *plan, const vs_node *section, void **stat
   s->margin = 0.2;
   s->finest = 0.01;
   for (size_t p = 0; p < plan->n_stages; p++)
-    if (!strcmp(plan->stages[p].method->key, "sample")) s->sample = &plan->stages[p];
+    if (plan->stages[p].method->uncertain) s->sample = &plan->stages[p];
   vs_status status = vs_field_known_keys(section, "snubber", KEYS, sizeof KEYS / sizeof *KEYS, err);
   if (!status) status = vs_error_carry_on(err, read_ratings(plan, section, s, err));
   if (!status)

@@ -14,11 +14,11 @@ struct vs_generation;
 
 /* What a report makes of the method's cases. */
 typedef struct vs_method_report {
-  /* Names of pictures (picture/album.h), each list ended by NULL; NULL is an empty list. */
-  const char *const
-      *lead; /* of the column that cases are judged by; all that fit, the first ones */
-  const char *const *each; /* of every column: the first that fits */
-  const char *const *last; /* of the column that cases are judged by; all that fit, the last ones */
+  /* Names of kinds of picture (the table in picture/album.c). NULL ends a list, or is an empty one.
+   * lead and last are for the column by which cases are judged: all that fit are drawn, those of
+   * lead before all other pictures, those of last behind them. */
+  const char *const *lead, *const *last;
+  const char *const *each; /* for every column: the first that fits is drawn */
   bool sampled;     /* the cases are random samples: the share of those that hold is a yield */
   bool independent; /* and each is drawn by itself: the yield has a confidence interval */
   /* Of a search. aim: which key of its member in the manifest says "max MEASURE" or "min MEASURE";
@@ -32,6 +32,7 @@ typedef struct vs_method {
   const char *name; /* "grid" */
   const char *key;  /* the study's key it stands under, and its member's in the manifest */
   const char *text; /* what it does, one line */
+  bool uncertain;   /* its axes are what is not known exactly; false: what may be chosen */
 
   /* Says whether the section under `key` asks for this method. Of several the first in the table is
    * taken. */

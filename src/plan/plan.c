@@ -227,13 +227,14 @@ static bool is_of_study(const vs_plan *plan, const char *set) {
 static vs_status read_stage(vs_plan *plan, const vs_node *section, vs_error *err) {
   const vs_method *method = vs_method_claiming(plan->methods, section, err);
   if (!method) return VS_INPUT;
-  assert((method->point == NULL) ==
-         (method->next != NULL)); /* a method either searches or has points */
+  const bool searches = method->next != NULL;
+  assert(searches != (method->point != NULL));
+  assert(!searches || method->report.best); /* what a search finds must be announced */
   vs_plan_stage *stage = &plan->stages[plan->n_stages++];
   *stage = (vs_plan_stage){.method = method, .axis = plan->n_axes};
   vs_status status = method->read(plan, section, &stage->state, err);
   stage->n = plan->n_axes - stage->axis;
-  if (status || !method->next) return status;
+  if (status || !searches) return status;
   if (plan->adaptive)
     return vs_fail_at(err, section->key_where, "%s: %s chooses the cases already; one study, one",
                       section->key, plan->adaptive->method->key);

@@ -108,10 +108,9 @@ static void add_place(vs_text *html, const vs_folder *t, char *const *cell, bool
  * such search. */
 static bool add_best(vs_text *html, const vs_folder *t, const vs_survey *s) {
   if (!t->search || t->search->report.aim || !vs_folder_search(t)) return false;
-  if (!s->found.cell) {
-    vs_text_add(html, "<p class=\"big\">%s</p>\n", t->search->report.none);
-    return true;
-  }
+  const char *none = t->search->report.none;
+  if (!s->found.cell && none) vs_text_add(html, "<p class=\"big\">%s</p>\n", none);
+  if (!s->found.cell) return none != NULL;
   vs_text_add(html, "<p class=\"big\">%s: ", t->search->report.best);
   add_place(html, t, s->found.cell, true);
   vs_text_add(html, "; case %s</p>\n<p>What follows is of all that was tried.</p>\n",
