@@ -122,7 +122,7 @@ static double next_edge(const coupling *c, double t_s) {
 
 static double edge(void *ctx, double solver_s) {
   coupling *c = ctx;
-  if (c->anode.crossed) return solver_s; /* a kink: the rule begins anew */
+  if (c->anode.crossed || c->swing.anew) return solver_s; /* the rule begins anew */
   double next = next_edge(c, solver_s + c->shift_s);
   if (c->shift_s > 0) next = fmin(next, c->setup->run.until_s);
   return next - c->shift_s;
