@@ -64,7 +64,7 @@ static void add_json(const char *name, const vs_error *e, vs_text *json) {
 typedef struct report {
   const vs_check_options *options;
   vs_text good; /* what it is, when nothing was found */
-  vs_error warnings[VS_WARNINGS + 1];
+  vs_error warnings[VS_WARNINGS + 2];
   size_t n_warnings;
 } report;
 
