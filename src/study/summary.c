@@ -140,8 +140,8 @@ static void warn_after(const vs_result *r, void (*each)(void *ctx, const char *t
   if (nothing_fires(r, text, sizeof text)) each(ctx, text);
   if (*r->books) each(ctx, r->books);
   if (!*r->second.failed) return;
-  snprintf(text, sizeof text, "no margin's error is known, as the second run failed: %s",
-           r->second.failed);
+  snprintf(text, sizeof text, "no margin's error is known, as the second run %s: %s",
+           r->second.stopped ? "was stopped" : "failed", r->second.failed);
   each(ctx, text);
 }
 
@@ -265,7 +265,10 @@ static void print_second(const vs_result *r, FILE *out) {
   if (second->done)
     fprintf(out, "errors of margins: by a second run at run.tolerance = %.3g", second->tolerance);
   else if (r->verdict.count)
-    fprintf(out, "errors of margins: not computed (run.verify)");
+    fprintf(out, "errors of margins: not computed (%s)",
+            second->stopped   ? "the second run was stopped by a signal"
+            : *second->failed ? "the second run failed"
+                              : "run.verify");
   if (second->decides > 0)
     fprintf(out, "; run.tolerance = %.1g may decide what is undecided", second->decides);
   if (second->done || r->verdict.count) fputc('\n', out);
