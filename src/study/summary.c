@@ -197,6 +197,16 @@ static void print_margin(const vs_judgement *j, FILE *out) {
           vs_words[word]);
 }
 
+/* "undecided: v_ak, thyristor.i2t" */
+static void print_undecided(const vs_verdict *v, FILE *out) {
+  char name[VS_JUDGED_NAME];
+  size_t n = 0;
+  for (size_t k = 0; k < v->count; k++)
+    if (vs_judgement_word(&v->item[k]) == VS_UNDECIDED)
+      fprintf(out, "%s%s", n++ ? ", " : "undecided: ", vs_judgement_name(&v->item[k], name));
+  if (n) fputc('\n', out);
+}
+
 /* Limits and stresses are shown in the unit of the rating's or limit's line. */
 static void print_verdict(const vs_verdict *v, int width, FILE *out) {
   char name[VS_JUDGED_NAME];
@@ -234,6 +244,7 @@ static void print_verdict(const vs_verdict *v, int width, FILE *out) {
     print_margin(v->weakest, out);
     fputc('\n', out);
   }
+  print_undecided(v, out);
   if (v->first_to_fail)
     fprintf(out, "first to fail: %s, at %.9g s\n", vs_judgement_name(v->first_to_fail, name),
             v->first_to_fail->failed_s);
