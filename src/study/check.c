@@ -88,9 +88,8 @@ static void warn_of_deck(report *r, const vs_deck *deck) {
 /* Where the mains drive less than this no junction of silicon conducts. */
 static const double FAINT_V = 0.7;
 
-/* When a pulse of that gate first meets mains that can fire something, or 0; INFINITY: never. Which
- * way
- * is forward is known of the thyristor that is fired without a delay. */
+/* When a pulse of that gate first meets mains that can fire something, or 0; INFINITY: never.
+ * Which way is forward is known of the thyristor that is fired without a delay. */
 static double first_chance(const vs_scene *s, double shift_rad) {
   enum { POINTS = 32 }; /* of a cycle's sine: its top is missed by 1 % at most */
   enum { MOST = 100000 }; /* pulses looked at, some tenths of a second; behind them nothing is said */
