@@ -87,7 +87,7 @@ static void what_is_wrong_is_refused(void) {
               {"{form: 0.1 s}", "bad.yaml:2:11: ", "did you mean 'from'"}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     char text[256];
-    snprintf(text, sizeof text, "run: {tier: switched}\nmeasure: %s\n", ROWS[k].measure);
+    snprintf(text, sizeof text, "run: {tier: circuit}\nmeasure: %s\n", ROWS[k].measure);
     write_file("bad.yaml", text);
     ran r = run("check bad.yaml");
     EXPECT(r.status == 2 && !strncmp(r.err, ROWS[k].at, strlen(ROWS[k].at)) &&

@@ -236,34 +236,79 @@ static bool is_in_reach(const vs_journal *j, uint64_t index, uint64_t at) {
   return own(j, index) <= at / SHORTEST_LINE + AHEAD;
 }
 
-static void count_row(vs_journal *j, char kind, const char *row, size_t length, uint64_t at) {
-  char *after;
-  uint64_t index = strtoull(row, &after, 10);
-  if (after == row || *after != ',' || !is_own(j, index) || !is_in_reach(j, index, at)) {
-    j->bad++;
-    return;
-  }
-  make_room(j, own(j, index) + 1);
-  if (j->place[own(j, index)]) return; /* it has one already */
-  j->place[own(j, index)] = at + 1;
-  j->done += kind == '=';
-  j->failed += kind == '!';
-  j->violated += kind == '=' && is_violated(row, length);
+/* A line that is read. */
+typedef struct entry {
+  const char *line;
+  size_t length;       /* without its end */
+  uint64_t at, number; /* where it begins, in bytes; which it is, from 1 */
+} entry;
+
+/* Its sum, "=" or "!", and blanks. */
+enum { BEFORE_ROW = 11 };
+
+static vs_status refuse_row(const vs_journal *j, const entry *e, size_t at, const char *why,
+                            vs_error *err) {
+  const vs_where where = {j->path, (int)e->number,
+                          vs_column(e->line, e->line + BEFORE_ROW + at)};
+  return vs_fail_at(err, where, "%s; this record is of no study, or was changed", why);
 }
 
-/* A line without its end; at: where it begins. */
-static void take_line(vs_journal *j, const char *line, size_t length, uint64_t at) {
+static vs_status check_row(vs_journal *j, const entry *e, vs_error *err) {
+  const vs_journal_head *h = &j->head;
+  char why[256];
+  size_t at;
+  if (!j->shape) j->shape = vs_shape_new(h->columns, h->failures, h->manifest_end);
+  if (vs_shape_fits(j->shape, e->line[9] == '!', e->line + BEFORE_ROW, &at, why, sizeof why))
+    return VS_OK;
+  return refuse_row(j, e, at, why, err);
+}
+
+/* A study that goes on leaves out the cases that have a row, so that none has two. Where a file
+ * system has no locks two processes may have done the same work; that tells nothing else. */
+static vs_status check_double(vs_journal *j, const entry *e, uint64_t index, vs_error *err) {
+  vs_text row = {0};
+  char why[96];
+  bool failed;
+  vs_status status = vs_journal_row(j, index, &row, &failed, err);
+  bool same = !status && failed == (e->line[9] == '!') && !strcmp(row.text, e->line + BEFORE_ROW);
+  vs_text_free(&row);
+  if (status || same) return status;
+  snprintf(why, sizeof why, "case %" PRIu64 " has another row before this one", index);
+  return refuse_row(j, e, 0, why, err);
+}
+
+static vs_status count_row(vs_journal *j, const entry *e, vs_error *err) {
+  const char kind = e->line[9], *row = e->line + BEFORE_ROW;
+  vs_status status = check_row(j, e, err);
+  if (status) return status;
+  uint64_t index = strtoull(row, NULL, 10);
+  if (!is_own(j, index) || !is_in_reach(j, index, e->at)) {
+    j->bad++;
+    return VS_OK;
+  }
+  make_room(j, own(j, index) + 1);
+  if (j->place[own(j, index)]) return check_double(j, e, index, err);
+  j->place[own(j, index)] = e->at + 1;
+  j->done += kind == '=';
+  j->failed += kind == '!';
+  j->violated += kind == '=' && is_violated(row, e->length - BEFORE_ROW);
+  return VS_OK;
+}
+
+static vs_status take_line(vs_journal *j, const entry *e, vs_error *err) {
+  const char *line = e->line;
   char *after;
-  bool good = length > 11 && strtoull(line, &after, 16) == vs_crc32(line + 9, length - 9) &&
-              after == line + 8;
-  if (!good || strlen(line) != length)
+  bool good = e->length > BEFORE_ROW &&
+              strtoull(line, &after, 16) == vs_crc32(line + 9, e->length - 9) && after == line + 8;
+  if (!good || strlen(line) != e->length)
     j->bad++;
   else if (line[9] == 'h')
-    j->bad += !read_head_line(j, line + 11, at);
+    j->bad += !read_head_line(j, line + BEFORE_ROW, e->at);
   else if ((line[9] == '=' || line[9] == '!') && is_whole(&j->head))
-    count_row(j, line[9], line + 11, length - 11, at);
+    return count_row(j, e, err);
   else
     j->bad++;
+  return VS_OK;
 }
 
 /* Reads all lines; gives where the last whole one ends. */
@@ -274,11 +319,13 @@ static vs_status read_lines(vs_journal *j, uint64_t *whole, vs_error *err) {
   char *line = NULL;
   size_t size = 0;
   ssize_t n;
-  uint64_t at = 0;
-  while ((n = getline(&line, &size, f)) > 0) {
+  uint64_t at = 0, number = 0;
+  vs_status status = VS_OK;
+  while (!status && (n = getline(&line, &size, f)) > 0) {
+    number++;
     if (line[n - 1] == '\n') {
       line[n - 1] = '\0';
-      take_line(j, line, (size_t)n - 1, at);
+      status = take_line(j, &(entry){line, (size_t)n - 1, at, number}, err);
       *whole = at + (uint64_t)n;
     } else
       j->bad++;
@@ -287,6 +334,7 @@ static vs_status read_lines(vs_journal *j, uint64_t *whole, vs_error *err) {
   bool bad = ferror(f);
   free(line);
   fclose(f);
+  if (status) return status;
   return bad ? vs_fail(err, VS_RUN, "%s: cannot be read: %s", j->path, strerror(errno)) : VS_OK;
 }
 
@@ -321,6 +369,7 @@ void vs_journal_close(vs_journal *j) {
   if (j->folder >= 0) close(j->folder);
   vs_journal_head_free(&j->head);
   free(j->place);
+  vs_shape_free(j->shape);
   vs_text_free(&j->fresh);
   *j = (vs_journal){.fd = -1, .folder = -1};
 }

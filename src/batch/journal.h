@@ -6,7 +6,9 @@
  * with the CRC-32 of "KIND TEXT" in 8 hexadecimal digits. KIND h: the head, NAME=VALUE; =: a row of
  * study.csv; !: a row of failures.csv. Lines are only ever added. One whose sum is wrong does not
  * count: its case is not done. The last one may be torn; it is cut off when the study goes on.
- * There is one head, and it comes first.
+ * There is one head, and it comes first. A row whose sum is right and that is none by its header,
+ * or that says of a case something else than an earlier one, is refused: nobody knows which of the
+ * two is true. The same row twice is one row.
  *
  * The rows themselves stay on the disk; of each case 8 bytes are in memory. No count that stands in
  * a journal makes it take more than its length justifies. */
@@ -17,6 +19,7 @@
 
 #include "base/path.h"
 #include "base/text.h"
+#include "batch/shape.h"
 
 enum { VS_MOST_SHARDS = 10000 };
 
@@ -41,6 +44,7 @@ typedef struct vs_journal {
   uint64_t end;    /* bytes in the file */
   uint64_t done, failed, violated; /* cases with a row in study.csv, in failures.csv; of the former
                                       those of status 3 */
+  vs_shape *shape;                 /* of its rows; NULL: no row was read yet */
   bool two_heads;                  /* something of the head stands there twice, or behind rows */
   uint64_t bad;                    /* lines that did not count, when it was opened */
   vs_text fresh;                   /* lines not written yet */
@@ -54,7 +58,8 @@ vs_status vs_journal_create(vs_journal *journal, const char *folder, vs_journal_
                             vs_error *err);
 /* One that is there, with what it has done. mend: to go on with it: locked, and what is torn cut
  * off. Errors: no journal; one with two heads,
- * or with counts that no study has; another process has it. vs_journal_close even then. */
+ * or with counts that no study has; a row that is none, or two of one case, with their place;
+ * another process has it. vs_journal_close even then. */
 vs_status vs_journal_open(vs_journal *journal, const char *folder, bool mend, vs_error *err);
 void vs_journal_close(vs_journal *journal);
 

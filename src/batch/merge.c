@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "batch/stale.h"
 #include "batch/study.h"
 
 /* ---- which ---- */
@@ -120,12 +121,15 @@ static vs_status check_shards(const shards *all, vs_error *err) {
   return VS_OK;
 }
 
-static vs_status write_merged(const shards *all, const char *folder, bool quiet, vs_error *err) {
+/* other: the folder holds another study's result. */
+static vs_status write_merged(const shards *all, const char *folder, bool other, bool quiet,
+                              vs_error *err) {
   int made;
   uint64_t done = 0, failed = 0, violated = 0;
   const vs_journals journals = {all->item, all->count, all->item[0].head.cases, NULL};
   vs_status status = vs_folder_make(folder, &made, err);
   if (status) return status;
+  if (other) vs_stale_remove(folder);
   status = vs_journals_write(&journals, folder, err);
   if (status) vs_folder_unmake(folder, made);
   if (status) return status;
@@ -183,8 +187,10 @@ vs_status vs_merge_command(const vs_merge_options *o, vs_error *err) {
   const char *folder = o->folder ? o->folder : o->folders[0];
   if (!status) qsort(all.item, all.count, sizeof *all.item, by_shard);
   if (!status) status = check_shards(&all, err);
-  if (!status && !o->overwrite) status = check_free(folder, &all.item[0].head, err);
-  if (!status) status = write_merged(&all, folder, o->quiet, err);
+  vs_error taken = {0};
+  bool other = !status && check_free(folder, &all.item[0].head, &taken);
+  if (other && !o->overwrite) status = vs_fail(err, VS_INPUT, "%s", taken.text);
+  if (!status) status = write_merged(&all, folder, other, o->quiet, err);
   for (size_t k = 0; k < all.count; k++) vs_journal_close(&all.item[k]);
   free(all.item);
   return status;

@@ -12,6 +12,7 @@
 
 #include "base/leave.h"
 #include "batch/jobs.h"
+#include "batch/stale.h"
 #include "study/session.h"
 
 static const char *const RESULTS[] = {"manifest.json", "study.csv", "failures.csv"};
@@ -246,6 +247,7 @@ static vs_status open_journal(session *s, vs_error *err) {
     status = check_free(s, there, err);
   if (!status && !(there && s->o->resume)) {
     status = vs_journal_create(&s->journal, s->folder, &head, err);
+    if (!status) vs_stale_remove(s->folder);
     if (!status) remove_result(s->folder);
   }
   vs_journal_head_free(&head);

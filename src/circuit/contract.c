@@ -35,6 +35,11 @@ static vs_status add_field(vs_deck *deck, const vs_field *field, vs_where where,
                         k ? "" : ": that key is the program's");
   if (vs_is_standard(field->key))
     return vs_fail_at(err, where, "param %s is the program's; give yours another name", field->key);
+  if (vs_is_reserved(field->key))
+    return vs_fail_at(err, where,
+                      "param %s: ngspice has that name for itself in expressions; give yours another "
+                      "name",
+                      field->key);
   vs_field *own = &vs_deck_fields(deck)[deck->section.count++];
   *own = *field;
   own->key = vs_copy(field->key);

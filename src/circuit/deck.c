@@ -191,6 +191,19 @@ static vs_status read_lines(vs_deck *deck, char *file, FILE *f, vs_error *err) {
   return status;
 }
 
+/* The dialect says how every line is read, those before its own too. What else that line may say is
+ * found when it is read. */
+static void find_dialect(vs_deck *deck, FILE *f) {
+  char *line = NULL, word[8], name[8], more;
+  size_t size = 0;
+  while (getline(&line, &size, f) >= 0)
+    if (sscanf(line, " *$ %7s %7s %c", word, name, &more) == 2 && !strcmp(word, "compat") &&
+        !strcmp(name, "ps"))
+      memcpy(deck->compat, "ps", sizeof "ps");
+  free(line);
+  rewind(f);
+}
+
 static vs_status read_file(vs_deck *deck, const char *path, vs_error *err) {
   const vs_where place = {.file = path};
   struct stat s;
@@ -200,6 +213,7 @@ static vs_status read_file(vs_deck *deck, const char *path, vs_error *err) {
   if (!stat(path, &s) && !S_ISREG(s.st_mode)) return vs_fail_at(err, place, "is no file of text");
   FILE *f = fopen(path, "r");
   if (!f) return vs_fail_at(err, place, "cannot be opened: %s", strerror(errno));
+  find_dialect(deck, f);
   vs_status status = read_lines(deck, file, f, err);
   if (!status && ferror(f)) status = vs_fail_at(err, place, "cannot be read: %s", strerror(errno));
   fclose(f);

@@ -20,6 +20,17 @@ bool vs_is_standard(const char *name) {
   return AMONG(name, vs_standard_names);
 }
 
+/* Each was tried as ".param NAME=1000" and "R1 a b {NAME}" in ngspice 39. */
+bool vs_is_reserved(const char *name) {
+  static const char *const FUNCTIONS[] = {
+      "sqr",   "sqrt", "sin",   "cos",  "exp",         "ln",     "arctan", "abs",   "pow",
+      "pwr",   "max",  "min",   "int",  "log",         "log10",  "sinh",   "cosh",  "tanh",
+      "sgn",   "ceil", "floor", "asin", "acos",        "atan",   "asinh",  "acosh", "atanh",
+      "tan",   "nint", "gauss", "unif", "ternary_fcn", "agauss", "aunif",  "limit"};
+  static const char *const VARIABLES[] = {"time", "temper", "hertz"};
+  return AMONG(name, FUNCTIONS) || AMONG(name, VARIABLES);
+}
+
 /* What parts words, as for ngspice. */
 static const char PARTING[] = " \t(),";
 
@@ -88,9 +99,11 @@ static const char *find_whole(const char *text, const char *word, bool call) {
   return NULL;
 }
 
-/* LIMIT(x, least, most) of PSpice's dialect cuts off and draws nothing; limit(mean, range) does. */
+/* LIMIT(x, least, most) of PSpice's dialect cuts off and draws nothing: ngspice 39 has a .func of
+ * that name there, which it finds where '(' comes right behind it. */
 static bool cuts_off(const char *call) {
   int depth = 0, commas = 0;
+  if (call[strlen("limit")] != '(') return false;
   for (const char *s = strchr(call, '('); s && *s; s++) {
     depth += (*s == '(') - (*s == ')');
     commas += depth == 1 && *s == ',';
@@ -146,6 +159,10 @@ vs_status vs_rule_random(const char *line, bool pspice, vs_where where, vs_error
   const char *word = NULL;
   if (!find_random(line, pspice, &word)) return VS_OK;
   bool noise = !strncmp(word, "tr", 2);
+  if (pspice && !strcmp(word, "limit"))
+    return vs_fail_at(err, place_of(word, true, where),
+                      "limit: in PSpice's dialect ngspice knows LIMIT(x, least, most), of three and "
+                      "with no blank before '('");
   return vs_fail_at(err, place_of(word, !noise, where),
                     noise ? "%s is random anew in each run; a course that is the same each time "
                             "would be right, or a study over a parameter"
@@ -159,6 +176,16 @@ typedef struct place {
   vs_where where;
   vs_error *err;
 } place;
+
+static vs_status name_rule(void *ctx, const char *name) {
+  const place *p = ctx;
+  return vs_is_reserved(name)
+             ? vs_fail_at(p->err, p->where,
+                          "parameter %s: ngspice has that name for itself in expressions; give yours "
+                          "another name",
+                          name)
+             : VS_OK;
+}
 
 /* At the top of a deck: within a subcircuit a name is the subcircuit's own. */
 static vs_status param_rule(void *ctx, const char *name) {
@@ -235,6 +262,10 @@ vs_status vs_rule_statement(vs_deck *deck, const char *line, vs_where where, vs_
                       "program's",
                       word);
   if (!strcmp(word, ".model")) return model_rule(&p, line);
+  if (!strcmp(word, ".param") || !strcmp(word, ".subckt")) {
+    vs_status status = assignments(line, name_rule, (void *)(size_t)&p);
+    if (status) return status;
+  }
   if (!strcmp(word, ".param") && deck->subcircuits == 0)
     return assignments(line, param_rule, (void *)(size_t)&p);
   if (!strcmp(word, ".ends") && deck->subcircuits > 0) deck->subcircuits--;

@@ -15,7 +15,8 @@ vs_status vs_rule_element(vs_deck *deck, const char *line, vs_where where, vs_er
  * agauss, unif, aunif and limit wherever an expression calls them, trnoise and trrandom of a
  * source. Names that merely contain such a word are fine, as is the code model limit. A deck's own
  * .func of such a name is refused too: ngspice has the name for itself in some expressions and not
- * in others. pspice: the deck is read in that dialect, whose LIMIT of three is no such thing. */
+ * in others. pspice: the deck is read in that dialect, whose LIMIT of three is no such thing; with
+ * another number of arguments or a blank before them ngspice does not know it. */
 vs_status vs_rule_random(const char *line, bool pspice, vs_where where, vs_error *err);
 
 /* "Vname n m external"; name is filled, in lower case. */
@@ -27,5 +28,9 @@ const char *vs_instance_of(const char *line, size_t *length);
 
 /* Is it a parameter of the program's that decks only use? */
 bool vs_is_standard(const char *name);
+/* Is it a name that ngspice takes for its own in an expression, whatever a parameter of that name
+ * says: a function, which then cannot be read, or time, temper and hertz, which are other numbers?
+ */
+bool vs_is_reserved(const char *name);
 
 #endif

@@ -153,12 +153,21 @@ static void add_worst_margin(vs_text *html, const vs_study_table *t, const vs_su
 }
 
 static void add_count(vs_text *html, long count, const char *of_what) {
-  if (count) vs_text_add(html, "<p>%ld case%s %s.</p>\n", count, count > 1 ? "s" : "", of_what);
+  if (!count) return;
+  vs_text_add(html, "<p>%ld case%s ", count, count > 1 ? "s" : "");
+  vs_html_text(html, of_what);
+  vs_text_add(html, ".</p>\n");
 }
 
 /* What stands between the numbers and a verdict. */
 static void add_doubts(vs_text *html, const vs_survey *s) {
-  add_count(html, s->undecided, "undecided: the sign of a margin is within its numerical error");
+  vs_text undecided = {0};
+  vs_text_add(&undecided, "undecided: the sign of a margin is within its numerical error");
+  for (size_t k = 0; k < s->doubtful.count; k++)
+    vs_text_add(&undecided, "%s%s in %ld", k ? ", " : ", that of ", s->doubtful.item[k].name,
+                s->doubtful.item[k].times);
+  add_count(html, s->undecided, undecided.text);
+  vs_text_free(&undecided);
   add_count(html, s->unverified,
             "unverified: the numerical error of the margins was not computed (run.verify: always "
             "does so)");

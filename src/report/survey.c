@@ -179,6 +179,9 @@ static void note_verdict(vs_survey *s, const vs_study_table *t, const vs_study_r
   s->good += !isnan(margin) && margin >= 0 && !breach;
   s->violated += breach && sure;
   s->undecided += breach && !sure;
+  /* nothing is violated there, so that the line of the least margin less its error is undecided */
+  if (breach && !sure && t->weakest >= 0 && *row->cell[t->weakest])
+    count_name(&s->doubtful, row->cell[t->weakest]);
   s->unverified += !isnan(margin) && isnan(error);
   s->climbed += rung > 0;
   s->warned += t->warnings >= 0 && *row->cell[t->warnings];
@@ -231,6 +234,7 @@ vs_status vs_survey_take(const vs_study_table *t, vs_survey *s, vs_error *err) {
   if (!status && s->rows != t->done)
     status = vs_fail(err, VS_INPUT, "%s: rows: %ld; cases done, says %s: %ld", t->path, s->rows,
                      t->manifest_path, t->done);
+  qsort(s->doubtful.item, s->doubtful.count, sizeof *s->doubtful.item, by_times);
   qsort(s->weakest.item, s->weakest.count, sizeof *s->weakest.item, by_times);
   qsort(s->why.item, s->why.count, sizeof *s->why.item, by_times);
   return status;
@@ -245,6 +249,7 @@ void vs_survey_free(const vs_study_table *t, vs_survey *s) {
   }
   vs_kept_free(s->worst, s->n_worst, t->count);
   if (s->found.cell) vs_kept_free(&s->found, 1, t->count);
+  counts_free(&s->doubtful);
   counts_free(&s->weakest);
   counts_free(&s->why);
 }

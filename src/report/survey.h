@@ -47,6 +47,7 @@ typedef struct vs_survey {
   long warned;
   vs_profile profile[VS_STUDY_COLUMNS]; /* by column */
   vs_counts weakest, why;               /* falling */
+  vs_counts doubtful;                   /* which limit is undecided where a case is; falling */
   long failures;                        /* rows of failures.csv */
   vs_kept worst[VS_WORST]; /* by vs_study_aim, the worst first; without it the first cases */
   size_t n_worst;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "study/check.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -64,7 +65,7 @@ static void add_json(const char *name, const vs_error *e, vs_text *json) {
 typedef struct report {
   const vs_check_options *options;
   vs_text good; /* what it is, when nothing was found */
-  vs_error warnings[VS_WARNINGS + 1];
+  vs_error warnings[VS_WARNINGS + 3];
   size_t n_warnings;
 } report;
 
@@ -84,6 +85,53 @@ static void warn_of_deck(report *r, const vs_deck *deck) {
   if (mains) vs_fail_at(warning(r), file, "%s", mains);
 }
 
+/* Where the mains drive less than this no junction of silicon conducts. */
+static const double FAINT_V = 0.7;
+
+/* When a pulse of that gate first meets mains that can fire something, or 0; INFINITY: never.
+ * Which way is forward is known of the thyristor that is fired without a delay. */
+static double first_chance(const vs_scene *s, double shift_rad) {
+  enum { POINTS = 32 }; /* of a cycle's sine: its top is missed by 1 % at most */
+  enum { MOST = 100000 }; /* pulses looked at, some tenths of a second; behind them nothing is said */
+  const vs_timeline *t = &s->setup.timeline;
+  double until_s = s->setup.run.until_s, from_s, to_s;
+  double at_s = 0;
+  for (int n = 0; n < MOST; n++, at_s = fmax(to_s, nextafter(at_s, INFINITY))) {
+    if (!vs_gate_stretch(t, shift_rad, at_s, until_s, &from_s, &to_s)) return INFINITY;
+    double end_s = fmin(fmin(to_s, until_s), from_s + t->period_s), u_v = 0;
+    for (int k = 0; k <= POINTS; k++) {
+      double now_v = vs_mains(t, from_s + (end_s - from_s) * k / POINTS);
+      u_v = fmax(u_v, shift_rad != 0 ? fabs(now_v) : now_v);
+    }
+    if (u_v > (s->frame.deck ? FAINT_V : 0)) return from_s;
+  }
+  return 0;
+}
+
+/* The key of section firing that comes first in the scene's text, or the scene. */
+static vs_where where_of_firing(const vs_scene *s) {
+  const vs_node *firing = vs_node_child(s->tree.root, "firing");
+  return firing && firing->child ? firing->child->key_where : (vs_where){0};
+}
+
+/* What a run would say once it is over. */
+static void warn_of_firing(report *r, const vs_scene *s) {
+  const vs_deck *deck = s->frame.deck;
+  double first_s = deck ? INFINITY : first_chance(s, 0);
+  bool asked = !deck;
+  for (size_t k = 0; deck && k < deck->n_ports; k++) {
+    const vs_signal *signal = &deck->ports[k].signal;
+    if (signal->drive != VS_DRIVE_GATE && signal->drive != VS_DRIVE_BURST) continue;
+    asked = true;
+    first_s = fmin(first_s, first_chance(s, signal->shift_rad));
+  }
+  if (asked && isinf(first_s))
+    vs_fail_at(warning(r), where_of_firing(s),
+               "nothing can fire: no gate pulse meets forward mains voltage before run.until = %.9g "
+               "s; look at firing.first_cycle, firing.angle and firing.pulse_width",
+               s->setup.run.until_s);
+}
+
 static vs_status check_scene(report *r, vs_error *err) {
   const vs_check_options *o = r->options;
   vs_scene *scene = vs_alloc(1, sizeof *scene);
@@ -93,6 +141,7 @@ static vs_status check_scene(report *r, vs_error *err) {
     vs_text_add(&r->good, "a good scene: tier %s (%s)", scene->tier->name, scene->why);
     for (size_t w = 0; w < scene->n_warnings; w++) *warning(r) = scene->warnings[w];
     if (scene->frame.deck) warn_of_deck(r, scene->frame.deck);
+    warn_of_firing(r, scene);
   }
   vs_scene_free(scene);
   free(scene);

@@ -113,7 +113,8 @@ static void print_field(const char *section, const vs_field *f) {
 static void list_parameters(const vs_deck *deck) {
   const vs_section *const sections[] = {&vs_machine_section, &vs_actuator_section, &vs_load_section,
                                         &vs_supply_section,  &vs_firing_section,   &deck->section,
-                                        &vs_run_section,     &vs_start_section};
+                                        &vs_run_section,     &vs_start_section,
+                                        &vs_measure_section};
   for (size_t s = 0; s < sizeof sections / sizeof *sections; s++)
     for (size_t k = 0; k < sections[s]->count; k++)
       print_field(sections[s]->name, &sections[s]->fields[k]);

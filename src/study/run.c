@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -93,6 +94,18 @@ static void remove_stale(const char *folder, const char *name) {
   unlink(path);
 }
 
+/* What `plot` drew of the older run; a link is none of its. */
+static const char *const PICTURES[] = {"motion_run.png",   "motion_run.svg",  "motion_100ms.png",
+                                       "motion_100ms.svg", "pulse_50ms.png", "pulse_50ms.svg"};
+enum { N_PICTURES = sizeof PICTURES / sizeof *PICTURES };
+
+static bool is_picture(const char *folder, size_t k) {
+  char path[VS_PATH_SIZE];
+  struct stat s;
+  snprintf(path, sizeof path, "%s/%s", folder, PICTURES[k]);
+  return !lstat(path, &s) && S_ISREG(s.st_mode);
+}
+
 /* Which files of an older run in the folder give way to this one's; empty: none. free() it. */
 static char *name_replaced(const char *folder) {
   static const char *const FILES[] = {"run.csv", "events.csv",      "summary.json",
@@ -104,7 +117,15 @@ static char *name_replaced(const char *folder) {
     snprintf(path, sizeof path, "%s/%s", folder, FILES[k]);
     if (!access(path, F_OK)) vs_text_add(&names, "%s%s", names.length ? ", " : "", FILES[k]);
   }
+  for (size_t k = 0; k < N_PICTURES && names.length; k++)
+    if (is_picture(folder, k)) vs_text_add(&names, ", %s", PICTURES[k]);
   return names.text;
+}
+
+/* replaced: that there was an older run. */
+static void remove_pictures(const char *folder, const char *replaced) {
+  for (size_t k = 0; k < N_PICTURES && *replaced; k++)
+    if (is_picture(folder, k)) remove_stale(folder, PICTURES[k]);
 }
 
 /* Of a run that failed: what was computed, under a name that says so. */
@@ -115,6 +136,7 @@ static void keep_partial(audience *a, vs_error *err) {
   vs_error second = {0};
   char *replaced = name_replaced(folder);
   for (size_t k = 0; k < sizeof STALE / sizeof *STALE; k++) remove_stale(folder, STALE[k]);
+  remove_pictures(folder, replaced);
   bool csv = !vs_file_commit_as(&a->csv, folder, "run.partial.csv", &second);
   bool raw = a->raw.stream && !vs_file_commit_as(&a->raw, folder, "run.partial.raw", &second);
   size_t n = strlen(err->text);
@@ -151,6 +173,7 @@ static vs_status close_files(audience *a, vs_status ran, const char *json, vs_er
   if (!status) status = vs_file_commit(&summary, err);
   vs_file_discard(&summary);
   discard_files(a);
+  if (!status) remove_pictures(folder, replaced);
   if (!status && *replaced && !a->options->quiet)
     fprintf(stderr, "vibrospice: note: replaced in %s, of an older run: %s\n", folder, replaced);
   free(replaced);

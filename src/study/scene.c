@@ -27,18 +27,28 @@ vs_scene_part vs_scene_part_at(const vs_scene *s, int index) {
   return parts[index];
 }
 
-/* Keys of sections that every tier has, but that only the circuit tier obeys. */
+/* Keys of sections that every tier has, but that only the circuit tier obeys: alone it has a
+ * source's impedance, ngspice, a gate drive that is fed with bursts, and devices with means and
+ * ratings. What is on no other tier either way (run.verify: never) is no conflict. */
 typedef struct circuit_key {
   const char *section, *key;
+  const char *value; /* only this one; NULL: any */
 } circuit_key;
 static const circuit_key CIRCUIT_KEYS[] = {
-    {"supply", "resistance"}, {"supply", "inductance"}, {"run", "method"},
-    {"run", "trtol"},         {"run", "pivrel"},        {"run", "leave_circuit"},
+    {"supply", "resistance", NULL},    {"supply", "inductance", NULL},
+    {"run", "method", NULL},           {"run", "trtol", NULL},
+    {"run", "pivrel", NULL},           {"run", "leave_circuit", NULL},
+    {"run", "ladder", NULL},           {"run", "verify", "always"},
+    {"firing", "burst_frequency", NULL}, {"firing", "burst_duty", NULL},
+    {"measure", "from", NULL},         {"measure", "to", NULL},
+    {"measure", "last", NULL},
 };
 enum { N_CIRCUIT_KEYS = sizeof CIRCUIT_KEYS / sizeof *CIRCUIT_KEYS };
 
 static const vs_node *node_of(const vs_scene *s, const circuit_key *k) {
-  return vs_node_child(vs_node_child(s->tree.root, k->section), k->key);
+  const vs_node *node = vs_node_child(vs_node_child(s->tree.root, k->section), k->key);
+  if (!node || !k->value) return node;
+  return node->kind == VS_NODE_TEXT && !strcmp(node->text, k->value) ? node : NULL;
 }
 
 /* Its first probe that only the circuit tier has; NULL: none. */
@@ -285,6 +295,22 @@ static void warn_of_mains(vs_scene *s) {
     vs_fail_at(&s->warnings[s->n_warnings++], (vs_where){.file = file}, "the deck has %s", text);
 }
 
+/* Sub-pulses that no source of the deck's is driven with. */
+static void warn_of_bursts(vs_scene *s) {
+  static const char *const KEYS[] = {"burst_frequency", "burst_duty"};
+  const vs_node *firing = vs_node_child(s->tree.root, "firing");
+  const vs_deck *deck = s->frame.deck;
+  const vs_node *node = NULL;
+  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS && !node; k++)
+    node = vs_node_child(firing, KEYS[k]);
+  if (!deck || !node || (deck->lost & VS_LOST_PORT)) return;
+  for (size_t k = 0; k < deck->n_ports; k++)
+    if (deck->ports[k].signal.drive == VS_DRIVE_BURST) return;
+  vs_fail_at(&s->warnings[s->n_warnings++], node->key_where,
+             "firing.%s: the deck has no port burst, so that nothing is driven with sub-pulses",
+             node->key);
+}
+
 static void warn_of_limits(vs_scene *s) {
   const vs_deck *deck = s->frame.deck;
   char text[VS_DECK_TEXT + VS_NAME_SIZE];
@@ -311,6 +337,7 @@ static void warn_of_parts(vs_scene *s) {
       vs_fail_at(&s->warnings[s->n_warnings++], named ? named->where : (vs_where){0}, "%s", text);
     }
   warn_of_mains(s);
+  warn_of_bursts(s);
   warn_of_limits(s);
 }
 

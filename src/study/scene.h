@@ -10,7 +10,7 @@
 extern const vs_shelf vs_scene_shelf, vs_study_shelf;
 
 /* At most; of limits that nothing is held against. */
-enum { VS_IDLE_LIMITS = 8, VS_WARNINGS = 2 + VS_DECK_PARTS + VS_DECK_DEVICES + VS_IDLE_LIMITS };
+enum { VS_IDLE_LIMITS = 8, VS_WARNINGS = 4 + VS_DECK_PARTS + VS_DECK_DEVICES + VS_IDLE_LIMITS };
 
 typedef struct vs_scene {
   char path[VS_PATH_SIZE];

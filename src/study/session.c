@@ -229,7 +229,7 @@ static double deciding_tolerance(const vs_result *r) {
   return pow(10, floor(log10(most)));
 }
 
-static vs_status run_second(const vs_session *session, vs_result *r, vs_error *err) {
+static void run_second(const vs_session *session, vs_result *r) {
   const double own = r->scene->setup.run.tolerance;
   const double factor = own > COARSE ? 1 / COARSER : COARSER;
   const vs_session plain = {.stop = session->stop, .unguarded = session->unguarded};
@@ -242,13 +242,12 @@ static vs_status run_second(const vs_session *session, vs_result *r, vs_error *e
   r->second.tolerance = other->setup.run.tolerance;
   r->second.wall_s = second->wall_s;
   r->second.done = !status;
-  if (status == VS_SIGNAL) {
-    vs_fail(err, VS_SIGNAL,
-            "stopped by a signal in the second run, for the errors of the margins: %s", why.text);
+  if (status == VS_SIGNAL) { /* the first run is whole: its lines stay unverified */
+    r->second.stopped = true;
+    snprintf(r->second.failed, sizeof r->second.failed, "%.255s", why.text);
   } else if (status) {
     snprintf(r->second.failed, sizeof r->second.failed, "%.255s", why.text);
     for (size_t k = 0; k < r->verdict.count; k++) r->verdict.item[k].margin_error = INFINITY;
-    status = VS_OK;
   } else {
     double bound = fmax(r->absence.bound, second->absence.bound);
     vs_verdict_compare(&r->verdict, &second->verdict, RESOLUTION * own + bound);
@@ -257,7 +256,6 @@ static vs_status run_second(const vs_session *session, vs_result *r, vs_error *e
   vs_result_free(second);
   free(second);
   free(other);
-  return status;
 }
 
 vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *r, vs_error *err) {
@@ -265,7 +263,8 @@ vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *
   vs_status status = climb(session, scene, r, err);
   if (!status && scene->tier == &vs_tier_circuit)
     scene->setup.tried = true; /* until another deck is read */
-  return status || !wants_second(session, r) ? status : run_second(session, r, err);
+  if (!status && wants_second(session, r)) run_second(session, r);
+  return status;
 }
 
 /* ---- what follows ---- */
@@ -280,6 +279,11 @@ static void print_allowed(const vs_judgement *j, double unit, char *text, size_t
 
 vs_status vs_session_judge(const vs_result *r, vs_error *err) {
   const vs_judgement *worst = vs_verdict_breach(&r->verdict);
+  if (r->second.stopped)
+    return vs_fail(err, VS_SIGNAL,
+                   "stopped by a signal in the second run, for the errors of the margins (%s): the "
+                   "first run's result is whole, its verdict unverified",
+                   r->second.failed);
   if (!worst) return VS_OK;
   const char *unit_name = vs_judgement_unit(worst);
   char name[VS_JUDGED_NAME], allowed[64], decides[96] = "";

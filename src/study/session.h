@@ -35,12 +35,14 @@ typedef struct vs_session {
 
 /* Runs the scene and fills the result, which is freed with vs_result_free also after an error.
  * Where ngspice gives up, the scene is run again with the settings of the ladder's next rung;
- * result->scene is the one that was run last. Errors: those of vs_sim_run and of the guest; VS_RUN,
+ * result->scene is the one that was run last. A signal in the second run leaves the first one's
+ * result, unverified (result->second.stopped). Errors: those of vs_sim_run and of the guest; VS_RUN,
  * the energy books are further open than a result may be. */
 vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *result,
                          vs_error *err);
 
-/* What follows from the verdict: VS_OK, every line is held or unverified within its limit;
+/* What follows from the verdict: VS_SIGNAL, its second run was stopped; VS_OK, every line is held or
+ * unverified within its limit;
  * VS_RATING, a line is violated or undecided. err names the worst line then. */
 vs_status vs_session_judge(const vs_result *result, vs_error *err);
 

@@ -140,8 +140,8 @@ static void warn_after(const vs_result *r, void (*each)(void *ctx, const char *t
   if (nothing_fires(r, text, sizeof text)) each(ctx, text);
   if (*r->books) each(ctx, r->books);
   if (!*r->second.failed) return;
-  snprintf(text, sizeof text, "no margin's error is known, as the second run failed: %s",
-           r->second.failed);
+  snprintf(text, sizeof text, "no margin's error is known, as the second run %s: %s",
+           r->second.stopped ? "was stopped" : "failed", r->second.failed);
   each(ctx, text);
 }
 
@@ -197,6 +197,16 @@ static void print_margin(const vs_judgement *j, FILE *out) {
           vs_words[word]);
 }
 
+/* "undecided: v_ak, thyristor.i2t" */
+static void print_undecided(const vs_verdict *v, FILE *out) {
+  char name[VS_JUDGED_NAME];
+  size_t n = 0;
+  for (size_t k = 0; k < v->count; k++)
+    if (vs_judgement_word(&v->item[k]) == VS_UNDECIDED)
+      fprintf(out, "%s%s", n++ ? ", " : "undecided: ", vs_judgement_name(&v->item[k], name));
+  if (n) fputc('\n', out);
+}
+
 /* Limits and stresses are shown in the unit of the rating's or limit's line. */
 static void print_verdict(const vs_verdict *v, int width, FILE *out) {
   char name[VS_JUDGED_NAME];
@@ -234,6 +244,7 @@ static void print_verdict(const vs_verdict *v, int width, FILE *out) {
     print_margin(v->weakest, out);
     fputc('\n', out);
   }
+  print_undecided(v, out);
   if (v->first_to_fail)
     fprintf(out, "first to fail: %s, at %.9g s\n", vs_judgement_name(v->first_to_fail, name),
             v->first_to_fail->failed_s);
@@ -265,7 +276,10 @@ static void print_second(const vs_result *r, FILE *out) {
   if (second->done)
     fprintf(out, "errors of margins: by a second run at run.tolerance = %.3g", second->tolerance);
   else if (r->verdict.count)
-    fprintf(out, "errors of margins: not computed (run.verify)");
+    fprintf(out, "errors of margins: not computed (%s)",
+            second->stopped   ? "the second run was stopped by a signal"
+            : *second->failed ? "the second run failed"
+                              : "run.verify");
   if (second->decides > 0)
     fprintf(out, "; run.tolerance = %.1g may decide what is undecided", second->decides);
   if (second->done || r->verdict.count) fputc('\n', out);

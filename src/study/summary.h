@@ -23,8 +23,8 @@ void vs_absence_finish(vs_absence *absence, double until_s);
 
 /* The second run, which tells the errors of the margins. */
 typedef struct vs_second_run {
-  bool done;
-  double tolerance; /* its run.tolerance */
+  bool done, stopped; /* stopped: by a signal */
+  double tolerance;   /* its run.tolerance */
   double decides; /* a run.tolerance at which the undecided lines would be decided; 0: none does, or
                      none need be */
   double wall_s;

@@ -57,6 +57,14 @@ static void begin_measures(vs_watched *w, const vs_deck *deck) {
     if (is_busy(w, &w->reduced[k])) w->each_step[w->n_each_step++] = &w->reduced[k];
 }
 
+/* Of the deck's first gate; NaN: it has none. */
+static double any_gate_rad(const vs_deck *deck) {
+  for (size_t k = 0; k < deck->n_ports; k++)
+    if (deck->ports[k].signal.drive == VS_DRIVE_GATE || deck->ports[k].signal.drive == VS_DRIVE_BURST)
+      return deck->ports[k].signal.shift_rad;
+  return NAN;
+}
+
 static void begin_device(vs_watched *w, const vs_frame *frame, const vs_device *d) {
   const vs_deck *deck = frame->deck;
   *w = (vs_watched){
@@ -64,7 +72,11 @@ static void begin_device(vs_watched *w, const vs_frame *frame, const vs_device *
       .voltage = quick(&d->voltage),
       .current = quick(&d->current),
       .gate = {.timeline = frame->timeline, .delay_rad = d->gate_rad, .edge_s = -INFINITY},
+      .fresh = true,
+      .shot_s = -INFINITY,
       .pulse = {.rest_s = frame->timeline->period_s / 4}};
+  w->train = w->gate;
+  if (isnan(d->gate_rad)) w->train.delay_rad = any_gate_rad(deck);
   if (d->has_flux) w->flux = quick(&d->flux);
   const char *file = d->part < 0 ? "" : deck->parts[d->part].file;
   for (size_t k = 0; k < deck->n_zth; k++)
@@ -135,12 +147,25 @@ static void integrate_part(const vs_course_step *c, double from, double to,
     sum[of] += (to - from) * c->h_s * (y[0][of] + 4 * y[1][of] + y[2][of]) / 6;
 }
 
+/* A device that goes out in a ring and is fired again by the same gate pulse is at the same shot,
+ * as long as the same half cycle of the mains may drive it. */
+static void follow_starts(const vs_devices *d, vs_watched *w, const vs_course_step *c) {
+  vs_gate_follow(&w->train, c);
+  w->fresh = w->fresh || w->train.begins;
+  if (!c->on || c->was_on) return;
+  bool gated = w->train.on && !isnan(w->train.delay_rad);
+  bool again = gated && !w->fresh && c->t0_s - w->shot_s < d->frame->timeline->period_s / 2;
+  w->fresh = false;
+  if (again) return;
+  w->shot_s = c->t0_s;
+  w->starts += c->t1_s > d->means.from_s && c->t0_s < d->means.to_s;
+}
+
 /* more: the integrals over the whole step */
 static void follow_means(const vs_devices *d, vs_watched *w, const vs_course_step *c,
                          const double more[VS_COURSES]) {
   double from_s = fmax(c->t0_s, d->means.from_s), to_s = fmin(c->t1_s, d->means.to_s);
   if (!(to_s > from_s)) return;
-  w->starts += c->on && !c->was_on;
   w->rests = w->rests || !c->on;
   if (from_s > c->t0_s || to_s < c->t1_s)
     integrate_part(c, (from_s - c->t0_s) / c->h_s, (to_s - c->t0_s) / c->h_s, w->sum_meant);
@@ -364,6 +389,7 @@ static void follow(vs_devices *d, vs_watched *w, vs_course_step *c, const double
     w->sum[of] += more[of];
   }
   if (w->states) follow_states(d, w, c);
+  if (w->states) follow_starts(d, w, c);
   follow_means(d, w, c, more);
   for (size_t k = 0; k < w->n_peaks; k++) follow_peak(w->each_step[k], c);
   for (size_t k = w->n_peaks; k < w->n_each_step; k++)

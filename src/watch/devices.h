@@ -44,7 +44,10 @@ typedef struct vs_watched {
   double last[VS_COURSES];         /* at the last knot */
   double sum[VS_COURSES];          /* integrals over the run, but of V and V.s */
   double sum_meant[VS_COURSES];    /* the same over frame->means */
-  int starts;                      /* how often it began to conduct between these */
+  vs_gate_watch train;             /* its gate, or the deck's first where it is not known */
+  bool fresh;                      /* a gate pulse has begun since it last began to conduct */
+  double shot_s;                   /* when its last shot began; -INFINITY: none did */
+  int starts;                      /* how many shots began between these */
   bool rests;                      /* it did not conduct all the time between them */
   vs_reduced reduced[VS_KIND_MEASURES];
   size_t count;

@@ -1,0 +1,149 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "batch/shape.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "batch/case.h"
+
+/* What a cell may hold. */
+typedef enum cell_kind { ANY, WORD, NUMBER, NUMBER_OR_NOTHING, COUNT, DONE, FAILED } cell_kind;
+static const char *const WANTED[] = {[ANY] = "anything",
+                                     [WORD] = "a word",
+                                     [NUMBER] = "a number",
+                                     [NUMBER_OR_NOTHING] = "a number or nothing",
+                                     [COUNT] = "a whole number",
+                                     [DONE] = "status 0 or 3",
+                                     [FAILED] = "status 1"};
+
+/* Of one header row. */
+typedef struct header {
+  char *text, **name; /* cut up; name points into text */
+  cell_kind *kind;
+  size_t count;
+} header;
+
+struct vs_shape {
+  header done, failed;
+};
+
+static header cut(const char *row) {
+  header h = {.text = vs_copy(row)};
+  size_t most = 1;
+  for (const char *s = row; *s; s++) most += *s == ',';
+  h.name = vs_alloc(most, sizeof *h.name);
+  h.kind = vs_alloc(most, sizeof *h.kind);
+  h.count = vs_csv_cut(h.text, h.name, most);
+  return h;
+}
+
+static void discard(header *h) {
+  free(h->text);
+  free(h->name);
+  free(h->kind);
+}
+
+/* An axis with a unit is a number; one without may be a choice or a file's name. */
+static cell_kind kind_of_axis(const char *column, const char *manifest) {
+  vs_text wanted = {0};
+  vs_text_add(&wanted, "\"column\": ");
+  vs_text_json(&wanted, column);
+  vs_text_add(&wanted, ", \"unit\": \"");
+  const char *found = strstr(manifest, wanted.text);
+  char first = '"';
+  if (found) first = found[wanted.length];
+  vs_text_free(&wanted);
+  return first == '"' ? WORD : NUMBER;
+}
+
+/* Of a column that is no axis. */
+static cell_kind kind_of(const char *name, bool failed) {
+  static const struct {
+    const char *name;
+    cell_kind kind;
+  } KNOWN[] = {{"case", COUNT},   {"id", ANY},       {"rung", COUNT},
+               {"weakest", ANY},  {"warnings", ANY}, {"why", ANY}};
+  if (!strcmp(name, "status")) return failed ? FAILED : DONE;
+  for (size_t k = 0; k < sizeof KNOWN / sizeof *KNOWN; k++)
+    if (!strcmp(name, KNOWN[k].name)) return KNOWN[k].kind;
+  return NUMBER_OR_NOTHING;
+}
+
+/* The axes stand behind case and id, in both headers. */
+static void find_kinds(header *h, const header *other, bool failed, const char *manifest) {
+  bool alike = true;
+  for (size_t k = 0; k < h->count; k++) {
+    alike = alike && k < other->count && !strcmp(h->name[k], other->name[k]);
+    h->kind[k] = k > 1 && alike ? kind_of_axis(h->name[k], manifest) : kind_of(h->name[k], failed);
+  }
+}
+
+vs_shape *vs_shape_new(const char *columns, const char *failures, const char *manifest) {
+  vs_shape *shape = vs_alloc(1, sizeof *shape);
+  shape->done = cut(columns);
+  shape->failed = cut(failures);
+  find_kinds(&shape->done, &shape->failed, false, manifest);
+  find_kinds(&shape->failed, &shape->done, true, manifest);
+  return shape;
+}
+
+void vs_shape_free(vs_shape *shape) {
+  if (!shape) return;
+  discard(&shape->done);
+  discard(&shape->failed);
+  free(shape);
+}
+
+/* As the program prints numbers: neither hexadecimal nor a blank before it, and finite. */
+static bool is_number(const char *cell) {
+  char *end;
+  return *cell && !cell[strspn(cell, "0123456789.eE+-")] && isfinite(strtod(cell, &end)) && !*end;
+}
+
+static bool is_count(const char *cell) {
+  return *cell && !cell[strspn(cell, "0123456789")] && (*cell != '0' || !cell[1]);
+}
+
+static bool holds(const char *cell, cell_kind kind) {
+  switch (kind) {
+  case WORD:
+    return *cell;
+  case NUMBER:
+    return is_number(cell);
+  case NUMBER_OR_NOTHING:
+    return !*cell || is_number(cell);
+  case COUNT:
+    return is_count(cell);
+  case DONE:
+    return !strcmp(cell, "0") || !strcmp(cell, "3");
+  case FAILED:
+    return !strcmp(cell, "1");
+  default:
+    return true;
+  }
+}
+
+bool vs_shape_fits(const vs_shape *shape, bool failed, const char *row, size_t *at, char *why,
+                   size_t size) {
+  const header *h = failed ? &shape->failed : &shape->done;
+  char *copy = vs_copy(row), **cell = vs_alloc(h->count + 1, sizeof *cell);
+  size_t count = vs_csv_cut(copy, cell, h->count + 1), k = 0;
+  bool fits = count == h->count;
+  *at = 0;
+  if (!fits)
+    snprintf(why, size, "cells in this row: %s%zu; columns in its header: %zu",
+             count > h->count ? "at least " : "", count, h->count);
+  while (fits && k < count && holds(cell[k], h->kind[k])) k++;
+  if (fits && k < count) {
+    fits = false;
+    *at = (size_t)(cell[k] - copy);
+    snprintf(why, size, "column %.64s holds '%.64s'; %s is wanted there", h->name[k], cell[k],
+             WANTED[h->kind[k]]);
+  }
+  free(cell);
+  free(copy);
+  return fits;
+}

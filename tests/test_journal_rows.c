@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * A journal's rows are rows of its study: those whose sum is right, but that hold something else
+ * than their header says, or a second answer for one case, are refused with their place. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/hash.h"
+#include "program.h"
+
+static void add_line(vs_text *journal, const char *line) {
+  vs_text_add(journal, "%08x %s\n", vs_crc32(line, strlen(line)), line);
+}
+
+/* The head of the study in "s", then these lines up to a NULL. */
+static void write_journal(const char *head, const char *const *rows) {
+  vs_text journal = {0};
+  vs_text_add(&journal, "%s", head);
+  for (; *rows; rows++) add_line(&journal, *rows);
+  write_file("j/journal", journal.text);
+  vs_text_free(&journal);
+}
+
+/* Of the study's own journal: what stands before its first row; free() it. */
+static char *head_of(const char *path) {
+  char *text = read_file(path), *row = strstr(text, " = ");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(row);
+  while (row > text && row[-1] != '\n') row--;
+  *row = '\0';
+  return text;
+}
+
+static void make_study(void) {
+  write_file("a.yaml", "set: {run.until: 20 ms, run.tier: switched}\n"
+                       "vary: {firing.angle: [100 deg, 110 deg], circuit.deck: "
+                       "[halfwave_snubbed]}\nreport: [i_peak]\n");
+  RUN_GOOD("study a.yaml -o s --quiet");
+  mkdir("j", 0777);
+}
+
+#define GOOD_0 "= 0,0123456789abcdef,100,halfwave_snubbed,0.84,,,,0,0,,0"
+#define GOOD_1 "= 1,0123456789abcdee,110,halfwave_snubbed,0.70,,,,0,0,,0"
+
+/* The head has 7 lines, so that the first row is line 8. */
+static void rows_of_another_shape(void) {
+  static const struct {
+    const char *row, *at, *says;
+  } BAD[] = {
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,0", ":9:12: ", "cells in this row: 11"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,0,0", ":9:12: ", "columns in its header: 12"},
+      {"= 1", ":9:12: ", "cells in this row: 1;"},
+      {"= 1,x,110,halfwave_snubbed,lots,,,,0,0,,0", ":9:37: ", "'lots'; a number or nothing"},
+      {"= 1,x,110,halfwave_snubbed,nan,,,,0,0,,0", ":9:37: ", "'nan'"},
+      {"= 1,x,110,halfwave_snubbed,0x1p3,,,,0,0,,0", ":9:37: ", "'0x1p3'"},
+      {"= 1,x,110,halfwave_snubbed,1e999,,,,0,0,,0", ":9:37: ", "'1e999'"},
+      {"= 1,x,wide,halfwave_snubbed,0.70,,,,0,0,,0", ":9:16: ", "'wide'; a number"},
+      {"= 1,x,,halfwave_snubbed,0.70,,,,0,0,,0", ":9:16: ", "firing.angle_deg"},
+      {"= 1,x,110,,0.70,,,,0,0,,0", ":9:20: ", "circuit.deck holds ''; a word"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,-1,0,,0", ":9:45: ", "rung holds '-1'"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,2", ":9:50: ", "status 0 or 3"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,held", ":9:50: ", "'held'"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,1", ":9:50: ", "status 0 or 3"},
+      {"! 1,x,110,halfwave_snubbed,0,it did not", ":9:37: ", "status 1"},
+      {"! 1,x,110,halfwave_snubbed,1", ":9:12: ", "cells in this row: 5"},
+      {"= one,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "'one'; a whole number"},
+      {"= 01,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "'01'"},
+      {"= -1,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "'-1'"},
+  };
+  char *head = head_of("s/journal");
+  for (size_t k = 0; k < COUNT(BAD); k++) {
+    char at[64];
+    snprintf(at, sizeof at, "j/journal%s", BAD[k].at);
+    write_journal(head, (const char *[]){GOOD_0, BAD[k].row, NULL});
+    refuse("merge j -o m", BAD[k].row, at, (const char *[]){BAD[k].says, NULL}, __LINE__);
+  }
+  /* what goes on with it does not take it either */
+  write_journal(head, (const char *[]){GOOD_0, BAD[0].row, NULL});
+  refuse("study a.yaml -o j --resume", "resume", "j/journal:9:12: ",
+         (const char *[]){"cells in this row", NULL}, __LINE__);
+  free(head);
+}
+
+/* Two answers for one case are none; the same one twice is one. */
+static void two_rows_of_a_case(void) {
+  static const char *const OTHER[] = {
+      "= 0,0123456789abcdef,100,halfwave_snubbed,0.85,,,,0,0,,0",
+      "= 0,0123456789abcdef,100,halfwave_snubbed,0.84,,,,0,0,,3",
+      "! 0,0123456789abcdef,100,halfwave_snubbed,1,it did not"};
+  char *head = head_of("s/journal");
+  for (size_t k = 0; k < COUNT(OTHER); k++) {
+    write_journal(head, (const char *[]){GOOD_0, GOOD_1, OTHER[k], NULL});
+    refuse("merge j -o m", OTHER[k], "j/journal:10:12: ",
+           (const char *[]){"case 0 has another row", NULL}, __LINE__);
+  }
+  write_journal(head, (const char *[]){GOOD_0, GOOD_1, GOOD_0, NULL});
+  RUN_GOOD("merge j -o m --quiet");
+  char *csv = read_file("m/study.csv");
+  EXPECT(count_lines(csv) == 3, "%s", csv);
+  free(csv);
+  remove_tree("m");
+  free(head);
+}
+
+/* The rows that the program writes fit, whatever they hold: a failed case, a name with commas,
+ * a verdict with its margins and errors. */
+static void own_rows(void) {
+  write_file("o.yaml", "set: {run.until: 40 ms, events: {'a,\"b': {kind: sag, cycle: 1}}}\n"
+                       "vary: {'events.a,\"b.cycle': [1, 2], machine.trough_mass: [0.83 kg, 2 g]}\n"
+                       "report: [p_min]\n");
+  ran r = run("study o.yaml -o o --quiet");
+  EXPECT(r.status == 1 || r.status == 0, "%d %s", r.status, r.err);
+  free_ran(&r);
+  char *csv = read_file("o/study.csv"), *failures = read_file("o/failures.csv");
+  r = run("merge o -o n --quiet");
+  EXPECT(r.status == 1 || r.status == 0, "%d %s", r.status, r.err);
+  free_ran(&r);
+  char *merged = read_file("n/study.csv"), *failed = read_file("n/failures.csv");
+  CU_ASSERT_STRING_EQUAL(csv, merged);
+  CU_ASSERT_STRING_EQUAL(failures, failed);
+  EXPECT(count_lines(csv) + count_lines(failures) == 6, "%s%s", csv, failures);
+  free(csv), free(failures), free(merged), free(failed);
+}
+
+int main(void) {
+  static const vs_test TESTS[] = {
+      {"a study to take a head from", make_study},
+      {"rows of another shape", rows_of_another_shape},
+      {"two rows of one case", two_rows_of_a_case},
+      {"rows of the program's own", own_rows},
+  };
+  return program_suite("journal_rows", TESTS, COUNT(TESTS));
+}
