@@ -6,10 +6,10 @@
 /* A conduction has begun for certain above this current: any holding current is of this order or
  * above. */
 static const double CONDUCTS_A = 0.02;
-/* With the gate's help it has begun above this, which a device of 1 Mohm leaks at 1 V and which is
- * a ten thousandth of the current at 178 degrees of 400 V; what is computed of the leakage is wrong
- * by less. */
-static const double GATED_A = 1e-6;
+/* With the gate's help it has begun above the first, which a device of 1 Mohm leaks at 1 V, and
+ * above the second of the peak before: the current that is left behind a conduction is computed
+ * no better, at a tolerance of 1e-3. */
+static const double GATED_A = 1e-6, REMAINS = 1e-3;
 /* Leakage is told from this voltage on: from there it is above rounding errors. */
 static const double LEAKS_FROM_V = 0.1;
 /* Not counted in that: what leaks through 500 ohm, half of the least off_resistance that a
@@ -19,8 +19,10 @@ static const double LEAKS_S = 2e-3, DISPLACED_F = 1e-9;
 /* A current is over below the first, and its zero is looked for up to REST_S ahead: there the
  * slowest fall that ends at a zero, of some 5 A/s, has come to it, and what decays has no zero. It
  * may be over below the second, which is leakage at an on-state voltage of 1 V through 1 kohm, if
- * by its fall it should be gone. Where its peak is below CONDUCTS_A both are as much smaller. */
-static const double GONE_A = 5e-6, REST_S = 1e-6, LEAKAGE_A = 1e-3;
+ * by its fall it should be gone. Where its peak is below CONDUCTS_A both are as much smaller. It is
+ * over below the second too if the voltage is up from its on-state by RELEASED_V: then the device
+ * has let go of it above zero, by its holding current, and what its charge draws decays. */
+static const double GONE_A = 5e-6, REST_S = 1e-6, LEAKAGE_A = 1e-3, RELEASED_V = 0.3;
 /* From here on a voltage is above any on-state voltage. */
 static const double BLOCKED_V = 10;
 /* A rise this much steeper than the mean since its foot is another rise, which has its foot here. A
@@ -79,10 +81,12 @@ static void follow_foot(vs_conduction *c, const vs_conduction_step *s) {
 static bool fires(vs_conduction *c, const vs_conduction_step *s, double *event_s) {
   follow_foot(c, s);
   bool on_state = s->v1_v > 0 && s->v1_v < BLOCKED_V;
-  bool by_gate = c->gated && on_state && s->i1_a - c->foot_a > GATED_A + displaced(s);
+  double remains_a = fmin(fmax(REMAINS * c->peak_a, GATED_A), CONDUCTS_A);
+  bool by_gate = c->gated && on_state && s->i1_a - c->foot_a > remains_a + displaced(s);
   if (!by_gate && s->i1_a <= CONDUCTS_A + displaced(s) + leakage(s->v1_v)) return false;
   *event_s = c->foot_s;
   c->peak_a = s->i1_a;
+  c->least_v = s->v1_v;
   return true;
 }
 
@@ -99,7 +103,14 @@ static bool stops(vs_conduction *c, const vs_conduction_step *s, double *event_s
   c->peak_a = fmax(c->peak_a, s->i1_a);
   double part = fmin(c->peak_a / CONDUCTS_A, 1);
   bool blocked = fabs(s->v1_v) > BLOCKED_V && s->i1_a < leakage(s->v1_v) / 2;
-  bool broke_off = s->i1_a <= part * LEAKAGE_A && expected_a <= 0;
+  c->least_v = fmin(c->least_v, s->v1_v);
+  double leaks_a = part * LEAKAGE_A;
+  bool broke_off = s->i1_a <= leaks_a && expected_a <= 0;
+  if (s->i1_a <= leaks_a && s->i1_a > 0 && s->v1_v > c->least_v + RELEASED_V) {
+    *event_s = s->i0_a > leaks_a ? zero_of(s->t0_s, s->i0_a - leaks_a, s->t1_s, s->i1_a - leaks_a)
+                                 : s->t0_s;
+    return true;
+  }
   if (s->i1_a > part * GONE_A && !broke_off && !blocked) return false;
   double chord_s = s->i1_a < s->i0_a ? zero_of(s->t0_s, s->i0_a, s->t1_s, s->i1_a) : s->t1_s;
   if (s->i1_a > 0 && (broke_off || blocked)) chord_s = s->t1_s;

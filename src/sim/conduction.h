@@ -26,7 +26,7 @@ typedef struct vs_conduction {
   bool conducts;
   bool gated; /* set by its owner before each step: a gate pulse is known to be there */
   double leak_s; /* conductance of the device while it blocks; NaN: not known yet */
-  double peak_a; /* of the present conduction */
+  double peak_a, least_v; /* of the present conduction, or the last one */
   double before_s, before_a; /* the knot before the last step's beginning; NaN: none yet */
   double foot_s, foot_a;     /* while it blocks: where the present rise of its current began */
 } vs_conduction;
