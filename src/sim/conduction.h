@@ -5,7 +5,7 @@
  * Its current is counted without its leakage, which is told from the voltage while it blocks. It
  * fires when that current begins: where it leaves zero, or the displacement current of the blocked
  * junction, for a rise that goes beyond 20 mA, what 500 ohm would leak, and what 1 nF would draw;
- * beyond 1 uA if its gate pulse is there and the voltage is an on-state one. It is extinct when the
+ * beyond 10 uA if its gate pulse is there and the voltage is an on-state one. It is extinct when the
  * current passes zero. Where some flows on in the forward direction, that is where the fall of the
  * current, taken on as it was, would have come to zero. */
 #ifndef VS_SIM_CONDUCTION_H
