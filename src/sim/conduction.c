@@ -35,11 +35,13 @@ void vs_conduction_begin(vs_conduction *c) {
 }
 
 /* Of all that it drew while it blocked in parts of the voltage the least counts: a capacitance's
- * current comes on top of leakage as the voltage grows, and that of a conduction on top of both. */
+ * current comes on top of leakage as the voltage grows, and that of a conduction on top of both.
+ * More than LEAKS_S is none. */
 static void follow_leakage(vs_conduction *c, const vs_conduction_step *s) {
   if (fabs(s->v1_v) < LEAKS_FROM_V) return;
   double leak_s = s->i1_a / s->v1_v;
-  if (leak_s >= 0) c->leak_s = fmin(c->leak_s, leak_s); /* fmin leaves NaN out */
+  if (leak_s >= 0 && leak_s <= LEAKS_S)
+    c->leak_s = fmin(c->leak_s, leak_s); /* which leaves NaN out */
 }
 
 double vs_conduction_current(const vs_conduction *c, double i_a, double v_v) {
