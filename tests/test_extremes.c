@@ -118,8 +118,8 @@ static double peak_91(double alpha, double *beta) {
 }
 
 /* Conductions down to 11 us, on all tiers, whose longest steps are 0.4 ms (analytic, switched) and
- * 25 us. The machine hardly moves: one closed form for all. Below 20 mA the circuit tier does not
- * call it a conduction; its current is there all the same, with 0.6 uA of leakage (1 Gohm). */
+ * 25 us. The machine hardly moves: one closed form for all. The circuit tier has its firing and
+ * extinction from 10 uA on (test_small_conductions.c); its current has 0.6 uA of leakage (1 Gohm). */
 static void conductions_shorter_than_a_step(void) {
   static const double ANGLE_DEG[] = {170, 175, 178, 179, 179.5, 179.9};
   for (size_t k = 0; k < COUNT(ANGLE_DEG); k++) {

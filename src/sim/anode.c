@@ -14,12 +14,9 @@ static double voltage_at(const vs_anode *a, const vs_knot *k) {
   return a->voltage < 0 ? 0 : k->terms[a->voltage];
 }
 
-/* Below it a voltage may be an on-state one. */
-static const double LEAKS_FROM_V = 10;
-
 /* The current without leakage: at its zero an ideal latch lets go. */
 static double forward_current(const vs_anode *a, const vs_knot *k) {
-  return current_at(a, k) - a->leak_s * voltage_at(a, k);
+  return vs_conduction_current(&a->conduction, current_at(a, k), voltage_at(a, k));
 }
 
 /* When that, falling as over the last step, passes zero; INFINITY: it does not fall. */
@@ -53,13 +50,11 @@ double vs_anode_longest(vs_anode *a, const vs_knot *before, const vs_knot *last,
 
 void vs_anode_take(vs_anode *a, const vs_knot *last, bool conducted) {
   if (!a->current) return;
-  double v = voltage_at(a, last), i = current_at(a, last);
   a->crossed = a->nearing && last->t_s >= a->crosses_s;
   if (a->conduction.conducts)
     a->nearing = true;
   else if (a->crossed || (!conducted && !(forward_current(a, last) > 0)))
     a->nearing = false;
-  if (!a->nearing && fabs(v) > LEAKS_FROM_V) a->leak_s = fmax(i / v, 0);
 }
 
 vs_event vs_anode_follow(vs_anode *a, const vs_knot *from, const vs_knot *to, double *event_s) {
@@ -67,14 +62,16 @@ vs_event vs_anode_follow(vs_anode *a, const vs_knot *from, const vs_knot *to, do
   const vs_conduction_step step = {from->t_s,           to->t_s,
                                    current_at(a, from), current_at(a, to),
                                    voltage_at(a, from), voltage_at(a, to)};
+  a->conduction.gated = !a->conduction.conducts && step.v1_v > 0 && !isnan(a->gate_rad) &&
+                        vs_gate(a->timeline, a->gate_rad, (from->t_s + to->t_s) / 2);
   return vs_conduction_follow(&a->conduction, &step, event_s);
 }
 
 /* A current that is the sum of two thyristors' is of neither. */
-void vs_anode_begin(vs_anode *a, const vs_deck *deck) {
+void vs_anode_begin(vs_anode *a, const vs_deck *deck, const vs_timeline *timeline) {
   int current, voltage;
   double factor = 0;
-  *a = (vs_anode){.voltage = -1, .crosses_s = INFINITY};
+  *a = (vs_anode){.timeline = timeline, .gate_rad = NAN, .voltage = -1, .crosses_s = INFINITY};
   vs_conduction_begin(&a->conduction);
   for (size_t k = 0; k < deck->n_probes; k++)
     if (!strcmp(deck->probes[k].name, "i_thyristor")) a->current = &deck->probes[k];
@@ -82,6 +79,8 @@ void vs_anode_begin(vs_anode *a, const vs_deck *deck) {
     if (deck->devices[k].kind->switches &&
         vs_formula_is_term(&deck->devices[k].current, &current, &factor) &&
         current == a->current->term &&
-        vs_formula_is_term(&deck->devices[k].voltage, &voltage, &factor))
+        vs_formula_is_term(&deck->devices[k].voltage, &voltage, &factor)) {
       a->voltage = voltage;
+      a->gate_rad = deck->devices[k].gate_rad;
+    }
 }

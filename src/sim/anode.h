@@ -11,16 +11,17 @@
 typedef struct vs_anode {
   const vs_probe *current; /* the deck's probe; NULL: it has none */
   int voltage;             /* the deck's term, of the same thyristor; -1: not known */
+  const vs_timeline *timeline;
+  double gate_rad; /* delay of its gate pulses; NaN: not known */
   vs_conduction conduction;
-  double leak_s;    /* conductance of the thyristor while it last blocked, S */
   bool nearing;     /* the current has still to pass its zero, or has not yet been seen to fall */
   double crosses_s; /* the end of the step that is to pass it; INFINITY: none yet */
   bool crossed;     /* that step was the last one: there is a kink at its end */
 } vs_anode;
 
 /* Finds the probe of the anode current, and the voltage of the thyristor that has this current for
- * its own. The deck must outlive *a. */
-void vs_anode_begin(vs_anode *a, const vs_deck *deck);
+ * its own. Both must outlive *a. */
+void vs_anode_begin(vs_anode *a, const vs_deck *deck, const vs_timeline *timeline);
 
 /* Returns what the anode current did in the step just taken, and sets *event_s to when, s. */
 vs_event vs_anode_follow(vs_anode *a, const vs_knot *from, const vs_knot *to, double *event_s);

@@ -405,7 +405,7 @@ static void begin(coupling *c, const vs_setup *setup, const vs_observer *observe
                   .series_s = 0.1 / m->fastest_rad_s};
   c->knots[0] = vs_sim_start(setup, &c->frame);
   c->touching = vs_in_stop(m, c->knots[0].x[P]);
-  vs_anode_begin(&c->anode, &setup->deck);
+  vs_anode_begin(&c->anode, &setup->deck, &setup->timeline);
   vs_motion_begin(&c->motion, m);
   begin_leaving(c);
 }

@@ -119,7 +119,7 @@ static bool nothing_fires(const vs_result *r, char *text, size_t size) {
     first_s = vs_next_conduction(&s->setup.timeline, 0);
   if (first_s < until_s)
     snprintf(text, size,
-             "nothing fires: no thyristor is seen to conduct more than 20 mA in this run (largest "
+             "nothing fires: no thyristor is seen to conduct in this run (largest "
              "coil current: %.3g A), though a gate pulse meets forward mains voltage at %.9g s",
              r->values[VS_M_I_PEAK].value, first_s);
   else if (isfinite(first_s))

@@ -96,6 +96,7 @@ static void follow_conduction(vs_switch *s, const vs_course_step *c) {
   const vs_conduction_step step = {c->t0_s,        c->t1_s,          c->from[VS_OF_I],
                                    c->to[VS_OF_I], c->from[VS_OF_V], c->to[VS_OF_V]};
   double event_s = NAN;
+  s->conduction.gated = s->gate.on && !isnan(s->gate.delay_rad);
   switch (vs_conduction_follow(&s->conduction, &step, &event_s)) {
   case VS_EV_FIRES:
     s->fired_s = event_s;
