@@ -11,13 +11,11 @@
 
 /* What a cell may hold. */
 typedef enum cell_kind { ANY, WORD, NUMBER, NUMBER_OR_NOTHING, COUNT, DONE, FAILED } cell_kind;
-static const char *const WANTED[] = {[ANY] = "anything",
-                                     [WORD] = "a word",
-                                     [NUMBER] = "a number",
-                                     [NUMBER_OR_NOTHING] = "a number or nothing",
-                                     [COUNT] = "a whole number",
-                                     [DONE] = "status 0 or 3",
-                                     [FAILED] = "status 1"};
+static const char *const WANTED[] = {
+    [ANY] = "anything",         [WORD] = "a word",
+    [NUMBER] = "a number",      [NUMBER_OR_NOTHING] = "a number or nothing",
+    [COUNT] = "a whole number", [DONE] = "status 0 or 3",
+    [FAILED] = "status 1"};
 
 /* Of one header row. */
 typedef struct header {
@@ -64,8 +62,8 @@ static cell_kind kind_of(const char *name, bool failed) {
   static const struct {
     const char *name;
     cell_kind kind;
-  } KNOWN[] = {{"case", COUNT},   {"id", ANY},       {"rung", COUNT},
-               {"weakest", ANY},  {"warnings", ANY}, {"why", ANY}};
+  } KNOWN[] = {{"case", COUNT},  {"id", ANY},       {"rung", COUNT},
+               {"weakest", ANY}, {"warnings", ANY}, {"why", ANY}};
   if (!strcmp(name, "status")) return failed ? FAILED : DONE;
   for (size_t k = 0; k < sizeof KNOWN / sizeof *KNOWN; k++)
     if (!strcmp(name, KNOWN[k].name)) return KNOWN[k].kind;

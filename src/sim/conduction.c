@@ -6,9 +6,9 @@
 /* A conduction has begun for certain above this current: any holding current is of this order or
  * above. */
 static const double CONDUCTS_A = 0.02;
-/* With the gate's help it has begun above the first, a third of the peak at 178 degrees of 50 V, and
- * above the second of the peak before: of what is left behind a conduction of 38 mA at a tolerance
- * of 1e-4 the solver made swings of 0.7 % of that. */
+/* With the gate's help it has begun above the first, a third of the peak at 178 degrees of 50 V,
+ * and above the second of the peak before: of what is left behind a conduction of 38 mA at a
+ * tolerance of 1e-4 the solver made swings of 0.7 % of that. */
 static const double GATED_A = 1e-5, REMAINS = 0.02;
 /* Leakage is told from this voltage on: from there it is above rounding errors. */
 static const double LEAKS_FROM_V = 0.1;
@@ -19,10 +19,8 @@ static const double LEAKS_S = 2e-3, DISPLACED_F = 1e-9;
 /* A current is over below the first, and its zero is looked for up to REST_S ahead: there the
  * slowest fall that ends at a zero, of some 5 A/s, has come to it, and what decays has no zero. It
  * may be over below the second, which is leakage at an on-state voltage of 1 V through 1 kohm, if
- * by its fall it should be gone. Where its peak is below CONDUCTS_A both are as much smaller. It is
- * over below the second too if the voltage is up from its on-state by RELEASED_V: then the device
- * has let go of it above zero, by its holding current, and what its charge draws decays. */
-static const double GONE_A = 5e-6, REST_S = 1e-6, LEAKAGE_A = 1e-3, RELEASED_V = 0.3;
+ * by its fall it should be gone. Where its peak is below CONDUCTS_A both are as much smaller. */
+static const double GONE_A = 5e-6, REST_S = 1e-6, LEAKAGE_A = 1e-3;
 /* From here on a voltage is above any on-state voltage. */
 static const double BLOCKED_V = 10;
 /* A rise this much steeper than the mean since its foot is another rise, which has its foot here. A
@@ -89,7 +87,6 @@ static bool fires(vs_conduction *c, const vs_conduction_step *s, double *event_s
   if (!by_gate && s->i1_a <= CONDUCTS_A + displaced(s) + leakage(s->v1_v)) return false;
   *event_s = c->foot_s;
   c->peak_a = s->i1_a;
-  c->least_v = s->v1_v;
   return true;
 }
 
@@ -106,14 +103,8 @@ static bool stops(vs_conduction *c, const vs_conduction_step *s, double *event_s
   c->peak_a = fmax(c->peak_a, s->i1_a);
   double part = fmin(c->peak_a / CONDUCTS_A, 1);
   bool blocked = fabs(s->v1_v) > BLOCKED_V && s->i1_a < leakage(s->v1_v) / 2;
-  c->least_v = fmin(c->least_v, s->v1_v);
   double leaks_a = part * LEAKAGE_A;
   bool broke_off = s->i1_a <= leaks_a && expected_a <= 0;
-  if (s->i1_a <= leaks_a && s->i1_a > 0 && s->v1_v > c->least_v + RELEASED_V) {
-    *event_s = s->i0_a > leaks_a ? zero_of(s->t0_s, s->i0_a - leaks_a, s->t1_s, s->i1_a - leaks_a)
-                                 : s->t0_s;
-    return true;
-  }
   if (s->i1_a > part * GONE_A && !broke_off && !blocked) return false;
   double chord_s = s->i1_a < s->i0_a ? zero_of(s->t0_s, s->i0_a, s->t1_s, s->i1_a) : s->t1_s;
   if (s->i1_a > 0 && (broke_off || blocked)) chord_s = s->t1_s;
@@ -129,6 +120,7 @@ vs_event vs_conduction_follow(vs_conduction *c, const vs_conduction_step *step, 
   net.i0_a = vs_conduction_current(c, step->i0_a, step->v0_v);
   net.i1_a = vs_conduction_current(c, step->i1_a, step->v1_v);
   c->conducts = was ? !stops(c, &net, event_s) : fires(c, &net, event_s);
+  if (was && !c->conducts) c->zero_a_s = (net.i1_a - net.i0_a) / (net.t1_s - net.t0_s);
   c->before_s = net.t0_s;
   c->before_a = net.i0_a;
   if (c->conducts == was) return VS_EV_NONE;

@@ -5,9 +5,9 @@
  * Its current is counted without its leakage, which is told from the voltage while it blocks. It
  * fires when that current begins: where it leaves zero, or the displacement current of the blocked
  * junction, for a rise that goes beyond 20 mA, what 500 ohm would leak, and what 1 nF would draw;
- * beyond 10 uA if its gate pulse is there and the voltage is an on-state one. It is extinct when the
- * current passes zero. Where some flows on in the forward direction, that is where the fall of the
- * current, taken on as it was, would have come to zero. */
+ * beyond 10 uA if its gate pulse is there and the voltage is an on-state one. It is extinct when
+ * the current passes zero. Where some flows on in the forward direction, that is where the fall of
+ * the current, taken on as it was, would have come to zero. */
 #ifndef VS_SIM_CONDUCTION_H
 #define VS_SIM_CONDUCTION_H
 
@@ -24,9 +24,10 @@ typedef struct vs_conduction_step {
  * `gated`. */
 typedef struct vs_conduction {
   bool conducts;
-  bool gated; /* set by its owner before each step: a gate pulse is known to be there */
-  double leak_s; /* conductance of the device while it blocks; NaN: not known yet */
-  double peak_a, least_v; /* of the present conduction, or the last one */
+  bool gated;      /* set by its owner before each step: a gate pulse is known to be there */
+  double leak_s;   /* conductance of the device while it blocks; NaN: not known yet */
+  double peak_a;   /* of the present conduction, or the last one */
+  double zero_a_s; /* rate at which the current came to its last zero; 0: there was none yet */
   double before_s, before_a; /* the knot before the last step's beginning; NaN: none yet */
   double foot_s, foot_a;     /* while it blocks: where the present rise of its current began */
 } vs_conduction;

@@ -17,8 +17,8 @@
 static const double PART = 0.2, LASTS = 100;
 
 /* The derivatives are remembered over some ten steps of a run at 1e-4, and over as long a time at a
- * finer tolerance: steps become no longer only because a swing is just where they are none. Over ten
- * steps of a finer run the error grew against the tolerance, 1.6 times from 1e-4 to 1e-7. */
+ * finer tolerance: steps become no longer only because a swing is just where they are none. Over
+ * ten steps of a finer run the error grew against the tolerance, 1.6 times from 1e-4 to 1e-7. */
 static const double FADES = 0.9, FADES_AT = 1e-4;
 
 /* A firing at the very end of the half cycle brings next to nothing, and errors are held against
@@ -55,7 +55,8 @@ static void follow_alternation(vs_swing *w, const vs_knot *from, const vs_knot *
   bool back = kick * w->kick_v < 0 && fabs(kick) > fabs(w->kick_v) / 2;
   w->alternations = back ? w->alternations + 1 : 0;
   w->since_anew++;
-  w->anew = w->alternations >= ALTERNATES && w->since_anew >= PAUSE && off_wb > w->part * w->flux_wb;
+  w->anew =
+      w->alternations >= ALTERNATES && w->since_anew >= PAUSE && off_wb > w->part * w->flux_wb;
   if (w->anew) w->since_anew = 0;
   w->rise_v = rise;
   w->kick_v = kick;

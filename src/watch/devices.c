@@ -60,7 +60,8 @@ static void begin_measures(vs_watched *w, const vs_deck *deck) {
 /* Of the deck's first gate; NaN: it has none. */
 static double any_gate_rad(const vs_deck *deck) {
   for (size_t k = 0; k < deck->n_ports; k++)
-    if (deck->ports[k].signal.drive == VS_DRIVE_GATE || deck->ports[k].signal.drive == VS_DRIVE_BURST)
+    if (deck->ports[k].signal.drive == VS_DRIVE_GATE ||
+        deck->ports[k].signal.drive == VS_DRIVE_BURST)
       return deck->ports[k].signal.shift_rad;
   return NAN;
 }
@@ -336,6 +337,7 @@ static void take_news(vs_reduced *r, const vs_switch_news *news) {
     break;
   case VS_R_OFFERED:
     offer(r, news->offered);
+    if (news->offered.known && r->value.at_s == news->offered.at_s) r->spread = news->spread_s;
     break;
   case VS_R_MISFIRE:
     count(r, news->misfire.known, news->misfire.at_s);

@@ -13,6 +13,7 @@ typedef struct vs_reduced {
   const vs_device_measure *measure;
   const vs_limit *limit; /* NULL: none */
   vs_value value;        /* SI; of a mean once the run is over */
+  double spread;         /* times a relative error of the run is an error of the value, SI */
   double pulse;          /* integral of the present one */
   double failed_s;       /* when it first passed its limit; NaN: it has not */
   const char *unjudged;  /* why it is not held against the limit its part has; NULL: it is, or the

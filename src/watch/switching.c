@@ -140,6 +140,7 @@ static void follow_rest(vs_switch *s, const vs_course_step *c, vs_switch_news *n
     s->offered_s = fmax(returned - s->zero_s, 0);
     if (!s->gate.on || isnan(s->gate.delay_rad)) /* else it is meant to conduct */
       news->offered = (vs_value){true, s->offered_s, returned};
+    news->spread_s = s->conduction.peak_a / fabs(s->conduction.zero_a_s);
     break;
   case REST_FORWARD_AGAIN:
     if (v1 < 0) s->rest = REST_NONE;

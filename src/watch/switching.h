@@ -63,8 +63,10 @@ void vs_switch_begin(vs_switch *s, const vs_timeline *timeline, double gate_rad,
 typedef struct vs_switch_news {
   bool any;                                  /* of it is known */
   vs_value rise, off_rate, on_rate, offered; /* V/s, V/s, A/s, s */
-  vs_value misfire, unintended;              /* at_s alone */
-  bool commutation_failure;                  /* it is what the unintended firing is */
+  double
+      spread_s; /* of what was offered: the peak of the current before, by the rate at its zero */
+  vs_value misfire, unintended; /* at_s alone */
+  bool commutation_failure;     /* it is what the unintended firing is */
 } vs_switch_news;
 void vs_switch_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news);
 

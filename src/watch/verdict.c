@@ -51,6 +51,7 @@ static vs_judgement judge_device(const vs_deck *deck, const vs_device *d, const 
                         .room = {least ? room : INFINITY, least ? INFINITY : room},
                         .margin = room,
                         .margin_error = NAN,
+                        .spread = r->spread / limit,
                         .stress = r->value,
                         .failed_s = r->failed_s};
 }
@@ -146,6 +147,7 @@ void vs_verdict_compare(vs_verdict *v, const vs_verdict *second, double resoluti
     while (n < second->count && !is_same(j, &second->item[n])) n++;
     j->margin_error = INFINITY;
     if (n < second->count) j->margin_error = margin_error(j, &second->item[n], resolution);
+    j->margin_error += resolution * j->spread;
     if (isnan(j->margin_error)) j->margin_error = INFINITY;
   }
   v->weakest = NULL;

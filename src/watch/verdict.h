@@ -20,6 +20,7 @@ typedef struct vs_judgement {
   double margin;  /* the lesser of the two; < 0: beyond */
   double margin_error; /* numerical error of the margin, a part as it is; NAN: not computed */
   vs_value stress;     /* the extreme that is nearer to its limit, or further beyond; SI */
+  double spread;       /* times a relative error of the run is an error of the margin besides */
   double failed_s;     /* when the limit was first passed; NaN: it was not */
 } vs_judgement;
 
