@@ -302,9 +302,10 @@ static void in_the_papers_scene(void) {
     CLOSE(t[1]->result.values[VS_M_I_PEAK].value, t[0]->result.values[VS_M_I_PEAK].value, 2e-3);
     CLOSE(extreme(t[1], "v_ak", -1), extreme(t[0], "v_ak", -1), 0.01);
     CLOSE(extreme(t[1], "v_ak", 1), extreme(t[0], "v_ak", 1), 0.01);
-    /* what the pair has stored flows on, at microamperes, to about the latch's zero */
+    /* What the pair has stored flows on, at microamperes, to about the latch's zero. At the end it
+     * draws no more than its leakage, which does not count: it is extinct some 10 us before. */
     CLOSE_OF(t[1]->result.values[VS_M_T_EXTINCTION].value,
-             t[0]->result.values[VS_M_T_EXTINCTION].value, 1, 10e-6);
+             t[0]->result.values[VS_M_T_EXTINCTION].value, 1, 20e-6);
     CU_ASSERT(t[1]->result.steps < 1.1 * (double)t[0]->result.steps);
     for (int k = 0; k < 2; k++) vs_trial_free(t[k]);
   }

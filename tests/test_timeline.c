@@ -10,7 +10,7 @@
 static vs_timeline timeline_of(const char *const *sets) {
   const char *all[8] = {"run.until=1us"};
   for (int k = 0; sets[k] && k < 6; k++) all[k + 1] = sets[k];
-  vs_trial *t = vs_trial_run("paper", "switched", all, NULL);
+  vs_trial *t = vs_trial_read("paper", "circuit", all);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   vs_timeline line = t->scene.setup.timeline;
   vs_trial_free(t);
