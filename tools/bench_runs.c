@@ -23,7 +23,9 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "drive/signals.h"
 #include "scene/scene.h"
+#include "solver/ng.h"
 #include "watch/energy.h"
 
 /* The peers' record: p, u, w, phi, i every 0.1 ms of 2 s. */
@@ -230,7 +232,7 @@ static double rest_source(void *ctx, size_t port, double t_s) {
   timed.sources++;
   if (port == timed.gap_port) return timed.setup->model.gap_rest_m;
   const vs_port *p = &timed.setup->deck.ports[port];
-  return vs_drives[p->signal.drive].voltage(&timed.setup->timeline, &p->signal, t_s);
+  return vs_signals_voltage(&timed.setup->timeline, &p->signal, t_s);
 }
 
 static double rest_edge(void *ctx, double t_s) {
@@ -238,7 +240,7 @@ static double rest_edge(void *ctx, double t_s) {
   double next = INFINITY;
   for (size_t k = 0; k < timed.setup->deck.n_ports; k++) {
     const vs_signal *s = &timed.setup->deck.ports[k].signal;
-    next = fmin(next, vs_drives[s->drive].edge(&timed.setup->timeline, s, t_s));
+    next = fmin(next, vs_signals_edge(&timed.setup->timeline, s, t_s));
   }
   return next;
 }
@@ -285,9 +287,10 @@ static vs_status counted_accept(void *ctx, double t_s, const double *signals, vs
 
 static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
                       vs_error *err) {
-  static const vs_circuit_host rest = {NULL, rest_source, rest_edge, rest_longest, rest_accept};
-  static const vs_circuit_host counted = {NULL, counted_source, counted_edge, noted_longest,
-                                          counted_accept};
+  static const vs_circuit_host rest = {NULL,         rest_source, rest_edge,
+                                       rest_longest, rest_accept, NULL};
+  static const vs_circuit_host counted = {NULL,          counted_source, counted_edge,
+                                          noted_longest, counted_accept, NULL};
   timed.gap_port = job->n_ports - 1;
   timed.steps = timed.sources = 0;
   timed.now = 0;

@@ -9,6 +9,7 @@
 
 #include "base/text.h"
 #include "race.h"
+#include "solver/ng.h"
 
 typedef struct lap {
   const char *tier;
