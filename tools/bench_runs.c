@@ -213,7 +213,7 @@ static void time_measures(const char *tolerance, size_t repeat) {
 
 /* ---- circuit tier: a solver that is ngspice, with a clock, or with a host of its own ---- */
 
-enum { MOST_LIMITS = 4096 };
+enum { MOST_LIMITS = 1000000 };
 static struct {
   const vs_setup *setup;
   bool circuit_alone; /* run with the gap at rest and nobody to be told */
