@@ -12,7 +12,7 @@
 #include "command/export.h"
 #include "command/list.h"
 #include "command/modes.h"
-#include "command/plot.h"
+#include "picture/plot.h"
 #include "command/run.h"
 #include "method/methods.h"
 #include "report/report.h"
@@ -42,8 +42,7 @@ static vs_status run(const vs_arguments *a, vs_error *err) {
 
 static const struct argp_option RUN_OPTIONS[] = {
     VS_COMMAND_SET,
-    VS_COMMAND_VALUE("tier", VS_KEY_TIER, "NAME",
-                     "auto, analytic, switched or circuit; over the scene's run.tier"),
+    VS_COMMAND_VALUE("tier", VS_KEY_TIER, "NAME", VS_TIER_WORDS "; over the scene's run.tier"),
     VS_COMMAND_VALUE("output", 'o', "DIR", "writes run.csv, events.csv and summary.json there"),
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,

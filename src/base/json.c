@@ -4,6 +4,7 @@
 #include <assert.h>
 #include <inttypes.h>
 #include <math.h>
+#include <string.h>
 
 vs_json vs_json_new(vs_text *text) {
   return (vs_json){.text = text};
@@ -14,9 +15,13 @@ vs_json vs_json_inside(vs_text *text) {
 }
 
 void vs_json_string(vs_text *t, const char *string) {
+  const char *bad = vs_text_not_utf8(string, strlen(string));
   vs_text_add(t, "\"");
   for (const unsigned char *s = (const unsigned char *)string; *s; s++) {
-    if (*s == '"' || *s == '\\')
+    if (bad == (const char *)s) {
+      vs_text_add(t, "\\ufffd");
+      bad = vs_text_not_utf8(bad + 1, strlen(bad + 1));
+    } else if (*s == '"' || *s == '\\')
       vs_text_add(t, "\\%c", *s);
     else if (*s < 0x20)
       vs_text_add(t, "\\u%04x", *s);

@@ -428,7 +428,8 @@ static vs_status write_deck(const vs_scene *scene, const char *output, vs_error 
 vs_status vs_export_command(const char *name, char *const *sets, size_t n_sets, const char *output,
                             vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
-  vs_status status = vs_scene_read(name, sets, n_sets, "circuit", scene, err);
+  vs_status status =
+      vs_scene_read(name, sets, n_sets, vs_setup_tier_words[VS_TIER_CIRCUIT], scene, err);
   if (!status) vs_scene_warn(scene);
   if (!status && scene->setup.timeline.events.count)
     status = vs_fail_at(err, scene->setup.timeline.events.item[0].where,

@@ -85,9 +85,9 @@ static const vs_knot *goal_at(vs_away *a, double t_s) {
 
 double vs_away_lead(vs_away *a, size_t port, double t_s) {
   if (!a->follows) return 0;
-  if (port == VS_PORT_FLUX) return goal_at(a, t_s)->flux_wb;
-  if (port == VS_PORT_VOLTAGE) return goal_at(a, t_s)->v_eva_v;
-  if (port == VS_PORT_RATE) return a->lead_rate_1_s;
+  if (port == VS_EVA_PORT_FLUX) return goal_at(a, t_s)->flux_wb;
+  if (port == VS_EVA_PORT_VOLTAGE) return goal_at(a, t_s)->v_eva_v;
+  if (port == VS_EVA_PORT_RATE) return a->lead_rate_1_s;
   return a->lead_rate_1_s * a->kind->capacitance(a->law); /* the same time constant for v */
 }
 

@@ -44,7 +44,7 @@ static double source(void *ctx, size_t port, double solver_s) {
   coupling *c = ctx;
   double t_s = run_time(c, solver_s);
   size_t of_deck = c->setup->deck.n_ports;
-  if (port == of_deck + VS_PORT_GAP) return vs_course_gap(&c->course, t_s);
+  if (port == of_deck + VS_EVA_PORT_GAP) return vs_course_gap(&c->course, t_s);
   if (port > of_deck) return vs_away_lead(&c->away, port - of_deck, t_s);
   const vs_port *p = &c->setup->deck.ports[port];
   return vs_signals_voltage(&c->setup->timeline, &p->signal, t_s);

@@ -21,11 +21,11 @@ enum {
 /* Ports: the deck's, then the EVA's. Those but the gap are there only where the EVA can be led
  * (eva_led.inc). */
 enum {
-  VS_PORT_GAP,         /* z, m */
-  VS_PORT_FLUX,        /* lambda that the EVA is led to, Wb */
-  VS_PORT_VOLTAGE,     /* voltage that it is led to, V */
-  VS_PORT_RATE,        /* how fast lambda is led, 1/s; 0: it is not */
-  VS_PORT_CONDUCTANCE, /* through which the voltage is led, S; 0: it is not */
+  VS_EVA_PORT_GAP,         /* z, m */
+  VS_EVA_PORT_FLUX,        /* lambda that the EVA is led to, Wb */
+  VS_EVA_PORT_VOLTAGE,     /* voltage that it is led to, V */
+  VS_EVA_PORT_RATE,        /* how fast lambda is led, 1/s; 0: it is not */
+  VS_EVA_PORT_CONDUCTANCE, /* through which the voltage is led, S; 0: it is not */
   VS_EVA_PORTS
 };
 

@@ -96,7 +96,7 @@ double vs_random_sobol_at(const vs_sobol *s, uint64_t index, size_t axis) {
 
 double vs_random_spread_at(const vs_spread *s, double u) {
   if (s->shape == VS_SHAPE_UNIFORM) return s->width * (2 * u - 1);
-  if (!s->truncate) return s->width * gsl_cdf_ugaussian_Pinv(u);
+  if (s->truncate == 0) return s->width * gsl_cdf_ugaussian_Pinv(u);
   double below = gsl_cdf_ugaussian_P(-s->truncate);
   /* by the half of the distribution in which P is small, where it has all its digits */
   double z = u < 0.5 ? gsl_cdf_ugaussian_Pinv(below + u * (1 - 2 * below))

@@ -174,7 +174,7 @@ static void spread_json(const vs_axis *axis, vs_json *json) {
   vs_json_object(json, "spread", VS_JSON_ROW);
   vs_json_text(json, "shape", normal ? "normal" : "uniform");
   vs_json_number(json, normal ? "sigma" : "half_width", span->spread.width, 12);
-  if (span->spread.truncate) vs_json_number(json, "within_sigmas", span->spread.truncate, 12);
+  if (span->spread.truncate != 0) vs_json_number(json, "within_sigmas", span->spread.truncate, 12);
   vs_json_end(json);
 }
 

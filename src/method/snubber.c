@@ -217,7 +217,7 @@ static void judge(const snubber *s, const vs_results *results, uint64_t index, c
   }
   for (size_t d = 0; d < s->n_design; d++) {
     double x = vs_plan_results_value(results, index, s->prices[d].column);
-    cost_j += s->prices[d].farad ? s->prices[d].farad * point[d] * x * x / 2 : x * s->cycle_s;
+    cost_j += s->prices[d].farad != 0 ? s->prices[d].farad * point[d] * x * x / 2 : x * s->cycle_s;
   }
   c->runs++;
   c->failed |= results->status[index] == 1 || isnan(cost_j);

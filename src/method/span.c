@@ -81,13 +81,13 @@ vs_status vs_span_read(vs_axis *axis, const vs_node *node, double sigmas, vs_err
     return misread(axis, node, err);
   if (!strcmp(shape, "normal"))
     span.spread.shape = VS_SHAPE_NORMAL;
-  else if (strcmp(shape, "uniform") || span.spread.truncate)
+  else if (strcmp(shape, "uniform") || span.spread.truncate != 0)
     return misread(axis, node, err);
   if (axis->is_word || axis->field->kind == VS_COUNT)
     return vs_fail_at(err, node->where, "%s: it is no continuum; write [A, B, ...]", axis->key);
   vs_status status = read_width(axis, node, text, &span.spread.width, err);
   if (status) return status;
-  double cut = span.spread.truncate ? span.spread.truncate : sigmas;
+  double cut = span.spread.truncate != 0 ? span.spread.truncate : sigmas;
   span.reach = span.spread.width * (span.spread.shape == VS_SHAPE_NORMAL ? cut : 1);
   status = check_reach(axis, node, span.reach, err);
   if (status) return status;

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "command/gnuplot.h"
+#include "picture/gnuplot.h"
 
 enum { MOST_CELLS = 80 }; /* along each axis; more values share a cell */
 

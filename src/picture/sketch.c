@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "command/gnuplot.h"
+#include "picture/gnuplot.h"
 
 vs_scale vs_sketch_scale(const vs_sketch *k, size_t column) {
   if (column) return vs_scale_of(&k->t->column[column], vs_survey_extent(&k->s->profile[column]));

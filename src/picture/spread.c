@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "command/gnuplot.h"
+#include "picture/gnuplot.h"
 
 /* ---- histograms ---- */
 

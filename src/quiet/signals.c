@@ -22,18 +22,18 @@ double vs_signals_seen(const vs_frame *frame, const vs_seen *seen, size_t n) {
 static void columns(const vs_signals *s, double t_s, const vs_coil *c,
                     double out[VS_SIGNAL_COLUMNS]) {
   double angle = s->omega_rad_s * t_s, cosine = cos(angle), sine = sin(angle);
-  double *cosines = out + VS_OF_COSINES, *sines = out + VS_OF_SINES;
+  double *cosines = out + VS_TERM_OF_COSINES, *sines = out + VS_TERM_OF_SINES;
   cosines[0] = cosine;
   sines[0] = sine;
   for (int h = 1; h < VS_HARMONICS; h++) {
     cosines[h] = cosines[h - 1] * cosine - sines[h - 1] * sine;
     sines[h] = sines[h - 1] * cosine + cosines[h - 1] * sine;
   }
-  out[VS_OF_MEAN] = 1;
-  out[VS_OF_V] = c->v_v;
-  out[VS_OF_I] = c->i_a;
-  out[VS_OF_V_RATE] = c->v_rate_v_s;
-  out[VS_OF_DRIFT] = t_s - s->from_s;
+  out[VS_TERM_OF_MEAN] = 1;
+  out[VS_TERM_OF_V] = c->v_v;
+  out[VS_TERM_OF_I] = c->i_a;
+  out[VS_TERM_OF_V_RATE] = c->v_rate_v_s;
+  out[VS_TERM_OF_DRIFT] = t_s - s->from_s;
 }
 
 void vs_signals_at(const vs_signals *s, double t_s, const vs_coil *c, double signal[VS_SIGNALS]) {
@@ -46,13 +46,13 @@ void vs_signals_at(const vs_signals *s, double t_s, const vs_coil *c, double sig
 }
 
 bool vs_signals_hangs(const vs_signals *s, size_t n) {
-  for (size_t j = VS_OF_V; j < VS_OF_DRIFT; j++)
+  for (size_t j = VS_TERM_OF_V; j < VS_TERM_OF_DRIFT; j++)
     if (s->weight[n][j] != 0) return true;
   return false;
 }
 
 double vs_signals_drift(const vs_signals *s, size_t n) {
-  return s->weight[n][VS_OF_DRIFT];
+  return s->weight[n][VS_TERM_OF_DRIFT];
 }
 
 /* ---- fitted ---- */
@@ -70,12 +70,12 @@ enum { WITH_COIL = 1, WITH_DRIFT = 2, FITS = 4 };
 /* Which of a signal's columns is the j-th of this kind of fit. Without the coil's the drift, if
  * there is one, stands right behind the mean. */
 static size_t column_at(int kind, size_t j) {
-  if (!(kind & WITH_COIL) && j >= VS_OF_V) return VS_OF_DRIFT;
+  if (!(kind & WITH_COIL) && j >= VS_TERM_OF_V) return VS_TERM_OF_DRIFT;
   return j;
 }
 
 static size_t columns_of(int kind) {
-  size_t count = kind & WITH_COIL ? VS_OF_DRIFT : VS_OF_V;
+  size_t count = kind & WITH_COIL ? VS_TERM_OF_DRIFT : VS_TERM_OF_V;
   return kind & WITH_DRIFT ? count + 1 : count;
 }
 

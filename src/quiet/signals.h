@@ -20,13 +20,13 @@ enum { VS_HARMONICS = 3 };
 
 /* What a signal is combined of: cosines and sines of the harmonics, a mean, the coil, a drift. */
 enum {
-  VS_OF_COSINES,
-  VS_OF_SINES = VS_OF_COSINES + VS_HARMONICS,
-  VS_OF_MEAN = VS_OF_SINES + VS_HARMONICS,
-  VS_OF_V,
-  VS_OF_I,
-  VS_OF_V_RATE,
-  VS_OF_DRIFT,
+  VS_TERM_OF_COSINES,
+  VS_TERM_OF_SINES = VS_TERM_OF_COSINES + VS_HARMONICS,
+  VS_TERM_OF_MEAN = VS_TERM_OF_SINES + VS_HARMONICS,
+  VS_TERM_OF_V,
+  VS_TERM_OF_I,
+  VS_TERM_OF_V_RATE,
+  VS_TERM_OF_DRIFT,
   VS_SIGNAL_COLUMNS
 };
 

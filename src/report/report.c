@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "command/gnuplot.h"
 #include "picture/album.h"
+#include "picture/gnuplot.h"
 #include "report/page.h"
 
 /* What gnuplot drew. */

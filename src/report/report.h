@@ -4,7 +4,7 @@
 #ifndef VS_REPORT_REPORT_H
 #define VS_REPORT_REPORT_H
 
-#include "command/plot.h"
+#include "picture/plot.h"
 #include "plan/method.h"
 
 /* Draws the study in the folder; with an output only its first picture, into that file. methods:

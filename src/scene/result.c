@@ -72,10 +72,11 @@ static bool nothing_fires(const vs_result *r, char *text, size_t size) {
   return true;
 }
 
-/* The warnings that are known only once the run is over. */
-static void warn_after(const vs_result *r, void (*each)(void *ctx, const char *text), void *ctx) {
+/* The warnings that are known only once the run is over; of_firing: that nothing fires, too. */
+static void warn_after(const vs_result *r, bool of_firing,
+                       void (*each)(void *ctx, const char *text), void *ctx) {
   char text[VS_DECK_TEXT + sizeof r->second.failed];
-  if (nothing_fires(r, text, sizeof text)) each(ctx, text);
+  if (of_firing && nothing_fires(r, text, sizeof text)) each(ctx, text);
   if (*r->books) each(ctx, r->books);
   if (!*r->second.failed) return;
   snprintf(text, sizeof text, "no margin's error is known, as the second run %s: %s",
@@ -92,16 +93,15 @@ void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *
              vs_ladder_text(r->ladder.rung), r->ladder.failed);
     each(ctx, text);
   }
-  warn_after(r, each, ctx);
+  warn_after(r, true, each, ctx);
 }
 
 static void print_warning(void *ctx, const char *text) {
-  const vs_result *r = ctx;
-  bool short_run = r->scene->setup.run.until_s < r->scene->setup.timeline.period_s;
-  if (!(short_run && strstr(text, "nothing fires")))
-    fprintf(stderr, "vibrospice: warning: %s\n", text);
+  (void)ctx;
+  fprintf(stderr, "vibrospice: warning: %s\n", text);
 }
 
 void vs_result_warn(const vs_result *r) {
-  warn_after(r, print_warning, (void *)(size_t)r);
+  bool whole_cycle = r->scene->setup.run.until_s >= r->scene->setup.timeline.period_s;
+  warn_after(r, whole_cycle, print_warning, NULL);
 }

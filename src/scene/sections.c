@@ -4,9 +4,11 @@
 #include <assert.h>
 #include <string.h>
 
-#define NAME(name, ...) #name,
-const char *const vs_section_keys[VS_SECTION_KEYS] = {VS_SECTION_LIST(NAME, NAME)};
+#define NAME(name, fields, member) #name,
+#define OTHER_NAME(name, none) #name,
+const char *const vs_section_keys[VS_SECTION_KEYS] = {VS_SECTION_LIST(NAME, OTHER_NAME)};
 #undef NAME
+#undef OTHER_NAME
 
 typedef struct row {
   const char *name;
@@ -16,7 +18,7 @@ typedef struct row {
 
 #define ROW(name, fields, member)                                                                  \
   {#name, fields, offsetof(vs_setup, member), sizeof(((vs_setup *)0)->member)},
-#define NOTHING(name)
+#define NOTHING(name, none)
 static const row ROWS[VS_SECTIONS] = {VS_SECTION_LIST(ROW, NOTHING)};
 #undef ROW
 #undef NOTHING

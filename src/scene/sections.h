@@ -8,7 +8,7 @@
 
 /* One row for each key at the top of a scene, in the order in which a scene is shown.
  * SECTION(name, fields, member): fields is the vs_section, NULL for that of the scene's own deck;
- * member is the one of vs_setup that the fields fill. OTHER(name): the key has no fields of its
+ * member is the one of vs_setup that the fields fill. OTHER(name, ): the key has no fields of its
  * own; scene/scene.c and drive/events.c read such keys. */
 #define VS_SECTION_LIST(SECTION, OTHER)                                                            \
   SECTION(machine, &vs_model_machine_section, model.machine)                                       \
@@ -17,25 +17,27 @@
   SECTION(supply, &vs_timeline_supply_section, timeline.supply)                                    \
   SECTION(firing, &vs_timeline_firing_section, timeline.firing)                                    \
   SECTION(circuit, NULL, circuit_values)                                                           \
-  OTHER(events)                                                                                    \
+  OTHER(events, )                                                                                  \
   SECTION(run, &vs_setup_run_section, run)                                                         \
   SECTION(start, &vs_setup_start_section, start)                                                   \
-  OTHER(record)                                                                                    \
-  OTHER(measured)                                                                                  \
+  OTHER(record, )                                                                                  \
+  OTHER(measured, )                                                                                \
   SECTION(measure, &vs_setup_measure_section, measure)
 
 /* How many sections have fields, and how many keys there are. */
 enum {
 #define VS_SECTION_ID(name, fields, member) VS_SECTION_NUMBER_##name,
-#define VS_SECTION_NO_ID(name)
+#define VS_SECTION_NO_ID(name, none)
   VS_SECTION_LIST(VS_SECTION_ID, VS_SECTION_NO_ID) VS_SECTIONS
 #undef VS_SECTION_ID
 #undef VS_SECTION_NO_ID
 };
 enum {
-#define VS_SECTION_KEY_ID(name, ...) VS_SECTION_KEY_##name,
-  VS_SECTION_LIST(VS_SECTION_KEY_ID, VS_SECTION_KEY_ID) VS_SECTION_KEYS
+#define VS_SECTION_KEY_ID(name, fields, member) VS_SECTION_KEY_##name,
+#define VS_OTHER_KEY_ID(name, none) VS_SECTION_KEY_##name,
+  VS_SECTION_LIST(VS_SECTION_KEY_ID, VS_OTHER_KEY_ID) VS_SECTION_KEYS
 #undef VS_SECTION_KEY_ID
+#undef VS_OTHER_KEY_ID
 };
 
 extern const char *const vs_section_keys[VS_SECTION_KEYS];

@@ -185,14 +185,14 @@ static bool wants_second(const vs_session *session, const vs_result *r) {
          (word == VS_VERIFY_ALWAYS || (word == VS_VERIFY_AUTO && session->verify));
 }
 
-/* Changes how finely the scene is solved and nothing else. */
+/* Makes *s, a copy of a scene, one that differs in how finely it is solved and in nothing else. */
 static void change_settings(vs_scene *s, double factor) {
-  vs_run_values *run = &s->setup.run;
-  const double own = run->tolerance;
-  run->tolerance = fmin(fmax(own * factor, s->tier->finest), 0.1);
-  run->max_step_s *= sqrt(factor);
+  vs_run_values run = s->setup.run;
+  run.tolerance = fmin(fmax(run.tolerance * factor, s->tier->finest), 0.1);
+  run.max_step_s *= sqrt(factor);
   double looser = factor > 1 ? factor * LOOSER : factor;
-  run->trtol = run->trtol > USUAL_TRTOL ? USUAL_TRTOL : fmax(run->trtol * looser, 1);
+  run.trtol = run.trtol > USUAL_TRTOL ? USUAL_TRTOL : fmax(run.trtol * looser, 1);
+  s->setup = vs_setup_varied(&s->setup, &run, NULL);
   s->order.raw = NULL;
   s->order.tried = true;
   s->frame = vs_sim_frame(s->tier, &s->setup);

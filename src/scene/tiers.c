@@ -15,9 +15,7 @@ const vs_tier *const vs_tiers_all[VS_TIERS] = {
 #undef TIER_ROW
 };
 
-#define TIER_WORD(id, file, word) ", " word
-const char vs_tiers_words[] = "auto" VS_TIER_LIST(TIER_WORD);
-#undef TIER_WORD
+const char vs_tiers_words[] = VS_TIER_WORDS;
 
 const vs_run_order vs_tiers_order = {.solver = &vs_ng_kind, .stand_in = &vs_quiet_stand_in};
 

@@ -16,7 +16,9 @@ const vs_tier *vs_tiers_find(const char *name);
 /* The tier that run.tier: auto takes for a scene that needs a circuit, or for one that does not. */
 const vs_tier *vs_tiers_automatic(bool circuit);
 
-/* "auto, analytic, ...": every word that --tier takes. */
+/* "auto, analytic, switched, circuit": what may be asked for. */
+#define VS_TIER_WORD(id, file, word) ", " word
+#define VS_TIER_WORDS "auto" VS_TIER_LIST(VS_TIER_WORD)
 extern const char vs_tiers_words[];
 
 /* What a run of the product has: ngspice for its solver, the one-port (quiet/quiet.h) for its

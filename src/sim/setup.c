@@ -275,6 +275,15 @@ void vs_setup_free(vs_setup *setup) {
   vs_deck_free(&setup->deck);
 }
 
+vs_setup vs_setup_varied(const vs_setup *from, const vs_run_values *run,
+                         const double x[VS_STATES]) {
+  vs_setup setup = *from;
+  setup.run = *run;
+  if (run->until_s != from->run.until_s) setup.means = (vs_span_s){0, run->until_s};
+  if (x) memcpy(setup.start.x, x, sizeof setup.start.x);
+  return setup;
+}
+
 double vs_setup_edge(const vs_setup *setup, double t_s) {
   double next_s = vs_events_edge(&setup->timeline.events, t_s);
   for (size_t k = 0; k < setup->deck.n_ports; k++) {

@@ -21,6 +21,9 @@ enum {
       VS_TIERS
 };
 extern const char vs_setup_tier_words[VS_TIERS][16];
+#define VS_TIER_FITS(id, file, word) _Static_assert(sizeof word <= 16, "a longer word: more room");
+VS_TIER_LIST(VS_TIER_FITS)
+#undef VS_TIER_FITS
 
 /* What run.ladder and run.verify may be, and their words in the same order. */
 enum { VS_LADDER_CLIMB, VS_LADDER_IDEAL, VS_LADDER_STAY };
@@ -73,6 +76,11 @@ typedef struct vs_setup {
  * caller owns the setup and calls vs_setup_free, also after an error. */
 vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err);
 void vs_setup_free(vs_setup *setup);
+
+/* Makes the setup of another run of the same scene: with these values of the section run and,
+ * unless x is NULL, from the state x. If run.until is another, means are over the whole run. It
+ * borrows what the deck of `from` owns, and is not to be freed. */
+vs_setup vs_setup_varied(const vs_setup *from, const vs_run_values *run, const double x[VS_STATES]);
 
 /* Builds another scene over a setup that was built before. The result is the same as vs_setup_build
  * would give, but the deck's text is only read where vs_setup_keeps_deck says no. */

@@ -10,8 +10,9 @@
 
 enum { N = VS_STATES };
 
-/* What a flight ends at, and who else is shown its steps. */
+/* What flies, where it ends, and who else is shown its steps. */
 typedef struct flight {
+  vs_scene *scene; /* room for the scene that is run, which borrows what the one given owns */
   const vs_observer *also;
   double x[N]; /* the state at the end */
 } flight;
@@ -25,14 +26,17 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
 
 /* From the state x at t = 0 to until_s. result: what was measured on the way; NULL: only the state
  * is wanted. */
-static vs_status fly(vs_scene *s, const double x[N], double until_s, flight *f, vs_result *result,
-                     vs_error *err) {
+static vs_status fly(const vs_scene *s, const double x[N], double until_s, flight *f,
+                     vs_result *result, vs_error *err) {
   const vs_guest guest = {.ctx = f, .accept = accept};
   const vs_session session = {.guest = &guest, .bare = !result, .unguarded = true};
   vs_result *none = result ? NULL : vs_alloc(1, sizeof *none);
-  memcpy(s->setup.start.x, x, sizeof s->setup.start.x);
-  s->setup.run.until_s = until_s;
-  vs_status status = vs_session_run(&session, s, result ? result : none, err);
+  vs_run_values run = s->setup.run;
+  run.until_s = until_s;
+  *f->scene = *s;
+  f->scene->setup = vs_setup_varied(&s->setup, &run, x);
+  f->scene->frame = vs_sim_frame(s->tier, &f->scene->setup);
+  vs_status status = vs_session_run(&session, f->scene, result ? result : none, err);
   free(none);
   return status;
 }
@@ -43,18 +47,17 @@ static double small_step(int state) {
 }
 
 /* One step of Newton's for x(T) = x; *change: how far it went, in units of small_step. */
-static vs_status improve(vs_scene *s, double period_s, const vs_observer *also, double x[N],
-                         double *change, vs_error *err) {
+static vs_status improve(const vs_scene *s, double period_s, flight *f, double x[N], double *change,
+                         vs_error *err) {
   double matrix[N * N], missing[N], end[N];
-  flight f = {.also = also};
-  vs_status status = fly(s, x, period_s, &f, NULL, err);
-  memcpy(end, f.x, sizeof end);
+  vs_status status = fly(s, x, period_s, f, NULL, err);
+  memcpy(end, f->x, sizeof end);
   for (int j = 0; j < N && !status; j++) {
     double moved[N];
     memcpy(moved, x, sizeof moved);
     moved[j] += small_step(j);
-    status = fly(s, moved, period_s, &f, NULL, err);
-    for (int i = 0; i < N; i++) matrix[i * N + j] = (i == j) - (f.x[i] - end[i]) / small_step(j);
+    status = fly(s, moved, period_s, f, NULL, err);
+    for (int i = 0; i < N; i++) matrix[i * N + j] = (i == j) - (f->x[i] - end[i]) / small_step(j);
     missing[j] = end[j] - x[j];
   }
   if (status) return status;
@@ -75,11 +78,11 @@ static vs_status improve(vs_scene *s, double period_s, const vs_observer *also, 
   return VS_OK;
 }
 
-static vs_status measure(vs_scene *s, const double x[N], double period_s, vs_numbers *out,
-                         vs_error *err) {
-  flight f = {.also = NULL};
+static vs_status measure(const vs_scene *s, const double x[N], double period_s, flight *f,
+                         vs_numbers *out, vs_error *err) {
   vs_result *r = vs_alloc(1, sizeof *r);
-  vs_status status = fly(s, x, period_s, &f, r, err);
+  f->also = NULL;
+  vs_status status = fly(s, x, period_s, f, r, err);
   if (!status) {
     vs_experiment_add(out, r->values[VS_M_P_MIN].value, "p_min");
     vs_experiment_add(out, r->values[VS_M_P_MAX].value, "p_max");
@@ -92,20 +95,23 @@ static vs_status measure(vs_scene *s, const double x[N], double period_s, vs_num
   return status;
 }
 
-vs_status vs_orbit_find(vs_scene *s, const vs_observer *also, vs_numbers *out, vs_error *err) {
+vs_status vs_orbit_find(const vs_scene *s, const vs_observer *also, vs_numbers *out,
+                        vs_error *err) {
   const vs_timeline *line = &s->setup.timeline;
   double period_s = line->firing.every * line->period_s, x[N], change = INFINITY;
   double marched_s = fmax(1, round(s->setup.run.until_s / period_s)) * period_s;
-  flight march = {.also = also};
+  flight f = {.scene = vs_alloc(1, sizeof *f.scene), .also = also};
   memcpy(x, s->setup.start.x, sizeof x);
-  vs_status status = fly(s, x, marched_s, &march, NULL, err);
-  memcpy(x, march.x, sizeof x);
+  vs_status status = fly(s, x, marched_s, &f, NULL, err);
+  memcpy(x, f.x, sizeof x);
   /* what is left after a step of 1e-3 is far below the tier's own error */
   for (int n = 0; n < 20 && change > 1e-3 && !status; n++)
-    status = improve(s, period_s, also, x, &change, err);
+    status = improve(s, period_s, &f, x, &change, err);
   if (!status && !(change <= 1e-3))
     status = vs_fail(err, VS_RUN, "no periodic orbit is found from here");
-  return status ? status : measure(s, x, period_s, out, err);
+  if (!status) status = measure(s, x, period_s, &f, out, err);
+  free(f.scene);
+  return status;
 }
 
 vs_status vs_orbit_perform(const vs_experiment *e, const vs_observer *also, vs_numbers *out,

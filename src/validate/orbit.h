@@ -16,7 +16,8 @@
 vs_status vs_orbit_perform(const vs_experiment *experiment, const vs_observer *also,
                            vs_numbers *out, vs_error *err);
 
-/* The same for a scene that was read. Its start and run.until are overwritten. */
-vs_status vs_orbit_find(vs_scene *scene, const vs_observer *also, vs_numbers *out, vs_error *err);
+/* The same for a scene that was read. */
+vs_status vs_orbit_find(const vs_scene *scene, const vs_observer *also, vs_numbers *out,
+                        vs_error *err);
 
 #endif

@@ -158,7 +158,7 @@ static void follow_crossings(vs_measures *m) {
   course c = {m, VS_CH_P};
   double t = find_root(m, &c, s->from.t_s, s->to.t_s);
   if (isnan(t) || !swings_freely(m, t)) return;
-  if (!m->crossings++) m->first_crossing_s = t;
+  if (m->crossings++ == 0) m->first_crossing_s = t;
   m->last_crossing_s = t;
 }
 

@@ -37,7 +37,7 @@ static bool is_held_from_below(const vs_reduced *r) {
 }
 
 static void count(vs_reduced *r, bool once, double at_s) {
-  if (once && !r->value.value++) r->value.at_s = at_s;
+  if (once && r->value.value++ == 0) r->value.at_s = at_s;
 }
 
 static void begin_at_zero(const vs_watched *w, vs_reduced *r, double t_s) {

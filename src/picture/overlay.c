@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "command/overlay.h"
+#include "picture/overlay.h"
 
 #include <errno.h>
 #include <math.h>

@@ -2,8 +2,8 @@
  * The command `plot` of a run's folder: the pictures of the paper's Figs. 9 to 11, drawn by
  * gnuplot.
  */
-#ifndef VS_COMMAND_PLOT_H
-#define VS_COMMAND_PLOT_H
+#ifndef VS_PICTURE_PLOT_H
+#define VS_PICTURE_PLOT_H
 
 #include <stdbool.h>
 
@@ -13,7 +13,7 @@ typedef struct vs_plot_options {
   const char *folder; /* of the run; its run.csv has the columns that the run recorded */
   const char *output; /* the one picture to draw, ending in .png or .svg; NULL: the set of pictures,
                          in the folder */
-  const char *overlay; /* a CSV file of measured curves (command/overlay.h); NULL: none */
+  const char *overlay; /* a CSV file of measured curves (picture/overlay.h); NULL: none */
   bool quiet;
 } vs_plot_options;
 

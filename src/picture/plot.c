@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "command/plot.h"
+#include "picture/plot.h"
 
 #include <errno.h>
 #include <math.h>
@@ -10,8 +10,8 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "command/gnuplot.h"
-#include "command/overlay.h"
+#include "picture/gnuplot.h"
+#include "picture/overlay.h"
 
 typedef struct panel {
   const char *column, *label; /* of run.csv; what the axis says */

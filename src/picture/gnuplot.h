@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * gnuplot as a child process: a script goes in, a picture comes out. */
-#ifndef VS_COMMAND_GNUPLOT_H
-#define VS_COMMAND_GNUPLOT_H
+#ifndef VS_PICTURE_GNUPLOT_H
+#define VS_PICTURE_GNUPLOT_H
 
 #include "base/error.h"
 #include "base/text.h"

@@ -2,8 +2,8 @@
  * Measured curves to draw over those of a run. They come from a CSV file whose first column is the
  * time and whose other columns are named as those of run.csv, in the same unit or another of its
  * kind. */
-#ifndef VS_COMMAND_OVERLAY_H
-#define VS_COMMAND_OVERLAY_H
+#ifndef VS_PICTURE_OVERLAY_H
+#define VS_PICTURE_OVERLAY_H
 
 #include <stddef.h>
 
