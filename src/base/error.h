@@ -31,8 +31,8 @@ typedef struct vs_error {
   int place_size;        /* how many bytes of text stand before the message: "file:line:column: " */
   int line, column;      /* of the place, from 1; 0: not known */
   bool gave_up;          /* the circuit's solver gave up; with other settings it might not have */
-  vs_findings *findings; /* a check keeps its errors here; NULL: the first error is the last;
-                            borrowed */
+  vs_findings *findings; /* a check keeps its errors here; NULL: the command ends at its first
+                            error; borrowed */
 } vs_error;
 
 /* The errors that one check has found. They stand file by file, each file's in the order of its

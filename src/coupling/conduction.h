@@ -3,12 +3,13 @@
  * that conducts or blocks fires and goes out.
  *
  * The current is counted without its leakage, which is told from the voltage while the device
- * blocks. The device fires when that current begins to rise, provided that the rise goes beyond 20
- * mA plus what 500 ohm would leak and what 1 nF would draw; with its gate pulse there and an
- * on-state voltage, beyond 10 uA. The rise begins where the current leaves zero, or the
- * displacement current of the blocked junction. The device is extinct when its forward current
- * passes zero. Where some current flows on in the forward direction, that is the instant at which
- * the fall of the current, continued as it was, would have come to zero. */
+ * blocks. The device fires when that current begins to rise, provided that the rise goes far
+ * enough: beyond 20 mA, which is the order of any holding current, plus what 500 ohm would leak and
+ * 1 nF would draw, more than any part of spice/parts does; with its gate pulse there and an
+ * on-state voltage beyond 10 uA, as nothing else then flows. The rise begins where the current
+ * leaves zero, or the displacement current of the blocked junction. The device is extinct when its
+ * forward current passes zero. Where some current flows on in the forward direction, that is the
+ * instant at which the fall of the current, continued as it was, would have come to zero. */
 #ifndef VS_COUPLING_CONDUCTION_H
 #define VS_COUPLING_CONDUCTION_H
 

@@ -28,8 +28,8 @@ typedef struct vs_event_values {
   char kind[VS_NAME_SIZE], element[VS_NAME_SIZE], gate[VS_NAME_SIZE];
 } vs_event_values;
 
-/* What becomes of the number that a kind has for the mains. It is added to their angle (rad); or,
- * times their peak, to their voltage; or it is a factor of that voltage. */
+/* How the value of `mains` acts: it is added to the mains' angle (rad), or, times their peak, to
+ * their voltage, or it is a factor of that voltage. */
 typedef enum vs_mains_stage { VS_MAINS_ANGLE, VS_MAINS_ADDED, VS_MAINS_FACTOR } vs_mains_stage;
 
 /* One event of a scene. */
@@ -79,7 +79,7 @@ typedef struct vs_event_kind {
   double (*source)(const vs_occurrence *e, double t_s);
 } vs_event_kind;
 
-/* How well the end of a step meets an edge, s. */
+/* Returns the tolerance, s, within which a step that ends at t_s counts as ending on an edge. */
 double vs_occurrence_rounding(double t_s);
 
 /* True from behind its start up to its end. On an edge, to rounding, an event still is what it was

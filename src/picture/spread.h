@@ -31,7 +31,8 @@ typedef struct vs_bins {
   size_t count;
   struct {
     double middle;
-    size_t cases; /* from its left end on, to before its right one; of the last bar, with it */
+    size_t
+        cases; /* number of cases in [left end, right end); the last bar includes its right end */
   } item[VS_BINS];
 } vs_bins;
 /* For tests. */

@@ -20,7 +20,7 @@ typedef struct vs_axis {
   vs_where where;                /* of the key in the study */
   bool is_word;   /* a choice or a name: its numbers are indices into word, and it has no range */
   double nominal; /* what the scene and `set` say; NaN: a word, or the scene has none */
-  char **word;    /* the axis' own, as word_where, value and own are */
+  char **word;    /* owned by the axis, as are word_where, value and own */
   vs_where *word_where;
   size_t n_words;
   double *value; /* those listed, or those its range is cut into; NULL: none */

@@ -43,7 +43,8 @@ typedef struct vs_method {
    * place (vs_fail_at); a check carries on from each (vs_error_carry_on). */
   vs_status (*read)(struct vs_plan *plan, const vs_node *section, void **state, vs_error *err);
 
-  /* Looks at the plan once its columns have their units and ratings. NULL: it has no need to. */
+  /* Checks the section once the plan's columns have their units and ratings. NULL: there is nothing
+   * to check. */
   vs_status (*ready)(const struct vs_plan *plan, const struct vs_plan_stage *stage, vs_error *err);
 
   /* Frees the state. NULL: there is nothing to free. */

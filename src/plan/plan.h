@@ -40,7 +40,7 @@ typedef struct vs_plan_stage {
   const vs_method *method;
   void *state;    /* the method's own */
   size_t axis, n; /* its axes: plan->axes[axis .. axis + n) */
-  uint64_t count; /* its points; of a method that searches: the most it may run */
+  uint64_t count; /* its points; for a method that searches: the largest number of cases */
 } vs_plan_stage;
 
 /* A file the cases are made of, with the SHA-256 of its contents. */

@@ -24,8 +24,9 @@
  * A look costs as much as some of the solver's steps, so the question is answered at most four
  * times a cycle, and only where two cycles are known and at least one is to come. The bound on the
  * machine and the coil is within three quarters of run.tolerance; the rest is left to the other
- * steps that the solver takes when it is gone back to. A signal of the deck may take three times
- * run.tolerance, as it runs straight from knot to knot, which costs it one.
+ * steps that the solver takes when it is gone back to. A signal of the deck may
+ * be wrong by three times run.tolerance in all: linear interpolation between knots uses one of the
+ * three already.
  *
  * record.h keeps what the solver showed; modal.h splits the machine's error into its modes. */
 #ifndef VS_QUIET_QUIET_H

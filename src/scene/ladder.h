@@ -16,8 +16,8 @@ typedef struct vs_ladder {
   bool gear;            /* method of the scene as it is */
   double step_s;        /* largest step by Gear's rule of the scene as it is, s */
   double trtol, pivrel; /* ngspice's own settings in the scene as it is */
-  char failed[sizeof(((vs_error *)0)->text)]; /* how the scene as it is ended; empty while it is
-                                                 not known */
+  char failed[sizeof(((vs_error *)0)->text)]; /* error of the scene as it is; empty before the
+                                                 first climb */
 } vs_ladder;
 
 /* What a rung is, in a few words. */

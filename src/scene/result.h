@@ -28,7 +28,7 @@ typedef struct vs_result {
   vs_watchers watchers;         /* what they have seen of the run */
   char books[512];              /* what the energy audit finds; empty: nothing */
   vs_verdict verdict;
-  vs_ladder ladder; /* on which rung of it this was got */
+  vs_ladder ladder; /* the rung whose settings gave this result; 0 is the scene as it is */
   vs_second_run second;
   double wall_s;
   long steps;

@@ -70,8 +70,8 @@ typedef struct vs_survey {
 vs_status vs_survey_take(const vs_folder *table, vs_survey *survey, vs_error *err);
 void vs_survey_free(const vs_folder *table, vs_survey *survey);
 
-/* True if the worst cases are the worst. False where no rating is judged and nothing is searched
- * for: they are the first cases then. */
+/* True if `worst` is ranked, by the margin or by what is searched for. False where there is
+ * neither: `worst` then holds the first cases. */
 bool vs_survey_ranked(const vs_folder *table, const vs_survey *survey);
 
 /* Returns the cell's index among the column's different values; -1: it is none of them. */

@@ -16,11 +16,11 @@ typedef struct vs_reduced {
   const vs_limit *limit; /* of the device's part; NULL: the measure is held against none */
   vs_value value;        /* in SI units; a mean is known once the run is over */
   double doubt;          /* the value may be wrong by this besides */
-  double spread;         /* a relative error of the run, times this, is an error of the value */
-  double failed_s;       /* instant at which the value first passed the limit; NaN: it has not */
-  const char *unjudged;  /* why the value is not held against the limit that the part has; NULL: it
-                            is, or the part has none */
-  void *state;           /* the reduction's own, of by->state_size bytes; owned */
+  double spread;   /* sensitivity: a relative error e of the run changes the value by e spread */
+  double failed_s; /* instant at which the value first passed the limit; NaN: it has not */
+  const char *unjudged; /* why the value is not held against the limit that the part has; NULL: it
+                           is, or the part has none */
+  void *state;          /* the reduction's own, of by->state_size bytes; owned */
 } vs_reduced;
 
 /* A device under watch: what its reductions share. */

@@ -79,7 +79,8 @@ typedef struct vs_switch_news {
   vs_value on_rate;  /* a rate of the current as it turns on, A/s */
   vs_value offered;  /* the time offered, s, where no gate pulse was there at its end */
   double doubt_s;    /* error of the time offered: how long the current crept before its zero */
-  double spread_s; /* times a relative error of the current, is an error of the time offered too */
+  double
+      spread_s; /* sensitivity: a relative error e of the current changes the time by e spread_s */
   vs_value misfire, unintended; /* only their instants mean anything */
   bool commutation_failure;     /* the unintended firing is one */
 } vs_switch_news;

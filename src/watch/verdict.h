@@ -25,8 +25,8 @@ typedef struct vs_judgement {
                           could not be found; NaN: it was not computed */
   vs_value stress;     /* the extreme that is nearer to its limit, or further beyond it */
   double doubt;        /* the margin may be wrong by this besides */
-  double spread;       /* a relative error of the run, times this, is another such error */
-  double failed_s;     /* instant at which the limit was first passed; NaN: it was not */
+  double spread;   /* sensitivity: a relative error e of the run changes the margin by e spread */
+  double failed_s; /* instant at which the limit was first passed; NaN: it was not */
 } vs_judgement;
 
 /* Not to be copied: it points into itself. */
