@@ -62,11 +62,28 @@ static bool nothing_fires(const vs_result *r, char *text, size_t size) {
   return true;
 }
 
+/* Where the two runs of the scene differ in how often they fire, writes what is to be said of it.
+ * What comes of a sequence that hangs on the tolerance is off by more than the tolerance. False:
+ * nothing is to be said. */
+static bool sequence_differs(const vs_result *r, char *text, size_t size) {
+  const vs_sequence *one = &r->watchers.sequence, *other = &r->second.sequence;
+  if (!r->second.done) return false;
+  if (one->firings == other->firings && one->extinctions == other->extinctions) return false;
+  snprintf(text, size,
+           "the sequence of firings depends on the tolerance: %ld firings and %ld extinctions at "
+           "run.tolerance = %.3g, %ld and %ld at %.3g; what comes of it is known less well than "
+           "run.tolerance says, and a finer one may settle it",
+           one->firings, one->extinctions, r->scene->setup.run.tolerance, other->firings,
+           other->extinctions, r->second.tolerance);
+  return true;
+}
+
 /* The warnings that are known only once the run is over; of_firing: that nothing fires, too. */
 static void warn_after(const vs_result *r, bool of_firing,
                        void (*each)(void *ctx, const char *text), void *ctx) {
   char text[VS_DECK_TEXT + sizeof r->second.failed];
   if (of_firing && nothing_fires(r, text, sizeof text)) each(ctx, text);
+  if (sequence_differs(r, text, sizeof text)) each(ctx, text);
   if (*r->books) each(ctx, r->books);
   if (!*r->second.failed) return;
   snprintf(text, sizeof text, "no margin's error is known, as the second run %s: %s",
