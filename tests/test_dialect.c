@@ -70,7 +70,7 @@ static void refused(const char *second, const char *line, const char *says) {
 /* With two it is ngspice's own, which is drawn; PSpice's has three, right behind its name. */
 static void other_limits(void) {
   static const char DIALECT[] = "*$ compat ps\n", THREE[] = "LIMIT(x, least, most)";
-  refused("", "B9 yy 0 V=limit(V(ss),-10,12)", "random");
+  refused("", "B9 yy 0 V=limit(V(ss),-10,12)", "'*$ compat ps'");
   refused("", "V9 yy 0 {limit(10,1)}", "random");
   refused(DIALECT, "V9 yy 0 {limit(10,1)}", THREE);
   refused(DIALECT, "B9 yy 0 V=limit(V(ss),10)", THREE);

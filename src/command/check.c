@@ -10,7 +10,6 @@
 #include "base/json.h"
 #include "deck/netlist.h"
 #include "deck/parts.h"
-#include "drive/gate.h"
 #include "scene/session.h"
 
 /* ---- print-out ---- */
@@ -82,55 +81,30 @@ static void warn_of_deck(report *r, const vs_deck *deck) {
   if (mains) vs_fail_at(vs_warnings_add(&r->warnings), file, "%s", mains);
 }
 
-/* No junction of silicon conducts where the mains drive less than this. */
-static const double FAINT_V = 0.7;
-
-/* The instant at which a pulse of that gate first meets mains that can fire something, or 0 where
- * too many pulses would have to be looked at; INFINITY: no pulse does. Which way is forward is
- * known of the thyristor that is fired without a delay. */
-static double first_chance(const vs_scene *s, double shift_rad) {
-  enum { POINTS = 32 }; /* of a cycle's sine: its top is missed by 1 % at most */
-  enum {
-    MOST = 100000
-  }; /* pulses looked at, some tenths of a second; behind them nothing is said */
-  const vs_timeline *t = &s->setup.timeline;
-  double until_s = s->setup.run.until_s, from_s, to_s;
-  double at_s = 0;
-  for (int n = 0; n < MOST; n++, at_s = fmax(to_s, nextafter(at_s, INFINITY))) {
-    if (!vs_gate_stretch(t, shift_rad, at_s, until_s, &from_s, &to_s)) return INFINITY;
-    double end_s = fmin(fmin(to_s, until_s), from_s + t->period_s), u_v = 0;
-    for (int k = 0; k <= POINTS; k++) {
-      double now_v = vs_timeline_voltage(t, from_s + (end_s - from_s) * k / POINTS);
-      u_v = fmax(u_v, shift_rad != 0 ? fabs(now_v) : now_v);
-    }
-    if (u_v > (s->frame.deck ? FAINT_V : 0)) return from_s;
-  }
-  return 0;
-}
-
 /* The place of the first key of section firing; no place where the scene has none. */
 static vs_where where_of_firing(const vs_scene *s) {
   const vs_node *firing = vs_tree_child(s->tree.root, "firing");
   return firing && firing->child ? firing->child->key_where : (vs_where){0};
 }
 
-/* Warns of what a run would say once it is over: nothing can fire. */
+/* A check is to end soon: it looks at this many cycles, which takes some tenths of a second. What
+ * is behind them is not spoken of. */
+static const double MOST_CYCLES = 1e5;
+
+/* Warns of what a run would say once it is over: nothing can fire. In a circuit something may:
+ * there a capacitor or the coil can drive a thyristor while the mains do not. */
 static void warn_of_firing(report *r, const vs_scene *s) {
-  const vs_deck *deck = s->frame.deck;
-  double first_s = deck ? INFINITY : first_chance(s, 0);
-  bool asked = !deck;
-  for (size_t k = 0; deck && k < deck->n_ports; k++) {
-    const vs_signal *signal = &deck->ports[k].signal;
-    if (signal->drive != VS_PORT_GATE && signal->drive != VS_PORT_BURST) continue;
-    asked = true;
-    first_s = fmin(first_s, first_chance(s, signal->shift_rad));
-  }
-  if (asked && isinf(first_s))
-    vs_fail_at(
-        vs_warnings_add(&r->warnings), where_of_firing(s),
-        "nothing can fire: no gate pulse meets forward mains voltage before run.until = %.9g "
-        "s; look at firing.first_cycle, firing.angle and firing.pulse_width",
-        s->setup.run.until_s);
+  double until_s = s->setup.run.until_s;
+  double seen_s = fmin(until_s, MOST_CYCLES * s->setup.timeline.period_s);
+  double first_s = vs_warnings_first_chance(&s->setup, &s->frame, seen_s);
+  if (!isinf(first_s) || seen_s < until_s) return;
+  vs_fail_at(vs_warnings_add(&r->warnings), where_of_firing(s),
+             "%s: %s before run.until = %.9g s%s; look at firing.first_cycle, firing.angle and "
+             "firing.pulse_width",
+             s->frame.deck ? "it may be that nothing fires" : "nothing can fire",
+             vs_warnings_no_chance(&s->frame), until_s,
+             s->frame.deck ? ", so that only what the circuit has stored could drive a thyristor"
+                           : "");
 }
 
 static vs_status check_scene(report *r, vs_error *err) {

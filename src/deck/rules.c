@@ -143,14 +143,18 @@ static vs_where place_of(const char *word, bool call, vs_where where) {
 }
 
 vs_status vs_rules_random(const char *line, bool pspice, vs_where where, vs_error *err) {
-  const char *word = NULL;
-  if (!find_random(line, pspice, &word)) return VS_OK;
+  const char *word = NULL, *call = find_random(line, pspice, &word);
+  if (!call) return VS_OK;
   bool noise = !strncmp(word, "tr", 2);
   if (pspice && !strcmp(word, "limit"))
     return vs_fail_at(
         err, place_of(word, true, where),
         "limit: in PSpice's dialect ngspice knows LIMIT(x, least, most), of three and "
         "with no blank before '('");
+  if (!strcmp(word, "limit") && cuts_off(call))
+    return vs_fail_at(err, place_of(word, true, where),
+                      "limit: LIMIT(x, least, most), of three, is PSpice's; with a line '*$ compat "
+                      "ps' the deck is read in that dialect. ngspice's own, of two, is random");
   return vs_fail_at(err, place_of(word, !noise, where),
                     noise ? "%s is random anew in each run; a course that is the same each time "
                             "would be right, or a study over a parameter"

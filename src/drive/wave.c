@@ -63,11 +63,14 @@ bool vs_wave_is_silent(const vs_wave *w) {
 /* A voltage below this fraction of the sum of all peaks is zero: rounding makes that much of it. */
 static const double NONE = 1e-13;
 
-/* |u''| never exceeds `bound`, the sum of peak times omega^2. So s behind an instant u is at most
+/* As vs_wave_turns, of sense*u > above_v. With u for sense*u - above_v:
+ *
+ * |u''| never exceeds `bound`, the sum of peak times omega^2. So s behind an instant u is at most
  * u + u' s + bound s^2/2, and up to the zero of that parabola u has none: the search steps there.
  * Near a zero of u these are Newton's steps. A voltage that only touches zero does not turn: at a
  * zero it must rise by more than rounding, and the bound gives the rate that this takes. */
-double vs_wave_turns(const vs_wave *w, int sense, double since_s, double until_s) {
+static double turns_above(const vs_wave *w, int sense, double above_v, double since_s,
+                          double until_s) {
   double peak = 0, bound = 0, u[3];
   for (size_t k = 0; k < w->count; k++) {
     double omega = w->sine[k].omega_rad_s, of_sine = fabs(w->sine[k].peak_v);
@@ -77,7 +80,7 @@ double vs_wave_turns(const vs_wave *w, int sense, double since_s, double until_s
   double none = NONE * peak, at = since_s;
   while (peak > 0 && at < until_s) {
     vs_wave_at(w, at, u);
-    double v = sense * u[0], rate = sense * u[1];
+    double v = sense * u[0] - above_v, rate = sense * u[1];
     if (v > none || (v >= -none && rate > sqrt(4 * bound * none))) return at;
     v = fmin(v, -none); /* it falls through zero, or has touched it */
     double root = sqrt(rate * rate - 2 * bound * v);
@@ -87,17 +90,40 @@ double vs_wave_turns(const vs_wave *w, int sense, double since_s, double until_s
   return NAN;
 }
 
+double vs_wave_turns(const vs_wave *w, int sense, double since_s, double until_s) {
+  return turns_above(w, sense, 0, since_s, until_s);
+}
+
+/* The first instant in [from_s, to_s) from which on the mains, with events, are above `above_v` in
+ * that sense; NaN: there is none. */
+static double mains_above(const vs_timeline *t, int sense, double above_v, double from_s,
+                          double to_s) {
+  while (from_s < to_s) {
+    double edge = fmin(vs_wave_edge(t, from_s), to_s);
+    vs_wave wave;
+    vs_wave_of(t, from_s, &wave);
+    double since = turns_above(&wave, sense, above_v, 0, edge - from_s);
+    if (!isnan(since)) return from_s + since;
+    from_s = edge;
+  }
+  return NAN;
+}
+
 double vs_wave_conduction(const vs_timeline *t, double t_s, double until_s) {
   double from, to;
-  while (vs_gate_stretch(t, 0, t_s, until_s, &from, &to)) {
-    for (t_s = to; from < to;) {
-      double edge = fmin(vs_wave_edge(t, from), to);
-      vs_wave wave;
-      vs_wave_of(t, from, &wave);
-      double since = vs_wave_turns(&wave, 1, 0, edge - from);
-      if (!isnan(since)) return from + since;
-      from = edge;
-    }
+  for (; vs_gate_stretch(t, 0, t_s, until_s, &from, &to); t_s = to) {
+    double first = mains_above(t, 1, 0, from, to);
+    if (!isnan(first)) return first;
+  }
+  return INFINITY;
+}
+
+double vs_wave_chance(const vs_timeline *t, double shift_rad, double above_v, double until_s) {
+  double from, to, t_s = 0;
+  for (; vs_gate_stretch(t, shift_rad, t_s, until_s, &from, &to); t_s = to) {
+    double end = fmin(to, until_s), first = mains_above(t, 1, above_v, from, end);
+    if (shift_rad != 0) first = fmin(first, mains_above(t, -1, above_v, from, end));
+    if (!isnan(first)) return first;
   }
   return INFINITY;
 }

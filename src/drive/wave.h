@@ -39,4 +39,10 @@ double vs_wave_edge(const vs_timeline *timeline, double t_s);
  */
 double vs_wave_conduction(const vs_timeline *timeline, double t_s, double until_s);
 
+/* The first instant before until_s at which a pulse of the gate that is delayed by shift_rad meets
+ * mains of more than above_v; INFINITY: never. Which way is forward is known of the gate without a
+ * delay only: at another gate mains of either sign count. */
+double vs_wave_chance(const vs_timeline *timeline, double shift_rad, double above_v,
+                      double until_s);
+
 #endif

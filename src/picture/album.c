@@ -16,9 +16,19 @@ static const vs_chart *const CHARTS[] = {
     &vs_spread_influence, &vs_spread_effect};
 enum { N_CHARTS = sizeof CHARTS / sizeof *CHARTS };
 
-static const vs_chart *find_chart(const char *name) {
+/* The row of that name; N_CHARTS: there is none. */
+static size_t row_of(const char *name) {
   size_t k = 0;
   while (k < N_CHARTS && strcmp(CHARTS[k]->name, name)) k++;
+  return k;
+}
+
+bool vs_album_knows(const char *name) {
+  return row_of(name) < N_CHARTS;
+}
+
+static const vs_chart *find_chart(const char *name) {
+  size_t k = row_of(name);
   assert(k < N_CHARTS); /* fails where a method names a picture that is not in the table */
   return CHARTS[k];
 }

@@ -19,4 +19,7 @@ vs_status vs_album_make(const vs_folder *table, const vs_survey *survey, vs_albu
                         vs_error *err);
 void vs_album_free(vs_album *album);
 
+/* True where there is a kind of picture of that name, which a method may name; for tests. */
+bool vs_album_knows(const char *name);
+
 #endif

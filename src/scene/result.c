@@ -6,9 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drive/gate.h"
-#include "drive/wave.h"
-
 void vs_result_finish(vs_result *r) {
   vs_watchers_finish(&r->watchers, r->scene->setup.run.until_s, r->values);
   vs_verdict_reach(r->watchers.measures, r->watchers.devices, &r->verdict);
@@ -38,23 +35,18 @@ static bool nothing_conducts(const vs_scene *s, const vs_result *r) {
   return told;
 }
 
-static bool has_port(const vs_deck *deck, int drive, int other) {
-  for (size_t k = 0; k < deck->n_ports; k++)
-    if (deck->ports[k].signal.drive == drive || deck->ports[k].signal.drive == other) return true;
-  return false;
-}
-
 /* Where nothing conducts though firing is asked for, writes what is to be said of it. False:
  * nothing is to be said. */
 static bool nothing_fires(const vs_result *r, char *text, size_t size) {
   const vs_scene *s = r->scene;
-  const vs_deck *deck = s->frame.deck;
-  bool asked = !deck || has_port(deck, VS_PORT_GATE, VS_PORT_BURST);
-  if (!asked || !nothing_conducts(s, r)) return false;
-  double until_s = s->setup.run.until_s;
-  double first_s = vs_wave_conduction(&s->setup.timeline, 0, until_s);
-  if (!(first_s < until_s) && !s->setup.timeline.events.count)
-    first_s = vs_gate_next_conduction(&s->setup.timeline, 0);
+  if (!nothing_conducts(s, r)) return false;
+  const vs_timeline *t = &s->setup.timeline;
+  const char *no_chance = vs_warnings_no_chance(&s->frame);
+  double until_s = s->setup.run.until_s, first_s;
+  /* without events pulses are alike: one whole pulse behind the run tells of all */
+  double more_s = t->events.count ? 0 : (t->firing.first_cycle + t->firing.every + 1) * t->period_s;
+  first_s = vs_warnings_first_chance(&s->setup, &s->frame, until_s + more_s);
+  if (isnan(first_s)) return false;
   if (first_s < until_s)
     snprintf(text, size,
              "nothing fires: no thyristor is seen to conduct in this run (largest "
@@ -62,13 +54,27 @@ static bool nothing_fires(const vs_result *r, char *text, size_t size) {
              r->values[VS_M_I_PEAK].value, first_s);
   else if (isfinite(first_s))
     snprintf(text, size,
-             "nothing fires: no gate pulse meets forward mains voltage before run.until = %.9g s; "
-             "the first would do so at %.9g s",
-             until_s, first_s);
+             "nothing fires: %s before run.until = %.9g s; the first would do so at %.9g s",
+             no_chance, until_s, first_s);
   else
-    snprintf(text, size,
-             "nothing fires: no gate pulse meets forward mains voltage; look at firing.angle and "
-             "firing.pulse_width");
+    snprintf(text, size, "nothing fires: %s; look at firing.angle and firing.pulse_width",
+             no_chance);
+  return true;
+}
+
+/* Where the two runs of the scene differ in how often they fire, writes what is to be said of it.
+ * What comes of a sequence that hangs on the tolerance is off by more than the tolerance. False:
+ * nothing is to be said. */
+static bool sequence_differs(const vs_result *r, char *text, size_t size) {
+  const vs_sequence *one = &r->watchers.sequence, *other = &r->second.sequence;
+  if (!r->second.done) return false;
+  if (one->firings == other->firings && one->extinctions == other->extinctions) return false;
+  snprintf(text, size,
+           "the sequence of firings depends on the tolerance: %ld firings and %ld extinctions at "
+           "run.tolerance = %.3g, %ld and %ld at %.3g; what comes of it is known less well than "
+           "run.tolerance says, and a finer one may settle it",
+           one->firings, one->extinctions, r->scene->setup.run.tolerance, other->firings,
+           other->extinctions, r->second.tolerance);
   return true;
 }
 
@@ -77,6 +83,7 @@ static void warn_after(const vs_result *r, bool of_firing,
                        void (*each)(void *ctx, const char *text), void *ctx) {
   char text[VS_DECK_TEXT + sizeof r->second.failed];
   if (of_firing && nothing_fires(r, text, sizeof text)) each(ctx, text);
+  if (sequence_differs(r, text, sizeof text)) each(ctx, text);
   if (*r->books) each(ctx, r->books);
   if (!*r->second.failed) return;
   snprintf(text, sizeof text, "no margin's error is known, as the second run %s: %s",

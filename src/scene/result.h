@@ -10,10 +10,11 @@
 /* The second run of the scene, which tells the errors of the margins. */
 typedef struct vs_second_run {
   bool done;
-  bool stopped;     /* by a signal */
-  double tolerance; /* its run.tolerance */
-  double decides;   /* a run.tolerance at which the undecided lines of the verdict are likely to be
-                       decided; 0: none is known, or none is needed */
+  bool stopped;         /* by a signal */
+  double tolerance;     /* its run.tolerance */
+  vs_sequence sequence; /* how often its thyristor fired and went out */
+  double decides; /* a run.tolerance at which the undecided lines of the verdict are likely to be
+                     decided; 0: none is known, or none is needed */
   double wall_s;
   char failed[256]; /* why there was none though it was wanted; empty: there was one, or it was not
                        wanted */

@@ -224,6 +224,7 @@ static void run_second(const vs_session *session, vs_result *r) {
   change_settings(other, factor);
   vs_status status = run_once(&plain, other, second, &why);
   r->second.tolerance = other->setup.run.tolerance;
+  r->second.sequence = second->watchers.sequence;
   r->second.wall_s = second->wall_s;
   r->second.done = !status;
   if (status == VS_SIGNAL) { /* the first run is whole: its lines stay unverified */

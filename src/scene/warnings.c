@@ -8,6 +8,7 @@
 #include "base/units.h"
 #include "deck/devices.h"
 #include "deck/parts.h"
+#include "drive/wave.h"
 
 /* ---- the list ---- */
 
@@ -116,4 +117,28 @@ void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame
   warn_of_mains(deck, w);
   warn_of_bursts(vs_tree_child(root, "firing"), deck, w);
   vs_warnings_of_limits(deck, w);
+}
+
+/* ---- what can fire ---- */
+
+/* No junction of silicon conducts where the mains drive less than this. An ideal thyristor does. */
+static const double FAINT_V = 0.7;
+static const char NO_CHANCE[] = "no gate pulse meets forward mains voltage";
+static const char NO_CHANCE_OF_SILICON[] = "no gate pulse meets forward mains voltage above 0.7 V";
+
+double vs_warnings_first_chance(const vs_setup *s, const vs_frame *frame, double until_s) {
+  const vs_deck *deck = frame->deck;
+  bool asked = !deck;
+  double first_s = deck ? INFINITY : vs_wave_chance(&s->timeline, 0, 0, until_s);
+  for (size_t k = 0; deck && k < deck->n_ports; k++) {
+    const vs_signal *signal = &deck->ports[k].signal;
+    if (signal->drive != VS_PORT_GATE && signal->drive != VS_PORT_BURST) continue;
+    asked = true;
+    first_s = fmin(first_s, vs_wave_chance(&s->timeline, signal->shift_rad, FAINT_V, until_s));
+  }
+  return asked ? first_s : NAN;
+}
+
+const char *vs_warnings_no_chance(const vs_frame *frame) {
+  return frame->deck ? NO_CHANCE_OF_SILICON : NO_CHANCE;
 }

@@ -29,4 +29,10 @@ void vs_warnings_of_limits(const vs_deck *deck, vs_warnings *warnings);
  * read. */
 const char *vs_warnings_without_mains(const vs_deck *deck);
 
+/* The first instant before until_s at which a pulse at a gate of the scene meets mains that can
+ * fire something; INFINITY: no pulse does; NaN: nothing is driven by a gate. */
+double vs_warnings_first_chance(const vs_setup *setup, const vs_frame *frame, double until_s);
+/* What a check and a run say where that is INFINITY; a part of a sentence. */
+const char *vs_warnings_no_chance(const vs_frame *frame);
+
 #endif

@@ -77,7 +77,9 @@ static vs_value end_rise(const vs_rise *r) {
 }
 
 /* Follows the present rise and returns its rate where it ends. A rise ends at its top, once the
- * voltage has come down by a tenth of it. */
+ * voltage has come down by a tenth of it. It is followed while the device conducts too, so that the
+ * voltage of a device that goes out is known from its own foot on: where in that rise the current
+ * counts as gone is known less well than the voltage. */
 static vs_value follow_rise(vs_rise *r, const vs_course_step *c) {
   double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V], now = fmax(v1, 0);
   if (!r->count) begin_rise(r, c->t0_s, fmax(v0, 0));
@@ -242,8 +244,12 @@ void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *
   if (!was_on && !s->conduction.conducts) {
     follow_blocking(s, c, off_rate, news);
   } else {
-    if (s->rise.count) news->rise = end_rise(&s->rise);
-    s->rise.count = 0;
+    if (was_on) {
+      follow_rise(&s->rise, c);
+    } else {
+      if (s->rise.count) news->rise = end_rise(&s->rise);
+      s->rise.count = 0;
+    }
     if (s->turning_on) news->on_rate = follow_turn_on(s, c, on_rate);
   }
   news->any = news->rise.known || news->off_rate.known || news->on_rate.known ||

@@ -22,6 +22,15 @@ static void follow_absence(vs_absence *a, const vs_step *step) {
   }
 }
 
+/* ---- firings ---- */
+
+static void follow_sequence(vs_sequence *sequence, const vs_step *step) {
+  for (int k = 0; k < 2; k++) {
+    sequence->firings += step->event[k] == VS_EV_FIRES;
+    sequence->extinctions += step->event[k] == VS_EV_EXTINCT;
+  }
+}
+
 /* ---- all of them ---- */
 
 void vs_watchers_begin(vs_watchers *w, const vs_frame *frame) {
@@ -33,6 +42,7 @@ void vs_watchers_begin(vs_watchers *w, const vs_frame *frame) {
 
 void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
   follow_absence(&w->absence, step);
+  follow_sequence(&w->sequence, step);
   vs_measures_accept(w->measures, step);
   vs_devices_accept(w->devices, step);
   vs_energy_accept(&w->energy, step);

@@ -18,6 +18,11 @@ typedef struct vs_absence {
   double bound;   /* on the error by all of this, relative to each probe's peak */
 } vs_absence;
 
+/* How often the thyristor fired and went out. */
+typedef struct vs_sequence {
+  long firings, extinctions;
+} vs_sequence;
+
 /* Start from {0}. vs_watchers_begin may be called again for another run, and vs_watchers_free may
  * be called at any time. */
 typedef struct vs_watchers {
@@ -25,6 +30,7 @@ typedef struct vs_watchers {
   vs_devices *devices;   /* owned; NULL: the deck has none */
   vs_energy energy;
   vs_absence absence;
+  vs_sequence sequence;
 } vs_watchers;
 
 /* Begins a run anew. The frame must outlive the watchers' use. */
