@@ -67,6 +67,15 @@ static void rows_of_another_shape(void) {
       {"= one,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "'one'; a whole number"},
       {"= 01,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "'01'"},
       {"= -1,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "'-1'"},
+      /* what another reader of study.csv would cut otherwise */
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,\"0", ":9:50: ", "no closing quote"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,\",0", ":9:49: ", "no closing quote"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,\"0\"0", ":9:50: ", "a comma is wanted"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,a\rb,0", ":9:50: ", "a line end"},
+      /* cases that the study, of two cases, does not have */
+      {"= 2,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "its case is none"},
+      {"= 18446744073709551617,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "its case is"},
+      {"! 4294967296,x,110,halfwave_snubbed,1,it did not", ":9:12: ", "its case is none"},
   };
   char *head = head_of("s/journal");
   for (size_t k = 0; k < COUNT(BAD); k++) {
@@ -102,6 +111,21 @@ static void two_rows_of_a_case(void) {
   free(head);
 }
 
+/* A row is counted by what its cells say, with quotes around them or without. */
+static void cells_in_quotes(void) {
+  char *head = head_of("s/journal");
+  write_journal(head,
+                (const char *[]){GOOD_0, "= \"1\",x,110,halfwave_snubbed,0.7,,,,0,0,,\"3\"", NULL});
+  ran r = run("merge j -o m --quiet");
+  EXPECT(r.status == 3, "%d %s", r.status, r.err);
+  free_ran(&r);
+  char *manifest = read_file("m/manifest.json");
+  EXPECT(strstr(manifest, "\"violated\": 1"), "%s", manifest);
+  free(manifest);
+  remove_tree("m");
+  free(head);
+}
+
 /* The rows that the program writes fit, whatever they hold: a failed case, a name with commas,
  * a verdict with its margins and errors. */
 static void own_rows(void) {
@@ -127,6 +151,7 @@ int main(void) {
       {"a study to take a head from", make_study},
       {"rows of another shape", rows_of_another_shape},
       {"two rows of one case", two_rows_of_a_case},
+      {"cells in quotes", cells_in_quotes},
       {"rows of the program's own", own_rows},
   };
   return program_suite("journal_rows", TESTS, COUNT(TESTS));

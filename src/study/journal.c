@@ -230,10 +230,6 @@ vs_status vs_journal_create(vs_journal *j, const char *folder, vs_journal_head *
   return lock(j, err);
 }
 
-static bool is_violated(const char *row, size_t length) {
-  return length > 2 && row[length - 1] == '3' && row[length - 2] == ',';
-}
-
 /* False where a study cannot have written that case at byte `at`, so that no memory is taken for
  * it. Cases may be done out of order by as many as all workers have at a time (VS_WORKER_QUEUE
  * each, of at most 4096 workers); the others have their lines before it, which are longer than
@@ -260,14 +256,26 @@ static vs_status refuse_row(const vs_journal *j, const entry *e, size_t at, cons
   return vs_fail_at(err, where, "%s; this record is of no study, or was changed", why);
 }
 
-static vs_status check_row(vs_journal *j, const entry *e, vs_error *err) {
+static vs_status read_row(vs_journal *j, const entry *e, vs_row_counts *counts, vs_error *err) {
   const vs_journal_head *h = &j->head;
   char why[256];
   size_t at;
   if (!j->shape) j->shape = vs_row_new(h->columns, h->failures, h->manifest_end);
-  if (vs_row_fits(j->shape, e->line[9] == '!', e->line + BEFORE_ROW, &at, why, sizeof why))
+  if (vs_row_read(j->shape, e->line[9] == '!', e->line + BEFORE_ROW, counts, &at, why, sizeof why))
     return VS_OK;
   return refuse_row(j, e, at, why, err);
+}
+
+/* The row of a case that the journal's study does not have, or that another shard has. */
+static vs_status refuse_case(const vs_journal *j, const entry *e, vs_error *err) {
+  const vs_journal_head *h = &j->head;
+  char why[160];
+  snprintf(why, sizeof why,
+           "its case is none of this journal's, which is shard %" PRIu64 "/%" PRIu64
+           " of %s%llu cases",
+           h->shard, h->shards, h->cases ? "" : "at most ",
+           h->cases ? (unsigned long long)h->cases : VS_PLAN_CASES);
+  return refuse_row(j, e, 0, why, err);
 }
 
 /* A study that goes on leaves out the cases that have a row, so that none has two. Where a file
@@ -285,20 +293,18 @@ static vs_status check_double(vs_journal *j, const entry *e, uint64_t index, vs_
 }
 
 static vs_status count_row(vs_journal *j, const entry *e, vs_error *err) {
-  const char kind = e->line[9], *row = e->line + BEFORE_ROW;
-  vs_status status = check_row(j, e, err);
+  const char kind = e->line[9];
+  vs_row_counts counts;
+  vs_status status = read_row(j, e, &counts, err);
   if (status) return status;
-  uint64_t index = strtoull(row, NULL, 10);
-  if (!is_own(j, index) || !is_in_reach(j, index, e->at)) {
-    j->bad++;
-    return VS_OK;
-  }
+  const uint64_t index = counts.index;
+  if (!is_own(j, index) || !is_in_reach(j, index, e->at)) return refuse_case(j, e, err);
   make_room(j, own(j, index) + 1);
   if (j->place[own(j, index)]) return check_double(j, e, index, err);
   j->place[own(j, index)] = e->at + 1;
   j->done += kind == '=';
   j->failed += kind == '!';
-  j->violated += kind == '=' && is_violated(row, e->length - BEFORE_ROW);
+  j->violated += kind == '=' && counts.violated;
   return VS_OK;
 }
 
@@ -329,7 +335,7 @@ static vs_status read_lines(vs_journal *j, uint64_t *whole, vs_error *err) {
   ssize_t n;
   uint64_t at = 0, number = 0;
   vs_status status = VS_OK;
-  while (!status && (n = getline(&line, &size, f)) > 0) {
+  while (!status && !j->two_heads && (n = getline(&line, &size, f)) > 0) {
     number++;
     if (line[n - 1] == '\n') {
       line[n - 1] = '\0';

@@ -12,8 +12,9 @@
  *
  * Lines are only ever added. A line whose sum is wrong does not count, and its case is not done.
  * The last line may be torn, when the process was killed; it is cut off when the study goes on. A
- * row that does not fit its header is refused. So is a row that differs from an earlier one of the
- * same case, as nobody knows which of the two is true. The same row twice counts as one.
+ * row that does not fit its header is refused, and so is one of a case that the head has not. So is
+ * a row that differs from an earlier one of the same case, as nobody knows which of the two is
+ * true. The same row twice counts as one.
  *
  * The rows stay on the disk; in memory are 8 bytes for each case. A count that stands in a journal
  * never makes this process take more memory than the journal's length justifies. */
@@ -69,8 +70,8 @@ vs_status vs_journal_create(vs_journal *journal, const char *folder, vs_journal_
 /* Opens the journal that the folder holds and reads what is done. With `mend` the study goes on:
  * the folder is locked, and a torn last line is cut off. Errors: there is no journal; it has two
  * heads, or counts that no study has; a row does not fit its header, or a case has two different
- * rows, which the error names with their place; another process is at the study. vs_journal_close
- * even then. */
+ * rows, or the head lacks it, which the error names with their place; another process is at the
+ * study. vs_journal_close even then. */
 vs_status vs_journal_open(vs_journal *journal, const char *folder, bool mend, vs_error *err);
 void vs_journal_close(vs_journal *journal);
 

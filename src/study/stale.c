@@ -58,7 +58,7 @@ static void remove_report(int folder) {
   size_t most = 1;
   for (const char *s = header; *s; s++) most += *s == ',';
   char **column = vs_alloc(most, sizeof *column);
-  size_t n = vs_csv_split(header, column, most);
+  size_t n = vs_csv_split(header, column, most, NULL);
   for (size_t k = 0; k < n; k++) remove_pictures_of(folder, column[k]);
   free(column);
   free(header);

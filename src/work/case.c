@@ -79,7 +79,8 @@ bool vs_case_values(const vs_plan *plan, char *row, double *values, int *status)
   enum { MOST = HEAD + VS_PLAN_AXES + VS_PLAN_COLUMNS + VS_CASE_COLUMNS };
   char *cells[MOST];
   const size_t n = plan->n_columns;
-  if (vs_csv_split(row, cells, MOST) != HEAD + plan->n_axes + n + VS_CASE_COLUMNS) return false;
+  if (vs_csv_split(row, cells, MOST, NULL) != HEAD + plan->n_axes + n + VS_CASE_COLUMNS)
+    return false;
   char **measure = cells + HEAD + plan->n_axes, **tail = measure + n;
   values[0] = *tail[VS_CASE_MARGIN] ? strtod(tail[VS_CASE_MARGIN], NULL) : NAN;
   for (size_t k = 0; k < n; k++) values[1 + k] = *measure[k] ? strtod(measure[k], NULL) : NAN;
