@@ -40,6 +40,84 @@ static void make_study(void) {
   mkdir("j", 0777);
 }
 
+/* Goes on with the study whose journal is j/journal, which must be refused. */
+static void refuse_to_go_on(const char *study, const char *what, const char *says, int line) {
+  char words[64];
+  snprintf(words, sizeof words, "study %s -o j --resume", study);
+  refuse(words, what, "j/journal: ", (const char *[]){says, NULL}, line);
+}
+
+/* The line of s/journal that has this case's row, without its sum; free() it. */
+static char *row_of(const char *path, int index) {
+  char *text = read_file(path), begin[32];
+  snprintf(begin, sizeof begin, " = %d,", index);
+  char *row = strstr(text, begin);
+  CU_ASSERT_PTR_NOT_NULL_FATAL(row);
+  row[strcspn(row, "\n")] = '\0';
+  char *copy = strdup(row + 1);
+  free(text);
+  return copy;
+}
+
+/* The program has the plan where it goes on: a row whose id or axes are those of another case is
+ * none of this one's. */
+static void rows_of_other_cases(void) {
+  char *head = head_of("s/journal"), *zero = row_of("s/journal", 0), *one = row_of("s/journal", 1);
+  char *moved = strdup(zero), *measures = strstr(one, ",110,");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(measures);
+  moved[2] = '1'; /* case 0 under the index 1 */
+  write_journal(head, (const char *[]){zero, moved, NULL});
+  refuse_to_go_on("a.yaml", "moved", "case 1: its firing.angle_deg is 110; its row has '100'",
+                  __LINE__);
+  vs_text other = {0};
+  vs_text_add(&other, "= 1,%.16s%s", zero + 4, measures); /* case 0's id */
+  write_journal(head, (const char *[]){zero, other.text, NULL});
+  refuse_to_go_on("a.yaml", "id", "case 1: its id is '", __LINE__);
+  other.length = 0; /* another machine may round the last digit otherwise, and has another id */
+  vs_text_add(&other, "= 1,0123456789abcdee,110.000000001%s", measures + 4);
+  write_journal(head, (const char *[]){zero, other.text, NULL});
+  RUN_GOOD("study a.yaml -o j --resume --quiet");
+  write_journal(head, (const char *[]){zero, one, NULL});
+  RUN_GOOD("study a.yaml -o j --resume --quiet");
+  remove_tree("j");
+  mkdir("j", 0777);
+  vs_text_free(&other);
+  free(head), free(zero), free(one), free(moved);
+}
+
+/* A search asks for its cases by the results so far, and so do the rows of the journal. */
+static void rows_of_a_search(void) {
+  write_file("w.yaml", "set: {run.until: 20 ms, run.tier: switched}\n"
+                       "vary: {firing.angle: {lin: [90 deg, 120 deg], n: 4}, supply.voltage: "
+                       "{lin: [400 V, 440 V], n: 4}}\nfind: {worst: max i_peak}\n");
+  RUN_GOOD("study w.yaml -o w --quiet");
+  char *text = read_file("w/journal"), *row = strstr(text, " = 1,"), *end = strchr(row, '\n');
+  CU_ASSERT_PTR_NOT_NULL_FATAL(row);
+  vs_text journal = {0};
+  char line[1024], *second = strchr(strchr(row, ',') + 1, ',') + 1;
+  vs_text_add(&journal, "%.*s", (int)(row - 8 - text), text);
+  snprintf(line, sizeof line, "= 1,0123456789abcdef,95.5%.*s", (int)(end - strchr(second, ',')),
+           strchr(second, ','));
+  add_line(&journal, line);
+  vs_text_add(&journal, "%s", end + 1);
+  write_file("j/journal", journal.text);
+  refuse_to_go_on("w.yaml", "search", "case 1: its firing.angle_deg is ", __LINE__);
+  journal.length = 0; /* a case behind the last one */
+  vs_text_add(&journal, "%s", text);
+  snprintf(line, sizeof line, "= 5000,%.*s", (int)(end - strchr(row, ',') - 1),
+           strchr(row, ',') + 1);
+  add_line(&journal, line);
+  write_file("j/journal", journal.text);
+  refuse_to_go_on("w.yaml", "search", "and the study ", __LINE__);
+  write_file("j/journal", text);
+  RUN_GOOD("study w.yaml -o j --resume --quiet");
+  remove_tree("j");
+  mkdir("j", 0777);
+  remove_tree("w");
+  vs_text_free(&journal);
+  free(text);
+}
+
 #define GOOD_0 "= 0,0123456789abcdef,100,halfwave_snubbed,0.84,,,,0,0,,0"
 #define GOOD_1 "= 1,0123456789abcdee,110,halfwave_snubbed,0.70,,,,0,0,,0"
 
@@ -152,6 +230,8 @@ int main(void) {
       {"rows of another shape", rows_of_another_shape},
       {"two rows of one case", two_rows_of_a_case},
       {"cells in quotes", cells_in_quotes},
+      {"rows of other cases", rows_of_other_cases},
+      {"rows of a search", rows_of_a_search},
       {"rows of the program's own", own_rows},
   };
   return program_suite("journal_rows", TESTS, COUNT(TESTS));

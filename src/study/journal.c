@@ -494,9 +494,26 @@ static void write_manifest(const vs_journals *all, FILE *f) {
   vs_text_free(&text);
 }
 
+/* A search knows how many cases it has only at its end: rows beyond them would be counted, and
+ * stand in no file. */
+static vs_status check_count(const vs_journals *all, vs_error *err) {
+  for (uint64_t k = 0; k < all->count; k++) {
+    const vs_journal *j = &all->item[k];
+    const uint64_t own = (all->cases + j->head.shards - j->head.shard) / j->head.shards;
+    if (j->done + j->failed != own)
+      return vs_fail(err, VS_INPUT,
+                     "%s: has rows of %llu cases, and the study %llu; this record is of another "
+                     "study, or was changed",
+                     j->path, (unsigned long long)(j->done + j->failed), (unsigned long long)own);
+  }
+  return VS_OK;
+}
+
 vs_status vs_journal_write(const vs_journals *all, const char *folder, vs_error *err) {
   vs_file study = {0}, failures = {0}, manifest = {0};
-  vs_status status = vs_file_open(&study, folder, "study.csv", err);
+  vs_status status = check_count(all, err);
+  if (status) return status;
+  status = vs_file_open(&study, folder, "study.csv", err);
   if (!status) status = vs_file_open(&failures, folder, "failures.csv", err);
   if (!status) status = vs_file_open(&manifest, folder, "manifest.json", err);
   if (!status) status = write_rows(all, study.stream, failures.stream, err);

@@ -96,7 +96,8 @@ typedef struct vs_journals {
   const char *more; /* further members of the manifest, as a writer inside it (vs_json_inside) adds
                        them; NULL: none */
 } vs_journals;
-/* Writes study.csv, failures.csv and manifest.json into the folder, in the order of the cases. */
+/* Writes study.csv, failures.csv and manifest.json into the folder, in the order of the cases.
+ * Error: a journal has more rows than cases. */
 vs_status vs_journal_write(const vs_journals *journals, const char *folder, vs_error *err);
 
 #endif

@@ -128,6 +128,39 @@ static void take_generation(session *s, uint64_t count, const vs_generation *g) 
   memcpy(s->points + count * axes, g->points, g->count * axes * sizeof *s->points);
 }
 
+/* A journal that is gone on with may have been changed: its row of a case must be that case's. */
+static vs_status check_row(const session *s, vs_case *c, uint64_t index, const double *point,
+                           vs_error *err) {
+  vs_text row = {0};
+  char why[256];
+  bool failed;
+  vs_status status = vs_journal_row(&s->journal, index, &row, &failed, err);
+  if (!status && !vs_case_is_row(c, index, point, failed, row.text, why, sizeof why))
+    status =
+        vs_fail(err, VS_INPUT, "%s: case %llu: %s; this record is of another study, or was changed",
+                s->journal.path, (unsigned long long)index, why);
+  vs_text_free(&row);
+  return status;
+}
+
+/* Checks the rows that the journal has of the cases from `first` to `until`. */
+static vs_status check_rows(const session *s, uint64_t first, uint64_t until, vs_error *err) {
+  const vs_journal_head *head = &s->journal.head;
+  double point[VS_PLAN_AXES];
+  vs_case *c = vs_case_new(&s->plan, NULL);
+  vs_status status = VS_OK;
+  for (uint64_t k = first; k < until && !status; k++) {
+    if (k % head->shards + 1 != head->shard || !vs_journal_has(&s->journal, k)) continue;
+    if (s->plan.adaptive)
+      memcpy(point, s->points + k * s->plan.n_axes, s->plan.n_axes * sizeof *point);
+    else
+      vs_plan_point(&s->plan, k, point);
+    status = check_row(s, c, k, point, err);
+  }
+  vs_case_free(c);
+  return status;
+}
+
 /* Takes the values of one case from its row, not from the run, so that a study that goes on has the
  * same. */
 static vs_status take_values(session *s, uint64_t index, vs_error *err) {
@@ -155,7 +188,8 @@ static vs_status run_adaptive(session *s, uint64_t *count, vs_error *err) {
     more = !status && g.count;
     if (more) {
       take_generation(s, *count, &g);
-      status = run_cases(s, *count, *count + g.count, err);
+      if (s->o->resume) status = check_rows(s, *count, *count + g.count, err);
+      if (!status) status = run_cases(s, *count, *count + g.count, err);
       for (size_t k = 0; k < g.count && !status; k++) status = take_values(s, *count + k, err);
       *count += g.count;
     }
@@ -223,7 +257,7 @@ static vs_status go_on(session *s, vs_journal_head *head, vs_error *err) {
             "vibrospice: warning: %s: %llu torn or damaged line%s mended; what stood there is run "
             "again\n",
             j->path, (unsigned long long)j->bad, j->bad > 1 ? "s" : "");
-  return VS_OK;
+  return s->plan.adaptive ? VS_OK : check_rows(s, 0, s->plan.count, err);
 }
 
 static vs_status open_journal(session *s, vs_error *err) {

@@ -232,6 +232,44 @@ static vs_status begin(vs_case *c, uint64_t index, const double *point, vs_error
   return status;
 }
 
+/* How well a row's cell is the axis' number: 2, to its last digit; 1, as another machine's libm may
+ * have rounded that; 0, not. */
+static int agrees(const char *cell, const char *number) {
+  /* an axis has 12 digits, of which the last is at most 1e-11 of it; twice that for rounding */
+  enum { DIGITS = 12 };
+  const double most = 2 * pow(10, 1 - DIGITS);
+  char *end, *end_too;
+  if (!strcmp(cell, number)) return 2;
+  double a = strtod(cell, &end), b = strtod(number, &end_too);
+  return *cell && *number && !*end && !*end_too && fabs(a - b) <= most * fabs(b);
+}
+
+bool vs_case_is_row(vs_case *c, uint64_t index, const double *point, bool failed, char *row,
+                    char *why, size_t size) {
+  char *cell[HEAD + VS_PLAN_AXES], number[VS_NAME_SIZE];
+  const vs_plan *plan = c->plan;
+  vs_error refused = {0};
+  bool exact = true;
+  if (vs_csv_split(row, cell, HEAD + plan->n_axes, NULL) < HEAD + plan->n_axes) {
+    snprintf(why, size, "its row is too short");
+    return false;
+  }
+  for (size_t k = 0; k < plan->n_axes; k++) {
+    vs_axis_print(&plan->axes[k], point[k], number, sizeof number);
+    const int agreed = agrees(cell[HEAD + k], number);
+    exact = exact && agreed == 2;
+    if (agreed) continue;
+    snprintf(why, size, "its %.64s is %.64s; its row has '%.64s'", plan->axes[k].column, number,
+             cell[HEAD + k]);
+    return false;
+  }
+  begin(c, index, point, &refused);
+  /* the id follows from the last digits, too; a case that failed may not have come to it */
+  if (!exact || (failed && !*cell[1]) || !strcmp(cell[1], c->present.id)) return true;
+  snprintf(why, size, "its id is '%s'; its row has '%.64s'", c->present.id, cell[1]);
+  return false;
+}
+
 int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, bool *circuit) {
   vs_error err = {0};
   size_t begun = row->length;
