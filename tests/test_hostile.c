@@ -252,7 +252,7 @@ static void add_head(vs_text *journal, const char *identity, const char *counts)
   add_line(journal, line);
   add_line(journal, "h columns=case,id,x,margin_least,weakest,status");
   add_line(journal, "h failures=case,id,x,why");
-  add_line(journal, "h manifest_begin={");
+  add_line(journal, "h manifest_begin={\"study\": \"x\"");
   add_line(journal, "h manifest_end=");
   snprintf(line, sizeof line, "h counts=%s", counts);
   add_line(journal, line);

@@ -189,6 +189,79 @@ static void two_rows_of_a_case(void) {
   free(head);
 }
 
+/* The head with `from` in the place of `to` in one of its lines, whose sum is made again; free()
+ * it.
+ */
+static char *changed_head(const char *head, const char *from, const char *to) {
+  vs_text all = {0}, line = {0};
+  for (const char *s = head; *s; s += strcspn(s, "\n") + 1) {
+    const char *end = s + strcspn(s, "\n"), *at = strstr(s, from);
+    line.length = 0;
+    if (at && at < end)
+      vs_text_add(&line, "%.*s%s%.*s", (int)(at - s - 9), s + 9, to,
+                  (int)(end - at - (ptrdiff_t)strlen(from)), at + strlen(from));
+    else
+      vs_text_add(&line, "%.*s", (int)(end - s - 9), s + 9);
+    add_line(&all, line.text);
+  }
+  vs_text_free(&line);
+  CU_ASSERT_STRING_NOT_EQUAL(all.text, head);
+  return all.text;
+}
+
+/* Right sums over a head that is not the study's. */
+static void heads_of_others(void) {
+  static const struct {
+    const char *from, *to, *says;
+  } BAD[] = {{"columns=case,id,firing.angle_deg,circuit.deck,i_peak_a",
+              "columns=case,id,firing.angle_deg,circuit.deck,i_rms_a", "line columns= of its head"},
+             {"status,why", "status,when", "line failures= of its head"},
+             {"counts=2 1 1", "counts=3 1 1", "line counts= of its head"},
+             {"counts=2 1 1", "counts=0 1 1", "line counts= of its head"},
+             {"counts=2 1 1", "counts=2 1 2", "is of shard 1/2"},
+             {"\"unit\": \"A\"", "\"unit\": \"V\"", "line manifest_end= of its head"},
+             {"\"seed\": 0", "\"seed\": 7", "line manifest_begin= of its head"}};
+  static const char *const NO_JSON[][2] = {
+      {"\"unit\": \"A\"", "\"unit\": \"A"}, {"\"unit\": \"A\"", "\"unit\": A"},
+      {"\"axes\": [", "\"axes\": "},        {"\"seed\": 0", "\"seed\": 0}"},
+      {"\"seed\": 0", "\"seed\": 01"},      {"\"seed\": 0", "\"seed\": 0,"}};
+  char *head = head_of("s/journal");
+  for (size_t k = 0; k < COUNT(BAD); k++) {
+    char *changed = changed_head(head, BAD[k].from, BAD[k].to);
+    write_journal(changed, (const char *[]){NULL});
+    refuse_to_go_on("a.yaml", BAD[k].to, BAD[k].says, __LINE__);
+    free(changed);
+  }
+  for (size_t k = 0; k < COUNT(NO_JSON); k++) {
+    char *changed = changed_head(head, NO_JSON[k][0], NO_JSON[k][1]);
+    write_journal(changed, (const char *[]){GOOD_0, GOOD_1, NULL});
+    refuse("merge j -o m", NO_JSON[k][1], "j/journal: ", (const char *[]){"manifest.json", NULL},
+           __LINE__);
+    free(changed);
+  }
+  free(head);
+}
+
+/* The same study under another name, and with names that hold what a journal writes otherwise. */
+static void its_own_head(void) {
+  write_file("b.yaml",
+             "set: {run.until: 20 ms, run.tier: switched, events: {'a\\n\"b': {kind: sag, "
+             "cycle: 1}}}\nvary: {'events.a\\n\"b.level': [40 %, 80 %]}\n"
+             "report: [i_peak]\n");
+  RUN_GOOD("study b.yaml -o b --quiet");
+  char *csv = read_file("b/study.csv"), *manifest = read_file("b/manifest.json");
+  RUN_GOOD("study ./b.yaml -o b --resume --quiet");
+  char *again = read_file("b/study.csv"), *manifest_again = read_file("b/manifest.json");
+  CU_ASSERT_STRING_EQUAL(csv, again);
+  CU_ASSERT_STRING_EQUAL(manifest, manifest_again);
+  RUN_GOOD("merge b -o m --quiet");
+  free(again);
+  again = read_file("m/study.csv");
+  CU_ASSERT_STRING_EQUAL(csv, again);
+  remove_tree("b"), remove_tree("m");
+  free(csv), free(manifest), free(again), free(manifest_again);
+}
+
 /* A row is counted by what its cells say, with quotes around them or without. */
 static void cells_in_quotes(void) {
   char *head = head_of("s/journal");
@@ -232,6 +305,8 @@ int main(void) {
       {"cells in quotes", cells_in_quotes},
       {"rows of other cases", rows_of_other_cases},
       {"rows of a search", rows_of_a_search},
+      {"heads of others", heads_of_others},
+      {"its own head", its_own_head},
       {"rows of the program's own", own_rows},
   };
   return program_suite("journal_rows", TESTS, COUNT(TESTS));

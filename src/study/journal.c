@@ -31,7 +31,7 @@ static const struct {
              {"failures", offsetof(vs_journal_head, failures)},
              {"manifest_begin", offsetof(vs_journal_head, manifest_begin)},
              {"manifest_end", offsetof(vs_journal_head, manifest_end)}};
-enum { N_TEXTS = sizeof TEXTS / sizeof *TEXTS };
+enum { N_TEXTS = sizeof TEXTS / sizeof *TEXTS, MANIFEST = 3 /* the first text of it */ };
 
 static char **text_of(vs_journal_head *head, size_t k) {
   return (char **)(void *)((char *)head + TEXTS[k].offset);
@@ -62,10 +62,13 @@ static void add_line(vs_text *to, char kind, const char *text, size_t length) {
 
 static void add_head(vs_text *to, const vs_journal_head *head) {
   vs_text line = {0};
+  /* in the texts a backslash is written twice, as it begins a line end */
   add_line(to, 'h', MAGIC, strlen(MAGIC));
   for (size_t k = 0; k < N_TEXTS; k++) {
     line.length = 0;
-    vs_text_add(&line, "%s=%s", TEXTS[k].name, text_in(head, k));
+    vs_text_add(&line, "%s=", TEXTS[k].name);
+    for (const char *s = text_in(head, k); *s; s++)
+      vs_text_add(&line, "%s%c", *s == '\\' ? "\\" : "", *s);
     add_line(to, 'h', line.text, line.length);
   }
   line.length = 0;
@@ -75,14 +78,13 @@ static void add_head(vs_text *to, const vs_journal_head *head) {
   vs_text_free(&line);
 }
 
-/* Turns "\n" back into line ends, in place. */
+/* Turns \n back into line ends, and two backslashes into one. */
 static char *unfold(const char *text) {
   char *copy = vs_copy(text), *out = copy;
   for (const char *s = copy; *s; s++)
-    if (s[0] == '\\' && s[1] == 'n' && (s == copy || s[-1] != '\\')) {
-      *out++ = '\n';
-      s++;
-    } else
+    if (s[0] == '\\' && (s[1] == 'n' || s[1] == '\\'))
+      *out++ = *++s == 'n' ? '\n' : '\\';
+    else
       *out++ = *s;
   *out = '\0';
   return copy;
@@ -137,6 +139,68 @@ static bool is_whole(const vs_journal_head *head) {
   for (size_t k = 0; k < N_TEXTS; k++)
     if (!text_in(head, k)) return false;
   return head->shards > 0 && head->shard > 0 && head->shard <= head->shards;
+}
+
+/* True if both texts are the same but for how files and the study are named, which may differ from
+ * machine to machine. Their contents are in the identity. */
+static bool says_the_same(const char *a, const char *b) {
+  static const char *const BEFORE[] = {"\"path\": \"", "\"study\": \"", "\"study\", \""};
+  for (; *a && *a == *b; a++, b++)
+    for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE; k++) {
+      const size_t n = strlen(BEFORE[k]);
+      if (strncmp(a, BEFORE[k], n) || strncmp(b, BEFORE[k], n)) continue;
+      const char *end = vs_json_string_end(a + n - 1), *end_too = vs_json_string_end(b + n - 1);
+      if (!end || !end_too) return false;
+      a = end - 1;
+      b = end_too - 1;
+      break;
+    }
+  return *a == *b;
+}
+
+const char *vs_journal_differs(const vs_journal_head *a, const vs_journal_head *b) {
+  for (size_t k = 0; k < N_TEXTS; k++) {
+    const bool manifest = k >= MANIFEST;
+    if (manifest ? !says_the_same(text_in(a, k), text_in(b, k))
+                 : strcmp(text_in(a, k), text_in(b, k)) != 0)
+      return TEXTS[k].name;
+  }
+  return a->cases != b->cases || a->shard != b->shard || a->shards != b->shards ? "counts" : NULL;
+}
+
+/* ---- the manifest ---- */
+
+/* Adds the manifest of these journals. */
+static void add_manifest(const vs_journals *all, vs_text *text) {
+  const vs_journal_head *head = &all->item[0].head;
+  uint64_t done = 0, failed = 0, violated = 0;
+  for (uint64_t k = 0; k < all->count; k++) {
+    done += all->item[k].done;
+    failed += all->item[k].failed;
+    violated += all->item[k].violated;
+  }
+  vs_text_add(text, "%s", head->manifest_begin);
+  vs_json json = vs_json_inside(text);
+  vs_json_whole(&json, "cases", (int64_t)all->cases);
+  vs_json_whole(&json, "done", (int64_t)done);
+  vs_json_whole(&json, "failed", (int64_t)failed);
+  vs_json_whole(&json, "violated", (int64_t)violated);
+  vs_text_add(text, "%s%s", head->manifest_end, all->more ? all->more : "");
+  vs_json_array(&json, "shard", VS_JSON_ROW);
+  vs_json_whole(&json, NULL, all->count > 1 ? 1 : (int64_t)head->shard);
+  vs_json_whole(&json, NULL, all->count > 1 ? 1 : (int64_t)head->shards);
+  vs_json_end(&json);
+  vs_json_end(&json);
+}
+
+/* The head's two parts of it make one only together, with the counts between them. */
+static bool has_manifest(vs_journal *j) {
+  const vs_journals alone = {j, 1, 0, NULL};
+  vs_text text = {0};
+  add_manifest(&alone, &text);
+  bool whole = vs_json_is_whole(text.text);
+  vs_text_free(&text);
+  return whole;
 }
 
 /* ---- opening ---- */
@@ -375,6 +439,11 @@ vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error
                      "%s: is no journal of a study: its head lacks a line, or has counts that no "
                      "study has (at most %llu cases and %d shards)",
                      j->path, VS_PLAN_CASES, VS_MOST_SHARDS);
+  if (!status && !has_manifest(j))
+    status = vs_fail(err, VS_INPUT,
+                     "%s: manifest_begin and manifest_end of its head are not the two parts of a "
+                     "manifest.json; this record is of no study, or was changed",
+                     j->path);
   if (!status && mend && ftruncate(j->fd, (off_t)j->end))
     status = vs_fail(err, VS_RUN, "%s: cannot be written: %s", j->path, strerror(errno));
   return status;
@@ -469,31 +538,6 @@ static vs_status write_rows(const vs_journals *all, FILE *study, FILE *failures,
   return status;
 }
 
-static void write_manifest(const vs_journals *all, FILE *f) {
-  const vs_journal_head *head = &all->item[0].head;
-  uint64_t done = 0, failed = 0, violated = 0;
-  for (uint64_t k = 0; k < all->count; k++) {
-    done += all->item[k].done;
-    failed += all->item[k].failed;
-    violated += all->item[k].violated;
-  }
-  vs_text text = {0};
-  vs_text_add(&text, "%s", head->manifest_begin);
-  vs_json json = vs_json_inside(&text);
-  vs_json_whole(&json, "cases", (int64_t)all->cases);
-  vs_json_whole(&json, "done", (int64_t)done);
-  vs_json_whole(&json, "failed", (int64_t)failed);
-  vs_json_whole(&json, "violated", (int64_t)violated);
-  vs_text_add(&text, "%s%s", head->manifest_end, all->more ? all->more : "");
-  vs_json_array(&json, "shard", VS_JSON_ROW);
-  vs_json_whole(&json, NULL, all->count > 1 ? 1 : (int64_t)head->shard);
-  vs_json_whole(&json, NULL, all->count > 1 ? 1 : (int64_t)head->shards);
-  vs_json_end(&json);
-  vs_json_end(&json);
-  fprintf(f, "%s\n", text.text);
-  vs_text_free(&text);
-}
-
 /* A search knows how many cases it has only at its end: rows beyond them would be counted, and
  * stand in no file. */
 static vs_status check_count(const vs_journals *all, vs_error *err) {
@@ -518,7 +562,10 @@ vs_status vs_journal_write(const vs_journals *all, const char *folder, vs_error 
   if (!status) status = vs_file_open(&manifest, folder, "manifest.json", err);
   if (!status) status = write_rows(all, study.stream, failures.stream, err);
   if (!status) {
-    write_manifest(all, manifest.stream);
+    vs_text text = {0};
+    add_manifest(all, &text);
+    fprintf(manifest.stream, "%s\n", text.text);
+    vs_text_free(&text);
     status = vs_file_commit(&study, err);
   }
   if (!status) status = vs_file_commit(&failures, err);

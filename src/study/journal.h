@@ -41,6 +41,9 @@ typedef struct vs_journal_head {
                                1 + k % shards */
 } vs_journal_head;
 void vs_journal_head_free(vs_journal_head *head);
+/* Returns the name of the first line in which two heads differ; NULL: in none. How files and the
+ * study are named in the manifest is no difference. */
+const char *vs_journal_differs(const vs_journal_head *a, const vs_journal_head *b);
 
 typedef struct vs_journal {
   char path[VS_PATH_SIZE];
@@ -69,9 +72,9 @@ vs_status vs_journal_create(vs_journal *journal, const char *folder, vs_journal_
                             vs_error *err);
 /* Opens the journal that the folder holds and reads what is done. With `mend` the study goes on:
  * the folder is locked, and a torn last line is cut off. Errors: there is no journal; it has two
- * heads, or counts that no study has; a row does not fit its header, or a case has two different
- * rows, or the head lacks it, which the error names with their place; another process is at the
- * study. vs_journal_close even then. */
+ * heads, or one whose manifest is no JSON, or counts that no study has; a row does not fit its
+ * header, or a case has two different rows, or the head lacks it, which the error names with their
+ * place; another process is at the study. vs_journal_close even then. */
 vs_status vs_journal_open(vs_journal *journal, const char *folder, bool mend, vs_error *err);
 void vs_journal_close(vs_journal *journal);
 

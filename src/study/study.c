@@ -252,6 +252,12 @@ static vs_status go_on(session *s, vs_journal_head *head, vs_error *err) {
   if (j->head.shard != head->shard || j->head.shards != head->shards)
     return vs_fail(err, VS_INPUT, "%s: is of shard %llu/%llu: give --shard so", j->path,
                    (unsigned long long)j->head.shard, (unsigned long long)j->head.shards);
+  const char *differs = vs_journal_differs(&j->head, head);
+  if (differs)
+    return vs_fail(err, VS_INPUT,
+                   "%s: the line %s= of its head is not as this study writes it; this record was "
+                   "changed",
+                   j->path, differs);
   if (j->bad && !s->o->quiet)
     fprintf(stderr,
             "vibrospice: warning: %s: %llu torn or damaged line%s mended; what stood there is run "
