@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A study that overwrites another one leaves nothing of it in the folder, neither the report and
  * its pictures nor the runs that were kept; and nothing that is the user's own is touched. */
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -80,7 +82,49 @@ static void merged(void) {
   RUN_GOOD("merge s --quiet");
   EXPECT_FILES("s", "failures.csv i_peak_a.png journal manifest.json report.html study.csv ");
   RUN_GOOD("merge n -o s --overwrite --quiet");
+  EXPECT_FILES("s", "failures.csv manifest.json study.csv ");
+  RUN_GOOD("merge n -o s --quiet");
+  remove_tree("s");
+  remove_tree("n");
+}
+
+/* What merge does not replace unasked: all that `study` does not, with a manifest or without. */
+static void merged_over_others(void) {
+  static const char *const LEFT[] = {"study.csv", "failures.csv", "manifest.json", "journal"};
+  write_file("old.yaml", STUDIES[0]);
+  write_file("new.yaml", SET "vary: {load.fraction: [0, 0.5]}\nreport: [p_max]\n");
+  RUN_GOOD("study old.yaml -o s --quiet");
+  RUN_GOOD("study new.yaml -o n --quiet");
+  char *journal = read_file("s/journal");
+  for (size_t k = 0; k < COUNT(LEFT); k++) {
+    char path[64], at[72];
+    mkdir("d", 0777);
+    snprintf(path, sizeof path, "d/%s", LEFT[k]);
+    snprintf(at, sizeof at, "%s: ", path);
+    write_file(path, k == 3 ? journal : "mine\n");
+    refuse("merge n -o d", LEFT[k], at,
+           (const char *[]){"another study", "--overwrite replaces it"}, __LINE__);
+    char *text = read_file(path);
+    CU_ASSERT_STRING_EQUAL(text, k == 3 ? journal : "mine\n");
+    free(text);
+    RUN_GOOD("merge n -o d --overwrite --quiet");
+    EXPECT_FILES("d", "failures.csv manifest.json study.csv ");
+    RUN_GOOD("merge n -o d --quiet");
+    remove_tree("d");
+  }
+  /* a study's own folder: its journal is the shards' */
+  unlink("n/manifest.json");
+  RUN_GOOD("merge n --quiet");
+  EXPECT_FILES("n", RESULT);
+  RUN_GOOD("merge n --quiet");
+  /* not from under a process that is at its study */
+  int folder = open("s", O_RDONLY | O_CLOEXEC);
+  CU_ASSERT_EQUAL(flock(folder, LOCK_EX), 0);
+  refuse("merge n -o s --overwrite", "locked",
+         "s/journal: ", (const char *[]){"another process", NULL}, __LINE__);
+  close(folder);
   EXPECT_FILES("s", RESULT);
+  free(journal);
   remove_tree("s");
   remove_tree("n");
 }
@@ -90,6 +134,7 @@ int main(void) {
       {"nothing of it is left", nothing_is_left},
       {"the user's own stays", the_users_own},
       {"merged", merged},
+      {"merged over others", merged_over_others},
   };
   return program_suite("stale", TESTS, COUNT(TESTS));
 }

@@ -271,6 +271,18 @@ static vs_status lock_folder(vs_journal *j, const char *folder, vs_error *err) {
   return j->folder < 0 ? VS_OK : held(j, try_folder, err);
 }
 
+vs_status vs_journal_remove(const char *folder, vs_error *err) {
+  vs_journal j = {.fd = -1, .folder = -1};
+  name_file(&j, folder);
+  vs_status status = lock_folder(&j, folder, err);
+  if (!status) j.fd = open(j.path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (j.fd >= 0) status = lock(&j, err);
+  if (!status && unlink(j.path))
+    status = vs_fail(err, VS_RUN, "%s: cannot be removed: %s", j.path, strerror(errno));
+  vs_journal_close(&j);
+  return status;
+}
+
 vs_status vs_journal_create(vs_journal *j, const char *folder, vs_journal_head *head,
                             vs_error *err) {
   vs_file file = {0};
@@ -520,6 +532,19 @@ vs_status vs_journal_row(const vs_journal *j, uint64_t index, vs_text *row, bool
 }
 
 /* ---- the files ---- */
+
+const char *const vs_journal_files[VS_JOURNAL_FILES] = {"manifest.json", "study.csv",
+                                                        "failures.csv"};
+
+const char *vs_journal_result(const char *folder) {
+  char path[VS_PATH_SIZE + 16];
+  struct stat s;
+  for (size_t k = 0; k < VS_JOURNAL_FILES; k++) {
+    snprintf(path, sizeof path, "%.4000s/%s", folder, vs_journal_files[k]);
+    if (!lstat(path, &s)) return vs_journal_files[k];
+  }
+  return NULL;
+}
 
 static vs_status write_rows(const vs_journals *all, FILE *study, FILE *failures, vs_error *err) {
   const vs_journal *first = &all->item[0];

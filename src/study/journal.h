@@ -66,6 +66,8 @@ typedef struct vs_journal {
 
 /* True if the folder holds a journal. */
 bool vs_journal_exists(const char *folder);
+/* Removes the folder's journal. Errors: another process is at the study; it cannot be removed. */
+vs_status vs_journal_remove(const char *folder, vs_error *err);
 /* Begins a new journal in place of an older one. It takes the head's strings over. Errors: another
  * process is at the study in that folder; the file cannot be written. */
 vs_status vs_journal_create(vs_journal *journal, const char *folder, vs_journal_head *head,
@@ -90,6 +92,12 @@ vs_status vs_journal_flush(vs_journal *journal, bool sync, vs_error *err);
 /* Adds to row the row of a case that is done, and tells whether the case failed. */
 vs_status vs_journal_row(const vs_journal *journal, uint64_t index, vs_text *row, bool *failed,
                          vs_error *err);
+
+/* The files that vs_journal_write makes. */
+enum { VS_JOURNAL_FILES = 3 };
+extern const char *const vs_journal_files[VS_JOURNAL_FILES];
+/* Returns the name of one of them that the folder holds; NULL: it holds none. */
+const char *vs_journal_result(const char *folder);
 
 /* The journals of a whole study. */
 typedef struct vs_journals {

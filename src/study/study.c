@@ -19,9 +19,6 @@
 #include "study/stale.h"
 #include "work/jobs.h"
 
-static const char *const RESULTS[] = {"manifest.json", "study.csv", "failures.csv"};
-enum { N_RESULTS = sizeof RESULTS / sizeof *RESULTS };
-
 /* A study under way. */
 typedef struct session {
   const vs_study_options *o;
@@ -29,9 +26,9 @@ typedef struct session {
   vs_journal journal;
   vs_jobs *jobs;
   char folder[VS_PATH_SIZE], keep[VS_PATH_SIZE + 8];
-  char own[N_RESULTS + 1][VS_PATH_SIZE + 16]; /* without -o: the files in the folder, and their
-                                                 journal, to be removed */
-  int made;                                   /* how many folders were made for the output */
+  char own[VS_JOURNAL_FILES + 1][VS_PATH_SIZE + 16]; /* without -o: the files in the folder, and
+                                                 their journal, to be removed */
+  int made;                                          /* how many folders were made for the output */
   uint64_t next, until; /* cases to deal; of a search those of the present generation */
   uint64_t total;       /* cases of this shard, for the progress */
   uint64_t before;      /* how many were done when this process began */
@@ -202,27 +199,16 @@ static vs_status run_adaptive(session *s, uint64_t *count, vs_error *err) {
 
 static void remove_result(const char *folder) {
   char path[VS_PATH_SIZE + 16];
-  for (size_t k = 0; k < N_RESULTS; k++) {
-    snprintf(path, sizeof path, "%s/%s", folder, RESULTS[k]);
+  for (size_t k = 0; k < VS_JOURNAL_FILES; k++) {
+    snprintf(path, sizeof path, "%s/%s", folder, vs_journal_files[k]);
     unlink(path);
   }
-}
-
-/* Returns the name of a result that the folder holds; NULL: it holds none. */
-static const char *find_result(const char *folder) {
-  char path[VS_PATH_SIZE + 16];
-  struct stat s;
-  for (size_t k = 0; k < N_RESULTS; k++) {
-    snprintf(path, sizeof path, "%s/%s", folder, RESULTS[k]);
-    if (!lstat(path, &s)) return RESULTS[k];
-  }
-  return NULL;
 }
 
 /* Error: the folder holds a study's result, which may be hours of work and is not thrown away
  * unasked. */
 static vs_status check_free(const session *s, bool journal, vs_error *err) {
-  const char *result = find_result(s->folder);
+  const char *result = vs_journal_result(s->folder);
   if (s->o->overwrite || (!journal && !result)) return VS_OK;
   if (!journal)
     return vs_fail(err, VS_INPUT,
@@ -308,9 +294,9 @@ static vs_status make_own_folder(session *s, vs_error *err) {
   if (made) vs_leave_remove(s->folder);
   vs_leave_release(&before);
   if (!made) return vs_fail(err, VS_RUN, "%s: cannot be made: %s", s->folder, strerror(why));
-  for (size_t k = 0; k <= N_RESULTS; k++) {
+  for (size_t k = 0; k <= VS_JOURNAL_FILES; k++) {
     snprintf(s->own[k], sizeof s->own[k], "%s/%s", s->folder,
-             k < N_RESULTS ? RESULTS[k] : "journal");
+             k < VS_JOURNAL_FILES ? vs_journal_files[k] : "journal");
     vs_leave_remove(s->own[k]);
   }
   return VS_OK;
@@ -335,7 +321,7 @@ static void show_file(const session *s, const char *name, bool header, FILE *out
 }
 
 static void discard_folder(const session *s) {
-  for (size_t k = 0; k <= N_RESULTS; k++) {
+  for (size_t k = 0; k <= VS_JOURNAL_FILES; k++) {
     unlink(s->own[k]);
     vs_leave_forget(s->own[k]);
   }
