@@ -51,6 +51,15 @@ static void the_users_own(void) {
   RUN_GOOD("study old.yaml -o s --quiet --keep runs");
   write_file("s/notes.html", "mine");
   write_file("s/i_peak.png", "mine");
+  write_file("s/id.png", "mine"); /* named after columns of which the report draws no picture */
+  write_file("s/status.png", "mine");
+  write_file("s/firing.angle_deg.png", "mine");
+  write_file("s/cloud_firing.angle_deg.png", "mine");
+  write_file("s/over_i_peak_a.png", "mine");
+  mkdir("s/runs/77", 0777); /* the study has no such case */
+  write_file("s/runs/77/run.csv", "mine");
+  mkdir("s/runs/01", 0777);
+  write_file("s/runs/01/run.csv", "mine");
   write_file("s/runs/0/notes.txt", "mine");
   write_file("else.png", "mine");
   write_file("report", "mine");
@@ -60,15 +69,35 @@ static void the_users_own(void) {
   CU_ASSERT_EQUAL(symlink("../report", "s/report.html"), 0);
   CU_ASSERT_EQUAL(symlink("../../other", "s/runs/7"), 0);
   RUN_GOOD("study old.yaml -o s --overwrite --quiet");
-  EXPECT_FILES("s", "failures.csv i_peak.png i_peak_a.png journal manifest.json notes.html "
-                    "report.html runs study.csv ");
-  EXPECT_FILES("s/runs", "0 7 ");
+  EXPECT_FILES("s", "cloud_firing.angle_deg.png failures.csv firing.angle_deg.png i_peak.png "
+                    "i_peak_a.png id.png journal manifest.json notes.html over_i_peak_a.png "
+                    "report.html runs status.png study.csv ");
+  EXPECT_FILES("s/runs", "0 01 7 77 ");
+  EXPECT_FILES("s/runs/77", "run.csv ");
   EXPECT_FILES("s/runs/0", "notes.txt ");
   EXPECT_FILES("other", "run.csv ");
   char *text = read_file("else.png");
   CU_ASSERT_STRING_EQUAL(text, "mine");
   free(text);
   remove_tree("s");
+}
+
+/* Which cases the old study had is told by its journal, or else by its files. */
+static void kept_runs(void) {
+  for (int journal = 0; journal < 2; journal++) {
+    write_file("old.yaml", STUDIES[0]);
+    RUN_GOOD("study old.yaml -o s --quiet --keep runs");
+    mkdir("s/runs/2", 0777);
+    write_file("s/runs/2/run.csv", "mine");
+    EXPECT_FILES("s/runs", "0 1 2 ");
+    if (journal) { /* it was broken off */
+      unlink("s/study.csv"), unlink("s/failures.csv"), unlink("s/manifest.json");
+    } else
+      unlink("s/journal");
+    RUN_GOOD("study old.yaml -o s --overwrite --quiet");
+    EXPECT_FILES("s/runs", "2 ");
+    remove_tree("s");
+  }
 }
 
 /* merge over another study's result; over its own the report stays what it was. */
@@ -133,6 +162,7 @@ int main(void) {
   static const vs_test TESTS[] = {
       {"nothing of it is left", nothing_is_left},
       {"the user's own stays", the_users_own},
+      {"kept runs", kept_runs},
       {"merged", merged},
       {"merged over others", merged_over_others},
   };

@@ -433,7 +433,7 @@ vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error
   name_file(j, folder);
   vs_status status = mend ? lock_folder(j, folder, err) : VS_OK;
   if (status) return status;
-  j->fd = open(j->path, (mend ? O_RDWR | O_NOFOLLOW : O_RDONLY) | O_CLOEXEC);
+  j->fd = open(j->path, (mend ? O_RDWR | O_NOFOLLOW : O_RDONLY) | O_NONBLOCK | O_CLOEXEC);
   if (j->fd < 0)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", j->path, strerror(errno));
   if (mend)
@@ -475,6 +475,10 @@ void vs_journal_close(vs_journal *j) {
 
 bool vs_journal_has(const vs_journal *j, uint64_t index) {
   return own(j, index) < j->room && j->place[own(j, index)];
+}
+
+bool vs_journal_had(const vs_journal *j, uint64_t index) {
+  return is_own(j, index) && (j->head.cases || vs_journal_has(j, index));
 }
 
 vs_status vs_journal_add(vs_journal *j, uint64_t index, int status, const char *row, size_t length,

@@ -80,6 +80,9 @@ vs_status vs_journal_create(vs_journal *journal, const char *folder, vs_journal_
 vs_status vs_journal_open(vs_journal *journal, const char *folder, bool mend, vs_error *err);
 void vs_journal_close(vs_journal *journal);
 
+/* True if the journal's study has that case, as far as that is known: a search knows only those
+ * that are done. */
+bool vs_journal_had(const vs_journal *journal, uint64_t index);
 /* True if the case is done. It must be one of the shard's. */
 bool vs_journal_has(const vs_journal *journal, uint64_t index);
 /* Adds the row of a case, as the CSV file has it but without a newline. status is VS_CASE_... of

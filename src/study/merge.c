@@ -123,15 +123,12 @@ static vs_status check_shards(const shards *all, vs_error *err) {
   return VS_OK;
 }
 
-/* other: the folder holds another study's result. */
-static vs_status write_merged(const shards *all, const char *folder, bool other, bool quiet,
-                              vs_error *err) {
+static vs_status write_merged(const shards *all, const char *folder, bool quiet, vs_error *err) {
   int made;
   uint64_t done = 0, failed = 0, violated = 0;
   const vs_journals journals = {all->item, all->count, all->item[0].head.cases, NULL};
   vs_status status = vs_file_folder_make(folder, &made, err);
   if (status) return status;
-  if (other) vs_stale_remove(folder);
   status = vs_journal_write(&journals, folder, err);
   if (status) vs_file_folder_unmake(folder, made);
   if (status) return status;
@@ -194,6 +191,19 @@ static others find_others(const char *folder, const vs_journal_head *head) {
   return (others){has_other_journal(folder, head), has_other_result(folder, head)};
 }
 
+/* Removes another study's journal, and what else it left there but its result, which is replaced.
+ */
+static vs_status remove_others(const char *folder, const others *o, vs_error *err) {
+  vs_journal old;
+  vs_error none = {0};
+  const bool there = vs_journal_exists(folder);
+  const bool known = there && !vs_journal_open(&old, folder, false, &none);
+  vs_status status = o->journal ? vs_journal_remove(folder, err) : VS_OK;
+  if (!status) vs_stale_remove(folder, known && o->journal ? &old : NULL);
+  if (there) vs_journal_close(&old);
+  return status;
+}
+
 static vs_status check_free(const char *folder, const others *o, vs_error *err) {
   const char *name = o->journal ? "journal" : o->result ? vs_journal_result(folder) : NULL;
   return name ? vs_fail(err, VS_INPUT,
@@ -217,8 +227,8 @@ vs_status vs_merge_command(const vs_merge_options *o, vs_error *err) {
   others other = {0};
   if (!status) other = find_others(folder, &all.item[0].head);
   if (!status && !o->overwrite) status = check_free(folder, &other, err);
-  if (!status && other.journal) status = vs_journal_remove(folder, err);
-  if (!status) status = write_merged(&all, folder, other.journal || other.result, o->quiet, err);
+  if (!status && (other.journal || other.result)) status = remove_others(folder, &other, err);
+  if (!status) status = write_merged(&all, folder, o->quiet, err);
   for (size_t k = 0; k < all.count; k++) vs_journal_close(&all.item[k]);
   free(all.item);
   return status;
