@@ -433,7 +433,7 @@ vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error
   name_file(j, folder);
   vs_status status = mend ? lock_folder(j, folder, err) : VS_OK;
   if (status) return status;
-  j->fd = open(j->path, (mend ? O_RDWR | O_NOFOLLOW : O_RDONLY) | O_NONBLOCK | O_CLOEXEC);
+  j->fd = open(j->path, (mend ? O_RDWR | O_NOFOLLOW : O_RDONLY) | O_CLOEXEC);
   if (j->fd < 0)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", j->path, strerror(errno));
   if (mend)
@@ -459,6 +459,14 @@ vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error
   if (!status && mend && ftruncate(j->fd, (off_t)j->end))
     status = vs_fail(err, VS_RUN, "%s: cannot be written: %s", j->path, strerror(errno));
   return status;
+}
+
+bool vs_journal_peek(vs_journal *j, const char *folder) {
+  struct stat s;
+  vs_error none = {0};
+  *j = (vs_journal){.fd = -1, .folder = -1};
+  name_file(j, folder);
+  return !stat(j->path, &s) && S_ISREG(s.st_mode) && !vs_journal_open(j, folder, false, &none);
 }
 
 void vs_journal_close(vs_journal *j) {

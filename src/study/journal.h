@@ -78,6 +78,9 @@ vs_status vs_journal_create(vs_journal *journal, const char *folder, vs_journal_
  * header, or a case has two different rows, or the head lacks it, which the error names with their
  * place; another process is at the study. vs_journal_close even then. */
 vs_status vs_journal_open(vs_journal *journal, const char *folder, bool mend, vs_error *err);
+/* The same for one that gives way to another study, whatever stands there: false, it is no journal,
+ * or no plain file. */
+bool vs_journal_peek(vs_journal *journal, const char *folder);
 void vs_journal_close(vs_journal *journal);
 
 /* True if the journal's study has that case, as far as that is known: a search knows only those

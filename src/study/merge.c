@@ -161,9 +161,8 @@ static bool is_of(const char *manifest, const vs_journal_head *head) {
 /* Does the folder hold another study's journal, or one that cannot be read? */
 static bool has_other_journal(const char *folder, const vs_journal_head *head) {
   vs_journal j;
-  vs_error none = {0};
   if (!vs_journal_exists(folder)) return false;
-  bool other = vs_journal_open(&j, folder, false, &none) || !is_same_study(&j.head, head);
+  bool other = !vs_journal_peek(&j, folder) || !is_same_study(&j.head, head);
   vs_journal_close(&j);
   return other;
 }
@@ -195,12 +194,10 @@ static others find_others(const char *folder, const vs_journal_head *head) {
  */
 static vs_status remove_others(const char *folder, const others *o, vs_error *err) {
   vs_journal old;
-  vs_error none = {0};
-  const bool there = vs_journal_exists(folder);
-  const bool known = there && !vs_journal_open(&old, folder, false, &none);
+  const bool known = vs_journal_peek(&old, folder);
   vs_status status = o->journal ? vs_journal_remove(folder, err) : VS_OK;
   if (!status) vs_stale_remove(folder, known && o->journal ? &old : NULL);
-  if (there) vs_journal_close(&old);
+  vs_journal_close(&old);
   return status;
 }
 

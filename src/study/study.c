@@ -253,14 +253,13 @@ static vs_status go_on(session *s, vs_journal_head *head, vs_error *err) {
 }
 
 /* Begins a new journal, and removes what the folder has of an older study. */
-static vs_status begin_anew(session *s, bool there, vs_journal_head *head, vs_error *err) {
+static vs_status begin_anew(session *s, vs_journal_head *head, vs_error *err) {
   vs_journal old;
-  vs_error none = {0};
-  const bool known = there && !vs_journal_open(&old, s->folder, false, &none);
+  const bool known = vs_journal_peek(&old, s->folder);
   vs_status status = vs_journal_create(&s->journal, s->folder, head, err);
   if (!status) vs_stale_remove(s->folder, known ? &old : NULL);
   if (!status) remove_result(s->folder);
-  if (there) vs_journal_close(&old);
+  vs_journal_close(&old);
   return status;
 }
 
@@ -284,7 +283,7 @@ static vs_status open_journal(session *s, vs_error *err) {
     status = go_on(s, &head, err);
   else if (!status)
     status = check_free(s, there, err);
-  if (!status && !(there && s->o->resume)) status = begin_anew(s, there, &head, err);
+  if (!status && !(there && s->o->resume)) status = begin_anew(s, &head, err);
   vs_journal_head_free(&head);
   return status;
 }
