@@ -244,7 +244,7 @@ static char *ids_in(const char *path) {
   vs_text_add(&ids, "%s", "");
   strsep(&rest, "\n");
   while ((line = strsep(&rest, "\n")) && *line)
-    vs_text_add(&ids, "%s ", vs_csv_split(line, cell, COUNT(cell)) > 2 ? cell[1] : "?");
+    vs_text_add(&ids, "%s ", vs_csv_split(line, cell, COUNT(cell), NULL) > 2 ? cell[1] : "?");
   free(csv);
   return ids.text;
 }

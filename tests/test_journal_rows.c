@@ -40,6 +40,84 @@ static void make_study(void) {
   mkdir("j", 0777);
 }
 
+/* Goes on with the study whose journal is j/journal, which must be refused. */
+static void refuse_to_go_on(const char *study, const char *what, const char *says, int line) {
+  char words[64];
+  snprintf(words, sizeof words, "study %s -o j --resume", study);
+  refuse(words, what, "j/journal: ", (const char *[]){says, NULL}, line);
+}
+
+/* The line of s/journal that has this case's row, without its sum; free() it. */
+static char *row_of(const char *path, int index) {
+  char *text = read_file(path), begin[32];
+  snprintf(begin, sizeof begin, " = %d,", index);
+  char *row = strstr(text, begin);
+  CU_ASSERT_PTR_NOT_NULL_FATAL(row);
+  row[strcspn(row, "\n")] = '\0';
+  char *copy = strdup(row + 1);
+  free(text);
+  return copy;
+}
+
+/* The program has the plan where it goes on: a row whose id or axes are those of another case is
+ * none of this one's. */
+static void rows_of_other_cases(void) {
+  char *head = head_of("s/journal"), *zero = row_of("s/journal", 0), *one = row_of("s/journal", 1);
+  char *moved = strdup(zero), *measures = strstr(one, ",110,");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(measures);
+  moved[2] = '1'; /* case 0 under the index 1 */
+  write_journal(head, (const char *[]){zero, moved, NULL});
+  refuse_to_go_on("a.yaml", "moved", "case 1: its firing.angle_deg is 110; its row has '100'",
+                  __LINE__);
+  vs_text other = {0};
+  vs_text_add(&other, "= 1,%.16s%s", zero + 4, measures); /* case 0's id */
+  write_journal(head, (const char *[]){zero, other.text, NULL});
+  refuse_to_go_on("a.yaml", "id", "case 1: its id is '", __LINE__);
+  other.length = 0; /* another machine may round the last digit otherwise, and has another id */
+  vs_text_add(&other, "= 1,0123456789abcdee,110.000000001%s", measures + 4);
+  write_journal(head, (const char *[]){zero, other.text, NULL});
+  RUN_GOOD("study a.yaml -o j --resume --quiet");
+  write_journal(head, (const char *[]){zero, one, NULL});
+  RUN_GOOD("study a.yaml -o j --resume --quiet");
+  remove_tree("j");
+  mkdir("j", 0777);
+  vs_text_free(&other);
+  free(head), free(zero), free(one), free(moved);
+}
+
+/* A search asks for its cases by the results so far, and so do the rows of the journal. */
+static void rows_of_a_search(void) {
+  write_file("w.yaml", "set: {run.until: 20 ms, run.tier: switched}\n"
+                       "vary: {firing.angle: {lin: [90 deg, 120 deg], n: 4}, supply.voltage: "
+                       "{lin: [400 V, 440 V], n: 4}}\nfind: {worst: max i_peak}\n");
+  RUN_GOOD("study w.yaml -o w --quiet");
+  char *text = read_file("w/journal"), *row = strstr(text, " = 1,"), *end = strchr(row, '\n');
+  CU_ASSERT_PTR_NOT_NULL_FATAL(row);
+  vs_text journal = {0};
+  char line[1024], *second = strchr(strchr(row, ',') + 1, ',') + 1;
+  vs_text_add(&journal, "%.*s", (int)(row - 8 - text), text);
+  snprintf(line, sizeof line, "= 1,0123456789abcdef,95.5%.*s", (int)(end - strchr(second, ',')),
+           strchr(second, ','));
+  add_line(&journal, line);
+  vs_text_add(&journal, "%s", end + 1);
+  write_file("j/journal", journal.text);
+  refuse_to_go_on("w.yaml", "search", "case 1: its firing.angle_deg is ", __LINE__);
+  journal.length = 0; /* a case behind the last one */
+  vs_text_add(&journal, "%s", text);
+  snprintf(line, sizeof line, "= 5000,%.*s", (int)(end - strchr(row, ',') - 1),
+           strchr(row, ',') + 1);
+  add_line(&journal, line);
+  write_file("j/journal", journal.text);
+  refuse_to_go_on("w.yaml", "search", "and the study ", __LINE__);
+  write_file("j/journal", text);
+  RUN_GOOD("study w.yaml -o j --resume --quiet");
+  remove_tree("j");
+  mkdir("j", 0777);
+  remove_tree("w");
+  vs_text_free(&journal);
+  free(text);
+}
+
 #define GOOD_0 "= 0,0123456789abcdef,100,halfwave_snubbed,0.84,,,,0,0,,0"
 #define GOOD_1 "= 1,0123456789abcdee,110,halfwave_snubbed,0.70,,,,0,0,,0"
 
@@ -67,6 +145,15 @@ static void rows_of_another_shape(void) {
       {"= one,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "'one'; a whole number"},
       {"= 01,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "'01'"},
       {"= -1,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "'-1'"},
+      /* what another reader of study.csv would cut otherwise */
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,\"0", ":9:50: ", "no closing quote"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,\",0", ":9:49: ", "no closing quote"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,,\"0\"0", ":9:50: ", "a comma is wanted"},
+      {"= 1,x,110,halfwave_snubbed,0.70,,,,0,0,a\rb,0", ":9:50: ", "a line end"},
+      /* cases that the study, of two cases, does not have */
+      {"= 2,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "its case is none"},
+      {"= 18446744073709551617,x,110,halfwave_snubbed,0.70,,,,0,0,,0", ":9:12: ", "its case is"},
+      {"! 4294967296,x,110,halfwave_snubbed,1,it did not", ":9:12: ", "its case is none"},
   };
   char *head = head_of("s/journal");
   for (size_t k = 0; k < COUNT(BAD); k++) {
@@ -102,6 +189,94 @@ static void two_rows_of_a_case(void) {
   free(head);
 }
 
+/* The head with `from` in the place of `to` in one of its lines, whose sum is made again; free()
+ * it.
+ */
+static char *changed_head(const char *head, const char *from, const char *to) {
+  vs_text all = {0}, line = {0};
+  for (const char *s = head; *s; s += strcspn(s, "\n") + 1) {
+    const char *end = s + strcspn(s, "\n"), *at = strstr(s, from);
+    line.length = 0;
+    if (at && at < end)
+      vs_text_add(&line, "%.*s%s%.*s", (int)(at - s - 9), s + 9, to,
+                  (int)(end - at - (ptrdiff_t)strlen(from)), at + strlen(from));
+    else
+      vs_text_add(&line, "%.*s", (int)(end - s - 9), s + 9);
+    add_line(&all, line.text);
+  }
+  vs_text_free(&line);
+  CU_ASSERT_STRING_NOT_EQUAL(all.text, head);
+  return all.text;
+}
+
+/* Right sums over a head that is not the study's. */
+static void heads_of_others(void) {
+  static const struct {
+    const char *from, *to, *says;
+  } BAD[] = {{"columns=case,id,firing.angle_deg,circuit.deck,i_peak_a",
+              "columns=case,id,firing.angle_deg,circuit.deck,i_rms_a", "line columns= of its head"},
+             {"status,why", "status,when", "line failures= of its head"},
+             {"counts=2 1 1", "counts=3 1 1", "line counts= of its head"},
+             {"counts=2 1 1", "counts=0 1 1", "line counts= of its head"},
+             {"counts=2 1 1", "counts=2 1 2", "is of shard 1/2"},
+             {"\"unit\": \"A\"", "\"unit\": \"V\"", "line manifest_end= of its head"},
+             {"\"seed\": 0", "\"seed\": 7", "line manifest_begin= of its head"}};
+  static const char *const NO_JSON[][2] = {
+      {"\"unit\": \"A\"", "\"unit\": \"A"}, {"\"unit\": \"A\"", "\"unit\": A"},
+      {"\"axes\": [", "\"axes\": "},        {"\"seed\": 0", "\"seed\": 0}"},
+      {"\"seed\": 0", "\"seed\": 01"},      {"\"seed\": 0", "\"seed\": 0,"}};
+  char *head = head_of("s/journal");
+  for (size_t k = 0; k < COUNT(BAD); k++) {
+    char *changed = changed_head(head, BAD[k].from, BAD[k].to);
+    write_journal(changed, (const char *[]){NULL});
+    refuse_to_go_on("a.yaml", BAD[k].to, BAD[k].says, __LINE__);
+    free(changed);
+  }
+  for (size_t k = 0; k < COUNT(NO_JSON); k++) {
+    char *changed = changed_head(head, NO_JSON[k][0], NO_JSON[k][1]);
+    write_journal(changed, (const char *[]){GOOD_0, GOOD_1, NULL});
+    refuse("merge j -o m", NO_JSON[k][1], "j/journal: ", (const char *[]){"manifest.json", NULL},
+           __LINE__);
+    free(changed);
+  }
+  free(head);
+}
+
+/* The same study under another name, and with names that hold what a journal writes otherwise. */
+static void its_own_head(void) {
+  write_file("b.yaml",
+             "set: {run.until: 20 ms, run.tier: switched, events: {'a\\n\"b': {kind: sag, "
+             "cycle: 1}}}\nvary: {'events.a\\n\"b.level': [40 %, 80 %]}\n"
+             "report: [i_peak]\n");
+  RUN_GOOD("study b.yaml -o b --quiet");
+  char *csv = read_file("b/study.csv"), *manifest = read_file("b/manifest.json");
+  RUN_GOOD("study ./b.yaml -o b --resume --quiet");
+  char *again = read_file("b/study.csv"), *manifest_again = read_file("b/manifest.json");
+  CU_ASSERT_STRING_EQUAL(csv, again);
+  CU_ASSERT_STRING_EQUAL(manifest, manifest_again);
+  RUN_GOOD("merge b -o m --quiet");
+  free(again);
+  again = read_file("m/study.csv");
+  CU_ASSERT_STRING_EQUAL(csv, again);
+  remove_tree("b"), remove_tree("m");
+  free(csv), free(manifest), free(again), free(manifest_again);
+}
+
+/* A row is counted by what its cells say, with quotes around them or without. */
+static void cells_in_quotes(void) {
+  char *head = head_of("s/journal");
+  write_journal(head,
+                (const char *[]){GOOD_0, "= \"1\",x,110,halfwave_snubbed,0.7,,,,0,0,,\"3\"", NULL});
+  ran r = run("merge j -o m --quiet");
+  EXPECT(r.status == 3, "%d %s", r.status, r.err);
+  free_ran(&r);
+  char *manifest = read_file("m/manifest.json");
+  EXPECT(strstr(manifest, "\"violated\": 1"), "%s", manifest);
+  free(manifest);
+  remove_tree("m");
+  free(head);
+}
+
 /* The rows that the program writes fit, whatever they hold: a failed case, a name with commas,
  * a verdict with its margins and errors. */
 static void own_rows(void) {
@@ -127,6 +302,11 @@ int main(void) {
       {"a study to take a head from", make_study},
       {"rows of another shape", rows_of_another_shape},
       {"two rows of one case", two_rows_of_a_case},
+      {"cells in quotes", cells_in_quotes},
+      {"rows of other cases", rows_of_other_cases},
+      {"rows of a search", rows_of_a_search},
+      {"heads of others", heads_of_others},
+      {"its own head", its_own_head},
       {"rows of the program's own", own_rows},
   };
   return program_suite("journal_rows", TESTS, COUNT(TESTS));

@@ -69,7 +69,7 @@ static void one_verdict_through_both_doors(void) {
                                                      "circuit.r1=330ohm --json --quiet");
   char *row = strchr(study.out, '\n'), *cell[16], want[128];
   CU_ASSERT_PTR_NOT_NULL_FATAL(row);
-  CU_ASSERT_EQUAL_FATAL(vs_csv_split(row + 1, cell, 16), 11);
+  CU_ASSERT_EQUAL_FATAL(vs_csv_split(row + 1, cell, 16, NULL), 11);
   snprintf(want, sizeof want, "\"margin\": %s, \"margin_error\": %s", cell[4], cell[5]);
   EXPECT(strstr(one.out, want), "%s in %s", want, one.out);
   snprintf(want, sizeof want, "\"rung\": {\"number\": %s,", cell[7]);

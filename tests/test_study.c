@@ -18,9 +18,9 @@
 #include "base/hash.h"
 #include "method/methods.h"
 #include "program.h"
+#include "study/journal.h"
 #include "work/case.h"
 #include "work/identity.h"
-#include "study/journal.h"
 
 /* Fast: switched, 12 x 10 cases of 0.1 s; the last angle of each voltage is below theta, and some
  * of them meet the pole cover. */
@@ -101,7 +101,7 @@ static void cells(void) {
   vs_text_add(&row, ",,");
   vs_csv_cell(&row, "plain");
   CU_ASSERT_STRING_EQUAL(row.text, "\"a,b\",\"say \"\"x\"\"\",,plain");
-  CU_ASSERT_EQUAL_FATAL(vs_csv_split(row.text, cell, 8), 4);
+  CU_ASSERT_EQUAL_FATAL(vs_csv_split(row.text, cell, 8, NULL), 4);
   CU_ASSERT_STRING_EQUAL(cell[0], "a,b");
   CU_ASSERT_STRING_EQUAL(cell[1], "say \"x\"");
   CU_ASSERT_STRING_EQUAL(cell[2], "");
@@ -148,7 +148,7 @@ static void a_case_is_a_run(void) {
   ran r = run("study g.yaml");
   char *cell[16], *row = strstr(r.out, "\n1,");
   CU_ASSERT_PTR_NOT_NULL_FATAL(row);
-  CU_ASSERT_EQUAL_FATAL(vs_csv_split(row + 1, cell, 16), 13);
+  CU_ASSERT_EQUAL_FATAL(vs_csv_split(row + 1, cell, 16, NULL), 13);
   ran one = run("run paper --set circuit.deck=halfwave_paper --set run.until=12ms --set "
                 "circuit.r1=100ohm --set firing.angle=110deg --json --quiet --reproducible");
   char want[128];
@@ -427,7 +427,7 @@ static void one_circuit_for_many(void) {
     CU_ASSERT_PTR_NOT_NULL_FATAL(line);
     free_ran(&r);
     snprintf(text, sizeof text, "%s", row[o][o]);
-    CU_ASSERT_EQUAL_FATAL(vs_csv_split(text, cell, COUNT(cell)), 14);
+    CU_ASSERT_EQUAL_FATAL(vs_csv_split(text, cell, COUNT(cell), NULL), 14);
     CU_ASSERT(atof(cell[4]) > 5); /* A2s: it did melt */
   }
   CU_ASSERT_STRING_EQUAL(row[0][0], row[1][1]);

@@ -49,9 +49,24 @@ static cell take_cell(char **rest, bool trim) {
   return c;
 }
 
-size_t vs_csv_split(char *row, char **cells, size_t most) {
+/* Returns what is wrong with a cell; NULL: nothing is. */
+static const char *flaw_of(const cell *c) {
+  return c->open    ? "a cell in quotes that has no closing quote"
+         : c->stray ? "behind a cell in quotes a comma is wanted"
+                    : NULL;
+}
+
+size_t vs_csv_split(char *row, char **cells, size_t most, vs_csv_flaw *flaw) {
+  const char *begin = row, *end = strpbrk(row, "\r\n");
+  vs_csv_flaw first = {0};
   size_t n = 0;
-  while (row && n < most) cells[n++] = take_cell(&row, false).text;
+  if (end) first = (vs_csv_flaw){"a line end inside a row", (size_t)(end - row)};
+  while (row && n < most) {
+    const cell c = take_cell(&row, false);
+    if (!first.why) first = (vs_csv_flaw){flaw_of(&c), (size_t)(c.begin - begin)};
+    cells[n++] = c.text;
+  }
+  if (flaw) *flaw = first;
   return n;
 }
 
@@ -158,8 +173,8 @@ static vs_status cut(vs_csv *csv, vs_error *err) {
     const size_t begin = (size_t)(c.begin - csv->text);
     while (line + 1 < csv->n_lines && csv->begins[line + 1] <= begin) line++;
     const vs_where where = {csv->file, csv->line + (int)line, (int)(begin - csv->begins[line]) + 1};
-    if (c.open) return vs_fail_at(err, where, "a cell in quotes that has no closing quote");
-    if (c.stray) return vs_fail_at(err, where, "behind a cell in quotes a comma is wanted");
+    const char *why = flaw_of(&c);
+    if (why) return vs_fail_at(err, where, "%s", why);
     csv->cell[csv->count] = c.text;
     csv->where[csv->count++] = where;
   }

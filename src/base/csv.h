@@ -38,9 +38,17 @@ void vs_csv_free(vs_csv *csv);
 /* True if the row holds nothing but blanks. */
 bool vs_csv_is_blank(const vs_csv *csv);
 
+/* What is wrong with a row. */
+typedef struct vs_csv_flaw {
+  const char *why; /* NULL: nothing is */
+  size_t at;       /* where in the row, from 0 */
+} vs_csv_flaw;
+
 /* Cuts a row that is in memory, and has no line end, into its cells; quotes are taken off in place.
- * Returns how many there are, at most `most`. */
-size_t vs_csv_split(char *row, char **cells, size_t most);
+ * Returns how many there are, at most `most`. *flaw is the first thing that is wrong with them, as
+ * vs_csv_next refuses it, or a line end, which another reader would take for the row's; NULL: it
+ * does not matter. */
+size_t vs_csv_split(char *row, char **cells, size_t most, vs_csv_flaw *flaw);
 
 /* Adds one cell, in quotes where a comma, a quote or a line break asks for them. A line break is
  * written as a blank, so that each row of ours is one line. */

@@ -113,6 +113,9 @@ vs_status vs_file_open(vs_file *file, const char *folder, const char *name, vs_e
     return vs_fail(err, VS_INPUT, "%s/%s: too long a name", folder, name);
   const char *slash = strrchr(file->path, '/');
   int size = slash ? (int)(slash - file->path) + 1 : 0;
+  struct stat s;
+  if (!lstat(file->path, &s) && S_ISDIR(s.st_mode)) /* so that no other file is replaced before */
+    return vs_fail(err, VS_INPUT, "%s: cannot be written: %s", file->path, strerror(EISDIR));
   char place[VS_PATH_SIZE];
   snprintf(place, sizeof place, "%.*s", size, file->path);
   remove_all_stale(place);

@@ -23,7 +23,7 @@ vs_status vs_file_folder_make(const char *folder, int *made, vs_error *err);
 void vs_file_folder_unmake(const char *folder, int made);
 
 /* Begins the file folder/name; an empty folder is the working directory. Error: VS_INPUT, it cannot
- * be written. */
+ * be written, also where a folder has its name. */
 vs_status vs_file_open(vs_file *file, const char *folder, const char *name, vs_error *err);
 
 /* Flushes the file to the disk and gives it its final name. Whatever had that name is replaced; a

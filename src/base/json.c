@@ -112,3 +112,91 @@ void vs_json_null(vs_json *json, const char *key) {
 void vs_json_same_row(vs_json *json) {
   json->same_row = true;
 }
+
+/* ---- checking ---- */
+
+static const char BLANKS[] = " \t\r\n", DIGITS[] = "0123456789";
+
+const char *vs_json_string_end(const char *text) {
+  const char *s = text;
+  if (*s++ != '"') return NULL;
+  for (; *s != '"'; s++) {
+    if ((unsigned char)*s < ' ') return NULL; /* the text's end, too */
+    if (*s != '\\') continue;
+    s++;
+    if (!*s || !strchr("\"\\/bfnrtu", *s)) return NULL;
+    if (*s == 'u' && strspn(s + 1, "0123456789abcdefABCDEF") < 4) return NULL;
+  }
+  return s + 1;
+}
+
+/* Each of these returns where the thing that begins at s ends; NULL: it is none. */
+
+static const char *end_of_digits(const char *s) {
+  size_t n = strspn(s, DIGITS);
+  return n ? s + n : NULL;
+}
+
+static const char *end_of_number(const char *s) {
+  s += *s == '-';
+  s = *s == '0' ? s + 1 : end_of_digits(s);
+  if (s && *s == '.') s = end_of_digits(s + 1);
+  if (!s || (*s != 'e' && *s != 'E')) return s;
+  s++;
+  return end_of_digits(s + (*s == '+' || *s == '-'));
+}
+
+static const char *end_of_word(const char *s) {
+  static const char *const WORDS[] = {"true", "false", "null"};
+  for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
+    if (!strncmp(s, WORDS[k], strlen(WORDS[k]))) return s + strlen(WORDS[k]);
+  return NULL;
+}
+
+/* Of what is neither an object nor an array. */
+static const char *end_of_plain(const char *s) {
+  if (*s == '"') return vs_json_string_end(s);
+  return *s == '-' || strspn(s, DIGITS) ? end_of_number(s) : end_of_word(s);
+}
+
+/* Of a member's name in an object, and the colon behind it. */
+static const char *end_of_name(const char *s) {
+  s = vs_json_string_end(s);
+  if (s) s += strspn(s, BLANKS);
+  return s && *s == ':' ? s + 1 + strspn(s + 1, BLANKS) : NULL;
+}
+
+bool vs_json_is_whole(const char *text) {
+  char close[VS_JSON_DEPTH]; /* of what is open */
+  int depth = 0;
+  const char *s = text + strspn(text, BLANKS);
+  for (bool value = true; s; s += strspn(s, BLANKS)) { /* value: one may begin at s */
+    const char open = *s;
+    if (value && (open == '{' || open == '[')) {
+      if (depth == VS_JSON_DEPTH) return false;
+      close[depth++] = open == '{' ? '}' : ']';
+      s += 1 + strspn(s + 1, BLANKS);
+      value = *s != close[depth - 1]; /* it may be empty */
+      if (value && open == '{') s = end_of_name(s);
+      if (!s) return false;
+      continue;
+    }
+    if (value) {
+      s = end_of_plain(s);
+      value = false;
+    } else if (!depth)
+      return !*s;
+    else if (*s == close[depth - 1]) {
+      depth--;
+      s++;
+    } else if (*s != ',')
+      return false;
+    else {
+      s += 1 + strspn(s + 1, BLANKS);
+      if (close[depth - 1] == '}') s = end_of_name(s);
+      value = true;
+    }
+    if (!s) return false;
+  }
+  return false;
+}

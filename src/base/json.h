@@ -50,6 +50,12 @@ void vs_json_key(vs_json *json, const char *key);
 /* Keeps the next member of a VS_JSON_LINES on the line of the one before it. */
 void vs_json_same_row(vs_json *json);
 
+/* Returns where the string that begins at text, with its opening quote, ends, behind its closing
+ * one; NULL: it is none. */
+const char *vs_json_string_end(const char *text);
+/* True if the text is one JSON value, blanks around it, with at most VS_JSON_DEPTH levels. */
+bool vs_json_is_whole(const char *text);
+
 /* Adds the string alone, in quotes and escaped. */
 void vs_json_string(vs_text *text, const char *string);
 

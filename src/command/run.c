@@ -20,7 +20,7 @@
 typedef struct audience {
   const vs_run_options *options;
   const vs_scene *scene;
-  vs_file csv, events,
+  vs_file csv, events, summary,
       raw;  /* closed where there is no folder; raw also where it is not asked for */
   int made; /* how many folders were made for the output */
   vs_table table;
@@ -79,6 +79,7 @@ static vs_status open_files(audience *a, vs_error *err) {
   vs_status status = vs_file_folder_make(folder, &a->made, err);
   if (!status) status = vs_file_open(&a->csv, folder, "run.csv", err);
   if (!status) status = vs_file_open(&a->events, folder, "events.csv", err);
+  if (!status) status = vs_file_open(&a->summary, folder, "summary.json", err);
   if (!status && a->options->raw) status = vs_file_open(&a->raw, folder, "run.raw", err);
   if (status) return status;
   a->table = (vs_table){.stream = a->csv.stream,
@@ -157,6 +158,7 @@ static void keep_partial(audience *a, vs_error *err) {
 }
 
 static void discard_files(audience *a) {
+  vs_file_discard(&a->summary);
   vs_file_discard(&a->raw);
   vs_file_discard(&a->events);
   vs_file_discard(&a->csv);
@@ -165,20 +167,18 @@ static void discard_files(audience *a) {
 /* Keeps or discards the files, as the run ended (`ran`), and writes summary.json. */
 static vs_status close_files(audience *a, vs_status ran, const char *json, vs_error *err) {
   const char *folder = a->options->folder;
-  vs_file summary = {0};
   bool partial = ran && ran != VS_INPUT && a->csv.stream;
   if (partial) keep_partial(a, err);
   if (ran) discard_files(a);
   if (ran) vs_file_folder_unmake(folder, a->made); /* which a part that could be kept forbids */
   if (ran) return ran;
   char *replaced = name_replaced(folder);
-  vs_status status = vs_file_open(&summary, folder, "summary.json", err);
-  if (!status) fputs(json, summary.stream);
-  if (!status && a->raw.stream) status = vs_file_commit(&a->raw, err);
+  vs_status status = VS_OK;
+  fputs(json, a->summary.stream);
+  if (a->raw.stream) status = vs_file_commit(&a->raw, err);
   if (!status) status = vs_file_commit(&a->csv, err);
   if (!status) status = vs_file_commit(&a->events, err);
-  if (!status) status = vs_file_commit(&summary, err);
-  vs_file_discard(&summary);
+  if (!status) status = vs_file_commit(&a->summary, err);
   discard_files(a);
   if (!status) remove_pictures(folder, replaced);
   if (!status && *replaced && !a->options->quiet)

@@ -71,7 +71,7 @@ static void ask_summary(reader *r) {
 static void know_columns(reader *r) {
   char *cells[MOST_COLUMNS + 1];
   r->names = vs_copy(r->run->header);
-  size_t n = vs_csv_split(r->names, cells, MOST_COLUMNS + 1);
+  size_t n = vs_csv_split(r->names, cells, MOST_COLUMNS + 1, NULL);
   for (size_t k = 1; k < n; k++) r->known[r->n_known++].name = cells[k]; /* behind the time */
   ask_summary(r);
   for (size_t k = 0; k < r->n_known; k++)

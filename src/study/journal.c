@@ -31,7 +31,7 @@ static const struct {
              {"failures", offsetof(vs_journal_head, failures)},
              {"manifest_begin", offsetof(vs_journal_head, manifest_begin)},
              {"manifest_end", offsetof(vs_journal_head, manifest_end)}};
-enum { N_TEXTS = sizeof TEXTS / sizeof *TEXTS };
+enum { N_TEXTS = sizeof TEXTS / sizeof *TEXTS, MANIFEST = 3 /* the first text of it */ };
 
 static char **text_of(vs_journal_head *head, size_t k) {
   return (char **)(void *)((char *)head + TEXTS[k].offset);
@@ -62,10 +62,13 @@ static void add_line(vs_text *to, char kind, const char *text, size_t length) {
 
 static void add_head(vs_text *to, const vs_journal_head *head) {
   vs_text line = {0};
+  /* in the texts a backslash is written twice, as it begins a line end */
   add_line(to, 'h', MAGIC, strlen(MAGIC));
   for (size_t k = 0; k < N_TEXTS; k++) {
     line.length = 0;
-    vs_text_add(&line, "%s=%s", TEXTS[k].name, text_in(head, k));
+    vs_text_add(&line, "%s=", TEXTS[k].name);
+    for (const char *s = text_in(head, k); *s; s++)
+      vs_text_add(&line, "%s%c", *s == '\\' ? "\\" : "", *s);
     add_line(to, 'h', line.text, line.length);
   }
   line.length = 0;
@@ -75,14 +78,13 @@ static void add_head(vs_text *to, const vs_journal_head *head) {
   vs_text_free(&line);
 }
 
-/* Turns "\n" back into line ends, in place. */
+/* Turns \n back into line ends, and two backslashes into one. */
 static char *unfold(const char *text) {
   char *copy = vs_copy(text), *out = copy;
   for (const char *s = copy; *s; s++)
-    if (s[0] == '\\' && s[1] == 'n' && (s == copy || s[-1] != '\\')) {
-      *out++ = '\n';
-      s++;
-    } else
+    if (s[0] == '\\' && (s[1] == 'n' || s[1] == '\\'))
+      *out++ = *++s == 'n' ? '\n' : '\\';
+    else
       *out++ = *s;
   *out = '\0';
   return copy;
@@ -137,6 +139,68 @@ static bool is_whole(const vs_journal_head *head) {
   for (size_t k = 0; k < N_TEXTS; k++)
     if (!text_in(head, k)) return false;
   return head->shards > 0 && head->shard > 0 && head->shard <= head->shards;
+}
+
+/* True if both texts are the same but for how files and the study are named, which may differ from
+ * machine to machine. Their contents are in the identity. */
+static bool says_the_same(const char *a, const char *b) {
+  static const char *const BEFORE[] = {"\"path\": \"", "\"study\": \"", "\"study\", \""};
+  for (; *a && *a == *b; a++, b++)
+    for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE; k++) {
+      const size_t n = strlen(BEFORE[k]);
+      if (strncmp(a, BEFORE[k], n) || strncmp(b, BEFORE[k], n)) continue;
+      const char *end = vs_json_string_end(a + n - 1), *end_too = vs_json_string_end(b + n - 1);
+      if (!end || !end_too) return false;
+      a = end - 1;
+      b = end_too - 1;
+      break;
+    }
+  return *a == *b;
+}
+
+const char *vs_journal_differs(const vs_journal_head *a, const vs_journal_head *b) {
+  for (size_t k = 0; k < N_TEXTS; k++) {
+    const bool manifest = k >= MANIFEST;
+    if (manifest ? !says_the_same(text_in(a, k), text_in(b, k))
+                 : strcmp(text_in(a, k), text_in(b, k)) != 0)
+      return TEXTS[k].name;
+  }
+  return a->cases != b->cases || a->shard != b->shard || a->shards != b->shards ? "counts" : NULL;
+}
+
+/* ---- the manifest ---- */
+
+/* Adds the manifest of these journals. */
+static void add_manifest(const vs_journals *all, vs_text *text) {
+  const vs_journal_head *head = &all->item[0].head;
+  uint64_t done = 0, failed = 0, violated = 0;
+  for (uint64_t k = 0; k < all->count; k++) {
+    done += all->item[k].done;
+    failed += all->item[k].failed;
+    violated += all->item[k].violated;
+  }
+  vs_text_add(text, "%s", head->manifest_begin);
+  vs_json json = vs_json_inside(text);
+  vs_json_whole(&json, "cases", (int64_t)all->cases);
+  vs_json_whole(&json, "done", (int64_t)done);
+  vs_json_whole(&json, "failed", (int64_t)failed);
+  vs_json_whole(&json, "violated", (int64_t)violated);
+  vs_text_add(text, "%s%s", head->manifest_end, all->more ? all->more : "");
+  vs_json_array(&json, "shard", VS_JSON_ROW);
+  vs_json_whole(&json, NULL, all->count > 1 ? 1 : (int64_t)head->shard);
+  vs_json_whole(&json, NULL, all->count > 1 ? 1 : (int64_t)head->shards);
+  vs_json_end(&json);
+  vs_json_end(&json);
+}
+
+/* The head's two parts of it make one only together, with the counts between them. */
+static bool has_manifest(vs_journal *j) {
+  const vs_journals alone = {j, 1, 0, NULL};
+  vs_text text = {0};
+  add_manifest(&alone, &text);
+  bool whole = vs_json_is_whole(text.text);
+  vs_text_free(&text);
+  return whole;
 }
 
 /* ---- opening ---- */
@@ -207,6 +271,18 @@ static vs_status lock_folder(vs_journal *j, const char *folder, vs_error *err) {
   return j->folder < 0 ? VS_OK : held(j, try_folder, err);
 }
 
+vs_status vs_journal_remove(const char *folder, vs_error *err) {
+  vs_journal j = {.fd = -1, .folder = -1};
+  name_file(&j, folder);
+  vs_status status = lock_folder(&j, folder, err);
+  if (!status) j.fd = open(j.path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (j.fd >= 0) status = lock(&j, err);
+  if (!status && unlink(j.path))
+    status = vs_fail(err, VS_RUN, "%s: cannot be removed: %s", j.path, strerror(errno));
+  vs_journal_close(&j);
+  return status;
+}
+
 vs_status vs_journal_create(vs_journal *j, const char *folder, vs_journal_head *head,
                             vs_error *err) {
   vs_file file = {0};
@@ -228,10 +304,6 @@ vs_status vs_journal_create(vs_journal *j, const char *folder, vs_journal_head *
   if (j->fd < 0) return vs_fail(err, VS_RUN, "%s: cannot be opened: %s", j->path, strerror(errno));
   reserve(j);
   return lock(j, err);
-}
-
-static bool is_violated(const char *row, size_t length) {
-  return length > 2 && row[length - 1] == '3' && row[length - 2] == ',';
 }
 
 /* False where a study cannot have written that case at byte `at`, so that no memory is taken for
@@ -260,14 +332,26 @@ static vs_status refuse_row(const vs_journal *j, const entry *e, size_t at, cons
   return vs_fail_at(err, where, "%s; this record is of no study, or was changed", why);
 }
 
-static vs_status check_row(vs_journal *j, const entry *e, vs_error *err) {
+static vs_status read_row(vs_journal *j, const entry *e, vs_row_counts *counts, vs_error *err) {
   const vs_journal_head *h = &j->head;
   char why[256];
   size_t at;
   if (!j->shape) j->shape = vs_row_new(h->columns, h->failures, h->manifest_end);
-  if (vs_row_fits(j->shape, e->line[9] == '!', e->line + BEFORE_ROW, &at, why, sizeof why))
+  if (vs_row_read(j->shape, e->line[9] == '!', e->line + BEFORE_ROW, counts, &at, why, sizeof why))
     return VS_OK;
   return refuse_row(j, e, at, why, err);
+}
+
+/* The row of a case that the journal's study does not have, or that another shard has. */
+static vs_status refuse_case(const vs_journal *j, const entry *e, vs_error *err) {
+  const vs_journal_head *h = &j->head;
+  char why[160];
+  snprintf(why, sizeof why,
+           "its case is none of this journal's, which is shard %" PRIu64 "/%" PRIu64
+           " of %s%llu cases",
+           h->shard, h->shards, h->cases ? "" : "at most ",
+           h->cases ? (unsigned long long)h->cases : VS_PLAN_CASES);
+  return refuse_row(j, e, 0, why, err);
 }
 
 /* A study that goes on leaves out the cases that have a row, so that none has two. Where a file
@@ -285,20 +369,18 @@ static vs_status check_double(vs_journal *j, const entry *e, uint64_t index, vs_
 }
 
 static vs_status count_row(vs_journal *j, const entry *e, vs_error *err) {
-  const char kind = e->line[9], *row = e->line + BEFORE_ROW;
-  vs_status status = check_row(j, e, err);
+  const char kind = e->line[9];
+  vs_row_counts counts;
+  vs_status status = read_row(j, e, &counts, err);
   if (status) return status;
-  uint64_t index = strtoull(row, NULL, 10);
-  if (!is_own(j, index) || !is_in_reach(j, index, e->at)) {
-    j->bad++;
-    return VS_OK;
-  }
+  const uint64_t index = counts.index;
+  if (!is_own(j, index) || !is_in_reach(j, index, e->at)) return refuse_case(j, e, err);
   make_room(j, own(j, index) + 1);
   if (j->place[own(j, index)]) return check_double(j, e, index, err);
   j->place[own(j, index)] = e->at + 1;
   j->done += kind == '=';
   j->failed += kind == '!';
-  j->violated += kind == '=' && is_violated(row, e->length - BEFORE_ROW);
+  j->violated += kind == '=' && counts.violated;
   return VS_OK;
 }
 
@@ -329,7 +411,7 @@ static vs_status read_lines(vs_journal *j, uint64_t *whole, vs_error *err) {
   ssize_t n;
   uint64_t at = 0, number = 0;
   vs_status status = VS_OK;
-  while (!status && (n = getline(&line, &size, f)) > 0) {
+  while (!status && !j->two_heads && (n = getline(&line, &size, f)) > 0) {
     number++;
     if (line[n - 1] == '\n') {
       line[n - 1] = '\0';
@@ -369,9 +451,22 @@ vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error
                      "%s: is no journal of a study: its head lacks a line, or has counts that no "
                      "study has (at most %llu cases and %d shards)",
                      j->path, VS_PLAN_CASES, VS_MOST_SHARDS);
+  if (!status && !has_manifest(j))
+    status = vs_fail(err, VS_INPUT,
+                     "%s: manifest_begin and manifest_end of its head are not the two parts of a "
+                     "manifest.json; this record is of no study, or was changed",
+                     j->path);
   if (!status && mend && ftruncate(j->fd, (off_t)j->end))
     status = vs_fail(err, VS_RUN, "%s: cannot be written: %s", j->path, strerror(errno));
   return status;
+}
+
+bool vs_journal_peek(vs_journal *j, const char *folder) {
+  struct stat s;
+  vs_error none = {0};
+  *j = (vs_journal){.fd = -1, .folder = -1};
+  name_file(j, folder);
+  return !stat(j->path, &s) && S_ISREG(s.st_mode) && !vs_journal_open(j, folder, false, &none);
 }
 
 void vs_journal_close(vs_journal *j) {
@@ -388,6 +483,10 @@ void vs_journal_close(vs_journal *j) {
 
 bool vs_journal_has(const vs_journal *j, uint64_t index) {
   return own(j, index) < j->room && j->place[own(j, index)];
+}
+
+bool vs_journal_had(const vs_journal *j, uint64_t index) {
+  return is_own(j, index) && (j->head.cases || vs_journal_has(j, index));
 }
 
 vs_status vs_journal_add(vs_journal *j, uint64_t index, int status, const char *row, size_t length,
@@ -446,6 +545,19 @@ vs_status vs_journal_row(const vs_journal *j, uint64_t index, vs_text *row, bool
 
 /* ---- the files ---- */
 
+const char *const vs_journal_files[VS_JOURNAL_FILES] = {"manifest.json", "study.csv",
+                                                        "failures.csv"};
+
+const char *vs_journal_result(const char *folder) {
+  char path[VS_PATH_SIZE + 16];
+  struct stat s;
+  for (size_t k = 0; k < VS_JOURNAL_FILES; k++) {
+    snprintf(path, sizeof path, "%.4000s/%s", folder, vs_journal_files[k]);
+    if (!lstat(path, &s)) return vs_journal_files[k];
+  }
+  return NULL;
+}
+
 static vs_status write_rows(const vs_journals *all, FILE *study, FILE *failures, vs_error *err) {
   const vs_journal *first = &all->item[0];
   vs_text row = {0};
@@ -463,39 +575,34 @@ static vs_status write_rows(const vs_journals *all, FILE *study, FILE *failures,
   return status;
 }
 
-static void write_manifest(const vs_journals *all, FILE *f) {
-  const vs_journal_head *head = &all->item[0].head;
-  uint64_t done = 0, failed = 0, violated = 0;
+/* A search knows how many cases it has only at its end: rows beyond them would be counted, and
+ * stand in no file. */
+static vs_status check_count(const vs_journals *all, vs_error *err) {
   for (uint64_t k = 0; k < all->count; k++) {
-    done += all->item[k].done;
-    failed += all->item[k].failed;
-    violated += all->item[k].violated;
+    const vs_journal *j = &all->item[k];
+    const uint64_t own = (all->cases + j->head.shards - j->head.shard) / j->head.shards;
+    if (j->done + j->failed != own)
+      return vs_fail(err, VS_INPUT,
+                     "%s: has rows of %llu cases, and the study %llu; this record is of another "
+                     "study, or was changed",
+                     j->path, (unsigned long long)(j->done + j->failed), (unsigned long long)own);
   }
-  vs_text text = {0};
-  vs_text_add(&text, "%s", head->manifest_begin);
-  vs_json json = vs_json_inside(&text);
-  vs_json_whole(&json, "cases", (int64_t)all->cases);
-  vs_json_whole(&json, "done", (int64_t)done);
-  vs_json_whole(&json, "failed", (int64_t)failed);
-  vs_json_whole(&json, "violated", (int64_t)violated);
-  vs_text_add(&text, "%s%s", head->manifest_end, all->more ? all->more : "");
-  vs_json_array(&json, "shard", VS_JSON_ROW);
-  vs_json_whole(&json, NULL, all->count > 1 ? 1 : (int64_t)head->shard);
-  vs_json_whole(&json, NULL, all->count > 1 ? 1 : (int64_t)head->shards);
-  vs_json_end(&json);
-  vs_json_end(&json);
-  fprintf(f, "%s\n", text.text);
-  vs_text_free(&text);
+  return VS_OK;
 }
 
 vs_status vs_journal_write(const vs_journals *all, const char *folder, vs_error *err) {
   vs_file study = {0}, failures = {0}, manifest = {0};
-  vs_status status = vs_file_open(&study, folder, "study.csv", err);
+  vs_status status = check_count(all, err);
+  if (status) return status;
+  status = vs_file_open(&study, folder, "study.csv", err);
   if (!status) status = vs_file_open(&failures, folder, "failures.csv", err);
   if (!status) status = vs_file_open(&manifest, folder, "manifest.json", err);
   if (!status) status = write_rows(all, study.stream, failures.stream, err);
   if (!status) {
-    write_manifest(all, manifest.stream);
+    vs_text text = {0};
+    add_manifest(all, &text);
+    fprintf(manifest.stream, "%s\n", text.text);
+    vs_text_free(&text);
     status = vs_file_commit(&study, err);
   }
   if (!status) status = vs_file_commit(&failures, err);

@@ -12,8 +12,9 @@
  *
  * Lines are only ever added. A line whose sum is wrong does not count, and its case is not done.
  * The last line may be torn, when the process was killed; it is cut off when the study goes on. A
- * row that does not fit its header is refused. So is a row that differs from an earlier one of the
- * same case, as nobody knows which of the two is true. The same row twice counts as one.
+ * row that does not fit its header is refused, and so is one of a case that the head has not. So is
+ * a row that differs from an earlier one of the same case, as nobody knows which of the two is
+ * true. The same row twice counts as one.
  *
  * The rows stay on the disk; in memory are 8 bytes for each case. A count that stands in a journal
  * never makes this process take more memory than the journal's length justifies. */
@@ -40,6 +41,9 @@ typedef struct vs_journal_head {
                                1 + k % shards */
 } vs_journal_head;
 void vs_journal_head_free(vs_journal_head *head);
+/* Returns the name of the first line in which two heads differ; NULL: in none. How files and the
+ * study are named in the manifest is no difference. */
+const char *vs_journal_differs(const vs_journal_head *a, const vs_journal_head *b);
 
 typedef struct vs_journal {
   char path[VS_PATH_SIZE];
@@ -62,18 +66,26 @@ typedef struct vs_journal {
 
 /* True if the folder holds a journal. */
 bool vs_journal_exists(const char *folder);
+/* Removes the folder's journal. Errors: another process is at the study; it cannot be removed. */
+vs_status vs_journal_remove(const char *folder, vs_error *err);
 /* Begins a new journal in place of an older one. It takes the head's strings over. Errors: another
  * process is at the study in that folder; the file cannot be written. */
 vs_status vs_journal_create(vs_journal *journal, const char *folder, vs_journal_head *head,
                             vs_error *err);
 /* Opens the journal that the folder holds and reads what is done. With `mend` the study goes on:
  * the folder is locked, and a torn last line is cut off. Errors: there is no journal; it has two
- * heads, or counts that no study has; a row does not fit its header, or a case has two different
- * rows, which the error names with their place; another process is at the study. vs_journal_close
- * even then. */
+ * heads, or one whose manifest is no JSON, or counts that no study has; a row does not fit its
+ * header, or a case has two different rows, or the head lacks it, which the error names with their
+ * place; another process is at the study. vs_journal_close even then. */
 vs_status vs_journal_open(vs_journal *journal, const char *folder, bool mend, vs_error *err);
+/* The same for one that gives way to another study, whatever stands there: false, it is no journal,
+ * or no plain file. */
+bool vs_journal_peek(vs_journal *journal, const char *folder);
 void vs_journal_close(vs_journal *journal);
 
+/* True if the journal's study has that case, as far as that is known: a search knows only those
+ * that are done. */
+bool vs_journal_had(const vs_journal *journal, uint64_t index);
 /* True if the case is done. It must be one of the shard's. */
 bool vs_journal_has(const vs_journal *journal, uint64_t index);
 /* Adds the row of a case, as the CSV file has it but without a newline. status is VS_CASE_... of
@@ -87,6 +99,12 @@ vs_status vs_journal_flush(vs_journal *journal, bool sync, vs_error *err);
 vs_status vs_journal_row(const vs_journal *journal, uint64_t index, vs_text *row, bool *failed,
                          vs_error *err);
 
+/* The files that vs_journal_write makes. */
+enum { VS_JOURNAL_FILES = 3 };
+extern const char *const vs_journal_files[VS_JOURNAL_FILES];
+/* Returns the name of one of them that the folder holds; NULL: it holds none. */
+const char *vs_journal_result(const char *folder);
+
 /* The journals of a whole study. */
 typedef struct vs_journals {
   vs_journal *item; /* one journal, or those of all shards: item k is shard k + 1 */
@@ -95,7 +113,8 @@ typedef struct vs_journals {
   const char *more; /* further members of the manifest, as a writer inside it (vs_json_inside) adds
                        them; NULL: none */
 } vs_journals;
-/* Writes study.csv, failures.csv and manifest.json into the folder, in the order of the cases. */
+/* Writes study.csv, failures.csv and manifest.json into the folder, in the order of the cases.
+ * Error: a journal has more rows than cases. */
 vs_status vs_journal_write(const vs_journals *journals, const char *folder, vs_error *err);
 
 #endif

@@ -123,15 +123,12 @@ static vs_status check_shards(const shards *all, vs_error *err) {
   return VS_OK;
 }
 
-/* other: the folder holds another study's result. */
-static vs_status write_merged(const shards *all, const char *folder, bool other, bool quiet,
-                              vs_error *err) {
+static vs_status write_merged(const shards *all, const char *folder, bool quiet, vs_error *err) {
   int made;
   uint64_t done = 0, failed = 0, violated = 0;
   const vs_journals journals = {all->item, all->count, all->item[0].head.cases, NULL};
   vs_status status = vs_file_folder_make(folder, &made, err);
   if (status) return status;
-  if (other) vs_stale_remove(folder);
   status = vs_journal_write(&journals, folder, err);
   if (status) vs_file_folder_unmake(folder, made);
   if (status) return status;
@@ -161,21 +158,56 @@ static bool is_of(const char *manifest, const vs_journal_head *head) {
          strstr(manifest + n, head->manifest_end) != NULL;
 }
 
-/* Error: the folder holds another study's result. A result of these same shards may be replaced. */
-static vs_status check_free(const char *folder, const vs_journal_head *head, vs_error *err) {
+/* Does the folder hold another study's journal, or one that cannot be read? */
+static bool has_other_journal(const char *folder, const vs_journal_head *head) {
+  vs_journal j;
+  if (!vs_journal_exists(folder)) return false;
+  bool other = !vs_journal_peek(&j, folder) || !is_same_study(&j.head, head);
+  vs_journal_close(&j);
+  return other;
+}
+
+/* Does it hold another study's manifest, or a result of which nobody knows whose it is? Beside the
+ * shards' own journal a study was broken off as it wrote its result. */
+static bool has_other_result(const char *folder, const vs_journal_head *head) {
   char path[VS_PATH_SIZE + 16], *manifest = NULL;
   size_t size = 0;
   snprintf(path, sizeof path, "%.4000s/manifest.json", folder);
   FILE *f = fopen(path, "r");
-  if (!f) return VS_OK;
+  if (!f) return vs_journal_result(folder) && !vs_journal_exists(folder);
   bool same = getdelim(&manifest, &size, '\0', f) > 0 && is_of(manifest, head);
   free(manifest);
   fclose(f);
-  return same ? VS_OK
-              : vs_fail(err, VS_INPUT,
-                        "%s: is of another study than the shards; --overwrite replaces it, or take "
-                        "another folder",
-                        path);
+  return !same;
+}
+
+/* What the folder holds of another study. A result of these same shards may be replaced. */
+typedef struct others {
+  bool journal, result;
+} others;
+
+static others find_others(const char *folder, const vs_journal_head *head) {
+  return (others){has_other_journal(folder, head), has_other_result(folder, head)};
+}
+
+/* Removes another study's journal, and what else it left there but its result, which is replaced.
+ */
+static vs_status remove_others(const char *folder, const others *o, vs_error *err) {
+  vs_journal old;
+  const bool known = vs_journal_peek(&old, folder);
+  vs_status status = o->journal ? vs_journal_remove(folder, err) : VS_OK;
+  if (!status) vs_stale_remove(folder, known && o->journal ? &old : NULL);
+  vs_journal_close(&old);
+  return status;
+}
+
+static vs_status check_free(const char *folder, const others *o, vs_error *err) {
+  const char *name = o->journal ? "journal" : o->result ? vs_journal_result(folder) : NULL;
+  return name ? vs_fail(err, VS_INPUT,
+                        "%s/%s: is of another study than the shards; --overwrite replaces it, or "
+                        "take another folder",
+                        folder, name)
+              : VS_OK;
 }
 
 vs_status vs_merge_command(const vs_merge_options *o, vs_error *err) {
@@ -189,10 +221,11 @@ vs_status vs_merge_command(const vs_merge_options *o, vs_error *err) {
   const char *folder = o->folder ? o->folder : o->folders[0];
   if (!status) qsort(all.item, all.count, sizeof *all.item, by_shard);
   if (!status) status = check_shards(&all, err);
-  vs_error taken = {0};
-  bool other = !status && check_free(folder, &all.item[0].head, &taken);
-  if (other && !o->overwrite) status = vs_fail(err, VS_INPUT, "%s", taken.text);
-  if (!status) status = write_merged(&all, folder, other, o->quiet, err);
+  others other = {0};
+  if (!status) other = find_others(folder, &all.item[0].head);
+  if (!status && !o->overwrite) status = check_free(folder, &other, err);
+  if (!status && (other.journal || other.result)) status = remove_others(folder, &other, err);
+  if (!status) status = write_merged(&all, folder, o->quiet, err);
   for (size_t k = 0; k < all.count; k++) vs_journal_close(&all.item[k]);
   free(all.item);
   return status;

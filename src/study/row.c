@@ -35,7 +35,7 @@ static header cut(const char *row) {
   for (const char *s = row; *s; s++) most += *s == ',';
   h.name = vs_alloc(most, sizeof *h.name);
   h.kind = vs_alloc(most, sizeof *h.kind);
-  h.count = vs_csv_split(h.text, h.name, most);
+  h.count = vs_csv_split(h.text, h.name, most, NULL);
   return h;
 }
 
@@ -71,12 +71,14 @@ static cell_kind kind_of(const char *name, bool failed) {
   return NUMBER_OR_NOTHING;
 }
 
-/* The axes stand behind case and id, in both headers. */
+/* The case comes first. The axes stand behind it and its id, in both headers. */
 static void find_kinds(header *h, const header *other, bool failed, const char *manifest) {
   bool alike = true;
   for (size_t k = 0; k < h->count; k++) {
     alike = alike && k < other->count && !strcmp(h->name[k], other->name[k]);
-    h->kind[k] = k > 1 && alike ? kind_of_axis(h->name[k], manifest) : kind_of(h->name[k], failed);
+    h->kind[k] = k == 0           ? COUNT
+                 : k > 1 && alike ? kind_of_axis(h->name[k], manifest)
+                                  : kind_of(h->name[k], failed);
   }
 }
 
@@ -125,23 +127,36 @@ static bool holds(const char *cell, cell_kind kind) {
   }
 }
 
-bool vs_row_fits(const vs_row *shape, bool failed, const char *row, size_t *at, char *why,
-                 size_t size) {
+static void count(const header *h, char *const *cell, vs_row_counts *counts) {
+  *counts = (vs_row_counts){0};
+  for (size_t k = 0; k < h->count; k++)
+    if (k == 0)
+      counts->index = strtoull(cell[k], NULL, 10); /* UINT64_MAX where it is too large */
+    else if (h->kind[k] == DONE)
+      counts->violated = atoi(cell[k]) == VS_CASE_VIOLATED;
+}
+
+bool vs_row_read(const vs_row *shape, bool failed, const char *row, vs_row_counts *counts,
+                 size_t *at, char *why, size_t size) {
   const header *h = failed ? &shape->failed : &shape->done;
   char *copy = vs_copy(row), **cell = vs_alloc(h->count + 1, sizeof *cell);
-  size_t count = vs_csv_split(copy, cell, h->count + 1), k = 0;
-  bool fits = count == h->count;
-  *at = 0;
-  if (!fits)
+  vs_csv_flaw flaw;
+  size_t n = vs_csv_split(copy, cell, h->count + 1, &flaw), k = 0;
+  bool fits = !flaw.why && n == h->count;
+  *at = flaw.why ? flaw.at : 0;
+  if (flaw.why)
+    snprintf(why, size, "%s", flaw.why);
+  else if (!fits)
     snprintf(why, size, "cells in this row: %s%zu; columns in its header: %zu",
-             count > h->count ? "at least " : "", count, h->count);
-  while (fits && k < count && holds(cell[k], h->kind[k])) k++;
-  if (fits && k < count) {
+             n > h->count ? "at least " : "", n, h->count);
+  while (fits && k < n && holds(cell[k], h->kind[k])) k++;
+  if (fits && k < n) {
     fits = false;
     *at = (size_t)(cell[k] - copy);
     snprintf(why, size, "column %.64s holds '%.64s'; %s is wanted there", h->name[k], cell[k],
              WANTED[h->kind[k]]);
   }
+  if (fits) count(h, cell, counts);
   free(cell);
   free(copy);
   return fits;

@@ -6,6 +6,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 typedef struct vs_row vs_row;
 
@@ -14,9 +15,15 @@ typedef struct vs_row vs_row;
 vs_row *vs_row_new(const char *columns, const char *failures, const char *manifest);
 void vs_row_free(vs_row *shape);
 
+/* What a row says by which it is counted, whether its cells stand in quotes or not. */
+typedef struct vs_row_counts {
+  uint64_t index; /* the case's; UINT64_MAX: too large for any */
+  bool violated;  /* status 3 */
+} vs_row_counts;
+
 /* Is it one? failed: a row of failures.csv. If not, why says what is wrong and what would be right,
  * and *at where in the row, from 0. */
-bool vs_row_fits(const vs_row *shape, bool failed, const char *row, size_t *at, char *why,
-                 size_t size);
+bool vs_row_read(const vs_row *shape, bool failed, const char *row, vs_row_counts *counts,
+                 size_t *at, char *why, size_t size);
 
 #endif

@@ -22,14 +22,22 @@ static void remove_file(int folder, const char *name) {
 
 /* ---- pictures ---- */
 
-/* As report/ names them: by the column, what there may be before it, and as many bytes of it. */
-static void remove_pictures_of(int folder, const char *column) {
-  static const struct {
-    const char *begin;
-    int most;
-  } KINDS[] = {{"", 250}, {"cloud_", 200}, {"over_", 200}};
+/* The columns of which pictures are drawn. */
+typedef enum picture_of { AXIS, MEASURE } picture_of;
+
+/* As picture/ names them: by the column, what stands before it, and as many bytes of it. A chart
+ * that names its file otherwise has its row here. */
+static const struct {
+  picture_of of;
+  const char *begin;
+  int most;
+} KINDS[] = {{MEASURE, "", 250}, {MEASURE, "cloud_", 200}, {AXIS, "over_", 200}};
+static const char *const NAMES[] = {"report.html", "influence.png", "feasible.png"};
+
+static void remove_pictures_of(int folder, picture_of of, const char *column) {
   for (size_t k = 0; k < sizeof KINDS / sizeof *KINDS; k++) {
     char name[300];
+    if (KINDS[k].of != of) continue;
     snprintf(name, sizeof name, "%s%.*s.png", KINDS[k].begin, KINDS[k].most, column);
     for (char *s = name; *s; s++)
       if (*s == '/') *s = '_';
@@ -37,31 +45,88 @@ static void remove_pictures_of(int folder, const char *column) {
   }
 }
 
-/* The first line of its study.csv, without its end; NULL: there is none. free() it. */
-static char *read_header(int folder) {
-  char *line = NULL;
-  size_t size = 0;
-  int fd = openat(folder, "study.csv", O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  FILE *f = fd < 0 ? NULL : fdopen(fd, "r");
-  bool there = f && getline(&line, &size, f) > 0;
-  if (f) fclose(f);
-  if (there) line[strcspn(line, "\r\n")] = '\0';
-  if (!there) free(line);
-  return there ? line : NULL;
+static FILE *open_file(int folder, const char *name) {
+  int fd = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  return fd < 0 ? NULL : fdopen(fd, "r");
 }
 
+/* The first line of a file, cut into its cells; none where there is no such file. */
+typedef struct header {
+  char *line, **cell;
+  size_t count;
+} header;
+
+static header read_header(int folder, const char *name) {
+  header h = {0};
+  size_t size = 0, most = 1;
+  FILE *f = open_file(folder, name);
+  bool there = f && getline(&h.line, &size, f) > 0;
+  if (f) fclose(f);
+  if (!there) {
+    free(h.line);
+    return (header){0};
+  }
+  h.line[strcspn(h.line, "\r\n")] = '\0';
+  for (const char *s = h.line; *s; s++) most += *s == ',';
+  h.cell = vs_alloc(most, sizeof *h.cell);
+  h.count = vs_csv_split(h.line, h.cell, most, NULL);
+  return h;
+}
+
+static void discard(header *h) {
+  free(h->cell);
+  free(h->line);
+}
+
+/* The axes stand behind case and id, in both files; the measures behind them, up to the least
+ * margin. */
 static void remove_report(int folder) {
-  static const char *const NAMES[] = {"report.html", "influence.png", "feasible.png"};
   for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) remove_file(folder, NAMES[k]);
-  char *header = read_header(folder);
-  if (!header) return;
-  size_t most = 1;
-  for (const char *s = header; *s; s++) most += *s == ',';
-  char **column = vs_alloc(most, sizeof *column);
-  size_t n = vs_csv_split(header, column, most);
-  for (size_t k = 0; k < n; k++) remove_pictures_of(folder, column[k]);
-  free(column);
-  free(header);
+  header done = read_header(folder, "study.csv"), failed = read_header(folder, "failures.csv");
+  bool axis = true, measure = failed.count;
+  for (size_t k = 2; k < done.count && measure; k++) {
+    axis = axis && k < failed.count && !strcmp(done.cell[k], failed.cell[k]);
+    remove_pictures_of(folder, axis ? AXIS : MEASURE, done.cell[k]);
+    measure = strcmp(done.cell[k], vs_case_titles[VS_CASE_MARGIN]) != 0;
+  }
+  discard(&done);
+  discard(&failed);
+}
+
+/* ---- the study's cases ---- */
+
+/* Those that have a row in its files, for a folder without a journal. */
+typedef struct cases {
+  uint64_t *index;
+  size_t count, room;
+} cases;
+
+static void add_cases(int folder, const char *name, cases *all) {
+  char *line = NULL;
+  size_t size = 0;
+  FILE *f = open_file(folder, name);
+  while (f && getline(&line, &size, f) > 0) {
+    if (*line < '0' || *line > '9') continue; /* the header */
+    if (all->count == all->room) {
+      all->room = all->room ? 2 * all->room : 64;
+      all->index = realloc(all->index, all->room * sizeof *all->index);
+      if (!all->index) vs_out_of_memory();
+    }
+    all->index[all->count++] = strtoull(line, NULL, 10);
+  }
+  free(line);
+  if (f) fclose(f);
+}
+
+static int by_index(const void *a, const void *b) {
+  const uint64_t *x = a, *y = b;
+  return *x < *y ? -1 : *x > *y;
+}
+
+static bool had_case(const vs_journal *old, const cases *listed, uint64_t index) {
+  if (old) return vs_journal_had(old, index);
+  return listed->count &&
+         bsearch(&index, listed->index, listed->count, sizeof index, by_index) != NULL;
 }
 
 /* ---- kept runs ---- */
@@ -71,14 +136,16 @@ static int open_folder(int in, const char *name) {
 }
 
 static bool is_number(const char *name) {
-  return *name && !name[strspn(name, "0123456789")];
+  return *name && !name[strspn(name, "0123456789")] && (*name != '0' || !name[1]);
 }
 
-static void remove_runs(int folder) {
+static void remove_runs(int folder, const vs_journal *old, const cases *listed) {
   int runs = open_folder(folder, "runs");
   DIR *list = runs < 0 ? NULL : fdopendir(runs);
   for (struct dirent *entry; list && (entry = readdir(list));) {
-    int run = is_number(entry->d_name) ? open_folder(runs, entry->d_name) : -1;
+    if (!is_number(entry->d_name)) continue;
+    if (!had_case(old, listed, strtoull(entry->d_name, NULL, 10))) continue;
+    int run = open_folder(runs, entry->d_name);
     if (run < 0) continue;
     remove_file(run, "run.csv");
     close(run);
@@ -88,10 +155,15 @@ static void remove_runs(int folder) {
   unlinkat(folder, "runs", AT_REMOVEDIR);
 }
 
-void vs_stale_remove(const char *path) {
+void vs_stale_remove(const char *path, const vs_journal *old) {
+  cases listed = {0};
   int folder = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder < 0) return;
+  if (!old) add_cases(folder, "study.csv", &listed);
+  if (!old) add_cases(folder, "failures.csv", &listed);
+  if (listed.count) qsort(listed.index, listed.count, sizeof *listed.index, by_index);
   remove_report(folder);
-  remove_runs(folder);
+  remove_runs(folder, old, &listed);
+  free(listed.index);
   close(folder);
 }

@@ -4,10 +4,13 @@
 #ifndef VS_STUDY_STALE_H
 #define VS_STUDY_STALE_H
 
+#include "study/journal.h"
+
 /* Removes them, by the names they have: report.html; the pictures that follow from the columns of
- * the study.csv that is there (call it before that goes); runs/NUMBER/run.csv and folders that are
- * empty then. Whatever else is there stays, and so does what is a link. What cannot be removed
- * stays. */
-void vs_stale_remove(const char *folder);
+ * study.csv and failures.csv (call it before those go); runs/NUMBER/run.csv of the cases of the old
+ * study, and folders that are empty then. old: its journal; NULL: there is none, and its cases are
+ * those in the two files. Whatever else is there stays, and so does what is a link. What cannot be
+ * removed stays. */
+void vs_stale_remove(const char *folder, const vs_journal *old);
 
 #endif

@@ -19,9 +19,6 @@
 #include "study/stale.h"
 #include "work/jobs.h"
 
-static const char *const RESULTS[] = {"manifest.json", "study.csv", "failures.csv"};
-enum { N_RESULTS = sizeof RESULTS / sizeof *RESULTS };
-
 /* A study under way. */
 typedef struct session {
   const vs_study_options *o;
@@ -29,9 +26,9 @@ typedef struct session {
   vs_journal journal;
   vs_jobs *jobs;
   char folder[VS_PATH_SIZE], keep[VS_PATH_SIZE + 8];
-  char own[N_RESULTS + 1][VS_PATH_SIZE + 16]; /* without -o: the files in the folder, and their
-                                                 journal, to be removed */
-  int made;                                   /* how many folders were made for the output */
+  char own[VS_JOURNAL_FILES + 1][VS_PATH_SIZE + 16]; /* without -o: the files in the folder, and
+                                                 their journal, to be removed */
+  int made;                                          /* how many folders were made for the output */
   uint64_t next, until; /* cases to deal; of a search those of the present generation */
   uint64_t total;       /* cases of this shard, for the progress */
   uint64_t before;      /* how many were done when this process began */
@@ -128,6 +125,39 @@ static void take_generation(session *s, uint64_t count, const vs_generation *g) 
   memcpy(s->points + count * axes, g->points, g->count * axes * sizeof *s->points);
 }
 
+/* A journal that is gone on with may have been changed: its row of a case must be that case's. */
+static vs_status check_row(const session *s, vs_case *c, uint64_t index, const double *point,
+                           vs_error *err) {
+  vs_text row = {0};
+  char why[256];
+  bool failed;
+  vs_status status = vs_journal_row(&s->journal, index, &row, &failed, err);
+  if (!status && !vs_case_is_row(c, index, point, failed, row.text, why, sizeof why))
+    status =
+        vs_fail(err, VS_INPUT, "%s: case %llu: %s; this record is of another study, or was changed",
+                s->journal.path, (unsigned long long)index, why);
+  vs_text_free(&row);
+  return status;
+}
+
+/* Checks the rows that the journal has of the cases from `first` to `until`. */
+static vs_status check_rows(const session *s, uint64_t first, uint64_t until, vs_error *err) {
+  const vs_journal_head *head = &s->journal.head;
+  double point[VS_PLAN_AXES];
+  vs_case *c = vs_case_new(&s->plan, NULL);
+  vs_status status = VS_OK;
+  for (uint64_t k = first; k < until && !status; k++) {
+    if (k % head->shards + 1 != head->shard || !vs_journal_has(&s->journal, k)) continue;
+    if (s->plan.adaptive)
+      memcpy(point, s->points + k * s->plan.n_axes, s->plan.n_axes * sizeof *point);
+    else
+      vs_plan_point(&s->plan, k, point);
+    status = check_row(s, c, k, point, err);
+  }
+  vs_case_free(c);
+  return status;
+}
+
 /* Takes the values of one case from its row, not from the run, so that a study that goes on has the
  * same. */
 static vs_status take_values(session *s, uint64_t index, vs_error *err) {
@@ -155,7 +185,8 @@ static vs_status run_adaptive(session *s, uint64_t *count, vs_error *err) {
     more = !status && g.count;
     if (more) {
       take_generation(s, *count, &g);
-      status = run_cases(s, *count, *count + g.count, err);
+      if (s->o->resume) status = check_rows(s, *count, *count + g.count, err);
+      if (!status) status = run_cases(s, *count, *count + g.count, err);
       for (size_t k = 0; k < g.count && !status; k++) status = take_values(s, *count + k, err);
       *count += g.count;
     }
@@ -168,27 +199,16 @@ static vs_status run_adaptive(session *s, uint64_t *count, vs_error *err) {
 
 static void remove_result(const char *folder) {
   char path[VS_PATH_SIZE + 16];
-  for (size_t k = 0; k < N_RESULTS; k++) {
-    snprintf(path, sizeof path, "%s/%s", folder, RESULTS[k]);
+  for (size_t k = 0; k < VS_JOURNAL_FILES; k++) {
+    snprintf(path, sizeof path, "%s/%s", folder, vs_journal_files[k]);
     unlink(path);
   }
-}
-
-/* Returns the name of a result that the folder holds; NULL: it holds none. */
-static const char *find_result(const char *folder) {
-  char path[VS_PATH_SIZE + 16];
-  struct stat s;
-  for (size_t k = 0; k < N_RESULTS; k++) {
-    snprintf(path, sizeof path, "%s/%s", folder, RESULTS[k]);
-    if (!lstat(path, &s)) return RESULTS[k];
-  }
-  return NULL;
 }
 
 /* Error: the folder holds a study's result, which may be hours of work and is not thrown away
  * unasked. */
 static vs_status check_free(const session *s, bool journal, vs_error *err) {
-  const char *result = find_result(s->folder);
+  const char *result = vs_journal_result(s->folder);
   if (s->o->overwrite || (!journal && !result)) return VS_OK;
   if (!journal)
     return vs_fail(err, VS_INPUT,
@@ -218,12 +238,29 @@ static vs_status go_on(session *s, vs_journal_head *head, vs_error *err) {
   if (j->head.shard != head->shard || j->head.shards != head->shards)
     return vs_fail(err, VS_INPUT, "%s: is of shard %llu/%llu: give --shard so", j->path,
                    (unsigned long long)j->head.shard, (unsigned long long)j->head.shards);
+  const char *differs = vs_journal_differs(&j->head, head);
+  if (differs)
+    return vs_fail(err, VS_INPUT,
+                   "%s: the line %s= of its head is not as this study writes it; this record was "
+                   "changed",
+                   j->path, differs);
   if (j->bad && !s->o->quiet)
     fprintf(stderr,
             "vibrospice: warning: %s: %llu torn or damaged line%s mended; what stood there is run "
             "again\n",
             j->path, (unsigned long long)j->bad, j->bad > 1 ? "s" : "");
-  return VS_OK;
+  return s->plan.adaptive ? VS_OK : check_rows(s, 0, s->plan.count, err);
+}
+
+/* Begins a new journal, and removes what the folder has of an older study. */
+static vs_status begin_anew(session *s, vs_journal_head *head, vs_error *err) {
+  vs_journal old;
+  const bool known = vs_journal_peek(&old, s->folder);
+  vs_status status = vs_journal_create(&s->journal, s->folder, head, err);
+  if (!status) vs_stale_remove(s->folder, known ? &old : NULL);
+  if (!status) remove_result(s->folder);
+  vs_journal_close(&old);
+  return status;
 }
 
 static vs_status open_journal(session *s, vs_error *err) {
@@ -246,11 +283,7 @@ static vs_status open_journal(session *s, vs_error *err) {
     status = go_on(s, &head, err);
   else if (!status)
     status = check_free(s, there, err);
-  if (!status && !(there && s->o->resume)) {
-    status = vs_journal_create(&s->journal, s->folder, &head, err);
-    if (!status) vs_stale_remove(s->folder);
-    if (!status) remove_result(s->folder);
-  }
+  if (!status && !(there && s->o->resume)) status = begin_anew(s, &head, err);
   vs_journal_head_free(&head);
   return status;
 }
@@ -268,9 +301,9 @@ static vs_status make_own_folder(session *s, vs_error *err) {
   if (made) vs_leave_remove(s->folder);
   vs_leave_release(&before);
   if (!made) return vs_fail(err, VS_RUN, "%s: cannot be made: %s", s->folder, strerror(why));
-  for (size_t k = 0; k <= N_RESULTS; k++) {
+  for (size_t k = 0; k <= VS_JOURNAL_FILES; k++) {
     snprintf(s->own[k], sizeof s->own[k], "%s/%s", s->folder,
-             k < N_RESULTS ? RESULTS[k] : "journal");
+             k < VS_JOURNAL_FILES ? vs_journal_files[k] : "journal");
     vs_leave_remove(s->own[k]);
   }
   return VS_OK;
@@ -295,7 +328,7 @@ static void show_file(const session *s, const char *name, bool header, FILE *out
 }
 
 static void discard_folder(const session *s) {
-  for (size_t k = 0; k <= N_RESULTS; k++) {
+  for (size_t k = 0; k <= VS_JOURNAL_FILES; k++) {
     unlink(s->own[k]);
     vs_leave_forget(s->own[k]);
   }

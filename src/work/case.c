@@ -79,7 +79,8 @@ bool vs_case_values(const vs_plan *plan, char *row, double *values, int *status)
   enum { MOST = HEAD + VS_PLAN_AXES + VS_PLAN_COLUMNS + VS_CASE_COLUMNS };
   char *cells[MOST];
   const size_t n = plan->n_columns;
-  if (vs_csv_split(row, cells, MOST) != HEAD + plan->n_axes + n + VS_CASE_COLUMNS) return false;
+  if (vs_csv_split(row, cells, MOST, NULL) != HEAD + plan->n_axes + n + VS_CASE_COLUMNS)
+    return false;
   char **measure = cells + HEAD + plan->n_axes, **tail = measure + n;
   values[0] = *tail[VS_CASE_MARGIN] ? strtod(tail[VS_CASE_MARGIN], NULL) : NAN;
   for (size_t k = 0; k < n; k++) values[1 + k] = *measure[k] ? strtod(measure[k], NULL) : NAN;
@@ -229,6 +230,44 @@ static vs_status begin(vs_case *c, uint64_t index, const double *point, vs_error
   vs_status status = read_scene(c, err);
   if (!status) vs_identity_of(c->identity, c->scene, c->present.id);
   return status;
+}
+
+/* How well a row's cell is the axis' number: 2, to its last digit; 1, as another machine's libm may
+ * have rounded that; 0, not. */
+static int agrees(const char *cell, const char *number) {
+  /* an axis has 12 digits, of which the last is at most 1e-11 of it; twice that for rounding */
+  enum { DIGITS = 12 };
+  const double most = 2 * pow(10, 1 - DIGITS);
+  char *end, *end_too;
+  if (!strcmp(cell, number)) return 2;
+  double a = strtod(cell, &end), b = strtod(number, &end_too);
+  return *cell && *number && !*end && !*end_too && fabs(a - b) <= most * fabs(b);
+}
+
+bool vs_case_is_row(vs_case *c, uint64_t index, const double *point, bool failed, char *row,
+                    char *why, size_t size) {
+  char *cell[HEAD + VS_PLAN_AXES], number[VS_NAME_SIZE];
+  const vs_plan *plan = c->plan;
+  vs_error refused = {0};
+  bool exact = true;
+  if (vs_csv_split(row, cell, HEAD + plan->n_axes, NULL) < HEAD + plan->n_axes) {
+    snprintf(why, size, "its row is too short");
+    return false;
+  }
+  for (size_t k = 0; k < plan->n_axes; k++) {
+    vs_axis_print(&plan->axes[k], point[k], number, sizeof number);
+    const int agreed = agrees(cell[HEAD + k], number);
+    exact = exact && agreed == 2;
+    if (agreed) continue;
+    snprintf(why, size, "its %.64s is %.64s; its row has '%.64s'", plan->axes[k].column, number,
+             cell[HEAD + k]);
+    return false;
+  }
+  begin(c, index, point, &refused);
+  /* the id follows from the last digits, too; a case that failed may not have come to it */
+  if (!exact || (failed && !*cell[1]) || !strcmp(cell[1], c->present.id)) return true;
+  snprintf(why, size, "its id is '%s'; its row has '%.64s'", c->present.id, cell[1]);
+  return false;
 }
 
 int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, bool *circuit) {

@@ -41,6 +41,11 @@ extern const char *const vs_case_titles[VS_CASE_COLUMNS];
  * Returns false, and sets nothing, where the row is not as long as a row of the plan. */
 bool vs_case_values(const vs_plan *plan, char *row, double *values, int *status);
 
+/* Is this row, whose text is cut up, the one of case `index`, by its id and its axes? failed: it is
+ * a row of failures.csv. If not, why says what they are. It reads the case's scene, for its id. */
+bool vs_case_is_row(vs_case *c, uint64_t index, const double *point, bool failed, char *row,
+                    char *why, size_t size);
+
 /* Runs case `index`, whose point is point[plan->n_axes], and adds its row without a newline:
  *
  *   case, id, the axes, the plan's columns, then the columns of vs_case_column
