@@ -64,8 +64,9 @@ vs_event vs_anode_follow(vs_anode *a, const vs_knot *from, const vs_knot *to, do
   const vs_conduction_step step = {from->t_s,           to->t_s,
                                    current_at(a, from), current_at(a, to),
                                    voltage_at(a, from), voltage_at(a, to)};
-  a->conduction.gated = !a->conduction.conducts && step.v1_v > 0 && !isnan(a->gate_rad) &&
-                        vs_gate_is_on(a->timeline, a->gate_rad, (from->t_s + to->t_s) / 2);
+  a->conduction.gated =
+      !a->conduction.conducts && step.v1_v > 0 && !isnan(a->gate_rad) &&
+      vs_gate_is_on(a->timeline, a->gate_rad, vs_gate_of_step(from->t_s, to->t_s));
   return vs_conduction_follow(&a->conduction, &step, event_s);
 }
 

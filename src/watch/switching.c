@@ -24,17 +24,20 @@ void vs_switching_gate_begin(vs_gate_watch *g, const vs_timeline *timeline, doub
 }
 
 void vs_switching_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
-  double middle = (c->t0_s + c->t1_s) / 2;
   g->begins = g->ended = false;
   if (isnan(g->delay_rad)) {
     g->on = true;
     return;
   }
-  if (middle < g->edge_s) return;
+  if (c->t1_s < g->edge_s) return;
   bool was = g->on;
-  g->on = vs_gate_is_on(g->timeline, g->delay_rad, middle);
-  g->edge_s = fmin(vs_gate_edge(g->timeline, g->delay_rad, middle),
-                   vs_events_edge(&g->timeline->events, middle)); /* one may add a pulse */
+  double at_s = vs_gate_of_step(c->t0_s, c->t1_s);
+  /* an edge that is not told from this instant counts as one to come, so that the next step asks
+   * again */
+  double before_s = at_s - 3 * vs_occurrence_rounding(at_s);
+  g->on = vs_gate_is_on(g->timeline, g->delay_rad, at_s);
+  g->edge_s = fmin(vs_gate_edge(g->timeline, g->delay_rad, before_s),
+                   vs_events_edge(&g->timeline->events, before_s)); /* one may add a pulse */
   g->begins = g->on && !was;
   g->ended = was && !g->on;
   if (g->ended) g->off_since_s = c->t0_s;
