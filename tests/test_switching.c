@@ -87,10 +87,64 @@ static void a_conduction_that_only_falls_is_no_misfire(void) {
   }
 }
 
+/* ---- letting go at forward voltage ---- */
+
+/* At small angles the current falls below the holding current while the coil's goes on into R2-C2,
+ * which lifts the thyristor's voltage to some ten volts forward: its whole conduction is no
+ * misfire, and the turn-off, which had no reverse time, is judged. */
+static void letting_go_is_a_turn_off(void) {
+  static const char *const SCENES[] = {
+      "TYN1012 --set firing.angle=20deg --set supply.voltage=110V",
+      "TYN1012 --set firing.angle=20deg --set supply.voltage=110V --set run.tolerance=1e-5",
+      "TYN1012 --set firing.angle=10deg --set supply.voltage=110V",
+      "TYN1012 --set firing.angle=12deg --set supply.voltage=90V --set circuit.c2=68nF",
+  };
+  for (size_t k = 0; k < COUNT(SCENES); k++) {
+    ran r = run("run paper --set circuit.deck=halfwave_snubbed --set run.until=26ms --set "
+                "run.verify=never --json --quiet --set circuit.thyristor=%s",
+                SCENES[k]);
+    EXPECT(strstr(r.out, "\"thyristor.misfires\": {\"value\": 0,") &&
+               strstr(r.out, "\"thyristor.t_off\": {\"value\": 0,") &&
+               strstr(r.out, "\"measure\": \"t_off\""),
+           "%s: %d %s", SCENES[k], r.status, r.out);
+    free_ran(&r);
+  }
+}
+
+/* Sources force a current that begins in a gate pulse, which ends at 7.556 ms, and forward voltage
+ * behind it. It outlasts the pulse by less than t_q, 50 us: it did not latch. Or by more. */
+static void latched_or_not(void) {
+  static const struct {
+    const char *ends, *back;
+    int misfires;
+  } ROWS[] = {{"7.58m", "7.581m", 1}, {"7.65m", "7.651m", 0}, {"9m", "9.001m", 0}};
+  write_file("p.inc", "*$ part thyristor \"P\"\n*$ limit t_q = 50 us assumed\n.subckt p a k g\n"
+                      "R1 a k 1meg\nR2 g k 1k\n.ends\n");
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char deck[800], said[40];
+    snprintf(deck, sizeof deck,
+             "*$ param t = p part\n*$ port gate = Vg\n*$ device t = v(x), i(Vt)\n"
+             "Vg g 0 external\nVx x 0 PWL(0 600 5.6m 600 5.601m 1 %s 1 %s 600)\n"
+             "It 0 y PWL(0 0 5.6m 0 5.601m 1 %s 1 %s 0)\nVt y z 0\nRz z 0 1\n"
+             "Re e 0 1\nXeva e 0 eva\n",
+             ROWS[k].ends, ROWS[k].back, ROWS[k].ends, ROWS[k].back);
+    write_file("d.cir", deck);
+    ran r = run("run paper --set circuit.deck=d.cir --set run.until=12ms --set "
+                "firing.pulse_width=2ms --set run.verify=never --json --quiet");
+    snprintf(said, sizeof said, "\"t.misfires\": {\"value\": %d,", ROWS[k].misfires);
+    EXPECT(strstr(r.out, said) &&
+               (strstr(r.out, "\"measure\": \"t_off\"") == NULL) == ROWS[k].misfires,
+           "%s: %d %s", ROWS[k].ends, r.status, r.out);
+    free_ran(&r);
+  }
+}
+
 static const vs_test TESTS[] = {
     {"short steps behind an edge", short_steps_behind_an_edge},
     {"fired by its gate at tight tolerances", fired_by_its_gate_at_tight_tolerances},
     {"a conduction that only falls is no misfire", a_conduction_that_only_falls_is_no_misfire},
+    {"letting go is a turn-off", letting_go_is_a_turn_off},
+    {"latched or not", latched_or_not},
 };
 int main(void) {
   return program_suite("switching", TESTS, COUNT(TESTS));

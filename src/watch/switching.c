@@ -108,6 +108,19 @@ static void follow_fired_v(vs_switch *s, const vs_course_step *c, double began_s
   if (began_s >= c->t0_s) s->fired_v = fmax(c->from[VS_OF_V], c->to[VS_OF_V]);
 }
 
+/* What it had stored when its gate pulse ended, or its unintended firing began, is gone after the
+ * part's t_q: a conduction that outlasts that holds itself. Where t_q is not known, it outlasts its
+ * pulse by as long as that drove it. */
+static bool has_latched(const vs_switch *s) {
+  double driven_s = s->gate.off_since_s - s->fired_s;
+  if (!s->by_gate || isnan(s->gate.delay_rad))
+    driven_s = 0;
+  else if (!(driven_s > 0))
+    return false; /* its pulse is still there */
+  double stored_s = isfinite(s->t_q_s) || !(driven_s > 0) ? s->t_q_s : driven_s;
+  return s->zero_s - (s->fired_s + driven_s) > stored_s;
+}
+
 static void follow_conduction(vs_switch *s, const vs_course_step *c) {
   const vs_conduction_step step = {c->t0_s,        c->t1_s,          c->from[VS_OF_I],
                                    c->to[VS_OF_I], c->from[VS_OF_V], c->to[VS_OF_V]};
@@ -121,6 +134,8 @@ static void follow_conduction(vs_switch *s, const vs_course_step *c) {
   case VS_EV_EXTINCT:
     s->zero_s = event_s;
     s->rest = c->to[VS_OF_V] < 0 ? REST_REVERSED : REST_NO_REVERSE_YET;
+    s->latched = has_latched(s);
+    s->rose_s = NAN;
     break;
   default:
     /* while it rests after a conduction the voltage at which that began is still asked for */
@@ -141,24 +156,35 @@ static void fall_back(vs_switch *s, const vs_course_step *c, vs_switch_news *new
     news->misfire = (vs_value){true, 1, c->t1_s};
 }
 
-/* Follows the voltage of a device that blocks after a conduction: reverse, then forward again. */
+/* Forward voltage has returned. */
+static void turn_off(vs_switch *s, double returned_s, vs_switch_news *news) {
+  s->rest = REST_FORWARD_AGAIN;
+  s->offered_s = fmax(returned_s - s->zero_s, 0);
+  if (!s->gate.on || isnan(s->gate.delay_rad)) /* else it is meant to conduct */
+    news->offered = (vs_value){true, s->offered_s, returned_s};
+  news->doubt_s = s->conduction.tail_s;
+  news->spread_s = s->conduction.peak_a / s->conduction.tail_a_s;
+}
+
+/* Follows the voltage of a device that blocks after a conduction: reverse, then forward again. One
+ * that had latched, and went out by its holding current, may have forward voltage at once. Up to
+ * half of what it fired from that is told from what it still drops as its charge decays by nothing,
+ * and does not count. */
 static void follow_rest(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V];
   switch (s->rest) {
   case REST_NO_REVERSE_YET:
     if (v1 < 0) s->rest = REST_REVERSED;
+    if (isnan(s->rose_s) && v1 > FORWARD_V)
+      s->rose_s = v0 < FORWARD_V ? c->t0_s + (FORWARD_V - v0) / (v1 - v0) * c->h_s : s->zero_s;
     if (s->fired_v < FORWARD_V || v1 < s->fired_v / 2) break;
-    fall_back(s, c, news);
+    if (s->latched)
+      turn_off(s, isnan(s->rose_s) ? c->t1_s : s->rose_s, news);
+    else
+      fall_back(s, c, news);
     break;
   case REST_REVERSED:
-    if (v1 <= 0) break;
-    s->rest = REST_FORWARD_AGAIN;
-    double returned = v0 < 0 ? c->t0_s - v0 / (v1 - v0) * c->h_s : c->t0_s;
-    s->offered_s = fmax(returned - s->zero_s, 0);
-    if (!s->gate.on || isnan(s->gate.delay_rad)) /* else it is meant to conduct */
-      news->offered = (vs_value){true, s->offered_s, returned};
-    news->doubt_s = s->conduction.tail_s;
-    news->spread_s = s->conduction.peak_a / s->conduction.tail_a_s;
+    if (v1 > 0) turn_off(s, v0 < 0 ? c->t0_s - v0 / (v1 - v0) * c->h_s : c->t0_s, news);
     break;
   case REST_FORWARD_AGAIN:
     if (v1 < 0) s->rest = REST_NONE;
