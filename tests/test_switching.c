@@ -112,12 +112,13 @@ static void letting_go_is_a_turn_off(void) {
 }
 
 /* Sources force a current that begins in a gate pulse, which ends at 7.556 ms, and forward voltage
- * behind it. It outlasts the pulse by less than t_q, 50 us: it did not latch. Or by more. */
+ * behind it. It outlasts the pulse by less than ten t_q of 50 us: it did not latch. Or by more. */
 static void latched_or_not(void) {
   static const struct {
     const char *ends, *back;
     int misfires;
-  } ROWS[] = {{"7.58m", "7.581m", 1}, {"7.65m", "7.651m", 0}, {"9m", "9.001m", 0}};
+  } ROWS[] = {
+      {"7.65m", "7.651m", 1}, {"8m", "8.001m", 1}, {"8.1m", "8.101m", 0}, {"9m", "9.001m", 0}};
   write_file("p.inc", "*$ part thyristor \"P\"\n*$ limit t_q = 50 us assumed\n.subckt p a k g\n"
                       "R1 a k 1meg\nR2 g k 1k\n.ends\n");
   for (size_t k = 0; k < COUNT(ROWS); k++) {

@@ -108,17 +108,16 @@ static void follow_fired_v(vs_switch *s, const vs_course_step *c, double began_s
   if (began_s >= c->t0_s) s->fired_v = fmax(c->from[VS_OF_V], c->to[VS_OF_V]);
 }
 
-/* What it had stored when its gate pulse ended, or its unintended firing began, is gone after the
- * part's t_q: a conduction that outlasts that holds itself. Where t_q is not known, it outlasts its
- * pulse by as long as that drove it. */
+/* What a device has stored when its gate pulse ends, or its unintended firing begins, decays within
+ * some t_q of the part if it did not latch: by a factor of e in less than one, and an end is told
+ * at some e^-8 of the current. A conduction that outlasts ten of them holds itself. Where t_q is
+ * not known it counts as 150 us, which is long for a thyristor of this size. */
+static const double DECAYS = 10, SLOW_T_Q_S = 150e-6;
 static bool has_latched(const vs_switch *s) {
-  double driven_s = s->gate.off_since_s - s->fired_s;
-  if (!s->by_gate || isnan(s->gate.delay_rad))
-    driven_s = 0;
-  else if (!(driven_s > 0))
-    return false; /* its pulse is still there */
-  double stored_s = isfinite(s->t_q_s) || !(driven_s > 0) ? s->t_q_s : driven_s;
-  return s->zero_s - (s->fired_s + driven_s) > stored_s;
+  bool by_pulse = s->by_gate && !isnan(s->gate.delay_rad);
+  double from_s = by_pulse ? s->gate.off_since_s : s->fired_s;
+  if (!(from_s >= s->fired_s)) return false; /* its pulse is still there */
+  return s->zero_s - from_s > DECAYS * (isfinite(s->t_q_s) ? s->t_q_s : SLOW_T_Q_S);
 }
 
 static void follow_conduction(vs_switch *s, const vs_course_step *c) {

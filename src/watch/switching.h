@@ -5,7 +5,7 @@
  * coupling/conduction.h defines when a device fires and goes out. This file defines:
  *   misfire                a gate pulse under forward voltage (10 V or more) has ended and the
  *                          device did not conduct; or the device did not latch: it went out within
- *                          its part's t_q of the end of its pulse, and without a reverse voltage
+ *                          ten t_q of the end of its pulse, and without a reverse voltage
  *                          in between fell back to half of the forward voltage it had fired from
  *   unintended firing      the device's current begins outside any gate pulse
  *   time offered           from the zero of the current to the return of forward voltage; where
