@@ -7,23 +7,25 @@
 #include "deck/devices.h"
 #include "drive/gate.h"
 
-static double current_at(const vs_anode *a, const vs_knot *k) {
-  return a->current->sign * k->terms[a->current->term];
+static double current_at(const vs_anode_current *m, const vs_knot *k) {
+  return m->probe ? m->probe->sign * k->terms[m->probe->term]
+                  : vs_formula_value(&m->device->current, k->terms);
 }
 
-static double voltage_at(const vs_anode *a, const vs_knot *k) {
-  return a->voltage < 0 ? 0 : k->terms[a->voltage];
+static double voltage_at(const vs_anode_current *m, const vs_knot *k) {
+  return m->device ? vs_formula_value(&m->device->voltage, k->terms) : 0;
 }
 
 /* The current without leakage. At its zero an ideal latch lets go. */
-static double forward_current(const vs_anode *a, const vs_knot *k) {
-  return vs_conduction_current(&a->conduction, current_at(a, k), voltage_at(a, k));
+static double forward_current(const vs_anode_current *m, const vs_knot *k) {
+  return vs_conduction_current(&m->conduction, current_at(m, k), voltage_at(m, k));
 }
 
 /* When that current passes zero, if it goes on to fall as over the last step; INFINITY: it does not
  * fall. */
-static double zero_of_current(const vs_anode *a, const vs_knot *before, const vs_knot *last) {
-  double i0 = forward_current(a, before), i1 = forward_current(a, last);
+static double zero_of_current(const vs_anode_current *m, const vs_knot *before,
+                              const vs_knot *last) {
+  double i0 = forward_current(m, before), i1 = forward_current(m, last);
   return i1 < i0 ? last->t_s + (last->t_s - before->t_s) * i1 / (i0 - i1) : INFINITY;
 }
 
@@ -39,51 +41,102 @@ static const double NEARER = 0.9;
  * solver's rule. A step that the solver tries and rejects because of that is worse: its end stays
  * in Newton's iteration, so that a latch that has let go there lets go at the beginning of the next
  * try. So a step that would pass the zero is tried only from close by. */
-double vs_anode_longest(vs_anode *a, const vs_knot *before, const vs_knot *last,
-                        double max_step_s) {
-  a->crosses_s = INFINITY;
-  if (!a->nearing) return INFINITY;
-  double now = last->t_s, left = zero_of_current(a, before, last) - now;
+static double longest(vs_anode_current *m, const vs_knot *before, const vs_knot *last,
+                      double max_step_s) {
+  m->crosses_s = INFINITY;
+  if (!m->nearing) return INFINITY;
+  double now = last->t_s, left = zero_of_current(m, before, last) - now;
   if (!(left > 0 && left < 2 * max_step_s)) return INFINITY;
   if (left > NEAR_S) return fmax(NEARER * left, NEAR_S / 2);
-  a->crosses_s = now + left + NEAR_S / 2;
+  m->crosses_s = now + left + NEAR_S / 2;
   return left + NEAR_S;
 }
 
-void vs_anode_take(vs_anode *a, const vs_knot *last, bool conducted) {
-  if (!a->current) return;
-  a->crossed = a->nearing && last->t_s >= a->crosses_s;
-  if (a->conduction.conducts)
-    a->nearing = true;
-  else if (a->crossed || (!conducted && !(forward_current(a, last) > 0)))
-    a->nearing = false;
+double vs_anode_longest(vs_anode *a, const vs_knot *before, const vs_knot *last,
+                        double max_step_s) {
+  double least = INFINITY;
+  for (size_t k = 0; k < a->count; k++)
+    least = fmin(least, longest(&a->item[k], before, last, max_step_s));
+  return least;
 }
 
-vs_event vs_anode_follow(vs_anode *a, const vs_knot *from, const vs_knot *to, double *event_s) {
-  if (!a->current || to->t_s == from->t_s) return VS_EV_NONE;
+void vs_anode_leave(vs_anode *a) {
+  for (size_t k = 0; k < a->count; k++) a->item[k].conducted = a->item[k].conduction.conducts;
+}
+
+void vs_anode_take(vs_anode *a, const vs_knot *last) {
+  a->crossed = false;
+  for (size_t k = 0; k < a->count; k++) {
+    vs_anode_current *m = &a->item[k];
+    bool crossed = m->nearing && last->t_s >= m->crosses_s;
+    a->crossed = a->crossed || crossed;
+    if (m->conduction.conducts)
+      m->nearing = true;
+    else if (crossed || (!m->conducted && !(forward_current(m, last) > 0)))
+      m->nearing = false;
+  }
+}
+
+static vs_event follow(vs_anode_current *m, const vs_timeline *timeline, const vs_knot *from,
+                       const vs_knot *to, double *event_s) {
   const vs_conduction_step step = {from->t_s,           to->t_s,
-                                   current_at(a, from), current_at(a, to),
-                                   voltage_at(a, from), voltage_at(a, to)};
-  a->conduction.gated = !a->conduction.conducts && step.v1_v > 0 && !isnan(a->gate_rad) &&
-                        vs_gate_is_on(a->timeline, a->gate_rad, (from->t_s + to->t_s) / 2);
-  return vs_conduction_follow(&a->conduction, &step, event_s);
+                                   current_at(m, from), current_at(m, to),
+                                   voltage_at(m, from), voltage_at(m, to)};
+  double gate_rad = m->device ? m->device->gate_rad : NAN;
+  m->conduction.gated = !m->conduction.conducts && step.v1_v > 0 && !isnan(gate_rad) &&
+                        vs_gate_is_on(timeline, gate_rad, vs_gate_of_step(from->t_s, to->t_s));
+  return vs_conduction_follow(&m->conduction, &step, event_s);
 }
 
-/* A voltage is known only where a thyristor has just this current for its own; the sum of two
- * thyristors' currents belongs to neither. */
-void vs_anode_begin(vs_anode *a, const vs_deck *deck, const vs_timeline *timeline) {
-  int current, voltage;
+bool vs_anode_conducts(const vs_anode *a) {
+  for (size_t k = 0; k < a->count; k++)
+    if (a->item[k].conduction.conducts) return true;
+  return false;
+}
+
+/* Where one thyristor takes over from another, the sum goes on. A current's foot may lie before the
+ * end of the conduction before, where that was another thyristor's. */
+vs_event vs_anode_follow(vs_anode *a, const vs_knot *from, const vs_knot *to, double *event_s) {
+  if (to->t_s == from->t_s) return VS_EV_NONE;
+  bool was = vs_anode_conducts(a);
+  double fires_s = INFINITY, at_s = NAN;
+  for (size_t k = 0; k < a->count; k++) {
+    vs_event event = follow(&a->item[k], a->timeline, from, to, &at_s);
+    if (event == VS_EV_FIRES) fires_s = fmin(fires_s, at_s);
+    if (event == VS_EV_EXTINCT) a->out_s = fmax(a->out_s, at_s);
+  }
+  if (vs_anode_conducts(a) == was) return VS_EV_NONE;
+  *event_s = was ? a->out_s : fmax(fires_s, a->out_s);
+  return was ? VS_EV_EXTINCT : VS_EV_FIRES;
+}
+
+static bool has_current(const vs_device *d, const vs_probe *probe) {
+  int term;
   double factor = 0;
-  *a = (vs_anode){.timeline = timeline, .gate_rad = NAN, .voltage = -1, .crosses_s = INFINITY};
-  vs_conduction_begin(&a->conduction);
+  return vs_formula_is_term(&d->current, &term, &factor) && term == probe->term &&
+         factor == probe->sign;
+}
+
+static void add(vs_anode *a, const vs_probe *probe, const vs_device *device) {
+  vs_anode_current *m = &a->item[a->count++];
+  *m = (vs_anode_current){.probe = probe, .device = device, .crosses_s = INFINITY};
+  vs_conduction_begin(&m->conduction);
+}
+
+void vs_anode_begin(vs_anode *a, const vs_deck *deck, const vs_timeline *timeline) {
+  const vs_probe *probe = NULL;
+  const vs_device *own = NULL, *d;
+  *a = (vs_anode){.timeline = timeline, .out_s = -INFINITY};
   for (size_t k = 0; k < deck->n_probes; k++)
-    if (!strcmp(deck->probes[k].name, "i_thyristor")) a->current = &deck->probes[k];
-  for (size_t k = 0; a->current && k < deck->n_devices; k++)
-    if (deck->devices[k].kind->switches &&
-        vs_formula_is_term(&deck->devices[k].current, &current, &factor) &&
-        current == a->current->term &&
-        vs_formula_is_term(&deck->devices[k].voltage, &voltage, &factor)) {
-      a->voltage = voltage;
-      a->gate_rad = deck->devices[k].gate_rad;
-    }
+    if (!strcmp(deck->probes[k].name, "i_thyristor")) probe = &deck->probes[k];
+  if (!probe) return;
+  for (size_t k = 0; k < deck->n_devices; k++) {
+    d = &deck->devices[k];
+    if (!d->kind->switches) continue;
+    if (has_current(d, probe)) own = d;
+    add(a, NULL, d);
+  }
+  if (!own && a->count > 1) return;
+  a->count = 0;
+  add(a, probe, own);
 }

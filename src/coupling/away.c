@@ -54,7 +54,7 @@ vs_status vs_away_consider(vs_away *a, const double *signals, vs_error *err) {
   vs_course *c = a->course;
   const vs_setup *setup = c->setup;
   double now = vs_course_last(c)->t_s, until = setup->run.until_s, memory[VS_MEMORIES];
-  bool conducts = c->anode.conduction.conducts;
+  bool conducts = vs_anode_conducts(&c->anode);
   if (!a->law || a->stays) return VS_OK;
   vs_names_take_memory(a->names, signals, memory);
   a->kind->take(a->law, vs_course_last(c), memory, !conducts);

@@ -67,13 +67,30 @@ static double leakage(double v_v) {
   return LEAKS_S * fabs(v_v);
 }
 
+static bool is_on_state(double v_v) {
+  return v_v > 0 && v_v < BLOCKED_V;
+}
+
+/* The least rise of the current that is a conduction's where its gate pulse is there. */
+static double remains(const vs_conduction *c) {
+  return fmin(fmax(REMAINS * c->peak_a, GATED_A), CONDUCTS_A);
+}
+
+/* A current that stands above its foot, with a gate pulse and at an on-state voltage: the jump by
+ * which it came there may have been excused as a capacitance's, and from then on it may only fall,
+ * as where the thyristor discharges its snubber. */
+static bool stands(const vs_conduction *c, const vs_conduction_step *s) {
+  return c->gated && is_on_state(s->v0_v) && is_on_state(s->v1_v) &&
+         s->i1_a - c->foot_a > remains(c) + displaced(s);
+}
+
 /* Moves the foot on to the step's end where the current has not begun: where it does not rise, or
  * only charges a capacitance, or leaks. */
 static void follow_foot(vs_conduction *c, const vs_conduction_step *s) {
   if (isnan(c->foot_s)) set_foot(c, s->t0_s, s->i0_a);
   double rise = s->i1_a - s->i0_a, steep = rise / (s->t1_s - s->t0_s);
   bool blocked = fabs(s->v1_v) > BLOCKED_V && s->i1_a <= leakage(s->v1_v);
-  if (rise <= 0 || s->i1_a <= displaced(s) || blocked)
+  if ((rise <= 0 && !stands(c, s)) || s->i1_a <= displaced(s) || blocked)
     set_foot(c, s->t1_s, s->i1_a);
   else if (s->i0_a <= 0)
     set_foot(c, zero_of(s->t0_s, s->i0_a, s->t1_s, s->i1_a), 0);
@@ -83,10 +100,8 @@ static void follow_foot(vs_conduction *c, const vs_conduction_step *s) {
 
 static bool fires(vs_conduction *c, const vs_conduction_step *s, double *event_s) {
   follow_foot(c, s);
-  bool on_state = s->v1_v > 0 && s->v1_v < BLOCKED_V;
-  double remains_a = fmin(fmax(REMAINS * c->peak_a, GATED_A), CONDUCTS_A);
   double moved_a = DISPLACED_F * fabs(s->v1_v - s->v0_v) / (s->t1_s - s->t0_s);
-  bool by_gate = c->gated && on_state && s->i1_a - c->foot_a > remains_a + moved_a;
+  bool by_gate = c->gated && is_on_state(s->v1_v) && s->i1_a - c->foot_a > remains(c) + moved_a;
   if (!by_gate && s->i1_a <= CONDUCTS_A + displaced(s) + leakage(s->v1_v)) return false;
   *event_s = c->foot_s;
   c->peak_a = s->i1_a;

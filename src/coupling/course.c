@@ -135,9 +135,9 @@ vs_status vs_course_move(vs_course *c, vs_knot *end, vs_error *err) {
            (3 * slope - 2 * from.flux_rate_v - end->flux_rate_v) / h,
            (from.flux_rate_v + end->flux_rate_v - 2 * slope) / (h * h));
   c->candidate_s = -1;
-  bool conducted = c->anode.conduction.conducts;
+  vs_anode_leave(&c->anode);
   vs_status status = move(c, &from, end, err);
-  vs_anode_take(&c->anode, &c->knots[c->now], conducted);
+  vs_anode_take(&c->anode, &c->knots[c->now]);
   return status;
 }
 

@@ -93,6 +93,10 @@ bool vs_gate_is_on(const vs_timeline *t, double shift_rad, double t_s) {
   return vs_gate_voltage(t, shift_rad, t_s) > 0;
 }
 
+double vs_gate_of_step(double t0_s, double t1_s) {
+  return fmax(t1_s, t0_s + 2 * vs_occurrence_rounding(t1_s));
+}
+
 double vs_gate_edge(const vs_timeline *t, double shift_rad, double t_s) {
   double n = last_pulse(t, shift_rad, t_s), slack = vs_occurrence_rounding(t_s), width, voltage;
   double fall = -INFINITY;

@@ -15,6 +15,12 @@ double vs_gate_voltage(const vs_timeline *timeline, double shift_rad, double t_s
 /* True where that voltage is above zero. */
 bool vs_gate_is_on(const vs_timeline *timeline, double shift_rad, double t_s);
 
+/* The instant at which a step of the solver from t0 to t1 is asked for its gate: its end, and
+ * behind an edge that the step begins on, even where the step is shorter than instants round. There
+ * the end is not told from the edge, but the solver, which has tried longer steps before, may have
+ * fired. */
+double vs_gate_of_step(double t0_s, double t1_s);
+
 /* The first edge of the train's pulses after t; INFINITY: none. Edges of pulses that events add are
  * among those of vs_events_edge. */
 double vs_gate_edge(const vs_timeline *timeline, double shift_rad, double t_s);

@@ -24,17 +24,20 @@ void vs_switching_gate_begin(vs_gate_watch *g, const vs_timeline *timeline, doub
 }
 
 void vs_switching_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
-  double middle = (c->t0_s + c->t1_s) / 2;
   g->begins = g->ended = false;
   if (isnan(g->delay_rad)) {
     g->on = true;
     return;
   }
-  if (middle < g->edge_s) return;
+  if (c->t1_s < g->edge_s) return;
   bool was = g->on;
-  g->on = vs_gate_is_on(g->timeline, g->delay_rad, middle);
-  g->edge_s = fmin(vs_gate_edge(g->timeline, g->delay_rad, middle),
-                   vs_events_edge(&g->timeline->events, middle)); /* one may add a pulse */
+  double at_s = vs_gate_of_step(c->t0_s, c->t1_s);
+  /* an edge that is not told from this instant counts as one to come, so that the next step asks
+   * again */
+  double before_s = at_s - 3 * vs_occurrence_rounding(at_s);
+  g->on = vs_gate_is_on(g->timeline, g->delay_rad, at_s);
+  g->edge_s = fmin(vs_gate_edge(g->timeline, g->delay_rad, before_s),
+                   vs_events_edge(&g->timeline->events, before_s)); /* one may add a pulse */
   g->begins = g->on && !was;
   g->ended = was && !g->on;
   if (g->ended) g->off_since_s = c->t0_s;
@@ -107,6 +110,18 @@ static void follow_fired_v(vs_switch *s, const vs_course_step *c, double began_s
   if (began_s >= c->t0_s) s->fired_v = fmax(c->from[VS_OF_V], c->to[VS_OF_V]);
 }
 
+/* What a device has stored when its gate pulse ends, or its unintended firing begins, decays within
+ * some t_q of the part if it did not latch: by a factor of e in less than one, and an end is told
+ * at some e^-8 of the current. A conduction that outlasts ten of them holds itself. Where t_q is
+ * not known it counts as 150 us, which is long for a thyristor of this size. */
+static const double DECAYS = 10, SLOW_T_Q_S = 150e-6;
+static bool has_latched(const vs_switch *s) {
+  bool by_pulse = s->by_gate && !isnan(s->gate.delay_rad);
+  double from_s = by_pulse ? s->gate.off_since_s : s->fired_s;
+  if (!(from_s >= s->fired_s)) return false; /* its pulse is still there */
+  return s->zero_s - from_s > DECAYS * (isfinite(s->t_q_s) ? s->t_q_s : SLOW_T_Q_S);
+}
+
 static void follow_conduction(vs_switch *s, const vs_course_step *c) {
   const vs_conduction_step step = {c->t0_s,        c->t1_s,          c->from[VS_OF_I],
                                    c->to[VS_OF_I], c->from[VS_OF_V], c->to[VS_OF_V]};
@@ -120,6 +135,8 @@ static void follow_conduction(vs_switch *s, const vs_course_step *c) {
   case VS_EV_EXTINCT:
     s->zero_s = event_s;
     s->rest = c->to[VS_OF_V] < 0 ? REST_REVERSED : REST_NO_REVERSE_YET;
+    s->latched = has_latched(s);
+    s->rose_s = NAN;
     break;
   default:
     /* while it rests after a conduction the voltage at which that began is still asked for */
@@ -140,24 +157,35 @@ static void fall_back(vs_switch *s, const vs_course_step *c, vs_switch_news *new
     news->misfire = (vs_value){true, 1, c->t1_s};
 }
 
-/* Follows the voltage of a device that blocks after a conduction: reverse, then forward again. */
+/* Forward voltage has returned. */
+static void turn_off(vs_switch *s, double returned_s, vs_switch_news *news) {
+  s->rest = REST_FORWARD_AGAIN;
+  s->offered_s = fmax(returned_s - s->zero_s, 0);
+  if (!s->gate.on || isnan(s->gate.delay_rad)) /* else it is meant to conduct */
+    news->offered = (vs_value){true, s->offered_s, returned_s};
+  news->doubt_s = s->conduction.tail_s;
+  news->spread_s = s->conduction.peak_a / s->conduction.tail_a_s;
+}
+
+/* Follows the voltage of a device that blocks after a conduction: reverse, then forward again. One
+ * that had latched, and went out by its holding current, may have forward voltage at once. Up to
+ * half of what it fired from that is told from what it still drops as its charge decays by nothing,
+ * and does not count. */
 static void follow_rest(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V];
   switch (s->rest) {
   case REST_NO_REVERSE_YET:
     if (v1 < 0) s->rest = REST_REVERSED;
+    if (isnan(s->rose_s) && v1 > FORWARD_V)
+      s->rose_s = v0 < FORWARD_V ? c->t0_s + (FORWARD_V - v0) / (v1 - v0) * c->h_s : s->zero_s;
     if (s->fired_v < FORWARD_V || v1 < s->fired_v / 2) break;
-    fall_back(s, c, news);
+    if (s->latched)
+      turn_off(s, isnan(s->rose_s) ? c->t1_s : s->rose_s, news);
+    else
+      fall_back(s, c, news);
     break;
   case REST_REVERSED:
-    if (v1 <= 0) break;
-    s->rest = REST_FORWARD_AGAIN;
-    double returned = v0 < 0 ? c->t0_s - v0 / (v1 - v0) * c->h_s : c->t0_s;
-    s->offered_s = fmax(returned - s->zero_s, 0);
-    if (!s->gate.on || isnan(s->gate.delay_rad)) /* else it is meant to conduct */
-      news->offered = (vs_value){true, s->offered_s, returned};
-    news->doubt_s = s->conduction.tail_s;
-    news->spread_s = s->conduction.peak_a / s->conduction.tail_a_s;
+    if (v1 > 0) turn_off(s, v0 < 0 ? c->t0_s - v0 / (v1 - v0) * c->h_s : c->t0_s, news);
     break;
   case REST_FORWARD_AGAIN:
     if (v1 < 0) s->rest = REST_NONE;

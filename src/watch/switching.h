@@ -4,11 +4,14 @@
  *
  * coupling/conduction.h defines when a device fires and goes out. This file defines:
  *   misfire                a gate pulse under forward voltage (10 V or more) has ended and the
- *                          device did not conduct; or the device did not latch: without a reverse
- *                          voltage in between it fell back to half of the forward voltage it had
- *                          fired from
+ *                          device did not conduct; or the device did not latch: it went out within
+ *                          ten t_q of the end of its pulse, and without a reverse voltage
+ *                          in between fell back to half of the forward voltage it had fired from
  *   unintended firing      the device's current begins outside any gate pulse
- *   time offered           from the zero of the current to the return of forward voltage
+ *   time offered           from the zero of the current to the return of forward voltage; where
+ *                          the device had latched and comes back to half of the forward voltage
+ *                          it had fired from without having been reversed, as it may when it lets
+ *                          go at its holding current, to the first 10 V
  *   commutation failure    an unintended firing on the first forward voltage after a conduction,
  *                          where the time offered was below the part's t_q, or that is not known */
 #ifndef VS_WATCH_SWITCHING_H
@@ -54,15 +57,17 @@ typedef struct vs_switch {
   vs_gate_watch gate;
   double t_q_s; /* of the part; INFINITY, as at the beginning: not known */
   vs_conduction conduction;
-  bool by_gate;        /* the present or last conduction began with a gate pulse */
-  bool turning_on;     /* the current has not come to its first maximum */
-  double fired_s;      /* when it last fired; NaN: it has not fired yet */
-  double fired_v;      /* the forward voltage it fired from */
-  double zero_s;       /* when its current last went to zero */
-  int rest;            /* what its voltage did since then: REST_... of switching.c */
-  double offered_s;    /* the time that its circuit offered it to rest */
-  bool forward;        /* in the present gate pulse it had forward voltage */
-  bool conducted;      /* in the present gate pulse it conducted */
+  bool by_gate;     /* the present or last conduction began with a gate pulse */
+  bool turning_on;  /* the current has not come to its first maximum */
+  double fired_s;   /* when it last fired; NaN: it has not fired yet */
+  double fired_v;   /* the forward voltage it fired from */
+  double rose_s;    /* when it had 10 V forward since zero_s, not reversed yet; NaN: not so far */
+  bool latched;     /* the last conduction went on without its gate */
+  double zero_s;    /* when its current last went to zero */
+  int rest;         /* what its voltage did since then: REST_... of switching.c */
+  double offered_s; /* the time that its circuit offered it to rest */
+  bool forward;     /* in the present gate pulse it had forward voltage */
+  bool conducted;   /* in the present gate pulse it conducted */
   double unanswered_s; /* end of a gate pulse that may have failed; NaN: there is none */
   vs_rise rise;
   vs_slope off, on; /* rates of its forward voltage and of its current, followed all the time */
