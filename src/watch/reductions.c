@@ -255,7 +255,8 @@ static void follow_slope(const vs_watched *w, vs_reduced *r, const vs_course_ste
   offer(r, (vs_value){rate >= 0, rate, c->t1_s}, is_held_from_below(r));
 }
 
-static const vs_reducer steepest = {.state_size = sizeof(vs_slope), .follow = follow_slope};
+static const vs_reducer steepest = {
+    .state_size = sizeof(vs_slope), .is_rate = true, .follow = follow_slope};
 
 /* ---- the junction's temperature ---- */
 
@@ -338,8 +339,9 @@ static void take_commutation_failure(vs_reduced *r, const vs_switch_news *news) 
   count(r, news->commutation_failure, news->unintended.at_s);
 }
 
-static const vs_reducer rise = {.take_news = take_rise}, off_rate = {.take_news = take_off_rate},
-                        on_rate = {.take_news = take_on_rate},
+static const vs_reducer rise = {.is_rate = true, .take_news = take_rise},
+                        off_rate = {.is_rate = true, .take_news = take_off_rate},
+                        on_rate = {.is_rate = true, .take_news = take_on_rate},
                         offered = {.prepare = prepare_offered, .take_news = take_offered},
                         misfire = {.counts = true, .take_news = take_misfire},
                         unintended = {.counts = true, .take_news = take_unintended},
