@@ -779,12 +779,15 @@ static void files_that_cannot_be_written(void) {
   CU_ASSERT_PTR_NOT_NULL(strstr(err.text, "nowhere/run.csv: cannot be written: No such file"));
   vs_file_discard(&file);
   CU_ASSERT_EQUAL(mkdir("blocked", 0777), 0);
-  CU_ASSERT_EQUAL(mkdir("blocked/run.csv", 0777), 0); /* a rename onto it must fail */
   CU_ASSERT_EQUAL_FATAL(vs_file_open(&file, "blocked", "run.csv", &err), VS_OK);
   fputs("text", file.stream);
+  CU_ASSERT_EQUAL(mkdir("blocked/run.csv", 0777), 0); /* a rename onto it must fail */
   CU_ASSERT_EQUAL(vs_file_commit(&file, &err), VS_RUN);
   CU_ASSERT_PTR_NOT_NULL(strstr(err.text, "blocked/run.csv: cannot be written"));
   EXPECT_FILES("blocked", "run.csv ");
+  CU_ASSERT_EQUAL(vs_file_open(&file, "blocked", "run.csv", &err), VS_INPUT); /* seen at once */
+  CU_ASSERT_PTR_NOT_NULL(strstr(err.text, "blocked/run.csv: "));
+  vs_file_discard(&file);
 }
 
 static void folders(void) {

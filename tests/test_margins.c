@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What a verdict says of its own numbers: the margin at run.tolerance 1e-7 lies within the error
  * that a run at 1e-4 tells (a few cases here; 1,000 drawn at random with tools/test --long, which
- * writes margins.csv, committed in tests/long); numbers that are not converged are never called
+ * writes margins.csv); numbers that are not converged are never called
  * held; the words and the statuses. */
 #include <gsl/gsl_qrng.h>
 #include <math.h>

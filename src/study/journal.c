@@ -18,161 +18,11 @@
 #include "plan/plan.h"
 
 static const char NAME[] = "journal";
-static const char MAGIC[] = "vibrospice journal 1";
-
-/* ---- the head ---- */
-
-/* The head's texts, in the order of their lines. */
-static const struct {
-  const char *name;
-  size_t offset;
-} TEXTS[] = {{"identity", offsetof(vs_journal_head, identity)},
-             {"columns", offsetof(vs_journal_head, columns)},
-             {"failures", offsetof(vs_journal_head, failures)},
-             {"manifest_begin", offsetof(vs_journal_head, manifest_begin)},
-             {"manifest_end", offsetof(vs_journal_head, manifest_end)}};
-enum { N_TEXTS = sizeof TEXTS / sizeof *TEXTS, MANIFEST = 3 /* the first text of it */ };
-
-static char **text_of(vs_journal_head *head, size_t k) {
-  return (char **)(void *)((char *)head + TEXTS[k].offset);
-}
-
-static const char *text_in(const vs_journal_head *head, size_t k) {
-  return *(char *const *)(const void *)((const char *)head + TEXTS[k].offset);
-}
-
-void vs_journal_head_free(vs_journal_head *head) {
-  for (size_t k = 0; k < N_TEXTS; k++) free(*text_of(head, k));
-  *head = (vs_journal_head){0};
-}
-
-/* Adds a line of the journal; the text's own line ends are written as \n. */
-static void add_line(vs_text *to, char kind, const char *text, size_t length) {
-  vs_text line = {0};
-  vs_text_add(&line, "%c ", kind);
-  const char *end = text + length;
-  for (const char *s = text; s < end;) {
-    const char *stop = memchr(s, '\n', (size_t)(end - s));
-    vs_text_add(&line, "%.*s%s", (int)((stop ? stop : end) - s), s, stop ? "\\n" : "");
-    s = stop ? stop + 1 : end;
-  }
-  vs_text_add(to, "%08" PRIx32 " %s\n", vs_hash_crc32(line.text, line.length), line.text);
-  vs_text_free(&line);
-}
-
-static void add_head(vs_text *to, const vs_journal_head *head) {
-  vs_text line = {0};
-  /* in the texts a backslash is written twice, as it begins a line end */
-  add_line(to, 'h', MAGIC, strlen(MAGIC));
-  for (size_t k = 0; k < N_TEXTS; k++) {
-    line.length = 0;
-    vs_text_add(&line, "%s=", TEXTS[k].name);
-    for (const char *s = text_in(head, k); *s; s++)
-      vs_text_add(&line, "%s%c", *s == '\\' ? "\\" : "", *s);
-    add_line(to, 'h', line.text, line.length);
-  }
-  line.length = 0;
-  vs_text_add(&line, "counts=%" PRIu64 " %" PRIu64 " %" PRIu64, head->cases, head->shard,
-              head->shards);
-  add_line(to, 'h', line.text, line.length);
-  vs_text_free(&line);
-}
-
-/* Turns \n back into line ends, and two backslashes into one. */
-static char *unfold(const char *text) {
-  char *copy = vs_copy(text), *out = copy;
-  for (const char *s = copy; *s; s++)
-    if (s[0] == '\\' && (s[1] == 'n' || s[1] == '\\'))
-      *out++ = *++s == 'n' ? '\n' : '\\';
-    else
-      *out++ = *s;
-  *out = '\0';
-  return copy;
-}
-
-/* Reads a count that is digits and nothing else, up to `most`. */
-static bool read_count(const char **at, char end, uint64_t most, uint64_t *count) {
-  size_t n = strspn(*at, "0123456789");
-  *count = strtoull(*at, NULL, 10);
-  if (!n || n > 18 || (*at)[n] != end || *count > most) return false;
-  *at += n + 1;
-  return true;
-}
-
-/* Reads the line of counts. Counts that no study has are not taken, and the head then lacks them.
- */
-static bool read_counts(vs_journal_head *head, const char *text) {
-  vs_journal_head h;
-  if (!read_count(&text, ' ', VS_PLAN_CASES, &h.cases) ||
-      !read_count(&text, ' ', VS_MOST_SHARDS, &h.shard) ||
-      !read_count(&text, '\0', VS_MOST_SHARDS, &h.shards) || !h.shard || h.shard > h.shards)
-    return false;
-  head->cases = h.cases;
-  head->shard = h.shard;
-  head->shards = h.shards;
-  return true;
-}
-
-/* Takes a line of the head; false: it is none. What the head has already is not taken again. */
-static bool read_head_line(vs_journal *j, const char *text, uint64_t at) {
-  static const char COUNTS[] = "counts=";
-  vs_journal_head *head = &j->head;
-  if (!strcmp(text, MAGIC)) {
-    j->two_heads = j->two_heads || at > 0;
-    return true;
-  }
-  for (size_t k = 0; k < N_TEXTS; k++) {
-    size_t n = strlen(TEXTS[k].name);
-    if (strncmp(text, TEXTS[k].name, n) || text[n] != '=') continue;
-    if (*text_of(head, k))
-      j->two_heads = true;
-    else
-      *text_of(head, k) = unfold(text + n + 1);
-    return true;
-  }
-  if (strncmp(text, COUNTS, sizeof COUNTS - 1)) return false;
-  j->two_heads = j->two_heads || head->shards;
-  return j->two_heads || read_counts(head, text + sizeof COUNTS - 1);
-}
-
-static bool is_whole(const vs_journal_head *head) {
-  for (size_t k = 0; k < N_TEXTS; k++)
-    if (!text_in(head, k)) return false;
-  return head->shards > 0 && head->shard > 0 && head->shard <= head->shards;
-}
-
-/* True if both texts are the same but for how files and the study are named, which may differ from
- * machine to machine. Their contents are in the identity. */
-static bool says_the_same(const char *a, const char *b) {
-  static const char *const BEFORE[] = {"\"path\": \"", "\"study\": \"", "\"study\", \""};
-  for (; *a && *a == *b; a++, b++)
-    for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE; k++) {
-      const size_t n = strlen(BEFORE[k]);
-      if (strncmp(a, BEFORE[k], n) || strncmp(b, BEFORE[k], n)) continue;
-      const char *end = vs_json_string_end(a + n - 1), *end_too = vs_json_string_end(b + n - 1);
-      if (!end || !end_too) return false;
-      a = end - 1;
-      b = end_too - 1;
-      break;
-    }
-  return *a == *b;
-}
-
-const char *vs_journal_differs(const vs_journal_head *a, const vs_journal_head *b) {
-  for (size_t k = 0; k < N_TEXTS; k++) {
-    const bool manifest = k >= MANIFEST;
-    if (manifest ? !says_the_same(text_in(a, k), text_in(b, k))
-                 : strcmp(text_in(a, k), text_in(b, k)) != 0)
-      return TEXTS[k].name;
-  }
-  return a->cases != b->cases || a->shard != b->shard || a->shards != b->shards ? "counts" : NULL;
-}
-
 /* ---- the manifest ---- */
 
 /* Adds the manifest of these journals. */
 static void add_manifest(const vs_journals *all, vs_text *text) {
-  const vs_journal_head *head = &all->item[0].head;
+  const vs_head *head = &all->item[0].head;
   uint64_t done = 0, failed = 0, violated = 0;
   for (uint64_t k = 0; k < all->count; k++) {
     done += all->item[k].done;
@@ -235,7 +85,7 @@ static void make_room(vs_journal *j, uint64_t cases) {
 
 /* Makes room for all cases of a study that this process begins, whose count comes from its plan. */
 static void reserve(vs_journal *j) {
-  const vs_journal_head *h = &j->head;
+  const vs_head *h = &j->head;
   if (h->cases) make_room(j, (h->cases + h->shards - h->shard) / h->shards);
 }
 
@@ -283,16 +133,15 @@ vs_status vs_journal_remove(const char *folder, vs_error *err) {
   return status;
 }
 
-vs_status vs_journal_create(vs_journal *j, const char *folder, vs_journal_head *head,
-                            vs_error *err) {
+vs_status vs_journal_create(vs_journal *j, const char *folder, vs_head *head, vs_error *err) {
   vs_file file = {0};
   vs_text text = {0};
   *j = (vs_journal){.fd = -1, .folder = -1, .head = *head};
-  *head = (vs_journal_head){0};
+  *head = (vs_head){0};
   name_file(j, folder);
   vs_status status = lock_folder(j, folder, err);
   if (!status) status = vs_file_open(&file, folder, NAME, err);
-  add_head(&text, &j->head);
+  vs_head_print(&text, &j->head);
   if (!status) {
     fputs(text.text, file.stream);
     status = vs_file_commit(&file, err);
@@ -333,7 +182,7 @@ static vs_status refuse_row(const vs_journal *j, const entry *e, size_t at, cons
 }
 
 static vs_status read_row(vs_journal *j, const entry *e, vs_row_counts *counts, vs_error *err) {
-  const vs_journal_head *h = &j->head;
+  const vs_head *h = &j->head;
   char why[256];
   size_t at;
   if (!j->shape) j->shape = vs_row_new(h->columns, h->failures, h->manifest_end);
@@ -344,7 +193,7 @@ static vs_status read_row(vs_journal *j, const entry *e, vs_row_counts *counts, 
 
 /* The row of a case that the journal's study does not have, or that another shard has. */
 static vs_status refuse_case(const vs_journal *j, const entry *e, vs_error *err) {
-  const vs_journal_head *h = &j->head;
+  const vs_head *h = &j->head;
   char why[160];
   snprintf(why, sizeof why,
            "its case is none of this journal's, which is shard %" PRIu64 "/%" PRIu64
@@ -393,8 +242,8 @@ static vs_status take_line(vs_journal *j, const entry *e, vs_error *err) {
   if (!good || strlen(line) != e->length)
     j->bad++;
   else if (line[9] == 'h')
-    j->bad += !read_head_line(j, line + BEFORE_ROW, e->at);
-  else if ((line[9] == '=' || line[9] == '!') && is_whole(&j->head))
+    j->bad += !vs_head_read(&j->head, line + BEFORE_ROW, !(e->at), &j->two_heads);
+  else if ((line[9] == '=' || line[9] == '!') && vs_head_is_whole(&j->head))
     return count_row(j, e, err);
   else
     j->bad++;
@@ -446,7 +295,7 @@ vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error
                 "%s: has two heads, so that its rows may be of two studies; a journal has one, "
                 "in its first lines",
                 j->path);
-  if (!status && !is_whole(&j->head))
+  if (!status && !vs_head_is_whole(&j->head))
     status = vs_fail(err, VS_INPUT,
                      "%s: is no journal of a study: its head lacks a line, or has counts that no "
                      "study has (at most %llu cases and %d shards)",
@@ -472,7 +321,7 @@ bool vs_journal_peek(vs_journal *j, const char *folder) {
 void vs_journal_close(vs_journal *j) {
   if (j->fd >= 0) close(j->fd);
   if (j->folder >= 0) close(j->folder);
-  vs_journal_head_free(&j->head);
+  vs_head_free(&j->head);
   free(j->place);
   vs_row_free(j->shape);
   vs_text_free(&j->fresh);
@@ -494,7 +343,7 @@ vs_status vs_journal_add(vs_journal *j, uint64_t index, int status, const char *
   const bool failed = status == 1;
   make_room(j, own(j, index) + 1);
   j->place[own(j, index)] = j->end + j->fresh.length + 1;
-  add_line(&j->fresh, failed ? '!' : '=', row, length);
+  vs_head_line(&j->fresh, failed ? '!' : '=', row, length);
   j->done += !failed;
   j->failed += failed;
   j->violated += status == 3;

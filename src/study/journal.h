@@ -25,31 +25,14 @@
 
 #include "base/path.h"
 #include "base/text.h"
+#include "study/head.h"
 #include "study/row.h"
-
-enum { VS_MOST_SHARDS = 10000 };
-
-/* What tells a study from others, and what its files need besides the rows. The strings are the
- * head's own. */
-typedef struct vs_journal_head {
-  char *identity;           /* SHA-256 over the plan and all it is made of */
-  char *columns, *failures; /* header rows of study.csv and failures.csv */
-  char *manifest_begin;     /* manifest.json up to the counts of cases */
-  char *manifest_end;       /* manifest.json from behind the counts to the shard */
-  uint64_t cases;           /* of the whole study; 0: not known before its end */
-  uint64_t shard, shards;   /* this shard, from 1, and how many there are; case k belongs to shard
-                               1 + k % shards */
-} vs_journal_head;
-void vs_journal_head_free(vs_journal_head *head);
-/* Returns the name of the first line in which two heads differ; NULL: in none. How files and the
- * study are named in the manifest is no difference. */
-const char *vs_journal_differs(const vs_journal_head *a, const vs_journal_head *b);
 
 typedef struct vs_journal {
   char path[VS_PATH_SIZE];
   int fd;     /* of the file; -1: closed */
   int folder; /* of the folder, locked as long as this process runs the study; -1: not locked */
-  vs_journal_head head;
+  vs_head head;
   uint64_t *place; /* [room], by the shard's cases: where the case's line begins, plus 1; 0: it is
                       not done */
   uint64_t room;
@@ -70,8 +53,7 @@ bool vs_journal_exists(const char *folder);
 vs_status vs_journal_remove(const char *folder, vs_error *err);
 /* Begins a new journal in place of an older one. It takes the head's strings over. Errors: another
  * process is at the study in that folder; the file cannot be written. */
-vs_status vs_journal_create(vs_journal *journal, const char *folder, vs_journal_head *head,
-                            vs_error *err);
+vs_status vs_journal_create(vs_journal *journal, const char *folder, vs_head *head, vs_error *err);
 /* Opens the journal that the folder holds and reads what is done. With `mend` the study goes on:
  * the folder is locked, and a torn last line is cut off. Errors: there is no journal; it has two
  * heads, or one whose manifest is no JSON, or counts that no study has; a row does not fit its

@@ -138,18 +138,18 @@ static void add_end(const vs_plan *plan, const char *name, vs_text *text) {
   }
 }
 
-void vs_manifest_head(const vs_plan *plan, const char *name, vs_journal_head *head) {
+void vs_manifest_head(const vs_plan *plan, const char *name, vs_head *head) {
   vs_text text[4] = {{0}};
   vs_case_header(plan, &text[0]);
   vs_case_failure_header(plan, &text[1]);
   add_begin(plan, name, &text[2]);
   add_end(plan, name, &text[3]);
-  *head = (vs_journal_head){.identity = identify(plan, text[0].text),
-                            .columns = text[0].text,
-                            .failures = text[1].text,
-                            .manifest_begin = text[2].text,
-                            .manifest_end = text[3].text,
-                            .cases = plan->adaptive ? 0 : plan->count,
-                            .shard = 1,
-                            .shards = 1};
+  *head = (vs_head){.identity = identify(plan, text[0].text),
+                    .columns = text[0].text,
+                    .failures = text[1].text,
+                    .manifest_begin = text[2].text,
+                    .manifest_end = text[3].text,
+                    .cases = plan->adaptive ? 0 : plan->count,
+                    .shard = 1,
+                    .shards = 1};
 }

@@ -92,7 +92,7 @@ static uint64_t first_gap(const vs_journal *j) {
   return k < j->head.cases ? k : j->head.cases;
 }
 
-static bool is_same_study(const vs_journal_head *a, const vs_journal_head *b) {
+static bool is_same_study(const vs_head *a, const vs_head *b) {
   return !strcmp(a->identity, b->identity) && !strcmp(a->columns, b->columns) &&
          !strcmp(a->failures, b->failures) && a->cases == b->cases && a->shards == b->shards;
 }
@@ -101,7 +101,7 @@ static vs_status check_shards(const shards *all, vs_error *err) {
   const vs_journal *first = &all->item[0];
   for (size_t k = 0; k < all->count; k++) {
     const vs_journal *j = &all->item[k];
-    const vs_journal_head *h = &j->head;
+    const vs_head *h = &j->head;
     if (!is_same_study(h, &first->head))
       return vs_fail(err, VS_INPUT, "%s: is of another study than %s", j->path, first->path);
     if (k && h->shard == all->item[k - 1].head.shard)
@@ -152,14 +152,14 @@ static vs_status write_merged(const shards *all, const char *folder, bool quiet,
 }
 
 /* True if the manifest says what these shards' does, except for the counts. */
-static bool is_of(const char *manifest, const vs_journal_head *head) {
+static bool is_of(const char *manifest, const vs_head *head) {
   size_t n = strlen(head->manifest_begin);
   return !strncmp(manifest, head->manifest_begin, n) &&
          strstr(manifest + n, head->manifest_end) != NULL;
 }
 
 /* Does the folder hold another study's journal, or one that cannot be read? */
-static bool has_other_journal(const char *folder, const vs_journal_head *head) {
+static bool has_other_journal(const char *folder, const vs_head *head) {
   vs_journal j;
   if (!vs_journal_exists(folder)) return false;
   bool other = !vs_journal_peek(&j, folder) || !is_same_study(&j.head, head);
@@ -169,7 +169,7 @@ static bool has_other_journal(const char *folder, const vs_journal_head *head) {
 
 /* Does it hold another study's manifest, or a result of which nobody knows whose it is? Beside the
  * shards' own journal a study was broken off as it wrote its result. */
-static bool has_other_result(const char *folder, const vs_journal_head *head) {
+static bool has_other_result(const char *folder, const vs_head *head) {
   char path[VS_PATH_SIZE + 16], *manifest = NULL;
   size_t size = 0;
   snprintf(path, sizeof path, "%.4000s/manifest.json", folder);
@@ -186,7 +186,7 @@ typedef struct others {
   bool journal, result;
 } others;
 
-static others find_others(const char *folder, const vs_journal_head *head) {
+static others find_others(const char *folder, const vs_head *head) {
   return (others){has_other_journal(folder, head), has_other_result(folder, head)};
 }
 

@@ -43,7 +43,7 @@ typedef struct session {
 
 static bool next_case(void *ctx, vs_task *task) {
   session *s = ctx;
-  const vs_journal_head *head = &s->journal.head;
+  const vs_head *head = &s->journal.head;
   for (; s->next < s->until; s->next += head->shards) {
     if (vs_journal_has(&s->journal, s->next)) continue;
     task->index = s->next;
@@ -142,7 +142,7 @@ static vs_status check_row(const session *s, vs_case *c, uint64_t index, const d
 
 /* Checks the rows that the journal has of the cases from `first` to `until`. */
 static vs_status check_rows(const session *s, uint64_t first, uint64_t until, vs_error *err) {
-  const vs_journal_head *head = &s->journal.head;
+  const vs_head *head = &s->journal.head;
   double point[VS_PLAN_AXES];
   vs_case *c = vs_case_new(&s->plan, NULL);
   vs_status status = VS_OK;
@@ -226,7 +226,7 @@ static vs_status check_free(const session *s, bool journal, vs_error *err) {
                  s->folder, result);
 }
 
-static vs_status go_on(session *s, vs_journal_head *head, vs_error *err) {
+static vs_status go_on(session *s, vs_head *head, vs_error *err) {
   vs_journal *j = &s->journal;
   vs_status status = vs_journal_open(j, s->folder, true, err);
   if (status) return status;
@@ -238,7 +238,7 @@ static vs_status go_on(session *s, vs_journal_head *head, vs_error *err) {
   if (j->head.shard != head->shard || j->head.shards != head->shards)
     return vs_fail(err, VS_INPUT, "%s: is of shard %llu/%llu: give --shard so", j->path,
                    (unsigned long long)j->head.shard, (unsigned long long)j->head.shards);
-  const char *differs = vs_journal_differs(&j->head, head);
+  const char *differs = vs_head_differs(&j->head, head);
   if (differs)
     return vs_fail(err, VS_INPUT,
                    "%s: the line %s= of its head is not as this study writes it; this record was "
@@ -253,7 +253,7 @@ static vs_status go_on(session *s, vs_journal_head *head, vs_error *err) {
 }
 
 /* Begins a new journal, and removes what the folder has of an older study. */
-static vs_status begin_anew(session *s, vs_journal_head *head, vs_error *err) {
+static vs_status begin_anew(session *s, vs_head *head, vs_error *err) {
   vs_journal old;
   const bool known = vs_journal_peek(&old, s->folder);
   vs_status status = vs_journal_create(&s->journal, s->folder, head, err);
@@ -264,7 +264,7 @@ static vs_status begin_anew(session *s, vs_journal_head *head, vs_error *err) {
 }
 
 static vs_status open_journal(session *s, vs_error *err) {
-  vs_journal_head head;
+  vs_head head;
   vs_manifest_head(&s->plan, s->o->name, &head);
   vs_status status = VS_OK;
   if (s->o->shard) status = vs_merge_shard_read(s->o->shard, &head.shard, &head.shards, err);
@@ -284,7 +284,7 @@ static vs_status open_journal(session *s, vs_error *err) {
   else if (!status)
     status = check_free(s, there, err);
   if (!status && !(there && s->o->resume)) status = begin_anew(s, &head, err);
-  vs_journal_head_free(&head);
+  vs_head_free(&head);
   return status;
 }
 
@@ -387,7 +387,7 @@ static vs_status judge(const session *s, vs_error *err) {
 }
 
 static vs_status run_session(session *s, vs_error *err) {
-  const vs_journal_head *head = &s->journal.head;
+  const vs_head *head = &s->journal.head;
   uint64_t cases = s->plan.count;
   int jobs = s->o->jobs ? s->o->jobs : vs_jobs_cores();
   s->total = (cases + head->shards - head->shard) / head->shards;

@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/head.h"
+
+#include <inttypes.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/hash.h"
+#include "base/json.h"
+#include "plan/plan.h"
+
+static const char MAGIC[] = "vibrospice journal 1";
+
+/* The head's texts, in the order of their lines. */
+static const struct {
+  const char *name;
+  size_t offset;
+} TEXTS[] = {{"identity", offsetof(vs_head, identity)},
+             {"columns", offsetof(vs_head, columns)},
+             {"failures", offsetof(vs_head, failures)},
+             {"manifest_begin", offsetof(vs_head, manifest_begin)},
+             {"manifest_end", offsetof(vs_head, manifest_end)}};
+enum { N_TEXTS = sizeof TEXTS / sizeof *TEXTS, MANIFEST = 3 /* the first text of it */ };
+
+static char **text_of(vs_head *head, size_t k) {
+  return (char **)(void *)((char *)head + TEXTS[k].offset);
+}
+
+static const char *text_in(const vs_head *head, size_t k) {
+  return *(char *const *)(const void *)((const char *)head + TEXTS[k].offset);
+}
+
+void vs_head_free(vs_head *head) {
+  for (size_t k = 0; k < N_TEXTS; k++) free(*text_of(head, k));
+  *head = (vs_head){0};
+}
+
+/* Adds a line of the journal; the text's own line ends are written as \n. */
+void vs_head_line(vs_text *to, char kind, const char *text, size_t length) {
+  vs_text line = {0};
+  vs_text_add(&line, "%c ", kind);
+  const char *end = text + length;
+  for (const char *s = text; s < end;) {
+    const char *stop = memchr(s, '\n', (size_t)(end - s));
+    vs_text_add(&line, "%.*s%s", (int)((stop ? stop : end) - s), s, stop ? "\\n" : "");
+    s = stop ? stop + 1 : end;
+  }
+  vs_text_add(to, "%08" PRIx32 " %s\n", vs_hash_crc32(line.text, line.length), line.text);
+  vs_text_free(&line);
+}
+
+void vs_head_print(vs_text *to, const vs_head *head) {
+  vs_text line = {0};
+  /* in the texts a backslash is written twice, as it begins a line end */
+  vs_head_line(to, 'h', MAGIC, strlen(MAGIC));
+  for (size_t k = 0; k < N_TEXTS; k++) {
+    line.length = 0;
+    vs_text_add(&line, "%s=", TEXTS[k].name);
+    for (const char *s = text_in(head, k); *s; s++)
+      vs_text_add(&line, "%s%c", *s == '\\' ? "\\" : "", *s);
+    vs_head_line(to, 'h', line.text, line.length);
+  }
+  line.length = 0;
+  vs_text_add(&line, "counts=%" PRIu64 " %" PRIu64 " %" PRIu64, head->cases, head->shard,
+              head->shards);
+  vs_head_line(to, 'h', line.text, line.length);
+  vs_text_free(&line);
+}
+
+/* Turns \n back into line ends, and two backslashes into one. */
+static char *unfold(const char *text) {
+  char *copy = vs_copy(text), *out = copy;
+  for (const char *s = copy; *s; s++)
+    if (s[0] == '\\' && (s[1] == 'n' || s[1] == '\\'))
+      *out++ = *++s == 'n' ? '\n' : '\\';
+    else
+      *out++ = *s;
+  *out = '\0';
+  return copy;
+}
+
+/* Reads a count that is digits and nothing else, up to `most`. */
+static bool read_count(const char **at, char end, uint64_t most, uint64_t *count) {
+  size_t n = strspn(*at, "0123456789");
+  *count = strtoull(*at, NULL, 10);
+  if (!n || n > 18 || (*at)[n] != end || *count > most) return false;
+  *at += n + 1;
+  return true;
+}
+
+/* Reads the line of counts. Counts that no study has are not taken, and the head then lacks them.
+ */
+static bool read_counts(vs_head *head, const char *text) {
+  vs_head h;
+  if (!read_count(&text, ' ', VS_PLAN_CASES, &h.cases) ||
+      !read_count(&text, ' ', VS_MOST_SHARDS, &h.shard) ||
+      !read_count(&text, '\0', VS_MOST_SHARDS, &h.shards) || !h.shard || h.shard > h.shards)
+    return false;
+  head->cases = h.cases;
+  head->shard = h.shard;
+  head->shards = h.shards;
+  return true;
+}
+
+bool vs_head_read(vs_head *head, const char *text, bool first, bool *twice) {
+  static const char COUNTS[] = "counts=";
+  if (!strcmp(text, MAGIC)) {
+    *twice = *twice || !first;
+    return true;
+  }
+  for (size_t k = 0; k < N_TEXTS; k++) {
+    size_t n = strlen(TEXTS[k].name);
+    if (strncmp(text, TEXTS[k].name, n) || text[n] != '=') continue;
+    if (*text_of(head, k))
+      *twice = true;
+    else
+      *text_of(head, k) = unfold(text + n + 1);
+    return true;
+  }
+  if (strncmp(text, COUNTS, sizeof COUNTS - 1)) return false;
+  *twice = *twice || head->shards;
+  return *twice || read_counts(head, text + sizeof COUNTS - 1);
+}
+
+bool vs_head_is_whole(const vs_head *head) {
+  for (size_t k = 0; k < N_TEXTS; k++)
+    if (!text_in(head, k)) return false;
+  return head->shards > 0 && head->shard > 0 && head->shard <= head->shards;
+}
+
+/* True if both texts are the same but for how files and the study are named, which may differ from
+ * machine to machine. Their contents are in the identity. */
+static bool says_the_same(const char *a, const char *b) {
+  static const char *const BEFORE[] = {"\"path\": \"", "\"study\": \"", "\"study\", \""};
+  for (; *a && *a == *b; a++, b++)
+    for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE; k++) {
+      const size_t n = strlen(BEFORE[k]);
+      if (strncmp(a, BEFORE[k], n) || strncmp(b, BEFORE[k], n)) continue;
+      const char *end = vs_json_string_end(a + n - 1), *end_too = vs_json_string_end(b + n - 1);
+      if (!end || !end_too) return false;
+      a = end - 1;
+      b = end_too - 1;
+      break;
+    }
+  return *a == *b;
+}
+
+const char *vs_head_differs(const vs_head *a, const vs_head *b) {
+  for (size_t k = 0; k < N_TEXTS; k++) {
+    const bool manifest = k >= MANIFEST;
+    if (manifest ? !says_the_same(text_in(a, k), text_in(b, k))
+                 : strcmp(text_in(a, k), text_in(b, k)) != 0)
+      return TEXTS[k].name;
+  }
+  return a->cases != b->cases || a->shard != b->shard || a->shards != b->shards ? "counts" : NULL;
+}

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The head of a study's journal: what tells the study from others, and what its files need besides
+ * the rows. journal.h says how its lines stand in the file. */
+#ifndef VS_STUDY_HEAD_H
+#define VS_STUDY_HEAD_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/text.h"
+
+enum { VS_MOST_SHARDS = 10000 };
+
+/* Start from {0}, and free with vs_head_free. The strings are the head's own. */
+typedef struct vs_head {
+  char *identity;           /* SHA-256 over the plan and all it is made of */
+  char *columns, *failures; /* header rows of study.csv and failures.csv */
+  char *manifest_begin;     /* manifest.json up to the counts of cases */
+  char *manifest_end;       /* manifest.json from behind the counts to the shard */
+  uint64_t cases;           /* of the whole study; 0: not known before its end */
+  uint64_t shard, shards;   /* this shard, from 1, and how many there are; case k belongs to shard
+                               1 + k % shards */
+} vs_head;
+void vs_head_free(vs_head *head);
+
+/* Returns the name of the first line in which two heads differ; NULL: in none. How files and the
+ * study are named in the manifest is no difference. */
+const char *vs_head_differs(const vs_head *a, const vs_head *b);
+
+/* Adds a line of a journal, with its sum and its kind ('h', '=' or '!'). The text's own line ends
+ * are written as \n. */
+void vs_head_line(vs_text *to, char kind, const char *text, size_t length);
+
+/* Adds all lines of a head. */
+void vs_head_print(vs_text *to, const vs_head *head);
+
+/* Takes the text of a line of kind h. first: it begins the journal. What the head has already is
+ * not taken again; *twice then becomes true. Returns false where it is no line of a head. */
+bool vs_head_read(vs_head *head, const char *text, bool first, bool *twice);
+
+/* Returns true if every line was read. */
+bool vs_head_is_whole(const vs_head *head);
+
+#endif
