@@ -143,3 +143,21 @@ int program_suite(const char *name, const vs_test *tests, size_t count) {
   if (chdir("/") == 0) remove_tree(folder);
   return failed;
 }
+
+/* A part that conducts through 50 ohm while its gate is on: nothing that wants short steps. */
+static const char GATED_PART[] =
+    "* SPDX-License-Identifier: GPL-3.0-or-later\n"
+    "*$ part thyristor \"a resistor that its gate switches\"\n"
+    "*$ limit i_t_rms = 12 A \"as if\"\n"
+    ".subckt gated a k g\nRg g k 1k\nBk a k I=v(a,k)*v(g,k)*20m\n.ends gated\n";
+static const char GATED_DECK[] =
+    "*$ param thyristor = gated.inc part thyristor\n*$ port mains = Vm\n"
+    "*$ port gate = Vg\n*$ probe v_ak = v(a,b) V\n"
+    "*$ device thyristor = v(a,b), i(Vt)\nVm a 0 external\n"
+    "Vg g b external\nVt a t 0\nXt t b g thyristor\nRb b 0 1k\n"
+    "Xeva b 0 eva\n";
+
+void write_gated_deck(void) {
+  write_file("gated.inc", GATED_PART);
+  write_file("gated.cir", GATED_DECK);
+}

@@ -38,6 +38,10 @@ pid_t spawn(const char *const *argv);
 pid_t spawn_other(const char *program, const char *const *argv, char *const *environment);
 ran collect(pid_t child);
 
+/* Writes gated.cir and its part gated.inc: a resistor of 50 ohm that the gate switches, rated
+ * 12 A, between the mains and the EVA. Nothing in it wants short steps. */
+void write_gated_deck(void);
+
 /* Whole file, with a zero byte behind it; empty when it is not there. */
 char *read_file(const char *path);
 int count_lines(const char *text);

@@ -76,6 +76,16 @@ static void rows_of_csv(void) {
   }
 }
 
+/* A name that is no UTF-8 must not make a file that is no JSON. */
+static void json_is_utf8(void) {
+  vs_text text = {0};
+  vs_json_string(&text, "a\xfe\xff\xc3\xa4"
+                        "b\xc3");
+  CU_ASSERT_STRING_EQUAL(text.text, "\"a\\ufffd\\ufffd\xc3\xa4"
+                                    "b\\ufffd\"");
+  vs_text_free(&text);
+}
+
 static void json_is_laid_out(void) {
   vs_text text = {0};
   vs_json json = vs_json_new(&text);
@@ -894,6 +904,7 @@ static void numbers_are_written_as_printf_does(void) {
 static const vs_test TESTS[] = {
     {"rows of CSV", rows_of_csv},
     {"JSON is laid out", json_is_laid_out},
+    {"JSON of what is no UTF-8", json_is_utf8},
     {"good quantities", good_quantities},
     {"bad quantities", bad_quantities},
     {"units known", units_known},

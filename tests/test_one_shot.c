@@ -8,18 +8,6 @@
 
 #include "program.h"
 
-/* A part that conducts through 50 ohm while its gate is on, as in test_window. */
-static const char PART[] =
-    "* SPDX-License-Identifier: GPL-3.0-or-later\n"
-    "*$ part thyristor \"a resistor that its gate switches\"\n"
-    "*$ limit i_t_rms = 12 A \"as if\"\n"
-    ".subckt gated a k g\nRg g k 1k\nBk a k I=v(a,k)*v(g,k)*20m\n.ends gated\n";
-static const char GATED[] = "*$ param thyristor = gated.inc part thyristor\n*$ port mains = Vm\n"
-                            "*$ port gate = Vg\n*$ probe v_ak = v(a,b) V\n"
-                            "*$ device thyristor = v(a,b), i(Vt)\nVm a 0 external\n"
-                            "Vg g b external\nVt a t 0\nXt t b g thyristor\nRb b 0 1k\n"
-                            "Xeva b 0 eva\n";
-
 static void judged(const char *const *more, bool one_shot) {
   const char *sets[8] = {"circuit.deck=gated.cir", "run.tolerance=1e-2"};
   for (size_t k = 0; more[k]; k++) sets[2 + k] = more[k];
@@ -54,8 +42,7 @@ static void in_the_ring(void) {
 }
 
 static void by_pulses(void) {
-  write_file("gated.inc", PART);
-  write_file("gated.cir", GATED);
+  write_gated_deck();
   judged((const char *[]){"firing.every=100", "run.until=1.1s", "firing.angle=100deg", NULL}, true);
   judged((const char *[]){"firing.every=25", "run.until=1.1s", "firing.angle=100deg", NULL}, false);
   /* one pulse over fifty cycles is operation */

@@ -114,18 +114,6 @@ static void table_and_json_say_it(void) {
 
 /* ---- one shot ---- */
 
-/* A part that conducts through 50 ohm while its gate is on: nothing that wants short steps. */
-static const char PART[] =
-    "* SPDX-License-Identifier: GPL-3.0-or-later\n"
-    "*$ part thyristor \"a resistor that its gate switches\"\n"
-    "*$ limit i_t_rms = 12 A \"as if\"\n"
-    ".subckt gated a k g\nRg g k 1k\nBk a k I=v(a,k)*v(g,k)*20m\n.ends gated\n";
-static const char GATED[] = "*$ param thyristor = gated.inc part thyristor\n*$ port mains = Vm\n"
-                            "*$ port gate = Vg\n*$ probe v_ak = v(a,b) V\n"
-                            "*$ device thyristor = v(a,b), i(Vt)\nVm a 0 external\n"
-                            "Vg g b external\nVt a t 0\nXt t b g thyristor\nRb b 0 1k\n"
-                            "Xeva b 0 eva\n";
-
 /* Is i_rms of the thyristor judged, and if not, why? */
 static void judged(const char *const *more, const char *why) {
   const char *sets[8] = {"circuit.deck=gated.cir", "run.tolerance=1e-2"};
@@ -146,8 +134,7 @@ static void judged(const char *const *more, const char *why) {
 }
 
 static void one_shot_is_no_current_to_rate(void) {
-  write_file("gated.inc", PART);
-  write_file("gated.cir", GATED);
+  write_gated_deck();
   static const char ONCE[] = "not judged: one shot", SHORT[] = "not judged: over less than 1 s";
   judged((const char *[]){"firing.every=once", "run.until=1.1s", NULL}, ONCE);
   judged((const char *[]){"firing.every=25", "run.until=1.3s", NULL}, NULL);
@@ -160,8 +147,7 @@ static void one_shot_is_no_current_to_rate(void) {
 }
 
 static void table_and_json_say_why(void) {
-  write_file("gated.inc", PART);
-  write_file("gated.cir", GATED);
+  write_gated_deck();
   for (int json = 0; json < 2; json++) {
     ran r = run("run paper --set circuit.deck=gated.cir --set run.tolerance=1e-2 --set "
                 "run.until=1.1s%s",

@@ -101,16 +101,32 @@ static void remove_stale(const char *folder, const char *name) {
   unlink(path);
 }
 
-/* What `plot` drew of the older run. A link is left alone: the program drew none. */
-static const char *const PICTURES[] = {"motion_run.png",   "motion_run.svg", "motion_100ms.png",
-                                       "motion_100ms.svg", "pulse_50ms.png", "pulse_50ms.svg"};
-enum { N_PICTURES = sizeof PICTURES / sizeof *PICTURES };
+const char *const vs_run_pictures[] = {"motion_run", "motion_100ms", "pulse_50ms", NULL};
 
-static bool is_picture(const char *folder, size_t k) {
-  char path[VS_PATH_SIZE];
+/* Calls each(folder, name, names) for every picture in the folder. A link is left alone: the
+ * program drew none. */
+static void each_picture(const char *folder,
+                         void (*each)(const char *folder, const char *name, vs_text *names),
+                         vs_text *names) {
+  static const char *const ENDINGS[] = {"png", "svg"};
+  char path[VS_PATH_SIZE], name[64];
   struct stat s;
-  snprintf(path, sizeof path, "%s/%s", folder, PICTURES[k]);
-  return !lstat(path, &s) && S_ISREG(s.st_mode);
+  for (const char *const *k = vs_run_pictures; *k; k++)
+    for (size_t e = 0; e < sizeof ENDINGS / sizeof *ENDINGS; e++) {
+      snprintf(name, sizeof name, "%s.%s", *k, ENDINGS[e]);
+      snprintf(path, sizeof path, "%s/%s", folder, name);
+      if (!lstat(path, &s) && S_ISREG(s.st_mode)) each(folder, name, names);
+    }
+}
+
+static void add_name(const char *folder, const char *name, vs_text *names) {
+  (void)folder;
+  vs_text_add(names, ", %s", name);
+}
+
+static void remove_picture(const char *folder, const char *name, vs_text *names) {
+  (void)names;
+  remove_stale(folder, name);
 }
 
 /* The names of an older run's files in the folder, which give way to this run's; empty: none. To be
@@ -125,15 +141,13 @@ static char *name_replaced(const char *folder) {
     snprintf(path, sizeof path, "%s/%s", folder, FILES[k]);
     if (!access(path, F_OK)) vs_text_add(&names, "%s%s", names.length ? ", " : "", FILES[k]);
   }
-  for (size_t k = 0; k < N_PICTURES && names.length; k++)
-    if (is_picture(folder, k)) vs_text_add(&names, ", %s", PICTURES[k]);
+  if (names.length) each_picture(folder, add_name, &names);
   return names.text;
 }
 
 /* Removes the older run's pictures; `replaced` names its files, empty where there was none. */
 static void remove_pictures(const char *folder, const char *replaced) {
-  for (size_t k = 0; k < N_PICTURES && *replaced; k++)
-    if (is_picture(folder, k)) remove_stale(folder, PICTURES[k]);
+  if (*replaced) each_picture(folder, remove_picture, NULL);
 }
 
 /* Keeps what a failed run has computed, under names that say so, and adds to err where it is. */

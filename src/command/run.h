@@ -9,6 +9,10 @@
 
 #include "base/error.h"
 
+/* The names, without .png or .svg, of the pictures that `plot` draws into a run's folder; NULL ends
+ * them. A run over an older one removes them. */
+extern const char *const vs_run_pictures[];
+
 typedef struct vs_run_options {
   const char *scene, *tier; /* as for vs_scene_read */
   const char *folder;       /* for the files; NULL: none are written */

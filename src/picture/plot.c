@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "picture/plot.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -10,6 +11,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "command/run.h"
 #include "picture/gnuplot.h"
 #include "picture/overlay.h"
 
@@ -212,6 +214,8 @@ static vs_status draw_all(const char *folder, const run_file *run, bool quiet, v
   static const char *const ENDINGS[] = {"png", "svg"};
   const sheet last = with_measured(SHEETS, N_SHEETS, &run->overlay);
   vs_status status = VS_OK;
+  for (size_t k = 0; k < N_SHEETS; k++) /* a run over an older one removes what it knows by name */
+    assert(vs_run_pictures[k] && !strcmp(vs_run_pictures[k], SHEETS[k].name));
   for (size_t k = 0; k < N_SHEETS; k++)
     for (size_t e = 0; e < sizeof ENDINGS / sizeof *ENDINGS && !status; e++) {
       char output[VS_PATH_SIZE];
