@@ -35,6 +35,9 @@ void refuse(const char *words, const char *what, const char *at, const char *con
 enum { MOST_WORDS = 32 };
 size_t split(char *words, const char **argv);
 pid_t spawn(const char *const *argv);
+/* As spawn, and waits until the program handles SIGTERM, which a busy machine may delay: 20 s at
+ * most. */
+pid_t spawn_ready(const char *const *argv);
 pid_t spawn_other(const char *program, const char *const *argv, char *const *environment);
 ran collect(pid_t child);
 

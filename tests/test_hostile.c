@@ -220,7 +220,7 @@ static void signals_end_all(void) {
       const char *argv[MOST_WORDS];
       snprintf(words, sizeof words, "%s", COMMANDS[k]);
       split(words, argv);
-      pid_t child = spawn(argv);
+      pid_t child = spawn_ready(argv);
       wait_s(0.4 * SLOWER);
       double before = seconds();
       kill(child, s ? SIGINT : SIGTERM);
@@ -440,7 +440,7 @@ static pid_t start_long_run(const char *folder) {
   snprintf(words, sizeof words, "run paper --set run.until=9e5s --set run.sample=1ms -o %s",
            folder);
   split(words, argv);
-  pid_t child = spawn(argv);
+  pid_t child = spawn_ready(argv);
   wait_s(0.4 * SLOWER);
   return child;
 }

@@ -28,7 +28,7 @@ static ran stopped_after(double s) {
   const char *argv[MOST_WORDS];
   snprintf(words, sizeof words, "%s", SCENE "-o r");
   split(words, argv);
-  pid_t child = spawn(argv);
+  pid_t child = spawn_ready(argv);
   nanosleep(&pause, NULL);
   kill(child, SIGINT);
   return collect(child);
