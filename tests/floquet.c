@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "machine/actuator.h"
+#include "actuator/coil.h"
 
 typedef struct map {
   const scheme *scheme;
@@ -36,8 +36,9 @@ double floquet_mass(const vs_model *model) {
 /* F/z by the trapezoidal rule: the integrand is zero at both ends of the period. */
 static void add(void *ctx, const vs_knot *from, const vs_knot *to) {
   map *m = ctx;
-  double f0 = vs_actuator_force(m->model, from->flux_wb) / vs_actuator_gap(m->model, from->x[P]);
-  double f1 = vs_actuator_force(m->model, to->flux_wb) / vs_actuator_gap(m->model, to->x[P]);
+  double f0 =
+      vs_coil_force(&m->model->coil, from->flux_wb, NAN) / conveyor_gap(m->model, from->x[P]);
+  double f1 = vs_coil_force(&m->model->coil, to->flux_wb, NAN) / conveyor_gap(m->model, to->x[P]);
   m->mean += (to->t_s - from->t_s) * (f0 + f1) / 2 / m->timeline->period_s;
 }
 

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "actuator/coil.h"
 #include "base/text.h"
 #include "drive/gate.h"
-#include "machine/actuator.h"
 
 /* Of an iteration: the largest change that counts as none, as a part of what the mains can build
  * up, and how many solutions it may take. */
@@ -46,7 +46,7 @@ static void coil_rates(const void *of, double s, const double y[], double rate[]
   const vs_model *m = k->c->model;
   double u = vs_timeline_voltage(k->c->timeline, k->c->t_s + s), r = m->actuator.resistance_ohm;
   bool flux = k->c->scheme->form == COIL_FLUX;
-  double i = flux ? vs_actuator_current(m, y[Y], k->z.at + s * k->z.rate) : y[Y];
+  double i = flux ? vs_coil_current(&m->coil, y[Y], k->z.at + s * k->z.rate) : y[Y];
   rate[Y] = flux ? u - r * i : (u - (r + k->l_rate_ohm) * i) / k->l_h;
   rate[TAKEN] = u * i;
   rate[COPPER] = r * i * i;
@@ -55,7 +55,7 @@ static void coil_rates(const void *of, double s, const double y[], double rate[]
 static coil coil_of(const cosim *c, course z) {
   coil k = {.c = c, .z = z};
   if (c->scheme->form == COIL_FLUX) return k;
-  k.l_h = 2 * c->model->a_hm / c->z_m;
+  k.l_h = 2 * c->model->coil.a_hm / c->z_m;
   if (c->scheme->form == COIL_7C) k.l_rate_ohm = -k.l_h / c->z_m * c->now.x[VS_DOF + P];
   return k;
 }
@@ -123,13 +123,14 @@ static double told_by(const cosim *c, course z, const cosim_state *to) {
   bool flux = c->scheme->form == COIL_FLUX;
   switch (c->scheme->tells) {
   case TELLS_I:
-    return flux ? vs_actuator_current(m, to->y, z_end) : to->y;
+    return flux ? vs_coil_current(&m->coil, to->y, z_end) : to->y;
   case TELLS_FLUX:
     return to->y;
   case TELLS_FORCE:
     break;
   }
-  return flux ? vs_actuator_force(m, to->y) : m->a_hm * to->y * to->y / (z_end * z_end);
+  return flux ? vs_coil_force(&m->coil, to->y, NAN)
+              : m->coil.a_hm * to->y * to->y / (z_end * z_end);
 }
 
 /* ---- the machine ---- */
@@ -144,9 +145,9 @@ enum { WORK = VS_STATES };
 static void machine_rates(const void *of, double s, const double x[], double rate[]) {
   const push *p = of;
   const vs_model *m = p->c->model;
-  double w = p->told.at + s * p->told.rate, z = vs_actuator_gap(m, x[P]), force = w;
-  if (p->c->scheme->tells == TELLS_I) force = m->a_hm * w * w / (z * z);
-  if (p->c->scheme->tells == TELLS_FLUX) force = vs_actuator_force(m, w);
+  double w = p->told.at + s * p->told.rate, z = conveyor_gap(m, x[P]), force = w;
+  if (p->c->scheme->tells == TELLS_I) force = m->coil.a_hm * w * w / (z * z);
+  if (p->c->scheme->tells == TELLS_FLUX) force = vs_coil_force(&m->coil, w, NAN);
   memcpy(rate, x + VS_DOF, sizeof(double[VS_DOF]));
   vs_mechanics_accelerations(m, x, force, rate + VS_DOF);
   rate[WORK] = -force * x[VS_DOF + P];
@@ -163,7 +164,7 @@ static double solve_machine(cosim *c, course told, cosim_state *to) {
     rk4(machine_rates, &p, (double)n * sub, sub, x, VS_STATES + 1);
     memcpy(c->x[n + 1], x, sizeof c->x[0]);
     memcpy(to->x, x, sizeof to->x);
-    if (!(vs_actuator_gap(c->model, x[P]) > 0)) return (double)(n + 1) * sub;
+    if (!(conveyor_gap(c->model, x[P]) > 0)) return (double)(n + 1) * sub;
   }
   to->book_j[BOOK_WORK] = c->now.book_j[BOOK_WORK] + x[WORK];
   return INFINITY;
@@ -177,13 +178,13 @@ static void show(const cosim *c) {
   double sub = c->step_s / (double)c->substeps;
   for (long n = 0; n <= c->substeps; n++) {
     vs_knot *k = &c->knots[n % 2];
-    double z = vs_actuator_gap(m, c->x[n][P]), y = c->y[n], rate = c->y_rate[n];
+    double z = conveyor_gap(m, c->x[n][P]), y = c->y[n], rate = c->y_rate[n];
     bool flux = c->scheme->form == COIL_FLUX;
     memcpy(k->x, c->x[n], sizeof k->x);
     k->t_s = n < c->substeps ? c->t_s + (double)n * sub : (double)(c->n + 1) * c->step_s;
-    k->flux_wb = flux ? y : 2 * m->a_hm * y / z;
-    k->flux_rate_v = flux ? rate : 2 * m->a_hm * (rate - y * k->x[VS_DOF + P] / z) / z;
-    k->i_mains_a = flux ? vs_actuator_current(m, y, z) : y;
+    k->flux_wb = flux ? y : 2 * m->coil.a_hm * y / z;
+    k->flux_rate_v = flux ? rate : 2 * m->coil.a_hm * (rate - y * k->x[VS_DOF + P] / z) / z;
+    k->i_mains_a = flux ? vs_coil_current(&m->coil, y, z) : y;
     k->v_eva_v = c->conducts[n] ? vs_timeline_voltage(c->timeline, k->t_s) : 0;
     vs_knot_complete(&frame, k, false);
     if (n > 0) c->show(c->ctx, &c->knots[1 - n % 2], k);
@@ -204,7 +205,7 @@ static bool accept(cosim *c, const cosim_state *to, double told, double collapse
   c->now = *to;
   c->y_rate[0] = c->y_rate[c->substeps];
   c->z_before_m = c->z_m;
-  c->z_m = vs_actuator_gap(c->model, to->x[P]);
+  c->z_m = conveyor_gap(c->model, to->x[P]);
   c->told_before = c->told;
   c->told = told;
   c->t_s = (double)++c->n * c->step_s;
@@ -244,13 +245,13 @@ static double told_scale(const cosim *c) {
   double flux = c->timeline->peak_v / c->timeline->omega_rad_s;
   switch (c->scheme->tells) {
   case TELLS_I:
-    return vs_actuator_current(m, flux, m->gap_rest_m);
+    return vs_coil_current(&m->coil, flux, m->coil.gap_rest_m);
   case TELLS_FLUX:
     return flux;
   case TELLS_FORCE:
     break;
   }
-  return vs_actuator_force(m, flux);
+  return vs_coil_force(&m->coil, flux, NAN);
 }
 
 /* Both again and again, z and what is told on straight lines to their ends, until told = told anew.
@@ -260,7 +261,7 @@ static bool iterate(cosim *c, bool condensed) {
   double told = 2 * c->told - c->told_before, error = 0, before = 0, error_before = 0;
   for (int n = 0; n < MOST_ITERATIONS; n++) {
     double collapses = solve_machine(c, (course){c->told, (told - c->told) / c->step_s}, &to);
-    course z = {c->z_m, (vs_actuator_gap(c->model, to.x[P]) - c->z_m) / c->step_s};
+    course z = {c->z_m, (conveyor_gap(c->model, to.x[P]) - c->z_m) / c->step_s};
     solve_circuit(c, z, &to);
     c->iterations++;
     error = told_by(c, z, &to) - told;
@@ -335,8 +336,8 @@ void cosim_begin(cosim *c, const scheme *s, const vs_model *model, const vs_time
                .model = model,
                .timeline = timeline,
                .step_s = step_s,
-               .z_m = model->gap_rest_m,
-               .z_before_m = model->gap_rest_m,
+               .z_m = model->coil.gap_rest_m,
+               .z_before_m = model->coil.gap_rest_m,
                .collapsed_s = NAN,
                .diverged_s = NAN,
                .substeps = (long)ceil(step_s / longest * (1 - 1e-12))};
@@ -351,7 +352,7 @@ void cosim_begin(cosim *c, const scheme *s, const vs_model *model, const vs_time
 
 void cosim_place(cosim *c, const double x[VS_STATES]) {
   memcpy(c->now.x, x, sizeof c->now.x);
-  c->z_m = c->z_before_m = vs_actuator_gap(c->model, x[P]);
+  c->z_m = c->z_before_m = conveyor_gap(c->model, x[P]);
 }
 
 bool cosim_step(cosim *c) {
@@ -373,11 +374,11 @@ void cosim_end(cosim *c) {
 }
 
 double cosim_flux(const cosim *c) {
-  return c->scheme->form == COIL_FLUX ? c->now.y : 2 * c->model->a_hm * c->now.y / c->z_m;
+  return c->scheme->form == COIL_FLUX ? c->now.y : 2 * c->model->coil.a_hm * c->now.y / c->z_m;
 }
 
 double cosim_left(const cosim *c) {
   const double *b = c->now.book_j;
   return b[BOOK_TAKEN] - b[BOOK_COPPER] - b[BOOK_WORK] -
-         vs_actuator_energy(c->model, cosim_flux(c), c->z_m);
+         vs_coil_energy(&c->model->coil, cosim_flux(c), c->z_m);
 }

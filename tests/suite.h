@@ -8,6 +8,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "conveyor.h"
 #include "scene/trial.h"
 
 typedef struct vs_test {

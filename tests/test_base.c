@@ -11,13 +11,13 @@
 #include <unistd.h>
 
 #include "base/csv.h"
-#include "base/field.h"
 #include "base/file.h"
 #include "base/json.h"
 #include "base/text.h"
-#include "base/tree.h"
-#include "base/units.h"
 #include "suite.h"
+#include "syntax/field.h"
+#include "syntax/tree.h"
+#include "syntax/units.h"
 
 /* The first bytes of a file; empty when it is not there. */
 static const char *head(const char *path, char text[256]) {

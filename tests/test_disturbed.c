@@ -103,7 +103,8 @@ static void rest_of_mass(const vs_model *m, double a[3][3]) {
 static int rates(double t_s, const double y[], double rate[], void *ctx) {
   const march *s = ctx;
   const vs_model *m = &s->setup->model;
-  double force[4] = {-y[FLUX] * y[FLUX] / (4 * m->a_hm)}, a[3][3], b[3], z = m->gap_rest_m;
+  double force[4] = {-y[FLUX] * y[FLUX] / (4 * m->coil.a_hm)}, a[3][3], b[3],
+         z = m->coil.gap_rest_m;
   if (!s->gap_rests) z += y[0];
   for (int i = 0; i < 4; i++)
     for (int j = 0; j < 4; j++) force[i] -= m->stiffness[i][j] * y[j] + m->damping[i][j] * y[4 + j];
@@ -126,7 +127,7 @@ static int rates(double t_s, const double y[], double rate[], void *ctx) {
     rate[4] = push / whole;
     for (int i = 0; i < 3; i++) rate[5 + i] -= c[i] * rate[4];
   }
-  double drop = m->actuator.resistance_ohm * y[FLUX] * z / (2 * m->a_hm);
+  double drop = m->actuator.resistance_ohm * y[FLUX] * z / (2 * m->coil.a_hm);
   rate[FLUX] = s->on ? mains(s, t_s) - drop : 0;
   return GSL_SUCCESS;
 }
@@ -245,7 +246,8 @@ static void integrate(march *s, double sample_s, double step_s, size_t rows, dou
     k++;
     memcpy(row[k], s->y, sizeof(double[4]));
     row[k][4] = s->y[FLUX];
-    row[k][5] = s->y[FLUX] * (m->gap_rest_m + (s->gap_rests ? 0 : s->y[0])) / (2 * m->a_hm);
+    row[k][5] =
+        s->y[FLUX] * (m->coil.gap_rest_m + (s->gap_rests ? 0 : s->y[0])) / (2 * m->coil.a_hm);
   }
   gsl_odeiv2_step_free(s->step);
 }

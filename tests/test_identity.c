@@ -8,9 +8,9 @@
 #include <unistd.h>
 
 #include "base/csv.h"
-#include "base/units.h"
 #include "program.h"
 #include "scene/sections.h"
+#include "syntax/units.h"
 #include "work/case.h"
 #include "work/identity.h"
 

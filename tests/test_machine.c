@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "machine/actuator.h"
+#include "actuator/coil.h"
 #include "suite.h"
 
 static vs_model model_of(const char *set) {
@@ -84,14 +84,15 @@ static void state_space_is_the_equation_of_motion(void) {
 
 static void actuator_is_consistent(void) {
   vs_model m = model_of("machine.m14=paper");
-  CLOSE(m.a_hm, 5.2e-3, 1e-14);
-  double z = vs_actuator_gap(&m, -1e-3), flux = 1.2, i = vs_actuator_current(&m, flux, z);
-  CLOSE(vs_actuator_force(&m, flux), m.a_hm * i * i / (z * z), 1e-14); /* F = a i^2/z^2, Eq. 72 */
-  CLOSE(vs_actuator_energy(&m, flux, z), flux * i / 2, 1e-14);
+  CLOSE(m.coil.a_hm, 5.2e-3, 1e-14);
+  double z = conveyor_gap(&m, -1e-3), flux = 1.2, i = vs_coil_current(&m.coil, flux, z);
+  CLOSE(vs_coil_force(&m.coil, flux, NAN), m.coil.a_hm * i * i / (z * z),
+        1e-14); /* F = a i^2/z^2, Eq. 72 */
+  CLOSE(vs_coil_energy(&m.coil, flux, z), flux * i / 2, 1e-14);
   double dz = 1e-7; /* F = -dW/dz at constant lambda, by a central difference that is exact: W is
                        linear in z */
-  CLOSE((vs_actuator_energy(&m, flux, z + dz) - vs_actuator_energy(&m, flux, z - dz)) / (2 * dz),
-        vs_actuator_force(&m, flux), 1e-8);
+  CLOSE((vs_coil_energy(&m.coil, flux, z + dz) - vs_coil_energy(&m.coil, flux, z - dz)) / (2 * dz),
+        vs_coil_force(&m.coil, flux, NAN), 1e-8);
 }
 
 /* M and K must be positive definite: Eq. 55 with the paper's m14 = 0 and hardly any inertia is not;

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "method/methods.h"
-#include "program.h"
 #include "plan/plan.h"
+#include "program.h"
 
 /* A study that is there as long as a test needs it. */
 typedef struct study {

@@ -5,8 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "actuator/coil.h"
 #include "floquet.h"
-#include "machine/actuator.h"
 #include "suite.h"
 
 /* The machines of the reference: Table 1 fired at 100 and at 90 degrees, and one with a small gap,

@@ -230,7 +230,7 @@ static struct {
 static double rest_source(void *ctx, size_t port, double t_s) {
   (void)ctx;
   timed.sources++;
-  if (port == timed.gap_port) return timed.setup->model.gap_rest_m;
+  if (port == timed.gap_port) return timed.setup->model.coil.gap_rest_m;
   const vs_port *p = &timed.setup->deck.ports[port];
   return vs_signals_voltage(&timed.setup->timeline, &p->signal, t_s);
 }

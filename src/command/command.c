@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/units.h"
+#include "syntax/units.h"
 
 typedef struct parser {
   const vs_command *command;

@@ -15,11 +15,15 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
-#include "base/units.h"
 #include "deck/netlist.h"
 #include "scene/scene.h"
+#include "syntax/units.h"
 
-static const char *const STATES[VS_STATES] = {"p", "u", "w", "phi", "vp", "vu", "vw", "vphi"};
+/* The name of a state: a coordinate, or its rate. */
+static const char *state_name(const vs_model *m, int k) {
+  const vs_coordinate *c = &m->machine->coordinates[k % m->dof];
+  return k < m->dof ? c->name : c->rate;
+}
 
 /* Measured under plain ngspice against the circuit tier at a tolerance of 1e-6, with steps of a
  * two-thousandth of a period by the trapezoidal rule: p is off by 3e-5 of its peak after a single
@@ -57,7 +61,7 @@ typedef struct column {
   char name[VS_DECK_NAME + 32]; /* as in run.csv */
   vs_text value;                /* of vectors that are saved */
 } column;
-enum { OUR_COLUMNS = 9, MOST_COLUMNS = OUR_COLUMNS + VS_DECK_MOST };
+enum { OUR_COLUMNS = 5, MOST_COLUMNS = VS_MOST_DOF + OUR_COLUMNS + VS_DECK_MOST };
 
 static void name_column(column *c, vs_channel channel) {
   char suffix[32];
@@ -66,30 +70,34 @@ static void name_column(column *c, vs_channel channel) {
 }
 
 static size_t find_columns(const vs_scene *scene, column columns[MOST_COLUMNS]) {
-  static const int OURS[OUR_COLUMNS] = {VS_CH_P,      VS_CH_U, VS_CH_W,     VS_CH_PHI,  VS_CH_Z,
-                                        VS_CH_LAMBDA, VS_CH_I, VS_CH_FORCE, VS_CH_V_EVA};
-  _Static_assert(VS_DOF == 4 && OUR_COLUMNS == VS_DOF + 5, "columns[4] to [8] follow coordinates");
+  static const int OURS[OUR_COLUMNS] = {VS_CH_Z, VS_CH_LAMBDA, VS_CH_I, VS_CH_FORCE, VS_CH_V_EVA};
   const vs_deck *deck = &scene->setup.deck;
-  for (int k = 0; k < OUR_COLUMNS; k++) name_column(&columns[k], vs_channel_standard[OURS[k]]);
-  for (int k = 0; k < VS_DOF; k++) vs_text_add(&columns[k].value, "v(vs_%s)/1000", STATES[k]);
-  vs_text_add(&columns[4].value, "v(%s.z)", deck->eva);
-  vs_text_add(&columns[5].value, "v(%s.lam)", deck->eva);
-  vs_text_add(&columns[6].value, "v(%s.lam)*v(%s.z)/(2*vs_a)", deck->eva, deck->eva);
-  vs_text_add(&columns[7].value, "v(vs_f)");
+  const vs_model *m = &scene->setup.model;
+  const vs_frame *frame = &scene->frame;
+  column *ours = columns + m->dof;
+  for (int k = 0; k < m->dof; k++) {
+    name_column(&columns[k], vs_channel_at(frame, VS_CH_Q + k));
+    vs_text_add(&columns[k].value, "v(vs_%s)/1000", state_name(m, k));
+  }
+  for (int k = 0; k < OUR_COLUMNS; k++) name_column(&ours[k], vs_channel_at(frame, OURS[k]));
+  vs_text_add(&ours[0].value, "v(%s.z)", deck->eva);
+  vs_text_add(&ours[1].value, "v(%s.lam)", deck->eva);
+  vs_text_add(&ours[2].value, "v(%s.lam)*v(%s.z)/(2*vs_a)", deck->eva, deck->eva);
+  vs_text_add(&ours[3].value, "v(vs_f)");
   char plus[VS_DECK_NAME + 4], minus[VS_DECK_NAME + 4];
   snprintf(plus, sizeof plus, "v(%s)", deck->eva_plus);
   snprintf(minus, sizeof minus, "v(%s)", deck->eva_minus);
-  add_difference(&columns[8].value, plus, minus);
+  add_difference(&ours[4].value, plus, minus);
   for (size_t k = 0; k < deck->n_probes; k++) {
-    column *c = &columns[OUR_COLUMNS + k];
+    column *c = &ours[OUR_COLUMNS + k];
     const vs_probe *probe = &deck->probes[k];
-    name_column(c, vs_channel_at(&scene->frame, VS_CH_DECK + (int)k));
+    name_column(c, vs_channel_at(frame, vs_channel_deck(m) + (int)k));
     const vs_term *term = &deck->terms[probe->term];
     if (probe->sign < 0) vs_text_add(&c->value, "-(");
     add_difference(&c->value, term->plus, term->minus);
     if (probe->sign < 0) vs_text_add(&c->value, ")");
   }
-  return OUR_COLUMNS + deck->n_probes;
+  return (size_t)m->dof + OUR_COLUMNS + deck->n_probes;
 }
 
 /* ---- names ---- */
@@ -189,7 +197,7 @@ static void add_scene(vs_text *t, const vs_setup *s) {
       {"vs_burst", firing->burst_hz, "Hz, of sub-pulses"},
       {"vs_burst_duty", firing->burst_duty, "part of a sub-pulse's period that it is there"},
       {"vs_d", eva->gap_m, "m, D, from the armature to the pole cover"},
-      {"vs_gap", s->model.gap_rest_m, "m, D + d, the air gap at rest"},
+      {"vs_gap", s->model.coil.gap_rest_m, "m, D + d, the air gap at rest"},
       {"vs_until", s->run.until_s, "s, end of the run"},
       {"vs_sample", fmin(s->run.sample_s, s->run.until_s), "s, from row to row of the table"},
       {"vs_step", largest_step(s), "s, the largest step; the error falls with its square"},
@@ -200,12 +208,9 @@ static void add_scene(vs_text *t, const vs_setup *s) {
   };
   vs_text_add(t, "*\n* The scene, in SI. Change a value and run again.\n");
   add_params(t, ROWS, sizeof ROWS / sizeof *ROWS);
-  assert(vs_setup_start_section.count == VS_STATES);
-  for (int k = 0; k < VS_STATES; k++) {
-    const vs_field *field = &vs_setup_start_section.fields[k];
-    assert(!strcmp(field->key, STATES[k]));
-    vs_text_add(t, ".param vs_%s0=%.17g ; SI, %s\n", STATES[k], s->start.x[k], field->text);
-  }
+  for (int k = 0; k < 2 * s->model.dof; k++)
+    vs_text_add(t, ".param vs_%s0=%.17g ; SI, %s\n", state_name(&s->model, k), s->start.x[k],
+                s->model.machine->start.fields[k].text);
   if (eva->stop.present) add_params(t, STOP, sizeof STOP / sizeof *STOP);
 }
 
@@ -309,17 +314,17 @@ static void add_machine(vs_text *t, const vs_setup *s) {
   if (m->actuator.stop.present)
     vs_text_add(t, "Bvs_stop vs_stop 0 V = v(vs_p) < -1000*({vs_d}) ? "
                    "({vs_stop_k})*(v(vs_p)/1000+({vs_d}))+({vs_stop_c})*v(vs_vp)/1000 : 0\n");
-  for (int i = 0; i < VS_DOF; i++) {
-    const char *q = STATES[i];
+  for (int i = 0; i < m->dof; i++) {
+    const char *q = state_name(m, i);
     vs_text_add(t, "Cvs_%s vs_%s 0 1 ic={1000*vs_%s0}\n", q, q, q);
     vs_text_add(t, "Cvs_v%s vs_v%s 0 1 ic={1000*vs_v%s0}\n", q, q, q);
     vs_text_add(t, "Bvs_%s 0 vs_%s I = v(vs_v%s)\n", q, q, q);
     vs_text_add(t, "Bvs_v%s 0 vs_v%s I = %.17g*%s", q, q, 1e3 * m->mf[i],
                 m->actuator.stop.present ? "(v(vs_f)+v(vs_stop))" : "v(vs_f)");
-    for (int j = 0; j < VS_STATES; j++) {
-      double rate = j < VS_DOF ? -m->mk_column[j][i] : -m->mb_column[j - VS_DOF][i];
+    for (int j = 0; j < 2 * m->dof; j++) {
+      double rate = j < m->dof ? -m->mk_column[j][i] : -m->mb_column[j - m->dof][i];
       if (rate != 0)
-        vs_text_add(t, " %c %.17g*v(vs_%s)", rate < 0 ? '-' : '+', fabs(rate), STATES[j]);
+        vs_text_add(t, " %c %.17g*v(vs_%s)", rate < 0 ? '-' : '+', fabs(rate), state_name(m, j));
     }
     vs_text_add(t, "\n");
   }

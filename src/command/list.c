@@ -76,11 +76,13 @@ static void list_tiers(const vs_deck *deck) {
 }
 
 static void list_probes(const vs_deck *deck) {
-  const vs_frame frame = {.deck = deck};
-  for (int k = 0; k < vs_channel_count(&frame); k++) {
-    vs_channel c = vs_channel_at(&frame, k);
-    if (c.listed)
-      printf("%-20s %-7s %s%s\n", c.name, c.unit, c.text, k >= VS_CH_DECK ? " (tier circuit)" : "");
+  const vs_model model = {.machine = &vs_machine_conveyor, .dof = vs_machine_conveyor.dof};
+  const vs_frame frame = {.model = &model, .deck = deck};
+  int numbers[VS_CH_MOST], count = vs_channel_listed(&frame, numbers);
+  for (int k = 0; k < count; k++) {
+    vs_channel c = vs_channel_at(&frame, numbers[k]);
+    printf("%-20s %-7s %s%s\n", c.name, c.unit, c.text,
+           numbers[k] >= vs_channel_deck(&model) ? " (tier circuit)" : "");
   }
 }
 
@@ -116,7 +118,7 @@ static void print_field(const char *section, const vs_field *f) {
 
 static void list_parameters(const vs_deck *deck) {
   for (int s = 0; s < VS_SECTIONS; s++) {
-    const vs_section *section = vs_section_fields(deck, s);
+    const vs_section *section = vs_section_fields(&vs_machine_conveyor, deck, s);
     for (size_t k = 0; k < section->count; k++) print_field(section->name, &section->fields[k]);
   }
 }

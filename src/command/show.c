@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/units.h"
 #include "scene/shown.h"
+#include "syntax/units.h"
 
 /* "  12.3 % +- 0.04 %  held" */
 static void print_margin(const vs_judgement *j, FILE *out) {

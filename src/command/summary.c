@@ -5,10 +5,10 @@
 #include <stdio.h>
 
 #include "base/json.h"
-#include "base/units.h"
 #include "scene/sections.h"
 #include "scene/shown.h"
 #include "scene/version.h"
+#include "syntax/units.h"
 
 enum { DIGITS = 12 };
 

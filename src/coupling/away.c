@@ -58,7 +58,7 @@ vs_status vs_away_consider(vs_away *a, const double *signals, vs_error *err) {
   if (!a->law || a->stays) return VS_OK;
   vs_names_take_memory(a->names, signals, memory);
   a->kind->take(a->law, vs_course_last(c), memory, !conducts);
-  if (conducts || c->touching) return VS_OK;
+  if (conducts || c->touched) return VS_OK;
   double cycles = INFINITY, most_lag_s = INFINITY, period_s = setup->timeline.period_s;
   double next = vs_setup_edge(setup, now);
   if (next < until) {

@@ -4,42 +4,43 @@
 #include <math.h>
 #include <string.h>
 
-#include "machine/actuator.h"
+#include "actuator/coil.h"
 
 /* Sets the polynomial of the flux linkage under which the machine moves on from the last knot, and
  * how the armature stands there. */
 static void set_flux(vs_course *c, double f0, double f1, double f2, double f3) {
   const double flux[4] = {f0, f1, f2, f3};
   memcpy(c->motion.flux, flux, sizeof flux);
-  c->motion.touching = c->touching;
+  c->motion.touched = c->touched;
   c->motion.jammed = c->jammed;
 }
 
 /* ---- foretold ---- */
 
-/* p after h seconds by the mechanics' integration, for where the armature is in its stop or may
- * meet it. lambda goes on with the slope it has, and the slope as it last changed. */
-static double integrated_p(vs_course *c, double h) {
+/* The travel after h seconds by the mechanics' integration, for where the armature is in its stop
+ * or may meet it. lambda goes on with the slope it has, and the slope as it last changed. */
+static double integrated_travel(vs_course *c, double h) {
   const vs_knot *k = &c->knots[c->now];
-  double x[VS_STATES];
+  double x[VS_MOST_STATES];
   memcpy(x, k->x, sizeof x);
   set_flux(c, k->flux_wb, k->flux_rate_v, k->flux_rate2_v_s / 2, 0);
-  for (double at = 0; at < h; c->motion.touching = !c->motion.touching)
+  for (double at = 0; at < h; c->motion.touched ^= c->motion.changed)
     at = vs_motion_advance(&c->motion, at, h, x); /* a NaN ends this too, and move() will say so */
-  return x[P];
+  return vs_mechanics_travel(c->frame.model, x);
 }
 
-/* p follows its Taylor polynomial of third order. The next term is (w h)^4/24 of the amplitude at
- * most, with w of the fastest mode. */
+/* The travel follows its Taylor polynomial of third order. The next term is (w h)^4/24 of the
+ * amplitude at most, with w of the fastest mode. */
 double vs_course_gap(vs_course *c, double t_s) {
   const vs_knot *k = &c->knots[c->now];
   if (t_s == c->candidate_s) return c->candidate_gap_m;
-  double h = t_s - k->t_s,
-         p = k->x[P] + h * (k->x[VS_DOF + P] + h / 2 * (k->a[P] + h / 3 * k->j[P]));
-  if (h > c->series_s || c->touching || vs_mechanics_in_stop(&c->setup->model, p))
-    p = integrated_p(c, h);
+  const vs_model *m = &c->setup->model;
+  double h = t_s - k->t_s, g0 = vs_mechanics_travel(m, k->x),
+         g1 = vs_mechanics_travel(m, k->x + m->dof), g2 = vs_mechanics_travel(m, k->a),
+         g3 = vs_mechanics_travel(m, k->j), g = g0 + h * (g1 + h / 2 * (g2 + h / 3 * g3));
+  if (h > c->series_s || c->touched || vs_stops_touched(&m->stops, g)) g = integrated_travel(c, h);
   c->candidate_s = t_s;
-  return c->candidate_gap_m = vs_actuator_gap(&c->setup->model, p);
+  return c->candidate_gap_m = vs_coil_gap(&m->coil, g);
 }
 
 /* ---- shown ---- */
@@ -48,7 +49,7 @@ static void complete(const vs_course *c, vs_knot *k) {
   if (c->jammed)
     vs_knot_hold(&c->frame, k);
   else
-    vs_knot_complete(&c->frame, k, c->touching);
+    vs_knot_complete(&c->frame, k, c->touched);
 }
 
 vs_status vs_course_show(vs_course *c, const vs_knot *k, vs_event what, vs_error *err) {
@@ -88,9 +89,9 @@ static vs_knot between(const vs_course *c, const vs_knot *a, const vs_knot *b, d
 
 /* Shows a knot at which the armature meets or leaves its stop, from both sides. */
 static vs_status show_contact(vs_course *c, vs_knot *cut, vs_error *err) {
-  vs_status status =
-      vs_course_show(c, cut, c->touching ? VS_EV_LEAVES_STOP : VS_EV_MEETS_STOP, err);
-  c->touching = c->motion.touching = !c->touching;
+  vs_status status = vs_course_show(
+      c, cut, c->touched & c->motion.changed ? VS_EV_LEAVES_STOP : VS_EV_MEETS_STOP, err);
+  c->touched = c->motion.touched = c->touched ^ c->motion.changed;
   complete(c, cut);
   return status ? status : vs_course_show(c, cut, VS_EV_NONE, err);
 }
@@ -98,14 +99,14 @@ static vs_status show_contact(vs_course *c, vs_knot *cut, vs_error *err) {
 /* The last knot is the instant at which the armature jams; it is shown from behind that too. */
 static vs_status jam(vs_course *c, vs_knot *k, vs_error *err) {
   c->jammed = c->motion.jammed = true;
-  vs_mechanics_hold_p(&c->setup->model, k->x + VS_DOF);
+  vs_mechanics_hold(&c->setup->model, k->x + c->setup->model.dof);
   complete(c, k);
   return vs_course_show(c, k, VS_EV_JAMS, err);
 }
 
 /* From `start` to `end`, both of which are outside of c, as the knots in it are overwritten. */
 static vs_status move(vs_course *c, const vs_knot *start, vs_knot *end, vs_error *err) {
-  double h = end->t_s - start->t_s, x[VS_STATES];
+  double h = end->t_s - start->t_s, x[VS_MOST_STATES];
   vs_knot cut, *k = &cut;
   memcpy(x, start->x, sizeof x);
   for (double at = 0; at < h;) {
@@ -156,7 +157,7 @@ void vs_course_begin(vs_course *c, const vs_setup *setup, const vs_frame *frame,
                    .jams_s = vs_setup_jams(setup),
                    .series_s = SERIES_RAD / m->fastest_rad_s};
   c->knots[0] = vs_sim_start(setup, &c->frame);
-  c->touching = vs_mechanics_in_stop(m, c->knots[0].x[P]);
+  c->touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, c->knots[0].x));
   vs_anode_begin(&c->anode, &setup->deck, &setup->timeline);
   vs_motion_begin(&c->motion, m);
 }

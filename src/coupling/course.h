@@ -16,10 +16,10 @@ typedef struct vs_course {
   int now;
   vs_anode anode;
   vs_motion motion;
-  bool touching;                       /* the armature is in its stop */
+  unsigned touched;                    /* the stops that the armature is in, as bits */
   bool jammed;                         /* the armature is jammed, since jams_s */
   double jams_s;                       /* INFINITY: it never is */
-  double series_s;                     /* how far p's Taylor polynomial is good enough */
+  double series_s;                     /* how far the travel's Taylor polynomial is good enough */
   double candidate_s, candidate_gap_m; /* the last question and answer of vs_course_gap; -1: the
                                           answer does not hold any more */
   bool without;                        /* the steps shown are a stand-in's, not the solver's */

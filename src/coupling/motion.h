@@ -9,15 +9,17 @@
 
 #include "machine/mechanics.h"
 
-/* The caller sets flux, touching and jammed. */
+/* The caller sets flux, touched and jammed. */
 typedef struct vs_motion {
   const vs_model *model;
   double flux[4];                       /* lambda(t0 + s) = flux[0] + s flux[1] + ..., Wb */
-  bool touching;                        /* the armature is in its stop */
+  unsigned touched;                     /* the stops that the armature is in, as bits */
   bool jammed;                          /* the armature stays where it is */
   double substep_s, substep_touching_s; /* longest substep, free and in the stop: 0.02 rad of the
                                            fastest mode, where rkf45's error is below 1e-12 of the
                                            amplitude */
+  unsigned changed; /* behind a contact: the stop that was met or left, as a bit */
+  size_t size;      /* of a state, bytes */
   gsl_odeiv2_system system;
   gsl_odeiv2_step *step;
 } vs_motion;
@@ -29,6 +31,6 @@ void vs_motion_end(vs_motion *motion);
 /* Takes x = (q, q') on from `at_s` seconds into the course of the flux, to h seconds or to where
  * the armature meets or leaves its stop. Returns how far it has come, s; NaN where GSL cannot step
  * on. */
-double vs_motion_advance(vs_motion *motion, double at_s, double h, double x[VS_STATES]);
+double vs_motion_advance(vs_motion *motion, double at_s, double h, double *x);
 
 #endif

@@ -15,24 +15,25 @@ double vs_pace_largest_step(const vs_setup *s) {
   return s->run.max_step_s > 0 ? s->run.max_step_s : h;
 }
 
-static vs_status note_depth(void *ctx, const vs_step *step, vs_error *err) {
+static vs_status note_nearness(void *ctx, const vs_step *step, vs_error *err) {
   (void)err;
-  double *least_p_m = ctx;
-  *least_p_m = fmin(*least_p_m, step->to->x[P]);
+  double *nearest = ctx;
+  double g = vs_mechanics_travel(step->frame->model, step->to->x);
+  *nearest = fmax(*nearest, vs_stops_nearness(&step->frame->model->stops, g));
   return VS_OK;
 }
 
 /* Each blow on the stop multiplies the error of p, ten of them by 35. Between blows there may be
  * conductions of 50 us from the snubbers alone, whose end the solver finds as well as its tolerance
  * lets it. So a run with blows takes shorter steps and a finer tolerance. The switched tier tells
- * in a millisecond or two whether a run has any; a fifth of the gap is for what it leaves out. */
+ * in a millisecond or two whether a run has any; a fifth of the way is for what it leaves out. */
 static bool has_blows(const vs_setup *s) {
-  if (!s->model.actuator.stop.present) return false;
-  double least_p_m = 0;
-  const vs_observer observer = {&least_p_m, note_depth};
+  if (!s->model.stops.count) return false;
+  double nearest = 0;
+  const vs_observer observer = {&nearest, note_nearness};
   vs_error err = {0};
   vs_status status = vs_switched_tier.run(s, NULL, &observer, &err);
-  return status || least_p_m < -0.8 * s->model.actuator.gap_m;
+  return status || nearest > 0.8;
 }
 
 /* The coarsest relative tolerance of the solver. At some hundred volts 1e-4 of them is the whole

@@ -8,9 +8,9 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "base/units.h"
 #include "deck/devices.h"
 #include "deck/parts.h"
+#include "syntax/units.h"
 
 static bool read_range(char *token, double *min, double *max) {
   char *dots = strstr(token, ".."), *end_min, *end_max;

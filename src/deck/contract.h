@@ -50,7 +50,7 @@
  *       a term of its junction's transient thermal impedance, sum of R (1 - exp(-t/TAU)) (a Foster
  *       network)
  *
- * A FORMULA is as deck/formula.h has it. It may name the deck's parameters and the program's:
+ * A FORMULA is as syntax/formula.h has it. It may name the deck's parameters and the program's:
  * u_rms, f_mains, phase (rad), r_source, l_source. */
 #ifndef VS_DECK_CONTRACT_H
 #define VS_DECK_CONTRACT_H

@@ -13,11 +13,11 @@
 #include <stddef.h>
 
 #include "base/error.h"
-#include "base/field.h"
 #include "base/path.h"
 #include "deck/cursor.h"
-#include "deck/formula.h"
 #include "deck/port.h"
+#include "syntax/field.h"
+#include "syntax/formula.h"
 
 /* How much a deck may hold. A line beyond that is refused with its place. */
 enum {

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "base/units.h"
 #include "deck/parts.h"
+#include "syntax/units.h"
 
 /* ---- reading ---- */
 

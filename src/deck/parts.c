@@ -8,8 +8,8 @@
 #include <strings.h>
 
 #include "base/text.h"
-#include "base/units.h"
 #include "deck/kinds.h"
+#include "syntax/units.h"
 
 /* ---- reading ---- */
 

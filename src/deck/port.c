@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "base/units.h"
+#include "syntax/units.h"
 
 /* What a deck may say, by VS_PORT_.... A drive without a name is put in by the program alone. */
 static const struct drive {

@@ -10,8 +10,8 @@
 #include <stddef.h>
 
 #include "base/error.h"
-#include "base/field.h"
 #include "deck/deck.h"
+#include "syntax/field.h"
 
 enum { VS_EVENTS_MOST = 32, VS_EVENT_NAME = 64 };
 

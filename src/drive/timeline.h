@@ -10,8 +10,8 @@
 #define VS_DRIVE_TIMELINE_H
 
 #include "base/error.h"
-#include "base/field.h"
 #include "drive/occurrence.h"
+#include "syntax/field.h"
 
 typedef struct vs_supply_values {
   double voltage_v, frequency_hz, phase_rad, resistance_ohm, inductance_h;

@@ -4,10 +4,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "actuator/coil.h"
 #include "drive/gate.h"
 #include "ideal/propagator.h"
 #include "ideal/series.h"
-#include "machine/actuator.h"
 
 /* Time is kept relative to an instant at which local time began, so that it is as fine after hours
  * as at first. "What is large" is the size of each quantity in vs_driven, to which errors are
@@ -66,13 +66,14 @@ static double mains_turn(const phases *p, double most_s) {
 }
 
 /* Sets what is large for the coordinates: how far the force of a large flux linkage moves each of
- * them at the working mode. One that the force does not move gets 1e-6 of what p gets. */
+ * them at the working mode. One that the force does not move gets 1e-6 of what the gap gets. */
 static void find_coordinates(phases *p) {
   const vs_model *m = &p->setup->model;
   double w = m->working_rad_s > 0 ? m->working_rad_s : m->fastest_rad_s;
-  double force = vs_actuator_force(m, p->driven.flux_wb);
-  for (int i = 0; i < VS_DOF; i++)
-    p->driven.coordinate[i] = fmax(fabs(m->mf[i]), 1e-6 * fabs(m->mf[P])) * force / (w * w);
+  double force = vs_coil_force(&m->coil, p->driven.flux_wb, m->coil.gap_rest_m);
+  for (int i = 0; i < m->dof; i++)
+    p->driven.coordinate[i] =
+        fmax(fabs(m->mf[i]), 1e-6 * fabs(m->per_newton_m_s2)) * force / (w * w);
 }
 
 /* A flux linkage below this, relative to that of the mains, is none: it comes from a voltage that
@@ -110,19 +111,22 @@ static void fill(phases *p, double since_s, const double y[VS_CONDUCTING]) {
   const vs_model *m = frame->model;
   vs_knot *k = &p->knots[1 - p->now];
   k->t_s = p->began_s + since_s;
-  memcpy(k->x, y, sizeof k->x);
+  memcpy(k->x, y, 2 * (size_t)m->dof * sizeof *y);
   k->flux_wb = y[VS_FLUX];
   k->flux_rate_v = k->flux_rate2_v_s = k->flux_rate3_v_s2 = 0;
   if (!p->driven.conducting) {
     complete(p, k);
     return;
   }
-  double u[3], r = m->actuator.resistance_ohm / (2 * m->a_hm), moves = frame->gap_at_rest ? 0 : 1;
-  double z = vs_actuator_gap(m, moves * k->x[P]), z1 = moves * k->x[VS_DOF + P];
+  double u[3], r = m->actuator.resistance_ohm / (2 * m->coil.a_hm),
+               moves = frame->gap_at_rest ? 0 : 1;
+  const double *q = k->x, *v = k->x + m->dof;
+  double z = vs_coil_gap(&m->coil, moves * vs_mechanics_travel(m, q)),
+         z1 = moves * vs_mechanics_travel(m, v);
   vs_wave_at(&p->driven.mains, since_s, u);
   k->flux_rate_v = u[0] - r * k->flux_wb * z;
   complete(p, k);
-  double z2 = moves * k->a[P];
+  double z2 = moves * vs_mechanics_travel(m, k->a);
   k->flux_rate2_v_s = u[1] - r * (k->flux_rate_v * z + k->flux_wb * z1);
   k->flux_rate3_v_s2 =
       u[2] - r * (k->flux_rate2_v_s * z + 2 * k->flux_rate_v * z1 + k->flux_wb * z2);
@@ -132,9 +136,10 @@ static void fill(phases *p, double since_s, const double y[VS_CONDUCTING]) {
  * Local time begins anew, and the mains' wave with it, unless a conduction goes on undisturbed. */
 static vs_status turn_over(phases *p, bool conducting, bool touching, vs_event event,
                            vs_error *err) {
+  const vs_model *m = p->driven.frame->model;
   double y[VS_CONDUCTING];
   const vs_knot *k = &p->knots[p->now];
-  memcpy(y, k->x, sizeof k->x);
+  memcpy(y, k->x, 2 * (size_t)m->dof * sizeof *y);
   y[VS_FLUX] = conducting ? k->flux_wb : 0;
   if (!p->driven.conducting || !conducting || p->disturbed) {
     p->began_s = k->t_s;
@@ -146,7 +151,7 @@ static vs_status turn_over(phases *p, bool conducting, bool touching, vs_event e
   p->driven.touching = touching;
   if (event == VS_EV_JAMS) { /* the blow */
     p->driven.held = true;
-    vs_mechanics_hold_p(p->driven.frame->model, y + VS_DOF);
+    vs_mechanics_hold(m, y + m->dof);
   }
   fill(p, p->since_s, y);
   return show(p, event, err);
@@ -160,29 +165,32 @@ static const double NOTHING = 1e-14, OVER = 1e-9;
 
 typedef enum ending { GOES_ON, FLUX_ENDS, CONTACT_BEGINS, CONTACT_ENDS } ending;
 
-/* Returns an instant in the step to the knot to come at which p is below -D, if there is one: the
- * step's end, or the least p on the way where p turns inside it. NaN: none. */
+/* Returns an instant in the step to the knot to come at which the armature is in its stop, if there
+ * is one: the step's end, or the least travel on the way where that turns inside it. NaN: none. */
 static double first_contact(const phases *p) {
   const vs_model *m = p->driven.frame->model;
   const vs_knot *from = &p->knots[p->now], *to = &p->knots[1 - p->now];
-  if (!m->actuator.stop.present || p->driven.touching || p->driven.held) return NAN;
-  if (to->x[P] < -m->actuator.gap_m) return to->t_s;
-  if (from->x[VS_DOF + P] >= 0 || to->x[VS_DOF + P] <= 0) return NAN;
+  if (!m->stops.count || p->driven.touching || p->driven.held) return NAN;
+  if (vs_stops_touched(&m->stops, vs_mechanics_travel(m, to->x))) return to->t_s;
+  if (vs_mechanics_travel(m, from->x + m->dof) >= 0 || vs_mechanics_travel(m, to->x + m->dof) <= 0)
+    return NAN;
   const vs_step step = {.frame = p->driven.frame, .from = from, .to = to};
-  double lo = from->t_s, hi = to->t_s;
+  double lo = from->t_s, hi = to->t_s, y[VS_CH_MOST];
   for (int n = 0; n < 50; n++) {
     double mid = (lo + hi) / 2;
-    if (vs_step_channel(&step, mid, VS_CH_VP) < 0)
+    vs_step_groups_at(&step, mid, VS_GROUP_VELOCITIES, y);
+    if (vs_mechanics_travel(m, y + vs_channel_rates(m)) < 0)
       lo = mid;
     else
       hi = mid;
   }
-  return vs_mechanics_in_stop(m, vs_step_channel(&step, hi, VS_CH_P)) ? hi : NAN;
+  vs_step_groups_at(&step, hi, 0, y);
+  return vs_stops_touched(&m->stops, y[VS_CH_TRAVEL]) ? hi : NAN;
 }
 
 static double ending_value(const phases *p, ending e, double at_s, double *rate) {
   if (e == FLUX_ENDS) return vs_series_flux(&p->series, at_s, rate);
-  double depth = vs_series_p(&p->series, at_s, rate) + p->setup->model.actuator.gap_m;
+  double depth = vs_series_travel(&p->series, at_s, rate) - p->setup->model.stops.item[0].at_m;
   if (e == CONTACT_BEGINS) return depth;
   *rate = -*rate;
   return -depth;
@@ -230,13 +238,14 @@ static bool flux_ends(const phases *p, double full_s, double *lower_s, double *u
 static ending find_ending(const phases *p, double *length) {
   double full = *length, contact = first_contact(p), lower, upper;
   const vs_knot *to = &p->knots[1 - p->now];
+  const vs_model *m = p->driven.frame->model;
   ending found = GOES_ON;
   if (flux_ends(p, full, &lower, &upper)) {
     found = FLUX_ENDS;
     *length = locate(p, FLUX_ENDS, lower, upper);
   }
   bool leaves = p->driven.touching && !p->driven.held &&
-                !vs_mechanics_in_stop(p->driven.frame->model, to->x[P]);
+                !vs_stops_touched(&m->stops, vs_mechanics_travel(m, to->x));
   if (!leaves && isnan(contact)) return found;
   ending change = leaves ? CONTACT_ENDS : CONTACT_BEGINS;
   double at = locate(p, change, 0, leaves ? full : contact - p->knots[p->now].t_s);
@@ -406,14 +415,14 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
   const vs_model *m = &setup->model;
   double until = setup->run.until_s, tolerance = setup->run.tolerance;
   double mains = setup->timeline.omega_rad_s;
-  double coil = m->actuator.resistance_ohm * m->gap_rest_m / (2 * m->a_hm);
+  double coil = m->actuator.resistance_ohm * m->coil.gap_rest_m / (2 * m->coil.a_hm);
   phases p = {.setup = setup, .observer = observer, .rough = fmin(ROUGH * tolerance, ROUGHEST)};
   p.negligible = 1e-3 * p.rough;
   p.disturbed = setup->timeline.events.count > 0;
   p.jams_s = vs_setup_jams(setup);
   p.driven = (vs_driven){.frame = frame};
   p.knots[0] = vs_sim_start(setup, frame);
-  p.driven.touching = vs_mechanics_in_stop(m, p.knots[0].x[P]);
+  p.driven.touching = vs_stops_touched(&m->stops, vs_mechanics_travel(m, p.knots[0].x));
   find_scales(&p);
   p.longest_s = longest_step(&p, pow(DENSE * 6 * p.rough, 1.0 / 8), m->fastest_rad_s);
   p.longest_driven_s = longest_step(&p, 1, fmax(fmax(m->fastest_rad_s, mains), coil / 8));

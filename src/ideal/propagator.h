@@ -8,14 +8,16 @@
 
 /* exp(A h) for one length h: column[j][i] stands in row i and column j. */
 typedef struct vs_propagator {
-  double column[VS_STATES][VS_STATES];
+  int states;
+  double column[VS_MOST_STATES][VS_MOST_STATES];
+  double constant[VS_MOST_STATES]; /* what constant forces add in one step */
+  bool loaded;                     /* there are constant forces */
 } vs_propagator;
 
 /* Makes it for steps of h_s. `held`: the armature is jammed, so that p" = 0. */
 void vs_propagator_make(vs_propagator *propagator, const vs_model *model, bool held, double h_s);
 
 /* Gives the state y, one step after the state x. */
-void vs_propagator_step(const vs_propagator *propagator, const double x[VS_STATES],
-                        double y[VS_STATES]);
+void vs_propagator_step(const vs_propagator *propagator, const double *x, double *y);
 
 #endif

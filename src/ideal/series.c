@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "machine/actuator.h"
+#include "actuator/coil.h"
 
 /* n-th term of a product of two series. The newest terms are added last, so that the sum over the
  * others need not wait for them. */
@@ -18,23 +18,22 @@ static double larger(double a, double b) {
   return a > b ? a : b;
 }
 
-/* q[n+2] from q[n], q[n+1] and the n-th term of F: Eq. 54, order by order. */
+/* q[n+2] from q[n], q[n+1] and the n-th term of F: Eq. 54, order by order. Constant forces belong
+ * to order 0. */
 static void next_q(const vs_driven *driven, vs_series *s, int n, double force) {
   const vs_model *m = driven->frame->model;
-  double x[VS_STATES], acceleration[VS_DOF], h = s->span_s, rate = (n + 1) / h;
-  for (int i = 0; i < VS_DOF; i++) {
-    x[i] = s->q[n][i];
-    x[VS_DOF + i] = rate * s->q[n + 1][i];
+  double v[VS_MOST_DOF], acceleration[VS_MOST_DOF], h = s->span_s, rate = (n + 1) / h;
+  for (int i = 0; i < m->dof; i++) v[i] = rate * s->q[n + 1][i];
+  if (driven->touching) { /* k (g - at) + c g': the at belongs to order 0 */
+    const vs_stop *stop = &m->stops.item[0];
+    double g = vs_mechanics_travel(m, s->q[n]), depth = n ? g : g - stop->at_m;
+    force += stop->stiffness * depth + stop->damping_ns_m * vs_mechanics_travel(m, v);
   }
-  if (driven->touching) { /* k (p + D) + c p': the D belongs to order 0 */
-    const vs_stop_values *stop = &m->actuator.stop;
-    double depth = n ? x[P] : x[P] + m->actuator.gap_m;
-    force += stop->stiffness_n_m * depth + stop->damping_ns_m * x[VS_DOF + P];
-  }
-  vs_mechanics_accelerations(m, x, force, acceleration);
-  if (driven->held) vs_mechanics_hold_p(m, acceleration);
+  vs_mechanics_accelerations(m, s->q[n], v, force, acceleration);
+  for (int i = 0; n && m->loaded && i < m->dof; i++) acceleration[i] -= m->m0[i];
+  if (driven->held) vs_mechanics_hold(m, acceleration);
   double weight = h * h / ((n + 1) * (n + 2));
-  for (int i = 0; i < VS_DOF; i++) s->q[n + 2][i] = weight * acceleration[i];
+  for (int i = 0; i < m->dof; i++) s->q[n + 2][i] = weight * acceleration[i];
 }
 
 /* The terms of one of the mains' sines: those of its voltage u and, from which these follow, of the
@@ -65,22 +64,23 @@ void vs_series_make(const vs_driven *driven, const vs_knot *knot, double span_s,
   const vs_model *m = driven->frame->model;
   const vs_wave *mains = &driven->mains;
   sine_terms sine[VS_WAVE_MOST];
-  double per_2a = 1 / (2 * m->a_hm);
-  double z[VS_SERIES_ORDER + 1] = {m->gap_rest_m}, force = 0; /* terms of the gap */
+  double per_2a = 1 / (2 * m->coil.a_hm);
+  double z[VS_SERIES_ORDER + 1] = {m->coil.gap_rest_m}, force = 0; /* terms of the gap */
   bool moves = !driven->frame->gap_at_rest;
   s->span_s = span_s;
+  s->model = m;
   memset(s->flux, 0, sizeof s->flux);
   s->flux[0] = knot->flux_wb;
-  for (int i = 0; i < VS_DOF; i++) {
+  for (int i = 0; i < m->dof; i++) {
     s->q[0][i] = knot->x[i];
-    s->q[1][i] = knot->x[VS_DOF + i] * span_s;
+    s->q[1][i] = knot->x[m->dof + i] * span_s;
   }
   for (size_t k = 0; k < mains->count && driven->conducting; k++)
     sine[k] = begin_sine(&mains->sine[k], driven->since_s, span_s);
   for (int n = 0; n < VS_SERIES_ORDER; n++) {
     if (driven->conducting) { /* lambda[n+1] (Eqs. 80, 81), F[n] = lambda^2/(4a) */
       double ratio = span_s / (n + 1), u = mains_term(sine, mains->count, n);
-      z[n] += moves ? s->q[n][P] : 0;
+      z[n] += moves ? vs_mechanics_travel(m, s->q[n]) : 0;
       force = product(s->flux, s->flux, n) * per_2a / 2;
       s->flux[n + 1] = ratio * (u - m->actuator.resistance_ohm * per_2a * product(s->flux, z, n));
     }
@@ -90,7 +90,7 @@ void vs_series_make(const vs_driven *driven, const vs_knot *knot, double span_s,
 
 double vs_series_term(const vs_driven *driven, const vs_series *s, int n) {
   double largest = fabs(s->flux[n]) / larger(driven->flux_wb, fabs(s->flux[0]));
-  for (int i = 0; i < VS_DOF; i++) {
+  for (int i = 0; i < s->model->dof; i++) {
     double size = larger(driven->coordinate[i], fabs(s->q[0][i]) + fabs(s->q[1][i]));
     largest = larger(largest, fabs(s->q[n][i]) / size);
   }
@@ -98,40 +98,46 @@ double vs_series_term(const vs_driven *driven, const vs_series *s, int n) {
 }
 
 void vs_series_at(const vs_series *s, double at_s, double y[VS_CONDUCTING]) {
-  double r = at_s / s->span_s, flux = s->flux[VS_SERIES_ORDER], q[VS_DOF], v[VS_DOF] = {0};
-  memcpy(q, s->q[VS_SERIES_ORDER], sizeof q);
+  int dof = s->model->dof;
+  double r = at_s / s->span_s, flux = s->flux[VS_SERIES_ORDER], q[VS_MOST_DOF], v[VS_MOST_DOF];
+  for (int i = 0; i < dof; i++) {
+    q[i] = s->q[VS_SERIES_ORDER][i];
+    v[i] = 0;
+  }
   for (int n = VS_SERIES_ORDER - 1; n >= 0; n--) {
-    for (int i = 0; i < VS_DOF; i++) {
+    for (int i = 0; i < dof; i++) {
       v[i] = v[i] * r + q[i];
       q[i] = q[i] * r + s->q[n][i];
     }
     flux = flux * r + s->flux[n];
   }
-  for (int i = 0; i < VS_DOF; i++) {
+  for (int i = 0; i < dof; i++) {
     y[i] = q[i];
-    y[VS_DOF + i] = v[i] / s->span_s;
+    y[dof + i] = v[i] / s->span_s;
   }
   y[VS_FLUX] = flux;
 }
 
-/* Sums up one column of terms, and gives its slope. */
-static double column(const vs_series *s, const double *terms, size_t stride, double at_s,
+/* Sums up terms, and gives the slope of the sum. */
+static double sum_up(const vs_series *s, const double terms[VS_SERIES_ORDER + 1], double at_s,
                      double *rate) {
   double r = at_s / s->span_s, value = 0, slope = 0;
   for (int n = VS_SERIES_ORDER; n >= 0; n--) {
     slope = slope * r + value;
-    value = value * r + terms[(size_t)n * stride];
+    value = value * r + terms[n];
   }
   *rate = slope / s->span_s;
   return value;
 }
 
-double vs_series_p(const vs_series *s, double at_s, double *rate) {
-  return column(s, &s->q[0][P], VS_DOF, at_s, rate);
+double vs_series_travel(const vs_series *s, double at_s, double *rate) {
+  double terms[VS_SERIES_ORDER + 1];
+  for (int n = 0; n <= VS_SERIES_ORDER; n++) terms[n] = vs_mechanics_travel(s->model, s->q[n]);
+  return sum_up(s, terms, at_s, rate);
 }
 
 double vs_series_flux(const vs_series *s, double at_s, double *rate) {
-  return column(s, s->flux, 1, at_s, rate);
+  return sum_up(s, s->flux, at_s, rate);
 }
 
 /* ---- the first fall of lambda ---- */

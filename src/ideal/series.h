@@ -11,27 +11,29 @@
 /* Degree of the series; reach() in phases.c says how long a span it is good for. */
 enum { VS_SERIES_ORDER = 13 };
 
-/* The state as one vector: y = (q, q', lambda). */
-enum { VS_FLUX = VS_STATES, VS_CONDUCTING };
+/* The state as one vector: y = (q, q', lambda), lambda in its last place whatever the number of
+ * coordinates. */
+enum { VS_FLUX = VS_MOST_STATES, VS_CONDUCTING };
 
 /* What drives the machine from a knot on. */
 typedef struct vs_driven {
   const vs_frame *frame;
   bool conducting; /* dlambda/dt = u - R_c i; else lambda = 0 */
   bool touching;   /* the armature is in its stop */
-  bool held;       /* the armature is jammed: p stays what it is */
+  bool held;       /* the armature is jammed: the gap stays what it is */
   vs_wave mains;   /* u; looked at only while conducting */
   double since_s;  /* the knot's time, counted from the origin of u */
   /* The size that counts as large for q, m and rad, and for lambda, Wb. Errors are relative to it.
    */
-  double coordinate[VS_DOF], flux_wb;
+  double coordinate[VS_MOST_DOF], flux_wb;
 } vs_driven;
 
 /* q(s) = sum of q[n] (s/span)^n, lambda likewise, s being the time since the knot: each term is as
  * large as it is at the end of the span. */
 typedef struct vs_series {
   double span_s;
-  double q[VS_SERIES_ORDER + 1][VS_DOF], flux[VS_SERIES_ORDER + 1];
+  const vs_model *model;
+  double q[VS_SERIES_ORDER + 1][VS_MOST_DOF], flux[VS_SERIES_ORDER + 1];
 } vs_series;
 
 /* Makes the series about a knot, of which the time, q, q' and lambda count. */
@@ -44,8 +46,8 @@ double vs_series_term(const vs_driven *driven, const vs_series *series, int n);
 
 /* Gives the state s seconds after the knot, within the span. */
 void vs_series_at(const vs_series *series, double s, double y[VS_CONDUCTING]);
-/* Returns p or lambda alone s seconds after the knot, and gives its rate. */
-double vs_series_p(const vs_series *series, double s, double *rate);
+/* Returns the travel g = c.q or lambda alone s seconds after the knot, and gives its rate. */
+double vs_series_travel(const vs_series *series, double s, double *rate);
 double vs_series_flux(const vs_series *series, double s, double *rate);
 
 /* Returns true if lambda falls below -nothing_wb within s seconds after the knot. The first time it

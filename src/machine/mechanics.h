@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The equation of motion, M q" + B q' + K q = (-F, 0, 0, 0) (Eq. 54), its energies and its modes.
+ * The equation of motion, M q" + B q' + K q = f0 - F c (Eq. 54), its energies and its modes.
  * All are pure functions of the model. */
 #ifndef VS_MACHINE_MECHANICS_H
 #define VS_MACHINE_MECHANICS_H
@@ -9,57 +9,65 @@
 
 #include "machine/model.h"
 
-/* The accelerations q" [m/s2, rad/s2] from x = (q, q') and the force F [N] on the armature
- * (Eq. 83). */
-static inline void vs_mechanics_accelerations(const vs_model *model, const double x[VS_STATES],
-                                              double force_n, double acceleration[VS_DOF]) {
-  /* q" = M^-1 (-F,0,0,0) - M^-1 K q - M^-1 B q' */
-  const double(*k)[VS_DOF] = model->mk_column, (*b)[VS_DOF] = model->mb_column, *v = x + VS_DOF;
-  double sum[VS_DOF];
-  _Static_assert(VS_DOF == 4, "the terms of four coordinates are written out below");
-  for (int i = 0; i < VS_DOF; i++)
-    sum[i] = model->mf[i] * force_n - (k[P][i] * x[P] + b[P][i] * v[P]) -
-             (k[U][i] * x[U] + b[U][i] * v[U]) - (k[W][i] * x[W] + b[W][i] * v[W]) -
-             (k[PHI][i] * x[PHI] + b[PHI][i] * v[PHI]);
-  memcpy(acceleration, sum, sizeof sum);
+/* The travel g = c.q by which the gap is opened, and likewise its rate from q', m and m/s. */
+static inline double vs_mechanics_travel(const vs_model *model, const double *q) {
+  double g = model->along[0] * q[0];
+  for (int i = 1; i < model->dof; i++) g += model->along[i] * q[i];
+  return g;
+}
+/* The air gap z = D + d + c.q, m. */
+static inline double vs_mechanics_gap(const vs_model *model, const double *q) {
+  return vs_coil_gap(&model->coil, vs_mechanics_travel(model, q));
 }
 
-/* The force that the stop adds to F while the armature touches it, N: k (p + D) + c p', negative in
- * compression. It acts along p as F does, and so goes wherever F goes. */
-static inline double vs_mechanics_stop_force(const vs_model *model, const double x[VS_STATES]) {
-  const vs_actuator_values *a = &model->actuator;
-  return a->stop.stiffness_n_m * (x[P] + a->gap_m) + a->stop.damping_ns_m * x[VS_DOF + P];
-}
-/* The rate of that force, N/s. */
-static inline double vs_mechanics_stop_rate(const vs_model *model, const double x[VS_STATES],
-                                            const double acceleration[VS_DOF]) {
-  const vs_stop_values *s = &model->actuator.stop;
-  return s->stiffness_n_m * x[VS_DOF + P] + s->damping_ns_m * acceleration[P];
-}
-/* True where the armature is in the stop; never without one. */
-static inline bool vs_mechanics_in_stop(const vs_model *model, double p_m) {
-  return model->actuator.stop.present && p_m < -model->actuator.gap_m;
-}
-
-/* The jerks q"' from (q', q") and dF/dt [N/s]: the same equation, one derivative on. */
-static inline void vs_mechanics_jerks(const vs_model *model,
-                                      const double velocity_acceleration[VS_STATES],
-                                      double force_rate_n_s, double jerk[VS_DOF]) {
-  vs_mechanics_accelerations(model, velocity_acceleration, force_rate_n_s, jerk);
+/* The accelerations q" [m/s2, rad/s2] from q, q' and the force F [N] that closes the gap (Eq. 83):
+ *   q" = M^-1 f0 - M^-1 c F - M^-1 K q - M^-1 B q'
+ * Rows are computed four at a time, side by side; behind the last row the columns hold zeros. */
+static inline void vs_mechanics_accelerations(const vs_model *model, const double *q,
+                                              const double *v, double force_n,
+                                              double acceleration[VS_MOST_DOF]) {
+  enum { SIDE_BY_SIDE = 4 };
+  _Static_assert(VS_MOST_DOF % SIDE_BY_SIDE == 0, "columns are filled up with zeros");
+  for (int first = 0; first < model->dof; first += SIDE_BY_SIDE) {
+    double sum[SIDE_BY_SIDE];
+    for (int i = 0; i < SIDE_BY_SIDE; i++) sum[i] = model->mf[first + i] * force_n;
+    for (int j = 0; j < model->dof; j++) {
+      const double *k = model->mk_column[j] + first, *b = model->mb_column[j] + first;
+      for (int i = 0; i < SIDE_BY_SIDE; i++) sum[i] -= k[i] * q[j] + b[i] * v[j];
+    }
+    for (int i = 0; model->loaded && i < SIDE_BY_SIDE; i++) sum[i] += model->m0[first + i];
+    memcpy(acceleration + first, sum, sizeof sum);
+  }
 }
 
-/* Holds a jammed armature: takes from q" what the force along p that keeps p' constant contributes,
- * so that its row P becomes 0. For q' the same is done by an impulse. */
-void vs_mechanics_hold_p(const vs_model *model, double rate[VS_DOF]);
+/* True where the gap's poles meet and no stop is there: what follows is not physical. */
+static inline bool vs_mechanics_closed(const vs_model *model, double g_m) {
+  if (!model->coil.law->poles || g_m >= -model->actuator.gap_m) return false;
+  return !(model->stops.count && model->stops.item[0].side > 0);
+}
 
-/* The energies q'.M q'/2 and q.K q/2, J. */
-double vs_mechanics_kinetic_energy(const vs_model *model, const double x[VS_STATES]);
-double vs_mechanics_elastic_energy(const vs_model *model, const double x[VS_STATES]);
+/* The jerks q"' from q', q" and dF/dt [N/s]: the same equation, one derivative on, in which f0 has
+ * no part. */
+static inline void vs_mechanics_jerks(const vs_model *model, const double *v, const double *a,
+                                      double force_rate_n_s, double jerk[VS_MOST_DOF]) {
+  vs_mechanics_accelerations(model, v, a, force_rate_n_s, jerk);
+  for (int i = 0; model->loaded && i < model->dof; i++) jerk[i] -= model->m0[i];
+}
 
-/* The state space of Eqs. 84-87 with x~ = (q', q), in the paper's order: A 8x8, B 8x4 (the paper
- * prints 8x1), C 4x8, D 4x4 = 0. The input is a force on each coordinate, the output is q. */
+/* Holds a jammed armature: takes from q" what the force along the gap that keeps its rate constant
+ * contributes, so that c.q" becomes 0. For q' the same is done by an impulse. */
+void vs_mechanics_hold(const vs_model *model, double rate[VS_MOST_DOF]);
+
+/* The energies q'.M q'/2, and q.K q/2 - q.f0, J. */
+double vs_mechanics_kinetic_energy(const vs_model *model, const double *v);
+double vs_mechanics_elastic_energy(const vs_model *model, const double *q);
+
+/* The state space of Eqs. 84-87 with x~ = (q', q), in the paper's order; with n
+ * coordinates A is 2n x 2n, B 2n x n (the paper prints one column), C n x 2n, D n x n = 0. The
+ * input is a force on each coordinate, the output is q. */
 typedef struct vs_state_space {
-  double a[VS_STATES][VS_STATES], b[VS_STATES][VS_DOF], c[VS_DOF][VS_STATES], d[VS_DOF][VS_DOF];
+  double a[VS_MOST_STATES][VS_MOST_STATES], b[VS_MOST_STATES][VS_MOST_DOF],
+      c[VS_MOST_DOF][VS_MOST_STATES], d[VS_MOST_DOF][VS_MOST_DOF];
 } vs_state_space;
 void vs_mechanics_state_space(const vs_model *model, vs_state_space *out);
 
@@ -69,11 +77,12 @@ typedef struct vs_mode {
   double frequency_hz;     /* |s|/2 pi */
   double time_constant_s;  /* -1/Re s; infinite when undamped */
   double damping_ratio;    /* -Re s/|s| */
-  double drive;            /* the size of its share in p after a unit impulse of F, m/(N s) */
-  double shape_re[VS_DOF], shape_im[VS_DOF]; /* of q, scaled to a largest component of 1 */
+  double drive;            /* the size of its share in c.q after a unit impulse of F, m/(N s) */
+  double shape_re[VS_MOST_DOF],
+      shape_im[VS_MOST_DOF]; /* of q, scaled to a largest component of 1 */
 } vs_mode;
-/* Finds all eight modes, sorted by |s|, pairs by falling imaginary part. Returns false where GSL
- * finds none. */
-bool vs_mechanics_modes(const vs_model *model, vs_mode modes[VS_STATES]);
+/* Finds all modes, two for each coordinate, sorted by |s|, pairs by falling imaginary part. Returns
+ * false where GSL finds none. */
+bool vs_mechanics_modes(const vs_model *model, vs_mode modes[VS_MOST_STATES]);
 
 #endif

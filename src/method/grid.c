@@ -9,8 +9,8 @@
 #include <string.h>
 
 #include "base/csv.h"
-#include "base/units.h"
 #include "plan/plan.h"
+#include "syntax/units.h"
 
 /* ---- grid ---- */
 

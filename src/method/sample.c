@@ -22,9 +22,9 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "base/units.h"
 #include "method/span.h"
 #include "plan/plan.h"
+#include "syntax/units.h"
 
 static const char *const KEYS[] = {"method", "n", "seed", "spread", "correlation", "sigmas"};
 

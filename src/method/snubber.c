@@ -26,10 +26,10 @@
 
 #include "base/json.h"
 #include "base/text.h"
-#include "base/units.h"
 #include "method/search.h"
 #include "method/span.h"
 #include "plan/plan.h"
+#include "syntax/units.h"
 
 enum { PER_AXIS = 80, MOST_CANDIDATES = 10000, RATINGS = 16 };
 

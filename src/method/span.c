@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "base/units.h"
+#include "syntax/units.h"
 
 static vs_status misread(const vs_axis *axis, const vs_node *node, vs_error *err) {
   const char *unit = *axis->unit ? axis->unit : "1";

@@ -12,9 +12,9 @@
 #include "base/csv.h"
 #include "base/path.h"
 #include "base/text.h"
-#include "base/tree.h"
-#include "base/units.h"
 #include "sim/step.h"
+#include "syntax/tree.h"
+#include "syntax/units.h"
 
 enum { MOST_COLUMNS = VS_CH_MOST + 1, LONGEST_UNIT = 8 };
 
@@ -74,9 +74,14 @@ static void know_columns(reader *r) {
   size_t n = vs_csv_split(r->names, cells, MOST_COLUMNS + 1, NULL);
   for (size_t k = 1; k < n; k++) r->known[r->n_known++].name = cells[k]; /* behind the time */
   ask_summary(r);
+  const vs_model model = {.machine = &vs_machine_conveyor, .dof = vs_machine_conveyor.dof};
+  const vs_frame frame = {.model = &model};
+  int numbers[VS_CH_MOST], count = vs_channel_listed(&frame, numbers);
   for (size_t k = 0; k < r->n_known; k++)
-    for (int c = 0; c < VS_CH_DECK; c++)
-      try_probe(&r->known[k], vs_channel_standard[c].name, vs_channel_standard[c].unit);
+    for (int c = 0; c < count; c++) {
+      vs_channel channel = vs_channel_at(&frame, numbers[c]);
+      try_probe(&r->known[k], channel.name, channel.unit);
+    }
 }
 
 /* ---- the measured file ---- */

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/units.h"
 #include "scene/sections.h"
+#include "syntax/units.h"
 
 enum { MOST_KEYS = 512, MOST_VALUES = 10000000 };
 

@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #include "base/hash.h"
-#include "base/units.h"
 #include "scene/shown.h"
+#include "syntax/units.h"
 
 static bool is_of_study(const vs_plan *plan, const char *set);
 

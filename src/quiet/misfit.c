@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "machine/actuator.h"
+#include "actuator/coil.h"
 
 const double vs_misfit_safety = 5;
 
@@ -13,10 +13,11 @@ double vs_misfit_electric(const vs_record *r, const vs_misfit *wrong) {
 
 static void compare_modes(const vs_modal *modal, const double y[VS_ONEPORT_STATES],
                           const vs_knot *seen, vs_misfit *wrong) {
-  double error[VS_STATES], share[VS_STATES];
-  for (int n = 0; n < VS_STATES; n++) error[n] = y[n] - seen->x[n];
+  double error[VS_MOST_STATES], share[VS_MOST_STATES];
+  int states = (int)modal->share->size;
+  for (int n = 0; n < states; n++) error[n] = y[VS_ONEPORT_Q + n] - seen->x[n];
   vs_modal_shares(modal, error, share);
-  for (int n = 0; n < VS_STATES; n++) wrong->mode[n] = fmax(wrong->mode[n], share[n]);
+  for (int n = 0; n < states; n++) wrong->mode[n] = fmax(wrong->mode[n], share[n]);
 }
 
 bool vs_misfit_find(const vs_record *r, vs_oneport *port, const vs_modal *modal, double most,
@@ -28,8 +29,10 @@ bool vs_misfit_find(const vs_record *r, vs_oneport *port, const vs_modal *modal,
   for (size_t k = 0; k < r->n_seen; k++) {
     const vs_knot *seen = &r->seen[k]->knot;
     if (k && !vs_oneport_advance(port, r->seen[k - 1]->knot.t_s, seen->t_s, y)) return false;
-    const vs_coil c = wrong->coil[k] = vs_oneport_coil(port, seen->t_s, y);
-    double force = vs_actuator_force(m, c.flux_wb) - vs_actuator_force(m, seen->flux_wb);
+    const vs_coil_state c = wrong->coil[k] = vs_oneport_coil(port, seen->t_s, y);
+    double z = vs_mechanics_gap(m, seen->x);
+    double force =
+        vs_coil_force(&m->coil, c.flux_wb, z) - vs_coil_force(&m->coil, seen->flux_wb, z);
     wrong->force_n = fmax(wrong->force_n, fabs(force));
     wrong->current_a = fmax(wrong->current_a, fabs(c.i_a - vs_oneport_knot_current(m, seen)));
     if (!(vs_misfit_electric(r, wrong) <= most)) return false;

@@ -10,9 +10,10 @@
 /* The largest errors at any knot in view. */
 typedef struct vs_misfit {
   double force_n, current_a; /* of the coil */
-  double mode[VS_STATES];    /* share of each mode in the error of (q, q'), in units of its shape */
+  double
+      mode[VS_MOST_STATES];  /* share of each mode in the error of (q, q'), in units of its shape */
   double signal[VS_SIGNALS]; /* V or A */
-  vs_coil coil[VS_MOST_SEEN]; /* what the law says of the coil at each knot in view */
+  vs_coil_state coil[VS_MOST_SEEN]; /* what the law says of the coil at each knot in view */
 } vs_misfit;
 
 /* Runs the law beside the solver, and fills all but `signal`. Returns false, and ends there, where

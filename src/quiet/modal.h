@@ -13,8 +13,8 @@
 /* Begins with vs_modal_begin and ends with vs_modal_end, also where that returned false. Others
  * read `mode` alone. */
 typedef struct vs_modal {
-  vs_mode mode[VS_STATES];     /* shapes are scaled to a largest component of 1 m or 1 rad */
-  gsl_matrix_complex *vectors; /* columns (shape, s shape), LU-decomposed */
+  vs_mode mode[VS_MOST_STATES]; /* shapes are scaled to a largest component of 1 m or 1 rad */
+  gsl_matrix_complex *vectors;  /* columns (shape, s shape), LU-decomposed */
   gsl_permutation *order;
   gsl_vector_complex *share; /* room for the solution of vs_modal_shares */
 } vs_modal;
@@ -26,6 +26,7 @@ void vs_modal_end(vs_modal *modal);
 
 /* Gives the size of each mode's share in a state x = (q, q'), in units of the mode's shape. Needs
  * the room in *modal, and overwrites it. */
-void vs_modal_shares(const vs_modal *modal, const double x[VS_STATES], double share[VS_STATES]);
+void vs_modal_shares(const vs_modal *modal, const double x[VS_MOST_STATES],
+                     double share[VS_MOST_STATES]);
 
 #endif

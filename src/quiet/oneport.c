@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "machine/actuator.h"
+#include "actuator/coil.h"
 #include "quiet/fit.h"
 
 /* Columns of the law, one for each of its numbers. The source is one sine: harmonics would take for
@@ -51,12 +51,13 @@ struct vs_oneport {
 };
 
 double vs_oneport_knot_current(const vs_model *m, const vs_knot *k) {
-  return vs_actuator_current(m, k->flux_wb, vs_actuator_gap(m, k->x[P]));
+  return vs_coil_current(&m->coil, k->flux_wb, vs_mechanics_gap(m, k->x));
 }
 
 double vs_oneport_knot_current_rate(const vs_model *m, const vs_knot *k) {
-  return vs_actuator_current_rate(m, k->flux_wb, k->flux_rate_v, vs_actuator_gap(m, k->x[P]),
-                                  k->x[VS_DOF + P]);
+  return vs_coil_rates(&m->coil, k->flux_wb, k->flux_rate_v, vs_mechanics_gap(m, k->x),
+                       vs_mechanics_travel(m, k->x + m->dof))
+      .i_rate_a_s;
 }
 
 /* Returns i_N at t_s, A. *rate is its rate, A/s, of the static law; of the dynamic law it has no
@@ -67,23 +68,25 @@ static double source(const vs_oneport *o, double t_s, double *rate) {
   return o->mean_a + (o->dynamic ? *rate : o->cosine * c + o->sine * s);
 }
 
-vs_coil vs_oneport_coil(const vs_oneport *o, double t_s, const double y[VS_ONEPORT_STATES]) {
+vs_coil_state vs_oneport_coil(const vs_oneport *o, double t_s, const double y[VS_ONEPORT_STATES]) {
   const vs_model *m = &o->setup->model;
-  double z = vs_actuator_gap(m, y[P]), z_rate = y[VS_DOF + P], rate, i_n = source(o, t_s, &rate);
-  vs_coil c;
+  const double *q = y + VS_ONEPORT_Q;
+  double z = vs_mechanics_gap(m, q), z_rate = vs_mechanics_travel(m, q + m->dof);
+  double rate, i_n = source(o, t_s, &rate);
+  vs_coil_state c;
   if (o->dynamic) {
     c.flux_wb = y[VS_ONEPORT_FLUX];
     c.v_v = y[VS_ONEPORT_VOLTAGE];
-    c.i_a = vs_actuator_current(m, c.flux_wb, z);
+    c.i_a = vs_coil_current(&m->coil, c.flux_wb, z);
     c.flux_rate_v = c.v_v - m->actuator.resistance_ohm * c.i_a;
-    c.i_rate_a_s = vs_actuator_current_rate(m, c.flux_wb, c.flux_rate_v, z, z_rate);
+    c.i_rate_a_s = vs_coil_rates(&m->coil, c.flux_wb, c.flux_rate_v, z, z_rate).i_rate_a_s;
     c.v_rate_v_s = (i_n - o->g_s * c.v_v - c.i_a - o->tau_s * c.i_rate_a_s) / o->c_f;
     return c;
   }
   c.i_a = i_n;
   c.i_rate_a_s = rate;
-  c.flux_wb = 2 * m->a_hm * i_n / z;
-  c.flux_rate_v = (2 * m->a_hm * rate - c.flux_wb * z_rate) / z;
+  c.flux_wb = 2 * m->coil.a_hm * i_n / z;
+  c.flux_rate_v = (2 * m->coil.a_hm * rate - c.flux_wb * z_rate) / z;
   c.v_v = c.flux_rate_v + m->actuator.resistance_ohm * i_n;
   c.v_rate_v_s = 0;
   return c;
@@ -91,17 +94,20 @@ vs_coil vs_oneport_coil(const vs_oneport *o, double t_s, const double y[VS_ONEPO
 
 static int rhs(double t_s, const double y[], double rate[], void *user) {
   const vs_oneport *o = user;
-  vs_coil c = vs_oneport_coil(o, t_s, y);
-  memcpy(rate, y + VS_DOF, sizeof(double[VS_DOF]));
-  vs_mechanics_accelerations(&o->setup->model, y, vs_actuator_force(&o->setup->model, c.flux_wb),
-                             rate + VS_DOF);
+  vs_coil_state c = vs_oneport_coil(o, t_s, y);
+  const vs_model *m = &o->setup->model;
+  const double *q = y + VS_ONEPORT_Q, *v = q + m->dof;
+  double a[VS_MOST_DOF], force = vs_coil_force(&m->coil, c.flux_wb, vs_mechanics_gap(m, q));
+  vs_mechanics_accelerations(m, q, v, force, a);
+  memcpy(rate + VS_ONEPORT_Q, v, (size_t)m->dof * sizeof *rate);
+  memcpy(rate + VS_ONEPORT_Q + m->dof, a, (size_t)m->dof * sizeof *rate);
   rate[VS_ONEPORT_FLUX] = o->dynamic ? c.flux_rate_v : 0;
   rate[VS_ONEPORT_VOLTAGE] = o->dynamic ? c.v_rate_v_s : 0;
   return GSL_SUCCESS;
 }
 
 void vs_oneport_state(const vs_knot *k, double y[VS_ONEPORT_STATES]) {
-  memcpy(y, k->x, sizeof k->x);
+  memcpy(y + VS_ONEPORT_Q, k->x, sizeof k->x);
   y[VS_ONEPORT_FLUX] = k->flux_wb;
   y[VS_ONEPORT_VOLTAGE] = k->v_eva_v;
 }
@@ -206,7 +212,7 @@ static bool find_law(vs_oneport *o, const sight *in) {
 static double through_coil(const vs_oneport *o) {
   const vs_model *m = &o->setup->model;
   double w = o->setup->timeline.omega_rad_s, r = m->actuator.resistance_ohm,
-         x = w * 2 * m->a_hm / m->gap_rest_m, coil2 = r * r + x * x;
+         x = w * 2 * m->coil.a_hm / m->coil.gap_rest_m, coil2 = r * r + x * x;
   if (!o->dynamic) return 1;
   return 1 / (hypot(o->g_s + r / coil2, w * o->c_f - x / coil2) * sqrt(coil2));
 }
@@ -233,7 +239,7 @@ void vs_oneport_walked(const vs_oneport *o, const vs_seen *const *seen, size_t c
 
 /* With A = QR of the fit, the current at t_s hangs on the law's numbers by the row below (the law's
  * integral form, differentiated), and its error on the misfit by |R^-T row|. */
-double vs_oneport_reach(const vs_oneport *o, double t_s, const vs_coil *c) {
+double vs_oneport_reach(const vs_oneport *o, double t_s, const vs_coil_state *c) {
   if (!o->dynamic) return 1;
   double w = o->setup->timeline.omega_rad_s;
   const double row[LAW_COLUMNS] = {[LAW_COSINE] = -w * sin(w * t_s),
@@ -257,7 +263,7 @@ static double reach_of(vs_oneport *o, const sight *in) {
   o->reach_seen = 1;
   for (size_t k = 0; k < in->count; k++) {
     vs_oneport_state(&in->seen[k]->knot, y);
-    vs_coil c = vs_oneport_coil(o, in->seen[k]->knot.t_s, y);
+    vs_coil_state c = vs_oneport_coil(o, in->seen[k]->knot.t_s, y);
     most = fmax(most, vs_oneport_reach(o, in->seen[k]->knot.t_s, &c));
   }
   return most;
@@ -271,7 +277,7 @@ static double substep(const vs_oneport *o) {
   const vs_model *m = &o->setup->model;
   double h = 0.1 / fmax(m->fastest_rad_s, o->setup->timeline.omega_rad_s);
   if (o->dynamic) {
-    double k = m->gap_rest_m / (2 * m->a_hm), r = m->actuator.resistance_ohm;
+    double k = m->coil.gap_rest_m / (2 * m->coil.a_hm), r = m->actuator.resistance_ohm;
     if (!(o->c_f > 0)) return 0;
     double trace = -r * k - (o->g_s + o->tau_s * k) / o->c_f;
     double det = (r * k * o->g_s + k) / o->c_f;
@@ -291,7 +297,7 @@ bool vs_oneport_fit(vs_oneport *o, const vs_seen *const *seen, size_t count, boo
 }
 
 bool vs_oneport_fit_signals(vs_oneport *o, const vs_seen *const *seen, size_t count) {
-  vs_coil coil[VS_MOST_SEEN];
+  vs_coil_state coil[VS_MOST_SEEN];
   double y[VS_ONEPORT_STATES];
   for (size_t k = 0; k < count; k++) {
     vs_oneport_state(&seen[k]->knot, y);

@@ -18,8 +18,13 @@
 #include "quiet/signals.h"
 #include "sim/setup.h"
 
-/* The state that the law integrates: q and q' (VS_STATES numbers), lambda, Wb, and v, V. */
-enum { VS_ONEPORT_FLUX = VS_STATES, VS_ONEPORT_VOLTAGE, VS_ONEPORT_STATES };
+/* The state that the law integrates: lambda, Wb, v, V, and then q and q' of the machine. */
+enum {
+  VS_ONEPORT_FLUX,
+  VS_ONEPORT_VOLTAGE,
+  VS_ONEPORT_Q,
+  VS_ONEPORT_STATES = VS_ONEPORT_Q + VS_MOST_STATES
+};
 
 typedef struct vs_oneport vs_oneport;
 
@@ -45,7 +50,7 @@ void vs_oneport_state(const vs_knot *knot, double y[VS_ONEPORT_STATES]);
 bool vs_oneport_advance(vs_oneport *o, double from_s, double to_s, double y[VS_ONEPORT_STATES]);
 
 /* Returns the coil at t_s for a state of the law. */
-vs_coil vs_oneport_coil(const vs_oneport *o, double t_s, const double y[VS_ONEPORT_STATES]);
+vs_coil_state vs_oneport_coil(const vs_oneport *o, double t_s, const double y[VS_ONEPORT_STATES]);
 
 /* The signals that vs_oneport_fit_signals found; owned by the one-port. */
 const vs_signals *vs_oneport_signals(const vs_oneport *o);
@@ -60,7 +65,7 @@ void vs_oneport_walked(const vs_oneport *o, const vs_seen *const *seen, size_t c
 /* Error amplification where the law is used beyond the knots it was fitted to: a fit error of e at
  * most over those knots becomes at most (return value) times e in the current at t_s. 1 for the
  * static law. */
-double vs_oneport_reach(const vs_oneport *o, double t_s, const vs_coil *coil);
+double vs_oneport_reach(const vs_oneport *o, double t_s, const vs_coil_state *coil);
 
 double vs_oneport_capacitance(const vs_oneport *o); /* C, F; 0 for the static law */
 double vs_oneport_lag(const vs_oneport *o);         /* |tau|, s; 0 for the static law */

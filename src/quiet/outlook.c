@@ -31,7 +31,7 @@ static void see_range(const vs_record *r, const vs_oneport *port, range *out) {
 }
 
 static bool in_range(const vs_record *r, const vs_oneport *port, const range *seen, double t_s,
-                     const vs_coil *c) {
+                     const vs_coil_state *c) {
   double signal[VS_SIGNALS];
   size_t count = vs_record_signals(r);
   vs_signals_at(vs_oneport_signals(port), t_s, c, signal);
@@ -56,7 +56,7 @@ bool vs_outlook_find(const vs_record *r, vs_oneport *port, double until_s, vs_ou
   for (int cycle = 0; cycle < VS_OUTLOOK_CYCLES && t < until_s; cycle++)
     for (int n = 0; n < VS_OUTLOOK_STEPS; n++, t += h) {
       if (!vs_oneport_advance(port, t, t + h, y)) return false;
-      vs_coil c = vs_oneport_coil(port, t + h, y);
+      vs_coil_state c = vs_oneport_coil(port, t + h, y);
       if (!in_range(r, port, &seen, t + h, &c)) return false;
       o->ratio[cycle] = fmax(o->ratio[cycle], fabs(c.flux_wb) / now);
       o->reach = fmax(o->reach, vs_oneport_reach(port, t + h, &c));

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "actuator/coil.h"
 #include "drive/events.h"
 #include "drive/gate.h"
-#include "machine/actuator.h"
 #include "quiet/misfit.h"
 #include "quiet/outlook.h"
 #include "quiet/walk.h"
@@ -60,7 +60,8 @@ typedef struct quiet {
   double looked_s, blocks_s; /* time of the last look; since when the thyristor blocks */
   double bound_before[2];    /* the bound at the last look, by the law without G and C [0] and with
                                 them [1]; INFINITY: there was none */
-  double carried[VS_STATES]; /* each mode's error of having left before, at the time carried_s */
+  double
+      carried[VS_MOST_STATES]; /* each mode's error of having left before, at the time carried_s */
   double carried_s;
   double unfitted[VS_SIGNALS]; /* each signal's misfit of the law by which the solver was left */
   double stepped[VS_SIGNALS];  /* the signals at the instant to which step() has come */
@@ -87,9 +88,9 @@ static void take(void *self, const vs_knot *k, const double *memory, bool blocks
  * in a cycle, added up over all cycles in the same sense. Without `ahead` (NULL) that is added
  * once, and without w (NULL) the law does not walk. */
 static void mode_errors(const quiet *q, const vs_walk *w, const vs_outlook *ahead, double until_s,
-                        double error[VS_STATES]) {
+                        double error[VS_MOST_STATES]) {
   double period = q->setup->timeline.period_s, now = q->record.last.knot.t_s;
-  for (size_t k = 0; k < VS_STATES; k++) {
+  for (size_t k = 0; k < q->modal.share->size; k++) {
     const vs_mode *m = &q->modal.mode[k];
     double walked = 0, times = 1;
     if (ahead) times = vs_outlook_times(ahead, m, (until_s - now) / period, period, &walked);
@@ -98,12 +99,12 @@ static void mode_errors(const quiet *q, const vs_walk *w, const vs_outlook *ahea
   }
 }
 
-/* How wrong p, u, w or phi is with these errors of the modes, relative to its peak; the worst. */
-static double motion_bound(const quiet *q, const double error[VS_STATES]) {
+/* How wrong a coordinate is with these errors of the modes, relative to its peak; the worst. */
+static double motion_bound(const quiet *q, const double error[VS_MOST_STATES]) {
   double worst = 0;
-  for (int n = 0; n < VS_DOF; n++) {
+  for (int n = 0; n < q->setup->model.dof; n++) {
     double sum = 0;
-    for (size_t k = 0; k < VS_STATES; k++)
+    for (size_t k = 0; k < q->modal.share->size; k++)
       sum += hypot(q->modal.mode[k].shape_re[n], q->modal.mode[k].shape_im[n]) * error[k];
     worst = fmax(worst, sum / q->record.peak_x[n]);
   }
@@ -146,7 +147,7 @@ static bool signals_hold(const quiet *q, double until_s) {
  * where the law is not good enough. What costs most, the signals and the look ahead, comes last. */
 static bool find_law(quiet *q, bool dynamic, double until_s, vs_outlook *ahead) {
   vs_record *r = &q->record;
-  double most = SHARE * q->setup->run.tolerance, error[VS_STATES];
+  double most = SHARE * q->setup->run.tolerance, error[VS_MOST_STATES];
   if (!vs_record_view(r, 1, 0) || !vs_oneport_fit(q->port, r->seen, r->n_seen, dynamic))
     return false;
   if (!vs_misfit_find(r, q->port, &q->modal, most, &q->misfit)) return false;
@@ -162,7 +163,7 @@ static bool find_law(quiet *q, bool dynamic, double until_s, vs_outlook *ahead) 
 /* Returns the bound on p, u, w, phi, force and i if the law walks on like that, and gives each
  * mode's error at until_s. The bound is INFINITY where it is more than leaving may cost. */
 static double machine_bound(const quiet *q, const vs_walk *w, const vs_outlook *ahead,
-                            double until_s, double error[VS_STATES]) {
+                            double until_s, double error[VS_MOST_STATES]) {
   double cycles = (until_s - q->record.last.knot.t_s) / q->setup->timeline.period_s;
   mode_errors(q, w, ahead, until_s, error);
   double electric = ahead->reach * vs_misfit_electric(&q->record, &q->misfit) +
@@ -174,8 +175,8 @@ static double machine_bound(const quiet *q, const vs_walk *w, const vs_outlook *
 /* Returns the bound with the law with G and C (dynamic) or the one without, and gives each mode's
  * error at until_s. INFINITY: that law is not good enough. Each earlier cycle gives a walk, and
  * each walk a bound; as one bound is enough to hold by, the smallest counts. */
-static double bound_of(quiet *q, bool dynamic, double until_s, double error[VS_STATES]) {
-  double best = INFINITY, tried[VS_STATES];
+static double bound_of(quiet *q, bool dynamic, double until_s, double error[VS_MOST_STATES]) {
+  double best = INFINITY, tried[VS_MOST_STATES];
   vs_outlook ahead;
   vs_walk_shares fitted;
   vs_walk walk;
@@ -195,14 +196,15 @@ static double bound_of(quiet *q, bool dynamic, double until_s, double error[VS_S
   return best;
 }
 
-/* Can the armature come to its stop, or to the pole cover, with the energy E that is in the
- * machine? |p| <= sqrt(2 E (K^-1)_pp), as E >= q.K q/2. No spring couples p to the others, so that
- * (K^-1)_pp = 1/K_pp (begin() sees to that). */
+/* Can the armature come to a stop, or to the pole cover, with the energy E that is in the machine?
+ * |g| = |c.q| <= sqrt(2 E c.K^-1 c), as E >= q.K q/2. */
 static bool may_touch(const quiet *q, const vs_knot *k) {
   const vs_model *m = &q->setup->model;
-  double energy = vs_mechanics_kinetic_energy(m, k->x) + vs_mechanics_elastic_energy(m, k->x);
-  double compliance = 1 / m->stiffness[P][P];
-  return MAY_TOUCH * sqrt(2 * energy * compliance) > m->actuator.gap_m;
+  double energy =
+      vs_mechanics_kinetic_energy(m, k->x + m->dof) + vs_mechanics_elastic_energy(m, k->x);
+  double travel = MAY_TOUCH * sqrt(2 * energy * m->compliance_m_n);
+  return travel > m->actuator.gap_m || vs_stops_nearness(&m->stops, travel) > 1 ||
+         vs_stops_nearness(&m->stops, -travel) > 1;
 }
 
 static bool gate_is_on(const quiet *q, double t_s) {
@@ -235,7 +237,7 @@ static bool is_due(const quiet *q, double until_s) {
  * and C holds for the first time, the law without them is not tried in its place. */
 static bool may_leave(void *self, double until_s, double most_lag_s, double *bound) {
   quiet *q = self;
-  double most = vs_record_share(&q->record), error[VS_STATES];
+  double most = vs_record_share(&q->record), error[VS_MOST_STATES];
   if (something_is_on(q) || !is_due(q, until_s) || may_touch(q, &q->record.last.knot)) return false;
   q->looked_s = q->record.last.knot.t_s;
   for (int dynamic = 1; dynamic >= 0; dynamic--) {
@@ -261,10 +263,10 @@ static vs_status step(void *self, vs_knot *k, double t_s, vs_error *err) {
   vs_oneport_state(k, y);
   if (!vs_oneport_advance(q->port, k->t_s, t_s, y))
     return vs_fail(err, VS_RUN, "t = %.9g s: GSL cannot step on", t_s);
-  vs_coil c = vs_oneport_coil(q->port, t_s, y);
+  vs_coil_state c = vs_oneport_coil(q->port, t_s, y);
   vs_signals_at(vs_oneport_signals(q->port), t_s, &c, signal);
   k->t_s = t_s;
-  memcpy(k->x, y, sizeof k->x);
+  memcpy(k->x, y + VS_ONEPORT_Q, sizeof k->x);
   k->flux_wb = c.flux_wb;
   k->flux_rate_v = c.flux_rate_v;
   k->flux_rate2_v_s = c.v_rate_v_s - q->setup->model.actuator.resistance_ohm * c.i_rate_a_s;
@@ -272,7 +274,7 @@ static vs_status step(void *self, vs_knot *k, double t_s, vs_error *err) {
   memcpy(k->terms, signal, vs_record_terms(&q->record) * sizeof *signal);
   k->i_mains_a = signal[vs_record_terms(&q->record)];
   memcpy(q->stepped, signal, vs_record_signals(&q->record) * sizeof *signal);
-  vs_knot_complete(q->frame, k, false);
+  vs_knot_complete(q->frame, k, 0);
   return VS_OK;
 }
 
@@ -318,11 +320,9 @@ static bool can_stand_in(const vs_setup *setup, vs_memories *memories) {
          !vs_memory_is_hidden(deck) && vs_memory_list(deck, memories);
 }
 
-/* may_touch() takes 1/K_pp for (K^-1)_pp. */
-static bool springs_leave_p_alone(const vs_model *m) {
-  for (int k = 0; k < VS_DOF; k++)
-    if (k != P && m->stiffness[P][k] != 0) return false;
-  return true;
+/* The one-port's law has i = lambda z/(2a), and may_touch() wants springs, and a rest at q = 0. */
+static bool is_known(const vs_model *m) {
+  return m->plain && !m->loaded && isfinite(m->compliance_m_n);
 }
 
 static void end(void *self) {
@@ -337,7 +337,7 @@ static void end(void *self) {
 static void *begin(const vs_setup *setup, const vs_frame *frame) {
   quiet *q = vs_alloc(1, sizeof *q);
   *q = (quiet){.setup = setup, .frame = frame};
-  if (!springs_leave_p_alone(&setup->model) || !can_stand_in(setup, &q->memories)) {
+  if (!is_known(&setup->model) || !can_stand_in(setup, &q->memories)) {
     free(q);
     return NULL;
   }

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "machine/actuator.h"
+#include "actuator/coil.h"
 
 /* At most so many knots are kept of a cycle: that leaves 66 for a period of the third harmonic, the
  * highest that is fitted. The ring then has room for five cycles. */
@@ -56,8 +56,9 @@ static vs_seen *kept_at(const vs_record *r, size_t k) {
 static void take_peaks(vs_record *r, const vs_knot *k) {
   const vs_model *m = &r->setup->model;
   size_t terms = vs_record_terms(r);
-  for (int n = 0; n < VS_DOF; n++) r->peak_x[n] = fmax(r->peak_x[n], fabs(k->x[n]));
-  r->peak_force_n = fmax(r->peak_force_n, vs_actuator_force(m, k->flux_wb));
+  for (int n = 0; n < m->dof; n++) r->peak_x[n] = fmax(r->peak_x[n], fabs(k->x[n]));
+  r->peak_force_n =
+      fmax(r->peak_force_n, vs_coil_force(&m->coil, k->flux_wb, vs_mechanics_gap(m, k->x)));
   r->peak_a = fmax(r->peak_a, fabs(vs_oneport_knot_current(m, k)));
   for (size_t n = 0; n < terms; n++) r->peak_signal[n] = fmax(r->peak_signal[n], fabs(k->terms[n]));
   r->peak_signal[terms] = fmax(r->peak_signal[terms], fabs(k->i_mains_a));

@@ -32,7 +32,7 @@ typedef struct vs_record {
 
   /* Largest sizes so far: of q, m and rad; of the force; of the coil's current; of each signal, V
    * or A, where for what the circuit remembers it is half of the range it went over. */
-  double peak_x[VS_DOF], peak_force_n, peak_a;
+  double peak_x[VS_MOST_DOF], peak_force_n, peak_a;
   double peak_signal[VS_SIGNALS];
   double least[VS_MEMORIES], most[VS_MEMORIES]; /* that range, V or A */
 } vs_record;

@@ -19,7 +19,7 @@ double vs_signals_seen(const vs_frame *frame, const vs_seen *seen, size_t n) {
 }
 
 /* What a signal is combined of, at t_s for that coil. */
-static void columns(const vs_signals *s, double t_s, const vs_coil *c,
+static void columns(const vs_signals *s, double t_s, const vs_coil_state *c,
                     double out[VS_SIGNAL_COLUMNS]) {
   double angle = s->omega_rad_s * t_s, cosine = cos(angle), sine = sin(angle);
   double *cosines = out + VS_TERM_OF_COSINES, *sines = out + VS_TERM_OF_SINES;
@@ -36,7 +36,8 @@ static void columns(const vs_signals *s, double t_s, const vs_coil *c,
   out[VS_TERM_OF_DRIFT] = t_s - s->from_s;
 }
 
-void vs_signals_at(const vs_signals *s, double t_s, const vs_coil *c, double signal[VS_SIGNALS]) {
+void vs_signals_at(const vs_signals *s, double t_s, const vs_coil_state *c,
+                   double signal[VS_SIGNALS]) {
   double column[VS_SIGNAL_COLUMNS];
   columns(s, t_s, c, column);
   for (size_t n = 0; n < s->count; n++) {
@@ -79,7 +80,7 @@ static size_t columns_of(int kind) {
   return kind & WITH_DRIFT ? count + 1 : count;
 }
 
-static bool begin_fit(const vs_signals *s, const vs_seen *const *seen, const vs_coil *coil,
+static bool begin_fit(const vs_signals *s, const vs_seen *const *seen, const vs_coil_state *coil,
                       int kind, vs_fit *f) {
   for (size_t k = 0; k < f->a->size1; k++) {
     double column[VS_SIGNAL_COLUMNS];
@@ -108,7 +109,7 @@ static bool fit_signal(vs_signals *s, const vs_frame *frame, const vs_seen *cons
 }
 
 bool vs_signals_fit(vs_signals *s, const vs_frame *frame, const vs_seen *const *seen,
-                    const vs_coil *coil, size_t knots) {
+                    const vs_coil_state *coil, size_t knots) {
   vs_fit fits[FITS];
   bool good = true;
   s->from_s = seen[0]->knot.t_s;

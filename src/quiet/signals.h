@@ -44,9 +44,9 @@ typedef struct vs_seen {
 
 /* The coil at one instant: current, flux linkage and the EVA's voltage, each with its rate. The
  * static law (oneport.h) does not know v_rate_v_s and leaves it 0. */
-typedef struct vs_coil {
+typedef struct vs_coil_state {
   double i_a, i_rate_a_s, flux_wb, flux_rate_v, v_v, v_rate_v_s;
-} vs_coil;
+} vs_coil_state;
 
 /* Begins with vs_signals_begin, and needs vs_signals_fit before it is asked for anything. */
 typedef struct vs_signals {
@@ -61,10 +61,10 @@ void vs_signals_begin(vs_signals *signals, double omega_rad_s, size_t count);
 /* Fits every signal to `knots` knots in order of time, coil[k] being the coil at the k-th. Returns
  * false where GSL finds no fit. */
 bool vs_signals_fit(vs_signals *signals, const vs_frame *frame, const vs_seen *const *seen,
-                    const vs_coil *coil, size_t knots);
+                    const vs_coil_state *coil, size_t knots);
 
 /* Gives all signals at t_s for that coil, V or A. */
-void vs_signals_at(const vs_signals *signals, double t_s, const vs_coil *coil,
+void vs_signals_at(const vs_signals *signals, double t_s, const vs_coil_state *coil,
                    double signal[VS_SIGNALS]);
 
 /* True if signal n hangs on the coil, and not on the time alone. */

@@ -51,7 +51,7 @@ void vs_walk_shares_of(const vs_record *r, const vs_oneport *port, vs_walk_share
   for (size_t k = 0; k < r->n_seen; k++) {
     const vs_seen *seen = r->seen[k];
     vs_oneport_state(&seen->knot, y);
-    vs_coil c = vs_oneport_coil(port, seen->knot.t_s, y);
+    vs_coil_state c = vs_oneport_coil(port, seen->knot.t_s, y);
     vs_signals_at(vs_oneport_signals(port), seen->knot.t_s, &c, signal);
     weights(r, k, weight);
     for (size_t n = 0; n < count; n++)
@@ -82,12 +82,10 @@ static double swing(const vs_record *r, const vs_mode *m, double sine, double me
 }
 
 /* The modes' shares in what one newton of the coil's force changes of the state's rate. */
-static void unit_force(const vs_record *r, const vs_modal *modal, double share[VS_STATES]) {
+static void unit_force(const vs_record *r, const vs_modal *modal, double share[VS_MOST_STATES]) {
   const vs_model *m = &r->setup->model;
-  double unit[VS_STATES] = {0}, none[VS_STATES] = {0}, rest[VS_DOF];
-  vs_mechanics_accelerations(m, none, 0, rest);
-  vs_mechanics_accelerations(m, none, 1, unit + VS_DOF);
-  for (int k = 0; k < VS_DOF; k++) unit[VS_DOF + k] -= rest[k];
+  double unit[VS_MOST_STATES] = {0};
+  memcpy(unit + m->dof, m->mf, (size_t)m->dof * sizeof *unit);
   vs_modal_shares(modal, unit, share);
 }
 
@@ -99,13 +97,13 @@ static void walk_of_machine(const vs_record *r, const vs_oneport *port, const vs
   double flux = 0, sine, mean;
   vs_oneport_walked(port, r->seen, r->n_seen, &sine, &mean);
   const double to_flux =
-      2 * m->a_hm / m->gap_rest_m / cycles; /* Wb/A at the gap at rest, for one cycle */
+      2 * m->coil.a_hm / m->coil.gap_rest_m / cycles; /* Wb/A at the gap at rest, for one cycle */
   for (size_t k = 0; k < r->n_seen; k++) flux = fmax(flux, fabs(r->seen[k]->knot.flux_wb));
   w->current_a = (sine + mean) / cycles;
-  w->force_n = flux * to_flux * (sine + mean) / (2 * m->a_hm);
+  w->force_n = flux * to_flux * (sine + mean) / (2 * m->coil.a_hm);
   unit_force(r, modal, w->mode);
-  for (int k = 0; k < VS_STATES; k++)
-    w->mode[k] *= to_flux / (2 * m->a_hm) * swing(r, &modal->mode[k], sine, mean);
+  for (int k = 0; k < 2 * m->dof; k++)
+    w->mode[k] *= to_flux / (2 * m->coil.a_hm) * swing(r, &modal->mode[k], sine, mean);
 }
 
 bool vs_walk_find(vs_record *r, const vs_oneport *port, const vs_modal *modal,
@@ -130,7 +128,7 @@ double vs_walk_electric(const vs_record *r, const vs_walk *w, double cycles) {
  * 2/|1 - exp(s T)|, of the slowest beat. */
 static double beat_cycles(const vs_modal *modal, double period) {
   double most = 0;
-  for (int k = 0; k < VS_STATES; k++) {
+  for (size_t k = 0; k < modal->share->size; k++) {
     double size = exp(modal->mode[k].re_1_s * period), angle = modal->mode[k].im_rad_s * period;
     most = fmax(most, 2 / hypot(1 - size * cos(angle), size * sin(angle)));
   }

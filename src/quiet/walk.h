@@ -26,9 +26,9 @@ typedef struct vs_walk_shares {
 
 /* By how much errors grow from one cycle to the next. */
 typedef struct vs_walk {
-  double current_a, force_n; /* of the coil */
-  double mode[VS_STATES];    /* of each of the machine's modes, in units of its shape */
-  double signal[VS_SIGNALS]; /* V or A */
+  double current_a, force_n;   /* of the coil */
+  double mode[VS_MOST_STATES]; /* of each of the machine's modes, in units of its shape */
+  double signal[VS_SIGNALS];   /* V or A */
 } vs_walk;
 
 /* Gives the shares of the signals' errors over the cycle in view (record.h). The coil is taken as

@@ -5,10 +5,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/units.h"
 #include "deck/devices.h"
 #include "deck/parts.h"
 #include "scene/sections.h"
+#include "syntax/units.h"
 
 const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"},
                vs_scene_study_shelf = {"study", "studies", ".yaml"};
@@ -37,9 +37,10 @@ static bool obeys(const vs_tier *tier, const vs_tier_key *key) {
 static const char *probe_of_circuit(const vs_scene *s) {
   const vs_node *record = vs_tree_child(s->tree.root, "record");
   const vs_frame circuit_frame = vs_sim_frame(vs_tiers_automatic(true), &s->setup);
+  int first = vs_channel_deck(&s->setup.model);
   const vs_node *item = record && record->kind == VS_NODE_LIST ? record->child : record;
   for (; item; item = item->next)
-    if (item->kind == VS_NODE_TEXT && vs_channel_find(&circuit_frame, item->text) >= VS_CH_DECK)
+    if (item->kind == VS_NODE_TEXT && vs_channel_find(&circuit_frame, item->text) >= first)
       return item->text;
   return NULL;
 }
@@ -174,8 +175,8 @@ static vs_status unknown_probe(const vs_scene *s, const vs_node *node, vs_error 
     return vs_fail_at(err, node->where,
                       "record: probe %s exists only on tier %s, and this is tier %s", name,
                       circuit_tier(), s->tier->name);
-  for (int k = 0; k < vs_channel_count(&full); k++)
-    if (vs_channel_at(&full, k).listed) names[n++] = vs_channel_at(&full, k).name;
+  int numbers[VS_CH_MOST], listed = vs_channel_listed(&full, numbers);
+  for (int k = 0; k < listed; k++) names[n++] = vs_channel_at(&full, numbers[k]).name;
   const char *nearest = vs_text_nearest(name, names, n);
   return vs_fail_at(err, node->where, "record: no probe '%s'%s%s%s", name,
                     nearest ? "; did you mean '" : "", nearest ? nearest : "",
@@ -196,8 +197,7 @@ static vs_status take_probe(vs_scene *s, const vs_node *node, vs_error *err) {
 static vs_status read_record(vs_scene *s, vs_error *err) {
   const vs_node *node = vs_tree_child(s->tree.root, "record");
   if (!node || (node->kind == VS_NODE_TEXT && (!*node->text || !strcmp(node->text, "all")))) {
-    for (int k = 0; k < vs_channel_count(&s->frame); k++)
-      if (vs_channel_at(&s->frame, k).listed) s->record[s->n_record++] = k;
+    s->n_record = vs_channel_listed(&s->frame, s->record);
     return VS_OK;
   }
   if (node->kind == VS_NODE_MAP || (node->kind == VS_NODE_LIST && !node->child))

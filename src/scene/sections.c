@@ -12,7 +12,7 @@ const char *const vs_section_keys[VS_SECTION_KEYS] = {VS_SECTION_LIST(NAME, OTHE
 
 typedef struct row {
   const char *name;
-  const vs_section *fields; /* NULL: those of the deck */
+  const vs_section *fields; /* NULL: those of the machine or the deck */
   size_t offset, size;      /* of the values in vs_setup, bytes */
 } row;
 
@@ -23,17 +23,22 @@ static const row ROWS[VS_SECTIONS] = {VS_SECTION_LIST(ROW, NOTHING)};
 #undef ROW
 #undef NOTHING
 
-static const vs_section *fields_of(const row *r, const vs_deck *deck) {
-  const vs_section *fields = r->fields ? r->fields : &deck->section;
+static const vs_section *fields_of(int index, const vs_machine *machine, const vs_deck *deck) {
+  const row *r = &ROWS[index];
+  const vs_section *fields = r->fields                            ? r->fields
+                             : index == VS_SECTION_NUMBER_machine ? &machine->section
+                             : index == VS_SECTION_NUMBER_start   ? &machine->start
+                                                                  : &deck->section;
   assert(!fields->name || !strcmp(fields->name, r->name)); /* a deck that was not read has none */
   return fields;
 }
 
 vs_filled_section vs_section_at(const vs_setup *s, int index) {
   const row *r = &ROWS[index];
-  return (vs_filled_section){fields_of(r, &s->deck), (const char *)s + r->offset, r->size};
+  return (vs_filled_section){fields_of(index, s->model.machine, &s->deck),
+                             (const char *)s + r->offset, r->size};
 }
 
-const vs_section *vs_section_fields(const vs_deck *deck, int index) {
-  return fields_of(&ROWS[index], deck);
+const vs_section *vs_section_fields(const vs_machine *machine, const vs_deck *deck, int index) {
+  return fields_of(index, machine, deck);
 }

@@ -7,19 +7,19 @@
 #include "sim/sim.h"
 
 /* One row for each key at the top of a scene, in the order in which a scene is shown.
- * SECTION(name, fields, member): fields is the vs_section, NULL for that of the scene's own deck;
- * member is the one of vs_setup that the fields fill. OTHER(name, ): the key has no fields of its
- * own; scene/scene.c and drive/events.c read such keys. */
+ * SECTION(name, fields, member): fields is the vs_section, NULL for those of the scene's own
+ * machine and deck; member is the one of vs_setup that the fields fill. OTHER(name, ): the key has
+ * no fields of its own; scene/scene.c and drive/events.c read such keys. */
 #define VS_SECTION_LIST(SECTION, OTHER)                                                            \
-  SECTION(machine, &vs_model_machine_section, model.machine)                                       \
-  SECTION(actuator, &vs_model_actuator_section, model.actuator)                                    \
+  SECTION(machine, NULL, model.parameters)                                                         \
+  SECTION(actuator, &vs_actuator_section, model.actuator)                                          \
   SECTION(load, &vs_model_load_section, model.load)                                                \
   SECTION(supply, &vs_timeline_supply_section, timeline.supply)                                    \
   SECTION(firing, &vs_timeline_firing_section, timeline.firing)                                    \
   SECTION(circuit, NULL, circuit_values)                                                           \
   OTHER(events, )                                                                                  \
   SECTION(run, &vs_setup_run_section, run)                                                         \
-  SECTION(start, &vs_setup_start_section, start)                                                   \
+  SECTION(start, NULL, start)                                                                      \
   OTHER(record, )                                                                                  \
   OTHER(measured, )                                                                                \
   SECTION(measure, &vs_setup_measure_section, measure)
@@ -51,7 +51,7 @@ typedef struct vs_filled_section {
 
 /* index: from 0, below VS_SECTIONS, in the table's order. */
 vs_filled_section vs_section_at(const vs_setup *setup, int index);
-/* The same section without a setup, with that deck for the scene's. */
-const vs_section *vs_section_fields(const vs_deck *deck, int index);
+/* The same section without a setup, with that machine and that deck for the scene's. */
+const vs_section *vs_section_fields(const vs_machine *machine, const vs_deck *deck, int index);
 
 #endif

@@ -8,7 +8,7 @@
 #include <time.h>
 
 #include "base/text.h"
-#include "base/units.h"
+#include "syntax/units.h"
 
 /* ---- one attempt ---- */
 

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/units.h"
+#include "syntax/units.h"
 
 static void set_text(vs_shown *m, const char *format, const char *word) {
   snprintf(m->text, sizeof m->text, format, word);
@@ -58,7 +58,8 @@ bool vs_shown_at(const vs_frame *frame, const vs_result *r, int k, vs_shown *m) 
   m->value = e->best;
   m->at_least = e->sense < 0;
   if (frame->deck)
-    m->limit = rating_of(frame->deck, e->channel - VS_CH_DECK, e->sense) / vs_units_factor(m->unit);
+    m->limit = rating_of(frame->deck, e->channel - vs_channel_deck(frame->model), e->sense) /
+               vs_units_factor(m->unit);
   set_text(m, e->sense < 0 ? "least %s" : "largest %s", channel.text);
   return true;
 }

@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/units.h"
 #include "deck/devices.h"
 #include "deck/parts.h"
 #include "drive/wave.h"
+#include "syntax/units.h"
 
 /* ---- the list ---- */
 

@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "machine/actuator.h"
+#include "actuator/coil.h"
 
 _Static_assert(offsetof(vs_knot, terms) + sizeof(double[VS_DECK_MOST]) == sizeof(vs_knot),
                "vs_knot_copy leaves out what stands behind the deck's terms: nothing else may");
@@ -14,24 +14,24 @@ void vs_knot_copy(const vs_frame *frame, const vs_knot *from, vs_knot *to) {
   memcpy(to, from, offsetof(vs_knot, terms) + terms * sizeof *from->terms);
 }
 
-void vs_knot_complete(const vs_frame *frame, vs_knot *k, bool touching) {
+void vs_knot_complete(const vs_frame *frame, vs_knot *k, unsigned touched) {
   const vs_model *m = frame->model;
-  double va[VS_STATES], force = vs_actuator_force(m, k->flux_wb), rate;
-  vs_mechanics_accelerations(m, k->x, force + (touching ? vs_mechanics_stop_force(m, k->x) : 0),
-                             k->a);
-  memcpy(va, k->x + VS_DOF, sizeof(double[VS_DOF]));
-  memcpy(va + VS_DOF, k->a, sizeof(double[VS_DOF]));
-  rate = vs_actuator_force_rate(m, k->flux_wb, k->flux_rate_v);
-  vs_mechanics_jerks(m, va, rate + (touching ? vs_mechanics_stop_rate(m, k->x, k->a) : 0), k->j);
+  const double *q = k->x, *v = k->x + m->dof;
+  double g = vs_mechanics_travel(m, q), g1 = vs_mechanics_travel(m, v);
+  vs_law_rates law =
+      vs_coil_rates(&m->coil, k->flux_wb, k->flux_rate_v, vs_coil_gap(&m->coil, g), g1);
+  double stop = touched ? vs_stops_force(&m->stops, touched, g, g1) : 0;
+  vs_mechanics_accelerations(m, q, v, law.force_n + stop, k->a);
+  if (touched) stop = vs_stops_force_rate(&m->stops, touched, g, g1, vs_mechanics_travel(m, k->a));
+  vs_mechanics_jerks(m, v, k->a, law.force_rate_n_s + stop, k->j);
 }
 
 void vs_knot_hold(const vs_frame *frame, vs_knot *k) {
   const vs_model *m = frame->model;
-  double va[VS_STATES];
-  vs_mechanics_accelerations(m, k->x, vs_actuator_force(m, k->flux_wb), k->a);
-  vs_mechanics_hold_p(m, k->a);
-  memcpy(va, k->x + VS_DOF, sizeof(double[VS_DOF]));
-  memcpy(va + VS_DOF, k->a, sizeof(double[VS_DOF]));
-  vs_mechanics_jerks(m, va, 0, k->j); /* what acts along p is held */
-  vs_mechanics_hold_p(m, k->j);
+  const double *q = k->x, *v = k->x + m->dof;
+  double force = vs_coil_force(&m->coil, k->flux_wb, vs_mechanics_gap(m, q));
+  vs_mechanics_accelerations(m, q, v, force, k->a);
+  vs_mechanics_hold(m, k->a);
+  vs_mechanics_jerks(m, v, k->a, 0, k->j); /* what acts along the gap is held */
+  vs_mechanics_hold(m, k->j);
 }

@@ -11,6 +11,7 @@
 #include "drive/events.h"
 #include "drive/signals.h"
 #include "machine/build.h"
+#include "machine/mechanics.h"
 #include "sim/channel.h"
 
 const char vs_setup_tier_words[VS_TIERS][16] = {
@@ -62,24 +63,6 @@ static const vs_field RUN[] = {
 #undef R_
 const vs_section vs_setup_run_section = {"run", RUN, sizeof RUN / sizeof *RUN};
 
-#define START_(key, unit, limit, index, text)                                                      \
-  {                                                                                                \
-    key, VS_REAL, unit, "0 " unit, -limit, limit, false,                                           \
-        offsetof(vs_start_values, x) + (index) * sizeof(double), text, NULL, NULL                  \
-  }
-static const vs_field START[] = {
-    START_("p", "mm", 1000, P, "p at t = 0"),
-    START_("u", "mm", 1000, U, "u at t = 0"),
-    START_("w", "mm", 1000, W, "w at t = 0"),
-    START_("phi", "rad", 1, PHI, "phi at t = 0"),
-    START_("vp", "m/s", 100, VS_DOF + P, "velocity of p at t = 0: a kick"),
-    START_("vu", "m/s", 100, VS_DOF + U, "velocity of u at t = 0"),
-    START_("vw", "m/s", 100, VS_DOF + W, "velocity of w at t = 0"),
-    START_("vphi", "rad/s", 1000, VS_DOF + PHI, "velocity of phi at t = 0"),
-};
-#undef START_
-const vs_section vs_setup_start_section = {"start", START, sizeof START / sizeof *START};
-
 static const vs_field MEASURE[] = {
     {"from", VS_REAL, "s", "0 s", 0, 1e6, false, offsetof(vs_measure_values, from_s),
      "means (power, i_mean, i_rms) are taken from here on", NULL, NULL},
@@ -92,13 +75,13 @@ const vs_section vs_setup_measure_section = {"measure", MEASURE, sizeof MEASURE 
 
 /* A probe of the deck must not have the name of a channel that every tier has, nor that of the
  * time. */
-static vs_status refuse_taken_names(const vs_deck *deck, vs_error *err) {
+static vs_status refuse_taken_names(const vs_setup *setup, vs_error *err) {
+  const vs_deck *deck = &setup->deck;
   vs_status s = VS_OK;
   for (size_t k = 0; k < deck->n_probes && !s; k++) {
     const vs_probe *probe = &deck->probes[k];
-    bool taken = !strcmp(probe->name, "t");
-    for (int c = 0; c < VS_CH_DECK; c++)
-      taken = taken || !strcmp(probe->name, vs_channel_standard[c].name);
+    bool taken = !strcmp(probe->name, "t") || vs_channel_is_standard(probe->name) ||
+                 vs_machine_has_output(setup->model.machine, probe->name);
     if (taken)
       s = vs_error_carry_on(err, vs_fail_at(err, deck->terms[probe->term].where,
                                             "probe %s: that name is the program's", probe->name));
@@ -137,7 +120,7 @@ static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *e
     return s;
   }
   s = vs_netlist_read_parts(&setup->deck, map, err);
-  if (!s) s = refuse_taken_names(&setup->deck, err);
+  if (!s) s = refuse_taken_names(setup, err);
   return s ? s : read_values(map, setup, err);
 }
 
@@ -150,24 +133,31 @@ void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD
       [VS_STANDARD_R_SOURCE] = supply->resistance_ohm,
       [VS_STANDARD_L_SOURCE] = supply->inductance_h,
       [VS_STANDARD_EVA_RESISTANCE] = setup->model.actuator.resistance_ohm,
-      [VS_STANDARD_EVA_A] = setup->model.a_hm,
+      [VS_STANDARD_EVA_A] = setup->model.coil.a_hm,
   };
   _Static_assert(sizeof values / sizeof *values == VS_STANDARD, "a value for each name");
   for (int k = 0; k < VS_STANDARD; k++)
     standard[k] = (vs_deck_value){vs_deck_standard_names[k], values[k]};
 }
 
+/* Reads the section start. Error: the armature would begin beyond the pole cover, or beyond the
+ * iron where there is a stop. */
 static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err) {
-  const vs_node *map = vs_tree_child(scene, vs_setup_start_section.name),
-                *p = vs_tree_child(map, "p");
-  const vs_actuator_values *a = &setup->model.actuator;
-  vs_status s = vs_field_section_read(&vs_setup_start_section, map, &setup->start, err);
-  double least = -(a->gap_m + (a->stop.present ? a->pole_cover_m : 0));
-  if (s || vs_error_count(err)) return s; /* of the gap, perhaps */
-  if (setup->start.x[P] > least) return s;
-  return vs_fail_at(err, p ? p->where : (vs_where){0},
-                    "start.p: %g mm is beyond the pole cover%s; allowed: more than %g mm",
-                    1e3 * setup->start.x[P], a->stop.present ? " and the iron" : "", 1e3 * least);
+  const vs_model *m = &setup->model;
+  const vs_section *section = &m->machine->start;
+  const vs_node *map = vs_tree_child(scene, section->name), *key = NULL;
+  const vs_actuator_values *a = &m->actuator;
+  vs_status s = vs_field_section_read(section, map, &setup->start, err);
+  if (s || vs_error_count(err) || !m->coil.law->poles) return s; /* of the gap, perhaps */
+  double least = -(a->gap_m + (m->stops.count ? a->pole_cover_m : 0));
+  double g = vs_mechanics_travel(m, setup->start.x);
+  if (g > least) return s;
+  for (int i = 0; i < m->dof && !key; i++)
+    if (m->along[i] != 0) key = vs_tree_child(map, m->machine->coordinates[i].name);
+  return vs_fail_at(err, key ? key->where : (vs_where){0},
+                    "start.%s: %g mm is beyond the pole cover%s; allowed: more than %g mm",
+                    key ? key->key : "", 1e3 * g, m->stops.count ? " and the iron" : "",
+                    1e3 * least);
 }
 
 /* Returns the key at which the stretch of time that means are taken over is wrong, with what is
@@ -276,7 +266,7 @@ void vs_setup_free(vs_setup *setup) {
 }
 
 vs_setup vs_setup_varied(const vs_setup *from, const vs_run_values *run,
-                         const double x[VS_STATES]) {
+                         const double x[VS_MOST_STATES]) {
   vs_setup setup = *from;
   setup.run = *run;
   if (run->until_s != from->run.until_s) setup.means = (vs_span_s){0, run->until_s};

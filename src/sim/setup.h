@@ -52,10 +52,10 @@ typedef struct vs_measure_values {
 
 /* The machine's state at t = 0: q, q'. The circuit always begins without current and charge. */
 typedef struct vs_start_values {
-  double x[VS_STATES];
+  double x[VS_MOST_STATES];
 } vs_start_values;
 
-extern const vs_section vs_setup_run_section, vs_setup_start_section, vs_setup_measure_section;
+extern const vs_section vs_setup_run_section, vs_setup_measure_section;
 
 /* Built once by vs_setup_build, then constant: what one run alone has, such as its files, stands
  * in its vs_run_order (sim/sim.h). */
@@ -80,7 +80,8 @@ void vs_setup_free(vs_setup *setup);
 /* Makes the setup of another run of the same scene: with these values of the section run and,
  * unless x is NULL, from the state x. If run.until is another, means are over the whole run. It
  * borrows what the deck of `from` owns, and is not to be freed. */
-vs_setup vs_setup_varied(const vs_setup *from, const vs_run_values *run, const double x[VS_STATES]);
+vs_setup vs_setup_varied(const vs_setup *from, const vs_run_values *run,
+                         const double x[VS_MOST_STATES]);
 
 /* Builds another scene over a setup that was built before. The result is the same as vs_setup_build
  * would give, but the deck's text is only read where vs_setup_keeps_deck says no. */

@@ -5,10 +5,10 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "actuator/coil.h"
 #include "deck/netlist.h"
 #include "deck/parts.h"
 #include "drive/events.h"
-#include "machine/actuator.h"
 #include "solver/ng.h"
 
 vs_frame vs_sim_frame(const vs_tier *tier, const vs_setup *setup) {
@@ -24,17 +24,21 @@ vs_frame vs_sim_frame(const vs_tier *tier, const vs_setup *setup) {
 vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame) {
   vs_knot k = {0};
   memcpy(k.x, setup->start.x, sizeof k.x);
-  vs_knot_complete(frame, &k, vs_mechanics_in_stop(&setup->model, k.x[P]));
+  const vs_model *m = &setup->model;
+  vs_knot_complete(frame, &k, vs_stops_touched(&m->stops, vs_mechanics_travel(m, k.x)));
   return k;
 }
 
 /* Returns the first instant in the step at which the armature is through the pole cover, by
  * bisection. At the step's end it is. */
 static double contact_time(const vs_step *step) {
+  const vs_model *m = step->frame->model;
   double lo = step->from->t_s, hi = step->to->t_s;
   for (int n = 0; n < 60; n++) {
     double mid = (lo + hi) / 2;
-    if (vs_step_channel(step, mid, VS_CH_P) < -step->frame->model->actuator.gap_m)
+    double y[VS_CH_MOST];
+    vs_step_groups_at(step, mid, 0, y);
+    if (vs_mechanics_closed(m, y[VS_CH_TRAVEL]))
       hi = mid;
     else
       lo = mid;
@@ -60,22 +64,22 @@ static vs_status guard(void *ctx, const vs_step *step, vs_error *err) {
   const vs_model *m = step->frame->model;
   const vs_knot *k = step->to;
   double sum = k->flux_wb;
-  for (int n = 0; n < VS_STATES; n++) sum += k->x[n];
+  for (int n = 0; n < 2 * m->dof; n++) sum += k->x[n];
   for (size_t n = 0; step->frame->deck && n < step->frame->deck->n_terms; n++) sum += k->terms[n];
   if (!isfinite(sum))
     return vs_fail(err, VS_RUN, "t = %.9g s: the state is not a number any more", k->t_s);
-  double z = vs_actuator_gap(m, k->x[P]);
-  if (k->x[P] < -m->actuator.gap_m && !m->actuator.stop.present)
+  double g = vs_mechanics_travel(m, k->x), z = vs_coil_gap(&m->coil, g);
+  if (vs_mechanics_closed(m, g))
     return vs_fail(
         err, VS_RUN,
         "t = %.9g s: the armature meets the pole cover (p = -D = %g mm%s) and the scene has no "
         "actuator.stop; what would follow is not physical",
         contact_time(step), -1e3 * m->actuator.gap_m, z <= 0 ? ", even z <= 0" : "");
-  if (z <= 0)
+  if (z <= 0 && m->coil.law->poles)
     return vs_fail(err, VS_RUN,
                    "t = %.9g s: the gap is closed (z = %.3g mm): the stop has given way", k->t_s,
                    1e3 * z);
-  double i = vs_actuator_current(m, k->flux_wb, z);
+  double i = vs_coil_current(&m->coil, k->flux_wb, z);
   if (fabs(i) > MOST_AMPERES)
     return vs_fail(err, VS_RUN, "t = %.9g s: coil current of %.3g A is beyond sense", k->t_s, i);
   return observer->accept(observer->ctx, step, err);

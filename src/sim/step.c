@@ -3,17 +3,7 @@
 
 #include <string.h>
 
-#include "machine/actuator.h"
-
-/* Velocities and accelerations are written beside the coordinates as whole vectors q, q', q". */
-_Static_assert(VS_CH_P == (int)P && VS_CH_U == (int)U && VS_CH_W == (int)W && VS_CH_PHI == (int)PHI,
-               "the first channels are q in the order of the state");
-_Static_assert(VS_CH_VP == VS_CH_P + VS_DOF && VS_CH_VU == VS_CH_U + VS_DOF &&
-                   VS_CH_VW == VS_CH_W + VS_DOF && VS_CH_VPHI == VS_CH_PHI + VS_DOF,
-               "then q'");
-_Static_assert(VS_CH_AP == VS_CH_VP + VS_DOF && VS_CH_AU == VS_CH_VU + VS_DOF &&
-                   VS_CH_AW == VS_CH_VW + VS_DOF && VS_CH_APHI == VS_CH_VPHI + VS_DOF,
-               "then q\"");
+#include "actuator/coil.h"
 
 /* Weights of value, slope, curvature and third derivative at the two ends of a step, by which a
  * Hermite polynomial is their sum. */
@@ -87,8 +77,8 @@ static inline void apply(const weights *w, ends a, ends b, int n, double *restri
            ((w->e[0] * a.e[i] + w->e[1] * b.e[i]) + (w->f[0] * a.f[i] + w->f[1] * b.f[i]));
 }
 
-static ends coordinates_of(const vs_knot *k) {
-  return (ends){k->x, k->x + VS_DOF, k->a, k->j};
+static ends coordinates_of(const vs_knot *k, int dof) {
+  return (ends){k->x, k->x + dof, k->a, k->j};
 }
 
 static ends flux_of(const vs_knot *k) {
@@ -100,13 +90,14 @@ bool vs_step_is_quiet(const vs_step *step) {
   return a->flux_wb == 0 && b->flux_wb == 0 && a->flux_rate_v == 0 && b->flux_rate_v == 0;
 }
 
-static void velocities(const vs_step *step, views at, double v[VS_DOF]) {
+static void velocities(const vs_step *step, views at, double *v) {
+  int dof = step->frame->model->dof;
   if (at.h[0] <= 0) {
-    memcpy(v, step->to->x + VS_DOF, sizeof(double[VS_DOF]));
+    memcpy(v, step->to->x + dof, (size_t)dof * sizeof *v);
     return;
   }
   weights w = septic_rate(at);
-  apply(&w, coordinates_of(step->from), coordinates_of(step->to), VS_DOF, v);
+  apply(&w, coordinates_of(step->from, dof), coordinates_of(step->to, dof), dof, v);
 }
 
 static double flux_rate(const vs_step *step, views at) {
@@ -129,26 +120,40 @@ static void put_flux(const vs_step *step, views at, double *y) {
   if (vs_step_is_quiet(step)) return;
   weights w = step->cubic_flux ? cubic(at) : septic(at);
   apply(&w, flux_of(step->from), flux_of(step->to), 1, y + VS_CH_LAMBDA);
-  y[VS_CH_I] =
-      vs_actuator_current(m, y[VS_CH_LAMBDA], frame->gap_at_rest ? m->gap_rest_m : y[VS_CH_Z]);
-  y[VS_CH_FORCE] = vs_actuator_force(m, y[VS_CH_LAMBDA]);
+  double z = frame->gap_at_rest ? m->coil.gap_rest_m : y[VS_CH_Z];
+  y[VS_CH_I] = vs_coil_current(&m->coil, y[VS_CH_LAMBDA], z);
+  y[VS_CH_FORCE] = vs_coil_force(&m->coil, y[VS_CH_LAMBDA], z);
 }
 
 /* q, q' and the force are there already. */
 static void put_accelerations(const vs_step *step, double *y) {
   const vs_model *m = step->frame->model;
-  const double *x = y + VS_CH_P;
-  double stop = vs_mechanics_in_stop(m, x[P]) ? vs_mechanics_stop_force(m, x) : 0;
-  vs_mechanics_accelerations(m, x, y[VS_CH_FORCE] + stop, y + VS_CH_AP);
-  if (step->held) vs_mechanics_hold_p(m, y + VS_CH_AP);
+  const double *q = y + VS_CH_Q, *v = y + vs_channel_rates(m);
+  double a[VS_MOST_DOF], g = vs_mechanics_travel(m, q);
+  unsigned touched = vs_stops_touched(&m->stops, g);
+  double stop = touched ? vs_stops_force(&m->stops, touched, g, vs_mechanics_travel(m, v)) : 0;
+  vs_mechanics_accelerations(m, q, v, y[VS_CH_FORCE] + stop, a);
+  if (step->held) vs_mechanics_hold(m, a);
+  memcpy(y + vs_channel_rates2(m), a, (size_t)m->dof * sizeof *a);
+}
+
+/* The machine's own probes. */
+static void put_outputs(const vs_model *m, double *y) {
+  _Static_assert((int)VS_MACHINE_TERM_Z == VS_CH_Z && (int)VS_MACHINE_TERM_LAMBDA == VS_CH_LAMBDA &&
+                     (int)VS_MACHINE_TERM_I == VS_CH_I &&
+                     (int)VS_MACHINE_TERM_FORCE == VS_CH_FORCE && (int)VS_MACHINE_TERM_Q == VS_CH_Q,
+                 "terms of a machine's formulas are numbers of channels");
+  for (int n = 0; n < m->machine->n_probes; n++)
+    y[vs_channel_probes(m) + n] = vs_formula_value(&m->machine->probes[n].of, y);
 }
 
 static void put_probes(const vs_step *step, double s, double *y) {
   const vs_deck *deck = step->frame->deck;
+  size_t first = (size_t)vs_channel_deck(step->frame->model);
   for (size_t n = 0; deck && n < deck->n_probes; n++) {
     const vs_probe *probe = &deck->probes[n];
     double from = step->from->terms[probe->term], to = step->to->terms[probe->term];
-    y[VS_CH_DECK + n] = probe->sign * line(from, to, s);
+    y[first + n] = probe->sign * line(from, to, s);
   }
 }
 
@@ -156,12 +161,13 @@ void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double 
   const vs_knot *a = step->from, *b = step->to;
   const vs_model *m = step->frame->model;
   bool coil = step->frame->source_is_coil;
-  double h = b->t_s - a->t_s, s = h > 0 ? (t_s - a->t_s) / h : 1, *x = y + VS_CH_P;
+  double h = b->t_s - a->t_s, s = h > 0 ? (t_s - a->t_s) / h : 1, *q = y + VS_CH_Q;
   const views at = views_of(s, h);
   weights w = septic(at);
-  apply(&w, coordinates_of(a), coordinates_of(b), VS_DOF, x);
-  if (groups & VS_GROUP_VELOCITIES) velocities(step, at, x + VS_DOF);
-  y[VS_CH_Z] = vs_actuator_gap(m, x[P]);
+  apply(&w, coordinates_of(a, m->dof), coordinates_of(b, m->dof), m->dof, q);
+  if (groups & VS_GROUP_VELOCITIES) velocities(step, at, q + m->dof);
+  y[VS_CH_TRAVEL] = vs_mechanics_travel(m, q);
+  y[VS_CH_Z] = vs_coil_gap(&m->coil, y[VS_CH_TRAVEL]);
   put_flux(step, at, y);
   y[VS_CH_I_MAINS] = coil ? y[VS_CH_I] : line(a->i_mains_a, b->i_mains_a, s);
   if (groups & VS_GROUP_V_EVA)
@@ -169,6 +175,7 @@ void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double 
                           : line(a->v_eva_v, b->v_eva_v, s);
   if (groups & VS_GROUP_V_MAINS) y[VS_CH_V_MAINS] = vs_timeline_voltage(step->frame->timeline, t_s);
   if (groups & VS_GROUP_ACCELERATIONS) put_accelerations(step, y);
+  if (groups & VS_GROUP_MACHINE) put_outputs(m, y);
   if (groups & VS_GROUP_DECK) put_probes(step, s, y);
 }
 
@@ -178,6 +185,6 @@ void vs_step_at(const vs_step *step, double t_s, double *y) {
 
 double vs_step_channel(const vs_step *step, double t_s, int channel) {
   double y[VS_CH_MOST];
-  vs_step_groups_at(step, t_s, vs_channel_groups(&channel, 1), y);
+  vs_step_groups_at(step, t_s, vs_channel_groups(step->frame->model, &channel, 1), y);
   return y[channel];
 }

@@ -10,7 +10,7 @@
 
 #include "base/csv.h"
 #include "base/text.h"
-#include "base/units.h"
+#include "syntax/units.h"
 #include "work/case.h"
 
 static bool is_there(const char *folder, const char *name) {

@@ -6,8 +6,8 @@
 #define VS_SURVEY_FOLDER_H
 
 #include "base/path.h"
-#include "base/tree.h"
 #include "plan/method.h"
+#include "syntax/tree.h"
 
 /* What a column of study.csv holds. */
 typedef enum vs_folder_role {

@@ -130,7 +130,7 @@ static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
   double begin = step->from->t_s, end = step->to->t_s, half = (end - begin) / 2;
   for (int k = 0; k < VS_EXPERIMENT_LOOKS; k++) {
     double at = w->experiment->look_s[k];
-    if (at > begin && at <= end) w->p_m[k] = vs_step_channel(step, at, VS_CH_P);
+    if (at > begin && at <= end) w->p_m[k] = vs_step_channel(step, at, VS_CH_TRAVEL);
   }
   for (int k = -1; k <= 1; k++) /* Gauss's rule of three points */
     w->charge_as += half * (k ? 5 : 8) / 9.0 *

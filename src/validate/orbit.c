@@ -8,13 +8,13 @@
 
 #include "base/text.h"
 
-enum { N = VS_STATES };
+enum { MOST = VS_MOST_STATES };
 
 /* What flies, where it ends, and who else is shown its steps. */
 typedef struct flight {
   vs_scene *scene; /* room for the scene that is run, which borrows what the one given owns */
   const vs_observer *also;
-  double x[N]; /* the state at the end */
+  double x[MOST]; /* the state at the end */
 } flight;
 
 static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
@@ -26,7 +26,7 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
 
 /* From the state x at t = 0 to until_s. result: what was measured on the way; NULL: only the state
  * is wanted. */
-static vs_status fly(const vs_scene *s, const double x[N], double until_s, flight *f,
+static vs_status fly(const vs_scene *s, const double *x, double until_s, flight *f,
                      vs_result *result, vs_error *err) {
   const vs_guest guest = {.ctx = f, .accept = accept};
   const vs_session session = {.guest = &guest, .bare = !result, .unguarded = true};
@@ -41,44 +41,46 @@ static vs_status fly(const vs_scene *s, const double x[N], double until_s, fligh
   return status;
 }
 
-/* Steps of the difference quotients: a thousandth of what p does at 50 Hz. */
-static double small_step(int state) {
-  return state < VS_DOF ? 1e-6 : 3e-4;
+/* Steps of the difference quotients: a thousandth of what the paper's trough does at 50 Hz. */
+static double small_step(const vs_scene *s, int state) {
+  return state < s->setup.model.dof ? 1e-6 : 3e-4;
 }
 
 /* One step of Newton's for x(T) = x; *change: how far it went, in units of small_step. */
-static vs_status improve(const vs_scene *s, double period_s, flight *f, double x[N], double *change,
+static vs_status improve(const vs_scene *s, double period_s, flight *f, double *x, double *change,
                          vs_error *err) {
-  double matrix[N * N], missing[N], end[N];
+  int n = 2 * s->setup.model.dof;
+  double matrix[MOST * MOST], missing[MOST], end[MOST];
   vs_status status = fly(s, x, period_s, f, NULL, err);
   memcpy(end, f->x, sizeof end);
-  for (int j = 0; j < N && !status; j++) {
-    double moved[N];
-    memcpy(moved, x, sizeof moved);
-    moved[j] += small_step(j);
+  for (int j = 0; j < n && !status; j++) {
+    double moved[MOST] = {0};
+    memcpy(moved, x, (size_t)n * sizeof *moved);
+    moved[j] += small_step(s, j);
     status = fly(s, moved, period_s, f, NULL, err);
-    for (int i = 0; i < N; i++) matrix[i * N + j] = (i == j) - (f->x[i] - end[i]) / small_step(j);
+    for (int i = 0; i < n; i++)
+      matrix[i * n + j] = (i == j) - (f->x[i] - end[i]) / small_step(s, j);
     missing[j] = end[j] - x[j];
   }
   if (status) return status;
-  size_t order[N];
-  double by[N];
+  size_t order[MOST], size = (size_t)n;
+  double by[MOST];
   int sign;
-  gsl_matrix_view a = gsl_matrix_view_array(matrix, N, N);
-  gsl_vector_view b = gsl_vector_view_array(missing, N), d = gsl_vector_view_array(by, N);
-  gsl_permutation p = {N, order};
+  gsl_matrix_view a = gsl_matrix_view_array(matrix, size, size);
+  gsl_vector_view b = gsl_vector_view_array(missing, size), d = gsl_vector_view_array(by, size);
+  gsl_permutation p = {size, order};
   if (gsl_linalg_LU_decomp(&a.matrix, &p, &sign) ||
       gsl_linalg_LU_solve(&a.matrix, &p, &b.vector, &d.vector))
     return vs_fail(err, VS_RUN, "the orbit's equations cannot be solved");
   *change = 0;
-  for (int j = 0; j < N; j++) {
+  for (int j = 0; j < n; j++) {
     x[j] += by[j];
-    *change = fmax(*change, fabs(by[j]) / small_step(j));
+    *change = fmax(*change, fabs(by[j]) / small_step(s, j));
   }
   return VS_OK;
 }
 
-static vs_status measure(const vs_scene *s, const double x[N], double period_s, flight *f,
+static vs_status measure(const vs_scene *s, const double *x, double period_s, flight *f,
                          vs_numbers *out, vs_error *err) {
   vs_result *r = vs_alloc(1, sizeof *r);
   f->also = NULL;
@@ -98,7 +100,7 @@ static vs_status measure(const vs_scene *s, const double x[N], double period_s, 
 vs_status vs_orbit_find(const vs_scene *s, const vs_observer *also, vs_numbers *out,
                         vs_error *err) {
   const vs_timeline *line = &s->setup.timeline;
-  double period_s = line->firing.every * line->period_s, x[N], change = INFINITY;
+  double period_s = line->firing.every * line->period_s, x[MOST], change = INFINITY;
   double marched_s = fmax(1, round(s->setup.run.until_s / period_s)) * period_s;
   flight f = {.scene = vs_alloc(1, sizeof *f.scene), .also = also};
   memcpy(x, s->setup.start.x, sizeof x);

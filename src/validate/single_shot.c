@@ -78,11 +78,11 @@ static vs_status perform_modes(const vs_experiment *e, const vs_observer *also, 
                                vs_error *err) {
   (void)also;
   vs_scene *scene = vs_alloc(1, sizeof *scene);
-  vs_mode modes[VS_STATES];
+  vs_mode modes[VS_MOST_STATES];
   vs_status status = vs_experiment_scene(e, NULL, scene, err);
   if (!status && !vs_mechanics_modes(&scene->setup.model, modes))
     status = vs_fail(err, VS_RUN, "no eigenvalues found");
-  for (int k = 0; k < VS_STATES / 2 && !status; k++) { /* pairs */
+  for (int k = 0; k < scene->setup.model.dof && !status; k++) { /* pairs */
     vs_experiment_add(out, modes[2 * k].frequency_hz, "f%d", k + 1);
     vs_experiment_add(out, modes[2 * k].time_constant_s, "tau%d", k + 1);
   }

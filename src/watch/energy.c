@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "machine/actuator.h"
+#include "actuator/coil.h"
 
 const char *const vs_energy_names[VS_ENERGIES] = {
 #define VS_ENERGY_NAME(id, name, text) name,
@@ -37,18 +37,16 @@ static const struct {
       0.11846344252809454}},
 };
 
-_Static_assert(VS_CH_VPHI - VS_CH_VP == VS_DOF - 1, "velocities stand in the order of the states");
-
 static double magnetic(const vs_frame *frame, const vs_knot *k) {
   const vs_model *m = frame->model;
-  return vs_actuator_energy(m, k->flux_wb,
-                            frame->gap_at_rest ? m->gap_rest_m : vs_actuator_gap(m, k->x[P]));
+  return vs_coil_energy(&m->coil, k->flux_wb,
+                        frame->gap_at_rest ? m->coil.gap_rest_m : vs_mechanics_gap(m, k->x));
 }
 
 static double mechanical(const vs_model *m, const vs_knot *k) {
-  double depth = vs_mechanics_in_stop(m, k->x[P]) ? k->x[P] + m->actuator.gap_m : 0;
-  return vs_mechanics_kinetic_energy(m, k->x) + vs_mechanics_elastic_energy(m, k->x) +
-         m->actuator.stop.stiffness_n_m * depth * depth / 2;
+  double g = vs_mechanics_travel(m, k->x);
+  return vs_mechanics_kinetic_energy(m, k->x + m->dof) + vs_mechanics_elastic_energy(m, k->x) +
+         vs_stops_energy(&m->stops, vs_stops_touched(&m->stops, g), g);
 }
 
 static void begin(vs_energy *e, const vs_step *step) {
@@ -118,16 +116,18 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
   for (int g = step->cubic_flux ? 0 : 1, k = 0; k < GAUSS[g].count; k++) {
     vs_step_groups_at(step, step->from->t_s + h * GAUSS[g].at[k], parts, y);
     double w = h * GAUSS[g].weight[k], lost = 0;
-    for (int i = 0; i < VS_DOF; i++)
-      for (int j = 0; j < VS_DOF; j++) lost += y[VS_CH_VP + i] * m->damping[i][j] * y[VS_CH_VP + j];
+    const double *v = y + vs_channel_rates(m);
+    for (int i = 0; i < m->dof; i++)
+      for (int j = 0; j < m->dof; j++) lost += v[i] * m->damping[i][j] * v[j];
+    double at = y[VS_CH_TRAVEL], g_rate = vs_mechanics_travel(m, v);
+    unsigned touched = vs_stops_touched(&m->stops, at);
     e->joule[VS_E_DAMPING] += w * lost;
-    if (vs_mechanics_in_stop(m, y[VS_CH_P]))
-      e->joule[VS_E_STOP] += w * m->actuator.stop.damping_ns_m * y[VS_CH_VP] * y[VS_CH_VP];
+    if (touched) e->joule[VS_E_STOP] += w * vs_stops_loss(&m->stops, touched, at, g_rate);
     if (alone) continue;
     e->joule[VS_E_SOURCE] += w * y[VS_CH_V_MAINS] * y[VS_CH_I_MAINS];
     e->joule[VS_E_PORT] += w * y[VS_CH_V_EVA] * y[VS_CH_I];
     e->joule[VS_E_COPPER] += w * m->actuator.resistance_ohm * y[VS_CH_I] * y[VS_CH_I];
-    e->joule[VS_E_WORK] -= w * y[VS_CH_FORCE] * y[VS_CH_VP];
+    e->joule[VS_E_WORK] -= w * y[VS_CH_FORCE] * g_rate;
   }
   vs_knot_copy(step->frame, step->to, &e->last);
   if (step->frame->deck) add_losses(e, step);

@@ -5,7 +5,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "machine/actuator.h"
+#include "actuator/coil.h"
 
 /* ---- polynomials over a step, by their Bernstein coefficients ---- */
 
@@ -34,8 +34,9 @@ static curve curve_between(const double from[4], const double to[4], double h, b
 
 static curve coordinate(const vs_step *step, int i) {
   const vs_knot *a = step->from, *b = step->to;
-  const double from[] = {a->x[i], a->x[VS_DOF + i], a->a[i], a->j[i]};
-  const double to[] = {b->x[i], b->x[VS_DOF + i], b->a[i], b->j[i]};
+  int dof = step->frame->model->dof;
+  const double from[] = {a->x[i], a->x[dof + i], a->a[i], a->j[i]};
+  const double to[] = {b->x[i], b->x[dof + i], b->a[i], b->j[i]};
   return curve_between(from, to, b->t_s - a->t_s, false);
 }
 
@@ -101,20 +102,28 @@ static double value_of(const curve *c, double s) {
 
 /* ---- channels as such polynomials ---- */
 
-_Static_assert(VS_CH_PHI - VS_CH_P == VS_DOF - 1 && VS_CH_APHI - VS_CH_AP == VS_DOF - 1,
-               "coordinates and accelerations stand in the order of the states");
+/* The travel g = c.q. */
+static curve travel(const vs_step *step) {
+  const vs_model *m = step->frame->model;
+  const vs_knot *a = step->from, *b = step->to;
+  const double from[] = {vs_mechanics_travel(m, a->x), vs_mechanics_travel(m, a->x + m->dof),
+                         vs_mechanics_travel(m, a->a), vs_mechanics_travel(m, a->j)};
+  const double to[] = {vs_mechanics_travel(m, b->x), vs_mechanics_travel(m, b->x + m->dof),
+                       vs_mechanics_travel(m, b->a), vs_mechanics_travel(m, b->j)};
+  return curve_between(from, to, b->t_s - a->t_s, false);
+}
 
 static curve current(const vs_step *step) {
   const vs_model *m = step->frame->model;
-  curve c = flux(step), z = step->frame->gap_at_rest ? (curve){0} : coordinate(step, P);
-  for (int k = 0; k <= z.degree; k++) z.b[k] = (z.b[k] + m->gap_rest_m) / (2 * m->a_hm);
+  curve c = flux(step), z = step->frame->gap_at_rest ? (curve){0} : travel(step);
+  for (int k = 0; k <= z.degree; k++) z.b[k] = (z.b[k] + m->coil.gap_rest_m) / (2 * m->coil.a_hm);
   return product(&c, &z);
 }
 
 static curve force(const vs_step *step) {
   curve c = flux(step);
   c = product(&c, &c);
-  for (int k = 0; k <= c.degree; k++) c.b[k] /= 4 * step->frame->model->a_hm;
+  for (int k = 0; k <= c.degree; k++) c.b[k] /= 4 * step->frame->model->coil.a_hm;
   return c;
 }
 
@@ -128,16 +137,18 @@ static void add(curve *sum, double x, const curve *more) {
 /* Eq. 54. Where the armature touches its stop it does so all over a step, as steps end there. */
 static curve acceleration(const vs_step *step, int i) {
   const vs_model *m = step->frame->model;
-  const vs_stop_values *stop = &m->actuator.stop;
-  curve sum = {.degree = SEPTIC};
-  for (int n = 0; n < VS_DOF; n++) {
+  const vs_stop *stop = &m->stops.item[0];
+  curve sum = {.degree = SEPTIC}, g = travel(step);
+  double share = vs_stops_touched(&m->stops, value_of(&g, 0.5)) ? m->mf[i] : 0;
+  for (int n = 0; n < m->dof; n++) {
     curve q = coordinate(step, n), v = slope_of(&q, step->to->t_s - step->from->t_s);
-    bool touches = n == P && vs_mechanics_in_stop(m, value_of(&q, 0.5));
-    double share = touches ? m->mf[i] : 0;
-    add(&sum, share * stop->stiffness_n_m - m->mk_column[n][i], &q);
-    add(&sum, share * stop->damping_ns_m - m->mb_column[n][i], &v);
-    for (int k = 0; touches && k <= SEPTIC; k++)
-      sum.b[k] += share * stop->stiffness_n_m * m->actuator.gap_m;
+    double pull = share * m->along[n];
+    add(&sum, pull * stop->stiffness - m->mk_column[n][i], &q);
+    add(&sum, pull * stop->damping_ns_m - m->mb_column[n][i], &v);
+  }
+  for (int k = 0; k <= SEPTIC; k++) {
+    if (share != 0) sum.b[k] -= share * stop->stiffness * stop->at_m;
+    if (m->loaded) sum.b[k] += m->m0[i];
   }
   if (vs_step_is_quiet(step)) return sum;
   curve f = force(step);
@@ -149,16 +160,18 @@ static curve acceleration(const vs_step *step, int i) {
 static curve curve_of(const vs_step *step, int channel) {
   if (channel == VS_CH_I) return current(step);
   if (channel == VS_CH_FORCE) return force(step);
-  if (channel >= VS_CH_AP && channel <= VS_CH_APHI) return acceleration(step, channel - VS_CH_AP);
-  assert(channel >= VS_CH_P && channel <= VS_CH_PHI);
-  return coordinate(step, channel - VS_CH_P);
+  const vs_model *m = step->frame->model;
+  int rate2 = channel - vs_channel_rates2(m);
+  if (channel == VS_CH_TRAVEL) return travel(step);
+  return rate2 >= 0 ? acceleration(step, rate2) : coordinate(step, channel - VS_CH_Q);
 }
 
 /* ---- the extremes of one step ---- */
 
 /* A deck's probe goes on a straight line between two knots. */
 static void follow_probe(vs_extreme *e, const vs_step *step) {
-  const vs_probe *probe = &step->frame->deck->probes[e->channel - VS_CH_DECK];
+  const vs_probe *probe =
+      &step->frame->deck->probes[e->channel - vs_channel_deck(step->frame->model)];
   double from = probe->sign * step->from->terms[probe->term];
   double to = probe->sign * step->to->terms[probe->term], sense = e->sense;
   if (!e->best.known || sense * from > sense * e->best.value)
@@ -173,17 +186,17 @@ typedef struct at_knot {
 
 static inline at_knot knot_of(const vs_frame *frame, const vs_knot *k, int channel) {
   const vs_model *m = frame->model;
-  if (channel == VS_CH_FORCE)
-    return (at_knot){vs_actuator_force(m, k->flux_wb),
-                     vs_actuator_force_rate(m, k->flux_wb, k->flux_rate_v)};
-  if (channel == VS_CH_I) {
-    double z = frame->gap_at_rest ? m->gap_rest_m : vs_actuator_gap(m, k->x[P]);
-    double z_rate = frame->gap_at_rest ? 0 : k->x[VS_DOF + P];
-    return (at_knot){vs_actuator_current(m, k->flux_wb, z),
-                     vs_actuator_current_rate(m, k->flux_wb, k->flux_rate_v, z, z_rate)};
+  if (channel == VS_CH_FORCE || channel == VS_CH_I) {
+    double z = frame->gap_at_rest ? m->coil.gap_rest_m : vs_mechanics_gap(m, k->x);
+    double z_rate = frame->gap_at_rest ? 0 : vs_mechanics_travel(m, k->x + m->dof);
+    vs_law_rates r = vs_coil_rates(&m->coil, k->flux_wb, k->flux_rate_v, z, z_rate);
+    return channel == VS_CH_I ? (at_knot){r.i_a, r.i_rate_a_s}
+                              : (at_knot){r.force_n, r.force_rate_n_s};
   }
-  int i = channel >= VS_CH_AP ? channel - VS_CH_AP : channel - VS_CH_P;
-  return channel >= VS_CH_AP ? (at_knot){k->a[i], k->j[i]} : (at_knot){k->x[i], k->x[VS_DOF + i]};
+  if (channel == VS_CH_TRAVEL)
+    return (at_knot){vs_mechanics_travel(m, k->x), vs_mechanics_travel(m, k->x + m->dof)};
+  int rate2 = channel - vs_channel_rates2(m), i = channel - VS_CH_Q;
+  return rate2 >= 0 ? (at_knot){k->a[rate2], k->j[rate2]} : (at_knot){k->x[i], k->x[m->dof + i]};
 }
 
 /* What the search goes for: the largest of sign times the channel. */
@@ -248,13 +261,16 @@ static double falls_through_zero(curve slope) {
   return at;
 }
 
-bool vs_extreme_turn_of_p(const vs_step *step, vs_value *turn) {
-  double before = step->from->x[VS_DOF + P], behind = step->to->x[VS_DOF + P];
+bool vs_extreme_turn_of_travel(const vs_step *step, vs_value *turn) {
+  const vs_model *m = step->frame->model;
+  double before = vs_mechanics_travel(m, step->from->x + m->dof),
+         behind = vs_mechanics_travel(m, step->to->x + m->dof), y[VS_CH_MOST];
   if (!(before * behind < 0)) return false;
-  curve p = coordinate(step, P), slope = slope_of(&p, before > 0 ? 1 : -1);
+  curve g = travel(step), slope = slope_of(&g, before > 0 ? 1 : -1);
   double h = step->to->t_s - step->from->t_s;
   turn->at_s = step->from->t_s + h * falls_through_zero(slope);
-  turn->value = vs_step_channel(step, turn->at_s, VS_CH_P);
+  vs_step_groups_at(step, turn->at_s, 0, y);
+  turn->value = y[VS_CH_TRAVEL];
   turn->known = true;
   return true;
 }
@@ -327,14 +343,15 @@ static void look_between(const search *s) {
 
 void vs_extreme_follow(vs_extreme *e, const vs_step *step, bool jammed) {
   bool of_flux = e->channel == VS_CH_I || e->channel == VS_CH_FORCE;
-  if (e->channel >= VS_CH_DECK) {
+  const vs_model *m = step->frame->model;
+  if (e->channel >= vs_channel_deck(m)) {
     follow_probe(e, step);
     return;
   }
   if (of_flux && e->best.known && vs_step_is_quiet(step)) return; /* both are 0, and |i| is meant */
   const at_knot from = knot_of(step->frame, step->from, e->channel),
                 to = knot_of(step->frame, step->to, e->channel);
-  bool held = jammed && e->channel >= VS_CH_AP && e->channel <= VS_CH_APHI;
+  bool held = jammed && e->channel >= vs_channel_rates2(m);
   outlook seen = held ? UNKNOWN : outlook_of(e, from, to, step->to->t_s - step->from->t_s);
   if (seen == BELOW) return;
   for (int sign = 1; sign >= -1; sign -= 2) {

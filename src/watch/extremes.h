@@ -20,7 +20,8 @@ typedef struct vs_value {
 
 /* The largest or least value of one channel so far. */
 typedef struct vs_extreme {
-  int channel; /* a coordinate, an acceleration, VS_CH_I, VS_CH_FORCE or a probe of the deck */
+  int channel; /* a coordinate, a second rate, VS_CH_TRAVEL, VS_CH_I, VS_CH_FORCE or a probe of the
+                  deck */
   int sense;   /* +1 the largest, -1 the least, 0 the largest magnitude; a probe has no 0 */
   vs_value best;
 } vs_extreme;
@@ -31,6 +32,6 @@ void vs_extreme_follow(vs_extreme *extreme, const vs_step *step, bool jammed);
 
 /* Finds where p turns in a step whose ends have velocities of unlike signs. Returns false and
  * leaves `turn` as it is where they have not. */
-bool vs_extreme_turn_of_p(const vs_step *step, vs_value *turn);
+bool vs_extreme_turn_of_travel(const vs_step *step, vs_value *turn);
 
 #endif

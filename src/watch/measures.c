@@ -31,10 +31,12 @@ static const double RIPPLE = 0.01;
 vs_measures *vs_measures_new(const vs_frame *frame) {
   vs_measures *m = vs_alloc(1, sizeof *m);
   m->frame = frame;
-  for (int k = 0; k < VS_STANDARD_EXTREMES; k++)
-    m->extremes[m->n_extremes++] =
-        (vs_extreme){.channel = STANDARD[k].channel, .sense = STANDARD[k].sense};
-  for (int c = VS_CH_DECK; c < vs_channel_count(frame); c++)
+  for (int k = 0; k < VS_STANDARD_EXTREMES; k++) {
+    int channel = STANDARD[k].channel;
+    if (channel < 0) channel = vs_channel_rates2(frame->model) - 1 - channel;
+    m->extremes[m->n_extremes++] = (vs_extreme){.channel = channel, .sense = STANDARD[k].sense};
+  }
+  for (int c = vs_channel_deck(frame->model); c < vs_channel_count(frame); c++)
     for (int sense = -1; sense <= 1; sense += 2)
       m->extremes[m->n_extremes++] = (vs_extreme){.channel = c, .sense = sense};
   for (int k = 0; k < VS_DECK_MOST; k++) m->passed_s[k] = NAN;
@@ -80,9 +82,9 @@ static double find_root(const vs_measures *m, course *c, double lo, double hi) {
 
 /* The extremum of p around the middle of three knots. */
 static vs_value refine(const vs_measures *m) {
-  vs_value turn = {true, m->p_m[1], m->kept[m->last].from.t_s};
-  if (!vs_extreme_turn_of_p(&m->kept[1 - m->last].step, &turn))
-    vs_extreme_turn_of_p(&m->kept[m->last].step, &turn);
+  vs_value turn = {true, m->travel_m[1], m->kept[m->last].from.t_s};
+  if (!vs_extreme_turn_of_travel(&m->kept[1 - m->last].step, &turn))
+    vs_extreme_turn_of_travel(&m->kept[m->last].step, &turn);
   return turn;
 }
 
@@ -90,14 +92,14 @@ static vs_value refine(const vs_measures *m) {
 
 /* True: the middle one of the three values of p is an extremum. */
 static bool turns(const vs_measures *m) {
-  double a = m->p_m[0], b = m->p_m[1], c = m->p_m[2];
+  double a = m->travel_m[0], b = m->travel_m[1], c = m->travel_m[2];
   return (b >= a && b > c) || (b <= a && b < c);
 }
 
 const vs_extreme *vs_measures_of_probe(const vs_measures *m, int probe) {
   const vs_extreme *pair = &m->extremes[VS_STANDARD_EXTREMES + 2 * probe];
-  assert(pair[0].channel == VS_CH_DECK + probe && pair[0].sense < 0);
-  assert(pair[1].channel == VS_CH_DECK + probe && pair[1].sense > 0);
+  assert(pair[0].channel == vs_channel_deck(m->frame->model) + probe && pair[0].sense < 0);
+  assert(pair[1].channel == vs_channel_deck(m->frame->model) + probe && pair[1].sense > 0);
   return pair;
 }
 
@@ -132,7 +134,7 @@ static void follow_peaks(vs_measures *m) {
   double middle = m->kept[m->last].from.t_s;
   bool free_swing = swings_freely(m, middle);
   bool wanted =
-      !m->first.known || !m->second.known || fabs(m->first.value) < RIPPLE * fabs(m->p_m[1]);
+      !m->first.known || !m->second.known || fabs(m->first.value) < RIPPLE * fabs(m->travel_m[1]);
   if (!(middle > m->fired_s) || (!wanted && !free_swing)) return;
   vs_value v = refine(m);
   if (!m->first.known || fabs(m->first.value) < RIPPLE * fabs(v.value)) {
@@ -154,8 +156,8 @@ static void follow_peaks(vs_measures *m) {
 
 static void follow_crossings(vs_measures *m) {
   const vs_kept_step *s = &m->kept[m->last];
-  if (!(m->p_m[1] < 0 && m->p_m[2] > 0) || !swings_freely(m, s->to.t_s)) return;
-  course c = {m, VS_CH_P};
+  if (!(m->travel_m[1] < 0 && m->travel_m[2] > 0) || !swings_freely(m, s->to.t_s)) return;
+  course c = {m, VS_CH_TRAVEL};
   double t = find_root(m, &c, s->from.t_s, s->to.t_s);
   if (isnan(t) || !swings_freely(m, t)) return;
   if (m->crossings++ == 0) m->first_crossing_s = t;
@@ -194,9 +196,10 @@ void vs_measures_accept(vs_measures *m, const vs_step *step) {
   kept->step = *step;
   kept->step.from = &kept->from;
   kept->step.to = &kept->to;
-  m->p_m[0] = m->steps == 1 ? step->from->x[P] : m->p_m[1];
-  m->p_m[1] = step->from->x[P];
-  m->p_m[2] = step->to->x[P];
+  m->travel_m[0] =
+      m->steps == 1 ? vs_mechanics_travel(m->frame->model, step->from->x) : m->travel_m[1];
+  m->travel_m[1] = vs_mechanics_travel(m->frame->model, step->from->x);
+  m->travel_m[2] = vs_mechanics_travel(m->frame->model, step->to->x);
   for (int k = 0; k < m->n_extremes; k++) vs_extreme_follow(&m->extremes[k], step, m->jammed);
   for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++) follow_rating(m, k);
   follow_peaks(m);

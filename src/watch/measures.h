@@ -52,11 +52,11 @@ extern const vs_measure vs_measures_standard[VS_MEASURES];
 #define VS_EXTREME_LIST(X)                                                                         \
   X(VS_M_I_PEAK, VS_CH_I, 0)                                                                       \
   X(VS_M_FORCE_PEAK, VS_CH_FORCE, 1)                                                               \
-  X(VS_M_P_MIN, VS_CH_P, -1)                                                                       \
-  X(VS_M_P_MAX, VS_CH_P, 1)                                                                        \
-  X(VS_M_AP_PEAK, VS_CH_AP, 0)                                                                     \
-  X(VS_M_AU_PEAK, VS_CH_AU, 0)                                                                     \
-  X(VS_M_AW_PEAK, VS_CH_AW, 0)
+  X(VS_M_P_MIN, VS_CH_TRAVEL, -1)                                                                  \
+  X(VS_M_P_MAX, VS_CH_TRAVEL, 1)                                                                   \
+  X(VS_M_AP_PEAK, VS_RATE2(0), 0)                                                                  \
+  X(VS_M_AU_PEAK, VS_RATE2(1), 0)                                                                  \
+  X(VS_M_AW_PEAK, VS_RATE2(2), 0)
 
 enum {
 #define VS_EXTREME_ONE(measure, channel, sense) +1
@@ -66,6 +66,7 @@ enum {
 };
 
 /* A step that outlives the tier's own knots. */
+#define VS_RATE2(i) (-1 - (i)) /* transitional: the second rate of coordinate i */
 typedef struct vs_kept_step {
   vs_knot from, to;
   vs_step step;
@@ -75,7 +76,7 @@ typedef struct vs_measures {
   const vs_frame *frame;
   vs_kept_step kept[2]; /* the last two steps of some length; `last` is the index of the newer */
   int last, steps;      /* steps: how many are kept, 0..2 */
-  double p_m[3];        /* p at the three ends of the kept steps */
+  double travel_m[3];   /* the travel at the three ends of the kept steps */
   bool jammed;          /* the armature has jammed */
   /* those of VS_EXTREME_LIST in its order, then least and largest of each of the deck's probes */
   vs_extreme extremes[VS_MOST_EXTREMES];

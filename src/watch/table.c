@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "base/units.h"
+#include "syntax/units.h"
 
 void vs_table_begin(vs_table *table) {
   table->next = 0;

@@ -178,8 +178,7 @@ static vs_status begin_csv(void *ctx, vs_scene *s, vs_error *err) {
                         .digits = 9,
                         .sample_s = s->setup.run.sample_s,
                         .until_s = s->setup.run.until_s};
-  for (int n = 0; n < vs_channel_count(&s->frame); n++)
-    if (vs_channel_at(&s->frame, n).listed) k->table.channels[k->table.count++] = n;
+  k->table.count = vs_channel_listed(&s->frame, k->table.channels);
   vs_table_begin(&k->table);
   return VS_OK;
 }

@@ -40,7 +40,7 @@ static void build_force(const vs_setup *s) {
                   .theta = atan2(reactance, coil->resistance_ohm),
                   .tau_s = coil->inductance_h / coil->resistance_ohm,
                   .amplitude_a = s->timeline.peak_v / hypot(reactance, coil->resistance_ohm)};
-  force.force_per_a2 = coil->inductance_h / (2 * s->model.gap_rest_m); /* k_i = a/z(0)^2 */
+  force.force_per_a2 = coil->inductance_h / (2 * s->model.coil.gap_rest_m); /* k_i = a/z(0)^2 */
   force.ends_s = force.fires_s + 0.008;
   for (int k = 0; k < 20; k++) {
     double rate, i = current(force.ends_s, &rate);

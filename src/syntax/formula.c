@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "deck/formula.h"
+#include "syntax/formula.h"
 
 #include <ctype.h>
 #include <gsl/gsl_math.h>

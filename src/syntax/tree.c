@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "base/tree.h"
+#include "syntax/tree.h"
 
 #include <errno.h>
 #include <libfyaml.h>

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Tables of the keys a scene may have. One row of a table says how its key is read and printed, its
  * unit, its default, what is allowed and what it means. */
-#ifndef VS_BASE_FIELD_H
-#define VS_BASE_FIELD_H
+#ifndef VS_SYNTAX_FIELD_H
+#define VS_SYNTAX_FIELD_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
 #include "base/error.h"
 #include "base/text.h"
-#include "base/tree.h"
+#include "syntax/tree.h"
 
 typedef enum vs_field_kind {
   VS_REAL,   /* double, SI */

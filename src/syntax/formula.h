@@ -9,8 +9,8 @@
  *   functions     abs sqrt exp ln log10; pow(x,y); pwr(x,y) = sign(x) |x|^y; min max
  *
  * The program evaluates it outside ngspice, so that a loss costs no Newton iteration. */
-#ifndef VS_DECK_FORMULA_H
-#define VS_DECK_FORMULA_H
+#ifndef VS_SYNTAX_FORMULA_H
+#define VS_SYNTAX_FORMULA_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "base/field.h"
+#include "syntax/field.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/json.h"
-#include "base/units.h"
+#include "syntax/units.h"
 
 void vs_field_range(const vs_field *field, char *text, size_t size) {
   const char *space = *field->unit ? " " : "";

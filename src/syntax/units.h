@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Numbers with units: "6 mm", "0.1 N.s/m", "95deg", "3.86e-3 kg.m2". */
-#ifndef VS_BASE_UNITS_H
-#define VS_BASE_UNITS_H
+#ifndef VS_SYNTAX_UNITS_H
+#define VS_SYNTAX_UNITS_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A scene or study file as a tree of keys, lists and texts that remember where they stood. */
-#ifndef VS_BASE_TREE_H
-#define VS_BASE_TREE_H
+#ifndef VS_SYNTAX_TREE_H
+#define VS_SYNTAX_TREE_H
 
 #include "base/error.h"
 

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What an actuator's law is. From one energy W(lambda, z) follow the current i = dW/dlambda and the
+ * force F = dW/dz, which is positive where it closes the gap. A law gives these three, and writes
+ * the first two for the netlist. */
+#ifndef VS_ACTUATOR_LAW_H
+#define VS_ACTUATOR_LAW_H
+
+#include <stdbool.h>
+
+#include "base/text.h"
+
+typedef struct vs_coil vs_coil; /* actuator/coil.h */
+
+typedef struct vs_law_rates {
+  double i_a, i_rate_a_s, force_n, force_rate_n_s;
+} vs_law_rates;
+
+/* Each law is a constant in its own file. Lambda is in Wb, z in m. All functions are pure. */
+typedef struct vs_law {
+  const char *name, *text;
+  bool poles; /* the gap lies between poles that may meet: without a stop a run ends there */
+  double (*current)(const vs_coil *coil, double flux_wb, double z_m); /* A */
+  double (*force)(const vs_coil *coil, double flux_wb, double z_m);   /* N */
+  double (*energy)(const vs_coil *coil, double flux_wb, double z_m);  /* J */
+  /* Current and force with their first two derivatives in time, on a path on which lambda and z
+   * have these values and derivatives: flux[k], z[k], current[k] and force[k] are k-th derivatives,
+   * k = 0..2. */
+  void (*along)(const vs_coil *coil, const double flux[3], const double z[3], double current[3],
+                double force[3]);
+  /* Flux linkage and current up to which, and gaps within which, the law is known; a run that
+   * leaves them ends with an error that says why. NULL: everywhere. Returns NULL where (lambda, z)
+   * is within, else what is wrong, in `text`. */
+  const char *(*beyond)(const vs_coil *coil, double flux_wb, double z_m, char *text, size_t size);
+  /* Writes for ngspice, of nodes whose voltages are lambda and z ("v(lam)", "v(z)"): the current
+   * and the force as expressions of a B source; `lines` gets netlist lines that these need, in a
+   * subcircuit of their own. Numbers are written with 17 digits. NULL: the law cannot be written
+   * so, and tier circuit and export refuse it by name. */
+  void (*netlist)(const vs_coil *coil, const char *flux, const char *gap, vs_text *lines,
+                  vs_text *current, vs_text *force);
+} vs_law;
+
+#endif

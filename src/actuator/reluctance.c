@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "actuator/reluctance.h"
+
+#include "actuator/coil.h"
+
+static double current(const vs_coil *c, double flux_wb, double z_m) {
+  return flux_wb * z_m / (2 * c->a_hm);
+}
+
+static double force(const vs_coil *c, double flux_wb, double z_m) {
+  (void)z_m;
+  return flux_wb * flux_wb / (4 * c->a_hm);
+}
+
+static double energy(const vs_coil *c, double flux_wb, double z_m) {
+  return flux_wb * flux_wb * z_m / (4 * c->a_hm);
+}
+
+static void along(const vs_coil *c, const double flux[3], const double z[3], double current[3],
+                  double force[3]) {
+  double per_2a = 1 / (2 * c->a_hm);
+  current[0] = flux[0] * z[0] * per_2a;
+  current[1] = (flux[1] * z[0] + flux[0] * z[1]) * per_2a;
+  current[2] = (flux[2] * z[0] + 2 * flux[1] * z[1] + flux[0] * z[2]) * per_2a;
+  force[0] = flux[0] * flux[0] * per_2a / 2;
+  force[1] = flux[0] * flux[1] * per_2a;
+  force[2] = (flux[1] * flux[1] + flux[0] * flux[2]) * per_2a;
+}
+
+static void netlist(const vs_coil *c, const char *flux, const char *gap, vs_text *lines,
+                    vs_text *current, vs_text *force) {
+  (void)lines;
+  vs_text_add(current, "%s*%s/(%.17g)", flux, gap, 2 * c->a_hm);
+  vs_text_add(force, "%s*%s/(%.17g)", flux, flux, 4 * c->a_hm);
+}
+
+const vs_law vs_reluctance_law = {.name = "reluctance",
+                                  .text = "i = lambda z/(2a), F = lambda^2/(4a), with saturation "
+                                          "and leakage where the scene has them",
+                                  .poles = true,
+                                  .current = current,
+                                  .force = force,
+                                  .energy = energy,
+                                  .along = along,
+                                  .netlist = netlist};
