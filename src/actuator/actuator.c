@@ -31,15 +31,18 @@ static const vs_field ACTUATOR[] = {
 };
 const vs_section vs_actuator_section = {"actuator", ACTUATOR, sizeof ACTUATOR / sizeof *ACTUATOR};
 
-vs_status vs_actuator_build(const vs_actuator_values *v, vs_coil *coil, vs_stops *stops,
+void vs_actuator_end(vs_coil *coil) {
+  if (coil->law && coil->law->end) coil->law->end(coil);
+}
+
+vs_status vs_actuator_build(const vs_actuator_values *v, const vs_node *map,
+                            const vs_law_formulas *formulas, vs_coil *coil, vs_stops *stops,
                             vs_error *err) {
-  (void)err;
   *coil = (vs_coil){.law = &vs_reluctance_law,
-                    .square = true,
                     .resistance_ohm = v->resistance_ohm,
-                    .gap_rest_m = v->gap_m + v->pole_cover_m,
-                    .rest_h = v->inductance_h};
-  coil->a_hm = v->inductance_h * coil->gap_rest_m / 2;
+                    .gap_rest_m = v->gap_m + v->pole_cover_m};
+  vs_status status = coil->law->build(v, map, formulas, coil, err);
+  if (status) return status;
   *stops = (vs_stops){0};
   if (v->stop.present)
     stops->item[stops->count++] = (vs_stop){.kind = &vs_stop_linear,

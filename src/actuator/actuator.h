@@ -12,15 +12,28 @@ typedef struct vs_stop_values {
   int present; /* 0: there is no stop */
   double stiffness_n_m, damping_ns_m;
 } vs_stop_values;
+/* Saturation of the iron (docs/machines.md). */
+typedef struct vs_saturation_values {
+  int present;
+  int law; /* 0: series, 1: multiplicative */
+  double flux_wb, exponent, current_a;
+} vs_saturation_values;
 typedef struct vs_actuator_values {
-  double gap_m, pole_cover_m, inductance_h, resistance_ohm;
+  char law[VS_NAME_SIZE]; /* a law's name, or a table's file */
+  double gap_m, pole_cover_m, inductance_h, resistance_ohm, leakage_h;
+  vs_saturation_values saturation;
+  double emf_constant_vs_m, force_constant_n_a;
   vs_stop_values stop; /* it stands at p = -gap_m */
 } vs_actuator_values;
 
 extern const vs_section vs_actuator_section;
 
-/* Makes the coil and the stops of these values. */
-vs_status vs_actuator_build(const vs_actuator_values *values, vs_coil *coil, vs_stops *stops,
+/* Makes the coil and the stops of these values. map: the section they were read from, for the
+ * places of errors; NULL where the scene has none. The caller frees the coil with vs_actuator_end,
+ * also after an error. */
+vs_status vs_actuator_build(const vs_actuator_values *values, const vs_node *map,
+                            const vs_law_formulas *formulas, vs_coil *coil, vs_stops *stops,
                             vs_error *err);
+void vs_actuator_end(vs_coil *coil);
 
 #endif

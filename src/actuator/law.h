@@ -8,6 +8,8 @@
 #include <stdbool.h>
 
 #include "base/text.h"
+#include "syntax/formula.h"
+#include "syntax/tree.h"
 
 typedef struct vs_coil vs_coil; /* actuator/coil.h */
 
@@ -15,9 +17,23 @@ typedef struct vs_law_rates {
   double i_a, i_rate_a_s, force_n, force_rate_n_s;
 } vs_law_rates;
 
+/* What a law is built from besides the scene's section actuator: the formulas of a machine's file,
+ * in lambda (term 0) and z (term 1), their names bound. A law copies what it keeps. */
+typedef struct vs_law_formulas {
+  const vs_formula *current, *energy, *force; /* NULL: the file has none */
+  vs_where where[3];                          /* theirs, in this order */
+} vs_law_formulas;
+
+struct vs_actuator_values;
+
 /* Each law is a constant in its own file. Lambda is in Wb, z in m. All functions are pure. */
 typedef struct vs_law {
   const char *name, *text;
+  /* Fills the coil's numbers besides law, resistance_ohm and gap_rest_m, which are there already.
+   * Errors with their place in `map`, the scene's section actuator, or in the formulas. */
+  vs_status (*build)(const struct vs_actuator_values *values, const vs_node *map,
+                     const vs_law_formulas *formulas, vs_coil *coil, vs_error *err);
+  void (*end)(vs_coil *coil); /* frees coil->own; NULL: there is nothing to free */
   bool poles; /* the gap lies between poles that may meet: without a stop a run ends there */
   double (*current)(const vs_coil *coil, double flux_wb, double z_m); /* A */
   double (*force)(const vs_coil *coil, double flux_wb, double z_m);   /* N */

@@ -1,7 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "actuator/reluctance.h"
 
-#include "actuator/coil.h"
+#include "actuator/actuator.h"
+
+static vs_status build(const vs_actuator_values *v, const vs_node *map,
+                       const vs_law_formulas *formulas, vs_coil *c, vs_error *err) {
+  (void)map, (void)formulas, (void)err;
+  c->square = true;
+  c->rest_h = v->inductance_h;
+  c->a_hm = v->inductance_h * c->gap_rest_m / 2;
+  return VS_OK;
+}
 
 static double current(const vs_coil *c, double flux_wb, double z_m) {
   return flux_wb * z_m / (2 * c->a_hm);
@@ -37,6 +46,7 @@ static void netlist(const vs_coil *c, const char *flux, const char *gap, vs_text
 const vs_law vs_reluctance_law = {.name = "reluctance",
                                   .text = "i = lambda z/(2a), F = lambda^2/(4a), with saturation "
                                           "and leakage where the scene has them",
+                                  .build = build,
                                   .poles = true,
                                   .current = current,
                                   .force = force,

@@ -174,7 +174,8 @@ vs_status vs_build_model(const vs_node *scene, vs_model *model, vs_error *err) {
   mounts_matrix(v, b, model->damping);
   mounts_matrix(v, k, model->stiffness);
   mass_matrix(v, model);
-  s = vs_actuator_build(&model->actuator, &model->coil, &model->stops, err);
+  s = vs_actuator_build(&model->actuator, vs_tree_child(scene, "actuator"), NULL, &model->coil,
+                        &model->stops, err);
   if (!s) s = solve_mass(model, err);
   if (!s) s = check_stiffness(model, err);
   for (int i = 0; i < model->dof; i++) model->per_newton_m_s2 += model->along[i] * model->mf[i];
