@@ -45,6 +45,7 @@ static void add_scene(vs_json *json, const vs_scene *s) {
 
 static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r) {
   vs_shown m;
+  int standard = vs_measures_count(&s->setup.model);
   vs_json_object(json, "measures", VS_JSON_LINES);
   for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++) {
     if (!m.value.known) continue;
@@ -52,7 +53,7 @@ static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r) {
     vs_json_number(json, "value", m.value.value, DIGITS);
     vs_json_text(json, "unit", m.unit);
     if (!isnan(m.value.at_s)) vs_json_number(json, "at_s", m.value.at_s, DIGITS);
-    if (k < VS_MEASURES && s->measured[k].known)
+    if (k < standard && s->measured[k].known)
       vs_json_number(json, "measured", s->measured[k].value, DIGITS);
     if (m.unjudged) vs_json_text(json, "unjudged", m.unjudged);
     vs_json_end(json);

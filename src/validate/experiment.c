@@ -150,8 +150,9 @@ static void add_circuit(const vs_trial *t, vs_numbers *out) {
   for (size_t k = 0; deck && k < deck->losses.count; k++)
     vs_experiment_add(out, t->result.watchers.energy.loss_j[k], "loss.%s",
                       deck->losses.item[k].name);
-  for (int k = VS_STANDARD_EXTREMES; k < t->result.watchers.measures->n_extremes; k++) {
-    const vs_extreme *x = &t->result.watchers.measures->extremes[k];
+  const vs_measures *measures = t->result.watchers.measures;
+  for (int k = measures->of_probes; k < measures->n_extremes; k++) {
+    const vs_extreme *x = &measures->extremes[k];
     add_value(out, &x->best, vs_channel_at(&t->scene.frame, x->channel).name,
               x->sense < 0 ? "_min" : "_max");
   }
@@ -174,8 +175,12 @@ static double left_over(const vs_energy *e) {
 
 static void add_all(const vs_trial *t, const watch *w, vs_numbers *out) {
   double until = t->scene.setup.run.until_s;
-  for (int k = 0; k < VS_MEASURES; k++)
-    add_value(out, &t->result.values[k], vs_measures_standard[k].name, "");
+  vs_measure m;
+  for (int k = 0; vs_measure_at(&t->scene.setup.model, k, &m); k++) {
+    vs_value v = t->result.values[m.slot];
+    v.value *= m.factor;
+    add_value(out, &v, m.name, "");
+  }
   for (int k = 0; k < VS_ENERGIES; k++)
     vs_experiment_add(out, t->result.watchers.energy.joule[k], "energy.%s", vs_energy_names[k]);
   vs_experiment_add(out, left_over(&t->result.watchers.energy), "books");

@@ -86,8 +86,8 @@ static vs_status measure(const vs_scene *s, const double *x, double period_s, fl
   f->also = NULL;
   vs_status status = fly(s, x, period_s, f, r, err);
   if (!status) {
-    vs_experiment_add(out, r->values[VS_M_P_MIN].value, "p_min");
-    vs_experiment_add(out, r->values[VS_M_P_MAX].value, "p_max");
+    vs_experiment_add(out, r->values[VS_M_GAP_MIN].value, "p_min");
+    vs_experiment_add(out, r->values[VS_M_GAP_MAX].value, "p_max");
     vs_experiment_add(out, r->values[VS_M_I_PEAK].value, "i_peak");
     vs_experiment_add(out, r->values[VS_M_FORCE_PEAK].value, "force_peak");
     vs_experiment_add(out, r->watchers.energy.joule[VS_E_SOURCE] / period_s, "power");
