@@ -166,7 +166,7 @@ static int rates(double t_s, const double y[], double rate[], void *ctx) {
   const vs_actuator_values *coil = &s->scene->actuator;
   if (s->touching)
     push +=
-        coil->stop.stiffness_n_m * (-coil->gap_m - y[0]) - coil->stop.damping_ns_m * y[VELOCITY];
+        coil->stop[0].stiffness * (-coil->gap_m - y[0]) - coil->stop[0].damping_ns_m * y[VELOCITY];
   memcpy(rate, y + VELOCITY, sizeof(double[4]));
   accelerate(s, y, push, rate + VELOCITY);
   if (s->scene->kind == ORACLE_SNUBBED)
