@@ -79,7 +79,8 @@ static void add_accounts(vs_json *json, const char *key, const vs_accounts *acco
 
 static void add_energy(vs_json *json, const vs_scene *s, const vs_energy *e, const char *books) {
   vs_json_object(json, "energy", VS_JSON_ROW);
-  for (int k = 0; k < VS_ENERGIES; k++) add_joined(json, vs_energy_names[k], "_J", e->joule[k]);
+  for (int k = 0; k < VS_ENERGIES; k++)
+    if (vs_energy_has(s->frame.model, k)) add_joined(json, vs_energy_names[k], "_J", e->joule[k]);
   if (s->frame.deck) {
     add_accounts(json, "losses_J", &s->frame.deck->losses, e->loss_j);
     add_accounts(json, "stores_J", &s->frame.deck->stores, e->store_j);
