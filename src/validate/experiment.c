@@ -99,14 +99,14 @@ vs_status vs_experiment_scene(const vs_experiment *e, const char *another, vs_sc
   size_t n = 0;
   for (; n < VS_EXPERIMENT_SETS && e->sets[n]; n++) sets[n] = (char *)(size_t)e->sets[n];
   if (another) sets[n++] = (char *)(size_t)another;
-  return vs_scene_read(EMPTY_SCENE, sets, n, e->tier, scene, err);
+  return vs_scene_read(e->scene ? e->scene : EMPTY_SCENE, sets, n, e->tier, scene, err);
 }
 
 /* Who watches the run of an experiment, besides the trial. */
 typedef struct watch {
   const vs_experiment *experiment;
   const vs_observer *also;
-  double p_m[VS_EXPERIMENT_LOOKS];
+  double seen[VS_EXPERIMENT_LOOKS][VS_CH_MOST];
   double charge_as; /* integral of the coil current */
   vs_experiment_curve curve;
   int channel; /* of the curve; -1: not known yet */
@@ -130,7 +130,7 @@ static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
   double begin = step->from->t_s, end = step->to->t_s, half = (end - begin) / 2;
   for (int k = 0; k < VS_EXPERIMENT_LOOKS; k++) {
     double at = w->experiment->look_s[k];
-    if (at > begin && at <= end) w->p_m[k] = vs_step_channel(step, at, VS_CH_TRAVEL);
+    if (at > begin && at <= end) vs_step_at(step, at, w->seen[k]);
   }
   for (int k = -1; k <= 1; k++) /* Gauss's rule of three points */
     w->charge_as += half * (k ? 5 : 8) / 9.0 *
@@ -143,6 +143,15 @@ static void add_value(vs_numbers *out, const vs_value *v, const char *name, cons
   if (!v->known) return;
   vs_experiment_add(out, v->value, "%s%s", name, ending);
   vs_experiment_add(out, v->at_s, "%s%s.at", name, ending);
+}
+
+void vs_experiment_add_measures(const vs_model *model, const vs_result *r, vs_numbers *out) {
+  vs_measure m;
+  for (int k = 0; vs_measure_at(model, k, &m); k++) {
+    vs_value v = r->values[m.slot];
+    v.value *= m.factor;
+    add_value(out, &v, m.name, "");
+  }
 }
 
 static void add_circuit(const vs_trial *t, vs_numbers *out) {
@@ -175,12 +184,7 @@ static double left_over(const vs_energy *e) {
 
 static void add_all(const vs_trial *t, const watch *w, vs_numbers *out) {
   double until = t->scene.setup.run.until_s;
-  vs_measure m;
-  for (int k = 0; vs_measure_at(&t->scene.setup.model, k, &m); k++) {
-    vs_value v = t->result.values[m.slot];
-    v.value *= m.factor;
-    add_value(out, &v, m.name, "");
-  }
+  vs_experiment_add_measures(&t->scene.setup.model, &t->result, out);
   for (int k = 0; k < VS_ENERGIES; k++)
     vs_experiment_add(out, t->result.watchers.energy.joule[k], "energy.%s", vs_energy_names[k]);
   vs_experiment_add(out, left_over(&t->result.watchers.energy), "books");
@@ -191,7 +195,9 @@ static void add_all(const vs_trial *t, const watch *w, vs_numbers *out) {
                          t->scene.setup.model.actuator.resistance_ohm / until),
                     "i_rms");
   for (int k = 0; k < VS_EXPERIMENT_LOOKS && w->experiment->look_s[k] > 0; k++)
-    vs_experiment_add(out, w->p_m[k], "p@%g", w->experiment->look_s[k]);
+    for (int c = 0; c < vs_channel_count(&t->scene.frame); c++)
+      vs_experiment_add(out, w->seen[k][c], "%s@%g", vs_channel_at(&t->scene.frame, c).name,
+                        w->experiment->look_s[k]);
   vs_experiment_curve_numbers(&w->curve, out);
 }
 
@@ -201,7 +207,7 @@ vs_status vs_experiment_perform(const vs_experiment *e, const vs_observer *also,
   const vs_observer observer = {&w, accept};
   const char *sets[VS_EXPERIMENT_SETS + 1] = {NULL};
   memcpy(sets, e->sets, sizeof e->sets);
-  vs_trial *t = vs_trial_run(EMPTY_SCENE, e->tier, sets, &observer);
+  vs_trial *t = vs_trial_run(e->scene ? e->scene : EMPTY_SCENE, e->tier, sets, &observer);
   vs_status status = t->status;
   if (status)
     *err = t->err;
