@@ -102,12 +102,20 @@ vs_status vs_experiment_scene(const vs_experiment *e, const char *another, vs_sc
   return vs_scene_read(e->scene ? e->scene : EMPTY_SCENE, sets, n, e->tier, scene, err);
 }
 
+/* Events whose first occurrence is noted. */
+enum { CONTACT, RELEASE, EVENTS };
+static const struct {
+  vs_event event;
+  const char *name;
+} NOTED[EVENTS] = {{VS_EV_MEETS_STOP, "contact"}, {VS_EV_LEAVES_STOP, "release"}};
+
 /* Who watches the run of an experiment, besides the trial. */
 typedef struct watch {
   const vs_experiment *experiment;
   const vs_observer *also;
   double seen[VS_EXPERIMENT_LOOKS][VS_CH_MOST];
-  double charge_as; /* integral of the coil current */
+  double event_s[EVENTS], at_event[EVENTS][VS_CH_MOST]; /* NaN: there was no such event */
+  double charge_as;                                     /* integral of the coil current */
   vs_experiment_curve curve;
   int channel; /* of the curve; -1: not known yet */
 } watch;
@@ -125,6 +133,15 @@ static void note_curve(watch *w, const vs_step *step) {
                           vs_step_channel(step, step->to->t_s, w->channel));
 }
 
+static void note_events(watch *w, const vs_step *step) {
+  for (int n = 0; n < EVENTS; n++)
+    for (int k = 0; k < 2; k++) {
+      if (step->event[k] != NOTED[n].event || !isnan(w->event_s[n])) continue;
+      w->event_s[n] = step->event_s[k];
+      vs_step_at(step, step->event_s[k], w->at_event[n]);
+    }
+}
+
 static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
   watch *w = ctx;
   double begin = step->from->t_s, end = step->to->t_s, half = (end - begin) / 2;
@@ -135,8 +152,26 @@ static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
   for (int k = -1; k <= 1; k++) /* Gauss's rule of three points */
     w->charge_as += half * (k ? 5 : 8) / 9.0 *
                     vs_step_channel(step, begin + half * (1 + k * sqrt(0.6)), VS_CH_I);
+  note_events(w, step);
   note_curve(w, step);
   return w->also ? w->also->accept(w->also->ctx, step, err) : VS_OK;
+}
+
+vs_status vs_experiment_modes(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
+                              vs_error *err) {
+  (void)also;
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_mode modes[VS_MOST_STATES];
+  vs_status status = vs_experiment_scene(e, NULL, scene, err);
+  if (!status && !vs_mechanics_modes(&scene->setup.model, modes))
+    status = vs_fail(err, VS_RUN, "no eigenvalues found");
+  for (int k = 0; k < scene->setup.model.dof && !status; k++) { /* pairs */
+    vs_experiment_add(out, modes[2 * k].frequency_hz, "f%d", k + 1);
+    vs_experiment_add(out, modes[2 * k].time_constant_s, "tau%d", k + 1);
+  }
+  vs_scene_free(scene);
+  free(scene);
+  return status;
 }
 
 static void add_value(vs_numbers *out, const vs_value *v, const char *name, const char *ending) {
@@ -198,12 +233,19 @@ static void add_all(const vs_trial *t, const watch *w, vs_numbers *out) {
     for (int c = 0; c < vs_channel_count(&t->scene.frame); c++)
       vs_experiment_add(out, w->seen[k][c], "%s@%g", vs_channel_at(&t->scene.frame, c).name,
                         w->experiment->look_s[k]);
+  for (int n = 0; n < EVENTS; n++) {
+    if (isnan(w->event_s[n])) continue;
+    vs_experiment_add(out, w->event_s[n], "%s", NOTED[n].name);
+    for (int c = 0; c < vs_channel_count(&t->scene.frame); c++)
+      vs_experiment_add(out, w->at_event[n][c], "%s@%s", vs_channel_at(&t->scene.frame, c).name,
+                        NOTED[n].name);
+  }
   vs_experiment_curve_numbers(&w->curve, out);
 }
 
 vs_status vs_experiment_perform(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
                                 vs_error *err) {
-  watch w = {.experiment = e, .also = also, .channel = -1};
+  watch w = {.experiment = e, .also = also, .channel = -1, .event_s = {NAN, NAN}};
   const vs_observer observer = {&w, accept};
   const char *sets[VS_EXPERIMENT_SETS + 1] = {NULL};
   memcpy(sets, e->sets, sizeof e->sets);

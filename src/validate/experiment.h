@@ -59,11 +59,17 @@ typedef struct vs_comparisons {
 /* Runs the experiment's scene with its sets, and adds: every measure, and its
  * instant as NAME.at; energy.NAME; loss.NAME; NAME_min and NAME_max of the deck's probes;
  * DEVICE.MEASURE; books, which is what the worst energy balance leaves over, as a part of what was
- * drawn; i_mean and i_rms of the coil over the run; CHANNEL@INSTANT; and what
+ * drawn; i_mean and i_rms of the coil over the run; CHANNEL@INSTANT; contact and release, when a
+ * stop is first met and left [s], and CHANNEL@contact and CHANNEL@release; and what
  * vs_experiment_curve_numbers adds of the curve. Errors: those of the scene and of the run; VS_RUN,
  * the ladder had to be climbed. */
 vs_status vs_experiment_perform(const vs_experiment *experiment, const vs_observer *also,
                                 vs_numbers *out, vs_error *err);
+
+/* Adds frequency and time constant of the modes of the experiment's machine, f1 [Hz], tau1 [s] and
+ * so on, by rising frequency, one of each pair. */
+vs_status vs_experiment_modes(const vs_experiment *experiment, const vs_observer *also,
+                              vs_numbers *out, vs_error *err);
 
 /* Adds every measure of a run that is known, and its instant as NAME.at. */
 void vs_experiment_add_measures(const vs_model *model, const vs_result *result,
