@@ -140,24 +140,17 @@ SHAKER(shaker_sine, AT(1, 1.0125), "run.until=1.02s", "supply.kind=sine", "suppl
 
 /* ---- the solenoid ---- */
 
-#define SOLENOID(name, ...)                                                                        \
+#define SOLENOID(name, looks, ...)                                                                 \
   static const vs_experiment name = {.perform = vs_experiment_perform,                             \
                                      .wall_s = 0.02,                                               \
                                      .scene = "solenoid",                                          \
                                      .tier = "switched",                                           \
-                                     .sets = {"run.tolerance=1e-7", __VA_ARGS__, NULL},            \
-                                     .look_s
-SOLENOID(solenoid, "run.until=0.021s") = {0.008, 0.012, 0.02}
-}
-;
-SOLENOID(solenoid_peak, "run.until=0.01s") = {0}
-}
-; /* before the current rises again */
-SOLENOID(solenoid_linear, "run.until=0.013s",
-         "actuator.stop={kind: linear, stiffness: 1e6 N/m, damping: 200 N.s/m, at: 0.25 mm}") = {
-    0.0124, 0.0128}
-}
-;
+                                     .look_s = looks,                                              \
+                                     .sets = {"run.tolerance=1e-7", __VA_ARGS__, NULL}}
+SOLENOID(solenoid, AT(0.008, 0.012, 0.02), "run.until=0.021s");
+SOLENOID(solenoid_peak, AT(0), "run.until=0.01s"); /* before the current rises again */
+SOLENOID(solenoid_linear, AT(0.0124, 0.0128), "run.until=0.013s",
+         "actuator.stop={kind: linear, stiffness: 1e6 N/m, damping: 200 N.s/m, at: 0.25 mm}");
 
 #define SOLVED(experiment, text, unit, what, value, scale)                                         \
   IS(experiment, "solenoid, " text, unit, what, value, 1e-6, scale,                                \
