@@ -26,7 +26,8 @@ static const struct function {
   double (*of_two)(double, double); /* one of the two is NULL */
 } FUNCTION[] = {{"abs", fabs, NULL},       {"sqrt", sqrt, NULL},   {"exp", exp, NULL},
                 {"ln", log, NULL},         {"log10", log10, NULL}, {"pow", NULL, power},
-                {"pwr", NULL, sign_power}, {"min", NULL, fmin},    {"max", NULL, fmax}};
+                {"pwr", NULL, sign_power}, {"min", NULL, fmin},    {"max", NULL, fmax},
+                {"sin", sin, NULL},        {"cos", cos, NULL}};
 enum { N_FUNCTIONS = sizeof FUNCTION / sizeof *FUNCTION, WORD = 60, LEVELS = 50 };
 
 typedef struct reader {
@@ -123,14 +124,16 @@ static bool call(reader *r, const char *word) {
     if (!take(r, ')')) return fail(r, "')' is wanted here");
     return emit(r, (vs_op){.kind = FUNCTIONS + k}, two ? 2 : 1);
   }
-  return fail(r, "no such function; there are: abs sqrt exp ln log10 pow pwr min max");
+  return fail(r, "no such function; there are: abs sqrt exp ln log10 pow pwr min max sin cos");
 }
 
 static bool word(reader *r) {
   char text[WORD], first[WORD], second[WORD];
   size_t n = 0;
   const char *begin = r->at;
-  while (isalnum((unsigned char)begin[n]) || begin[n] == '_') n++;
+  while (isalnum((unsigned char)begin[n]) || begin[n] == '_' ||
+         (n && begin[n] == '.' && isalpha((unsigned char)begin[n + 1])))
+    n++;
   if (n == 0 || n >= sizeof text) return fail(r, "a number, v(...), i(...) or a name is wanted");
   for (size_t k = 0; k < n; k++) text[k] = (char)tolower((unsigned char)begin[k]);
   text[n] = '\0';
@@ -138,6 +141,8 @@ static bool word(reader *r) {
   int index;
   if (next(r) != '(') {
     index = r->scope->name(r->scope->ctx, begin, text);
+    if (index >= VS_FORMULA_TERMS)
+      return emit(r, (vs_op){.kind = TERM, .index = index - VS_FORMULA_TERMS}, 0);
     return index < 0 ? fail(r, "too many names")
                      : emit(r, (vs_op){.kind = NAME, .index = index}, 0);
   }
@@ -223,6 +228,35 @@ int vs_formula_name_of(const vs_op *op) {
 void vs_formula_bind(vs_formula *f, const double *values) {
   for (size_t k = 0; k < f->count; k++)
     if (f->ops[k].kind == NAME) f->ops[k].value = values[f->ops[k].index];
+}
+
+/* How many values wait at the most while the formula is evaluated. */
+static int depth_of(const vs_formula *f) {
+  int depth = 0, most = 0;
+  for (size_t k = 0; k < f->count; k++) {
+    int kind = f->ops[k].kind;
+    bool leaf = kind == NUMBER || kind == TERM || kind == NAME;
+    bool of_two = kind < NEGATE || (kind >= FUNCTIONS && FUNCTION[kind - FUNCTIONS].of_two);
+    depth += leaf ? 1 : of_two ? -1 : 0;
+    if (depth > most) most = depth;
+  }
+  return most;
+}
+
+bool vs_formula_put_in(vs_formula *f, int name, const vs_formula *by) {
+  size_t count = 0, n = 0;
+  for (size_t k = 0; k < f->count; k++)
+    count += vs_formula_name_of(&f->ops[k]) == name ? by->count : 1;
+  vs_op *ops = malloc(count * sizeof *ops);
+  if (!ops) abort();
+  for (size_t k = 0; k < f->count; k++) {
+    bool is_it = vs_formula_name_of(&f->ops[k]) == name;
+    memcpy(ops + n, is_it ? by->ops : &f->ops[k], (is_it ? by->count : 1) * sizeof *ops);
+    n += is_it ? by->count : 1;
+  }
+  free(f->ops);
+  *f = (vs_formula){ops, count};
+  return depth_of(f) <= VS_FORMULA_DEPTH;
 }
 
 bool vs_formula_is_term(const vs_formula *f, int *term, double *factor) {

@@ -4,9 +4,9 @@
  *
  *   numbers       2, 1e-3, 4.7u (ngspice's t g meg k m u n p f)
  *   terms         v(n), v(n,m), i(Vx)
- *   parameters    NAME or {NAME}; braces are brackets
+ *   parameters    NAME or {NAME}; braces are brackets; a NAME may have dots: a.x
  *   operators     + - * / ^ (binds tightest, from the right) and brackets
- *   functions     abs sqrt exp ln log10; pow(x,y); pwr(x,y) = sign(x) |x|^y; min max
+ *   functions     abs sqrt exp ln log10 sin cos; pow(x,y); pwr(x,y) = sign(x) |x|^y; min max
  *
  * The program evaluates it outside ngspice, so that a loss costs no Newton iteration. */
 #ifndef VS_SYNTAX_FORMULA_H
@@ -39,7 +39,9 @@ typedef struct vs_formula_term {
 } vs_formula_term;
 
 /* Gives the terms and parameters of a formula their numbers. Both functions return an index, or -1
- * where there is no room for more; `at` is where the word stands in the text. */
+ * where there is no room for more; `at` is where the word stands in the text. From
+ * VS_FORMULA_TERMS on, the index of a name says that it is a term, the one of that many less. */
+enum { VS_FORMULA_TERMS = 1 << 20 };
 typedef struct vs_formula_scope {
   void *ctx;
   int (*term)(void *ctx, const char *at, const vs_formula_term *term);
@@ -61,6 +63,10 @@ int vs_formula_name_of(const vs_op *op);
 
 /* Gives the formula's names their values, values[index]. */
 void vs_formula_bind(vs_formula *formula, const double *values);
+
+/* Puts another formula, which is not empty, wherever the formula has that name. Returns false where
+ * the result is too long to be evaluated. */
+bool vs_formula_put_in(vs_formula *formula, int name, const vs_formula *by);
 
 /* True where the formula, its names bound, is one term times a constant. Gives the term's index and
  * the constant then. */
