@@ -38,8 +38,8 @@ static vs_status fill_matrix(vs_machine *m, int sum, const double values[VS_MACH
   vs_status s = VS_OK;
   for (int i = 0; i < m->dof; i++)
     for (int j = 0; j < m->dof && !s; j++) {
-      snprintf(what, sizeof what, "%s of %s, %s", vs_machine_sum_words[sum],
-               m->coordinates[i].name, m->coordinates[j].name);
+      snprintf(what, sizeof what, "%s of %s, %s", vs_machine_sum_words[sum], m->coordinates[i].name,
+               m->coordinates[j].name);
       s = vs_expression_value(&m->sums[sum][i][j], values, what, &out[i][j], err);
     }
   return s;
@@ -67,9 +67,8 @@ static vs_status check_symmetric(const vs_machine *m, int sum, matrix a, vs_erro
       if (fabs(a[i][j] - a[j][i]) > ROUNDING * fmax(fabs(a[i][j]), fabs(a[j][i])))
         return vs_fail_at(err, m->sums[sum][i][j].where,
                           "%s is not symmetric: %s, %s is %.9g, and %s, %s is %.9g",
-                          vs_machine_sum_words[sum], m->coordinates[i].name,
-                          m->coordinates[j].name, a[i][j], m->coordinates[j].name,
-                          m->coordinates[i].name, a[j][i]);
+                          vs_machine_sum_words[sum], m->coordinates[i].name, m->coordinates[j].name,
+                          a[i][j], m->coordinates[j].name, m->coordinates[i].name, a[j][i]);
   return VS_OK;
 }
 
@@ -157,8 +156,7 @@ vs_status vs_assemble_model(vs_machine *m, vs_model *model, vs_error *err) {
   if (!s) s = fill_values(m, &model->parameters, 0, plain, err);
   if (!s) s = fill_matrix(m, VS_MACHINE_MASS, of[VS_MACHINE_MASS], model->mass, err);
   if (!s) s = fill_matrix(m, VS_MACHINE_DAMPING, of[VS_MACHINE_DAMPING], model->damping, err);
-  if (!s)
-    s = fill_matrix(m, VS_MACHINE_STIFFNESS, of[VS_MACHINE_STIFFNESS], model->stiffness, err);
+  if (!s) s = fill_matrix(m, VS_MACHINE_STIFFNESS, of[VS_MACHINE_STIFFNESS], model->stiffness, err);
   if (!s) s = fill_vector(m, "forces", m->forces, of[VS_MACHINE_FORCES], model->constant, err);
   if (!s) s = fill_vector(m, "gap.along", m->along, plain, model->along, err);
   if (s) return s;

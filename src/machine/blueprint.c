@@ -32,8 +32,7 @@ static vs_status read_let(vs_machine *m, const vs_node *node, vs_error *err) {
     return vs_fail_at(err, node->key_where, "more than %d lets", VS_MACHINE_LETS);
   snprintf(what, sizeof what, "let %.*s", VS_MACHINE_NAME - 1, node->key);
   vs_status s = vs_expression_read(m, node, VS_EXPRESSION_LET, what, &let, err);
-  if (!s)
-    s = vs_declare_name(m, node->key, (vs_machine_name){.choice = -1}, node->key_where, err);
+  if (!s) s = vs_declare_name(m, node->key, (vs_machine_name){.choice = -1}, node->key_where, err);
   if (s)
     vs_formula_free(&let.of);
   else
@@ -68,9 +67,10 @@ static int length_of(const vs_node *list) {
 static vs_status read_row(vs_machine *m, int sum, int row, const vs_node *list, vs_error *err) {
   const char *word = vs_machine_sum_words[sum];
   if (list->kind != VS_NODE_LIST || length_of(list) != m->dof)
-    return vs_fail_at(err, list->where, "%s: the row of %s has %d values; wanted: %d, one for each %s",
-                      word, m->coordinates[row].name,
-                      list->kind == VS_NODE_LIST ? length_of(list) : 1, m->dof, "coordinate");
+    return vs_fail_at(err, list->where,
+                      "%s: the row of %s has %d values; wanted: %d, one for each %s", word,
+                      m->coordinates[row].name, list->kind == VS_NODE_LIST ? length_of(list) : 1,
+                      m->dof, "coordinate");
   const vs_node *node = list->child;
   vs_status s = VS_OK;
   for (int j = 0; j < m->dof && !s; j++, node = node->next)
@@ -111,8 +111,8 @@ static vs_status read_by_coordinate(vs_machine *m, const vs_node *map, const cha
     const vs_node *node = vs_tree_child(map, names[k]);
     snprintf(each, sizeof each, "%s of %s", what, names[k]);
     if (node)
-      s = vs_error_carry_on(err, vs_expression_read(m, node, VS_EXPRESSION_CONSTANT, each, &out[k],
-                                                    err));
+      s = vs_error_carry_on(
+          err, vs_expression_read(m, node, VS_EXPRESSION_CONSTANT, each, &out[k], err));
   }
   return s;
 }
@@ -169,8 +169,7 @@ static vs_status read_load(vs_machine *m, vs_error *err) {
     return vs_fail_at(err, adds->where, "load.adds: no parameter '%s'%s%s%s", adds->text,
                       nearest ? "; did you mean '" : "", nearest ? nearest : "",
                       nearest ? "'?" : "");
-  if (!vs_units_same_kind(m->names[m->load.adds].unit, "kg") ||
-      m->names[m->load.adds].choice >= 0)
+  if (!vs_units_same_kind(m->names[m->load.adds].unit, "kg") || m->names[m->load.adds].choice >= 0)
     return vs_fail_at(err, adds->where, "load.adds: %s is no mass, in kg, as the load is",
                       adds->text);
   if (to->kind == VS_NODE_TEXT) return read_load_sum(m, to, err);
@@ -218,7 +217,8 @@ static vs_status read_probe(vs_machine *m, const vs_node *node, vs_error *err) {
   snprintf(probe.name, sizeof probe.name, "%s", node->key);
   s = vs_field_known_keys(node, what, KEYS, 3, err);
   if (!s) s = vs_declare_text(unit, what, probe.unit, sizeof probe.unit, err);
-  if (!s) s = vs_declare_text(vs_tree_child(node, "text"), what, probe.text, sizeof probe.text, err);
+  if (!s)
+    s = vs_declare_text(vs_tree_child(node, "text"), what, probe.text, sizeof probe.text, err);
   if (!s && !vs_units_known(probe.unit))
     s = vs_fail_at(err, unit->where, "%s: '%s' is no unit known here", what, probe.unit);
   if (!s) s = vs_expression_read(m, formula, VS_EXPRESSION_PROBE, what, &of, err);
@@ -241,12 +241,6 @@ static vs_status read_probes(vs_machine *m, vs_error *err) {
 }
 
 /* ---- the actuator ---- */
-
-static int law_word(const char *key) {
-  int k = 0;
-  while (k < VS_MACHINE_LAWS && strcmp(key, vs_machine_law_words[k]) != 0) k++;
-  return k;
-}
 
 /* The scene's section actuator with this file's defaults: of words and numbers they are shown and
  * read as any default, of lists and maps by machine/build.c. */
@@ -283,8 +277,8 @@ static vs_status read_actuator(vs_machine *m, vs_error *err) {
     const vs_node *node = vs_tree_child(m->own_actuator, vs_machine_law_words[k]);
     snprintf(what, sizeof what, "actuator.%s", vs_machine_law_words[k]);
     if (node)
-      s = vs_error_carry_on(
-          err, vs_expression_read(m, node, VS_EXPRESSION_LAW, what, &m->law[k], err));
+      s = vs_error_carry_on(err,
+                            vs_expression_read(m, node, VS_EXPRESSION_LAW, what, &m->law[k], err));
   }
   return s ? s : make_actuator(m, err);
 }

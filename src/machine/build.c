@@ -39,7 +39,7 @@ static void solve_mass(vs_model *model) {
 static double compliance(const vs_model *model) {
   double k[VS_MOST_DOF * VS_MOST_DOF], x[VS_MOST_DOF];
   size_t n = (size_t)model->dof;
-  memcpy(x, model->along, n * sizeof *x);
+  memcpy(x, model->along, sizeof x);
   for (int i = 0; i < model->dof; i++)
     if (model->stiffness[i][i] == 0) return INFINITY;
   for (int i = 0; i < model->dof; i++)
@@ -69,8 +69,8 @@ static vs_status find_speeds(vs_model *model, vs_error *err) {
   for (int k = 0; k < model->stops.count; k++) {
     const vs_stop *stop = &model->stops.item[k];
     double per_newton = fabs(model->per_newton_m_s2);
-    double rad_s =
-        model->fastest_rad_s + sqrt(stop->stiffness * per_newton) + stop->damping_ns_m * per_newton;
+    double rad_s = model->fastest_rad_s + sqrt(stop->kind->steepest(stop) * per_newton) +
+                   stop->damping_ns_m * per_newton;
     model->contact_rad_s = fmax(model->contact_rad_s, rad_s);
   }
   return VS_OK;
@@ -120,12 +120,20 @@ static const vs_node *without_law(merged *all, const vs_node *own) {
   *tail = NULL;
   for (const vs_node *n = own->child; n; n = n->next) {
     bool law = false;
-    for (int k = 0; k < VS_MACHINE_LAWS; k++)
-      law = law || !strcmp(n->key, vs_machine_law_words[k]);
+    for (int k = 0; k < VS_MACHINE_LAWS; k++) law = law || !strcmp(n->key, vs_machine_law_words[k]);
     if (!law) *tail = add_node(all, n);
     if (*tail) tail = &(*tail)->next;
   }
   return map;
+}
+
+/* True where the scene takes another law than the machine's own: the machine's keys, which may be
+ * of its law alone, then say nothing. */
+static bool names_other_law(const vs_node *scene, const vs_node *own) {
+  const vs_node *law = vs_tree_child(vs_tree_child(scene, "actuator"), "law"),
+                *standard = vs_tree_child(own, "law");
+  if (!law || law->kind != VS_NODE_TEXT) return false;
+  return !standard || standard->kind != VS_NODE_TEXT || strcmp(law->text, standard->text) != 0;
 }
 
 static vs_status build_actuator(const vs_node *map, vs_model *model, vs_error *err) {
@@ -146,7 +154,7 @@ static vs_status build_actuator(const vs_node *map, vs_model *model, vs_error *e
 
 /* Error: the scene has a load, and the machine has no place for it. */
 static vs_status check_load(const vs_machine *machine, const vs_node *load, vs_error *err) {
-  if (machine->load.adds >= 0 || machine->lost || !load || !load->child) return VS_OK;
+  if (machine->load.adds >= 0 || !load || !load->child) return VS_OK;
   return vs_fail_at(err, load->child->key_where,
                     "load.%s: machine %s has no load (its file has no key load); leave it out",
                     load->child->key, machine->path);
@@ -160,8 +168,8 @@ static vs_status read_sections(const vs_node *scene, const vs_node *actuator, vs
   const vs_section *section = &machine->section;
   vs_status s = vs_error_carry_on(err, check_load(machine, load, err));
   if (!s)
-    s = vs_field_section_read(section, machine->lost ? NULL : vs_tree_child(scene, section->name),
-                              &model->parameters, err);
+    s = vs_field_section_read(section, vs_tree_child(scene, section->name), &model->parameters,
+                              err);
   if (!s) s = vs_field_section_read(&machine->actuator, actuator, &model->actuator, err);
   return s ? s : vs_field_section_read(&vs_model_load_section, load, &model->load, err);
 }
@@ -170,6 +178,7 @@ vs_status vs_build_model(const vs_node *scene, vs_machine *machine, vs_model *mo
                          vs_error *err) {
   *model = (vs_model){.machine = machine, .dof = machine->dof};
   size_t found = vs_error_count(err);
+  if (machine->lost) return VS_OK; /* a check carries on; what else it would find may be an echo */
   merged all = {.count = 0};
   const vs_node *map = vs_tree_child(scene, "actuator"),
                 *own = without_law(&all, machine->own_actuator);
@@ -179,13 +188,18 @@ vs_status vs_build_model(const vs_node *scene, vs_machine *machine, vs_model *mo
   else if (own && (!map || (map->kind == VS_NODE_TEXT && !*map->text)))
     map = own;
   vs_status s = read_sections(scene, map, model, err);
-  if (s || machine->lost || vs_error_count(err) > found) return s;
+  if (s || vs_error_count(err) > found) return s;
   s = vs_assemble_model(machine, model, err);
-  if (!s && vs_error_count(err) == found) s = build_actuator(map, model, err);
+  if (!s && vs_error_count(err) == found)
+    s = build_actuator(names_other_law(scene, own) ? vs_tree_child(scene, "actuator") : map, model,
+                       err);
   if (s || vs_error_count(err) > found) return s;
   solve_mass(model);
   model->compliance_m_n = compliance(model);
   for (int i = 0; i < model->dof; i++) model->per_newton_m_s2 += model->along[i] * model->mf[i];
-  model->plain = model->coil.square && model->stops.count <= 1;
+  const vs_stop *first = model->stops.item;
+  model->plain =
+      model->coil.square &&
+      (!model->stops.count || (model->stops.count == 1 && first->kind->linear && first->side > 0));
   return find_speeds(model, err);
 }

@@ -261,8 +261,8 @@ static vs_status read_default(declaration *d, const vs_node *node, vs_error *err
     return vs_fail_at(err, value ? value->where : node->where,
                       "%s: a default is wanted: '20 kg', '[194 mm, 89 mm]', or a word of `choices`",
                       d->what);
-  int n = snprintf(d->default_text, sizeof d->default_text, "%s%s%s",
-                   pair ? x->text : value->text, pair ? ", " : "", pair ? y->text : "");
+  int n = snprintf(d->default_text, sizeof d->default_text, "%s%s%s", pair ? x->text : value->text,
+                   pair ? ", " : "", pair ? y->text : "");
   if (n < 0 || (size_t)n >= sizeof d->default_text)
     return vs_fail_at(err, value->where, "%s: too long a default", d->what);
   d->field.kind = choices ? VS_CHOICE : pair ? VS_PAIR : VS_REAL;
@@ -324,7 +324,9 @@ static vs_status add_parameter(vs_machine *m, const declaration *d, vs_where whe
     *name = (vs_machine_name){.choice = field.kind == VS_CHOICE ? choices : -1,
                               .unit = m->section.fields[m->section.count - 1].unit};
     snprintf(name->name, sizeof name->name, "%.*s%s", VS_MACHINE_NAME - 1, field.key,
-             n == 1 ? "" : k ? ".y" : ".x");
+             n == 1 ? ""
+             : k    ? ".y"
+                    : ".x");
   }
   m->n_parameters = m->n_names;
   return VS_OK;

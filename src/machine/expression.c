@@ -75,8 +75,7 @@ static vs_status unknown_name(const reader *r, const char *at, const char *name)
   for (int k = 0; k < m->n_names; k++) words[n++] = m->names[k].name;
   const char *nearest = vs_text_nearest(name, words, (size_t)n);
   return vs_fail_at(r->err, where, "%s: no parameter or let '%s'%s%s%s", r->what, name,
-                    nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                    nearest ? "'?" : "");
+                    nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
 }
 
 static int find_term(void *ctx, const char *at, const vs_formula_term *term) {
@@ -189,8 +188,8 @@ vs_status vs_expression_value(vs_expression *e, const double values[VS_MACHINE_N
   if (!e->text) return VS_OK;
   vs_formula_bind(&e->of, values);
   *value = vs_formula_value(&e->of, NULL);
-  return isfinite(*value) ? VS_OK
-                          : vs_fail_at(err, e->where,
-                                       "%s: the value is not finite (%g) with these parameters",
-                                       what, *value);
+  return isfinite(*value)
+             ? VS_OK
+             : vs_fail_at(err, e->where, "%s: the value is not finite (%g) with these parameters",
+                          what, *value);
 }

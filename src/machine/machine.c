@@ -19,9 +19,8 @@ const char *const vs_machine_sum_words[] = {[VS_MACHINE_MASS] = "mass",
                                             [VS_MACHINE_DAMPING] = "damping",
                                             [VS_MACHINE_STIFFNESS] = "stiffness",
                                             [VS_MACHINE_FORCES] = "forces"};
-const char *const vs_machine_law_words[] = {[VS_MACHINE_CURRENT] = "current",
-                                            [VS_MACHINE_ENERGY] = "energy",
-                                            [VS_MACHINE_FORCE] = "force"};
+const char *const vs_machine_law_words[] = {
+    [VS_MACHINE_CURRENT] = "current", [VS_MACHINE_ENERGY] = "energy", [VS_MACHINE_FORCE] = "force"};
 
 bool vs_machine_has_output(const vs_machine *machine, const char *name) {
   for (int k = 0; k < machine->dof; k++) {

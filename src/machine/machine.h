@@ -89,21 +89,16 @@ typedef struct vs_machine_load {
 } vs_machine_load;
 
 /* Formulas of the law. */
-enum {
-  VS_MACHINE_CURRENT,
-  VS_MACHINE_ENERGY,
-  VS_MACHINE_FORCE,
-  VS_MACHINE_LAWS
-};
+enum { VS_MACHINE_CURRENT, VS_MACHINE_ENERGY, VS_MACHINE_FORCE, VS_MACHINE_LAWS };
 extern const char *const vs_machine_law_words[VS_MACHINE_LAWS];
 
 /* Begin with vs_machine_begin; end with vs_machine_free. */
 typedef struct vs_machine {
   char path[VS_PATH_SIZE], title[VS_MACHINE_TEXT];
   vs_tree tree;
-  bool lost;          /* not all of the file could be read; a check carries on with the rest */
-  vs_section section; /* "machine": the key model, then the parameters. It fills a
-                         vs_machine_values. Fields and their texts are owned */
+  bool lost;           /* not all of the file could be read; a check carries on with the rest */
+  vs_section section;  /* "machine": the key model, then the parameters. It fills a
+                          vs_machine_values. Fields and their texts are owned */
   vs_section actuator; /* vs_actuator_section with the file's values for defaults. Owned likewise */
   vs_section start;    /* "start": the coordinates and their rates at t = 0; it fills an array of as
                           many doubles. Owned */
