@@ -64,13 +64,20 @@ static int length_of(const vs_node *list) {
   return n;
 }
 
+/* True where a comma inside a function's brackets has cut a formula in two. */
+static bool is_cut(const vs_node *list) {
+  for (const vs_node *n = list->child; n; n = n->next)
+    if (n->kind == VS_NODE_TEXT && strchr(n->text, '(') && !strchr(n->text, ')')) return true;
+  return false;
+}
+
 static vs_status read_row(vs_machine *m, int sum, int row, const vs_node *list, vs_error *err) {
   const char *word = vs_machine_sum_words[sum];
   if (list->kind != VS_NODE_LIST || length_of(list) != m->dof)
-    return vs_fail_at(err, list->where,
-                      "%s: the row of %s has %d values; wanted: %d, one for each %s", word,
-                      m->coordinates[row].name, list->kind == VS_NODE_LIST ? length_of(list) : 1,
-                      m->dof, "coordinate");
+    return vs_fail_at(err, list->where, "%s, row of %s: values: %d; wanted: %d, by coordinate%s",
+                      word, m->coordinates[row].name,
+                      list->kind == VS_NODE_LIST ? length_of(list) : 1, m->dof,
+                      is_cut(list) ? "; in a list a formula with a comma stands in quotes" : "");
   const vs_node *node = list->child;
   vs_status s = VS_OK;
   for (int j = 0; j < m->dof && !s; j++, node = node->next)
@@ -89,7 +96,7 @@ static vs_status read_matrix(vs_machine *m, int sum, vs_error *err) {
                       word);
   if (m->dof == 1 && node->kind == VS_NODE_TEXT) return read_entry(m, sum, 0, 0, node, err);
   if (node->kind != VS_NODE_LIST || length_of(node) != m->dof)
-    return vs_fail_at(err, node->where, "%s: %d rows; wanted: %d, one for each coordinate", word,
+    return vs_fail_at(err, node->where, "%s: rows: %d; wanted: %d, one for each coordinate", word,
                       node->kind == VS_NODE_LIST ? length_of(node) : 0, m->dof);
   const vs_node *row = node->child;
   vs_status s = VS_OK;
@@ -304,11 +311,11 @@ static vs_status read_all(vs_machine *m, vs_error *err) {
   if (!s)
     s = vs_error_carry_on(err, vs_declare_text(vs_tree_child(root, "title"), "title", m->title,
                                                sizeof m->title, err));
-  if (!s) s = vs_declare_coordinates(m, vs_tree_child(root, "coordinates"), err);
   size_t found = vs_error_count(err);
+  if (!s) s = vs_declare_coordinates(m, vs_tree_child(root, "coordinates"), err);
   if (!s) s = vs_declare_parameters(m, vs_tree_child(root, "parameters"), err);
   if (!s) s = read_lets(m, err);
-  if (s || !m->dof || vs_error_count(err) > found) return s; /* a name may be one of those lost */
+  if (s || !m->dof || vs_error_count(err) > found) return s; /* a name may be one that was lost */
   for (int sum = 0; sum < VS_MACHINE_FORCES && !s; sum++)
     s = vs_error_carry_on(err, read_matrix(m, sum, err));
   if (!s) s = vs_error_carry_on(err, read_forces(m, err));
