@@ -149,7 +149,9 @@ static void machine_rates(const void *of, double s, const double x[], double rat
   if (p->c->scheme->tells == TELLS_I) force = m->coil.a_hm * w * w / (z * z);
   if (p->c->scheme->tells == TELLS_FLUX) force = vs_coil_force(&m->coil, w, NAN);
   memcpy(rate, x + VS_DOF, sizeof(double[VS_DOF]));
-  vs_mechanics_accelerations(m, x, force, rate + VS_DOF);
+  double a[VS_MOST_DOF];
+  vs_mechanics_accelerations(m, x, x + VS_DOF, force, a);
+  memcpy(rate + VS_DOF, a, sizeof(double[VS_DOF]));
   rate[WORK] = -force * x[VS_DOF + P];
 }
 
@@ -180,7 +182,7 @@ static void show(const cosim *c) {
     vs_knot *k = &c->knots[n % 2];
     double z = conveyor_gap(m, c->x[n][P]), y = c->y[n], rate = c->y_rate[n];
     bool flux = c->scheme->form == COIL_FLUX;
-    memcpy(k->x, c->x[n], sizeof k->x);
+    memcpy(k->x, c->x[n], sizeof c->x[n]);
     k->t_s = n < c->substeps ? c->t_s + (double)n * sub : (double)(c->n + 1) * c->step_s;
     k->flux_wb = flux ? y : 2 * m->coil.a_hm * y / z;
     k->flux_rate_v = flux ? rate : 2 * m->coil.a_hm * (rate - y * k->x[VS_DOF + P] / z) / z;

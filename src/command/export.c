@@ -203,15 +203,15 @@ static void add_scene(vs_text *t, const vs_setup *s) {
       {"vs_step", largest_step(s), "s, the largest step; the error falls with its square"},
   };
   const param STOP[] = {
-      {"vs_stop_k", eva->stop.stiffness_n_m, "N/m, of the elastic stop at p = -D"},
-      {"vs_stop_c", eva->stop.damping_ns_m, "N s/m"},
+      {"vs_stop_k", eva->stop[0].stiffness, "N/m, of the elastic stop at p = -D"},
+      {"vs_stop_c", eva->stop[0].damping_ns_m, "N s/m"},
   };
   vs_text_add(t, "*\n* The scene, in SI. Change a value and run again.\n");
   add_params(t, ROWS, sizeof ROWS / sizeof *ROWS);
   for (int k = 0; k < 2 * s->model.dof; k++)
     vs_text_add(t, ".param vs_%s0=%.17g ; SI, %s\n", state_name(&s->model, k), s->start.x[k],
                 s->model.machine->start.fields[k].text);
-  if (eva->stop.present) add_params(t, STOP, sizeof STOP / sizeof *STOP);
+  if (eva->stop[0].present) add_params(t, STOP, sizeof STOP / sizeof *STOP);
 }
 
 /* Instants of the gate pulses as drive/timeline.c has them, from the parameters. Edges of 10 ns
@@ -311,7 +311,7 @@ static void add_machine(vs_text *t, const vs_setup *s) {
               "the voltage of\n* 1 F: 1 V is 1 mm, 1 mrad, 1 mm/s, 1 mrad/s; F, too, as 1 V/N.\n"
               ".global vs_p\n");
   vs_text_add(t, "Bvs_f vs_f 0 V = v(%s.lam)*v(%s.lam)/(4*({eva_a}))\n", eva, eva);
-  if (m->actuator.stop.present)
+  if (m->actuator.stop[0].present)
     vs_text_add(t, "Bvs_stop vs_stop 0 V = v(vs_p) < -1000*({vs_d}) ? "
                    "({vs_stop_k})*(v(vs_p)/1000+({vs_d}))+({vs_stop_c})*v(vs_vp)/1000 : 0\n");
   for (int i = 0; i < m->dof; i++) {
@@ -320,7 +320,7 @@ static void add_machine(vs_text *t, const vs_setup *s) {
     vs_text_add(t, "Cvs_v%s vs_v%s 0 1 ic={1000*vs_v%s0}\n", q, q, q);
     vs_text_add(t, "Bvs_%s 0 vs_%s I = v(vs_v%s)\n", q, q, q);
     vs_text_add(t, "Bvs_v%s 0 vs_v%s I = %.17g*%s", q, q, 1e3 * m->mf[i],
-                m->actuator.stop.present ? "(v(vs_f)+v(vs_stop))" : "v(vs_f)");
+                m->actuator.stop[0].present ? "(v(vs_f)+v(vs_stop))" : "v(vs_f)");
     for (int j = 0; j < 2 * m->dof; j++) {
       double rate = j < m->dof ? -m->mk_column[j][i] : -m->mb_column[j - m->dof][i];
       if (rate != 0)
@@ -363,7 +363,7 @@ static void add_commands(vs_text *t, const vs_setup *s, const column *columns, s
                  "  echo \"ERROR: ngspice gave up before the end of the run\"\n  quit 1\nend\n");
   for (size_t k = 0; k < count; k++)
     vs_text_add(t, "let %s = %s\n", columns[k].name, columns[k].value.text);
-  if (!s->model.actuator.stop.present)
+  if (!s->model.actuator.stop[0].present)
     vs_text_add(
         t, "if vecmin(p_m) < -vs_d\n  echo \"ERROR: the armature meets the pole cover (p = -D) "
            "and there is no stop; this is not physical\"\n  quit 1\nend\n");

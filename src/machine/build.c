@@ -147,15 +147,15 @@ static vs_status find_speeds(vs_model *model, vs_error *err) {
   for (int k = 0; k < model->stops.count; k++) {
     const vs_stop *stop = &model->stops.item[k];
     double per_newton = fabs(model->per_newton_m_s2);
-    double rad_s =
-        model->fastest_rad_s + sqrt(stop->stiffness * per_newton) + stop->damping_ns_m * per_newton;
+    double rad_s = model->fastest_rad_s + sqrt(stop->kind->steepest(stop) * per_newton) +
+                   stop->damping_ns_m * per_newton;
     model->contact_rad_s = fmax(model->contact_rad_s, rad_s);
   }
   return VS_OK;
 }
 
 vs_status vs_build_model(const vs_node *scene, vs_model *model, vs_error *err) {
-  *model = (vs_model){.machine = &vs_machine_conveyor};
+  *model = (vs_model){.machine = &vs_machine_conveyor, .dof = vs_machine_conveyor.dof};
   size_t found = vs_error_count(err);
   vs_status s = vs_field_section_read(&model->machine->section, vs_tree_child(scene, "machine"),
                                       &model->parameters, err);
@@ -169,7 +169,6 @@ vs_status vs_build_model(const vs_node *scene, vs_model *model, vs_error *err) {
   const conveyor c = conveyor_of(&model->parameters), *v = &c;
   const double b[3] = {v->spring_damping_ns_m, v->mount_damping_x_ns_m, v->mount_damping_y_ns_m};
   const double k[3] = {v->spring_stiffness_n_m, v->mount_stiffness_x_n_m, v->mount_stiffness_y_n_m};
-  model->dof = model->machine->dof;
   model->along[P] = 1;
   mounts_matrix(v, b, model->damping);
   mounts_matrix(v, k, model->stiffness);
@@ -179,6 +178,9 @@ vs_status vs_build_model(const vs_node *scene, vs_model *model, vs_error *err) {
   if (!s) s = solve_mass(model, err);
   if (!s) s = check_stiffness(model, err);
   for (int i = 0; i < model->dof; i++) model->per_newton_m_s2 += model->along[i] * model->mf[i];
-  model->plain = model->coil.square && model->stops.count <= 1;
+  const vs_stop *first = model->stops.item;
+  model->plain =
+      model->coil.square &&
+      (!model->stops.count || (model->stops.count == 1 && first->kind->linear && first->side > 0));
   return s ? s : find_speeds(model, err);
 }
