@@ -31,8 +31,10 @@ static vs_status read_let(vs_machine *m, const vs_node *node, vs_error *err) {
   if (k >= VS_MACHINE_LETS)
     return vs_fail_at(err, node->key_where, "more than %d lets", VS_MACHINE_LETS);
   snprintf(what, sizeof what, "let %.*s", VS_MACHINE_NAME - 1, node->key);
-  vs_status s = vs_expression_read(m, node, VS_EXPRESSION_LET, what, &let, err);
-  if (!s) s = vs_declare_name(m, node->key, (vs_machine_name){.choice = -1}, node->key_where, err);
+  const vs_expression_use use = {VS_EXPRESSION_LET, what, NULL};
+  vs_status s = vs_expression_read(m, node, &use, &let, err);
+  const vs_machine_name name = {.dimension = let.dimension, .choice = -1};
+  if (!s) s = vs_declare_name(m, node->key, name, node->key_where, err);
   if (s)
     vs_formula_free(&let.of);
   else
@@ -50,12 +52,27 @@ static vs_status read_lets(vs_machine *m, vs_error *err) {
 
 /* ---- matrices ---- */
 
+/* The dimension of what, times rates of the coordinates, is a force on a coordinate: a joule by
+ * its unit. With 1 for no second coordinate (column -1) it is that force itself.
+ *   M: J s2/(u_i u_j);  B: J s/(u_i u_j);  K: J/(u_i u_j);  f0: J/u_i */
+static vs_dimension dimension_of(const vs_machine *m, int sum, int row, int column) {
+  const int seconds[VS_MACHINE_SUMS] = {[VS_MACHINE_MASS] = 2, [VS_MACHINE_DAMPING] = 1};
+  vs_dimension joule = vs_dimension_of("J"), second = vs_dimension_of("s"),
+               by_row = vs_dimension_of(m->coordinates[row].unit),
+               by_column = vs_dimension_of(column < 0 ? "" : m->coordinates[column].unit);
+  vs_dimension force = vs_dimension_product(&joule, 1, &by_row, -1);
+  vs_dimension slope = vs_dimension_product(&force, 1, &by_column, -1);
+  return vs_dimension_product(&slope, 1, &second, seconds[sum]);
+}
+
 static vs_status read_entry(vs_machine *m, int sum, int row, int column, const vs_node *node,
                             vs_error *err) {
   char what[2 * VS_MACHINE_NAME + 24];
   snprintf(what, sizeof what, "%s of %s, %s", vs_machine_sum_words[sum], m->coordinates[row].name,
            m->coordinates[column].name);
-  return vs_expression_read(m, node, VS_EXPRESSION_CONSTANT, what, &m->sums[sum][row][column], err);
+  const vs_dimension wanted = dimension_of(m, sum, row, column);
+  const vs_expression_use use = {VS_EXPRESSION_CONSTANT, what, &wanted};
+  return vs_expression_read(m, node, &use, &m->sums[sum][row][column], err);
 }
 
 static int length_of(const vs_node *list) {
@@ -107,19 +124,22 @@ static vs_status read_matrix(vs_machine *m, int sum, vs_error *err) {
 
 /* ---- what stands by coordinates ---- */
 
-/* {COORDINATE: FORMULA, ...} */
-static vs_status read_by_coordinate(vs_machine *m, const vs_node *map, const char *what,
-                                    vs_expression out[VS_MACHINE_COORDINATES], vs_error *err) {
-  const char *names[VS_MACHINE_COORDINATES];
+/* {COORDINATE: FORMULA, ...}; along: it is how they open the gap, else they are forces. */
+static vs_status read_by_coordinate(vs_machine *m, const vs_node *map, bool along, vs_error *err) {
+  const char *names[VS_MACHINE_COORDINATES], *what = along ? "gap.along" : "forces";
   char each[2 * VS_MACHINE_NAME];
   for (int k = 0; k < m->dof; k++) names[k] = m->coordinates[k].name;
   vs_status s = vs_field_known_keys(map, what, names, (size_t)m->dof, err);
   for (int k = 0; k < m->dof && !s; k++) {
     const vs_node *node = vs_tree_child(map, names[k]);
+    vs_dimension metre = vs_dimension_of("m"), unit = vs_dimension_of(m->coordinates[k].unit),
+                 wanted = along ? vs_dimension_product(&metre, 1, &unit, -1)
+                                : dimension_of(m, VS_MACHINE_FORCES, k, -1);
+    const vs_expression_use use = {VS_EXPRESSION_CONSTANT, each, &wanted};
     snprintf(each, sizeof each, "%s of %s", what, names[k]);
     if (node)
       s = vs_error_carry_on(
-          err, vs_expression_read(m, node, VS_EXPRESSION_CONSTANT, each, &out[k], err));
+          err, vs_expression_read(m, node, &use, along ? &m->along[k] : &m->forces[k], err));
   }
   return s;
 }
@@ -127,7 +147,7 @@ static vs_status read_by_coordinate(vs_machine *m, const vs_node *map, const cha
 static vs_status read_forces(vs_machine *m, vs_error *err) {
   const vs_node *map;
   vs_status s = map_of(m, "forces", &map, err);
-  return s || !map ? s : read_by_coordinate(m, map, "forces", m->forces, err);
+  return s || !map ? s : read_by_coordinate(m, map, false, err);
 }
 
 static vs_status read_gap(vs_machine *m, vs_error *err) {
@@ -141,8 +161,8 @@ static vs_status read_gap(vs_machine *m, vs_error *err) {
   if (!is_map(along))
     return vs_fail_at(err, along ? along->where : m->where_along,
                       "gap: how the coordinates open it is wanted: gap: {along: {%s: 1}}",
-                      m->dof ? m->coordinates[0].name : "x");
-  return read_by_coordinate(m, along, "gap.along", m->along, err);
+                      m->coordinates[0].name);
+  return read_by_coordinate(m, along, true, err);
 }
 
 /* ---- the load ---- */
@@ -176,7 +196,8 @@ static vs_status read_load(vs_machine *m, vs_error *err) {
     return vs_fail_at(err, adds->where, "load.adds: no parameter '%s'%s%s%s", adds->text,
                       nearest ? "; did you mean '" : "", nearest ? nearest : "",
                       nearest ? "'?" : "");
-  if (!vs_units_same_kind(m->names[m->load.adds].unit, "kg") || m->names[m->load.adds].choice >= 0)
+  const vs_dimension mass = vs_dimension_of("kg");
+  if (!vs_dimension_fits(&m->names[m->load.adds].dimension, &mass))
     return vs_fail_at(err, adds->where, "load.adds: %s is no mass, in kg, as the load is",
                       adds->text);
   if (to->kind == VS_NODE_TEXT) return read_load_sum(m, to, err);
@@ -187,25 +208,25 @@ static vs_status read_load(vs_machine *m, vs_error *err) {
 
 /* ---- probes ---- */
 
-static int sole_name(void *ctx, const char *at, const char *name) {
-  (void)ctx, (void)at, (void)name;
-  return 0;
+static const vs_formula *the_probe(void *ctx, const char *name) {
+  (void)name;
+  return ctx;
 }
 
 /* Makes the formula give the probe in its unit, of which it gives the SI value. */
 static vs_status scale_probe(vs_machine_probe *probe, vs_error *err) {
-  static const vs_formula_scope scope = {.name = sole_name};
-  char text[64], why[8];
+  const vs_formula_scope scope = {
+      .ctx = &probe->of, .of_machine = true, .named_formula = the_probe};
+  char text[64], why[200];
   const char *bad;
   vs_formula shown = {0};
   double factor = vs_units_factor(probe->unit);
   if (factor == 1) return VS_OK;
   snprintf(text, sizeof text, "itself/%.17g", factor);
-  vs_formula_read(text, &scope, &shown, &bad, why, sizeof why);
-  bool good = vs_formula_put_in(&shown, 0, &probe->of);
+  const char *end = vs_formula_read(text, &scope, &shown, &bad, why, sizeof why);
   vs_formula_free(&probe->of);
   probe->of = shown;
-  return good ? VS_OK : vs_fail_at(err, probe->where, "probes.%s: too long a formula", probe->name);
+  return end ? VS_OK : vs_fail_at(err, probe->where, "probes.%s: %s", probe->name, why);
 }
 
 static vs_status read_probe(vs_machine *m, const vs_node *node, vs_error *err) {
@@ -228,7 +249,9 @@ static vs_status read_probe(vs_machine *m, const vs_node *node, vs_error *err) {
     s = vs_declare_text(vs_tree_child(node, "text"), what, probe.text, sizeof probe.text, err);
   if (!s && !vs_units_known(probe.unit))
     s = vs_fail_at(err, unit->where, "%s: '%s' is no unit known here", what, probe.unit);
-  if (!s) s = vs_expression_read(m, formula, VS_EXPRESSION_PROBE, what, &of, err);
+  const vs_dimension wanted = vs_dimension_of(probe.unit);
+  const vs_expression_use use = {VS_EXPRESSION_PROBE, what, &wanted};
+  if (!s) s = vs_expression_read(m, formula, &use, &of, err);
   if (s) return s;
   probe.of = of.of;
   s = scale_probe(&probe, err);
@@ -271,6 +294,8 @@ static vs_status make_actuator(vs_machine *m, vs_error *err) {
 }
 
 static vs_status read_actuator(vs_machine *m, vs_error *err) {
+  static const char *const units[VS_MACHINE_LAWS] = {
+      [VS_MACHINE_CURRENT] = "A", [VS_MACHINE_ENERGY] = "J", [VS_MACHINE_FORCE] = "N"};
   enum { MOST = 64 };
   const char *names[MOST];
   size_t n = 0;
@@ -282,10 +307,10 @@ static vs_status read_actuator(vs_machine *m, vs_error *err) {
   if (!s) s = vs_field_known_keys(m->own_actuator, "actuator", names, n, err);
   for (int k = 0; k < VS_MACHINE_LAWS && !s; k++) {
     const vs_node *node = vs_tree_child(m->own_actuator, vs_machine_law_words[k]);
+    const vs_dimension wanted = vs_dimension_of(units[k]);
+    const vs_expression_use use = {VS_EXPRESSION_LAW, what, &wanted};
     snprintf(what, sizeof what, "actuator.%s", vs_machine_law_words[k]);
-    if (node)
-      s = vs_error_carry_on(err,
-                            vs_expression_read(m, node, VS_EXPRESSION_LAW, what, &m->law[k], err));
+    if (node) s = vs_error_carry_on(err, vs_expression_read(m, node, &use, &m->law[k], err));
   }
   return s ? s : make_actuator(m, err);
 }

@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "syntax/units.h"
 
@@ -20,20 +19,20 @@ static bool is_name(const char *name) {
   return true;
 }
 
-/* Who has the name already; NULL: nobody. Capitals make no difference, as formulas know none. */
+/* Who has the name already; NULL: nobody. */
 static const char *owner_of(const vs_machine *m, const char *name) {
-  static const char *const TERMS[] = {"z", "lambda", "i", "force", "t"};
+  static const char *const TERMS[] = {"z", "lambda", "i", "force", "t", "pi"};
   for (size_t k = 0; k < sizeof TERMS / sizeof *TERMS; k++)
-    if (!strcasecmp(name, TERMS[k])) return "the program";
+    if (!strcmp(name, TERMS[k])) return "the program";
   for (int k = 0; k < m->n_names; k++)
-    if (!strcasecmp(name, m->names[k].name)) return k < m->n_parameters ? "a parameter" : "a let";
+    if (!strcmp(name, m->names[k].name)) return k < m->n_parameters ? "a parameter" : "a let";
   for (int k = 0; k < m->dof; k++) {
     const vs_coordinate *c = &m->coordinates[k];
-    if (!strcasecmp(name, c->name)) return "a coordinate";
-    if (!strcasecmp(name, c->rate) || !strcasecmp(name, c->rate2)) return "a coordinate's rate";
+    if (!strcmp(name, c->name)) return "a coordinate";
+    if (!strcmp(name, c->rate) || !strcmp(name, c->rate2)) return "a coordinate's rate";
   }
   for (int k = 0; k < m->n_probes; k++)
-    if (!strcasecmp(name, m->probes[k].name)) return "a probe";
+    if (!strcmp(name, m->probes[k].name)) return "a probe";
   return NULL;
 }
 
@@ -322,7 +321,7 @@ static vs_status add_parameter(vs_machine *m, const declaration *d, vs_where whe
   for (int k = 0; k < n; k++) {
     vs_machine_name *name = &m->names[m->n_names++];
     *name = (vs_machine_name){.choice = field.kind == VS_CHOICE ? choices : -1,
-                              .unit = m->section.fields[m->section.count - 1].unit};
+                              .dimension = vs_dimension_of(field.unit)};
     snprintf(name->name, sizeof name->name, "%.*s%s", VS_MACHINE_NAME - 1, field.key,
              n == 1 ? ""
              : k    ? ".y"

@@ -6,180 +6,194 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
-
-#include "syntax/units.h"
-
-vs_where vs_expression_place(const vs_expression *e, const char *at) {
-  vs_where where = e->where;
-  if (at && where.line > 0) where.column += vs_text_column(e->text, at) - 1;
-  return where;
-}
 
 /* ---- names ---- */
 
-enum { MOST_WORDS = VS_MACHINE_NAMES + VS_MACHINE_TERM_Q + 3 * VS_MACHINE_COORDINATES };
+enum { MOST_TERMS = VS_MACHINE_TERM_Q + 3 * VS_MACHINE_COORDINATES };
+
+/* A word that stands for a term. */
+typedef struct word {
+  const char *name, *unit; /* unit NULL: there is no such term */
+} word;
 
 typedef struct reader {
   const vs_machine *machine;
+  const vs_expression_use *use;
   vs_expression *expression;
-  vs_expression_kind kind;
-  const char *what;
-  vs_status status; /* of the names so far */
+  word terms[MOST_TERMS]; /* by the term's number */
+  vs_status status;       /* of the names so far */
   vs_error *err;
 } reader;
 
-/* The words that stand for terms: word, and the term's number. Returns how many there are. */
-static int term_words(const reader *r, const char *words[MOST_WORDS], int terms[MOST_WORDS]) {
-  static const char *const LAW[] = {"lambda", "z"};
-  static const char *const PROBE[] = {[VS_MACHINE_TERM_Z] = "z",
-                                      [VS_MACHINE_TERM_LAMBDA] = "lambda",
-                                      [VS_MACHINE_TERM_I] = "i",
-                                      [VS_MACHINE_TERM_FORCE] = "force"};
+static void know_terms(reader *r) {
+  static const word LAW[] = {{"lambda", "Wb"}, {"z", "m"}};
+  static const word PROBE[] = {[VS_MACHINE_TERM_Z] = {"z", "m"},
+                               [VS_MACHINE_TERM_LAMBDA] = {"lambda", "Wb"},
+                               [VS_MACHINE_TERM_I] = {"i", "A"},
+                               [VS_MACHINE_TERM_FORCE] = {"force", "N"}};
   const vs_machine *m = r->machine;
-  int n = 0;
-  if (r->kind == VS_EXPRESSION_CONSTANT) return 0;
-  if (r->kind != VS_EXPRESSION_PROBE) {
-    for (int k = 0; k < 2; k++, n++) words[n] = LAW[k], terms[n] = k;
-    return n;
+  if (r->use->kind == VS_EXPRESSION_CONSTANT) return;
+  if (r->use->kind != VS_EXPRESSION_PROBE) {
+    memcpy(r->terms, LAW, sizeof LAW);
+    return;
   }
-  for (int k = 0; k < 4; k++, n++) words[n] = PROBE[k], terms[n] = k;
+  memcpy(r->terms, PROBE, sizeof PROBE);
   for (int k = 0; k < m->dof; k++) {
     const vs_coordinate *c = &m->coordinates[k];
-    const char *const own[] = {c->name, c->rate, c->rate2};
-    for (int d = 0; d < 3; d++, n++)
-      words[n] = own[d], terms[n] = VS_MACHINE_TERM_Q + d * m->dof + k;
+    word *first = &r->terms[VS_MACHINE_TERM_Q + k];
+    first[0] = (word){c->name, c->unit};
+    first[m->dof] = (word){c->rate, c->rate_unit};
+    first[2 * m->dof] = (word){c->rate2, c->rate2_unit};
   }
-  return n;
+}
+
+static int named_term(void *ctx, const char *name) {
+  reader *r = ctx;
+  for (int k = 0; k < MOST_TERMS; k++)
+    if (r->terms[k].unit && !strcmp(r->terms[k].name, name)) {
+      r->expression->of_gap = true;
+      return k;
+    }
+  return -1;
+}
+
+static int find_name(const vs_machine *m, const char *name) {
+  for (int k = 0; k < m->n_names; k++)
+    if (!strcmp(m->names[k].name, name)) return k;
+  return -1;
+}
+
+/* The let of that index among the names, where it is made of lambda or z; NULL: it is not. */
+static const vs_expression *let_of_gap(const vs_machine *m, int name) {
+  const vs_expression *let = name < m->n_parameters ? NULL : &m->lets[name - m->n_parameters];
+  return let && let->of_gap ? let : NULL;
+}
+
+/* A let of lambda and z takes the place of its name, where these may be named. */
+static const vs_formula *named_formula(void *ctx, const char *name) {
+  reader *r = ctx;
+  const vs_expression *let = let_of_gap(r->machine, find_name(r->machine, name));
+  if (!let || (r->use->kind != VS_EXPRESSION_LET && r->use->kind != VS_EXPRESSION_LAW)) return NULL;
+  r->expression->of_gap = true;
+  return &let->of;
+}
+
+static vs_where place(const vs_expression *e, const char *at) {
+  vs_where where = e->where;
+  if (where.line > 0) where.column += vs_text_column(e->text, at) - 1;
+  return where;
 }
 
 /* True where the file has a let of that name which is not read yet. */
 static bool stands_below(const vs_machine *m, const char *name) {
-  const vs_node *lets = vs_tree_child(m->tree.root, "let");
-  for (const vs_node *n = lets ? lets->child : NULL; n; n = n->next)
-    if (n->key && !strcasecmp(n->key, name)) return true;
-  return false;
+  return vs_tree_child(vs_tree_child(m->tree.root, "let"), name) != NULL;
 }
 
 static vs_status unknown_name(const reader *r, const char *at, const char *name) {
   const vs_machine *m = r->machine;
-  const char *words[2 * MOST_WORDS];
-  int terms[MOST_WORDS], n = term_words(r, words, terms);
-  vs_where where = vs_expression_place(r->expression, at);
+  const char *names[MOST_TERMS + VS_MACHINE_NAMES], *what = r->use->what;
+  size_t n = 0;
+  vs_where where = place(r->expression, at);
   if (stands_below(m, name))
     return vs_fail_at(r->err, where, "%s: let '%s' is not read yet; a let names those above it",
-                      r->what, name);
-  if (r->kind == VS_EXPRESSION_CONSTANT && (!strcmp(name, "lambda") || !strcmp(name, "z")))
+                      what, name);
+  if (r->use->kind == VS_EXPRESSION_CONSTANT && (!strcmp(name, "lambda") || !strcmp(name, "z")))
     return vs_fail_at(r->err, where, "%s: %s is known to the formulas under actuator and probes",
-                      r->what, name);
-  for (int k = 0; k < m->n_names; k++) words[n++] = m->names[k].name;
-  const char *nearest = vs_text_nearest(name, words, (size_t)n);
-  return vs_fail_at(r->err, where, "%s: no parameter or let '%s'%s%s%s", r->what, name,
+                      what, name);
+  for (int k = 0; k < MOST_TERMS; k++)
+    if (r->terms[k].unit) names[n++] = r->terms[k].name;
+  for (int k = 0; k < m->n_names; k++) names[n++] = m->names[k].name;
+  const char *nearest = vs_text_nearest(name, names, n);
+  return vs_fail_at(r->err, where, "%s: no parameter or let '%s'%s%s%s", what, name,
                     nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
 }
 
-static int find_term(void *ctx, const char *at, const vs_formula_term *term) {
+static int take_name(void *ctx, const char *at, const char *name) {
   reader *r = ctx;
-  if (!r->status)
-    r->status = vs_fail_at(r->err, vs_expression_place(r->expression, at),
-                           "%s: %c(...) is of circuits; a machine has names alone", r->what,
-                           term->quantity);
-  return 0;
+  int k = find_name(r->machine, name);
+  if (r->status) return 0;
+  if (k < 0)
+    r->status = unknown_name(r, at, name);
+  else if (let_of_gap(r->machine, k))
+    r->status = vs_fail_at(
+        r->err, place(r->expression, at),
+        "%s: let '%s' is made of lambda or z; it is for the formulas under actuator alone",
+        r->use->what, name);
+  return k < 0 ? 0 : k;
 }
 
-/* A let of lambda and z may be named where these may be. */
-static vs_status check_use(const reader *r, const char *at, int name) {
-  const vs_machine *m = r->machine;
-  if (name < m->n_parameters || !m->lets[name - m->n_parameters].of_gap) return VS_OK;
-  if (r->kind == VS_EXPRESSION_LET || r->kind == VS_EXPRESSION_LAW) return VS_OK;
-  return vs_fail_at(r->err, vs_expression_place(r->expression, at),
-                    "%s: let '%s' is made of lambda or z; it is for the formulas under actuator",
-                    r->what, m->names[name].name);
+/* ---- units ---- */
+
+static vs_status check_units(const reader *r) {
+  vs_dimension terms[MOST_TERMS], names[VS_MACHINE_NAMES];
+  vs_dimension_fault fault;
+  vs_expression *e = r->expression;
+  for (int k = 0; k < MOST_TERMS; k++) terms[k] = vs_dimension_of(r->terms[k].unit);
+  for (int k = 0; k < r->machine->n_names; k++) names[k] = r->machine->names[k].dimension;
+  if (!vs_dimension_find(&e->of, terms, names, &e->dimension, &fault))
+    return vs_fail_at(r->err, place(e, e->text + fault.at), "%s: %s", r->use->what, fault.why);
+  return VS_OK;
 }
 
-static int find_name(void *ctx, const char *at, const char *name) {
-  reader *r = ctx;
-  const char *words[MOST_WORDS];
-  int terms[MOST_WORDS], n = term_words(r, words, terms);
-  for (int k = 0; k < n; k++)
-    if (!strcasecmp(words[k], name)) {
-      r->expression->of_gap = true;
-      return VS_FORMULA_TERMS + terms[k];
-    }
-  for (int k = 0; k < r->machine->n_names; k++)
-    if (!strcasecmp(r->machine->names[k].name, name)) {
-      if (!r->status) r->status = check_use(r, at, k);
-      return k;
-    }
-  if (!r->status) r->status = unknown_name(r, at, name);
-  return 0;
+static vs_status check_wanted(const reader *r) {
+  char found[VS_DIMENSION_TEXT], wanted[VS_DIMENSION_TEXT];
+  const vs_expression *e = r->expression;
+  if (!r->use->wanted || vs_dimension_fits(&e->dimension, r->use->wanted)) return VS_OK;
+  vs_dimension_text(&e->dimension, found);
+  vs_dimension_text(r->use->wanted, wanted);
+  return vs_fail_at(r->err, e->where, "%s: the formula is in %s; wanted: %s", r->use->what, found,
+                    wanted);
 }
 
 /* ---- reading ---- */
 
 /* A number with a unit, which stands behind a blank: "20 kN/m" is 20000. A formula never looks so.
- */
-static bool is_quantity(const char *text, double *si) {
-  char *end, why[8];
+ * Returns the unit; NULL: it is none. */
+static const char *unit_of_quantity(const char *text, double *si) {
+  char *end, why[200];
   double value = strtod(text, &end);
-  if (end == text || !isfinite(value) || *end != ' ') return false;
+  if (end == text || !isfinite(value) || *end != ' ') return NULL;
   end += strspn(end, " ");
-  if (!isalpha((unsigned char)*end) && (unsigned char)*end < 0x80) return false;
-  return vs_units_known(end) && vs_units_read(text, end, si, why, sizeof why);
+  if (!isalpha((unsigned char)*end) && (unsigned char)*end < 0x80) return NULL;
+  return vs_units_known(end) && vs_units_read(text, end, si, why, sizeof why) ? end : NULL;
 }
 
-/* Puts the lets that are made of lambda and z in the places of their names. */
-static vs_status put_lets_in(const reader *r) {
-  const vs_machine *m = r->machine;
-  vs_expression *e = r->expression;
-  for (int k = m->n_names - m->n_parameters; k-- > 0;) {
-    bool named = false;
-    for (size_t n = 0; n < e->of.count && !named; n++)
-      named = vs_formula_name_of(&e->of.ops[n]) == m->n_parameters + k;
-    if (!named || !m->lets[k].of_gap) continue;
-    e->of_gap = true;
-    if (!vs_formula_put_in(&e->of, m->n_parameters + k, &m->lets[k].of))
-      return vs_fail_at(r->err, e->where, "%s: too long a formula, with its lets", r->what);
-  }
-  return VS_OK;
-}
-
-static vs_status read_formula(reader *r) {
+static vs_status parse(reader *r, const char *text) {
   vs_expression *e = r->expression;
   char why[200] = "an operator or the end of the formula is wanted here";
   const char *bad = NULL;
-  const vs_formula_scope scope = {r, find_term, find_name};
-  const char *end = vs_formula_read(e->text, &scope, &e->of, &bad, why, sizeof why);
+  const vs_formula_scope scope = {.ctx = r,
+                                  .name = take_name,
+                                  .of_machine = true,
+                                  .named_term = named_term,
+                                  .named_formula = named_formula};
+  const char *end = vs_formula_read(text, &scope, &e->of, &bad, why, sizeof why);
   if (end) end += strspn(end, " \t\n");
   if (r->status) return r->status;
-  if (!end || *end)
-    return vs_fail_at(r->err, vs_expression_place(e, end ? end : bad), "%s: %s%s", r->what, why,
-                      strchr(e->text, '(') && !strchr(e->text, ')')
-                          ? "; inside [ ] or { } a formula with a comma stands in quotes"
-                          : "");
-  return put_lets_in(r);
+  return end && !*end ? VS_OK
+                      : vs_fail_at(r->err, place(e, end ? end : bad), "%s: %s", r->use->what, why);
 }
 
 vs_status vs_expression_read(const vs_machine *machine, const vs_node *node,
-                             vs_expression_kind kind, const char *what, vs_expression *out,
-                             vs_error *err) {
-  reader r = {machine, out, kind, what, VS_OK, err};
+                             const vs_expression_use *use, vs_expression *out, vs_error *err) {
+  reader r = {.machine = machine, .use = use, .expression = out, .err = err};
   char number[VS_NUMBER_SIZE];
-  double si;
+  double si = 0;
   *out = (vs_expression){.where = node->where};
   if (node->kind != VS_NODE_TEXT || !*node->text)
-    return vs_fail_at(err, node->where, "%s: a formula or a number is wanted", what);
+    return vs_fail_at(err, node->where, "%s: a formula or a number is wanted", use->what);
   out->text = node->text;
-  if (!is_quantity(out->text, &si)) {
-    vs_status status = read_formula(&r);
-    if (status) vs_formula_free(&out->of);
-    return status;
-  }
-  const char *bad = NULL, *sign = signbit(si) ? "-" : "";
-  snprintf(number, sizeof number, "%s%.17g", sign, fabs(si));
-  const vs_formula_scope scope = {&r, find_term, find_name};
-  vs_formula_read(number, &scope, &out->of, &bad, (char[8]){0}, 8);
-  return VS_OK;
+  know_terms(&r);
+  const char *unit = unit_of_quantity(node->text, &si);
+  snprintf(number, sizeof number, "%.17g", si);
+  vs_status status = parse(&r, unit ? number : node->text);
+  if (!status && !unit) status = check_units(&r);
+  if (unit) out->dimension = vs_dimension_of(unit);
+  if (!status) status = check_wanted(&r);
+  if (!status) return VS_OK;
+  vs_formula_free(&out->of);
+  *out = (vs_expression){0};
+  return status;
 }
 
 vs_status vs_expression_value(vs_expression *e, const double values[VS_MACHINE_NAMES],

@@ -13,15 +13,18 @@ typedef enum vs_expression_kind {
   VS_EXPRESSION_PROBE     /* what a probe may: VS_MACHINE_TERM_... */
 } vs_expression_kind;
 
-/* Reads the node's formula, or its number with a unit ("20 kN/m", with a blank between). what: its
- * name in messages. Errors with their place in the text: it is no formula; it names what is not
- * known, or not allowed. */
-vs_status vs_expression_read(const vs_machine *machine, const vs_node *node,
-                             vs_expression_kind kind, const char *what, vs_expression *out,
-                             vs_error *err);
+/* What a formula is read for. */
+typedef struct vs_expression_use {
+  vs_expression_kind kind;
+  const char *what;           /* its name in messages */
+  const vs_dimension *wanted; /* what it must have; NULL: it may have any */
+} vs_expression_use;
 
-/* The place of a character of the expression's text; NULL: of its first. */
-vs_where vs_expression_place(const vs_expression *expression, const char *at);
+/* Reads the node's formula, or its number with a unit ("20 kN/m", with a blank between), into out,
+ * which keeps nothing after an error. Errors with their place in the text: it is no formula; it
+ * names what is not known, or not allowed; its units do not fit. */
+vs_status vs_expression_read(const vs_machine *machine, const vs_node *node,
+                             const vs_expression_use *use, vs_expression *out, vs_error *err);
 
 /* Evaluates an expression with these values of the machine's names, in SI. Error: the value is not
  * finite. */

@@ -9,6 +9,7 @@
 #define VS_MACHINE_MACHINE_H
 
 #include "base/path.h"
+#include "syntax/dimension.h"
 #include "syntax/field.h"
 #include "syntax/formula.h"
 #include "syntax/tree.h"
@@ -44,9 +45,8 @@ typedef struct vs_machine_values {
  * value has its place in vs_machine_values.real. */
 typedef struct vs_machine_name {
   char name[VS_MACHINE_NAME + 2];
-  const char *unit; /* of a parameter; the machine's section owns it. NULL: a let's follows from
-                       its formula */
-  int choice;       /* a choice's index in vs_machine_values.choice; -1: it is no choice */
+  vs_dimension dimension;
+  int choice; /* a choice's index in vs_machine_values.choice; -1: it is no choice */
 } vs_machine_name;
 
 /* A formula as the file has it. */
@@ -54,7 +54,8 @@ typedef struct vs_expression {
   const char *text; /* NULL: the file has none, and its value is 0 */
   vs_where where;
   vs_formula of;
-  bool of_gap; /* lambda or z occur in it, also by a let: it has these as terms 0 and 1 */
+  bool of_gap; /* it has terms, also by a let; of lambda and z these are 0 and 1 */
+  vs_dimension dimension;
 } vs_expression;
 
 /* A named output beside the coordinates. The terms of its formula are numbered as follows: z,
