@@ -27,7 +27,7 @@ static const vs_mode *working_mode(const vs_mode modes[VS_STATES]) {
 }
 
 double floquet_mass(const vs_model *model) {
-  vs_mode modes[VS_STATES];
+  vs_mode modes[VS_MOST_STATES];
   if (!vs_mechanics_modes(model, modes)) return NAN;
   const vs_mode *w = working_mode(modes);
   return 1 / (2 * w->drive * 2 * M_PI * w->frequency_hz);

@@ -38,7 +38,7 @@ static void invert(double m[4][4], double out[4][4]) {
   }
 }
 
-static void springs(const vs_machine_values *m, double k, double kx, double ky, double out[4][4]) {
+static void springs(const conveyor_values *m, double k, double kx, double ky, double out[4][4]) {
   const double *mount[2] = {m->mount_3_m, m->mount_4_m};
   memset(out, 0, sizeof(double[4][4]));
   out[0][0] = 2 * k;
@@ -55,7 +55,7 @@ static void springs(const vs_machine_values *m, double k, double kx, double ky, 
 }
 
 static void build_machine(solver *s) {
-  const vs_machine_values *m = &s->scene->machine;
+  const conveyor_values *m = &s->scene->machine;
   const vs_load_values *load = &s->scene->load;
   double mk = m->trough_mass_kg + load->fraction * load->density_kg_m3 * load->volume_m3;
   double x = m->trough_com_m[0] - m->base_com_m[0], y = m->trough_com_m[1] - m->base_com_m[1];
@@ -166,7 +166,7 @@ static int rates(double t_s, const double y[], double rate[], void *ctx) {
   const vs_actuator_values *coil = &s->scene->actuator;
   if (s->touching)
     push +=
-        coil->stop.stiffness_n_m * (-coil->gap_m - y[0]) - coil->stop.damping_ns_m * y[VELOCITY];
+        coil->stop[0].stiffness * (-coil->gap_m - y[0]) - coil->stop[0].damping_ns_m * y[VELOCITY];
   memcpy(rate, y + VELOCITY, sizeof(double[4]));
   accelerate(s, y, push, rate + VELOCITY);
   if (s->scene->kind == ORACLE_SNUBBED)
@@ -334,7 +334,7 @@ bool oracle_run(const oracle_scene *scene, double *table, oracle_events *events)
   s.omega = 2 * M_PI * o.supply.frequency_hz;
   s.period_s = 1 / o.supply.frequency_hz;
   s.peak_v = sqrt(2) * o.supply.voltage_v;
-  memcpy(s.y, o.start.x, sizeof o.start.x);
+  memcpy(s.y, o.start.x, sizeof(double[VS_STATES]));
   s.touching = o.actuator.stop[0].present && s.y[0] < -o.actuator.gap_m;
   s.system = (gsl_odeiv2_system){rates, NULL, STATES, &s};
   s.step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, STATES);
@@ -355,7 +355,7 @@ static double deck_value(const vs_setup *setup, const char *key) {
 
 oracle_scene oracle_of(const vs_setup *setup, oracle_kind kind) {
   oracle_scene o = {.kind = kind,
-                    .machine = setup->model.machine,
+                    .machine = conveyor_values_of(&setup->model),
                     .actuator = setup->model.actuator,
                     .load = setup->model.load,
                     .supply = setup->timeline.supply,

@@ -8,6 +8,7 @@
 
 #include <stddef.h>
 
+#include "conveyor.h"
 #include "sim/sim.h"
 
 enum {
@@ -44,7 +45,7 @@ typedef struct oracle_circuit {
 
 typedef struct oracle_scene {
   oracle_kind kind;
-  vs_machine_values machine;
+  conveyor_values machine;
   vs_actuator_values actuator;
   vs_load_values load;
   vs_supply_values supply;

@@ -149,7 +149,9 @@ static void machine_rates(const void *of, double s, const double x[], double rat
   if (p->c->scheme->tells == TELLS_I) force = m->coil.a_hm * w * w / (z * z);
   if (p->c->scheme->tells == TELLS_FLUX) force = vs_coil_force(&m->coil, w, NAN);
   memcpy(rate, x + VS_DOF, sizeof(double[VS_DOF]));
-  vs_mechanics_accelerations(m, x, force, rate + VS_DOF);
+  double a[VS_MOST_DOF];
+  vs_mechanics_accelerations(m, x, x + VS_DOF, force, a);
+  memcpy(rate + VS_DOF, a, sizeof(double[VS_DOF]));
   rate[WORK] = -force * x[VS_DOF + P];
 }
 

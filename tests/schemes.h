@@ -15,6 +15,7 @@
 #ifndef VS_TESTS_SCHEMES_H
 #define VS_TESTS_SCHEMES_H
 
+#include "conveyor.h"
 #include "drive/timeline.h"
 #include "machine/mechanics.h"
 #include "sim/step.h"

@@ -197,7 +197,7 @@ static void a_value_that_failed_leaves_its_default(void) {
     CU_ASSERT_EQUAL(vs_scene_read("s.yaml", NULL, 0, NULL, s, &err), VS_OK);
     remove("s.yaml");
     CU_ASSERT_EQUAL(vs_error_count(&err), ROWS[k].found);
-    const vs_machine_values *m = &s->setup.model.machine;
+    const conveyor_values values = conveyor_values_of(&s->setup.model), *m = &values;
     CLOSE(m->trough_mass_kg, 0.83, 1e-15);
     CLOSE(m->base_com_m[0], k ? 0.194 : 0.001, 1e-15);
     CLOSE(m->base_com_m[1], 0.089, 1e-15);

@@ -20,7 +20,7 @@ static void modes_have_their_frequencies(void) {
   static const double PAPER[4] = {8.33011423, 16.72221123, 31.61794792, 56.57710805};
   static const double DERIVED[4] = {8.32990797, 16.72157209, 31.63857348, 56.54844917};
   static const double TAU[4] = {58.090078, 14.487634, 4.0159056, 0.57104797};
-  vs_mode modes[VS_STATES];
+  vs_mode modes[VS_MOST_STATES];
   vs_model m = model_of("machine.m14=paper");
   CU_ASSERT_TRUE_FATAL(vs_mechanics_modes(&m, modes));
   for (int k = 0; k < 4; k++) {
@@ -62,8 +62,8 @@ static void state_space_is_the_equation_of_motion(void) {
   vs_state_space s;
   vs_mechanics_state_space(&m, &s);
   const double x[VS_STATES] = {1e-3, -2e-4, 3e-4, 1e-2, 0.3, -0.05, 0.02, 1.5}, force = 90;
-  double a[VS_DOF];
-  vs_mechanics_accelerations(&m, x, force, a);
+  double a[VS_MOST_DOF];
+  vs_mechanics_accelerations(&m, x, x + VS_DOF, force, a);
   for (int i = 0; i < VS_DOF; i++) {
     double from_space = -s.b[i][P] * force, q = 0;
     for (int j = 0; j < VS_DOF; j++) {

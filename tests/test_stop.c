@@ -41,7 +41,9 @@ static void plain_rates(const vs_setup *s, double t, const double y[9], bool on,
   double depth = -m->actuator.gap_m - y[P];
   double stop = depth > 0 ? 2e7 * depth - 500 * y[VS_DOF + P] : 0; /* pushes p up */
   double current = y[8] * (m->coil.gap_rest_m + y[P]) / (2 * m->coil.a_hm);
-  vs_mechanics_accelerations(m, y, y[8] * y[8] / (4 * m->coil.a_hm) - stop, rate + 4);
+  double a[VS_MOST_DOF];
+  vs_mechanics_accelerations(m, y, y + VS_DOF, y[8] * y[8] / (4 * m->coil.a_hm) - stop, a);
+  memcpy(rate + 4, a, sizeof(double[4]));
   for (int i = 0; i < 4; i++) rate[i] = y[4 + i];
   rate[8] = on ? vs_timeline_voltage(&s->timeline, t) - m->actuator.resistance_ohm * current : 0;
 }

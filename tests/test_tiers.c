@@ -268,7 +268,7 @@ static vs_status take_apart(void *ctx, const vs_step *step, vs_error *err) {
   vs_step_at(step, t, all);
   for (int c = 0; c < vs_channel_count(step->frame); c++) {
     for (int k = 0; k < VS_CH_MOST; k++) one[k] = NAN;
-    vs_step_groups_at(step, t, vs_channel_groups(&c, 1), one);
+    vs_step_groups_at(step, t, vs_channel_groups(step->frame->model, &c, 1), one);
     *different += !(one[c] == all[c]) || !(vs_step_channel(step, t, c) == all[c]);
   }
   return VS_OK;

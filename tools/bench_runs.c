@@ -23,6 +23,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "conveyor.h"
 #include "drive/signals.h"
 #include "scene/scene.h"
 #include "solver/ng.h"
@@ -125,7 +126,7 @@ static double run_stored(const vs_scene *scene, record *r) {
   vs_observer observer = {r, store};
   r->rows = 0;
   r->steps = 0;
-  r->parts = vs_channel_groups(RECORDED, COLUMNS);
+  r->parts = vs_channel_groups(&scene->setup.model, RECORDED, COLUMNS);
   double spent = run_timed(scene, &observer);
   if (r->rows != ROWS) give_up("the run did not reach its end");
   return spent;

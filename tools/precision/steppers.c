@@ -57,7 +57,9 @@ static int rates(double t_s, const double x[], double rate[], void *ctx) {
   const ode *o = ctx;
   double slope, i = o->driven ? current(t_s, &slope) : 0;
   memcpy(rate, x + VS_DOF, sizeof(double[VS_DOF]));
-  vs_mechanics_accelerations(o->model, x, force.force_per_a2 * i * i, rate + VS_DOF);
+  double a[VS_MOST_DOF];
+  vs_mechanics_accelerations(o->model, x, x + VS_DOF, force.force_per_a2 * i * i, a);
+  memcpy(rate + VS_DOF, a, sizeof(double[VS_DOF]));
   return GSL_SUCCESS;
 }
 
