@@ -19,6 +19,7 @@ typedef struct phases {
   vs_knot knots[2]; /* the last accepted one is knots[now], the one to come the other */
   int now;
   vs_driven driven;          /* what drives the machine from the last knot on */
+  bool valve;                /* a thyristor stands between mains and coil */
   bool disturbed;            /* the scene has events */
   double jams_s;             /* when the armature jams; INFINITY: never */
   double began_s;            /* where local time began, and with it the mains' wave */
@@ -64,19 +65,24 @@ static vs_status show(phases *p, vs_event event, vs_error *err) {
 /* Returns when u falls through zero next, in local time, or `most_s` where that comes first. */
 static double mains_turn(const phases *p, double most_s) {
   const vs_wave *u = &p->driven.mains;
+  if (!u->count) return INFINITY;
   if (!p->disturbed) return (M_PI - u->sine[0].phase_rad) / u->sine[0].omega_rad_s;
   return fmin(vs_wave_turns(u, -1, p->since_s, most_s), most_s); /* NaN: it does not */
 }
 
 /* Sets what is large for the coordinates: how far the force of a large flux linkage moves each of
- * them at the working mode. One that the force does not move gets 1e-6 of what the gap gets. */
+ * them at the working mode, or where nothing holds the machine how far they go as the gap closes.
+ * One that the force does not move gets 1e-6 of what the gap gets. */
 static void find_coordinates(phases *p) {
   const vs_model *m = &p->setup->model;
   double w = m->working_rad_s > 0 ? m->working_rad_s : m->fastest_rad_s;
-  double force = vs_coil_force(&m->coil, p->driven.flux_wb, m->coil.gap_rest_m);
-  for (int i = 0; i < m->dof; i++)
-    p->driven.coordinate[i] =
-        fmax(fabs(m->mf[i]), 1e-6 * fabs(m->per_newton_m_s2)) * force / (w * w);
+  double force = fabs(vs_coil_force(&m->coil, p->driven.flux_wb, m->coil.gap_rest_m));
+  double per_newton = fabs(m->per_newton_m_s2), closes = m->coil.gap_rest_m / per_newton;
+  bool held = m->plain || force / (w * w) < closes;
+  for (int i = 0; i < m->dof; i++) {
+    double own = fmax(fabs(m->mf[i]), 1e-6 * per_newton);
+    p->driven.coordinate[i] = held ? own * force / (w * w) : own * closes;
+  }
 }
 
 /* A flux linkage below this, relative to that of the mains, is none: it comes from a voltage that
@@ -88,6 +94,7 @@ static const double FAINT = 1e-9;
 static void rescale(phases *p, double t_s) {
   const vs_timeline *line = p->driven.frame->timeline;
   const vs_wave *wave = &p->driven.mains;
+  if (!p->valve) return; /* as find_scales has it */
   double most = fmin(vs_wave_edge(line, t_s) - t_s, line->period_s), flux = 0;
   double half = fmin(vs_wave_turns(wave, -1, 0, most), most) / 2;
   for (size_t k = 0; k < wave->count; k++) { /* its integral: cosines' difference */
@@ -218,7 +225,7 @@ static void make_series(phases *p, double span_s) {
  * lambda lies behind it. Disturbed, the series itself is asked for its first fall. */
 static bool flux_ends(const phases *p, double full_s, double *lower_s, double *upper_s) {
   double turn;
-  if (!p->driven.conducting) return false;
+  if (!p->driven.conducting || !p->valve) return false;
   if (p->disturbed)
     return vs_series_flux_falls(&p->series, full_s, NOTHING * p->driven.flux_wb, lower_s, upper_s);
   turn = mains_turn(p, INFINITY) - p->since_s;
@@ -261,7 +268,8 @@ static ending find_ending(const phases *p, double *length) {
  * books are held against a hundredth of what is drawn (watch/energy.h). */
 static double books_factor(const phases *p) {
   if (!p->disturbed || !p->driven.conducting) return 1;
-  double slower = p->setup->timeline.omega_rad_s / p->driven.mains.highest_rad_s;
+  double fastest = p->driven.mains.highest_rad_s;
+  double slower = fastest > 0 ? p->setup->timeline.omega_rad_s / fastest : 1;
   return slower * (p->driven.held ? 0.01 : 1);
 }
 
@@ -282,7 +290,7 @@ static double reach(const phases *p, const vs_series *s) {
 /* Has lambda died away, and do the mains keep it at 0? */
 static bool is_over(phases *p) {
   double flux = fabs(p->knots[1 - p->now].flux_wb);
-  if (!p->disturbed || !p->driven.conducting) return false;
+  if (!p->disturbed || !p->driven.conducting || !p->valve) return false;
   p->largest_wb = fmax(p->largest_wb, flux);
   return flux <= OVER * p->largest_wb && vs_wave_is_silent(&p->driven.mains);
 }
@@ -292,7 +300,7 @@ static double longest_by_series(const phases *p) {
                    : p->driven.conducting ? p->longest_driven_s
                                           : p->longest_s;
   if (p->disturbed && p->driven.conducting)
-    longest = fmin(longest, 1 / p->driven.mains.highest_rad_s);
+    longest = fmin(longest, 1 / p->driven.mains.highest_rad_s); /* INFINITY: direct */
   return longest;
 }
 
@@ -386,11 +394,17 @@ static vs_status go(phases *p, double end_s, vs_error *err) {
   return drive_until(p, end_s, err);
 }
 
-/* Sets what is large: for lambda what the mains can build up from the firing angle on, for the
- * coordinates what its force moves. */
+/* Sets what is large: for lambda what the mains can build up from the firing angle on, or what
+ * direct voltage builds up in the coil's time constant; for the coordinates what its force moves.
+ */
 static void find_scales(phases *p) {
   const vs_timeline *line = &p->setup->timeline;
-  p->driven.flux_wb = line->peak_v / line->omega_rad_s * (1 + cos(line->firing.angle_rad));
+  double angle = p->valve ? line->firing.angle_rad : 0;
+  p->driven.flux_wb = line->peak_v / line->omega_rad_s * (1 + cos(angle));
+  if (line->supply.direct) {
+    const vs_coil *coil = &p->setup->model.coil;
+    p->driven.flux_wb = line->peak_v * fmin(coil->rest_h / coil->resistance_ohm, line->period_s);
+  }
   find_coordinates(p);
 }
 
@@ -417,6 +431,7 @@ static vs_status go_disturbed(phases *p, double end_s, vs_error *err) {
 static double next_firing(const phases *p, double t_s) {
   const vs_timeline *line = &p->setup->timeline;
   if (p->driven.conducting) return INFINITY;
+  if (!p->valve) return 0; /* it conducts from the beginning */
   return p->disturbed ? vs_wave_conduction(line, t_s, p->setup->run.until_s)
                       : vs_gate_next_conduction(line, t_s);
 }
@@ -426,9 +441,12 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
   const vs_model *m = &setup->model;
   double until = setup->run.until_s, tolerance = setup->run.tolerance;
   double mains = setup->timeline.omega_rad_s;
-  double coil = m->actuator.resistance_ohm * m->coil.gap_rest_m / (2 * m->coil.a_hm);
+  double coil = m->coil.square
+                    ? m->actuator.resistance_ohm * m->coil.gap_rest_m / (2 * m->coil.a_hm)
+                    : m->actuator.resistance_ohm / m->coil.rest_h;
   phases p = {.setup = setup, .observer = observer, .rough = fmin(ROUGH * tolerance, ROUGHEST)};
   p.negligible = 1e-3 * p.rough;
+  p.valve = !setup->timeline.firing.no_valve;
   p.disturbed = setup->timeline.events.count > 0;
   p.jams_s = vs_setup_jams(setup);
   p.driven = (vs_driven){.frame = frame};
@@ -439,7 +457,7 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
   p.longest_driven_s = longest_step(&p, 1, fmax(fmax(m->fastest_rad_s, mains), coil / 8));
   p.longest_touching_s = fmin(longest_step(&p, 1, m->contact_rad_s), p.longest_driven_s);
   vs_propagator_make(&p.propagator, m, false, p.longest_s);
-  p.by_series = m->plain;
+  p.by_series = m->plain && !setup->timeline.supply.direct;
   vs_general_begin(&p.general, m->dof);
   vs_status status = vs_sim_refuse_endless(setup, p.longest_touching_s, err);
   while (!status && p.knots[p.now].t_s < until) {
@@ -447,7 +465,7 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
     /* A firing is met to rounding. In a scene with events it is met to the bit, as the mains may be
      * others just before. */
     if (fires <= t + (p.disturbed ? 0 : 1e-10 * setup->timeline.period_s))
-      status = turn_over(&p, true, p.driven.touched, VS_EV_FIRES, err);
+      status = turn_over(&p, true, p.driven.touched, p.valve ? VS_EV_FIRES : VS_EV_NONE, err);
     else
       status = p.disturbed ? go_disturbed(&p, end, err) : go(&p, end, err);
   }
