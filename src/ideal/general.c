@@ -48,10 +48,15 @@ static int equations(double since_s, const double *y, double *rate, void *params
 
 enum { ENDS = 3, EACH = 4, TERMS = ENDS * EACH, QUANTITIES = VS_MOST_DOF + 1 };
 
+/* By how much less the coordinates may be off while a stop is touched: its force follows the depth,
+ * which is small beside the gap, and is not smooth, so that the books need short steps there. */
+static const double IN_A_STOP = 1e-3;
+
 /* What is large for the coordinate i in a step of h_s. A fast coordinate is as large as it gets. */
 static double size_of(const vs_driven *d, const vs_knot *k, int i, double h_s) {
   int dof = d->frame->model->dof;
-  return fmax(d->coordinate[i], fabs(k->x[i]) + h_s * fabs(k->x[dof + i]));
+  double size = fmax(d->coordinate[i], fabs(k->x[i]) + h_s * fabs(k->x[dof + i]));
+  return d->touched && !d->held ? IN_A_STOP * size : size;
 }
 static double flux_size(const vs_driven *d, const vs_knot *k) {
   return fmax(d->flux_wb, fabs(k->flux_wb));
