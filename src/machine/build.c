@@ -171,6 +171,7 @@ vs_status vs_build_model(const vs_node *scene, vs_model *model, vs_error *err) {
   const double k[3] = {v->spring_stiffness_n_m, v->mount_stiffness_x_n_m, v->mount_stiffness_y_n_m};
   model->dof = model->machine->dof;
   model->along[P] = 1;
+  model->alone = 1 + P;
   mounts_matrix(v, b, model->damping);
   mounts_matrix(v, k, model->stiffness);
   mass_matrix(v, model);
