@@ -44,23 +44,19 @@ void vs_propagator_make(vs_propagator *p, const vs_model *m, bool held, double h
   gsl_matrix_free(e);
 }
 
-static inline __attribute__((always_inline)) void step_rows(const vs_propagator *p, const double *x,
-                                                            int states, double *y) {
-  double result[VS_MOST_STATES];
-  for (int first = 0; first < states; first += VS_ROWS) {
-    double sum[VS_ROWS];
-    for (int i = 0; i < VS_ROWS; i++) sum[i] = p->column[0][first + i] * x[0];
-    for (int j = 1; j < states; j++)
+void vs_propagator_step(const vs_propagator *p, const double *x, double *restrict y) {
+  for (int first = 0; first < p->states; first += VS_ROWS) {
+    double sum[VS_ROWS] = {0};
+    int j = 0;
+    for (; j + VS_ROWS <= p->states; j += VS_ROWS) {
+      const double *e = p->column[j] + first, *at = x + j;
+      for (int i = 0; i < VS_ROWS; i++)
+        sum[i] = sum[i] + e[i] * at[0] + e[VS_MOST_STATES + i] * at[1] +
+                 e[2 * VS_MOST_STATES + i] * at[2] + e[3 * VS_MOST_STATES + i] * at[3];
+    }
+    for (; j < p->states; j++)
       for (int i = 0; i < VS_ROWS; i++) sum[i] += p->column[j][first + i] * x[j];
-    memcpy(result + first, sum, sizeof sum);
+    memcpy(y + first, sum, sizeof sum);
   }
-  for (int i = 0; i < states; i++) y[i] = result[i];
-  for (int i = 0; p->loaded && i < states; i++) y[i] += p->constant[i];
-}
-
-void vs_propagator_step(const vs_propagator *p, const double *x, double *y) {
-  if (p->states == 2 * VS_ROWS)
-    step_rows(p, x, 2 * VS_ROWS, y);
-  else
-    step_rows(p, x, p->states, y);
+  for (int i = 0; p->loaded && i < p->states; i++) y[i] += p->constant[i];
 }

@@ -30,8 +30,7 @@ static inline __attribute__((always_inline)) void next_q(const vs_driven *driven
     double g = vs_mechanics_travel(m, s->q[n]), depth = n ? g : g - stop->at_m;
     force += stop->stiffness * depth + stop->damping_ns_m * vs_mechanics_travel(m, v);
   }
-  for (int first = 0; first < dof; first += VS_ROWS)
-    vs_mechanics_rows(m, s->q[n], v, force, dof, first, acceleration + first);
+  vs_mechanics_accelerations(m, s->q[n], v, force, acceleration);
   for (int i = 0; n && m->loaded && i < dof; i++) acceleration[i] -= m->m0[i];
   if (driven->held) vs_mechanics_hold(m, acceleration);
   double weight = h * h / ((n + 1) * (n + 2));

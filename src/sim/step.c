@@ -82,8 +82,10 @@ static inline ends coordinates_of(const vs_knot *k, int dof) {
   return (ends){k->x, k->x + dof, k->a, k->j};
 }
 
-static inline void apply_to_coordinates(const weights *w, const vs_knot *a, const vs_knot *b,
-                                        int dof, double *restrict y) {
+static inline __attribute__((always_inline)) void apply_to_coordinates(const weights *w,
+                                                                       const vs_knot *a,
+                                                                       const vs_knot *b, int dof,
+                                                                       double *restrict y) {
   if (dof == VS_ROWS)
     apply(w, coordinates_of(a, VS_ROWS), coordinates_of(b, VS_ROWS), VS_ROWS, y);
   else
