@@ -145,6 +145,14 @@ static void bind_others(vs_machine *m, const double values[VS_MACHINE_NAMES]) {
   for (int k = 0; k < VS_MACHINE_LAWS; k++) vs_formula_bind(&m->law[k].of, values);
 }
 
+/* As vs_model.alone has it: 0 unless one coordinate alone opens the gap, by as much as it moves. */
+static int sole_opener(const vs_model *model) {
+  int sole = 0, n = 0;
+  for (int i = 0; i < model->dof; i++)
+    if (model->along[i] != 0) sole = i + 1, n++;
+  return n == 1 && model->along[sole - 1] == 1 ? sole : 0;
+}
+
 vs_status vs_assemble_model(vs_machine *m, vs_model *model, vs_error *err) {
   const vs_load_values *load = &model->load;
   double plain[VS_MACHINE_NAMES], loaded[VS_MACHINE_NAMES];
@@ -161,6 +169,7 @@ vs_status vs_assemble_model(vs_machine *m, vs_model *model, vs_error *err) {
   if (!s) s = fill_vector(m, "gap.along", m->along, plain, model->along, err);
   if (s) return s;
   bind_others(m, plain);
+  model->alone = sole_opener(model);
   for (int i = 0; i < m->dof; i++) model->loaded = model->loaded || model->constant[i] != 0;
   s = vs_error_carry_on(err, check_mass(m, model, err));
   if (!s) s = vs_error_carry_on(err, check_stiffness(m, model, err));
