@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "actuator/actuator.h"
+#include "actuator/coil.h"
+#include "actuator/values.h"
 #include "syntax/jet.h"
 #include "syntax/slope.h"
 #include "syntax/spice.h"

@@ -4,7 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "actuator/actuator.h"
+#include "actuator/coil.h"
+#include "actuator/values.h"
 #include "syntax/spice.h"
 
 typedef struct saturation {
