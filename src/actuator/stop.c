@@ -17,8 +17,12 @@ static double linear_loss(const vs_stop *s, double depth_m, double depth_rate_m_
   (void)depth_m;
   return s->damping_ns_m * depth_rate_m_s * depth_rate_m_s;
 }
-const vs_stop_kind vs_stop_linear = {"linear",    "k delta + c delta'", linear_force,
-                                     linear_rate, linear_energy,        linear_loss};
+static void linear_netlist(const char *const of[4], vs_text *force) {
+  vs_text_add(force, "%s*%s+%s*%s", of[0], of[2], of[1], of[3]);
+}
+const vs_stop_kind vs_stop_linear = {"linear",      "k delta + c delta'", linear_force,
+                                     linear_rate,   linear_energy,        linear_loss,
+                                     linear_netlist};
 
 double vs_stops_nearness(const vs_stops *stops, double g_m) {
   double nearest = 0;

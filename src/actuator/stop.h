@@ -4,6 +4,8 @@
 #ifndef VS_ACTUATOR_STOP_H
 #define VS_ACTUATOR_STOP_H
 
+#include "base/text.h"
+
 typedef struct vs_stop vs_stop;
 
 /* Each kind is a constant. depth_m > 0 is how deep the armature is in the stop. */
@@ -16,6 +18,9 @@ typedef struct vs_stop_kind {
                        double depth_rate2_m_s2);
   double (*energy)(const vs_stop *stop, double depth_m);                      /* stored, J */
   double (*loss)(const vs_stop *stop, double depth_m, double depth_rate_m_s); /* W */
+  /* Writes `force` for ngspice, of texts that stand in brackets: the stiffness, the damping, the
+   * depth and its rate. */
+  void (*netlist)(const char *const of[4], vs_text *force);
 } vs_stop_kind;
 extern const vs_stop_kind vs_stop_linear;
 
