@@ -46,6 +46,7 @@ static void netlist(const vs_coil *c, const char *flux, const char *gap, vs_text
 const vs_law vs_reluctance_law = {.name = "reluctance",
                                   .text = "i = lambda z/(2a), F = lambda^2/(4a), with saturation "
                                           "and leakage where the scene has them",
+                                  .keys = "inductance|leakage|saturation",
                                   .build = build,
                                   .poles = true,
                                   .current = current,

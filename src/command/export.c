@@ -269,7 +269,7 @@ static void add_params(vs_text *t, const param *rows, size_t count) {
 /* Only one stop, a linear one at the pole cover, follows vs_d where that is changed. */
 static bool plain_stop(const vs_model *m) {
   const vs_stop *stop = m->stops.item;
-  return m->stops.count == 1 && stop->kind == &vs_stop_linear && stop->side > 0 &&
+  return m->stops.count == 1 && stop->kind->linear && stop->side > 0 &&
          stop->at_m == -m->actuator.gap_m;
 }
 

@@ -113,7 +113,8 @@ static void print_field(const char *section, const vs_field *f) {
   vs_field_range(f, range, sizeof range);
   printf("%-28s %-18s %-26s %s\n", name, f->default_text,
          f->kind == VS_NAME ? "a name or path" : range, f->text);
-  for (size_t k = 0; f->keys && k < f->keys->count; k++) print_field(name, &f->keys->fields[k]);
+  for (size_t k = 0; f->options && k < f->options->keys.count; k++)
+    print_field(name, &f->options->keys.fields[k]);
 }
 
 static void list_parameters(const vs_deck *deck) {
@@ -137,6 +138,12 @@ static void list_events(const vs_deck *deck) {
   }
 }
 
+static void list_laws(const vs_deck *deck) {
+  (void)deck;
+  for (const vs_law *const *law = vs_actuator_laws; *law; law++)
+    printf("%-20s %s\n", (*law)->name, (*law)->text);
+}
+
 static const struct kind {
   const char *name, *heading;
   void (*print)(const vs_deck *);
@@ -146,6 +153,7 @@ static const struct kind {
     {"decks", "decks that come with the program", list_decks},
     {"parts", "parts that come with the program", list_parts},
     {"tiers", "tiers, from the least modelled to the most", list_tiers},
+    {"laws", "laws of the actuator, by actuator.law", list_laws},
     {"probes", "probes: name, unit, meaning", list_probes},
     {"events", "events: kind, its keys with default, allowed, meaning", list_events},
     {"measures", "measures: name, unit, meaning", list_measures},

@@ -147,8 +147,8 @@ static vs_status find_speeds(vs_model *model, vs_error *err) {
   for (int k = 0; k < model->stops.count; k++) {
     const vs_stop *stop = &model->stops.item[k];
     double per_newton = fabs(model->per_newton_m_s2);
-    double rad_s =
-        model->fastest_rad_s + sqrt(stop->stiffness * per_newton) + stop->damping_ns_m * per_newton;
+    double rad_s = model->fastest_rad_s + sqrt(stop->kind->steepest(stop) * per_newton) +
+                   stop->damping_ns_m * per_newton;
     model->contact_rad_s = fmax(model->contact_rad_s, rad_s);
   }
   return VS_OK;
@@ -179,6 +179,9 @@ vs_status vs_build_model(const vs_node *scene, vs_model *model, vs_error *err) {
   if (!s) s = solve_mass(model, err);
   if (!s) s = check_stiffness(model, err);
   for (int i = 0; i < model->dof; i++) model->per_newton_m_s2 += model->along[i] * model->mf[i];
-  model->plain = model->coil.square && model->stops.count <= 1;
+  const vs_stop *first = model->stops.item;
+  model->plain =
+      model->coil.square &&
+      (!model->stops.count || (model->stops.count == 1 && first->kind->linear && first->side > 0));
   return s ? s : find_speeds(model, err);
 }
