@@ -155,7 +155,7 @@ static vs_status find_speeds(vs_model *model, vs_error *err) {
 }
 
 vs_status vs_build_model(const vs_node *scene, vs_model *model, vs_error *err) {
-  *model = (vs_model){.machine = &vs_machine_conveyor};
+  *model = (vs_model){.machine = &vs_machine_conveyor, .dof = vs_machine_conveyor.dof};
   size_t found = vs_error_count(err);
   vs_status s = vs_field_section_read(&model->machine->section, vs_tree_child(scene, "machine"),
                                       &model->parameters, err);
@@ -169,7 +169,6 @@ vs_status vs_build_model(const vs_node *scene, vs_model *model, vs_error *err) {
   const conveyor c = conveyor_of(&model->parameters), *v = &c;
   const double b[3] = {v->spring_damping_ns_m, v->mount_damping_x_ns_m, v->mount_damping_y_ns_m};
   const double k[3] = {v->spring_stiffness_n_m, v->mount_stiffness_x_n_m, v->mount_stiffness_y_n_m};
-  model->dof = model->machine->dof;
   model->along[P] = 1;
   mounts_matrix(v, b, model->damping);
   mounts_matrix(v, k, model->stiffness);
