@@ -22,8 +22,7 @@ static double own_force(const vs_coil *c, double flux_wb, double z_m) {
   return flux_wb * flux_wb / (4 * c->a_hm);
 }
 static double own_energy(const vs_coil *c, double flux_wb, double z_m) {
-  return flux_wb * flux_wb * z_m / (4 * c->a_hm) +
-         IRON_A * IRON_WB / 8 * pow(flux_wb / IRON_WB, 8);
+  return flux_wb * flux_wb * z_m / (4 * c->a_hm) + IRON_A * IRON_WB / 8 * pow(flux_wb / IRON_WB, 8);
 }
 static void own_along(const vs_coil *c, const double f[3], const double z[3], double i[3],
                       double force[3]) {
@@ -94,13 +93,13 @@ static void saturation_in_series(void) {
   vs_trial *t = vs_trial_read("paper", "circuit", sets);
   take_law(t, &OWN);
   vs_trial_go(t, NULL);
-  static const reference ROWS[] = {{"i_peak", 1.2884797007},
-                                   {"force_peak", 88.635095317},
-                                   {"t_extinction", 0.013617686556},
-                                   {"p_first_peak", -0.001296558},
-                                   {"p_second_peak", 0.0012677986356},
-                                   {NULL, 0}};
+  static const reference ROWS[] = {
+      {"i_peak", 1.2884797007},           {"force_peak", 88.635095317},
+      {"t_extinction", 0.013617686556},   {"p_first_peak", -0.001296558},
+      {"p_second_peak", 0.0012677986356}, {NULL, 0}};
   compare(t, ROWS, __LINE__);
+  CU_ASSERT_PTR_NOT_NULL(vs_result_declined(&t->result));
+  CU_ASSERT_EQUAL(t->result.watchers.absence.times, 0);
   vs_trial_free(t);
 }
 
