@@ -49,8 +49,9 @@ vs_status vs_eva_check_names(const vs_deck *deck, const vs_coil *coil, vs_error 
       name, coil->law->name);
 }
 
-/* Adds a line of the file, with the law's texts in the place of the file's own. */
-static void add_line(const vs_deck *deck, const char *line, vs_text *out) {
+/* Adds a line of the file, with the law's texts in the place of the file's own. Returns how often
+ * it took the law's current. */
+static int add_line(const vs_deck *deck, const char *line, vs_text *out) {
   const char *at = strstr(line, CURRENT), *begins = strstr(line, BEGINS);
   if (deck->eva_current.text && !strncasecmp(line, ENDS, sizeof ENDS - 1) && deck->eva_lines.text)
     vs_text_add(out, "%s", deck->eva_lines.text);
@@ -62,11 +63,13 @@ static void add_line(const vs_deck *deck, const char *line, vs_text *out) {
                 begins + sizeof BEGINS - 1);
   else
     vs_text_add(out, "%s\n", line);
+  return deck->eva_current.text && at ? 1 : 0;
 }
 
 vs_status vs_eva_write(const vs_deck *deck, vs_text *out, vs_error *err) {
   char path[VS_PATH_SIZE], *line = NULL;
   size_t size = 0;
+  int taken = 0;
   const char *own = deck->eva_led ? "eva_led" : "eva";
   vs_status status =
       vs_path_find(&EVA_SHELF, deck->eva_file ? deck->eva_file : own, (vs_where){0}, path, err);
@@ -75,9 +78,12 @@ vs_status vs_eva_write(const vs_deck *deck, vs_text *out, vs_error *err) {
   if (!file) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
   while (getline(&line, &size, file) >= 0) {
     line[strcspn(line, "\r\n")] = '\0';
-    if (*line && *line != '*') add_line(deck, line, out);
+    if (*line && *line != '*') taken += add_line(deck, line, out);
   }
   free(line);
   fclose(file);
+  if (deck->eva_current.text && !taken)
+    return vs_fail(err, VS_INPUT, "%s: has no current '%s' for the law to take the place of", path,
+                   CURRENT);
   return VS_OK;
 }
