@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "actuator/reluctance.h"
 
-#include "actuator/actuator.h"
+#include "actuator/coil.h"
+#include "actuator/values.h"
 
 static vs_status build(const vs_actuator_values *v, const vs_node *map,
                        const vs_law_formulas *formulas, vs_coil *c, vs_error *err) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What the armature meets. A stop pushes the armature back by how deep this is in it, and by how
  * fast that changes. */
-#ifndef VS_ACTUATOR_STOP_H
-#define VS_ACTUATOR_STOP_H
+#ifndef VS_ACTUATOR_STOPS_H
+#define VS_ACTUATOR_STOPS_H
 
 #include <stdbool.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "actuator/stop.h"
+#include "actuator/stops.h"
 
 #include <math.h>
 
