@@ -24,7 +24,7 @@ static void next_q(const vs_driven *driven, vs_series *s, int n, double force) {
   const vs_model *m = driven->frame->model;
   double v[VS_MOST_DOF], acceleration[VS_MOST_DOF], h = s->span_s, rate = (n + 1) / h;
   for (int i = 0; i < m->dof; i++) v[i] = rate * s->q[n + 1][i];
-  if (driven->touching) { /* k (g - at) + c g': the at belongs to order 0 */
+  if (driven->touched) { /* k (g - at) + c g': the at belongs to order 0 */
     const vs_stop *stop = &m->stops.item[0];
     double g = vs_mechanics_travel(m, s->q[n]), depth = n ? g : g - stop->at_m;
     force += stop->stiffness * depth + stop->damping_ns_m * vs_mechanics_travel(m, v);
