@@ -103,7 +103,88 @@ static void saturation_in_series(void) {
   vs_trial_free(t);
 }
 
+/* ---- the shaker LDS V-203: a moving coil, linear, on a source of its own ---- */
+
+/* Its mechanics in the place of the paper's: the armature's motion alone. */
+static void take_shaker(vs_model *m) {
+  const double lb = 4.4482216152605, in = 0.0254;
+  const double mass = 178.04e-6 * lb / in, k = 16.54 * lb / in, c = 39.09e-3 * lb / in;
+  for (int i = 0; i < m->dof; i++)
+    for (int j = 0; j < m->dof; j++) m->mk_column[j][i] = m->mb_column[j][i] = 0;
+  for (int i = 0; i < m->dof; i++) {
+    m->mf[i] = 0;
+    m->mk_column[i][i] = 1e4;
+  }
+  m->mk_column[0][0] = k / mass;
+  m->mb_column[0][0] = c / mass;
+  m->mf[0] = m->per_newton_m_s2 = -1 / mass;
+  m->fastest_rad_s = m->contact_rad_s = m->working_rad_s = sqrt(k / mass);
+}
+
+#define SHAKER                                                                                     \
+  "actuator={law: moving_coil, emf_constant: 3.7440944881889764 V.s/m, inductance: 764 uH, "       \
+  "force_constant: 3.7436233114033258 N/A, resistance: 1.6 ohm}",                                  \
+      "run.tolerance=1e-5", "run.until=0.03 s", "circuit.deck=direct.cir"
+
+typedef struct samples {
+  double t_s[4], x[4], v[4], i[4];
+  int count;
+} samples;
+
+static vs_status sample(void *ctx, const vs_step *step, vs_error *err) {
+  samples *s = ctx;
+  (void)err;
+  for (int k = 0; k < s->count; k++) {
+    if (!(s->t_s[k] > step->from->t_s && s->t_s[k] <= step->to->t_s)) continue;
+    s->x[k] = vs_step_channel(step, s->t_s[k], VS_CH_Q);
+    s->v[k] = vs_step_channel(step, s->t_s[k], vs_channel_rates(step->frame->model));
+    s->i[k] = vs_step_channel(step, s->t_s[k], VS_CH_I);
+  }
+  return VS_OK;
+}
+
+/* Reference: the closed form of the linear equations on a voltage step. */
+static void moving_coil_on_a_step(void) {
+  write_file("direct.cir", "Vd a 0 8.36501901140684\nXeva a 0 eva\n");
+  const char *const sets[] = {SHAKER, NULL};
+  samples s = {.t_s = {0.001, 0.005, 0.02}, .count = 3};
+  static const double X[] = {0.000127862768692, 0.00314544357825, 0.00677011695283},
+                      V[] = {0.319395303456, 0.823797149213, 0.0025854053243},
+                      I[] = {4.20408662937, 3.23981706413, 5.2177005625};
+  vs_trial *t = vs_trial_read("paper", "circuit", sets);
+  CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
+  take_shaker(&t->scene.setup.model);
+  const vs_observer also = {&s, sample};
+  vs_trial_go(t, &also);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  for (int k = 0; k < s.count; k++) {
+    CLOSE_OF(s.x[k], X[k], 6.77e-3, THREE); /* of the largest x, v and i */
+    CLOSE_OF(s.v[k], V[k], 0.98, THREE);
+    CLOSE_OF(s.i[k], I[k], 5.22, THREE);
+    printf("%g %g %g\n", s.x[k] / X[k] - 1, s.v[k] / V[k] - 1, s.i[k] / I[k] - 1);
+  }
+  vs_trial_free(t);
+}
+
+/* Let go from 1 mm on an open circuit: the flux linkage that the coil begins with is that of no
+ * current, else some 5 A would begin to flow. */
+static void moving_coil_begins_without_a_current(void) {
+  write_file("direct.cir", "Rload a 0 1g\nXeva a 0 eva\n");
+  const char *const sets[] = {SHAKER, "start={p: 1 mm}", NULL};
+  vs_trial *t = vs_trial_read("paper", "circuit", sets);
+  CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
+  CLOSE(t->scene.setup.deck.eva_flux_wb, 3.7440944881889764e-3, 1e-12);
+  take_shaker(&t->scene.setup.model);
+  samples s = {.t_s = {1e-5, 0.005}, .count = 2};
+  const vs_observer also = {&s, sample};
+  vs_trial_go(t, &also);
+  for (int k = 0; k < s.count; k++) CLOSE_OF(s.i[k], 0, 4.9, 1e-7); /* 1e-7: the load takes 2 nA */
+  vs_trial_free(t);
+}
+
 static const vs_test TESTS[] = {
+    {"moving coil begins without a current", moving_coil_begins_without_a_current},
+    {"moving coil on a step", moving_coil_on_a_step},
     {"saturation in series", saturation_in_series},
 };
 VS_SUITE_MAIN("circuit_laws", TESTS)

@@ -33,6 +33,7 @@ vs_swing vs_swing_of(const vs_setup *s) {
   double fired = fmax((1 + cos(t->firing.angle_rad)) / 2, LEAST);
   return (vs_swing){.model = &s->model,
                     .amplifies = 1,
+                    .peak_a = LEAST * t->peak_v / s->model.coil.resistance_ohm,
                     .share = (s->run.gear ? SHARE / 4 : SHARE) * s->run.tolerance,
                     .fades = pow(FADES, fmin(1, sqrt(s->run.tolerance / FADES_AT))),
                     .period_s = t->period_s,
@@ -69,7 +70,8 @@ static void follow_alternation(vs_swing *w, const vs_knot *from, const vs_knot *
 
 /* With i = lambda z/(2a) the current's relative error is lambda's. Where iron saturates, or where
  * the armature's motion makes most of lambda, it is larger: by lambda/i di/dlambda. What counts is
- * the error at the largest current, to which errors are relative. */
+ * the error at the largest current, to which errors are relative; a current below LEAST of what the
+ * mains could drive through the coil's resistance is not looked at. */
 static void follow_current(vs_swing *w, const vs_knot *k) {
   const vs_coil *c = &w->model->coil;
   if (c->square) return;
