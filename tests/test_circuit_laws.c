@@ -88,18 +88,30 @@ static void compare(const vs_trial *t, const reference *rows, int line) {
 }
 
 /* Reference: two or three unlike integrators of the same equations with an ideal thyristor. */
+static const reference SERIES[] = {
+    {"i_peak", 1.2884797007},           {"force_peak", 88.635095317},
+    {"t_extinction", 0.013617686556},   {"p_first_peak", -0.001296558},
+    {"p_second_peak", 0.0012677986356}, {NULL, 0}};
+
 static void saturation_in_series(void) {
   const char *const sets[] = {IDEAL, NULL};
   vs_trial *t = vs_trial_read("paper", "circuit", sets);
   take_law(t, &OWN);
   vs_trial_go(t, NULL);
-  static const reference ROWS[] = {
-      {"i_peak", 1.2884797007},           {"force_peak", 88.635095317},
-      {"t_extinction", 0.013617686556},   {"p_first_peak", -0.001296558},
-      {"p_second_peak", 0.0012677986356}, {NULL, 0}};
-  compare(t, ROWS, __LINE__);
+  compare(t, SERIES, __LINE__);
   CU_ASSERT_PTR_NOT_NULL(vs_result_declined(&t->result));
   CU_ASSERT_EQUAL(t->result.watchers.absence.times, 0);
+  vs_trial_free(t);
+}
+
+/* The same coil as an event's EVA has it, of which turns are shorted only when all is over. */
+static void saturation_in_a_coil_with_shorted_turns(void) {
+  const char *const sets[] = {IDEAL, "events={e: {kind: coil_short, at: 99 ms, fraction: 10 %}}",
+                              NULL};
+  vs_trial *t = vs_trial_read("paper", "circuit", sets);
+  take_law(t, &OWN);
+  vs_trial_go(t, NULL);
+  compare(t, SERIES, __LINE__);
   vs_trial_free(t);
 }
 
@@ -186,5 +198,6 @@ static const vs_test TESTS[] = {
     {"moving coil begins without a current", moving_coil_begins_without_a_current},
     {"moving coil on a step", moving_coil_on_a_step},
     {"saturation in series", saturation_in_series},
+    {"saturation in a coil with shorted turns", saturation_in_a_coil_with_shorted_turns},
 };
 VS_SUITE_MAIN("circuit_laws", TESTS)
