@@ -146,7 +146,7 @@ vs_status vs_deck_add_formula(vs_deck *deck, vs_cursor *c, const char *follow, v
   vs_cursor_skip(c);
   size_t n_terms = deck->n_terms, n_names = deck->n_names;
   formula_scope own = {deck, c};
-  const vs_formula_scope scope = {&own, formula_term, formula_name};
+  const vs_formula_scope scope = {.ctx = &own, .term = formula_term, .name = formula_name};
   const char *end = vs_formula_read(c->at, &scope, formula, &bad, why, sizeof why);
   c->at = end ? end : bad;
   vs_cursor_skip(c);
