@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The machine in ngspice: each of its states is the voltage of a 1 F capacitor, charged by a B
- * source with the state's rate. States are in mm, mm/s, mrad, mrad/s, so that ngspice's absolute
- * tolerances (1 uV) are small beside them; M^-1 B and M^-1 K are the same in these units as in SI.
- * Whatever {expression} a B source holds stands in brackets: ngspice pastes it as text. */
+ * The netlist of `vibrospice export`: parameters, the deck with sources of its own, the machine
+ * (mechanism.h), the analysis, and commands that measure. Whatever {expression} a B source holds
+ * stands in brackets: ngspice pastes it as text. */
 #include "command/export.h"
 
 #include <assert.h>
@@ -15,41 +14,10 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
+#include "command/mechanism.h"
 #include "deck/netlist.h"
 #include "scene/scene.h"
 #include "syntax/units.h"
-
-/* ---- the machine's nodes ---- */
-
-/* The name of a state: a coordinate, or its rate. */
-static const char *state_name(const vs_model *m, int k) {
-  const vs_coordinate *c = &m->machine->coordinates[k % m->dof];
-  return k < m->dof ? c->name : c->rate;
-}
-
-/* The coordinate that is the gap's travel by itself, as no other moves the gap; -1: there is none.
- */
-static int travel_is(const vs_model *m) {
-  int one = -1;
-  for (int i = 0; i < m->dof; i++) {
-    if (m->along[i] == 0) continue;
-    if (one >= 0 || m->along[i] != 1) return -1;
-    one = i;
-  }
-  return one;
-}
-
-/* What the travel is called. */
-static const char *travel_name(const vs_model *m) {
-  int one = travel_is(m);
-  return one < 0 ? "travel" : state_name(m, one);
-}
-
-/* The nodes of the travel and of its rate, mm and mm/s, behind "vs_". */
-static const char *travel_node(const vs_model *m, bool rate) {
-  int one = travel_is(m);
-  return one < 0 ? rate ? "vg" : "g" : state_name(m, rate ? m->dof + one : one);
-}
 
 /* Measured under plain ngspice against the circuit tier at a tolerance of 1e-6, with steps of a
  * two-thousandth of a period by the trapezoidal rule: p is off by 3e-5 of its peak after a single
@@ -87,7 +55,10 @@ typedef struct column {
   char name[VS_DECK_NAME + 32]; /* as in run.csv */
   vs_text value;                /* of vectors that are saved */
 } column;
-enum { OUR_COLUMNS = 5, MOST_COLUMNS = VS_MOST_DOF + OUR_COLUMNS + VS_DECK_MOST };
+enum {
+  OUR_COLUMNS = 5,
+  MOST_COLUMNS = VS_MOST_DOF + OUR_COLUMNS + VS_MACHINE_PROBES + VS_DECK_MOST
+};
 
 static void name_column(column *c, vs_channel channel) {
   char suffix[32];
@@ -103,7 +74,7 @@ static size_t find_columns(const vs_scene *scene, column columns[MOST_COLUMNS]) 
   column *ours = columns + m->dof;
   for (int k = 0; k < m->dof; k++) {
     name_column(&columns[k], vs_channel_at(frame, VS_CH_Q + k));
-    vs_text_add(&columns[k].value, "v(vs_%s)/1000", state_name(m, k));
+    vs_text_add(&columns[k].value, "v(vs_%s)/1000", vs_mechanism_state(m, k));
   }
   for (int k = 0; k < OUR_COLUMNS; k++) name_column(&ours[k], vs_channel_at(frame, OURS[k]));
   vs_text_add(&ours[0].value, "v(%s.z)", deck->eva);
@@ -117,8 +88,13 @@ static size_t find_columns(const vs_scene *scene, column columns[MOST_COLUMNS]) 
   snprintf(plus, sizeof plus, "v(%s)", deck->eva_plus);
   snprintf(minus, sizeof minus, "v(%s)", deck->eva_minus);
   add_difference(&ours[4].value, plus, minus);
+  column *of_machine = ours + OUR_COLUMNS, *of_deck = of_machine + m->machine->n_probes;
+  for (int k = 0; k < m->machine->n_probes; k++) {
+    name_column(&of_machine[k], vs_channel_at(frame, vs_channel_probes(m) + k));
+    vs_text_add(&of_machine[k].value, "v(vs_probe%d)", k + 1);
+  }
   for (size_t k = 0; k < deck->n_probes; k++) {
-    column *c = &ours[OUR_COLUMNS + k];
+    column *c = &of_deck[k];
     const vs_probe *probe = &deck->probes[k];
     name_column(c, vs_channel_at(frame, vs_channel_deck(m) + (int)k));
     const vs_term *term = &deck->terms[probe->term];
@@ -126,7 +102,7 @@ static size_t find_columns(const vs_scene *scene, column columns[MOST_COLUMNS]) 
     add_difference(&c->value, term->plus, term->minus);
     if (probe->sign < 0) vs_text_add(&c->value, ")");
   }
-  return (size_t)m->dof + OUR_COLUMNS + deck->n_probes;
+  return (size_t)(of_deck - columns) + deck->n_probes;
 }
 
 /* ---- names ---- */
@@ -151,45 +127,12 @@ typedef char measured_name[VS_DECK_NAME + 32];
 
 static void name_measured(const vs_scene *scene, measured_name names[N_MEASURED]) {
   const vs_model *m = &scene->setup.model;
-  int one = travel_is(m);
-  const char *of = one < 0 ? "gap" : state_name(m, one);
+  int one = vs_mechanism_travel_is(m);
+  const char *of = one < 0 ? "gap" : vs_mechanism_state(m, one);
   snprintf(names[MEASURED_FIRST], sizeof *names, "%s_first_peak_m", of);
   snprintf(names[MEASURED_LEAST], sizeof *names, "%s_min_m", of);
   snprintf(names[MEASURED_I], sizeof *names, "i_peak_a");
   snprintf(names[MEASURED_FORCE], sizeof *names, "force_peak_n");
-}
-
-/* True for the name behind "vs_" of a node that the export makes besides the states'. */
-static bool is_our_node(const vs_deck *deck, const char *name) {
-  static const char *const OURS[] = {"f", "i", "g", "vg", "stop"};
-  for (size_t k = 0; k < sizeof OURS / sizeof *OURS; k++)
-    if (!strcasecmp(OURS[k], name)) return true;
-  for (size_t k = 0; k < deck->n_ports; k++)
-    if (!strcasecmp(deck->ports[k].source, name)) return true; /* of bursts */
-  return !strncasecmp(name, "stop", 4) || !strncasecmp(name, "w_", 2) ||
-         !strncasecmp(name, "b_", 2);
-}
-
-/* Refuses a machine that calls a state as the export calls a node of its own, and a stop that has
- * no text. */
-static vs_status check_states(const vs_setup *s, vs_error *err) {
-  const vs_model *m = &s->model;
-  for (int k = 0; k < 2 * m->dof; k++) {
-    const char *name = state_name(m, k);
-    bool twice = is_our_node(&s->deck, name);
-    for (int j = 0; j < k; j++) twice = twice || !strcasecmp(state_name(m, j), name);
-    if (twice)
-      return vs_fail_at(err, m->machine->coordinates[k % m->dof].where,
-                        "export: coordinate %s: ngspice would have two nodes vs_%s, as it takes no "
-                        "notice of capitals and the export has nodes of its own; give the "
-                        "coordinate another name",
-                        m->machine->coordinates[k % m->dof].name, name);
-  }
-  for (int k = 0; k < m->stops.count; k++)
-    if (!m->stops.item[k].kind->netlist)
-      return vs_fail(err, VS_INPUT, "export: a stop of kind %s cannot be written for ngspice",
-                     m->stops.item[k].kind->name);
-  return VS_OK;
 }
 
 /* A column named as a node whose voltage is asked for later would hide it. */
@@ -217,7 +160,7 @@ static vs_status check_names(const vs_scene *scene, const column *columns, size_
     if (!strncasecmp(deck->section.fields[k].key, "vs_", 3))
       return vs_fail(err, VS_INPUT, "%s: param %s: %s", deck->files[0], deck->section.fields[k].key,
                      OURS);
-  vs_status status = check_states(&scene->setup, err);
+  vs_status status = vs_mechanism_check(&scene->setup, err);
   for (size_t k = 0; k < count && !status; k++) {
     const char *name = columns[k].name;
     bool twice = false;
@@ -266,31 +209,6 @@ static void add_params(vs_text *t, const param *rows, size_t count) {
     vs_text_add(t, ".param %s=%.17g ; %s\n", rows[k].name, rows[k].value, rows[k].text);
 }
 
-/* Only one stop, a linear one at the pole cover, follows vs_d where that is changed. */
-static bool plain_stop(const vs_model *m) {
-  const vs_stop *stop = m->stops.item;
-  return m->stops.count == 1 && stop->kind->linear && stop->side > 0 &&
-         stop->at_m == -m->actuator.gap_m;
-}
-
-static void add_stop_params(vs_text *t, const vs_model *m) {
-  const vs_stop *only = m->stops.item;
-  if (plain_stop(m)) {
-    vs_text_add(t, ".param vs_stop_k=%.17g ; N/m, of the elastic stop at %s = -D\n",
-                only->stiffness, travel_name(m));
-    vs_text_add(t, ".param vs_stop_c=%.17g ; N s/m\n", only->damping_ns_m);
-    return;
-  }
-  for (int k = 0; k < m->stops.count; k++) {
-    const vs_stop *stop = &m->stops.item[k];
-    vs_text_add(t, ".param vs_stop%d_at=%.17g ; m, %s at which it is met\n", k + 1, stop->at_m,
-                travel_name(m));
-    vs_text_add(t, ".param vs_stop%d_k=%.17g ; SI, stiffness of the stop %s\n", k + 1,
-                stop->stiffness, stop->kind->name);
-    vs_text_add(t, ".param vs_stop%d_c=%.17g ; N s/m\n", k + 1, stop->damping_ns_m);
-  }
-}
-
 /* The scene's values that stand in no parameter of the netlist's own. */
 static void add_scene(vs_text *t, const vs_setup *s) {
   const vs_firing_values *firing = &s->timeline.firing;
@@ -311,9 +229,9 @@ static void add_scene(vs_text *t, const vs_setup *s) {
   vs_text_add(t, "*\n* The scene, in SI. Change a value and run again.\n");
   add_params(t, ROWS, sizeof ROWS / sizeof *ROWS);
   for (int k = 0; k < 2 * s->model.dof; k++)
-    vs_text_add(t, ".param vs_%s0=%.17g ; SI, %s\n", state_name(&s->model, k), s->start.x[k],
-                s->model.machine->start.fields[k].text);
-  if (s->model.stops.count) add_stop_params(t, &s->model);
+    vs_text_add(t, ".param vs_%s0=%.17g ; SI, %s\n", vs_mechanism_state(&s->model, k),
+                s->start.x[k], s->model.machine->start.fields[k].text);
+  vs_mechanism_params(t, &s->model);
 }
 
 /* Instants of the gate pulses as drive/timeline.c has them, from the parameters. Edges of 10 ns
@@ -401,123 +319,10 @@ static vs_status add_netlist(vs_text *t, const vs_setup *s, vs_error *err) {
     size_t p = 0;
     while (p < s->deck.n_ports && strcasecmp(s->deck.ports[p].source, name)) p++;
     add_source(t, lines[k], p < s->deck.n_ports ? &s->deck.ports[p] : NULL,
-               travel_node(&s->model, false));
+               vs_mechanism_node(&s->model, false));
   }
   vs_netlist_free(lines, count);
   return status;
-}
-
-/* The travel and its rate, where no coordinate is the travel by itself. */
-static void add_travel(vs_text *t, const vs_model *m) {
-  for (int rate = 0; rate < 2 && travel_is(m) < 0; rate++) {
-    const char *node = travel_node(m, rate), *sign = "";
-    vs_text_add(t, "Bvs_%s vs_%s 0 V = ", node, node);
-    for (int i = 0; i < m->dof; i++) {
-      if (m->along[i] == 0) continue;
-      vs_text_add(t, "%s(%.17g)*v(vs_%s)", sign, m->along[i], state_name(m, rate ? m->dof + i : i));
-      sign = "+";
-    }
-    vs_text_add(t, "\n");
-  }
-}
-
-/* The force that closes the gap: by the plain law, or by the law's own text, in a subcircuit that
- * keeps its nodes apart from the deck's. Then the current is shown too. */
-static void add_force(vs_text *t, const vs_setup *s) {
-  const vs_coil *coil = &s->model.coil;
-  const char *eva = s->deck.eva;
-  vs_text lines = {0}, current = {0}, force = {0};
-  if (coil->square) {
-    vs_text_add(t, "Bvs_f vs_f 0 V = v(%s.lam)*v(%s.lam)/(4*({eva_a}))\n", eva, eva);
-    return;
-  }
-  coil->law->netlist(coil, "v(lam)", "v(z)", &lines, &current, &force);
-  vs_text_add(t,
-              ".subckt vs_law lam z f i\n%sBf f 0 V = %s\nBi i 0 V = %s\n.ends vs_law\n"
-              "Xvs_law %s.lam %s.z vs_f vs_i vs_law\n",
-              lines.text ? lines.text : "", force.text, current.text, eva, eva);
-  vs_text_free(&lines);
-  vs_text_free(&current);
-  vs_text_free(&force);
-}
-
-/* What the stops add to the force that closes the gap. */
-static void add_stops(vs_text *t, const vs_model *m) {
-  const char *g = travel_node(m, false), *vg = travel_node(m, true);
-  if (plain_stop(m)) {
-    vs_text_add(t,
-                "Bvs_stop vs_stop 0 V = v(vs_%s) < -1000*({vs_d}) ? "
-                "({vs_stop_k})*(v(vs_%s)/1000+({vs_d}))+({vs_stop_c})*v(vs_%s)/1000 : 0\n",
-                g, g, vg);
-    return;
-  }
-  for (int k = 0; k < m->stops.count; k++) {
-    const vs_stop *stop = &m->stops.item[k];
-    char depth[VS_DECK_NAME + 64], rate[VS_DECK_NAME + 64], stiffness[32], damping[32];
-    snprintf(depth, sizeof depth, "(%s(({vs_stop%d_at})-v(vs_%s)/1000))", stop->side < 0 ? "-" : "",
-             k + 1, g);
-    snprintf(rate, sizeof rate, "(%sv(vs_%s)/1000)", stop->side < 0 ? "" : "-", vg);
-    snprintf(stiffness, sizeof stiffness, "({vs_stop%d_k})", k + 1);
-    snprintf(damping, sizeof damping, "({vs_stop%d_c})", k + 1);
-    vs_text_add(t, "Bvs_stop%d vs_stop%d 0 V = %s > 0 ? %s(", k + 1, k + 1, depth,
-                stop->side < 0 ? "" : "-");
-    stop->kind->netlist((const char *const[]){stiffness, damping, depth, rate}, t);
-    vs_text_add(t, ") : 0\n");
-  }
-}
-
-/* The force on the machine, as an expression. */
-static void add_whole_force(vs_text *t, const vs_model *m) {
-  if (!m->stops.count) {
-    vs_text_add(t, "v(vs_f)");
-    return;
-  }
-  vs_text_add(t, "(v(vs_f)");
-  for (int k = 0; k < m->stops.count && !plain_stop(m); k++) vs_text_add(t, "+v(vs_stop%d)", k + 1);
-  vs_text_add(t, plain_stop(m) ? "+v(vs_stop))" : ")");
-}
-
-/* The right side of the equation of motion, for people. */
-static void add_right_side(vs_text *t, const vs_model *m) {
-  vs_text_add(t, "(");
-  for (int i = 0; i < m->dof; i++) {
-    double c = m->along[i], f0 = m->constant[i];
-    if (i) vs_text_add(t, ", ");
-    if (f0 != 0) vs_text_add(t, "%g%s", f0, c > 0 ? " - " : c < 0 ? " + " : "");
-    if (c == 0 && f0 == 0) vs_text_add(t, "0");
-    if (c != 0 && f0 == 0 && c > 0) vs_text_add(t, "-");
-    if (c != 0 && fabs(c) != 1) vs_text_add(t, "%g ", fabs(c));
-    if (c != 0) vs_text_add(t, "F");
-  }
-  vs_text_add(t, ")");
-}
-
-static void add_machine(vs_text *t, const vs_setup *s) {
-  const vs_model *m = &s->model;
-  vs_text_add(t, "*\n* The machine: M q\" + B q' + K q = ");
-  add_right_side(t, m);
-  vs_text_add(t,
-              ", solved for q\". Each state is the voltage of\n* 1 F: 1 V is 1 mm, 1 mrad, 1 mm/s, "
-              "1 mrad/s; F, too, as 1 V/N.\n.global vs_%s\n",
-              travel_node(m, false));
-  add_force(t, s);
-  add_travel(t, m);
-  add_stops(t, m);
-  for (int i = 0; i < m->dof; i++) {
-    const char *q = state_name(m, i), *v = state_name(m, m->dof + i);
-    vs_text_add(t, "Cvs_%s vs_%s 0 1 ic={1000*vs_%s0}\n", q, q, q);
-    vs_text_add(t, "Cvs_%s vs_%s 0 1 ic={1000*vs_%s0}\n", v, v, v);
-    vs_text_add(t, "Bvs_%s 0 vs_%s I = v(vs_%s)\n", q, q, v);
-    vs_text_add(t, "Bvs_%s 0 vs_%s I = %.17g*", v, v, 1e3 * m->mf[i]);
-    add_whole_force(t, m);
-    for (int j = 0; j < 2 * m->dof; j++) {
-      double rate = j < m->dof ? -m->mk_column[j][i] : -m->mb_column[j - m->dof][i];
-      if (rate != 0)
-        vs_text_add(t, " %c %.17g*v(vs_%s)", rate < 0 ? '-' : '+', fabs(rate), state_name(m, j));
-    }
-    if (m->m0[i] != 0) vs_text_add(t, " %c %.17g", m->m0[i] < 0 ? '-' : '+', 1e3 * fabs(m->m0[i]));
-    vs_text_add(t, "\n");
-  }
 }
 
 static void add_saved(vs_text *t, const char *signal) {
@@ -531,10 +336,11 @@ static void add_analysis(vs_text *t, const vs_setup *s) {
   const vs_deck *deck = &s->deck;
   const vs_model *m = &s->model;
   vs_text_add(t, ".save");
-  for (int k = 0; k < m->dof; k++) vs_text_add(t, " v(vs_%s)", state_name(m, k));
-  if (travel_is(m) < 0) vs_text_add(t, " v(vs_%s)", travel_node(m, false));
-  vs_text_add(t, " v(vs_%s) v(vs_f) v(%s.z) v(%s.lam)%s\n", travel_node(m, true), deck->eva,
+  for (int k = 0; k < m->dof; k++) vs_text_add(t, " v(vs_%s)", vs_mechanism_state(m, k));
+  if (vs_mechanism_travel_is(m) < 0) vs_text_add(t, " v(vs_%s)", vs_mechanism_node(m, false));
+  vs_text_add(t, " v(vs_%s) v(vs_f) v(%s.z) v(%s.lam)%s\n", vs_mechanism_node(m, true), deck->eva,
               deck->eva, m->coil.square ? "" : " v(vs_i)");
+  for (int k = 0; k < m->machine->n_probes; k++) vs_text_add(t, ".save v(vs_probe%d)\n", k + 1);
   char signal[VS_DECK_NAME + 4];
   for (int k = 0; k < 2; k++) {
     snprintf(signal, sizeof signal, "v(%s)", k ? deck->eva_minus : deck->eva_plus);
@@ -560,14 +366,14 @@ static void add_validity(vs_text *t, const vs_model *m, const char *travel) {
         t,
         "if vecmin(%s) < -vs_d\n  echo \"ERROR: the armature meets the pole cover (%s = -D) "
         "and there is no stop; this is not physical\"\n  quit 1\nend\n",
-        travel, travel_name(m));
+        travel, vs_mechanism_travel(m));
   vs_text_add(t, "if vecmin(z_m) <= 0\n  echo \"ERROR: the gap is closed\"\n  quit 1\nend\n");
 }
 
 static void add_commands(vs_text *t, const vs_scene *scene, const column *columns, size_t count,
                          const char *table_name) {
   const vs_model *m = &scene->setup.model;
-  int one = travel_is(m);
+  int one = vs_mechanism_travel_is(m);
   const char *travel = one < 0 ? "vs_travel" : columns[one].name;
   measured_name measured[N_MEASURED];
   name_measured(scene, measured);
@@ -576,10 +382,10 @@ static void add_commands(vs_text *t, const vs_scene *scene, const column *column
                  "  echo \"ERROR: ngspice gave up before the end of the run\"\n  quit 1\nend\n");
   for (size_t k = 0; k < count; k++)
     vs_text_add(t, "let %s = %s\n", columns[k].name, columns[k].value.text);
-  if (one < 0) vs_text_add(t, "let vs_travel = v(vs_%s)/1000\n", travel_node(m, false));
+  if (one < 0) vs_text_add(t, "let vs_travel = v(vs_%s)/1000\n", vs_mechanism_node(m, false));
   add_validity(t, m, travel);
   vs_text_add(t, "meas tran %s find %s when v(vs_%s)=0 rise=1 td=$&vs_fire\n",
-              measured[MEASURED_FIRST], travel, travel_node(m, true));
+              measured[MEASURED_FIRST], travel, vs_mechanism_node(m, true));
   vs_text_add(t, "meas tran %s min %s\n", measured[MEASURED_LEAST], travel);
   vs_text_add(t, "meas tran %s max i_a\n", measured[MEASURED_I]);
   vs_text_add(t, "meas tran %s max force_n\n", measured[MEASURED_FORCE]);
@@ -614,7 +420,7 @@ static vs_status write_text(vs_text *t, const vs_scene *scene, const char *name,
   add_scene(t, &scene->setup);
   add_timing(t);
   if (!status) status = add_netlist(t, &scene->setup, err);
-  add_machine(t, &scene->setup);
+  vs_mechanism_write(t, &scene->setup);
   add_analysis(t, &scene->setup);
   add_commands(t, scene, columns, count, table_name);
   for (size_t k = 0; k < count; k++) vs_text_free(&columns[k].value);
