@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What the armature meets. A stop pushes the armature back by how deep this is in it, and by how
  * fast that changes. */
-#ifndef VS_ACTUATOR_STOP_H
-#define VS_ACTUATOR_STOP_H
+#ifndef VS_ACTUATOR_STOPS_H
+#define VS_ACTUATOR_STOPS_H
 
 #include <stdbool.h>
+
+#include "base/text.h"
 
 typedef struct vs_stop vs_stop;
 
@@ -18,6 +20,9 @@ typedef struct vs_stop_kind {
                        double depth_rate2_m_s2);
   double (*energy)(const vs_stop *stop, double depth_m);                      /* stored, J */
   double (*loss)(const vs_stop *stop, double depth_m, double depth_rate_m_s); /* W */
+  /* Writes `force` for ngspice, of texts that stand in brackets: the stiffness, the damping, the
+   * depth and its rate. NULL: the kind cannot be written so, and export refuses it by name. */
+  void (*netlist)(const char *const of[4], vs_text *force);
   /* A bound of the force's slope over the depth, N/m, down to stop->deepest_m: for the length of
    * steps. */
   double (*steepest)(const vs_stop *stop);
