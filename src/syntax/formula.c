@@ -53,7 +53,7 @@ static bool emit_function(reader *r, int function, const char *at) {
 }
 
 static char next(reader *r) {
-  r->at += strspn(r->at, " \t");
+  r->at += strspn(r->at, r->scope->of_machine ? " \t\n" : " \t");
   return *r->at;
 }
 
