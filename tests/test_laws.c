@@ -352,6 +352,16 @@ static void test_rest(void) {
   end(&solenoid);
 }
 
+/* A formula that ends at 1 Wb says so. */
+static void test_beyond(void) {
+  vs_coil c = written(MAGNET, 2e-3, "lambda/sqrt(1-lambda^2)", NULL, NULL);
+  char text[200] = "";
+  CU_ASSERT_PTR_NULL(c.law->beyond(&c, 0.99, 2e-3, text, sizeof text));
+  CU_ASSERT_PTR_NOT_NULL(c.law->beyond(&c, 1.01, 2e-3, text, sizeof text));
+  CU_ASSERT_PTR_NOT_NULL(strstr(text, "lambda = 1.01 Wb, z = 2 mm"));
+  end(&c);
+}
+
 static void test_refused(void) {
   static const struct {
     const char *text[3], *says;
@@ -423,6 +433,7 @@ static const vs_test TESTS[] = {
     {"rates without flux", test_at_zero},
     {"leakage far in saturation", test_deep_leakage},
     {"inductance at rest", test_rest},
+    {"formulas that end", test_beyond},
     {"formulas that are refused", test_refused},
     {"what ngspice makes of the laws", test_netlist},
 };

@@ -3,6 +3,7 @@
 
 #include <gsl/gsl_integration.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -119,6 +120,15 @@ static void integrated_along(const vs_coil *c, const double flux[3], const doubl
   force[1] = g * flux[1] + sum[1] * z[1];
   force[2] = g * flux[2] + g_lambda * flux[1] * flux[1] + 2 * g_z * flux[1] * z[1] +
              sum[2] * z[1] * z[1] + sum[1] * z[2];
+}
+
+static const char *beyond(const vs_coil *c, double flux_wb, double z_m, char *text, size_t size) {
+  if (isfinite(current(c, flux_wb, z_m))) return NULL;
+  snprintf(text, size,
+           "the formula of the current is no finite number at lambda = %.6g Wb, "
+           "z = %.6g mm",
+           flux_wb, 1e3 * z_m);
+  return text;
 }
 
 static void netlist(const vs_coil *c, const char *flux, const char *gap, vs_text *lines,
@@ -328,7 +338,8 @@ static const vs_law INTEGRATED = {.name = "formula",
                                   .current = current,
                                   .force = integrated_force,
                                   .energy = energy,
-                                  .along = integrated_along};
+                                  .along = integrated_along,
+                                  .beyond = beyond};
 
 const vs_law vs_formulas_law = {.name = "formula",
                                 .text = "the formulas of the machine's file: current, energy and "
@@ -340,4 +351,5 @@ const vs_law vs_formulas_law = {.name = "formula",
                                 .force = force,
                                 .energy = energy,
                                 .along = along,
+                                .beyond = beyond,
                                 .netlist = netlist};
