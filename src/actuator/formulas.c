@@ -304,6 +304,13 @@ static void choose_panels(vs_coil *c, const range *r) {
 
 static const vs_law INTEGRATED;
 
+static void fold(written *w) {
+  vs_formula_fold(&w->current);
+  vs_formula_fold(&w->energy);
+  vs_formula_fold(&w->force);
+  vs_formula_fold(&w->slope);
+}
+
 static vs_status build(const vs_actuator_values *v, const vs_node *map,
                        const vs_law_formulas *formulas, vs_coil *c, vs_error *err) {
   written *w = vs_alloc(1, sizeof *w);
@@ -314,6 +321,7 @@ static vs_status build(const vs_actuator_values *v, const vs_node *map,
   range r = working_range(v, c);
   status = check_all(w, formulas, &r, err);
   if (status) return status;
+  fold(w);
   if (w->slope.count) c->law = &INTEGRATED;
   if (!w->energy.count) choose_panels(c, &r);
   return VS_OK;
