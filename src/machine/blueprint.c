@@ -57,9 +57,9 @@ typedef struct cell {
   int sum, row, column;
 } cell;
 
-/* The dimension of what, times rates of the coordinates, is a force on a coordinate: a joule by
- * its unit. With 1 for no second coordinate (column -1) it is that force itself.
- *   M: J s2/(u_i u_j);  B: J s/(u_i u_j);  K: J/(u_i u_j);  f0: J/u_i */
+/* The dimension of an entry. Times q", q' or q it is a force on a coordinate, and such a force
+ * times that coordinate is an energy. Column -1: the force itself. M: J s2/(u_i u_j);  B: J s/(u_i
+ * u_j);  K: J/(u_i u_j);  f0: J/u_i */
 static vs_dimension dimension_of(const vs_machine *m, cell c) {
   const int seconds[VS_MACHINE_SUMS] = {[VS_MACHINE_MASS] = 2, [VS_MACHINE_DAMPING] = 1};
   vs_dimension joule = vs_dimension_of("J"), second = vs_dimension_of("s"),
@@ -343,7 +343,7 @@ static vs_status read_all(vs_machine *m, vs_error *err) {
   size_t found = vs_error_count(err);
   if (!s) s = vs_declare_coordinates(m, vs_tree_child(root, "coordinates"), err);
   if (!s) s = vs_declare_parameters(m, vs_tree_child(root, "parameters"), err);
-  if (!s) s = read_lets(m, err);
+  if (!s && vs_error_count(err) == found) s = read_lets(m, err);
   if (s || !m->dof || vs_error_count(err) > found) return s; /* a name may be one that was lost */
   for (int sum = 0; sum < VS_MACHINE_FORCES && !s; sum++)
     s = vs_error_carry_on(err, read_matrix(m, sum, err));
