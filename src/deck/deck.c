@@ -227,5 +227,7 @@ void vs_deck_free(vs_deck *deck) {
   free(deck->lines);
   each_formula(deck, free_formula, NULL);
   for (size_t k = 0; k < deck->n_files; k++) free(deck->files[k]);
+  vs_text_free(&deck->eva_current);
+  vs_text_free(&deck->eva_lines);
   *deck = (vs_deck){0};
 }

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "deck/eva.h"
 #include "deck/netlist.h"
 #include "deck/parts.h"
 #include "drive/events.h"
@@ -266,12 +267,22 @@ static vs_status read_means(const vs_node *scene, vs_setup *setup, vs_error *err
   return VS_OK;
 }
 
+/* The EVA begins without a current. */
+static void begin_eva(vs_setup *setup) {
+  const vs_model *m = &setup->model;
+  setup->deck.eva_flux_wb = vs_coil_idle_flux(&m->coil, vs_mechanics_gap(m, setup->start.x));
+}
+
 /* A run in which something happens after the circuit may have been left wants an EVA that can be
  * led back. Leaving takes a few cycles, so fewer than four between two firings are not worth it. An
  * EVA that an event has put in its place stays. */
-static void choose_eva(vs_setup *setup) {
+static vs_status choose_eva(vs_setup *setup, vs_error *err) {
   bool again = setup->timeline.firing.every >= 4 || setup->timeline.events.count;
-  setup->deck.eva_led = again && !setup->deck.eva_file;
+  setup->deck.eva_led = again && !setup->deck.eva_file && setup->model.coil.square;
+  if (vs_error_count(err)) return VS_OK; /* there may be no coil */
+  vs_eva_take_law(&setup->deck, &setup->model.coil);
+  begin_eva(setup);
+  return vs_error_carry_on(err, vs_eva_check_names(&setup->deck, &setup->model.coil, err));
 }
 
 /* Builds all of it; with has_deck the deck's text is there already, and so is a machine that the
@@ -297,7 +308,7 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
   if (!s) s = vs_events_wire(&line->events, &setup->deck, err);
   if (!s) s = vs_error_carry_on(err, read_start(scene, setup, err));
   if (!s) s = vs_error_carry_on(err, read_means(scene, setup, err));
-  if (!s) choose_eva(setup);
+  if (!s) s = choose_eva(setup, err);
   return s;
 }
 
@@ -351,6 +362,7 @@ vs_setup vs_setup_varied(const vs_setup *from, const vs_run_values *run,
   setup.run = *run;
   if (run->until_s != from->run.until_s) setup.means = (vs_span_s){0, run->until_s};
   if (x) memcpy(setup.start.x, x, sizeof setup.start.x);
+  begin_eva(&setup);
   return setup;
 }
 
