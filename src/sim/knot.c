@@ -6,12 +6,20 @@
 
 #include "actuator/coil.h"
 
-_Static_assert(offsetof(vs_knot, terms) + sizeof(double[VS_DECK_MOST]) == sizeof(vs_knot),
-               "vs_knot_copy leaves out what stands behind the deck's terms: nothing else may");
+/* Copies the first n numbers and those behind them up to whole blocks. */
+static inline void copy_blocks(const double *from, int n, double *restrict to) {
+  for (int first = 0; first < n; first += VS_ROWS)
+    memcpy(to + first, from + first, VS_ROWS * sizeof *to);
+}
 
 void vs_knot_copy(const vs_frame *frame, const vs_knot *from, vs_knot *to) {
-  size_t terms = frame->deck ? frame->deck->n_terms : 0;
-  memcpy(to, from, offsetof(vs_knot, terms) + terms * sizeof *from->terms);
+  int dof = frame->model->dof;
+  to->t_s = from->t_s;
+  copy_blocks(from->x, 2 * dof, to->x);
+  copy_blocks(from->a, dof, to->a);
+  copy_blocks(from->j, dof, to->j);
+  memcpy(&to->flux_wb, &from->flux_wb, offsetof(vs_knot, terms) - offsetof(vs_knot, flux_wb));
+  if (frame->deck) memcpy(to->terms, from->terms, frame->deck->n_terms * sizeof *from->terms);
 }
 
 void vs_knot_complete(const vs_frame *frame, vs_knot *k, unsigned touched) {

@@ -82,17 +82,7 @@ static inline ends coordinates_of(const vs_knot *k, int dof) {
   return (ends){k->x, k->x + dof, k->a, k->j};
 }
 
-static inline __attribute__((always_inline)) void apply_to_coordinates(const weights *w,
-                                                                       const vs_knot *a,
-                                                                       const vs_knot *b, int dof,
-                                                                       double *restrict y) {
-  if (dof == VS_ROWS)
-    apply(w, coordinates_of(a, VS_ROWS), coordinates_of(b, VS_ROWS), VS_ROWS, y);
-  else
-    apply(w, coordinates_of(a, dof), coordinates_of(b, dof), dof, y);
-}
-
-static ends flux_of(const vs_knot *k) {
+static inline ends flux_of(const vs_knot *k) {
   return (ends){&k->flux_wb, &k->flux_rate_v, &k->flux_rate2_v_s, &k->flux_rate3_v_s2};
 }
 
@@ -101,14 +91,14 @@ bool vs_step_is_quiet(const vs_step *step) {
   return a->flux_wb == 0 && b->flux_wb == 0 && a->flux_rate_v == 0 && b->flux_rate_v == 0;
 }
 
-static void velocities(const vs_step *step, views at, double *v) {
-  int dof = step->frame->model->dof;
+static inline __attribute__((always_inline)) void velocities(const vs_step *step, views at, int dof,
+                                                             double *v) {
   if (at.h[0] <= 0) {
     for (int i = 0; i < dof; i++) v[i] = step->to->x[dof + i];
     return;
   }
   weights w = septic_rate(at);
-  apply_to_coordinates(&w, step->from, step->to, dof, v);
+  apply(&w, coordinates_of(step->from, dof), coordinates_of(step->to, dof), dof, v);
 }
 
 static double flux_rate(const vs_step *step, views at) {
@@ -168,15 +158,17 @@ static void put_probes(const vs_step *step, double s, double *y) {
   }
 }
 
-void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double *y) {
+/* vs_step_groups_at for a machine of so many coordinates. */
+static inline __attribute__((always_inline)) void groups_at(const vs_step *step, double t_s,
+                                                            unsigned groups, int dof, double *y) {
   const vs_knot *a = step->from, *b = step->to;
   const vs_model *m = step->frame->model;
   bool coil = step->frame->source_is_coil;
   double h = b->t_s - a->t_s, s = h > 0 ? (t_s - a->t_s) / h : 1, *q = y + VS_CH_Q;
   const views at = views_of(s, h);
   weights w = septic(at);
-  apply_to_coordinates(&w, a, b, m->dof, q);
-  if (groups & VS_GROUP_VELOCITIES) velocities(step, at, q + m->dof);
+  apply(&w, coordinates_of(a, dof), coordinates_of(b, dof), dof, q);
+  if (groups & VS_GROUP_VELOCITIES) velocities(step, at, dof, q + dof);
   y[VS_CH_TRAVEL] = vs_mechanics_travel(m, q);
   y[VS_CH_Z] = vs_coil_gap(&m->coil, y[VS_CH_TRAVEL]);
   put_flux(step, at, y);
@@ -188,6 +180,14 @@ void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double 
   if (groups & VS_GROUP_ACCELERATIONS) put_accelerations(step, y);
   if (groups & VS_GROUP_MACHINE) put_outputs(m, y);
   if (groups & VS_GROUP_DECK) put_probes(step, s, y);
+}
+
+void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double *y) {
+  int dof = step->frame->model->dof;
+  if (dof == VS_ROWS)
+    groups_at(step, t_s, groups, VS_ROWS, y);
+  else
+    groups_at(step, t_s, groups, dof, y);
 }
 
 void vs_step_at(const vs_step *step, double t_s, double *y) {

@@ -52,6 +52,7 @@ static double mechanical(const vs_model *m, const vs_knot *k) {
 static void begin(vs_energy *e, const vs_step *step) {
   const vs_deck *deck = step->frame->deck;
   e->first = *step->from;
+  e->began_j = mechanical(step->frame->model, step->from);
   for (size_t n = 0; deck && n < deck->losses.count; n++)
     e->loss_w[n] = vs_formula_value(&deck->losses.item[n].formula, e->first.terms);
 }
@@ -82,7 +83,7 @@ static void take_stock(vs_energy *e) {
   const vs_deck *deck = e->frame->deck;
   const vs_model *m = e->frame->model;
   e->joule[VS_E_MAGNETIC] = magnetic(e->frame, &e->last) - magnetic(e->frame, &e->first);
-  e->joule[VS_E_MECHANICAL] = mechanical(m, &e->last) - mechanical(m, &e->first);
+  e->joule[VS_E_MECHANICAL] = mechanical(m, &e->last) - e->began_j;
   for (size_t n = 0; deck && n < deck->stores.count; n++) {
     double held[2];
     vs_formula_pair(&deck->stores.item[n].formula, e->first.terms, e->last.terms, held);
@@ -126,9 +127,11 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
     double w = h * GAUSS[g].weight[k], lost;
     const double *v = y + vs_channel_rates(m);
     lost = m->dof == VS_ROWS ? lost_by(m, v, VS_ROWS) : lost_by(m, v, m->dof);
-    double at = y[VS_CH_TRAVEL], g_rate = vs_mechanics_travel(m, v);
+    double at = y[VS_CH_TRAVEL];
     unsigned touched = vs_stops_touched(&m->stops, at);
     e->joule[VS_E_DAMPING] += w * lost;
+    if (!touched && alone) continue;
+    double g_rate = vs_mechanics_travel(m, v);
     if (touched) e->joule[VS_E_STOP] += w * vs_stops_loss(&m->stops, touched, at, g_rate);
     if (alone) continue;
     e->joule[VS_E_SOURCE] += w * y[VS_CH_V_MAINS] * y[VS_CH_I_MAINS];
