@@ -166,7 +166,7 @@ static int rates(double t_s, const double y[], double rate[], void *ctx) {
   const vs_actuator_values *coil = &s->scene->actuator;
   if (s->touching)
     push +=
-        coil->stop.stiffness_n_m * (-coil->gap_m - y[0]) - coil->stop.damping_ns_m * y[VELOCITY];
+        coil->stop[0].stiffness * (-coil->gap_m - y[0]) - coil->stop[0].damping_ns_m * y[VELOCITY];
   memcpy(rate, y + VELOCITY, sizeof(double[4]));
   accelerate(s, y, push, rate + VELOCITY);
   if (s->scene->kind == ORACLE_SNUBBED)
@@ -192,7 +192,7 @@ static double thyristor_margin(solver *s, double t_s, const double y[]) {
 
 static double stop_margin(solver *s, double t_s, const double y[]) {
   (void)t_s;
-  if (!s->scene->actuator.stop.present) return NAN;
+  if (!s->scene->actuator.stop[0].present) return NAN;
   double left = y[0] + s->scene->actuator.gap_m;
   return s->touching ? -left : left;
 }
@@ -335,7 +335,7 @@ bool oracle_run(const oracle_scene *scene, double *table, oracle_events *events)
   s.period_s = 1 / o.supply.frequency_hz;
   s.peak_v = sqrt(2) * o.supply.voltage_v;
   memcpy(s.y, o.start.x, sizeof(double[VS_STATES]));
-  s.touching = o.actuator.stop.present && s.y[0] < -o.actuator.gap_m;
+  s.touching = o.actuator.stop[0].present && s.y[0] < -o.actuator.gap_m;
   s.system = (gsl_odeiv2_system){rates, NULL, STATES, &s};
   s.step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, STATES);
   bool good = march(&s, table);

@@ -182,7 +182,7 @@ static void show(const cosim *c) {
     vs_knot *k = &c->knots[n % 2];
     double z = conveyor_gap(m, c->x[n][P]), y = c->y[n], rate = c->y_rate[n];
     bool flux = c->scheme->form == COIL_FLUX;
-    memcpy(k->x, c->x[n], sizeof k->x);
+    memcpy(k->x, c->x[n], sizeof c->x[n]);
     k->t_s = n < c->substeps ? c->t_s + (double)n * sub : (double)(c->n + 1) * c->step_s;
     k->flux_wb = flux ? y : 2 * m->coil.a_hm * y / z;
     k->flux_rate_v = flux ? rate : 2 * m->coil.a_hm * (rate - y * k->x[VS_DOF + P] / z) / z;

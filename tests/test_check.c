@@ -203,7 +203,7 @@ static void a_value_that_failed_leaves_its_default(void) {
     CLOSE(m->base_com_m[1], 0.089, 1e-15);
     CU_ASSERT_EQUAL(m->m14, 0);
     CU_ASSERT_EQUAL(s->setup.timeline.firing.every, 0);
-    CU_ASSERT_EQUAL(s->setup.model.actuator.stop.present, 0);
+    CU_ASSERT_EQUAL(s->setup.model.actuator.stop[0].present, 0);
     CLOSE(s->setup.model.load.volume_m3, 380e-6, 1e-15);
     vs_scene_free(s);
     free(s);

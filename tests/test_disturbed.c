@@ -230,7 +230,7 @@ static void integrate(march *s, double sample_s, double step_s, size_t rows, dou
   find_edges(s, sample_s, rows);
   s->system = (gsl_odeiv2_system){rates, NULL, STATES, s};
   s->step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, STATES);
-  memcpy(s->y, s->setup->start.x, sizeof s->setup->start.x);
+  memcpy(s->y, s->setup->start.x, sizeof(double[VS_STATES]));
   for (size_t e = 0; e < s->edges && k + 1 < rows; e++) {
     double end = s->edge_s[e];
     s->mid_s = (s->t_s + end) / 2;

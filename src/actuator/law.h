@@ -29,6 +29,10 @@ struct vs_actuator_values;
 /* Each law is a constant in its own file. Lambda is in Wb, z in m. All functions are pure. */
 typedef struct vs_law {
   const char *name, *text;
+  const char *keys;   /* of the section actuator, those that not all laws use: "leakage|saturation";
+                         NULL: it needs none of these */
+  const char *ending; /* the law is read from a file, which ends so (".csv"); NULL: the scene names
+                         it by its name */
   /* Fills the coil's numbers besides law, resistance_ohm and gap_rest_m, which are there already.
    * Errors with their place in `map`, the scene's section actuator, or in the formulas. */
   vs_status (*build)(const struct vs_actuator_values *values, const vs_node *map,
@@ -43,6 +47,9 @@ typedef struct vs_law {
    * k = 0..2. */
   void (*along)(const vs_coil *coil, const double flux[3], const double z[3], double current[3],
                 double force[3]);
+  /* The electrical power that the law takes for the motion, less the mechanical power that it
+   * gives, W, at a rate of the gap z. NULL: it has one energy, and both are the same. */
+  double (*transducer_w)(const vs_coil *coil, double flux_wb, double z_m, double z_rate_m_s);
   /* Flux linkage and current up to which, and gaps within which, the law is known; a run that
    * leaves them ends with an error that says why. NULL: everywhere. Returns NULL where (lambda, z)
    * is within, else what is wrong, in `text`. */
@@ -53,6 +60,9 @@ typedef struct vs_law {
    * so, and tier circuit and export refuse it by name. */
   void (*netlist)(const vs_coil *coil, const char *flux, const char *gap, vs_text *lines,
                   vs_text *current, vs_text *force);
+  /* What whoever runs or checks the scene should know of this coil, in `text`. NULL, or returns
+   * NULL: nothing. */
+  const char *(*note)(const vs_coil *coil, char *text, size_t size);
 } vs_law;
 
 #endif

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "actuator/reluctance.h"
 
-#include "actuator/actuator.h"
+#include "actuator/coil.h"
+#include "actuator/leakage.h"
+#include "actuator/saturation.h"
+#include "actuator/values.h"
 
 static vs_status build(const vs_actuator_values *v, const vs_node *map,
                        const vs_law_formulas *formulas, vs_coil *c, vs_error *err) {
@@ -9,6 +12,8 @@ static vs_status build(const vs_actuator_values *v, const vs_node *map,
   c->square = true;
   c->rest_h = v->inductance_h;
   c->a_hm = v->inductance_h * c->gap_rest_m / 2;
+  if (v->saturation.present) vs_saturation_add(c, &v->saturation);
+  if (v->leakage_h > 0) vs_leakage_add(c, v->leakage_h);
   return VS_OK;
 }
 
@@ -46,6 +51,7 @@ static void netlist(const vs_coil *c, const char *flux, const char *gap, vs_text
 const vs_law vs_reluctance_law = {.name = "reluctance",
                                   .text = "i = lambda z/(2a), F = lambda^2/(4a), with saturation "
                                           "and leakage where the scene has them",
+                                  .keys = "inductance|leakage|saturation",
                                   .build = build,
                                   .poles = true,
                                   .current = current,

@@ -25,6 +25,8 @@ typedef struct key_list {
   size_t count;
 } key_list;
 
+static void add_maps(key_list *list, const vs_field *f, const char *member);
+
 static void add_keys(key_list *list, const char *section, const vs_section *fields,
                      const void *values) {
   for (size_t k = 0; k < fields->count && list->count < MOST_KEYS; k++) {
@@ -35,13 +37,22 @@ static void add_keys(key_list *list, const char *section, const vs_section *fiel
     snprintf(key->section, sizeof key->section, "%s", section);
     key->field = f;
     key->value = member;
-    if (f->kind == VS_OPTION) {
-      int present = 0;
-      if (member) memcpy(&present, member, sizeof present);
-      char part[VS_KEY_SIZE];
-      snprintf(part, sizeof part, "%s", key->name);
-      add_keys(list, part, f->keys, present ? member : NULL);
-    }
+    if (f->kind == VS_OPTION) add_maps(list, f, member);
+  }
+}
+
+/* The keys of an option's maps: NAME.KEY where it has none or one, NAME.1.KEY, ... where it has a
+ * list of them. */
+static void add_maps(key_list *list, const vs_field *f, const char *member) {
+  char name[VS_KEY_SIZE], part[VS_KEY_SIZE + 16];
+  const vs_options *o = f->options;
+  int count = member ? vs_field_maps(f, member) : 0;
+  snprintf(name, sizeof name, "%s", list->item[list->count - 1].name);
+  if (!count) add_keys(list, name, &o->keys, NULL);
+  for (int k = 0; k < count; k++) {
+    const char *values = member + (size_t)k * o->size;
+    snprintf(part, sizeof part, count > 1 ? "%s.%d" : "%s", name, k + 1);
+    add_keys(list, part, vs_field_form(o, values), values);
   }
 }
 
@@ -100,7 +111,7 @@ static vs_status describe(vs_axis *axis, const scene_key *key, vs_error *err) {
                       axis->key);
   if (f->kind == VS_OPTION)
     return vs_fail_at(err, axis->where, "%s has keys of its own, such as %s.%s: name one of those",
-                      axis->key, axis->key, f->keys->fields[0].key);
+                      axis->key, axis->key, f->options->keys.fields[0].key);
   snprintf(axis->section, sizeof axis->section, "%s", key->section);
   axis->field = f;
   axis->unit = f->unit;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "syntax/field.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,9 +13,12 @@ void vs_field_range(const vs_field *field, char *text, size_t size) {
   const char *space = *field->unit ? " " : "";
   if (field->kind == VS_OPTION) {
     int n = snprintf(text, size, "%s or {", field->choices);
-    for (size_t k = 0; k < field->keys->count && n > 0 && (size_t)n < size; k++)
-      n += snprintf(text + n, size - (size_t)n, "%s%s", field->keys->fields[k].key,
-                    k + 1 < field->keys->count ? ", " : "}");
+    const vs_section *keys = &field->options->keys;
+    for (size_t k = 0; k < keys->count && n > 0 && (size_t)n < size; k++)
+      n += snprintf(text + n, size - (size_t)n, "%s%s", keys->fields[k].key,
+                    k + 1 < keys->count ? ", " : "}");
+    if (field->options->most > 1 && n > 0 && (size_t)n < size)
+      snprintf(text + n, size - (size_t)n, " or a list");
     return;
   }
   if (field->kind == VS_CHOICE || field->kind == VS_NAME)
@@ -32,13 +36,18 @@ static vs_status read_real(const char *name, const vs_field *field, const vs_nod
   if (node->kind != VS_NODE_TEXT)
     return vs_fail_at(err, node->where, "%s: one value is wanted, for example %s", name,
                       field->default_text);
+  if (field->kind == VS_REAL && field->choices && !strcmp(node->text, field->choices)) {
+    *out = NAN;
+    return VS_OK;
+  }
   if (!vs_units_read(node->text, field->unit, &si, why, sizeof why))
     return vs_fail_at(err, node->where, "%s: %s", name, why);
   double shown = si / vs_units_factor(field->unit);
-  double slack =
-      1e-12 * (field->max < 0 ? -field->max : field->max); /* rounding, by the unit's conversion */
-  bool inside = field->open ? shown > field->min && shown < field->max
-                            : shown >= field->min - slack && shown <= field->max + slack;
+  const double rounding = 1e-12; /* by the unit's conversion */
+  double least = field->min - rounding * fabs(field->min),
+         most = field->max + rounding * fabs(field->max);
+  bool inside =
+      field->open ? shown > field->min && shown < field->max : shown >= least && shown <= most;
   if (inside) {
     *out = si;
     return VS_OK;
@@ -77,19 +86,63 @@ static vs_status read_count(const char *name, const vs_field *field, const vs_no
   return VS_OK;
 }
 
+const vs_section *vs_field_form(const vs_options *options, const void *values) {
+  int choice;
+  if (!options->forms) return &options->keys;
+  memcpy(&choice, (const char *)values + options->keys.fields[options->chooser].offset,
+         sizeof choice);
+  return &options->forms[choice];
+}
+
+int vs_field_maps(const vs_field *field, const void *member) {
+  int count = 0, present = 1;
+  for (; count < field->options->most && present; count += present)
+    memcpy(&present, (const char *)member + (size_t)count * field->options->size, sizeof present);
+  return count;
+}
+
+static vs_status read_default(const vs_section *section, const vs_field *field, void *out,
+                              vs_error *err);
+
+/* Reads one map of an option: first the key on which the others depend. */
+static vs_status read_map(const vs_field *field, const vs_node *map, void *out, vs_error *err) {
+  const vs_options *options = field->options;
+  int present = 1;
+  if (options->forms) {
+    const vs_field *chooser = &options->keys.fields[options->chooser];
+    const vs_node *node = vs_tree_child(map, chooser->key);
+    vs_status status = read_default(&options->keys, chooser, out, err);
+    if (!status && node)
+      status = vs_error_carry_on(err, vs_field_read(&options->keys, chooser, node, out, err));
+    if (status) return status;
+  }
+  memcpy(out, &present, sizeof present);
+  return vs_field_section_read(vs_field_form(options, out), map, out, err);
+}
+
 static vs_status read_option(const char *name, const vs_field *field, const vs_node *node,
-                             int *present, vs_error *err) {
-  char range[128];
-  if (node->kind == VS_NODE_MAP) {
-    *present = 1;
-    return vs_field_section_read(field->keys, node, present, err);
-  }
-  if (node->kind == VS_NODE_TEXT && !strcmp(node->text, field->choices)) {
-    *present = 0;
-    return VS_OK;
-  }
+                             char *member, vs_error *err) {
+  const vs_options *options = field->options;
+  char range[160];
+  memset(member, 0, (size_t)options->most * options->size);
+  if (node->kind == VS_NODE_MAP) return read_map(field, node, member, err);
+  if (node->kind == VS_NODE_TEXT && !strcmp(node->text, field->choices)) return VS_OK;
+  const vs_node *item = options->most > 1 && node->kind == VS_NODE_LIST ? node->child : NULL;
   vs_field_range(field, range, sizeof range);
-  return vs_fail_at(err, node->where, "%s: allowed: %s", name, range);
+  if (!item) return vs_fail_at(err, node->where, "%s: allowed: %s", name, range);
+  vs_status status = VS_OK;
+  for (int k = 0; item && !status; k++, item = item->next) {
+    if (k == options->most)
+      status = vs_fail_at(err, item->where, "%s: a list of at most %d is allowed", name, k);
+    else if (item->kind != VS_NODE_MAP)
+      status = vs_fail_at(err, item->where, "%s: each of the list is a map of keys: {%s: %s, ...}",
+                          name, options->keys.fields[0].key, options->keys.fields[0].default_text);
+    else
+      status = read_map(field, item, member + (size_t)k * options->size, err);
+    status = vs_error_carry_on(err, status);
+    if (k == options->most) break;
+  }
+  return status;
 }
 
 vs_status vs_field_read(const vs_section *section, const vs_field *field, const vs_node *node,
@@ -113,7 +166,7 @@ vs_status vs_field_read(const vs_section *section, const vs_field *field, const 
     memcpy(member, node->text, strlen(node->text) + 1);
     return VS_OK;
   case VS_OPTION:
-    return read_option(name, field, node, (int *)(void *)member, err);
+    return read_option(name, field, node, member, err);
   case VS_PAIR:
     break;
   }
@@ -193,6 +246,10 @@ static void add_choice(const char *choices, int choice, vs_json *json) {
 /* Writes {"value": 6, "unit": "mm"}; the value of a pair is [x, y]. */
 static void add_quantity(const vs_field *field, const double *si, vs_json *json) {
   const double factor = vs_units_factor(field->unit);
+  if (field->kind == VS_REAL && isnan(si[0])) {
+    vs_json_text(json, NULL, field->choices);
+    return;
+  }
   vs_json_object(json, NULL, VS_JSON_ROW);
   if (field->kind == VS_PAIR) {
     vs_json_array(json, "value", VS_JSON_ROW);
@@ -213,12 +270,24 @@ static void add_keys(const vs_section *keys, const void *values, vs_json *json) 
   vs_json_end(json);
 }
 
+/* Writes the word where there is no map, the map where there is one, and a list of more. */
+static void add_maps(const vs_field *field, const char *member, vs_json *json) {
+  const vs_options *options = field->options;
+  int count = vs_field_maps(field, member);
+  if (!count) vs_json_text(json, NULL, field->choices);
+  if (count > 1) vs_json_array(json, NULL, VS_JSON_ROW);
+  for (int k = 0; k < count; k++) {
+    const char *values = member + (size_t)k * options->size;
+    add_keys(vs_field_form(options, values), values, json);
+  }
+  if (count > 1) vs_json_end(json);
+}
+
 void vs_field_json(const vs_field *field, const void *values, vs_text *text) {
   const char *member = (const char *)values + field->offset;
   int whole = 0;
   vs_json json = vs_json_new(text);
-  if (field->kind == VS_CHOICE || field->kind == VS_COUNT || field->kind == VS_OPTION)
-    memcpy(&whole, member, sizeof whole);
+  if (field->kind == VS_CHOICE || field->kind == VS_COUNT) memcpy(&whole, member, sizeof whole);
   switch (field->kind) {
   case VS_REAL:
   case VS_PAIR:
@@ -237,10 +306,7 @@ void vs_field_json(const vs_field *field, const void *values, vs_text *text) {
     vs_json_text(&json, NULL, member);
     break;
   case VS_OPTION:
-    if (whole)
-      add_keys(field->keys, member, &json);
-    else
-      vs_json_text(&json, NULL, field->choices);
+    add_maps(field, member, &json);
     break;
   }
 }

@@ -12,13 +12,14 @@
 #include "syntax/tree.h"
 
 typedef enum vs_field_kind {
-  VS_REAL,   /* double, SI */
+  VS_REAL,   /* double, SI; or (where choices names one) that word, read as NaN */
   VS_PAIR,   /* double[2], SI, written [x, y] */
   VS_CHOICE, /* int: which of `choices` */
   VS_COUNT,  /* int: a whole number, or (where choices names one) that word, read as 0 */
   VS_NAME,   /* char[VS_NAME_SIZE] */
-  VS_OPTION  /* a struct that begins with an int: it is 0 for the word `choices` names, and 1 for a
-                map, whose keys fill the struct's other members */
+  VS_OPTION  /* up to `options.most` structs in a row, each of which begins with an int: it is 1 for
+                a map, whose keys fill the struct's other members, and for each map of a list. It
+                is 0 behind the last, and in the first for the word `choices` names */
 } vs_field_kind;
 
 enum { VS_NAME_SIZE = 256 };
@@ -26,14 +27,14 @@ enum { VS_NAME_SIZE = 256 };
 typedef struct vs_field {
   const char *key;
   vs_field_kind kind;
-  const char *unit;              /* as shown and as asked for; "" for a pure number */
-  const char *default_text;      /* as a user would write it */
-  double min, max;               /* the least and the largest value allowed, in `unit` */
-  bool open;                     /* min and max themselves are not allowed */
-  size_t offset;                 /* of the member it fills, in the section's struct */
-  const char *text;              /* what it means, one line */
-  const char *choices;           /* VS_CHOICE: "paper|derived"; VS_COUNT, VS_OPTION: a word for 0 */
-  const struct vs_section *keys; /* VS_OPTION: the keys of its map */
+  const char *unit;         /* as shown and as asked for; "" for a pure number */
+  const char *default_text; /* as a user would write it */
+  double min, max;          /* the least and the largest value allowed, in `unit` */
+  bool open;                /* min and max themselves are not allowed */
+  size_t offset;            /* of the member it fills, in the section's struct */
+  const char *text;         /* what it means, one line */
+  const char *choices;      /* VS_CHOICE: "paper|derived"; VS_REAL, VS_COUNT, VS_OPTION: a word */
+  const struct vs_options *options; /* VS_OPTION: what its maps have */
 } vs_field;
 
 /* A map of a scene. */
@@ -42,6 +43,20 @@ typedef struct vs_section {
   const vs_field *fields;
   size_t count;
 } vs_section;
+
+/* What the maps of a VS_OPTION have. The keys in effect may depend on one of them, a VS_CHOICE. */
+typedef struct vs_options {
+  vs_section keys;         /* all of them, as lists show them */
+  const vs_section *forms; /* the keys in effect for each word of the chooser; NULL: `keys` */
+  size_t chooser;          /* which of keys.fields */
+  int most;                /* how many maps a list of them may have; 1: no list is taken */
+  size_t size;             /* of the struct that one map fills, bytes */
+} vs_options;
+
+/* The keys in effect of one map; values: the struct that it filled. */
+const vs_section *vs_field_form(const vs_options *options, const void *values);
+/* How many maps the field's present value has. member: the first of its structs. */
+int vs_field_maps(const vs_field *field, const void *member);
 
 /* Fills every member of out, from the scene's map where that has the key, else from the default.
  * map is NULL where the scene has no such section. Errors, each of which a check carries on from:

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "syntax/tree.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <libfyaml.h>
 #include <stdbool.h>
@@ -313,12 +314,28 @@ static void stand_at(vs_node *node, vs_where where) {
   }
 }
 
-/* Returns the node of a dotted key. It is made where it is missing, and so are the maps above it.
- */
+/* The element of that number, from 1, of a list; NULL: the node is no list, the key no number of
+ * one. */
+static vs_node *element(const vs_node *list, const char *key) {
+  char *end;
+  if (list->kind != VS_NODE_LIST || !isdigit((unsigned char)*key)) return NULL;
+  unsigned long number = strtoul(key, &end, 10);
+  vs_node *n = list->child;
+  while (n && --number) n = n->next;
+  return *end ? NULL : n;
+}
+
+/* Returns the node of a dotted key; one of its words may be the number of a list's element. It is
+ * made where it is missing, and so are the maps above it. */
 static vs_node *reach(vs_tree *tree, const char *dotted, vs_where where) {
   vs_node *at = tree->root;
   char *path = vs_copy(dotted), *rest = path;
   for (char *key; (key = strsep(&rest, "."));) {
+    vs_node *numbered = element(at, key);
+    if (numbered) {
+      at = numbered;
+      continue;
+    }
     if (at->kind != VS_NODE_MAP) { /* a text stands where a map is wanted: the newer value wins */
       node_free(at->child);
       free(at->text);

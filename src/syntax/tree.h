@@ -33,7 +33,8 @@ vs_status vs_tree_read(const char *path, vs_tree *tree, vs_error *err);
  * original, which must live as long as the copy. */
 void vs_tree_copy(const vs_tree *tree, vs_tree *copy);
 
-/* Sets "a.b.c=value" over what stands there. The value is read as YAML; its place is called "--set
+/* Sets "a.b.c=value" over what stands there; "a.1.c" is c of the first element of a list a. The
+ * value is read as YAML; its place is called "--set
  * a.b.c=value". Error: there is no sign, or the value is not YAML. */
 vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err);
 

@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What the armature meets. A stop pushes the armature back by how deep this is in it, and by how
  * fast that changes. */
-#ifndef VS_ACTUATOR_STOP_H
-#define VS_ACTUATOR_STOP_H
+#ifndef VS_ACTUATOR_STOPS_H
+#define VS_ACTUATOR_STOPS_H
+
+#include <stdbool.h>
+
+#include "base/text.h"
 
 typedef struct vs_stop vs_stop;
 
@@ -16,8 +20,18 @@ typedef struct vs_stop_kind {
                        double depth_rate2_m_s2);
   double (*energy)(const vs_stop *stop, double depth_m);                      /* stored, J */
   double (*loss)(const vs_stop *stop, double depth_m, double depth_rate_m_s); /* W */
+  /* Writes `force` for ngspice, of texts that stand in brackets: the stiffness, the damping, the
+   * depth and its rate. NULL: the kind cannot be written so, and export refuses it by name. */
+  void (*netlist)(const char *const of[4], vs_text *force);
+  /* A bound of the force's slope over the depth, N/m, down to stop->deepest_m: for the length of
+   * steps. */
+  double (*steepest)(const vs_stop *stop);
+  bool linear; /* the force is k depth + c depth' exactly, so that polynomials hold */
 } vs_stop_kind;
-extern const vs_stop_kind vs_stop_linear;
+
+/* The kinds: VS_STOP_WORDS has their names in this order, as the scene's key takes them. */
+#define VS_STOP_WORDS "linear|quadratic_clipped"
+extern const vs_stop_kind *const vs_stop_kinds[];
 
 struct vs_stop {
   const vs_stop_kind *kind;
@@ -26,6 +40,9 @@ struct vs_stop {
   double at_m;      /* the travel g = c.q at which it is met */
   double stiffness; /* linear: k, N/m; quadratic_clipped: c, N/m2 */
   double damping_ns_m;
+  double scale_m;   /* the way from rest to it, > 0; the gap at rest where it is met at rest */
+  double deepest_m; /* how deep it is entered at most: the gap that is left where it is met, as then
+                       iron meets iron; the gap at rest for one that ends the opening (assumed) */
 };
 
 enum { VS_MOST_STOPS = 4 };
@@ -48,7 +65,8 @@ static inline unsigned vs_stops_touched(const vs_stops *stops, double g_m) {
 }
 
 /* How near the armature is to a stop at a travel g, as a part of the way from rest: 1 and more: it
- * touches one. 0 where there is none. */
+ * touches one. Of a stop that is met at rest it is 1 there and falls to 0 where the gap is closed.
+ * 0 where there is no stop, or all lie the other way. */
 double vs_stops_nearness(const vs_stops *stops, double g_m);
 
 /* What the stops of these bits add to the force F that closes the gap, N: negative where they push
