@@ -6,18 +6,19 @@
 
 #include "actuator/coil.h"
 
-/* Copies the first n numbers and those behind them up to whole blocks. */
-static inline void copy_blocks(const double *from, int n, double *restrict to) {
-  for (int first = 0; first < n; first += VS_ROWS)
-    memcpy(to + first, from + first, VS_ROWS * sizeof *to);
+static inline void copy_coordinates(const vs_knot *from, int dof, vs_knot *to) {
+  size_t one = (size_t)dof * sizeof *to->x;
+  memcpy(to->x, from->x, 2 * one);
+  memcpy(to->a, from->a, one);
+  memcpy(to->j, from->j, one);
 }
 
 void vs_knot_copy(const vs_frame *frame, const vs_knot *from, vs_knot *to) {
-  int dof = frame->model->dof;
+  if (frame->model->dof == VS_ROWS)
+    copy_coordinates(from, VS_ROWS, to);
+  else
+    copy_coordinates(from, frame->model->dof, to);
   to->t_s = from->t_s;
-  copy_blocks(from->x, 2 * dof, to->x);
-  copy_blocks(from->a, dof, to->a);
-  copy_blocks(from->j, dof, to->j);
   memcpy(&to->flux_wb, &from->flux_wb, offsetof(vs_knot, terms) - offsetof(vs_knot, flux_wb));
   if (frame->deck) memcpy(to->terms, from->terms, frame->deck->n_terms * sizeof *from->terms);
 }
