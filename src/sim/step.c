@@ -105,7 +105,8 @@ static inline __attribute__((always_inline)) void put_coordinates(const vs_step 
 }
 
 /* `septic` are the weights of the step's slopes. */
-static inline double flux_rate(const vs_step *step, views at, const weights *septic) {
+static inline __attribute__((always_inline)) double flux_rate(const vs_step *step, views at,
+                                                              const weights *septic) {
   if (at.h[0] <= 0) return step->to->flux_rate_v;
   double rate;
   if (step->cubic_flux) {
@@ -122,7 +123,8 @@ static double line(double from, double to, double s) {
 }
 
 /* lambda, i and the force; z is there already. `septic` are the weights of the step's values. */
-static inline void put_flux(const vs_step *step, views at, const weights *septic, double *y) {
+static inline __attribute__((always_inline)) void put_flux(const vs_step *step, views at,
+                                                           const weights *septic, double *y) {
   const vs_frame *frame = step->frame;
   const vs_model *m = frame->model;
   y[VS_CH_LAMBDA] = y[VS_CH_I] = y[VS_CH_FORCE] = 0;
@@ -170,7 +172,9 @@ static void put_probes(const vs_step *step, double s, double *y) {
   }
 }
 
-void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double *y) {
+/* vs_step_groups_at for a machine of so many coordinates. */
+static inline __attribute__((always_inline)) void groups_at(const vs_step *step, double t_s,
+                                                            unsigned groups, int dof, double *y) {
   const vs_knot *a = step->from, *b = step->to;
   const vs_model *m = step->frame->model;
   bool coil = step->frame->source_is_coil;
@@ -180,10 +184,7 @@ void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double 
   weights slope;
   if (h > 0 && groups & (VS_GROUP_VELOCITIES | VS_GROUP_V_EVA)) slope = septic_rate(at);
   const weights *rate = groups & VS_GROUP_VELOCITIES ? &slope : NULL;
-  if (m->dof == VS_ROWS)
-    put_coordinates(step, &w, rate, VS_ROWS, q);
-  else
-    put_coordinates(step, &w, rate, m->dof, q);
+  put_coordinates(step, &w, rate, dof, q);
   y[VS_CH_TRAVEL] = vs_mechanics_travel(m, q);
   y[VS_CH_Z] = vs_coil_gap(&m->coil, y[VS_CH_TRAVEL]);
   put_flux(step, at, &w, y);
@@ -195,6 +196,14 @@ void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double 
   if (groups & VS_GROUP_ACCELERATIONS) put_accelerations(step, y);
   if (groups & VS_GROUP_MACHINE) put_outputs(m, y);
   if (groups & VS_GROUP_DECK) put_probes(step, s, y);
+}
+
+void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double *y) {
+  int dof = step->frame->model->dof;
+  if (dof == VS_ROWS)
+    groups_at(step, t_s, groups, VS_ROWS, y);
+  else
+    groups_at(step, t_s, groups, dof, y);
 }
 
 void vs_step_at(const vs_step *step, double t_s, double *y) {
