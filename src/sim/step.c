@@ -206,6 +206,26 @@ void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double 
     groups_at(step, t_s, groups, dof, y);
 }
 
+static inline __attribute__((always_inline)) void velocities_at(const vs_step *step, double t_s,
+                                                                int dof, double *restrict v) {
+  const vs_knot *a = step->from, *b = step->to;
+  double h = b->t_s - a->t_s;
+  if (h > 0) {
+    const weights rate = septic_rate(views_of((t_s - a->t_s) / h, h));
+    apply(&rate, coordinates_of(a, dof), coordinates_of(b, dof), dof, v);
+  } else {
+    for (int i = 0; i < dof; i++) v[i] = b->x[dof + i];
+  }
+}
+
+void vs_step_velocities_at(const vs_step *step, double t_s, double *v) {
+  int dof = step->frame->model->dof;
+  if (dof == VS_ROWS)
+    velocities_at(step, t_s, VS_ROWS, v);
+  else
+    velocities_at(step, t_s, dof, v);
+}
+
 void vs_step_at(const vs_step *step, double t_s, double *y) {
   vs_step_groups_at(step, t_s, VS_GROUP_ALL, y);
 }

@@ -114,14 +114,27 @@ static inline double lost_by(const vs_model *m, const double *v, int dof) {
   return sum;
 }
 
-void vs_energy_accept(vs_energy *e, const vs_step *step) {
+/* What a step without a current and without stops changes: only what damping takes. */
+static void swing(vs_energy *e, const vs_step *step) {
+  const vs_model *m = step->frame->model;
+  double h = step->to->t_s - step->from->t_s, v[VS_MOST_DOF];
+  for (int g = step->cubic_flux ? 0 : 1, k = 0; k < GAUSS[g].count; k++) {
+    vs_step_velocities_at(step, step->from->t_s + h * GAUSS[g].at[k], v);
+    double lost = m->dof == VS_ROWS ? lost_by(m, v, VS_ROWS) : lost_by(m, v, m->dof);
+    e->joule[VS_E_DAMPING] += h * GAUSS[g].weight[k] * lost;
+  }
+}
+
+static void integrate(vs_energy *e, const vs_step *step) {
   /* true: no current flows, so only the machine's own terms change */
   bool alone = step->frame->source_is_coil && vs_step_is_quiet(step);
   unsigned parts = VS_GROUP_VELOCITIES | (alone ? 0 : VS_GROUP_V_EVA | VS_GROUP_V_MAINS);
   const vs_model *m = step->frame->model;
   double h = step->to->t_s - step->from->t_s, y[VS_CH_MOST];
-  if (!e->steps++) begin(e, step);
-  if (h == 0) e->joule[VS_E_STOP] += mechanical(m, step->from) - mechanical(m, step->to); /* jams */
+  if (alone && !m->stops.count) {
+    swing(e, step);
+    return;
+  }
   for (int g = step->cubic_flux ? 0 : 1, k = 0; k < GAUSS[g].count; k++) {
     vs_step_groups_at(step, step->from->t_s + h * GAUSS[g].at[k], parts, y);
     double w = h * GAUSS[g].weight[k], lost;
@@ -139,6 +152,14 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
     e->joule[VS_E_COPPER] += w * m->actuator.resistance_ohm * y[VS_CH_I] * y[VS_CH_I];
     e->joule[VS_E_WORK] -= w * y[VS_CH_FORCE] * g_rate;
   }
+}
+
+void vs_energy_accept(vs_energy *e, const vs_step *step) {
+  const vs_model *m = step->frame->model;
+  if (!e->steps++) begin(e, step);
+  if (step->to->t_s == step->from->t_s) /* jams */
+    e->joule[VS_E_STOP] += mechanical(m, step->from) - mechanical(m, step->to);
+  integrate(e, step);
   vs_knot_copy(step->frame, step->to, &e->last);
   if (step->frame->deck) add_losses(e, step);
   if (e->steps % STOCK_TAKING == 0) take_stock(e);
