@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "actuator/coil.h"
 #include "deck/devices.h"
 #include "deck/parts.h"
 #include "scene/sections.h"
@@ -125,15 +126,51 @@ static vs_status check_ignored_keys(const vs_scene *s, vs_error *err) {
   return status;
 }
 
-/* A circuit needs the coil's law as text for ngspice. */
+/* The key of the section actuator that says which law the coil has; NULL: the scene does not. */
+static const vs_node *law_node(const vs_scene *s) {
+  static const char *const KEYS[] = {"law", "saturation", "leakage"};
+  const vs_node *map = vs_tree_child(s->tree.root, "actuator"), *node = NULL;
+  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS && !node; k++)
+    node = vs_tree_child(map, KEYS[k]);
+  return node;
+}
+
+/* Is there no current without flux linkage, wherever the armature is? Tried at some gaps up to
+ * twice the one at rest; 1e-9 A are rounding. */
+static bool coil_is_dead(const vs_coil *coil) {
+  char text[256];
+  for (int k = 1; k <= 8; k++) {
+    double z = coil->gap_rest_m * k / 4;
+    bool known = !coil->law->beyond || !coil->law->beyond(coil, 0, z, text, sizeof text);
+    if (known && !(fabs(vs_coil_current(coil, 0, z)) <= 1e-9)) return false;
+  }
+  return true;
+}
+
+/* Why the tier cannot have the coil's law, and what can; NULL: it can. A circuit needs the law as
+ * text for ngspice. Where the inductance stays as at rest it must be one. An ideal thyristor that
+ * is off holds lambda at 0, and so there must be no current. */
+static const char *law_does_not_fit(const vs_scene *s) {
+  const vs_coil *coil = &s->setup.model.coil;
+  bool valve = !s->setup.timeline.firing.no_valve;
+  if (s->tier->has_circuit)
+    return coil->law->netlist ? NULL : "has no netlist of it; take tier switched";
+  if (s->tier->gap_at_rest && !coil->square)
+    return "keeps the inductance of the plain reluctance; take tier switched";
+  return valve && !coil_is_dead(coil)
+             ? "has an ideal thyristor, and this law a current without flux linkage; write "
+               "firing.valve: none, or take tier circuit"
+             : NULL;
+}
+
 static vs_status check_law(const vs_scene *s, vs_error *err) {
   const vs_law *law = s->setup.model.coil.law;
-  const vs_node *node = vs_tree_child(vs_tree_child(s->tree.root, "actuator"), "law");
-  if (!s->tier->has_circuit || !law || law->netlist) return VS_OK;
-  return vs_error_carry_on(
-      err, vs_fail_at(err, node ? node->where : (vs_where){0},
-                      "actuator.law: tier %s (%s) has no netlist of the law %s; take tier %s",
-                      s->tier->name, s->why, law->name, vs_tiers_automatic(false)->name));
+  const char *why = law ? law_does_not_fit(s) : NULL;
+  const vs_node *node = law_node(s);
+  if (!why) return VS_OK;
+  return vs_error_carry_on(err, vs_fail_at(err, node ? node->where : (vs_where){0},
+                                           "actuator.law: %s: tier %s (%s) %s", law->name,
+                                           s->tier->name, s->why, why));
 }
 
 /* The deck's name alone is no conflict: it says what the tiers stand for. */
@@ -141,10 +178,8 @@ static vs_status check_ignored(const vs_scene *s, vs_error *err) {
   const vs_node *circuit = vs_tree_child(s->tree.root, "circuit");
   const vs_events *events = &s->setup.timeline.events;
   vs_status status = VS_OK;
-  if (s->tier->has_circuit) {
-    status = check_law(s, err);
-    return status ? status : check_ignored_keys(s, err);
-  }
+  status = check_law(s, err);
+  if (s->tier->has_circuit) return status ? status : check_ignored_keys(s, err);
   for (const vs_node *n = circuit ? circuit->child : NULL; n && !status; n = n->next)
     if (strcmp(n->key, vs_deck_key.key)) status = ignored_key(s, "circuit", n, err);
   if (!status) status = check_ignored_keys(s, err);
@@ -161,6 +196,7 @@ static bool tier_is_known(const vs_scene *s) {
 }
 
 static vs_status choose_tier(vs_scene *s, const char *named, vs_error *err) {
+  const vs_tier_key *ideal = own_key(s, vs_tiers_automatic(false));
   char what[200];
   int choice = s->setup.run.tier;
   if (named && !strcmp(named, "auto"))
@@ -176,6 +212,10 @@ static vs_status choose_tier(vs_scene *s, const char *named, vs_error *err) {
     snprintf(s->why, sizeof s->why, "asked for by run.tier");
   } else if (!tier_is_known(s)) {
     s->tier = vs_tiers_automatic(true); /* it has all probes */
+  } else if (ideal) {
+    s->tier = vs_tiers_automatic(false);
+    snprintf(s->why, sizeof s->why, "auto: the scene names %s.%s: %s, which no circuit has",
+             ideal->section, ideal->key, ideal->value ? ideal->value : "");
   } else if (needs_circuit(s, what, sizeof what)) {
     s->tier = vs_tiers_automatic(true);
     snprintf(s->why, sizeof s->why, "auto: the scene names %s", what);
