@@ -58,6 +58,7 @@ static void begin(vs_energy *e, const vs_step *step) {
   const vs_deck *deck = step->frame->deck;
   const vs_model *m = step->frame->model;
   e->first = *step->from;
+  e->began_j = mechanical(m, step->from);
   e->n_damping = 0;
   for (int i = 0; i < m->dof; i++)
     for (int j = 0; j < m->dof; j++)
