@@ -11,6 +11,7 @@
 
 /* The travel g = c.q by which the gap is opened, and likewise its rate from q', m and m/s. */
 static inline double vs_mechanics_travel(const vs_model *model, const double *q) {
+  if (model->alone) return q[model->alone - 1];
   double g = model->along[0] * q[0];
   for (int i = 1; i < model->dof; i++) g += model->along[i] * q[i];
   return g;
@@ -20,24 +21,42 @@ static inline double vs_mechanics_gap(const vs_model *model, const double *q) {
   return vs_coil_gap(&model->coil, vs_mechanics_travel(model, q));
 }
 
+/* Rows and columns are taken so many at a time, side by side, in half the time of one after the
+ * other. Behind a matrix's last row its columns hold zeros. */
+enum { VS_ROWS = 4 };
+_Static_assert(VS_MOST_DOF % VS_ROWS == 0, "columns are filled up with zeros");
+
+/* Takes the columns from j on, VS_ROWS or one, off VS_ROWS rows of a sum. */
+static inline void vs_mechanics_take_block(const vs_model *model, int first, int j, const double *q,
+                                           const double *v, double *restrict sum) {
+  const double *k = model->mk_column[j] + first, *b = model->mb_column[j] + first;
+  for (int i = 0; i < VS_ROWS; i++)
+    sum[i] = sum[i] - (k[i] * q[0] + b[i] * v[0]) -
+             (k[VS_MOST_DOF + i] * q[1] + b[VS_MOST_DOF + i] * v[1]) -
+             (k[2 * VS_MOST_DOF + i] * q[2] + b[2 * VS_MOST_DOF + i] * v[2]) -
+             (k[3 * VS_MOST_DOF + i] * q[3] + b[3 * VS_MOST_DOF + i] * v[3]);
+}
+static inline void vs_mechanics_take_column(const vs_model *model, int first, int j, double q,
+                                            double v, double *restrict sum) {
+  const double *k = model->mk_column[j] + first, *b = model->mb_column[j] + first;
+  for (int i = 0; i < VS_ROWS; i++) sum[i] -= k[i] * q + b[i] * v;
+}
+
 /* The accelerations q" [m/s2, rad/s2] from q, q' and the force F [N] that closes the gap (Eq. 83):
- *   q" = M^-1 f0 - M^-1 c F - M^-1 K q - M^-1 B q'
- * Rows are computed four at a time, side by side; behind the last row the columns hold zeros. */
-static inline void vs_mechanics_accelerations(const vs_model *model, const double *q,
-                                              const double *v, double force_n,
-                                              double acceleration[VS_MOST_DOF]) {
-  enum { SIDE_BY_SIDE = 4 };
-  _Static_assert(VS_MOST_DOF % SIDE_BY_SIDE == 0, "columns are filled up with zeros");
-  for (int first = 0; first < model->dof; first += SIDE_BY_SIDE) {
-    double sum[SIDE_BY_SIDE];
-    for (int i = 0; i < SIDE_BY_SIDE; i++) sum[i] = model->mf[first + i] * force_n;
-    for (int j = 0; j < model->dof; j++) {
-      const double *k = model->mk_column[j] + first, *b = model->mb_column[j] + first;
-      for (int i = 0; i < SIDE_BY_SIDE; i++) sum[i] -= k[i] * q[j] + b[i] * v[j];
-    }
-    for (int i = 0; model->loaded && i < SIDE_BY_SIDE; i++) sum[i] += model->m0[first + i];
+ *   q" = M^-1 f0 - M^-1 c F - M^-1 K q - M^-1 B q' */
+static inline __attribute__((always_inline)) void
+vs_mechanics_accelerations(const vs_model *model, const double *q, const double *v, double force_n,
+                           double *restrict acceleration) {
+  for (int first = 0; first < model->dof; first += VS_ROWS) {
+    double sum[VS_ROWS];
+    int j = 0;
+    for (int i = 0; i < VS_ROWS; i++) sum[i] = model->mf[first + i] * force_n;
+    for (; j + VS_ROWS <= model->dof; j += VS_ROWS)
+      vs_mechanics_take_block(model, first, j, q + j, v + j, sum);
+    for (; j < model->dof; j++) vs_mechanics_take_column(model, first, j, q[j], v[j], sum);
     memcpy(acceleration + first, sum, sizeof sum);
   }
+  for (int i = 0; model->loaded && i < model->dof; i++) acceleration[i] += model->m0[i];
 }
 
 /* True where the gap's poles meet and no stop is there: what follows is not physical. */
