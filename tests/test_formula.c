@@ -170,8 +170,7 @@ static const char *const PRINTED[] = {
     "pi*x*b.x",
 };
 
-static void test_printed(void) {
-  if (!on_path("ngspice")) return;
+static void check_printed(const char *how) {
   static const char *const NODE[] = {"v(nx)", "v(ny)", "v(nz)"};
   const double terms[] = {1.3, 0.8, 2.1};
   vs_text deck = {0};
@@ -187,7 +186,9 @@ static void test_printed(void) {
   for (size_t k = 0; k < COUNT(PRINTED); k++) vs_text_add(&deck, "print o%zu\n", k);
   vs_text_add(&deck, ".endc\n.end\n");
   write_file("printed.cir", deck.text);
-  CU_ASSERT_NOT_EQUAL(system("ngspice -b printed.cir >printed.out 2>&1"), -1);
+  char command[100];
+  snprintf(command, sizeof command, "ngspice -b %s printed.cir >printed.out 2>&1", how);
+  CU_ASSERT_NOT_EQUAL(system(command), -1);
   char *out = read_file("printed.out");
   for (size_t k = 0; k < COUNT(PRINTED); k++) {
     char key[20];
@@ -195,12 +196,19 @@ static void test_printed(void) {
     const char *at = strstr(out, key);
     vs_formula f = formula(PRINTED[k]);
     double want = vs_formula_value(&f, terms), got = at ? strtod(at + strlen(key), NULL) : NAN;
-    EXPECT(fabs(got - want) <= 4e-15 * fabs(want), "%s: ngspice says %.17g, not %.17g", PRINTED[k],
-           got, want);
+    EXPECT(fabs(got - want) <= 4e-15 * fabs(want), "%s %s: ngspice says %.17g, not %.17g", how,
+           PRINTED[k], got, want);
     vs_formula_free(&f);
   }
   free(out);
   vs_text_free(&deck);
+}
+
+/* As ngspice reads its own decks, and as PSpice's. */
+static void test_printed(void) {
+  if (!on_path("ngspice")) return;
+  check_printed("");
+  check_printed("-D ngbehavior=ps");
 }
 
 static const vs_test TESTS[] = {

@@ -6,9 +6,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "actuator/actuator.h"
+#include "actuator/coil.h"
 #include "actuator/formulas.h"
 #include "actuator/reluctance.h"
+#include "actuator/values.h"
 #include "program.h"
 
 /* ---- the laws of this test ---- */
@@ -341,7 +342,9 @@ static void test_refused(void) {
   } ROW[] = {
       {{NULL, NULL, SOLENOID_FORCE}, "wants the machine file's", 3},
       {{"-lambda", NULL, NULL}, "must grow with lambda", 1},
-      {{MAGNET_CURRENT, MAGNET_ENERGY "+1e-5*lambda^2", NULL}, "but dW/dlambda of the energy is", 1},
+      {{MAGNET_CURRENT, MAGNET_ENERGY "+1e-5*lambda^2", NULL},
+       "but dW/dlambda of the energy is",
+       1},
       {{MAGNET_CURRENT, MAGNET_ENERGY, "-(" MAGNET_FORCE ")"}, "but -dW/dz of the energy is", 3},
       {{MAGNET_CURRENT, NULL, "1.1*(" MAGNET_FORCE ")"}, "but -di/dz of the current is", 3},
       {{"ln(lambda)", NULL, NULL}, "must grow with lambda", 1}};

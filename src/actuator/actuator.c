@@ -6,8 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "actuator/formulas.h"
 #include "actuator/moving_coil.h"
 #include "actuator/reluctance.h"
+#include "actuator/table.h"
 
 /* ---- keys ---- */
 
@@ -113,7 +115,8 @@ const vs_section vs_actuator_section = {"actuator", ACTUATOR, sizeof ACTUATOR / 
 
 /* ---- laws ---- */
 
-const vs_law *const vs_actuator_laws[] = {&vs_reluctance_law, &vs_moving_coil_law, NULL};
+const vs_law *const vs_actuator_laws[] = {&vs_reluctance_law, &vs_moving_coil_law, &vs_formulas_law,
+                                          &vs_table_law, NULL};
 
 static bool ends_in(const char *word, const char *ending) {
   size_t n = strlen(word), m = strlen(ending);
@@ -214,6 +217,10 @@ vs_status vs_actuator_build(const vs_actuator_values *v, const vs_node *map,
   vs_status status = find_law(v->law, map, &coil->law, err);
   if (!status) status = refuse_unused(coil->law, map, err);
   if (!status) status = coil->law->build(v, map, formulas, coil, err);
-  if (!status) build_stops(v, stops);
+  if (status) { /* a check carries on without a coil */
+    vs_actuator_end(coil);
+    coil->law = NULL;
+  } else
+    build_stops(v, stops);
   return status;
 }

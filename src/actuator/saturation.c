@@ -97,7 +97,13 @@ static void put(vs_text *text, const char *before, double number, const char *af
   vs_text_add(text, "%s", after);
 }
 
-/* ngspice's pwr(x,n) is sign(x) |x|^n, its pow(x,n) is |x|^n. */
+/* Adds "pow(abs(lambda/lambda_s),n)". */
+static void put_power(vs_text *text, const saturation *s, const char *flux) {
+  vs_text_add(text, "pow(abs(%s", flux);
+  put(text, "/", s->flux_wb, "),");
+  put(text, "", s->exponent, ")");
+}
+
 static void series_netlist(const vs_coil *c, const char *flux, const char *gap, vs_text *lines,
                            vs_text *current, vs_text *force) {
   (void)lines;
@@ -105,9 +111,9 @@ static void series_netlist(const vs_coil *c, const char *flux, const char *gap, 
   vs_text_add(current, "(%s*%s", flux, gap);
   put(current, "/", 2 * c->a_hm, "+");
   put(current, "", s->current_a, "*");
-  vs_text_add(current, "pwr(%s", flux);
-  put(current, "/", s->flux_wb, ",");
-  put(current, "", s->exponent, "))");
+  vs_text_add(current, "sgn(%s)*", flux);
+  put_power(current, s, flux);
+  vs_text_add(current, ")");
   vs_text_add(force, "(%s*%s", flux, flux);
   put(force, "/", 4 * c->a_hm, ")");
 }
@@ -116,9 +122,7 @@ static void multiplicative_netlist(const vs_coil *c, const char *flux, const cha
   (void)lines;
   const saturation *s = c->own;
   vs_text raised = {0};
-  vs_text_add(&raised, "pow(%s", flux);
-  put(&raised, "/", s->flux_wb, ",");
-  put(&raised, "", s->exponent, ")");
+  put_power(&raised, s, flux);
   vs_text_add(current, "(%s*%s*(1+%s)", flux, gap, raised.text);
   put(current, "/", 2 * c->a_hm, ")");
   vs_text_add(force, "(%s*%s*(0.5+%s", flux, flux, raised.text);

@@ -26,37 +26,27 @@ static inline double vs_mechanics_gap(const vs_model *model, const double *q) {
 enum { VS_ROWS = 4 };
 _Static_assert(VS_MOST_DOF % VS_ROWS == 0, "columns are filled up with zeros");
 
-/* Takes the columns from j on, VS_ROWS or one, off VS_ROWS rows of a sum. */
-static inline void vs_mechanics_take_block(const vs_model *model, int first, int j, const double *q,
-                                           const double *v, double *restrict sum) {
-  const double *k = model->mk_column[j] + first, *b = model->mb_column[j] + first;
-  for (int i = 0; i < VS_ROWS; i++)
-    sum[i] = sum[i] - (k[i] * q[0] + b[i] * v[0]) -
-             (k[VS_MOST_DOF + i] * q[1] + b[VS_MOST_DOF + i] * v[1]) -
-             (k[2 * VS_MOST_DOF + i] * q[2] + b[2 * VS_MOST_DOF + i] * v[2]) -
-             (k[3 * VS_MOST_DOF + i] * q[3] + b[3 * VS_MOST_DOF + i] * v[3]);
-}
-static inline void vs_mechanics_take_column(const vs_model *model, int first, int j, double q,
-                                            double v, double *restrict sum) {
-  const double *k = model->mk_column[j] + first, *b = model->mb_column[j] + first;
-  for (int i = 0; i < VS_ROWS; i++) sum[i] -= k[i] * q + b[i] * v;
-}
+/* vs_mechanics_accelerations for any number of coordinates. */
+void vs_mechanics_accelerations_by_blocks(const vs_model *model, const double *q, const double *v,
+                                          double force_n, double acceleration[VS_MOST_DOF]);
 
 /* The accelerations q" [m/s2, rad/s2] from q, q' and the force F [N] that closes the gap (Eq. 83):
- *   q" = M^-1 f0 - M^-1 c F - M^-1 K q - M^-1 B q' */
-static inline __attribute__((always_inline)) void
-vs_mechanics_accelerations(const vs_model *model, const double *q, const double *v, double force_n,
-                           double *restrict acceleration) {
-  for (int first = 0; first < model->dof; first += VS_ROWS) {
-    double sum[VS_ROWS];
-    int j = 0;
-    for (int i = 0; i < VS_ROWS; i++) sum[i] = model->mf[first + i] * force_n;
-    for (; j + VS_ROWS <= model->dof; j += VS_ROWS)
-      vs_mechanics_take_block(model, first, j, q + j, v + j, sum);
-    for (; j < model->dof; j++) vs_mechanics_take_column(model, first, j, q[j], v[j], sum);
-    memcpy(acceleration + first, sum, sizeof sum);
+ *   q" = M^-1 f0 - M^-1 c F - M^-1 K q - M^-1 B q'
+ * Where there is just one block, it is written out. */
+static inline void vs_mechanics_accelerations(const vs_model *model, const double *q,
+                                              const double *v, double force_n,
+                                              double acceleration[VS_MOST_DOF]) {
+  const double(*k)[VS_MOST_DOF] = model->mk_column, (*b)[VS_MOST_DOF] = model->mb_column;
+  double sum[VS_ROWS];
+  if (model->dof != VS_ROWS || model->loaded) {
+    vs_mechanics_accelerations_by_blocks(model, q, v, force_n, acceleration);
+    return;
   }
-  for (int i = 0; model->loaded && i < model->dof; i++) acceleration[i] += model->m0[i];
+  for (int i = 0; i < VS_ROWS; i++)
+    sum[i] = model->mf[i] * force_n - (k[0][i] * q[0] + b[0][i] * v[0]) -
+             (k[1][i] * q[1] + b[1][i] * v[1]) - (k[2][i] * q[2] + b[2][i] * v[2]) -
+             (k[3][i] * q[3] + b[3][i] * v[3]);
+  memcpy(acceleration, sum, sizeof sum);
 }
 
 /* True where the gap's poles meet and no stop is there: what follows is not physical. */

@@ -108,10 +108,20 @@ static void warn_of_bursts(const vs_node *firing, const vs_deck *deck, vs_warnin
              node->key);
 }
 
+/* What the coil's law has to say, such as how far a table's forces are from its flux linkages. */
+static void warn_of_law(const vs_node *root, const vs_coil *coil, vs_warnings *w) {
+  char text[640];
+  const char *note = coil->law && coil->law->note ? coil->law->note(coil, text, sizeof text) : NULL;
+  if (note)
+    vs_fail_at(vs_warnings_add(w), place_of(vs_tree_child(vs_tree_child(root, "actuator"), "law")),
+               "actuator.law: %s", note);
+}
+
 void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame *frame,
                           vs_warnings *w) {
   const vs_deck *deck = frame->deck;
   warn_below_theta(root, s, w);
+  warn_of_law(root, &s->model.coil, w);
   if (!deck) return;
   warn_of_parts(vs_tree_child(root, "circuit"), deck, s->timeline.supply.voltage_v, w);
   warn_of_mains(deck, w);

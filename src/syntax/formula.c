@@ -296,8 +296,9 @@ typedef struct pair {
   double a, b;
 } pair;
 
-void vs_formula_pair(const vs_formula *f, const double *first, const double *second,
-                     double value[2]) {
+/* The values for both sets of terms, or, `both` being a constant that is false, for the first. */
+static inline __attribute__((always_inline)) pair evaluate(const vs_formula *f, const double *first,
+                                                           const double *second, bool both) {
   pair y = {0, 0}, stack[VS_FORMULA_DEPTH + 1],
        *x = stack; /* y is the last value, *x the one before it */
   for (const vs_op *op = f->ops, *end = op + f->count; op < end; op++) switch (op->kind) {
@@ -327,7 +328,7 @@ void vs_formula_pair(const vs_formula *f, const double *first, const double *sec
       x--;
       break;
     case VS_OP_FUNCTION + VS_POWER:
-      y = (pair){vs_function_power(x->a, y.a), vs_function_power(x->b, y.b)};
+      y = (pair){vs_function_power(x->a, y.a), both ? vs_function_power(x->b, y.b) : 0};
       x--;
       break;
     case VS_OP_FUNCTION + VS_NEGATE:
@@ -336,18 +337,22 @@ void vs_formula_pair(const vs_formula *f, const double *first, const double *sec
     default: {
       const vs_function *function = &vs_function_table[op->kind - VS_OP_FUNCTION];
       if (function->of_two) {
-        y = (pair){function->of_two(x->a, y.a), function->of_two(x->b, y.b)};
+        y = (pair){function->of_two(x->a, y.a), both ? function->of_two(x->b, y.b) : 0};
         x--;
       } else
-        y = (pair){function->of(y.a), function->of(y.b)};
+        y = (pair){function->of(y.a), both ? function->of(y.b) : 0};
     }
     }
+  return y;
+}
+
+void vs_formula_pair(const vs_formula *f, const double *first, const double *second,
+                     double value[2]) {
+  pair y = evaluate(f, first, second, true);
   value[0] = y.a;
   value[1] = y.b;
 }
 
 double vs_formula_value(const vs_formula *f, const double *terms) {
-  double value[2];
-  vs_formula_pair(f, terms, terms, value);
-  return value[0];
+  return evaluate(f, terms, terms, false).a;
 }

@@ -56,17 +56,15 @@ static void negate_slopes(double x, double y, double d[5]) {
   set_one(d, -1, 0);
 }
 
-/* factor x^y, 0 where the factor is 0: then x^y may be infinite at x = 0. */
-static double times_power(double factor, double x, double y) {
-  return factor == 0 ? 0 : factor * vs_function_power(x, y);
-}
-
 /* f = x^y: f_x = y x^(y-1), f_y = x^y ln x, f_xx = y (y-1) x^(y-2), f_xy = x^(y-1) (1 + y ln x),
- * f_yy = x^y ln^2 x. For x = 0 and y > 2 all are 0. */
+ * f_yy = x^y ln^2 x. For x = 0 and y > 2 all are 0; a derivative with the factor 0 is 0, though
+ * the power of 0 beside it may be infinite. */
 static void power_slopes(double x, double y, double d[5]) {
-  double ln = x == 0 && y > 2 ? 0 : log(x), f = vs_function_power(x, y);
-  set(d, times_power(y, x, y - 1), f * ln, times_power(y * (y - 1), x, y - 2),
-      vs_function_power(x, y - 1) * (1 + y * ln), f * ln * ln);
+  double ln = x == 0 && y > 2 ? 0 : log(x), low = vs_function_power(x, y - 2);
+  double middle = x == 0 ? vs_function_power(x, y - 1) : low * x;
+  double f = x == 0 ? vs_function_power(x, y) : middle * x, curve = y * (y - 1);
+  set(d, y == 0 ? 0 : y * middle, f * ln, curve == 0 ? 0 : curve * low, middle * (1 + y * ln),
+      f * ln * ln);
 }
 
 /* f = sign(x) |x|^y is odd in x, so f_x and f_xy are even. */

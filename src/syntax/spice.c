@@ -3,7 +3,9 @@
  *   - of a number it keeps 11 digits: 1.2566370614359173e-06 is read as 1.2566370614e-06. A sum of
  *     two numbers is folded at full precision, so a longer number is written as one.
  *   - x^y, x**y and pow(x,y) are all |x|^y: (-3)^3 is 27. pwr(x,y) is sign(x) |x|^y: -27, and
- *     pwr(-3,2) is -9. So a whole exponent that is even is written as pow, one that is odd as pwr.
+ *     pwr(-3,2) is -9; but for decks read as PSpice's (compat ps) it is |x|^y, too. So an odd power
+ *     is written sgn(x)*pow(abs(x),y), an even one pow(abs(x),y), with abs for the derivative's
+ * sign.
  *   - -2^2 is -4, as here, but 2^3^2 is (2^3)^2 = 64: all powers are written with brackets or as
  *     functions.
  *   - x^-1 with x = 0 ends the run, and Newton's first iterate is 0; 1/0 is 1e32. So a negative
@@ -54,17 +56,30 @@ static void call(vs_text *text, const char *name, const part *x, const part *y) 
   vs_text_add(text, ")");
 }
 
+/* |x|^y, or sign(x) |x|^y where `odd`. */
+static void raise_to(vs_text *text, const part *x, const part *y, bool odd) {
+  if (odd) {
+    vs_text_add(text, "(");
+    call(text, "sgn", x, NULL);
+    vs_text_add(text, "*");
+  }
+  vs_text_add(text, "pow(abs(");
+  add(text, x);
+  vs_text_add(text, "),");
+  add(text, y);
+  vs_text_add(text, odd ? "))" : ")");
+}
+
 /* x^y for an x that may be negative where y is a whole number. */
 static void power(vs_text *text, const part *x, const part *y) {
-  bool whole = !y->text && y->number == rint(y->number);
-  const char *name = whole && fmod(y->number, 2) != 0 ? "pwr" : "pow";
+  bool odd = !y->text && y->number == rint(y->number) && fmod(y->number, 2) != 0;
+  const part up = {NULL, -y->number};
   if (y->text || y->number >= 0) {
-    call(text, name, x, y);
+    raise_to(text, x, y, odd);
     return;
   }
-  const part up = {NULL, -y->number};
   vs_text_add(text, "(1/");
-  call(text, name, x, &up);
+  raise_to(text, x, &up, odd);
   vs_text_add(text, ")");
 }
 
@@ -72,7 +87,8 @@ static void power(vs_text *text, const part *x, const part *y) {
  * derivatives. Returns NULL where there is something to compute. */
 static const part *simpler(int function, const part *x, const part *y) {
   static const part ZERO = {NULL, 0};
-  bool product = function == VS_MULTIPLY, sum = function == VS_ADD, power = function == VS_POWER;
+  bool product = function == VS_MULTIPLY, sum = function == VS_ADD;
+  bool power = vs_function_table[function].of_two == vs_function_power;
   if (product && (is_number(x, 0) || is_number(y, 0))) return &ZERO;
   if ((product && is_number(x, 1)) || (sum && is_number(x, 0))) return y;
   if ((product || function == VS_DIVIDE || power) && is_number(y, 1)) return x;
@@ -82,7 +98,9 @@ static const part *simpler(int function, const part *x, const part *y) {
 
 static void operation(vs_text *text, int function, const part *x, const part *y) {
   const vs_function *f = &vs_function_table[function];
-  if (f->raises && strcmp(f->name, "pwr")) {
+  if (f->raises && f->of_two != vs_function_power) {
+    raise_to(text, x, y, true);
+  } else if (f->raises) {
     power(text, x, y);
   } else if (function >= VS_OPERATORS) {
     call(text, f->name, x, y);
