@@ -190,6 +190,11 @@ void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double 
   if (groups & VS_GROUP_DECK) put_probes(step, s, y);
 }
 
+void vs_step_rates_at(const vs_step *step, double t_s, double *rates) {
+  double h = step->to->t_s - step->from->t_s;
+  velocities(step, views_of(h > 0 ? (t_s - step->from->t_s) / h : 1, h), rates);
+}
+
 void vs_step_at(const vs_step *step, double t_s, double *y) {
   vs_step_groups_at(step, t_s, VS_GROUP_ALL, y);
 }
