@@ -436,6 +436,9 @@ static double next_firing(const phases *p, double t_s) {
                       : vs_gate_next_conduction(line, t_s);
 }
 
+const vs_tier_key vs_phases_keys[] = {
+    {"supply", "kind", "step"}, {"firing", "valve", "none"}, {NULL, NULL, NULL}};
+
 vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_observer *observer,
                         vs_error *err) {
   const vs_model *m = &setup->model;

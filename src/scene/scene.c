@@ -125,26 +125,53 @@ static vs_status check_ignored_keys(const vs_scene *s, vs_error *err) {
   return status;
 }
 
-/* A circuit needs the coil's law as text for ngspice. */
+/* Where the scene says which law the coil has: by itself, or by its machine. */
+static vs_where where_law(const vs_scene *s) {
+  const vs_node *law = vs_tree_child(vs_tree_child(s->tree.root, "actuator"), "law");
+  const vs_node *machine = vs_tree_child(vs_tree_child(s->tree.root, "machine"), "model");
+  return law ? law->where : machine ? machine->where : (vs_where){0};
+}
+
+/* True where the coil's law lets a current flow, or has a voltage, without a flux linkage. */
+static bool has_magnet(const vs_coil *c) {
+  return !c->square && (c->law->current(c, 0, c->gap_rest_m) != 0 ||
+                        c->law->current(c, 0, c->gap_rest_m + 1e-3) != 0);
+}
+
+/* Refuses a tier that cannot hold the coil's law. A circuit needs it as text for ngspice; the tier
+ * with the gap at rest is made for one law; and an ideal thyristor that is off leaves the coil
+ * without a voltage. */
 static vs_status check_law(const vs_scene *s, vs_error *err) {
-  const vs_law *law = s->setup.model.coil.law;
-  const vs_node *node = vs_tree_child(vs_tree_child(s->tree.root, "actuator"), "law");
-  if (!s->tier->has_circuit || !law || law->netlist) return VS_OK;
-  return vs_error_carry_on(
-      err, vs_fail_at(err, node ? node->where : (vs_where){0},
-                      "actuator.law: tier %s (%s) has no netlist of the law %s; take tier %s",
-                      s->tier->name, s->why, law->name, vs_tiers_automatic(false)->name));
+  const vs_coil *coil = &s->setup.model.coil;
+  const vs_tier *tier = s->tier;
+  const char *ideal = vs_tiers_automatic(false)->name;
+  bool valve = !s->setup.timeline.firing.no_valve;
+  if (!coil->law || coil->square) return VS_OK;
+  if (tier->has_circuit && !coil->law->netlist)
+    vs_fail_at(err, where_law(s),
+               "actuator.law: tier %s (%s) has no netlist of the law %s; take tier %s", tier->name,
+               s->why, coil->law->name, ideal);
+  else if (tier->gap_at_rest)
+    vs_fail_at(err, where_law(s),
+               "actuator.law: tier %s (%s) knows i = lambda z/(2a) alone, and the coil has the law "
+               "%s; take tier %s",
+               tier->name, s->why, coil->law->text, ideal);
+  else if (!tier->has_circuit && valve && has_magnet(coil))
+    vs_fail_at(err, where_law(s),
+               "actuator.law: a coil with the law %s has a voltage while the thyristor of tier %s "
+               "(%s) is off; write firing.valve: none, or take tier %s",
+               coil->law->name, tier->name, s->why, circuit_tier());
+  else
+    return VS_OK;
+  return vs_error_carry_on(err, VS_INPUT);
 }
 
 /* The deck's name alone is no conflict: it says what the tiers stand for. */
 static vs_status check_ignored(const vs_scene *s, vs_error *err) {
   const vs_node *circuit = vs_tree_child(s->tree.root, "circuit");
   const vs_events *events = &s->setup.timeline.events;
-  vs_status status = VS_OK;
-  if (s->tier->has_circuit) {
-    status = check_law(s, err);
-    return status ? status : check_ignored_keys(s, err);
-  }
+  vs_status status = check_law(s, err);
+  if (status || s->tier->has_circuit) return status ? status : check_ignored_keys(s, err);
   for (const vs_node *n = circuit ? circuit->child : NULL; n && !status; n = n->next)
     if (strcmp(n->key, vs_deck_key.key)) status = ignored_key(s, "circuit", n, err);
   if (!status) status = check_ignored_keys(s, err);
