@@ -22,7 +22,8 @@ typedef struct coordinate {
 typedef struct found {
   coordinate item[VS_MACHINE_COORDINATES];
   int count;
-  bool is_paper; /* the run is of the paper's machine, or does not say of which */
+  bool is_paper; /* the run is of the machine that a scene has by default, the paper's, or does not
+                    say of which */
 } found;
 
 /* ---- which coordinates the machine has ---- */
@@ -83,7 +84,7 @@ static void find_coordinates(found *f, const char *folder, const char *header) {
   bool known = !vs_tree_read(path, &tree, &unread);
   const vs_node *scene = known ? vs_tree_child(tree.root, "scene") : NULL;
   const vs_node *model = vs_tree_child(vs_tree_child(scene, "machine"), "model");
-  f->is_paper = !model || !model->text;
+  f->is_paper = !model || !model->text || !strcmp(model->text, vs_machine_key.default_text);
   if (known) ask_measures(f, vs_tree_child(tree.root, "measures"));
   ask_header(f, header, false);
   if (!f->count) ask_header(f, header, true);

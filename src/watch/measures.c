@@ -146,7 +146,8 @@ vs_measures *vs_measures_new(const vs_frame *frame) {
   for (int c = vs_channel_deck(model); c < vs_channel_count(frame); c++)
     for (int sense = -1; sense <= 1; sense += 2) add_extreme(m, c, sense);
   for (int k = 0; k < VS_DECK_MOST; k++) m->passed_s[k] = NAN;
-  m->fired_s = m->extinct_s = m->refired_s = m->drives_s = NAN;
+  m->fired_s = m->extinct_s = m->refired_s = NAN;
+  m->drives_s = frame->timeline->firing.no_valve ? 0 : NAN;
   m->solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
   return m;
 }
