@@ -20,6 +20,6 @@ const vs_tier vs_analytic_tier = {
     .name = vs_setup_tier_words[VS_TIER_ANALYTIC],
     .text = "Eq. 91 with L(0), F = k_i i^2: the paper's own simulation; mechanics only",
     .finest = 1e-10,
-    .keys = vs_phases_keys,
     .gap_at_rest = true,
+    .keys = vs_phases_keys,
     .run = run};

@@ -16,6 +16,6 @@ const vs_tier vs_switched_tier = {
     .name = vs_setup_tier_words[VS_TIER_SWITCHED],
     .text = "ideal thyristor, L(z), F = lambda^2/(4a): mechanics, energy, big sweeps",
     .finest = 1e-10,
-    .keys = vs_phases_keys,
     .automatic = true,
+    .keys = vs_phases_keys,
     .run = run};

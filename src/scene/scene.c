@@ -126,13 +126,11 @@ static vs_status check_ignored_keys(const vs_scene *s, vs_error *err) {
   return status;
 }
 
-/* The key of the section actuator that says which law the coil has; NULL: the scene does not. */
-static const vs_node *law_node(const vs_scene *s) {
-  static const char *const KEYS[] = {"law", "saturation", "leakage"};
-  const vs_node *map = vs_tree_child(s->tree.root, "actuator"), *node = NULL;
-  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS && !node; k++)
-    node = vs_tree_child(map, KEYS[k]);
-  return node;
+/* Where the scene says which law the coil has: by itself, or by its machine. */
+static vs_where where_law(const vs_scene *s) {
+  const vs_node *law = vs_tree_child(vs_tree_child(s->tree.root, "actuator"), "law");
+  const vs_node *machine = vs_tree_child(vs_tree_child(s->tree.root, "machine"), "model");
+  return law ? law->where : machine ? machine->where : (vs_where){0};
 }
 
 /* Is there no current without flux linkage, wherever the armature is? Tried at some gaps up to
@@ -147,39 +145,40 @@ static bool coil_is_dead(const vs_coil *coil) {
   return true;
 }
 
-/* Why the tier cannot have the coil's law, and what can; NULL: it can. A circuit needs the law as
- * text for ngspice. Where the inductance stays as at rest it must be one. An ideal thyristor that
- * is off holds lambda at 0, and so there must be no current. */
-static const char *law_does_not_fit(const vs_scene *s) {
-  const vs_coil *coil = &s->setup.model.coil;
-  bool valve = !s->setup.timeline.firing.no_valve;
-  if (s->tier->has_circuit)
-    return coil->law->netlist ? NULL : "has no netlist of it; take tier switched";
-  if (s->tier->gap_at_rest && !coil->square)
-    return "keeps the inductance of the plain reluctance; take tier switched";
-  return valve && !coil_is_dead(coil)
-             ? "has an ideal thyristor, and this law a current without flux linkage; write "
-               "firing.valve: none, or take tier circuit"
-             : NULL;
-}
-
+/* Refuses a tier that cannot hold the coil's law. A circuit needs it as text for ngspice; the tier
+ * with the gap at rest is made for one law; and an ideal thyristor that is off leaves the coil
+ * without a voltage. */
 static vs_status check_law(const vs_scene *s, vs_error *err) {
-  const vs_law *law = s->setup.model.coil.law;
-  const char *why = law ? law_does_not_fit(s) : NULL;
-  const vs_node *node = law_node(s);
-  if (!why) return VS_OK;
-  return vs_error_carry_on(err, vs_fail_at(err, node ? node->where : (vs_where){0},
-                                           "actuator.law: %s: tier %s (%s) %s", law->name,
-                                           s->tier->name, s->why, why));
+  const vs_coil *coil = &s->setup.model.coil;
+  const vs_tier *tier = s->tier;
+  const char *ideal = vs_tiers_automatic(false)->name;
+  bool valve = !s->setup.timeline.firing.no_valve;
+  if (!coil->law || coil->square) return VS_OK;
+  if (tier->has_circuit && !coil->law->netlist)
+    vs_fail_at(err, where_law(s),
+               "actuator.law: tier %s (%s) has no netlist of the law %s; take tier %s", tier->name,
+               s->why, coil->law->name, ideal);
+  else if (tier->gap_at_rest)
+    vs_fail_at(err, where_law(s),
+               "actuator.law: tier %s (%s) knows i = lambda z/(2a) alone, and the coil has the law "
+               "%s; take tier %s",
+               tier->name, s->why, coil->law->text, ideal);
+  else if (!tier->has_circuit && valve && !coil_is_dead(coil))
+    vs_fail_at(err, where_law(s),
+               "actuator.law: a coil with the law %s has a voltage while the thyristor of tier %s "
+               "(%s) is off; write firing.valve: none, or take tier %s",
+               coil->law->name, tier->name, s->why, circuit_tier());
+  else
+    return VS_OK;
+  return vs_error_carry_on(err, VS_INPUT);
 }
 
 /* The deck's name alone is no conflict: it says what the tiers stand for. */
 static vs_status check_ignored(const vs_scene *s, vs_error *err) {
   const vs_node *circuit = vs_tree_child(s->tree.root, "circuit");
   const vs_events *events = &s->setup.timeline.events;
-  vs_status status = VS_OK;
-  status = check_law(s, err);
-  if (s->tier->has_circuit) return status ? status : check_ignored_keys(s, err);
+  vs_status status = check_law(s, err);
+  if (status || s->tier->has_circuit) return status ? status : check_ignored_keys(s, err);
   for (const vs_node *n = circuit ? circuit->child : NULL; n && !status; n = n->next)
     if (strcmp(n->key, vs_deck_key.key)) status = ignored_key(s, "circuit", n, err);
   if (!status) status = check_ignored_keys(s, err);
