@@ -89,7 +89,7 @@ static vs_status read_row(const vs_csv *csv, const rows *r, row *out, vs_error *
 static vs_status read_rows(vs_csv *csv, rows *r, vs_error *err) {
   vs_status s = vs_csv_next(csv, err);
   if (!s && !csv->count)
-    s = vs_fail_at(err, (vs_where){csv->file, 1, 1},
+    s = vs_fail_at(err, (vs_where){.file = csv->file},
                    "the table is empty; its first line names its "
                    "columns: z_m,i_a,lambda_wb,force_n");
   if (!s) s = read_head(csv, r, err);
@@ -178,8 +178,8 @@ static vs_status check_rising(const rows *r, const char *file, vs_error *err) {
 
 static vs_status check_size(const char *what, size_t n, const char *file, vs_error *err) {
   if (n >= LEAST && n <= MOST) return VS_OK;
-  return vs_fail_at(err, (vs_where){.file = file}, "the table has %zu %s; from %d to %d are taken",
-                    n, what, LEAST, MOST);
+  return vs_fail_at(err, (vs_where){.file = file}, "the number of %s is %zu; a table has %d to %d",
+                    what, n, LEAST, MOST);
 }
 
 /* Makes the grid of sorted rows. */
@@ -188,7 +188,7 @@ static vs_status make_grid(const rows *r, const char *file, vs_grid *g, vs_error
   while (n_i < r->count && r->item[n_i].value[Z] == r->item[0].value[Z]) n_i++;
   for (size_t k = 0; k < r->count; k++) n_z += !k || r->item[k].value[Z] != r->item[k - 1].value[Z];
   vs_status s = check_size("gaps", n_z, file, err);
-  if (!s) s = check_size("currents, with 0,", n_i, file, err);
+  if (!s) s = check_size("currents, 0 included,", n_i, file, err);
   if (!s) s = check_grid(r, n_i, file, err);
   if (!s) s = check_rising(r, file, err);
   if (s) return s;
