@@ -85,12 +85,13 @@ static const struct argp_option CHECK_OPTIONS[] = {
 /* ---- list, modes, export ---- */
 
 static vs_status list(const vs_arguments *a, vs_error *err) {
-  return vs_list_command(vs_command_name(a), a->deck, err);
+  return vs_list_command(vs_command_name(a), a->deck, a->machine, err);
 }
 
 static const struct argp_option LIST_OPTIONS[] = {
     VS_COMMAND_VALUE("deck", VS_KEY_DECK, "DECK",
                      "whose probes and parameters (default halfwave_snubbed)"),
+    VS_COMMAND_VALUE("machine", VS_KEY_MACHINE, "MACHINE", "likewise (default conveyor)"),
     VS_COMMAND_HELP,
     {0}};
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "actuator/formulas.h"
 #include "actuator/moving_coil.h"
 #include "actuator/reluctance.h"
 #include "actuator/table.h"
@@ -114,8 +115,8 @@ const vs_section vs_actuator_section = {"actuator", ACTUATOR, sizeof ACTUATOR / 
 
 /* ---- laws ---- */
 
-const vs_law *const vs_actuator_laws[] = {&vs_reluctance_law, &vs_moving_coil_law, &vs_table_law,
-                                          NULL};
+const vs_law *const vs_actuator_laws[] = {&vs_reluctance_law, &vs_moving_coil_law, &vs_formulas_law,
+                                          &vs_table_law, NULL};
 
 static bool ends_in(const char *word, const char *ending) {
   size_t n = strlen(word), m = strlen(ending);

@@ -49,4 +49,8 @@ static inline vs_law_rates vs_coil_rates(const vs_coil *c, double flux_wb, doubl
   return (vs_law_rates){i[0], i[1], f[0], f[1]};
 }
 
+/* The flux linkage, Wb, that the coil has at this gap while it carries no current; 0 but for a law
+ * with a magnet or a moving coil. */
+double vs_coil_idle_flux(const vs_coil *coil, double z_m);
+
 #endif

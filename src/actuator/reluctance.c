@@ -2,6 +2,8 @@
 #include "actuator/reluctance.h"
 
 #include "actuator/coil.h"
+#include "actuator/leakage.h"
+#include "actuator/saturation.h"
 #include "actuator/values.h"
 
 static vs_status build(const vs_actuator_values *v, const vs_node *map,
@@ -10,6 +12,8 @@ static vs_status build(const vs_actuator_values *v, const vs_node *map,
   c->square = true;
   c->rest_h = v->inductance_h;
   c->a_hm = v->inductance_h * c->gap_rest_m / 2;
+  if (v->saturation.present) vs_saturation_add(c, &v->saturation);
+  if (v->leakage_h > 0) vs_leakage_add(c, v->leakage_h);
   return VS_OK;
 }
 

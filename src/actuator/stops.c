@@ -22,12 +22,16 @@ static double linear_loss(const vs_stop *s, double depth_m, double depth_rate_m_
 static double linear_steepest(const vs_stop *s) {
   return s->stiffness;
 }
+static void linear_netlist(const char *const of[4], vs_text *force) {
+  vs_text_add(force, "%s*%s+%s*%s", of[0], of[2], of[1], of[3]);
+}
 static const vs_stop_kind LINEAR = {.name = "linear",
                                     .text = "k delta + c delta', which may pull",
                                     .force = linear_force,
                                     .force_rate = linear_rate,
                                     .energy = linear_energy,
                                     .loss = linear_loss,
+                                    .netlist = linear_netlist,
                                     .steepest = linear_steepest,
                                     .linear = true};
 
@@ -58,6 +62,11 @@ static double quadratic_loss(const vs_stop *s, double depth_m, double depth_rate
 static double quadratic_steepest(const vs_stop *s) {
   return 4 * s->stiffness * s->deepest_m; /* 2 k delta, and as much of the clipped part */
 }
+static void quadratic_netlist(const char *const of[4], vs_text *force) {
+  const char *k = of[0], *c = of[1], *depth = of[2], *rate = of[3];
+  vs_text_add(force, "%s*%s*%s+max(-%s*%s*%s,min(%s*%s,%s*%s*%s))", k, depth, depth, k, depth,
+              depth, c, rate, k, depth, depth);
+}
 static const vs_stop_kind QUADRATIC = {
     .name = "quadratic_clipped",
     .text = "k delta^2 + c delta', the latter clipped to +-k delta^2, so that it never pulls",
@@ -65,6 +74,7 @@ static const vs_stop_kind QUADRATIC = {
     .force_rate = quadratic_rate,
     .energy = quadratic_energy,
     .loss = quadratic_loss,
+    .netlist = quadratic_netlist,
     .steepest = quadratic_steepest};
 
 const vs_stop_kind *const vs_stop_kinds[] = {&LINEAR, &QUADRATIC};

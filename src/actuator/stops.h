@@ -6,6 +6,8 @@
 
 #include <stdbool.h>
 
+#include "base/text.h"
+
 typedef struct vs_stop vs_stop;
 
 /* Each kind is a constant. depth_m > 0 is how deep the armature is in the stop. */
@@ -18,6 +20,9 @@ typedef struct vs_stop_kind {
                        double depth_rate2_m_s2);
   double (*energy)(const vs_stop *stop, double depth_m);                      /* stored, J */
   double (*loss)(const vs_stop *stop, double depth_m, double depth_rate_m_s); /* W */
+  /* Writes `force` for ngspice, of texts that stand in brackets: the stiffness, the damping, the
+   * depth and its rate. NULL: the kind cannot be written so, and export refuses it by name. */
+  void (*netlist)(const char *const of[4], vs_text *force);
   /* A bound of the force's slope over the depth, N/m, down to stop->deepest_m: for the length of
    * steps. */
   double (*steepest)(const vs_stop *stop);

@@ -10,6 +10,7 @@
 #include "base/json.h"
 #include "deck/netlist.h"
 #include "deck/parts.h"
+#include "machine/blueprint.h"
 #include "scene/session.h"
 
 /* ---- print-out ---- */
@@ -175,6 +176,28 @@ static vs_status check_deck(report *r, vs_error *err) {
   return status;
 }
 
+/* A machine is checked in the scene that names it and nothing else. */
+static vs_status check_machine(report *r, vs_error *err) {
+  const vs_check_options *o = r->options;
+  if (o->n_sets)
+    return vs_fail(err, VS_INPUT, "--set %s: a machine has no keys to set; check a scene with it",
+                   o->sets[0]);
+  vs_node model = vs_tree_word(vs_machine_key.key, o->name, (vs_where){0});
+  vs_node machine = vs_tree_map("machine", &model);
+  const vs_node scene = vs_tree_map(NULL, &machine);
+  vs_setup *setup = vs_alloc(1, sizeof *setup);
+  vs_status status = vs_setup_build(&scene, setup, err);
+  const vs_machine *m = setup->machine;
+  if (!status && !vs_error_count(err))
+    vs_text_add(&r->good, "a good machine: %s%s%d coordinate%s, %zu parameter%s, %d probe%s",
+                m->title, *m->title ? "; " : "", m->dof, m->dof == 1 ? "" : "s",
+                m->section.count - 1, m->section.count == 2 ? "" : "s", m->n_probes,
+                m->n_probes == 1 ? "" : "s");
+  vs_setup_free(setup);
+  free(setup);
+  return status;
+}
+
 /* Of a part's file its own lines are checked. What a deck asks of the part is found with the deck.
  */
 static vs_status check_part(report *r, vs_error *err) {
@@ -198,8 +221,17 @@ static bool ends_in(const char *name, const char *ending) {
   return n > m && !strcmp(name + n - m, ending);
 }
 
-/* The name's ending says which kind of file it is. A name without one is looked for among the
- * scenes that come with the program, then among the decks. */
+/* True for a file whose keys are a machine's. */
+static bool is_machine(const char *name) {
+  vs_tree tree = {0};
+  vs_error unread = {0};
+  bool is = !vs_tree_read(name, &tree, &unread) && vs_blueprint_has_keys(&tree);
+  vs_tree_free(&tree);
+  return is;
+}
+
+/* The name's ending says which kind of file it is, and of a YAML file its keys. A name without one
+ * is looked for among the scenes that come with the program, then among decks and machines. */
 static vs_status check(report *r, vs_error *err) {
   const char *name = r->options->name;
   char path[VS_PATH_SIZE];
@@ -207,10 +239,13 @@ static vs_status check(report *r, vs_error *err) {
   if (r->options->other) return r->options->other(r->options, &r->good, err);
   if (ends_in(name, ".cir")) return check_deck(r, err);
   if (ends_in(name, ".inc")) return check_part(r, err);
+  if (is_machine(name)) return check_machine(r, err);
   if (ends_in(name, ".yaml") || ends_in(name, ".yml") ||
       !vs_path_find(&vs_scene_shelf, name, (vs_where){0}, path, &none))
     return check_scene(r, err);
   if (!vs_path_find(&vs_deck_shelf, name, (vs_where){0}, path, &none)) return check_deck(r, err);
+  if (!vs_path_find(&vs_machine_shelf, name, (vs_where){0}, path, &none))
+    return check_machine(r, err);
   vs_status status =
       vs_error_carry_on(err, vs_path_find(&vs_scene_shelf, name, (vs_where){0}, path, err));
   return status ? status : vs_path_find(&vs_deck_shelf, name, (vs_where){0}, path, err);

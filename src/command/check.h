@@ -11,14 +11,14 @@
 
 typedef struct vs_check_options vs_check_options;
 struct vs_check_options {
-  const char
-      *name; /* a path, or the name of a scene or else of a deck that comes with the program */
+  const char *name; /* a path, or the name of a scene, or else of a deck or machine, that comes with
+                      the program */
   char *const *sets; /* KEY=VALUE of each --set; for scenes only */
   size_t n_sets;
   bool json;  /* findings as a JSON array on standard output */
   bool quiet; /* prints nothing but findings */
   /* Hook for another kind of file, such as studies. On success it appends one line to `good` that
-   * describes the file. NULL: the file is a scene, a deck or a part. */
+   * describes the file. NULL: the file is a scene, a deck, a machine or a part. */
   vs_status (*other)(const vs_check_options *options, vs_text *good, vs_error *err);
 };
 

@@ -55,6 +55,7 @@ static const char **word_of(vs_arguments *a, int key) {
   } WORDS[] = {{'o', &a->output},
                {VS_KEY_TIER, &a->tier},
                {VS_KEY_DECK, &a->deck},
+               {VS_KEY_MACHINE, &a->machine},
                {VS_KEY_OVERLAY, &a->overlay},
                {VS_KEY_SHARD, &a->shard}};
   for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)

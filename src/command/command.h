@@ -17,7 +17,7 @@ typedef struct vs_arguments {
   size_t n_names;
   char **sets; /* KEY=VALUE of each --set */
   size_t n_sets;
-  const char *tier, *output, *deck, *overlay, *shard;
+  const char *tier, *output, *deck, *machine, *overlay, *shard;
   bool json, quiet, reproducible, raw, list, help, resume, overwrite, keep_runs, progress_json;
   int digits; /* 1..17 */
   int jobs;   /* 0: not given */
@@ -49,6 +49,7 @@ enum {
   VS_KEY_SET,
   VS_KEY_TIER,
   VS_KEY_DECK,
+  VS_KEY_MACHINE,
   VS_KEY_OVERLAY,
   VS_KEY_LIST,
   VS_KEY_JOBS,

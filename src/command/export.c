@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The machine in ngspice: each of its eight states is the voltage of a 1 F capacitor, charged by a
- * B source with the state's rate. States are in mm, mm/s, mrad, mrad/s, so that ngspice's absolute
- * tolerances (1 uV) are small beside them; M^-1 B and M^-1 K are the same in these units as in SI.
- * Whatever {expression} a B source holds stands in brackets: ngspice pastes it as text. */
+ * The netlist of `vibrospice export`: parameters, the deck with sources of its own, the machine
+ * (mechanism.h), the analysis, and commands that measure. Whatever {expression} a B source holds
+ * stands in brackets: ngspice pastes it as text. */
 #include "command/export.h"
 
 #include <assert.h>
@@ -15,15 +14,10 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
+#include "command/mechanism.h"
 #include "deck/netlist.h"
 #include "scene/scene.h"
 #include "syntax/units.h"
-
-/* The name of a state: a coordinate, or its rate. */
-static const char *state_name(const vs_model *m, int k) {
-  const vs_coordinate *c = &m->machine->coordinates[k % m->dof];
-  return k < m->dof ? c->name : c->rate;
-}
 
 /* Measured under plain ngspice against the circuit tier at a tolerance of 1e-6, with steps of a
  * two-thousandth of a period by the trapezoidal rule: p is off by 3e-5 of its peak after a single
@@ -61,7 +55,10 @@ typedef struct column {
   char name[VS_DECK_NAME + 32]; /* as in run.csv */
   vs_text value;                /* of vectors that are saved */
 } column;
-enum { OUR_COLUMNS = 5, MOST_COLUMNS = VS_MOST_DOF + OUR_COLUMNS + VS_DECK_MOST };
+enum {
+  OUR_COLUMNS = 5,
+  MOST_COLUMNS = VS_MOST_DOF + OUR_COLUMNS + VS_MACHINE_PROBES + VS_DECK_MOST
+};
 
 static void name_column(column *c, vs_channel channel) {
   char suffix[32];
@@ -77,19 +74,27 @@ static size_t find_columns(const vs_scene *scene, column columns[MOST_COLUMNS]) 
   column *ours = columns + m->dof;
   for (int k = 0; k < m->dof; k++) {
     name_column(&columns[k], vs_channel_at(frame, VS_CH_Q + k));
-    vs_text_add(&columns[k].value, "v(vs_%s)/1000", state_name(m, k));
+    vs_text_add(&columns[k].value, "v(vs_%s)/1000", vs_mechanism_state(m, k));
   }
   for (int k = 0; k < OUR_COLUMNS; k++) name_column(&ours[k], vs_channel_at(frame, OURS[k]));
   vs_text_add(&ours[0].value, "v(%s.z)", deck->eva);
   vs_text_add(&ours[1].value, "v(%s.lam)", deck->eva);
-  vs_text_add(&ours[2].value, "v(%s.lam)*v(%s.z)/(2*vs_a)", deck->eva, deck->eva);
+  if (m->coil.square)
+    vs_text_add(&ours[2].value, "v(%s.lam)*v(%s.z)/(2*vs_a)", deck->eva, deck->eva);
+  else
+    vs_text_add(&ours[2].value, "v(vs_i)");
   vs_text_add(&ours[3].value, "v(vs_f)");
   char plus[VS_DECK_NAME + 4], minus[VS_DECK_NAME + 4];
   snprintf(plus, sizeof plus, "v(%s)", deck->eva_plus);
   snprintf(minus, sizeof minus, "v(%s)", deck->eva_minus);
   add_difference(&ours[4].value, plus, minus);
+  column *of_machine = ours + OUR_COLUMNS, *of_deck = of_machine + m->machine->n_probes;
+  for (int k = 0; k < m->machine->n_probes; k++) {
+    name_column(&of_machine[k], vs_channel_at(frame, vs_channel_probes(m) + k));
+    vs_text_add(&of_machine[k].value, "v(vs_probe%d)", k + 1);
+  }
   for (size_t k = 0; k < deck->n_probes; k++) {
-    column *c = &ours[OUR_COLUMNS + k];
+    column *c = &of_deck[k];
     const vs_probe *probe = &deck->probes[k];
     name_column(c, vs_channel_at(frame, vs_channel_deck(m) + (int)k));
     const vs_term *term = &deck->terms[probe->term];
@@ -97,7 +102,7 @@ static size_t find_columns(const vs_scene *scene, column columns[MOST_COLUMNS]) 
     add_difference(&c->value, term->plus, term->minus);
     if (probe->sign < 0) vs_text_add(&c->value, ")");
   }
-  return (size_t)m->dof + OUR_COLUMNS + deck->n_probes;
+  return (size_t)(of_deck - columns) + deck->n_probes;
 }
 
 /* ---- names ---- */
@@ -115,15 +120,27 @@ static bool uses_our_names(const char *line) {
   return false;
 }
 
-/* What the commands measure; names of vectors, as the columns' are. */
-static const char *const MEASURED[] = {"p_first_peak_m", "p_min_m", "i_peak_a", "force_peak_n"};
-enum { N_MEASURED = sizeof MEASURED / sizeof *MEASURED };
+/* What the commands measure; names of vectors, as the columns' are. The first two are of the
+ * travel, and are called after the coordinate that it is. */
+enum { MEASURED_FIRST, MEASURED_LEAST, MEASURED_I, MEASURED_FORCE, N_MEASURED };
+typedef char measured_name[VS_DECK_NAME + 32];
+
+static void name_measured(const vs_scene *scene, measured_name names[N_MEASURED]) {
+  const vs_model *m = &scene->setup.model;
+  int one = vs_mechanism_travel_is(m);
+  const char *of = one < 0 ? "gap" : vs_mechanism_state(m, one);
+  snprintf(names[MEASURED_FIRST], sizeof *names, "%s_first_peak_m", of);
+  snprintf(names[MEASURED_LEAST], sizeof *names, "%s_min_m", of);
+  snprintf(names[MEASURED_I], sizeof *names, "i_peak_a");
+  snprintf(names[MEASURED_FORCE], sizeof *names, "force_peak_n");
+}
 
 /* A column named as a node whose voltage is asked for later would hide it. */
 static vs_status check_column(const vs_deck *deck, const char *name, vs_error *err) {
   char signal[sizeof(column) + 4];
   snprintf(signal, sizeof signal, "v(%s)", name);
-  bool used = !strcasecmp(deck->eva_plus, name) || !strcasecmp(deck->eva_minus, name);
+  bool used = !strcasecmp(deck->eva_plus, name) || !strcasecmp(deck->eva_minus, name) ||
+              !strcasecmp(name, "time");
   for (size_t j = 0; j < deck->n_terms && !used; j++)
     used = !strcasecmp(deck->terms[j].plus, signal) || !strcasecmp(deck->terms[j].minus, signal);
   return used ? vs_fail(err, VS_INPUT, "%s: node %s: the export's table has a column of this name",
@@ -131,8 +148,11 @@ static vs_status check_column(const vs_deck *deck, const char *name, vs_error *e
               : VS_OK;
 }
 
-static vs_status check_names(const vs_deck *deck, const column *columns, size_t count,
+static vs_status check_names(const vs_scene *scene, const column *columns, size_t count,
                              vs_error *err) {
+  const vs_deck *deck = &scene->setup.deck;
+  measured_name measured[N_MEASURED];
+  name_measured(scene, measured);
   static const char OURS[] = "names that begin with vs_ are the export's own";
   for (size_t k = 0; k < deck->n_lines; k++)
     if (uses_our_names(deck->lines[k].text)) return vs_fail_at(err, deck->lines[k].where, OURS);
@@ -140,12 +160,12 @@ static vs_status check_names(const vs_deck *deck, const column *columns, size_t 
     if (!strncasecmp(deck->section.fields[k].key, "vs_", 3))
       return vs_fail(err, VS_INPUT, "%s: param %s: %s", deck->files[0], deck->section.fields[k].key,
                      OURS);
-  vs_status status = VS_OK;
+  vs_status status = vs_mechanism_check(&scene->setup, err);
   for (size_t k = 0; k < count && !status; k++) {
     const char *name = columns[k].name;
     bool twice = false;
     for (size_t j = 0; j < k; j++) twice = twice || !strcasecmp(columns[j].name, name);
-    for (int j = 0; j < N_MEASURED; j++) twice = twice || !strcasecmp(MEASURED[j], name);
+    for (int j = 0; j < N_MEASURED; j++) twice = twice || !strcasecmp(measured[j], name);
     status = twice ? vs_fail(err, VS_INPUT, "%s: probe: %s stands in the export already",
                              deck->files[0], name)
                    : check_column(deck, name, err);
@@ -158,20 +178,24 @@ static vs_status check_names(const vs_deck *deck, const column *columns, size_t 
 static void add_head(vs_text *t, const vs_scene *scene, const char *deck_name,
                      const char *table_name) {
   const vs_deck *deck = &scene->setup.deck;
-  vs_text_add(t, "%s: a vibratory conveyor and its converter, for ngspice\n", deck_name);
-  vs_text_add(t, "* Exported by vibrospice %s. Converter: %s.\n", VS_VERSION,
-              *deck->title ? deck->title : "no title");
+  const vs_machine *machine = scene->setup.model.machine;
+  vs_text_add(t, "%s: a machine and its converter, for ngspice\n", deck_name);
+  vs_text_add(t, "* Exported by vibrospice %s. Machine: %s. Converter: %s.\n", VS_VERSION,
+              machine->title, *deck->title ? deck->title : "no title");
   vs_text_add(t, "*\n* Run it:   ngspice %s%s%s-b %s\n", *deck->compat ? "-D ngbehavior=" : "",
               deck->compat, *deck->compat ? "a " : "", deck_name);
   vs_text_add(
       t,
-      "* It prints a few measures (first peak: the first minimum of p after firing) and writes a\n"
+      "* It prints a few measures (first peak: the gap's first minimum after firing) and writes a\n"
       "* table in the working directory, %s: columns between blanks, names first, a row every\n"
-      "* vs_sample seconds. A name ends in its unit. p: trough relative to base; u w phi: base; "
-      "z:\n"
-      "* air gap; lambda i v_eva: of the coil; force: on the armature; then what the converter\n"
-      "* declares. A run that ends early or meets the pole gives no table and exit status 1.\n",
+      "* vs_sample seconds. A name ends in its unit. z: air gap; lambda i v_eva: of the coil;\n"
+      "* force: on the armature; before them the machine's coordinates, behind them what the\n"
+      "* converter declares. A run that ends early or meets the pole gives no table and exit "
+      "status "
+      "1.\n",
       table_name);
+  for (int k = 0; k < machine->dof; k++)
+    vs_text_add(t, "* %s: %s\n", machine->coordinates[k].name, machine->coordinates[k].text);
 }
 
 typedef struct param {
@@ -202,16 +226,12 @@ static void add_scene(vs_text *t, const vs_setup *s) {
       {"vs_sample", fmin(s->run.sample_s, s->run.until_s), "s, from row to row of the table"},
       {"vs_step", largest_step(s), "s, the largest step; the error falls with its square"},
   };
-  const param STOP[] = {
-      {"vs_stop_k", eva->stop[0].stiffness, "N/m, of the elastic stop at p = -D"},
-      {"vs_stop_c", eva->stop[0].damping_ns_m, "N s/m"},
-  };
   vs_text_add(t, "*\n* The scene, in SI. Change a value and run again.\n");
   add_params(t, ROWS, sizeof ROWS / sizeof *ROWS);
   for (int k = 0; k < 2 * s->model.dof; k++)
-    vs_text_add(t, ".param vs_%s0=%.17g ; SI, %s\n", state_name(&s->model, k), s->start.x[k],
-                s->model.machine->start.fields[k].text);
-  if (eva->stop[0].present) add_params(t, STOP, sizeof STOP / sizeof *STOP);
+    vs_text_add(t, ".param vs_%s0=%.17g ; SI, %s\n", vs_mechanism_state(&s->model, k),
+                s->start.x[k], s->model.machine->start.fields[k].text);
+  vs_mechanism_params(t, &s->model);
 }
 
 /* Instants of the gate pulses as drive/timeline.c has them, from the parameters. Edges of 10 ns
@@ -260,12 +280,13 @@ static vs_status check_burst(const vs_setup *s, vs_error *err) {
   return VS_OK;
 }
 
-/* The source of a port, or the gap's (port: NULL), in the place of "NAME n m external". */
-static void add_source(vs_text *t, const char *line, const vs_port *port) {
+/* The source of a port, or the gap's (port: NULL), in the place of "NAME n m external". `travel` is
+ * the travel's node behind "vs_". */
+static void add_source(vs_text *t, const char *line, const vs_port *port, const char *travel) {
   char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME], nodes[2 * VS_DECK_NAME];
   sscanf(line, "%63s %63s %63s", name, plus, minus);
   if (!port)
-    vs_text_add(t, "B%s %s %s V = ({vs_gap})+v(vs_p)/1000\n", name + 1, plus, minus);
+    vs_text_add(t, "B%s %s %s V = ({vs_gap})+v(vs_%s)/1000\n", name + 1, plus, minus, travel);
   else if (port->signal.drive == VS_PORT_MAINS)
     vs_text_add(t, "%s %s %s SIN(0 {sqrt(2)*u_rms} {f_mains} 0 0 {phase*%.17g})\n", name, plus,
                 minus, 180 / M_PI);
@@ -297,37 +318,11 @@ static vs_status add_netlist(vs_text *t, const vs_setup *s, vs_error *err) {
     if (strchr("iI", *name)) continue; /* the EVA's, by which the program leads ngspice */
     size_t p = 0;
     while (p < s->deck.n_ports && strcasecmp(s->deck.ports[p].source, name)) p++;
-    add_source(t, lines[k], p < s->deck.n_ports ? &s->deck.ports[p] : NULL);
+    add_source(t, lines[k], p < s->deck.n_ports ? &s->deck.ports[p] : NULL,
+               vs_mechanism_node(&s->model, false));
   }
   vs_netlist_free(lines, count);
   return status;
-}
-
-static void add_machine(vs_text *t, const vs_setup *s) {
-  const vs_model *m = &s->model;
-  const char *eva = s->deck.eva;
-  vs_text_add(t,
-              "*\n* The machine: M q\" + B q' + K q = (-F, 0, 0, 0), solved for q\". Each state is "
-              "the voltage of\n* 1 F: 1 V is 1 mm, 1 mrad, 1 mm/s, 1 mrad/s; F, too, as 1 V/N.\n"
-              ".global vs_p\n");
-  vs_text_add(t, "Bvs_f vs_f 0 V = v(%s.lam)*v(%s.lam)/(4*({eva_a}))\n", eva, eva);
-  if (m->actuator.stop[0].present)
-    vs_text_add(t, "Bvs_stop vs_stop 0 V = v(vs_p) < -1000*({vs_d}) ? "
-                   "({vs_stop_k})*(v(vs_p)/1000+({vs_d}))+({vs_stop_c})*v(vs_vp)/1000 : 0\n");
-  for (int i = 0; i < m->dof; i++) {
-    const char *q = state_name(m, i);
-    vs_text_add(t, "Cvs_%s vs_%s 0 1 ic={1000*vs_%s0}\n", q, q, q);
-    vs_text_add(t, "Cvs_v%s vs_v%s 0 1 ic={1000*vs_v%s0}\n", q, q, q);
-    vs_text_add(t, "Bvs_%s 0 vs_%s I = v(vs_v%s)\n", q, q, q);
-    vs_text_add(t, "Bvs_v%s 0 vs_v%s I = %.17g*%s", q, q, 1e3 * m->mf[i],
-                m->actuator.stop[0].present ? "(v(vs_f)+v(vs_stop))" : "v(vs_f)");
-    for (int j = 0; j < 2 * m->dof; j++) {
-      double rate = j < m->dof ? -m->mk_column[j][i] : -m->mb_column[j - m->dof][i];
-      if (rate != 0)
-        vs_text_add(t, " %c %.17g*v(vs_%s)", rate < 0 ? '-' : '+', fabs(rate), state_name(m, j));
-    }
-    vs_text_add(t, "\n");
-  }
 }
 
 static void add_saved(vs_text *t, const char *signal) {
@@ -339,8 +334,13 @@ static void add_analysis(vs_text *t, const vs_setup *s) {
               s->run.gear ? "gear" : "trap", RELTOL, s->run.trtol, s->run.pivrel);
   vs_text_add(t, ".tran {vs_sample} {vs_until} 0 {vs_step} uic\n");
   const vs_deck *deck = &s->deck;
-  vs_text_add(t, ".save v(vs_p) v(vs_u) v(vs_w) v(vs_phi) v(vs_vp) v(vs_f) v(%s.z) v(%s.lam)\n",
-              deck->eva, deck->eva);
+  const vs_model *m = &s->model;
+  vs_text_add(t, ".save");
+  for (int k = 0; k < m->dof; k++) vs_text_add(t, " v(vs_%s)", vs_mechanism_state(m, k));
+  if (vs_mechanism_travel_is(m) < 0) vs_text_add(t, " v(vs_%s)", vs_mechanism_node(m, false));
+  vs_text_add(t, " v(vs_%s) v(vs_f) v(%s.z) v(%s.lam)%s\n", vs_mechanism_node(m, true), deck->eva,
+              deck->eva, m->coil.square ? "" : " v(vs_i)");
+  for (int k = 0; k < m->machine->n_probes; k++) vs_text_add(t, ".save v(vs_probe%d)\n", k + 1);
   char signal[VS_DECK_NAME + 4];
   for (int k = 0; k < 2; k++) {
     snprintf(signal, sizeof signal, "v(%s)", k ? deck->eva_minus : deck->eva_plus);
@@ -351,26 +351,44 @@ static void add_analysis(vs_text *t, const vs_setup *s) {
     add_saved(t, deck->terms[deck->probes[k].term].minus);
   }
   vs_text_add(t, ".csparam vs_until={vs_until}\n.csparam vs_fire={vs_fire}\n"
-                 ".csparam vs_d={vs_d}\n.csparam vs_a={eva_a}\n");
+                 ".csparam vs_d={vs_d}\n");
+  if (m->coil.square) vs_text_add(t, ".csparam vs_a={eva_a}\n");
 }
 
 /* What follows the run: a run that ended early, or that left what the model holds for, gives no
  * table and exit status 1. */
-static void add_commands(vs_text *t, const vs_setup *s, const column *columns, size_t count,
+static void add_validity(vs_text *t, const vs_model *m, const char *travel) {
+  bool stopped = false;
+  for (int k = 0; k < m->stops.count; k++) stopped = stopped || m->stops.item[k].side > 0;
+  if (!m->coil.law->poles) return;
+  if (!stopped)
+    vs_text_add(
+        t,
+        "if vecmin(%s) < -vs_d\n  echo \"ERROR: the armature meets the pole cover (%s = -D) "
+        "and there is no stop; this is not physical\"\n  quit 1\nend\n",
+        travel, vs_mechanism_travel(m));
+  vs_text_add(t, "if vecmin(z_m) <= 0\n  echo \"ERROR: the gap is closed\"\n  quit 1\nend\n");
+}
+
+static void add_commands(vs_text *t, const vs_scene *scene, const column *columns, size_t count,
                          const char *table_name) {
+  const vs_model *m = &scene->setup.model;
+  int one = vs_mechanism_travel_is(m);
+  const char *travel = one < 0 ? "vs_travel" : columns[one].name;
+  measured_name measured[N_MEASURED];
+  name_measured(scene, measured);
   vs_text_add(t, ".control\nrun\nlet vs_reached = 0\nlet vs_reached = vecmax(time)\n"
                  "if vs_reached < 0.999999*vs_until\n"
                  "  echo \"ERROR: ngspice gave up before the end of the run\"\n  quit 1\nend\n");
   for (size_t k = 0; k < count; k++)
     vs_text_add(t, "let %s = %s\n", columns[k].name, columns[k].value.text);
-  if (!s->model.actuator.stop[0].present)
-    vs_text_add(
-        t, "if vecmin(p_m) < -vs_d\n  echo \"ERROR: the armature meets the pole cover (p = -D) "
-           "and there is no stop; this is not physical\"\n  quit 1\nend\n");
-  vs_text_add(t, "if vecmin(z_m) <= 0\n  echo \"ERROR: the gap is closed\"\n  quit 1\nend\n");
-  static const char *const HOW[N_MEASURED] = {"find p_m when v(vs_vp)=0 rise=1 td=$&vs_fire",
-                                              "min p_m", "max i_a", "max force_n"};
-  for (int k = 0; k < N_MEASURED; k++) vs_text_add(t, "meas tran %s %s\n", MEASURED[k], HOW[k]);
+  if (one < 0) vs_text_add(t, "let vs_travel = v(vs_%s)/1000\n", vs_mechanism_node(m, false));
+  add_validity(t, m, travel);
+  vs_text_add(t, "meas tran %s find %s when v(vs_%s)=0 rise=1 td=$&vs_fire\n",
+              measured[MEASURED_FIRST], travel, vs_mechanism_node(m, true));
+  vs_text_add(t, "meas tran %s min %s\n", measured[MEASURED_LEAST], travel);
+  vs_text_add(t, "meas tran %s max i_a\n", measured[MEASURED_I]);
+  vs_text_add(t, "meas tran %s max force_n\n", measured[MEASURED_FORCE]);
   vs_text_add(t, "linearize");
   for (size_t k = 0; k < count; k++) vs_text_add(t, " %s", columns[k].name);
   vs_text_add(t, "\nset wr_singlescale\nset wr_vecnames\nset numdgt=9\nwrdata %s", table_name);
@@ -397,14 +415,14 @@ static vs_status write_text(vs_text *t, const vs_scene *scene, const char *name,
   snprintf(table_name, sizeof table_name, "%.*s.txt", (int)stem, deck_name);
   column *columns = vs_alloc(MOST_COLUMNS, sizeof *columns);
   size_t count = find_columns(scene, columns);
-  vs_status status = check_names(&scene->setup.deck, columns, count, err);
+  vs_status status = check_names(scene, columns, count, err);
   add_head(t, scene, deck_name, table_name);
   add_scene(t, &scene->setup);
   add_timing(t);
   if (!status) status = add_netlist(t, &scene->setup, err);
-  add_machine(t, &scene->setup);
+  vs_mechanism_write(t, &scene->setup);
   add_analysis(t, &scene->setup);
-  add_commands(t, &scene->setup, columns, count, table_name);
+  add_commands(t, scene, columns, count, table_name);
   for (size_t k = 0; k < count; k++) vs_text_free(&columns[k].value);
   free(columns);
   return status;

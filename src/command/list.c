@@ -8,8 +8,15 @@
 #include "deck/devices.h"
 #include "deck/netlist.h"
 #include "drive/events.h"
+#include "machine/blueprint.h"
 #include "scene/scene.h"
 #include "scene/sections.h"
+
+/* Whose probes, measures and parameters are listed. */
+typedef struct listed {
+  vs_deck *deck;
+  vs_machine *machine;
+} listed;
 
 static void print_file(void *ctx, const char *path) {
   const vs_shelf *shelf = ctx;
@@ -17,13 +24,13 @@ static void print_file(void *ctx, const char *path) {
   printf("%-20.*s %s\n", (int)(strlen(base) - strlen(shelf->ending)), base, path);
 }
 
-static void list_scenes(const vs_deck *deck) {
-  (void)deck;
+static void list_scenes(const listed *of) {
+  (void)of;
   vs_path_list(&vs_scene_shelf, print_file, (void *)(size_t)&vs_scene_shelf);
 }
 
-static void list_studies(const vs_deck *deck) {
-  (void)deck;
+static void list_studies(const listed *of) {
+  (void)of;
   vs_path_list(&vs_scene_study_shelf, print_file, (void *)(size_t)&vs_scene_study_shelf);
 }
 
@@ -37,9 +44,26 @@ static void print_deck(void *ctx, const char *path) {
   free(deck);
 }
 
-static void list_decks(const vs_deck *deck) {
-  (void)deck;
+static void list_decks(const listed *of) {
+  (void)of;
   vs_path_list(&vs_deck_shelf, print_deck, (void *)(size_t)&vs_deck_shelf);
+}
+
+/* With its title; a machine that cannot be read is listed all the same. */
+static void print_machine(void *ctx, const char *path) {
+  vs_machine *machine = vs_alloc(1, sizeof *machine);
+  vs_error err = {0};
+  print_file(ctx, path);
+  vs_machine_begin(machine);
+  vs_blueprint_read(path, machine, &err);
+  if (*machine->title) printf("%-20s %s\n", "", machine->title);
+  vs_machine_free(machine);
+  free(machine);
+}
+
+static void list_machines(const listed *of) {
+  (void)of;
+  vs_path_list(&vs_machine_shelf, print_machine, (void *)(size_t)&vs_machine_shelf);
 }
 
 /* What it is, what its maker allows, and its parameters. */
@@ -64,20 +88,20 @@ static void print_part(void *ctx, const char *path) {
   free(part);
 }
 
-static void list_parts(const vs_deck *deck) {
-  (void)deck;
+static void list_parts(const listed *of) {
+  (void)of;
   vs_path_list(&vs_deck_parts_shelf, print_part, (void *)(size_t)&vs_deck_parts_shelf);
 }
 
-static void list_tiers(const vs_deck *deck) {
-  (void)deck;
+static void list_tiers(const listed *of) {
+  (void)of;
   for (int k = 0; k < VS_TIERS; k++)
     printf("%-20s %s\n", vs_tiers_all[k]->name, vs_tiers_all[k]->text);
 }
 
-static void list_probes(const vs_deck *deck) {
-  const vs_model model = {.machine = &vs_machine_conveyor, .dof = vs_machine_conveyor.dof};
-  const vs_frame frame = {.model = &model, .deck = deck};
+static void list_probes(const listed *of) {
+  const vs_model model = {.machine = of->machine, .dof = of->machine->dof};
+  const vs_frame frame = {.model = &model, .deck = of->deck};
   int numbers[VS_CH_MOST], count = vs_channel_listed(&frame, numbers);
   for (int k = 0; k < count; k++) {
     vs_channel c = vs_channel_at(&frame, numbers[k]);
@@ -97,7 +121,8 @@ static void list_device(const vs_device *d) {
   }
 }
 
-static void list_measures(const vs_deck *deck) {
+static void list_measures(const listed *of) {
+  const vs_deck *deck = of->deck;
   for (int k = 0; k < VS_MEASURES; k++)
     printf("%-20s %-7s %s\n", vs_measures_standard[k].name, vs_measures_standard[k].unit,
            vs_measures_standard[k].text);
@@ -117,15 +142,15 @@ static void print_field(const char *section, const vs_field *f) {
     print_field(name, &f->options->keys.fields[k]);
 }
 
-static void list_parameters(const vs_deck *deck) {
+static void list_parameters(const listed *of) {
   for (int s = 0; s < VS_SECTIONS; s++) {
-    const vs_section *section = vs_section_fields(&vs_machine_conveyor, deck, s);
+    const vs_section *section = vs_section_fields(of->machine, of->deck, s);
     for (size_t k = 0; k < section->count; k++) print_field(section->name, &section->fields[k]);
   }
 }
 
-static void list_events(const vs_deck *deck) {
-  (void)deck;
+static void list_events(const listed *of) {
+  (void)of;
   const vs_event_kind *kind;
   for (size_t k = 0; (kind = vs_events_kind(k)); k++) {
     printf("%-20s %s\n", kind->name, kind->text);
@@ -138,18 +163,19 @@ static void list_events(const vs_deck *deck) {
   }
 }
 
-static void list_laws(const vs_deck *deck) {
-  (void)deck;
+static void list_laws(const listed *of) {
+  (void)of;
   for (const vs_law *const *law = vs_actuator_laws; *law; law++)
     printf("%-20s %s\n", (*law)->name, (*law)->text);
 }
 
 static const struct kind {
   const char *name, *heading;
-  void (*print)(const vs_deck *);
+  void (*print)(const listed *);
 } KINDS[] = {
     {"scenes", "scenes that come with the program", list_scenes},
     {"studies", "studies that come with the program", list_studies},
+    {"machines", "machines that come with the program", list_machines},
     {"decks", "decks that come with the program", list_decks},
     {"parts", "parts that come with the program", list_parts},
     {"tiers", "tiers, from the least modelled to the most", list_tiers},
@@ -161,34 +187,51 @@ static const struct kind {
 };
 enum { N_KINDS = sizeof KINDS / sizeof *KINDS };
 
-vs_status vs_list_command(const char *kind, const char *deck_name, vs_error *err) {
+static vs_status check_kind(const char *kind, vs_error *err) {
   const char *names[N_KINDS];
   bool found = !kind;
   for (size_t k = 0; k < N_KINDS; k++) {
     names[k] = KINDS[k].name;
     found = found || !strcmp(kind, names[k]);
   }
-  if (!found) {
-    const char *nearest = vs_text_nearest(kind, names, N_KINDS);
-    vs_text there_are = {0};
-    for (size_t k = 0; k < N_KINDS; k++) vs_text_add(&there_are, "%s%s", k ? ", " : "", names[k]);
-    vs_fail(err, VS_INPUT, "list: no kind '%s'; there are: %s%s%s%s", kind, there_are.text,
-            nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
-    vs_text_free(&there_are);
-    return VS_INPUT;
-  }
-  vs_deck *deck = vs_alloc(1, sizeof *deck);
+  if (found) return VS_OK;
+  const char *nearest = vs_text_nearest(kind, names, N_KINDS);
+  vs_text there_are = {0};
+  for (size_t k = 0; k < N_KINDS; k++) vs_text_add(&there_are, "%s%s", k ? ", " : "", names[k]);
+  vs_fail(err, VS_INPUT, "list: no kind '%s'; there are: %s%s%s%s", kind, there_are.text,
+          nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+  vs_text_free(&there_are);
+  return VS_INPUT;
+}
+
+static vs_status read_listed(const char *deck, const char *machine, const listed *of,
+                             vs_error *err) {
+  const vs_where nowhere = {0};
   char path[VS_PATH_SIZE];
-  vs_status status = vs_path_find(&vs_deck_shelf, deck_name ? deck_name : vs_deck_key.default_text,
-                                  (vs_where){0}, path, err);
-  if (!status) status = vs_netlist_read(path, deck, err);
-  if (!status) status = vs_netlist_read_parts(deck, NULL, err);
+  vs_status status =
+      vs_path_find(&vs_deck_shelf, deck ? deck : vs_deck_key.default_text, nowhere, path, err);
+  if (!status) status = vs_netlist_read(path, of->deck, err);
+  if (!status) status = vs_netlist_read_parts(of->deck, NULL, err);
+  if (!status)
+    status = vs_path_find(&vs_machine_shelf, machine ? machine : vs_machine_key.default_text,
+                          nowhere, path, err);
+  return status ? status : vs_blueprint_read(path, of->machine, err);
+}
+
+vs_status vs_list_command(const char *kind, const char *deck, const char *machine, vs_error *err) {
+  vs_status status = check_kind(kind, err);
+  if (status) return status;
+  const listed of = {vs_alloc(1, sizeof *of.deck), vs_alloc(1, sizeof *of.machine)};
+  vs_machine_begin(of.machine);
+  status = read_listed(deck, machine, &of, err);
   for (size_t k = 0; k < N_KINDS && !status; k++) {
     if (kind && strcmp(kind, KINDS[k].name)) continue;
     if (!kind) printf("%s%s\n", k ? "\n" : "", KINDS[k].heading);
-    KINDS[k].print(deck);
+    KINDS[k].print(&of);
   }
-  vs_deck_free(deck);
-  free(deck);
+  vs_deck_free(of.deck);
+  vs_machine_free(of.machine);
+  free(of.deck);
+  free(of.machine);
   return status;
 }

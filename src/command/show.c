@@ -124,6 +124,8 @@ static void print_head(const vs_result *r, FILE *out) {
         "%.2g of each peak\n",
         absence->total_s, absence->first_s, absence->times, absence->times > 1 ? "s" : "",
         absence->bound);
+  const char *declined = vs_result_declined(r);
+  if (declined) fprintf(out, "quiet  ngspice is not left: %s\n", declined);
   if (r->watchers.devices)
     fprintf(out, "means over %.9g..%.9g s\n", s->setup.means.from_s, s->setup.means.to_s);
   fputc('\n', out);

@@ -159,12 +159,15 @@ static void add_rung(vs_json *json, const vs_ladder *ladder) {
   vs_json_end(json);
 }
 
-static void add_quiet(vs_json *json, const vs_absence *absence) {
+static void add_quiet(vs_json *json, const vs_result *r) {
+  const vs_absence *absence = &r->watchers.absence;
+  const char *declined = vs_result_declined(r);
   vs_json_object(json, "quiet", VS_JSON_ROW);
   vs_json_whole(json, "times", absence->times);
   vs_json_number(json, "first_at_s", absence->times ? absence->first_s : NAN, DIGITS);
   vs_json_number(json, "total_s", absence->total_s, DIGITS);
   vs_json_number(json, "bound", absence->bound, DIGITS);
+  if (declined) vs_json_text(json, "declined", declined);
   vs_json_end(json);
 }
 
@@ -193,7 +196,7 @@ void vs_summary_json(const vs_result *r, bool with_cost, vs_text *text) {
   vs_json_text(&json, "tier", s->tier->name);
   vs_json_text(&json, "why", s->why);
   add_rung(&json, &r->ladder);
-  add_quiet(&json, &r->watchers.absence);
+  add_quiet(&json, r);
   vs_json_array(&json, "warnings", VS_JSON_ROW);
   vs_result_warnings(r, add_warning, &json);
   vs_json_end(&json);

@@ -4,8 +4,8 @@
  *
  * Mechanics -> circuit: the gap z at the candidate time of each of the solver's steps, foretold
  * from the last accepted step. Circuit -> mechanics: the flux linkage lambda of the accepted step,
- * under which the mechanics are integrated over it. F = lambda^2/(4a) depends on lambda alone, so
- * nothing else need be exchanged.
+ * under which the mechanics are integrated over it. The coil's current and force are functions of
+ * lambda and z, in C as in the netlist (deck/eva.h), so nothing else need be exchanged.
  *
  * This file is the solver's host. course.h moves the machine and shows the steps, pace.h, swing.h
  * and anode.h say how long a step may be, away.h leaves the solver where the circuit is quiet. */

@@ -144,7 +144,7 @@ vs_status vs_course_move(vs_course *c, vs_knot *end, vs_error *err) {
 
 /* ---- begun and ended ---- */
 
-/* A cubic's error over 0.1 rad of the fastest mode is (0.1)^4/24 = 4e-6 of the amplitude. */
+/* A cubic's error over 0.1 rad of the fastest swing is (0.1)^4/24 = 4e-6 of the amplitude. */
 static const double SERIES_RAD = 0.1;
 
 void vs_course_begin(vs_course *c, const vs_setup *setup, const vs_frame *frame,
@@ -155,7 +155,7 @@ void vs_course_begin(vs_course *c, const vs_setup *setup, const vs_frame *frame,
                    .observer = observer,
                    .candidate_s = -1,
                    .jams_s = vs_setup_jams(setup),
-                   .series_s = SERIES_RAD / m->fastest_rad_s};
+                   .series_s = SERIES_RAD / vs_motion_fastest(m)};
   c->knots[0] = vs_sim_start(setup, &c->frame);
   c->touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, c->knots[0].x));
   vs_anode_begin(&c->anode, &setup->deck, &setup->timeline);

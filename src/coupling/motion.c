@@ -73,7 +73,7 @@ static double to_first_contact(vs_motion *m, unsigned stops, double at_s, double
 double vs_motion_advance(vs_motion *m, double at_s, double h, double *x) {
   const vs_model *model = m->model;
   double longest = m->touched ? m->substep_touching_s : m->substep_s, before[VS_MOST_STATES];
-  double n = ceil((h - at_s) / longest), sub = (h - at_s) / n;
+  double n = fmax(ceil((h - at_s) / longest), 1), sub = (h - at_s) / n;
   for (double k = 0; k < n; k++) {
     memcpy(before, x, m->size);
     if (!substep(m, at_s + k * sub, sub, x)) return NAN;
@@ -85,10 +85,20 @@ double vs_motion_advance(vs_motion *m, double at_s, double h, double *x) {
   return h;
 }
 
+double vs_motion_fastest(const vs_model *model) {
+  const vs_coil *c = &model->coil;
+  if (c->square) return model->fastest_rad_s; /* the force hangs on the flux linkage alone */
+  double z = c->gap_rest_m, i[3], force[3];
+  const double flux[3] = {0}, moving[3] = {z, 1, 0};
+  c->law->along(c, flux, moving, i, force); /* the force's rate is then dF/dz */
+  return model->fastest_rad_s + sqrt(fabs(force[1] * model->per_newton_m_s2));
+}
+
 void vs_motion_begin(vs_motion *m, const vs_model *model) {
+  double fastest = vs_motion_fastest(model);
   *m = (vs_motion){.model = model,
-                   .substep_s = 0.02 / model->fastest_rad_s,
-                   .substep_touching_s = 0.02 / model->contact_rad_s,
+                   .substep_s = 0.02 / fastest,
+                   .substep_touching_s = 0.02 / fmax(model->contact_rad_s, fastest),
                    .size = 2 * (size_t)model->dof * sizeof(double),
                    .system = {rhs, NULL, 2 * (size_t)model->dof, m},
                    .step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, 2 * (size_t)model->dof)};

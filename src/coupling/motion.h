@@ -15,14 +15,19 @@ typedef struct vs_motion {
   double flux[4];                       /* lambda(t0 + s) = flux[0] + s flux[1] + ..., Wb */
   unsigned touched;                     /* the stops that the armature is in, as bits */
   bool jammed;                          /* the armature stays where it is */
-  double substep_s, substep_touching_s; /* longest substep, free and in the stop: 0.02 rad of the
-                                           fastest mode, where rkf45's error is below 1e-12 of the
-                                           amplitude */
+  double substep_s, substep_touching_s; /* longest substep, free and in a stop: 0.02 rad of the
+                                           fastest swing, where rkf45's error is below 1e-12 of the
+                                           amplitude; INFINITY for a free mass */
   unsigned changed; /* behind a contact: the stop that was met or left, as a bit */
   size_t size;      /* of a state, bytes */
   gsl_odeiv2_system system;
   gsl_odeiv2_step *step;
 } vs_motion;
+
+/* How fast the armature may swing with its stops free, rad/s: the fastest mode, and what the
+ * force's slope over the gap makes of it where the flux linkage is held, without a current at
+ * first. */
+double vs_motion_fastest(const vs_model *model);
 
 /* The motion must stay where it is made, as its system points to it. The model must outlive it. */
 void vs_motion_begin(vs_motion *motion, const vs_model *model);

@@ -59,9 +59,8 @@ static double truncation(const vs_setup *s) {
 
 /* The amplitude of the current that the mains alone would drive through the coil at rest. */
 static double current_scale(const vs_setup *s) {
-  const vs_actuator_values *coil = &s->model.actuator;
-  return s->timeline.peak_v /
-         hypot(coil->resistance_ohm, s->timeline.omega_rad_s * coil->inductance_h);
+  const vs_coil *coil = &s->model.coil;
+  return s->timeline.peak_v / hypot(coil->resistance_ohm, s->timeline.omega_rad_s * coil->rest_h);
 }
 
 /* A difference of voltages below the relative tolerance times this is none. In a converter some

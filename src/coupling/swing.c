@@ -2,7 +2,8 @@
 #include "coupling/swing.h"
 
 #include <math.h>
-#include <stdio.h>
+
+#include "actuator/coil.h"
 
 /* The trapezoidal rule makes an error of lambda of h^2/12 of its third derivative in each second.
  * While the coil rings with the snubbers, these errors add up to an error of the ring's phase. At
@@ -30,7 +31,10 @@ static const double LEAST = 1e-3;
 vs_swing vs_swing_of(const vs_setup *s) {
   const vs_timeline *t = &s->timeline;
   double fired = fmax((1 + cos(t->firing.angle_rad)) / 2, LEAST);
-  return (vs_swing){.share = (s->run.gear ? SHARE / 4 : SHARE) * s->run.tolerance,
+  return (vs_swing){.model = &s->model,
+                    .amplifies = 1,
+                    .peak_a = LEAST * t->peak_v / s->model.coil.resistance_ohm,
+                    .share = (s->run.gear ? SHARE / 4 : SHARE) * s->run.tolerance,
                     .fades = pow(FADES, fmin(1, sqrt(s->run.tolerance / FADES_AT))),
                     .period_s = t->period_s,
                     .flux_wb = fired * t->peak_v / t->omega_rad_s};
@@ -64,6 +68,21 @@ static void follow_alternation(vs_swing *w, const vs_knot *from, const vs_knot *
   w->kick_v = kick;
 }
 
+/* With i = lambda z/(2a) the current's relative error is lambda's. Where iron saturates, or where
+ * the armature's motion makes most of lambda, it is larger: by lambda/i di/dlambda. What counts is
+ * the error at the largest current, to which errors are relative; a current below LEAST of what the
+ * mains could drive through the coil's resistance is not looked at. */
+static void follow_current(vs_swing *w, const vs_knot *k) {
+  const vs_coil *c = &w->model->coil;
+  if (c->square) return;
+  const double flux[3] = {k->flux_wb, 1, 0}, z[3] = {vs_mechanics_gap(w->model, k->x), 0, 0};
+  double i[3], f[3];
+  c->law->along(c, flux, z, i, f); /* the current's rate is then di/dlambda */
+  if (!(fabs(i[0]) > w->peak_a)) return;
+  w->peak_a = fabs(i[0]);
+  w->amplifies = fmax(1, fabs(k->flux_wb * i[1] / i[0]));
+}
+
 /* The slope that two steps have in common. A jump has none, nor has what alternates. */
 static double common_slope(const vs_knot *from, const vs_knot *to) {
   double before = from->flux_rate2_v_s, now = to->flux_rate2_v_s;
@@ -77,6 +96,7 @@ void vs_swing_take(vs_swing *w, const vs_knot *from, const vs_knot *to) {
   w->slope_v_s = fmax(w->fades * w->slope_v_s, common_slope(from, to));
   w->bend_v_s2 = fmax(w->fades * w->bend_v_s2, bend * h <= RESOLVED * w->slope_v_s ? bend : 0);
   w->flux_wb = fmax(w->flux_wb, fabs(to->flux_wb));
+  follow_current(w, from);
   follow_alternation(w, from, to);
 }
 
@@ -84,5 +104,5 @@ double vs_swing_longest(const vs_swing *w) {
   if (!(w->bend_v_s2 > 0))
     return INFINITY; /* a NaN as well, of which the machine's motion will tell */
   double lasts_s = fmin(w->period_s, LASTS * w->slope_v_s / w->bend_v_s2);
-  return sqrt(12 * w->share * w->flux_wb / (w->bend_v_s2 * lasts_s));
+  return sqrt(12 * w->share * w->flux_wb / (w->amplifies * w->bend_v_s2 * lasts_s));
 }

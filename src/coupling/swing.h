@@ -8,10 +8,14 @@
 
 /* Begins as vs_swing_of makes it. */
 typedef struct vs_swing {
+  const vs_model *model;
   double share;    /* error of lambda that the swing may make, relative to flux_wb */
   double fades;    /* what is left of the derivatives' sizes after a step */
   double period_s; /* of the mains */
   double flux_wb;  /* largest flux linkage so far; at first what the first firing may bring */
+  double peak_a,
+      amplifies; /* largest current so far that counts, of a coil that is not square, and by how
+                    much a relative error of lambda is larger in that current; 1 at least */
   double slope_v_s, bend_v_s2; /* sizes of the first two derivatives of v = dlambda/dt of late */
   double before_s;             /* length of the last step; 0: there was none */
   double rise_v;               /* by how much v rose over the last step */

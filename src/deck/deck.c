@@ -146,7 +146,7 @@ vs_status vs_deck_add_formula(vs_deck *deck, vs_cursor *c, const char *follow, v
   vs_cursor_skip(c);
   size_t n_terms = deck->n_terms, n_names = deck->n_names;
   formula_scope own = {deck, c};
-  const vs_formula_scope scope = {&own, formula_term, formula_name};
+  const vs_formula_scope scope = {.ctx = &own, .term = formula_term, .name = formula_name};
   const char *end = vs_formula_read(c->at, &scope, formula, &bad, why, sizeof why);
   c->at = end ? end : bad;
   vs_cursor_skip(c);
@@ -227,5 +227,7 @@ void vs_deck_free(vs_deck *deck) {
   free(deck->lines);
   each_formula(deck, free_formula, NULL);
   for (size_t k = 0; k < deck->n_files; k++) free(deck->files[k]);
+  vs_text_free(&deck->eva_current);
+  vs_text_free(&deck->eva_lines);
   *deck = (vs_deck){0};
 }

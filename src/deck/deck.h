@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "base/path.h"
+#include "base/text.h"
 #include "deck/cursor.h"
 #include "deck/port.h"
 #include "syntax/field.h"
@@ -204,13 +205,16 @@ typedef struct vs_deck {
   size_t n_zth;
   vs_part parts[VS_DECK_PARTS];
   size_t n_parts;
-  const char *eva_file;       /* of the program's, that an event has put in the place of the EVA's
-                                 own; NULL: none has */
-  bool eva_led;               /* the EVA's own file is eva_led.inc, which can be led, not eva.inc */
-  char line[2][VS_DECK_NAME]; /* nodes at which surges couple in; empty: not said */
-  int subcircuits;            /* how many are open, while the deck is read */
-  bool own_clock;             /* a source or an expression of the deck's own knows the time */
-  char eva[VS_DECK_NAME];     /* the EVA's instance, and its two nodes */
+  const char *eva_file; /* of the program's, that an event has put in the place of the EVA's
+                           own; NULL: none has */
+  bool eva_led;         /* the EVA's own file is eva_led.inc, which can be led, not eva.inc */
+  vs_text eva_current, eva_lines; /* the coil's law for the EVA's subcircuit, and the lines that it
+                                     needs (deck/eva.h); empty: the law is the file's own */
+  double eva_flux_wb;             /* the EVA's flux linkage at t = 0 */
+  char line[2][VS_DECK_NAME];     /* nodes at which surges couple in; empty: not said */
+  int subcircuits;                /* how many are open, while the deck is read */
+  bool own_clock;                 /* a source or an expression of the deck's own knows the time */
+  char eva[VS_DECK_NAME];         /* the EVA's instance, and its two nodes */
   char eva_plus[VS_DECK_NAME], eva_minus[VS_DECK_NAME];
 } vs_deck;
 

@@ -13,11 +13,11 @@
 #include "base/text.h"
 #include "deck/contract.h"
 #include "deck/devices.h"
+#include "deck/eva.h"
 #include "deck/parts.h"
 #include "deck/rules.h"
 
-static const vs_shelf INCLUDE_SHELF = {"include file", "", ""},
-                      EVA_SHELF = {"subcircuit", "", ".inc"};
+static const vs_shelf INCLUDE_SHELF = {"include file", "", ""};
 
 /* ---- files ---- */
 
@@ -321,13 +321,10 @@ vs_status vs_netlist_make(const vs_deck *deck, const vs_circuit_values *values,
                           size_t *count, vs_error *err) {
   *lines = NULL;
   *count = 0;
-  char path[VS_PATH_SIZE], param[128];
-  const char *own = deck->eva_led ? "eva_led" : "eva";
-  vs_status status =
-      vs_path_find(&EVA_SHELF, deck->eva_file ? deck->eva_file : own, (vs_where){0}, path, err);
+  char param[128], *rest;
+  vs_text eva = {0};
+  vs_status status = vs_eva_write(deck, &eva, err);
   if (status) return status;
-  FILE *eva = fopen(path, "r");
-  if (!eva) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
   add_text(lines, count, "vibrospice"); /* the first line of a netlist is its title */
   for (size_t k = 0; k < n_standard; k++) {
     snprintf(param, sizeof param, ".param %s=%.17g", standard[k].name, standard[k].value);
@@ -341,14 +338,10 @@ vs_status vs_netlist_make(const vs_deck *deck, const vs_circuit_values *values,
     add_text(lines, count, param);
   }
   for (size_t k = 0; k < deck->n_lines; k++) add_deck_line(deck, deck->lines[k].text, lines, count);
-  char *line = NULL;
-  size_t size = 0;
-  while (getline(&line, &size, eva) >= 0) {
-    line[strcspn(line, "\r\n")] = '\0';
-    if (*line && *line != '*') add_text(lines, count, line);
-  }
-  free(line);
-  fclose(eva);
+  rest = eva.text;
+  for (char *line; (line = strsep(&rest, "\n"));)
+    if (*line) add_text(lines, count, line);
+  vs_text_free(&eva);
   return VS_OK;
 }
 

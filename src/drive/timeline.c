@@ -8,6 +8,8 @@
 #define F_(member) offsetof(vs_firing_values, member)
 
 static const vs_field SUPPLY[] = {
+    {"kind", VS_CHOICE, "", "sine", 0, 0, false, S_(direct),
+     "sine: the mains; step: direct voltage from t = 0 on, ideal tiers only", "sine|step", NULL},
     {"voltage", VS_REAL, "V", "440 V", 0, 1e6, true, S_(voltage_v),
      "U, rms at the converter (Table 1)", NULL, NULL},
     {"frequency", VS_REAL, "Hz", "50 Hz", 0.1, 1e4, false, S_(frequency_hz), "f, mains (Table 1)",
@@ -20,6 +22,10 @@ static const vs_field SUPPLY[] = {
      "L_s, source; circuit tier only", NULL, NULL},
 };
 static const vs_field FIRING[] = {
+    {"valve", VS_CHOICE, "", "thyristor", 0, 0, false, F_(no_valve),
+     "what stands between mains and coil; none: the coil is on the mains from t = 0, current both "
+     "ways, ideal tiers only",
+     "thyristor|none", NULL},
     {"angle", VS_REAL, "deg", "100 deg", 0, 180, true, F_(angle_rad),
      "alpha*, from the rising zero crossing of the mains (Eq. 92)", NULL, NULL},
     {"pulse_width", VS_REAL, "ms", "8 ms", 0, 1e6, true, F_(pulse_width_s),
@@ -44,13 +50,20 @@ vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_error *err)
                                       &t->supply, err);
   if (!s) s = vs_field_section_read(&vs_timeline_firing_section, firing, &t->firing, err);
   if (s) return s;
-  t->peak_v = t->supply.voltage_v * M_SQRT2;
+  t->peak_v = t->supply.voltage_v * (t->supply.direct ? 1 : M_SQRT2);
   t->omega_rad_s = 2 * M_PI * t->supply.frequency_hz;
   t->period_s = 1 / t->supply.frequency_hz;
   double turns = -t->supply.phase_rad / (2 * M_PI);
   t->first_zero_s = (turns - floor(turns)) * t->period_s;
   if (vs_error_count(err) > found) return VS_OK;
-  if (t->firing.every && t->firing.pulse_width_s >= t->firing.every * t->period_s) {
+  if (t->supply.direct && !t->firing.no_valve) {
+    const vs_node *kind = vs_tree_child(vs_tree_child(scene, "supply"), "kind");
+    return vs_fail_at(err, kind ? kind->where : (vs_where){0},
+                      "supply.kind: step has no cycles for a thyristor to fire in; it wants "
+                      "firing.valve: none");
+  }
+  if (!t->firing.no_valve && t->firing.every &&
+      t->firing.pulse_width_s >= t->firing.every * t->period_s) {
     const vs_node *width = vs_tree_child(firing, "pulse_width");
     return vs_fail_at(
         err, width ? width->where : (vs_where){0},
@@ -74,6 +87,7 @@ static double staged(const vs_timeline *t, vs_mains_stage stage, double t_s, dou
 
 double vs_timeline_voltage(const vs_timeline *t, double t_s) {
   double angle = t->omega_rad_s * t_s + t->supply.phase_rad;
+  if (t->supply.direct) return t->peak_v * staged(t, VS_MAINS_FACTOR, t_s, angle);
   if (!t->events.count) return t->peak_v * sin(angle);
   angle += staged(t, VS_MAINS_ANGLE, t_s, angle);
   return t->peak_v * (sin(angle) + staged(t, VS_MAINS_ADDED, t_s, angle)) *

@@ -14,9 +14,11 @@
 #include "syntax/field.h"
 
 typedef struct vs_supply_values {
+  int direct; /* 1: direct voltage, voltage_v, instead of a sine */
   double voltage_v, frequency_hz, phase_rad, resistance_ohm, inductance_h;
 } vs_supply_values;
 typedef struct vs_firing_values {
+  int no_valve; /* 1: the coil is on the mains from t = 0 on; what follows here does not count */
   double angle_rad, pulse_width_s;
   int every; /* fires in every n-th cycle; 0: once */
   int first_cycle;
@@ -29,16 +31,19 @@ extern const vs_section vs_timeline_supply_section, vs_timeline_firing_section;
 typedef struct vs_timeline {
   vs_supply_values supply;
   vs_firing_values firing;
-  double peak_v, omega_rad_s, period_s; /* of the undisturbed mains */
+  double peak_v, omega_rad_s, period_s; /* of the undisturbed mains; a direct voltage is its own
+                                           peak */
   double first_zero_s;                  /* their first rising zero crossing at or after t = 0 */
   vs_events events;                     /* none, unless vs_events_read filled it */
 } vs_timeline;
 
 /* Fills the timeline from the scene's sections supply and firing, without events. Errors: what
- * vs_field_section_read refuses; a pulse that reaches into the next one. */
+ * vs_field_section_read refuses; a pulse that reaches into the next one; a thyristor on direct
+ * voltage. */
 vs_status vs_timeline_build(const vs_node *scene, vs_timeline *timeline, vs_error *err);
 
-/* The mains' voltage with events, V; without, u = sqrt(2) U sin(wt + phase) (Eq. 90). */
+/* The mains' voltage with events, V; without, u = sqrt(2) U sin(wt + phase) (Eq. 90), or U where it
+ * is direct. */
 double vs_timeline_voltage(const vs_timeline *timeline, double t_s);
 
 /* The angle since the last rising zero of the undisturbed mains, from 0 to 2 pi. */

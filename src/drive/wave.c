@@ -35,7 +35,20 @@ static void disturb(const vs_timeline *t, double t_s, vs_wave *w) {
   first->peak_v *= factor;
 }
 
+/* Direct voltage behind t. Of the events only the factors act on it. */
+static void direct(const vs_timeline *t, double t_s, vs_wave *w) {
+  double edge = vs_wave_edge(t, t_s), inside = isinf(edge) ? t_s + t->period_s : (t_s + edge) / 2;
+  w->count = 0;
+  w->highest_rad_s = 0;
+  w->direct_v = t->peak_v * vs_timeline_stage(t, VS_MAINS_FACTOR, inside);
+}
+
 void vs_wave_of(const vs_timeline *t, double t_s, vs_wave *w) {
+  if (t->supply.direct) {
+    direct(t, t_s, w);
+    return;
+  }
+  w->direct_v = 0;
   w->count = 1;
   w->highest_rad_s = t->omega_rad_s;
   w->sine[0] = (vs_sine){t->peak_v, t->omega_rad_s, remainder(vs_timeline_phase(t, t_s), 2 * M_PI)};
@@ -43,6 +56,8 @@ void vs_wave_of(const vs_timeline *t, double t_s, vs_wave *w) {
 }
 
 void vs_wave_at(const vs_wave *w, double since_s, double u[3]) {
+  u[0] = w->direct_v;
+  u[1] = u[2] = 0;
   for (size_t k = 0; k < w->count; k++) {
     const vs_sine *s = &w->sine[k];
     double omega = s->omega_rad_s, phase = s->phase_rad + omega * since_s;
@@ -55,6 +70,7 @@ void vs_wave_at(const vs_wave *w, double since_s, double u[3]) {
 }
 
 bool vs_wave_is_silent(const vs_wave *w) {
+  if (w->direct_v != 0) return false;
   for (size_t k = 0; k < w->count; k++)
     if (w->sine[k].peak_v != 0) return false;
   return true;
@@ -91,6 +107,7 @@ static double turns_above(const vs_wave *w, int sense, double above_v, double si
 }
 
 double vs_wave_turns(const vs_wave *w, int sense, double since_s, double until_s) {
+  if (sense * w->direct_v > 0) return since_s < until_s ? since_s : NAN;
   return turns_above(w, sense, 0, since_s, until_s);
 }
 

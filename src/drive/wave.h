@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The mains between two edges of the events, as a sum of few sines: what vs_timeline_voltage gives
- * for one instant, for those who need derivatives and zeros. */
+ * The mains between two edges of the events, as a sum of few sines, or direct voltage: what
+ * vs_timeline_voltage gives for one instant, for those who need derivatives and zeros. */
 #ifndef VS_DRIVE_WAVE_H
 #define VS_DRIVE_WAVE_H
 
@@ -12,8 +12,9 @@ typedef struct vs_sine {
   double peak_v, omega_rad_s, phase_rad; /* the phase at the wave's origin */
 } vs_sine;
 typedef struct vs_wave {
-  size_t count;         /* 1 or more: the fundamental comes first */
-  double highest_rad_s; /* the largest omega of the sines */
+  double direct_v;      /* where the mains are direct voltage; there are no sines then */
+  size_t count;         /* of the sines: the fundamental comes first */
+  double highest_rad_s; /* the largest omega of the sines; 0: there are none */
   vs_sine sine[VS_WAVE_MOST];
 } vs_wave;
 

@@ -6,6 +6,7 @@
 
 #include "actuator/coil.h"
 #include "drive/gate.h"
+#include "ideal/general.h"
 #include "ideal/propagator.h"
 #include "ideal/series.h"
 
@@ -18,6 +19,7 @@ typedef struct phases {
   vs_knot knots[2]; /* the last accepted one is knots[now], the one to come the other */
   int now;
   vs_driven driven;          /* what drives the machine from the last knot on */
+  bool valve;                /* a thyristor stands between mains and coil */
   bool disturbed;            /* the scene has events */
   double jams_s;             /* when the armature jams; INFINITY: never */
   double began_s;            /* where local time began, and with it the mains' wave */
@@ -30,6 +32,8 @@ typedef struct phases {
   double negligible;         /* how much a series may leave out, relative to what is large */
   vs_propagator propagator;  /* for steps of longest_s */
   vs_series series;          /* from the last knot on */
+  bool by_series;            /* the series is Taylor's; else general.c makes it */
+  vs_general general;
 } phases;
 
 /* The polynomial of degree seven between two knots is off by (w h)^8/10321920 at most, w being the
@@ -61,19 +65,24 @@ static vs_status show(phases *p, vs_event event, vs_error *err) {
 /* Returns when u falls through zero next, in local time, or `most_s` where that comes first. */
 static double mains_turn(const phases *p, double most_s) {
   const vs_wave *u = &p->driven.mains;
+  if (!u->count) return INFINITY;
   if (!p->disturbed) return (M_PI - u->sine[0].phase_rad) / u->sine[0].omega_rad_s;
   return fmin(vs_wave_turns(u, -1, p->since_s, most_s), most_s); /* NaN: it does not */
 }
 
 /* Sets what is large for the coordinates: how far the force of a large flux linkage moves each of
- * them at the working mode. One that the force does not move gets 1e-6 of what the gap gets. */
+ * them at the working mode, or where nothing holds the machine how far they go as the gap closes.
+ * One that the force does not move gets 1e-6 of what the gap gets. */
 static void find_coordinates(phases *p) {
   const vs_model *m = &p->setup->model;
   double w = m->working_rad_s > 0 ? m->working_rad_s : m->fastest_rad_s;
-  double force = vs_coil_force(&m->coil, p->driven.flux_wb, m->coil.gap_rest_m);
-  for (int i = 0; i < m->dof; i++)
-    p->driven.coordinate[i] =
-        fmax(fabs(m->mf[i]), 1e-6 * fabs(m->per_newton_m_s2)) * force / (w * w);
+  double force = fabs(vs_coil_force(&m->coil, p->driven.flux_wb, m->coil.gap_rest_m));
+  double per_newton = fabs(m->per_newton_m_s2), closes = m->coil.gap_rest_m / per_newton;
+  bool held = m->plain || force / (w * w) < closes;
+  for (int i = 0; i < m->dof; i++) {
+    double own = fmax(fabs(m->mf[i]), 1e-6 * per_newton);
+    p->driven.coordinate[i] = held ? own * force / (w * w) : own * closes;
+  }
 }
 
 /* A flux linkage below this, relative to that of the mains, is none: it comes from a voltage that
@@ -85,6 +94,7 @@ static const double FAINT = 1e-9;
 static void rescale(phases *p, double t_s) {
   const vs_timeline *line = p->driven.frame->timeline;
   const vs_wave *wave = &p->driven.mains;
+  if (!p->valve) return; /* as find_scales has it */
   double most = fmin(vs_wave_edge(line, t_s) - t_s, line->period_s), flux = 0;
   double half = fmin(vs_wave_turns(wave, -1, 0, most), most) / 2;
   for (size_t k = 0; k < wave->count; k++) { /* its integral: cosines' difference */
@@ -97,44 +107,18 @@ static void rescale(phases *p, double t_s) {
   find_coordinates(p);
 }
 
-static void complete(const phases *p, vs_knot *k) {
-  if (p->driven.held)
-    vs_knot_hold(p->driven.frame, k);
-  else
-    vs_knot_complete(p->driven.frame, k, p->driven.touching);
-}
-
-/* Fills the knot to come, `since_s` of local time on, from y:
- *   dlambda/dt = u - R_c i and two derivatives more, with i = lambda z/(2a) and z' = p' or 0. */
+/* Fills the knot to come, `since_s` of local time on, from y. */
 static void fill(phases *p, double since_s, const double y[VS_CONDUCTING]) {
-  const vs_frame *frame = p->driven.frame;
-  const vs_model *m = frame->model;
   vs_knot *k = &p->knots[1 - p->now];
   k->t_s = p->began_s + since_s;
-  memcpy(k->x, y, 2 * (size_t)m->dof * sizeof *y);
+  memcpy(k->x, y, 2 * (size_t)p->driven.frame->model->dof * sizeof *y);
   k->flux_wb = y[VS_FLUX];
-  k->flux_rate_v = k->flux_rate2_v_s = k->flux_rate3_v_s2 = 0;
-  if (!p->driven.conducting) {
-    complete(p, k);
-    return;
-  }
-  double u[3], r = m->actuator.resistance_ohm / (2 * m->coil.a_hm),
-               moves = frame->gap_at_rest ? 0 : 1;
-  const double *q = k->x, *v = k->x + m->dof;
-  double z = vs_coil_gap(&m->coil, moves * vs_mechanics_travel(m, q)),
-         z1 = moves * vs_mechanics_travel(m, v);
-  vs_wave_at(&p->driven.mains, since_s, u);
-  k->flux_rate_v = u[0] - r * k->flux_wb * z;
-  complete(p, k);
-  double z2 = moves * vs_mechanics_travel(m, k->a);
-  k->flux_rate2_v_s = u[1] - r * (k->flux_rate_v * z + k->flux_wb * z1);
-  k->flux_rate3_v_s2 =
-      u[2] - r * (k->flux_rate2_v_s * z + 2 * k->flux_rate_v * z1 + k->flux_wb * z2);
+  vs_driven_fill(&p->driven, since_s, k);
 }
 
 /* Something changed at the last knot: it is shown from its other side too, as a step of no length.
  * Local time begins anew, and the mains' wave with it, unless a conduction goes on undisturbed. */
-static vs_status turn_over(phases *p, bool conducting, bool touching, vs_event event,
+static vs_status turn_over(phases *p, bool conducting, unsigned touched, vs_event event,
                            vs_error *err) {
   const vs_model *m = p->driven.frame->model;
   double y[VS_CONDUCTING];
@@ -148,7 +132,8 @@ static vs_status turn_over(phases *p, bool conducting, bool touching, vs_event e
     if (p->disturbed && conducting && !p->driven.conducting) rescale(p, k->t_s);
   }
   p->driven.conducting = conducting;
-  p->driven.touching = touching;
+  p->driven.touched = touched;
+  vs_general_restart(&p->general);
   if (event == VS_EV_JAMS) { /* the blow */
     p->driven.held = true;
     vs_mechanics_hold(m, y + m->dof);
@@ -163,43 +148,59 @@ static const double NOTHING = 1e-14, OVER = 1e-9;
 
 /* ---- what may end a stretch of motion: a quantity that falls through zero ---- */
 
-typedef enum ending { GOES_ON, FLUX_ENDS, CONTACT_BEGINS, CONTACT_ENDS } ending;
+typedef enum ending_kind { GOES_ON, FLUX_ENDS, CONTACT_BEGINS, CONTACT_ENDS } ending_kind;
+typedef struct ending {
+  ending_kind kind;
+  int stop; /* of a contact, which of the model's */
+} ending;
 
-/* Returns an instant in the step to the knot to come at which the armature is in its stop, if there
- * is one: the step's end, or the least travel on the way where that turns inside it. NaN: none. */
-static double first_contact(const phases *p) {
+/* Returns an instant in the step to the knot to come at which the armature is in this stop, which
+ * it was not: the step's end, or the deepest travel on the way where that turns inside it. NaN:
+ * none. */
+static double first_contact(const phases *p, const vs_stop *stop) {
   const vs_model *m = p->driven.frame->model;
   const vs_knot *from = &p->knots[p->now], *to = &p->knots[1 - p->now];
-  if (!m->stops.count || p->driven.touching || p->driven.held) return NAN;
-  if (vs_stops_touched(&m->stops, vs_mechanics_travel(m, to->x))) return to->t_s;
-  if (vs_mechanics_travel(m, from->x + m->dof) >= 0 || vs_mechanics_travel(m, to->x + m->dof) <= 0)
+  int dof = m->dof, side = stop->side;
+  if (vs_stop_depth(stop, vs_mechanics_travel(m, to->x)) > 0) return to->t_s;
+  if (side * vs_mechanics_travel(m, from->x + dof) >= 0 ||
+      side * vs_mechanics_travel(m, to->x + dof) <= 0)
     return NAN;
   const vs_step step = {.frame = p->driven.frame, .from = from, .to = to};
   double lo = from->t_s, hi = to->t_s, y[VS_CH_MOST];
   for (int n = 0; n < 50; n++) {
     double mid = (lo + hi) / 2;
     vs_step_groups_at(&step, mid, VS_GROUP_VELOCITIES, y);
-    if (vs_mechanics_travel(m, y + vs_channel_rates(m)) < 0)
+    if (side * vs_mechanics_travel(m, y + vs_channel_rates(m)) < 0)
       lo = mid;
     else
       hi = mid;
   }
   vs_step_groups_at(&step, hi, 0, y);
-  return vs_stops_touched(&m->stops, y[VS_CH_TRAVEL]) ? hi : NAN;
+  return vs_stop_depth(stop, y[VS_CH_TRAVEL]) > 0 ? hi : NAN;
+}
+
+/* Does the armature meet a stop in the step to the knot to come? */
+static bool meets(const phases *p) {
+  const vs_stops *stops = &p->driven.frame->model->stops;
+  for (int k = 0; k < stops->count && !p->driven.held; k++)
+    if (!(p->driven.touched >> k & 1) && !isnan(first_contact(p, &stops->item[k]))) return true;
+  return false;
 }
 
 static double ending_value(const phases *p, ending e, double at_s, double *rate) {
-  if (e == FLUX_ENDS) return vs_series_flux(&p->series, at_s, rate);
-  double depth = vs_series_travel(&p->series, at_s, rate) - p->setup->model.stops.item[0].at_m;
-  if (e == CONTACT_BEGINS) return depth;
-  *rate = -*rate;
-  return -depth;
+  if (e.kind == FLUX_ENDS) return vs_series_flux(&p->series, at_s, rate);
+  const vs_stop *stop = &p->setup->model.stops.item[e.stop];
+  int sign = e.kind == CONTACT_BEGINS ? stop->side : -stop->side;
+  double way = vs_series_travel(&p->series, at_s, rate) - stop->at_m;
+  *rate *= sign;
+  return sign * way;
 }
 
 /* Returns when the quantity falls through zero, in seconds from the last knot. It does so between
  * `lower` and `upper`. Newton's iteration on the series. */
 static double locate(const phases *p, ending e, double lower, double upper) {
-  double nothing = 1e-15 * (e == FLUX_ENDS ? p->driven.flux_wb : p->setup->model.actuator.gap_m);
+  double nothing =
+      1e-15 * (e.kind == FLUX_ENDS ? p->driven.flux_wb : p->setup->model.actuator.gap_m);
   double at = upper;
   for (int n = 0; n < 60; n++) {
     double rate, value = ending_value(p, e, at, &rate);
@@ -224,7 +225,7 @@ static void make_series(phases *p, double span_s) {
  * lambda lies behind it. Disturbed, the series itself is asked for its first fall. */
 static bool flux_ends(const phases *p, double full_s, double *lower_s, double *upper_s) {
   double turn;
-  if (!p->driven.conducting) return false;
+  if (!p->driven.conducting || !p->valve) return false;
   if (p->disturbed)
     return vs_series_flux_falls(&p->series, full_s, NOTHING * p->driven.flux_wb, lower_s, upper_s);
   turn = mains_turn(p, INFINITY) - p->since_s;
@@ -236,25 +237,30 @@ static bool flux_ends(const phases *p, double full_s, double *lower_s, double *u
 /* Returns which ending comes first in the step just taken along the series, which is `*length` long
  * and whose end the knot to come has. *length becomes the time to that ending. */
 static ending find_ending(const phases *p, double *length) {
-  double full = *length, contact = first_contact(p), lower, upper;
-  const vs_knot *to = &p->knots[1 - p->now];
+  double full = *length, lower, upper;
+  const vs_knot *from = &p->knots[p->now], *to = &p->knots[1 - p->now];
   const vs_model *m = p->driven.frame->model;
-  ending found = GOES_ON;
+  ending found = {GOES_ON, 0};
   if (flux_ends(p, full, &lower, &upper)) {
-    found = FLUX_ENDS;
-    *length = locate(p, FLUX_ENDS, lower, upper);
+    found.kind = FLUX_ENDS;
+    *length = locate(p, found, lower, upper);
   }
-  bool leaves = p->driven.touching && !p->driven.held &&
-                !vs_stops_touched(&m->stops, vs_mechanics_travel(m, to->x));
-  if (!leaves && isnan(contact)) return found;
-  ending change = leaves ? CONTACT_ENDS : CONTACT_BEGINS;
-  double at = locate(p, change, 0, leaves ? full : contact - p->knots[p->now].t_s);
-  if (found != GOES_ON && *length < at) return found;
-  *length = at;
-  return change;
+  for (int k = 0; k < m->stops.count && !p->driven.held; k++) {
+    const vs_stop *stop = &m->stops.item[k];
+    bool inside = p->driven.touched >> k & 1;
+    bool leaves = inside && !(vs_stop_depth(stop, vs_mechanics_travel(m, to->x)) > 0);
+    double contact = inside ? NAN : first_contact(p, stop);
+    if (!leaves && isnan(contact)) continue;
+    ending change = {leaves ? CONTACT_ENDS : CONTACT_BEGINS, k};
+    double at = locate(p, change, 0, leaves ? full : contact - from->t_s);
+    if (found.kind != GOES_ON && *length < at) continue;
+    *length = at;
+    found = change;
+  }
+  return found;
 }
 
-/* ---- anything at all, by Taylor series ---- */
+/* ---- anything at all, by Taylor series or by steps ---- */
 
 /* By which factor the books of energy ask lambda to be better than `rough` says. The voltage of
  * harmonics, whose product with the current the books take, is larger than their share in lambda,
@@ -262,7 +268,8 @@ static ending find_ending(const phases *p, double *length) {
  * books are held against a hundredth of what is drawn (watch/energy.h). */
 static double books_factor(const phases *p) {
   if (!p->disturbed || !p->driven.conducting) return 1;
-  double slower = p->setup->timeline.omega_rad_s / p->driven.mains.highest_rad_s;
+  double fastest = p->driven.mains.highest_rad_s;
+  double slower = fastest > 0 ? p->setup->timeline.omega_rad_s / fastest : 1;
   return slower * (p->driven.held ? 0.01 : 1);
 }
 
@@ -283,25 +290,37 @@ static double reach(const phases *p, const vs_series *s) {
 /* Has lambda died away, and do the mains keep it at 0? */
 static bool is_over(phases *p) {
   double flux = fabs(p->knots[1 - p->now].flux_wb);
-  if (!p->disturbed || !p->driven.conducting) return false;
+  if (!p->disturbed || !p->driven.conducting || !p->valve) return false;
   p->largest_wb = fmax(p->largest_wb, flux);
   return flux <= OVER * p->largest_wb && vs_wave_is_silent(&p->driven.mains);
 }
 
 static double longest_by_series(const phases *p) {
-  double longest = p->driven.touching     ? p->longest_touching_s
+  double longest = p->driven.touched      ? p->longest_touching_s
                    : p->driven.conducting ? p->longest_driven_s
                                           : p->longest_s;
   if (p->disturbed && p->driven.conducting)
-    longest = fmin(longest, 1 / p->driven.mains.highest_rad_s);
+    longest = fmin(longest, 1 / p->driven.mains.highest_rad_s); /* INFINITY: direct */
   return longest;
+}
+
+/* Makes the series from the last knot for any model. Returns how far it may be used, s; 0: no step
+ * is short enough. */
+static double make_motion(phases *p, double left_s) {
+  if (!p->by_series) {
+    p->driven.since_s = p->since_s;
+    return vs_general_make(&p->general, &p->driven, &p->knots[p->now],
+                           fmin(longest_by_series(p), left_s), p->rough * books_factor(p),
+                           &p->series);
+  }
+  make_series(p, longest_by_series(p));
+  return reach(p, &p->series);
 }
 
 /* Makes the series from the last knot, and returns the length of the step to go by it, s, where
  * `left_s` remain. Returns 0 where no step is short enough. */
 static double choose_length(phases *p, double left_s) {
-  make_series(p, longest_by_series(p));
-  double length = reach(p, &p->series);
+  double length = make_motion(p, left_s);
   if (!(length > 1e-15 * (p->since_s + left_s))) return 0;
   /* a knot near the largest flux, however short the conduction */
   double turn = p->driven.conducting && p->since_s == 0 ? mains_turn(p, length) : 0;
@@ -317,7 +336,7 @@ static ending go_by_series(phases *p, double *length) {
   vs_series_at(&p->series, *length, y);
   fill(p, p->since_s + *length, y);
   ending e = find_ending(p, length);
-  if (e == GOES_ON) return is_over(p) ? FLUX_ENDS : GOES_ON;
+  if (e.kind == GOES_ON) return (ending){is_over(p) ? FLUX_ENDS : GOES_ON, 0};
   vs_series_at(&p->series, *length, y);
   fill(p, p->since_s + *length, y);
   return e;
@@ -339,12 +358,12 @@ static vs_status drive_until(phases *p, double end_s, vs_error *err) {
     bool done = length == left;
     p->since_s += length;
     if (done) p->knots[1 - p->now].t_s = end_s;
-    vs_status status = show(p, EVENT[e], err);
-    if (status || (done && e == GOES_ON)) return status;
-    if (e == GOES_ON) continue;
-    bool conducting = p->driven.conducting && e != FLUX_ENDS;
-    bool touching = e == FLUX_ENDS ? p->driven.touching : e == CONTACT_BEGINS;
-    return turn_over(p, conducting, touching, VS_EV_NONE, err);
+    vs_status status = show(p, EVENT[e.kind], err);
+    if (status || (done && e.kind == GOES_ON)) return status;
+    if (e.kind == GOES_ON) continue;
+    bool conducting = p->driven.conducting && e.kind != FLUX_ENDS;
+    unsigned touched = p->driven.touched ^ (e.kind == FLUX_ENDS ? 0 : 1u << e.stop);
+    return turn_over(p, conducting, touched, VS_EV_NONE, err);
   }
   return VS_OK;
 }
@@ -361,7 +380,7 @@ static vs_status swing_until(phases *p, double end_s, vs_error *err) {
     double since = began + k * p->longest_s;
     vs_propagator_step(&p->propagator, p->knots[p->now].x, y);
     fill(p, since, y);
-    if (!isnan(first_contact(p))) return drive_until(p, end_s, err);
+    if (meets(p)) return drive_until(p, end_s, err);
     p->since_s = since;
     status = show(p, VS_EV_NONE, err);
   }
@@ -370,16 +389,22 @@ static vs_status swing_until(phases *p, double end_s, vs_error *err) {
 
 /* Goes on to end_s, by the propagator or by series, and may come back before it. */
 static vs_status go(phases *p, double end_s, vs_error *err) {
-  bool swings = !p->driven.conducting && !p->driven.touching;
+  bool swings = !p->driven.conducting && !p->driven.touched;
   if (swings && end_s - p->knots[p->now].t_s >= 2 * p->longest_s) return swing_until(p, end_s, err);
   return drive_until(p, end_s, err);
 }
 
-/* Sets what is large: for lambda what the mains can build up from the firing angle on, for the
- * coordinates what its force moves. */
+/* Sets what is large: for lambda what the mains can build up from the firing angle on, or what
+ * direct voltage builds up in the coil's time constant; for the coordinates what its force moves.
+ */
 static void find_scales(phases *p) {
   const vs_timeline *line = &p->setup->timeline;
-  p->driven.flux_wb = line->peak_v / line->omega_rad_s * (1 + cos(line->firing.angle_rad));
+  double angle = p->valve ? line->firing.angle_rad : 0;
+  p->driven.flux_wb = line->peak_v / line->omega_rad_s * (1 + cos(angle));
+  if (line->supply.direct) {
+    const vs_coil *coil = &p->setup->model.coil;
+    p->driven.flux_wb = line->peak_v * fmin(coil->rest_h / coil->resistance_ohm, line->period_s);
+  }
   find_coordinates(p);
 }
 
@@ -392,7 +417,7 @@ static vs_status go_disturbed(phases *p, double end_s, vs_error *err) {
   const vs_model *m = &p->setup->model;
   double t = p->knots[p->now].t_s, edge = INFINITY;
   if (!p->driven.held && t >= p->jams_s) {
-    vs_status status = turn_over(p, p->driven.conducting, p->driven.touching, VS_EV_JAMS, err);
+    vs_status status = turn_over(p, p->driven.conducting, p->driven.touched, VS_EV_JAMS, err);
     vs_propagator_make(&p->propagator, m, true, p->longest_s);
     return status;
   }
@@ -400,12 +425,13 @@ static vs_status go_disturbed(phases *p, double end_s, vs_error *err) {
   double jams = p->driven.held ? INFINITY : p->jams_s;
   vs_status status = go(p, fmin(fmin(end_s, edge), jams), err);
   if (status || !p->driven.conducting || p->knots[p->now].t_s < edge) return status;
-  return turn_over(p, true, p->driven.touching, VS_EV_NONE, err);
+  return turn_over(p, true, p->driven.touched, VS_EV_NONE, err);
 }
 
 static double next_firing(const phases *p, double t_s) {
   const vs_timeline *line = &p->setup->timeline;
   if (p->driven.conducting) return INFINITY;
+  if (!p->valve) return 0; /* it conducts from the beginning */
   return p->disturbed ? vs_wave_conduction(line, t_s, p->setup->run.until_s)
                       : vs_gate_next_conduction(line, t_s);
 }
@@ -415,28 +441,34 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
   const vs_model *m = &setup->model;
   double until = setup->run.until_s, tolerance = setup->run.tolerance;
   double mains = setup->timeline.omega_rad_s;
-  double coil = m->actuator.resistance_ohm * m->coil.gap_rest_m / (2 * m->coil.a_hm);
+  double coil = m->coil.square
+                    ? m->actuator.resistance_ohm * m->coil.gap_rest_m / (2 * m->coil.a_hm)
+                    : m->actuator.resistance_ohm / m->coil.rest_h;
   phases p = {.setup = setup, .observer = observer, .rough = fmin(ROUGH * tolerance, ROUGHEST)};
   p.negligible = 1e-3 * p.rough;
+  p.valve = !setup->timeline.firing.no_valve;
   p.disturbed = setup->timeline.events.count > 0;
   p.jams_s = vs_setup_jams(setup);
   p.driven = (vs_driven){.frame = frame};
   p.knots[0] = vs_sim_start(setup, frame);
-  p.driven.touching = vs_stops_touched(&m->stops, vs_mechanics_travel(m, p.knots[0].x));
+  p.driven.touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, p.knots[0].x));
   find_scales(&p);
   p.longest_s = longest_step(&p, pow(DENSE * 6 * p.rough, 1.0 / 8), m->fastest_rad_s);
   p.longest_driven_s = longest_step(&p, 1, fmax(fmax(m->fastest_rad_s, mains), coil / 8));
   p.longest_touching_s = fmin(longest_step(&p, 1, m->contact_rad_s), p.longest_driven_s);
   vs_propagator_make(&p.propagator, m, false, p.longest_s);
+  p.by_series = m->plain && !setup->timeline.supply.direct;
+  vs_general_begin(&p.general, m->dof);
   vs_status status = vs_sim_refuse_endless(setup, p.longest_touching_s, err);
   while (!status && p.knots[p.now].t_s < until) {
     double t = p.knots[p.now].t_s, fires = next_firing(&p, t), end = fmin(fires, until);
     /* A firing is met to rounding. In a scene with events it is met to the bit, as the mains may be
      * others just before. */
     if (fires <= t + (p.disturbed ? 0 : 1e-10 * setup->timeline.period_s))
-      status = turn_over(&p, true, p.driven.touching, VS_EV_FIRES, err);
+      status = turn_over(&p, true, p.driven.touched, p.valve ? VS_EV_FIRES : VS_EV_NONE, err);
     else
       status = p.disturbed ? go_disturbed(&p, end, err) : go(&p, end, err);
   }
+  vs_general_end(&p.general);
   return status;
 }

@@ -44,18 +44,19 @@ void vs_propagator_make(vs_propagator *p, const vs_model *m, bool held, double h
   gsl_matrix_free(e);
 }
 
-/* Rows are computed four at a time, side by side, in half the time of one after the other; behind
- * the last row the columns hold zeros. */
-void vs_propagator_step(const vs_propagator *p, const double *x, double *y) {
-  enum { SIDE_BY_SIDE = 4 };
-  double result[VS_MOST_STATES];
-  _Static_assert(VS_MOST_STATES % SIDE_BY_SIDE == 0, "columns are filled up with zeros");
-  for (int first = 0; first < p->states; first += SIDE_BY_SIDE) {
-    double sum[SIDE_BY_SIDE];
-    for (int i = 0; i < SIDE_BY_SIDE; i++) sum[i] = p->column[0][first + i] * x[0];
-    for (int j = 1; j < p->states; j++)
-      for (int i = 0; i < SIDE_BY_SIDE; i++) sum[i] += p->column[j][first + i] * x[j];
-    for (int i = 0; i < SIDE_BY_SIDE; i++) result[first + i] = sum[i];
+void vs_propagator_step(const vs_propagator *p, const double *x, double *restrict y) {
+  for (int first = 0; first < p->states; first += VS_ROWS) {
+    double sum[VS_ROWS] = {0};
+    int j = 0;
+    for (; j + VS_ROWS <= p->states; j += VS_ROWS) {
+      const double *e = p->column[j] + first, *at = x + j;
+      for (int i = 0; i < VS_ROWS; i++)
+        sum[i] = sum[i] + e[i] * at[0] + e[VS_MOST_STATES + i] * at[1] +
+                 e[2 * VS_MOST_STATES + i] * at[2] + e[3 * VS_MOST_STATES + i] * at[3];
+    }
+    for (; j < p->states; j++)
+      for (int i = 0; i < VS_ROWS; i++) sum[i] += p->column[j][first + i] * x[j];
+    memcpy(y + first, sum, sizeof sum);
   }
-  for (int i = 0; i < p->states; i++) y[i] = p->loaded ? result[i] + p->constant[i] : result[i];
+  for (int i = 0; p->loaded && i < p->states; i++) y[i] += p->constant[i];
 }

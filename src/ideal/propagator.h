@@ -17,7 +17,8 @@ typedef struct vs_propagator {
 /* Makes it for steps of h_s. `held`: the armature is jammed, so that p" = 0. */
 void vs_propagator_make(vs_propagator *propagator, const vs_model *model, bool held, double h_s);
 
-/* Gives the state y, one step after the state x. */
-void vs_propagator_step(const vs_propagator *propagator, const double *x, double *y);
+/* Gives the state y, one step after the state x, which is another array. y has room for
+ * VS_MOST_STATES. */
+void vs_propagator_step(const vs_propagator *propagator, const double *x, double *restrict y);
 
 #endif

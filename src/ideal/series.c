@@ -20,20 +20,21 @@ static double larger(double a, double b) {
 
 /* q[n+2] from q[n], q[n+1] and the n-th term of F: Eq. 54, order by order. Constant forces belong
  * to order 0. */
-static void next_q(const vs_driven *driven, vs_series *s, int n, double force) {
+static inline __attribute__((always_inline)) void next_q(const vs_driven *driven, vs_series *s,
+                                                         int n, double force, int dof) {
   const vs_model *m = driven->frame->model;
   double v[VS_MOST_DOF], acceleration[VS_MOST_DOF], h = s->span_s, rate = (n + 1) / h;
-  for (int i = 0; i < m->dof; i++) v[i] = rate * s->q[n + 1][i];
-  if (driven->touching) { /* k (g - at) + c g': the at belongs to order 0 */
+  for (int i = 0; i < dof; i++) v[i] = rate * s->q[n + 1][i];
+  if (driven->touched) { /* k (g - at) + c g': the at belongs to order 0 */
     const vs_stop *stop = &m->stops.item[0];
     double g = vs_mechanics_travel(m, s->q[n]), depth = n ? g : g - stop->at_m;
     force += stop->stiffness * depth + stop->damping_ns_m * vs_mechanics_travel(m, v);
   }
   vs_mechanics_accelerations(m, s->q[n], v, force, acceleration);
-  for (int i = 0; n && m->loaded && i < m->dof; i++) acceleration[i] -= m->m0[i];
+  for (int i = 0; n && m->loaded && i < dof; i++) acceleration[i] -= m->m0[i];
   if (driven->held) vs_mechanics_hold(m, acceleration);
   double weight = h * h / ((n + 1) * (n + 2));
-  for (int i = 0; i < m->dof; i++) s->q[n + 2][i] = weight * acceleration[i];
+  for (int i = 0; i < dof; i++) s->q[n + 2][i] = weight * acceleration[i];
 }
 
 /* The terms of one of the mains' sines: those of its voltage u and, from which these follow, of the
@@ -84,7 +85,11 @@ void vs_series_make(const vs_driven *driven, const vs_knot *knot, double span_s,
       force = product(s->flux, s->flux, n) * per_2a / 2;
       s->flux[n + 1] = ratio * (u - m->actuator.resistance_ohm * per_2a * product(s->flux, z, n));
     }
-    if (n + 2 <= VS_SERIES_ORDER) next_q(driven, s, n, force);
+    if (n + 2 > VS_SERIES_ORDER) continue;
+    if (m->dof == VS_ROWS)
+      next_q(driven, s, n, force, VS_ROWS);
+    else
+      next_q(driven, s, n, force, m->dof);
   }
 }
 
@@ -97,25 +102,32 @@ double vs_series_term(const vs_driven *driven, const vs_series *s, int n) {
   return largest;
 }
 
-void vs_series_at(const vs_series *s, double at_s, double y[VS_CONDUCTING]) {
-  int dof = s->model->dof;
-  double r = at_s / s->span_s, flux = s->flux[VS_SERIES_ORDER], q[VS_MOST_DOF], v[VS_MOST_DOF];
+static inline __attribute__((always_inline)) void state_at(const vs_series *s, double r, int dof,
+                                                           double *y) {
+  double q[VS_MOST_DOF], v[VS_MOST_DOF];
   for (int i = 0; i < dof; i++) {
     q[i] = s->q[VS_SERIES_ORDER][i];
     v[i] = 0;
   }
-  for (int n = VS_SERIES_ORDER - 1; n >= 0; n--) {
+  for (int n = VS_SERIES_ORDER - 1; n >= 0; n--)
     for (int i = 0; i < dof; i++) {
       v[i] = v[i] * r + q[i];
       q[i] = q[i] * r + s->q[n][i];
     }
-    flux = flux * r + s->flux[n];
-  }
   for (int i = 0; i < dof; i++) {
     y[i] = q[i];
     y[dof + i] = v[i] / s->span_s;
   }
+}
+
+void vs_series_at(const vs_series *s, double at_s, double y[VS_CONDUCTING]) {
+  double r = at_s / s->span_s, flux = s->flux[VS_SERIES_ORDER];
+  for (int n = VS_SERIES_ORDER - 1; n >= 0; n--) flux = flux * r + s->flux[n];
   y[VS_FLUX] = flux;
+  if (s->model->dof == VS_ROWS)
+    state_at(s, r, VS_ROWS, y);
+  else
+    state_at(s, r, s->model->dof, y);
 }
 
 /* Sums up terms, and gives the slope of the sum. */

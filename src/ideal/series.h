@@ -5,28 +5,10 @@
 #ifndef VS_IDEAL_SERIES_H
 #define VS_IDEAL_SERIES_H
 
-#include "drive/wave.h"
-#include "sim/step.h"
+#include "ideal/driven.h"
 
 /* Degree of the series; reach() in phases.c says how long a span it is good for. */
 enum { VS_SERIES_ORDER = 13 };
-
-/* The state as one vector: y = (q, q', lambda), lambda in its last place whatever the number of
- * coordinates. */
-enum { VS_FLUX = VS_MOST_STATES, VS_CONDUCTING };
-
-/* What drives the machine from a knot on. */
-typedef struct vs_driven {
-  const vs_frame *frame;
-  bool conducting; /* dlambda/dt = u - R_c i; else lambda = 0 */
-  bool touching;   /* the armature is in its stop */
-  bool held;       /* the armature is jammed: the gap stays what it is */
-  vs_wave mains;   /* u; looked at only while conducting */
-  double since_s;  /* the knot's time, counted from the origin of u */
-  /* The size that counts as large for q, m and rad, and for lambda, Wb. Errors are relative to it.
-   */
-  double coordinate[VS_MOST_DOF], flux_wb;
-} vs_driven;
 
 /* q(s) = sum of q[n] (s/span)^n, lambda likewise, s being the time since the knot: each term is as
  * large as it is at the end of the span. */

@@ -1,96 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "machine/build.h"
 
-#include <gsl/gsl_errno.h>
 #include <gsl/gsl_linalg.h>
 #include <gsl/gsl_matrix.h>
 #include <gsl/gsl_vector.h>
 #include <math.h>
 #include <string.h>
 
+#include "machine/assemble.h"
 #include "machine/mechanics.h"
 
-/* Transitional: the conveyor's own matrices, until its file is read. */
-enum { P, U, W, PHI, VS_DOF };
-typedef struct conveyor {
-  double trough_mass_kg, base_mass_kg, trough_inertia_kgm2, base_inertia_kgm2, spring_angle_rad,
-      spring_stiffness_n_m, mount_stiffness_x_n_m, mount_stiffness_y_n_m, spring_damping_ns_m,
-      mount_damping_x_ns_m, mount_damping_y_ns_m;
-  double base_com_m[2], trough_com_m[2], mount_3_m[2], mount_4_m[2];
-  int m14;
-} conveyor;
-static conveyor conveyor_of(const vs_machine_values *v) {
-  return (conveyor){.trough_mass_kg = v->real[0],
-                    .base_mass_kg = v->real[1],
-                    .trough_inertia_kgm2 = v->real[2],
-                    .base_inertia_kgm2 = v->real[3],
-                    .spring_angle_rad = v->real[4],
-                    .base_com_m = {v->real[5], v->real[6]},
-                    .trough_com_m = {v->real[7], v->real[8]},
-                    .mount_3_m = {v->real[9], v->real[10]},
-                    .mount_4_m = {v->real[11], v->real[12]},
-                    .spring_stiffness_n_m = v->real[13],
-                    .mount_stiffness_x_n_m = v->real[14],
-                    .mount_stiffness_y_n_m = v->real[15],
-                    .spring_damping_ns_m = v->real[16],
-                    .mount_damping_x_ns_m = v->real[17],
-                    .mount_damping_y_ns_m = v->real[18],
-                    .m14 = v->choice[0]};
-}
-
-/* One of B (Eq. 56) and K (Eq. 57): the same form with (beta, beta_x, beta_y) or (k, k_x, k_y).
- *   c11 = 2 c;  c22 = 2 cx;  c33 = 2 cy
- *   c24 = cx [(yB - y3) + (yB - y4)];  c34 = cy [(x3 - xB) + (x4 - xB)]
- *   c44 = cx [(yB - y3)^2 + (yB - y4)^2] + cy [(x3 - xB)^2 + (x4 - xB)^2] */
-static void mounts_matrix(const conveyor *v, const double c[3],
-                          double out[VS_MOST_DOF][VS_MOST_DOF]) {
-  double y3 = v->base_com_m[1] - v->mount_3_m[1], y4 = v->base_com_m[1] - v->mount_4_m[1];
-  double x3 = v->mount_3_m[0] - v->base_com_m[0], x4 = v->mount_4_m[0] - v->base_com_m[0];
-  out[P][P] = 2 * c[0];
-  out[U][U] = 2 * c[1];
-  out[W][W] = 2 * c[2];
-  out[U][PHI] = out[PHI][U] = c[1] * (y3 + y4);
-  out[W][PHI] = out[PHI][W] = c[2] * (x3 + x4);
-  out[PHI][PHI] = c[1] * (y3 * y3 + y4 * y4) + c[2] * (x3 * x3 + x4 * x4);
-}
-
-/* M of Eq. 55, with m34 = m_K (x_C - x_B) (the paper prints x_K there) and with the mass of the
- * loaded trough, m_k = m_k0 + lambda_t rho V_k (Eq. 88). */
-static void mass_matrix(const conveyor *v, vs_model *model) {
-  const vs_load_values *load = &model->load;
-  double mk = v->trough_mass_kg + load->fraction * load->density_kg_m3 * load->volume_m3;
-  double sin_a = sin(v->spring_angle_rad), cos_a = cos(v->spring_angle_rad);
-  double dx = v->trough_com_m[0] - v->base_com_m[0], dy = v->trough_com_m[1] - v->base_com_m[1];
-  double m14 = v->m14 ? mk * (dy * sin_a + dx * cos_a) : 0;
-  double m[VS_DOF][VS_DOF] = {
-      {mk, -mk * sin_a, mk * cos_a, m14},
-      {-mk * sin_a, mk + v->base_mass_kg, 0, -mk * dy},
-      {mk * cos_a, 0, mk + v->base_mass_kg, mk * dx},
-      {m14, -mk * dy, mk * dx,
-       v->trough_inertia_kgm2 + v->base_inertia_kgm2 + mk * (dx * dx + dy * dy)},
-  };
-  for (int i = 0; i < VS_DOF; i++)
-    for (int j = 0; j < VS_DOF; j++) model->mass[i][j] = m[i][j];
-}
-
-/* Packs the first dof rows and columns of a matrix, for GSL. */
-static void pack(const vs_model *model, double m[VS_MOST_DOF][VS_MOST_DOF], double *out) {
-  for (int i = 0; i < model->dof; i++)
-    for (int j = 0; j < model->dof; j++) out[i * model->dof + j] = m[i][j];
-}
-
-/* M^-1 B, M^-1 K, -M^-1 c and M^-1 f0 by Cholesky, which fails just when M is not positive
- * definite. */
-static vs_status solve_mass(vs_model *model, vs_error *err) {
+/* M^-1 B, M^-1 K, -M^-1 c and M^-1 f0 by Cholesky, which works, as M is positive definite. */
+static void solve_mass(vs_model *model) {
   double m[VS_MOST_DOF * VS_MOST_DOF], column[VS_MOST_DOF];
   size_t n = (size_t)model->dof;
-  pack(model, model->mass, m);
+  for (int i = 0; i < model->dof; i++)
+    for (int j = 0; j < model->dof; j++) m[i * model->dof + j] = model->mass[i][j];
   gsl_matrix_view mv = gsl_matrix_view_array(m, n, n);
   gsl_vector_view cv = gsl_vector_view_array(column, n);
-  if (gsl_linalg_cholesky_decomp1(&mv.matrix) != GSL_SUCCESS)
-    return vs_fail(err, VS_INPUT,
-                   "machine: the inertia matrix M (Eq. 55) is not positive definite; check masses, "
-                   "inertias and centres of mass");
+  gsl_linalg_cholesky_decomp1(&mv.matrix);
   for (int j = 0; j < 2 * model->dof + 2; j++) {
     int of_k = j - model->dof, other = j - 2 * model->dof;
     double *into = other == 1   ? model->m0
@@ -105,28 +33,22 @@ static vs_status solve_mass(vs_model *model, vs_error *err) {
     gsl_linalg_cholesky_svx(&mv.matrix, &cv.vector);
     memcpy(into, column, n * sizeof *column);
   }
-  return VS_OK;
 }
 
-/* Sylvester's criterion (after Eq. 57) by Cholesky: without it the rest position is not stable. */
-static vs_status check_stiffness(vs_model *model, vs_error *err) {
-  double k[VS_MOST_DOF * VS_MOST_DOF];
+/* c.K^-1 c; INFINITY where a coordinate has no spring, and K no inverse. */
+static double compliance(const vs_model *model) {
+  double k[VS_MOST_DOF * VS_MOST_DOF], x[VS_MOST_DOF];
   size_t n = (size_t)model->dof;
-  pack(model, model->stiffness, k);
+  memcpy(x, model->along, sizeof x);
+  for (int i = 0; i < model->dof; i++)
+    if (model->stiffness[i][i] == 0) return INFINITY;
+  for (int i = 0; i < model->dof; i++)
+    for (int j = 0; j < model->dof; j++) k[i * model->dof + j] = model->stiffness[i][j];
   gsl_matrix_view kv = gsl_matrix_view_array(k, n, n);
-  bool positive = gsl_linalg_cholesky_decomp1(&kv.matrix) == GSL_SUCCESS;
-  for (size_t i = 0; positive && i < n; i++) /* of a smaller pivot only rounding is left */
-    positive = pow(gsl_matrix_get(&kv.matrix, i, i), 2) > 1e-14 * model->stiffness[i][i];
-  double x[VS_MOST_DOF];
   gsl_vector_view xv = gsl_vector_view_array(x, n);
-  memcpy(x, model->along, n * sizeof *x);
-  if (positive) gsl_linalg_cholesky_svx(&kv.matrix, &xv.vector);
-  model->compliance_m_n = positive ? vs_mechanics_travel(model, x) : INFINITY;
-  return positive
-             ? VS_OK
-             : vs_fail(err, VS_INPUT,
-                       "machine: the stiffness matrix K (Eq. 57) is not positive definite; check "
-                       "the mounts' stiffness and where mount_3, mount_4 and base_com lie");
+  gsl_linalg_cholesky_decomp1(&kv.matrix);
+  gsl_linalg_cholesky_svx(&kv.matrix, &xv.vector);
+  return vs_mechanics_travel(model, x);
 }
 
 /* What follows from the modes, for step lengths. */
@@ -154,33 +76,130 @@ static vs_status find_speeds(vs_model *model, vs_error *err) {
   return VS_OK;
 }
 
-vs_status vs_build_model(const vs_node *scene, vs_model *model, vs_error *err) {
-  *model = (vs_model){.machine = &vs_machine_conveyor, .dof = vs_machine_conveyor.dof};
-  size_t found = vs_error_count(err);
-  vs_status s = vs_field_section_read(&model->machine->section, vs_tree_child(scene, "machine"),
-                                      &model->parameters, err);
+/* ---- the section actuator ---- */
+
+/* Nodes of the scene's section actuator over those of the machine's. */
+typedef struct merged {
+  vs_node node[96];
+  size_t count;
+} merged;
+
+static vs_node *add_node(merged *all, const vs_node *from) {
+  if (all->count >= sizeof all->node / sizeof *all->node) return NULL;
+  vs_node *node = &all->node[all->count++];
+  *node = *from;
+  node->next = NULL;
+  return node;
+}
+
+/* The map `over` with the keys of `under` that it lacks, down to the last map. What has no room is
+ * left out. */
+static vs_node *merge(merged *all, const vs_node *under, const vs_node *over) {
+  vs_node *map = add_node(all, over);
+  if (!map) return NULL;
+  vs_node **tail = &map->child;
+  *tail = NULL;
+  for (const vs_node *n = over->child; n; n = n->next) {
+    const vs_node *low = vs_tree_child(under, n->key);
+    bool maps = low && low->kind == VS_NODE_MAP && n->kind == VS_NODE_MAP;
+    *tail = maps ? merge(all, low, n) : add_node(all, n);
+    if (*tail) tail = &(*tail)->next;
+  }
+  for (const vs_node *n = under->child; n; n = n->next) {
+    if (vs_tree_child(over, n->key)) continue;
+    *tail = add_node(all, n);
+    if (*tail) tail = &(*tail)->next;
+  }
+  return map;
+}
+
+/* The machine's map without the formulas of its law, which are no keys of the scene. */
+static const vs_node *without_law(merged *all, const vs_node *own) {
+  if (!own) return NULL;
+  vs_node *map = add_node(all, own), **tail = &map->child;
+  *tail = NULL;
+  for (const vs_node *n = own->child; n; n = n->next) {
+    bool law = false;
+    for (int k = 0; k < VS_MACHINE_LAWS; k++) law = law || !strcmp(n->key, vs_machine_law_words[k]);
+    if (!law) *tail = add_node(all, n);
+    if (*tail) tail = &(*tail)->next;
+  }
+  return map;
+}
+
+/* True where the scene takes another law than the machine's own: the machine's keys, which may be
+ * of its law alone, then say nothing. */
+static bool names_other_law(const vs_node *scene, const vs_node *own) {
+  const vs_node *law = vs_tree_child(vs_tree_child(scene, "actuator"), "law"),
+                *standard = vs_tree_child(own, "law");
+  if (!law || law->kind != VS_NODE_TEXT) return false;
+  return !standard || standard->kind != VS_NODE_TEXT || strcmp(law->text, standard->text) != 0;
+}
+
+static vs_status build_actuator(const vs_node *map, vs_model *model, vs_error *err) {
+  const vs_expression *law = model->machine->law;
+  const vs_formula *of[VS_MACHINE_LAWS];
+  vs_law_formulas formulas = {0};
+  for (int k = 0; k < VS_MACHINE_LAWS; k++) {
+    of[k] = law[k].text ? &law[k].of : NULL;
+    formulas.where[k] = law[k].where;
+  }
+  formulas.current = of[VS_MACHINE_CURRENT];
+  formulas.energy = of[VS_MACHINE_ENERGY];
+  formulas.force = of[VS_MACHINE_FORCE];
+  return vs_actuator_build(&model->actuator, map, &formulas, &model->coil, &model->stops, err);
+}
+
+/* ---- the sections ---- */
+
+/* Error: the scene has a load, and the machine has no place for it. */
+static vs_status check_load(const vs_machine *machine, const vs_node *load, vs_error *err) {
+  if (machine->load.adds >= 0 || !load || !load->child) return VS_OK;
+  return vs_fail_at(err, load->child->key_where,
+                    "load.%s: machine %s has no load (its file has no key load); leave it out",
+                    load->child->key, machine->path);
+}
+
+/* Reads the sections of the scene; actuator is the scene's over the machine's. */
+static vs_status read_sections(const vs_node *scene, const vs_node *actuator, vs_model *model,
+                               vs_error *err) {
+  const vs_machine *machine = model->machine;
+  const vs_node *load = vs_tree_child(scene, "load");
+  const vs_section *section = &machine->section;
+  vs_status s = vs_error_carry_on(err, check_load(machine, load, err));
   if (!s)
-    s = vs_field_section_read(&vs_actuator_section, vs_tree_child(scene, "actuator"),
-                              &model->actuator, err);
-  if (!s)
-    s = vs_field_section_read(&vs_model_load_section, vs_tree_child(scene, "load"), &model->load,
+    s = vs_field_section_read(section, vs_tree_child(scene, section->name), &model->parameters,
                               err);
+  if (!s) s = vs_field_section_read(&machine->actuator, actuator, &model->actuator, err);
+  return s ? s : vs_field_section_read(&vs_model_load_section, load, &model->load, err);
+}
+
+vs_status vs_build_model(const vs_node *scene, vs_machine *machine, vs_model *model,
+                         vs_error *err) {
+  *model = (vs_model){.machine = machine, .dof = machine->dof};
+  size_t found = vs_error_count(err);
+  if (machine->lost) return VS_OK; /* a check carries on; what else it would find may be an echo */
+  merged all = {.count = 0};
+  const vs_node *map = vs_tree_child(scene, "actuator"),
+                *own = without_law(&all, machine->own_actuator);
+  bool both = own && map && map->kind == VS_NODE_MAP;
+  if (both)
+    map = merge(&all, own, map);
+  else if (own && (!map || (map->kind == VS_NODE_TEXT && !*map->text)))
+    map = own;
+  vs_status s = read_sections(scene, map, model, err);
   if (s || vs_error_count(err) > found) return s;
-  const conveyor c = conveyor_of(&model->parameters), *v = &c;
-  const double b[3] = {v->spring_damping_ns_m, v->mount_damping_x_ns_m, v->mount_damping_y_ns_m};
-  const double k[3] = {v->spring_stiffness_n_m, v->mount_stiffness_x_n_m, v->mount_stiffness_y_n_m};
-  model->along[P] = 1;
-  mounts_matrix(v, b, model->damping);
-  mounts_matrix(v, k, model->stiffness);
-  mass_matrix(v, model);
-  s = vs_actuator_build(&model->actuator, vs_tree_child(scene, "actuator"), NULL, &model->coil,
-                        &model->stops, err);
-  if (!s) s = solve_mass(model, err);
-  if (!s) s = check_stiffness(model, err);
+  s = vs_assemble_model(machine, model, err);
+  if (!s && vs_error_count(err) == found)
+    s = build_actuator(names_other_law(scene, own) ? vs_tree_child(scene, "actuator") : map, model,
+                       err);
+  if (s || vs_error_count(err) > found) return s;
+  solve_mass(model);
+  model->compliance_m_n = compliance(model);
   for (int i = 0; i < model->dof; i++) model->per_newton_m_s2 += model->along[i] * model->mf[i];
   const vs_stop *first = model->stops.item;
   model->plain =
       model->coil.square &&
       (!model->stops.count || (model->stops.count == 1 && first->kind->linear && first->side > 0));
-  return s ? s : find_speeds(model, err);
+  return find_speeds(model, err);
 }

@@ -5,9 +5,11 @@
 
 #include "machine/model.h"
 
-/* Builds the model from the scene's sections machine, actuator and load, of which each may be
- * missing. Errors: what vs_field_section_read refuses (the model is then not whole, even if a check
- * carries on); an M or K that is not positive definite. */
-vs_status vs_build_model(const vs_node *scene, vs_model *model, vs_error *err);
+/* Builds the model from the machine and the scene's sections machine, actuator and load, of which
+ * each may be missing. The machine's formulas are bound to these values; the model borrows it.
+ * The caller ends model->coil with vs_actuator_end, also after an error. Errors: what
+ * vs_field_section_read and vs_assemble_model refuse (the model is then not whole, even if a check
+ * carries on); a load where the machine has none. */
+vs_status vs_build_model(const vs_node *scene, vs_machine *machine, vs_model *model, vs_error *err);
 
 #endif

@@ -1,10 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A machine as its file declares it: coordinates, parameters, and formulas for everything else
- * (docs/machines.md). Constant once it is read. */
+ * (docs/machines.md). Constant once it is read, but for the values that its formulas are bound to
+ * (machine/build.h).
+ *
+ * A machine keeps the tree that it was read from. Places and texts of formulas are borrowed from
+ * that tree. */
 #ifndef VS_MACHINE_MACHINE_H
 #define VS_MACHINE_MACHINE_H
 
 #include "base/path.h"
+#include "syntax/dimension.h"
 #include "syntax/field.h"
 #include "syntax/formula.h"
 #include "syntax/tree.h"
@@ -15,14 +20,15 @@ enum {
   VS_MACHINE_LETS = 64,
   VS_MACHINE_PROBES = 16,
   VS_MACHINE_NAME = 32,
-  VS_MACHINE_TEXT = 160
+  VS_MACHINE_TEXT = 160,
+  VS_MACHINE_NAMES = 2 * VS_MACHINE_PARAMETERS + VS_MACHINE_LETS
 };
 
 /* A coordinate, and the names that follow from it: "p", "vp", "ap". */
 typedef struct vs_coordinate {
   char name[VS_MACHINE_NAME], unit[16], text[VS_MACHINE_TEXT];
-  char rate[VS_MACHINE_NAME], rate_unit[16], rate_text[VS_MACHINE_TEXT];
-  char rate2[VS_MACHINE_NAME], rate2_unit[16], rate2_text[VS_MACHINE_TEXT];
+  char rate[VS_MACHINE_NAME], rate_unit[24], rate_text[VS_MACHINE_TEXT];
+  char rate2[VS_MACHINE_NAME], rate2_unit[24], rate2_text[VS_MACHINE_TEXT];
   vs_where where;
 } vs_coordinate;
 
@@ -33,6 +39,24 @@ typedef struct vs_machine_values {
   double real[2 * VS_MACHINE_PARAMETERS];
   int choice[VS_MACHINE_PARAMETERS];
 } vs_machine_values;
+
+/* What a formula may name: a parameter, "NAME.x" and "NAME.y" of a pair, or a let. Its place in
+ * vs_machine.names is the index that formulas know it by. Parameters stand first, each where its
+ * value has its place in vs_machine_values.real. */
+typedef struct vs_machine_name {
+  char name[VS_MACHINE_NAME + 2];
+  vs_dimension dimension;
+  int choice; /* a choice's index in vs_machine_values.choice; -1: it is no choice */
+} vs_machine_name;
+
+/* A formula as the file has it. */
+typedef struct vs_expression {
+  const char *text; /* NULL: the file has none, and its value is 0 */
+  vs_where where;
+  vs_formula of;
+  bool of_gap; /* it has terms, also by a let; of lambda and z these are 0 and 1 */
+  vs_dimension dimension;
+} vs_expression;
 
 /* A named output beside the coordinates. The terms of its formula are numbered as follows: z,
  * lambda, i, force, then from VS_MACHINE_TERM_Q on the coordinates, their rates q' and q". */
@@ -45,22 +69,66 @@ enum {
 };
 typedef struct vs_machine_probe {
   char name[VS_MACHINE_NAME], unit[16], text[VS_MACHINE_TEXT];
-  vs_formula of;
+  vs_formula of; /* gives the probe in its unit */
+  vs_where where;
 } vs_machine_probe;
 
-/* Begin with vs_machine_read; end with vs_machine_free. */
+/* What formulas may be summed up in: the matrices, and the constant forces. */
+enum {
+  VS_MACHINE_MASS,
+  VS_MACHINE_DAMPING,
+  VS_MACHINE_STIFFNESS,
+  VS_MACHINE_FORCES,
+  VS_MACHINE_SUMS
+};
+extern const char *const vs_machine_sum_words[VS_MACHINE_SUMS];
+
+/* The scene's load: its mass is added to a parameter where these sums are evaluated. */
+typedef struct vs_machine_load {
+  int adds; /* index into names; -1: the machine has no load */
+  bool to[VS_MACHINE_SUMS];
+} vs_machine_load;
+
+/* Formulas of the law. */
+enum { VS_MACHINE_CURRENT, VS_MACHINE_ENERGY, VS_MACHINE_FORCE, VS_MACHINE_LAWS };
+extern const char *const vs_machine_law_words[VS_MACHINE_LAWS];
+
+/* Begin with vs_machine_begin; end with vs_machine_free. */
 typedef struct vs_machine {
   char path[VS_PATH_SIZE], title[VS_MACHINE_TEXT];
-  vs_section section; /* "machine": the key model, then the parameters. It fills a
-                         vs_machine_values. Fields and their texts are owned */
-  vs_section start;   /* "start": the coordinates and their rates at t = 0; it fills an array of as
-                         many doubles. Owned */
+  vs_tree tree;
+  bool lost;           /* not all of the file could be read; a check carries on with the rest */
+  vs_section section;  /* "machine": the key model, then the parameters. It fills a
+                          vs_machine_values. Fields and their texts are owned */
+  vs_section actuator; /* vs_actuator_section with the file's values for defaults. Owned likewise */
+  vs_section start;    /* "start": the coordinates and their rates at t = 0; it fills an array of as
+                          many doubles. Owned */
   int dof;
   vs_coordinate coordinates[VS_MACHINE_COORDINATES];
+  vs_machine_name names[VS_MACHINE_NAMES];
+  int n_parameters, n_names; /* how many of names are parameters, and how many there are in all */
+  vs_expression lets[VS_MACHINE_LETS]; /* names[n_parameters + k] is that of lets[k] */
+  vs_expression sums[VS_MACHINE_FORCES][VS_MACHINE_COORDINATES][VS_MACHINE_COORDINATES];
+  vs_expression forces[VS_MACHINE_COORDINATES], along[VS_MACHINE_COORDINATES];
+  vs_where where_along;
+  vs_machine_load load;
+  vs_expression law[VS_MACHINE_LAWS];
+  const vs_node *own_actuator; /* the file's section actuator; NULL: it has none */
   vs_machine_probe probes[VS_MACHINE_PROBES];
   int n_probes;
 } vs_machine;
-extern const vs_machine vs_machine_conveyor;
+
+/* Where machines that come with the program are found, and the field "model", which is the first of
+ * every machine's section. */
+extern const vs_shelf vs_machine_shelf;
+extern const vs_field vs_machine_key;
+
+/* Makes an empty machine. It must be freed, also where filling it failed. */
+void vs_machine_begin(vs_machine *machine);
+void vs_machine_free(vs_machine *machine);
+
+/* Adds a field to the section; its texts are copied. */
+void vs_machine_add_field(vs_section *section, const vs_field *field);
 
 /* True for the name of a coordinate, of one of its rates, or of a probe of the machine. */
 bool vs_machine_has_output(const vs_machine *machine, const char *name);

@@ -11,6 +11,7 @@
 
 /* The travel g = c.q by which the gap is opened, and likewise its rate from q', m and m/s. */
 static inline double vs_mechanics_travel(const vs_model *model, const double *q) {
+  if (model->alone) return q[model->alone - 1];
   double g = model->along[0] * q[0];
   for (int i = 1; i < model->dof; i++) g += model->along[i] * q[i];
   return g;
@@ -20,24 +21,32 @@ static inline double vs_mechanics_gap(const vs_model *model, const double *q) {
   return vs_coil_gap(&model->coil, vs_mechanics_travel(model, q));
 }
 
+/* Rows and columns are taken so many at a time, side by side, in half the time of one after the
+ * other. Behind a matrix's last row its columns hold zeros. */
+enum { VS_ROWS = 4 };
+_Static_assert(VS_MOST_DOF % VS_ROWS == 0, "columns are filled up with zeros");
+
+/* vs_mechanics_accelerations for any number of coordinates. */
+void vs_mechanics_accelerations_by_blocks(const vs_model *model, const double *q, const double *v,
+                                          double force_n, double acceleration[VS_MOST_DOF]);
+
 /* The accelerations q" [m/s2, rad/s2] from q, q' and the force F [N] that closes the gap (Eq. 83):
  *   q" = M^-1 f0 - M^-1 c F - M^-1 K q - M^-1 B q'
- * Rows are computed four at a time, side by side; behind the last row the columns hold zeros. */
+ * Where there is just one block, it is written out. */
 static inline void vs_mechanics_accelerations(const vs_model *model, const double *q,
                                               const double *v, double force_n,
                                               double acceleration[VS_MOST_DOF]) {
-  enum { SIDE_BY_SIDE = 4 };
-  _Static_assert(VS_MOST_DOF % SIDE_BY_SIDE == 0, "columns are filled up with zeros");
-  for (int first = 0; first < model->dof; first += SIDE_BY_SIDE) {
-    double sum[SIDE_BY_SIDE];
-    for (int i = 0; i < SIDE_BY_SIDE; i++) sum[i] = model->mf[first + i] * force_n;
-    for (int j = 0; j < model->dof; j++) {
-      const double *k = model->mk_column[j] + first, *b = model->mb_column[j] + first;
-      for (int i = 0; i < SIDE_BY_SIDE; i++) sum[i] -= k[i] * q[j] + b[i] * v[j];
-    }
-    for (int i = 0; model->loaded && i < SIDE_BY_SIDE; i++) sum[i] += model->m0[first + i];
-    memcpy(acceleration + first, sum, sizeof sum);
+  const double(*k)[VS_MOST_DOF] = model->mk_column, (*b)[VS_MOST_DOF] = model->mb_column;
+  double sum[VS_ROWS];
+  if (model->dof != VS_ROWS || model->loaded) {
+    vs_mechanics_accelerations_by_blocks(model, q, v, force_n, acceleration);
+    return;
   }
+  for (int i = 0; i < VS_ROWS; i++)
+    sum[i] = model->mf[i] * force_n - (k[0][i] * q[0] + b[0][i] * v[0]) -
+             (k[1][i] * q[1] + b[1][i] * v[1]) - (k[2][i] * q[2] + b[2][i] * v[2]) -
+             (k[3][i] * q[3] + b[3][i] * v[3]);
+  memcpy(acceleration, sum, sizeof sum);
 }
 
 /* True where the gap's poles meet and no stop is there: what follows is not physical. */

@@ -26,7 +26,9 @@ typedef struct vs_model {
   vs_coil coil;
   vs_stops stops;
   int dof;
-  double along[VS_MOST_DOF];                  /* c: the gap's opening per coordinate */
+  double along[VS_MOST_DOF]; /* c: the gap's opening per coordinate */
+  int alone; /* 1 + the number of the coordinate that alone opens the gap, by as much as it moves;
+                0: there is none, and c.q is to be computed */
   double constant[VS_MOST_DOF];               /* f0: forces that never change, N or N m */
   bool loaded;                                /* f0 is not 0 */
   double mass[VS_MOST_DOF][VS_MOST_DOF];      /* M */

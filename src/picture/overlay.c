@@ -12,6 +12,7 @@
 #include "base/csv.h"
 #include "base/path.h"
 #include "base/text.h"
+#include "machine/blueprint.h"
 #include "sim/step.h"
 #include "syntax/tree.h"
 #include "syntax/units.h"
@@ -49,8 +50,9 @@ static void try_probe(known *k, const char *probe, const char *unit) {
   k->has_unit = true;
 }
 
-/* The units of a deck's probes stand in summary.json, with their extremes: v_ak_min. */
-static void ask_summary(reader *r) {
+/* The units of a deck's probes stand in summary.json, with their extremes: v_ak_min. There is the
+ * name of the run's machine, too. */
+static void ask_summary(reader *r, char machine[VS_NAME_SIZE]) {
   char path[VS_PATH_SIZE];
   vs_tree tree = {0};
   vs_error unread = {0};
@@ -65,16 +67,21 @@ static void ask_summary(reader *r) {
     snprintf(probe, sizeof probe, "%.*s", (int)(n - 4), m->key);
     for (size_t k = 0; k < r->n_known; k++) try_probe(&r->known[k], probe, unit->text);
   }
+  const vs_node *own = status ? NULL : vs_tree_child(tree.root, "scene");
+  own = vs_tree_child(vs_tree_child(own, "machine"), vs_machine_key.key);
+  snprintf(machine, VS_NAME_SIZE, "%s", own && own->text ? own->text : vs_machine_key.default_text);
   vs_tree_free(&tree);
 }
 
-static void know_columns(reader *r) {
-  char *cells[MOST_COLUMNS + 1];
-  r->names = vs_copy(r->run->header);
-  size_t n = vs_csv_split(r->names, cells, MOST_COLUMNS + 1, NULL);
-  for (size_t k = 1; k < n; k++) r->known[r->n_known++].name = cells[k]; /* behind the time */
-  ask_summary(r);
-  const vs_model model = {.machine = &vs_machine_conveyor, .dof = vs_machine_conveyor.dof};
+/* Takes the names and units of the channels that runs of this machine have. */
+static void ask_machine(reader *r, const char *name) {
+  char path[VS_PATH_SIZE];
+  vs_error unread = {0};
+  vs_machine *machine = vs_alloc(1, sizeof *machine);
+  vs_machine_begin(machine);
+  if (!vs_path_find(&vs_machine_shelf, name, (vs_where){0}, path, &unread))
+    vs_blueprint_read(path, machine, &unread);
+  const vs_model model = {.machine = machine, .dof = machine->dof};
   const vs_frame frame = {.model = &model};
   int numbers[VS_CH_MOST], count = vs_channel_listed(&frame, numbers);
   for (size_t k = 0; k < r->n_known; k++)
@@ -82,6 +89,18 @@ static void know_columns(reader *r) {
       vs_channel channel = vs_channel_at(&frame, numbers[c]);
       try_probe(&r->known[k], channel.name, channel.unit);
     }
+  vs_machine_free(machine);
+  free(machine);
+}
+
+static void know_columns(reader *r) {
+  char *cells[MOST_COLUMNS + 1];
+  r->names = vs_copy(r->run->header);
+  size_t n = vs_csv_split(r->names, cells, MOST_COLUMNS + 1, NULL);
+  for (size_t k = 1; k < n; k++) r->known[r->n_known++].name = cells[k]; /* behind the time */
+  char machine[VS_NAME_SIZE];
+  ask_summary(r, machine);
+  ask_machine(r, machine);
 }
 
 /* ---- the measured file ---- */

@@ -323,13 +323,15 @@ static void first_point(const vs_plan *plan, double *point) {
   for (size_t k = 0; k < plan->n_axes; k++) point[k] = some_value(&plan->axes[k]);
 }
 
-/* Settles the scene of that point, and adds its deck's files to the inputs. */
+/* Settles the scene of that point, and adds the files of its machine and its deck to the inputs. */
 static vs_status try_point(vs_plan *plan, const double *point, vs_scene *scene, vs_error *err) {
   vs_status status = vs_plan_scene(plan, scene, err);
   if (status) return status;
   for (size_t k = 0; k < plan->n_axes; k++) vs_axis_put(&plan->axes[k], point[k], &scene->tree);
   size_t found = vs_error_count(err);
   status = vs_scene_settle(scene, NULL, err);
+  if (!status && vs_error_count(err) == found)
+    status = vs_plan_input(plan, scene->setup.machine->path, err);
   for (size_t k = 0; k < scene->setup.deck.n_files && !status && vs_error_count(err) == found; k++)
     status = vs_plan_input(plan, scene->setup.deck.files[k], err);
   return status;
@@ -423,7 +425,8 @@ static vs_status read_base(vs_plan *plan, vs_error *err) {
 /* True if the scene's keys are known. In a check they may be, though errors were found in the
  * scene. */
 static bool has_sections(const vs_scene *scene) {
-  return scene && scene->setup.deck.n_files && !scene->setup.deck.lost;
+  return scene && scene->setup.deck.n_files && !scene->setup.deck.lost &&
+         !scene->setup.machine->lost;
 }
 
 /* Error: the file has a key that no study has. */

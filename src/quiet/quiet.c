@@ -321,8 +321,11 @@ static bool can_stand_in(const vs_setup *setup, vs_memories *memories) {
 }
 
 /* The one-port's law has i = lambda z/(2a), and may_touch() wants springs, and a rest at q = 0. */
-static bool is_known(const vs_model *m) {
-  return m->plain && !m->loaded && isfinite(m->compliance_m_n);
+static const char *declines(const vs_model *m) {
+  if (!m->coil.square) return "its law is fitted to a coil with i = lambda z/(2a) alone";
+  if (m->loaded) return "the machine has forces that never change";
+  if (!isfinite(m->compliance_m_n)) return "a coordinate of the machine has no spring";
+  return NULL;
 }
 
 static void end(void *self) {
@@ -337,7 +340,7 @@ static void end(void *self) {
 static void *begin(const vs_setup *setup, const vs_frame *frame) {
   quiet *q = vs_alloc(1, sizeof *q);
   *q = (quiet){.setup = setup, .frame = frame};
-  if (!is_known(&setup->model) || !can_stand_in(setup, &q->memories)) {
+  if (declines(&setup->model) || !can_stand_in(setup, &q->memories)) {
     free(q);
     return NULL;
   }
@@ -353,7 +356,8 @@ static const vs_memories *memories(const void *self) {
   return &((const quiet *)self)->memories;
 }
 
-const vs_stand_in vs_quiet_stand_in = {.begin = begin,
+const vs_stand_in vs_quiet_stand_in = {.declines = declines,
+                                       .begin = begin,
                                        .end = end,
                                        .memories = memories,
                                        .take = take,

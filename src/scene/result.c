@@ -92,6 +92,13 @@ static void warn_after(const vs_result *r, bool of_firing,
   each(ctx, text);
 }
 
+const char *vs_result_declined(const vs_result *r) {
+  const vs_scene *s = r->scene;
+  const vs_stand_in *stand_in = s->order.stand_in;
+  if (!s->tier->has_circuit || !stand_in || s->setup.run.stays) return NULL;
+  return stand_in->declines(&s->setup.model);
+}
+
 void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *text), void *ctx) {
   char text[VS_DECK_TEXT + sizeof r->ladder.failed];
   const vs_scene *s = r->scene;

@@ -39,6 +39,10 @@ typedef struct vs_result {
 void vs_result_finish(vs_result *result);
 void vs_result_free(vs_result *result);
 
+/* Why the circuit's solver was not to be left in this run for its machine's sake; NULL: it might
+ * be, or there is no solver, or the scene has run.leave_circuit: never. */
+const char *vs_result_declined(const vs_result *result);
+
 /* Calls each(ctx, text) with every warning, one after the other: those of the scene, then those
  * that are known only once it was run. */
 void vs_result_warnings(const vs_result *result, void (*each)(void *ctx, const char *text),

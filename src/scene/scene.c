@@ -86,6 +86,13 @@ static const char *circuit_tier(void) {
 static vs_status ignored_key(const vs_scene *s, const char *section, const vs_node *node,
                              vs_error *err) {
   if (!node) return VS_OK;
+  if (s->tier->has_circuit)
+    return vs_error_carry_on(
+        err, vs_fail_at(err, node->key_where,
+                        "%s.%s: tier %s (%s) has a deck between the mains and the coil and would "
+                        "ignore %s; take tier %s, or leave the key out",
+                        section, node->key, s->tier->name, s->why, node->text,
+                        vs_tiers_automatic(false)->name));
   return vs_error_carry_on(
       err, vs_fail_at(err, node->key_where,
                       "%s.%s: tier %s (%s) has no circuit and would ignore it; take "
@@ -118,12 +125,26 @@ static vs_status check_ignored_keys(const vs_scene *s, vs_error *err) {
   return status;
 }
 
+/* A circuit needs the coil's law as text for ngspice. */
+static vs_status check_law(const vs_scene *s, vs_error *err) {
+  const vs_law *law = s->setup.model.coil.law;
+  const vs_node *node = vs_tree_child(vs_tree_child(s->tree.root, "actuator"), "law");
+  if (!s->tier->has_circuit || !law || law->netlist) return VS_OK;
+  return vs_error_carry_on(
+      err, vs_fail_at(err, node ? node->where : (vs_where){0},
+                      "actuator.law: tier %s (%s) has no netlist of the law %s; take tier %s",
+                      s->tier->name, s->why, law->name, vs_tiers_automatic(false)->name));
+}
+
 /* The deck's name alone is no conflict: it says what the tiers stand for. */
 static vs_status check_ignored(const vs_scene *s, vs_error *err) {
   const vs_node *circuit = vs_tree_child(s->tree.root, "circuit");
   const vs_events *events = &s->setup.timeline.events;
   vs_status status = VS_OK;
-  if (s->tier->has_circuit) return VS_OK;
+  if (s->tier->has_circuit) {
+    status = check_law(s, err);
+    return status ? status : check_ignored_keys(s, err);
+  }
   for (const vs_node *n = circuit ? circuit->child : NULL; n && !status; n = n->next)
     if (strcmp(n->key, vs_deck_key.key)) status = ignored_key(s, "circuit", n, err);
   if (!status) status = check_ignored_keys(s, err);
@@ -336,7 +357,8 @@ vs_status vs_scene_take_circuit(vs_scene *s, const char *asks, vs_error *err) {
   s->frame = vs_sim_frame(s->tier, &s->setup);
   warn(s);
   s->n_record = 0;
-  vs_status status = check_tolerance(s, err);
+  vs_status status = check_ignored(s, err);
+  if (!status) status = check_tolerance(s, err);
   return status ? status : read_record(s, err);
 }
 

@@ -25,10 +25,11 @@ static const row ROWS[VS_SECTIONS] = {VS_SECTION_LIST(ROW, NOTHING)};
 
 static const vs_section *fields_of(int index, const vs_machine *machine, const vs_deck *deck) {
   const row *r = &ROWS[index];
-  const vs_section *fields = r->fields                            ? r->fields
-                             : index == VS_SECTION_NUMBER_machine ? &machine->section
-                             : index == VS_SECTION_NUMBER_start   ? &machine->start
-                                                                  : &deck->section;
+  const vs_section *fields = r->fields                             ? r->fields
+                             : index == VS_SECTION_NUMBER_machine  ? &machine->section
+                             : index == VS_SECTION_NUMBER_start    ? &machine->start
+                             : index == VS_SECTION_NUMBER_actuator ? &machine->actuator
+                                                                   : &deck->section;
   assert(!fields->name || !strcmp(fields->name, r->name)); /* a deck that was not read has none */
   return fields;
 }

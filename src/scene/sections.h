@@ -12,7 +12,7 @@
  * no fields of its own; scene/scene.c and drive/events.c read such keys. */
 #define VS_SECTION_LIST(SECTION, OTHER)                                                            \
   SECTION(machine, NULL, model.parameters)                                                         \
-  SECTION(actuator, &vs_actuator_section, model.actuator)                                          \
+  SECTION(actuator, NULL, model.actuator)                                                          \
   SECTION(load, &vs_model_load_section, model.load)                                                \
   SECTION(supply, &vs_timeline_supply_section, timeline.supply)                                    \
   SECTION(firing, &vs_timeline_firing_section, timeline.firing)                                    \

@@ -4,12 +4,15 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "deck/eva.h"
 #include "deck/netlist.h"
 #include "deck/parts.h"
 #include "drive/events.h"
 #include "drive/signals.h"
+#include "machine/blueprint.h"
 #include "machine/build.h"
 #include "machine/mechanics.h"
 #include "sim/channel.h"
@@ -72,6 +75,68 @@ static const vs_field MEASURE[] = {
      "instead of from and to: over the last cycles of the mains before run.until", NULL, NULL},
 };
 const vs_section vs_setup_measure_section = {"measure", MEASURE, sizeof MEASURE / sizeof *MEASURE};
+
+/* ---- the machine ---- */
+
+/* The scene's node of the key machine.model, and the name that it gives. */
+static const vs_node *machine_node(const vs_node *scene) {
+  return vs_tree_child(vs_tree_child(scene, "machine"), vs_machine_key.key);
+}
+
+/* The machine's outputs must not have the names of channels that every machine has. */
+static vs_status refuse_standard_names(const vs_machine *m, vs_error *err) {
+  vs_status s = VS_OK;
+  for (int k = 0; k < m->dof && !s; k++) {
+    const vs_coordinate *c = &m->coordinates[k];
+    const char *const names[] = {c->name, c->rate, c->rate2};
+    for (int d = 0; d < 3 && !s; d++)
+      if (vs_channel_is_standard(names[d]))
+        s = vs_error_carry_on(err, vs_fail_at(err, c->where,
+                                              "coordinate %s: the name %s is the program's",
+                                              c->name, names[d]));
+  }
+  for (int k = 0; k < m->n_probes && !s; k++)
+    if (vs_channel_is_standard(m->probes[k].name))
+      s = vs_error_carry_on(err,
+                            vs_fail_at(err, m->probes[k].where,
+                                       "probe %s: that name is the program's", m->probes[k].name));
+  return s;
+}
+
+/* Reads the machine's file into an empty machine, of which a check has as much as can be read. */
+static vs_status read_machine(const vs_node *scene, vs_machine *machine, vs_error *err) {
+  const vs_node *named = machine_node(scene);
+  const vs_section only_model = {"machine", &vs_machine_key, 1};
+  const vs_node word = vs_tree_word(NULL, vs_machine_key.default_text, (vs_where){0});
+  char path[VS_PATH_SIZE];
+  vs_machine_values values;
+  vs_machine_begin(machine);
+  machine->lost = true;
+  vs_status s = vs_field_read(&only_model, &vs_machine_key, named ? named : &word, &values, err);
+  if (!s)
+    s = vs_path_find(&vs_machine_shelf, values.model, named ? named->where : (vs_where){0}, path,
+                     err);
+  if (!s) s = vs_blueprint_read(path, machine, err);
+  return s ? s : refuse_standard_names(machine, err);
+}
+
+/* True if the scene names the machine that the setup has. */
+static bool keeps_machine(const vs_node *scene, const vs_setup *setup) {
+  const vs_node *named = machine_node(scene);
+  const char *had = setup->model.parameters.model;
+  if (!setup->machine || setup->machine->lost || (named && named->kind != VS_NODE_TEXT))
+    return false;
+  return !strcmp(had, named ? named->text : vs_machine_key.default_text);
+}
+
+static void free_machine(vs_setup *setup) {
+  if (!setup->machine) return;
+  vs_machine_free(setup->machine);
+  free(setup->machine);
+  setup->machine = NULL;
+}
+
+/* ---- the circuit ---- */
 
 /* A probe of the deck must not have the name of a channel that every tier has, nor that of the
  * time. */
@@ -147,6 +212,7 @@ static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err
   const vs_section *section = &m->machine->start;
   const vs_node *map = vs_tree_child(scene, section->name), *key = NULL;
   const vs_actuator_values *a = &m->actuator;
+  if (m->machine->lost) return VS_OK;
   vs_status s = vs_field_section_read(section, map, &setup->start, err);
   if (s || vs_error_count(err) || !m->coil.law->poles) return s; /* of the gap, perhaps */
   double least = -(a->gap_m + (m->stops.count ? a->pole_cover_m : 0));
@@ -201,17 +267,33 @@ static vs_status read_means(const vs_node *scene, vs_setup *setup, vs_error *err
   return VS_OK;
 }
 
+/* The EVA begins without a current. */
+static void begin_eva(vs_setup *setup) {
+  const vs_model *m = &setup->model;
+  setup->deck.eva_flux_wb = vs_coil_idle_flux(&m->coil, vs_mechanics_gap(m, setup->start.x));
+}
+
 /* A run in which something happens after the circuit may have been left wants an EVA that can be
  * led back. Leaving takes a few cycles, so fewer than four between two firings are not worth it. An
  * EVA that an event has put in its place stays. */
-static void choose_eva(vs_setup *setup) {
+static vs_status choose_eva(vs_setup *setup, vs_error *err) {
   bool again = setup->timeline.firing.every >= 4 || setup->timeline.events.count;
-  setup->deck.eva_led = again && !setup->deck.eva_file;
+  setup->deck.eva_led = again && !setup->deck.eva_file && setup->model.coil.square;
+  if (vs_error_count(err)) return VS_OK; /* there may be no coil */
+  vs_eva_take_law(&setup->deck, &setup->model.coil);
+  begin_eva(setup);
+  return vs_error_carry_on(err, vs_eva_check_names(&setup->deck, &setup->model.coil, err));
 }
 
-/* Builds all of it; with has_deck the deck's text is there already. */
+/* Builds all of it; with has_deck the deck's text is there already, and so is a machine that the
+ * setup has. */
 static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_error *err) {
-  vs_status s = vs_error_carry_on(err, vs_build_model(scene, &setup->model, err));
+  vs_status s = VS_OK;
+  if (!setup->machine) {
+    setup->machine = vs_alloc(1, sizeof *setup->machine);
+    s = vs_error_carry_on(err, read_machine(scene, setup->machine, err));
+  }
+  if (!s) s = vs_error_carry_on(err, vs_build_model(scene, setup->machine, &setup->model, err));
   if (!s) s = vs_error_carry_on(err, vs_timeline_build(scene, &setup->timeline, err));
   if (!s && has_deck)
     s = read_values(vs_tree_child(scene, "circuit"), setup, err);
@@ -226,7 +308,7 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
   if (!s) s = vs_events_wire(&line->events, &setup->deck, err);
   if (!s) s = vs_error_carry_on(err, read_start(scene, setup, err));
   if (!s) s = vs_error_carry_on(err, read_means(scene, setup, err));
-  if (!s) choose_eva(setup);
+  if (!s) s = choose_eva(setup, err);
   return s;
 }
 
@@ -255,13 +337,22 @@ bool vs_setup_keeps_deck(const vs_node *scene, const vs_setup *setup) {
 
 vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err) {
   bool keeps = vs_setup_keeps_deck(scene, setup);
-  if (!keeps) vs_setup_free(setup);
-  vs_status s = keeps ? build(scene, setup, true, err) : vs_setup_build(scene, setup, err);
+  vs_actuator_end(&setup->model.coil);
+  setup->model.coil = (vs_coil){0};
+  if (!keeps_machine(scene, setup)) free_machine(setup);
+  if (!keeps) {
+    vs_deck_free(&setup->deck);
+    *setup = (vs_setup){.machine = setup->machine};
+  }
+  vs_status s = build(scene, setup, keeps, err);
   if (s) setup->deck.lost = VS_LOST_ALL; /* so that it is read anew the next time */
   return s;
 }
 
 void vs_setup_free(vs_setup *setup) {
+  vs_actuator_end(&setup->model.coil);
+  setup->model.coil = (vs_coil){0};
+  free_machine(setup);
   vs_deck_free(&setup->deck);
 }
 
@@ -271,6 +362,7 @@ vs_setup vs_setup_varied(const vs_setup *from, const vs_run_values *run,
   setup.run = *run;
   if (run->until_s != from->run.until_s) setup.means = (vs_span_s){0, run->until_s};
   if (x) memcpy(setup.start.x, x, sizeof setup.start.x);
+  begin_eva(&setup);
   return setup;
 }
 

@@ -60,6 +60,7 @@ extern const vs_section vs_setup_run_section, vs_setup_measure_section;
 /* Built once by vs_setup_build, then constant: what one run alone has, such as its files, stands
  * in its vs_run_order (sim/sim.h). */
 typedef struct vs_setup {
+  vs_machine *machine; /* owned; the model borrows it */
   vs_model model;
   vs_timeline timeline;
   vs_run_values run;
@@ -79,12 +80,13 @@ void vs_setup_free(vs_setup *setup);
 
 /* Makes the setup of another run of the same scene: with these values of the section run and,
  * unless x is NULL, from the state x. If run.until is another, means are over the whole run. It
- * borrows what the deck of `from` owns, and is not to be freed. */
+ * borrows what the machine and the deck of `from` own, and is not to be freed. */
 vs_setup vs_setup_varied(const vs_setup *from, const vs_run_values *run,
                          const double x[VS_MOST_STATES]);
 
 /* Builds another scene over a setup that was built before. The result is the same as vs_setup_build
- * would give, but the deck's text is only read where vs_setup_keeps_deck says no. */
+ * would give, but the deck's text is only read where vs_setup_keeps_deck says no, and the machine's
+ * file where the scene names another. */
 vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err);
 
 /* True if the scene names the deck and the parts that the setup has, so that vs_setup_again keeps

@@ -12,6 +12,8 @@
 
 /* `self` is what `begin` returned. */
 typedef struct vs_stand_in {
+  /* Says why no circuit of this machine can be stood in for; NULL: it may be. */
+  const char *(*declines)(const vs_model *model);
   /* Makes the stand-in of one run; setup and frame must outlive it. Returns NULL where the solver
    * of this run is never to be left. */
   void *(*begin)(const vs_setup *setup, const vs_frame *frame);

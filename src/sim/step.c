@@ -71,14 +71,25 @@ typedef struct ends {
   const double *y, *d, *e, *f;
 } ends;
 
-static inline void apply(const weights *w, ends a, ends b, int n, double *restrict y) {
+static inline __attribute__((always_inline)) void apply(const weights *w, ends a, ends b, int n,
+                                                        double *restrict y) {
   for (int i = 0; i < n; i++)
     y[i] = (w->y[0] * a.y[i] + w->y[1] * b.y[i]) + (w->d[0] * a.d[i] + w->d[1] * b.d[i]) +
            ((w->e[0] * a.e[i] + w->e[1] * b.e[i]) + (w->f[0] * a.f[i] + w->f[1] * b.f[i]));
 }
 
-static ends coordinates_of(const vs_knot *k, int dof) {
+static inline ends coordinates_of(const vs_knot *k, int dof) {
   return (ends){k->x, k->x + dof, k->a, k->j};
+}
+
+static inline __attribute__((always_inline)) void apply_to_coordinates(const weights *w,
+                                                                       const vs_knot *a,
+                                                                       const vs_knot *b, int dof,
+                                                                       double *restrict y) {
+  if (dof == VS_ROWS)
+    apply(w, coordinates_of(a, VS_ROWS), coordinates_of(b, VS_ROWS), VS_ROWS, y);
+  else
+    apply(w, coordinates_of(a, dof), coordinates_of(b, dof), dof, y);
 }
 
 static ends flux_of(const vs_knot *k) {
@@ -93,11 +104,11 @@ bool vs_step_is_quiet(const vs_step *step) {
 static void velocities(const vs_step *step, views at, double *v) {
   int dof = step->frame->model->dof;
   if (at.h[0] <= 0) {
-    memcpy(v, step->to->x + dof, (size_t)dof * sizeof *v);
+    for (int i = 0; i < dof; i++) v[i] = step->to->x[dof + i];
     return;
   }
   weights w = septic_rate(at);
-  apply(&w, coordinates_of(step->from, dof), coordinates_of(step->to, dof), dof, v);
+  apply_to_coordinates(&w, step->from, step->to, dof, v);
 }
 
 static double flux_rate(const vs_step *step, views at) {
@@ -134,7 +145,7 @@ static void put_accelerations(const vs_step *step, double *y) {
   double stop = touched ? vs_stops_force(&m->stops, touched, g, vs_mechanics_travel(m, v)) : 0;
   vs_mechanics_accelerations(m, q, v, y[VS_CH_FORCE] + stop, a);
   if (step->held) vs_mechanics_hold(m, a);
-  memcpy(y + vs_channel_rates2(m), a, (size_t)m->dof * sizeof *a);
+  for (int i = 0; i < m->dof; i++) y[vs_channel_rates2(m) + i] = a[i];
 }
 
 /* The machine's own probes. */
@@ -164,7 +175,7 @@ void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double 
   double h = b->t_s - a->t_s, s = h > 0 ? (t_s - a->t_s) / h : 1, *q = y + VS_CH_Q;
   const views at = views_of(s, h);
   weights w = septic(at);
-  apply(&w, coordinates_of(a, m->dof), coordinates_of(b, m->dof), m->dof, q);
+  apply_to_coordinates(&w, a, b, m->dof, q);
   if (groups & VS_GROUP_VELOCITIES) velocities(step, at, q + m->dof);
   y[VS_CH_TRAVEL] = vs_mechanics_travel(m, q);
   y[VS_CH_Z] = vs_coil_gap(&m->coil, y[VS_CH_TRAVEL]);

@@ -43,10 +43,11 @@ static vs_status read_real(const char *name, const vs_field *field, const vs_nod
   if (!vs_units_read(node->text, field->unit, &si, why, sizeof why))
     return vs_fail_at(err, node->where, "%s: %s", name, why);
   double shown = si / vs_units_factor(field->unit);
-  double slack =
-      1e-12 * (field->max < 0 ? -field->max : field->max); /* rounding, by the unit's conversion */
-  bool inside = field->open ? shown > field->min && shown < field->max
-                            : shown >= field->min - slack && shown <= field->max + slack;
+  const double rounding = 1e-12; /* by the unit's conversion */
+  double least = field->min - rounding * fabs(field->min),
+         most = field->max + rounding * fabs(field->max);
+  bool inside =
+      field->open ? shown > field->min && shown < field->max : shown >= least && shown <= most;
   if (inside) {
     *out = si;
     return VS_OK;

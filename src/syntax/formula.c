@@ -2,35 +2,16 @@
 #include "syntax/formula.h"
 
 #include <ctype.h>
-#include <gsl/gsl_math.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
-enum { NUMBER, TERM, NAME, ADD, SUBTRACT, MULTIPLY, DIVIDE, POWER, NEGATE, FUNCTIONS };
-
-/* x^y. Most exponents are whole numbers, as of squares and of varistors' laws; for these pow is
- * five times slower than multiplying. */
-static double power(double x, double y) {
-  return y == rint(y) && fabs(y) <= 100 ? gsl_pow_int(x, (int)y) : pow(x, y);
-}
-
-static double sign_power(double x, double y) {
-  return copysign(power(fabs(x), y), x);
-}
-static const struct function {
-  const char *name;
-  double (*of)(double);
-  double (*of_two)(double, double); /* one of the two is NULL */
-} FUNCTION[] = {{"abs", fabs, NULL},       {"sqrt", sqrt, NULL},   {"exp", exp, NULL},
-                {"ln", log, NULL},         {"log10", log10, NULL}, {"pow", NULL, power},
-                {"pwr", NULL, sign_power}, {"min", NULL, fmin},    {"max", NULL, fmax}};
-enum { N_FUNCTIONS = sizeof FUNCTION / sizeof *FUNCTION, WORD = 60, LEVELS = 50 };
+enum { WORD = 60, LEVELS = 50 };
 
 typedef struct reader {
-  const char *at, *bad;
+  const char *text, *at, *bad;
   const vs_formula_scope *scope;
   vs_formula *formula;
   int depth, level; /* how many values wait; how many brackets are open */
@@ -46,15 +27,29 @@ static bool fail(reader *r, const char *what) {
   return false;
 }
 
-/* Adds an operation that takes `pops` values and leaves one. */
-static bool emit(reader *r, vs_op op, int pops) {
-  r->depth += 1 - pops;
+/* How many values an operation takes. */
+static int taken(int kind) {
+  return kind < VS_OP_FUNCTION ? 0 : vs_function_table[kind - VS_OP_FUNCTION].of_two ? 2 : 1;
+}
+
+/* Adds an operation, which leaves one value. */
+static bool emit(reader *r, vs_op op) {
+  r->depth += 1 - taken(op.kind);
   if (r->depth > VS_FORMULA_DEPTH) return fail(r, "too long a formula");
   vs_formula *f = r->formula;
   f->ops = realloc(f->ops, (f->count + 1) * sizeof *f->ops);
   if (!f->ops) abort();
   f->ops[f->count++] = op;
   return true;
+}
+
+/* Where something stands in the whole text. */
+static int place(const reader *r, const char *at) {
+  return (int)(at - r->text);
+}
+
+static bool emit_function(reader *r, int function, const char *at) {
+  return emit(r, (vs_op){.kind = VS_OP_FUNCTION + function, .at = place(r, at)});
 }
 
 static char next(reader *r) {
@@ -77,6 +72,7 @@ static bool number(reader *r) {
   } SUFFIX[] = {{"meg", 1e6}, {"t", 1e12}, {"g", 1e9},   {"k", 1e3},  {"m", 1e-3},
                 {"u", 1e-6},  {"n", 1e-9}, {"p", 1e-12}, {"f", 1e-15}};
   char *end;
+  const char *begin = r->at;
   double value = strtod(r->at, &end);
   if (end == r->at || !isfinite(value)) return fail(r, "a number is wanted here");
   for (size_t k = 0; k < sizeof SUFFIX / sizeof *SUFFIX; k++)
@@ -88,7 +84,7 @@ static bool number(reader *r) {
   r->at = end;
   if (isalnum((unsigned char)*end))
     return fail(r, "a number ends with t g meg k m u n p f or nothing");
-  return emit(r, (vs_op){.kind = NUMBER, .value = value}, 0);
+  return emit(r, (vs_op){.kind = VS_OP_NUMBER, .value = value, .at = place(r, begin)});
 }
 
 bool vs_formula_term_read(const char **at, char quantity, char *first, char *second, size_t size) {
@@ -114,39 +110,79 @@ bool vs_formula_term_read(const char **at, char quantity, char *first, char *sec
   return true;
 }
 
-static bool call(reader *r, const char *word) {
-  for (int k = 0; k < N_FUNCTIONS; k++) {
-    if (strcmp(word, FUNCTION[k].name)) continue;
-    bool two = FUNCTION[k].of_two;
-    if (!take(r, '(') || !read_sum(r)) return fail(r, "'(' is wanted here");
-    if (two && (!take(r, ',') || !read_sum(r))) return fail(r, "',' and a second value are wanted");
-    if (!take(r, ')')) return fail(r, "')' is wanted here");
-    return emit(r, (vs_op){.kind = FUNCTIONS + k}, two ? 2 : 1);
+static bool no_such_function(reader *r) {
+  char what[200] = "no such function; there are:";
+  for (int k = VS_OPERATORS; k < VS_FUNCTIONS; k++) {
+    size_t n = strlen(what);
+    snprintf(what + n, sizeof what - n, " %s", vs_function_table[k].name);
   }
-  return fail(r, "no such function; there are: abs sqrt exp ln log10 pow pwr min max");
+  return fail(r, what);
+}
+
+static bool call(reader *r, const char *word, const char *begin) {
+  int k = vs_function_find(word);
+  if (k < 0) return no_such_function(r);
+  bool two = vs_function_table[k].of_two;
+  if (!take(r, '(') || !read_sum(r)) return fail(r, "'(' is wanted here");
+  if (two && (!take(r, ',') || !read_sum(r))) return fail(r, "',' and a second value are wanted");
+  if (!take(r, ')')) return fail(r, "')' is wanted here");
+  return emit_function(r, k, begin);
+}
+
+/* A name of a machine's formula that is no parameter. Returns false where it is one. */
+static bool special(reader *r, const char *text, const char *begin, bool *good) {
+  const vs_formula_scope *scope = r->scope;
+  vs_op op = {.kind = VS_OP_NUMBER, .index = 1, .value = M_PI, .at = place(r, begin)};
+  int term = scope->named_term ? scope->named_term(scope->ctx, text) : -1;
+  if (term >= 0) op = (vs_op){.kind = VS_OP_TERM, .index = term, .at = op.at};
+  const vs_formula *f = scope->named_formula ? scope->named_formula(scope->ctx, text) : NULL;
+  if (term < 0 && f) {
+    *good = true;
+    for (size_t k = 0; k < f->count && *good; k++) {
+      vs_op copy = f->ops[k];
+      copy.at = op.at;
+      *good = emit(r, copy);
+    }
+    return true;
+  }
+  if (term < 0 && strcmp(text, "pi")) return false;
+  *good = emit(r, op);
+  return true;
+}
+
+static bool term(reader *r, char quantity, const char *begin) {
+  char first[WORD], second[WORD];
+  if (!r->scope->term) return fail(r, "v(...) and i(...) are known in a circuit's formulas alone");
+  if (!vs_formula_term_read(&r->at, quantity, first, second, sizeof first))
+    return fail(r, "v(n), v(n,m) or i(Vx) is wanted");
+  const vs_formula_term read = {quantity, first, second};
+  int index = r->scope->term(r->scope->ctx, begin, &read);
+  if (index < 0) return fail(r, "too many terms");
+  return emit(r, (vs_op){.kind = VS_OP_TERM, .index = index, .at = place(r, begin)});
 }
 
 static bool word(reader *r) {
-  char text[WORD], first[WORD], second[WORD];
+  char text[WORD], low[WORD];
   size_t n = 0;
   const char *begin = r->at;
-  while (isalnum((unsigned char)begin[n]) || begin[n] == '_') n++;
-  if (n == 0 || n >= sizeof text) return fail(r, "a number, v(...), i(...) or a name is wanted");
-  for (size_t k = 0; k < n; k++) text[k] = (char)tolower((unsigned char)begin[k]);
-  text[n] = '\0';
-  r->at = begin + n;
-  int index;
-  if (next(r) != '(') {
-    index = r->scope->name(r->scope->ctx, begin, text);
-    return index < 0 ? fail(r, "too many names")
-                     : emit(r, (vs_op){.kind = NAME, .index = index}, 0);
+  bool of_machine = r->scope->of_machine, good;
+  while (isalnum((unsigned char)begin[n]) || begin[n] == '_' || (of_machine && begin[n] == '.'))
+    n++;
+  if (n == 0 || n >= sizeof text)
+    return fail(r, r->scope->term ? "a number, v(...), i(...) or a name is wanted"
+                                  : "a number or a name is wanted");
+  for (size_t k = 0; k < n; k++) {
+    text[k] = begin[k];
+    low[k] = (char)tolower((unsigned char)begin[k]);
   }
-  if (strcmp(text, "v") && strcmp(text, "i")) return call(r, text);
-  if (!vs_formula_term_read(&r->at, *text, first, second, sizeof first))
-    return fail(r, "v(n), v(n,m) or i(Vx) is wanted");
-  const vs_formula_term term = {*text, first, second};
-  index = r->scope->term(r->scope->ctx, begin, &term);
-  return index < 0 ? fail(r, "too many terms") : emit(r, (vs_op){.kind = TERM, .index = index}, 0);
+  text[n] = low[n] = '\0';
+  r->at = begin + n;
+  if (next(r) == '(')
+    return strcmp(low, "v") && strcmp(low, "i") ? call(r, low, begin) : term(r, *low, begin);
+  if (of_machine && special(r, text, begin, &good)) return good;
+  int index = r->scope->name(r->scope->ctx, begin, of_machine ? text : low);
+  if (index < 0) return fail(r, "too many names");
+  return emit(r, (vs_op){.kind = VS_OP_NAME, .index = index, .at = place(r, begin)});
 }
 
 static bool read_value(reader *r) {
@@ -164,36 +200,41 @@ static bool read_value(reader *r) {
 /* Reads a value or a power. -x^y is -(x^y); x^-y and x^y^z are read from the right. */
 static bool read_power(reader *r) {
   if (take(r, '-')) {
+    const char *at = r->at - 1;
     if (++r->level > LEVELS) return fail(r, "too many signs");
-    return read_power(r) && r->level-- && emit(r, (vs_op){.kind = NEGATE}, 1);
+    return read_power(r) && r->level-- && emit_function(r, VS_NEGATE, at);
   }
   if (!read_value(r)) return false;
   if (!take(r, '^')) return true;
+  const char *at = r->at - 1;
   if (++r->level > LEVELS) return fail(r, "too many powers");
-  return read_power(r) && r->level-- && emit(r, (vs_op){.kind = POWER}, 2);
+  return read_power(r) && r->level-- && emit_function(r, VS_POWER, at);
 }
 
 static bool read_product(reader *r) {
   if (!read_power(r)) return false;
   for (;;) {
-    int kind = take(r, '*') ? MULTIPLY : take(r, '/') ? DIVIDE : 0;
-    if (!kind) return true;
-    if (!read_power(r) || !emit(r, (vs_op){.kind = kind}, 2)) return false;
+    int kind = take(r, '*') ? VS_MULTIPLY : take(r, '/') ? VS_DIVIDE : -1;
+    const char *at = r->at - 1;
+    if (kind < 0) return true;
+    if (!read_power(r) || !emit_function(r, kind, at)) return false;
   }
 }
 
 static bool read_sum(reader *r) {
   if (!read_product(r)) return false;
   for (;;) {
-    int kind = take(r, '+') ? ADD : take(r, '-') ? SUBTRACT : 0;
-    if (!kind) return true;
-    if (!read_product(r) || !emit(r, (vs_op){.kind = kind}, 2)) return false;
+    int kind = take(r, '+') ? VS_ADD : take(r, '-') ? VS_SUBTRACT : -1;
+    const char *at = r->at - 1;
+    if (kind < 0) return true;
+    if (!read_product(r) || !emit_function(r, kind, at)) return false;
   }
 }
 
 const char *vs_formula_read(const char *text, const vs_formula_scope *scope, vs_formula *formula,
                             const char **bad, char *why, size_t size) {
-  reader r = {.at = text, .scope = scope, .formula = formula, .why = why, .size = size};
+  reader r = {
+      .text = text, .at = text, .scope = scope, .formula = formula, .why = why, .size = size};
   if (read_sum(&r)) return r.at;
   *bad = r.bad;
   return NULL;
@@ -206,23 +247,23 @@ void vs_formula_free(vs_formula *f) {
 
 bool vs_formula_has_terms(const vs_formula *f) {
   for (size_t k = 0; k < f->count; k++)
-    if (f->ops[k].kind == TERM) return true;
+    if (f->ops[k].kind == VS_OP_TERM) return true;
   return false;
 }
 
 bool vs_formula_uses(const vs_formula *f, int term) {
   for (size_t k = 0; k < f->count; k++)
-    if (f->ops[k].kind == TERM && f->ops[k].index == term) return true;
+    if (f->ops[k].kind == VS_OP_TERM && f->ops[k].index == term) return true;
   return false;
 }
 
 int vs_formula_name_of(const vs_op *op) {
-  return op->kind == NAME ? op->index : -1;
+  return op->kind == VS_OP_NAME ? op->index : -1;
 }
 
 void vs_formula_bind(vs_formula *f, const double *values) {
   for (size_t k = 0; k < f->count; k++)
-    if (f->ops[k].kind == NAME) f->ops[k].value = values[f->ops[k].index];
+    if (f->ops[k].kind == VS_OP_NAME) f->ops[k].value = values[f->ops[k].index];
 }
 
 bool vs_formula_is_term(const vs_formula *f, int *term, double *factor) {
@@ -230,17 +271,19 @@ bool vs_formula_is_term(const vs_formula *f, int *term, double *factor) {
   bool with[VS_FORMULA_DEPTH + 1];    /* whether the term is in the value */
   int top = -1, terms = 0;
   for (const vs_op *op = f->ops, *end = op + f->count; op < end; op++) {
-    bool of_two = op->kind == MULTIPLY || op->kind == DIVIDE;
-    if (op->kind == TERM || op->kind == NUMBER || op->kind == NAME) {
-      with[++top] = op->kind == TERM;
+    bool of_two =
+        op->kind == VS_OP_FUNCTION + VS_MULTIPLY || op->kind == VS_OP_FUNCTION + VS_DIVIDE;
+    if (op->kind == VS_OP_TERM || op->kind == VS_OP_NUMBER || op->kind == VS_OP_NAME) {
+      with[++top] = op->kind == VS_OP_TERM;
       stack[top] = with[top] ? 1 : op->value;
       if (with[top]) *term = op->index;
       terms += with[top];
-    } else if (op->kind == NEGATE) {
+    } else if (op->kind == VS_OP_FUNCTION + VS_NEGATE) {
       stack[top] = -stack[top];
-    } else if (of_two && !(op->kind == DIVIDE && with[top])) {
+    } else if (of_two && !(op->kind == VS_OP_FUNCTION + VS_DIVIDE && with[top])) {
       top--;
-      stack[top] = op->kind == DIVIDE ? stack[top] / stack[top + 1] : stack[top] * stack[top + 1];
+      stack[top] = op->kind == VS_OP_FUNCTION + VS_DIVIDE ? stack[top] / stack[top + 1]
+                                                          : stack[top] * stack[top + 1];
       with[top] = with[top] || with[top + 1];
     } else
       return false;
@@ -253,58 +296,63 @@ typedef struct pair {
   double a, b;
 } pair;
 
-void vs_formula_pair(const vs_formula *f, const double *first, const double *second,
-                     double value[2]) {
+/* The values for both sets of terms, or, `both` being a constant that is false, for the first. */
+static inline __attribute__((always_inline)) pair evaluate(const vs_formula *f, const double *first,
+                                                           const double *second, bool both) {
   pair y = {0, 0}, stack[VS_FORMULA_DEPTH + 1],
        *x = stack; /* y is the last value, *x the one before it */
   for (const vs_op *op = f->ops, *end = op + f->count; op < end; op++) switch (op->kind) {
-    case TERM:
+    case VS_OP_TERM:
       *++x = y;
       y = (pair){first[op->index], second[op->index]};
       break;
-    case NUMBER:
-    case NAME:
+    case VS_OP_NUMBER:
+    case VS_OP_NAME:
       *++x = y;
       y = (pair){op->value, op->value};
       break;
-    case ADD:
+    case VS_OP_FUNCTION + VS_ADD:
       y = (pair){x->a + y.a, x->b + y.b};
       x--;
       break;
-    case SUBTRACT:
+    case VS_OP_FUNCTION + VS_SUBTRACT:
       y = (pair){x->a - y.a, x->b - y.b};
       x--;
       break;
-    case MULTIPLY:
+    case VS_OP_FUNCTION + VS_MULTIPLY:
       y = (pair){x->a * y.a, x->b * y.b};
       x--;
       break;
-    case DIVIDE:
+    case VS_OP_FUNCTION + VS_DIVIDE:
       y = (pair){x->a / y.a, x->b / y.b};
       x--;
       break;
-    case POWER:
-      y = (pair){power(x->a, y.a), power(x->b, y.b)};
+    case VS_OP_FUNCTION + VS_POWER:
+      y = (pair){vs_function_power(x->a, y.a), both ? vs_function_power(x->b, y.b) : 0};
       x--;
       break;
-    case NEGATE:
+    case VS_OP_FUNCTION + VS_NEGATE:
       y = (pair){-y.a, -y.b};
       break;
     default: {
-      const struct function *function = &FUNCTION[op->kind - FUNCTIONS];
+      const vs_function *function = &vs_function_table[op->kind - VS_OP_FUNCTION];
       if (function->of_two) {
-        y = (pair){function->of_two(x->a, y.a), function->of_two(x->b, y.b)};
+        y = (pair){function->of_two(x->a, y.a), both ? function->of_two(x->b, y.b) : 0};
         x--;
       } else
-        y = (pair){function->of(y.a), function->of(y.b)};
+        y = (pair){function->of(y.a), both ? function->of(y.b) : 0};
     }
     }
+  return y;
+}
+
+void vs_formula_pair(const vs_formula *f, const double *first, const double *second,
+                     double value[2]) {
+  pair y = evaluate(f, first, second, true);
   value[0] = y.a;
   value[1] = y.b;
 }
 
 double vs_formula_value(const vs_formula *f, const double *terms) {
-  double value[2];
-  vs_formula_pair(f, terms, terms, value);
-  return value[0];
+  return evaluate(f, terms, terms, false).a;
 }

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A formula over voltages, currents and parameters of the circuit, as the contract's lines loss,
- * store, device and require have it.
+ * store, device and require have it, or over the quantities of a machine and its parameters.
  *
  *   numbers       2, 1e-3, 4.7u (ngspice's t g meg k m u n p f)
- *   terms         v(n), v(n,m), i(Vx)
- *   parameters    NAME or {NAME}; braces are brackets
+ *   terms         v(n), v(n,m), i(Vx); a machine's: names that its scope calls terms
+ *   parameters    NAME or {NAME}; braces are brackets; a machine's: NAME.x too, and the number pi
  *   operators     + - * / ^ (binds tightest, from the right) and brackets
- *   functions     abs sqrt exp ln log10; pow(x,y); pwr(x,y) = sign(x) |x|^y; min max
+ *   functions     abs sqrt exp ln log10 sgn sin cos tan asin acos atan sinh cosh tanh; pow(x,y);
+ *                 pwr(x,y) = sign(x) |x|^y; min max
  *
  * The program evaluates it outside ngspice, so that a loss costs no Newton iteration. */
 #ifndef VS_SYNTAX_FORMULA_H
@@ -15,14 +16,20 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "syntax/function.h"
+
 /* How many values may wait for their operator at a time; a longer formula is refused. */
 enum { VS_FORMULA_DEPTH = 32 };
 
+/* Kinds of an operation: those that give a value, then those that take one or two. */
+enum { VS_OP_NUMBER, VS_OP_TERM, VS_OP_NAME, VS_OP_FUNCTION };
+
 /* One operation of a formula. */
 typedef struct vs_op {
-  int kind;     /* which one; only formula.c knows */
-  int index;    /* of a term or a name, as the scope gave it */
+  int kind;     /* VS_OP_FUNCTION + k is vs_function_table[k] */
+  int index;    /* of a term or a name, as the scope gave it; of a number: 1 where it is pi */
   double value; /* of a number; of a name, once it is bound */
+  int at;       /* where it stands in the text, in bytes from its begin */
 } vs_op;
 
 /* A formula in postfix order. {0} is the empty formula, whose value is 0. Free it with
@@ -38,12 +45,19 @@ typedef struct vs_formula_term {
   const char *first, *second; /* second: "0" where the text has one node alone */
 } vs_formula_term;
 
-/* Gives the terms and parameters of a formula their numbers. Both functions return an index, or -1
- * where there is no room for more; `at` is where the word stands in the text. */
+/* Gives the terms and parameters of a formula their numbers. `term` and `name` return an index, or
+ * -1 where there is no room for more; `at` is where the word stands in the text. A circuit's scope
+ * has these two alone, and gets names in lower case. */
 typedef struct vs_formula_scope {
   void *ctx;
-  int (*term)(void *ctx, const char *at, const vs_formula_term *term);
+  int (*term)(void *ctx, const char *at, const vs_formula_term *term); /* NULL: no v() and i() */
   int (*name)(void *ctx, const char *at, const char *name);
+  bool of_machine; /* names keep their capitals and may have dots; pi is the number */
+  /* For a machine, asked before `name`; each may be NULL. The index of the term that a name stands
+   * for, -1: it is no term. The formula that a name stands for, whose operations take its place
+   * (its terms and names are numbered as this scope does), NULL: it is none. */
+  int (*named_term)(void *ctx, const char *name);
+  const vs_formula *(*named_formula)(void *ctx, const char *name);
 } vs_formula_scope;
 
 /* Reads a formula, up to the first thing that cannot belong to it, and returns where that is. NULL:

@@ -8,15 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KG, M, S, A, ANGLE, TEMPERATURE, CYCLES, N_DIMENSIONS };
-
 typedef struct unit {
   double factor; /* its SI value is factor * 10^tens */
-  int tens, power[N_DIMENSIONS];
+  int tens, power[VS_UNIT_POWERS];
 } unit;
 
-/* SI definitions (BIPM SI Brochure, 9th ed., tables 2, 4 and 8). The angle has a dimension of its
- * own here, so that a number of degrees cannot pass for a pure number. */
+/* Powers stand in the order of VS_UNIT_KG and so on. SI definitions (BIPM SI Brochure, 9th ed.,
+ * tables 2, 4 and 8). The angle has a dimension of its own here, so that a number of degrees cannot
+ * pass for a pure number. */
 static const struct named {
   const char *name;
   unit unit;
@@ -102,7 +101,7 @@ static bool parse_any_unit(const char *text, bool lower, unit *out) {
       if (end == s || power < -9 || power > 9) return false;
       s = end;
     }
-    for (int d = 0; d < N_DIMENSIONS; d++) out->power[d] += sign * (int)power * u.power[d];
+    for (int d = 0; d < VS_UNIT_POWERS; d++) out->power[d] += sign * (int)power * u.power[d];
     out->factor *= pow(u.factor, (double)(sign * power));
     out->tens += sign * (int)power * u.tens;
     while (*s == ' ') s++;
@@ -135,6 +134,13 @@ bool vs_units_known(const char *text) {
 bool vs_units_same_kind(const char *text, const char *other) {
   unit a, b;
   return parse_unit(text, &a) && parse_unit(other, &b) && !memcmp(a.power, b.power, sizeof a.power);
+}
+
+bool vs_units_powers(const char *text, int power[VS_UNIT_POWERS]) {
+  unit u;
+  if (!parse_unit(text, &u)) return false;
+  memcpy(power, u.power, sizeof u.power);
+  return true;
 }
 
 double vs_units_factor(const char *text) {

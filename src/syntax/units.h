@@ -19,6 +19,12 @@ bool vs_units_known(const char *unit);
 /* True if both are units and measure the same kind of quantity. */
 bool vs_units_same_kind(const char *unit, const char *other);
 
+/* The powers of a unit: of mass, length, time, current, angle, temperature and cycles. Returns
+ * false where it is no unit. */
+enum { VS_UNIT_KG, VS_UNIT_M, VS_UNIT_S, VS_UNIT_A, VS_UNIT_ANGLE, VS_UNIT_K, VS_UNIT_CYCLES };
+enum { VS_UNIT_POWERS = VS_UNIT_CYCLES + 1 };
+bool vs_units_powers(const char *unit, int power[VS_UNIT_POWERS]);
+
 /* Writes the unit as it ends a CSV column's name: "m/s2" as "m_s2", "Wb" as "wb", "" as "". */
 void vs_units_suffix(const char *unit, char *suffix, size_t size);
 

@@ -105,6 +105,14 @@ static void take_stock(vs_energy *e) {
 
 enum { STOCK_TAKING = 32 }; /* steps between two looks at the books */
 
+/* q'.B q', W. */
+static inline double lost_by(const vs_model *m, const double *v, int dof) {
+  double sum = 0;
+  for (int i = 0; i < dof; i++)
+    for (int j = 0; j < dof; j++) sum += v[i] * m->damping[i][j] * v[j];
+  return sum;
+}
+
 void vs_energy_accept(vs_energy *e, const vs_step *step) {
   /* true: no current flows, so only the machine's own terms change */
   bool alone = step->frame->source_is_coil && vs_step_is_quiet(step);
@@ -115,10 +123,9 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
   if (h == 0) e->joule[VS_E_STOP] += mechanical(m, step->from) - mechanical(m, step->to); /* jams */
   for (int g = step->cubic_flux ? 0 : 1, k = 0; k < GAUSS[g].count; k++) {
     vs_step_groups_at(step, step->from->t_s + h * GAUSS[g].at[k], parts, y);
-    double w = h * GAUSS[g].weight[k], lost = 0;
+    double w = h * GAUSS[g].weight[k], lost;
     const double *v = y + vs_channel_rates(m);
-    for (int i = 0; i < m->dof; i++)
-      for (int j = 0; j < m->dof; j++) lost += v[i] * m->damping[i][j] * v[j];
+    lost = m->dof == VS_ROWS ? lost_by(m, v, VS_ROWS) : lost_by(m, v, m->dof);
     double at = y[VS_CH_TRAVEL], g_rate = vs_mechanics_travel(m, v);
     unsigned touched = vs_stops_touched(&m->stops, at);
     e->joule[VS_E_DAMPING] += w * lost;

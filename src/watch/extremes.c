@@ -184,19 +184,22 @@ typedef struct at_knot {
   double y, rate;
 } at_knot;
 
+static at_knot of_law(const vs_frame *frame, const vs_knot *k, int channel) {
+  const vs_model *m = frame->model;
+  double z = frame->gap_at_rest ? m->coil.gap_rest_m : vs_mechanics_gap(m, k->x);
+  double z_rate = frame->gap_at_rest ? 0 : vs_mechanics_travel(m, k->x + m->dof);
+  vs_law_rates r = vs_coil_rates(&m->coil, k->flux_wb, k->flux_rate_v, z, z_rate);
+  return channel == VS_CH_I ? (at_knot){r.i_a, r.i_rate_a_s}
+                            : (at_knot){r.force_n, r.force_rate_n_s};
+}
+
 static inline at_knot knot_of(const vs_frame *frame, const vs_knot *k, int channel) {
   const vs_model *m = frame->model;
-  if (channel == VS_CH_FORCE || channel == VS_CH_I) {
-    double z = frame->gap_at_rest ? m->coil.gap_rest_m : vs_mechanics_gap(m, k->x);
-    double z_rate = frame->gap_at_rest ? 0 : vs_mechanics_travel(m, k->x + m->dof);
-    vs_law_rates r = vs_coil_rates(&m->coil, k->flux_wb, k->flux_rate_v, z, z_rate);
-    return channel == VS_CH_I ? (at_knot){r.i_a, r.i_rate_a_s}
-                              : (at_knot){r.force_n, r.force_rate_n_s};
-  }
-  if (channel == VS_CH_TRAVEL)
-    return (at_knot){vs_mechanics_travel(m, k->x), vs_mechanics_travel(m, k->x + m->dof)};
-  int rate2 = channel - vs_channel_rates2(m), i = channel - VS_CH_Q;
-  return rate2 >= 0 ? (at_knot){k->a[rate2], k->j[rate2]} : (at_knot){k->x[i], k->x[m->dof + i]};
+  int i = channel - VS_CH_Q, rate2 = channel - vs_channel_rates2(m);
+  if (rate2 >= 0) return (at_knot){k->a[rate2], k->j[rate2]};
+  if (i >= 0) return (at_knot){k->x[i], k->x[m->dof + i]};
+  if (channel != VS_CH_TRAVEL) return of_law(frame, k, channel);
+  return (at_knot){vs_mechanics_travel(m, k->x), vs_mechanics_travel(m, k->x + m->dof)};
 }
 
 /* What the search goes for: the largest of sign times the channel. */

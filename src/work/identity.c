@@ -67,18 +67,23 @@ static void add_value(const vs_field *field, const void *values, vs_text *text) 
   vs_text_add(text, "\n");
 }
 
-/* Adds files by their contents; a file may be renamed without another id. */
-static vs_status add_files(const vs_plan *plan, const vs_deck *deck, vs_text *text) {
+/* Adds a file by its contents; it may be renamed without another id. */
+static vs_status add_file(const vs_plan *plan, const char *path, vs_text *text) {
   vs_error none = {0};
   vs_status status = VS_OK;
-  for (size_t f = 0; f < deck->n_files && !status; f++) {
-    char read[VS_HASH_TEXT];
-    const char *sum = NULL;
-    for (size_t k = 0; k < plan->n_inputs && !sum; k++)
-      if (!strcmp(plan->inputs[k].path, deck->files[f])) sum = plan->inputs[k].sha256;
-    if (!sum) status = vs_hash_file(deck->files[f], read, &none);
-    if (!status) vs_text_add(text, "%s\n", sum ? sum : read);
-  }
+  char read[VS_HASH_TEXT];
+  const char *sum = NULL;
+  for (size_t k = 0; k < plan->n_inputs && !sum; k++)
+    if (!strcmp(plan->inputs[k].path, path)) sum = plan->inputs[k].sha256;
+  if (!sum) status = vs_hash_file(path, read, &none);
+  if (!status) vs_text_add(text, "%s\n", sum ? sum : read);
+  return status;
+}
+
+static vs_status add_files(const vs_plan *plan, const vs_deck *deck, vs_text *text) {
+  vs_status status = VS_OK;
+  for (size_t f = 0; f < deck->n_files && !status; f++)
+    status = add_file(plan, deck->files[f], text);
   for (size_t p = 0; p < deck->n_parts; p++)
     for (size_t f = 0; f < deck->n_files; f++)
       if (deck->files[f] == deck->parts[p].file)
@@ -87,17 +92,21 @@ static vs_status add_files(const vs_plan *plan, const vs_deck *deck, vs_text *te
 }
 
 static vs_status add_section(const vs_plan *plan, const vs_filled_section *section,
-                             const vs_deck *deck, vs_text *text) {
+                             const vs_setup *setup, vs_text *text) {
+  const vs_deck *deck = &setup->deck;
+  const vs_machine *own = setup->machine;
   static const char *const OUT[] = {"tier", "sample", "verify", NULL}; /* keys of run */
   const bool run = section->section == &vs_setup_run_section,
-             circuit = section->section == &deck->section;
+             circuit = section->section == &deck->section,
+             machine = section->section == &own->section;
   for (size_t k = 0; k < section->section->count; k++) {
     const vs_field *field = &section->section->fields[k];
     if (run && is_among(field->key, OUT)) continue;
-    if (circuit && field->kind == VS_NAME)
-      continue; /* these are the deck and its parts, which are known by their files */
+    if ((circuit || machine) && field->kind == VS_NAME)
+      continue; /* deck, parts and machine are known by their files */
     add_value(field, section->values, text);
   }
+  if (machine) return add_file(plan, own->path, text);
   return circuit ? add_files(plan, deck, text) : VS_OK;
 }
 
@@ -106,7 +115,7 @@ static vs_status update(vs_identity *identity, int index, const vs_scene *scene)
   const vs_filled_section section = vs_section_at(&scene->setup, index);
   if (k->values && !memcmp(k->values, section.values, section.size)) return VS_OK;
   identity->section.length = 0;
-  vs_status status = add_section(identity->plan, &section, &scene->setup.deck, &identity->section);
+  vs_status status = add_section(identity->plan, &section, &scene->setup, &identity->section);
   if (status) return status;
   sum_of(&identity->section, k->sum);
   if (!k->values) k->values = vs_alloc(1, section.size);

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What drives the machine on an ideal tier from a knot on, and the knot's derivatives that follow
+ * from it. */
+#ifndef VS_IDEAL_DRIVEN_H
+#define VS_IDEAL_DRIVEN_H
+
+#include "drive/wave.h"
+#include "sim/step.h"
+
+/* The state as one vector: y = (q, q', lambda), lambda in its last place whatever the number of
+ * coordinates. */
+enum { VS_FLUX = VS_MOST_STATES, VS_CONDUCTING };
+
+typedef struct vs_driven {
+  const vs_frame *frame;
+  bool conducting;  /* dlambda/dt = u - R_c i; else lambda = 0 */
+  bool held;        /* the armature is jammed: the gap stays what it is */
+  unsigned touched; /* the stops that the armature is in, as bits (actuator/stop.h) */
+  vs_wave mains;    /* u; looked at only while conducting */
+  double since_s;   /* the knot's time, counted from the origin of u */
+  /* The size that counts as large for q, m and rad, and for lambda, Wb. Errors are relative to it.
+   */
+  double coordinate[VS_MOST_DOF], flux_wb;
+} vs_driven;
+
+/* Sets the derivatives of a knot whose q, q' and lambda are there: q", q"' and the first three of
+ * lambda. since_s is the knot's time, counted from the origin of u. */
+void vs_driven_fill(const vs_driven *driven, double since_s, vs_knot *knot);
+
+#endif

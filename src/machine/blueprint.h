@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * A machine's file, a YAML map:
+ *
+ *   title:       TEXT
+ *   coordinates: {NAME: {unit: m, text: TEXT}, ...}
+ *       one to sixteen; NAME, vNAME and aNAME become columns
+ *   parameters:  {NAME: {default: 20 kg, range: 1e-6 kg .. 1e5 kg, open: true, text: TEXT}, ...}
+ *       keys of the scene's section machine
+ *   let:         {NAME: FORMULA, ...}
+ *       names for formulas; each may name those above it
+ *   mass, damping, stiffness: [[FORMULA, ...], ...]
+ *       M, B and K, a row for each coordinate; of one coordinate a FORMULA alone will do. A machine
+ *       without damping has no key damping
+ *   forces:      {COORDINATE: FORMULA, ...}
+ *       forces that never change: gravity, preload
+ *   gap:         {along: {COORDINATE: FORMULA, ...}}
+ *       z = D + d + along.q; the actuator's force acts along it
+ *   load:        {adds: PARAMETER, to: [mass, ...]}
+ *       where the scene's load goes
+ *   probes:      {NAME: {of: FORMULA, unit: m, text: TEXT}, ...}
+ *   actuator:    {current: FORMULA, energy: FORMULA, force: FORMULA, KEY: VALUE, ...}
+ *       formulas of the law in lambda and z; any other key is the default of the scene's
+ *
+ * A FORMULA is as syntax/formula.h has it, with a pair's NAME.x and NAME.y, or a number with its
+ * unit. All is in SI. */
+#ifndef VS_MACHINE_BLUEPRINT_H
+#define VS_MACHINE_BLUEPRINT_H
+
+#include "machine/machine.h"
+
+/* Reads the file into a machine that vs_machine_begin has made. Errors with their place; a check
+ * carries on from most of them, and machine->lost is true then. */
+vs_status vs_blueprint_read(const char *path, vs_machine *machine, vs_error *err);
+
+/* True if the file has a key that only machines have. */
+bool vs_blueprint_has_keys(const vs_tree *file);
+
+#endif
