@@ -506,7 +506,7 @@ static void stops_keep_books(void) {
 static void keys_of_laws(void) {
   refused("actuator: {law: reluctanse}",
           "s.yaml:1:17: actuator.law: no law 'reluctanse'; there are: reluctance, moving_coil, "
-          "FILE.csv; did you mean 'reluctance'?");
+          "formula, FILE.csv; did you mean 'reluctance'?");
   refused("actuator: {emf_constant: 1 V.s/m}",
           "s.yaml:1:12: actuator.emf_constant: law reluctance has no use for it; leave it out, or "
           "choose a law that has");

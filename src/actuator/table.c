@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * From the co-energy Wc(z, i) of the table's flux linkages (actuator/surface.h) follow, with i from
+ * From the co-energy Wc(z, i) of the table's flux linkages (tables/surface.h) follow, with i from
  * lambda = dWc/di,
  *
  *   W = lambda i - Wc     F = dW/dz at constant lambda = -dWc/dz at constant i
@@ -16,10 +16,10 @@
 #include <string.h>
 
 #include "actuator/coil.h"
-#include "actuator/grid.h"
-#include "actuator/surface.h"
 #include "actuator/values.h"
 #include "base/path.h"
+#include "tables/grid.h"
+#include "tables/surface.h"
 
 typedef struct table {
   vs_surface surface;

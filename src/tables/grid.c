@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "actuator/grid.h"
+#include "tables/grid.h"
 
 #include <math.h>
 #include <stdlib.h>

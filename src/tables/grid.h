@@ -2,8 +2,8 @@
  * Reads a table of an actuator: a CSV file whose first line names its columns in any order, z_m,
  * i_a, lambda_wb and, if wanted, force_n. Other prefixes of the units are taken (z_mm, i_ma). Its
  * gaps and currents form a grid: every gap has the same currents. */
-#ifndef VS_ACTUATOR_GRID_H
-#define VS_ACTUATOR_GRID_H
+#ifndef VS_TABLES_GRID_H
+#define VS_TABLES_GRID_H
 
 #include <stdbool.h>
 #include <stddef.h>
