@@ -357,10 +357,32 @@ static void failures_have_ids(void) {
   EXPECT_IDS("h/failures.csv", want);
 }
 
+/* A table of an actuator: 4 gaps, 4 currents; `factor` on its flux linkages. */
+static void write_table(const char *path, double factor) {
+  vs_text t = {0};
+  vs_text_add(&t, "z_mm,i_a,lambda_wb\n");
+  for (int n = 0; n < 16; n++)
+    vs_text_add(&t, "%d,%d,%.12g\n", 2 * (n / 4 + 1), n % 4, factor * (n % 4) / (n / 4 + 1));
+  write_file(path, t.text);
+  vs_text_free(&t);
+}
+
+static void tables_count_by_their_contents(void) {
+  write_table("t1.csv", 1);
+  write_table("t2.csv", 1);
+  write_table("t3.csv", 1.5);
+  const scene_id t = id_of("paper", "actuator.law=t1.csv");
+  CU_ASSERT(t.read);
+  CU_ASSERT(same(t, id_of("paper", "actuator.law=t2.csv"))); /* its name is nothing */
+  CU_ASSERT(!same(t, id_of("paper", "actuator.law=t3.csv")));
+  CU_ASSERT(!same(t, id_of("paper", "actuator.law=t1.csv\nactuator.gap=5.9 mm")));
+}
+
 static const vs_test TESTS[] = {
     {"the same scene", the_same_scene},
     {"every key counts", every_key_counts},
     {"events count", events_count},
+    {"tables count by their contents", tables_count_by_their_contents},
     {"files count by their contents", files_count_by_their_contents},
     {"studies agree", studies_agree},
     {"circuits agree", circuits_agree},

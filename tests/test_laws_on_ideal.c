@@ -534,27 +534,16 @@ static const vs_law SOLENOID = {.name = "solenoid",
                                 .energy = solenoid_energy,
                                 .along = solenoid_along};
 
-/* The published stop, c delta^2 + clip(d delta', +-c delta^2). */
-static double clipped(const vs_stop *s, double depth, double rate) {
-  double most = s->stiffness * depth * depth;
-  return fmax(-most, fmin(most, s->damping_ns_m * rate));
+/* A stop at the gap of 0.25 mm. */
+static vs_stop stop_at_pole(const vs_stop_kind *kind, double stiffness, double damping_ns_m) {
+  return (vs_stop){.kind = kind,
+                   .side = 1,
+                   .at_m = -4.75e-3,
+                   .stiffness = stiffness,
+                   .damping_ns_m = damping_ns_m,
+                   .scale_m = 4.75e-3,
+                   .deepest_m = 0.25e-3};
 }
-static double quadratic_force(const vs_stop *s, double depth, double rate) {
-  return s->stiffness * depth * depth + clipped(s, depth, rate);
-}
-static double quadratic_rate(const vs_stop *s, double depth, double rate, double rate2) {
-  double most = s->stiffness * depth * depth, slope = 2 * s->stiffness * depth * rate;
-  double drag = s->damping_ns_m * rate;
-  return slope + (drag > most ? slope : drag < -most ? -slope : s->damping_ns_m * rate2);
-}
-static double quadratic_energy(const vs_stop *s, double depth) {
-  return s->stiffness * depth * depth * depth / 3;
-}
-static double quadratic_loss(const vs_stop *s, double depth, double rate) {
-  return clipped(s, depth, rate) * rate;
-}
-static const vs_stop_kind QUADRATIC = {
-    "quadratic", "", quadratic_force, quadratic_rate, quadratic_energy, quadratic_loss};
 
 static void solenoid(vs_setup *setup, vs_machine *machine, const vs_stop *stop) {
   vs_model *m = &setup->model;
@@ -573,7 +562,7 @@ static void solenoid_pulls_in(void) {
       {0.008, 0.003746295142, 0.0350100584, 0.9936220385, 3.090742444},
       {0.012, 0.0006067959254, 0.04930137236, 0.5092345686, 8.955993363},
       {0.02, 0.0002294630206, 0.09839182456, 0.7239651584, 42.58175755}};
-  const vs_stop stop = {&QUADRATIC, 1, -4.75e-3, 1e11, 400};
+  const vs_stop stop = stop_at_pole(vs_stop_kinds[1], 1e11, 400);
   vs_setup setup = {0};
   vs_machine machine = {.dof = 0};
   solenoid(&setup, &machine, &stop);
@@ -602,7 +591,7 @@ static void solenoid_pulls_in(void) {
 }
 
 static void solenoid_on_springs(void) {
-  const vs_stop stop = {&vs_stop_linear, 1, -4.75e-3, 1e6, 200};
+  const vs_stop stop = stop_at_pole(vs_stop_kinds[0], 1e6, 200);
   vs_setup setup = {0};
   vs_machine machine = {.dof = 0};
   solenoid(&setup, &machine, &stop);

@@ -116,20 +116,24 @@ static const vs_surface *surface_of(const vs_coil *c) {
   return &((const table *)c->own)->surface;
 }
 
+/* The size of the current, A, and the co-energy there. */
+static vs_surface_point point_at(const vs_coil *c, double flux_wb, double z_m, double *size_a) {
+  *size_a = vs_surface_current(surface_of(c), fabs(flux_wb), z_m);
+  return vs_surface_at(surface_of(c), *size_a, z_m);
+}
+
 static double current(const vs_coil *c, double flux_wb, double z_m) {
   return copysign(vs_surface_current(surface_of(c), fabs(flux_wb), z_m), flux_wb);
 }
 
-static vs_surface_point point_at(const vs_coil *c, double flux_wb, double z_m) {
-  return vs_surface_at(surface_of(c), fabs(current(c, flux_wb, z_m)), z_m);
-}
-
 static double force(const vs_coil *c, double flux_wb, double z_m) {
-  return -point_at(c, flux_wb, z_m).c[0][1];
+  double size;
+  return -point_at(c, flux_wb, z_m, &size).c[0][1];
 }
 
 static double energy(const vs_coil *c, double flux_wb, double z_m) {
-  return flux_wb * current(c, flux_wb, z_m) - point_at(c, flux_wb, z_m).c[0][0];
+  double size, coenergy = point_at(c, flux_wb, z_m, &size).c[0][0];
+  return fabs(flux_wb) * size - coenergy;
 }
 
 /* i' and i" from lambda = dWc/di along the path, differentiated once and twice in time; F' and F"
@@ -137,10 +141,9 @@ static double energy(const vs_coil *c, double flux_wb, double z_m) {
 static void along(const vs_coil *c, const double flux[3], const double z[3], double i[3],
                   double f[3]) {
   double sign = flux[0] < 0 ? -1 : 1, size[3];
-  const vs_surface_point p = point_at(c, flux[0], z[0]);
+  const vs_surface_point p = point_at(c, flux[0], z[0], size);
   const double w_ii = 2 * p.c[2][0], w_iz = p.c[1][1], w_zz = 2 * p.c[0][2], w_iii = 6 * p.c[3][0],
                w_iiz = 2 * p.c[2][1], w_izz = 2 * p.c[1][2], w_zzz = 6 * p.c[0][3];
-  size[0] = fabs(current(c, flux[0], z[0]));
   size[1] = (sign * flux[1] - w_iz * z[1]) / w_ii;
   size[2] = (sign * flux[2] - w_iii * size[1] * size[1] - 2 * w_iiz * size[1] * z[1] -
              w_izz * z[1] * z[1] - w_iz * z[2]) /
@@ -166,6 +169,10 @@ static const char *beyond(const vs_coil *c, double flux_wb, double z_m, char *te
   snprintf(text, size, "the current, %.6g A, is outside the table %s, which has up to %.6g A", i,
            t->file, t->most_a);
   return text;
+}
+
+static const char *file(const vs_coil *c) {
+  return ((const table *)c->own)->file;
 }
 
 static const char *note(const vs_coil *c, char *text, size_t size) {
@@ -196,4 +203,5 @@ const vs_law vs_table_law = {.name = "FILE.csv",
                              .energy = energy,
                              .along = along,
                              .beyond = beyond,
+                             .file = file,
                              .note = note};
