@@ -60,6 +60,8 @@ typedef struct vs_law {
    * so, and tier circuit and export refuse it by name. */
   void (*netlist)(const vs_coil *coil, const char *flux, const char *gap, vs_text *lines,
                   vs_text *current, vs_text *force);
+  /* The path of the file that this coil was read from. NULL: there is none. */
+  const char *(*file)(const vs_coil *coil);
   /* What whoever runs or checks the scene should know of this coil, in `text`. NULL, or returns
    * NULL: nothing. */
   const char *(*note)(const vs_coil *coil, char *text, size_t size);

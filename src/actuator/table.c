@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * From the co-energy Wc(z, i) of the table's flux linkages (actuator/surface.h) follow, with i from
+ * From the co-energy Wc(z, i) of the table's flux linkages (tables/surface.h) follow, with i from
  * lambda = dWc/di,
  *
  *   W = lambda i - Wc     F = dW/dz at constant lambda = -dWc/dz at constant i
@@ -16,248 +16,53 @@
 #include <string.h>
 
 #include "actuator/coil.h"
-#include "actuator/surface.h"
 #include "actuator/values.h"
-#include "base/csv.h"
 #include "base/path.h"
-#include "syntax/units.h"
-
-enum { LEAST = 4, MOST = 1000 }; /* of gaps and of currents, 0 included */
+#include "tables/grid.h"
+#include "tables/surface.h"
 
 typedef struct table {
   vs_surface surface;
-  double most_a;                                   /* the largest current */
-  bool has_force;                                  /* the column is there */
-  bool added_zero;                                 /* rows of i = 0 were not */
-  double worst_n, worst_z_m, worst_i_a, largest_n; /* of the column: its largest deviation, where,
-                                                      and its largest value */
+  double most_a;                        /* the largest current */
+  bool has_force;                       /* the column is there */
+  bool added_zero;                      /* rows of i = 0 were not */
+  double worst_n, worst_z_m, worst_i_a; /* of the column: its largest deviation, and where */
+  double largest_n;                     /* its largest value */
   char file[VS_PATH_SIZE];
 } table;
 
-/* ---- the file ---- */
+/* ---- what the file has ---- */
 
-enum { Z, I, LAMBDA, FORCE, COLUMNS };
-static const struct {
-  const char *name, *unit, *example;
-} COLUMN[COLUMNS] = {
-    {"z", "m", "z_m"}, {"i", "A", "i_a"}, {"lambda", "Wb", "lambda_wb"}, {"force", "N", "force_n"}};
-
-typedef struct row {
-  double value[COLUMNS]; /* SI */
-  int line;
-} row;
-
-typedef struct rows {
-  row *item; /* owned */
-  size_t count, room;
-  int column[COLUMNS]; /* where in a line; -1: it is not there */
-  double factor[COLUMNS];
-} rows;
-
-/* Finds out which column is which. */
-static vs_status read_head(vs_csv *csv, rows *r, vs_error *err) {
-  for (int c = 0; c < COLUMNS; c++) r->column[c] = -1;
-  for (size_t k = 0; k < csv->count; k++) {
-    const char *word = csv->cell[k], *bar = strchr(word, '_');
-    size_t length = bar ? (size_t)(bar - word) : strlen(word);
-    int c = 0;
-    while (c < COLUMNS &&
-           (strlen(COLUMN[c].name) != length || strncmp(COLUMN[c].name, word, length) != 0))
-      c++;
-    double factor = c < COLUMNS && bar ? vs_units_suffix_factor(bar + 1, COLUMN[c].unit) : NAN;
-    if (isnan(factor))
-      return vs_fail_at(err, csv->where[k],
-                        "column '%s' is not known in a table of an actuator; there are: z_m, i_a, "
-                        "lambda_wb and force_n",
-                        word);
-    if (r->column[c] >= 0)
-      return vs_fail_at(err, csv->where[k], "column %s stands here a second time", word);
-    r->column[c] = (int)k;
-    r->factor[c] = factor;
+/* Finds the largest deviation of the column of forces from those of the energy. */
+static void compare_forces(const vs_grid *g, table *t) {
+  t->has_force = g->force_n != NULL;
+  for (size_t k = 0; t->has_force && k < g->n_z * g->n_i; k++) {
+    const double z_m = g->z_m[k / g->n_i], i_a = g->i_a[k % g->n_i];
+    const double given = fabs(g->force_n[k]), own = vs_surface_at(&t->surface, i_a, z_m).c[0][1];
+    const double off = fabs(given - fabs(own));
+    t->largest_n = fmax(t->largest_n, given);
+    if (off <= t->worst_n) continue;
+    t->worst_n = off;
+    t->worst_z_m = z_m;
+    t->worst_i_a = i_a;
   }
-  for (int c = 0; c < FORCE; c++)
-    if (r->column[c] < 0)
-      return vs_fail_at(err, (vs_where){csv->file, csv->line, 1},
-                        "there is no column %s; a table of an actuator has z_m, i_a, lambda_wb "
-                        "and, if wanted, force_n",
-                        COLUMN[c].example);
-  return VS_OK;
 }
 
-static vs_status read_row(const vs_csv *csv, const rows *r, row *out, vs_error *err) {
-  *out = (row){.line = csv->line};
-  for (int c = 0; c < COLUMNS; c++) {
-    char *end;
-    if (r->column[c] < 0) continue;
-    size_t k = (size_t)r->column[c];
-    if (k >= csv->count)
-      return vs_fail_at(err, (vs_where){csv->file, csv->line, 1},
-                        "the row has %zu cells, and its column %s is the %zu.", csv->count,
-                        COLUMN[c].example, k + 1);
-    double value = strtod(csv->cell[k], &end);
-    if (end == csv->cell[k] || *end || !isfinite(value))
-      return vs_fail_at(err, csv->where[k], "'%s' is not a number", csv->cell[k]);
-    out->value[c] = value * r->factor[c];
-    bool low = c == Z ? value <= 0 : c == I && value < 0;
-    if (low)
-      return vs_fail_at(err, csv->where[k],
-                        c == Z ? "%s: a gap must be above 0"
-                               : "%s: a current must not be below 0; the table is taken as "
-                                 "symmetric, lambda as odd in i",
-                        csv->cell[k]);
-  }
-  return VS_OK;
-}
-
-static vs_status read_rows(vs_csv *csv, rows *r, vs_error *err) {
-  vs_status s = vs_csv_next(csv, err);
-  if (!s && !csv->count)
-    s = vs_fail_at(err, (vs_where){csv->file, 1, 1},
-                   "the table is empty; its first line names its "
-                   "columns: z_m,i_a,lambda_wb,force_n");
-  if (!s) s = read_head(csv, r, err);
-  while (!s) {
-    s = vs_csv_next(csv, err);
-    if (s || !csv->count) break;
-    if (r->count == (size_t)MOST * MOST)
-      return vs_fail_at(err, (vs_where){csv->file, csv->line, 1}, "more than %d rows", MOST * MOST);
-    if (r->count == r->room) {
-      r->room = 2 * r->room + 64;
-      r->item = realloc(r->item, r->room * sizeof *r->item);
-      if (!r->item) vs_out_of_memory();
-    }
-    s = read_row(csv, r, &r->item[r->count], err);
-    r->count++;
-  }
-  return s;
-}
-
-/* ---- the grid ---- */
-
-static int by_gap_and_current(const void *a, const void *b) {
-  const row *x = a, *y = b;
-  for (int c = Z; c <= I; c++)
-    if (x->value[c] != y->value[c]) return x->value[c] < y->value[c] ? -1 : 1;
-  return x->line - y->line;
-}
-
-/* Gives each gap a row of i = 0, lambda = 0, where the file has none. */
-static void add_zeros(rows *r, table *t) {
-  for (size_t k = 0; k < r->count; k++)
-    if (r->item[k].value[I] == 0) return;
-  t->added_zero = true;
-  size_t old = r->count;
-  row *more = vs_alloc(2 * old, sizeof *more);
-  memcpy(more, r->item, old * sizeof *more);
-  for (size_t k = 0; k < old; k++)
-    if (!k || r->item[k].value[Z] != r->item[k - 1].value[Z])
-      more[r->count++] = (row){.value = {[Z] = r->item[k].value[Z]}, .line = r->item[k].line};
-  free(r->item);
-  r->item = more;
-  qsort(r->item, r->count, sizeof *r->item, by_gap_and_current);
-}
-
-/* Error, with the line: the rows, which are sorted, are no grid of n_i currents at each gap. */
-static vs_status check_grid(const rows *r, size_t n_i, const char *file, vs_error *err) {
-  for (size_t k = 0; k < r->count; k++) {
-    const row *at = &r->item[k], *first = &r->item[k % n_i], *left = k ? at - 1 : NULL;
-    const vs_where where = {file, at->line, 1};
-    if (left && left->value[Z] == at->value[Z] && left->value[I] == at->value[I])
-      return vs_fail_at(err, where, "z = %.9g m, i = %.9g A stands in line %d already",
-                        at->value[Z], at->value[I], left->line);
-    bool begins = !left || left->value[Z] != at->value[Z];
-    if (at->value[I] != first->value[I] || begins != (k % n_i == 0))
-      return vs_fail_at(err, where,
-                        "the table is no grid: at z = %.9g m the currents are not those at z = "
-                        "%.9g m; give every gap the same ones",
-                        begins && left ? left->value[Z] : at->value[Z], r->item[0].value[Z]);
-  }
-  if (r->count % n_i)
-    return vs_fail_at(err, (vs_where){file, r->item[r->count - 1].line, 1},
-                      "the table is no grid: at z = %.9g m currents are missing; give every gap "
-                      "the same ones",
-                      r->item[r->count - 1].value[Z]);
-  return VS_OK;
-}
-
-/* Errors: lambda does not rise with i, or is not 0 without current. */
-static vs_status check_rising(const rows *r, const char *file, vs_error *err) {
-  for (size_t k = 0; k < r->count; k++) {
-    const row *at = &r->item[k], *left = at - 1;
-    if (at->value[I] == 0 && at->value[LAMBDA] != 0)
-      return vs_fail_at(err, (vs_where){file, at->line, 1},
-                        "lambda is %.9g Wb without current; it must be 0 there, as the table is "
-                        "taken as symmetric",
-                        at->value[LAMBDA]);
-    if (at->value[I] > 0 && !(at->value[LAMBDA] > left->value[LAMBDA]))
-      return vs_fail_at(err, (vs_where){file, at->line, 1},
-                        "lambda does not rise with i at z = %.9g m: %.9g Wb at %.9g A and %.9g Wb "
-                        "at %.9g A",
-                        at->value[Z], left->value[LAMBDA], left->value[I], at->value[LAMBDA],
-                        at->value[I]);
-  }
-  return VS_OK;
-}
-
-static vs_status check_size(const char *what, size_t n, const char *file, vs_error *err) {
-  if (n >= LEAST && n <= MOST) return VS_OK;
-  return vs_fail_at(err, (vs_where){.file = file}, "the table has %zu %s; from %d to %d are taken",
-                    n, what, LEAST, MOST);
-}
-
-/* Makes the surface of sorted rows. */
-static vs_status make_surface(const rows *r, table *t, vs_error *err) {
-  size_t n_i = 0, n_z = 0;
-  while (n_i < r->count && r->item[n_i].value[Z] == r->item[0].value[Z]) n_i++;
-  for (size_t k = 0; k < r->count; k++) n_z += !k || r->item[k].value[Z] != r->item[k - 1].value[Z];
-  vs_status s = check_size("gaps", n_z, t->file, err);
-  if (!s) s = check_size("currents, with 0,", n_i, t->file, err);
-  if (!s) s = check_grid(r, n_i, t->file, err);
-  if (!s) s = check_rising(r, t->file, err);
-  if (s) return s;
-  double *z = vs_alloc(n_z + n_i + r->count, sizeof *z), *i = z + n_z, *flux = i + n_i;
-  for (size_t k = 0; k < r->count; k++) {
-    z[k / n_i] = r->item[k].value[Z];
-    i[k % n_i] = r->item[k].value[I];
-    flux[k] = r->item[k].value[LAMBDA];
-  }
-  t->surface = vs_surface_new(z, n_z, i, n_i, flux);
-  t->most_a = i[n_i - 1];
-  free(z);
+static vs_status read_table(FILE *stream, table *t, vs_error *err) {
+  vs_grid g;
   double at_z, at_i;
+  vs_status s = vs_grid_read(t->file, stream, &g, err);
+  if (s) return s;
+  t->surface = vs_surface_new(g.z_m, g.n_z, g.i_a, g.n_i, g.flux_wb);
+  t->most_a = g.i_a[g.n_i - 1];
+  t->added_zero = g.added_zero;
+  compare_forces(&g, t);
+  vs_grid_free(&g);
   if (vs_surface_rises(&t->surface, &at_z, &at_i)) return VS_OK;
   return vs_fail_at(err, (vs_where){.file = t->file},
                     "between the table's gaps, at z = %.6g m, lambda does not rise with i at %.6g "
                     "A; give more gaps there",
                     at_z, at_i);
-}
-
-/* Finds the largest deviation of the column of forces from those of the energy. */
-static void compare_forces(const rows *r, table *t) {
-  t->has_force = r->column[FORCE] >= 0;
-  for (size_t k = 0; k < r->count && t->has_force; k++) {
-    const double *v = r->item[k].value;
-    double own = -vs_surface_at(&t->surface, v[I], v[Z]).c[0][1];
-    double off = fabs(fabs(v[FORCE]) - fabs(own));
-    t->largest_n = fmax(t->largest_n, fabs(v[FORCE]));
-    if (off <= t->worst_n) continue;
-    t->worst_n = off;
-    t->worst_z_m = v[Z];
-    t->worst_i_a = v[I];
-  }
-}
-
-static vs_status read_table(FILE *stream, table *t, vs_error *err) {
-  vs_csv csv = {.file = t->file, .stream = stream, .trim = true, .comments = true};
-  rows r = {0};
-  vs_status s = read_rows(&csv, &r, err);
-  if (r.count) qsort(r.item, r.count, sizeof *r.item, by_gap_and_current);
-  if (!s) add_zeros(&r, t);
-  if (!s) s = make_surface(&r, t, err);
-  if (!s) compare_forces(&r, t);
-  free(r.item);
-  vs_csv_free(&csv);
-  return s;
 }
 
 /* ---- the law ---- */
@@ -311,20 +116,24 @@ static const vs_surface *surface_of(const vs_coil *c) {
   return &((const table *)c->own)->surface;
 }
 
+/* The size of the current, A, and the co-energy there. */
+static vs_surface_point point_at(const vs_coil *c, double flux_wb, double z_m, double *size_a) {
+  *size_a = vs_surface_current(surface_of(c), fabs(flux_wb), z_m);
+  return vs_surface_at(surface_of(c), *size_a, z_m);
+}
+
 static double current(const vs_coil *c, double flux_wb, double z_m) {
   return copysign(vs_surface_current(surface_of(c), fabs(flux_wb), z_m), flux_wb);
 }
 
-static vs_surface_point point_at(const vs_coil *c, double flux_wb, double z_m) {
-  return vs_surface_at(surface_of(c), fabs(current(c, flux_wb, z_m)), z_m);
-}
-
 static double force(const vs_coil *c, double flux_wb, double z_m) {
-  return -point_at(c, flux_wb, z_m).c[0][1];
+  double size;
+  return -point_at(c, flux_wb, z_m, &size).c[0][1];
 }
 
 static double energy(const vs_coil *c, double flux_wb, double z_m) {
-  return flux_wb * current(c, flux_wb, z_m) - point_at(c, flux_wb, z_m).c[0][0];
+  double size, coenergy = point_at(c, flux_wb, z_m, &size).c[0][0];
+  return fabs(flux_wb) * size - coenergy;
 }
 
 /* i' and i" from lambda = dWc/di along the path, differentiated once and twice in time; F' and F"
@@ -332,10 +141,9 @@ static double energy(const vs_coil *c, double flux_wb, double z_m) {
 static void along(const vs_coil *c, const double flux[3], const double z[3], double i[3],
                   double f[3]) {
   double sign = flux[0] < 0 ? -1 : 1, size[3];
-  const vs_surface_point p = point_at(c, flux[0], z[0]);
+  const vs_surface_point p = point_at(c, flux[0], z[0], size);
   const double w_ii = 2 * p.c[2][0], w_iz = p.c[1][1], w_zz = 2 * p.c[0][2], w_iii = 6 * p.c[3][0],
                w_iiz = 2 * p.c[2][1], w_izz = 2 * p.c[1][2], w_zzz = 6 * p.c[0][3];
-  size[0] = fabs(current(c, flux[0], z[0]));
   size[1] = (sign * flux[1] - w_iz * z[1]) / w_ii;
   size[2] = (sign * flux[2] - w_iii * size[1] * size[1] - 2 * w_iiz * size[1] * z[1] -
              w_izz * z[1] * z[1] - w_iz * z[2]) /
@@ -361,6 +169,10 @@ static const char *beyond(const vs_coil *c, double flux_wb, double z_m, char *te
   snprintf(text, size, "the current, %.6g A, is outside the table %s, which has up to %.6g A", i,
            t->file, t->most_a);
   return text;
+}
+
+static const char *file(const vs_coil *c) {
+  return ((const table *)c->own)->file;
 }
 
 static const char *note(const vs_coil *c, char *text, size_t size) {
@@ -391,4 +203,5 @@ const vs_law vs_table_law = {.name = "FILE.csv",
                              .energy = energy,
                              .along = along,
                              .beyond = beyond,
+                             .file = file,
                              .note = note};

@@ -166,6 +166,9 @@ vs_status vs_axis_number(vs_axis *axis, const vs_node *node, double *number, vs_
   field.offset = 0;
   vs_status status = vs_field_read(&section, &field, node, &value, err);
   if (status) return status;
+  if (field.kind == VS_REAL && isnan(value.real))
+    return vs_fail_at(err, node->where, "%s: an axis has numbers; write one instead of '%s'",
+                      axis->key, node->text);
   *number = axis->is_word            ? add_word(axis, node)
             : field.kind == VS_COUNT ? value.whole
                                      : to_12_digits(value.real / vs_units_factor(axis->unit));

@@ -333,6 +333,9 @@ static vs_status try_point(vs_plan *plan, const double *point, vs_scene *scene, 
   status = vs_scene_settle(scene, NULL, err);
   if (!status && vs_error_count(err) == found)
     status = vs_plan_input(plan, scene->setup.machine->path, err);
+  const vs_coil *coil = &scene->setup.model.coil;
+  if (!status && vs_error_count(err) == found && coil->law && coil->law->file)
+    status = vs_plan_input(plan, coil->law->file(coil), err);
   for (size_t k = 0; k < scene->setup.deck.n_files && !status && vs_error_count(err) == found; k++)
     status = vs_plan_input(plan, scene->setup.deck.files[k], err);
   return status;

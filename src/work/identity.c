@@ -99,14 +99,17 @@ static vs_status add_section(const vs_plan *plan, const vs_filled_section *secti
   const bool run = section->section == &vs_setup_run_section,
              circuit = section->section == &deck->section,
              machine = section->section == &own->section;
+  const vs_coil *coil = &setup->model.coil;
+  const char *table =
+      section->section == &own->actuator && coil->law->file ? coil->law->file(coil) : NULL;
   for (size_t k = 0; k < section->section->count; k++) {
     const vs_field *field = &section->section->fields[k];
     if (run && is_among(field->key, OUT)) continue;
-    if ((circuit || machine) && field->kind == VS_NAME)
-      continue; /* deck, parts and machine are known by their files */
+    if ((circuit || machine || table) && field->kind == VS_NAME)
+      continue; /* deck, parts, machine and table are known by their files */
     add_value(field, section->values, text);
   }
-  if (machine) return add_file(plan, own->path, text);
+  if (machine || table) return add_file(plan, table ? table : own->path, text);
   return circuit ? add_files(plan, deck, text) : VS_OK;
 }
 

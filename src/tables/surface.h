@@ -2,8 +2,8 @@
  * A coil's co-energy Wc(z, i) = int lambda di over gap and current, from flux linkages on a grid of
  * both. One smooth function gives all: lambda = dWc/di, and the force that closes the gap is
  * -dWc/dz. Units: Wb, A, m, J. */
-#ifndef VS_ACTUATOR_SURFACE_H
-#define VS_ACTUATOR_SURFACE_H
+#ifndef VS_TABLES_SURFACE_H
+#define VS_TABLES_SURFACE_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -10,7 +10,7 @@
  * a not-a-knot cubic spline in z. Of a solenoid's table with gaps from 0.25 to 5 mm by 0.25 mm a
  * spline of Wc itself leaves 5 % of the force at the smallest gap, this one 1 %, and 0.2 % from
  * 0.5 mm on. */
-#include "actuator/surface.h"
+#include "tables/surface.h"
 
 #include <gsl/gsl_linalg.h>
 #include <gsl/gsl_vector.h>
