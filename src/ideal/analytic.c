@@ -21,4 +21,5 @@ const vs_tier vs_analytic_tier = {
     .text = "Eq. 91 with L(0), F = k_i i^2: the paper's own simulation; mechanics only",
     .finest = 1e-10,
     .gap_at_rest = true,
+    .keys = vs_phases_keys,
     .run = run};

@@ -8,6 +8,9 @@
 
 #include "sim/sim.h"
 
+/* The keys that the ideal tiers alone obey. */
+extern const vs_tier_key vs_phases_keys[];
+
 /* Runs the setup from t = 0 to run.until. Of the frame gap_at_rest decides between the two tiers:
  * the coil's current is lambda z(0)/(2a) or lambda z/(2a). Errors: those of vs_sim_refuse_endless
  * and of the observer; VS_RUN where no step is short enough. */

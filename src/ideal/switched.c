@@ -17,4 +17,5 @@ const vs_tier vs_switched_tier = {
     .text = "ideal thyristor, L(z), F = lambda^2/(4a): mechanics, energy, big sweeps",
     .finest = 1e-10,
     .automatic = true,
+    .keys = vs_phases_keys,
     .run = run};

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "actuator/coil.h"
 #include "deck/devices.h"
 #include "deck/parts.h"
 #include "scene/sections.h"
@@ -125,26 +126,59 @@ static vs_status check_ignored_keys(const vs_scene *s, vs_error *err) {
   return status;
 }
 
-/* A circuit needs the coil's law as text for ngspice. */
+/* Where the scene says which law the coil has: by itself, or by its machine. */
+static vs_where where_law(const vs_scene *s) {
+  const vs_node *law = vs_tree_child(vs_tree_child(s->tree.root, "actuator"), "law");
+  const vs_node *machine = vs_tree_child(vs_tree_child(s->tree.root, "machine"), "model");
+  return law ? law->where : machine ? machine->where : (vs_where){0};
+}
+
+/* Is there no current without flux linkage, wherever the armature is? Tried at some gaps up to
+ * twice the one at rest; 1e-9 A are rounding. */
+static bool coil_is_dead(const vs_coil *coil) {
+  char text[256];
+  for (int k = 1; k <= 8; k++) {
+    double z = coil->gap_rest_m * k / 4;
+    bool known = !coil->law->beyond || !coil->law->beyond(coil, 0, z, text, sizeof text);
+    if (known && !(fabs(vs_coil_current(coil, 0, z)) <= 1e-9)) return false;
+  }
+  return true;
+}
+
+/* Refuses a tier that cannot hold the coil's law. A circuit needs it as text for ngspice; the tier
+ * with the gap at rest is made for one law; and an ideal thyristor that is off leaves the coil
+ * without a voltage. */
 static vs_status check_law(const vs_scene *s, vs_error *err) {
-  const vs_law *law = s->setup.model.coil.law;
-  const vs_node *node = vs_tree_child(vs_tree_child(s->tree.root, "actuator"), "law");
-  if (!s->tier->has_circuit || !law || law->netlist) return VS_OK;
-  return vs_error_carry_on(
-      err, vs_fail_at(err, node ? node->where : (vs_where){0},
-                      "actuator.law: tier %s (%s) has no netlist of the law %s; take tier %s",
-                      s->tier->name, s->why, law->name, vs_tiers_automatic(false)->name));
+  const vs_coil *coil = &s->setup.model.coil;
+  const vs_tier *tier = s->tier;
+  const char *ideal = vs_tiers_automatic(false)->name;
+  bool valve = !s->setup.timeline.firing.no_valve;
+  if (!coil->law || coil->square) return VS_OK;
+  if (tier->has_circuit && !coil->law->netlist)
+    vs_fail_at(err, where_law(s),
+               "actuator.law: tier %s (%s) has no netlist of the law %s; take tier %s", tier->name,
+               s->why, coil->law->name, ideal);
+  else if (tier->gap_at_rest)
+    vs_fail_at(err, where_law(s),
+               "actuator.law: tier %s (%s) knows i = lambda z/(2a) alone, and the coil has the law "
+               "%s; take tier %s",
+               tier->name, s->why, coil->law->text, ideal);
+  else if (!tier->has_circuit && valve && !coil_is_dead(coil))
+    vs_fail_at(err, where_law(s),
+               "actuator.law: a coil with the law %s has a voltage while the thyristor of tier %s "
+               "(%s) is off; write firing.valve: none, or take tier %s",
+               coil->law->name, tier->name, s->why, circuit_tier());
+  else
+    return VS_OK;
+  return vs_error_carry_on(err, VS_INPUT);
 }
 
 /* The deck's name alone is no conflict: it says what the tiers stand for. */
 static vs_status check_ignored(const vs_scene *s, vs_error *err) {
   const vs_node *circuit = vs_tree_child(s->tree.root, "circuit");
   const vs_events *events = &s->setup.timeline.events;
-  vs_status status = VS_OK;
-  if (s->tier->has_circuit) {
-    status = check_law(s, err);
-    return status ? status : check_ignored_keys(s, err);
-  }
+  vs_status status = check_law(s, err);
+  if (status || s->tier->has_circuit) return status ? status : check_ignored_keys(s, err);
   for (const vs_node *n = circuit ? circuit->child : NULL; n && !status; n = n->next)
     if (strcmp(n->key, vs_deck_key.key)) status = ignored_key(s, "circuit", n, err);
   if (!status) status = check_ignored_keys(s, err);
@@ -161,6 +195,7 @@ static bool tier_is_known(const vs_scene *s) {
 }
 
 static vs_status choose_tier(vs_scene *s, const char *named, vs_error *err) {
+  const vs_tier_key *ideal = own_key(s, vs_tiers_automatic(false));
   char what[200];
   int choice = s->setup.run.tier;
   if (named && !strcmp(named, "auto"))
@@ -176,6 +211,10 @@ static vs_status choose_tier(vs_scene *s, const char *named, vs_error *err) {
     snprintf(s->why, sizeof s->why, "asked for by run.tier");
   } else if (!tier_is_known(s)) {
     s->tier = vs_tiers_automatic(true); /* it has all probes */
+  } else if (ideal) {
+    s->tier = vs_tiers_automatic(false);
+    snprintf(s->why, sizeof s->why, "auto: the scene names %s.%s: %s, which no circuit has",
+             ideal->section, ideal->key, ideal->value ? ideal->value : "");
   } else if (needs_circuit(s, what, sizeof what)) {
     s->tier = vs_tiers_automatic(true);
     snprintf(s->why, sizeof s->why, "auto: the scene names %s", what);
@@ -234,19 +273,22 @@ static vs_status read_record(vs_scene *s, vs_error *err) {
 /* measured: {NAME: VALUE UNIT, ...} */
 static vs_status read_measured(vs_scene *s, vs_error *err) {
   const vs_node *map = vs_tree_child(s->tree.root, "measured");
-  const char *names[VS_MEASURES];
+  vs_measure all[VS_MOST_MEASURES];
+  const char *names[VS_MOST_MEASURES];
+  size_t count = 0;
   if (map && map->kind == VS_NODE_TEXT && !*map->text) map = NULL;
   if (map && map->kind != VS_NODE_MAP)
     return vs_fail_at(err, map->where, "measured: a map is wanted: {i_peak: 0.95 A, ...}");
-  for (size_t k = 0; k < VS_MEASURES; k++) names[k] = vs_measures_standard[k].name;
-  vs_status status = vs_field_known_keys(map, "measured", names, VS_MEASURES, err);
-  for (size_t k = 0; k < VS_MEASURES && !status; k++) {
+  for (; vs_measure_at(&s->setup.model, (int)count, &all[count]); count++)
+    names[count] = all[count].name;
+  vs_status status = vs_field_known_keys(map, "measured", names, count, err);
+  for (size_t k = 0; k < count && !status; k++) {
     const vs_node *node = vs_tree_child(map, names[k]);
     char why[256];
     if (!node) continue;
     s->measured[k].known = true;
-    if (node->kind != VS_NODE_TEXT || !vs_units_read(node->text, vs_measures_standard[k].unit,
-                                                     &s->measured[k].value, why, sizeof why))
+    if (node->kind != VS_NODE_TEXT ||
+        !vs_units_read(node->text, all[k].unit, &s->measured[k].value, why, sizeof why))
       status = vs_error_carry_on(
           err, vs_fail_at(err, node->where, "measured.%s: %s", names[k],
                           node->kind == VS_NODE_TEXT ? why : "one value is wanted"));
