@@ -10,6 +10,12 @@
 #include "machine/mechanics.h"
 #include "program.h"
 
+/* A scene that says nothing, and so has no measured values of one machine alone. */
+static const char *plain_scene(void) {
+  write_file("s.yaml", "");
+  return "s.yaml";
+}
+
 /* ---- the conveyor, Eqs. 54-57 and 88, as the paper has them ---- */
 
 typedef struct paper {
@@ -30,7 +36,7 @@ static double value_of(const vs_model *m, const char *name) {
   return NAN;
 }
 
-static paper paper_of(const vs_model *m) {
+static paper paper_of(const vs_model *m, double m14) {
 #define V_(name) value_of(m, name)
   return (paper){V_("trough_mass"),
                  V_("base_mass"),
@@ -44,7 +50,7 @@ static paper paper_of(const vs_model *m) {
                  {V_("spring_damping"), V_("spring_stiffness")},
                  {V_("mount_damping_x"), V_("mount_stiffness_x")},
                  {V_("mount_damping_y"), V_("mount_stiffness_y")},
-                 V_("m14")};
+                 m14};
 #undef V_
 }
 
@@ -136,11 +142,11 @@ static void conveyor_has_its_bits(void) {
     char sets[24][96];
     const char *list[25];
     vary(&seed, k ? 0.2 : 0, sets, list);
-    vs_trial *t = vs_trial_read("paper", "switched", list);
+    vs_trial *t = vs_trial_read(plain_scene(), "switched", list);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
     vs_model *m = &t->scene.setup.model;
     double wanted[4][4];
-    const paper v = paper_of(m);
+    const paper v = paper_of(m, value_of(m, "m14"));
     mass_matrix(&v, m->load.fraction * m->load.density_kg_m3 * m->load.volume_m3, wanted);
     expect_bits(m->mass, wanted, "M", __LINE__);
     mounts_matrix(&v, 0, wanted);
@@ -151,6 +157,81 @@ static void conveyor_has_its_bits(void) {
   }
 }
 
+/* ---- bodies and springs ---- */
+
+/* Each entry relative to those on the diagonal, sqrt(a_ii a_jj). */
+static void expect_near(double got[VS_MOST_DOF][VS_MOST_DOF], double wanted[4][4], int line) {
+  for (int i = 0; i < 4; i++)
+    for (int j = 0; j < 4; j++)
+      vs_close(got[i][j], wanted[i][j], sqrt(wanted[i][i] * wanted[j][j]), 1e-13, "entry", line);
+}
+
+/* The conveyor as bodies and springs: the M, B and K that the program finds are Eqs. 54-57 with the
+ * derived m14, up to the rounding of some ten operations each. */
+static void bodies_make_the_equations(void) {
+  unsigned seed = 2;
+  for (int k = 0; k < 20; k++) {
+    char sets[24][96];
+    const char *list[26];
+    int n = vary(&seed, k ? 0.2 : 0, sets, list);
+    list[n - 1] = "machine.model=conveyor_bodies"; /* it has no m14 */
+    vs_trial *t = vs_trial_read(plain_scene(), "switched", list);
+    EXPECT(!t->status, "%s", t->err.text);
+    vs_model *m = &t->scene.setup.model;
+    double wanted[4][4];
+    const paper v = paper_of(m, 1);
+    mass_matrix(&v, m->load.fraction * m->load.density_kg_m3 * m->load.volume_m3, wanted);
+    expect_near(m->mass, wanted, __LINE__);
+    mounts_matrix(&v, 0, wanted);
+    expect_near(m->damping, wanted, __LINE__);
+    mounts_matrix(&v, 1, wanted);
+    expect_near(m->stiffness, wanted, __LINE__);
+    vs_trial_free(t);
+  }
+}
+
+/* A bar of 2 kg on two springs of its own length's ends, one of them slanted by 45 degrees against
+ * a second body, against the closed form: with l = 0.5 m to either side,
+ *   left spring k: y - l phi;  right spring c: (y + l phi + x - s)/sqrt 2 */
+static const char BAR[] =
+    "coordinates: {x: {unit: m}, y: {unit: m}, phi: {unit: rad}, s: {unit: m}}\n"
+    "parameters: {k: {default: 1000 N/m}, l: {default: 0.5 m}}\n"
+    "bodies:\n"
+    "  bar: {mass: 2 kg, inertia: 0.1 kg.m2, at: [l, 0], moves: {x: x, y: y, "
+    "turn: phi}}\n"
+    "  car: {mass: 3 kg, at: [3*l, l], moves: {x: s}}\n"
+    "springs:\n"
+    "  left: {to: {bar: [0, 0]}, along: [0, 2], stiffness: k, damping: 3 "
+    "N.s/m}\n"
+    "  right: {from: {car: [3*l, l]}, to: {bar: [2*l, 0]}, stiffness: 2*k}\n"
+    "  side: {to: {bar: [l, 0]}, stiffness: [k, 0], damping: [0, 7 N.s/m]}\n"
+    "  rail: {from: {ground: [0, l]}, to: {car: [3*l, l]}, stiffness: k}\n"
+    "gap: {along: {y: 1}}\n";
+
+static void springs_pull_along_their_line(void) {
+  write_file("m.yaml", BAR);
+  const char *const sets[] = {"machine.model=m.yaml", NULL};
+  vs_trial *t = vs_trial_read(plain_scene(), "switched", sets);
+  EXPECT(!t->status, "%s", t->err.text);
+  const vs_model *m = &t->scene.setup.model;
+  const double k = 1000, l = 0.5;
+  /* by x, y, phi, s: */
+  const double left[4] = {0, 1, -l, 0}, right[4] = {1, 1, l, -1}, x[4] = {1},
+               rail[4] = {0, 0, 0, 1};
+  const double mass[4] = {2, 2, 0.1, 3};
+  for (int i = 0; i < 4; i++)
+    for (int j = 0; j < 4; j++) {
+      double stiffness = k * left[i] * left[j] + 2 * k * right[i] * right[j] / 2 + k * x[i] * x[j] +
+                         k * rail[i] * rail[j];
+      double damping = 3 * left[i] * left[j] + (i == 1 && j == 1 ? 7 : 0);
+      CLOSE_OF(m->stiffness[i][j], stiffness, k, 1e-14);
+      CLOSE_OF(m->damping[i][j], damping, 7, 1e-14);
+      CU_ASSERT_EQUAL(m->mass[i][j], i == j ? mass[i] : 0);
+    }
+  vs_trial_free(t);
+  remove("m.yaml");
+}
+
 /* ---- other machines ---- */
 
 static void expect_modes(const char *machine, const double *frequency_hz, const double *tau_s,
@@ -159,7 +240,7 @@ static void expect_modes(const char *machine, const double *frequency_hz, const 
   snprintf(set, sizeof set, "machine.model=%s", machine);
   const char *const sets[] = {set, NULL};
   vs_mode modes[VS_MOST_STATES];
-  vs_trial *t = vs_trial_read("paper", "switched", sets);
+  vs_trial *t = vs_trial_read(plain_scene(), "switched", sets);
   EXPECT(!t->status, "%s", t->err.text);
   CU_ASSERT_EQUAL_FATAL(t->scene.setup.model.dof, n);
   CU_ASSERT_TRUE_FATAL(vs_mechanics_modes(&t->scene.setup.model, modes));
@@ -184,10 +265,10 @@ static void shipped_machines_are_good(void) {
   char *rest = r.out;
   int n = 0;
   for (char *row; (row = strsep(&rest, "\n"));) {
-    char name[64];
-    if (*row == ' ' || sscanf(row, "%63s", name) != 1) continue;
-    ran c = run("check %s", name);
-    EXPECT(c.status == 0 && strstr(c.out, "a good machine"), "%s: %s", name, c.err);
+    char path[VS_PATH_SIZE]; /* a scene may have the machine's name */
+    if (*row == ' ' || sscanf(row, "%*s %4095s", path) != 1) continue;
+    ran c = run("check %s", path);
+    EXPECT(c.status == 0 && strstr(c.out, "a good machine"), "%s: %s", path, c.err);
     free_ran(&c);
     n++;
   }
@@ -218,12 +299,13 @@ static const char GOOD[] = "title: a machine\n"
                            "actuator: {gap: 2 mm, pole_cover: 0 mm}\n";
 
 /* What check says of the text with `from` replaced; NULL: it must be good. */
-static void expect_finding(const char *from, const char *to, const char *says, int line) {
-  const char *at = strstr(GOOD, from);
+static void expect_finding(const char *good, const char *from, const char *to, const char *says) {
+  const int line = __LINE__;
+  const char *at = strstr(good, from);
   vs_text text = {0};
   expect(at != NULL, line, "no '%s'", from);
   if (!at) return;
-  vs_text_add(&text, "%.*s%s%s", (int)(at - GOOD), GOOD, to, at + strlen(from));
+  vs_text_add(&text, "%.*s%s%s", (int)(at - good), good, to, at + strlen(from));
   write_file("m.yaml", text.text);
   ran r = run("check m.yaml");
   expect(r.status == (says ? 2 : 0), line, "'%s': exit status %d, %s", to, r.status, r.err);
@@ -334,13 +416,42 @@ static void every_mistake_has_its_place(void) {
       {"title: a machine", "title: [a]", "m.yaml:1:9: title: one line of text is wanted"},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++)
-    expect_finding(ROWS[k].from, ROWS[k].to, ROWS[k].says, __LINE__);
+    expect_finding(GOOD, ROWS[k].from, ROWS[k].to, ROWS[k].says);
+}
+
+static void mistakes_of_bodies_have_their_places(void) {
+  static const struct {
+    const char *from, *to, *says;
+  } ROWS[] = {
+      {"x: x, y: y", "x: x, y: y", NULL},
+      {"{x: s}", "{x: s*s/l}", "m.yaml:5:46: 's*s/l' is not linear in the coordinates"},
+      {"{x: s}", "{x: s + l}", "m.yaml:5:46: 's + l' is not linear in the coordinates"},
+      {"{x: s}", "{x: r}", "m.yaml:5:46: bodies.car.moves.x: no parameter or let 'r'"},
+      {"{x: s}", "{x: phi}",
+       "m.yaml:5:46: bodies.car.moves.x: the formula is in a pure number; wanted: m"},
+      {"{x: s}", "{z: s}", "m.yaml:5:43: moves has no key 'z'"},
+      {"{x: s}", "{x: 0*s}", "m.yaml:1:61: mass: coordinate s has no mass; each needs one"},
+      {"mass: 3 kg, ", "", "m.yaml:5:3: bodies.car: mass is wanted"},
+      {"mass: 3 kg", "mass: 3 N", "m.yaml:5:15: bodies.car.mass: the formula is in N; wanted: kg"},
+      {"{car: [3*l, l]}, to", "{cat: [3*l, l]}, to",
+       "m.yaml:8:18: no body 'cat' stands above; did you mean 'car'?"},
+      {"{car: [3*l, l]}, to", "{car: [3*l]}, to",
+       "m.yaml:8:24: springs.right.from: two values are wanted"},
+      {"{car: [3*l, l]}, to", "{car: [2*l, 0]}, to",
+       "m.yaml:8:3: spring right: its points are one"},
+      {"from: {car: [3*l, l]}, to", "to",
+       "m.yaml:8:3: springs.right: a direction, by `from` or `along`"},
+      {"gap:", "mass: 1\ngap:", "m.yaml:11:1: mass: bodies and springs give it already"},
+      {"  rail: ", "#", "m.yaml:1:61: stiffness is not positive definite"},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++)
+    expect_finding(BAR, ROWS[k].from, ROWS[k].to, ROWS[k].says);
 }
 
 /* ---- a scene and its machine ---- */
 
 static void expect_says(const char *sets, const char *says, int line) {
-  ran r = run("check paper %s", sets);
+  ran r = run("check %s %s", plain_scene(), sets);
   expect(r.status == 2 && strstr(r.err, says), line, "%s: status %d, %s", sets, r.status, r.err);
   free_ran(&r);
 }
@@ -376,7 +487,7 @@ static void machines_have_their_own_keys(void) {
                               "machine.how=other",
                               "run.until=1 ms",
                               NULL};
-  vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
+  vs_trial *t = vs_trial_run(plain_scene(), "switched", sets, NULL);
   EXPECT(!t->status, "%s", t->err.text);
   const vs_model *m = &t->scene.setup.model;
   CLOSE(m->mass[0][0], 7.5, 1e-15); /* 0.5 kg is the load */
@@ -394,12 +505,12 @@ static void machines_have_their_own_keys(void) {
 /* A setup that is built over another one is as if it were built anew, whatever the machines are. */
 static void machines_may_follow_each_other(void) {
   static const char *const ORDER[] = {"conveyor", "two_mass", "two_mass", "fixed_base", "conveyor"};
-  vs_trial *t = vs_trial_read("paper", "switched", NULL);
+  vs_trial *t = vs_trial_read(plain_scene(), "switched", NULL);
   for (size_t k = 0; k < COUNT(ORDER); k++) {
     char set[64];
     snprintf(set, sizeof set, "machine.model=%s", ORDER[k]);
     const char *const sets[] = {set, "machine.trough_mass=0.9 kg", NULL};
-    vs_trial *fresh = vs_trial_read("paper", "switched", sets);
+    vs_trial *fresh = vs_trial_read(plain_scene(), "switched", sets);
     CU_ASSERT_EQUAL_FATAL(fresh->status, VS_OK);
     for (int n = 0; sets[n]; n++)
       CU_ASSERT_EQUAL(vs_tree_set(&t->scene.tree, sets[n], &t->err), VS_OK);
@@ -426,7 +537,9 @@ static char *study_of(const char *text) {
 }
 
 static void studies_vary_machines(void) {
-  write_file("st.yaml", "set: {run.until: 1 ms, machine.model: m.yaml}\n"
+  plain_scene();
+  write_file("st.yaml", "scene: s.yaml\n"
+                        "set: {run.until: 1 ms, machine.model: m.yaml}\n"
                         "vary: {machine.k: [400 kN/m, 420 kN/m], machine.how: [one, other]}\n"
                         "report: [i_peak]\n");
   vs_text other = {0};
@@ -449,7 +562,10 @@ static const vs_test TESTS[] = {
     {"bits of the conveyor", conveyor_has_its_bits},
     {"modes of others", machines_have_their_modes},
     {"shipped machines", shipped_machines_are_good},
+    {"bodies", bodies_make_the_equations},
+    {"springs", springs_pull_along_their_line},
     {"mistakes", every_mistake_has_its_place},
+    {"mistakes of bodies", mistakes_of_bodies_have_their_places},
     {"scenes", scenes_name_machines},
     {"own keys", machines_have_their_own_keys},
     {"one after the other", machines_may_follow_each_other},

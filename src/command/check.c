@@ -96,6 +96,7 @@ static const double MOST_CYCLES = 1e5;
  * there a capacitor or the coil can drive a thyristor while the mains do not. */
 static void warn_of_firing(report *r, const vs_scene *s) {
   double until_s = s->setup.run.until_s;
+  if (s->setup.timeline.firing.no_valve) return;
   double seen_s = fmin(until_s, MOST_CYCLES * s->setup.timeline.period_s);
   double first_s = vs_warnings_first_chance(&s->setup, &s->frame, seen_s);
   if (!isinf(first_s) || seen_s < until_s) return;

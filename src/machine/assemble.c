@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "machine/expression.h"
+#include "machine/plane.h"
 
 typedef double matrix[VS_MOST_DOF][VS_MOST_DOF];
 
@@ -38,6 +39,7 @@ static vs_status fill_values(vs_machine *m, const vs_machine_values *v, double l
 
 static vs_status fill_matrix(vs_machine *m, int sum, const double values[VS_MACHINE_NAMES],
                              matrix out, vs_error *err) {
+  if (m->n_bodies) return vs_plane_matrix(m, sum, values, out, err);
   char of[2 * VS_MACHINE_NAME + 8];
   for (int i = 0; i < m->dof; i++)
     for (int j = 0; j < m->dof; j++) {
@@ -62,6 +64,12 @@ static vs_status fill_vector(vs_machine *m, bool along, const double values[VS_M
 
 /* ---- checks ---- */
 
+/* Where an entry of a matrix stands, or the coordinate of its row, where bodies make it. */
+static vs_where place_of(const vs_machine *m, int sum, int row, int column) {
+  const vs_expression *e = &m->sums[sum][row][column];
+  return e->text ? e->where : m->coordinates[row].where;
+}
+
 /* Two formulas of the same value may be rounded differently; what differs by more is a slip. */
 static const double ROUNDING = 1e-9;
 
@@ -69,7 +77,7 @@ static vs_status check_symmetric(const vs_machine *m, int sum, matrix a, vs_erro
   for (int i = 0; i < m->dof; i++)
     for (int j = 0; j < i; j++)
       if (fabs(a[i][j] - a[j][i]) > ROUNDING * fmax(fabs(a[i][j]), fabs(a[j][i])))
-        return vs_fail_at(err, m->sums[sum][i][j].where,
+        return vs_fail_at(err, place_of(m, sum, i, j),
                           "%s is not symmetric: %s, %s is %.9g, and %s, %s is %.9g",
                           vs_machine_sum_words[sum], m->coordinates[i].name, m->coordinates[j].name,
                           a[i][j], m->coordinates[j].name, m->coordinates[i].name, a[j][i]);
@@ -110,11 +118,11 @@ static vs_status check_mass(const vs_machine *m, vs_model *model, vs_error *err)
   if (s) return s;
   for (int i = 0; i < m->dof; i++)
     if (is_free(m->dof, model->mass, i))
-      return vs_fail_at(err, m->sums[VS_MACHINE_MASS][i][i].where,
+      return vs_fail_at(err, place_of(m, VS_MACHINE_MASS, i, i),
                         "mass: coordinate %s has no mass; each needs one", m->coordinates[i].name);
   int i = culprit_of(m->dof, model->mass, NONE);
   return i < 0 ? VS_OK
-               : vs_fail_at(err, m->sums[VS_MACHINE_MASS][i][i].where,
+               : vs_fail_at(err, place_of(m, VS_MACHINE_MASS, i, i),
                             "mass is not positive definite: the row of %s has %.9g in its diagonal "
                             "(look at masses, inertias and centres of mass)",
                             m->coordinates[i].name, model->mass[i][i]);
@@ -127,7 +135,7 @@ static vs_status check_stiffness(const vs_machine *m, vs_model *model, vs_error 
   for (int i = 0; i < m->dof; i++) without[i] = is_free(m->dof, model->stiffness, i);
   int i = culprit_of(m->dof, model->stiffness, without);
   return i < 0 ? VS_OK
-               : vs_fail_at(err, m->sums[VS_MACHINE_STIFFNESS][i][i].where,
+               : vs_fail_at(err, place_of(m, VS_MACHINE_STIFFNESS, i, i),
                             "stiffness is not positive definite, so that the machine has no stable "
                             "place to rest: the row of %s has %.9g in its diagonal (look at the "
                             "springs and where they stand)",

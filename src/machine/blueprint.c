@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "actuator/actuator.h"
+#include "machine/bodies.h"
 #include "machine/declare.h"
 #include "machine/expression.h"
 #include "syntax/units.h"
@@ -109,6 +110,10 @@ static vs_status read_row(vs_machine *m, int sum, int row, const vs_node *list, 
 static vs_status read_matrix(vs_machine *m, int sum, vs_error *err) {
   const char *word = vs_machine_sum_words[sum];
   const vs_node *node = vs_tree_child(m->tree.root, word);
+  if (node && m->n_bodies)
+    return vs_fail_at(err, node->key_where,
+                      "%s: bodies and springs give it already; leave it out, or those", word);
+  if (m->n_bodies) return VS_OK;
   if (!node && sum == VS_MACHINE_DAMPING) return VS_OK;
   if (!node)
     return vs_fail_at(err, (vs_where){.file = m->tree.name},
@@ -321,14 +326,14 @@ static vs_status read_actuator(vs_machine *m, vs_error *err) {
 
 /* ---- the file ---- */
 
-static const char *const KEYS[] = {"title", "coordinates", "parameters", "let",
-                                   "mass",  "damping",     "stiffness",  "forces",
-                                   "gap",   "load",        "probes",     "actuator"};
+static const char *const KEYS[] = {"title",   "coordinates", "parameters", "let",     "mass",
+                                   "damping", "stiffness",   "bodies",     "springs", "forces",
+                                   "gap",     "load",        "probes",     "actuator"};
 enum { N_KEYS = sizeof KEYS / sizeof *KEYS };
 
 bool vs_blueprint_has_keys(const vs_tree *file) {
-  static const char *const OWN[] = {"coordinates", "parameters", "let", "mass",
-                                    "damping",     "stiffness",  "gap", "probes"};
+  static const char *const OWN[] = {"coordinates", "parameters", "let",    "mass",   "damping",
+                                    "stiffness",   "gap",        "probes", "bodies", "springs"};
   for (size_t k = 0; k < sizeof OWN / sizeof *OWN; k++)
     if (vs_tree_child(file->root, OWN[k])) return true;
   return false;
@@ -345,6 +350,8 @@ static vs_status read_all(vs_machine *m, vs_error *err) {
   if (!s) s = vs_declare_parameters(m, vs_tree_child(root, "parameters"), err);
   if (!s && vs_error_count(err) == found) s = read_lets(m, err);
   if (s || !m->dof || vs_error_count(err) > found) return s; /* a name may be one that was lost */
+  s = vs_bodies_read(m, err);
+  if (s || vs_error_count(err) > found) return s;
   for (int sum = 0; sum < VS_MACHINE_FORCES && !s; sum++)
     s = vs_error_carry_on(err, read_matrix(m, sum, err));
   if (!s) s = vs_error_carry_on(err, read_forces(m, err));

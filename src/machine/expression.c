@@ -33,6 +33,11 @@ static void know_terms(reader *r) {
                                [VS_MACHINE_TERM_FORCE] = {"force", "N"}};
   const vs_machine *m = r->machine;
   if (r->use->kind == VS_EXPRESSION_CONSTANT) return;
+  if (r->use->kind == VS_EXPRESSION_MOTION) {
+    for (int k = 0; k < m->dof; k++)
+      r->terms[k] = (word){m->coordinates[k].name, m->coordinates[k].unit};
+    return;
+  }
   if (r->use->kind != VS_EXPRESSION_PROBE) {
     memcpy(r->terms, LAW, sizeof LAW);
     return;

@@ -10,7 +10,8 @@ typedef enum vs_expression_kind {
   VS_EXPRESSION_CONSTANT, /* nothing */
   VS_EXPRESSION_LET,      /* lambda and z; others may then name it only where they may, too */
   VS_EXPRESSION_LAW,      /* lambda and z, as terms 0 and 1 */
-  VS_EXPRESSION_PROBE     /* what a probe may: VS_MACHINE_TERM_... */
+  VS_EXPRESSION_PROBE,    /* what a probe may: VS_MACHINE_TERM_... */
+  VS_EXPRESSION_MOTION    /* the coordinates, as terms 0, 1, ... */
 } vs_expression_kind;
 
 /* What a formula is read for. */

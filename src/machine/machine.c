@@ -70,10 +70,33 @@ static void free_section(vs_section *section) {
   free(own_fields(section));
 }
 
+static void free_expressions(vs_expression *e, int count) {
+  for (int k = 0; k < count; k++) vs_formula_free(&e[k].of);
+}
+
+static void free_plane(vs_machine *m) {
+  for (int k = 0; k < m->n_bodies; k++) {
+    vs_body *b = &m->bodies[k];
+    free_expressions(&b->mass, 1);
+    free_expressions(&b->inertia, 1);
+    free_expressions(b->at, 2);
+    free_expressions(b->moves, 3);
+  }
+  for (int k = 0; k < m->n_springs; k++) {
+    vs_spring *s = &m->springs[k];
+    free_expressions(s->point[0], 2);
+    free_expressions(s->point[1], 2);
+    free_expressions(s->along, 2);
+    free_expressions(s->stiffness, 2);
+    free_expressions(s->damping, 2);
+  }
+}
+
 void vs_machine_free(vs_machine *m) {
   free_section(&m->section);
   free_section(&m->actuator);
   free_section(&m->start);
+  free_plane(m);
   for (int k = 0; k < VS_MACHINE_LETS; k++) vs_formula_free(&m->lets[k].of);
   for (int k = 0; k < VS_MACHINE_LAWS; k++) vs_formula_free(&m->law[k].of);
   for (int k = 0; k < m->n_probes; k++) vs_formula_free(&m->probes[k].of);

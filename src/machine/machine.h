@@ -19,6 +19,8 @@ enum {
   VS_MACHINE_PARAMETERS = 64,
   VS_MACHINE_LETS = 64,
   VS_MACHINE_PROBES = 16,
+  VS_MACHINE_BODIES = 16,
+  VS_MACHINE_SPRINGS = 32,
   VS_MACHINE_NAME = 32,
   VS_MACHINE_TEXT = 160,
   VS_MACHINE_NAMES = 2 * VS_MACHINE_PARAMETERS + VS_MACHINE_LETS
@@ -89,6 +91,30 @@ typedef struct vs_machine_load {
   bool to[VS_MACHINE_SUMS];
 } vs_machine_load;
 
+/* A rigid body in the plane. Its motion is small, so that it is linear in the coordinates: how its
+ * centre of mass moves along x and y, and how it turns, counter-clockwise. */
+typedef struct vs_body {
+  char name[VS_MACHINE_NAME];
+  int on; /* index of the body that it moves with, besides its own motion; -1: it is on the ground
+           */
+  vs_expression mass, inertia; /* kg; kg m2, about the centre of mass */
+  vs_expression at[2];         /* the centre of mass at rest, m */
+  vs_expression moves[3];      /* x, y, turn; in the coordinates, which are terms 0, 1, ... */
+} vs_body;
+
+/* A spring with its damper between a point of one body and a point of another, at rest without
+ * force. It pulls along x and y, each by a stiffness of its own, or along one direction. */
+typedef struct vs_spring {
+  char name[VS_MACHINE_NAME];
+  int body[2];               /* from, to: indices of bodies; -1: the ground */
+  vs_expression point[2][2]; /* where they are at rest, m */
+  bool apart;                /* along x and y */
+  bool directed;             /* along `along`, else along the line between the points */
+  vs_expression along[2];    /* a direction of any length */
+  vs_expression stiffness[2], damping[2]; /* N/m, N s/m; the second ones where `apart` is true */
+  vs_where where;
+} vs_spring;
+
 /* Formulas of the law. */
 enum { VS_MACHINE_CURRENT, VS_MACHINE_ENERGY, VS_MACHINE_FORCE, VS_MACHINE_LAWS };
 extern const char *const vs_machine_law_words[VS_MACHINE_LAWS];
@@ -109,6 +135,10 @@ typedef struct vs_machine {
   int n_parameters, n_names; /* how many of names are parameters, and how many there are in all */
   vs_expression lets[VS_MACHINE_LETS]; /* names[n_parameters + k] is that of lets[k] */
   vs_expression sums[VS_MACHINE_FORCES][VS_MACHINE_COORDINATES][VS_MACHINE_COORDINATES];
+  vs_body bodies[VS_MACHINE_BODIES]; /* if there are some, sums has no text: these make M, B, K */
+  int n_bodies;
+  vs_spring springs[VS_MACHINE_SPRINGS];
+  int n_springs;
   vs_expression forces[VS_MACHINE_COORDINATES], along[VS_MACHINE_COORDINATES];
   vs_where where_along;
   vs_machine_load load;
