@@ -61,9 +61,9 @@ static void take_law(vs_trial *t, const vs_law *law) {
 /* ---- what a run gives ---- */
 
 static double value(const vs_trial *t, const char *name) {
-  const vs_measure *m = vs_measures_standard;
-  for (size_t k = 0; k < VS_MEASURES; k++)
-    if (!strcmp(m[k].name, name)) return t->result.values[k].value;
+  vs_measure m;
+  for (int k = 0; vs_measure_at(&t->scene.setup.model, k, &m); k++)
+    if (!strcmp(m.name, name)) return m.factor * t->result.values[m.slot].value;
   EXPECT(false, "no measure %s", name);
   return NAN;
 }

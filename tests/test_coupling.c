@@ -139,8 +139,8 @@ static outcome couple(const vs_circuit_kind *solver, const char *const *sets) {
   double work = t->result.watchers.energy.joule[VS_E_WORK];
   outcome o = {
       t->status,
-      t->result.values[VS_M_P_FIRST].value,
-      t->result.values[VS_M_P_MIN].value,
+      t->result.values[VS_M_GAP_FIRST].value,
+      t->result.values[VS_M_GAP_MIN].value,
       t->result.values[VS_M_T_EXTINCTION].value,
       work,
       (last.taken_j - last.copper_j - work - t->result.watchers.energy.joule[VS_E_MAGNETIC]) /

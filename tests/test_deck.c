@@ -27,7 +27,7 @@ static int name_of(void *ctx, const char *at, const char *name) {
   CU_ASSERT_EQUAL(tolower((unsigned char)*at), *name);
   return strcmp(name, "a") ? strcmp(name, "b_2") ? -1 : 1 : 0;
 }
-static const vs_formula_scope SCOPE = {NULL, term_of, name_of};
+static const vs_formula_scope SCOPE = {.term = term_of, .name = name_of};
 
 static void formulas_give_their_values(void) {
   static const double TERMS[] = {3, -2, 0.5}, OTHERS[] = {-5, 7, 0.25}, NAMES[] = {10, 4};
@@ -402,7 +402,7 @@ static void a_missing_back_emf_is_seen(void) {
   "Xone a b element\n" EVA
 
 static double ratio(const vs_trial *t) {
-  const vs_extreme *e = &t->result.watchers.measures->extremes[VS_STANDARD_EXTREMES];
+  const vs_extreme *e = vs_measures_of_probe(t->result.watchers.measures, 0);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   return e[1].best.value / e[3].best.value;
 }
@@ -459,7 +459,7 @@ static void dialects(void) {
     write_file("dialect.cir", text);
     vs_trial *t = run_deck("dialect.cir", "run.until=1ms", NULL);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-    const vs_extreme *e = &t->result.watchers.measures->extremes[VS_STANDARD_EXTREMES];
+    const vs_extreme *e = vs_measures_of_probe(t->result.watchers.measures, 0);
     CLOSE(e[0].best.value, EXPECTED[k][0], 1e-9);
     CLOSE(e[2].best.value, EXPECTED[k][1], 1e-9);
     vs_trial_free(t);
@@ -473,8 +473,8 @@ static void dialects(void) {
   write_file("user.cir", "*$ compat ps\n" VENDOR);
   vs_trial *t = run_deck("user.cir", NULL, NULL);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-  CLOSE(t->result.watchers.measures->extremes[VS_STANDARD_EXTREMES].best.value, -1, 1e-9);
-  CLOSE(t->result.watchers.measures->extremes[VS_STANDARD_EXTREMES + 1].best.value, 7, 1e-9);
+  CLOSE(vs_measures_of_probe(t->result.watchers.measures, 0)->best.value, -1, 1e-9);
+  CLOSE(vs_measures_of_probe(t->result.watchers.measures, 0)[1].best.value, 7, 1e-9);
   vs_trial_free(t);
   write_file("user.cir", VENDOR); /* and without asking for it, it is not understood */
   t = run_deck("user.cir", NULL, NULL);
@@ -499,7 +499,7 @@ static void ratings_are_judged(void) {
   const vs_judgement *j = v->item;
   CU_ASSERT_EQUAL_FATAL(v->count, 2);
   double peak = 100 * sqrt(2),
-         current = t->result.watchers.measures->extremes[VS_STANDARD_EXTREMES + 3].best.value;
+         current = vs_measures_of_probe(t->result.watchers.measures, 1)[1].best.value;
   CLOSE(j[0].least.value, -peak, 1e-4); /* the peak lies between knots 25 us apart */
   CLOSE(j[0].stress.value, peak, 1e-4);
   CLOSE(j[0].margin, (200 - peak) / 200, 1e-3);

@@ -88,7 +88,7 @@ static void ideal_parts_give_t3a(void) {
   ADD(&s, "run.until=0.1001s");
   vs_trial *t = TRIAL(&s, &observer);
   CLOSE(t->result.values[VS_M_I_PEAK].value, 0.83336808722, 1e-4);
-  CLOSE(t->result.values[VS_M_P_FIRST].value, -1.3771464192e-3, 1e-4);
+  CLOSE(t->result.values[VS_M_GAP_FIRST].value, -1.3771464192e-3, 1e-4);
   CLOSE_OF(p, -7.4366149576e-4, -1.3771464192e-3, 1e-4);
   CLOSE(extreme(t, "v_ak", -1), -1048.7, 1e-3);
   CLOSE(extreme(t, "v_ak", 1), 829.3, 1e-3);
@@ -403,7 +403,7 @@ static void exported(void) {
   CU_ASSERT_EQUAL(system("timeout 100 ngspice -b x.cir >x.log 2>&1"), 0);
   char *log = read_file("x.log");
   vs_trial *t = TRIAL(&s, NULL);
-  CLOSE(measured(log, "p_first_peak_m"), t->result.values[VS_M_P_FIRST].value, 1e-3);
+  CLOSE(measured(log, "p_first_peak_m"), t->result.values[VS_M_GAP_FIRST].value, 1e-3);
   CLOSE(measured(log, "i_peak_a"), t->result.values[VS_M_I_PEAK].value, 1e-3);
   vs_trial_free(t);
   free(log);

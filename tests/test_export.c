@@ -147,7 +147,7 @@ static void agree(const char *const *sets, int line) {
     expect(error <= 1e-3 * peak, line, "%s: off by %.2e of its peak", COLUMNS[k], error / peak);
   }
   const vs_value *v = trial->result.values;
-  vs_close(measured("p_first_peak_m"), v[VS_M_P_FIRST].value, v[VS_M_P_FIRST].value, 1e-3,
+  vs_close(measured("p_first_peak_m"), v[VS_M_GAP_FIRST].value, v[VS_M_GAP_FIRST].value, 1e-3,
            "p_first_peak", line);
   vs_close(measured("i_peak_a"), v[VS_M_I_PEAK].value, v[VS_M_I_PEAK].value, 1e-3, "i_peak", line);
   vs_trial_free(trial);

@@ -12,10 +12,13 @@
 static const struct {
   int measure, channel, sense;
   const char *name;
-} FOLLOWED[] = {{VS_M_I_PEAK, VS_CH_I, 0, "i_peak"},    {VS_M_FORCE_PEAK, VS_CH_FORCE, 1, "force"},
-                {VS_M_P_MIN, VS_CH_P, -1, "p_min"},     {VS_M_P_MAX, VS_CH_P, 1, "p_max"},
-                {VS_M_AP_PEAK, VS_CH_AP, 0, "ap_peak"}, {VS_M_AU_PEAK, VS_CH_AU, 0, "au_peak"},
-                {VS_M_AW_PEAK, VS_CH_AW, 0, "aw_peak"}};
+} FOLLOWED[] = {{VS_M_I_PEAK, VS_CH_I, 0, "i_peak"},
+                {VS_M_FORCE_PEAK, VS_CH_FORCE, 1, "force"},
+                {VS_M_GAP_MIN, VS_CH_P, -1, "p_min"},
+                {VS_M_GAP_MAX, VS_CH_P, 1, "p_max"},
+                {VS_M_OF_COORDINATE(P, VS_PEAK), VS_CH_AP, 0, "ap_peak"},
+                {VS_M_OF_COORDINATE(U, VS_PEAK), VS_CH_AU, 0, "au_peak"},
+                {VS_M_OF_COORDINATE(W, VS_PEAK), VS_CH_AW, 0, "aw_peak"}};
 
 /* The rows of a CSV, at multiples of the sample, as watch/table.c has them. */
 typedef struct rows {
@@ -151,10 +154,10 @@ static void extremes_are_exact(void) {
       vs_trial_free(t);
     }
     EXPECT(good, "scene %d fails", scene);
-    double p = fmax(fabs(values[1][VS_M_P_MIN].value), fabs(values[1][VS_M_P_MAX].value));
+    double p = fmax(fabs(values[1][VS_M_GAP_MIN].value), fabs(values[1][VS_M_GAP_MAX].value));
     for (size_t k = 0; good && k < COUNT(FOLLOWED); k++) {
       int m = FOLLOWED[k].measure;
-      bool of_p = m == VS_M_P_MIN || m == VS_M_P_MAX;
+      bool of_p = m == VS_M_GAP_MIN || m == VS_M_GAP_MAX;
       CLOSE_OF(values[0][m].value, values[1][m].value, of_p ? p : values[1][m].value, 1e-9);
     }
   }

@@ -155,7 +155,7 @@ static void a_pulse_shorter_than_a_step(void) {
                             NULL};
       vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
       CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-      first[k] = t->result.values[VS_M_P_FIRST].value;
+      first[k] = t->result.values[VS_M_GAP_FIRST].value;
       vs_trial_free(t);
     }
     CLOSE(first[1], first[0], 1e-4);
@@ -195,7 +195,7 @@ static double least_p(int tier, double angle_deg, const char *stop, contacts *c)
   vs_observer observer = {c, note};
   vs_trial *t = run_ideal(tier, sets, &observer);
   EXPECT(t->status == VS_OK, "%s: %s", angle, t->err.text);
-  double p = t->result.values[VS_M_P_MIN].value;
+  double p = t->result.values[VS_M_GAP_MIN].value;
   CU_ASSERT(fabs(t->result.watchers.energy.residual[VS_B_MECHANICAL]) < 1e-6);
   vs_trial_free(t);
   return p;
@@ -261,9 +261,9 @@ static void stiff_stops(void) {
       double inverse = fabs(t->scene.setup.model.mf[P]), w = sqrt(ROWS[k].k * inverse);
       double zeta = ROWS[k].c * inverse / (2 * w), root = sqrt(1 - zeta * zeta);
       double depth = -c.in_m_s / w * exp(-zeta / root * atan2(root, zeta));
-      printf(" %.1e/%.1e", fabs((-6e-3 - t->result.values[VS_M_P_MIN].value) / depth - 1),
+      printf(" %.1e/%.1e", fabs((-6e-3 - t->result.values[VS_M_GAP_MIN].value) / depth - 1),
              fabs(c.out_m_s / -c.in_m_s / exp(-M_PI * zeta / root) - 1));
-      CLOSE(-6e-3 - t->result.values[VS_M_P_MIN].value, depth, ROWS[k].tolerance);
+      CLOSE(-6e-3 - t->result.values[VS_M_GAP_MIN].value, depth, ROWS[k].tolerance);
       CLOSE(c.out_m_s / -c.in_m_s, exp(-M_PI * zeta / root), ROWS[k].tolerance);
       CU_ASSERT(fabs(t->result.watchers.energy.residual[VS_B_MECHANICAL]) <
                 (tier == CIRCUIT ? 1e-3 : 1e-8));
@@ -387,7 +387,7 @@ static void shot_after(long cycles) {
   vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   double later = 0.02 * (double)cycles, ulp = 2.3e-16 * later;
-  CLOSE(t->result.values[VS_M_P_FIRST].value, -0.00141639233706, 1e-9 + 356 * ulp);
+  CLOSE(t->result.values[VS_M_GAP_FIRST].value, -0.00141639233706, 1e-9 + 356 * ulp);
   CLOSE_OF(t->result.values[VS_M_T_FIRE].value - later, 0.02 * 100 / 360, 1, 1e-15 + 2 * ulp);
   CLOSE_OF(t->result.values[VS_M_T_EXTINCTION].value - later, 0.0137708354356, 1, 2e-13 + 2 * ulp);
   vs_trial_free(t);

@@ -298,7 +298,7 @@ static void in_the_papers_scene(void) {
       t[k] = vs_trial_run("paper", "circuit", sets, NULL);
       CU_ASSERT_EQUAL_FATAL(t[k]->status, VS_OK);
     }
-    CLOSE(t[1]->result.values[VS_M_P_FIRST].value, t[0]->result.values[VS_M_P_FIRST].value, 2e-3);
+    CLOSE(t[1]->result.values[VS_M_GAP_FIRST].value, t[0]->result.values[VS_M_GAP_FIRST].value, 2e-3);
     CLOSE(t[1]->result.values[VS_M_I_PEAK].value, t[0]->result.values[VS_M_I_PEAK].value, 2e-3);
     CLOSE(extreme(t[1], "v_ak", -1), extreme(t[0], "v_ak", -1), 0.01);
     CLOSE(extreme(t[1], "v_ak", 1), extreme(t[0], "v_ak", 1), 0.01);
@@ -338,7 +338,7 @@ static void at_tight_tolerances(void) {
       EXPECT(!t[tight]->status, "%s: %s", CASES[k][0], t[tight]->err.text);
       CU_ASSERT_EQUAL_FATAL(t[tight]->status, VS_OK);
     }
-    CLOSE(t[0]->result.values[VS_M_P_FIRST].value, t[1]->result.values[VS_M_P_FIRST].value, 1e-3);
+    CLOSE(t[0]->result.values[VS_M_GAP_FIRST].value, t[1]->result.values[VS_M_GAP_FIRST].value, 1e-3);
     CLOSE(extreme(t[0], "v_ak", -1), extreme(t[1], "v_ak", -1), 1e-3);
     CLOSE(extreme(t[0], "v_ak", 1), extreme(t[1], "v_ak", 1), 1e-3);
     for (int tight = 0; tight < 2; tight++) vs_trial_free(t[tight]);

@@ -78,7 +78,7 @@ static outcome run_case(const char *const *sets) {
   outcome o = {.status = t->status,
                .rung = t->result.ladder.rung,
                .steps = t->result.steps,
-               .p_first_peak_m = t->result.values[VS_M_P_FIRST].value,
+               .p_first_peak_m = t->result.values[VS_M_GAP_FIRST].value,
                .v_ak_min_v = t->status ? NAN : extreme_of(t, "v_ak", -1),
                .v_ak_max_v = t->status ? NAN : extreme_of(t, "v_ak", 1)};
   const char *why = o.rung ? t->result.ladder.failed : t->err.text;

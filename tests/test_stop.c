@@ -88,7 +88,7 @@ static void switched_against_a_plain_march(void) {
   CU_ASSERT_FATAL(m.met == 1 && m.left == 1);
   CLOSE_OF(m.meets_s[0], p.meets_s, 1, 1e-6);
   CLOSE_OF(m.leaves_s[0], p.leaves_s, 1, 1e-6);
-  CLOSE(t->result.values[VS_M_P_MIN].value, p.deepest_m, 1e-5);
+  CLOSE(t->result.values[VS_M_GAP_MIN].value, p.deepest_m, 1e-5);
   CU_ASSERT(p.deepest_m < -6.1e-3); /* it does go in */
   vs_trial_free(t);
 }
@@ -108,7 +108,7 @@ static void books_close_with_the_stop(void) {
     CU_ASSERT(t->result.watchers.energy.joule[VS_E_STOP] > 0.3);
     CU_ASSERT(fabs(t->result.watchers.energy.residual[VS_B_EVA]) < (k < 2 ? 1e-6 : 1e-9));
     CU_ASSERT(fabs(t->result.watchers.energy.residual[VS_B_MECHANICAL]) < (k < 2 ? 1e-6 : 1e-9));
-    depth[k] = t->result.values[VS_M_P_MIN].value;
+    depth[k] = t->result.values[VS_M_GAP_MIN].value;
     vs_trial_free(t);
   }
   CLOSE(depth[0], depth[2], 1e-4);
@@ -139,7 +139,7 @@ static void circuit_against_switched(void) {
     CLOSE_OF(circuit.meets_s[k], switched.meets_s[k], 1, 2e-6);
     CLOSE_OF(circuit.leaves_s[k], switched.leaves_s[k], 1, 2e-6);
   }
-  CLOSE(c->result.values[VS_M_P_MIN].value, s->result.values[VS_M_P_MIN].value, 1e-4);
+  CLOSE(c->result.values[VS_M_GAP_MIN].value, s->result.values[VS_M_GAP_MIN].value, 1e-4);
   CU_ASSERT(fabs(c->result.watchers.energy.residual[VS_B_MECHANICAL]) < 1e-3);
   CU_ASSERT(fabs(c->result.watchers.energy.residual[VS_B_EVA]) < 1e-3);
   vs_trial_free(c);
@@ -166,7 +166,7 @@ static void an_unmet_stop_changes_nothing(void) {
     vs_trial *a = vs_trial_run("paper", TIERS[k], with, NULL),
              *b = vs_trial_run("paper", TIERS[k], without, NULL);
     CU_ASSERT_EQUAL_FATAL(a->status, VS_OK);
-    CU_ASSERT_EQUAL(a->result.values[VS_M_P_FIRST].value, b->result.values[VS_M_P_FIRST].value);
+    CU_ASSERT_EQUAL(a->result.values[VS_M_GAP_FIRST].value, b->result.values[VS_M_GAP_FIRST].value);
     CU_ASSERT_EQUAL(a->result.steps, b->result.steps);
     vs_trial_free(a);
     vs_trial_free(b);
@@ -245,7 +245,7 @@ static void starts_in_motion(void) {
                           "run.until=0.1 s", NULL};
     vs_trial *t = vs_trial_run("paper", k ? "circuit" : "switched", sets, NULL);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-    CLOSE(t->result.values[VS_M_P_MAX].value, 2e-3, 1e-12);
+    CLOSE(t->result.values[VS_M_GAP_MAX].value, 2e-3, 1e-12);
     CU_ASSERT(vs_mechanics_elastic_energy(&t->scene.setup.model,
                                           t->result.watchers.energy.first.x) > 0.1);
     CU_ASSERT(fabs(t->result.watchers.energy.left_j[VS_B_MECHANICAL]) < 1e-8);

@@ -55,15 +55,15 @@ static void check(const reference *r, const char *setting, double tolerance) {
   CLOSE(v[VS_M_I_PEAK].value, r->i_peak, tolerance);
   CLOSE(v[VS_M_T_EXTINCTION].value, r->extinction, tolerance);
   CLOSE(v[VS_M_FORCE_PEAK].value, r->force, tolerance);
-  CLOSE(v[VS_M_P_FIRST].value, r->first, tolerance);
-  CLOSE_OF(v[VS_M_P_SECOND].value, r->second, r->first, tolerance);
-  CLOSE(v[VS_M_P_MIN].value, r->first, tolerance);
-  CLOSE_OF(v[VS_M_P_MAX].value, r->second, r->first, tolerance);
-  CLOSE(v[VS_M_AP_PEAK].value, r->ap, tolerance);
-  CLOSE(v[VS_M_AU_PEAK].value, r->au, tolerance);
-  CLOSE(v[VS_M_AW_PEAK].value, r->aw, tolerance);
+  CLOSE(v[VS_M_GAP_FIRST].value, r->first, tolerance);
+  CLOSE_OF(v[VS_M_GAP_SECOND].value, r->second, r->first, tolerance);
+  CLOSE(v[VS_M_GAP_MIN].value, r->first, tolerance);
+  CLOSE_OF(v[VS_M_GAP_MAX].value, r->second, r->first, tolerance);
+  CLOSE(v[VS_M_OF_COORDINATE(P, VS_PEAK)].value, r->ap, tolerance);
+  CLOSE(v[VS_M_OF_COORDINATE(U, VS_PEAK)].value, r->au, tolerance);
+  CLOSE(v[VS_M_OF_COORDINATE(W, VS_PEAK)].value, r->aw, tolerance);
   CLOSE(v[VS_M_I_PEAK].at_s, r->i_at, tolerance);
-  CLOSE(v[VS_M_P_FIRST].at_s, r->first_at, tolerance);
+  CLOSE(v[VS_M_GAP_FIRST].at_s, r->first_at, tolerance);
   for (int k = 0; k < 3; k++) CLOSE_OF(p.value[k], r->p[k], r->first, tolerance);
   CLOSE(t->result.watchers.energy.joule[VS_E_SOURCE], r->in, tolerance);
   CLOSE(t->result.watchers.energy.joule[VS_E_COPPER], r->copper, tolerance);
@@ -94,7 +94,7 @@ static void resonance_and_decay(void) {
   vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   CLOSE(t->result.values[VS_M_F_RESONANCE].value, 56.5762892, 1e-9);
-  CLOSE(t->result.values[VS_M_TAU_P].value, 0.57104797, 5e-4);
+  CLOSE(t->result.values[VS_M_TAU_GAP].value, 0.57104797, 5e-4);
   vs_trial_free(t);
 }
 
@@ -103,7 +103,7 @@ static void result_does_not_depend_on_the_step(void) {
   const char *sets[] = {"run.tolerance=1e-10", "run.max_step=37us", NULL};
   vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-  CLOSE(t->result.values[VS_M_P_FIRST].value, T2.first, 1e-9);
+  CLOSE(t->result.values[VS_M_GAP_FIRST].value, T2.first, 1e-9);
   CLOSE(t->result.values[VS_M_T_EXTINCTION].value, T2.extinction, 1e-9);
   vs_trial_free(t);
 }
@@ -141,7 +141,7 @@ static void continuous_firing_from_rest(void) {
                           NULL};
     vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-    CLOSE(t->result.values[VS_M_P_MIN].value, ROWS[k].p_min, 2e-6);
+    CLOSE(t->result.values[VS_M_GAP_MIN].value, ROWS[k].p_min, 2e-6);
     vs_trial_free(t);
   }
 }
@@ -183,7 +183,7 @@ static void late_and_quick_coils(void) {
                             NULL};
       vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
       CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
-      p_min[fine] = t->result.values[VS_M_P_MIN].value;
+      p_min[fine] = t->result.values[VS_M_GAP_MIN].value;
       i_peak[fine] = t->result.values[VS_M_I_PEAK].value;
       vs_trial_free(t);
     }
@@ -244,15 +244,15 @@ static void periodic_orbits(void) {
     CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
     vs_value v[VS_MEASURES];
     vs_measures_finish(l.measures, v);
-    CLOSE(v[VS_M_P_MIN].value, ROWS[k].p_min, 1e-9);
+    CLOSE(v[VS_M_GAP_MIN].value, ROWS[k].p_min, 1e-9);
     if (ROWS[k].p_max > 0) {
-      CLOSE(v[VS_M_P_MAX].value, ROWS[k].p_max, 1e-9);
+      CLOSE(v[VS_M_GAP_MAX].value, ROWS[k].p_max, 1e-9);
       CLOSE(v[VS_M_I_PEAK].value, ROWS[k].i_peak, 1.1e-8);
       CLOSE(v[VS_M_FORCE_PEAK].value, ROWS[k].force, 1.4e-8); /* eight digits */
     }
     fprintf(table, "%s %s,%.10g,%.10g,%.9g,%.9g,%.1e\n", ROWS[k].angle, ROWS[k].every,
-            v[VS_M_P_MIN].value, v[VS_M_P_MAX].value, v[VS_M_I_PEAK].value,
-            v[VS_M_FORCE_PEAK].value, v[VS_M_P_MIN].value / ROWS[k].p_min - 1);
+            v[VS_M_GAP_MIN].value, v[VS_M_GAP_MAX].value, v[VS_M_I_PEAK].value,
+            v[VS_M_FORCE_PEAK].value, v[VS_M_GAP_MIN].value / ROWS[k].p_min - 1);
     vs_measures_free(l.measures);
     vs_trial_free(t);
   }

@@ -9,6 +9,7 @@
 #include "deck/netlist.h"
 #include "drive/events.h"
 #include "machine/blueprint.h"
+#include "machine/build.h"
 #include "scene/scene.h"
 #include "scene/sections.h"
 
@@ -123,9 +124,14 @@ static void list_device(const vs_device *d) {
 
 static void list_measures(const listed *of) {
   const vs_deck *deck = of->deck;
-  for (int k = 0; k < VS_MEASURES; k++)
-    printf("%-20s %-7s %s\n", vs_measures_standard[k].name, vs_measures_standard[k].unit,
-           vs_measures_standard[k].text);
+  vs_model *model = vs_alloc(1, sizeof *model);
+  vs_error err = {0};
+  vs_measure m;
+  vs_build_model(NULL, of->machine, model, &err); /* names follow, even where its numbers do not */
+  for (int k = 0; vs_measure_at(model, k, &m); k++)
+    printf("%-20s %-7s %s\n", m.name, m.unit, m.text);
+  vs_actuator_end(&model->coil);
+  free(model);
   for (size_t k = 0; k < deck->n_probes; k++)
     printf("%s_min, %s_max  %s  extremes of the probe (tier circuit)\n", deck->probes[k].name,
            deck->probes[k].name, deck->probes[k].unit);

@@ -135,11 +135,12 @@ static void print_measures(const vs_result *r, int width, FILE *out) {
   const vs_scene *s = r->scene;
   vs_shown m;
   bool any = false;
-  for (int k = 0; k < VS_MEASURES; k++) any = any || s->measured[k].known;
+  int standard = vs_measures_count(&s->setup.model);
+  for (int k = 0; k < VS_MOST_MEASURES; k++) any = any || s->measured[k].known;
   fprintf(out, "%-*s %16s %-5s %14s%s\n", width, "measure", "computed", "", "at",
           any ? "         measured" : "");
   for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++)
-    print_measure(&m, width, k < VS_MEASURES ? &s->measured[k] : NULL, out);
+    print_measure(&m, width, k < standard ? &s->measured[k] : NULL, out);
 }
 
 void vs_show_result(const vs_result *r, FILE *out) {

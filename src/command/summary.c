@@ -45,6 +45,7 @@ static void add_scene(vs_json *json, const vs_scene *s) {
 
 static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r) {
   vs_shown m;
+  int standard = vs_measures_count(&s->setup.model);
   vs_json_object(json, "measures", VS_JSON_LINES);
   for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++) {
     if (!m.value.known) continue;
@@ -52,7 +53,7 @@ static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r) {
     vs_json_number(json, "value", m.value.value, DIGITS);
     vs_json_text(json, "unit", m.unit);
     if (!isnan(m.value.at_s)) vs_json_number(json, "at_s", m.value.at_s, DIGITS);
-    if (k < VS_MEASURES && s->measured[k].known)
+    if (k < standard && s->measured[k].known)
       vs_json_number(json, "measured", s->measured[k].value, DIGITS);
     if (m.unjudged) vs_json_text(json, "unjudged", m.unjudged);
     vs_json_end(json);
@@ -78,7 +79,8 @@ static void add_accounts(vs_json *json, const char *key, const vs_accounts *acco
 
 static void add_energy(vs_json *json, const vs_scene *s, const vs_energy *e, const char *books) {
   vs_json_object(json, "energy", VS_JSON_ROW);
-  for (int k = 0; k < VS_ENERGIES; k++) add_joined(json, vs_energy_names[k], "_J", e->joule[k]);
+  for (int k = 0; k < VS_ENERGIES; k++)
+    if (vs_energy_has(s->frame.model, k)) add_joined(json, vs_energy_names[k], "_J", e->joule[k]);
   if (s->frame.deck) {
     add_accounts(json, "losses_J", &s->frame.deck->losses, e->loss_j);
     add_accounts(json, "stores_J", &s->frame.deck->stores, e->store_j);

@@ -14,60 +14,9 @@
 #include "command/run.h"
 #include "picture/gnuplot.h"
 #include "picture/overlay.h"
+#include "picture/sheets.h"
 
-typedef struct panel {
-  const char *column, *label; /* of run.csv; what the axis says */
-  double scale;               /* of the column on the way to the axis */
-} panel;
-
-enum {
-  MOST_PANELS = 96, /* at most 9 of the program's own, then those an overlay asks for */
-  MOST_POINTS = 100 /* measured ones that are marked each */
-};
-
-/* One picture: what one of the paper's figures shows. */
-typedef struct sheet {
-  const char *name, *title;
-  double until_s; /* 0: the whole run */
-  int columns;
-  panel panels[MOST_PANELS + 1]; /* ends with an empty one */
-} sheet;
-
-#define MOTION_PANELS                                                                              \
-  {                                                                                                \
-    {"p_m", "p / mm", 1e3}, {"u_m", "u / mm", 1e3}, {"w_m", "w / mm", 1e3},                        \
-        {"phi_rad", "φ / mrad", 1e3}, {"ap_m_s2", "p̈ / (m/s²)", 1}, {"au_m_s2", "ü / (m/s²)", 1},  \
-        {"aw_m_s2", "ẅ / (m/s²)", 1}, {"aphi_rad_s2", "φ̈ / (rad/s²)", 1}, {                        \
-      "force_n", "F / N", 1                                                                        \
-    }                                                                                              \
-  }
-
-static const sheet SHEETS[] = {
-    {"motion_run", "Displacements, accelerations and force (as Fig. 9 of the paper)", 0, 3,
-     MOTION_PANELS},
-    {"motion_100ms", "Displacements, accelerations and force, first 100 ms (as Fig. 10)", 0.1, 3,
-     MOTION_PANELS},
-    {"pulse_50ms",
-     "Displacement, force, EVA current and voltage, first 50 ms (as Fig. 11)",
-     0.05,
-     2,
-     {{"p_m", "p / mm", 1e3},
-      {"force_n", "F / N", 1},
-      {"i_a", "i / A", 1},
-      {"v_eva_v", "EVA voltage / V", 1}}},
-};
-enum { N_SHEETS = sizeof SHEETS / sizeof *SHEETS };
-/* what -o draws on its one sheet */
-static const sheet OVERVIEW = {"",
-                               "Vibratory conveyor and its thyristor converter, first 50 ms",
-                               0.05,
-                               2,
-                               {{"p_m", "p / mm", 1e3},
-                                {"ap_m_s2", "p̈ / (m/s²)", 1},
-                                {"force_n", "F / N", 1},
-                                {"i_a", "i / A", 1},
-                                {"v_eva_v", "EVA voltage / V", 1},
-                                {"v_mains_v", "mains voltage / V", 1}}};
+enum { MOST_POINTS = 100 }; /* measured ones that are marked each */
 
 typedef struct run_file {
   char path[VS_PATH_SIZE];
@@ -109,7 +58,7 @@ static int find_column(const char *header, const char *name) {
   return 0;
 }
 
-static void add_terminal(vs_text *script, const sheet *s, int rows, const char *output) {
+static void add_terminal(vs_text *script, const vs_sheet *s, int rows, const char *output) {
   bool svg = strlen(output) > 4 && !strcmp(output + strlen(output) - 4, ".svg");
   vs_text_add(script, "set terminal %s size %d,%d font 'sans,%d' background rgb 'white'\n",
               svg ? "svg noenhanced dynamic" : "pngcairo noenhanced", 420 * s->columns,
@@ -120,7 +69,7 @@ static void add_terminal(vs_text *script, const sheet *s, int rows, const char *
 }
 
 /* The computed curve, and over it the measured one if there is one. */
-static void add_panel(vs_text *script, const run_file *run, const panel *p, double time_scale) {
+static void add_panel(vs_text *script, const run_file *run, const vs_panel *p, double time_scale) {
   static const char LEGEND[] = "tmargin right horizontal reverse Left samplen 2";
   const vs_overlay *o = &run->overlay;
   const vs_overlay_curve *measured = vs_overlay_find(o, p->column);
@@ -144,17 +93,18 @@ static void add_panel(vs_text *script, const run_file *run, const panel *p, doub
 }
 
 /* Adds the panels that run.csv has columns for, and returns how many these are. */
-static int add_sheet(vs_text *script, const run_file *run, const sheet *s, const char *output) {
+static int add_sheet(vs_text *script, const run_file *run, const vs_sheet *s, const char *output) {
   int there = 0;
-  for (const panel *p = s->panels; p->column; p++) there += find_column(run->header, p->column) > 0;
+  for (int k = 0; k < s->count; k++) there += find_column(run->header, s->panels[k].column) > 0;
   if (!there) return 0;
   double until = s->until_s > 0 ? fmin(s->until_s, run->until_s) : run->until_s;
   bool ms = until <= 0.5;
   add_terminal(script, s, (there + s->columns - 1) / s->columns, output);
   vs_text_add(script, "set xrange [0:%.9g]\nset xlabel 't / %s'\n", ms ? 1e3 * until : until,
               ms ? "ms" : "s");
-  for (const panel *p = s->panels; p->column; p++)
-    if (find_column(run->header, p->column)) add_panel(script, run, p, ms ? 1e3 : 1);
+  for (int k = 0; k < s->count; k++)
+    if (find_column(run->header, s->panels[k].column))
+      add_panel(script, run, &s->panels[k], ms ? 1e3 : 1);
   vs_text_add(script, "unset multiplot\n");
   return there;
 }
@@ -169,7 +119,7 @@ static vs_status write_picture(const char *output, const char *picture, size_t s
   return vs_file_commit(&file, err);
 }
 
-static vs_status draw(const run_file *run, const sheet *s, const char *output, bool quiet,
+static vs_status draw(const run_file *run, const vs_sheet *s, const char *output, bool quiet,
                       vs_error *err) {
   vs_text script = {0};
   char *picture = NULL;
@@ -188,39 +138,36 @@ static vs_status draw(const run_file *run, const sheet *s, const char *output, b
   return status;
 }
 
-/* The panel that shows the column; NULL: none of the sheets does. */
-static const panel *find_panel(const sheet *sheets, size_t count, const char *column) {
-  for (size_t s = 0; s < count; s++)
-    for (const panel *p = sheets[s].panels; p->column; p++)
-      if (!strcmp(p->column, column)) return p;
-  return NULL;
+/* The panel that shows the column; NULL: none of these sheets does. */
+static const vs_panel *find_panel(const vs_sheet *sheets, size_t count, const char *column) {
+  const vs_panel *found = NULL;
+  for (size_t s = 0; s < count && !found; s++) found = vs_sheet_find(&sheets[s], column);
+  return found;
 }
 
-/* The last of the sheets, with a panel more for each measured curve that none of them shows. */
-static sheet with_measured(const sheet *sheets, size_t count, const vs_overlay *overlay) {
-  sheet last = sheets[count - 1];
-  int n = 0;
-  while (last.panels[n].column) n++;
-  for (size_t c = 0; c < overlay->count && n < MOST_PANELS; c++) {
+/* Gives the last of the sheets a panel more for each measured curve that none of them shows. */
+static void add_measured(vs_sheet *sheets, size_t count, const vs_sheets *all,
+                         const vs_overlay *overlay) {
+  for (size_t c = 0; c < overlay->count; c++) {
     const vs_overlay_curve *curve = &overlay->curves[c];
     if (find_panel(sheets, count, curve->name)) continue;
-    const panel *elsewhere = find_panel(SHEETS, N_SHEETS, curve->name);
-    last.panels[n++] = elsewhere ? *elsewhere : (panel){curve->name, curve->label, 1};
+    const vs_panel *elsewhere = find_panel(all->set, VS_SHEETS, curve->name);
+    vs_sheet_add(&sheets[count - 1], curve->name, elsewhere ? elsewhere->label : curve->label,
+                 elsewhere ? elsewhere->scale : 1);
   }
-  return last;
 }
 
-static vs_status draw_all(const char *folder, const run_file *run, bool quiet, vs_error *err) {
+static vs_status draw_all(const char *folder, const run_file *run, const vs_sheets *all, bool quiet,
+                          vs_error *err) {
   static const char *const ENDINGS[] = {"png", "svg"};
-  const sheet last = with_measured(SHEETS, N_SHEETS, &run->overlay);
   vs_status status = VS_OK;
-  for (size_t k = 0; k < N_SHEETS; k++) /* a run over an older one removes what it knows by name */
-    assert(vs_run_pictures[k] && !strcmp(vs_run_pictures[k], SHEETS[k].name));
-  for (size_t k = 0; k < N_SHEETS; k++)
+  for (size_t k = 0; k < VS_SHEETS; k++) /* a run over an older one removes what it knows by name */
+    assert(vs_run_pictures[k] && !strcmp(vs_run_pictures[k], all->set[k].name));
+  for (size_t k = 0; k < VS_SHEETS; k++)
     for (size_t e = 0; e < sizeof ENDINGS / sizeof *ENDINGS && !status; e++) {
       char output[VS_PATH_SIZE];
-      snprintf(output, sizeof output, "%s/%s.%s", folder, SHEETS[k].name, ENDINGS[e]);
-      status = draw(run, k + 1 < N_SHEETS ? &SHEETS[k] : &last, output, quiet, err);
+      snprintf(output, sizeof output, "%s/%s.%s", folder, all->set[k].name, ENDINGS[e]);
+      status = draw(run, &all->set[k], output, quiet, err);
     }
   return status;
 }
@@ -256,11 +203,15 @@ vs_status vs_plot_command(const vs_plot_options *o, vs_error *err) {
   if (!status) status = open_run(o->folder, &run, err);
   const vs_overlay_run against = {o->folder, run.path, run.header, run.until_s};
   if (!status && o->overlay) status = vs_overlay_read(o->overlay, &against, &run.overlay, err);
+  vs_sheets *all = vs_sheets_new(o->folder, run.header ? run.header : "");
   if (!status && o->output) {
-    const sheet one = with_measured(&OVERVIEW, 1, &run.overlay);
-    status = draw(&run, &one, o->output, o->quiet, err);
-  } else if (!status)
-    status = draw_all(o->folder, &run, o->quiet, err);
+    add_measured(&all->overview, 1, all, &run.overlay);
+    status = draw(&run, &all->overview, o->output, o->quiet, err);
+  } else if (!status) {
+    add_measured(all->set, VS_SHEETS, all, &run.overlay);
+    status = draw_all(o->folder, &run, all, o->quiet, err);
+  }
+  free(all);
   vs_overlay_free(&run.overlay);
   free(run.header);
   return status;

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The command `plot` of a run's folder: the pictures of the paper's Figs. 9 to 11, drawn by
- * gnuplot.
- */
+ * The command `plot` of a run's folder: the pictures of picture/sheets.h, drawn by gnuplot. */
 #ifndef VS_PICTURE_PLOT_H
 #define VS_PICTURE_PLOT_H
 

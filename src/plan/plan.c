@@ -113,8 +113,9 @@ static vs_status read_report(vs_plan *plan, vs_error *err) {
   size_t room = VS_PLAN_COLUMNS - plan->n_columns, n = 0;
   vs_status status = VS_OK;
   if (!list || (list->kind == VS_NODE_TEXT && !*list->text)) {
-    for (size_t k = 0; k < VS_MEASURES; k++)
-      vs_plan_column(plan, vs_measures_standard[k].name, (vs_where){0});
+    vs_measure m;
+    for (int k = 0; vs_measure_at(&plan->base->setup.model, k, &m); k++)
+      vs_plan_column(plan, m.name, (vs_where){0});
     return VS_OK;
   }
   for (const vs_node *item = list->kind == VS_NODE_LIST ? list->child : list; item && !status;

@@ -25,7 +25,7 @@ typedef struct vs_result {
   const vs_scene *scene; /* that was run: the caller's, or `climbed` */
   vs_scene *climbed;     /* the scene with the keys of the ladder's rung, owned; NULL: the caller's
                             scene was run as it is */
-  vs_value values[VS_MEASURES]; /* the standard measures, SI */
+  vs_value values[VS_MEASURES]; /* of the measures, SI (watch/measures.h) */
   vs_watchers watchers;         /* what they have seen of the run */
   char books[512];              /* what the energy audit finds; empty: nothing */
   vs_verdict verdict;

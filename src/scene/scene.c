@@ -274,19 +274,22 @@ static vs_status read_record(vs_scene *s, vs_error *err) {
 /* measured: {NAME: VALUE UNIT, ...} */
 static vs_status read_measured(vs_scene *s, vs_error *err) {
   const vs_node *map = vs_tree_child(s->tree.root, "measured");
-  const char *names[VS_MEASURES];
+  vs_measure all[VS_MOST_MEASURES];
+  const char *names[VS_MOST_MEASURES];
+  size_t count = 0;
   if (map && map->kind == VS_NODE_TEXT && !*map->text) map = NULL;
   if (map && map->kind != VS_NODE_MAP)
     return vs_fail_at(err, map->where, "measured: a map is wanted: {i_peak: 0.95 A, ...}");
-  for (size_t k = 0; k < VS_MEASURES; k++) names[k] = vs_measures_standard[k].name;
-  vs_status status = vs_field_known_keys(map, "measured", names, VS_MEASURES, err);
-  for (size_t k = 0; k < VS_MEASURES && !status; k++) {
+  for (; vs_measure_at(&s->setup.model, (int)count, &all[count]); count++)
+    names[count] = all[count].name;
+  vs_status status = vs_field_known_keys(map, "measured", names, count, err);
+  for (size_t k = 0; k < count && !status; k++) {
     const vs_node *node = vs_tree_child(map, names[k]);
     char why[256];
     if (!node) continue;
     s->measured[k].known = true;
-    if (node->kind != VS_NODE_TEXT || !vs_units_read(node->text, vs_measures_standard[k].unit,
-                                                     &s->measured[k].value, why, sizeof why))
+    if (node->kind != VS_NODE_TEXT ||
+        !vs_units_read(node->text, all[k].unit, &s->measured[k].value, why, sizeof why))
       status = vs_error_carry_on(
           err, vs_fail_at(err, node->where, "measured.%s: %s", names[k],
                           node->kind == VS_NODE_TEXT ? why : "one value is wanted"));

@@ -22,11 +22,12 @@ typedef struct vs_scene {
   const char *tier_named; /* the word of --tier, borrowed; NULL: not given */
   const char *asks; /* what the command line asked the circuit tier for, borrowed; NULL: nothing */
   const vs_tier *tier;
-  char why[256];                    /* why this tier */
-  vs_frame frame;                   /* of this tier */
-  int record[VS_CH_MOST], n_record; /* channels of the frame, in the order of the columns */
-  vs_value measured[VS_MEASURES];   /* SI; as the scene's `measured` says */
-  vs_warnings warnings;             /* that are known before a run */
+  char why[256];                       /* why this tier */
+  vs_frame frame;                      /* of this tier */
+  int record[VS_CH_MOST], n_record;    /* channels of the frame, in the order of the columns */
+  vs_value measured[VS_MOST_MEASURES]; /* SI; as the scene's `measured` says, in the order of
+                                          vs_measure_at */
+  vs_warnings warnings;                /* that are known before a run */
 } vs_scene;
 
 /* Reads a scene. name: a path, or the name of a scene that comes with the program. sets: KEY=VALUE

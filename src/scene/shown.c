@@ -40,15 +40,17 @@ bool vs_shown_at(const vs_frame *frame, const vs_result *r, int k, vs_shown *m) 
   m->limit = NAN;
   m->at_least = false;
   m->unjudged = NULL;
-  if (k < VS_MEASURES) {
-    snprintf(m->name, sizeof m->name, "%s", vs_measures_standard[k].name);
-    m->unit = vs_measures_standard[k].unit;
-    m->value = r->values[k];
-    set_text(m, "%s", vs_measures_standard[k].text);
+  vs_measure of_machine;
+  if (vs_measure_at(frame->model, k, &of_machine)) {
+    snprintf(m->name, sizeof m->name, "%s", of_machine.name);
+    set_text(m, "%s", of_machine.text);
+    m->unit = of_machine.unit;
+    m->value = r->values[of_machine.slot];
+    m->value.value *= of_machine.factor;
     return true;
   }
   const vs_measures *measures = r->watchers.measures;
-  k += VS_STANDARD_EXTREMES - VS_MEASURES; /* the standard extremes are shown already */
+  k += measures->of_probes - vs_measures_count(frame->model); /* the others are shown already */
   if (k >= measures->n_extremes)
     return device_measure_at(r->watchers.devices, (size_t)(k - measures->n_extremes), m);
   const vs_extreme *e = &measures->extremes[k];

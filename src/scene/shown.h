@@ -7,7 +7,7 @@
 #include "scene/result.h"
 
 typedef struct vs_shown {
-  char name[VS_JUDGED_NAME], text[VS_DECK_TEXT + 16];
+  char name[VS_JUDGED_NAME], text[VS_DECK_TEXT + 32];
   const char *unit; /* borrowed from the deck or from a table of the program */
   vs_value value;   /* in that unit */
   double limit;     /* in that unit: of a rating of its probe or of its device's part; NaN: none */

@@ -218,12 +218,12 @@ static inline __attribute__((always_inline)) void velocities_at(const vs_step *s
   }
 }
 
-void vs_step_velocities_at(const vs_step *step, double t_s, double *v) {
+void vs_step_rates_at(const vs_step *step, double t_s, double *rates) {
   int dof = step->frame->model->dof;
   if (dof == VS_ROWS)
-    velocities_at(step, t_s, VS_ROWS, v);
+    velocities_at(step, t_s, VS_ROWS, rates);
   else
-    velocities_at(step, t_s, dof, v);
+    velocities_at(step, t_s, dof, rates);
 }
 
 void vs_step_at(const vs_step *step, double t_s, double *y) {

@@ -95,7 +95,7 @@ static double clearance(double value, void *ctx) {
     const vs_session session = {.unguarded = true};
     vs_result *r = vs_alloc(1, sizeof *r);
     c->status = vs_session_run(&session, scene, r, c->err);
-    vs_experiment_add(&numbers, r->values[VS_M_P_MIN].value, "p_min");
+    vs_experiment_add(&numbers, r->values[VS_M_GAP_MIN].value, "p_min");
     vs_result_free(r);
     free(r);
   }
@@ -181,7 +181,7 @@ static vs_status first_peak(const vs_experiment *e, const char *set, double *p_m
     const vs_session session = {.verify = false};
     vs_result *r = vs_alloc(1, sizeof *r);
     status = vs_session_run(&session, scene, r, err);
-    *p_m = r->values[VS_M_P_FIRST].value;
+    *p_m = r->values[VS_M_GAP_FIRST].value;
     vs_result_free(r);
     free(r);
   }

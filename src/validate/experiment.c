@@ -99,15 +99,23 @@ vs_status vs_experiment_scene(const vs_experiment *e, const char *another, vs_sc
   size_t n = 0;
   for (; n < VS_EXPERIMENT_SETS && e->sets[n]; n++) sets[n] = (char *)(size_t)e->sets[n];
   if (another) sets[n++] = (char *)(size_t)another;
-  return vs_scene_read(EMPTY_SCENE, sets, n, e->tier, scene, err);
+  return vs_scene_read(e->scene ? e->scene : EMPTY_SCENE, sets, n, e->tier, scene, err);
 }
+
+/* Events whose first occurrence is noted. */
+enum { CONTACT, RELEASE, EVENTS };
+static const struct {
+  vs_event event;
+  const char *name;
+} NOTED[EVENTS] = {{VS_EV_MEETS_STOP, "contact"}, {VS_EV_LEAVES_STOP, "release"}};
 
 /* Who watches the run of an experiment, besides the trial. */
 typedef struct watch {
   const vs_experiment *experiment;
   const vs_observer *also;
-  double p_m[VS_EXPERIMENT_LOOKS];
-  double charge_as; /* integral of the coil current */
+  double seen[VS_EXPERIMENT_LOOKS][VS_CH_MOST];
+  double event_s[EVENTS], at_event[EVENTS][VS_CH_MOST]; /* NaN: there was no such event */
+  double charge_as;                                     /* integral of the coil current */
   vs_experiment_curve curve;
   int channel; /* of the curve; -1: not known yet */
 } watch;
@@ -125,18 +133,45 @@ static void note_curve(watch *w, const vs_step *step) {
                           vs_step_channel(step, step->to->t_s, w->channel));
 }
 
+static void note_events(watch *w, const vs_step *step) {
+  for (int n = 0; n < EVENTS; n++)
+    for (int k = 0; k < 2; k++) {
+      if (step->event[k] != NOTED[n].event || !isnan(w->event_s[n])) continue;
+      w->event_s[n] = step->event_s[k];
+      vs_step_at(step, step->event_s[k], w->at_event[n]);
+    }
+}
+
 static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
   watch *w = ctx;
   double begin = step->from->t_s, end = step->to->t_s, half = (end - begin) / 2;
   for (int k = 0; k < VS_EXPERIMENT_LOOKS; k++) {
     double at = w->experiment->look_s[k];
-    if (at > begin && at <= end) w->p_m[k] = vs_step_channel(step, at, VS_CH_TRAVEL);
+    if (at > begin && at <= end) vs_step_at(step, at, w->seen[k]);
   }
   for (int k = -1; k <= 1; k++) /* Gauss's rule of three points */
     w->charge_as += half * (k ? 5 : 8) / 9.0 *
                     vs_step_channel(step, begin + half * (1 + k * sqrt(0.6)), VS_CH_I);
+  note_events(w, step);
   note_curve(w, step);
   return w->also ? w->also->accept(w->also->ctx, step, err) : VS_OK;
+}
+
+vs_status vs_experiment_modes(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
+                              vs_error *err) {
+  (void)also;
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_mode modes[VS_MOST_STATES];
+  vs_status status = vs_experiment_scene(e, NULL, scene, err);
+  if (!status && !vs_mechanics_modes(&scene->setup.model, modes))
+    status = vs_fail(err, VS_RUN, "no eigenvalues found");
+  for (int k = 0; k < scene->setup.model.dof && !status; k++) { /* pairs */
+    vs_experiment_add(out, modes[2 * k].frequency_hz, "f%d", k + 1);
+    vs_experiment_add(out, modes[2 * k].time_constant_s, "tau%d", k + 1);
+  }
+  vs_scene_free(scene);
+  free(scene);
+  return status;
 }
 
 static void add_value(vs_numbers *out, const vs_value *v, const char *name, const char *ending) {
@@ -145,13 +180,23 @@ static void add_value(vs_numbers *out, const vs_value *v, const char *name, cons
   vs_experiment_add(out, v->at_s, "%s%s.at", name, ending);
 }
 
+void vs_experiment_add_measures(const vs_model *model, const vs_result *r, vs_numbers *out) {
+  vs_measure m;
+  for (int k = 0; vs_measure_at(model, k, &m); k++) {
+    vs_value v = r->values[m.slot];
+    v.value *= m.factor;
+    add_value(out, &v, m.name, "");
+  }
+}
+
 static void add_circuit(const vs_trial *t, vs_numbers *out) {
   const vs_deck *deck = t->scene.frame.deck;
   for (size_t k = 0; deck && k < deck->losses.count; k++)
     vs_experiment_add(out, t->result.watchers.energy.loss_j[k], "loss.%s",
                       deck->losses.item[k].name);
-  for (int k = VS_STANDARD_EXTREMES; k < t->result.watchers.measures->n_extremes; k++) {
-    const vs_extreme *x = &t->result.watchers.measures->extremes[k];
+  const vs_measures *measures = t->result.watchers.measures;
+  for (int k = measures->of_probes; k < measures->n_extremes; k++) {
+    const vs_extreme *x = &measures->extremes[k];
     add_value(out, &x->best, vs_channel_at(&t->scene.frame, x->channel).name,
               x->sense < 0 ? "_min" : "_max");
   }
@@ -174,8 +219,7 @@ static double left_over(const vs_energy *e) {
 
 static void add_all(const vs_trial *t, const watch *w, vs_numbers *out) {
   double until = t->scene.setup.run.until_s;
-  for (int k = 0; k < VS_MEASURES; k++)
-    add_value(out, &t->result.values[k], vs_measures_standard[k].name, "");
+  vs_experiment_add_measures(&t->scene.setup.model, &t->result, out);
   for (int k = 0; k < VS_ENERGIES; k++)
     vs_experiment_add(out, t->result.watchers.energy.joule[k], "energy.%s", vs_energy_names[k]);
   vs_experiment_add(out, left_over(&t->result.watchers.energy), "books");
@@ -186,17 +230,26 @@ static void add_all(const vs_trial *t, const watch *w, vs_numbers *out) {
                          t->scene.setup.model.actuator.resistance_ohm / until),
                     "i_rms");
   for (int k = 0; k < VS_EXPERIMENT_LOOKS && w->experiment->look_s[k] > 0; k++)
-    vs_experiment_add(out, w->p_m[k], "p@%g", w->experiment->look_s[k]);
+    for (int c = 0; c < vs_channel_count(&t->scene.frame); c++)
+      vs_experiment_add(out, w->seen[k][c], "%s@%g", vs_channel_at(&t->scene.frame, c).name,
+                        w->experiment->look_s[k]);
+  for (int n = 0; n < EVENTS; n++) {
+    if (isnan(w->event_s[n])) continue;
+    vs_experiment_add(out, w->event_s[n], "%s", NOTED[n].name);
+    for (int c = 0; c < vs_channel_count(&t->scene.frame); c++)
+      vs_experiment_add(out, w->at_event[n][c], "%s@%s", vs_channel_at(&t->scene.frame, c).name,
+                        NOTED[n].name);
+  }
   vs_experiment_curve_numbers(&w->curve, out);
 }
 
 vs_status vs_experiment_perform(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
                                 vs_error *err) {
-  watch w = {.experiment = e, .also = also, .channel = -1};
+  watch w = {.experiment = e, .also = also, .channel = -1, .event_s = {NAN, NAN}};
   const vs_observer observer = {&w, accept};
   const char *sets[VS_EXPERIMENT_SETS + 1] = {NULL};
   memcpy(sets, e->sets, sizeof e->sets);
-  vs_trial *t = vs_trial_run(EMPTY_SCENE, e->tier, sets, &observer);
+  vs_trial *t = vs_trial_run(e->scene ? e->scene : EMPTY_SCENE, e->tier, sets, &observer);
   vs_status status = t->status;
   if (status)
     *err = t->err;

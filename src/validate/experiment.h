@@ -31,9 +31,11 @@ struct vs_experiment {
   vs_status (*perform)(const vs_experiment *experiment, const vs_observer *also, vs_numbers *out,
                        vs_error *err);
   double wall_s;                        /* about what it takes, for the progress line alone */
+  const char *scene;                    /* that comes with the program; NULL: one of defaults */
   const char *tier;                     /* NULL: the one that the scene takes */
-  const char *sets[VS_EXPERIMENT_SETS]; /* KEY=VALUE over a scene of defaults; NULL ends them */
-  double look_s[VS_EXPERIMENT_LOOKS];   /* instants at which p is noted; 0 ends them */
+  const char *sets[VS_EXPERIMENT_SETS]; /* KEY=VALUE over the scene; NULL ends them */
+  double look_s[VS_EXPERIMENT_LOOKS];   /* instants at which channels are noted; 0 ends them */
+  bool multipliers;                     /* an orbit's multipliers are wanted */
   const char *curve;                    /* a probe whose wave form is read; NULL: none */
 };
 
@@ -54,14 +56,24 @@ typedef struct vs_comparisons {
   size_t count;
 } vs_comparisons;
 
-/* Runs a scene of defaults with the experiment's sets, and adds: every standard measure, and its
+/* Runs the experiment's scene with its sets, and adds: every measure, and its
  * instant as NAME.at; energy.NAME; loss.NAME; NAME_min and NAME_max of the deck's probes;
  * DEVICE.MEASURE; books, which is what the worst energy balance leaves over, as a part of what was
- * drawn; i_mean and i_rms of the coil over the run; p@INSTANT; and what
+ * drawn; i_mean and i_rms of the coil over the run; CHANNEL@INSTANT; contact and release, when a
+ * stop is first met and left [s], and CHANNEL@contact and CHANNEL@release; and what
  * vs_experiment_curve_numbers adds of the curve. Errors: those of the scene and of the run; VS_RUN,
  * the ladder had to be climbed. */
 vs_status vs_experiment_perform(const vs_experiment *experiment, const vs_observer *also,
                                 vs_numbers *out, vs_error *err);
+
+/* Adds frequency and time constant of the modes of the experiment's machine, f1 [Hz], tau1 [s] and
+ * so on, by rising frequency, one of each pair. */
+vs_status vs_experiment_modes(const vs_experiment *experiment, const vs_observer *also,
+                              vs_numbers *out, vs_error *err);
+
+/* Adds every measure of a run that is known, and its instant as NAME.at. */
+void vs_experiment_add_measures(const vs_model *model, const vs_result *result,
+                                vs_numbers *numbers);
 
 /* Reads the scene of an experiment. `another` is one more KEY=VALUE over its sets; NULL: none.
  * vs_scene_free it even after an error. */

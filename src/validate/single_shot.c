@@ -74,26 +74,9 @@ static const vs_experiment to_the_end = {.perform = vs_experiment_perform,
 
 /* ---- modes ---- */
 
-static vs_status perform_modes(const vs_experiment *e, const vs_observer *also, vs_numbers *out,
-                               vs_error *err) {
-  (void)also;
-  vs_scene *scene = vs_alloc(1, sizeof *scene);
-  vs_mode modes[VS_MOST_STATES];
-  vs_status status = vs_experiment_scene(e, NULL, scene, err);
-  if (!status && !vs_mechanics_modes(&scene->setup.model, modes))
-    status = vs_fail(err, VS_RUN, "no eigenvalues found");
-  for (int k = 0; k < scene->setup.model.dof && !status; k++) { /* pairs */
-    vs_experiment_add(out, modes[2 * k].frequency_hz, "f%d", k + 1);
-    vs_experiment_add(out, modes[2 * k].time_constant_s, "tau%d", k + 1);
-  }
-  vs_scene_free(scene);
-  free(scene);
-  return status;
-}
-
-static const vs_experiment modes_paper = {.perform = perform_modes,
+static const vs_experiment modes_paper = {.perform = vs_experiment_modes,
                                           .sets = {"machine.m14=paper", NULL}};
-static const vs_experiment modes_derived = {.perform = perform_modes,
+static const vs_experiment modes_derived = {.perform = vs_experiment_modes,
                                             .sets = {"machine.m14=derived", NULL}};
 
 #define MODE(experiment, text, unit, what, value, scale, tolerance)                                \

@@ -14,6 +14,7 @@
 #include "solver/circuit.h"
 #include "solver/ng.h"
 #include "validate/continuous.h"
+#include "validate/machines.h"
 #include "validate/phase_control.h"
 #include "validate/single_shot.h"
 #include "validate/snubber.h"
@@ -252,6 +253,7 @@ vs_status vs_validate(const vs_comparisons *const *lists, size_t n_lists,
 vs_status vs_validate_command(const vs_validate_options *options, vs_error *err) {
   static const vs_comparisons *const LISTS[] = {
       &vs_single_shot_comparisons, &vs_phase_control_comparisons, &vs_continuous_comparisons,
-      &vs_tiers_comparisons,       &vs_snubber_comparisons,       &vs_surge_comparisons};
+      &vs_tiers_comparisons,       &vs_snubber_comparisons,       &vs_surge_comparisons,
+      &vs_machines_comparisons};
   return vs_validate(LISTS, sizeof LISTS / sizeof *LISTS, options, err);
 }

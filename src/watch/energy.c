@@ -37,6 +37,10 @@ static const struct {
       0.11846344252809454}},
 };
 
+bool vs_energy_has(const vs_model *model, int term) {
+  return term != VS_E_TRANSDUCER || model->coil.law->transducer_w;
+}
+
 static double magnetic(const vs_frame *frame, const vs_knot *k) {
   const vs_model *m = frame->model;
   return vs_coil_energy(&m->coil, k->flux_wb,
@@ -51,8 +55,16 @@ static double mechanical(const vs_model *m, const vs_knot *k) {
 
 static void begin(vs_energy *e, const vs_step *step) {
   const vs_deck *deck = step->frame->deck;
+  const vs_model *m = step->frame->model;
   e->first = *step->from;
-  e->began_j = mechanical(step->frame->model, step->from);
+  e->n_damping = 0;
+  for (int i = 0; i < m->dof; i++)
+    for (int j = 0; j < m->dof; j++)
+      if (m->damping[i][j] != 0) {
+        e->damping[e->n_damping].i = i;
+        e->damping[e->n_damping].j = j;
+        e->damping[e->n_damping++].b = m->damping[i][j];
+      }
   for (size_t n = 0; deck && n < deck->losses.count; n++)
     e->loss_w[n] = vs_formula_value(&deck->losses.item[n].formula, e->first.terms);
 }
@@ -83,7 +95,7 @@ static void take_stock(vs_energy *e) {
   const vs_deck *deck = e->frame->deck;
   const vs_model *m = e->frame->model;
   e->joule[VS_E_MAGNETIC] = magnetic(e->frame, &e->last) - magnetic(e->frame, &e->first);
-  e->joule[VS_E_MECHANICAL] = mechanical(m, &e->last) - e->began_j;
+  e->joule[VS_E_MECHANICAL] = mechanical(m, &e->last) - mechanical(m, &e->first);
   for (size_t n = 0; deck && n < deck->stores.count; n++) {
     double held[2];
     vs_formula_pair(&deck->stores.item[n].formula, e->first.terms, e->last.terms, held);
@@ -93,6 +105,7 @@ static void take_stock(vs_energy *e) {
   double *left = e->left_j;
   left[VS_B_EVA] =
       j[VS_E_PORT] - j[VS_E_COPPER] - j[VS_E_MAGNETIC] - (e->frame->gap_at_rest ? 0 : j[VS_E_WORK]);
+  left[VS_B_EVA] -= j[VS_E_TRANSDUCER];
   left[VS_B_MECHANICAL] = j[VS_E_WORK] - j[VS_E_DAMPING] - j[VS_E_STOP] - j[VS_E_MECHANICAL];
   left[VS_B_CIRCUIT] = j[VS_E_SOURCE] - j[VS_E_PORT];
   for (size_t k = 0; deck && k < deck->losses.count; k++) left[VS_B_CIRCUIT] -= e->loss_j[k];
@@ -107,59 +120,63 @@ static void take_stock(vs_energy *e) {
 enum { STOCK_TAKING = 32 }; /* steps between two looks at the books */
 
 /* q'.B q', W. */
-static inline double lost_by(const vs_model *m, const double *v, int dof) {
-  double sum = 0;
-  for (int i = 0; i < dof; i++)
-    for (int j = 0; j < dof; j++) sum += v[i] * m->damping[i][j] * v[j];
-  return sum;
+static double damping_power(const vs_energy *e, const double *v) {
+  double lost = 0;
+  for (int n = 0; n < e->n_damping; n++)
+    lost += v[e->damping[n].i] * e->damping[n].b * v[e->damping[n].j];
+  return lost;
 }
 
-/* What a step without a current and without stops changes: only what damping takes. */
-static void swing(vs_energy *e, const vs_step *step) {
-  const vs_model *m = step->frame->model;
-  double h = step->to->t_s - step->from->t_s, v[VS_MOST_DOF];
-  for (int g = step->cubic_flux ? 0 : 1, k = 0; k < GAUSS[g].count; k++) {
-    vs_step_velocities_at(step, step->from->t_s + h * GAUSS[g].at[k], v);
-    double lost = m->dof == VS_ROWS ? lost_by(m, v, VS_ROWS) : lost_by(m, v, m->dof);
-    e->joule[VS_E_DAMPING] += h * GAUSS[g].weight[k] * lost;
-  }
+/* Adds what the channels y at one instant bring, which stands for w seconds. */
+static void add_instant(vs_energy *e, const double *y, double w, bool flows) {
+  const vs_model *m = e->frame->model;
+  const double *v = y + vs_channel_rates(m);
+  double at = y[VS_CH_TRAVEL], g_rate = vs_mechanics_travel(m, v);
+  unsigned touched = vs_stops_touched(&m->stops, at);
+  e->joule[VS_E_DAMPING] += w * damping_power(e, v);
+  if (touched) e->joule[VS_E_STOP] += w * vs_stops_loss(&m->stops, touched, at, g_rate);
+  if (!flows) return;
+  e->joule[VS_E_SOURCE] += w * y[VS_CH_V_MAINS] * y[VS_CH_I_MAINS];
+  e->joule[VS_E_PORT] += w * y[VS_CH_V_EVA] * y[VS_CH_I];
+  e->joule[VS_E_COPPER] += w * m->actuator.resistance_ohm * y[VS_CH_I] * y[VS_CH_I];
+  e->joule[VS_E_WORK] -= w * y[VS_CH_FORCE] * g_rate;
+  if (m->coil.law->transducer_w)
+    e->joule[VS_E_TRANSDUCER] +=
+        w * m->coil.law->transducer_w(&m->coil, y[VS_CH_LAMBDA], y[VS_CH_Z], g_rate);
 }
 
-static void integrate(vs_energy *e, const vs_step *step) {
-  /* true: no current flows, so only the machine's own terms change */
-  bool alone = step->frame->source_is_coil && vs_step_is_quiet(step);
-  unsigned parts = VS_GROUP_VELOCITIES | (alone ? 0 : VS_GROUP_V_EVA | VS_GROUP_V_MAINS);
+/* Into how many parts a step is cut for the sums. A stop that is not linear has corners, and
+ * changes its force as the step's polynomials do not. */
+static int parts_of(const vs_step *step) {
+  enum { IN_A_STOP = 8 };
   const vs_model *m = step->frame->model;
-  double h = step->to->t_s - step->from->t_s, y[VS_CH_MOST];
-  if (alone && !m->stops.count) {
-    swing(e, step);
-    return;
-  }
-  for (int g = step->cubic_flux ? 0 : 1, k = 0; k < GAUSS[g].count; k++) {
-    vs_step_groups_at(step, step->from->t_s + h * GAUSS[g].at[k], parts, y);
-    double w = h * GAUSS[g].weight[k], lost;
-    const double *v = y + vs_channel_rates(m);
-    lost = m->dof == VS_ROWS ? lost_by(m, v, VS_ROWS) : lost_by(m, v, m->dof);
-    double at = y[VS_CH_TRAVEL];
-    unsigned touched = vs_stops_touched(&m->stops, at);
-    e->joule[VS_E_DAMPING] += w * lost;
-    if (!touched && alone) continue;
-    double g_rate = vs_mechanics_travel(m, v);
-    if (touched) e->joule[VS_E_STOP] += w * vs_stops_loss(&m->stops, touched, at, g_rate);
-    if (alone) continue;
-    e->joule[VS_E_SOURCE] += w * y[VS_CH_V_MAINS] * y[VS_CH_I_MAINS];
-    e->joule[VS_E_PORT] += w * y[VS_CH_V_EVA] * y[VS_CH_I];
-    e->joule[VS_E_COPPER] += w * m->actuator.resistance_ohm * y[VS_CH_I] * y[VS_CH_I];
-    e->joule[VS_E_WORK] -= w * y[VS_CH_FORCE] * g_rate;
-  }
+  if (m->plain || !m->stops.count) return 1;
+  unsigned touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, step->from->x)) |
+                     vs_stops_touched(&m->stops, vs_mechanics_travel(m, step->to->x));
+  return touched ? IN_A_STOP : 1;
 }
 
 void vs_energy_accept(vs_energy *e, const vs_step *step) {
+  /* true: no current flows, so only the machine's own terms change */
+  bool alone = step->frame->source_is_coil && vs_step_is_quiet(step);
+  unsigned groups = VS_GROUP_VELOCITIES | (alone ? 0 : VS_GROUP_V_EVA | VS_GROUP_V_MAINS);
   const vs_model *m = step->frame->model;
+  double h = step->to->t_s - step->from->t_s, y[VS_CH_MOST];
   if (!e->steps++) begin(e, step);
-  if (step->to->t_s == step->from->t_s) /* jams */
-    e->joule[VS_E_STOP] += mechanical(m, step->from) - mechanical(m, step->to);
-  integrate(e, step);
+  if (h == 0) e->joule[VS_E_STOP] += mechanical(m, step->from) - mechanical(m, step->to); /* jams */
+  const int g = step->cubic_flux ? 0 : 1, parts = parts_of(step), count = parts * GAUSS[g].count;
+  h /= parts;
+  for (int k = 0; k < count; k++) {
+    int in = k % GAUSS[g].count, part = k / GAUSS[g].count;
+    double t_s = step->from->t_s + h * part + h * GAUSS[g].at[in], w = h * GAUSS[g].weight[in];
+    if (alone && !m->stops.count) {
+      vs_step_rates_at(step, t_s, y);
+      e->joule[VS_E_DAMPING] += w * damping_power(e, y);
+      continue;
+    }
+    vs_step_groups_at(step, t_s, groups, y);
+    add_instant(e, y, w, !alone);
+  }
   vs_knot_copy(step->frame, step->to, &e->last);
   if (step->frame->deck) add_losses(e, step);
   if (e->steps % STOCK_TAKING == 0) take_stock(e);
@@ -191,10 +208,13 @@ const char *vs_energy_open(const vs_energy *e, double tolerance, char *buffer, s
   for (int b = 0; b < VS_BALANCES; b++) {
     if (!e->balanced[b] || !(fabs(e->furthest_j[b]) > VS_ENERGY_ALLOWED * tolerance * whole))
       continue;
-    snprintf(
-        buffer, size, "the energy books do not close (%s): %s leaves %.3g J of %.3g J at %.6g s%s",
-        vs_energy_balance_names[b], BALANCE_TEXTS[b], e->furthest_j[b], whole, e->furthest_s[b],
-        b == VS_B_CIRCUIT ? "; is a loss or store line of the deck missing or wrong?" : "");
+    snprintf(buffer, size,
+             "the energy books do not close (%s): %s%s leaves %.3g J of %.3g J at %.6g s%s",
+             vs_energy_balance_names[b], BALANCE_TEXTS[b],
+             b == VS_B_EVA && vs_energy_has(e->frame->model, VS_E_TRANSDUCER) ? " - transducer"
+                                                                              : "",
+             e->furthest_j[b], whole, e->furthest_s[b],
+             b == VS_B_CIRCUIT ? "; is a loss or store line of the deck missing or wrong?" : "");
     return buffer;
   }
   return NULL;

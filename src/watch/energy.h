@@ -13,11 +13,12 @@
   X(VS_E_SOURCE, "source", "drawn from the mains, int u i dt")                                     \
   X(VS_E_PORT, "eva", "taken in by the EVA, int v i dt")                                           \
   X(VS_E_COPPER, "copper", "lost in the coil, int R_c i^2 dt")                                     \
-  X(VS_E_WORK, "work_force", "done by the force on the machine, int -F p' dt")                     \
+  X(VS_E_WORK, "work_force", "done by the force on the machine, int -F g' dt")                     \
   X(VS_E_DAMPING, "damping", "lost in springs and mounts, int q'.B q' dt")                         \
-  X(VS_E_STOP, "stop", "lost in the stop, int c p'^2 dt while it is touched")                      \
-  X(VS_E_MAGNETIC, "magnetic", "gained in the air gap, lambda^2 z/4a")                             \
-  X(VS_E_MECHANICAL, "mechanical", "gained in the machine, (q'.M q' + q.K q)/2, and in the stop")
+  X(VS_E_STOP, "stop", "lost in stops, while they are touched")                                    \
+  X(VS_E_MAGNETIC, "magnetic", "gained in the coil's field, W(lambda, z)")                         \
+  X(VS_E_MECHANICAL, "mechanical", "gained in the machine, (q'.M q' + q.K q)/2, and in the stop")  \
+  X(VS_E_TRANSDUCER, "transducer", "lost between a coil whose two constants differ and the machine")
 
 enum {
 #define VS_ENERGY_ID(id, name, text) id,
@@ -26,6 +27,8 @@ enum {
       VS_ENERGIES
 };
 extern const char *const vs_energy_names[VS_ENERGIES];
+/* True if the machine has that term: the last one is of coils that have a transducer alone. */
+bool vs_energy_has(const vs_model *model, int term);
 
 /* The balances. Each is what comes in, less what is lost and stored. id, name, text */
 #define VS_BALANCE_LIST(X)                                                                         \
@@ -45,11 +48,15 @@ extern const char *const vs_energy_balance_names[VS_BALANCES];
 typedef struct vs_energy {
   const vs_frame *frame;
   double joule[VS_ENERGIES];
+  struct {
+    int i, j;
+    double b;
+  } damping[VS_MOST_DOF * VS_MOST_DOF]; /* the coefficients of B that are not 0, by rows */
+  int n_damping;
   double loss_w[VS_DECK_MOST];  /* the deck's loss lines at the last step's end */
   double loss_j[VS_DECK_MOST];  /* their integrals */
   double store_j[VS_DECK_MOST]; /* what the deck's store lines have gained since the beginning */
   vs_knot first, last;          /* of the steps accepted so far */
-  double began_j;               /* the machine's energy at the first */
   long steps;
   double left_j[VS_BALANCES];     /* what each balance leaves over when it was last taken */
   double furthest_j[VS_BALANCES]; /* the most that it left over so far, with its sign */

@@ -1,170 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "watch/extremes.h"
 
-#include <assert.h>
 #include <float.h>
 #include <math.h>
 
 #include "actuator/coil.h"
-
-/* ---- polynomials over a step, by their Bernstein coefficients ---- */
-
-enum { SEPTIC = 7, MOST = 2 * SEPTIC };
-typedef struct curve {
-  int degree;
-  double b[MOST + 1];
-} curve;
-
-/* Of degree seven, by value and three derivatives at both ends; or of degree three, by one. */
-static curve curve_between(const double from[4], const double to[4], double h, bool cubic) {
-  curve c = {.degree = cubic ? 3 : SEPTIC};
-  for (int end = 0; end < 2; end++) {
-    const double *y = end ? to : from, s = end ? -h : h;
-    double d = s * y[1] / c.degree, e = s * s * y[2] / 42, f = s * s * s * y[3] / 210;
-    double *b = end ? c.b + c.degree : c.b;
-    int on = end ? -1 : 1;
-    b[0] = y[0];
-    b[on] = y[0] + d;
-    if (cubic) continue;
-    b[2 * on] = y[0] + 2 * d + e;
-    b[3 * on] = y[0] + 3 * d + 3 * e + f;
-  }
-  return c;
-}
-
-static curve coordinate(const vs_step *step, int i) {
-  const vs_knot *a = step->from, *b = step->to;
-  int dof = step->frame->model->dof;
-  const double from[] = {a->x[i], a->x[dof + i], a->a[i], a->j[i]};
-  const double to[] = {b->x[i], b->x[dof + i], b->a[i], b->j[i]};
-  return curve_between(from, to, b->t_s - a->t_s, false);
-}
-
-static curve flux(const vs_step *step) {
-  const vs_knot *a = step->from, *b = step->to;
-  const double from[] = {a->flux_wb, a->flux_rate_v, a->flux_rate2_v_s, a->flux_rate3_v_s2};
-  const double to[] = {b->flux_wb, b->flux_rate_v, b->flux_rate2_v_s, b->flux_rate3_v_s2};
-  return curve_between(from, to, b->t_s - a->t_s, step->cubic_flux);
-}
-
-/* The same polynomial, said to be of one degree more. */
-static void elevate(curve *c) {
-  int n = ++c->degree;
-  c->b[n] = c->b[n - 1];
-  for (int k = n - 1; k > 0; k--) c->b[k] = (k * c->b[k - 1] + (n - k) * c->b[k]) / n;
-}
-
-static curve slope_of(const curve *c, double h) {
-  curve s = {.degree = c->degree - 1};
-  for (int k = 0; k < c->degree; k++) s.b[k] = c->degree * (c->b[k + 1] - c->b[k]) / h;
-  return s;
-}
-
-static curve product(const curve *x, const curve *y) {
-  static const double CHOOSE[SEPTIC + 1][SEPTIC + 1] = {{1},
-                                                        {1, 1},
-                                                        {1, 2, 1},
-                                                        {1, 3, 3, 1},
-                                                        {1, 4, 6, 4, 1},
-                                                        {1, 5, 10, 10, 5, 1},
-                                                        {1, 6, 15, 20, 15, 6, 1},
-                                                        {1, 7, 21, 35, 35, 21, 7, 1}};
-  int m = x->degree, n = y->degree;
-  curve c = {.degree = m + n};
-  for (int k = 0; k <= m + n; k++) {
-    double sum = 0, all = 0;
-    for (int i = k > n ? k - n : 0; i <= k && i <= m; i++) {
-      double weight = CHOOSE[m][i] * CHOOSE[n][k - i];
-      sum += weight * x->b[i] * y->b[k - i];
-      all += weight;
-    }
-    c.b[k] = sum / all;
-  }
-  return c;
-}
-
-/* Its two halves; the first is returned. */
-static curve halve(curve *c) {
-  curve first = {.degree = c->degree};
-  for (int k = 0; k <= c->degree; k++) {
-    first.b[k] = c->b[0];
-    for (int i = 0; i < c->degree - k; i++) c->b[i] = (c->b[i] + c->b[i + 1]) / 2;
-  }
-  return first;
-}
-
-static double value_of(const curve *c, double s) {
-  curve at = *c;
-  for (int n = c->degree; n > 0; n--)
-    for (int i = 0; i < n; i++) at.b[i] += s * (at.b[i + 1] - at.b[i]);
-  return at.b[0];
-}
-
-/* ---- channels as such polynomials ---- */
-
-/* The travel g = c.q. */
-static curve travel(const vs_step *step) {
-  const vs_model *m = step->frame->model;
-  const vs_knot *a = step->from, *b = step->to;
-  const double from[] = {vs_mechanics_travel(m, a->x), vs_mechanics_travel(m, a->x + m->dof),
-                         vs_mechanics_travel(m, a->a), vs_mechanics_travel(m, a->j)};
-  const double to[] = {vs_mechanics_travel(m, b->x), vs_mechanics_travel(m, b->x + m->dof),
-                       vs_mechanics_travel(m, b->a), vs_mechanics_travel(m, b->j)};
-  return curve_between(from, to, b->t_s - a->t_s, false);
-}
-
-static curve current(const vs_step *step) {
-  const vs_model *m = step->frame->model;
-  curve c = flux(step), z = step->frame->gap_at_rest ? (curve){0} : travel(step);
-  for (int k = 0; k <= z.degree; k++) z.b[k] = (z.b[k] + m->coil.gap_rest_m) / (2 * m->coil.a_hm);
-  return product(&c, &z);
-}
-
-static curve force(const vs_step *step) {
-  curve c = flux(step);
-  c = product(&c, &c);
-  for (int k = 0; k <= c.degree; k++) c.b[k] /= 4 * step->frame->model->coil.a_hm;
-  return c;
-}
-
-/* Adds x times a polynomial of no higher degree. */
-static void add(curve *sum, double x, const curve *more) {
-  curve c = *more;
-  while (c.degree < sum->degree) elevate(&c);
-  for (int k = 0; k <= c.degree; k++) sum->b[k] += x * c.b[k];
-}
-
-/* Eq. 54. Where the armature touches its stop it does so all over a step, as steps end there. */
-static curve acceleration(const vs_step *step, int i) {
-  const vs_model *m = step->frame->model;
-  const vs_stop *stop = &m->stops.item[0];
-  curve sum = {.degree = SEPTIC}, g = travel(step);
-  double share = vs_stops_touched(&m->stops, value_of(&g, 0.5)) ? m->mf[i] : 0;
-  for (int n = 0; n < m->dof; n++) {
-    curve q = coordinate(step, n), v = slope_of(&q, step->to->t_s - step->from->t_s);
-    double pull = share * m->along[n];
-    add(&sum, pull * stop->stiffness - m->mk_column[n][i], &q);
-    add(&sum, pull * stop->damping_ns_m - m->mb_column[n][i], &v);
-  }
-  for (int k = 0; k <= SEPTIC; k++) {
-    if (share != 0) sum.b[k] -= share * stop->stiffness * stop->at_m;
-    if (m->loaded) sum.b[k] += m->m0[i];
-  }
-  if (vs_step_is_quiet(step)) return sum;
-  curve f = force(step);
-  while (sum.degree < f.degree) elevate(&sum);
-  add(&sum, m->mf[i], &f);
-  return sum;
-}
-
-static curve curve_of(const vs_step *step, int channel) {
-  if (channel == VS_CH_I) return current(step);
-  if (channel == VS_CH_FORCE) return force(step);
-  const vs_model *m = step->frame->model;
-  int rate2 = channel - vs_channel_rates2(m);
-  if (channel == VS_CH_TRAVEL) return travel(step);
-  return rate2 >= 0 ? acceleration(step, rate2) : coordinate(step, channel - VS_CH_Q);
-}
+#include "sim/curve.h"
 
 /* ---- the extremes of one step ---- */
 
@@ -234,44 +75,14 @@ static void take_inside(const search *s, double part) {
   if (same && (*best_at_s == from || *best_at_s == to)) *best_at_s = at_s;
 }
 
-/* Root of a curve that changes its sign once, from > 0 to < 0: Newton's, kept between bounds, on
- * its powers. What rounding makes of those of degree 13 moves the root by 1e-11 of the step. */
-static double falls_through_zero(curve slope) {
-  int n = slope.degree;
-  double *a = slope.b, lo = 0, hi = 1, at = 0.5;
-  for (int k = 1; k <= n; k++)
-    for (int i = n; i >= k; i--) a[i] -= a[i - 1];
-  double choose = 1;
-  for (int k = 0; k <= n; k++) {
-    a[k] *= choose;
-    choose *= (double)(n - k) / (k + 1);
-  }
-  for (int turn = 0; turn < 60; turn++) {
-    double y = a[n], rate = 0;
-    for (int k = n - 1; k >= 0; k--) {
-      rate = rate * at + y;
-      y = y * at + a[k];
-    }
-    if (y > 0)
-      lo = at;
-    else
-      hi = at;
-    double next = at - y / rate;
-    if (!(next > lo && next < hi)) next = (lo + hi) / 2;
-    if (fabs(next - at) <= DBL_EPSILON) break;
-    at = next;
-  }
-  return at;
-}
-
 bool vs_extreme_turn_of_travel(const vs_step *step, vs_value *turn) {
   const vs_model *m = step->frame->model;
   double before = vs_mechanics_travel(m, step->from->x + m->dof),
          behind = vs_mechanics_travel(m, step->to->x + m->dof), y[VS_CH_MOST];
   if (!(before * behind < 0)) return false;
-  curve g = travel(step), slope = slope_of(&g, before > 0 ? 1 : -1);
+  vs_curve g = vs_curve_of(step, VS_CH_TRAVEL), slope = vs_curve_slope(&g, before > 0 ? 1 : -1);
   double h = step->to->t_s - step->from->t_s;
-  turn->at_s = step->from->t_s + h * falls_through_zero(slope);
+  turn->at_s = step->from->t_s + h * vs_curve_root(slope);
   vs_step_groups_at(step, turn->at_s, 0, y);
   turn->value = y[VS_CH_TRAVEL];
   turn->known = true;
@@ -281,7 +92,7 @@ bool vs_extreme_turn_of_travel(const vs_step *step, vs_value *turn) {
 /* Looks into the part of the step from `lo` that is `width` long, both in parts of the step. Cut in
  * halves, a curve comes as near to its coefficients as the square of the width: twenty-five times
  * is as near as rounding. What is level to rounding has no extreme but its ends. */
-static void look_into(const search *s, curve c, double lo, double width) {
+static void look_into(const search *s, vs_curve c, double lo, double width) {
   double most = -INFINITY, least = INFINITY;
   int changes = 0, before = 0, first = 0;
   for (int k = 0; k <= c.degree; k++) {
@@ -289,7 +100,7 @@ static void look_into(const search *s, curve c, double lo, double width) {
     least = fmin(least, s->sign * c.b[k]);
   }
   if (most < reach(s) - s->rounding || most - least <= s->rounding) return;
-  curve slope = slope_of(&c, s->sign);
+  vs_curve slope = vs_curve_slope(&c, s->sign);
   for (int k = 0; k <= slope.degree; k++) {
     int now = (slope.b[k] > 0) - (slope.b[k] < 0);
     if (!now) continue;
@@ -299,9 +110,9 @@ static void look_into(const search *s, curve c, double lo, double width) {
   }
   if (!changes || (changes == 1 && first < 0)) return; /* largest at an end */
   if (changes == 1)
-    take_inside(s, lo + width * falls_through_zero(slope));
+    take_inside(s, lo + width * vs_curve_root(slope));
   else if (width > 0x1p-25) {
-    curve half = halve(&c);
+    vs_curve half = vs_curve_halve(&c);
     look_into(s, half, lo, width / 2);
     look_into(s, c, lo + width / 2, width / 2);
   }
@@ -311,18 +122,20 @@ static void look_into(const search *s, curve c, double lo, double width) {
  * below the extreme so far, and whether it rises or falls all along, so that an end is the most. A
  * sine that moves by one radian, the longest there is, leaves that cubic by 1/384 of its size, and
  * its slope by three times that; a twentieth of what is at the ends is allowed for, and a tenth of
- * the way. */
+ * the way. Of a law's current, which rises faster than the flux where the iron saturates, five and
+ * three times as much. */
 typedef enum outlook { BELOW, AT_AN_END, UNKNOWN } outlook;
 
-static inline outlook outlook_of(const vs_extreme *e, at_knot from, at_knot to, double h) {
+static inline outlook outlook_of(const vs_extreme *e, at_knot from, at_knot to, double h,
+                                 bool exact) {
   double d = h / 3 * from.rate, f = h / 3 * to.rate, m = to.y - from.y - d - f, sign = e->sense;
   double y[] = {from.y, from.y + d, to.y - f, to.y};
   double size = fabs(from.y) + fabs(to.y) + fabs(d) + fabs(f);
   for (int k = 0; k < 4; k++) y[k] = e->sense ? sign * y[k] : fabs(y[k]);
   double a = y[0] > y[1] ? y[0] : y[1], b = y[2] > y[3] ? y[2] : y[3]; /* fmax would be called */
-  double most = (a > b ? a : b) + 0.05 * size;
+  double most = (a > b ? a : b) + (exact ? 0.05 : 0.25) * size;
   if (e->best.known && most < (e->sense ? sign * e->best.value : e->best.value)) return BELOW;
-  double least = 0.1 * (fabs(d) + fabs(m) + fabs(f));
+  double least = (exact ? 0.1 : 0.3) * (fabs(d) + fabs(m) + fabs(f));
   bool rises = d > least && m > least && f > least, falls = d < -least && m < -least && f < -least;
   return rises || falls ? AT_AN_END : UNKNOWN;
 }
@@ -332,10 +145,69 @@ static void take_ends(const search *s, at_knot from, at_knot to) {
   take(s, to.y, s->step->to->t_s);
 }
 
+/* Looks into a part of the step by the polynomial through the channel's own values there. Where
+ * that misses the channel between two of its points, as at a corner, the part is cut in halves. A
+ * part that is a thousand millionth of the step is left with the values themselves: a corner is met
+ * that well. */
+static void look_sampled(const search *s, double lo, double width) {
+  const double from = s->step->from->t_s, h = s->step->to->t_s - from;
+  double y[VS_CURVE_POINTS], most = -INFINITY, missed = 0;
+  for (int k = 0; k < VS_CURVE_POINTS; k++) {
+    double at_s = from + h * (lo + width * vs_curve_point(k));
+    y[k] = vs_step_channel(s->step, at_s, s->extreme->channel);
+    most = fmax(most, s->sign * y[k]);
+    take(s, y[k], at_s);
+  }
+  const vs_curve c = vs_curve_through(y);
+  for (int k = 1; k <= 3; k++) { /* in the middle of the step and at the sides, off the points */
+    double at = (vs_curve_point(3 * k) + vs_curve_point(3 * k + 1)) / 2;
+    double truly = vs_step_channel(s->step, from + h * (lo + width * at), s->extreme->channel);
+    missed = fmax(missed, fabs(vs_curve_value(&c, at) - truly));
+  }
+  if (missed <= s->rounding) {
+    look_into(s, c, lo, width);
+    return;
+  }
+  if (most + 100 * missed < reach(s) || width < 0x1p-30) return;
+  look_sampled(s, lo, width / 2);
+  look_sampled(s, lo + width / 2, width / 2);
+}
+
+/* True if nothing in the step has a corner or is stiffer than the step is long: no armature in a
+ * stop that is not linear, and none that is held. */
+static bool is_smooth(const vs_step *step, bool jammed) {
+  const vs_model *m = step->frame->model;
+  if (jammed) return false;
+  if (m->plain || !m->stops.count) return true;
+  return !vs_stops_touched(&m->stops, vs_mechanics_travel(m, step->from->x)) &&
+         !vs_stops_touched(&m->stops, vs_mechanics_travel(m, step->to->x));
+}
+
+/* What a polynomial through values may miss, of the channel's largest on the step: a hundredth of
+ * the 1e-10 that an extreme is to be right to. */
+static const double MISSED = 1e-12;
+
+static void look_at_samples(const search *s) {
+  const vs_step *step = s->step;
+  search in = *s;
+  double size = 0;
+  for (int k = 0; k < VS_CURVE_POINTS; k++) {
+    double part = vs_curve_point(k),
+           at_s = step->from->t_s + part * (step->to->t_s - step->from->t_s);
+    size = fmax(size, fabs(vs_step_channel(step, at_s, s->extreme->channel)));
+  }
+  in.rounding = MISSED * size;
+  if (size > 0) look_sampled(&in, 0, 1);
+}
+
 static void look_between(const search *s) {
   const vs_step *step = s->step;
   search in = *s;
-  curve c = curve_of(step, s->extreme->channel);
+  if (!vs_curve_is_exact(step->frame->model, s->extreme->channel)) {
+    look_at_samples(s);
+    return;
+  }
+  vs_curve c = vs_curve_of(step, s->extreme->channel);
   double size = 0;
   for (int k = 0; k <= c.degree; k++) size = fmax(size, fabs(c.b[k]));
   in.rounding = 4 * DBL_EPSILON * size;
@@ -354,13 +226,41 @@ void vs_extreme_follow(vs_extreme *e, const vs_step *step, bool jammed) {
   if (of_flux && e->best.known && vs_step_is_quiet(step)) return; /* both are 0, and |i| is meant */
   const at_knot from = knot_of(step->frame, step->from, e->channel),
                 to = knot_of(step->frame, step->to, e->channel);
-  bool held = jammed && e->channel >= vs_channel_rates2(m);
-  outlook seen = held ? UNKNOWN : outlook_of(e, from, to, step->to->t_s - step->from->t_s);
+  bool of_rates2 = e->channel >= vs_channel_rates2(m);
+  bool exact = vs_curve_is_exact(m, e->channel);
+  outlook seen = UNKNOWN;
+  if (!of_rates2 || is_smooth(step, jammed))
+    seen = outlook_of(e, from, to, step->to->t_s - step->from->t_s, exact);
   if (seen == BELOW) return;
   for (int sign = 1; sign >= -1; sign -= 2) {
     const search s = {.extreme = e, .step = step, .sign = sign};
     if (e->sense && e->sense != sign) continue;
     take_ends(&s, from, to);
     if (seen == UNKNOWN) look_between(&s);
+  }
+}
+
+/* Whether one of a coordinate's three extremes may lie in the step. The acceleration stays within
+ * its largest value at the ends and 3/8 of the way that the jerk at the ends would take it: for a
+ * sine that moves by one radian, the longest there is, 1.06 of its peak. The coordinate leaves the
+ * chord between its ends by at most 1/8 of the acceleration times the length squared. */
+static inline bool may_be_new(const vs_extreme of[VS_OF_COORDINATE], const vs_step *step, int i,
+                              double h) {
+  const vs_knot *from = step->from, *to = step->to;
+  double a0 = fabs(from->a[i]), a1 = fabs(to->a[i]), j0 = fabs(from->j[i]), j1 = fabs(to->j[i]);
+  double x0 = from->x[i], x1 = to->x[i];
+  double a = (a0 > a1 ? a0 : a1) + 0.375 * h * (j0 > j1 ? j0 : j1), bulge = 0.15 * h * h * a;
+  return (x0 > x1 ? x0 : x1) + bulge > of[VS_LARGEST].best.value ||
+         (x0 < x1 ? x0 : x1) - bulge < of[VS_LEAST].best.value || a > of[VS_PEAK].best.value;
+}
+
+void vs_extreme_follow_motion(vs_extreme *all, const vs_step *step, bool jammed) {
+  const vs_model *m = step->frame->model;
+  double h = step->to->t_s - step->from->t_s;
+  bool known = all[0].best.known, smooth = is_smooth(step, jammed);
+  for (int i = 0; i < m->dof; i++) {
+    vs_extreme *of = all + VS_OF_COORDINATE * i;
+    if (known && smooth && !may_be_new(of, step, i, h)) continue;
+    for (int k = 0; k < VS_OF_COORDINATE; k++) vs_extreme_follow(&of[k], step, jammed);
   }
 }

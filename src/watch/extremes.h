@@ -2,11 +2,16 @@
  * The largest and least values of channels over a run. They are taken from the dense output and not
  * from samples of it, so that no row of the run's CSV lies beyond them by more than rounding.
  *
- * Between two knots the coordinates and the flux linkage are polynomials of time, and so are the
- * force, the current and the accelerations. A polynomial never leaves the range of its Bernstein
- * coefficients. Where that range ends before the extreme known so far, the step holds no new one.
- * Otherwise the step is cut until the polynomial's slope changes sign only once, and that root is
- * found. */
+ * Between two knots the coordinates and the flux linkage are polynomials of time. On a plain model
+ * (machine/model.h) so are the force, the current and the accelerations. A polynomial never leaves
+ * the range of its Bernstein coefficients. Where that range ends before the extreme known so far,
+ * the step holds no new one. Otherwise the step is cut until the polynomial's slope changes sign
+ * only once, and that root is found.
+ *
+ * On other models force, current and accelerations are taken from a polynomial through 15 of their
+ * values, and a step is cut until that polynomial fits to 1e-12 of the step's largest value. At a
+ * corner of the law or of a stop's force the extreme is off by what the channel changes in a
+ * thousand millionth of the step. */
 #ifndef VS_WATCH_EXTREMES_H
 #define VS_WATCH_EXTREMES_H
 
@@ -30,8 +35,16 @@ typedef struct vs_extreme {
  * the accelerations of the knots are not those of the channels. */
 void vs_extreme_follow(vs_extreme *extreme, const vs_step *step, bool jammed);
 
-/* Finds where p turns in a step whose ends have velocities of unlike signs. Returns false and
- * leaves `turn` as it is where they have not. */
+/* The extremes of a coordinate that are followed: its least and largest value, and the largest
+ * magnitude of its acceleration. */
+enum { VS_LEAST, VS_LARGEST, VS_PEAK, VS_OF_COORDINATE };
+/* Does the same for the extremes of all coordinates, `all` being those of the first coordinate in
+ * the order above, then those of the second, and so on. Most steps are seen to hold none of a
+ * coordinate's extremes at a glance. */
+void vs_extreme_follow_motion(vs_extreme *all, const vs_step *step, bool jammed);
+
+/* Finds where the travel turns in a step whose ends have velocities of unlike signs. Returns false
+ * and leaves `turn` as it is where they have not. */
 bool vs_extreme_turn_of_travel(const vs_step *step, vs_value *turn);
 
 #endif

@@ -4,43 +4,149 @@
 #include <assert.h>
 #include <gsl/gsl_errno.h>
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 #include "base/text.h"
 #include "drive/gate.h"
 
-const vs_measure vs_measures_standard[VS_MEASURES] = {
+/* ---- names ---- */
+
+static const struct {
+  const char *name, *unit, *text;
+} STANDARD[VS_STANDARD_MEASURES] = {
 #define VS_MEASURE_ROW(id, name, unit, text) {name, unit, text},
     VS_MEASURE_LIST(VS_MEASURE_ROW)
 #undef VS_MEASURE_ROW
 };
 
-static const struct {
-  int measure, channel, sense;
-} STANDARD[] = {
-#define VS_EXTREME_ROW(measure, channel, sense) {measure, channel, sense},
-    VS_EXTREME_LIST(VS_EXTREME_ROW)
-#undef VS_EXTREME_ROW
-};
-_Static_assert(sizeof STANDARD / sizeof *STANDARD == VS_STANDARD_EXTREMES, "counted by its rows");
+/* The one coordinate that opens or closes the gap by as much as it moves; -1: there is none. */
+static int sole(const vs_model *model) {
+  int found = -1, movers = 0;
+  for (int i = 0; i < model->dof; i++)
+    if (model->along[i] != 0) found = i, movers++;
+  return movers == 1 && fabs(model->along[found]) == 1 ? found : -1;
+}
+
+static const vs_coordinate *coordinate(const vs_model *model, int i) {
+  return &model->machine->coordinates[i];
+}
+
+/* Writes a text in which %s may stand for a name. */
+static void write_named(char *out, size_t size, const char *text, const char *name) {
+  const char *gap = strstr(text, "%s");
+  if (gap)
+    snprintf(out, size, "%.*s%s%s", (int)(gap - text), text, name, gap + 2);
+  else
+    snprintf(out, size, "%s", text);
+}
+
+static void standard(const vs_model *model, int id, vs_measure *m) {
+  int opens = sole(model);
+  *m = (vs_measure){.unit = STANDARD[id].unit, .slot = id, .factor = 1};
+  snprintf(m->name, sizeof m->name, "%s", STANDARD[id].name);
+  write_named(m->text, sizeof m->text, STANDARD[id].text,
+              opens < 0 ? "the travel" : coordinate(model, opens)->name);
+}
+
+/* A measure of the travel under the name of the coordinate that has the same. */
+static void alias(const vs_model *model, int id, vs_measure *m) {
+  static const struct {
+    const char *name, *text;
+  } ALIASES[VS_STANDARD_MEASURES] = {
+      [VS_M_GAP_FIRST] = {"%s_first_peak", "first motion peak of %s after the first firing"},
+      [VS_M_GAP_SECOND] = {"%s_second_peak", "the extremum of %s that follows it"},
+      [VS_M_TAU_GAP] = {"tau_%s", "decay time of %s there, from the envelope of its extremes"}};
+  int i = sole(model);
+  const vs_coordinate *c = coordinate(model, i);
+  bool is_time = id == VS_M_TAU_GAP;
+  *m = (vs_measure){
+      .unit = is_time ? "s" : c->unit, .slot = id, .factor = is_time ? 1 : model->along[i]};
+  write_named(m->name, sizeof m->name, ALIASES[id].name, c->name);
+  write_named(m->text, sizeof m->text, ALIASES[id].text, c->name);
+}
+
+static void of_coordinate(const vs_model *model, int i, int which, vs_measure *m) {
+  const vs_coordinate *c = coordinate(model, i);
+  static const struct {
+    const char *name, *text;
+  } OF[VS_OF_COORDINATE] = {[VS_LEAST] = {"%s_min", "least %s"},
+                            [VS_LARGEST] = {"%s_max", "largest %s"},
+                            [VS_PEAK] = {"%s_peak", "largest |acceleration| of %s"}};
+  *m = (vs_measure){.unit = which == VS_PEAK ? c->rate2_unit : c->unit,
+                    .slot = VS_M_OF_COORDINATE(i, which),
+                    .factor = 1};
+  write_named(m->name, sizeof m->name, OF[which].name, which == VS_PEAK ? c->rate2 : c->name);
+  write_named(m->text, sizeof m->text, OF[which].text, c->name);
+}
+
+int vs_measures_count(const vs_model *model) {
+  return VS_STANDARD_MEASURES + VS_OF_COORDINATE * model->dof + (sole(model) < 0 ? 0 : 3);
+}
+
+/* Takes the next `count` measures off k; true: the k-th was among them. */
+static bool among(int *k, int count) {
+  if (*k < count) return true;
+  *k -= count;
+  return false;
+}
+
+bool vs_measure_at(const vs_model *model, int k, vs_measure *m) {
+  int own = sole(model), dof = model->dof, others = own < 0 ? dof : dof - 1;
+  if (k >= vs_measures_count(model)) return false;
+  if (among(&k, VS_M_GAP_FIRST))
+    standard(model, k, m);
+  else if (own >= 0 && among(&k, 2))
+    alias(model, VS_M_GAP_FIRST + k, m);
+  else if (own >= 0 && among(&k, 2))
+    of_coordinate(model, own, k, m);
+  else if (among(&k, VS_M_F_RESONANCE - VS_M_GAP_FIRST))
+    standard(model, VS_M_GAP_FIRST + k, m);
+  else if (among(&k, 2 * others))
+    of_coordinate(model, k / 2 + (own >= 0 && k / 2 >= own), k % 2, m);
+  else if (among(&k, dof))
+    of_coordinate(model, k, VS_PEAK, m);
+  else if (among(&k, 1))
+    standard(model, VS_M_F_RESONANCE, m);
+  else if (own >= 0 && among(&k, 1))
+    alias(model, VS_M_TAU_GAP, m);
+  else
+    standard(model, VS_M_TAU_GAP + k, m);
+  return true;
+}
+
+/* ---- beginning ---- */
 
 /* The resonance and the decay are read up to this instant, as the paper's figures are. */
 static const double SWING_ENDS_S = 1.0;
 /* An extremum this much smaller than a later one was no motion peak but a ripple before it. */
 static const double RIPPLE = 0.01;
 
+enum { OF_CURRENT, OF_FORCE, OF_COORDINATES }; /* where these extremes stand */
+
+static void add_extreme(vs_measures *m, int channel, int sense) {
+  m->extremes[m->n_extremes++] = (vs_extreme){.channel = channel, .sense = sense};
+}
+
 vs_measures *vs_measures_new(const vs_frame *frame) {
+  const vs_model *model = frame->model;
   vs_measures *m = vs_alloc(1, sizeof *m);
   m->frame = frame;
-  for (int k = 0; k < VS_STANDARD_EXTREMES; k++) {
-    int channel = STANDARD[k].channel;
-    if (channel < 0) channel = vs_channel_rates2(frame->model) - 1 - channel;
-    m->extremes[m->n_extremes++] = (vs_extreme){.channel = channel, .sense = STANDARD[k].sense};
+  add_extreme(m, VS_CH_I, 0);
+  add_extreme(m, VS_CH_FORCE, model->coil.square ? 1 : 0); /* a square force only closes the gap */
+  for (int i = 0; i < model->dof; i++) {
+    add_extreme(m, VS_CH_Q + i, -1);
+    add_extreme(m, VS_CH_Q + i, 1);
+    add_extreme(m, vs_channel_rates2(model) + i, 0);
   }
-  for (int c = vs_channel_deck(frame->model); c < vs_channel_count(frame); c++)
-    for (int sense = -1; sense <= 1; sense += 2)
-      m->extremes[m->n_extremes++] = (vs_extreme){.channel = c, .sense = sense};
+  m->of_travel = m->n_extremes;
+  for (int sense = -1; sense <= 1 && sole(model) < 0; sense += 2)
+    add_extreme(m, VS_CH_TRAVEL, sense);
+  m->of_probes = m->n_extremes;
+  for (int c = vs_channel_deck(model); c < vs_channel_count(frame); c++)
+    for (int sense = -1; sense <= 1; sense += 2) add_extreme(m, c, sense);
   for (int k = 0; k < VS_DECK_MOST; k++) m->passed_s[k] = NAN;
-  m->fired_s = m->extinct_s = m->refired_s = NAN;
+  m->fired_s = m->extinct_s = m->refired_s = m->drives_s = NAN;
   m->solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
   return m;
 }
@@ -80,7 +186,7 @@ static double find_root(const vs_measures *m, course *c, double lo, double hi) {
   return gsl_root_fsolver_root(m->solver);
 }
 
-/* The extremum of p around the middle of three knots. */
+/* The extremum of the travel around the middle of three knots. */
 static vs_value refine(const vs_measures *m) {
   vs_value turn = {true, m->travel_m[1], m->kept[m->last].from.t_s};
   if (!vs_extreme_turn_of_travel(&m->kept[1 - m->last].step, &turn))
@@ -90,14 +196,14 @@ static vs_value refine(const vs_measures *m) {
 
 /* ---- what is followed from step to step ---- */
 
-/* True: the middle one of the three values of p is an extremum. */
+/* True: the middle one of the three travels is an extremum. */
 static bool turns(const vs_measures *m) {
   double a = m->travel_m[0], b = m->travel_m[1], c = m->travel_m[2];
   return (b >= a && b > c) || (b <= a && b < c);
 }
 
 const vs_extreme *vs_measures_of_probe(const vs_measures *m, int probe) {
-  const vs_extreme *pair = &m->extremes[VS_STANDARD_EXTREMES + 2 * probe];
+  const vs_extreme *pair = &m->extremes[m->of_probes + 2 * probe];
   assert(pair[0].channel == vs_channel_deck(m->frame->model) + probe && pair[0].sense < 0);
   assert(pair[1].channel == vs_channel_deck(m->frame->model) + probe && pair[1].sense > 0);
   return pair;
@@ -135,7 +241,7 @@ static void follow_peaks(vs_measures *m) {
   bool free_swing = swings_freely(m, middle);
   bool wanted =
       !m->first.known || !m->second.known || fabs(m->first.value) < RIPPLE * fabs(m->travel_m[1]);
-  if (!(middle > m->fired_s) || (!wanted && !free_swing)) return;
+  if (!(middle > m->drives_s) || (!wanted && !free_swing)) return;
   vs_value v = refine(m);
   if (!m->first.known || fabs(m->first.value) < RIPPLE * fabs(v.value)) {
     m->first = v;
@@ -174,7 +280,7 @@ static bool goes_on(const vs_measures *m, double t_s) {
 
 static void follow_event(vs_measures *m, vs_event event, double t_s) {
   if (event == VS_EV_FIRES && isnan(m->fired_s))
-    m->fired_s = t_s;
+    m->fired_s = m->drives_s = t_s;
   else if (event == VS_EV_FIRES && goes_on(m, t_s)) {
     m->extinct_s = NAN;
     m->n = m->st = m->sl = m->stt = m->stl = m->crossings = 0;
@@ -200,17 +306,40 @@ void vs_measures_accept(vs_measures *m, const vs_step *step) {
       m->steps == 1 ? vs_mechanics_travel(m->frame->model, step->from->x) : m->travel_m[1];
   m->travel_m[1] = vs_mechanics_travel(m->frame->model, step->from->x);
   m->travel_m[2] = vs_mechanics_travel(m->frame->model, step->to->x);
-  for (int k = 0; k < m->n_extremes; k++) vs_extreme_follow(&m->extremes[k], step, m->jammed);
+  vs_extreme_follow(&m->extremes[OF_CURRENT], step, m->jammed);
+  vs_extreme_follow(&m->extremes[OF_FORCE], step, m->jammed);
+  vs_extreme_follow_motion(&m->extremes[OF_COORDINATES], step, m->jammed);
+  for (int k = m->of_travel; k < m->n_extremes; k++)
+    vs_extreme_follow(&m->extremes[k], step, m->jammed);
   for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++) follow_rating(m, k);
   follow_peaks(m);
   follow_crossings(m);
 }
 
+/* The least and the largest travel. Where one coordinate opens the gap they are that one's, the
+ * other way round where it closes it. */
+static void finish_travel(const vs_measures *m, vs_value *least, vs_value *largest) {
+  const vs_model *model = m->frame->model;
+  int own = sole(model);
+  const vs_extreme *pair =
+      own < 0 ? &m->extremes[m->of_travel] : &m->extremes[OF_COORDINATES + VS_OF_COORDINATE * own];
+  bool closes = own >= 0 && model->along[own] < 0;
+  *least = pair[closes ? VS_LARGEST : VS_LEAST].best;
+  *largest = pair[closes ? VS_LEAST : VS_LARGEST].best;
+  if (!closes) return;
+  least->value = 0 - least->value; /* no -0 */
+  largest->value = 0 - largest->value;
+}
+
 void vs_measures_finish(const vs_measures *m, vs_value values[VS_MEASURES]) {
   for (int k = 0; k < VS_MEASURES; k++) values[k] = (vs_value){.at_s = NAN};
-  for (int k = 0; k < VS_STANDARD_EXTREMES; k++) values[STANDARD[k].measure] = m->extremes[k].best;
-  values[VS_M_P_FIRST] = m->first;
-  values[VS_M_P_SECOND] = m->second;
+  values[VS_M_I_PEAK] = m->extremes[OF_CURRENT].best;
+  values[VS_M_FORCE_PEAK] = m->extremes[OF_FORCE].best;
+  for (int k = OF_COORDINATES; k < m->of_travel; k++)
+    values[VS_STANDARD_MEASURES + k - OF_COORDINATES] = m->extremes[k].best;
+  finish_travel(m, &values[VS_M_GAP_MIN], &values[VS_M_GAP_MAX]);
+  values[VS_M_GAP_FIRST] = m->first;
+  values[VS_M_GAP_SECOND] = m->second;
   if (!isnan(m->fired_s)) values[VS_M_T_FIRE] = (vs_value){true, m->fired_s, NAN};
   if (!isnan(m->extinct_s)) {
     values[VS_M_T_EXTINCTION] = (vs_value){true, m->extinct_s, NAN};
@@ -221,5 +350,5 @@ void vs_measures_finish(const vs_measures *m, vs_value values[VS_MEASURES]) {
         (vs_value){true, (m->crossings - 1) / (m->last_crossing_s - m->first_crossing_s), NAN};
   /* ln A = const - t/tau, least squares */
   double slope = (m->n * m->stl - m->st * m->sl) / (m->n * m->stt - m->st * m->st);
-  if (m->n >= 3 && slope < 0) values[VS_M_TAU_P] = (vs_value){true, -1 / slope, NAN};
+  if (m->n >= 3 && slope < 0) values[VS_M_TAU_GAP] = (vs_value){true, -1 / slope, NAN};
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Watcher that reduces a run to its standard measures while it goes on. Extremes (extremes.h) and
+ * Watcher that reduces a run to its measures while it goes on. Extremes (extremes.h) and
  * crossings are found by root-finding on the dense output, not by the largest sample. */
 #ifndef VS_WATCH_MEASURES_H
 #define VS_WATCH_MEASURES_H
@@ -9,7 +9,8 @@
 
 #include "watch/extremes.h"
 
-/* The standard measures, which every tier has. id, name, unit, text */
+/* The measures that every machine has: id, name, unit, text. In a text %s stands for what opens
+ * the gap: the name of the one coordinate that does, or "the travel". */
 #define VS_MEASURE_LIST(X)                                                                         \
   X(VS_M_I_PEAK, "i_peak", "A", "largest |coil current|")                                          \
   X(VS_M_T_FIRE, "t_fire", "s", "first firing")                                                    \
@@ -17,17 +18,15 @@
   X(VS_M_CONDUCTION, "conduction_time", "s",                                                       \
     "first conduction, from firing to extinction; gaps between a gate's sub-pulses included")      \
   X(VS_M_FORCE_PEAK, "force_peak", "N", "largest force")                                           \
-  X(VS_M_P_FIRST, "p_first_peak", "m", "first motion peak of p after the first firing")            \
-  X(VS_M_P_SECOND, "p_second_peak", "m", "the extremum of p that follows it")                      \
-  X(VS_M_P_MIN, "p_min", "m", "least p")                                                           \
-  X(VS_M_P_MAX, "p_max", "m", "largest p")                                                         \
-  X(VS_M_AP_PEAK, "ap_peak", "m/s2", "largest |acceleration| of p")                                \
-  X(VS_M_AU_PEAK, "au_peak", "m/s2", "largest |acceleration| of u")                                \
-  X(VS_M_AW_PEAK, "aw_peak", "m/s2", "largest |acceleration| of w")                                \
+  X(VS_M_GAP_FIRST, "gap_first_peak", "m",                                                         \
+    "first motion peak of the travel, by which the gap is opened, after the first firing")         \
+  X(VS_M_GAP_SECOND, "gap_second_peak", "m", "the extremum of the travel that follows it")         \
+  X(VS_M_GAP_MIN, "gap_min", "m", "least travel: how far the gap is closed")                       \
+  X(VS_M_GAP_MAX, "gap_max", "m", "largest travel: how far the gap is opened")                     \
   X(VS_M_F_RESONANCE, "f_resonance", "Hz",                                                         \
-    "of the free swing, from the rising zero crossings of p between the first extinction and 1 s " \
-    "or the next firing")                                                                          \
-  X(VS_M_TAU_P, "tau_p", "s", "decay time of p there, from the envelope of its extremes")          \
+    "of the free swing, from the rising zero crossings of %s between the first extinction and 1 "  \
+    "s or the next firing")                                                                        \
+  X(VS_M_TAU_GAP, "tau_gap", "s", "decay time of the travel there, from its extremes' envelope")   \
   X(VS_M_ENERGY_IN, "energy_in", "J", "drawn from the mains")                                      \
   X(VS_M_ENERGY_COPPER, "energy_copper", "J", "lost in the coil's resistance")                     \
   X(VS_M_WORK_FORCE, "work_force", "J", "done by the force on the machine")                        \
@@ -36,37 +35,38 @@
     "|energy_in|, "                                                                                \
     "whichever is more")
 
+/* Where a measure's value stands in an array values[VS_MEASURES]: those above first, then three of
+ * each coordinate i, at VS_M_OF_COORDINATE(i, VS_LEAST), VS_LARGEST and VS_PEAK. */
 enum {
 #define VS_MEASURE_ID(id, name, unit, text) id,
   VS_MEASURE_LIST(VS_MEASURE_ID)
 #undef VS_MEASURE_ID
-      VS_MEASURES
+      VS_STANDARD_MEASURES,
+  VS_MEASURES = VS_STANDARD_MEASURES + VS_OF_COORDINATE * VS_MOST_DOF
 };
+#define VS_M_OF_COORDINATE(i, which) (VS_STANDARD_MEASURES + VS_OF_COORDINATE * (i) + (which))
 
+/* One measure of a machine, as it is listed. */
 typedef struct vs_measure {
-  const char *name, *unit, *text;
+  char name[VS_MACHINE_NAME + 16], text[VS_MACHINE_TEXT + 32];
+  const char *unit; /* borrowed from the program or from the machine */
+  int slot;         /* where its value stands */
+  double factor;    /* what that value is multiplied by: -1 of a coordinate that closes the gap */
 } vs_measure;
-extern const vs_measure vs_measures_standard[VS_MEASURES];
 
-/* The measures that are extremes of a channel. id, channel, sense (as vs_extreme has it) */
-#define VS_EXTREME_LIST(X)                                                                         \
-  X(VS_M_I_PEAK, VS_CH_I, 0)                                                                       \
-  X(VS_M_FORCE_PEAK, VS_CH_FORCE, 1)                                                               \
-  X(VS_M_P_MIN, VS_CH_TRAVEL, -1)                                                                  \
-  X(VS_M_P_MAX, VS_CH_TRAVEL, 1)                                                                   \
-  X(VS_M_AP_PEAK, VS_RATE2(0), 0)                                                                  \
-  X(VS_M_AU_PEAK, VS_RATE2(1), 0)                                                                  \
-  X(VS_M_AW_PEAK, VS_RATE2(2), 0)
+/* The most measures that a machine has: where one coordinate NAME alone opens the gap, and by as
+ * much as it moves, there are NAME_first_peak, NAME_second_peak and tau_NAME besides. */
+enum { VS_MOST_MEASURES = VS_MEASURES + 3 };
 
-enum {
-#define VS_EXTREME_ONE(measure, channel, sense) +1
-  VS_STANDARD_EXTREMES = 0 VS_EXTREME_LIST(VS_EXTREME_ONE),
-#undef VS_EXTREME_ONE
-  VS_MOST_EXTREMES = VS_STANDARD_EXTREMES + 2 * VS_DECK_MOST
-};
+/* Fills `measure` with the k-th measure of the machine, from 0, in the order of lists, and returns
+ * true; false: there are no more. Of the model only machine, dof and along are read. */
+bool vs_measure_at(const vs_model *model, int k, vs_measure *measure);
+/* How many there are. */
+int vs_measures_count(const vs_model *model);
+
+enum { VS_MOST_EXTREMES = 4 + VS_OF_COORDINATE * VS_MOST_DOF + 2 * VS_DECK_MOST };
 
 /* A step that outlives the tier's own knots. */
-#define VS_RATE2(i) (-1 - (i)) /* transitional: the second rate of coordinate i */
 typedef struct vs_kept_step {
   vs_knot from, to;
   vs_step step;
@@ -78,17 +78,21 @@ typedef struct vs_measures {
   int last, steps;      /* steps: how many are kept, 0..2 */
   double travel_m[3];   /* the travel at the three ends of the kept steps */
   bool jammed;          /* the armature has jammed */
-  /* those of VS_EXTREME_LIST in its order, then least and largest of each of the deck's probes */
+  /* The current's and the force's; three of each coordinate; the travel's, where no coordinate
+   * has the same ones; then, from of_probes on, least and largest of each of the deck's probes. */
   vs_extreme extremes[VS_MOST_EXTREMES];
-  int n_extremes;
+  int of_travel, of_probes, n_extremes;
+  double drives_s; /* from when on a motion peak counts: the first firing, or 0 where no valve
+                      fires; NaN: not yet */
   double passed_s[VS_DECK_MOST]; /* when each of the deck's ratings was first passed; NaN: it was
                                     not */
   double fired_s, extinct_s, refired_s; /* first firing, first extinction, second firing; NaN: not
                                            yet */
-  vs_value first, second;               /* motion peaks of p */
-  /* rising zero crossings of p in the free swing: how many, and when the first and the last were */
+  vs_value first, second;               /* motion peaks of the travel */
+  /* rising zero crossings of the travel in the free swing: how many, and when the first and the
+   * last were */
   double crossings, first_crossing_s, last_crossing_s;
-  vs_value swing;             /* the last extremum of p in the free swing */
+  vs_value swing;             /* the last extremum of the travel there */
   double n, st, sl, stt, stl; /* sums for the straight line of ln(amplitude) over t */
   gsl_root_fsolver *solver;   /* owned */
 } vs_measures;
@@ -105,7 +109,7 @@ const vs_extreme *vs_measures_of_probe(const vs_measures *measures, int probe);
  * which sign the probe may have. It is run.tolerance of the rating's range, the scale on which the
  * run is judged, or of the probe's largest magnitude so far where the rating has no other end. */
 double vs_measures_slack(const vs_measures *measures, const vs_rating *rating);
-/* Gives the values of all standard measures but the energies, values[VS_MEASURES]. */
+/* Gives the values of all measures but the energies, values[VS_MEASURES]. */
 void vs_measures_finish(const vs_measures *measures, vs_value values[VS_MEASURES]);
 
 #endif

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What the pictures of a run show: each is a sheet of panels, one curve of run.csv each. They are
+ * the paper's Figs. 9 to 11 for its machine, and the same of any other machine's coordinates. */
+#ifndef VS_PICTURE_SHEETS_H
+#define VS_PICTURE_SHEETS_H
+
+#include <stddef.h>
+
+enum {
+  VS_SHEET_PANELS = 96, /* at most 36 of the program's own, then those an overlay asks for */
+  VS_SHEET_NAME = 96,
+  VS_SHEETS = 3
+};
+
+typedef struct vs_panel {
+  char column[VS_SHEET_NAME], label[VS_SHEET_NAME]; /* of run.csv; what the axis says */
+  double scale;                                     /* of the column on the way to the axis */
+} vs_panel;
+
+typedef struct vs_sheet {
+  const char *name, *title; /* the picture's file name without its ending; what stands above it */
+  double until_s;           /* 0: the whole run */
+  int columns;              /* how many panels stand side by side */
+  vs_panel panels[VS_SHEET_PANELS];
+  int count;
+} vs_sheet;
+
+/* All pictures of one run. */
+typedef struct vs_sheets {
+  vs_sheet set[VS_SHEETS]; /* one file each */
+  vs_sheet overview;       /* what `plot -o` draws on its one sheet */
+} vs_sheets;
+
+/* Returns the sheets of a run, for the caller to free(). The machine's coordinates are found by the
+ * columns in run.csv's header, and by the measures in the folder's summary.json where there is one:
+ * NAME is a coordinate where the run measured aNAME_peak. */
+vs_sheets *vs_sheets_new(const char *folder, const char *header);
+
+/* Appends a panel; one too many is left out. */
+void vs_sheet_add(vs_sheet *sheet, const char *column, const char *label, double scale);
+/* The panel that shows the column; NULL: the sheet has none. */
+const vs_panel *vs_sheet_find(const vs_sheet *sheet, const char *column);
+
+#endif
