@@ -97,7 +97,7 @@ static void take_stock(vs_energy *e) {
   const vs_deck *deck = e->frame->deck;
   const vs_model *m = e->frame->model;
   e->joule[VS_E_MAGNETIC] = magnetic(e->frame, &e->last) - magnetic(e->frame, &e->first);
-  e->joule[VS_E_MECHANICAL] = mechanical(m, &e->last) - e->began_j;
+  e->joule[VS_E_MECHANICAL] = mechanical(m, &e->last) - mechanical(m, &e->first);
   for (size_t n = 0; deck && n < deck->stores.count; n++) {
     double held[2];
     vs_formula_pair(&deck->stores.item[n].formula, e->first.terms, e->last.terms, held);
