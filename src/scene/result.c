@@ -39,7 +39,7 @@ static bool nothing_conducts(const vs_scene *s, const vs_result *r) {
  * nothing is to be said. */
 static bool nothing_fires(const vs_result *r, char *text, size_t size) {
   const vs_scene *s = r->scene;
-  if (!nothing_conducts(s, r)) return false;
+  if (s->setup.timeline.firing.no_valve || !nothing_conducts(s, r)) return false;
   const vs_timeline *t = &s->setup.timeline;
   const char *no_chance = vs_warnings_no_chance(&s->frame);
   double until_s = s->setup.run.until_s, first_s;

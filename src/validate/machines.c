@@ -198,7 +198,7 @@ static const vs_comparison COMPARISONS[] = {
 
     STEP("0.001", 0.000127862768692, 0.319395303456, 4.20408662937),
     STEP("0.005", 0.00314544357825, 0.823797149213, 3.23981706413),
-    STEP("0.02", 0.00677011695283, 0.0025853054243, 5.2177005625),
+    STEP("0.02", 0.00677011695283, 0.0025854053243, 5.2177005625),
     CLOSED(shaker_step, "step: first peak of x", "m", "gap_first_peak", 0.0067714270409, 0),
     CLOSED(shaker_step, "step: first peak of x, when", "s", "gap_first_peak.at", 0.021128094382, 0),
     CLOSED(shaker_step, "step: second peak of x", "m", "gap_second_peak", 0.00675692105916, 0),

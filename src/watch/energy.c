@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "actuator/coil.h"
 
@@ -156,6 +157,15 @@ static int parts_of(const vs_step *step) {
   return touched ? IN_A_STOP : 1;
 }
 
+/* Keeps of the last knot what tells the energies stored there. */
+static void note_end(vs_energy *e, const vs_knot *k) {
+  const vs_deck *deck = e->frame->deck;
+  e->last.t_s = k->t_s;
+  e->last.flux_wb = k->flux_wb;
+  memcpy(e->last.x, k->x, 2 * (size_t)e->frame->model->dof * sizeof *k->x);
+  if (deck) memcpy(e->last.terms, k->terms, deck->n_terms * sizeof *k->terms);
+}
+
 void vs_energy_accept(vs_energy *e, const vs_step *step) {
   /* true: no current flows, so only the machine's own terms change */
   bool alone = step->frame->source_is_coil && vs_step_is_quiet(step);
@@ -177,7 +187,7 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
     vs_step_groups_at(step, t_s, groups, y);
     add_instant(e, y, w, !alone);
   }
-  vs_knot_copy(step->frame, step->to, &e->last);
+  note_end(e, step->to);
   if (step->frame->deck) add_losses(e, step);
   if (e->steps % STOCK_TAKING == 0) take_stock(e);
 }

@@ -56,7 +56,8 @@ typedef struct vs_energy {
   double loss_w[VS_DECK_MOST];  /* the deck's loss lines at the last step's end */
   double loss_j[VS_DECK_MOST];  /* their integrals */
   double store_j[VS_DECK_MOST]; /* what the deck's store lines have gained since the beginning */
-  vs_knot first, last;          /* of the steps accepted so far */
+  vs_knot first, last;          /* of the steps accepted so far; of the last its time, state, flux
+                                   linkage and terms alone */
   long steps;
   double left_j[VS_BALANCES];     /* what each balance leaves over when it was last taken */
   double furthest_j[VS_BALANCES]; /* the most that it left over so far, with its sign */

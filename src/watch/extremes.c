@@ -145,11 +145,27 @@ static void take_ends(const search *s, at_knot from, at_knot to) {
   take(s, to.y, s->step->to->t_s);
 }
 
+/* True if nothing in the step has a corner or is stiffer than the step is long: no armature in a
+ * stop that is not linear, and none that is held. */
+static bool is_smooth(const vs_step *step, bool jammed) {
+  const vs_model *m = step->frame->model;
+  if (jammed) return false;
+  if (m->plain || !m->stops.count) return true;
+  return !vs_stops_touched(&m->stops, vs_mechanics_travel(m, step->from->x)) &&
+         !vs_stops_touched(&m->stops, vs_mechanics_travel(m, step->to->x));
+}
+
+/* What a polynomial through values may miss, of the channel's largest on the step: a hundredth of
+ * the 1e-10 that an extreme is to be right to. Rounding may be more, as the rates are differences
+ * of coordinates that hardly change in a short step. What is missed then falls no more when a part
+ * is cut in halves; at a corner it falls to half, but is not so small. */
+static const double MISSED = 1e-12, MOST_ROUNDING = 1e-9;
+
 /* Looks into a part of the step by the polynomial through the channel's own values there. Where
  * that misses the channel between two of its points, as at a corner, the part is cut in halves. A
  * part that is a thousand millionth of the step is left with the values themselves: a corner is met
- * that well. */
-static void look_sampled(const search *s, double lo, double width) {
+ * that well. missed_before: what was missed in the part twice as wide. */
+static void look_sampled(const search *s, double lo, double width, double missed_before) {
   const double from = s->step->from->t_s, h = s->step->to->t_s - from;
   double y[VS_CURVE_POINTS], most = -INFINITY, missed = 0;
   for (int k = 0; k < VS_CURVE_POINTS; k++) {
@@ -164,28 +180,17 @@ static void look_sampled(const search *s, double lo, double width) {
     double truly = vs_step_channel(s->step, from + h * (lo + width * at), s->extreme->channel);
     missed = fmax(missed, fabs(vs_curve_value(&c, at) - truly));
   }
-  if (missed <= s->rounding) {
-    look_into(s, c, lo, width);
+  bool rounding = missed > missed_before / 2 && missed * MISSED < s->rounding * MOST_ROUNDING;
+  if (missed <= s->rounding || rounding) {
+    search in = *s;
+    in.rounding = fmax(missed, s->rounding);
+    look_into(&in, c, lo, width);
     return;
   }
   if (most + 100 * missed < reach(s) || width < 0x1p-30) return;
-  look_sampled(s, lo, width / 2);
-  look_sampled(s, lo + width / 2, width / 2);
+  look_sampled(s, lo, width / 2, missed);
+  look_sampled(s, lo + width / 2, width / 2, missed);
 }
-
-/* True if nothing in the step has a corner or is stiffer than the step is long: no armature in a
- * stop that is not linear, and none that is held. */
-static bool is_smooth(const vs_step *step, bool jammed) {
-  const vs_model *m = step->frame->model;
-  if (jammed) return false;
-  if (m->plain || !m->stops.count) return true;
-  return !vs_stops_touched(&m->stops, vs_mechanics_travel(m, step->from->x)) &&
-         !vs_stops_touched(&m->stops, vs_mechanics_travel(m, step->to->x));
-}
-
-/* What a polynomial through values may miss, of the channel's largest on the step: a hundredth of
- * the 1e-10 that an extreme is to be right to. */
-static const double MISSED = 1e-12;
 
 static void look_at_samples(const search *s) {
   const vs_step *step = s->step;
@@ -197,7 +202,7 @@ static void look_at_samples(const search *s) {
     size = fmax(size, fabs(vs_step_channel(step, at_s, s->extreme->channel)));
   }
   in.rounding = MISSED * size;
-  if (size > 0) look_sampled(&in, 0, 1);
+  if (size > 0) look_sampled(&in, 0, 1, INFINITY);
 }
 
 static void look_between(const search *s) {
