@@ -509,18 +509,16 @@ static void an_empty_scene_is_the_paper(void) {
   struct fy_document *empty = read_json("empty/summary.json"),
                      *paper = read_json("paper/summary.json");
   check_table_1(empty);
-  vs_model *model = vs_alloc(1, sizeof *model);
-  vs_error err = {0};
+  vs_trial *t = vs_trial_read("paper", NULL, (const char *[]){NULL});
   vs_measure m;
-  CU_ASSERT_EQUAL(vs_build_model(NULL, model, &err), VS_OK);
-  for (int k = 0; vs_measure_at(model, k, &m); k++) {
+  CU_ASSERT_EQUAL(t->status, VS_OK);
+  for (int k = 0; vs_measure_at(&t->scene.setup.model, k, &m); k++) {
     const char *name = m.name;
     double value = measure_of(empty, name, "value");
     EXPECT(isfinite(value) && value == measure_of(paper, name, "value"), "%s = %.17g and %.17g",
            name, value, measure_of(paper, name, "value"));
   }
-  vs_actuator_end(&model->coil);
-  free(model);
+  vs_trial_free(t);
   CLOSE(measure_of(paper, "i_peak", "measured"), 0.95, 0);
   CLOSE(measure_of(paper, "p_first_peak", "measured"), -1.5e-3, 0);
   CU_ASSERT_FALSE(there(empty, "/measures/i_peak/measured"));

@@ -27,7 +27,7 @@ static int name_of(void *ctx, const char *at, const char *name) {
   CU_ASSERT_EQUAL(tolower((unsigned char)*at), *name);
   return strcmp(name, "a") ? strcmp(name, "b_2") ? -1 : 1 : 0;
 }
-static const vs_formula_scope SCOPE = {NULL, term_of, name_of};
+static const vs_formula_scope SCOPE = {.term = term_of, .name = name_of};
 
 static void formulas_give_their_values(void) {
   static const double TERMS[] = {3, -2, 0.5}, OTHERS[] = {-5, 7, 0.25}, NAMES[] = {10, 4};

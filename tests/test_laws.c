@@ -61,6 +61,12 @@ static const named MAGNET[] = {{"L", NULL, 0.4}, {"d", NULL, 2e-3}, {NULL, NULL,
 #define MAGNET_ENERGY "(0.5*(cosh(lambda/0.5)-1)/L-0.3*lambda)*z/d+2*z^2"
 #define MAGNET_FORCE "-(0.5*(cosh(lambda/0.5)-1)/L-0.3*lambda)/d-4*z"
 
+/* A product of 25 factors from the right: its derivative has two values waiting at each. */
+#define DEEP8 "z*(z*(z*(z*(z*(z*(z*(z*("
+#define DEEP DEEP8 DEEP8 DEEP8
+#define ENDS8 "))))))))"
+#define ENDS ENDS8 ENDS8 ENDS8
+
 enum { MOST = 40 };
 typedef struct scope {
   const named *names;
@@ -335,6 +341,27 @@ static void test_deep_leakage(void) {
   end(&inner);
 }
 
+/* Inductance where no current flows, at the gap at rest: sinh(lambda/0.5)/0.4 = 0.3 for the magnet;
+ * of the solenoid a difference of the current, which is odd in lambda. */
+static void test_rest(void) {
+  vs_coil magnet = written(MAGNET, 2e-3, MAGNET_CURRENT, NULL, NULL);
+  vs_coil solenoid = written(SOLENOID, 5e-3, SOLENOID_CURRENT, NULL, SOLENOID_FORCE);
+  CLOSE(magnet.rest_h, 0.2 / sqrt(1 + 0.12 * 0.12), 1e-13);
+  CLOSE(solenoid.rest_h, 1e-7 / vs_coil_current(&solenoid, 1e-7, 5e-3), 1e-5);
+  end(&magnet);
+  end(&solenoid);
+}
+
+/* A formula that ends at 1 Wb says so. */
+static void test_beyond(void) {
+  vs_coil c = written(MAGNET, 2e-3, "lambda/sqrt(1-lambda^2)", NULL, NULL);
+  char text[200] = "";
+  CU_ASSERT_PTR_NULL(c.law->beyond(&c, 0.99, 2e-3, text, sizeof text));
+  CU_ASSERT_PTR_NOT_NULL(c.law->beyond(&c, 1.01, 2e-3, text, sizeof text));
+  CU_ASSERT_PTR_NOT_NULL(strstr(text, "lambda = 1.01 Wb, z = 2 mm"));
+  end(&c);
+}
+
 static void test_refused(void) {
   static const struct {
     const char *text[3], *says;
@@ -347,7 +374,8 @@ static void test_refused(void) {
        1},
       {{MAGNET_CURRENT, MAGNET_ENERGY, "-(" MAGNET_FORCE ")"}, "but -dW/dz of the energy is", 3},
       {{MAGNET_CURRENT, NULL, "1.1*(" MAGNET_FORCE ")"}, "but -di/dz of the current is", 3},
-      {{"ln(lambda)", NULL, NULL}, "must grow with lambda", 1}};
+      {{"ln(lambda)", NULL, NULL}, "must grow with lambda", 1},
+      {{NULL, "lambda^2+" DEEP "z" ENDS, NULL}, "grows too long", 2}};
   for (size_t k = 0; k < COUNT(ROW); k++) {
     vs_coil c;
     vs_error err = {0};
@@ -404,6 +432,8 @@ static const vs_test TESTS[] = {
     {"rates of current and force", test_rates},
     {"rates without flux", test_at_zero},
     {"leakage far in saturation", test_deep_leakage},
+    {"inductance at rest", test_rest},
+    {"formulas that end", test_beyond},
     {"formulas that are refused", test_refused},
     {"what ngspice makes of the laws", test_netlist},
 };

@@ -534,27 +534,15 @@ static const vs_law SOLENOID = {.name = "solenoid",
                                 .energy = solenoid_energy,
                                 .along = solenoid_along};
 
-/* The published stop, c delta^2 + clip(d delta', +-c delta^2). */
-static double clipped(const vs_stop *s, double depth, double rate) {
-  double most = s->stiffness * depth * depth;
-  return fmax(-most, fmin(most, s->damping_ns_m * rate));
+static vs_stop stop_of(int kind, int side, double at_m, double stiffness, double damping_ns_m) {
+  return (vs_stop){.kind = vs_stop_kinds[kind],
+                   .side = side,
+                   .at_m = at_m,
+                   .stiffness = stiffness,
+                   .damping_ns_m = damping_ns_m,
+                   .scale_m = fabs(at_m),
+                   .deepest_m = 0.25e-3};
 }
-static double quadratic_force(const vs_stop *s, double depth, double rate) {
-  return s->stiffness * depth * depth + clipped(s, depth, rate);
-}
-static double quadratic_rate(const vs_stop *s, double depth, double rate, double rate2) {
-  double most = s->stiffness * depth * depth, slope = 2 * s->stiffness * depth * rate;
-  double drag = s->damping_ns_m * rate;
-  return slope + (drag > most ? slope : drag < -most ? -slope : s->damping_ns_m * rate2);
-}
-static double quadratic_energy(const vs_stop *s, double depth) {
-  return s->stiffness * depth * depth * depth / 3;
-}
-static double quadratic_loss(const vs_stop *s, double depth, double rate) {
-  return clipped(s, depth, rate) * rate;
-}
-static const vs_stop_kind QUADRATIC = {
-    "quadratic", "", quadratic_force, quadratic_rate, quadratic_energy, quadratic_loss};
 
 static void solenoid(vs_setup *setup, vs_machine *machine, const vs_stop *stop) {
   vs_model *m = &setup->model;
@@ -573,7 +561,7 @@ static void solenoid_pulls_in(void) {
       {0.008, 0.003746295142, 0.0350100584, 0.9936220385, 3.090742444},
       {0.012, 0.0006067959254, 0.04930137236, 0.5092345686, 8.955993363},
       {0.02, 0.0002294630206, 0.09839182456, 0.7239651584, 42.58175755}};
-  const vs_stop stop = {&QUADRATIC, 1, -4.75e-3, 1e11, 400};
+  const vs_stop stop = stop_of(1, 1, -4.75e-3, 1e11, 400);
   vs_setup setup = {0};
   vs_machine machine = {.dof = 0};
   solenoid(&setup, &machine, &stop);
@@ -602,7 +590,7 @@ static void solenoid_pulls_in(void) {
 }
 
 static void solenoid_on_springs(void) {
-  const vs_stop stop = {&vs_stop_linear, 1, -4.75e-3, 1e6, 200};
+  const vs_stop stop = stop_of(0, 1, -4.75e-3, 1e6, 200);
   vs_setup setup = {0};
   vs_machine machine = {.dof = 0};
   solenoid(&setup, &machine, &stop);
@@ -613,9 +601,97 @@ static void solenoid_on_springs(void) {
   CLOSE(s.y[1][VS_CH_Z], 0.00021442815682, 1e-9);
 }
 
+/* ---- the shaker at 20 Hz, and a free mass between two stops ---- */
+
+/* Behind 2 s, 60 of the slowest time constants, amplitude and phase are those of the closed form:
+ * a, b of a cos + b sin by three samples of the last cycles. */
+static void shaker_at_20_hz(void) {
+  static const double WANT[3][2] = {{0.000741108559377, -41.8256602464},
+                                    {0.0931304482261, 48.1743397536},
+                                    {0.505505110323, -22.1379507081}};
+  vs_setup setup = {0};
+  vs_machine machine = {.dof = 0};
+  shaker(&setup, &machine, false);
+  fire(&setup, M_SQRT1_2, 90);
+  setup.timeline.firing.no_valve = 1;
+  setup.timeline.supply.frequency_hz = 20;
+  setup.timeline.omega_rad_s = 40 * M_PI;
+  setup.timeline.period_s = 0.05;
+  setup.run.until_s = 2.01;
+  seen s = {.n_samples = 2, .sample_s = {2, 2 - 0.0125}};
+  run(&setup, &s);
+  const int channel[3] = {VS_CH_Q, VS_CH_Q + 1, VS_CH_I};
+  for (int k = 0; k < 3; k++) { /* u = sin: y = A sin(wt + phase); wt = 0 and -90 degrees */
+    double sine = s.y[0][channel[k]], minus_cosine = s.y[1][channel[k]];
+    CLOSE(hypot(sine, minus_cosine), WANT[k][0], 1e-9);
+    CLOSE_OF(atan2(sine, -minus_cosine) * 180 / M_PI, WANT[k][1], 57.3, 1e-9);
+  }
+}
+
+/* A mass between an undamped stop on either side, without springs and without current, thrown at
+ * them: half a period in each stop, pi sqrt(m/k), and flights of equal length between. A third stop
+ * deeper in the first one is never reached. */
+static void between_two_stops(void) {
+  vs_setup setup = {0};
+  vs_machine machine = {.dof = 0};
+  vs_model *m = &setup.model;
+  iron none = {1, 2, 0, 0, 0};
+  *m = (vs_model){.dof = 1, .along = {1}};
+  m->mass[0][0] = 0.02;
+  m->coil = coil_of(&IRON, 5e-3, 5e-3, 10);
+  m->coil.own = &none;
+  m->coil.square = true;
+  m->actuator.resistance_ohm = 10, m->actuator.gap_m = 4e-3;
+  m->stops.count = 3;
+  m->stops.item[0] = stop_of(0, 1, -2e-3, 2e5, 0);
+  m->stops.item[1] = stop_of(0, -1, 1e-3, 2e5, 0);
+  m->stops.item[2] = stop_of(0, 1, -3e-3, 2e5, 0);
+  finish(m, &machine);
+  step_voltage(&setup, 0, 0.02);
+  setup.start.x[1] = -1;
+  seen s = {.n_samples = 1, .sample_s = {0.02}};
+  run(&setup, &s);
+  double inside = M_PI * sqrt(0.02 / 2e5), t = 0.002;
+  CU_ASSERT(s.n_events == INSTANTS || s.n_events == 7);
+  for (int k = 0; k < 7; k++) {
+    EXPECT(s.event[k] == (k % 2 ? VS_EV_LEAVES_STOP : VS_EV_MEETS_STOP), "event %d", k);
+    CLOSE(s.at[k].t_s, t, 1e-12);
+    CLOSE(fabs(s.at[k].x[1]), 1, 1e-9);
+    t += k % 2 ? 0.003 : inside;
+  }
+}
+
+/* A chain of as many masses as there may be, of which the first has the coil: the books close. */
+static void sixteen_masses(void) {
+  vs_setup setup = {0};
+  vs_machine machine = {.dof = 0};
+  vs_model *m = &setup.model;
+  iron own = {1.2, 7, 0.2, 0, 0};
+  *m = (vs_model){.dof = VS_MOST_DOF, .along = {1}};
+  for (int i = 0; i < VS_MOST_DOF; i++) {
+    m->mass[i][i] = 0.83;
+    for (int j = i > 0 ? i - 1 : 0; j <= i + 1 && j < VS_MOST_DOF; j++) {
+      m->stiffness[i][j] = (i == j ? 2.1 : -1) * 86000;
+      m->damping[i][j] = (i == j ? 2.1 : -1) * 2.4;
+    }
+  }
+  m->coil = coil_of(&IRON, 5.2e-3, 6.5e-3, 92);
+  m->coil.own = &own;
+  m->actuator.resistance_ohm = 92, m->actuator.gap_m = 6e-3;
+  finish(m, &machine);
+  fire(&setup, 440, 100);
+  seen s = {.n_samples = 0};
+  run(&setup, &s);
+  CLOSE_OF(s.energy.worst, 0, 1, 1e-9);
+  CU_ASSERT(s.extinct_s > 0.013);
+}
+
 static const vs_test TESTS[] = {{"saturation and leakage", saturation_and_leakage},
                                 {"two masses and one", other_machines},
                                 {"shaker", shaker_on_a_step},
                                 {"solenoid", solenoid_pulls_in},
-                                {"solenoid, linear stop", solenoid_on_springs}};
+                                {"solenoid, linear stop", solenoid_on_springs},
+                                {"shaker at 20 Hz", shaker_at_20_hz},
+                                {"between two stops", between_two_stops},
+                                {"sixteen masses", sixteen_masses}};
 VS_SUITE_MAIN("laws on ideal tiers", TESTS)

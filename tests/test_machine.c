@@ -105,8 +105,8 @@ static void indefinite_matrices_are_refused(void) {
                                        "machine.mount_4=[194 mm, 15 mm]", NULL};
   static const struct {
     const char *const *sets, *word;
-  } ROWS[] = {{M_SETS, "(Eq. 55) is not positive definite"},
-              {K_SETS, "(Eq. 57) is not positive definite"}};
+  } ROWS[] = {{M_SETS, "mass is not positive definite"},
+              {K_SETS, "stiffness is not positive definite"}};
   for (size_t k = 0; k < 2; k++) {
     vs_trial *t = vs_trial_run("paper", "switched", ROWS[k].sets, NULL);
     CU_ASSERT_EQUAL(t->status, VS_INPUT);

@@ -3,6 +3,7 @@
 
 #include <gsl/gsl_integration.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -119,6 +120,15 @@ static void integrated_along(const vs_coil *c, const double flux[3], const doubl
   force[1] = g * flux[1] + sum[1] * z[1];
   force[2] = g * flux[2] + g_lambda * flux[1] * flux[1] + 2 * g_z * flux[1] * z[1] +
              sum[2] * z[1] * z[1] + sum[1] * z[2];
+}
+
+static const char *beyond(const vs_coil *c, double flux_wb, double z_m, char *text, size_t size) {
+  if (isfinite(current(c, flux_wb, z_m))) return NULL;
+  snprintf(text, size,
+           "the formula of the current is no finite number at lambda = %.6g Wb, "
+           "z = %.6g mm",
+           flux_wb, 1e3 * z_m);
+  return text;
 }
 
 static void netlist(const vs_coil *c, const char *flux, const char *gap, vs_text *lines,
@@ -294,6 +304,13 @@ static void choose_panels(vs_coil *c, const range *r) {
 
 static const vs_law INTEGRATED;
 
+static void fold(written *w) {
+  vs_formula_fold(&w->current);
+  vs_formula_fold(&w->energy);
+  vs_formula_fold(&w->force);
+  vs_formula_fold(&w->slope);
+}
+
 static vs_status build(const vs_actuator_values *v, const vs_node *map,
                        const vs_law_formulas *formulas, vs_coil *c, vs_error *err) {
   written *w = vs_alloc(1, sizeof *w);
@@ -304,6 +321,7 @@ static vs_status build(const vs_actuator_values *v, const vs_node *map,
   range r = working_range(v, c);
   status = check_all(w, formulas, &r, err);
   if (status) return status;
+  fold(w);
   if (w->slope.count) c->law = &INTEGRATED;
   if (!w->energy.count) choose_panels(c, &r);
   return VS_OK;
@@ -328,7 +346,8 @@ static const vs_law INTEGRATED = {.name = "formula",
                                   .current = current,
                                   .force = integrated_force,
                                   .energy = energy,
-                                  .along = integrated_along};
+                                  .along = integrated_along,
+                                  .beyond = beyond};
 
 const vs_law vs_formulas_law = {.name = "formula",
                                 .text = "the formulas of the machine's file: current, energy and "
@@ -340,4 +359,5 @@ const vs_law vs_formulas_law = {.name = "formula",
                                 .force = force,
                                 .energy = energy,
                                 .along = along,
+                                .beyond = beyond,
                                 .netlist = netlist};

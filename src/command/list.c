@@ -127,7 +127,7 @@ static void list_measures(const listed *of) {
   vs_model *model = vs_alloc(1, sizeof *model);
   vs_error err = {0};
   vs_measure m;
-  vs_build_model(NULL, of->machine, model, &err); /* its names are known where it has errors, too */
+  vs_build_model(NULL, of->machine, model, &err); /* names follow, even where its numbers do not */
   for (int k = 0; vs_measure_at(model, k, &m); k++)
     printf("%-20s %-7s %s\n", m.name, m.unit, m.text);
   vs_actuator_end(&model->coil);

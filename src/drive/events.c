@@ -123,6 +123,22 @@ static vs_status clash(const vs_events *events, const vs_occurrence *e, vs_error
   return VS_OK;
 }
 
+/* Error: the event acts on what the scene's supply and valve have not. */
+static vs_status check_supply(const vs_timeline *t, const vs_occurrence *e, vs_error *err) {
+  const vs_event_kind *kind = e->kind;
+  if (t->supply.direct && kind->mains && kind->stage != VS_MAINS_FACTOR)
+    return vs_fail_at(err, e->where,
+                      "events.%s: supply.kind: step is direct voltage, to which a %s is nothing; "
+                      "take a sag, a swell, an interruption or a notch",
+                      e->name, kind->name);
+  if (t->firing.no_valve && (kind->pulse || kind->adds_pulse))
+    return vs_fail_at(err, e->where,
+                      "events.%s: with firing.valve: none there is no gate for a %s; leave the "
+                      "event or the key out",
+                      e->name, kind->name);
+  return VS_OK;
+}
+
 static vs_status read_event(const vs_node *map, const vs_timeline *t, double until_s,
                             vs_events *events, vs_error *err) {
   vs_occurrence e = {.period_s = t->period_s, .gate_rad = NAN, .where = map->key_where};
@@ -146,6 +162,8 @@ static vs_status read_event(const vs_node *map, const vs_timeline *t, double unt
     status = vs_error_carry_on(err, read_gate(map, &e, err));
   if (!status && vs_error_count(err) == found)
     status = vs_error_carry_on(err, check_element(&e, err));
+  if (!status && vs_error_count(err) == found)
+    status = vs_error_carry_on(err, check_supply(t, &e, err));
   if (!status && vs_error_count(err) == found)
     status = vs_error_carry_on(err, check_count(map, t, &e, err));
   if (!status && vs_error_count(err) == found)

@@ -450,6 +450,7 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
   phases p = {.setup = setup, .observer = observer, .rough = fmin(ROUGH * tolerance, ROUGHEST)};
   p.negligible = 1e-3 * p.rough;
   p.valve = !setup->timeline.firing.no_valve;
+  p.by_series = m->plain && !setup->timeline.supply.direct;
   p.disturbed = setup->timeline.events.count > 0;
   p.jams_s = vs_setup_jams(setup);
   p.driven = (vs_driven){.frame = frame};
@@ -458,9 +459,11 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
   find_scales(&p);
   p.longest_s = longest_step(&p, pow(DENSE * 6 * p.rough, 1.0 / 8), m->fastest_rad_s);
   p.longest_driven_s = longest_step(&p, 1, fmax(fmax(m->fastest_rad_s, mains), coil / 8));
-  p.longest_touching_s = fmin(longest_step(&p, 1, m->contact_rad_s), p.longest_driven_s);
+  /* general.c finds its own, and a stop of any kind has no one bound that is worth much */
+  p.longest_touching_s = p.by_series
+                             ? fmin(longest_step(&p, 1, m->contact_rad_s), p.longest_driven_s)
+                             : p.longest_driven_s;
   vs_propagator_make(&p.propagator, m, false, p.longest_s);
-  p.by_series = m->plain && !setup->timeline.supply.direct;
   vs_general_begin(&p.general, m->dof);
   vs_status status = vs_sim_refuse_endless(setup, p.longest_touching_s, err);
   while (!status && p.knots[p.now].t_s < until) {

@@ -8,7 +8,7 @@
 
 #include "sim/sim.h"
 
-/* The keys that these tiers obey and others ignore. */
+/* The keys that the ideal tiers alone obey. */
 extern const vs_tier_key vs_phases_keys[];
 
 /* Runs the setup from t = 0 to run.until. Of the frame gap_at_rest decides between the two tiers:

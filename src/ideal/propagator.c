@@ -44,19 +44,34 @@ void vs_propagator_make(vs_propagator *p, const vs_model *m, bool held, double h
   gsl_matrix_free(e);
 }
 
-void vs_propagator_step(const vs_propagator *p, const double *x, double *restrict y) {
+static void step_by_blocks(const vs_propagator *p, const double *x, double *restrict y) {
   for (int first = 0; first < p->states; first += VS_ROWS) {
     double sum[VS_ROWS] = {0};
     int j = 0;
     for (; j + VS_ROWS <= p->states; j += VS_ROWS) {
-      const double *e = p->column[j] + first, *at = x + j;
-      for (int i = 0; i < VS_ROWS; i++)
-        sum[i] = sum[i] + e[i] * at[0] + e[VS_MOST_STATES + i] * at[1] +
-                 e[2 * VS_MOST_STATES + i] * at[2] + e[3 * VS_MOST_STATES + i] * at[3];
+      const double(*e)[VS_MOST_STATES] = p->column + j, *at = x + j;
+      for (int i = 0; i < VS_ROWS; i++) {
+        int row = first + i;
+        sum[i] =
+            sum[i] + e[0][row] * at[0] + e[1][row] * at[1] + e[2][row] * at[2] + e[3][row] * at[3];
+      }
     }
     for (; j < p->states; j++)
       for (int i = 0; i < VS_ROWS; i++) sum[i] += p->column[j][first + i] * x[j];
     memcpy(y + first, sum, sizeof sum);
+  }
+}
+
+void vs_propagator_step(const vs_propagator *p, const double *x, double *restrict y) {
+  const double(*e)[VS_MOST_STATES] = p->column;
+  double sum[2 * VS_ROWS];
+  if (p->states == 2 * VS_ROWS) {
+    for (int i = 0; i < 2 * VS_ROWS; i++)
+      sum[i] = e[0][i] * x[0] + e[1][i] * x[1] + e[2][i] * x[2] + e[3][i] * x[3] + e[4][i] * x[4] +
+               e[5][i] * x[5] + e[6][i] * x[6] + e[7][i] * x[7];
+    memcpy(y, sum, sizeof sum);
+  } else {
+    step_by_blocks(p, x, y);
   }
   for (int i = 0; p->loaded && i < p->states; i++) y[i] += p->constant[i];
 }

@@ -10,50 +10,54 @@ typedef double matrix[VS_MOST_DOF][VS_MOST_DOF];
 
 /* ---- values of names ---- */
 
+static vs_status not_finite(const vs_expression *e, double value, const char *what, const char *of,
+                            vs_error *err) {
+  return vs_fail_at(err, e->where, "%s%s: the value is not finite (%g) with these parameters", what,
+                    of, value);
+}
+
 /* The parameters' values, with a mass of load_kg added where the load goes, and those of the lets
  * that follow from them. */
 static vs_status fill_values(vs_machine *m, const vs_machine_values *v, double load_kg,
                              double values[VS_MACHINE_NAMES], vs_error *err) {
-  char what[VS_MACHINE_NAME + 8];
   for (int k = 0; k < m->n_parameters; k++) {
     int choice = m->names[k].choice;
     values[k] = choice < 0 ? v->real[k] : v->choice[choice];
   }
   if (m->load.adds >= 0) values[m->load.adds] += load_kg;
-  vs_status s = VS_OK;
-  for (int k = m->n_parameters; k < m->n_names && !s; k++) {
+  for (int k = m->n_parameters; k < m->n_names; k++) {
     vs_expression *let = &m->lets[k - m->n_parameters];
-    snprintf(what, sizeof what, "let %.*s", VS_MACHINE_NAME - 1, m->names[k].name);
     values[k] = 0;
-    if (!let->of_gap) s = vs_expression_value(let, values, what, &values[k], err);
+    if (!let->of_gap && !vs_expression_value(let, values, &values[k]))
+      return not_finite(let, values[k], "let ", m->names[k].name, err);
   }
-  return s;
+  return VS_OK;
 }
 
 /* ---- sums ---- */
 
 static vs_status fill_matrix(vs_machine *m, int sum, const double values[VS_MACHINE_NAMES],
                              matrix out, vs_error *err) {
-  char what[2 * VS_MACHINE_NAME + 24];
-  vs_status s = VS_OK;
+  char of[2 * VS_MACHINE_NAME + 8];
   for (int i = 0; i < m->dof; i++)
-    for (int j = 0; j < m->dof && !s; j++) {
-      snprintf(what, sizeof what, "%s of %s, %s", vs_machine_sum_words[sum], m->coordinates[i].name,
-               m->coordinates[j].name);
-      s = vs_expression_value(&m->sums[sum][i][j], values, what, &out[i][j], err);
+    for (int j = 0; j < m->dof; j++) {
+      if (vs_expression_value(&m->sums[sum][i][j], values, &out[i][j])) continue;
+      snprintf(of, sizeof of, " of %s, %s", m->coordinates[i].name, m->coordinates[j].name);
+      return not_finite(&m->sums[sum][i][j], out[i][j], vs_machine_sum_words[sum], of, err);
     }
-  return s;
+  return VS_OK;
 }
 
-static vs_status fill_vector(vs_machine *m, const char *word, vs_expression *from,
-                             const double values[VS_MACHINE_NAMES], double *out, vs_error *err) {
-  char what[2 * VS_MACHINE_NAME];
-  vs_status s = VS_OK;
-  for (int i = 0; i < m->dof && !s; i++) {
-    snprintf(what, sizeof what, "%s of %s", word, m->coordinates[i].name);
-    s = vs_expression_value(&from[i], values, what, &out[i], err);
+/* along: how the coordinates open the gap, else the forces on them. */
+static vs_status fill_vector(vs_machine *m, bool along, const double values[VS_MACHINE_NAMES],
+                             double *out, vs_error *err) {
+  for (int i = 0; i < m->dof; i++) {
+    vs_expression *from = along ? &m->along[i] : &m->forces[i];
+    if (!vs_expression_value(from, values, &out[i]))
+      return not_finite(from, out[i], along ? "gap.along of " : "forces of ",
+                        m->coordinates[i].name, err);
   }
-  return s;
+  return VS_OK;
 }
 
 /* ---- checks ---- */
@@ -158,15 +162,15 @@ vs_status vs_assemble_model(vs_machine *m, vs_model *model, vs_error *err) {
   double plain[VS_MACHINE_NAMES], loaded[VS_MACHINE_NAMES];
   double load_kg = load->fraction * load->density_kg_m3 * load->volume_m3; /* Eq. 88 */
   const double *of[VS_MACHINE_SUMS];
-  for (int k = 0; k < VS_MACHINE_SUMS; k++) of[k] = m->load.to[k] ? loaded : plain;
+  for (int k = 0; k < VS_MACHINE_SUMS; k++) of[k] = m->load.to[k] && load_kg != 0 ? loaded : plain;
   model->dof = m->dof;
-  vs_status s = fill_values(m, &model->parameters, load_kg, loaded, err);
-  if (!s) s = fill_values(m, &model->parameters, 0, plain, err);
+  vs_status s = fill_values(m, &model->parameters, 0, plain, err);
+  if (!s && load_kg != 0) s = fill_values(m, &model->parameters, load_kg, loaded, err);
   if (!s) s = fill_matrix(m, VS_MACHINE_MASS, of[VS_MACHINE_MASS], model->mass, err);
   if (!s) s = fill_matrix(m, VS_MACHINE_DAMPING, of[VS_MACHINE_DAMPING], model->damping, err);
   if (!s) s = fill_matrix(m, VS_MACHINE_STIFFNESS, of[VS_MACHINE_STIFFNESS], model->stiffness, err);
-  if (!s) s = fill_vector(m, "forces", m->forces, of[VS_MACHINE_FORCES], model->constant, err);
-  if (!s) s = fill_vector(m, "gap.along", m->along, plain, model->along, err);
+  if (!s) s = fill_vector(m, false, of[VS_MACHINE_FORCES], model->constant, err);
+  if (!s) s = fill_vector(m, true, plain, model->along, err);
   if (s) return s;
   bind_others(m, plain);
   model->alone = sole_opener(model);

@@ -52,27 +52,31 @@ static vs_status read_lets(vs_machine *m, vs_error *err) {
 
 /* ---- matrices ---- */
 
-/* The dimension of what, times rates of the coordinates, is a force on a coordinate: a joule by
- * its unit. With 1 for no second coordinate (column -1) it is that force itself.
- *   M: J s2/(u_i u_j);  B: J s/(u_i u_j);  K: J/(u_i u_j);  f0: J/u_i */
-static vs_dimension dimension_of(const vs_machine *m, int sum, int row, int column) {
+/* An entry of a matrix. */
+typedef struct cell {
+  int sum, row, column;
+} cell;
+
+/* The dimension of an entry. Times q", q' or q it is a force on a coordinate, and such a force
+ * times that coordinate is an energy. Column -1: the force itself. M: J s2/(u_i u_j);  B: J s/(u_i
+ * u_j);  K: J/(u_i u_j);  f0: J/u_i */
+static vs_dimension dimension_of(const vs_machine *m, cell c) {
   const int seconds[VS_MACHINE_SUMS] = {[VS_MACHINE_MASS] = 2, [VS_MACHINE_DAMPING] = 1};
   vs_dimension joule = vs_dimension_of("J"), second = vs_dimension_of("s"),
-               by_row = vs_dimension_of(m->coordinates[row].unit),
-               by_column = vs_dimension_of(column < 0 ? "" : m->coordinates[column].unit);
+               by_row = vs_dimension_of(m->coordinates[c.row].unit),
+               by_column = vs_dimension_of(c.column < 0 ? "" : m->coordinates[c.column].unit);
   vs_dimension force = vs_dimension_product(&joule, 1, &by_row, -1);
   vs_dimension slope = vs_dimension_product(&force, 1, &by_column, -1);
-  return vs_dimension_product(&slope, 1, &second, seconds[sum]);
+  return vs_dimension_product(&slope, 1, &second, seconds[c.sum]);
 }
 
-static vs_status read_entry(vs_machine *m, int sum, int row, int column, const vs_node *node,
-                            vs_error *err) {
+static vs_status read_entry(vs_machine *m, cell c, const vs_node *node, vs_error *err) {
   char what[2 * VS_MACHINE_NAME + 24];
-  snprintf(what, sizeof what, "%s of %s, %s", vs_machine_sum_words[sum], m->coordinates[row].name,
-           m->coordinates[column].name);
-  const vs_dimension wanted = dimension_of(m, sum, row, column);
+  snprintf(what, sizeof what, "%s of %s, %s", vs_machine_sum_words[c.sum],
+           m->coordinates[c.row].name, m->coordinates[c.column].name);
+  const vs_dimension wanted = dimension_of(m, c);
   const vs_expression_use use = {VS_EXPRESSION_CONSTANT, what, &wanted};
-  return vs_expression_read(m, node, &use, &m->sums[sum][row][column], err);
+  return vs_expression_read(m, node, &use, &m->sums[c.sum][c.row][c.column], err);
 }
 
 static int length_of(const vs_node *list) {
@@ -98,7 +102,7 @@ static vs_status read_row(vs_machine *m, int sum, int row, const vs_node *list, 
   const vs_node *node = list->child;
   vs_status s = VS_OK;
   for (int j = 0; j < m->dof && !s; j++, node = node->next)
-    s = vs_error_carry_on(err, read_entry(m, sum, row, j, node, err));
+    s = vs_error_carry_on(err, read_entry(m, (cell){sum, row, j}, node, err));
   return s;
 }
 
@@ -111,7 +115,7 @@ static vs_status read_matrix(vs_machine *m, int sum, vs_error *err) {
                       "%s is wanted: a list of rows, [[a, b], [c, d]], of a formula for each "
                       "pair of coordinates",
                       word);
-  if (m->dof == 1 && node->kind == VS_NODE_TEXT) return read_entry(m, sum, 0, 0, node, err);
+  if (m->dof == 1 && node->kind == VS_NODE_TEXT) return read_entry(m, (cell){sum, 0, 0}, node, err);
   if (node->kind != VS_NODE_LIST || length_of(node) != m->dof)
     return vs_fail_at(err, node->where, "%s: rows: %d; wanted: %d, one for each coordinate", word,
                       node->kind == VS_NODE_LIST ? length_of(node) : 0, m->dof);
@@ -134,7 +138,7 @@ static vs_status read_by_coordinate(vs_machine *m, const vs_node *map, bool alon
     const vs_node *node = vs_tree_child(map, names[k]);
     vs_dimension metre = vs_dimension_of("m"), unit = vs_dimension_of(m->coordinates[k].unit),
                  wanted = along ? vs_dimension_product(&metre, 1, &unit, -1)
-                                : dimension_of(m, VS_MACHINE_FORCES, k, -1);
+                                : dimension_of(m, (cell){VS_MACHINE_FORCES, k, -1});
     const vs_expression_use use = {VS_EXPRESSION_CONSTANT, each, &wanted};
     snprintf(each, sizeof each, "%s of %s", what, names[k]);
     if (node)
@@ -339,7 +343,7 @@ static vs_status read_all(vs_machine *m, vs_error *err) {
   size_t found = vs_error_count(err);
   if (!s) s = vs_declare_coordinates(m, vs_tree_child(root, "coordinates"), err);
   if (!s) s = vs_declare_parameters(m, vs_tree_child(root, "parameters"), err);
-  if (!s) s = read_lets(m, err);
+  if (!s && vs_error_count(err) == found) s = read_lets(m, err);
   if (s || !m->dof || vs_error_count(err) > found) return s; /* a name may be one that was lost */
   for (int sum = 0; sum < VS_MACHINE_FORCES && !s; sum++)
     s = vs_error_carry_on(err, read_matrix(m, sum, err));

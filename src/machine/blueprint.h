@@ -19,7 +19,8 @@
  *       where the scene's load goes
  *   probes:      {NAME: {of: FORMULA, unit: m, text: TEXT}, ...}
  *   actuator:    {current: FORMULA, energy: FORMULA, force: FORMULA, KEY: VALUE, ...}
- *       formulas of the law in lambda and z; any other key is the default of the scene's
+ *       the law's formulas in lambda and z: i = dW/dlambda, W, and F = -dW/dz, which is negative
+ *       where it closes the gap; any other key is the default of the scene's
  *
  * A FORMULA is as syntax/formula.h has it, with a pair's NAME.x and NAME.y, or a number with its
  * unit. All is in SI. */

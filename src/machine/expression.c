@@ -196,14 +196,10 @@ vs_status vs_expression_read(const vs_machine *machine, const vs_node *node,
   return status;
 }
 
-vs_status vs_expression_value(vs_expression *e, const double values[VS_MACHINE_NAMES],
-                              const char *what, double *value, vs_error *err) {
+bool vs_expression_value(vs_expression *e, const double values[VS_MACHINE_NAMES], double *value) {
   *value = 0;
-  if (!e->text) return VS_OK;
+  if (!e->text) return true;
   vs_formula_bind(&e->of, values);
   *value = vs_formula_value(&e->of, NULL);
-  return isfinite(*value)
-             ? VS_OK
-             : vs_fail_at(err, e->where, "%s: the value is not finite (%g) with these parameters",
-                          what, *value);
+  return isfinite(*value);
 }

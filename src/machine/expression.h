@@ -26,9 +26,9 @@ typedef struct vs_expression_use {
 vs_status vs_expression_read(const vs_machine *machine, const vs_node *node,
                              const vs_expression_use *use, vs_expression *out, vs_error *err);
 
-/* Evaluates an expression with these values of the machine's names, in SI. Error: the value is not
- * finite. */
-vs_status vs_expression_value(vs_expression *expression, const double values[VS_MACHINE_NAMES],
-                              const char *what, double *value, vs_error *err);
+/* Evaluates an expression with these values of the machine's names, in SI. Returns false where the
+ * value is not finite. */
+bool vs_expression_value(vs_expression *expression, const double values[VS_MACHINE_NAMES],
+                         double *value);
 
 #endif

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "actuator/coil.h"
 #include "deck/devices.h"
 #include "deck/parts.h"
 #include "scene/sections.h"
@@ -132,10 +133,16 @@ static vs_where where_law(const vs_scene *s) {
   return law ? law->where : machine ? machine->where : (vs_where){0};
 }
 
-/* True where the coil's law lets a current flow, or has a voltage, without a flux linkage. */
-static bool has_magnet(const vs_coil *c) {
-  return !c->square && (c->law->current(c, 0, c->gap_rest_m) != 0 ||
-                        c->law->current(c, 0, c->gap_rest_m + 1e-3) != 0);
+/* Is there no current without flux linkage, wherever the armature is? Tried at some gaps up to
+ * twice the one at rest; 1e-9 A are rounding. */
+static bool coil_is_dead(const vs_coil *coil) {
+  char text[256];
+  for (int k = 1; k <= 8; k++) {
+    double z = coil->gap_rest_m * k / 4;
+    bool known = !coil->law->beyond || !coil->law->beyond(coil, 0, z, text, sizeof text);
+    if (known && !(fabs(vs_coil_current(coil, 0, z)) <= 1e-9)) return false;
+  }
+  return true;
 }
 
 /* Refuses a tier that cannot hold the coil's law. A circuit needs it as text for ngspice; the tier
@@ -156,7 +163,7 @@ static vs_status check_law(const vs_scene *s, vs_error *err) {
                "actuator.law: tier %s (%s) knows i = lambda z/(2a) alone, and the coil has the law "
                "%s (%s); take tier %s",
                tier->name, s->why, coil->law->name, coil->law->text, ideal);
-  else if (!tier->has_circuit && valve && has_magnet(coil))
+  else if (!tier->has_circuit && valve && !coil_is_dead(coil))
     vs_fail_at(err, where_law(s),
                "actuator.law: a coil with the law %s has a voltage while the thyristor of tier %s "
                "(%s) is off; write firing.valve: none, or take tier %s",
@@ -188,6 +195,7 @@ static bool tier_is_known(const vs_scene *s) {
 }
 
 static vs_status choose_tier(vs_scene *s, const char *named, vs_error *err) {
+  const vs_tier_key *ideal = own_key(s, vs_tiers_automatic(false));
   char what[200];
   int choice = s->setup.run.tier;
   if (named && !strcmp(named, "auto"))
@@ -203,6 +211,10 @@ static vs_status choose_tier(vs_scene *s, const char *named, vs_error *err) {
     snprintf(s->why, sizeof s->why, "asked for by run.tier");
   } else if (!tier_is_known(s)) {
     s->tier = vs_tiers_automatic(true); /* it has all probes */
+  } else if (ideal) {
+    s->tier = vs_tiers_automatic(false);
+    snprintf(s->why, sizeof s->why, "auto: the scene names %s.%s: %s, which no circuit has",
+             ideal->section, ideal->key, ideal->value ? ideal->value : "");
   } else if (needs_circuit(s, what, sizeof what)) {
     s->tier = vs_tiers_automatic(true);
     snprintf(s->why, sizeof s->why, "auto: the scene names %s", what);

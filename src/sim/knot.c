@@ -6,12 +6,21 @@
 
 #include "actuator/coil.h"
 
-_Static_assert(offsetof(vs_knot, terms) + sizeof(double[VS_DECK_MOST]) == sizeof(vs_knot),
-               "vs_knot_copy leaves out what stands behind the deck's terms: nothing else may");
+static inline void copy_coordinates(const vs_knot *from, int dof, vs_knot *to) {
+  size_t one = (size_t)dof * sizeof *to->x;
+  memcpy(to->x, from->x, 2 * one);
+  memcpy(to->a, from->a, one);
+  memcpy(to->j, from->j, one);
+}
 
 void vs_knot_copy(const vs_frame *frame, const vs_knot *from, vs_knot *to) {
-  size_t terms = frame->deck ? frame->deck->n_terms : 0;
-  memcpy(to, from, offsetof(vs_knot, terms) + terms * sizeof *from->terms);
+  if (frame->model->dof == VS_ROWS)
+    copy_coordinates(from, VS_ROWS, to);
+  else
+    copy_coordinates(from, frame->model->dof, to);
+  to->t_s = from->t_s;
+  memcpy(&to->flux_wb, &from->flux_wb, offsetof(vs_knot, terms) - offsetof(vs_knot, flux_wb));
+  if (frame->deck) memcpy(to->terms, from->terms, frame->deck->n_terms * sizeof *from->terms);
 }
 
 void vs_knot_complete(const vs_frame *frame, vs_knot *k, unsigned touched) {

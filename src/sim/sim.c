@@ -80,6 +80,11 @@ static vs_status guard(void *ctx, const vs_step *step, vs_error *err) {
     return vs_fail(err, VS_RUN,
                    "t = %.9g s: the gap is closed (z = %.3g mm): the stop has given way", k->t_s,
                    1e3 * z);
+  char text[256];
+  const vs_law *law = m->coil.law;
+  const char *beyond = law->beyond ? law->beyond(&m->coil, k->flux_wb, z, text, sizeof text) : NULL;
+  if (beyond)
+    return vs_fail(err, VS_RUN, "t = %.9g s: the law %s is left: %s", k->t_s, law->name, beyond);
   double i = vs_coil_current(&m->coil, k->flux_wb, z);
   if (fabs(i) > MOST_AMPERES)
     return vs_fail(err, VS_RUN, "t = %.9g s: coil current of %.3g A is beyond sense", k->t_s, i);

@@ -82,17 +82,7 @@ static inline ends coordinates_of(const vs_knot *k, int dof) {
   return (ends){k->x, k->x + dof, k->a, k->j};
 }
 
-static inline __attribute__((always_inline)) void apply_to_coordinates(const weights *w,
-                                                                       const vs_knot *a,
-                                                                       const vs_knot *b, int dof,
-                                                                       double *restrict y) {
-  if (dof == VS_ROWS)
-    apply(w, coordinates_of(a, VS_ROWS), coordinates_of(b, VS_ROWS), VS_ROWS, y);
-  else
-    apply(w, coordinates_of(a, dof), coordinates_of(b, dof), dof, y);
-}
-
-static ends flux_of(const vs_knot *k) {
+static inline ends flux_of(const vs_knot *k) {
   return (ends){&k->flux_wb, &k->flux_rate_v, &k->flux_rate2_v_s, &k->flux_rate3_v_s2};
 }
 
@@ -101,21 +91,30 @@ bool vs_step_is_quiet(const vs_step *step) {
   return a->flux_wb == 0 && b->flux_wb == 0 && a->flux_rate_v == 0 && b->flux_rate_v == 0;
 }
 
-static void velocities(const vs_step *step, views at, double *v) {
-  int dof = step->frame->model->dof;
-  if (at.h[0] <= 0) {
-    for (int i = 0; i < dof; i++) v[i] = step->to->x[dof + i];
-    return;
-  }
-  weights w = septic_rate(at);
-  apply_to_coordinates(&w, step->from, step->to, dof, v);
+/* q, and q' where `rate` is there; a step of no length has the velocities of its end. */
+static inline __attribute__((always_inline)) void put_coordinates(const vs_step *step,
+                                                                  const weights *w,
+                                                                  const weights *rate, int dof,
+                                                                  double *restrict q) {
+  const ends from = coordinates_of(step->from, dof), to = coordinates_of(step->to, dof);
+  apply(w, from, to, dof, q);
+  if (rate && step->to->t_s > step->from->t_s)
+    apply(rate, from, to, dof, q + dof);
+  else
+    for (int i = 0; rate && i < dof; i++) q[dof + i] = step->to->x[dof + i];
 }
 
-static double flux_rate(const vs_step *step, views at) {
+/* `septic` are the weights of the step's slopes. */
+static inline __attribute__((always_inline)) double flux_rate(const vs_step *step, views at,
+                                                              const weights *septic) {
   if (at.h[0] <= 0) return step->to->flux_rate_v;
-  weights w = step->cubic_flux ? cubic_rate(at) : septic_rate(at);
   double rate;
-  apply(&w, flux_of(step->from), flux_of(step->to), 1, &rate);
+  if (step->cubic_flux) {
+    const weights own = cubic_rate(at);
+    apply(&own, flux_of(step->from), flux_of(step->to), 1, &rate);
+  } else {
+    apply(septic, flux_of(step->from), flux_of(step->to), 1, &rate);
+  }
   return rate;
 }
 
@@ -123,14 +122,19 @@ static double line(double from, double to, double s) {
   return from + s * (to - from);
 }
 
-/* lambda, i and the force; z is there already. */
-static void put_flux(const vs_step *step, views at, double *y) {
+/* lambda, i and the force; z is there already. `septic` are the weights of the step's values. */
+static inline __attribute__((always_inline)) void put_flux(const vs_step *step, views at,
+                                                           const weights *septic, double *y) {
   const vs_frame *frame = step->frame;
   const vs_model *m = frame->model;
   y[VS_CH_LAMBDA] = y[VS_CH_I] = y[VS_CH_FORCE] = 0;
   if (vs_step_is_quiet(step)) return;
-  weights w = step->cubic_flux ? cubic(at) : septic(at);
-  apply(&w, flux_of(step->from), flux_of(step->to), 1, y + VS_CH_LAMBDA);
+  if (step->cubic_flux) {
+    const weights own = cubic(at);
+    apply(&own, flux_of(step->from), flux_of(step->to), 1, y + VS_CH_LAMBDA);
+  } else {
+    apply(septic, flux_of(step->from), flux_of(step->to), 1, y + VS_CH_LAMBDA);
+  }
   double z = frame->gap_at_rest ? m->coil.gap_rest_m : y[VS_CH_Z];
   y[VS_CH_I] = vs_coil_current(&m->coil, y[VS_CH_LAMBDA], z);
   y[VS_CH_FORCE] = vs_coil_force(&m->coil, y[VS_CH_LAMBDA], z);
@@ -168,21 +172,25 @@ static void put_probes(const vs_step *step, double s, double *y) {
   }
 }
 
-void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double *y) {
+/* vs_step_groups_at for a machine of so many coordinates. */
+static inline __attribute__((always_inline)) void groups_at(const vs_step *step, double t_s,
+                                                            unsigned groups, int dof, double *y) {
   const vs_knot *a = step->from, *b = step->to;
   const vs_model *m = step->frame->model;
   bool coil = step->frame->source_is_coil;
   double h = b->t_s - a->t_s, s = h > 0 ? (t_s - a->t_s) / h : 1, *q = y + VS_CH_Q;
   const views at = views_of(s, h);
-  weights w = septic(at);
-  apply_to_coordinates(&w, a, b, m->dof, q);
-  if (groups & VS_GROUP_VELOCITIES) velocities(step, at, q + m->dof);
+  const weights w = septic(at);
+  weights slope;
+  if (h > 0 && groups & (VS_GROUP_VELOCITIES | VS_GROUP_V_EVA)) slope = septic_rate(at);
+  const weights *rate = groups & VS_GROUP_VELOCITIES ? &slope : NULL;
+  put_coordinates(step, &w, rate, dof, q);
   y[VS_CH_TRAVEL] = vs_mechanics_travel(m, q);
   y[VS_CH_Z] = vs_coil_gap(&m->coil, y[VS_CH_TRAVEL]);
-  put_flux(step, at, y);
+  put_flux(step, at, &w, y);
   y[VS_CH_I_MAINS] = coil ? y[VS_CH_I] : line(a->i_mains_a, b->i_mains_a, s);
   if (groups & VS_GROUP_V_EVA)
-    y[VS_CH_V_EVA] = coil ? m->actuator.resistance_ohm * y[VS_CH_I] + flux_rate(step, at)
+    y[VS_CH_V_EVA] = coil ? m->actuator.resistance_ohm * y[VS_CH_I] + flux_rate(step, at, &slope)
                           : line(a->v_eva_v, b->v_eva_v, s);
   if (groups & VS_GROUP_V_MAINS) y[VS_CH_V_MAINS] = vs_timeline_voltage(step->frame->timeline, t_s);
   if (groups & VS_GROUP_ACCELERATIONS) put_accelerations(step, y);
@@ -190,9 +198,32 @@ void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double 
   if (groups & VS_GROUP_DECK) put_probes(step, s, y);
 }
 
-void vs_step_rates_at(const vs_step *step, double t_s, double *rates) {
-  double h = step->to->t_s - step->from->t_s;
-  velocities(step, views_of(h > 0 ? (t_s - step->from->t_s) / h : 1, h), rates);
+void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double *y) {
+  int dof = step->frame->model->dof;
+  if (dof == VS_ROWS)
+    groups_at(step, t_s, groups, VS_ROWS, y);
+  else
+    groups_at(step, t_s, groups, dof, y);
+}
+
+static inline __attribute__((always_inline)) void velocities_at(const vs_step *step, double t_s,
+                                                                int dof, double *restrict v) {
+  const vs_knot *a = step->from, *b = step->to;
+  double h = b->t_s - a->t_s;
+  if (h > 0) {
+    const weights rate = septic_rate(views_of((t_s - a->t_s) / h, h));
+    apply(&rate, coordinates_of(a, dof), coordinates_of(b, dof), dof, v);
+  } else {
+    for (int i = 0; i < dof; i++) v[i] = b->x[dof + i];
+  }
+}
+
+void vs_step_velocities_at(const vs_step *step, double t_s, double *v) {
+  int dof = step->frame->model->dof;
+  if (dof == VS_ROWS)
+    velocities_at(step, t_s, VS_ROWS, v);
+  else
+    velocities_at(step, t_s, dof, v);
 }
 
 void vs_step_at(const vs_step *step, double t_s, double *y) {

@@ -42,8 +42,8 @@ void vs_step_at(const vs_step *step, double t_s, double *y);
 /* The same numbers, but only for these groups (VS_GROUP_...) and the channels that always come
  * along; the others in y are left as they are. */
 void vs_step_groups_at(const vs_step *step, double t_s, unsigned groups, double *y);
-/* The rates q' alone at t_s, the same numbers: for whoever needs no other channel. */
-void vs_step_rates_at(const vs_step *step, double t_s, double *rates);
+/* The same rates q' alone, for whoever asks often: v has room for one for each coordinate. */
+void vs_step_velocities_at(const vs_step *step, double t_s, double *v);
 /* One channel at t_s, by its number. */
 double vs_step_channel(const vs_step *step, double t_s, int channel);
 /* True if there is no flux anywhere in the step, and so neither current nor force. */

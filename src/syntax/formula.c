@@ -53,7 +53,7 @@ static bool emit_function(reader *r, int function, const char *at) {
 }
 
 static char next(reader *r) {
-  r->at += strspn(r->at, " \t");
+  r->at += strspn(r->at, r->scope->of_machine ? " \t\n" : " \t");
   return *r->at;
 }
 
@@ -264,6 +264,26 @@ int vs_formula_name_of(const vs_op *op) {
 void vs_formula_bind(vs_formula *f, const double *values) {
   for (size_t k = 0; k < f->count; k++)
     if (f->ops[k].kind == VS_OP_NAME) f->ops[k].value = values[f->ops[k].index];
+}
+
+void vs_formula_fold(vs_formula *f) {
+  size_t n = 0; /* how many operations are kept */
+  for (size_t k = 0; k < f->count; k++) {
+    vs_op op = f->ops[k], *top = &f->ops[n];
+    size_t of = (size_t)taken(op.kind);
+    bool fixed = of > 0;
+    for (size_t m = 1; m <= of; m++)
+      fixed = fixed && (top[-(int)m].kind == VS_OP_NUMBER || top[-(int)m].kind == VS_OP_NAME);
+    if (fixed) {
+      const vs_function *function = &vs_function_table[op.kind - VS_OP_FUNCTION];
+      op.value =
+          of == 2 ? function->of_two(top[-2].value, top[-1].value) : function->of(top[-1].value);
+      op = (vs_op){.kind = VS_OP_NUMBER, .value = op.value, .at = op.at};
+      n -= of;
+    }
+    f->ops[n++] = op;
+  }
+  f->count = n;
 }
 
 bool vs_formula_is_term(const vs_formula *f, int *term, double *factor) {

@@ -76,6 +76,10 @@ int vs_formula_name_of(const vs_op *op);
 /* Gives the formula's names their values, values[index]. */
 void vs_formula_bind(vs_formula *formula, const double *values);
 
+/* Computes once what is made of numbers and bound names alone. Values stay the same to the bit; the
+ * names cannot be bound anew. */
+void vs_formula_fold(vs_formula *formula);
+
 /* True where the formula, its names bound, is one term times a constant. Gives the term's index and
  * the constant then. */
 bool vs_formula_is_term(const vs_formula *formula, int *term, double *factor);

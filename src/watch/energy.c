@@ -96,7 +96,7 @@ static void take_stock(vs_energy *e) {
   const vs_deck *deck = e->frame->deck;
   const vs_model *m = e->frame->model;
   e->joule[VS_E_MAGNETIC] = magnetic(e->frame, &e->last) - magnetic(e->frame, &e->first);
-  e->joule[VS_E_MECHANICAL] = mechanical(m, &e->last) - mechanical(m, &e->first);
+  e->joule[VS_E_MECHANICAL] = mechanical(m, &e->last) - e->began_j;
   for (size_t n = 0; deck && n < deck->stores.count; n++) {
     double held[2];
     vs_formula_pair(&deck->stores.item[n].formula, e->first.terms, e->last.terms, held);
@@ -157,6 +157,26 @@ static int parts_of(const vs_step *step) {
   return touched ? IN_A_STOP : 1;
 }
 
+/* What a step without a current and without stops changes: only what damping takes. */
+static void swing(vs_energy *e, const vs_step *step) {
+  double h = step->to->t_s - step->from->t_s, v[VS_MOST_DOF];
+  for (int g = step->cubic_flux ? 0 : 1, k = 0; k < GAUSS[g].count; k++) {
+    vs_step_velocities_at(step, step->from->t_s + h * GAUSS[g].at[k], v);
+    e->joule[VS_E_DAMPING] += h * GAUSS[g].weight[k] * damping_power(e, v);
+  }
+}
+
+static void integrate(vs_energy *e, const vs_step *step, bool flows) {
+  unsigned groups = VS_GROUP_VELOCITIES | (flows ? VS_GROUP_V_EVA | VS_GROUP_V_MAINS : 0);
+  const int g = step->cubic_flux ? 0 : 1, parts = parts_of(step);
+  double h = (step->to->t_s - step->from->t_s) / parts, y[VS_CH_MOST];
+  for (int part = 0; part < parts; part++)
+    for (int k = 0; k < GAUSS[g].count; k++) {
+      vs_step_groups_at(step, step->from->t_s + h * part + h * GAUSS[g].at[k], groups, y);
+      add_instant(e, y, h * GAUSS[g].weight[k], flows);
+    }
+}
+
 /* Keeps of the last knot what tells the energies stored there. */
 static void note_end(vs_energy *e, const vs_knot *k) {
   const vs_deck *deck = e->frame->deck;
@@ -167,26 +187,15 @@ static void note_end(vs_energy *e, const vs_knot *k) {
 }
 
 void vs_energy_accept(vs_energy *e, const vs_step *step) {
-  /* true: no current flows, so only the machine's own terms change */
-  bool alone = step->frame->source_is_coil && vs_step_is_quiet(step);
-  unsigned groups = VS_GROUP_VELOCITIES | (alone ? 0 : VS_GROUP_V_EVA | VS_GROUP_V_MAINS);
   const vs_model *m = step->frame->model;
-  double h = step->to->t_s - step->from->t_s, y[VS_CH_MOST];
+  bool flows = !(step->frame->source_is_coil && vs_step_is_quiet(step));
   if (!e->steps++) begin(e, step);
-  if (h == 0) e->joule[VS_E_STOP] += mechanical(m, step->from) - mechanical(m, step->to); /* jams */
-  const int g = step->cubic_flux ? 0 : 1, parts = parts_of(step), count = parts * GAUSS[g].count;
-  h /= parts;
-  for (int k = 0; k < count; k++) {
-    int in = k % GAUSS[g].count, part = k / GAUSS[g].count;
-    double t_s = step->from->t_s + h * part + h * GAUSS[g].at[in], w = h * GAUSS[g].weight[in];
-    if (alone && !m->stops.count) {
-      vs_step_rates_at(step, t_s, y);
-      e->joule[VS_E_DAMPING] += w * damping_power(e, y);
-      continue;
-    }
-    vs_step_groups_at(step, t_s, groups, y);
-    add_instant(e, y, w, !alone);
-  }
+  if (step->to->t_s == step->from->t_s) /* jams */
+    e->joule[VS_E_STOP] += mechanical(m, step->from) - mechanical(m, step->to);
+  if (flows || m->stops.count)
+    integrate(e, step, flows);
+  else
+    swing(e, step);
   note_end(e, step->to);
   if (step->frame->deck) add_losses(e, step);
   if (e->steps % STOCK_TAKING == 0) take_stock(e);

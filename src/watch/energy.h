@@ -58,6 +58,7 @@ typedef struct vs_energy {
   double store_j[VS_DECK_MOST]; /* what the deck's store lines have gained since the beginning */
   vs_knot first, last;          /* of the steps accepted so far; of the last its time, state, flux
                                    linkage and terms alone */
+  double began_j;               /* the machine's energy at the first */
   long steps;
   double left_j[VS_BALANCES];     /* what each balance leaves over when it was last taken */
   double furthest_j[VS_BALANCES]; /* the most that it left over so far, with its sign */

@@ -1,0 +1,460 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Machines as files: the conveyor's matrices to the last bit, others against their references, what
+ * is wrong in a file with its place, and a scene's ways to name a machine. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/path.h"
+#include "machine/mechanics.h"
+#include "program.h"
+
+/* ---- the conveyor, Eqs. 54-57 and 88, as the paper has them ---- */
+
+typedef struct paper {
+  double trough_mass, base_mass, trough_inertia, base_inertia, spring_angle;
+  double base_com[2], trough_com[2], mount_3[2], mount_4[2];
+  double spring[2], mount_x[2], mount_y[2]; /* damping, stiffness */
+  double m14;
+} paper;
+
+static double value_of(const vs_model *m, const char *name) {
+  const vs_machine *machine = m->machine;
+  for (int k = 0; k < machine->n_parameters; k++) {
+    int choice = machine->names[k].choice;
+    if (!strcmp(machine->names[k].name, name))
+      return choice < 0 ? m->parameters.real[k] : m->parameters.choice[choice];
+  }
+  EXPECT(false, "no parameter %s", name);
+  return NAN;
+}
+
+static paper paper_of(const vs_model *m) {
+#define V_(name) value_of(m, name)
+  return (paper){V_("trough_mass"),
+                 V_("base_mass"),
+                 V_("trough_inertia"),
+                 V_("base_inertia"),
+                 V_("spring_angle"),
+                 {V_("base_com.x"), V_("base_com.y")},
+                 {V_("trough_com.x"), V_("trough_com.y")},
+                 {V_("mount_3.x"), V_("mount_3.y")},
+                 {V_("mount_4.x"), V_("mount_4.y")},
+                 {V_("spring_damping"), V_("spring_stiffness")},
+                 {V_("mount_damping_x"), V_("mount_stiffness_x")},
+                 {V_("mount_damping_y"), V_("mount_stiffness_y")},
+                 V_("m14")};
+#undef V_
+}
+
+/* B (Eq. 56, which = 0) or K (Eq. 57, which = 1). */
+static void mounts_matrix(const paper *v, int which, double out[4][4]) {
+  const double c0 = v->spring[which], c1 = v->mount_x[which], c2 = v->mount_y[which];
+  double y3 = v->base_com[1] - v->mount_3[1], y4 = v->base_com[1] - v->mount_4[1];
+  double x3 = v->mount_3[0] - v->base_com[0], x4 = v->mount_4[0] - v->base_com[0];
+  memset(out, 0, 16 * sizeof(double));
+  out[P][P] = 2 * c0;
+  out[U][U] = 2 * c1;
+  out[W][W] = 2 * c2;
+  out[U][PHI] = out[PHI][U] = c1 * (y3 + y4);
+  out[W][PHI] = out[PHI][W] = c2 * (x3 + x4);
+  out[PHI][PHI] = c1 * (y3 * y3 + y4 * y4) + c2 * (x3 * x3 + x4 * x4);
+}
+
+static void mass_matrix(const paper *v, double load_kg, double out[4][4]) {
+  double mk = v->trough_mass + load_kg;
+  double sin_a = sin(v->spring_angle), cos_a = cos(v->spring_angle);
+  double dx = v->trough_com[0] - v->base_com[0], dy = v->trough_com[1] - v->base_com[1];
+  double m14 = v->m14 != 0 ? mk * (dy * sin_a + dx * cos_a) : 0;
+  double m[4][4] = {
+      {mk, -mk * sin_a, mk * cos_a, m14},
+      {-mk * sin_a, mk + v->base_mass, 0, -mk * dy},
+      {mk * cos_a, 0, mk + v->base_mass, mk * dx},
+      {m14, -mk * dy, mk * dx, v->trough_inertia + v->base_inertia + mk * (dx * dx + dy * dy)},
+  };
+  memcpy(out, m, sizeof m);
+}
+
+static void expect_bits(double got[VS_MOST_DOF][VS_MOST_DOF], double wanted[4][4], const char *what,
+                        int line) {
+  for (int i = 0; i < 4; i++)
+    expect(!memcmp(got[i], wanted[i], 4 * sizeof(double)), line, "%s, row %d: %a %a %a %a", what, i,
+           got[i][0], got[i][1], got[i][2], got[i][3]);
+}
+
+/* A number from -1 to 1, the same in every run. */
+static double any(unsigned *seed) {
+  *seed = *seed * 1664525u + 1013904223u;
+  return (double)(*seed >> 8) / (1 << 23) - 1;
+}
+
+/* Writes --set's for other values of all parameters; `much` says how different they are. */
+static int vary(unsigned *seed, double much, char sets[24][96], const char *list[25]) {
+  static const struct {
+    const char *key, *unit;
+    double value;
+  } NUMBERS[] = {{"machine.trough_mass", "kg", 0.83},
+                 {"machine.base_mass", "kg", 4},
+                 {"machine.trough_inertia", "kg.m2", 3.86e-3},
+                 {"machine.base_inertia", "kg.m2", 0.017},
+                 {"machine.spring_angle", "deg", 70},
+                 {"machine.spring_stiffness", "N/m", 0.43e5},
+                 {"machine.mount_stiffness_x", "N/m", 8e3},
+                 {"machine.mount_stiffness_y", "N/m", 4e4},
+                 {"machine.spring_damping", "N.s/m", 1.2},
+                 {"machine.mount_damping_x", "N.s/m", 0.1},
+                 {"machine.mount_damping_y", "N.s/m", 0.5},
+                 {"load.density", "g/cm3", 2},
+                 {"load.fraction", "", 0.3}};
+  static const struct {
+    const char *key;
+    double x, y;
+  } POINTS[] = {{"machine.base_com", 194, 89},
+                {"machine.trough_com", 92, 129},
+                {"machine.mount_3", 33, 15},
+                {"machine.mount_4", 211.83, 15}};
+  int n = 0;
+  for (size_t k = 0; k < COUNT(NUMBERS); k++)
+    snprintf(sets[n++], sizeof *sets, "%s=%.17g %s", NUMBERS[k].key,
+             NUMBERS[k].value * (1 + much * any(seed)), NUMBERS[k].unit);
+  for (size_t k = 0; k < COUNT(POINTS); k++) {
+    double x = POINTS[k].x * (1 + much * any(seed)), y = POINTS[k].y * (1 + much * any(seed));
+    snprintf(sets[n++], sizeof *sets, "%s=[%.17g mm, %.17g mm]", POINTS[k].key, x, y);
+  }
+  snprintf(sets[n++], sizeof *sets, "machine.m14=%s", any(seed) < 0 ? "paper" : "derived");
+  for (int k = 0; k < n; k++) list[k] = sets[k];
+  list[n] = NULL;
+  return n;
+}
+
+/* M, B and K of the file are those of the equations in the order in which the program had them in
+ * C, for 100 sets of parameters: to the last bit, so that nothing that is computed has changed. */
+static void conveyor_has_its_bits(void) {
+  unsigned seed = 1;
+  for (int k = 0; k < 100; k++) {
+    char sets[24][96];
+    const char *list[25];
+    vary(&seed, k ? 0.2 : 0, sets, list);
+    vs_trial *t = vs_trial_read("paper", "switched", list);
+    CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
+    vs_model *m = &t->scene.setup.model;
+    double wanted[4][4];
+    const paper v = paper_of(m);
+    mass_matrix(&v, m->load.fraction * m->load.density_kg_m3 * m->load.volume_m3, wanted);
+    expect_bits(m->mass, wanted, "M", __LINE__);
+    mounts_matrix(&v, 0, wanted);
+    expect_bits(m->damping, wanted, "B", __LINE__);
+    mounts_matrix(&v, 1, wanted);
+    expect_bits(m->stiffness, wanted, "K", __LINE__);
+    vs_trial_free(t);
+  }
+}
+
+/* ---- other machines ---- */
+
+static void expect_modes(const char *machine, const double *frequency_hz, const double *tau_s,
+                         int n) {
+  char set[64];
+  snprintf(set, sizeof set, "machine.model=%s", machine);
+  const char *const sets[] = {set, NULL};
+  vs_mode modes[VS_MOST_STATES];
+  vs_trial *t = vs_trial_read("paper", "switched", sets);
+  EXPECT(!t->status, "%s", t->err.text);
+  CU_ASSERT_EQUAL_FATAL(t->scene.setup.model.dof, n);
+  CU_ASSERT_TRUE_FATAL(vs_mechanics_modes(&t->scene.setup.model, modes));
+  for (int k = 0; k < n; k++) {
+    CLOSE(modes[2 * k].frequency_hz, frequency_hz[k], 1e-11); /* twelve digits are known */
+    CLOSE(modes[2 * k].time_constant_s, tau_s[k], 1e-9);      /* ten */
+  }
+  vs_trial_free(t);
+}
+
+static void machines_have_their_modes(void) {
+  static const double TWO_HZ[] = {5.60804323363, 53.4432582966},
+                      TWO_S[] = {1.621323837, 0.3278810283}, ONE_HZ[] = {51.2307024887},
+                      ONE_S[] = {0.6916666667};
+  expect_modes("two_mass", TWO_HZ, TWO_S, 2);
+  expect_modes("fixed_base", ONE_HZ, ONE_S, 1);
+}
+
+/* Every machine that ships can be read. */
+static void shipped_machines_are_good(void) {
+  ran r = run("list machines");
+  char *rest = r.out;
+  int n = 0;
+  for (char *row; (row = strsep(&rest, "\n"));) {
+    char name[64];
+    if (*row == ' ' || sscanf(row, "%63s", name) != 1) continue;
+    ran c = run("check %s", name);
+    EXPECT(c.status == 0 && strstr(c.out, "a good machine"), "%s: %s", name, c.err);
+    free_ran(&c);
+    n++;
+  }
+  EXPECT(n >= 5, "machines: %d", n);
+  free_ran(&r);
+}
+
+/* ---- what is wrong in a file ---- */
+
+static const char GOOD[] = "title: a machine\n"
+                           "coordinates: {x: {unit: m}, y: {unit: m, text: below}}\n"
+                           "parameters:\n"
+                           "  m1: {default: 6 kg, range: 1e-6 kg .., text: one}\n"
+                           "  k: {default: 420 kN/m, range: 0 N/m .., open: true, text: between}\n"
+                           "  b: {default: 20 N.s/m, text: damping}\n"
+                           "  at: {default: [1 mm, 2 mm], text: a pair}\n"
+                           "  how: {default: one, choices: one|other, text: a choice}\n"
+                           "let:\n"
+                           "  k2: 20 kN/m\n"
+                           "  lever: at.y/at.x + how\n"
+                           "mass: [[m1, 0], [0, '10 kg']]\n"
+                           "damping: [[b, -b], [-b, b]]\n"
+                           "stiffness: [[k, -k], [-k, 2*k]]\n"
+                           "forces: {x: -m1*9.81}\n"
+                           "gap: {along: {x: 1, y: -1}}\n"
+                           "load: {adds: m1, to: [mass, forces]}\n"
+                           "probes: {stroke: {of: x - y, unit: mm, text: both}}\n"
+                           "actuator: {gap: 2 mm, pole_cover: 0 mm}\n";
+
+/* What check says of the text with `from` replaced; NULL: it must be good. */
+static void expect_finding(const char *from, const char *to, const char *says, int line) {
+  const char *at = strstr(GOOD, from);
+  vs_text text = {0};
+  expect(at != NULL, line, "no '%s'", from);
+  if (!at) return;
+  vs_text_add(&text, "%.*s%s%s", (int)(at - GOOD), GOOD, to, at + strlen(from));
+  write_file("m.yaml", text.text);
+  ran r = run("check m.yaml");
+  expect(r.status == (says ? 2 : 0), line, "'%s': exit status %d, %s", to, r.status, r.err);
+  expect(!says || !strncmp(r.err, says, strlen(says)), line, "'%s': says %s and should: %s", to,
+         r.err, says ? says : "");
+  free_ran(&r);
+  vs_text_free(&text);
+  remove("m.yaml");
+}
+
+static void every_mistake_has_its_place(void) {
+  static const struct {
+    const char *from, *to, *says;
+  } ROWS[] = {
+      {"title: a", "title: good", NULL},
+      /* names */
+      {"[[m1, 0]", "[[m2, 0]",
+       "m.yaml:12:9: mass of x, x: no parameter or let 'm2'; did you mean 'm1'?"},
+      {"[[m1, 0]", "[['2*m1 + mm', 0]",
+       "m.yaml:12:17: mass of x, x: no parameter or let 'mm'; did you mean 'm1'?"},
+      {"at.y/at.x", "at.y/at.z",
+       "m.yaml:11:15: let lever: no parameter or let 'at.z'; did you mean 'at.x'?"},
+      {"k2: 20 kN/m", "k2: lever + 1",
+       "m.yaml:10:7: let k2: let 'lever' is not read yet; a let names those above it"},
+      {"k2: 20", "k: 20",
+       "m.yaml:10:3: name 'k': that name is a parameter's; give yours another name"},
+      {"  m1: {", "  model: {", "m.yaml:4:3: parameter 'model': that name is the program's"},
+      {"  m1: {", "  lambda: {",
+       "m.yaml:4:3: parameter 'lambda': that name is the program's; give yours another name"},
+      {"  m1: {", "  1m: {",
+       "m.yaml:4:3: parameter '1m': a name is a letter, then letters, digits and _"},
+      {"{x: {unit: m}", "{i: {unit: m}",
+       "m.yaml:2:15: coordinate 'i': that name is the program's; give yours another name"},
+      {"y: {unit: m,", "vx: {unit: m,",
+       "m.yaml:2:29: coordinate 'vx': that name is a coordinate's rate's"},
+      {"y: {unit: m,", "v_eva: {unit: m,",
+       "m.yaml:2:29: coordinate v_eva: the name v_eva is the program's"},
+      {"stroke:", "ax:", "m.yaml:18:10: probe 'ax': that name is a coordinate's rate's"},
+      {"stroke:", "travel:", "m.yaml:18:10: probe travel: that name is the program's"},
+      {"k2: 20 kN/m", "k2: lambda*k", NULL},
+      {"stiffness: [[k, -k]", "stiffness: [[lambda*k, -k]",
+       "m.yaml:14:14: stiffness of x, x: lambda is known to the formulas under actuator and "
+       "probes"},
+      {"of: x - y", "of: x - yy",
+       "m.yaml:18:27: probes.stroke: no parameter or let 'yy'; did you mean 'y'?"},
+      /* formulas */
+      {"[[m1, 0]", "[[m1*, 0]", "m.yaml:12:12: mass of x, x: a number or a name is wanted"},
+      {"[[m1, 0]", "[[max(m1,1), 0]",
+       "m.yaml:12:9: mass, row of x: values: 3; wanted: 2, by coordinate; in a list a formula with "
+       "a "
+       "comma stands in quotes"},
+      {"[[m1, 0]", "[[m1/0, 0]", "m.yaml:12:9: mass of x, x: the value is not finite (inf)"},
+      {"k2: 20 kN/m", "k2: k/0", "m.yaml:10:7: let k2: the value is not finite (inf)"},
+      {"[[m1, 0]", "[[{a: 1}, 0]", "m.yaml:12:10: mass of x, x: a formula or a number is wanted"},
+      /* units */
+      {"[[k, -k]", "[[m1, -k]",
+       "m.yaml:14:14: stiffness of x, x: the formula is in kg; wanted: N/m"},
+      {"k2: 20 kN/m", "k2: k + m1", "m.yaml:10:9: let k2: kg is added to N/m"},
+      {"'10 kg'", "'10 N'", "m.yaml:12:22: mass of y, y: the formula is in N; wanted: kg"},
+      {"x: -m1*9.81", "x: m1", "m.yaml:15:13: forces of x: the formula is in kg; wanted: N"},
+      {"{x: 1, y: -1}", "{x: m1, y: -1}",
+       "m.yaml:16:18: gap.along of x: the formula is in kg; wanted:"},
+      {"unit: mm", "unit: N", "m.yaml:18:23: probes.stroke: the formula is in m; wanted: N"},
+      {"unit: mm", "unit: furlong", "m.yaml:18:36: probes.stroke: 'furlong' is no unit known here"},
+      {"{x: {unit: m}", "{x: {unit: mm}",
+       "m.yaml:2:25: coordinates.x: 'mm' is no unit of the SI without a prefix; m or rad"},
+      {"{x: {unit: m}", "{x: {text: m}", "m.yaml:2:19: coordinates.x: a unit is wanted"},
+      /* matrices */
+      {"[[m1, 0], [0, '10 kg']]", "[[m1, 0]]",
+       "m.yaml:12:9: mass: rows: 1; wanted: 2, one for each coordinate"},
+      {"[[m1, 0]", "[[m1]", "m.yaml:12:9: mass, row of x: values: 1; wanted: 2, by coordinate"},
+      {"[[m1, 0]", "[[m1, m1]", "m.yaml:12:19: mass is not symmetric: y, x is 0, and x, y is 6"},
+      {"[[m1, 0]", "[[-m1, 0]",
+       "m.yaml:12:9: mass is not positive definite: the row of x has -6 in its diagonal"},
+      {"'10 kg'", "0", "m.yaml:12:21: mass: coordinate y has no mass; each needs one"},
+      {"[-k, 2*k]", "[-k, k]", "m.yaml:14:27: stiffness is not positive definite"},
+      {"[-k, 2*k]", "[0, 2*k]",
+       "m.yaml:14:23: stiffness is not symmetric: y, x is 0, and x, y is -420000"},
+      {"[[k, -k], [-k, 2*k]]", "[[k, 0], [0, 0]]", NULL}, /* y is free */
+      {"damping: [[b, -b], [-b, b]]\n", "", NULL},
+      {"stiffness:", "stiffnes:", "m.yaml: stiffness is wanted: a list of rows"},
+      /* gap, load, actuator, parameters */
+      {"{x: 1, y: -1}", "{x: 0}", "m.yaml:16:7: gap.along: no coordinate moves the gap"},
+      {"{x: 1, y: -1}", "{z: 1}", "m.yaml:16:15: gap.along has no key 'z'"},
+      {"gap: {along: {x: 1, y: -1}}\n", "", "m.yaml: gap: how the coordinates open it is wanted"},
+      {"adds: m1", "adds: m2", "m.yaml:17:14: load.adds: no parameter 'm2'; did you mean 'm1'?"},
+      {"adds: m1", "adds: k", "m.yaml:17:14: load.adds: k is no mass, in kg, as the load is"},
+      {"[mass, forces]", "[mas]",
+       "m.yaml:17:23: load.to: there are: mass, damping, stiffness, forces"},
+      {"{gap: 2 mm,", "{gapp: 2 mm,",
+       "m.yaml:19:12: actuator has no key 'gapp'; did you mean 'gap'?"},
+      {"{gap: 2 mm,", "{gap: 2 kg,",
+       "m.yaml:19:17: actuator.gap: '2 kg' has the wrong unit; write mm"},
+      {"default: 6 kg", "default: 6 kgg",
+       "m.yaml:4:17: parameters.m1: the default '6 kgg' is not a number"},
+      {"default: 6 kg", "default: -6 kg", "m.yaml:4:17: parameters.m1: -6 kg is out of range"},
+      {"default: 6 kg,", "", "m.yaml:4:9: parameters.m1: a default is wanted"},
+      {"1e-6 kg ..", "1e-6 kg", "m.yaml:4:30: parameters.m1: a range is wanted"},
+      {"1e-6 kg ..", "1 s ..", "m.yaml:4:30: parameters.m1: a range is wanted"},
+      {"open: true", "open: yes", "m.yaml:5:49: parameters.k.open: true or false is wanted"},
+      {"choices: one|other", "choices: one",
+       "m.yaml:8:32: parameters.how.choices: two words or more"},
+      {"default: one", "default: none",
+       "m.yaml:8:18: parameters.how: 'none' is not one of: one|other"},
+      {"text: one}", "txt: one}",
+       "m.yaml:4:42: parameters.m1 has no key 'txt'; did you mean 'text'?"},
+      {"title:", "titel:", "m.yaml:1:1: a machine has no key 'titel'; did you mean 'title'?"},
+      {"title: a machine", "title: [a]", "m.yaml:1:9: title: one line of text is wanted"},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++)
+    expect_finding(ROWS[k].from, ROWS[k].to, ROWS[k].says, __LINE__);
+}
+
+/* ---- a scene and its machine ---- */
+
+static void expect_says(const char *sets, const char *says, int line) {
+  ran r = run("check paper %s", sets);
+  expect(r.status == 2 && strstr(r.err, says), line, "%s: status %d, %s", sets, r.status, r.err);
+  free_ran(&r);
+}
+
+static void scenes_name_machines(void) {
+  expect_says(
+      "--set machine.model=two_mas",
+      "no machine 'two_mas': not a file, and not a machine that comes with the program; did "
+      "you mean 'two_mass'?",
+      __LINE__);
+  expect_says("--set machine.model=two_mass --set machine.trough_mas=2kg",
+              "machine has no key 'trough_mas'; did you mean 'trough_mass'?", __LINE__);
+  expect_says("--set machine.model=two_mass --set start.p=1mm", "start has no key 'p'", __LINE__);
+  expect_says("--set machine.model=two_mass --set record=[xx]", "no probe 'xx'", __LINE__);
+  expect_says("--set machine.model=lds_v203 --set load.density=1g/cm3", "has no load", __LINE__);
+}
+
+/* The file's own keys and defaults are listed, and taken; what the scene says stands over them. */
+static void machines_have_their_own_keys(void) {
+  write_file("m.yaml", GOOD);
+  ran r = run("list parameters --machine m.yaml");
+  EXPECT(strstr(r.out, "machine.k                    420 kN/m") &&
+             strstr(r.out, "actuator.gap                 2 mm") &&
+             strstr(r.out, "start.vy                     0 m/s"),
+         "%s", r.out);
+  free_ran(&r);
+  const char *const sets[] = {"machine.model=m.yaml",
+                              "actuator.pole_cover=0.1 mm",
+                              "machine.m1=7 kg",
+                              "load.fraction=0.5",
+                              "load.density=1 g/cm3",
+                              "load.volume=1000 cm3",
+                              "machine.how=other",
+                              "run.until=1 ms",
+                              NULL};
+  vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
+  EXPECT(!t->status, "%s", t->err.text);
+  const vs_model *m = &t->scene.setup.model;
+  CLOSE(m->mass[0][0], 7.5, 1e-15); /* 0.5 kg is the load */
+  CLOSE(m->constant[0], -7.5 * 9.81, 1e-15);
+  CLOSE(m->stiffness[0][0], 420e3, 1e-15);
+  CLOSE(m->coil.gap_rest_m, 2.1e-3, 1e-15);
+  CU_ASSERT_TRUE(m->loaded);
+  CU_ASSERT_EQUAL(m->alone, 0);
+  int stroke = vs_channel_find(&t->scene.frame, "stroke");
+  CU_ASSERT_TRUE(stroke > 0);
+  vs_trial_free(t);
+  remove("m.yaml");
+}
+
+/* A setup that is built over another one is as if it were built anew, whatever the machines are. */
+static void machines_may_follow_each_other(void) {
+  static const char *const ORDER[] = {"conveyor", "two_mass", "two_mass", "fixed_base", "conveyor"};
+  vs_trial *t = vs_trial_read("paper", "switched", NULL);
+  for (size_t k = 0; k < COUNT(ORDER); k++) {
+    char set[64];
+    snprintf(set, sizeof set, "machine.model=%s", ORDER[k]);
+    const char *const sets[] = {set, "machine.trough_mass=0.9 kg", NULL};
+    vs_trial *fresh = vs_trial_read("paper", "switched", sets);
+    CU_ASSERT_EQUAL_FATAL(fresh->status, VS_OK);
+    for (int n = 0; sets[n]; n++)
+      CU_ASSERT_EQUAL(vs_tree_set(&t->scene.tree, sets[n], &t->err), VS_OK);
+    CU_ASSERT_EQUAL_FATAL(vs_scene_again(&t->scene, &t->err), VS_OK);
+    const vs_model *a = &t->scene.setup.model, *b = &fresh->scene.setup.model;
+    CU_ASSERT_EQUAL(a->dof, b->dof);
+    CU_ASSERT_EQUAL(memcmp(a->mk_column, b->mk_column, sizeof a->mk_column), 0);
+    CU_ASSERT_EQUAL(a->machine->dof, a->dof);
+    vs_trial_free(fresh);
+  }
+  vs_trial_free(t);
+}
+
+/* ---- studies ---- */
+
+/* Rows of study.csv, with another file's text in between: the machine's bytes are part of what a
+ * case is, its name is not. */
+static char *study_of(const char *text) {
+  write_file("m.yaml", text);
+  ran r = run("study st.yaml -o st --quiet --overwrite");
+  EXPECT(r.status == 0, "%s", r.err);
+  free_ran(&r);
+  return read_file("st/study.csv");
+}
+
+static void studies_vary_machines(void) {
+  write_file("st.yaml", "set: {run.until: 1 ms, machine.model: m.yaml}\n"
+                        "vary: {machine.k: [400 kN/m, 420 kN/m], machine.how: [one, other]}\n"
+                        "report: [i_peak]\n");
+  vs_text other = {0};
+  vs_text_add(&other, "%s# another byte\n", GOOD);
+  char *first = study_of(GOOD), *same = study_of(GOOD), *unlike = study_of(other.text);
+  EXPECT(first && same && !strcmp(first, same), "%s", same);
+  EXPECT(unlike && strcmp(first, unlike) != 0, "the same ids: %s", unlike);
+  EXPECT(strstr(first, "machine.k_kn_m") && strstr(first, ",420,other,"), "%s", first);
+  free(first), free(same), free(unlike);
+  vs_text_free(&other);
+  char *manifest = read_file("st/manifest.json");
+  EXPECT(strstr(manifest, "\"path\": \"m.yaml\""), "%s", manifest);
+  free(manifest);
+  remove_tree("st");
+  remove("st.yaml");
+  remove("m.yaml");
+}
+
+static const vs_test TESTS[] = {
+    {"bits of the conveyor", conveyor_has_its_bits},
+    {"modes of others", machines_have_their_modes},
+    {"shipped machines", shipped_machines_are_good},
+    {"mistakes", every_mistake_has_its_place},
+    {"scenes", scenes_name_machines},
+    {"own keys", machines_have_their_own_keys},
+    {"one after the other", machines_may_follow_each_other},
+    {"studies", studies_vary_machines},
+};
+int main(void) {
+  return program_suite("machine files", TESTS, COUNT(TESTS));
+}
