@@ -161,8 +161,8 @@ static vs_status check_law(const vs_scene *s, vs_error *err) {
   else if (tier->gap_at_rest)
     vs_fail_at(err, where_law(s),
                "actuator.law: tier %s (%s) knows i = lambda z/(2a) alone, and the coil has the law "
-               "%s; take tier %s",
-               tier->name, s->why, coil->law->text, ideal);
+               "%s (%s); take tier %s",
+               tier->name, s->why, coil->law->name, coil->law->text, ideal);
   else if (!tier->has_circuit && valve && !coil_is_dead(coil))
     vs_fail_at(err, where_law(s),
                "actuator.law: a coil with the law %s has a voltage while the thyristor of tier %s "

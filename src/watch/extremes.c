@@ -165,7 +165,13 @@ static const double MISSED = 1e-12, MOST_ROUNDING = 1e-9;
  * that misses the channel between two of its points, as at a corner, the part is cut in halves. A
  * part that is a thousand millionth of the step is left with the values themselves: a corner is met
  * that well. missed_before: what was missed in the part twice as wide. */
-static void look_sampled(const search *s, double lo, double width, double missed_before) {
+enum {
+  MOST_PARTS = 400
+}; /* of a step; several times what a few corners take, while rounding alone,
+      as of a moving coil without a current, would take all there are */
+static void look_sampled(const search *s, double lo, double width, double missed_before,
+                         int *parts) {
+  if (++*parts > MOST_PARTS) return;
   const double from = s->step->from->t_s, h = s->step->to->t_s - from;
   double y[VS_CURVE_POINTS], most = -INFINITY, missed = 0;
   for (int k = 0; k < VS_CURVE_POINTS; k++) {
@@ -188,13 +194,14 @@ static void look_sampled(const search *s, double lo, double width, double missed
     return;
   }
   if (most + 100 * missed < reach(s) || width < 0x1p-30) return;
-  look_sampled(s, lo, width / 2, missed);
-  look_sampled(s, lo + width / 2, width / 2, missed);
+  look_sampled(s, lo, width / 2, missed, parts);
+  look_sampled(s, lo + width / 2, width / 2, missed, parts);
 }
 
 static void look_at_samples(const search *s) {
   const vs_step *step = s->step;
   search in = *s;
+  int parts = 0;
   double size = 0;
   for (int k = 0; k < VS_CURVE_POINTS; k++) {
     double part = vs_curve_point(k),
@@ -202,7 +209,7 @@ static void look_at_samples(const search *s) {
     size = fmax(size, fabs(vs_step_channel(step, at_s, s->extreme->channel)));
   }
   in.rounding = MISSED * size;
-  if (size > 0) look_sampled(&in, 0, 1, INFINITY);
+  if (size > 0) look_sampled(&in, 0, 1, INFINITY, &parts);
 }
 
 static void look_between(const search *s) {
