@@ -395,7 +395,9 @@ static void add_commands(vs_text *t, const vs_scene *scene, const column *column
               opens_the_gap(m) ? "fall" : "rise");
   vs_text_add(t, "meas tran %s min %s\n", measured[MEASURED_LEAST], travel);
   vs_text_add(t, "meas tran %s max i_a\n", measured[MEASURED_I]);
-  vs_text_add(t, "meas tran %s max force_n\n", measured[MEASURED_FORCE]);
+  if (opens_the_gap(m)) vs_text_add(t, "let vs_force = abs(force_n)\n");
+  vs_text_add(t, "meas tran %s max %s\n", measured[MEASURED_FORCE],
+              opens_the_gap(m) ? "vs_force" : "force_n");
   vs_text_add(t, "linearize");
   for (size_t k = 0; k < count; k++) vs_text_add(t, " %s", columns[k].name);
   vs_text_add(t, "\nset wr_singlescale\nset wr_vecnames\nset numdgt=9\nwrdata %s", table_name);
