@@ -292,8 +292,8 @@ static vs_status make_actuator(vs_machine *m, vs_error *err) {
   for (size_t k = 0; k < vs_actuator_section.count; k++) {
     vs_field field = vs_actuator_section.fields[k];
     const vs_node *own = vs_tree_child(m->own_actuator, field.key);
-    bool by_formula = m->law[VS_MACHINE_CURRENT].text && !strcmp(field.key, "law");
-    if (by_formula) field.default_text = "formula";
+    bool by_formula = m->law[VS_MACHINE_CURRENT].text || m->law[VS_MACHINE_ENERGY].text;
+    if (by_formula && !strcmp(field.key, "law")) field.default_text = "formula";
     if (own && !s)
       s = vs_error_carry_on(err, vs_field_read(&vs_actuator_section, &field, own, &tried, err));
     if (own && own->kind == VS_NODE_TEXT) field.default_text = own->text;
