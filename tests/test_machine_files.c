@@ -558,6 +558,45 @@ static void studies_vary_machines(void) {
   remove("m.yaml");
 }
 
+/* A machine of one coordinate of that name, with this section actuator. */
+static void write_single(const char *name, const char *actuator) {
+  vs_text t = {0};
+  vs_text_add(&t,
+              "coordinates: {%s: {unit: m}}\nmass: 3 kg\nstiffness: 3e5 N/m\ngap: {along: {%s: "
+              "1}}\nactuator: %s\n",
+              name, name, actuator);
+  write_file("one.yaml", t.text);
+  vs_text_free(&t);
+}
+
+/* In an exported netlist vs_a and its like are numbers; a node of that name would hide them. */
+static void exports_keep_their_numbers(void) {
+  static const char *const NAMES[] = {"a", "D", "fire", "until", "g"};
+  for (size_t k = 0; k < COUNT(NAMES); k++) {
+    write_single(NAMES[k], "{inductance: 0.8 H}");
+    ran r = run("export %s --set machine.model=one.yaml -o x.cir", plain_scene());
+    EXPECT(r.status == 2 && strstr(r.err, "give the coordinate another name"), "%s: %d, %s",
+           NAMES[k], r.status, r.err);
+    free_ran(&r);
+  }
+  remove("one.yaml");
+}
+
+/* Formulas of the law are taken, also where the energy alone is there. */
+static void formulas_are_taken(void) {
+  static const char *const LAWS[] = {"{energy: 'lambda^2*z*0.33'}", "{current: 'lambda*z*0.66'}"};
+  for (size_t k = 0; k < COUNT(LAWS); k++) {
+    write_single("x", LAWS[k]);
+    ran r = run("list parameters --machine one.yaml");
+    const char *law = strstr(r.out, "actuator.law ");
+    EXPECT(law && !strncmp(law + strcspn(law, " ") + strspn(law + strcspn(law, " "), " "),
+                           "formula ", strlen("formula ")),
+           "%s: %s%s", LAWS[k], r.out, r.err);
+    free_ran(&r);
+  }
+  remove("one.yaml");
+}
+
 static const vs_test TESTS[] = {
     {"bits of the conveyor", conveyor_has_its_bits},
     {"modes of others", machines_have_their_modes},
@@ -570,6 +609,8 @@ static const vs_test TESTS[] = {
     {"own keys", machines_have_their_own_keys},
     {"one after the other", machines_may_follow_each_other},
     {"studies", studies_vary_machines},
+    {"exports", exports_keep_their_numbers},
+    {"formulas", formulas_are_taken},
 };
 int main(void) {
   return program_suite("machine files", TESTS, COUNT(TESTS));
