@@ -343,6 +343,8 @@ static void every_mistake_has_its_place(void) {
        "m.yaml:2:29: coordinate 'vx': that name is a coordinate's rate's"},
       {"y: {unit: m,", "v_eva: {unit: m,",
        "m.yaml:2:29: coordinate v_eva: the name v_eva is the program's"},
+      {"y: {unit: m,", "gap: {unit: m,",
+       "m.yaml:2:29: coordinate gap: the name gap is the program's"},
       {"stroke:", "ax:", "m.yaml:18:10: probe 'ax': that name is a coordinate's rate's"},
       {"stroke:", "travel:", "m.yaml:18:10: probe travel: that name is the program's"},
       {"k2: 20 kN/m", "k2: lambda*k", NULL},
