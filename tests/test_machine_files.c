@@ -343,6 +343,8 @@ static void every_mistake_has_its_place(void) {
        "m.yaml:2:29: coordinate 'vx': that name is a coordinate's rate's"},
       {"y: {unit: m,", "v_eva: {unit: m,",
        "m.yaml:2:29: coordinate v_eva: the name v_eva is the program's"},
+      {"y: {unit: m,", "gap: {unit: m,",
+       "m.yaml:2:29: coordinate 'gap': its measures would be gap_min and gap_max"},
       {"stroke:", "ax:", "m.yaml:18:10: probe 'ax': that name is a coordinate's rate's"},
       {"stroke:", "travel:", "m.yaml:18:10: probe travel: that name is the program's"},
       {"y: {unit: m,", "gap: {unit: m,", "m.yaml:2:29: coordinate 'gap': its measures would be"},
@@ -405,7 +407,7 @@ static void every_mistake_has_its_place(void) {
        "m.yaml:17:23: load.to: there are: mass, damping, stiffness, forces"},
       {"[mass, forces]", "[]", "m.yaml:17:18: load.to: what the load rides in is wanted: [mass]"},
       {"{gap: 2 mm,", "{force: 5 N, gap: 2 mm,",
-       "m.yaml:19:12: actuator.force stands without actuator.current"},
+       "m.yaml:19:19: law formula wants the machine file's 'actuator: {current: ...}' or 'energy'"},
       {"{gap: 2 mm,", "{gapp: 2 mm,",
        "m.yaml:19:12: actuator has no key 'gapp'; did you mean 'gap'?"},
       {"{gap: 2 mm,", "{gap: 2 kg,",
@@ -614,6 +616,45 @@ static void studies_vary_machines(void) {
   remove("m.yaml");
 }
 
+/* A machine of one coordinate of that name, with this section actuator. */
+static void write_single(const char *name, const char *actuator) {
+  vs_text t = {0};
+  vs_text_add(&t,
+              "coordinates: {%s: {unit: m}}\nmass: 3 kg\nstiffness: 3e5 N/m\ngap: {along: {%s: "
+              "1}}\nactuator: %s\n",
+              name, name, actuator);
+  write_file("one.yaml", t.text);
+  vs_text_free(&t);
+}
+
+/* In an exported netlist vs_a and its like are numbers; a node of that name would hide them. */
+static void exports_keep_their_numbers(void) {
+  static const char *const NAMES[] = {"a", "D", "fire", "until", "g"};
+  for (size_t k = 0; k < COUNT(NAMES); k++) {
+    write_single(NAMES[k], "{inductance: 0.8 H}");
+    ran r = run("export %s --set machine.model=one.yaml -o x.cir", plain_scene());
+    EXPECT(r.status == 2 && strstr(r.err, "give the coordinate another name"), "%s: %d, %s",
+           NAMES[k], r.status, r.err);
+    free_ran(&r);
+  }
+  remove("one.yaml");
+}
+
+/* Formulas of the law are taken, also where the energy alone is there. */
+static void formulas_are_taken(void) {
+  static const char *const LAWS[] = {"{energy: 'lambda^2*z*0.33'}", "{current: 'lambda*z*0.66'}"};
+  for (size_t k = 0; k < COUNT(LAWS); k++) {
+    write_single("x", LAWS[k]);
+    ran r = run("list parameters --machine one.yaml");
+    const char *law = strstr(r.out, "actuator.law ");
+    EXPECT(law && !strncmp(law + strcspn(law, " ") + strspn(law + strcspn(law, " "), " "),
+                           "formula ", strlen("formula ")),
+           "%s: %s%s", LAWS[k], r.out, r.err);
+    free_ran(&r);
+  }
+  remove("one.yaml");
+}
+
 static const vs_test TESTS[] = {
     {"bits of the conveyor", conveyor_has_its_bits},
     {"modes of others", machines_have_their_modes},
@@ -628,6 +669,8 @@ static const vs_test TESTS[] = {
     {"energy alone", energy_alone_is_a_law},
     {"weight", weight_is_in_the_books},
     {"studies", studies_vary_machines},
+    {"exports", exports_keep_their_numbers},
+    {"formulas", formulas_are_taken},
 };
 int main(void) {
   return program_suite("machine files", TESTS, COUNT(TESTS));

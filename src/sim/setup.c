@@ -84,14 +84,20 @@ static const vs_node *machine_node(const vs_node *scene) {
   return vs_tree_child(vs_tree_child(scene, "machine"), vs_machine_key.key);
 }
 
-/* The machine's outputs must not have the names of channels that every machine has. */
+/* True for the name of a channel that every machine has, and for the one that the measures of the
+ * travel begin with: gap_min. */
+static bool is_the_programs(const char *name) {
+  return vs_channel_is_standard(name) || !strcmp(name, "gap");
+}
+
+/* The machine's outputs must not have such names. */
 static vs_status refuse_standard_names(const vs_machine *m, vs_error *err) {
   vs_status s = VS_OK;
   for (int k = 0; k < m->dof && !s; k++) {
     const vs_coordinate *c = &m->coordinates[k];
     const char *const names[] = {c->name, c->rate, c->rate2};
     for (int d = 0; d < 3 && !s; d++)
-      if (vs_channel_is_standard(names[d]))
+      if (is_the_programs(names[d]))
         s = vs_error_carry_on(err, vs_fail_at(err, c->where,
                                               "coordinate %s: the name %s is the program's",
                                               c->name, names[d]));
