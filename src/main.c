@@ -236,8 +236,8 @@ static const vs_command COMMANDS[] = {
      .run = run},
     {.name = "check",
      .argument = "FILE",
-     .text = "tells all that can be known of a scene or deck before a run: every mistake, with its "
-             "line",
+     .text = "tells all that can be known of a scene, study, machine or deck before a run: every "
+             "mistake, with its line",
      .examples = "  vibrospice check my.yaml\n"
                  "  vibrospice check my.cir\n"
                  "  vibrospice check paper --set run.tier=circuit --json\n",
@@ -245,9 +245,11 @@ static const vs_command COMMANDS[] = {
      .run = check},
     {.name = "list",
      .argument = "[KIND]",
-     .text = "lists scenes, decks, parts, tiers, probes, measures, parameters (with unit, default, "
-             "range)",
-     .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n",
+     .text =
+         "lists scenes, machines, decks, parts, tiers, laws, probes, measures, parameters (with "
+         "unit, default, range)",
+     .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n"
+                 "  vibrospice list parameters --machine two_mass\n",
      .may_be_alone = true,
      .options = LIST_OPTIONS,
      .run = list},

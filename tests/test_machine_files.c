@@ -535,6 +535,51 @@ static void machines_may_follow_each_other(void) {
   vs_trial_free(t);
 }
 
+/* ---- laws of the file, and forces that never change ---- */
+
+/* An energy alone is a law too: the run is that of the current which is its slope, not one of the
+ * default law. */
+static void energy_alone_is_a_law(void) {
+  static const char *const laws[] = {"energy: lambda^2*z/4e-3 + 0.02*lambda^4",
+                                     "current: lambda*z/2e-3 + 0.08*lambda^3"};
+  double peak[2] = {0, 1};
+  write_file(
+      "s.yaml",
+      "machine: {model: m.yaml}\nsupply: {voltage: 50 V}\nrun: {until: 30 ms, tolerance: 1e-9}\n");
+  for (int k = 0; k < 2; k++) {
+    vs_text text = {0};
+    vs_text_add(&text,
+                "title: t\ncoordinates: {s: {unit: m, text: armature}}\nmass: 0.5 kg\n"
+                "stiffness: 4e4 N/m\ngap: {along: {s: 1}}\nactuator: {%s, gap: 5 mm}\n",
+                laws[k]);
+    write_file("m.yaml", text.text);
+    vs_text_free(&text);
+    ran r = run("run s.yaml --json --quiet");
+    EXPECT(r.status == 0 && strstr(r.out, "\"law\": \"formula\""), "%s%s", r.err, r.out);
+    const char *value = strstr(r.out, "\"i_peak\": {\"value\": ");
+    if (value) peak[k] = strtod(value + strlen("\"i_peak\": {\"value\": "), NULL);
+    free_ran(&r);
+  }
+  EXPECT(fabs(peak[0] / peak[1] - 1) < 1e-9, "i_peak %.12g A, %.12g A", peak[0], peak[1]);
+  remove("s.yaml");
+  remove("m.yaml");
+}
+
+/* The weight does nearly all the work here, the coil next to none: the books are held to the
+ * former. */
+static void weight_is_in_the_books(void) {
+  write_file("m.yaml", "title: t\ncoordinates: {s: {unit: m, text: armature}}\nmass: 0.5 kg\n"
+                       "damping: 3 N.s/m\nstiffness: 4e4 N/m\nforces: {s: -4.905 N}\n"
+                       "gap: {along: {s: 1}}\n");
+  write_file("s.yaml", "machine: {model: m.yaml}\nfiring: {angle: 175 deg}\n"
+                       "supply: {voltage: 20 V}\nrun: {until: 0.1 s, tolerance: 1e-10}\n");
+  ran r = run("run s.yaml --json");
+  EXPECT(r.status == 0 && strstr(r.out, "the books close"), "%s%s", r.err, r.out);
+  free_ran(&r);
+  remove("s.yaml");
+  remove("m.yaml");
+}
+
 /* ---- studies ---- */
 
 /* Rows of study.csv, with another file's text in between: the machine's bytes are part of what a
@@ -580,6 +625,8 @@ static const vs_test TESTS[] = {
     {"scenes", scenes_name_machines},
     {"own keys", machines_have_their_own_keys},
     {"one after the other", machines_may_follow_each_other},
+    {"energy alone", energy_alone_is_a_law},
+    {"weight", weight_is_in_the_books},
     {"studies", studies_vary_machines},
 };
 int main(void) {

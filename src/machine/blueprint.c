@@ -291,11 +291,12 @@ static vs_status make_actuator(vs_machine *m, vs_error *err) {
     vs_actuator_values all;
     char bytes[sizeof(vs_actuator_values)];
   } tried;
+  bool has_formulas = false;
+  for (int k = 0; k < VS_MACHINE_LAWS; k++) has_formulas |= m->law[k].text != NULL;
   for (size_t k = 0; k < vs_actuator_section.count; k++) {
     vs_field field = vs_actuator_section.fields[k];
     const vs_node *own = vs_tree_child(m->own_actuator, field.key);
-    bool by_formula = m->law[VS_MACHINE_CURRENT].text && !strcmp(field.key, "law");
-    if (by_formula) field.default_text = "formula";
+    if (has_formulas && !strcmp(field.key, "law")) field.default_text = "formula";
     if (own && !s)
       s = vs_error_carry_on(err, vs_field_read(&vs_actuator_section, &field, own, &tried, err));
     if (own && own->kind == VS_NODE_TEXT) field.default_text = own->text;

@@ -85,6 +85,7 @@ static vs_status convert_children(struct fy_node *fy, const char *file, vs_node 
     while ((item = fy_node_sequence_iterate(fy, &position))) {
       vs_status status = convert(item, file, tail, err);
       if (status) return status;
+      if (!(*tail)->where.line) (*tail)->where = parent->where; /* an empty item stands nowhere */
       tail = &(*tail)->next;
     }
     return VS_OK;
