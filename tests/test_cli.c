@@ -703,7 +703,7 @@ static void a_run_that_leaves_validity_is_kept_in_part(void) {
     ran r = run("run s.yaml -o out --tier %s", TIERS[k]);
     EXPECT(r.status == 1, "tier %s: exit status %d", TIERS[k], r.status);
     EXPECT(!*r.out, "tier %s: %s", TIERS[k], r.out);
-    EXPECT(count_lines(r.err) == 1 && strstr(r.err, "p = -D"), "tier %s: %s", TIERS[k], r.err);
+    EXPECT(count_lines(r.err) == 1 && strstr(r.err, "travel = -D"), "tier %s: %s", TIERS[k], r.err);
     double t = NAN;
     sscanf(r.err, "vibrospice: t = %lf s: ", &t);
     EXPECT(t > 0.0085 && t < 0.0095, "tier %s: %s", TIERS[k], r.err);
