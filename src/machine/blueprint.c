@@ -210,6 +210,8 @@ static vs_status read_load(vs_machine *m, vs_error *err) {
     return vs_fail_at(err, adds->where, "load.adds: %s is no mass, in kg, as the load is",
                       adds->text);
   if (to->kind == VS_NODE_TEXT) return read_load_sum(m, to, err);
+  if (to->kind != VS_NODE_LIST || !to->child)
+    return vs_fail_at(err, to->where, "load.to: what the load rides in is wanted: [mass]");
   for (const vs_node *n = to->child; n && !s; n = n->next)
     s = vs_error_carry_on(err, read_load_sum(m, n, err));
   return s;
@@ -303,6 +305,21 @@ static vs_status make_actuator(vs_machine *m, vs_error *err) {
   return s;
 }
 
+/* Energy and force belong to a law of which the current is a formula; alone nobody would ask them.
+ */
+static vs_status check_law(const vs_machine *m, vs_error *err) {
+  if (vs_tree_child(m->own_actuator, vs_machine_law_words[VS_MACHINE_CURRENT])) return VS_OK;
+  for (int k = 0; k < VS_MACHINE_LAWS; k++) {
+    const vs_node *node = vs_tree_child(m->own_actuator, vs_machine_law_words[k]);
+    if (node)
+      return vs_fail_at(err, node->key_where,
+                        "actuator.%s stands without actuator.%s, the current as a formula in "
+                        "lambda and z; write both",
+                        vs_machine_law_words[k], vs_machine_law_words[VS_MACHINE_CURRENT]);
+  }
+  return VS_OK;
+}
+
 static vs_status read_actuator(vs_machine *m, vs_error *err) {
   static const char *const units[VS_MACHINE_LAWS] = {
       [VS_MACHINE_CURRENT] = "A", [VS_MACHINE_ENERGY] = "J", [VS_MACHINE_FORCE] = "N"};
@@ -322,6 +339,7 @@ static vs_status read_actuator(vs_machine *m, vs_error *err) {
     snprintf(what, sizeof what, "actuator.%s", vs_machine_law_words[k]);
     if (node) s = vs_error_carry_on(err, vs_expression_read(m, node, &use, &m->law[k], err));
   }
+  if (!s) s = vs_error_carry_on(err, check_law(m, err));
   return s ? s : make_actuator(m, err);
 }
 
