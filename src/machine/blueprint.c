@@ -305,19 +305,17 @@ static vs_status make_actuator(vs_machine *m, vs_error *err) {
   return s;
 }
 
-/* Energy and force belong to a law of which the current is a formula; alone nobody would ask them.
- */
+/* A law has its current as a formula, or its energy, of which the current is the slope. */
 static vs_status check_law(const vs_machine *m, vs_error *err) {
-  if (vs_tree_child(m->own_actuator, vs_machine_law_words[VS_MACHINE_CURRENT])) return VS_OK;
-  for (int k = 0; k < VS_MACHINE_LAWS; k++) {
-    const vs_node *node = vs_tree_child(m->own_actuator, vs_machine_law_words[k]);
-    if (node)
-      return vs_fail_at(err, node->key_where,
-                        "actuator.%s stands without actuator.%s, the current as a formula in "
-                        "lambda and z; write both",
-                        vs_machine_law_words[k], vs_machine_law_words[VS_MACHINE_CURRENT]);
-  }
-  return VS_OK;
+  const char *const *words = vs_machine_law_words;
+  const vs_node *force = vs_tree_child(m->own_actuator, words[VS_MACHINE_FORCE]);
+  if (!force || vs_tree_child(m->own_actuator, words[VS_MACHINE_CURRENT]) ||
+      vs_tree_child(m->own_actuator, words[VS_MACHINE_ENERGY]))
+    return VS_OK;
+  return vs_fail_at(err, force->key_where,
+                    "actuator.%s stands without actuator.%s, the current as a formula in lambda "
+                    "and z, or actuator.%s; write one of these too",
+                    words[VS_MACHINE_FORCE], words[VS_MACHINE_CURRENT], words[VS_MACHINE_ENERGY]);
 }
 
 static vs_status read_actuator(vs_machine *m, vs_error *err) {
