@@ -2,6 +2,7 @@
 #include "drive/timeline.h"
 
 #include <math.h>
+#include <string.h>
 #include <stddef.h>
 
 #define S_(member) offsetof(vs_supply_values, member)
@@ -42,6 +43,21 @@ static const vs_field FIRING[] = {
 const vs_section vs_timeline_supply_section = {"supply", SUPPLY, sizeof SUPPLY / sizeof *SUPPLY};
 const vs_section vs_timeline_firing_section = {"firing", FIRING, sizeof FIRING / sizeof *FIRING};
 
+/* Error: a key of the firing where there is nothing to fire, or of a sine where the voltage is
+ * direct. */
+static vs_status refuse_unused(const vs_node *scene, const vs_timeline *t, vs_error *err) {
+  const vs_node *firing = vs_tree_child(scene, "firing"), *supply = vs_tree_child(scene, "supply");
+  const vs_node *phase = t->supply.direct ? vs_tree_child(supply, "phase") : NULL;
+  for (const vs_node *n = firing ? firing->child : NULL; n; n = n->next)
+    if (strcmp(n->key, "valve") != 0)
+      return vs_fail_at(err, n->key_where,
+                        "firing.%s: with firing.valve: none nothing fires; leave it out", n->key);
+  return phase ? vs_fail_at(err, phase->key_where,
+                            "supply.phase: with supply.kind: step the voltage is direct; leave it "
+                            "out")
+               : VS_OK;
+}
+
 vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_error *err) {
   *t = (vs_timeline){0};
   size_t found = vs_error_count(err);
@@ -62,7 +78,8 @@ vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_error *err)
                       "supply.kind: step has no cycles for a thyristor to fire in; it wants "
                       "firing.valve: none");
   }
-  if (!t->firing.no_valve && t->firing.every &&
+  if (t->firing.no_valve) return refuse_unused(scene, t, err);
+  if (t->firing.every &&
       t->firing.pulse_width_s >= t->firing.every * t->period_s) {
     const vs_node *width = vs_tree_child(firing, "pulse_width");
     return vs_fail_at(

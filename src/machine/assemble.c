@@ -137,8 +137,9 @@ static vs_status check_stiffness(const vs_machine *m, vs_model *model, vs_error 
   return i < 0 ? VS_OK
                : vs_fail_at(err, place_of(m, VS_MACHINE_STIFFNESS, i, i),
                             "stiffness is not positive definite, so that the machine has no stable "
-                            "place to rest: the row of %s has %.9g in its diagonal (look at the "
-                            "springs and where they stand)",
+                            "place to rest: nothing is left of the row of %s, %.9g in its "
+                            "diagonal, once the rows above are taken off (look at the springs and "
+                            "where they stand)",
                             m->coordinates[i].name, model->stiffness[i][i]);
 }
 

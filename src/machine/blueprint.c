@@ -305,6 +305,19 @@ static vs_status make_actuator(vs_machine *m, vs_error *err) {
   return s;
 }
 
+/* A law has its current as a formula, or its energy, of which the current is the slope. */
+static vs_status check_law(const vs_machine *m, vs_error *err) {
+  const char *const *words = vs_machine_law_words;
+  const vs_node *force = vs_tree_child(m->own_actuator, words[VS_MACHINE_FORCE]);
+  if (!force || vs_tree_child(m->own_actuator, words[VS_MACHINE_CURRENT]) ||
+      vs_tree_child(m->own_actuator, words[VS_MACHINE_ENERGY]))
+    return VS_OK;
+  return vs_fail_at(err, force->key_where,
+                    "actuator.%s stands without actuator.%s, the current as a formula in lambda "
+                    "and z, or actuator.%s; write one of these too",
+                    words[VS_MACHINE_FORCE], words[VS_MACHINE_CURRENT], words[VS_MACHINE_ENERGY]);
+}
+
 static vs_status read_actuator(vs_machine *m, vs_error *err) {
   static const char *const units[VS_MACHINE_LAWS] = {
       [VS_MACHINE_CURRENT] = "A", [VS_MACHINE_ENERGY] = "J", [VS_MACHINE_FORCE] = "N"};
@@ -324,6 +337,7 @@ static vs_status read_actuator(vs_machine *m, vs_error *err) {
     snprintf(what, sizeof what, "actuator.%s", vs_machine_law_words[k]);
     if (node) s = vs_error_carry_on(err, vs_expression_read(m, node, &use, &m->law[k], err));
   }
+  if (!s) s = vs_error_carry_on(err, check_law(m, err));
   return s ? s : make_actuator(m, err);
 }
 

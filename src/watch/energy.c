@@ -207,12 +207,14 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
  * machine that is driven takes 9 to 25 % of what is drawn. */
 static const double LEAST_SHARE = 0.01;
 
-/* What damping has taken where a constant force feeds it besides the actuator's, J; else 0. */
-static double constant_work(const vs_energy *e) {
+/* What moves the machine besides the actuator, J: what it had at the first knot, and what damping
+ * took where a constant force feeds it. */
+static double other_work(const vs_energy *e) {
   const vs_model *m = e->frame->model;
+  double most = fabs(e->began_j);
   for (int i = 0; i < m->dof; i++)
-    if (m->constant[i] != 0) return fabs(e->joule[VS_E_DAMPING]);
-  return 0;
+    if (m->constant[i] != 0) most = fmax(most, fabs(e->joule[VS_E_DAMPING]));
+  return most;
 }
 
 void vs_energy_finish(vs_energy *e) {
@@ -222,7 +224,7 @@ void vs_energy_finish(vs_energy *e) {
   if (scale == 0)
     scale = 1;
   else
-    scale = fmax(scale, constant_work(e));
+    scale = fmax(scale, other_work(e));
   for (int b = 0; b < VS_BALANCES; b++) {
     e->balanced[b] = b != VS_B_CIRCUIT || !deck || deck->losses.count || deck->stores.count;
     e->residual[b] = e->left_j[b] / scale;

@@ -66,9 +66,9 @@ typedef struct vs_energy {
   bool balanced[VS_BALANCES];   /* false: there is nothing to balance, as the deck declares neither
                                    losses nor stores */
   double residual[VS_BALANCES]; /* left_j as a part of the work of the force, of 1 % of what was
-                                   drawn from the mains or, of a machine with constant forces, of
-                                   what damping took, whichever is most; in J where the first two
-                                   are 0 */
+                                   drawn from the mains, of what the machine had at the first knot
+                                   or, with constant forces, of what damping took, whichever is
+                                   most; in J where the first two are 0 */
   double worst;                 /* the largest |residual| */
 } vs_energy;
 
