@@ -167,6 +167,16 @@ static void swing(vs_energy *e, const vs_step *step) {
   }
 }
 
+/* True where no stop can be touched in the step: both its ends are less than half way to one. A
+ * step is at most one radian of the fastest mode long, within which a travel may be 1.14 times what
+ * it is at the ends. */
+static bool is_far(const vs_step *step) {
+  const vs_model *m = step->frame->model;
+  double from = vs_mechanics_travel(m, step->from->x), to = vs_mechanics_travel(m, step->to->x);
+  return !m->stops.count ||
+         (vs_stops_nearness(&m->stops, from) < 0.5 && vs_stops_nearness(&m->stops, to) < 0.5);
+}
+
 static void integrate(vs_energy *e, const vs_step *step, bool flows) {
   unsigned groups = VS_GROUP_VELOCITIES | (flows ? VS_GROUP_V_EVA | VS_GROUP_V_MAINS : 0);
   const int g = step->cubic_flux ? 0 : 1, parts = parts_of(step);
@@ -193,7 +203,7 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
   if (!e->steps++) begin(e, step);
   if (step->to->t_s == step->from->t_s) /* jams */
     e->joule[VS_E_STOP] += mechanical(m, step->from) - mechanical(m, step->to);
-  if (flows || m->stops.count)
+  if (flows || !is_far(step))
     integrate(e, step, flows);
   else
     swing(e, step);
