@@ -65,6 +65,8 @@ typedef struct vs_setup {
   vs_timeline timeline;
   vs_run_values run;
   vs_start_values start;
+  bool steady; /* `start: steady`: the run begins on the scene's orbit, which scene/session.h has
+                  found for it; until then `start` is at rest */
   vs_measure_values measure;
   vs_span_s means; /* what `measure` says, as a stretch of time */
   vs_deck deck;    /* the scene's, also for a tier that does not use it; with what the scene's
