@@ -10,6 +10,7 @@ vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_er
   vs_run_values run = scene->setup.run;
   *steady = (vs_steady){0};
   vs_status status = vs_tiers_require_orbits("steady", scene->tier, scene->why, (vs_where){0}, err);
+  scene->setup.steady = false; /* it begins there anyway */
   if (!status) status = vs_shooting_find(scene, periods, &steady->orbit, err);
   if (status) return status;
   run.until_s = steady->orbit.period_s;
@@ -65,7 +66,12 @@ vs_status vs_steady_start(vs_scene *scene, vs_error *err) {
   vs_orbit orbit;
   vs_scene *calm = undisturbed(scene);
   vs_status status = vs_shooting_find(calm, 1, &orbit, err);
-  if (!status) scene->setup.start = vs_shooting_setup(calm, &scene->setup.run, &orbit).start;
+  if (!status) {
+    const vs_setup on = vs_shooting_setup(calm, &scene->setup.run, &orbit);
+    scene->setup.start = on.start;
+    /* the machine has been fired before: a long pulse of the cycle before still counts */
+    scene->setup.timeline.firing.first_cycle = on.timeline.firing.first_cycle;
+  }
   free(calm);
   return status;
 }
