@@ -104,9 +104,9 @@ static void print_harmonics(const vs_steady *s, FILE *out) {
     fputc('\n', out);
   }
   fprintf(out,
-          "limits: %s, class A; up to harmonic %d %s, harmonic %d takes %.3g %% of its limit\n",
-          STANDARD, VS_SPECTRUM_LAST, part_of_limit(s, worst) <= 1 ? "held" : "not held", worst,
-          100 * part_of_limit(s, worst));
+          "limits: %s, class A; %s held up to harmonic %d: harmonic %d takes %.3g %% of its own\n",
+          STANDARD, part_of_limit(s, worst) <= 1 ? "all are" : "not all are", VS_SPECTRUM_LAST,
+          worst, 100 * part_of_limit(s, worst));
 }
 
 static void show(const void *ctx, FILE *out) {

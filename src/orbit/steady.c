@@ -57,7 +57,7 @@ static vs_scene *undisturbed(const vs_scene *scene) {
   *calm = *scene;
   calm->setup.timeline.events.count = 0;
   calm->setup.steady = false;
-  calm->setup.start = (vs_start_values){{0}};
+  memset(&calm->setup.start, 0, sizeof calm->setup.start);
   calm->frame = vs_sim_frame(calm->tier, &calm->setup);
   return calm;
 }
