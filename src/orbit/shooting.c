@@ -198,26 +198,22 @@ static vs_status improve(flight *f, vs_orbit *o, double *change, vs_error *err) 
 /* Below this, relative to each state's scale, Newton's correction is rounding. The iteration may
  * also end where the corrections have stopped falling, and are as small as the tier's own error. */
 static const double CLOSED = 1e-12, STALLED = 1e-9;
-enum { MOST_ITERATIONS = 20 };
+enum { MOST_ITERATIONS = VS_ORBIT_ITERATIONS / 2 };
 
 static vs_status iterate(flight *f, vs_orbit *o, vs_error *err) {
-  double change = INFINITY, before;
-  vs_error why = {0};
-  for (o->iterations = 0; o->iterations < MOST_ITERATIONS;) {
+  double change = INFINITY, before = INFINITY;
+  for (int k = 0; k < MOST_ITERATIONS; k++) {
+    vs_error why = {0};
     before = change;
-    vs_status status = improve(f, o, &change, &why);
-    if (status)
-      return vs_fail(err, VS_RUN,
-                     "no periodic orbit is found: iteration %d, after a correction of %.2g of the "
-                     "motion: %s",
-                     o->iterations + 1, before, why.text);
-    o->iterations++;
-    o->residual = change;
+    if (improve(f, o, &change, &why))
+      return vs_fail(err, VS_RUN, "no periodic orbit is found: in iteration %d, %s",
+                     o->iterations + 1, why.text);
+    o->correction[o->iterations++] = o->residual = change;
     if (change <= CLOSED || (change < STALLED && change > before / 4)) return VS_OK;
   }
   return vs_fail(err, VS_RUN,
-                 "no periodic orbit is found: after %d iterations the last correction is "
-                 "%.2g of the motion, the one before was %.2g",
+                 "no periodic orbit is found: after %d iterations the last correction is %.2g of "
+                 "the motion, the one before was %.2g",
                  o->iterations, change, before);
 }
 
@@ -350,12 +346,12 @@ static vs_status march(flight *f, int periods, vs_orbit *o, vs_error *err) {
 /* Newton's iteration from o->x, and once more where the orbit repeats earlier, as its own map is
  * another one. */
 static vs_status close_in(flight *f, vs_orbit *o, vs_error *err) {
+  o->iterations = 0;
   vs_status status = iterate(f, o, err);
-  int least = status ? o->n : least_period(f, o), iterations = o->iterations;
+  int least = status ? o->n : least_period(f, o);
   if (!status && least < o->n) {
     o->n = least;
     status = iterate(f, o, err);
-    o->iterations += iterations;
   }
   if (!status) status = find_multipliers(o, err);
   return status;

@@ -12,6 +12,9 @@
 /* The states of the map: q, q' (machine/model.h) and, where no valve stands before the coil, the
  * flux linkage lambda as the last one. With a thyristor lambda is 0 at t = 0, and is no state. */
 enum { VS_ORBIT_STATES = VS_MOST_STATES + 1 };
+/* The most iterations of one search; where the orbit found repeats earlier than asked, the search
+ * of that one is counted on. */
+enum { VS_ORBIT_ITERATIONS = 40 };
 
 typedef struct vs_multiplier {
   double re, im;
@@ -28,8 +31,10 @@ typedef struct vs_orbit {
   vs_multiplier multiplier[VS_ORBIT_STATES]; /* its eigenvalues, the largest first; a pair by
                                                 falling imaginary part */
   int iterations;                            /* of Newton's, the last included */
-  double residual; /* size of the last correction: the largest over the states, relative to scale */
-  bool stable;     /* all multipliers lie within the unit circle */
+  double correction[VS_ORBIT_ITERATIONS]; /* the size of each one's correction: the largest over the
+                                             states, relative to scale */
+  double residual;                        /* the last of these */
+  bool stable;                            /* all multipliers lie within the unit circle */
 } vs_orbit;
 
 /* How an orbit is looked for. */

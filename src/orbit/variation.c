@@ -135,10 +135,11 @@ static vs_status integrate(vs_variation *v, const vs_step *step, double from_s, 
   return VS_OK;
 }
 
-/* The first instant in the step at which a stop's damping begins or ceases to be felt, which is a
- * kink of its force; the step's end where there is none. */
-static double kink(const vs_variation *v, const vs_step *step, double from_s) {
-  enum { LOOKS = 8, HALVINGS = 40 };
+/* Returns the first instant in the step at which a stop's damping begins or ceases to be felt,
+ * which is a kink of its force, as seen from before; *behind_s is the next instant, which lies
+ * behind it. Where there is none, both are the step's end. */
+static double kink(const vs_variation *v, const vs_step *step, double from_s, double *behind_s) {
+  enum { LOOKS = 8, HALVINGS = 50 };
   double to_s = step->to->t_s, was = partials_at(v, step, from_s).f_rate, lo = from_s;
   for (int k = 1; k <= LOOKS; k++) {
     double hi = k < LOOKS ? from_s + k * (to_s - from_s) / LOOKS : to_s;
@@ -153,9 +154,10 @@ static double kink(const vs_variation *v, const vs_step *step, double from_s) {
       else
         hi = mid;
     }
-    return hi;
+    *behind_s = hi;
+    return lo;
   }
-  return to_s;
+  return *behind_s = to_s;
 }
 
 /* ---- the instants that x0 moves ---- */
@@ -218,9 +220,9 @@ vs_status vs_variation_accept(vs_variation *v, const vs_step *step, vs_error *er
   if (event == VS_EV_NONE && is_free) return VS_OK;
   swing(v);
   while (!is_free && from < to && !status) {
-    double end = v->touched ? kink(v, step, from) : to;
+    double behind = to, end = v->touched ? kink(v, step, from, &behind) : to;
     status = integrate(v, step, from, end, err);
-    from = end;
+    from = behind;
   }
   if (event == VS_EV_FIRES) v->conducting = true;
   if (event == VS_EV_EXTINCT || event == VS_EV_MEETS_STOP || event == VS_EV_LEAVES_STOP)

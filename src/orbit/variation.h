@@ -33,7 +33,7 @@ typedef struct vs_variation {
   gsl_odeiv2_step *stepper; /* owned */
 } vs_variation;
 
-/* The run begins at the setup's start: S is the identity. */
+/* The run begins at the start of the setup, which must outlive this: S is the identity. */
 void vs_variation_begin(vs_variation *variation, const vs_setup *setup);
 void vs_variation_end(vs_variation *variation);
 
