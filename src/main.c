@@ -80,7 +80,10 @@ static void explain_steady(vs_text *help) {
   vs_steady_measure m;
   const vs_steady none = {0};
   for (int k = 0; vs_steady_at(&none, k, &m); k++)
-    vs_text_add(help, "  %-14s %-2s %s\n", m.name, m.unit, m.text);
+    vs_text_add(help, "  %-17s %-2s %s\n", m.name, m.unit, m.text);
+  vs_text_add(help, "  %-17s    %s\n  %-17s    %s\n", "reaction_NAME",
+              "largest size of what springs and dampers do along the coordinate NAME",
+              "reaction_NAME_rms", "its root mean square");
   vs_text_add(help,
               "Orbits are computed on tier %s alone; a scene that would take another one "
               "wants --tier %s.\n",

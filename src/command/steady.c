@@ -30,7 +30,9 @@ static int worst_harmonic(const vs_steady *s) {
 
 static void add_measures(const void *ctx, vs_json *json) {
   vs_steady_measure m;
-  for (int k = 0; vs_steady_at(ctx, k, &m); k++) vs_summary_measure(json, m.name, m.value, m.unit);
+  for (int k = 0; vs_steady_at(ctx, k, &m); k++) {
+    if (m.value.known) vs_summary_measure(json, m.name, m.value, m.unit);
+  }
 }
 
 static void add_multipliers(const vs_orbit *orbit, vs_json *json) {
@@ -119,7 +121,7 @@ static void show(const void *ctx, FILE *out) {
   print_harmonics(s, out);
   fprintf(out, "\n%-18s %16s\n", "over a period", "computed");
   for (int k = 0; vs_steady_at(s, k, &m); k++)
-    fprintf(out, "%-18s %16.9g %-5s %s\n", m.name, m.value, m.unit, m.text);
+    fprintf(out, "%-18s %16.9g %-5s %s\n", m.name, m.value.value, m.unit, m.text);
   fputc('\n', out);
 }
 

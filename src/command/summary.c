@@ -43,10 +43,11 @@ static void add_scene(vs_json *json, const vs_scene *s) {
   vs_json_end(json);
 }
 
-void vs_summary_measure(vs_json *json, const char *name, double value, const char *unit) {
+void vs_summary_measure(vs_json *json, const char *name, vs_value v, const char *unit) {
   vs_json_object(json, name, VS_JSON_ROW);
-  vs_json_number(json, "value", value, DIGITS);
+  vs_json_number(json, "value", v.value, DIGITS);
   vs_json_text(json, "unit", unit);
+  if (!isnan(v.at_s)) vs_json_number(json, "at_s", v.at_s, DIGITS);
   vs_json_end(json);
 }
 

@@ -13,8 +13,8 @@ typedef struct vs_summary_more {
   void (*members)(const void *ctx, vs_json *json);  /* adds members to the whole, behind it */
 } vs_summary_more;
 
-/* Adds {"value": ..., "unit": ...} under the measure's name. */
-void vs_summary_measure(vs_json *json, const char *name, double value, const char *unit);
+/* Adds {"value": ..., "unit": ...} under the measure's name, and its instant where it has one. */
+void vs_summary_measure(vs_json *json, const char *name, vs_value value, const char *unit);
 
 /* Appends the result to `json`. with_cost: wall times and steps, too, which no two runs share.
  * more: what is added; NULL: nothing. */

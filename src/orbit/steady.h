@@ -5,6 +5,7 @@
 #ifndef VS_ORBIT_STEADY_H
 #define VS_ORBIT_STEADY_H
 
+#include "orbit/reaction.h"
 #include "orbit/shooting.h"
 #include "orbit/spectrum.h"
 #include "scene/result.h"
@@ -22,15 +23,17 @@
 typedef struct vs_steady {
   vs_orbit orbit;
   vs_spectrum spectrum;
+  vs_reaction reaction;
+  const vs_model *model; /* the scene's; NULL: there is none yet */
 #define VS_STEADY_MEMBER(member, name, unit, text) double member;
   VS_STEADY_LIST(VS_STEADY_MEMBER)
 #undef VS_STEADY_MEMBER
 } vs_steady;
 
-/* One of these measures. */
+/* One of these measures, or of the reactions along the coordinates. */
 typedef struct vs_steady_measure {
-  const char *name, *unit, *text;
-  double value; /* SI */
+  char name[VS_MACHINE_NAME + 16], unit[24], text[VS_MACHINE_TEXT];
+  vs_value value; /* SI */
 } vs_steady_measure;
 
 /* Finds the orbit of that many firing periods, and makes the scene the one whose run is a period of
@@ -43,7 +46,9 @@ void vs_steady_end(vs_steady *steady);
 void vs_steady_accept(vs_steady *steady, const vs_step *step);
 void vs_steady_finish(vs_steady *steady, const vs_result *result);
 
-/* Fills `measure` with the k-th measure, from 0, and returns true; false: there are no more. */
+/* Fills `measure` with the k-th measure, from 0, and returns true; false: there are no more. First
+ * come those of VS_STEADY_LIST; then, of each coordinate NAME, reaction_NAME, the largest size of
+ * the reaction along it, and reaction_NAME_rms. */
 bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *measure);
 
 /* For vs_session.steady: puts a scene with `start: steady` at the beginning of its orbit of one
