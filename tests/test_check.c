@@ -401,10 +401,12 @@ static void a_scene_with_its_deck(void) {
 
 /* ---- what is good, and how it is said ---- */
 
+/* Nothing is said against it, but how far a table's forces are from the slope of its energy. */
 static void is_good(void *ctx, const char *path) {
   (void)ctx;
   ran r = check(path, NULL, "");
-  EXPECT(r.status == 0 && !*r.err && count_lines(r.out) == 1 && strstr(r.out, ": a good "),
+  bool silent = !*r.err || (count_lines(r.err) == 3 && strstr(r.err, ".csv: force_n differs"));
+  EXPECT(r.status == 0 && silent && count_lines(r.out) == 1 && strstr(r.out, ": a good "),
          "%s: exit status %d: %s%s", path, r.status, r.out, r.err);
   free_ran(&r);
   r = check(path, NULL, "--quiet");

@@ -222,6 +222,9 @@ static void exports(void) {
          "firing.angle=130 deg");
   EXPORT("fixed_base", "p_first_peak_m", "run.until=0.1 s",
          "actuator={saturation: {law: multiplicative, flux: 1.5 Wb, exponent: 6}}");
+  /* its force opens the gap, so that the first peak is a maximum */
+  EXPORT("two_mass", "gap_first_peak_m", "run.until=0.03 s",
+         "actuator={law: moving_coil, inductance: 1 H, resistance: 90 ohm}");
 }
 
 /* ---- refusals ---- */

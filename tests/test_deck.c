@@ -140,7 +140,7 @@ static void bad_lines_are_refused(void) {
   REFUSE(SUPPLY "*$ probe v_a = v(a) V\n*$ rating v_a 1 V\n" EVA, "bad.cir:5:15: ", "MIN..MAX");
   REFUSE(SUPPLY "*$ compat lt\n" EVA, "bad.cir:4:11: ", "there is: ps");
   REFUSE(SUPPLY "*$ port mains = Vn\n" EVA, "bad.cir:4:9: ", "second port mains");
-  REFUSE(SUPPLY "*$ probe p = v(a) V\n" EVA, "bad.cir:4:14: ", "the program's");
+  REFUSE(SUPPLY "*$ probe p = v(a) V\n" EVA, "bad.cir:4:14: ", "taken by the machine");
   REFUSE(SUPPLY "*$ probe t = v(a) V\n" EVA, "bad.cir:4:14: ", "the program's");
   REFUSE("*$ rate x\n" EVA, "bad.cir:1:4: ", "did you mean");
   REFUSE(SUPPLY "*$ param x = y part 3\n" EVA, "bad.cir:4:21: ", "quotes");

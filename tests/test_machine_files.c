@@ -343,8 +343,18 @@ static void every_mistake_has_its_place(void) {
        "m.yaml:2:29: coordinate 'vx': that name is a coordinate's rate's"},
       {"y: {unit: m,", "v_eva: {unit: m,",
        "m.yaml:2:29: coordinate v_eva: the name v_eva is the program's"},
+      {"y: {unit: m,", "gap: {unit: m,",
+       "m.yaml:2:29: coordinate 'gap': its measures would be gap_min and gap_max"},
       {"stroke:", "ax:", "m.yaml:18:10: probe 'ax': that name is a coordinate's rate's"},
       {"stroke:", "travel:", "m.yaml:18:10: probe travel: that name is the program's"},
+      {"y: {unit: m,", "gap: {unit: m,", "m.yaml:2:29: coordinate 'gap': its measures would be"},
+      {"stroke: {of: x - y, unit: mm", "x_m: {of: lever",
+       "m.yaml:18:10: x_m: its column in a run's table is that of x; give it another name"},
+      {"stroke: {of: x - y, unit: mm", "vx_m: {of: x/vx, unit: s",
+       "m.yaml:18:10: vx_m: its column in a run's table is that of vx;"},
+      {"stroke: {of: x - y, unit: mm", "force_n: {of: lever",
+       "m.yaml:18:10: force_n: its column in a run's table is that of force;"},
+      {"stroke: {of: x - y, unit: mm", "x_mm: {of: x, unit: m", NULL},
       {"k2: 20 kN/m", "k2: lambda*k", NULL},
       {"stiffness: [[k, -k]", "stiffness: [[lambda*k, -k]",
        "m.yaml:14:14: stiffness of x, x: lambda is known to the formulas under actuator and "
@@ -395,6 +405,9 @@ static void every_mistake_has_its_place(void) {
       {"adds: m1", "adds: k", "m.yaml:17:14: load.adds: k is no mass, in kg, as the load is"},
       {"[mass, forces]", "[mas]",
        "m.yaml:17:23: load.to: there are: mass, damping, stiffness, forces"},
+      {"[mass, forces]", "[]", "m.yaml:17:18: load.to: what the load rides in is wanted: [mass]"},
+      {"{gap: 2 mm,", "{force: 5 N, gap: 2 mm,",
+       "m.yaml:19:19: law formula wants the machine file's 'actuator: {current: ...}' or 'energy'"},
       {"{gap: 2 mm,", "{gapp: 2 mm,",
        "m.yaml:19:12: actuator has no key 'gapp'; did you mean 'gap'?"},
       {"{gap: 2 mm,", "{gap: 2 kg,",
@@ -524,6 +537,51 @@ static void machines_may_follow_each_other(void) {
   vs_trial_free(t);
 }
 
+/* ---- laws of the file, and forces that never change ---- */
+
+/* An energy alone is a law too: the run is that of the current which is its slope, not one of the
+ * default law. */
+static void energy_alone_is_a_law(void) {
+  static const char *const laws[] = {"energy: lambda^2*z/4e-3 + 0.02*lambda^4",
+                                     "current: lambda*z/2e-3 + 0.08*lambda^3"};
+  double peak[2] = {0, 1};
+  write_file(
+      "s.yaml",
+      "machine: {model: m.yaml}\nsupply: {voltage: 50 V}\nrun: {until: 30 ms, tolerance: 1e-9}\n");
+  for (int k = 0; k < 2; k++) {
+    vs_text text = {0};
+    vs_text_add(&text,
+                "title: t\ncoordinates: {s: {unit: m, text: armature}}\nmass: 0.5 kg\n"
+                "stiffness: 4e4 N/m\ngap: {along: {s: 1}}\nactuator: {%s, gap: 5 mm}\n",
+                laws[k]);
+    write_file("m.yaml", text.text);
+    vs_text_free(&text);
+    ran r = run("run s.yaml --json --quiet");
+    EXPECT(r.status == 0 && strstr(r.out, "\"law\": \"formula\""), "%s%s", r.err, r.out);
+    const char *value = strstr(r.out, "\"i_peak\": {\"value\": ");
+    if (value) peak[k] = strtod(value + strlen("\"i_peak\": {\"value\": "), NULL);
+    free_ran(&r);
+  }
+  EXPECT(fabs(peak[0] / peak[1] - 1) < 1e-9, "i_peak %.12g A, %.12g A", peak[0], peak[1]);
+  remove("s.yaml");
+  remove("m.yaml");
+}
+
+/* The weight does nearly all the work here, the coil next to none: the books are held to the
+ * former. */
+static void weight_is_in_the_books(void) {
+  write_file("m.yaml", "title: t\ncoordinates: {s: {unit: m, text: armature}}\nmass: 0.5 kg\n"
+                       "damping: 3 N.s/m\nstiffness: 4e4 N/m\nforces: {s: -4.905 N}\n"
+                       "gap: {along: {s: 1}}\n");
+  write_file("s.yaml", "machine: {model: m.yaml}\nfiring: {angle: 175 deg}\n"
+                       "supply: {voltage: 20 V}\nrun: {until: 0.1 s, tolerance: 1e-10}\n");
+  ran r = run("run s.yaml --json");
+  EXPECT(r.status == 0 && strstr(r.out, "the books close"), "%s%s", r.err, r.out);
+  free_ran(&r);
+  remove("s.yaml");
+  remove("m.yaml");
+}
+
 /* ---- studies ---- */
 
 /* Rows of study.csv, with another file's text in between: the machine's bytes are part of what a
@@ -558,6 +616,45 @@ static void studies_vary_machines(void) {
   remove("m.yaml");
 }
 
+/* A machine of one coordinate of that name, with this section actuator. */
+static void write_single(const char *name, const char *actuator) {
+  vs_text t = {0};
+  vs_text_add(&t,
+              "coordinates: {%s: {unit: m}}\nmass: 3 kg\nstiffness: 3e5 N/m\ngap: {along: {%s: "
+              "1}}\nactuator: %s\n",
+              name, name, actuator);
+  write_file("one.yaml", t.text);
+  vs_text_free(&t);
+}
+
+/* In an exported netlist vs_a and its like are numbers; a node of that name would hide them. */
+static void exports_keep_their_numbers(void) {
+  static const char *const NAMES[] = {"a", "D", "fire", "until", "g"};
+  for (size_t k = 0; k < COUNT(NAMES); k++) {
+    write_single(NAMES[k], "{inductance: 0.8 H}");
+    ran r = run("export %s --set machine.model=one.yaml -o x.cir", plain_scene());
+    EXPECT(r.status == 2 && strstr(r.err, "give the coordinate another name"), "%s: %d, %s",
+           NAMES[k], r.status, r.err);
+    free_ran(&r);
+  }
+  remove("one.yaml");
+}
+
+/* Formulas of the law are taken, also where the energy alone is there. */
+static void formulas_are_taken(void) {
+  static const char *const LAWS[] = {"{energy: 'lambda^2*z*0.33'}", "{current: 'lambda*z*0.66'}"};
+  for (size_t k = 0; k < COUNT(LAWS); k++) {
+    write_single("x", LAWS[k]);
+    ran r = run("list parameters --machine one.yaml");
+    const char *law = strstr(r.out, "actuator.law ");
+    EXPECT(law && !strncmp(law + strcspn(law, " ") + strspn(law + strcspn(law, " "), " "),
+                           "formula ", strlen("formula ")),
+           "%s: %s%s", LAWS[k], r.out, r.err);
+    free_ran(&r);
+  }
+  remove("one.yaml");
+}
+
 static const vs_test TESTS[] = {
     {"bits of the conveyor", conveyor_has_its_bits},
     {"modes of others", machines_have_their_modes},
@@ -569,7 +666,11 @@ static const vs_test TESTS[] = {
     {"scenes", scenes_name_machines},
     {"own keys", machines_have_their_own_keys},
     {"one after the other", machines_may_follow_each_other},
+    {"energy alone", energy_alone_is_a_law},
+    {"weight", weight_is_in_the_books},
     {"studies", studies_vary_machines},
+    {"exports", exports_keep_their_numbers},
+    {"formulas", formulas_are_taken},
 };
 int main(void) {
   return program_suite("machine files", TESTS, COUNT(TESTS));

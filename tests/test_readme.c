@@ -52,6 +52,12 @@ static void write_a_scene(void) {
   free(lines);
 }
 
+static void bring_your_own_machine(void) {
+  char *lines = block("## Bring your own machine", "sh");
+  run_lines(lines);
+  free(lines);
+}
+
 static void bring_your_own_circuit(void) {
   char *deck = block("## Bring your own circuit", "spice"),
        *lines = block("## Bring your own circuit", "sh");
@@ -79,6 +85,7 @@ static void studies(void) {
 
 static const vs_test TESTS[] = {
     {"write a scene", write_a_scene},
+    {"bring your own machine", bring_your_own_machine},
     {"bring your own circuit", bring_your_own_circuit},
     {"studies", studies},
 };

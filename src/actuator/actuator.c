@@ -95,7 +95,8 @@ static const vs_field ACTUATOR[] = {
     {"resistance", VS_REAL, "ohm", "92 ohm", 0, 1e6, true, A_(resistance_ohm),
      "R_c, coil (Table 1)", NULL, NULL},
     {"stop", VS_OPTION, "", "none", 0, 0, false, A_(stop),
-     "what the armature meets at p = -D; with none a run that gets there ends with an error",
+     "what the armature meets, at the pole cover unless `at` says more; with none a run that gets "
+     "there ends with an error",
      "none", &STOP},
     {"law", VS_NAME, "", "reluctance", 0, 0, false, A_(law),
      "how current and force follow from flux linkage and gap: see 'list laws'; or a table, a file "

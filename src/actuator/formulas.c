@@ -241,8 +241,11 @@ static vs_status compare(const check *c, const range *r, vs_error *err) {
       largest = fmax(largest, fmax(fabs(left), fabs(right)));
       if (fabs(left - right) <= fmax(1e-6 * fmax(fabs(left), fabs(right)), 1e-9 * largest))
         continue;
-      return vs_fail_at(err, c->where, "%s is %.9g at lambda = %.6g Wb, z = %.6g m, but %s is %.9g",
-                        c->left, left, flux, z, c->right, right);
+      bool turned = c->sign < 0 && fabs(left + right) <= 1e-6 * fabs(left);
+      return vs_fail_at(err, c->where,
+                        "%s is %.9g at lambda = %.6g Wb, z = %.6g m, but %s is %.9g%s", c->left,
+                        left, flux, z, c->right, right,
+                        turned ? "; turn the force's sign: what closes the gap is negative" : "");
     }
   }
   return VS_OK;

@@ -135,6 +135,12 @@ static void name_measured(const vs_scene *scene, measured_name names[N_MEASURED]
   snprintf(names[MEASURED_FORCE], sizeof *names, "force_peak_n");
 }
 
+/* True for a coil whose force opens the gap, as a moving coil's: the first peak is a maximum then.
+ * So little flux is within the range of every law. */
+static bool opens_the_gap(const vs_model *m) {
+  return vs_coil_force(&m->coil, 1e-6, m->coil.gap_rest_m) < 0;
+}
+
 /* A column named as a node whose voltage is asked for later would hide it. */
 static vs_status check_column(const vs_deck *deck, const char *name, vs_error *err) {
   char signal[sizeof(column) + 4];
@@ -186,14 +192,14 @@ static void add_head(vs_text *t, const vs_scene *scene, const char *deck_name,
               deck->compat, *deck->compat ? "a " : "", deck_name);
   vs_text_add(
       t,
-      "* It prints a few measures (first peak: the gap's first minimum after firing) and writes a\n"
+      "* It prints a few measures (first peak: the gap's first %s after firing) and writes a\n"
       "* table in the working directory, %s: columns between blanks, names first, a row every\n"
       "* vs_sample seconds. A name ends in its unit. z: air gap; lambda i v_eva: of the coil;\n"
       "* force: on the armature; before them the machine's coordinates, behind them what the\n"
       "* converter declares. A run that ends early or meets the pole gives no table and exit "
       "status "
       "1.\n",
-      table_name);
+      opens_the_gap(&scene->setup.model) ? "maximum" : "minimum", table_name);
   for (int k = 0; k < machine->dof; k++)
     vs_text_add(t, "* %s: %s\n", machine->coordinates[k].name, machine->coordinates[k].text);
 }
@@ -384,11 +390,14 @@ static void add_commands(vs_text *t, const vs_scene *scene, const column *column
     vs_text_add(t, "let %s = %s\n", columns[k].name, columns[k].value.text);
   if (one < 0) vs_text_add(t, "let vs_travel = v(vs_%s)/1000\n", vs_mechanism_node(m, false));
   add_validity(t, m, travel);
-  vs_text_add(t, "meas tran %s find %s when v(vs_%s)=0 rise=1 td=$&vs_fire\n",
-              measured[MEASURED_FIRST], travel, vs_mechanism_node(m, true));
+  vs_text_add(t, "meas tran %s find %s when v(vs_%s)=0 %s=1 td=$&vs_fire\n",
+              measured[MEASURED_FIRST], travel, vs_mechanism_node(m, true),
+              opens_the_gap(m) ? "fall" : "rise");
   vs_text_add(t, "meas tran %s min %s\n", measured[MEASURED_LEAST], travel);
   vs_text_add(t, "meas tran %s max i_a\n", measured[MEASURED_I]);
-  vs_text_add(t, "meas tran %s max force_n\n", measured[MEASURED_FORCE]);
+  if (opens_the_gap(m)) vs_text_add(t, "let vs_force = abs(force_n)\n");
+  vs_text_add(t, "meas tran %s max %s\n", measured[MEASURED_FORCE],
+              opens_the_gap(m) ? "vs_force" : "force_n");
   vs_text_add(t, "linearize");
   for (size_t k = 0; k < count; k++) vs_text_add(t, " %s", columns[k].name);
   vs_text_add(t, "\nset wr_singlescale\nset wr_vecnames\nset numdgt=9\nwrdata %s", table_name);

@@ -44,9 +44,11 @@ const char *vs_mechanism_node(const vs_model *m, bool rate) {
   return one < 0 ? rate ? "vg" : "g" : vs_mechanism_state(m, rate ? m->dof + one : one);
 }
 
-/* True for the name behind "vs_" of a node that the export makes besides the states'. */
+/* True for the name behind "vs_" of a node that the export makes besides the states', or of a
+ * number that its commands go by, which a node of that name would hide. */
 static bool is_our_node(const vs_deck *deck, const char *name) {
-  static const char *const OURS[] = {"f", "i", "g", "vg"};
+  static const char *const OURS[] = {"f", "i",     "g",    "vg",      "a",
+                                     "d", "until", "fire", "reached", "travel"};
   for (size_t k = 0; k < sizeof OURS / sizeof *OURS; k++)
     if (!strcasecmp(OURS[k], name)) return true;
   for (size_t k = 0; k < deck->n_ports; k++)
@@ -67,9 +69,9 @@ vs_status vs_mechanism_check(const vs_setup *s, vs_error *err) {
     for (int j = 0; j < k; j++) twice = twice || !strcasecmp(vs_mechanism_state(m, j), name);
     if (twice)
       return vs_fail_at(err, m->machine->coordinates[k % m->dof].where,
-                        "export: coordinate %s: ngspice would have two nodes vs_%s, as it takes no "
-                        "notice of capitals and the export has nodes of its own; give the "
-                        "coordinate another name",
+                        "export: coordinate %s: ngspice would have two nodes or numbers vs_%s, as "
+                        "it takes no notice of capitals and the export has some of its own; give "
+                        "the coordinate another name",
                         m->machine->coordinates[k % m->dof].name, name);
   }
   for (int k = 0; k < m->stops.count; k++)

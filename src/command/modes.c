@@ -126,7 +126,7 @@ vs_status vs_modes_command(const char *name, char *const *sets, size_t n_sets, c
     if (folder && !json)
       printf("written: modes.csv and the state space (x = velocities, then coordinates; input: "
              "generalised "
-             "forces, the actuator's is -F on p) as A.csv, B.csv, C.csv, D.csv in %s\n",
+             "forces, the actuator's is -F times gap.along) as A.csv, B.csv, C.csv, D.csv in %s\n",
              folder);
   }
   vs_scene_free(scene);

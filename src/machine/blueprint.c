@@ -210,6 +210,8 @@ static vs_status read_load(vs_machine *m, vs_error *err) {
     return vs_fail_at(err, adds->where, "load.adds: %s is no mass, in kg, as the load is",
                       adds->text);
   if (to->kind == VS_NODE_TEXT) return read_load_sum(m, to, err);
+  if (to->kind != VS_NODE_LIST || !to->child)
+    return vs_fail_at(err, to->where, "load.to: what the load rides in is wanted: [mass]");
   for (const vs_node *n = to->child; n && !s; n = n->next)
     s = vs_error_carry_on(err, read_load_sum(m, n, err));
   return s;
@@ -289,11 +291,12 @@ static vs_status make_actuator(vs_machine *m, vs_error *err) {
     vs_actuator_values all;
     char bytes[sizeof(vs_actuator_values)];
   } tried;
+  bool has_formulas = false;
+  for (int k = 0; k < VS_MACHINE_LAWS; k++) has_formulas |= m->law[k].text != NULL;
   for (size_t k = 0; k < vs_actuator_section.count; k++) {
     vs_field field = vs_actuator_section.fields[k];
     const vs_node *own = vs_tree_child(m->own_actuator, field.key);
-    bool by_formula = m->law[VS_MACHINE_CURRENT].text && !strcmp(field.key, "law");
-    if (by_formula) field.default_text = "formula";
+    if (has_formulas && !strcmp(field.key, "law")) field.default_text = "formula";
     if (own && !s)
       s = vs_error_carry_on(err, vs_field_read(&vs_actuator_section, &field, own, &tried, err));
     if (own && own->kind == VS_NODE_TEXT) field.default_text = own->text;

@@ -55,7 +55,9 @@ static double compliance(const vs_model *model) {
 static vs_status find_speeds(vs_model *model, vs_error *err) {
   vs_mode modes[VS_MOST_STATES];
   if (!vs_mechanics_modes(model, modes))
-    return vs_fail(err, VS_INPUT, "machine: the eigenvalues of the mechanics cannot be found");
+    return vs_fail_at(
+        err, (vs_where){.file = model->machine->path},
+        "the eigenvalues of the mechanics cannot be found; masses or springs are too unlike");
   double drive = 0;
   for (int m = 0; m < 2 * model->dof; m++) {
     double size = hypot(modes[m].re_1_s, modes[m].im_rad_s);

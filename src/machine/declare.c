@@ -90,6 +90,10 @@ static vs_status read_coordinate(vs_machine *m, const vs_node *node, vs_error *e
   snprintf(what, sizeof what, "coordinates.%.*s", VS_MACHINE_NAME - 1, node->key);
   vs_status s = vs_declare_check(m, "coordinate", node->key, node->key_where, err);
   if (s) return s;
+  if (!strcmp(node->key, "gap"))
+    return vs_fail_at(err, node->key_where,
+                      "coordinate 'gap': its measures would be gap_min and gap_max, which are the "
+                      "travel's; give yours another name");
   if (m->dof >= VS_MACHINE_COORDINATES)
     return vs_fail_at(err, node->key_where, "more than %d coordinates", VS_MACHINE_COORDINATES);
   if (node->kind != VS_NODE_MAP)

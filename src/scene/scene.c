@@ -128,7 +128,9 @@ static vs_status check_ignored_keys(const vs_scene *s, vs_error *err) {
 
 /* Where the scene says which law the coil has: by itself, or by its machine. */
 static vs_where where_law(const vs_scene *s) {
-  const vs_node *law = vs_tree_child(vs_tree_child(s->tree.root, "actuator"), "law");
+  static const char *const KEYS[] = {"law", "saturation", "leakage"};
+  const vs_node *map = vs_tree_child(s->tree.root, "actuator"), *law = NULL;
+  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS && !law; k++) law = vs_tree_child(map, KEYS[k]);
   const vs_node *machine = vs_tree_child(vs_tree_child(s->tree.root, "machine"), "model");
   return law ? law->where : machine ? machine->where : (vs_where){0};
 }

@@ -47,8 +47,7 @@ static bool is_an_event(const vs_events *events, const char *name) {
   return false;
 }
 
-/* The energy there was, J: what was drawn from the mains or done by the force, whichever is more,
- * and what events have brought. */
+/* The energy there was, J: that of the books, and what events have brought. */
 static double energy_there(const vs_energy *e) {
   double brought = 0;
   for (size_t k = 0; e->frame->deck && k < e->frame->deck->losses.count; k++)

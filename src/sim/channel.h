@@ -9,7 +9,7 @@
 /* The channels that every machine has: id, name, unit, text. The last two are in no list:
  * the current drawn from the mains is for the books of energy, the travel for measures. */
 #define VS_CHANNEL_LIST(X)                                                                         \
-  X(VS_CH_Z, "z", "m", "air gap D + d + p")                                                        \
+  X(VS_CH_Z, "z", "m", "air gap, D + d + travel")                                                  \
   X(VS_CH_LAMBDA, "lambda", "Wb", "flux linkage of the EVA")                                       \
   X(VS_CH_I, "i", "A", "coil current of the EVA")                                                  \
   X(VS_CH_FORCE, "force", "N", "force on the armature")                                            \

@@ -16,6 +16,7 @@
 #include "machine/build.h"
 #include "machine/mechanics.h"
 #include "sim/channel.h"
+#include "syntax/units.h"
 
 const char vs_setup_tier_words[VS_TIERS][16] = {
 #define TIER_WORD_(id, file, word) word,
@@ -83,14 +84,20 @@ static const vs_node *machine_node(const vs_node *scene) {
   return vs_tree_child(vs_tree_child(scene, "machine"), vs_machine_key.key);
 }
 
-/* The machine's outputs must not have the names of channels that every machine has. */
+/* True for the name of a channel that every machine has, and for the one that the measures of the
+ * travel begin with: gap_min. */
+static bool is_the_programs(const char *name) {
+  return vs_channel_is_standard(name) || !strcmp(name, "gap");
+}
+
+/* The machine's outputs must not have such names. */
 static vs_status refuse_standard_names(const vs_machine *m, vs_error *err) {
   vs_status s = VS_OK;
   for (int k = 0; k < m->dof && !s; k++) {
     const vs_coordinate *c = &m->coordinates[k];
     const char *const names[] = {c->name, c->rate, c->rate2};
     for (int d = 0; d < 3 && !s; d++)
-      if (vs_channel_is_standard(names[d]))
+      if (is_the_programs(names[d]))
         s = vs_error_carry_on(err, vs_fail_at(err, c->where,
                                               "coordinate %s: the name %s is the program's",
                                               c->name, names[d]));
@@ -145,11 +152,54 @@ static vs_status refuse_taken_names(const vs_setup *setup, vs_error *err) {
   vs_status s = VS_OK;
   for (size_t k = 0; k < deck->n_probes && !s; k++) {
     const vs_probe *probe = &deck->probes[k];
-    bool taken = !strcmp(probe->name, "t") || vs_channel_is_standard(probe->name) ||
-                 vs_machine_has_output(setup->model.machine, probe->name);
+    bool machines = vs_machine_has_output(setup->model.machine, probe->name);
+    bool taken = machines || !strcmp(probe->name, "t") || !strcmp(probe->name, "gap") ||
+                 vs_channel_is_standard(probe->name);
     if (taken)
       s = vs_error_carry_on(err, vs_fail_at(err, deck->terms[probe->term].where,
-                                            "probe %s: that name is the program's", probe->name));
+                                            "probe %s: that name is %s%s", probe->name,
+                                            machines ? "taken by the machine " : "the program's",
+                                            machines ? setup->model.machine->path : ""));
+  }
+  return s;
+}
+
+/* True if the shorter name, its unit behind it, makes the longer name's column. */
+static bool is_one_column(vs_channel a, vs_channel b) {
+  char of_a[32], of_b[32];
+  size_t n = strlen(a.name), m = strlen(b.name);
+  if (n > m) return is_one_column(b, a);
+  if (n == m || strncmp(a.name, b.name, n) != 0) return false; /* names are compared elsewhere */
+  vs_units_suffix(a.unit, of_a, sizeof of_a);
+  vs_units_suffix(b.unit, of_b, sizeof of_b);
+  const char *rest = b.name + n, *want = of_a;
+  if (*rest++ != '_' || strncmp(rest, want, m - n - 1) != 0) return false;
+  want += m - n - 1;
+  return !*of_b ? !*want : *want++ == '_' && !strcmp(want, of_b);
+}
+
+static vs_where channel_place(const vs_frame *frame, int number) {
+  const vs_model *m = frame->model;
+  if (number >= vs_channel_deck(m))
+    return frame->deck->terms[frame->deck->probes[number - vs_channel_deck(m)].term].where;
+  if (number >= vs_channel_probes(m))
+    return m->machine->probes[number - vs_channel_probes(m)].where;
+  return m->machine->coordinates[(number - VS_CH_Q) % m->dof].where;
+}
+
+/* A column is a name with its unit: x in m, and x_m without a unit, would be one. */
+static vs_status refuse_one_column(const vs_setup *setup, vs_error *err) {
+  const vs_frame frame = {.model = &setup->model, .deck = &setup->deck};
+  vs_status s = VS_OK;
+  for (int k = VS_CH_Q, n = vs_channel_count(&frame); k < n && !s; k++) {
+    vs_channel c = vs_channel_at(&frame, k);
+    int j = 0;
+    while (j < k && !is_one_column(c, vs_channel_at(&frame, j))) j++;
+    if (j < k)
+      s = vs_error_carry_on(
+          err, vs_fail_at(err, channel_place(&frame, k),
+                          "%s: its column in a run's table is that of %s; give it another name",
+                          c.name, vs_channel_at(&frame, j).name));
   }
   return s;
 }
@@ -185,7 +235,9 @@ static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *e
     return s;
   }
   s = vs_netlist_read_parts(&setup->deck, map, err);
+  size_t found = vs_error_count(err);
   if (!s) s = refuse_taken_names(setup, err);
+  if (!s && vs_error_count(err) == found) s = refuse_one_column(setup, err);
   return s ? s : read_values(map, setup, err);
 }
 

@@ -73,9 +73,10 @@ static vs_status guard(void *ctx, const vs_step *step, vs_error *err) {
   if (vs_mechanics_closed(m, g))
     return vs_fail(
         err, VS_RUN,
-        "t = %.9g s: the armature meets the pole cover (p = -D = %g mm%s) and the scene has no "
+        "t = %.9g s: the armature meets the pole cover (%s = -D = %g mm%s) and the scene has no "
         "actuator.stop; what would follow is not physical",
-        contact_time(step), -1e3 * m->actuator.gap_m, z <= 0 ? ", even z <= 0" : "");
+        contact_time(step), m->alone ? m->machine->coordinates[m->alone - 1].name : "travel",
+        -1e3 * m->actuator.gap_m, z <= 0 ? ", even z <= 0" : "");
   if (z <= 0 && m->coil.law->poles)
     return vs_fail(err, VS_RUN,
                    "t = %.9g s: the gap is closed (z = %.3g mm): the stop has given way", k->t_s,

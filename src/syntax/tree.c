@@ -218,7 +218,7 @@ static vs_status parse(const char *text, size_t length, const char *file, vs_nod
     second = fy_parse_load_document(parser);
     if (second)
       status = vs_fail_at(err, place(fy_document_root(second), file),
-                          "a second document (after '---') begins here; one file, one scene");
+                          "a second document (after '---') begins here; a file holds one");
     else if (fy_parser_get_stream_error(parser))
       status = report(diag, file, err);
   }
@@ -271,7 +271,7 @@ vs_status vs_tree_read(const char *path, vs_tree *tree, vs_error *err) {
   if (!status && tree->root->kind == VS_NODE_TEXT && !*tree->root->text)
     tree->root->kind = VS_NODE_MAP; /* a file that is "~" says nothing */
   if (!status && tree->root->kind != VS_NODE_MAP)
-    status = vs_fail_at(err, tree->root->where, "a scene is a list of 'key: value' lines");
+    status = vs_fail_at(err, tree->root->where, "lines 'key: value' are wanted");
   return status;
 }
 

@@ -162,6 +162,17 @@ SOLENOID(solenoid_linear, AT(0.0124, 0.0128), "run.until=0.013s",
       SOLVED(solenoid, "current at " at " s", "A", "i@" at, i, 0),                                 \
       SOLVED(solenoid, "force at " at " s", "N", "force@" at, force, 0)
 
+/* Its actuator from a table of 20 gaps and 31 currents, up to the contact, where the table ends. */
+static const vs_experiment solenoid_table = {.perform = vs_experiment_perform,
+                                             .wall_s = 0.02,
+                                             .scene = "solenoid_table",
+                                             .tier = "switched",
+                                             .look_s = AT(0.008, 0.012)};
+#define TABLE(text, unit, what, value)                                                             \
+  IS(solenoid_table, "solenoid from a table: " text, unit, what, value, 5e-3, 0,                   \
+     "other integrators of the equations of the Modelica Standard Library",                        \
+     "what gaps 0.25 mm apart leave of the force")
+
 static const vs_comparison COMPARISONS[] = {
     MODE(modes_fixed, "fixed base, mode: frequency", "Hz", "f1", 51.2307024887),
     MODE(modes_fixed, "fixed base, mode: time constant", "s", "tau1", 0.6916666667),
@@ -222,6 +233,13 @@ static const vs_comparison COMPARISONS[] = {
     SAMPLE("0.02", 0.0002294630206, 0.09839182456, 0.7239651584, 42.58175755),
     SOLVED(solenoid_linear, "linear stop: gap at 0.0124 s", "m", "z@0.0124", 0.00015374624399, 0),
     SOLVED(solenoid_linear, "linear stop: gap at 0.0128 s", "m", "z@0.0128", 0.00021442815682, 0),
+    TABLE("peak current", "A", "i_peak", 1.0073962738),
+    TABLE("peak current, when", "s", "i_peak.at", 0.0069357041473),
+    TABLE("gap at 0.008 s", "m", "z@0.008", 0.003746295142),
+    TABLE("gap at 0.012 s", "m", "z@0.012", 0.0006067959254),
+    TABLE("flux linkage at 0.012 s", "Wb", "lambda@0.012", 0.04930137236),
+    TABLE("current at 0.012 s", "A", "i@0.012", 0.5092345686),
+    TABLE("force at 0.012 s", "N", "force@0.012", 8.955993363),
     IS(solenoid, "solenoid: energy left over", "", "books", 0, 1e-6, 1,
        "energy is conserved; in parts of what was drawn", "ten times run.tolerance, 1e-7"),
 };

@@ -207,11 +207,22 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
  * machine that is driven takes 9 to 25 % of what is drawn. */
 static const double LEAST_SHARE = 0.01;
 
+/* What damping has taken where a constant force feeds it besides the actuator's, J; else 0. */
+static double constant_work(const vs_energy *e) {
+  const vs_model *m = e->frame->model;
+  for (int i = 0; i < m->dof; i++)
+    if (m->constant[i] != 0) return fabs(e->joule[VS_E_DAMPING]);
+  return 0;
+}
+
 void vs_energy_finish(vs_energy *e) {
   const vs_deck *deck = e->frame->deck;
   take_stock(e);
   double scale = fmax(fabs(e->joule[VS_E_WORK]), LEAST_SHARE * fabs(e->joule[VS_E_SOURCE]));
-  if (scale == 0) scale = 1;
+  if (scale == 0)
+    scale = 1;
+  else
+    scale = fmax(scale, constant_work(e));
   for (int b = 0; b < VS_BALANCES; b++) {
     e->balanced[b] = b != VS_B_CIRCUIT || !deck || deck->losses.count || deck->stores.count;
     e->residual[b] = e->left_j[b] / scale;
@@ -220,7 +231,8 @@ void vs_energy_finish(vs_energy *e) {
 }
 
 double vs_energy_whole(const vs_energy *e) {
-  return fmax(fabs(e->joule[VS_E_WORK]), fabs(e->joule[VS_E_SOURCE]));
+  double moved = fmax(fabs(e->joule[VS_E_DAMPING]), fabs(e->began_j));
+  return fmax(fmax(fabs(e->joule[VS_E_WORK]), fabs(e->joule[VS_E_SOURCE])), moved);
 }
 
 const char *vs_energy_open(const vs_energy *e, double tolerance, char *buffer, size_t size) {

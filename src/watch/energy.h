@@ -65,8 +65,10 @@ typedef struct vs_energy {
   double furthest_s[VS_BALANCES]; /* and when */
   bool balanced[VS_BALANCES];   /* false: there is nothing to balance, as the deck declares neither
                                    losses nor stores */
-  double residual[VS_BALANCES]; /* left_j as a part of the work of the force or of 1 % of what was
-                                   drawn from the mains, whichever is more; in J where both are 0 */
+  double residual[VS_BALANCES]; /* left_j as a part of the work of the force, of 1 % of what was
+                                   drawn from the mains or, of a machine with constant forces, of
+                                   what damping took, whichever is most; in J where the first two
+                                   are 0 */
   double worst;                 /* the largest |residual| */
 } vs_energy;
 
@@ -78,7 +80,8 @@ void vs_energy_finish(vs_energy *energy);
 
 /* What a balance may leave over without a warning, times run.tolerance and vs_energy_whole. */
 enum { VS_ENERGY_ALLOWED = 10 };
-/* The work of the force or what was drawn from the mains, whichever is more, J. */
+/* The work of the force, what was drawn from the mains, what damping took or what the machine had
+ * at the first knot, whichever is most, J. */
 double vs_energy_whole(const vs_energy *energy);
 
 /* Returns NULL where the books close, at the end and on the way. Otherwise writes into the buffer

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The pages of docs/ about machines: their files are written, their commands run, and what they
+ * say that is printed must be printed. A page's blocks are taken in their order:
+ *
+ *   yaml, first line "# NAME.yaml"   becomes that file
+ *   sh                               each line that begins with "vibrospice " is run and must end
+ *                                    well, or with N where its comment is "# exit status N"
+ *   text                             each line must stand in what was printed since the last such
+ *                                    block */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/text.h"
+#include "program.h"
+
+#define DOCS VS_TEST_FOLDER "/../docs/"
+
+static bool gnuplot_is_here(void) {
+  return system("command -v gnuplot >/dev/null 2>&1") == 0;
+}
+
+/* What is read of a page, and what its commands printed. */
+typedef struct page {
+  const char *name;
+  vs_text said;
+  int files, commands, lines;
+} page;
+
+static void take_file(page *p, const char *text) {
+  char name[64];
+  if (sscanf(text, "# %63[a-z_].yaml", name) != 1) return;
+  strcat(name, ".yaml");
+  write_file(name, text);
+  p->files++;
+}
+
+static void run_line(page *p, char *line) {
+  const char *wanted = strstr(line, "# exit status ");
+  int status = wanted ? atoi(wanted + strlen("# exit status ")) : 0;
+  line[strcspn(line, "#>")] = '\0';
+  p->commands++;
+  if (strstr(line, " plot ") && !gnuplot_is_here()) return;
+  ran r = run("%s", line + strlen("vibrospice "));
+  EXPECT(r.status == status, "%s: %s: status %d, not %d: %s", p->name, line, r.status, status,
+         r.err);
+  vs_text_add(&p->said, "%s%s", r.out, r.err);
+  free_ran(&r);
+}
+
+static void run_lines(page *p, char *text) {
+  for (char *line; (line = strsep(&text, "\n"));)
+    if (!strncmp(line, "vibrospice ", strlen("vibrospice "))) run_line(p, line);
+}
+
+static void expect_lines(page *p, char *text) {
+  for (char *line; (line = strsep(&text, "\n"));) {
+    if (!*line) continue;
+    p->lines++;
+    EXPECT(p->said.text && strstr(p->said.text, line), "%s: nothing printed '%s': %s", p->name,
+           line, p->said.text ? p->said.text : "");
+  }
+  vs_text_free(&p->said);
+  p->said = (vs_text){0};
+}
+
+/* Pictures and pages that it points to must be there. */
+static void expect_links(const page *p, const char *text) {
+  char to[256], path[VS_PATH_SIZE];
+  const char *slash = strrchr(p->name, '/');
+  int folder = slash ? (int)(slash + 1 - p->name) : 0;
+  for (const char *s = text; (s = strstr(s, "](")); s++) {
+    if (sscanf(s, "](%255[^)#]", to) != 1 || strstr(to, "://")) continue;
+    snprintf(path, sizeof path, DOCS "%.*s%s", folder, p->name, to);
+    EXPECT(!access(path, R_OK), "%s: there is no %s", p->name, to);
+  }
+}
+
+static void try_page(page *p) {
+  char path[VS_PATH_SIZE], kind[8];
+  snprintf(path, sizeof path, DOCS "%s", p->name);
+  char *text = read_file(path);
+  EXPECT(*text, "there is no page %s", path);
+  expect_links(p, text);
+  for (char *s = text, *end; (s = strstr(s, "\n```")) && s[4]; s = end + 4) {
+    char *begin = strchr(s + 4, '\n');
+    bool named = sscanf(s + 4, "%7[a-z]", kind) == 1 && begin < s + 4 + sizeof kind;
+    end = begin ? strstr(begin, "\n```") : NULL;
+    CU_ASSERT_PTR_NOT_NULL_FATAL(end);
+    char *block = vs_copy(begin + 1);
+    block[end - begin] = '\0';
+    if (named && !strcmp(kind, "yaml")) take_file(p, block);
+    if (named && !strcmp(kind, "sh")) run_lines(p, block);
+    if (named && !strcmp(kind, "text")) expect_lines(p, block);
+    free(block);
+  }
+  vs_text_free(&p->said);
+  free(text);
+}
+
+static void machines(void) {
+  page p = {.name = "machines.md"};
+  try_page(&p);
+  EXPECT(p.files >= 6 && p.commands >= 12 && p.lines >= 10, "%d files, %d commands, %d lines",
+         p.files, p.commands, p.lines);
+}
+
+static void pages_of_machines(void) {
+  static const char *const NAMES[] = {"conveyor", "fixed_base", "two_mass", "lds_v203", "solenoid"};
+  for (size_t k = 0; k < COUNT(NAMES); k++) {
+    char name[64];
+    snprintf(name, sizeof name, "machines/%s.md", NAMES[k]);
+    page p = {.name = name};
+    try_page(&p);
+    EXPECT(p.commands >= 3 && p.lines >= 2, "%s: %d commands, %d lines", name, p.commands, p.lines);
+  }
+}
+
+static const vs_test TESTS[] = {
+    {"machines.md", machines},
+    {"a page for each machine", pages_of_machines},
+};
+
+int main(void) {
+  return program_suite("docs", TESTS, COUNT(TESTS));
+}
