@@ -359,8 +359,8 @@ static vs_status close_in(flight *f, vs_orbit *o, vs_error *err) {
 
 /* Where the orbit found is unstable, the machine may have been marched to one of a longer period:
  * that is looked for from the state x, where the march ended. */
-static vs_status refuse_subharmonic(flight *f, const double x[MOST], const vs_orbit *o,
-                                    vs_error *err) {
+static vs_status refuse_subharmonic(flight *f, const vs_shooting *how, const double x[MOST],
+                                    const vs_orbit *o, vs_error *err) {
   enum { LONGEST = 6 };
   vs_orbit other = *o;
   for (int n = o->n + 1; n <= LONGEST; n++) {
@@ -369,9 +369,9 @@ static vs_status refuse_subharmonic(flight *f, const double x[MOST], const vs_or
     memcpy(other.x, x, sizeof other.x);
     if (close_in(f, &other, &why) || other.n <= o->n || !other.stable) continue;
     return vs_fail(err, VS_INPUT,
-                   "an orbit of period %d was asked for; there is one, but it is unstable, and the "
-                   "machine runs on a subharmonic of period %d",
-                   o->n, other.n);
+                   "an orbit of period %d was asked for; the one found, of period %d, is unstable, "
+                   "and the machine runs on a subharmonic of period %d",
+                   how->periods, o->n, other.n);
   }
   return VS_OK;
 }
@@ -394,7 +394,7 @@ static vs_status seek(flight *f, const vs_shooting *how, vs_orbit *o, vs_error *
     if (k + 1 < ATTEMPTS) memcpy(o->x, x, sizeof x);
   }
   if (status) return vs_fail(err, status, "%s", why.text);
-  if (!how->from && !how->quietly && !o->stable) status = refuse_subharmonic(f, x, o, err);
+  if (!how->from && !how->quietly && !o->stable) status = refuse_subharmonic(f, how, x, o, err);
   if (status) return status;
   o->period_s = o->n * f->cycle_s;
   return judge(f, how, o, err);
