@@ -50,6 +50,8 @@ typedef struct flight {
   double flux_wb;              /* where it ended, with or without a valve */
   double deepest_m, deepest_s; /* the least travel, and when */
   double beyond_s;             /* when the armature is beyond the pole cover first; NaN: never */
+  char left[256];              /* why the coil's law does not hold; empty: it does */
+  double left_s;               /* at which knot first */
 } flight;
 
 static void take(const vs_model *m, const vs_knot *k, double x[VS_VARIATION_MOST]) {
@@ -88,6 +90,14 @@ static void look_deep(flight *f, const vs_step *step) {
   f->deepest_s = hi;
 }
 
+static void look_for_law(flight *f, const vs_knot *k) {
+  const vs_coil *c = &f->given->setup.model.coil;
+  double z = vs_mechanics_gap(&f->given->setup.model, k->x);
+  if (f->left[0] || !c->law->beyond) return;
+  if (!c->law->beyond(c, k->flux_wb, z, f->left, sizeof f->left)) f->left[0] = 0;
+  f->left_s = k->t_s;
+}
+
 static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
   flight *f = ctx;
   const vs_model *m = step->frame->model;
@@ -102,6 +112,7 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
   memcpy(f->end, x, (size_t)states_of(f->given) * sizeof *x);
   f->flux_wb = step->to->flux_wb;
   look_deep(f, step);
+  look_for_law(f, step->to);
   for (double k = floor(from / f->cycle_s) + 1; f->passed && k * f->cycle_s < to; k++)
     take_at(step, k * f->cycle_s, f->passed + (size_t)(k - 1) * VS_VARIATION_MOST);
   return f->derives ? vs_variation_accept(&f->variation, step, err) : VS_OK;
@@ -129,6 +140,7 @@ static vs_status fly(flight *f, const vs_orbit *orbit, int periods, bool derives
   memset(f->size, 0, sizeof f->size);
   f->deepest_m = INFINITY;
   f->beyond_s = NAN;
+  f->left[0] = 0;
   f->derives = derives;
   f->passed = derives ? vs_alloc((size_t)periods, sizeof *f->passed * VS_VARIATION_MOST) : NULL;
   if (derives) vs_variation_begin(&f->variation, &f->scene->setup);
@@ -299,6 +311,9 @@ static vs_status judge(const flight *f, const vs_shooting *how, const vs_orbit *
         "the orbit goes beyond the pole cover: p = %.6g mm at t = %.9g s, the cover is at "
         "-D = %g mm, and the scene has no actuator.stop",
         1e3 * f->deepest_m, f->deepest_s, -1e3 * m->actuator.gap_m);
+  if (!how->unguarded && f->left[0])
+    return vs_fail(err, VS_RUN, "the orbit leaves the law %s at t = %.9g s: %s", m->coil.law->name,
+                   f->left_s, f->left);
   if (!f->given->setup.timeline.firing.no_valve && f->flux_wb != 0)
     return vs_fail(err, VS_RUN,
                    "current still flows where the mains rise through zero: the thyristor does not "

@@ -50,8 +50,8 @@ typedef struct vs_shooting {
  * tier if that is an ideal one. Errors, one line each: VS_INPUT: firing.every is once; a direct
  * voltage; a tier with a circuit; events, the first by its name; n is not positive; the orbit found
  * repeats after fewer periods than n. VS_RUN: no orbit is found, with how far the search came; the
- * orbit goes beyond the pole cover, and the scene has no stop; current still flows at t = 0; those
- * of the run. */
+ * orbit goes beyond the pole cover, and the scene has no stop, or leaves the coil's law; current
+ * still flows at t = 0; those of the run. */
 vs_status vs_shooting_find(const vs_scene *scene, int periods_n, vs_orbit *orbit, vs_error *err);
 
 /* The same, looked for as `how` says. */
