@@ -1,141 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/shooting.h"
 
-#include <gsl/gsl_eigen.h>
 #include <gsl/gsl_linalg.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
-#include "orbit/variation.h"
-#include "scene/session.h"
+#include "actuator/coil.h"
+#include "orbit/flight.h"
 
 enum { MOST = VS_ORBIT_STATES };
 
-static int states_of(const vs_scene *s) {
-  return 2 * s->setup.model.dof + (s->setup.timeline.firing.no_valve ? 1 : 0);
-}
-
-/* ---- a run from a state ---- */
-
-/* The pulse that began a firing period before t = 0 is there, too: where it is long it may fire
- * right at t = 0. */
 vs_setup vs_shooting_setup(const vs_scene *scene, const vs_run_values *run, const vs_orbit *orbit) {
-  double x[MOST] = {0};
-  int dof = scene->setup.model.dof;
-  memcpy(x, orbit->x, 2 * (size_t)dof * sizeof *x);
-  vs_setup setup = vs_setup_varied(&scene->setup, run, x);
-  setup.timeline.supply.phase_rad = 0;
-  setup.timeline.first_zero_s = 0;
-  setup.timeline.firing.first_cycle = 1 - setup.timeline.firing.every;
-  if (orbit->count > 2 * dof) {
-    const vs_model *m = &setup.model;
-    setup.start.flux_wb =
-        orbit->x[2 * dof] - vs_coil_idle_flux(&m->coil, vs_mechanics_gap(m, orbit->x));
-  }
-  return setup;
-}
-
-/* A flight: the run of a number of firing periods from orbit->x, and what is seen of it. */
-typedef struct flight {
-  const vs_scene *given;
-  vs_scene *scene; /* room for the scene that is run, which borrows what the one given owns */
-  vs_variation variation; /* begun where `derives` */
-  bool derives;
-  double cycle_s; /* a firing period */
-  double *passed; /* the state at the end of each firing period, VS_ORBIT_STATES a row; owned */
-  double end[MOST];
-  double size[MOST];           /* the largest magnitude of each state */
-  double flux_wb;              /* where it ended, with or without a valve */
-  double deepest_m, deepest_s; /* the least travel, and when */
-  double beyond_s;             /* when the armature is beyond the pole cover first; NaN: never */
-} flight;
-
-static void take(const vs_model *m, const vs_knot *k, double x[VS_VARIATION_MOST]) {
-  memcpy(x, k->x, 2 * (size_t)m->dof * sizeof *x);
-  x[2 * m->dof] = k->flux_wb;
-}
-
-/* The state at an instant in the step. */
-static void take_at(const vs_step *step, double t_s, double x[VS_VARIATION_MOST]) {
-  const vs_model *m = step->frame->model;
-  double y[VS_CH_MOST];
-  vs_step_groups_at(step, t_s, VS_GROUP_VELOCITIES, y);
-  memcpy(x, y + VS_CH_Q, 2 * (size_t)m->dof * sizeof *x);
-  x[2 * m->dof] = y[VS_CH_LAMBDA];
-}
-
-/* Where the travel turns in the step it is least between the knots, at the zero of its rate. */
-static void look_deep(flight *f, const vs_step *step) {
-  const vs_model *m = step->frame->model;
-  double x[VS_VARIATION_MOST], lo = step->from->t_s, hi = step->to->t_s;
-  bool turns = vs_mechanics_travel(m, step->from->x + m->dof) < 0 &&
-               vs_mechanics_travel(m, step->to->x + m->dof) > 0;
-  take(m, step->to, x);
-  for (int n = 0; n < 50 && turns; n++) {
-    double mid = (lo + hi) / 2;
-    take_at(step, mid, x);
-    if (vs_mechanics_travel(m, x + m->dof) < 0)
-      lo = mid;
-    else
-      hi = mid;
-  }
-  double g = vs_mechanics_travel(m, x);
-  if (isnan(f->beyond_s) && vs_mechanics_closed(m, g)) f->beyond_s = hi;
-  if (g >= f->deepest_m) return;
-  f->deepest_m = g;
-  f->deepest_s = hi;
-}
-
-static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
-  flight *f = ctx;
-  const vs_model *m = step->frame->model;
-  double from = step->from->t_s, to = step->to->t_s, x[VS_VARIATION_MOST];
-  (void)result;
-  take(m, step->to, x);
-  for (int j = 0; j < states_of(f->given); j++) {
-    if (!isfinite(x[j]))
-      return vs_fail(err, VS_RUN, "t = %.9g s: the state is not a number any more", to);
-    f->size[j] = fmax(f->size[j], fabs(x[j]));
-  }
-  memcpy(f->end, x, (size_t)states_of(f->given) * sizeof *x);
-  f->flux_wb = step->to->flux_wb;
-  look_deep(f, step);
-  for (double k = floor(from / f->cycle_s) + 1; f->passed && k * f->cycle_s < to; k++)
-    take_at(step, k * f->cycle_s, f->passed + (size_t)(k - 1) * VS_VARIATION_MOST);
-  return f->derives ? vs_variation_accept(&f->variation, step, err) : VS_OK;
-}
-
-/* Forgets the last flight. */
-static void land(flight *f) {
-  if (f->derives) vs_variation_end(&f->variation);
-  free(f->passed);
-  f->passed = NULL;
-  f->derives = false;
-}
-
-/* So many firing periods from the orbit's x, at the finest tolerance the tier can hold. */
-static vs_status fly(flight *f, const vs_orbit *orbit, int periods, bool derives, vs_error *err) {
-  land(f);
-  const vs_guest guest = {.ctx = f, .accept = accept};
-  const vs_session session = {.guest = &guest, .bare = true, .unguarded = true};
-  vs_run_values run = f->given->setup.run;
-  run.until_s = periods * f->cycle_s;
-  run.tolerance = f->given->tier->finest;
-  *f->scene = *f->given;
-  f->scene->setup = vs_shooting_setup(f->given, &run, orbit);
-  f->scene->frame = vs_sim_frame(f->given->tier, &f->scene->setup);
-  memset(f->size, 0, sizeof f->size);
-  f->deepest_m = INFINITY;
-  f->beyond_s = NAN;
-  f->derives = derives;
-  f->passed = derives ? vs_alloc((size_t)periods, sizeof *f->passed * VS_VARIATION_MOST) : NULL;
-  if (derives) vs_variation_begin(&f->variation, &f->scene->setup);
-  vs_result *none = vs_alloc(1, sizeof *none);
-  vs_status status = vs_session_run(&session, f->scene, none, err);
-  free(none);
-  return status;
+  return vs_flight_setup(scene, run, orbit->x);
 }
 
 /* ---- Newton's iteration ---- */
@@ -144,7 +20,7 @@ static vs_status fly(flight *f, const vs_orbit *orbit, int periods, bool derives
  * of its kind. */
 static const double UNMOVED = 1e-9;
 
-static void find_scales(const flight *f, int dof, vs_orbit *o) {
+static void find_scales(const vs_flight *f, int dof, vs_orbit *o) {
   double largest[3] = {0};
   for (int j = 0; j < o->count; j++) largest[j / dof] = fmax(largest[j / dof], f->size[j]);
   for (int j = 0; j < o->count; j++) {
@@ -176,9 +52,9 @@ static bool solve(const vs_orbit *o, const double *end, double *d) {
 }
 
 /* Flies once around with derivatives, and corrects x; *change: by how much, relative to scale. */
-static vs_status improve(flight *f, vs_orbit *o, double *change, vs_error *err) {
+static vs_status improve(vs_flight *f, vs_orbit *o, double *change, vs_error *err) {
   double d[MOST];
-  vs_status status = fly(f, o, o->n, true, err);
+  vs_status status = vs_flight_go(f, o->x, o->n, true, err);
   for (int i = 0; i < o->count && !status; i++)
     for (int j = 0; j < o->count; j++) o->monodromy[i][j] = vs_variation_get(&f->variation, i, j);
   if (status) return status;
@@ -200,7 +76,7 @@ static vs_status improve(flight *f, vs_orbit *o, double *change, vs_error *err) 
 static const double CLOSED = 1e-12, STALLED = 1e-9;
 enum { MOST_ITERATIONS = VS_ORBIT_ITERATIONS / 2 };
 
-static vs_status iterate(flight *f, vs_orbit *o, vs_error *err) {
+static vs_status iterate(vs_flight *f, vs_orbit *o, vs_error *err) {
   double change = INFINITY, before = INFINITY;
   for (int k = 0; k < MOST_ITERATIONS; k++) {
     vs_error why = {0};
@@ -217,13 +93,13 @@ static vs_status iterate(flight *f, vs_orbit *o, vs_error *err) {
                  o->iterations, change, before);
 }
 
-/* ---- what is found ---- */
+/* ---- its period ---- */
 
 /* By how much, relative to scale, a state may be off where it repeats. */
 static const double REPEATS = 1e-8;
 
 /* The least number of firing periods after which the state repeats: a divisor of n. */
-static int least_period(const flight *f, const vs_orbit *o) {
+static int least_period(const vs_flight *f, const vs_orbit *o) {
   for (int k = 1; k < o->n; k++) {
     double off = 0;
     if (o->n % k) continue;
@@ -233,37 +109,6 @@ static int least_period(const flight *f, const vs_orbit *o) {
     if (off <= REPEATS) return k;
   }
   return o->n;
-}
-
-static int falling(const void *left, const void *right) {
-  const vs_multiplier *a = left, *b = right;
-  double of_a = hypot(a->re, a->im), of_b = hypot(b->re, b->im);
-  if (fabs(of_a - of_b) > 1e-12 * (of_a + of_b)) return of_a < of_b ? 1 : -1;
-  if (a->re != b->re && a->im == 0 && b->im == 0) return a->re < b->re ? 1 : -1;
-  return (a->im < b->im) - (a->im > b->im);
-}
-
-static vs_status find_multipliers(vs_orbit *o, vs_error *err) {
-  size_t n = (size_t)o->count;
-  double matrix[MOST * MOST];
-  for (size_t i = 0; i < n; i++)
-    for (size_t j = 0; j < n; j++)
-      matrix[i * n + j] = o->monodromy[i][j] * o->scale[j] / o->scale[i];
-  gsl_matrix_view m = gsl_matrix_view_array(matrix, n, n);
-  gsl_vector_complex *values = gsl_vector_complex_alloc(n);
-  gsl_eigen_nonsymm_workspace *work = gsl_eigen_nonsymm_alloc(n);
-  gsl_eigen_nonsymm_params(0, 1, work);
-  bool good = !gsl_eigen_nonsymm(&m.matrix, values, work);
-  o->stable = true;
-  for (size_t k = 0; k < n; k++) {
-    gsl_complex z = gsl_vector_complex_get(values, k);
-    o->multiplier[k] = (vs_multiplier){GSL_REAL(z), GSL_IMAG(z)};
-    o->stable = o->stable && hypot(GSL_REAL(z), GSL_IMAG(z)) < 1;
-  }
-  gsl_eigen_nonsymm_free(work);
-  gsl_vector_complex_free(values);
-  qsort(o->multiplier, n, sizeof *o->multiplier, falling);
-  return good ? VS_OK : vs_fail(err, VS_RUN, "the orbit's multipliers cannot be found");
 }
 
 /* ---- what is refused ---- */
@@ -291,7 +136,8 @@ static vs_status refuse(const vs_scene *s, int periods, vs_error *err) {
 }
 
 /* Refuses what was found where it is no orbit of the machine, or none of this period. */
-static vs_status judge(const flight *f, const vs_shooting *how, const vs_orbit *o, vs_error *err) {
+static vs_status judge(const vs_flight *f, const vs_shooting *how, const vs_orbit *o,
+                       vs_error *err) {
   const vs_model *m = &f->given->setup.model;
   if (!how->unguarded && vs_mechanics_closed(m, f->deepest_m))
     return vs_fail(
@@ -299,6 +145,9 @@ static vs_status judge(const flight *f, const vs_shooting *how, const vs_orbit *
         "the orbit goes beyond the pole cover: p = %.6g mm at t = %.9g s, the cover is at "
         "-D = %g mm, and the scene has no actuator.stop",
         1e3 * f->deepest_m, f->deepest_s, -1e3 * m->actuator.gap_m);
+  if (!how->unguarded && f->left[0])
+    return vs_fail(err, VS_RUN, "the orbit leaves the law %s at t = %.9g s: %s", m->coil.law->name,
+                   f->left_s, f->left);
   if (!f->given->setup.timeline.firing.no_valve && f->flux_wb != 0)
     return vs_fail(err, VS_RUN,
                    "current still flows where the mains rise through zero: the thyristor does not "
@@ -327,10 +176,10 @@ static void put_start(const vs_scene *s, double x[MOST]) {
 }
 
 /* Goes on from o->x by so many firing periods. */
-static vs_status march(flight *f, int periods, vs_orbit *o, vs_error *err) {
+static vs_status march(vs_flight *f, int periods, vs_orbit *o, vs_error *err) {
   const vs_model *m = &f->given->setup.model;
   vs_error why = {0};
-  vs_status status = fly(f, o, periods, false, &why);
+  vs_status status = vs_flight_go(f, o->x, periods, false, &why);
   if (!status) memcpy(o->x, f->end, (size_t)o->count * sizeof *o->x);
   if (!status) return VS_OK;
   if (!isnan(f->beyond_s))
@@ -345,7 +194,7 @@ static vs_status march(flight *f, int periods, vs_orbit *o, vs_error *err) {
 
 /* Newton's iteration from o->x, and once more where the orbit repeats earlier, as its own map is
  * another one. */
-static vs_status close_in(flight *f, vs_orbit *o, vs_error *err) {
+static vs_status close_in(vs_flight *f, vs_orbit *o, vs_error *err) {
   o->iterations = 0;
   vs_status status = iterate(f, o, err);
   int least = status ? o->n : least_period(f, o);
@@ -353,14 +202,17 @@ static vs_status close_in(flight *f, vs_orbit *o, vs_error *err) {
     o->n = least;
     status = iterate(f, o, err);
   }
-  if (!status) status = find_multipliers(o, err);
-  return status;
+  if (status) return status;
+  if (!vs_multipliers_find(o->count, o->monodromy, o->scale, o->multiplier))
+    return vs_fail(err, VS_RUN, "the orbit's multipliers cannot be found");
+  o->stable = hypot(o->multiplier[0].re, o->multiplier[0].im) < 1;
+  return VS_OK;
 }
 
 /* Where the orbit found is unstable, the machine may have been marched to one of a longer period:
  * that is looked for from the state x, where the march ended. */
-static vs_status refuse_subharmonic(flight *f, const double x[MOST], const vs_orbit *o,
-                                    vs_error *err) {
+static vs_status refuse_subharmonic(vs_flight *f, const vs_shooting *how, const double x[MOST],
+                                    const vs_orbit *o, vs_error *err) {
   enum { LONGEST = 6 };
   vs_orbit other = *o;
   for (int n = o->n + 1; n <= LONGEST; n++) {
@@ -369,14 +221,14 @@ static vs_status refuse_subharmonic(flight *f, const double x[MOST], const vs_or
     memcpy(other.x, x, sizeof other.x);
     if (close_in(f, &other, &why) || other.n <= o->n || !other.stable) continue;
     return vs_fail(err, VS_INPUT,
-                   "an orbit of period %d was asked for; there is one, but it is unstable, and the "
-                   "machine runs on a subharmonic of period %d",
-                   o->n, other.n);
+                   "an orbit of period %d was asked for; the one found, of period %d, is unstable, "
+                   "and the machine runs on a subharmonic of period %d",
+                   how->periods, o->n, other.n);
   }
   return VS_OK;
 }
 
-static vs_status seek(flight *f, const vs_shooting *how, vs_orbit *o, vs_error *err) {
+static vs_status seek(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_error *err) {
   double x[MOST] = {0};
   vs_status status = VS_RUN;
   vs_error why = {0};
@@ -394,7 +246,7 @@ static vs_status seek(flight *f, const vs_shooting *how, vs_orbit *o, vs_error *
     if (k + 1 < ATTEMPTS) memcpy(o->x, x, sizeof x);
   }
   if (status) return vs_fail(err, status, "%s", why.text);
-  if (!how->from && !how->quietly && !o->stable) status = refuse_subharmonic(f, x, o, err);
+  if (!how->from && !how->quietly && !o->stable) status = refuse_subharmonic(f, how, x, o, err);
   if (status) return status;
   o->period_s = o->n * f->cycle_s;
   return judge(f, how, o, err);
@@ -402,19 +254,14 @@ static vs_status seek(flight *f, const vs_shooting *how, vs_orbit *o, vs_error *
 
 vs_status vs_shooting_seek(const vs_scene *scene, const vs_shooting *how, vs_orbit *o,
                            vs_error *err) {
-  const vs_timeline *line = &scene->setup.timeline;
   vs_status status = refuse(scene, how->periods, err);
   *o = (vs_orbit){.n = how->periods};
   if (status) return status;
-  o->count = states_of(scene);
-  flight *f = vs_alloc(1, sizeof *f);
-  f->given = scene;
-  f->scene = vs_alloc(1, sizeof *f->scene);
-  f->cycle_s = (line->firing.no_valve ? 1 : line->firing.every) * line->period_s;
-  status = seek(f, how, o, err);
-  land(f);
-  free(f->scene);
-  free(f);
+  vs_flight flight;
+  vs_flight_begin(&flight, scene);
+  o->count = flight.states;
+  status = seek(&flight, how, o, err);
+  vs_flight_end(&flight);
   return status;
 }
 

@@ -7,18 +7,15 @@
 #ifndef VS_ORBIT_SHOOTING_H
 #define VS_ORBIT_SHOOTING_H
 
+#include "orbit/multipliers.h"
 #include "scene/scene.h"
 
 /* The states of the map: q, q' (machine/model.h) and, where no valve stands before the coil, the
  * flux linkage lambda as the last one. With a thyristor lambda is 0 at t = 0, and is no state. */
-enum { VS_ORBIT_STATES = VS_MOST_STATES + 1 };
+enum { VS_ORBIT_STATES = VS_VARIATION_MOST };
 /* The most iterations of one search; where the orbit found repeats earlier than asked, the search
  * of that one is counted on. */
 enum { VS_ORBIT_ITERATIONS = 40 };
-
-typedef struct vs_multiplier {
-  double re, im;
-} vs_multiplier;
 
 typedef struct vs_orbit {
   double period_s;           /* n firing periods, each of firing.every cycles of the mains */
@@ -42,16 +39,19 @@ typedef struct vs_shooting {
   int periods;        /* n, 1 or more */
   const double *from; /* where Newton's iteration begins: `count` states; NULL: where a short run
                          from the scene's `start` leads */
-  bool unguarded;     /* an orbit that goes beyond the pole cover without a stop is no error */
-  bool quietly; /* an orbit of a smaller period than `periods` is no error: orbit->n tells it */
+  bool unguarded;     /* an orbit that goes beyond the pole cover without a stop, or beyond what the
+                         coil's law knows, is no error */
+  bool quietly; /* neither is one of a smaller period than `periods`, which orbit->n tells, nor
+                   an unstable one beside a subharmonic */
 } vs_shooting;
 
-/* Finds the orbit of n firing periods from the program's own start. The scene is computed on its
- * tier if that is an ideal one. Errors, one line each: VS_INPUT: firing.every is once; a direct
- * voltage; a tier with a circuit; events, the first by its name; n is not positive; the orbit found
- * repeats after fewer periods than n. VS_RUN: no orbit is found, with how far the search came; the
- * orbit goes beyond the pole cover, and the scene has no stop; current still flows at t = 0; those
- * of the run. */
+/* Finds the orbit of n firing periods, from the program's own start: a short run from the scene's
+ * `start`, and a longer one where that does not lead to an orbit. Errors, one line each. VS_INPUT:
+ * firing.every is once; a direct voltage; a tier with a circuit; events, the first by its name; n
+ * is not positive; the orbit found repeats after fewer periods than n; it is unstable, and the
+ * machine runs on a subharmonic of it. VS_RUN: no orbit is found, with how far the search came; the
+ * orbit goes beyond the pole cover and the scene has no stop; it leaves the coil's law; current
+ * still flows at t = 0; those of the run. */
 vs_status vs_shooting_find(const vs_scene *scene, int periods_n, vs_orbit *orbit, vs_error *err);
 
 /* The same, looked for as `how` says. */
