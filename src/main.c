@@ -13,7 +13,9 @@
 #include "command/list.h"
 #include "command/modes.h"
 #include "command/run.h"
+#include "command/steady.h"
 #include "method/methods.h"
+#include "orbit/steady.h"
 #include "picture/plot.h"
 #include "report/report.h"
 #include "solver/circuit.h"
@@ -54,6 +56,54 @@ static const struct argp_option RUN_OPTIONS[] = {
                     "tier circuit, with -o: writes run.raw too, every voltage and current of the "
                     "circuit at every step, for ngspice's 'load'; a run that fails leaves "
                     "run.partial.raw"),
+    VS_COMMAND_HELP,
+    {0}};
+
+/* ---- steady ---- */
+
+static vs_status steady(const vs_arguments *a, vs_error *err) {
+  const vs_run_options o = {.scene = vs_command_name(a),
+                            .tier = a->tier,
+                            .folder = a->output,
+                            .sets = a->sets,
+                            .n_sets = a->n_sets,
+                            .json = a->json,
+                            .quiet = a->quiet,
+                            .reproducible = a->reproducible,
+                            .digits = a->digits,
+                            .stop = &vs_leave_requested};
+  return vs_steady_command(&o, a->period, err);
+}
+
+static void explain_steady(vs_text *help) {
+  vs_text_add(help, "\nOver one period it reports, besides the measures of every run:\n");
+  vs_steady_measure m;
+  const vs_steady none = {0};
+  for (int k = 0; vs_steady_at(&none, k, &m); k++)
+    vs_text_add(help, "  %-17s %-2s %s\n", m.name, m.unit, m.text);
+  vs_text_add(help, "  %-17s    %s\n  %-17s    %s\n", "reaction_NAME",
+              "largest size of what springs and dampers do along the coordinate NAME",
+              "reaction_NAME_rms", "its root mean square");
+  vs_text_add(help,
+              "Orbits are computed on tier %s alone; a scene that would take another one "
+              "wants --tier %s.\n",
+              vs_tiers_automatic(false)->name, vs_tiers_automatic(false)->name);
+}
+
+static const struct argp_option STEADY_OPTIONS[] = {
+    VS_COMMAND_SET,
+    VS_COMMAND_VALUE("tier", VS_KEY_TIER, "NAME", VS_TIER_WORDS "; over the scene's run.tier"),
+    VS_COMMAND_VALUE("period", VS_KEY_PERIOD, "N",
+                     "the orbit repeats after N firing periods, of firing.every cycles of the "
+                     "mains each (default 1)"),
+    VS_COMMAND_VALUE("output", 'o', "DIR",
+                     "writes run.csv of one period, events.csv and summary.json there"),
+    VS_COMMAND_JSON,
+    VS_COMMAND_QUIET,
+    VS_COMMAND_FLAG("reproducible", VS_KEY_REPRODUCIBLE,
+                    "leaves the cost (wall time) out of summary.json"),
+    VS_COMMAND_VALUE("digits", VS_KEY_DIGITS, "N",
+                     "significant digits in CSV, 1 to 17 (default 9; 17 is exact)"),
     VS_COMMAND_HELP,
     {0}};
 
@@ -234,6 +284,16 @@ static const vs_command COMMANDS[] = {
                  "  vibrospice run my.yaml --json --quiet > result.json\n",
      .options = RUN_OPTIONS,
      .run = run},
+    {.name = "steady",
+     .argument = "SCENE",
+     .text = "finds the periodic motion of a machine that is fired in every cycle: stability, "
+             "power, harmonics, measures of one period",
+     .examples = "  vibrospice steady paper --set firing.every=1\n"
+                 "  vibrospice steady two_mass --set firing.every=1 --set firing.angle=130deg -o "
+                 "work\n",
+     .options = STEADY_OPTIONS,
+     .run = steady,
+     .explain = explain_steady},
     {.name = "check",
      .argument = "FILE",
      .text = "tells all that can be known of a scene, study, machine or deck before a run: every "

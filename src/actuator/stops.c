@@ -12,6 +12,12 @@ static double linear_rate(const vs_stop *s, double depth_m, double depth_rate_m_
   (void)depth_m;
   return s->stiffness * depth_rate_m_s + s->damping_ns_m * depth_rate2_m_s2;
 }
+static void linear_slopes(const vs_stop *s, double depth_m, double depth_rate_m_s,
+                          double slope[2]) {
+  (void)depth_m, (void)depth_rate_m_s;
+  slope[0] = s->stiffness;
+  slope[1] = s->damping_ns_m;
+}
 static double linear_energy(const vs_stop *s, double depth_m) {
   return s->stiffness * depth_m * depth_m / 2;
 }
@@ -29,6 +35,7 @@ static const vs_stop_kind LINEAR = {.name = "linear",
                                     .text = "k delta + c delta', which may pull",
                                     .force = linear_force,
                                     .force_rate = linear_rate,
+                                    .slopes = linear_slopes,
                                     .energy = linear_energy,
                                     .loss = linear_loss,
                                     .netlist = linear_netlist,
@@ -53,6 +60,13 @@ static double quadratic_rate(const vs_stop *s, double depth_m, double depth_rate
     return elastic + s->damping_ns_m * depth_rate2_m_s2;
   return elastic + (damped < 0 ? -elastic : elastic);
 }
+static void quadratic_slopes(const vs_stop *s, double depth_m, double depth_rate_m_s,
+                             double slope[2]) {
+  double elastic = 2 * s->stiffness * depth_m, damped = s->damping_ns_m * depth_rate_m_s;
+  bool clips = !(fabs(damped) < s->stiffness * depth_m * depth_m);
+  slope[0] = elastic + (clips ? copysign(elastic, damped) : 0);
+  slope[1] = clips ? 0 : s->damping_ns_m;
+}
 static double quadratic_energy(const vs_stop *s, double depth_m) {
   return s->stiffness * depth_m * depth_m * depth_m / 3;
 }
@@ -72,6 +86,7 @@ static const vs_stop_kind QUADRATIC = {
     .text = "k delta^2 + c delta', the latter clipped to +-k delta^2, so that it never pulls",
     .force = quadratic_force,
     .force_rate = quadratic_rate,
+    .slopes = quadratic_slopes,
     .energy = quadratic_energy,
     .loss = quadratic_loss,
     .netlist = quadratic_netlist,
@@ -109,6 +124,20 @@ double vs_stops_force_rate(const vs_stops *stops, unsigned touched, double g_m, 
                                            -s->side * g_rate2_m_s2);
   }
   return sum;
+}
+
+/* The force is -side F(depth, depth') with depth = side (at - g): both slopes get side^2. */
+void vs_stops_slopes(const vs_stops *stops, unsigned touched, double g_m, double g_rate_m_s,
+                     double slope[2]) {
+  slope[0] = slope[1] = 0;
+  for (int k = 0; k < stops->count; k++) {
+    const vs_stop *s = &stops->item[k];
+    double own[2];
+    if (!(touched >> k & 1)) continue;
+    s->kind->slopes(s, vs_stop_depth(s, g_m), -s->side * g_rate_m_s, own);
+    slope[0] += own[0];
+    slope[1] += own[1];
+  }
 }
 
 double vs_stops_loss(const vs_stops *stops, unsigned touched, double g_m, double g_rate_m_s) {

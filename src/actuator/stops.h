@@ -18,6 +18,8 @@ typedef struct vs_stop_kind {
   /* Its rate, N/s; the second rate is that of depth_rate_m_s, m/s2. */
   double (*force_rate)(const vs_stop *stop, double depth_m, double depth_rate_m_s,
                        double depth_rate2_m_s2);
+  /* Its slopes over the depth, N/m, and over the depth's rate, N s/m. */
+  void (*slopes)(const vs_stop *stop, double depth_m, double depth_rate_m_s, double slope[2]);
   double (*energy)(const vs_stop *stop, double depth_m);                      /* stored, J */
   double (*loss)(const vs_stop *stop, double depth_m, double depth_rate_m_s); /* W */
   /* Writes `force` for ngspice, of texts that stand in brackets: the stiffness, the damping, the
@@ -75,6 +77,9 @@ double vs_stops_force(const vs_stops *stops, unsigned touched, double g_m, doubl
 /* Its rate, N/s. */
 double vs_stops_force_rate(const vs_stops *stops, unsigned touched, double g_m, double g_rate_m_s,
                            double g_rate2_m_s2);
+/* The slopes of vs_stops_force over g, N/m, and over g_rate_m_s, N s/m. */
+void vs_stops_slopes(const vs_stops *stops, unsigned touched, double g_m, double g_rate_m_s,
+                     double slope[2]);
 /* The power that they take away, W: what they push back with besides the slope of their energy. */
 double vs_stops_loss(const vs_stops *stops, unsigned touched, double g_m, double g_rate_m_s);
 /* What they store, J. */

@@ -85,6 +85,10 @@ static error_t parse_value(parser *p, int key, char *value) {
     return EINVAL;
   case VS_KEY_JOBS:
     return read_whole(value, 1, 4096, &a->jobs) ? 0 : fail_with(p, "--jobs: allowed: 1 to 4096");
+  case VS_KEY_PERIOD:
+    if (read_whole(value, 1, 1000, &a->period)) return 0;
+    vs_fail(&p->err, VS_INPUT, "--period %s: allowed: 1 to 1000", value);
+    return EINVAL;
   case VS_KEY_TIMEOUT:
     if (vs_units_read(value, "s", &a->timeout_s, why, sizeof why) && a->timeout_s >= 0) return 0;
     vs_fail(&p->err, VS_INPUT, "--case-timeout %s: a time is wanted, as 20s", value);
@@ -149,6 +153,7 @@ static vs_status parse_and_run(parser *p, int argc, char **argv) {
 vs_status vs_command_run(const vs_command *command, int argc, char **argv) {
   parser p = {.command = command,
               .arguments = {.digits = 9,
+                            .period = 1,
                             .timeout_s = 3600,
                             .sets = vs_alloc((size_t)argc, sizeof(char *)),
                             .names = vs_alloc((size_t)argc, sizeof(char *))}};

@@ -21,6 +21,7 @@ typedef struct vs_arguments {
   bool json, quiet, reproducible, raw, list, help, resume, overwrite, keep_runs, progress_json;
   int digits; /* 1..17 */
   int jobs;   /* 0: not given */
+  int period; /* 1 or more */
   double timeout_s;
 } vs_arguments;
 
@@ -53,6 +54,7 @@ enum {
   VS_KEY_OVERLAY,
   VS_KEY_LIST,
   VS_KEY_JOBS,
+  VS_KEY_PERIOD,
   VS_KEY_SHARD,
   VS_KEY_RESUME,
   VS_KEY_OVERWRITE,

@@ -12,13 +12,14 @@
 #include "base/file.h"
 #include "base/leave.h"
 #include "command/show.h"
-#include "command/summary.h"
+#include "orbit/steady.h"
 #include "scene/session.h"
 #include "watch/table.h"
 
 /* What the command adds to a run: its files and its progress line. */
 typedef struct audience {
   const vs_run_options *options;
+  const vs_run_more *more; /* what another command adds; NULL: nothing */
   const vs_scene *scene;
   vs_file csv, events, summary,
       raw;  /* closed where there is no folder; raw also where it is not asked for */
@@ -54,6 +55,7 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
   _Static_assert(sizeof WHAT / sizeof *WHAT == VS_EV_BACK + 1, "every event has its words");
   audience *a = ctx;
   vs_status status = VS_OK;
+  if (a->more && a->more->accept) a->more->accept(a->more->ctx, step);
   if (a->table.stream) status = vs_table_accept(&a->table, step, err);
   for (int k = 0; a->events.stream && k < 2; k++)
     if (step->event[k] != VS_EV_NONE)
@@ -236,10 +238,12 @@ static void again(void *ctx, const char *failed, int next) {
 
 /* ---- the command ---- */
 
-static void say_result(const vs_run_options *o, const vs_result *r, const char *json) {
+static void say_result(const vs_run_options *o, const vs_run_more *more, const vs_result *r,
+                       const char *json) {
   if (o->json)
     fputs(json, stdout);
   else if (!o->quiet) {
+    if (more && more->show) more->show(more->ctx, stdout);
     vs_show_result(r, stdout);
     if (o->folder)
       printf("written: run.csv, events.csv, summary.json%s in %s\n", o->raw ? ", run.raw" : "",
@@ -248,20 +252,23 @@ static void say_result(const vs_run_options *o, const vs_result *r, const char *
   if (!o->quiet) vs_result_warn(r);
 }
 
-static vs_status run_scene(const vs_run_options *o, vs_scene *scene, vs_error *err) {
-  audience a = {.options = o, .show_progress = !o->quiet && isatty(STDERR_FILENO)};
+vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scene *scene,
+                       vs_error *err) {
+  audience a = {.options = o, .more = more, .show_progress = !o->quiet && isatty(STDERR_FILENO)};
   const vs_guest guest = {&a, begin, accept, again};
-  const vs_session session = {.guest = &guest, .verify = true, .stop = o->stop};
+  const vs_session session = {
+      .guest = &guest, .verify = true, .steady = vs_steady_start, .stop = o->stop};
   vs_result *result = vs_alloc(1, sizeof *result);
   vs_text json = {0};
   vs_heed before = vs_leave_heed_set(VS_HEED_SOON);
   vs_status status = vs_session_run(&session, scene, result, err);
   vs_leave_heed_set(VS_HEED_KEEP);
   end_progress(&a);
-  if (!status) vs_summary_json(result, !o->reproducible, &json);
+  if (!status && more && more->finish) more->finish(more->ctx, result);
+  if (!status) vs_summary_json(result, !o->reproducible, more ? &more->summary : NULL, &json);
   if (o->folder) status = close_files(&a, status, json.text, err);
   vs_leave_heed_set(before);
-  if (!status) say_result(o, result, json.text);
+  if (!status) say_result(o, more, result, json.text);
   if (!status) status = vs_session_judge(result, err);
   vs_text_free(&json);
   vs_result_free(result);
@@ -276,7 +283,7 @@ vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
   if (!status && o->raw) status = vs_scene_take_circuit(scene, "--raw", err);
   if (!status && !o->quiet) vs_scene_warn(scene);
-  if (!status) status = run_scene(o, scene, err);
+  if (!status) status = vs_run_scene(o, NULL, scene, err);
   vs_scene_free(scene);
   free(scene);
   return status;

@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "base/error.h"
+#include "command/summary.h"
 
 /* The names, without .png or .svg, of the pictures that `plot` draws into a run's folder; NULL ends
  * them. A run over an older one removes them. */
@@ -25,6 +25,20 @@ typedef struct vs_run_options {
   int digits;        /* significant ones in CSV files, 1..17 */
   const volatile sig_atomic_t *stop; /* set by a signal: the run ends and keeps what there is */
 } vs_run_options;
+
+/* What another command makes of a run of its own. Members may be NULL. */
+typedef struct vs_run_more {
+  void *ctx;
+  void (*accept)(void *ctx, const vs_step *step);     /* is shown every step */
+  void (*finish)(void *ctx, const vs_result *result); /* the run is whole; nothing is written */
+  void (*show)(const void *ctx, FILE *out);           /* prints what stands before the table */
+  vs_summary_more summary;                            /* what is added to summary.json */
+} vs_run_more;
+
+/* Runs a scene that was read, writes its files and prints its table, as `run` does. more: what
+ * another command adds; NULL: nothing. Errors: as of vs_run_command. */
+vs_status vs_run_scene(const vs_run_options *options, const vs_run_more *more, vs_scene *scene,
+                       vs_error *err);
 
 /* Errors: VS_INPUT, with nothing written; VS_RUN and VS_SIGNAL, which leave run.partial.csv (and
  * run.partial.raw) in the folder; VS_RATING, all is written and a line of the verdict is violated

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/json.h"
 #include "scene/sections.h"
 #include "scene/shown.h"
 #include "scene/version.h"
@@ -39,11 +38,21 @@ static void add_scene(vs_json *json, const vs_scene *s) {
     }
     vs_json_end(json);
   }
+  if (s->setup.steady) vs_json_bool(json, "steady", true);
   add_events(json, &s->setup.timeline.events);
   vs_json_end(json);
 }
 
-static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r) {
+void vs_summary_measure(vs_json *json, const char *name, vs_value v, const char *unit) {
+  vs_json_object(json, name, VS_JSON_ROW);
+  vs_json_number(json, "value", v.value, DIGITS);
+  vs_json_text(json, "unit", unit);
+  if (!isnan(v.at_s)) vs_json_number(json, "at_s", v.at_s, DIGITS);
+  vs_json_end(json);
+}
+
+static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r,
+                         const vs_summary_more *more) {
   vs_shown m;
   int standard = vs_measures_count(&s->setup.model);
   vs_json_object(json, "measures", VS_JSON_LINES);
@@ -58,6 +67,7 @@ static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r) {
     if (m.unjudged) vs_json_text(json, "unjudged", m.unjudged);
     vs_json_end(json);
   }
+  if (more && more->measures) more->measures(more->ctx, json);
   vs_json_end(json);
 }
 
@@ -189,7 +199,8 @@ static void add_second(vs_json *json, const vs_second_run *second) {
   vs_json_end(json);
 }
 
-void vs_summary_json(const vs_result *r, bool with_cost, vs_text *text) {
+void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *more,
+                     vs_text *text) {
   const vs_scene *s = r->scene;
   vs_json json = vs_json_new(text);
   vs_json_object(&json, NULL, VS_JSON_LINES);
@@ -206,7 +217,8 @@ void vs_summary_json(const vs_result *r, bool with_cost, vs_text *text) {
   vs_json_number(&json, "from_s", s->setup.means.from_s, DIGITS);
   vs_json_number(&json, "to_s", s->setup.means.to_s, DIGITS);
   vs_json_end(&json);
-  add_measures(&json, s, r);
+  add_measures(&json, s, r, more);
+  if (more && more->members) more->members(more->ctx, &json);
   add_energy(&json, s, &r->watchers.energy, r->books);
   if (with_cost) add_cost(&json, r);
   add_second(&json, &r->second);

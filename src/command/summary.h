@@ -3,10 +3,22 @@
 #ifndef VS_COMMAND_SUMMARY_H
 #define VS_COMMAND_SUMMARY_H
 
-#include "base/text.h"
+#include "base/json.h"
 #include "scene/result.h"
 
-/* Appends the result to `json`. with_cost: wall times and steps, too, which no two runs share. */
-void vs_summary_json(const vs_result *result, bool with_cost, vs_text *json);
+/* What a command adds to the summary of its run. Members may be NULL. */
+typedef struct vs_summary_more {
+  const void *ctx;
+  void (*measures)(const void *ctx, vs_json *json); /* adds members to the object "measures" */
+  void (*members)(const void *ctx, vs_json *json);  /* adds members to the whole, behind it */
+} vs_summary_more;
+
+/* Adds {"value": ..., "unit": ...} under the measure's name, and its instant where it has one. */
+void vs_summary_measure(vs_json *json, const char *name, vs_value value, const char *unit);
+
+/* Appends the result to `json`. with_cost: wall times and steps, too, which no two runs share.
+ * more: what is added; NULL: nothing. */
+void vs_summary_json(const vs_result *result, bool with_cost, const vs_summary_more *more,
+                     vs_text *json);
 
 #endif

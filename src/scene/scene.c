@@ -337,12 +337,21 @@ vs_status vs_scene_open(const char *name, vs_where where, vs_scene *s, vs_error 
   return status ? status : vs_tree_read(s->path, &s->tree, err);
 }
 
+/* `start: steady` wants a tier that knows orbits. */
+static vs_status check_start(const vs_scene *s, vs_error *err) {
+  const vs_node *start = vs_tree_child(s->tree.root, "start");
+  if (!s->setup.steady || !tier_is_known(s)) return VS_OK;
+  return vs_tiers_require_orbits("start: steady", s->tier, s->why,
+                                 start ? start->where : (vs_where){0}, err);
+}
+
 /* What follows from the setup. */
 static vs_status conclude(vs_scene *s, const char *tier, vs_error *err) {
   vs_status status = choose_tier(s, tier, err);
   if (status) return status;
   s->frame = vs_sim_frame(s->tier, &s->setup);
   status = check_ignored(s, err);
+  if (!status) status = vs_error_carry_on(err, check_start(s, err));
   if (!status) status = vs_error_carry_on(err, check_tolerance(s, err));
   if (!status) status = vs_error_carry_on(err, check_rows(s, err));
   return status;
@@ -402,6 +411,7 @@ vs_status vs_scene_take_circuit(vs_scene *s, const char *asks, vs_error *err) {
   warn(s);
   s->n_record = 0;
   vs_status status = check_ignored(s, err);
+  if (!status) status = check_start(s, err);
   if (!status) status = check_tolerance(s, err);
   return status ? status : read_record(s, err);
 }

@@ -242,9 +242,18 @@ static void run_second(const vs_session *session, vs_result *r) {
   free(other);
 }
 
+/* Finds the state at t = 0 of a scene with `start: steady`. */
+static vs_status begin_on_orbit(const vs_session *session, vs_scene *scene, vs_error *err) {
+  if (!scene->setup.steady) return VS_OK;
+  if (!session->steady)
+    return vs_fail(err, VS_INPUT, "start: steady: what is run here begins at rest or at a state");
+  return session->steady(scene, err);
+}
+
 vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *r, vs_error *err) {
   *r = (vs_result){.scene = scene};
-  vs_status status = climb(session, scene, r, err);
+  vs_status status = begin_on_orbit(session, scene, err);
+  if (!status) status = climb(session, scene, r, err);
   if (!status && scene->tier->has_circuit)
     scene->order.tried = true; /* until another deck is read */
   if (!status && wants_second(session, r)) run_second(session, r);

@@ -16,6 +16,11 @@ const vs_tier *vs_tiers_find(const char *name);
 /* The tier that run.tier: auto takes for a scene that needs a circuit, or for one that does not. */
 const vs_tier *vs_tiers_automatic(bool circuit);
 
+/* Error, at `where`: the tier is not one that knows periodic orbits. who: what wants one; why: why
+ * the scene has this tier. */
+vs_status vs_tiers_require_orbits(const char *who, const vs_tier *tier, const char *why,
+                                  vs_where where, vs_error *err);
+
 /* "auto, analytic, switched, circuit": what may be asked for. */
 #define VS_TIER_WORD(id, file, word) ", " word
 #define VS_TIER_WORDS "auto" VS_TIER_LIST(VS_TIER_WORD)

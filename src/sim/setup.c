@@ -257,6 +257,39 @@ void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD
     standard[k] = (vs_deck_value){vs_deck_standard_names[k], values[k]};
 }
 
+/* Refuses, where the key stands or else at `map`, what leaves `start: steady` without a meaning. */
+static vs_status check_steady(const vs_node *scene, const vs_timeline *line, const vs_node *map,
+                              vs_error *err) {
+  const vs_firing_values *firing = &line->firing;
+  const char *section = "firing", *key = "every", *why = NULL;
+  if (line->supply.direct)
+    section = "supply", key = "kind", why = "direct voltage has no cycles, and so no orbit";
+  else if (!firing->no_valve && !firing->every)
+    why = "an orbit wants a firing in every cycle, and this is 'once'; write firing.every: 1";
+  else if (!firing->no_valve && firing->first_cycle != 1)
+    key = "first_cycle", why = "an orbit has a firing in the first cycle; leave the key out";
+  else if (line->supply.phase_rad != 0)
+    section = "supply", key = "phase",
+    why = "an orbit begins at the mains' rise through zero; write 0 deg, or leave the key out";
+  if (!why) return VS_OK;
+  const vs_node *node = vs_tree_child(vs_tree_child(scene, section), key);
+  return vs_fail_at(err, node ? node->where : map->where, "%s.%s: start is steady: %s", section,
+                    key, why);
+}
+
+/* Reads `start: steady`. Error: another word stands there. */
+static vs_status read_steady(const vs_node *scene, const vs_node *map, vs_setup *setup,
+                             vs_error *err) {
+  vs_status s = VS_OK;
+  if (strcmp(map->text, "steady"))
+    s = vs_fail_at(err, map->where,
+                   "start: '%s' is neither 'steady' nor a map of coordinates: {%s: 0, ...}",
+                   map->text, setup->machine->coordinates[0].name);
+  setup->steady = !s;
+  if (!s) s = check_steady(scene, &setup->timeline, map, err);
+  return vs_error_carry_on(err, s);
+}
+
 /* Reads the section start. Error: the armature would begin beyond the pole cover, or beyond the
  * iron where there is a stop. */
 static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err) {
@@ -264,8 +297,14 @@ static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err
   const vs_section *section = &m->machine->start;
   const vs_node *map = vs_tree_child(scene, section->name), *key = NULL;
   const vs_actuator_values *a = &m->actuator;
+  vs_status s = VS_OK;
+  setup->steady = false;
   if (m->machine->lost) return VS_OK;
-  vs_status s = vs_field_section_read(section, map, &setup->start, err);
+  if (map && map->kind == VS_NODE_TEXT && *map->text) {
+    s = read_steady(scene, map, setup, err);
+    map = NULL;
+  }
+  if (!s) s = vs_field_section_read(section, map, &setup->start, err);
   if (s || vs_error_count(err) || !m->coil.law->poles) return s; /* of the gap, perhaps */
   double least = -(a->gap_m + (m->stops.count ? a->pole_cover_m : 0));
   double g = vs_mechanics_travel(m, setup->start.x);
@@ -414,6 +453,7 @@ vs_setup vs_setup_varied(const vs_setup *from, const vs_run_values *run,
   setup.run = *run;
   if (run->until_s != from->run.until_s) setup.means = (vs_span_s){0, run->until_s};
   if (x) memcpy(setup.start.x, x, sizeof setup.start.x);
+  if (x) setup.steady = false;
   begin_eva(&setup);
   return setup;
 }

@@ -53,6 +53,9 @@ typedef struct vs_measure_values {
 /* The machine's state at t = 0: q, q'. The circuit always begins without current and charge. */
 typedef struct vs_start_values {
   double x[VS_MOST_STATES];
+  double flux_wb; /* what the coil's flux linkage is at t = 0 besides that which it has without a
+                     current; only an orbit without a valve (orbit/shooting.h) has some, on an ideal
+                     tier */
 } vs_start_values;
 
 extern const vs_section vs_setup_run_section, vs_setup_measure_section;
@@ -65,6 +68,8 @@ typedef struct vs_setup {
   vs_timeline timeline;
   vs_run_values run;
   vs_start_values start;
+  bool steady; /* `start: steady`: the run begins on the scene's orbit, which scene/session.h has
+                  found for it; until then `start` is at rest */
   vs_measure_values measure;
   vs_span_s means; /* what `measure` says, as a stretch of time */
   vs_deck deck;    /* the scene's, also for a tier that does not use it; with what the scene's

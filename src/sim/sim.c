@@ -25,7 +25,7 @@ vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame) {
   vs_knot k = {0};
   memcpy(k.x, setup->start.x, sizeof k.x);
   const vs_model *m = &setup->model;
-  k.flux_wb = vs_coil_idle_flux(&m->coil, vs_mechanics_gap(m, k.x));
+  k.flux_wb = vs_coil_idle_flux(&m->coil, vs_mechanics_gap(m, k.x)) + setup->start.flux_wb;
   vs_knot_complete(frame, &k, vs_stops_touched(&m->stops, vs_mechanics_travel(m, k.x)));
   return k;
 }

@@ -8,6 +8,7 @@
 
 #include "base/csv.h"
 #include "base/file.h"
+#include "orbit/steady.h"
 #include "scene/session.h"
 #include "scene/shown.h"
 #include "watch/table.h"
@@ -200,7 +201,7 @@ static void again(void *ctx, const char *failed, int next) {
 static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
   keeper k = {.c = c};
   const vs_guest guest = {&k, begin_csv, accept, again};
-  const vs_session session = {.guest = c->keep ? &guest : NULL};
+  const vs_session session = {.guest = c->keep ? &guest : NULL, .steady = vs_steady_start};
   vs_status status = vs_session_run(&session, c->scene, c->result, err);
   if (!status) add_row(c, row);
   if (!status && k.csv.stream) status = vs_file_commit(&k.csv, err);

@@ -147,5 +147,6 @@ void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_
     vs_text_add(whole, "%s\n", identity->kept[p].sum);
   }
   add_events(&scene->setup.timeline.events, whole);
+  if (scene->setup.steady) vs_text_add(whole, "start steady\n");
   sum_of(whole, id);
 }

@@ -7,6 +7,7 @@
  *     has; whether the tier uses the key does not matter;
  *   - the contents of the deck's file, of the files it includes and of its parts' files (each by
  * its own SHA-256), and which file each part's key names. The names of the files do not enter;
+ *   - whether it begins on its orbit, as `start: steady` says;
  *   - every event, in their order: its name, when it begins, and its other keys.
  *
  * Left out is what cannot change a measure:

@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command/steady.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/text.h"
+#include "orbit/steady.h"
+
+enum { DIGITS = 12, SHOWN = 10 /* the last harmonic in the table; JSON has all */ };
+
+static const char STANDARD[] = "IEC 61000-3-2:2018, table 1";
+
+/* ---- the limits of harmonics ---- */
+
+/* How much of its limit the harmonic takes; NaN: it has none. */
+static double part_of_limit(const vs_steady *s, int n) {
+  return vs_spectrum_harmonic(&s->spectrum, n) / vs_spectrum_limit(n);
+}
+
+/* The harmonic that takes most of its limit. */
+static int worst_harmonic(const vs_steady *s) {
+  int worst = 2;
+  for (int n = worst; n < VS_SPECTRUM_LINES; n++)
+    if (part_of_limit(s, n) > part_of_limit(s, worst)) worst = n;
+  return worst;
+}
+
+/* ---- JSON ---- */
+
+static void add_measures(const void *ctx, vs_json *json) {
+  vs_steady_measure m;
+  for (int k = 0; vs_steady_at(ctx, k, &m); k++) {
+    if (m.value.known) vs_summary_measure(json, m.name, m.value, m.unit);
+  }
+}
+
+static void add_multipliers(const vs_orbit *orbit, vs_json *json) {
+  vs_json_array(json, "multipliers", VS_JSON_LINES);
+  for (int k = 0; k < orbit->count; k++) {
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    vs_json_number(json, "re", orbit->multiplier[k].re, DIGITS);
+    vs_json_number(json, "im", orbit->multiplier[k].im, DIGITS);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
+static void add_harmonics(const vs_steady *s, vs_json *json) {
+  int worst = worst_harmonic(s);
+  vs_json_array(json, "harmonics", VS_JSON_ROW);
+  for (int n = 0; n < VS_SPECTRUM_LINES; n++)
+    vs_json_number(json, NULL, vs_spectrum_harmonic(&s->spectrum, n), DIGITS);
+  vs_json_end(json);
+  vs_json_object(json, "harmonic_limits", VS_JSON_LINES);
+  vs_json_text(json, "standard", STANDARD);
+  vs_json_text(json, "class", "A");
+  vs_json_bool(json, "held", part_of_limit(s, worst) <= 1);
+  vs_json_whole(json, "worst", worst);
+  vs_json_number(json, "worst_part", part_of_limit(s, worst), DIGITS);
+  vs_json_array(json, "limits_A", VS_JSON_ROW);
+  for (int n = 0; n < VS_SPECTRUM_LINES; n++)
+    vs_json_number(json, NULL, vs_spectrum_limit(n), DIGITS);
+  vs_json_end(json);
+  vs_json_end(json);
+}
+
+static void add_members(const void *ctx, vs_json *json) {
+  const vs_steady *s = ctx;
+  vs_json_whole(json, "period", s->orbit.n);
+  vs_json_number(json, "period_s", s->orbit.period_s, DIGITS);
+  vs_json_whole(json, "iterations", s->orbit.iterations);
+  vs_json_number(json, "correction", s->orbit.residual, 3);
+  vs_json_bool(json, "stable", s->orbit.stable);
+  add_multipliers(&s->orbit, json);
+  add_harmonics(s, json);
+}
+
+/* ---- the table ---- */
+
+/* Of a multiplier: how long it takes until what it tells of has decayed to 1/e. */
+static void print_multiplier(const vs_orbit *orbit, int k, FILE *out) {
+  const vs_multiplier *m = &orbit->multiplier[k];
+  double size = hypot(m->re, m->im), tau_s = -orbit->period_s / log(size);
+  fprintf(out, "%-10d %15.9g %15.9g %15.9g ", k + 1, m->re, m->im, size);
+  if (size < 1)
+    fprintf(out, "%12.4g s\n", tau_s);
+  else
+    fprintf(out, "%14s\n", "-");
+}
+
+static void print_multipliers(const vs_orbit *orbit, FILE *out) {
+  fprintf(out, "%-10s %15s %15s %15s %14s\n", "multiplier", "re", "im", "size", "decays in");
+  for (int k = 0; k < orbit->count; k++) print_multiplier(orbit, k, out);
+  fprintf(out, "%s: the largest multiplier is %s\n", orbit->stable ? "stable" : "unstable",
+          orbit->stable ? "below 1" : "1 or more, so that the machine does not stay on this orbit");
+}
+
+static void print_harmonics(const vs_steady *s, FILE *out) {
+  int worst = worst_harmonic(s);
+  fprintf(out, "\n%-10s %15s %15s %15s\n", "harmonic", "A rms", "limit A rms", "part of limit");
+  for (int n = 0; n <= SHOWN; n++) {
+    fprintf(out, "%-10d %15.9g", n, vs_spectrum_harmonic(&s->spectrum, n));
+    if (!isnan(vs_spectrum_limit(n)))
+      fprintf(out, " %15.4g %13.2f %%", vs_spectrum_limit(n), 100 * part_of_limit(s, n));
+    fputc('\n', out);
+  }
+  fprintf(out,
+          "limits: %s, class A; %s held up to harmonic %d: harmonic %d takes %.3g %% of its own\n",
+          STANDARD, part_of_limit(s, worst) <= 1 ? "all are" : "not all are", VS_SPECTRUM_LAST,
+          worst, 100 * part_of_limit(s, worst));
+}
+
+static void show(const void *ctx, FILE *out) {
+  const vs_steady *s = ctx;
+  const vs_orbit *orbit = &s->orbit;
+  vs_steady_measure m;
+  fprintf(out, "orbit  of %.9g s, period %d, in %d iterations; the last corrected it by %.1g\n\n",
+          orbit->period_s, orbit->n, orbit->iterations, orbit->residual);
+  print_multipliers(orbit, out);
+  print_harmonics(s, out);
+  fprintf(out, "\n%-18s %16s\n", "over a period", "computed");
+  for (int k = 0; vs_steady_at(s, k, &m); k++)
+    fprintf(out, "%-18s %16.9g %-5s %s\n", m.name, m.value.value, m.unit, m.text);
+  fputc('\n', out);
+}
+
+/* ---- the command ---- */
+
+static void accept(void *ctx, const vs_step *step) {
+  vs_steady_accept(ctx, step);
+}
+
+static void finish(void *ctx, const vs_result *result) {
+  vs_steady_finish(ctx, result);
+}
+
+static vs_status report(const vs_run_options *o, int periods, vs_scene *scene, vs_error *err) {
+  vs_steady *s = vs_alloc(1, sizeof *s);
+  const vs_run_more more = {s, accept, finish, show, {s, add_measures, add_members}};
+  vs_status status = vs_steady_begin(s, scene, periods, err);
+  if (!status) status = vs_run_scene(o, &more, scene, err);
+  vs_steady_end(s);
+  free(s);
+  return status;
+}
+
+vs_status vs_steady_command(const vs_run_options *o, int periods, vs_error *err) {
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
+  if (!status && !o->quiet) vs_scene_warn(scene);
+  if (!status) status = report(o, periods, scene, err);
+  vs_scene_free(scene);
+  free(scene);
+  return status;
+}

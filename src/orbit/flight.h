@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * A flight: the run of a scene over a number of firing periods from a given state at the mains'
+ * rise through zero, and what the search for an orbit wants to know of it. */
+#ifndef VS_ORBIT_FLIGHT_H
+#define VS_ORBIT_FLIGHT_H
+
+#include "orbit/variation.h"
+#include "scene/scene.h"
+
+/* Begin with vs_flight_begin, end with vs_flight_end. What a run has left holds until the next. */
+typedef struct vs_flight {
+  const vs_scene *given;
+  vs_scene
+      *scene;     /* room for the scene that is run, which borrows what the one given owns; owned */
+  int states;     /* of x: q, q', and lambda where there is no valve */
+  double cycle_s; /* a firing period */
+  bool derives;   /* the last run had derivatives */
+  vs_variation variation; /* where it had */
+  double *
+      passed; /* where it had, x at the end of each firing period, VS_VARIATION_MOST a row; owned */
+  double end[VS_VARIATION_MOST];  /* x at the end */
+  double size[VS_VARIATION_MOST]; /* the largest magnitude of each state */
+  double flux_wb;                 /* lambda at the end, with or without a valve */
+  double deepest_m, deepest_s;    /* the least travel, and when */
+  double beyond_s;                /* when the armature is beyond the pole cover first; NaN: never */
+  char left[256];                 /* why the coil's law does not hold; empty: it does */
+  double left_s;                  /* at which knot first */
+} vs_flight;
+
+void vs_flight_begin(vs_flight *flight, const vs_scene *scene);
+void vs_flight_end(vs_flight *flight);
+
+/* Runs so many firing periods from x, at the finest tolerance the tier can hold; `derives`: with
+ * derivatives. Nothing guards the run. Errors: those of the tier's run; VS_RUN, a state that is not
+ * finite. */
+vs_status vs_flight_go(vs_flight *flight, const double *x, int periods, bool derives,
+                       vs_error *err);
+
+/* Makes the setup of a run from x at the mains' rise through zero, t = 0. The pulse that began a
+ * firing period before is there, too: where it is long it may fire right at t = 0. The setup
+ * borrows what the scene's owns. */
+vs_setup vs_flight_setup(const vs_scene *scene, const vs_run_values *run, const double *x);
+
+#endif

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Watcher that takes the current drawn from the mains apart into harmonics of the mains. The
+ * integrals are taken on the dense output of each step, so that no sampling limits them. */
+#ifndef VS_ORBIT_SPECTRUM_H
+#define VS_ORBIT_SPECTRUM_H
+
+#include <gsl/gsl_integration.h>
+
+#include "sim/step.h"
+
+/* The harmonics go from 0, the direct part, to the last one that IEC 61000-3-2 has a limit for. */
+enum { VS_SPECTRUM_LAST = 40, VS_SPECTRUM_LINES };
+
+/* Begin with vs_spectrum_begin, end with vs_spectrum_end. */
+typedef struct vs_spectrum {
+  double omega_rad_s;                                        /* of the mains */
+  double span_s;                                             /* what was taken in so far */
+  double cosine[VS_SPECTRUM_LINES], sine[VS_SPECTRUM_LINES]; /* int i cos(n w t) dt, A s */
+  double squared;                                            /* int i^2 dt, A^2 s */
+  gsl_integration_glfixed_table *rule;                       /* owned */
+} vs_spectrum;
+
+void vs_spectrum_begin(vs_spectrum *spectrum, double omega_rad_s);
+void vs_spectrum_end(vs_spectrum *spectrum);
+
+/* Takes one accepted step. */
+void vs_spectrum_accept(vs_spectrum *spectrum, const vs_step *step);
+
+/* The root mean square of the harmonic n, A; of harmonic 0, the size of the mean. What was taken in
+ * must be whole cycles of the mains. */
+double vs_spectrum_harmonic(const vs_spectrum *spectrum, int n);
+/* The mean of the current with its sign, and the root mean square of all of it, A. */
+double vs_spectrum_mean(const vs_spectrum *spectrum);
+double vs_spectrum_rms(const vs_spectrum *spectrum);
+
+/* The largest harmonic current n that IEC 61000-3-2:2018, table 1, allows an apparatus of class A,
+ * A rms; NaN: it states none, as of the harmonics 0 and 1. */
+double vs_spectrum_limit(int n);
+
+#endif

@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "orbit/variation.h"
+
+#include <gsl/gsl_errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "actuator/coil.h"
+#include "base/text.h"
+#include "ideal/propagator.h"
+
+void vs_variation_begin(vs_variation *v, const vs_setup *setup) {
+  const vs_model *m = &setup->model;
+  bool valve = !setup->timeline.firing.no_valve;
+  int rows = 2 * m->dof + 1, columns = valve ? rows - 1 : rows;
+  size_t size = (size_t)rows * (size_t)columns;
+  *v = (vs_variation){.model = m,
+                      .valve = valve,
+                      .conducting = !valve,
+                      .mains_rad_s = setup->timeline.omega_rad_s,
+                      .columns = columns,
+                      .rows = rows};
+  v->touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, setup->start.x));
+  v->s = vs_alloc(size, sizeof *v->s);
+  v->stepper = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, size);
+  for (int j = 0; j < columns; j++) v->s[j * rows + j] = 1;
+}
+
+void vs_variation_end(vs_variation *v) {
+  if (v->stepper) gsl_odeiv2_step_free(v->stepper);
+  free(v->s);
+  v->stepper = NULL;
+  v->s = NULL;
+}
+
+/* ---- free: the propagator ---- */
+
+static void swing(vs_variation *v) {
+  size_t states = 2 * (size_t)v->model->dof;
+  double x[VS_MOST_STATES + VS_ROWS] = {0}, y[VS_MOST_STATES + VS_ROWS];
+  vs_propagator p;
+  if (!(v->free_s > 0)) return;
+  vs_propagator_make(&p, v->model, false, v->free_s);
+  p.loaded = false; /* constant forces move all states alike */
+  for (int j = 0; j < v->columns; j++) {
+    memcpy(x, v->s + j * v->rows, states * sizeof *x);
+    vs_propagator_step(&p, x, y);
+    memcpy(v->s + j * v->rows, y, states * sizeof *y);
+  }
+  v->free_s = 0;
+}
+
+/* ---- driven, or in a stop: the linearised equations ---- */
+
+/* The partial derivatives along the path. With di = i_flux dlambda + i_gap dg and
+ * dF = f_flux dlambda + f_gap dg + f_rate dg', the forces of stops among them,
+ *   dq" = M^-1 (-K dq - B dq' - c dF),   dlambda' = -R_c di. */
+typedef struct partials {
+  double i_flux, i_gap, f_flux, f_gap, f_rate;
+} partials;
+
+/* Of any law, exactly: its rates where only lambda moves, by 1 Wb/s, and where only z does. */
+static void add_law(const vs_frame *frame, const double *channels, partials *d) {
+  const vs_coil *c = &frame->model->coil;
+  double flux = channels[VS_CH_LAMBDA], z = frame->gap_at_rest ? c->gap_rest_m : channels[VS_CH_Z];
+  vs_law_rates by_flux = vs_coil_rates(c, flux, 1, z, 0);
+  d->i_flux = by_flux.i_rate_a_s;
+  d->f_flux = by_flux.force_rate_n_s;
+  if (frame->gap_at_rest) return;
+  vs_law_rates by_gap = vs_coil_rates(c, flux, 0, z, 1);
+  d->i_gap = by_gap.i_rate_a_s;
+  d->f_gap += by_gap.force_rate_n_s;
+}
+
+static partials partials_at(const vs_variation *v, const vs_step *step, double t_s) {
+  const vs_model *m = v->model;
+  double y[VS_CH_MOST], slope[2];
+  partials d = {0};
+  vs_step_groups_at(step, t_s, v->touched ? VS_GROUP_VELOCITIES : 0, y);
+  if (v->conducting) add_law(step->frame, y, &d);
+  if (!v->touched) return d;
+  vs_stops_slopes(&m->stops, v->touched, y[VS_CH_TRAVEL],
+                  vs_mechanics_travel(m, y + vs_channel_rates(m)), slope);
+  d.f_gap += slope[0];
+  d.f_rate = slope[1];
+  return d;
+}
+
+typedef struct part {
+  const vs_variation *variation;
+  const vs_step *step;
+} part;
+
+static int equations(double t_s, const double *s, double *rate, void *params) {
+  const part *of = params;
+  const vs_variation *v = of->variation;
+  const vs_model *m = v->model;
+  const partials d = partials_at(v, of->step, t_s);
+  size_t bytes = (size_t)m->dof * sizeof *s;
+  double q[VS_MOST_DOF] = {0}, q1[VS_MOST_DOF] = {0}, q2[VS_MOST_DOF],
+         r = m->actuator.resistance_ohm;
+  for (int j = 0; j < v->columns; j++, s += v->rows, rate += v->rows) {
+    memcpy(q, s, bytes);
+    memcpy(q1, s + m->dof, bytes);
+    double flux = s[2 * m->dof], g = vs_mechanics_travel(m, q), g1 = vs_mechanics_travel(m, q1);
+    vs_mechanics_jerks(m, q, q1, d.f_flux * flux + d.f_gap * g + d.f_rate * g1, q2);
+    memcpy(rate, q1, bytes);
+    memcpy(rate + m->dof, q2, bytes);
+    rate[2 * m->dof] = v->conducting ? -r * (d.i_flux * flux + d.i_gap * g) : 0;
+  }
+  return GSL_SUCCESS;
+}
+
+/* The angle that the fastest of the equations turns in one part of a step. With half of it the
+ * monodromy of the conveyor changes by less than 1e-13. */
+static const double TURN = 0.2;
+
+/* From one instant of the step to another, in equal parts. */
+static vs_status integrate(vs_variation *v, const vs_step *step, double from_s, double to_s,
+                           vs_error *err) {
+  const vs_model *m = v->model;
+  size_t size = (size_t)v->rows * (size_t)v->columns;
+  part of = {v, step};
+  gsl_odeiv2_system system = {equations, NULL, size, &of};
+  double error[VS_VARIATION_MOST * VS_VARIATION_MOST];
+  double fastest = fmax(v->touched ? m->contact_rad_s : m->fastest_rad_s, v->mains_rad_s);
+  double coil = m->actuator.resistance_ohm * partials_at(v, step, from_s).i_flux;
+  int parts = (int)fmin(ceil((to_s - from_s) * fmax(fastest, fabs(coil)) / TURN), 1e6);
+  for (int k = 0; k < parts; k++) {
+    double h = (to_s - from_s) / parts;
+    if (gsl_odeiv2_step_apply(v->stepper, from_s + k * h, h, v->s, error, NULL, NULL, &system))
+      return vs_fail(err, VS_RUN, "t = %.9g s: the equations have no derivative", from_s);
+  }
+  return VS_OK;
+}
+
+/* Returns the first instant in the step at which a stop's damping begins or ceases to be felt,
+ * which is a kink of its force, as seen from before; *behind_s is the next instant, which lies
+ * behind it. Where there is none, both are the step's end. */
+static double kink(const vs_variation *v, const vs_step *step, double from_s, double *behind_s) {
+  enum { LOOKS = 8, HALVINGS = 50 };
+  double to_s = step->to->t_s, was = partials_at(v, step, from_s).f_rate, lo = from_s;
+  for (int k = 1; k <= LOOKS; k++) {
+    double hi = k < LOOKS ? from_s + k * (to_s - from_s) / LOOKS : to_s;
+    if (partials_at(v, step, hi).f_rate == was) {
+      lo = hi;
+      continue;
+    }
+    for (int n = 0; n < HALVINGS; n++) {
+      double mid = (lo + hi) / 2;
+      if (partials_at(v, step, mid).f_rate == was)
+        lo = mid;
+      else
+        hi = mid;
+    }
+    *behind_s = hi;
+    return lo;
+  }
+  return *behind_s = to_s;
+}
+
+/* ---- the instants that x0 moves ---- */
+
+/* Which stop is met or left at this knot: the one whose surface is nearest among those that the
+ * armature is not, or is, in. */
+static int stop_at(const vs_variation *v, const vs_knot *k, bool inside) {
+  const vs_stops *stops = &v->model->stops;
+  double g = vs_mechanics_travel(v->model, k->x), nearest = INFINITY;
+  int found = 0;
+  for (int n = 0; n < stops->count; n++) {
+    double off = fabs(vs_stop_depth(&stops->item[n], g));
+    if ((v->touched >> n & 1) != inside || off >= nearest) continue;
+    nearest = off;
+    found = n;
+  }
+  return found;
+}
+
+/* f of a knot: (q', q", lambda'). */
+static void rates_of(const vs_model *m, const vs_knot *k, double f[VS_VARIATION_MOST]) {
+  memcpy(f, k->x + m->dof, (size_t)m->dof * sizeof *f);
+  memcpy(f + m->dof, k->a, (size_t)m->dof * sizeof *f);
+  f[2 * m->dof] = k->flux_rate_v;
+}
+
+/* The step shows an instant from its two sides. */
+static vs_status jump(vs_variation *v, const vs_step *step, vs_error *err) {
+  const vs_model *m = v->model;
+  double before[VS_VARIATION_MOST], after[VS_VARIATION_MOST];
+  bool flux = v->ending == VS_EV_EXTINCT;
+  rates_of(m, step->from, before);
+  rates_of(m, step->to, after);
+  double rate = flux ? before[2 * m->dof] : vs_mechanics_travel(m, before);
+  if (flux)
+    v->conducting = false;
+  else
+    v->touched ^= 1u << stop_at(v, step->from, v->ending == VS_EV_LEAVES_STOP);
+  for (int j = 0; j < v->columns; j++) {
+    double *s = v->s + j * v->rows, way = flux ? s[2 * m->dof] : vs_mechanics_travel(m, s);
+    for (int i = 0; i < v->rows; i++) s[i] += (after[i] - before[i]) * (way / rate);
+    if (flux) s[2 * m->dof] = 0;
+  }
+  v->ending = VS_EV_NONE;
+  return rate != 0
+             ? VS_OK
+             : vs_fail(err, VS_RUN, "t = %.9g s: %s without a rate: there is no derivative",
+                       step->to->t_s, flux ? "the current ends" : "the armature touches its stop");
+}
+
+/* ---- all of it ---- */
+
+vs_status vs_variation_accept(vs_variation *v, const vs_step *step, vs_error *err) {
+  double from = step->from->t_s, to = step->to->t_s;
+  vs_event event = step->event[0];
+  vs_status status = VS_OK;
+  bool is_free = !v->conducting && !v->touched;
+  if (v->ending != VS_EV_NONE) return jump(v, step, err);
+  if (is_free) v->free_s += to - from;
+  if (event == VS_EV_NONE && is_free) return VS_OK;
+  swing(v);
+  while (!is_free && from < to && !status) {
+    double behind = to, end = v->touched ? kink(v, step, from, &behind) : to;
+    status = integrate(v, step, from, end, err);
+    from = behind;
+  }
+  if (event == VS_EV_FIRES) v->conducting = true;
+  if (event == VS_EV_EXTINCT || event == VS_EV_MEETS_STOP || event == VS_EV_LEAVES_STOP)
+    v->ending = event;
+  return status;
+}
+
+double vs_variation_get(vs_variation *v, int i, int j) {
+  swing(v);
+  return v->s[j * v->rows + i];
+}

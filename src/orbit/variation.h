@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * How the state of a run on an ideal tier depends on the state at its beginning: the matrix
+ * S = dy/dx0 of y = (q, q', lambda), exact but for the rounding of its integration. It is an
+ * observer of the run: between two knots
+ *   S' = J(t) S,   J = the equations' derivative along the step's own polynomials,
+ * and at an instant that x0 moves, where h(y) = 0 and the rates f jump,
+ *   S+ = S- + (f+ - f-) (dh/dy S-)/(dh/dy f-).
+ * That is so at the extinction (h = lambda) and where the armature meets or leaves a stop (h = its
+ * depth). A firing's instant is fixed: S goes through it as it is. */
+#ifndef VS_ORBIT_VARIATION_H
+#define VS_ORBIT_VARIATION_H
+
+#include <gsl/gsl_odeiv2.h>
+
+#include "sim/setup.h"
+#include "sim/step.h"
+
+/* The most numbers of y, and of x0, of which a coil without a valve has lambda too. */
+enum { VS_VARIATION_MOST = VS_MOST_STATES + 1 };
+
+/* Begin with vs_variation_begin, end with vs_variation_end. */
+typedef struct vs_variation {
+  const vs_model *model;
+  bool valve;         /* a thyristor stands between mains and coil */
+  bool conducting;    /* lambda is not held at 0 */
+  unsigned touched;   /* the stops that the armature is in, as bits */
+  vs_event ending;    /* how the last step ended, where its other side is still to be shown */
+  double free_s;      /* how long the machine has swung freely since S was brought up to date */
+  double mains_rad_s; /* of the mains' voltage */
+  int columns;        /* of S: 2 dof, and lambda's where there is no valve */
+  int rows;           /* of y: 2 dof + 1 */
+  double *s;          /* S by columns: s[j rows + i] is dy_i/dx0_j; owned */
+  gsl_odeiv2_step *stepper; /* owned */
+} vs_variation;
+
+/* The run begins at the start of the setup, which must outlive this: S is the identity. */
+void vs_variation_begin(vs_variation *variation, const vs_setup *setup);
+void vs_variation_end(vs_variation *variation);
+
+/* Goes along with an accepted step. Error: VS_RUN, the equations have no derivative on the way. */
+vs_status vs_variation_accept(vs_variation *variation, const vs_step *step, vs_error *err);
+
+/* S at the last knot that was shown: d(row i of y)/d(x0's j). */
+double vs_variation_get(vs_variation *variation, int i, int j);
+
+#endif

@@ -1,0 +1,340 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command steady, and `start: steady`: the numbers of an orbit against references that were
+ * found by other programs, what is written and printed, and what is refused. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "program.h"
+
+/* ---- numbers out of JSON ---- */
+
+/* The number behind "key": , or behind "key": {"value": ; NaN: there is none. */
+static double number(const char *json, const char *key) {
+  char name[64];
+  snprintf(name, sizeof name, "\"%s\": ", key);
+  const char *at = strstr(json, name);
+  if (!at) return NAN;
+  at += strlen(name);
+  if (!strncmp(at, "{\"value\": ", 10)) at += 10;
+  return strtod(at, NULL);
+}
+
+/* The k-th number of the array. */
+static double entry(const char *json, const char *array, int k) {
+  char name[64];
+  snprintf(name, sizeof name, "\"%s\": [", array);
+  const char *at = strstr(json, name);
+  if (!at) return NAN;
+  at += strlen(name);
+  while (k-- > 0 && at) at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL;
+  return at ? strtod(at, NULL) : NAN;
+}
+
+/* The size of the k-th multiplier. */
+static double size_of(const char *json, int k) {
+  const char *at = strstr(json, "\"multipliers\": [");
+  while (at && k-- >= 0) at = strstr(at + 1, "{\"re\": ");
+  const char *im = at ? strstr(at, "\"im\": ") : NULL;
+  return im ? hypot(strtod(at + 7, NULL), strtod(im + 6, NULL)) : NAN;
+}
+
+static ran steady(const char *words) {
+  ran r = run("steady %s --json --reproducible --quiet", words);
+  EXPECT(r.status == 0 && !*r.err, "steady %s: %d %s", words, r.status, r.err);
+  return r;
+}
+
+/* ---- numbers ---- */
+
+/* The references have 10 to 12 digits; the dense output, on which extremes and integrals are taken,
+ * is right to 5e-11 of the motion. Hence 1e-10 for what is printed with as many digits, and 1e-9 of
+ * the current for its harmonics. */
+static void the_conveyor_at_100_degrees(void) {
+  static const double AMPERES[] = {0.17462090569,  0.20614993933,  0.1113614025,
+                                   0.021725726497, 0.020383088883, 0.016292110618};
+  ran r = steady("paper --set firing.every=1");
+  CLOSE(number(r.out, "p_min"), -0.0021377328283, 1e-10);
+  CLOSE(number(r.out, "power_in"), 8.49145448715, 1e-10);
+  CLOSE(number(r.out, "i_rms"), 0.294464118668, 1e-10);
+  CLOSE(number(r.out, "i_mean"), AMPERES[0], 1e-10);
+  CLOSE(number(r.out, "power_factor"), 8.49145448715 / (440 * 0.294464118668), 1e-10);
+  for (int n = 0; n < (int)COUNT(AMPERES); n++)
+    CLOSE_OF(entry(r.out, "harmonics", n), AMPERES[n], AMPERES[0], 1e-9);
+  int commas = 0;
+  for (const char *c = strstr(r.out, "\"harmonics\": ["); *c != ']'; c++) commas += *c == ',';
+  EXPECT(commas == 40, "%d harmonics and one", commas);
+  CLOSE(size_of(r.out, 0), 0.999655306, 1e-8); /* 58 s of decay: exp(-T/58.01) */
+  CU_ASSERT(number(r.out, "period") == 1 && number(r.out, "period_s") == 0.02);
+  CU_ASSERT(number(r.out, "first_cycle") == 1);
+  CU_ASSERT(number(r.out, "iterations") <= 6 && number(r.out, "correction") < 1e-12);
+  CU_ASSERT(strstr(r.out, "\"stable\": true") && !strstr(r.out, "\"measured\""));
+  CLOSE_OF(number(r.out, "energy_stored"), 0, number(r.out, "energy_in"), 1e-12);
+  free_ran(&r);
+}
+
+static void other_machines(void) {
+  ran r = steady("two_mass --set firing.every=1 --set firing.angle=130deg");
+  CLOSE(number(r.out, "gap_min"), -0.00035404968735, 1e-10);
+  CLOSE(number(r.out, "gap_max"), 0.00033816010455, 1e-10);
+  CLOSE(number(r.out, "i_peak"), 0.63842439604, 1e-10);
+  CLOSE(number(r.out, "force_peak"), 68.740115634, 1e-10);
+  CLOSE(number(r.out, "power_in"), 0.8464749564, 1e-9);
+  CLOSE(number(r.out, "i_rms"), 0.2427242011, 1e-9);
+  CLOSE(size_of(r.out, 0), 0.987740250, 1e-8);
+  CLOSE(size_of(r.out, 2), 0.939078381, 1e-8);
+  free_ran(&r);
+  r = steady("fixed_base --set firing.every=1 --set firing.angle=150deg");
+  CLOSE(number(r.out, "p_min"), -0.00012196812378, 1e-10);
+  CLOSE(number(r.out, "power_in"), 0.1870901158, 1e-9);
+  CLOSE(number(r.out, "i_rms"), 0.04488328667, 1e-9);
+  CLOSE(size_of(r.out, 0), 0.971444741, 1e-8);
+  free_ran(&r);
+}
+
+/* A linear machine without a valve: 1 V of 20 Hz moves the shaker by what its transfer function
+ * says, and its current is one harmonic. */
+static void without_a_valve(void) {
+  const double amperes = 0.505505110323, metres = 0.000741108559377; /* amplitudes */
+  ran r = steady("lds_v203 --set supply.kind=sine --set supply.frequency=20Hz --set "
+                 "supply.voltage=0.70710678118654752V --set start=steady");
+  CLOSE(number(r.out, "gap_max"), metres, 1e-9);
+  CLOSE(number(r.out, "gap_min"), -metres, 1e-9);
+  CLOSE(number(r.out, "i_rms"), amperes / sqrt(2), 1e-9);
+  for (int n = 0; n <= 40; n++)
+    CLOSE_OF(entry(r.out, "harmonics", n), n == 1 ? amperes / sqrt(2) : 0, amperes, 1e-9);
+  free_ran(&r);
+}
+
+/* A period of two cycles has its harmonics from whole cycles, too; and the sum of the harmonics'
+ * squares comes near to the square of the whole, and not beyond it. */
+static void a_firing_in_every_second_cycle(void) {
+  ran r = steady("paper --set firing.every=2 --set firing.angle=120deg");
+  double sum = 0, rms = number(r.out, "i_rms");
+  for (int n = 0; n <= 40; n++) sum += pow(entry(r.out, "harmonics", n), 2);
+  CU_ASSERT(number(r.out, "period") == 1 && number(r.out, "period_s") == 0.04);
+  EXPECT(sum < rms * rms && sum > 0.4 * rms * rms, "%g of %g", sum, rms * rms);
+  free_ran(&r);
+}
+
+/* What the mounts do along u is what moves the masses there, as nothing else acts along it: row u
+ * of M q", with the masses of Table 1. Rows of 5 us are within 2e-6 of the largest value, as half a
+ * row's time is 1e-3 of the time in which it changes by as much as it is. */
+static void forces_on_the_foundation(void) {
+  const double pi = acos(-1), trough = 0.83, sin_a = sin(70 * pi / 180), cos_a = cos(70 * pi / 180);
+  const double mass[2][4] = {{-trough * sin_a, trough + 4, 0, -trough * (0.129 - 0.089)},
+                             {trough * cos_a, 0, trough + 4, trough * (0.092 - 0.194)}};
+  double most[2] = {0};
+  RUN_GOOD("steady paper --set firing.every=1 --set run.sample=5us --set "
+           "record=[ap,au,aw,aphi] --digits 17 --quiet -o forces");
+  char *csv = read_file("forces/run.csv"), *json = read_file("forces/summary.json"), *rest = csv;
+  strsep(&rest, "\n");
+  for (char *line; (line = strsep(&rest, "\n")) && *line;) {
+    double a[4];
+    for (int k = 0; k < 4; k++) a[k] = strtod(line = strchr(line, ',') + 1, NULL);
+    for (int i = 0; i < 2; i++) {
+      double sum = 0;
+      for (int k = 0; k < 4; k++) sum += mass[i][k] * a[k];
+      most[i] = fmax(most[i], fabs(sum));
+    }
+  }
+  CLOSE(number(json, "reaction_u"), most[0], 2e-6);
+  CLOSE(number(json, "reaction_w"), most[1], 2e-6);
+  free(csv), free(json);
+}
+
+/* ---- what is written ---- */
+
+static void files_of_one_period(void) {
+  RUN_GOOD("steady paper --set firing.every=1 --quiet --digits 17 -o out");
+  EXPECT_FILES("out", "events.csv run.csv summary.json ");
+  char *csv = read_file("out/run.csv"), *json = read_file("out/summary.json");
+  char *events = read_file("out/events.csv");
+  CU_ASSERT(count_lines(csv) == 202 && strstr(json, "\"multipliers\""));
+  CU_ASSERT(strstr(events, "thyristor fires") && strstr(events, "thyristor extinct"));
+  double first = strtod(strstr(csv, "\n0,") + 3, NULL);
+  double last = strtod(strchr(strstr(csv, "\n0.02"), ',') + 1, NULL);
+  CLOSE_OF(last, first, 0.0021377, 1e-10); /* p returns */
+  free(csv), free(json), free(events);
+  RUN_GOOD("steady paper --set firing.every=1 --quiet -o out2 --reproducible");
+  RUN_GOOD("steady paper --set firing.every=1 --quiet -o out3 --reproducible");
+  char *one = read_file("out2/summary.json"), *other = read_file("out3/summary.json");
+  CU_ASSERT_STRING_EQUAL(one, other);
+  free(one), free(other);
+}
+
+/* ---- start: steady ---- */
+
+static void a_run_begins_on_the_orbit(void) {
+  ran r = run("run paper --set firing.every=1 --set start=steady --set run.until=0.5s --json "
+              "--reproducible");
+  ran orbit = steady("paper --set firing.every=1");
+  CU_ASSERT(r.status == 0 && strstr(r.out, "\"steady\": true") && !*r.err);
+  CLOSE(number(r.out, "p_min"), number(orbit.out, "p_min"), 1e-9);
+  CLOSE(number(r.out, "p_max"), number(orbit.out, "p_max"), 1e-9);
+  CLOSE(number(r.out, "energy_in"), 25 * number(orbit.out, "energy_in"), 1e-9);
+  CLOSE(number(strstr(r.out, "\"start\""), "p"), number(strstr(orbit.out, "\"start\""), "p"), 1e-9);
+  free_ran(&r), free_ran(&orbit);
+  r = run(
+      "run lds_v203 --set supply.kind=sine --set supply.frequency=20Hz --set start=steady --set "
+      "run.until=0.5s --json");
+  CLOSE(number(r.out, "gap_max"), -number(r.out, "gap_min"), 1e-9); /* nothing settles */
+  free_ran(&r);
+}
+
+/* The same door: a case of a study begins there too, with an id of its own. */
+static void a_case_begins_on_the_orbit(void) {
+  write_file("on.yaml", "set: {firing.every: 1, start: steady, run.until: 20 ms}\n"
+                        "vary: {firing.angle: [100 deg, 110 deg]}\nreport: [p_min]\n");
+  write_file("off.yaml", "set: {firing.every: 1, run.until: 20 ms}\n"
+                         "vary: {firing.angle: [100 deg, 110 deg]}\nreport: [p_min]\n");
+  ran on = run("study on.yaml --jobs 1 --quiet"), off = run("study off.yaml --jobs 1 --quiet"),
+      two = run("study on.yaml --jobs 2 --quiet");
+  char on_id[17] = "", off_id[17] = "", *row = strstr(on.out, "\n0,"),
+       *of = strstr(off.out, "\n0,");
+  CU_ASSERT_FATAL(row && of);
+  snprintf(on_id, sizeof on_id, "%s", row + 3);
+  snprintf(off_id, sizeof off_id, "%s", of + 3);
+  CU_ASSERT_STRING_NOT_EQUAL(on_id, off_id);
+  CLOSE(strtod(strstr(row, ",100,") + 5, NULL), -0.0021377328283, 1e-10);
+  CU_ASSERT_STRING_EQUAL(on.out, two.out);
+  free_ran(&on), free_ran(&off), free_ran(&two);
+}
+
+/* An event strikes a machine at work: until then nothing is another. */
+static void an_event_at_work(void) {
+  write_file("work.yaml", "start: steady\nfiring: {every: 1}\nrun: {until: 0.1 s, tier: switched}\n"
+                          "events: {dip: {kind: sag, at: 40 ms}}\nrecord: [p, i]\n");
+  RUN_GOOD("run work.yaml --quiet -o struck");
+  RUN_GOOD("run paper --set start=steady --set firing.every=1 --set run.until=0.1s --set "
+           "record=[p,i] --quiet -o calm");
+  char *struck = read_file("struck/run.csv"), *calm = read_file("calm/run.csv");
+  char *a = struck, *b = calm, *line_a, *line_b;
+  double before = 0, after = 0;
+  strsep(&a, "\n"), strsep(&b, "\n");
+  while ((line_a = strsep(&a, "\n")) && (line_b = strsep(&b, "\n")) && *line_a) {
+    double t = strtod(line_a, NULL);
+    double off =
+        fabs(strtod(strchr(line_a, ',') + 1, NULL) - strtod(strchr(line_b, ',') + 1, NULL));
+    double *most = t <= 0.0455 ? &before : &after;
+    *most = fmax(*most, off);
+  }
+  EXPECT(before < 1e-11 && after > 1e-4, "before %g, after %g", before, after);
+  free(struck), free(calm);
+}
+
+/* ---- what is refused ---- */
+
+static void refused(void) {
+  static const struct {
+    const char *words, *at, *says[2];
+  } CASES[] = {
+      {"steady paper -o out", "", {"firing.every", "once"}},
+      {"steady paper --set firing.every=1 --tier circuit -o out", "", {"tier switched", "--tier"}},
+      {"steady paper --set firing.every=1 --set circuit.r1=90ohm", "", {"circuit.r1", "--tier"}},
+      {"steady paper --set firing.every=1 --tier analytic", "", {"tier switched", "analytic"}},
+      {"steady lds_v203", "", {"supply.kind", "step"}},
+      {"steady paper --set firing.every=1 --period 2 -o out", "", {"period 2", "1"}},
+      {"steady paper --set firing.every=1 --period 0", "", {"--period", "allowed"}},
+      {"steady paper --set firing.every=1 --period x", "", {"--period", "allowed"}},
+      {"steady e.yaml", "", {"e.yaml:2:", "events.dip"}},
+      {"run paper --set start=steady -o out", "--set start=steady: ", {"firing.every", "once"}},
+      {"run paper --set start=still", "--set start=still: ", {"'steady'", "{p: "}},
+      {"run paper --set start=steady --set firing.every=1 --tier circuit -o out",
+       "--set start=steady: ",
+       {"circuit", "--tier switched"}},
+      {"run paper --set start=steady --set firing.every=1 --set supply.phase=10deg",
+       "--set supply.phase=10deg: ",
+       {"supply.phase", "0 deg"}},
+      {"run paper --set start=steady --set firing.every=1 --set firing.first_cycle=2",
+       "--set firing.first_cycle=2: ",
+       {"firing.first_cycle", "leave"}},
+      {"run lds_v203 --set start=steady", "", {"supply.kind", "direct"}},
+  };
+  write_file("e.yaml", "{firing: {every: 1}, run: {tier: switched},\n"
+                       "events: {dip: {kind: sag, at: 40 ms}}}\n");
+  for (size_t k = 0; k < COUNT(CASES); k++)
+    refuse(CASES[k].words, CASES[k].words, CASES[k].at, CASES[k].says, __LINE__);
+  ran r = run("check paper --set start=steady --quiet");
+  EXPECT(r.status == 2 && strstr(r.err, "firing.every: start is steady"), "%d %s", r.status, r.err);
+  free_ran(&r);
+}
+
+/* What a search that ends nowhere says; no folder is left, and no orbit printed. */
+static void nothing_is_found(void) {
+  ran r = run("steady paper --set firing.every=1 --set firing.angle=70deg --quiet -o out");
+  EXPECT(r.status == 1 && !*r.out && count_lines(r.err) == 1 && strstr(r.err, "pole cover") &&
+             strstr(r.err, "stop"),
+         "%d %s%s", r.status, r.out, r.err);
+  EXPECT_FILES(".", "");
+  free_ran(&r);
+}
+
+/* ---- the page's examples ---- */
+
+/* Copy of the n-th fenced block of that kind. */
+static char *block(const char *page, const char *kind, int n) {
+  char fence[32];
+  snprintf(fence, sizeof fence, "\n```%s\n", kind);
+  const char *begin = page;
+  do begin = strstr(begin + 1, fence);
+  while (begin && n--);
+  CU_ASSERT_PTR_NOT_NULL_FATAL(begin);
+  begin += strlen(fence);
+  char *text = vs_copy(begin);
+  *strstr(text, "\n```") = '\0';
+  return text;
+}
+
+/* Two words say the same: as numbers to 1e-6 or 1e-9 in all, as what is rounding differs between
+ * machines; else letter by letter. */
+static bool agree(const char *a, const char *b) {
+  char *end_a, *end_b;
+  double x = strtod(a, &end_a), y = strtod(b, &end_b);
+  if (*end_a || *end_b) return !strcmp(a, b);
+  return fabs(x - y) <= 1e-9 + 1e-6 * fabs(y);
+}
+
+static void the_page(void) {
+  char *page = read_file(VS_TEST_FOLDER "/../docs/operation.md");
+  char *line = block(page, "sh", 0), *text = block(page, "text", 0), *rest = text, *word;
+  ran r = run("%s", line + strlen("vibrospice "));
+  expect_good(&r, line, __LINE__);
+  char *printed = r.out, *other = NULL;
+  while ((word = strsep(&rest, " \n"))) {
+    if (!*word) continue;
+    do other = strsep(&printed, " \n");
+    while (other && !*other);
+    EXPECT(other && agree(word, other), "the page says %s, the program %s", word,
+           other ? other : "nothing");
+    if (!other) break;
+  }
+  free_ran(&r), free(line), free(text);
+  text = block(page, "yaml", 0), line = block(page, "sh", 1);
+  write_file("atwork.yaml", text);
+  r = run("%s", line + strlen("vibrospice "));
+  expect_good(&r, line, __LINE__);
+  EXPECT_FILES("dipped", "events.csv run.csv summary.json ");
+  free_ran(&r), free(line), free(text), free(page);
+}
+
+static const vs_test TESTS[] = {
+    {"the conveyor at 100 degrees", the_conveyor_at_100_degrees},
+    {"other machines", other_machines},
+    {"without a valve", without_a_valve},
+    {"a firing in every second cycle", a_firing_in_every_second_cycle},
+    {"nothing is found", nothing_is_found},
+    {"refused", refused},
+    {"forces on the foundation", forces_on_the_foundation},
+    {"files of one period", files_of_one_period},
+    {"a run begins on the orbit", a_run_begins_on_the_orbit},
+    {"a case begins on the orbit", a_case_begins_on_the_orbit},
+    {"an event at work", an_event_at_work},
+    {"the page", the_page},
+};
+
+int main(void) {
+  return program_suite("steady", TESTS, COUNT(TESTS));
+}
