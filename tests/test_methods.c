@@ -585,8 +585,14 @@ static void n_from_the_command_line(void) {
 }
 
 static void shipped_studies_are_good(void) {
-  static const char *const NAMES[] = {"surge_worst", "yield", "amplitude", "false_firing",
-                                      "snubber"};
+  static const char *const NAMES[] = {"surge_worst",
+                                      "yield",
+                                      "amplitude",
+                                      "false_firing",
+                                      "snubber",
+                                      "snubber_map",
+                                      "control_characteristic",
+                                      "resonance"};
   for (size_t k = 0; k < COUNT(NAMES); k++) {
     ran r = run("check %s", NAMES[k]);
     EXPECT(!r.status && strstr(r.out, "a good study"), "%s: %s%s", NAMES[k], r.out, r.err);

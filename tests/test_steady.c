@@ -272,6 +272,86 @@ static void nothing_is_found(void) {
   free_ran(&r);
 }
 
+/* Where the machine settles on a subharmonic, no orbit of period 1 is told; what is told instead
+ * can be typed. */
+static void a_subharmonic_is_named(void) {
+  static const struct {
+    const char *angle, *say;
+  } ROWS[] = {{"60", "--period 2"}, {"70", "--period 3"}, {"78", "--period 4"}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char words[160];
+    snprintf(words, sizeof words,
+             "paper --set firing.every=1 --set actuator.stop={} --set firing.angle=%sdeg",
+             ROWS[k].angle);
+    ran r = run("steady %s --quiet -o out", words);
+    EXPECT(r.status == 2 && !*r.out && count_lines(r.err) == 1 && strstr(r.err, ROWS[k].say),
+           "%s: %d %s%s", words, r.status, r.out, r.err);
+    EXPECT_FILES(".", "");
+    free_ran(&r);
+    r = run("steady %s --quiet --json %s", words, ROWS[k].say);
+    CU_ASSERT(r.status == 0 && number(r.out, "period") == atoi(ROWS[k].say + strlen("--period ")));
+    EXPECT(strstr(r.out, "\"stable\": true"), "%s: %s", words, r.err);
+    free_ran(&r);
+  }
+}
+
+/* ---- the studies that ship ---- */
+
+/* The cell behind the value `at` of the study's axis. */
+static double cell(const char *csv, const char *at) {
+  char middle[32];
+  snprintf(middle, sizeof middle, ",%s,", at);
+  const char *found = strstr(csv, middle);
+  return found ? strtod(found + strlen(middle), NULL) : NAN;
+}
+
+static void studies_that_ship(void) {
+  ran control = run("study control_characteristic --quiet"), curve = run("study resonance --quiet");
+  EXPECT(control.status == 0 && !*control.err && count_lines(control.out) == 38, "%s", control.err);
+  EXPECT(curve.status == 0 && !*curve.err && count_lines(curve.out) == 62, "%s", curve.err);
+  ran orbit = steady("paper --set firing.every=1 --set firing.angle=120deg");
+  CLOSE(cell(control.out, "120"), number(orbit.out, "p_max"), 1e-10);
+  free_ran(&orbit);
+  orbit = steady("paper --set firing.every=1 --set supply.voltage=110V --set "
+                 "supply.frequency=56.5Hz");
+  CLOSE(cell(curve.out, "56.5"), number(orbit.out, "p_max"), 1e-9);
+  free_ran(&orbit);
+  /* the page's tables, in mm to three digits behind the point */
+  CLOSE_OF(cell(control.out, "80"), 4.892e-3, 1, 5e-7);
+  CLOSE_OF(cell(control.out, "100"), 1.922e-3, 1, 5e-7);
+  CLOSE_OF(cell(control.out, "120"), 0.579e-3, 1, 5e-7);
+  CLOSE_OF(cell(control.out, "150"), 0.025e-3, 1, 5e-7);
+  CLOSE_OF(cell(curve.out, "50"), 0.110e-3, 1, 5e-7);
+  CLOSE_OF(cell(curve.out, "56.5"), 2.009e-3, 1, 5e-7);
+  CLOSE_OF(cell(curve.out, "60"), 0.143e-3, 1, 5e-7);
+  free_ran(&control), free_ran(&curve);
+}
+
+/* On the orbit a case has the same row whoever computes it: one process, two, or shards; a case
+ * without an orbit fails alone. */
+static void who_computes_does_not_matter(void) {
+  write_file("work.yaml",
+             "set: {firing.every: 1, start: steady, run.until: 60 ms, run.tier: switched, events: "
+             "{dip: {kind: sag, at: 20 ms}}}\n"
+             "vary: {firing.angle: [70 deg, 90 deg, 120 deg], events.dip.at: [0 ms, 11 ms, 30 ms]}"
+             "\nreport: [p_min, p_max]\n");
+  static const char *const LINES[] = {
+      "study work.yaml --jobs 1 --quiet -o one", "study work.yaml --jobs 2 --quiet -o two",
+      "study work.yaml --shard 1/2 --quiet -o parts/1",
+      "study work.yaml --shard 2/2 --quiet -o parts/2", "merge parts --quiet -o merged"};
+  for (size_t k = 0; k < COUNT(LINES); k++) {
+    ran r = run("%s", LINES[k]);
+    EXPECT(r.status == 1, "%s: %d %s", LINES[k], r.status, r.err);
+    free_ran(&r);
+  }
+  char *one = read_file("one/study.csv"), *two = read_file("two/study.csv");
+  char *merged = read_file("merged/study.csv"), *failures = read_file("one/failures.csv");
+  CU_ASSERT(count_lines(one) == 7 && count_lines(failures) == 4 && strstr(failures, "pole cover"));
+  CU_ASSERT_STRING_EQUAL(one, two);
+  CU_ASSERT_STRING_EQUAL(one, merged);
+  free(one), free(two), free(merged), free(failures);
+}
+
 /* ---- the page's examples ---- */
 
 /* Copy of the n-th fenced block of that kind. */
@@ -317,7 +397,16 @@ static void the_page(void) {
   r = run("%s", line + strlen("vibrospice "));
   expect_good(&r, line, __LINE__);
   EXPECT_FILES("dipped", "events.csv run.csv summary.json ");
-  free_ran(&r), free(line), free(text), free(page);
+  free_ran(&r), free(line), free(text);
+  static const char *const FOLDERS[] = {"control", "resonance"};
+  for (int k = 0; k < (int)COUNT(FOLDERS); k++) {
+    line = block(page, "sh", 2 + k);
+    r = run("%s", line + strlen("vibrospice "));
+    expect_good(&r, line, __LINE__);
+    EXPECT_FILES(FOLDERS[k], "failures.csv journal manifest.json study.csv ");
+    free_ran(&r), free(line);
+  }
+  free(page);
 }
 
 static const vs_test TESTS[] = {
@@ -326,12 +415,15 @@ static const vs_test TESTS[] = {
     {"without a valve", without_a_valve},
     {"a firing in every second cycle", a_firing_in_every_second_cycle},
     {"nothing is found", nothing_is_found},
+    {"a subharmonic is named", a_subharmonic_is_named},
     {"refused", refused},
     {"forces on the foundation", forces_on_the_foundation},
     {"files of one period", files_of_one_period},
     {"a run begins on the orbit", a_run_begins_on_the_orbit},
     {"a case begins on the orbit", a_case_begins_on_the_orbit},
     {"an event at work", an_event_at_work},
+    {"studies that ship", studies_that_ship},
+    {"who computes does not matter", who_computes_does_not_matter},
     {"the page", the_page},
 };
 

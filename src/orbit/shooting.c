@@ -3,6 +3,7 @@
 
 #include <gsl/gsl_linalg.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "actuator/coil.h"
@@ -153,9 +154,11 @@ static vs_status judge(const vs_flight *f, const vs_shooting *how, const vs_orbi
                    "current still flows where the mains rise through zero: the thyristor does not "
                    "go out in a cycle, and the orbit's state is not the machine's alone");
   if (!how->quietly && o->n < how->periods)
-    return vs_fail(err, VS_INPUT,
-                   "an orbit of period %d was asked for; the one found repeats after %d already",
-                   how->periods, o->n);
+    return vs_fail(
+        err, VS_INPUT,
+        "an orbit of period %d was asked for; the one found repeats after %d already: write "
+        "--period %d",
+        how->periods, o->n, o->n);
   return VS_OK;
 }
 
@@ -209,23 +212,27 @@ static vs_status close_in(vs_flight *f, vs_orbit *o, vs_error *err) {
   return VS_OK;
 }
 
-/* Where the orbit found is unstable, the machine may have been marched to one of a longer period:
- * that is looked for from the state x, where the march ended. */
+/* Where the orbit found is unstable, or none is found, the machine may have been marched to one of
+ * a longer period: that is looked for from the state x, where the march ended. `missing` says why
+ * none is found; it is NULL where one is. */
 static vs_status refuse_subharmonic(vs_flight *f, const vs_shooting *how, const double x[MOST],
-                                    const vs_orbit *o, vs_error *err) {
+                                    const vs_orbit *o, const char *missing, vs_error *err) {
   enum { LONGEST = 6 };
   vs_orbit other = *o;
-  for (int n = o->n + 1; n <= LONGEST; n++) {
+  int least = missing ? how->periods : o->n;
+  char found[64] = "none is found";
+  if (!missing) snprintf(found, sizeof found, "the one found, of period %d, is unstable", o->n);
+  for (int n = least + 1; n <= LONGEST; n++) {
     vs_error why = {0};
     other.n = n;
     memcpy(other.x, x, sizeof other.x);
-    if (close_in(f, &other, &why) || other.n <= o->n || !other.stable) continue;
+    if (close_in(f, &other, &why) || other.n <= least || !other.stable) continue;
     return vs_fail(err, VS_INPUT,
-                   "an orbit of period %d was asked for; the one found, of period %d, is unstable, "
-                   "and the machine runs on a subharmonic of period %d",
-                   how->periods, o->n, other.n);
+                   "an orbit of period %d was asked for; %s, and the machine runs on a subharmonic "
+                   "of period %d, which `steady --period %d` reports",
+                   how->periods, found, other.n, other.n);
   }
-  return VS_OK;
+  return missing ? vs_fail(err, VS_RUN, "%s", missing) : VS_OK;
 }
 
 static vs_status seek(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_error *err) {
@@ -245,8 +252,9 @@ static vs_status seek(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_erro
     if (how->from || (!status && (o->n == how->periods || o->stable))) break;
     if (k + 1 < ATTEMPTS) memcpy(o->x, x, sizeof x);
   }
-  if (status) return vs_fail(err, status, "%s", why.text);
-  if (!how->from && !how->quietly && !o->stable) status = refuse_subharmonic(f, how, x, o, err);
+  if (status && (how->from || how->quietly)) return vs_fail(err, status, "%s", why.text);
+  if (!how->from && !how->quietly && (status || !o->stable))
+    status = refuse_subharmonic(f, how, x, o, status ? why.text : NULL, err);
   if (status) return status;
   o->period_s = o->n * f->cycle_s;
   return judge(f, how, o, err);
