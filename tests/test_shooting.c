@@ -408,9 +408,15 @@ static void what_is_refused(void) {
       {"paper",
        "switched",
        3,
+       VS_INPUT,
+       "none is found, and the machine runs on one of period 2",
+       {"firing.every=1", "firing.angle=60deg", "supply.frequency=48Hz", STOP}},
+      {"paper",
+       "switched",
+       1,
        VS_RUN,
        "no periodic orbit is found: after 20 iterations",
-       {"firing.every=1", "firing.angle=60deg", "supply.frequency=48Hz", STOP}},
+       {"firing.every=1", "firing.angle=90deg", "supply.frequency=53Hz", STOP}},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     const char *sets[5] = {NULL};

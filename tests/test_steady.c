@@ -276,14 +276,17 @@ static void nothing_is_found(void) {
  * can be typed. */
 static void a_subharmonic_is_named(void) {
   static const struct {
-    const char *angle, *say;
-  } ROWS[] = {{"60", "--period 2"}, {"70", "--period 3"}, {"78", "--period 4"}};
+    const char *angle, *asked, *say;
+  } ROWS[] = {{"60", "", "--period 2"},
+              {"60", "--period 3", "--period 2"},
+              {"70", "", "--period 3"},
+              {"78", "", "--period 4"}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     char words[160];
     snprintf(words, sizeof words,
              "paper --set firing.every=1 --set actuator.stop={} --set firing.angle=%sdeg",
              ROWS[k].angle);
-    ran r = run("steady %s --quiet -o out", words);
+    ran r = run("steady %s %s --quiet -o out", words, ROWS[k].asked);
     EXPECT(r.status == 2 && !*r.out && count_lines(r.err) == 1 && strstr(r.err, ROWS[k].say),
            "%s: %d %s%s", words, r.status, r.out, r.err);
     EXPECT_FILES(".", "");

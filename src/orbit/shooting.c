@@ -212,25 +212,27 @@ static vs_status close_in(vs_flight *f, vs_orbit *o, vs_error *err) {
   return VS_OK;
 }
 
-/* Where the orbit found is unstable, or none is found, the machine may have been marched to one of
- * a longer period: that is looked for from the state x, where the march ended. `missing` says why
- * none is found; it is NULL where one is. */
+/* Where the orbit found is unstable, the machine may have been marched to one of a longer period;
+ * where none is found, to one of any other. That is looked for from the state x, where the march
+ * ended. `missing` says why none is found; it is NULL where one is. */
 static vs_status refuse_subharmonic(vs_flight *f, const vs_shooting *how, const double x[MOST],
                                     const vs_orbit *o, const char *missing, vs_error *err) {
   enum { LONGEST = 6 };
   vs_orbit other = *o;
-  int least = missing ? how->periods : o->n;
+  int least = missing ? 0 : o->n;
   char found[64] = "none is found";
   if (!missing) snprintf(found, sizeof found, "the one found, of period %d, is unstable", o->n);
   for (int n = least + 1; n <= LONGEST; n++) {
+    if (n == how->periods) continue;
     vs_error why = {0};
     other.n = n;
     memcpy(other.x, x, sizeof other.x);
     if (close_in(f, &other, &why) || other.n <= least || !other.stable) continue;
     return vs_fail(err, VS_INPUT,
-                   "an orbit of period %d was asked for; %s, and the machine runs on a subharmonic "
-                   "of period %d, which `steady --period %d` reports",
-                   how->periods, found, other.n, other.n);
+                   "an orbit of period %d was asked for; %s, and the machine runs on %s of period "
+                   "%d, which `steady --period %d` reports",
+                   how->periods, found, other.n > how->periods ? "a subharmonic" : "one", other.n,
+                   other.n);
   }
   return missing ? vs_fail(err, VS_RUN, "%s", missing) : VS_OK;
 }
