@@ -105,9 +105,17 @@ static vs_value follow_rise(vs_rise *r, const vs_course_step *c) {
 
 /* ---- conduction ---- */
 
-/* Notes the forward voltage at which the current began, which may be many steps back. */
+/* A current that is back so soon after its end goes on with the conduction before: at its latching
+ * current, or by the solver's errors, it may touch the end for nanoseconds. */
+static const double AT_ONCE_S = 1e-6;
+
+/* Notes the forward voltage at which the current began, which may be many steps back. Of a current
+ * that is back at once it is what the conduction before began at. */
 static void follow_fired_v(vs_switch *s, const vs_course_step *c, double began_s) {
-  if (began_s >= c->t0_s) s->fired_v = fmax(c->from[VS_OF_V], c->to[VS_OF_V]);
+  if (began_s < c->t0_s) return;
+  double v = fmax(c->from[VS_OF_V], c->to[VS_OF_V]);
+  bool goes_on = isfinite(s->fired_s) && began_s - s->zero_s < AT_ONCE_S;
+  s->fired_v = goes_on ? fmax(s->fired_v, v) : v;
 }
 
 /* What a device has stored when its gate pulse ends, or its unintended firing begins, decays within
