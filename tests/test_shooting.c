@@ -416,7 +416,7 @@ static void what_is_refused(void) {
        1,
        VS_RUN,
        "no periodic orbit is found: after 20 iterations",
-       {"firing.every=1", "firing.angle=90deg", "supply.frequency=53Hz", STOP}},
+       {"firing.every=1", "firing.angle=90deg", "supply.frequency=53Hz", "actuator.stop={}"}},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     const char *sets[5] = {NULL};
