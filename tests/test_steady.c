@@ -184,6 +184,41 @@ static void a_run_begins_on_the_orbit(void) {
   free_ran(&r);
 }
 
+/* The rows of a period come again in the next one, with a stop in reach, too. They are read off
+ * steps that lie elsewhere: 1e-9 of the largest value is what the dense output may differ by. */
+static void periods_are_alike(void) {
+  static const struct {
+    const char *sets, *period;
+    int rows;
+  } CASES[] = {{"firing.angle=79.5deg", "0.04s --set run.sample=100us", 200},
+               {"firing.every=2 --set firing.angle=120deg", "0.08s --set run.sample=200us", 200},
+               {"supply.frequency=62.5Hz --set firing.angle=80deg --set 'actuator.stop={at: 4 mm}'",
+                "0.032s --set run.sample=80us", 200}};
+  for (size_t k = 0; k < COUNT(CASES); k++) {
+    double value[2][256][4] = {0}, most[4] = {0}, off[4] = {0};
+    ran r = run("run paper --set firing.every=1 --set start=steady --set run.tier=switched --set "
+                "record=[p,phi,i,force] --digits 17 --quiet -o alike --set %s --set run.until=%s",
+                CASES[k].sets, CASES[k].period);
+    EXPECT(r.status == 0 && !*r.err, "%s: %s", CASES[k].sets, r.err);
+    char *csv = read_file("alike/run.csv"), *rest = csv;
+    strsep(&rest, "\n");
+    for (int n = 0; n < 2 * CASES[k].rows && rest; n++) {
+      char *cell = strsep(&rest, "\n");
+      for (int c = 0; c < 4 && cell && (cell = strchr(cell, ',')); c++)
+        value[n / CASES[k].rows][n % CASES[k].rows][c] = strtod(++cell, NULL);
+    }
+    for (int n = 0; n < CASES[k].rows; n++)
+      for (int c = 0; c < 4; c++) {
+        most[c] = fmax(most[c], fabs(value[0][n][c]));
+        off[c] = fmax(off[c], fabs(value[1][n][c] - value[0][n][c]));
+      }
+    for (int c = 0; c < 4; c++)
+      EXPECT(most[c] > 0 && off[c] < 1e-9 * most[c], "%s: column %d: %g of %g", CASES[k].sets, c,
+             off[c], most[c]);
+    free(csv), free_ran(&r);
+  }
+}
+
 /* The same door: a case of a study begins there too, with an id of its own. */
 static void a_case_begins_on_the_orbit(void) {
   write_file("on.yaml", "set: {firing.every: 1, start: steady, run.until: 20 ms}\n"
@@ -423,6 +458,7 @@ static const vs_test TESTS[] = {
     {"forces on the foundation", forces_on_the_foundation},
     {"files of one period", files_of_one_period},
     {"a run begins on the orbit", a_run_begins_on_the_orbit},
+    {"periods are alike", periods_are_alike},
     {"a case begins on the orbit", a_case_begins_on_the_orbit},
     {"an event at work", an_event_at_work},
     {"studies that ship", studies_that_ship},
