@@ -108,6 +108,22 @@ static void without_a_valve(void) {
   free_ran(&r);
 }
 
+/* In a period of 2 s nothing is left of a push, down to the smallest numbers there are, so that the
+ * multipliers are 0. The current is the voltage over the impedance
+ * R + s L + k_u k_f s / (M s^2 + C s + K), with s = i w. */
+static void a_slow_supply(void) {
+  const double w = acos(-1), mass = 0.031179581747282654, k_u = 3.7440944881889764;
+  const double k_f = 3.743623311403237, re = 2896.597854976719 - mass * w * w,
+               im = 6.845707989784762 * w, size = re * re + im * im;
+  const double z_re = 1.6 + k_u * k_f * w * im / size,
+               z_im = 764e-6 * w + k_u * k_f * w * re / size;
+  ran r = steady("lds_v203 --set supply.kind=sine --set supply.frequency=0.5Hz --set "
+                 "supply.voltage=1V");
+  CLOSE(number(r.out, "i_rms"), 1 / hypot(z_re, z_im), 1e-9);
+  CU_ASSERT(size_of(r.out, 0) < 1e-12 && number(r.out, "iterations") <= 6);
+  free_ran(&r);
+}
+
 /* A period of two cycles has its harmonics from whole cycles, too; and the sum of the harmonics'
  * squares comes near to the square of the whole, and not beyond it. */
 static void a_firing_in_every_second_cycle(void) {
@@ -451,6 +467,7 @@ static const vs_test TESTS[] = {
     {"the conveyor at 100 degrees", the_conveyor_at_100_degrees},
     {"other machines", other_machines},
     {"without a valve", without_a_valve},
+    {"a slow supply", a_slow_supply},
     {"a firing in every second cycle", a_firing_in_every_second_cycle},
     {"nothing is found", nothing_is_found},
     {"a subharmonic is named", a_subharmonic_is_named},

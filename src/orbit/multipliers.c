@@ -13,12 +13,19 @@ static int falling(const void *left, const void *right) {
   return (a->im < b->im) - (a->im > b->im);
 }
 
+/* What a period leaves of a push, below this, is 0: the product of two such numbers is no number of
+ * the computer's any more, and the iteration for the eigenvalues would not end. */
+static const double GONE = 1e-150;
+
 bool vs_multipliers_find(int count, double monodromy[][VS_VARIATION_MOST], const double *scale,
                          vs_multiplier *out) {
   size_t n = (size_t)count;
   double matrix[VS_VARIATION_MOST * VS_VARIATION_MOST];
   for (size_t i = 0; i < n; i++)
-    for (size_t j = 0; j < n; j++) matrix[i * n + j] = monodromy[i][j] * scale[j] / scale[i];
+    for (size_t j = 0; j < n; j++) {
+      double part = monodromy[i][j] * scale[j] / scale[i];
+      matrix[i * n + j] = fabs(part) < GONE ? 0 : part;
+    }
   gsl_matrix_view m = gsl_matrix_view_array(matrix, n, n);
   gsl_vector_complex *values = gsl_vector_complex_alloc(n);
   gsl_eigen_nonsymm_workspace *work = gsl_eigen_nonsymm_alloc(n);
