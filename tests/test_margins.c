@@ -53,12 +53,18 @@ static vs_trial *at_tolerance(int number, const char *tolerance, const char *ver
 }
 
 typedef struct tally {
-  int lines, inside, cases, whole, wrong, undecided, failed;
+  int lines, inside, cases, whole, wrong, undecided, failed, left_out;
 } tally;
+
+/* A case, and the tolerance of its tight run. */
+typedef struct compared {
+  int number;
+  const char *tight_at;
+} compared;
 
 /* Every line of the verdict against the tight run's. A word is wrong if it is sure of another sign
  * than the tight run's. */
-static void compare(FILE *table, int number, const vs_verdict *v, const vs_verdict *tight,
+static void compare(FILE *table, const compared *c, const vs_verdict *v, const vs_verdict *tight,
                     tally *all) {
   bool whole = true;
   for (size_t k = 0; k < v->count && k < tight->count; k++) {
@@ -75,40 +81,61 @@ static void compare(FILE *table, int number, const vs_verdict *v, const vs_verdi
     all->undecided += word == VS_UNDECIDED;
     whole = whole && inside;
     if (!inside)
-      printf(" [%d: %s %.6g +- %.2g, %.6g at 1e-7]", number, name, j->margin, j->margin_error,
-             t->margin);
+      printf(" [%d: %s %.6g +- %.2g, %.6g at %s]", c->number, name, j->margin, j->margin_error,
+             t->margin, c->tight_at);
     if (table)
-      fprintf(table, "%d,%s,%.9g,%.3g,%s,%.9g,%d\n", number, name, j->margin, j->margin_error,
-              vs_verdict_words[word], t->margin, inside);
+      fprintf(table, "%d,%s,%.9g,%.3g,%s,%.9g,%s,%d\n", c->number, name, j->margin, j->margin_error,
+              vs_verdict_words[word], t->margin, c->tight_at, inside);
   }
   all->cases++;
   all->whole += whole;
 }
 
+/* The run that the bars are held against: at 1e-7, or at 1e-6 where ngspice gives up there. */
+static vs_trial *tight_run(int number, const char **tolerance) {
+  static const char *const SETS[] = {"run.tolerance=1e-7", "run.tolerance=1e-6"};
+  vs_trial *t = NULL;
+  for (size_t k = 0; k < COUNT(SETS) && (!t || t->status); k++) {
+    if (t) vs_trial_free(t);
+    t = at_tolerance(number, SETS[k], "run.verify=never");
+    *tolerance = SETS[k] + strlen("run.tolerance=");
+  }
+  return t;
+}
+
+/* A case whose armature meets the pole cover, or of which no tight run is known, says nothing. */
+static void take_case(FILE *table, int number, tally *all) {
+  const char *reference;
+  vs_trial *t = at_tolerance(number, "run.tolerance=1e-4", "run.verify=always");
+  vs_trial *tight = t->status ? NULL : tight_run(number, &reference);
+  const vs_trial *ended = t->status ? t : tight->status ? tight : NULL;
+  bool says_nothing = ended && (ended == tight || strstr(ended->err.text, "pole cover"));
+  if (ended) printf(" [%d: %s]", number, ended->err.text);
+  all->left_out += says_nothing;
+  all->failed += ended && !says_nothing;
+  if (!ended)
+    compare(table, &(compared){number, reference}, &t->result.verdict, &tight->result.verdict, all);
+  vs_trial_free(t);
+  if (tight) vs_trial_free(tight);
+}
+
 static void errors_are_as_told(void) {
   const char *word = getenv("VS_LONG"); /* a number above 1: so many cases */
-  int most = !word ? FEW : atoi(word) > 1 ? atoi(word) : CASES;
-  bool whole = word;
-  FILE *table = whole ? fopen("margins.csv", "w") : NULL;
-  tally all = {0};
-  if (table) fputs("case,line,margin,margin_error,word,margin_at_1e-7,inside\n", table);
   const char *from = getenv("VS_FROM");
+  int most = !word ? FEW : atoi(word) > 1 ? atoi(word) : CASES;
+  FILE *table = word ? fopen("margins.csv", "w") : NULL;
+  tally all = {0};
+  if (table) fputs("case,line,margin,margin_error,word,tight_margin,tight_at,inside\n", table);
   for (int number = from ? atoi(from) : 0; number < most; number++) {
-    vs_trial *t = at_tolerance(number, "run.tolerance=1e-4", "run.verify=always");
-    vs_trial *tight = at_tolerance(number, "run.tolerance=1e-7", "run.verify=never");
-    const vs_trial *failed = t->status ? t : tight->status ? tight : NULL;
-    if (failed) printf(" [%d: %s]", number, failed->err.text);
-    if (failed)
-      all.failed++;
-    else
-      compare(table, number, &t->result.verdict, &tight->result.verdict, &all);
-    vs_trial_free(t);
-    vs_trial_free(tight);
+    take_case(table, number, &all);
     if (table) fflush(table);
   }
   if (table) fclose(table);
-  printf(" %d of %d cases (%d of %d lines) inside, %d wrong words, %d undecided, %d failed ",
-         all.whole, all.cases, all.inside, all.lines, all.wrong, all.undecided, all.failed);
+  printf(
+      " %d of %d cases (%d of %d lines) inside, %d wrong words, %d undecided, %d failed, %d left "
+      "out ",
+      all.whole, all.cases, all.inside, all.lines, all.wrong, all.undecided, all.failed,
+      all.left_out);
   CU_ASSERT(all.whole >= 0.99 * all.cases);
   CU_ASSERT(all.wrong == 0);
   CU_ASSERT(all.failed <= 0.01 * (all.cases + all.failed));
