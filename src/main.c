@@ -27,31 +27,44 @@
 
 /* ---- run ---- */
 
+/* What `run` and `steady` are asked for alike. */
+static vs_run_options run_options(const vs_arguments *a) {
+  return (vs_run_options){.scene = vs_command_name(a),
+                          .tier = a->tier,
+                          .folder = a->output,
+                          .sets = a->sets,
+                          .n_sets = a->n_sets,
+                          .json = a->json,
+                          .quiet = a->quiet,
+                          .reproducible = a->reproducible,
+                          .raw = a->raw,
+                          .digits = a->digits,
+                          .stop = &vs_leave_requested};
+}
+
 static vs_status run(const vs_arguments *a, vs_error *err) {
-  const vs_run_options o = {.scene = vs_command_name(a),
-                            .tier = a->tier,
-                            .folder = a->output,
-                            .sets = a->sets,
-                            .n_sets = a->n_sets,
-                            .json = a->json,
-                            .quiet = a->quiet,
-                            .reproducible = a->reproducible,
-                            .raw = a->raw,
-                            .digits = a->digits,
-                            .stop = &vs_leave_requested};
+  const vs_run_options o = run_options(a);
   return vs_run_command(&o, err);
 }
 
+/* Options of both. */
+#define TIER_OPTION                                                                                \
+  VS_COMMAND_VALUE("tier", VS_KEY_TIER, "NAME", VS_TIER_WORDS "; over the scene's run.tier")
+#define REPRODUCIBLE_OPTION                                                                        \
+  VS_COMMAND_FLAG("reproducible", VS_KEY_REPRODUCIBLE,                                             \
+                  "leaves the cost (wall time) out of summary.json")
+#define DIGITS_OPTION                                                                              \
+  VS_COMMAND_VALUE("digits", VS_KEY_DIGITS, "N",                                                   \
+                   "significant digits in CSV, 1 to 17 (default 9; 17 is exact)")
+
 static const struct argp_option RUN_OPTIONS[] = {
     VS_COMMAND_SET,
-    VS_COMMAND_VALUE("tier", VS_KEY_TIER, "NAME", VS_TIER_WORDS "; over the scene's run.tier"),
+    TIER_OPTION,
     VS_COMMAND_VALUE("output", 'o', "DIR", "writes run.csv, events.csv and summary.json there"),
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
-    VS_COMMAND_FLAG("reproducible", VS_KEY_REPRODUCIBLE,
-                    "leaves the cost (wall time) out of summary.json"),
-    VS_COMMAND_VALUE("digits", VS_KEY_DIGITS, "N",
-                     "significant digits in CSV, 1 to 17 (default 9; 17 is exact)"),
+    REPRODUCIBLE_OPTION,
+    DIGITS_OPTION,
     VS_COMMAND_FLAG("raw", VS_KEY_RAW,
                     "tier circuit, with -o: writes run.raw too, every voltage and current of the "
                     "circuit at every step, for ngspice's 'load'; a run that fails leaves "
@@ -62,16 +75,7 @@ static const struct argp_option RUN_OPTIONS[] = {
 /* ---- steady ---- */
 
 static vs_status steady(const vs_arguments *a, vs_error *err) {
-  const vs_run_options o = {.scene = vs_command_name(a),
-                            .tier = a->tier,
-                            .folder = a->output,
-                            .sets = a->sets,
-                            .n_sets = a->n_sets,
-                            .json = a->json,
-                            .quiet = a->quiet,
-                            .reproducible = a->reproducible,
-                            .digits = a->digits,
-                            .stop = &vs_leave_requested};
+  const vs_run_options o = run_options(a);
   return vs_steady_command(&o, a->period, err);
 }
 
@@ -92,7 +96,7 @@ static void explain_steady(vs_text *help) {
 
 static const struct argp_option STEADY_OPTIONS[] = {
     VS_COMMAND_SET,
-    VS_COMMAND_VALUE("tier", VS_KEY_TIER, "NAME", VS_TIER_WORDS "; over the scene's run.tier"),
+    TIER_OPTION,
     VS_COMMAND_VALUE("period", VS_KEY_PERIOD, "N",
                      "the orbit repeats after N firing periods, of firing.every cycles of the "
                      "mains each (default 1)"),
@@ -100,10 +104,8 @@ static const struct argp_option STEADY_OPTIONS[] = {
                      "writes run.csv of one period, events.csv and summary.json there"),
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
-    VS_COMMAND_FLAG("reproducible", VS_KEY_REPRODUCIBLE,
-                    "leaves the cost (wall time) out of summary.json"),
-    VS_COMMAND_VALUE("digits", VS_KEY_DIGITS, "N",
-                     "significant digits in CSV, 1 to 17 (default 9; 17 is exact)"),
+    REPRODUCIBLE_OPTION,
+    DIGITS_OPTION,
     VS_COMMAND_HELP,
     {0}};
 
