@@ -177,8 +177,9 @@ static const char *file(const vs_coil *c) {
 
 static const char *note(const vs_coil *c, char *text, size_t size) {
   const table *t = c->own;
+  const char *slash = strrchr(t->file, '/'); /* the same words from whatever folder */
   if (!t->has_force && !t->added_zero) return NULL;
-  int n = snprintf(text, size, "%s:", t->file);
+  int n = snprintf(text, size, "%s:", slash ? slash + 1 : t->file);
   if (t->has_force && n > 0 && (size_t)n < size)
     n += snprintf(text + n, size - (size_t)n,
                   " force_n differs from the slope of lambda's energy, which the run takes, by at "
