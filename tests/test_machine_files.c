@@ -662,7 +662,30 @@ static void formulas_are_taken(void) {
   remove("one.yaml");
 }
 
+/* A machine whose damping feeds it is warned of, through check, run and a study alike. */
+static void a_mode_that_grows(void) {
+  static const char SAYS[] = "a mode of the machine grows by itself, by a factor of e in 1 s";
+  write_file("grows.yaml", "title: a mass that feeds itself\n"
+                           "coordinates: {x: {unit: m}}\n"
+                           "parameters: {m: {default: 1 kg}, k: {default: 100 kN/m}}\n"
+                           "let: {c: 2 N.s/m}\n"
+                           "mass: m\ndamping: -c\nstiffness: k\ngap: {along: {x: 1}}\n");
+  write_file("g.yaml", "machine: {model: grows.yaml}\nrun: {until: 20 ms}\n");
+  write_file("gs.yaml", "scene: g.yaml\nvary: {firing.angle: [100 deg]}\nreport: [i_peak]\n");
+  static const char *const COMMANDS[] = {"check g.yaml", "run g.yaml", "study gs.yaml -o gs"};
+  for (size_t k = 0; k < COUNT(COMMANDS); k++) {
+    ran r = run("%s", COMMANDS[k]);
+    char *rows = read_file("gs/study.csv");
+    EXPECT(r.status == 0 && strstr(k < 2 ? r.err : rows, SAYS), "%s: %d %s%s", COMMANDS[k],
+           r.status, r.err, rows);
+    free(rows);
+    free_ran(&r);
+  }
+  remove_tree("gs");
+}
+
 static const vs_test TESTS[] = {
+    {"a mode that grows", a_mode_that_grows},
     {"bits of the conveyor", conveyor_has_its_bits},
     {"modes of others", machines_have_their_modes},
     {"shipped machines", shipped_machines_are_good},

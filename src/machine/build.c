@@ -51,7 +51,10 @@ static double compliance(const vs_model *model) {
   return vs_mechanics_travel(model, x);
 }
 
-/* What follows from the modes, for step lengths. */
+/* Of the fastest mode's |s|: a mode that grows more slowly has no damping but for rounding. */
+static const double GROWS = 1e-9;
+
+/* What follows from the modes, for step lengths and warnings. */
 static vs_status find_speeds(vs_model *model, vs_error *err) {
   vs_mode modes[VS_MOST_STATES];
   if (!vs_mechanics_modes(model, modes))
@@ -67,6 +70,9 @@ static vs_status find_speeds(vs_model *model, vs_error *err) {
       model->working_rad_s = size;
     }
   }
+  for (int m = 0; m < 2 * model->dof; m++)
+    if (modes[m].re_1_s > GROWS * model->fastest_rad_s)
+      model->growth_1_s = fmax(model->growth_1_s, modes[m].re_1_s);
   model->contact_rad_s = model->fastest_rad_s;
   for (int k = 0; k < model->stops.count; k++) {
     const vs_stop *stop = &model->stops.item[k];

@@ -41,8 +41,9 @@ typedef struct vs_model {
   double compliance_m_n;  /* c.K^-1 c: how far one newton along the gap moves it at rest; INFINITY
                              where a coordinate has no spring */
   double per_newton_m_s2; /* c.mf: the gap's acceleration per newton of F; negative */
-  bool plain;           /* the coil is square and the stop, if there is one, is a single linear one
-                           at the pole cover: the motion is polynomials' products (ideal/series.h) */
+  bool plain;        /* the coil is square and the stop, if there is one, is a single linear one
+                        at the pole cover: the motion is polynomials' products (ideal/series.h) */
+  double growth_1_s; /* the largest Re s of the modes that is more than rounding; 0: none grows */
   double fastest_rad_s; /* the largest |s| of the mechanics' modes; 0 for a free mass */
   double contact_rad_s; /* a bound of |s| while a stop is touched; without a stop it is
                            fastest_rad_s */

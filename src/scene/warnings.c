@@ -117,11 +117,22 @@ static void warn_of_law(const vs_node *root, const vs_coil *coil, vs_warnings *w
                "actuator.law: %s", note);
 }
 
+/* A machine whose damping feeds it. A motion that only grows tells nothing of a machine. */
+static void warn_of_growth(const vs_node *root, const vs_model *m, vs_warnings *w) {
+  if (m->growth_1_s > 0)
+    vs_fail_at(
+        vs_warnings_add(w), place_of(vs_tree_child(root, "machine")),
+        "machine: a mode of the machine grows by itself, by a factor of e in %.3g s; look at "
+        "the signs of its damping",
+        1 / m->growth_1_s);
+}
+
 void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame *frame,
                           vs_warnings *w) {
   const vs_deck *deck = frame->deck;
   warn_below_theta(root, s, w);
   warn_of_law(root, &s->model.coil, w);
+  warn_of_growth(root, &s->model, w);
   if (!deck) return;
   warn_of_parts(vs_tree_child(root, "circuit"), deck, s->timeline.supply.voltage_v, w);
   warn_of_mains(deck, w);
