@@ -18,7 +18,8 @@ typedef struct vs_arguments {
   char **sets; /* KEY=VALUE of each --set */
   size_t n_sets;
   const char *tier, *output, *deck, *machine, *overlay, *shard;
-  bool json, quiet, reproducible, raw, list, help, resume, overwrite, keep_runs, progress_json;
+  bool json, quiet, reproducible, raw, list, help, resume, overwrite, keep_runs, progress_json,
+      no_sharing;
   int digits; /* 1..17 */
   int jobs;   /* 0: not given */
   int period; /* 1 or more */
@@ -60,7 +61,8 @@ enum {
   VS_KEY_OVERWRITE,
   VS_KEY_TIMEOUT,
   VS_KEY_PROGRESS,
-  VS_KEY_KEEP
+  VS_KEY_KEEP,
+  VS_KEY_ALONE
 };
 
 /* Rows of vs_command.options: an option that takes a value, and one that takes none. */

@@ -18,6 +18,15 @@ typedef struct vs_observer {
   vs_status (*accept)(void *ctx, const vs_step *step, vs_error *err);
 } vs_observer;
 
+/* Someone who may make another run of this one on the way (work/past.h). */
+typedef struct vs_junction {
+  void *ctx;
+  /* Called with the end t_s of each of the solver's steps, before the run is told of the step. It
+   * may change the events of the run's setup, from t_s on. A status other than VS_OK ends the run,
+   * which then returns it. */
+  vs_status (*reach)(void *ctx, double t_s, vs_error *err);
+} vs_junction;
+
 /* What one run has besides its setup. Only a tier with a circuit looks at it. */
 typedef struct vs_run_order {
   const vs_circuit_kind *solver; /* who solves the circuit: vs_ng_kind, or a test's own */
@@ -25,6 +34,7 @@ typedef struct vs_run_order {
   FILE *raw;  /* gets a rawfile of the run; NULL: none is written. The caller owns it */
   bool tried; /* this deck with these parts was run in this process before, so that the solver need
                  not try first whether it survives them */
+  const vs_junction *junction; /* NULL: the run goes its own way to the end. Borrowed */
 } vs_run_order;
 
 /* A key of a section that every tier reads. */
