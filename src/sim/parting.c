@@ -2,6 +2,7 @@
 #include "sim/parting.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "drive/events.h"
 #include "drive/signals.h"
@@ -41,11 +42,33 @@ static bool jam_alike(const vs_setup *a, const vs_setup *b, double to_s) {
   return of_a == of_b || fmin(of_a, of_b) > to_s + vs_parting_near_s;
 }
 
-double vs_parting_of(const vs_setup *a, const vs_setup *b) {
-  for (double t_s = 0, to_s; t_s < a->run.until_s; t_s = to_s) {
+/* When the first of the events begins that is not the same in both; INFINITY: there is none. */
+static double first_difference(const vs_events *a, const vs_events *b) {
+  double first_s = INFINITY;
+  for (size_t k = 0; k < a->count; k++) {
+    const vs_occurrence *own = &a->item[k], *their = &b->item[k];
+    bool same = own->kind == their->kind && own->start_s == their->start_s &&
+                own->end_s == their->end_s && !memcmp(&own->v, &their->v, sizeof own->v);
+    if (!same) first_s = fmin(first_s, fmin(own->start_s, their->start_s));
+  }
+  return first_s;
+}
+
+static double parting_behind(const vs_setup *a, const vs_setup *b, double t_s) {
+  for (double to_s; t_s < a->run.until_s; t_s = to_s) {
     to_s = stretch_end(a, t_s);
     if (stretch_end(b, t_s) != to_s || !jam_alike(a, b, to_s) || !agree_between(a, b, t_s, to_s))
       return t_s;
   }
   return INFINITY;
+}
+
+/* An event does nothing before it begins. So a cycle before the first difference the two agree, and
+ * where there is an edge in that cycle, what was before need not be looked at. */
+double vs_parting_of(const vs_setup *a, const vs_setup *b) {
+  double differ_s = first_difference(&a->timeline.events, &b->timeline.events);
+  double from_s = fmax(differ_s - a->timeline.period_s, 0);
+  if (isinf(differ_s)) return INFINITY;
+  double parts_s = parting_behind(a, b, from_s);
+  return parts_s == from_s && from_s > 0 ? parting_behind(a, b, 0) : parts_s;
 }

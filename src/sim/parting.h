@@ -14,7 +14,7 @@ extern const double vs_parting_near_s;
 
 /* Returns the instant, s, behind which the two runs are no longer the same: t = 0 or an edge of
  * both, at which a step of the solver ends. INFINITY: they are the same to run.until. The setups
- * must have the same deck, supply, firing and run. */
+ * must have the same deck, supply, firing and run, and as many events. */
 double vs_parting_of(const vs_setup *a, const vs_setup *b);
 
 #endif
