@@ -188,14 +188,13 @@ static _Noreturn void end_branch(const vs_past *p, int status) {
 
 /* Passes on what a branch tells, if it comes to its end. */
 static void pass_on(vs_past *p, const vs_child_copy *branch, uint64_t index) {
-  vs_desk_head head;
-  char *row = NULL;
-  bool whole = vs_child_listen(branch, &head, sizeof head);
-  if (whole) row = vs_alloc(head.length + 1, 1);
-  whole = whole && vs_child_listen(branch, row, head.length);
-  int how = vs_child_end_of(branch);
+  vs_desk_head head = {0};
+  vs_error err = {0};
+  bool begun = vs_child_listen(branch, &head, sizeof head);
+  char *row = vs_alloc(head.length + 1, 1);
+  bool whole = !vs_child_hear(branch, row, begun ? head.length : 0, &err) && begun;
   head.index = index;
-  if (whole && !how &&
+  if (whole &&
       !(vs_child_say(&p->self, &head, sizeof head) && vs_child_say(&p->self, row, head.length)))
     _exit(VS_CHILD_BAD_RUN);
   free(row);
