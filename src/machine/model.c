@@ -11,6 +11,8 @@ static const vs_field LOAD[] = {
     {"volume", VS_REAL, "cm3", "380 cm3", 0, 1e9, false, L_(volume_m3),
      "V_k, trough (Eq. 88; Table 1 gives 380 and 269)", NULL, NULL},
     {"fraction", VS_REAL, "", "0", 0, 1, false, L_(fraction),
-     "lambda_t, share of the material that rides (Eq. 88); adds to m_k only", NULL, NULL},
+     "lambda_t, share of the material that rides (Eq. 88); adds to m_k only; auto: empirical, from "
+     "the throw coefficient on the orbit",
+     "auto", NULL},
 };
 const vs_section vs_model_load_section = {"load", LOAD, sizeof LOAD / sizeof *LOAD};

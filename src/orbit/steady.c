@@ -93,6 +93,8 @@ static vs_scene *undisturbed(const vs_scene *scene) {
   vs_scene *calm = vs_alloc(1, sizeof *calm);
   *calm = *scene;
   calm->setup.timeline.events.count = 0;
+  calm->setup.loads = (vs_loads){0};
+  calm->setup.model.reloaded = false;
   calm->setup.steady = false;
   memset(&calm->setup.start, 0, sizeof calm->setup.start);
   calm->frame = vs_sim_frame(calm->tier, &calm->setup);

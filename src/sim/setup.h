@@ -5,6 +5,7 @@
 #define VS_SIM_SETUP_H
 
 #include "sim/frame.h"
+#include "sim/loads.h"
 
 /* The tiers, from the simplest to the fullest: id, file, and the word for run.tier and --tier. The
  * file defines `const vs_tier vs_FILE_tier` (sim/sim.h); everything else that lists tiers, or names
@@ -64,10 +65,13 @@ extern const vs_section vs_setup_run_section, vs_setup_measure_section;
  * in its vs_run_order (sim/sim.h). */
 typedef struct vs_setup {
   vs_machine *machine; /* owned; the model borrows it */
-  vs_model model;
+  vs_model model;      /* from the beginning on */
+  vs_loads loads;      /* what events make of it; owned */
   vs_timeline timeline;
   vs_run_values run;
   vs_start_values start;
+  bool wants_fraction; /* load.fraction is auto, and the model's is not found yet, which
+                          scene/session.h does before a run */
   bool steady; /* `start: steady`: the run begins on the scene's orbit, which scene/session.h has
                   found for it; until then `start` is at rest */
   vs_measure_values measure;
