@@ -191,9 +191,6 @@ static vs_status check_auto(const vs_machine *machine, const vs_load_values *loa
                     machine->path);
 }
 
-/* What rides where load.fraction is auto, until it is found: the paper's most. */
-static const double HIGHEST = 0.6;
-
 /* Reads the sections of the scene; actuator is the scene's over the machine's. */
 static vs_status read_sections(const vs_node *scene, const vs_node *actuator, vs_model *model,
                                vs_error *err) {
@@ -224,7 +221,7 @@ vs_status vs_build_model(const vs_node *scene, vs_machine *machine, vs_model *mo
   vs_status s = read_sections(scene, map, model, err);
   if (!s) s = vs_error_carry_on(err, check_auto(machine, &model->load, scene, err));
   if (s || vs_error_count(err) > found) return s;
-  model->riding = isnan(model->load.fraction) ? HIGHEST : model->load.fraction;
+  model->riding = isnan(model->load.fraction) ? vs_model_load_range.most : model->load.fraction;
   s = vs_assemble_model(machine, model, err);
   if (!s && vs_error_count(err) == found)
     s = build_actuator(names_other_law(scene, own) ? vs_tree_child(scene, "actuator") : map, model,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "machine/model.h"
 
+#include <math.h>
 #include <stddef.h>
 
 #define L_(member) offsetof(vs_load_values, member)
@@ -16,3 +17,14 @@ static const vs_field LOAD[] = {
      "auto", NULL},
 };
 const vs_section vs_model_load_section = {"load", LOAD, sizeof LOAD / sizeof *LOAD};
+
+const double vs_model_gravity_m_s2 = 9.81;
+
+/* The paper, below Eq. 88: 3.3 > K > 1 belongs to 0.6 > lambda_t > 0.1. */
+const vs_load_range vs_model_load_range = {1, 3.3, 0.1, 0.6};
+
+double vs_model_fraction(double k) {
+  const vs_load_range *r = &vs_model_load_range;
+  double part = fmin(fmax((k - r->least_k) / (r->most_k - r->least_k), 0), 1);
+  return r->least + part * (r->most - r->least);
+}

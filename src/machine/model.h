@@ -17,6 +17,19 @@ typedef struct vs_load_values {
 } vs_load_values;
 extern const vs_section vs_model_load_section;
 
+/* The paper's range of the throw coefficient K, the largest acceleration of the trough along
+ * load.along over g, and the lambda_t at its two ends. */
+typedef struct vs_load_range {
+  double least_k, most_k, least, most;
+} vs_load_range;
+extern const vs_load_range vs_model_load_range;
+/* The paper's empirical lambda_t for a throw coefficient: linear over the range, held at its ends.
+ */
+double vs_model_fraction(double k);
+
+/* g as the paper has it, m/s2. */
+extern const double vs_model_gravity_m_s2;
+
 /* Matrices and vectors are filled up to `dof`. Units follow from the coordinates': with m and rad,
  * M is in kg, kg m and kg m2, and the others likewise. */
 typedef struct vs_model {

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "orbit/fraction.h"
 
 /* The setup of a run along the orbit. The pulse of the firing period before t = 0 is only kept
  * where it is so long that it counts. */
@@ -23,6 +24,7 @@ vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_er
   *steady = (vs_steady){0};
   vs_status status = vs_tiers_require_orbits("steady", scene->tier, scene->why, (vs_where){0}, err);
   scene->setup.steady = false; /* it begins there anyway */
+  if (!status) status = vs_fraction_settle(scene, periods, err);
   if (!status) status = vs_shooting_find(scene, periods, &steady->orbit, err);
   if (status) return status;
   run.until_s = steady->orbit.period_s;
@@ -41,6 +43,7 @@ void vs_steady_end(vs_steady *steady) {
 void vs_steady_accept(vs_steady *steady, const vs_step *step) {
   vs_spectrum_accept(&steady->spectrum, step);
   vs_reaction_accept(&steady->reaction, step);
+  vs_throw_accept(&steady->thrown, step);
 }
 
 void vs_steady_finish(vs_steady *steady, const vs_result *r) {
@@ -65,6 +68,23 @@ static void reaction_at(const vs_steady *s, int i, bool rms, vs_steady_measure *
            rms ? "root mean square" : "largest size", c->name);
 }
 
+static bool throw_at(const vs_steady *s, int k, vs_steady_measure *m) {
+  const struct {
+    vs_value (*of)(const vs_throw *);
+    const char *name, *unit, *text;
+  } all[] = {
+#define ROW(of, name, unit, text) {of, name, unit, text},
+      VS_STEADY_THROW_LIST(ROW)
+#undef ROW
+  };
+  if (k >= (int)(sizeof all / sizeof *all)) return false;
+  m->value = all[k].of(&s->thrown);
+  snprintf(m->name, sizeof m->name, "%s", all[k].name);
+  snprintf(m->unit, sizeof m->unit, "%s", all[k].unit);
+  snprintf(m->text, sizeof m->text, "%s", all[k].text);
+  return true;
+}
+
 bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *m) {
   const struct {
     const char *name, *unit, *text;
@@ -75,7 +95,8 @@ bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *m) {
 #undef ROW
   };
   const int count = sizeof all / sizeof *all;
-  if (k >= count + (steady->model ? 2 * steady->model->dof : 0)) return false;
+  const int reactions = steady->model ? 2 * steady->model->dof : 0;
+  if (k >= count + reactions) return throw_at(steady, k - count - reactions, m);
   if (k >= count) {
     reaction_at(steady, (k - count) / 2, (k - count) % 2, m);
     return true;
@@ -103,6 +124,8 @@ static vs_scene *undisturbed(const vs_scene *scene) {
 
 vs_status vs_steady_start(vs_scene *scene, vs_error *err) {
   vs_orbit orbit;
+  vs_status found = vs_fraction_settle(scene, 1, err);
+  if (found || !scene->setup.steady) return found;
   vs_scene *calm = undisturbed(scene);
   vs_status status = vs_shooting_find(calm, 1, &orbit, err);
   if (!status) {

@@ -489,6 +489,18 @@ double vs_setup_edge(const vs_setup *setup, double t_s) {
   return next_s;
 }
 
+bool vs_setup_found_fraction(const vs_setup *setup) {
+  return isnan(setup->model.load.fraction) && !setup->wants_fraction;
+}
+
+vs_status vs_setup_require_fraction(const vs_setup *setup, const char *who, vs_error *err) {
+  if (!setup->wants_fraction) return VS_OK;
+  return vs_fail(err, VS_INPUT,
+                 "load.fraction: auto: %s wants a number; run, studies and steady find one, and "
+                 "print it",
+                 who);
+}
+
 double vs_setup_jams(const vs_setup *setup) {
   const vs_events *events = &setup->timeline.events;
   double first_s = INFINITY;

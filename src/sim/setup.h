@@ -70,8 +70,9 @@ typedef struct vs_setup {
   vs_timeline timeline;
   vs_run_values run;
   vs_start_values start;
-  bool wants_fraction; /* load.fraction is auto, and the model's is not found yet, which
-                          scene/session.h does before a run */
+  bool wants_fraction;      /* load.fraction is auto, and the model's is not found yet, which
+                               scene/session.h does before a run */
+  double throw_coefficient; /* with which it was found */
   bool steady; /* `start: steady`: the run begins on the scene's orbit, which scene/session.h has
                   found for it; until then `start` is at rest */
   vs_measure_values measure;
@@ -109,6 +110,11 @@ void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD
 /* First instant after t_s that must be the end of a step for the circuit: an edge of what a port of
  * the deck is driven with, or of an event. INFINITY: there is none. */
 double vs_setup_edge(const vs_setup *setup, double t_s);
+
+/* True if load.fraction is auto, and what it comes to has been found for this setup. */
+bool vs_setup_found_fraction(const vs_setup *setup);
+/* Error, VS_INPUT: it is auto and has not been found; `who` wants a number. */
+vs_status vs_setup_require_fraction(const vs_setup *setup, const char *who, vs_error *err);
 
 /* When an event jams the armature first, s; INFINITY: none does. */
 double vs_setup_jams(const vs_setup *setup);
