@@ -104,8 +104,9 @@ vs_value vs_throw_down(const vs_throw *w) {
 
 const double vs_throw_most = 3.2969083094756; /* sqrt(1 + pi^2) */
 
-/* By bisection, as the number grows with the flight. */
-double vs_throw_flight(double number) {
+/* n for the throw number G > 1, by bisection, as G grows with the flight; 1 beyond vs_throw_most.
+ */
+static double flight(double number) {
   double lo = 0, hi = 1;
   if (number >= vs_throw_most) return 1;
   for (int k = 0; k < 60; k++) {
@@ -127,7 +128,7 @@ static double amplitude(const vs_throw *w, int k) {
 vs_value vs_throw_speed(const vs_throw *w) {
   const vs_value down = vs_throw_down(w);
   if (!down.known || !knows(w, VS_MACHINE_FORWARD) || !(down.value > 1)) return unknown();
-  double up = amplitude(w, VS_MACHINE_UP), n = vs_throw_flight(down.value);
+  double up = amplitude(w, VS_MACHINE_UP), n = flight(down.value);
   double frequency_hz = up / amplitude(w, VS_THROW_SPEED) / (2 * M_PI);
   double cotangent = amplitude(w, VS_MACHINE_FORWARD) / up;
   double v = vs_model_gravity_m_s2 * n * n * cotangent / (2 * frequency_hz);

@@ -40,7 +40,5 @@ vs_value vs_throw_speed(const vs_throw *thrown);
 
 /* Up to which throw number the conveying speed's formula holds. */
 extern const double vs_throw_most;
-/* n of the formula above, for G > 1; 1 beyond vs_throw_most. */
-double vs_throw_flight(double number);
 
 #endif

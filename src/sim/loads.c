@@ -75,6 +75,12 @@ void vs_loads_free(vs_loads *loads) {
   *loads = (vs_loads){0};
 }
 
+const vs_occurrence *vs_loads_event(const vs_events *events, double at_s) {
+  for (size_t k = 0; k < events->count; k++)
+    if (events->item[k].kind->load && events->item[k].start_s == at_s) return &events->item[k];
+  return NULL;
+}
+
 double vs_loads_at(const vs_loads *loads, size_t k) {
   return k < loads->count ? loads->item[k].at_s : INFINITY;
 }

@@ -28,6 +28,9 @@ vs_status vs_loads_make(const vs_events *events, vs_machine *machine, vs_model *
                         vs_loads *loads, vs_error *err);
 void vs_loads_free(vs_loads *loads);
 
+/* The event that changes the load at that instant; NULL: there is none. */
+const vs_occurrence *vs_loads_event(const vs_events *events, double at_s);
+
 /* When the change number k takes place, s; INFINITY: there are not so many. */
 double vs_loads_at(const vs_loads *loads, size_t k);
 
