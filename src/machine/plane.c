@@ -39,7 +39,7 @@ vs_status vs_plane_slopes(vs_expression *e, const double values[VS_MACHINE_NAMES
     q[k] = 0;
   }
   for (int k = 0; k < dof; k++) {
-    q[k] = 0.75 + k % 3; /* any other place */
+    q[k] = (k % 2 ? 1 : -1) * (0.75 + k % 3); /* any other place */
     sum += q[k] * out[k];
     scale += fabs(q[k] * out[k]);
   }
