@@ -157,21 +157,40 @@ static void show(const void *ctx, FILE *out) {
 
 /* ---- the command ---- */
 
+/* What the run of a period is told by. The functions above are given it as its first member. */
+typedef struct reporter {
+  vs_steady steady;
+  vs_scene *scene;
+  bool quiet;
+} reporter;
+
 static void accept(void *ctx, const vs_step *step) {
   vs_steady_accept(ctx, step);
 }
 
 static void finish(void *ctx, const vs_result *result) {
-  vs_steady_finish(ctx, result);
+  reporter *r = ctx;
+  vs_steady_finish(&r->steady, result);
+  vs_value down = vs_throw_down(&r->steady.thrown);
+  if (!vs_throw_speed(&r->steady.thrown).known || down.value <= vs_throw_most) return;
+  vs_error *warning = vs_warnings_add(&r->scene->warnings);
+  vs_fail(warning, VS_OK,
+          "conveying_speed is outside of its formula's range, throw_down up to %.4g: this is %.4g, "
+          "and the material flies for longer than a swing",
+          vs_throw_most, down.value);
+  if (!r->quiet) fprintf(stderr, "vibrospice: warning: %s\n", vs_warnings_text(warning));
 }
 
 static vs_status report(const vs_run_options *o, int periods, vs_scene *scene, vs_error *err) {
-  vs_steady *s = vs_alloc(1, sizeof *s);
-  const vs_run_more more = {s, accept, finish, show, {s, add_measures, add_members}};
+  reporter *r = vs_alloc(1, sizeof *r);
+  vs_steady *s = &r->steady;
+  const vs_run_more more = {r, accept, finish, show, {r, add_measures, add_members}};
   vs_status status = vs_steady_begin(s, scene, periods, err);
+  r->scene = scene;
+  r->quiet = o->quiet;
   if (!status) status = vs_run_scene(o, &more, scene, err);
   vs_steady_end(s);
-  free(s);
+  free(r);
   return status;
 }
 
