@@ -119,16 +119,19 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
 typedef struct beginning {
   const vs_run_values *run;
   const double *x;
+  bool events; /* the flight has them, and not only the scene that the parameter is made of */
 } beginning;
 
 static vs_setup begin_with(const vs_scene *scene, void *ctx) {
   const beginning *at = ctx;
-  return vs_flight_setup(scene, at->run, at->x);
+  vs_setup setup = vs_flight_setup(scene, at->run, at->x);
+  if (!at->events) setup.timeline.events.count = 0;
+  return setup;
 }
 
 static void begin_variation(vs_flight *f, const vs_run_values *run, const double *x) {
   const double unmoved[VS_VARIATION_MOST] = {0};
-  beginning at = {run, x};
+  beginning at = {run, x, f->scene->setup.timeline.events.count > 0};
   vs_variation_begin(&f->variation, &f->scene->setup);
   if (!f->parameter) return;
   vs_parameter_take(f->parameter, begin_with, &at);

@@ -14,10 +14,11 @@ typedef struct vs_flight {
       *scene;     /* room for the scene that is run, which borrows what the one given owns; owned */
   int states;     /* of x: q, q', and lambda where there is no valve */
   double cycle_s; /* a firing period */
-  vs_parameter *parameter; /* whose column the derivatives have besides, made of the scene given;
-                              borrowed; the caller may set it between runs; NULL: none */
-  bool derives;            /* the last run had derivatives */
-  vs_variation variation;  /* where it had */
+  vs_parameter
+      *parameter; /* whose column the derivatives have besides, made of the scene given, with or
+                     without its events; borrowed; the caller may set it between runs; NULL: none */
+  bool derives;   /* the last run had derivatives */
+  vs_variation variation; /* where it had */
   double *
       passed; /* where it had, x at the end of each firing period, VS_VARIATION_MOST a row; owned */
   double end[VS_VARIATION_MOST];  /* x at the end */

@@ -42,6 +42,13 @@ typedef struct vs_steady_measure {
 vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_error *err);
 void vs_steady_end(vs_steady *steady);
 
+/* The same of an orbit that is known, where this is the setup of a run along a whole period. */
+void vs_steady_follow(vs_steady *steady, const vs_orbit *orbit, const vs_setup *setup);
+
+/* Makes the setup of a run of the scene along the orbit, as vs_shooting_setup does. The pulse of
+ * the firing period before t = 0 is only kept where it is so long that it counts. */
+vs_setup vs_steady_setup(const vs_scene *scene, const vs_run_values *run, const vs_orbit *orbit);
+
 /* Takes a step of that run, and completes what is known from its result. */
 void vs_steady_accept(vs_steady *steady, const vs_step *step);
 void vs_steady_finish(vs_steady *steady, const vs_result *result);
@@ -50,6 +57,10 @@ void vs_steady_finish(vs_steady *steady, const vs_result *result);
  * come those of VS_STEADY_LIST; then, of each coordinate NAME, reaction_NAME, the largest size of
  * the reaction along it, and reaction_NAME_rms. */
 bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *measure);
+
+/* Makes the scene without events, and as if it began at rest: what `start: steady` means the orbit
+ * of. It borrows what the scene owns; the caller frees it with free(). */
+vs_scene *vs_steady_undisturbed(const vs_scene *scene);
 
 /* For vs_session.steady: puts a scene with `start: steady` at the beginning of its orbit of one
  * firing period, that of the scene without its events. Errors: those of vs_shooting_find. */

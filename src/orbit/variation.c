@@ -40,6 +40,13 @@ void vs_variation_add(vs_variation *v, vs_parameter *parameter, const double *y)
   if (!v->valve) vs_parameter_connects(parameter, 0);
 }
 
+void vs_variation_begin_alone(vs_variation *v, const vs_setup *setup, vs_parameter *parameter,
+                              const double *y) {
+  vs_variation_begin(v, setup);
+  v->columns = 0;
+  vs_variation_add(v, parameter, y);
+}
+
 /* The columns of S and the parameter's. */
 static int all_columns(const vs_variation *v) {
   return v->columns + (v->parameter ? 1 : 0);
@@ -228,7 +235,7 @@ static vs_status jump(vs_variation *v, const vs_step *step, vs_error *err) {
   int stop = flux ? 0 : stop_at(v, step->from, v->ending == VS_EV_LEAVES_STOP);
   rates_of(m, step->from, before);
   rates_of(m, step->to, after);
-  double rate = flux ? before[2 * m->dof] : vs_mechanics_travel(m, before);
+  double rate = flux ? before[2 * m->dof] : vs_mechanics_travel(m, before), moved_s = 0;
   if (flux)
     v->conducting = false;
   else
@@ -238,10 +245,10 @@ static vs_status jump(vs_variation *v, const vs_step *step, vs_error *err) {
     if (j == v->columns && !flux) way += vs_parameter_surface(v->parameter, stop, step->from->x);
     for (int i = 0; i < v->rows; i++) s[i] += (after[i] - before[i]) * (way / rate);
     if (flux) s[2 * m->dof] = 0;
-    v->moved_s = -way / rate; /* the last column's stays */
+    moved_s = -way / rate; /* the last column's stays */
   }
   v->ending = VS_EV_NONE;
-  v->since_s = step->to->t_s;
+  v->jump = (vs_jump){.count = v->jump.count + 1, .t_s = step->to->t_s, .moved_s = moved_s};
   return rate != 0
              ? VS_OK
              : vs_fail(err, VS_RUN, "t = %.9g s: %s without a rate: there is no derivative",
@@ -253,14 +260,19 @@ static vs_status jump(vs_variation *v, const vs_step *step, vs_error *err) {
 static void jump_by_parameter(vs_variation *v, const vs_step *step, bool fires) {
   vs_parameter *p = v->parameter;
   double before[VS_VARIATION_MOST], after[VS_VARIATION_MOST], t = step->to->t_s;
-  double between_s = v->since_s + (t - v->since_s) / 2;
+  double last = v->jump.t_s, asked = fires ? last : last + (t - last) / 2;
   double *s = v->s + v->columns * v->rows;
-  if (!fires && vs_wave_edge(step->frame->timeline, between_s) != t) return;
-  v->moved_s = fires ? vs_parameter_fires(p, v->since_s, t) : vs_parameter_edge(p, between_s, t);
-  v->since_s = t;
+  if (!fires && vs_wave_edge(step->frame->timeline, asked) != t) return;
+  double moved = fires ? vs_parameter_fires(p, asked, t) : vs_parameter_edge(p, asked, t);
+  v->jump = (vs_jump){.count = v->jump.count + 1,
+                      .fires = fires,
+                      .edge = !fires,
+                      .t_s = t,
+                      .asked_s = asked,
+                      .moved_s = moved};
   rates_of(v->model, step->from, before);
   rates_of(v->model, step->to, after);
-  for (int i = 0; i < v->rows; i++) s[i] += (before[i] - after[i]) * v->moved_s;
+  for (int i = 0; i < v->rows; i++) s[i] += (before[i] - after[i]) * moved;
 }
 
 /* ---- all of it ---- */

@@ -23,6 +23,16 @@
  * is the parameter's. */
 enum { VS_VARIATION_MOST = VS_MOST_STATES + 1 };
 
+/* An instant at which the column of a parameter was taken from one side to the other. */
+typedef struct vs_jump {
+  long count;     /* how many there were, with this one */
+  bool fires;     /* the thyristor fires */
+  bool edge;      /* an event changes the mains; neither: the state moves the instant */
+  double t_s;     /* when it is */
+  double asked_s; /* of the first two: since when, and of the second from when on, it was to come */
+  double moved_s; /* by how much the parameter p moves it: dt/dp */
+} vs_jump;
+
 /* Begin with vs_variation_begin, end with vs_variation_end. */
 typedef struct vs_variation {
   const vs_model *model;
@@ -35,10 +45,8 @@ typedef struct vs_variation {
   int columns;        /* of S: 2 dof, and lambda's where there is no valve */
   int rows;           /* of y: 2 dof + 1 */
   double *s; /* S by columns: s[j rows + i] is dy_i/dx0_j; then the parameter's column; owned */
-  vs_parameter *parameter; /* borrowed; NULL: there is none */
-  double since_s;          /* the last instant that moved */
-  double moved_s; /* by how much the parameter moves the last instant that was shown from both its
-                     sides, times the parameter's change */
+  vs_parameter *parameter;  /* borrowed; NULL: there is none */
+  vs_jump jump;             /* the last; where there is none yet, all is 0 */
   gsl_odeiv2_step *stepper; /* owned */
 } vs_variation;
 
@@ -47,6 +55,9 @@ void vs_variation_begin(vs_variation *variation, const vs_setup *setup);
 /* Adds the column of a parameter, whose setups are of this run; dy/dp at t = 0 are these numbers.
  * To be called before the first step. */
 void vs_variation_add(vs_variation *variation, vs_parameter *parameter, const double *y);
+/* Begins with a parameter's column alone, without S. */
+void vs_variation_begin_alone(vs_variation *variation, const vs_setup *setup,
+                              vs_parameter *parameter, const double *y);
 void vs_variation_end(vs_variation *variation);
 
 /* Goes along with an accepted step. Error: VS_RUN, the equations have no derivative on the way. */
