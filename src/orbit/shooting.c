@@ -114,7 +114,7 @@ static int least_period(const vs_flight *f, const vs_orbit *o) {
 
 /* ---- what is refused ---- */
 
-static vs_status refuse(const vs_scene *s, int periods, vs_error *err) {
+vs_status vs_shooting_check(const vs_scene *s, int periods, vs_error *err) {
   const vs_timeline *line = &s->setup.timeline;
   if (periods < 1)
     return vs_fail(err, VS_INPUT, "an orbit of %d periods: allowed are 1 and more", periods);
@@ -264,7 +264,7 @@ static vs_status seek(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_erro
 
 vs_status vs_shooting_seek(const vs_scene *scene, const vs_shooting *how, vs_orbit *o,
                            vs_error *err) {
-  vs_status status = refuse(scene, how->periods, err);
+  vs_status status = vs_shooting_check(scene, how->periods, err);
   *o = (vs_orbit){.n = how->periods};
   if (status) return status;
   vs_flight flight;

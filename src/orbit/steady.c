@@ -18,6 +18,11 @@ static vs_setup run_along(const vs_scene *scene, const vs_run_values *run, const
   return setup;
 }
 
+vs_status vs_steady_check(const vs_scene *scene, int periods, vs_error *err) {
+  vs_status status = vs_tiers_require_orbits("steady", scene->tier, scene->why, (vs_where){0}, err);
+  return status ? status : vs_shooting_check(scene, periods, err);
+}
+
 vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_error *err) {
   vs_run_values run = scene->setup.run;
   *steady = (vs_steady){0};
@@ -60,7 +65,7 @@ static void reaction_at(const vs_steady *s, int i, bool rms, vs_steady_measure *
   m->value = s->reaction.peak[i];
   if (rms) m->value = (vs_value){true, vs_reaction_rms(&s->reaction, i), NAN};
   snprintf(m->name, sizeof m->name, "reaction_%s%s", c->name, rms ? "_rms" : "");
-  snprintf(m->unit, sizeof m->unit, "%s", unit);
+  m->unit = unit;
   snprintf(m->text, sizeof m->text, "%s of what springs and dampers do along %s",
            rms ? "root mean square" : "largest size", c->name);
 }
@@ -82,7 +87,7 @@ bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *m) {
   }
   m->value = (vs_value){isfinite(all[k].value), all[k].value, NAN};
   snprintf(m->name, sizeof m->name, "%s", all[k].name);
-  snprintf(m->unit, sizeof m->unit, "%s", all[k].unit);
+  m->unit = all[k].unit;
   snprintf(m->text, sizeof m->text, "%s", all[k].text);
   return true;
 }

@@ -32,8 +32,9 @@ typedef struct vs_steady {
 
 /* One of these measures, or of the reactions along the coordinates. */
 typedef struct vs_steady_measure {
-  char name[VS_MACHINE_NAME + 16], unit[24], text[VS_MACHINE_TEXT];
-  vs_value value; /* SI */
+  char name[VS_MACHINE_NAME + 16], text[VS_MACHINE_TEXT];
+  const char *unit; /* of the program's */
+  vs_value value;   /* SI */
 } vs_steady_measure;
 
 /* Finds the orbit of that many firing periods, and makes the scene the one whose run is a period of
@@ -41,6 +42,9 @@ typedef struct vs_steady_measure {
  * Errors: VS_INPUT, the scene's tier is another than switched; those of vs_shooting_find. */
 vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_error *err);
 void vs_steady_end(vs_steady *steady);
+
+/* The errors of vs_steady_begin that are known before any search. */
+vs_status vs_steady_check(const vs_scene *scene, int periods, vs_error *err);
 
 /* Takes a step of that run, and completes what is known from its result. */
 void vs_steady_accept(vs_steady *steady, const vs_step *step);
