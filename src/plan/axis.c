@@ -72,12 +72,28 @@ static key_list *all_keys(const vs_scene *scene) {
   return list;
 }
 
+static const char START[] = "start";
+
+/* Refuses the name of a section: its keys are axes, not the section. `start` may be a word instead
+ * of keys, which is the same for all cases. */
+static vs_status refuse_section(const scene_key *one, vs_where where, vs_error *err) {
+  const bool start = !strcmp(one->section, START);
+  return vs_fail_at(err, where, "%s has keys of its own, such as %s: name one of those%s",
+                    one->section, one->name,
+                    start ? "; 'steady' is not for vary: set: {start: steady} begins every case on "
+                            "its orbit"
+                          : "");
+}
+
 static const scene_key *find_key(const key_list *list, const char *name, vs_where where,
                                  vs_error *err) {
   const char *names[MOST_KEYS];
   for (size_t k = 0; k < list->count; k++) {
     names[k] = list->item[k].name;
     if (!strcmp(names[k], name)) return &list->item[k];
+    if (strcmp(list->item[k].section, name) != 0) continue;
+    refuse_section(&list->item[k], where, err);
+    return NULL;
   }
   const char *nearest = vs_text_nearest(name, names, list->count);
   vs_fail_at(err, where, "a scene has no key '%s'%s%s%s", name, nearest ? "; did you mean '" : "",
@@ -130,6 +146,10 @@ vs_status vs_axis_init(vs_axis *axis, const vs_scene *scene, const vs_node *node
   *axis = (vs_axis){.by = by, .where = node->key_where};
   snprintf(axis->key, sizeof axis->key, "%s", node->key);
   vs_status status = key ? describe(axis, key, err) : VS_INPUT;
+  if (!status && scene->setup.steady && !strcmp(key->section, START))
+    status = vs_fail_at(
+        err, axis->where,
+        "%s would replace start: steady, which the scene says; take one of them out", axis->key);
   free(list);
   return status;
 }
