@@ -32,6 +32,7 @@ vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_er
   if (status) return status;
   run.until_s = steady->orbit.period_s;
   scene->setup = run_along(scene, &run, &steady->orbit);
+  scene->setup.at_work = true;
   scene->frame = vs_sim_frame(scene->tier, &scene->setup);
   memset(scene->measured, 0, sizeof scene->measured); /* it was measured in the scene's own run */
   steady->model = &scene->setup.model;
@@ -55,6 +56,7 @@ void vs_steady_finish(vs_steady *steady, const vs_result *r) {
   steady->i_mean_a = vs_spectrum_mean(&steady->spectrum);
   steady->power_factor =
       steady->power_in_w / (r->scene->setup.timeline.supply.voltage_v * steady->i_rms_a);
+  steady->devices = r->watchers.devices;
   steady->energy_stored_j = joule[VS_E_MAGNETIC] + joule[VS_E_MECHANICAL];
 }
 
@@ -70,6 +72,16 @@ static void reaction_at(const vs_steady *s, int i, bool rms, vs_steady_measure *
            rms ? "root mean square" : "largest size", c->name);
 }
 
+static bool heat_at(const vs_steady *s, int k, vs_steady_measure *m) {
+  vs_heat heat;
+  if (!vs_heat_at(s->devices, s->orbit.period_s, k, &heat)) return false;
+  snprintf(m->name, sizeof m->name, "%s", heat.name);
+  snprintf(m->text, sizeof m->text, "%s", heat.text);
+  m->unit = heat.unit;
+  m->value = heat.value;
+  return true;
+}
+
 bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *m) {
   const struct {
     const char *name, *unit, *text;
@@ -80,7 +92,8 @@ bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *m) {
 #undef ROW
   };
   const int count = sizeof all / sizeof *all;
-  if (k >= count + (steady->model ? 2 * steady->model->dof : 0)) return false;
+  const int reactions = steady->model ? 2 * steady->model->dof : 0;
+  if (k >= count + reactions) return heat_at(steady, k - count - reactions, m);
   if (k >= count) {
     reaction_at(steady, (k - count) / 2, (k - count) % 2, m);
     return true;

@@ -5,6 +5,7 @@
 #ifndef VS_ORBIT_STEADY_H
 #define VS_ORBIT_STEADY_H
 
+#include "orbit/heat.h"
 #include "orbit/reaction.h"
 #include "orbit/shooting.h"
 #include "orbit/spectrum.h"
@@ -24,7 +25,9 @@ typedef struct vs_steady {
   vs_orbit orbit;
   vs_spectrum spectrum;
   vs_reaction reaction;
-  const vs_model *model; /* the scene's; NULL: there is none yet */
+  const vs_model *model;     /* the scene's; NULL: there is none yet */
+  const vs_devices *devices; /* those of the run's watchers, as long as its result is there; NULL:
+                                there are none, or the run is not finished */
 #define VS_STEADY_MEMBER(member, name, unit, text) double member;
   VS_STEADY_LIST(VS_STEADY_MEMBER)
 #undef VS_STEADY_MEMBER
@@ -32,7 +35,7 @@ typedef struct vs_steady {
 
 /* One of these measures, or of the reactions along the coordinates. */
 typedef struct vs_steady_measure {
-  char name[VS_MACHINE_NAME + 16], text[VS_MACHINE_TEXT];
+  char name[VS_DECK_NAME + 24], text[VS_MACHINE_TEXT];
   const char *unit; /* of the program's */
   vs_value value;   /* SI */
 } vs_steady_measure;
@@ -52,7 +55,7 @@ void vs_steady_finish(vs_steady *steady, const vs_result *result);
 
 /* Fills `measure` with the k-th measure, from 0, and returns true; false: there are no more. First
  * come those of VS_STEADY_LIST; then, of each coordinate NAME, reaction_NAME, the largest size of
- * the reaction along it, and reaction_NAME_rms. */
+ * the reaction along it, and reaction_NAME_rms; then those of the devices (orbit/heat.h). */
 bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *measure);
 
 /* For vs_session.steady: puts a scene with `start: steady` at the beginning of its orbit of one

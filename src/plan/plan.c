@@ -162,10 +162,10 @@ static vs_status unknown_measure(const vs_report_column *column, const vs_atwork
 static vs_status resolve_columns(vs_plan *plan, const vs_scene *scene, const vs_tier *tier,
                                  vs_error *err) {
   const vs_frame frame = vs_sim_frame(tier, &scene->setup);
-  const vs_steady blank = {.model = &scene->setup.model};
   vs_result result = {0};
-  const vs_atwork of = {&frame, &result, plan->periods ? &blank : NULL};
   vs_watchers_begin(&result.watchers, &frame);
+  const vs_steady blank = {.model = &scene->setup.model, .devices = result.watchers.devices};
+  const vs_atwork of = {&frame, &result, plan->periods ? &blank : NULL};
   vs_status status = VS_OK;
   for (size_t c = 0; c < plan->n_columns && !status; c++) {
     vs_report_column *column = &plan->columns[c];
