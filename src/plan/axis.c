@@ -11,6 +11,8 @@
 
 enum { MOST_VALUES = 10000000 };
 
+static const char START[] = "start";
+
 static double to_12_digits(double value) {
   char text[VS_NUMBER_SIZE];
   snprintf(text, sizeof text, "%.12g", value);
@@ -49,7 +51,12 @@ vs_status vs_axis_init(vs_axis *axis, const vs_scene *scene, const vs_node *node
   vs_status status = vs_key_find(&scene->setup, node->key, node->key_where, &key, err);
   *axis = (vs_axis){.by = by, .where = node->key_where};
   snprintf(axis->key, sizeof axis->key, "%s", node->key);
-  return status ? status : describe(axis, &key, err);
+  if (!status) status = describe(axis, &key, err);
+  if (!status && scene->setup.steady && !strcmp(key.section, START))
+    status = vs_fail_at(
+        err, axis->where,
+        "%s would replace start: steady, which the scene says; take one of them out", axis->key);
+  return status;
 }
 
 void vs_axis_free(vs_axis *axis) {

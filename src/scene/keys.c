@@ -63,22 +63,42 @@ static key_list *all_keys(const vs_setup *setup) {
   return list;
 }
 
+/* Refuses the name of a section, which has keys of its own. `start` may be a word instead of keys,
+ * which is the same for all runs of a scene. */
+static vs_status refuse_section(const vs_key *one, vs_where where, vs_error *err) {
+  const bool start = !strcmp(one->section, "start");
+  return vs_fail_at(err, where, "%s has keys of its own, such as %s: name one of those%s",
+                    one->section, one->name,
+                    start ? "; 'steady' is not for vary: set: {start: steady} begins every case on "
+                            "its orbit"
+                          : "");
+}
+
+static vs_status refuse_name(const key_list *list, const char *name, vs_where where,
+                             vs_error *err) {
+  const char *names[MOST_KEYS];
+  for (size_t k = 0; k < list->count; k++) {
+    names[k] = list->item[k].name;
+    if (!strcmp(list->item[k].section, name)) return refuse_section(&list->item[k], where, err);
+  }
+  const char *nearest = vs_text_nearest(name, names, list->count);
+  return vs_fail_at(err, where, "a scene has no key '%s'%s%s%s", name,
+                    nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                    nearest ? "'?" : "; see 'vibrospice list parameters'");
+}
+
 vs_status vs_key_find(const vs_setup *setup, const char *name, vs_where where, vs_key *key,
                       vs_error *err) {
-  const char *names[MOST_KEYS];
   key_list *list = all_keys(setup);
   size_t k = 0;
-  for (; k < list->count && strcmp(list->item[k].name, name) != 0; k++)
-    names[k] = list->item[k].name;
-  bool found = k < list->count;
-  const char *nearest = found ? NULL : vs_text_nearest(name, names, list->count);
-  if (found)
+  while (k < list->count && strcmp(list->item[k].name, name) != 0) k++;
+  vs_status status = VS_OK;
+  if (k < list->count)
     *key = list->item[k];
   else
-    vs_fail_at(err, where, "a scene has no key '%s'%s%s%s", name, nearest ? "; did you mean '" : "",
-               nearest ? nearest : "", nearest ? "'?" : "; see 'vibrospice list parameters'");
+    status = refuse_name(list, name, where, err);
   free(list);
-  return found ? VS_OK : VS_INPUT;
+  return status;
 }
 
 double vs_key_number(const vs_key *key) {
