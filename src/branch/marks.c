@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/marks.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- the kinds ---- */
+
+/* A multiplier passes 1 where the key turns, as its part in the branch's direction changes sign. */
+static double of_fold(const vs_marks_span *s, const vs_path_point *at, int which) {
+  (void)which;
+  return at->way[s->count];
+}
+
+/* The product of 1 + mu over all multipliers: pairs leave its sign alone. */
+static double of_flip(const vs_marks_span *s, const vs_path_point *at, int which) {
+  double product = 1;
+  (void)which;
+  for (int k = 0; k < s->count; k++) {
+    const vs_multiplier *m = &at->multiplier[k];
+    if (m->im == 0) product *= 1 + m->re;
+  }
+  return product;
+}
+
+/* The product of mu_i mu_j - 1 over all i < j. It is real, as its factors are or come in pairs, and
+ * 0 where two multipliers have the product 1. */
+static double of_torus(const vs_marks_span *s, const vs_path_point *at, int which) {
+  double re = 1, im = 0;
+  (void)which;
+  for (int i = 0; i < s->count; i++)
+    for (int j = 0; j < i; j++) {
+      const vs_multiplier *a = &at->multiplier[i], *b = &at->multiplier[j];
+      double x = a->re * b->re - a->im * b->im - 1, y = a->re * b->im + a->im * b->re;
+      double was = re;
+      re = was * x - im * y;
+      im = was * y + im * x;
+    }
+  return re;
+}
+
+/* A pair lies on the circle; two real ones with the product 1 are no change of stability. */
+static bool is_torus(const vs_path_point *at, int count) {
+  double nearest = INFINITY;
+  bool pair = false;
+  for (int i = 0; i < count; i++)
+    for (int j = 0; j < i; j++) {
+      const vs_multiplier *a = &at->multiplier[i], *b = &at->multiplier[j];
+      double off = hypot(a->re * b->re - a->im * b->im - 1, a->re * b->im + a->im * b->re);
+      if (off >= nearest) continue;
+      nearest = off;
+      pair = a->im != 0;
+    }
+  return pair;
+}
+
+/* How often the stop is met tells the sign, and how near to its surface the armature turns tells
+ * how near the mark is. */
+static double of_grazing(const vs_marks_span *s, const vs_path_point *at, int which) {
+  int from = s->a->turns.met[which], to = s->b->turns.met[which];
+  double off = fmin(at->turns.nearest_m[which], s->model->stops.item[which].scale_m);
+  if (from == to) return 1;
+  bool as_behind =
+      from < to ? 2 * at->turns.met[which] > from + to : 2 * at->turns.met[which] < from + to;
+  return as_behind ? -off : off;
+}
+
+static int stops_of(const vs_model *m) {
+  return m->stops.count;
+}
+
+/* Without a stop: how far the least travel is from the pole cover. */
+static double of_pole(const vs_marks_span *s, const vs_path_point *at, int which) {
+  const vs_model *m = s->model;
+  (void)which;
+  if (!m->coil.law->poles || (m->stops.count && m->stops.item[0].side > 0)) return NAN;
+  return at->turns.least.best.value + m->actuator.gap_m;
+}
+
+/* The gap that is left, pole cover and all. */
+static double of_iron(const vs_marks_span *s, const vs_path_point *at, int which) {
+  (void)which;
+  if (!s->model->coil.law->poles) return NAN;
+  return vs_coil_gap(&s->model->coil, at->turns.least.best.value);
+}
+
+static double of_firings(const vs_marks_span *s, const vs_path_point *at, int which) {
+  int from = s->a->turns.fired, to = s->b->turns.fired;
+  (void)which;
+  return from == to || 2 * abs(at->turns.fired - from) < abs(to - from) ? 1 : -1;
+}
+
+static const vs_mark_kind FOLD = {"fold", "the key turns back: a multiplier passes 1", of_fold,
+                                  NULL, NULL},
+                          FLIP = {"flip",
+                                  "a multiplier passes -1: an orbit of twice the period begins",
+                                  of_flip, NULL, NULL},
+                          TORUS = {"torus",
+                                   "a pair of multipliers passes the unit circle: a slow beat "
+                                   "begins",
+                                   of_torus, NULL, is_torus},
+                          GRAZING = {"grazing",
+                                     "a stop is met with speed 0: a contact begins or "
+                                     "ends",
+                                     of_grazing, stops_of, NULL},
+                          POLE = {"pole_cover",
+                                  "the armature touches the pole cover, and there is no stop",
+                                  of_pole, NULL, NULL},
+                          IRON = {"iron",
+                                  "no gap is left, not even the pole cover: beyond it the "
+                                  "orbit is none of the machine",
+                                  of_iron, NULL, NULL},
+                          FIRING = {"firing", "the thyristor fires more or less often in a period",
+                                    of_firings, NULL, NULL};
+
+const vs_mark_kind *const vs_mark_kinds[] = {&FOLD, &FLIP, &TORUS,  &GRAZING,
+                                             &POLE, &IRON, &FIRING, NULL};
+
+bool vs_mark_between(const vs_mark *mark, const vs_marks_span *s) {
+  double a = mark->kind->value(s, s->a, mark->which), b = mark->kind->value(s, s->b, mark->which);
+  return (a > 0 && b <= 0) || (a < 0 && b >= 0);
+}
+
+/* ---- the search ---- */
+
+/* One end of what the mark lies in. */
+typedef struct end {
+  double s, value; /* how far along the way from the span's first point; the kind's number */
+  vs_path_point at;
+} end;
+
+/* Relative to the key: how near the ends of the search shall come, a tenth of what is promised. A
+ * key below this part of its range counts as that much. */
+static const double CLOSE = 1e-10, NEAR_ZERO = 1e-2;
+
+/* By how much the key may differ between the ends: the search's own error. */
+static double width(const vs_path *p, const end *lo, const end *hi) {
+  double steepest = fmax(fabs(lo->at.way[p->count]), fabs(hi->at.way[p->count]));
+  double rounding = fmax(lo->at.change, hi->at.change);
+  return (steepest * fabs(hi->s - lo->s) + rounding) * p->unit[p->count];
+}
+
+/* Finds the orbit at s, beginning between those of the ends. */
+static bool try(vs_path *p, const vs_path_plane *across, const end *lo, const end *hi, end *at) {
+  vs_error why = {0};
+  vs_path_plane plane = *across;
+  double part = (at->s - lo->s) / (hi->s - lo->s);
+  plane.offset = at->s;
+  at->at = lo->at;
+  for (int j = 0; j <= p->count; j++)
+    at->at.z[j] = lo->at.z[j] + part * (hi->at.z[j] - lo->at.z[j]);
+  return !vs_path_solve(p, &plane, &at->at, &why);
+}
+
+/* The secant's point, drawn towards the middle so that the interval shrinks from both its ends
+ * (the ITP method: Oliveira and Takahashi, ACM Transactions on Mathematical Software 47, 2020, with
+ * kappa_1 = 0.2 over the first length, kappa_2 = 2). slack: by how much more than half of the
+ * interval may remain. */
+static double next(const end *lo, const end *hi, double first, double slack) {
+  double a = lo->s, b = hi->s, middle = (a + b) / 2;
+  double secant = (hi->value * a - lo->value * b) / (hi->value - lo->value);
+  double toward = middle > secant ? 1 : -1, draw = 0.2 / first * (b - a) * (b - a);
+  double drawn = draw <= fabs(middle - secant) ? secant + toward * draw : middle;
+  if (!isfinite(drawn)) return middle;
+  return fabs(drawn - middle) <= slack ? drawn : middle - toward * slack;
+}
+
+bool vs_mark_locate(vs_path *p, const vs_marks_span *span, vs_mark *mark, vs_path_point *at) {
+  enum { MOST_TRIES = 60 };
+  const vs_path_plane across = {span->a->way, span->a->z, 0};
+  end lo = {0, mark->kind->value(span, span->a, mark->which), *span->a};
+  end hi = {vs_path_offset(p, &across, span->b->z), mark->kind->value(span, span->b, mark->which),
+            *span->b};
+  const double first = hi.s, key = fabs(span->a->z[p->count]),
+               close = CLOSE * fmax(key, NEAR_ZERO * p->unit[p->count]);
+  for (int n = 0; n < MOST_TRIES && width(p, &lo, &hi) > close; n++) {
+    end mid = {0};
+    /* halving alone would have come down to first/2^n */
+    double slack = fmax(ldexp(first, 1 - n) - (hi.s - lo.s) / 2, 0);
+    mid.s = next(&lo, &hi, first, slack);
+    if (mid.s == lo.s || mid.s == hi.s || !try(p, &across, &lo, &hi, &mid)) break;
+    mid.value = mark->kind->value(span, &mid.at, mark->which);
+    if ((mid.value > 0) == (lo.value > 0))
+      lo = mid;
+    else
+      hi = mid;
+  }
+  mark->error = width(p, &lo, &hi);
+  *at = fabs(lo.value) < fabs(hi.value) ? lo.at : hi.at;
+  return !mark->kind->holds || mark->kind->holds(at, p->count);
+}
