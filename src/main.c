@@ -77,9 +77,10 @@ static const struct argp_option RUN_OPTIONS[] = {
 
 static vs_status steady(const vs_arguments *a, vs_error *err) {
   const vs_run_options o = run_options(a);
-  const vs_branch_options branch = {&o, a->along, a->step, a->period};
-  if (a->step && !a->along)
-    return vs_fail(err, VS_INPUT, "--step: it goes with --along; see vibrospice steady --help");
+  const vs_branch_options branch = {&o, {a->along, a->step, a->at}, a->period};
+  if ((a->step || a->at) && !a->along)
+    return vs_fail(err, VS_INPUT, "--%s: it goes with --along; see vibrospice steady --help",
+                   a->step ? "step" : "at");
   return a->along ? vs_branch_command(&branch, err) : vs_steady_command(&o, a->period, err);
 }
 
@@ -107,6 +108,8 @@ static const struct argp_option STEADY_OPTIONS[] = {
     VS_COMMAND_VALUE("along", VS_KEY_ALONG, "KEY=FROM..TO",
                      "follows the orbit over a scene key, around folds: where it grazes a stop, "
                      "turns, loses its stability"),
+    VS_COMMAND_VALUE("at", VS_KEY_AT, "VALUE",
+                     "with --along: reports every orbit of the branch at that value of the key"),
     VS_COMMAND_VALUE("step", VS_KEY_STEP, "S",
                      "the key's largest change from point to point (default a 50th of the range)"),
     VS_COMMAND_VALUE("output", 'o', "DIR",

@@ -50,8 +50,19 @@ static vs_status read_step(vs_along *a, const char *step, vs_error *err) {
                  why, *why ? "; " : "allowed: ", range, *a->axis.unit ? " " : "", a->axis.unit);
 }
 
-/* The key and its range; both texts are parts of `words`, which is cut up. */
-static vs_status read_range(vs_along *a, char *words, const char *step, vs_error *err) {
+static vs_status read_at(vs_along *a, const char *at, vs_error *err) {
+  vs_where where = {.file = "--at"};
+  a->at = NAN;
+  if (!at) return VS_OK;
+  const vs_node node = vs_tree_word(NULL, at, where);
+  vs_status status = vs_axis_number(&a->axis, &node, &a->at, err);
+  if (status || (a->at - a->from) * (a->at - a->to) <= 0) return status;
+  return vs_fail(err, VS_INPUT, "--at %s: allowed: in the range, %g..%g%s%s", at, a->from, a->to,
+                 *a->axis.unit ? " " : "", a->axis.unit);
+}
+
+/* The key and its range, of which `words` is cut up. */
+static vs_status read_range(vs_along *a, char *words, vs_error *err) {
   const vs_where where = {.file = a->place};
   char *sign = strchr(words, '='), *dots = sign ? strstr(sign, "..") : NULL;
   if (!dots || sign == words)
@@ -65,16 +76,17 @@ static vs_status read_range(vs_along *a, char *words, const char *step, vs_error
   if (!status) status = read_end(a, dots + 2, &a->to, err);
   if (!status && a->from == a->to)
     status = vs_fail_at(err, where, "%s: the range ends where it begins", a->axis.key);
-  return status ? status : read_step(a, step, err);
+  return status;
 }
 
-vs_status vs_along_read(vs_along *a, vs_scene *scene, const char *text, const char *step,
-                        vs_error *err) {
+vs_status vs_along_read(vs_along *a, vs_scene *scene, const vs_along_words *w, vs_error *err) {
   *a = (vs_along){.scene = scene};
-  snprintf(a->place, sizeof a->place, "--along %s", text);
-  char *words = vs_copy(text);
-  vs_status status = read_range(a, words, step, err);
+  snprintf(a->place, sizeof a->place, "--along %s", w->range);
+  char *words = vs_copy(w->range);
+  vs_status status = read_range(a, words, err);
   free(words);
+  if (!status) status = read_step(a, w->step, err);
+  if (!status) status = read_at(a, w->at, err);
   /* vs_scene_again chooses the tier anew, without --tier */
   if (!status) vs_tree_put(&scene->tree, "run.tier", scene->tier->name, (vs_where){a->place, 0, 0});
   return status ? status : vs_along_move(a, a->from, err);

@@ -62,7 +62,7 @@ static vs_status follow(const vs_branch_options *o, vs_scene *scene, vs_error *e
   vs_walk walk = {0};
   vs_status status =
       vs_tiers_require_orbits("steady --along", scene->tier, scene->why, (vs_where){0}, err);
-  if (!status) status = vs_along_read(&along, scene, o->along, o->step, err);
+  if (!status) status = vs_along_read(&along, scene, &o->words, err);
   if (!status) status = vs_walk_go(&walk, &along, o->periods, o->run->stop, err);
   if (!status) status = say(&walk, o->run, err);
   vs_walk_free(&walk);

@@ -3,11 +3,12 @@
 #ifndef VS_BRANCH_BRANCH_H
 #define VS_BRANCH_BRANCH_H
 
+#include "branch/along.h"
 #include "command/run.h"
 
 typedef struct vs_branch_options {
   const vs_run_options *run; /* scene, sets, tier, folder, json, quiet, digits and stop count */
-  const char *along, *step;  /* as for vs_along_read */
+  vs_along_words words;
   int periods;
 } vs_branch_options;
 

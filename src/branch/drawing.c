@@ -3,18 +3,27 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/file.h"
 #include "branch/rows.h"
 #include "picture/gnuplot.h"
 
-static const struct {
-  const char *state, *title, *line;
-} PARTS[] = {{"stable", "stable", "lc rgb '#1f4e79' lw 2"},
-             {"unstable", "unstable", "lc rgb '#d1495b' lw 1.6 dt 2"},
-             {"beyond", "beyond the gap", "lc rgb '#808080' lw 1.2 dt 3"}};
+/* How the parts of the curves are drawn: by whether they are stable, and possible at all. */
+typedef struct part {
+  bool unstable, beyond;
+  const char *title, *line;
+} part;
+static const part PARTS[] = {
+    {false, false, "stable", "lc rgb '#1f4e79' lw 2"},
+    {true, false, "unstable", "lc rgb '#d1495b' lw 1.6 dt 2"},
+    {false, true, "stable, beyond the gap", "lc rgb '#9fb8d0' lw 1.6"},
+    {true, true, "unstable, beyond the gap", "lc rgb '#e8b4bc' lw 1.6 dt 2"},
+};
 enum { N_PARTS = sizeof PARTS / sizeof *PARTS };
+
+static bool is_of(const vs_walk *w, const vs_path_point *at, const part *p) {
+  return (at->unstable > 0) == p->unstable && (*vs_rows_beyond(w, at) != 0) == p->beyond;
+}
 
 static void add_point(const vs_walk *w, const vs_path_point *at, bool largest, vs_text *script) {
   const vs_turns *t = &at->turns;
@@ -22,13 +31,13 @@ static void add_point(const vs_walk *w, const vs_path_point *at, bool largest, v
               1e3 * (largest ? t->largest : t->least).best.value);
 }
 
-/* A curve's pieces of one state, cut by blank lines. A piece begins at the point before it, which
- * is a mark where the state changes. */
-static void add_pieces(const vs_walk *w, const char *state, bool largest, vs_text *script) {
+/* A curve's pieces of one kind, cut by blank lines. A piece begins at the point before it, which
+ * is a mark where the kind changes. */
+static void add_pieces(const vs_walk *w, const part *p, bool largest, vs_text *script) {
   bool was = false;
   for (size_t r = 0; r < w->count; r++) {
     const vs_path_point *at = &w->row[r].at;
-    bool is = !strcmp(vs_rows_state(w, at), state);
+    bool is = is_of(w, at, p);
     if (is && !was && r) add_point(w, &w->row[r - 1].at, largest, script);
     if (is) add_point(w, at, largest, script);
     if (!is && was) vs_text_add(script, "\n");
@@ -37,9 +46,9 @@ static void add_pieces(const vs_walk *w, const char *state, bool largest, vs_tex
   vs_text_add(script, "\n");
 }
 
-static bool has_state(const vs_walk *w, const char *state) {
+static bool has_part(const vs_walk *w, const part *p) {
   for (size_t r = 0; r < w->count; r++)
-    if (!strcmp(vs_rows_state(w, &w->row[r].at), state)) return true;
+    if (is_of(w, &w->row[r].at, p)) return true;
   return false;
 }
 
@@ -47,7 +56,7 @@ static void add_data(const vs_walk *w, vs_text *script) {
   for (int p = 0; p < N_PARTS; p++)
     for (int largest = 0; largest < 2; largest++) {
       vs_text_add(script, "$part%d%d << EOD\n", p, largest);
-      add_pieces(w, PARTS[p].state, largest, script);
+      add_pieces(w, &PARTS[p], largest, script);
       vs_text_add(script, "EOD\n");
     }
   for (int k = 0; vs_mark_kinds[k]; k++) {
@@ -64,10 +73,13 @@ static bool has_mark(const vs_walk *w, const vs_mark_kind *kind) {
   return false;
 }
 
+/* gnuplot's types of points, all of them full. */
+static const int POINTS[] = {5, 7, 9, 11, 13, 15, 10, 8, 6};
+
 static void add_plot(const vs_walk *w, vs_text *script) {
   const char *comma = "plot ";
   for (int p = 0; p < N_PARTS; p++) {
-    if (!has_state(w, PARTS[p].state)) continue;
+    if (!has_part(w, &PARTS[p])) continue;
     vs_text_add(script, "%s$part%d0 with lines %s title '%s', $part%d1 with lines %s notitle",
                 comma, p, PARTS[p].line, PARTS[p].title, p, PARTS[p].line);
     comma = ", ";
@@ -75,7 +87,7 @@ static void add_plot(const vs_walk *w, vs_text *script) {
   for (int k = 0; vs_mark_kinds[k]; k++)
     if (has_mark(w, vs_mark_kinds[k]))
       vs_text_add(script, ", $mark%d with points pt %d ps 1.2 lc rgb '#202020' title '%s'", k,
-                  5 + 2 * (k % 5), vs_mark_kinds[k]->name);
+                  POINTS[k % (int)(sizeof POINTS / sizeof *POINTS)], vs_mark_kinds[k]->name);
   vs_text_add(script, "\n");
 }
 

@@ -12,13 +12,13 @@ static double of_fold(const vs_marks_span *s, const vs_path_point *at, int which
   return at->way[s->count];
 }
 
-/* The product of 1 + mu over all multipliers: pairs leave its sign alone. */
+/* The product of 1 + mu over all multipliers; each of a complex pair gives the same size. */
 static double of_flip(const vs_marks_span *s, const vs_path_point *at, int which) {
   double product = 1;
   (void)which;
   for (int k = 0; k < s->count; k++) {
     const vs_multiplier *m = &at->multiplier[k];
-    if (m->im == 0) product *= 1 + m->re;
+    product *= m->im == 0 ? 1 + m->re : hypot(1 + m->re, m->im);
   }
   return product;
 }
@@ -90,31 +90,54 @@ static double of_firings(const vs_marks_span *s, const vs_path_point *at, int wh
   return from == to || 2 * abs(at->turns.fired - from) < abs(to - from) ? 1 : -1;
 }
 
-static const vs_mark_kind FOLD = {"fold", "the key turns back: a multiplier passes 1", of_fold,
-                                  NULL, NULL},
-                          FLIP = {"flip",
-                                  "a multiplier passes -1: an orbit of twice the period begins",
-                                  of_flip, NULL, NULL},
-                          TORUS = {"torus",
-                                   "a pair of multipliers passes the unit circle: a slow beat "
-                                   "begins",
-                                   of_torus, NULL, is_torus},
-                          GRAZING = {"grazing",
-                                     "a stop is met with speed 0: a contact begins or "
-                                     "ends",
-                                     of_grazing, stops_of, NULL},
-                          POLE = {"pole_cover",
-                                  "the armature touches the pole cover, and there is no stop",
-                                  of_pole, NULL, NULL},
-                          IRON = {"iron",
-                                  "no gap is left, not even the pole cover: beyond it the "
-                                  "orbit is none of the machine",
-                                  of_iron, NULL, NULL},
-                          FIRING = {"firing", "the thyristor fires more or less often in a period",
-                                    of_firings, NULL, NULL};
+/* The key itself. */
+static double of_key(const vs_marks_span *s, const vs_path_point *at, int which) {
+  (void)which;
+  return at->z[s->count] - s->at;
+}
 
-const vs_mark_kind *const vs_mark_kinds[] = {&FOLD, &FLIP, &TORUS,  &GRAZING,
-                                             &POLE, &IRON, &FIRING, NULL};
+static double of_nothing(const vs_marks_span *s, const vs_path_point *at, int which) {
+  (void)s, (void)at, (void)which;
+  return NAN;
+}
+
+const vs_mark_kind vs_mark_merging = {
+    .name = "merging",
+    .text = "the branch ends in one of a smaller period, which has a flip here",
+    .value = of_nothing};
+static const vs_mark_kind FOLD = {.name = "fold",
+                                  .text = "the key turns back: a multiplier passes 1",
+                                  .value = of_fold},
+                          FLIP = {.name = "flip",
+                                  .text = "a multiplier passes -1: a branch of twice the period "
+                                          "begins or ends",
+                                  .value = of_flip,
+                                  .in_pairs = true},
+                          TORUS = {.name = "torus",
+                                   .text = "a pair of multipliers passes the unit circle: a beat "
+                                           "begins or ends",
+                                   .value = of_torus,
+                                   .holds = is_torus,
+                                   .in_pairs = true},
+                          GRAZING = {.name = "grazing",
+                                     .text = "a stop is met with speed 0: a contact begins or ends",
+                                     .value = of_grazing,
+                                     .count = stops_of},
+                          POLE = {.name = "pole_cover",
+                                  .text = "the armature touches the pole cover, and there is no "
+                                          "stop",
+                                  .value = of_pole},
+                          IRON = {.name = "iron",
+                                  .text = "no gap is left, not even the pole cover's: beyond it "
+                                          "the orbit is none of the machine's",
+                                  .value = of_iron},
+                          FIRING = {.name = "firing",
+                                    .text = "the thyristor fires more or less often in a period",
+                                    .value = of_firings},
+                          AT = {.name = "at", .text = "what --at asks for", .value = of_key};
+
+const vs_mark_kind *const vs_mark_kinds[] = {&FOLD, &FLIP,   &TORUS,           &GRAZING, &POLE,
+                                             &IRON, &FIRING, &vs_mark_merging, &AT,      NULL};
 
 bool vs_mark_between(const vs_mark *mark, const vs_marks_span *s) {
   double a = mark->kind->value(s, s->a, mark->which), b = mark->kind->value(s, s->b, mark->which);
@@ -140,16 +163,41 @@ static double width(const vs_path *p, const end *lo, const end *hi) {
   return (steepest * fabs(hi->s - lo->s) + rounding) * p->unit[p->count];
 }
 
+/* The plane across the straight way from one point to another, through the former. */
+typedef struct chord {
+  double normal[VS_PATH_MOST];
+  double length;
+  const vs_path_point *from;
+} chord;
+
+static chord chord_of(const vs_path *p, const vs_marks_span *span) {
+  chord c = {.from = span->a};
+  for (int j = 0; j <= p->count; j++) {
+    c.normal[j] = (span->b->z[j] - span->a->z[j]) / p->unit[j];
+    c.length = hypot(c.length, c.normal[j]);
+  }
+  for (int j = 0; j <= p->count; j++) c.normal[j] /= c.length;
+  return c;
+}
+
 /* Finds the orbit at s, beginning between those of the ends. */
-static bool try(vs_path *p, const vs_path_plane *across, const end *lo, const end *hi, end *at) {
+static bool try(vs_path *p, const chord *c, const end *lo, const end *hi, end *at) {
   vs_error why = {0};
-  vs_path_plane plane = *across;
+  const vs_path_plane plane = {c->normal, c->from->z, at->s};
   double part = (at->s - lo->s) / (hi->s - lo->s);
-  plane.offset = at->s;
   at->at = lo->at;
   for (int j = 0; j <= p->count; j++)
     at->at.z[j] = lo->at.z[j] + part * (hi->at.z[j] - lo->at.z[j]);
   return !vs_path_solve(p, &plane, &at->at, &why);
+}
+
+bool vs_mark_middle(vs_path *p, const vs_marks_span *span, double part, vs_path_point *at) {
+  const chord c = chord_of(p, span);
+  const end lo = {.at = *span->a}, hi = {.s = c.length, .at = *span->b};
+  end middle = {.s = part * c.length};
+  bool there = try(p, &c, &lo, &hi, &middle);
+  *at = middle.at;
+  return there;
 }
 
 /* The secant's point, drawn towards the middle so that the interval shrinks from both its ends
@@ -167,10 +215,9 @@ static double next(const end *lo, const end *hi, double first, double slack) {
 
 bool vs_mark_locate(vs_path *p, const vs_marks_span *span, vs_mark *mark, vs_path_point *at) {
   enum { MOST_TRIES = 60 };
-  const vs_path_plane across = {span->a->way, span->a->z, 0};
+  const chord c = chord_of(p, span);
   end lo = {0, mark->kind->value(span, span->a, mark->which), *span->a};
-  end hi = {vs_path_offset(p, &across, span->b->z), mark->kind->value(span, span->b, mark->which),
-            *span->b};
+  end hi = {c.length, mark->kind->value(span, span->b, mark->which), *span->b};
   const double first = hi.s, key = fabs(span->a->z[p->count]),
                close = CLOSE * fmax(key, NEAR_ZERO * p->unit[p->count]);
   for (int n = 0; n < MOST_TRIES && width(p, &lo, &hi) > close; n++) {
@@ -178,7 +225,7 @@ bool vs_mark_locate(vs_path *p, const vs_marks_span *span, vs_mark *mark, vs_pat
     /* halving alone would have come down to first/2^n */
     double slack = fmax(ldexp(first, 1 - n) - (hi.s - lo.s) / 2, 0);
     mid.s = next(&lo, &hi, first, slack);
-    if (mid.s == lo.s || mid.s == hi.s || !try(p, &across, &lo, &hi, &mid)) break;
+    if (mid.s == lo.s || mid.s == hi.s || !try(p, &c, &lo, &hi, &mid)) break;
     mid.value = mark->kind->value(span, &mid.at, mark->which);
     if ((mid.value > 0) == (lo.value > 0))
       lo = mid;

@@ -12,6 +12,7 @@ typedef struct vs_marks_span {
   const vs_path_point *a, *b;
   const vs_model *model;
   int count; /* of the states */
+  double at; /* the value of the key that marks are asked for at; NaN: none */
 } vs_marks_span;
 
 /* Each kind is a constant. */
@@ -24,10 +25,14 @@ typedef struct vs_mark_kind {
   int (*count)(const vs_model *model);
   /* Whether it is one, as the number may have other zeros. NULL: it is. */
   bool (*holds)(const vs_path_point *at, int states);
+  bool in_pairs; /* two may lie so near that a step goes over both; the number then comes near to 0
+                    without a change of its sign */
 } vs_mark_kind;
 
 /* The kinds, in the order of lists; NULL ends them. */
 extern const vs_mark_kind *const vs_mark_kinds[];
+/* The one of them that the walk itself finds: where the branch ends in one of a smaller period. */
+extern const vs_mark_kind vs_mark_merging;
 
 typedef struct vs_mark {
   const vs_mark_kind *kind; /* NULL: it is none */
@@ -38,10 +43,13 @@ typedef struct vs_mark {
 /* Whether the kind's number has unlike signs at the ends of the span. */
 bool vs_mark_between(const vs_mark *mark, const vs_marks_span *span);
 
-/* Finds the mark between a point and the next, which is the solution in the plane across the
- * former's way: the orbit there, and mark->error. Returns false where the kind says it is none
- * after all. Where the iteration fails between the two, the mark is the nearer of the two orbits
- * between which it was last known to lie, and the error says how far they are apart. */
+/* Finds the orbit that is `part` of the way from one end of the span to the other. Returns false
+ * where the iteration fails. */
+bool vs_mark_middle(vs_path *path, const vs_marks_span *span, double part, vs_path_point *at);
+
+/* Finds the mark in the span: the orbit there, and mark->error. Returns false where the kind says
+ * it is none after all. Where the iteration fails between the two, the mark is the nearer of the
+ * two orbits between which it was last known to lie, and the error says how far they are apart. */
 bool vs_mark_locate(vs_path *path, const vs_marks_span *span, vs_mark *mark, vs_path_point *at);
 
 #endif

@@ -9,7 +9,8 @@
 
 enum { MOST = VS_PATH_MOST };
 
-double vs_path_offset(const vs_path *p, const vs_path_plane *plane, const double *z) {
+/* n.(z - z0) in the path's units. */
+static double offset_of(const vs_path *p, const vs_path_plane *plane, const double *z) {
   double offset = 0;
   for (int j = 0; j <= p->count; j++)
     offset += plane->normal[j] * (z[j] - plane->origin[j]) / p->unit[j];
@@ -133,7 +134,7 @@ static bool solve(const vs_path *p, const vs_path_plane *plane, const double *z,
     missing[i] = (im->flight.end[i] - z[i]) / p->unit[i];
   }
   memcpy(matrix + (n - 1) * n, plane->normal, n * sizeof *matrix);
-  missing[n - 1] = plane->offset - vs_path_offset(p, plane, z);
+  missing[n - 1] = plane->offset - offset_of(p, plane, z);
   along[n - 1] = 1;
   gsl_matrix_view a = gsl_matrix_view_array(matrix, n, n);
   gsl_vector_view b = gsl_vector_view_array(missing, n), c = gsl_vector_view_array(along, n);

@@ -65,7 +65,4 @@ void vs_path_rescale(vs_path *path, vs_path_point *at);
 vs_status vs_path_solve(vs_path *path, const vs_path_plane *plane, vs_path_point *point,
                         vs_error *err);
 
-/* n.(z - z0) in the path's units. */
-double vs_path_offset(const vs_path *path, const vs_path_plane *plane, const double *z);
-
 #endif

@@ -14,14 +14,15 @@ static const vs_model *model_of(const vs_walk *w) {
   return &w->along->scene->setup.model;
 }
 
-/* Without a stop the orbit ends at the pole cover; with one, where no gap is left. */
-static bool is_beyond(const vs_model *m, const vs_path_point *at) {
+const char *vs_rows_beyond(const vs_walk *w, const vs_path_point *at) {
+  const vs_model *m = model_of(w);
   double least = at->turns.least.best.value;
-  return m->coil.law->poles && (vs_mechanics_closed(m, least) || vs_coil_gap(&m->coil, least) <= 0);
+  if (!m->coil.law->poles) return "";
+  if (vs_coil_gap(&m->coil, least) <= 0) return "iron";
+  return vs_mechanics_closed(m, least) ? "pole_cover" : "";
 }
 
-const char *vs_rows_state(const vs_walk *w, const vs_path_point *at) {
-  if (is_beyond(model_of(w), at)) return "beyond";
+static const char *state_of(const vs_path_point *at) {
   return at->unstable ? "unstable" : "stable";
 }
 
@@ -90,7 +91,7 @@ static void add_header(const vs_walk *w, FILE *out) {
     vs_units_suffix(COLUMNS[k].unit, suffix, sizeof suffix);
     fprintf(out, ",%s%s%s", COLUMNS[k].name, *suffix ? "_" : "", suffix);
   }
-  fputs(",state,mark,error\n", out);
+  fputs(",state,beyond,mark,error\n", out);
 }
 
 void vs_rows_csv(const vs_walk *w, int digits, FILE *out) {
@@ -102,7 +103,7 @@ void vs_rows_csv(const vs_walk *w, int digits, FILE *out) {
     fprintf(out, "%.*g", digits > DIGITS ? digits : DIGITS, row->at.z[w->path.count]);
     for (int i = 0; i < 2 * dof; i++) fprintf(out, ",%.*g", digits, row->at.turns.of[i].best.value);
     for (int k = 0; k < N_COLUMNS; k++) fprintf(out, ",%.*g", digits, COLUMNS[k].value(&row->at));
-    fprintf(out, ",%s,%s,", vs_rows_state(w, &row->at), mark_of(row));
+    fprintf(out, ",%s,%s,%s,", state_of(&row->at), vs_rows_beyond(w, &row->at), mark_of(row));
     if (row->mark.kind) fprintf(out, "%.2g", row->mark.error);
     fputc('\n', out);
   }
@@ -132,6 +133,7 @@ static void add_end(const vs_walk *w, vs_text *text) {
 
 static void add_row(const vs_walk *w, const vs_walk_row *row, vs_json *json) {
   const vs_model *m = model_of(w);
+  const char *beyond = vs_rows_beyond(w, &row->at);
   vs_json_object(json, NULL, VS_JSON_ROW);
   if (row->mark.kind) {
     vs_json_text(json, "kind", row->mark.kind->name);
@@ -147,7 +149,8 @@ static void add_row(const vs_walk *w, const vs_walk_row *row, vs_json *json) {
   }
   for (int k = 0; k < N_COLUMNS; k++)
     vs_json_number(json, COLUMNS[k].name, COLUMNS[k].value(&row->at), DIGITS);
-  vs_json_text(json, "state", vs_rows_state(w, &row->at));
+  vs_json_text(json, "state", state_of(&row->at));
+  vs_json_text(json, "beyond", *beyond ? beyond : NULL);
   vs_json_end(json);
 }
 
@@ -186,9 +189,10 @@ void vs_rows_json(const vs_walk *w, vs_text *text) {
 
 static void print_row(const vs_walk *w, const vs_walk_row *row, FILE *out) {
   const vs_path_point *at = &row->at;
-  fprintf(out, "%18.12g %14.7g %14.7g %5.0f %12.5g %12.9f  %-9s", at->z[w->path.count],
-          1e3 * least(at), 1e3 * largest(at), contacts(at), speed(at), size(at),
-          vs_rows_state(w, at));
+  const char *beyond = vs_rows_beyond(w, at);
+  fprintf(out, "%18.12g %14.7g %14.7g %5.0f %12.5g %12.9f  %-9s %-10s", at->z[w->path.count],
+          1e3 * least(at), 1e3 * largest(at), contacts(at), speed(at), size(at), state_of(at),
+          beyond);
   if (row->mark.kind) fprintf(out, " %s +- %.1g", mark_of(row), row->mark.error);
   fputc('\n', out);
 }

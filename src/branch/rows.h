@@ -17,8 +17,8 @@ void vs_rows_json(const vs_walk *walk, vs_text *text);
 /* Prints the table: some of the points, and all marks. */
 void vs_rows_print(const vs_walk *walk, FILE *out);
 
-/* What becomes of a machine that is put on the orbit: "stable", "unstable"; beyond what the machine
- * can do: "beyond". */
-const char *vs_rows_state(const vs_walk *walk, const vs_path_point *at);
+/* What the gap cannot do: "pole_cover", the armature goes beyond it, and there is no stop; "iron",
+ * it goes where no gap is left. "": the orbit is one of the machine. */
+const char *vs_rows_beyond(const vs_walk *walk, const vs_path_point *at);
 
 #endif

@@ -59,6 +59,7 @@ static const char **word_of(vs_arguments *a, int key) {
                {VS_KEY_OVERLAY, &a->overlay},
                {VS_KEY_ALONG, &a->along},
                {VS_KEY_STEP, &a->step},
+               {VS_KEY_AT, &a->at},
                {VS_KEY_SHARD, &a->shard}};
   for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
     if (WORDS[k].key == key) return WORDS[k].word;
