@@ -104,20 +104,24 @@ static double of_nothing(const vs_marks_span *s, const vs_path_point *at, int wh
 const vs_mark_kind vs_mark_merging = {
     .name = "merging",
     .text = "the branch ends in one of a smaller period, which has a flip here",
-    .value = of_nothing};
+    .value = of_nothing,
+    .neutral = true};
 static const vs_mark_kind FOLD = {.name = "fold",
                                   .text = "the key turns back: a multiplier passes 1",
-                                  .value = of_fold},
+                                  .value = of_fold,
+                                  .neutral = true},
                           FLIP = {.name = "flip",
                                   .text = "a multiplier passes -1: a branch of twice the period "
                                           "begins or ends",
                                   .value = of_flip,
+                                  .neutral = true,
                                   .in_pairs = true},
                           TORUS = {.name = "torus",
                                    .text = "a pair of multipliers passes the unit circle: a beat "
                                            "begins or ends",
                                    .value = of_torus,
                                    .holds = is_torus,
+                                   .neutral = true,
                                    .in_pairs = true},
                           GRAZING = {.name = "grazing",
                                      .text = "a stop is met with speed 0: a contact begins or ends",

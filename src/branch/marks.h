@@ -25,6 +25,8 @@ typedef struct vs_mark_kind {
   int (*count)(const vs_model *model);
   /* Whether it is one, as the number may have other zeros. NULL: it is. */
   bool (*holds)(const vs_path_point *at, int states);
+  bool neutral;  /* a multiplier lies on the unit circle, so that the orbit is neither stable nor
+                    unstable for its sake */
   bool in_pairs; /* two may lie so near that a step goes over both; the number then comes near to 0
                     without a change of its sign */
 } vs_mark_kind;

@@ -22,8 +22,17 @@ const char *vs_rows_beyond(const vs_walk *w, const vs_path_point *at) {
   return vs_mechanics_closed(m, least) ? "pole_cover" : "";
 }
 
-static const char *state_of(const vs_path_point *at) {
-  return at->unstable ? "unstable" : "stable";
+/* The key of a fold is known better by far than its multiplier, which goes with the square root of
+ * the key's distance. */
+static const double ABOUT_ONE = 1e-3;
+
+/* What becomes of a machine that is put on the orbit. */
+static const char *state_of(const vs_walk *w, const vs_walk_row *row) {
+  const vs_path_point *at = &row->at;
+  bool neutral = row->mark.kind && row->mark.kind->neutral;
+  for (int k = 0; k < w->path.count && neutral; k++)
+    neutral = hypot(at->multiplier[k].re, at->multiplier[k].im) < 1 + ABOUT_ONE;
+  return neutral ? "neutral" : at->unstable ? "unstable" : "stable";
 }
 
 /* ---- the columns ---- */
@@ -103,7 +112,7 @@ void vs_rows_csv(const vs_walk *w, int digits, FILE *out) {
     fprintf(out, "%.*g", digits > DIGITS ? digits : DIGITS, row->at.z[w->path.count]);
     for (int i = 0; i < 2 * dof; i++) fprintf(out, ",%.*g", digits, row->at.turns.of[i].best.value);
     for (int k = 0; k < N_COLUMNS; k++) fprintf(out, ",%.*g", digits, COLUMNS[k].value(&row->at));
-    fprintf(out, ",%s,%s,%s,", state_of(&row->at), vs_rows_beyond(w, &row->at), mark_of(row));
+    fprintf(out, ",%s,%s,%s,", state_of(w, row), vs_rows_beyond(w, &row->at), mark_of(row));
     if (row->mark.kind) fprintf(out, "%.2g", row->mark.error);
     fputc('\n', out);
   }
@@ -149,7 +158,7 @@ static void add_row(const vs_walk *w, const vs_walk_row *row, vs_json *json) {
   }
   for (int k = 0; k < N_COLUMNS; k++)
     vs_json_number(json, COLUMNS[k].name, COLUMNS[k].value(&row->at), DIGITS);
-  vs_json_text(json, "state", state_of(&row->at));
+  vs_json_text(json, "state", state_of(w, row));
   vs_json_text(json, "beyond", *beyond ? beyond : NULL);
   vs_json_end(json);
 }
@@ -191,7 +200,7 @@ static void print_row(const vs_walk *w, const vs_walk_row *row, FILE *out) {
   const vs_path_point *at = &row->at;
   const char *beyond = vs_rows_beyond(w, at);
   fprintf(out, "%18.12g %14.7g %14.7g %5.0f %12.5g %12.9f  %-9s %-10s", at->z[w->path.count],
-          1e3 * least(at), 1e3 * largest(at), contacts(at), speed(at), size(at), state_of(at),
+          1e3 * least(at), 1e3 * largest(at), contacts(at), speed(at), size(at), state_of(w, row),
           beyond);
   if (row->mark.kind) fprintf(out, " %s +- %.1g", mark_of(row), row->mark.error);
   fputc('\n', out);

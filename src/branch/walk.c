@@ -134,10 +134,12 @@ static void look_between(vs_walk *w, size_t first, const vs_path_point *b, doubl
 }
 
 /* Adds the pairs of marks that lie within a step, which the signs at its ends do not show. b: the
- * point behind the row `last`, the row `before` is the point before that. */
-static void add_pairs(vs_walk *w, size_t before, size_t last, const vs_path_point *b) {
+ * point behind the row `last`, the row `before` is the point before that. Returns by how much the
+ * former moves. */
+static size_t add_pairs(vs_walk *w, size_t before, size_t last, const vs_path_point *b) {
+  size_t moved = 0;
   for (const vs_mark_kind *const *kind = vs_mark_kinds; *kind; kind++) {
-    const vs_path_point p = w->row[before].at, a = w->row[last].at;
+    const vs_path_point p = w->row[before].at, a = w->row[last + moved].at;
     const vs_marks_span span = span_of(w, &a, b);
     if (!(*kind)->in_pairs) continue;
     const double f[] = {(*kind)->value(&span, &p, 0), (*kind)->value(&span, &a, 0),
@@ -146,20 +148,23 @@ static void add_pairs(vs_walk *w, size_t before, size_t last, const vs_path_poin
     double at = bottom(f, s);
     size_t count = w->count;
     if (at < s[0]) look_between(w, before, &a, at / s[0], *kind);
-    if (at >= s[0]) look_between(w, last, b, (at - s[0]) / s[1], *kind);
-    if (at < s[0]) last += w->count - count;
+    if (at >= s[0]) look_between(w, last + moved, b, (at - s[0]) / s[1], *kind);
+    if (at < s[0]) moved += w->count - count;
   }
+  return moved;
 }
 
-/* An orbit of the period asked for comes this near to one of a smaller period, in parts of the
- * motion, where the two branches meet. */
-static const double MERGED = 1e-4, SAME = 1e-7;
+/* Where the branch meets one of a smaller period its orbits come as near to that as the root of the
+ * key's distance. So the mark there is MERGED of the motion away from it, as a step's ends are not;
+ * and an orbit that is SAME away is one of it. */
+static const double MERGED = 1e-2, NEARER = 0.1, SAME = 1e-7;
 
 /* Cuts the rows behind the one, from `first` on, at which the branch ends in one of a smaller
  * period. Returns false where it does not. */
-static bool cut_merged(vs_walk *w, size_t first) {
+static bool cut_merged(vs_walk *w, size_t first, const vs_path_point *b) {
+  double most = fmin(MERGED, NEARER * fmin(w->row[first].at.repeats, b->repeats));
   for (size_t r = first + 1; r < w->count; r++) {
-    if (!w->row[r].mark.kind || w->row[r].at.repeats >= MERGED) continue;
+    if (!w->row[r].mark.kind || !(w->row[r].at.repeats < most)) continue;
     for (size_t k = r + 1; k < w->count; k++) w->marks -= w->row[k].mark.kind != NULL;
     w->row[r].mark.kind = &vs_mark_merging;
     w->count = r + 1;
@@ -253,9 +258,9 @@ static size_t point_before(const vs_walk *w, size_t behind) {
 /* Looks for marks before the new point b, and adds both. Returns false where the branch merges. */
 static bool take(vs_walk *w, const vs_path_point *b) {
   size_t last = point_before(w, w->count), before = point_before(w, last);
+  if (last > before) last += add_pairs(w, before, last, b);
   add_marks(w, last, b);
-  if (last > before) add_pairs(w, before, last, b);
-  if (cut_merged(w, before) || b->repeats < SAME) return false;
+  if (cut_merged(w, last, b) || b->repeats < SAME) return false;
   add_point(w, b);
   return true;
 }
