@@ -247,6 +247,9 @@ static void explain_study(vs_text *help) {
   vs_text_add(help, "\nA study has, besides scene, set and report:\n");
   for (const vs_method *const *m = vs_methods_all; *m; m++)
     vs_text_add(help, "  %-8s %-12s %s\n", (*m)->key, (*m)->name, (*m)->text);
+  vs_text_add(help, "  %-8s %-12s %s\n", "steady", "",
+              "each case is one period of its orbit, as `vibrospice steady` finds it: true, or "
+              "{period: N}");
 }
 
 static const struct argp_option STUDY_OPTIONS[] = {

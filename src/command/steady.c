@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/text.h"
+#include "orbit/classes.h"
 #include "orbit/steady.h"
 
 enum { DIGITS = 12, SHOWN = 10 /* the last harmonic in the table; JSON has all */ };
@@ -65,6 +66,27 @@ static void add_harmonics(const vs_steady *s, vs_json *json) {
   vs_json_end(json);
 }
 
+static vs_drawn drawn_of(const vs_steady *s) {
+  return (vs_drawn){&s->spectrum, s->power_in_w, s->power_factor};
+}
+
+static void add_classes(const vs_steady *s, vs_json *json) {
+  const vs_drawn drawn = drawn_of(s);
+  vs_json_array(json, "harmonic_classes", VS_JSON_LINES);
+  for (const vs_class *c = vs_classes_all; c->name; c++) {
+    double part;
+    int worst = vs_classes_worst(c, &drawn, &part);
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    vs_json_text(json, "class", c->name);
+    vs_json_text(json, "text", c->text);
+    vs_json_bool(json, "held", part <= 1);
+    vs_json_whole(json, "worst", worst);
+    vs_json_number(json, "worst_part", part, DIGITS);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
 static void add_members(const void *ctx, vs_json *json) {
   const vs_steady *s = ctx;
   vs_json_whole(json, "period", s->orbit.n);
@@ -74,6 +96,7 @@ static void add_members(const void *ctx, vs_json *json) {
   vs_json_bool(json, "stable", s->orbit.stable);
   add_multipliers(&s->orbit, json);
   add_harmonics(s, json);
+  add_classes(s, json);
 }
 
 /* ---- the table ---- */
@@ -111,6 +134,17 @@ static void print_harmonics(const vs_steady *s, FILE *out) {
           worst, 100 * part_of_limit(s, worst));
 }
 
+static void print_classes(const vs_steady *s, FILE *out) {
+  const vs_drawn drawn = drawn_of(s);
+  fprintf(out, "\n%-10s %15s %15s   %s\n", "class", "worst harmonic", "part of limit", "of");
+  for (const vs_class *c = vs_classes_all; c->name; c++) {
+    double part;
+    int worst = vs_classes_worst(c, &drawn, &part);
+    fprintf(out, "%-10s %15d %13.2f %%   %s%s\n", c->name, worst, 100 * part, c->text,
+            part <= 1 ? "" : ": not held");
+  }
+}
+
 static void show(const void *ctx, FILE *out) {
   const vs_steady *s = ctx;
   const vs_orbit *orbit = &s->orbit;
@@ -119,6 +153,7 @@ static void show(const void *ctx, FILE *out) {
           orbit->period_s, orbit->n, orbit->iterations, orbit->residual);
   print_multipliers(orbit, out);
   print_harmonics(s, out);
+  print_classes(s, out);
   fprintf(out, "\n%-18s %16s\n", "over a period", "computed");
   for (int k = 0; vs_steady_at(s, k, &m); k++)
     fprintf(out, "%-18s %16.9g %-5s %s\n", m.name, m.value.value, m.unit, m.text);

@@ -298,7 +298,7 @@ static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err
   const vs_node *map = vs_tree_child(scene, section->name), *key = NULL;
   const vs_actuator_values *a = &m->actuator;
   vs_status s = VS_OK;
-  setup->steady = false;
+  setup->steady = setup->at_work = false;
   if (m->machine->lost) return VS_OK;
   if (map && map->kind == VS_NODE_TEXT && *map->text) {
     s = read_steady(scene, map, setup, err);

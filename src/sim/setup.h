@@ -68,8 +68,9 @@ typedef struct vs_setup {
   vs_timeline timeline;
   vs_run_values run;
   vs_start_values start;
-  bool steady; /* `start: steady`: the run begins on the scene's orbit, which scene/session.h has
-                  found for it; until then `start` is at rest */
+  bool steady;  /* `start: steady`: the run begins on the scene's orbit, which scene/session.h has
+                   found for it; until then `start` is at rest */
+  bool at_work; /* the run is whole periods of an orbit: what is seen comes again for ever */
   vs_measure_values measure;
   vs_span_s means; /* what `measure` says, as a stretch of time */
   vs_deck deck;    /* the scene's, also for a tier that does not use it; with what the scene's
