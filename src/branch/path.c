@@ -3,9 +3,11 @@
 
 #include <gsl/gsl_linalg.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "orbit/flight.h"
+#include "syntax/units.h"
 
 enum { MOST = VS_PATH_MOST };
 
@@ -15,6 +17,12 @@ static double offset_of(const vs_path *p, const vs_path_plane *plane, const doub
   for (int j = 0; j <= p->count; j++)
     offset += plane->normal[j] * (z[j] - plane->origin[j]) / p->unit[j];
   return offset;
+}
+
+void vs_path_end(vs_path *p) {
+  if (p->by) vs_parameter_end(p->by);
+  free(p->by);
+  p->by = NULL;
 }
 
 /* ---- units ---- */
@@ -65,49 +73,38 @@ static vs_status watch(void *ctx, const vs_step *step, vs_error *err) {
   return VS_OK;
 }
 
-/* The end of the run from the same state with another value of the key. */
-static vs_status end_at(vs_path *p, const double *x, double key, double *end, vs_error *err) {
-  vs_flight f;
+/* Moves the key and what the run's derivative with respect to it is made of. */
+static vs_status move_to(vs_path *p, double key, vs_error *err) {
+  const vs_axis *axis = &p->along->axis;
+  vs_error why = {0};
   vs_status status = vs_along_move(p->along, key, err);
-  if (status) return status;
-  vs_flight_begin(&f, p->along->scene);
-  p->runs++;
-  status = vs_flight_go(&f, x, p->periods, false, err);
-  memcpy(end, f.end, (size_t)p->count * sizeof *end);
-  vs_flight_end(&f);
+  if (status || (p->by && !vs_parameter_again(p->by, &why))) return status;
+  vs_path_end(p);
+  vs_parameter *by = vs_alloc(1, sizeof *by);
+  status = vs_parameter_begin(by, p->along->scene, axis->key, axis->where, 0, err);
+  if (status)
+    free(by);
+  else
+    p->by = by;
   return status;
 }
 
-/* By this part of its range the key is moved for differences: runs are known to some 1e-12 of the
- * motion. */
-static const double NUDGE = 1e-5;
-
-/* Central differences, or one-sided ones where the key may not go farther. */
-static vs_status differ(vs_path *p, const double *z, double *by_key, vs_error *err) {
-  double h = NUDGE * p->unit[p->count], key = z[p->count], lower[MOST], upper[MOST];
-  double lo = key - h, hi = key + h;
-  vs_error why = {0};
-  vs_status status = end_at(p, z, lo, lower, &why);
-  if (status) status = end_at(p, z, lo = key, lower, err);
-  if (!status && end_at(p, z, hi, upper, &why)) status = end_at(p, z, hi = key, upper, err);
-  if (status || lo == hi) return status ? status : vs_fail(err, VS_INPUT, "%s", why.text);
-  for (int i = 0; i < p->count; i++) by_key[i] = (upper[i] - lower[i]) / (hi - lo);
-  return VS_OK;
-}
-
-/* Makes the image of the point; vs_flight_end it. */
+/* Makes the image of the point; vs_flight_end it where it has a scene. */
 static vs_status map(vs_path *p, vs_path_point *at, image *to, vs_error *err) {
   *to = (image){0};
-  vs_status status = differ(p, at->z, to->by_key, err);
-  if (!status) status = vs_along_move(p->along, at->z[p->count], err);
+  vs_status status = move_to(p, at->z[p->count], err);
   if (status) return status;
   vs_turns_begin(&at->turns, &p->along->scene->setup.model);
   const vs_observer also = {&at->turns, watch};
   vs_flight_begin(&to->flight, p->along->scene);
-  p->runs++;
   to->flight.also = &also;
+  to->flight.parameter = p->by;
   status = vs_flight_go(&to->flight, at->z, p->periods, true, err);
   to->flight.also = NULL;
+  double unit = vs_units_factor(p->along->axis.unit) / p->by->size;
+  for (int i = 0; i < p->count && !status; i++)
+    to->by_key[i] = unit * vs_variation_get(&to->flight.variation, i, p->count);
+  p->runs++;
   at->period_s = p->periods * to->flight.cycle_s;
   memcpy(at->size, to->flight.size, sizeof at->size);
   return status;

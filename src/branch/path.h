@@ -7,8 +7,7 @@
  * where P is the run over one period and the second equation is a plane: the one across the branch
  * s further on, or that of one value of k. Newton's iteration solves both together by the matrix
  * (I - dP/dx, -dP/dk; n), which is regular at a fold, too, where I - dP/dx alone is not. dP/dx is
- * the monodromy matrix; dP/dk is taken from differences of runs, of which only the speed of the
- * iteration depends. */
+ * the monodromy matrix; it and dP/dk come with the run (orbit/variation.h). */
 #ifndef VS_BRANCH_PATH_H
 #define VS_BRANCH_PATH_H
 
@@ -36,6 +35,7 @@ typedef struct vs_path_point {
 
 typedef struct vs_path {
   vs_along *along;           /* borrowed */
+  vs_parameter *by;          /* the key as a parameter of the run; owned; NULL: not yet */
   int periods;               /* n: P is the run over as many firing periods */
   int count;                 /* of the states; z[count] is the key */
   double unit[VS_PATH_MOST]; /* what counts as 1 along each number of z */
@@ -48,6 +48,9 @@ typedef struct vs_path_plane {
   const double *origin; /* z0 */
   double offset;        /* s */
 } vs_path_plane;
+
+/* Frees what a path owns, also after an error of vs_path_begin. */
+void vs_path_end(vs_path *path);
 
 /* Finds the orbit at the key's present value as vs_shooting_seek does, and begins the path with it;
  * the units are those of that orbit, and of the key's range. The point's way leads from

@@ -304,5 +304,6 @@ vs_status vs_walk_go(vs_walk *w, vs_along *along, int periods, const volatile si
 }
 
 void vs_walk_free(vs_walk *w) {
+  vs_path_end(&w->path);
   free(w->row);
 }
