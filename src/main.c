@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/leave.h"
+#include "branch/branch.h"
 #include "command/check.h"
 #include "command/command.h"
 #include "command/export.h"
@@ -78,7 +79,11 @@ static const struct argp_option RUN_OPTIONS[] = {
 
 static vs_status steady(const vs_arguments *a, vs_error *err) {
   const vs_run_options o = run_options(a);
-  return vs_steady_command(&o, a->period, err);
+  const vs_branch_options branch = {&o, {a->along, a->step, a->at}, a->period};
+  if ((a->step || a->at) && !a->along)
+    return vs_fail(err, VS_INPUT, "--%s: it goes with --along; see vibrospice steady --help",
+                   a->step ? "step" : "at");
+  return a->along ? vs_branch_command(&branch, err) : vs_steady_command(&o, a->period, err);
 }
 
 static void explain_steady(vs_text *help) {
@@ -102,8 +107,16 @@ static const struct argp_option STEADY_OPTIONS[] = {
     VS_COMMAND_VALUE("period", VS_KEY_PERIOD, "N",
                      "the orbit repeats after N firing periods, of firing.every cycles of the "
                      "mains each (default 1)"),
+    VS_COMMAND_VALUE("along", VS_KEY_ALONG, "KEY=FROM..TO",
+                     "follows the orbit over a scene key, around folds: where it grazes a stop, "
+                     "turns, loses its stability"),
+    VS_COMMAND_VALUE("at", VS_KEY_AT, "VALUE",
+                     "with --along: reports every orbit of the branch at that value of the key"),
+    VS_COMMAND_VALUE("step", VS_KEY_STEP, "S",
+                     "the key's largest change from point to point (default a 50th of the range)"),
     VS_COMMAND_VALUE("output", 'o', "DIR",
-                     "writes run.csv of one period, events.csv and summary.json there"),
+                     "writes run.csv of one period, events.csv and summary.json there; with "
+                     "--along branch.csv, branch.json and branch.png"),
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
     REPRODUCIBLE_OPTION,
@@ -337,7 +350,9 @@ static const vs_command COMMANDS[] = {
              "power, harmonics, measures of one period",
      .examples = "  vibrospice steady paper --set firing.every=1\n"
                  "  vibrospice steady two_mass --set firing.every=1 --set firing.angle=130deg -o "
-                 "work\n",
+                 "work\n"
+                 "  vibrospice steady paper --set firing.every=1 --along "
+                 "firing.angle=130deg..70deg -o branch\n",
      .options = STEADY_OPTIONS,
      .run = steady,
      .explain = explain_steady},

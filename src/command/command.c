@@ -58,6 +58,9 @@ static const char **word_of(vs_arguments *a, int key) {
                {VS_KEY_DECK, &a->deck},
                {VS_KEY_MACHINE, &a->machine},
                {VS_KEY_OVERLAY, &a->overlay},
+               {VS_KEY_ALONG, &a->along},
+               {VS_KEY_STEP, &a->step},
+               {VS_KEY_AT, &a->at},
                {VS_KEY_SHARD, &a->shard},
                {VS_KEY_OF, &a->of},
                {VS_KEY_TO, &a->to}};

@@ -35,12 +35,19 @@ static const stencil STENCILS[] = {
      {-4, 3, -4.0 / 3, 0.25, 0, 0}}};
 enum { N_STENCILS = sizeof STENCILS / sizeof *STENCILS };
 
+enum { TEXT = VS_KEY_SIZE + 96 };
+
+/* The value as a scene reads it. */
+static void print_value(const vs_parameter *p, double value, char text[TEXT]) {
+  const char *unit = p->key.field->unit;
+  snprintf(text, TEXT, "%.17g%s%s", value / vs_units_factor(unit), *unit ? " " : "", unit);
+}
+
 static vs_status read_with(const vs_parameter *p, double value, vs_scene *other, vs_error *err) {
   const vs_scene *s = p->scene[0];
-  const char *unit = p->key.field->unit;
-  char text[VS_KEY_SIZE + 96];
-  snprintf(text, sizeof text, "%s=%.17g%s%s", p->key.name, value / vs_units_factor(unit),
-           *unit ? " " : "", unit);
+  char number[TEXT], text[VS_KEY_SIZE + TEXT];
+  print_value(p, value, number);
+  snprintf(text, sizeof text, "%s=%s", p->key.name, number);
   *other = (vs_scene){0};
   memcpy(other->path, s->path, sizeof other->path);
   vs_tree_copy(&s->tree, &other->tree);
@@ -63,6 +70,11 @@ static bool jumps(const vs_scene *scene, const vs_scene *other) {
   return fabs(a->first_zero_s / a->period_s - b->first_zero_s / b->period_s) > 0.5;
 }
 
+/* The key of the k-th scene. */
+static double value_at(const vs_parameter *p, int k) {
+  return p->value != 0 ? p->value * (1 + p->at[k]) : p->size * p->at[k];
+}
+
 static vs_status read_near(vs_parameter *p, const stencil *where, vs_error *err) {
   vs_status status = VS_OK;
   for (int k = 1; k < ALL && !status; k++) {
@@ -70,8 +82,7 @@ static vs_status read_near(vs_parameter *p, const stencil *where, vs_error *err)
     p->weight[k] = where->weight[k - 1] / p->step;
     p->coarse[k] = where->coarse[k - 1] / p->step;
     p->scene[k] = vs_alloc(1, sizeof **p->scene);
-    double value = p->value != 0 ? p->value * (1 + p->at[k]) : p->size * p->at[k];
-    status = read_with(p, value, p->scene[k], err);
+    status = read_with(p, value_at(p, k), p->scene[k], err);
     if (!status && jumps(p->scene[0], p->scene[k]))
       status = vs_fail(err, VS_INPUT, "the first cycle begins elsewhere");
   }
@@ -190,6 +201,23 @@ vs_status vs_parameter_begin(vs_parameter *p, const vs_scene *scene, const char 
   p->setup = vs_alloc(ALL, sizeof *p->setup);
   vs_parameter_take(p, setup_of, NULL);
   return VS_OK;
+}
+
+vs_status vs_parameter_again(vs_parameter *p, vs_error *err) {
+  char text[TEXT];
+  vs_status status = vs_key_find(&p->scene[0]->setup, p->key.name, (vs_where){0}, &p->key, err);
+  double value = status ? NAN : vs_key_number(&p->key);
+  if (status || p->idle) return status;
+  if (isnan(value) || value == 0 || p->value == 0)
+    return vs_fail(err, VS_INPUT, "%s: its scenes have to be made anew", p->key.name);
+  p->value = p->size = value;
+  for (int k = 1; k < ALL && !status; k++) {
+    print_value(p, value_at(p, k), text);
+    vs_tree_put(&p->scene[k]->tree, p->key.name, text, (vs_where){0});
+    status = vs_scene_again(p->scene[k], err);
+  }
+  if (!status) vs_parameter_take(p, setup_of, NULL);
+  return status;
 }
 
 void vs_parameter_end(vs_parameter *p) {

@@ -60,6 +60,11 @@ vs_status vs_parameter_begin(vs_parameter *parameter, const vs_scene *scene, con
                              vs_where where, double step, vs_error *err);
 void vs_parameter_end(vs_parameter *parameter);
 
+/* Goes on with another value of the key, which the scene has by now: the other scenes get theirs by
+ * vs_scene_again, so that their tier must stand in them. Errors: those of vs_scene_again, and
+ * VS_INPUT where the key is or was 0; the parameter is then only good to end it. */
+vs_status vs_parameter_again(vs_parameter *parameter, vs_error *err);
+
 /* Puts the setups of another run in the place of the scenes' own: make(scene, ctx) gives that of
  * each scene, which may borrow from the scene's. */
 void vs_parameter_take(vs_parameter *parameter, vs_setup (*make)(const vs_scene *scene, void *ctx),
