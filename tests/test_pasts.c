@@ -100,6 +100,8 @@ static const struct mix {
     {"weak", "{e: {kind: weak_pulse, cycle: 3}}", "", "{events.e.level: [0.1 %, 5 %, 100 %]}", 2},
     {"spurious", "{e: {kind: spurious_pulse, at: 30 ms}}", "", "{events.e.at: [22 ms, 41 ms]}", 2},
     {"jam", "{e: {kind: jam, at: 30 ms}}", "", "{events.e.at: [30 ms, 25.5555555555556 ms]}", 2},
+    {"load", "{e: {kind: load, at: 30 ms, volume: 700 cm3}}", ", load.density: 1 g/cm3",
+     "{events.e.at: [25 ms, 33.5555555555556 ms], events.e.fraction: [0.2, 0.6]}", 4},
     {"jump", "{e: {kind: phase_jump, at: 30 ms}}", "",
      "{events.e.at: [30 ms, 42 ms], events.e.jump: [-30 deg, 10 deg]}", 4},
     {"notch", "{e: {kind: notch, at: 30 ms, count: 2}}", "", "{events.e.at: [21 ms, 41 ms]}", 2},
