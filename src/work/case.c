@@ -218,11 +218,11 @@ static vs_status judge_orbit(const vs_case *c, vs_error *err) {
                  hypot(orbit->multiplier[0].re, orbit->multiplier[0].im), VS_ATWORK_STABLE);
 }
 
-/* Finds the orbit of a study of orbits, whose period is then the run. */
-static vs_status begin_orbit(vs_case *c, vs_error *err) {
+/* The run is over: completes what is known of a study's orbit. */
+static vs_status end_orbit(vs_case *c, vs_error *err) {
   if (!c->steady) return VS_OK;
-  vs_status status = vs_steady_begin(c->steady, c->scene, c->plan->periods, err);
-  return status ? status : judge_orbit(c, err);
+  vs_steady_finish(c->steady, c->result);
+  return judge_orbit(c, err);
 }
 
 static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
@@ -231,9 +231,10 @@ static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
   const vs_session session = {.guest = c->keep || c->steady ? &guest : NULL,
                               .steady = vs_steady_start};
   *c->result = (vs_result){0};
-  vs_status status = begin_orbit(c, err);
+  vs_status status =
+      c->steady ? vs_steady_begin(c->steady, c->scene, c->plan->periods, err) : VS_OK;
   if (!status) status = vs_session_run(&session, c->scene, c->result, err);
-  if (!status && c->steady) vs_steady_finish(c->steady, c->result);
+  if (!status) status = end_orbit(c, err);
   if (!status) add_row(c, row);
   if (!status && k.csv.stream) status = vs_file_commit(&k.csv, err);
   vs_file_discard(&k.csv);
