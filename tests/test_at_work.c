@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "duty/heat.h"
+#include "orbit/heat.h"
 #include "program.h"
 #include "sim/sim.h"
 

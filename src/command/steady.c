@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "base/text.h"
-#include "duty/classes.h"
+#include "orbit/classes.h"
 #include "orbit/steady.h"
 
 enum { DIGITS = 12, SHOWN = 10 /* the last harmonic in the table; JSON has all */ };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "duty/spectrum.h"
+#include "orbit/spectrum.h"
 
 #include <math.h>
 

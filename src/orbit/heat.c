@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "duty/heat.h"
+#include "orbit/heat.h"
 
 #include <math.h>
 #include <stdio.h>
