@@ -26,6 +26,13 @@ static int worst_harmonic(const vs_steady *s) {
   return worst;
 }
 
+/* ---- what was found ---- */
+
+/* On tier circuit there may be one multiplier more than states of the machine, or none. */
+static int count_of_multipliers(const vs_steady *s) {
+  return s->picard ? s->picard->multipliers : s->orbit.count;
+}
+
 /* ---- JSON ---- */
 
 static void add_measures(const void *ctx, vs_json *json) {
@@ -35,9 +42,10 @@ static void add_measures(const void *ctx, vs_json *json) {
   }
 }
 
-static void add_multipliers(const vs_orbit *orbit, vs_json *json) {
+static void add_multipliers(const vs_steady *s, vs_json *json) {
+  const vs_orbit *orbit = &s->orbit;
   vs_json_array(json, "multipliers", VS_JSON_LINES);
-  for (int k = 0; k < orbit->count; k++) {
+  for (int k = 0; k < count_of_multipliers(s); k++) {
     vs_json_object(json, NULL, VS_JSON_ROW);
     vs_json_number(json, "re", orbit->multiplier[k].re, DIGITS);
     vs_json_number(json, "im", orbit->multiplier[k].im, DIGITS);
@@ -69,10 +77,13 @@ static void add_members(const void *ctx, vs_json *json) {
   const vs_steady *s = ctx;
   vs_json_whole(json, "period", s->orbit.n);
   vs_json_number(json, "period_s", s->orbit.period_s, DIGITS);
-  vs_json_whole(json, "iterations", s->orbit.iterations);
+  if (s->picard)
+    vs_json_whole(json, "cycles", s->picard->cycles);
+  else
+    vs_json_whole(json, "iterations", s->orbit.iterations);
   vs_json_number(json, "correction", s->orbit.residual, 3);
   vs_json_bool(json, "stable", s->orbit.stable);
-  add_multipliers(&s->orbit, json);
+  add_multipliers(s, json);
   add_harmonics(s, json);
 }
 
@@ -89,9 +100,14 @@ static void print_multiplier(const vs_orbit *orbit, int k, FILE *out) {
     fprintf(out, "%14s\n", "-");
 }
 
-static void print_multipliers(const vs_orbit *orbit, FILE *out) {
+static void print_multipliers(const vs_steady *s, FILE *out) {
+  const vs_orbit *orbit = &s->orbit;
+  if (!count_of_multipliers(s)) {
+    fprintf(out, "multipliers  not resolved: %s\n", s->picard->missing);
+    return;
+  }
   fprintf(out, "%-10s %15s %15s %15s %14s\n", "multiplier", "re", "im", "size", "decays in");
-  for (int k = 0; k < orbit->count; k++) print_multiplier(orbit, k, out);
+  for (int k = 0; k < count_of_multipliers(s); k++) print_multiplier(orbit, k, out);
   fprintf(out, "%s: the largest multiplier is %s\n", orbit->stable ? "stable" : "unstable",
           orbit->stable ? "below 1" : "1 or more, so that the machine does not stay on this orbit");
 }
@@ -115,9 +131,10 @@ static void show(const void *ctx, FILE *out) {
   const vs_steady *s = ctx;
   const vs_orbit *orbit = &s->orbit;
   vs_steady_measure m;
-  fprintf(out, "orbit  of %.9g s, period %d, in %d iterations; the last corrected it by %.1g\n\n",
-          orbit->period_s, orbit->n, orbit->iterations, orbit->residual);
-  print_multipliers(orbit, out);
+  fprintf(out, "orbit  of %.9g s, period %d, in %d %s; the last corrected it by %.1g\n\n",
+          orbit->period_s, orbit->n, s->picard ? s->picard->cycles : orbit->iterations,
+          s->picard ? "cycles" : "iterations", orbit->residual);
+  print_multipliers(s, out);
   print_harmonics(s, out);
   fprintf(out, "\n%-18s %16s\n", "over a period", "computed");
   for (int k = 0; vs_steady_at(s, k, &m); k++)
@@ -126,6 +143,10 @@ static void show(const void *ctx, FILE *out) {
 }
 
 /* ---- the command ---- */
+
+static void begin(void *ctx, vs_scene *scene) {
+  vs_steady_again(ctx, scene);
+}
 
 static void accept(void *ctx, const vs_step *step) {
   vs_steady_accept(ctx, step);
@@ -137,7 +158,7 @@ static void finish(void *ctx, const vs_result *result) {
 
 static vs_status report(const vs_run_options *o, int periods, vs_scene *scene, vs_error *err) {
   vs_steady *s = vs_alloc(1, sizeof *s);
-  const vs_run_more more = {s, accept, finish, show, {s, add_measures, add_members}};
+  const vs_run_more more = {s, begin, accept, finish, show, {s, add_measures, add_members}};
   vs_status status = vs_steady_begin(s, scene, periods, err);
   if (!status) status = vs_run_scene(o, &more, scene, err);
   vs_steady_end(s);

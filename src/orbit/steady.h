@@ -5,6 +5,7 @@
 #ifndef VS_ORBIT_STEADY_H
 #define VS_ORBIT_STEADY_H
 
+#include "orbit/picard.h"
 #include "orbit/reaction.h"
 #include "orbit/shooting.h"
 #include "orbit/spectrum.h"
@@ -22,6 +23,7 @@
 /* Begin with vs_steady_begin, end with vs_steady_end. */
 typedef struct vs_steady {
   vs_orbit orbit;
+  vs_picard *picard; /* found it, on tier circuit; NULL: on an ideal tier. Owned */
   vs_spectrum spectrum;
   vs_reaction reaction;
   const vs_model *model; /* the scene's; NULL: there is none yet */
@@ -37,10 +39,15 @@ typedef struct vs_steady_measure {
 } vs_steady_measure;
 
 /* Finds the orbit of that many firing periods, and makes the scene the one whose run is a period of
- * it: run.until is the period, the start is the orbit's, t = 0 is the mains' rise through zero.
- * Errors: VS_INPUT, the scene's tier is another than switched; those of vs_shooting_find. */
+ * it: run.until is the period, the start is the orbit's, t = 0 is the mains' rise through zero. On
+ * tier circuit the run itself finds the orbit, in its prelude (orbit/picard.h). Errors: VS_INPUT,
+ * the scene's tier knows no orbits; those of vs_shooting_find and vs_picard_new. */
 vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_error *err);
 void vs_steady_end(vs_steady *steady);
+
+/* Before each attempt at that run: makes the scene, which may be another reading of the one that
+ * was begun with, the one to be run. */
+void vs_steady_again(vs_steady *steady, vs_scene *scene);
 
 /* Takes a step of that run, and completes what is known from its result. */
 void vs_steady_accept(vs_steady *steady, const vs_step *step);
@@ -52,7 +59,8 @@ void vs_steady_finish(vs_steady *steady, const vs_result *result);
 bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *measure);
 
 /* For vs_session.steady: puts a scene with `start: steady` at the beginning of its orbit of one
- * firing period, that of the scene without its events. Errors: those of vs_shooting_find. */
+ * firing period, that of the scene without its events. On tier circuit it gives the scene's order a
+ * pilot for that. Errors: those of vs_shooting_find and vs_picard_new. */
 vs_status vs_steady_start(vs_scene *scene, vs_error *err);
 
 #endif
