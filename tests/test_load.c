@@ -367,6 +367,37 @@ static void a_change_of_nothing(void) {
   free_ran(&r);
 }
 
+/* ---- the page's example ---- */
+
+/* Copy of the first fenced block of that kind behind `at`. */
+static char *block(const char *at, const char *kind) {
+  char fence[32];
+  snprintf(fence, sizeof fence, "\n```%s\n", kind);
+  const char *begin = at ? strstr(at, fence) : NULL;
+  CU_ASSERT_PTR_NOT_NULL_FATAL(begin);
+  char *text = vs_copy(begin + strlen(fence));
+  *strstr(text, "\n```") = '\0';
+  return text;
+}
+
+static void the_page(void) {
+  char *page = read_file(VS_TEST_FOLDER "/../docs/operation.md");
+  const char *section = strstr(page, "\n## The load");
+  char *yaml = block(section, "yaml"), *lines = block(section, "sh"), *rest = lines, *line;
+  char *text = block(section, "text"), *expected = text;
+  vs_text said = {0};
+  write_file("charge.yaml", yaml);
+  while ((line = strsep(&rest, "\n"))) {
+    ran r = run("%s", line + strlen("vibrospice "));
+    EXPECT(r.status == 0, "%s: %s", line, r.err);
+    vs_text_add(&said, "%s", r.out);
+    free_ran(&r);
+  }
+  while ((line = strsep(&expected, "\n"))) EXPECT(strstr(said.text, line), "not said: %s", line);
+  vs_text_free(&said);
+  free(text), free(lines), free(yaml), free(page);
+}
+
 static const vs_test TESTS[] = {
     {"an event is two runs", an_event_is_two_runs},
     {"what arrives has the trough's velocity", momentum_and_energy},
@@ -380,6 +411,7 @@ static const vs_test TESTS[] = {
     {"what is refused", what_is_refused},
     {"keys of a machine", keys_of_a_machine},
     {"a change of nothing", a_change_of_nothing},
+    {"the page's example", the_page},
 };
 
 int main(void) {

@@ -8,7 +8,7 @@
 #include "base/text.h"
 #include "machine/build.h"
 #include "orbit/shooting.h"
-#include "orbit/throw.h"
+#include "period/throw.h"
 #include "scene/session.h"
 #include "scene/tiers.h"
 
