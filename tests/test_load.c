@@ -291,6 +291,19 @@ static void held_at_the_ends(void) {
   free_ran(&r);
 }
 
+/* Near resonance a heavier trough swings further, and throws more: a share of 0.14 and one of 0.6
+ * both ask for themselves. The lesser one is taken, and the other is told; it does hold. */
+static void two_shares(void) {
+  static const char HEAVY[] = LOADED "--set load.density=1.5g/cm3 --set firing.angle=130deg --json";
+  ran r = run("steady %s --set load.fraction=auto", HEAVY), other = run("steady %s --set "
+                                                                        "load.fraction=0.6",
+                                                                        HEAVY);
+  CU_ASSERT(r.status == 0 && strstr(r.err, "load.fraction: auto is 0.137964, and 0.6 would"));
+  CLOSE(number(r.out, "load_fraction"), share_of(number(r.out, "throw_coefficient")), 1e-9);
+  CU_ASSERT(number(r.out, "other") == 0.6 && number(other.out, "throw_coefficient") > 3.3);
+  free_ran(&r), free_ran(&other);
+}
+
 /* What events name is changed; what they do not stays as it was found. */
 static void events_behind_auto(void) {
   static const char SCENE[] = LOADED "--set firing.angle=120deg --tier switched --set "
@@ -407,6 +420,7 @@ static const vs_test TESTS[] = {
     {"range of the conveying speed", range_of_the_speed},
     {"auto is the share of its own orbit", the_share_of_its_own_orbit},
     {"auto is held at the ends", held_at_the_ends},
+    {"two shares", two_shares},
     {"events behind auto", events_behind_auto},
     {"what is refused", what_is_refused},
     {"keys of a machine", keys_of_a_machine},
