@@ -230,7 +230,9 @@ static void finish(void *ctx, const vs_result *result) {
   reporter *r = ctx;
   vs_steady_finish(&r->steady, result);
   vs_value down = vs_throw_down(&r->steady.thrown);
-  if (!vs_throw_speed(&r->steady.thrown).known || down.value <= vs_throw_most) return;
+  const vs_load_values *load = &r->steady.model->load;
+  bool empty = load->density_kg_m3 * load->volume_m3 == 0; /* the table's line will do */
+  if (empty || !vs_throw_speed(&r->steady.thrown).known || down.value <= vs_throw_most) return;
   vs_error *warning = vs_warnings_add(&r->scene->warnings);
   vs_fail(warning, VS_OK,
           "conveying_speed is outside of its formula's range, throw_down up to %.4g: this is %.4g, "

@@ -10,7 +10,7 @@
 #include "orbit/reaction.h"
 #include "orbit/shooting.h"
 #include "orbit/spectrum.h"
-#include "orbit/throw.h"
+#include "period/throw.h"
 #include "scene/result.h"
 
 /* What a period tells besides the measures of every run: member, name, unit, text. */
@@ -23,7 +23,7 @@
     "gained in a period by the coil's field and by the machine: 0 on an orbit")
 
 /* What it tells of the material, where the machine's file says how the trough moves: function of
- * orbit/throw.h, name, unit, text. */
+ * period/throw.h, name, unit, text. */
 #define VS_STEADY_THROW_LIST(X)                                                                    \
   X(vs_throw_coefficient, "throw_coefficient", "",                                                 \
     "the paper's K, largest trough acceleration over g")                                           \
