@@ -110,7 +110,7 @@ static bool same_wiring(const vs_setup *a, const vs_setup *b) {
 static bool is_alike(const vs_past *p, const double *point) {
   const vs_scene *a = vs_case_scene(p->trunk), *b = vs_case_scene(p->other);
   if (!same_point(p, point) || a->tier != b->tier || !same_wiring(&a->setup, &b->setup) ||
-      !same_loads(&a->setup.loads, &b->setup.loads) || !same_netlist(p, &b->setup))
+      !same_netlist(p, &b->setup))
     return false;
   const vs_pace pace = vs_pace_of(&b->setup);
   return same_pace(&p->pace, &pace);
