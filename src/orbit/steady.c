@@ -70,6 +70,10 @@ void vs_steady_again(vs_steady *steady, vs_scene *scene) {
   if (steady->picard) vs_picard_again(steady->picard);
 }
 
+int vs_steady_multipliers(const vs_steady *s) {
+  return s->picard ? s->picard->multipliers : s->orbit.count;
+}
+
 void vs_steady_end(vs_steady *steady) {
   vs_picard_free(steady->picard);
   vs_spectrum_end(&steady->spectrum);
@@ -84,6 +88,7 @@ void vs_steady_accept(vs_steady *steady, const vs_step *step) {
 void vs_steady_finish(vs_steady *steady, const vs_result *r) {
   const double *joule = r->watchers.energy.joule;
   if (steady->picard) steady->orbit = steady->picard->orbit;
+  if (steady->thrown.model) steady->thrown.model = steady->model; /* a tier's own ends with it */
   steady->power_in_w = joule[VS_E_SOURCE] / steady->orbit.period_s;
   steady->i_rms_a = vs_spectrum_rms(&steady->spectrum);
   steady->i_mean_a = vs_spectrum_mean(&steady->spectrum);

@@ -74,6 +74,10 @@ vs_status vs_steady_check(const vs_scene *scene, int periods, vs_error *err);
  * was begun with, the one to be run. */
 void vs_steady_again(vs_steady *steady, vs_scene *scene);
 
+/* How many multipliers are known. On tier circuit there may be one more than states of the machine,
+ * or none. */
+int vs_steady_multipliers(const vs_steady *steady);
+
 /* Takes a step of that run, and completes what is known from its result. */
 void vs_steady_accept(vs_steady *steady, const vs_step *step);
 void vs_steady_finish(vs_steady *steady, const vs_result *result);

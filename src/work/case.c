@@ -186,6 +186,7 @@ static vs_status begin_csv(keeper *k, const vs_scene *s, vs_error *err) {
 
 static vs_status begin_run(void *ctx, vs_scene *s, vs_error *err) {
   keeper *k = ctx;
+  if (k->c->steady) vs_steady_again(k->c->steady, s);
   return k->c->keep ? begin_csv(k, s, err) : VS_OK;
 }
 
@@ -211,7 +212,7 @@ static vs_status judge_orbit(const vs_case *c, vs_error *err) {
   for (size_t k = 0; k < c->plan->n_columns; k++)
     if (!strcmp(c->plan->columns[k].name, VS_ATWORK_STABLE) && c->plan->columns[k].where.file)
       return VS_OK;
-  if (orbit->stable) return VS_OK;
+  if (orbit->stable || !vs_steady_multipliers(c->steady)) return VS_OK;
   return vs_fail(err, VS_RUN,
                  "the orbit is unstable: its largest multiplier has the size %.6g, so the machine "
                  "does not stay on it; report: [%s, ...] has it in the table nevertheless",
