@@ -186,6 +186,7 @@ static vs_status begin_csv(keeper *k, const vs_scene *s, vs_error *err) {
 
 static vs_status begin_run(void *ctx, vs_scene *s, vs_error *err) {
   keeper *k = ctx;
+  if (k->c->steady) vs_steady_again(k->c->steady, s);
   return k->c->keep ? begin_csv(k, s, err) : VS_OK;
 }
 
@@ -211,18 +212,18 @@ static vs_status judge_orbit(const vs_case *c, vs_error *err) {
   for (size_t k = 0; k < c->plan->n_columns; k++)
     if (!strcmp(c->plan->columns[k].name, VS_ATWORK_STABLE) && c->plan->columns[k].where.file)
       return VS_OK;
-  if (orbit->stable) return VS_OK;
+  if (orbit->stable || !vs_steady_multipliers(c->steady)) return VS_OK;
   return vs_fail(err, VS_RUN,
                  "the orbit is unstable: its largest multiplier has the size %.6g, so the machine "
                  "does not stay on it; report: [%s, ...] has it in the table nevertheless",
                  hypot(orbit->multiplier[0].re, orbit->multiplier[0].im), VS_ATWORK_STABLE);
 }
 
-/* Finds the orbit of a study of orbits, whose period is then the run. */
-static vs_status begin_orbit(vs_case *c, vs_error *err) {
+/* The run is over: completes what is known of a study's orbit. */
+static vs_status end_orbit(vs_case *c, vs_error *err) {
   if (!c->steady) return VS_OK;
-  vs_status status = vs_steady_begin(c->steady, c->scene, c->plan->periods, err);
-  return status ? status : judge_orbit(c, err);
+  vs_steady_finish(c->steady, c->result);
+  return judge_orbit(c, err);
 }
 
 static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
@@ -231,9 +232,10 @@ static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
   const vs_session session = {.guest = c->keep || c->steady ? &guest : NULL,
                               .steady = vs_steady_start};
   *c->result = (vs_result){0};
-  vs_status status = begin_orbit(c, err);
+  vs_status status =
+      c->steady ? vs_steady_begin(c->steady, c->scene, c->plan->periods, err) : VS_OK;
   if (!status) status = vs_session_run(&session, c->scene, c->result, err);
-  if (!status && c->steady) vs_steady_finish(c->steady, c->result);
+  if (!status) status = end_orbit(c, err);
   if (!status) add_row(c, row);
   if (!status && k.csv.stream) status = vs_file_commit(&k.csv, err);
   vs_file_discard(&k.csv);
