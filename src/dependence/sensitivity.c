@@ -72,6 +72,13 @@ static const double RESOLVED = 1e-7;
 /* Above this, relative to the measure, the slopes on either side of a key differ for good. */
 static const double BENDS = 1e-3;
 
+/* Of an error two digits tell all. */
+static double two_digits(double error) {
+  char text[VS_NUMBER_SIZE];
+  snprintf(text, sizeof text, "%.2g", error);
+  return strtod(text, NULL);
+}
+
 static void take_entry(search *s, const vs_fan *fan, size_t of, size_t to, bool exact) {
   vs_sensitivity_entry *e = vs_sensitivity_at(s->out, of, to);
   vs_slope_of slope = vs_fan_slope(fan, s->order->of[of].name);
@@ -82,7 +89,7 @@ static void take_entry(search *s, const vs_fan *fan, size_t of, size_t to, bool 
     return;
   }
   /* a key that is 0 has p in its own unit */
-  *e = (vs_sensitivity_entry){slope.slope / per + 0.0, slope.error / fabs(per), exact};
+  *e = (vs_sensitivity_entry){slope.slope / per + 0.0, two_digits(slope.error / fabs(per)), exact};
   if (slope.bend > BENDS * fabs(per) && slope.bend > 10 * slope.error)
     vs_text_add(&s->out->notes,
                 "%s to %s: the derivatives on either side of %.6g %s differ by %.3g; the mean is "
