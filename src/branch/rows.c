@@ -213,6 +213,11 @@ static void print_kinds(const vs_walk *w, FILE *out) {
     for (size_t r = 0; r < w->count; r++) count += w->row[r].mark.kind == *kind;
     if (count) fprintf(out, "%-10s %3d  %s\n", (*kind)->name, count, (*kind)->text);
   }
+  for (size_t r = 0; r < w->count; r++)
+    if (*vs_rows_beyond(w, &w->row[r].at)) {
+      fputs("beyond: computed as if there were room; the machine has no such orbit\n", out);
+      break;
+    }
 }
 
 void vs_rows_print(const vs_walk *w, FILE *out) {
