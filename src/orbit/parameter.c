@@ -63,6 +63,13 @@ static void free_near(vs_parameter *p) {
   }
 }
 
+/* Is another cycle of the mains the first? Its number, from which firings are counted, jumps where
+ * supply.phase passes 0. */
+static bool jumps(const vs_scene *scene, const vs_scene *other) {
+  const vs_timeline *a = &scene->setup.timeline, *b = &other->setup.timeline;
+  return fabs(a->first_zero_s / a->period_s - b->first_zero_s / b->period_s) > 0.5;
+}
+
 /* The key of the k-th scene. */
 static double value_at(const vs_parameter *p, int k) {
   return p->value != 0 ? p->value * (1 + p->at[k]) : p->size * p->at[k];
@@ -76,6 +83,8 @@ static vs_status read_near(vs_parameter *p, const stencil *where, vs_error *err)
     p->coarse[k] = where->coarse[k - 1] / p->step;
     p->scene[k] = vs_alloc(1, sizeof **p->scene);
     status = read_with(p, value_at(p, k), p->scene[k], err);
+    if (!status && jumps(p->scene[0], p->scene[k]))
+      status = vs_fail(err, VS_INPUT, "the first cycle begins elsewhere");
   }
   if (status) free_near(p);
   return status;
@@ -235,10 +244,15 @@ static double ratio(const vs_parameter *p, int k) {
   return p->setup[k].timeline.period_s / p->setup->timeline.period_s;
 }
 
+/* Two scenes' instants that are further apart than this part of a period are not the same one. */
+static const double APART = 0.05;
+
 /* The waves begin at these instants, each in its own scene's time. Returns by how much p moves
- * them, in the scene's own time. */
+ * them, in the scene's own time; NaN: they do not belong together. */
 static double begin_waves(vs_parameter *p, const double at_s[ALL]) {
-  double common_s[ALL];
+  double common_s[ALL], most = APART * p->setup->timeline.period_s;
+  for (int k = 0; k < ALL; k++)
+    if (!(fabs(at_s[k] / ratio(p, k) - at_s[0]) < most)) return NAN;
   for (int k = 0; k < ALL; k++) {
     p->origin_s[k] = at_s[k];
     vs_wave_of(&p->setup[k].timeline, at_s[k], &p->mains[k]);

@@ -95,10 +95,11 @@ void vs_parameter_rates(const vs_parameter *parameter, const vs_parameter_place 
 double vs_parameter_surface(const vs_parameter *parameter, int stop, const double *q);
 
 /* The thyristor fires at t_s, and was off at off_s and since then. Returns by how much p moves that
- * instant, s. */
+ * instant, s; NaN: near the key's value it comes or goes. */
 double vs_parameter_fires(vs_parameter *parameter, double off_s, double t_s);
 /* Mains of other sines begin at t_s, as an event has an edge there. before_s: an instant in the
- * step before. Returns by how much p moves the edge, s. */
+ * step before. Returns by how much p moves the edge, s; NaN as above.
+ */
 double vs_parameter_edge(vs_parameter *parameter, double before_s, double t_s);
 /* The coil is on the mains from t_s on. */
 void vs_parameter_connects(vs_parameter *parameter, double t_s);

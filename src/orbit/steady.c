@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "orbit/fraction.h"
 
 vs_setup vs_steady_setup(const vs_scene *scene, const vs_run_values *run, const vs_orbit *orbit) {
   vs_setup setup = vs_shooting_setup(scene, run, orbit);
@@ -31,6 +32,7 @@ vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_er
   *steady = (vs_steady){0};
   vs_status status = vs_tiers_require_orbits("steady", scene->tier, scene->why, (vs_where){0}, err);
   scene->setup.steady = false; /* it begins there anyway */
+  if (!status) status = vs_fraction_settle(scene, periods, err);
   if (!status) status = vs_shooting_find(scene, periods, &steady->orbit, err);
   if (status) return status;
   run.until_s = steady->orbit.period_s;
@@ -55,6 +57,7 @@ void vs_steady_end(vs_steady *steady) {
 void vs_steady_accept(vs_steady *steady, const vs_step *step) {
   vs_spectrum_accept(&steady->spectrum, step);
   vs_reaction_accept(&steady->reaction, step);
+  vs_throw_accept(&steady->thrown, step);
 }
 
 void vs_steady_finish(vs_steady *steady, const vs_result *r) {
@@ -90,6 +93,25 @@ static bool heat_at(const vs_steady *s, int k, vs_steady_measure *m) {
   return true;
 }
 
+/* What is told of the material, and behind that of the devices. */
+static bool throw_at(const vs_steady *s, int k, vs_steady_measure *m) {
+  const struct {
+    vs_value (*of)(const vs_throw *);
+    const char *name, *unit, *text;
+  } all[] = {
+#define ROW(of, name, unit, text) {of, name, unit, text},
+      VS_STEADY_THROW_LIST(ROW)
+#undef ROW
+  };
+  const int count = sizeof all / sizeof *all;
+  if (k >= count) return heat_at(s, k - count, m);
+  m->value = all[k].of(&s->thrown);
+  snprintf(m->name, sizeof m->name, "%s", all[k].name);
+  m->unit = all[k].unit;
+  snprintf(m->text, sizeof m->text, "%s", all[k].text);
+  return true;
+}
+
 bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *m) {
   const struct {
     const char *name, *unit, *text;
@@ -101,7 +123,7 @@ bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *m) {
   };
   const int count = sizeof all / sizeof *all;
   const int reactions = steady->model ? 2 * steady->model->dof : 0;
-  if (k >= count + reactions) return heat_at(steady, k - count - reactions, m);
+  if (k >= count + reactions) return throw_at(steady, k - count - reactions, m);
   if (k >= count) {
     reaction_at(steady, (k - count) / 2, (k - count) % 2, m);
     return true;
@@ -117,6 +139,8 @@ vs_scene *vs_steady_undisturbed(const vs_scene *scene) {
   vs_scene *calm = vs_alloc(1, sizeof *calm);
   *calm = *scene;
   calm->setup.timeline.events.count = 0;
+  calm->setup.loads = (vs_loads){0};
+  calm->setup.model.reloaded = false;
   calm->setup.steady = false;
   memset(&calm->setup.start, 0, sizeof calm->setup.start);
   calm->frame = vs_sim_frame(calm->tier, &calm->setup);
@@ -125,6 +149,8 @@ vs_scene *vs_steady_undisturbed(const vs_scene *scene) {
 
 vs_status vs_steady_start(vs_scene *scene, vs_error *err) {
   vs_orbit orbit;
+  vs_status found = vs_fraction_settle(scene, 1, err);
+  if (found || !scene->setup.steady) return found;
   vs_scene *calm = vs_steady_undisturbed(scene);
   vs_status status = vs_shooting_find(calm, 1, &orbit, err);
   if (!status) {

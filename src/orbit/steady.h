@@ -9,6 +9,7 @@
 #include "orbit/reaction.h"
 #include "orbit/shooting.h"
 #include "orbit/spectrum.h"
+#include "orbit/throw.h"
 #include "scene/result.h"
 
 /* What a period tells besides the measures of every run: member, name, unit, text. */
@@ -20,11 +21,21 @@
   X(energy_stored_j, "energy_stored", "J",                                                         \
     "gained in a period by the coil's field and by the machine: 0 on an orbit")
 
+/* What it tells of the material, where the machine's file says how the trough moves: function of
+ * orbit/throw.h, name, unit, text. */
+#define VS_STEADY_THROW_LIST(X)                                                                    \
+  X(vs_throw_coefficient, "throw_coefficient", "",                                                 \
+    "the paper's K, largest trough acceleration over g")                                           \
+  X(vs_throw_number, "throw_number", "", "largest vertical acceleration of the trough over g")     \
+  X(vs_throw_down, "throw_down", "", "the same downwards alone: above 1 the material is thrown")   \
+  X(vs_throw_speed, "conveying_speed", "m/s", "theoretical, VDI 2333")
+
 /* Begin with vs_steady_begin, end with vs_steady_end. */
 typedef struct vs_steady {
   vs_orbit orbit;
   vs_spectrum spectrum;
   vs_reaction reaction;
+  vs_throw thrown;
   const vs_model *model;     /* the scene's; NULL: there is none yet */
   const vs_devices *devices; /* those of the run's watchers, as long as its result is there; NULL:
                                 there are none, or the run is not finished */
@@ -62,7 +73,8 @@ void vs_steady_finish(vs_steady *steady, const vs_result *result);
 
 /* Fills `measure` with the k-th measure, from 0, and returns true; false: there are no more. First
  * come those of VS_STEADY_LIST; then, of each coordinate NAME, reaction_NAME, the largest size of
- * the reaction along it, and reaction_NAME_rms; then those of the devices (orbit/heat.h). */
+ * the reaction along it, and reaction_NAME_rms; then those of VS_STEADY_THROW_LIST, of which some
+ * are not known; then those of the devices (orbit/heat.h). */
 bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *measure);
 
 /* Makes the scene without events, and as if it began at rest: what `start: steady` means the orbit
@@ -70,7 +82,8 @@ bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *measure);
 vs_scene *vs_steady_undisturbed(const vs_scene *scene);
 
 /* For vs_session.steady: puts a scene with `start: steady` at the beginning of its orbit of one
- * firing period, that of the scene without its events. Errors: those of vs_shooting_find. */
+ * firing period, that of the scene without its events, and finds the share of its load that rides
+ * where load.fraction is auto. Errors: those of vs_shooting_find and vs_fraction_settle. */
 vs_status vs_steady_start(vs_scene *scene, vs_error *err);
 
 #endif
