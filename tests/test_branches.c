@@ -333,6 +333,57 @@ static void what_is_refused(void) {
   }
 }
 
+/* The text between two marks, which must be there; free() it. */
+static char *between(const char *text, const char *begin, const char *end) {
+  const char *from = strstr(text, begin), *to = from ? strstr(from + strlen(begin), end) : NULL;
+  EXPECT(to, "%s", begin);
+  if (!to) return vs_copy("");
+  char *part = vs_copy(from);
+  part[to - from] = '\0';
+  return part;
+}
+
+/* Is there a line with the same key, least travel and mark, to 1e-6? */
+static bool is_printed(const char *line, const char *printed) {
+  double key, least, other_key, other_least;
+  if (sscanf(line, "%lf %lf", &key, &least) != 2) return false;
+  const char *kind = strstr(line, "+-");
+  while (kind && kind > line && kind[-2] != ' ') kind--;
+  for (const char *at = printed; at && *at; at = strchr(at, '\n') ? strchr(at, '\n') + 1 : NULL) {
+    if (sscanf(at, "%lf %lf", &other_key, &other_least) != 2) continue;
+    const char *end = strchr(at, '\n'), *found = strstr(at, "+-");
+    if (!found || !end || found > end || fabs(other_key - key) > 1e-6 * key) continue;
+    while (found > at && found[-2] != ' ') found--;
+    if (fabs(other_least - least) <= 1e-6 * fabs(least) &&
+        !strncmp(found, kind, strcspn(kind, "+")))
+      return true;
+  }
+  return false;
+}
+
+/* The example of docs/operation.md prints the marks that the page shows. */
+static void the_page(void) {
+  char *page = read_file(VS_TEST_FOLDER "/../docs/operation.md");
+  char *scene = between(page, "# jump.yaml", "\n```");
+  char *rest = between(page, "vibrospice steady jump.yaml", "![");
+  char *line = between(rest, "vibrospice steady", "\n"),
+       *text = between(rest, "```text\n", "\n```");
+  int lines = 0;
+  write_file("jump.yaml", scene);
+  ran r = run("%s", line + strlen("vibrospice "));
+  expect_good(&r, line, __LINE__);
+  char *left = strchr(text, '\n'), *one;
+  while ((one = strsep(&left, "\n"))) {
+    if (!*one) continue;
+    lines++;
+    EXPECT(is_printed(one, r.out), "not printed: %s", one);
+  }
+  EXPECT(lines >= 7, "%d", lines);
+  EXPECT_FILES("jump", "branch.csv branch.json branch.png ");
+  free_ran(&r);
+  free(text), free(line), free(rest), free(scene), free(page);
+}
+
 static const vs_test TESTS[] = {
     {"the pole cover is touched", the_pole_cover_is_touched},
     {"one walk has both branches", one_walk_has_both_branches},
@@ -340,6 +391,7 @@ static const vs_test TESTS[] = {
     {"a branch of twice the period ends at a flip", a_branch_of_twice_the_period_ends_at_a_flip},
     {"a walk ends where orbits end", a_walk_ends_where_orbits_end},
     {"files and tables", files_and_tables},
+    {"the page", the_page},
     {"what is refused", what_is_refused},
 };
 
