@@ -5,11 +5,11 @@
 #ifndef VS_ORBIT_STEADY_H
 #define VS_ORBIT_STEADY_H
 
-#include "orbit/heat.h"
 #include "orbit/picard.h"
-#include "orbit/reaction.h"
 #include "orbit/shooting.h"
-#include "orbit/spectrum.h"
+#include "period/heat.h"
+#include "period/reaction.h"
+#include "period/spectrum.h"
 #include "period/throw.h"
 #include "scene/result.h"
 
@@ -81,7 +81,7 @@ void vs_steady_finish(vs_steady *steady, const vs_result *result);
 /* Fills `measure` with the k-th measure, from 0, and returns true; false: there are no more. First
  * come those of VS_STEADY_LIST; then, of each coordinate NAME, reaction_NAME, the largest size of
  * the reaction along it, and reaction_NAME_rms; then those of VS_STEADY_THROW_LIST, of which some
- * are not known; then those of the devices (orbit/heat.h). */
+ * are not known; then those of the devices (period/heat.h). */
 bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *measure);
 
 /* Makes the scene without events, and as if it began at rest: what `start: steady` means the orbit
