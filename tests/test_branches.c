@@ -128,6 +128,19 @@ static void the_pole_cover_is_touched(void) {
   done(f);
 }
 
+/* The bound may move with the key: the cover is where the gap at rest says. */
+static void the_bound_moves(void) {
+  static const char *const SETS[] = {"firing.every=1", "firing.angle=85deg", NULL};
+  const vs_along_words words = {"actuator.gap=6mm..5mm", NULL, NULL};
+  tour *t = go(SETS, &words, 1);
+  double gap = key_of(t, "pole_cover", 0), iron = key_of(t, "iron", 0);
+  if (mark(t, "iron", 0)) {
+    CLOSE(mark(t, "pole_cover", 0)->at.turns.least.best.value, -1e-3 * gap, CLOSE_BY);
+    CLOSE(mark(t, "iron", 0)->at.turns.least.best.value, -1e-3 * iron - 0.5e-3, CLOSE_BY);
+  }
+  done(t);
+}
+
 /* ---- the hysteresis ---- */
 
 /* The row of the last point before the mark, or of the first behind it. */
@@ -382,6 +395,7 @@ static void the_page(void) {
 
 static const vs_test TESTS[] = {
     {"the pole cover is touched", the_pole_cover_is_touched},
+    {"the bound moves", the_bound_moves},
     {"one walk has both branches", one_walk_has_both_branches},
     {"a fold beside its grazing", a_fold_beside_its_grazing},
     {"a branch of twice the period ends at a flip", a_branch_of_twice_the_period_ends_at_a_flip},

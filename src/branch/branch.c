@@ -74,6 +74,7 @@ static vs_status follow(const vs_branch_options *o, vs_scene *scene, vs_error *e
   vs_status status = refuse_tier(scene, err);
   if (!status) status = vs_along_read(&along, scene, &o->words, err);
   if (!status) status = vs_walk_go(&walk, &along, o->periods, o->run->stop, err);
+  if (!status) status = vs_along_move(&along, along.from, err); /* which the files tell of */
   if (!status) status = say(&walk, o->run, err);
   vs_walk_free(&walk);
   vs_along_free(&along);

@@ -69,19 +69,14 @@ static int stops_of(const vs_model *m) {
   return m->stops.count;
 }
 
-/* Without a stop: how far the least travel is from the pole cover. */
 static double of_pole(const vs_marks_span *s, const vs_path_point *at, int which) {
-  const vs_model *m = s->model;
-  (void)which;
-  if (!m->coil.law->poles || (m->stops.count && m->stops.item[0].side > 0)) return NAN;
-  return at->turns.least.best.value + m->actuator.gap_m;
+  (void)s, (void)which;
+  return at->pole_m;
 }
 
-/* The gap that is left, pole cover and all. */
 static double of_iron(const vs_marks_span *s, const vs_path_point *at, int which) {
-  (void)which;
-  if (!s->model->coil.law->poles) return NAN;
-  return vs_coil_gap(&s->model->coil, at->turns.least.best.value);
+  (void)s, (void)which;
+  return at->iron_m;
 }
 
 static double of_firings(const vs_marks_span *s, const vs_path_point *at, int which) {
