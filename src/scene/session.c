@@ -144,12 +144,15 @@ static vs_status say_rungs(const vs_scene *scene, const vs_ladder *ladder, vs_er
   return status;
 }
 
-/* Finds the state at t = 0 of a scene with `start: steady`, or who finds it in the run's prelude.
- */
+/* Finds the state at t = 0 of a scene with `start: steady`, or who finds it in the run's
+ * prelude, and the load of one with
+ * load.fraction: auto. */
 static vs_status begin_on_orbit(const vs_session *session, vs_scene *scene, vs_error *err) {
-  if (!scene->setup.steady) return VS_OK;
-  if (!session->steady)
+  const vs_setup *setup = &scene->setup;
+  if (!setup->steady && !setup->wants_fraction) return VS_OK;
+  if (!session->steady && setup->steady)
     return vs_fail(err, VS_INPUT, "start: steady: what is run here begins at rest or at a state");
+  if (!session->steady) return vs_setup_require_fraction(setup, "what is run here", err);
   return session->steady(scene, err);
 }
 
