@@ -27,7 +27,7 @@ static void add_events(vs_json *json, const vs_events *events) {
   vs_json_end(json);
 }
 
-static void add_scene(vs_json *json, const vs_scene *s) {
+void vs_summary_scene(vs_json *json, const vs_scene *s) {
   vs_json_object(json, "scene", VS_JSON_LINES);
   for (int p = 0; p < VS_SECTIONS; p++) {
     vs_filled_section part = vs_section_at(&s->setup, p);
@@ -219,7 +219,7 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   vs_json json = vs_json_new(text);
   vs_json_object(&json, NULL, VS_JSON_LINES);
   vs_version_json(&json);
-  add_scene(&json, s);
+  vs_summary_scene(&json, s);
   vs_json_text(&json, "tier", s->tier->name);
   vs_json_text(&json, "why", s->why);
   add_rung(&json, &r->ladder);

@@ -44,6 +44,8 @@ void vs_fan_end(vs_fan *f) {
     if (f->measured[k]) vs_measured_free(f->measured[k]);
     free(f->measured[k]);
     free(f->scene[k]);
+    f->measured[k] = NULL;
+    f->scene[k] = NULL;
   }
   vs_parameter_end(&f->parameter);
 }

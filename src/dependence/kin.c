@@ -3,6 +3,7 @@
 
 #include <gsl/gsl_linalg.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -124,6 +125,17 @@ static const double PART = 1e-3, LEAST = 1e-8, LARGEST = 1e-3;
 
 /* ---- the third: the kin ---- */
 
+/* By how much a second of the run's time is longer for the k-th of the kin. */
+static double stretch_of(const pass *p, int k) {
+  const vs_parameter *near = &p->fan->parameter;
+  const instant *from = &p->instants[p->now], *to = from + 1;
+  bool some = p->now + 1 < p->count && to->t_s > from->t_s;
+  double per_s = some ? (to->moved_s - from->moved_s) / (to->t_s - from->t_s) : 0;
+  return (1 + near->at[k] * per_s) * near->setup[k].timeline.period_s /
+         near->setup->timeline.period_s;
+}
+
+/* The knot of the k-th, whose derivatives follow from its state by its own equations. */
 static void fill(pass *p, int k, const vs_knot *own, const double y[ROWS], const double way[ROWS]) {
   const vs_variation *v = &p->variation;
   const vs_parameter *near = &p->fan->parameter;
@@ -141,15 +153,51 @@ static void fill(pass *p, int k, const vs_knot *own, const double y[ROWS], const
   vs_driven_fill(&p->driven[k], to->t_s - near->origin_s[k], to);
 }
 
+/* Makes one number of the knots, the order-th derivative of something over time, such that it is
+ * linear in p over the run's own time, in which the k-th's runs stretch[k] times as fast. What lies
+ * between two knots is then linear in p, too, and no knot differs from its neighbours in what is of
+ * second order. */
+static void straighten(pass *p, size_t offset, int order, const double stretch[RUNS]) {
+  const vs_parameter *near = &p->fan->parameter;
+  double v[RUNS];
+  for (int k = 0; k < RUNS; k++) {
+    const char *knot = (const char *)&p->knot[k][1 - p->last];
+    memcpy(&v[k], knot + offset, sizeof *v);
+    v[k] *= pow(stretch[k], order);
+  }
+  double slope = vs_parameter_slope(near, v);
+  for (int k = 1; k < RUNS; k++) {
+    double straight = (v[0] + near->at[k] * slope) / pow(stretch[k], order);
+    memcpy((char *)&p->knot[k][1 - p->last] + offset, &straight, sizeof straight);
+  }
+}
+
+static void fill_all(pass *p, const vs_knot *own) {
+  const int dof = p->variation.model->dof;
+  double y[ROWS], way[ROWS], stretch[RUNS];
+  follow(p, own, moved_at(p, own->t_s), y, way);
+  for (int k = 0; k < RUNS; k++) {
+    stretch[k] = stretch_of(p, k);
+    fill(p, k, own, y, way);
+  }
+  for (int i = 0; i < dof; i++) {
+    size_t at = (size_t)i * sizeof(double);
+    straighten(p, offsetof(vs_knot, x) + (size_t)dof * sizeof(double) + at, 1, stretch);
+    straighten(p, offsetof(vs_knot, a) + at, 2, stretch);
+    straighten(p, offsetof(vs_knot, j) + at, 3, stretch);
+  }
+  straighten(p, offsetof(vs_knot, flux_rate_v), 1, stretch);
+  straighten(p, offsetof(vs_knot, flux_rate2_v_s), 2, stretch);
+  straighten(p, offsetof(vs_knot, flux_rate3_v_s2), 3, stretch);
+}
+
 static void take_waves(pass *p) {
   for (int k = 0; k < RUNS; k++) p->driven[k].mains = p->fan->parameter.mains[k];
 }
 
 static void show_kin(pass *p, const vs_step *step) {
-  double y[ROWS], way[ROWS];
-  follow(p, step->to, moved_at(p, step->to->t_s), y, way);
+  fill_all(p, step->to);
   for (int k = 0; k < RUNS; k++) {
-    fill(p, k, step->to, y, way);
     const vs_knot *to = &p->knot[k][1 - p->last];
     const vs_step own = {.frame = &p->fan->scene[k]->frame,
                          .from = &p->knot[k][p->last],
@@ -163,14 +211,12 @@ static void show_kin(pass *p, const vs_step *step) {
 
 static void begin_kin(pass *p) {
   const vs_knot own = vs_sim_start(&p->scene->setup, &p->scene->frame);
-  double y[ROWS], way[ROWS];
-  follow(p, &own, 0, y, way);
   for (int k = 0; k < RUNS; k++) p->driven[k] = (vs_driven){.frame = &p->fan->scene[k]->frame};
   if (p->scene->setup.timeline.firing.no_valve) {
     vs_parameter_connects(&p->fan->parameter, 0);
     take_waves(p);
   }
-  for (int k = 0; k < RUNS; k++) fill(p, k, &own, y, way);
+  fill_all(p, &own);
   p->last = 1 - p->last;
 }
 

@@ -111,7 +111,8 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
   look_for_law(f, step->to);
   for (double k = floor(from / f->cycle_s) + 1; f->passed && k * f->cycle_s <= to; k++)
     take_at(step, k * f->cycle_s, f->passed + (size_t)(k - 1) * VS_VARIATION_MOST);
-  return f->derives ? vs_variation_accept(&f->variation, step, err) : VS_OK;
+  vs_status status = f->derives ? vs_variation_accept(&f->variation, step, err) : VS_OK;
+  return status || !f->also ? status : f->also->accept(f->also->ctx, step, err);
 }
 
 /* ---- the run ---- */

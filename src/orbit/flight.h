@@ -10,6 +10,7 @@
 /* Begin with vs_flight_begin, end with vs_flight_end. What a run has left holds until the next. */
 typedef struct vs_flight {
   const vs_scene *given;
+  const vs_observer *also; /* is shown every step of a run, too; NULL: nobody is; borrowed */
   vs_scene
       *scene;     /* room for the scene that is run, which borrows what the one given owns; owned */
   int states;     /* of x: q, q', and lambda where there is no valve */

@@ -35,12 +35,19 @@ static const stencil STENCILS[] = {
      {-4, 3, -4.0 / 3, 0.25, 0, 0}}};
 enum { N_STENCILS = sizeof STENCILS / sizeof *STENCILS };
 
+enum { TEXT = VS_KEY_SIZE + 96 };
+
+/* The value as a scene reads it. */
+static void print_value(const vs_parameter *p, double value, char text[TEXT]) {
+  const char *unit = p->key.field->unit;
+  snprintf(text, TEXT, "%.17g%s%s", value / vs_units_factor(unit), *unit ? " " : "", unit);
+}
+
 static vs_status read_with(const vs_parameter *p, double value, vs_scene *other, vs_error *err) {
   const vs_scene *s = p->scene[0];
-  const char *unit = p->key.field->unit;
-  char text[VS_KEY_SIZE + 96];
-  snprintf(text, sizeof text, "%s=%.17g%s%s", p->key.name, value / vs_units_factor(unit),
-           *unit ? " " : "", unit);
+  char number[TEXT], text[VS_KEY_SIZE + TEXT];
+  print_value(p, value, number);
+  snprintf(text, sizeof text, "%s=%s", p->key.name, number);
   *other = (vs_scene){0};
   memcpy(other->path, s->path, sizeof other->path);
   vs_tree_copy(&s->tree, &other->tree);
@@ -56,6 +63,18 @@ static void free_near(vs_parameter *p) {
   }
 }
 
+/* Is another cycle of the mains the first? Its number, from which firings are counted, jumps where
+ * supply.phase passes 0. */
+static bool jumps(const vs_scene *scene, const vs_scene *other) {
+  const vs_timeline *a = &scene->setup.timeline, *b = &other->setup.timeline;
+  return fabs(a->first_zero_s / a->period_s - b->first_zero_s / b->period_s) > 0.5;
+}
+
+/* The key of the k-th scene. */
+static double value_at(const vs_parameter *p, int k) {
+  return p->value != 0 ? p->value * (1 + p->at[k]) : p->size * p->at[k];
+}
+
 static vs_status read_near(vs_parameter *p, const stencil *where, vs_error *err) {
   vs_status status = VS_OK;
   for (int k = 1; k < ALL && !status; k++) {
@@ -63,8 +82,9 @@ static vs_status read_near(vs_parameter *p, const stencil *where, vs_error *err)
     p->weight[k] = where->weight[k - 1] / p->step;
     p->coarse[k] = where->coarse[k - 1] / p->step;
     p->scene[k] = vs_alloc(1, sizeof **p->scene);
-    double value = p->value != 0 ? p->value * (1 + p->at[k]) : p->size * p->at[k];
-    status = read_with(p, value, p->scene[k], err);
+    status = read_with(p, value_at(p, k), p->scene[k], err);
+    if (!status && jumps(p->scene[0], p->scene[k]))
+      status = vs_fail(err, VS_INPUT, "the first cycle begins elsewhere");
   }
   if (status) free_near(p);
   return status;
@@ -183,6 +203,23 @@ vs_status vs_parameter_begin(vs_parameter *p, const vs_scene *scene, const char 
   return VS_OK;
 }
 
+vs_status vs_parameter_again(vs_parameter *p, vs_error *err) {
+  char text[TEXT];
+  vs_status status = vs_key_find(&p->scene[0]->setup, p->key.name, (vs_where){0}, &p->key, err);
+  double value = status ? NAN : vs_key_number(&p->key);
+  if (status || p->idle) return status;
+  if (isnan(value) || value == 0 || p->value == 0)
+    return vs_fail(err, VS_INPUT, "%s: its scenes have to be made anew", p->key.name);
+  p->value = p->size = value;
+  for (int k = 1; k < ALL && !status; k++) {
+    print_value(p, value_at(p, k), text);
+    vs_tree_put(&p->scene[k]->tree, p->key.name, text, (vs_where){0});
+    status = vs_scene_again(p->scene[k], err);
+  }
+  if (!status) vs_parameter_take(p, setup_of, NULL);
+  return status;
+}
+
 void vs_parameter_end(vs_parameter *p) {
   free_near(p);
   free(p->setup);
@@ -208,10 +245,15 @@ static double ratio(const vs_parameter *p, int k) {
   return p->setup[k].timeline.period_s / p->setup->timeline.period_s;
 }
 
+/* Two scenes' instants that are further apart than this part of a period are not the same one. */
+static const double APART = 0.05;
+
 /* The waves begin at these instants, each in its own scene's time. Returns by how much p moves
- * them, in the scene's own time. */
+ * them, in the scene's own time; NaN: they do not belong together. */
 static double begin_waves(vs_parameter *p, const double at_s[ALL]) {
-  double common_s[ALL];
+  double common_s[ALL], most = APART * p->setup->timeline.period_s;
+  for (int k = 0; k < ALL; k++)
+    if (!(fabs(at_s[k] / ratio(p, k) - at_s[0]) < most)) return NAN;
   for (int k = 0; k < ALL; k++) {
     p->origin_s[k] = at_s[k];
     vs_wave_of(&p->setup[k].timeline, at_s[k], &p->mains[k]);

@@ -60,6 +60,11 @@ vs_status vs_parameter_begin(vs_parameter *parameter, const vs_scene *scene, con
                              vs_where where, double step, vs_error *err);
 void vs_parameter_end(vs_parameter *parameter);
 
+/* Goes on with another value of the key, which the scene has by now: the other scenes get theirs by
+ * vs_scene_again, so that their tier must stand in them. Errors: those of vs_scene_again, and
+ * VS_INPUT where the key is or was 0; the parameter is then only good to end it. */
+vs_status vs_parameter_again(vs_parameter *parameter, vs_error *err);
+
 /* Puts the setups of another run in the place of the scenes' own: make(scene, ctx) gives that of
  * each scene, which may borrow from the scene's. */
 void vs_parameter_take(vs_parameter *parameter, vs_setup (*make)(const vs_scene *scene, void *ctx),
@@ -89,10 +94,11 @@ void vs_parameter_rates(const vs_parameter *parameter, const vs_parameter_place 
 double vs_parameter_surface(const vs_parameter *parameter, int stop, const double *q);
 
 /* The thyristor fires at t_s, and was off at off_s and since then. Returns by how much p moves that
- * instant, s. */
+ * instant, s; NaN: near the key's value it comes or goes. */
 double vs_parameter_fires(vs_parameter *parameter, double off_s, double t_s);
 /* Mains of other sines begin at t_s, as an event has an edge there. before_s: an instant in the
- * step before. Returns by how much p moves the edge, s. */
+ * step before. Returns by how much p moves the edge, s; NaN as above.
+ */
 double vs_parameter_edge(vs_parameter *parameter, double before_s, double t_s);
 /* The coil is on the mains from t_s on. */
 void vs_parameter_connects(vs_parameter *parameter, double t_s);

@@ -257,13 +257,18 @@ static vs_status jump(vs_variation *v, const vs_step *step, vs_error *err) {
 
 /* The step shows one that the parameter alone moves: a firing, or an edge of an event on the mains.
  * Another, at which the rates do not jump, is none of these. */
-static void jump_by_parameter(vs_variation *v, const vs_step *step, bool fires) {
+static vs_status jump_by_parameter(vs_variation *v, const vs_step *step, bool fires,
+                                   vs_error *err) {
   vs_parameter *p = v->parameter;
   double before[VS_VARIATION_MOST], after[VS_VARIATION_MOST], t = step->to->t_s;
   double last = v->jump.t_s, asked = fires ? last : last + (t - last) / 2;
   double *s = v->s + v->columns * v->rows;
-  if (!fires && vs_wave_edge(step->frame->timeline, asked) != t) return;
+  if (!fires && vs_wave_edge(step->frame->timeline, asked) != t) return VS_OK;
   double moved = fires ? vs_parameter_fires(p, asked, t) : vs_parameter_edge(p, asked, t);
+  if (isnan(moved))
+    return vs_fail(err, VS_RUN, "t = %.9g s: %s where %s is a little else: there is no derivative",
+                   t, fires ? "the thyristor fires in another cycle" : "the mains change elsewhere",
+                   p->key.name);
   v->jump = (vs_jump){.count = v->jump.count + 1,
                       .fires = fires,
                       .edge = !fires,
@@ -273,6 +278,7 @@ static void jump_by_parameter(vs_variation *v, const vs_step *step, bool fires) 
   rates_of(v->model, step->from, before);
   rates_of(v->model, step->to, after);
   for (int i = 0; i < v->rows; i++) s[i] += (before[i] - after[i]) * moved;
+  return VS_OK;
 }
 
 /* ---- all of it ---- */
@@ -292,12 +298,12 @@ vs_status vs_variation_accept(vs_variation *v, const vs_step *step, vs_error *er
     from = behind;
   }
   bool edge = v->conducting && step->from->t_s == to && step->frame->timeline->events.count;
-  if (v->parameter && (event == VS_EV_FIRES || edge))
-    jump_by_parameter(v, step, event == VS_EV_FIRES);
   if (event == VS_EV_LOADS && v->parameter)
     return vs_fail(err, VS_RUN,
                    "t = %.9g s: the load changes, through which no derivative is taken", to);
   if (event == VS_EV_LOADS) v->model = step->frame->model; /* q and q' go on, and so does S */
+  if (v->parameter && (event == VS_EV_FIRES || edge) && !status)
+    status = jump_by_parameter(v, step, event == VS_EV_FIRES, err);
   if (event == VS_EV_FIRES) v->conducting = true;
   if (event == VS_EV_EXTINCT || event == VS_EV_MEETS_STOP || event == VS_EV_LEAVES_STOP)
     v->ending = event;

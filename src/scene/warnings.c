@@ -147,6 +147,17 @@ static void warn_of_loads(const vs_setup *s, vs_warnings *w) {
   }
 }
 
+/* A circuit whose supply is to have no resistance. */
+static void warn_of_supply(const vs_node *root, const vs_setup *s, vs_warnings *w) {
+  const vs_supply_values *supply = &s->timeline.supply;
+  const double r_ohm = vs_setup_source_ohm(s);
+  if (r_ohm != supply->resistance_ohm)
+    vs_fail_at(vs_warnings_add(w),
+               place_of(vs_tree_child(vs_tree_child(root, "supply"), "resistance")),
+               "supply.resistance: ngspice has no resistor of 0 ohm and takes %g mohm in its place",
+               1e3 * r_ohm);
+}
+
 void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame *frame,
                           vs_warnings *w) {
   const vs_deck *deck = frame->deck;
@@ -157,6 +168,7 @@ void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame
   if (!deck) return;
   warn_of_parts(vs_tree_child(root, "circuit"), deck, s->timeline.supply.voltage_v, w);
   warn_of_mains(deck, w);
+  warn_of_supply(root, s, w);
   warn_of_bursts(vs_tree_child(root, "firing"), deck, w);
   vs_warnings_of_limits(deck, w);
 }

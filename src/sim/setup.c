@@ -241,13 +241,19 @@ static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *e
   return s ? s : read_values(map, setup, err);
 }
 
+/* ngspice has no resistor of 0 ohm: it takes 1 mohm in its place. */
+double vs_setup_source_ohm(const vs_setup *setup) {
+  const double r_ohm = setup->timeline.supply.resistance_ohm;
+  return r_ohm > 0 ? r_ohm : 1e-3;
+}
+
 void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]) {
   const vs_supply_values *supply = &setup->timeline.supply;
   const double values[] = {
       [VS_STANDARD_U_RMS] = supply->voltage_v,
       [VS_STANDARD_F_MAINS] = supply->frequency_hz,
       [VS_STANDARD_PHASE] = supply->phase_rad,
-      [VS_STANDARD_R_SOURCE] = supply->resistance_ohm,
+      [VS_STANDARD_R_SOURCE] = vs_setup_source_ohm(setup),
       [VS_STANDARD_L_SOURCE] = supply->inductance_h,
       [VS_STANDARD_EVA_RESISTANCE] = setup->model.actuator.resistance_ohm,
       [VS_STANDARD_EVA_A] = setup->model.coil.a_hm,

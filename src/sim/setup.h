@@ -106,6 +106,8 @@ vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err);
  * not kept. */
 bool vs_setup_keeps_deck(const vs_node *scene, const vs_setup *setup);
 
+/* What the circuit has for supply.resistance: this, or what its solver takes in the place of 0. */
+double vs_setup_source_ohm(const vs_setup *setup);
 /* The values of the parameters that every deck may use, and of those of its EVA (deck/deck.h). */
 void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]);
 
