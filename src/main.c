@@ -276,6 +276,7 @@ static vs_status study(const vs_arguments *a, vs_error *err) {
                               .shard = a->shard,
                               .resume = a->resume,
                               .overwrite = a->overwrite,
+                              .alone = a->no_sharing,
                               .keep_runs = a->keep_runs,
                               .progress_json = a->progress_json,
                               .quiet = a->quiet,
@@ -315,6 +316,9 @@ static const struct argp_option STUDY_OPTIONS[] = {
                      "a line of JSON a second on standard output"),
     VS_COMMAND_VALUE("keep", VS_KEY_KEEP, "runs",
                      "stores each case's run.csv as DIR/runs/CASE/run.csv"),
+    VS_COMMAND_FLAG("no-sharing", VS_KEY_ALONE,
+                    "runs each case from its beginning, also where cases have the same past; the "
+                    "results are the same"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "no table, no progress"),
     VS_COMMAND_HELP,
     {0}};

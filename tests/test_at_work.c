@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "orbit/heat.h"
+#include "period/heat.h"
 #include "program.h"
 #include "sim/sim.h"
 

@@ -256,8 +256,7 @@ static vs_status read_scene(vs_case *c, vs_error *err) {
   return again ? vs_scene_again(c->scene, err) : vs_scene_settle(c->scene, NULL, err);
 }
 
-/* Begins a case: reads its scene and makes its id. */
-static vs_status begin(vs_case *c, uint64_t index, const double *point, vs_error *err) {
+vs_status vs_case_begin(vs_case *c, uint64_t index, const double *point, vs_error *err) {
   c->present = (which){.index = index, .point = point};
   vs_status status = read_scene(c, err);
   if (!status) vs_identity_of(c->identity, c->scene, c->present.id);
@@ -295,36 +294,58 @@ bool vs_case_is_row(vs_case *c, uint64_t index, const double *point, bool failed
              cell[HEAD + k]);
     return false;
   }
-  begin(c, index, point, &refused);
+  vs_case_begin(c, index, point, &refused);
   /* the id follows from the last digits, too; a case that failed may not have come to it */
   if (!exact || (failed && !*cell[1]) || !strcmp(cell[1], c->present.id)) return true;
   snprintf(why, size, "its id is '%s'; its row has '%.64s'", c->present.id, cell[1]);
   return false;
 }
 
-int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, bool *circuit) {
-  vs_error err = {0};
-  size_t begun = row->length;
+int vs_case_end(vs_case *c, vs_status begun, vs_text *row, bool *circuit, vs_error *err) {
+  size_t length = row->length;
   bool breach = false;
-  vs_status status = begin(c, index, point, &err);
+  vs_status status = begun;
   c->circuit = !status && c->scene->tier->has_circuit;
   *circuit = c->circuit;
   if (!status) {
-    status = run_scene(c, row, &err);
+    status = run_scene(c, row, err);
     breach = !status && vs_verdict_breach(&c->result->verdict);
     vs_result_free(c->result);
   }
   if (!status) return breach ? VS_CASE_VIOLATED : VS_CASE_DONE;
-  row->length = begun; /* a row whose run.csv could not be stored is taken back */
-  add_failure(c, err.text + err.place_size, row);
+  row->length = length; /* a row whose run.csv could not be stored is taken back */
+  add_failure(c, err->text + err->place_size, row);
   return VS_CASE_FAILED;
+}
+
+int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, bool *circuit) {
+  vs_error err = {0};
+  vs_status begun = vs_case_begin(c, index, point, &err);
+  return vs_case_end(c, begun, row, circuit, &err);
+}
+
+vs_scene *vs_case_scene(vs_case *c) {
+  return c->scene;
+}
+
+void vs_case_become(vs_case *c, vs_case *other) {
+  vs_scene *s = c->scene, *theirs = other->scene;
+  const vs_tree tree = s->tree;
+  const vs_warnings warnings = s->warnings;
+  s->tree = theirs->tree;
+  s->warnings = theirs->warnings;
+  s->setup.run = theirs->setup.run;
+  s->setup.timeline.events = theirs->setup.timeline.events;
+  theirs->tree = tree;
+  theirs->warnings = warnings;
+  c->present = other->present;
 }
 
 void vs_case_failure(const vs_plan *plan, uint64_t index, const double *point, const char *why,
                      vs_text *row) {
   vs_error refused = {0};
   vs_case *c = vs_case_new(plan, NULL);
-  begin(c, index, point, &refused);
+  vs_case_begin(c, index, point, &refused);
   add_failure(c, why, row);
   vs_case_free(c);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/heat.h"
+#include "period/heat.h"
 
 #include <math.h>
 #include <stdio.h>
