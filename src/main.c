@@ -8,6 +8,7 @@
 
 #include "base/leave.h"
 #include "branch/branch.h"
+#include "branch/marks.h"
 #include "command/check.h"
 #include "command/command.h"
 #include "command/export.h"
@@ -95,6 +96,9 @@ static void explain_steady(vs_text *help) {
   vs_text_add(help, "  %-17s    %s\n  %-17s    %s\n", "reaction_NAME",
               "largest size of what springs and dampers do along the coordinate NAME",
               "reaction_NAME_rms", "its root mean square");
+  vs_text_add(help, "With --along it reports, besides points of the branch:\n");
+  for (const vs_mark_kind *const *kind = vs_mark_kinds; *kind; kind++)
+    vs_text_add(help, "  %-17s    %s\n", (*kind)->name, (*kind)->text);
   vs_text_add(help,
               "Orbits are computed on tier %s alone; a scene that would take another one "
               "wants --tier %s.\n",

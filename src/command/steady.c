@@ -221,17 +221,11 @@ static void accept(void *ctx, const vs_step *step) {
 
 static void finish(void *ctx, const vs_result *result) {
   reporter *r = ctx;
+  const vs_warnings *w = &r->scene->warnings;
+  size_t said = w->count;
   vs_steady_finish(&r->steady, result);
-  vs_value down = vs_throw_down(&r->steady.thrown);
-  const vs_load_values *load = &r->steady.model->load;
-  bool empty = load->density_kg_m3 * load->volume_m3 == 0; /* the table's line will do */
-  if (empty || !vs_throw_speed(&r->steady.thrown).known || down.value <= vs_throw_most) return;
-  vs_error *warning = vs_warnings_add(&r->scene->warnings);
-  vs_fail(warning, VS_OK,
-          "conveying_speed is outside of its formula's range, throw_down up to %.4g: this is %.4g, "
-          "and the material flies for longer than a swing",
-          vs_throw_most, down.value);
-  if (!r->quiet) fprintf(stderr, "vibrospice: warning: %s\n", vs_warnings_text(warning));
+  for (size_t k = said; k < w->count && !r->quiet; k++)
+    fprintf(stderr, "vibrospice: warning: %s\n", vs_warnings_text(&w->item[k]));
 }
 
 static vs_status report(const vs_run_options *o, int periods, vs_scene *scene, vs_error *err) {

@@ -128,7 +128,7 @@ vs_status vs_shooting_check(const vs_scene *s, int periods, vs_error *err) {
   if (!line->firing.no_valve && !line->firing.every)
     return vs_fail(err, VS_INPUT,
                    "firing.every: a periodic orbit needs continuous firing, not 'once'");
-  return vs_setup_require_fraction(&s->setup, "an orbit", err);
+  return VS_OK;
 }
 
 /* What lets the machine swing less far. */
@@ -274,6 +274,7 @@ static vs_status seek(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_erro
 vs_status vs_shooting_seek(const vs_scene *scene, const vs_shooting *how, vs_orbit *o,
                            vs_error *err) {
   vs_status status = vs_shooting_check(scene, how->periods, err);
+  if (!status) status = vs_setup_require_fraction(&scene->setup, "an orbit", err);
   *o = (vs_orbit){.n = how->periods};
   if (!status && scene->tier->has_circuit)
     status = vs_fail(err, VS_INPUT,

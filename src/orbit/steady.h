@@ -38,6 +38,7 @@ typedef struct vs_steady {
   vs_spectrum spectrum;
   vs_reaction reaction;
   vs_throw thrown;
+  vs_warnings *warnings;     /* the scene's; NULL: nobody is to be warned */
   const vs_model *model;     /* the scene's; NULL: there is none yet */
   const vs_devices *devices; /* those of the run's watchers, as long as its result is there; NULL:
                                 there are none, or the run is not finished */

@@ -44,7 +44,7 @@ static bool is_of_events(const vs_axis *axis) {
 bool vs_past_fits(const vs_plan *plan) {
   bool varied = false;
   for (size_t k = 0; k < plan->n_axes; k++) varied = varied || is_of_events(&plan->axes[k]);
-  return varied && !plan->periods && plan->first->tier->has_circuit;
+  return varied && !plan->periods && !plan->derivatives && plan->first->tier->has_circuit;
 }
 
 /* ---- what is alike ---- */
