@@ -127,6 +127,11 @@ static const struct mix {
      "{firing.every: [20], run.until: [450 ms], events.e.at: [50 ms, 270 ms, 431 ms]}", 3},
     {"decks", "{e: {kind: surge, cycle: 3}}", "",
      "{events.e.angle: [10 deg, 200 deg], circuit.r1: [100 ohm, 4.7 kohm]}", 4},
+    {"orbit", "{e: {kind: surge, cycle: 1}}", ", start: steady",
+     "{events.e.angle: [0 deg, 90 deg, 200 deg]}", 3},
+    {"charged", "{e: {kind: load, at: 10 ms, volume: 300 cm3}}",
+     ", start: steady, load: {density: 0.5 g/cm3, fraction: auto}",
+     "{events.e.at: [2 ms, 10 ms], events.e.volume: [300 cm3, 380 cm3]}", 4},
     /* the first has no past, the last is refused, and the ideal tier has none to share */
     {"early", "{e: {kind: sag, at: 1 ms}}", "", "{events.e.at: [1 ms, 30 ms, 90 ms]}", 1},
     {"tiers", "{e: {kind: sag, at: 30 ms}}", "",
@@ -239,7 +244,7 @@ static void a_copy_is_killed(void) {
 /* A branch that does not come to its end costs its worker; the cases are then run one by one. */
 static void a_copy_hangs(void) {
   write_surges();
-  pid_t master = start("study s.yaml -o hung --jobs 1 --quiet --case-timeout 5s");
+  pid_t master = start("study s.yaml -o hung --jobs 1 --quiet --case-timeout 8s");
   EXPECT(signal_below(master, 3, SIGSTOP), "no branch");
   ran r = collect(master);
   EXPECT(r.status == 0, "exit status %d: %s", r.status, r.err);
