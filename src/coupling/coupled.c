@@ -108,6 +108,15 @@ static bool enough(void *ctx) {
   return !c->prelude.on && vs_away_enough(&c->away);
 }
 
+static double clock_at(void *ctx, double solver_s) {
+  return run_time(ctx, solver_s);
+}
+
+static bool hides(void *ctx) {
+  const coupling *c = ctx;
+  return c->prelude.on;
+}
+
 /* ---- a run ---- */
 
 static void locate(const void *deck, vs_error *err) {
@@ -144,7 +153,7 @@ static vs_status go(coupling *c, vs_error *err) {
   const vs_circuit_kind *solver = c->order->solver;
   vs_deck_value standard[VS_STANDARD];
   vs_circuit_job job = job_of(c);
-  const vs_circuit_host host = {c, source, edge, longest, accept, enough};
+  const vs_circuit_host host = {c, source, edge, longest, accept, enough, clock_at, hides};
   char **netlist = NULL;
   void *circuit = NULL;
   vs_setup_standard(setup, standard);

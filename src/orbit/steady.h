@@ -38,6 +38,7 @@ typedef struct vs_steady {
   vs_spectrum spectrum;
   vs_reaction reaction;
   vs_throw thrown;
+  vs_warnings *warnings;     /* the scene's; NULL: nobody is to be warned */
   const vs_model *model;     /* the scene's; NULL: there is none yet */
   const vs_devices *devices; /* those of the run's watchers, as long as its result is there; NULL:
                                 there are none, or the run is not finished */
@@ -73,6 +74,10 @@ vs_status vs_steady_check(const vs_scene *scene, int periods, vs_error *err);
 /* Before each attempt at that run: makes the scene, which may be another reading of the one that
  * was begun with, the one to be run. */
 void vs_steady_again(vs_steady *steady, vs_scene *scene);
+
+/* How many multipliers are known. On tier circuit there may be one more than states of the machine,
+ * or none. */
+int vs_steady_multipliers(const vs_steady *steady);
 
 /* Takes a step of that run, and completes what is known from its result. */
 void vs_steady_accept(vs_steady *steady, const vs_step *step);

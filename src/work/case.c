@@ -37,6 +37,7 @@ struct vs_case {
   int shown[VS_PLAN_COLUMNS]; /* where each column was found the last time */
   vs_result *result;          /* too large for the stack */
   vs_steady *steady;          /* of a study of orbits, the case's; else NULL */
+  vs_sensitivity derived;     /* of a study with derivatives, the case's; else empty */
 };
 
 vs_case *vs_case_new(const vs_plan *plan, const char *keep) {
@@ -120,6 +121,11 @@ static void add_number(vs_text *row, double value) {
 /* Returns the case's value in column k. A deck with other devices may have the measure elsewhere or
  * not at all. */
 static vs_value find_value(vs_case *c, size_t k) {
+  int derivative = c->plan->columns[k].derivative;
+  if (derivative) {
+    const vs_sensitivity_entry *e = &c->derived.entry[abs(derivative) - 1];
+    return (vs_value){!isnan(e->value), derivative < 0 ? e->error : e->value, NAN};
+  }
   const char *name = c->plan->columns[k].name;
   const vs_atwork of = {&c->result->scene->frame, c->result, c->steady};
   vs_shown m;
@@ -138,6 +144,13 @@ static void add_warning(void *ctx, const char *text) {
   vs_text_add(all, "%s%s", all->length ? " | " : "", text);
 }
 
+/* Adds what is to be said of the derivatives. */
+static void add_notes(const vs_sensitivity *derived, vs_text *warnings) {
+  const char *line = derived->notes.text;
+  for (const char *end; line && (end = strchr(line, '\n')); line = end + 1)
+    vs_text_add(warnings, "%s%.*s", warnings->length ? " | " : "", (int)(end - line), line);
+}
+
 static void add_row(vs_case *c, vs_text *row) {
   const vs_result *r = c->result;
   const vs_judgement *weakest = r->verdict.weakest;
@@ -151,6 +164,7 @@ static void add_row(vs_case *c, vs_text *row) {
   add_number(row, weakest ? weakest->margin : NAN);
   add_number(row, weakest ? weakest->margin_error : NAN);
   vs_result_warnings(r, add_warning, &warnings);
+  add_notes(&c->derived, &warnings);
   vs_text_add(row, ",%s,%d", weakest ? vs_verdict_name(weakest, name) : "", r->ladder.rung);
   add_number(row, r->watchers.absence.bound);
   vs_text_add(row, ",");
@@ -186,6 +200,7 @@ static vs_status begin_csv(keeper *k, const vs_scene *s, vs_error *err) {
 
 static vs_status begin_run(void *ctx, vs_scene *s, vs_error *err) {
   keeper *k = ctx;
+  if (k->c->steady) vs_steady_again(k->c->steady, s);
   return k->c->keep ? begin_csv(k, s, err) : VS_OK;
 }
 
@@ -211,18 +226,25 @@ static vs_status judge_orbit(const vs_case *c, vs_error *err) {
   for (size_t k = 0; k < c->plan->n_columns; k++)
     if (!strcmp(c->plan->columns[k].name, VS_ATWORK_STABLE) && c->plan->columns[k].where.file)
       return VS_OK;
-  if (orbit->stable) return VS_OK;
+  if (orbit->stable || !vs_steady_multipliers(c->steady)) return VS_OK;
   return vs_fail(err, VS_RUN,
                  "the orbit is unstable: its largest multiplier has the size %.6g, so the machine "
                  "does not stay on it; report: [%s, ...] has it in the table nevertheless",
                  hypot(orbit->multiplier[0].re, orbit->multiplier[0].im), VS_ATWORK_STABLE);
 }
 
-/* Finds the orbit of a study of orbits, whose period is then the run. */
-static vs_status begin_orbit(vs_case *c, vs_error *err) {
+/* The run is over: completes what is known of a study's orbit. */
+static vs_status end_orbit(vs_case *c, vs_error *err) {
   if (!c->steady) return VS_OK;
-  vs_status status = vs_steady_begin(c->steady, c->scene, c->plan->periods, err);
-  return status ? status : judge_orbit(c, err);
+  vs_steady_finish(c->steady, c->result);
+  return judge_orbit(c, err);
+}
+
+/* Finds the derivatives of the case's measures, where the study has some: before the run, which
+ * makes the scene its own. */
+static vs_status derive(vs_case *c, vs_error *err) {
+  const vs_sensitivity_order *order = c->plan->derivatives;
+  return order ? vs_sensitivity_find(c->scene, order, &c->derived, err) : VS_OK;
 }
 
 static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
@@ -231,13 +253,15 @@ static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
   const vs_session session = {.guest = c->keep || c->steady ? &guest : NULL,
                               .steady = vs_steady_start};
   *c->result = (vs_result){0};
-  vs_status status = begin_orbit(c, err);
+  vs_status status = derive(c, err);
+  if (!status && c->steady) status = vs_steady_begin(c->steady, c->scene, c->plan->periods, err);
   if (!status) status = vs_session_run(&session, c->scene, c->result, err);
-  if (!status && c->steady) vs_steady_finish(c->steady, c->result);
+  if (!status) status = end_orbit(c, err);
   if (!status) add_row(c, row);
   if (!status && k.csv.stream) status = vs_file_commit(&k.csv, err);
   vs_file_discard(&k.csv);
   if (c->steady) vs_steady_end(c->steady);
+  vs_sensitivity_free(&c->derived);
   return status;
 }
 
