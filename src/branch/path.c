@@ -142,7 +142,7 @@ static vs_status map(vs_path *p, vs_path_point *at, image *to, vs_error *err) {
   vs_flight_begin(&to->flight, p->along->scene);
   to->flight.parameter = p->by;
   bool known = !fly(p, at, to, &why);
-  snprintf(p->kinked, sizeof p->kinked, "%.255s", known ? "" : why.text);
+  if (!known) snprintf(p->kinked, sizeof p->kinked, "%.255s", why.text);
   to->flight.parameter = NULL;
   if (!known) status = differ(p, at->z, to->by_key, err);
   if (!known && !status) status = fly(p, at, to, err);
@@ -264,12 +264,14 @@ vs_status vs_path_solve(vs_path *p, const vs_path_plane *plane, vs_path_point *a
   bool done = false;
   at->iterations = 0;
   at->change = INFINITY;
+  p->kinked[0] = '\0';
   for (int k = 0; k < MOST_ITERATIONS && !done; k++) {
     double before = at->change;
     vs_status status = improve(p, plane, at, &done, err);
     if (status) return status;
     if (!done && k >= 2 && at->change > 4 * before) break;
   }
+  if (!done && *p->kinked) return vs_fail(err, VS_RUN, "%s", p->kinked);
   return done
              ? VS_OK
              : vs_fail(err, VS_RUN, "after %d iterations the last correction is %.2g of the motion",
