@@ -79,7 +79,7 @@ static vs_status orbit_at(tour *t, double key, const double *from, vs_orbit *o, 
 /* Where the orbits found directly begin to have the property, between two values of the key. */
 static double bisect(tour *t, double without, double with, bool (*has)(tour *t, double)) {
   EXPECT(!has(t, without) && has(t, with), "%g, %g", without, with);
-  while (fabs(with - without) > 1e-10 * fabs(with)) {
+  while (fabs(with - without) > 3e-10 * fabs(with)) {
     double middle = (without + with) / 2;
     if (has(t, middle))
       with = middle;
@@ -189,7 +189,7 @@ static double fold_by_extrapolation(tour *t, const vs_walk_row *fold, double ste
  * swept down (validation.md, section 2), and the unstable one between them. */
 static void one_walk_has_both_branches(void) {
   static const char *const SETS[] = {"firing.every=1", "firing.angle=90deg", STOP, NULL};
-  const vs_along_words words = {"supply.frequency=50Hz..80Hz", NULL, "60Hz"};
+  const vs_along_words words = {"supply.frequency=50Hz..72Hz", NULL, "60Hz"};
   static const double P_MIN[] = {-6.793e-3, -6.3146e-3, -3.433e-3};
   tour *t = go(SETS, &words, 1);
   EXPECT(t->walk.end == VS_WALK_REACHED && marks(t, "at") == 3, "%d", marks(t, "at"));
