@@ -23,6 +23,7 @@ typedef struct instant {
  * the kin. */
 typedef struct pass {
   const vs_subject *subject;
+  bool again; /* the other attempt */
   vs_parameter *parameter;
   vs_scene *scene; /* that is run */
   vs_variation variation;
@@ -304,13 +305,19 @@ static vs_status begin_on_orbit(pass *p, vs_error *err) {
 /* The angle that the fastest mode turns in a step at most. The polynomials of degree seven between
  * the knots of the kin leave out some 1e-13 of Y then. */
 static const double TURN = 0.2;
+/* Where an extreme lies so near to a knot that what is of second order in p decides on which side,
+ * the other attempt has its knots elsewhere, and smaller p. */
+static const double ELSEWHERE = 0.87, SMALLER = 0.1;
 
 static vs_setup make(const vs_scene *scene, void *ctx) {
-  const vs_subject *subject = ctx;
-  vs_setup setup = vs_subject_setup(subject, scene, subject->scene->tier->finest);
-  double most = TURN / setup.model.fastest_rad_s; /* INFINITY: nothing swings */
+  const pass *p = ctx;
+  vs_setup setup = vs_subject_setup(p->subject, scene, p->subject->scene->tier->finest);
+  double most =
+      TURN * (p->again ? ELSEWHERE : 1) / setup.model.fastest_rad_s; /* INFINITY: nothing swings */
   if (isfinite(most) && !(setup.run.max_step_s > 0 && setup.run.max_step_s < most))
     setup.run.max_step_s = most;
+  else if (p->again)
+    setup.run.max_step_s *= ELSEWHERE;
   return setup;
 }
 
@@ -318,11 +325,11 @@ static vs_status begin(pass *p, vs_error *err) {
   const vs_scene *s = p->subject->scene;
   vs_status status = p->subject->calm ? begin_on_orbit(p, err) : VS_OK;
   if (status) return status;
-  vs_parameter_take(p->parameter, make, (void *)(size_t)p->subject);
+  vs_parameter_take(p->parameter, make, p);
   if (!p->subject->calm) vs_parameter_start(p->parameter, s->tier, p->start);
   p->scene = vs_alloc(1, sizeof *p->scene);
   *p->scene = *s;
-  p->scene->setup = make(s, (void *)(size_t)p->subject);
+  p->scene->setup = make(s, p);
   p->scene->frame = vs_sim_frame(s->tier, &p->scene->setup);
   add_instant(p, 0, 0);
   return VS_OK;
@@ -343,7 +350,7 @@ static vs_status look(pass *p, vs_error *err) {
 
 static vs_status show(pass *p, vs_fan *fan, vs_where where, vs_error *err) {
   double finest = p->subject->scene->tier->finest;
-  double step = fmin(fmax(PART / p->ratio, LEAST), LARGEST);
+  double step = fmin(fmax(PART / p->ratio, LEAST), LARGEST) * (p->again ? SMALLER : 1);
   vs_status status =
       vs_fan_begin(fan, p->subject, p->parameter->key.name, where, step, finest, err);
   if (status) return status;
@@ -355,15 +362,16 @@ static vs_status show(pass *p, vs_fan *fan, vs_where where, vs_error *err) {
   return status;
 }
 
-vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const char *key, vs_where where,
+vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const vs_asked *key, bool again,
                       vs_error *err) {
   pass *p = vs_alloc(1, sizeof *p);
   vs_parameter *parameter = vs_alloc(1, sizeof *parameter);
   p->subject = subject;
   p->parameter = parameter;
-  vs_status status = vs_parameter_begin(parameter, subject->scene, key, where, 0, err);
+  p->again = again;
+  vs_status status = vs_parameter_begin(parameter, subject->scene, key->name, key->where, 0, err);
   if (!status) status = look(p, err);
-  if (!status) status = show(p, fan, where, err);
+  if (!status) status = show(p, fan, key->where, err);
   vs_parameter_end(parameter);
   free(p->instants);
   free(p->scene);

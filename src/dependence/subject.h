@@ -6,6 +6,12 @@
 
 #include "orbit/shooting.h"
 
+/* A name that was asked for, and where it was written; both are borrowed. */
+typedef struct vs_asked {
+  const char *name;
+  vs_where where;
+} vs_asked;
+
 typedef struct vs_subject {
   const vs_scene *scene; /* as it was read; borrowed */
   vs_scene *calm; /* the scene that the orbit is of: without its events and its start; owned, but
