@@ -218,7 +218,6 @@ vs_status vs_parameter_again(vs_parameter *p, vs_error *err) {
     vs_tree_put(&p->scene[k]->tree, p->key.name, text, (vs_where){0});
     status = vs_scene_again(p->scene[k], err);
   }
-  if (!status) vs_parameter_take(p, setup_of, NULL);
   return status;
 }
 
