@@ -16,7 +16,9 @@ typedef struct vs_fan {
   vs_parameter parameter;             /* which key, and by how much each run differs */
   vs_scene *scene[VS_FAN_RUNS];       /* that are run; owned, but for what they borrow */
   vs_measured *measured[VS_FAN_RUNS]; /* owned */
-  double unresolved; /* what each slope may be off by besides, relative to the measure */
+  double decides, decides_s; /* of kin: the least change of p that makes a contact come or go, and
+                                when, s; INFINITY, or 0: none does */
+  double unresolved;         /* what each slope may be off by besides, relative to the measure */
 } vs_fan;
 
 /* The derivative of one measure m. */

@@ -30,9 +30,10 @@ typedef struct pass {
   double start[ROWS]; /* Y at t = 0 */
   instant *instants;  /* the first is t = 0, the last the end; owned */
   size_t count, room;
-  size_t now;         /* the last one that was passed */
-  double scale[ROWS]; /* the largest magnitude of each state */
-  double ratio;       /* how large Y is beside the state, at most */
+  size_t now;                /* the last one that was passed */
+  double scale[ROWS];        /* the largest magnitude of each state */
+  double decides, decides_s; /* the least change of p that makes a contact come or go, and where */
+  double ratio;              /* how large Y is beside the state, at most */
   vs_fan *fan;
   vs_driven driven[RUNS]; /* what drives each of the kin */
   vs_knot knot[RUNS][2];  /* the last one is knot[k][last] */
@@ -100,8 +101,46 @@ static void follow(const pass *p, const vs_knot *knot, double moved_s, double y[
     way[i] = vs_variation_get((vs_variation *)(size_t)&p->variation, i, 0) + f[i] * moved_s;
 }
 
+/* The depth of the armature in a stop where it turns in the step: at the zero of the travel's rate,
+ * by bisection. NaN: it does not turn there. */
+static double turn_in(const vs_step *step, const vs_stop *stop) {
+  const vs_model *m = step->frame->model;
+  double lo = step->from->t_s, hi = step->to->t_s, y[VS_CH_MOST];
+  double before = stop->side * vs_mechanics_travel(m, step->from->x + m->dof);
+  double after = stop->side * vs_mechanics_travel(m, step->to->x + m->dof);
+  if (!(before < 0 && after >= 0)) return NAN;
+  for (int n = 0; n < 50; n++) {
+    double mid = (lo + hi) / 2;
+    vs_step_groups_at(step, mid, VS_GROUP_VELOCITIES, y);
+    if (stop->side * vs_mechanics_travel(m, y + vs_channel_rates(m)) < 0)
+      lo = mid;
+    else
+      hi = mid;
+  }
+  vs_step_groups_at(step, hi, 0, y);
+  return vs_stop_depth(stop, y[VS_CH_TRAVEL]);
+}
+
+/* Notes the least change of p that makes a contact come or go: what the armature lacks of a stop,
+ * or has of it, where it turns, over what p makes of that. */
+static void look_at_stops(pass *p, const vs_step *step) {
+  const vs_model *m = step->frame->model;
+  double way[ROWS];
+  for (int n = 0; n < m->stops.count && step->to->t_s > step->from->t_s; n++) {
+    double depth = turn_in(step, &m->stops.item[n]);
+    if (isnan(depth)) continue;
+    for (int i = 0; i < m->dof; i++) way[i] = vs_variation_get(&p->variation, i, 0);
+    double by = fabs(
+        depth / (vs_mechanics_travel(m, way) + vs_parameter_surface(p->parameter, n, step->to->x)));
+    if (by >= p->decides) continue;
+    p->decides = by;
+    p->decides_s = step->to->t_s;
+  }
+}
+
 static void take_sizes(pass *p, const vs_step *step) {
   double y[ROWS], way[ROWS];
+  look_at_stops(p, step);
   follow(p, step->to, moved_at(p, step->to->t_s), y, way);
   for (int i = 0; i < p->variation.rows; i++)
     if (p->scale[i] > 0) p->ratio = fmax(p->ratio, fabs(way[i]) / p->scale[i]);
@@ -356,6 +395,8 @@ static vs_status show(pass *p, vs_fan *fan, vs_where where, vs_error *err) {
   if (status) return status;
   p->fan = fan;
   fan->unresolved = UNRESOLVED * p->ratio;
+  fan->decides = p->decides;
+  fan->decides_s = p->decides_s;
   status = go(p, show_kin, err);
   for (int k = 0; k < RUNS && !status; k++) vs_measured_finish(fan->measured[k]);
   if (status) vs_fan_end(fan);
@@ -369,6 +410,7 @@ vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const vs_asked *ke
   p->subject = subject;
   p->parameter = parameter;
   p->again = again;
+  p->decides = INFINITY;
   vs_status status = vs_parameter_begin(parameter, subject->scene, key->name, key->where, 0, err);
   if (!status) status = look(p, err);
   if (!status) status = show(p, fan, key->where, err);

@@ -149,10 +149,23 @@ static vs_status take_differences(search *s, size_t to, bool exact, vs_error *er
   return status;
 }
 
+/* A contact that so small a change of a key makes come or go is said. */
+static const double GRAZES = 1e-6;
+
+static void say_grazing(search *s, const vs_fan *fan) {
+  if (fan->decides >= GRAZES) return;
+  vs_text_add(
+      &s->out->notes,
+      "%s: at t = %.9g s a contact with a stop comes or goes when it changes by %.2g of its "
+      "value; behind that the derivatives are others\n",
+      fan->parameter.key.name, fan->decides_s, fan->decides);
+}
+
 /* Takes the exact derivatives. *whole: all are resolved. */
 static vs_status take_kin(search *s, size_t to, bool again, bool *whole, vs_error *err) {
   vs_fan *fan = vs_alloc(1, sizeof *fan);
   vs_status status = vs_kin_find(fan, &s->subject, &s->order->to[to], again, err);
+  if (!status && !again) say_grazing(s, fan);
   if (!status && !again) status = take_values(s, fan, err);
   *whole = true;
   for (size_t k = 0; k < s->order->n_of && !status; k++) {
