@@ -90,18 +90,52 @@ static vs_status read_near(vs_parameter *p, const stencil *where, vs_error *err)
   return status;
 }
 
-/* Does the scene take the key at all, with the value that it has? A key that the tier ignores, or
- * for which the scene has no use, is refused by its name, and enters no equation. */
-static bool is_heard(vs_parameter *p) {
+static bool near(double a, double b) {
+  return fabs(a - b) <= 1e-12 * fabs(b);
+}
+
+/* Do two setups have the same numbers, but for the rounding of how a key is written? */
+static bool alike(const vs_setup *a, const vs_setup *b) {
+  const vs_model *m = &a->model, *n = &b->model;
+  const vs_timeline *t = &a->timeline, *u = &b->timeline;
+  bool same = m->stops.count == n->stops.count && near(m->coil.gap_rest_m, n->coil.gap_rest_m) &&
+              near(m->coil.rest_h, n->coil.rest_h) && near(t->peak_v, u->peak_v) &&
+              near(m->actuator.resistance_ohm, n->actuator.resistance_ohm) &&
+              near(t->period_s, u->period_s) && near(t->first_zero_s, u->first_zero_s) &&
+              near(t->firing.angle_rad, u->firing.angle_rad);
+  for (int k = 0; k < m->stops.count && same; k++) {
+    const vs_stop *p = &m->stops.item[k], *q = &n->stops.item[k];
+    same = p->kind == q->kind && p->side == q->side && near(p->at_m, q->at_m) &&
+           near(p->stiffness, q->stiffness) && near(p->damping_ns_m, q->damping_ns_m);
+  }
+  for (int i = 0; i < m->dof && same; i++) {
+    same = near(m->constant[i], n->constant[i]) && near(m->along[i], n->along[i]);
+    for (int j = 0; j < m->dof && same; j++)
+      same = near(m->mass[i][j], n->mass[i][j]) && near(m->damping[i][j], n->damping[i][j]) &&
+             near(m->stiffness[i][j], n->stiffness[i][j]);
+  }
+  return same;
+}
+
+/* Writes the key into the scene with the value that it has, to see what the scene says to that. A
+ * key that the tier ignores, or for which the scene has no use, is refused by its name, and enters
+ * no equation. Error, at `where`: it makes another scene, as other keys' defaults hang on it. */
+static vs_status try_key(vs_parameter *p, vs_where where, vs_error *err) {
   vs_scene *same = vs_alloc(1, sizeof *same);
   vs_error why = {0};
   vs_status status = read_with(p, p->value, same, &why);
   const char *text = why.text + why.place_size;
-  bool refused = status == VS_INPUT && !strncmp(text, p->key.name, strlen(p->key.name));
-  snprintf(p->why, sizeof p->why, "%.255s", refused ? text : "");
+  p->idle = status == VS_INPUT && !strncmp(text, p->key.name, strlen(p->key.name));
+  snprintf(p->why, sizeof p->why, "%.255s", p->idle ? text : "");
+  bool other = !status && !alike(&same->setup, &p->scene[0]->setup);
   vs_scene_free(same);
   free(same);
-  return !refused;
+  if (other)
+    return vs_fail_at(err, where,
+                      "%s: writing it into the scene, with the value that it has, changes others; "
+                      "write these into the scene, too",
+                      p->key.name);
+  return status && !p->idle ? vs_fail_at(err, where, "%s", text) : VS_OK;
 }
 
 /* ---- its coefficients ---- */
@@ -190,7 +224,8 @@ vs_status vs_parameter_begin(vs_parameter *p, const vs_scene *scene, const char 
   status = refuse(p, where, err);
   if (status) return status;
   p->size = p->value != 0 ? p->value : vs_units_factor(p->key.field->unit);
-  p->idle = !is_heard(p);
+  status = try_key(p, where, err);
+  if (status) return status;
   status = p->idle ? VS_OK : VS_INPUT;
   for (int n = 0; n < N_STENCILS && status; n++) {
     last = (vs_error){0};
