@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dependence/kin.h"
 
-#include <gsl/gsl_linalg.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
+#include "dependence/grazing.h"
 #include "ideal/driven.h"
-#include "orbit/flight.h"
 #include "scene/session.h"
 
 enum { RUNS = VS_FAN_RUNS, ROWS = VS_VARIATION_MOST };
@@ -30,10 +29,10 @@ typedef struct pass {
   double start[ROWS]; /* Y at t = 0 */
   instant *instants;  /* the first is t = 0, the last the end; owned */
   size_t count, room;
-  size_t now;                /* the last one that was passed */
-  double scale[ROWS];        /* the largest magnitude of each state */
-  double decides, decides_s; /* the least change of p that makes a contact come or go, and where */
-  double ratio;              /* how large Y is beside the state, at most */
+  size_t now;         /* the last one that was passed */
+  double scale[ROWS]; /* the largest magnitude of each state */
+  vs_grazing grazing;
+  double ratio; /* how large Y is beside the state, at most */
   vs_fan *fan;
   vs_driven driven[RUNS]; /* what drives each of the kin */
   vs_knot knot[RUNS][2];  /* the last one is knot[k][last] */
@@ -101,46 +100,9 @@ static void follow(const pass *p, const vs_knot *knot, double moved_s, double y[
     way[i] = vs_variation_get((vs_variation *)(size_t)&p->variation, i, 0) + f[i] * moved_s;
 }
 
-/* The depth of the armature in a stop where it turns in the step: at the zero of the travel's rate,
- * by bisection. NaN: it does not turn there. */
-static double turn_in(const vs_step *step, const vs_stop *stop) {
-  const vs_model *m = step->frame->model;
-  double lo = step->from->t_s, hi = step->to->t_s, y[VS_CH_MOST];
-  double before = stop->side * vs_mechanics_travel(m, step->from->x + m->dof);
-  double after = stop->side * vs_mechanics_travel(m, step->to->x + m->dof);
-  if (!(before < 0 && after >= 0)) return NAN;
-  for (int n = 0; n < 50; n++) {
-    double mid = (lo + hi) / 2;
-    vs_step_groups_at(step, mid, VS_GROUP_VELOCITIES, y);
-    if (stop->side * vs_mechanics_travel(m, y + vs_channel_rates(m)) < 0)
-      lo = mid;
-    else
-      hi = mid;
-  }
-  vs_step_groups_at(step, hi, 0, y);
-  return vs_stop_depth(stop, y[VS_CH_TRAVEL]);
-}
-
-/* Notes the least change of p that makes a contact come or go: what the armature lacks of a stop,
- * or has of it, where it turns, over what p makes of that. */
-static void look_at_stops(pass *p, const vs_step *step) {
-  const vs_model *m = step->frame->model;
-  double way[ROWS];
-  for (int n = 0; n < m->stops.count && step->to->t_s > step->from->t_s; n++) {
-    double depth = turn_in(step, &m->stops.item[n]);
-    if (isnan(depth)) continue;
-    for (int i = 0; i < m->dof; i++) way[i] = vs_variation_get(&p->variation, i, 0);
-    double by = fabs(
-        depth / (vs_mechanics_travel(m, way) + vs_parameter_surface(p->parameter, n, step->to->x)));
-    if (by >= p->decides) continue;
-    p->decides = by;
-    p->decides_s = step->to->t_s;
-  }
-}
-
 static void take_sizes(pass *p, const vs_step *step) {
   double y[ROWS], way[ROWS];
-  look_at_stops(p, step);
+  vs_grazing_accept(&p->grazing, &p->variation, step);
   follow(p, step->to, moved_at(p, step->to->t_s), y, way);
   for (int i = 0; i < p->variation.rows; i++)
     if (p->scale[i] > 0) p->ratio = fmax(p->ratio, fabs(way[i]) / p->scale[i]);
@@ -300,47 +262,6 @@ static vs_status go(pass *p, void (*take)(pass *, const vs_step *), vs_error *er
 
 /* ---- where it begins ---- */
 
-/* Solves (I - Phi) dx/dp = dx(T)/dp, in parts of each state's scale. */
-static bool solve(const vs_orbit *o, const vs_variation *v, double *dx) {
-  size_t n = (size_t)o->count, order[ROWS];
-  double matrix[ROWS * ROWS], side[ROWS], d[ROWS], most = 0, least = INFINITY;
-  int sign;
-  for (size_t i = 0; i < n; i++) {
-    for (size_t j = 0; j < n; j++)
-      matrix[i * n + j] = (i == j) - vs_variation_get((vs_variation *)(size_t)v, (int)i, (int)j) *
-                                         o->scale[j] / o->scale[i];
-    side[i] = vs_variation_get((vs_variation *)(size_t)v, (int)i, v->columns) / o->scale[i];
-  }
-  gsl_matrix_view a = gsl_matrix_view_array(matrix, n, n);
-  gsl_vector_view b = gsl_vector_view_array(side, n), by = gsl_vector_view_array(d, n);
-  gsl_permutation p = {n, order};
-  if (gsl_linalg_LU_decomp(&a.matrix, &p, &sign)) return false;
-  for (size_t i = 0; i < n; i++) {
-    most = fmax(most, fabs(matrix[i * n + i]));
-    least = fmin(least, fabs(matrix[i * n + i]));
-  }
-  if (!(least > 1e-13 * most) || gsl_linalg_LU_solve(&a.matrix, &p, &b.vector, &by.vector))
-    return false;
-  for (size_t i = 0; i < n; i++) dx[i] = d[i] * o->scale[i];
-  return true;
-}
-
-/* The orbit's state at t = 0 depends on the key, too. */
-static vs_status begin_on_orbit(pass *p, vs_error *err) {
-  const vs_orbit *o = &p->subject->orbit;
-  vs_flight flight;
-  vs_flight_begin(&flight, p->subject->calm);
-  flight.parameter = p->parameter;
-  vs_status status = vs_flight_go(&flight, o->x, o->n, true, err);
-  if (!status && !solve(o, &flight.variation, p->start))
-    status = vs_fail(err, VS_RUN,
-                     "the orbit turns back here, and has no derivative with respect "
-                     "to %s",
-                     p->parameter->key.name);
-  vs_flight_end(&flight);
-  return status;
-}
-
 /* The angle that the fastest mode turns in a step at most. The polynomials of degree seven between
  * the knots of the kin leave out some 1e-13 of Y then. */
 static const double TURN = 0.2;
@@ -362,7 +283,8 @@ static vs_setup make(const vs_scene *scene, void *ctx) {
 
 static vs_status begin(pass *p, vs_error *err) {
   const vs_scene *s = p->subject->scene;
-  vs_status status = p->subject->calm ? begin_on_orbit(p, err) : VS_OK;
+  vs_status status =
+      p->subject->calm ? vs_subject_start(p->subject, p->parameter, p->start, err) : VS_OK;
   if (status) return status;
   vs_parameter_take(p->parameter, make, p);
   if (!p->subject->calm) vs_parameter_start(p->parameter, s->tier, p->start);
@@ -395,8 +317,7 @@ static vs_status show(pass *p, vs_fan *fan, vs_where where, vs_error *err) {
   if (status) return status;
   p->fan = fan;
   fan->unresolved = UNRESOLVED * p->ratio;
-  fan->decides = p->decides;
-  fan->decides_s = p->decides_s;
+  fan->grazing = p->grazing;
   status = go(p, show_kin, err);
   for (int k = 0; k < RUNS && !status; k++) vs_measured_finish(fan->measured[k]);
   if (status) vs_fan_end(fan);
@@ -410,7 +331,7 @@ vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const vs_asked *ke
   p->subject = subject;
   p->parameter = parameter;
   p->again = again;
-  p->decides = INFINITY;
+  p->grazing.by = INFINITY;
   vs_status status = vs_parameter_begin(parameter, subject->scene, key->name, key->where, 0, err);
   if (!status) status = look(p, err);
   if (!status) status = show(p, fan, key->where, err);

@@ -153,12 +153,12 @@ static vs_status take_differences(search *s, size_t to, bool exact, vs_error *er
 static const double GRAZES = 1e-6;
 
 static void say_grazing(search *s, const vs_fan *fan) {
-  if (fan->decides >= GRAZES) return;
+  if (fan->grazing.by >= GRAZES) return;
   vs_text_add(
       &s->out->notes,
       "%s: at t = %.9g s a contact with a stop comes or goes when it changes by %.2g of its "
       "value; behind that the derivatives are others\n",
-      fan->parameter.key.name, fan->decides_s, fan->decides);
+      fan->parameter.key.name, fan->grazing.at_s, fan->grazing.by);
 }
 
 /* Takes the exact derivatives. *whole: all are resolved. */
