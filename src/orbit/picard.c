@@ -139,8 +139,8 @@ static bool find_multipliers(vs_picard *p, const vs_knot *end) {
   memcpy(orbit, s->x, (size_t)s->count * sizeof *orbit);
   orbit[s->count] = end->flux_wb;
   if (!status)
-    status =
-        vs_copies_hear(&s->copies, orbit, s->scale, p->orbit.multiplier, &p->multipliers, &why);
+    status = vs_copies_hear(&s->copies, orbit, s->scale, p->known_to, p->orbit.multiplier,
+                            &p->multipliers, &why);
   if (status) snprintf(p->missing, sizeof p->missing, "%.255s", why.text);
   if (status) p->multipliers = 0;
   p->orbit.stable = !status && hypot(p->orbit.multiplier[0].re, p->orbit.multiplier[0].im) < 1;
@@ -263,7 +263,8 @@ static vs_status turn(void *self, const vs_knot *end, bool *begins, vs_error *er
   if (clean) correct(s, end->x); /* else the machine goes back to where it was */
   if (clean) watch(s);
   memcpy(p->pilot.x, s->x, sizeof s->x);
-  bool next_clean = s->creep.area_v_s == 0 && !vs_creep_worst(&s->creep, &name);
+  bool next_clean =
+      vs_creep_is_told(&s->creep) && s->creep.area_v_s == 0 && !vs_creep_worst(&s->creep, &name);
   *begins = clean && next_clean && is_close(s);
   return *begins ? take_orbit(p, end, begins, err) : go_on(p, err);
 }
