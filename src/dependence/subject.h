@@ -4,6 +4,8 @@
 #ifndef VS_DEPENDENCE_SUBJECT_H
 #define VS_DEPENDENCE_SUBJECT_H
 
+#include <signal.h>
+
 #include "orbit/shooting.h"
 #include "orbit/variation.h"
 
