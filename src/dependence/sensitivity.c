@@ -251,6 +251,7 @@ vs_status vs_sensitivity_find(const vs_scene *scene, const vs_sensitivity_order 
   out->to = vs_alloc(order->n_to, sizeof *out->to);
   out->entry = vs_alloc(order->n_of * order->n_to, sizeof *out->entry);
   status = vs_subject_begin(&s.subject, scene, order->periods, err);
+  s.subject.stop = order->stop;
   if (!status) status = find_all(&s, err);
   vs_subject_end(&s.subject);
   return status;
