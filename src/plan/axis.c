@@ -62,6 +62,13 @@ static key_list *all_keys(const vs_scene *scene) {
     vs_filled_section part = vs_section_at(&scene->setup, p);
     add_keys(list, part.section->name, part.section, part.values);
   }
+  const vs_instruments *instruments = &scene->instruments;
+  if (instruments->count)
+    add_keys(list, vs_instruments_section.name, &vs_instruments_section, &instruments->v);
+  for (int k = 0; k < instruments->count; k++) {
+    const vs_instrument *i = &instruments->item[k];
+    add_keys(list, i->path, &i->section, &i->v);
+  }
   const vs_events *events = &scene->setup.timeline.events;
   for (size_t e = 0; e < events->count; e++) {
     char name[VS_KEY_SIZE];

@@ -176,6 +176,7 @@ static vs_status begin_csv(void *ctx, vs_scene *s, vs_error *err) {
   if (status) return status;
   k->table = (vs_table){.stream = k->csv.stream,
                         .frame = &s->frame,
+                        .instruments = &s->instruments,
                         .digits = 9,
                         .sample_s = s->setup.run.sample_s,
                         .until_s = s->setup.run.until_s};
@@ -186,7 +187,7 @@ static vs_status begin_csv(void *ctx, vs_scene *s, vs_error *err) {
 
 static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
   keeper *k = ctx;
-  (void)result;
+  k->table.meters = result->meters;
   return vs_table_accept(&k->table, step, err);
 }
 
