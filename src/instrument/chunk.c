@@ -5,13 +5,12 @@
 
 enum { N = VS_LOWPASS_DEGREE };
 
-/* cos(pi n/6) */
+/* cos(pi n/6); sqrt(3/4) is written out. */
 static double cosine(int n) {
-  static const double ROOT_3_4 = 0.86602540378443864676;
-  const double quarter[] = {1, ROOT_3_4, 0.5, 0};
-  n %= 12;
-  if (n > 6) n = 12 - n;
-  return n <= 3 ? quarter[n] : -quarter[6 - n];
+  static const double COSINE[] = {
+      1,  0.86602540378443864676,  0.5,  0, -0.5, -0.86602540378443864676,
+      -1, -0.86602540378443864676, -0.5, 0, 0.5,  0.86602540378443864676};
+  return COSINE[n % 12];
 }
 
 /* The instants are those of Chebyshev's extrema, x_j = cos(pi j/6). With them

@@ -20,7 +20,7 @@ static const vs_field KEYS[] = {
     {"bandwidth", VS_REAL, "Hz", "none", 0, 1e9, true, AT(bandwidth_hz),
      .text = "frequency at which it shows 3 dB less", .choices = "none"},
     {"order", VS_COUNT, "", "1", 1, 2, .offset = AT(order), .text = "of its low-pass"},
-    {"damping", VS_REAL, "", "0.70710678118654752", 0.01, 1, .offset = AT(damping),
+    {"damping", VS_REAL, "", "0.7071", 0.01, 1, .offset = AT(damping),
      .text = "zeta of a low-pass of order 2"},
     {"noise", VS_REAL, "", "0", 0, 1e12, .offset = AT(noise),
      .text = "root mean square of the noise in each sample, in the channel's unit"},
@@ -38,7 +38,7 @@ static const vs_field COMMON[] = {
     {"set", VS_NAME, "", "own", .offset = AT(set),
      .text = "a file of instruments, or the name of one that comes with the program; own: the "
              "machine's; none"},
-    {"seed", VS_COUNT, "", "1", 0, 2147483647, .offset = AT(seed), .text = "of all noise"}};
+    {"seed", VS_COUNT, "", "1", 0, 1e9, .offset = AT(seed), .text = "of all noise"}};
 #undef AT
 enum { N_COMMON = sizeof COMMON / sizeof *COMMON };
 const vs_section vs_instruments_section = {"instruments", COMMON, N_COMMON};
