@@ -46,10 +46,11 @@ void vs_meter_to(vs_meter *meter, const vs_step *step, double t_s);
  * be shown, in order of time. */
 void vs_meter_accept(vs_meter *meter, const vs_step *step);
 
-/* When the next sample is due, s. */
+/* When the next sample is due, s. For tests; a control that is sampled asks it too. */
 double vs_meter_next_s(const vs_meter *meter);
 
-/* What an A/D of so many bits over the range makes of y. 0 bits: there is none, and y stays. */
+/* What an A/D of so many bits over the range makes of y. 0 bits: there is none, and y stays.
+ * For tests. */
 double vs_meter_quantised(const double range[2], int bits, double y);
 
 #endif
