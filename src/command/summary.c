@@ -29,7 +29,7 @@ static void add_events(vs_json *json, const vs_events *events) {
 }
 
 /* The keys of the set, then each instrument with its keys and with what it makes of a sine of the
- * mains' frequency, or of the firings'. */
+ * frequency at which the machine works. */
 static void add_instruments(vs_json *json, const vs_instruments *all, double frequency_hz) {
   const vs_section *common = &vs_instruments_section;
   if (!all->count) return;
@@ -69,9 +69,7 @@ static void add_scene(vs_json *json, const vs_scene *s) {
   }
   if (s->setup.steady) vs_json_bool(json, "steady", true);
   add_events(json, &s->setup.timeline.events);
-  const vs_timeline *line = &s->setup.timeline;
-  add_instruments(json, &s->instruments,
-                  line->supply.frequency_hz / (line->firing.every ? line->firing.every : 1));
+  add_instruments(json, &s->instruments, vs_instruments_working_hz(&s->setup));
   vs_json_end(json);
 }
 

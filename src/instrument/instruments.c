@@ -308,6 +308,11 @@ const char *vs_instruments_names(const vs_node *section, int n) {
   return NULL;
 }
 
+double vs_instruments_working_hz(const vs_setup *setup) {
+  const vs_timeline *t = &setup->timeline;
+  return t->supply.frequency_hz / (t->firing.every ? t->firing.every : 1);
+}
+
 const vs_instrument *vs_instruments_alias(const vs_instruments *all, char *text, size_t size) {
   const vs_instrument *first = NULL;
   size_t n = 0;

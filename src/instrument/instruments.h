@@ -81,6 +81,10 @@ void vs_instruments_free(vs_instruments *instruments);
  * NULL: the section names no more. Those of its set are not looked at. */
 const char *vs_instruments_names(const vs_node *section, int n);
 
+/* The frequency at which the scene's machine works, Hz: that of the firings, or of the mains where
+ * nothing fires or only once. */
+double vs_instruments_working_hz(const vs_setup *setup);
+
 /* Writes what is to be said of instruments whose samples come too seldom for their bandwidth, so
  * that fast parts of a signal show as slow ones. Returns the first of them; NULL: there is none. */
 const vs_instrument *vs_instruments_alias(const vs_instruments *instruments, char *text,
