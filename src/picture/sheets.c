@@ -100,18 +100,21 @@ static bool has_column(const char *header, const char *name) {
   return false;
 }
 
-/* Takes a column NAME_meas or NAME_meas_UNIT. The channel that NAME measures stands in the scene of
- * summary.json; without that it is the one of the same name. */
+/* Takes a column NAME_meas or NAME_meas_UNIT, where the instruments in the scene of summary.json
+ * have that NAME; they also say which channel it measures. */
 static void take_shown(vs_sheets *all, const vs_node *instruments, const char *header,
                        const char *column) {
+  char name[VS_SHEET_NAME];
   static const char MARK[] = "_meas";
   const char *mark = strstr(column, MARK), *unit = mark ? mark + sizeof MARK - 1 : NULL;
   if (!mark || (*unit && *unit != '_') || all->n_shown >= VS_SHEET_INSTRUMENTS) return;
+  snprintf(name, sizeof name, "%.*s", (int)(mark - column), column);
+  const vs_node *node = vs_tree_child(vs_tree_child(instruments, name), "channel");
+  if (!node || !node->text) return;
   vs_sheet_shown *s = &all->shown[all->n_shown++];
-  snprintf(s->name, sizeof s->name, "%.*s", (int)(mark - column), column);
+  memcpy(s->name, name, sizeof s->name);
   snprintf(s->column, sizeof s->column, "%s", column);
-  const vs_node *node = vs_tree_child(vs_tree_child(instruments, s->name), "channel");
-  snprintf(s->of, sizeof s->of, "%.40s%.40s", node && node->text ? node->text : s->name, unit);
+  snprintf(s->of, sizeof s->of, "%.40s%.40s", node->text, unit);
   if (!has_column(header, s->of)) memcpy(s->of, s->column, sizeof s->of);
 }
 
