@@ -43,6 +43,8 @@ typedef struct vs_instrument {
   int channel;                         /* the channel's number in the scene's frame */
   const char *unit;                    /* of the channel, borrowed */
   vs_instrument_values v;
+  bool on_orbit;      /* the run begins on an orbit, with its low-pass in this state at t = 0 */
+  double x[2];        /* in the channel's unit */
   vs_section section; /* its keys with their units; it fills `v` */
   vs_field fields[VS_INSTRUMENT_FIELDS];
   char path[VS_INSTRUMENT_NAME + 16]; /* "instruments.NAME", the section's name */
@@ -55,7 +57,7 @@ typedef struct vs_instruments_values {
 } vs_instruments_values;
 
 /* Start from {0}; vs_instruments_free at the end, also after an error. Not to be moved. Constant
- * once it is read. */
+ * once it is read, but for `on_orbit` and `x`, which orbit/steady.h sets. */
 typedef struct vs_instruments {
   vs_instruments_values v;
   vs_instrument item[VS_INSTRUMENT_MOST];

@@ -104,6 +104,21 @@ void vs_lowpass_advance(vs_lowpass *p, double h, const double u[VS_LOWPASS_TERMS
   p->x[1] = x[1];
 }
 
+/* As x(T) = E x(0) + c with E = exp(A T), the state sought is that with (I - E) x = c. */
+void vs_lowpass_close(vs_lowpass *p, const double from[2], double period_s) {
+  double z = p->rate * period_s, e[2][2], past[2]; /* e[j] is the j-th column of E */
+  if (z == 0) return;
+  for (int j = 0; j < 2; j++) {
+    const double unit[2] = {j == 0, j == 1};
+    transition(p, z, unit, e[j]);
+  }
+  transition(p, z, from, past);
+  double c0 = p->x[0] - past[0], c1 = p->x[1] - past[1];
+  double det = (1 - e[0][0]) * (1 - e[1][1]) - e[1][0] * e[0][1];
+  p->x[0] = (c0 * (1 - e[1][1]) + c1 * e[1][0]) / det;
+  p->x[1] = (c1 * (1 - e[0][0]) + c0 * e[0][1]) / det;
+}
+
 void vs_lowpass_response(const vs_lowpass *p, double frequency_hz, double *gain, double *phase) {
   double r = p->rate > 0 ? 2 * M_PI * frequency_hz / p->rate : 0;
   double real = p->works_on ? 1 - r * r : 1, imaginary = p->works_on ? 2 * p->damping * r : r;

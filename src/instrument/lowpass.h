@@ -32,6 +32,10 @@ void vs_lowpass_settle(vs_lowpass *lowpass, double u);
 /* Takes the state on by h, s, along the input u(t) = sum of u[k] (t/h)^k, t from 0 to h. */
 void vs_lowpass_advance(vs_lowpass *lowpass, double h, const double u[VS_LOWPASS_TERMS]);
 
+/* The low-pass was taken along one period, s, of an input that repeats, from the state `from` on.
+ * Puts it into the state that comes back after each period. */
+void vs_lowpass_close(vs_lowpass *lowpass, const double from[2], double period_s);
+
 /* What becomes of a steady sine of that frequency, Hz: its amplitude is multiplied by *gain, and it
  * is shifted by *phase, rad, which is negative as the output lags. */
 void vs_lowpass_response(const vs_lowpass *lowpass, double frequency_hz, double *gain,

@@ -33,6 +33,7 @@ void vs_meter_begin(vs_meter *m, const vs_instrument *i, int seed) {
   for (int k = 0; k < 2; k++) m->range[k] = i->v.range[k] / unit;
   m->noise = i->v.noise / unit;
   m->lowpass = vs_lowpass_make(i->v.bandwidth_hz, i->v.order, i->v.damping);
+  if (i->on_orbit) memcpy(m->lowpass.x, i->x, sizeof i->x);
   gsl_rng r = generator(m);
   unsigned long name = vs_hash_crc32(i->name, strlen(i->name));
   gsl_rng_set(&r, (name ^ (unsigned long)seed * 2654435761UL) & 0x7fffffffUL);
@@ -104,7 +105,8 @@ double vs_meter_next_s(const vs_meter *m) {
 
 static void begin_at(vs_meter *m, const vs_step *step) {
   m->t_s = step->from->t_s;
-  vs_lowpass_settle(&m->lowpass, shown(m, vs_step_channel(step, m->t_s, m->instrument->channel)));
+  if (!m->instrument->on_orbit)
+    vs_lowpass_settle(&m->lowpass, shown(m, vs_step_channel(step, m->t_s, m->instrument->channel)));
 }
 
 /* Instants that are meant to be the same may differ by rounding. */

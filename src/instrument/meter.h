@@ -8,7 +8,8 @@
  *   3. noise is added: normally distributed, and independent from sample to sample (white);
  *   4. the A/D takes the nearest of its steps, range[0] + code (range[1] - range[0])/2^bits with a
  *      code from 0 to 2^bits - 1. So it never shows the upper end itself.
- * At t = 0 the low-pass is settled: the channel is taken to have stood still before.
+ * At t = 0 the low-pass is settled: the channel is taken to have stood still before. A run that
+ * begins on an orbit has it as the orbit has it (instrument->on_orbit).
  *
  * A meter is a plain struct, and a copy made by `=` goes on by itself. What it shows follows from
  * the steps, its own keys, its name and the seed alone: neither other instruments nor whoever asks

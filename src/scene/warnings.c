@@ -174,8 +174,8 @@ void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame
   vs_warnings_of_limits(deck, w);
 }
 
-/* Instruments are settled where the run begins. One that begins on an orbit shows a swing of its
- * low-pass before it shows the orbit. */
+/* On a tier with a circuit instruments are settled where the run begins, also where it begins on an
+ * orbit. They show a swing of their low-pass before they show the orbit. */
 static void warn_of_settling(const vs_instruments *all, vs_warnings *w) {
   const vs_instrument *slowest = NULL;
   double longest_s = 0;
@@ -194,7 +194,8 @@ static void warn_of_settling(const vs_instruments *all, vs_warnings *w) {
                slowest->path, longest_s);
 }
 
-void vs_warnings_of_instruments(const vs_instruments *all, const vs_setup *s, vs_warnings *w) {
+void vs_warnings_of_instruments(const vs_instruments *all, const vs_setup *s, const vs_frame *frame,
+                                vs_warnings *w) {
   char text[512];
   const vs_instrument *first = vs_instruments_alias(all, text, sizeof text);
   if (first)
@@ -202,7 +203,7 @@ void vs_warnings_of_instruments(const vs_instruments *all, const vs_setup *s, vs
                "instruments: the bandwidth is above half the rate of samples, so that faster parts "
                "of a signal show as slow ones (aliasing): %s",
                text);
-  if (s->steady) warn_of_settling(all, w);
+  if (s->steady && frame->deck) warn_of_settling(all, w);
 }
 
 /* ---- what can fire ---- */
