@@ -291,6 +291,19 @@ static void held_at_the_ends(void) {
   free_ran(&r);
 }
 
+/* Near resonance a heavier trough swings further, and throws more: a share of 0.14 and one of 0.6
+ * both ask for themselves. The lesser one is taken, and the other is told; it does hold. */
+static void two_shares(void) {
+  static const char HEAVY[] = LOADED "--set load.density=1.5g/cm3 --set firing.angle=130deg --json";
+  ran r = run("steady %s --set load.fraction=auto", HEAVY), other = run("steady %s --set "
+                                                                        "load.fraction=0.6",
+                                                                        HEAVY);
+  CU_ASSERT(r.status == 0 && strstr(r.err, "load.fraction: auto is 0.137964, and 0.6 would"));
+  CLOSE(number(r.out, "load_fraction"), share_of(number(r.out, "throw_coefficient")), 1e-9);
+  CU_ASSERT(number(r.out, "other") == 0.6 && number(other.out, "throw_coefficient") > 3.3);
+  free_ran(&r), free_ran(&other);
+}
+
 /* What events name is changed; what they do not stays as it was found. */
 static void events_behind_auto(void) {
   static const char SCENE[] = LOADED "--set firing.angle=120deg --tier switched --set "
@@ -367,6 +380,37 @@ static void a_change_of_nothing(void) {
   free_ran(&r);
 }
 
+/* ---- the page's example ---- */
+
+/* Copy of the first fenced block of that kind behind `at`. */
+static char *block(const char *at, const char *kind) {
+  char fence[32];
+  snprintf(fence, sizeof fence, "\n```%s\n", kind);
+  const char *begin = at ? strstr(at, fence) : NULL;
+  CU_ASSERT_PTR_NOT_NULL_FATAL(begin);
+  char *text = vs_copy(begin + strlen(fence));
+  *strstr(text, "\n```") = '\0';
+  return text;
+}
+
+static void the_page(void) {
+  char *page = read_file(VS_TEST_FOLDER "/../docs/operation.md");
+  const char *section = strstr(page, "\n## The load");
+  char *yaml = block(section, "yaml"), *lines = block(section, "sh"), *rest = lines, *line;
+  char *text = block(section, "text"), *expected = text;
+  vs_text said = {0};
+  write_file("charge.yaml", yaml);
+  while ((line = strsep(&rest, "\n"))) {
+    ran r = run("%s", line + strlen("vibrospice "));
+    EXPECT(r.status == 0, "%s: %s", line, r.err);
+    vs_text_add(&said, "%s", r.out);
+    free_ran(&r);
+  }
+  while ((line = strsep(&expected, "\n"))) EXPECT(strstr(said.text, line), "not said: %s", line);
+  vs_text_free(&said);
+  free(text), free(lines), free(yaml), free(page);
+}
+
 static const vs_test TESTS[] = {
     {"an event is two runs", an_event_is_two_runs},
     {"what arrives has the trough's velocity", momentum_and_energy},
@@ -376,10 +420,12 @@ static const vs_test TESTS[] = {
     {"range of the conveying speed", range_of_the_speed},
     {"auto is the share of its own orbit", the_share_of_its_own_orbit},
     {"auto is held at the ends", held_at_the_ends},
+    {"two shares", two_shares},
     {"events behind auto", events_behind_auto},
     {"what is refused", what_is_refused},
     {"keys of a machine", keys_of_a_machine},
     {"a change of nothing", a_change_of_nothing},
+    {"the page's example", the_page},
 };
 
 int main(void) {

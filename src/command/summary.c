@@ -111,6 +111,7 @@ static void add_fraction(vs_json *json, const vs_setup *s) {
   vs_json_bool(json, "held",
                vs_model_load_range.least_k > s->throw_coefficient ||
                    vs_model_load_range.most_k < s->throw_coefficient);
+  if (!isnan(s->other_fraction)) vs_json_number(json, "other", s->other_fraction, DIGITS);
   vs_json_end(json);
 }
 

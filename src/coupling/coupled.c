@@ -19,6 +19,7 @@
 #include "coupling/course.h"
 #include "coupling/names.h"
 #include "coupling/pace.h"
+#include "coupling/prelude.h"
 #include "coupling/swing.h"
 #include "deck/netlist.h"
 #include "drive/events.h"
@@ -32,12 +33,13 @@ typedef struct coupling {
   vs_names *names; /* owned */
   vs_course course;
   vs_away away;
+  vs_prelude prelude;
 } coupling;
 
 /* ---- the solver's host ---- */
 
 static double run_time(const coupling *c, double solver_s) {
-  return solver_s + c->away.shift_s;
+  return vs_prelude_time(&c->prelude, solver_s, c->away.shift_s);
 }
 
 static double source(void *ctx, size_t port, double solver_s) {
@@ -47,15 +49,16 @@ static double source(void *ctx, size_t port, double solver_s) {
   if (port == of_deck + VS_EVA_PORT_GAP) return vs_course_gap(&c->course, t_s);
   if (port > of_deck) return vs_away_lead(&c->away, port - of_deck, t_s);
   const vs_port *p = &c->setup->deck.ports[port];
-  return vs_signals_voltage(&c->setup->timeline, &p->signal, t_s);
+  double push_v = p->signal.drive == VS_PORT_MAINS ? vs_prelude_push(&c->prelude, t_s) : 0;
+  return push_v + vs_signals_voltage(&c->course.setup->timeline, &p->signal, t_s);
 }
 
 static double edge(void *ctx, double solver_s) {
-  const coupling *c = ctx;
+  coupling *c = ctx;
   if (c->course.anode.crossed || c->swing.anew) return solver_s; /* the solver's rule begins anew */
-  double next_s = vs_setup_edge(c->setup, run_time(c, solver_s));
-  if (c->away.shift_s > 0) next_s = fmin(next_s, c->setup->run.until_s);
-  return next_s - c->away.shift_s;
+  double next_s = vs_setup_edge(c->course.setup, run_time(c, solver_s));
+  if (c->away.shift_s != 0 && !c->prelude.on) next_s = fmin(next_s, c->setup->run.until_s);
+  return vs_prelude_edge(&c->prelude, next_s) - c->away.shift_s;
 }
 
 static double longest(void *ctx, double solver_s) {
@@ -65,7 +68,7 @@ static double longest(void *ctx, double solver_s) {
   double most = fmin(c->pace.max_step_s, vs_swing_longest(&c->swing));
   most = fmin(most,
               vs_anode_longest(&course->anode, before, vs_course_last(course), c->pace.max_step_s));
-  return fmin(most, vs_events_longest(&c->setup->timeline.events, run_time(c, solver_s)));
+  return fmin(most, vs_events_longest(&course->setup->timeline.events, run_time(c, solver_s)));
 }
 
 static vs_status accept(void *ctx, double solver_s, const double *signals, vs_error *err) {
@@ -81,12 +84,14 @@ static vs_status accept(void *ctx, double solver_s, const double *signals, vs_er
   next.flux_rate3_v_s2 = 0; /* not known; a cubic's weight for it is 0 */
   vs_swing_take(&c->swing, from, &next);
   vs_status status = vs_course_move(&c->course, &next, err);
-  return status ? status : vs_away_consider(&c->away, signals, err);
+  if (status) return status;
+  if (c->prelude.on) return vs_prelude_follow(&c->prelude, &c->course, &c->away.shift_s, err);
+  return vs_away_consider(&c->away, signals, err);
 }
 
 static bool enough(void *ctx) {
   const coupling *c = ctx;
-  return vs_away_enough(&c->away);
+  return !c->prelude.on && vs_away_enough(&c->away);
 }
 
 /* ---- a run ---- */
@@ -103,7 +108,7 @@ static vs_circuit_job job_of(const coupling *c) {
                           .signals = c->names->signals,
                           .n_signals = c->names->n_signals,
                           .n_wanted = 2 * c->names->n_memories,
-                          .until_s = setup->run.until_s,
+                          .until_s = vs_prelude_until(&c->prelude),
                           .gear = setup->run.gear,
                           .dialect = setup->deck.compat,
                           .max_step_s = c->pace.max_step_s,
@@ -150,14 +155,16 @@ static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_
                 .pace = vs_pace_of(setup),
                 .swing = vs_swing_of(setup),
                 .names = vs_alloc(1, sizeof *c.names)};
-  vs_course_begin(&c.course, setup, &frame, observer);
+  vs_prelude_begin(&c.prelude, setup, order, observer);
+  vs_course_begin(&c.course, vs_prelude_setup(&c.prelude), &frame, vs_prelude_observer(&c.prelude));
+  c.course.frame.timeline = &c.course.setup->timeline;
   vs_away_begin(&c.away, order, &c.course, c.names, c.pace.max_step_s);
   vs_names_of(&setup->deck, vs_away_memories(&c.away), c.names);
   vs_status s = go(&c, err);
   vs_away_end(&c.away);
   vs_course_end(&c.course);
   free(c.names);
-  return s;
+  return vs_prelude_end(&c.prelude, s, err);
 }
 
 /* What stands between the mains and the deck, and what its solver alone is told. */

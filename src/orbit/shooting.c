@@ -133,7 +133,7 @@ vs_status vs_shooting_check(const vs_scene *s, int periods, vs_error *err) {
   if (!line->firing.no_valve && !line->firing.every)
     return vs_fail(err, VS_INPUT,
                    "firing.every: a periodic orbit needs continuous firing, not 'once'");
-  return VS_OK;
+  return vs_setup_require_fraction(&s->setup, "an orbit", err);
 }
 
 /* What lets the machine swing less far. */

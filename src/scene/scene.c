@@ -335,7 +335,8 @@ static vs_status check_rows(const vs_scene *s, vs_error *err) {
 static void warn(vs_scene *s) {
   s->warnings.count = 0;
   vs_warnings_of_scene(s->tree.root, &s->setup, &s->frame, &s->warnings);
-  vs_warnings_of_instruments(&s->instruments, &s->setup, &s->frame, &s->warnings);
+  vs_warnings_of_instruments(&s->instruments, &s->warnings);
+  if (s->setup.steady) vs_warnings_of_settling(&s->instruments, &s->frame, &s->warnings);
 }
 
 void vs_scene_warn(const vs_scene *s) {

@@ -174,12 +174,10 @@ void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame
   vs_warnings_of_limits(deck, w);
 }
 
-/* On a tier with a circuit instruments are settled where the run begins, also where it begins on an
- * orbit. They show a swing of their low-pass before they show the orbit. */
-static void warn_of_settling(const vs_instruments *all, vs_warnings *w) {
+void vs_warnings_of_settling(const vs_instruments *all, const vs_frame *frame, vs_warnings *w) {
   const vs_instrument *slowest = NULL;
   double longest_s = 0;
-  for (int k = 0; k < all->count; k++) {
+  for (int k = 0; frame->deck && k < all->count; k++) {
     const vs_instrument_values *v = &all->item[k].v;
     const vs_lowpass p = vs_lowpass_make(v->bandwidth_hz, v->order, v->damping);
     double settling_s = vs_lowpass_settling(&p, 1e-4);
@@ -189,13 +187,12 @@ static void warn_of_settling(const vs_instruments *all, vs_warnings *w) {
   }
   if (slowest)
     vs_fail_at(vs_warnings_add(w), slowest->where,
-               "%s: start is steady, and instruments begin settled, as if nothing had moved: what "
-               "this one shows of its beginning has fallen to 1e-4 after %.2g s",
+               "%s: the run begins on an orbit, and on this tier instruments begin settled, as if "
+               "nothing had moved: what this one shows of that has fallen to 1e-4 after %.2g s",
                slowest->path, longest_s);
 }
 
-void vs_warnings_of_instruments(const vs_instruments *all, const vs_setup *s, const vs_frame *frame,
-                                vs_warnings *w) {
+void vs_warnings_of_instruments(const vs_instruments *all, vs_warnings *w) {
   char text[512];
   const vs_instrument *first = vs_instruments_alias(all, text, sizeof text);
   if (first)
@@ -203,7 +200,6 @@ void vs_warnings_of_instruments(const vs_instruments *all, const vs_setup *s, co
                "instruments: the bandwidth is above half the rate of samples, so that faster parts "
                "of a signal show as slow ones (aliasing): %s",
                text);
-  if (s->steady && frame->deck) warn_of_settling(all, w);
 }
 
 /* ---- what can fire ---- */
