@@ -258,26 +258,47 @@ static void samples_are_codes(void) {
 
 /* ---- noise ---- */
 
-/* At rest, as nothing fires: what is shown is noise alone. Limits of four standard deviations. */
+/* What an instrument of that name shows at rest, as nothing fires: noise alone, in units of its
+ * root mean square. */
+static record at_rest(const char *name, int seed) {
+  char section[256];
+  const char *const sets[] = {section, "firing.first_cycle=1000", "run={until: 1 s, sample: 1 s}",
+                              NULL};
+  snprintf(section, sizeof section,
+           "instruments={set: none, seed: %d, %s: {channel: p, range: [-1 m, 1 m], bits: none, "
+           "noise: 2 um, rate: 100 kHz}}",
+           seed, name);
+  record r = sampled("switched", sets);
+  for (int k = 0; k < r.count; k++) r.value[k] /= 2e-6;
+  return r;
+}
+
+/* The mean of a(k) b(k + later). */
+static double correlation(const record *a, const record *b, int later) {
+  double sum = 0;
+  for (int k = later; k < a->count; k++) sum += a->value[k] * b->value[k - later];
+  return sum / (a->count - later);
+}
+
+/* All limits are four standard deviations. */
 static void noise(void) {
-  static const char *const SETS[] = {
-      "instruments={set: none, seed: 5, x: {channel: p, range: [-1 m, 1 m], bits: none, noise: 2 "
-      "um, rate: 100 kHz}}",
-      "firing.first_cycle=1000", "run.until=1s", "run.sample=1s", NULL};
-  record r = sampled("switched", SETS);
-  double n = r.count, mean = 0, square = 0, fourth = 0, next = 0;
-  for (int k = 0; k < r.count; k++) mean += r.value[k] / n;
+  record r = at_rest("x", 5), seeded = at_rest("x", 6), named = at_rest("y", 5);
+  double n = r.count, mean = 0, fourth = 0;
   for (int k = 0; k < r.count; k++) {
-    double y = (r.value[k] - mean) / 2e-6;
-    square += y * y / n;
-    fourth += gsl_pow_4(y) / n;
-    if (k) next += y * (r.value[k - 1] - mean) / 2e-6 / n;
+    mean += r.value[k] / n;
+    fourth += gsl_pow_4(r.value[k]) / n;
   }
-  EXPECT(fabs(mean) < 4 * 2e-6 / sqrt(n), "mean %g", mean);
+  EXPECT(n == 100001 && fabs(mean) < 4 / sqrt(n), "mean %g of %g", mean, n);
+  double square = correlation(&r, &r, 0);
   EXPECT(fabs(square - 1) < 4 * sqrt(2 / n), "square %g", square);
   EXPECT(fabs(fourth - 3) < 4 * sqrt(96 / n), "fourth moment %g", fourth);
-  EXPECT(fabs(next) < 4 / sqrt(n), "correlation with the sample before %g", next);
+  for (int later = 1; later < 4; later++)
+    EXPECT(fabs(correlation(&r, &r, later)) < 4 / sqrt(n), "correlated %d samples later", later);
+  EXPECT(fabs(correlation(&r, &seeded, 0)) < 4 / sqrt(n), "correlated with another seed");
+  EXPECT(fabs(correlation(&r, &named, 0)) < 4 / sqrt(n), "correlated with another instrument");
   free_record(&r);
+  free_record(&seeded);
+  free_record(&named);
 }
 
 /* ---- the same, whoever looks ---- */
@@ -357,7 +378,10 @@ static void copies(void) {
   c.scene = &t->scene;
   vs_trial_go(t, &observer);
   EXPECT(!t->status && c.meter.samples == 601, "%ld samples", c.meter.samples);
-  EXPECT(!memcmp(&c.meter, &c.copy, sizeof c.copy), "a copy is another");
+  EXPECT(c.meter.samples == c.copy.samples && c.meter.value == c.copy.value &&
+             c.meter.lowpass.x[0] == c.copy.lowpass.x[0] &&
+             !memcmp(c.meter.random, c.copy.random, sizeof c.copy.random),
+         "a copy is another");
   EXPECT(!memcmp(c.meter.random, t->result.meters[1].random, sizeof c.meter.random) &&
              c.meter.value == t->result.meters[1].value,
          "the run's own meter is another");

@@ -123,7 +123,7 @@ void vs_lowpass_response(const vs_lowpass *p, double frequency_hz, double *gain,
   double r = p->rate > 0 ? 2 * M_PI * frequency_hz / p->rate : 0;
   double real = p->works_on ? 1 - r * r : 1, imaginary = p->works_on ? 2 * p->damping * r : r;
   *gain = 1 / hypot(real, imaginary);
-  *phase = -atan2(imaginary, real);
+  *phase = imaginary > 0 ? -atan2(imaginary, real) : 0;
 }
 
 double vs_lowpass_settling(const vs_lowpass *p, double part) {
