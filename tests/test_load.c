@@ -223,6 +223,20 @@ static void range_of_the_speed(void) {
   free_ran(&r);
 }
 
+/* With material on the trough it is a warning, in a study's case too. */
+static void a_warning_where_it_matters(void) {
+  write_file("study.yaml", "set: {firing.every: 1, load.density: 0.1 g/cm3, load.fraction: 0.5}\n"
+                           "steady: {period: 1}\nvary: {firing.angle: [100 deg, 130 deg]}\n"
+                           "report: [throw_down, conveying_speed]\n");
+  ran r = run("study study.yaml --jobs 1 --quiet");
+  EXPECT(r.status == 0, "%s", r.err);
+  const char *first = strstr(r.out, "\n0,"), *second = first ? strstr(first, "\n1,") : NULL;
+  const char *said = first ? strstr(first, "conveying_speed is outside of its formula's") : NULL;
+  CU_ASSERT(first && second && said && said < second);
+  CU_ASSERT(second && !strstr(second, "outside of its formula"));
+  free_ran(&r);
+}
+
 /* ---- auto ---- */
 
 #define LOADED "paper --set firing.every=1 --set supply.voltage=230V --set load.density=0.5g/cm3 "
@@ -418,6 +432,7 @@ static const vs_test TESTS[] = {
     {"an event at work", an_event_at_work},
     {"numbers of the throw", numbers_of_the_throw},
     {"range of the conveying speed", range_of_the_speed},
+    {"a warning where it matters", a_warning_where_it_matters},
     {"auto is the share of its own orbit", the_share_of_its_own_orbit},
     {"auto is held at the ends", held_at_the_ends},
     {"two shares", two_shares},

@@ -19,7 +19,7 @@ typedef struct vs_arguments {
   size_t n_sets;
   const char *tier, *output, *deck, *machine, *overlay, *shard, *of, *to, *along, *step, *at;
   bool json, quiet, reproducible, raw, list, help, resume, overwrite, keep_runs, progress_json,
-      steady;
+      steady, no_sharing;
   int digits; /* 1..17 */
   int jobs;   /* 0: not given */
   int period; /* 1 or more */
@@ -67,7 +67,8 @@ enum {
   VS_KEY_OVERWRITE,
   VS_KEY_TIMEOUT,
   VS_KEY_PROGRESS,
-  VS_KEY_KEEP
+  VS_KEY_KEEP,
+  VS_KEY_ALONE
 };
 
 /* Rows of vs_command.options: an option that takes a value, and one that takes none. */

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 
 #include "base/text.h"
-#include "orbit/classes.h"
 #include "orbit/steady.h"
+#include "period/classes.h"
 
 enum { DIGITS = 12, SHOWN = 10 /* the last harmonic in the table; JSON has all */ };
 
@@ -53,13 +53,6 @@ static void add_material(const vs_steady *s, vs_json *json) {
   vs_json_end(json);
 }
 
-/* ---- what was found ---- */
-
-/* On tier circuit there may be one multiplier more than states of the machine, or none. */
-static int count_of_multipliers(const vs_steady *s) {
-  return s->picard ? s->picard->multipliers : s->orbit.count;
-}
-
 /* ---- JSON ---- */
 
 static void add_measures(const void *ctx, vs_json *json) {
@@ -72,7 +65,7 @@ static void add_measures(const void *ctx, vs_json *json) {
 static void add_multipliers(const vs_steady *s, vs_json *json) {
   const vs_orbit *orbit = &s->orbit;
   vs_json_array(json, "multipliers", VS_JSON_LINES);
-  for (int k = 0; k < count_of_multipliers(s); k++) {
+  for (int k = 0; k < vs_steady_multipliers(s); k++) {
     vs_json_object(json, NULL, VS_JSON_ROW);
     vs_json_number(json, "re", orbit->multiplier[k].re, DIGITS);
     vs_json_number(json, "im", orbit->multiplier[k].im, DIGITS);
@@ -152,12 +145,12 @@ static void print_multiplier(const vs_orbit *orbit, int k, FILE *out) {
 
 static void print_multipliers(const vs_steady *s, FILE *out) {
   const vs_orbit *orbit = &s->orbit;
-  if (!count_of_multipliers(s)) {
+  if (!vs_steady_multipliers(s)) {
     fprintf(out, "multipliers  not resolved: %s\n", s->picard->missing);
     return;
   }
   fprintf(out, "%-10s %15s %15s %15s %14s\n", "multiplier", "re", "im", "size", "decays in");
-  for (int k = 0; k < count_of_multipliers(s); k++) print_multiplier(orbit, k, out);
+  for (int k = 0; k < vs_steady_multipliers(s); k++) print_multiplier(orbit, k, out);
   fprintf(out, "%s: the largest multiplier is %s\n", orbit->stable ? "stable" : "unstable",
           orbit->stable ? "below 1" : "1 or more, so that the machine does not stay on this orbit");
 }
@@ -228,17 +221,11 @@ static void accept(void *ctx, const vs_step *step) {
 
 static void finish(void *ctx, const vs_result *result) {
   reporter *r = ctx;
+  const vs_warnings *w = &r->scene->warnings;
+  size_t said = w->count;
   vs_steady_finish(&r->steady, result);
-  vs_value down = vs_throw_down(&r->steady.thrown);
-  const vs_load_values *load = &r->steady.model->load;
-  bool empty = load->density_kg_m3 * load->volume_m3 == 0; /* the table's line will do */
-  if (empty || !vs_throw_speed(&r->steady.thrown).known || down.value <= vs_throw_most) return;
-  vs_error *warning = vs_warnings_add(&r->scene->warnings);
-  vs_fail(warning, VS_OK,
-          "conveying_speed is outside of its formula's range, throw_down up to %.4g: this is %.4g, "
-          "and the material flies for longer than a swing",
-          vs_throw_most, down.value);
-  if (!r->quiet) fprintf(stderr, "vibrospice: warning: %s\n", vs_warnings_text(warning));
+  for (size_t k = said; k < w->count && !r->quiet; k++)
+    fprintf(stderr, "vibrospice: warning: %s\n", vs_warnings_text(&w->item[k]));
 }
 
 static vs_status report(const vs_run_options *o, int periods, vs_scene *scene, vs_error *err) {

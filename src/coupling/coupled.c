@@ -71,9 +71,22 @@ static double longest(void *ctx, double solver_s) {
   return fmin(most, vs_events_longest(&course->setup->timeline.events, run_time(c, solver_s)));
 }
 
+/* Asks whoever may make another run of this one; in a prelude there is nobody, as the events come
+ * behind it. All that the events of the setup do is asked of
+ * the setup, whenever it is needed; only the instant of the jam is kept elsewhere. */
+static vs_status reach_junction(coupling *c, double t_s, vs_error *err) {
+  const vs_junction *junction = c->order->junction;
+  if (!junction) return VS_OK;
+  vs_status status = junction->reach(junction->ctx, t_s, err);
+  c->course.jams_s = vs_setup_jams(c->setup);
+  return status;
+}
+
 static vs_status accept(void *ctx, double solver_s, const double *signals, vs_error *err) {
   coupling *c = ctx;
   double t_s = run_time(c, solver_s);
+  vs_status status = c->prelude.on ? VS_OK : reach_junction(c, t_s, err);
+  if (status) return status;
   if (c->away.follows) return vs_away_follow(&c->away, t_s, signals, err);
   const vs_knot *from = vs_course_last(&c->course);
   vs_knot next; /* vs_course_move gives it its state */
@@ -83,15 +96,25 @@ static vs_status accept(void *ctx, double solver_s, const double *signals, vs_er
   next.flux_rate2_v_s = (next.flux_rate_v - from->flux_rate_v) / (t_s - from->t_s);
   next.flux_rate3_v_s2 = 0; /* not known; a cubic's weight for it is 0 */
   vs_swing_take(&c->swing, from, &next);
-  vs_status status = vs_course_move(&c->course, &next, err);
+  status = vs_course_move(&c->course, &next, err);
   if (status) return status;
-  if (c->prelude.on) return vs_prelude_follow(&c->prelude, &c->course, &c->away.shift_s, err);
-  return vs_away_consider(&c->away, signals, err);
+  if (!c->prelude.on) return vs_away_consider(&c->away, signals, err);
+  status = vs_prelude_follow(&c->prelude, &c->course, &c->away.shift_s, err);
+  return status || c->prelude.on ? status : reach_junction(c, 0, err);
 }
 
 static bool enough(void *ctx) {
   const coupling *c = ctx;
   return !c->prelude.on && vs_away_enough(&c->away);
+}
+
+static double clock_at(void *ctx, double solver_s) {
+  return run_time(ctx, solver_s);
+}
+
+static bool hides(void *ctx) {
+  const coupling *c = ctx;
+  return c->prelude.on;
 }
 
 /* ---- a run ---- */
@@ -130,7 +153,7 @@ static vs_status go(coupling *c, vs_error *err) {
   const vs_circuit_kind *solver = c->order->solver;
   vs_deck_value standard[VS_STANDARD];
   vs_circuit_job job = job_of(c);
-  const vs_circuit_host host = {c, source, edge, longest, accept, enough};
+  const vs_circuit_host host = {c, source, edge, longest, accept, enough, clock_at, hides};
   char **netlist = NULL;
   void *circuit = NULL;
   vs_setup_standard(setup, standard);

@@ -11,11 +11,14 @@ typedef struct vs_subject {
   vs_scene *calm; /* the scene that the orbit is of: without its events and its start; owned, but
                      for what it borrows of the scene; NULL: there is no orbit */
   vs_orbit orbit; /* where there is one */
-  bool period;    /* one period of it is looked at */
+  int periods;    /* one period of it is looked at, of so many firing periods; 0: none is */
+  const char *inexact; /* why the equations have no derivative that orbit/variation.h knows, so that
+                          runs are to be compared, which find their own orbits; NULL: they have */
 } vs_subject;
 
 /* Begins with a settled scene; periods: 0, its run; else a period of its orbit of so many firing
- * periods. vs_subject_end even after an error. Errors: those of vs_shooting_find. */
+ * periods. vs_subject_end even after an error. The orbit is only
+ * found where the run is to have exact derivatives. Errors: those of vs_shooting_find. */
 vs_status vs_subject_begin(vs_subject *subject, const vs_scene *scene, int periods, vs_error *err);
 void vs_subject_end(vs_subject *subject);
 

@@ -104,19 +104,11 @@ static bool solve(const pairs *p, size_t n, double r[][VS_VARIATION_MOST]) {
   return true;
 }
 
-/* The copies' lambda, in a unit in which its largest push is as large as that of the states. */
-static double unit_of_flux(const vs_copies *c, const vs_copies_told *told, double flux_wb,
-                           double part) {
-  double most = 0;
-  for (int j = 0; j < c->count; j++) most = fmax(most, fabs(told[j].z[0][c->count] - flux_wb));
-  return most > 0 ? most / part : 1;
-}
-
-vs_status vs_copies_hear(const vs_copies *c, const double *x, double flux_wb, const double *scale,
+vs_status vs_copies_hear(const vs_copies *c, const double *orbit, const double *scale,
                          vs_multiplier *out, int *found, vs_error *err) {
   vs_copies_told told[VS_COPIES_MOST];
   vs_status status = VS_OK;
-  double orbit[MOST], unit[MOST], ones[MOST];
+  double unit[MOST], ones[MOST];
   double r[VS_VARIATION_MOST][VS_VARIATION_MOST];
   pairs p;
   int n = c->count;
@@ -125,10 +117,8 @@ vs_status vs_copies_hear(const vs_copies *c, const double *x, double flux_wb, co
     status = status ? status : own;
   }
   if (status) return status;
-  memcpy(orbit, x, (size_t)n * sizeof *x);
-  memcpy(unit, scale, (size_t)n * sizeof *scale);
-  orbit[n] = flux_wb;
-  unit[n] = unit_of_flux(c, told, flux_wb, c->push[0] / scale[0]);
+  double part = c->push[0] / scale[0]; /* so that the matrices are of order 1 */
+  for (int i = 0; i <= n; i++) unit[i] = scale[i] * part;
   for (int j = 0; j < n; j++) take_pair(&told[j], 0, orbit, unit, n + 1, p.from[j], p.to[j]);
   take_pair(&told[c->leader], 1, orbit, unit, n + 1, p.from[n], p.to[n]);
   for (int j = 0; j <= n; j++) ones[j] = 1;

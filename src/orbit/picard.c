@@ -22,9 +22,14 @@ typedef struct vs_picard_search {
   double tolerance; /* Newton's correction is to come below */
   double x[MOST];   /* where the present pass began */
   double inverse[MOST][MOST];
+  double least;      /* the least correction so far */
+  int stalled;       /* passes since it last fell */
+  double noise;      /* the largest correction of these */
   double correction; /* the last one's size: the largest over the states, relative to scale */
-  double peak[MOST], scale[MOST]; /* largest sizes of the states: in this pass; in the last one */
-  double (*between)[MOST];        /* the states at the ends of the pass's firing periods; owned */
+  double peak[MOST + 1],
+      scale[MOST +
+            1]; /* largest sizes of the states, and of lambda: in this pass; in the last one */
+  double (*between)[MOST]; /* the states at the ends of the pass's firing periods; owned */
   vs_copies copies;
   vs_creep creep;
 } search;
@@ -53,7 +58,7 @@ static bool invert(const vs_orbit *o, double inverse[MOST][MOST]) {
 /* Corrects the pass that ended at `end`: s->x becomes where the next one begins. */
 static void correct(search *s, const double *end) {
   double step[MOST] = {0};
-  for (int j = 0; j < s->count; j++) {
+  for (int j = 0; j <= s->count; j++) {
     s->scale[j] = s->peak[j] > 0 ? s->peak[j] : 1;
     s->peak[j] = 0;
   }
@@ -95,9 +100,12 @@ static bool find_multipliers(vs_picard *p, const vs_knot *end) {
   double part = PUSHES * sqrt(s->setup->run.tolerance);
   vs_status status = vs_copies_fork(&s->copies, &s->setup->model, s->scale, part, p->pilot.x, &why);
   if (!status && s->copies.inside) return true;
+  double orbit[MOST + 1];
+  memcpy(orbit, s->x, (size_t)s->count * sizeof *orbit);
+  orbit[s->count] = end->flux_wb;
   if (!status)
-    status = vs_copies_hear(&s->copies, s->x, end->flux_wb, s->scale, p->orbit.multiplier,
-                            &p->multipliers, &why);
+    status =
+        vs_copies_hear(&s->copies, orbit, s->scale, p->orbit.multiplier, &p->multipliers, &why);
   if (status) snprintf(p->missing, sizeof p->missing, "%.255s", why.text);
   if (status) p->multipliers = 0;
   p->orbit.stable = !status && hypot(p->orbit.multiplier[0].re, p->orbit.multiplier[0].im) < 1;
@@ -128,7 +136,7 @@ static vs_status take_orbit(vs_picard *p, const vs_knot *end, bool *begins, vs_e
   p->cycles = s->cycles;
   p->orbit.residual = s->correction;
   memcpy(p->orbit.x, s->x, sizeof s->x);
-  memcpy(p->orbit.scale, s->scale, sizeof s->scale);
+  memcpy(p->orbit.scale, s->scale, (size_t)s->count * sizeof *s->scale);
   if (!p->wants_multipliers) return VS_OK;
   *begins = !find_multipliers(p, end);
   return *begins ? refuse_subharmonic(p, err) : VS_OK;
@@ -143,6 +151,10 @@ enum { MOST_PASSES = 200 };
 static const double CLOSED = 0.01;
 /* The same of what still creeps in the circuit. */
 static const double CREPT = 0.1;
+/* Corrections that have not come below this part of the least one in so many passes have stalled.
+ */
+static const double FALLS = 0.7;
+enum { STALLED = 10 };
 
 static void begin(void *self, const vs_setup *setup) {
   vs_picard *p = self;
@@ -151,9 +163,9 @@ static void begin(void *self, const vs_setup *setup) {
   *s = (search){.setup = setup,
                 .between = between,
                 .count = 2 * setup->model.dof,
+                .least = INFINITY,
                 .tolerance = CLOSED * setup->run.tolerance};
   memcpy(s->x, p->orbit.x, sizeof s->x);
-  memcpy(s->scale, p->orbit.scale, sizeof s->scale);
   memcpy(p->pilot.x, s->x, sizeof s->x);
   invert(&p->orbit, s->inverse);
   vs_creep_begin(&s->creep, &setup->deck, CREPT * setup->run.tolerance, p->pilot.period_s);
@@ -162,6 +174,7 @@ static void begin(void *self, const vs_setup *setup) {
 static void accept(void *self, const vs_step *step) {
   search *s = ((vs_picard *)self)->search;
   for (int j = 0; j < s->count; j++) s->peak[j] = fmax(s->peak[j], fabs(step->to->x[j]));
+  s->peak[s->count] = fmax(s->peak[s->count], fabs(step->to->flux_wb));
   vs_creep_accept(&s->creep, step);
 }
 
@@ -174,8 +187,28 @@ static vs_status go_on(const vs_picard *p, vs_error *err) {
   if (creeps && s->correction <= s->tolerance)
     return vs_fail(err, VS_RUN, "%s still creeps by %.2g of its largest size a period", name,
                    fabs(creeps->change) / creeps->scale);
-  return vs_fail(err, VS_RUN, "the last correction is %.2g of the motion; %.1g is wanted",
-                 s->correction, s->tolerance);
+  return vs_fail(err, VS_RUN,
+                 "the last correction is %.2g of the motion, the least was %.2g; %.1g "
+                 "is wanted",
+                 s->correction, s->least, s->tolerance);
+}
+
+/* Notes whether corrections still fall. */
+static void watch(search *s) {
+  bool falls = s->correction < FALLS * s->least;
+  s->least = fmin(s->least, s->correction);
+  s->stalled = falls ? 0 : s->stalled + 1;
+  s->noise = falls ? 0 : fmax(s->noise, s->correction);
+}
+
+/* Corrections that do not fall any more are what the solver's rounding makes of them. The orbit is
+ * then known as well as they are small, and that is enough where it is as well as the run is to be.
+ */
+static bool is_close(search *s) {
+  if (s->correction <= s->tolerance) return true;
+  if (s->stalled < STALLED || s->noise > s->setup->run.tolerance) return false;
+  s->correction = s->noise;
+  return true;
 }
 
 static vs_status turn(void *self, const vs_knot *end, bool *begins, vs_error *err) {
@@ -193,9 +226,10 @@ static vs_status turn(void *self, const vs_knot *end, bool *begins, vs_error *er
   }
   bool clean = vs_creep_turn(&s->creep, end);
   if (clean) correct(s, end->x); /* else the machine goes back to where it was */
+  if (clean) watch(s);
   memcpy(p->pilot.x, s->x, sizeof s->x);
   bool next_clean = s->creep.area_v_s == 0 && !vs_creep_worst(&s->creep, &name);
-  *begins = clean && next_clean && s->correction <= s->tolerance;
+  *begins = clean && next_clean && is_close(s);
   return *begins ? take_orbit(p, end, begins, err) : go_on(p, err);
 }
 
@@ -235,12 +269,24 @@ static vs_scene *on_ideal_tier(const vs_scene *scene) {
   return ideal;
 }
 
+/* One period of the orbit more: Phi becomes the product of Phi and that of one period. */
+static void follow_on(vs_orbit *o, const vs_orbit *one) {
+  double product[VS_ORBIT_STATES][VS_ORBIT_STATES] = {0};
+  for (int i = 0; i < o->count; i++)
+    for (int j = 0; j < o->count; j++)
+      for (int k = 0; k < o->count; k++) product[i][j] += o->monodromy[i][k] * one->monodromy[k][j];
+  memcpy(o->monodromy, product, sizeof product);
+}
+
+/* Where the search begins. The orbit of tier switched may repeat after fewer periods. */
 static vs_status guess(const vs_scene *ideal, int periods, vs_orbit *o, vs_error *err) {
   const vs_shooting how = {.periods = periods, .quietly = true};
   const vs_timeline *line = &ideal->setup.timeline;
   vs_error why = {0};
   vs_status status = vs_shooting_seek(ideal, &how, o, &why);
   if (status == VS_INPUT) return vs_fail(err, status, "%s", why.text);
+  const vs_orbit one = *o;
+  for (int k = one.n; !status && k < periods; k += one.n) follow_on(o, &one);
   o->n = periods;
   o->period_s = periods * line->firing.every * line->period_s;
   if (status) begin_at_start(ideal, o->period_s, o);

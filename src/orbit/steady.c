@@ -91,6 +91,7 @@ vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_er
   if (steady->picard) steady->orbit = steady->picard->orbit;
   put_on_orbit(steady, scene);
   begin_watching(steady, &scene->setup);
+  steady->warnings = &scene->warnings;
   return settle_instruments(scene, &scene->setup, &scene->instruments, err);
 }
 
@@ -109,6 +110,10 @@ void vs_steady_again(vs_steady *steady, vs_scene *scene) {
   if (steady->picard) vs_picard_again(steady->picard);
 }
 
+int vs_steady_multipliers(const vs_steady *s) {
+  return s->picard ? s->picard->multipliers : s->orbit.count;
+}
+
 void vs_steady_end(vs_steady *steady) {
   vs_picard_free(steady->picard);
   vs_spectrum_end(&steady->spectrum);
@@ -120,9 +125,23 @@ void vs_steady_accept(vs_steady *steady, const vs_step *step) {
   vs_throw_accept(&steady->thrown, step);
 }
 
+/* Warns where the conveying speed is outside of its formula's range. Without material on the trough
+ * it is a number for comparison, and the table's line is enough. */
+static void warn_of_speed(const vs_steady *s) {
+  const vs_load_values *load = &s->model->load;
+  vs_value down = vs_throw_down(&s->thrown);
+  if (!s->warnings || load->density_kg_m3 * load->volume_m3 == 0) return;
+  if (!vs_throw_speed(&s->thrown).known || down.value <= vs_throw_most) return;
+  vs_fail(vs_warnings_add(s->warnings), VS_OK,
+          "conveying_speed is outside of its formula's range, throw_down up to %.4g: this is %.4g, "
+          "and the material flies for longer than a swing",
+          vs_throw_most, down.value);
+}
+
 void vs_steady_finish(vs_steady *steady, const vs_result *r) {
   const double *joule = r->watchers.energy.joule;
   if (steady->picard) steady->orbit = steady->picard->orbit;
+  if (steady->thrown.model) steady->thrown.model = steady->model; /* a tier's own ends with it */
   steady->power_in_w = joule[VS_E_SOURCE] / steady->orbit.period_s;
   steady->i_rms_a = vs_spectrum_rms(&steady->spectrum);
   steady->i_mean_a = vs_spectrum_mean(&steady->spectrum);
@@ -130,6 +149,7 @@ void vs_steady_finish(vs_steady *steady, const vs_result *r) {
       steady->power_in_w / (r->scene->setup.timeline.supply.voltage_v * steady->i_rms_a);
   steady->devices = r->watchers.devices;
   steady->energy_stored_j = joule[VS_E_MAGNETIC] + joule[VS_E_MECHANICAL];
+  warn_of_speed(steady);
 }
 
 /* The reaction along a coordinate: its largest size, or its root mean square. */

@@ -5,11 +5,11 @@
 #ifndef VS_ORBIT_STEADY_H
 #define VS_ORBIT_STEADY_H
 
-#include "orbit/heat.h"
 #include "orbit/picard.h"
-#include "orbit/reaction.h"
 #include "orbit/shooting.h"
-#include "orbit/spectrum.h"
+#include "period/heat.h"
+#include "period/reaction.h"
+#include "period/spectrum.h"
 #include "period/throw.h"
 #include "scene/result.h"
 
@@ -38,6 +38,7 @@ typedef struct vs_steady {
   vs_spectrum spectrum;
   vs_reaction reaction;
   vs_throw thrown;
+  vs_warnings *warnings;     /* the scene's; NULL: nobody is to be warned */
   const vs_model *model;     /* the scene's; NULL: there is none yet */
   const vs_devices *devices; /* those of the run's watchers, as long as its result is there; NULL:
                                 there are none, or the run is not finished */
@@ -74,6 +75,10 @@ vs_status vs_steady_check(const vs_scene *scene, int periods, vs_error *err);
  * was begun with, the one to be run. */
 void vs_steady_again(vs_steady *steady, vs_scene *scene);
 
+/* How many multipliers are known. On tier circuit there may be one more than states of the machine,
+ * or none. */
+int vs_steady_multipliers(const vs_steady *steady);
+
 /* Takes a step of that run, and completes what is known from its result. */
 void vs_steady_accept(vs_steady *steady, const vs_step *step);
 void vs_steady_finish(vs_steady *steady, const vs_result *result);
@@ -81,7 +86,7 @@ void vs_steady_finish(vs_steady *steady, const vs_result *result);
 /* Fills `measure` with the k-th measure, from 0, and returns true; false: there are no more. First
  * come those of VS_STEADY_LIST; then, of each coordinate NAME, reaction_NAME, the largest size of
  * the reaction along it, and reaction_NAME_rms; then those of VS_STEADY_THROW_LIST, of which some
- * are not known; then those of the devices (orbit/heat.h). */
+ * are not known; then those of the devices (period/heat.h). */
 bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *measure);
 
 /* Makes the scene without events, and as if it began at rest: what `start: steady` means the orbit

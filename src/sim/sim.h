@@ -20,6 +20,15 @@ typedef struct vs_observer {
   vs_status (*accept)(void *ctx, const vs_step *step, vs_error *err);
 } vs_observer;
 
+/* Someone who may make another run of this one on the way (work/past.h). */
+typedef struct vs_junction {
+  void *ctx;
+  /* Called with the end t_s of each of the solver's steps, before the run is told of the step. It
+   * may change the events of the run's setup, from t_s on. A status other than VS_OK ends the run,
+   * which then returns it. */
+  vs_status (*reach)(void *ctx, double t_s, vs_error *err);
+} vs_junction;
+
 /* What one run has besides its setup. Only a tier with a circuit looks at it. */
 typedef struct vs_run_order {
   const vs_circuit_kind *solver; /* who solves the circuit: vs_ng_kind, or a test's own */
@@ -30,6 +39,7 @@ typedef struct vs_run_order {
   vs_pilot *pilot;                   /* steers the run's prelude; NULL: it has none. Borrowed */
   const volatile sig_atomic_t *stop; /* set by a signal: the prelude ends with VS_SIGNAL, as the
                                         observer sees nothing of it; NULL: no signal ends it */
+  const vs_junction *junction;       /* NULL: the run goes its own way to the end. Borrowed */
 } vs_run_order;
 
 /* A key of a section that every tier reads. */

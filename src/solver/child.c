@@ -106,27 +106,41 @@ vs_status vs_child_fork(vs_child_copy *copy, vs_error *err) {
   return VS_OK;
 }
 
-_Noreturn void vs_child_tell(const vs_child_copy *copy, const void *data, size_t size) {
+bool vs_child_say(const vs_child_copy *copy, const void *data, size_t size) {
   const char *at = data;
   while (size > 0) {
     ssize_t n = write(copy->pipe_end, at, size);
     if (n < 0 && errno != EINTR) break;
     if (n > 0) at += n, size -= (size_t)n;
   }
-  _exit(size > 0 ? VS_CHILD_BAD_RUN : VS_CHILD_GOOD);
+  return size == 0;
 }
 
-vs_status vs_child_hear(const vs_child_copy *copy, void *data, size_t size, vs_error *err) {
+_Noreturn void vs_child_tell(const vs_child_copy *copy, const void *data, size_t size) {
+  _exit(vs_child_say(copy, data, size) ? VS_CHILD_GOOD : VS_CHILD_BAD_RUN);
+}
+
+bool vs_child_listen(const vs_child_copy *copy, void *data, size_t size) {
   char *at = data;
-  int how = 0;
   while (size > 0) {
     ssize_t n = read(copy->pipe_end, at, size);
     if (n == 0 || (n < 0 && errno != EINTR)) break;
     if (n > 0) at += n, size -= (size_t)n;
   }
+  return size == 0;
+}
+
+int vs_child_end_of(const vs_child_copy *copy) {
+  int how = 0;
   close(copy->pipe_end);
   while (waitpid(copy->pid, &how, 0) < 0 && errno == EINTR) {
   }
-  return size > 0 || how ? vs_fail(err, VS_RUN, "a copy of this process did not come to its end")
-                         : VS_OK;
+  return how;
+}
+
+vs_status vs_child_hear(const vs_child_copy *copy, void *data, size_t size, vs_error *err) {
+  bool whole = vs_child_listen(copy, data, size);
+  int how = vs_child_end_of(copy);
+  return !whole || how ? vs_fail(err, VS_RUN, "a copy of this process did not come to its end")
+                       : VS_OK;
 }

@@ -6,6 +6,9 @@
 #ifndef VS_SOLVER_CHILD_H
 #define VS_SOLVER_CHILD_H
 
+#include <stdbool.h>
+#include <stddef.h>
+
 #include "solver/complaints.h"
 
 /* How the child ended by itself: the circuit can be loaded and begins to run (or what is wrong with
@@ -34,8 +37,17 @@ typedef struct vs_child_copy {
  * vs_child_tell alone. It dies with its parent. Error, in the parent: VS_RUN, there is none. */
 vs_status vs_child_fork(vs_child_copy *copy, vs_error *err);
 
+/* In the copy: tells the parent so many bytes, and goes on. False: the parent does not hear it. */
+bool vs_child_say(const vs_child_copy *copy, const void *data, size_t size);
+
 /* In the copy: tells the parent so many bytes, and ends the copy. None: it has failed. */
 _Noreturn void vs_child_tell(const vs_child_copy *copy, const void *data, size_t size);
+
+/* In the parent: takes so many bytes of what the copy tells. False: it has ended before that. */
+bool vs_child_listen(const vs_child_copy *copy, void *data, size_t size);
+
+/* In the parent: waits for the copy's end, however that comes, and returns it as waitpid does. */
+int vs_child_end_of(const vs_child_copy *copy);
 
 /* In the parent: waits for the copy's end and takes what it told. Errors: VS_RUN, the copy ended
  * before it had told all of it. */
