@@ -9,12 +9,6 @@
 
 #include "dependence/fan.h"
 
-/* A name that was asked for, and where it was written; both are borrowed. */
-typedef struct vs_asked {
-  const char *name;
-  vs_where where;
-} vs_asked;
-
 /* What is asked for. */
 typedef struct vs_sensitivity_order {
   const vs_asked *of, *to; /* measures and keys */

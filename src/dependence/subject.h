@@ -5,6 +5,13 @@
 #define VS_DEPENDENCE_SUBJECT_H
 
 #include "orbit/shooting.h"
+#include "orbit/variation.h"
+
+/* A name that was asked for, and where it was written; both are borrowed. */
+typedef struct vs_asked {
+  const char *name;
+  vs_where where;
+} vs_asked;
 
 typedef struct vs_subject {
   const vs_scene *scene; /* as it was read; borrowed */
@@ -25,5 +32,11 @@ void vs_subject_end(vs_subject *subject);
 /* The setup of the run, at the tolerance given, of this scene or of one that differs from it in a
  * key; its state at t = 0 is the subject's own. It borrows of the scene's. */
 vs_setup vs_subject_setup(const vs_subject *subject, const vs_scene *scene, double tolerance);
+
+/* Gives d/dp of the state at t = 0 of a subject with an orbit, which depends on the key, too: rows
+ * as of orbit/variation.h. The parameter's setups become those of a flight along the orbit. Errors:
+ * those of the flight; VS_RUN, the orbit turns back here. */
+vs_status vs_subject_start(const vs_subject *subject, vs_parameter *parameter,
+                           double start[VS_VARIATION_MOST], vs_error *err);
 
 #endif
