@@ -385,9 +385,9 @@ static const vs_command COMMANDS[] = {
      .run = check},
     {.name = "list",
      .argument = "[KIND]",
-     .text =
-         "lists scenes, machines, decks, parts, tiers, laws, probes, measures, parameters (with "
-         "unit, default, range)",
+     .text = "lists scenes, machines, decks, parts, instruments, tiers, laws, probes, measures, "
+             "parameters (with "
+             "unit, default, range)",
      .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n"
                  "  vibrospice list parameters --machine two_mass\n",
      .may_be_alone = true,

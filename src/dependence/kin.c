@@ -248,7 +248,7 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
 static vs_status go(pass *p, void (*take)(pass *, const vs_step *), vs_error *err) {
   vs_result *none = vs_alloc(1, sizeof *none);
   const vs_guest guest = {.ctx = p, .accept = accept};
-  const vs_session session = {.guest = &guest, .bare = true};
+  const vs_session session = {.guest = &guest, .bare = true, .stop = p->subject->stop};
   p->take = take;
   p->now = 0;
   vs_variation_begin_alone(&p->variation, &p->scene->setup, p->parameter, p->start);

@@ -49,7 +49,7 @@ vs_status vs_sensitivity_check(const vs_scene *scene, const vs_sensitivity_order
   for (size_t k = 0; k < order->n_of && !status; k++)
     if (vs_measured_find(m, order->of[k].name) < 0) status = unknown_measure(m, &order->of[k], err);
   for (size_t k = 0; k < order->n_to && !status; k++)
-    status = vs_key_find(&scene->setup, order->to[k].name, order->to[k].where, &key, err);
+    status = vs_key_find(scene, order->to[k].name, order->to[k].where, &key, err);
   vs_measured_free(m);
   free(m);
   return status;
@@ -251,6 +251,7 @@ vs_status vs_sensitivity_find(const vs_scene *scene, const vs_sensitivity_order 
   out->to = vs_alloc(order->n_to, sizeof *out->to);
   out->entry = vs_alloc(order->n_of * order->n_to, sizeof *out->entry);
   status = vs_subject_begin(&s.subject, scene, order->periods, err);
+  s.subject.stop = order->stop;
   if (!status) status = find_all(&s, err);
   vs_subject_end(&s.subject);
   return status;

@@ -14,7 +14,7 @@ typedef struct vs_sensitivity_order {
   const vs_asked *of, *to; /* measures and keys */
   size_t n_of, n_to;       /* 1 or more */
   int periods;             /* of the orbit, a period of which is measured; 0: the scene's run is */
-  const volatile sig_atomic_t *stop; /* set by a signal: the next key is not begun; NULL: none */
+  const volatile sig_atomic_t *stop; /* set by a signal: it ends; NULL: none */
 } vs_sensitivity_order;
 
 /* One derivative. Where neither the measure nor the key is 0 it is d ln|measure|/d ln key. */

@@ -4,6 +4,8 @@
 #ifndef VS_DEPENDENCE_SUBJECT_H
 #define VS_DEPENDENCE_SUBJECT_H
 
+#include <signal.h>
+
 #include "orbit/shooting.h"
 #include "orbit/variation.h"
 
@@ -18,7 +20,8 @@ typedef struct vs_subject {
   vs_scene *calm; /* the scene that the orbit is of: without its events and its start; owned, but
                      for what it borrows of the scene; NULL: there is no orbit */
   vs_orbit orbit; /* where there is one */
-  int periods;    /* one period of it is looked at, of so many firing periods; 0: none is */
+  const volatile sig_atomic_t *stop; /* set by a signal: its runs end; NULL: none */
+  int periods;         /* one period of it is looked at, of so many firing periods; 0: none is */
   const char *inexact; /* why the equations have no derivative that orbit/variation.h knows, so that
                           runs are to be compared, which find their own orbits; NULL: they have */
 } vs_subject;
