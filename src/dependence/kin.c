@@ -155,19 +155,26 @@ static void fill(pass *p, int k, const vs_knot *own, const double y[ROWS], const
   vs_driven_fill(&p->driven[k], to->t_s - near->origin_s[k], to);
 }
 
+/* Where differences of two orders give slopes that are further apart than this part of what they
+ * are of, the number has a corner among the kin. */
+static const double CORNER = 1e-3;
+
 /* Makes one number of the knots, the order-th derivative of something over time, such that it is
  * linear in p over the run's own time, in which the k-th's runs stretch[k] times as fast. What lies
  * between two knots is then linear in p, too, and no knot differs from its neighbours in what is of
- * second order. */
+ * second order. At a corner, as where some of the kin are beyond the end of a table, the numbers
+ * stay as they are, so that the measures' own differences tell of it. */
 static void straighten(pass *p, size_t offset, int order, const double stretch[RUNS]) {
   const vs_parameter *near = &p->fan->parameter;
-  double v[RUNS];
+  double v[RUNS], coarse = 0;
   for (int k = 0; k < RUNS; k++) {
     const char *knot = (const char *)&p->knot[k][1 - p->last];
     memcpy(&v[k], knot + offset, sizeof *v);
     v[k] *= pow(stretch[k], order);
+    coarse += near->coarse[k] * (v[k] - v[0]);
   }
   double slope = vs_parameter_slope(near, v);
+  if (fabs(slope - coarse) > CORNER * fmax(fabs(slope), fabs(v[0]))) return;
   for (int k = 1; k < RUNS; k++) {
     double straight = (v[0] + near->at[k] * slope) / pow(stretch[k], order);
     memcpy((char *)&p->knot[k][1 - p->last] + offset, &straight, sizeof straight);
@@ -296,14 +303,23 @@ static vs_status begin(pass *p, vs_error *err) {
   return VS_OK;
 }
 
+/* By how much p moves the end of the run, in the run's own time. Where the key is the period that
+ * is -until dT/dp / T, and where it is run.until that is the key itself. */
+static double end_moved(const vs_parameter *parameter) {
+  const vs_setup *setup = parameter->setup;
+  double v[RUNS];
+  for (int k = 0; k < RUNS; k++)
+    v[k] = setup[k].run.until_s * setup->timeline.period_s / setup[k].timeline.period_s;
+  return vs_parameter_slope(parameter, v);
+}
+
 /* ---- all of it ---- */
 
 static vs_status look(pass *p, vs_error *err) {
   vs_status status = begin(p, err);
   if (!status) status = go(p, take_instants, err);
   if (status) return status;
-  double until = p->scene->setup.run.until_s;
-  add_instant(p, until, p->subject->periods ? 0 : -until * p->parameter->slopes.clock);
+  add_instant(p, p->scene->setup.run.until_s, end_moved(p->parameter));
   find_scales(p);
   look_at_stretches(p);
   return go(p, take_sizes, err);
