@@ -325,14 +325,20 @@ static vs_status look(pass *p, vs_error *err) {
   return go(p, take_sizes, err);
 }
 
+/* The steps of the key that derivatives of coefficients are tried with: a shorter one where a
+ * firing or an event passes another within the longer. Rounding is larger then. */
+static const double STEPS[] = {1e-3, 1e-5, 1e-7};
+enum { N_STEPS = sizeof STEPS / sizeof *STEPS };
+
 static vs_status show(pass *p, vs_fan *fan, vs_where where, vs_error *err) {
   double finest = p->subject->scene->tier->finest;
-  double step = fmin(fmax(PART / p->ratio, LEAST), LARGEST) * (p->again ? SMALLER : 1);
+  double longest = fmin(LARGEST, p->parameter->step);
+  double step = fmin(fmax(PART / p->ratio, LEAST), longest) * (p->again ? SMALLER : 1);
   vs_status status =
       vs_fan_begin(fan, p->subject, p->parameter->key.name, where, step, finest, err);
   if (status) return status;
   p->fan = fan;
-  fan->unresolved = UNRESOLVED * p->ratio;
+  fan->unresolved = UNRESOLVED * fmax(p->ratio, STEPS[0] / p->parameter->step);
   fan->grazing = p->grazing;
   status = go(p, show_kin, err);
   for (int k = 0; k < RUNS && !status; k++) vs_measured_finish(fan->measured[k]);
@@ -340,15 +346,16 @@ static vs_status show(pass *p, vs_fan *fan, vs_where where, vs_error *err) {
   return status;
 }
 
-vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const vs_asked *key, bool again,
-                      vs_error *err) {
+static vs_status find(vs_fan *fan, const vs_subject *subject, const vs_asked *key, bool again,
+                      double step, vs_error *err) {
   pass *p = vs_alloc(1, sizeof *p);
   vs_parameter *parameter = vs_alloc(1, sizeof *parameter);
   p->subject = subject;
   p->parameter = parameter;
   p->again = again;
   p->grazing.by = INFINITY;
-  vs_status status = vs_parameter_begin(parameter, subject->scene, key->name, key->where, 0, err);
+  vs_status status =
+      vs_parameter_begin(parameter, subject->scene, key->name, key->where, step, err);
   if (!status) status = look(p, err);
   if (!status) status = show(p, fan, key->where, err);
   vs_parameter_end(parameter);
@@ -356,5 +363,17 @@ vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const vs_asked *ke
   free(p->scene);
   free(parameter);
   free(p);
+  return status;
+}
+
+vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const vs_asked *key, bool again,
+                      vs_error *err) {
+  vs_error why = {0};
+  vs_status status = VS_RUN;
+  for (int k = 0; k < N_STEPS && status == VS_RUN; k++) {
+    why = (vs_error){0};
+    status = find(fan, subject, key, again, STEPS[k], &why);
+  }
+  if (status) *err = why;
   return status;
 }
