@@ -57,7 +57,8 @@ static const char **word_of(vs_arguments *a, int key) {
                {VS_KEY_DECK, &a->deck},
                {VS_KEY_MACHINE, &a->machine},
                {VS_KEY_OVERLAY, &a->overlay},
-               {VS_KEY_SHARD, &a->shard}};
+               {VS_KEY_SHARD, &a->shard},
+               {VS_KEY_PROFILE, &a->profile}};
   for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
     if (WORDS[k].key == key) return WORDS[k].word;
   return NULL;

@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fit/descent.h"
+
+#include <gsl/gsl_blas.h>
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_linalg.h>
+#include <gsl/gsl_multifit_nlinear.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "method/random.h"
+
+enum { MOST_ITERATIONS = 200 };
+
+/* Converged: see the header. WHOLE is where more steps would only follow rounding. */
+static const double CONVERGED = 1e-4, WHOLE = 1e-12;
+/* What a residual is where the machine does not exist: so large that no step leads there. */
+static const double NOWHERE = 1e100;
+
+/* One search at work. Its t are those of the unknowns that are not held. */
+typedef struct search {
+  vs_descender *d;
+  const double *start;
+  size_t index[VS_INQUIRY_UNKNOWNS], n_free; /* unknowns that are not held */
+  double s[VS_INQUIRY_UNKNOWNS];             /* of the last run */
+  double *computed;                          /* by the last run */
+  gsl_matrix *slopes;                        /* d residual/d s, of all unknowns */
+  vs_error failed;
+} search;
+
+/* ---- for GSL ---- */
+
+static void take_t(search *w, const gsl_vector *t) {
+  memcpy(w->s, w->start, w->d->prediction->n_unknowns * sizeof *w->s);
+  for (size_t j = 0; j < w->n_free; j++) {
+    const vs_unknown *u = &w->d->prediction->inquiry->unknowns[w->index[j]];
+    w->s[w->index[j]] = vs_unknown_inside(u, gsl_vector_get(t, j));
+  }
+}
+
+static bool run(search *w, const gsl_vector *t) {
+  vs_error err = {0};
+  take_t(w, t);
+  if (!vs_prediction_run(w->d->prediction, -1, w->s, w->computed, &err)) return true;
+  w->failed = err;
+  return false;
+}
+
+static int find_residuals(const gsl_vector *t, void *ctx, gsl_vector *f) {
+  search *w = ctx;
+  bool good = run(w, t);
+  if (good) vs_prediction_residuals(w->d->prediction, w->s, w->computed, f->data);
+  for (size_t n = 0; n < f->size; n++)
+    if (!good || !isfinite(gsl_vector_get(f, n))) gsl_vector_set(f, n, NOWHERE);
+  return GSL_SUCCESS;
+}
+
+static int find_slopes(const gsl_vector *t, void *ctx, gsl_matrix *j) {
+  search *w = ctx;
+  vs_error err = {0};
+  double last[VS_INQUIRY_UNKNOWNS];
+  memcpy(last, w->s, sizeof last);
+  take_t(w, t);
+  bool same = !memcmp(last, w->s, w->d->prediction->n_unknowns * sizeof *last);
+  if ((!same && !run(w, t)) ||
+      vs_slopes_fill(w->d->slopes, w->d->prediction, w->s, w->computed, w->slopes, &err)) {
+    if (*err.text) w->failed = err;
+    return GSL_EFAILED;
+  }
+  for (size_t k = 0; k < w->n_free; k++) {
+    const vs_unknown *u = &w->d->prediction->inquiry->unknowns[w->index[k]];
+    double slope = vs_unknown_slope(u, gsl_vector_get(t, k));
+    for (size_t n = 0; n < j->size1; n++)
+      gsl_matrix_set(j, n, k, slope * gsl_matrix_get(w->slopes, n, w->index[k]));
+  }
+  return GSL_SUCCESS;
+}
+
+/* ---- how far the minimum is ---- */
+
+/* How far s may go on against the gradient until it meets a bound. */
+static double room(const vs_unknown *u, double s, double gradient) {
+  return gradient > 0 ? s - vs_unknown_least(u) : vs_unknown_most(u) - s;
+}
+
+/* The fall of chi2 in a step of Gauss and Newton, g (J^T J)^-1 g with g = J^T r, over the unknowns
+ * that no bound stops; of those that one stops it is 2 |g| times the way to it. */
+static double find_decrement(search *w, const gsl_vector *residual, vs_descent *out) {
+  const vs_inquiry *q = w->d->prediction->inquiry;
+  size_t moving = 0, n = residual->size;
+  double fall = 0;
+  gsl_matrix *j = gsl_matrix_alloc(n, w->n_free);
+  memset(out->bound, 0, sizeof out->bound);
+  for (size_t k = 0; k < w->n_free; k++) {
+    const vs_unknown *u = &q->unknowns[w->index[k]];
+    gsl_vector_view column = gsl_matrix_column(w->slopes, w->index[k]);
+    double g, size = gsl_blas_dnrm2(&column.vector);
+    gsl_blas_ddot(&column.vector, residual, &g);
+    double way = room(u, w->s[w->index[k]], g);
+    out->bound[w->index[k]] = size > 0 && fabs(g) / (size * size) > way;
+    if (out->bound[w->index[k]])
+      fall += 2 * fabs(g) * fmax(way, 0);
+    else
+      gsl_matrix_set_col(j, moving++, &column.vector);
+  }
+  if (moving) { /* |U^T r|^2 of the columns' singular values that are more than rounding */
+    gsl_matrix_view u = gsl_matrix_submatrix(j, 0, 0, n, moving);
+    gsl_matrix *v = gsl_matrix_alloc(moving, moving);
+    gsl_vector *size = gsl_vector_alloc(moving), *part = gsl_vector_alloc(moving);
+    gsl_linalg_SV_decomp_jacobi(&u.matrix, v, size);
+    gsl_blas_dgemv(CblasTrans, 1, &u.matrix, residual, 0, part);
+    for (size_t k = 0; k < moving; k++)
+      if (gsl_vector_get(size, k) > 1e-9 * gsl_vector_get(size, 0))
+        fall += gsl_vector_get(part, k) * gsl_vector_get(part, k);
+    gsl_vector_free(part);
+    gsl_vector_free(size);
+    gsl_matrix_free(v);
+  }
+  gsl_matrix_free(j);
+  return fall;
+}
+
+/* ---- one search ---- */
+
+/* Notes where the search stands. Returns true where it need not go on. */
+static bool look(search *w, const gsl_multifit_nlinear_workspace *gsl, vs_descent *out) {
+  const gsl_vector *residual = gsl_multifit_nlinear_residual(gsl);
+  take_t(w, gsl_multifit_nlinear_position(gsl));
+  memcpy(out->s, w->s, sizeof out->s);
+  gsl_blas_ddot(residual, residual, &out->chi2);
+  out->decrement = find_decrement(w, residual, out);
+  out->converged = out->decrement < CONVERGED * fmax(1, out->chi2);
+  return out->decrement < WHOLE * fmax(1, out->chi2);
+}
+
+static void descend(search *w, gsl_multifit_nlinear_workspace *gsl, vs_descent *out) {
+  int failed = GSL_SUCCESS;
+  bool whole = look(w, gsl, out);
+  while (!whole && !failed && out->iterations < MOST_ITERATIONS) {
+    failed = gsl_multifit_nlinear_iterate(gsl);
+    if (failed) break;
+    out->iterations++;
+    whole = look(w, gsl, out);
+  }
+  if (out->converged) return;
+  if (failed && failed != GSL_ENOPROG && *w->failed.text)
+    snprintf(out->why, sizeof out->why, "the slopes cannot be found: %.200s", w->failed.text);
+  else
+    snprintf(
+        out->why, sizeof out->why, "%s after %d iterations, where chi2 could still fall by %.2g",
+        failed ? "no further step is found" : "not at an end", out->iterations, out->decrement);
+}
+
+static void begin(search *w, gsl_multifit_nlinear_workspace *gsl, gsl_multifit_nlinear_fdf *fdf,
+                  vs_descent *out) {
+  gsl_vector *t = gsl_vector_alloc(w->n_free);
+  for (size_t j = 0; j < w->n_free; j++) {
+    const vs_unknown *u = &w->d->prediction->inquiry->unknowns[w->index[j]];
+    gsl_vector_set(t, j, vs_unknown_free_of(u, w->start[w->index[j]]));
+  }
+  int failed = gsl_multifit_nlinear_init(t, fdf, gsl);
+  double first = gsl_vector_get(gsl_multifit_nlinear_residual(gsl), 0);
+  if (failed || first == NOWHERE)
+    snprintf(out->why, sizeof out->why, "the run at its start fails: %.200s", w->failed.text);
+  else
+    descend(w, gsl, out);
+  gsl_vector_free(t);
+}
+
+/* All unknowns are held: chi2 is what it is. */
+static void stay(search *w, vs_descent *out) {
+  const vs_prediction *p = w->d->prediction;
+  double *residual = vs_alloc(p->n_residuals, sizeof *residual);
+  memcpy(out->s, w->start, p->n_unknowns * sizeof *out->s);
+  vs_error err = {0};
+  out->converged = !vs_prediction_run(w->d->prediction, -1, w->start, w->computed, &err);
+  if (!out->converged) snprintf(out->why, sizeof out->why, "%.255s", err.text);
+  if (out->converged) vs_prediction_residuals(p, w->start, w->computed, residual);
+  for (size_t n = 0; n < p->n_residuals; n++) out->chi2 += residual[n] * residual[n];
+  free(residual);
+}
+
+void vs_descent_from(vs_descender *d, const double *start, vs_descent *out) {
+  vs_prediction *p = d->prediction;
+  search w = {.d = d, .start = start, .computed = vs_alloc(p->inquiry->n_data, sizeof(double))};
+  *out = (vs_descent){0};
+  for (size_t k = 0; k < p->n_unknowns; k++)
+    if (!d->held[k]) w.index[w.n_free++] = k;
+  w.slopes = gsl_matrix_calloc(p->n_residuals, p->n_unknowns);
+  gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
+  parameters.solver = gsl_multifit_nlinear_solver_svd;
+  gsl_multifit_nlinear_fdf fdf = {
+      .f = find_residuals, .df = find_slopes, .n = p->n_residuals, .p = w.n_free, .params = &w};
+  if (w.n_free) {
+    gsl_multifit_nlinear_workspace *gsl = gsl_multifit_nlinear_alloc(
+        gsl_multifit_nlinear_trust, &parameters, p->n_residuals, w.n_free);
+    if (!gsl) vs_out_of_memory();
+    begin(&w, gsl, &fdf, out);
+    gsl_multifit_nlinear_free(gsl);
+  } else
+    stay(&w, out);
+  gsl_matrix_free(w.slopes);
+  free(w.computed);
+}
+
+/* ---- several searches ---- */
+
+/* How far an unknown without a bound may start from its first start, in s. */
+static const double AWAY = 0.7;
+
+static void place(const vs_inquiry *q, const vs_sobol *sobol, size_t index, double *s) {
+  for (size_t k = 0; k < q->n_unknowns; k++) {
+    const vs_unknown *u = &q->unknowns[k];
+    double first = vs_unknown_natural(u, u->start), a = vs_unknown_least(u), b = vs_unknown_most(u);
+    if (isinf(a)) a = fmin(first, b) - AWAY;
+    if (isinf(b)) b = fmax(first, a) + AWAY;
+    s[k] = index ? a + (b - a) * vs_random_sobol_at(sobol, index, k) : first;
+  }
+}
+
+/* Looks at the first start alone: its signs, and whether anything runs there. */
+static vs_status try_first(vs_descender *d, const double *s, vs_error *err) {
+  vs_prediction *p = d->prediction;
+  double *computed = vs_alloc(p->inquiry->n_data, sizeof *computed);
+  vs_error failed = {0};
+  vs_status status = VS_OK;
+  if (!vs_prediction_run(p, -1, s, computed, &failed))
+    status = vs_prediction_check_signs(p, computed, err);
+  free(computed);
+  return status;
+}
+
+static vs_status none_converged(const vs_descents *all, vs_error *err) {
+  size_t least = 0;
+  for (size_t k = 0; k < all->count; k++)
+    if (all->item[k].chi2 > 0 &&
+        (!(all->item[least].chi2 > 0) || all->item[k].chi2 < all->item[least].chi2))
+      least = k;
+  return vs_fail(err, VS_RUN, "the fit does not converge from any of %zu starts; start %zu: %s",
+                 all->count, least + 1, all->item[least].why);
+}
+
+vs_status vs_descents_search(vs_descender *d, vs_descents *all, vs_error *err) {
+  const vs_inquiry *q = d->prediction->inquiry;
+  double s[VS_INQUIRY_UNKNOWNS];
+  vs_sobol *sobol = vs_alloc(1, sizeof *sobol);
+  *all = (vs_descents){.count = (size_t)q->starts};
+  all->item = vs_alloc(all->count, sizeof *all->item);
+  all->best = all->count;
+  vs_random_sobol_begin(sobol, q->n_unknowns, q->starts, q->seed);
+  place(q, sobol, 0, s);
+  vs_status status = try_first(d, s, err);
+  for (size_t k = 0; k < all->count && !status; k++) {
+    vs_descent *found = &all->item[k];
+    place(q, sobol, k, s);
+    vs_descent_from(d, s, found);
+    bool first = all->best == all->count;
+    if (found->converged && (first || found->chi2 < all->item[all->best].chi2)) all->best = k;
+  }
+  free(sobol);
+  if (!status && all->best == all->count) status = none_converged(all, err);
+  return status;
+}
+
+void vs_descents_free(vs_descents *all) {
+  free(all->item);
+  *all = (vs_descents){0};
+}
