@@ -14,7 +14,8 @@
 #include "command/modes.h"
 #include "command/run.h"
 #include "command/steady.h"
-#include "fit/aim.h"
+#include "fit/aims.h"
+#include "fit/inquiry.h"
 #include "method/methods.h"
 #include "orbit/steady.h"
 #include "picture/plot.h"
@@ -124,7 +125,9 @@ static vs_status check(const vs_arguments *a, vs_error *err) {
                               .n_sets = a->n_sets,
                               .json = a->json,
                               .quiet = a->quiet,
-                              .other = vs_study_is(name, vs_methods_all) ? check_study : NULL};
+                              .other = vs_inquiry_is(name)                 ? vs_fitting_check
+                                       : vs_study_is(name, vs_methods_all) ? check_study
+                                                                           : NULL};
   return vs_check_command(&o, err);
 }
 
@@ -332,8 +335,9 @@ static const vs_command COMMANDS[] = {
      .explain = explain_steady},
     {.name = "check",
      .argument = "FILE",
-     .text = "tells all that can be known of a scene, study, machine or deck before a run: every "
-             "mistake, with its line",
+     .text =
+         "tells all that can be known of a scene, study, fit, machine or deck before a run: every "
+         "mistake, with its line",
      .examples = "  vibrospice check my.yaml\n"
                  "  vibrospice check my.cir\n"
                  "  vibrospice check paper --set run.tier=circuit --json\n",
@@ -341,9 +345,9 @@ static const vs_command COMMANDS[] = {
      .run = check},
     {.name = "list",
      .argument = "[KIND]",
-     .text =
-         "lists scenes, machines, decks, parts, tiers, laws, probes, measures, parameters (with "
-         "unit, default, range)",
+     .text = "lists scenes, studies, fits, machines, decks, parts, tiers, laws, probes, measures, "
+             "parameters (with "
+             "unit, default, range)",
      .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n"
                  "  vibrospice list parameters --machine two_mass\n",
      .may_be_alone = true,

@@ -11,7 +11,7 @@
 #ifndef VS_FIT_ESTIMATE_H
 #define VS_FIT_ESTIMATE_H
 
-#include "fit/descent.h"
+#include "fit/descents.h"
 
 /* A combination of unknowns with round numbers for exponents, scaled to a largest one of 1. */
 typedef struct vs_combination {

@@ -7,8 +7,6 @@
 #include <string.h>
 #include <unistd.h>
 
-const vs_shelf vs_inquiry_shelf = {"fit", "fits", ".yaml"};
-
 static const char *const OWN[] = {"scene", "set",  "measures", "data",     "runs",
                                   "free",  "seed", "starts",   "residual", "profile"};
 enum { N_OWN = sizeof OWN / sizeof *OWN };
@@ -290,7 +288,7 @@ static vs_status read_settings(vs_inquiry *q, vs_error *err) {
 vs_status vs_inquiry_read(const char *name, char *const *sets, size_t n_sets, const char *profile,
                           vs_inquiry *q, vs_error *err) {
   *q = (vs_inquiry){.sets = sets, .n_sets = n_sets};
-  vs_status status = vs_path_find(&vs_inquiry_shelf, name, (vs_where){0}, q->path, err);
+  vs_status status = vs_path_find(&vs_scene_fit_shelf, name, (vs_where){0}, q->path, err);
   if (!status) status = vs_tree_read(q->path, &q->tree, err);
   for (size_t k = 0; k < n_sets && !status; k++)
     if (is_own(sets[k])) status = vs_tree_set(&q->tree, sets[k], err);
@@ -300,6 +298,22 @@ vs_status vs_inquiry_read(const char *name, char *const *sets, size_t n_sets, co
   if (!status) status = read_unknowns(q, err);
   if (!status) status = gather(q, err);
   return status ? status : read_profile(q, profile, err);
+}
+
+bool vs_inquiry_is(const char *name) {
+  char path[VS_PATH_SIZE];
+  vs_error none = {0};
+  vs_tree tree = {0};
+  if (vs_path_find(&vs_scene_shelf, name, (vs_where){0}, path, &none))
+    return !vs_path_find(&vs_scene_fit_shelf, name, (vs_where){0}, path, &none) &&
+           vs_path_find(&vs_scene_study_shelf, name, (vs_where){0}, path, &none);
+  const char *ending = strrchr(path, '.');
+  bool yaml = ending && (!strcmp(ending, ".yaml") || !strcmp(ending, ".yml"));
+  bool fit = yaml && !vs_tree_read(path, &tree, &none) &&
+             (vs_tree_child(tree.root, "free") || vs_tree_child(tree.root, "measures") ||
+              vs_tree_child(tree.root, "runs"));
+  vs_tree_free(&tree);
+  return fit;
 }
 
 void vs_inquiry_free(vs_inquiry *q) {

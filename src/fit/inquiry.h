@@ -4,7 +4,7 @@
  *
  *   scene:    NAME or path               the default: paper
  *   set:      {KEY: VALUE, ...}          over what the scene says
- *   measures: {NAME: {value, error}}     fit/aim.h
+ *   measures: {NAME: {value, error}}     fit/aims.h
  *   data:     {file, columns, ...}       fit/recording.h
  *   runs:     [{scene, set, free, measures, data}, ...]   several runs, in the place of measures
  * and data; scene and set above are the default of each free:     {KEY: {from, to, start, prior},
@@ -22,7 +22,7 @@
 #ifndef VS_FIT_INQUIRY_H
 #define VS_FIT_INQUIRY_H
 
-#include "fit/aim.h"
+#include "fit/aims.h"
 #include "fit/recording.h"
 #include "fit/unknown.h"
 
@@ -65,9 +65,6 @@ typedef struct vs_inquiry {
   bool profiled[VS_INQUIRY_UNKNOWNS]; /* its profile is wanted */
 } vs_inquiry;
 
-/* Where fits that come with the program are. */
-extern const vs_shelf vs_inquiry_shelf;
-
 /* Reads the fit called name: a path, or the name of one that comes with the program. sets:
  * KEY=VALUE of each --set, of the fit's own keys or of every run's scene. profile: more of
  * `profile`, "all" or keys with commas; NULL: nothing. Errors: everything a fit can be wrong in but
@@ -75,6 +72,9 @@ extern const vs_shelf vs_inquiry_shelf;
 vs_status vs_inquiry_read(const char *name, char *const *sets, size_t n_sets, const char *profile,
                           vs_inquiry *inquiry, vs_error *err);
 void vs_inquiry_free(vs_inquiry *inquiry);
+
+/* True if the name is that of a fit alone, or of a file that has a key that only fits have. */
+bool vs_inquiry_is(const char *name);
 
 /* How many residuals there are: the data and the priors. */
 size_t vs_inquiry_residuals(const vs_inquiry *inquiry);

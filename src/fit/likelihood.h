@@ -23,6 +23,6 @@ typedef struct vs_likelihood {
 
 /* Follows the profile of the unknown on both sides of its estimate. */
 void vs_likelihood_of(vs_descender *descender, const vs_estimate *estimate, size_t unknown,
-                   vs_likelihood *profile);
+                      vs_likelihood *profile);
 
 #endif

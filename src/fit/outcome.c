@@ -26,7 +26,8 @@ static void count_starts(vs_outcome *o) {
 static void follow_profiles(vs_descender *d, vs_outcome *o) {
   o->profiles = vs_alloc(o->inquiry->n_unknowns, sizeof *o->profiles);
   for (size_t k = 0; k < o->inquiry->n_unknowns; k++)
-    if (o->inquiry->profiled[k]) vs_likelihood_of(d, &o->estimate, k, &o->profiles[o->n_profiles++]);
+    if (o->inquiry->profiled[k])
+      vs_likelihood_of(d, &o->estimate, k, &o->profiles[o->n_profiles++]);
 }
 
 static vs_pattern test_column(const vs_outcome *o, size_t run, size_t column) {

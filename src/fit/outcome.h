@@ -3,8 +3,8 @@
 #ifndef VS_FIT_OUTCOME_H
 #define VS_FIT_OUTCOME_H
 
-#include "fit/pattern.h"
 #include "fit/likelihood.h"
+#include "fit/pattern.h"
 
 /* The residuals of one column of a recording. */
 typedef struct vs_outcome_column {

@@ -114,7 +114,8 @@ vs_status vs_prediction_run(vs_prediction *p, int number, const double *s, doubl
 
 /* ---- residuals ---- */
 
-double vs_prediction_residual(const vs_inquiry *q, const vs_datum *d, double computed) {
+/* NaN: a logarithm is asked for of numbers of unlike signs. */
+static double find_residual(const vs_inquiry *q, const vs_datum *d, double computed) {
   if (!d->relative) return (computed - d->value) / d->error;
   if (q->difference) return (computed / d->value - 1) / d->error;
   double ratio = computed / d->value;
@@ -130,7 +131,7 @@ void vs_prediction_residuals(const vs_prediction *p, const double *s, const doub
                              double *residual) {
   const vs_inquiry *q = p->inquiry;
   size_t n = 0;
-  for (; n < q->n_data; n++) residual[n] = vs_prediction_residual(q, &q->data[n], computed[n]);
+  for (; n < q->n_data; n++) residual[n] = find_residual(q, &q->data[n], computed[n]);
   for (size_t k = 0; k < q->n_unknowns; k++)
     if (!isnan(q->unknowns[k].prior))
       residual[n++] = (s[k] - q->unknowns[k].prior) / q->unknowns[k].prior_error;
@@ -140,7 +141,7 @@ vs_status vs_prediction_check_signs(const vs_prediction *p, const double *comput
   const vs_inquiry *q = p->inquiry;
   for (size_t n = 0; n < q->n_data; n++) {
     const vs_datum *d = &q->data[n];
-    if (!isnan(vs_prediction_residual(q, d, computed[n]))) continue;
+    if (!isnan(find_residual(q, d, computed[n]))) continue;
     return vs_fail_at(err, d->where,
                       "%s: %.6g was measured and %.6g is computed at the start; numbers of unlike "
                       "signs have no ratio: alter the sign, or write residual: difference",

@@ -25,12 +25,11 @@ void vs_prediction_free(vs_prediction *prediction);
 vs_status vs_prediction_run(vs_prediction *prediction, int run, const double *s, double *computed,
                             vs_error *err);
 
-/* The residual of one datum; NaN: a logarithm is asked for of numbers of unlike signs. */
-double vs_prediction_residual(const vs_inquiry *inquiry, const vs_datum *datum, double computed);
 /* d residual/d computed, for slopes. */
 double vs_prediction_weight(const vs_inquiry *inquiry, const vs_datum *datum, double computed);
 
-/* Fills residual[n_residuals] by computed[n_data] and, for the priors, by s. */
+/* Fills residual[n_residuals] by computed[n_data] and, for the priors, by s. A residual is NaN
+ * where a logarithm is asked for of numbers of unlike signs. */
 void vs_prediction_residuals(const vs_prediction *prediction, const double *s,
                              const double *computed, double *residual);
 

@@ -304,9 +304,9 @@ vs_status vs_recording_read(vs_recording *r, const vs_node *data, const char *be
   FILE *f = fopen(r->path, "r");
   if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", r->path, strerror(errno));
   rows all = {.r = r,
-               .csv = {.file = r->path, .stream = f, .trim = true, .comments = true},
-               .before_s = -INFINITY,
-               .until_s = scene->setup.run.until_s};
+              .csv = {.file = r->path, .stream = f, .trim = true, .comments = true},
+              .before_s = -INFINITY,
+              .until_s = scene->setup.run.until_s};
   status = read_rows(&all, err);
   vs_csv_free(&all.csv);
   fclose(f);

@@ -66,11 +66,14 @@ static void show_unknowns(const vs_outcome *o, FILE *out) {
   for (size_t k = 0; k < o->n_profiles; k++) show_profile(o, &o->profiles[k], out);
 }
 
-static void show_chi2(const vs_estimate *e, FILE *out) {
+static void show_chi2(const vs_outcome *o, FILE *out) {
+  const vs_estimate *e = &o->estimate;
   fprintf(out, "\nchi2    %.9g with %ld degrees of freedom", e->minimum.chi2, e->freedom);
   if (!isnan(e->probability))
     fprintf(out, ": a true model has as much in %.3g %% of all cases", 100 * e->probability);
   fprintf(out, "%s\n", vs_estimate_fits(e) ? "" : "; THE MODEL DOES NOT FIT");
+  if (!isnan(o->descents.first_chi2))
+    fprintf(out, "        %.9g at the start\n", o->descents.first_chi2);
 }
 
 static void show_correlation(const vs_estimate *e, FILE *out) {
@@ -183,7 +186,7 @@ static void show_sets(const vs_outcome *o, FILE *out) {
 void vs_fitted_show(const vs_outcome *o, FILE *out) {
   show_head(o, out);
   show_unknowns(o, out);
-  show_chi2(&o->estimate, out);
+  show_chi2(o, out);
   show_correlation(&o->estimate, out);
   show_directions(&o->estimate, out);
   show_aims(o, out);

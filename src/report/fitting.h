@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "base/error.h"
+#include "command/check.h"
 
 typedef struct vs_fitting_options {
   const char *name;  /* a path, or the name of a fit that comes with the program */
@@ -22,5 +22,9 @@ typedef struct vs_fitting_options {
 /* Errors: those of vs_inquiry_read and vs_outcome_of; the files cannot be written. Nothing is
  * written or printed where the fit fails. */
 vs_status vs_fitting_command(const vs_fitting_options *options, vs_error *err);
+
+/* For the command `check`: reads a fit and adds a line that describes it. Errors: those of
+ * vs_inquiry_read. */
+vs_status vs_fitting_check(const vs_check_options *options, vs_text *good, vs_error *err);
 
 #endif

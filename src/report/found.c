@@ -145,6 +145,7 @@ void vs_found_json(const vs_outcome *o, vs_text *text) {
   vs_json_whole(&json, "data", (int64_t)o->inquiry->n_data);
   vs_json_whole(&json, "priors", (int64_t)o->inquiry->n_priors);
   vs_json_text(&json, "residual", o->inquiry->difference ? "difference" : "logarithm");
+  vs_json_number(&json, "chi2_at_start", o->descents.first_chi2, DIGITS);
   vs_json_number(&json, "chi2", e->minimum.chi2, DIGITS);
   vs_json_whole(&json, "degrees_of_freedom", e->freedom);
   vs_json_number(&json, "probability", e->probability, DIGITS);

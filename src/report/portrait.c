@@ -11,7 +11,7 @@
 #include "picture/scale.h"
 #include "syntax/units.h"
 
-enum { WIDTH = 900, HIGH = 300, LOW = 170, TOP = 60 };
+enum { WIDTH = 900, HIGH = 290, LOW = 190, TOP = 50, UNDER = 26, UNDER_LABEL = 52 };
 
 /* A picture that is being made: panels one under the other. */
 typedef struct portrait {
@@ -21,12 +21,11 @@ typedef struct portrait {
   int height, at;              /* pixels in all, and where the next panel begins, from above */
 } portrait;
 
-/* Places the next panel. */
-static void place(portrait *p, int high) {
+/* Places the next panel, of that height; `under` of it are for what stands below its frame. */
+static void place(portrait *p, int high, int under) {
   double top = 1 - (double)p->at / p->height, bottom = 1 - (double)(p->at + high) / p->height;
-  double margin = 42. / p->height;
   vs_text_add(&p->script, "set tmargin at screen %.6f\nset bmargin at screen %.6f\n",
-              top - margin / 6, bottom + margin);
+              top - 8. / p->height, bottom + (double)under / p->height);
   p->at += high;
 }
 
@@ -78,13 +77,13 @@ static void draw_column(portrait *p, const vs_outcome_column *c) {
   if (p->o->inquiry->n_runs > 1)
     snprintf(name, sizeof name, "%s, run %zu", column->name, c->run + 1);
   add_samples(p, c, factor);
-  place(p, HIGH);
+  place(p, HIGH, UNDER);
   label(p, "y", name, unit);
   vs_text_add(&p->script,
               "set xlabel ''\nset key top right\nplot $D using 1:2 with points pt 7 ps 0.35 lc rgb "
               "'%s' title 'measured', $D using 1:3 with lines lw 1.4 lc rgb '%s' title 'fitted'\n",
               vs_scale_colour_bad, vs_scale_colour_good);
-  place(p, LOW);
+  place(p, LOW, UNDER_LABEL);
   vs_text_add(&p->script,
               "set ylabel 'residual / std error'\nset xlabel 't / ms'\nplot 0 lt 1 lc rgb "
               "'#404040' notitle, 2 lt 1 dt 2 lc rgb '#808080' notitle, -2 lt 1 dt 2 lc "
@@ -101,8 +100,10 @@ static int add_measures(portrait *p) {
   vs_text_add(&p->script, "$M << EOD\n");
   for (size_t n = 0; n < q->n_data; n++) {
     if (q->data[n].aim < 0) continue;
-    vs_text_add(&p->script, "%d %.6g \"%s%.0d%s\"\n", ++count, p->o->estimate.residual[n],
-                vs_inquiry_name(q, &q->data[n]), q->n_runs > 1 ? q->data[n].run + 1 : 0, "");
+    vs_text_add(&p->script, "%d %.6g \"%s", ++count, p->o->estimate.residual[n],
+                vs_inquiry_name(q, &q->data[n]));
+    if (q->n_runs > 1) vs_text_add(&p->script, ", run %d", q->data[n].run + 1);
+    vs_text_add(&p->script, "\"\n");
   }
   vs_text_add(&p->script, "EOD\n");
   return count;
@@ -110,7 +111,7 @@ static int add_measures(portrait *p) {
 
 static void draw_measures(portrait *p) {
   int count = add_measures(p);
-  place(p, HIGH);
+  place(p, HIGH, UNDER_LABEL);
   vs_text_add(&p->script,
               "set ylabel 'residual / std error'\nset xlabel ''\nset xrange [0.3:%d.7]\n"
               "set xtics rotate by -20 font 'sans,9'\n"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "fit/aim.h"
+#include "fit/aims.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -5,8 +5,8 @@
  *   working_frequency   Hz, at which the mode that the force drives hardest swings freely: Im s/2
  * pi working_decay       s, in which that mode decays to 1/e: -1/Re s
  */
-#ifndef VS_FIT_AIM_H
-#define VS_FIT_AIM_H
+#ifndef VS_FIT_AIMS_H
+#define VS_FIT_AIMS_H
 
 #include "scene/shown.h"
 

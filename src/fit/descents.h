@@ -2,8 +2,8 @@
  * The way down to the least sum of squares, chi2, by GSL's trust region (gsl_multifit_nlinear,
  * Levenberg and Marquardt's step, solved by singular values), from one start or from several. It
  * works in the unknowns' coordinate t, in which no step leaves the bounds (fit/unknown.h). */
-#ifndef VS_FIT_DESCENT_H
-#define VS_FIT_DESCENT_H
+#ifndef VS_FIT_DESCENTS_H
+#define VS_FIT_DESCENTS_H
 
 #include "fit/slopes.h"
 
@@ -23,6 +23,8 @@ typedef struct vs_descender {
   vs_prediction *prediction;
   const vs_slopes_kind *slopes;
   bool held[VS_INQUIRY_UNKNOWNS];
+  bool by_parts; /* first the begin of each recording is fitted, then more and more of it: for
+                    starts that are far from the minimum */
 } vs_descender;
 
 /* Goes down from start[n_unknowns]. A minimum has converged where its decrement is below 1e-4, or
@@ -34,7 +36,8 @@ void vs_descent_from(vs_descender *descender, const double *start, vs_descent *d
 typedef struct vs_descents {
   vs_descent *item; /* [count]; the first begins at the unknowns' starts; owned */
   size_t count;
-  size_t best; /* the converged one of the least chi2; count: none converged */
+  double first_chi2; /* at the unknowns' starts; NaN: the run fails there */
+  size_t best;       /* the converged one of the least chi2; count: none converged */
 } vs_descents;
 
 /* Goes down from the inquiry's starts. The further ones are points of Sobol's sequence between the
