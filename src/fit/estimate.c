@@ -71,6 +71,7 @@ static void round_off(const vs_estimate *e, vs_combination *c) {
   write(e, c);
 }
 
+/* Of two unknowns that are strongly correlated, s_i/error_i -+ s_k/error_k is known best. */
 static void find_pairs(vs_estimate *e) {
   e->pairs = vs_alloc(e->n * e->n + 1, sizeof *e->pairs);
   for (size_t i = 0; i < e->n; i++)
@@ -79,12 +80,10 @@ static void find_pairs(vs_estimate *e) {
       double r = vs_estimate_correlation(e, i, k);
       if (isnan(r)) continue;
       *c = (vs_combination){0};
-      c->exponent[i] = 1;
-      c->exponent[k] = r < 0 ? 1 : -1;
-      c->error = error_of(e, c->exponent);
-      if (c->error * PAIR_GAINS > fmin(e->error[i], e->error[k])) continue;
-      write(e, c);
-      e->n_pairs++;
+      c->exact[i] = e->error[k];
+      c->exact[k] = r < 0 ? e->error[i] : -e->error[i];
+      round_off(e, c);
+      if (c->error * PAIR_GAINS < fmin(e->error[i], e->error[k])) e->n_pairs++;
     }
 }
 
@@ -96,10 +95,11 @@ typedef struct decomposed {
   gsl_vector *s;
 } decomposed;
 
-static void decompose(const vs_estimate *e, const gsl_matrix *slopes, decomposed *d) {
-  d->count = 0;
+/* all: with the unknowns that are on a bound. */
+static void decompose(const vs_estimate *e, const gsl_matrix *slopes, bool all, decomposed *d) {
+  *d = (decomposed){.count = 0};
   for (size_t k = 0; k < e->n; k++)
-    if (!e->minimum.bound[k]) d->index[d->count++] = k;
+    if (all || !e->minimum.bound[k]) d->index[d->count++] = k;
   if (!d->count) return;
   gsl_matrix *u = gsl_matrix_alloc(slopes->size1, d->count);
   for (size_t k = 0; k < d->count; k++) {
@@ -110,6 +110,11 @@ static void decompose(const vs_estimate *e, const gsl_matrix *slopes, decomposed
   d->s = gsl_vector_alloc(d->count);
   gsl_linalg_SV_decomp_jacobi(u, d->v, d->s);
   gsl_matrix_free(u);
+}
+
+static void free_decomposed(decomposed *d) {
+  if (d->v) gsl_matrix_free(d->v);
+  if (d->s) gsl_vector_free(d->s);
 }
 
 static void take_directions(vs_estimate *e, const decomposed *d) {
@@ -128,9 +133,8 @@ static void take_directions(vs_estimate *e, const decomposed *d) {
 }
 
 /* Error: there is a combination of which the data know nothing. */
-static vs_status check_rank(const vs_estimate *e, const decomposed *d, vs_error *err) {
+static vs_status find_flat(const vs_estimate *e, const decomposed *d, vs_error *err) {
   vs_text text = {0};
-  if (!d->count) return VS_OK;
   double least = gsl_vector_get(d->s, d->count - 1), largest = gsl_vector_get(d->s, 0);
   if (least > FLAT && least > ROUNDING * largest) return VS_OK;
   size_t heaviest = 0;
@@ -153,6 +157,14 @@ static vs_status check_rank(const vs_estimate *e, const decomposed *d, vs_error 
       "of these, add a prior, or measure more",
       text.text, strchr(text.text, ',') ? "change together" : "changes");
   vs_text_free(&text);
+  return status;
+}
+
+static vs_status check_rank(const vs_estimate *e, const gsl_matrix *slopes, vs_error *err) {
+  decomposed all;
+  decompose(e, slopes, true, &all);
+  vs_status status = find_flat(e, &all, err);
+  free_decomposed(&all);
   return status;
 }
 
@@ -183,20 +195,19 @@ vs_status vs_estimate_at(vs_descender *d, const vs_descent *minimum, vs_estimate
   e->computed = vs_alloc(p->inquiry->n_data, sizeof *e->computed);
   e->residual = vs_alloc(p->n_residuals, sizeof *e->residual);
   gsl_matrix *slopes = gsl_matrix_alloc(p->n_residuals, p->n_unknowns);
-  decomposed parts = {.count = 0};
   vs_status status = vs_prediction_run(p, -1, minimum->s, e->computed, err);
   if (!status) status = vs_slopes_fill(d->slopes, p, minimum->s, e->computed, slopes, err);
   if (!status) {
     vs_prediction_residuals(p, minimum->s, e->computed, e->residual);
-    decompose(e, slopes, &parts);
-    status = check_rank(e, &parts, err);
+    status = check_rank(e, slopes, err);
   }
   if (!status) {
+    decomposed parts;
+    decompose(e, slopes, false, &parts);
     take_directions(e, &parts);
+    free_decomposed(&parts);
     conclude(e, p->n_residuals);
   }
-  if (parts.v) gsl_matrix_free(parts.v);
-  if (parts.s) gsl_vector_free(parts.s);
   gsl_matrix_free(slopes);
   return status;
 }

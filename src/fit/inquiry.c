@@ -126,8 +126,8 @@ static vs_status check_unknown(const vs_inquiry *q, const vs_unknown *u, vs_erro
   for (size_t k = 0; k < q->n_sets; k++)
     if (!strncmp(q->sets[k], u->axis.key, n) && q->sets[k][n] == '=')
       return vs_fail_at(err, u->axis.where,
-                        "%s is free, and --set %s sets it; free.%s.start=... says where to start",
-                        u->axis.key, q->sets[k], u->axis.key);
+                        "%s is free, and --set %s sets it; write start here to say where to start",
+                        u->axis.key, q->sets[k]);
   return VS_OK;
 }
 
@@ -212,10 +212,11 @@ static vs_status gather(vs_inquiry *q, vs_error *err) {
   q->data = vs_alloc(count, sizeof *q->data);
   for (size_t r = 0; r < q->n_runs; r++) add_data(q, (int)r);
   if (q->n_unknowns <= vs_inquiry_residuals(q)) return VS_OK;
-  return vs_fail_at(err, q->unknowns[vs_inquiry_residuals(q)].axis.where,
-                    "%zu keys are free, and there are %zu numbers to find them from: measure more, "
-                    "free less, or add a prior",
-                    q->n_unknowns, vs_inquiry_residuals(q));
+  return vs_fail_at(
+      err, q->unknowns[vs_inquiry_residuals(q)].axis.where,
+      "free keys: %zu; numbers to find them from: %zu; measure more, free less, or add a "
+      "prior",
+      q->n_unknowns, vs_inquiry_residuals(q));
 }
 
 size_t vs_inquiry_residuals(const vs_inquiry *q) {

@@ -140,6 +140,11 @@ static vs_status find_column(vs_recording *r, vs_recorded *c, const vs_csv *csv,
   snprintf(name, sizeof name, "%s_error", c->name);
   if (!status) status = find_cell(csv, name, c->unit, &c->cell_of_error, &c->factor_of_error, err);
   if (status) return status;
+  for (size_t k = 0, n = strlen(c->name); k < csv->count && c->cell < 0; k++)
+    if (!strncmp(csv->cell[k], c->name, n) && csv->cell[k][n] == '_' && (int)k != c->cell_of_error)
+      return vs_fail_at(err, csv->where[k], "column '%s': '%s' is no unit of %s, in which %s is",
+                        csv->cell[k], csv->cell[k] + n + 1, *c->unit ? c->unit : "a pure number",
+                        c->name);
   if (c->cell < 0) {
     const char *nearest = vs_text_nearest(c->name, (const char *const *)csv->cell, csv->count);
     return vs_fail_at(err, c->where, "columns: %s has no column %s with a unit of %s%s%s%s",

@@ -114,7 +114,7 @@ static void draw_measures(portrait *p) {
   place(p, HIGH, UNDER_LABEL);
   vs_text_add(&p->script,
               "set ylabel 'residual / std error'\nset xlabel ''\nset xrange [0.3:%d.7]\n"
-              "set xtics rotate by -20 font 'sans,9'\n"
+              "set rmargin 10\nset xtics rotate by -20 font 'sans,9'\n"
               "plot 0 lt 1 lc rgb '#404040' notitle, 2 lt 1 dt 2 lc rgb '#808080' notitle, -2 lt 1 "
               "dt 2 lc rgb '#808080' notitle, $M using 1:2:(1):xtic(3) with yerrorbars pt 7 ps 1 "
               "lc rgb '%s' title 'fitted less measured, in standard errors'\n"
