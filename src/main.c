@@ -7,12 +7,14 @@
 #include <string.h>
 
 #include "base/leave.h"
+#include "branch/branch.h"
 #include "command/check.h"
 #include "command/command.h"
 #include "command/export.h"
 #include "command/list.h"
 #include "command/modes.h"
 #include "command/run.h"
+#include "command/sensitivity.h"
 #include "command/steady.h"
 #include "fit/aims.h"
 #include "fit/inquiry.h"
@@ -21,6 +23,7 @@
 #include "picture/plot.h"
 #include "report/fitting.h"
 #include "report/report.h"
+#include "report/tornado.h"
 #include "solver/circuit.h"
 #include "solver/ng.h"
 #include "study/merge.h"
@@ -79,7 +82,11 @@ static const struct argp_option RUN_OPTIONS[] = {
 
 static vs_status steady(const vs_arguments *a, vs_error *err) {
   const vs_run_options o = run_options(a);
-  return vs_steady_command(&o, a->period, err);
+  const vs_branch_options branch = {&o, {a->along, a->step, a->at}, a->period};
+  if ((a->step || a->at) && !a->along)
+    return vs_fail(err, VS_INPUT, "--%s: it goes with --along; see vibrospice steady --help",
+                   a->step ? "step" : "at");
+  return a->along ? vs_branch_command(&branch, err) : vs_steady_command(&o, a->period, err);
 }
 
 static void explain_steady(vs_text *help) {
@@ -103,12 +110,58 @@ static const struct argp_option STEADY_OPTIONS[] = {
     VS_COMMAND_VALUE("period", VS_KEY_PERIOD, "N",
                      "the orbit repeats after N firing periods, of firing.every cycles of the "
                      "mains each (default 1)"),
+    VS_COMMAND_VALUE("along", VS_KEY_ALONG, "KEY=FROM..TO",
+                     "follows the orbit over a scene key, around folds: where it grazes a stop, "
+                     "turns, loses its stability"),
+    VS_COMMAND_VALUE("at", VS_KEY_AT, "VALUE",
+                     "with --along: reports every orbit of the branch at that value of the key"),
+    VS_COMMAND_VALUE("step", VS_KEY_STEP, "S",
+                     "the key's largest change from point to point (default a 50th of the range)"),
     VS_COMMAND_VALUE("output", 'o', "DIR",
-                     "writes run.csv of one period, events.csv and summary.json there"),
+                     "writes run.csv of one period, events.csv and summary.json there; with "
+                     "--along branch.csv, branch.json and branch.png"),
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
     REPRODUCIBLE_OPTION,
     DIGITS_OPTION,
+    VS_COMMAND_HELP,
+    {0}};
+
+/* ---- sensitivity ---- */
+
+static vs_status sensitivity(const vs_arguments *a, vs_error *err) {
+  const vs_sensitivity_options o = {.scene = vs_command_name(a),
+                                    .tier = a->tier,
+                                    .sets = a->sets,
+                                    .n_sets = a->n_sets,
+                                    .of = a->of,
+                                    .to = a->to,
+                                    .steady = a->steady,
+                                    .period = a->period,
+                                    .folder = a->output,
+                                    .json = a->json,
+                                    .quiet = a->quiet,
+                                    .stop = &vs_leave_requested};
+  vs_status status = vs_sensitivity_command(&o, err);
+  vs_error why = {0};
+  if (!status && a->output && vs_tornado_draw(a->output, a->quiet || a->json, &why))
+    fprintf(stderr, "vibrospice: warning: there is no picture: %s\n", why.text);
+  return status;
+}
+
+static const struct argp_option SENSITIVITY_OPTIONS[] = {
+    VS_COMMAND_VALUE("of", VS_KEY_OF, "MEASURE,...", "of which measures"),
+    VS_COMMAND_VALUE("to", VS_KEY_TO, "KEY,...", "with respect to which keys of the scene"),
+    VS_COMMAND_FLAG("steady", VS_KEY_STEADY,
+                    "of a period of the orbit (see steady), instead of the scene's run"),
+    VS_COMMAND_VALUE("period", VS_KEY_PERIOD, "N",
+                     "with --steady: of N firing periods (default 1)"),
+    VS_COMMAND_SET,
+    TIER_OPTION,
+    VS_COMMAND_VALUE("output", 'o', "DIR",
+                     "writes sensitivity.csv, summary.json and the picture tornado there"),
+    VS_COMMAND_JSON,
+    VS_COMMAND_QUIET,
     VS_COMMAND_HELP,
     {0}};
 
@@ -181,6 +234,8 @@ static const struct argp_option EXPORT_OPTIONS[] = {
 static vs_status plot(const vs_arguments *a, vs_error *err) {
   const char *folder = vs_command_name(a);
   const vs_plot_options o = {folder, a->output, a->overlay, a->quiet};
+  if (vs_tornado_here(folder) && !a->output && !a->overlay)
+    return vs_tornado_draw(folder, a->quiet, err);
   return vs_folder_here(folder) ? vs_report_command(&o, vs_methods_all, err)
                                 : vs_plot_command(&o, err);
 }
@@ -239,6 +294,9 @@ static void explain_study(vs_text *help) {
   vs_text_add(help, "\nA study has, besides scene, set and report:\n");
   for (const vs_method *const *m = vs_methods_all; *m; m++)
     vs_text_add(help, "  %-8s %-12s %s\n", (*m)->key, (*m)->name, (*m)->text);
+  vs_text_add(help, "  %-8s %-12s %s\n", "steady", "",
+              "each case is one period of its orbit, as `vibrospice steady` finds it: true, or "
+              "{period: N}");
 }
 
 static const struct argp_option STUDY_OPTIONS[] = {
@@ -329,10 +387,22 @@ static const vs_command COMMANDS[] = {
              "power, harmonics, measures of one period",
      .examples = "  vibrospice steady paper --set firing.every=1\n"
                  "  vibrospice steady two_mass --set firing.every=1 --set firing.angle=130deg -o "
-                 "work\n",
+                 "work\n"
+                 "  vibrospice steady paper --set firing.every=1 --along "
+                 "firing.angle=130deg..70deg -o branch\n",
      .options = STEADY_OPTIONS,
      .run = steady,
      .explain = explain_steady},
+    {.name = "sensitivity",
+     .argument = "SCENE",
+     .text = "logarithmic derivatives of measures with respect to keys of the scene, of its run or "
+             "of its orbit, each with its error",
+     .examples =
+         "  vibrospice sensitivity paper --of p_first_peak --to firing.angle,supply.voltage\n"
+         "  vibrospice sensitivity paper --steady --set firing.every=1 --of p_min,power_in --to "
+         "firing.angle,actuator.gap -o tornado\n",
+     .options = SENSITIVITY_OPTIONS,
+     .run = sensitivity},
     {.name = "check",
      .argument = "FILE",
      .text =

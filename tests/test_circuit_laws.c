@@ -261,7 +261,25 @@ static void a_is_not_every_law_s(void) {
   vs_trial_free(t);
 }
 
+/* ngspice has no resistor of 0 ohm. What it takes in its place is said, and is in the books: else
+ * 1 mohm times int i^2 dt would be missing there, 6.5 uJ, which is more than 10 times the tolerance
+ * allows of the 0.16 J. */
+static void a_supply_without_resistance(void) {
+  vs_trial *t = vs_trial_run(
+      "two_mass", "circuit",
+      (const char *const[]){IDEAL, "run.tolerance=1e-6", "run.until=20 ms", NULL}, NULL);
+  EXPECT(t->status == VS_OK && !*t->result.books, "%s%s", t->err.text, t->result.books);
+  const vs_warnings *w = &t->scene.warnings;
+  bool said = false;
+  for (size_t k = 0; k < w->count; k++) said |= strstr(w->item[k].text, "takes 1 mohm") != NULL;
+  CU_ASSERT_TRUE(said);
+  const vs_energy *e = &t->result.watchers.energy;
+  CLOSE_OF(e->left_j[VS_B_CIRCUIT], 0, e->joule[VS_E_SOURCE], 1e-6);
+  vs_trial_free(t);
+}
+
 static const vs_test TESTS[] = {
+    {"a supply without resistance", a_supply_without_resistance},
     {"saturation in series", saturation_in_series},
     {"saturation in a coil with shorted turns", saturation_in_a_coil_with_shorted_turns},
     {"multiplicative saturation", multiplicative_saturation},

@@ -21,6 +21,7 @@ typedef struct march {
   size_t edges;
   double t_s, mid_s, y[STATES];
   bool on, jammed, gap_rests;
+  double mass[4][4], load_kg;
   double fired_s[32], ended_s[32];
   size_t fired, ended;
   gsl_odeiv2_system system;
@@ -34,7 +35,7 @@ static bool is(const vs_occurrence *e, const char *kind) {
 /* By `at` alone: the scenes here say no cycle and angle of what has a time. */
 static bool within(const vs_occurrence *e, double t_s) {
   double since = t_s - e->v.at_s, period = 1 / 50.0;
-  if (is(e, "phase_jump") || is(e, "jam")) return since > 0;
+  if (is(e, "phase_jump") || is(e, "jam") || is(e, "load")) return since > 0;
   if (is(e, "notch") && since > 0 && since < e->v.count * period) since = fmod(since, period);
   return since > 0 && since < e->v.duration_s;
 }
@@ -95,9 +96,9 @@ static void solve_3(double a[3][3], double b[3]) {
 }
 
 /* The other three coordinates' part of M. */
-static void rest_of_mass(const vs_model *m, double a[3][3]) {
+static void rest_of_mass(const march *s, double a[3][3]) {
   for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) a[i][j] = m->mass[i + 1][j + 1];
+    for (int j = 0; j < 3; j++) a[i][j] = s->mass[i + 1][j + 1];
 }
 
 static int rates(double t_s, const double y[], double rate[], void *ctx) {
@@ -110,19 +111,19 @@ static int rates(double t_s, const double y[], double rate[], void *ctx) {
     for (int j = 0; j < 4; j++) force[i] -= m->stiffness[i][j] * y[j] + m->damping[i][j] * y[4 + j];
   memcpy(rate, y + 4, sizeof(double[4]));
   /* first the other three as if p" were 0, then what p" makes of it */
-  rest_of_mass(m, a);
+  rest_of_mass(s, a);
   memcpy(b, force + 1, sizeof b);
   solve_3(a, b);
   rate[4] = 0;
   memcpy(rate + 5, b, sizeof b);
   if (!s->jammed) { /* Schur's complement */
-    double c[3] = {m->mass[1][0], m->mass[2][0], m->mass[3][0]}, whole = m->mass[0][0];
-    rest_of_mass(m, a);
+    double c[3] = {s->mass[1][0], s->mass[2][0], s->mass[3][0]}, whole = s->mass[0][0];
+    rest_of_mass(s, a);
     solve_3(a, c);
     double push = force[0];
     for (int i = 0; i < 3; i++) {
-      push -= m->mass[0][i + 1] * b[i];
-      whole -= m->mass[0][i + 1] * c[i];
+      push -= s->mass[0][i + 1] * b[i];
+      whole -= s->mass[0][i + 1] * c[i];
     }
     rate[4] = push / whole;
     for (int i = 0; i < 3; i++) rate[5 + i] -= c[i] * rate[4];
@@ -138,11 +139,43 @@ static void try_step(march *s, double h_s, double y[STATES]) {
   gsl_odeiv2_step_apply(s->step, s->t_s, h_s, y, error, NULL, NULL, &s->system);
 }
 
+/* What the load is from mid_s on, by the events so far in order of time: Eq. 88. */
+static double load_of(const march *s) {
+  const vs_events *all = &s->setup->timeline.events;
+  vs_load_values load = s->setup->model.load;
+  for (double done_s = 0;;) {
+    const vs_occurrence *next = NULL;
+    for (size_t k = 0; k < all->count; k++) {
+      const vs_occurrence *e = &all->item[k];
+      if (is(e, "load") && within(e, s->mid_s) && e->v.at_s > done_s &&
+          (!next || e->v.at_s < next->v.at_s))
+        next = e;
+    }
+    if (!next) return load.density_kg_m3 * load.volume_m3 * load.fraction;
+    if (!isnan(next->v.fraction)) load.fraction = next->v.fraction;
+    if (!isnan(next->v.volume_m3)) load.volume_m3 = next->v.volume_m3;
+    done_s = next->v.at_s;
+  }
+}
+
+/* The load is part of m_k in Eq. 55, and nowhere else. q and q' stay. */
+static void reload(march *s) {
+  const conveyor_values v = conveyor_values_of(&s->setup->model);
+  double more = load_of(s) - s->load_kg, c = cos(v.spring_angle_rad), d = sin(v.spring_angle_rad),
+         dx = v.trough_com_m[0] - v.base_com_m[0], dy = v.trough_com_m[1] - v.base_com_m[1];
+  const double per_kg[4][4] = {{1, -d, c, v.m14 * (dy * d + dx * c)},
+                               {-d, 1, 0, -dy},
+                               {c, 0, 1, dx},
+                               {v.m14 * (dy * d + dx * c), -dy, dx, dx * dx + dy * dy}};
+  for (int i = 0; i < 4; i++)
+    for (int j = 0; j < 4; j++) s->mass[i][j] += more * per_kg[i][j];
+  s->load_kg += more;
+}
+
 static void jam(march *s) {
-  const vs_model *m = &s->setup->model;
   double a[3][3], b[3];
-  rest_of_mass(m, a);
-  for (int i = 0; i < 3; i++) b[i] = m->mass[i + 1][0] * s->y[4];
+  rest_of_mass(s, a);
+  for (int i = 0; i < 3; i++) b[i] = s->mass[i + 1][0] * s->y[4];
   solve_3(a, b);
   for (int i = 0; i < 3; i++) s->y[5 + i] += b[i];
   s->y[4] = 0;
@@ -231,9 +264,13 @@ static void integrate(march *s, double sample_s, double step_s, size_t rows, dou
   s->system = (gsl_odeiv2_system){rates, NULL, STATES, s};
   s->step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, STATES);
   memcpy(s->y, s->setup->start.x, sizeof(double[VS_STATES]));
+  for (int i = 0; i < 4; i++)
+    for (int j = 0; j < 4; j++) s->mass[i][j] = s->setup->model.mass[i][j];
+  s->load_kg = load_of(s);
   for (size_t e = 0; e < s->edges && k + 1 < rows; e++) {
     double end = s->edge_s[e];
     s->mid_s = (s->t_s + end) / 2;
+    reload(s);
     while (end - s->t_s > 1e-15) advance(s, fmin(step_s, end - s->t_s));
     s->t_s = fmax(end, s->t_s);
     double next = e + 1 < s->edges ? (end + s->edge_s[e + 1]) / 2 : end;
@@ -384,6 +421,19 @@ static const scene SCENES[] = {
      0},
     {"jam in a conduction", {E("j", "jam", "at: 29ms")}, 0},
     {"jam in free flight", {E("j", "jam", "at: 38.3ms"), "machine.m14=derived"}, 0},
+    {"more load in a conduction",
+     {"load.density=0.7 g/cm3", "load.fraction=0.1", E("l", "load", "at: 29ms, fraction: 0.6")},
+     0},
+    {"less load in free flight, the derived m14, which depends on it too",
+     {"load.density=1 g/cm3", "load.fraction=0.4", "machine.m14=derived", "supply.voltage=300V",
+      E("l", "load", "at: 38.3ms, volume: 0 cm3")},
+     0},
+    {"three changes, one right at a firing, and a jam before the last",
+     {"load.density=0.5 g/cm3", E("a", "load", "at: 65.6ms, volume: 100 cm3"),
+      E("b", "load", "at: 7ms, fraction: 0.5"), E("c", "load", "at: 90ms, fraction: 1"),
+      "firing.angle=108deg", E("h", "jam", "at: 81ms"),
+      E("d", "load", "at: 26ms, volume: 300 cm3")},
+     0},
     {"all at once",
      {E("a", "sag", "at: 15ms, duration: 50ms, level: 70 %"),
       E("b", "harmonic", "at: 8ms, level: 15 %, order: 7"),
@@ -419,7 +469,8 @@ static void circuit_with_ideal_parts(void) {
       {E("h", "harmonic", "at: 21ms, level: 20 %, phase: 40 deg")},
       {E("m", "missing_pulse", "cycle: 2"), E("s", "spurious_pulse", "at: 48ms")},
       {E("s", "short_pulse", "cycle: 2, duration: 0.2ms"), E("s2", "swell", "at: 41ms")},
-      {E("j", "jam", "at: 29ms")}};
+      {E("j", "jam", "at: 29ms")},
+      {"load.density=0.7 g/cm3", E("l", "load", "at: 29ms, fraction: 0.5")}};
   static const struct {
     int measure;
     double tolerance;

@@ -452,9 +452,17 @@ static void the_page(void) {
   expect_good(&r, line, __LINE__);
   EXPECT_FILES("dipped", "events.csv run.csv summary.json ");
   free_ran(&r), free(line), free(text);
-  static const char *const FOLDERS[] = {"control", "resonance"};
+  write_file("power.yaml", strstr(page, "# power.yaml")); /* up to the block's end */
+  text = read_file("power.yaml");
+  *strstr(text, "\n```") = '\0';
+  write_file("power.yaml", text);
+  free(text);
+  static const char *const FOLDERS[] = {"power", "control", "resonance"};
   for (int k = 0; k < (int)COUNT(FOLDERS); k++) {
-    line = block(page, "sh", 2 + k);
+    char folder[32];
+    int n = 0;
+    snprintf(folder, sizeof folder, "-o %s ", FOLDERS[k]);
+    while (line = block(page, "sh", n++), !strstr(line, folder)) free(line);
     r = run("%s", line + strlen("vibrospice "));
     expect_good(&r, line, __LINE__);
     EXPECT_FILES(FOLDERS[k], "failures.csv journal manifest.json study.csv ");

@@ -39,6 +39,7 @@ static bool *flag_of(vs_arguments *a, int key) {
                {VS_KEY_JSON, &a->json},
                {VS_KEY_QUIET, &a->quiet},
                {VS_KEY_REPRODUCIBLE, &a->reproducible},
+               {VS_KEY_STEADY, &a->steady},
                {VS_KEY_RAW, &a->raw},
                {VS_KEY_LIST, &a->list},
                {VS_KEY_RESUME, &a->resume},
@@ -57,7 +58,12 @@ static const char **word_of(vs_arguments *a, int key) {
                {VS_KEY_DECK, &a->deck},
                {VS_KEY_MACHINE, &a->machine},
                {VS_KEY_OVERLAY, &a->overlay},
+               {VS_KEY_ALONG, &a->along},
+               {VS_KEY_STEP, &a->step},
+               {VS_KEY_AT, &a->at},
                {VS_KEY_SHARD, &a->shard},
+               {VS_KEY_OF, &a->of},
+               {VS_KEY_TO, &a->to},
                {VS_KEY_PROFILE, &a->profile}};
   for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
     if (WORDS[k].key == key) return WORDS[k].word;

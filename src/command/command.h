@@ -17,8 +17,10 @@ typedef struct vs_arguments {
   size_t n_names;
   char **sets; /* KEY=VALUE of each --set */
   size_t n_sets;
-  const char *tier, *output, *deck, *machine, *overlay, *shard, *profile;
-  bool json, quiet, reproducible, raw, list, help, resume, overwrite, keep_runs, progress_json;
+  const char *tier, *output, *deck, *machine, *overlay, *shard, *of, *to, *along, *step, *at,
+      *profile;
+  bool json, quiet, reproducible, raw, list, help, resume, overwrite, keep_runs, progress_json,
+      steady;
   int digits; /* 1..17 */
   int jobs;   /* 0: not given */
   int period; /* 1 or more */
@@ -55,6 +57,12 @@ enum {
   VS_KEY_LIST,
   VS_KEY_JOBS,
   VS_KEY_PERIOD,
+  VS_KEY_STEADY,
+  VS_KEY_OF,
+  VS_KEY_TO,
+  VS_KEY_ALONG,
+  VS_KEY_STEP,
+  VS_KEY_AT,
   VS_KEY_SHARD,
   VS_KEY_RESUME,
   VS_KEY_OVERWRITE,

@@ -467,6 +467,7 @@ vs_status vs_export_command(const char *name, char *const *sets, size_t n_sets, 
     status = vs_fail_at(err, scene->setup.timeline.events.item[0].where,
                         "export: a netlist for plain ngspice has no events; leave %s out",
                         scene->setup.timeline.events.item[0].name);
+  if (!status) status = vs_setup_require_fraction(&scene->setup, "export", err);
   if (!status) status = write_deck(scene, output, err);
   if (!status) printf("written: %s\n", output);
   vs_scene_free(scene);

@@ -50,6 +50,7 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
                                      [VS_EV_MEETS_STOP] = "armature meets the stop",
                                      [VS_EV_LEAVES_STOP] = "armature leaves the stop",
                                      [VS_EV_JAMS] = "armature jams",
+                                     [VS_EV_LOADS] = "load changes",
                                      [VS_EV_QUIET] = "the circuit is quiet: ngspice is left",
                                      [VS_EV_BACK] = "back in ngspice"};
   _Static_assert(sizeof WHAT / sizeof *WHAT == VS_EV_BACK + 1, "every event has its words");

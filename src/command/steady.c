@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/text.h"
+#include "orbit/classes.h"
 #include "orbit/steady.h"
 
 enum { DIGITS = 12, SHOWN = 10 /* the last harmonic in the table; JSON has all */ };
@@ -24,6 +25,32 @@ static int worst_harmonic(const vs_steady *s) {
   for (int n = worst; n < VS_SPECTRUM_LINES; n++)
     if (part_of_limit(s, n) > part_of_limit(s, worst)) worst = n;
   return worst;
+}
+
+/* ---- the material ---- */
+
+static const char *of_material(const vs_steady *s) {
+  vs_value down = vs_throw_down(&s->thrown);
+  if (!down.known) return NULL;
+  if (!(down.value > 1))
+    return "is not thrown; whether it slides is not computed, nor is a conveying speed";
+  if (down.value > vs_throw_most)
+    return "is thrown, for longer than a swing (throw_down above 3.297): conveying_speed is "
+           "outside "
+           "of its formula's range, and is that of a flight as long as a swing";
+  return "is thrown, once in each swing; conveying_speed holds for a trough that swings like a "
+         "sine along a straight line, without sliding, and grainy material comes close to it";
+}
+
+static void add_material(const vs_steady *s, vs_json *json) {
+  vs_value down = vs_throw_down(&s->thrown);
+  if (!down.known) return;
+  vs_json_object(json, "material", VS_JSON_ROW);
+  vs_json_bool(json, "thrown", down.value > 1);
+  vs_json_bool(json, "speed_in_range", down.value > 1 && down.value <= vs_throw_most);
+  vs_json_text(json, "speed_source", "VDI 2333");
+  vs_json_text(json, "says", of_material(s));
+  vs_json_end(json);
 }
 
 /* ---- JSON ---- */
@@ -65,6 +92,27 @@ static void add_harmonics(const vs_steady *s, vs_json *json) {
   vs_json_end(json);
 }
 
+static vs_drawn drawn_of(const vs_steady *s) {
+  return (vs_drawn){&s->spectrum, s->power_in_w, s->power_factor};
+}
+
+static void add_classes(const vs_steady *s, vs_json *json) {
+  const vs_drawn drawn = drawn_of(s);
+  vs_json_array(json, "harmonic_classes", VS_JSON_LINES);
+  for (const vs_class *c = vs_classes_all; c->name; c++) {
+    double part;
+    int worst = vs_classes_worst(c, &drawn, &part);
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    vs_json_text(json, "class", c->name);
+    vs_json_text(json, "text", c->text);
+    vs_json_bool(json, "held", part <= 1);
+    vs_json_whole(json, "worst", worst);
+    vs_json_number(json, "worst_part", part, DIGITS);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
 static void add_members(const void *ctx, vs_json *json) {
   const vs_steady *s = ctx;
   vs_json_whole(json, "period", s->orbit.n);
@@ -74,6 +122,8 @@ static void add_members(const void *ctx, vs_json *json) {
   vs_json_bool(json, "stable", s->orbit.stable);
   add_multipliers(&s->orbit, json);
   add_harmonics(s, json);
+  add_classes(s, json);
+  add_material(s, json);
 }
 
 /* ---- the table ---- */
@@ -111,6 +161,17 @@ static void print_harmonics(const vs_steady *s, FILE *out) {
           worst, 100 * part_of_limit(s, worst));
 }
 
+static void print_classes(const vs_steady *s, FILE *out) {
+  const vs_drawn drawn = drawn_of(s);
+  fprintf(out, "\n%-10s %15s %15s   %s\n", "class", "worst harmonic", "part of limit", "of");
+  for (const vs_class *c = vs_classes_all; c->name; c++) {
+    double part;
+    int worst = vs_classes_worst(c, &drawn, &part);
+    fprintf(out, "%-10s %15d %13.2f %%   %s%s\n", c->name, worst, 100 * part, c->text,
+            part <= 1 ? "" : ": not held");
+  }
+}
+
 static void show(const void *ctx, FILE *out) {
   const vs_steady *s = ctx;
   const vs_orbit *orbit = &s->orbit;
@@ -119,29 +180,52 @@ static void show(const void *ctx, FILE *out) {
           orbit->period_s, orbit->n, orbit->iterations, orbit->residual);
   print_multipliers(orbit, out);
   print_harmonics(s, out);
+  print_classes(s, out);
   fprintf(out, "\n%-18s %16s\n", "over a period", "computed");
   for (int k = 0; vs_steady_at(s, k, &m); k++)
-    fprintf(out, "%-18s %16.9g %-5s %s\n", m.name, m.value.value, m.unit, m.text);
+    if (m.value.known)
+      fprintf(out, "%-18s %16.9g %-5s %s\n", m.name, m.value.value, m.unit, m.text);
+  const char *material = of_material(s);
+  if (material) fprintf(out, "material: %s\n", material);
   fputc('\n', out);
 }
 
 /* ---- the command ---- */
+
+/* What the run of a period is told by. The functions above are given it as its first member. */
+typedef struct reporter {
+  vs_steady steady;
+  vs_scene *scene;
+  bool quiet;
+} reporter;
 
 static void accept(void *ctx, const vs_step *step) {
   vs_steady_accept(ctx, step);
 }
 
 static void finish(void *ctx, const vs_result *result) {
-  vs_steady_finish(ctx, result);
+  reporter *r = ctx;
+  vs_steady_finish(&r->steady, result);
+  vs_value down = vs_throw_down(&r->steady.thrown);
+  if (!vs_throw_speed(&r->steady.thrown).known || down.value <= vs_throw_most) return;
+  vs_error *warning = vs_warnings_add(&r->scene->warnings);
+  vs_fail(warning, VS_OK,
+          "conveying_speed is outside of its formula's range, throw_down up to %.4g: this is %.4g, "
+          "and the material flies for longer than a swing",
+          vs_throw_most, down.value);
+  if (!r->quiet) fprintf(stderr, "vibrospice: warning: %s\n", vs_warnings_text(warning));
 }
 
 static vs_status report(const vs_run_options *o, int periods, vs_scene *scene, vs_error *err) {
-  vs_steady *s = vs_alloc(1, sizeof *s);
-  const vs_run_more more = {s, accept, finish, show, {s, add_measures, add_members}};
+  reporter *r = vs_alloc(1, sizeof *r);
+  vs_steady *s = &r->steady;
+  const vs_run_more more = {r, accept, finish, show, {r, add_measures, add_members}};
   vs_status status = vs_steady_begin(s, scene, periods, err);
+  r->scene = scene;
+  r->quiet = o->quiet;
   if (!status) status = vs_run_scene(o, &more, scene, err);
   vs_steady_end(s);
-  free(s);
+  free(r);
   return status;
 }
 

@@ -27,7 +27,7 @@ static void add_events(vs_json *json, const vs_events *events) {
   vs_json_end(json);
 }
 
-static void add_scene(vs_json *json, const vs_scene *s) {
+void vs_summary_scene(vs_json *json, const vs_scene *s) {
   vs_json_object(json, "scene", VS_JSON_LINES);
   for (int p = 0; p < VS_SECTIONS; p++) {
     vs_filled_section part = vs_section_at(&s->setup, p);
@@ -68,6 +68,19 @@ static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r,
     vs_json_end(json);
   }
   if (more && more->measures) more->measures(more->ctx, json);
+  vs_json_end(json);
+}
+
+/* What load.fraction: auto came to. */
+static void add_fraction(vs_json *json, const vs_setup *s) {
+  if (!vs_setup_found_fraction(s)) return;
+  vs_json_object(json, "load_fraction", VS_JSON_ROW);
+  vs_json_number(json, "value", s->model.riding, DIGITS);
+  vs_json_number(json, "throw_coefficient", s->throw_coefficient, DIGITS);
+  vs_json_text(json, "from", "empirical: the paper's range, below Eq. 88, on the scene's orbit");
+  vs_json_bool(json, "held",
+               vs_model_load_range.least_k > s->throw_coefficient ||
+                   vs_model_load_range.most_k < s->throw_coefficient);
   vs_json_end(json);
 }
 
@@ -205,7 +218,7 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   vs_json json = vs_json_new(text);
   vs_json_object(&json, NULL, VS_JSON_LINES);
   vs_version_json(&json);
-  add_scene(&json, s);
+  vs_summary_scene(&json, s);
   vs_json_text(&json, "tier", s->tier->name);
   vs_json_text(&json, "why", s->why);
   add_rung(&json, &r->ladder);
@@ -219,6 +232,7 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   vs_json_end(&json);
   add_measures(&json, s, r, more);
   if (more && more->members) more->members(more->ctx, &json);
+  add_fraction(&json, &s->setup);
   add_energy(&json, s, &r->watchers.energy, r->books);
   if (with_cost) add_cost(&json, r);
   add_second(&json, &r->second);

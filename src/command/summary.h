@@ -16,6 +16,9 @@ typedef struct vs_summary_more {
 /* Adds {"value": ..., "unit": ...} under the measure's name, and its instant where it has one. */
 void vs_summary_measure(vs_json *json, const char *name, vs_value value, const char *unit);
 
+/* Adds the member "scene": every effective parameter with its unit, and the events. */
+void vs_summary_scene(vs_json *json, const vs_scene *scene);
+
 /* Appends the result to `json`. with_cost: wall times and steps, too, which no two runs share.
  * more: what is added; NULL: nothing. */
 void vs_summary_json(const vs_result *result, bool with_cost, const vs_summary_more *more,

@@ -34,7 +34,7 @@ static double integrated_travel(vs_course *c, double h) {
 double vs_course_gap(vs_course *c, double t_s) {
   const vs_knot *k = &c->knots[c->now];
   if (t_s == c->candidate_s) return c->candidate_gap_m;
-  const vs_model *m = &c->setup->model;
+  const vs_model *m = c->frame.model;
   double h = t_s - k->t_s, g0 = vs_mechanics_travel(m, k->x),
          g1 = vs_mechanics_travel(m, k->x + m->dof), g2 = vs_mechanics_travel(m, k->a),
          g3 = vs_mechanics_travel(m, k->j), g = g0 + h * (g1 + h / 2 * (g2 + h / 3 * g3));
@@ -99,10 +99,29 @@ static vs_status show_contact(vs_course *c, vs_knot *cut, vs_error *err) {
 /* The last knot is the instant at which the armature jams; it is shown from behind that too. */
 static vs_status jam(vs_course *c, vs_knot *k, vs_error *err) {
   c->jammed = c->motion.jammed = true;
-  vs_mechanics_hold(&c->setup->model, k->x + c->setup->model.dof);
+  vs_mechanics_hold(c->frame.model, k->x + c->frame.model->dof);
   complete(c, k);
   return vs_course_show(c, k, VS_EV_JAMS, err);
 }
+
+/* A cubic's error over 0.1 rad of the fastest swing is (0.1)^4/24 = 4e-6 of the amplitude. */
+static const double SERIES_RAD = 0.1;
+
+static void take_model(vs_course *c, const vs_model *m) {
+  c->frame.model = m;
+  c->series_s = SERIES_RAD / vs_motion_fastest(m);
+}
+
+/* The load changes at the last knot: q and q' go on as they are, with another M. */
+static vs_status change_load(vs_course *c, vs_knot *k, vs_error *err) {
+  take_model(c, &c->setup->loads.item[c->loads++].model);
+  vs_motion_take(&c->motion, c->frame.model);
+  complete(c, k);
+  return vs_course_show(c, k, VS_EV_LOADS, err);
+}
+
+/* An event's instant counts as reached from here on, s: rounding. */
+static const double REACHED_S = 1e-12;
 
 /* From `start` to `end`, both of which are outside of c, as the knots in it are overwritten. */
 static vs_status move(vs_course *c, const vs_knot *start, vs_knot *end, vs_error *err) {
@@ -123,7 +142,9 @@ static vs_status move(vs_course *c, const vs_knot *start, vs_knot *end, vs_error
     if (status) return status;
   }
   vs_status status = vs_course_show(c, end, VS_EV_NONE, err);
-  if (status || c->jammed || end->t_s < c->jams_s - 1e-12) return status; /* 1e-12 s: rounding */
+  if (!status && end->t_s >= vs_loads_at(&c->setup->loads, c->loads) - REACHED_S)
+    status = change_load(c, end, err);
+  if (status || c->jammed || end->t_s < c->jams_s - REACHED_S) return status;
   return jam(c, end, err);
 }
 
@@ -144,9 +165,6 @@ vs_status vs_course_move(vs_course *c, vs_knot *end, vs_error *err) {
 
 /* ---- begun and ended ---- */
 
-/* A cubic's error over 0.1 rad of the fastest swing is (0.1)^4/24 = 4e-6 of the amplitude. */
-static const double SERIES_RAD = 0.1;
-
 void vs_course_begin(vs_course *c, const vs_setup *setup, const vs_frame *frame,
                      const vs_observer *observer) {
   const vs_model *m = &setup->model;
@@ -154,8 +172,8 @@ void vs_course_begin(vs_course *c, const vs_setup *setup, const vs_frame *frame,
                    .frame = *frame,
                    .observer = observer,
                    .candidate_s = -1,
-                   .jams_s = vs_setup_jams(setup),
-                   .series_s = SERIES_RAD / vs_motion_fastest(m)};
+                   .jams_s = vs_setup_jams(setup)};
+  take_model(c, m);
   c->knots[0] = vs_sim_start(setup, &c->frame);
   c->touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, c->knots[0].x));
   vs_anode_begin(&c->anode, &setup->deck, &setup->timeline);

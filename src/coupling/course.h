@@ -19,6 +19,7 @@ typedef struct vs_course {
   unsigned touched;                    /* the stops that the armature is in, as bits */
   bool jammed;                         /* the armature is jammed, since jams_s */
   double jams_s;                       /* INFINITY: it never is */
+  size_t loads;                        /* how many changes of the load are behind */
   double series_s;                     /* how far the travel's Taylor polynomial is good enough */
   double candidate_s, candidate_gap_m; /* the last question and answer of vs_course_gap; -1: the
                                           answer does not hold any more */

@@ -94,14 +94,18 @@ double vs_motion_fastest(const vs_model *model) {
   return model->fastest_rad_s + sqrt(fabs(force[1] * model->per_newton_m_s2));
 }
 
-void vs_motion_begin(vs_motion *m, const vs_model *model) {
+void vs_motion_take(vs_motion *m, const vs_model *model) {
   double fastest = vs_motion_fastest(model);
-  *m = (vs_motion){.model = model,
-                   .substep_s = 0.02 / fastest,
-                   .substep_touching_s = 0.02 / fmax(model->contact_rad_s, fastest),
-                   .size = 2 * (size_t)model->dof * sizeof(double),
+  m->model = model;
+  m->substep_s = 0.02 / fastest;
+  m->substep_touching_s = 0.02 / fmax(model->contact_rad_s, fastest);
+}
+
+void vs_motion_begin(vs_motion *m, const vs_model *model) {
+  *m = (vs_motion){.size = 2 * (size_t)model->dof * sizeof(double),
                    .system = {rhs, NULL, 2 * (size_t)model->dof, m},
                    .step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, 2 * (size_t)model->dof)};
+  vs_motion_take(m, model);
 }
 
 void vs_motion_end(vs_motion *m) {

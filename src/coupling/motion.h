@@ -29,6 +29,9 @@ typedef struct vs_motion {
  * first. */
 double vs_motion_fastest(const vs_model *model);
 
+/* Goes on with another model of as many coordinates, which must outlive the motion. */
+void vs_motion_take(vs_motion *motion, const vs_model *model);
+
 /* The motion must stay where it is made, as its system points to it. The model must outlive it. */
 void vs_motion_begin(vs_motion *motion, const vs_model *model);
 void vs_motion_end(vs_motion *motion);

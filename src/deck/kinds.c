@@ -99,14 +99,15 @@ const vs_kind *vs_kinds_find(const char *name) {
 
 /* Limits that no measure above is held against in its own unit, with the kind of part they are of
  * ("": of any). v_drm, v_rrm and v_rms are held against the mains, whatever the part; t_q, which
- * makers give in us, is held against t_off; i2t_clear is held against what the fuse protects; the
- * others are for the reader. */
+ * makers give in us, is held against t_off; by t_j_max the report of an orbit tells how hot the
+ * case may be; i2t_clear is held against what the fuse protects; the others are for the reader. */
 static const struct figure {
   const char *name, *unit, *kind;
 } FIGURES[] = {{"v_drm", "V", ""},
                {"v_rrm", "V", ""},
                {"v_rms", "V", ""},
                {"t_q", "us", "thyristor"},
+               {"t_j_max", "degC", "thyristor"},
                {"v_dc", "V", "varistor"},
                {"v_clamp", "V", "varistor"},
                {"v_varistor", "V", "varistor"},

@@ -26,6 +26,13 @@ static const vs_field SHORT[] = {VS_EVENT_KIND, VS_EVENT_AT, ELEMENT};
 static const vs_field COIL_SHORT[] = {
     VS_EVENT_KIND, VS_EVENT_AT, VS_EVENT_FRACTION("fraction", "100 %", 1, 100, "of the turns")};
 static const vs_field JAM[] = {VS_EVENT_KIND, VS_EVENT_AT};
+static const vs_field LOAD[] = {
+    VS_EVENT_KIND,
+    VS_EVENT_AT,
+    {"fraction", VS_REAL, "", "unchanged", 0, 1, false, VS_EVENT_V_(fraction),
+     "lambda_t, the share of the material that rides from then on", "unchanged", NULL},
+    {"volume", VS_REAL, "cm3", "unchanged", 0, 1e9, false, VS_EVENT_V_(volume_m3),
+     "V_k, the volume of the material from then on", "unchanged", NULL}};
 
 static const char *element_named(const vs_occurrence *e, const vs_deck *deck) {
   (void)deck;
@@ -35,6 +42,13 @@ static const char *element_named(const vs_occurrence *e, const vs_deck *deck) {
 static const char *the_coil(const vs_occurrence *e, const vs_deck *deck) {
   (void)e;
   return deck->eva;
+}
+
+/* ---- the load ---- */
+
+static void becomes(const vs_occurrence *e, double *fraction, double *volume_m3) {
+  if (!isnan(e->v.fraction)) *fraction = e->v.fraction;
+  if (!isnan(e->v.volume_m3)) *volume_m3 = e->v.volume_m3;
 }
 
 /* ---- the switch ----
@@ -179,4 +193,6 @@ const vs_event_kind vs_faults[] = {
      .edge = vs_occurrence_edge, .element = the_coil, .wire = coil_wire, .source = closing},
     {"jam", "the armature is stuck: p stays what it is", VS_EVENT_KEYS(JAM), .ideal = true,
      .jams = true, .edge = vs_occurrence_edge},
+    {"load", "the load changes; what is added arrives with the trough's velocity",
+     VS_EVENT_KEYS(LOAD), .ideal = true, .load = becomes, .edge = vs_occurrence_edge},
     {.name = NULL}};

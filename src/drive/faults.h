@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Kinds of events that are faults of the plant: an element of the deck opens or is shorted, the
- * coil's turns are shorted, the armature is stuck. */
+ * Kinds of events in the plant: an element of the deck opens or is shorted, the coil's turns are
+ * shorted, the armature is stuck, the load changes. */
 #ifndef VS_DRIVE_FAULTS_H
 #define VS_DRIVE_FAULTS_H
 

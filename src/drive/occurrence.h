@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * An event: something that goes wrong in a scene, by name and from a given instant on: on the
- * mains, at the gate, in the circuit. Its kind (vs_event_kind) is a constant struct that has all
- * that belongs to such events. Kinds are defined in generators.c, disturbances.c, pulses.c and
- * faults.c, each file with a table of its own; nothing else asks which kind an event is of. */
+ * mains, at the gate, in the circuit, at the machine. Its kind (vs_event_kind) is a constant struct
+ * that has all that belongs to such events. Kinds are defined in generators.c, disturbances.c,
+ * pulses.c and faults.c, each file with a table of its own; nothing else asks which kind an event
+ * is of. */
 #ifndef VS_DRIVE_OCCURRENCE_H
 #define VS_DRIVE_OCCURRENCE_H
 
@@ -21,8 +22,10 @@ typedef struct vs_event_values {
   int cycle; /* of the mains, from 1 */
   int count; /* repetitions, cycle by cycle */
   double level_v;
-  double fraction; /* of the mains' amplitude, of a gate pulse's voltage, or of the coil's turns */
-  int polarity;    /* 1: negative */
+  double fraction; /* of the mains' amplitude, of a gate pulse's voltage, of the coil's turns, or of
+                      the conveyed material; NaN: it stays */
+  double volume_m3; /* of the conveyed material; NaN: it stays */
+  int polarity;     /* 1: negative */
   double impedance_ohm, frequency_hz, phase_rad;
   int order;
   char kind[VS_NAME_SIZE], element[VS_NAME_SIZE], gate[VS_NAME_SIZE];
@@ -60,6 +63,9 @@ typedef struct vs_event_kind {
   bool adds_up;       /* two of them at the same time on the mains add up; else they clash */
   bool adds_pulse;    /* it is a gate pulse from its start to its end */
   bool jams;          /* the armature stays where it is from its start on */
+  /* Sets what the scene's load becomes at its start; what the event does not name stays as it is.
+   */
+  void (*load)(const vs_occurrence *e, double *fraction, double *volume_m3);
   /* The number that the event has for the mains at t; `angle_rad` is the angle of the mains then,
    * with all jumps. `stage` says what becomes of the number. */
   double (*mains)(const vs_occurrence *e, double t_s, double angle_rad);

@@ -16,6 +16,8 @@
 typedef struct phases {
   const vs_setup *setup;
   const vs_observer *observer;
+  vs_frame frame;   /* its model is the one in effect, as events may change the load */
+  size_t loads;     /* how many of these changes are behind */
   vs_knot knots[2]; /* the last accepted one is knots[now], the one to come the other */
   int now;
   vs_driven driven;          /* what drives the machine from the last knot on */
@@ -42,6 +44,10 @@ typedef struct phases {
  * ROUGH of run.tolerance, and never by more than ROUGHEST, with which the books of energy, which
  * are kept on the dense output, close to 1e-9 of the work. */
 static const double DENSE = 10321920, ROUGH = 0.05, ROUGHEST = 5e-11;
+
+static const vs_model *model_of(const phases *p) {
+  return p->frame.model;
+}
 
 static double longest_step(const phases *p, double radians, double fastest_rad_s) {
   const vs_run_values *run = &p->setup->run;
@@ -74,7 +80,7 @@ static double mains_turn(const phases *p, double most_s) {
  * them at the working mode, or where nothing holds the machine how far they go as the gap closes.
  * One that the force does not move gets 1e-6 of what the gap gets. */
 static void find_coordinates(phases *p) {
-  const vs_model *m = &p->setup->model;
+  const vs_model *m = model_of(p);
   double w = m->working_rad_s > 0 ? m->working_rad_s : m->fastest_rad_s;
   double force = fabs(vs_coil_force(&m->coil, p->driven.flux_wb, m->coil.gap_rest_m));
   double per_newton = fabs(m->per_newton_m_s2), closes = m->coil.gap_rest_m / per_newton;
@@ -189,7 +195,7 @@ static bool meets(const phases *p) {
 
 static double ending_value(const phases *p, ending e, double at_s, double *rate) {
   if (e.kind == FLUX_ENDS) return vs_series_flux(&p->series, at_s, rate);
-  const vs_stop *stop = &p->setup->model.stops.item[e.stop];
+  const vs_stop *stop = &model_of(p)->stops.item[e.stop];
   int sign = e.kind == CONTACT_BEGINS ? stop->side : -stop->side;
   double way = vs_series_travel(&p->series, at_s, rate) - stop->at_m;
   *rate *= sign;
@@ -199,8 +205,7 @@ static double ending_value(const phases *p, ending e, double at_s, double *rate)
 /* Returns when the quantity falls through zero, in seconds from the last knot. It does so between
  * `lower` and `upper`. Newton's iteration on the series. */
 static double locate(const phases *p, ending e, double lower, double upper) {
-  double nothing =
-      1e-15 * (e.kind == FLUX_ENDS ? p->driven.flux_wb : p->setup->model.actuator.gap_m);
+  double nothing = 1e-15 * (e.kind == FLUX_ENDS ? p->driven.flux_wb : model_of(p)->actuator.gap_m);
   double at = upper;
   for (int n = 0; n < 60; n++) {
     double rate, value = ending_value(p, e, at, &rate);
@@ -402,28 +407,52 @@ static void find_scales(phases *p) {
   double angle = p->valve ? line->firing.angle_rad : 0;
   p->driven.flux_wb = line->peak_v / line->omega_rad_s * (1 + cos(angle));
   if (line->supply.direct) {
-    const vs_coil *coil = &p->setup->model.coil;
+    const vs_coil *coil = &model_of(p)->coil;
     p->driven.flux_wb = line->peak_v * fmin(coil->rest_h / coil->resistance_ohm, line->period_s);
   }
   find_coordinates(p);
 }
 
+/* Sets what follows from the model in effect: how long steps may be, and the propagator. */
+static void find_steps(phases *p) {
+  const vs_model *m = model_of(p);
+  double mains = p->setup->timeline.omega_rad_s;
+  double coil = m->coil.square
+                    ? m->actuator.resistance_ohm * m->coil.gap_rest_m / (2 * m->coil.a_hm)
+                    : m->actuator.resistance_ohm / m->coil.rest_h;
+  p->longest_s = longest_step(p, pow(DENSE * 6 * p->rough, 1.0 / 8), m->fastest_rad_s);
+  p->longest_driven_s = longest_step(p, 1, fmax(fmax(m->fastest_rad_s, mains), coil / 8));
+  /* general.c finds its own, and a stop of any kind has no one bound that is worth much */
+  p->longest_touching_s = p->by_series
+                              ? fmin(longest_step(p, 1, m->contact_rad_s), p->longest_driven_s)
+                              : p->longest_driven_s;
+  vs_propagator_make(&p->propagator, m, p->driven.held, p->longest_s);
+}
+
 /* ---- all of it ---- */
 
-/* Goes on to end_s in a scene with events. Stops where the armature jams, and, while current flows,
- * where other sines of the mains begin; goes on with these. */
+/* The load changes at the last knot: q, q' and lambda go on as they are, with another M. */
+static vs_status change_load(phases *p, vs_error *err) {
+  p->frame.model = &p->setup->loads.item[p->loads++].model;
+  find_coordinates(p);
+  find_steps(p);
+  return turn_over(p, p->driven.conducting, p->driven.touched, VS_EV_LOADS, err);
+}
+
+/* Goes on to end_s in a scene with events. Stops where the armature jams, where the load changes,
+ * and, while current flows, where other sines of the mains begin; goes on with these. */
 static vs_status go_disturbed(phases *p, double end_s, vs_error *err) {
   const vs_timeline *line = &p->setup->timeline;
-  const vs_model *m = &p->setup->model;
-  double t = p->knots[p->now].t_s, edge = INFINITY;
+  double t = p->knots[p->now].t_s, edge = INFINITY, loads = vs_loads_at(&p->setup->loads, p->loads);
   if (!p->driven.held && t >= p->jams_s) {
     vs_status status = turn_over(p, p->driven.conducting, p->driven.touched, VS_EV_JAMS, err);
-    vs_propagator_make(&p->propagator, m, true, p->longest_s);
+    vs_propagator_make(&p->propagator, model_of(p), true, p->longest_s);
     return status;
   }
+  if (t >= loads) return change_load(p, err);
   if (p->driven.conducting) edge = vs_wave_edge(line, t);
   double jams = p->driven.held ? INFINITY : p->jams_s;
-  vs_status status = go(p, fmin(fmin(end_s, edge), jams), err);
+  vs_status status = go(p, fmin(fmin(fmin(end_s, edge), jams), loads), err);
   if (status || !p->driven.conducting || p->knots[p->now].t_s < edge) return status;
   return turn_over(p, true, p->driven.touched, VS_EV_NONE, err);
 }
@@ -443,27 +472,20 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
                         vs_error *err) {
   const vs_model *m = &setup->model;
   double until = setup->run.until_s, tolerance = setup->run.tolerance;
-  double mains = setup->timeline.omega_rad_s;
-  double coil = m->coil.square
-                    ? m->actuator.resistance_ohm * m->coil.gap_rest_m / (2 * m->coil.a_hm)
-                    : m->actuator.resistance_ohm / m->coil.rest_h;
-  phases p = {.setup = setup, .observer = observer, .rough = fmin(ROUGH * tolerance, ROUGHEST)};
+  phases p = {.setup = setup,
+              .observer = observer,
+              .frame = *frame,
+              .rough = fmin(ROUGH * tolerance, ROUGHEST)};
   p.negligible = 1e-3 * p.rough;
   p.valve = !setup->timeline.firing.no_valve;
   p.by_series = m->plain && !setup->timeline.supply.direct;
   p.disturbed = setup->timeline.events.count > 0;
   p.jams_s = vs_setup_jams(setup);
-  p.driven = (vs_driven){.frame = frame};
-  p.knots[0] = vs_sim_start(setup, frame);
+  p.driven = (vs_driven){.frame = &p.frame};
+  p.knots[0] = vs_sim_start(setup, &p.frame);
   p.driven.touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, p.knots[0].x));
   find_scales(&p);
-  p.longest_s = longest_step(&p, pow(DENSE * 6 * p.rough, 1.0 / 8), m->fastest_rad_s);
-  p.longest_driven_s = longest_step(&p, 1, fmax(fmax(m->fastest_rad_s, mains), coil / 8));
-  /* general.c finds its own, and a stop of any kind has no one bound that is worth much */
-  p.longest_touching_s = p.by_series
-                             ? fmin(longest_step(&p, 1, m->contact_rad_s), p.longest_driven_s)
-                             : p.longest_driven_s;
-  vs_propagator_make(&p.propagator, m, false, p.longest_s);
+  find_steps(&p);
   vs_general_begin(&p.general, m->dof);
   vs_status status = vs_sim_refuse_endless(setup, p.longest_touching_s, err);
   while (!status && p.knots[p.now].t_s < until) {

@@ -169,7 +169,7 @@ static int sole_opener(const vs_model *model) {
 vs_status vs_assemble_model(vs_machine *m, vs_model *model, vs_error *err) {
   const vs_load_values *load = &model->load;
   double plain[VS_MACHINE_NAMES], loaded[VS_MACHINE_NAMES];
-  double load_kg = load->fraction * load->density_kg_m3 * load->volume_m3; /* Eq. 88 */
+  double load_kg = model->riding * load->density_kg_m3 * load->volume_m3; /* Eq. 88 */
   const double *of[VS_MACHINE_SUMS];
   for (int k = 0; k < VS_MACHINE_SUMS; k++) of[k] = m->load.to[k] && load_kg != 0 ? loaded : plain;
   model->dof = m->dof;
@@ -180,9 +180,12 @@ vs_status vs_assemble_model(vs_machine *m, vs_model *model, vs_error *err) {
   if (!s) s = fill_matrix(m, VS_MACHINE_STIFFNESS, of[VS_MACHINE_STIFFNESS], model->stiffness, err);
   if (!s) s = fill_vector(m, false, of[VS_MACHINE_FORCES], model->constant, err);
   if (!s) s = fill_vector(m, true, plain, model->along, err);
+  for (int k = 0; k < VS_MACHINE_WAYS && !s; k++)
+    s = vs_plane_slopes(&m->load.way[k], plain, m->dof, model->way[k], err);
   if (s) return s;
   bind_others(m, plain);
   model->alone = sole_opener(model);
+  model->loaded = false;
   for (int i = 0; i < m->dof; i++) model->loaded = model->loaded || model->constant[i] != 0;
   s = vs_error_carry_on(err, check_mass(m, model, err));
   if (!s) s = vs_error_carry_on(err, check_stiffness(m, model, err));

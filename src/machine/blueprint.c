@@ -185,13 +185,28 @@ static vs_status read_load_sum(vs_machine *m, const vs_node *node, vs_error *err
   return vs_fail_at(err, node->where, "load.to: there are: mass, damping, stiffness, forces");
 }
 
+/* How the trough moves. */
+static vs_status read_ways(vs_machine *m, const vs_node *map, vs_error *err) {
+  const vs_dimension metre = vs_dimension_of("m");
+  char what[24];
+  vs_status s = VS_OK;
+  for (int k = 0; k < VS_MACHINE_WAYS && !s; k++) {
+    const vs_node *node = vs_tree_child(map, vs_machine_way_words[k]);
+    const vs_expression_use use = {VS_EXPRESSION_MOTION, what, &metre};
+    snprintf(what, sizeof what, "load.%s", vs_machine_way_words[k]);
+    if (node) s = vs_error_carry_on(err, vs_expression_read(m, node, &use, &m->load.way[k], err));
+  }
+  return s;
+}
+
 static vs_status read_load(vs_machine *m, vs_error *err) {
-  static const char *const KEYS[] = {"adds", "to"};
+  static const char *const KEYS[] = {"adds", "to", "along", "up", "forward"};
   const vs_node *map;
   const char *names[VS_MACHINE_NAMES];
   vs_status s = map_of(m, "load", &map, err);
   if (s || !map) return s;
-  s = vs_field_known_keys(map, "load", KEYS, 2, err);
+  s = vs_field_known_keys(map, "load", KEYS, sizeof KEYS / sizeof *KEYS, err);
+  if (!s) s = read_ways(m, map, err);
   const vs_node *adds = vs_tree_child(map, "adds"), *to = vs_tree_child(map, "to");
   if (s) return s;
   if (!adds || adds->kind != VS_NODE_TEXT || !to)

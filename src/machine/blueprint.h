@@ -17,8 +17,9 @@
  *       forces that never change: gravity, preload
  *   gap:         {along: {COORDINATE: FORMULA, ...}}
  *       z = D + d + along.q; the actuator's force acts along it
- *   load:        {adds: PARAMETER, to: [mass, ...]}
- *       where the scene's load goes
+ *   load:        {adds: PARAMETER, to: [mass, ...], along: FORMULA, up: FORMULA, forward: FORMULA}
+ *       where the scene's load goes; and how the trough moves, in m, linear in the coordinates:
+ *       along the direction that the paper's throw coefficient is of, upwards, the material's way
  *   probes:      {NAME: {of: FORMULA, unit: m, text: TEXT}, ...}
  *   actuator:    {current: FORMULA, energy: FORMULA, force: FORMULA, KEY: VALUE, ...}
  *       the law's formulas in lambda and z: i = dW/dlambda, W, and F = -dW/dz, which is negative

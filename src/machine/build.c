@@ -62,6 +62,7 @@ static vs_status find_speeds(vs_model *model, vs_error *err) {
         err, (vs_where){.file = model->machine->path},
         "the eigenvalues of the mechanics cannot be found; masses or springs are too unlike");
   double drive = 0;
+  model->fastest_rad_s = model->working_rad_s = model->growth_1_s = 0;
   for (int m = 0; m < 2 * model->dof; m++) {
     double size = hypot(modes[m].re_1_s, modes[m].im_rad_s);
     if (size > model->fastest_rad_s) model->fastest_rad_s = size;
@@ -82,6 +83,15 @@ static vs_status find_speeds(vs_model *model, vs_error *err) {
     model->contact_rad_s = fmax(model->contact_rad_s, rad_s);
   }
   return VS_OK;
+}
+
+/* What follows from the matrices. */
+static vs_status derive(vs_model *model, vs_error *err) {
+  solve_mass(model);
+  model->compliance_m_n = compliance(model);
+  model->per_newton_m_s2 = 0;
+  for (int i = 0; i < model->dof; i++) model->per_newton_m_s2 += model->along[i] * model->mf[i];
+  return find_speeds(model, err);
 }
 
 /* ---- the section actuator ---- */
@@ -168,6 +178,19 @@ static vs_status check_load(const vs_machine *machine, const vs_node *load, vs_e
                     load->child->key, machine->path);
 }
 
+/* Error: load.fraction is auto, and the machine does not say which of its motions throws. */
+static vs_status check_auto(const vs_machine *machine, const vs_load_values *load,
+                            const vs_node *scene, vs_error *err) {
+  const vs_node *node = vs_tree_child(vs_tree_child(scene, "load"), "fraction");
+  if (machine->load.adds < 0 || !isnan(load->fraction) || !node ||
+      machine->load.way[VS_MACHINE_ALONG].text)
+    return VS_OK;
+  return vs_fail_at(err, node->where,
+                    "load.fraction: auto wants to know which motion throws, and machine %s does "
+                    "not say (its file has no load.along); write a number",
+                    machine->path);
+}
+
 /* Reads the sections of the scene; actuator is the scene's over the machine's. */
 static vs_status read_sections(const vs_node *scene, const vs_node *actuator, vs_model *model,
                                vs_error *err) {
@@ -196,18 +219,26 @@ vs_status vs_build_model(const vs_node *scene, vs_machine *machine, vs_model *mo
   else if (own && (!map || (map->kind == VS_NODE_TEXT && !*map->text)))
     map = own;
   vs_status s = read_sections(scene, map, model, err);
+  if (!s) s = vs_error_carry_on(err, check_auto(machine, &model->load, scene, err));
   if (s || vs_error_count(err) > found) return s;
+  model->riding = isnan(model->load.fraction) ? vs_model_load_range.most : model->load.fraction;
   s = vs_assemble_model(machine, model, err);
   if (!s && vs_error_count(err) == found)
     s = build_actuator(names_other_law(scene, own) ? vs_tree_child(scene, "actuator") : map, model,
                        err);
   if (s || vs_error_count(err) > found) return s;
-  solve_mass(model);
-  model->compliance_m_n = compliance(model);
-  for (int i = 0; i < model->dof; i++) model->per_newton_m_s2 += model->along[i] * model->mf[i];
   const vs_stop *first = model->stops.item;
   model->plain =
       model->coil.square &&
       (!model->stops.count || (model->stops.count == 1 && first->kind->linear && first->side > 0));
-  return find_speeds(model, err);
+  return derive(model, err);
+}
+
+vs_status vs_build_loaded(vs_machine *machine, const vs_model *from, const vs_load_values *load,
+                          double riding, vs_model *out, vs_error *err) {
+  if (out != from) *out = *from;
+  out->load = *load;
+  out->riding = riding;
+  vs_status s = vs_assemble_model(machine, out, err);
+  return s ? s : derive(out, err);
 }

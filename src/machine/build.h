@@ -12,4 +12,10 @@
  * carries on); a load where the machine has none. */
 vs_status vs_build_model(const vs_node *scene, vs_machine *machine, vs_model *model, vs_error *err);
 
+/* Builds in `out` the model `from` with another load: these values of the section, of which the
+ * share `riding` rides. `out` may be `from`; it borrows what that one's coil owns, and is not to be
+ * ended. Errors: what vs_assemble_model refuses. */
+vs_status vs_build_loaded(vs_machine *machine, const vs_model *from, const vs_load_values *load,
+                          double riding, vs_model *out, vs_error *err);
+
 #endif

@@ -19,6 +19,8 @@ const char *const vs_machine_sum_words[] = {[VS_MACHINE_MASS] = "mass",
                                             [VS_MACHINE_DAMPING] = "damping",
                                             [VS_MACHINE_STIFFNESS] = "stiffness",
                                             [VS_MACHINE_FORCES] = "forces"};
+const char *const vs_machine_way_words[] = {
+    [VS_MACHINE_ALONG] = "along", [VS_MACHINE_UP] = "up", [VS_MACHINE_FORWARD] = "forward"};
 const char *const vs_machine_law_words[] = {
     [VS_MACHINE_CURRENT] = "current", [VS_MACHINE_ENERGY] = "energy", [VS_MACHINE_FORCE] = "force"};
 
@@ -100,6 +102,7 @@ void vs_machine_free(vs_machine *m) {
   for (int k = 0; k < VS_MACHINE_LETS; k++) vs_formula_free(&m->lets[k].of);
   for (int k = 0; k < VS_MACHINE_LAWS; k++) vs_formula_free(&m->law[k].of);
   for (int k = 0; k < m->n_probes; k++) vs_formula_free(&m->probes[k].of);
+  for (int k = 0; k < VS_MACHINE_WAYS; k++) vs_formula_free(&m->load.way[k].of);
   for (int i = 0; i < VS_MACHINE_COORDINATES; i++) {
     vs_formula_free(&m->forces[i].of);
     vs_formula_free(&m->along[i].of);

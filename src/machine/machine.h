@@ -85,10 +85,17 @@ enum {
 };
 extern const char *const vs_machine_sum_words[VS_MACHINE_SUMS];
 
+/* What a machine's file says of the trough's motion, besides the coordinates: how far it moves
+ * along the direction by which the paper's throw coefficient K is taken, upwards, and the way the
+ * material goes. */
+enum { VS_MACHINE_ALONG, VS_MACHINE_UP, VS_MACHINE_FORWARD, VS_MACHINE_WAYS };
+extern const char *const vs_machine_way_words[VS_MACHINE_WAYS];
+
 /* The scene's load: its mass is added to a parameter where these sums are evaluated. */
 typedef struct vs_machine_load {
   int adds; /* index into names; -1: the machine has no load */
   bool to[VS_MACHINE_SUMS];
+  vs_expression way[VS_MACHINE_WAYS]; /* m, linear in the coordinates, which are terms 0, 1, ... */
 } vs_machine_load;
 
 /* A rigid body in the plane. Its motion is small, so that it is linear in the coordinates: how its

@@ -12,9 +12,23 @@
 enum { VS_MOST_DOF = VS_MACHINE_COORDINATES, VS_MOST_STATES = 2 * VS_MOST_DOF };
 
 typedef struct vs_load_values {
-  double density_kg_m3, volume_m3, fraction;
+  double density_kg_m3, volume_m3;
+  double fraction; /* lambda_t; NaN: `auto`, found with the scene's orbit (orbit/fraction.h) */
 } vs_load_values;
 extern const vs_section vs_model_load_section;
+
+/* The paper's range of the throw coefficient K, the largest acceleration of the trough along
+ * load.along over g, and the lambda_t at its two ends. */
+typedef struct vs_load_range {
+  double least_k, most_k, least, most;
+} vs_load_range;
+extern const vs_load_range vs_model_load_range;
+/* The paper's empirical lambda_t for a throw coefficient: linear over the range, held at its ends.
+ */
+double vs_model_fraction(double k);
+
+/* g as the paper has it, m/s2. */
+extern const double vs_model_gravity_m_s2;
 
 /* Matrices and vectors are filled up to `dof`. Units follow from the coordinates': with m and rad,
  * M is in kg, kg m and kg m2, and the others likewise. */
@@ -23,6 +37,7 @@ typedef struct vs_model {
   vs_machine_values parameters;
   vs_actuator_values actuator;
   vs_load_values load;
+  double riding; /* lambda_t in effect: load.fraction, or what was found for `auto` */
   vs_coil coil;
   vs_stops stops;
   int dof;
@@ -41,6 +56,9 @@ typedef struct vs_model {
   double compliance_m_n;  /* c.K^-1 c: how far one newton along the gap moves it at rest; INFINITY
                              where a coordinate has no spring */
   double per_newton_m_s2; /* c.mf: the gap's acceleration per newton of F; negative */
+  double way[VS_MACHINE_WAYS][VS_MOST_DOF]; /* how the trough moves, m per coordinate; all 0 where
+                                               the machine's file does not say */
+  bool reloaded;                            /* events change the load in the run (sim/loads.h) */
   bool plain;        /* the coil is square and the stop, if there is one, is a single linear one
                         at the pole cover: the motion is polynomials' products (ideal/series.h) */
   double growth_1_s; /* the largest Re s of the modes that is more than rounding; 0: none grows */

@@ -26,9 +26,8 @@ static vs_status value_of(vs_expression *e, const double *values, const char *wh
 /* A motion is linear in the coordinates to this part of itself; what is more is no rounding. */
 static const double ROUNDING = 1e-12;
 
-/* The slopes of a linear form of the coordinates: its values at unit coordinates. */
-static vs_status slopes_of(vs_expression *e, const double *values, int dof, double out[DOF],
-                           vs_error *err) {
+vs_status vs_plane_slopes(vs_expression *e, const double values[VS_MACHINE_NAMES], int dof,
+                          double out[DOF], vs_error *err) {
   double q[DOF] = {0}, sum = 0, scale = 0;
   memset(out, 0, DOF * sizeof *out);
   if (!e->text) return VS_OK;
@@ -40,7 +39,7 @@ static vs_status slopes_of(vs_expression *e, const double *values, int dof, doub
     q[k] = 0;
   }
   for (int k = 0; k < dof; k++) {
-    q[k] = 0.75 + k % 3; /* any other place */
+    q[k] = (k % 2 ? 1 : -1) * (0.75 + k % 3); /* any other place */
     sum += q[k] * out[k];
     scale += fabs(q[k] * out[k]);
   }
@@ -76,7 +75,7 @@ static vs_status find_motion(plane *p, int index, vs_error *err) {
   motion *own = &p->body[index];
   vs_status s = VS_OK;
   for (int d = 0; d < MOTIONS && !s; d++) {
-    s = slopes_of(&b->moves[d], p->values, p->machine->dof, own->by[d], err);
+    s = vs_plane_slopes(&b->moves[d], p->values, p->machine->dof, own->by[d], err);
     if (!s && d < 2) s = value_of(&b->at[d], p->values, b->name, &own->at[d], err);
   }
   if (s || b->on < 0) return s;

@@ -12,4 +12,9 @@ vs_status vs_plane_matrix(vs_machine *machine, int sum, const double values[VS_M
                           double out[VS_MACHINE_COORDINATES][VS_MACHINE_COORDINATES],
                           vs_error *err);
 
+/* The slopes of a linear form of the coordinates, which are its terms: its values at unit
+ * coordinates; 0 where it has no text. Error with its place: it is not linear, or not 0 at rest. */
+vs_status vs_plane_slopes(vs_expression *form, const double values[VS_MACHINE_NAMES], int dof,
+                          double out[VS_MACHINE_COORDINATES], vs_error *err);
+
 #endif

@@ -111,10 +111,33 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
   look_for_law(f, step->to);
   for (double k = floor(from / f->cycle_s) + 1; f->passed && k * f->cycle_s <= to; k++)
     take_at(step, k * f->cycle_s, f->passed + (size_t)(k - 1) * VS_VARIATION_MOST);
-  return f->derives ? vs_variation_accept(&f->variation, step, err) : VS_OK;
+  vs_status status = f->derives ? vs_variation_accept(&f->variation, step, err) : VS_OK;
+  return status || !f->also ? status : f->also->accept(f->also->ctx, step, err);
 }
 
 /* ---- the run ---- */
+
+typedef struct beginning {
+  const vs_run_values *run;
+  const double *x;
+  bool events; /* the flight has them, and not only the scene that the parameter is made of */
+} beginning;
+
+static vs_setup begin_with(const vs_scene *scene, void *ctx) {
+  const beginning *at = ctx;
+  vs_setup setup = vs_flight_setup(scene, at->run, at->x);
+  if (!at->events) setup.timeline.events.count = 0;
+  return setup;
+}
+
+static void begin_variation(vs_flight *f, const vs_run_values *run, const double *x) {
+  const double unmoved[VS_VARIATION_MOST] = {0};
+  beginning at = {run, x, f->scene->setup.timeline.events.count > 0};
+  vs_variation_begin(&f->variation, &f->scene->setup);
+  if (!f->parameter) return;
+  vs_parameter_take(f->parameter, begin_with, &at);
+  vs_variation_add(&f->variation, f->parameter, unmoved);
+}
 
 vs_status vs_flight_go(vs_flight *f, const double *x, int periods, bool derives, vs_error *err) {
   forget(f);
@@ -132,7 +155,7 @@ vs_status vs_flight_go(vs_flight *f, const double *x, int periods, bool derives,
   f->left[0] = 0;
   f->derives = derives;
   f->passed = derives ? vs_alloc((size_t)periods, sizeof *f->passed * VS_VARIATION_MOST) : NULL;
-  if (derives) vs_variation_begin(&f->variation, &f->scene->setup);
+  if (derives) begin_variation(f, &run, x);
   vs_result *none = vs_alloc(1, sizeof *none);
   vs_status status = vs_session_run(&session, f->scene, none, err);
   free(none);

@@ -114,7 +114,7 @@ static int least_period(const vs_flight *f, const vs_orbit *o) {
 
 /* ---- what is refused ---- */
 
-static vs_status refuse(const vs_scene *s, int periods, vs_error *err) {
+vs_status vs_shooting_check(const vs_scene *s, int periods, vs_error *err) {
   const vs_timeline *line = &s->setup.timeline;
   if (periods < 1)
     return vs_fail(err, VS_INPUT, "an orbit of %d periods: allowed are 1 and more", periods);
@@ -136,6 +136,12 @@ static vs_status refuse(const vs_scene *s, int periods, vs_error *err) {
   return VS_OK;
 }
 
+/* What lets the machine swing less far. */
+static const char *what_weakens(const vs_scene *s) {
+  return s->setup.timeline.firing.no_valve ? "a lower supply.voltage"
+                                           : "a larger firing.angle or a lower supply.voltage";
+}
+
 /* Refuses what was found where it is no orbit of the machine, or none of this period. */
 static vs_status judge(const vs_flight *f, const vs_shooting *how, const vs_orbit *o,
                        vs_error *err) {
@@ -144,8 +150,9 @@ static vs_status judge(const vs_flight *f, const vs_shooting *how, const vs_orbi
     return vs_fail(
         err, VS_RUN,
         "the orbit goes beyond the pole cover: p = %.6g mm at t = %.9g s, the cover is at "
-        "-D = %g mm, and the scene has no actuator.stop",
-        1e3 * f->deepest_m, f->deepest_s, -1e3 * m->actuator.gap_m);
+        "-D = %g mm, and the scene has no actuator.stop; actuator.stop={} gives it one, %s keeps "
+        "it off",
+        1e3 * f->deepest_m, f->deepest_s, -1e3 * m->actuator.gap_m, what_weakens(f->given));
   if (!how->unguarded && f->left[0])
     return vs_fail(err, VS_RUN, "the orbit leaves the law %s at t = %.9g s: %s", m->coil.law->name,
                    f->left_s, f->left);
@@ -189,8 +196,8 @@ static vs_status march(vs_flight *f, int periods, vs_orbit *o, vs_error *err) {
     return vs_fail(err, VS_RUN,
                    "no periodic orbit is found: on the way from the start the armature goes beyond "
                    "the pole cover (p = -D = %g mm) at t = %.9g s, and the scene has no "
-                   "actuator.stop",
-                   -1e3 * m->actuator.gap_m, f->beyond_s);
+                   "actuator.stop; actuator.stop={} gives it one, %s keeps it off",
+                   -1e3 * m->actuator.gap_m, f->beyond_s, what_weakens(f->given));
   return vs_fail(err, VS_RUN, "no periodic orbit is found: on the way from the start, %s",
                  why.text);
 }
@@ -234,7 +241,14 @@ static vs_status refuse_subharmonic(vs_flight *f, const vs_shooting *how, const 
                    how->periods, found, other.n > how->periods ? "a subharmonic" : "one", other.n,
                    other.n);
   }
-  return missing ? vs_fail(err, VS_RUN, "%s", missing) : VS_OK;
+  if (!missing) return VS_OK;
+  if (!f->given->setup.model.stops.count)
+    return vs_fail(err, VS_RUN, "%s; nor is a stable one of another period up to %d", missing,
+                   LONGEST);
+  return vs_fail(err, VS_RUN,
+                 "%s; nor is a stable one of another period up to %d: with a stop in reach the "
+                 "motion may never repeat; %s keeps off it",
+                 missing, LONGEST, what_weakens(f->given));
 }
 
 static vs_status seek(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_error *err) {
@@ -264,7 +278,7 @@ static vs_status seek(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_erro
 
 vs_status vs_shooting_seek(const vs_scene *scene, const vs_shooting *how, vs_orbit *o,
                            vs_error *err) {
-  vs_status status = refuse(scene, how->periods, err);
+  vs_status status = vs_shooting_check(scene, how->periods, err);
   *o = (vs_orbit){.n = how->periods};
   if (status) return status;
   vs_flight flight;

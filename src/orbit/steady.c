@@ -7,10 +7,9 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "orbit/fraction.h"
 
-/* The setup of a run along the orbit. The pulse of the firing period before t = 0 is only kept
- * where it is so long that it counts. */
-static vs_setup run_along(const vs_scene *scene, const vs_run_values *run, const vs_orbit *orbit) {
+vs_setup vs_steady_setup(const vs_scene *scene, const vs_run_values *run, const vs_orbit *orbit) {
   vs_setup setup = vs_shooting_setup(scene, run, orbit);
   vs_firing_values *firing = &setup.timeline.firing;
   double ends_s = firing->angle_rad / setup.timeline.omega_rad_s + firing->pulse_width_s;
@@ -18,20 +17,37 @@ static vs_setup run_along(const vs_scene *scene, const vs_run_values *run, const
   return setup;
 }
 
+static void begin_watching(vs_steady *steady, const vs_setup *setup) {
+  steady->model = &setup->model;
+  vs_spectrum_begin(&steady->spectrum, setup->timeline.omega_rad_s);
+}
+
+vs_status vs_steady_check(const vs_scene *scene, int periods, vs_error *err) {
+  vs_status status = vs_tiers_require_orbits("steady", scene->tier, scene->why, (vs_where){0}, err);
+  return status ? status : vs_shooting_check(scene, periods, err);
+}
+
 vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_error *err) {
   vs_run_values run = scene->setup.run;
   *steady = (vs_steady){0};
   vs_status status = vs_tiers_require_orbits("steady", scene->tier, scene->why, (vs_where){0}, err);
   scene->setup.steady = false; /* it begins there anyway */
+  if (!status) status = vs_fraction_settle(scene, periods, err);
   if (!status) status = vs_shooting_find(scene, periods, &steady->orbit, err);
   if (status) return status;
   run.until_s = steady->orbit.period_s;
-  scene->setup = run_along(scene, &run, &steady->orbit);
+  scene->setup = vs_steady_setup(scene, &run, &steady->orbit);
+  scene->setup.at_work = true;
   scene->frame = vs_sim_frame(scene->tier, &scene->setup);
   memset(scene->measured, 0, sizeof scene->measured); /* it was measured in the scene's own run */
-  steady->model = &scene->setup.model;
-  vs_spectrum_begin(&steady->spectrum, scene->setup.timeline.omega_rad_s);
+  begin_watching(steady, &scene->setup);
   return VS_OK;
+}
+
+void vs_steady_follow(vs_steady *steady, const vs_orbit *orbit, const vs_setup *setup) {
+  *steady = (vs_steady){.orbit = *orbit};
+  steady->orbit.period_s = setup->run.until_s;
+  begin_watching(steady, setup);
 }
 
 void vs_steady_end(vs_steady *steady) {
@@ -41,6 +57,7 @@ void vs_steady_end(vs_steady *steady) {
 void vs_steady_accept(vs_steady *steady, const vs_step *step) {
   vs_spectrum_accept(&steady->spectrum, step);
   vs_reaction_accept(&steady->reaction, step);
+  vs_throw_accept(&steady->thrown, step);
 }
 
 void vs_steady_finish(vs_steady *steady, const vs_result *r) {
@@ -50,6 +67,7 @@ void vs_steady_finish(vs_steady *steady, const vs_result *r) {
   steady->i_mean_a = vs_spectrum_mean(&steady->spectrum);
   steady->power_factor =
       steady->power_in_w / (r->scene->setup.timeline.supply.voltage_v * steady->i_rms_a);
+  steady->devices = r->watchers.devices;
   steady->energy_stored_j = joule[VS_E_MAGNETIC] + joule[VS_E_MECHANICAL];
 }
 
@@ -60,9 +78,38 @@ static void reaction_at(const vs_steady *s, int i, bool rms, vs_steady_measure *
   m->value = s->reaction.peak[i];
   if (rms) m->value = (vs_value){true, vs_reaction_rms(&s->reaction, i), NAN};
   snprintf(m->name, sizeof m->name, "reaction_%s%s", c->name, rms ? "_rms" : "");
-  snprintf(m->unit, sizeof m->unit, "%s", unit);
+  m->unit = unit;
   snprintf(m->text, sizeof m->text, "%s of what springs and dampers do along %s",
            rms ? "root mean square" : "largest size", c->name);
+}
+
+static bool heat_at(const vs_steady *s, int k, vs_steady_measure *m) {
+  vs_heat heat;
+  if (!vs_heat_at(s->devices, s->orbit.period_s, k, &heat)) return false;
+  snprintf(m->name, sizeof m->name, "%s", heat.name);
+  snprintf(m->text, sizeof m->text, "%s", heat.text);
+  m->unit = heat.unit;
+  m->value = heat.value;
+  return true;
+}
+
+/* What is told of the material, and behind that of the devices. */
+static bool throw_at(const vs_steady *s, int k, vs_steady_measure *m) {
+  const struct {
+    vs_value (*of)(const vs_throw *);
+    const char *name, *unit, *text;
+  } all[] = {
+#define ROW(of, name, unit, text) {of, name, unit, text},
+      VS_STEADY_THROW_LIST(ROW)
+#undef ROW
+  };
+  const int count = sizeof all / sizeof *all;
+  if (k >= count) return heat_at(s, k - count, m);
+  m->value = all[k].of(&s->thrown);
+  snprintf(m->name, sizeof m->name, "%s", all[k].name);
+  m->unit = all[k].unit;
+  snprintf(m->text, sizeof m->text, "%s", all[k].text);
+  return true;
 }
 
 bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *m) {
@@ -75,24 +122,25 @@ bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *m) {
 #undef ROW
   };
   const int count = sizeof all / sizeof *all;
-  if (k >= count + (steady->model ? 2 * steady->model->dof : 0)) return false;
+  const int reactions = steady->model ? 2 * steady->model->dof : 0;
+  if (k >= count + reactions) return throw_at(steady, k - count - reactions, m);
   if (k >= count) {
     reaction_at(steady, (k - count) / 2, (k - count) % 2, m);
     return true;
   }
   m->value = (vs_value){isfinite(all[k].value), all[k].value, NAN};
   snprintf(m->name, sizeof m->name, "%s", all[k].name);
-  snprintf(m->unit, sizeof m->unit, "%s", all[k].unit);
+  m->unit = all[k].unit;
   snprintf(m->text, sizeof m->text, "%s", all[k].text);
   return true;
 }
 
-/* The scene without events, and as if it began at rest: what its orbit is that of. It borrows what
- * the scene owns. */
-static vs_scene *undisturbed(const vs_scene *scene) {
+vs_scene *vs_steady_undisturbed(const vs_scene *scene) {
   vs_scene *calm = vs_alloc(1, sizeof *calm);
   *calm = *scene;
   calm->setup.timeline.events.count = 0;
+  calm->setup.loads = (vs_loads){0};
+  calm->setup.model.reloaded = false;
   calm->setup.steady = false;
   memset(&calm->setup.start, 0, sizeof calm->setup.start);
   calm->frame = vs_sim_frame(calm->tier, &calm->setup);
@@ -101,10 +149,12 @@ static vs_scene *undisturbed(const vs_scene *scene) {
 
 vs_status vs_steady_start(vs_scene *scene, vs_error *err) {
   vs_orbit orbit;
-  vs_scene *calm = undisturbed(scene);
+  vs_status found = vs_fraction_settle(scene, 1, err);
+  if (found || !scene->setup.steady) return found;
+  vs_scene *calm = vs_steady_undisturbed(scene);
   vs_status status = vs_shooting_find(calm, 1, &orbit, err);
   if (!status) {
-    const vs_setup on = run_along(calm, &scene->setup.run, &orbit);
+    const vs_setup on = vs_steady_setup(calm, &scene->setup.run, &orbit);
     scene->setup.start = on.start;
     scene->setup.timeline.firing.first_cycle = on.timeline.firing.first_cycle;
   }

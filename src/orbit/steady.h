@@ -5,9 +5,11 @@
 #ifndef VS_ORBIT_STEADY_H
 #define VS_ORBIT_STEADY_H
 
+#include "orbit/heat.h"
 #include "orbit/reaction.h"
 #include "orbit/shooting.h"
 #include "orbit/spectrum.h"
+#include "orbit/throw.h"
 #include "scene/result.h"
 
 /* What a period tells besides the measures of every run: member, name, unit, text. */
@@ -19,12 +21,24 @@
   X(energy_stored_j, "energy_stored", "J",                                                         \
     "gained in a period by the coil's field and by the machine: 0 on an orbit")
 
+/* What it tells of the material, where the machine's file says how the trough moves: function of
+ * orbit/throw.h, name, unit, text. */
+#define VS_STEADY_THROW_LIST(X)                                                                    \
+  X(vs_throw_coefficient, "throw_coefficient", "",                                                 \
+    "the paper's K, largest trough acceleration over g")                                           \
+  X(vs_throw_number, "throw_number", "", "largest vertical acceleration of the trough over g")     \
+  X(vs_throw_down, "throw_down", "", "the same downwards alone: above 1 the material is thrown")   \
+  X(vs_throw_speed, "conveying_speed", "m/s", "theoretical, VDI 2333")
+
 /* Begin with vs_steady_begin, end with vs_steady_end. */
 typedef struct vs_steady {
   vs_orbit orbit;
   vs_spectrum spectrum;
   vs_reaction reaction;
-  const vs_model *model; /* the scene's; NULL: there is none yet */
+  vs_throw thrown;
+  const vs_model *model;     /* the scene's; NULL: there is none yet */
+  const vs_devices *devices; /* those of the run's watchers, as long as its result is there; NULL:
+                                there are none, or the run is not finished */
 #define VS_STEADY_MEMBER(member, name, unit, text) double member;
   VS_STEADY_LIST(VS_STEADY_MEMBER)
 #undef VS_STEADY_MEMBER
@@ -32,8 +46,9 @@ typedef struct vs_steady {
 
 /* One of these measures, or of the reactions along the coordinates. */
 typedef struct vs_steady_measure {
-  char name[VS_MACHINE_NAME + 16], unit[24], text[VS_MACHINE_TEXT];
-  vs_value value; /* SI */
+  char name[VS_DECK_NAME + 24], text[VS_MACHINE_TEXT];
+  const char *unit; /* of the program's */
+  vs_value value;   /* SI */
 } vs_steady_measure;
 
 /* Finds the orbit of that many firing periods, and makes the scene the one whose run is a period of
@@ -42,17 +57,33 @@ typedef struct vs_steady_measure {
 vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_error *err);
 void vs_steady_end(vs_steady *steady);
 
+/* The same of an orbit that is known, where this is the setup of a run along a whole period. */
+void vs_steady_follow(vs_steady *steady, const vs_orbit *orbit, const vs_setup *setup);
+
+/* Makes the setup of a run of the scene along the orbit, as vs_shooting_setup does. The pulse of
+ * the firing period before t = 0 is only kept where it is so long that it counts. */
+vs_setup vs_steady_setup(const vs_scene *scene, const vs_run_values *run, const vs_orbit *orbit);
+
+/* The errors of vs_steady_begin that are known before any search. */
+vs_status vs_steady_check(const vs_scene *scene, int periods, vs_error *err);
+
 /* Takes a step of that run, and completes what is known from its result. */
 void vs_steady_accept(vs_steady *steady, const vs_step *step);
 void vs_steady_finish(vs_steady *steady, const vs_result *result);
 
 /* Fills `measure` with the k-th measure, from 0, and returns true; false: there are no more. First
  * come those of VS_STEADY_LIST; then, of each coordinate NAME, reaction_NAME, the largest size of
- * the reaction along it, and reaction_NAME_rms. */
+ * the reaction along it, and reaction_NAME_rms; then those of VS_STEADY_THROW_LIST, of which some
+ * are not known; then those of the devices (orbit/heat.h). */
 bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *measure);
 
+/* Makes the scene without events, and as if it began at rest: what `start: steady` means the orbit
+ * of. It borrows what the scene owns; the caller frees it with free(). */
+vs_scene *vs_steady_undisturbed(const vs_scene *scene);
+
 /* For vs_session.steady: puts a scene with `start: steady` at the beginning of its orbit of one
- * firing period, that of the scene without its events. Errors: those of vs_shooting_find. */
+ * firing period, that of the scene without its events, and finds the share of its load that rides
+ * where load.fraction is auto. Errors: those of vs_shooting_find and vs_fraction_settle. */
 vs_status vs_steady_start(vs_scene *scene, vs_error *err);
 
 #endif

@@ -27,6 +27,31 @@ void vs_variation_begin(vs_variation *v, const vs_setup *setup) {
   for (int j = 0; j < columns; j++) v->s[j * rows + j] = 1;
 }
 
+void vs_variation_add(vs_variation *v, vs_parameter *parameter, const double *y) {
+  size_t rows = (size_t)v->rows, size = rows * (size_t)(v->columns + 1);
+  double *s = vs_alloc(size, sizeof *s);
+  memcpy(s, v->s, (size - rows) * sizeof *s);
+  memcpy(s + size - rows, y, rows * sizeof *s);
+  free(v->s);
+  gsl_odeiv2_step_free(v->stepper);
+  v->s = s;
+  v->stepper = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, size);
+  v->parameter = parameter;
+  if (!v->valve) vs_parameter_connects(parameter, 0);
+}
+
+void vs_variation_begin_alone(vs_variation *v, const vs_setup *setup, vs_parameter *parameter,
+                              const double *y) {
+  vs_variation_begin(v, setup);
+  v->columns = 0;
+  vs_variation_add(v, parameter, y);
+}
+
+/* The columns of S and the parameter's. */
+static int all_columns(const vs_variation *v) {
+  return v->columns + (v->parameter ? 1 : 0);
+}
+
 void vs_variation_end(vs_variation *v) {
   if (v->stepper) gsl_odeiv2_step_free(v->stepper);
   free(v->s);
@@ -92,6 +117,23 @@ typedef struct part {
   const vs_step *step;
 } part;
 
+/* Adds df/dp to the rates of the parameter's column. */
+static void add_parameter(const part *of, double t_s, double *rate) {
+  const vs_variation *v = of->variation;
+  const vs_model *m = v->model;
+  double y[VS_CH_MOST], own[VS_VARIATION_MOST];
+  vs_step_groups_at(of->step, t_s, VS_GROUP_VELOCITIES, y);
+  const vs_parameter_place place = {.frame = of->step->frame,
+                                    .t_s = t_s,
+                                    .q = y + VS_CH_Q,
+                                    .rate = y + vs_channel_rates(m),
+                                    .flux_wb = y[VS_CH_LAMBDA],
+                                    .conducting = v->conducting,
+                                    .touched = v->touched};
+  vs_parameter_rates(v->parameter, &place, own);
+  for (int i = 0; i < v->rows; i++) rate[i] += own[i];
+}
+
 static int equations(double t_s, const double *s, double *rate, void *params) {
   const part *of = params;
   const vs_variation *v = of->variation;
@@ -100,7 +142,7 @@ static int equations(double t_s, const double *s, double *rate, void *params) {
   size_t bytes = (size_t)m->dof * sizeof *s;
   double q[VS_MOST_DOF] = {0}, q1[VS_MOST_DOF] = {0}, q2[VS_MOST_DOF],
          r = m->actuator.resistance_ohm;
-  for (int j = 0; j < v->columns; j++, s += v->rows, rate += v->rows) {
+  for (int j = 0; j < all_columns(v); j++, s += v->rows, rate += v->rows) {
     memcpy(q, s, bytes);
     memcpy(q1, s + m->dof, bytes);
     double flux = s[2 * m->dof], g = vs_mechanics_travel(m, q), g1 = vs_mechanics_travel(m, q1);
@@ -108,6 +150,7 @@ static int equations(double t_s, const double *s, double *rate, void *params) {
     memcpy(rate, q1, bytes);
     memcpy(rate + m->dof, q2, bytes);
     rate[2 * m->dof] = v->conducting ? -r * (d.i_flux * flux + d.i_gap * g) : 0;
+    if (j == v->columns) add_parameter(of, t_s, rate);
   }
   return GSL_SUCCESS;
 }
@@ -120,10 +163,10 @@ static const double TURN = 0.2;
 static vs_status integrate(vs_variation *v, const vs_step *step, double from_s, double to_s,
                            vs_error *err) {
   const vs_model *m = v->model;
-  size_t size = (size_t)v->rows * (size_t)v->columns;
+  size_t size = (size_t)v->rows * (size_t)all_columns(v);
   part of = {v, step};
   gsl_odeiv2_system system = {equations, NULL, size, &of};
-  double error[VS_VARIATION_MOST * VS_VARIATION_MOST];
+  double error[VS_VARIATION_MOST * (VS_VARIATION_MOST + 1)];
   double fastest = fmax(v->touched ? m->contact_rad_s : m->fastest_rad_s, v->mains_rad_s);
   double coil = m->actuator.resistance_ohm * partials_at(v, step, from_s).i_flux;
   int parts = (int)fmin(ceil((to_s - from_s) * fmax(fastest, fabs(coil)) / TURN), 1e6);
@@ -160,7 +203,7 @@ static double kink(const vs_variation *v, const vs_step *step, double from_s, do
   return *behind_s = to_s;
 }
 
-/* ---- the instants that x0 moves ---- */
+/* ---- the instants that move ---- */
 
 /* Which stop is met or left at this knot: the one whose surface is nearest among those that the
  * armature is not, or is, in. */
@@ -184,28 +227,58 @@ static void rates_of(const vs_model *m, const vs_knot *k, double f[VS_VARIATION_
   f[2 * m->dof] = k->flux_rate_v;
 }
 
-/* The step shows an instant from its two sides. */
+/* The step shows an instant that the state moves from its two sides. */
 static vs_status jump(vs_variation *v, const vs_step *step, vs_error *err) {
   const vs_model *m = v->model;
   double before[VS_VARIATION_MOST], after[VS_VARIATION_MOST];
   bool flux = v->ending == VS_EV_EXTINCT;
+  int stop = flux ? 0 : stop_at(v, step->from, v->ending == VS_EV_LEAVES_STOP);
   rates_of(m, step->from, before);
   rates_of(m, step->to, after);
-  double rate = flux ? before[2 * m->dof] : vs_mechanics_travel(m, before);
+  double rate = flux ? before[2 * m->dof] : vs_mechanics_travel(m, before), moved_s = 0;
   if (flux)
     v->conducting = false;
   else
-    v->touched ^= 1u << stop_at(v, step->from, v->ending == VS_EV_LEAVES_STOP);
-  for (int j = 0; j < v->columns; j++) {
+    v->touched ^= 1u << stop;
+  for (int j = 0; j < all_columns(v); j++) {
     double *s = v->s + j * v->rows, way = flux ? s[2 * m->dof] : vs_mechanics_travel(m, s);
+    if (j == v->columns && !flux) way += vs_parameter_surface(v->parameter, stop, step->from->x);
     for (int i = 0; i < v->rows; i++) s[i] += (after[i] - before[i]) * (way / rate);
     if (flux) s[2 * m->dof] = 0;
+    moved_s = -way / rate; /* the last column's stays */
   }
   v->ending = VS_EV_NONE;
+  v->jump = (vs_jump){.count = v->jump.count + 1, .t_s = step->to->t_s, .moved_s = moved_s};
   return rate != 0
              ? VS_OK
              : vs_fail(err, VS_RUN, "t = %.9g s: %s without a rate: there is no derivative",
                        step->to->t_s, flux ? "the current ends" : "the armature touches its stop");
+}
+
+/* The step shows one that the parameter alone moves: a firing, or an edge of an event on the mains.
+ * Another, at which the rates do not jump, is none of these. */
+static vs_status jump_by_parameter(vs_variation *v, const vs_step *step, bool fires,
+                                   vs_error *err) {
+  vs_parameter *p = v->parameter;
+  double before[VS_VARIATION_MOST], after[VS_VARIATION_MOST], t = step->to->t_s;
+  double last = v->jump.t_s, asked = fires ? last : last + (t - last) / 2;
+  double *s = v->s + v->columns * v->rows;
+  if (!fires && vs_wave_edge(step->frame->timeline, asked) != t) return VS_OK;
+  double moved = fires ? vs_parameter_fires(p, asked, t) : vs_parameter_edge(p, asked, t);
+  if (isnan(moved))
+    return vs_fail(err, VS_RUN, "t = %.9g s: %s where %s is a little else: there is no derivative",
+                   t, fires ? "the thyristor fires in another cycle" : "the mains change elsewhere",
+                   p->key.name);
+  v->jump = (vs_jump){.count = v->jump.count + 1,
+                      .fires = fires,
+                      .edge = !fires,
+                      .t_s = t,
+                      .asked_s = asked,
+                      .moved_s = moved};
+  rates_of(v->model, step->from, before);
+  rates_of(v->model, step->to, after);
+  for (int i = 0; i < v->rows; i++) s[i] += (before[i] - after[i]) * moved;
+  return VS_OK;
 }
 
 /* ---- all of it ---- */
@@ -214,7 +287,7 @@ vs_status vs_variation_accept(vs_variation *v, const vs_step *step, vs_error *er
   double from = step->from->t_s, to = step->to->t_s;
   vs_event event = step->event[0];
   vs_status status = VS_OK;
-  bool is_free = !v->conducting && !v->touched;
+  bool is_free = !v->conducting && !v->touched && !v->parameter;
   if (v->ending != VS_EV_NONE) return jump(v, step, err);
   if (is_free) v->free_s += to - from;
   if (event == VS_EV_NONE && is_free) return VS_OK;
@@ -224,6 +297,9 @@ vs_status vs_variation_accept(vs_variation *v, const vs_step *step, vs_error *er
     status = integrate(v, step, from, end, err);
     from = behind;
   }
+  bool edge = v->conducting && step->from->t_s == to && step->frame->timeline->events.count;
+  if (v->parameter && (event == VS_EV_FIRES || edge) && !status)
+    status = jump_by_parameter(v, step, event == VS_EV_FIRES, err);
   if (event == VS_EV_FIRES) v->conducting = true;
   if (event == VS_EV_EXTINCT || event == VS_EV_MEETS_STOP || event == VS_EV_LEAVES_STOP)
     v->ending = event;

@@ -6,17 +6,32 @@
  * and at an instant that x0 moves, where h(y) = 0 and the rates f jump,
  *   S+ = S- + (f+ - f-) (dh/dy S-)/(dh/dy f-).
  * That is so at the extinction (h = lambda) and where the armature meets or leaves a stop (h = its
- * depth). A firing's instant is fixed: S goes through it as it is. */
+ * depth). A firing's instant is fixed: S goes through it as it is.
+ *
+ * One column more may tell how y depends on a parameter p of the equations (orbit/parameter.h):
+ *   Y' = J(t) Y + df/dp,   Y+ = Y- + (f+ - f-) (dh/dy Y- + dh/dp)/(dh/dy f-),
+ * and where p moves an instant by itself, as a firing's,   Y+ = Y- + (f- - f+) dt/dp.
+ * Its time is counted in periods of the mains, as the parameter's is. */
 #ifndef VS_ORBIT_VARIATION_H
 #define VS_ORBIT_VARIATION_H
 
 #include <gsl/gsl_odeiv2.h>
 
-#include "sim/setup.h"
-#include "sim/step.h"
+#include "orbit/parameter.h"
 
-/* The most numbers of y, and of x0, of which a coil without a valve has lambda too. */
+/* The most numbers of y, and of x0, of which a coil without a valve has lambda too; one column more
+ * is the parameter's. */
 enum { VS_VARIATION_MOST = VS_MOST_STATES + 1 };
+
+/* An instant at which the column of a parameter was taken from one side to the other. */
+typedef struct vs_jump {
+  long count;     /* how many there were, with this one */
+  bool fires;     /* the thyristor fires */
+  bool edge;      /* an event changes the mains; neither: the state moves the instant */
+  double t_s;     /* when it is */
+  double asked_s; /* of the first two: since when, and of the second from when on, it was to come */
+  double moved_s; /* by how much the parameter p moves it: dt/dp */
+} vs_jump;
 
 /* Begin with vs_variation_begin, end with vs_variation_end. */
 typedef struct vs_variation {
@@ -29,18 +44,26 @@ typedef struct vs_variation {
   double mains_rad_s; /* of the mains' voltage */
   int columns;        /* of S: 2 dof, and lambda's where there is no valve */
   int rows;           /* of y: 2 dof + 1 */
-  double *s;          /* S by columns: s[j rows + i] is dy_i/dx0_j; owned */
+  double *s; /* S by columns: s[j rows + i] is dy_i/dx0_j; then the parameter's column; owned */
+  vs_parameter *parameter;  /* borrowed; NULL: there is none */
+  vs_jump jump;             /* the last; where there is none yet, all is 0 */
   gsl_odeiv2_step *stepper; /* owned */
 } vs_variation;
 
 /* The run begins at the start of the setup, which must outlive this: S is the identity. */
 void vs_variation_begin(vs_variation *variation, const vs_setup *setup);
+/* Adds the column of a parameter, whose setups are of this run; dy/dp at t = 0 are these numbers.
+ * To be called before the first step. */
+void vs_variation_add(vs_variation *variation, vs_parameter *parameter, const double *y);
+/* Begins with a parameter's column alone, without S. */
+void vs_variation_begin_alone(vs_variation *variation, const vs_setup *setup,
+                              vs_parameter *parameter, const double *y);
 void vs_variation_end(vs_variation *variation);
 
 /* Goes along with an accepted step. Error: VS_RUN, the equations have no derivative on the way. */
 vs_status vs_variation_accept(vs_variation *variation, const vs_step *step, vs_error *err);
 
-/* S at the last knot that was shown: d(row i of y)/d(x0's j). */
+/* S at the last knot that was shown: d(row i of y)/d(x0's j); j = columns is the parameter's. */
 double vs_variation_get(vs_variation *variation, int i, int j);
 
 #endif

@@ -6,84 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scene/sections.h"
+#include "scene/keys.h"
 #include "syntax/units.h"
 
-enum { MOST_KEYS = 512, MOST_VALUES = 10000000 };
+enum { MOST_VALUES = 10000000 };
 
-/* ---- scene keys ---- */
-
-/* A scene's key, and where its value is in that scene. */
-typedef struct scene_key {
-  char name[VS_KEY_SIZE], section[VS_KEY_SIZE];
-  const vs_field *field;
-  const void *value; /* NULL: the scene has no value */
-} scene_key;
-
-typedef struct key_list {
-  scene_key item[MOST_KEYS];
-  size_t count;
-} key_list;
-
-static void add_maps(key_list *list, const vs_field *f, const char *member);
-
-static void add_keys(key_list *list, const char *section, const vs_section *fields,
-                     const void *values) {
-  for (size_t k = 0; k < fields->count && list->count < MOST_KEYS; k++) {
-    const vs_field *f = &fields->fields[k];
-    const char *member = values ? (const char *)values + f->offset : NULL;
-    scene_key *key = &list->item[list->count++];
-    snprintf(key->name, sizeof key->name, "%s.%s", section, f->key);
-    snprintf(key->section, sizeof key->section, "%s", section);
-    key->field = f;
-    key->value = member;
-    if (f->kind == VS_OPTION) add_maps(list, f, member);
-  }
-}
-
-/* The keys of an option's maps: NAME.KEY where it has none or one, NAME.1.KEY, ... where it has a
- * list of them. */
-static void add_maps(key_list *list, const vs_field *f, const char *member) {
-  char name[VS_KEY_SIZE], part[VS_KEY_SIZE + 16];
-  const vs_options *o = f->options;
-  int count = member ? vs_field_maps(f, member) : 0;
-  snprintf(name, sizeof name, "%s", list->item[list->count - 1].name);
-  if (!count) add_keys(list, name, &o->keys, NULL);
-  for (int k = 0; k < count; k++) {
-    const char *values = member + (size_t)k * o->size;
-    snprintf(part, sizeof part, count > 1 ? "%s.%d" : "%s", name, k + 1);
-    add_keys(list, part, vs_field_form(o, values), values);
-  }
-}
-
-static key_list *all_keys(const vs_scene *scene) {
-  key_list *list = vs_alloc(1, sizeof *list);
-  for (int p = 0; p < VS_SECTIONS; p++) {
-    vs_filled_section part = vs_section_at(&scene->setup, p);
-    add_keys(list, part.section->name, part.section, part.values);
-  }
-  const vs_events *events = &scene->setup.timeline.events;
-  for (size_t e = 0; e < events->count; e++) {
-    char name[VS_KEY_SIZE];
-    snprintf(name, sizeof name, "events.%s", events->item[e].name);
-    const vs_section section = {name, events->item[e].kind->fields, events->item[e].kind->n_fields};
-    add_keys(list, name, &section, &events->item[e].v);
-  }
-  return list;
-}
-
-static const scene_key *find_key(const key_list *list, const char *name, vs_where where,
-                                 vs_error *err) {
-  const char *names[MOST_KEYS];
-  for (size_t k = 0; k < list->count; k++) {
-    names[k] = list->item[k].name;
-    if (!strcmp(names[k], name)) return &list->item[k];
-  }
-  const char *nearest = vs_text_nearest(name, names, list->count);
-  vs_fail_at(err, where, "a scene has no key '%s'%s%s%s", name, nearest ? "; did you mean '" : "",
-             nearest ? nearest : "", nearest ? "'?" : "; see 'vibrospice list parameters'");
-  return NULL;
-}
+static const char START[] = "start";
 
 static double to_12_digits(double value) {
   char text[VS_NUMBER_SIZE];
@@ -91,19 +19,13 @@ static double to_12_digits(double value) {
   return strtod(text, NULL);
 }
 
-static double nominal_of(const scene_key *key) {
-  double real = NAN;
-  int whole = 0;
-  if (!key->value) return NAN;
-  if (key->field->kind == VS_REAL) memcpy(&real, key->value, sizeof real);
-  if (key->field->kind == VS_COUNT) {
-    memcpy(&whole, key->value, sizeof whole);
-    return whole;
-  }
-  return to_12_digits(real / vs_units_factor(key->field->unit));
+static double nominal_of(const vs_key *key) {
+  double value = vs_key_number(key);
+  return key->field->kind == VS_COUNT ? value
+                                      : to_12_digits(value / vs_units_factor(key->field->unit));
 }
 
-static vs_status describe(vs_axis *axis, const scene_key *key, vs_error *err) {
+static vs_status describe(vs_axis *axis, const vs_key *key, vs_error *err) {
   char suffix[64];
   const vs_field *f = key->field;
   if (f->kind == VS_PAIR)
@@ -125,12 +47,15 @@ static vs_status describe(vs_axis *axis, const scene_key *key, vs_error *err) {
 
 vs_status vs_axis_init(vs_axis *axis, const vs_scene *scene, const vs_node *node, const char *by,
                        vs_error *err) {
-  key_list *list = all_keys(scene);
-  const scene_key *key = find_key(list, node->key, node->key_where, err);
+  vs_key key;
+  vs_status status = vs_key_find(&scene->setup, node->key, node->key_where, &key, err);
   *axis = (vs_axis){.by = by, .where = node->key_where};
   snprintf(axis->key, sizeof axis->key, "%s", node->key);
-  vs_status status = key ? describe(axis, key, err) : VS_INPUT;
-  free(list);
+  if (!status) status = describe(axis, &key, err);
+  if (!status && scene->setup.steady && !strcmp(key.section, START))
+    status = vs_fail_at(
+        err, axis->where,
+        "%s would replace start: steady, which the scene says; take one of them out", axis->key);
   return status;
 }
 

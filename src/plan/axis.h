@@ -5,9 +5,8 @@
 
 #include <stdint.h>
 
+#include "scene/keys.h"
 #include "scene/scene.h"
-
-enum { VS_KEY_SIZE = 192 }; /* bytes of a scene key's name at most */
 
 /* All numbers of an axis are in `unit`. */
 typedef struct vs_axis {

@@ -108,6 +108,13 @@ int vs_plan_column(vs_plan *plan, const char *measure, vs_where where) {
   return (int)plan->n_columns++;
 }
 
+/* Adds the columns of an orbit that nobody has to ask for. */
+static void add_usual(vs_plan *plan) {
+  const vs_steady blank = {.model = &plan->base->setup.model};
+  vs_shown m;
+  for (int k = 0; vs_atwork_usual(&blank, k, &m); k++) vs_plan_column(plan, m.name, (vs_where){0});
+}
+
 static vs_status read_report(vs_plan *plan, vs_error *err) {
   const vs_node *list = vs_tree_child(plan->tree.root, "report");
   size_t room = VS_PLAN_COLUMNS - plan->n_columns, n = 0;
@@ -116,6 +123,7 @@ static vs_status read_report(vs_plan *plan, vs_error *err) {
     vs_measure m;
     for (int k = 0; vs_measure_at(&plan->base->setup.model, k, &m); k++)
       vs_plan_column(plan, m.name, (vs_where){0});
+    if (plan->periods) add_usual(plan);
     return VS_OK;
   }
   for (const vs_node *item = list->kind == VS_NODE_LIST ? list->child : list; item && !status;
@@ -131,13 +139,13 @@ static vs_status read_report(vs_plan *plan, vs_error *err) {
   return status;
 }
 
-static vs_status unknown_measure(const vs_report_column *column, const vs_frame *frame,
-                                 const vs_tier *tier, const vs_result *result, vs_error *err) {
+static vs_status unknown_measure(const vs_report_column *column, const vs_atwork *of,
+                                 const vs_tier *tier, vs_error *err) {
   enum { MOST = 1024 };
   vs_shown *all = vs_alloc(MOST, sizeof *all);
   const char **names = vs_alloc(MOST, sizeof *names);
   size_t n = 0;
-  while (n < MOST && vs_shown_at(frame, result, (int)n, &all[n])) {
+  while (n < MOST && vs_atwork_at(of, (int)n, &all[n])) {
     names[n] = all[n].name;
     n++;
   }
@@ -156,15 +164,17 @@ static vs_status resolve_columns(vs_plan *plan, const vs_scene *scene, const vs_
   const vs_frame frame = vs_sim_frame(tier, &scene->setup);
   vs_result result = {0};
   vs_watchers_begin(&result.watchers, &frame);
+  const vs_steady blank = {.model = &scene->setup.model, .devices = result.watchers.devices};
+  const vs_atwork of = {&frame, &result, plan->periods ? &blank : NULL};
   vs_status status = VS_OK;
   for (size_t c = 0; c < plan->n_columns && !status; c++) {
     vs_report_column *column = &plan->columns[c];
     vs_shown m = {0};
     char suffix[64];
     int k = 0;
-    while (vs_shown_at(&frame, &result, k, &m) && strcmp(m.name, column->name)) k++;
+    while (vs_atwork_at(&of, k, &m) && strcmp(m.name, column->name)) k++;
     if (strcmp(m.name, column->name)) {
-      status = vs_error_carry_on(err, unknown_measure(column, &frame, tier, &result, err));
+      status = vs_error_carry_on(err, unknown_measure(column, &of, tier, err));
       continue;
     }
     snprintf(column->unit, sizeof column->unit, "%s", m.unit);
@@ -197,7 +207,7 @@ void vs_plan_generation_add(vs_generation *g, const double *point) {
 /* Returns the keys a study may have: its own, and those that methods stand under. The list is the
  * caller's to free(). */
 static const char **study_keys(const vs_method *const *methods, size_t *count) {
-  static const char *const OWN[] = {"scene", "set", "report"};
+  static const char *const OWN[] = {"scene", "set", "steady", "report"};
   enum { N_OWN = sizeof OWN / sizeof *OWN };
   const char **names = vs_alloc(N_OWN + vs_method_count(methods), sizeof *names);
   memcpy(names, OWN, sizeof OWN);
@@ -324,6 +334,14 @@ static void first_point(const vs_plan *plan, double *point) {
   for (size_t k = 0; k < plan->n_axes; k++) point[k] = some_value(&plan->axes[k]);
 }
 
+/* Error: the study asks for orbits, and the scene has none for a reason known before any search. */
+static vs_status check_orbit(const vs_plan *plan, const vs_scene *scene, vs_error *err) {
+  const vs_node *node = vs_tree_child(plan->tree.root, "steady");
+  vs_error why = {0};
+  if (!plan->periods || !vs_steady_check(scene, plan->periods, &why)) return VS_OK;
+  return vs_fail_at(err, node->where, "%s", why.text + why.place_size);
+}
+
 /* Settles the scene of that point, and adds the files of its machine and its deck to the inputs. */
 static vs_status try_point(vs_plan *plan, const double *point, vs_scene *scene, vs_error *err) {
   vs_status status = vs_plan_scene(plan, scene, err);
@@ -331,6 +349,7 @@ static vs_status try_point(vs_plan *plan, const double *point, vs_scene *scene, 
   for (size_t k = 0; k < plan->n_axes; k++) vs_axis_put(&plan->axes[k], point[k], &scene->tree);
   size_t found = vs_error_count(err);
   status = vs_scene_settle(scene, NULL, err);
+  if (!status && vs_error_count(err) == found) status = check_orbit(plan, scene, err);
   if (!status && vs_error_count(err) == found)
     status = vs_plan_input(plan, scene->setup.machine->path, err);
   const vs_coil *coil = &scene->setup.model.coil;
@@ -423,6 +442,7 @@ static vs_status read_base(vs_plan *plan, vs_error *err) {
   if (!status) status = vs_plan_scene(plan, plan->base, err);
   if (!status) status = vs_plan_input(plan, plan->path, err);
   if (!status) status = vs_plan_input(plan, plan->base->path, err);
+  if (!status) status = vs_error_carry_on(err, vs_atwork_read(&plan->tree, &plan->periods, err));
   return status ? status : vs_scene_settle(plan->base, NULL, err);
 }
 

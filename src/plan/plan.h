@@ -8,7 +8,8 @@
  *   sample:  {method: NAME, ...}          method/sample.c
  *   find:    {worst: max MEASURE, ...}    method/worst.c
  *   snubber: {...}                        method/snubber.c
- *   report:  [MEASURE, ...]               the default: the measures of every run
+ *   steady:  {period: N}                  plan/atwork.h: each case is a period of its orbit
+ *   report:  [MEASURE, ...]               the default: the measures of every run, or of every orbit
  *
  * A study that has vary and sample runs all pairs of their points, the last one's index running
  * fastest. A method that chooses its cases by earlier ones' results (find, snubber) uses all axes
@@ -18,6 +19,7 @@
 
 #include <stdint.h>
 
+#include "plan/atwork.h"
 #include "plan/method.h"
 #include "watch/verdict.h"
 
@@ -58,6 +60,7 @@ typedef struct vs_plan {
   const vs_method *const *methods; /* all there are; NULL ends them; borrowed */
   char *const *sets;               /* --set; borrowed */
   size_t n_sets;
+  int periods;   /* firing periods of the orbits that the cases are; 0: the cases are runs */
   uint64_t seed; /* what methods key their random numbers on; 0 unless one reads another */
   vs_axis axes[VS_PLAN_AXES];
   size_t n_axes;

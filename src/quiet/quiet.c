@@ -312,12 +312,12 @@ static double longest(const void *self) {
 
 /* ---- begun and ended ---- */
 
-/* False where the armature jams, where the deck tells the time by itself, where it has no store, or
- * where it keeps a state that is not seen. */
+/* False where the armature jams, where the load changes, where the deck tells the time by itself,
+ * where it has no store, or where it keeps a state that is not seen. */
 static bool can_stand_in(const vs_setup *setup, vs_memories *memories) {
   const vs_deck *deck = &setup->deck;
-  return isinf(vs_setup_jams(setup)) && !deck->own_clock && deck->stores.count &&
-         !vs_memory_is_hidden(deck) && vs_memory_list(deck, memories);
+  return isinf(vs_setup_jams(setup)) && !setup->loads.count && !deck->own_clock &&
+         deck->stores.count && !vs_memory_is_hidden(deck) && vs_memory_list(deck, memories);
 }
 
 /* The one-port's law has i = lambda z/(2a), and may_touch() wants springs, and a rest at q = 0. */

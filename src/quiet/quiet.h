@@ -16,10 +16,10 @@
  *    half of that range.
  *  - The bound must hold at two looks in a row, as one alone may look right by chance.
  *
- * The solver is never left where the armature jams; where the deck tells the time by itself; where
- * it has no store, or a state that nobody sees; or where the machine has springs between p and the
- * other coordinates. It is not left while the thyristor conducts, a gate is on, or an event needs
- * short steps.
+ * The solver is never left where the armature jams or the load changes; where the deck tells the
+ * time by itself; where it has no store, or a state that nobody sees; or where the machine has
+ * springs between p and the other coordinates. It is not left while the thyristor conducts, a gate
+ * is on, or an event needs short steps.
  *
  * A look costs as much as some of the solver's steps, so the question is answered at most four
  * times a cycle, and only where two cycles are known and at least one is to come. The bound on the

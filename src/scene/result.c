@@ -79,12 +79,26 @@ static bool sequence_differs(const vs_result *r, char *text, size_t size) {
   return true;
 }
 
+/* Where load.fraction: auto is held at an end of its range, writes what is to be said of it. */
+static bool fraction_is_held(const vs_result *r, char *text, size_t size) {
+  const vs_setup *s = &r->scene->setup;
+  const vs_load_range *range = &vs_model_load_range;
+  double k = s->throw_coefficient;
+  if (!vs_setup_found_fraction(s) || (k >= range->least_k && k <= range->most_k)) return false;
+  snprintf(text, size,
+           "load.fraction: auto is held at %g: the throw coefficient on the orbit, K = %.4g, is "
+           "outside of the range that the paper states, %g to %g",
+           s->model.riding, k, range->least_k, range->most_k);
+  return true;
+}
+
 /* The warnings that are known only once the run is over; of_firing: that nothing fires, too. */
 static void warn_after(const vs_result *r, bool of_firing,
                        void (*each)(void *ctx, const char *text), void *ctx) {
   char text[VS_DECK_TEXT + sizeof r->second.failed];
   if (of_firing && nothing_fires(r, text, sizeof text)) each(ctx, text);
   if (sequence_differs(r, text, sizeof text)) each(ctx, text);
+  if (fraction_is_held(r, text, sizeof text)) each(ctx, text);
   if (*r->books) each(ctx, r->books);
   if (!*r->second.failed) return;
   snprintf(text, sizeof text, "no margin's error is known, as the second run %s: %s",

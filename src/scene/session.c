@@ -141,10 +141,22 @@ static vs_status say_rungs(const vs_scene *scene, const vs_ladder *ladder, vs_er
   return status;
 }
 
+/* Finds the state at t = 0 of a scene with `start: steady`, and the load of one with
+ * load.fraction: auto. */
+static vs_status begin_on_orbit(const vs_session *session, vs_scene *scene, vs_error *err) {
+  const vs_setup *setup = &scene->setup;
+  if (!setup->steady && !setup->wants_fraction) return VS_OK;
+  if (!session->steady && setup->steady)
+    return vs_fail(err, VS_INPUT, "start: steady: what is run here begins at rest or at a state");
+  if (!session->steady) return vs_setup_require_fraction(setup, "what is run here", err);
+  return session->steady(scene, err);
+}
+
 static vs_status climb(const vs_session *session, vs_scene *scene, vs_result *r, vs_error *err) {
   vs_scene *now = scene;
   for (;;) {
-    vs_status status = run_once(session, now, r, err);
+    vs_status status = begin_on_orbit(session, now, err);
+    if (!status) status = run_once(session, now, r, err);
     if (status != VS_RUN || !err->gave_up || session->bare) return status;
     vs_ladder next = r->ladder;
     vs_scene *other = next_rung(scene, &next);
@@ -242,18 +254,9 @@ static void run_second(const vs_session *session, vs_result *r) {
   free(other);
 }
 
-/* Finds the state at t = 0 of a scene with `start: steady`. */
-static vs_status begin_on_orbit(const vs_session *session, vs_scene *scene, vs_error *err) {
-  if (!scene->setup.steady) return VS_OK;
-  if (!session->steady)
-    return vs_fail(err, VS_INPUT, "start: steady: what is run here begins at rest or at a state");
-  return session->steady(scene, err);
-}
-
 vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *r, vs_error *err) {
   *r = (vs_result){.scene = scene};
-  vs_status status = begin_on_orbit(session, scene, err);
-  if (!status) status = climb(session, scene, r, err);
+  vs_status status = climb(session, scene, r, err);
   if (!status && scene->tier->has_circuit)
     scene->order.tried = true; /* until another deck is read */
   if (!status && wants_second(session, r)) run_second(session, r);

@@ -127,15 +127,48 @@ static void warn_of_growth(const vs_node *root, const vs_model *m, vs_warnings *
         1 / m->growth_1_s);
 }
 
+static double load_kg(const vs_model *m) {
+  return m->riding * m->load.density_kg_m3 * m->load.volume_m3;
+}
+
+/* Events that change the load to what it is already, as where load.density is 0. */
+static void warn_of_loads(const vs_setup *s, vs_warnings *w) {
+  const vs_model *before = &s->model;
+  for (size_t k = 0; k < s->loads.count; k++) {
+    const vs_model *after = &s->loads.item[k].model;
+    const vs_occurrence *e = vs_loads_event(&s->timeline.events, s->loads.item[k].at_s);
+    if (load_kg(after) == load_kg(before))
+      vs_fail_at(
+          vs_warnings_add(w), e->where,
+          "events.%s: the load is %.6g kg before and after it, so that nothing changes; look "
+          "at load.density, load.volume and load.fraction",
+          e->name, load_kg(after));
+    before = after;
+  }
+}
+
+/* A circuit whose supply is to have no resistance. */
+static void warn_of_supply(const vs_node *root, const vs_setup *s, vs_warnings *w) {
+  const vs_supply_values *supply = &s->timeline.supply;
+  const double r_ohm = vs_setup_source_ohm(s);
+  if (r_ohm != supply->resistance_ohm)
+    vs_fail_at(vs_warnings_add(w),
+               place_of(vs_tree_child(vs_tree_child(root, "supply"), "resistance")),
+               "supply.resistance: ngspice has no resistor of 0 ohm and takes %g mohm in its place",
+               1e3 * r_ohm);
+}
+
 void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame *frame,
                           vs_warnings *w) {
   const vs_deck *deck = frame->deck;
   warn_below_theta(root, s, w);
   warn_of_law(root, &s->model.coil, w);
   warn_of_growth(root, &s->model, w);
+  warn_of_loads(s, w);
   if (!deck) return;
   warn_of_parts(vs_tree_child(root, "circuit"), deck, s->timeline.supply.voltage_v, w);
   warn_of_mains(deck, w);
+  warn_of_supply(root, s, w);
   warn_of_bursts(vs_tree_child(root, "firing"), deck, w);
   vs_warnings_of_limits(deck, w);
 }

@@ -241,13 +241,19 @@ static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *e
   return s ? s : read_values(map, setup, err);
 }
 
+/* ngspice has no resistor of 0 ohm: it takes 1 mohm in its place. */
+double vs_setup_source_ohm(const vs_setup *setup) {
+  const double r_ohm = setup->timeline.supply.resistance_ohm;
+  return r_ohm > 0 ? r_ohm : 1e-3;
+}
+
 void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]) {
   const vs_supply_values *supply = &setup->timeline.supply;
   const double values[] = {
       [VS_STANDARD_U_RMS] = supply->voltage_v,
       [VS_STANDARD_F_MAINS] = supply->frequency_hz,
       [VS_STANDARD_PHASE] = supply->phase_rad,
-      [VS_STANDARD_R_SOURCE] = supply->resistance_ohm,
+      [VS_STANDARD_R_SOURCE] = vs_setup_source_ohm(setup),
       [VS_STANDARD_L_SOURCE] = supply->inductance_h,
       [VS_STANDARD_EVA_RESISTANCE] = setup->model.actuator.resistance_ohm,
       [VS_STANDARD_EVA_A] = setup->model.coil.a_hm,
@@ -255,6 +261,21 @@ void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD
   _Static_assert(sizeof values / sizeof *values == VS_STANDARD, "a value for each name");
   for (int k = 0; k < VS_STANDARD; k++)
     standard[k] = (vs_deck_value){vs_deck_standard_names[k], values[k]};
+}
+
+/* Error: load.fraction is auto, and the scene has no orbit with which it could be found. */
+static vs_status check_fraction(const vs_node *scene, const vs_setup *setup, vs_error *err) {
+  const vs_timeline *line = &setup->timeline;
+  const vs_node *node = vs_tree_child(vs_tree_child(scene, "load"), "fraction");
+  const char *why = NULL;
+  if (!setup->wants_fraction) return VS_OK;
+  if (line->supply.direct) why = "and direct voltage (supply.kind: step) has none";
+  if (!line->firing.no_valve && !line->firing.every)
+    why = "and firing.every is 'once'; write firing.every: 1";
+  if (!why) return VS_OK;
+  return vs_fail_at(err, node ? node->where : (vs_where){0},
+                    "load.fraction: auto is found on the machine's orbit, %s, or a number here",
+                    why);
 }
 
 /* Refuses, where the key stands or else at `map`, what leaves `start: steady` without a meaning. */
@@ -298,7 +319,7 @@ static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err
   const vs_node *map = vs_tree_child(scene, section->name), *key = NULL;
   const vs_actuator_values *a = &m->actuator;
   vs_status s = VS_OK;
-  setup->steady = false;
+  setup->steady = setup->at_work = false;
   if (m->machine->lost) return VS_OK;
   if (map && map->kind == VS_NODE_TEXT && *map->text) {
     s = read_steady(scene, map, setup, err);
@@ -397,6 +418,11 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
     s = vs_events_read(vs_tree_child(scene, "events"), line, setup->run.until_s, &line->events,
                        err);
   if (!s) s = vs_events_wire(&line->events, &setup->deck, err);
+  if (!s && !setup->machine->lost && !vs_error_count(err))
+    s = vs_error_carry_on(
+        err, vs_loads_make(&line->events, setup->machine, &setup->model, &setup->loads, err));
+  setup->wants_fraction = isnan(setup->model.load.fraction);
+  if (!s) s = vs_error_carry_on(err, check_fraction(scene, setup, err));
   if (!s) s = vs_error_carry_on(err, read_start(scene, setup, err));
   if (!s) s = vs_error_carry_on(err, read_means(scene, setup, err));
   if (!s) s = choose_eva(setup, err);
@@ -431,6 +457,7 @@ vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err) {
   vs_actuator_end(&setup->model.coil);
   setup->model.coil = (vs_coil){0};
   if (!keeps_machine(scene, setup)) free_machine(setup);
+  vs_loads_free(&setup->loads);
   if (!keeps) {
     vs_deck_free(&setup->deck);
     *setup = (vs_setup){.machine = setup->machine};
@@ -444,6 +471,7 @@ void vs_setup_free(vs_setup *setup) {
   vs_actuator_end(&setup->model.coil);
   setup->model.coil = (vs_coil){0};
   free_machine(setup);
+  vs_loads_free(&setup->loads);
   vs_deck_free(&setup->deck);
 }
 
@@ -465,6 +493,18 @@ double vs_setup_edge(const vs_setup *setup, double t_s) {
     next_s = fmin(next_s, vs_signals_edge(&setup->timeline, s, t_s));
   }
   return next_s;
+}
+
+bool vs_setup_found_fraction(const vs_setup *setup) {
+  return isnan(setup->model.load.fraction) && !setup->wants_fraction;
+}
+
+vs_status vs_setup_require_fraction(const vs_setup *setup, const char *who, vs_error *err) {
+  if (!setup->wants_fraction) return VS_OK;
+  return vs_fail(err, VS_INPUT,
+                 "load.fraction: auto: %s wants a number; run, studies and steady find one, and "
+                 "print it",
+                 who);
 }
 
 double vs_setup_jams(const vs_setup *setup) {

@@ -5,6 +5,7 @@
 #define VS_SIM_SETUP_H
 
 #include "sim/frame.h"
+#include "sim/loads.h"
 
 /* The tiers, from the simplest to the fullest: id, file, and the word for run.tier and --tier. The
  * file defines `const vs_tier vs_FILE_tier` (sim/sim.h); everything else that lists tiers, or names
@@ -64,12 +65,17 @@ extern const vs_section vs_setup_run_section, vs_setup_measure_section;
  * in its vs_run_order (sim/sim.h). */
 typedef struct vs_setup {
   vs_machine *machine; /* owned; the model borrows it */
-  vs_model model;
+  vs_model model;      /* from the beginning on */
+  vs_loads loads;      /* what events make of it; owned */
   vs_timeline timeline;
   vs_run_values run;
   vs_start_values start;
-  bool steady; /* `start: steady`: the run begins on the scene's orbit, which scene/session.h has
-                  found for it; until then `start` is at rest */
+  bool wants_fraction;      /* load.fraction is auto, and the model's is not found yet, which
+                               scene/session.h does before a run */
+  double throw_coefficient; /* with which it was found */
+  bool steady;  /* `start: steady`: the run begins on the scene's orbit, which scene/session.h has
+                   found for it; until then `start` is at rest */
+  bool at_work; /* the run is whole periods of an orbit: what is seen comes again for ever */
   vs_measure_values measure;
   vs_span_s means; /* what `measure` says, as a stretch of time */
   vs_deck deck;    /* the scene's, also for a tier that does not use it; with what the scene's
@@ -99,12 +105,19 @@ vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err);
  * not kept. */
 bool vs_setup_keeps_deck(const vs_node *scene, const vs_setup *setup);
 
+/* What the circuit has for supply.resistance: this, or what its solver takes in the place of 0. */
+double vs_setup_source_ohm(const vs_setup *setup);
 /* The values of the parameters that every deck may use, and of those of its EVA (deck/deck.h). */
 void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]);
 
 /* First instant after t_s that must be the end of a step for the circuit: an edge of what a port of
  * the deck is driven with, or of an event. INFINITY: there is none. */
 double vs_setup_edge(const vs_setup *setup, double t_s);
+
+/* True if load.fraction is auto, and what it comes to has been found for this setup. */
+bool vs_setup_found_fraction(const vs_setup *setup);
+/* Error, VS_INPUT: it is auto and has not been found; `who` wants a number. */
+vs_status vs_setup_require_fraction(const vs_setup *setup, const char *who, vs_error *err);
 
 /* When an event jams the armature first, s; INFINITY: none does. */
 double vs_setup_jams(const vs_setup *setup);

@@ -19,10 +19,20 @@ bool vs_units_known(const char *unit);
 /* True if both are units and measure the same kind of quantity. */
 bool vs_units_same_kind(const char *unit, const char *other);
 
-/* The powers of a unit: of mass, length, time, current, angle, temperature and cycles. Returns
- * false where it is no unit. */
-enum { VS_UNIT_KG, VS_UNIT_M, VS_UNIT_S, VS_UNIT_A, VS_UNIT_ANGLE, VS_UNIT_K, VS_UNIT_CYCLES };
-enum { VS_UNIT_POWERS = VS_UNIT_CYCLES + 1 };
+/* The powers of a unit: of mass, length, time, current, angle, temperature, cycles, and a
+ * temperature that is counted from 0 degC, which is not a difference of two. Returns false where it
+ * is no unit. */
+enum {
+  VS_UNIT_KG,
+  VS_UNIT_M,
+  VS_UNIT_S,
+  VS_UNIT_A,
+  VS_UNIT_ANGLE,
+  VS_UNIT_K,
+  VS_UNIT_CYCLES,
+  VS_UNIT_CELSIUS
+};
+enum { VS_UNIT_POWERS = VS_UNIT_CELSIUS + 1 };
 bool vs_units_powers(const char *unit, int power[VS_UNIT_POWERS]);
 
 /* Writes the unit as it ends a CSV column's name: "m/s2" as "m_s2", "Wb" as "wb", "" as "". */

@@ -48,7 +48,7 @@ static void begin_measure(vs_watched *w, vs_reduced *r, const vs_device_measure 
                     .limit = vs_devices_limit(w->deck, w->device, m),
                     .value = {.known = by->counts && !isnan(w->device->gate_rad), .at_s = NAN},
                     .failed_s = NAN};
-  if (by->state_size) r->state = vs_alloc(1, by->state_size);
+  if (by->state_size) r->state = vs_alloc(1, by->state_size + (w->at_work ? by->at_work_size : 0));
   if (by->prepare) by->prepare(w, r);
 }
 
@@ -67,8 +67,11 @@ static void begin_shots(shots *s, const vs_frame *frame, const vs_device *d) {
 
 static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *frame,
                          const vs_device *d) {
-  *w = (vs_watched){
-      .device = d, .deck = frame->deck, .timeline = frame->timeline, .count = d->kind->n_measures};
+  *w = (vs_watched){.device = d,
+                    .deck = frame->deck,
+                    .timeline = frame->timeline,
+                    .at_work = frame->at_work,
+                    .count = d->kind->n_measures};
   own->voltage = quick_of(&d->voltage);
   own->current = quick_of(&d->current);
   if (d->has_flux) own->flux = quick_of(&d->flux);

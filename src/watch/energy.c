@@ -39,6 +39,7 @@ static const struct {
 };
 
 bool vs_energy_has(const vs_model *model, int term) {
+  if (term == VS_E_LOAD) return model->reloaded;
   return term != VS_E_TRANSDUCER || model->coil.law->transducer_w;
 }
 
@@ -54,11 +55,8 @@ static double mechanical(const vs_model *m, const vs_knot *k) {
          vs_stops_energy(&m->stops, vs_stops_touched(&m->stops, g), g);
 }
 
-static void begin(vs_energy *e, const vs_step *step) {
-  const vs_deck *deck = step->frame->deck;
-  const vs_model *m = step->frame->model;
-  e->first = *step->from;
-  e->began_j = mechanical(m, step->from);
+static void take_model(vs_energy *e, const vs_model *m) {
+  e->model = m;
   e->n_damping = 0;
   for (int i = 0; i < m->dof; i++)
     for (int j = 0; j < m->dof; j++)
@@ -67,6 +65,13 @@ static void begin(vs_energy *e, const vs_step *step) {
         e->damping[e->n_damping].j = j;
         e->damping[e->n_damping++].b = m->damping[i][j];
       }
+}
+
+static void begin(vs_energy *e, const vs_step *step) {
+  const vs_deck *deck = step->frame->deck;
+  e->first = *step->from;
+  e->began_j = mechanical(step->frame->model, step->from);
+  take_model(e, step->frame->model);
   for (size_t n = 0; deck && n < deck->losses.count; n++)
     e->loss_w[n] = vs_formula_value(&deck->losses.item[n].formula, e->first.terms);
 }
@@ -95,9 +100,8 @@ static void add_losses(vs_energy *e, const vs_step *step) {
 /* Fills what is stored, which the first and the last knot alone tell, and takes the balances. */
 static void take_stock(vs_energy *e) {
   const vs_deck *deck = e->frame->deck;
-  const vs_model *m = e->frame->model;
   e->joule[VS_E_MAGNETIC] = magnetic(e->frame, &e->last) - magnetic(e->frame, &e->first);
-  e->joule[VS_E_MECHANICAL] = mechanical(m, &e->last) - mechanical(m, &e->first);
+  e->joule[VS_E_MECHANICAL] = mechanical(e->model, &e->last) - e->began_j;
   for (size_t n = 0; deck && n < deck->stores.count; n++) {
     double held[2];
     vs_formula_pair(&deck->stores.item[n].formula, e->first.terms, e->last.terms, held);
@@ -109,6 +113,7 @@ static void take_stock(vs_energy *e) {
       j[VS_E_PORT] - j[VS_E_COPPER] - j[VS_E_MAGNETIC] - (e->frame->gap_at_rest ? 0 : j[VS_E_WORK]);
   left[VS_B_EVA] -= j[VS_E_TRANSDUCER];
   left[VS_B_MECHANICAL] = j[VS_E_WORK] - j[VS_E_DAMPING] - j[VS_E_STOP] - j[VS_E_MECHANICAL];
+  left[VS_B_MECHANICAL] += j[VS_E_LOAD];
   left[VS_B_CIRCUIT] = j[VS_E_SOURCE] - j[VS_E_PORT];
   for (size_t k = 0; deck && k < deck->losses.count; k++) left[VS_B_CIRCUIT] -= e->loss_j[k];
   for (size_t k = 0; deck && k < deck->stores.count; k++) left[VS_B_CIRCUIT] -= e->store_j[k];
@@ -201,7 +206,10 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
   const vs_model *m = step->frame->model;
   bool flows = !(step->frame->source_is_coil && vs_step_is_quiet(step));
   if (!e->steps++) begin(e, step);
-  if (step->to->t_s == step->from->t_s) /* jams */
+  if (m != e->model) { /* the load changes: q and q' go on, M jumps */
+    e->joule[VS_E_LOAD] += mechanical(m, step->to) - mechanical(e->model, step->from);
+    take_model(e, m);
+  } else if (step->to->t_s == step->from->t_s) /* jams */
     e->joule[VS_E_STOP] += mechanical(m, step->from) - mechanical(m, step->to);
   if (flows || !is_far(step))
     integrate(e, step, flows);
@@ -221,7 +229,7 @@ static const double LEAST_SHARE = 0.01;
  * took where a constant force feeds it. */
 static double other_work(const vs_energy *e) {
   const vs_model *m = e->frame->model;
-  double most = fabs(e->began_j);
+  double most = fmax(fabs(e->began_j), fabs(e->joule[VS_E_LOAD]));
   for (int i = 0; i < m->dof; i++)
     if (m->constant[i] != 0) most = fmax(most, fabs(e->joule[VS_E_DAMPING]));
   return most;
@@ -244,7 +252,14 @@ void vs_energy_finish(vs_energy *e) {
 
 double vs_energy_whole(const vs_energy *e) {
   double moved = fmax(fabs(e->joule[VS_E_DAMPING]), fabs(e->began_j));
+  moved = fmax(moved, fabs(e->joule[VS_E_LOAD]));
   return fmax(fmax(fabs(e->joule[VS_E_WORK]), fabs(e->joule[VS_E_SOURCE])), moved);
+}
+
+/* What stands in a balance besides, where the machine has it. */
+static const char *besides(const vs_model *m, int b) {
+  if (b == VS_B_EVA && vs_energy_has(m, VS_E_TRANSDUCER)) return " - transducer";
+  return b == VS_B_MECHANICAL && vs_energy_has(m, VS_E_LOAD) ? " + load" : "";
 }
 
 const char *vs_energy_open(const vs_energy *e, double tolerance, char *buffer, size_t size) {
@@ -254,9 +269,7 @@ const char *vs_energy_open(const vs_energy *e, double tolerance, char *buffer, s
       continue;
     snprintf(buffer, size,
              "the energy books do not close (%s): %s%s leaves %.3g J of %.3g J at %.6g s%s",
-             vs_energy_balance_names[b], BALANCE_TEXTS[b],
-             b == VS_B_EVA && vs_energy_has(e->frame->model, VS_E_TRANSDUCER) ? " - transducer"
-                                                                              : "",
+             vs_energy_balance_names[b], BALANCE_TEXTS[b], besides(e->frame->model, b),
              e->furthest_j[b], whole, e->furthest_s[b],
              b == VS_B_CIRCUIT ? "; is a loss or store line of the deck missing or wrong?" : "");
     return buffer;

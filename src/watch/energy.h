@@ -18,7 +18,9 @@
   X(VS_E_STOP, "stop", "lost in stops, while they are touched")                                    \
   X(VS_E_MAGNETIC, "magnetic", "gained in the coil's field, W(lambda, z)")                         \
   X(VS_E_MECHANICAL, "mechanical", "gained in the machine, (q'.M q' + q.K q)/2, and in the stop")  \
-  X(VS_E_TRANSDUCER, "transducer", "lost between a coil whose two constants differ and the machine")
+  X(VS_E_TRANSDUCER, "transducer",                                                                 \
+    "lost between a coil whose two constants differ and the machine")                              \
+  X(VS_E_LOAD, "load", "brought by what is added to the load, at the trough's velocity")
 
 enum {
 #define VS_ENERGY_ID(id, name, text) id,
@@ -27,7 +29,8 @@ enum {
       VS_ENERGIES
 };
 extern const char *const vs_energy_names[VS_ENERGIES];
-/* True if the machine has that term: the last one is of coils that have a transducer alone. */
+/* True if the machine has that term: the last two are of coils that have a transducer, and of
+ * scenes in which events change the load, alone. */
 bool vs_energy_has(const vs_model *model, int term);
 
 /* The balances. Each is what comes in, less what is lost and stored. id, name, text */
@@ -47,6 +50,7 @@ extern const char *const vs_energy_balance_names[VS_BALANCES];
 /* Start from {0} with the frame set. The frame is borrowed. */
 typedef struct vs_energy {
   const vs_frame *frame;
+  const vs_model *model; /* of the last step: the load may have changed */
   double joule[VS_ENERGIES];
   struct {
     int i, j;

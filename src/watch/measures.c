@@ -289,6 +289,7 @@ static void follow_event(vs_measures *m, vs_event event, double t_s) {
   } else if (event == VS_EV_FIRES && isnan(m->refired_s))
     m->refired_s = t_s;
   if (event == VS_EV_EXTINCT && isnan(m->extinct_s)) m->extinct_s = t_s;
+  if (event == VS_EV_LOADS && !isnan(m->extinct_s) && isnan(m->refired_s)) m->refired_s = t_s;
   if (event == VS_EV_JAMS) m->jammed = true;
 }
 

@@ -89,13 +89,13 @@ static bool is_one_shot(const vs_watched *w) {
   return w->starts < 2 && w->rests;
 }
 
-/* The limit of an rms current holds for ever. A value above it counts as passing the limit at the
- * end of the time meant. */
+/* The limit of an rms current holds for ever, as does the current on an orbit. A value above it
+ * counts as passing the limit at the end of the time meant. */
 static void judge_rms(const vs_watched *w, vs_reduced *r, double span_s, double end_s) {
   if (!r->limit) return;
-  if (span_s < CONTINUOUS_S * (1 - 1e-9))
+  if (!w->at_work && span_s < CONTINUOUS_S * (1 - 1e-9))
     r->unjudged = "not judged: over less than 1 s";
-  else if (is_one_shot(w))
+  else if (!w->at_work && is_one_shot(w))
     r->unjudged = "not judged: one shot";
   if (r->unjudged)
     r->limit = NULL;
@@ -260,11 +260,22 @@ static const vs_reducer steepest = {
 
 /* ---- the junction's temperature ---- */
 
+/* On an orbit the rise at the period's beginning is that at its end. So the power over the period
+ * is kept: each step's mean and its end. Where there are more steps than that, each two neighbours
+ * become one. */
+enum { KEPT = 32768 };
+typedef struct heating {
+  double end_s, power_w;
+} heating;
+
 /* The Foster network of the device's part, and the rise of each of its terms. */
 typedef struct network {
   const vs_zth *zth[VS_PART_ZTH];
   double rise_k[VS_PART_ZTH];
   size_t count;
+  double begun_s;
+  size_t n_kept;
+  heating kept[]; /* [KEPT] on an orbit, else [0] */
 } network;
 
 static void prepare_junction(vs_watched *w, vs_reduced *r) {
@@ -281,25 +292,76 @@ static bool has_network(const vs_watched *w, const vs_reduced *r) {
   return n->count;
 }
 
-/* Each term moves on its own, under the step's mean power. */
+static void begin_junction(const vs_watched *w, vs_reduced *r, double t_s) {
+  network *n = r->state;
+  n->begun_s = t_s;
+  begin_at_zero(w, r, t_s);
+}
+
+static double rise_of(const network *n) {
+  double rise_k = 0;
+  for (size_t k = 0; k < n->count; k++) rise_k += n->rise_k[k];
+  return rise_k;
+}
+
+/* Each term moves on its own, under a power that is constant for h_s. Returns the rise of all. */
+static double heat_up(network *n, double power_w, double h_s) {
+  for (size_t k = 0; k < n->count; k++) {
+    double less = -expm1(-h_s / n->zth[k]->tau_s);
+    n->rise_k[k] += less * (n->zth[k]->k_per_w * power_w - n->rise_k[k]);
+  }
+  return rise_of(n);
+}
+
+static void halve(network *n) {
+  double from_s = n->begun_s;
+  for (size_t k = 0; k < KEPT / 2; k++) {
+    const heating *a = &n->kept[2 * k], *b = a + 1;
+    double joule = a->power_w * (a->end_s - from_s) + b->power_w * (b->end_s - a->end_s);
+    const heating both = {b->end_s, joule / (b->end_s - from_s)};
+    from_s = b->end_s;
+    n->kept[k] = both;
+  }
+  n->n_kept = KEPT / 2;
+}
+
 static void follow_junction(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
   network *n = r->state;
-  double before = 0, after = 0, power_w = c->more[r->measure->of] / c->h_s;
-  (void)w;
-  for (size_t k = 0; k < n->count; k++) {
-    double less = -expm1(-c->h_s / n->zth[k]->tau_s);
-    before += n->rise_k[k];
-    n->rise_k[k] += less * (n->zth[k]->k_per_w * power_w - n->rise_k[k]);
-    after += n->rise_k[k];
+  double before = rise_of(n), power_w = c->more[r->measure->of] / c->h_s;
+  double after = heat_up(n, power_w, c->h_s);
+  if (!w->at_work) {
+    take_largest(r, c, before, after);
+    return;
   }
-  take_largest(r, c, before, after);
+  if (n->n_kept == KEPT) halve(n);
+  n->kept[n->n_kept++] = (heating){c->t1_s, power_w};
+}
+
+/* From 0 a term comes to b in the period T, and from s to s e^(-T/tau) + b. On an orbit that is s
+ * again: s = b/(1 - e^(-T/tau)). From there the period is gone through once more. */
+static void finish_junction(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  network *n = r->state;
+  vs_course_step c = {.t1_s = n->begun_s};
+  if (!w->at_work || !n->count) return;
+  for (size_t k = 0; k < n->count; k++)
+    n->rise_k[k] /= -expm1((n->begun_s - end->now_s) / n->zth[k]->tau_s);
+  r->value = (vs_value){true, rise_of(n), n->begun_s};
+  for (size_t k = 0; k < n->n_kept; k++) {
+    double before = rise_of(n);
+    c.t0_s = c.t1_s;
+    c.t1_s = n->kept[k].end_s;
+    c.h_s = c.t1_s - c.t0_s;
+    take_largest(r, &c, before, heat_up(n, n->kept[k].power_w, c.h_s));
+  }
 }
 
 static const vs_reducer junction = {.state_size = sizeof(network),
+                                    .at_work_size = KEPT * sizeof(heating),
                                     .prepare = prepare_junction,
                                     .is_busy = has_network,
-                                    .begin = begin_at_zero,
-                                    .follow = follow_junction};
+                                    .begin = begin_junction,
+                                    .follow = follow_junction,
+                                    .finish = finish_junction};
 
 /* ---- news of a device that conducts or blocks ---- */
 

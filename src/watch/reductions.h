@@ -32,6 +32,7 @@ typedef struct vs_watched {
   double last[VS_COURSES];      /* its courses at the last knot */
   double sum[VS_COURSES];       /* integrals over the run so far; those of V and V.s stay 0 */
   double sum_meant[VS_COURSES]; /* the same integrals over the stretch that means are over */
+  bool at_work;                 /* the run is whole periods of an orbit */
   int starts;                   /* how many shots began in that stretch (devices.c) */
   bool rests;                   /* the device did not conduct in all of that stretch */
   vs_reduced *reduced;          /* one for each measure of its kind, in the kind's order; owned */
@@ -46,7 +47,8 @@ typedef struct vs_run_end {
 
 /* A reduction. Each function may be NULL: the reduction then has nothing to do there. */
 struct vs_reducer {
-  size_t state_size; /* bytes; the state begins as zeros */
+  size_t state_size;   /* bytes; the state begins as zeros */
+  size_t at_work_size; /* bytes that the state has besides where the run is on an orbit */
   /* The reduction counts what the device did against its gate. Its value is 0 from the start where
    * that gate is known, and not known otherwise. */
   bool counts;

@@ -8,9 +8,7 @@
 
 #include "base/csv.h"
 #include "base/file.h"
-#include "orbit/steady.h"
 #include "scene/session.h"
-#include "scene/shown.h"
 #include "watch/table.h"
 #include "work/identity.h"
 
@@ -38,6 +36,7 @@ struct vs_case {
   bool circuit;               /* the last case used ngspice */
   int shown[VS_PLAN_COLUMNS]; /* where each column was found the last time */
   vs_result *result;          /* too large for the stack */
+  vs_steady *steady;          /* of a study of orbits, the case's; else NULL */
 };
 
 vs_case *vs_case_new(const vs_plan *plan, const char *keep) {
@@ -47,6 +46,7 @@ vs_case *vs_case_new(const vs_plan *plan, const char *keep) {
   c->scene = vs_alloc(1, sizeof *c->scene);
   c->identity = vs_identity_new(plan);
   c->result = vs_alloc(1, sizeof *c->result);
+  if (plan->periods) c->steady = vs_alloc(1, sizeof *c->steady);
   return c;
 }
 
@@ -55,6 +55,7 @@ void vs_case_free(vs_case *c) {
   free(c->scene);
   vs_identity_free(c->identity);
   free(c->result);
+  free(c->steady);
   free(c);
 }
 
@@ -120,10 +121,10 @@ static void add_number(vs_text *row, double value) {
  * not at all. */
 static vs_value find_value(vs_case *c, size_t k) {
   const char *name = c->plan->columns[k].name;
-  const vs_frame *frame = &c->result->scene->frame;
+  const vs_atwork of = {&c->result->scene->frame, c->result, c->steady};
   vs_shown m;
-  if (vs_shown_at(frame, c->result, c->shown[k], &m) && !strcmp(m.name, name)) return m.value;
-  for (int n = 0; vs_shown_at(frame, c->result, n, &m); n++)
+  if (vs_atwork_at(&of, c->shown[k], &m) && !strcmp(m.name, name)) return m.value;
+  for (int n = 0; vs_atwork_at(&of, n, &m); n++)
     if (!strcmp(m.name, name)) {
       c->shown[k] = n;
       return m.value;
@@ -158,7 +159,7 @@ static void add_row(vs_case *c, vs_text *row) {
   vs_text_free(&warnings);
 }
 
-/* ---- the run.csv that --keep runs asks for ---- */
+/* ---- who looks on: the run.csv that --keep runs asks for, and the orbit ---- */
 
 typedef struct keeper {
   const vs_case *c;
@@ -166,8 +167,7 @@ typedef struct keeper {
   vs_table table;
 } keeper;
 
-static vs_status begin_csv(void *ctx, vs_scene *s, vs_error *err) {
-  keeper *k = ctx;
+static vs_status begin_csv(keeper *k, const vs_scene *s, vs_error *err) {
   char folder[VS_PATH_SIZE + 32];
   int made;
   snprintf(folder, sizeof folder, "%s/%llu", k->c->keep, (unsigned long long)k->c->present.index);
@@ -184,10 +184,16 @@ static vs_status begin_csv(void *ctx, vs_scene *s, vs_error *err) {
   return VS_OK;
 }
 
+static vs_status begin_run(void *ctx, vs_scene *s, vs_error *err) {
+  keeper *k = ctx;
+  return k->c->keep ? begin_csv(k, s, err) : VS_OK;
+}
+
 static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
   keeper *k = ctx;
   (void)result;
-  return vs_table_accept(&k->table, step, err);
+  if (k->c->steady) vs_steady_accept(k->c->steady, step);
+  return k->csv.stream ? vs_table_accept(&k->table, step, err) : VS_OK;
 }
 
 static void again(void *ctx, const char *failed, int next) {
@@ -198,14 +204,40 @@ static void again(void *ctx, const char *failed, int next) {
 
 /* ---- the run ---- */
 
+/* Error: the orbit is unstable, so that the machine does not run on it. A study whose columns tell
+ * that takes it. */
+static vs_status judge_orbit(const vs_case *c, vs_error *err) {
+  const vs_orbit *orbit = &c->steady->orbit;
+  for (size_t k = 0; k < c->plan->n_columns; k++)
+    if (!strcmp(c->plan->columns[k].name, VS_ATWORK_STABLE) && c->plan->columns[k].where.file)
+      return VS_OK;
+  if (orbit->stable) return VS_OK;
+  return vs_fail(err, VS_RUN,
+                 "the orbit is unstable: its largest multiplier has the size %.6g, so the machine "
+                 "does not stay on it; report: [%s, ...] has it in the table nevertheless",
+                 hypot(orbit->multiplier[0].re, orbit->multiplier[0].im), VS_ATWORK_STABLE);
+}
+
+/* Finds the orbit of a study of orbits, whose period is then the run. */
+static vs_status begin_orbit(vs_case *c, vs_error *err) {
+  if (!c->steady) return VS_OK;
+  vs_status status = vs_steady_begin(c->steady, c->scene, c->plan->periods, err);
+  return status ? status : judge_orbit(c, err);
+}
+
 static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
   keeper k = {.c = c};
-  const vs_guest guest = {&k, begin_csv, accept, again};
-  const vs_session session = {.guest = c->keep ? &guest : NULL, .steady = vs_steady_start};
-  vs_status status = vs_session_run(&session, c->scene, c->result, err);
+  const vs_guest guest = {&k, begin_run, accept, again};
+  const vs_session session = {.guest = c->keep || c->steady ? &guest : NULL,
+                              .steady = vs_steady_start};
+  *c->result = (vs_result){0};
+  vs_status status = begin_orbit(c, err);
+  if (!status) status = vs_session_run(&session, c->scene, c->result, err);
+  if (!status && c->steady) vs_steady_finish(c->steady, c->result);
   if (!status) add_row(c, row);
   if (!status && k.csv.stream) status = vs_file_commit(&k.csv, err);
   vs_file_discard(&k.csv);
+  if (c->steady) vs_steady_end(c->steady);
   return status;
 }
 

@@ -148,5 +148,6 @@ void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_
   }
   add_events(&scene->setup.timeline.events, whole);
   if (scene->setup.steady) vs_text_add(whole, "start steady\n");
+  if (identity->plan->periods) vs_text_add(whole, "steady %d\n", identity->plan->periods);
   sum_of(whole, id);
 }

@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/branch.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/file.h"
+#include "branch/drawing.h"
+#include "branch/rows.h"
+
+/* ---- files ---- */
+
+static vs_status write_text(const char *folder, const char *name, const char *text, vs_error *err) {
+  vs_file file;
+  vs_status status = vs_file_open(&file, folder, name, err);
+  if (status) return status;
+  fputs(text, file.stream);
+  return vs_file_commit(&file, err);
+}
+
+static vs_status write_csv(const vs_walk *w, const char *folder, int digits, vs_error *err) {
+  vs_file file;
+  vs_status status = vs_file_open(&file, folder, "branch.csv", err);
+  if (status) return status;
+  vs_rows_csv(w, digits, file.stream);
+  return vs_file_commit(&file, err);
+}
+
+/* The picture comes last: where gnuplot is missing the numbers are there all the same. */
+static vs_status write_files(const vs_walk *w, const vs_run_options *o, const char *json,
+                             vs_error *err) {
+  int made = 0;
+  vs_status status = vs_file_folder_make(o->folder, &made, err);
+  if (!status) status = write_csv(w, o->folder, o->digits, err);
+  if (!status) status = write_text(o->folder, "branch.json", json, err);
+  if (!status) status = vs_drawing_write(w, o->folder, err);
+  return status;
+}
+
+/* ---- the command ---- */
+
+static vs_status say(const vs_walk *w, const vs_run_options *o, vs_error *err) {
+  vs_text json = {0};
+  vs_rows_json(w, &json);
+  vs_status status = o->folder ? write_files(w, o, json.text, err) : VS_OK;
+  if (!status && o->json)
+    fputs(json.text, stdout);
+  else if (!status && !o->quiet) {
+    vs_rows_print(w, stdout);
+    if (o->folder) printf("written: branch.csv, branch.json, branch.png in %s\n", o->folder);
+  }
+  vs_text_free(&json);
+  if (!status && w->end == VS_WALK_STUCK)
+    status = vs_fail(err, VS_RUN, "the branch cannot be followed beyond %s = %.9g%s%s: %s",
+                     w->along->axis.key, w->row[w->count - 1].at.z[w->path.count],
+                     *w->along->axis.unit ? " " : "", w->along->axis.unit, w->why);
+  return status;
+}
+
+static vs_status follow(const vs_branch_options *o, vs_scene *scene, vs_error *err) {
+  vs_along along = {0};
+  vs_walk walk = {0};
+  vs_status status =
+      vs_tiers_require_orbits("steady --along", scene->tier, scene->why, (vs_where){0}, err);
+  if (!status) status = vs_along_read(&along, scene, &o->words, err);
+  if (!status) status = vs_walk_go(&walk, &along, o->periods, o->run->stop, err);
+  if (!status) status = say(&walk, o->run, err);
+  vs_walk_free(&walk);
+  vs_along_free(&along);
+  return status;
+}
+
+vs_status vs_branch_command(const vs_branch_options *o, vs_error *err) {
+  const vs_run_options *run = o->run;
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_status status = vs_scene_read(run->scene, run->sets, run->n_sets, run->tier, scene, err);
+  if (!status && !run->quiet) vs_scene_warn(scene);
+  if (!status) status = follow(o, scene, err);
+  vs_scene_free(scene);
+  free(scene);
+  return status;
+}

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The measures of one run, or of one period of an orbit, under the names that `run` and `steady`
+ * show them by. */
+#ifndef VS_DEPENDENCE_MEASURED_H
+#define VS_DEPENDENCE_MEASURED_H
+
+#include "orbit/steady.h"
+#include "scene/shown.h"
+
+/* Start from {0} and free with vs_measured_free. Not to be copied. */
+typedef struct vs_measured {
+  vs_result result;
+  vs_steady steady; /* where `period` */
+  bool period;
+} vs_measured;
+
+/* Begins with a settled scene, which must outlive this; orbit: the measures are those of a period
+ * of it, and the scene's setup is that of a run along it; NULL: those of a run. */
+void vs_measured_begin(vs_measured *measured, const vs_scene *scene, const vs_orbit *orbit);
+/* Takes a step of the run, and completes the measures at its end. */
+void vs_measured_accept(vs_measured *measured, const vs_step *step);
+void vs_measured_finish(vs_measured *measured);
+void vs_measured_free(vs_measured *measured);
+
+/* One of them, in its unit. */
+typedef struct vs_measured_value {
+  char name[VS_JUDGED_NAME], unit[24];
+  vs_value value; /* of which at_s is an instant of the run */
+} vs_measured_value;
+
+/* Fills `value` with the k-th, from 0, and returns true; false: there are no more. */
+bool vs_measured_at(const vs_measured *measured, int k, vs_measured_value *value);
+/* The number of the one of that name; -1: there is none. */
+int vs_measured_find(const vs_measured *measured, const char *name);
+
+#endif

@@ -1,0 +1,233 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dependence/sensitivity.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "dependence/kin.h"
+#include "syntax/units.h"
+
+/* What is being found. */
+typedef struct search {
+  const vs_sensitivity_order *order;
+  vs_subject subject;
+  vs_sensitivity *out;
+} search;
+
+/* ---- names ---- */
+
+static vs_status unknown_measure(const vs_measured *m, const vs_asked *asked, vs_error *err) {
+  size_t count = 0;
+  vs_measured_value v;
+  while (vs_measured_at(m, (int)count, &v)) count++;
+  char(*names)[VS_JUDGED_NAME] = vs_alloc(count, sizeof *names);
+  const char **list = vs_alloc(count, sizeof *list);
+  for (size_t k = 0; k < count; k++) {
+    vs_measured_at(m, (int)k, &v);
+    snprintf(names[k], sizeof names[k], "%s", v.name);
+    list[k] = names[k];
+  }
+  const char *nearest = vs_text_nearest(asked->name, list, count);
+  vs_fail_at(err, asked->where, "no measure '%s' on tier %s%s%s%s", asked->name,
+             m->result.scene->tier->name, nearest ? "; did you mean '" : "", nearest ? nearest : "",
+             nearest ? "'?" : "; see 'vibrospice list measures'");
+  free(list);
+  free(names);
+  return VS_INPUT;
+}
+
+vs_status vs_sensitivity_check(const vs_scene *scene, const vs_sensitivity_order *order,
+                               vs_error *err) {
+  const vs_orbit none = {0};
+  vs_measured *m = vs_alloc(1, sizeof *m);
+  vs_key key;
+  vs_status status = VS_OK;
+  vs_measured_begin(m, scene, order->periods ? &none : NULL);
+  for (size_t k = 0; k < order->n_of && !status; k++)
+    if (vs_measured_find(m, order->of[k].name) < 0) status = unknown_measure(m, &order->of[k], err);
+  for (size_t k = 0; k < order->n_to && !status; k++)
+    status = vs_key_find(&scene->setup, order->to[k].name, order->to[k].where, &key, err);
+  vs_measured_free(m);
+  free(m);
+  return status;
+}
+
+/* ---- one key ---- */
+
+/* The step of differences of runs, in parts of the key. What is left out goes with its sixth power,
+ * what the runs are wrong by is divided by it. On an ideal tier runs are right to some 1e-11. */
+static const double STEP_CIRCUIT = 0.02, STEP_IDEAL = 1e-3;
+/* An exact derivative with an error above this, relative to the measure, is not resolved: the
+ * measure has a corner, on which its watcher stops. A difference of runs is looked at then. */
+static const double RESOLVED = 1e-7;
+
+/* Above this, relative to the measure, the slopes on either side of a key differ for good. */
+static const double BENDS = 1e-3;
+
+static void take_entry(search *s, const vs_fan *fan, size_t of, size_t to, bool exact) {
+  vs_sensitivity_entry *e = vs_sensitivity_at(s->out, of, to);
+  vs_slope_of slope = vs_fan_slope(fan, s->order->of[of].name);
+  double per = slope.value != 0 ? slope.value : 1;
+  const vs_parameter *p = &fan->parameter;
+  if (!slope.known) {
+    *e = (vs_sensitivity_entry){NAN, NAN, exact};
+    return;
+  }
+  /* a key that is 0 has p in its own unit */
+  *e = (vs_sensitivity_entry){slope.slope / per + 0.0, slope.error / fabs(per), exact};
+  if (slope.bend > BENDS * fabs(per) && slope.bend > 10 * slope.error)
+    vs_text_add(&s->out->notes,
+                "%s to %s: the derivatives on either side of %.6g %s differ by %.3g; the mean is "
+                "given\n",
+                s->order->of[of].name, p->key.name, p->value / vs_units_factor(p->key.field->unit),
+                p->key.field->unit, slope.bend / fabs(per));
+}
+
+/* The measures' values, as the scene itself has them. Error: one is not there. */
+static vs_status take_values(search *s, const vs_fan *fan, vs_error *err) {
+  for (size_t k = 0; k < s->order->n_of; k++) {
+    const vs_asked *asked = &s->order->of[k];
+    vs_measured_value v;
+    int n = vs_measured_find(fan->measured[0], asked->name);
+    if (n < 0 || !vs_measured_at(fan->measured[0], n, &v) || !v.value.known)
+      return vs_fail_at(err, asked->where, "%s: this run has none", asked->name);
+    vs_sensitivity_name *name = &s->out->of[k];
+    snprintf(name->name, sizeof name->name, "%s", asked->name);
+    snprintf(name->unit, sizeof name->unit, "%s", v.unit);
+    name->value = v.value.value;
+  }
+  return VS_OK;
+}
+
+static bool is_resolved(const vs_sensitivity_entry *e) {
+  return e->error <= RESOLVED * fmax(1, fabs(e->value));
+}
+
+static void say_missing(search *s, size_t of, size_t to) {
+  if (isnan(vs_sensitivity_at(s->out, of, to)->value))
+    vs_text_add(&s->out->notes, "%s to %s: not known, as runs with a little else have no %s\n",
+                s->order->of[of].name, s->order->to[to].name, s->order->of[of].name);
+}
+
+/* Takes from differences of runs what is better known by them. */
+static vs_status take_differences(search *s, size_t to, bool exact, vs_error *err) {
+  const vs_asked *asked = &s->order->to[to];
+  const vs_scene *scene = s->subject.scene;
+  bool circuit = scene->tier->has_circuit;
+  vs_fan *fan = vs_alloc(1, sizeof *fan);
+  vs_status status =
+      vs_fan_begin(fan, &s->subject, asked->name, asked->where, circuit ? STEP_CIRCUIT : STEP_IDEAL,
+                   circuit ? scene->setup.run.tolerance : scene->tier->finest, err);
+  if (!status) {
+    fan->unresolved =
+        circuit ? scene->setup.run.tolerance / STEP_CIRCUIT : 10 * scene->tier->finest / STEP_IDEAL;
+    status = vs_fan_run(fan, err);
+  }
+  if (!status && !exact) status = take_values(s, fan, err);
+  for (size_t k = 0; k < s->order->n_of && !status; k++) {
+    vs_sensitivity_entry *e = vs_sensitivity_at(s->out, k, to), before = *e;
+    if (exact && is_resolved(e)) continue;
+    take_entry(s, fan, k, to, false);
+    if (exact && !(e->error < before.error)) *e = before;
+  }
+  vs_fan_end(fan);
+  free(fan);
+  return status;
+}
+
+/* All measures to one key. */
+static vs_status find_key(search *s, size_t to, vs_error *err) {
+  const vs_asked *asked = &s->order->to[to];
+  bool exact = !vs_kin_declines(&s->subject), whole = true;
+  vs_fan *fan = vs_alloc(1, sizeof *fan);
+  vs_status status = VS_OK;
+  if (exact) {
+    status = vs_kin_find(fan, &s->subject, asked->name, asked->where, err);
+    if (!status) status = take_values(s, fan, err);
+    for (size_t k = 0; k < s->order->n_of && !status; k++) {
+      take_entry(s, fan, k, to, true);
+      whole = whole && is_resolved(vs_sensitivity_at(s->out, k, to));
+    }
+    vs_fan_end(fan);
+  }
+  free(fan);
+  if (!status && (!exact || (!whole && !s->subject.calm)))
+    status = take_differences(s, to, exact, err);
+  for (size_t k = 0; k < s->order->n_of && !status; k++) say_missing(s, k, to);
+  return status;
+}
+
+/* What the key itself is, and whether anything hears it. */
+static vs_status look_at_key(search *s, size_t to, vs_error *err) {
+  const vs_asked *asked = &s->order->to[to];
+  vs_sensitivity_name *name = &s->out->to[to];
+  vs_parameter *p = vs_alloc(1, sizeof *p);
+  vs_status status = vs_parameter_begin(p, s->subject.scene, asked->name, asked->where, 0, err);
+  if (!status) {
+    snprintf(name->name, sizeof name->name, "%s", asked->name);
+    snprintf(name->unit, sizeof name->unit, "%s", p->key.field->unit);
+    name->value = p->value / vs_units_factor(p->key.field->unit);
+    if (p->idle)
+      vs_text_add(&s->out->notes, "%s enters no equation here: %s\n", asked->name, p->why);
+  }
+  vs_parameter_end(p);
+  free(p);
+  return status;
+}
+
+/* Says of a key that all derivatives are 0, where they are. */
+static void say_zero(search *s, size_t to) {
+  for (size_t k = 0; k < s->order->n_of; k++)
+    if (vs_sensitivity_at(s->out, k, to)->value != 0) return;
+  vs_text_add(&s->out->notes, "%s: no measure asked for depends on it, all derivatives are 0\n",
+              s->order->to[to].name);
+}
+
+/* ---- all of it ---- */
+
+static vs_status find_all(search *s, vs_error *err) {
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < s->order->n_to && !status; k++) status = look_at_key(s, k, err);
+  for (size_t k = 0; k < s->order->n_to && !status; k++) {
+    if (s->order->stop && *s->order->stop)
+      return vs_fail(err, VS_SIGNAL, "stopped by a signal before %s", s->order->to[k].name);
+    status = find_key(s, k, err);
+    if (!status) say_zero(s, k);
+  }
+  for (size_t k = 0; k < s->order->n_of && !status; k++)
+    if (s->out->of[k].value == 0)
+      vs_text_add(&s->out->notes, "%s is 0: its derivatives are its own, in %s\n",
+                  s->out->of[k].name, *s->out->of[k].unit ? s->out->of[k].unit : "parts of 1");
+  for (size_t k = 0; k < s->order->n_to && !status; k++)
+    if (s->out->to[k].value == 0)
+      vs_text_add(&s->out->notes, "%s is 0: the derivatives are per %s of it\n", s->out->to[k].name,
+                  *s->out->to[k].unit ? s->out->to[k].unit : "1");
+  return status;
+}
+
+vs_status vs_sensitivity_find(const vs_scene *scene, const vs_sensitivity_order *order,
+                              vs_sensitivity *out, vs_error *err) {
+  search s = {.order = order, .out = out};
+  *out = (vs_sensitivity){.n_of = order->n_of, .n_to = order->n_to};
+  vs_text_add(&out->notes, "%s", "");
+  vs_status status = vs_sensitivity_check(scene, order, err);
+  if (status) return status;
+  out->of = vs_alloc(order->n_of, sizeof *out->of);
+  out->to = vs_alloc(order->n_to, sizeof *out->to);
+  out->entry = vs_alloc(order->n_of * order->n_to, sizeof *out->entry);
+  status = vs_subject_begin(&s.subject, scene, order->periods, err);
+  if (!status) status = find_all(&s, err);
+  vs_subject_end(&s.subject);
+  return status;
+}
+
+void vs_sensitivity_free(vs_sensitivity *s) {
+  free(s->of);
+  free(s->to);
+  free(s->entry);
+  vs_text_free(&s->notes);
+  *s = (vs_sensitivity){0};
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What is asked how its measures depend on the scene's keys: a run of the scene from its start, a
+ * run that begins on the scene's orbit, or one period of that orbit. */
+#ifndef VS_DEPENDENCE_SUBJECT_H
+#define VS_DEPENDENCE_SUBJECT_H
+
+#include "orbit/shooting.h"
+
+typedef struct vs_subject {
+  const vs_scene *scene; /* as it was read; borrowed */
+  vs_scene *calm; /* the scene that the orbit is of: without its events and its start; owned, but
+                     for what it borrows of the scene; NULL: there is no orbit */
+  vs_orbit orbit; /* where there is one */
+  bool period;    /* one period of it is looked at */
+} vs_subject;
+
+/* Begins with a settled scene; periods: 0, its run; else a period of its orbit of so many firing
+ * periods. vs_subject_end even after an error. Errors: those of vs_shooting_find. */
+vs_status vs_subject_begin(vs_subject *subject, const vs_scene *scene, int periods, vs_error *err);
+void vs_subject_end(vs_subject *subject);
+
+/* The setup of the run, at the tolerance given, of this scene or of one that differs from it in a
+ * key; its state at t = 0 is the subject's own. It borrows of the scene's. */
+vs_setup vs_subject_setup(const vs_subject *subject, const vs_scene *scene, double tolerance);
+
+#endif

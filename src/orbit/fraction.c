@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "orbit/fraction.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "machine/build.h"
+#include "orbit/shooting.h"
+#include "orbit/throw.h"
+#include "scene/session.h"
+#include "scene/tiers.h"
+
+enum { MOST_TRIALS = 40 };
+/* The share is found where the orbit's own differs by less: far below what an empirical number
+ * means, and far above the rounding of an orbit. */
+static const double SAME = 1e-11;
+
+typedef struct search {
+  vs_scene *scene; /* without events, on a tier that knows orbits; it borrows what the caller's owns
+                    */
+  int periods;
+  vs_orbit orbit; /* of the last trial */
+  bool has_orbit;
+  double coefficient; /* K on it */
+} search;
+
+/* ---- a trial ---- */
+
+static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+  (void)result;
+  (void)err;
+  vs_throw_accept(ctx, step);
+  return VS_OK;
+}
+
+/* Runs a period of the orbit, for K. */
+static vs_status measure(search *s, vs_error *err) {
+  vs_throw thrown = {0};
+  const vs_guest guest = {.ctx = &thrown, .accept = accept};
+  const vs_session session = {.guest = &guest, .bare = true, .unguarded = true};
+  vs_scene *along = vs_alloc(1, sizeof *along);
+  vs_result *none = vs_alloc(1, sizeof *none);
+  vs_run_values run = s->scene->setup.run;
+  run.until_s = s->orbit.period_s;
+  run.tolerance = s->scene->tier->finest;
+  *along = *s->scene;
+  along->setup = vs_shooting_setup(s->scene, &run, &s->orbit);
+  along->frame = vs_sim_frame(along->tier, &along->setup);
+  vs_status status = vs_session_run(&session, along, none, err);
+  s->coefficient = vs_throw_coefficient(&thrown).value;
+  free(none);
+  free(along);
+  return status;
+}
+
+/* Finds the orbit with this share, from the last one on where there is one, and from the scene's
+ * start where that leads to none; then by how much the share that follows from it is more. */
+static vs_status try(search *s, double share, double *more, vs_error *err) {
+  vs_setup *setup = &s->scene->setup;
+  const vs_load_values load = setup->model.load;
+  const vs_orbit last = s->orbit;
+  const vs_shooting near = {.periods = s->periods, .from = last.x}, anew = {.periods = s->periods};
+  vs_error why = {0};
+  vs_status status =
+      vs_build_loaded(setup->machine, &setup->model, &load, share, &setup->model, &why);
+  if (!status) {
+    status = s->has_orbit ? vs_shooting_seek(s->scene, &near, &s->orbit, &why) : VS_RUN;
+    if (status) why = (vs_error){0};
+    if (status) status = vs_shooting_seek(s->scene, &anew, &s->orbit, &why);
+  }
+  if (!status) status = measure(s, &why);
+  s->has_orbit = !status;
+  *more = vs_model_fraction(s->coefficient) - share;
+  return status ? vs_fail(err, status, "load.fraction: auto: with %.9g of the material riding: %s",
+                          share, why.text)
+                : VS_OK;
+}
+
+/* ---- the search ---- */
+
+/* The share is at most the range's upper end, at which `more` is not above 0, and at least its
+ * lower one. The secant through the last two trials says where to go; where that leads out of what
+ * is known to hold the share, the middle of it is taken. */
+static vs_status find(search *s, double *share, vs_error *err) {
+  double lower = vs_model_load_range.least, upper = vs_model_load_range.most;
+  double at = upper, more, before = NAN, more_before = NAN;
+  vs_status status = VS_OK;
+  for (int k = 0; k < MOST_TRIALS && !status; k++) {
+    status = try(s, at, &more, err);
+    *share = at;
+    if (status || fabs(more) < SAME) return status;
+    if (more > 0)
+      lower = at;
+    else
+      upper = at;
+    double slope = isnan(before) ? -1 : (more - more_before) / (at - before);
+    double next = at - more / slope;
+    before = at;
+    more_before = more;
+    at = next >= lower && next <= upper && next != before ? next : (lower + upper) / 2;
+  }
+  return status ? status
+                : vs_fail(err, VS_RUN,
+                          "load.fraction: auto: no share is found that its own orbit asks for; it "
+                          "lies between %.9g and %.9g, where %.9g asks for %.9g",
+                          lower, upper, before, before + more);
+}
+
+static vs_scene *undisturbed(const vs_scene *scene) {
+  vs_scene *calm = vs_alloc(1, sizeof *calm);
+  vs_setup *setup = &calm->setup;
+  *calm = *scene;
+  setup->timeline.events.count = 0;
+  setup->loads = (vs_loads){0};
+  setup->model.reloaded = setup->steady = setup->wants_fraction = false;
+  calm->tier = vs_tiers_automatic(false);
+  calm->frame = vs_sim_frame(calm->tier, setup);
+  return calm;
+}
+
+vs_status vs_fraction_settle(vs_scene *scene, int periods, vs_error *err) {
+  vs_setup *setup = &scene->setup;
+  double share = NAN;
+  if (!setup->wants_fraction) return VS_OK;
+  search *s = vs_alloc(1, sizeof *s);
+  s->scene = undisturbed(scene);
+  s->periods = periods;
+  vs_status status = find(s, &share, err);
+  if (!status) {
+    const vs_load_values load = setup->model.load;
+    status = vs_build_loaded(setup->machine, &setup->model, &load, share, &setup->model, err);
+  }
+  if (!status)
+    status =
+        vs_loads_make(&setup->timeline.events, setup->machine, &setup->model, &setup->loads, err);
+  setup->throw_coefficient = s->coefficient;
+  setup->wants_fraction = status != VS_OK;
+  free(s->scene);
+  free(s);
+  return status;
+}

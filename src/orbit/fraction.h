@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * load.fraction: auto. The share of the material that rides, lambda_t, follows from the throw
+ * coefficient K by the paper's empirical range (vs_model_fraction); K is that of the machine's
+ * orbit; and the orbit is that of a machine which carries this share. */
+#ifndef VS_ORBIT_FRACTION_H
+#define VS_ORBIT_FRACTION_H
+
+#include "scene/scene.h"
+
+/* Finds the share for a scene that wants it, on its orbit of so many firing periods without its
+ * events: from the upper end of the paper's range on by the secant's rule, until it changes by less
+ * than 1e-11. The scene's models then carry it; setup.throw_coefficient is K. A scene of another
+ * tier takes the orbit of the tier that knows orbits. Where nothing is wanted, nothing is done.
+ * Errors, with the share that was tried: those of vs_shooting_seek; VS_RUN, no share is found. */
+vs_status vs_fraction_settle(vs_scene *scene, int periods, vs_error *err);
+
+#endif

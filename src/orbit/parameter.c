@@ -1,0 +1,385 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "orbit/parameter.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "actuator/coil.h"
+#include "base/text.h"
+#include "drive/gate.h"
+#include "syntax/units.h"
+
+enum { NEAR = VS_PARAMETER_NEAR, ALL = 1 + NEAR };
+
+/* ---- the other scenes ---- */
+
+/* The usual step. A difference of sixth order over it leaves out some 1e-18 of a smooth
+ * coefficient, and rounding makes 1e-13 of it. */
+static const double STEP = 1e-3;
+
+/* Where the scenes lie, in steps, and the weights of differences to the scene as it is: of sixth
+ * order, and of fourth, which uses the nearer four. */
+typedef struct stencil {
+  double at[NEAR], weight[NEAR], coarse[NEAR];
+} stencil;
+static const stencil STENCILS[] = {
+    {{1, -1, 2, -2, 3, -3},
+     {0.75, -0.75, -0.15, 0.15, 1.0 / 60, -1.0 / 60},
+     {2.0 / 3, -2.0 / 3, -1.0 / 12, 1.0 / 12, 0, 0}},
+    {{1, 2, 3, 4, 5, 6}, {6, -7.5, 20.0 / 3, -3.75, 1.2, -1.0 / 6}, {4, -3, 4.0 / 3, -0.25, 0, 0}},
+    {{-1, -2, -3, -4, -5, -6},
+     {-6, 7.5, -20.0 / 3, 3.75, -1.2, 1.0 / 6},
+     {-4, 3, -4.0 / 3, 0.25, 0, 0}}};
+enum { N_STENCILS = sizeof STENCILS / sizeof *STENCILS };
+
+enum { TEXT = VS_KEY_SIZE + 96 };
+
+/* The value as a scene reads it. */
+static void print_value(const vs_parameter *p, double value, char text[TEXT]) {
+  const char *unit = p->key.field->unit;
+  snprintf(text, TEXT, "%.17g%s%s", value / vs_units_factor(unit), *unit ? " " : "", unit);
+}
+
+static vs_status read_with(const vs_parameter *p, double value, vs_scene *other, vs_error *err) {
+  const vs_scene *s = p->scene[0];
+  char number[TEXT], text[VS_KEY_SIZE + TEXT];
+  print_value(p, value, number);
+  snprintf(text, sizeof text, "%s=%s", p->key.name, number);
+  *other = (vs_scene){0};
+  memcpy(other->path, s->path, sizeof other->path);
+  vs_tree_copy(&s->tree, &other->tree);
+  vs_status status = vs_tree_set(&other->tree, text, err);
+  return status ? status : vs_scene_settle(other, s->tier->name, err);
+}
+
+static void free_near(vs_parameter *p) {
+  for (int k = 1; k < ALL; k++) {
+    if (p->scene[k]) vs_scene_free(p->scene[k]);
+    free(p->scene[k]);
+    p->scene[k] = NULL;
+  }
+}
+
+/* Is another cycle of the mains the first? Its number, from which firings are counted, jumps where
+ * supply.phase passes 0. */
+static bool jumps(const vs_scene *scene, const vs_scene *other) {
+  const vs_timeline *a = &scene->setup.timeline, *b = &other->setup.timeline;
+  return fabs(a->first_zero_s / a->period_s - b->first_zero_s / b->period_s) > 0.5;
+}
+
+/* The key of the k-th scene. */
+static double value_at(const vs_parameter *p, int k) {
+  return p->value != 0 ? p->value * (1 + p->at[k]) : p->size * p->at[k];
+}
+
+static vs_status read_near(vs_parameter *p, const stencil *where, vs_error *err) {
+  vs_status status = VS_OK;
+  for (int k = 1; k < ALL && !status; k++) {
+    p->at[k] = p->step * where->at[k - 1];
+    p->weight[k] = where->weight[k - 1] / p->step;
+    p->coarse[k] = where->coarse[k - 1] / p->step;
+    p->scene[k] = vs_alloc(1, sizeof **p->scene);
+    status = read_with(p, value_at(p, k), p->scene[k], err);
+    if (!status && jumps(p->scene[0], p->scene[k]))
+      status = vs_fail(err, VS_INPUT, "the first cycle begins elsewhere");
+  }
+  if (status) free_near(p);
+  return status;
+}
+
+/* Does the scene take the key at all, with the value that it has? A key that the tier ignores is
+ * refused by the scene, and enters no equation. */
+static bool is_heard(vs_parameter *p) {
+  vs_scene *same = vs_alloc(1, sizeof *same);
+  vs_error why = {0};
+  vs_status status = read_with(p, p->value, same, &why);
+  snprintf(p->why, sizeof p->why, "%.255s", status ? why.text + why.place_size : "");
+  vs_scene_free(same);
+  free(same);
+  return !status;
+}
+
+/* ---- its coefficients ---- */
+
+double vs_parameter_slope(const vs_parameter *p, const double v[ALL]) {
+  double sum = 0;
+  for (int k = 1; k < ALL; k++) sum += p->weight[k] * (v[k] - v[0]);
+  return sum;
+}
+
+/* Of a double of the model, which stands at this offset. */
+static double model_slope(const vs_parameter *p, size_t offset) {
+  double v[ALL];
+  for (int k = 0; k < ALL; k++) memcpy(&v[k], (const char *)&p->setup[k].model + offset, sizeof *v);
+  return vs_parameter_slope(p, v);
+}
+
+static void find_slopes(vs_parameter *p) {
+  const vs_model *m = &p->setup->model;
+  vs_parameter_slopes *s = &p->slopes;
+  double clock[ALL];
+  *s = (vs_parameter_slopes){0};
+#define OF(member) model_slope(p, offsetof(vs_model, member))
+#define OF_ONE(member, i) model_slope(p, offsetof(vs_model, member) + (size_t)(i) * sizeof(double))
+  for (int i = 0; i < m->dof; i++) {
+    for (int j = 0; j < m->dof; j++) {
+      s->mk_column[j][i] = OF_ONE(mk_column, j * VS_MOST_DOF + i);
+      s->mb_column[j][i] = OF_ONE(mb_column, j * VS_MOST_DOF + i);
+    }
+    s->mf[i] = OF_ONE(mf, i);
+    s->m0[i] = OF_ONE(m0, i);
+    s->along[i] = OF_ONE(along, i);
+  }
+  s->gap_rest_m = OF(coil.gap_rest_m);
+  s->resistance_ohm = OF(actuator.resistance_ohm);
+  for (int n = 0; n < m->stops.count; n++) {
+    size_t stop = offsetof(vs_model, stops.item) + (size_t)n * sizeof(vs_stop);
+    s->at_m[n] = model_slope(p, stop + offsetof(vs_stop, at_m));
+    s->stop_stiffness[n] = model_slope(p, stop + offsetof(vs_stop, stiffness));
+    s->stop_damping[n] = model_slope(p, stop + offsetof(vs_stop, damping_ns_m));
+  }
+#undef OF
+#undef OF_ONE
+  for (int k = 0; k < ALL; k++)
+    clock[k] = p->setup[k].timeline.period_s / p->setup->timeline.period_s;
+  s->clock = vs_parameter_slope(p, clock);
+}
+
+void vs_parameter_take(vs_parameter *p, vs_setup (*make)(const vs_scene *scene, void *ctx),
+                       void *ctx) {
+  for (int k = 0; k < ALL; k++) p->setup[k] = make(p->scene[p->idle ? 0 : k], ctx);
+  find_slopes(p);
+}
+
+static vs_setup setup_of(const vs_scene *scene, void *ctx) {
+  (void)ctx;
+  return scene->setup;
+}
+
+/* ---- beginning ---- */
+
+static vs_status refuse(const vs_parameter *p, vs_where where, vs_error *err) {
+  const vs_field *f = p->key.field;
+  if (f->kind == VS_COUNT)
+    return vs_fail_at(err, where, "%s is a whole number, and has no derivative", p->key.name);
+  if (f->kind == VS_OPTION)
+    return vs_fail_at(err, where, "%s has keys of its own, such as %s.%s: name one of those",
+                      p->key.name, p->key.name, f->options->keys.fields[0].key);
+  if (f->kind != VS_REAL)
+    return vs_fail_at(err, where, "%s is %s; a key with one number is wanted", p->key.name,
+                      f->kind == VS_PAIR ? "a pair [x, y]" : "a word");
+  if (isnan(p->value))
+    return vs_fail_at(err, where, "%s is no number in this scene; give it one to vary it",
+                      p->key.name);
+  return VS_OK;
+}
+
+vs_status vs_parameter_begin(vs_parameter *p, const vs_scene *scene, const char *key,
+                             vs_where where, double step, vs_error *err) {
+  vs_error why = {0}, last = {0};
+  *p = (vs_parameter){.step = step > 0 ? step : STEP};
+  p->scene[0] = (vs_scene *)(size_t)scene; /* never written to */
+  vs_status status = vs_key_find(&scene->setup, key, where, &p->key, err);
+  if (status) return status;
+  p->value = vs_key_number(&p->key);
+  status = refuse(p, where, err);
+  if (status) return status;
+  p->size = p->value != 0 ? p->value : vs_units_factor(p->key.field->unit);
+  p->idle = !is_heard(p);
+  status = p->idle ? VS_OK : VS_INPUT;
+  for (int n = 0; n < N_STENCILS && status; n++) {
+    last = (vs_error){0};
+    status = read_near(p, &STENCILS[n], &last);
+    if (!n) why = last;
+  }
+  if (status)
+    return vs_fail_at(err, where, "%s has no room on either side of its value: %s", p->key.name,
+                      why.text + why.place_size);
+  p->setup = vs_alloc(ALL, sizeof *p->setup);
+  vs_parameter_take(p, setup_of, NULL);
+  return VS_OK;
+}
+
+vs_status vs_parameter_again(vs_parameter *p, vs_error *err) {
+  char text[TEXT];
+  vs_status status = vs_key_find(&p->scene[0]->setup, p->key.name, (vs_where){0}, &p->key, err);
+  double value = status ? NAN : vs_key_number(&p->key);
+  if (status || p->idle) return status;
+  if (isnan(value) || value == 0 || p->value == 0)
+    return vs_fail(err, VS_INPUT, "%s: its scenes have to be made anew", p->key.name);
+  p->value = p->size = value;
+  for (int k = 1; k < ALL && !status; k++) {
+    print_value(p, value_at(p, k), text);
+    vs_tree_put(&p->scene[k]->tree, p->key.name, text, (vs_where){0});
+    status = vs_scene_again(p->scene[k], err);
+  }
+  if (!status) vs_parameter_take(p, setup_of, NULL);
+  return status;
+}
+
+void vs_parameter_end(vs_parameter *p) {
+  free_near(p);
+  free(p->setup);
+  p->setup = NULL;
+}
+
+void vs_parameter_start(const vs_parameter *p, const vs_tier *tier, double *y) {
+  int states = 2 * p->setup->model.dof;
+  double v[VS_MOST_STATES + 1][ALL];
+  for (int k = 0; k < ALL; k++) {
+    const vs_frame frame = vs_sim_frame(tier, &p->setup[k]);
+    const vs_knot knot = vs_sim_start(&p->setup[k], &frame);
+    for (int i = 0; i < states; i++) v[i][k] = knot.x[i];
+    v[states][k] = knot.flux_wb;
+  }
+  for (int i = 0; i <= states; i++) y[i] = vs_parameter_slope(p, v[i]);
+}
+
+/* ---- the instants ---- */
+
+/* How much longer the period of the k-th scene is. */
+static double ratio(const vs_parameter *p, int k) {
+  return p->setup[k].timeline.period_s / p->setup->timeline.period_s;
+}
+
+/* Two scenes' instants that are further apart than this part of a period are not the same one. */
+static const double APART = 0.05;
+
+/* The waves begin at these instants, each in its own scene's time. Returns by how much p moves
+ * them, in the scene's own time; NaN: they do not belong together. */
+static double begin_waves(vs_parameter *p, const double at_s[ALL]) {
+  double common_s[ALL], most = APART * p->setup->timeline.period_s;
+  for (int k = 0; k < ALL; k++)
+    if (!(fabs(at_s[k] / ratio(p, k) - at_s[0]) < most)) return NAN;
+  for (int k = 0; k < ALL; k++) {
+    p->origin_s[k] = at_s[k];
+    vs_wave_of(&p->setup[k].timeline, at_s[k], &p->mains[k]);
+    common_s[k] = at_s[k] / ratio(p, k);
+  }
+  return vs_parameter_slope(p, common_s);
+}
+
+double vs_parameter_fires(vs_parameter *p, double off_s, double t_s) {
+  double at_s[ALL];
+  double until_s = t_s + p->setup->timeline.period_s;
+  for (int k = 0; k < ALL; k++) {
+    const vs_timeline *line = &p->setup[k].timeline;
+    double since = off_s * ratio(p, k);
+    at_s[k] = line->events.count ? vs_wave_conduction(line, since, until_s * ratio(p, k))
+                                 : vs_gate_next_conduction(line, since);
+  }
+  return begin_waves(p, at_s);
+}
+
+double vs_parameter_edge(vs_parameter *p, double before_s, double t_s) {
+  double at_s[ALL];
+  for (int k = 0; k < ALL; k++)
+    at_s[k] = k ? vs_wave_edge(&p->setup[k].timeline, before_s * ratio(p, k)) : t_s;
+  return begin_waves(p, at_s);
+}
+
+void vs_parameter_connects(vs_parameter *p, double t_s) {
+  double at_s[ALL];
+  for (int k = 0; k < ALL; k++) at_s[k] = t_s * ratio(p, k);
+  begin_waves(p, at_s);
+}
+
+/* ---- the equations ---- */
+
+static double along(const vs_parameter *p, const double *q) {
+  double g = 0;
+  for (int i = 0; i < p->setup->model.dof; i++) g += p->slopes.along[i] * q[i];
+  return g;
+}
+
+double vs_parameter_surface(const vs_parameter *p, int stop, const double *q) {
+  return along(p, q) - p->slopes.at_m[stop];
+}
+
+/* The stops' part of the force F that closes the gap, and its derivative at a given state. All
+ * kinds' forces are in proportion to stiffness and damping together, and the damping stands
+ * beside the depth's rate alone (actuator/stops.h):
+ *   k dF/dk + c dF/dc = F,   c dF/dc = rate dF/drate. */
+static double add_stops(const vs_parameter *p, const vs_parameter_place *at, double *slope) {
+  const vs_model *m = &p->setup->model;
+  double g = vs_mechanics_travel(m, at->q), g1 = vs_mechanics_travel(m, at->rate), force = 0;
+  double dg = along(p, at->q), dg1 = along(p, at->rate);
+  for (int n = 0; n < m->stops.count; n++) {
+    vs_stop stop = m->stops.item[n];
+    if (!(at->touched >> n & 1)) continue;
+    double depth = vs_stop_depth(&stop, g), rate = -stop.side * g1, own[2], damped[2];
+    double push = stop.kind->force(&stop, depth, rate);
+    stop.kind->slopes(&stop, depth, rate, own);
+    double elastic = push - rate * own[1];
+    if (stop.damping_ns_m == 0) stop.damping_ns_m = 1e-30; /* none, but it has a slope */
+    stop.kind->slopes(&stop, depth, rate, damped);
+    double by_numbers = rate * damped[1] / stop.damping_ns_m * p->slopes.stop_damping[n];
+    if (stop.stiffness != 0) by_numbers += elastic / stop.stiffness * p->slopes.stop_stiffness[n];
+    force -= stop.side * push;
+    *slope += own[0] * (dg - p->slopes.at_m[n]) + own[1] * dg1 - stop.side * by_numbers;
+  }
+  return force;
+}
+
+/* The coil's part of the same, its current, and their derivatives at a given state. */
+typedef struct pull {
+  double force_n, i_a, force, i;
+} pull;
+
+static pull pull_of(const vs_parameter *p, const vs_parameter_place *at) {
+  const vs_coil *c = &p->setup->model.coil;
+  bool at_rest = at->frame->gap_at_rest;
+  double z = vs_mechanics_gap(&p->setup->model, at->q), force[ALL], i[ALL];
+  double dz = p->slopes.gap_rest_m + along(p, at->q);
+  for (int k = 0; k < ALL; k++) { /* other numbers of the law, at the same lambda and z */
+    const vs_coil *other = &p->setup[k].model.coil;
+    force[k] = vs_coil_force(other, at->flux_wb, z);
+    i[k] = vs_coil_current(other, at->flux_wb, at_rest ? c->gap_rest_m : z);
+  }
+  const vs_law_rates by_gap =
+      vs_coil_rates(c, at->flux_wb, 0, at_rest ? c->gap_rest_m : z, 1); /* another z */
+  return (pull){force[0], i[0], vs_parameter_slope(p, force) + by_gap.force_rate_n_s * dz,
+                vs_parameter_slope(p, i) +
+                    by_gap.i_rate_a_s * (at_rest ? p->slopes.gap_rest_m : dz)};
+}
+
+/* The mains' voltage, and its derivative at the same instant, counted in periods. */
+static double mains_at(const vs_parameter *p, double t_s, double *slope) {
+  double v[ALL], u[3];
+  for (int k = 0; k < ALL; k++) {
+    vs_wave_at(&p->mains[k], t_s * ratio(p, k) - p->origin_s[k], u);
+    v[k] = u[0];
+  }
+  *slope = vs_parameter_slope(p, v);
+  return v[0];
+}
+
+/* q" = m0 + mf F - (M^-1 K) q - (M^-1 B) q',   lambda' = u - R_c i, each differentiated, and times
+ * the period's own change. */
+void vs_parameter_rates(const vs_parameter *p, const vs_parameter_place *at, double *rate) {
+  const vs_model *m = &p->setup->model;
+  const vs_parameter_slopes *s = &p->slopes;
+  int dof = m->dof;
+  double force_slope = 0, mains_slope, a[VS_MOST_DOF];
+  double force = add_stops(p, at, &force_slope);
+  rate[2 * dof] = 0;
+  if (at->conducting) {
+    const pull coil = pull_of(p, at);
+    double r = m->actuator.resistance_ohm, u = mains_at(p, at->t_s, &mains_slope);
+    force += coil.force_n;
+    force_slope += coil.force;
+    rate[2 * dof] =
+        mains_slope - s->resistance_ohm * coil.i_a - r * coil.i + s->clock * (u - r * coil.i_a);
+  }
+  vs_mechanics_accelerations(m, at->q, at->rate, force, a);
+  for (int i = 0; i < dof; i++) {
+    double sum = s->m0[i] + s->mf[i] * force + m->mf[i] * force_slope + s->clock * a[i];
+    for (int j = 0; j < dof; j++)
+      sum -= s->mk_column[j][i] * at->q[j] + s->mb_column[j][i] * at->rate[j];
+    rate[i] = s->clock * at->rate[i];
+    rate[dof + i] = sum;
+  }
+}

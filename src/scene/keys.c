@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/keys.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "scene/sections.h"
+
+enum { MOST_KEYS = 512 };
+
+typedef struct key_list {
+  vs_key item[MOST_KEYS];
+  size_t count;
+} key_list;
+
+static void add_maps(key_list *list, const vs_field *f, const char *member);
+
+static void add_keys(key_list *list, const char *section, const vs_section *fields,
+                     const void *values) {
+  for (size_t k = 0; k < fields->count && list->count < MOST_KEYS; k++) {
+    const vs_field *f = &fields->fields[k];
+    const char *member = values ? (const char *)values + f->offset : NULL;
+    vs_key *key = &list->item[list->count++];
+    snprintf(key->name, sizeof key->name, "%s.%s", section, f->key);
+    snprintf(key->section, sizeof key->section, "%s", section);
+    key->field = f;
+    key->value = member;
+    if (f->kind == VS_OPTION) add_maps(list, f, member);
+  }
+}
+
+/* The keys of an option's maps: NAME.KEY where it has none or one, NAME.1.KEY, ... where it has a
+ * list of them. */
+static void add_maps(key_list *list, const vs_field *f, const char *member) {
+  char name[VS_KEY_SIZE], part[VS_KEY_SIZE + 16];
+  const vs_options *o = f->options;
+  int count = member ? vs_field_maps(f, member) : 0;
+  snprintf(name, sizeof name, "%s", list->item[list->count - 1].name);
+  if (!count) add_keys(list, name, &o->keys, NULL);
+  for (int k = 0; k < count; k++) {
+    const char *values = member + (size_t)k * o->size;
+    snprintf(part, sizeof part, count > 1 ? "%s.%d" : "%s", name, k + 1);
+    add_keys(list, part, vs_field_form(o, values), values);
+  }
+}
+
+static key_list *all_keys(const vs_setup *setup) {
+  key_list *list = vs_alloc(1, sizeof *list);
+  for (int p = 0; p < VS_SECTIONS; p++) {
+    vs_filled_section part = vs_section_at(setup, p);
+    add_keys(list, part.section->name, part.section, part.values);
+  }
+  const vs_events *events = &setup->timeline.events;
+  for (size_t e = 0; e < events->count; e++) {
+    char name[VS_KEY_SIZE];
+    snprintf(name, sizeof name, "events.%s", events->item[e].name);
+    const vs_section section = {name, events->item[e].kind->fields, events->item[e].kind->n_fields};
+    add_keys(list, name, &section, &events->item[e].v);
+  }
+  return list;
+}
+
+/* Refuses the name of a section, which has keys of its own. `start` may be a word instead of keys,
+ * which is the same for all runs of a scene. */
+static vs_status refuse_section(const vs_key *one, vs_where where, vs_error *err) {
+  const bool start = !strcmp(one->section, "start");
+  return vs_fail_at(err, where, "%s has keys of its own, such as %s: name one of those%s",
+                    one->section, one->name,
+                    start ? "; 'steady' is not for vary: set: {start: steady} begins every case on "
+                            "its orbit"
+                          : "");
+}
+
+static vs_status refuse_name(const key_list *list, const char *name, vs_where where,
+                             vs_error *err) {
+  const char *names[MOST_KEYS];
+  for (size_t k = 0; k < list->count; k++) {
+    names[k] = list->item[k].name;
+    if (!strcmp(list->item[k].section, name)) return refuse_section(&list->item[k], where, err);
+  }
+  const char *nearest = vs_text_nearest(name, names, list->count);
+  return vs_fail_at(err, where, "a scene has no key '%s'%s%s%s", name,
+                    nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                    nearest ? "'?" : "; see 'vibrospice list parameters'");
+}
+
+vs_status vs_key_find(const vs_setup *setup, const char *name, vs_where where, vs_key *key,
+                      vs_error *err) {
+  key_list *list = all_keys(setup);
+  size_t k = 0;
+  while (k < list->count && strcmp(list->item[k].name, name) != 0) k++;
+  vs_status status = VS_OK;
+  if (k < list->count)
+    *key = list->item[k];
+  else
+    status = refuse_name(list, name, where, err);
+  free(list);
+  return status;
+}
+
+double vs_key_number(const vs_key *key) {
+  double real = NAN;
+  int whole = 0;
+  if (!key->value) return NAN;
+  if (key->field->kind == VS_REAL) memcpy(&real, key->value, sizeof real);
+  if (key->field->kind != VS_COUNT) return real;
+  memcpy(&whole, key->value, sizeof whole);
+  return whole;
+}
