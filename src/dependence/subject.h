@@ -12,6 +12,10 @@ typedef struct vs_subject {
                      for what it borrows of the scene; NULL: there is no orbit */
   vs_orbit orbit; /* where there is one */
   bool period;    /* one period of it is looked at */
+  /* Is shown each step of the run (k = 0) and of its kin (k = 1 and on) besides their measures
+   * (dependence/kin.h); NULL: nobody is. To be set once the subject has begun. */
+  void (*shown)(void *ctx, int k, const vs_step *step);
+  void *ctx;
 } vs_subject;
 
 /* Begins with a settled scene; periods: 0, its run; else a period of its orbit of so many firing

@@ -7,8 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char *const OWN[] = {"scene", "set",  "measures", "data",     "runs",
-                                  "free",  "seed", "starts",   "residual", "profile"};
+static const char *const OWN[] = {"scene", "set",    "measures", "data",    "runs",  "free",
+                                  "seed",  "starts", "residual", "profile", "slopes"};
 enum { N_OWN = sizeof OWN / sizeof *OWN };
 
 /* ---- scenes ---- */
@@ -271,17 +271,29 @@ static vs_status read_profile(vs_inquiry *q, const char *more, vs_error *err) {
   return status;
 }
 
+/* Reads which of the words a node has; without a node it is the first. */
+static vs_status read_word(const vs_node *node, const char *words, int *which, vs_error *err) {
+  vs_field field = {.kind = VS_CHOICE, .choices = words, .unit = "", .default_text = ""};
+  const vs_section section = {"fit", &field, 1};
+  *which = 0;
+  if (!node) return VS_OK;
+  field.key = node->key;
+  return vs_field_read(&section, &field, node, which, err);
+}
+
 static vs_status read_settings(vs_inquiry *q, vs_error *err) {
+  int word, slopes = 0;
   const vs_node *root = q->tree.root, *residual = vs_tree_child(root, "residual");
   q->starts = 8;
   q->seed = 1;
   vs_status status = vs_axis_whole(root, "starts", 1, 10000, &q->starts, err);
   if (!status) status = vs_axis_whole(root, "seed", 0, UINT32_MAX, &q->seed, err);
-  if (status || !residual) return status;
-  const char *word = residual->kind == VS_NODE_TEXT ? residual->text : "";
-  q->difference = !strcmp(word, "difference");
-  if (q->difference || !strcmp(word, "logarithm")) return VS_OK;
-  return vs_fail_at(err, residual->where, "residual: logarithm or difference is wanted");
+  if (!status) status = read_word(residual, "logarithm|difference", &word, err);
+  q->difference = word == 1;
+  if (!status)
+    status = read_word(vs_tree_child(root, "slopes"), "auto|exact|differences", &slopes, err);
+  q->slopes = (vs_slopes_word)slopes;
+  return status;
 }
 
 /* ---- all of it ---- */

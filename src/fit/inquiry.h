@@ -6,12 +6,16 @@
  *   set:      {KEY: VALUE, ...}          over what the scene says
  *   measures: {NAME: {value, error}}     fit/aims.h
  *   data:     {file, columns, ...}       fit/recording.h
- *   runs:     [{scene, set, free, measures, data}, ...]   several runs, in the place of measures
- * and data; scene and set above are the default of each free:     {KEY: {from, to, start, prior},
- * ...}        fit/unknown.h; under a run: its own starts:   N                          searches,
- * the first from the scene's values; default 8 seed:     N                          of the other
- * ones' places; default 1 residual: logarithm | difference     of what has an error in per cent;
- * default logarithm profile:  all | [KEY, ...]           whose profile likelihood is wanted
+ *   runs:     [{scene, set, free, measures, data}, ...]
+ *                                        several, in the place of measures and data; scene and set
+ *                                        above are the default of each
+ *   free:     {KEY: {from, to, start, prior}, ...}
+ *                                        fit/unknown.h; under a run: its own
+ *   starts:   N                          searches, the first from the scene's values; default 8
+ *   seed:     N                          of the other ones' places; default 1
+ *   residual: logarithm | difference     of what has an error in per cent
+ *   slopes:   auto | exact | differences how slopes are found (vs_slopes_word)
+ *   profile:  all | [KEY, ...]           whose profile likelihood is wanted
  *
  * The residual of a number that was measured, with the standard error sigma, is
  *
@@ -48,6 +52,13 @@ typedef struct vs_datum {
   vs_where where;
 } vs_datum;
 
+/* Who finds slopes. */
+typedef enum vs_slopes_word {
+  VS_SLOPES_AUTO,  /* differences on the way, exact ones at the minimum where the tier has them */
+  VS_SLOPES_EXACT, /* exact ones everywhere, where the tier has them */
+  VS_SLOPES_DIFFERENCES /* differences of runs everywhere */
+} vs_slopes_word;
+
 typedef struct vs_inquiry {
   char path[VS_PATH_SIZE];
   vs_tree tree;
@@ -61,6 +72,7 @@ typedef struct vs_inquiry {
   size_t n_data;
   size_t n_priors; /* unknowns that have one: each counts as a residual, behind the data */
   uint64_t starts, seed;
+  vs_slopes_word slopes;
   bool difference;                    /* residual: difference */
   bool profiled[VS_INQUIRY_UNKNOWNS]; /* its profile is wanted */
 } vs_inquiry;

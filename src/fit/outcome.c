@@ -51,14 +51,36 @@ static void test_columns(vs_outcome *o) {
       o->columns[o->n_columns++] = (vs_outcome_column){r, c, test_column(o, r, c)};
 }
 
+/* Who finds the slopes during the search, and who at the minimum. */
+static const vs_slopes_kind *kind_of(const vs_outcome *o, bool searching) {
+  vs_slopes_word word = o->inquiry->slopes;
+  bool exact = word == VS_SLOPES_EXACT || (word == VS_SLOPES_AUTO && !searching);
+  return exact && vs_slopes_exact.serves(&o->prediction) ? &vs_slopes_exact
+                                                         : &vs_slopes_differences;
+}
+
+/* Goes on from the minimum with the slopes that its errors are told by. */
+static void settle(vs_descender *d, vs_outcome *o) {
+  vs_descent *best = &o->descents.item[o->descents.best], better;
+  const vs_slopes_kind *kind = kind_of(o, false);
+  o->slopes = kind->name;
+  if (kind == d->slopes) return;
+  d->slopes = kind;
+  vs_descent_from(d, best->s, &better);
+  if (better.converged && better.chi2 <= best->chi2 * (1 + SAME)) *best = better;
+}
+
 vs_status vs_outcome_of(const vs_inquiry *q, vs_outcome *o, vs_error *err) {
   *o = (vs_outcome){.inquiry = q};
   vs_prediction_begin(&o->prediction, q);
-  vs_descender d = {.prediction = &o->prediction, .slopes = vs_slopes_find(&o->prediction)};
-  o->slopes = d.slopes->name;
+  vs_descender d = {.prediction = &o->prediction};
+  d.slopes = kind_of(o, true);
   vs_status status = vs_descents_search(&d, &o->descents, err);
-  if (!status) status = vs_estimate_at(&d, &o->descents.item[o->descents.best], &o->estimate, err);
   if (status) return status;
+  settle(&d, o);
+  status = vs_estimate_at(&d, &o->descents.item[o->descents.best], &o->estimate, err);
+  if (status) return status;
+  d.slopes = kind_of(o, true);
   count_starts(o);
   follow_profiles(&d, o);
   test_columns(o);

@@ -15,7 +15,7 @@ typedef struct vs_outcome_column {
 typedef struct vs_outcome {
   const vs_inquiry *inquiry; /* borrowed */
   vs_prediction prediction;  /* knows how many runs it took */
-  const char *slopes;        /* how the slopes were found */
+  const char *slopes;        /* how the slopes at the minimum were found */
   vs_descents descents;
   size_t converged, reached; /* starts that converged, and that came to the least chi2 */
   double next_chi2;          /* of the next higher minimum that was met; NaN: none was */

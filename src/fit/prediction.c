@@ -23,41 +23,37 @@ void vs_prediction_free(vs_prediction *p) {
 
 /* ---- a run ---- */
 
-/* Who looks on and takes the channels at the samples' times. */
-typedef struct sampler {
-  const vs_inquiry_run *run;
-  double *computed; /* of the run's first sample */
-  size_t next;      /* sample, the first that is not taken yet */
-  unsigned groups;  /* of channels that are sampled */
-  double *channels;
-} sampler;
+static unsigned groups_of(const vs_inquiry_run *run) {
+  unsigned groups = 0;
+  for (size_t c = 0; c < run->recording.n_columns; c++)
+    groups |= vs_channel_groups(&run->scene->setup.model, &run->recording.columns[c].channel, 1);
+  return groups;
+}
+
+void vs_prediction_sample(vs_sampler *s, const vs_step *step) {
+  const vs_recording *r = &s->run->recording;
+  double at_s = NAN;
+  if (s->next == r->n_samples || r->samples[s->next].t_s > step->to->t_s) return;
+  const unsigned groups = groups_of(s->run);
+  for (; s->next < r->n_samples && r->samples[s->next].t_s <= step->to->t_s; s->next++) {
+    const vs_sample *sample = &r->samples[s->next];
+    if (sample->t_s != at_s) vs_step_groups_at(step, sample->t_s, groups, s->channels);
+    at_s = sample->t_s;
+    s->computed[s->next] = s->channels[r->columns[sample->column].channel];
+  }
+}
 
 static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {
-  sampler *s = ctx;
+  vs_sampler *s = ctx;
   (void)scene, (void)err;
   s->next = 0;
   return VS_OK;
 }
 
 static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
-  sampler *s = ctx;
-  const vs_recording *r = &s->run->recording;
-  double at_s = NAN;
   (void)result, (void)err;
-  for (; s->next < r->n_samples && r->samples[s->next].t_s <= step->to->t_s; s->next++) {
-    const vs_sample *sample = &r->samples[s->next];
-    if (sample->t_s != at_s) vs_step_groups_at(step, sample->t_s, s->groups, s->channels);
-    at_s = sample->t_s;
-    s->computed[s->next] = s->channels[r->columns[sample->column].channel];
-  }
+  vs_prediction_sample(ctx, step);
   return VS_OK;
-}
-
-static unsigned groups_of(const vs_inquiry_run *run) {
-  unsigned groups = 0;
-  for (size_t c = 0; c < run->recording.n_columns; c++)
-    groups |= vs_channel_groups(&run->scene->setup.model, &run->recording.columns[c].channel, 1);
-  return groups;
 }
 
 static vs_status take_aims(const vs_inquiry_run *run, const vs_result *result, double *computed,
@@ -71,10 +67,8 @@ static vs_status take_aims(const vs_inquiry_run *run, const vs_result *result, d
 static vs_status run_scene(vs_prediction *p, const vs_inquiry_run *run, double *computed,
                            vs_error *err) {
   vs_result *result = vs_alloc(1, sizeof *result);
-  sampler looks = {.run = run,
-                   .computed = computed + run->datum + run->n_aims,
-                   .groups = groups_of(run),
-                   .channels = p->channels};
+  vs_sampler looks = {
+      .run = run, .computed = computed + run->datum + run->n_aims, .channels = p->channels};
   const vs_guest guest = {&looks, begin, accept, NULL};
   const vs_session session = {.guest = run->recorded ? &guest : NULL,
                               .bare = !run->n_aims && !run->scene->tier->has_circuit,
@@ -89,16 +83,20 @@ static vs_status run_scene(vs_prediction *p, const vs_inquiry_run *run, double *
   return status;
 }
 
-static vs_status predict(vs_prediction *p, int number, const double *s, double *computed,
-                         vs_error *err) {
+vs_status vs_prediction_settle(const vs_prediction *p, int number, const double *s, vs_error *err) {
   const vs_inquiry *q = p->inquiry;
-  const vs_inquiry_run *run = &q->runs[number];
+  vs_scene *scene = q->runs[number].scene;
   for (size_t k = 0; k < q->n_unknowns; k++)
     if (q->unknowns[k].run < 0 || q->unknowns[k].run == number)
-      vs_unknown_put(&q->unknowns[k], s[k], &run->scene->tree);
+      vs_unknown_put(&q->unknowns[k], s[k], &scene->tree);
+  return vs_scene_again(scene, err);
+}
+
+static vs_status predict(vs_prediction *p, int number, const double *s, double *computed,
+                         vs_error *err) {
   p->runs++;
-  vs_status status = vs_scene_again(run->scene, err);
-  return status ? status : run_scene(p, run, computed, err);
+  vs_status status = vs_prediction_settle(p, number, s, err);
+  return status ? status : run_scene(p, &p->inquiry->runs[number], computed, err);
 }
 
 vs_status vs_prediction_run(vs_prediction *p, int number, const double *s, double *computed,

@@ -19,6 +19,20 @@ typedef struct vs_prediction {
 void vs_prediction_begin(vs_prediction *prediction, const vs_inquiry *inquiry);
 void vs_prediction_free(vs_prediction *prediction);
 
+/* Puts the values s[n_unknowns] into the scene number `run`, without a run of it. Error: it cannot
+ * be read. */
+vs_status vs_prediction_settle(const vs_prediction *prediction, int run, const double *s,
+                               vs_error *err);
+
+/* Takes the samples of a recording out of the steps of a run, in their order. */
+typedef struct vs_sampler {
+  const vs_inquiry_run *run;
+  double *computed; /* of the run's first sample, SI */
+  size_t next;      /* the first sample that is not taken yet; begin with 0 */
+  double *channels; /* room for VS_CH_MOST numbers */
+} vs_sampler;
+void vs_prediction_sample(vs_sampler *sampler, const vs_step *step);
+
 /* Runs the scene number `run`, or all where run < 0, with the values s[n_unknowns] and fills its
  * part of computed[n_data], SI. Error, also kept in `failed`: a run cannot be read or fails, or has
  * no such measure. */

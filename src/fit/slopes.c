@@ -5,6 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "dependence/kin.h"
+#include "syntax/units.h"
+
+/* Runs of the scene that its kin take: to find the instants, how far they may go, to show them. */
+enum { RUNS_OF_KIN = 3 };
+
 /* ---- differences ---- */
 
 /* The step of s. The error of the formula goes with STEP^4, that of rounding with 1/STEP. On the
@@ -82,17 +88,111 @@ static bool always(const vs_prediction *p) {
   return true;
 }
 
+/* ---- exact ---- */
+
+enum { KIN = VS_FAN_RUNS };
+
+static bool has_kin(const vs_prediction *p) {
+  for (size_t r = 0; r < p->inquiry->n_runs; r++) {
+    const vs_scene *scene = p->inquiry->runs[r].scene;
+    const vs_subject subject = {.scene = scene};
+    if (vs_kin_declines(&subject)) return false;
+  }
+  return true;
+}
+
+/* What a run and its kin say in the place of each of the run's data. */
+typedef struct kin_data {
+  const vs_inquiry_run *run;
+  double *value[KIN]; /* of the run's first datum */
+  vs_sampler sampler[KIN];
+} kin_data;
+
+static void take_step(void *ctx, int k, const vs_step *step) {
+  kin_data *all = ctx;
+  vs_prediction_sample(&all->sampler[k], step);
+}
+
+static vs_status take_data(kin_data *all, const vs_fan *fan, vs_error *err) {
+  const vs_inquiry_run *run = all->run;
+  vs_status status = VS_OK;
+  for (int k = 0; k < KIN && !status; k++) {
+    for (size_t a = 0; a < run->n_aims && !status; a++)
+      status = vs_aim_computed(&run->aims[a], fan->scene[k], &fan->measured[k]->result,
+                               &all->value[k][a], err);
+    if (!status && all->sampler[k].next < run->recording.n_samples)
+      status = vs_fail(err, VS_RUN, "the kin of the run end before its last sample");
+  }
+  return status;
+}
+
+/* d/d ln(x) of each datum, or d/dx per unit of the key where x is 0; from there to d/ds. */
+static void take_slopes(const kin_data *all, const vs_fan *fan, const vs_unknown *u,
+                        double *slope) {
+  const vs_parameter *parameter = &fan->parameter;
+  double unit = vs_units_factor(u->axis.unit), per_s = u->log ? 1 : u->scale * unit;
+  if (!u->log) per_s /= parameter->size;
+  for (size_t n = 0; n < all->run->data; n++) {
+    double v[KIN];
+    for (int k = 0; k < KIN; k++) v[k] = all->value[k][n];
+    slope[all->run->datum + n] = per_s * vs_parameter_slope(parameter, v);
+  }
+}
+
+static vs_status follow_kin(const vs_subject *subject, kin_data *all, const vs_unknown *u,
+                            double *slope, vs_error *err) {
+  vs_fan *fan = vs_alloc(1, sizeof *fan);
+  vs_status status = vs_kin_find(fan, subject, u->axis.key, u->axis.where, err);
+  if (!status) {
+    status = fan->parameter.idle ? VS_OK : take_data(all, fan, err);
+    if (!status && !fan->parameter.idle) take_slopes(all, fan, u, slope);
+    vs_fan_end(fan);
+  }
+  free(fan);
+  return status;
+}
+
+static vs_status exact_in_run(vs_prediction *p, int number, size_t k, double *slope,
+                              vs_error *err) {
+  const vs_inquiry_run *run = &p->inquiry->runs[number];
+  double *values = vs_alloc(KIN * run->data, sizeof *values);
+  double *channels = vs_alloc(VS_CH_MOST, sizeof *channels);
+  kin_data all = {.run = run};
+  vs_subject subject;
+  for (size_t j = 0; j < KIN; j++) {
+    all.value[j] = values + j * run->data;
+    all.sampler[j] = (vs_sampler){run, all.value[j] + run->n_aims, 0, channels};
+  }
+  vs_status status = vs_subject_begin(&subject, run->scene, 0, err);
+  subject.shown = run->recorded ? take_step : NULL;
+  subject.ctx = &all;
+  if (!status) status = follow_kin(&subject, &all, &p->inquiry->unknowns[k], slope, err);
+  vs_subject_end(&subject);
+  free(channels);
+  free(values);
+  p->runs += RUNS_OF_KIN;
+  return status;
+}
+
+/* Where the kin cannot tell, as a run has no derivative, differences do. */
+static vs_status exact(vs_prediction *p, size_t k, const double *s, const double *computed,
+                       double *slope, vs_error *err) {
+  const vs_inquiry *q = p->inquiry;
+  vs_error why = {0};
+  vs_status status = VS_OK;
+  memset(slope, 0, q->n_data * sizeof *slope);
+  for (int r = 0; r < (int)q->n_runs && !status; r++) {
+    if (q->unknowns[k].run >= 0 && q->unknowns[k].run != r) continue;
+    status = vs_prediction_settle(p, r, s, &why);
+    if (!status) status = exact_in_run(p, r, k, slope, &why);
+  }
+  return status ? difference(p, k, s, computed, slope, err) : VS_OK;
+}
+
 /* ---- the table ---- */
 
-static const vs_slopes_kind DIFFERENCES = {"differences of fourth order", always, difference};
-
-static const vs_slopes_kind *const KINDS[] = {&DIFFERENCES, NULL};
-
-const vs_slopes_kind *vs_slopes_find(const vs_prediction *p) {
-  const vs_slopes_kind *const *kind = KINDS;
-  while (!(*kind)->serves(p)) kind++;
-  return *kind;
-}
+const vs_slopes_kind vs_slopes_exact = {"exact derivatives", has_kin, exact},
+                     vs_slopes_differences = {"differences of fourth order", always, difference};
 
 vs_status vs_slopes_fill(const vs_slopes_kind *kind, vs_prediction *p, const double *s,
                          const double *computed, gsl_matrix *slopes, vs_error *err) {
