@@ -85,6 +85,29 @@ static void the_nine_numbers(void) {
   free_ran(&r);
 }
 
+/* Both ways to the slopes tell the same to what the differences are good for, of measures and of
+ * samples, where a slope's sampled motion turns by 60 rad. */
+static void exact_as_by_differences(void) {
+  static const char *const FITS[] = {"paper --set starts=1", "f.yaml --set starts=1"};
+  write_file("f.yaml", "set: {run: {tier: switched, until: 0.1 s, sample: 1 ms}}\n"
+                       "free: {supply.frequency: , machine.trough_mass: , firing.angle: }\n"
+                       "data: {file: seen/run.csv, columns: {p: 4 um, i: 3 mA}, to: 99 ms}\n");
+  RUN_GOOD("run paper --tier switched --set run.until=0.1s --set run.sample=1ms --quiet -o seen");
+  for (size_t n = 0; n < COUNT(FITS); n++) {
+    char words[96];
+    snprintf(words, sizeof words, "%s --set slopes=exact", FITS[n]);
+    ran a = fit(words);
+    snprintf(words, sizeof words, "%s --set slopes=differences", FITS[n]);
+    ran b = fit(words);
+    CU_ASSERT_PTR_NOT_NULL(strstr(a.out, "\"slopes\": \"exact"));
+    CU_ASSERT_PTR_NOT_NULL(strstr(b.out, "\"slopes\": \"differences"));
+    for (int k = 0; k < (n ? 3 : 6); k++)
+      CLOSE(entry(a.out, NULL, "singular_values", k), entry(b.out, NULL, "singular_values", k),
+            1e-7);
+    free_ran(&a), free_ran(&b);
+  }
+}
+
 /* All starts lead to one minimum, and that is far off. Where more is freed, too, it stays so: the
  * load's mass and the inertias, which the base's motion could follow. */
 static void a_base_of_4_kg_fits_nothing(void) {
@@ -424,7 +447,7 @@ static void refused(void) {
       {MASS, NULL, "f.yaml", {"nothing was measured"}},
       {PEAK, NULL, "f.yaml", {"nothing is free"}},
       {MASS PEAK "starts: 0\n", NULL, "f.yaml:3:9", {"from 1"}},
-      {MASS PEAK "residual: log\n", NULL, "f.yaml:3:11", {"logarithm or difference"}},
+      {MASS PEAK "residual: log\n", NULL, "f.yaml:3:11", {"logarithm|difference"}},
       {MASS PEAK "profile: [actuator.gap]\n", NULL, "f.yaml:3:11", {"not free"}},
       {MASS PEAK "fre: 1\n", NULL, "f.yaml:3:1", {"did you mean 'free'"}},
       {MASS PEAK "runs: []\n", NULL, "f.yaml:2:1", {"beside runs"}},
@@ -513,6 +536,7 @@ static void the_same_bytes(void) {
 
 static const vs_test TESTS[] = {
     {"the paper's nine numbers", the_nine_numbers},
+    {"exact as by differences", exact_as_by_differences},
     {"a base of 4 kg fits nothing", a_base_of_4_kg_fits_nothing},
     {"the truth from a clean record", the_truth_from_a_clean_record},
     {"a record with noise", a_record_with_noise},

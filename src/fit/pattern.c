@@ -7,6 +7,8 @@
 enum { FEWEST = 20, MOST_LAGS = 10 };
 /* Below this probability a pattern is told of. */
 static const double UNLIKELY = 1e-3;
+/* Residuals so far below their errors do not matter, whatever their pattern. */
+static const double SMALL = 0.1;
 
 /* With n+ residuals above 0, n- below, n of both: the number of runs has the mean 1 + 2 n+ n-/n
  * and the variance 2 n+ n- (2 n+ n- - n)/(n^2 (n - 1)). */
@@ -59,6 +61,6 @@ vs_pattern vs_pattern_of(const double *residual, size_t count) {
   p.rms = count ? sqrt(sum / (double)count) : 0;
   test_runs(residual, count, &p);
   test_lags(residual, count, &p);
-  p.found = p.runs_probability < UNLIKELY || p.ljung_box_probability < UNLIKELY;
+  p.found = p.rms > SMALL && (p.runs_probability < UNLIKELY || p.ljung_box_probability < UNLIKELY);
   return p;
 }

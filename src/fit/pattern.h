@@ -27,7 +27,7 @@ typedef struct vs_pattern {
   int lags;                /* h */
   double ljung_box, ljung_box_probability; /* NaN: too few */
   double durbin_watson;
-  bool found; /* one of the two probabilities is below 0.001 */
+  bool found; /* one of the two probabilities is below 0.001, and the rms above 0.1 */
 } vs_pattern;
 
 /* Tests residual[count], in the order of time. Fewer than 20 are too few for the two tests. */

@@ -9,12 +9,17 @@
 
 /* ---- what was asked ---- */
 
+static const char *plural(size_t count) {
+  return count == 1 ? "" : "s";
+}
+
 static void show_head(const vs_outcome *o, FILE *out) {
   const vs_inquiry *q = o->inquiry;
   const vs_scene *scene = q->runs[0].scene;
-  fprintf(out, "fit     %zu unknowns from %zu numbers", q->n_unknowns, q->n_data);
-  if (q->n_priors) fprintf(out, " and %zu priors", q->n_priors);
-  fprintf(out, " of %zu run%s; %s on tier %s\n", q->n_runs, q->n_runs > 1 ? "s" : "",
+  fprintf(out, "fit     %zu unknown%s from %zu number%s", q->n_unknowns, plural(q->n_unknowns),
+          q->n_data, plural(q->n_data));
+  if (q->n_priors) fprintf(out, " and %zu prior%s", q->n_priors, plural(q->n_priors));
+  fprintf(out, " of %zu run%s; %s on tier %s\n", q->n_runs, plural(q->n_runs),
           scene->setup.model.parameters.model, scene->tier->name);
   fprintf(out, "search  %zu of %zu starts converged, %zu of them to the least chi2", o->converged,
           o->descents.count, o->reached);
@@ -39,7 +44,7 @@ static void show_unknown(const vs_estimate *e, size_t k, FILE *out) {
   const vs_unknown *u = &e->inquiry->unknowns[k];
   char error[64];
   print_error(u, e->error[k], error, sizeof error);
-  fprintf(out, "%-30s %14.9g %-6s %14s", u->name, e->value[k], u->axis.unit, error);
+  fprintf(out, "%-30s %14.6g %-6s %14s", u->name, e->value[k], u->axis.unit, error);
   if (isnan(e->error[k]))
     fprintf(out, " %12s %12s", "-", "-");
   else
@@ -68,12 +73,12 @@ static void show_unknowns(const vs_outcome *o, FILE *out) {
 
 static void show_chi2(const vs_outcome *o, FILE *out) {
   const vs_estimate *e = &o->estimate;
-  fprintf(out, "\nchi2    %.9g with %ld degrees of freedom", e->minimum.chi2, e->freedom);
+  fprintf(out, "\nchi2    %.6g with %ld degrees of freedom", e->minimum.chi2, e->freedom);
   if (!isnan(e->probability))
     fprintf(out, ": a true model has as much in %.3g %% of all cases", 100 * e->probability);
   fprintf(out, "%s\n", vs_estimate_fits(e) ? "" : "; THE MODEL DOES NOT FIT");
   if (!isnan(o->descents.first_chi2))
-    fprintf(out, "        %.9g at the start\n", o->descents.first_chi2);
+    fprintf(out, "        %.6g at the start\n", o->descents.first_chi2);
 }
 
 static void show_correlation(const vs_estimate *e, FILE *out) {
@@ -105,7 +110,7 @@ static void show_directions(const vs_estimate *e, FILE *out) {
   for (size_t k = 0; k < e->n_directions; k++) {
     const vs_combination *c = &e->directions[k];
     print_share(c, share, sizeof share);
-    fprintf(out, "%12s %14.7g  %s\n", share, c->singular, c->text);
+    fprintf(out, "%12s %14.6g  %s\n", share, c->singular, c->text);
   }
   for (size_t k = 0; k < e->n_pairs; k++) {
     const vs_combination *c = &e->pairs[k];
@@ -134,7 +139,7 @@ static void show_datum(const vs_outcome *o, size_t n, FILE *out) {
     snprintf(error, sizeof error, "%.4g %%", 100 * d->error);
   else
     snprintf(error, sizeof error, "%.4g %s", d->error / factor, unit);
-  fprintf(out, "%-24s %14.7g %14.7g %-6s %12s %9.3f\n", name, d->value / factor,
+  fprintf(out, "%-24s %14.6g %14.6g %-6s %12s %9.3f\n", name, d->value / factor,
           o->estimate.computed[n] / factor, unit, error, o->estimate.residual[n]);
 }
 
@@ -178,7 +183,7 @@ static void show_sets(const vs_outcome *o, FILE *out) {
   fprintf(out, "\nrun it  vibrospice run %s", scene && scene->text ? scene->text : "paper");
   for (size_t k = 0; k < q->n_unknowns; k++)
     if (q->unknowns[k].run < 0)
-      fprintf(out, " --set %s=%.9g%s", q->unknowns[k].axis.key, o->estimate.value[k],
+      fprintf(out, " --set %s=%.7g%s", q->unknowns[k].axis.key, o->estimate.value[k],
               q->unknowns[k].axis.unit);
   fputc('\n', out);
 }
@@ -250,6 +255,13 @@ void vs_fitted_warnings(const vs_outcome *o, void (*each)(void *ctx, const char 
                 "the model does not fit: no values within the bounds come nearer than chi2 = %.4g, "
                 "which a true model has in %.2g of all cases; the estimates mean little",
                 o->estimate.minimum.chi2, o->estimate.probability);
+    warn(&w, &text);
+  }
+  if (o->estimate.probability > 1 - 1e-3) {
+    vs_text_add(&text,
+                "chi2 = %.4g is far below the %ld degrees of freedom: the errors are stated too "
+                "large, or they are not independent",
+                o->estimate.minimum.chi2, o->estimate.freedom);
     warn(&w, &text);
   }
   warn_of_unknowns(o, &w);

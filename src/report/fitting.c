@@ -113,10 +113,17 @@ vs_status vs_fitting_command(const vs_fitting_options *options, vs_error *err) {
 
 /* ---- for check ---- */
 
+/* It ends at the first mistake. */
 vs_status vs_fitting_check(const vs_check_options *options, vs_text *good, vs_error *err) {
   vs_inquiry *q = vs_alloc(1, sizeof *q);
-  vs_status status = vs_inquiry_read(options->name, options->sets, options->n_sets, NULL, q, err);
-  if (!status)
+  vs_error first = {
+      0}; /* without findings: what follows a mistake would be read from a half-made scene */
+  vs_status status =
+      vs_inquiry_read(options->name, options->sets, options->n_sets, NULL, q, &first);
+  if (status) {
+    first.findings = err->findings;
+    *err = first;
+  } else
     vs_text_add(good, "a good fit: %zu unknowns from %zu numbers and %zu priors, of %zu run%s",
                 q->n_unknowns, q->n_data, q->n_priors, q->n_runs, q->n_runs > 1 ? "s" : "");
   vs_inquiry_free(q);

@@ -23,8 +23,8 @@ typedef struct vs_fitting_options {
  * written or printed where the fit fails. */
 vs_status vs_fitting_command(const vs_fitting_options *options, vs_error *err);
 
-/* For the command `check`: reads a fit and adds a line that describes it. Errors: those of
- * vs_inquiry_read. */
+/* For the command `check`: reads a fit, up to its first mistake, and adds a line that describes it.
+ * Errors: those of vs_inquiry_read. */
 vs_status vs_fitting_check(const vs_check_options *options, vs_text *good, vs_error *err);
 
 #endif
