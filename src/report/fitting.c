@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/leave.h"
 #include "report/fitted.h"
 #include "report/found.h"
 #include "report/portrait.h"
@@ -90,7 +91,9 @@ static vs_status fit(const vs_fitting_options *options, const vs_inquiry *q, vs_
   vs_outcome *o = vs_alloc(1, sizeof *o);
   vs_status status = options->folder ? vs_file_folder_make(options->folder, &made, err) : VS_OK;
   bool folder = options->folder && !status;
+  if (made) vs_leave_remove(options->folder); /* a signal leaves no empty folder */
   if (!status) status = vs_outcome_of(q, o, err);
+  if (made) vs_leave_forget(options->folder);
   if (!status) say(options, o);
   if (!status && folder) status = write_files(options, o, err);
   if (status && folder) vs_file_folder_unmake(options->folder, made);
