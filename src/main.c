@@ -8,6 +8,7 @@
 
 #include "base/leave.h"
 #include "branch/branch.h"
+#include "branch/marks.h"
 #include "command/check.h"
 #include "command/command.h"
 #include "command/export.h"
@@ -98,6 +99,9 @@ static void explain_steady(vs_text *help) {
   vs_text_add(help, "  %-17s    %s\n  %-17s    %s\n", "reaction_NAME",
               "largest size of what springs and dampers do along the coordinate NAME",
               "reaction_NAME_rms", "its root mean square");
+  vs_text_add(help, "With --along it reports, besides points of the branch:\n");
+  for (const vs_mark_kind *const *kind = vs_mark_kinds; *kind; kind++)
+    vs_text_add(help, "  %-17s    %s\n", (*kind)->name, (*kind)->text);
   vs_text_add(help,
               "Orbits are computed on tier %s alone; a scene that would take another one "
               "wants --tier %s.\n",
@@ -281,6 +285,7 @@ static vs_status study(const vs_arguments *a, vs_error *err) {
                               .shard = a->shard,
                               .resume = a->resume,
                               .overwrite = a->overwrite,
+                              .alone = a->no_sharing,
                               .keep_runs = a->keep_runs,
                               .progress_json = a->progress_json,
                               .quiet = a->quiet,
@@ -320,6 +325,9 @@ static const struct argp_option STUDY_OPTIONS[] = {
                      "a line of JSON a second on standard output"),
     VS_COMMAND_VALUE("keep", VS_KEY_KEEP, "runs",
                      "stores each case's run.csv as DIR/runs/CASE/run.csv"),
+    VS_COMMAND_FLAG("no-sharing", VS_KEY_ALONE,
+                    "runs each case from its beginning, also where cases have the same past; the "
+                    "results are the same"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "no table, no progress"),
     VS_COMMAND_HELP,
     {0}};

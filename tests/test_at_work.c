@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "orbit/heat.h"
+#include "period/heat.h"
 #include "program.h"
 #include "sim/sim.h"
 
@@ -21,7 +21,8 @@ static vs_trial *bear(const char *lines, const char *until, bool at_work) {
   write_file("p.inc", part);
   write_file("d.cir",
              "*$ param t = p part\n*$ device t = v(x), i(Vs)\n*$ device r resistor = v(x), "
-             "i(Vs)\nIs 0 y PWL(0 0 1m 0 1.0001m 10 11m 10 11.0001m 0)\nVs y x 0\n"
+             "i(Vs)\n*$ device c capacitor = v(x), i(Vs)\nIs 0 y PWL(0 0 1m 0 1.0001m 10 11m 10 "
+             "11.0001m 0)\nVs y x 0\n"
              "Rx x 0 1\nRe e 0 1\nXeva e 0 eva\n");
   const char *sets[] = {"circuit.deck=d.cir", until, "run.max_step=20us", NULL};
   vs_trial *t = vs_trial_read("paper", "circuit", sets);
@@ -66,7 +67,8 @@ static void a_junction_at_work(void) {
     CU_ASSERT_STRING_EQUAL(heat.name, NAMES[k]);
     CLOSE(heat.value.value, values[k], 2e-5);
   }
-  CU_ASSERT_EQUAL(k, COUNT(NAMES)); /* the resistor has a measure power of its own */
+  CU_ASSERT_EQUAL(
+      k, COUNT(NAMES)); /* the resistor has a measure power of its own, the capacitor no heat */
   vs_trial_free(t);
   t = bear(ZTH, "run.until=20ms", false); /* from cold */
   double cold = 100 * (0.5 * -expm1(-10) - expm1(-0.5) + 2 * -expm1(-10e-3 / 30));
@@ -256,9 +258,9 @@ static void refused(void) {
       {"steady: {periods: 2}\n", "r.yaml:2:10: ", {"periods", "'period'"}},
       {"steady: {period: 0}\n", "r.yaml:2:18: ", {"period", "from 1"}},
       {"steady: {}\nset: {firing.every: once}\n", "r.yaml:2:1: ", {"firing.every", "once"}},
-      {"steady: {}\nset: {firing.every: 1, run.tier: circuit}\n",
+      {"steady: {}\nset: {firing.every: 1, run.tier: analytic}\n",
        "r.yaml:2:1: ",
-       {"circuit", "tier"}},
+       {"analytic", "tier"}},
       {"steady: {}\nset: {firing.every: 1}\nreport: [powr_in]\n",
        "r.yaml:4:10: ",
        {"powr_in", "'power_in'"}},

@@ -461,7 +461,7 @@ static vs_status try_bare(const char *netlist, bool only_load, bare *b, long *st
                         .dialect = "",
                         .relative_tolerance = 1e-4,
                         .current_tolerance_a = 1e-6};
-  const vs_circuit_host host = {b, bare_source, bare_forever, bare_forever, bare_accept, NULL};
+  const vs_circuit_host host = {b, bare_source, bare_forever, bare_forever, bare_accept, NULL, NULL, NULL};
   void *circuit = NULL;
   while ((lines[job.lines] = strsep(&rest, "\n"))) job.lines++;
   FILE *f = tmpfile();

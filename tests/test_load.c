@@ -223,6 +223,20 @@ static void range_of_the_speed(void) {
   free_ran(&r);
 }
 
+/* With material on the trough it is a warning, in a study's case too. */
+static void a_warning_where_it_matters(void) {
+  write_file("study.yaml", "set: {firing.every: 1, load.density: 0.1 g/cm3, load.fraction: 0.5}\n"
+                           "steady: {period: 1}\nvary: {firing.angle: [100 deg, 130 deg]}\n"
+                           "report: [throw_down, conveying_speed]\n");
+  ran r = run("study study.yaml --jobs 1 --quiet");
+  EXPECT(r.status == 0, "%s", r.err);
+  const char *first = strstr(r.out, "\n0,"), *second = first ? strstr(first, "\n1,") : NULL;
+  const char *said = first ? strstr(first, "conveying_speed is outside of its formula's") : NULL;
+  CU_ASSERT(first && second && said && said < second);
+  CU_ASSERT(second && !strstr(second, "outside of its formula"));
+  free_ran(&r);
+}
+
 /* ---- auto ---- */
 
 #define LOADED "paper --set firing.every=1 --set supply.voltage=230V --set load.density=0.5g/cm3 "
@@ -289,6 +303,19 @@ static void held_at_the_ends(void) {
   CU_ASSERT(r.status == 0 && strstr(r.err, "is held at 0.1: the throw coefficient"));
   CU_ASSERT(strstr(r.out, "load   fraction 0.1 of the material rides (auto: empirical") != NULL);
   free_ran(&r);
+}
+
+/* Near resonance a heavier trough swings further, and throws more: a share of 0.14 and one of 0.6
+ * both ask for themselves. The lesser one is taken, and the other is told; it does hold. */
+static void two_shares(void) {
+  static const char HEAVY[] = LOADED "--set load.density=1.5g/cm3 --set firing.angle=130deg --json";
+  ran r = run("steady %s --set load.fraction=auto", HEAVY), other = run("steady %s --set "
+                                                                        "load.fraction=0.6",
+                                                                        HEAVY);
+  CU_ASSERT(r.status == 0 && strstr(r.err, "load.fraction: auto is 0.137964, and 0.6 would"));
+  CLOSE(number(r.out, "load_fraction"), share_of(number(r.out, "throw_coefficient")), 1e-9);
+  CU_ASSERT(number(r.out, "other") == 0.6 && number(other.out, "throw_coefficient") > 3.3);
+  free_ran(&r), free_ran(&other);
 }
 
 /* What events name is changed; what they do not stays as it was found. */
@@ -367,6 +394,37 @@ static void a_change_of_nothing(void) {
   free_ran(&r);
 }
 
+/* ---- the page's example ---- */
+
+/* Copy of the first fenced block of that kind behind `at`. */
+static char *block(const char *at, const char *kind) {
+  char fence[32];
+  snprintf(fence, sizeof fence, "\n```%s\n", kind);
+  const char *begin = at ? strstr(at, fence) : NULL;
+  CU_ASSERT_PTR_NOT_NULL_FATAL(begin);
+  char *text = vs_copy(begin + strlen(fence));
+  *strstr(text, "\n```") = '\0';
+  return text;
+}
+
+static void the_page(void) {
+  char *page = read_file(VS_TEST_FOLDER "/../docs/operation.md");
+  const char *section = strstr(page, "\n## The load");
+  char *yaml = block(section, "yaml"), *lines = block(section, "sh"), *rest = lines, *line;
+  char *text = block(section, "text"), *expected = text;
+  vs_text said = {0};
+  write_file("charge.yaml", yaml);
+  while ((line = strsep(&rest, "\n"))) {
+    ran r = run("%s", line + strlen("vibrospice "));
+    EXPECT(r.status == 0, "%s: %s", line, r.err);
+    vs_text_add(&said, "%s", r.out);
+    free_ran(&r);
+  }
+  while ((line = strsep(&expected, "\n"))) EXPECT(strstr(said.text, line), "not said: %s", line);
+  vs_text_free(&said);
+  free(text), free(lines), free(yaml), free(page);
+}
+
 static const vs_test TESTS[] = {
     {"an event is two runs", an_event_is_two_runs},
     {"what arrives has the trough's velocity", momentum_and_energy},
@@ -374,12 +432,15 @@ static const vs_test TESTS[] = {
     {"an event at work", an_event_at_work},
     {"numbers of the throw", numbers_of_the_throw},
     {"range of the conveying speed", range_of_the_speed},
+    {"a warning where it matters", a_warning_where_it_matters},
     {"auto is the share of its own orbit", the_share_of_its_own_orbit},
     {"auto is held at the ends", held_at_the_ends},
+    {"two shares", two_shares},
     {"events behind auto", events_behind_auto},
     {"what is refused", what_is_refused},
     {"keys of a machine", keys_of_a_machine},
     {"a change of nothing", a_change_of_nothing},
+    {"the page's example", the_page},
 };
 
 int main(void) {

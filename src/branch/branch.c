@@ -57,13 +57,24 @@ static vs_status say(const vs_walk *w, const vs_run_options *o, vs_error *err) {
   return status;
 }
 
+/* A branch wants the run's exact derivatives. */
+static vs_status refuse_tier(const vs_scene *s, vs_error *err) {
+  const char *known = vs_tiers_automatic(false)->name;
+  if (!s->tier->has_circuit && !s->tier->gap_at_rest) return VS_OK;
+  return vs_fail(
+      err, VS_INPUT,
+      "steady --along: this is tier %s (%s), and branches are followed on tier %s alone; "
+      "write --tier %s, or run.tier: %s",
+      s->tier->name, s->why, known, known, known);
+}
+
 static vs_status follow(const vs_branch_options *o, vs_scene *scene, vs_error *err) {
   vs_along along = {0};
   vs_walk walk = {0};
-  vs_status status =
-      vs_tiers_require_orbits("steady --along", scene->tier, scene->why, (vs_where){0}, err);
+  vs_status status = refuse_tier(scene, err);
   if (!status) status = vs_along_read(&along, scene, &o->words, err);
   if (!status) status = vs_walk_go(&walk, &along, o->periods, o->run->stop, err);
+  if (!status) status = vs_along_move(&along, along.from, err); /* which the files tell of */
   if (!status) status = say(&walk, o->run, err);
   vs_walk_free(&walk);
   vs_along_free(&along);

@@ -21,8 +21,8 @@ static const part PARTS[] = {
 };
 enum { N_PARTS = sizeof PARTS / sizeof *PARTS };
 
-static bool is_of(const vs_walk *w, const vs_path_point *at, const part *p) {
-  return (at->unstable > 0) == p->unstable && (*vs_rows_beyond(w, at) != 0) == p->beyond;
+static bool is_of(const vs_path_point *at, const part *p) {
+  return (at->unstable > 0) == p->unstable && (*vs_rows_beyond(at) != 0) == p->beyond;
 }
 
 static void add_point(const vs_walk *w, const vs_path_point *at, bool largest, vs_text *script) {
@@ -37,7 +37,7 @@ static void add_pieces(const vs_walk *w, const part *p, bool largest, vs_text *s
   bool was = false;
   for (size_t r = 0; r < w->count; r++) {
     const vs_path_point *at = &w->row[r].at;
-    bool is = is_of(w, at, p);
+    bool is = is_of(at, p);
     if (is && !was && r) add_point(w, &w->row[r - 1].at, largest, script);
     if (is) add_point(w, at, largest, script);
     if (!is && was) vs_text_add(script, "\n");
@@ -48,7 +48,7 @@ static void add_pieces(const vs_walk *w, const part *p, bool largest, vs_text *s
 
 static bool has_part(const vs_walk *w, const part *p) {
   for (size_t r = 0; r < w->count; r++)
-    if (is_of(w, &w->row[r].at, p)) return true;
+    if (is_of(&w->row[r].at, p)) return true;
   return false;
 }
 

@@ -69,19 +69,14 @@ static int stops_of(const vs_model *m) {
   return m->stops.count;
 }
 
-/* Without a stop: how far the least travel is from the pole cover. */
 static double of_pole(const vs_marks_span *s, const vs_path_point *at, int which) {
-  const vs_model *m = s->model;
-  (void)which;
-  if (!m->coil.law->poles || (m->stops.count && m->stops.item[0].side > 0)) return NAN;
-  return at->turns.least.best.value + m->actuator.gap_m;
+  (void)s, (void)which;
+  return at->pole_m;
 }
 
-/* The gap that is left, pole cover and all. */
 static double of_iron(const vs_marks_span *s, const vs_path_point *at, int which) {
-  (void)which;
-  if (!s->model->coil.law->poles) return NAN;
-  return vs_coil_gap(&s->model->coil, at->turns.least.best.value);
+  (void)s, (void)which;
+  return at->iron_m;
 }
 
 static double of_firings(const vs_marks_span *s, const vs_path_point *at, int which) {
@@ -195,6 +190,16 @@ static bool try(vs_path *p, const chord *c, const end *lo, const end *hi, end *a
   return !vs_path_solve(p, &plane, &at->at, &why);
 }
 
+/* The same where the iteration failed at a point between the ends: at others. */
+static bool try_beside(vs_path *p, const chord *c, const end *lo, const end *hi, end *at) {
+  static const double PARTS[] = {0.5, 0.25, 0.75, 0.1, 0.9};
+  for (size_t k = 0; k < sizeof PARTS / sizeof *PARTS; k++) {
+    at->s = lo->s + PARTS[k] * (hi->s - lo->s);
+    if (try(p, c, lo, hi, at)) return true;
+  }
+  return false;
+}
+
 bool vs_mark_middle(vs_path *p, const vs_marks_span *span, double part, vs_path_point *at) {
   const chord c = chord_of(p, span);
   const end lo = {.at = *span->a}, hi = {.s = c.length, .at = *span->b};
@@ -229,7 +234,8 @@ bool vs_mark_locate(vs_path *p, const vs_marks_span *span, vs_mark *mark, vs_pat
     /* halving alone would have come down to first/2^n */
     double slack = fmax(ldexp(first, 1 - n) - (hi.s - lo.s) / 2, 0);
     mid.s = next(&lo, &hi, first, slack);
-    if (mid.s == lo.s || mid.s == hi.s || !try(p, &c, &lo, &hi, &mid)) break;
+    if (mid.s == lo.s || mid.s == hi.s) break;
+    if (!try(p, &c, &lo, &hi, &mid) && !try_beside(p, &c, &lo, &hi, &mid)) break;
     mid.value = mark->kind->value(span, &mid.at, mark->which);
     if ((mid.value > 0) == (lo.value > 0))
       lo = mid;

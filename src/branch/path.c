@@ -147,6 +147,14 @@ static bool solve(const vs_path *p, const vs_path_plane *plane, const double *z,
   return true;
 }
 
+/* How near the orbit comes to the ends of the gap, of the machine at this value of the key. */
+static void measure_room(vs_path_point *at, const vs_model *m) {
+  double least = at->turns.least.best.value;
+  bool stop = m->stops.count && m->stops.item[0].side > 0;
+  at->pole_m = m->coil.law->poles && !stop ? least + m->actuator.gap_m : NAN;
+  at->iron_m = m->coil.law->poles ? vs_coil_gap(&m->coil, least) : NAN;
+}
+
 /* What the last run of the iteration tells of the orbit. */
 static vs_status conclude(const vs_path *p, vs_path_point *at, image *im, vs_error *err) {
   const vs_flight *f = &im->flight;
@@ -165,6 +173,7 @@ static vs_status conclude(const vs_path *p, vs_path_point *at, image *im, vs_err
   }
   if (!vs_multipliers_find(p->count, monodromy, scale, at->multiplier))
     return vs_fail(err, VS_RUN, "the orbit's multipliers cannot be found");
+  measure_room(at, &f->given->setup.model);
   at->unstable = 0;
   for (int k = 0; k < p->count; k++)
     at->unstable += hypot(at->multiplier[k].re, at->multiplier[k].im) >= 1;

@@ -31,6 +31,9 @@ typedef struct vs_path_point {
   vs_multiplier multiplier[VS_ORBIT_STATES]; /* the largest first */
   int unstable;                              /* how many lie on the unit circle or beyond */
   vs_turns turns;
+  double pole_m; /* how far the least travel is from the pole cover, where no stop is before it, m;
+                    NaN: that is no bound of this machine */
+  double iron_m; /* the gap that is left at the least travel, pole cover and all, m; likewise */
 } vs_path_point;
 
 typedef struct vs_path {

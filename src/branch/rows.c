@@ -14,12 +14,9 @@ static const vs_model *model_of(const vs_walk *w) {
   return &w->along->scene->setup.model;
 }
 
-const char *vs_rows_beyond(const vs_walk *w, const vs_path_point *at) {
-  const vs_model *m = model_of(w);
-  double least = at->turns.least.best.value;
-  if (!m->coil.law->poles) return "";
-  if (vs_coil_gap(&m->coil, least) <= 0) return "iron";
-  return vs_mechanics_closed(m, least) ? "pole_cover" : "";
+const char *vs_rows_beyond(const vs_path_point *at) {
+  if (at->iron_m <= 0) return "iron";
+  return at->pole_m < 0 ? "pole_cover" : "";
 }
 
 /* The key of a fold is known better by far than its multiplier, which goes with the square root of
@@ -112,7 +109,7 @@ void vs_rows_csv(const vs_walk *w, int digits, FILE *out) {
     fprintf(out, "%.*g", digits > DIGITS ? digits : DIGITS, row->at.z[w->path.count]);
     for (int i = 0; i < 2 * dof; i++) fprintf(out, ",%.*g", digits, row->at.turns.of[i].best.value);
     for (int k = 0; k < N_COLUMNS; k++) fprintf(out, ",%.*g", digits, COLUMNS[k].value(&row->at));
-    fprintf(out, ",%s,%s,%s,", state_of(w, row), vs_rows_beyond(w, &row->at), mark_of(row));
+    fprintf(out, ",%s,%s,%s,", state_of(w, row), vs_rows_beyond(&row->at), mark_of(row));
     if (row->mark.kind) fprintf(out, "%.2g", row->mark.error);
     fputc('\n', out);
   }
@@ -142,7 +139,7 @@ static void add_end(const vs_walk *w, vs_text *text) {
 
 static void add_row(const vs_walk *w, const vs_walk_row *row, vs_json *json) {
   const vs_model *m = model_of(w);
-  const char *beyond = vs_rows_beyond(w, &row->at);
+  const char *beyond = vs_rows_beyond(&row->at);
   vs_json_object(json, NULL, VS_JSON_ROW);
   if (row->mark.kind) {
     vs_json_text(json, "kind", row->mark.kind->name);
@@ -198,7 +195,7 @@ void vs_rows_json(const vs_walk *w, vs_text *text) {
 
 static void print_row(const vs_walk *w, const vs_walk_row *row, FILE *out) {
   const vs_path_point *at = &row->at;
-  const char *beyond = vs_rows_beyond(w, at);
+  const char *beyond = vs_rows_beyond(at);
   fprintf(out, "%18.12g %14.7g %14.7g %5.0f %12.5g %12.9f  %-9s %-10s", at->z[w->path.count],
           1e3 * least(at), 1e3 * largest(at), contacts(at), speed(at), size(at), state_of(w, row),
           beyond);
@@ -213,6 +210,11 @@ static void print_kinds(const vs_walk *w, FILE *out) {
     for (size_t r = 0; r < w->count; r++) count += w->row[r].mark.kind == *kind;
     if (count) fprintf(out, "%-10s %3d  %s\n", (*kind)->name, count, (*kind)->text);
   }
+  for (size_t r = 0; r < w->count; r++)
+    if (*vs_rows_beyond(&w->row[r].at)) {
+      fputs("beyond: computed as if there were room; the machine has no such orbit\n", out);
+      break;
+    }
 }
 
 void vs_rows_print(const vs_walk *w, FILE *out) {

@@ -10,7 +10,8 @@
 /* Writes branch.csv: a row for each point and mark, in the order along the branch. */
 void vs_rows_csv(const vs_walk *walk, int digits, FILE *out);
 
-/* Adds branch.json: the scene at the last value of the key, the branch, its points and its marks.
+/* Adds branch.json: the scene, with the key at its first value, the branch, its points and its
+ * marks.
  */
 void vs_rows_json(const vs_walk *walk, vs_text *text);
 
@@ -19,6 +20,6 @@ void vs_rows_print(const vs_walk *walk, FILE *out);
 
 /* What the gap cannot do: "pole_cover", the armature goes beyond it, and there is no stop; "iron",
  * it goes where no gap is left. "": the orbit is one of the machine. */
-const char *vs_rows_beyond(const vs_walk *walk, const vs_path_point *at);
+const char *vs_rows_beyond(const vs_path_point *at);
 
 #endif

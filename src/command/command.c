@@ -103,6 +103,9 @@ static error_t parse_value(parser *p, int key, char *value) {
   case VS_KEY_PROGRESS:
     a->progress_json = true;
     return strcmp(value, "json") ? fail_with(p, "--progress: there is: json") : 0;
+  case VS_KEY_ALONE:
+    a->no_sharing = true;
+    return 0;
   case VS_KEY_KEEP:
     a->keep_runs = true;
     return strcmp(value, "runs") ? fail_with(p, "--keep: there is: runs") : 0;

@@ -20,7 +20,7 @@ typedef struct vs_arguments {
   const char *tier, *output, *deck, *machine, *overlay, *shard, *of, *to, *along, *step, *at,
       *profile;
   bool json, quiet, reproducible, raw, list, help, resume, overwrite, keep_runs, progress_json,
-      steady;
+      steady, no_sharing;
   int digits; /* 1..17 */
   int jobs;   /* 0: not given */
   int period; /* 1 or more */
@@ -69,6 +69,7 @@ enum {
   VS_KEY_TIMEOUT,
   VS_KEY_PROGRESS,
   VS_KEY_KEEP,
+  VS_KEY_ALONE,
   VS_KEY_PROFILE
 };
 

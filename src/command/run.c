@@ -214,6 +214,7 @@ static vs_status close_files(audience *a, vs_status ran, const char *json, vs_er
 static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {
   audience *a = ctx;
   a->scene = scene;
+  if (a->more && a->more->begin) a->more->begin(a->more->ctx, scene);
   vs_status status = a->options->folder ? open_files(a, err) : VS_OK;
   scene->order.raw = a->raw.stream;
   a->began_s = wall_clock();

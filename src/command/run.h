@@ -29,6 +29,7 @@ typedef struct vs_run_options {
 /* What another command makes of a run of its own. Members may be NULL. */
 typedef struct vs_run_more {
   void *ctx;
+  void (*begin)(void *ctx, vs_scene *scene);          /* an attempt at the run begins */
   void (*accept)(void *ctx, const vs_step *step);     /* is shown every step */
   void (*finish)(void *ctx, const vs_result *result); /* the run is whole; nothing is written */
   void (*show)(const void *ctx, FILE *out);           /* prints what stands before the table */

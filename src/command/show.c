@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "scene/shown.h"
+#include "scene/tiers.h"
 #include "syntax/units.h"
 
 /* "  12.3 % +- 0.04 %  held" */
@@ -129,8 +130,10 @@ static void print_head(const vs_result *r, FILE *out) {
   if (vs_setup_found_fraction(&s->setup))
     fprintf(out,
             "load   fraction %.9g of the material rides (auto: empirical, by the throw coefficient "
-            "%.6g on the orbit)\n",
-            s->setup.model.riding, s->setup.throw_coefficient);
+            "%.6g on the orbit%s%s)\n",
+            s->setup.model.riding, s->setup.throw_coefficient,
+            s->tier == vs_tiers_automatic(false) ? "" : " of tier ",
+            s->tier == vs_tiers_automatic(false) ? "" : vs_tiers_automatic(false)->name);
   if (r->watchers.devices)
     fprintf(out, "means over %.9g..%.9g s\n", s->setup.means.from_s, s->setup.means.to_s);
   fputc('\n', out);

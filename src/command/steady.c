@@ -5,8 +5,8 @@
 #include <stdlib.h>
 
 #include "base/text.h"
-#include "orbit/classes.h"
 #include "orbit/steady.h"
+#include "period/classes.h"
 
 enum { DIGITS = 12, SHOWN = 10 /* the last harmonic in the table; JSON has all */ };
 
@@ -62,9 +62,10 @@ static void add_measures(const void *ctx, vs_json *json) {
   }
 }
 
-static void add_multipliers(const vs_orbit *orbit, vs_json *json) {
+static void add_multipliers(const vs_steady *s, vs_json *json) {
+  const vs_orbit *orbit = &s->orbit;
   vs_json_array(json, "multipliers", VS_JSON_LINES);
-  for (int k = 0; k < orbit->count; k++) {
+  for (int k = 0; k < vs_steady_multipliers(s); k++) {
     vs_json_object(json, NULL, VS_JSON_ROW);
     vs_json_number(json, "re", orbit->multiplier[k].re, DIGITS);
     vs_json_number(json, "im", orbit->multiplier[k].im, DIGITS);
@@ -117,10 +118,13 @@ static void add_members(const void *ctx, vs_json *json) {
   const vs_steady *s = ctx;
   vs_json_whole(json, "period", s->orbit.n);
   vs_json_number(json, "period_s", s->orbit.period_s, DIGITS);
-  vs_json_whole(json, "iterations", s->orbit.iterations);
+  if (s->picard)
+    vs_json_whole(json, "cycles", s->picard->cycles);
+  else
+    vs_json_whole(json, "iterations", s->orbit.iterations);
   vs_json_number(json, "correction", s->orbit.residual, 3);
   vs_json_bool(json, "stable", s->orbit.stable);
-  add_multipliers(&s->orbit, json);
+  add_multipliers(s, json);
   add_harmonics(s, json);
   add_classes(s, json);
   add_material(s, json);
@@ -139,9 +143,14 @@ static void print_multiplier(const vs_orbit *orbit, int k, FILE *out) {
     fprintf(out, "%14s\n", "-");
 }
 
-static void print_multipliers(const vs_orbit *orbit, FILE *out) {
+static void print_multipliers(const vs_steady *s, FILE *out) {
+  const vs_orbit *orbit = &s->orbit;
+  if (!vs_steady_multipliers(s)) {
+    fprintf(out, "multipliers  not resolved: %s\n", s->picard->missing);
+    return;
+  }
   fprintf(out, "%-10s %15s %15s %15s %14s\n", "multiplier", "re", "im", "size", "decays in");
-  for (int k = 0; k < orbit->count; k++) print_multiplier(orbit, k, out);
+  for (int k = 0; k < vs_steady_multipliers(s); k++) print_multiplier(orbit, k, out);
   fprintf(out, "%s: the largest multiplier is %s\n", orbit->stable ? "stable" : "unstable",
           orbit->stable ? "below 1" : "1 or more, so that the machine does not stay on this orbit");
 }
@@ -176,9 +185,10 @@ static void show(const void *ctx, FILE *out) {
   const vs_steady *s = ctx;
   const vs_orbit *orbit = &s->orbit;
   vs_steady_measure m;
-  fprintf(out, "orbit  of %.9g s, period %d, in %d iterations; the last corrected it by %.1g\n\n",
-          orbit->period_s, orbit->n, orbit->iterations, orbit->residual);
-  print_multipliers(orbit, out);
+  fprintf(out, "orbit  of %.9g s, period %d, in %d %s; the last corrected it by %.1g\n\n",
+          orbit->period_s, orbit->n, s->picard ? s->picard->cycles : orbit->iterations,
+          s->picard ? "cycles" : "iterations", orbit->residual);
+  print_multipliers(s, out);
   print_harmonics(s, out);
   print_classes(s, out);
   fprintf(out, "\n%-18s %16s\n", "over a period", "computed");
@@ -199,27 +209,29 @@ typedef struct reporter {
   bool quiet;
 } reporter;
 
+static void begin(void *ctx, vs_scene *scene) {
+  reporter *r = ctx;
+  r->scene = scene;
+  vs_steady_again(&r->steady, scene);
+}
+
 static void accept(void *ctx, const vs_step *step) {
   vs_steady_accept(ctx, step);
 }
 
 static void finish(void *ctx, const vs_result *result) {
   reporter *r = ctx;
+  const vs_warnings *w = &r->scene->warnings;
+  size_t said = w->count;
   vs_steady_finish(&r->steady, result);
-  vs_value down = vs_throw_down(&r->steady.thrown);
-  if (!vs_throw_speed(&r->steady.thrown).known || down.value <= vs_throw_most) return;
-  vs_error *warning = vs_warnings_add(&r->scene->warnings);
-  vs_fail(warning, VS_OK,
-          "conveying_speed is outside of its formula's range, throw_down up to %.4g: this is %.4g, "
-          "and the material flies for longer than a swing",
-          vs_throw_most, down.value);
-  if (!r->quiet) fprintf(stderr, "vibrospice: warning: %s\n", vs_warnings_text(warning));
+  for (size_t k = said; k < w->count && !r->quiet; k++)
+    fprintf(stderr, "vibrospice: warning: %s\n", vs_warnings_text(&w->item[k]));
 }
 
 static vs_status report(const vs_run_options *o, int periods, vs_scene *scene, vs_error *err) {
   reporter *r = vs_alloc(1, sizeof *r);
   vs_steady *s = &r->steady;
-  const vs_run_more more = {r, accept, finish, show, {r, add_measures, add_members}};
+  const vs_run_more more = {r, begin, accept, finish, show, {r, add_measures, add_members}};
   vs_status status = vs_steady_begin(s, scene, periods, err);
   r->scene = scene;
   r->quiet = o->quiet;

@@ -6,6 +6,7 @@
 
 #include "scene/sections.h"
 #include "scene/shown.h"
+#include "scene/tiers.h"
 #include "scene/version.h"
 #include "syntax/units.h"
 
@@ -78,9 +79,11 @@ static void add_fraction(vs_json *json, const vs_setup *s) {
   vs_json_number(json, "value", s->model.riding, DIGITS);
   vs_json_number(json, "throw_coefficient", s->throw_coefficient, DIGITS);
   vs_json_text(json, "from", "empirical: the paper's range, below Eq. 88, on the scene's orbit");
+  vs_json_text(json, "orbit_tier", vs_tiers_automatic(false)->name);
   vs_json_bool(json, "held",
                vs_model_load_range.least_k > s->throw_coefficient ||
                    vs_model_load_range.most_k < s->throw_coefficient);
+  if (!isnan(s->other_fraction)) vs_json_number(json, "other", s->other_fraction, DIGITS);
   vs_json_end(json);
 }
 

@@ -77,6 +77,14 @@ void vs_anode_take(vs_anode *a, const vs_knot *last) {
   }
 }
 
+void vs_anode_wind(vs_anode *a, double by_s) {
+  a->out_s -= by_s;
+  for (size_t k = 0; k < a->count; k++) {
+    a->item[k].crosses_s -= by_s;
+    vs_conduction_wind(&a->item[k].conduction, by_s);
+  }
+}
+
 static vs_event follow(vs_anode_current *m, const vs_timeline *timeline, const vs_knot *from,
                        const vs_knot *to, double *event_s) {
   const vs_conduction_step step = {from->t_s,           to->t_s,

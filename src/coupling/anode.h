@@ -33,6 +33,9 @@ typedef struct vs_anode {
 /* Finds the currents. The deck and the timeline must outlive *a. */
 void vs_anode_begin(vs_anode *a, const vs_deck *deck, const vs_timeline *timeline);
 
+/* The clock is set back by by_s: all instants it remembers move with it. */
+void vs_anode_wind(vs_anode *a, double by_s);
+
 /* Returns what the anode current did in the step just shown, and sets *event_s to when, s. */
 vs_event vs_anode_follow(vs_anode *a, const vs_knot *from, const vs_knot *to, double *event_s);
 

@@ -121,7 +121,7 @@ vs_status vs_away_follow(vs_away *a, double t_s, const double *signals, vs_error
 
 bool vs_away_enough(const vs_away *a) {
   double until_s = a->course->setup->run.until_s;
-  return a->ends || (a->shift_s > 0 &&
+  return a->ends || (a->shift_s != 0 &&
                      vs_course_last(a->course)->t_s >= until_s - vs_occurrence_rounding(until_s));
 }
 

@@ -23,8 +23,9 @@ typedef struct vs_away {
   bool follows;           /* the solver is led */
   double follows_until_s; /* while it is */
   double lead_rate_1_s;   /* how fast it is led */
-  double shift_s;         /* the run's time less the solver's: the cycles it was left for */
-  double goal_s;          /* when the stand-in is at `goal`; -1: at no time */
+  double shift_s; /* the run's time less the solver's: the cycles it was left for, less those
+                     of the prelude */
+  double goal_s;  /* when the stand-in is at `goal`; -1: at no time */
   vs_knot goal;
 } vs_away;
 

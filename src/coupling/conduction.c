@@ -34,6 +34,12 @@ void vs_conduction_begin(vs_conduction *c) {
       .leak_s = NAN, .low_s = NAN, .before_s = NAN, .before_a = NAN, .foot_s = NAN, .foot_a = NAN};
 }
 
+void vs_conduction_wind(vs_conduction *c, double by_s) {
+  c->low_s -= by_s;
+  c->before_s -= by_s;
+  c->foot_s -= by_s;
+}
+
 /* Of all that it drew while it blocked in parts of the voltage the least counts: a capacitance's
  * current comes on top of leakage as the voltage grows, and that of a conduction on top of both.
  * More than LEAKS_S is none. */

@@ -38,6 +38,9 @@ typedef struct vs_conduction {
 } vs_conduction;
 void vs_conduction_begin(vs_conduction *c);
 
+/* The clock is set back by by_s. */
+void vs_conduction_wind(vs_conduction *c, double by_s);
+
 /* The current that the device draws beyond its leakage, A. */
 double vs_conduction_current(const vs_conduction *c, double i_a, double v_v);
 

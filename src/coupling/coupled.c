@@ -19,6 +19,7 @@
 #include "coupling/course.h"
 #include "coupling/names.h"
 #include "coupling/pace.h"
+#include "coupling/prelude.h"
 #include "coupling/swing.h"
 #include "deck/netlist.h"
 #include "drive/events.h"
@@ -32,12 +33,13 @@ typedef struct coupling {
   vs_names *names; /* owned */
   vs_course course;
   vs_away away;
+  vs_prelude prelude;
 } coupling;
 
 /* ---- the solver's host ---- */
 
 static double run_time(const coupling *c, double solver_s) {
-  return solver_s + c->away.shift_s;
+  return vs_prelude_time(&c->prelude, solver_s, c->away.shift_s);
 }
 
 static double source(void *ctx, size_t port, double solver_s) {
@@ -47,15 +49,16 @@ static double source(void *ctx, size_t port, double solver_s) {
   if (port == of_deck + VS_EVA_PORT_GAP) return vs_course_gap(&c->course, t_s);
   if (port > of_deck) return vs_away_lead(&c->away, port - of_deck, t_s);
   const vs_port *p = &c->setup->deck.ports[port];
-  return vs_signals_voltage(&c->setup->timeline, &p->signal, t_s);
+  double push_v = p->signal.drive == VS_PORT_MAINS ? vs_prelude_push(&c->prelude, t_s) : 0;
+  return push_v + vs_signals_voltage(&c->course.setup->timeline, &p->signal, t_s);
 }
 
 static double edge(void *ctx, double solver_s) {
-  const coupling *c = ctx;
+  coupling *c = ctx;
   if (c->course.anode.crossed || c->swing.anew) return solver_s; /* the solver's rule begins anew */
-  double next_s = vs_setup_edge(c->setup, run_time(c, solver_s));
-  if (c->away.shift_s > 0) next_s = fmin(next_s, c->setup->run.until_s);
-  return next_s - c->away.shift_s;
+  double next_s = vs_setup_edge(c->course.setup, run_time(c, solver_s));
+  if (c->away.shift_s != 0 && !c->prelude.on) next_s = fmin(next_s, c->setup->run.until_s);
+  return vs_prelude_edge(&c->prelude, next_s) - c->away.shift_s;
 }
 
 static double longest(void *ctx, double solver_s) {
@@ -65,12 +68,25 @@ static double longest(void *ctx, double solver_s) {
   double most = fmin(c->pace.max_step_s, vs_swing_longest(&c->swing));
   most = fmin(most,
               vs_anode_longest(&course->anode, before, vs_course_last(course), c->pace.max_step_s));
-  return fmin(most, vs_events_longest(&c->setup->timeline.events, run_time(c, solver_s)));
+  return fmin(most, vs_events_longest(&course->setup->timeline.events, run_time(c, solver_s)));
+}
+
+/* Asks whoever may make another run of this one; in a prelude there is nobody, as the events come
+ * behind it. All that the events of the setup do is asked of
+ * the setup, whenever it is needed; only the instant of the jam is kept elsewhere. */
+static vs_status reach_junction(coupling *c, double t_s, vs_error *err) {
+  const vs_junction *junction = c->order->junction;
+  if (!junction) return VS_OK;
+  vs_status status = junction->reach(junction->ctx, t_s, err);
+  c->course.jams_s = vs_setup_jams(c->setup);
+  return status;
 }
 
 static vs_status accept(void *ctx, double solver_s, const double *signals, vs_error *err) {
   coupling *c = ctx;
   double t_s = run_time(c, solver_s);
+  vs_status status = c->prelude.on ? VS_OK : reach_junction(c, t_s, err);
+  if (status) return status;
   if (c->away.follows) return vs_away_follow(&c->away, t_s, signals, err);
   const vs_knot *from = vs_course_last(&c->course);
   vs_knot next; /* vs_course_move gives it its state */
@@ -80,13 +96,25 @@ static vs_status accept(void *ctx, double solver_s, const double *signals, vs_er
   next.flux_rate2_v_s = (next.flux_rate_v - from->flux_rate_v) / (t_s - from->t_s);
   next.flux_rate3_v_s2 = 0; /* not known; a cubic's weight for it is 0 */
   vs_swing_take(&c->swing, from, &next);
-  vs_status status = vs_course_move(&c->course, &next, err);
-  return status ? status : vs_away_consider(&c->away, signals, err);
+  status = vs_course_move(&c->course, &next, err);
+  if (status) return status;
+  if (!c->prelude.on) return vs_away_consider(&c->away, signals, err);
+  status = vs_prelude_follow(&c->prelude, &c->course, &c->away.shift_s, err);
+  return status || c->prelude.on ? status : reach_junction(c, 0, err);
 }
 
 static bool enough(void *ctx) {
   const coupling *c = ctx;
-  return vs_away_enough(&c->away);
+  return !c->prelude.on && vs_away_enough(&c->away);
+}
+
+static double clock_at(void *ctx, double solver_s) {
+  return run_time(ctx, solver_s);
+}
+
+static bool hides(void *ctx) {
+  const coupling *c = ctx;
+  return c->prelude.on;
 }
 
 /* ---- a run ---- */
@@ -103,7 +131,7 @@ static vs_circuit_job job_of(const coupling *c) {
                           .signals = c->names->signals,
                           .n_signals = c->names->n_signals,
                           .n_wanted = 2 * c->names->n_memories,
-                          .until_s = setup->run.until_s,
+                          .until_s = vs_prelude_until(&c->prelude),
                           .gear = setup->run.gear,
                           .dialect = setup->deck.compat,
                           .max_step_s = c->pace.max_step_s,
@@ -125,7 +153,7 @@ static vs_status go(coupling *c, vs_error *err) {
   const vs_circuit_kind *solver = c->order->solver;
   vs_deck_value standard[VS_STANDARD];
   vs_circuit_job job = job_of(c);
-  const vs_circuit_host host = {c, source, edge, longest, accept, enough};
+  const vs_circuit_host host = {c, source, edge, longest, accept, enough, clock_at, hides};
   char **netlist = NULL;
   void *circuit = NULL;
   vs_setup_standard(setup, standard);
@@ -150,14 +178,16 @@ static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_
                 .pace = vs_pace_of(setup),
                 .swing = vs_swing_of(setup),
                 .names = vs_alloc(1, sizeof *c.names)};
-  vs_course_begin(&c.course, setup, &frame, observer);
+  vs_prelude_begin(&c.prelude, setup, order, observer);
+  vs_course_begin(&c.course, vs_prelude_setup(&c.prelude), &frame, vs_prelude_observer(&c.prelude));
+  c.course.frame.timeline = &c.course.setup->timeline;
   vs_away_begin(&c.away, order, &c.course, c.names, c.pace.max_step_s);
   vs_names_of(&setup->deck, vs_away_memories(&c.away), c.names);
   vs_status s = go(&c, err);
   vs_away_end(&c.away);
   vs_course_end(&c.course);
   free(c.names);
-  return s;
+  return vs_prelude_end(&c.prelude, s, err);
 }
 
 /* What stands between the mains and the deck, and what its solver alone is told. */

@@ -54,8 +54,8 @@ static void complete(const vs_course *c, vs_knot *k) {
 
 vs_status vs_course_show(vs_course *c, const vs_knot *k, vs_event what, vs_error *err) {
   vs_knot *from = &c->knots[c->now], *to = &c->knots[1 - c->now];
-  if (from->t_s == 0)
-    memcpy(from->terms, k->terms, sizeof k->terms); /* the solver shows none at t = 0 */
+  if (c->blank) memcpy(from->terms, k->terms, sizeof k->terms);
+  c->blank = false;
   vs_step step = {.frame = &c->frame,
                   .from = from,
                   .to = to,
@@ -172,12 +172,32 @@ void vs_course_begin(vs_course *c, const vs_setup *setup, const vs_frame *frame,
                    .frame = *frame,
                    .observer = observer,
                    .candidate_s = -1,
+                   .blank = true,
                    .jams_s = vs_setup_jams(setup)};
   take_model(c, m);
   c->knots[0] = vs_sim_start(setup, &c->frame);
   c->touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, c->knots[0].x));
   vs_anode_begin(&c->anode, &setup->deck, &setup->timeline);
   vs_motion_begin(&c->motion, m);
+}
+
+void vs_course_turn(vs_course *c, double by_s, const vs_setup *setup, const vs_observer *observer,
+                    const double *x) {
+  vs_knot *k = &c->knots[c->now];
+  c->setup = setup;
+  c->observer = observer;
+  c->frame.timeline = &setup->timeline;
+  c->anode.timeline = &setup->timeline;
+  take_model(c, &setup->model);
+  vs_motion_take(&c->motion, &setup->model);
+  c->jams_s = vs_setup_jams(setup);
+  vs_anode_wind(&c->anode, by_s);
+  c->knots[0].t_s -= by_s;
+  c->knots[1].t_s -= by_s;
+  memcpy(k->x, x, 2 * (size_t)setup->model.dof * sizeof *x);
+  c->touched = vs_stops_touched(&setup->model.stops, vs_mechanics_travel(&setup->model, x));
+  c->candidate_s = -1;
+  complete(c, k);
 }
 
 void vs_course_end(vs_course *c) {

@@ -23,9 +23,10 @@ typedef struct vs_course {
   double series_s;                     /* how far the travel's Taylor polynomial is good enough */
   double candidate_s, candidate_gap_m; /* the last question and answer of vs_course_gap; -1: the
                                           answer does not hold any more */
-  bool without;                        /* the steps shown are a stand-in's, not the solver's */
-  double bound;                        /* on the error of having left the solver so far, relative to
-                                          each probe's peak */
+  bool blank;   /* the last knot is the solver's first, of which it shows no terms */
+  bool without; /* the steps shown are a stand-in's, not the solver's */
+  double bound; /* on the error of having left the solver so far, relative to
+                   each probe's peak */
 } vs_course;
 
 /* Begins at t = 0. Setup and observer must outlive the course. It stays where it is made, as its
@@ -47,6 +48,11 @@ double vs_course_gap(vs_course *course, double t_s);
  * The step is cut where the armature meets or leaves its stop, and such an instant is shown from
  * either side. Errors: the observer's; VS_RUN where GSL cannot integrate. */
 vs_status vs_course_move(vs_course *course, vs_knot *end, vs_error *err);
+
+/* The last knot becomes the first of another part of the run: its clock is set back by by_s, the
+ * setup and the observer from there on are these, and the machine's state is x. */
+void vs_course_turn(vs_course *course, double by_s, const vs_setup *setup,
+                    const vs_observer *observer, const double *x);
 
 /* Shows the step from the last knot to `to`, which is copied. `what` happens at its end, besides
  * what the thyristor does. Errors: the observer's. */

@@ -34,7 +34,7 @@ vs_status vs_fan_begin(vs_fan *f, const vs_subject *subject, const char *key, vs
     s->setup = f->parameter.setup[k];
     s->frame = vs_sim_frame(s->tier, &s->setup);
     f->measured[k] = vs_alloc(1, sizeof *f->measured[k]);
-    vs_measured_begin(f->measured[k], s, subject->period ? &subject->orbit : NULL);
+    vs_measured_begin(f->measured[k], s, subject->periods ? &subject->orbit : NULL);
   }
   return VS_OK;
 }
@@ -52,28 +52,44 @@ void vs_fan_end(vs_fan *f) {
 
 /* ---- runs of their own ---- */
 
-static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
-  (void)result, (void)err;
-  vs_measured_accept(ctx, step);
+static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {
+  vs_measured *m = ctx;
+  (void)err;
+  if (m->period) vs_steady_again(&m->steady, scene);
   return VS_OK;
 }
 
-static vs_status run_one(vs_scene *scene, vs_measured *measured, vs_error *err) {
-  vs_result *none = vs_alloc(1, sizeof *none);
-  const vs_guest guest = {.ctx = measured, .accept = accept};
-  const vs_session session = {.guest = &guest, .bare = true};
-  vs_status status = vs_session_run(&session, scene, none, err);
-  if (!status) vs_measured_finish(measured);
-  vs_result_free(none);
-  free(none);
+static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+  vs_measured *m = ctx;
+  (void)result, (void)err;
+  if (m->period) vs_steady_accept(&m->steady, step);
+  return VS_OK;
+}
+
+/* Each run finds its own orbit, where it begins on one or is a period of one. */
+static vs_status run_one(vs_fan *f, const vs_subject *subject, int k, double tolerance,
+                         vs_error *err) {
+  vs_scene *scene = f->scene[k];
+  vs_measured *m = f->measured[k];
+  const vs_guest guest = {.ctx = m, .begin = begin, .accept = accept};
+  const vs_session session = {.guest = &guest, .steady = vs_steady_start};
+  vs_measured_free(m);
+  *m = (vs_measured){.period = subject->periods > 0};
+  *scene = *f->parameter.scene[f->parameter.idle ? 0 : k];
+  scene->setup.run.tolerance = tolerance;
+  scene->frame = vs_sim_frame(scene->tier, &scene->setup);
+  vs_status status = VS_OK;
+  if (m->period) status = vs_steady_begin(&m->steady, scene, subject->periods, err);
+  if (!status) status = vs_session_run(&session, scene, &m->result, err);
+  if (!status && m->period) vs_steady_finish(&m->steady, &m->result);
   return status;
 }
 
-vs_status vs_fan_run(vs_fan *f, vs_error *err) {
+vs_status vs_fan_run(vs_fan *f, const vs_subject *subject, double tolerance, vs_error *err) {
   vs_status status = VS_OK;
   for (int k = 0; k < RUNS && !status; k++) {
     vs_error why = {0};
-    status = run_one(f->scene[k], f->measured[k], &why);
+    status = run_one(f, subject, k, tolerance, &why);
     if (status && k)
       vs_fail(err, status, "with %s at %.6g of its value: %s", f->parameter.key.name,
               1 + f->parameter.at[k], why.text);

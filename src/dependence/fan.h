@@ -34,8 +34,9 @@ vs_status vs_fan_begin(vs_fan *fan, const vs_subject *subject, const char *key, 
                        double step, double tolerance, vs_error *err);
 void vs_fan_end(vs_fan *fan);
 
-/* Runs them all. Errors: those of vs_session_run. */
-vs_status vs_fan_run(vs_fan *fan, vs_error *err);
+/* Runs them all at run.tolerance, each from its own start or on its own orbit. Errors: those of
+ * vs_session_run and vs_steady_begin. */
+vs_status vs_fan_run(vs_fan *fan, const vs_subject *subject, double tolerance, vs_error *err);
 
 /* The derivative of the measure of that name. */
 vs_slope_of vs_fan_slope(const vs_fan *fan, const char *measure);

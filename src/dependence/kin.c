@@ -336,7 +336,7 @@ static vs_status look(pass *p, vs_error *err) {
   if (!status) status = go(p, take_instants, err);
   if (status) return status;
   double until = p->scene->setup.run.until_s;
-  add_instant(p, until, p->subject->period ? 0 : -until * p->parameter->slopes.clock);
+  add_instant(p, until, p->subject->periods ? 0 : -until * p->parameter->slopes.clock);
   find_scales(p);
   look_at_stretches(p);
   return go(p, take_sizes, err);
@@ -371,11 +371,4 @@ vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const char *key, v
   free(parameter);
   free(p);
   return status;
-}
-
-const char *vs_kin_declines(const vs_subject *subject) {
-  const vs_scene *s = subject->scene;
-  if (s->tier->has_circuit) return "the circuit's equations are its solver's own";
-  if (isfinite(vs_setup_jams(&s->setup))) return "the armature jams";
-  return NULL;
 }

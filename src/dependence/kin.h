@@ -19,8 +19,4 @@
 vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const char *key, vs_where where,
                       vs_error *err);
 
-/* Why the subject's run has no kin, as an event does what the equations above do not have; NULL: it
- * has. */
-const char *vs_kin_declines(const vs_subject *subject);
-
 #endif

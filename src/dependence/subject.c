@@ -1,15 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dependence/subject.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
 #include "orbit/steady.h"
 
+static const char *inexact(const vs_scene *s) {
+  const vs_setup *setup = &s->setup;
+  if (s->tier->has_circuit) return "the circuit's equations are its solver's own";
+  if (isfinite(vs_setup_jams(setup))) return "the armature jams";
+  if (setup->loads.count) return "the load changes";
+  if (setup->wants_fraction) return "load.fraction: auto is found by trial";
+  return NULL;
+}
+
 vs_status vs_subject_begin(vs_subject *s, const vs_scene *scene, int periods, vs_error *err) {
-  *s = (vs_subject){.scene = scene, .period = periods > 0};
-  if (!periods && !scene->setup.steady) return VS_OK;
+  *s = (vs_subject){.scene = scene, .periods = periods, .inexact = inexact(scene)};
+  if (s->inexact || (!periods && !scene->setup.steady)) return VS_OK;
   vs_status status = vs_tiers_require_orbits(periods ? "--steady" : "start: steady", scene->tier,
                                              scene->why, (vs_where){0}, err);
   if (status) return status;
@@ -39,10 +49,10 @@ vs_setup vs_subject_setup(const vs_subject *s, const vs_scene *scene, double tol
   vs_run_values run = scene->setup.run;
   run.tolerance = tolerance;
   if (!s->calm) return vs_setup_varied(&scene->setup, &run, NULL);
-  if (s->period) run.until_s = s->orbit.n * firing_period(&scene->setup);
+  if (s->periods) run.until_s = s->orbit.n * firing_period(&scene->setup);
   vs_setup along = vs_steady_setup(scene, &run, &s->orbit);
   along.steady = false;
-  if (s->period) return along;
+  if (s->periods) return along;
   vs_setup setup = vs_setup_varied(&scene->setup, &run, NULL);
   setup.steady = false;
   setup.start = along.start;

@@ -11,7 +11,9 @@ typedef struct vs_subject {
   vs_scene *calm; /* the scene that the orbit is of: without its events and its start; owned, but
                      for what it borrows of the scene; NULL: there is no orbit */
   vs_orbit orbit; /* where there is one */
-  bool period;    /* one period of it is looked at */
+  int periods;    /* one period of it is looked at, of so many firing periods; 0: none is */
+  const char *inexact; /* why the equations have no derivative that orbit/variation.h knows, so that
+                          runs are to be compared, which find their own orbits; NULL: they have */
   /* Is shown each step of the run (k = 0) and of its kin (k = 1 and on) besides their measures
    * (dependence/kin.h); NULL: nobody is. To be set once the subject has begun. */
   void (*shown)(void *ctx, int k, const vs_step *step);
@@ -19,7 +21,8 @@ typedef struct vs_subject {
 } vs_subject;
 
 /* Begins with a settled scene; periods: 0, its run; else a period of its orbit of so many firing
- * periods. vs_subject_end even after an error. Errors: those of vs_shooting_find. */
+ * periods. vs_subject_end even after an error. The orbit is only
+ * found where the run is to have exact derivatives. Errors: those of vs_shooting_find. */
 vs_status vs_subject_begin(vs_subject *subject, const vs_scene *scene, int periods, vs_error *err);
 void vs_subject_end(vs_subject *subject);
 

@@ -2,6 +2,7 @@
 #include "drive/occurrence.h"
 
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 
 /* ngspice ends a step at a breakpoint or 1e-11 of the largest step before it. A larger slack would
@@ -17,6 +18,15 @@ bool vs_occurrence_is_on(const vs_occurrence *e, double t_s) {
 
 double vs_occurrence_edge(const vs_occurrence *e, double t_s) {
   return t_s < e->start_s ? e->start_s : t_s < e->end_s ? e->end_s : INFINITY;
+}
+
+/* The instant is finite, as the armature of a scene with a jam may never be stood in for, however
+ * late it jams (quiet/quiet.c). */
+static const double NEVER_S = 1e30;
+
+void vs_occurrence_put_off(vs_occurrence *e) {
+  e->start_s = e->end_s = NEVER_S;
+  e->v.cycle = INT_MIN; /* by which events at the gate know their pulse */
 }
 
 /* Angles of ports are read from text in degrees; two that mean the same differ by rounding alone.

@@ -29,7 +29,7 @@ static double error_of(const vs_estimate *e, const double *exponent) {
 }
 
 /* Writes x^a * y^b; or a*x + b*y, each x divided by its scale, where not all s are logarithms. */
-static void write(const vs_estimate *e, vs_combination *c) {
+static void spell(const vs_estimate *e, vs_combination *c) {
   vs_text text = {0};
   c->product = true;
   for (size_t k = 0; k < e->n; k++)
@@ -68,7 +68,7 @@ static void round_off(const vs_estimate *e, vs_combination *c) {
     c->error = error_of(e, c->exponent);
     if (c->error < ROUND_COSTS * exact && c->error > exact / ROUND_COSTS) break;
   }
-  write(e, c);
+  spell(e, c);
 }
 
 /* Of two unknowns that are strongly correlated, s_i/error_i -+ s_k/error_k is known best. */

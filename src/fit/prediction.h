@@ -10,6 +10,7 @@ typedef struct vs_prediction {
   size_t n_unknowns, n_residuals;
   long runs;        /* how often a scene was run so far */
   long failures;    /* how many of these failed */
+  long inexact;     /* how often an exact slope was asked for and told by differences */
   vs_error failed;  /* how the last one of them did */
   bool any_circuit; /* one of the runs has a circuit, whose steps are not the same for all values */
   double *channels; /* the prediction's own: of one instant */

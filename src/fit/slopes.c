@@ -92,13 +92,10 @@ static bool always(const vs_prediction *p) {
 
 enum { KIN = VS_FAN_RUNS };
 
+/* The circuit's equations are its solver's own. What else stands in the way of one run's
+ * derivatives is seen when they are asked for. */
 static bool has_kin(const vs_prediction *p) {
-  for (size_t r = 0; r < p->inquiry->n_runs; r++) {
-    const vs_scene *scene = p->inquiry->runs[r].scene;
-    const vs_subject subject = {.scene = scene};
-    if (vs_kin_declines(&subject)) return false;
-  }
-  return true;
+  return !p->any_circuit;
 }
 
 /* What a run and its kin say in the place of each of the run's data. */
@@ -166,6 +163,7 @@ static vs_status exact_in_run(vs_prediction *p, int number, size_t k, double *sl
   vs_status status = vs_subject_begin(&subject, run->scene, 0, err);
   subject.shown = run->recorded ? take_step : NULL;
   subject.ctx = &all;
+  if (!status && subject.inexact) status = vs_fail(err, VS_RUN, "%s", subject.inexact);
   if (!status) status = follow_kin(&subject, &all, &p->inquiry->unknowns[k], slope, err);
   vs_subject_end(&subject);
   free(channels);
@@ -186,7 +184,9 @@ static vs_status exact(vs_prediction *p, size_t k, const double *s, const double
     status = vs_prediction_settle(p, r, s, &why);
     if (!status) status = exact_in_run(p, r, k, slope, &why);
   }
-  return status ? difference(p, k, s, computed, slope, err) : VS_OK;
+  if (!status) return VS_OK;
+  p->inexact++;
+  return difference(p, k, s, computed, slope, err);
 }
 
 /* ---- the table ---- */

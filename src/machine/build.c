@@ -221,7 +221,7 @@ vs_status vs_build_model(const vs_node *scene, vs_machine *machine, vs_model *mo
   vs_status s = read_sections(scene, map, model, err);
   if (!s) s = vs_error_carry_on(err, check_auto(machine, &model->load, scene, err));
   if (s || vs_error_count(err) > found) return s;
-  model->riding = isnan(model->load.fraction) ? vs_model_load_range.most : model->load.fraction;
+  model->riding = isnan(model->load.fraction) ? vs_model_load_range.least : model->load.fraction;
   s = vs_assemble_model(machine, model, err);
   if (!s && vs_error_count(err) == found)
     s = build_actuator(names_other_law(scene, own) ? vs_tree_child(scene, "actuator") : map, model,

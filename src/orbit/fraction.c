@@ -8,7 +8,7 @@
 #include "base/text.h"
 #include "machine/build.h"
 #include "orbit/shooting.h"
-#include "orbit/throw.h"
+#include "period/throw.h"
 #include "scene/session.h"
 #include "scene/tiers.h"
 
@@ -80,15 +80,15 @@ static vs_status try(search *s, double share, double *more, vs_error *err) {
 
 /* ---- the search ---- */
 
-/* The share is at most the range's upper end, at which `more` is not above 0, and at least its
- * lower one. The secant through the last two trials says where to go; where that leads out of what
- * is known to hold the share, the middle of it is taken. */
-static vs_status find(search *s, double *share, vs_error *err) {
+/* Looks for a share from `at` on. The first step goes to the share that this one's orbit asks for,
+ * the others by the secant through the last two trials; where that leads out of what is known to
+ * hold a share, it is again the share asked for, or the middle. */
+static vs_status find(search *s, double at, double *share, vs_error *err) {
   double lower = vs_model_load_range.least, upper = vs_model_load_range.most;
-  double at = upper, more, before = NAN, more_before = NAN;
-  vs_status status = VS_OK;
-  for (int k = 0; k < MOST_TRIALS && !status; k++) {
-    status = try(s, at, &more, err);
+  double more, before = NAN, more_before = NAN;
+  s->has_orbit = false;
+  for (int k = 0; k < MOST_TRIALS; k++) {
+    vs_status status = try(s, at, &more, err);
     *share = at;
     if (status || fabs(more) < SAME) return status;
     if (more > 0)
@@ -97,15 +97,31 @@ static vs_status find(search *s, double *share, vs_error *err) {
       upper = at;
     double slope = isnan(before) ? -1 : (more - more_before) / (at - before);
     double next = at - more / slope;
+    if (!(next >= lower && next <= upper && next != at)) next = at + more;
     before = at;
     more_before = more;
-    at = next >= lower && next <= upper && next != before ? next : (lower + upper) / 2;
+    at = next >= lower && next <= upper ? next : (lower + upper) / 2;
   }
-  return status ? status
-                : vs_fail(err, VS_RUN,
-                          "load.fraction: auto: no share is found that its own orbit asks for; it "
-                          "lies between %.9g and %.9g, where %.9g asks for %.9g",
-                          lower, upper, before, before + more);
+  return vs_fail(err, VS_RUN,
+                 "load.fraction: auto: no share is found that its own orbit asks for; it lies "
+                 "between %.9g and %.9g, where %.9g asks for %.9g",
+                 lower, upper, before, before + more_before);
+}
+
+/* Shares that differ by more than this are two. */
+static const double APART = 1e-6;
+
+/* Finds the share from the lower end of the range on, and looks for another one from the upper end
+ * on; NaN: there is none. */
+static vs_status find_both(search *s, double *share, double *coefficient, double *other,
+                           vs_error *err) {
+  vs_error none = {0};
+  vs_status status = find(s, vs_model_load_range.least, share, err);
+  *coefficient = s->coefficient;
+  if (status) return status;
+  bool is_one = find(s, vs_model_load_range.most, other, &none) || fabs(*other - *share) < APART;
+  if (is_one) *other = NAN;
+  return VS_OK;
 }
 
 static vs_scene *undisturbed(const vs_scene *scene) {
@@ -122,12 +138,12 @@ static vs_scene *undisturbed(const vs_scene *scene) {
 
 vs_status vs_fraction_settle(vs_scene *scene, int periods, vs_error *err) {
   vs_setup *setup = &scene->setup;
-  double share = NAN;
+  double share = NAN, coefficient = NAN, other = NAN;
   if (!setup->wants_fraction) return VS_OK;
   search *s = vs_alloc(1, sizeof *s);
   s->scene = undisturbed(scene);
   s->periods = periods;
-  vs_status status = find(s, &share, err);
+  vs_status status = find_both(s, &share, &coefficient, &other, err);
   if (!status) {
     const vs_load_values load = setup->model.load;
     status = vs_build_loaded(setup->machine, &setup->model, &load, share, &setup->model, err);
@@ -135,7 +151,8 @@ vs_status vs_fraction_settle(vs_scene *scene, int periods, vs_error *err) {
   if (!status)
     status =
         vs_loads_make(&setup->timeline.events, setup->machine, &setup->model, &setup->loads, err);
-  setup->throw_coefficient = s->coefficient;
+  setup->throw_coefficient = coefficient;
+  setup->other_fraction = other;
   setup->wants_fraction = status != VS_OK;
   free(s->scene);
   free(s);

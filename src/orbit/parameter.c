@@ -90,16 +90,18 @@ static vs_status read_near(vs_parameter *p, const stencil *where, vs_error *err)
   return status;
 }
 
-/* Does the scene take the key at all, with the value that it has? A key that the tier ignores is
- * refused by the scene, and enters no equation. */
+/* Does the scene take the key at all, with the value that it has? A key that the tier ignores, or
+ * for which the scene has no use, is refused by its name, and enters no equation. */
 static bool is_heard(vs_parameter *p) {
   vs_scene *same = vs_alloc(1, sizeof *same);
   vs_error why = {0};
   vs_status status = read_with(p, p->value, same, &why);
-  snprintf(p->why, sizeof p->why, "%.255s", status ? why.text + why.place_size : "");
+  const char *text = why.text + why.place_size;
+  bool refused = status == VS_INPUT && !strncmp(text, p->key.name, strlen(p->key.name));
+  snprintf(p->why, sizeof p->why, "%.255s", refused ? text : "");
   vs_scene_free(same);
   free(same);
-  return !status;
+  return !refused;
 }
 
 /* ---- its coefficients ---- */
@@ -216,7 +218,6 @@ vs_status vs_parameter_again(vs_parameter *p, vs_error *err) {
     vs_tree_put(&p->scene[k]->tree, p->key.name, text, (vs_where){0});
     status = vs_scene_again(p->scene[k], err);
   }
-  if (!status) vs_parameter_take(p, setup_of, NULL);
   return status;
 }
 

@@ -61,8 +61,9 @@ vs_status vs_parameter_begin(vs_parameter *parameter, const vs_scene *scene, con
 void vs_parameter_end(vs_parameter *parameter);
 
 /* Goes on with another value of the key, which the scene has by now: the other scenes get theirs by
- * vs_scene_again, so that their tier must stand in them. Errors: those of vs_scene_again, and
- * VS_INPUT where the key is or was 0; the parameter is then only good to end it. */
+ * vs_scene_again, so that their tier must stand in them. The setups are to be taken anew. Errors:
+ * those of vs_scene_again, and VS_INPUT where the key is or was 0; the parameter is then only good
+ * to end it. */
 vs_status vs_parameter_again(vs_parameter *parameter, vs_error *err);
 
 /* Puts the setups of another run in the place of the scenes' own: make(scene, ctx) gives that of

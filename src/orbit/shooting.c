@@ -118,11 +118,6 @@ vs_status vs_shooting_check(const vs_scene *s, int periods, vs_error *err) {
   const vs_timeline *line = &s->setup.timeline;
   if (periods < 1)
     return vs_fail(err, VS_INPUT, "an orbit of %d periods: allowed are 1 and more", periods);
-  if (s->tier->has_circuit)
-    return vs_fail(err, VS_INPUT,
-                   "tier %s: an orbit is shot for on an ideal tier, as the circuit's own state is "
-                   "not known",
-                   s->tier->name);
   if (line->supply.direct)
     return vs_fail(err, VS_INPUT, "supply.kind: step has no period, and so no periodic orbit");
   if (line->events.count)
@@ -279,7 +274,13 @@ static vs_status seek(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_erro
 vs_status vs_shooting_seek(const vs_scene *scene, const vs_shooting *how, vs_orbit *o,
                            vs_error *err) {
   vs_status status = vs_shooting_check(scene, how->periods, err);
+  if (!status) status = vs_setup_require_fraction(&scene->setup, "an orbit", err);
   *o = (vs_orbit){.n = how->periods};
+  if (!status && scene->tier->has_circuit)
+    status = vs_fail(err, VS_INPUT,
+                     "tier %s: an orbit is shot for on an ideal tier, as the circuit's own state "
+                     "is not known",
+                     scene->tier->name);
   if (status) return status;
   vs_flight flight;
   vs_flight_begin(&flight, scene);

@@ -58,7 +58,7 @@ vs_status vs_shooting_find(const vs_scene *scene, int periods_n, vs_orbit *orbit
 vs_status vs_shooting_seek(const vs_scene *scene, const vs_shooting *how, vs_orbit *orbit,
                            vs_error *err);
 
-/* Of these errors those that are known before any search. */
+/* Of these errors those that are known before any search, on whatever tier. */
 vs_status vs_shooting_check(const vs_scene *scene, int periods_n, vs_error *err);
 
 /* Makes the setup of a run of this scene along the orbit, from t = 0 at the mains' rise through

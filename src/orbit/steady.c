@@ -27,20 +27,32 @@ vs_status vs_steady_check(const vs_scene *scene, int periods, vs_error *err) {
   return status ? status : vs_shooting_check(scene, periods, err);
 }
 
-vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_error *err) {
+/* Makes the scene the one whose run is a period of the orbit. */
+static void put_on_orbit(vs_steady *steady, vs_scene *scene) {
   vs_run_values run = scene->setup.run;
-  *steady = (vs_steady){0};
-  vs_status status = vs_tiers_require_orbits("steady", scene->tier, scene->why, (vs_where){0}, err);
-  scene->setup.steady = false; /* it begins there anyway */
-  if (!status) status = vs_fraction_settle(scene, periods, err);
-  if (!status) status = vs_shooting_find(scene, periods, &steady->orbit, err);
-  if (status) return status;
   run.until_s = steady->orbit.period_s;
+  scene->setup.steady = false; /* it begins there anyway */
   scene->setup = vs_steady_setup(scene, &run, &steady->orbit);
   scene->setup.at_work = true;
   scene->frame = vs_sim_frame(scene->tier, &scene->setup);
+  if (steady->picard) scene->order.pilot = &steady->picard->pilot;
   memset(scene->measured, 0, sizeof scene->measured); /* it was measured in the scene's own run */
+}
+
+vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_error *err) {
+  *steady = (vs_steady){0};
+  vs_status status = vs_tiers_require_orbits("steady", scene->tier, scene->why, (vs_where){0}, err);
+  if (!status) status = vs_fraction_settle(scene, periods, err);
+  if (status) return status;
+  if (scene->tier->has_circuit)
+    status = vs_picard_new(scene, periods, true, &steady->picard, err);
+  else
+    status = vs_shooting_find(scene, periods, &steady->orbit, err);
+  if (status) return status;
+  if (steady->picard) steady->orbit = steady->picard->orbit;
+  put_on_orbit(steady, scene);
   begin_watching(steady, &scene->setup);
+  steady->warnings = &scene->warnings;
   return VS_OK;
 }
 
@@ -50,7 +62,21 @@ void vs_steady_follow(vs_steady *steady, const vs_orbit *orbit, const vs_setup *
   begin_watching(steady, setup);
 }
 
+void vs_steady_again(vs_steady *steady, vs_scene *scene) {
+  put_on_orbit(steady, scene);
+  vs_spectrum_end(&steady->spectrum);
+  begin_watching(steady, &scene->setup);
+  steady->reaction = (vs_reaction){0};
+  steady->thrown = (vs_throw){0};
+  if (steady->picard) vs_picard_again(steady->picard);
+}
+
+int vs_steady_multipliers(const vs_steady *s) {
+  return s->picard ? s->picard->multipliers : s->orbit.count;
+}
+
 void vs_steady_end(vs_steady *steady) {
+  vs_picard_free(steady->picard);
   vs_spectrum_end(&steady->spectrum);
 }
 
@@ -60,8 +86,23 @@ void vs_steady_accept(vs_steady *steady, const vs_step *step) {
   vs_throw_accept(&steady->thrown, step);
 }
 
+/* Warns where the conveying speed is outside of its formula's range. Without material on the trough
+ * it is a number for comparison, and the table's line is enough. */
+static void warn_of_speed(const vs_steady *s) {
+  const vs_load_values *load = &s->model->load;
+  vs_value down = vs_throw_down(&s->thrown);
+  if (!s->warnings || load->density_kg_m3 * load->volume_m3 == 0) return;
+  if (!vs_throw_speed(&s->thrown).known || down.value <= vs_throw_most) return;
+  vs_fail(vs_warnings_add(s->warnings), VS_OK,
+          "conveying_speed is outside of its formula's range, throw_down up to %.4g: this is %.4g, "
+          "and the material flies for longer than a swing",
+          vs_throw_most, down.value);
+}
+
 void vs_steady_finish(vs_steady *steady, const vs_result *r) {
   const double *joule = r->watchers.energy.joule;
+  if (steady->picard) steady->orbit = steady->picard->orbit;
+  if (steady->thrown.model) steady->thrown.model = steady->model; /* a tier's own ends with it */
   steady->power_in_w = joule[VS_E_SOURCE] / steady->orbit.period_s;
   steady->i_rms_a = vs_spectrum_rms(&steady->spectrum);
   steady->i_mean_a = vs_spectrum_mean(&steady->spectrum);
@@ -69,6 +110,7 @@ void vs_steady_finish(vs_steady *steady, const vs_result *r) {
       steady->power_in_w / (r->scene->setup.timeline.supply.voltage_v * steady->i_rms_a);
   steady->devices = r->watchers.devices;
   steady->energy_stored_j = joule[VS_E_MAGNETIC] + joule[VS_E_MECHANICAL];
+  warn_of_speed(steady);
 }
 
 /* The reaction along a coordinate: its largest size, or its root mean square. */
@@ -147,12 +189,23 @@ vs_scene *vs_steady_undisturbed(const vs_scene *scene) {
   return calm;
 }
 
+/* On tier circuit the run's own prelude finds the orbit; it begins with that of tier switched. */
+static vs_status find_start(vs_scene *scene, const vs_scene *calm, vs_orbit *orbit, vs_error *err) {
+  vs_picard *picard;
+  if (!scene->tier->has_circuit) return vs_shooting_find(calm, 1, orbit, err);
+  vs_status status = vs_picard_new(calm, 1, false, &picard, err);
+  if (status) return status;
+  scene->order.pilot = &picard->pilot;
+  *orbit = picard->orbit;
+  return VS_OK;
+}
+
 vs_status vs_steady_start(vs_scene *scene, vs_error *err) {
   vs_orbit orbit;
   vs_status found = vs_fraction_settle(scene, 1, err);
   if (found || !scene->setup.steady) return found;
   vs_scene *calm = vs_steady_undisturbed(scene);
-  vs_status status = vs_shooting_find(calm, 1, &orbit, err);
+  vs_status status = find_start(scene, calm, &orbit, err);
   if (!status) {
     const vs_setup on = vs_steady_setup(calm, &scene->setup.run, &orbit);
     scene->setup.start = on.start;

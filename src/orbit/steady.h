@@ -5,11 +5,12 @@
 #ifndef VS_ORBIT_STEADY_H
 #define VS_ORBIT_STEADY_H
 
-#include "orbit/heat.h"
-#include "orbit/reaction.h"
+#include "orbit/picard.h"
 #include "orbit/shooting.h"
-#include "orbit/spectrum.h"
-#include "orbit/throw.h"
+#include "period/heat.h"
+#include "period/reaction.h"
+#include "period/spectrum.h"
+#include "period/throw.h"
 #include "scene/result.h"
 
 /* What a period tells besides the measures of every run: member, name, unit, text. */
@@ -22,7 +23,7 @@
     "gained in a period by the coil's field and by the machine: 0 on an orbit")
 
 /* What it tells of the material, where the machine's file says how the trough moves: function of
- * orbit/throw.h, name, unit, text. */
+ * period/throw.h, name, unit, text. */
 #define VS_STEADY_THROW_LIST(X)                                                                    \
   X(vs_throw_coefficient, "throw_coefficient", "",                                                 \
     "the paper's K, largest trough acceleration over g")                                           \
@@ -33,9 +34,11 @@
 /* Begin with vs_steady_begin, end with vs_steady_end. */
 typedef struct vs_steady {
   vs_orbit orbit;
+  vs_picard *picard; /* found it, on tier circuit; NULL: on an ideal tier. Owned */
   vs_spectrum spectrum;
   vs_reaction reaction;
   vs_throw thrown;
+  vs_warnings *warnings;     /* the scene's; NULL: nobody is to be warned */
   const vs_model *model;     /* the scene's; NULL: there is none yet */
   const vs_devices *devices; /* those of the run's watchers, as long as its result is there; NULL:
                                 there are none, or the run is not finished */
@@ -52,8 +55,9 @@ typedef struct vs_steady_measure {
 } vs_steady_measure;
 
 /* Finds the orbit of that many firing periods, and makes the scene the one whose run is a period of
- * it: run.until is the period, the start is the orbit's, t = 0 is the mains' rise through zero.
- * Errors: VS_INPUT, the scene's tier is another than switched; those of vs_shooting_find. */
+ * it: run.until is the period, the start is the orbit's, t = 0 is the mains' rise through zero. On
+ * tier circuit the run itself finds the orbit, in its prelude (orbit/picard.h). Errors: VS_INPUT,
+ * the scene's tier knows no orbits; those of vs_shooting_find and vs_picard_new. */
 vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_error *err);
 void vs_steady_end(vs_steady *steady);
 
@@ -67,6 +71,14 @@ vs_setup vs_steady_setup(const vs_scene *scene, const vs_run_values *run, const 
 /* The errors of vs_steady_begin that are known before any search. */
 vs_status vs_steady_check(const vs_scene *scene, int periods, vs_error *err);
 
+/* Before each attempt at that run: makes the scene, which may be another reading of the one that
+ * was begun with, the one to be run. */
+void vs_steady_again(vs_steady *steady, vs_scene *scene);
+
+/* How many multipliers are known. On tier circuit there may be one more than states of the machine,
+ * or none. */
+int vs_steady_multipliers(const vs_steady *steady);
+
 /* Takes a step of that run, and completes what is known from its result. */
 void vs_steady_accept(vs_steady *steady, const vs_step *step);
 void vs_steady_finish(vs_steady *steady, const vs_result *result);
@@ -74,7 +86,7 @@ void vs_steady_finish(vs_steady *steady, const vs_result *result);
 /* Fills `measure` with the k-th measure, from 0, and returns true; false: there are no more. First
  * come those of VS_STEADY_LIST; then, of each coordinate NAME, reaction_NAME, the largest size of
  * the reaction along it, and reaction_NAME_rms; then those of VS_STEADY_THROW_LIST, of which some
- * are not known; then those of the devices (orbit/heat.h). */
+ * are not known; then those of the devices (period/heat.h). */
 bool vs_steady_at(const vs_steady *steady, int k, vs_steady_measure *measure);
 
 /* Makes the scene without events, and as if it began at rest: what `start: steady` means the orbit
@@ -83,7 +95,8 @@ vs_scene *vs_steady_undisturbed(const vs_scene *scene);
 
 /* For vs_session.steady: puts a scene with `start: steady` at the beginning of its orbit of one
  * firing period, that of the scene without its events, and finds the share of its load that rides
- * where load.fraction is auto. Errors: those of vs_shooting_find and vs_fraction_settle. */
+ * where load.fraction is auto. On tier circuit it gives the scene's order a pilot for that. Errors:
+ * those of vs_shooting_find, vs_picard_new and vs_fraction_settle. */
 vs_status vs_steady_start(vs_scene *scene, vs_error *err);
 
 #endif

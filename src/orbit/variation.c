@@ -298,6 +298,10 @@ vs_status vs_variation_accept(vs_variation *v, const vs_step *step, vs_error *er
     from = behind;
   }
   bool edge = v->conducting && step->from->t_s == to && step->frame->timeline->events.count;
+  if (event == VS_EV_LOADS && v->parameter)
+    return vs_fail(err, VS_RUN,
+                   "t = %.9g s: the load changes, through which no derivative is taken", to);
+  if (event == VS_EV_LOADS) v->model = step->frame->model; /* q and q' go on, and so does S */
   if (v->parameter && (event == VS_EV_FIRES || edge) && !status)
     status = jump_by_parameter(v, step, event == VS_EV_FIRES, err);
   if (event == VS_EV_FIRES) v->conducting = true;

@@ -37,6 +37,10 @@ static bool is_found(const vs_steady *s) {
   return s->orbit.count > 0;
 }
 
+static bool has_multipliers(const vs_steady *s) {
+  return vs_steady_multipliers(s) > 0;
+}
+
 static double multiplier_max(const vs_steady *s) {
   return hypot(s->orbit.multiplier[0].re, s->orbit.multiplier[0].im);
 }
@@ -54,12 +58,13 @@ static double worst_part(const vs_steady *s) {
 
 static const struct {
   const char *name, *text;
+  bool (*known)(const vs_steady *steady);
   double (*value)(const vs_steady *steady);
-} ROWS[] = {{"multiplier_max", "size of the orbit's largest multiplier", multiplier_max},
-            {VS_ATWORK_STABLE, "1: the orbit is stable; 0: it is not", is_stable},
-            {"harmonic_part",
-             "largest part that a harmonic takes of its limit, IEC 61000-3-2, class A",
-             worst_part}};
+} ROWS[] = {
+    {"multiplier_max", "size of the orbit's largest multiplier", has_multipliers, multiplier_max},
+    {VS_ATWORK_STABLE, "1: the orbit is stable; 0: it is not", has_multipliers, is_stable},
+    {"harmonic_part", "largest part that a harmonic takes of its limit, IEC 61000-3-2, class A",
+     is_found, worst_part}};
 enum { N_ROWS = sizeof ROWS / sizeof *ROWS };
 
 /* ---- all of the orbit's ---- */
@@ -69,7 +74,8 @@ static bool row_at(const vs_steady *s, int k, vs_shown *m) {
   snprintf(m->name, sizeof m->name, "%s", ROWS[k].name);
   snprintf(m->text, sizeof m->text, "%s", ROWS[k].text);
   m->unit = "";
-  m->value = (vs_value){is_found(s), is_found(s) ? ROWS[k].value(s) : NAN, NAN};
+  const bool known = ROWS[k].known(s);
+  m->value = (vs_value){known, known ? ROWS[k].value(s) : NAN, NAN};
   return true;
 }
 

@@ -108,6 +108,29 @@ int vs_plan_column(vs_plan *plan, const char *measure, vs_where where) {
   return (int)plan->n_columns++;
 }
 
+vs_status vs_plan_derive(vs_plan *plan, const vs_sensitivity_order *order, vs_where where,
+                         vs_error *err) {
+  size_t entries = order->n_of * order->n_to;
+  if (2 * entries > VS_PLAN_COLUMNS - plan->n_columns)
+    return vs_fail_at(err, where,
+                      "sensitivity: %zu derivatives with their errors; there is room "
+                      "for %zu",
+                      entries, (VS_PLAN_COLUMNS - plan->n_columns) / 2);
+  for (size_t k = 0; k < 2 * entries; k++) {
+    vs_report_column *column = &plan->columns[plan->n_columns++];
+    const char *of = order->of[k / 2 / order->n_to].name;
+    const char *to = order->to[k / 2 % order->n_to].name;
+    *column = (vs_report_column){.rating = NAN, .where = where};
+    column->derivative = (k % 2 ? -1 : 1) * (int)(1 + k / 2);
+    snprintf(column->name, sizeof column->name, "%s_to_%s%s", of, to, k % 2 ? "_error" : "");
+    memcpy(column->column, column->name, sizeof column->name);
+    snprintf(column->text, sizeof column->text, "%sd ln|%s| / d ln %s", k % 2 ? "error of " : "",
+             of, to);
+  }
+  plan->derivatives = order;
+  return VS_OK;
+}
+
 /* Adds the columns of an orbit that nobody has to ask for. */
 static void add_usual(vs_plan *plan) {
   const vs_steady blank = {.model = &plan->base->setup.model};
@@ -172,6 +195,7 @@ static vs_status resolve_columns(vs_plan *plan, const vs_scene *scene, const vs_
     vs_shown m = {0};
     char suffix[64];
     int k = 0;
+    if (column->derivative) continue;
     while (vs_atwork_at(&of, k, &m) && strcmp(m.name, column->name)) k++;
     if (strcmp(m.name, column->name)) {
       status = vs_error_carry_on(err, unknown_measure(column, &of, tier, err));

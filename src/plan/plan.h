@@ -19,6 +19,7 @@
 
 #include <stdint.h>
 
+#include "dependence/sensitivity.h"
 #include "plan/atwork.h"
 #include "plan/method.h"
 #include "watch/verdict.h"
@@ -34,6 +35,8 @@ typedef struct vs_report_column {
   double rating; /* the limit it is held against, in unit; NaN: none */
   bool at_least; /* the limit is the least allowed; false: it is the most */
   vs_where where;
+  int derivative; /* 1 + the number of the entry of plan->derivatives whose value this is, or, with
+                     a minus, whose error; 0: it is a measure */
 } vs_report_column;
 enum { VS_COLUMN_MARGIN = -1 }; /* margin_least, which every study has without asking for it */
 
@@ -66,6 +69,8 @@ typedef struct vs_plan {
   size_t n_axes;
   vs_report_column columns[VS_PLAN_COLUMNS];
   size_t n_columns;
+  const vs_sensitivity_order *derivatives; /* that each case has as columns; a method's own; NULL:
+                                              there are none */
   vs_plan_stage *stages; /* the methods the study asks for, in the table's order */
   size_t n_stages;
   const vs_plan_stage *adaptive; /* the one of stages that searches; NULL: none */
@@ -114,6 +119,11 @@ vs_status vs_plan_input(vs_plan *plan, const char *path, vs_error *err);
  * it when nobody asked for it before. Whether there is such a measure is found out later; an error
  * then stands at `where`. */
 int vs_plan_column(vs_plan *plan, const char *measure, vs_where where);
+
+/* Adds the columns of these derivatives, for each measure and key d ln|measure|/d ln key and its
+ * error. The order must last as long as the plan. Error: there is no room for them. */
+vs_status vs_plan_derive(vs_plan *plan, const vs_sensitivity_order *order, vs_where where,
+                         vs_error *err);
 
 /* What a method that searches is shown: cases 0..count-1, in order. */
 typedef struct vs_results {

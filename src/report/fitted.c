@@ -24,8 +24,11 @@ static void show_head(const vs_outcome *o, FILE *out) {
   fprintf(out, "search  %zu of %zu starts converged, %zu of them to the least chi2", o->converged,
           o->descents.count, o->reached);
   if (!isnan(o->next_chi2)) fprintf(out, "; the next minimum has %.4g", o->next_chi2);
-  fprintf(out, "\ncost    %ld runs of a scene, of which %ld failed; slopes by %s\n",
+  fprintf(out, "\ncost    %ld runs of a scene, of which %ld failed; slopes by %s",
           o->prediction.runs, o->prediction.failures, o->slopes);
+  if (o->prediction.inexact)
+    fprintf(out, ", but %ld columns by differences", o->prediction.inexact);
+  fputc('\n', out);
 }
 
 /* ---- the unknowns ---- */

@@ -132,6 +132,7 @@ static void add_search(const vs_outcome *o, vs_json *json) {
   vs_json_whole(json, "runs", o->prediction.runs);
   vs_json_whole(json, "failed_runs", o->prediction.failures);
   vs_json_text(json, "slopes", o->slopes);
+  vs_json_whole(json, "slopes_not_exact", o->prediction.inexact);
   vs_json_end(json);
 }
 

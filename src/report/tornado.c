@@ -99,9 +99,9 @@ static void add_panel(vs_text *script, const bar *first, size_t count, double to
   }
   vs_text_add(script,
               ")\nplot $bars%d using (0):2:(0):1:($2-0.36):($2+0.36) with boxxyerror fs solid 0.9 "
-              "border lc rgb '%s' notitle, $bars%d using ($1<0?0/0:$1):2:(sprintf('%%+.4g',$1)) "
-              "with labels left offset 0.4,0 notitle, $bars%d using ($1<0?$1:0/0):2:"
-              "(sprintf('%%+.4g',$1)) with labels right offset -0.4,0 notitle\n",
+              "noborder fc rgb '%s' notitle, $bars%d using ($1<0?0/0:$1):2:(sprintf('%%+.4g',$1)) "
+              "with labels left offset 0.7,0 notitle, $bars%d using ($1<0?$1:0/0):2:"
+              "(sprintf('%%+.4g',$1)) with labels right offset -0.7,0 notitle\n",
               first->panel, vs_scale_colour_good, first->panel, first->panel);
 }
 
@@ -113,7 +113,7 @@ static void add_script(const tornado *t, bool svg, vs_text *script) {
               "set terminal %s noenhanced size %d,%d font 'sans,%d' background rgb 'white'\nset "
               "multiplot\nset lmargin at screen 0.28\nset rmargin at screen 0.96\nset border 1 lc "
               "rgb '#404040'\nset grid x lt 1 lw 0.5 lc rgb '#d0d0d0'\nset ytics scale 0\nset "
-              "xzeroaxis\nset arrow from first 0, graph 0 to first 0, graph 1 nohead lc rgb "
+              "arrow from first 0, graph 0 to first 0, graph 1 nohead lc rgb "
               "'#404040' front\n",
               svg ? "svg" : "pngcairo", WIDTH, height, svg ? 13 : 10);
   for (size_t k = 0, n; k < t->count; k += n) {

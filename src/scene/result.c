@@ -92,6 +92,17 @@ static bool fraction_is_held(const vs_result *r, char *text, size_t size) {
   return true;
 }
 
+/* Where more than one share answers load.fraction: auto, writes what is to be said of it. */
+static bool fraction_is_one_of_two(const vs_result *r, char *text, size_t size) {
+  const vs_setup *s = &r->scene->setup;
+  if (!vs_setup_found_fraction(s) || isnan(s->other_fraction)) return false;
+  snprintf(text, size,
+           "load.fraction: auto is %.6g, and %.6g would do as well: each rides where the trough "
+           "throws as it does with it; a number at load.fraction decides",
+           s->model.riding, s->other_fraction);
+  return true;
+}
+
 /* The warnings that are known only once the run is over; of_firing: that nothing fires, too. */
 static void warn_after(const vs_result *r, bool of_firing,
                        void (*each)(void *ctx, const char *text), void *ctx) {
@@ -99,6 +110,7 @@ static void warn_after(const vs_result *r, bool of_firing,
   if (of_firing && nothing_fires(r, text, sizeof text)) each(ctx, text);
   if (sequence_differs(r, text, sizeof text)) each(ctx, text);
   if (fraction_is_held(r, text, sizeof text)) each(ctx, text);
+  if (fraction_is_one_of_two(r, text, sizeof text)) each(ctx, text);
   if (*r->books) each(ctx, r->books);
   if (!*r->second.failed) return;
   snprintf(text, sizeof text, "no margin's error is known, as the second run %s: %s",

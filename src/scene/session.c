@@ -93,13 +93,16 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
   const vs_guest *guest = session->guest;
   r->scene = s;
   r->steps = 0;
-  if (!session->bare) vs_watchers_begin(&r->watchers, &s->frame);
   vs_status status = guest && guest->begin ? guest->begin(guest->ctx, s, err) : VS_OK;
   if (status) return status;
+  if (!session->bare) vs_watchers_begin(&r->watchers, &s->frame);
+  s->order.stop = session->stop;
   double began_s = seconds(CLOCK_MONOTONIC);
   status = session->unguarded ? s->tier->run(&s->setup, &s->order, &observer, err)
                               : vs_sim_run(s->tier, &s->setup, &s->order, &observer, err);
   r->wall_s = seconds(CLOCK_MONOTONIC) - began_s;
+  if (!status && s->order.pilot) /* which has found the start */
+    memcpy(s->setup.start.x, s->order.pilot->x, sizeof s->setup.start.x);
   if (status || session->bare) return status;
   vs_result_finish(r);
   return close_books(r, s->setup.run.tolerance, err);
@@ -141,7 +144,8 @@ static vs_status say_rungs(const vs_scene *scene, const vs_ladder *ladder, vs_er
   return status;
 }
 
-/* Finds the state at t = 0 of a scene with `start: steady`, and the load of one with
+/* Finds the state at t = 0 of a scene with `start: steady`, or who finds it in the run's
+ * prelude, and the load of one with
  * load.fraction: auto. */
 static vs_status begin_on_orbit(const vs_session *session, vs_scene *scene, vs_error *err) {
   const vs_setup *setup = &scene->setup;
@@ -150,6 +154,14 @@ static vs_status begin_on_orbit(const vs_session *session, vs_scene *scene, vs_e
     return vs_fail(err, VS_INPUT, "start: steady: what is run here begins at rest or at a state");
   if (!session->steady) return vs_setup_require_fraction(setup, "what is run here", err);
   return session->steady(scene, err);
+}
+
+/* Frees the pilot that begin_on_orbit has given the scene. */
+static void leave_orbit(vs_scene *scene) {
+  vs_pilot *pilot = scene->order.pilot;
+  if (!scene->setup.steady || !pilot) return;
+  scene->order.pilot = NULL;
+  pilot->free(pilot->self);
 }
 
 static vs_status climb(const vs_session *session, vs_scene *scene, vs_result *r, vs_error *err) {
@@ -260,6 +272,8 @@ vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *
   if (!status && scene->tier->has_circuit)
     scene->order.tried = true; /* until another deck is read */
   if (!status && wants_second(session, r)) run_second(session, r);
+  leave_orbit(scene);
+  if (r->climbed) leave_orbit(r->climbed);
   return status;
 }
 

@@ -31,8 +31,9 @@ typedef struct vs_session {
   bool unguarded; /* the run goes on beyond the pole cover without a stop, for callers who look
                      where the armature meets it */
   vs_status (*steady)(vs_scene *scene, vs_error *err); /* puts a scene with `start: steady` at the
-                     beginning of its orbit, and finds what its load comes to where that is auto;
-                     NULL: no such scene is run */
+                     beginning of its orbit, or gives its order a pilot that does so, which the
+                     session frees; and finds what its load comes to where that is auto; NULL: no
+                     such scene is run */
   const volatile sig_atomic_t
       *stop; /* set by a signal: the run ends with VS_SIGNAL; NULL: no signal ends it */
 } vs_session;

@@ -35,9 +35,9 @@ const vs_tier *vs_tiers_automatic(bool circuit) {
 vs_status vs_tiers_require_orbits(const char *who, const vs_tier *tier, const char *why,
                                   vs_where where, vs_error *err) {
   const char *known = vs_tiers_automatic(false)->name;
-  if (!tier->has_circuit && !tier->gap_at_rest) return VS_OK;
+  if (!tier->gap_at_rest) return VS_OK;
   return vs_fail_at(err, where,
-                    "%s: this is tier %s (%s), and orbits are computed on tier %s alone; write "
-                    "--tier %s, or run.tier: %s",
-                    who, tier->name, why, known, known, known);
+                    "%s: this is tier %s (%s), which knows no orbits; write --tier %s, or "
+                    "run.tier: %s",
+                    who, tier->name, why, known, known);
 }

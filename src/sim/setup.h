@@ -73,6 +73,7 @@ typedef struct vs_setup {
   bool wants_fraction;      /* load.fraction is auto, and the model's is not found yet, which
                                scene/session.h does before a run */
   double throw_coefficient; /* with which it was found */
+  double other_fraction;    /* another share that its own orbit asks for; NaN: none is known */
   bool steady;  /* `start: steady`: the run begins on the scene's orbit, which scene/session.h has
                    found for it; until then `start` is at rest */
   bool at_work; /* the run is whole periods of an orbit: what is seen comes again for ever */

@@ -59,10 +59,7 @@ vs_status vs_sim_refuse_endless(const vs_setup *setup, double step_s, vs_error *
 
 enum { MOST_AMPERES = 1000000 }; /* the coils that this model is for carry some amperes */
 
-/* Stands before the observer of a run, and lets a step through if it is within the model's
- * validity. */
-static vs_status guard(void *ctx, const vs_step *step, vs_error *err) {
-  const vs_observer *observer = ctx;
+vs_status vs_sim_check(const vs_step *step, vs_error *err) {
   const vs_model *m = step->frame->model;
   const vs_knot *k = step->to;
   double sum = k->flux_wb;
@@ -90,7 +87,14 @@ static vs_status guard(void *ctx, const vs_step *step, vs_error *err) {
   double i = vs_coil_current(&m->coil, k->flux_wb, z);
   if (fabs(i) > MOST_AMPERES)
     return vs_fail(err, VS_RUN, "t = %.9g s: coil current of %.3g A is beyond sense", k->t_s, i);
-  return observer->accept(observer->ctx, step, err);
+  return VS_OK;
+}
+
+/* Stands before the observer of a run. */
+static vs_status guard(void *ctx, const vs_step *step, vs_error *err) {
+  const vs_observer *observer = ctx;
+  vs_status status = vs_sim_check(step, err);
+  return status ? status : observer->accept(observer->ctx, step, err);
 }
 
 vs_status vs_sim_run(const vs_tier *tier, const vs_setup *setup, const vs_run_order *order,

@@ -4,8 +4,10 @@
 #ifndef VS_SIM_SIM_H
 #define VS_SIM_SIM_H
 
+#include <signal.h>
 #include <stdio.h>
 
+#include "sim/pilot.h"
 #include "sim/setup.h"
 #include "sim/stand_in.h"
 #include "sim/step.h"
@@ -18,6 +20,15 @@ typedef struct vs_observer {
   vs_status (*accept)(void *ctx, const vs_step *step, vs_error *err);
 } vs_observer;
 
+/* Someone who may make another run of this one on the way (work/past.h). */
+typedef struct vs_junction {
+  void *ctx;
+  /* Called with the end t_s of each of the solver's steps, before the run is told of the step. It
+   * may change the events of the run's setup, from t_s on. A status other than VS_OK ends the run,
+   * which then returns it. */
+  vs_status (*reach)(void *ctx, double t_s, vs_error *err);
+} vs_junction;
+
 /* What one run has besides its setup. Only a tier with a circuit looks at it. */
 typedef struct vs_run_order {
   const vs_circuit_kind *solver; /* who solves the circuit: vs_ng_kind, or a test's own */
@@ -25,6 +36,10 @@ typedef struct vs_run_order {
   FILE *raw;  /* gets a rawfile of the run; NULL: none is written. The caller owns it */
   bool tried; /* this deck with these parts was run in this process before, so that the solver need
                  not try first whether it survives them */
+  vs_pilot *pilot;                   /* steers the run's prelude; NULL: it has none. Borrowed */
+  const volatile sig_atomic_t *stop; /* set by a signal: the prelude ends with VS_SIGNAL, as the
+                                        observer sees nothing of it; NULL: no signal ends it */
+  const vs_junction *junction;       /* NULL: the run goes its own way to the end. Borrowed */
 } vs_run_order;
 
 /* A key of a section that every tier reads. */
@@ -61,6 +76,10 @@ vs_knot vs_sim_start(const vs_setup *setup, const vs_frame *frame);
 /* For tiers: refuses, with VS_INPUT, a run that would take 1e10 steps of this length or more, as it
  * would not end. */
 vs_status vs_sim_refuse_endless(const vs_setup *setup, double step_s, vs_error *err);
+
+/* Returns VS_OK if the step is within the model's validity; VS_RUN, with what is left and when, if
+ * it is not. */
+vs_status vs_sim_check(const vs_step *step, vs_error *err);
 
 /* Runs the tier, and ends the run with VS_RUN where it leaves the model's validity: a state that is
  * not finite, the armature beyond the pole cover without a stop, a closed gap (z <= 0), a current

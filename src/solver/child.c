@@ -83,3 +83,64 @@ vs_status vs_child_try(vs_child_end (*attempt)(void *), void *ctx, vs_complaints
   if (how) *end = WEXITSTATUS(how) == VS_CHILD_BAD_RUN ? VS_CHILD_BAD_RUN : VS_CHILD_BAD_LOAD;
   return VS_OK;
 }
+
+/* ---- a copy ---- */
+
+vs_status vs_child_fork(vs_child_copy *copy, vs_error *err) {
+  int ends[2];
+  if (pipe(ends)) return vs_fail(err, VS_RUN, "no pipe: %s", strerror(errno));
+  fflush(NULL); /* what is not written yet would be written twice */
+  pid_t parent = getpid(), child = fork();
+  *copy = (vs_child_copy){child, ends[child == 0]};
+  if (child < 0) {
+    vs_fail(err, VS_RUN, "no child process: %s", strerror(errno));
+    close(ends[0]);
+    close(ends[1]);
+    return VS_RUN;
+  }
+  close(ends[child != 0]);
+  if (child == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(VS_CHILD_BAD_RUN); /* it has died before that */
+  }
+  return VS_OK;
+}
+
+bool vs_child_say(const vs_child_copy *copy, const void *data, size_t size) {
+  const char *at = data;
+  while (size > 0) {
+    ssize_t n = write(copy->pipe_end, at, size);
+    if (n < 0 && errno != EINTR) break;
+    if (n > 0) at += n, size -= (size_t)n;
+  }
+  return size == 0;
+}
+
+_Noreturn void vs_child_tell(const vs_child_copy *copy, const void *data, size_t size) {
+  _exit(vs_child_say(copy, data, size) ? VS_CHILD_GOOD : VS_CHILD_BAD_RUN);
+}
+
+bool vs_child_listen(const vs_child_copy *copy, void *data, size_t size) {
+  char *at = data;
+  while (size > 0) {
+    ssize_t n = read(copy->pipe_end, at, size);
+    if (n == 0 || (n < 0 && errno != EINTR)) break;
+    if (n > 0) at += n, size -= (size_t)n;
+  }
+  return size == 0;
+}
+
+int vs_child_end_of(const vs_child_copy *copy) {
+  int how = 0;
+  close(copy->pipe_end);
+  while (waitpid(copy->pid, &how, 0) < 0 && errno == EINTR) {
+  }
+  return how;
+}
+
+vs_status vs_child_hear(const vs_child_copy *copy, void *data, size_t size, vs_error *err) {
+  bool whole = vs_child_listen(copy, data, size);
+  int how = vs_child_end_of(copy);
+  return !whole || how ? vs_fail(err, VS_RUN, "a copy of this process did not come to its end")
+                       : VS_OK;
+}

@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Trying something in a child process that may die of it. ngspice ends the process it is in for an
+ * Child processes. Some try what a process may die of: ngspice ends the process it is in for an
  * undefined parameter; other nonsense crashes it, at loading or in its first step, or keeps it for
- * ever. */
+ * ever. Others are copies of a running process: a process that is forked within a callback of
+ * ngspice has all of its hidden state, and goes on as the first one would have. */
 #ifndef VS_SOLVER_CHILD_H
 #define VS_SOLVER_CHILD_H
+
+#include <stdbool.h>
+#include <stddef.h>
 
 #include "solver/complaints.h"
 
@@ -21,5 +25,32 @@ vs_status vs_child_try(vs_child_end (*attempt)(void *ctx), void *ctx, vs_complai
 
 /* Ends the child at once from within the attempt, as VS_CHILD_GOOD. */
 _Noreturn void vs_child_finish(void);
+
+/* A copy of this process, which goes on by itself and tells what comes of it. */
+typedef struct vs_child_copy {
+  int pid;      /* 0 in the copy itself */
+  int pipe_end; /* the parent reads from it, the copy writes into it */
+} vs_child_copy;
+
+/* Makes a copy of this process, which has one thread, and returns in both: copy->pid tells which is
+ * which. The copy shares the parent's open files: it must not write to any, and must end by
+ * vs_child_tell alone. It dies with its parent. Error, in the parent: VS_RUN, there is none. */
+vs_status vs_child_fork(vs_child_copy *copy, vs_error *err);
+
+/* In the copy: tells the parent so many bytes, and goes on. False: the parent does not hear it. */
+bool vs_child_say(const vs_child_copy *copy, const void *data, size_t size);
+
+/* In the copy: tells the parent so many bytes, and ends the copy. None: it has failed. */
+_Noreturn void vs_child_tell(const vs_child_copy *copy, const void *data, size_t size);
+
+/* In the parent: takes so many bytes of what the copy tells. False: it has ended before that. */
+bool vs_child_listen(const vs_child_copy *copy, void *data, size_t size);
+
+/* In the parent: waits for the copy's end, however that comes, and returns it as waitpid does. */
+int vs_child_end_of(const vs_child_copy *copy);
+
+/* In the parent: waits for the copy's end and takes what it told. Errors: VS_RUN, the copy ended
+ * before it had told all of it. */
+vs_status vs_child_hear(const vs_child_copy *copy, void *data, size_t size, vs_error *err);
 
 #endif

@@ -59,6 +59,10 @@ typedef struct vs_circuit_host {
   vs_status (*accept)(void *ctx, double t_s, const double *signals, vs_error *err);
   /* Asked after each accepted step: true ends the run there, with VS_OK. NULL: never. */
   bool (*enough)(void *ctx);
+  /* What the host's own clock shows at t_s; messages and the rawfile have it. NULL: t_s. */
+  double (*clock)(void *ctx, double t_s);
+  /* Asked after each accepted step: true leaves it out of the rawfile. NULL: none is left out. */
+  bool (*hides)(void *ctx);
 } vs_circuit_host;
 
 /* A way to solve circuits. */

@@ -73,6 +73,11 @@ static int on_thread(NG_BOOL running, int id, void *user) {
   return 0;
 }
 
+/* What the host calls the instant t. */
+static double clock_at(double t_s) {
+  return ng.host->clock ? ng.host->clock(ng.host->ctx, t_s) : t_s;
+}
+
 static void stop_with(vs_status status) {
   if (ng.status == VS_OK) ng.status = status;
 }
@@ -144,9 +149,11 @@ static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
                                             : NAN;
   ng.reached_s = t;
   stop_with(ng.host->accept(ng.host->ctx, t, ng.values, ng.err));
-  if (!ng.status && ng.raw.stream) {
+  bool hidden = ng.host->hides && ng.host->hides(ng.host->ctx);
+  if (!ng.status && ng.raw.stream && !hidden) {
     for (size_t k = 0; k < ng.raw.vectors; k++)
       ng.raw_values[k] = all->vecsa[ng.raw_vector[k]]->creal;
+    ng.raw_values[0] = clock_at(t);
     stop_with(vs_rawfile_point(&ng.raw, ng.raw_values, ng.err));
   }
   ng.enough = !ng.status && ng.host->enough && ng.host->enough(ng.host->ctx);
@@ -187,7 +194,7 @@ static vs_status guard_progress(void) {
   }
   if (ng.tries < MOST_TRIES) return VS_OK;
   vs_fail(ng.err, VS_RUN, "t = %.9g s: ngspice makes no progress: %d steps for %.2g s",
-          ng.reached_s, MOST_TRIES, gone);
+          clock_at(ng.reached_s), MOST_TRIES, gone);
   ng.err->gave_up = true;
   return VS_RUN;
 }
@@ -395,7 +402,7 @@ static vs_status outcome(vs_error *err) {
   if (ng.time_vector < 0 || ng.reached_s == 0)
     return vs_complaints_tell(&ng.complaints, ng.job, "run", err);
   if (ng.reached_s >= ng.job->until_s * (1 - 1e-9)) return VS_OK;
-  vs_fail(err, VS_RUN, "t = %.9g s: ngspice gave up: %s", ng.reached_s,
+  vs_fail(err, VS_RUN, "t = %.9g s: ngspice gave up: %s", clock_at(ng.reached_s),
           vs_complaints_first(&ng.complaints));
   err->gave_up = true;
   return VS_RUN;

@@ -18,6 +18,7 @@
 #include "study/merge.h"
 #include "study/stale.h"
 #include "work/jobs.h"
+#include "work/past.h"
 
 /* A study under way. */
 typedef struct session {
@@ -31,6 +32,7 @@ typedef struct session {
   int made;                                          /* how many folders were made for the output */
   uint64_t next, until; /* cases to deal; of a search those of the present generation */
   uint64_t total;       /* cases of this shard, for the progress */
+  uint64_t shared;      /* how many had their past from another (work/past.h) */
   uint64_t before;      /* how many were done when this process began */
   double began_s, shown_s;
   bool show;               /* progress is shown on a terminal */
@@ -57,8 +59,15 @@ static bool next_case(void *ctx, vs_task *task) {
   return false;
 }
 
+static uint64_t cases_left(void *ctx) {
+  const session *s = ctx;
+  uint64_t shards = s->journal.head.shards;
+  return s->next < s->until ? (s->until - s->next + shards - 1) / shards : 0;
+}
+
 static vs_status take_row(void *ctx, const vs_answer *answer, vs_error *err) {
   session *s = ctx;
+  s->shared += answer->shared;
   return vs_journal_add(&s->journal, answer->index, answer->status, answer->row, answer->length,
                         err);
 }
@@ -76,6 +85,7 @@ static void show_progress(const session *s, double now) {
     vs_json_whole(&json, "done", (int64_t)s->journal.done);
     vs_json_whole(&json, "failed", (int64_t)s->journal.failed);
     vs_json_whole(&json, "total", (int64_t)s->total);
+    if (s->shared) vs_json_whole(&json, "shared", (int64_t)s->shared);
     vs_json_number(&json, "per_s", rate, 6);
     vs_json_number(&json, "eta_s", left, 6);
     vs_json_end(&json);
@@ -102,7 +112,7 @@ static vs_status beat(void *ctx, vs_error *err) {
 /* ---- running ---- */
 
 static vs_status run_cases(session *s, uint64_t first, uint64_t until, vs_error *err) {
-  const vs_dealer dealer = {s, next_case, take_row, beat};
+  const vs_dealer dealer = {s, next_case, cases_left, take_row, beat};
   s->next = first;
   s->until = until;
   vs_status status = vs_jobs_run(s->jobs, &dealer, err);
@@ -395,8 +405,10 @@ static vs_status run_session(session *s, vs_error *err) {
   s->began_s = s->shown_s = vs_worker_clock();
   s->show = !s->o->quiet && !s->o->progress_json && isatty(STDERR_FILENO);
   if ((uint64_t)jobs > s->total && s->total) jobs = (int)s->total;
-  const vs_jobs_options options = {&s->plan, s->o->keep_runs ? s->keep : NULL, jobs,
-                                   s->o->timeout_s, s->o->stop};
+  /* a branch would have no file of its own for run.csv */
+  bool share = !s->o->alone && !s->o->keep_runs && vs_past_fits(&s->plan);
+  const vs_jobs_options options = {
+      &s->plan, s->o->keep_runs ? s->keep : NULL, share, jobs, s->o->timeout_s, s->o->stop};
   s->jobs = vs_jobs_new(&options);
   vs_heed heed = vs_leave_heed_set(VS_HEED_KEEP);
   void (*before)(int) = signal(SIGPIPE, SIG_IGN); /* whoever reads the progress may be gone */
@@ -408,6 +420,9 @@ static vs_status run_session(session *s, vs_error *err) {
   if (s->show) fputs("\r\033[K", stderr);
   if (!status) show_progress(s, vs_worker_clock());
   if (s->show) fputs("\r\033[K", stderr);
+  if (s->show && s->shared)
+    fprintf(stderr, "shared pasts: %llu of %llu cases\n", (unsigned long long)s->shared,
+            (unsigned long long)s->total);
   if (!status) status = write_result(s, cases, err);
   signal(SIGPIPE, before);
   if (!status) say_result(s);

@@ -37,6 +37,7 @@ struct vs_case {
   int shown[VS_PLAN_COLUMNS]; /* where each column was found the last time */
   vs_result *result;          /* too large for the stack */
   vs_steady *steady;          /* of a study of orbits, the case's; else NULL */
+  vs_sensitivity derived;     /* of a study with derivatives, the case's; else empty */
 };
 
 vs_case *vs_case_new(const vs_plan *plan, const char *keep) {
@@ -120,6 +121,11 @@ static void add_number(vs_text *row, double value) {
 /* Returns the case's value in column k. A deck with other devices may have the measure elsewhere or
  * not at all. */
 static vs_value find_value(vs_case *c, size_t k) {
+  int derivative = c->plan->columns[k].derivative;
+  if (derivative) {
+    const vs_sensitivity_entry *e = &c->derived.entry[abs(derivative) - 1];
+    return (vs_value){!isnan(e->value), derivative < 0 ? e->error : e->value, NAN};
+  }
   const char *name = c->plan->columns[k].name;
   const vs_atwork of = {&c->result->scene->frame, c->result, c->steady};
   vs_shown m;
@@ -138,6 +144,13 @@ static void add_warning(void *ctx, const char *text) {
   vs_text_add(all, "%s%s", all->length ? " | " : "", text);
 }
 
+/* Adds what is to be said of the derivatives. */
+static void add_notes(const vs_sensitivity *derived, vs_text *warnings) {
+  const char *line = derived->notes.text;
+  for (const char *end; line && (end = strchr(line, '\n')); line = end + 1)
+    vs_text_add(warnings, "%s%.*s", warnings->length ? " | " : "", (int)(end - line), line);
+}
+
 static void add_row(vs_case *c, vs_text *row) {
   const vs_result *r = c->result;
   const vs_judgement *weakest = r->verdict.weakest;
@@ -151,6 +164,7 @@ static void add_row(vs_case *c, vs_text *row) {
   add_number(row, weakest ? weakest->margin : NAN);
   add_number(row, weakest ? weakest->margin_error : NAN);
   vs_result_warnings(r, add_warning, &warnings);
+  add_notes(&c->derived, &warnings);
   vs_text_add(row, ",%s,%d", weakest ? vs_verdict_name(weakest, name) : "", r->ladder.rung);
   add_number(row, r->watchers.absence.bound);
   vs_text_add(row, ",");
@@ -186,6 +200,7 @@ static vs_status begin_csv(keeper *k, const vs_scene *s, vs_error *err) {
 
 static vs_status begin_run(void *ctx, vs_scene *s, vs_error *err) {
   keeper *k = ctx;
+  if (k->c->steady) vs_steady_again(k->c->steady, s);
   return k->c->keep ? begin_csv(k, s, err) : VS_OK;
 }
 
@@ -211,18 +226,25 @@ static vs_status judge_orbit(const vs_case *c, vs_error *err) {
   for (size_t k = 0; k < c->plan->n_columns; k++)
     if (!strcmp(c->plan->columns[k].name, VS_ATWORK_STABLE) && c->plan->columns[k].where.file)
       return VS_OK;
-  if (orbit->stable) return VS_OK;
+  if (orbit->stable || !vs_steady_multipliers(c->steady)) return VS_OK;
   return vs_fail(err, VS_RUN,
                  "the orbit is unstable: its largest multiplier has the size %.6g, so the machine "
                  "does not stay on it; report: [%s, ...] has it in the table nevertheless",
                  hypot(orbit->multiplier[0].re, orbit->multiplier[0].im), VS_ATWORK_STABLE);
 }
 
-/* Finds the orbit of a study of orbits, whose period is then the run. */
-static vs_status begin_orbit(vs_case *c, vs_error *err) {
+/* The run is over: completes what is known of a study's orbit. */
+static vs_status end_orbit(vs_case *c, vs_error *err) {
   if (!c->steady) return VS_OK;
-  vs_status status = vs_steady_begin(c->steady, c->scene, c->plan->periods, err);
-  return status ? status : judge_orbit(c, err);
+  vs_steady_finish(c->steady, c->result);
+  return judge_orbit(c, err);
+}
+
+/* Finds the derivatives of the case's measures, where the study has some: before the run, which
+ * makes the scene its own. */
+static vs_status derive(vs_case *c, vs_error *err) {
+  const vs_sensitivity_order *order = c->plan->derivatives;
+  return order ? vs_sensitivity_find(c->scene, order, &c->derived, err) : VS_OK;
 }
 
 static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
@@ -231,13 +253,15 @@ static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
   const vs_session session = {.guest = c->keep || c->steady ? &guest : NULL,
                               .steady = vs_steady_start};
   *c->result = (vs_result){0};
-  vs_status status = begin_orbit(c, err);
+  vs_status status = derive(c, err);
+  if (!status && c->steady) status = vs_steady_begin(c->steady, c->scene, c->plan->periods, err);
   if (!status) status = vs_session_run(&session, c->scene, c->result, err);
-  if (!status && c->steady) vs_steady_finish(c->steady, c->result);
+  if (!status) status = end_orbit(c, err);
   if (!status) add_row(c, row);
   if (!status && k.csv.stream) status = vs_file_commit(&k.csv, err);
   vs_file_discard(&k.csv);
   if (c->steady) vs_steady_end(c->steady);
+  vs_sensitivity_free(&c->derived);
   return status;
 }
 
@@ -256,8 +280,7 @@ static vs_status read_scene(vs_case *c, vs_error *err) {
   return again ? vs_scene_again(c->scene, err) : vs_scene_settle(c->scene, NULL, err);
 }
 
-/* Begins a case: reads its scene and makes its id. */
-static vs_status begin(vs_case *c, uint64_t index, const double *point, vs_error *err) {
+vs_status vs_case_begin(vs_case *c, uint64_t index, const double *point, vs_error *err) {
   c->present = (which){.index = index, .point = point};
   vs_status status = read_scene(c, err);
   if (!status) vs_identity_of(c->identity, c->scene, c->present.id);
@@ -295,36 +318,58 @@ bool vs_case_is_row(vs_case *c, uint64_t index, const double *point, bool failed
              cell[HEAD + k]);
     return false;
   }
-  begin(c, index, point, &refused);
+  vs_case_begin(c, index, point, &refused);
   /* the id follows from the last digits, too; a case that failed may not have come to it */
   if (!exact || (failed && !*cell[1]) || !strcmp(cell[1], c->present.id)) return true;
   snprintf(why, size, "its id is '%s'; its row has '%.64s'", c->present.id, cell[1]);
   return false;
 }
 
-int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, bool *circuit) {
-  vs_error err = {0};
-  size_t begun = row->length;
+int vs_case_end(vs_case *c, vs_status begun, vs_text *row, bool *circuit, vs_error *err) {
+  size_t length = row->length;
   bool breach = false;
-  vs_status status = begin(c, index, point, &err);
+  vs_status status = begun;
   c->circuit = !status && c->scene->tier->has_circuit;
   *circuit = c->circuit;
   if (!status) {
-    status = run_scene(c, row, &err);
+    status = run_scene(c, row, err);
     breach = !status && vs_verdict_breach(&c->result->verdict);
     vs_result_free(c->result);
   }
   if (!status) return breach ? VS_CASE_VIOLATED : VS_CASE_DONE;
-  row->length = begun; /* a row whose run.csv could not be stored is taken back */
-  add_failure(c, err.text + err.place_size, row);
+  row->length = length; /* a row whose run.csv could not be stored is taken back */
+  add_failure(c, err->text + err->place_size, row);
   return VS_CASE_FAILED;
+}
+
+int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, bool *circuit) {
+  vs_error err = {0};
+  vs_status begun = vs_case_begin(c, index, point, &err);
+  return vs_case_end(c, begun, row, circuit, &err);
+}
+
+vs_scene *vs_case_scene(vs_case *c) {
+  return c->scene;
+}
+
+void vs_case_become(vs_case *c, vs_case *other) {
+  vs_scene *s = c->scene, *theirs = other->scene;
+  const vs_tree tree = s->tree;
+  const vs_warnings warnings = s->warnings;
+  s->tree = theirs->tree;
+  s->warnings = theirs->warnings;
+  s->setup.run = theirs->setup.run;
+  s->setup.timeline.events = theirs->setup.timeline.events;
+  theirs->tree = tree;
+  theirs->warnings = warnings;
+  c->present = other->present;
 }
 
 void vs_case_failure(const vs_plan *plan, uint64_t index, const double *point, const char *why,
                      vs_text *row) {
   vs_error refused = {0};
   vs_case *c = vs_case_new(plan, NULL);
-  begin(c, index, point, &refused);
+  vs_case_begin(c, index, point, &refused);
   add_failure(c, why, row);
   vs_case_free(c);
 }

@@ -57,6 +57,19 @@ bool vs_case_is_row(vs_case *c, uint64_t index, const double *point, bool failed
  * ngspice was used. */
 int vs_case_run(vs_case *c, uint64_t index, const double *point, vs_text *row, bool *circuit);
 
+/* ---- vs_case_run in its parts, for cases that share their past (work/past.h) ---- */
+
+/* Reads the scene of case `index` and makes its id. Errors: the scene is refused. */
+vs_status vs_case_begin(vs_case *c, uint64_t index, const double *point, vs_error *err);
+/* The scene of the case that was begun; whoever changes it before the run answers for the row. */
+vs_scene *vs_case_scene(vs_case *c);
+/* Runs the case that was begun, unless begun, with err, says that it was refused. The rest is as of
+ * vs_case_run. */
+int vs_case_end(vs_case *c, vs_status begun, vs_text *row, bool *circuit, vs_error *err);
+/* In the middle of c's run: from here on it is the run of the case that `other` has begun, whose
+ * scene differs from c's in the keys of events alone. */
+void vs_case_become(vs_case *c, vs_case *other);
+
 /* Adds the row of a case whose worker died. It reads the case's scene, to know its id, and so takes
  * as long as that. */
 void vs_case_failure(const vs_plan *plan, uint64_t index, const double *point, const char *why,

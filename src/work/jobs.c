@@ -24,8 +24,8 @@ struct vs_jobs {
   vs_jobs_options o;
   vs_worker *workers;
   struct pollfd *polls;
-  vs_task tasks[VS_WORKER_QUEUE]; /* those just chosen for one worker */
-  vs_task *again;                 /* cases of workers that died, to be run alone */
+  vs_task tasks[VS_DESK_TASKS]; /* those just chosen for one worker */
+  vs_task *again;               /* cases of workers that died, to be run alone */
   size_t n_again, room;
   const vs_dealer *dealer;
   bool dealt; /* the dealer has no more */
@@ -89,7 +89,7 @@ static vs_status bury(vs_jobs *j, vs_worker *w, bool slow, vs_error *err) {
              strsignal(WTERMSIG(how)));
   else
     snprintf(why, sizeof why, "its process ended itself: exit status %d", WEXITSTATUS(how));
-  for (; w->queued; w->queued--, w->first = (w->first + 1) % VS_WORKER_QUEUE) {
+  for (; w->queued; w->queued--, w->first = (w->first + 1) % VS_DESK_TASKS) {
     vs_task *task = &w->queue[w->first];
     task->tries += alone;
     if (alone && (slow || task->tries >= MOST_TRIES))
@@ -105,13 +105,24 @@ static vs_status bury(vs_jobs *j, vs_worker *w, bool slow, vs_error *err) {
 static size_t wanted_ahead(const vs_worker *w) {
   if (!(w->case_s > 0)) return 1;
   double n = ceil(AHEAD_S / w->case_s);
-  return n > VS_WORKER_QUEUE ? VS_WORKER_QUEUE : (size_t)n;
+  return n > VS_DESK_TASKS ? VS_DESK_TASKS : (size_t)n;
+}
+
+/* How many cases a worker is given that may share their past: the more there are, the more they
+ * share. All workers are to end at about the same time, so each gets half of its part of what is
+ * left. */
+static size_t wanted_together(const vs_jobs *j) {
+  uint64_t left = j->dealer->left(j->dealer->ctx),
+           parts = j->o.count > 1 ? 2 * (uint64_t)j->o.count : 1;
+  uint64_t n = (left + parts - 1) / parts;
+  return n > VS_DESK_TASKS ? VS_DESK_TASKS : n > 0 ? (size_t)n : 1;
 }
 
 /* Chooses tasks for the worker and returns how many; 0: it has enough, or there are none. */
 static size_t choose(vs_jobs *j, const vs_worker *w, bool *alone) {
-  size_t n = 0, most = wanted_ahead(w);
+  size_t n = 0, most = j->o.share ? wanted_together(j) : wanted_ahead(w);
   *alone = j->n_again > 0;
+  if (w->queued && j->o.share) return 0; /* what comes later shares with what it has then */
   if (w->queued && (*alone || w->alone || w->circuits >= MOST_CIRCUITS || 2 * w->queued > most))
     return 0; /* it has enough, or must be empty before it gets what comes */
   if (*alone) {
@@ -136,7 +147,7 @@ static vs_status deal(vs_jobs *j, vs_worker *w, vs_error *err) {
   if (!n) return VS_OK;
   if (w->circuits >= MOST_CIRCUITS) vs_worker_kill(w);
   if (!w->pid) {
-    vs_status status = vs_worker_start(w, j->o.plan, j->o.keep, err);
+    vs_status status = vs_worker_start(w, j->o.plan, j->o.keep, j->o.share, err);
     if (status) return status;
   }
   w->alone = alone;

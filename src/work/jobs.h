@@ -9,11 +9,13 @@
 
 #include "work/worker.h"
 
-/* Where cases come from and rows go to: three functions of the caller's, all called with ctx. */
+/* Where cases come from and rows go to: functions of the caller's, all called with ctx. */
 typedef struct vs_dealer {
   void *ctx;
   /* Writes the next task's index and point; false: there are no more. */
   bool (*next)(void *ctx, vs_task *task);
+  /* How many tasks there are left, or more. */
+  uint64_t (*left)(void *ctx);
   /* Takes the row of a case, in the order in which cases end. An error ends the jobs. */
   vs_status (*take)(void *ctx, const vs_answer *answer, vs_error *err);
   /* Is called at least ten times a second, for progress. An error ends the jobs. */
@@ -24,6 +26,7 @@ typedef struct vs_jobs vs_jobs;
 typedef struct vs_jobs_options {
   const vs_plan *plan;
   const char *keep;                  /* as for vs_case_new */
+  bool share;                        /* cases may share their past (work/past.h) */
   int count;                         /* of workers */
   double timeout_s;                  /* of one case; 0: none */
   const volatile sig_atomic_t *stop; /* a signal sets it; the jobs then end with VS_SIGNAL */

@@ -12,35 +12,12 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "solver/ng.h"
+#include "work/past.h"
 
 double vs_worker_clock(void) {
   struct timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-/* Precedes each row in the pipe. Both ends are the same program, so the struct is sent as it is in
- * memory. */
-typedef struct answer_head {
-  uint64_t index, length;
-  int32_t status, circuit;
-} answer_head;
-
-/* ---- the child ---- */
-
-/* An answer waits this long for others, so that many quick cases cost one write. */
-static const double PATIENCE_S = 0.01;
-
-static bool read_all(int fd, void *to, size_t size) {
-  for (char *at = to; size;) {
-    ssize_t n = read(fd, at, size);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    at += n;
-    size -= (size_t)n;
-  }
-  return true;
 }
 
 static bool write_all(int fd, const void *from, size_t size) {
@@ -54,55 +31,20 @@ static bool write_all(int fd, const void *from, size_t size) {
   return true;
 }
 
-typedef struct outbox {
-  int fd;
-  char *bytes;
-  size_t size, room;
-  double since_s; /* when the oldest of the bytes was posted */
-} outbox;
+/* ---- the child ---- */
 
-static void post(outbox *o, const void *bytes, size_t size) {
-  if (!o->size) o->since_s = vs_worker_clock();
-  if (o->size + size > o->room) {
-    o->room = 2 * (o->size + size);
-    o->bytes = realloc(o->bytes, o->room);
-    if (!o->bytes) _exit(1);
-  }
-  memcpy(o->bytes + o->size, bytes, size);
-  o->size += size;
-}
-
-static void deliver(outbox *o) {
-  if (!write_all(o->fd, o->bytes, o->size)) _exit(0); /* the parent is gone */
-  o->size = 0;
-}
-
-static _Noreturn void work(const vs_plan *plan, const char *keep, int in, int out) {
+static _Noreturn void work(const vs_plan *plan, const char *keep, bool share, int in, int out) {
+  vs_desk *desk = vs_desk_new(plan, in, out);
   vs_case *c = vs_case_new(plan, keep);
-  outbox box = {.fd = out};
-  vs_text row = {0};
-  uint32_t count;
-  vs_task *tasks = vs_alloc(VS_WORKER_QUEUE, sizeof *tasks);
-  while (read_all(in, &count, sizeof count)) {
-    for (uint32_t k = 0; k < count; k++)
-      if (!read_all(in, &tasks[k].index, sizeof tasks[k].index) ||
-          !read_all(in, tasks[k].point, plan->n_axes * sizeof(double)))
-        _exit(0);
-    for (uint32_t k = 0; k < count; k++) {
-      bool circuit;
-      if (box.size && vs_worker_clock() - box.since_s > PATIENCE_S) deliver(&box);
-      row.length = 0;
-      int status = vs_case_run(c, tasks[k].index, tasks[k].point, &row, &circuit);
-      const answer_head head = {tasks[k].index, row.length, status, circuit};
-      post(&box, &head, sizeof head);
-      post(&box, row.text, row.length);
-      if (vs_ng_usable()) continue;
-      deliver(&box);
-      _exit(0); /* another worker runs what is left in the queue */
-    }
-    deliver(&box);
+  vs_past *past = share ? vs_past_new(plan, c, desk) : NULL;
+  for (;;) {
+    vs_desk_wait(desk);
+    if (past)
+      vs_past_run(past);
+    else
+      for (size_t k = 0; k < desk->count; k++) vs_desk_run(desk, c, k);
+    vs_desk_deliver(desk);
   }
-  _exit(0); /* exit() would flush and remove what is the parent's */
 }
 
 /* Sets the child up: it leaves signals to the parent, dumps no core when it crashes, and dies with
@@ -126,7 +68,8 @@ static void settle_in(pid_t parent, int in, int out) {
 
 /* ---- the parent ---- */
 
-vs_status vs_worker_start(vs_worker *w, const vs_plan *plan, const char *keep, vs_error *err) {
+vs_status vs_worker_start(vs_worker *w, const vs_plan *plan, const char *keep, bool share,
+                          vs_error *err) {
   int there[2], back[2];
   if (pipe2(there, O_CLOEXEC)) return vs_fail(err, VS_RUN, "no pipe: %s", strerror(errno));
   if (pipe2(back, O_CLOEXEC)) {
@@ -137,7 +80,7 @@ vs_status vs_worker_start(vs_worker *w, const vs_plan *plan, const char *keep, v
   pid_t parent = getpid(), pid = fork();
   if (pid == 0) {
     settle_in(parent, there[0], back[1]);
-    work(plan, keep, there[0], back[1]);
+    work(plan, keep, share, there[0], back[1]);
   }
   int why = errno;
   close(there[0]), close(back[1]);
@@ -164,7 +107,7 @@ bool vs_worker_send(vs_worker *w, const vs_plan *plan, const vs_task *tasks, siz
   for (size_t k = 0; k < count; k++, at += each) {
     memcpy(at, &tasks[k].index, sizeof(uint64_t));
     memcpy(at + sizeof(uint64_t), tasks[k].point, point);
-    w->queue[(w->first + w->queued + k) % VS_WORKER_QUEUE] = tasks[k];
+    w->queue[(w->first + w->queued + k) % VS_DESK_TASKS] = tasks[k];
   }
   if (!w->queued) w->heard_s = vs_worker_clock();
   w->queued += count;
@@ -190,19 +133,33 @@ bool vs_worker_hear(vs_worker *w) {
   }
 }
 
+/* Takes the task of that case out of the queue; cases that share their past are not answered in the
+ * order in which they were sent. */
+static void take_off(vs_worker *w, uint64_t index) {
+  vs_task *first = &w->queue[w->first];
+  for (size_t k = 0; k < w->queued; k++) {
+    vs_task *task = &w->queue[(w->first + k) % VS_DESK_TASKS];
+    if (task->index != index) continue;
+    *task = *first;
+    break;
+  }
+  w->first = (w->first + 1) % VS_DESK_TASKS;
+  w->queued--;
+}
+
 bool vs_worker_take(vs_worker *w, vs_answer *answer) {
-  answer_head head;
+  vs_desk_head head;
   if (w->n_in - w->at < sizeof head) return false;
   memcpy(&head, w->in + w->at, sizeof head);
   if (w->n_in - w->at - sizeof head < head.length) return false;
   *answer = (vs_answer){.index = head.index,
                         .status = head.status,
                         .circuit = head.circuit,
+                        .shared = head.shared,
                         .row = w->in + w->at + sizeof head,
                         .length = head.length};
   w->at += sizeof head + head.length;
-  w->first = (w->first + 1) % VS_WORKER_QUEUE;
-  w->queued--;
+  take_off(w, head.index);
   w->circuits += answer->circuit;
   return true;
 }

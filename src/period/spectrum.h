@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Watcher that takes the current drawn from the mains apart into harmonics of the mains. The
  * integrals are taken on the dense output of each step, so that no sampling limits them. */
-#ifndef VS_ORBIT_SPECTRUM_H
-#define VS_ORBIT_SPECTRUM_H
+#ifndef VS_PERIOD_SPECTRUM_H
+#define VS_PERIOD_SPECTRUM_H
 
 #include <gsl/gsl_integration.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/heat.h"
+#include "period/heat.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,12 +19,16 @@ static double power_w(const subject *s) {
   return s->watched->sum[VS_OF_POWER] / s->span_s;
 }
 
-/* Where the device's kind has the mean power as a measure, it is shown already. */
+/* Of a kind that turns power into heat. Where the kind has the mean power as a measure of its own,
+ * it is shown already. */
 static bool lacks_power(const subject *s) {
   const vs_kind *kind = s->watched->device->kind;
-  for (size_t k = 0; k < kind->n_measures; k++)
+  bool heats = false;
+  for (size_t k = 0; k < kind->n_measures; k++) {
     if (!strcmp(kind->measures[k].name, "power")) return false;
-  return true;
+    heats = heats || kind->measures[k].of == VS_OF_POWER;
+  }
+  return heats;
 }
 
 /* The part's whole thermal resistance between junction and case; 0: its file says none. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/reaction.h"
+#include "period/reaction.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/spectrum.h"
+#include "period/spectrum.h"
 
 #include <math.h>
 

@@ -2,8 +2,8 @@
  * What the devices of a circuit turn into heat on an orbit, and how warm that makes a junction:
  * its mean rise over the case, and how warm the case may be. The largest rise over the period is a
  * measure of the device (deck/kinds.c: t_j_rise). */
-#ifndef VS_ORBIT_HEAT_H
-#define VS_ORBIT_HEAT_H
+#ifndef VS_PERIOD_HEAT_H
+#define VS_PERIOD_HEAT_H
 
 #include "watch/devices.h"
 

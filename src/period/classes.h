@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The classes of apparatus by which IEC 61000-3-2 limits the harmonics of the mains current. Which
  * class holds is a matter of what the apparatus is: so each is told. */
-#ifndef VS_ORBIT_CLASSES_H
-#define VS_ORBIT_CLASSES_H
+#ifndef VS_PERIOD_CLASSES_H
+#define VS_PERIOD_CLASSES_H
 
-#include "orbit/spectrum.h"
+#include "period/spectrum.h"
 
 /* What limits may depend on. */
 typedef struct vs_drawn {

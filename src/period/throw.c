@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/throw.h"
+#include "period/throw.h"
 
 #include <math.h>
 

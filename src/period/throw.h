@@ -9,8 +9,8 @@
  * 1/G and lands where the trough is again:
  *   G^2 = 1 + ((cos x - 1 + x^2/2)/(x - sin x))^2,   v = g n^2 cot(beta)/(2 f).
  * n = 1 belongs to G = sqrt(1 + pi^2) = 3.297, beyond which the flight is longer than a swing. */
-#ifndef VS_ORBIT_THROW_H
-#define VS_ORBIT_THROW_H
+#ifndef VS_PERIOD_THROW_H
+#define VS_PERIOD_THROW_H
 
 #include "sim/step.h"
 #include "watch/extremes.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/classes.h"
+#include "period/classes.h"
 
 #include <math.h>
 

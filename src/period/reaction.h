@@ -2,8 +2,8 @@
  * Watcher of the reactions: what springs and dampers do along each coordinate, the rows of
  * K q + B q'. Along a coordinate that moves the whole machine against the ground alone this is the
  * force that the mounts carry into the foundation. */
-#ifndef VS_ORBIT_REACTION_H
-#define VS_ORBIT_REACTION_H
+#ifndef VS_PERIOD_REACTION_H
+#define VS_PERIOD_REACTION_H
 
 #include "sim/step.h"
 #include "watch/extremes.h"

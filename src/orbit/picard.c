@@ -1,0 +1,331 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "orbit/picard.h"
+
+#include <gsl/gsl_linalg.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "ideal/propagator.h"
+#include "orbit/copies.h"
+#include "orbit/creep.h"
+
+enum { MOST = VS_MOST_STATES };
+
+/* A search: the prelude of one run. */
+typedef struct vs_picard_search {
+  const vs_setup *setup;
+  int count;        /* of the states */
+  int passed;       /* firing periods of the present pass, which has orbit.n of them */
+  int cycles;       /* in all */
+  double tolerance; /* Newton's correction is to come below */
+  double x[MOST];   /* where the present pass began */
+  double inverse[MOST][MOST];
+  double least;      /* the least correction so far */
+  int stalled;       /* passes since it last fell */
+  double noise;      /* the largest correction of these */
+  double correction; /* the last one's size: the largest over the states, relative to scale */
+  double peak[MOST + 1],
+      scale[MOST +
+            1]; /* largest sizes of the states, and of lambda: in this pass; in the last one */
+  double (*between)[MOST]; /* the states at the ends of the pass's firing periods; owned */
+  vs_copies copies;
+  vs_creep creep;
+} search;
+
+/* ---- Newton's step ---- */
+
+/* Sets (I - Phi)^-1, which is found in parts of each state's scale. Returns false where there is
+ * none. */
+static bool invert(const vs_orbit *o, double inverse[MOST][MOST]) {
+  size_t n = (size_t)o->count, order[MOST];
+  double matrix[MOST * MOST], found[MOST * MOST];
+  int sign;
+  for (size_t i = 0; i < n; i++)
+    for (size_t j = 0; j < n; j++)
+      matrix[i * n + j] = (i == j) - o->monodromy[i][j] * o->scale[j] / o->scale[i];
+  gsl_matrix_view a = gsl_matrix_view_array(matrix, n, n);
+  gsl_matrix_view b = gsl_matrix_view_array(found, n, n);
+  gsl_permutation p = {n, order};
+  if (gsl_linalg_LU_decomp(&a.matrix, &p, &sign) || gsl_linalg_LU_invert(&a.matrix, &p, &b.matrix))
+    return false;
+  for (size_t i = 0; i < n; i++)
+    for (size_t j = 0; j < n; j++) inverse[i][j] = found[i * n + j] * o->scale[i] / o->scale[j];
+  return true;
+}
+
+/* Corrects the pass that ended at `end`: s->x becomes where the next one begins. */
+static void correct(search *s, const double *end) {
+  double step[MOST] = {0};
+  for (int j = 0; j <= s->count; j++) {
+    s->scale[j] = s->peak[j] > 0 ? s->peak[j] : 1;
+    s->peak[j] = 0;
+  }
+  for (int i = 0; i < s->count; i++)
+    for (int j = 0; j < s->count; j++) step[i] += s->inverse[i][j] * (end[j] - s->x[j]);
+  s->correction = 0;
+  for (int j = 0; j < s->count; j++) {
+    s->x[j] += step[j];
+    s->correction = fmax(s->correction, fabs(step[j]) / s->scale[j]);
+  }
+}
+
+/* ---- what was found ---- */
+
+/* The state repeats after fewer firing periods where it is off by less than this many times what
+ * the orbit is known to. */
+static const double REPEATS = 10;
+
+static int least_period(const vs_picard *p) {
+  const search *s = p->search;
+  for (int k = 1; k < p->orbit.n; k++) {
+    double off = 0;
+    if (p->orbit.n % k) continue;
+    for (int j = 0; j < s->count; j++)
+      off = fmax(off, fabs(s->between[k - 1][j] - s->x[j]) / s->scale[j]);
+    if (off <= REPEATS * s->tolerance) return k;
+  }
+  return p->orbit.n;
+}
+
+/* How far the copies' states are pushed, in parts of their scale, at a run.tolerance of 1: with the
+ * root of the tolerance, the differences' noise and what is not linear in them fall alike. */
+static const double PUSHES = 1;
+
+/* Returns true in a copy of the process. */
+static bool find_multipliers(vs_picard *p, const vs_knot *end) {
+  search *s = p->search;
+  vs_error why = {0};
+  double part = PUSHES * sqrt(s->setup->run.tolerance);
+  vs_status status = vs_copies_fork(&s->copies, &s->setup->model, s->scale, part, p->pilot.x, &why);
+  if (!status && s->copies.inside) return true;
+  double orbit[MOST + 1];
+  memcpy(orbit, s->x, (size_t)s->count * sizeof *orbit);
+  orbit[s->count] = end->flux_wb;
+  if (!status)
+    status =
+        vs_copies_hear(&s->copies, orbit, s->scale, p->orbit.multiplier, &p->multipliers, &why);
+  if (status) snprintf(p->missing, sizeof p->missing, "%.255s", why.text);
+  if (status) p->multipliers = 0;
+  p->orbit.stable = !status && hypot(p->orbit.multiplier[0].re, p->orbit.multiplier[0].im) < 1;
+  return false;
+}
+
+/* An unstable orbit is refused where tier switched knows that the machine runs on a subharmonic. */
+static vs_status refuse_subharmonic(const vs_picard *p, vs_error *err) {
+  vs_error why = {0};
+  vs_orbit other;
+  if (!p->multipliers || p->orbit.stable) return VS_OK;
+  vs_status status = vs_shooting_find(p->ideal, p->orbit.n, &other, &why);
+  return status == VS_INPUT ? vs_fail(err, status, "on tier %s: %s", p->ideal->tier->name, why.text)
+                            : VS_OK;
+}
+
+/* Notes what was found. *begins becomes false in a copy. */
+static vs_status take_orbit(vs_picard *p, const vs_knot *end, bool *begins, vs_error *err) {
+  search *s = p->search;
+  int least = least_period(p);
+  if (least < p->orbit.n)
+    return vs_fail(err, VS_INPUT,
+                   "an orbit of period %d was asked for; the one found repeats after %d already: "
+                   "write --period %d",
+                   p->orbit.n, least, least);
+  if (p->found) return VS_OK;
+  p->found = true;
+  p->cycles = s->cycles;
+  p->orbit.residual = s->correction;
+  memcpy(p->orbit.x, s->x, sizeof s->x);
+  memcpy(p->orbit.scale, s->scale, (size_t)s->count * sizeof *s->scale);
+  if (!p->wants_multipliers) return VS_OK;
+  *begins = !find_multipliers(p, end);
+  return *begins ? refuse_subharmonic(p, err) : VS_OK;
+}
+
+/* ---- the pilot ---- */
+
+/* The most firing periods of a search, times the orbit's period. */
+enum { MOST_PASSES = 200 };
+
+/* Relative to run.tolerance: how well the orbit is to be known. */
+static const double CLOSED = 0.01;
+/* The same of what still creeps in the circuit. */
+static const double CREPT = 0.1;
+/* Corrections that have not come below this part of the least one in so many passes have stalled.
+ */
+static const double FALLS = 0.7;
+enum { STALLED = 10 };
+
+static void begin(void *self, const vs_setup *setup) {
+  vs_picard *p = self;
+  search *s = p->search;
+  double(*between)[MOST] = s->between;
+  *s = (search){.setup = setup,
+                .between = between,
+                .count = 2 * setup->model.dof,
+                .least = INFINITY,
+                .tolerance = CLOSED * setup->run.tolerance};
+  memcpy(s->x, p->orbit.x, sizeof s->x);
+  memcpy(p->pilot.x, s->x, sizeof s->x);
+  invert(&p->orbit, s->inverse);
+  vs_creep_begin(&s->creep, &setup->deck, CREPT * setup->run.tolerance, p->pilot.period_s);
+}
+
+static void accept(void *self, const vs_step *step) {
+  search *s = ((vs_picard *)self)->search;
+  for (int j = 0; j < s->count; j++) s->peak[j] = fmax(s->peak[j], fabs(step->to->x[j]));
+  s->peak[s->count] = fmax(s->peak[s->count], fabs(step->to->flux_wb));
+  vs_creep_accept(&s->creep, step);
+}
+
+/* Why the search goes on; an error where it has gone on for too long. */
+static vs_status go_on(const vs_picard *p, vs_error *err) {
+  const search *s = p->search;
+  const char *name = "";
+  const vs_creep_probe *creeps = vs_creep_worst(&s->creep, &name);
+  if (isfinite(s->correction) && s->cycles < MOST_PASSES * p->orbit.n) return VS_OK;
+  if (creeps && s->correction <= s->tolerance)
+    return vs_fail(err, VS_RUN, "%s still creeps by %.2g of its largest size a period", name,
+                   fabs(creeps->change) / creeps->scale);
+  return vs_fail(err, VS_RUN,
+                 "the last correction is %.2g of the motion, the least was %.2g; %.1g "
+                 "is wanted",
+                 s->correction, s->least, s->tolerance);
+}
+
+/* Notes whether corrections still fall. */
+static void watch(search *s) {
+  bool falls = s->correction < FALLS * s->least;
+  s->least = fmin(s->least, s->correction);
+  s->stalled = falls ? 0 : s->stalled + 1;
+  s->noise = falls ? 0 : fmax(s->noise, s->correction);
+}
+
+/* Corrections that do not fall any more are what the solver's rounding makes of them. The orbit is
+ * then known as well as they are small, and that is enough where it is as well as the run is to be.
+ */
+static bool is_close(search *s) {
+  if (s->correction <= s->tolerance) return true;
+  if (s->stalled < STALLED || s->noise > s->setup->run.tolerance) return false;
+  s->correction = s->noise;
+  return true;
+}
+
+static vs_status turn(void *self, const vs_knot *end, bool *begins, vs_error *err) {
+  vs_picard *p = self;
+  search *s = p->search;
+  const char *name;
+  s->cycles++;
+  memcpy(s->between[s->passed], end->x, sizeof *s->between);
+  memcpy(p->pilot.x, end->x, sizeof p->pilot.x);
+  if (++s->passed < p->orbit.n) return VS_OK;
+  s->passed = 0;
+  if (s->copies.inside) {
+    vs_copies_pass(&s->copies, end);
+    return VS_OK;
+  }
+  bool clean = vs_creep_turn(&s->creep, end);
+  if (clean) correct(s, end->x); /* else the machine goes back to where it was */
+  if (clean) watch(s);
+  memcpy(p->pilot.x, s->x, sizeof s->x);
+  bool next_clean = s->creep.area_v_s == 0 && !vs_creep_worst(&s->creep, &name);
+  *begins = clean && next_clean && is_close(s);
+  return *begins ? take_orbit(p, end, begins, err) : go_on(p, err);
+}
+
+static double push(void *self, double t_s) {
+  const search *s = ((vs_picard *)self)->search;
+  return s->passed == 0 ? vs_creep_push(&s->creep, t_s) : 0;
+}
+
+static void end(void *self) {
+  const search *s = ((vs_picard *)self)->search;
+  if (s->copies.inside) vs_copies_fail(&s->copies);
+}
+
+static void release(void *self) {
+  vs_picard_free(self);
+}
+
+/* ---- where the search begins ---- */
+
+/* Without an orbit of tier switched: at the scene's start, with the machine's swing alone. */
+static void begin_at_start(const vs_scene *scene, double period_s, vs_orbit *o) {
+  vs_propagator swing;
+  vs_propagator_make(&swing, &scene->setup.model, false, period_s);
+  o->count = 2 * scene->setup.model.dof;
+  for (int i = 0; i < o->count; i++) {
+    o->scale[i] = 1;
+    for (int j = 0; j < o->count; j++) o->monodromy[i][j] = swing.column[j][i];
+  }
+  memcpy(o->x, scene->setup.start.x, sizeof scene->setup.start.x);
+}
+
+static vs_scene *on_ideal_tier(const vs_scene *scene) {
+  vs_scene *ideal = vs_alloc(1, sizeof *ideal);
+  *ideal = *scene;
+  ideal->tier = vs_tiers_automatic(false);
+  ideal->frame = vs_sim_frame(ideal->tier, &ideal->setup);
+  return ideal;
+}
+
+/* One period of the orbit more: Phi becomes the product of Phi and that of one period. */
+static void follow_on(vs_orbit *o, const vs_orbit *one) {
+  double product[VS_ORBIT_STATES][VS_ORBIT_STATES] = {0};
+  for (int i = 0; i < o->count; i++)
+    for (int j = 0; j < o->count; j++)
+      for (int k = 0; k < o->count; k++) product[i][j] += o->monodromy[i][k] * one->monodromy[k][j];
+  memcpy(o->monodromy, product, sizeof product);
+}
+
+/* Where the search begins. The orbit of tier switched may repeat after fewer periods. */
+static vs_status guess(const vs_scene *ideal, int periods, vs_orbit *o, vs_error *err) {
+  const vs_shooting how = {.periods = periods, .quietly = true};
+  const vs_timeline *line = &ideal->setup.timeline;
+  vs_error why = {0};
+  vs_status status = vs_shooting_seek(ideal, &how, o, &why);
+  if (status == VS_INPUT) return vs_fail(err, status, "%s", why.text);
+  const vs_orbit one = *o;
+  for (int k = one.n; !status && k < periods; k += one.n) follow_on(o, &one);
+  o->n = periods;
+  o->period_s = periods * line->firing.every * line->period_s;
+  if (status) begin_at_start(ideal, o->period_s, o);
+  return VS_OK;
+}
+
+vs_status vs_picard_new(const vs_scene *scene, int periods, bool wants_multipliers,
+                        vs_picard **picard, vs_error *err) {
+  vs_picard *p = vs_alloc(1, sizeof *p);
+  *p = (vs_picard){.wants_multipliers = wants_multipliers, .ideal = on_ideal_tier(scene)};
+  p->search = vs_alloc(1, sizeof *p->search);
+  *picard = NULL;
+  vs_status status = guess(p->ideal, periods, &p->orbit, err);
+  if (status) {
+    vs_picard_free(p);
+    return status;
+  }
+  p->search->between = vs_alloc((size_t)periods, sizeof *p->search->between);
+  p->pilot = (vs_pilot){.self = p,
+                        .period_s = p->orbit.period_s / p->orbit.n,
+                        .most = (MOST_PASSES + VS_COPIES_PERIODS) * periods,
+                        .begin = begin,
+                        .accept = accept,
+                        .turn = turn,
+                        .push = push,
+                        .end = end,
+                        .free = release};
+  *picard = p;
+  return VS_OK;
+}
+
+void vs_picard_free(vs_picard *p) {
+  if (!p) return;
+  free(p->search->between);
+  free(p->search);
+  free(p->ideal);
+  free(p);
+}
+
+void vs_picard_again(vs_picard *p) {
+  p->found = false;
+}

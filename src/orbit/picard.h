@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The periodic orbit of a scene on tier circuit, by Newton and Picard. The circuit's hidden state
+ * cannot be set, but most of it forgets within a firing period what it was. The machine's state
+ * x = (q, q') can be set, and does not forget for seconds. So the circuit is left to itself, and
+ * behind each period, from x to x', the machine is put where Newton's method would have it,
+ *   x + (I - Phi)^-1 (x' - x),
+ * with Phi = dx'/dx of tier switched, which is near enough: what Phi is off, and what the circuit
+ * remembers, makes the corrections fall by a factor of two to four from period to period. What the
+ * circuit forgets slowly is moved on its own (orbit/creep.h). */
+#ifndef VS_ORBIT_PICARD_H
+#define VS_ORBIT_PICARD_H
+
+#include "orbit/shooting.h"
+#include "sim/pilot.h"
+
+/* Made by vs_picard_new, freed by vs_picard_free. */
+typedef struct vs_picard {
+  vs_pilot pilot;  /* for the order of the run (sim/sim.h) */
+  vs_orbit orbit;  /* what was found; before that, where the search begins */
+  int cycles;      /* firing periods that the search took */
+  bool found;      /* the orbit is found. A run that follows, as that for the errors of margins, has
+                      a search of its own, and changes nothing here */
+  int multipliers; /* how many of them are known; 0: none */
+  char missing[256]; /* why none is, where they were wanted */
+  bool wants_multipliers;
+  vs_scene *ideal;                 /* the scene on tier switched; owned */
+  struct vs_picard_search *search; /* the present one; owned */
+} vs_picard;
+
+/* Makes the pilot of a scene on tier circuit, for an orbit of that many firing periods. Its search
+ * begins with the orbit of tier switched, or at the scene's start where that has none.
+ * wants_multipliers: the orbit's multipliers are to be found, too. The scene must outlive it.
+ * Error, with *picard NULL: VS_INPUT, what vs_shooting_seek refuses. The pilot's own errors, which
+ * end the run: VS_INPUT, the orbit repeats after fewer periods, or is unstable and the machine runs
+ * on a subharmonic; VS_RUN, the search does not converge. */
+vs_status vs_picard_new(const vs_scene *scene, int periods, bool wants_multipliers,
+                        vs_picard **picard, vs_error *err);
+void vs_picard_free(vs_picard *picard);
+
+/* Before an attempt of a session (scene/session.h): what was found counts no more. */
+void vs_picard_again(vs_picard *picard);
+
+#endif

@@ -1,0 +1,410 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Branches of orbits over a key: their marks against orbits that are found at one value of the key
+ * each, by bisection and by extrapolation, both branches of the hysteresis, files, and what is
+ * refused. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "branch/walk.h"
+#include "orbit/flight.h"
+#include "program.h"
+
+#define STOP "actuator.stop={stiffness: 1e6 N/m, damping: 50 N.s/m}"
+/* What is promised of a mark's key. */
+static const double CLOSE_BY = 1e-9;
+
+/* ---- the branch ---- */
+
+/* A scene, and the walk along a key of it. Free with done. */
+typedef struct tour {
+  vs_trial *trial;
+  vs_along along;
+  vs_walk walk;
+} tour;
+
+static tour *go(const char *const *sets, const vs_along_words *words, int periods) {
+  tour *t = vs_alloc(1, sizeof *t);
+  t->trial = vs_trial_read("paper", "switched", sets);
+  vs_error *err = &t->trial->err;
+  vs_status status = t->trial->status;
+  if (!status) status = vs_along_read(&t->along, &t->trial->scene, words, err);
+  if (!status) status = vs_walk_go(&t->walk, &t->along, periods, NULL, err);
+  EXPECT(!status, "%s: %s", words->range, err->text);
+  return t;
+}
+
+static void done(tour *t) {
+  vs_walk_free(&t->walk);
+  vs_along_free(&t->along);
+  vs_trial_free(t->trial);
+  free(t);
+}
+
+/* The row of the n-th mark of that kind, from 0; NULL: there are not so many. */
+static const vs_walk_row *mark(tour *t, const char *kind, int n) {
+  for (size_t r = 0; r < t->walk.count; r++) {
+    const vs_walk_row *row = &t->walk.row[r];
+    if (row->mark.kind && !strcmp(row->mark.kind->name, kind) && n-- == 0) return row;
+  }
+  return NULL;
+}
+
+static int marks(tour *t, const char *kind) {
+  int n = 0;
+  while (mark(t, kind, n)) n++;
+  return n;
+}
+
+/* The key of that mark; NaN: there is none. It must say that it is as near as promised. */
+static double key_of(tour *t, const char *kind, int n) {
+  const vs_walk_row *row = mark(t, kind, n);
+  double key = row ? row->at.z[t->walk.path.count] : NAN;
+  EXPECT(row && row->mark.error <= CLOSE_BY * key, "%s %d: %g", kind, n,
+         row ? row->mark.error : NAN);
+  return key;
+}
+
+/* ---- orbits at one value of the key ---- */
+
+/* Finds the orbit at this value, once the walk is over; from: a state near to it, or NULL. */
+static vs_status orbit_at(tour *t, double key, const double *from, vs_orbit *o, vs_error *err) {
+  const vs_shooting how = {
+      .periods = t->walk.path.periods, .from = from, .unguarded = true, .quietly = true};
+  vs_status status = vs_along_move(&t->along, key, err);
+  return status ? status : vs_shooting_seek(t->along.scene, &how, o, err);
+}
+
+/* Where the orbits found directly begin to have the property, between two values of the key. */
+static double bisect(tour *t, double without, double with, bool (*has)(tour *t, double)) {
+  EXPECT(!has(t, without) && has(t, with), "%g, %g", without, with);
+  while (fabs(with - without) > 1e-10 * fabs(with)) {
+    double middle = (without + with) / 2;
+    if (has(t, middle))
+      with = middle;
+    else
+      without = middle;
+  }
+  return (without + with) / 2;
+}
+
+/* ---- thresholds ---- */
+
+/* Does the orbit go beyond the pole cover? The deepest travel of a run over a period tells. */
+static bool goes_deep(tour *t, double key) {
+  vs_orbit o = {0};
+  vs_error err = {0};
+  vs_flight flight;
+  const vs_scene *s = t->along.scene;
+  vs_status status = orbit_at(t, key, t->walk.row[0].at.z, &o, &err);
+  vs_flight_begin(&flight, s);
+  if (!status) status = vs_flight_go(&flight, o.x, 1, false, &err);
+  EXPECT(!status, "%g: %s", key, err.text);
+  bool deep = flight.deepest_m < -s->setup.model.actuator.gap_m;
+  vs_flight_end(&flight);
+  return deep;
+}
+
+/* validation.md, section 2: where the orbit without a stop begins to touch the pole cover. The
+ * digits given there, and orbits by bisection. */
+static void the_pole_cover_is_touched(void) {
+  static const char *const BY_ANGLE[] = {"firing.every=1", NULL};
+  static const char *const BY_FREQUENCY[] = {"firing.every=1", "firing.angle=90deg", NULL};
+  const vs_along_words angles = {"firing.angle=85deg..75deg", NULL, NULL},
+                       frequencies = {"supply.frequency=50Hz..62Hz", NULL, NULL};
+  tour *a = go(BY_ANGLE, &angles, 1), *f = go(BY_FREQUENCY, &frequencies, 1);
+  EXPECT(a->walk.end == VS_WALK_REACHED && f->walk.end == VS_WALK_REACHED, "%d", a->walk.end);
+  EXPECT(marks(a, "pole_cover") == 1 && marks(f, "pole_cover") == 2, "%d", marks(f, "pole_cover"));
+  double keys[] = {key_of(a, "pole_cover", 0), key_of(f, "pole_cover", 0),
+                   key_of(f, "pole_cover", 1)};
+  CLOSE_OF(keys[0], 78.993, 1, 5e-4);
+  CLOSE_OF(keys[1], 52.823, 1, 5e-4);
+  CLOSE_OF(keys[2], 58.385, 1, 5e-4);
+  CLOSE(keys[0], bisect(a, 80, 78, goes_deep), CLOSE_BY);
+  CLOSE(keys[1], bisect(f, 52, 53, goes_deep), CLOSE_BY);
+  CLOSE(keys[2], bisect(f, 59, 58, goes_deep), CLOSE_BY);
+  done(a);
+  done(f);
+}
+
+/* The bound may move with the key: the cover is where the gap at rest says. */
+static void the_bound_moves(void) {
+  static const char *const SETS[] = {"firing.every=1", "firing.angle=85deg", NULL};
+  const vs_along_words words = {"actuator.gap=6mm..5mm", NULL, NULL};
+  tour *t = go(SETS, &words, 1);
+  double gap = key_of(t, "pole_cover", 0), iron = key_of(t, "iron", 0);
+  if (mark(t, "iron", 0)) {
+    CLOSE(mark(t, "pole_cover", 0)->at.turns.least.best.value, -1e-3 * gap, CLOSE_BY);
+    CLOSE(mark(t, "iron", 0)->at.turns.least.best.value, -1e-3 * iron - 0.5e-3, CLOSE_BY);
+  }
+  done(t);
+}
+
+/* ---- the hysteresis ---- */
+
+/* The row of the last point before the mark, or of the first behind it. */
+static const vs_walk_row *neighbour(const vs_walk_row *of, int side) {
+  do of += side;
+  while (of->mark.kind);
+  return of;
+}
+
+/* The key of a fold from orbits at four values of the key beside it. With h^2 the key's distance
+ * from the fold, a state of the orbits on either side is x0 +- c h + d h^2 ..., so that the square
+ * of their difference is a power series in the key, and 0 at the fold. A polynomial of degree three
+ * through four of them finds that. */
+static double fold_by_extrapolation(tour *t, const vs_walk_row *fold, double step) {
+  enum { N = 4 };
+  double key = fold->at.z[t->walk.path.count], square[N], zero = key;
+  vs_orbit o[2];
+  vs_error err = {0};
+  for (int side = 0; side < 2; side++)
+    memcpy(o[side].x, neighbour(fold, side ? 1 : -1)->at.z, sizeof o[side].x);
+  for (int n = 0; n < N; n++) {
+    for (int side = 0; side < 2; side++) {
+      double from[VS_ORBIT_STATES];
+      memcpy(from, o[side].x, sizeof from);
+      vs_status status = orbit_at(t, key + (N - n) * step, from, &o[side], &err);
+      EXPECT(!status, "%s", err.text);
+    }
+    double apart = o[1].x[0] - o[0].x[0];
+    square[n] = apart * apart;
+  }
+  for (int k = 0; k < 40; k++) { /* secants of Lagrange's polynomial */
+    double value[2] = {0};
+    for (int at = 0; at < 2; at++)
+      for (int n = 0; n < N; n++) {
+        double term = square[n], x = zero + at * step / 100;
+        for (int m = 0; m < N; m++)
+          if (m != n) term *= (x - key - (N - m) * step) / ((m - n) * step);
+        value[at] += term;
+      }
+    zero -= value[0] / (value[1] - value[0]) * step / 100;
+  }
+  return zero;
+}
+
+/* One run over the frequency shows all orbits at 60 Hz: -6.793 mm when swept up, -3.433 mm when
+ * swept down (validation.md, section 2), and the unstable one between them. */
+static void one_walk_has_both_branches(void) {
+  static const char *const SETS[] = {"firing.every=1", "firing.angle=90deg", STOP, NULL};
+  const vs_along_words words = {"supply.frequency=50Hz..80Hz", NULL, "60Hz"};
+  static const double P_MIN[] = {-6.793e-3, -6.3146e-3, -3.433e-3};
+  tour *t = go(SETS, &words, 1);
+  EXPECT(t->walk.end == VS_WALK_REACHED && marks(t, "at") == 3, "%d", marks(t, "at"));
+  for (int n = 0; n < 3 && mark(t, "at", n); n++) {
+    const vs_walk_row *row = mark(t, "at", n);
+    vs_orbit o;
+    vs_error err = {0};
+    CLOSE(row->at.turns.least.best.value, P_MIN[n], 5e-4);
+    EXPECT((row->at.unstable > 0) == (n == 1), "%d", row->at.unstable);
+    vs_status status = orbit_at(t, 60, row->at.z, &o, &err);
+    EXPECT(!status && o.correction[0] < 1e-9, "%s: %g", err.text, o.correction[0]);
+  }
+  EXPECT(marks(t, "fold") == 2 && marks(t, "grazing") == 2 && marks(t, "flip") == 4, "%d",
+         marks(t, "flip"));
+  /* the armature meets the stop where it would meet the pole cover */
+  CLOSE(key_of(t, "grazing", 0), 52.8229462197, CLOSE_BY);
+  CLOSE(key_of(t, "grazing", 1), 58.3852965931, CLOSE_BY);
+  double fold = key_of(t, "fold", 0);
+  if (mark(t, "fold", 0))
+    CLOSE(fold, fold_by_extrapolation(t, mark(t, "fold", 0), -0.01), CLOSE_BY);
+  done(t);
+}
+
+/* The lower fold lies 4e-5 Hz beside the grazing, so near that no extrapolation has room: there are
+ * orbits 1e-8 of the key above it, and none nearby as far below. */
+static void a_fold_beside_its_grazing(void) {
+  static const char *const SETS[] = {"firing.every=1", "firing.angle=90deg", STOP, NULL};
+  const vs_along_words words = {"supply.frequency=60Hz..57Hz", NULL, NULL};
+  tour *t = go(SETS, &words, 1);
+  const vs_walk_row *row = mark(t, "fold", 0);
+  double fold = key_of(t, "fold", 0), graze = key_of(t, "grazing", 0);
+  vs_orbit o;
+  vs_error err = {0};
+  EXPECT(t->walk.end == VS_WALK_BACK && graze > fold && graze < fold + 1e-4, "%.12g, %.12g", fold,
+         graze);
+  if (row) {
+    vs_status above = orbit_at(t, fold * (1 + 1e-8), row->at.z, &o, &err);
+    double off = above ? INFINITY : fabs(o.x[0] - row->at.z[0]) / o.scale[0];
+    EXPECT(!above && off < 1e-3, "%s: %g", err.text, off);
+    vs_status below = orbit_at(t, fold * (1 - 1e-8), row->at.z, &o, &err);
+    off = below ? INFINITY : fabs(o.x[0] - row->at.z[0]) / o.scale[0];
+    EXPECT(off > 0.1, "%g", off);
+  }
+  done(t);
+}
+
+/* ---- flips and beats ---- */
+
+static bool has_flipped(tour *t, double key) {
+  vs_orbit o;
+  vs_error err = {0};
+  double product = 1;
+  vs_status status = orbit_at(t, key, mark(t, "flip", 0)->at.z, &o, &err);
+  EXPECT(!status, "%s", err.text);
+  for (int k = 0; k < o.count; k++)
+    if (o.multiplier[k].im == 0) product *= 1 + o.multiplier[k].re;
+  return product < 0;
+}
+
+static bool beats(tour *t, double key) {
+  vs_orbit o;
+  vs_error err = {0};
+  vs_status status = orbit_at(t, key, mark(t, "torus", 1)->at.z, &o, &err);
+  EXPECT(!status, "%s", err.text);
+  return !o.stable;
+}
+
+/* Where an orbit of period 1 flips, a branch of period 2 ends: found as a flip of the one map, and
+ * as the end of the other's branch, and by bisection. */
+static void a_branch_of_twice_the_period_ends_at_a_flip(void) {
+  static const char *const SETS[] = {"firing.every=1", "firing.angle=60deg", "actuator.stop={}",
+                                     NULL};
+  const vs_along_words all = {"supply.frequency=44Hz..57Hz", NULL, NULL},
+                       up = {"supply.frequency=48Hz..56Hz", NULL, NULL};
+  tour *one = go(SETS, &all, 1), *two = go(SETS, &up, 2);
+  EXPECT(marks(one, "flip") == 2 && marks(one, "torus") == 2, "%d", marks(one, "torus"));
+  EXPECT(two->walk.end == VS_WALK_MERGED, "%d", two->walk.end);
+  CLOSE(key_of(two, "merging", 0), key_of(one, "flip", 1), CLOSE_BY);
+  if (marks(one, "flip") == 2 && marks(one, "torus") == 2) {
+    CLOSE(key_of(one, "flip", 0), bisect(one, 45.6, 45.8, has_flipped), CLOSE_BY);
+    CLOSE(key_of(one, "torus", 1), bisect(one, 55.9, 55.7, beats), CLOSE_BY);
+  }
+  done(one);
+  done(two);
+}
+
+/* A long gate pulse that reaches into the next cycle fires again there: no orbit goes on beyond the
+ * frequency at which the firing at 120 degrees and 8 ms make up a cycle. */
+static void a_walk_ends_where_orbits_end(void) {
+  static const char *const SETS[] = {"firing.every=3", "firing.angle=120deg", NULL};
+  const vs_along_words words = {"supply.frequency=75Hz..90Hz", NULL, NULL};
+  tour *t = go(SETS, &words, 1);
+  const vs_walk_row *last = &t->walk.row[t->walk.count - 1];
+  EXPECT(t->walk.end == VS_WALK_STUCK && *t->walk.why && !marks(t, "fold"), "%d", t->walk.end);
+  CLOSE(last->at.z[t->walk.path.count], (2.0 / 3) / 8e-3, 1e-7);
+  done(t);
+}
+
+/* ---- the program ---- */
+
+static void files_and_tables(void) {
+  ran r =
+      run("steady paper --set firing.every=1 --along firing.angle=90deg..75deg --at 80deg -o b");
+  EXPECT(!r.status && strstr(r.out, "pole_cover +- ") &&
+             strstr(r.out, "leaves the range at 75 deg"),
+         "%s%s", r.out, r.err);
+  free_ran(&r);
+  char *csv = read_file("b/branch.csv"), *json = read_file("b/branch.json");
+  EXPECT(!strncmp(csv, "firing.angle_deg,p_min_m,p_max_m,u_min_m,", 41), "%.60s", csv);
+  EXPECT(strstr(csv, ",stable,pole_cover,,\n") && strstr(csv, ",stable,iron,,\n"), "%s", csv);
+  EXPECT(strstr(json, "\"end\": \"reached\"") && strstr(json, "{\"kind\": \"at\", \"key\": 80, "),
+         "%s", json);
+  free(csv);
+  free(json);
+  r = run("steady paper --set firing.every=1 --along firing.angle=70deg..50deg --json -o b");
+  EXPECT(r.status == 1 && strstr(r.err, "cannot be followed beyond firing.angle = 57.9") &&
+             strstr(r.out, "\"end\": \"stuck\""),
+         "%d: %s", r.status, r.err);
+  free_ran(&r);
+}
+
+static void what_is_refused(void) {
+  static const struct {
+    const char *words, *says[2];
+  } ROWS[] = {
+      {"--along firing.angle", {"KEY=FROM..TO", NULL}},
+      {"--along firing.angel=90deg..80deg", {"did you mean 'firing.angle'?", NULL}},
+      {"--along firing.valve=none..thyristor", {"has words for values", NULL}},
+      {"--along firing.every=1..2", {"whole numbers", NULL}},
+      {"--along machine.base_com=1mm..2mm", {"a pair", NULL}},
+      {"--along firing.angle=90deg..90deg", {"ends where it begins", NULL}},
+      {"--along firing.angle=90..80deg", {"90 has no unit", NULL}},
+      {"--along firing.angle=90deg..190deg", {"190deg is out of range", "0..180 deg"}},
+      {"--along run.tolerance=1e-4..1e-5", {"no orbit depends on it", NULL}},
+      {"--along circuit.r1=100ohm..80ohm", {"circuit.r1", NULL}},
+      {"--along firing.angle=90deg..80deg --step 0deg", {"--step 0deg", "more than 0"}},
+      {"--along firing.angle=90deg..80deg --at 100deg", {"--at 100deg", "in the range"}},
+      {"--along firing.angle=90deg..80deg --period 2", {"repeats after 1", "--period 1"}},
+      {"--along firing.angle=90deg..80deg --set firing.every=once", {"not 'once'", NULL}},
+      {"--along firing.angle=90deg..80deg --tier circuit", {"--tier switched", NULL}},
+      {"--step 1deg", {"--step: it goes with --along", NULL}},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    ran r = run("steady paper --set firing.every=1 %s -o none", ROWS[k].words);
+    bool one_line = count_lines(r.err) == 1;
+    EXPECT(r.status == 2 && one_line && strstr(r.err, ROWS[k].says[0]) &&
+               (!ROWS[k].says[1] || strstr(r.err, ROWS[k].says[1])),
+           "%s: %d %s", ROWS[k].words, r.status, r.err);
+    free_ran(&r);
+  }
+}
+
+/* The text between two marks, which must be there; free() it. */
+static char *between(const char *text, const char *begin, const char *end) {
+  const char *from = strstr(text, begin), *to = from ? strstr(from + strlen(begin), end) : NULL;
+  EXPECT(to, "%s", begin);
+  if (!to) return vs_copy("");
+  char *part = vs_copy(from);
+  part[to - from] = '\0';
+  return part;
+}
+
+/* Is there a line with the same key, least travel and mark, to 1e-6? */
+static bool is_printed(const char *line, const char *printed) {
+  double key, least, other_key, other_least;
+  if (sscanf(line, "%lf %lf", &key, &least) != 2) return false;
+  const char *kind = strstr(line, "+-");
+  while (kind && kind > line && kind[-2] != ' ') kind--;
+  for (const char *at = printed; at && *at; at = strchr(at, '\n') ? strchr(at, '\n') + 1 : NULL) {
+    if (sscanf(at, "%lf %lf", &other_key, &other_least) != 2) continue;
+    const char *end = strchr(at, '\n'), *found = strstr(at, "+-");
+    if (!found || !end || found > end || fabs(other_key - key) > 1e-6 * key) continue;
+    while (found > at && found[-2] != ' ') found--;
+    if (fabs(other_least - least) <= 1e-6 * fabs(least) &&
+        !strncmp(found, kind, strcspn(kind, "+")))
+      return true;
+  }
+  return false;
+}
+
+/* The example of docs/operation.md prints the marks that the page shows. */
+static void the_page(void) {
+  char *page = read_file(VS_TEST_FOLDER "/../docs/operation.md");
+  char *scene = between(page, "# jump.yaml", "\n```");
+  char *rest = between(page, "vibrospice steady jump.yaml", "![");
+  char *line = between(rest, "vibrospice steady", "\n"),
+       *text = between(rest, "```text\n", "\n```");
+  int lines = 0;
+  write_file("jump.yaml", scene);
+  ran r = run("%s", line + strlen("vibrospice "));
+  expect_good(&r, line, __LINE__);
+  char *left = strchr(text, '\n'), *one;
+  while ((one = strsep(&left, "\n"))) {
+    if (!*one) continue;
+    lines++;
+    EXPECT(is_printed(one, r.out), "not printed: %s", one);
+  }
+  EXPECT(lines >= 7, "%d", lines);
+  EXPECT_FILES("jump", "branch.csv branch.json branch.png ");
+  free_ran(&r);
+  free(text), free(line), free(rest), free(scene), free(page);
+}
+
+static const vs_test TESTS[] = {
+    {"the pole cover is touched", the_pole_cover_is_touched},
+    {"the bound moves", the_bound_moves},
+    {"one walk has both branches", one_walk_has_both_branches},
+    {"a fold beside its grazing", a_fold_beside_its_grazing},
+    {"a branch of twice the period ends at a flip", a_branch_of_twice_the_period_ends_at_a_flip},
+    {"a walk ends where orbits end", a_walk_ends_where_orbits_end},
+    {"files and tables", files_and_tables},
+    {"the page", the_page},
+    {"what is refused", what_is_refused},
+};
+
+int main(void) {
+  return program_suite("branches", TESTS, COUNT(TESTS));
+}

@@ -1,0 +1,285 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Derivatives of measures with respect to keys: the published numbers, differences of runs and of
+ * orbits on other machines, laws, stops and events, keys at the edge of their range, the command
+ * and its files, the study's key, and what is refused. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "command/sensitivity.h"
+#include "dependence/kin.h"
+#include "dependence/sensitivity.h"
+#include "report/tornado.h"
+#include "suite.h"
+
+#define STOP "actuator.stop={stiffness: 1e6 N/m, damping: 50 N.s/m}"
+#define IRON "actuator.saturation={law: series, flux: 1.5 Wb, current: 1 A, exponent: 7}"
+
+enum { SETS = 8 };
+
+/* Finds one derivative. */
+static vs_sensitivity_entry find(const char *scene, const char *tier, int periods, const char *of,
+                                 const char *to, const char *const *given) {
+  const char *sets[SETS] = {NULL};
+  for (size_t k = 0; given[k]; k++) sets[k] = given[k];
+  const vs_asked measure = {of, {0}}, key = {to, {0}};
+  const vs_sensitivity_order order = {&measure, &key, 1, 1, periods, NULL};
+  vs_sensitivity s = {0};
+  vs_sensitivity_entry e = {NAN, NAN, false};
+  vs_trial *t = vs_trial_read(scene, tier, sets);
+  EXPECT(!t->status, "%s", t->err.text);
+  vs_status status = vs_sensitivity_find(&t->scene, &order, &s, &t->err);
+  EXPECT(!status, "%s of %s to %s: %s", scene, of, to, t->err.text);
+  if (!status) e = s.entry[0];
+  vs_sensitivity_free(&s);
+  vs_trial_free(t);
+  return e;
+}
+
+/* ---- published numbers ---- */
+
+/* Of the orbit at 100 degrees: ten digits. With the frequency the firing stays at its angle. */
+static void the_orbit_has_the_published_ones(void) {
+  static const struct {
+    const char *key;
+    double value;
+  } ROWS[] = {{"firing.angle", -5.363272537},
+              {"supply.voltage", 2.227410008},
+              {"actuator.gap", -1.132993853},
+              {"actuator.resistance", -0.276037104}};
+  const char *const every[] = {"firing.every=1", NULL};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_sensitivity_entry e = find("paper", "switched", 1, "p_min", ROWS[k].key, every);
+    CLOSE_OF(e.value, ROWS[k].value, 1, 1e-9); /* the last digit printed, and half of it */
+    EXPECT(e.exact && e.error < 1e-9, "%s: %g", ROWS[k].key, e.error);
+  }
+}
+
+static void the_single_shot_has_the_published_ones(void) {
+  static const struct {
+    const char *key;
+    double value;
+  } ROWS[] = {{"firing.angle", -4.6252},        {"supply.frequency", -2.4247},
+              {"supply.voltage", 2.0210},       {"actuator.gap", -0.9424},
+              {"actuator.inductance", -0.6927}, {"machine.spring_stiffness", -0.6410},
+              {"actuator.resistance", -0.3178}, {"machine.trough_mass", -0.3039}};
+  const char *const none[] = {NULL};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_sensitivity_entry e = find("paper", "switched", 0, "p_first_peak", ROWS[k].key, none);
+    CLOSE_OF(e.value, ROWS[k].value, 1, 5.1e-5); /* four decimals are printed */
+  }
+}
+
+/* ---- differences of runs and of orbits ---- */
+
+/* The derivative of each measure by differences of runs, each of which finds its own orbit. Their
+ * steps are as short as the kin's, so that the same is compared. */
+static void compare(vs_subject *subject, const char *key, double step, double allowed) {
+  vs_fan exact = {0}, runs = {0};
+  vs_error err = {0};
+  vs_status status = vs_kin_find(&exact, subject, key, (vs_where){0}, &err);
+  if (!status)
+    status =
+        vs_fan_begin(&runs, subject, key, (vs_where){0}, step, subject->scene->tier->finest, &err);
+  if (!status) status = vs_fan_run(&runs, subject, subject->scene->tier->finest, &err);
+  EXPECT(!status, "%s: %s", key, err.text);
+  vs_measured_value m;
+  for (int k = 0; !status && vs_measured_at(exact.measured[0], k, &m); k++) {
+    vs_slope_of a = vs_fan_slope(&exact, m.name), b = vs_fan_slope(&runs, m.name);
+    /* what is left of a balance is rounding, and has no derivative */
+    if (!m.value.known || a.value == 0 || !strcmp(m.name, "energy_residual") ||
+        !strcmp(m.name, "energy_stored"))
+      continue;
+    double size = fmax(fabs(b.slope), fabs(b.value));
+    EXPECT(a.known && b.known && fabs(a.slope - b.slope) <= allowed * size,
+           "%s to %s: %.12g, by runs %.12g", m.name, key, a.slope / a.value, b.slope / b.value);
+  }
+  if (!status) vs_fan_end(&exact);
+  vs_fan_end(&runs);
+}
+
+typedef struct held {
+  const char *scene, *key;
+  int periods;
+  double step, allowed;
+  const char *sets[SETS];
+} held;
+
+/* A run is right to some 1e-11, so that a difference over a step of 1e-3 is to 1e-8; where a stop
+ * is touched the motion bends over much shorter steps, and less is known by differences. Their
+ * steps are short, as are the kin's, so that both have the same dense output. */
+static void kin_are_as_runs_are(void) {
+  static const char SHORT[] = "run.max_step=0.2ms";
+  static const held ROWS[] = {
+      {"paper", "firing.angle", 0, 1e-3, 1e-9, {SHORT}},
+      {"paper", "supply.frequency", 0, 1e-3, 1e-9, {SHORT}},
+      {"paper", "machine.spring_stiffness", 0, 3e-4, 2e-8, {SHORT}},
+      {"paper", "supply.frequency", 1, 3e-4, 1e-8, {SHORT, "firing.every=1"}},
+      {"paper", "actuator.gap", 1, 3e-4, 1e-8, {SHORT, "firing.every=2"}},
+      {"paper", "actuator.saturation.exponent", 0, 1e-3, 1e-8, {SHORT, IRON}},
+      {"paper", "load.fraction", 0, 1e-3, 5e-8, {"load.density=1.5g/cm3", SHORT}},
+      {"paper",
+       "firing.angle",
+       1,
+       1e-5,
+       1e-6,
+       {SHORT, "firing.every=1", "firing.angle=75deg", "firing.pulse_width=2ms", STOP}},
+      {"paper",
+       "actuator.stop.stiffness",
+       1,
+       1e-5,
+       1e-6,
+       {SHORT, "firing.every=1", "firing.angle=75deg", "firing.pulse_width=2ms", STOP}},
+      {"two_mass", "machine.spring", 0, 1e-4, 5e-8, {SHORT}},
+      {"lds_v203", "actuator.resistance", 0, 1e-3, 1e-8, {NULL}},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    const char *sets[SETS] = {NULL};
+    vs_subject subject = {0};
+    memcpy(sets, ROWS[k].sets, sizeof ROWS[k].sets);
+    vs_trial *t = vs_trial_read(ROWS[k].scene, "switched", sets);
+    EXPECT(!t->status, "%s", t->err.text);
+    vs_status status = vs_subject_begin(&subject, &t->scene, ROWS[k].periods, &t->err);
+    EXPECT(!status, "%s: %s", ROWS[k].scene, t->err.text);
+    if (!status) compare(&subject, ROWS[k].key, ROWS[k].step, ROWS[k].allowed);
+    vs_subject_end(&subject);
+    vs_trial_free(t);
+  }
+}
+
+/* The mains drop for a cycle while the machine is at work: the run begins on an orbit that depends
+ * on the key, and an edge of the mains moves. */
+static void events_move(void) {
+  static const char SCENE[] = "start: steady\n"
+                              "firing: {every: 1}\n"
+                              "run: {until: 0.08 s, tier: switched, max_step: 0.2 ms}\n"
+                              "events:\n  dip: {kind: sag, at: 48 ms}\n";
+  static const char *const KEYS[] = {"events.dip.at", "firing.angle", "supply.frequency"};
+  const char *const none[] = {NULL};
+  write_file("dip.yaml", SCENE);
+  for (size_t k = 0; k < COUNT(KEYS); k++) {
+    vs_subject subject;
+    vs_trial *t = vs_trial_read("dip.yaml", NULL, none);
+    EXPECT(!t->status && !vs_subject_begin(&subject, &t->scene, 0, &t->err), "%s", t->err.text);
+    compare(&subject, KEYS[k], 1e-4, 1e-8);
+    vs_subject_end(&subject);
+    vs_trial_free(t);
+  }
+}
+
+/* ---- keys at an edge, and without effect ---- */
+
+static void zeros_are_told(void) {
+  const vs_asked of[] = {{"p_first_peak", {0}}, {"p_min", {0}}};
+  const vs_asked to[] = {{"load.fraction", {0}},
+                         {"supply.resistance", {0}},
+                         {"firing.pulse_width", {0}},
+                         {"supply.phase", {0}},
+                         {"actuator.leakage", {0}}};
+  const vs_sensitivity_order order = {of, to, 1, COUNT(to), 0, NULL};
+  const char *const sets[] = {"load.density=1.5g/cm3", NULL};
+  vs_sensitivity s;
+  vs_trial *t = vs_trial_read("paper", "switched", sets);
+  vs_status status = vs_sensitivity_find(&t->scene, &order, &s, &t->err);
+  EXPECT(!status, "%s", t->err.text);
+  EXPECT(s.entry[0].value < -0.1, "one side of 0: %g", s.entry[0].value);
+  EXPECT(s.entry[1].value == 0 && s.entry[2].value == 0, "no effect");
+  EXPECT(fabs(s.entry[3].value) < 1e-9, "another zero of the mains: %g", s.entry[3].value);
+  EXPECT(strstr(s.notes.text, "supply.resistance enters no equation"), "%s", s.notes.text);
+  EXPECT(strstr(s.notes.text, "load.fraction is 0: the derivatives are per 1"), "%s", s.notes.text);
+  EXPECT(strstr(s.notes.text, "firing.pulse_width: no measure asked for depends"), "%s",
+         s.notes.text);
+  vs_sensitivity_free(&s);
+  vs_trial_free(t);
+}
+
+/* 179.9 degrees: three steps further is no angle any more, so that all lie below. */
+static void edges_are_taken_from_one_side(void) {
+  const char *const late[] = {"firing.angle=179.9deg", NULL};
+  vs_sensitivity_entry e = find("paper", "switched", 0, "t_fire", "firing.angle", late);
+  CLOSE_OF(e.value, 1, 1, 1e-9);
+}
+
+/* ---- tier circuit ---- */
+
+/* Differences of 7 runs at 1e-4 against those at 1e-6: -5.08770. */
+static void a_circuit_is_differenced(void) {
+  const char *const brief[] = {"run.until=0.02s", NULL};
+  vs_sensitivity_entry e = find("paper", "circuit", 0, "p_first_peak", "firing.angle", brief);
+  EXPECT(!e.exact && e.error > 0 && e.error < 0.01, "error %g", e.error);
+  CLOSE_OF(e.value, -5.08770, 1, e.error);
+}
+
+/* ---- the command and the study ---- */
+
+static vs_status command(vs_sensitivity_options o, vs_error *err) {
+  o.scene = "paper";
+  o.period = 1;
+  o.quiet = true;
+  return vs_sensitivity_command(&o, err);
+}
+
+static void files_are_written(void) {
+  vs_error err = {0};
+  const vs_sensitivity_options o = {
+      .of = "p_min,i_peak", .to = "firing.angle,actuator.gap", .folder = "out"};
+  EXPECT(!command(o, &err), "%s", err.text);
+  EXPECT_FILES("out", "sensitivity.csv summary.json ");
+  EXPECT(vs_tornado_here("out"), "a table is there");
+  if (on_path("gnuplot")) {
+    EXPECT(!vs_tornado_draw("out", true, &err), "%s", err.text);
+    EXPECT_FILES("out", "sensitivity.csv summary.json tornado.png tornado.svg ");
+  }
+  remove_tree("out");
+}
+
+static void what_is_refused(void) {
+  static char late[] = "firing.angle=180deg", weak[] = "supply.voltage=1e-3V";
+  static const struct {
+    const char *of, *to;
+    bool steady;
+    char *set;
+    const char *why;
+  } ROWS[] = {
+      {"p_minn", "firing.angle", false, NULL, "no measure 'p_minn' on tier switched; did you mean"},
+      {"p_min", "firing.angel", false, NULL, "no key 'firing.angel'; did you mean 'firing.angle'"},
+      {"p_min", "firing.every", false, NULL, "is a whole number"},
+      {"p_min", "supply.kind", false, NULL, "is a word"},
+      {"p_min", "machine.base_com", false, NULL, "is a pair"},
+      {"p_min", "actuator.stop", false, NULL, "has keys of its own"},
+      {"p_min", "actuator.stop.stiffness", false, NULL, "is no number in this scene"},
+      {"p_min", "firing.angle", true, NULL, "needs continuous firing, not 'once'"},
+      {"p_min", "firing.angle", false, late, "out of range"},
+      {"power_in", "firing.angle", false, NULL, "no measure 'power_in'"},
+      {"p_min", NULL, false, NULL, "--to KEY,... is wanted"},
+      {NULL, "firing.angle", false, NULL, "--of MEASURE,... is wanted"},
+      {"p_min,", "firing.angle", false, NULL, "a name is missing"},
+      {"p_min,p_min", "firing.angle", false, NULL, "a second time"},
+      {"tau_p,t_extinction", "firing.angle", false, weak, "this run has none"},
+  };
+  for (size_t k = 0; k < COUNT(ROWS) - 1; k++) {
+    char *sets[] = {ROWS[k].set};
+    vs_error err = {0};
+    vs_status status = command((vs_sensitivity_options){.of = ROWS[k].of,
+                                                        .to = ROWS[k].to,
+                                                        .steady = ROWS[k].steady,
+                                                        .sets = sets,
+                                                        .n_sets = ROWS[k].set ? 1 : 0},
+                               &err);
+    EXPECT(status == VS_INPUT && strstr(err.text, ROWS[k].why), "%zu: %d %s", k, status, err.text);
+  }
+}
+
+static const vs_test TESTS[] = {
+    {"the orbit has the published ones", the_orbit_has_the_published_ones},
+    {"the single shot has the published ones", the_single_shot_has_the_published_ones},
+    {"kin are as runs are", kin_are_as_runs_are},
+    {"events move", events_move},
+    {"zeros are told", zeros_are_told},
+    {"edges are taken from one side", edges_are_taken_from_one_side},
+    {"a circuit is differenced", a_circuit_is_differenced},
+    {"files are written", files_are_written},
+    {"what is refused", what_is_refused},
+};
+VS_SUITE_MAIN("sensitivity", TESTS)
