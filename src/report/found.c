@@ -2,6 +2,7 @@
 #include "report/found.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/csv.h"
 #include "scene/version.h"
@@ -141,7 +142,8 @@ void vs_found_json(const vs_outcome *o, vs_text *text) {
   vs_json json = vs_json_new(text);
   vs_json_object(&json, NULL, VS_JSON_LINES);
   vs_version_json(&json);
-  vs_json_text(&json, "fit", o->inquiry->path);
+  const char *slash = strrchr(o->inquiry->path, '/');
+  vs_json_text(&json, "fit", slash ? slash + 1 : o->inquiry->path);
   add_search(o, &json);
   vs_json_whole(&json, "data", (int64_t)o->inquiry->n_data);
   vs_json_whole(&json, "priors", (int64_t)o->inquiry->n_priors);
