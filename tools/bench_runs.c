@@ -288,10 +288,12 @@ static vs_status counted_accept(void *ctx, double t_s, const double *signals, vs
 
 static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
                       vs_error *err) {
-  static const vs_circuit_host rest = {NULL,         rest_source, rest_edge,
-                                       rest_longest, rest_accept, NULL};
-  static const vs_circuit_host counted = {NULL,          counted_source, counted_edge,
-                                          noted_longest, counted_accept, NULL};
+  static const vs_circuit_host rest = {
+      .source = rest_source, .edge = rest_edge, .longest = rest_longest, .accept = rest_accept};
+  static const vs_circuit_host counted = {.source = counted_source,
+                                          .edge = counted_edge,
+                                          .longest = noted_longest,
+                                          .accept = counted_accept};
   timed.gap_port = job->n_ports - 1;
   timed.steps = timed.sources = 0;
   timed.now = 0;
