@@ -452,6 +452,7 @@ static void refused(void) {
        NULL,
        "f.yaml:2:12",
        {"unlike", "sign"}},
+      {"free: {run.until: }\n" PEAK, NULL, "f.yaml:1:8", {"changes when run.until changes"}},
       {MASS, NULL, "f.yaml", {"nothing was measured"}},
       {PEAK, NULL, "f.yaml", {"nothing is free"}},
       {MASS PEAK "starts: 0\n", NULL, "f.yaml:3:9", {"from 1"}},

@@ -276,8 +276,38 @@ static vs_status try_first(vs_descender *d, const double *s, double *chi2, vs_er
   return status;
 }
 
-static vs_status none_converged(const vs_descents *all, vs_error *err) {
+/* A slope so small that all residuals change by less than a hundredth while s changes by 1. */
+static const double FLAT = 1e-2;
+
+/* Error: nothing that is fitted changes with one of the unknowns, at the first start. */
+static vs_status check_effects(vs_descender *d, const double *s, vs_error *err) {
+  vs_prediction *p = d->prediction;
+  double *computed = vs_alloc(p->inquiry->n_data, sizeof *computed);
+  gsl_matrix *slopes = gsl_matrix_alloc(p->n_residuals, p->n_unknowns);
+  vs_error failed = {0};
+  vs_status status = vs_prediction_run(p, -1, s, computed, &failed);
+  if (!status) status = vs_slopes_fill(d->slopes, p, s, computed, slopes, &failed);
+  bool ran = !status;
+  status = VS_OK;
+  for (size_t k = 0; k < p->n_unknowns && ran && !status; k++) {
+    gsl_vector_view column = gsl_matrix_column(slopes, k);
+    if (gsl_blas_dnrm2(&column.vector) < FLAT)
+      status =
+          vs_fail_at(err, p->inquiry->unknowns[k].axis.where,
+                     "nothing that was measured changes when %s changes: hold it, add a prior, "
+                     "or start elsewhere",
+                     p->inquiry->unknowns[k].name);
+  }
+  gsl_matrix_free(slopes);
+  free(computed);
+  return status;
+}
+
+static vs_status none_converged(vs_descender *d, const vs_descents *all, const double *first,
+                                vs_error *err) {
   size_t least = 0;
+  vs_status status = check_effects(d, first, err);
+  if (status) return status;
   for (size_t k = 0; k < all->count; k++)
     if (all->item[k].chi2 > 0 &&
         (!(all->item[least].chi2 > 0) || all->item[k].chi2 < all->item[least].chi2))
@@ -288,25 +318,25 @@ static vs_status none_converged(const vs_descents *all, vs_error *err) {
 
 vs_status vs_descents_search(vs_descender *d, vs_descents *all, vs_error *err) {
   const vs_inquiry *q = d->prediction->inquiry;
-  double s[VS_INQUIRY_UNKNOWNS];
+  double s[VS_INQUIRY_UNKNOWNS], first[VS_INQUIRY_UNKNOWNS];
   vs_sobol *sobol = vs_alloc(1, sizeof *sobol);
   *all = (vs_descents){.count = (size_t)q->starts};
   all->item = vs_alloc(all->count, sizeof *all->item);
   all->best = all->count;
   vs_random_sobol_begin(sobol, q->n_unknowns, q->starts, q->seed);
-  place(q, sobol, 0, s);
-  vs_status status = try_first(d, s, &all->first_chi2, err);
+  place(q, sobol, 0, first);
+  vs_status status = try_first(d, first, &all->first_chi2, err);
   for (size_t r = 0; r < q->n_runs; r++) d->by_parts = d->by_parts || q->runs[r].recorded;
   for (size_t k = 0; k < all->count && !status; k++) {
     vs_descent *found = &all->item[k];
     place(q, sobol, k, s);
     vs_descent_from(d, s, found);
-    bool first = all->best == all->count;
-    if (found->converged && (first || found->chi2 < all->item[all->best].chi2)) all->best = k;
+    bool none = all->best == all->count;
+    if (found->converged && (none || found->chi2 < all->item[all->best].chi2)) all->best = k;
   }
   d->by_parts = false;
   free(sobol);
-  if (!status && all->best == all->count) status = none_converged(all, err);
+  if (!status && all->best == all->count) status = none_converged(d, all, first, err);
   return status;
 }
 

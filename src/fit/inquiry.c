@@ -167,6 +167,20 @@ static vs_status check_common(const vs_inquiry *q, vs_error *err) {
   return VS_OK;
 }
 
+/* Puts the starts into the scenes: a key that only a circuit has makes tier auto take one. */
+static vs_status begin_at_starts(vs_inquiry *q, vs_error *err) {
+  vs_status status = VS_OK;
+  for (size_t r = 0; r < q->n_runs && !status; r++) {
+    for (size_t k = 0; k < q->n_unknowns; k++) {
+      const vs_unknown *u = &q->unknowns[k];
+      if (u->run < 0 || u->run == (int)r)
+        vs_unknown_put(u, vs_unknown_natural(u, u->start), &q->runs[r].scene->tree);
+    }
+    status = vs_scene_again(q->runs[r].scene, err);
+  }
+  return status;
+}
+
 static vs_status read_unknowns(vs_inquiry *q, vs_error *err) {
   const vs_node *root = q->tree.root, *runs = vs_tree_child(root, "runs");
   vs_status status = read_free(q, vs_tree_child(root, "free"), -1, err);
@@ -176,7 +190,8 @@ static vs_status read_unknowns(vs_inquiry *q, vs_error *err) {
   if (!status && !q->n_unknowns)
     status = vs_fail_at(err, (vs_where){.file = q->tree.name},
                         "nothing is free: free: {KEY: {from: A, to: B}} is wanted");
-  return status ? status : check_common(q, err);
+  if (!status) status = check_common(q, err);
+  return status ? status : begin_at_starts(q, err);
 }
 
 /* ---- data ---- */
