@@ -139,7 +139,8 @@ static void take_slopes(const kin_data *all, const vs_fan *fan, const vs_unknown
 static vs_status follow_kin(const vs_subject *subject, kin_data *all, const vs_unknown *u,
                             double *slope, vs_error *err) {
   vs_fan *fan = vs_alloc(1, sizeof *fan);
-  vs_status status = vs_kin_find(fan, subject, u->axis.key, u->axis.where, err);
+  const vs_asked key = {u->axis.key, u->axis.where};
+  vs_status status = vs_kin_find(fan, subject, &key, false, err);
   if (!status) {
     status = fan->parameter.idle ? VS_OK : take_data(all, fan, err);
     if (!status && !fan->parameter.idle) take_slopes(all, fan, u, slope);
