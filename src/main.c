@@ -423,7 +423,8 @@ static const vs_command COMMANDS[] = {
      .run = check},
     {.name = "list",
      .argument = "[KIND]",
-     .text = "lists scenes, studies, fits, machines, decks, parts, tiers, laws, probes, measures, "
+     .text = "lists scenes, studies, fits, machines, decks, parts, instruments, tiers, laws, "
+             "probes, measures, "
              "parameters (with "
              "unit, default, range)",
      .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n"

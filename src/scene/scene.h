@@ -5,6 +5,7 @@
 #define VS_SCENE_SCENE_H
 
 #include "base/path.h"
+#include "instrument/instruments.h"
 #include "scene/tiers.h"
 #include "scene/warnings.h"
 #include "watch/measures.h"
@@ -24,6 +25,7 @@ typedef struct vs_scene {
   const vs_tier *tier;
   char why[256];                       /* why this tier */
   vs_frame frame;                      /* of this tier */
+  vs_instruments instruments;          /* none where the scene has no such section */
   int record[VS_CH_MOST], n_record;    /* channels of the frame, in the order of the columns */
   vs_value measured[VS_MOST_MEASURES]; /* SI; as the scene's `measured` says, in the order of
                                           vs_measure_at */
