@@ -25,9 +25,22 @@ typedef struct shots {
   double last_s;      /* when the last shot began; -INFINITY: none did */
 } shots;
 
+/* On an orbit the period's beginning comes again behind its end. The end of each step up to the
+ * first conduction is kept, so that a rest that goes on across the period's end is followed on. */
+enum { KEPT = 32768 };
+typedef struct opening {
+  bool over; /* the device has conducted, or there were more steps than that */
+  size_t count;
+  struct {
+    double at_s, v, i;
+  } end[KEPT];
+} opening;
+
 struct vs_device_watch {
   quick voltage, current, flux;
   shots shots;
+  opening *opening;  /* of a device that conducts or blocks, on an orbit; NULL: of any other. Owned
+                      */
   vs_reduced **busy; /* those of the device's measures that every step may change; owned */
   size_t n_busy;
 };
@@ -79,6 +92,7 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
     w->states = vs_alloc(1, sizeof *w->states);
     vs_switching_begin(w->states, frame->timeline, d->gate_rad);
     begin_shots(&own->shots, frame, d);
+    if (w->at_work) own->opening = vs_alloc(1, sizeof *own->opening);
   }
   w->reduced = vs_alloc(w->count, sizeof *w->reduced);
   own->busy = vs_alloc(w->count, sizeof *own->busy);
@@ -111,6 +125,7 @@ void vs_devices_free(vs_devices *d) {
     free(w->reduced);
     free(w->states);
     free(d->watch[k].busy);
+    free(d->watch[k].opening);
   }
   if (d) free(d->watch);
   free(d);
@@ -201,6 +216,14 @@ static void follow_states(vs_devices *d, vs_watched *w, vs_course_step *c) {
   tell(d, w, &news);
 }
 
+static void keep(opening *o, const vs_course_step *c) {
+  o->over = o->over || c->was_on || c->on || o->count == KEPT;
+  if (o->over) return;
+  o->end[o->count].at_s = c->t1_s;
+  o->end[o->count].v = c->to[VS_OF_V];
+  o->end[o->count++].i = c->to[VS_OF_I];
+}
+
 static void follow(vs_devices *d, size_t k, vs_course_step *c, const double *mid,
                    const double *to) {
   vs_watched *w = &d->item[k];
@@ -219,6 +242,7 @@ static void follow(vs_devices *d, size_t k, vs_course_step *c, const double *mid
   c->was_on = c->on = true; /* a device that does not switch conducts all the time */
   if (w->states) follow_states(d, w, c);
   if (w->states) follow_shots(d, w, &own->shots, c);
+  if (own->opening) keep(own->opening, c);
   follow_means(d, w, c);
   for (size_t n = 0; n < own->n_busy; n++) own->busy[n]->by->follow(w, own->busy[n], c);
 }
@@ -253,8 +277,37 @@ void vs_devices_accept(vs_devices *d, const vs_step *step) {
   d->now_s = c.t1_s;
 }
 
+/* Follows the device from the period's end on, through its beginning up to its first conduction.
+ * What it does against its gate there was told already. What is found is told with its instant
+ * within the period. */
+static void follow_on(vs_devices *d, size_t k) {
+  vs_watched *w = &d->item[k];
+  const opening *o = d->watch[k].opening;
+  const double period_s = d->now_s - d->began_s;
+  vs_course_step c = {.t1_s = d->now_s};
+  memcpy(c.to, w->last, sizeof c.to);
+  for (size_t n = 0; o && n < o->count; n++) {
+    vs_switch_news news;
+    c.t0_s = c.t1_s;
+    memcpy(c.from, c.to, sizeof c.from);
+    c.t1_s = o->end[n].at_s + period_s;
+    c.h_s = c.t1_s - c.t0_s;
+    c.to[VS_OF_V] = o->end[n].v;
+    c.to[VS_OF_I] = o->end[n].i;
+    if (!(c.h_s > 0)) continue;
+    vs_switching_follow(w->states, &c, &news);
+    news.misfire.known = news.unintended.known = news.commutation_failure = false;
+    vs_value *found[] = {&news.rise, &news.off_rate, &news.offered};
+    for (size_t m = 0; m < sizeof found / sizeof *found; m++)
+      if (found[m]->at_s >= d->now_s) found[m]->at_s -= period_s;
+    for (size_t m = 0; m < w->count; m++)
+      if (w->reduced[m].by->take_news) w->reduced[m].by->take_news(&w->reduced[m], &news);
+  }
+}
+
 void vs_devices_finish(vs_devices *d) {
   if (!d || isnan(d->began_s)) return;
+  for (size_t k = 0; k < d->count; k++) follow_on(d, k);
   const vs_run_end end = {d->now_s, fmax(d->began_s, d->means.from_s),
                           fmin(d->now_s, d->means.to_s)};
   for (size_t k = 0; k < d->count; k++)
