@@ -412,6 +412,20 @@ static void a_change_of_nothing(void) {
   free_ran(&r);
 }
 
+/* The share of auto is not known yet where events are read: an event that names a fraction may
+ * change it, whichever it is. */
+static void a_change_of_auto(void) {
+  static const char SCENE[] = "run " LOADED "--set firing.angle=120deg --set run.until=20ms --tier "
+                              "switched --json --quiet --set load.fraction=auto --set "
+                              "'events.a={kind: load, at: 5ms, %s}'";
+  ran r = run(SCENE, "fraction: 0.1"), same = run(SCENE, "volume: 380cm3");
+  EXPECT(r.status == 0, "%d: %s", r.status, r.err);
+  CU_ASSERT(number(r.out, "load_fraction") > 0.11);
+  CU_ASSERT(!strstr(r.out, "nothing changes"));
+  CU_ASSERT(strstr(same.out, "the load is the same before and after it") != NULL);
+  free_ran(&r), free_ran(&same);
+}
+
 /* ---- the page's example ---- */
 
 /* Copy of the first fenced block of that kind behind `at`. */
@@ -459,6 +473,7 @@ static const vs_test TESTS[] = {
     {"what is refused", what_is_refused},
     {"keys of a machine", keys_of_a_machine},
     {"a change of nothing", a_change_of_nothing},
+    {"a change of auto", a_change_of_auto},
     {"the page's example", the_page},
 };
 
