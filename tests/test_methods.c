@@ -586,6 +586,7 @@ static void n_from_the_command_line(void) {
 
 static void shipped_studies_are_good(void) {
   static const char *const NAMES[] = {"surge_worst",
+                                      "surge_at_work",
                                       "yield",
                                       "amplitude",
                                       "false_firing",

@@ -100,6 +100,8 @@ static const struct mix {
     {"weak", "{e: {kind: weak_pulse, cycle: 3}}", "", "{events.e.level: [0.1 %, 5 %, 100 %]}", 2},
     {"spurious", "{e: {kind: spurious_pulse, at: 30 ms}}", "", "{events.e.at: [22 ms, 41 ms]}", 2},
     {"jam", "{e: {kind: jam, at: 30 ms}}", "", "{events.e.at: [30 ms, 25.5555555555556 ms]}", 2},
+    {"load", "{e: {kind: load, at: 30 ms, volume: 700 cm3}}", ", load.density: 1 g/cm3",
+     "{events.e.at: [25 ms, 33.5555555555556 ms], events.e.fraction: [0.2, 0.6]}", 4},
     {"jump", "{e: {kind: phase_jump, at: 30 ms}}", "",
      "{events.e.at: [30 ms, 42 ms], events.e.jump: [-30 deg, 10 deg]}", 4},
     {"notch", "{e: {kind: notch, at: 30 ms, count: 2}}", "", "{events.e.at: [21 ms, 41 ms]}", 2},
@@ -125,6 +127,11 @@ static const struct mix {
      "{firing.every: [20], run.until: [450 ms], events.e.at: [50 ms, 270 ms, 431 ms]}", 3},
     {"decks", "{e: {kind: surge, cycle: 3}}", "",
      "{events.e.angle: [10 deg, 200 deg], circuit.r1: [100 ohm, 4.7 kohm]}", 4},
+    {"orbit", "{e: {kind: surge, cycle: 1}}", ", start: steady",
+     "{events.e.angle: [0 deg, 90 deg, 200 deg]}", 3},
+    {"charged", "{e: {kind: load, at: 10 ms, volume: 300 cm3}}",
+     ", start: steady, load: {density: 0.5 g/cm3, fraction: auto}",
+     "{events.e.at: [2 ms, 10 ms], events.e.volume: [300 cm3, 380 cm3]}", 4},
     /* the first has no past, the last is refused, and the ideal tier has none to share */
     {"early", "{e: {kind: sag, at: 1 ms}}", "", "{events.e.at: [1 ms, 30 ms, 90 ms]}", 1},
     {"tiers", "{e: {kind: sag, at: 30 ms}}", "",
@@ -237,7 +244,7 @@ static void a_copy_is_killed(void) {
 /* A branch that does not come to its end costs its worker; the cases are then run one by one. */
 static void a_copy_hangs(void) {
   write_surges();
-  pid_t master = start("study s.yaml -o hung --jobs 1 --quiet --case-timeout 5s");
+  pid_t master = start("study s.yaml -o hung --jobs 1 --quiet --case-timeout 8s");
   EXPECT(signal_below(master, 3, SIGSTOP), "no branch");
   ran r = collect(master);
   EXPECT(r.status == 0, "exit status %d: %s", r.status, r.err);

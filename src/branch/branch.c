@@ -26,28 +26,35 @@ static vs_status write_csv(const vs_walk *w, const char *folder, int digits, vs_
   return vs_file_commit(&file, err);
 }
 
-/* The picture comes last: where gnuplot is missing the numbers are there all the same. */
+/* The picture comes last. Where gnuplot is missing the numbers are there all the same; *drawn says
+ * so. */
 static vs_status write_files(const vs_walk *w, const vs_run_options *o, const char *json,
-                             vs_error *err) {
+                             bool *drawn, vs_error *err) {
   int made = 0;
+  vs_error why = {0};
   vs_status status = vs_file_folder_make(o->folder, &made, err);
   if (!status) status = write_csv(w, o->folder, o->digits, err);
   if (!status) status = write_text(o->folder, "branch.json", json, err);
-  if (!status) status = vs_drawing_write(w, o->folder, err);
-  return status;
+  if (status) vs_file_folder_unmake(o->folder, made);
+  if (status) return status;
+  *drawn = !vs_drawing_write(w, o->folder, &why);
+  if (!*drawn) fprintf(stderr, "vibrospice: warning: no branch.png: %s\n", why.text);
+  return VS_OK;
 }
 
 /* ---- the command ---- */
 
 static vs_status say(const vs_walk *w, const vs_run_options *o, vs_error *err) {
   vs_text json = {0};
+  bool drawn = false;
   vs_rows_json(w, &json);
-  vs_status status = o->folder ? write_files(w, o, json.text, err) : VS_OK;
+  vs_status status = o->folder ? write_files(w, o, json.text, &drawn, err) : VS_OK;
   if (!status && o->json)
     fputs(json.text, stdout);
   else if (!status && !o->quiet) {
     vs_rows_print(w, stdout);
-    if (o->folder) printf("written: branch.csv, branch.json, branch.png in %s\n", o->folder);
+    if (o->folder)
+      printf("written: branch.csv, branch.json%s in %s\n", drawn ? ", branch.png" : "", o->folder);
   }
   vs_text_free(&json);
   if (!status && w->end == VS_WALK_STUCK)

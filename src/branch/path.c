@@ -3,6 +3,7 @@
 
 #include <gsl/gsl_linalg.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -89,22 +90,65 @@ static vs_status move_to(vs_path *p, double key, vs_error *err) {
   return status;
 }
 
+/* The end of the run from the same state with another value of the key. */
+static vs_status end_at(vs_path *p, const double *x, double key, double *end, vs_error *err) {
+  vs_flight f;
+  vs_status status = vs_along_move(p->along, key, err);
+  if (status) return status;
+  vs_flight_begin(&f, p->along->scene);
+  status = vs_flight_go(&f, x, p->periods, false, err);
+  memcpy(end, f.end, (size_t)p->count * sizeof *end);
+  vs_flight_end(&f);
+  p->runs++;
+  return status;
+}
+
+/* By this part of its range the key is moved for differences. Runs are known to some 1e-12 of the
+ * motion, and a millionth of the slope slows the iteration by nothing that is seen. */
+static const double NUDGE = 1e-6;
+
+/* dP/dk by differences, where the run has no derivative of its own: a thyristor that fires in
+ * another cycle at a key a thousandth beside this one has none (orbit/parameter.h). They are
+ * one-sided where the key may not go farther. */
+static vs_status differ(vs_path *p, const double *z, double *by_key, vs_error *err) {
+  double h = NUDGE * p->unit[p->count], key = z[p->count], lower[MOST], upper[MOST];
+  double lo = key - h, hi = key + h;
+  vs_error why = {0};
+  vs_status status = end_at(p, z, lo, lower, &why);
+  if (status) status = end_at(p, z, lo = key, lower, err);
+  if (!status && end_at(p, z, hi, upper, &why)) status = end_at(p, z, hi = key, upper, err);
+  if (status || lo == hi) return status ? status : vs_fail(err, VS_INPUT, "%s", why.text);
+  for (int i = 0; i < p->count; i++) by_key[i] = (upper[i] - lower[i]) / (hi - lo);
+  return vs_along_move(p->along, key, err);
+}
+
+/* Runs over a period from at->z, with all derivatives but dP/dk. */
+static vs_status fly(vs_path *p, vs_path_point *at, image *to, vs_error *err) {
+  vs_turns_begin(&at->turns, &p->along->scene->setup.model);
+  const vs_observer also = {&at->turns, watch};
+  to->flight.also = &also;
+  vs_status status = vs_flight_go(&to->flight, at->z, p->periods, true, err);
+  to->flight.also = NULL;
+  p->runs++;
+  return status;
+}
+
 /* Makes the image of the point; vs_flight_end it where it has a scene. */
 static vs_status map(vs_path *p, vs_path_point *at, image *to, vs_error *err) {
+  vs_error why = {0};
   *to = (image){0};
   vs_status status = move_to(p, at->z[p->count], err);
   if (status) return status;
-  vs_turns_begin(&at->turns, &p->along->scene->setup.model);
-  const vs_observer also = {&at->turns, watch};
   vs_flight_begin(&to->flight, p->along->scene);
-  to->flight.also = &also;
   to->flight.parameter = p->by;
-  status = vs_flight_go(&to->flight, at->z, p->periods, true, err);
-  to->flight.also = NULL;
+  bool known = !fly(p, at, to, &why);
+  if (!known) snprintf(p->kinked, sizeof p->kinked, "%.255s", why.text);
+  to->flight.parameter = NULL;
+  if (!known) status = differ(p, at->z, to->by_key, err);
+  if (!known && !status) status = fly(p, at, to, err);
   double unit = vs_units_factor(p->along->axis.unit) / p->by->size;
-  for (int i = 0; i < p->count && !status; i++)
+  for (int i = 0; i < p->count && known; i++)
     to->by_key[i] = unit * vs_variation_get(&to->flight.variation, i, p->count);
-  p->runs++;
   at->period_s = p->periods * to->flight.cycle_s;
   memcpy(at->size, to->flight.size, sizeof at->size);
   return status;
@@ -220,12 +264,14 @@ vs_status vs_path_solve(vs_path *p, const vs_path_plane *plane, vs_path_point *a
   bool done = false;
   at->iterations = 0;
   at->change = INFINITY;
+  p->kinked[0] = '\0';
   for (int k = 0; k < MOST_ITERATIONS && !done; k++) {
     double before = at->change;
     vs_status status = improve(p, plane, at, &done, err);
     if (status) return status;
     if (!done && k >= 2 && at->change > 4 * before) break;
   }
+  if (!done && *p->kinked) return vs_fail(err, VS_RUN, "%s", p->kinked);
   return done
              ? VS_OK
              : vs_fail(err, VS_RUN, "after %d iterations the last correction is %.2g of the motion",

@@ -43,6 +43,8 @@ typedef struct vs_path {
   int count;                 /* of the states; z[count] is the key */
   double unit[VS_PATH_MOST]; /* what counts as 1 along each number of z */
   long runs;                 /* over a period, that were made so far */
+  char kinked[256]; /* why a run of the last solution had no derivative with respect to the key;
+                      empty: all had */
 } vs_path;
 
 /* The plane that the point is to lie in. */

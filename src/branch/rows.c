@@ -21,7 +21,7 @@ const char *vs_rows_beyond(const vs_path_point *at) {
 
 /* The key of a fold is known better by far than its multiplier, which goes with the square root of
  * the key's distance. */
-static const double ABOUT_ONE = 1e-3;
+static const double ABOUT_ONE = 1e-2;
 
 /* What becomes of a machine that is put on the orbit. */
 static const char *state_of(const vs_walk *w, const vs_walk_row *row) {

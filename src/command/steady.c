@@ -53,6 +53,22 @@ static void add_material(const vs_steady *s, vs_json *json) {
   vs_json_end(json);
 }
 
+/* ---- what was found ---- */
+
+static double size_of(const vs_steady *s, int k) {
+  return hypot(s->orbit.multiplier[k].re, s->orbit.multiplier[k].im);
+}
+
+/* On tier circuit multipliers are known to some error only, in which small ones are lost. */
+static bool is_resolved(const vs_steady *s, int k) {
+  return !s->picard || size_of(s, k) > s->picard->known_to;
+}
+
+/* Their error may also hide on which side of 1 the largest lies. */
+static bool stability_is_known(const vs_steady *s) {
+  return !s->picard || (s->picard->multipliers && fabs(size_of(s, 0) - 1) > s->picard->known_to);
+}
+
 /* ---- JSON ---- */
 
 static void add_measures(const void *ctx, vs_json *json) {
@@ -66,9 +82,11 @@ static void add_multipliers(const vs_steady *s, vs_json *json) {
   const vs_orbit *orbit = &s->orbit;
   vs_json_array(json, "multipliers", VS_JSON_LINES);
   for (int k = 0; k < vs_steady_multipliers(s); k++) {
+    bool known = is_resolved(s, k);
     vs_json_object(json, NULL, VS_JSON_ROW);
-    vs_json_number(json, "re", orbit->multiplier[k].re, DIGITS);
-    vs_json_number(json, "im", orbit->multiplier[k].im, DIGITS);
+    vs_json_number(json, "re", known ? orbit->multiplier[k].re : NAN, DIGITS);
+    vs_json_number(json, "im", known ? orbit->multiplier[k].im : NAN, DIGITS);
+    if (!known) vs_json_number(json, "below", s->picard->known_to, 3);
     vs_json_end(json);
   }
   vs_json_end(json);
@@ -123,7 +141,12 @@ static void add_members(const void *ctx, vs_json *json) {
   else
     vs_json_whole(json, "iterations", s->orbit.iterations);
   vs_json_number(json, "correction", s->orbit.residual, 3);
-  vs_json_bool(json, "stable", s->orbit.stable);
+  if (stability_is_known(s))
+    vs_json_bool(json, "stable", s->orbit.stable);
+  else
+    vs_json_number(json, "stable", NAN, DIGITS); /* null */
+  if (s->picard && s->picard->multipliers)
+    vs_json_number(json, "multipliers_error", s->picard->known_to, 3);
   add_multipliers(s, json);
   add_harmonics(s, json);
   add_classes(s, json);
@@ -133,8 +156,13 @@ static void add_members(const void *ctx, vs_json *json) {
 /* ---- the table ---- */
 
 /* Of a multiplier: how long it takes until what it tells of has decayed to 1/e. */
-static void print_multiplier(const vs_orbit *orbit, int k, FILE *out) {
+static void print_multiplier(const vs_steady *s, int k, FILE *out) {
+  const vs_orbit *orbit = &s->orbit;
   const vs_multiplier *m = &orbit->multiplier[k];
+  if (!is_resolved(s, k)) {
+    fprintf(out, "%-10d not resolved: below %.1g\n", k + 1, s->picard->known_to);
+    return;
+  }
   double size = hypot(m->re, m->im), tau_s = -orbit->period_s / log(size);
   fprintf(out, "%-10d %15.9g %15.9g %15.9g ", k + 1, m->re, m->im, size);
   if (size < 1)
@@ -150,7 +178,11 @@ static void print_multipliers(const vs_steady *s, FILE *out) {
     return;
   }
   fprintf(out, "%-10s %15s %15s %15s %14s\n", "multiplier", "re", "im", "size", "decays in");
-  for (int k = 0; k < vs_steady_multipliers(s); k++) print_multiplier(orbit, k, out);
+  for (int k = 0; k < vs_steady_multipliers(s); k++) print_multiplier(s, k, out);
+  if (s->picard)
+    fprintf(out, "known to about %.1g, from the differences of cycles%s\n", s->picard->known_to,
+            stability_is_known(s) ? "" : ": not enough to tell whether the orbit is stable");
+  if (!stability_is_known(s)) return;
   fprintf(out, "%s: the largest multiplier is %s\n", orbit->stable ? "stable" : "unstable",
           orbit->stable ? "below 1" : "1 or more, so that the machine does not stay on this orbit");
 }
@@ -245,6 +277,8 @@ static vs_status report(const vs_run_options *o, int periods, vs_scene *scene, v
 vs_status vs_steady_command(const vs_run_options *o, int periods, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
+  if (!status && !scene->setup.steady)
+    vs_warnings_of_settling(&scene->instruments, &scene->frame, &scene->warnings);
   if (!status && !o->quiet) vs_scene_warn(scene);
   if (!status) status = report(o, periods, scene, err);
   vs_scene_free(scene);

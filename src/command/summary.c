@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "instrument/lowpass.h"
 #include "scene/sections.h"
 #include "scene/shown.h"
 #include "scene/tiers.h"
@@ -28,6 +29,34 @@ static void add_events(vs_json *json, const vs_events *events) {
   vs_json_end(json);
 }
 
+/* The keys of the set, then each instrument with its keys and with what it makes of a sine of the
+ * frequency at which the machine works. */
+static void add_instruments(vs_json *json, const vs_instruments *all, double frequency_hz) {
+  const vs_section *common = &vs_instruments_section;
+  if (!all->count) return;
+  vs_json_object(json, common->name, VS_JSON_LINES);
+  for (size_t f = 0; f < common->count; f++) {
+    vs_json_key(json, common->fields[f].key);
+    vs_field_json(&common->fields[f], &all->v, json->text);
+  }
+  for (int k = 0; k < all->count; k++) {
+    const vs_instrument *i = &all->item[k];
+    const vs_lowpass p = vs_lowpass_make(i->v.bandwidth_hz, i->v.order, i->v.damping);
+    double gain, phase_rad;
+    vs_lowpass_response(&p, frequency_hz, &gain, &phase_rad);
+    vs_json_object(json, i->name, VS_JSON_ROW);
+    for (size_t f = 0; f < i->section.count; f++) {
+      vs_json_key(json, i->section.fields[f].key);
+      vs_field_json(&i->section.fields[f], &i->v, json->text);
+    }
+    vs_json_number(json, "at_hz", frequency_hz, DIGITS);
+    vs_json_number(json, "gain", gain, DIGITS);
+    vs_json_number(json, "phase_deg", phase_rad / vs_units_factor("deg"), DIGITS);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
 void vs_summary_scene(vs_json *json, const vs_scene *s) {
   vs_json_object(json, "scene", VS_JSON_LINES);
   for (int p = 0; p < VS_SECTIONS; p++) {
@@ -41,6 +70,7 @@ void vs_summary_scene(vs_json *json, const vs_scene *s) {
   }
   if (s->setup.steady) vs_json_bool(json, "steady", true);
   add_events(json, &s->setup.timeline.events);
+  add_instruments(json, &s->instruments, vs_instruments_working_hz(&s->setup));
   vs_json_end(json);
 }
 

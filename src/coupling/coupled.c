@@ -56,9 +56,9 @@ static double source(void *ctx, size_t port, double solver_s) {
 static double edge(void *ctx, double solver_s) {
   coupling *c = ctx;
   if (c->course.anode.crossed || c->swing.anew) return solver_s; /* the solver's rule begins anew */
-  double next_s = vs_setup_edge(c->course.setup, run_time(c, solver_s));
+  double now_s = run_time(c, solver_s), next_s = vs_setup_edge(c->course.setup, now_s);
   if (c->away.shift_s != 0 && !c->prelude.on) next_s = fmin(next_s, c->setup->run.until_s);
-  return vs_prelude_edge(&c->prelude, next_s) - c->away.shift_s;
+  return vs_prelude_edge(&c->prelude, now_s, next_s) - c->away.shift_s;
 }
 
 static double longest(void *ctx, double solver_s) {

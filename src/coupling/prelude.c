@@ -64,8 +64,12 @@ double vs_prelude_push(const vs_prelude *p, double t_s) {
   return p->on ? pilot_of(p)->push(pilot_of(p)->self, t_s) : 0;
 }
 
-double vs_prelude_edge(vs_prelude *p, double next_s) {
-  return p->edge_s = p->on ? fmin(next_s, pilot_of(p)->period_s) : next_s;
+double vs_prelude_edge(vs_prelude *p, double now_s, double next_s) {
+  const vs_pilot *pilot = pilot_of(p);
+  p->edge_s = next_s;
+  if (!pilot) return next_s;
+  double parts = floor((now_s + vs_occurrence_rounding(now_s)) / pilot->period_s) + 1;
+  return p->edge_s = fmin(next_s, parts * pilot->period_s);
 }
 
 double vs_prelude_time(const vs_prelude *p, double solver_s, double shift_s) {

@@ -34,8 +34,10 @@ double vs_prelude_until(const vs_prelude *prelude);
 /* The voltage, V, that the pilot adds to the mains. */
 double vs_prelude_push(const vs_prelude *prelude, double t_s);
 
-/* Takes the run's next edge, next_s, and returns the one that the solver is to be told. */
-double vs_prelude_edge(vs_prelude *prelude, double next_s);
+/* Takes the run's next edge behind now_s, and returns the one that the solver is to be told. The
+ * ends of the pilot's periods are edges in the prelude, and in the run too: so that the solver,
+ * whose rule begins anew at an edge, does there what it did when the orbit was found. */
+double vs_prelude_edge(vs_prelude *prelude, double now_s, double next_s);
 
 /* The run's time, s, with the solver at solver_s: exactly an edge's where it is one but for
  * rounding. shift_s: the run's time less the solver's. */

@@ -72,7 +72,7 @@ static vs_status run_one(vs_fan *f, const vs_subject *subject, int k, double tol
   vs_scene *scene = f->scene[k];
   vs_measured *m = f->measured[k];
   const vs_guest guest = {.ctx = m, .begin = begin, .accept = accept};
-  const vs_session session = {.guest = &guest, .steady = vs_steady_start};
+  const vs_session session = {.guest = &guest, .steady = vs_steady_start, .stop = subject->stop};
   vs_measured_free(m);
   *m = (vs_measured){.period = subject->periods > 0};
   *scene = *f->parameter.scene[f->parameter.idle ? 0 : k];

@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dependence/kin.h"
 
-#include <gsl/gsl_linalg.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
+#include "dependence/grazing.h"
 #include "ideal/driven.h"
-#include "orbit/flight.h"
 #include "scene/session.h"
 
 enum { RUNS = VS_FAN_RUNS, ROWS = VS_VARIATION_MOST };
@@ -23,6 +22,7 @@ typedef struct instant {
  * the kin. */
 typedef struct pass {
   const vs_subject *subject;
+  bool again; /* the other attempt */
   vs_parameter *parameter;
   vs_scene *scene; /* that is run */
   vs_variation variation;
@@ -31,7 +31,8 @@ typedef struct pass {
   size_t count, room;
   size_t now;         /* the last one that was passed */
   double scale[ROWS]; /* the largest magnitude of each state */
-  double ratio;       /* how large Y is beside the state, at most */
+  vs_grazing grazing;
+  double ratio; /* how large Y is beside the state, at most */
   vs_fan *fan;
   vs_driven driven[RUNS]; /* what drives each of the kin */
   vs_knot knot[RUNS][2];  /* the last one is knot[k][last] */
@@ -101,6 +102,7 @@ static void follow(const pass *p, const vs_knot *knot, double moved_s, double y[
 
 static void take_sizes(pass *p, const vs_step *step) {
   double y[ROWS], way[ROWS];
+  vs_grazing_accept(&p->grazing, &p->variation, step);
   follow(p, step->to, moved_at(p, step->to->t_s), y, way);
   for (int i = 0; i < p->variation.rows; i++)
     if (p->scale[i] > 0) p->ratio = fmax(p->ratio, fabs(way[i]) / p->scale[i]);
@@ -205,6 +207,7 @@ static void show_kin(pass *p, const vs_step *step) {
                          .event = {step->event[0]},
                          .event_s = {to->t_s}};
     vs_measured_accept(p->fan->measured[k], &own);
+    if (p->subject->shown) p->subject->shown(p->subject->ctx, k, &own);
   }
   p->last = 1 - p->last;
 }
@@ -246,7 +249,7 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
 static vs_status go(pass *p, void (*take)(pass *, const vs_step *), vs_error *err) {
   vs_result *none = vs_alloc(1, sizeof *none);
   const vs_guest guest = {.ctx = p, .accept = accept};
-  const vs_session session = {.guest = &guest, .bare = true};
+  const vs_session session = {.guest = &guest, .bare = true, .stop = p->subject->stop};
   p->take = take;
   p->now = 0;
   vs_variation_begin_alone(&p->variation, &p->scene->setup, p->parameter, p->start);
@@ -260,69 +263,35 @@ static vs_status go(pass *p, void (*take)(pass *, const vs_step *), vs_error *er
 
 /* ---- where it begins ---- */
 
-/* Solves (I - Phi) dx/dp = dx(T)/dp, in parts of each state's scale. */
-static bool solve(const vs_orbit *o, const vs_variation *v, double *dx) {
-  size_t n = (size_t)o->count, order[ROWS];
-  double matrix[ROWS * ROWS], side[ROWS], d[ROWS], most = 0, least = INFINITY;
-  int sign;
-  for (size_t i = 0; i < n; i++) {
-    for (size_t j = 0; j < n; j++)
-      matrix[i * n + j] = (i == j) - vs_variation_get((vs_variation *)(size_t)v, (int)i, (int)j) *
-                                         o->scale[j] / o->scale[i];
-    side[i] = vs_variation_get((vs_variation *)(size_t)v, (int)i, v->columns) / o->scale[i];
-  }
-  gsl_matrix_view a = gsl_matrix_view_array(matrix, n, n);
-  gsl_vector_view b = gsl_vector_view_array(side, n), by = gsl_vector_view_array(d, n);
-  gsl_permutation p = {n, order};
-  if (gsl_linalg_LU_decomp(&a.matrix, &p, &sign)) return false;
-  for (size_t i = 0; i < n; i++) {
-    most = fmax(most, fabs(matrix[i * n + i]));
-    least = fmin(least, fabs(matrix[i * n + i]));
-  }
-  if (!(least > 1e-13 * most) || gsl_linalg_LU_solve(&a.matrix, &p, &b.vector, &by.vector))
-    return false;
-  for (size_t i = 0; i < n; i++) dx[i] = d[i] * o->scale[i];
-  return true;
-}
-
-/* The orbit's state at t = 0 depends on the key, too. */
-static vs_status begin_on_orbit(pass *p, vs_error *err) {
-  const vs_orbit *o = &p->subject->orbit;
-  vs_flight flight;
-  vs_flight_begin(&flight, p->subject->calm);
-  flight.parameter = p->parameter;
-  vs_status status = vs_flight_go(&flight, o->x, o->n, true, err);
-  if (!status && !solve(o, &flight.variation, p->start))
-    status = vs_fail(err, VS_RUN,
-                     "the orbit turns back here, and has no derivative with respect "
-                     "to %s",
-                     p->parameter->key.name);
-  vs_flight_end(&flight);
-  return status;
-}
-
 /* The angle that the fastest mode turns in a step at most. The polynomials of degree seven between
  * the knots of the kin leave out some 1e-13 of Y then. */
 static const double TURN = 0.2;
+/* Where an extreme lies so near to a knot that what is of second order in p decides on which side,
+ * the other attempt has its knots elsewhere, and smaller p. */
+static const double ELSEWHERE = 0.87, SMALLER = 0.1;
 
 static vs_setup make(const vs_scene *scene, void *ctx) {
-  const vs_subject *subject = ctx;
-  vs_setup setup = vs_subject_setup(subject, scene, subject->scene->tier->finest);
-  double most = TURN / setup.model.fastest_rad_s; /* INFINITY: nothing swings */
+  const pass *p = ctx;
+  vs_setup setup = vs_subject_setup(p->subject, scene, p->subject->scene->tier->finest);
+  double most =
+      TURN * (p->again ? ELSEWHERE : 1) / setup.model.fastest_rad_s; /* INFINITY: nothing swings */
   if (isfinite(most) && !(setup.run.max_step_s > 0 && setup.run.max_step_s < most))
     setup.run.max_step_s = most;
+  else if (p->again)
+    setup.run.max_step_s *= ELSEWHERE;
   return setup;
 }
 
 static vs_status begin(pass *p, vs_error *err) {
   const vs_scene *s = p->subject->scene;
-  vs_status status = p->subject->calm ? begin_on_orbit(p, err) : VS_OK;
+  vs_status status =
+      p->subject->calm ? vs_subject_start(p->subject, p->parameter, p->start, err) : VS_OK;
   if (status) return status;
-  vs_parameter_take(p->parameter, make, (void *)(size_t)p->subject);
+  vs_parameter_take(p->parameter, make, p);
   if (!p->subject->calm) vs_parameter_start(p->parameter, s->tier, p->start);
   p->scene = vs_alloc(1, sizeof *p->scene);
   *p->scene = *s;
-  p->scene->setup = make(s, (void *)(size_t)p->subject);
+  p->scene->setup = make(s, p);
   p->scene->frame = vs_sim_frame(s->tier, &p->scene->setup);
   add_instant(p, 0, 0);
   return VS_OK;
@@ -343,27 +312,30 @@ static vs_status look(pass *p, vs_error *err) {
 
 static vs_status show(pass *p, vs_fan *fan, vs_where where, vs_error *err) {
   double finest = p->subject->scene->tier->finest;
-  double step = fmin(fmax(PART / p->ratio, LEAST), LARGEST);
+  double step = fmin(fmax(PART / p->ratio, LEAST), LARGEST) * (p->again ? SMALLER : 1);
   vs_status status =
       vs_fan_begin(fan, p->subject, p->parameter->key.name, where, step, finest, err);
   if (status) return status;
   p->fan = fan;
   fan->unresolved = UNRESOLVED * p->ratio;
+  fan->grazing = p->grazing;
   status = go(p, show_kin, err);
   for (int k = 0; k < RUNS && !status; k++) vs_measured_finish(fan->measured[k]);
   if (status) vs_fan_end(fan);
   return status;
 }
 
-vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const char *key, vs_where where,
+vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const vs_asked *key, bool again,
                       vs_error *err) {
   pass *p = vs_alloc(1, sizeof *p);
   vs_parameter *parameter = vs_alloc(1, sizeof *parameter);
   p->subject = subject;
   p->parameter = parameter;
-  vs_status status = vs_parameter_begin(parameter, subject->scene, key, where, 0, err);
+  p->again = again;
+  p->grazing.by = INFINITY;
+  vs_status status = vs_parameter_begin(parameter, subject->scene, key->name, key->where, 0, err);
   if (!status) status = look(p, err);
-  if (!status) status = show(p, fan, where, err);
+  if (!status) status = show(p, fan, key->where, err);
   vs_parameter_end(parameter);
   free(p->instants);
   free(p->scene);

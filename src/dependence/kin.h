@@ -13,10 +13,11 @@
 
 #include "dependence/fan.h"
 
-/* Begins the fan and fills it with the kin of the subject's run. vs_fan_end only after VS_OK.
+/* Begins the fan and fills it with the kin of the subject's run. again: another attempt, with other
+ * knots and smaller p, where a measure was not resolved by the first. vs_fan_end only after VS_OK.
  * Errors: those of vs_fan_begin and of the run; VS_RUN, the run has no derivative: the orbit turns
- * back here, or the armature touches its stop without a speed. */
-vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const char *key, vs_where where,
+ * back here, a firing comes or goes, or the armature touches its stop without a speed. */
+vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const vs_asked *key, bool again,
                       vs_error *err);
 
 #endif

@@ -49,7 +49,7 @@ vs_status vs_sensitivity_check(const vs_scene *scene, const vs_sensitivity_order
   for (size_t k = 0; k < order->n_of && !status; k++)
     if (vs_measured_find(m, order->of[k].name) < 0) status = unknown_measure(m, &order->of[k], err);
   for (size_t k = 0; k < order->n_to && !status; k++)
-    status = vs_key_find(&scene->setup, order->to[k].name, order->to[k].where, &key, err);
+    status = vs_key_find(scene, order->to[k].name, order->to[k].where, &key, err);
   vs_measured_free(m);
   free(m);
   return status;
@@ -149,23 +149,43 @@ static vs_status take_differences(search *s, size_t to, bool exact, vs_error *er
   return status;
 }
 
+/* A contact that so small a change of a key makes come or go is said. */
+static const double GRAZES = 1e-6;
+
+static void say_grazing(search *s, const vs_fan *fan) {
+  if (fan->grazing.by >= GRAZES) return;
+  vs_text_add(
+      &s->out->notes,
+      "%s: at t = %.9g s a contact with a stop comes or goes when it changes by %.2g of its "
+      "value; behind that the derivatives are others\n",
+      fan->parameter.key.name, fan->grazing.at_s, fan->grazing.by);
+}
+
+/* Takes the exact derivatives. *whole: all are resolved. */
+static vs_status take_kin(search *s, size_t to, bool again, bool *whole, vs_error *err) {
+  vs_fan *fan = vs_alloc(1, sizeof *fan);
+  vs_status status = vs_kin_find(fan, &s->subject, &s->order->to[to], again, err);
+  if (!status && !again) say_grazing(s, fan);
+  if (!status && !again) status = take_values(s, fan, err);
+  *whole = true;
+  for (size_t k = 0; k < s->order->n_of && !status; k++) {
+    vs_sensitivity_entry *e = vs_sensitivity_at(s->out, k, to), before = *e;
+    if (again && is_resolved(e)) continue;
+    take_entry(s, fan, k, to, true);
+    if (again && !(e->error < before.error)) *e = before;
+    *whole = *whole && is_resolved(e);
+  }
+  vs_fan_end(fan);
+  free(fan);
+  return status;
+}
+
 /* All measures to one key. */
 static vs_status find_key(search *s, size_t to, vs_error *err) {
-  const vs_asked *asked = &s->order->to[to];
-  bool exact = !s->subject.inexact, whole = true;
-  vs_fan *fan = vs_alloc(1, sizeof *fan);
-  vs_status status = VS_OK;
-  if (exact) {
-    status = vs_kin_find(fan, &s->subject, asked->name, asked->where, err);
-    if (!status) status = take_values(s, fan, err);
-    for (size_t k = 0; k < s->order->n_of && !status; k++) {
-      take_entry(s, fan, k, to, true);
-      whole = whole && is_resolved(vs_sensitivity_at(s->out, k, to));
-    }
-    vs_fan_end(fan);
-  }
-  free(fan);
-  if (!status && (!exact || !whole)) status = take_differences(s, to, exact, err);
+  bool exact = !s->subject.inexact, whole = false;
+  vs_status status = exact ? take_kin(s, to, false, &whole, err) : VS_OK;
+  if (!status && exact && !whole) status = take_kin(s, to, true, &whole, err);
+  if (!status && !whole) status = take_differences(s, to, exact, err);
   for (size_t k = 0; k < s->order->n_of && !status; k++) say_missing(s, k, to);
   return status;
 }
@@ -231,6 +251,7 @@ vs_status vs_sensitivity_find(const vs_scene *scene, const vs_sensitivity_order 
   out->to = vs_alloc(order->n_to, sizeof *out->to);
   out->entry = vs_alloc(order->n_of * order->n_to, sizeof *out->entry);
   status = vs_subject_begin(&s.subject, scene, order->periods, err);
+  s.subject.stop = order->stop;
   if (!status) status = find_all(&s, err);
   vs_subject_end(&s.subject);
   return status;

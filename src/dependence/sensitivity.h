@@ -9,18 +9,12 @@
 
 #include "dependence/fan.h"
 
-/* A name that was asked for, and where it was written; both are borrowed. */
-typedef struct vs_asked {
-  const char *name;
-  vs_where where;
-} vs_asked;
-
 /* What is asked for. */
 typedef struct vs_sensitivity_order {
   const vs_asked *of, *to; /* measures and keys */
   size_t n_of, n_to;       /* 1 or more */
   int periods;             /* of the orbit, a period of which is measured; 0: the scene's run is */
-  const volatile sig_atomic_t *stop; /* set by a signal: the next key is not begun; NULL: none */
+  const volatile sig_atomic_t *stop; /* set by a signal: it ends; NULL: none */
 } vs_sensitivity_order;
 
 /* One derivative. Where neither the measure nor the key is 0 it is d ln|measure|/d ln key. */

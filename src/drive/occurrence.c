@@ -24,8 +24,8 @@ double vs_occurrence_edge(const vs_occurrence *e, double t_s) {
  * late it jams (quiet/quiet.c). */
 static const double NEVER_S = 1e30;
 
-void vs_occurrence_put_off(vs_occurrence *e) {
-  e->start_s = e->end_s = NEVER_S;
+void vs_occurrence_put_off(vs_occurrence *e, size_t number) {
+  e->start_s = e->end_s = NEVER_S * (1 + (double)number);
   e->v.cycle = INT_MIN; /* by which events at the gate know their pulse */
 }
 

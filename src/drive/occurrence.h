@@ -95,8 +95,9 @@ bool vs_occurrence_is_on(const vs_occurrence *e, double t_s);
 /* The next of its two edges, its start or its end: the `edge` of most kinds. */
 double vs_occurrence_edge(const vs_occurrence *e, double t_s);
 
-/* Puts the event off for ever: it begins at no time of any run. What it is in the deck stays. */
-void vs_occurrence_put_off(vs_occurrence *e);
+/* Puts the event off for ever: it begins at no time of any run. What it is in the deck stays.
+ * `number` is another one for each event of a scene, as no two may change one thing at once. */
+void vs_occurrence_put_off(vs_occurrence *e, size_t number);
 
 /* True where the event acts on the gate whose pulses are delayed by shift_rad. */
 bool vs_occurrence_at_gate(const vs_occurrence *e, double shift_rad);

@@ -74,12 +74,9 @@ static void take_pair(const vs_copies_told *told, int period, const double *orbi
   }
 }
 
-/* A state of the circuit that adds less than this to what the machine's states show is none: what
- * is less is lost in rounding. */
-static const double SHOWN = 1e-3;
-
-/* R of n columns: R from = to. Returns false where the columns do not tell n states apart. */
-static bool solve(const pairs *p, size_t n, double r[][VS_VARIATION_MOST]) {
+/* R of n columns: R from = to. Returns false where the columns do not tell n states apart: the last
+ * one adds no more than `lost` to what the others show. */
+static bool solve(const pairs *p, size_t n, double lost, double r[][VS_VARIATION_MOST]) {
   double a[MOST * MOST], least = INFINITY, most = 0;
   size_t order[MOST];
   int sign;
@@ -92,7 +89,7 @@ static bool solve(const pairs *p, size_t n, double r[][VS_VARIATION_MOST]) {
     least = fmin(least, fabs(a[i * n + i]));
     most = fmax(most, fabs(a[i * n + i]));
   }
-  if (!(least > SHOWN * most)) return false;
+  if (!(least > lost * most)) return false;
   for (size_t i = 0; i < n; i++) {
     double b[MOST], row[MOST];
     for (size_t j = 0; j < n; j++) b[j] = p->to[j][i];
@@ -104,7 +101,7 @@ static bool solve(const pairs *p, size_t n, double r[][VS_VARIATION_MOST]) {
   return true;
 }
 
-vs_status vs_copies_hear(const vs_copies *c, const double *orbit, const double *scale,
+vs_status vs_copies_hear(const vs_copies *c, const double *orbit, const double *scale, double lost,
                          vs_multiplier *out, int *found, vs_error *err) {
   vs_copies_told told[VS_COPIES_MOST];
   vs_status status = VS_OK;
@@ -122,8 +119,8 @@ vs_status vs_copies_hear(const vs_copies *c, const double *orbit, const double *
   for (int j = 0; j < n; j++) take_pair(&told[j], 0, orbit, unit, n + 1, p.from[j], p.to[j]);
   take_pair(&told[c->leader], 1, orbit, unit, n + 1, p.from[n], p.to[n]);
   for (int j = 0; j <= n; j++) ones[j] = 1;
-  *found = solve(&p, (size_t)n + 1, r) ? n + 1 : n;
-  if ((*found == n && !solve(&p, (size_t)n, r)) || !vs_multipliers_find(*found, r, ones, out))
+  *found = solve(&p, (size_t)n + 1, lost, r) ? n + 1 : n;
+  if ((*found == n && !solve(&p, (size_t)n, 0, r)) || !vs_multipliers_find(*found, r, ones, out))
     return vs_fail(err, VS_RUN, "the orbit's multipliers cannot be found");
   return VS_OK;
 }

@@ -48,10 +48,11 @@ void vs_copies_pass(vs_copies *copies, const vs_knot *end);
 _Noreturn void vs_copies_fail(const vs_copies *copies);
 
 /* In the parent: waits for the copies and finds the multipliers, the largest first. orbit: the
- * orbit at its beginning, q, q', lambda; scale: the largest sizes of these over it. *found: how
+ * orbit at its beginning, q, q', lambda; scale: the largest sizes of these over it; what is less
+ * than `lost` of them is lost in rounding. *found: how
  * many multipliers there are. Error: VS_RUN, a copy has failed, or the multipliers cannot be found.
  */
 vs_status vs_copies_hear(const vs_copies *copies, const double *orbit, const double *scale,
-                         vs_multiplier *out, int *found, vs_error *err);
+                         double lost, vs_multiplier *out, int *found, vs_error *err);
 
 #endif

@@ -147,6 +147,11 @@ bool vs_creep_turn(vs_creep *c, const vs_knot *end) {
   return clean;
 }
 
+/* A change is known from the second pass on, a ratio from the third. */
+bool vs_creep_is_told(const vs_creep *c) {
+  return c->moved >= 0 || c->passes >= 3 + ENOUGH;
+}
+
 double vs_creep_push(const vs_creep *c, double t_s) {
   if (c->area_v_s == 0) return 0;
   return c->area_v_s / c->period_s * (1 - cos(2 * M_PI * t_s / c->period_s));

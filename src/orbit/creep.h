@@ -57,6 +57,9 @@ void vs_creep_accept(vs_creep *creep, const vs_step *step);
  * a clean one, false if it was pushed. */
 bool vs_creep_turn(vs_creep *creep, const vs_knot *end);
 
+/* True once enough passes were seen to tell what creeps. */
+bool vs_creep_is_told(const vs_creep *creep);
+
 /* The voltage, V, that is added to the mains at t_s of the present pass. */
 double vs_creep_push(const vs_creep *creep, double t_s);
 

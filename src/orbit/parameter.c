@@ -90,18 +90,52 @@ static vs_status read_near(vs_parameter *p, const stencil *where, vs_error *err)
   return status;
 }
 
-/* Does the scene take the key at all, with the value that it has? A key that the tier ignores, or
- * for which the scene has no use, is refused by its name, and enters no equation. */
-static bool is_heard(vs_parameter *p) {
+static bool near(double a, double b) {
+  return fabs(a - b) <= 1e-12 * fabs(b);
+}
+
+/* Do two setups have the same numbers, but for the rounding of how a key is written? */
+static bool alike(const vs_setup *a, const vs_setup *b) {
+  const vs_model *m = &a->model, *n = &b->model;
+  const vs_timeline *t = &a->timeline, *u = &b->timeline;
+  bool same = m->stops.count == n->stops.count && near(m->coil.gap_rest_m, n->coil.gap_rest_m) &&
+              near(m->coil.rest_h, n->coil.rest_h) && near(t->peak_v, u->peak_v) &&
+              near(m->actuator.resistance_ohm, n->actuator.resistance_ohm) &&
+              near(t->period_s, u->period_s) && near(t->first_zero_s, u->first_zero_s) &&
+              near(t->firing.angle_rad, u->firing.angle_rad);
+  for (int k = 0; k < m->stops.count && same; k++) {
+    const vs_stop *p = &m->stops.item[k], *q = &n->stops.item[k];
+    same = p->kind == q->kind && p->side == q->side && near(p->at_m, q->at_m) &&
+           near(p->stiffness, q->stiffness) && near(p->damping_ns_m, q->damping_ns_m);
+  }
+  for (int i = 0; i < m->dof && same; i++) {
+    same = near(m->constant[i], n->constant[i]) && near(m->along[i], n->along[i]);
+    for (int j = 0; j < m->dof && same; j++)
+      same = near(m->mass[i][j], n->mass[i][j]) && near(m->damping[i][j], n->damping[i][j]) &&
+             near(m->stiffness[i][j], n->stiffness[i][j]);
+  }
+  return same;
+}
+
+/* Writes the key into the scene with the value that it has, to see what the scene says to that. A
+ * key that the tier ignores, or for which the scene has no use, is refused by its name, and enters
+ * no equation. Error, at `where`: it makes another scene, as other keys' defaults hang on it. */
+static vs_status try_key(vs_parameter *p, vs_where where, vs_error *err) {
   vs_scene *same = vs_alloc(1, sizeof *same);
   vs_error why = {0};
   vs_status status = read_with(p, p->value, same, &why);
   const char *text = why.text + why.place_size;
-  bool refused = status == VS_INPUT && !strncmp(text, p->key.name, strlen(p->key.name));
-  snprintf(p->why, sizeof p->why, "%.255s", refused ? text : "");
+  p->idle = status == VS_INPUT && !strncmp(text, p->key.name, strlen(p->key.name));
+  snprintf(p->why, sizeof p->why, "%.255s", p->idle ? text : "");
+  bool other = !status && !alike(&same->setup, &p->scene[0]->setup);
   vs_scene_free(same);
   free(same);
-  return !refused;
+  if (other)
+    return vs_fail_at(err, where,
+                      "%s: writing it into the scene, with the value that it has, changes others; "
+                      "write these into the scene, too",
+                      p->key.name);
+  return status && !p->idle ? vs_fail_at(err, where, "%s", text) : VS_OK;
 }
 
 /* ---- its coefficients ---- */
@@ -184,13 +218,14 @@ vs_status vs_parameter_begin(vs_parameter *p, const vs_scene *scene, const char 
   vs_error why = {0}, last = {0};
   *p = (vs_parameter){.step = step > 0 ? step : STEP};
   p->scene[0] = (vs_scene *)(size_t)scene; /* never written to */
-  vs_status status = vs_key_find(&scene->setup, key, where, &p->key, err);
+  vs_status status = vs_key_find(scene, key, where, &p->key, err);
   if (status) return status;
   p->value = vs_key_number(&p->key);
   status = refuse(p, where, err);
   if (status) return status;
   p->size = p->value != 0 ? p->value : vs_units_factor(p->key.field->unit);
-  p->idle = !is_heard(p);
+  status = try_key(p, where, err);
+  if (status) return status;
   status = p->idle ? VS_OK : VS_INPUT;
   for (int n = 0; n < N_STENCILS && status; n++) {
     last = (vs_error){0};
@@ -207,7 +242,7 @@ vs_status vs_parameter_begin(vs_parameter *p, const vs_scene *scene, const char 
 
 vs_status vs_parameter_again(vs_parameter *p, vs_error *err) {
   char text[TEXT];
-  vs_status status = vs_key_find(&p->scene[0]->setup, p->key.name, (vs_where){0}, &p->key, err);
+  vs_status status = vs_key_find(p->scene[0], p->key.name, (vs_where){0}, &p->key, err);
   double value = status ? NAN : vs_key_number(&p->key);
   if (status || p->idle) return status;
   if (isnan(value) || value == 0 || p->value == 0)
@@ -244,6 +279,10 @@ void vs_parameter_start(const vs_parameter *p, const vs_tier *tier, double *y) {
 /* How much longer the period of the k-th scene is. */
 static double ratio(const vs_parameter *p, int k) {
   return p->setup[k].timeline.period_s / p->setup->timeline.period_s;
+}
+
+double vs_parameter_time(const vs_parameter *p, int k, double t_s) {
+  return t_s * ratio(p, k);
 }
 
 /* Two scenes' instants that are further apart than this part of a period are not the same one. */
@@ -286,101 +325,4 @@ void vs_parameter_connects(vs_parameter *p, double t_s) {
   double at_s[ALL];
   for (int k = 0; k < ALL; k++) at_s[k] = t_s * ratio(p, k);
   begin_waves(p, at_s);
-}
-
-/* ---- the equations ---- */
-
-static double along(const vs_parameter *p, const double *q) {
-  double g = 0;
-  for (int i = 0; i < p->setup->model.dof; i++) g += p->slopes.along[i] * q[i];
-  return g;
-}
-
-double vs_parameter_surface(const vs_parameter *p, int stop, const double *q) {
-  return along(p, q) - p->slopes.at_m[stop];
-}
-
-/* The stops' part of the force F that closes the gap, and its derivative at a given state. All
- * kinds' forces are in proportion to stiffness and damping together, and the damping stands
- * beside the depth's rate alone (actuator/stops.h):
- *   k dF/dk + c dF/dc = F,   c dF/dc = rate dF/drate. */
-static double add_stops(const vs_parameter *p, const vs_parameter_place *at, double *slope) {
-  const vs_model *m = &p->setup->model;
-  double g = vs_mechanics_travel(m, at->q), g1 = vs_mechanics_travel(m, at->rate), force = 0;
-  double dg = along(p, at->q), dg1 = along(p, at->rate);
-  for (int n = 0; n < m->stops.count; n++) {
-    vs_stop stop = m->stops.item[n];
-    if (!(at->touched >> n & 1)) continue;
-    double depth = vs_stop_depth(&stop, g), rate = -stop.side * g1, own[2], damped[2];
-    double push = stop.kind->force(&stop, depth, rate);
-    stop.kind->slopes(&stop, depth, rate, own);
-    double elastic = push - rate * own[1];
-    if (stop.damping_ns_m == 0) stop.damping_ns_m = 1e-30; /* none, but it has a slope */
-    stop.kind->slopes(&stop, depth, rate, damped);
-    double by_numbers = rate * damped[1] / stop.damping_ns_m * p->slopes.stop_damping[n];
-    if (stop.stiffness != 0) by_numbers += elastic / stop.stiffness * p->slopes.stop_stiffness[n];
-    force -= stop.side * push;
-    *slope += own[0] * (dg - p->slopes.at_m[n]) + own[1] * dg1 - stop.side * by_numbers;
-  }
-  return force;
-}
-
-/* The coil's part of the same, its current, and their derivatives at a given state. */
-typedef struct pull {
-  double force_n, i_a, force, i;
-} pull;
-
-static pull pull_of(const vs_parameter *p, const vs_parameter_place *at) {
-  const vs_coil *c = &p->setup->model.coil;
-  bool at_rest = at->frame->gap_at_rest;
-  double z = vs_mechanics_gap(&p->setup->model, at->q), force[ALL], i[ALL];
-  double dz = p->slopes.gap_rest_m + along(p, at->q);
-  for (int k = 0; k < ALL; k++) { /* other numbers of the law, at the same lambda and z */
-    const vs_coil *other = &p->setup[k].model.coil;
-    force[k] = vs_coil_force(other, at->flux_wb, z);
-    i[k] = vs_coil_current(other, at->flux_wb, at_rest ? c->gap_rest_m : z);
-  }
-  const vs_law_rates by_gap =
-      vs_coil_rates(c, at->flux_wb, 0, at_rest ? c->gap_rest_m : z, 1); /* another z */
-  return (pull){force[0], i[0], vs_parameter_slope(p, force) + by_gap.force_rate_n_s * dz,
-                vs_parameter_slope(p, i) +
-                    by_gap.i_rate_a_s * (at_rest ? p->slopes.gap_rest_m : dz)};
-}
-
-/* The mains' voltage, and its derivative at the same instant, counted in periods. */
-static double mains_at(const vs_parameter *p, double t_s, double *slope) {
-  double v[ALL], u[3];
-  for (int k = 0; k < ALL; k++) {
-    vs_wave_at(&p->mains[k], t_s * ratio(p, k) - p->origin_s[k], u);
-    v[k] = u[0];
-  }
-  *slope = vs_parameter_slope(p, v);
-  return v[0];
-}
-
-/* q" = m0 + mf F - (M^-1 K) q - (M^-1 B) q',   lambda' = u - R_c i, each differentiated, and times
- * the period's own change. */
-void vs_parameter_rates(const vs_parameter *p, const vs_parameter_place *at, double *rate) {
-  const vs_model *m = &p->setup->model;
-  const vs_parameter_slopes *s = &p->slopes;
-  int dof = m->dof;
-  double force_slope = 0, mains_slope, a[VS_MOST_DOF];
-  double force = add_stops(p, at, &force_slope);
-  rate[2 * dof] = 0;
-  if (at->conducting) {
-    const pull coil = pull_of(p, at);
-    double r = m->actuator.resistance_ohm, u = mains_at(p, at->t_s, &mains_slope);
-    force += coil.force_n;
-    force_slope += coil.force;
-    rate[2 * dof] =
-        mains_slope - s->resistance_ohm * coil.i_a - r * coil.i + s->clock * (u - r * coil.i_a);
-  }
-  vs_mechanics_accelerations(m, at->q, at->rate, force, a);
-  for (int i = 0; i < dof; i++) {
-    double sum = s->m0[i] + s->mf[i] * force + m->mf[i] * force_slope + s->clock * a[i];
-    for (int j = 0; j < dof; j++)
-      sum -= s->mk_column[j][i] * at->q[j] + s->mb_column[j][i] * at->rate[j];
-    rate[i] = s->clock * at->rate[i];
-    rate[dof + i] = sum;
-  }
 }

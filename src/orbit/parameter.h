@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * How the equations of a run on an ideal tier depend on one numeric key of its scene, at a given
- * state. With y = (q, q', lambda) and y' = f(y, t), this is df/dp; and where an instant is not
- * fixed by the state alone, how p moves that instant.
+ * How a run on an ideal tier depends on one numeric key of its scene: the coefficients of its
+ * equations, and those instants that the state does not fix. orbit/forcing.h makes df/dp of it.
  *
  * The parameter p is the key in parts of its own value: key = size (1 + p), so that d/dp is
  * d/d ln(key). Where the key is 0 it is key = size p instead, and size is one unit of the key.
@@ -78,21 +77,8 @@ double vs_parameter_slope(const vs_parameter *parameter, const double v[1 + VS_P
 /* d/dp of the state (q, q', lambda) at t = 0, as many numbers as the run's y has. */
 void vs_parameter_start(const vs_parameter *parameter, const vs_tier *tier, double *y);
 
-/* What the equations are looked at with: an instant and the state there. */
-typedef struct vs_parameter_place {
-  const vs_frame *frame;
-  double t_s;
-  const double *q, *rate; /* q, q' */
-  double flux_wb;
-  bool conducting;
-  unsigned touched; /* the stops that the armature is in, as bits */
-} vs_parameter_place;
-
-/* Gives df/dp at the place: 2 dof + 1 numbers, those of lambda last. */
-void vs_parameter_rates(const vs_parameter *parameter, const vs_parameter_place *place,
-                        double *rate);
-/* d/dp of a stop's depth's negative, travel - at, at a given state: what p moves the contact by. */
-double vs_parameter_surface(const vs_parameter *parameter, int stop, const double *q);
+/* The instant of the k-th scene that is as many periods on as t_s is in the scene as it is. */
+double vs_parameter_time(const vs_parameter *parameter, int k, double t_s);
 
 /* The thyristor fires at t_s, and was off at off_s and since then. Returns by how much p moves that
  * instant, s; NaN: near the key's value it comes or goes. */

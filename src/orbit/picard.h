@@ -21,6 +21,7 @@ typedef struct vs_picard {
   bool found;      /* the orbit is found. A run that follows, as that for the errors of margins, has
                       a search of its own, and changes nothing here */
   int multipliers; /* how many of them are known; 0: none */
+  double known_to; /* about how well these are known; a smaller one is lost in rounding */
   char missing[256]; /* why none is, where they were wanted */
   bool wants_multipliers;
   vs_scene *ideal;                 /* the scene on tier switched; owned */

@@ -9,6 +9,7 @@
 #include "actuator/coil.h"
 #include "base/text.h"
 #include "ideal/propagator.h"
+#include "orbit/forcing.h"
 
 void vs_variation_begin(vs_variation *v, const vs_setup *setup) {
   const vs_model *m = &setup->model;
@@ -123,14 +124,14 @@ static void add_parameter(const part *of, double t_s, double *rate) {
   const vs_model *m = v->model;
   double y[VS_CH_MOST], own[VS_VARIATION_MOST];
   vs_step_groups_at(of->step, t_s, VS_GROUP_VELOCITIES, y);
-  const vs_parameter_place place = {.frame = of->step->frame,
-                                    .t_s = t_s,
-                                    .q = y + VS_CH_Q,
-                                    .rate = y + vs_channel_rates(m),
-                                    .flux_wb = y[VS_CH_LAMBDA],
-                                    .conducting = v->conducting,
-                                    .touched = v->touched};
-  vs_parameter_rates(v->parameter, &place, own);
+  const vs_forcing_place place = {.frame = of->step->frame,
+                                  .t_s = t_s,
+                                  .q = y + VS_CH_Q,
+                                  .rate = y + vs_channel_rates(m),
+                                  .flux_wb = y[VS_CH_LAMBDA],
+                                  .conducting = v->conducting,
+                                  .touched = v->touched};
+  vs_forcing_rates(v->parameter, &place, own);
   for (int i = 0; i < v->rows; i++) rate[i] += own[i];
 }
 
@@ -242,7 +243,7 @@ static vs_status jump(vs_variation *v, const vs_step *step, vs_error *err) {
     v->touched ^= 1u << stop;
   for (int j = 0; j < all_columns(v); j++) {
     double *s = v->s + j * v->rows, way = flux ? s[2 * m->dof] : vs_mechanics_travel(m, s);
-    if (j == v->columns && !flux) way += vs_parameter_surface(v->parameter, stop, step->from->x);
+    if (j == v->columns && !flux) way += vs_forcing_surface(v->parameter, stop, step->from->x);
     for (int i = 0; i < v->rows; i++) s[i] += (after[i] - before[i]) * (way / rate);
     if (flux) s[2 * m->dof] = 0;
     moved_s = -way / rate; /* the last column's stays */

@@ -36,28 +36,40 @@ static bool agree_between(const vs_setup *a, const vs_setup *b, double from_s, d
   return true;
 }
 
-/* The armature jams at the end of a step. So the runs part at the edge before that. */
-static bool jam_alike(const vs_setup *a, const vs_setup *b, double to_s) {
-  double of_a = vs_setup_jams(a), of_b = vs_setup_jams(b);
-  return of_a == of_b || fmin(of_a, of_b) > to_s + vs_parting_near_s;
+static bool same_event(const vs_occurrence *a, const vs_occurrence *b) {
+  return a->kind == b->kind && a->start_s == b->start_s && a->end_s == b->end_s &&
+         !memcmp(&a->v, &b->v, sizeof a->v);
+}
+
+/* When an event first does something to the machine, s. That is done at the end of a step, so that
+ * the runs part at the edge before it. */
+static double moves_s(const vs_occurrence *e) {
+  return e->kind->jams || e->kind->load ? e->start_s : INFINITY;
+}
+
+static bool move_alike(const vs_events *a, const vs_events *b, double to_s) {
+  for (size_t k = 0; k < a->count; k++)
+    if (!same_event(&a->item[k], &b->item[k]) &&
+        fmin(moves_s(&a->item[k]), moves_s(&b->item[k])) <= to_s + vs_parting_near_s)
+      return false;
+  return true;
 }
 
 /* When the first of the events begins that is not the same in both; INFINITY: there is none. */
 static double first_difference(const vs_events *a, const vs_events *b) {
   double first_s = INFINITY;
-  for (size_t k = 0; k < a->count; k++) {
-    const vs_occurrence *own = &a->item[k], *their = &b->item[k];
-    bool same = own->kind == their->kind && own->start_s == their->start_s &&
-                own->end_s == their->end_s && !memcmp(&own->v, &their->v, sizeof own->v);
-    if (!same) first_s = fmin(first_s, fmin(own->start_s, their->start_s));
-  }
+  for (size_t k = 0; k < a->count; k++)
+    if (!same_event(&a->item[k], &b->item[k]))
+      first_s = fmin(first_s, fmin(a->item[k].start_s, b->item[k].start_s));
   return first_s;
 }
 
 static double parting_behind(const vs_setup *a, const vs_setup *b, double t_s) {
   for (double to_s; t_s < a->run.until_s; t_s = to_s) {
     to_s = stretch_end(a, t_s);
-    if (stretch_end(b, t_s) != to_s || !jam_alike(a, b, to_s) || !agree_between(a, b, t_s, to_s))
+    if (stretch_end(b, t_s) != to_s ||
+        !move_alike(&a->timeline.events, &b->timeline.events, to_s) ||
+        !agree_between(a, b, t_s, to_s))
       return t_s;
   }
   return INFINITY;

@@ -2,7 +2,7 @@
  * When two runs part. Two setups that differ in their events alone make the same run, to the last
  * bit, until the first question of the run to which what drives them answers differently. Here
  * these questions are asked of both: the next edge, the longest step, the voltages of the deck's
- * ports, the instant at which the armature jams. */
+ * ports, the instants at which the armature jams or the load changes. */
 #ifndef VS_SIM_PARTING_H
 #define VS_SIM_PARTING_H
 

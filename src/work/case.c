@@ -190,6 +190,7 @@ static vs_status begin_csv(keeper *k, const vs_scene *s, vs_error *err) {
   if (status) return status;
   k->table = (vs_table){.stream = k->csv.stream,
                         .frame = &s->frame,
+                        .instruments = &s->instruments,
                         .digits = 9,
                         .sample_s = s->setup.run.sample_s,
                         .until_s = s->setup.run.until_s};
@@ -206,7 +207,7 @@ static vs_status begin_run(void *ctx, vs_scene *s, vs_error *err) {
 
 static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
   keeper *k = ctx;
-  (void)result;
+  k->table.meters = result->meters;
   if (k->c->steady) vs_steady_accept(k->c->steady, step);
   return k->csv.stream ? vs_table_accept(&k->table, step, err) : VS_OK;
 }
@@ -352,17 +353,21 @@ vs_scene *vs_case_scene(vs_case *c) {
   return c->scene;
 }
 
-void vs_case_become(vs_case *c, vs_case *other) {
+vs_status vs_case_become(vs_case *c, vs_case *other) {
   vs_scene *s = c->scene, *theirs = other->scene;
   const vs_tree tree = s->tree;
   const vs_warnings warnings = s->warnings;
   s->tree = theirs->tree;
   s->warnings = theirs->warnings;
-  s->setup.run = theirs->setup.run;
-  s->setup.timeline.events = theirs->setup.timeline.events;
+  vs_setup *setup = &s->setup;
+  vs_error err = {0};
+  setup->run = theirs->setup.run;
+  setup->timeline.events = theirs->setup.timeline.events;
+  setup->loads = (vs_loads){0}; /* the run may be with one of those it had, which stay */
   theirs->tree = tree;
   theirs->warnings = warnings;
   c->present = other->present;
+  return vs_loads_make(&setup->timeline.events, setup->machine, &setup->model, &setup->loads, &err);
 }
 
 void vs_case_failure(const vs_plan *plan, uint64_t index, const double *point, const char *why,

@@ -67,8 +67,9 @@ vs_scene *vs_case_scene(vs_case *c);
  * vs_case_run. */
 int vs_case_end(vs_case *c, vs_status begun, vs_text *row, bool *circuit, vs_error *err);
 /* In the middle of c's run: from here on it is the run of the case that `other` has begun, whose
- * scene differs from c's in the keys of events alone. */
-void vs_case_become(vs_case *c, vs_case *other);
+ * scene differs from c's in the keys of events alone. Error: a load that an event sets cannot be;
+ * the run is then of no use. */
+vs_status vs_case_become(vs_case *c, vs_case *other);
 
 /* Adds the row of a case whose worker died. It reads the case's scene, to know its id, and so takes
  * as long as that. */

@@ -23,7 +23,7 @@ struct vs_past {
   double point[VS_PLAN_AXES]; /* of the trunk; the axes of events do not count */
   char **netlist;             /* of the trunk, as its solver has it */
   size_t lines;
-  vs_pace pace;
+  vs_pace pace;                              /* of its run */
   double next_s;                             /* when this process has something to do next */
   void (*arrive)(vs_past *past, double t_s); /* what it does there */
   vs_child_copy self;                        /* of a scout or a branch */
@@ -44,7 +44,7 @@ static bool is_of_events(const vs_axis *axis) {
 bool vs_past_fits(const vs_plan *plan) {
   bool varied = false;
   for (size_t k = 0; k < plan->n_axes; k++) varied = varied || is_of_events(&plan->axes[k]);
-  return varied && plan->first->tier->has_circuit;
+  return varied && !plan->periods && !plan->derivatives && plan->first->tier->has_circuit;
 }
 
 /* ---- what is alike ---- */
@@ -84,21 +84,14 @@ static bool same_netlist(const vs_past *p, const vs_setup *s) {
   return same;
 }
 
-/* A branch takes over the trunk's machine, so an event that changes the load must be the same in
- * both. */
-static bool same_load(const vs_occurrence *a, const vs_occurrence *b) {
-  if (!a->kind->load && !b->kind->load) return true;
-  return a->kind == b->kind && a->start_s == b->start_s && !memcmp(&a->v, &b->v, sizeof a->v);
-}
-
 /* What the events have put into the deck besides the netlist: its sources and its accounts. */
 static bool same_wiring(const vs_setup *a, const vs_setup *b) {
   const vs_events *own = &a->timeline.events, *their = &b->timeline.events;
   bool same = own->count == their->count && a->deck.n_ports == b->deck.n_ports &&
-              isinf(vs_setup_jams(a)) == isinf(vs_setup_jams(b));
+              isinf(vs_setup_jams(a)) == isinf(vs_setup_jams(b)) &&
+              a->model.reloaded == b->model.reloaded;
   for (size_t k = 0; k < own->count && same; k++)
-    same = !strcmp(own->item[k].name, their->item[k].name) &&
-           same_load(&own->item[k], &their->item[k]);
+    same = !strcmp(own->item[k].name, their->item[k].name);
   for (size_t k = 0; k < a->deck.n_ports && same; k++) {
     const vs_signal *s = &a->deck.ports[k].signal, *t = &b->deck.ports[k].signal;
     same = s->drive == t->drive && s->event == t->event && s->shift_rad == t->shift_rad;
@@ -109,11 +102,8 @@ static bool same_wiring(const vs_setup *a, const vs_setup *b) {
 /* Does the case that `other` has begun make the trunk's run, but for its events? */
 static bool is_alike(const vs_past *p, const double *point) {
   const vs_scene *a = vs_case_scene(p->trunk), *b = vs_case_scene(p->other);
-  if (!same_point(p, point) || a->tier != b->tier || !same_wiring(&a->setup, &b->setup) ||
-      !same_netlist(p, &b->setup))
-    return false;
-  const vs_pace pace = vs_pace_of(&b->setup);
-  return same_pace(&p->pace, &pace);
+  return same_point(p, point) && a->tier == b->tier && same_wiring(&a->setup, &b->setup) &&
+         same_netlist(p, &b->setup);
 }
 
 /* ---- a lot of tasks ---- */
@@ -183,7 +173,9 @@ static void become_branch(vs_past *p, size_t k) {
   p->next_s = INFINITY;
   p->arrive = stay;
   if (vs_case_begin(p->other, task->index, task->point, &err)) _exit(VS_CHILD_BAD_RUN);
-  vs_case_become(p->trunk, p->other);
+  if (vs_case_become(p->trunk, p->other)) _exit(VS_CHILD_BAD_RUN);
+  const vs_pace pace = vs_pace_of(&vs_case_scene(p->trunk)->setup);
+  if (!same_pace(&pace, &p->pace)) _exit(VS_CHILD_BAD_RUN); /* it would have taken other steps */
 }
 
 static _Noreturn void end_branch(const vs_past *p, int status) {
@@ -266,6 +258,7 @@ static bool send_scout(vs_past *p, double t_s) {
 /* At the knot where the worker stays: serves lot after lot, until one has a task that this trunk is
  * of no use for. */
 static void camp(vs_past *p, double t_s) {
+  p->pace = vs_pace_of(&vs_case_scene(p->trunk)->setup);
   for (;;) {
     if (send_scout(p, t_s)) return;
     for (size_t k = 0; k < p->desk->count; k++)
@@ -289,14 +282,17 @@ static vs_status reach(void *ctx, double t_s, vs_error *err) {
 }
 
 /* Makes the scene that the trunk has begun one in which the varied events never begin. It is not
- * run again where ngspice gives up: then each case is, with what its scene says. */
-static void calm(vs_past *p) {
-  vs_scene *s = vs_case_scene(p->trunk);
-  vs_events *events = &s->setup.timeline.events;
+ * run again where ngspice gives up: then each case is, with what its scene says. False: that cannot
+ * be. */
+static bool calm(vs_past *p) {
+  vs_setup *s = &vs_case_scene(p->trunk)->setup;
+  vs_events *events = &s->timeline.events;
+  vs_error err = {0};
   for (size_t k = 0; k < events->count; k++)
-    if (is_varied(p->plan, &events->item[k])) vs_occurrence_put_off(&events->item[k]);
-  s->setup.run.ladder = VS_LADDER_STAY;
-  s->setup.run.verify = VS_VERIFY_NEVER;
+    if (is_varied(p->plan, &events->item[k])) vs_occurrence_put_off(&events->item[k], k);
+  s->run.ladder = VS_LADDER_STAY;
+  s->run.verify = VS_VERIFY_NEVER;
+  return !vs_loads_make(events, s->machine, &s->model, &s->loads, &err);
 }
 
 /* Begins the trunk of task k. False: no task shares its past. */
@@ -304,13 +300,12 @@ static bool begin_trunk(vs_past *p, size_t k) {
   const vs_task *task = &p->desk->tasks[k];
   vs_error err = {0};
   if (!begin_other(p, k) || vs_case_begin(p->trunk, task->index, task->point, &err)) return false;
-  calm(p);
+  if (!calm(p)) return false;
   const vs_setup *setup = &vs_case_scene(p->trunk)->setup;
   memcpy(p->point, task->point, sizeof p->point);
   vs_netlist_free(p->netlist, p->lines);
   p->netlist = NULL;
   p->lines = 0;
-  p->pace = vs_pace_of(setup);
   if (!make_netlist(setup, &p->netlist, &p->lines)) return false;
   look_at_all(p);
   return count(p, SHARES) > 0;
