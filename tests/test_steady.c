@@ -446,7 +446,8 @@ static void the_page(void) {
     if (!other) break;
   }
   free_ran(&r), free(line), free(text);
-  text = block(page, "yaml", 0), line = block(page, "sh", 1);
+  text = block(page, "yaml", 0);
+  for (int n = 0; line = block(page, "sh", n), !strstr(line, "-o dipped"); n++) free(line);
   write_file("atwork.yaml", text);
   r = run("%s", line + strlen("vibrospice "));
   expect_good(&r, line, __LINE__);

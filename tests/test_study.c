@@ -298,7 +298,7 @@ static void mistakes(void) {
       "bad.yaml:2:7: run has no key 'untill'; did you mean 'until'?",
       "bad.yaml:4:3: a scene has no key 'firing.angel'; did you mean 'firing.angle'?",
       "bad.yaml:5:33: supply.voltage: '460 A' has the wrong unit; write V",
-      "bad.yaml:6:19: load.fraction: 2 is out of range; allowed: 0..1",
+      "bad.yaml:6:19: load.fraction: 2 is out of range; allowed: auto or 0..1",
       "bad.yaml:6:27: load.fraction: 'x' is not a number",
       "bad.yaml:7:46: actuator.gap: steps of -1 mm lead from 5 mm to 6 mm never",
       "bad.yaml:8:3: actuator.stop has keys of its own, such as actuator.stop.stiffness",

@@ -177,6 +177,18 @@ static vs_status check_deck(report *r, vs_error *err) {
   return status;
 }
 
+/* Checks the machine's own set, where it has one. */
+static vs_status check_own_instruments(const vs_setup *setup, vs_error *err) {
+  if (!vs_tree_child(setup->machine->tree.root, "instruments")) return VS_OK;
+  vs_instruments *all = vs_alloc(1, sizeof *all);
+  const vs_node section = vs_tree_word("instruments", "", (vs_where){0});
+  const vs_frame frame = vs_sim_frame(vs_tiers_automatic(true), setup);
+  vs_status status = vs_instruments_read(&section, setup, &frame, all, err);
+  vs_instruments_free(all);
+  free(all);
+  return status;
+}
+
 /* A machine is checked in the scene that names it and nothing else. */
 static vs_status check_machine(report *r, vs_error *err) {
   const vs_check_options *o = r->options;
@@ -189,6 +201,7 @@ static vs_status check_machine(report *r, vs_error *err) {
   vs_setup *setup = vs_alloc(1, sizeof *setup);
   vs_status status = vs_setup_build(&scene, setup, err);
   const vs_machine *m = setup->machine;
+  if (!status && !vs_error_count(err)) status = check_own_instruments(setup, err);
   if (!status && !vs_error_count(err))
     vs_text_add(&r->good, "a good machine: %s%s%d coordinate%s, %zu parameter%s, %d probe%s",
                 m->title, *m->title ? "; " : "", m->dof, m->dof == 1 ? "" : "s",

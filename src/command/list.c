@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "command/list.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +13,7 @@
 #include "machine/build.h"
 #include "scene/scene.h"
 #include "scene/sections.h"
+#include "syntax/units.h"
 
 /* Whose probes, measures and parameters are listed. */
 typedef struct listed {
@@ -33,6 +35,11 @@ static void list_scenes(const listed *of) {
 static void list_studies(const listed *of) {
   (void)of;
   vs_path_list(&vs_scene_study_shelf, print_file, (void *)(size_t)&vs_scene_study_shelf);
+}
+
+static void list_fits(const listed *of) {
+  (void)of;
+  vs_path_list(&vs_scene_fit_shelf, print_file, (void *)(size_t)&vs_scene_fit_shelf);
 }
 
 /* With its title; a deck that cannot be read is listed all the same. */
@@ -94,6 +101,46 @@ static void list_parts(const listed *of) {
   vs_path_list(&vs_deck_parts_shelf, print_part, (void *)(size_t)&vs_deck_parts_shelf);
 }
 
+/* With its title; a set that cannot be read is listed all the same. */
+static void print_set(void *ctx, const char *path) {
+  vs_tree tree = {0};
+  vs_error err = {0};
+  print_file(ctx, path);
+  const vs_node *title = vs_tree_read(path, &tree, &err) ? NULL : vs_tree_child(tree.root, "title");
+  if (title && title->text) printf("%-20s %s\n", "", title->text);
+  vs_tree_free(&tree);
+}
+
+static void print_instrument(const vs_instrument *i) {
+  const vs_instrument_values *v = &i->v;
+  double unit = vs_units_factor(i->unit);
+  printf("%-20s %-7s %s: %g..%g %s, ", i->column, i->unit, v->channel, v->range[0] / unit,
+         v->range[1] / unit, i->unit);
+  if (isfinite(v->bandwidth_hz)) printf("%g Hz of order %d, ", v->bandwidth_hz, v->order);
+  printf("%g samples/s, ", v->rate_hz);
+  if (v->bits) printf("%d bits, ", v->bits);
+  printf("noise %g %s; %s\n", v->noise / unit, i->unit, v->text);
+}
+
+/* The sets, and what that of the machine has. */
+static void list_instruments(const listed *of) {
+  vs_instruments *all = vs_alloc(1, sizeof *all);
+  vs_setup *setup = vs_alloc(1, sizeof *setup);
+  vs_error err = {0};
+  const vs_node section = vs_tree_word("instruments", "", (vs_where){0});
+  vs_path_list(&vs_instrument_shelf, print_set, (void *)(size_t)&vs_instrument_shelf);
+  setup->machine = of->machine;
+  setup->deck = *of->deck;
+  setup->model = (vs_model){.machine = of->machine, .dof = of->machine->dof};
+  const vs_frame frame = {.model = &setup->model, .deck = &setup->deck};
+  vs_instruments_read(&section, setup, &frame, all, &err); /* without a set there are none */
+  if (all->count) printf("%-20s the machine's: column, unit, channel, range, ...\n", "own");
+  for (int k = 0; k < all->count; k++) print_instrument(&all->item[k]);
+  vs_instruments_free(all);
+  free(setup); /* it only borrows */
+  free(all);
+}
+
 static void list_tiers(const listed *of) {
   (void)of;
   for (int k = 0; k < VS_TIERS; k++)
@@ -153,6 +200,10 @@ static void list_parameters(const listed *of) {
     const vs_section *section = vs_section_fields(of->machine, of->deck, s);
     for (size_t k = 0; k < section->count; k++) print_field(section->name, &section->fields[k]);
   }
+  const vs_section *const instruments[] = {&vs_instruments_section, &vs_instrument_section};
+  for (int s = 0; s < 2; s++)
+    for (size_t k = 0; k < instruments[s]->count; k++)
+      print_field(instruments[s]->name, &instruments[s]->fields[k]);
 }
 
 static void list_events(const listed *of) {
@@ -181,9 +232,13 @@ static const struct kind {
 } KINDS[] = {
     {"scenes", "scenes that come with the program", list_scenes},
     {"studies", "studies that come with the program", list_studies},
+    {"fits", "fits that come with the program", list_fits},
     {"machines", "machines that come with the program", list_machines},
     {"decks", "decks that come with the program", list_decks},
     {"parts", "parts that come with the program", list_parts},
+    {"instruments",
+     "sets of instruments that come with the program, and what the machine's own has",
+     list_instruments},
     {"tiers", "tiers, from the least modelled to the most", list_tiers},
     {"laws", "laws of the actuator, by actuator.law", list_laws},
     {"probes", "probes: name, unit, meaning", list_probes},

@@ -57,6 +57,7 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
   audience *a = ctx;
   vs_status status = VS_OK;
   if (a->more && a->more->accept) a->more->accept(a->more->ctx, step);
+  a->table.meters = result->meters;
   if (a->table.stream) status = vs_table_accept(&a->table, step, err);
   for (int k = 0; a->events.stream && k < 2; k++)
     if (step->event[k] != VS_EV_NONE)
@@ -87,6 +88,7 @@ static vs_status open_files(audience *a, vs_error *err) {
   if (status) return status;
   a->table = (vs_table){.stream = a->csv.stream,
                         .frame = &s->frame,
+                        .instruments = &s->instruments,
                         .count = s->n_record,
                         .digits = a->options->digits,
                         .sample_s = s->setup.run.sample_s,
@@ -104,7 +106,8 @@ static void remove_stale(const char *folder, const char *name) {
   unlink(path);
 }
 
-const char *const vs_run_pictures[] = {"motion_run", "motion_100ms", "pulse_50ms", NULL};
+const char *const vs_run_pictures[] = {"motion_run",   "motion_100ms",   "pulse_50ms",
+                                       "measured_run", "measured_100ms", NULL};
 
 /* Calls each(folder, name, names) for every picture in the folder. A link is left alone: the
  * program drew none. */

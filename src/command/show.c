@@ -127,13 +127,13 @@ static void print_head(const vs_result *r, FILE *out) {
         absence->bound);
   const char *declined = vs_result_declined(r);
   if (declined) fprintf(out, "quiet  ngspice is not left: %s\n", declined);
+  const vs_tier *tier = vs_tiers_of_orbit(s->tier);
   if (vs_setup_found_fraction(&s->setup))
     fprintf(out,
             "load   fraction %.9g of the material rides (auto: empirical, by the throw coefficient "
             "%.6g on the orbit%s%s)\n",
-            s->setup.model.riding, s->setup.throw_coefficient,
-            s->tier == vs_tiers_automatic(false) ? "" : " of tier ",
-            s->tier == vs_tiers_automatic(false) ? "" : vs_tiers_automatic(false)->name);
+            s->setup.model.riding, s->setup.throw_coefficient, s->tier == tier ? "" : " of tier ",
+            s->tier == tier ? "" : tier->name);
   if (r->watchers.devices)
     fprintf(out, "means over %.9g..%.9g s\n", s->setup.means.from_s, s->setup.means.to_s);
   fputc('\n', out);
@@ -151,6 +151,22 @@ static void print_measures(const vs_result *r, int width, FILE *out) {
     print_measure(&m, width, k < standard ? &s->measured[k] : NULL, out);
 }
 
+/* What each instrument makes of a sine of the frequency at which the machine works. */
+static void print_instruments(const vs_result *r, int width, FILE *out) {
+  double hz = vs_instruments_working_hz(&r->scene->setup), gain, phase_rad;
+  char at[32];
+  snprintf(at, sizeof at, "at %.6g Hz: gain", hz);
+  if (r->meters)
+    fprintf(out, "\n%-*s %20s %14s %9s %13s\n", width, "instrument", at, "phase", "samples",
+            "beyond range");
+  for (int k = 0; r->meters && k < r->scene->instruments.count; k++) {
+    const vs_meter *m = &r->meters[k];
+    vs_lowpass_response(&m->lowpass, hz, &gain, &phase_rad);
+    fprintf(out, "%-*s %20.6f %10.4f deg %9ld %13ld\n", width, m->instrument->name, gain,
+            phase_rad / vs_units_factor("deg"), m->samples, m->beyond);
+  }
+}
+
 void vs_show_result(const vs_result *r, FILE *out) {
   const vs_scene *s = r->scene;
   const double work_j = r->watchers.energy.joule[VS_E_WORK];
@@ -163,6 +179,7 @@ void vs_show_result(const vs_result *r, FILE *out) {
   if (s->frame.gap_at_rest && work_j != 0)
     fprintf(out, "\nthe one-way force of this tier did %.4f J of work that nothing supplied\n",
             work_j);
+  print_instruments(r, width, out);
   print_verdict(&r->verdict, width, out);
   print_second(r, out);
   fprintf(out, "\n%ld steps in %.3g s\n", r->steps, r->wall_s);

@@ -264,6 +264,7 @@ static vs_status report(const vs_run_options *o, int periods, vs_scene *scene, v
   reporter *r = vs_alloc(1, sizeof *r);
   vs_steady *s = &r->steady;
   const vs_run_more more = {r, begin, accept, finish, show, {r, add_measures, add_members}};
+  scene->order.stop = o->stop;
   vs_status status = vs_steady_begin(s, scene, periods, err);
   r->scene = scene;
   r->quiet = o->quiet;
@@ -276,6 +277,8 @@ static vs_status report(const vs_run_options *o, int periods, vs_scene *scene, v
 vs_status vs_steady_command(const vs_run_options *o, int periods, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
+  if (!status && !scene->setup.steady)
+    vs_warnings_of_settling(&scene->instruments, &scene->frame, &scene->warnings);
   if (!status && !o->quiet) vs_scene_warn(scene);
   if (!status) status = report(o, periods, scene, err);
   vs_scene_free(scene);

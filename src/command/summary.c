@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "instrument/lowpass.h"
 #include "scene/sections.h"
 #include "scene/shown.h"
 #include "scene/tiers.h"
@@ -28,6 +29,34 @@ static void add_events(vs_json *json, const vs_events *events) {
   vs_json_end(json);
 }
 
+/* The keys of the set, then each instrument with its keys and with what it makes of a sine of the
+ * frequency at which the machine works. */
+static void add_instruments(vs_json *json, const vs_instruments *all, double frequency_hz) {
+  const vs_section *common = &vs_instruments_section;
+  if (!all->count) return;
+  vs_json_object(json, common->name, VS_JSON_LINES);
+  for (size_t f = 0; f < common->count; f++) {
+    vs_json_key(json, common->fields[f].key);
+    vs_field_json(&common->fields[f], &all->v, json->text);
+  }
+  for (int k = 0; k < all->count; k++) {
+    const vs_instrument *i = &all->item[k];
+    const vs_lowpass p = vs_lowpass_make(i->v.bandwidth_hz, i->v.order, i->v.damping);
+    double gain, phase_rad;
+    vs_lowpass_response(&p, frequency_hz, &gain, &phase_rad);
+    vs_json_object(json, i->name, VS_JSON_ROW);
+    for (size_t f = 0; f < i->section.count; f++) {
+      vs_json_key(json, i->section.fields[f].key);
+      vs_field_json(&i->section.fields[f], &i->v, json->text);
+    }
+    vs_json_number(json, "at_hz", frequency_hz, DIGITS);
+    vs_json_number(json, "gain", gain, DIGITS);
+    vs_json_number(json, "phase_deg", phase_rad / vs_units_factor("deg"), DIGITS);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
 void vs_summary_scene(vs_json *json, const vs_scene *s) {
   vs_json_object(json, "scene", VS_JSON_LINES);
   for (int p = 0; p < VS_SECTIONS; p++) {
@@ -41,6 +70,7 @@ void vs_summary_scene(vs_json *json, const vs_scene *s) {
   }
   if (s->setup.steady) vs_json_bool(json, "steady", true);
   add_events(json, &s->setup.timeline.events);
+  add_instruments(json, &s->instruments, vs_instruments_working_hz(&s->setup));
   vs_json_end(json);
 }
 
@@ -73,13 +103,14 @@ static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r,
 }
 
 /* What load.fraction: auto came to. */
-static void add_fraction(vs_json *json, const vs_setup *s) {
+static void add_fraction(vs_json *json, const vs_scene *scene) {
+  const vs_setup *s = &scene->setup;
   if (!vs_setup_found_fraction(s)) return;
   vs_json_object(json, "load_fraction", VS_JSON_ROW);
   vs_json_number(json, "value", s->model.riding, DIGITS);
   vs_json_number(json, "throw_coefficient", s->throw_coefficient, DIGITS);
   vs_json_text(json, "from", "empirical: the paper's range, below Eq. 88, on the scene's orbit");
-  vs_json_text(json, "orbit_tier", vs_tiers_automatic(false)->name);
+  vs_json_text(json, "orbit_tier", vs_tiers_of_orbit(scene->tier)->name);
   vs_json_bool(json, "held",
                vs_model_load_range.least_k > s->throw_coefficient ||
                    vs_model_load_range.most_k < s->throw_coefficient);
@@ -235,7 +266,7 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   vs_json_end(&json);
   add_measures(&json, s, r, more);
   if (more && more->members) more->members(more->ctx, &json);
-  add_fraction(&json, &s->setup);
+  add_fraction(&json, s);
   add_energy(&json, s, &r->watchers.energy, r->books);
   if (with_cost) add_cost(&json, r);
   add_second(&json, &r->second);

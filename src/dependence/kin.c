@@ -214,6 +214,7 @@ static void show_kin(pass *p, const vs_step *step) {
                          .event = {step->event[0]},
                          .event_s = {to->t_s}};
     vs_measured_accept(p->fan->measured[k], &own);
+    if (p->subject->shown) p->subject->shown(p->subject->ctx, k, &own);
   }
   p->last = 1 - p->last;
 }

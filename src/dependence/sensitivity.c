@@ -49,7 +49,7 @@ vs_status vs_sensitivity_check(const vs_scene *scene, const vs_sensitivity_order
   for (size_t k = 0; k < order->n_of && !status; k++)
     if (vs_measured_find(m, order->of[k].name) < 0) status = unknown_measure(m, &order->of[k], err);
   for (size_t k = 0; k < order->n_to && !status; k++)
-    status = vs_key_find(&scene->setup, order->to[k].name, order->to[k].where, &key, err);
+    status = vs_key_find(scene, order->to[k].name, order->to[k].where, &key, err);
   vs_measured_free(m);
   free(m);
   return status;

@@ -358,9 +358,9 @@ static vs_status read_actuator(vs_machine *m, vs_error *err) {
 
 /* ---- the file ---- */
 
-static const char *const KEYS[] = {"title",   "coordinates", "parameters", "let",     "mass",
-                                   "damping", "stiffness",   "bodies",     "springs", "forces",
-                                   "gap",     "load",        "probes",     "actuator"};
+static const char *const KEYS[] = {
+    "title",   "coordinates", "parameters", "let",  "mass",   "damping",  "stiffness",  "bodies",
+    "springs", "forces",      "gap",        "load", "probes", "actuator", "instruments"};
 enum { N_KEYS = sizeof KEYS / sizeof *KEYS };
 
 bool vs_blueprint_has_keys(const vs_tree *file) {

@@ -24,6 +24,8 @@
  *   actuator:    {current: FORMULA, energy: FORMULA, force: FORMULA, KEY: VALUE, ...}
  *       the law's formulas in lambda and z: i = dW/dlambda, W, and F = -dW/dz, which is negative
  *       where it closes the gap; any other key is the default of the scene's
+ *   instruments: NAME, or {NAME: {...}, ...}
+ *       the machine's own set of instruments; see instrument/instruments.h, which reads it
  *
  * A FORMULA is as syntax/formula.h has it, with a pair's NAME.x and NAME.y, or a number with its
  * unit. All is in SI. */

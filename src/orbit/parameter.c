@@ -218,7 +218,7 @@ vs_status vs_parameter_begin(vs_parameter *p, const vs_scene *scene, const char 
   vs_error why = {0}, last = {0};
   *p = (vs_parameter){.step = step > 0 ? step : STEP};
   p->scene[0] = (vs_scene *)(size_t)scene; /* never written to */
-  vs_status status = vs_key_find(&scene->setup, key, where, &p->key, err);
+  vs_status status = vs_key_find(scene, key, where, &p->key, err);
   if (status) return status;
   p->value = vs_key_number(&p->key);
   status = refuse(p, where, err);
@@ -242,7 +242,7 @@ vs_status vs_parameter_begin(vs_parameter *p, const vs_scene *scene, const char 
 
 vs_status vs_parameter_again(vs_parameter *p, vs_error *err) {
   char text[TEXT];
-  vs_status status = vs_key_find(&p->scene[0]->setup, p->key.name, (vs_where){0}, &p->key, err);
+  vs_status status = vs_key_find(p->scene[0], p->key.name, (vs_where){0}, &p->key, err);
   double value = status ? NAN : vs_key_number(&p->key);
   if (status || p->idle) return status;
   if (isnan(value) || value == 0 || p->value == 0)

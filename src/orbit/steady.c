@@ -27,6 +27,45 @@ vs_status vs_steady_check(const vs_scene *scene, int periods, vs_error *err) {
   return status ? status : vs_shooting_check(scene, periods, err);
 }
 
+/* ---- instruments ---- */
+
+/* Meters that go along the orbit. */
+typedef struct along {
+  vs_meter *meter;
+  int count;
+} along;
+
+static vs_status accept_along(void *ctx, const vs_step *step, vs_error *err) {
+  const along *a = ctx;
+  (void)err;
+  for (int k = 0; k < a->count; k++) vs_meter_accept(&a->meter[k], step);
+  return VS_OK;
+}
+
+/* Makes instruments begin as they are on the orbit, of which `setup` is one period. A circuit is
+ * not run for that; vs_warnings_of_settling says so. */
+static vs_status settle_instruments(const vs_scene *scene, const vs_setup *setup,
+                                    vs_instruments *all, vs_error *err) {
+  if (scene->tier->has_circuit || !all->count) return VS_OK;
+  const along a = {vs_alloc((size_t)all->count, sizeof(vs_meter)), all->count};
+  const vs_observer observer = {(void *)(size_t)&a, accept_along};
+  const double rest[2] = {0, 0};
+  for (int k = 0; k < all->count; k++) {
+    all->item[k].on_orbit = true;
+    memcpy(all->item[k].x, rest, sizeof rest);
+    vs_meter_begin(&a.meter[k], &all->item[k], all->v.seed);
+  }
+  vs_status status = vs_sim_run(scene->tier, setup, &scene->order, &observer, err);
+  for (int k = 0; k < all->count && !status; k++) {
+    vs_lowpass_close(&a.meter[k].lowpass, rest, setup->run.until_s);
+    memcpy(all->item[k].x, a.meter[k].lowpass.x, sizeof all->item[k].x);
+  }
+  free(a.meter);
+  return status;
+}
+
+/* ---- the orbit ---- */
+
 /* Makes the scene the one whose run is a period of the orbit. */
 static void put_on_orbit(vs_steady *steady, vs_scene *scene) {
   vs_run_values run = scene->setup.run;
@@ -53,7 +92,7 @@ vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_er
   put_on_orbit(steady, scene);
   begin_watching(steady, &scene->setup);
   steady->warnings = &scene->warnings;
-  return VS_OK;
+  return settle_instruments(scene, &scene->setup, &scene->instruments, err);
 }
 
 void vs_steady_follow(vs_steady *steady, const vs_orbit *orbit, const vs_setup *setup) {
@@ -210,6 +249,10 @@ vs_status vs_steady_start(vs_scene *scene, vs_error *err) {
     const vs_setup on = vs_steady_setup(calm, &scene->setup.run, &orbit);
     scene->setup.start = on.start;
     scene->setup.timeline.firing.first_cycle = on.timeline.firing.first_cycle;
+    vs_run_values run = scene->setup.run;
+    run.until_s = orbit.period_s;
+    const vs_setup period = vs_steady_setup(calm, &run, &orbit);
+    status = settle_instruments(calm, &period, &scene->instruments, err);
   }
   free(calm);
   return status;

@@ -23,6 +23,7 @@ typedef struct run_file {
   char *header;   /* its first line */
   double until_s; /* of its last row */
   vs_overlay overlay;
+  const vs_sheets *sheets; /* borrowed */
 } run_file;
 
 static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
@@ -68,19 +69,49 @@ static void add_terminal(vs_text *script, const vs_sheet *s, int rows, const cha
   vs_text_add(script, " font 'sans,13'\n");
 }
 
-/* The computed curve, and over it the measured one if there is one. */
+static void add_title(vs_text *script, const char *instrument) {
+  char title[VS_SHEET_NAME + 16];
+  snprintf(title, sizeof title, "instrument %s", instrument);
+  vs_text_add(script, " title ");
+  vs_gnuplot_quoted(script, title);
+}
+
+/* What instruments show of the panel's curve, held from sample to sample. */
+static void add_instruments(vs_text *script, const run_file *run, const vs_panel *p,
+                            double time_scale) {
+  static const char *const COLOURS[] = {"#e08e1b", "#2a9d6f", "#8e5ea2"};
+  const vs_sheet_shown *s;
+  for (int n = 0; (s = vs_sheets_shown(run->sheets, p->column, n)); n++) {
+    if (!strcmp(s->column, p->column)) continue;
+    vs_text_add(script, ", ");
+    vs_gnuplot_path(script, run->path);
+    vs_text_add(script, " using ($1*%g):($%d*%g) skip 1 with steps lc rgb '%s' lw 1", time_scale,
+                find_column(run->header, s->column), p->scale, COLOURS[n % 3]);
+    add_title(script, s->name);
+  }
+}
+
+/* The computed curve, and over it what instruments show of it and the measured one, where there
+ * are such. */
 static void add_panel(vs_text *script, const run_file *run, const vs_panel *p, double time_scale) {
   static const char LEGEND[] = "tmargin right horizontal reverse Left samplen 2";
   const vs_overlay *o = &run->overlay;
   const vs_overlay_curve *measured = vs_overlay_find(o, p->column);
-  if (o->count) vs_text_add(script, "set key %s\n", measured ? LEGEND : "default");
+  const vs_sheet_shown *shown = vs_sheets_shown(run->sheets, p->column, 0);
+  bool legend = measured || shown, alone = shown && !strcmp(shown->column, p->column);
+  if (o->count || run->sheets->n_shown)
+    vs_text_add(script, "set key %s\n", legend ? LEGEND : "default");
   vs_text_add(script, "set ylabel ");
   vs_gnuplot_quoted(script, p->label);
   vs_text_add(script, "\nplot ");
   vs_gnuplot_path(script, run->path);
-  vs_text_add(script, " using ($1*%g):($%d*%g) skip 1 with lines lc rgb '#1f4e79' lw 1.2 %s",
-              time_scale, find_column(run->header, p->column), p->scale,
-              measured ? "title 'computed'" : "notitle");
+  vs_text_add(script, " using ($1*%g):($%d*%g) skip 1 with lines lc rgb '#1f4e79' lw 1.2",
+              time_scale, find_column(run->header, p->column), p->scale);
+  if (alone)
+    add_title(script, shown->name);
+  else
+    vs_text_add(script, legend ? " title 'computed'" : " notitle");
+  add_instruments(script, run, p, time_scale);
   if (measured) {
     vs_text_add(script, ", ");
     vs_gnuplot_path(script, o->path);
@@ -164,7 +195,7 @@ static vs_status draw_all(const char *folder, const run_file *run, const vs_shee
   for (size_t k = 0; k < VS_SHEETS; k++) /* a run over an older one removes what it knows by name */
     assert(vs_run_pictures[k] && !strcmp(vs_run_pictures[k], all->set[k].name));
   for (size_t k = 0; k < VS_SHEETS; k++)
-    for (size_t e = 0; e < sizeof ENDINGS / sizeof *ENDINGS && !status; e++) {
+    for (size_t e = 0; e < sizeof ENDINGS / sizeof *ENDINGS && !status && all->set[k].count; e++) {
       char output[VS_PATH_SIZE];
       snprintf(output, sizeof output, "%s/%s.%s", folder, all->set[k].name, ENDINGS[e]);
       status = draw(run, &all->set[k], output, quiet, err);
@@ -204,11 +235,12 @@ vs_status vs_plot_command(const vs_plot_options *o, vs_error *err) {
   const vs_overlay_run against = {o->folder, run.path, run.header, run.until_s};
   if (!status && o->overlay) status = vs_overlay_read(o->overlay, &against, &run.overlay, err);
   vs_sheets *all = vs_sheets_new(o->folder, run.header ? run.header : "");
+  run.sheets = all;
   if (!status && o->output) {
     add_measured(&all->overview, 1, all, &run.overlay);
     status = draw(&run, &all->overview, o->output, o->quiet, err);
   } else if (!status) {
-    add_measured(all->set, VS_SHEETS, all, &run.overlay);
+    add_measured(all->set, VS_SHEETS_OF_RUN, all, &run.overlay);
     status = draw_all(o->folder, &run, all, o->quiet, err);
   }
   free(all);

@@ -91,6 +91,54 @@ static void find_coordinates(found *f, const char *folder, const char *header) {
   vs_tree_free(&tree);
 }
 
+/* ---- what instruments have filled ---- */
+
+static bool has_column(const char *header, const char *name) {
+  size_t n = strlen(name);
+  for (const char *s = header; *s; s += strcspn(s, ","), s += *s == ',')
+    if (strcspn(s, ",") == n && !strncmp(s, name, n)) return true;
+  return false;
+}
+
+/* Takes a column NAME_meas or NAME_meas_UNIT, where the instruments in the scene of summary.json
+ * have that NAME; they also say which channel it measures. */
+static void take_shown(vs_sheets *all, const vs_node *instruments, const char *header,
+                       const char *column) {
+  char name[VS_SHEET_NAME];
+  static const char MARK[] = "_meas";
+  const char *mark = strstr(column, MARK), *unit = mark ? mark + sizeof MARK - 1 : NULL;
+  if (!mark || (*unit && *unit != '_') || all->n_shown >= VS_SHEET_INSTRUMENTS) return;
+  snprintf(name, sizeof name, "%.*s", (int)(mark - column), column);
+  const vs_node *node = vs_tree_child(vs_tree_child(instruments, name), "channel");
+  if (!node || !node->text) return;
+  vs_sheet_shown *s = &all->shown[all->n_shown++];
+  memcpy(s->name, name, sizeof s->name);
+  snprintf(s->column, sizeof s->column, "%s", column);
+  snprintf(s->of, sizeof s->of, "%.40s%.40s", node->text, unit);
+  if (!has_column(header, s->of)) memcpy(s->of, s->column, sizeof s->of);
+}
+
+static void find_shown(vs_sheets *all, const char *folder, const char *header) {
+  char path[VS_PATH_SIZE], *text = vs_copy(header), *cells[512];
+  vs_tree tree = {0};
+  vs_error unread = {0};
+  snprintf(path, sizeof path, "%s/summary.json", folder);
+  bool known = !vs_tree_read(path, &tree, &unread);
+  const vs_node *scene = known ? vs_tree_child(tree.root, "scene") : NULL;
+  size_t n = vs_csv_split(text, cells, sizeof cells / sizeof *cells, NULL);
+  if (n > sizeof cells / sizeof *cells) n = sizeof cells / sizeof *cells;
+  for (size_t k = 1; k < n; k++)
+    take_shown(all, vs_tree_child(scene, "instruments"), header, cells[k]);
+  vs_tree_free(&tree);
+  free(text);
+}
+
+const vs_sheet_shown *vs_sheets_shown(const vs_sheets *all, const char *column, int n) {
+  for (int k = 0; k < all->n_shown; k++)
+    if (!strcmp(all->shown[k].of, column) && n-- == 0) return &all->shown[k];
+  return NULL;
+}
+
 /* ---- labels ---- */
 
 /* A coordinate's name as it is written: Greek letters as such. */
@@ -177,6 +225,21 @@ static void fill_overview(vs_sheet *s, const found *f) {
   vs_sheet_add(s, "v_mains_v", "mains voltage / V", 1);
 }
 
+/* A panel for each curve that instruments have measured, in their order, as it is labelled in
+ * another sheet; else its column's name is its label. */
+static void add_measured(vs_sheet *s, const vs_sheets *all) {
+  for (int k = 0; k < all->n_shown; k++) {
+    const char *of = all->shown[k].of;
+    const vs_panel *p = vs_sheet_find(&all->set[0], of);
+    if (!p) p = vs_sheet_find(&all->overview, of);
+    if (!vs_sheet_find(s, of)) vs_sheet_add(s, of, p ? p->label : of, p ? p->scale : 1);
+  }
+}
+
+static void fill_nothing(vs_sheet *s, const found *f) {
+  (void)s, (void)f;
+}
+
 /* The k-th sheet; behind those of the set comes the overview. */
 static void fill(vs_sheet *s, int k, const found *f) {
   /* of any machine, and of the paper's */
@@ -204,6 +267,17 @@ static void fill(vs_sheet *s, int k, const found *f) {
        0.05,
        2,
        fill_pulse},
+      {"measured_run",
+       {"What the instruments show", "What the instruments show (as Fig. 13 of the paper)"},
+       0,
+       2,
+       fill_nothing},
+      {"measured_100ms",
+       {"What the instruments show, first 100 ms",
+        "What the instruments show, first 100 ms (as Fig. 14 of the paper)"},
+       0.1,
+       2,
+       fill_nothing},
       {"",
        {"Machine and converter, first 50 ms",
         "Vibratory conveyor and its thyristor converter, first 50 ms"},
@@ -223,5 +297,7 @@ vs_sheets *vs_sheets_new(const char *folder, const char *header) {
   find_coordinates(&f, folder, header);
   for (int k = 0; k < VS_SHEETS; k++) fill(&all->set[k], k, &f);
   fill(&all->overview, VS_SHEETS, &f);
+  find_shown(all, folder, header);
+  for (int k = VS_SHEETS_OF_RUN; k < VS_SHEETS; k++) add_measured(&all->set[k], all);
   return all;
 }

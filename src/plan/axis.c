@@ -48,7 +48,7 @@ static vs_status describe(vs_axis *axis, const vs_key *key, vs_error *err) {
 vs_status vs_axis_init(vs_axis *axis, const vs_scene *scene, const vs_node *node, const char *by,
                        vs_error *err) {
   vs_key key;
-  vs_status status = vs_key_find(&scene->setup, node->key, node->key_where, &key, err);
+  vs_status status = vs_key_find(scene, node->key, node->key_where, &key, err);
   *axis = (vs_axis){.by = by, .where = node->key_where};
   snprintf(axis->key, sizeof axis->key, "%s", node->key);
   if (!status) status = describe(axis, &key, err);

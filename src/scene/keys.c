@@ -47,12 +47,19 @@ static void add_maps(key_list *list, const vs_field *f, const char *member) {
   }
 }
 
-static key_list *all_keys(const vs_setup *setup) {
+static key_list *all_keys(const vs_scene *scene) {
+  const vs_setup *setup = &scene->setup;
+  const vs_instruments *instruments = &scene->instruments;
   key_list *list = vs_alloc(1, sizeof *list);
   for (int p = 0; p < VS_SECTIONS; p++) {
     vs_filled_section part = vs_section_at(setup, p);
     add_keys(list, part.section->name, part.section, part.values);
   }
+  if (instruments->count)
+    add_keys(list, vs_instruments_section.name, &vs_instruments_section, &instruments->v);
+  for (int k = 0; k < instruments->count; k++)
+    add_keys(list, instruments->item[k].path, &instruments->item[k].section,
+             &instruments->item[k].v);
   const vs_events *events = &setup->timeline.events;
   for (size_t e = 0; e < events->count; e++) {
     char name[VS_KEY_SIZE];
@@ -87,9 +94,9 @@ static vs_status refuse_name(const key_list *list, const char *name, vs_where wh
                     nearest ? "'?" : "; see 'vibrospice list parameters'");
 }
 
-vs_status vs_key_find(const vs_setup *setup, const char *name, vs_where where, vs_key *key,
+vs_status vs_key_find(const vs_scene *scene, const char *name, vs_where where, vs_key *key,
                       vs_error *err) {
-  key_list *list = all_keys(setup);
+  key_list *list = all_keys(scene);
   size_t k = 0;
   while (k < list->count && strcmp(list->item[k].name, name) != 0) k++;
   vs_status status = VS_OK;

@@ -14,6 +14,8 @@ void vs_result_finish(vs_result *r) {
 void vs_result_free(vs_result *r) {
   vs_verdict_free(&r->verdict);
   vs_watchers_free(&r->watchers);
+  free(r->meters);
+  r->meters = NULL;
   if (r->climbed) vs_scene_free(r->climbed);
   free(r->climbed);
   r->climbed = NULL;
@@ -79,6 +81,19 @@ static bool sequence_differs(const vs_result *r, char *text, size_t size) {
   return true;
 }
 
+/* Where the channel of an instrument was beyond its range, writes what is to be said of it. False:
+ * nothing is to be said. */
+static bool is_beyond(const vs_meter *m, char *text, size_t size) {
+  const vs_instrument *i = m->instrument;
+  if (!m->beyond) return false;
+  snprintf(
+      text, size,
+      "%s: %ld of %ld samples are of a channel beyond its range, first at %.6g s: it shows the "
+      "range's end there",
+      i->path, m->beyond, m->samples, m->beyond_s);
+  return true;
+}
+
 /* Where load.fraction: auto is held at an end of its range, writes what is to be said of it. */
 static bool fraction_is_held(const vs_result *r, char *text, size_t size) {
   const vs_setup *s = &r->scene->setup;
@@ -112,6 +127,8 @@ static void warn_after(const vs_result *r, bool of_firing,
   if (fraction_is_held(r, text, sizeof text)) each(ctx, text);
   if (fraction_is_one_of_two(r, text, sizeof text)) each(ctx, text);
   if (*r->books) each(ctx, r->books);
+  for (int k = 0; r->meters && k < r->scene->instruments.count; k++)
+    if (is_beyond(&r->meters[k], text, sizeof text)) each(ctx, text);
   if (!*r->second.failed) return;
   snprintf(text, sizeof text, "no margin's error is known, as the second run %s: %s",
            r->second.stopped ? "was stopped" : "failed", r->second.failed);

@@ -3,6 +3,7 @@
 #ifndef VS_SCENE_RESULT_H
 #define VS_SCENE_RESULT_H
 
+#include "instrument/meter.h"
 #include "scene/ladder.h"
 #include "watch/verdict.h"
 #include "watch/watchers.h"
@@ -27,7 +28,8 @@ typedef struct vs_result {
                             scene was run as it is */
   vs_value values[VS_MEASURES]; /* of the measures, SI (watch/measures.h) */
   vs_watchers watchers;         /* what they have seen of the run */
-  char books[512];              /* what the energy audit finds; empty: nothing */
+  vs_meter *meters; /* of the scene's instruments, in their order, owned; NULL: it has none */
+  char books[512];  /* what the energy audit finds; empty: nothing */
   vs_verdict verdict;
   vs_ladder ladder; /* the rung whose settings gave this result; 0 is the scene as it is */
   vs_second_run second;

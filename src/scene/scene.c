@@ -12,7 +12,8 @@
 #include "syntax/units.h"
 
 const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"},
-               vs_scene_study_shelf = {"study", "studies", ".yaml"};
+               vs_scene_study_shelf = {"study", "studies", ".yaml"},
+               vs_scene_fit_shelf = {"fit", "fits", ".yaml"};
 
 static const vs_node *node_of(const vs_scene *s, const vs_tier_key *k) {
   const vs_node *node = vs_tree_child(vs_tree_child(s->tree.root, k->section), k->key);
@@ -34,7 +35,8 @@ static bool obeys(const vs_tier *tier, const vs_tier_key *key) {
   return false;
 }
 
-/* The scene's first probe that only a tier with a circuit has; NULL: none. */
+/* The scene's first probe that only a tier with a circuit has, which it records or measures; NULL:
+ * none. */
 static const char *probe_of_circuit(const vs_scene *s) {
   const vs_node *record = vs_tree_child(s->tree.root, "record");
   const vs_frame circuit_frame = vs_sim_frame(vs_tiers_automatic(true), &s->setup);
@@ -43,6 +45,10 @@ static const char *probe_of_circuit(const vs_scene *s) {
   for (; item; item = item->next)
     if (item->kind == VS_NODE_TEXT && vs_channel_find(&circuit_frame, item->text) >= first)
       return item->text;
+  const vs_node *instruments = vs_tree_child(s->tree.root, "instruments");
+  const char *name;
+  for (int n = 0; (name = vs_instruments_names(instruments, n)); n++)
+    if (vs_channel_find(&circuit_frame, name) >= first) return name;
   return NULL;
 }
 
@@ -239,6 +245,12 @@ static vs_status unknown_probe(const vs_scene *s, const vs_node *node, vs_error 
                       circuit_tier(), s->tier->name);
   int numbers[VS_CH_MOST], listed = vs_channel_listed(&full, numbers);
   for (int k = 0; k < listed; k++) names[n++] = vs_channel_at(&full, numbers[k]).name;
+  for (int k = 0; k < s->instruments.count; k++)
+    if (!strcmp(name, s->instruments.item[k].column))
+      return vs_fail_at(err, node->where,
+                        "record: %s is an instrument's column, which comes along by itself; leave "
+                        "it out",
+                        name);
   const char *nearest = vs_text_nearest(name, names, n);
   return vs_fail_at(err, node->where, "record: no probe '%s'%s%s%s", name,
                     nearest ? "; did you mean '" : "", nearest ? nearest : "",
@@ -324,6 +336,8 @@ static vs_status check_rows(const vs_scene *s, vs_error *err) {
 static void warn(vs_scene *s) {
   s->warnings.count = 0;
   vs_warnings_of_scene(s->tree.root, &s->setup, &s->frame, &s->warnings);
+  vs_warnings_of_instruments(&s->instruments, &s->warnings);
+  if (s->setup.steady) vs_warnings_of_settling(&s->instruments, &s->frame, &s->warnings);
 }
 
 void vs_scene_warn(const vs_scene *s) {
@@ -357,6 +371,11 @@ static vs_status conclude(vs_scene *s, const char *tier, vs_error *err) {
   return status;
 }
 
+static vs_status read_instruments(vs_scene *s, vs_error *err) {
+  const vs_node *section = vs_tree_child(s->tree.root, "instruments");
+  return vs_instruments_read(section, &s->setup, &s->frame, &s->instruments, err);
+}
+
 vs_status vs_scene_settle(vs_scene *s, const char *tier, vs_error *err) {
   vs_status status =
       vs_field_known_keys(s->tree.root, "a scene", vs_section_keys, VS_SECTION_KEYS, err);
@@ -365,7 +384,8 @@ vs_status vs_scene_settle(vs_scene *s, const char *tier, vs_error *err) {
   if (!status) status = vs_setup_build(s->tree.root, &s->setup, err);
   if (!status) status = conclude(s, tier, err);
   if (status) return status;
-  status = vs_error_carry_on(err, read_record(s, err));
+  status = read_instruments(s, err);
+  if (!status) status = vs_error_carry_on(err, read_record(s, err));
   if (!status) status = read_measured(s, err);
   warn(s);
   return status;
@@ -375,6 +395,7 @@ vs_status vs_scene_again(vs_scene *s, vs_error *err) {
   if (!vs_setup_keeps_deck(s->tree.root, &s->setup)) s->order.tried = false;
   vs_status status = vs_setup_again(s->tree.root, &s->setup, err);
   if (!status) status = conclude(s, NULL, err);
+  if (!status) status = read_instruments(s, err);
   if (!status) warn(s);
   return status;
 }
@@ -413,10 +434,12 @@ vs_status vs_scene_take_circuit(vs_scene *s, const char *asks, vs_error *err) {
   vs_status status = check_ignored(s, err);
   if (!status) status = check_start(s, err);
   if (!status) status = check_tolerance(s, err);
+  if (!status) status = read_instruments(s, err); /* another tier has other channels */
   return status ? status : read_record(s, err);
 }
 
 void vs_scene_free(vs_scene *s) {
+  vs_instruments_free(&s->instruments);
   vs_warnings_free(&s->warnings);
   vs_setup_free(&s->setup);
   vs_tree_free(&s->tree);

@@ -5,12 +5,13 @@
 #define VS_SCENE_SCENE_H
 
 #include "base/path.h"
+#include "instrument/instruments.h"
 #include "scene/tiers.h"
 #include "scene/warnings.h"
 #include "watch/measures.h"
 
-/* Where scenes and studies that come with the program are. */
-extern const vs_shelf vs_scene_shelf, vs_scene_study_shelf;
+/* Where scenes, studies and fits that come with the program are. */
+extern const vs_shelf vs_scene_shelf, vs_scene_study_shelf, vs_scene_fit_shelf;
 
 /* Filled by vs_scene_read, and freed by vs_scene_free also after an error. Not to be moved: its
  * frame points into its setup. */
@@ -24,6 +25,7 @@ typedef struct vs_scene {
   const vs_tier *tier;
   char why[256];                       /* why this tier */
   vs_frame frame;                      /* of this tier */
+  vs_instruments instruments;          /* none where the scene has no such section */
   int record[VS_CH_MOST], n_record;    /* channels of the frame, in the order of the columns */
   vs_value measured[VS_MOST_MEASURES]; /* SI; as the scene's `measured` says, in the order of
                                           vs_measure_at */

@@ -24,6 +24,8 @@ static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
   r->steps++;
   if (!a->session->bare) vs_watchers_accept(&r->watchers, step);
   vs_status status = guest && guest->accept ? guest->accept(guest->ctx, step, r, err) : VS_OK;
+  for (int k = 0; r->meters && k < r->scene->instruments.count && !status; k++)
+    vs_meter_accept(&r->meters[k], step);
   if (!status && a->session->stop && *a->session->stop)
     return vs_fail(err, VS_SIGNAL, "t = %.9g s: stopped by a signal", step->to->t_s);
   return status;
@@ -87,6 +89,16 @@ static vs_status close_books(vs_result *r, double tolerance, vs_error *err) {
   return VS_OK;
 }
 
+/* Begins the scene's instruments anew. */
+static void begin_meters(const vs_session *session, const vs_scene *s, vs_result *r) {
+  const vs_instruments *all = &s->instruments;
+  free(r->meters);
+  r->meters = NULL;
+  if (session->bare || !all->count) return;
+  r->meters = vs_alloc((size_t)all->count, sizeof *r->meters);
+  for (int k = 0; k < all->count; k++) vs_meter_begin(&r->meters[k], &all->item[k], all->v.seed);
+}
+
 static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, vs_error *err) {
   attempt a = {session, r};
   const vs_observer observer = {&a, accept};
@@ -96,6 +108,7 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
   vs_status status = guest && guest->begin ? guest->begin(guest->ctx, s, err) : VS_OK;
   if (status) return status;
   if (!session->bare) vs_watchers_begin(&r->watchers, &s->frame);
+  begin_meters(session, s, r);
   s->order.stop = session->stop;
   double began_s = seconds(CLOCK_MONOTONIC);
   status = session->unguarded ? s->tier->run(&s->setup, &s->order, &observer, err)
@@ -153,6 +166,7 @@ static vs_status begin_on_orbit(const vs_session *session, vs_scene *scene, vs_e
   if (!session->steady && setup->steady)
     return vs_fail(err, VS_INPUT, "start: steady: what is run here begins at rest or at a state");
   if (!session->steady) return vs_setup_require_fraction(setup, "what is run here", err);
+  scene->order.stop = session->stop;
   return session->steady(scene, err);
 }
 
@@ -217,6 +231,7 @@ static void change_settings(vs_scene *s, double factor) {
   run.trtol = run.trtol > USUAL_TRTOL ? USUAL_TRTOL : fmax(run.trtol * looser, 1);
   s->setup = vs_setup_varied(&s->setup, &run, NULL);
   s->order.raw = NULL;
+  s->instruments.count = 0; /* it is for the margins alone */
   s->order.tried = true;
   s->frame = vs_sim_frame(s->tier, &s->setup);
 }

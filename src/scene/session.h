@@ -17,7 +17,8 @@ typedef struct vs_guest {
    * ladder's rung. An error ends the run. */
   vs_status (*begin)(void *ctx, vs_scene *scene, vs_error *err);
   /* Called with each accepted step, once the watchers have seen it. result: its watchers hold what
-   * they have seen so far. Anything but VS_OK ends the run. */
+   * they have seen so far, and its meters have come to where the step begins. Anything but VS_OK
+   * ends the run. */
   vs_status (*accept)(void *ctx, const vs_step *step, const vs_result *result, vs_error *err);
   /* Called when an attempt has ended because ngspice gave up, and another one is to begin on the
    * ladder's rung `next`. failed: how it ended. */

@@ -7,15 +7,25 @@
 #include "base/text.h"
 #include "syntax/units.h"
 
+static int instruments_of(const vs_table *table) {
+  return table->instruments ? table->instruments->count : 0;
+}
+
+static void write_name(const vs_table *table, const char *name, const char *unit) {
+  char suffix[32];
+  vs_units_suffix(unit, suffix, sizeof suffix);
+  fprintf(table->stream, ",%s%s%s", name, *suffix ? "_" : "", suffix);
+}
+
 void vs_table_begin(vs_table *table) {
   table->next = 0;
   fputs("t_s", table->stream);
   for (int k = 0; k < table->count; k++) {
-    char suffix[32];
     vs_channel c = vs_channel_at(table->frame, table->channels[k]);
-    vs_units_suffix(c.unit, suffix, sizeof suffix);
-    fprintf(table->stream, ",%s%s%s", c.name, *suffix ? "_" : "", suffix);
+    write_name(table, c.name, c.unit);
   }
+  for (int k = 0; k < instruments_of(table); k++)
+    write_name(table, table->instruments->item[k].column, table->instruments->item[k].unit);
   fputc('\n', table->stream);
 }
 
@@ -35,9 +45,14 @@ vs_status vs_table_accept(vs_table *table, const vs_step *step, vs_error *err) {
   for (;; table->next++) {
     double t = table->next * table->sample_s;
     if (t > step->to->t_s + (step->to->t_s >= table->until_s - slack ? slack : 0)) return VS_OK;
-    vs_step_at(step, t < step->to->t_s ? t : step->to->t_s, y);
+    double within = t < step->to->t_s ? t : step->to->t_s;
+    vs_step_at(step, within, y);
     write_number(table, t, '\0');
     for (int k = 0; k < table->count; k++) write_number(table, y[table->channels[k]], ',');
+    for (int k = 0; k < instruments_of(table); k++) {
+      vs_meter_to(&table->meters[k], step, within);
+      write_number(table, table->meters[k].value, ',');
+    }
     putc_unlocked('\n', table->stream);
     if (ferror(table->stream))
       return vs_fail(err, VS_RUN, "t = %.9g s: run.csv cannot be written: %s", t, strerror(errno));

@@ -1,24 +1,29 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Watcher that writes channels at fixed instants as CSV, while the run goes on. */
+ * Watcher that writes channels at fixed instants as CSV, while the run goes on, and beside them
+ * what instruments show of them. */
 #ifndef VS_WATCH_TABLE_H
 #define VS_WATCH_TABLE_H
 
 #include <stdio.h>
 
-#include "sim/step.h"
+#include "instrument/meter.h"
 
-/* All but `next` is set by the caller, who owns stream and frame. */
+/* All but `next` is set by the caller, who owns stream, frame, instruments and meters. */
 typedef struct vs_table {
   FILE *stream;
   const vs_frame *frame;
-  int channels[VS_CH_MOST], count; /* which channels, in the order of the columns */
-  int digits;                      /* significant ones, 1..17 */
-  double sample_s;                 /* from row to row */
-  double until_s;                  /* end of the run */
-  double next; /* number of the next row, from 0; its instant is next * sample_s */
+  int channels[VS_CH_MOST], count;   /* which channels, in the order of the columns */
+  const vs_instruments *instruments; /* whose columns stand behind; NULL: none */
+  vs_meter *meters; /* theirs, in the same order, which the table asks before whoever else takes
+                       them on to the step's end */
+  int digits;       /* significant ones, 1..17 */
+  double sample_s;  /* from row to row */
+  double until_s;   /* end of the run */
+  double next;      /* number of the next row, from 0; its instant is next * sample_s */
 } vs_table;
 
-/* Writes the header row: t_s, then name_unit of each channel. */
+/* Writes the header row: t_s, then name_unit of each channel, then NAME_meas_unit of each
+ * instrument. */
 void vs_table_begin(vs_table *table);
 /* Writes the rows that fall into the step. The first step also brings the row at its beginning.
  * Error: VS_RUN, the stream cannot be written. */

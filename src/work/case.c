@@ -190,6 +190,7 @@ static vs_status begin_csv(keeper *k, const vs_scene *s, vs_error *err) {
   if (status) return status;
   k->table = (vs_table){.stream = k->csv.stream,
                         .frame = &s->frame,
+                        .instruments = &s->instruments,
                         .digits = 9,
                         .sample_s = s->setup.run.sample_s,
                         .until_s = s->setup.run.until_s};
@@ -206,7 +207,7 @@ static vs_status begin_run(void *ctx, vs_scene *s, vs_error *err) {
 
 static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
   keeper *k = ctx;
-  (void)result;
+  k->table.meters = result->meters;
   if (k->c->steady) vs_steady_accept(k->c->steady, step);
   return k->csv.stream ? vs_table_accept(&k->table, step, err) : VS_OK;
 }

@@ -137,6 +137,15 @@ static void add_events(const vs_events *events, vs_text *text) {
   }
 }
 
+static void add_instruments(const vs_instruments *all, vs_text *text) {
+  if (all->count) vs_text_add(text, "instruments %d\n", all->v.seed);
+  for (int k = 0; k < all->count; k++) {
+    const vs_instrument *i = &all->item[k];
+    vs_text_add(text, "%s\n", i->name);
+    for (size_t f = 0; f < i->section.count; f++) add_value(&i->section.fields[f], &i->v, text);
+  }
+}
+
 void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_SIZE]) {
   vs_text *whole = &identity->whole;
   whole->length = 0;
@@ -147,6 +156,7 @@ void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_
     vs_text_add(whole, "%s\n", identity->kept[p].sum);
   }
   add_events(&scene->setup.timeline.events, whole);
+  add_instruments(&scene->instruments, whole);
   if (scene->setup.steady) vs_text_add(whole, "start steady\n");
   if (identity->plan->periods) vs_text_add(whole, "steady %d\n", identity->plan->periods);
   sum_of(whole, id);
