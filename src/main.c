@@ -17,9 +17,12 @@
 #include "command/run.h"
 #include "command/sensitivity.h"
 #include "command/steady.h"
+#include "fit/aims.h"
+#include "fit/inquiry.h"
 #include "method/methods.h"
 #include "orbit/steady.h"
 #include "picture/plot.h"
+#include "report/fitting.h"
 #include "report/report.h"
 #include "report/tornado.h"
 #include "solver/circuit.h"
@@ -179,7 +182,9 @@ static vs_status check(const vs_arguments *a, vs_error *err) {
                               .n_sets = a->n_sets,
                               .json = a->json,
                               .quiet = a->quiet,
-                              .other = vs_study_is(name, vs_methods_all) ? check_study : NULL};
+                              .other = vs_inquiry_is(name)                 ? vs_fitting_check
+                                       : vs_study_is(name, vs_methods_all) ? check_study
+                                                                           : NULL};
   return vs_check_command(&o, err);
 }
 
@@ -341,6 +346,38 @@ static const struct argp_option MERGE_OPTIONS[] = {
     VS_COMMAND_HELP,
     {0}};
 
+/* ---- fit ---- */
+
+static vs_status fit(const vs_arguments *a, vs_error *err) {
+  const vs_fitting_options o = {.name = vs_command_name(a),
+                                .sets = a->sets,
+                                .n_sets = a->n_sets,
+                                .profile = a->profile,
+                                .folder = a->output,
+                                .json = a->json,
+                                .quiet = a->quiet,
+                                .digits = a->digits};
+  return vs_fitting_command(&o, err);
+}
+
+static void explain_fit(vs_text *help) {
+  vs_text_add(help, "\nBesides the measures of every run a fit may use:\n");
+  vs_aim_explain(help);
+}
+
+static const struct argp_option FIT_OPTIONS[] = {
+    VS_COMMAND_SET,
+    VS_COMMAND_VALUE("profile", VS_KEY_PROFILE, "KEY,...",
+                     "the profile likelihood of these free keys, or of all: chi2 over the value, "
+                     "all others fitted anew"),
+    VS_COMMAND_VALUE("output", 'o', "DIR",
+                     "writes fit.json, residuals.csv, profile.csv and a picture there"),
+    VS_COMMAND_JSON,
+    VS_COMMAND_QUIET,
+    DIGITS_OPTION,
+    VS_COMMAND_HELP,
+    {0}};
+
 /* ---- the table ---- */
 
 static const vs_command COMMANDS[] = {
@@ -376,8 +413,9 @@ static const vs_command COMMANDS[] = {
      .run = sensitivity},
     {.name = "check",
      .argument = "FILE",
-     .text = "tells all that can be known of a scene, study, machine or deck before a run: every "
-             "mistake, with its line",
+     .text =
+         "tells all that can be known of a scene, study, fit, machine or deck before a run: every "
+         "mistake, with its line",
      .examples = "  vibrospice check my.yaml\n"
                  "  vibrospice check my.cir\n"
                  "  vibrospice check paper --set run.tier=circuit --json\n",
@@ -385,7 +423,8 @@ static const vs_command COMMANDS[] = {
      .run = check},
     {.name = "list",
      .argument = "[KIND]",
-     .text = "lists scenes, machines, decks, parts, instruments, tiers, laws, probes, measures, "
+     .text = "lists scenes, studies, fits, machines, decks, parts, instruments, tiers, laws, "
+             "probes, measures, "
              "parameters (with "
              "unit, default, range)",
      .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n"
@@ -443,6 +482,15 @@ static const vs_command COMMANDS[] = {
      .takes_many = true,
      .options = MERGE_OPTIONS,
      .run = merge},
+    {.name = "fit",
+     .argument = "FIT",
+     .text = "finds parameters of scenes from measurements: estimates, errors, and what the data "
+             "cannot tell apart",
+     .examples = "  vibrospice fit paper\n"
+                 "  vibrospice fit my.yaml --profile all -o fitted\n",
+     .options = FIT_OPTIONS,
+     .run = fit,
+     .explain = explain_fit},
 };
 enum { N_COMMANDS = sizeof COMMANDS / sizeof *COMMANDS };
 

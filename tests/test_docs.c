@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The pages of docs/ about machines and instruments: their files are written, their commands run,
- * and what they say that is printed must be printed. A page's blocks are taken in their order:
+ * The pages of docs/ about machines, fits and instruments: their files are written, their commands
+ * run, and what they say that is printed must be printed. A page's blocks are taken in their order:
  *
  *   yaml, first line "# NAME.yaml"   becomes that file
  *   sh                               each line that begins with "vibrospice " is run and must end
@@ -117,6 +117,13 @@ static void pages_of_machines(void) {
   }
 }
 
+static void fitting(void) {
+  page p = {.name = "fitting.md"};
+  try_page(&p);
+  EXPECT(p.files >= 3 && p.commands >= 7 && p.lines >= 15, "%d files, %d commands, %d lines",
+         p.files, p.commands, p.lines);
+}
+
 static void instruments(void) {
   page p = {.name = "instruments.md"};
   try_page(&p);
@@ -127,6 +134,7 @@ static void instruments(void) {
 static const vs_test TESTS[] = {
     {"machines.md", machines},
     {"a page for each machine", pages_of_machines},
+    {"fitting.md", fitting},
     {"instruments.md", instruments},
 };
 

@@ -37,6 +37,11 @@ static void list_studies(const listed *of) {
   vs_path_list(&vs_scene_study_shelf, print_file, (void *)(size_t)&vs_scene_study_shelf);
 }
 
+static void list_fits(const listed *of) {
+  (void)of;
+  vs_path_list(&vs_scene_fit_shelf, print_file, (void *)(size_t)&vs_scene_fit_shelf);
+}
+
 /* With its title; a deck that cannot be read is listed all the same. */
 static void print_deck(void *ctx, const char *path) {
   vs_deck *deck = vs_alloc(1, sizeof *deck);
@@ -227,6 +232,7 @@ static const struct kind {
 } KINDS[] = {
     {"scenes", "scenes that come with the program", list_scenes},
     {"studies", "studies that come with the program", list_studies},
+    {"fits", "fits that come with the program", list_fits},
     {"machines", "machines that come with the program", list_machines},
     {"decks", "decks that come with the program", list_decks},
     {"parts", "parts that come with the program", list_parts},

@@ -259,6 +259,7 @@ static vs_status report(const vs_run_options *o, int periods, vs_scene *scene, v
   reporter *r = vs_alloc(1, sizeof *r);
   vs_steady *s = &r->steady;
   const vs_run_more more = {r, begin, accept, finish, show, {r, add_measures, add_members}};
+  scene->order.stop = o->stop;
   vs_status status = vs_steady_begin(s, scene, periods, err);
   r->scene = scene;
   r->quiet = o->quiet;

@@ -24,6 +24,10 @@ typedef struct vs_subject {
   int periods;         /* one period of it is looked at, of so many firing periods; 0: none is */
   const char *inexact; /* why the equations have no derivative that orbit/variation.h knows, so that
                           runs are to be compared, which find their own orbits; NULL: they have */
+  /* Is shown each step of the run (k = 0) and of its kin (k = 1 and on) besides their measures
+   * (dependence/kin.h); NULL: nobody is. To be set once the subject has begun. */
+  void (*shown)(void *ctx, int k, const vs_step *step);
+  void *ctx;
 } vs_subject;
 
 /* Begins with a settled scene; periods: 0, its run; else a period of its orbit of so many firing

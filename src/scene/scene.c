@@ -12,7 +12,8 @@
 #include "syntax/units.h"
 
 const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"},
-               vs_scene_study_shelf = {"study", "studies", ".yaml"};
+               vs_scene_study_shelf = {"study", "studies", ".yaml"},
+               vs_scene_fit_shelf = {"fit", "fits", ".yaml"};
 
 static const vs_node *node_of(const vs_scene *s, const vs_tier_key *k) {
   const vs_node *node = vs_tree_child(vs_tree_child(s->tree.root, k->section), k->key);

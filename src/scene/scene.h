@@ -10,8 +10,8 @@
 #include "scene/warnings.h"
 #include "watch/measures.h"
 
-/* Where scenes and studies that come with the program are. */
-extern const vs_shelf vs_scene_shelf, vs_scene_study_shelf;
+/* Where scenes, studies and fits that come with the program are. */
+extern const vs_shelf vs_scene_shelf, vs_scene_study_shelf, vs_scene_fit_shelf;
 
 /* Filled by vs_scene_read, and freed by vs_scene_free also after an error. Not to be moved: its
  * frame points into its setup. */

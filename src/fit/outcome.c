@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fit/outcome.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Two searches came to the same minimum where their chi2 differ by less, or by less than this share
+ * of it. */
+static const double SAME = 1e-3;
+
+static void count_starts(vs_outcome *o) {
+  const vs_descents *all = &o->descents;
+  double least = all->item[all->best].chi2, same = SAME * fmax(1, least);
+  o->next_chi2 = NAN;
+  for (size_t k = 0; k < all->count; k++) {
+    const vs_descent *found = &all->item[k];
+    if (!found->converged) continue;
+    o->converged++;
+    if (found->chi2 < least + same)
+      o->reached++;
+    else if (!(found->chi2 > o->next_chi2))
+      o->next_chi2 = found->chi2;
+  }
+}
+
+static void follow_profiles(vs_descender *d, vs_outcome *o) {
+  o->profiles = vs_alloc(o->inquiry->n_unknowns, sizeof *o->profiles);
+  for (size_t k = 0; k < o->inquiry->n_unknowns; k++)
+    if (o->inquiry->profiled[k])
+      vs_likelihood_of(d, &o->estimate, k, &o->profiles[o->n_profiles++]);
+}
+
+static vs_pattern test_column(const vs_outcome *o, size_t run, size_t column) {
+  const vs_inquiry_run *r = &o->inquiry->runs[run];
+  double *residual = vs_alloc(r->recording.n_samples, sizeof *residual);
+  size_t count = 0, first = r->datum + r->n_aims;
+  for (size_t k = 0; k < r->recording.n_samples; k++)
+    if ((size_t)r->recording.samples[k].column == column)
+      residual[count++] = o->estimate.residual[first + k];
+  vs_pattern pattern = vs_pattern_of(residual, count);
+  free(residual);
+  return pattern;
+}
+
+static void test_columns(vs_outcome *o) {
+  size_t room = 0;
+  for (size_t r = 0; r < o->inquiry->n_runs; r++) room += o->inquiry->runs[r].recording.n_columns;
+  o->columns = vs_alloc(room + 1, sizeof *o->columns);
+  for (size_t r = 0; r < o->inquiry->n_runs; r++)
+    for (size_t c = 0; c < o->inquiry->runs[r].recording.n_columns; c++)
+      o->columns[o->n_columns++] = (vs_outcome_column){r, c, test_column(o, r, c)};
+}
+
+/* Who finds the slopes during the search, and who at the minimum. */
+static const vs_slopes_kind *kind_of(const vs_outcome *o, bool searching) {
+  vs_slopes_word word = o->inquiry->slopes;
+  bool exact = word == VS_SLOPES_EXACT || (word == VS_SLOPES_AUTO && !searching);
+  return exact && vs_slopes_exact.serves(&o->prediction) ? &vs_slopes_exact
+                                                         : &vs_slopes_differences;
+}
+
+/* Goes on from the minimum with the slopes that its errors are told by. */
+static void settle(vs_descender *d, vs_outcome *o) {
+  vs_descent *best = &o->descents.item[o->descents.best], better;
+  const vs_slopes_kind *kind = kind_of(o, false);
+  o->slopes = kind->name;
+  if (kind == d->slopes) return;
+  d->slopes = kind;
+  vs_descent_from(d, best->s, &better);
+  if (better.converged && better.chi2 <= best->chi2 * (1 + SAME)) *best = better;
+}
+
+vs_status vs_outcome_of(const vs_inquiry *q, vs_outcome *o, vs_error *err) {
+  *o = (vs_outcome){.inquiry = q};
+  vs_prediction_begin(&o->prediction, q);
+  vs_descender d = {.prediction = &o->prediction};
+  d.slopes = kind_of(o, true);
+  vs_status status = vs_descents_search(&d, &o->descents, err);
+  if (status) return status;
+  settle(&d, o);
+  status = vs_estimate_at(&d, &o->descents.item[o->descents.best], &o->estimate, err);
+  if (status) return status;
+  d.slopes = kind_of(o, true);
+  count_starts(o);
+  follow_profiles(&d, o);
+  test_columns(o);
+  return VS_OK;
+}
+
+void vs_outcome_free(vs_outcome *o) {
+  vs_prediction_free(&o->prediction);
+  vs_descents_free(&o->descents);
+  vs_estimate_free(&o->estimate);
+  free(o->profiles);
+  free(o->columns);
+  *o = (vs_outcome){0};
+}
