@@ -24,6 +24,7 @@ typedef struct vs_picard {
   double known_to; /* about how well these are known; a smaller one is lost in rounding */
   char missing[256]; /* why none is, where they were wanted */
   bool wants_multipliers;
+  bool guessed;                    /* the search begins with an orbit of tier switched */
   vs_scene *ideal;                 /* the scene on tier switched; owned */
   struct vs_picard_search *search; /* the present one; owned */
 } vs_picard;
