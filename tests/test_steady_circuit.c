@@ -174,11 +174,11 @@ static void with_a_stop(void) {
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     ran r = run("steady paper --tier circuit --set firing.every=1 --set actuator.stop={} --set "
-                "run.verify=never %s --json --quiet",
+                "run.tolerance=1e-3 --set run.verify=never %s --json --quiet",
                 ROWS[k].words);
     EXPECT(r.status == ROWS[k].status && strstr(r.status ? r.err : r.out, ROWS[k].says),
            "%s: %d %s", ROWS[k].words, r.status, r.err);
-    EXPECT(r.status || number(r.out, "correction") <= 1e-6, "%s", ROWS[k].words);
+    EXPECT(r.status || number(r.out, "correction") <= 1e-5, "%s", ROWS[k].words);
     free_ran(&r);
   }
 }
