@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "branch/rows.h"
 #include "branch/walk.h"
 #include "orbit/flight.h"
 #include "program.h"
@@ -296,6 +297,24 @@ static void a_walk_ends_where_orbits_end(void) {
   done(t);
 }
 
+/* A signal ends the walk behind the next point, and what was found is there. */
+static void a_signal_ends_a_walk(void) {
+  static const char *const SETS[] = {"firing.every=1", NULL};
+  const vs_along_words words = {"firing.angle=120deg..100deg", NULL, NULL};
+  const volatile sig_atomic_t stop = 1;
+  tour *t = vs_alloc(1, sizeof *t);
+  t->trial = vs_trial_read("paper", "switched", SETS);
+  vs_status status = vs_along_read(&t->along, &t->trial->scene, &words, &t->trial->err);
+  if (!status) status = vs_walk_go(&t->walk, &t->along, 1, &stop, &t->trial->err);
+  EXPECT(!status && t->walk.end == VS_WALK_STOPPED && t->walk.count == 2, "%d %s", status,
+         t->trial->err.text);
+  vs_text json = {0};
+  vs_rows_json(&t->walk, &json);
+  EXPECT(strstr(json.text, "where a signal stopped it"), "%s", json.text);
+  vs_text_free(&json);
+  done(t);
+}
+
 /* ---- the program ---- */
 
 static void files_and_tables(void) {
@@ -409,6 +428,7 @@ static const vs_test TESTS[] = {
     {"a fold beside its grazing", a_fold_beside_its_grazing},
     {"a branch of twice the period ends at a flip", a_branch_of_twice_the_period_ends_at_a_flip},
     {"a walk ends where orbits end", a_walk_ends_where_orbits_end},
+    {"a signal ends a walk", a_signal_ends_a_walk},
     {"files and tables", files_and_tables},
     {"the page", the_page},
     {"what is refused", what_is_refused},

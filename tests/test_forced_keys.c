@@ -48,10 +48,21 @@ static const struct {
              {"start.phi", "0.001 rad"},
              {"measure.from", "0.01 s"},
              {"measure.to", "0.05 s"},
-             {"measure.last", "2 cycles"}};
+             {"measure.last", "2 cycles"},
+             {"instruments.set", "paper"},
+             {"instruments.seed", "7"},
+             {"instruments.NAME.channel", "u"},
+             {"instruments.NAME.range", "[-3 mm, 3 mm]"},
+             {"instruments.NAME.bandwidth", "90 Hz"},
+             {"instruments.NAME.order", "1"},
+             {"instruments.NAME.damping", "0.5"},
+             {"instruments.NAME.noise", "2 um"},
+             {"instruments.NAME.rate", "4 kHz"},
+             {"instruments.NAME.bits", "10"}};
 
-/* The tier itself; and what says which machine and which circuit the tiers stand for. */
-static const char *const NO_CONFLICT[] = {"run.tier", "machine.model", "circuit.deck"};
+/* The tier itself; what says which machine and which circuit the tiers stand for; and a text. */
+static const char *const NO_CONFLICT[] = {"run.tier", "machine.model", "circuit.deck",
+                                          "instruments.NAME.text"};
 
 /* What a refusal names where not the tier has no use for the key: another key beside it. */
 static const char *const BESIDE[] = {"law reluctance has no use for it", "firing.valve: none"};
@@ -73,6 +84,15 @@ static bool other_value(const char *line, char *key, char *value, size_t size) {
   double own = strtod(number, NULL);
   snprintf(value, size, "%.9g %s", own != 0 ? 1.07 * own : 0.05, unit);
   return true;
+}
+
+/* The key of the scene's own instrument, `way`, where `key` is one of instruments.NAME. */
+static void name_instrument(char *key, size_t size) {
+  static const char ANY[] = "instruments.NAME";
+  char own[96];
+  if (strncmp(key, ANY, sizeof ANY - 1) != 0) return;
+  snprintf(own, sizeof own, "instruments.way%s", key + sizeof ANY - 1);
+  snprintf(key, size, "%s", own);
 }
 
 /* What a run leaves but for the scene it was asked for; free() it. */
@@ -97,6 +117,7 @@ static void keys_on(const char *tier) {
   for (char *rest = list.out, *line; (line = strsep(&rest, "\n"));) {
     char key[96], value[128], set[256];
     if (strlen(line) < 48 || !other_value(line, key, value, sizeof value)) continue;
+    name_instrument(key, sizeof key);
     snprintf(set, sizeof set, " --set '%s=%s'", key, value);
     char *other = result_of(tier, set, &r);
     bool beside = strstr(r.err, BESIDE[0]) || strstr(r.err, BESIDE[1]);
@@ -119,7 +140,9 @@ static void each_key(void) {
                        "load: {density: 1 g/cm3, fraction: 0.2}\n"
                        "run: {until: 0.1 s}\n"
                        "supply: {voltage: 150 V}\n"
-                       "start: {p: -5.9 mm, vp: -0.6 m/s}\n");
+                       "start: {p: -5.9 mm, vp: -0.6 m/s}\n"
+                       "instruments: {set: none, way: {channel: p, range: [-9 mm, 9 mm], "
+                       "bandwidth: 100 Hz, order: 2, noise: 1 um}}\n");
   keys_on("switched");
   keys_on("analytic");
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/file.h"
+#include "base/leave.h"
 #include "branch/drawing.h"
 #include "branch/rows.h"
 
@@ -57,6 +58,10 @@ static vs_status say(const vs_walk *w, const vs_run_options *o, vs_error *err) {
       printf("written: branch.csv, branch.json%s in %s\n", drawn ? ", branch.png" : "", o->folder);
   }
   vs_text_free(&json);
+  if (!status && w->end == VS_WALK_STOPPED)
+    status = vs_fail(err, VS_SIGNAL, "stopped by a signal; the branch is told up to %s = %.9g%s%s",
+                     w->along->axis.key, w->row[w->count - 1].at.z[w->path.count],
+                     *w->along->axis.unit ? " " : "", w->along->axis.unit);
   if (!status && w->end == VS_WALK_STUCK)
     status = vs_fail(err, VS_RUN, "the branch cannot be followed beyond %s = %.9g%s%s: %s",
                      w->along->axis.key, w->row[w->count - 1].at.z[w->path.count],
@@ -80,9 +85,12 @@ static vs_status follow(const vs_branch_options *o, vs_scene *scene, vs_error *e
   vs_walk walk = {0};
   vs_status status = refuse_tier(scene, err);
   if (!status) status = vs_along_read(&along, scene, &o->words, err);
+  vs_heed before = vs_leave_heed_set(VS_HEED_SOON);
   if (!status) status = vs_walk_go(&walk, &along, o->periods, o->run->stop, err);
+  vs_leave_heed_set(VS_HEED_KEEP);
   if (!status) status = vs_along_move(&along, along.from, err); /* which the files tell of */
   if (!status) status = say(&walk, o->run, err);
+  vs_leave_heed_set(before);
   vs_walk_free(&walk);
   vs_along_free(&along);
   return status;

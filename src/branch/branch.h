@@ -15,8 +15,8 @@ typedef struct vs_branch_options {
 /* Follows the branch, and prints it; with a folder it writes branch.csv, branch.json and
  * branch.png. Errors: VS_INPUT, and nothing is written; VS_RUN, no orbit is found at the
  * beginning, or the branch cannot be followed to an end of the range, and what was found is
- * written and printed all the same; VS_SIGNAL. Without gnuplot there is no picture, which a warning
- * says. */
+ * written and printed all the same; VS_SIGNAL, likewise. Without gnuplot there is no picture, which
+ * a warning says. */
 vs_status vs_branch_command(const vs_branch_options *options, vs_error *err);
 
 #endif

@@ -130,6 +130,9 @@ static void add_end(const vs_walk *w, vs_text *text) {
   else if (w->end == VS_WALK_MERGED)
     vs_text_add(text, "of period %d ends at %.9g%s%s, in one of a smaller period", w->path.periods,
                 last, blank, unit);
+  else if (w->end == VS_WALK_STOPPED)
+    vs_text_add(text, "was followed to %s = %.9g%s%s, where a signal stopped it", a->axis.key, last,
+                blank, unit);
   else
     vs_text_add(text, "cannot be followed beyond %s = %.9g%s%s: %s", a->axis.key, last, blank, unit,
                 w->why);
@@ -168,7 +171,7 @@ static void add_rows(const vs_walk *w, const char *name, bool marks, vs_json *js
 }
 
 void vs_rows_json(const vs_walk *w, vs_text *text) {
-  static const char *const ENDS[] = {"reached", "back", "merged", "stuck"};
+  static const char *const ENDS[] = {"reached", "back", "merged", "stuck", "stopped"};
   const vs_along *a = w->along;
   vs_text end = {0};
   add_end(w, &end);

@@ -293,7 +293,10 @@ vs_status vs_walk_go(vs_walk *w, vs_along *along, int periods, const volatile si
   vs_path_rescale(&w->path, &a);
   double length = along->step / w->path.unit[w->path.count] / 4;
   while (!go_on(w, &a, &length)) {
-    if (stop && *stop) return vs_fail(err, VS_SIGNAL, "stopped by a signal");
+    if (stop && *stop) {
+      w->end = VS_WALK_STOPPED;
+      break;
+    }
     if (w->count < MOST_ROWS) continue;
     snprintf(w->why, sizeof w->why,
              "it has %d points already; with a larger --step there are fewer", MOST_ROWS);

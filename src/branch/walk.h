@@ -20,7 +20,8 @@ typedef enum vs_walk_end {
   VS_WALK_REACHED, /* at the other end of the range */
   VS_WALK_BACK,    /* where it began */
   VS_WALK_MERGED,  /* in a branch of a smaller period */
-  VS_WALK_STUCK    /* in between: no orbit was found any more */
+  VS_WALK_STUCK,   /* in between: no orbit was found any more */
+  VS_WALK_STOPPED  /* in between, by a signal */
 } vs_walk_end;
 
 /* Free with vs_walk_free, also after an error. */
@@ -34,8 +35,9 @@ typedef struct vs_walk {
   char why[512]; /* where it is stuck: the reason */
 } vs_walk;
 
-/* Walks. stop: set by a signal, the walk ends with VS_SIGNAL. Errors: those of vs_path_begin, where
- * nothing is found. A walk that is stuck is no error; walk->end says so. */
+/* Walks. stop: set by a signal, the walk ends behind the next point. Errors: those of
+ * vs_path_begin, where nothing is found. A walk that is stuck or stopped is no error; walk->end
+ * says so. */
 vs_status vs_walk_go(vs_walk *walk, vs_along *along, int periods, const volatile sig_atomic_t *stop,
                      vs_error *err);
 void vs_walk_free(vs_walk *walk);

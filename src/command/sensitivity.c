@@ -209,6 +209,8 @@ static vs_status find(const vs_sensitivity_options *o, const vs_sensitivity_orde
 
 vs_status vs_sensitivity_command(const vs_sensitivity_options *o, vs_error *err) {
   names of = {0}, to = {0};
+  if (o->period != 1 && !o->steady)
+    return vs_fail(err, VS_INPUT, "--period %d: it is of an orbit; write --steady, too", o->period);
   vs_status status = cut("--of", "MEASURE", o->of, &of, err);
   if (!status) status = cut("--to", "KEY", o->to, &to, err);
   const vs_sensitivity_order order = {

@@ -127,13 +127,13 @@ static void print_head(const vs_result *r, FILE *out) {
         absence->bound);
   const char *declined = vs_result_declined(r);
   if (declined) fprintf(out, "quiet  ngspice is not left: %s\n", declined);
+  const vs_tier *tier = vs_tiers_of_orbit(s->tier);
   if (vs_setup_found_fraction(&s->setup))
     fprintf(out,
             "load   fraction %.9g of the material rides (auto: empirical, by the throw coefficient "
             "%.6g on the orbit%s%s)\n",
-            s->setup.model.riding, s->setup.throw_coefficient,
-            s->tier == vs_tiers_automatic(false) ? "" : " of tier ",
-            s->tier == vs_tiers_automatic(false) ? "" : vs_tiers_automatic(false)->name);
+            s->setup.model.riding, s->setup.throw_coefficient, s->tier == tier ? "" : " of tier ",
+            s->tier == tier ? "" : tier->name);
   if (r->watchers.devices)
     fprintf(out, "means over %.9g..%.9g s\n", s->setup.means.from_s, s->setup.means.to_s);
   fputc('\n', out);

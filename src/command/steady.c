@@ -64,11 +64,6 @@ static bool is_resolved(const vs_steady *s, int k) {
   return !s->picard || size_of(s, k) > s->picard->known_to;
 }
 
-/* Their error may also hide on which side of 1 the largest lies. */
-static bool stability_is_known(const vs_steady *s) {
-  return !s->picard || (s->picard->multipliers && fabs(size_of(s, 0) - 1) > s->picard->known_to);
-}
-
 /* ---- JSON ---- */
 
 static void add_measures(const void *ctx, vs_json *json) {
@@ -141,7 +136,7 @@ static void add_members(const void *ctx, vs_json *json) {
   else
     vs_json_whole(json, "iterations", s->orbit.iterations);
   vs_json_number(json, "correction", s->orbit.residual, 3);
-  if (stability_is_known(s))
+  if (vs_steady_is_judged(s))
     vs_json_bool(json, "stable", s->orbit.stable);
   else
     vs_json_number(json, "stable", NAN, DIGITS); /* null */
@@ -181,8 +176,8 @@ static void print_multipliers(const vs_steady *s, FILE *out) {
   for (int k = 0; k < vs_steady_multipliers(s); k++) print_multiplier(s, k, out);
   if (s->picard)
     fprintf(out, "known to about %.1g, from the differences of cycles%s\n", s->picard->known_to,
-            stability_is_known(s) ? "" : ": not enough to tell whether the orbit is stable");
-  if (!stability_is_known(s)) return;
+            vs_steady_is_judged(s) ? "" : ": not enough to tell whether the orbit is stable");
+  if (!vs_steady_is_judged(s)) return;
   fprintf(out, "%s: the largest multiplier is %s\n", orbit->stable ? "stable" : "unstable",
           orbit->stable ? "below 1" : "1 or more, so that the machine does not stay on this orbit");
 }
@@ -264,6 +259,7 @@ static vs_status report(const vs_run_options *o, int periods, vs_scene *scene, v
   reporter *r = vs_alloc(1, sizeof *r);
   vs_steady *s = &r->steady;
   const vs_run_more more = {r, begin, accept, finish, show, {r, add_measures, add_members}};
+  scene->order.stop = o->stop;
   vs_status status = vs_steady_begin(s, scene, periods, err);
   r->scene = scene;
   r->quiet = o->quiet;

@@ -103,13 +103,14 @@ static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r,
 }
 
 /* What load.fraction: auto came to. */
-static void add_fraction(vs_json *json, const vs_setup *s) {
+static void add_fraction(vs_json *json, const vs_scene *scene) {
+  const vs_setup *s = &scene->setup;
   if (!vs_setup_found_fraction(s)) return;
   vs_json_object(json, "load_fraction", VS_JSON_ROW);
   vs_json_number(json, "value", s->model.riding, DIGITS);
   vs_json_number(json, "throw_coefficient", s->throw_coefficient, DIGITS);
   vs_json_text(json, "from", "empirical: the paper's range, below Eq. 88, on the scene's orbit");
-  vs_json_text(json, "orbit_tier", vs_tiers_automatic(false)->name);
+  vs_json_text(json, "orbit_tier", vs_tiers_of_orbit(scene->tier)->name);
   vs_json_bool(json, "held",
                vs_model_load_range.least_k > s->throw_coefficient ||
                    vs_model_load_range.most_k < s->throw_coefficient);
@@ -265,7 +266,7 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   vs_json_end(&json);
   add_measures(&json, s, r, more);
   if (more && more->members) more->members(more->ctx, &json);
-  add_fraction(&json, &s->setup);
+  add_fraction(&json, s);
   add_energy(&json, s, &r->watchers.energy, r->books);
   if (with_cost) add_cost(&json, r);
   add_second(&json, &r->second);

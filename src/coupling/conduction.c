@@ -73,6 +73,12 @@ static double leakage(double v_v) {
   return LEAKS_S * fabs(v_v);
 }
 
+void vs_conduction_resume(vs_conduction *c, double i_a, double v_v) {
+  vs_conduction_begin(c);
+  c->conducts = i_a > CONDUCTS_A + leakage(v_v);
+  c->peak_a = c->conducts ? i_a : 0;
+}
+
 static bool is_on_state(double v_v) {
   return v_v > 0 && v_v < BLOCKED_V;
 }

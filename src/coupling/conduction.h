@@ -37,6 +37,9 @@ typedef struct vs_conduction {
                             step was taken yet */
 } vs_conduction;
 void vs_conduction_begin(vs_conduction *c);
+/* The same of a device that carries i_a at v_v as its course begins: where that is more than any
+ * blocked one does, it conducts already, and will not be told to fire. */
+void vs_conduction_resume(vs_conduction *c, double i_a, double v_v);
 
 /* The clock is set back by by_s. */
 void vs_conduction_wind(vs_conduction *c, double by_s);

@@ -155,19 +155,26 @@ static void fill(pass *p, int k, const vs_knot *own, const double y[ROWS], const
   vs_driven_fill(&p->driven[k], to->t_s - near->origin_s[k], to);
 }
 
+/* Where differences of two orders give slopes that are further apart than this part of what they
+ * are of, the number has a corner among the kin. */
+static const double CORNER = 1e-3;
+
 /* Makes one number of the knots, the order-th derivative of something over time, such that it is
  * linear in p over the run's own time, in which the k-th's runs stretch[k] times as fast. What lies
  * between two knots is then linear in p, too, and no knot differs from its neighbours in what is of
- * second order. */
+ * second order. At a corner, as where some of the kin are beyond the end of a table, the numbers
+ * stay as they are, so that the measures' own differences tell of it. */
 static void straighten(pass *p, size_t offset, int order, const double stretch[RUNS]) {
   const vs_parameter *near = &p->fan->parameter;
-  double v[RUNS];
+  double v[RUNS], coarse = 0;
   for (int k = 0; k < RUNS; k++) {
     const char *knot = (const char *)&p->knot[k][1 - p->last];
     memcpy(&v[k], knot + offset, sizeof *v);
     v[k] *= pow(stretch[k], order);
+    coarse += near->coarse[k] * (v[k] - v[0]);
   }
   double slope = vs_parameter_slope(near, v);
+  if (fabs(slope - coarse) > CORNER * fmax(fabs(slope), fabs(v[0]))) return;
   for (int k = 1; k < RUNS; k++) {
     double straight = (v[0] + near->at[k] * slope) / pow(stretch[k], order);
     memcpy((char *)&p->knot[k][1 - p->last] + offset, &straight, sizeof straight);
@@ -297,27 +304,42 @@ static vs_status begin(pass *p, vs_error *err) {
   return VS_OK;
 }
 
+/* By how much p moves the end of the run, in the run's own time. Where the key is the period that
+ * is -until dT/dp / T, and where it is run.until that is the key itself. */
+static double end_moved(const vs_parameter *parameter) {
+  const vs_setup *setup = parameter->setup;
+  double v[RUNS];
+  for (int k = 0; k < RUNS; k++)
+    v[k] = setup[k].run.until_s * setup->timeline.period_s / setup[k].timeline.period_s;
+  return vs_parameter_slope(parameter, v);
+}
+
 /* ---- all of it ---- */
 
 static vs_status look(pass *p, vs_error *err) {
   vs_status status = begin(p, err);
   if (!status) status = go(p, take_instants, err);
   if (status) return status;
-  double until = p->scene->setup.run.until_s;
-  add_instant(p, until, p->subject->periods ? 0 : -until * p->parameter->slopes.clock);
+  add_instant(p, p->scene->setup.run.until_s, end_moved(p->parameter));
   find_scales(p);
   look_at_stretches(p);
   return go(p, take_sizes, err);
 }
 
+/* The steps of the key that derivatives of coefficients are tried with: a shorter one where a
+ * firing or an event passes another within the longer. Rounding is larger then. */
+static const double STEPS[] = {1e-3, 1e-5, 1e-7};
+enum { N_STEPS = sizeof STEPS / sizeof *STEPS };
+
 static vs_status show(pass *p, vs_fan *fan, vs_where where, vs_error *err) {
   double finest = p->subject->scene->tier->finest;
-  double step = fmin(fmax(PART / p->ratio, LEAST), LARGEST) * (p->again ? SMALLER : 1);
+  double longest = fmin(LARGEST, p->parameter->step);
+  double step = fmin(fmax(PART / p->ratio, LEAST), longest) * (p->again ? SMALLER : 1);
   vs_status status =
       vs_fan_begin(fan, p->subject, p->parameter->key.name, where, step, finest, err);
   if (status) return status;
   p->fan = fan;
-  fan->unresolved = UNRESOLVED * p->ratio;
+  fan->unresolved = UNRESOLVED * fmax(p->ratio, STEPS[0] / p->parameter->step);
   fan->grazing = p->grazing;
   status = go(p, show_kin, err);
   for (int k = 0; k < RUNS && !status; k++) vs_measured_finish(fan->measured[k]);
@@ -325,15 +347,16 @@ static vs_status show(pass *p, vs_fan *fan, vs_where where, vs_error *err) {
   return status;
 }
 
-vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const vs_asked *key, bool again,
-                      vs_error *err) {
+static vs_status find(vs_fan *fan, const vs_subject *subject, const vs_asked *key, bool again,
+                      double step, vs_error *err) {
   pass *p = vs_alloc(1, sizeof *p);
   vs_parameter *parameter = vs_alloc(1, sizeof *parameter);
   p->subject = subject;
   p->parameter = parameter;
   p->again = again;
   p->grazing.by = INFINITY;
-  vs_status status = vs_parameter_begin(parameter, subject->scene, key->name, key->where, 0, err);
+  vs_status status =
+      vs_parameter_begin(parameter, subject->scene, key->name, key->where, step, err);
   if (!status) status = look(p, err);
   if (!status) status = show(p, fan, key->where, err);
   vs_parameter_end(parameter);
@@ -341,5 +364,17 @@ vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const vs_asked *ke
   free(p->scene);
   free(parameter);
   free(p);
+  return status;
+}
+
+vs_status vs_kin_find(vs_fan *fan, const vs_subject *subject, const vs_asked *key, bool again,
+                      vs_error *err) {
+  vs_error why = {0};
+  vs_status status = VS_RUN;
+  for (int k = 0; k < N_STEPS && status == VS_RUN; k++) {
+    why = (vs_error){0};
+    status = find(fan, subject, key, again, STEPS[k], &why);
+  }
+  if (status) *err = why;
   return status;
 }

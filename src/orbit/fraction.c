@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "machine/build.h"
+#include "orbit/picard.h"
 #include "orbit/shooting.h"
 #include "period/throw.h"
 #include "scene/session.h"
@@ -16,12 +17,17 @@ enum { MOST_TRIALS = 40 };
 /* The share is found where the orbit's own differs by less: far below what an empirical number
  * means, and far above the rounding of an orbit. */
 static const double SAME = 1e-11;
+/* On a tier with a circuit the share is to be known as well as the run, whose orbits, and K with
+ * them, are known to run.tolerance. */
+static double sameness(const vs_scene *scene) {
+  return scene->tier->has_circuit ? fmax(SAME, scene->setup.run.tolerance) : SAME;
+}
 
 typedef struct search {
   vs_scene *scene; /* without events, on a tier that knows orbits; it borrows what the caller's owns
                     */
   int periods;
-  vs_orbit orbit; /* of the last trial */
+  vs_orbit orbit; /* of the last trial, on an ideal tier */
   bool has_orbit;
   double coefficient; /* K on it */
 } search;
@@ -35,18 +41,21 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
   return VS_OK;
 }
 
-/* Runs a period of the orbit, for K. */
-static vs_status measure(search *s, vs_error *err) {
+/* Runs a period of the orbit, for K. With a circuit, `pilot` finds the orbit before; else it is
+ * NULL. */
+static vs_status measure(search *s, const vs_orbit *orbit, vs_pilot *pilot, vs_error *err) {
   vs_throw thrown = {0};
   const vs_guest guest = {.ctx = &thrown, .accept = accept};
-  const vs_session session = {.guest = &guest, .bare = true, .unguarded = true};
+  const vs_session session = {
+      .guest = &guest, .bare = true, .unguarded = !pilot, .stop = s->scene->order.stop};
   vs_scene *along = vs_alloc(1, sizeof *along);
   vs_result *none = vs_alloc(1, sizeof *none);
   vs_run_values run = s->scene->setup.run;
-  run.until_s = s->orbit.period_s;
-  run.tolerance = s->scene->tier->finest;
+  run.until_s = orbit->period_s;
+  if (!pilot) run.tolerance = s->scene->tier->finest;
   *along = *s->scene;
-  along->setup = vs_shooting_setup(s->scene, &run, &s->orbit);
+  along->order.pilot = pilot;
+  along->setup = vs_shooting_setup(s->scene, &run, orbit);
   along->frame = vs_sim_frame(along->tier, &along->setup);
   vs_status status = vs_session_run(&session, along, none, err);
   s->coefficient = vs_throw_coefficient(&thrown).value;
@@ -55,27 +64,43 @@ static vs_status measure(search *s, vs_error *err) {
   return status;
 }
 
-/* Finds the orbit with this share, from the last one on where there is one, and from the scene's
- * start where that leads to none; then by how much the share that follows from it is more. */
+/* Finds the orbit, from the last one on where there is one, and from the scene's start where that
+ * leads to none; then K. */
+static vs_status follow_ideal(search *s, vs_error *err) {
+  const vs_orbit last = s->orbit;
+  const vs_shooting near = {.periods = s->periods, .from = last.x}, anew = {.periods = s->periods};
+  vs_error none = {0};
+  vs_status status = s->has_orbit ? vs_shooting_seek(s->scene, &near, &s->orbit, &none) : VS_RUN;
+  if (status) status = vs_shooting_seek(s->scene, &anew, &s->orbit, err);
+  return status ? status : measure(s, &s->orbit, NULL, err);
+}
+
+/* With a circuit the run finds the orbit itself, in its prelude. */
+static vs_status follow_circuit(search *s, vs_error *err) {
+  vs_picard *picard;
+  vs_status status = vs_picard_new(s->scene, s->periods, false, &picard, err);
+  if (status) return status;
+  status = measure(s, &picard->orbit, &picard->pilot, err);
+  vs_picard_free(picard);
+  return status;
+}
+
+/* Finds the orbit with this share, and by how much the share that follows from it is more. */
 static vs_status try(search *s, double share, double *more, vs_error *err) {
   vs_setup *setup = &s->scene->setup;
   const vs_load_values load = setup->model.load;
-  const vs_orbit last = s->orbit;
-  const vs_shooting near = {.periods = s->periods, .from = last.x}, anew = {.periods = s->periods};
   vs_error why = {0};
   vs_status status =
       vs_build_loaded(setup->machine, &setup->model, &load, share, &setup->model, &why);
-  if (!status) {
-    status = s->has_orbit ? vs_shooting_seek(s->scene, &near, &s->orbit, &why) : VS_RUN;
-    if (status) why = (vs_error){0};
-    if (status) status = vs_shooting_seek(s->scene, &anew, &s->orbit, &why);
-  }
-  if (!status) status = measure(s, &why);
+  if (!status)
+    status = s->scene->tier->has_circuit ? follow_circuit(s, &why) : follow_ideal(s, &why);
   s->has_orbit = !status;
   *more = vs_model_fraction(s->coefficient) - share;
-  return status ? vs_fail(err, status, "load.fraction: auto: with %.9g of the material riding: %s",
-                          share, why.text)
-                : VS_OK;
+  if (!status) return VS_OK;
+  vs_fail(err, status, "load.fraction: auto: with %.9g of the material riding: %s", share,
+          why.text);
+  err->gave_up = why.gave_up;
+  return status;
 }
 
 /* ---- the search ---- */
@@ -84,13 +109,14 @@ static vs_status try(search *s, double share, double *more, vs_error *err) {
  * the others by the secant through the last two trials; where that leads out of what is known to
  * hold a share, it is again the share asked for, or the middle. */
 static vs_status find(search *s, double at, double *share, vs_error *err) {
+  const double same = sameness(s->scene);
   double lower = vs_model_load_range.least, upper = vs_model_load_range.most;
   double more, before = NAN, more_before = NAN;
   s->has_orbit = false;
   for (int k = 0; k < MOST_TRIALS; k++) {
     vs_status status = try(s, at, &more, err);
     *share = at;
-    if (status || fabs(more) < SAME) return status;
+    if (status || fabs(more) < same) return status;
     if (more > 0)
       lower = at;
     else
@@ -108,8 +134,9 @@ static vs_status find(search *s, double at, double *share, vs_error *err) {
                  lower, upper, before, before + more_before);
 }
 
-/* Shares that differ by more than this are two. */
-static const double APART = 1e-6;
+/* Shares that differ by more than this are two, and by more than so many times what each is known
+ * to. */
+static const double APART = 1e-6, APART_BY = 30;
 
 /* Finds the share from the lower end of the range on, and looks for another one from the upper end
  * on; NaN: there is none. */
@@ -119,7 +146,8 @@ static vs_status find_both(search *s, double *share, double *coefficient, double
   vs_status status = find(s, vs_model_load_range.least, share, err);
   *coefficient = s->coefficient;
   if (status) return status;
-  bool is_one = find(s, vs_model_load_range.most, other, &none) || fabs(*other - *share) < APART;
+  double apart = fmax(APART, APART_BY * sameness(s->scene));
+  bool is_one = find(s, vs_model_load_range.most, other, &none) || fabs(*other - *share) < apart;
   if (is_one) *other = NAN;
   return VS_OK;
 }
@@ -131,7 +159,9 @@ static vs_scene *undisturbed(const vs_scene *scene) {
   setup->timeline.events.count = 0;
   setup->loads = (vs_loads){0};
   setup->model.reloaded = setup->steady = setup->wants_fraction = false;
-  calm->tier = vs_tiers_automatic(false);
+  calm->tier = vs_tiers_of_orbit(scene->tier);
+  calm->order.raw = NULL;
+  calm->order.junction = NULL;
   calm->frame = vs_sim_frame(calm->tier, setup);
   return calm;
 }

@@ -288,6 +288,21 @@ double vs_parameter_time(const vs_parameter *p, int k, double t_s) {
 /* Two scenes' instants that are further apart than this part of a period are not the same one. */
 static const double APART = 0.05;
 
+/* Where differences of two orders give slopes of the waves' first voltage that are further apart
+ * than this part of the peak, an event of the mains lies before the instant in some of the scenes
+ * and behind it in others. */
+static const double UNLIKE = 1e-8;
+
+static bool begin_alike(const vs_parameter *p) {
+  double v[ALL], u[3], coarse = 0;
+  for (int k = 0; k < ALL; k++) {
+    vs_wave_at(&p->mains[k], 0, u);
+    v[k] = u[0];
+    coarse += p->coarse[k] * (v[k] - v[0]);
+  }
+  return fabs(vs_parameter_slope(p, v) - coarse) <= UNLIKE * p->setup->timeline.peak_v;
+}
+
 /* The waves begin at these instants, each in its own scene's time. Returns by how much p moves
  * them, in the scene's own time; NaN: they do not belong together. */
 static double begin_waves(vs_parameter *p, const double at_s[ALL]) {
@@ -299,7 +314,7 @@ static double begin_waves(vs_parameter *p, const double at_s[ALL]) {
     vs_wave_of(&p->setup[k].timeline, at_s[k], &p->mains[k]);
     common_s[k] = at_s[k] / ratio(p, k);
   }
-  return vs_parameter_slope(p, common_s);
+  return begin_alike(p) ? vs_parameter_slope(p, common_s) : NAN;
 }
 
 double vs_parameter_fires(vs_parameter *p, double off_s, double t_s) {

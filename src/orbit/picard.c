@@ -35,6 +35,12 @@ typedef struct vs_picard_search {
   int stalled;       /* passes since it last fell */
   double noise;      /* the largest correction of these */
   double correction; /* the last one's size: the largest over the states, relative to scale */
+  double before;     /* that of the one before; 0: there is none */
+  double ratio;      /* of the two */
+  int steady;        /* for how many passes that ratio has been about the same, and slow */
+  double creeps;     /* that ratio; 0: corrections fall fast */
+  double remains; /* the sum of the last correction and of all that are still to come; 0: they fall
+                     fast */
   double peak[MOST + 1],
       scale[MOST +
             1]; /* largest sizes of the states, and of lambda: in this pass; in the last one */
@@ -148,6 +154,12 @@ static double part_pushed(const search *s, double *error) {
 static bool find_multipliers(vs_picard *p, const vs_knot *end) {
   search *s = p->search;
   vs_error why = {0};
+  if (s->creeps > 0) { /* the copies show one slow state of the circuit and not two */
+    snprintf(p->missing, sizeof p->missing,
+             "something in the circuit is forgotten by a factor of %.3g a period alone", s->creeps);
+    p->multipliers = 0;
+    return false;
+  }
   double part = part_pushed(s, &p->known_to);
   vs_status status = vs_copies_fork(&s->copies, &s->setup->model, s->scale, part, p->pilot.x, &why);
   if (!status && s->copies.inside) return true;
@@ -262,12 +274,20 @@ static double try_steps(vs_picard *p, const double *step, bool *inside, vs_error
   return best;
 }
 
+/* What was moved in the circuit may have been what crept. */
+static void forget_corrections(search *s) {
+  s->before = s->creeps = s->remains = 0;
+  s->ratio = NAN;
+  s->steady = 0;
+}
+
 /* The least residual of passes that are steered again: those before count no more. */
 static void steer_again(search *s) {
   s->pass = STEERED;
   s->least = INFINITY;
   s->stalled = 0;
   s->noise = 0;
+  forget_corrections(s);
   vs_creep_begin(&s->creep, s->creep.deck, s->creep.tolerance, s->creep.period_s);
 }
 
@@ -386,6 +406,7 @@ static void begin(void *self, const vs_setup *setup) {
                 .between = between,
                 .count = 2 * setup->model.dof,
                 .least = INFINITY,
+                .ratio = NAN,
                 .tolerance = CLOSED * setup->run.tolerance};
   memcpy(s->x, p->orbit.x, sizeof s->x);
   memcpy(p->pilot.x, s->x, sizeof s->x);
@@ -415,14 +436,40 @@ static vs_status go_on(const vs_picard *p, vs_error *err) {
   if (creeps && s->correction <= s->tolerance)
     return vs_fail(err, VS_RUN, "%s still creeps by %.2g of its largest size a period", name,
                    fabs(creeps->change) / creeps->scale);
+  if (s->remains > 0)
+    return vs_fail(
+        err, VS_RUN,
+        "corrections fall slowly: the last one is %.2g of the motion, and %.2g are still "
+        "to come; something in the circuit creeps",
+        s->correction, s->remains);
   return vs_fail(err, VS_RUN,
                  "the last correction is %.2g of the motion, the least was %.2g; %.1g "
                  "is wanted",
                  s->correction, s->least, s->tolerance);
 }
 
+/* Something in the circuit that no probe shows may creep. Then corrections fall by about the same
+ * factor over ENOUGH passes: a factor of SLOW and more, and each within SAME of the one before.
+ * What is still to come is the sum of their series, of at most LASTS passes. The factor is kept
+ * when the solver's rounding hides it later on. */
+static const double SLOW = 0.6, SAME = 0.1, LASTS = 200;
+enum { ENOUGH = 5 };
+
+static void follow_corrections(search *s) {
+  double ratio = s->before > 0 ? s->correction / s->before : NAN;
+  bool same = fabs(ratio - s->ratio) <= SAME && ratio >= SLOW; /* false with NaN */
+  s->steady = same ? s->steady + 1 : 0;
+  s->ratio = ratio;
+  s->before = s->correction;
+  if (s->steady == ENOUGH) s->creeps = ratio;
+  if (s->steady > ENOUGH) s->creeps += (ratio - s->creeps) / ENOUGH;
+  double series = s->creeps < 1 ? fmin(1 / (1 - s->creeps), LASTS) : LASTS;
+  s->remains = s->creeps > 0 ? s->correction * series : 0;
+}
+
 /* Notes whether corrections still fall. */
 static void watch(search *s) {
+  follow_corrections(s);
   bool falls = s->correction < FALLS * s->least;
   s->least = fmin(s->least, s->correction);
   s->stalled = falls ? 0 : s->stalled + 1;
@@ -433,9 +480,10 @@ static void watch(search *s) {
  * then known as well as they are small, and that is enough where it is as well as the run is to be.
  */
 static bool is_close(search *s) {
-  if (s->correction <= s->tolerance) return true;
-  if (s->stalled < STALLED || s->noise > s->setup->run.tolerance) return false;
-  s->correction = s->noise;
+  bool small = s->correction <= s->tolerance;
+  bool stalled = s->stalled >= STALLED && s->noise <= s->setup->run.tolerance;
+  if (!(small || stalled) || s->remains > CREPT * s->setup->run.tolerance) return false;
+  s->correction = fmax(small ? s->correction : s->noise, s->remains);
   return true;
 }
 
@@ -468,7 +516,10 @@ static vs_status turn(void *self, const vs_knot *end, bool *begins, vs_error *er
   s->steered++;
   bool clean = vs_creep_turn(&s->creep, end);
   if (clean) correct(s, end->x); /* else the machine goes back to where it was */
-  if (clean) watch(s);
+  if (clean)
+    watch(s);
+  else
+    forget_corrections(s);
   if (is_lost(s)) {
     memcpy(s->x, end->x, sizeof s->x);
     return begin_pair(p, err);

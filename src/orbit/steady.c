@@ -114,6 +114,12 @@ int vs_steady_multipliers(const vs_steady *s) {
   return s->picard ? s->picard->multipliers : s->orbit.count;
 }
 
+bool vs_steady_is_judged(const vs_steady *s) {
+  if (!s->picard) return true;
+  const vs_multiplier *largest = &s->orbit.multiplier[0];
+  return s->picard->multipliers && fabs(hypot(largest->re, largest->im) - 1) > s->picard->known_to;
+}
+
 void vs_steady_end(vs_steady *steady) {
   vs_picard_free(steady->picard);
   vs_spectrum_end(&steady->spectrum);
@@ -138,6 +144,22 @@ static void warn_of_speed(const vs_steady *s) {
           vs_throw_most, down.value);
 }
 
+/* Warns where it is not known whether the machine stays on the orbit. */
+static void warn_of_stability(const vs_steady *s) {
+  const vs_multiplier *largest = &s->orbit.multiplier[0];
+  if (!s->warnings || vs_steady_is_judged(s)) return;
+  vs_error *warning = vs_warnings_add(s->warnings);
+  if (s->picard->multipliers)
+    vs_fail(warning, VS_OK,
+            "whether the orbit is stable is not known: the size of its largest multiplier is %.6g, "
+            "known to about %.1g",
+            hypot(largest->re, largest->im), s->picard->known_to);
+  else
+    vs_fail(warning, VS_OK,
+            "whether the orbit is stable is not known: it has no multipliers, as %.200s",
+            s->picard->missing);
+}
+
 void vs_steady_finish(vs_steady *steady, const vs_result *r) {
   const double *joule = r->watchers.energy.joule;
   if (steady->picard) steady->orbit = steady->picard->orbit;
@@ -150,6 +172,7 @@ void vs_steady_finish(vs_steady *steady, const vs_result *r) {
   steady->devices = r->watchers.devices;
   steady->energy_stored_j = joule[VS_E_MAGNETIC] + joule[VS_E_MECHANICAL];
   warn_of_speed(steady);
+  warn_of_stability(steady);
 }
 
 /* The reaction along a coordinate: its largest size, or its root mean square. */

@@ -79,6 +79,10 @@ void vs_steady_again(vs_steady *steady, vs_scene *scene);
  * or none. */
 int vs_steady_multipliers(const vs_steady *steady);
 
+/* False where it is not known whether the orbit is stable: on tier circuit there may be no
+ * multipliers, or their error may hide on which side of 1 the largest lies. */
+bool vs_steady_is_judged(const vs_steady *steady);
+
 /* Takes a step of that run, and completes what is known from its result. */
 void vs_steady_accept(vs_steady *steady, const vs_step *step);
 void vs_steady_finish(vs_steady *steady, const vs_result *result);

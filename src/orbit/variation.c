@@ -268,7 +268,9 @@ static vs_status jump_by_parameter(vs_variation *v, const vs_step *step, bool fi
   double moved = fires ? vs_parameter_fires(p, asked, t) : vs_parameter_edge(p, asked, t);
   if (isnan(moved))
     return vs_fail(err, VS_RUN, "t = %.9g s: %s where %s is a little else: there is no derivative",
-                   t, fires ? "the thyristor fires in another cycle" : "the mains change elsewhere",
+                   t,
+                   fires ? "the thyristor fires in another cycle, or on the other side of an event,"
+                         : "the mains change elsewhere",
                    p->key.name);
   v->jump = (vs_jump){.count = v->jump.count + 1,
                       .fires = fires,

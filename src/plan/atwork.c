@@ -41,6 +41,10 @@ static bool has_multipliers(const vs_steady *s) {
   return vs_steady_multipliers(s) > 0;
 }
 
+static bool is_judged(const vs_steady *s) {
+  return is_found(s) && vs_steady_is_judged(s);
+}
+
 static double multiplier_max(const vs_steady *s) {
   return hypot(s->orbit.multiplier[0].re, s->orbit.multiplier[0].im);
 }
@@ -62,7 +66,7 @@ static const struct {
   double (*value)(const vs_steady *steady);
 } ROWS[] = {
     {"multiplier_max", "size of the orbit's largest multiplier", has_multipliers, multiplier_max},
-    {VS_ATWORK_STABLE, "1: the orbit is stable; 0: it is not", has_multipliers, is_stable},
+    {VS_ATWORK_STABLE, "1: the orbit is stable; 0: it is not", is_judged, is_stable},
     {"harmonic_part", "largest part that a harmonic takes of its limit, IEC 61000-3-2, class A",
      is_found, worst_part}};
 enum { N_ROWS = sizeof ROWS / sizeof *ROWS };

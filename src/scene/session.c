@@ -166,6 +166,7 @@ static vs_status begin_on_orbit(const vs_session *session, vs_scene *scene, vs_e
   if (!session->steady && setup->steady)
     return vs_fail(err, VS_INPUT, "start: steady: what is run here begins at rest or at a state");
   if (!session->steady) return vs_setup_require_fraction(setup, "what is run here", err);
+  scene->order.stop = session->stop;
   return session->steady(scene, err);
 }
 

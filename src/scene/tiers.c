@@ -32,6 +32,10 @@ const vs_tier *vs_tiers_automatic(bool circuit) {
   return NULL;
 }
 
+const vs_tier *vs_tiers_of_orbit(const vs_tier *tier) {
+  return tier->gap_at_rest ? vs_tiers_automatic(false) : tier;
+}
+
 vs_status vs_tiers_require_orbits(const char *who, const vs_tier *tier, const char *why,
                                   vs_where where, vs_error *err) {
   const char *known = vs_tiers_automatic(false)->name;

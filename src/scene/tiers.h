@@ -16,6 +16,10 @@ const vs_tier *vs_tiers_find(const char *name);
 /* The tier that run.tier: auto takes for a scene that needs a circuit, or for one that does not. */
 const vs_tier *vs_tiers_automatic(bool circuit);
 
+/* The tier whose orbits a scene of this tier has: this one, or where it knows none, the one that
+ * run.tier: auto takes for a scene without a circuit. */
+const vs_tier *vs_tiers_of_orbit(const vs_tier *tier);
+
 /* Error, at `where`: the tier is not one that knows periodic orbits. who: what wants one; why: why
  * the scene has this tier. */
 vs_status vs_tiers_require_orbits(const char *who, const vs_tier *tier, const char *why,

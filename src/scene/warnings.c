@@ -53,6 +53,19 @@ static void warn_below_theta(const vs_node *root, const vs_setup *s, vs_warnings
              s->timeline.firing.angle_rad / vs_units_factor("deg"), theta / vs_units_factor("deg"));
 }
 
+/* A pulse that lasts until its thyristor has forward voltage again fires it there, at once. */
+static void warn_of_long_pulses(const vs_node *root, const vs_setup *s, vs_warnings *w) {
+  const vs_timeline *t = &s->timeline;
+  const vs_node *firing = vs_tree_child(root, "firing");
+  const vs_node *width = vs_tree_child(firing, "pulse_width");
+  double ends_s = t->firing.angle_rad / t->omega_rad_s + t->firing.pulse_width_s;
+  if (t->firing.no_valve || t->supply.direct || !t->firing.every || ends_s <= t->period_s) return;
+  vs_fail_at(vs_warnings_add(w), place_of(width ? width : vs_tree_child(firing, "angle")),
+             "firing.pulse_width: the pulse lasts until %.6g ms, and forward voltage is back at "
+             "%.6g ms: it may fire there, whatever firing.angle says; a shorter pulse does not",
+             1e3 * ends_s, 1e3 * t->period_s);
+}
+
 /* The energy drawn from the mains is what the port mains gives. */
 const char *vs_warnings_without_mains(const vs_deck *deck) {
   if (deck->lost & VS_LOST_PORT) return NULL;
@@ -132,18 +145,34 @@ static double load_kg(const vs_model *m) {
   return m->riding * m->load.density_kg_m3 * m->load.volume_m3;
 }
 
+/* True: the model's share is the one that load.fraction: auto is still to find. */
+static bool is_sought(const vs_setup *s, const vs_model *m) {
+  return s->wants_fraction && isnan(m->load.fraction);
+}
+
+/* Writes the load's mass where it is the same in both; false: it is not, or that is not known. */
+static bool is_same_load(const vs_setup *s, const vs_model *a, const vs_model *b, char *text,
+                         size_t size) {
+  double kg = load_kg(a);
+  bool sought = is_sought(s, a);
+  if (kg != load_kg(b) || (kg != 0 && sought != is_sought(s, b))) return false;
+  snprintf(text, size, "%.6g kg", kg);
+  if (kg != 0 && sought) snprintf(text, size, "the same");
+  return true;
+}
+
 /* Events that change the load to what it is already, as where load.density is 0. */
 static void warn_of_loads(const vs_setup *s, vs_warnings *w) {
   const vs_model *before = &s->model;
   for (size_t k = 0; k < s->loads.count; k++) {
     const vs_model *after = &s->loads.item[k].model;
     const vs_occurrence *e = vs_loads_event(&s->timeline.events, s->loads.item[k].at_s);
-    if (load_kg(after) == load_kg(before))
-      vs_fail_at(
-          vs_warnings_add(w), e->where,
-          "events.%s: the load is %.6g kg before and after it, so that nothing changes; look "
-          "at load.density, load.volume and load.fraction",
-          e->name, load_kg(after));
+    char text[32];
+    if (is_same_load(s, before, after, text, sizeof text))
+      vs_fail_at(vs_warnings_add(w), e->where,
+                 "events.%s: the load is %s before and after it, so that nothing changes; look "
+                 "at load.density, load.volume and load.fraction",
+                 e->name, text);
     before = after;
   }
 }
@@ -163,6 +192,7 @@ void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame
                           vs_warnings *w) {
   const vs_deck *deck = frame->deck;
   warn_below_theta(root, s, w);
+  warn_of_long_pulses(root, s, w);
   warn_of_law(root, &s->model.coil, w);
   warn_of_growth(root, &s->model, w);
   warn_of_loads(s, w);

@@ -25,9 +25,24 @@ typedef struct shots {
   double last_s;      /* when the last shot began; -INFINITY: none did */
 } shots;
 
+/* On an orbit the period's beginning comes again behind its end. The steps up to the first firing
+ * are kept, so that a conduction, or the rest behind one, is followed on across the period's end.
+ */
+enum { KEPT = 32768 };
+typedef struct opening {
+  bool over; /* the device has fired, or there were more steps than that */
+  size_t count;
+  struct {
+    double at_s, v, i; /* at the step's end */
+    double i2_s;       /* int i^2 dt over it */
+  } step[KEPT];
+} opening;
+
 struct vs_device_watch {
   quick voltage, current, flux;
   shots shots;
+  opening *opening;  /* of a device that conducts or blocks, on an orbit; NULL: of any other. Owned
+                      */
   vs_reduced **busy; /* those of the device's measures that every step may change; owned */
   size_t n_busy;
 };
@@ -79,6 +94,7 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
     w->states = vs_alloc(1, sizeof *w->states);
     vs_switching_begin(w->states, frame->timeline, d->gate_rad);
     begin_shots(&own->shots, frame, d);
+    if (w->at_work) own->opening = vs_alloc(1, sizeof *own->opening);
   }
   w->reduced = vs_alloc(w->count, sizeof *w->reduced);
   own->busy = vs_alloc(w->count, sizeof *own->busy);
@@ -111,6 +127,7 @@ void vs_devices_free(vs_devices *d) {
     free(w->reduced);
     free(w->states);
     free(d->watch[k].busy);
+    free(d->watch[k].opening);
   }
   if (d) free(d->watch);
   free(d);
@@ -201,6 +218,15 @@ static void follow_states(vs_devices *d, vs_watched *w, vs_course_step *c) {
   tell(d, w, &news);
 }
 
+static void keep(opening *o, const vs_course_step *c) {
+  o->over = o->over || (c->on && !c->was_on) || o->count == KEPT;
+  if (o->over) return;
+  o->step[o->count].at_s = c->t1_s;
+  o->step[o->count].v = c->to[VS_OF_V];
+  o->step[o->count].i = c->to[VS_OF_I];
+  o->step[o->count++].i2_s = c->more[VS_OF_I2];
+}
+
 static void follow(vs_devices *d, size_t k, vs_course_step *c, const double *mid,
                    const double *to) {
   vs_watched *w = &d->item[k];
@@ -219,6 +245,7 @@ static void follow(vs_devices *d, size_t k, vs_course_step *c, const double *mid
   c->was_on = c->on = true; /* a device that does not switch conducts all the time */
   if (w->states) follow_states(d, w, c);
   if (w->states) follow_shots(d, w, &own->shots, c);
+  if (own->opening) keep(own->opening, c);
   follow_means(d, w, c);
   for (size_t n = 0; n < own->n_busy; n++) own->busy[n]->by->follow(w, own->busy[n], c);
 }
@@ -234,6 +261,7 @@ static void begin(vs_devices *d, const vs_step *step) {
     w->last[VS_OF_I] = vs_formula_value(own->current.formula, terms);
     if (own->flux.formula) w->last[VS_OF_FLUX] = vs_formula_value(own->flux.formula, terms);
     complete(w->last);
+    if (w->states) vs_switching_resume(w->states, w->last[VS_OF_I], w->last[VS_OF_V]);
     for (size_t n = 0; n < own->n_busy; n++)
       if (own->busy[n]->by->begin) own->busy[n]->by->begin(w, own->busy[n], d->began_s);
   }
@@ -253,8 +281,48 @@ void vs_devices_accept(vs_devices *d, const vs_step *step) {
   d->now_s = c.t1_s;
 }
 
+/* Takes in a step of the opening. What the device does against its gate there was told already. */
+static void follow_again(const vs_watched *w, vs_course_step *c) {
+  vs_switch_news news;
+  c->was_on = w->states->conduction.conducts;
+  vs_switching_follow(w->states, c, &news);
+  c->on = w->states->conduction.conducts;
+  news.misfire.known = news.unintended.known = news.commutation_failure = false;
+  for (size_t m = 0; m < w->count; m++) {
+    const vs_reducer *by = w->reduced[m].by;
+    if (news.any && by->take_news) by->take_news(&w->reduced[m], &news);
+    if (by->across) by->follow(w, &w->reduced[m], c);
+  }
+}
+
+/* Follows the device from the period's end on, through its opening. What is found there is told
+ * with its instant within the period. */
+static void follow_on(const vs_devices *d, const vs_watched *w, const opening *o) {
+  const double period_s = d->now_s - d->began_s;
+  vs_course_step c = {.t1_s = d->now_s};
+  memcpy(c.to, w->last, sizeof c.to);
+  for (size_t n = 0; n < o->count; n++) {
+    c.t0_s = c.t1_s;
+    memcpy(c.from, c.to, sizeof c.from);
+    c.t1_s = o->step[n].at_s + period_s;
+    c.h_s = c.t1_s - c.t0_s;
+    c.to[VS_OF_V] = o->step[n].v;
+    c.to[VS_OF_I] = o->step[n].i;
+    c.more[VS_OF_I2] = o->step[n].i2_s;
+    complete(c.to);
+    if (c.h_s > 0) follow_again(w, &c);
+  }
+  for (size_t m = 0; m < w->count; m++) {
+    vs_reduced *r = &w->reduced[m];
+    if (r->value.at_s > d->now_s) r->value.at_s -= period_s;
+    if (r->failed_s > d->now_s) r->failed_s -= period_s;
+  }
+}
+
 void vs_devices_finish(vs_devices *d) {
   if (!d || isnan(d->began_s)) return;
+  for (size_t k = 0; k < d->count; k++)
+    if (d->watch[k].opening) follow_on(d, &d->item[k], d->watch[k].opening);
   const vs_run_end end = {d->now_s, fmax(d->began_s, d->means.from_s),
                           fmin(d->now_s, d->means.to_s)};
   for (size_t k = 0; k < d->count; k++)

@@ -143,7 +143,7 @@ static void follow_pulse(const vs_watched *w, vs_reduced *r, const vs_course_ste
 }
 
 static const vs_reducer pulse = {
-    .state_size = sizeof(double), .begin = begin_at_zero, .follow = follow_pulse};
+    .state_size = sizeof(double), .across = true, .begin = begin_at_zero, .follow = follow_pulse};
 
 /* ---- heat of one pulse ---- */
 
@@ -242,6 +242,7 @@ static const vs_reducer within = {.state_size = sizeof(window),
                                   .begin = begin_window,
                                   .follow = follow_within},
                         surge = {.state_size = sizeof(window),
+                                 .across = true,
                                  .begin = begin_window,
                                  .follow = follow_surge};
 

@@ -52,6 +52,8 @@ struct vs_reducer {
   /* The reduction counts what the device did against its gate. Its value is 0 from the start where
    * that gate is known, and not known otherwise. */
   bool counts;
+  /* A conduction that goes on across the end of an orbit's period counts whole. */
+  bool across;
   /* The value is a rate, which a few steps decide: its margin is known less well (verdict.c). */
   bool is_rate;
   /* Prepares the state, before the run. limit and states are there. */

@@ -234,6 +234,13 @@ void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double delay_
   vs_conduction_begin(&s->conduction);
 }
 
+void vs_switching_resume(vs_switch *s, double i_a, double v_v) {
+  vs_conduction_resume(&s->conduction, i_a, v_v);
+  if (!s->conduction.conducts) return;
+  s->by_gate = true;
+  s->fired_s = -INFINITY;
+}
+
 static void follow_current(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   bool was_on = s->conduction.conducts;
   if (!was_on) follow_rest(s, c, news);

@@ -75,6 +75,9 @@ typedef struct vs_switch {
 } vs_switch;
 /* delay_rad: as in vs_gate_watch. */
 void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double delay_rad);
+/* Tells the current and the voltage at the first knot, before the first step. A device that
+ * conducts there, as on an orbit, was fired by its gate before. */
+void vs_switching_resume(vs_switch *s, double i_a, double v_v);
 
 /* What a step brought. Values that are not known were not brought. */
 typedef struct vs_switch_news {

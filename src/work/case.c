@@ -227,7 +227,7 @@ static vs_status judge_orbit(const vs_case *c, vs_error *err) {
   for (size_t k = 0; k < c->plan->n_columns; k++)
     if (!strcmp(c->plan->columns[k].name, VS_ATWORK_STABLE) && c->plan->columns[k].where.file)
       return VS_OK;
-  if (orbit->stable || !vs_steady_multipliers(c->steady)) return VS_OK;
+  if (orbit->stable || !vs_steady_is_judged(c->steady)) return VS_OK;
   return vs_fail(err, VS_RUN,
                  "the orbit is unstable: its largest multiplier has the size %.6g, so the machine "
                  "does not stay on it; report: [%s, ...] has it in the table nevertheless",
