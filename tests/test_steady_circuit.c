@@ -194,6 +194,31 @@ static void a_run_begins_there(void) {
   EXPECT(contains("dip/summary.json", "\"steady\": true"), "summary.json");
 }
 
+/* With a stop, and the orbits of period 1 and 3 that are stable there. At 80 degrees tier switched
+ * keeps off the stop; the circuit does not, and the machine, marched on for 200 cycles, comes back
+ * after 5. At 60 degrees the swing's own Phi would drive the armature through its stop. */
+static void with_a_stop(void) {
+  static const struct {
+    const char *words;
+    int status;
+    const char *says;
+  } ROWS[] = {
+      {"--set firing.angle=82deg", 0, "\"stable\": true"},
+      {"--set firing.angle=66deg --period 3", 0, "\"stable\": true"},
+      {"--set firing.angle=80deg", 2, "after 5 periods: try --period 5"},
+      {"--set firing.angle=60deg", 2, "`steady --period 2` reports"},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    ran r = run("steady paper --tier circuit --set firing.every=1 --set actuator.stop={} --set "
+                "run.tolerance=1e-3 --set run.verify=never %s --json --quiet",
+                ROWS[k].words);
+    EXPECT(r.status == ROWS[k].status && strstr(r.status ? r.err : r.out, ROWS[k].says),
+           "%s: %d %s", ROWS[k].words, r.status, r.err);
+    EXPECT(r.status || number(r.out, "correction") <= 1e-5, "%s", ROWS[k].words);
+    free_ran(&r);
+  }
+}
+
 /* The same bytes again, and for an orbit of a machine that is another. */
 static void the_same_again(void) {
   static const char WORDS[] = "steady two_mass --tier circuit --set firing.every=1 --set "
@@ -230,6 +255,7 @@ static const vs_test TESTS[] = {
     {"at other angles", at_other_angles},
     {"a flux that creeps", a_flux_that_creeps},
     {"a run begins there", a_run_begins_there},
+    {"with a stop", with_a_stop},
     {"what no probe shows", what_no_probe_shows},
     {"the same again", the_same_again},
     {"refused", refused},

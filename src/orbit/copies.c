@@ -25,11 +25,9 @@ static int leader_of(const vs_model *m, const double *scale) {
   return leader;
 }
 
-vs_status vs_copies_fork(vs_copies *c, const vs_model *m, const double *scale, double part,
-                         double *x, vs_error *err) {
-  *c = (vs_copies){.count = 2 * m->dof, .leader = leader_of(m, scale)};
+/* Copies the process, c->count times. Behind it c->inside tells who is who. */
+static vs_status fork_all(vs_copies *c, vs_error *err) {
   for (int j = 0; j < c->count; j++) {
-    c->push[j] = part * scale[j];
     vs_status status = vs_child_fork(&c->copy[j], err);
     for (int k = 0; status && k < j; k++) {
       vs_error why = {0};
@@ -40,16 +38,32 @@ vs_status vs_copies_fork(vs_copies *c, const vs_model *m, const double *scale, d
     if (c->copy[j].pid) continue;
     c->inside = true;
     c->mine = j;
-    x[j] += c->push[j];
     return VS_OK;
   }
   return VS_OK;
 }
 
+vs_status vs_copies_fork(vs_copies *c, const vs_model *m, const double *scale, double part,
+                         double *x, vs_error *err) {
+  *c = (vs_copies){.count = 2 * m->dof, .leader = leader_of(m, scale)};
+  for (int j = 0; j < c->count; j++) c->push[j] = part * scale[j];
+  vs_status status = fork_all(c, err);
+  if (!status && c->inside) x[c->mine] += c->push[c->mine];
+  return status;
+}
+
+vs_status vs_copies_send(vs_copies *c, int count, double start[][VS_MOST_STATES], double *x,
+                         vs_error *err) {
+  *c = (vs_copies){.count = count, .leader = -1};
+  vs_status status = fork_all(c, err);
+  if (!status && c->inside) memcpy(x, start[c->mine], sizeof *start);
+  return status;
+}
+
 void vs_copies_pass(vs_copies *c, const vs_knot *end) {
   double *z = c->told.z[c->periods++];
-  memcpy(z, end->x, (size_t)c->count * sizeof *z);
-  z[c->count] = end->flux_wb;
+  memcpy(z, end->x, sizeof end->x);
+  if (c->leader >= 0) z[c->count] = end->flux_wb;
   if (c->periods == (c->mine == c->leader ? VS_COPIES_PERIODS : VS_COPIES_PERIODS - 1))
     vs_child_tell(&c->copy[c->mine], &c->told, sizeof c->told);
 }
@@ -99,6 +113,33 @@ static bool solve(const pairs *p, size_t n, double lost, double r[][VS_VARIATION
     memcpy(r[i], row, n * sizeof *row);
   }
   return true;
+}
+
+void vs_copies_await(const vs_copies *c, vs_copies_told told[], bool came[]) {
+  for (int j = 0; j < c->count; j++) {
+    vs_error why = {0};
+    came[j] = !vs_child_hear(&c->copy[j], &told[j], sizeof told[j], &why);
+  }
+}
+
+vs_status vs_copies_map(const vs_copies *c, double base[][VS_MOST_STATES], const double *scale,
+                        double r[][VS_VARIATION_MOST], vs_error *err) {
+  vs_copies_told told[VS_COPIES_MOST];
+  bool came[VS_COPIES_MOST];
+  pairs p;
+  vs_copies_await(c, told, came);
+  for (int j = 0; j < c->count; j++) {
+    if (!came[j]) return vs_fail(err, VS_RUN, "a copy of the run has failed");
+    for (int i = 0; i < c->count; i++) {
+      p.from[j][i] = (told[j].z[0][i] - base[0][i]) / scale[i];
+      p.to[j][i] = (told[j].z[1][i] - base[1][i]) / scale[i];
+    }
+  }
+  if (!solve(&p, (size_t)c->count, 0, r))
+    return vs_fail(err, VS_RUN, "the derivatives of a period cannot be found");
+  for (int i = 0; i < c->count; i++)
+    for (int j = 0; j < c->count; j++) r[i][j] *= scale[i] / scale[j];
+  return VS_OK;
 }
 
 vs_status vs_copies_hear(const vs_copies *c, const double *orbit, const double *scale, double lost,

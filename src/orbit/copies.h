@@ -25,8 +25,8 @@ typedef struct vs_copies_told {
 
 /* Start from {0}. */
 typedef struct vs_copies {
-  int count;  /* of the machine's states, and of the copies */
-  int leader; /* the copy that runs for the third period */
+  int count;  /* of the copies; where each pushes a state, of the machine's states */
+  int leader; /* the copy that runs for the third period; -1: none does */
   double push[VS_COPIES_MOST];
   vs_child_copy copy[VS_COPIES_MOST];
   bool inside; /* this process is one of the copies */
@@ -40,6 +40,21 @@ typedef struct vs_copies {
  * VS_RUN, there are no processes to be had; those made are gone then. */
 vs_status vs_copies_fork(vs_copies *copies, const vs_model *model, const double *scale, double part,
                          double *x, vs_error *err);
+
+/* The same of so many copies that begin at start[0], start[1], ... and run for two periods. */
+vs_status vs_copies_send(vs_copies *copies, int count, double start[][VS_MOST_STATES], double *x,
+                         vs_error *err);
+
+/* In the parent: waits for such copies. Returns false for copy j in came[j] where its run has
+ * failed. */
+void vs_copies_await(const vs_copies *copies, vs_copies_told told[], bool came[]);
+
+/* In the parent: waits for copies that were sent from states each pushed aside in its own
+ * direction, and sets R of the states, with Z2 = R Z1. base: where one that was not pushed was
+ * behind each period. Error: VS_RUN, a copy has failed, or the pushes have become too much alike.
+ */
+vs_status vs_copies_map(const vs_copies *copies, double base[][VS_MOST_STATES], const double *scale,
+                        double r[][VS_VARIATION_MOST], vs_error *err);
 
 /* In a copy: takes in the end of a period. Does not return from the last one. */
 void vs_copies_pass(vs_copies *copies, const vs_knot *end);

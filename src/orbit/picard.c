@@ -11,12 +11,20 @@
 #include "orbit/copies.h"
 #include "orbit/creep.h"
 
-enum { MOST = VS_MOST_STATES };
+enum { MOST = VS_MOST_STATES, LONGEST = 6 };
 
-/* A search: the prelude of one run. */
+/* What a pass is for: */
+enum {
+  STEERED, /* Newton's step behind it, with the Phi there is */
+  FREE,    /* none: the machine is left to itself */
+  FIRST,   /* the first of a pair, from which the circuit's own Phi comes, */
+  SECOND   /* and the second of it */
+};
+
+/* A search: the prelude of one run. LONGEST: the longest period that the machine is asked for where
+ * it is left to itself. */
 typedef struct vs_picard_search {
   const vs_setup *setup;
-  bool alone;       /* Phi is that of the machine's swing alone */
   int count;        /* of the states */
   int passed;       /* firing periods of the present pass, which has orbit.n of them */
   int cycles;       /* in all */
@@ -39,6 +47,14 @@ typedef struct vs_picard_search {
   double (*between)[MOST]; /* the states at the ends of the pass's firing periods; owned */
   vs_copies copies;
   vs_creep creep;
+  int pass;                   /* what the present pass is for */
+  int steered;                /* passes that were steered */
+  int left;                   /* so many passes more the machine is left to itself */
+  bool marched;               /* it was for long */
+  int pairs;                  /* since it was last */
+  double pair[2][MOST];       /* where the last pair's passes ended */
+  double past_m[2 * LONGEST]; /* the travel where the last firing periods ended */
+  double travel_m;            /* the largest size of the travel so far */
 } search;
 
 /* ---- Newton's step ---- */
@@ -189,9 +205,188 @@ static vs_status take_orbit(vs_picard *p, const vs_knot *end, bool *begins, vs_e
   return *begins ? refuse_subharmonic(p, err) : VS_OK;
 }
 
+/* ---- the circuit's own Phi ---- */
+
+/* Where tier switched's Phi does not do, as with a stop that this tier does not reach or reaches
+ * later, the circuit's own is taken, by differences. The parent and a copy for each state run for
+ * two periods, in the first of which the circuit forgets; R of the second is Phi, all that the
+ * circuit remembers included. From the pair's residual and R comes Newton's step. Copies try it,
+ * and parts of it; the best one is taken. A run that fails, as the stop gives way, is then that of
+ * a copy. */
+
+/* A copy's state is pushed by this part of its scale. */
+static const double PUSHED = 3e-4;
+/* The parts of Newton's step that are tried: 1, 1/3, 1/9, ... */
+enum { TRIALS = 4 };
+static const double SHORTER = 1.0 / 3;
+/* With a residual below this the Phi found is kept, and passes are steered again. */
+static const double NEAR = 1e-3;
+/* So many pairs follow on one march. */
+enum { PAIRS = 8 };
+/* For so many firing periods the machine is left to itself: before the first pair where no orbit of
+ * tier switched is known, times the orbit's period; and where pairs have come to nothing. */
+enum { MARCH = 30, LONG_MARCH = 200 };
+/* How near, in parts of the largest travel, the armature is to come to where it was, behind the
+ * long one. Slow modes are still on their way then. */
+static const double COMES_BACK = 0.03;
+/* Passes that are not steered, but for the long march: two rounds of pairs, and the short march. */
+enum { MOST_UNSTEERED = 4 * PAIRS + MARCH + 1 };
+
+/* Sends the copies that Phi is found from, at s->x. Sets the pilot's state, also in a copy. */
+static vs_status begin_pair(vs_picard *p, vs_error *err) {
+  search *s = p->search;
+  double start[MOST][MOST];
+  for (int j = 0; j < s->count; j++) {
+    memcpy(start[j], s->x, sizeof s->x);
+    start[j][j] += PUSHED * s->scale[j];
+  }
+  s->pass = FIRST;
+  memcpy(p->pilot.x, s->x, sizeof s->x);
+  return vs_copies_send(&s->copies, s->count, start, p->pilot.x, err);
+}
+
+static double residual(const search *s, const double *from, const double *to) {
+  double most = 0;
+  for (int j = 0; j < s->count; j++) most = fmax(most, fabs(to[j] - from[j]) / s->scale[j]);
+  return most;
+}
+
+/* Tries parts of Newton's step from where the first pass ended, and sets s->x to the best. Returns
+ * the residual there; INFINITY: all have failed. *inside: this is a copy. */
+static double try_steps(vs_picard *p, const double *step, bool *inside, vs_error *err) {
+  search *s = p->search;
+  double start[TRIALS][MOST], part = 1, best = INFINITY;
+  vs_copies_told told[VS_COPIES_MOST];
+  bool came[VS_COPIES_MOST];
+  for (int k = 0; k < TRIALS; k++, part *= SHORTER)
+    for (int j = 0; j < s->count; j++) start[k][j] = s->pair[0][j] + part * step[j];
+  *inside = false;
+  if (vs_copies_send(&s->copies, TRIALS, start, p->pilot.x, err)) return INFINITY;
+  *inside = s->copies.inside;
+  if (*inside) return 0;
+  vs_copies_await(&s->copies, told, came);
+  for (int k = 0; k < TRIALS; k++) {
+    double off = came[k] ? residual(s, told[k].z[0], told[k].z[1]) : INFINITY;
+    if (!(off < best)) continue;
+    best = off;
+    memcpy(s->x, start[k], sizeof s->x);
+  }
+  return best;
+}
+
+/* What was moved in the circuit may have been what crept. */
+static void forget_corrections(search *s) {
+  s->before = s->creeps = s->remains = 0;
+  s->ratio = NAN;
+  s->steady = 0;
+}
+
+/* The least residual of passes that are steered again: those before count no more. */
+static void steer_again(search *s) {
+  s->pass = STEERED;
+  s->least = INFINITY;
+  s->stalled = 0;
+  s->noise = 0;
+  forget_corrections(s);
+  vs_creep_begin(&s->creep, s->creep.deck, s->creep.tolerance, s->creep.period_s);
+}
+
+/* Pairs have come to nothing: is the machine on another orbit? */
+static vs_status leave_alone(vs_picard *p, vs_error *err) {
+  search *s = p->search;
+  if (s->marched)
+    return vs_fail(
+        err, VS_RUN,
+        "with the circuit's own derivatives, too, the residual is still %.2g of the motion",
+        s->correction);
+  s->marched = true;
+  s->pass = FREE;
+  s->left = LONG_MARCH / p->orbit.n + 1;
+  if (p->guessed) memcpy(s->x, p->orbit.x, sizeof s->x);
+  memcpy(p->pilot.x, s->x, sizeof s->x);
+  return VS_OK;
+}
+
+/* The least number of firing periods after which the machine comes back to about where it was; 0:
+ * there is none up to LONGEST. */
+static int comes_back_after(const search *s) {
+  for (int k = 1; k <= LONGEST; k++) {
+    double off = 0;
+    for (int back = 0; back < LONGEST; back++)
+      off = fmax(off, fabs(s->past_m[(s->cycles - back) % (2 * LONGEST)] -
+                           s->past_m[(s->cycles - back - k) % (2 * LONGEST)]));
+    off /= s->travel_m;
+    if (off < COMES_BACK) return k;
+  }
+  return 0;
+}
+
+/* The long march has ended. */
+static vs_status look_around(vs_picard *p, vs_error *err) {
+  int k = comes_back_after(p->search), n = p->orbit.n;
+  if (k == n) return begin_pair(p, err);
+  if (k)
+    return vs_fail(err, VS_INPUT,
+                   "an orbit of period %d was asked for; none is found, and the machine, left to "
+                   "itself, comes back to about where it was after %d periods: try --period %d",
+                   n, k, k);
+  return vs_fail(err, VS_RUN,
+                 "no orbit of period %d is found; nor does the machine, left to itself, come back "
+                 "to where it was after up to %d periods",
+                 n, LONGEST);
+}
+
+/* The pair has ended. */
+static vs_status end_pair(vs_picard *p, vs_error *err) {
+  search *s = p->search;
+  bool inside;
+  vs_error why = {0};
+  double before = residual(s, s->pair[0], s->pair[1]), step[MOST] = {0};
+  vs_status status = vs_copies_map(&s->copies, s->pair, s->scale, p->orbit.monodromy, &why);
+  memcpy(p->orbit.scale, s->scale, sizeof s->scale);
+  memcpy(s->x, s->pair[1], sizeof s->x);
+  s->correction = before;
+  if (status || !invert(&p->orbit, s->inverse)) return leave_alone(p, err);
+  for (int i = 0; i < s->count; i++)
+    for (int j = 0; j < s->count; j++)
+      step[i] += s->inverse[i][j] * (s->pair[1][j] - s->pair[0][j]);
+  double after = try_steps(p, step, &inside, err);
+  if (inside) return VS_OK;
+  s->correction = after;
+  if (after < NEAR) {
+    steer_again(s);
+    return VS_OK;
+  }
+  if (!isfinite(after) || ++s->pairs == PAIRS) return leave_alone(p, err);
+  return begin_pair(p, err);
+}
+
+/* Behind a pass that is not steered. Sets where the next one begins. */
+static vs_status pass_unsteered(vs_picard *p, const vs_knot *end, vs_error *err) {
+  search *s = p->search;
+  vs_status status = VS_OK;
+  find_scales(s);
+  if (s->pass == FREE) {
+    memcpy(s->x, end->x, sizeof s->x);
+    memcpy(p->pilot.x, s->x, sizeof s->x);
+    if (--s->left > 0) return VS_OK;
+    s->pairs = 0;
+    return s->marched ? look_around(p, err) : begin_pair(p, err);
+  }
+  memcpy(s->pair[s->pass == SECOND], end->x, sizeof s->x);
+  if (s->pass == FIRST) {
+    s->pass = SECOND;
+    memcpy(p->pilot.x, end->x, sizeof p->pilot.x);
+    return VS_OK;
+  }
+  status = end_pair(p, err);
+  if (!s->copies.inside) memcpy(p->pilot.x, s->x, sizeof s->x);
+  return status;
+}
+
 /* ---- the pilot ---- */
 
-/* The most firing periods of a search, times the orbit's period. */
+/* The most passes of a search that are steered by Newton's step. */
 enum { MOST_PASSES = 200 };
 
 /* Relative to run.tolerance: how well the orbit is to be known. */
@@ -216,6 +411,11 @@ static void begin(void *self, const vs_setup *setup) {
   memcpy(s->x, p->orbit.x, sizeof s->x);
   memcpy(p->pilot.x, s->x, sizeof s->x);
   invert(&p->orbit, s->inverse);
+  /* Where a stop is in reach, and there is no other Phi than the swing's own. */
+  if (!p->guessed && setup->model.stops.count) {
+    s->pass = FREE;
+    s->left = MARCH;
+  }
   vs_creep_begin(&s->creep, &setup->deck, CREPT * setup->run.tolerance, p->pilot.period_s);
 }
 
@@ -223,6 +423,7 @@ static void accept(void *self, const vs_step *step) {
   search *s = ((vs_picard *)self)->search;
   for (int j = 0; j < s->count; j++) s->peak[j] = fmax(s->peak[j], fabs(step->to->x[j]));
   s->peak[s->count] = fmax(s->peak[s->count], fabs(step->to->flux_wb));
+  s->travel_m = fmax(s->travel_m, fabs(vs_mechanics_travel(&s->setup->model, step->to->x)));
   vs_creep_accept(&s->creep, step);
 }
 
@@ -231,7 +432,7 @@ static vs_status go_on(const vs_picard *p, vs_error *err) {
   const search *s = p->search;
   const char *name = "";
   const vs_creep_probe *creeps = vs_creep_worst(&s->creep, &name);
-  if (isfinite(s->correction) && s->cycles < MOST_PASSES * p->orbit.n) return VS_OK;
+  if (isfinite(s->correction) && s->steered < MOST_PASSES) return VS_OK;
   if (creeps && s->correction <= s->tolerance)
     return vs_fail(err, VS_RUN, "%s still creeps by %.2g of its largest size a period", name,
                    fabs(creeps->change) / creeps->scale);
@@ -266,13 +467,6 @@ static void follow_corrections(search *s) {
   s->remains = s->creeps > 0 ? s->correction * series : 0;
 }
 
-/* What was moved in the circuit may have been what crept. */
-static void forget_corrections(search *s) {
-  s->before = s->creeps = s->remains = 0;
-  s->ratio = NAN;
-  s->steady = 0;
-}
-
 /* Notes whether corrections still fall. */
 static void watch(search *s) {
   follow_corrections(s);
@@ -293,11 +487,23 @@ static bool is_close(search *s) {
   return true;
 }
 
+/* Corrections are so far from falling that another Phi is wanted: so many passes have brought no
+ * less, or one behind the first few is a large part of the motion. A stop makes that. */
+static const double WILD = 0.4;
+enum { LOST = 5, SETTLES = 3 };
+
+static bool is_lost(const search *s) {
+  if (!s->setup->model.stops.count) return false;
+  return (s->stalled >= LOST || (s->correction > WILD && s->steered > SETTLES)) &&
+         s->least > s->setup->run.tolerance && s->creep.area_v_s == 0;
+}
+
 static vs_status turn(void *self, const vs_knot *end, bool *begins, vs_error *err) {
   vs_picard *p = self;
   search *s = p->search;
   const char *name;
   s->cycles++;
+  s->past_m[s->cycles % (2 * LONGEST)] = vs_mechanics_travel(&s->setup->model, end->x);
   memcpy(s->between[s->passed], end->x, sizeof *s->between);
   memcpy(p->pilot.x, end->x, sizeof p->pilot.x);
   if (++s->passed < p->orbit.n) return VS_OK;
@@ -306,12 +512,18 @@ static vs_status turn(void *self, const vs_knot *end, bool *begins, vs_error *er
     vs_copies_pass(&s->copies, end);
     return VS_OK;
   }
+  if (s->pass != STEERED) return pass_unsteered(p, end, err);
+  s->steered++;
   bool clean = vs_creep_turn(&s->creep, end);
   if (clean) correct(s, end->x); /* else the machine goes back to where it was */
   if (clean)
     watch(s);
   else
     forget_corrections(s);
+  if (is_lost(s)) {
+    memcpy(s->x, end->x, sizeof s->x);
+    return begin_pair(p, err);
+  }
   memcpy(p->pilot.x, s->x, sizeof s->x);
   bool next_clean =
       vs_creep_is_told(&s->creep) && s->creep.area_v_s == 0 && !vs_creep_worst(&s->creep, &name);
@@ -353,7 +565,8 @@ static void follow_on(vs_orbit *o, const vs_orbit *one) {
 }
 
 /* Where the search begins. The orbit of tier switched may repeat after fewer periods. */
-static vs_status guess(const vs_scene *ideal, int periods, vs_orbit *o, vs_error *err) {
+static vs_status guess(const vs_scene *ideal, int periods, vs_orbit *o, bool *guessed,
+                       vs_error *err) {
   const vs_shooting how = {.periods = periods, .quietly = true};
   const vs_timeline *line = &ideal->setup.timeline;
   vs_error why = {0};
@@ -363,6 +576,7 @@ static vs_status guess(const vs_scene *ideal, int periods, vs_orbit *o, vs_error
   for (int k = one.n; !status && k < periods; k += one.n) follow_on(o, &one);
   o->n = periods;
   o->period_s = periods * line->firing.every * line->period_s;
+  *guessed = !status;
   if (status) begin_at_start(ideal, o->period_s, o);
   return VS_OK;
 }
@@ -373,21 +587,22 @@ vs_status vs_picard_new(const vs_scene *scene, int periods, bool wants_multiplie
   *p = (vs_picard){.wants_multipliers = wants_multipliers, .ideal = on_ideal_tier(scene)};
   p->search = vs_alloc(1, sizeof *p->search);
   *picard = NULL;
-  vs_status status = guess(p->ideal, periods, &p->orbit, err);
+  vs_status status = guess(p->ideal, periods, &p->orbit, &p->guessed, err);
   if (status) {
     vs_picard_free(p);
     return status;
   }
   p->search->between = vs_alloc((size_t)periods, sizeof *p->search->between);
-  p->pilot = (vs_pilot){.self = p,
-                        .period_s = p->orbit.period_s / p->orbit.n,
-                        .most = (MOST_PASSES + VS_COPIES_PERIODS) * periods,
-                        .begin = begin,
-                        .accept = accept,
-                        .turn = turn,
-                        .push = push,
-                        .end = end,
-                        .free = release};
+  p->pilot =
+      (vs_pilot){.self = p,
+                 .period_s = p->orbit.period_s / p->orbit.n,
+                 .most = (MOST_PASSES + MOST_UNSTEERED + VS_COPIES_PERIODS) * periods + LONG_MARCH,
+                 .begin = begin,
+                 .accept = accept,
+                 .turn = turn,
+                 .push = push,
+                 .end = end,
+                 .free = release};
   *picard = p;
   return VS_OK;
 }

@@ -6,7 +6,11 @@
  *   x + (I - Phi)^-1 (x' - x),
  * with Phi = dx'/dx of tier switched, which is near enough: what Phi is off, and what the circuit
  * remembers, makes the corrections fall by a factor of two to four from period to period. What the
- * circuit forgets slowly is moved on its own (orbit/creep.h). */
+ * circuit forgets slowly is moved on its own (orbit/creep.h).
+ *
+ * With a stop in reach the two tiers' Phi may have little in common, and corrections do not fall.
+ * Then Phi is found by differences between copies of the process (orbit/copies.h). If that does not
+ * do either the machine is left to itself, to tell what period it runs on. */
 #ifndef VS_ORBIT_PICARD_H
 #define VS_ORBIT_PICARD_H
 
@@ -24,6 +28,7 @@ typedef struct vs_picard {
   double known_to; /* about how well these are known; a smaller one is lost in rounding */
   char missing[256]; /* why none is, where they were wanted */
   bool wants_multipliers;
+  bool guessed;                    /* the search begins with an orbit of tier switched */
   vs_scene *ideal;                 /* the scene on tier switched; owned */
   struct vs_picard_search *search; /* the present one; owned */
 } vs_picard;
@@ -33,7 +38,8 @@ typedef struct vs_picard {
  * wants_multipliers: the orbit's multipliers are to be found, too. The scene must outlive it.
  * Error, with *picard NULL: VS_INPUT, what vs_shooting_seek refuses. The pilot's own errors, which
  * end the run: VS_INPUT, the orbit repeats after fewer periods, or is unstable and the machine runs
- * on a subharmonic; VS_RUN, the search does not converge. */
+ * on a subharmonic, or none is found and the machine comes back after another number of periods;
+ * VS_RUN, the search does not converge. */
 vs_status vs_picard_new(const vs_scene *scene, int periods, bool wants_multipliers,
                         vs_picard **picard, vs_error *err);
 void vs_picard_free(vs_picard *picard);
