@@ -20,7 +20,7 @@
 #include "fit/aims.h"
 #include "fit/inquiry.h"
 #include "method/methods.h"
-#include "orbit/steady.h"
+#include "steady/steady.h"
 #include "picture/plot.h"
 #include "report/fitting.h"
 #include "report/report.h"

@@ -12,7 +12,7 @@
 #include "base/file.h"
 #include "base/leave.h"
 #include "command/show.h"
-#include "orbit/steady.h"
+#include "steady/steady.h"
 #include "scene/session.h"
 #include "watch/table.h"
 

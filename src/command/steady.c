@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "base/text.h"
-#include "orbit/steady.h"
+#include "steady/steady.h"
 #include "period/classes.h"
 
 enum { DIGITS = 12, SHOWN = 10 /* the last harmonic in the table; JSON has all */ };

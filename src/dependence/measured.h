@@ -4,7 +4,7 @@
 #ifndef VS_DEPENDENCE_MEASURED_H
 #define VS_DEPENDENCE_MEASURED_H
 
-#include "orbit/steady.h"
+#include "steady/steady.h"
 #include "scene/shown.h"
 
 /* Start from {0} and free with vs_measured_free. Not to be copied. */

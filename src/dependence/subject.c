@@ -8,7 +8,7 @@
 
 #include "base/text.h"
 #include "orbit/flight.h"
-#include "orbit/steady.h"
+#include "steady/steady.h"
 
 static const char *inexact(const vs_scene *s) {
   const vs_setup *setup = &s->setup;

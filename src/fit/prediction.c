@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "orbit/steady.h"
+#include "steady/steady.h"
 #include "scene/session.h"
 
 void vs_prediction_begin(vs_prediction *p, const vs_inquiry *q) {

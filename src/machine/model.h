@@ -13,7 +13,7 @@ enum { VS_MOST_DOF = VS_MACHINE_COORDINATES, VS_MOST_STATES = 2 * VS_MOST_DOF };
 
 typedef struct vs_load_values {
   double density_kg_m3, volume_m3;
-  double fraction; /* lambda_t; NaN: `auto`, found with the scene's orbit (orbit/fraction.h) */
+  double fraction; /* lambda_t; NaN: `auto`, found with the scene's orbit (steady/fraction.h) */
 } vs_load_values;
 extern const vs_section vs_model_load_section;
 

@@ -4,11 +4,11 @@
  *   steady: {period: N}          N firing periods, 1 where it is left out; `true` is the same as {}
  *
  * runs in each case what `vibrospice steady` runs: one period of the orbit. Its cases have the
- * measures of the orbit (orbit/steady.h) as columns, too, and some that stand for lists there. */
+ * measures of the orbit (steady/steady.h) as columns, too, and some that stand for lists there. */
 #ifndef VS_PLAN_ATWORK_H
 #define VS_PLAN_ATWORK_H
 
-#include "orbit/steady.h"
+#include "steady/steady.h"
 #include "scene/shown.h"
 
 /* The column that tells whether the orbit is stable, 1, or not, 0. */

@@ -5,7 +5,7 @@
  * end the pilot puts the machine into another state, while the solver goes on. Once the pilot says
  * so, t = 0 is the beginning of the run that the observer sees.
  *
- * orbit/picard.h is one. */
+ * steady/picard.h is one. */
 #ifndef VS_SIM_PILOT_H
 #define VS_SIM_PILOT_H
 

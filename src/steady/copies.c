@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/copies.h"
+#include "steady/copies.h"
 
 #include <gsl/gsl_linalg.h>
 #include <math.h>

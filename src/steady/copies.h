@@ -9,8 +9,8 @@
  *   Z2 = R Z1;
  * the eigenvalues of R are the multipliers. There is one column more than states of the machine, as
  * one of the copies runs for a third period. */
-#ifndef VS_ORBIT_COPIES_H
-#define VS_ORBIT_COPIES_H
+#ifndef VS_STEADY_COPIES_H
+#define VS_STEADY_COPIES_H
 
 #include "orbit/multipliers.h"
 #include "sim/knot.h"

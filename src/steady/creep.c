@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/creep.h"
+#include "steady/creep.h"
 
 #include <math.h>
 #include <string.h>

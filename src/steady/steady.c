@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/steady.h"
+#include "steady/steady.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "orbit/fraction.h"
+#include "steady/fraction.h"
 
 vs_setup vs_steady_setup(const vs_scene *scene, const vs_run_values *run, const vs_orbit *orbit) {
   vs_setup setup = vs_shooting_setup(scene, run, orbit);

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What in a circuit forgets slowly, while its orbit is searched for (orbit/picard.h). A core's flux
- * linkage may creep for a hundred cycles, as that of a transformer which a thyristor loads with
- * direct current. Such a flux is moved: in a firing period of its own the mains get a voltage of a
- * known area, v(t) = A/T (1 - cos 2 pi t/T). The next period is a clean one again and tells by how
- * much the flux still creeps; where it would not creep any more is then found by secants.
+ * What in a circuit forgets slowly, while its orbit is searched for (steady/picard.h). A core's
+ * flux linkage may creep for a hundred cycles, as that of a transformer which a thyristor loads
+ * with direct current. Such a flux is moved: in a firing period of its own the mains get a voltage
+ * of a known area, v(t) = A/T (1 - cos 2 pi t/T). The next period is a clean one again and tells by
+ * how much the flux still creeps; where it would not creep any more is then found by secants.
  *
  * A flux linkage is known by its probe, whose unit is Wb. What else creeps, by a probe in V or A,
  * is only waited for. */
-#ifndef VS_ORBIT_CREEP_H
-#define VS_ORBIT_CREEP_H
+#ifndef VS_STEADY_CREEP_H
+#define VS_STEADY_CREEP_H
 
 #include "sim/setup.h"
 #include "sim/step.h"

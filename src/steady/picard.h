@@ -6,13 +6,13 @@
  *   x + (I - Phi)^-1 (x' - x),
  * with Phi = dx'/dx of tier switched, which is near enough: what Phi is off, and what the circuit
  * remembers, makes the corrections fall by a factor of two to four from period to period. What the
- * circuit forgets slowly is moved on its own (orbit/creep.h).
+ * circuit forgets slowly is moved on its own (steady/creep.h).
  *
  * With a stop in reach the two tiers' Phi may have little in common, and corrections do not fall.
- * Then Phi is found by differences between copies of the process (orbit/copies.h). If that does not
+ * Then Phi is found by differences between copies of the process (steady/pairs.h). If that does not
  * do either the machine is left to itself, to tell what period it runs on. */
-#ifndef VS_ORBIT_PICARD_H
-#define VS_ORBIT_PICARD_H
+#ifndef VS_STEADY_PICARD_H
+#define VS_STEADY_PICARD_H
 
 #include "orbit/shooting.h"
 #include "sim/pilot.h"
@@ -28,9 +28,8 @@ typedef struct vs_picard {
   double known_to; /* about how well these are known; a smaller one is lost in rounding */
   char missing[256]; /* why none is, where they were wanted */
   bool wants_multipliers;
-  bool guessed;                    /* the search begins with an orbit of tier switched */
-  vs_scene *ideal;                 /* the scene on tier switched; owned */
-  struct vs_picard_search *search; /* the present one; owned */
+  vs_scene *ideal;          /* the scene on tier switched; owned */
+  struct vs_search *search; /* the present one; owned */
 } vs_picard;
 
 /* Makes the pilot of a scene on tier circuit, for an orbit of that many firing periods. Its search

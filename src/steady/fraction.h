@@ -2,8 +2,8 @@
  * load.fraction: auto. The share of the material that rides, lambda_t, follows from the throw
  * coefficient K by the paper's empirical range (vs_model_fraction); K is that of the machine's
  * orbit; and the orbit is that of a machine which carries this share. */
-#ifndef VS_ORBIT_FRACTION_H
-#define VS_ORBIT_FRACTION_H
+#ifndef VS_STEADY_FRACTION_H
+#define VS_STEADY_FRACTION_H
 
 #include "scene/scene.h"
 

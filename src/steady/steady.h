@@ -2,16 +2,16 @@
  * A machine at work: the periodic orbit of a scene, and one period of it as a run. What makes the
  * run is scene/session.h, as of any other run; what is known of the orbit besides its measures
  * stands here. */
-#ifndef VS_ORBIT_STEADY_H
-#define VS_ORBIT_STEADY_H
+#ifndef VS_STEADY_STEADY_H
+#define VS_STEADY_STEADY_H
 
-#include "orbit/picard.h"
 #include "orbit/shooting.h"
 #include "period/heat.h"
 #include "period/reaction.h"
 #include "period/spectrum.h"
 #include "period/throw.h"
 #include "scene/result.h"
+#include "steady/picard.h"
 
 /* What a period tells besides the measures of every run: member, name, unit, text. */
 #define VS_STEADY_LIST(X)                                                                          \
@@ -56,7 +56,7 @@ typedef struct vs_steady_measure {
 
 /* Finds the orbit of that many firing periods, and makes the scene the one whose run is a period of
  * it: run.until is the period, the start is the orbit's, t = 0 is the mains' rise through zero. On
- * tier circuit the run itself finds the orbit, in its prelude (orbit/picard.h). Errors: VS_INPUT,
+ * tier circuit the run itself finds the orbit, in its prelude (steady/picard.h). Errors: VS_INPUT,
  * the scene's tier knows no orbits; those of vs_shooting_find and vs_picard_new. */
 vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_error *err);
 void vs_steady_end(vs_steady *steady);

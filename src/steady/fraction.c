@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/fraction.h"
+#include "steady/fraction.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -7,11 +7,11 @@
 
 #include "base/text.h"
 #include "machine/build.h"
-#include "orbit/picard.h"
 #include "orbit/shooting.h"
 #include "period/throw.h"
 #include "scene/session.h"
 #include "scene/tiers.h"
+#include "steady/picard.h"
 
 enum { MOST_TRIALS = 40 };
 /* The share is found where the orbit's own differs by less: far below what an empirical number
