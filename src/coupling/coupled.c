@@ -71,9 +71,9 @@ static double longest(void *ctx, double solver_s) {
   return fmin(most, vs_events_longest(&course->setup->timeline.events, run_time(c, solver_s)));
 }
 
-/* Asks whoever may make another run of this one; in a prelude there is nobody, as the events come
- * behind it. All that the events of the setup do is asked of
- * the setup, whenever it is needed; only the instant of the jam is kept elsewhere. */
+/* Tells the run's junction that t_s is reached. It may change the events of the setup, which are
+ * asked for whenever they are needed; only the instant of the jam is kept in the course. It is not
+ * called in a prelude, as events come behind that. */
 static vs_status reach_junction(coupling *c, double t_s, vs_error *err) {
   const vs_junction *junction = c->order->junction;
   if (!junction) return VS_OK;
