@@ -90,9 +90,14 @@ double vs_meter_quantised(const double range[2], int bits, double y) {
   return range[0] + step * fmin(fmax(code, 0), last);
 }
 
+/* What is shown where the low-pass has come to. */
+static double output(vs_meter *m, const vs_step *step) {
+  if (m->lowpass.rate > 0) return m->lowpass.x[0];
+  return shown(m, vs_step_channel(step, m->t_s, m->instrument->channel));
+}
+
 static void sample(vs_meter *m, const vs_step *step) {
-  double y = m->lowpass.rate > 0 ? m->lowpass.x[0]
-                                 : shown(m, vs_step_channel(step, m->t_s, m->instrument->channel));
+  double y = output(m, step);
   m->value = vs_meter_quantised(m->range, m->instrument->v.bits, y + noise(m));
   if (m->outside && !m->beyond++) m->beyond_s = m->t_s;
   m->outside = false;
@@ -119,6 +124,12 @@ void vs_meter_to(vs_meter *m, const vs_step *step, double t_s) {
     take_on(m, step, fmin(next_s, step->to->t_s));
     sample(m, step);
   }
+}
+
+double vs_meter_shown(vs_meter *m, const vs_step *step, double t_s) {
+  if (isnan(m->t_s)) begin_at(m, step);
+  take_on(m, step, t_s);
+  return output(m, step);
 }
 
 void vs_meter_accept(vs_meter *m, const vs_step *step) {

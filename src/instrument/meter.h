@@ -47,6 +47,11 @@ void vs_meter_to(vs_meter *meter, const vs_step *step, double t_s);
  * be shown, in order of time. */
 void vs_meter_accept(vs_meter *meter, const vs_step *step);
 
+/* What the sensor behind its low-pass shows at t_s, an instant within the step, in the channel's
+ * unit: what a sample would be without noise and A/D. Instants are to be asked for in order of
+ * time, and the end of every step among them, with vs_meter_accept or here. */
+double vs_meter_shown(vs_meter *meter, const vs_step *step, double t_s);
+
 /* When the next sample is due, s. For tests; a control that is sampled asks it too. */
 double vs_meter_next_s(const vs_meter *meter);
 

@@ -12,9 +12,9 @@
 static const char KEY[] = "steady";
 enum { MOST_PERIODS = 1000 };
 
-vs_status vs_atwork_read(const vs_tree *study, int *periods, vs_error *err) {
+vs_status vs_atwork_read(const vs_node *holder, int *periods, vs_error *err) {
   static const char *const KEYS[] = {"period"};
-  const vs_node *node = vs_tree_child(study->root, KEY);
+  const vs_node *node = vs_tree_child(holder, KEY);
   const bool word = node && node->kind == VS_NODE_TEXT;
   uint64_t n = 1;
   *periods = 0;

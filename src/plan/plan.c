@@ -466,7 +466,8 @@ static vs_status read_base(vs_plan *plan, vs_error *err) {
   if (!status) status = vs_plan_scene(plan, plan->base, err);
   if (!status) status = vs_plan_input(plan, plan->path, err);
   if (!status) status = vs_plan_input(plan, plan->base->path, err);
-  if (!status) status = vs_error_carry_on(err, vs_atwork_read(&plan->tree, &plan->periods, err));
+  if (!status)
+    status = vs_error_carry_on(err, vs_atwork_read(plan->tree.root, &plan->periods, err));
   return status ? status : vs_scene_settle(plan->base, NULL, err);
 }
 

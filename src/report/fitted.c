@@ -172,7 +172,7 @@ static void show_columns(const vs_outcome *o, FILE *out) {
     const vs_outcome_column *c = &o->columns[k];
     const vs_pattern *p = &c->pattern;
     fprintf(out, "%zu.%-22s %8zu %8.3f %6ld %9.1f %9.3g%% %10.4g %9.3g%% %8.3f%s\n", c->run + 1,
-            o->inquiry->runs[c->run].recording.columns[c->column].name, p->count, p->rms, p->runs,
+            o->inquiry->runs[c->run].recording.columns.item[c->column].name, p->count, p->rms, p->runs,
             p->runs_expected, 100 * p->runs_probability, p->ljung_box,
             100 * p->ljung_box_probability, p->durbin_watson, p->found ? "  PATTERN" : "");
   }
@@ -239,8 +239,8 @@ static void warn_of_recordings(const vs_outcome *o, const warner *w) {
   vs_text text = {0};
   for (size_t r = 0; r < o->inquiry->n_runs; r++) {
     const vs_recording *rec = &o->inquiry->runs[r].recording;
-    if (rec->unused.length) {
-      vs_text_add(&text, "%s: not used: %s", rec->path, rec->unused.text);
+    if (rec->columns.unused.length) {
+      vs_text_add(&text, "%s: not used: %s", rec->path, rec->columns.unused.text);
       warn(w, &text);
     }
     if (rec->empty) {
@@ -274,7 +274,7 @@ void vs_fitted_warnings(const vs_outcome *o, void (*each)(void *ctx, const char 
     vs_text_add(&text,
                 "the residuals of %s in run %zu follow a pattern that chance hardly makes: the "
                 "model lacks something, or the errors are not independent",
-                o->inquiry->runs[c->run].recording.columns[c->column].name, c->run + 1);
+                o->inquiry->runs[c->run].recording.columns.item[c->column].name, c->run + 1);
     warn(&w, &text);
   }
   for (size_t k = 0; k < o->n_profiles; k++)

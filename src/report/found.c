@@ -108,7 +108,7 @@ static void add_columns(const vs_outcome *o, vs_json *json) {
     const vs_pattern *p = &c->pattern;
     vs_json_object(json, NULL, VS_JSON_LINES);
     vs_json_whole(json, "run", (int64_t)c->run + 1);
-    vs_json_text(json, "name", o->inquiry->runs[c->run].recording.columns[c->column].name);
+    vs_json_text(json, "name", o->inquiry->runs[c->run].recording.columns.item[c->column].name);
     vs_json_whole(json, "samples", (int64_t)p->count);
     vs_json_number(json, "rms", p->rms, DIGITS);
     vs_json_whole(json, "runs", p->runs);
