@@ -18,8 +18,7 @@ enum { N_OF_RUN = sizeof OF_RUN / sizeof *OF_RUN };
 
 /* ---- scenes ---- */
 
-/* True if a --set is one of the fit's own keys (starts=1) and none of a scene's. */
-static bool is_own(const char *set) {
+bool vs_inquiry_owns(const char *set) {
   size_t length = strcspn(set, ".=");
   for (size_t k = 0; k < N_OWN; k++)
     if (strlen(OWN[k]) == length && !strncmp(OWN[k], set, length)) return true;
@@ -58,7 +57,7 @@ static vs_status read_scene(const vs_inquiry *q, const vs_node *own, vs_scene *s
   if (!status) status = put_set(vs_tree_child(root, "set"), scene, err);
   if (!status && own) status = put_set(vs_tree_child(own, "set"), scene, err);
   for (size_t k = 0; k < q->n_sets && !status; k++)
-    if (!is_own(q->sets[k])) status = vs_tree_set(&scene->tree, q->sets[k], err);
+    if (!vs_inquiry_owns(q->sets[k])) status = vs_tree_set(&scene->tree, q->sets[k], err);
   return status ? status : vs_scene_settle(scene, NULL, err);
 }
 
@@ -329,7 +328,7 @@ vs_status vs_inquiry_read(const char *name, char *const *sets, size_t n_sets, co
   vs_status status = vs_path_find(&vs_scene_fit_shelf, name, (vs_where){0}, q->path, err);
   if (!status) status = vs_tree_read(q->path, &q->tree, err);
   for (size_t k = 0; k < n_sets && !status; k++)
-    if (is_own(sets[k])) status = vs_tree_set(&q->tree, sets[k], err);
+    if (vs_inquiry_owns(sets[k])) status = vs_tree_set(&q->tree, sets[k], err);
   if (!status) status = vs_field_known_keys(q->tree.root, "a fit", OWN, N_OWN, err);
   if (!status) status = read_settings(q, err);
   if (!status) status = read_runs(q, err);

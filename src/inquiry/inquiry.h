@@ -88,6 +88,9 @@ vs_status vs_inquiry_read(const char *name, char *const *sets, size_t n_sets, co
                           vs_inquiry *inquiry, vs_error *err);
 void vs_inquiry_free(vs_inquiry *inquiry);
 
+/* True if a --set, KEY=VALUE, is one of the fit's own keys (starts=1) and none of a scene's. */
+bool vs_inquiry_owns(const char *set);
+
 /* True if the name is that of a fit alone, or of a file that has a key that only fits have. */
 bool vs_inquiry_is(const char *name);
 

@@ -223,7 +223,7 @@ vs_status vs_recording_read(vs_recording *r, const vs_node *data, const char *be
   if (!status) status = vs_columns_read(&r->columns, columns, scene, err);
   if (!status) status = read_time(data, "from", &r->from_s, err);
   if (!status) status = read_time(data, "to", &r->to_s, err);
-  if (!status) status = vs_axis_word(data, "data.rows", "unsaid|taken|held", &rows_word, err);
+  if (!status) status = vs_axis_word(data, "data.rows", "taken|held", &rows_word, err);
   r->rows = (vs_rows_word)rows_word;
   if (status) return status;
   FILE *f = fopen(r->path, "r");

@@ -18,7 +18,7 @@ typedef struct vs_sample {
 } vs_sample;
 
 /* What a row at an instant at which its instrument takes no sample shows. */
-typedef enum vs_rows_word { VS_ROWS_UNSAID, VS_ROWS_TAKEN, VS_ROWS_HELD } vs_rows_word;
+typedef enum vs_rows_word { VS_ROWS_UNSAID = -1, VS_ROWS_TAKEN, VS_ROWS_HELD } vs_rows_word;
 
 typedef struct vs_recording {
   char path[VS_PATH_SIZE];
