@@ -20,13 +20,13 @@
 #include "inquiry/aims.h"
 #include "inquiry/inquiry.h"
 #include "method/methods.h"
-#include "steady/steady.h"
 #include "picture/plot.h"
 #include "report/fitting.h"
 #include "report/report.h"
 #include "report/tornado.h"
 #include "solver/circuit.h"
 #include "solver/ng.h"
+#include "steady/steady.h"
 #include "study/merge.h"
 #include "study/study.h"
 #include "survey/folder.h"
@@ -361,7 +361,8 @@ static vs_status fit(const vs_arguments *a, vs_error *err) {
 }
 
 static void explain_fit(vs_text *help) {
-  vs_text_add(help, "\nBesides the measures of every run a fit may use:\n");
+  vs_text_add(help, "\nBesides the measures of every run, and with steady: true those of steady, a "
+                    "fit may use:\n");
   vs_aim_explain(help);
 }
 

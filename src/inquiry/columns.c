@@ -9,10 +9,12 @@
 #include "inquiry/unknown.h"
 #include "syntax/units.h"
 
+/* How a column of an instrument's ends. */
+static const char ENDING[] = "_meas";
+
 /* ---- the map in the fit file ---- */
 
 static vs_status no_such_column(const vs_node *node, const vs_scene *scene, vs_error *err) {
-  static const char ENDING[] = "_meas";
   const char *names[VS_CH_MOST + VS_INSTRUMENT_MOST];
   int numbers[VS_CH_MOST], n = vs_channel_listed(&scene->frame, numbers);
   size_t length = strlen(node->key), ending = strlen(ENDING);
@@ -147,9 +149,16 @@ static vs_status find_cell(const vs_csv *csv, const char *name, const char *unit
   return VS_OK;
 }
 
-/* Something begins with the column's name, and what follows is no unit of its kind. */
+/* Something may begin with the column's name, and what follows be no unit of its kind. */
 static vs_status no_unit(const vs_recorded *c, const vs_csv *csv, vs_error *err) {
-  for (size_t k = 0, n = strlen(c->name); k < csv->count; k++)
+  size_t n = strlen(c->name);
+  for (size_t k = 0; k < csv->count; k++)
+    if (!strncmp(csv->cell[k], c->name, n) && !strncmp(csv->cell[k] + n, ENDING, strlen(ENDING)))
+      return vs_fail_at(err, c->where,
+                        "columns: %s has %s%s, which an instrument showed, and no %s; write %s%s, "
+                        "with set: {instruments: {}} if the scene has none",
+                        csv->file, c->name, ENDING, c->name, c->name, ENDING);
+  for (size_t k = 0; k < csv->count; k++)
     if (!strncmp(csv->cell[k], c->name, n) && csv->cell[k][n] == '_' && (int)k != c->cell_of_error)
       return vs_fail_at(err, csv->where[k], "column '%s': '%s' is no unit of %s, in which %s is",
                         csv->cell[k], csv->cell[k] + n + 1, *c->unit ? c->unit : "a pure number",

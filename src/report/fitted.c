@@ -8,6 +8,8 @@
 #include "report/rerun.h"
 #include "syntax/units.h"
 
+enum { FIGURE = 32 }; /* room for a number in a table */
+
 /* ---- what was asked ---- */
 
 static const char *plural(size_t count) {
@@ -165,17 +167,31 @@ static void show_priors(const vs_outcome *o, FILE *out) {
               o->estimate.residual[row++]);
 }
 
+/* A dash where too few samples tell nothing. */
+static void print_figure(double figure, const char *format, char *text) {
+  snprintf(text, FIGURE, format, figure);
+  if (isnan(figure)) snprintf(text, FIGURE, "-");
+}
+
+static void show_pattern(const vs_pattern *p, FILE *out) {
+  char runs[FIGURE], ljung_box[FIGURE], chance[FIGURE], durbin_watson[FIGURE];
+  print_figure(100 * p->runs_probability, "%.3g%%", runs);
+  print_figure(p->ljung_box, "%.4g", ljung_box);
+  print_figure(100 * p->ljung_box_probability, "%.3g%%", chance);
+  print_figure(p->durbin_watson, "%.3f", durbin_watson);
+  fprintf(out, " %8zu %8.3f %6ld %9.1f %10s %10s %10s %8s%s\n", p->count, p->rms, p->runs,
+          p->runs_expected, runs, ljung_box, chance, durbin_watson, p->found ? "  PATTERN" : "");
+}
+
 static void show_columns(const vs_outcome *o, FILE *out) {
   if (!o->n_columns) return;
   fprintf(out, "\n%-24s %8s %8s %6s %9s %10s %10s %10s %8s\n", "residuals of", "samples", "rms",
           "runs", "expected", "chance", "Ljung-Box", "chance", "D-W");
   for (size_t k = 0; k < o->n_columns; k++) {
     const vs_outcome_column *c = &o->columns[k];
-    const vs_pattern *p = &c->pattern;
-    fprintf(out, "%zu.%-22s %8zu %8.3f %6ld %9.1f %9.3g%% %10.4g %9.3g%% %8.3f%s\n", c->run + 1,
-            o->inquiry->runs[c->run].recording.columns.item[c->column].name, p->count, p->rms,
-            p->runs, p->runs_expected, 100 * p->runs_probability, p->ljung_box,
-            100 * p->ljung_box_probability, p->durbin_watson, p->found ? "  PATTERN" : "");
+    fprintf(out, "%zu.%-22s", c->run + 1,
+            o->inquiry->runs[c->run].recording.columns.item[c->column].name);
+    show_pattern(&c->pattern, out);
   }
 }
 
