@@ -10,7 +10,7 @@
 #define VS_DRIVE_TIMELINE_H
 
 #include "base/error.h"
-#include "drive/occurrence.h"
+#include "event/occurrence.h"
 #include "syntax/field.h"
 
 typedef struct vs_supply_values {
