@@ -27,7 +27,7 @@ static const vs_field FIRING[] = {
      "what stands between mains and coil; none: the coil is on the mains from t = 0, current both "
      "ways, ideal tiers only",
      "thyristor|none", NULL},
-    {"angle", VS_REAL, "deg", "100 deg", 0, 180, true, F_(angle_rad),
+    {"angle", VS_PROFILE, "deg", "100 deg", 0, 180, true, F_(angle),
      "alpha*, from the rising zero crossing of the mains (Eq. 92)", NULL, NULL},
     {"pulse_width", VS_REAL, "ms", "8 ms", 0, 1e6, true, F_(pulse_width_s),
      "t_pulse, length of the gate pulse train", NULL, NULL},

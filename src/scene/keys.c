@@ -112,7 +112,7 @@ double vs_key_number(const vs_key *key) {
   double real = NAN;
   int whole = 0;
   if (!key->value) return NAN;
-  if (key->field->kind == VS_REAL) memcpy(&real, key->value, sizeof real);
+  if (vs_field_is_real(key->field)) memcpy(&real, key->value, sizeof real);
   if (key->field->kind != VS_COUNT) return real;
   memcpy(&whole, key->value, sizeof whole);
   return whole;

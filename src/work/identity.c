@@ -54,7 +54,8 @@ static bool is_among(const char *key, const char *const *keys) {
  * order, a deck's in the order of its file, whose contents are in the sum. -0 counts as 0. */
 static void add_value(const vs_field *field, const void *values, vs_text *text) {
   const char *member = (const char *)values + field->offset;
-  const size_t n = field->kind == VS_REAL ? 1 : field->kind == VS_PAIR ? 2 : 0;
+  const bool points = field->kind == VS_PROFILE && ((const vs_field_profile *)(const void *)member)->count;
+  const size_t n = points ? 0 : vs_field_is_real(field) ? 1 : field->kind == VS_PAIR ? 2 : 0;
   double si[2];
   char number[VS_NUMBER_SIZE];
   memcpy(si, member, n * sizeof *si);
