@@ -2,8 +2,8 @@
 #include "drive/timeline.h"
 
 #include <math.h>
-#include <string.h>
 #include <stddef.h>
+#include <string.h>
 
 #define S_(member) offsetof(vs_supply_values, member)
 #define F_(member) offsetof(vs_firing_values, member)
@@ -79,8 +79,7 @@ vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_error *err)
                       "firing.valve: none");
   }
   if (t->firing.no_valve) return refuse_unused(scene, t, err);
-  if (t->firing.every &&
-      t->firing.pulse_width_s >= t->firing.every * t->period_s) {
+  if (t->firing.every && t->firing.pulse_width_s >= t->firing.every * t->period_s) {
     const vs_node *width = vs_tree_child(firing, "pulse_width");
     return vs_fail_at(
         err, width ? width->where : (vs_where){0},

@@ -43,7 +43,8 @@ typedef struct vs_timeline {
                                            peak */
   double first_zero_s;                  /* their first rising zero crossing at or after t = 0 */
   vs_events events;                     /* none, unless vs_events_read filled it */
-  const vs_program *program; /* of the run under way, borrowed; NULL: angles are those of `firing` */
+  const vs_program
+      *program; /* of the run under way, borrowed; NULL: angles are those of `firing` */
 } vs_timeline;
 
 /* Fills the timeline from the scene's sections supply and firing, without events. Errors: what

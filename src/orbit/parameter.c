@@ -207,6 +207,9 @@ static vs_status refuse(const vs_parameter *p, vs_where where, vs_error *err) {
   if (!vs_field_is_real(f))
     return vs_fail_at(err, where, "%s is %s; a key with one number is wanted", p->key.name,
                       f->kind == VS_PAIR ? "a pair [x, y]" : "a word");
+  if (f->kind == VS_PROFILE && ((const vs_field_profile *)p->key.value)->count)
+    return vs_fail_at(err, where, "%s is a table over time; a key with one number is wanted",
+                      p->key.name);
   if (isnan(p->value))
     return vs_fail_at(err, where, "%s is no number in this scene; give it one to vary it",
                       p->key.name);

@@ -60,6 +60,8 @@ static key_list *all_keys(const vs_scene *scene) {
   for (int k = 0; k < instruments->count; k++)
     add_keys(list, instruments->item[k].path, &instruments->item[k].section,
              &instruments->item[k].v);
+  if (scene->control.regulator)
+    add_keys(list, scene->control.section.name, &scene->control.section, &scene->control.v);
   const vs_events *events = &setup->timeline.events;
   for (size_t e = 0; e < events->count; e++) {
     char name[VS_KEY_SIZE];

@@ -97,7 +97,7 @@ static vs_status read_point(const char *name, const vs_field *field, const vs_no
 
 /* Reads the one value, or a list of points. */
 static vs_status read_profile(const char *name, const vs_field *field, const vs_node *node,
-                             vs_field_profile *out, vs_error *err) {
+                              vs_field_profile *out, vs_error *err) {
   vs_field_profile read = {0};
   vs_status status = VS_OK;
   if (node->kind != VS_NODE_LIST) {

@@ -12,15 +12,15 @@
 #include "syntax/tree.h"
 
 typedef enum vs_field_kind {
-  VS_REAL,   /* double, SI; or (where choices names one) that word, read as NaN */
+  VS_REAL,    /* double, SI; or (where choices names one) that word, read as NaN */
   VS_PROFILE, /* vs_field_profile: as VS_REAL, or a list of points over time */
-  VS_PAIR,   /* double[2], SI, written [x, y] */
-  VS_CHOICE, /* int: which of `choices` */
-  VS_COUNT,  /* int: a whole number, or (where choices names one) that word, read as 0 */
-  VS_NAME,   /* char[VS_NAME_SIZE] */
-  VS_OPTION  /* up to `options.most` structs in a row, each of which begins with an int: it is 1 for
-                a map, whose keys fill the struct's other members, and for each map of a list. It
-                is 0 behind the last, and in the first for the word `choices` names */
+  VS_PAIR,    /* double[2], SI, written [x, y] */
+  VS_CHOICE,  /* int: which of `choices` */
+  VS_COUNT,   /* int: a whole number, or (where choices names one) that word, read as 0 */
+  VS_NAME,    /* char[VS_NAME_SIZE] */
+  VS_OPTION /* up to `options.most` structs in a row, each of which begins with an int: it is 1 for
+               a map, whose keys fill the struct's other members, and for each map of a list. It
+               is 0 behind the last, and in the first for the word `choices` names */
 } vs_field_kind;
 
 enum { VS_NAME_SIZE = 256, VS_PROFILE_MOST = 64 };
