@@ -42,7 +42,8 @@ static vs_status run_copy(const vs_inquiry_run *run, vs_scene *scene, vs_measure
   vs_sampler looks;
   const vs_guest guest = {&looks, begin, accept, NULL};
   const vs_session session = {.guest = run->recorded ? &guest : NULL,
-                              .bare = !run->aims.count && !run->scene->tier->has_circuit};
+                              .bare = !run->aims.count && !run->scene->tier->has_circuit &&
+                                      !run->scene->control.regulator};
   vs_sampler_begin(&looks, &run->recording, computed + run->aims.count);
   vs_status status = vs_measured_run(measured, scene, run->periods, &session, err);
   if (!status && looks.next < run->recording.n_samples)
