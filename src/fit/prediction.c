@@ -11,7 +11,7 @@ vs_prediction vs_prediction_of(const vs_inquiry *q) {
   vs_prediction p = {
       .inquiry = q, .n_unknowns = q->n_unknowns, .n_residuals = vs_inquiry_residuals(q)};
   for (size_t r = 0; r < q->n_runs; r++)
-    p.any_circuit = p.any_circuit || q->runs[r].scene->tier->has_circuit;
+    p.rough = p.rough || q->runs[r].scene->tier->has_circuit || q->runs[r].scene->control.regulator;
   return p;
 }
 

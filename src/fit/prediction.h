@@ -8,11 +8,12 @@
 typedef struct vs_prediction {
   const vs_inquiry *inquiry; /* borrowed; its scenes are altered */
   size_t n_unknowns, n_residuals;
-  long runs;        /* how often a scene was run so far */
-  long failures;    /* how many of these failed */
-  long inexact;     /* how often an exact slope was asked for and told by differences */
-  vs_error failed;  /* how the last one of them did */
-  bool any_circuit; /* one of the runs has a circuit, whose steps are not the same for all values */
+  long runs;       /* how often a scene was run so far */
+  long failures;   /* how many of these failed */
+  long inexact;    /* how often an exact slope was asked for and told by differences */
+  vs_error failed; /* how the last one of them did */
+  bool rough;    /* one of the runs does not change smoothly with its scene: it has a circuit, whose
+                    steps are not the same for all values, or a control that reads an A/D */
   bool unstable; /* the last run of all, or of one, was a period of an orbit that no machine stays
                     on */
 } vs_prediction;

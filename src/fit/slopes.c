@@ -18,8 +18,8 @@ enum { RUNS_OF_KIN = 3 };
  * tiers without a circuit a run's numbers are smooth functions of its scene to some 1e-11, and a
  * motion turns by some 100 rad before it is measured: then both are near 1e-7 of the slope. A run
  * of the circuit has steps that depend on what happens, and numbers that are smooth to its
- * tolerance alone. */
-static const double STEP = 3e-4, STEP_OF_CIRCUIT = 2e-2;
+ * tolerance alone; one with a control fires by what an A/D shows, in its steps. */
+static const double STEP = 3e-4, STEP_WHERE_ROUGH = 2e-2;
 
 /* Runs with unknown k moved by `by`, and fills moved[n_data]. */
 static vs_status move(vs_prediction *p, size_t k, const double *s, double by, double *moved,
@@ -75,7 +75,7 @@ static vs_status one_sided(vs_prediction *p, size_t k, const double *s, double h
 /* Where a run on one side fails, as the machine does not exist there, the other side tells. */
 static vs_status difference(vs_prediction *p, size_t k, const double *s, const double *computed,
                             double *slope, vs_error *err) {
-  const double h = p->any_circuit ? STEP_OF_CIRCUIT : STEP;
+  const double h = p->rough ? STEP_WHERE_ROUGH : STEP;
   memset(slope, 0, p->inquiry->n_data * sizeof *slope);
   if (!apply(p, k, s, &CENTRAL, h, slope, err)) return VS_OK;
   *err = (vs_error){0};
@@ -93,10 +93,10 @@ static bool always(const vs_prediction *p) {
 
 enum { KIN = VS_FAN_RUNS };
 
-/* The circuit's equations are its solver's own. What else stands in the way of one run's
- * derivatives is seen when they are asked for. */
+/* The circuit's equations are its solver's own, and a control's decisions have no slopes. What else
+ * stands in the way of one run's derivatives is seen when they are asked for. */
 static bool has_kin(const vs_prediction *p) {
-  return !p->any_circuit;
+  return !p->rough;
 }
 
 /* True if something was recorded by instruments. */
