@@ -20,13 +20,13 @@
 #include "fit/aims.h"
 #include "fit/inquiry.h"
 #include "method/methods.h"
-#include "steady/steady.h"
 #include "picture/plot.h"
 #include "report/fitting.h"
 #include "report/report.h"
 #include "report/tornado.h"
 #include "solver/circuit.h"
 #include "solver/ng.h"
+#include "steady/steady.h"
 #include "study/merge.h"
 #include "study/study.h"
 #include "survey/folder.h"
@@ -87,7 +87,10 @@ static vs_status steady(const vs_arguments *a, vs_error *err) {
   if ((a->step || a->at) && !a->along)
     return vs_fail(err, VS_INPUT, "--%s: it goes with --along; see vibrospice steady --help",
                    a->step ? "step" : "at");
-  return a->along ? vs_branch_command(&branch, err) : vs_steady_command(&o, a->period, err);
+  if (a->linear && a->along)
+    return vs_fail(err, VS_INPUT, "--linear: it is about one orbit, and does not go with --along");
+  return a->along ? vs_branch_command(&branch, err)
+                  : vs_steady_command(&o, a->period, a->linear, err);
 }
 
 static void explain_steady(vs_text *help) {
@@ -121,6 +124,9 @@ static const struct argp_option STEADY_OPTIONS[] = {
                      "with --along: reports every orbit of the branch at that value of the key"),
     VS_COMMAND_VALUE("step", VS_KEY_STEP, "S",
                      "the key's largest change from point to point (default a 50th of the range)"),
+    VS_COMMAND_FLAG("linear", VS_KEY_LINEAR,
+                    "linear models about the orbit, from the firing angle to the state at the next "
+                    "firing and to the amplitude; with -o linear.json and linear_*.csv, too"),
     VS_COMMAND_VALUE("output", 'o', "DIR",
                      "writes run.csv of one period, events.csv and summary.json there; with "
                      "--along branch.csv, branch.json and branch.png"),
@@ -396,6 +402,7 @@ static const vs_command COMMANDS[] = {
      .examples = "  vibrospice steady paper --set firing.every=1\n"
                  "  vibrospice steady two_mass --set firing.every=1 --set firing.angle=130deg -o "
                  "work\n"
+                 "  vibrospice steady paper --set firing.every=1 --linear -o model\n"
                  "  vibrospice steady paper --set firing.every=1 --along "
                  "firing.angle=130deg..70deg -o branch\n",
      .options = STEADY_OPTIONS,

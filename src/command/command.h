@@ -20,7 +20,7 @@ typedef struct vs_arguments {
   const char *tier, *output, *deck, *machine, *overlay, *shard, *of, *to, *along, *step, *at,
       *profile;
   bool json, quiet, reproducible, raw, list, help, resume, overwrite, keep_runs, progress_json,
-      steady, no_sharing;
+      steady, no_sharing, linear;
   int digits; /* 1..17 */
   int jobs;   /* 0: not given */
   int period; /* 1 or more */
@@ -70,7 +70,8 @@ enum {
   VS_KEY_PROGRESS,
   VS_KEY_KEEP,
   VS_KEY_ALONE,
-  VS_KEY_PROFILE
+  VS_KEY_PROFILE,
+  VS_KEY_LINEAR
 };
 
 /* Rows of vs_command.options: an option that takes a value, and one that takes none. */

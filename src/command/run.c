@@ -12,8 +12,8 @@
 #include "base/file.h"
 #include "base/leave.h"
 #include "command/show.h"
-#include "steady/steady.h"
 #include "scene/session.h"
+#include "steady/steady.h"
 #include "watch/table.h"
 
 /* What the command adds to a run: its files and its progress line. */

@@ -5,8 +5,9 @@
 #include <stdlib.h>
 
 #include "base/text.h"
-#include "steady/steady.h"
+#include "dependence/matrices.h"
 #include "period/classes.h"
+#include "steady/steady.h"
 
 enum { DIGITS = 12, SHOWN = 10 /* the last harmonic in the table; JSON has all */ };
 
@@ -232,6 +233,7 @@ static void show(const void *ctx, FILE *out) {
 /* What the run of a period is told by. The functions above are given it as its first member. */
 typedef struct reporter {
   vs_steady steady;
+  vs_matrices *matrices; /* NULL: no linear model is wanted */
   vs_scene *scene;
   bool quiet;
 } reporter;
@@ -255,27 +257,64 @@ static void finish(void *ctx, const vs_result *result) {
     fprintf(stderr, "vibrospice: warning: %s\n", vs_warnings_text(&w->item[k]));
 }
 
-static vs_status report(const vs_run_options *o, int periods, vs_scene *scene, vs_error *err) {
+static void show_all(const void *ctx, FILE *out) {
+  const reporter *r = ctx;
+  show(ctx, out);
+  if (r->matrices) vs_matrices_print(r->matrices, out);
+}
+
+static void add_all(const void *ctx, vs_json *json) {
+  const reporter *r = ctx;
+  add_members(ctx, json);
+  if (r->matrices) vs_matrices_json(r->matrices, json);
+}
+
+/* The linear model's files lie beside those of the run, which has just been written. */
+static vs_status write_linear(const vs_run_options *o, const vs_matrices *matrices, vs_error *err) {
+  if (!o->folder) return VS_OK;
+  if (!matrices) {
+    vs_matrices_remove(o->folder);
+    return VS_OK;
+  }
+  vs_status status = vs_matrices_write(matrices, o->folder, err);
+  if (!status && !o->quiet && !o->json)
+    printf("written: %s in %s\n", vs_matrices_files(), o->folder);
+  return status;
+}
+
+static vs_status report(const vs_run_options *o, int periods, bool linear, vs_scene *scene,
+                        vs_error *err) {
   reporter *r = vs_alloc(1, sizeof *r);
   vs_steady *s = &r->steady;
-  const vs_run_more more = {r, begin, accept, finish, show, {r, add_measures, add_members}};
+  const vs_run_more more = {r, begin, accept, finish, show_all, {r, add_measures, add_all}};
   scene->order.stop = o->stop;
-  vs_status status = vs_steady_begin(s, scene, periods, err);
+  vs_status status = linear ? vs_linear_check(scene, periods, err) : VS_OK;
+  if (!status) status = vs_steady_begin(s, scene, periods, err);
   r->scene = scene;
   r->quiet = o->quiet;
+  if (!status && linear) {
+    r->matrices = vs_alloc(1, sizeof *r->matrices);
+    status = vs_matrices_find(r->matrices, scene, &s->orbit, err);
+  }
   if (!status) status = vs_run_scene(o, &more, scene, err);
+  if (!status || status == VS_RATING) {
+    vs_status written = write_linear(o, r->matrices, err);
+    status = written ? written : status;
+  }
   vs_steady_end(s);
+  if (r->matrices) vs_matrices_free(r->matrices);
+  free(r->matrices);
   free(r);
   return status;
 }
 
-vs_status vs_steady_command(const vs_run_options *o, int periods, vs_error *err) {
+vs_status vs_steady_command(const vs_run_options *o, int periods, bool linear, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
   if (!status && !scene->setup.steady)
     vs_warnings_of_settling(&scene->instruments, &scene->frame, &scene->warnings);
   if (!status && !o->quiet) vs_scene_warn(scene);
-  if (!status) status = report(o, periods, scene, err);
+  if (!status) status = report(o, periods, linear, scene, err);
   vs_scene_free(scene);
   free(scene);
   return status;
