@@ -13,7 +13,7 @@ enum { N = VS_LINEAR_STATES, DIGITS = 17 };
 
 /* ---- what is to be said ---- */
 
-/* A second extreme that comes within this part of the amplitude is said. */
+/* A second extreme, or a stop's edge, that comes within this part of the amplitude is said. */
 static const double NEAR = 0.1;
 
 static void note_outputs(const vs_linear *l, vs_text *notes) {
@@ -29,12 +29,13 @@ static void note_outputs(const vs_linear *l, vs_text *notes) {
   }
 }
 
-static void note_contacts(const vs_linear *l, vs_text *notes) {
+static void note_contacts(const vs_matrices *m, vs_text *notes) {
+  const vs_linear *l = &m->linear;
   if (l->contacts)
-    vs_text_add(notes,
-                "the orbit meets a stop %d times in a period; the derivatives go through it\n",
-                l->contacts);
-  if (!isnan(l->grazing_m))
+    vs_text_add(
+        notes, "the orbit meets a stop, in %d contacts a period; the derivatives go through them\n",
+        l->contacts);
+  if (l->grazing_m < NEAR * vs_seen_amplitude(&l->output[m->travel].seen))
     vs_text_add(notes,
                 "at t = %.9g s the travel turns %.3g m from the edge of a stop: a deviation that "
                 "large makes a contact come or go, and behind it the matrices are others\n",
@@ -52,7 +53,7 @@ static void find_notes(vs_matrices *m, const vs_scene *scene) {
     vs_text_add(&notes, "load.fraction is held at %.6g, what auto comes to on this orbit\n",
                 scene->setup.model.riding);
   note_outputs(l, &notes);
-  note_contacts(l, &notes);
+  note_contacts(m, &notes);
   m->notes = notes.text;
 }
 
@@ -242,6 +243,9 @@ static void add_members(const vs_matrices *m, vs_json *json) {
   vs_json_number(json, "fires_s", l->fires_s, DIGITS);
   vs_json_number(json, "extinct_s", l->extinct_s, DIGITS);
   vs_json_bool(json, "stable", l->stable);
+  vs_json_whole(json, "contacts", l->contacts);
+  vs_json_number(json, "grazing_m", l->grazing_m, 6);
+  vs_json_number(json, "grazing_at_s", l->grazing_s, DIGITS);
   add_states(l, json);
   add_outputs(m, json);
   add_matrix(json, "A", l->a, l->n, l->n);
