@@ -431,7 +431,7 @@ static const vs_command COMMANDS[] = {
     {.name = "list",
      .argument = "[KIND]",
      .text = "lists scenes, studies, fits, machines, decks, parts, instruments, tiers, laws, "
-             "probes, measures, "
+             "regulators, probes, measures, "
              "parameters (with "
              "unit, default, range)",
      .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n"

@@ -117,7 +117,7 @@ static void fly(const vs_scene *scene, const vs_orbit *orbit, double angle_rad, 
   const vs_session session = {.guest = &guest, .bare = true, .unguarded = true};
   *own = *scene;
   own->setup = vs_steady_setup(scene, &run, orbit);
-  own->setup.timeline.firing.angle_rad = angle_rad;
+  own->setup.timeline.firing.angle.first = angle_rad;
   own->frame = vs_sim_frame(scene->tier, &own->setup);
   for (int k = 0; k <= FIRINGS; k++)
     for (int i = 0; i < OUTPUTS; i++) r->most[k][i][0] = r->most[k][i][1] = -INFINITY;

@@ -423,7 +423,7 @@ vs_status vs_linear_find(const vs_scene *scene, const vs_orbit *orbit, const vs_
   run.tolerance = scene->tier->finest;
   const vs_setup setup = vs_steady_setup(scene, &run, orbit);
   *l = (vs_linear){.grazing_m = NAN, .grazing_s = NAN, .fires_s = NAN, .extinct_s = NAN};
-  l->angle_rad = setup.timeline.firing.angle_rad;
+  l->angle_rad = setup.timeline.firing.angle.first;
   l->period_s = orbit->period_s;
   l->stable = orbit->stable;
   vs_status status = vs_linear_check(scene, orbit->n, err);
