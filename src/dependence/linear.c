@@ -397,7 +397,8 @@ vs_status vs_linear_check(const vs_scene *scene, int periods, vs_error *err) {
   return VS_OK;
 }
 
-int vs_linear_usual(const vs_frame *frame, vs_seen_order *signals) {
+/* The coordinates, and the travel where no coordinate is the same. Returns how many there are. */
+static int usual_signals(const vs_frame *frame, vs_seen_order *signals) {
   const vs_model *m = frame->model;
   int count = m->dof + (m->alone ? 0 : 1);
   for (int k = 0; k < count; k++) {
@@ -428,7 +429,7 @@ vs_status vs_linear_find(const vs_scene *scene, const vs_orbit *orbit, const vs_
   l->stable = orbit->stable;
   vs_status status = vs_linear_check(scene, orbit->n, err);
   if (!status) name_states(l, &setup.model, orbit);
-  if (!signals) count = vs_linear_usual(&scene->frame, usual);
+  if (!signals) count = usual_signals(&scene->frame, usual);
   if (!status) status = add_outputs(&scene->frame, signals ? signals : usual, count, l, err);
   if (!status) status = look_twice(scene, &setup, l, err);
   if (!status) status = walk_along(scene, &setup, l, err);

@@ -72,16 +72,12 @@ typedef struct vs_linear {
 vs_status vs_linear_check(const vs_scene *scene, int periods, vs_error *err);
 
 /* Finds the model about an orbit of one firing period of the scene, which may have been put on that
- * orbit. signals: the outputs that are wanted, `count` of them; NULL: those of vs_linear_usual.
- * Errors: those of vs_linear_check; of vs_seen_begin; VS_RUN, the model does not exist: the
- * thyristor fires twice in the period, or not at its angle; the armature touches a stop without a
- * speed; an output does not move. */
+ * orbit. signals: the outputs that are wanted, `count` of them; NULL: the coordinates,
+ * and the travel where no coordinate is the same. Errors: those of vs_linear_check; of
+ * vs_seen_begin; VS_RUN, the model does not exist: the thyristor fires twice in the period, or not
+ * at its angle; the armature touches a stop without a speed; an output does not move. */
 vs_status vs_linear_find(const vs_scene *scene, const vs_orbit *orbit, const vs_seen_order *signals,
                          int count, vs_linear *linear, vs_error *err);
-
-/* Fills `signals`, which has room for VS_LINEAR_OUTPUTS, with the coordinates, and with the travel
- * where no coordinate is the same. Returns how many there are. */
-int vs_linear_usual(const vs_frame *frame, vs_seen_order *signals);
 
 /* The output that is the gap's travel, seen without a low-pass; -1: there is none. */
 int vs_linear_travel(const vs_linear *linear, const vs_model *model);

@@ -13,19 +13,25 @@ enum { N = VS_LINEAR_STATES, DIGITS = 17 };
 
 /* ---- what is to be said ---- */
 
-/* A second extreme, or a stop's edge, that comes within this part of the amplitude is said. */
-static const double NEAR = 0.1;
+/* A second extreme, or a stop's edge, that comes within this part of the amplitude is said; so is
+ * an extreme that comes within this part of the period of the section. */
+static const double NEAR = 0.1, SOON = 0.05;
 
 static void note_outputs(const vs_linear *l, vs_text *notes) {
   for (int k = 0; k < l->outputs; k++) {
     const vs_seen *seen = &l->output[k].seen;
-    double margin = vs_seen_margin(seen), amplitude = vs_seen_amplitude(seen);
-    if (margin < NEAR * amplitude)
+    double margin = vs_seen_margin(seen), edge_s = vs_seen_edge(seen, l->period_s);
+    if (margin < NEAR * vs_seen_amplitude(seen))
       vs_text_add(
           notes,
-          "%s has a second extreme that comes within %.3g %s of the first: a deviation that "
-          "large makes it the first, with another row of C and D\n",
+          "%s has a second extreme within %.3g %s of the first: a deviation that large makes "
+          "it the first, with another row of C and D\n",
           seen->order.name, margin, seen->unit);
+    if (edge_s < SOON * l->period_s)
+      vs_text_add(notes,
+                  "a turn of %s comes %.3g s from the section: C and D follow it past the section, "
+                  "where the largest or least value from section to section is another turn's\n",
+                  seen->order.name, edge_s);
   }
 }
 
@@ -175,6 +181,7 @@ static void add_outputs(const vs_matrices *m, vs_json *json) {
     vs_json_number(json, "least", s->best[1].value, DIGITS);
     vs_json_number(json, "least_at_s", s->best[1].at_s, DIGITS);
     vs_json_number(json, "second_extreme_within", vs_seen_margin(s), 6);
+    vs_json_number(json, "extreme_from_section_s", vs_seen_edge(s, m->linear.period_s), 6);
     vs_json_number(json, "gain_per_deg", a->gain[k] * degree(), DIGITS);
     vs_json_number(json, "at_once_per_deg", a->at_once[k] * degree(), DIGITS);
     vs_json_whole(json, "dominant_pole", a->dominant[k]);

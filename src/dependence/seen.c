@@ -175,3 +175,10 @@ double vs_seen_margin(const vs_seen *s) {
     least = fmin(least, fabs(s->best[k].value - s->next[k].value));
   return least;
 }
+
+double vs_seen_edge(const vs_seen *s, double period_s) {
+  double least = INFINITY;
+  for (int k = 0; k < 2; k++)
+    least = fmin(least, fmin(s->best[k].at_s, period_s - s->best[k].at_s));
+  return least;
+}

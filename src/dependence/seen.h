@@ -57,5 +57,7 @@ double vs_seen_amplitude(const vs_seen *seen);
 /* How far the second largest turn is below the largest value, or the second least above the least,
  * whichever is less; INFINITY: there is no second. */
 double vs_seen_margin(const vs_seen *seen);
+/* How long before or behind the beginning of the period the nearer of the extremes comes, s. */
+double vs_seen_edge(const vs_seen *seen, double period_s);
 
 #endif
