@@ -35,6 +35,14 @@ typedef struct vs_sight {
   double last_rad;     /* angle of the firing before it; NaN: there was none */
 } vs_sight;
 
+/* How a regulator answers to a sensor's amplitude m, half of what its samples go up and down by
+ * from decision to decision, in the sensor's unit, SI: angle = start + proportional (m - wanted) +
+ * integral (sum of m - wanted, this firing's included)
+ */
+typedef struct vs_regulator_pi {
+  double wanted, start_rad, proportional, integral;
+} vs_regulator_pi;
+
 enum { VS_REGULATOR_OUTPUTS = 4 };
 
 /* A number that a regulator shows of itself, as a column of run.csv. */
@@ -59,6 +67,10 @@ typedef struct vs_regulator {
   vs_status (*decide)(void *self, const vs_sight *sight, double *angle_rad, vs_error *err);
   double (*output)(const void *self, int k);
   void (*end)(void *self);
+  /* For those that are a PI controller of an amplitude, within the limits of the angle;
+   * sight->value is not there. NULL: it is none, and its closed loop is not told
+   * (dependence/closed.h). */
+  vs_regulator_pi (*pi)(const vs_sight *sight);
 } vs_regulator;
 
 /* The regulators there are; NULL behind the last. */

@@ -221,6 +221,7 @@ static vs_status fly(const vs_scene *scene, const vs_setup *setup, const vs_gues
   vs_result *none = vs_alloc(1, sizeof *none);
   *own = *scene;
   own->setup = *setup;
+  own->control.regulator = NULL; /* the orbit is that of one angle */
   own->frame = vs_sim_frame(scene->tier, &own->setup);
   vs_status status = vs_session_run(&session, own, none, err);
   vs_result_free(none);

@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dependence/closed.h"
+
+#include <gsl/gsl_eigen.h>
+#include <gsl/gsl_linalg.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "syntax/units.h"
+
+enum { N = VS_CLOSED_STATES };
+
+enum { DIGITS = 12 };
+
+/* ---- multipliers ---- */
+
+static bool stands_before(const vs_multiplier *a, const vs_multiplier *b) {
+  double of_a = hypot(a->re, a->im), of_b = hypot(b->re, b->im);
+  if (fabs(of_a - of_b) > 1e-12 * (of_a + of_b)) return of_a > of_b;
+  return a->im != b->im ? a->im > b->im : a->re > b->re;
+}
+
+/* The map of (x, m, s) in parts of each state's scale, row by row; m and s are in rad, as what P
+ * and I make of them. Returns how many states there are. */
+static size_t put_map(const vs_linear *l, double p, double i, double map[N * N]) {
+  size_t x = (size_t)l->n, n = x + 1 + (i != 0);
+  memset(map, 0, n * n * sizeof *map);
+#define AT(row, column) map[(row)*n + (column)]
+  for (size_t row = 0; row < x; row++) {
+    for (size_t k = 0; k < x; k++) AT(row, k) = l->a[row][k] * l->scale[k] / l->scale[row];
+    AT(row, x) = l->b[row] / l->scale[row] * (p + i);
+    if (i != 0) AT(row, x + 1) = l->b[row] / l->scale[row];
+  }
+  for (size_t k = 0; k < x; k++) AT(x, k) = l->c[0][k] * l->scale[k];
+  AT(x, x) = l->d[0] * (p + i);
+  if (i != 0) AT(x, x + 1) = l->d[0];
+  if (i != 0) AT(x + 1, x) = i;
+  if (i != 0) AT(x + 1, x + 1) = 1;
+#undef AT
+  return n;
+}
+
+/* Finds them, sorted. Returns the largest size; NaN where GSL finds none. */
+static double find_multipliers(const vs_linear *l, double p, double i, vs_multiplier *out,
+                               int *count) {
+  double map[N * N];
+  size_t n = put_map(l, p, i, map);
+  gsl_matrix_view m = gsl_matrix_view_array(map, n, n);
+  gsl_vector_complex *values = gsl_vector_complex_alloc(n);
+  gsl_eigen_nonsymm_workspace *work = gsl_eigen_nonsymm_alloc(n);
+  gsl_eigen_nonsymm_params(0, 1, work);
+  bool good = !gsl_eigen_nonsymm(&m.matrix, values, work);
+  for (size_t k = 0; k < n; k++) {
+    gsl_complex z = gsl_vector_complex_get(values, k);
+    vs_multiplier one = {GSL_REAL(z), GSL_IMAG(z)};
+    size_t at = k;
+    for (; at && stands_before(&one, &out[at - 1]); at--) out[at] = out[at - 1];
+    out[at] = one;
+  }
+  gsl_eigen_nonsymm_free(work);
+  gsl_vector_complex_free(values);
+  *count = (int)n;
+  return good ? hypot(out[0].re, out[0].im) : NAN;
+}
+
+/* ---- the limit ---- */
+
+static double size_at(const vs_linear *l, const vs_regulator_pi *pi, double times, bool both) {
+  vs_multiplier unused[N];
+  int n;
+  return find_multipliers(l, times * pi->proportional, (both ? times : 1) * pi->integral, unused,
+                          &n);
+}
+
+/* The factor nearest to 1, above it where the loop is stable and below it where it is not, at which
+ * the largest multiplier passes 1: by steps of the factor, then by bisection. */
+static double limit_of(const vs_linear *l, const vs_regulator_pi *pi, bool stable, bool both) {
+  enum { STEPS = 600, HALVINGS = 50 };
+  double way = pow(1e3, (stable ? 1.0 : -1.0) / STEPS), lo = 1, hi = 1;
+  for (int k = 0; k < STEPS; k++) {
+    lo = hi;
+    hi *= way;
+    if ((size_at(l, pi, hi, both) < 1) == stable) continue;
+    for (int n = 0; n < HALVINGS; n++) {
+      double mid = sqrt(lo * hi);
+      if ((size_at(l, pi, mid, both) < 1) == stable)
+        lo = mid;
+      else
+        hi = mid;
+    }
+    return hi;
+  }
+  return NAN;
+}
+
+/* ---- where it comes to rest ---- */
+
+typedef struct search {
+  vs_scene *scene; /* at the angle that is tried */
+  vs_orbit orbit;
+  vs_linear linear;
+  vs_seen_order sensor;
+  double unit; /* of the sensor's channel */
+} search;
+
+/* The gain C (I - A)^-1 B + D of the one output, per rad. */
+static vs_status find_gain(const vs_linear *l, double *gain, vs_error *err) {
+  size_t n = (size_t)l->n, order[N];
+  double matrix[N * N], side[N], x[N];
+  int sign;
+  for (size_t i = 0; i < n; i++) {
+    side[i] = l->b[i] / l->scale[i];
+    for (size_t j = 0; j < n; j++)
+      matrix[i * n + j] = (i == j) - l->a[i][j] * l->scale[j] / l->scale[i];
+  }
+  gsl_matrix_view of = gsl_matrix_view_array(matrix, n, n);
+  gsl_vector_view b = gsl_vector_view_array(side, n), by = gsl_vector_view_array(x, n);
+  gsl_permutation p = {n, order};
+  if (gsl_linalg_LU_decomp(&of.matrix, &p, &sign) ||
+      gsl_linalg_LU_solve(&of.matrix, &p, &b.vector, &by.vector))
+    return vs_fail(err, VS_RUN, "a multiplier of the orbit is 1");
+  *gain = l->d[0];
+  for (size_t i = 0; i < n; i++) *gain += l->c[0][i] * l->scale[i] * x[i];
+  return VS_OK;
+}
+
+/* Finds orbit and linear model at an angle. */
+static vs_status try_angle(search *s, double angle_rad, vs_error *err) {
+  double from[VS_ORBIT_STATES];
+  vs_error why = {0};
+  memcpy(from, s->orbit.x, sizeof from);
+  const vs_shooting how = {.periods = 1, .from = from, .quietly = true};
+  s->scene->setup.timeline.firing.angle = (vs_field_profile){.first = angle_rad};
+  vs_status status = vs_shooting_seek(s->scene, &how, &s->orbit, &why);
+  if (status) status = vs_shooting_find(s->scene, 1, &s->orbit, err);
+  return status ? status : vs_linear_find(s->scene, &s->orbit, &s->sensor, 1, &s->linear, err);
+}
+
+/* Newton's iteration for the angle. With an integral part the amplitude is the one wanted; without,
+ * angle = start + P (m - wanted). */
+static vs_status rest(search *s, const double limits[2], vs_closed *c, vs_error *err) {
+  enum { ITERATIONS = 40 };
+  static const double CLOSED = 1e-9; /* of the angle, rad */
+  const vs_regulator_pi *pi = &c->pi;
+  double angle = fmin(fmax(pi->start_rad, limits[0]), limits[1]);
+  for (int k = 0; k < ITERATIONS; k++) {
+    vs_status status = try_angle(s, angle, err);
+    if (!status) status = find_gain(&s->linear, &c->gain, err);
+    if (status) return status;
+    c->gain *= s->unit;
+    c->amplitude = s->unit * vs_seen_amplitude(&s->linear.output[0].seen);
+    double off = c->amplitude - pi->wanted;
+    double step = pi->integral != 0 ? -off / c->gain
+                                    : (pi->start_rad + pi->proportional * off - angle) /
+                                          (1 - pi->proportional * c->gain);
+    double next = fmin(fmax(angle + step, limits[0]), limits[1]);
+    c->angle_rad = angle;
+    if (fabs(step) <= CLOSED) return VS_OK;
+    if (next == angle) break;
+    angle = next;
+  }
+  return vs_fail(err, VS_RUN,
+                 "no angle from %.6g to %.6g deg keeps the set point: at %.6g deg the sensor shows "
+                 "%.6g %s, and %.6g are wanted",
+                 limits[0] / vs_units_factor("deg"), limits[1] / vs_units_factor("deg"),
+                 c->angle_rad / vs_units_factor("deg"), c->amplitude / s->unit, c->unit,
+                 pi->wanted / s->unit);
+}
+
+static vs_status close_loop(search *s, const double limits[2], vs_closed *c, vs_error *err) {
+  vs_status status = rest(s, limits, c, err);
+  if (status) return status;
+  /* the control's P and I are per SI, the model's output is in the channel's unit */
+  const vs_regulator_pi own = {.proportional = c->pi.proportional * s->unit,
+                               .integral = c->pi.integral * s->unit};
+  c->period_s = s->linear.period_s;
+  double largest =
+      find_multipliers(&s->linear, own.proportional, own.integral, c->multiplier, &c->n);
+  if (isnan(largest)) return vs_fail(err, VS_RUN, "the closed loop's multipliers cannot be found");
+  c->stable = largest < 1;
+  c->both_times = limit_of(&s->linear, &own, c->stable, true);
+  c->proportional_times =
+      own.proportional != 0 ? limit_of(&s->linear, &own, c->stable, false) : NAN;
+  return VS_OK;
+}
+
+vs_status vs_closed_find(const vs_scene *scene, const vs_regulator *regulator,
+                         const vs_orbit *orbit, vs_closed *c, vs_error *err) {
+  const vs_instrument *i = &scene->instruments.item[scene->control.sensor];
+  const vs_sight sight = {.v = &scene->control.v,
+                          .setup = &scene->setup,
+                          .instruments = &scene->instruments,
+                          .sensor = scene->control.sensor};
+  search *s = vs_alloc(1, sizeof *s);
+  *c = (vs_closed){.unit = i->unit, .pi = regulator->pi(&sight)};
+  snprintf(c->sensor, sizeof c->sensor, "%s", i->name);
+  s->scene = vs_alloc(1, sizeof *s->scene);
+  *s->scene = *scene;
+  s->scene->control.regulator = NULL; /* orbits of one angle each */
+  s->scene->frame = vs_sim_frame(scene->tier, &s->scene->setup);
+  s->orbit = *orbit;
+  s->unit = vs_units_factor(i->unit);
+  s->sensor = (vs_seen_order){.channel = i->channel,
+                              .bandwidth_hz = i->v.bandwidth_hz,
+                              .order = i->v.order,
+                              .damping = i->v.damping};
+  snprintf(s->sensor.name, sizeof s->sensor.name, "%s", i->name);
+  vs_status status = close_loop(s, scene->control.v.angle_rad, c, err);
+  free(s->scene);
+  free(s);
+  return status;
+}
+
+/* ---- what is shown of it ---- */
+
+static void print_limit(double times, const char *what, FILE *out) {
+  if (isnan(times))
+    fprintf(out, "; with %s from 0.001 to 1000 times as large that stays so", what);
+  else
+    fprintf(out, "; with %s %.5g times as large it is 1", what, times);
+}
+
+void vs_closed_print(const vs_closed *c, FILE *out) {
+  double degree = vs_units_factor("deg"), unit = vs_units_factor(c->unit);
+  double largest = hypot(c->multiplier[0].re, c->multiplier[0].im);
+  fprintf(
+      out,
+      "control  the sensor %s comes to rest where it shows %.6g %s, fired at %.6g deg; a degree "
+      "makes %.4g %s of it\n",
+      c->sensor, c->amplitude / unit, c->unit, c->angle_rad / degree, c->gain * degree / unit,
+      c->unit);
+  fprintf(out, "closed loop  %s: the size of the largest multiplier is %.6g",
+          c->stable ? "stable" : "unstable", largest);
+  if (c->stable) fprintf(out, ", which decays in %.4g s", -c->period_s / log(largest));
+  print_limit(c->both_times, "both gains", out);
+  if (c->pi.proportional != 0 && c->pi.integral != 0)
+    print_limit(c->proportional_times, "the proportional one alone", out);
+  fprintf(out, "\n%-10s %15s %15s %15s\n", "multiplier", "re", "im", "size");
+  for (int k = 0; k < c->n; k++)
+    fprintf(out, "%-10d %15.9g %15.9g %15.9g\n", k + 1, c->multiplier[k].re, c->multiplier[k].im,
+            hypot(c->multiplier[k].re, c->multiplier[k].im));
+  fputs("small deviations alone; the times of samples, noise and the A/D are left out\n\n", out);
+}
+
+void vs_closed_json(const vs_closed *c, vs_json *json) {
+  vs_json_object(json, "closed_loop", VS_JSON_LINES);
+  vs_json_text(json, "sensor", c->sensor);
+  vs_json_number(json, "angle_deg", c->angle_rad / vs_units_factor("deg"), DIGITS);
+  vs_json_number(json, "amplitude", c->amplitude, DIGITS);
+  vs_json_number(json, "gain_per_deg", c->gain * vs_units_factor("deg"), DIGITS);
+  vs_json_bool(json, "stable", c->stable);
+  vs_json_number(json, "limit_both_times", c->both_times, DIGITS);
+  vs_json_number(json, "limit_proportional_times", c->proportional_times, DIGITS);
+  vs_json_array(json, "multipliers", VS_JSON_LINES);
+  for (int k = 0; k < c->n; k++) {
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    vs_json_number(json, "re", c->multiplier[k].re, DIGITS);
+    vs_json_number(json, "im", c->multiplier[k].im, DIGITS);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+  vs_json_end(json);
+}
