@@ -141,45 +141,28 @@ static void take_output(const vs_linear *l, const modes *m, int output, vs_avera
 
 /* ---- all of it ---- */
 
-/* The gain by solving (I - A) x = B instead of by modes, to tell whether these are known. */
-static bool agrees(const vs_linear *l, const vs_averaged *a) {
-  size_t n = (size_t)l->n, order[N];
-  double matrix[N * N], side[N], x[N];
-  int sign;
-  for (size_t i = 0; i < n; i++) {
-    side[i] = l->b[i] / l->scale[i];
-    for (size_t j = 0; j < n; j++)
-      matrix[i * n + j] = (i == j) - l->a[i][j] * l->scale[j] / l->scale[i];
-  }
-  gsl_matrix_view of = gsl_matrix_view_array(matrix, n, n);
-  gsl_vector_view b = gsl_vector_view_array(side, n), by = gsl_vector_view_array(x, n);
-  gsl_permutation p = {n, order};
-  if (gsl_linalg_LU_decomp(&of.matrix, &p, &sign) ||
-      gsl_linalg_LU_solve(&of.matrix, &p, &b.vector, &by.vector))
-    return false;
-  for (int k = 0; k < l->outputs; k++) {
-    double gain = l->d[k], size = fabs(l->d[k]);
-    for (size_t i = 0; i < n; i++) {
-      gain += l->c[k][i] * l->scale[i] * x[i];
-      size += fabs(l->c[k][i] * l->scale[i] * x[i]);
-    }
-    if (!(fabs(gain - a->gain[k]) <= 1e-6 * size)) return false;
-  }
+/* The gain without the modes tells whether these are known: their sum must not cancel. */
+static bool agrees(const vs_averaged *a, const double gain[VS_LINEAR_OUTPUTS]) {
+  for (int k = 0; k < a->outputs; k++)
+    if (!(fabs(gain[k] - a->gain[k]) <= 1e-6 * (fabs(gain[k]) + fabs(a->at_once[k])))) return false;
   return true;
 }
 
 vs_status vs_averaged_find(const vs_linear *l, vs_averaged *a, vs_error *err) {
   modes *m = vs_alloc(1, sizeof *m);
   *a = (vs_averaged){.n = l->n, .outputs = l->outputs};
-  bool good = find_modes(l, m);
+  double gain[VS_LINEAR_OUTPUTS];
+  vs_status status = vs_linear_gain(l, gain, err);
+  bool good = !status && find_modes(l, m);
   for (int k = 0; k < a->n; k++) a->pole[k] = pole_of(m->m[k], l->period_s);
   for (int k = 0; k < a->outputs && good; k++) take_output(l, m, k, a);
   free(m);
-  return good && agrees(l, a)
+  if (status) return status;
+  return good && agrees(a, gain)
              ? VS_OK
              : vs_fail(err, VS_RUN,
-                       "the poles of the linear model cannot be told apart, or one of its "
-                       "multipliers is 1, so that there is no averaged model");
+                       "the poles of the linear model cannot be told apart, so that there is no "
+                       "averaged model");
 }
 
 double vs_averaged_step(const vs_averaged *a, int output, int k) {

@@ -2,7 +2,6 @@
 #include "dependence/closed.h"
 
 #include <gsl/gsl_eigen.h>
-#include <gsl/gsl_linalg.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -105,27 +104,6 @@ typedef struct search {
   double unit; /* of the sensor's channel */
 } search;
 
-/* The gain C (I - A)^-1 B + D of the one output, per rad. */
-static vs_status find_gain(const vs_linear *l, double *gain, vs_error *err) {
-  size_t n = (size_t)l->n, order[N];
-  double matrix[N * N], side[N], x[N];
-  int sign;
-  for (size_t i = 0; i < n; i++) {
-    side[i] = l->b[i] / l->scale[i];
-    for (size_t j = 0; j < n; j++)
-      matrix[i * n + j] = (i == j) - l->a[i][j] * l->scale[j] / l->scale[i];
-  }
-  gsl_matrix_view of = gsl_matrix_view_array(matrix, n, n);
-  gsl_vector_view b = gsl_vector_view_array(side, n), by = gsl_vector_view_array(x, n);
-  gsl_permutation p = {n, order};
-  if (gsl_linalg_LU_decomp(&of.matrix, &p, &sign) ||
-      gsl_linalg_LU_solve(&of.matrix, &p, &b.vector, &by.vector))
-    return vs_fail(err, VS_RUN, "a multiplier of the orbit is 1");
-  *gain = l->d[0];
-  for (size_t i = 0; i < n; i++) *gain += l->c[0][i] * l->scale[i] * x[i];
-  return VS_OK;
-}
-
 /* Finds orbit and linear model at an angle. */
 static vs_status try_angle(search *s, double angle_rad, vs_error *err) {
   double from[VS_ORBIT_STATES];
@@ -144,12 +122,13 @@ static vs_status rest(search *s, const double limits[2], vs_closed *c, vs_error 
   enum { ITERATIONS = 40 };
   static const double CLOSED = 1e-9; /* of the angle, rad */
   const vs_regulator_pi *pi = &c->pi;
+  double gain[VS_LINEAR_OUTPUTS];
   double angle = fmin(fmax(pi->start_rad, limits[0]), limits[1]);
   for (int k = 0; k < ITERATIONS; k++) {
     vs_status status = try_angle(s, angle, err);
-    if (!status) status = find_gain(&s->linear, &c->gain, err);
+    if (!status) status = vs_linear_gain(&s->linear, gain, err);
     if (status) return status;
-    c->gain *= s->unit;
+    c->gain = gain[0] * s->unit;
     c->amplitude = s->unit * vs_seen_amplitude(&s->linear.output[0].seen);
     double off = c->amplitude - pi->wanted;
     double step = pi->integral != 0 ? -off / c->gain

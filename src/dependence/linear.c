@@ -7,134 +7,45 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "dependence/columns.h"
 #include "dependence/grazing.h"
-#include "instrument/chunk.h"
-#include "orbit/variation.h"
 #include "scene/session.h"
 #include "steady/steady.h"
 
-enum { N = VS_LINEAR_STATES, ROWS = VS_VARIATION_MOST, NODES = VS_LOWPASS_TERMS };
+enum { N = VS_LINEAR_STATES };
 
-/* ---- the columns on the way ---- */
+/* ---- the rows on the way ---- */
 
 /* An instant at which rows are taken. */
 typedef struct mark {
   double t_s;
-  int output;   /* whose extreme this is; -1: the firing */
-  double share; /* of the extreme in the amplitude: 1/2 or -1/2 */
+  int output;   /* whose turn this is; -1: the firing */
+  double share; /* of the turn in the amplitude: 1/2 or -1/2 */
   bool taken;
 } mark;
 
-/* What each column makes of a low-pass: the machine's states, the delay, then its own states. */
-typedef struct filter {
-  int output;
-  vs_lowpass column[ROWS + 1 + 2];
-} filter;
-
 typedef struct walk {
   vs_linear *out;
-  vs_variation variation;
-  filter filters[VS_LINEAR_FILTERED];
-  int n_filters;
+  vs_columns columns;
   mark marks[2 * VS_LINEAR_OUTPUTS + 1];
   int n_marks;
-  double rates[ROWS * (ROWS + 1)];               /* of the variation's columns */
-  double nodes[VS_LINEAR_FILTERED][ROWS][NODES]; /* the signals of the columns in one part */
-  double t_s;                                    /* how far the columns have come */
-  double per_rad;                                /* delay of the firing, s/rad */
-  int firings;
+  double per_rad; /* delay of the firing, s/rad */
 } walk;
 
-/* The machine's columns, and the delay's as the last. */
-static int columns_of(const walk *w) {
-  return w->out->machine + 1;
-}
-
-/* What column j makes of an output's signal, where no low-pass is. The rates are there already. */
-static double signal_of(walk *w, const vs_seen *seen, int j) {
-  int dof = w->variation.model->dof;
-  double sum = 0;
-  for (int i = 0; i < 2 * dof; i++) sum += seen->k[i] * vs_variation_get(&w->variation, i, j);
-  for (int i = 0; i < dof; i++)
-    sum += seen->k[2 * dof + i] * w->rates[j * w->variation.rows + dof + i];
-  return sum;
-}
-
-/* Row i of the states (of the machine, then of the low-passes), column j of x or the delay's, j =
- * n.
- */
-static double state_of(walk *w, int i, int j) {
-  const vs_linear *l = w->out;
-  bool delay = j == l->n;
-  if (i < l->machine)
-    return j < l->machine || delay ? vs_variation_get(&w->variation, i, delay ? l->machine : j) : 0;
-  for (int f = 0; f < w->n_filters; f++) {
-    const vs_linear_output *o = &l->output[w->filters[f].output];
-    int own = i - o->first, theirs = j - o->first;
-    if (own < 0 || own >= o->seen.states) continue;
-    if (j < l->machine || delay) return w->filters[f].column[delay ? l->machine : j].x[own];
-    return theirs >= 0 && theirs < o->seen.states
-               ? w->filters[f].column[columns_of(w) + theirs].x[own]
-               : 0;
-  }
-  return 0;
-}
-
 /* What column j of x, or the delay's, makes of an output. */
-static double output_of(walk *w, const vs_linear_output *o, int j) {
-  const vs_linear *l = w->out;
-  if (o->first >= 0) return state_of(w, o->first, j);
-  if (j >= l->machine && j < l->n) return 0;
-  return signal_of(w, &o->seen, j == l->n ? l->machine : j);
+static double output_of(walk *w, const vs_step *step, const vs_linear_output *o, int j) {
+  return o->first >= 0 ? vs_columns_state(&w->columns, o->first, j)
+                       : vs_columns_signal(&w->columns, step, &o->seen, j);
 }
 
 static void take_mark(walk *w, const mark *m, const vs_step *step) {
   vs_linear *l = w->out;
-  vs_variation_rates(&w->variation, step, w->rates);
   for (int i = 0; m->output < 0 && i < l->n; i++)
-    for (int j = 0; j < l->n; j++) l->to_firing[i][j] = state_of(w, i, j);
+    for (int j = 0; j < l->n; j++) l->to_firing[i][j] = vs_columns_state(&w->columns, i, j);
   if (m->output < 0) return;
   const vs_linear_output *o = &l->output[m->output];
-  for (int j = 0; j < l->n; j++) l->c[m->output][j] += m->share * output_of(w, o, j);
-  l->d[m->output] += m->share * output_of(w, o, l->n) * w->per_rad;
-}
-
-/* ---- one part of a step ---- */
-
-static void take_node(walk *w, int node) {
-  for (int f = 0; f < w->n_filters; f++) {
-    const vs_seen *seen = &w->out->output[w->filters[f].output].seen;
-    for (int j = 0; j < columns_of(w); j++) w->nodes[f][j][node] = signal_of(w, seen, j);
-  }
-}
-
-static void advance_filters(walk *w, double h_s) {
-  const double none[NODES] = {0};
-  double u[NODES];
-  for (int f = 0; f < w->n_filters; f++) {
-    filter *own = &w->filters[f];
-    for (int j = 0; j < columns_of(w); j++) {
-      const vs_chunk c = vs_chunk_through(w->nodes[f][j]);
-      vs_chunk_powers(&c, u);
-      vs_lowpass_advance(&own->column[j], h_s, u);
-    }
-    for (int k = 0; k < 2; k++) vs_lowpass_advance(&own->column[columns_of(w) + k], h_s, none);
-  }
-}
-
-/* Goes from w->t_s to another instant of the step, along which polynomials go. */
-static vs_status go(walk *w, const vs_step *step, double to_s, vs_error *err) {
-  double from_s = w->t_s;
-  vs_status status = VS_OK;
-  for (int node = w->n_filters ? NODES - 1 : 0; node >= 0 && !status; node--) {
-    status = vs_variation_to(&w->variation, step, vs_chunk_instant(node, from_s, to_s), err);
-    if (!w->n_filters || status) continue;
-    vs_variation_rates(&w->variation, step, w->rates);
-    take_node(w, node);
-  }
-  if (w->n_filters && !status) advance_filters(w, to_s - from_s);
-  w->t_s = to_s;
-  return status;
+  for (int j = 0; j < l->n; j++) l->c[m->output][j] += m->share * output_of(w, step, o, j);
+  l->d[m->output] += m->share * output_of(w, step, o, l->n) * w->per_rad;
 }
 
 /* The first mark that is not taken, up to an instant; NULL: there is none. */
@@ -150,12 +61,11 @@ static mark *mark_until(walk *w, double to_s) {
 static vs_status go_marks(walk *w, const vs_step *step, double to_s, vs_error *err) {
   vs_status status = VS_OK;
   for (mark *m; !status && (m = mark_until(w, to_s));) {
-    if (m->t_s > w->t_s) status = go(w, step, m->t_s, err);
+    status = vs_columns_to(&w->columns, step, m->t_s, err);
     if (!status) take_mark(w, m, step);
     m->taken = true;
   }
-  if (!status && to_s > w->t_s) status = go(w, step, to_s, err);
-  return status;
+  return status ? status : vs_columns_to(&w->columns, step, to_s, err);
 }
 
 static vs_status accept_walk(void *ctx, const vs_step *step, const vs_result *result,
@@ -167,7 +77,7 @@ static vs_status accept_walk(void *ctx, const vs_step *step, const vs_result *re
   (void)result;
   for (int n = 1; n <= parts && !status; n++)
     status = go_marks(w, step, n < parts ? from_s + n * (h_s / parts) : step->to->t_s, err);
-  return status ? status : vs_variation_accept(&w->variation, step, err);
+  return status ? status : vs_columns_accept(&w->columns, step, err);
 }
 
 /* ---- along the orbit ---- */
@@ -290,19 +200,20 @@ static vs_status add_outputs(const vs_frame *frame, const vs_seen_order *signals
     vs_linear_output *o = &l->output[l->outputs++];
     status = vs_seen_begin(&o->seen, frame, &signals[k], err);
     filters += o->seen.states > 0;
-    if (!status && filters <= VS_LINEAR_FILTERED) add_filter(l, o);
+    if (!status && filters <= VS_COLUMNS_FILTERED) add_filter(l, o);
   }
-  if (status || (count <= VS_LINEAR_OUTPUTS && filters <= VS_LINEAR_FILTERED)) return status;
+  if (status || (count <= VS_LINEAR_OUTPUTS && filters <= VS_COLUMNS_FILTERED)) return status;
   return vs_fail(err, VS_INPUT, "a linear model has at most %d outputs, %d of them with a low-pass",
-                 (int)VS_LINEAR_OUTPUTS, (int)VS_LINEAR_FILTERED);
+                 (int)VS_LINEAR_OUTPUTS, (int)VS_COLUMNS_FILTERED);
 }
 
 static vs_status begin_walk(walk *w, const vs_setup *setup, vs_error *err) {
   vs_linear *l = w->out;
   w->per_rad = 1 / setup->timeline.omega_rad_s;
+  vs_columns_begin(&w->columns, setup);
   w->marks[w->n_marks++] = (mark){.t_s = l->fires_s, .output = -1};
   for (int k = 0; k < l->outputs; k++) {
-    vs_linear_output *o = &l->output[k];
+    const vs_linear_output *o = &l->output[k];
     double amplitude = vs_seen_amplitude(&o->seen);
     if (!(amplitude > 0))
       return vs_fail(err, VS_RUN,
@@ -310,21 +221,12 @@ static vs_status begin_walk(walk *w, const vs_setup *setup, vs_error *err) {
                      o->seen.order.name);
     for (int side = 0; side < 2; side++)
       w->marks[w->n_marks++] = (mark){o->seen.best[side].at_s, k, side ? -0.5 : 0.5, false};
-    if (o->first < 0) continue;
-    filter *f = &w->filters[w->n_filters++];
-    f->output = k;
-    for (int j = 0; j < ROWS + 3; j++) {
-      f->column[j] = o->seen.lowpass;
-      memset(f->column[j].x, 0, sizeof f->column[j].x);
-    }
+    vs_columns_add(&w->columns, &o->seen);
     for (int i = 0; i < o->seen.states; i++) {
-      f->column[columns_of(w) + i].x[i] = 1;
       l->x[o->first + i] = o->seen.start[i];
       l->scale[o->first + i] = amplitude;
     }
   }
-  vs_variation_begin(&w->variation, setup);
-  vs_variation_add_delay(&w->variation);
   return VS_OK;
 }
 
@@ -336,10 +238,10 @@ static vs_status walk_along(const vs_scene *scene, const vs_setup *setup, vs_lin
   vs_status status = begin_walk(w, setup, err);
   if (!status) status = fly(scene, setup, &guest, err);
   for (int i = 0; i < l->n && !status; i++) {
-    for (int j = 0; j < l->n; j++) l->a[i][j] = state_of(w, i, j);
-    l->b[i] = state_of(w, i, l->n) * w->per_rad;
+    for (int j = 0; j < l->n; j++) l->a[i][j] = vs_columns_state(&w->columns, i, j);
+    l->b[i] = vs_columns_state(&w->columns, i, l->n) * w->per_rad;
   }
-  vs_variation_end(&w->variation);
+  vs_columns_end(&w->columns);
   free(w);
   return status;
 }
@@ -375,6 +277,30 @@ static vs_status move_section(vs_linear *l, vs_error *err) {
   free(t);
   return good ? VS_OK
               : vs_fail(err, VS_RUN, "the free flight up to the firing cannot be turned back");
+}
+
+/* ---- the gain ---- */
+
+vs_status vs_linear_gain(const vs_linear *l, double gain[VS_LINEAR_OUTPUTS], vs_error *err) {
+  size_t n = (size_t)l->n, order[N];
+  double matrix[N * N], side[N], x[N];
+  int sign;
+  for (size_t i = 0; i < n; i++) {
+    side[i] = l->b[i] / l->scale[i];
+    for (size_t j = 0; j < n; j++)
+      matrix[i * n + j] = (i == j) - l->a[i][j] * l->scale[j] / l->scale[i];
+  }
+  gsl_matrix_view of = gsl_matrix_view_array(matrix, n, n);
+  gsl_vector_view b = gsl_vector_view_array(side, n), by = gsl_vector_view_array(x, n);
+  gsl_permutation p = {n, order};
+  if (gsl_linalg_LU_decomp(&of.matrix, &p, &sign) ||
+      gsl_linalg_LU_solve(&of.matrix, &p, &b.vector, &by.vector))
+    return vs_fail(err, VS_RUN, "a multiplier of the orbit is 1, so that there is no gain");
+  for (int k = 0; k < l->outputs; k++) {
+    gain[k] = l->d[k];
+    for (size_t i = 0; i < n; i++) gain[k] += l->c[k][i] * l->scale[i] * x[i];
+  }
+  return VS_OK;
 }
 
 /* ---- all of it ---- */

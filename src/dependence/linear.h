@@ -19,13 +19,12 @@
 #ifndef VS_DEPENDENCE_LINEAR_H
 #define VS_DEPENDENCE_LINEAR_H
 
-#include "dependence/seen.h"
+#include "dependence/columns.h"
 #include "orbit/shooting.h"
 
 enum {
-  VS_LINEAR_FILTERED = 4, /* outputs with a low-pass, at most */
-  VS_LINEAR_STATES = VS_MOST_STATES + 2 * VS_LINEAR_FILTERED,
-  VS_LINEAR_OUTPUTS = VS_MOST_DOF + 1 + VS_LINEAR_FILTERED
+  VS_LINEAR_STATES = VS_COLUMNS_STATES,
+  VS_LINEAR_OUTPUTS = VS_MOST_DOF + 1 + VS_COLUMNS_FILTERED /* of which so many with a low-pass */
 };
 
 /* A state, or an output, and its unit. */
@@ -78,6 +77,10 @@ vs_status vs_linear_check(const vs_scene *scene, int periods, vs_error *err);
  * at its angle; the armature touches a stop without a speed; an output does not move. */
 vs_status vs_linear_find(const vs_scene *scene, const vs_orbit *orbit, const vs_seen_order *signals,
                          int count, vs_linear *linear, vs_error *err);
+
+/* Gives what a lasting change of the angle makes of each output in the end, C (I - A)^-1 B + D, per
+ * rad. Error, VS_RUN: a multiplier is 1. */
+vs_status vs_linear_gain(const vs_linear *linear, double gain[VS_LINEAR_OUTPUTS], vs_error *err);
 
 /* The output that is the gap's travel, seen without a low-pass; -1: there is none. */
 int vs_linear_travel(const vs_linear *linear, const vs_model *model);

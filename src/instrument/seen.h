@@ -4,8 +4,8 @@
  *
  * A channel is linear where it is a constant and a sum of coordinates, their rates and their second
  * rates, each times a number:  y = y_0 + k . (q, q', q"). */
-#ifndef VS_DEPENDENCE_SEEN_H
-#define VS_DEPENDENCE_SEEN_H
+#ifndef VS_INSTRUMENT_SEEN_H
+#define VS_INSTRUMENT_SEEN_H
 
 #include "instrument/lowpass.h"
 #include "sim/step.h"

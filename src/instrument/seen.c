@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "dependence/seen.h"
+#include "instrument/seen.h"
 
 #include <math.h>
 #include <string.h>
