@@ -47,7 +47,7 @@ typedef struct vs_averaged {
  * apart. */
 vs_status vs_averaged_find(const vs_linear *linear, vs_averaged *averaged, vs_error *err);
 
-/* The step response of an output after k firings, in its unit per rad. For tests. */
+/* The step response of an output after k firings, in its unit per rad. */
 double vs_averaged_step(const vs_averaged *averaged, int output, int k);
 
 #endif

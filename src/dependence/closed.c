@@ -9,7 +9,7 @@
 #include "base/text.h"
 #include "syntax/units.h"
 
-enum { N = VS_CLOSED_STATES };
+enum { N = VS_LINEAR_STATES };
 
 enum { DIGITS = 12 };
 
@@ -21,31 +21,39 @@ static bool stands_before(const vs_multiplier *a, const vs_multiplier *b) {
   return a->im != b->im ? a->im > b->im : a->re > b->re;
 }
 
-/* The map of (x, m, s) in parts of each state's scale, row by row; m and s are in rad, as what P
- * and I make of them. Returns how many states there are. */
-static size_t put_map(const vs_linear *l, double p, double i, double map[N * N]) {
-  size_t x = (size_t)l->n, n = x + 1 + (i != 0);
-  memset(map, 0, n * n * sizeof *map);
-#define AT(row, column) map[(row)*n + (column)]
-  for (size_t row = 0; row < x; row++) {
-    for (size_t k = 0; k < x; k++) AT(row, k) = l->a[row][k] * l->scale[k] / l->scale[row];
-    AT(row, x) = l->b[row] / l->scale[row] * (p + i);
-    if (i != 0) AT(row, x + 1) = l->b[row] / l->scale[row];
+/* Closes the loop of a model with one output. The input of what comes of it is the set point; its
+ * output is the amplitude. An integral part adds the sum to the states. */
+static void close_with(const vs_linear *l, double p, double i, vs_linear *loop) {
+  static const double SUM_RAD = 0.01; /* a size of the sum */
+  const int m = l->n, s = l->n + 1;
+  loop->n = i != 0 ? s + 1 : s;
+  loop->outputs = 1;
+  loop->period_s = l->period_s;
+  memcpy(loop->scale, l->scale, sizeof loop->scale);
+  loop->scale[m] = vs_seen_amplitude(&l->output[0].seen);
+  loop->scale[s] = SUM_RAD;
+  memset(loop->a, 0, sizeof loop->a);
+  for (int row = 0; row <= m; row++) {
+    const double *x = row < m ? l->a[row] : l->c[0];
+    double b = row < m ? l->b[row] : l->d[0];
+    memcpy(loop->a[row], x, (size_t)m * sizeof *x);
+    loop->a[row][m] = b * (p + i);
+    loop->a[row][s] = b;
+    loop->b[row] = -b * (p + i);
   }
-  for (size_t k = 0; k < x; k++) AT(x, k) = l->c[0][k] * l->scale[k];
-  AT(x, x) = l->d[0] * (p + i);
-  if (i != 0) AT(x, x + 1) = l->d[0];
-  if (i != 0) AT(x + 1, x) = i;
-  if (i != 0) AT(x + 1, x + 1) = 1;
-#undef AT
-  return n;
+  loop->a[s][m] = i;
+  loop->a[s][s] = 1;
+  loop->b[s] = -i;
+  memcpy(loop->c[0], loop->a[m], sizeof loop->c[0]);
+  loop->d[0] = loop->b[m];
 }
 
-/* Finds them, sorted. Returns the largest size; NaN where GSL finds none. */
-static double find_multipliers(const vs_linear *l, double p, double i, vs_multiplier *out,
-                               int *count) {
+/* Finds the multipliers of a map, sorted. Returns the largest size; NaN where GSL finds none. */
+static double find_multipliers(const vs_linear *l, vs_multiplier *out) {
   double map[N * N];
-  size_t n = put_map(l, p, i, map);
+  size_t n = (size_t)l->n;
+  for (size_t i = 0; i < n; i++)
+    for (size_t j = 0; j < n; j++) map[i * n + j] = l->a[i][j] * l->scale[j] / l->scale[i];
   gsl_matrix_view m = gsl_matrix_view_array(map, n, n);
   gsl_vector_complex *values = gsl_vector_complex_alloc(n);
   gsl_eigen_nonsymm_workspace *work = gsl_eigen_nonsymm_alloc(n);
@@ -60,7 +68,6 @@ static double find_multipliers(const vs_linear *l, double p, double i, vs_multip
   }
   gsl_eigen_nonsymm_free(work);
   gsl_vector_complex_free(values);
-  *count = (int)n;
   return good ? hypot(out[0].re, out[0].im) : NAN;
 }
 
@@ -68,9 +75,11 @@ static double find_multipliers(const vs_linear *l, double p, double i, vs_multip
 
 static double size_at(const vs_linear *l, const vs_regulator_pi *pi, double times, bool both) {
   vs_multiplier unused[N];
-  int n;
-  return find_multipliers(l, times * pi->proportional, (both ? times : 1) * pi->integral, unused,
-                          &n);
+  vs_linear *loop = vs_alloc(1, sizeof *loop);
+  close_with(l, times * pi->proportional, (both ? times : 1) * pi->integral, loop);
+  double size = find_multipliers(loop, unused);
+  free(loop);
+  return size;
 }
 
 /* The factor nearest to 1, above it where the loop is stable and below it where it is not, at which
@@ -148,17 +157,40 @@ static vs_status rest(search *s, const double limits[2], vs_closed *c, vs_error 
                  pi->wanted / s->unit);
 }
 
+/* ---- a step of the set point ---- */
+
+/* Follows the amplitude for as long as a minute, or until all modes that count have decayed. */
+static void find_step(vs_closed *c) {
+  static const double NEAR = 0.01, LONGEST_S = 60;
+  double end = c->modes.gain[0], largest = 0;
+  int settled = 0, longest = (int)(LONGEST_S / c->period_s);
+  for (int k = 0; k < longest; k++) {
+    double part = vs_averaged_step(&c->modes, 0, k) / end;
+    largest = fmax(largest, part - 1);
+    if (fabs(part - 1) > NEAR) settled = k + 1;
+  }
+  c->overshoot = largest;
+  c->settles_s = settled < longest ? settled * c->period_s : NAN;
+}
+
 static vs_status close_loop(search *s, const double limits[2], vs_closed *c, vs_error *err) {
   vs_status status = rest(s, limits, c, err);
   if (status) return status;
   /* the control's P and I are per SI, the model's output is in the channel's unit */
   const vs_regulator_pi own = {.proportional = c->pi.proportional * s->unit,
                                .integral = c->pi.integral * s->unit};
-  c->period_s = s->linear.period_s;
-  double largest =
-      find_multipliers(&s->linear, own.proportional, own.integral, c->multiplier, &c->n);
-  if (isnan(largest)) return vs_fail(err, VS_RUN, "the closed loop's multipliers cannot be found");
+  vs_linear *loop = vs_alloc(1, sizeof *loop);
+  vs_error why = {0};
+  close_with(&s->linear, own.proportional, own.integral, loop);
+  c->n = loop->n;
+  c->period_s = loop->period_s;
+  double largest = find_multipliers(loop, c->multiplier);
   c->stable = largest < 1;
+  c->answers = c->stable && (own.proportional != 0 || own.integral != 0) &&
+               !vs_averaged_find(loop, &c->modes, &why);
+  free(loop);
+  if (isnan(largest)) return vs_fail(err, VS_RUN, "the closed loop's multipliers cannot be found");
+  if (c->answers) find_step(c);
   c->both_times = limit_of(&s->linear, &own, c->stable, true);
   c->proportional_times =
       own.proportional != 0 ? limit_of(&s->linear, &own, c->stable, false) : NAN;
@@ -173,7 +205,8 @@ vs_status vs_closed_find(const vs_scene *scene, const vs_regulator *regulator,
                           .instruments = &scene->instruments,
                           .sensor = scene->control.sensor};
   search *s = vs_alloc(1, sizeof *s);
-  *c = (vs_closed){.unit = i->unit, .pi = regulator->pi(&sight)};
+  *c =
+      (vs_closed){.unit = i->unit, .pi = regulator->pi(&sight), .settles_s = NAN, .overshoot = NAN};
   snprintf(c->sensor, sizeof c->sensor, "%s", i->name);
   s->scene = vs_alloc(1, sizeof *s->scene);
   *s->scene = *scene;
@@ -216,10 +249,20 @@ void vs_closed_print(const vs_closed *c, FILE *out) {
   print_limit(c->both_times, "both gains", out);
   if (c->pi.proportional != 0 && c->pi.integral != 0)
     print_limit(c->proportional_times, "the proportional one alone", out);
-  fprintf(out, "\n%-10s %15s %15s %15s\n", "multiplier", "re", "im", "size");
-  for (int k = 0; k < c->n; k++)
-    fprintf(out, "%-10d %15.9g %15.9g %15.9g\n", k + 1, c->multiplier[k].re, c->multiplier[k].im,
+  if (c->answers)
+    fprintf(out, "\nset point  a small step of it overshoots by %.3g %%", 100 * c->overshoot);
+  if (c->answers && !isnan(c->settles_s))
+    fprintf(out, " and settles to 1 %% in %.3g s", c->settles_s);
+  else if (c->answers)
+    fputs(" and does not settle to 1 % within a minute", out);
+  fprintf(out, "\n%-10s %15s %15s %15s%s\n", "multiplier", "re", "im", "size",
+          c->answers ? "   share in that step" : "");
+  for (int k = 0; k < c->n; k++) {
+    fprintf(out, "%-10d %15.9g %15.9g %15.9g", k + 1, c->multiplier[k].re, c->multiplier[k].im,
             hypot(c->multiplier[k].re, c->multiplier[k].im));
+    if (c->answers) fprintf(out, "   %.4g", cabs(c->modes.share[0][k] / c->modes.gain[0]));
+    fputc('\n', out);
+  }
   fputs("small deviations alone; the times of samples, noise and the A/D are left out\n\n", out);
 }
 
@@ -232,11 +275,15 @@ void vs_closed_json(const vs_closed *c, vs_json *json) {
   vs_json_bool(json, "stable", c->stable);
   vs_json_number(json, "limit_both_times", c->both_times, DIGITS);
   vs_json_number(json, "limit_proportional_times", c->proportional_times, DIGITS);
+  vs_json_number(json, "overshoot", c->overshoot, 6);
+  vs_json_number(json, "settles_s", c->settles_s, 6);
   vs_json_array(json, "multipliers", VS_JSON_LINES);
   for (int k = 0; k < c->n; k++) {
     vs_json_object(json, NULL, VS_JSON_ROW);
     vs_json_number(json, "re", c->multiplier[k].re, DIGITS);
     vs_json_number(json, "im", c->multiplier[k].im, DIGITS);
+    double share = c->answers ? cabs(c->modes.share[0][k] / c->modes.gain[0]) : NAN;
+    vs_json_number(json, "share", share, 6);
     vs_json_end(json);
   }
   vs_json_end(json);
