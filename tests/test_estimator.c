@@ -10,9 +10,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "control/estimator.h"
-#include "control/place.h"
-#include "control/riccati.h"
+#include "observe/estimator.h"
+#include "observe/place.h"
+#include "observe/riccati.h"
 #include "instrument/meter.h"
 #include "suite.h"
 

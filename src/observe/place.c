@@ -11,7 +11,7 @@
  * whose columns have length 1, becomes the largest while all others stay. Of a real pole that is
  * the projection onto S of the direction y that is at right angles to the others; of a pair see
  * turn_pair. */
-#include "control/place.h"
+#include "observe/place.h"
 
 #include <gsl/gsl_blas.h>
 #include <gsl/gsl_complex_math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "control/riccati.h"
+#include "observe/riccati.h"
 
 #include <gsl/gsl_blas.h>
 #include <gsl/gsl_linalg.h>

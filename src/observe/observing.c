@@ -1,25 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "control/observing.h"
+#include "observe/observing.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "control/place.h"
-#include "control/riccati.h"
+#include "observe/place.h"
 #include "sim/channel.h"
 
 #define AT(member) offsetof(vs_observing_values, member)
 static const vs_field KEYS[] = {
     {"kind", VS_CHOICE, "", "kalman", .offset = AT(kind),
      .text = "how its gain is found: from noise (kalman), or from poles (luenberger)",
-     .choices = "kalman|luenberger"},
+     .choices = VS_GAIN_WORDS},
     {"current", VS_NAME, "", "auto", .offset = AT(current),
      .text = "the instrument that measures the coil's current; auto: the first on channel i"},
-    {"force_noise", VS_REAL, "N", "1 N", 0, 1e9, true, AT(force_noise_n),
+    {"force_noise", VS_REAL, "N", "1 N", 0, 1e9, true, AT(gain.force_noise_n),
      .text = "kalman: by how much the computed force is wrong, rms in each period"},
-    {"spread", VS_REAL, "", "0.1", 0, 1e6, .offset = AT(spread),
+    {"spread", VS_REAL, "", "0.1", 0, 1e6, .offset = AT(gain.spread),
      .text =
          "kalman: what unknown forces do to each coordinate, as a part of what force_noise does "
          "to the gap"},
@@ -145,217 +144,6 @@ static vs_status check_sight(const reading *r, const vs_scaled *s) {
                     unseen > 1 ? "s" : "", text, unseen > 1 ? "them" : "it");
 }
 
-/* ---- poles ---- */
-
-static bool read_number(const vs_node *node, double *value) {
-  char *end;
-  if (!node || node->kind != VS_NODE_TEXT || !*node->text) return false;
-  *value = strtod(node->text, &end);
-  while (*end == ' ') end++;
-  return isfinite(*value) && (!*end || !strcmp(end, "1/s") || !strcmp(end, "rad/s"));
-}
-
-static vs_status read_pole(const reading *r, const vs_node *node, vs_pole *pole) {
-  const vs_node *re = node->kind == VS_NODE_LIST ? node->child : node,
-                *im = node->kind == VS_NODE_LIST && re ? re->next : NULL;
-  *pole = (vs_pole){0};
-  if (!read_number(re, &pole->re_1_s) || (im && !read_number(im, &pole->im_rad_s)) ||
-      (node->kind == VS_NODE_LIST && (!im || im->next)))
-    return vs_fail_at(r->err, node->where,
-                      "control.observer.poles: a pole is a number in 1/s, as -200, or a pair "
-                      "[-150, 300] of its real part in 1/s and its imaginary part in rad/s");
-  if (!(pole->re_1_s < 0))
-    return vs_fail_at(r->err, node->where,
-                      "control.observer.poles: with %g 1/s an error does not decay; the real part "
-                      "must be below 0",
-                      pole->re_1_s);
-  if (!(fabs(pole->im_rad_s) < M_PI * r->rate_hz))
-    return vs_fail_at(r->err, node->where,
-                      "control.observer.poles: an imaginary part of %g rad/s is beyond what "
-                      "control.rate = %g Hz can tell, which is below %g rad/s",
-                      pole->im_rad_s, r->rate_hz, M_PI * r->rate_hz);
-  return VS_OK;
-}
-
-static bool is_near(const vs_pole *a, const vs_pole *b) {
-  double size = hypot(a->re_1_s, a->im_rad_s);
-  return hypot(a->re_1_s - b->re_1_s, a->im_rad_s - b->im_rad_s) <= 1e-6 * size;
-}
-
-static int how_often(const vs_pole *pole, const vs_pole *of, int count) {
-  int often = 0;
-  for (int k = 0; k < count; k++) often += is_near(of, &pole[k]);
-  return often;
-}
-
-/* Puts each pole's conjugate behind it. Error: one has none, or one stands too often. */
-static vs_status pair_up(const reading *r, vs_pole *pole, int count) {
-  int m = r->o->system->sensors;
-  vs_where where = place_of(r, "poles");
-  for (int k = 0; k < count; k++) {
-    const vs_pole conjugate = {pole[k].re_1_s, -pole[k].im_rad_s};
-    int often = how_often(pole, &pole[k], count);
-    if (how_often(pole, &conjugate, count) != often)
-      return vs_fail_at(r->err, where,
-                        "control.observer.poles: not a conjugate set: [%g, %g] stands without "
-                        "[%g, %g]",
-                        pole[k].re_1_s, pole[k].im_rad_s, conjugate.re_1_s, conjugate.im_rad_s);
-    if (often > m)
-      return vs_fail_at(r->err, where,
-                        "control.observer.poles: [%g, %g] stands %d times; with %d sensor%s a pole "
-                        "can stand %d time%s; set them apart",
-                        pole[k].re_1_s, pole[k].im_rad_s, often, m, m > 1 ? "s" : "", m,
-                        m > 1 ? "s" : "");
-  }
-  for (int k = 0; k < count; k++) {
-    if (pole[k].im_rad_s == 0) continue;
-    vs_pole conjugate = {pole[k].re_1_s, -pole[k].im_rad_s};
-    int other = k + 1;
-    while (!is_near(&conjugate, &pole[other])) other++;
-    vs_pole moved = pole[k + 1];
-    if (pole[k].im_rad_s < 0) {
-      vs_pole first = conjugate;
-      conjugate = pole[k];
-      pole[k] = first;
-    }
-    pole[other] = moved;
-    pole[++k] = conjugate;
-  }
-  return VS_OK;
-}
-
-/* The low-passes' own poles. Where two of them are one, they are set apart by a hundredth. Returns
- * how many there are. */
-static int own_poles(const vs_sampled *p, vs_pole *pole) {
-  int n = 0;
-  for (int k = 0; k < p->sensors; k++) {
-    const vs_lowpass *l = &p->sensor[k].lowpass;
-    double zeta = fmin(l->damping, 1 - 5e-5), im = l->rate * sqrt(1 - zeta * zeta);
-    if (p->sensor[k].states == 1) pole[n++] = (vs_pole){-l->rate, 0};
-    if (p->sensor[k].states < 2) continue;
-    pole[n++] = (vs_pole){-zeta * l->rate, im};
-    pole[n++] = (vs_pole){-zeta * l->rate, -im};
-  }
-  return n;
-}
-
-/* Reads the list, of a pole for each state; or for each of the motion, and the low-passes keep
- * theirs. */
-static vs_status read_poles(const reading *r, vs_pole pole[VS_SAMPLED_MOST]) {
-  const vs_sampled *p = r->o->system;
-  const vs_node *list = vs_tree_child(r->map, "poles");
-  vs_pole own[VS_SAMPLED_MOST];
-  int count = 0, n_own = own_poles(p, own);
-  for (const vs_node *n = list && list->kind == VS_NODE_LIST ? list->child : NULL; n; n = n->next) {
-    vs_pole one;
-    vs_status s = read_pole(r, n, &one);
-    if (s) return s;
-    if (count < VS_SAMPLED_MOST) pole[count] = one;
-    count++;
-  }
-  if (count != p->states && count != 2 * p->dof)
-    return vs_fail_at(
-        r->err, place_of(r, "poles"),
-        "control.observer.poles: %d given; wanted are %d, one for each coordinate and "
-        "each of their rates%s",
-        count, 2 * p->dof, n_own ? ", or as many more as the sensors' low-passes have states" : "");
-  for (int k = 0; count < p->states; k++) pole[count++] = own[k];
-  return pair_up(r, pole, count);
-}
-
-/* ---- the poles that are reached ---- */
-
-/* Finds how far the poles are from those wanted: the largest distance, relative to its pole's size.
- * Each of them counts once. */
-static double missed_by(const vs_observing *o, const vs_pole *wanted) {
-  bool taken[VS_SAMPLED_MOST] = {false};
-  double worst = 0;
-  for (int k = 0; k < o->system->states; k++) {
-    double least = INFINITY;
-    int nearest = 0;
-    for (int j = 0; j < o->system->states; j++) {
-      double off =
-          hypot(wanted[k].re_1_s - o->pole[j].re_1_s, wanted[k].im_rad_s - o->pole[j].im_rad_s);
-      if (taken[j] || !(off < least)) continue;
-      least = off;
-      nearest = j;
-    }
-    taken[nearest] = true;
-    worst = fmax(worst, least / hypot(wanted[k].re_1_s, wanted[k].im_rad_s));
-  }
-  return worst;
-}
-
-/* ---- gains ---- */
-
-/* By which part of its size a pole may miss the one that is wanted. */
-static const double MISSED = 0.005;
-
-static vs_status place(const reading *r, const vs_scaled *s, gsl_matrix *gain) {
-  const vs_sampled *p = r->o->system;
-  vs_pole pole[VS_SAMPLED_MOST];
-  gsl_complex wanted[VS_SAMPLED_MOST];
-  vs_status status = read_poles(r, pole);
-  if (status) return status;
-  for (int k = 0; k < p->states; k++) wanted[k] = vs_sampled_difference(p, pole[k]);
-  gsl_matrix *k = gsl_matrix_alloc(gain->size2, gain->size1);
-  bool good = vs_place(s->at, s->cat, wanted, k);
-  gsl_matrix_transpose_memcpy(gain, k);
-  gsl_matrix_scale(gain, s->unit_s);
-  gsl_matrix_free(k);
-  good = good && vs_sampled_poles(p, s, gain, r->o->pole);
-  double off = good ? missed_by(r->o, pole) : INFINITY;
-  if (off < MISSED) return VS_OK;
-  return vs_fail_at(r->err, place_of(r, "poles"),
-                    "control.observer.poles: rounding moves them by %.2g %% with the gain that is "
-                    "found; set them further apart, nearer to the machine's own, or add a sensor",
-                    100 * off);
-}
-
-/* What is not known of a sample, SI of the channel, squared: the noise, and a step of the A/D,
- * whose error is spread evenly over it. An instrument with neither is taken to be right to a
- * millionth of its range, as no instrument is free of errors. */
-static double variance(const vs_sensor *s) {
-  const vs_instrument_values *v = &s->instrument->v;
-  double span = s->range[1] - s->range[0], unit = span / (v->range[1] - v->range[0]);
-  double step = v->bits ? ldexp(span, -v->bits) : 0, noise = v->noise * unit;
-  return fmax(noise * noise + step * step / 12, pow(1e-6 * span, 2));
-}
-
-static vs_status filter(const reading *r, const vs_scaled *s, gsl_matrix *gain) {
-  const vs_sampled *p = r->o->system;
-  size_t n = (size_t)p->states, m = (size_t)p->sensors;
-  gsl_matrix *q = gsl_matrix_alloc(n, n), *v = gsl_matrix_calloc(m, m), *c = gsl_matrix_alloc(n, n);
-  double noise = r->o->v.force_noise_n, energy = 0, push[VS_SAMPLED_MOST];
-  for (size_t i = 0; i < n; i++) push[i] = noise * (p->b[0][i] + p->b[1][i]) / p->scale[i];
-  for (size_t i = 0; i < n; i++)
-    for (size_t j = 0; j < n; j++) gsl_matrix_set(q, i, j, push[i] * push[j]);
-  for (int i = p->dof; i < 2 * p->dof; i++) energy += push[i] * push[i];
-  for (size_t i = (size_t)p->dof; i < 2 * (size_t)p->dof; i++)
-    *gsl_matrix_ptr(q, i, i) += energy * pow(r->o->v.spread, 2);
-  for (size_t k = 0; k < m; k++)
-    gsl_matrix_set(v, k, k,
-                   (variance(&p->sensor[k]) + pow(p->d[k] * noise, 2)) / pow(p->y_scale[k], 2));
-  bool good = vs_riccati(s->full, s->c, q, v, c);
-  if (good) vs_riccati_gain(c, s->c, v, gain);
-  gsl_matrix_free(q);
-  gsl_matrix_free(v);
-  gsl_matrix_free(c);
-  if (good) return VS_OK;
-  return vs_fail_at(r->err, r->map->where,
-                    "control.observer: no steady gain is found; kind: luenberger takes poles");
-}
-
-/* How each kind finds its gain, in scaled states; which keys it alone has. In the order of the
- * key's words. */
-typedef struct kind {
-  const char *name, *keys[2];
-  vs_status (*gain)(const reading *r, const vs_scaled *s, gsl_matrix *gain);
-} kind;
-static const kind KINDS[] = {{"kalman", {"force_noise", "spread"}, filter},
-                             {"luenberger", {"poles"}, place}};
-enum { N_KINDS = sizeof KINDS / sizeof *KINDS };
-
 /* ---- what is to be said of it ---- */
 
 /* The first of its instruments whose samples do not fall on those of the control; NULL: all do. */
@@ -395,6 +183,16 @@ const char *vs_observing_note(const vs_observing *o, const vs_model *model, char
 
 /* ---- all ---- */
 
+/* Error: the map has a key of a kind that is not its own. */
+static vs_status check_keys(const reading *r, const vs_gain_kind *other) {
+  for (int k = 0; k < 2 && other->keys[k]; k++)
+    if (vs_tree_child(r->map, other->keys[k]))
+      return vs_fail_at(r->err, place_of(r, other->keys[k]),
+                        "control.observer.%s is of kind: %s, and this observer is of kind: %s",
+                        other->keys[k], other->name, vs_gain_kinds[r->o->v.kind].name);
+  return VS_OK;
+}
+
 static vs_status read_keys(const reading *r) {
   const char *names[N_KEYS + 2] = {"sensors", "poles"};
   vs_observing_values *v = &r->o->v;
@@ -406,14 +204,8 @@ static vs_status read_keys(const reading *r) {
     const vs_node *node = vs_tree_child(r->map, KEYS[k].key);
     if (node) s = vs_field_read(&vs_observing_section, &KEYS[k], node, v, r->err);
   }
-  for (int k = 0; k < 2 * N_KINDS && !s; k++) {
-    const kind *other = &KINDS[k / 2];
-    const char *key = other->keys[k % 2];
-    if (k / 2 != v->kind && key && vs_tree_child(r->map, key))
-      s = vs_fail_at(r->err, place_of(r, key),
-                     "control.observer.%s is of kind: %s, and this observer is of kind: %s", key,
-                     other->name, KINDS[v->kind].name);
-  }
+  for (int k = 0; vs_gain_kinds[k].name && !s; k++)
+    if (k != v->kind) s = check_keys(r, &vs_gain_kinds[k]);
   return s;
 }
 
@@ -425,8 +217,9 @@ static vs_status find_gain(const reading *r) {
   const vs_sampled *p = o->system;
   gsl_matrix *gain = gsl_matrix_calloc((size_t)p->states, (size_t)p->sensors);
   vs_scaled s = vs_sampled_scale(p);
+  const vs_gain_ask ask = {r->map, &o->v.gain, p, &s};
   vs_status status = check_sight(r, &s);
-  if (!status) status = KINDS[o->v.kind].gain(r, &s, gain);
+  if (!status) status = vs_gain_kinds[o->v.kind].find(&ask, gain, r->err);
   bool found = !status && vs_sampled_poles(p, &s, gain, o->pole);
   o->settling_s = -log(LEFT) / -o->pole[0].re_1_s;
   if (!status && !(found && o->pole[0].re_1_s < 0))

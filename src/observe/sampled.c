@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "control/sampled.h"
+#include "observe/sampled.h"
 
 #include <gsl/gsl_blas.h>
 #include <gsl/gsl_complex_math.h>

@@ -3,8 +3,8 @@
  * more than one column in B there are many such gains; taken is one whose eigenvectors are nearly
  * as far apart as they can be, so that the poles move least by what the model does not know
  * (J. Kautsky, N. K. Nichols, P. Van Dooren, 1985). */
-#ifndef VS_CONTROL_PLACE_H
-#define VS_CONTROL_PLACE_H
+#ifndef VS_OBSERVE_PLACE_H
+#define VS_OBSERVE_PLACE_H
 
 #include <gsl/gsl_complex.h>
 #include <gsl/gsl_matrix.h>

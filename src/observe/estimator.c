@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "control/estimator.h"
+#include "observe/estimator.h"
 
 #include <math.h>
 #include <string.h>

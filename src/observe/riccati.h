@@ -5,8 +5,8 @@
  *
  *   P = A (P - P C^T (C P C^T + R)^-1 C P) A^T + Q
  */
-#ifndef VS_CONTROL_RICCATI_H
-#define VS_CONTROL_RICCATI_H
+#ifndef VS_OBSERVE_RICCATI_H
+#define VS_OBSERVE_RICCATI_H
 
 #include <gsl/gsl_matrix.h>
 #include <stdbool.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The key `observer` of a scene's section `control`: which motion a control is told of that no
  * instrument shows. An observer computes the machine's motion along with the run, from the measured
- * current, and corrects it by what some instruments show; control/estimator.h does so in a run.
+ * current, and corrects it by what some instruments show; observe/estimator.h does so in a run.
  *
  *   observer: {kind: luenberger, sensors: [p, ap], poles: [-200, [-150, 300], [-150, -300], ...]}
  *   observer: {kind: kalman, sensors: [p, ap], force_noise: 1 N}
@@ -9,17 +9,15 @@
  * Of the sampled system x(k+1) = A x(k) + ... with the sensors y = C x + ... the estimate is
  * corrected by L (y - C x), so that its error e goes on as e(k+1) = (I - L C) A e(k). Its poles s,
  * 1/s, are those for which exp(s T) is an eigenvalue of (I - L C) A. */
-#ifndef VS_CONTROL_OBSERVING_H
-#define VS_CONTROL_OBSERVING_H
+#ifndef VS_OBSERVE_OBSERVING_H
+#define VS_OBSERVE_OBSERVING_H
 
-#include "control/sampled.h"
+#include "observe/gain.h"
 
 typedef struct vs_observing_values {
-  int kind;                   /* which of the kinds, in the order of the key's words */
+  int kind;                   /* which of the kinds, vs_gain_kinds[kind] */
   char current[VS_NAME_SIZE]; /* the instrument that measures the coil's current; "auto" */
-  double force_noise_n;       /* kalman: by how much F is wrong, root mean square in each period */
-  double spread;   /* kalman: what other forces add to each coordinate's rate, as a part of what the
-                      force noise adds to the gap's, by energy */
+  vs_gain_values gain;
   int knows_start; /* 1: the estimate begins where the run begins; 0: at rest */
 } vs_observing_values;
 
@@ -28,6 +26,7 @@ typedef struct vs_observing {
   vs_observing_values v;
   vs_sampled *system;                           /* owned; NULL: the scene has no observer */
   const vs_instrument *current;                 /* borrowed */
+  int of_current, of_sensor[VS_SENSOR_MOST];    /* their numbers among the scene's instruments */
   double gain[VS_SAMPLED_MOST][VS_SENSOR_MOST]; /* L; [state][sensor] */
   vs_pole pole[VS_SAMPLED_MOST]; /* of the error, system->states of them, the slowest first */
   double settling_s;             /* until a hundredth of the slowest part of an error is left */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * An observer at work in a run: at each sample of the control it computes where the machine is now
  * from where it was, corrects that by what the sensors show, and so has an estimate of all
- * coordinates and their rates. What it is made of stands in control/observing.h.
+ * coordinates and their rates. What it is made of stands in observe/observing.h.
  *
  *   1. The force F follows from the measured current by the coil's law, at the gap that is
  *      estimated; the stops' force is added likewise. F runs straight from sample to sample.
@@ -11,10 +11,10 @@
  *
  * The machine is the scene's as it begins: of a load that changes, or of an armature that jams, the
  * observer is not told. */
-#ifndef VS_CONTROL_ESTIMATOR_H
-#define VS_CONTROL_ESTIMATOR_H
+#ifndef VS_OBSERVE_ESTIMATOR_H
+#define VS_OBSERVE_ESTIMATOR_H
 
-#include "control/observing.h"
+#include "observe/observing.h"
 #include "sim/frame.h"
 
 /* The largest differences between the estimates and the true motion, at the samples, in the units

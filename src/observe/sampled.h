@@ -8,8 +8,8 @@
  *
  * and y are what the instruments show, but for noise, steps of the A/D and ends of ranges. A, b0
  * and b1 come from the exponential of the equations of motion, without an error of their own. */
-#ifndef VS_CONTROL_SAMPLED_H
-#define VS_CONTROL_SAMPLED_H
+#ifndef VS_OBSERVE_SAMPLED_H
+#define VS_OBSERVE_SAMPLED_H
 
 #include <gsl/gsl_complex.h>
 #include <gsl/gsl_matrix.h>
