@@ -26,7 +26,7 @@ static vs_status place(const vs_gain_ask *q, gsl_matrix *gain, vs_error *err) {
   good = good && vs_sampled_poles(p, s, gain, reached);
   double off = good ? vs_poles_missed(pole, reached, p->states) : INFINITY;
   if (off < MISSED) return VS_OK;
-  return vs_fail_at(err, vs_tree_child(q->map, "poles")->where,
+  return vs_fail_at(err, vs_tree_child(q->map, "poles")->key_where,
                     "control.observer.poles: rounding moves them by %.2g %% with the gain that is "
                     "found; set them further apart, nearer to the machine's own, or add a sensor",
                     100 * off);
@@ -63,7 +63,7 @@ static vs_status filter(const vs_gain_ask *q, gsl_matrix *gain, vs_error *err) {
   gsl_matrix_free(v);
   gsl_matrix_free(c);
   if (good) return VS_OK;
-  return vs_fail_at(err, q->map->where,
+  return vs_fail_at(err, q->map->key_where,
                     "control.observer: no steady gain is found; kind: luenberger takes poles");
 }
 

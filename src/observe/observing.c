@@ -38,9 +38,12 @@ typedef struct reading {
   vs_error *err;
 } reading;
 
+/* Where a value stands; of a list, and of the observer where it has no such key, where the key
+ * does. */
 static vs_where place_of(const reading *r, const char *key) {
   const vs_node *node = vs_tree_child(r->map, key);
-  return node ? node->where : r->map->where;
+  if (!node) return r->map->key_where;
+  return node->kind == VS_NODE_TEXT ? node->where : node->key_where;
 }
 
 /* ---- instruments ---- */
@@ -78,7 +81,6 @@ static vs_status find_current(const reading *r) {
 static int find_sensors(const reading *r, const vs_instrument *sensors[VS_SENSOR_MOST]) {
   const vs_node *list = vs_tree_child(r->map, "sensors");
   const vs_node *n = list && list->kind == VS_NODE_LIST ? list->child : list;
-  vs_where where = list ? list->where : r->map->where;
   int count = 0;
   for (int k = 0; k < r->instruments->count && !list && count < VS_SENSOR_MOST; k++)
     if (vs_sampled_takes(r->model, &r->instruments->item[k]))
@@ -103,7 +105,7 @@ static int find_sensors(const reading *r, const vs_instrument *sensors[VS_SENSOR
     sensors[count++] = i;
   }
   if (!count)
-    vs_fail_at(r->err, where,
+    vs_fail_at(r->err, place_of(r, "sensors"),
                "control.observer.sensors: no instrument shows the motion; wanted is one of a "
                "coordinate, of its rate or acceleration, or of z");
   return count ? count : -1;
@@ -223,7 +225,7 @@ static vs_status find_gain(const reading *r) {
   bool found = !status && vs_sampled_poles(p, &s, gain, o->pole);
   o->settling_s = -log(LEFT) / -o->pole[0].re_1_s;
   if (!status && !(found && o->pole[0].re_1_s < 0))
-    status = vs_fail_at(r->err, r->map->where,
+    status = vs_fail_at(r->err, r->map->key_where,
                         "control.observer: with the gain that is found its error does not decay");
   for (int i = 0; i < p->states; i++)
     for (int k = 0; k < p->sensors; k++)

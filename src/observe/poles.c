@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What reading has at hand. where: the list's place, or that of the map without one. */
+/* What reading has at hand. where: the place of the list's key, or of the map's without one. */
 typedef struct asking {
   const vs_node *list;
   vs_where where;
@@ -109,7 +109,7 @@ static int own_poles(const vs_sampled *p, vs_pole *pole) {
 vs_status vs_poles_read(const vs_node *map, const vs_sampled *p, vs_pole pole[VS_SAMPLED_MOST],
                         vs_error *err) {
   const vs_node *list = vs_tree_child(map, "poles");
-  const asking q = {list, list ? list->where : map->where, p, err};
+  const asking q = {list, list ? list->key_where : map->key_where, p, err};
   vs_pole own[VS_SAMPLED_MOST];
   int count = 0, n_own = own_poles(p, own);
   for (const vs_node *n = list && list->kind == VS_NODE_LIST ? list->child : NULL; n; n = n->next) {
