@@ -159,28 +159,33 @@ static const vs_instrument *out_of_step(const vs_observing *o) {
   return NULL;
 }
 
+/* By how much the low-pass of the current's instrument makes slow signals late, s. */
+static double delay_s(const vs_instrument *i) {
+  vs_lowpass l = vs_lowpass_make(i->v.bandwidth_hz, i->v.order, i->v.damping);
+  if (!(l.rate > 0)) return 0;
+  return (l.works_on ? 2 * l.damping : 1) / l.rate;
+}
+
+/* A current that comes later than this part of the period is told of. */
+static const double LATE = 0.1;
+
 const char *vs_observing_note(const vs_observing *o, const vs_model *model, char *text,
                               size_t size) {
-  const vs_instrument *late = out_of_step(o);
-  size_t n = 0;
-  *text = '\0';
-  if (late)
-    n += (size_t)snprintf(text, size,
-                          "control.observer: samples of %s are up to %.3g ms old when they are "
-                          "read, which it does not know; let its rate be a multiple of "
-                          "control.rate = %g Hz",
-                          late->name, 1e3 / late->v.rate_hz, 1 / o->system->period_s);
-  if (model->stops.count && n < size)
-    n += (size_t)snprintf(text + n, size - n,
-                          "%scontrol.observer: it computes a machine without a stop, and is wrong "
-                          "while one is touched",
-                          n ? "; " : "");
-  if (model->reloaded && n < size)
-    n += (size_t)snprintf(text + n, size - n,
-                          "%scontrol.observer: it computes the machine with its first load, and is "
-                          "wrong once that changes",
-                          n ? "; " : "");
-  return n ? text : NULL;
+  const vs_instrument *unsynchronised = out_of_step(o);
+  const double period_s = o->system->period_s, late_s = delay_s(o->current);
+  char old[160] = "", late[160] = "";
+  if (unsynchronised)
+    snprintf(old, sizeof old,
+             "; samples of %s are up to %.3g ms old when they are read, as its rate is no multiple "
+             "of control.rate = %g Hz",
+             unsynchronised->name, 1e3 / unsynchronised->v.rate_hz, 1 / period_s);
+  if (late_s > LATE * period_s)
+    snprintf(late, sizeof late, "; the low-pass of %s makes the current late by %.3g ms",
+             o->current->name, 1e3 * late_s);
+  int n = snprintf(text, size, "control.observer does not know all of this run%s%s%s%s", old, late,
+                   model->stops.count ? "; it computes a machine without a stop" : "",
+                   model->reloaded ? "; it computes the machine with its first load" : "");
+  return strchr(text, ';') && n > 0 ? text : NULL;
 }
 
 /* ---- all ---- */
