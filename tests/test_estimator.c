@@ -246,7 +246,7 @@ static void begin_watch(watch *w, const char *map) {
   w->status = vs_tree_read("observer.yaml", &w->tree, &w->err);
   const vs_node *node = vs_tree_child(w->tree.root, "observer");
   if (!w->status)
-    w->status = vs_observing_read(node, &w->scene->frame, &w->scene->instruments, w->rate_hz,
+    w->status = vs_observing_read(node, &w->scene->setup.model, &w->scene->instruments, w->rate_hz,
                                   &w->observing, &w->err);
   if (w->status) return;
   const vs_sampled *p = w->observing.system;

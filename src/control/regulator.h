@@ -7,7 +7,8 @@
 #ifndef VS_CONTROL_REGULATOR_H
 #define VS_CONTROL_REGULATOR_H
 
-#include "instrument/instruments.h"
+#include "instrument/lowpass.h"
+#include "observe/observing.h"
 
 /* The keys of all regulators; each reads only those that its fields name. */
 typedef struct vs_control_values {
@@ -28,7 +29,9 @@ typedef struct vs_sight {
   const vs_control_values *v;
   const vs_setup *setup; /* of the run; constant */
   const vs_instruments *instruments;
-  const double *value; /* of the instruments' last samples, in their order; NaN: none */
+  const vs_observing *observing; /* whose estimates there are */
+  const double *value; /* of the instruments' last samples, in their order, then of the estimates;
+                          NaN: none */
   int sensor;          /* the number of v->sensor among them; -1: none is named */
   double t_s;          /* now */
   long firing;         /* that is to be decided, from 0 */
@@ -60,6 +63,9 @@ typedef struct vs_regulator {
   double (*output)(const void *self, int k);
   void (*end)(void *self);
 } vs_regulator;
+
+/* The low-pass of the one that is named; none of an estimate, which comes at once. */
+vs_lowpass vs_regulator_lowpass(const vs_sight *sight);
 
 /* The regulators there are; NULL behind the last. */
 extern const vs_regulator *const vs_regulators[];

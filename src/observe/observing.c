@@ -190,6 +190,25 @@ const char *vs_observing_note(const vs_observing *o, const vs_model *model, char
 
 /* ---- all ---- */
 
+/* Names the estimates. Error: the machine has an output of such a name. */
+static vs_status name_estimates(const reading *r) {
+  vs_observing *o = r->o;
+  const vs_machine *m = r->model->machine;
+  for (int k = 0; k < 2 * m->dof; k++) {
+    const vs_coordinate *c = &m->coordinates[k % m->dof];
+    vs_estimated *e = &o->estimate[k];
+    snprintf(e->column, sizeof e->column, "%.31s_est", k < m->dof ? c->name : c->rate);
+    e->unit = k < m->dof ? c->unit : c->rate_unit;
+    if (vs_machine_has_output(m, e->column))
+      return vs_fail_at(r->err, r->map->key_where,
+                        "control.observer: its column %s has the name of an output of the machine, "
+                        "which wants another name",
+                        e->column);
+  }
+  o->estimates = 2 * m->dof;
+  return VS_OK;
+}
+
 /* Error: the map has a key of a kind that is not its own. */
 static vs_status check_keys(const reading *r, const vs_gain_kind *other) {
   for (int k = 0; k < 2 && other->keys[k]; k++)
@@ -240,21 +259,21 @@ static vs_status find_gain(const reading *r) {
   return status;
 }
 
-vs_status vs_observing_read(const vs_node *map, const vs_frame *frame,
+vs_status vs_observing_read(const vs_node *map, const vs_model *model,
                             const vs_instruments *instruments, double rate_hz, vs_observing *o,
                             vs_error *err) {
   const vs_instrument *sensors[VS_SENSOR_MOST];
-  const reading r = {map, frame->model, instruments, rate_hz, o, err};
+  const reading r = {map, model, instruments, rate_hz, o, err};
   vs_status s;
   vs_observing_free(o);
   if (map->kind == VS_NODE_LIST || (map->kind == VS_NODE_TEXT && *map->text))
     return vs_fail_at(err, map->where,
                       "control.observer: a map is wanted: {kind: kalman, sensors: [NAME, ...]}");
-  if ((s = read_keys(&r)) || (s = find_current(&r))) return s;
+  if ((s = read_keys(&r)) || (s = name_estimates(&r)) || (s = find_current(&r))) return s;
   int count = find_sensors(&r, sensors);
   if (count < 0) return VS_INPUT;
   o->system = vs_alloc(1, sizeof *o->system);
-  vs_sampled_make(o->system, frame->model, sensors, count, 1 / rate_hz);
+  vs_sampled_make(o->system, model, sensors, count, 1 / rate_hz);
   o->of_current = (int)(o->current - instruments->item);
   for (int k = 0; k < count; k++) o->of_sensor[k] = (int)(sensors[k] - instruments->item);
   return find_gain(&r);
