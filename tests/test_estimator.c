@@ -13,7 +13,7 @@
 #include "observe/estimator.h"
 #include "observe/place.h"
 #include "observe/riccati.h"
-#include "suite.h"
+#include "program.h"
 
 /* ---- any matrices ---- */
 
@@ -595,6 +595,88 @@ static void notes(void) {
   }
 }
 
+/* ---- as a user sees it ---- */
+
+static const char SCENE[] = "instruments: {}\n"
+                            "firing: {every: 1, angle: 120 deg}\n"
+                            "run: {until: 0.5 s}\n"
+                            "circuit: {deck: halfwave_bare}\n"
+                            "control:\n"
+                            "  observer: {%s}\n";
+
+static void write_scene(const char *keys) {
+  char text[1024];
+  snprintf(text, sizeof text, SCENE, keys);
+  write_file("observed.yaml", text);
+}
+
+static void refused(const char *keys, int column, const char *says) {
+  char words[] = "run observed.yaml -o out", at[64];
+  const char *const all[] = {says, NULL};
+  snprintf(at, sizeof at, "observed.yaml:6:%d: control.observer", column);
+  write_scene(keys);
+  refuse(words, keys, at, all, __LINE__);
+}
+
+static void refused_from_a_file(void) {
+  refused("sensors: [p, apu]", 27, "did you mean 'ap'?");
+  refused("current: v_eva", 23, "no instrument measures the coil's current");
+  refused("kind: luenberger, poles: [-1, -2]", 32, "2 given");
+  refused("kind: luenberger, poles: [[-9, 9], -1, -2, -3, -4, -5, -6, -7]", 32, "conjugate");
+  refused("kind: luenberger, poles: [2, -1, -2, -3, -4, -5, -6, -7]", 40, "does not decay");
+}
+
+/* What summary.json says of p behind that name. */
+static double said_of_p(const char *path, const char *name) {
+  char *text = read_file(path), *p = strstr(text, "\"p_est\""), *at = p ? strstr(p, name) : NULL;
+  EXPECT(at != NULL, "%s: no %s of p_est", path, name);
+  double value = at ? strtod(at + strlen(name), NULL) : NAN;
+  free(text);
+  return value;
+}
+
+/* The same on both tiers: columns, the table, the bound; and a law whose sensor is an estimate,
+ * which holds the true amplitude where it is told to. */
+static void tables_and_files(void) {
+  static const char *const TIERS[] = {"switched", "circuit"};
+  write_scene("force_noise: 2 N");
+  for (size_t k = 0; k < COUNT(TIERS); k++) {
+    ran r = run("run observed.yaml --tier %s -o %s --set control.observer.spread=0.2", TIERS[k],
+                TIERS[k]);
+    EXPECT(r.status == 0, "%s", r.err);
+    EXPECT(strstr(r.out, "\np_est ") && strstr(r.out, "\nvphi_est "), "%s", r.out);
+    free_ran(&r);
+    char path[64];
+    snprintf(path, sizeof path, "%s/run.csv", TIERS[k]);
+    char *csv = read_file(path);
+    csv[strcspn(csv, "\n")] = '\0';
+    EXPECT(strstr(csv, ",p_est_m,u_est_m,w_est_m,phi_est_rad,vp_est_m_s,") != NULL, "%s", csv);
+    free(csv);
+    snprintf(path, sizeof path, "%s/summary.json", TIERS[k]);
+    double part = said_of_p(path, "\"of_peak\": ");
+    EXPECT(part > 0 && part < 0.003, "%s: p is off by %g of its peak", TIERS[k], part);
+  }
+}
+
+static void law_with_an_estimate(void) {
+  static const char *const SETS[] = {
+      "instruments={}",
+      "firing={every: 1, angle: 120 deg}",
+      "run.until=3s",
+      "measure.last=5 cycles",
+      "control={law: amplitude, sensor: p_est, setpoint: 1 mm, gain: 5 deg/mm, integral: 50 "
+      "deg/mm.s, observer: {sensors: [p, ap]}}",
+      NULL};
+  vs_trial *t = vs_trial_run("paper", "switched", SETS, NULL);
+  EXPECT(!t->status && t->result.loop, "%s", t->err.text);
+  if (t->result.loop) {
+    const vs_loop *l = t->result.loop;
+    double amplitude = vs_loop_shows(l, 2);
+    EXPECT(fabs(amplitude - 1e-3) < 1e-5, "it holds %g m", amplitude);
+  }
+  vs_trial_free(t);
+}
+
 static const vs_test TESTS[] = {{"placement: a double integrator", double_integrator},
                                 {"placement: any matrices", any_poles},
                                 {"placement: what can be moved", reach},
@@ -607,5 +689,11 @@ static const vs_test TESTS[] = {{"placement: a double integrator", double_integr
                                 {"a start elsewhere", from_elsewhere},
                                 {"beyond the ranges", beyond_ranges},
                                 {"refusals", refusals},
-                                {"notes", notes}};
-VS_SUITE_MAIN("estimator", TESTS)
+                                {"notes", notes},
+                                {"refused from a file", refused_from_a_file},
+                                {"tables and files", tables_and_files},
+                                {"a law with an estimate", law_with_an_estimate}};
+
+int main(void) {
+  return program_suite("estimator", TESTS, COUNT(TESTS));
+}
