@@ -520,7 +520,7 @@ typedef struct refusal {
 static const refusal REFUSALS[] = {
     {"paper", "{}", "{sensors: [p, apu]}", 25, "no instrument 'apu'; did you mean 'ap'?"},
     {"paper", "{}", "{sensors: [p, v_eva]}", 25, "v_eva does not show the motion"},
-    {"paper", "{}", "{sensors: [p, p]}", 25, "each instrument can stand once"},
+    {"paper", "{}", "{sensors: [p, p]}", 25, "p stands twice"},
     {"paper", "{}", "{current: p}", 21, "no instrument measures the coil's current"},
     {"paper", "{}", "{current: j}", 21, "no instrument 'j'"},
     {"paper", "{i: none}", "{}", 1, "no instrument measures the coil's current"},
