@@ -3,9 +3,11 @@
  * the control's clock, and is asked for the angle of each firing at the beginning of that firing's
  * cycle. It knows nothing else of the run, and is the same for every tier.
  *
- * A new one is a file with a constant struct, and a row of vs_regulators. */
+ * A new one is a file with a constant struct, and a row in control/regulators.c. */
 #ifndef VS_CONTROL_REGULATOR_H
 #define VS_CONTROL_REGULATOR_H
+
+#include <math.h>
 
 #include "instrument/lowpass.h"
 #include "observe/observing.h"
@@ -65,12 +67,10 @@ typedef struct vs_regulator {
 } vs_regulator;
 
 /* The low-pass of the one that is named; none of an estimate, which comes at once. */
-vs_lowpass vs_regulator_lowpass(const vs_sight *sight);
-
-/* The regulators there are; NULL behind the last. */
-extern const vs_regulator *const vs_regulators[];
-
-/* The one of that name; NULL: there is none. */
-const vs_regulator *vs_regulator_find(const char *name);
+static inline vs_lowpass vs_regulator_lowpass(const vs_sight *s) {
+  if (s->sensor >= s->instruments->count) return vs_lowpass_make(NAN, 1, 1);
+  const vs_instrument_values *v = &s->instruments->item[s->sensor].v;
+  return vs_lowpass_make(v->bandwidth_hz, v->order, v->damping);
+}
 
 #endif
