@@ -10,8 +10,6 @@
 
 #include <math.h>
 
-#include "instrument/lowpass.h"
-
 #define AT(member) offsetof(vs_control_values, member)
 static const vs_field KEYS[] = {
     {"setpoint", VS_PROFILE, "~", "0", 0, 1e12, .offset = AT(setpoint),
@@ -34,8 +32,7 @@ typedef struct amplitude {
 } amplitude;
 
 static double sensor_gain(const vs_sight *s) {
-  const vs_instrument *i = &s->instruments->item[s->sensor];
-  const vs_lowpass p = vs_lowpass_make(i->v.bandwidth_hz, i->v.order, i->v.damping);
+  const vs_lowpass p = vs_regulator_lowpass(s);
   double gain, phase_rad;
   vs_lowpass_response(&p, vs_instruments_working_hz(s->setup), &gain, &phase_rad);
   return isnan(s->v->sensor_gain) ? gain : s->v->sensor_gain;

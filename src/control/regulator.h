@@ -7,7 +7,10 @@
 #ifndef VS_CONTROL_REGULATOR_H
 #define VS_CONTROL_REGULATOR_H
 
-#include "instrument/instruments.h"
+#include <math.h>
+
+#include "instrument/lowpass.h"
+#include "observe/observing.h"
 
 /* The keys of all regulators; each reads only those that its fields name. */
 typedef struct vs_control_values {
@@ -28,7 +31,9 @@ typedef struct vs_sight {
   const vs_control_values *v;
   const vs_setup *setup; /* of the run; constant */
   const vs_instruments *instruments;
-  const double *value; /* of the instruments' last samples, in their order; NaN: none */
+  const vs_observing *observing; /* whose estimates there are */
+  const double *value; /* of the instruments' last samples, in their order, then of the estimates;
+                          NaN: none */
   int sensor;          /* the number of v->sensor among them; -1: none is named */
   double t_s;          /* now */
   long firing;         /* that is to be decided, from 0 */
@@ -72,5 +77,12 @@ typedef struct vs_regulator {
    * (dependence/closed.h). */
   vs_regulator_pi (*pi)(const vs_sight *sight);
 } vs_regulator;
+
+/* The low-pass of the one that is named; none of an estimate, which comes at once. */
+static inline vs_lowpass vs_regulator_lowpass(const vs_sight *s) {
+  if (s->sensor >= s->instruments->count) return vs_lowpass_make(NAN, 1, 1);
+  const vs_instrument_values *v = &s->instruments->item[s->sensor].v;
+  return vs_lowpass_make(v->bandwidth_hz, v->order, v->damping);
+}
 
 #endif
