@@ -18,6 +18,7 @@ typedef struct vs_control {
   vs_control_values v;
   int sensor;         /* its number among the scene's instruments; -1: none is named */
   const char *unit;   /* the sensor's; "" where there is none */
+  vs_where code;      /* of the key that names code; no place: there is none */
   vs_section section; /* its keys with their units; it fills `v` */
   vs_field fields[VS_CONTROL_FIELDS];
   char units[VS_CONTROL_FIELDS]
@@ -32,6 +33,15 @@ extern const vs_section vs_control_section;
  * scene without a thyristor, or one that fires once; and what any key can be wrong in. */
 vs_status vs_control_read(const vs_node *section, const vs_setup *setup,
                           const vs_instruments *instruments, vs_control *control, vs_error *err);
+
+/* Error: the control runs code of the user's own, and the command line does not allow that. */
+vs_status vs_control_allow(const vs_control *control, bool allowed, vs_error *err);
+
+/* For a check, which runs no such code: adds that it was not tried, where there is some. */
+void vs_control_describe(const vs_control *control, vs_text *text);
+
+/* Writes the path of the k-th file, from 0, whose contents make the law. False: it is none. */
+bool vs_control_file(const vs_control *control, int k, char path[VS_PATH_SIZE]);
 
 /* A column of run.csv that shows what the control does. */
 typedef struct vs_control_column {

@@ -39,6 +39,7 @@ vs_status vs_loop_begin(vs_loop *l, const vs_control *c, const vs_setup *setup,
                         .instruments = instruments,
                         .value = l->value,
                         .sensor = c->sensor,
+                        .where = c->code,
                         .last_rad = NAN};
   for (int k = 0; k < VS_INSTRUMENT_MOST; k++) l->value[k] = NAN;
   l->program.size = firings_of(t, setup->run.until_s);
