@@ -57,25 +57,36 @@ static const char *cut(const char *command, words *w) {
 
 /* ---- question and answer ---- */
 
+/* Adds a number with as few digits as give the same number when they are read. */
+static void add_number(vs_json *json, const char *key, double value) {
+  char text[VS_NUMBER_SIZE];
+  int digits = 15;
+  for (; digits < 17; digits++) {
+    vs_text_number(text, value, digits);
+    if (strtod(text, NULL) == value) break;
+  }
+  vs_json_number(json, key, value, digits);
+}
+
 static void add_values(vs_json *json, const char *key, const vs_view *view, size_t member) {
   vs_json_object(json, key, VS_JSON_ROW);
   for (int k = 0; k < view->firing.count; k++) {
     const vibrospice_channel *c = &view->channel[k];
     double value;
     memcpy(&value, (const char *)c + member, sizeof value);
-    vs_json_number(json, c->name, value, 17);
+    add_number(json, c->name, value);
   }
   vs_json_end(json);
 }
 
-/* Writes the firing as one line. Numbers have all their digits. */
+/* Writes the firing as one line. What it has for numbers is exact. */
 static void write_question(const vs_view *view, vs_text *line) {
   line->length = 0;
   vs_json json = vs_json_new(line);
   vs_json_object(&json, NULL, VS_JSON_ROW);
-  vs_json_number(&json, "t_s", view->firing.t_s, 17);
+  add_number(&json, "t_s", view->firing.t_s);
   vs_json_whole(&json, "firing", view->firing.number);
-  vs_json_number(&json, "last_angle_deg", view->firing.last_angle_deg, 17);
+  add_number(&json, "last_angle_deg", view->firing.last_angle_deg);
   add_values(&json, "now", view, offsetof(vibrospice_channel, now));
   add_values(&json, "least", view, offsetof(vibrospice_channel, least));
   add_values(&json, "largest", view, offsetof(vibrospice_channel, largest));

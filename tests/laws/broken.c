@@ -13,7 +13,7 @@
 #include <vibrospice/law.h>
 
 #ifdef OTHER_VERSION
-extern const int vibrospice_law_version;
+__attribute__((visibility("default"))) extern const int vibrospice_law_version;
 const int vibrospice_law_version = VIBROSPICE_LAW_VERSION + 1;
 #endif
 
