@@ -511,7 +511,7 @@ static void second_run(void) {
   write_gated_deck();
   char *gated = read_file("gated.cir");
   vs_text deck = {0};
-  vs_text_add(&deck, "*$ rating v_ak -2..2 kV\n%s", gated);
+  vs_text_add(&deck, "%s*$ rating v_ak -2..2 kV\n", gated);
   write_file("rated.cir", deck.text);
   vs_text_free(&deck);
   free(gated);
