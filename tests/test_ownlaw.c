@@ -470,6 +470,19 @@ static void wait_for_file(const char *path) {
   for (int k = 0; k < 2000 && access(path, F_OK); k++) usleep(10000);
 }
 
+/* A worker that is killed, as its case takes too long, takes the law with it. */
+static void run_study_in_time(void) {
+  ran r = run("study v.yaml --allow-code --quiet -o late --jobs 1 --case-timeout 0.5s "
+              "--set control.timeout=60s");
+  EXPECT(r.status == 1, "%d: %s", r.status, r.err);
+  free_ran(&r);
+  char *why = read_file("late/failures.csv"), *cases = read_file("processes");
+  EXPECT(count_lines(why) == 3 && count_lines(cases) >= 2, "%s", why);
+  expect_gone("processes", count_lines(cases), __LINE__); /* one that was late is tried again */
+  free(why);
+  free(cases);
+}
+
 /* However the program ends, its law ends with it. */
 static void nothing_is_left(void) {
   static const int SIGNALS[] = {SIGTERM, SIGINT, SIGKILL};
@@ -492,7 +505,13 @@ static void nothing_is_left(void) {
     free_ran(&r);
     expect_gone("processes", 1, __LINE__);
   }
+  write_study("v.yaml");
+  run_study_in_time();
   unsetenv("LAW");
+  char piped[VS_PATH_SIZE]; /* SIGPIPE, as it has something to print */
+  snprintf(piped, sizeof piped, "%s run s.yaml --allow-code --json 2>/dev/null | true", VS_PROGRAM);
+  CU_ASSERT(!system(piped));
+  expect_gone("processes", 1, __LINE__);
   unsetenv("LAW_FILE");
   write_file("law.sh", "echo $$ >>processes\nwhile read x; do echo '{\"angle_deg\": 100}'; done\n");
   write_scene("s.yaml", "law: pipe, command: sh law.sh");
