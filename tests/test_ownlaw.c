@@ -399,6 +399,19 @@ static void lines(void) {
   free(events);
 }
 
+/* What the scene's observer estimates stands behind what the instruments show. */
+static void estimates(void) {
+  write_file("law.sh", "while read x; do echo \"$x\" >>more; echo '{\"angle_deg\": 100}'; done\n");
+  write_scene("s.yaml", "law: pipe, command: sh law.sh, observer: {}");
+  RUN_GOOD("run s.yaml --allow-code --quiet");
+  char *told = read_file("more"), *last = strstr(told, "\"t_s\": 0.1,");
+  const char *seen = last ? strstr(last, "\"v_eva_meas_v\": ") : NULL,
+             *est = seen ? strstr(seen, ", \"p_est_m\": ") : NULL;
+  EXPECT(est && strncmp(est + 13, "null", 4) && strstr(est, ", \"vp_est_m_s\": "), "%s",
+         last ? last : "no last line");
+  free(told);
+}
+
 /* The command runs in the scene's folder, and an object's path starts there; from the command line
  * both start where it stands. */
 static void folders(void) {
@@ -583,6 +596,7 @@ static const vs_test TESTS[] = {{"a copy answers", a_copy_answers},
                                 {"no objects", no_objects},
                                 {"bad pipes", bad_pipes},
                                 {"lines", lines},
+                                {"estimates", estimates},
                                 {"folders", folders},
                                 {"not allowed", not_allowed},
                                 {"nothing is left", nothing_is_left},

@@ -27,7 +27,8 @@ extern "C" {
 /* Bytes of the text with which a law may end the run, its end included. */
 #define VIBROSPICE_LAW_TEXT 256
 
-/* What one instrument shows. Every value is in the SI unit that the name ends with. */
+/* What one instrument shows, or what the scene's observer estimates. Every value is in the unit
+ * that the name ends with. */
 typedef struct vibrospice_channel {
   const char *name;      /* as the column in run.csv: "p_meas_m"; estimates are "NAME_est_UNIT" */
   double now;            /* the last sample */
@@ -40,7 +41,8 @@ typedef struct vibrospice_firing {
   long number;                       /* of the decision, from 1 */
   double last_angle_deg;             /* what was decided before; NAN: no firing, or number is 1 */
   int count;                         /* how many channels there are */
-  const vibrospice_channel *channel; /* channel[count], the scene's instruments in their order */
+  const vibrospice_channel *channel; /* channel[count], the instruments in their order, then
+                                        the estimates */
 } vibrospice_firing;
 
 /* Yours: decides one firing. Returns the angle, deg, above 0 and below 180, counted from now on at

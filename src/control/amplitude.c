@@ -10,8 +10,6 @@
 
 #include <math.h>
 
-#include "instrument/lowpass.h"
-
 #define AT(member) offsetof(vs_control_values, member)
 static const vs_field KEYS[] = {
     {"setpoint", VS_PROFILE, "~", "0", 0, 1e12, .offset = AT(setpoint),
@@ -36,8 +34,7 @@ typedef struct amplitude {
 static vs_status begin(void *self, const vs_sight *s, vs_error *err) {
   (void)err;
   amplitude *a = self;
-  const vs_instrument *i = &s->instruments->item[s->sensor];
-  const vs_lowpass p = vs_lowpass_make(i->v.bandwidth_hz, i->v.order, i->v.damping);
+  const vs_lowpass p = vs_regulator_lowpass(s);
   double phase_rad;
   vs_lowpass_response(&p, vs_instruments_working_hz(s->setup), &a->gain, &phase_rad);
   if (!isnan(s->v->sensor_gain)) a->gain = s->v->sensor_gain;

@@ -7,7 +7,8 @@
 #ifndef VS_CONTROL_REGULATOR_H
 #define VS_CONTROL_REGULATOR_H
 
-#include "instrument/instruments.h"
+#include "instrument/lowpass.h"
+#include "observe/observing.h"
 
 /* The keys of all regulators; each reads only those that its fields name. */
 typedef struct vs_control_values {
@@ -30,7 +31,9 @@ typedef struct vs_sight {
   const vs_control_values *v;
   const vs_setup *setup; /* of the run; constant */
   const vs_instruments *instruments;
-  const double *value; /* of the instruments' last samples, in their order; NaN: none */
+  const vs_observing *observing; /* whose estimates there are */
+  const double *value; /* of the instruments' last samples, in their order, then of the estimates;
+                          NaN: none */
   int sensor;          /* the number of v->sensor among them; -1: none is named */
   vs_where where;      /* of the key that names code, for a regulator that has one */
   double t_s;          /* now */
@@ -69,6 +72,9 @@ typedef struct vs_regulator {
   double (*output)(const void *self, int k);
   void (*end)(void *self);
 } vs_regulator;
+
+/* The low-pass of the one that is named; none of an estimate, which comes at once. */
+vs_lowpass vs_regulator_lowpass(const vs_sight *sight);
 
 /* The regulators there are; NULL behind the last. */
 extern const vs_regulator *const vs_regulators[];

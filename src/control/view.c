@@ -10,23 +10,27 @@
 
 static const double RAD_PER_DEG = M_PI / 180;
 
+static void add(vs_view *view, const char *column, const char *unit) {
+  const int k = view->firing.count++;
+  char suffix[32];
+  vs_units_suffix(unit, suffix, sizeof suffix);
+  snprintf(view->name[k], VS_VIEW_NAME, "%s%s%s", column, *suffix ? "_" : "", suffix);
+  view->channel[k] = (vibrospice_channel){view->name[k], NAN, NAN, NAN};
+  view->unit[k] = vs_units_factor(unit);
+}
+
 void vs_view_begin(vs_view *view, const vs_sight *sight) {
-  const int n = sight->instruments->count;
-  for (int k = 0; k < n; k++) {
-    const vs_instrument *i = &sight->instruments->item[k];
-    char suffix[32];
-    vs_units_suffix(i->unit, suffix, sizeof suffix);
-    snprintf(view->name[k], VS_VIEW_NAME, "%s%s%s", i->column, *suffix ? "_" : "", suffix);
-    view->channel[k] = (vibrospice_channel){view->name[k], NAN, NAN, NAN};
-  }
-  view->firing.count = n;
+  const vs_instruments *all = sight->instruments;
+  const vs_observing *o = sight->observing;
   view->firing.channel = view->channel;
+  for (int k = 0; k < all->count; k++) add(view, all->item[k].column, all->item[k].unit);
+  for (int k = 0; k < o->estimates; k++) add(view, o->estimate[k].column, o->estimate[k].unit);
 }
 
 void vs_view_tick(vs_view *view, const vs_sight *sight) {
   for (int k = 0; k < view->firing.count; k++) {
     vibrospice_channel *c = &view->channel[k];
-    c->now = sight->value[k] / vs_units_factor(sight->instruments->item[k].unit);
+    c->now = sight->value[k] / view->unit[k];
     c->least = fmin(c->least, c->now); /* fmin passes a NaN over */
     c->largest = fmax(c->largest, c->now);
   }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What a law of the user's own is shown when it decides a firing: each instrument's last sample,
- * and its least and largest since the firing before was decided. A law that runs once in a cycle
- * finds half of a swing, peak to peak, in that. And what becomes of its answer. */
+ * What a law of the user's own is shown when it decides a firing: the last sample of each
+ * instrument and of each estimate, and its least and largest since the firing before was decided. A
+ * law that runs once in a cycle finds half of a swing, peak to peak, in that. And what becomes of
+ * its answer. */
 #ifndef VS_CONTROL_VIEW_H
 #define VS_CONTROL_VIEW_H
 
@@ -10,16 +11,21 @@
 
 #include "control/regulator.h"
 
-enum { VS_VIEW_NAME = 64 }; /* bytes of a name, its end included */
+enum {
+  VS_VIEW_MOST = VS_INSTRUMENT_MOST + VS_MOST_STATES, /* channels */
+  VS_VIEW_NAME = 64                                   /* bytes of a name, its end included */
+};
 
 /* Begins as zeros. Not to be moved: it points into itself. */
 typedef struct vs_view {
   vibrospice_firing firing; /* what laws are given; the channels follow it without a gap */
-  vibrospice_channel channel[VS_INSTRUMENT_MOST];
-  char name[VS_INSTRUMENT_MOST][VS_VIEW_NAME];
+  vibrospice_channel channel[VS_VIEW_MOST];
+  double unit[VS_VIEW_MOST]; /* of each channel, SI */
+  char name[VS_VIEW_MOST][VS_VIEW_NAME];
 } vs_view;
 
-/* Gives the view its channels: the instruments, called as their columns in run.csv. */
+/* Gives the view its channels: the instruments and the estimates, called as their columns
+ * in run.csv. */
 void vs_view_begin(vs_view *view, const vs_sight *sight);
 /* Notes the present samples. */
 void vs_view_tick(vs_view *view, const vs_sight *sight);

@@ -148,6 +148,13 @@ static void add_instruments(const vs_instruments *all, vs_text *text) {
   }
 }
 
+/* The observer's map as it was written. */
+static void add_node(const vs_node *node, vs_text *text) {
+  if (node->key) vs_text_add(text, "%s ", node->key);
+  vs_text_add(text, "%s\n", node->text ? node->text : "[");
+  for (const vs_node *n = node->child; n; n = n->next) add_node(n, text);
+}
+
 static vs_status add_control(const vs_plan *plan, const vs_control *c, vs_text *text) {
   static const char *const OUT[] = {"file", "timeout", NULL};
   char path[VS_PATH_SIZE];
@@ -173,6 +180,8 @@ void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_
   add_events(&scene->setup.timeline.events, whole);
   add_instruments(&scene->instruments, whole);
   if (add_control(identity->plan, &scene->control, whole)) return;
+  const vs_node *section = vs_tree_child(scene->tree.root, vs_control_section.name);
+  if (scene->control.observing.system) add_node(vs_tree_child(section, "observer"), whole);
   if (scene->setup.steady) vs_text_add(whole, "start steady\n");
   if (identity->plan->periods) vs_text_add(whole, "steady %d\n", identity->plan->periods);
   sum_of(whole, id);
