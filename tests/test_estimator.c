@@ -331,6 +331,37 @@ static void one_period(const char *scene, const char *const *sets, const char *m
   end_watch(&w, t);
 }
 
+/* The matrix A of `vibrospice modes` (mechanics' state space, which has the rates first) makes the
+ * same of a period without a force: exp(A T) by its series, of T in 64 parts. */
+static void as_of_modes(void) {
+  static const char *const SETS[] = {"instruments={}", NULL};
+  watch w = {.rate_hz = 2000};
+  vs_trial *t = read_watched(&w, "paper", "switched", SETS, "{}");
+  const vs_sampled *p = w.observing.system;
+  vs_state_space space;
+  vs_mechanics_state_space(&t->scene.setup.model, &space);
+  enum { N = 8, PARTS = 64 };
+  for (int j = 0; j < N && p; j++) {
+    double x[N] = {0};
+    x[(j + N / 2) % N] = 1;
+    for (int part = 0; part < PARTS; part++) {
+      double term[N], next[N];
+      memcpy(term, x, sizeof x);
+      for (int k = 1; k < 20; k++) {
+        for (int i = 0; i < N; i++) {
+          next[i] = 0;
+          for (int h = 0; h < N; h++) next[i] += space.a[i][h] * term[h] * p->period_s / PARTS / k;
+        }
+        memcpy(term, next, sizeof term);
+        for (int i = 0; i < N; i++) x[i] += term[i];
+      }
+    }
+    for (int i = 0; i < N; i++)
+      CLOSE_OF(p->a[i][j], x[(i + N / 2) % N], p->scale[i] / p->scale[j], 1e-12);
+  }
+  end_watch(&w, t);
+}
+
 /* Low-passes of both orders and none, on coordinates, rates, accelerations and the gap; a machine
  * with constant forces. */
 static void periods(void) {
@@ -520,7 +551,7 @@ typedef struct refusal {
 static const refusal REFUSALS[] = {
     {"paper", "{}", "{sensors: [p, apu]}", 25, "no instrument 'apu'; did you mean 'ap'?"},
     {"paper", "{}", "{sensors: [p, v_eva]}", 25, "v_eva does not show the motion"},
-    {"paper", "{}", "{sensors: [p, p]}", 25, "each instrument can stand once"},
+    {"paper", "{}", "{sensors: [p, p]}", 25, "p stands twice"},
     {"paper", "{}", "{current: p}", 21, "no instrument measures the coil's current"},
     {"paper", "{}", "{current: j}", 21, "no instrument 'j'"},
     {"paper", "{i: none}", "{}", 1, "no instrument measures the coil's current"},
@@ -691,6 +722,7 @@ static const vs_test TESTS[] = {{"placement: a double integrator", double_integr
                                 {"Riccati: one state", one_state},
                                 {"Riccati: period after period", period_after_period},
                                 {"one period against an integration", periods},
+                                {"the matrices of modes", as_of_modes},
                                 {"the poles that are stated", stated_poles},
                                 {"decay in a run", decay_in_a_run},
                                 {"tiers", on_tiers},

@@ -7,6 +7,8 @@
 #ifndef VS_CONTROL_REGULATOR_H
 #define VS_CONTROL_REGULATOR_H
 
+#include <math.h>
+
 #include "instrument/lowpass.h"
 #include "observe/observing.h"
 
@@ -74,6 +76,10 @@ typedef struct vs_regulator {
 } vs_regulator;
 
 /* The low-pass of the one that is named; none of an estimate, which comes at once. */
-vs_lowpass vs_regulator_lowpass(const vs_sight *sight);
+static inline vs_lowpass vs_regulator_lowpass(const vs_sight *s) {
+  if (s->sensor >= s->instruments->count) return vs_lowpass_make(NAN, 1, 1);
+  const vs_instrument_values *v = &s->instruments->item[s->sensor].v;
+  return vs_lowpass_make(v->bandwidth_hz, v->order, v->damping);
+}
 
 #endif

@@ -77,38 +77,46 @@ static vs_status find_current(const reading *r) {
                     "5 A]}}");
 }
 
-/* Finds the sensors of the list, or all that can be. Returns how many; -1: an error. */
-static int find_sensors(const reading *r, const vs_instrument *sensors[VS_SENSOR_MOST]) {
+/* The sensors that are found. */
+typedef struct found {
+  const vs_instrument *item[VS_SENSOR_MOST];
+  int count;
+} found;
+
+static vs_status add_named(const reading *r, const vs_node *node, found *f) {
+  const char *name = node->kind == VS_NODE_TEXT ? node->text : "";
+  const vs_instrument *i = find(r, name);
+  if (!i) return unknown(r, "sensors", name, node->where);
+  for (int k = 0; k < f->count; k++)
+    if (f->item[k] == i)
+      return vs_fail_at(r->err, node->where,
+                        "control.observer.sensors: %s stands twice; once is enough", name);
+  if (f->count == VS_SENSOR_MOST)
+    return vs_fail_at(r->err, node->where, "control.observer.sensors: at most %d are allowed",
+                      VS_SENSOR_MOST);
+  if (!vs_sampled_takes(r->model, i))
+    return vs_fail_at(r->err, node->where,
+                      "control.observer.sensors: %s does not show the motion alone; wanted is an "
+                      "instrument of a coordinate, of its rate or acceleration, or of z",
+                      name);
+  f->item[f->count++] = i;
+  return VS_OK;
+}
+
+/* Finds the sensors of the list; without one all that can be, as far as there is room. */
+static vs_status find_sensors(const reading *r, found *f) {
   const vs_node *list = vs_tree_child(r->map, "sensors");
-  const vs_node *n = list && list->kind == VS_NODE_LIST ? list->child : list;
-  int count = 0;
-  for (int k = 0; k < r->instruments->count && !list && count < VS_SENSOR_MOST; k++)
+  vs_status s = VS_OK;
+  f->count = 0;
+  for (int k = 0; k < r->instruments->count && !list && f->count < VS_SENSOR_MOST; k++)
     if (vs_sampled_takes(r->model, &r->instruments->item[k]))
-      sensors[count++] = &r->instruments->item[k];
-  for (; n; n = list->kind == VS_NODE_LIST ? n->next : NULL) {
-    const char *name = n->kind == VS_NODE_TEXT ? n->text : "";
-    const vs_instrument *i = find(r, name);
-    bool again = false;
-    for (int k = 0; k < count; k++) again = again || sensors[k] == i;
-    if (!i) return unknown(r, "sensors", name, n->where), -1;
-    if (again || count == VS_SENSOR_MOST)
-      return vs_fail_at(r->err, n->where, "control.observer.sensors: %s",
-                        again ? "each instrument can stand once"
-                              : "more than are allowed, which is 8"),
-             -1;
-    if (!vs_sampled_takes(r->model, i))
-      return vs_fail_at(r->err, n->where,
-                        "control.observer.sensors: %s does not show the motion alone; wanted is an "
-                        "instrument of a coordinate, of its rate or acceleration, or of z",
-                        name),
-             -1;
-    sensors[count++] = i;
-  }
-  if (!count)
-    vs_fail_at(r->err, place_of(r, "sensors"),
-               "control.observer.sensors: no instrument shows the motion; wanted is one of a "
-               "coordinate, of its rate or acceleration, or of z");
-  return count ? count : -1;
+      f->item[f->count++] = &r->instruments->item[k];
+  if (list && list->kind == VS_NODE_TEXT) s = add_named(r, list, f);
+  for (const vs_node *n = list ? list->child : NULL; n && !s; n = n->next) s = add_named(r, n, f);
+  if (s || f->count) return s;
+  return vs_fail_at(r->err, place_of(r, "sensors"),
+                    "control.observer.sensors: no instrument shows the motion; wanted is one of a "
+                    "coordinate, of its rate or acceleration, or of z");
 }
 
 /* ---- what the sensors see ---- */
@@ -246,9 +254,9 @@ static vs_status find_gain(const reading *r) {
   const vs_gain_ask ask = {r->map, &o->v.gain, p, &s};
   vs_status status = check_sight(r, &s);
   if (!status) status = vs_gain_kinds[o->v.kind].find(&ask, gain, r->err);
-  bool found = !status && vs_sampled_poles(p, &s, gain, o->pole);
+  bool good = !status && vs_sampled_poles(p, &s, gain, o->pole);
   o->settling_s = -log(LEFT) / -o->pole[0].re_1_s;
-  if (!status && !(found && o->pole[0].re_1_s < 0))
+  if (!status && !(good && o->pole[0].re_1_s < 0))
     status = vs_fail_at(r->err, r->map->key_where,
                         "control.observer: with the gain that is found its error does not decay");
   for (int i = 0; i < p->states; i++)
@@ -262,7 +270,7 @@ static vs_status find_gain(const reading *r) {
 vs_status vs_observing_read(const vs_node *map, const vs_model *model,
                             const vs_instruments *instruments, double rate_hz, vs_observing *o,
                             vs_error *err) {
-  const vs_instrument *sensors[VS_SENSOR_MOST];
+  found f;
   const reading r = {map, model, instruments, rate_hz, o, err};
   vs_status s;
   vs_observing_free(o);
@@ -270,12 +278,11 @@ vs_status vs_observing_read(const vs_node *map, const vs_model *model,
     return vs_fail_at(err, map->where,
                       "control.observer: a map is wanted: {kind: kalman, sensors: [NAME, ...]}");
   if ((s = read_keys(&r)) || (s = name_estimates(&r)) || (s = find_current(&r))) return s;
-  int count = find_sensors(&r, sensors);
-  if (count < 0) return VS_INPUT;
+  if ((s = find_sensors(&r, &f))) return s;
   o->system = vs_alloc(1, sizeof *o->system);
-  vs_sampled_make(o->system, model, sensors, count, 1 / rate_hz);
+  vs_sampled_make(o->system, model, f.item, f.count, 1 / rate_hz);
   o->of_current = (int)(o->current - instruments->item);
-  for (int k = 0; k < count; k++) o->of_sensor[k] = (int)(sensors[k] - instruments->item);
+  for (int k = 0; k < f.count; k++) o->of_sensor[k] = (int)(f.item[k] - instruments->item);
   return find_gain(&r);
 }
 
