@@ -709,7 +709,7 @@ static void tables_and_files(void) {
  * right to 0.15 % of the peak. */
 static void law_with_an_estimate(void) {
   RUN_GOOD("run control_setpoint --set control.sensor=p_est --set control.sensor_gain=auto --set "
-           "control.observer.start=run -o held --quiet");
+           "control.observer.start=run --set 'instruments.i={rate: 300 kHz}' -o held --quiet");
   double part = said_of_p("held/summary.json", "\"of_peak\": ");
   double held_m = last_of("held/run.csv", "amplitude_meas_m");
   EXPECT(part > 0 && part < 0.003, "p is off by %g of its peak", part);
