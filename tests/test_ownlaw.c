@@ -460,6 +460,7 @@ static void not_allowed(void) {
   EXPECT(access("touched", F_OK), "it was loaded");
   RUN_GOOD("run s.yaml --allow-code --quiet");
   EXPECT(!access("touched", F_OK), "it was not loaded, though that is allowed");
+  RUN_GOOD("sensitivity s.yaml --of p_max --to supply.voltage --allow-code --quiet");
   unsetenv("LAW_FILE");
 }
 
