@@ -45,6 +45,7 @@ static vs_run_options run_options(const vs_arguments *a) {
                           .quiet = a->quiet,
                           .reproducible = a->reproducible,
                           .raw = a->raw,
+                          .allow_code = a->allow_code,
                           .digits = a->digits,
                           .stop = &vs_leave_requested};
 }
@@ -76,6 +77,7 @@ static const struct argp_option RUN_OPTIONS[] = {
                     "tier circuit, with -o: writes run.raw too, every voltage and current of the "
                     "circuit at every step, for ngspice's 'load'; a run that fails leaves "
                     "run.partial.raw"),
+    VS_COMMAND_ALLOW_CODE,
     VS_COMMAND_HELP,
     {0}};
 
@@ -151,6 +153,7 @@ static vs_status sensitivity(const vs_arguments *a, vs_error *err) {
                                     .folder = a->output,
                                     .json = a->json,
                                     .quiet = a->quiet,
+                                    .allow_code = a->allow_code,
                                     .stop = &vs_leave_requested};
   vs_status status = vs_sensitivity_command(&o, err);
   vs_error why = {0};
@@ -172,6 +175,7 @@ static const struct argp_option SENSITIVITY_OPTIONS[] = {
                      "writes sensitivity.csv, summary.json and the picture tornado there"),
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
+    VS_COMMAND_ALLOW_CODE,
     VS_COMMAND_HELP,
     {0}};
 
@@ -295,6 +299,7 @@ static vs_status study(const vs_arguments *a, vs_error *err) {
                               .keep_runs = a->keep_runs,
                               .progress_json = a->progress_json,
                               .quiet = a->quiet,
+                              .allow_code = a->allow_code,
                               .timeout_s = a->timeout_s,
                               .stop = &vs_leave_requested};
   return vs_study_command(&o, err);
@@ -335,6 +340,7 @@ static const struct argp_option STUDY_OPTIONS[] = {
                     "runs each case from its beginning, also where cases have the same past; the "
                     "results are the same"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "no table, no progress"),
+    VS_COMMAND_ALLOW_CODE,
     VS_COMMAND_HELP,
     {0}};
 
@@ -362,6 +368,7 @@ static vs_status fit(const vs_arguments *a, vs_error *err) {
                                 .folder = a->output,
                                 .json = a->json,
                                 .quiet = a->quiet,
+                                .allow_code = a->allow_code,
                                 .digits = a->digits};
   return vs_fitting_command(&o, err);
 }
@@ -381,6 +388,7 @@ static const struct argp_option FIT_OPTIONS[] = {
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
     DIGITS_OPTION,
+    VS_COMMAND_ALLOW_CODE,
     VS_COMMAND_HELP,
     {0}};
 

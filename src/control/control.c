@@ -95,6 +95,18 @@ static vs_status find_sensor(const vs_node *section, const vs_instruments *all, 
                                  : ": add instruments: {}");
 }
 
+/* Looks at the key that names code of the user's own, where the law has one. */
+static vs_status find_code(const vs_node *section, vs_control *c, vs_error *err) {
+  const char *key = c->regulator->code;
+  if (!key) return VS_OK;
+  const vs_node *node = vs_tree_child(section, key);
+  c->code = node ? node->where : section->where;
+  if (!node)
+    return vs_fail_at(err, section->where, "control: the law %s wants the key %s",
+                      c->regulator->name, key);
+  return c->regulator->check(&c->v, c->code, err);
+}
+
 static const char OBSERVER[] = "observer";
 
 /* Reads the observer, whose samples come at the control's rate. */
@@ -168,6 +180,7 @@ vs_status vs_control_read(const vs_node *section, const vs_setup *setup,
   if (!s && vs_error_count(err) == found) {
     make_section(c);
     s = read_keys(section, c, err);
+    if (!s && vs_error_count(err) == found) s = vs_error_carry_on(err, find_code(section, c, err));
     if (!s && vs_error_count(err) == found)
       s = vs_error_carry_on(err, check_scene(section, setup, c, err));
   }
@@ -200,4 +213,28 @@ bool vs_control_column_at(const vs_control *c, int k, vs_control_column *column)
   column->name = o->name;
   make_unit(o->unit, c->unit, column->unit, sizeof column->unit);
   return true;
+}
+
+/* The key that names code of the user's own; NULL: there is none. */
+static const char *code_of(const vs_control *c) {
+  return c->regulator ? c->regulator->code : NULL;
+}
+
+void vs_control_describe(const vs_control *c, vs_text *text) {
+  const char *key = code_of(c);
+  if (key)
+    vs_text_add(text, "; control.%s was not tried, as only a run with --allow-code runs it", key);
+}
+
+vs_status vs_control_allow(const vs_control *c, bool allowed, vs_error *err) {
+  const char *key = code_of(c);
+  if (!key || allowed) return VS_OK;
+  return vs_fail_at(err, c->code,
+                    "control.%s: the scene runs code of its own; if you trust it, allow that with "
+                    "the option --allow-code",
+                    key);
+}
+
+bool vs_control_file(const vs_control *c, int k, char path[VS_PATH_SIZE]) {
+  return code_of(c) && c->regulator->file(&c->v, c->code, k, path);
 }

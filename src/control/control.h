@@ -20,6 +20,7 @@ typedef struct vs_control {
                  estimates; -1: none is named */
   vs_observing observing; /* its key `observer`; none where that is missing */
   const char *unit;       /* the sensor's; "" where there is none */
+  vs_where code;          /* of the key that names code; no place: there is none */
   vs_section section;     /* its keys with their units; it fills `v` */
   vs_field fields[VS_CONTROL_FIELDS];
   char units[VS_CONTROL_FIELDS]
@@ -40,6 +41,15 @@ void vs_control_free(vs_control *control);
 
 /* How many numbers its law shows: the columns from 1 on. */
 int vs_control_outputs(const vs_control *control);
+
+/* Error: the control runs code of the user's own, and the command line does not allow that. */
+vs_status vs_control_allow(const vs_control *control, bool allowed, vs_error *err);
+
+/* For a check, which runs no such code: adds that it was not tried, where there is some. */
+void vs_control_describe(const vs_control *control, vs_text *text);
+
+/* Writes the path of the k-th file, from 0, whose contents make the law. False: it is none. */
+bool vs_control_file(const vs_control *control, int k, char path[VS_PATH_SIZE]);
 
 /* A column of run.csv that shows what the control does. */
 typedef struct vs_control_column {

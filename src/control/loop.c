@@ -42,6 +42,7 @@ vs_status vs_loop_begin(vs_loop *l, const vs_control *c, const vs_setup *setup,
                         .observing = &c->observing,
                         .value = l->value,
                         .sensor = c->sensor,
+                        .where = c->code,
                         .last_rad = NAN};
   for (size_t k = 0; k < sizeof l->value / sizeof *l->value; k++) l->value[k] = NAN;
   l->program.size = firings_of(t, setup->run.until_s);

@@ -23,7 +23,9 @@ typedef struct vs_control_values {
   double integral;           /* rad per sensor's unit and s */
   double sensor_gain;        /* NaN: that of its low-pass where the machine works */
   double phase_rad;
-  double threshold; /* in the sensor's unit, SI */
+  double threshold;                               /* in the sensor's unit, SI */
+  char file[VS_NAME_SIZE], command[VS_NAME_SIZE]; /* a law of the user's own */
+  double timeout_s;
 } vs_control_values;
 
 /* What a regulator is shown. Values are in SI. */
@@ -35,6 +37,7 @@ typedef struct vs_sight {
   const double *value; /* of the instruments' last samples, in their order, then of the estimates;
                           NaN: none */
   int sensor;          /* the number of v->sensor among them; -1: none is named */
+  vs_where where;      /* of the key that names code, for a regulator that has one */
   double t_s;          /* now */
   long firing;         /* that is to be decided, from 0 */
   double last_rad;     /* angle of the firing before it; NaN: there was none */
@@ -64,7 +67,13 @@ typedef struct vs_regulator {
   bool senses;                                       /* it has the key `sensor` */
   vs_regulator_output outputs[VS_REGULATOR_OUTPUTS]; /* up to the first without a name */
   size_t size;                                       /* of its state, bytes; begins as zeros */
+  const char *code; /* its key that names code of the user's own, which runs only where the command
+                       line allows it; NULL: it has none */
   /* Each may be NULL but `decide`. */
+  /* Looks at the key `code`, which stands at `where`, without running what it names. */
+  vs_status (*check)(const vs_control_values *v, vs_where where, vs_error *err);
+  /* Writes the path of the k-th file, from 0, whose contents make the law. False: it is none. */
+  bool (*file)(const vs_control_values *v, vs_where where, int k, char path[VS_PATH_SIZE]);
   vs_status (*begin)(void *self, const vs_sight *sight, vs_error *err);
   void (*tick)(void *self, const vs_sight *sight);
   /* Sets the angle of firing number sight->firing, rad; NaN: it is left out. What lies beyond

@@ -79,9 +79,9 @@ static bool find_modes(const vs_linear *l, modes *m) {
   return good && solve(m, l);
 }
 
-static vs_pole pole_of(double _Complex m, double period_s) {
+static vs_averaged_pole pole_of(double _Complex m, double period_s) {
   double re = log(cabs(m)) / period_s, im = carg(m) / period_s;
-  return (vs_pole){.multiplier = {creal(m), cimag(m)},
+  return (vs_averaged_pole){.multiplier = {creal(m), cimag(m)},
                    .re_1_s = re,
                    .im_rad_s = im,
                    .frequency_hz = fabs(im) / (2 * M_PI),

@@ -21,16 +21,16 @@
 #include "orbit/multipliers.h"
 
 /* A pole. */
-typedef struct vs_pole {
+typedef struct vs_averaged_pole {
   vs_multiplier multiplier; /* m */
   double re_1_s, im_rad_s;  /* s; -INFINITY where m is 0 */
   double frequency_hz;      /* of the beat */
   double time_constant_s;   /* -1/Re s; negative where the mode grows */
-} vs_pole;
+} vs_averaged_pole;
 
 typedef struct vs_averaged {
   int n, outputs; /* as of the linear model */
-  vs_pole
+  vs_averaged_pole
       pole[VS_LINEAR_STATES]; /* the largest multiplier first; a pair by falling imaginary part */
   double gain[VS_LINEAR_OUTPUTS];    /* g, in the output's unit per rad */
   double at_once[VS_LINEAR_OUTPUTS]; /* D */

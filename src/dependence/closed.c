@@ -199,6 +199,8 @@ static vs_status close_loop(search *s, const double limits[2], vs_closed *c, vs_
 
 vs_status vs_closed_find(const vs_scene *scene, const vs_regulator *regulator,
                          const vs_orbit *orbit, vs_closed *c, vs_error *err) {
+  if (scene->control.sensor >= scene->instruments.count)
+    return vs_fail(err, VS_RUN, "its sensor is an observer's estimate");
   const vs_instrument *i = &scene->instruments.item[scene->control.sensor];
   const vs_sight sight = {.v = &scene->control.v,
                           .setup = &scene->setup,

@@ -105,7 +105,7 @@ static void print_poles(const vs_matrices *m, FILE *out) {
   fprintf(out, "%-10s %15s %15s %14s %14s   share of %s's gain\n", "pole", "re 1/s", "im rad/s",
           "beat Hz", "decays in", name);
   for (int k = 0; k < a->n; k++) {
-    const vs_pole *p = &a->pole[k];
+    const vs_averaged_pole *p = &a->pole[k];
     double _Complex part = a->share[m->travel][k] / a->gain[m->travel];
     bool dominant =
         k == a->dominant[m->travel] || (k == a->dominant[m->travel] + 1 && p->multiplier.im < 0);
@@ -211,7 +211,7 @@ static void add_shares(const vs_matrices *m, int pole, vs_json *json) {
 static void add_poles(const vs_matrices *m, vs_json *json) {
   vs_json_array(json, "poles", VS_JSON_LINES);
   for (int k = 0; k < m->averaged.n; k++) {
-    const vs_pole *p = &m->averaged.pole[k];
+    const vs_averaged_pole *p = &m->averaged.pole[k];
     vs_json_object(json, NULL, VS_JSON_ROW);
     vs_json_number(json, "multiplier_re", p->multiplier.re, DIGITS);
     vs_json_number(json, "multiplier_im", p->multiplier.im, DIGITS);
@@ -319,7 +319,7 @@ static void write_poles(const vs_matrices *m, FILE *out) {
             suffix);
   }
   for (int i = 0; i < a->n; i++) {
-    const vs_pole *p = &a->pole[i];
+    const vs_averaged_pole *p = &a->pole[i];
     fprintf(out, "\n%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", p->multiplier.re, p->multiplier.im,
             p->re_1_s, p->im_rad_s, p->frequency_hz, p->time_constant_s);
     for (int k = 0; k < a->outputs; k++)

@@ -425,6 +425,7 @@ vs_status vs_scene_with(const vs_scene *s, const char *const *keys, size_t n_key
                         vs_error *err) {
   *other = (vs_scene){0};
   memcpy(other->path, s->path, sizeof other->path);
+  other->allow_code = s->allow_code;
   vs_tree_copy(&s->tree, &other->tree);
   vs_status status = VS_OK;
   for (size_t k = 0; k < n_keys && !status; k++) status = vs_tree_set(&other->tree, keys[k], err);
