@@ -616,7 +616,7 @@ static void notes(void) {
     watch w = {.rate_hz = 5000};
     vs_trial *t = read_watched(&w, "paper", "switched", k ? PLAIN : SETS, "{}");
     EXPECT(!w.status, "%s", w.err.text);
-    const char *said = vs_observing_note(&w.observing, &t->scene.setup.model, text, sizeof text);
+    const char *said = vs_observing_note(&w.observing, &t->scene.setup, text, sizeof text);
     EXPECT(k ? !said
              : said && strstr(said, "samples of p are up to 0.125 ms old") &&
                    strstr(said, "late by 0.159 ms") && strstr(said, "without a stop") &&

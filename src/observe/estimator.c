@@ -30,7 +30,7 @@ static double flux_of(const vs_estimator *e, double current_a, double z_m) {
  * but a closed gap would have no end of a force. */
 static const double LEAST_GAP = 0.02;
 
-/* F at a state with the measured current, stops included. */
+/* F at a state with the measured current. */
 static double force_at(vs_estimator *e, const double *x, double current_a) {
   const vs_model *m = e->model;
   double rest_m = m->coil.gap_rest_m, z = e->gap_at_rest ? rest_m : vs_mechanics_gap(m, x);

@@ -4,13 +4,13 @@
  * coordinates and their rates. What it is made of stands in observe/observing.h.
  *
  *   1. The force F follows from the measured current by the coil's law, at the gap that is
- *      estimated; the stops' force is added likewise. F runs straight from sample to sample.
+ *      estimated. F runs straight from sample to sample.
  *   2. x = A x + b0 F(before) + b1 F(now) + constant.
  *   3. x = x + L (y - what the sensors would show of x). A sensor shows its range's end of what is
  *      beyond it.
  *
- * The machine is the scene's as it begins: of a load that changes, or of an armature that jams, the
- * observer is not told. */
+ * The machine is the scene's as it begins, without its stops: of a load that changes, or of an
+ * armature that jams, the observer is not told. */
 #ifndef VS_OBSERVE_ESTIMATOR_H
 #define VS_OBSERVE_ESTIMATOR_H
 
@@ -32,7 +32,7 @@ typedef struct vs_estimator {
   const vs_model *model;
   bool gap_at_rest;          /* the law of the coil is taken at the gap at rest (sim/frame.h) */
   double x[VS_SAMPLED_MOST]; /* the estimate: q, q', and the states of the sensors' low-passes */
-  double force_n;            /* F at the last sample, stops included */
+  double force_n;            /* F at the last sample */
   double flux_wb;            /* the coil's, from which it was computed */
   double beyond[VS_SENSOR_MOST]; /* by how much each sensor's channel was beyond its range */
   long samples;                  /* how many there were */

@@ -177,7 +177,7 @@ static double delay_s(const vs_instrument *i) {
 /* A current that comes later than this part of the period is told of. */
 static const double LATE = 0.1;
 
-const char *vs_observing_note(const vs_observing *o, const vs_model *model, char *text,
+const char *vs_observing_note(const vs_observing *o, const vs_setup *setup, char *text,
                               size_t size) {
   const vs_instrument *unsynchronised = out_of_step(o);
   const double period_s = o->system->period_s, late_s = delay_s(o->current);
@@ -190,9 +190,10 @@ const char *vs_observing_note(const vs_observing *o, const vs_model *model, char
   if (late_s > LATE * period_s)
     snprintf(late, sizeof late, "; the low-pass of %s makes the current late by %.3g ms",
              o->current->name, 1e3 * late_s);
-  int n = snprintf(text, size, "control.observer does not know all of this run%s%s%s%s", old, late,
-                   model->stops.count ? "; it computes a machine without a stop" : "",
-                   model->reloaded ? "; it computes the machine with its first load" : "");
+  int n = snprintf(text, size, "control.observer does not know all of this run%s%s%s%s%s", old,
+                   late, setup->model.stops.count ? "; it computes a machine without a stop" : "",
+                   setup->model.reloaded ? "; it computes the machine with its first load" : "",
+                   vs_setup_jams(setup) < setup->run.until_s ? "; it is not told of the jam" : "");
   return strchr(text, ';') && n > 0 ? text : NULL;
 }
 

@@ -51,9 +51,8 @@ extern const vs_section vs_observing_section;
 vs_status vs_observing_read(const vs_node *map, const vs_model *model,
                             const vs_instruments *instruments, double rate_hz,
                             vs_observing *observing, vs_error *err);
-/* Writes what whoever runs the scene should know of its observer. NULL: nothing. model: the one
- * that it computes. */
-const char *vs_observing_note(const vs_observing *observing, const vs_model *model, char *text,
+/* Writes what whoever runs the scene should know of its observer. NULL: nothing. */
+const char *vs_observing_note(const vs_observing *observing, const vs_setup *setup, char *text,
                               size_t size);
 void vs_observing_free(vs_observing *observing);
 

@@ -337,7 +337,7 @@ static void warn_of_observer(vs_scene *s) {
   const vs_node *section = vs_tree_child(s->tree.root, vs_control_section.name);
   const vs_observing *o = &s->control.observing;
   char text[512];
-  if (o->system && vs_observing_note(o, &s->setup.model, text, sizeof text))
+  if (o->system && vs_observing_note(o, &s->setup, text, sizeof text))
     vs_fail_at(vs_warnings_add(&s->warnings), section->key_where, "%s", text);
 }
 
