@@ -39,7 +39,7 @@ vs_status vs_control_read(const vs_node *section, const vs_setup *setup,
 
 void vs_control_free(vs_control *control);
 
-/* How many numbers its law shows. */
+/* How many numbers its law shows: the columns from 1 on. */
 int vs_control_outputs(const vs_control *control);
 
 /* Error: the control runs code of the user's own, and the command line does not allow that. */

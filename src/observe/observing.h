@@ -36,7 +36,7 @@ typedef struct vs_observing {
   double gain[VS_SAMPLED_MOST][VS_SENSOR_MOST]; /* L; [state][sensor] */
   vs_pole pole[VS_SAMPLED_MOST]; /* of the error, system->states of them, the slowest first */
   vs_estimated estimate[VS_MOST_STATES]; /* of q, then of q' */
-  int estimates;                        /* how many there are; 0 without an observer */
+  int estimates;                         /* how many there are; 0 without an observer */
   double settling_s; /* until a hundredth of the slowest part of an error is left */
 } vs_observing;
 
