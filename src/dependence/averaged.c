@@ -42,11 +42,9 @@ static bool solve(modes *m, const vs_linear *l) {
   return good;
 }
 
-/* The largest first; a pair by falling imaginary part. */
 static bool stands_before(double _Complex a, double _Complex b) {
-  if (fabs(cabs(a) - cabs(b)) > 1e-12 * (cabs(a) + cabs(b))) return cabs(a) > cabs(b);
-  if (cimag(a) == 0 && cimag(b) == 0) return creal(a) > creal(b);
-  return cimag(a) > cimag(b);
+  const vs_multiplier left = {creal(a), cimag(a)}, right = {creal(b), cimag(b)};
+  return vs_multiplier_order(&left, &right) < 0;
 }
 
 static bool find_modes(const vs_linear *l, modes *m) {
@@ -57,8 +55,10 @@ static bool find_modes(const vs_linear *l, modes *m) {
   gsl_eigen_nonsymmv_workspace *work = gsl_eigen_nonsymmv_alloc(m->n);
   size_t place[N];
   for (size_t i = 0; i < m->n; i++)
-    for (size_t j = 0; j < m->n; j++)
-      gsl_matrix_set(a, i, j, l->a[i][j] * l->scale[j] / l->scale[i]);
+    for (size_t j = 0; j < m->n; j++) {
+      double part = l->a[i][j] * l->scale[j] / l->scale[i];
+      gsl_matrix_set(a, i, j, fabs(part) < vs_multipliers_gone ? 0 : part);
+    }
   bool good = !gsl_eigen_nonsymmv(a, values, v, work);
   for (size_t k = 0; k < m->n; k++) {
     size_t at = k;

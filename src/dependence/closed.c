@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dependence/closed.h"
 
-#include <gsl/gsl_eigen.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,12 +13,6 @@ enum { N = VS_LINEAR_STATES };
 enum { DIGITS = 12 };
 
 /* ---- multipliers ---- */
-
-static bool stands_before(const vs_multiplier *a, const vs_multiplier *b) {
-  double of_a = hypot(a->re, a->im), of_b = hypot(b->re, b->im);
-  if (fabs(of_a - of_b) > 1e-12 * (of_a + of_b)) return of_a > of_b;
-  return a->im != b->im ? a->im > b->im : a->re > b->re;
-}
 
 /* Closes the loop of a model with one output. The input of what comes of it is the set point; its
  * output is the amplitude. An integral part adds the sum to the states. */
@@ -48,27 +41,12 @@ static void close_with(const vs_linear *l, double p, double i, vs_linear *loop) 
   loop->d[0] = loop->b[m];
 }
 
-/* Finds the multipliers of a map, sorted. Returns the largest size; NaN where GSL finds none. */
+/* Finds the multipliers of a map. Returns the largest size; NaN where there are none. */
 static double find_multipliers(const vs_linear *l, vs_multiplier *out) {
   double map[N * N];
-  size_t n = (size_t)l->n;
-  for (size_t i = 0; i < n; i++)
-    for (size_t j = 0; j < n; j++) map[i * n + j] = l->a[i][j] * l->scale[j] / l->scale[i];
-  gsl_matrix_view m = gsl_matrix_view_array(map, n, n);
-  gsl_vector_complex *values = gsl_vector_complex_alloc(n);
-  gsl_eigen_nonsymm_workspace *work = gsl_eigen_nonsymm_alloc(n);
-  gsl_eigen_nonsymm_params(0, 1, work);
-  bool good = !gsl_eigen_nonsymm(&m.matrix, values, work);
-  for (size_t k = 0; k < n; k++) {
-    gsl_complex z = gsl_vector_complex_get(values, k);
-    vs_multiplier one = {GSL_REAL(z), GSL_IMAG(z)};
-    size_t at = k;
-    for (; at && stands_before(&one, &out[at - 1]); at--) out[at] = out[at - 1];
-    out[at] = one;
-  }
-  gsl_eigen_nonsymm_free(work);
-  gsl_vector_complex_free(values);
-  return good ? hypot(out[0].re, out[0].im) : NAN;
+  for (int i = 0; i < l->n; i++)
+    for (int j = 0; j < l->n; j++) map[i * l->n + j] = l->a[i][j] * l->scale[j] / l->scale[i];
+  return vs_multipliers_of(l->n, map, out) ? hypot(out[0].re, out[0].im) : NAN;
 }
 
 /* ---- the limit ---- */
