@@ -100,22 +100,34 @@ static bool has_column(const char *header, const char *name) {
   return false;
 }
 
-/* Takes a column NAME_meas or NAME_meas_UNIT, where the instruments in the scene of summary.json
- * have that NAME; they also say which channel it measures. */
-static void take_shown(vs_sheets *all, const vs_node *instruments, const char *header,
-                       const char *column) {
-  char name[VS_SHEET_NAME];
+/* The instrument of that section of summary.json which has filled a column NAME_meas or
+ * NAME_meas_UNIT; *unit is what follows _meas. A NAME may have _meas in it: the longest is meant.
+ * NULL: none has. */
+static const vs_node *filled_by(const vs_node *instruments, const char *column, const char **unit) {
   static const char MARK[] = "_meas";
-  const char *mark = strstr(column, MARK), *unit = mark ? mark + sizeof MARK - 1 : NULL;
-  if (!mark || (*unit && *unit != '_') || all->n_shown >= VS_SHEET_INSTRUMENTS) return;
-  snprintf(name, sizeof name, "%.*s", (int)(mark - column), column);
-  const vs_node *node = vs_tree_child(vs_tree_child(instruments, name), "channel");
-  if (!node || !node->text) return;
+  const vs_node *by = NULL;
+  for (const vs_node *n = instruments ? instruments->child : NULL; n; n = n->next) {
+    size_t length = strlen(n->key);
+    const char *mark = column + length, *behind = mark + sizeof MARK - 1;
+    if (strncmp(column, n->key, length) || strncmp(mark, MARK, sizeof MARK - 1)) continue;
+    if ((*behind && *behind != '_') || (by && strlen(by->key) > length)) continue;
+    by = n;
+    *unit = behind;
+  }
+  return by;
+}
+
+/* Takes a column that one of these instruments, of the scene in summary.json, has filled; it also
+ * says which channel it measures. */
+static void take_shown(vs_sheets *all, const vs_node *instruments, const char *column) {
+  const char *unit = "";
+  const vs_node *by = filled_by(instruments, column, &unit),
+                *channel = vs_tree_child(by, "channel");
+  if (!channel || !channel->text || all->n_shown >= VS_SHEET_INSTRUMENTS) return;
   vs_sheet_shown *s = &all->shown[all->n_shown++];
-  memcpy(s->name, name, sizeof s->name);
+  snprintf(s->name, sizeof s->name, "%s", by->key);
   snprintf(s->column, sizeof s->column, "%s", column);
-  snprintf(s->of, sizeof s->of, "%.40s%.40s", node->text, unit);
-  if (!has_column(header, s->of)) memcpy(s->of, s->column, sizeof s->of);
+  snprintf(s->of, sizeof s->of, "%.40s%.40s", channel->text, unit);
 }
 
 static void find_shown(vs_sheets *all, const char *folder, const char *header) {
@@ -127,8 +139,10 @@ static void find_shown(vs_sheets *all, const char *folder, const char *header) {
   const vs_node *scene = known ? vs_tree_child(tree.root, "scene") : NULL;
   size_t n = vs_csv_split(text, cells, sizeof cells / sizeof *cells, NULL);
   if (n > sizeof cells / sizeof *cells) n = sizeof cells / sizeof *cells;
-  for (size_t k = 1; k < n; k++)
-    take_shown(all, vs_tree_child(scene, "instruments"), header, cells[k]);
+  for (size_t k = 1; k < n; k++) take_shown(all, vs_tree_child(scene, "instruments"), cells[k]);
+  for (int k = 0; k < all->n_shown; k++) /* alone where the channel is not recorded */
+    if (!has_column(header, all->shown[k].of))
+      memcpy(all->shown[k].of, all->shown[k].column, sizeof all->shown[k].of);
   vs_tree_free(&tree);
   free(text);
 }
