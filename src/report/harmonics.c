@@ -79,7 +79,7 @@ static void add_script_of(vs_text *script, const panel *p, int k) {
   vs_text_add(script, "set title ");
   vs_gnuplot_quoted(script, p->title);
   vs_text_add(script,
-              "\nplot $bars%d using 1:2 with boxes fs solid 0.9 noborder fc rgb '%s' notitle", k,
+              "\nplot $bars%d using 1:2 with boxes fs solid 0.45 noborder fc rgb '%s' notitle", k,
               vs_scale_colour_good);
   if (p->limits) add_limits(script, "A", k, kind++);
   for (const vs_node *c = p->classes ? p->classes->child : NULL; c; c = c->next)
