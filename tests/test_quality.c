@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "period/quality.h"
 #include "program.h"
 
@@ -32,7 +33,7 @@ static double complex phasor(const form *f, int n) {
   for (int k = 0; k < 2; k++) /* the real part is half the sum with its conjugate */
     for (int c = 0; c < 2; c++) {
       double complex size = c ? conj(f->size[k]) : f->size[k],
-                     s = (c ? conj(f->rate[k]) : f->rate[k]) - n * I;
+                     s = (c ? conj(f->rate[k]) : f->rate[k]) - (double)n * I;
       sum +=
           size / 2 * (cabs(s) > 1e-9 ? (cexp(s * f->to) - cexp(s * f->from)) / s : f->to - f->from);
     }
@@ -126,7 +127,7 @@ static void half_wave(void) {
 }
 
 static void phase_controlled(void) {
-  for (double degrees = 30; degrees < 180; degrees += 40) {
+  for (double degrees = 30; degrees < 180; degrees += 70) {
     const form f = {degrees * M_PI / 180, M_PI, {-3 * I, 0}, {I, 0}};
     shown(&f);
   }
@@ -175,15 +176,11 @@ static void resistance_and_inductance(void) {
 
 /* A resistor across the mains takes a sine from them, and its current is a probe. */
 static void resistor(void) {
-  write_file("r.cir", "*$ port mains = Vm\n*$ probe i_r = v(a)/100 A\n*$ probe v_r = v(a) V\n"
-                      "Vm a 0 external\nR1 a 0 100\nRe a e 1meg\nXeva e 0 eva\n");
-  static const char *const SETS[] = {"circuit.deck=r.cir",
-                                     "supply.voltage=100V",
-                                     "firing.valve=none",
-                                     "run={until: 60 ms}",
-                                     "measure.last=2 cycles",
-                                     "quality=i_r",
-                                     NULL};
+  write_file("r.cir", "*$ port mains = Vm\n*$ probe i_r = i(Vr) A\n*$ probe v_r = v(a) V\n"
+                      "Vm a 0 external\nVr a r 0\nR1 r 0 100\nRe a e 1meg\nXeva e 0 eva\n");
+  static const char *const SETS[] = {"circuit.deck=r.cir", "supply.voltage=100V",
+                                     "run={until: 60 ms}", "measure.last=2 cycles",
+                                     "quality=i_r",        NULL};
   vs_trial *t = vs_trial_run("paper", NULL, SETS, NULL);
   EXPECT(!t->status && t->result.n_quality == 1, "%s", t->err.text);
   vs_quality_measure m;
@@ -250,6 +247,56 @@ static void shown_and_drawn(void) {
   free_ran(&r);
 }
 
+/* The block of docs/operation.md that begins with this text, up to its end; free() it. */
+static char *block_of(const char *page, const char *begins) {
+  const char *from = strstr(page, begins), *to = from ? strstr(from, "\n```") : NULL;
+  EXPECT(to != NULL, "no block %s", begins);
+  return to ? strndup(from, (size_t)(to - from) + 1) : vs_copy("");
+}
+
+/* Each word of a line of the page stands in the program's line that begins with the same one;
+ * numbers to what ngspice gives on other machines. */
+static void expect_line(const char *printed, char *line) {
+  char *word = strtok(line, " ");
+  const char *at = printed;
+  char start[64];
+  snprintf(start, sizeof start, "\n%s ", word);
+  while ((at = strstr(at, start))) {
+    char *copy = strndup(at + 1, strcspn(at + 1, "\n")), *rest = NULL, *given = NULL;
+    bool same = strtok_r(copy, " ", &rest) != NULL;
+    for (char *w = line + strlen(word) + 1; same && *w; w += *w == ' ') {
+      char each[64];
+      while (*w == ' ') w++;
+      size_t n = strcspn(w, " ");
+      snprintf(each, sizeof each, "%.*s", (int)n, w);
+      w += n;
+      if (!n) break;
+      given = strtok_r(NULL, " ", &rest);
+      char *end;
+      double x = strtod(each, &end);
+      same = given && (*end || end == each ? !strcmp(each, given)
+                                           : fabs(strtod(given, NULL) - x) <= 1e-4 * fabs(x));
+    }
+    free(copy);
+    if (same) return;
+    at++;
+  }
+  EXPECT(false, "the page's line of %s is not printed", word);
+}
+
+static void the_page(void) {
+  char *page = read_file(VS_TEST_FOLDER "/../docs/operation.md");
+  char *scene = block_of(page, "# quality.yaml"), *text = block_of(page, "mains.power  "),
+       *rest = text;
+  write_file("quality.yaml", scene);
+  ran r = run("run quality.yaml -o quality");
+  EXPECT(r.status == 0, "%s", r.err);
+  for (char *line; (line = strsep(&rest, "\n"));)
+    if (*line) expect_line(r.out, line);
+  free_ran(&r);
+  free(page), free(scene), free(text);
+}
+
 static void in_a_study(void) {
   write_file("s.yaml", "set: {quality: [mains], measure: {last: 1 cycles}, firing.every: 1, "
                        "start: steady, run: {until: 40 ms, tier: switched}}\n"
@@ -273,7 +320,7 @@ static void bad_input(void) {
     const char *line, *at, *says[2];
   } BAD[] = {
       {"quality: {a: b}", "bad.yaml:1:11: ", {"a list of currents is wanted", NULL}},
-      {"quality: []", "bad.yaml:1:10: ", {"a list of currents is wanted", NULL}},
+      {"quality: []", "bad.yaml:1:1: ", {"a list of currents is wanted", NULL}},
       {"quality: [main]", "bad.yaml:1:11: ", {"no current 'main'", "did you mean 'mains'"}},
       {"quality: [p]", "bad.yaml:1:11: ", {"p is in m; a current is wanted", NULL}},
       {"quality: [i, i]", "bad.yaml:1:14: ", {"i stands here a second time", NULL}},
@@ -298,6 +345,7 @@ static const vs_test TESTS[] = {
     {"a resistor across the mains", resistor},
     {"on the orbit", on_the_orbit},
     {"what is shown and drawn", shown_and_drawn},
+    {"the page", the_page},
     {"in a study", in_a_study},
     {"bad input", bad_input},
 };
