@@ -302,6 +302,24 @@ static void add_second(vs_json *json, const vs_second_run *second) {
   vs_json_end(json);
 }
 
+/* What the control has decided, and what it shows at the run's end. */
+static void add_loop(vs_json *json, const vs_loop *loop) {
+  vs_control_column column;
+  char name[VS_NAME_SIZE], suffix[32];
+  if (!loop) return;
+  vs_json_object(json, "control", VS_JSON_ROW);
+  vs_json_text(json, "law", loop->control->regulator->name);
+  vs_json_whole(json, "firings", (int)loop->program.count);
+  vs_json_whole(json, "left_out", (int)loop->left_out);
+  vs_json_whole(json, "at_limit", (int)loop->at_limit);
+  for (int k = 0; vs_control_column_at(loop->control, k, &column); k++) {
+    vs_units_suffix(column.unit, suffix, sizeof suffix);
+    snprintf(name, sizeof name, "%s%s%s", column.name, *suffix ? "_" : "", suffix);
+    vs_json_number(json, name, vs_loop_shows(loop, k), DIGITS);
+  }
+  vs_json_end(json);
+}
+
 void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *more,
                      vs_text *text) {
   const vs_scene *s = r->scene;
@@ -322,6 +340,7 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   vs_json_end(&json);
   add_measures(&json, s, r, more);
   if (more && more->members) more->members(more->ctx, &json);
+  add_loop(&json, r->loop);
   add_quality(&json, r);
   add_fraction(&json, s);
   add_energy(&json, s, &r->watchers.energy, r->books);

@@ -19,6 +19,8 @@ static vs_status decide(vs_loop *l, double t_s, vs_error *err) {
   l->sight.firing = p->count;
   vs_status status = c->regulator->decide(l->self, &l->sight, &angle_rad, err);
   if (status) return status;
+  l->left_out += isnan(angle_rad);
+  l->at_limit += angle_rad < p->range[0] || angle_rad > p->range[1];
   if (!isnan(angle_rad)) angle_rad = fmin(fmax(angle_rad, p->range[0]), p->range[1]);
   p->angle_rad[p->count++] = l->sight.last_rad = angle_rad;
   return VS_OK;

@@ -16,6 +16,8 @@ typedef struct vs_loop {
   double value[VS_INSTRUMENT_MOST]; /* of the meters, SI; sight.value */
   void *self;                       /* the regulator's state, owned */
   long ticks;                       /* how many are behind */
+  long left_out, at_limit;          /* of the firings decided: without a pulse; at an end of
+                                       control.angle, where the law wanted to go further */
 } vs_loop;
 
 /* Begins the control of a run of `setup` with the scene's instruments and the run's meters, which

@@ -33,7 +33,7 @@ typedef struct panels {
 
 static void add_panel(panels *all, const char *name, const vs_node *harmonics,
                       const vs_node *classes, const vs_node *limits) {
-  if (!harmonics || harmonics->kind != VS_NODE_LIST || all->count == PANELS) return;
+  if (!count_of(harmonics) || all->count == PANELS) return;
   panel *p = &all->item[all->count++];
   *p = (panel){.harmonics = harmonics, .classes = classes, .limits = limits};
   snprintf(p->title, sizeof p->title, "harmonics of %.64s", name);
@@ -50,8 +50,15 @@ static void find_panels(const vs_tree *tree, panels *all) {
 
 /* ---- the picture ---- */
 
-/* Adds the numbers of the list from harmonic 1 on as a block of that name. What is null or nothing
- * is left out, as the axis is logarithmic. */
+/* How many numbers of the list, from harmonic 1 on, a logarithmic axis has a place for. */
+static int count_of(const vs_node *list) {
+  int n = 0, count = 0;
+  for (const vs_node *item = list ? list->child : NULL; item; item = item->next)
+    count += n++ && item->kind == VS_NODE_TEXT && strtod(item->text, NULL) > 0;
+  return count;
+}
+
+/* Adds these numbers as a block of that name. */
 static void add_block(vs_text *script, const char *name, int number, const vs_node *list) {
   int n = 0;
   vs_text_add(script, "$%s%d << EOD\n", name, number);
@@ -63,9 +70,11 @@ static void add_block(vs_text *script, const char *name, int number, const vs_no
 }
 
 /* Marks what a class allows. */
-static void add_limits(vs_text *script, const char *class, int number, int kind) {
+static void add_limits(vs_text *script, const char *class, int number, const vs_node *limits,
+                       int kind) {
   static const char *const COLOURS[] = {"#d1495b", "#e08e1b", "#8e5ea2", "#2a9d6f"};
   const int kinds = sizeof COLOURS / sizeof *COLOURS;
+  if (!count_of(limits)) return;
   vs_text_add(script, ", $%s%d using 1:2 with points pt %d ps 0.7 lc rgb '%s' title 'class %s'",
               class, number, 4 + 2 * (kind % kinds), COLOURS[kind % kinds], class);
 }
@@ -81,9 +90,9 @@ static void add_script_of(vs_text *script, const panel *p, int k) {
   vs_text_add(script,
               "\nplot $bars%d using 1:2 with boxes fs solid 0.45 noborder fc rgb '%s' notitle", k,
               vs_scale_colour_good);
-  if (p->limits) add_limits(script, "A", k, kind++);
+  if (p->limits) add_limits(script, "A", k, p->limits, kind++);
   for (const vs_node *c = p->classes ? p->classes->child : NULL; c; c = c->next)
-    add_limits(script, vs_tree_child(c, "class")->text, k, kind++);
+    add_limits(script, vs_tree_child(c, "class")->text, k, vs_tree_child(c, "limits_A"), kind++);
   vs_text_add(script, "\n");
 }
 

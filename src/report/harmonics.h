@@ -9,7 +9,7 @@
 #include "base/error.h"
 
 /* Draws harmonics.png and harmonics.svg from the folder's summary.json; nothing where that tells of
- * no harmonics, or is not there. Errors: it cannot be read; gnuplot is missing or fails. */
+ * no current, or is not there. Errors: it cannot be read; gnuplot is missing or fails. */
 vs_status vs_harmonics_draw(const char *folder, bool quiet, vs_error *err);
 
 #endif
