@@ -324,6 +324,9 @@ static void bad_input(void) {
       {"quality: [main]", "bad.yaml:1:11: ", {"no current 'main'", "did you mean 'mains'"}},
       {"quality: [p]", "bad.yaml:1:11: ", {"p is in m; a current is wanted", NULL}},
       {"quality: [i, i]", "bad.yaml:1:14: ", {"i stands here a second time", NULL}},
+      {"circuit: {deck: named.cir}\nquality: mains",
+       "bad.yaml:2:10: ",
+       {"a device of the deck", NULL}},
       {"quality: [[i]]", "bad.yaml:1:", {"no current", NULL}},
       {"run: {tier: switched}\nquality: i_source", "bad.yaml:2:10: ", {"take tier circuit", NULL}},
       {"run: {until: 50 ms}\nquality: i", "bad.yaml:2:10: ", {"whole cycles", "last: 5 cycles"}},
@@ -332,6 +335,8 @@ static void bad_input(void) {
        "bad.yaml:3:10: ",
        {"direct voltage", NULL}},
   };
+  write_file("named.cir", "*$ port mains = Vm\n*$ probe v_r = v(a) V\n*$ device mains resistor = "
+                          "v(a), v(a)/100\nVm a 0 external\nR1 a 0 100\nXeva a 0 eva\n");
   for (size_t k = 0; k < COUNT(BAD); k++) {
     write_file("bad.yaml", BAD[k].line);
     refuse("run bad.yaml -o out", BAD[k].line, BAD[k].at, BAD[k].says, __LINE__);

@@ -49,6 +49,12 @@ static vs_status take(const vs_node *node, const vs_setup *setup, const vs_frame
   for (int k = 0; k < list->count; k++)
     if (!strcmp(list->item[k].name, node->text))
       return vs_fail_at(err, node->where, "quality: %s stands here a second time", node->text);
+  for (size_t k = 0; frame->deck && k < frame->deck->n_devices; k++)
+    if (!strcmp(frame->deck->devices[k].name, node->text))
+      return vs_fail_at(err, node->where,
+                        "quality: a device of the deck is called %s, too, and both have measures "
+                        "of that name; give the device another one",
+                        node->text);
   if (list->count == VS_QUALITY_MOST)
     return vs_fail_at(err, node->where, "quality: more than %d currents", VS_QUALITY_MOST);
   vs_quality_current *c = &list->item[list->count++];

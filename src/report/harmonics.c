@@ -31,6 +31,14 @@ typedef struct panels {
 
 /* ---- what there is ---- */
 
+/* How many numbers of the list, from harmonic 1 on, a logarithmic axis has a place for. */
+static int count_of(const vs_node *list) {
+  int n = 0, count = 0;
+  for (const vs_node *item = list ? list->child : NULL; item; item = item->next)
+    count += n++ && item->kind == VS_NODE_TEXT && strtod(item->text, NULL) > 0;
+  return count;
+}
+
 static void add_panel(panels *all, const char *name, const vs_node *harmonics,
                       const vs_node *classes, const vs_node *limits) {
   if (!count_of(harmonics) || all->count == PANELS) return;
@@ -49,14 +57,6 @@ static void find_panels(const vs_tree *tree, panels *all) {
 }
 
 /* ---- the picture ---- */
-
-/* How many numbers of the list, from harmonic 1 on, a logarithmic axis has a place for. */
-static int count_of(const vs_node *list) {
-  int n = 0, count = 0;
-  for (const vs_node *item = list ? list->child : NULL; item; item = item->next)
-    count += n++ && item->kind == VS_NODE_TEXT && strtod(item->text, NULL) > 0;
-  return count;
-}
 
 /* Adds these numbers as a block of that name. */
 static void add_block(vs_text *script, const char *name, int number, const vs_node *list) {
