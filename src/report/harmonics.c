@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "report/harmonics.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "base/file.h"
 #include "base/path.h"
 #include "base/text.h"
 #include "period/quality.h"
@@ -110,20 +108,10 @@ static void add_script(const panels *all, bool svg, vs_text *script) {
 
 static vs_status draw(const panels *all, const char *folder, bool svg, bool quiet, vs_error *err) {
   vs_text script = {0};
-  vs_file file = {0};
-  char *picture = NULL;
-  size_t size = 0;
   add_script(all, svg, &script);
-  vs_status status = vs_gnuplot_picture(script.text, &picture, &size, err);
-  if (!status) status = vs_file_open(&file, folder, svg ? "harmonics.svg" : "harmonics.png", err);
-  if (!status) {
-    fwrite(picture, 1, size, file.stream); /* an error stays in the stream */
-    status = vs_file_commit(&file, err);
-  }
-  if (!status && !quiet) printf("%s\n", file.path);
-  vs_file_discard(&file);
+  vs_status status =
+      vs_gnuplot_draw(script.text, folder, svg ? "harmonics.svg" : "harmonics.png", quiet, err);
   vs_text_free(&script);
-  free(picture);
   return status;
 }
 
