@@ -579,6 +579,7 @@ static void pictures(void) {
   char *svg = read_file("r/measured_100ms.svg"), *other = read_file("r/motion_run.svg");
   EXPECT(strstr(svg, "instrument trough") && strstr(svg, "Fig. 14"), "no curve in measured_100ms");
   EXPECT(strstr(other, "instrument trough") != NULL, "no curve in motion_run");
+  EXPECT(!strstr(other, "p_meas") && !strstr(other, "_meas /"), "an instrument is a coordinate");
   EXPECT(strstr(svg, "instrument a_meas") && strstr(svg, "instrument as_measured"),
          "names with _meas in them are lost");
   free(svg);

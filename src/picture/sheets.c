@@ -56,11 +56,29 @@ static void ask_measures(found *f, const vs_node *measures) {
   }
 }
 
+/* The instrument of that section of summary.json which has filled a column NAME_meas or
+ * NAME_meas_UNIT; *unit is what follows _meas. A NAME may have _meas in it: the longest is meant.
+ * NULL: none has. */
+static const vs_node *filled_by(const vs_node *instruments, const char *column, const char **unit) {
+  static const char MARK[] = "_meas";
+  const vs_node *by = NULL;
+  for (const vs_node *n = instruments ? instruments->child : NULL; n; n = n->next) {
+    size_t length = strlen(n->key);
+    const char *mark = column + length, *behind = mark + sizeof MARK - 1;
+    if (strncmp(column, n->key, length) || strncmp(mark, MARK, sizeof MARK - 1)) continue;
+    if ((*behind && *behind != '_') || (by && strlen(by->key) > length)) continue;
+    by = n;
+    *unit = behind;
+  }
+  return by;
+}
+
 /* By the columns: NAME_m and aNAME_m_s2, or where no acceleration is there to tell by, NAME_m
- * alone; likewise in rad. */
-static void ask_header(found *f, const char *header, bool alone) {
+ * alone; likewise in rad. What instruments have filled is no coordinate. */
+static void ask_header(found *f, const char *header, const vs_node *instruments, bool alone) {
   static const char *const UNITS[] = {"m", "rad"};
   char *text = vs_copy(header), *cells[512], ending[16];
+  const char *unit;
   size_t n = vs_csv_split(text, cells, sizeof cells / sizeof *cells, NULL);
   if (n > sizeof cells / sizeof *cells) n = sizeof cells / sizeof *cells;
   for (size_t k = 1; k < n; k++)
@@ -68,6 +86,7 @@ static void ask_header(found *f, const char *header, bool alone) {
       snprintf(ending, sizeof ending, alone ? "_%s" : "_%s_s2", UNITS[u]);
       size_t length = strlen(cells[k]), tail = strlen(ending);
       if (length < tail + 2 - alone || strcmp(cells[k] + length - tail, ending)) continue;
+      if (filled_by(instruments, cells[k], &unit)) continue;
       if (alone && strcmp(cells[k], "z_m"))
         take(f, cells[k], length - tail, UNITS[u]);
       else if (!alone && *cells[k] == 'a')
@@ -86,8 +105,9 @@ static void find_coordinates(found *f, const char *folder, const char *header) {
   const vs_node *model = vs_tree_child(vs_tree_child(scene, "machine"), "model");
   f->is_paper = !model || !model->text || !strcmp(model->text, vs_machine_key.default_text);
   if (known) ask_measures(f, vs_tree_child(tree.root, "measures"));
-  ask_header(f, header, false);
-  if (!f->count) ask_header(f, header, true);
+  const vs_node *instruments = vs_tree_child(scene, "instruments");
+  ask_header(f, header, instruments, false);
+  if (!f->count) ask_header(f, header, instruments, true);
   vs_tree_free(&tree);
 }
 
@@ -98,23 +118,6 @@ static bool has_column(const char *header, const char *name) {
   for (const char *s = header; *s; s += strcspn(s, ","), s += *s == ',')
     if (strcspn(s, ",") == n && !strncmp(s, name, n)) return true;
   return false;
-}
-
-/* The instrument of that section of summary.json which has filled a column NAME_meas or
- * NAME_meas_UNIT; *unit is what follows _meas. A NAME may have _meas in it: the longest is meant.
- * NULL: none has. */
-static const vs_node *filled_by(const vs_node *instruments, const char *column, const char **unit) {
-  static const char MARK[] = "_meas";
-  const vs_node *by = NULL;
-  for (const vs_node *n = instruments ? instruments->child : NULL; n; n = n->next) {
-    size_t length = strlen(n->key);
-    const char *mark = column + length, *behind = mark + sizeof MARK - 1;
-    if (strncmp(column, n->key, length) || strncmp(mark, MARK, sizeof MARK - 1)) continue;
-    if ((*behind && *behind != '_') || (by && strlen(by->key) > length)) continue;
-    by = n;
-    *unit = behind;
-  }
-  return by;
 }
 
 /* Takes a column that one of these instruments, of the scene in summary.json, has filled; it also
