@@ -26,7 +26,8 @@ typedef struct vs_atwork {
                               model is read, and no value is known */
 } vs_atwork;
 
-/* As vs_shown_at; behind a run's measures come those of the orbit. */
+/* As vs_shown_at; behind a run's measures come those of the orbit, and the harmonics of currents
+ * whose quality the scene asks for. */
 bool vs_atwork_at(const vs_atwork *of, int k, vs_shown *shown);
 
 /* The k-th measure that an orbit's case reports unasked, besides those of every run; false: there
