@@ -58,23 +58,20 @@ static const struct {
              {"instruments.NAME.damping", "0.5"},
              {"instruments.NAME.noise", "2 um"},
              {"instruments.NAME.rate", "4 kHz"},
-             {"instruments.NAME.bits", "10"},
-             {"control.law", "none"},
-             {"control.rate", "4 kHz"},
-             {"control.angle", "[20 deg, 160 deg]"}};
+             {"instruments.NAME.bits", "10"}};
 
 /* The tier itself; what says which machine and which circuit the tiers stand for; and a text. */
 static const char *const NO_CONFLICT[] = {"run.tier", "machine.model", "circuit.deck",
                                           "instruments.NAME.text"};
 
 /* What a refusal names where not the tier has no use for the key: another key beside it. */
-static const char *const BESIDE[] = {"law reluctance has no use for it", "firing.valve: none",
-                                     "firing.every is 'once'"};
+static const char *const BESIDE[] = {"law reluctance has no use for it", "firing.valve: none"};
 
 /* name, default, range, text, in columns 28 and 18 wide */
 static bool other_value(const char *line, char *key, char *value, size_t size) {
   char number[64] = "", unit[32] = "";
   if (sscanf(line, "%95s", key) != 1) return false;
+  if (!strncmp(key, "control.", 8)) return false; /* every tier obeys them, once it fires again */
   for (size_t k = 0; k < COUNT(NO_CONFLICT); k++)
     if (!strcmp(key, NO_CONFLICT[k])) return false;
   for (size_t k = 0; k < COUNT(OTHER); k++)
