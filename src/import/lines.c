@@ -160,6 +160,19 @@ static void add_valves(vs_fate *p) {
 
 /* ---- everything else ---- */
 
+/* The loss of the resistance that LTspice puts into a source, which has become an element. */
+static void add_series(vs_fate *p, const vs_element *e) {
+  char *rser = vs_elements_option(p->wiring, e, "rser"), v[VS_DECK_TEXT], inner[VS_ELEMENTS_NAME];
+  double ohm;
+  if (rser && vs_values_of(p->values, rser, &ohm) && ohm > 0) {
+    snprintf(inner, sizeof inner, "%.50s_ser", e->key);
+    voltage(vs_elements_node_of(p->wiring, e, 0), inner, v);
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s_ser = %s^2/%.15g", e->key,
+                    *v == '-' ? v + 1 : v, ohm);
+  }
+  free(rser);
+}
+
 static void add_sources(vs_fate *p) {
   const vs_roles *r = p->roles;
   const vs_elements *w = p->wiring;
@@ -180,6 +193,8 @@ static void add_sources(vs_fate *p) {
       else
         vs_declared_add(&p->sheet, VS_DECLARED_PORT, "gate = Vgate%s_%s", n ? "2" : "", key);
     }
+  for (size_t g = 0; g <= r->n_gates; g++)
+    if (g < r->n_gates || r->mains) add_series(p, g < r->n_gates ? r->gates[g].source : r->mains);
   for (size_t k = 0; k < w->count; k++) { /* what sources give is a loss below zero */
     const vs_element *e = &w->elements[k];
     char v[VS_DECK_TEXT];

@@ -10,14 +10,14 @@
 #include "deck/cursor.h"
 #include "deck/netlist.h"
 
-/* Kinds by their pins: what subcircuits call them, each name between blanks, the letter by which
- * --pins means it first. `hints` are words in a name or a comment that say the kind alone. */
+/* Kinds by their pins: what subcircuits call them, each name between blanks. `hints` are words in a
+ * name or a comment that say the kind alone. */
 static const struct sort {
   const char *kind, *from, *to, *gate, *hints;
 } SORTS[] = {
     {"thyristor", " a an ano anode ", " k c ka ca cat cath cathode kathode ", " g gt ga gat gate ",
      " thyristor scr "},
-    {"triac", " 2 mt2 t2 a2 m2 main2 mainterminal2 ", " 1 mt1 t1 a1 m1 main1 mainterminal1 ",
+    {"triac", " mt2 t2 a2 m2 main2 mainterminal2 ", " mt1 t1 a1 m1 main1 mainterminal1 ",
      " g gt ga gat gate ", " triac "},
     {"mosfet", " d drain ", " s source ", " g gate ", " mosfet "},
     {"igbt", " c collector ", " e emitter ", " g gate ", " igbt "},
@@ -49,7 +49,7 @@ static bool among(const char *list, const char *word, size_t n) {
 
 /* ---- words of pins ---- */
 
-enum { MOST_PINS = 8 };
+enum { MOST_PINS = 32 };
 
 /* Up to MOST_PINS words of a line, runs of letters and digits, from `s` on. `assigned`: up to the
  * first NAME=. */
@@ -69,32 +69,44 @@ static int words_of(const char *s, bool assigned, const char *words[MOST_PINS],
   return count;
 }
 
-/* Finds the sort whose pins these words are, each once; other words are passed over. `in_place`:
- * every word is a pin's, so that its number is the pin's. */
+/* True for a word that may stand between the names of pins: a number, "and". */
+static bool is_filler(const char *word, size_t n) {
+  return strspn(word, "0123456789") >= n || among(" and pin pins to is ", word, n);
+}
+
+/* Finds the pins of a sort among the words from `start` on, each once. `in_place`: every word is
+ * some pin's, so that its number is the pin's; else the pins stand one behind the other, with
+ * fillers between them. */
+static bool run_of(const struct sort *sort, const char *const *words, const size_t *sizes,
+                   int count, bool in_place, int at[3]) {
+  const char *const LISTS[] = {sort->from, sort->to, sort->gate};
+  int seen = 0, wanted = sort->gate ? 3 : 2;
+  at[0] = at[1] = at[2] = -1;
+  for (int n = 0; n < count && seen < wanted; n++) {
+    int which = 0;
+    while (which < 3 && !among(LISTS[which], words[n], sizes[n])) which++;
+    if (which < 3 && at[which] >= 0) return false;
+    if (which < 3)
+      at[which] = in_place ? n : seen, seen++;
+    else if (!in_place && !is_filler(words[n], sizes[n]))
+      return false;
+  }
+  return seen == wanted;
+}
+
+/* Finds the sort whose pins these words are, as above. */
 static bool sort_of(const char *const *words, const size_t *sizes, int count, bool in_place,
                     vs_pins *pins) {
-  for (size_t k = 0; k < N_SORTS; k++) {
-    const struct sort *s = &SORTS[k];
-    int at[3] = {-1, -1, -1}, seen = 0;
-    bool twice = false;
-    for (int n = 0; n < count; n++) {
-      const char *const LISTS[] = {s->from, s->to, s->gate};
-      for (int i = 0; i < 3; i++) {
-        if (!among(LISTS[i], words[n], sizes[n])) continue;
-        twice = twice || at[i] >= 0;
-        at[i] = in_place ? n : seen;
-        seen++;
-        break;
-      }
+  for (size_t k = 0; k < N_SORTS; k++)
+    for (int start = 0; start < (in_place ? 1 : count); start++) {
+      int at[3];
+      if (!run_of(&SORTS[k], words + start, sizes + start, count - start, in_place, at)) continue;
+      pins->kind = SORTS[k].kind;
+      pins->from = at[0];
+      pins->to = at[1];
+      pins->gate = at[2];
+      return true;
     }
-    int wanted = s->gate ? 3 : 2;
-    if (twice || seen != wanted || at[0] < 0 || at[1] < 0) continue;
-    pins->kind = s->kind;
-    pins->from = at[0];
-    pins->to = at[1];
-    pins->gate = at[2];
-    return true;
-  }
   return false;
 }
 
@@ -255,8 +267,9 @@ static bool read_said(const char *said, vs_pins *pins) {
       return true;
     }
   for (int k = 0; k < count && count <= MOST_PINS; k++) {
-    words[k] = said + k;
-    sizes[k] = 1;
+    bool main = said[k] == '1' || said[k] == '2'; /* terminal of a triac */
+    words[k] = main ? said[k] == '1' ? "t1" : "t2" : said + k;
+    sizes[k] = main ? 2 : 1;
   }
   return count <= MOST_PINS && sort_of(words, sizes, count, true, pins);
 }
