@@ -21,13 +21,13 @@
 #include "fit/inquiry.h"
 #include "import/import.h"
 #include "method/methods.h"
-#include "steady/steady.h"
 #include "picture/plot.h"
 #include "report/fitting.h"
 #include "report/report.h"
 #include "report/tornado.h"
 #include "solver/circuit.h"
 #include "solver/ng.h"
+#include "steady/steady.h"
 #include "study/merge.h"
 #include "study/study.h"
 #include "survey/folder.h"
@@ -460,7 +460,7 @@ static const vs_command COMMANDS[] = {
     {.name = "list",
      .argument = "[KIND]",
      .text = "lists scenes, studies, fits, machines, decks, parts, instruments, tiers, laws, "
-             "probes, measures, "
+             "regulators, probes, measures, "
              "parameters (with "
              "unit, default, range)",
      .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n"

@@ -57,6 +57,16 @@ static void add_instruments(vs_json *json, const vs_instruments *all, double fre
   vs_json_end(json);
 }
 
+static void add_control(vs_json *json, const vs_control *c) {
+  if (!c->regulator) return;
+  vs_json_object(json, c->section.name, VS_JSON_LINES);
+  for (size_t k = 0; k < c->section.count; k++) {
+    vs_json_key(json, c->section.fields[k].key);
+    vs_field_json(&c->section.fields[k], &c->v, json->text);
+  }
+  vs_json_end(json);
+}
+
 void vs_summary_scene(vs_json *json, const vs_scene *s) {
   vs_json_object(json, "scene", VS_JSON_LINES);
   for (int p = 0; p < VS_SECTIONS; p++) {
@@ -71,6 +81,7 @@ void vs_summary_scene(vs_json *json, const vs_scene *s) {
   if (s->setup.steady) vs_json_bool(json, "steady", true);
   add_events(json, &s->setup.timeline.events);
   add_instruments(json, &s->instruments, vs_instruments_working_hz(&s->setup));
+  add_control(json, &s->control);
   vs_json_end(json);
 }
 

@@ -11,9 +11,16 @@ void vs_result_finish(vs_result *r) {
   vs_verdict_reach(r->watchers.measures, r->watchers.devices, &r->verdict);
 }
 
+void vs_result_end_loop(vs_result *r) {
+  if (r->loop) vs_loop_end(r->loop);
+  free(r->loop);
+  r->loop = NULL;
+}
+
 void vs_result_free(vs_result *r) {
   vs_verdict_free(&r->verdict);
   vs_watchers_free(&r->watchers);
+  vs_result_end_loop(r);
   free(r->meters);
   r->meters = NULL;
   if (r->climbed) vs_scene_free(r->climbed);
