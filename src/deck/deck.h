@@ -15,8 +15,9 @@
 #include "base/error.h"
 #include "base/path.h"
 #include "base/text.h"
-#include "deck/cursor.h"
 #include "deck/port.h"
+#include "dialect/statements.h"
+#include "syntax/cursor.h"
 #include "syntax/field.h"
 #include "syntax/formula.h"
 
@@ -175,10 +176,14 @@ extern const vs_field vs_deck_key;
 typedef struct vs_deck {
   char *files[VS_DECK_FILES]; /* paths of the deck and of what it includes; owned */
   size_t n_files;
-  unsigned lost; /* VS_LOST_... of the lines that could not be read */
+  unsigned lost;        /* VS_LOST_... of the lines that could not be read */
+  vs_skipped skipped;   /* statements that a circuit is not made of, until they are told */
+  vs_findings *remarks; /* warnings of what was skipped, changed or may be meant otherwise, each
+                           with its place; owned; NULL: there are none */
   char title[VS_DECK_TEXT];
-  char compat[8]; /* ngspice's name of a dialect; empty: its own */
-  vs_line *lines; /* of all files, comments and blank lines left out; owned */
+  bool has_title_line; /* its first line may be its title; false for a part */
+  char compat[8];      /* ngspice's name of a dialect; empty: its own */
+  vs_line *lines;      /* of all files, comments and blank lines left out; owned */
   size_t n_lines;
   vs_section section; /* "circuit": vs_deck_key, then params and parts. It fills a
                          vs_circuit_values. Fields and their texts are owned. */
@@ -224,6 +229,11 @@ extern const vs_shelf vs_deck_shelf, vs_deck_parts_shelf;
 /* Makes an empty deck. It must be freed, also where filling it failed. */
 void vs_deck_begin(vs_deck *deck);
 void vs_deck_free(vs_deck *deck);
+
+/* Adds a warning to deck->remarks. Beyond VS_MOST_FINDINGS of them the last one says that there are
+ * more. */
+void vs_deck_remark(vs_deck *deck, vs_where where, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /* Adds a line to the netlist. The deck owns line.text from then on. */
 void vs_deck_add_line(vs_deck *deck, vs_line line);

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "deck/cursor.h"
+#include "syntax/cursor.h"
 #include "syntax/formula.h"
 
 bool vs_fate_is_coil(const vs_fate *p, const vs_element *e) {

@@ -4,8 +4,8 @@
 #ifndef VS_IMPORT_FATE_H
 #define VS_IMPORT_FATE_H
 
+#include "foreign/pins.h"
 #include "import/declared.h"
-#include "import/pins.h"
 
 /* One element. */
 typedef struct vs_fate_element {

@@ -4,7 +4,7 @@
 #ifndef VS_IMPORT_IMPORT_H
 #define VS_IMPORT_IMPORT_H
 
-#include "import/roles.h"
+#include "foreign/roles.h"
 
 typedef struct vs_import_options {
   const char *name;    /* the netlist's path */

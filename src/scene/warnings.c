@@ -98,6 +98,11 @@ void vs_warnings_of_limits(const vs_deck *deck, vs_warnings *w) {
     }
 }
 
+void vs_warnings_of_netlist(const vs_deck *deck, vs_warnings *w) {
+  for (size_t k = 0; deck->remarks && k < deck->remarks->count; k++)
+    *vs_warnings_add(w) = deck->remarks->item[k];
+}
+
 /* Parts that the supply is too much for, and fuses that do not protect what they are to. */
 static void warn_of_parts(const vs_node *circuit, const vs_deck *deck, double mains_v,
                           vs_warnings *w) {
@@ -202,6 +207,7 @@ void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame
   warn_of_growth(root, &s->model, w);
   warn_of_loads(s, w);
   if (!deck) return;
+  vs_warnings_of_netlist(deck, w);
   warn_of_parts(vs_tree_child(root, "circuit"), deck, s->timeline.supply.voltage_v, w);
   warn_of_mains(deck, w);
   warn_of_supply(root, s, w);

@@ -29,6 +29,9 @@ void vs_warnings_of_instruments(const vs_instruments *instruments, vs_warnings *
  * low-passes do not. */
 void vs_warnings_of_settling(const vs_instruments *instruments, const vs_frame *frame,
                              vs_warnings *warnings);
+/* Adds what the deck's files were found to have that is skipped, changed or misread. */
+void vs_warnings_of_netlist(const vs_deck *deck, vs_warnings *warnings);
+
 /* Adds the limits of parts against which nothing of the deck, or of the part's file, is held; the
  * first eight. */
 void vs_warnings_of_limits(const vs_deck *deck, vs_warnings *warnings);

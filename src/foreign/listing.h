@@ -2,8 +2,8 @@
  * A netlist as LTspice, KiCad, PSpice or a person wrote it: its lines, joined where they continue
  * each other, and those of the files that it includes. Nothing is understood here but what a line
  * is. */
-#ifndef VS_IMPORT_LISTING_H
-#define VS_IMPORT_LISTING_H
+#ifndef VS_FOREIGN_LISTING_H
+#define VS_FOREIGN_LISTING_H
 
 #include <stdbool.h>
 #include <stddef.h>

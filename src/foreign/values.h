@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Numbers and expressions of a netlist, with its .param lines. */
-#ifndef VS_IMPORT_VALUES_H
-#define VS_IMPORT_VALUES_H
+#ifndef VS_FOREIGN_VALUES_H
+#define VS_FOREIGN_VALUES_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "import/listing.h"
+#include "foreign/listing.h"
 
 enum { VS_VALUES_NAME = 64 };
 

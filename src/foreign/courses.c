@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "import/courses.h"
+#include "foreign/courses.h"
 
 #include <math.h>
 #include <stdlib.h>

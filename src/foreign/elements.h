@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The elements of a netlist that stand in no subcircuit, and the nodes between them. */
-#ifndef VS_IMPORT_ELEMENTS_H
-#define VS_IMPORT_ELEMENTS_H
+#ifndef VS_FOREIGN_ELEMENTS_H
+#define VS_FOREIGN_ELEMENTS_H
 
 #include "base/text.h"
-#include "import/values.h"
+#include "foreign/values.h"
 
 enum { VS_ELEMENTS_NODES = 24, VS_ELEMENTS_WORDS = 64, VS_ELEMENTS_NAME = 64 };
 

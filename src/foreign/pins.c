@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "import/pins.h"
+#include "foreign/pins.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -7,8 +7,8 @@
 #include <string.h>
 #include <strings.h>
 
-#include "deck/cursor.h"
 #include "deck/netlist.h"
+#include "syntax/cursor.h"
 
 /* Kinds by their pins: what subcircuits call them, each name between blanks. `hints` are words in a
  * name or a comment that say the kind alone. */

@@ -2,10 +2,10 @@
  * Who is who in a netlist: which source is the mains, which ones fire thyristors, which branch is
  * the coil of the EVA (the electromagnetic vibratory actuator). What a user says counts; else what
  * can be nothing else. */
-#ifndef VS_IMPORT_ROLES_H
-#define VS_IMPORT_ROLES_H
+#ifndef VS_FOREIGN_ROLES_H
+#define VS_FOREIGN_ROLES_H
 
-#include "import/courses.h"
+#include "foreign/courses.h"
 
 enum { VS_ROLES_GATES = 8 };
 

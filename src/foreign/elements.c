@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "import/elements.h"
+#include "foreign/elements.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -7,8 +7,8 @@
 #include <string.h>
 #include <strings.h>
 
-#include "deck/cursor.h"
 #include "deck/rules.h"
+#include "syntax/cursor.h"
 
 /* ---- words ---- */
 

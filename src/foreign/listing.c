@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "import/listing.h"
+#include "foreign/listing.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -12,64 +12,9 @@
 
 #include "base/path.h"
 #include "base/text.h"
+#include "dialect/source.h"
 
 const char *const vs_listing_origins[VS_ORIGINS] = {"plain SPICE", "LTspice", "KiCad", "PSpice"};
-
-/* ---- text ---- */
-
-/* Adds a character as UTF-8. */
-static void add_character(vs_text *t, unsigned c) {
-  if (c < 0x80)
-    vs_text_add(t, "%c", (int)c);
-  else if (c < 0x800)
-    vs_text_add(t, "%c%c", (int)(0xc0 | c >> 6), (int)(0x80 | (c & 0x3f)));
-  else
-    vs_text_add(t, "%c%c%c", (int)(0xe0 | c >> 12), (int)(0x80 | (c >> 6 & 0x3f)),
-                (int)(0x80 | (c & 0x3f)));
-}
-
-/* Turns the bytes of a file into UTF-8 without marks; an end of text, Ctrl-Z, ends it. */
-static void decode(const unsigned char *bytes, size_t size, vs_text *out) {
-  bool little = size >= 2 && bytes[0] == 0xff && bytes[1] == 0xfe;
-  bool big = size >= 2 && bytes[0] == 0xfe && bytes[1] == 0xff;
-  bool marked = size >= 3 && !memcmp(bytes, "\xef\xbb\xbf", 3);
-  bool utf8 = !vs_text_not_utf8((const char *)bytes, size);
-  vs_text_add(out, "%s", "");
-  for (size_t k = little || big ? 2 : marked ? 3 : 0; k < size; k++) {
-    unsigned c = bytes[k];
-    if ((little || big) && k + 1 < size) {
-      c = little ? bytes[k] | (unsigned)bytes[k + 1] << 8 : (unsigned)bytes[k] << 8 | bytes[k + 1];
-      k++;
-    }
-    if (c == 0x1a) break;
-    if (c == '\0') c = ' ';
-    if (utf8 && !little && !big)
-      vs_text_add(out, "%c", (int)c);
-    else
-      add_character(out, c);
-  }
-}
-
-static vs_status read_text(const char *path, vs_text *out, vs_error *err) {
-  const vs_where place = {.file = path};
-  struct stat s;
-  if (!stat(path, &s) && !S_ISREG(s.st_mode)) return vs_fail_at(err, place, "is no file of text");
-  FILE *f = fopen(path, "rb");
-  if (!f) return vs_fail_at(err, place, "cannot be opened: %s", strerror(errno));
-  char part[4096], *bytes = NULL;
-  size_t size = 0, n;
-  while ((n = fread(part, 1, sizeof part, f)) > 0) {
-    bytes = realloc(bytes, size + n);
-    if (!bytes) vs_out_of_memory();
-    memcpy(bytes + size, part, n);
-    size += n;
-  }
-  bool bad = ferror(f);
-  fclose(f);
-  if (!bad) decode((const unsigned char *)bytes, size, out);
-  free(bytes);
-  return bad ? vs_fail_at(err, place, "cannot be read") : VS_OK;
-}
 
 /* ---- what is no netlist ---- */
 
@@ -152,37 +97,51 @@ static vs_status follow(vs_listing *l, size_t card, vs_error *err) {
   return add_file(l, path, err);
 }
 
-static vs_status add_lines(vs_listing *l, const char *file, char *text, vs_error *err) {
-  bool whole = l->n_files == 1; /* the netlist itself, whose first line is its title */
-  int open = 0, number = 0;
-  bool commands = false;
-  size_t last = SIZE_MAX; /* the card that '+' would continue */
+/* Takes a line of a file. *last is the card that '+' would continue; SIZE_MAX: there is none. */
+static vs_status add_line(vs_listing *l, char *line, vs_where where, size_t *last, vs_error *err) {
+  const char *begin = line + where.column - 1;
+  if (*begin == '+' && *last != SIZE_MAX) {
+    continue_card(&l->cards[*last], line, begin + 1);
+    return VS_OK;
+  }
   vs_status status = VS_OK;
-  for (char *line; !status && (line = strsep(&text, "\n"));) {
-    number++;
-    line[strcspn(line, "\r")] = '\0';
-    vs_where where = {file, number, (int)strspn(line, " \t\f") + 1};
-    const char *begin = line + where.column - 1;
-    if (*begin == '+' && last != SIZE_MAX) {
-      continue_card(&l->cards[last], line, begin + 1);
-      continue;
-    }
-    if (last != SIZE_MAX && !strchr("*;", *begin)) { /* nothing more can continue it */
-      status = follow(l, last, err);
-      last = SIZE_MAX;
-    }
-    if (whole && number == 1 && *begin != '*' && *begin) {
-      const char *title = !strncasecmp(begin, ".title", 6) ? begin + 6 : begin;
-      snprintf(l->title, sizeof l->title, "%s", title + strspn(title, " \t"));
-      continue;
-    }
-    vs_card *card = add_card(l, line, where);
+  if (*last != SIZE_MAX && !strchr("*;", *begin)) { /* nothing more can continue it */
+    status = follow(l, *last, err);
+    *last = SIZE_MAX;
+  }
+  if (add_card(l, line, where)->kind != VS_CARD_COMMENT) *last = l->count - 1;
+  return status;
+}
+
+/* The first line of a netlist is its title, unless it is a comment. */
+static bool take_title(vs_listing *l, const char *line) {
+  line += strspn(line, " \t\f");
+  if (!*line || *line == '*') return false;
+  if (!strncasecmp(line, ".title", 6)) line += 6;
+  snprintf(l->title, sizeof l->title, "%s", line + strspn(line, " \t"));
+  return true;
+}
+
+static vs_status add_lines(vs_listing *l, const char *file, const vs_source *source,
+                           vs_error *err) {
+  bool whole = l->n_files == 1; /* the netlist itself */
+  bool commands = false;
+  int open = 0;
+  size_t last = SIZE_MAX, before = l->count;
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < source->count && !status; k++) {
+    char *line = source->line[k];
+    vs_where where = {file, (int)k + 1, (int)strspn(line, " \t\f") + 1};
+    if (whole && k == 0 && take_title(l, line)) continue;
+    vs_source_plain(line);
+    status = add_line(l, line, where, &last, err);
+    vs_card *card = &l->cards[l->count - 1];
+    if (l->count == before || card->where.line != where.line || card->where.file != file) continue;
     card->included = !whole;
     set_depth(card, &open);
     commands = commands || vs_listing_is(card, ".control");
     if (commands) card->kind = VS_CARD_COMMAND;
     if (vs_listing_is(card, ".endc")) commands = false;
-    if (card->kind != VS_CARD_COMMENT) last = l->count - 1;
     if (vs_listing_is(card, ".end")) break;
   }
   return !status && last != SIZE_MAX ? follow(l, last, err) : status;
@@ -192,11 +151,12 @@ static vs_status add_file(vs_listing *l, const char *path, vs_error *err) {
   if (l->n_files >= VS_LISTING_FILES)
     return vs_fail_at(err, (vs_where){.file = path}, "more than %d files", VS_LISTING_FILES);
   char *file = l->files[l->n_files++] = vs_copy(path);
-  vs_text text = {0};
-  vs_status status = read_text(path, &text, err);
-  if (!status && l->n_files == 1) status = refuse_drawing(file, text.text, err);
-  if (!status) status = add_lines(l, file, text.text, err);
-  vs_text_free(&text);
+  vs_source source = {0};
+  vs_status status = vs_source_read(path, &source, err);
+  if (!status && l->n_files == 1 && source.count)
+    status = refuse_drawing(file, source.line[0], err);
+  if (!status) status = add_lines(l, file, &source, err);
+  vs_source_free(&source);
   return status;
 }
 

@@ -2,10 +2,10 @@
  * What an element is whose stress can be measured, and which of its nodes is what: by its letter,
  * by the names of its subcircuit's pins or the comment that explains them, by a shipped part of its
  * name, or as the user says. */
-#ifndef VS_IMPORT_PINS_H
-#define VS_IMPORT_PINS_H
+#ifndef VS_FOREIGN_PINS_H
+#define VS_FOREIGN_PINS_H
 
-#include "import/roles.h"
+#include "foreign/roles.h"
 
 /* An element's kind and its nodes, as indices into its own, from 0. */
 typedef struct vs_pins {

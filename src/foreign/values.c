@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "import/values.h"
+#include "foreign/values.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -9,7 +9,7 @@
 #include <strings.h>
 
 #include "base/text.h"
-#include "deck/cursor.h"
+#include "syntax/cursor.h"
 #include "syntax/formula.h"
 
 /* ---- numbers ---- */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "import/roles.h"
+#include "foreign/roles.h"
 
 #include <math.h>
 #include <stdio.h>

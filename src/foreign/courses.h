@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The course of a source over time, as its line says it: SIN, PULSE, PWL. */
-#ifndef VS_IMPORT_COURSES_H
-#define VS_IMPORT_COURSES_H
+#ifndef VS_FOREIGN_COURSES_H
+#define VS_FOREIGN_COURSES_H
 
-#include "import/elements.h"
+#include "foreign/elements.h"
 
 /* SIN(offset amplitude frequency delay damping phase) */
 typedef struct vs_course_sine {
