@@ -198,8 +198,20 @@ static int find_origin(const vs_listing *l) {
   return VS_ORIGIN_PLAIN;
 }
 
+/* Error: the netlist is a deck of the program's already. */
+static vs_status refuse_deck(const vs_listing *l, vs_error *err) {
+  static const char *const WORDS[] = {"*$ port ", "*$ title ", "*$ probe ", "*$ param "};
+  for (size_t k = 0; k < l->count; k++)
+    for (size_t w = 0; w < sizeof WORDS / sizeof *WORDS; w++)
+      if (!l->cards[k].included && !strncmp(l->cards[k].text, WORDS[w], strlen(WORDS[w])))
+        return vs_fail_at(err, l->cards[k].where,
+                          "this is a deck already: 'vibrospice check' tells what is wrong with it");
+  return VS_OK;
+}
+
 vs_status vs_listing_read(vs_listing *l, const char *path, const char *library, vs_error *err) {
   vs_status status = add_file(l, path, err);
+  if (!status) status = refuse_deck(l, err);
   if (status) return status;
   l->origin = find_origin(l);
   return library ? add_file(l, library, err) : VS_OK;

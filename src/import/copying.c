@@ -10,6 +10,7 @@
 #include <strings.h>
 
 #include "base/path.h"
+#include "dialect/statements.h"
 
 void vs_copying_free(vs_copying *b) {
   vs_text_free(&b->text);
@@ -166,16 +167,21 @@ static void write_element(writer *b, const vs_element *e) {
 
 /* ---- statements ---- */
 
-/* What the program does itself, or what is nothing to it. */
-static bool is_skipped(const vs_card *card) {
-  static const char *const WORDS[] = {
-      ".tran", ".options", ".option", ".opt",   ".save",  ".probe",  ".backanno", ".title",
-      ".end",  ".ac",      ".op",     ".print", ".four",  ".meas",   ".measure",  ".dc",
-      ".tf",   ".noise",   ".plot",   ".width", ".step",  ".wave",   ".temp",     ".net",
-      ".sens", ".pz",      ".disto",  ".mc",    ".wcase", ".stmlib", ".watch",    ".alter"};
-  for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
-    if (vs_listing_is(card, WORDS[k])) return true;
-  return false;
+/* True for a statement that the deck is to do without: an analysis, an option, an output. Of one
+ * that makes another circuit, or several, it is noted what would take its place. */
+static bool is_skipped(writer *b, const vs_card *card) {
+  static const char *const OURS[] = {".title", ".stmlib", ".wave", ".watch", ".autoconverge"};
+  vs_skipped skipped = {.count = 0};
+  vs_error why = {0};
+  bool skip = false;
+  if (vs_statements_judge(card->text, card->where, &skipped, &skip, &why)) {
+    vs_declared_note(&b->p->sheet.left, "line %d: %s", card->where.line, why.text + why.place_size);
+    skip = true;
+  }
+  vs_statements_free(&skipped);
+  for (size_t k = 0; k < sizeof OURS / sizeof *OURS; k++)
+    skip = skip || vs_listing_is(card, OURS[k]);
+  return skip;
 }
 
 /* The end of .tran step end ..., or of LTspice's .tran end. */
@@ -242,7 +248,7 @@ static void write_statement(writer *b, size_t card_number) {
   vs_text renamed = {0};
   if (vs_listing_is(card, ".tran")) read_tran(b, card);
   if (!strncasecmp(card->text, ".opt", 4) && strcasestr(card->text, "gear")) b->body->gear = true;
-  if (is_skipped(card)) {
+  if (is_skipped(b, card)) {
     b->body->skipped += !vs_listing_is(card, ".end");
     if (!vs_listing_is(card, ".end")) add(b, "* left out: %s\n", card->text);
   } else if (!strncasecmp(card->text, ".param", 6))

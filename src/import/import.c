@@ -62,8 +62,8 @@ static void note_roles(work *w) {
   if (!r->n_gates) vs_declared_note(did, "no source fires anything");
   vs_declared_note(did, "%s%s%s is the EVA's coil, %s: %.6g H, %.6g ohm", r->coil->name,
                    r->coil_r ? "+" : "", r->coil_r ? r->coil_r->name : "",
-                   r->found_coil ? "the only inductor" : "as said", r->inductance_h,
-                   r->resistance_ohm);
+                   r->found_coil ? "the only inductor that is coupled with none" : "as said",
+                   r->inductance_h, r->resistance_ohm);
   if (r->resistance_ohm < 1e-3)
     vs_declared_note(left,
                      "the coil has no resistance: give actuator.resistance (1 mohm is taken)");
@@ -89,9 +89,8 @@ static void note_devices(work *w) {
   }
   if (w->body.skipped)
     vs_declared_note(&s->did,
-                     "%zu lines of analysis and commands are left out: the program runs its "
-                     "own",
-                     w->body.skipped);
+                     "%zu line%s of analysis and commands left out: the program runs its own",
+                     w->body.skipped, w->body.skipped == 1 ? "" : "s");
   if (w->body.pspice) vs_declared_note(&s->did, "read in PSpice's dialect: *$ compat ps");
   if (s->left_out)
     vs_declared_note(&s->left,
@@ -129,9 +128,10 @@ static void compose(work *w) {
   vs_text_add(t, "%s", w->body.text.text ? w->body.text.text : "");
 }
 
-/* The folder of a path, from the root on; "/" has none. */
+/* The folder of a path as it is written, and from the root on. */
 static void folder_of(const char *path, char folder[VS_PATH_SIZE], char full[VS_PATH_SIZE]) {
-  snprintf(folder, VS_PATH_SIZE, "%.*s", (int)(name_of(path) - path), path);
+  int n = (int)(name_of(path) - path);
+  snprintf(folder, VS_PATH_SIZE, "%.*s", n > 1 ? n - 1 : n, path);
   if (!realpath(*folder ? folder : ".", full)) snprintf(full, VS_PATH_SIZE, "%s", folder);
 }
 
@@ -264,6 +264,30 @@ static vs_status write_scene(const work *w, vs_error *err) {
   return status;
 }
 
+static void say_findings(const vs_import_options *o, const vs_findings *all) {
+  vs_text text = {0};
+  vs_json json = vs_json_new(&text);
+  vs_json_object(&json, NULL, VS_JSON_LINES);
+  vs_json_null(&json, "written");
+  vs_json_array(&json, "findings", VS_JSON_LINES);
+  for (size_t k = 0; k < all->count; k++) {
+    const vs_error *e = &all->item[k];
+    fprintf(stderr, "%s\n", e->text);
+    vs_json_object(&json, NULL, VS_JSON_ROW);
+    char file[sizeof e->text];
+    snprintf(file, sizeof file, "%.*s", e->file_size, e->text);
+    vs_json_text(&json, "file", *file ? file : o->name);
+    vs_json_number(&json, "line", e->line ? (double)e->line : (double)NAN, 12);
+    vs_json_number(&json, "column", e->line ? (double)e->column : (double)NAN, 12);
+    vs_json_text(&json, "message", e->text + e->place_size);
+    vs_json_end(&json);
+  }
+  vs_json_end(&json);
+  vs_json_end(&json);
+  if (o->json) puts(text.text);
+  vs_text_free(&text);
+}
+
 /* ---- the command ---- */
 
 /* Error: the output is no name of a deck, or is the netlist itself. */
@@ -292,7 +316,7 @@ vs_status vs_import_command(const vs_import_options *o, vs_error *err) {
   status = vs_error_carry_on(&own, plan_all(w, full, &own));
   if (status) *err = own;
   if (!status && !all->count) status = write_deck(w, folder, all, err);
-  for (size_t k = 0; k < all->count; k++) fprintf(stderr, "%s\n", all->item[k].text);
+  if (all->count) say_findings(o, all);
   if (!status && all->count) status = VS_INPUT;
   if (!status && o->scene) status = write_scene(w, err);
   if (!status && !o->quiet) say(w);

@@ -268,6 +268,25 @@ static void add_passives(vs_fate *p) {
     }
 }
 
+/* The energy that two inductors hold together: K sqrt(L1 L2) i1 i2. */
+static bool add_coupling(vs_fate *p, const vs_element *e) {
+  const vs_element *l[2] = {NULL, NULL};
+  double factor;
+  for (int n = 0; n < 2; n++) {
+    char *name = vs_elements_word_of(p->wiring, e, n + 1);
+    l[n] = vs_elements_find(p->wiring, name);
+    free(name);
+  }
+  char *value = vs_elements_word_of(p->wiring, e, 3);
+  bool known = e->n_words == 4 && l[0] && l[1] && vs_values_of(p->values, value, &factor);
+  free(value);
+  const char *a = known ? p->of[l[0] - p->wiring->elements].value : NULL;
+  const char *b = known ? p->of[l[1] - p->wiring->elements].value : NULL;
+  return a && b &&
+         vs_declared_add(&p->sheet, VS_DECLARED_STORE, "%s = %.15g*sqrt(%s*%s)*i(%s)*i(%s)", e->key,
+                         factor, a, b, l[0]->name, l[1]->name);
+}
+
 /* A voltage of each net that a person has named. */
 static void add_nets(vs_fate *p) {
   const vs_elements *w = p->wiring;
@@ -292,10 +311,10 @@ static void note_unmeasured(vs_fate *p) {
   for (size_t k = 0; k < p->wiring->count; k++) {
     const vs_element *e = &p->wiring->elements[k];
     if (p->of[k].pins.kind || vs_roles_gate_of(p->roles, e) >= 0) continue;
-    vs_text *t = strchr("befghi", e->letter)  ? &sources
-                 : e->letter == 'k'           ? &coupled
-                 : strchr("xatuo", e->letter) ? &unknown
-                                              : NULL;
+    vs_text *t = strchr("befghi", e->letter)               ? &sources
+                 : e->letter == 'k' && !add_coupling(p, e) ? &coupled
+                 : strchr("xatuo", e->letter)              ? &unknown
+                                                           : NULL;
     if (t) vs_text_add(t, "%s%s", t->length ? ", " : "", e->name);
   }
   if (sources.text)
