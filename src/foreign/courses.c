@@ -83,25 +83,27 @@ vs_status vs_course_read_sine(const vs_elements *w, const vs_values *v, const vs
   return status;
 }
 
-/* The instant, from `from` on, at which a PWL of `count` points crosses `level`; NaN: it does not.
- * *k is the point behind it. */
-static double crossing(const double *points, int count, double level, int *k) {
+/* The next edge of a PWL's `count` points from point *k on: from which point to which it crosses
+ * `level`. Gives when it begins and how long it takes; NaN: there is none. *k is the point behind
+ * it. */
+static double edge(const double *points, int count, double level, int *k, double *length_s) {
   for (; *k < count; ++*k) {
     const double *a = points + 2 * (*k - 1), *b = points + 2 * *k;
-    if ((a[1] < level) != (b[1] < level))
-      return a[0] + (b[0] - a[0]) * (level - a[1]) / (b[1] - a[1]);
+    if ((a[1] < level) == (b[1] < level)) continue;
+    *length_s = b[0] - a[0];
+    ++*k;
+    return a[0];
   }
   return NAN;
 }
 
 static vs_course_pulse of_points(const numbers *n) {
-  vs_course_pulse p = {n->item[1], n->item[1], NAN, NAN, INFINITY};
+  vs_course_pulse p = {n->item[1], n->item[1], NAN, NAN, 0, 0, INFINITY};
   int count = n->count / 2, k = 1;
   for (int i = 0; i < count; i++) p.high = fmax(p.high, n->item[2 * i + 1]);
   double level = (p.low + p.high) / 2;
-  p.at_s = crossing(n->item, count, level, &k);
-  k++;
-  double off_s = isnan(p.at_s) ? NAN : crossing(n->item, count, level, &k);
+  p.at_s = edge(n->item, count, level, &k, &p.rise_s);
+  double off_s = edge(n->item, count, level, &k, &p.fall_s);
   p.width_s = isnan(off_s) ? INFINITY : off_s - p.at_s;
   return p;
 }
@@ -109,8 +111,8 @@ static vs_course_pulse of_points(const numbers *n) {
 /* PULSE(low high delay rise fall width period cycles), the last LTspice's */
 static vs_course_pulse of_pulse(const numbers *n) {
   double rise_s = nth(n, 3, 0), fall_s = nth(n, 4, 0), width_s = nth(n, 5, INFINITY);
-  vs_course_pulse p = {nth(n, 0, 0), nth(n, 1, 0), nth(n, 2, 0) + rise_s / 2,
-                       width_s + (rise_s + fall_s) / 2, nth(n, 6, INFINITY)};
+  vs_course_pulse p = {nth(n, 0, 0), nth(n, 1, 0), nth(n, 2, 0),       width_s + rise_s,
+                       rise_s,       fall_s,       nth(n, 6, INFINITY)};
   if (!(p.period_s > 0) || nth(n, 7, 0) == 1) p.period_s = INFINITY;
   return p;
 }
@@ -127,7 +129,7 @@ vs_status vs_course_read_pulse(const vs_elements *w, const vs_values *v, const v
   }
   char *word = vs_elements_word_of(w, e, e->n_nodes + 1);
   char *second = vs_elements_word_of(w, e, e->n_nodes + 2);
-  *pulse = (vs_course_pulse){0, NAN, NAN, NAN, INFINITY};
+  *pulse = (vs_course_pulse){0, NAN, NAN, NAN, 0, 0, INFINITY};
   bool known = vs_values_of(v, strcasecmp(word, "dc") ? word : second, &pulse->high);
   free(word);
   free(second);

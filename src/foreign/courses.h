@@ -10,12 +10,12 @@ typedef struct vs_course_sine {
   double offset_v, peak_v, hz, delay_s, damping, phase_deg;
 } vs_course_sine;
 
-/* A pulse, from PULSE or from PWL. Its instants are those at which it is halfway between low and
- * high. */
+/* A pulse, from PULSE or from PWL. */
 typedef struct vs_course_pulse {
-  double low, high; /* V, or A of a current source */
-  double at_s, width_s;
-  double period_s; /* INFINITY: it comes once */
+  double low, high;      /* V, or A of a current source */
+  double at_s, width_s;  /* when it begins to rise; from then until it begins to fall */
+  double rise_s, fall_s; /* how long its edges take */
+  double period_s;       /* INFINITY: it comes once */
 } vs_course_pulse;
 
 /* True for a source (V or I) with this word, SIN, PULSE, PWL, ...: whether its numbers are known or

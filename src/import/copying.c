@@ -108,17 +108,39 @@ static void add_mains(writer *b, const vs_element *e) {
   add(b, "%s %s %s external\n", e->name, plus, node(b, e, 1));
 }
 
-/* A gate's source: the program's pulse of 1 V times its level, on what it has between pulses. */
+/* The program's pulse has no edges in time. Where the netlist's take longer than this, a
+ * capacitance of 1 nF gives them theirs: it is charged with a constant current, until 2 % are left,
+ * so that di/dt of what the gate fires is the netlist's, too. */
+static const double SHORT_EDGE_S = 1e-7;
+
+bool vs_copying_has_edges(const vs_course_pulse *p) {
+  return p->rise_s >= SHORT_EDGE_S || p->fall_s >= SHORT_EDGE_S;
+}
+
+/* Adds a gate's pulse of 1 V, and gives the node that has it. */
+static void add_pulse(writer *b, const vs_element *e, const vs_course_pulse *p, const char *two,
+                      char on[VS_ELEMENTS_NAME + 8]) {
+  double rise_s = fmax(p->rise_s, SHORT_EDGE_S / 10), fall_s = fmax(p->fall_s, SHORT_EDGE_S / 10);
+  add(b, "Vgate%s_%s %s_on%s 0 external\n", two, e->key, e->key, two);
+  snprintf(on, VS_ELEMENTS_NAME + 8, "%s_on%s", e->key, two);
+  if (!vs_copying_has_edges(p)) return;
+  add(b, "Bedge%s_%s 0 %s_edge%s I = max(-%.9g, min(%.9g, %.9g*v(%s,%s_edge%s)))\n", two, e->key,
+      e->key, two, 1e-9 / fall_s, 1e-9 / rise_s, 50e-9 / fmin(rise_s, fall_s), on, e->key, two);
+  add(b, "Cedge%s_%s %s_edge%s 0 1n ic=0\n", two, e->key, e->key, two);
+  snprintf(on, VS_ELEMENTS_NAME + 8, "%.56s_edge%s", e->key, two);
+}
+
+/* A gate's source: the program's pulse times its level, on what it has between pulses. */
 static void add_gate(writer *b, const vs_element *e, const vs_roles_gate *g) {
-  char inner[VS_ELEMENTS_NAME + 8], other[VS_ELEMENTS_NAME + 8];
+  char inner[VS_ELEMENTS_NAME + 8], other[VS_ELEMENTS_NAME + 8], on[VS_ELEMENTS_NAME + 8];
   const char *at = add_series(b, e, inner);
   bool voltage = e->letter == 'v';
   for (int n = 0; n < g->each; n++) {
     const char *two = n ? "2" : "";
-    add(b, "Vgate%s_%s %s_on%s 0 external\n", two, e->key, e->key, two);
+    add_pulse(b, e, &g->pulse, two, on);
     snprintf(other, sizeof other, "%.50s_low%s", e->key, two);
-    add(b, "%cgate%s_%s %s %s %s_on%s 0 {%s_level}\n", voltage ? 'E' : 'G', two, e->key, at,
-        voltage ? other : node(b, e, 1), e->key, two, e->key);
+    add(b, "%cgate%s_%s %s %s %s 0 {%s_level}\n", voltage ? 'E' : 'G', two, e->key, at,
+        voltage ? other : node(b, e, 1), on, e->key);
     if (voltage) snprintf(inner, sizeof inner, "%s", other);
   }
   add(b, "%s %s %s %.15g\n", e->name, at, node(b, e, 1), g->pulse.low);

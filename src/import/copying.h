@@ -25,6 +25,9 @@ typedef struct vs_copying {
 /* Adds to `body`, which begins as {0}. `folder` is that of the deck, from the root on: files that
  * are included are named as from there. Notes in plan->sheet what was left out. */
 void vs_copying_write(vs_fate *plan, const char *folder, const char *library, vs_copying *body);
+/* True for a pulse whose edges the deck has to make: node KEY_edge is then the pulse of 1 V. */
+bool vs_copying_has_edges(const vs_course_pulse *pulse);
+
 void vs_copying_free(vs_copying *body);
 
 #endif

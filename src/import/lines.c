@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "deck/kinds.h"
+#include "import/copying.h"
 
 /* The voltage from one node to another, as formulas have it. */
 static void voltage(const char *from, const char *to, char text[VS_DECK_TEXT]) {
@@ -173,6 +174,15 @@ static void add_series(vs_fate *p, const vs_element *e) {
   free(rser);
 }
 
+/* What a gate's edges are made with: some 1e-10 J, named so that nothing of the deck goes unseen.
+ */
+static void add_edge(vs_fate *p, const vs_roles_gate *g, const char *two) {
+  const char *key = g->source->key;
+  if (vs_copying_has_edges(&g->pulse))
+    vs_declared_add(&p->sheet, VS_DECLARED_STORE, "%s_edge%s = 1n*v(%s_edge%s)^2/2", key, two, key,
+                    two);
+}
+
 static void add_sources(vs_fate *p) {
   const vs_roles *r = p->roles;
   const vs_elements *w = p->wiring;
@@ -185,6 +195,7 @@ static void add_sources(vs_fate *p) {
   }
   for (size_t g = 0; g < r->n_gates; g++)
     for (int n = 0; n < r->gates[g].each; n++) {
+      add_edge(p, &r->gates[g], n ? "2" : "");
       double shift_deg = r->gates[g].shift_deg + 180 * n;
       const char *key = r->gates[g].source->key;
       if (shift_deg != 0)
