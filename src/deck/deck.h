@@ -16,6 +16,7 @@
 #include "base/path.h"
 #include "base/text.h"
 #include "deck/port.h"
+#include "dialect/line.h"
 #include "dialect/statements.h"
 #include "syntax/cursor.h"
 #include "syntax/field.h"
@@ -42,13 +43,6 @@ enum {
   VS_LOST_ELEMENT = 8,
   VS_LOST_ALL = 15
 };
-
-/* A line of the netlist, joined with the lines that continue it ('+'), without comments. */
-typedef struct vs_line {
-  char *text;   /* the deck owns it */
-  size_t first; /* how many bytes of it stand in the line of `where`; the others stand below */
-  vs_where where;
-} vs_line;
 
 /* ---- what the deck's own lines declare ---- */
 
@@ -235,7 +229,7 @@ void vs_deck_free(vs_deck *deck);
 void vs_deck_remark(vs_deck *deck, vs_where where, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Adds a line to the netlist. The deck owns line.text from then on. */
+/* Adds a line to the netlist. The deck owns what the line owns from then on. */
 void vs_deck_add_line(vs_deck *deck, vs_line line);
 
 /* Adds a field to the deck's section; its texts are copied. `where` is the place of its line.

@@ -93,19 +93,16 @@ static vs_status take_line(vs_deck *deck, vs_line line, vs_error *err) {
   else if (status && *text != '.')
     deck->lost |= VS_LOST_ELEMENT;
   if (status || other_file || skip) {
-    free(line.text);
+    vs_line_free(&line);
     return status;
   }
   vs_deck_add_line(deck, line);
   return VS_OK;
 }
 
-/* A file while it is read, and its line that may still be continued: the line's text so far (NULL:
- * there is no such line), how many bytes of it stand in its first line, and where that line is. */
+/* A file while it is read. */
 typedef struct reading {
-  vs_text text;
-  size_t first;
-  vs_where where;
+  vs_line line;       /* that may still be continued; no text: there is none */
   bool library;       /* the file is included: others may use "*$" for themselves there */
   size_t unknown;     /* lines of it that begin with "*$" and are none of the contract's */
   vs_where unknown_1; /* the first of these */
@@ -114,8 +111,8 @@ typedef struct reading {
 
 /* Takes the line begun, if there is one, as whole. */
 static vs_status end_line(vs_deck *deck, reading *r, vs_error *err) {
-  vs_line line = {r->text.text, r->first, r->where};
-  r->text = (vs_text){0};
+  vs_line line = r->line;
+  r->line = (vs_line){0};
   return line.text ? vs_error_carry_on(err, take_line(deck, line, err)) : VS_OK;
 }
 
@@ -173,16 +170,15 @@ static vs_status read_line(vs_deck *deck, char *line, vs_where where, reading *r
   if (*text != '*') cut_comment(deck, text);
   if (!*text || *text == '*') return VS_OK;
   if (strncasecmp(text, ".inc", 4) && strncasecmp(text, ".lib", 4)) vs_source_plain(text);
-  if (*text != '+') {
-    vs_status status = end_line(deck, r, err);
-    r->first = strlen(text);
-    r->where = where;
-    vs_text_add(&r->text, "%s", text);
-    return status;
+  if (*text == '+') {
+    if (!r->line.text) return vs_fail_at(err, where, "'+' goes on with a line, and there is none");
+    where.column++;
+    vs_line_join(&r->line, text + 1, where);
+    return VS_OK;
   }
-  if (!r->text.text) return vs_fail_at(err, where, "'+' goes on with a line, and there is none");
-  vs_text_add(&r->text, " %s", text + 1);
-  return VS_OK;
+  vs_status status = end_line(deck, r, err);
+  vs_line_join(&r->line, text, where);
+  return status;
 }
 
 /* Passes by what stands behind a line '.end', where every program ends. */
@@ -246,7 +242,7 @@ static vs_status read_file(vs_deck *deck, const char *path, bool library, vs_err
     reading r = {.library = library};
     find_dialect(deck, &source);
     status = read_lines(deck, file, &source, &r, err);
-    vs_text_free(&r.text);
+    vs_line_free(&r.line);
   }
   vs_source_free(&source);
   return status;
