@@ -18,6 +18,7 @@
 #include "deck/port.h"
 #include "dialect/line.h"
 #include "dialect/statements.h"
+#include "dialect/tally.h"
 #include "syntax/cursor.h"
 #include "syntax/field.h"
 #include "syntax/formula.h"
@@ -170,8 +171,10 @@ extern const vs_field vs_deck_key;
 typedef struct vs_deck {
   char *files[VS_DECK_FILES]; /* paths of the deck and of what it includes; owned */
   size_t n_files;
-  unsigned lost;        /* VS_LOST_... of the lines that could not be read */
-  vs_skipped skipped;   /* statements that a circuit is not made of, until they are told */
+  unsigned lost;               /* VS_LOST_... of the lines that could not be read */
+  vs_skipped skipped;          /* statements that a circuit is not made of, until they are told */
+  vs_tally changes;            /* what was changed in lines, until it is told */
+  unsigned long own_functions; /* those of dialect/functions.h that the netlist defines itself */
   vs_findings *remarks; /* warnings of what was skipped, changed or may be meant otherwise, each
                            with its place; owned; NULL: there are none */
   char title[VS_DECK_TEXT];
