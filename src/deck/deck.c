@@ -76,7 +76,7 @@ void vs_deck_remark(vs_deck *deck, vs_where where, const char *format, ...) {
   vsnprintf(text, sizeof text, format, args);
   va_end(args);
   if (!deck->remarks) deck->remarks = vs_alloc(1, sizeof *deck->remarks);
-  vs_error own = {.findings = deck->remarks};
+  vs_error own = {.findings = deck->remarks, .elsewhere = true};
   if (vs_error_carry_on(&own, vs_fail_at(&own, where, "%s", text)))
     vs_fail(&deck->remarks->item[VS_MOST_FINDINGS - 1], VS_INPUT,
             "the netlist has more that is to be warned of than the %d shown", VS_MOST_FINDINGS - 1);
@@ -237,7 +237,7 @@ void vs_deck_free(vs_deck *deck) {
     free((char *)(size_t)deck->section.fields[k].text);
   }
   free(own_fields(deck));
-  for (size_t k = 0; k < deck->n_lines; k++) free(deck->lines[k].text);
+  for (size_t k = 0; k < deck->n_lines; k++) vs_line_free(&deck->lines[k]);
   free(deck->lines);
   each_formula(deck, free_formula, NULL);
   for (size_t k = 0; k < deck->n_files; k++) free(deck->files[k]);

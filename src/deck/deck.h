@@ -16,7 +16,9 @@
 #include "base/path.h"
 #include "base/text.h"
 #include "deck/port.h"
+#include "dialect/line.h"
 #include "dialect/statements.h"
+#include "dialect/tally.h"
 #include "syntax/cursor.h"
 #include "syntax/field.h"
 #include "syntax/formula.h"
@@ -42,13 +44,6 @@ enum {
   VS_LOST_ELEMENT = 8,
   VS_LOST_ALL = 15
 };
-
-/* A line of the netlist, joined with the lines that continue it ('+'), without comments. */
-typedef struct vs_line {
-  char *text;   /* the deck owns it */
-  size_t first; /* how many bytes of it stand in the line of `where`; the others stand below */
-  vs_where where;
-} vs_line;
 
 /* ---- what the deck's own lines declare ---- */
 
@@ -176,8 +171,10 @@ extern const vs_field vs_deck_key;
 typedef struct vs_deck {
   char *files[VS_DECK_FILES]; /* paths of the deck and of what it includes; owned */
   size_t n_files;
-  unsigned lost;        /* VS_LOST_... of the lines that could not be read */
-  vs_skipped skipped;   /* statements that a circuit is not made of, until they are told */
+  unsigned lost;               /* VS_LOST_... of the lines that could not be read */
+  vs_skipped skipped;          /* statements that a circuit is not made of, until they are told */
+  vs_tally changes;            /* what was changed in lines, until it is told */
+  unsigned long own_functions; /* those of dialect/functions.h that the netlist defines itself */
   vs_findings *remarks; /* warnings of what was skipped, changed or may be meant otherwise, each
                            with its place; owned; NULL: there are none */
   char title[VS_DECK_TEXT];
@@ -235,7 +232,7 @@ void vs_deck_free(vs_deck *deck);
 void vs_deck_remark(vs_deck *deck, vs_where where, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Adds a line to the netlist. The deck owns line.text from then on. */
+/* Adds a line to the netlist. The deck owns what the line owns from then on. */
 void vs_deck_add_line(vs_deck *deck, vs_line line);
 
 /* Adds a field to the deck's section; its texts are copied. `where` is the place of its line.

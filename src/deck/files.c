@@ -11,8 +11,10 @@
 #include "base/text.h"
 #include "deck/contract.h"
 #include "deck/rules.h"
+#include "dialect/functions.h"
 #include "dialect/source.h"
 #include "dialect/statements.h"
+#include "dialect/translate.h"
 
 static const vs_shelf INCLUDE_SHELF = {"include file", "", ""};
 
@@ -73,39 +75,63 @@ static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_err
   return read_file(deck, path, true, err);
 }
 
-/* Takes a line, joined with those that continue it, into the deck. The line's text is the deck's
- * then, or freed. */
+/* Adds a line to the netlist as ngspice is to be given it, and those that it needs besides. */
+static void add_rewritten(vs_deck *deck, vs_line line, vs_rewriting *r) {
+  if (strcmp(r->text.text, line.text)) {
+    line.written = line.text;
+    line.text = vs_copy(r->text.text);
+  }
+  vs_where where = line.where;
+  vs_deck_add_line(deck, line);
+  char *rest = r->more.text;
+  for (char *more; rest && (more = strsep(&rest, "\n"));) {
+    vs_line beside = {0};
+    if (!*more) continue;
+    vs_line_join(&beside, more, where);
+    vs_deck_add_line(deck, beside);
+  }
+}
+
+/* Holds a line to the rules, rewrites it and adds it to the netlist; *skip: or passes it by. */
+static vs_status take_circuit(vs_deck *deck, vs_line *line, bool *skip, vs_error *err) {
+  vs_status status = *line->text == '.'
+                         ? vs_rules_statement(deck, line->text, line->where, skip, err)
+                         : vs_rules_element(deck, line->text, line->where, err);
+  if (status || *skip) return status;
+  vs_rewriting r = {.line = line,
+                    .pspice = *deck->compat != 0,
+                    .own = deck->own_functions,
+                    .tally = &deck->changes,
+                    .err = err};
+  status = vs_translate(&r);
+  if (!status) add_rewritten(deck, *line, &r);
+  vs_rewriting_free(&r);
+  return status;
+}
+
+/* Takes a line, joined with those that continue it, into the deck. The line is the deck's then, or
+ * freed. */
 static vs_status take_line(vs_deck *deck, vs_line line, vs_error *err) {
   const char *text = line.text;
   char word[16];
   snprintf(word, sizeof word, "%.*s", (int)strcspn(text, " \t"), text);
   vs_cursor_lower(word);
   bool other_file = !strcmp(word, ".include") || !strcmp(word, ".inc") || !strcmp(word, ".lib");
-  vs_status random =
-      other_file ? VS_OK : vs_rules_random(text, *deck->compat != 0, line.where, err);
-  bool skip = false;
-  vs_status status = random         ? random
-                     : other_file   ? include(deck, text, line.where, err)
-                     : *text == '.' ? vs_rules_statement(deck, text, line.where, &skip, err)
-                                    : vs_rules_element(deck, text, line.where, err);
+  bool skip = other_file;
+  vs_status status = other_file ? include(deck, text, line.where, err)
+                                : vs_rules_random(text, *deck->compat != 0, line.where, err);
+  if (!status && !other_file) status = take_circuit(deck, &line, &skip, err);
   if (status && (other_file || (*text != '.' && !isalpha((unsigned char)*text))))
     deck->lost |= VS_LOST_ALL; /* it may have been anything */
   else if (status && *text != '.')
     deck->lost |= VS_LOST_ELEMENT;
-  if (status || other_file || skip) {
-    free(line.text);
-    return status;
-  }
-  vs_deck_add_line(deck, line);
-  return VS_OK;
+  if (status || skip) vs_line_free(&line);
+  return status;
 }
 
-/* A file while it is read, and its line that may still be continued: the line's text so far (NULL:
- * there is no such line), how many bytes of it stand in its first line, and where that line is. */
+/* A file while it is read. */
 typedef struct reading {
-  vs_text text;
-  size_t first;
-  vs_where where;
+  vs_line line;       /* that may still be continued; no text: there is none */
   bool library;       /* the file is included: others may use "*$" for themselves there */
   size_t unknown;     /* lines of it that begin with "*$" and are none of the contract's */
   vs_where unknown_1; /* the first of these */
@@ -114,8 +140,8 @@ typedef struct reading {
 
 /* Takes the line begun, if there is one, as whole. */
 static vs_status end_line(vs_deck *deck, reading *r, vs_error *err) {
-  vs_line line = {r->text.text, r->first, r->where};
-  r->text = (vs_text){0};
+  vs_line line = r->line;
+  r->line = (vs_line){0};
   return line.text ? vs_error_carry_on(err, take_line(deck, line, err)) : VS_OK;
 }
 
@@ -173,16 +199,15 @@ static vs_status read_line(vs_deck *deck, char *line, vs_where where, reading *r
   if (*text != '*') cut_comment(deck, text);
   if (!*text || *text == '*') return VS_OK;
   if (strncasecmp(text, ".inc", 4) && strncasecmp(text, ".lib", 4)) vs_source_plain(text);
-  if (*text != '+') {
-    vs_status status = end_line(deck, r, err);
-    r->first = strlen(text);
-    r->where = where;
-    vs_text_add(&r->text, "%s", text);
-    return status;
+  if (*text == '+') {
+    if (!r->line.text) return vs_fail_at(err, where, "'+' goes on with a line, and there is none");
+    where.column++;
+    vs_line_join(&r->line, text + 1, where);
+    return VS_OK;
   }
-  if (!r->text.text) return vs_fail_at(err, where, "'+' goes on with a line, and there is none");
-  vs_text_add(&r->text, " %s", text + 1);
-  return VS_OK;
+  vs_status status = end_line(deck, r, err);
+  vs_line_join(&r->line, text, where);
+  return status;
 }
 
 /* Passes by what stands behind a line '.end', where every program ends. */
@@ -225,14 +250,17 @@ static vs_status read_lines(vs_deck *deck, const char *file, const vs_source *so
   return status;
 }
 
-/* Finds the dialect, which says how every line is read, those before its own too. What else that
+/* Finds the dialect and the functions that the file defines, which say how every line is read,
+ * those before their own too. What else that
  * line may say is found when it is read. */
 static void find_dialect(vs_deck *deck, const vs_source *source) {
   char word[8], name[8], more;
-  for (size_t k = 0; k < source->count; k++)
+  for (size_t k = 0; k < source->count; k++) {
+    vs_functions_own(source->line[k], &deck->own_functions);
     if (sscanf(source->line[k], " *$ %7s %7s %c", word, name, &more) == 2 &&
         !strcmp(word, "compat") && !strcmp(name, "ps"))
       memcpy(deck->compat, "ps", sizeof "ps");
+  }
 }
 
 static vs_status read_file(vs_deck *deck, const char *path, bool library, vs_error *err) {
@@ -246,19 +274,25 @@ static vs_status read_file(vs_deck *deck, const char *path, bool library, vs_err
     reading r = {.library = library};
     find_dialect(deck, &source);
     status = read_lines(deck, file, &source, &r, err);
-    vs_text_free(&r.text);
+    vs_line_free(&r.line);
   }
   vs_source_free(&source);
   return status;
 }
 
-/* Says what was skipped in the files that were read. */
+/* Says what was skipped and what was changed in the files that were read. */
 static void tell_skipped(vs_deck *deck) {
   vs_text warning = {0};
   if (vs_statements_warn(&deck->skipped, &warning))
     vs_deck_remark(deck, deck->skipped.first, "%s", warning.text);
   vs_text_free(&warning);
   vs_statements_free(&deck->skipped);
+  for (size_t k = 0; k < deck->changes.count; k++) {
+    char text[512];
+    vs_tally_tell(&deck->changes, k, text, sizeof text);
+    vs_deck_remark(deck, deck->changes.item[k].first, "%s", text);
+  }
+  deck->changes.count = 0;
 }
 
 vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error *err) {

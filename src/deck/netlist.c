@@ -253,8 +253,7 @@ void vs_netlist_locate(const vs_deck *deck, vs_error *err) {
     const vs_line *line = &deck->lines[k];
     const char *at = find_subject(line->text, err->text);
     if (!at) continue;
-    where = line->where;
-    if ((size_t)(at - line->text) < line->first) where.column += vs_text_column(line->text, at) - 1;
+    where = vs_line_place(line, at);
   }
   if (!where.file) where.file = deck->files[0];
   vs_error plain = *err;

@@ -32,7 +32,7 @@ vs_error *vs_warnings_add(vs_warnings *w) {
 }
 
 const char *vs_warnings_text(const vs_error *warning) {
-  return warning->text + warning->place_size;
+  return warning->text + (warning->elsewhere ? 0 : warning->place_size);
 }
 
 /* ---- a scene ---- */

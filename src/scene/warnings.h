@@ -16,7 +16,7 @@ typedef struct vs_warnings {
 void vs_warnings_free(vs_warnings *warnings);
 /* Adds an empty warning, to be filled by the caller. */
 vs_error *vs_warnings_add(vs_warnings *warnings);
-/* The message of a warning, without its place. */
+/* The message of a warning, without its place unless that is elsewhere than in the scene. */
 const char *vs_warnings_text(const vs_error *warning);
 
 /* Adds all that can be warned of in a scene. root: the scene's tree, which knows the places; frame:
