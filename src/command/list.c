@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "control/regulators.h"
 #include "deck/devices.h"
 #include "deck/netlist.h"
 #include "drive/events.h"

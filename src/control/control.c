@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "control/regulators.h"
+
 #define AT(member) offsetof(vs_control_values, member)
 static const vs_field COMMON[] = {
     {"law", VS_NAME, "", "none", .offset = AT(law), .text = "see 'vibrospice list regulators'"},
@@ -55,7 +57,7 @@ static vs_status find_law(const vs_node *section, vs_control *c, vs_error *err) 
   const char *names[16], *named = law && law->kind == VS_NODE_TEXT ? law->text : "none";
   size_t n = 0;
   for (; vs_regulators[n]; n++) names[n] = vs_regulators[n]->name;
-  c->regulator = vs_regulator_find(named);
+  c->regulator = vs_regulators_find(named);
   if (c->regulator) return VS_OK;
   const char *nearest = vs_text_nearest(named, names, n);
   return vs_fail_at(err, law->where, "control.law: there is no '%s'%s%s%s", named,

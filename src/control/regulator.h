@@ -3,7 +3,7 @@
  * the control's clock, and is asked for the angle of each firing at the beginning of that firing's
  * cycle. It knows nothing else of the run, and is the same for every tier.
  *
- * A new one is a file with a constant struct, and a row of vs_regulators. */
+ * A new one is a file with a constant struct, and a row in control/regulators.c. */
 #ifndef VS_CONTROL_REGULATOR_H
 #define VS_CONTROL_REGULATOR_H
 
@@ -60,11 +60,5 @@ typedef struct vs_regulator {
   double (*output)(const void *self, int k);
   void (*end)(void *self);
 } vs_regulator;
-
-/* The regulators there are; NULL behind the last. */
-extern const vs_regulator *const vs_regulators[];
-
-/* The one of that name; NULL: there is none. */
-const vs_regulator *vs_regulator_find(const char *name);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "control/regulator.h"
+#include "control/regulators.h"
 
 #include <string.h>
 
@@ -10,7 +10,7 @@
 const vs_regulator *const vs_regulators[] = {&vs_profile_regulator, &vs_amplitude_regulator,
                                              &vs_phase_regulator, NULL};
 
-const vs_regulator *vs_regulator_find(const char *name) {
+const vs_regulator *vs_regulators_find(const char *name) {
   for (const vs_regulator *const *r = vs_regulators; *r; r++)
     if (!strcmp((*r)->name, name)) return *r;
   return NULL;
