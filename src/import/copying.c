@@ -245,25 +245,6 @@ static void write_include(writer *b, const vs_card *card) {
         !strncmp(full, b->folder, n) && full[n] == '/' ? full + n + 1 : full);
 }
 
-/* A model without what ngspice cannot read: LTspice's words as values, mfg=NAME type=silicon. */
-static void write_model(writer *b, const char *text) {
-  for (const char *s = text; *s;) {
-    size_t n = 0;
-    while (isalnum((unsigned char)s[n]) || s[n] == '_') n++;
-    const char *value = s + n + strspn(s + n, " \t");
-    value += *value == '=' ? 1 + strspn(value + 1, " \t") : 0;
-    bool word = n > 0 && value > s + n && strchr(" \t(,", s == text ? ' ' : s[-1]) &&
-                memchr(s + n, '=', (size_t)(value - s) - n) && isalpha((unsigned char)*value);
-    if (word)
-      s = value + strcspn(value, " \t,)\n");
-    else if (n)
-      add(b, "%.*s", (int)n, s), s += n;
-    else
-      vs_text_add(&b->body->text, "%c", *s++);
-  }
-  add(b, "\n");
-}
-
 static void write_statement(writer *b, size_t card_number) {
   const vs_card *card = &b->w->listing->cards[card_number];
   char path[VS_PATH_SIZE];
@@ -277,8 +258,6 @@ static void write_statement(writer *b, size_t card_number) {
     write_params(b, card_number);
   else if (vs_listing_finds(card, path))
     write_include(b, card);
-  else if (vs_listing_is(card, ".model"))
-    write_model(b, card->raw);
   else {
     vs_elements_rename(b->w, card->text, &renamed); /* .ic, .nodeset, .global */
     add_plain(b, renamed.text);
@@ -349,8 +328,6 @@ void vs_copying_write(vs_fate *p, const char *folder, const char *library, vs_co
     }
     if (card->kind == VS_CARD_COMMENT)
       write_comment(&b, card);
-    else if (card->depth > 0 && vs_listing_is(card, ".model"))
-      write_model(&b, card->raw);
     else if (card->depth > 0) {
       add_plain(&b, card->raw);
       add(&b, "\n");

@@ -195,8 +195,15 @@ static void set_value(vs_fate *p, const vs_element *e, vs_fate_element *own) {
       vs_text_add(&formula, "{%s}", own->param);
     else
       vs_text_add(&formula, "%.15g", value);
-  } else if (vs_values_of(p->values, word, &value) && value > 0)
-    expand(p, word, 0, &formula);
+  } else if (vs_values_of(p->values, word, &value) && value > 0) {
+    size_t n = strcspn(word + 1, "}");
+    snprintf(text, sizeof text, "%.*s", *word == '{' && n < VS_VALUES_NAME ? (int)n : 0, word + 1);
+    const vs_value_param *v = vs_values_find(p->values, text);
+    if (v && v->number && !p->wiring->listing->cards[v->card].included)
+      vs_text_add(&formula, "{%s}", v->name);
+    else
+      expand(p, word, 0, &formula);
+  }
   if (formula.text && is_formula(formula.text))
     own->value = formula.text;
   else

@@ -14,6 +14,9 @@
 #include "import/settings.h"
 #include "scene/session.h"
 
+/* Netlists that come with the program, as examples. */
+static const vs_shelf SHELF = {"netlist", "import", ""};
+
 /* All of one import. */
 typedef struct work {
   const vs_import_options *o;
@@ -304,16 +307,14 @@ static vs_status check_output(const vs_import_options *o, vs_error *err) {
   return VS_OK;
 }
 
-vs_status vs_import_command(const vs_import_options *o, vs_error *err) {
-  vs_status status = check_output(o, err);
-  if (status) return status;
+static vs_status import(const vs_import_options *o, vs_error *err) {
   work *w = vs_alloc(1, sizeof *w);
   vs_findings *all = vs_alloc(1, sizeof *all);
   vs_error own = {.findings = all};
   char folder[VS_PATH_SIZE], full[VS_PATH_SIZE];
   w->o = o;
   folder_of(o->output, folder, full);
-  status = vs_error_carry_on(&own, plan_all(w, full, &own));
+  vs_status status = vs_error_carry_on(&own, plan_all(w, full, &own));
   if (status) *err = own;
   if (!status && !all->count) status = write_deck(w, folder, all, err);
   if (all->count) say_findings(o, all);
@@ -324,4 +325,13 @@ vs_status vs_import_command(const vs_import_options *o, vs_error *err) {
   free(all);
   free_work(w);
   return status;
+}
+
+vs_status vs_import_command(const vs_import_options *options, vs_error *err) {
+  vs_import_options o = *options;
+  char path[VS_PATH_SIZE];
+  vs_status status = check_output(&o, err);
+  if (!status) status = vs_path_find(&SHELF, o.name, (vs_where){0}, path, err);
+  o.name = path;
+  return status ? status : import(&o, err);
 }

@@ -270,12 +270,32 @@ static void add_passive(vs_fate *p, const vs_element *e, const vs_fate_element *
                      e->name, e->key);
 }
 
+/* The losses of what LTspice puts into an inductor or capacitor, which the reader of decks makes
+ * elements of their own: Rser in series, Rpar across. */
+static void add_parasitic(vs_fate *p, const vs_element *e, const vs_fate_element *own) {
+  char v[VS_DECK_TEXT];
+  char *series = vs_elements_option(p->wiring, e, "rser");
+  char *across = vs_elements_option(p->wiring, e, "rpar");
+  double ohm;
+  voltage(vs_elements_node_of(p->wiring, e, 0), vs_elements_node_of(p->wiring, e, 1), v);
+  if (series && vs_values_of(p->values, series, &ohm))
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s_rser = %.15g*i(%s)^2", e->key, ohm,
+                    e->letter == 'c' ? own->sense : e->name);
+  if (across && vs_values_of(p->values, across, &ohm) && ohm > 0)
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s_rpar = %s^2/%.15g", e->key,
+                    *v == '-' ? v + 1 : v, ohm);
+  free(series);
+  free(across);
+}
+
 /* Resistors, capacitors and inductors, letter by letter: those that store come first. */
 static void add_passives(vs_fate *p) {
   for (const char *letter = "lcr"; *letter; letter++)
     for (size_t k = 0; k < p->wiring->count; k++) {
       const vs_element *e = &p->wiring->elements[k];
-      if (e->letter == *letter && !vs_fate_is_coil(p, e)) add_passive(p, e, &p->of[k]);
+      if (e->letter != *letter || vs_fate_is_coil(p, e)) continue;
+      add_passive(p, e, &p->of[k]);
+      if (e->letter != 'r') add_parasitic(p, e, &p->of[k]);
     }
 }
 
