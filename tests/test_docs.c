@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The pages of docs/ about machines, fits and instruments: their files are written, their commands
- * run, and what they say that is printed must be printed. A page's blocks are taken in their order:
+ * The pages of docs/ about machines, circuits, fits and instruments: their files are written, their
+ * commands run, and what they say that is printed must be printed. A page's blocks are taken in
+ * their order:
  *
  *   yaml, first line "# NAME.yaml"   becomes that file
  *   sh                               each line that begins with "vibrospice " is run and must end
@@ -131,7 +132,14 @@ static void instruments(void) {
          p.files, p.commands, p.lines);
 }
 
+static void circuits(void) {
+  page p = {.name = "circuits.md"};
+  try_page(&p);
+  EXPECT(p.commands >= 7 && p.lines >= 4, "%d commands, %d lines", p.commands, p.lines);
+}
+
 static const vs_test TESTS[] = {
+    {"circuits.md", circuits},
     {"machines.md", machines},
     {"a page for each machine", pages_of_machines},
     {"fitting.md", fitting},
