@@ -144,12 +144,15 @@ static vs_status add_named_gates(finder *f, const char *asked) {
   return status;
 }
 
-/* True for a source that may be a gate's: its course is a pulse. */
+/* True for a source that may be a gate's: its course is a pulse, or of points that go up and come
+ * back once. */
 static bool may_fire(const finder *f, const vs_element *e) {
   vs_course_pulse p;
   vs_error unread = {0};
-  return vs_course_has(f->w, e, "pulse") && f->roles->mains &&
-         (vs_course_read_pulse(f->w, f->v, e, &p, &unread) || !chops(f, &p));
+  bool pulse = vs_course_has(f->w, e, "pulse"), points = vs_course_has(f->w, e, "pwl");
+  if (!f->roles->mains || (!pulse && !points)) return false;
+  if (vs_course_read_pulse(f->w, f->v, e, &p, &unread)) return true; /* it is asked for, or told */
+  return points ? isfinite(p.at_s) && isfinite(p.width_s) : !chops(f, &p);
 }
 
 static vs_status find_gates(finder *f, const char *asked) {
@@ -175,13 +178,15 @@ static vs_status find_gates(finder *f, const char *asked) {
   return status;
 }
 
-/* Cycles of the mains from their first rising zero to the gate's first pulse. */
-static double cycles_to(const vs_roles *r, const vs_roles_gate *g) {
+/* Cycles of the mains from their first rising zero to the gate's first pulse from then on. *late is
+ * set where there is one before. */
+static double cycles_to(const vs_roles *r, const vs_roles_gate *g, bool *late) {
   double zero = -r->phase_deg / 360;
   double x = g->pulse.at_s * r->hz - (zero - floor(zero));
   double every = isinf(g->pulse.period_s) ? 1
                  : g->each == 2           ? 0.5
                                           : rint(g->pulse.period_s * r->hz);
+  *late = *late || x < -1e-9;
   while (x < -1e-9) x += every;
   return fmax(x, 0);
 }
@@ -195,7 +200,7 @@ static void set_firing(vs_roles *r) {
   for (size_t k = 0; k < r->n_gates; k++) {
     const vs_roles_gate *g = &r->gates[k];
     if (isnan(g->pulse.at_s)) continue;
-    double x = cycles_to(r, g);
+    double x = cycles_to(r, g, &r->late);
     if (x >= first) continue;
     first = x;
     r->first_cycle = 1 + (int)floor(x);
@@ -213,7 +218,7 @@ static void set_firing(vs_roles *r) {
   for (size_t k = 0; k < r->n_gates; k++) {
     vs_roles_gate *g = &r->gates[k];
     if (isnan(g->pulse.at_s)) continue;
-    double shift = 360 * (cycles_to(r, g) - begin) - (r->at_zero ? 0 : r->angle_deg);
+    double shift = 360 * (cycles_to(r, g, &r->late) - begin) - (r->at_zero ? 0 : r->angle_deg);
     if (r->every) shift = fmod(shift, 360.0 * r->every);
     g->shift_deg = fabs(shift) < 1e-6 ? 0 : shift;
   }

@@ -70,6 +70,10 @@ static void note_roles(work *w) {
   if (r->resistance_ohm < 1e-3)
     vs_declared_note(left,
                      "the coil has no resistance: give actuator.resistance (1 mohm is taken)");
+  if (r->late)
+    vs_declared_note(left, "the program counts firings from the mains' first rising zero: pulses "
+                           "of the netlist before that "
+                           "are not made, and the run begins otherwise");
   if (r->at_zero)
     vs_declared_note(left,
                      "the gate fires at the mains' zero, where firing.angle cannot be: 0.001 deg "

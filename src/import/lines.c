@@ -183,6 +183,22 @@ static void add_edge(vs_fate *p, const vs_roles_gate *g, const char *two) {
                     two);
 }
 
+/* What a gate's source of current gives, a loss below zero: its level times its pulses, and what
+ * flows between them. (Sources of voltage tell their current.) */
+static void add_gate_loss(vs_fate *p, const vs_roles_gate *g) {
+  const vs_element *e = g->source;
+  char v[VS_DECK_TEXT];
+  const char *node = vs_copying_has_edges(&g->pulse) ? "edge" : "on";
+  if (e->letter != 'i') return;
+  voltage(vs_elements_node_of(p->wiring, e, 0), vs_elements_node_of(p->wiring, e, 1), v);
+  if (g->each == 1)
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s = %s*({%s_level}*v(%s_%s)+%.15g)", e->key, v,
+                    e->key, e->key, node, g->pulse.low);
+  else
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s = %s*({%s_level}*(v(%s_%s)+v(%s_%s2))+%.15g)",
+                    e->key, v, e->key, e->key, node, e->key, node, g->pulse.low);
+}
+
 static void add_sources(vs_fate *p) {
   const vs_roles *r = p->roles;
   const vs_elements *w = p->wiring;
@@ -206,6 +222,7 @@ static void add_sources(vs_fate *p) {
     }
   for (size_t g = 0; g <= r->n_gates; g++)
     if (g < r->n_gates || r->mains) add_series(p, g < r->n_gates ? r->gates[g].source : r->mains);
+  for (size_t g = 0; g < r->n_gates; g++) add_gate_loss(p, &r->gates[g]);
   for (size_t k = 0; k < w->count; k++) { /* what sources give is a loss below zero */
     const vs_element *e = &w->elements[k];
     char v[VS_DECK_TEXT];
