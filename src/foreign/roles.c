@@ -55,6 +55,7 @@ static vs_status set_mains(finder *f, const vs_element *e) {
   r->mains = e;
   r->rms_v = fabs(s.peak_v) / sqrt(2);
   r->hz = s.hz;
+  r->delayed = s.delay_s > 0;
   r->phase_deg = remainder(s.phase_deg - 360 * s.hz * s.delay_s + (s.peak_v < 0 ? 180 : 0), 360);
   return VS_OK;
 }

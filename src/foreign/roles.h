@@ -37,6 +37,7 @@ typedef struct vs_roles {
   double angle_deg, width_s;
   int every; /* 0: once */
   int first_cycle;
+  bool delayed; /* the netlist's mains begin later than at t = 0, which the program's do not */
   bool late;    /* pulses before the mains' first rising zero, from which the program counts its
                    firings, are not made */
   bool at_zero; /* it fires at the mains' zero, where a scene's firing.angle cannot be; it is put

@@ -103,3 +103,12 @@ void vs_declared_write(const vs_declared *s, vs_text *out) {
   for (int k = 0; k < VS_DECLARED_KINDS; k++)
     if (s->lines[k].text) vs_text_add(out, "%s", s->lines[k].text);
 }
+
+void vs_declared_voltage(const char *from, const char *to, char text[VS_DECK_TEXT]) {
+  if (!strcmp(to, "0"))
+    snprintf(text, VS_DECK_TEXT, "v(%s)", from);
+  else if (!strcmp(from, "0"))
+    snprintf(text, VS_DECK_TEXT, "-v(%s)", to);
+  else
+    snprintf(text, VS_DECK_TEXT, "v(%s,%s)", from, to);
+}

@@ -50,6 +50,9 @@ bool vs_declared_add(vs_declared *sheet, int kind, const char *format, ...)
 /* Makes a name that no line has yet: `wanted`, or that with "_2", "_3", ... behind it. */
 void vs_declared_name(vs_declared *sheet, const char *wanted, char name[VS_DECK_NAME]);
 
+/* Writes the voltage from one node to another, as formulas have it: "v(a,b)", "v(a)", "-v(b)". */
+void vs_declared_voltage(const char *from, const char *to, char text[VS_DECK_TEXT]);
+
 /* Notes a sentence. */
 void vs_declared_note(vs_declared_notes *notes, const char *format, ...)
     __attribute__((format(printf, 2, 3)));

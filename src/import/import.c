@@ -70,6 +70,11 @@ static void note_roles(work *w) {
   if (r->resistance_ohm < 1e-3)
     vs_declared_note(left,
                      "the coil has no resistance: give actuator.resistance (1 mohm is taken)");
+  if (r->delayed)
+    vs_declared_note(
+        left,
+        "%s begins with a delay; the program's mains are there from t = 0 on, in the same phase",
+        r->mains->name);
   if (r->late)
     vs_declared_note(left, "the program counts firings from the mains' first rising zero: pulses "
                            "of the netlist before that "
