@@ -273,8 +273,8 @@ static void add_burst(vs_text *t, const char *name, const char *nodes[2], double
               name, name, turns, name, name, nodes[1], name, name, name, nodes[0], name);
 }
 
-/* The exported train of pulses has one angle, and its sub-pulses keep their phase from gate pulse to
- * gate pulse. */
+/* The exported train of pulses has one angle, and its sub-pulses keep their phase from gate pulse
+ * to gate pulse. */
 static vs_status check_pulses(const vs_setup *s, vs_error *err) {
   const vs_firing_values *f = &s->timeline.firing;
   if (f->angle.count)

@@ -145,6 +145,8 @@ static void warn_after(const vs_result *r, bool of_firing,
 const char *vs_result_declined(const vs_result *r) {
   const vs_scene *s = r->scene;
   const vs_stand_in *stand_in = s->order.stand_in;
+  if (s->tier->has_circuit && r->loop && !s->setup.run.stays)
+    return "a control decides the firings, so that the next one is not known";
   if (!s->tier->has_circuit || !stand_in || s->setup.run.stays) return NULL;
   return stand_in->declines(&s->setup.model);
 }

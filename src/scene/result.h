@@ -44,8 +44,8 @@ void vs_result_free(vs_result *result);
 /* Ends the control of an attempt that another one follows. */
 void vs_result_end_loop(vs_result *result);
 
-/* Why the circuit's solver was not to be left in this run for its machine's sake; NULL: it might
- * be, or there is no solver, or the scene has run.leave_circuit: never. */
+/* Why the circuit's solver was not to be left in this run, for its machine's or its control's sake;
+ * NULL: it might be, or there is no solver, or the scene has run.leave_circuit: never. */
 const char *vs_result_declined(const vs_result *result);
 
 /* Calls each(ctx, text) with every warning, one after the other: those of the scene, then those
