@@ -123,7 +123,7 @@ static vs_status take_line(vs_deck *deck, vs_line line, vs_error *err) {
   if (!status && !other_file) status = take_circuit(deck, &line, &skip, err);
   if (status && (other_file || (*text != '.' && !isalpha((unsigned char)*text))))
     deck->lost |= VS_LOST_ALL; /* it may have been anything */
-  else if (status && *text != '.')
+  else if (status && (*text != '.' || !strcmp(word, ".subckt")))
     deck->lost |= VS_LOST_ELEMENT;
   if (status || skip) vs_line_free(&line);
   return status;
@@ -298,5 +298,8 @@ static void tell_skipped(vs_deck *deck) {
 vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error *err) {
   vs_status status = read_file(deck, path, library, err);
   tell_skipped(deck);
-  return status;
+  if (status || deck->subcircuits == 0) return status;
+  deck->subcircuits = 0;
+  return vs_error_carry_on(
+      err, vs_fail_at(err, deck->subcircuit, "this .subckt has no .ends that closes it"));
 }

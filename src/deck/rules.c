@@ -277,9 +277,11 @@ vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, bo
   }
   if (!strcmp(word, ".param") && deck->subcircuits == 0)
     return assignments(line, param_rule, (void *)(size_t)&p);
+  if (!strcmp(word, ".ends") && deck->subcircuits == 0 && !(deck->lost & VS_LOST_ELEMENT))
+    return vs_fail_at(err, where, ".ends closes a .subckt, and none is open here");
   if (!strcmp(word, ".ends") && deck->subcircuits > 0) deck->subcircuits--;
   if (strcmp(word, ".subckt")) return VS_OK;
-  deck->subcircuits++;
+  if (deck->subcircuits++ == 0) deck->subcircuit = where;
   return strcmp(nth_word(line, 1, name), "eva")
              ? VS_OK
              : vs_fail_at(err, where, "subcircuit eva is the program's; give yours another name");
