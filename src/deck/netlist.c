@@ -62,6 +62,11 @@ vs_status vs_netlist_read_part(const char *path, vs_deck *part, vs_error *err) {
   return vs_files_read(part, path, false, err);
 }
 
+vs_status vs_netlist_read_library(const char *path, vs_deck *library, vs_error *err) {
+  vs_deck_begin(library);
+  return vs_files_read(library, path, true, err);
+}
+
 /* ---- parts ---- */
 
 /* Finds the file of a part: at the path given, or in the deck's folder, or on the shelf of parts.

@@ -217,6 +217,7 @@ static vs_status model_rule(const place *p, const char *line) {
   static const char *const LEVELS[] = {"1", "2", "3", "4", "6", "9"};
   char type[VS_DECK_NAME];
   nth_word(line, 2, type);
+  if (!strncmp(type, "ako:", 4)) nth_word(line, type[4] ? 3 : 4, type); /* "a kind of" another */
   if (!AMONG(type, DEVICES) && !AMONG(type, CODE_MODELS))
     return vs_fail_at(p->err, p->where,
                       "model type '%s' does not belong in a deck: allowed are d, bipolar, field "
