@@ -363,7 +363,7 @@ static void constructs_are_told(void) {
       {"L9 ss yy 1m Rser=1 m=2", "d.cir:16:20", "one by one"},
       {"E1 yy 0 LAPLACE {V(ss)} = {1/(1+s)}", "d.cir:16:9", "R, L"},
       {"E1 yy 0 TABLE V(ss) (0,0) (1,1)", "d.cir:16:9", "TABLE {x}"},
-      {".model m D(Ron=1m Roff=1Meg Vfwd=0.7)", "d.cir:16:29", "ideal diode"},
+      {".model m D(Ron=1m Roff=1Meg Vfwd=0.7)", "d.cir:16:12", "ideal diode"},
       {".model n D(is=1n)\n.model m AKO:n D(is=2n)", "d.cir:17:10", "'*$ compat ps'"},
       {".model n D(is=1n)\n.model m AKO: n D(is=2n)", "d.cir:17:10", "'*$ compat ps'"},
       {".model n D(is=1n)\n.model m AKO: n NUMD", "d.cir:17:1", "'numd'"},
