@@ -20,13 +20,13 @@
 #include "fit/aims.h"
 #include "fit/inquiry.h"
 #include "method/methods.h"
-#include "steady/steady.h"
 #include "picture/plot.h"
 #include "report/fitting.h"
 #include "report/report.h"
 #include "report/tornado.h"
 #include "solver/circuit.h"
 #include "solver/ng.h"
+#include "steady/steady.h"
 #include "study/merge.h"
 #include "study/study.h"
 #include "survey/folder.h"
@@ -424,7 +424,7 @@ static const vs_command COMMANDS[] = {
     {.name = "list",
      .argument = "[KIND]",
      .text = "lists scenes, studies, fits, machines, decks, parts, instruments, tiers, laws, "
-             "probes, measures, "
+             "regulators, probes, measures, "
              "parameters (with "
              "unit, default, range)",
      .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n"

@@ -286,7 +286,7 @@ static double leading_edge(const solver *s, long k) {
   if (f->every == 0 && k > 0) return INFINITY;
   double turns = 2 * M_PI, zero = fmod(turns - fmod(s->scene->supply.phase_rad, turns), turns);
   double cycles = (double)(f->first_cycle - 1) + (double)k * f->every;
-  return (zero + f->angle_rad) / s->omega + cycles * s->period_s;
+  return (zero + f->angle.first) / s->omega + cycles * s->period_s;
 }
 
 static void record(solver *s, double *row) {

@@ -62,7 +62,7 @@ static double mains(const march *m, double t_s) {
 static bool pulse(const march *m, int cycle, double *from_s, double *to_s) {
   const vs_firing_values *f = &m->setup->timeline.firing;
   const vs_events *all = &m->setup->timeline.events;
-  *from_s = (cycle - 1 + f->angle_rad / (2 * M_PI)) / 50;
+  *from_s = (cycle - 1 + f->angle.first / (2 * M_PI)) / 50;
   double width = f->pulse_width_s;
   for (size_t k = 0; k < all->count; k++) {
     const vs_occurrence *e = &all->item[k];

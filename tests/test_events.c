@@ -9,7 +9,7 @@
 #include "base/text.h"
 #include "drive/events.h"
 #include "drive/gate.h"
-#include "drive/generators.h"
+#include "event/generators.h"
 #include "program.h"
 
 /* ---- the surge generator ---- */

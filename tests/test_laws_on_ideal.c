@@ -157,7 +157,7 @@ static void fire(vs_setup *setup, double volt, double angle_deg) {
   CU_ASSERT(vs_timeline_build(NULL, &setup->timeline, &err) == VS_OK);
   setup->timeline.supply.voltage_v = volt;
   setup->timeline.peak_v = volt * M_SQRT2;
-  setup->timeline.firing.angle_rad = angle_deg * M_PI / 180;
+  setup->timeline.firing.angle.first = angle_deg * M_PI / 180;
   setup->run = (vs_run_values){.until_s = 0.1, .sample_s = 1e-4, .tolerance = 1e-7};
 }
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "drive/gate.h"
-#include "drive/occurrence.h"
+#include "event/occurrence.h"
 #include "program.h"
 #include "watch/switching.h"
 

@@ -220,7 +220,7 @@ static void add_scene(vs_text *t, const vs_setup *s) {
   const vs_firing_values *firing = &s->timeline.firing;
   const vs_actuator_values *eva = &s->model.actuator;
   const param ROWS[] = {
-      {"vs_angle", firing->angle_rad, "rad, of firing, from the rising zero of the mains"},
+      {"vs_angle", firing->angle.first, "rad, of firing, from the rising zero of the mains"},
       {"vs_pulse", firing->pulse_width_s, "s, length of a gate pulse"},
       {"vs_first", firing->first_cycle, "cycle of the first pulse, from 1"},
       {"vs_every", firing->every, "cycles from pulse to pulse; 0: one pulse only"},
@@ -273,9 +273,13 @@ static void add_burst(vs_text *t, const char *name, const char *nodes[2], double
               name, name, turns, name, name, nodes[1], name, name, name, nodes[0], name);
 }
 
-/* The train keeps its phase from gate pulse to gate pulse. */
-static vs_status check_burst(const vs_setup *s, vs_error *err) {
+/* The exported train of pulses has one angle, and its sub-pulses keep their phase from gate pulse
+ * to gate pulse. */
+static vs_status check_pulses(const vs_setup *s, vs_error *err) {
   const vs_firing_values *f = &s->timeline.firing;
+  if (f->angle.count)
+    return vs_fail(err, VS_INPUT,
+                   "export: firing.angle: a table over time cannot be exported; write one angle");
   double n = f->burst_hz * f->every * s->timeline.period_s;
   for (size_t k = 0; k < s->deck.n_ports; k++)
     if (s->deck.ports[k].signal.drive == VS_PORT_BURST && fabs(n - rint(n)) > 1e-6 * (n + 1))
@@ -311,7 +315,7 @@ static vs_status add_netlist(vs_text *t, const vs_setup *s, vs_error *err) {
   size_t count;
   vs_setup_standard(s, standard);
   vs_text_add(t, "*\n* The converter.\n");
-  vs_status status = check_burst(s, err);
+  vs_status status = check_pulses(s, err);
   if (status) return status;
   status =
       vs_netlist_make(&s->deck, &s->circuit_values, standard, VS_STANDARD, &lines, &count, err);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "control/regulators.h"
 #include "deck/devices.h"
 #include "deck/netlist.h"
 #include "drive/events.h"
@@ -204,6 +205,8 @@ static void list_parameters(const listed *of) {
   for (int s = 0; s < 2; s++)
     for (size_t k = 0; k < instruments[s]->count; k++)
       print_field(instruments[s]->name, &instruments[s]->fields[k]);
+  for (size_t k = 0; k < vs_control_section.count; k++)
+    print_field(vs_control_section.name, &vs_control_section.fields[k]);
 }
 
 static void list_events(const listed *of) {
@@ -226,6 +229,20 @@ static void list_laws(const listed *of) {
     printf("%-20s %s\n", (*law)->name, (*law)->text);
 }
 
+static void list_regulators(const listed *of) {
+  (void)of;
+  for (const vs_regulator *const *r = vs_regulators; *r; r++) {
+    printf("%-20s %s\n", (*r)->name, (*r)->text);
+    for (size_t k = 0; k < (*r)->n_fields; k++) {
+      const vs_field *f = &(*r)->fields[k];
+      char range[128];
+      vs_field_range(f, range, sizeof range);
+      printf("    %-16s %-12s %-26s %s\n", f->key, f->default_text,
+             f->kind == VS_NAME ? "a name" : range, f->text);
+    }
+  }
+}
+
 static const struct kind {
   const char *name, *heading;
   void (*print)(const listed *);
@@ -241,6 +258,8 @@ static const struct kind {
      list_instruments},
     {"tiers", "tiers, from the least modelled to the most", list_tiers},
     {"laws", "laws of the actuator, by actuator.law", list_laws},
+    {"regulators", "laws of control, by control.law, with their keys; ~ is the unit of the sensor",
+     list_regulators},
     {"probes", "probes: name, unit, meaning", list_probes},
     {"events", "events: kind, its keys with default, allowed, meaning", list_events},
     {"measures", "measures: name, unit, meaning", list_measures},

@@ -12,8 +12,8 @@
 #include "base/file.h"
 #include "base/leave.h"
 #include "command/show.h"
-#include "steady/steady.h"
 #include "scene/session.h"
+#include "steady/steady.h"
 #include "watch/table.h"
 
 /* What the command adds to a run: its files and its progress line. */
@@ -58,6 +58,7 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
   vs_status status = VS_OK;
   if (a->more && a->more->accept) a->more->accept(a->more->ctx, step);
   a->table.meters = result->meters;
+  a->table.loop = result->loop;
   if (a->table.stream) status = vs_table_accept(&a->table, step, err);
   for (int k = 0; a->events.stream && k < 2; k++)
     if (step->event[k] != VS_EV_NONE)
@@ -89,6 +90,7 @@ static vs_status open_files(audience *a, vs_error *err) {
   a->table = (vs_table){.stream = a->csv.stream,
                         .frame = &s->frame,
                         .instruments = &s->instruments,
+                        .control = &s->control,
                         .count = s->n_record,
                         .digits = a->options->digits,
                         .sample_s = s->setup.run.sample_s,
@@ -106,8 +108,9 @@ static void remove_stale(const char *folder, const char *name) {
   unlink(path);
 }
 
-const char *const vs_run_pictures[] = {"motion_run",   "motion_100ms",   "pulse_50ms",
-                                       "measured_run", "measured_100ms", NULL};
+const char *const vs_run_pictures[] = {
+    "motion_run",     "motion_100ms", "pulse_50ms", "measured_run",
+    "measured_100ms", "control_run",  NULL};
 
 /* Calls each(folder, name, names) for every picture in the folder. A link is left alone: the
  * program drew none. */

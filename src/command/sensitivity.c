@@ -198,6 +198,7 @@ static vs_status find(const vs_sensitivity_options *o, const vs_sensitivity_orde
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_sensitivity s = {0};
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
+  if (!status && o->steady) vs_scene_hold(scene);
   if (!status && !o->quiet) vs_scene_warn(scene);
   if (!status) status = vs_sensitivity_find(scene, order, &s, err);
   if (!status) status = report(o, scene, &s, err);

@@ -167,6 +167,21 @@ static void print_instruments(const vs_result *r, int width, FILE *out) {
   }
 }
 
+/* What the control has decided, and what it shows at the run's end. */
+static void print_loop(const vs_result *r, int width, FILE *out) {
+  const vs_loop *l = r->loop;
+  vs_control_column column;
+  if (!l) return;
+  fprintf(out, "\n%-*s law %s: %ld firings decided, %ld of them left out, %ld at a limit\n", width,
+          "control", l->control->regulator->name, l->program.count, l->left_out, l->at_limit);
+  for (int k = 0; vs_control_column_at(l->control, k, &column); k++) {
+    double value = vs_loop_shows(l, k);
+    const char *unit = column.unit;
+    if (!strcmp(unit, "rad")) value /= vs_units_factor("deg"), unit = "deg";
+    fprintf(out, "%-*s %16.9g %-5s %14s\n", width, column.name, value, unit, "at the end");
+  }
+}
+
 void vs_show_result(const vs_result *r, FILE *out) {
   const vs_scene *s = r->scene;
   const double work_j = r->watchers.energy.joule[VS_E_WORK];
@@ -180,6 +195,7 @@ void vs_show_result(const vs_result *r, FILE *out) {
     fprintf(out, "\nthe one-way force of this tier did %.4f J of work that nothing supplied\n",
             work_j);
   print_instruments(r, width, out);
+  print_loop(r, width, out);
   print_verdict(&r->verdict, width, out);
   print_second(r, out);
   fprintf(out, "\n%ld steps in %.3g s\n", r->steps, r->wall_s);

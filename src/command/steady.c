@@ -5,8 +5,8 @@
 #include <stdlib.h>
 
 #include "base/text.h"
-#include "steady/steady.h"
 #include "period/classes.h"
+#include "steady/steady.h"
 
 enum { DIGITS = 12, SHOWN = 10 /* the last harmonic in the table; JSON has all */ };
 
@@ -272,6 +272,7 @@ static vs_status report(const vs_run_options *o, int periods, vs_scene *scene, v
 vs_status vs_steady_command(const vs_run_options *o, int periods, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
+  if (!status) vs_scene_hold(scene);
   if (!status && !scene->setup.steady)
     vs_warnings_of_settling(&scene->instruments, &scene->frame, &scene->warnings);
   if (!status && !o->quiet) vs_scene_warn(scene);

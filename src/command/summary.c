@@ -57,6 +57,16 @@ static void add_instruments(vs_json *json, const vs_instruments *all, double fre
   vs_json_end(json);
 }
 
+static void add_control(vs_json *json, const vs_control *c) {
+  if (!c->regulator) return;
+  vs_json_object(json, c->section.name, VS_JSON_LINES);
+  for (size_t k = 0; k < c->section.count; k++) {
+    vs_json_key(json, c->section.fields[k].key);
+    vs_field_json(&c->section.fields[k], &c->v, json->text);
+  }
+  vs_json_end(json);
+}
+
 void vs_summary_scene(vs_json *json, const vs_scene *s) {
   vs_json_object(json, "scene", VS_JSON_LINES);
   for (int p = 0; p < VS_SECTIONS; p++) {
@@ -71,6 +81,7 @@ void vs_summary_scene(vs_json *json, const vs_scene *s) {
   if (s->setup.steady) vs_json_bool(json, "steady", true);
   add_events(json, &s->setup.timeline.events);
   add_instruments(json, &s->instruments, vs_instruments_working_hz(&s->setup));
+  add_control(json, &s->control);
   vs_json_end(json);
 }
 
@@ -246,6 +257,24 @@ static void add_second(vs_json *json, const vs_second_run *second) {
   vs_json_end(json);
 }
 
+/* What the control has decided, and what it shows at the run's end. */
+static void add_loop(vs_json *json, const vs_loop *loop) {
+  vs_control_column column;
+  char name[VS_NAME_SIZE], suffix[32];
+  if (!loop) return;
+  vs_json_object(json, "control", VS_JSON_ROW);
+  vs_json_text(json, "law", loop->control->regulator->name);
+  vs_json_whole(json, "firings", (int)loop->program.count);
+  vs_json_whole(json, "left_out", (int)loop->left_out);
+  vs_json_whole(json, "at_limit", (int)loop->at_limit);
+  for (int k = 0; vs_control_column_at(loop->control, k, &column); k++) {
+    vs_units_suffix(column.unit, suffix, sizeof suffix);
+    snprintf(name, sizeof name, "%s%s%s", column.name, *suffix ? "_" : "", suffix);
+    vs_json_number(json, name, vs_loop_shows(loop, k), DIGITS);
+  }
+  vs_json_end(json);
+}
+
 void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *more,
                      vs_text *text) {
   const vs_scene *s = r->scene;
@@ -266,6 +295,7 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   vs_json_end(&json);
   add_measures(&json, s, r, more);
   if (more && more->members) more->members(more->ctx, &json);
+  add_loop(&json, r->loop);
   add_fraction(&json, s);
   add_energy(&json, s, &r->watchers.energy, r->books);
   if (with_cost) add_cost(&json, r);

@@ -4,6 +4,8 @@
 #include <math.h>
 
 #include "actuator/coil.h"
+#include "drive/firing.h"
+
 
 /* The trapezoidal rule makes an error of lambda of h^2/12 of its third derivative in each second.
  * While the coil rings with the snubbers, these errors add up to an error of the ring's phase. At
@@ -30,7 +32,9 @@ static const double LEAST = 1e-3;
 
 vs_swing vs_swing_of(const vs_setup *s) {
   const vs_timeline *t = &s->timeline;
-  double fired = fmax((1 + cos(t->firing.angle_rad)) / 2, LEAST);
+  double range[2];
+  vs_firing_range(t, range);
+  double fired = fmax((1 + cos(range[0])) / 2, LEAST);
   return (vs_swing){.model = &s->model,
                     .amplifies = 1,
                     .peak_a = LEAST * t->peak_v / s->model.coil.resistance_ohm,

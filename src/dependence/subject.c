@@ -15,6 +15,8 @@ static const char *inexact(const vs_scene *s) {
   if (s->tier->has_circuit) return "the circuit's equations are its solver's own";
   if (isfinite(vs_setup_jams(setup))) return "the armature jams";
   if (setup->loads.count) return "the load changes";
+  if (s->control.regulator) return "a control decides the firings";
+  if (setup->timeline.firing.angle.count) return "firing.angle is a table over time";
   if (setup->wants_fraction) return "load.fraction: auto is found by trial";
   return NULL;
 }

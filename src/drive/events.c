@@ -8,10 +8,10 @@
 #include <strings.h>
 
 #include "base/text.h"
-#include "drive/disturbances.h"
-#include "drive/faults.h"
-#include "drive/generators.h"
-#include "drive/pulses.h"
+#include "event/disturbances.h"
+#include "event/faults.h"
+#include "event/generators.h"
+#include "event/pulses.h"
 
 /* ---- the kinds ---- */
 

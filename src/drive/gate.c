@@ -3,19 +3,42 @@
 
 #include <math.h>
 
+#include "drive/firing.h"
+
 /* ---- the train ---- */
 
 /* The leading edge of the n-th pulse (n = 0, 1, ...). It is computed from integers, so that it does
- * not drift over a million cycles. */
+ * not drift over a million cycles. A firing that is left out counts as one at its cycle's
+ * beginning, of no length; one that is not decided yet is never. */
 static double pulse_start(const vs_timeline *t, double shift_rad, double n) {
   double cycle = t->firing.first_cycle - 1 + n * t->firing.every;
-  return t->first_zero_s + (cycle + (t->firing.angle_rad + shift_rad) / (2 * M_PI)) * t->period_s;
+  if (!vs_firing_is_decided(t, n)) return INFINITY;
+  double angle_rad = vs_firing_is_even(t) ? t->firing.angle.first : vs_firing_angle(t, n);
+  if (isnan(angle_rad)) angle_rad = 0;
+  return t->first_zero_s + (cycle + (angle_rad + shift_rad) / (2 * M_PI)) * t->period_s;
+}
+
+static bool is_left_out(const vs_timeline *t, double n) {
+  return !vs_firing_is_even(t) && vs_firing_is_decided(t, n) && isnan(vs_firing_angle(t, n));
+}
+
+/* The number of the last pulse that started before t, where angles differ: that of its cycle, or
+ * one of the two before, as a pulse ends less than two firing periods behind its cycle's beginning.
+ * The last of these that is no firing left out. */
+static double last_of_uneven(const vs_timeline *t, double shift_rad, double before_s) {
+  double every_s = t->firing.every * t->period_s;
+  double n = every_s > 0 ? floor((before_s - vs_firing_cycle_s(t, 0)) / every_s) : 0;
+  while (n >= 0 && !(pulse_start(t, shift_rad, n) < before_s)) n--;
+  for (double k = n; k >= fmax(n - 2, 0); k--)
+    if (!is_left_out(t, k)) return k;
+  return fmax(n, -1);
 }
 
 /* The number of the last pulse that started before t, strictly but for rounding; -1: none yet. */
 static double last_pulse(const vs_timeline *t, double shift_rad, double t_s) {
-  double since = t_s - pulse_start(t, shift_rad, 0);
   double slack = vs_occurrence_rounding(t_s);
+  if (!vs_firing_is_even(t)) return last_of_uneven(t, shift_rad, t_s - slack);
+  double since = t_s - pulse_start(t, shift_rad, 0);
   if (since <= slack) return -1;
   if (!t->firing.every) return 0;
   return ceil((since - slack) / (t->firing.every * t->period_s)) - 1;
@@ -26,6 +49,7 @@ static void pulse(const vs_timeline *t, double shift_rad, double n, double *widt
                   double *voltage) {
   *width_s = t->firing.pulse_width_s;
   *voltage = 1;
+  if (is_left_out(t, n)) *width_s = *voltage = 0;
   for (size_t k = 0; k < t->events.count; k++) {
     const vs_occurrence *e = &t->events.item[k];
     if (e->kind->pulse && e->v.cycle == t->firing.first_cycle + n * t->firing.every &&
@@ -102,7 +126,9 @@ double vs_gate_edge(const vs_timeline *t, double shift_rad, double t_s) {
   double fall = -INFINITY;
   if (n >= 0) pulse(t, shift_rad, n, &width, &voltage), fall = pulse_start(t, shift_rad, n) + width;
   if (fall > t_s + slack) return fall;
-  double rise = n < 0 || t->firing.every ? pulse_start(t, shift_rad, n + 1) : INFINITY;
+  double next = n + 1;
+  while (is_left_out(t, next) && t->firing.every) next++;
+  double rise = n < 0 || t->firing.every ? pulse_start(t, shift_rad, next) : INFINITY;
   return rise > t_s + slack ? rise : vs_gate_edge(t, shift_rad, t_s + 2 * slack);
 }
 
@@ -147,9 +173,10 @@ double vs_gate_next_conduction(const vs_timeline *t, double t_s) {
   if (n < 0) n = 0;
   for (;; n++) { /* a pulse that meets no forward voltage is followed by others */
     if (n > 0 && !t->firing.every) return INFINITY;
-    double from = fmax(pulse_start(t, 0, n), t_s);
-    double to = pulse_start(t, 0, n) + t->firing.pulse_width_s;
-    if (from > to) continue;
+    double start = pulse_start(t, 0, n), from = fmax(start, t_s);
+    double to = start + t->firing.pulse_width_s;
+    if (isinf(start)) return INFINITY;
+    if (from > to || is_left_out(t, n)) continue;
     double phase = vs_timeline_phase(t, from);
     if (phase < M_PI) return from;
     double zero = from + (2 * M_PI - phase) / t->omega_rad_s;

@@ -2,8 +2,8 @@
 #include "drive/timeline.h"
 
 #include <math.h>
-#include <string.h>
 #include <stddef.h>
+#include <string.h>
 
 #define S_(member) offsetof(vs_supply_values, member)
 #define F_(member) offsetof(vs_firing_values, member)
@@ -27,7 +27,7 @@ static const vs_field FIRING[] = {
      "what stands between mains and coil; none: the coil is on the mains from t = 0, current both "
      "ways, ideal tiers only",
      "thyristor|none", NULL},
-    {"angle", VS_REAL, "deg", "100 deg", 0, 180, true, F_(angle_rad),
+    {"angle", VS_PROFILE, "deg", "100 deg", 0, 180, true, F_(angle),
      "alpha*, from the rising zero crossing of the mains (Eq. 92)", NULL, NULL},
     {"pulse_width", VS_REAL, "ms", "8 ms", 0, 1e6, true, F_(pulse_width_s),
      "t_pulse, length of the gate pulse train", NULL, NULL},
@@ -79,8 +79,7 @@ vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_error *err)
                       "firing.valve: none");
   }
   if (t->firing.no_valve) return refuse_unused(scene, t, err);
-  if (t->firing.every &&
-      t->firing.pulse_width_s >= t->firing.every * t->period_s) {
+  if (t->firing.every && t->firing.pulse_width_s >= t->firing.every * t->period_s) {
     const vs_node *width = vs_tree_child(firing, "pulse_width");
     return vs_fail_at(
         err, width ? width->where : (vs_where){0},

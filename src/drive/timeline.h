@@ -10,7 +10,7 @@
 #define VS_DRIVE_TIMELINE_H
 
 #include "base/error.h"
-#include "drive/occurrence.h"
+#include "event/occurrence.h"
 #include "syntax/field.h"
 
 typedef struct vs_supply_values {
@@ -19,7 +19,8 @@ typedef struct vs_supply_values {
 } vs_supply_values;
 typedef struct vs_firing_values {
   int no_valve; /* 1: the coil is on the mains from t = 0 on; what follows here does not count */
-  double angle_rad, pulse_width_s;
+  vs_field_profile angle; /* rad */
+  double pulse_width_s;
   int every; /* fires in every n-th cycle; 0: once */
   int first_cycle;
   double burst_hz,
@@ -28,6 +29,13 @@ typedef struct vs_firing_values {
 
 extern const vs_section vs_timeline_supply_section, vs_timeline_firing_section;
 
+/* The angles that a control decides while a run goes on, one for each firing, in order. */
+typedef struct vs_program {
+  double *angle_rad; /* NaN: no firing. Owned by whoever decides */
+  long count, size;  /* how many are decided; how many there is room for */
+  double range[2];   /* rad; they lie in it */
+} vs_program;
+
 typedef struct vs_timeline {
   vs_supply_values supply;
   vs_firing_values firing;
@@ -35,6 +43,8 @@ typedef struct vs_timeline {
                                            peak */
   double first_zero_s;                  /* their first rising zero crossing at or after t = 0 */
   vs_events events;                     /* none, unless vs_events_read filled it */
+  const vs_program
+      *program; /* of the run under way, borrowed; NULL: angles are those of `firing` */
 } vs_timeline;
 
 /* Fills the timeline from the scene's sections supply and firing, without events. Errors: what

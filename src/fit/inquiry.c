@@ -158,7 +158,7 @@ static vs_status check_common(const vs_inquiry *q, vs_error *err) {
       node.key_where = u->axis.where;
       vs_status status = vs_axis_init(&other, q->runs[r].scene, &node, "free", err);
       if (status) return status;
-      bool same = other.field->kind == VS_REAL && !strcmp(other.unit, u->axis.unit);
+      bool same = vs_field_is_real(other.field) && !strcmp(other.unit, u->axis.unit);
       vs_axis_free(&other);
       if (!same)
         return vs_fail_at(err, u->axis.where, "%s is another key in run %zu", u->name, r + 1);

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "steady/steady.h"
 #include "scene/session.h"
+#include "steady/steady.h"
 
 void vs_prediction_begin(vs_prediction *p, const vs_inquiry *q) {
   *p = (vs_prediction){.inquiry = q,
@@ -71,7 +71,8 @@ static vs_status run_scene(vs_prediction *p, const vs_inquiry_run *run, double *
       .run = run, .computed = computed + run->datum + run->n_aims, .channels = p->channels};
   const vs_guest guest = {&looks, begin, accept, NULL};
   const vs_session session = {.guest = run->recorded ? &guest : NULL,
-                              .bare = !run->n_aims && !run->scene->tier->has_circuit,
+                              .bare = !run->n_aims && !run->scene->tier->has_circuit &&
+                                      !run->scene->control.regulator,
                               .steady = vs_steady_start};
   vs_status status = vs_session_run(&session, run->scene, result, err);
   if (!status && looks.next < run->recording.n_samples)

@@ -154,7 +154,7 @@ vs_status vs_unknown_read(vs_unknown *u, const vs_scene *scene, const vs_node *n
   if (run >= 0) snprintf(u->name, sizeof u->name, "%d.%.180s", run + 1, node->key);
   vs_status status = vs_axis_init(&u->axis, scene, node, "free", err);
   if (status) return status;
-  if (u->axis.is_word || u->axis.field->kind != VS_REAL)
+  if (u->axis.is_word || !vs_field_is_real(u->axis.field))
     return vs_fail_at(err, node->key_where, "%s is not a real number, so no slope leads to it",
                       u->name);
   if (node->kind == VS_NODE_LIST || (node->kind == VS_NODE_TEXT && *node->text))

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "ideal/phases.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
 #include "actuator/coil.h"
+#include "drive/firing.h"
 #include "drive/gate.h"
 #include "ideal/general.h"
 #include "ideal/propagator.h"
@@ -404,8 +406,9 @@ static vs_status go(phases *p, double end_s, vs_error *err) {
  */
 static void find_scales(phases *p) {
   const vs_timeline *line = &p->setup->timeline;
-  double angle = p->valve ? line->firing.angle_rad : 0;
-  p->driven.flux_wb = line->peak_v / line->omega_rad_s * (1 + cos(angle));
+  double range[2] = {0, 0};
+  if (p->valve) vs_firing_range(line, range);
+  p->driven.flux_wb = line->peak_v / line->omega_rad_s * (1 + cos(range[0]));
   if (line->supply.direct) {
     const vs_coil *coil = &model_of(p)->coil;
     p->driven.flux_wb = line->peak_v * fmin(coil->rest_h / coil->resistance_ohm, line->period_s);
@@ -490,6 +493,9 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
   vs_status status = vs_sim_refuse_endless(setup, p.longest_touching_s, err);
   while (!status && p.knots[p.now].t_s < until) {
     double t = p.knots[p.now].t_s, fires = next_firing(&p, t), end = fmin(fires, until);
+    double known = p.valve ? vs_firing_known_s(&setup->timeline) : INFINITY;
+    assert(known > t); /* whoever decides was shown the step that ends here */
+    end = fmin(end, known);
     /* A firing is met to rounding. In a scene with events it is met to the bit, as the mains may be
      * others just before. */
     if (fires <= t + (p.disturbed ? 0 : 1e-10 * setup->timeline.period_s))

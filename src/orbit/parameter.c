@@ -102,7 +102,7 @@ static bool alike(const vs_setup *a, const vs_setup *b) {
               near(m->coil.rest_h, n->coil.rest_h) && near(t->peak_v, u->peak_v) &&
               near(m->actuator.resistance_ohm, n->actuator.resistance_ohm) &&
               near(t->period_s, u->period_s) && near(t->first_zero_s, u->first_zero_s) &&
-              near(t->firing.angle_rad, u->firing.angle_rad);
+              near(t->firing.angle.first, u->firing.angle.first);
   for (int k = 0; k < m->stops.count && same; k++) {
     const vs_stop *p = &m->stops.item[k], *q = &n->stops.item[k];
     same = p->kind == q->kind && p->side == q->side && near(p->at_m, q->at_m) &&
@@ -204,9 +204,12 @@ static vs_status refuse(const vs_parameter *p, vs_where where, vs_error *err) {
   if (f->kind == VS_OPTION)
     return vs_fail_at(err, where, "%s has keys of its own, such as %s.%s: name one of those",
                       p->key.name, p->key.name, f->options->keys.fields[0].key);
-  if (f->kind != VS_REAL)
+  if (!vs_field_is_real(f))
     return vs_fail_at(err, where, "%s is %s; a key with one number is wanted", p->key.name,
                       f->kind == VS_PAIR ? "a pair [x, y]" : "a word");
+  if (f->kind == VS_PROFILE && ((const vs_field_profile *)p->key.value)->count)
+    return vs_fail_at(err, where, "%s is a table over time; a key with one number is wanted",
+                      p->key.name);
   if (isnan(p->value))
     return vs_fail_at(err, where, "%s is no number in this scene; give it one to vary it",
                       p->key.name);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "actuator/coil.h"
+#include "drive/firing.h"
 #include "orbit/flight.h"
 
 enum { MOST = VS_ORBIT_STATES };
@@ -128,6 +129,9 @@ vs_status vs_shooting_check(const vs_scene *s, int periods, vs_error *err) {
   if (!line->firing.no_valve && !line->firing.every)
     return vs_fail(err, VS_INPUT,
                    "firing.every: a periodic orbit needs continuous firing, not 'once'");
+  if (!vs_firing_is_even(line))
+    return vs_fail(err, VS_INPUT,
+                   "firing.angle: a periodic orbit has one angle, and this is a table over time");
   return VS_OK;
 }
 

@@ -69,9 +69,7 @@ static void add_terminal(vs_text *script, const vs_sheet *s, int rows, const cha
   vs_text_add(script, " font 'sans,13'\n");
 }
 
-static void add_title(vs_text *script, const char *instrument) {
-  char title[VS_SHEET_NAME + 16];
-  snprintf(title, sizeof title, "instrument %s", instrument);
+static void add_title(vs_text *script, const char *title) {
   vs_text_add(script, " title ");
   vs_gnuplot_quoted(script, title);
 }

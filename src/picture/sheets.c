@@ -112,7 +112,7 @@ static void take_shown(vs_sheets *all, const vs_node *instruments, const char *h
   const vs_node *node = vs_tree_child(vs_tree_child(instruments, name), "channel");
   if (!node || !node->text) return;
   vs_sheet_shown *s = &all->shown[all->n_shown++];
-  memcpy(s->name, name, sizeof s->name);
+  snprintf(s->name, sizeof s->name, "instrument %s", name);
   snprintf(s->column, sizeof s->column, "%s", column);
   snprintf(s->of, sizeof s->of, "%.40s%.40s", node->text, unit);
   if (!has_column(header, s->of)) memcpy(s->of, s->column, sizeof s->of);
@@ -240,6 +240,41 @@ static void fill_nothing(vs_sheet *s, const found *f) {
   (void)s, (void)f;
 }
 
+/* A column that a control has filled. */
+static const char ANGLE[] = "firing_angle_rad";
+
+/* Adds the panel of a column of the control's, whose name begins with `name`. Lengths are shown in
+ * thousandths. Returns the column; NULL: the run has none. */
+static const char *add_controls(vs_sheet *s, const char *header, const char *name,
+                                const char *label) {
+  char column[VS_SHEET_NAME], text[VS_SHEET_NAME];
+  const char *begins = strstr(header, name);
+  if (!begins) return NULL;
+  snprintf(column, sizeof column, "%.*s", (int)strcspn(begins, ","), begins);
+  const char *unit = column + strlen(name);
+  bool metre = !strcmp(unit, "m");
+  snprintf(text, sizeof text, "%s / %s%s", label, metre ? "m" : "", unit);
+  vs_sheet_add(s, column, text, metre ? 1e3 : 1);
+  return s->panels[s->count - 1].column;
+}
+
+/* The angle, what the control's law shows, and over its amplitude the set point. */
+static void fill_control(vs_sheets *all, vs_sheet *s, const char *header, const found *f) {
+  if (!has_column(header, ANGLE)) return;
+  const char *amplitude = add_controls(s, header, "amplitude_meas_", "amplitude");
+  vs_sheet_add(s, ANGLE, "firing angle / °", 57.29577951308232);
+  add_controls(s, header, "f_motion_", "frequency of the motion");
+  add_controls(s, header, "swing_meas_", "swing");
+  if (f->count) add_coordinate(s, &f->item[0]);
+  vs_sheet_add(s, "i_a", "i / A", 1);
+  if (!amplitude || all->n_shown >= VS_SHEET_INSTRUMENTS) return;
+  vs_sheet_shown *over = &all->shown[all->n_shown++];
+  snprintf(over->name, sizeof over->name, "set point");
+  snprintf(over->of, sizeof over->of, "%.90s", amplitude);
+  snprintf(over->column, sizeof over->column, "setpoint_%.80s",
+           amplitude + strlen("amplitude_meas_"));
+}
+
 /* The k-th sheet; behind those of the set comes the overview. */
 static void fill(vs_sheet *s, int k, const found *f) {
   /* of any machine, and of the paper's */
@@ -278,6 +313,7 @@ static void fill(vs_sheet *s, int k, const found *f) {
        0.1,
        2,
        fill_nothing},
+      {"control_run", {"Control", "Control"}, 0, 2, fill_nothing},
       {"",
        {"Machine and converter, first 50 ms",
         "Vibratory conveyor and its thyristor converter, first 50 ms"},
@@ -298,6 +334,8 @@ vs_sheets *vs_sheets_new(const char *folder, const char *header) {
   for (int k = 0; k < VS_SHEETS; k++) fill(&all->set[k], k, &f);
   fill(&all->overview, VS_SHEETS, &f);
   find_shown(all, folder, header);
-  for (int k = VS_SHEETS_OF_RUN; k < VS_SHEETS; k++) add_measured(&all->set[k], all);
+  for (int k = VS_SHEETS_OF_RUN; k < VS_SHEETS - 1; k++) add_measured(&all->set[k], all);
+  fill_control(all, &all->set[VS_SHEETS - 1], header, &f);
+  if (all->set[VS_SHEETS - 1].count) all->overview = all->set[VS_SHEETS - 1];
   return all;
 }

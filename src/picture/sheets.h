@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What the pictures of a run show: each is a sheet of panels, one curve of run.csv each. They are
  * the paper's Figs. 9 to 11 for its machine, and the same of any other machine's coordinates. Where
- * the run has instruments, two more show what these make of its curves, as Figs. 13 and 14 do. */
+ * the run has instruments, two more show what these make of its curves, as Figs. 13 and 14 do;
+ * where it has a control, one more shows that. */
 #ifndef VS_PICTURE_SHEETS_H
 #define VS_PICTURE_SHEETS_H
 
@@ -11,7 +12,7 @@ enum {
   VS_SHEET_PANELS = 96, /* at most 36 of the program's own, then those an overlay asks for */
   VS_SHEET_NAME = 96,
   VS_SHEETS_OF_RUN = 3, /* of any run; those behind show instruments */
-  VS_SHEETS = 5,
+  VS_SHEETS = 6,
   VS_SHEET_INSTRUMENTS = 32
 };
 
@@ -28,17 +29,19 @@ typedef struct vs_sheet {
   int count;
 } vs_sheet;
 
-/* A column of run.csv that an instrument has filled. */
+/* A column of run.csv that stands for what another one holds: an instrument has filled it, or it is
+ * a control's set point. */
 typedef struct vs_sheet_shown {
-  char name[VS_SHEET_NAME];   /* of the instrument */
-  char column[VS_SHEET_NAME]; /* its own */
+  char name[VS_SHEET_NAME + 16]; /* "instrument p" */
+  char column[VS_SHEET_NAME];    /* its own */
   char of[VS_SHEET_NAME]; /* that of the channel which it measures; its own where run.csv has not
                              got that one */
 } vs_sheet_shown;
 
 /* All pictures of one run. */
 typedef struct vs_sheets {
-  vs_sheet set[VS_SHEETS]; /* one file each; those of instruments are empty without any */
+  vs_sheet set[VS_SHEETS]; /* one file each; those of instruments and of a
+                               control are empty without any */
   vs_sheet overview;       /* what `plot -o` draws on its one sheet */
   vs_sheet_shown shown[VS_SHEET_INSTRUMENTS];
   int n_shown;

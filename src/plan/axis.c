@@ -89,9 +89,10 @@ vs_status vs_axis_number(vs_axis *axis, const vs_node *node, double *number, vs_
   vs_field field = *axis->field;
   const vs_section section = {axis->section, &field, 1};
   field.offset = 0;
+  if (field.kind == VS_PROFILE) field.kind = VS_REAL; /* a value of an axis is one number */
   vs_status status = vs_field_read(&section, &field, node, &value, err);
   if (status) return status;
-  if (field.kind == VS_REAL && isnan(value.real))
+  if (vs_field_is_real(&field) && isnan(value.real))
     return vs_fail_at(err, node->where, "%s: an axis has numbers; write one instead of '%s'",
                       axis->key, node->text);
   *number = axis->is_word            ? add_word(axis, node)

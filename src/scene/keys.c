@@ -60,6 +60,8 @@ static key_list *all_keys(const vs_scene *scene) {
   for (int k = 0; k < instruments->count; k++)
     add_keys(list, instruments->item[k].path, &instruments->item[k].section,
              &instruments->item[k].v);
+  if (scene->control.regulator)
+    add_keys(list, scene->control.section.name, &scene->control.section, &scene->control.v);
   const vs_events *events = &setup->timeline.events;
   for (size_t e = 0; e < events->count; e++) {
     char name[VS_KEY_SIZE];
@@ -112,7 +114,7 @@ double vs_key_number(const vs_key *key) {
   double real = NAN;
   int whole = 0;
   if (!key->value) return NAN;
-  if (key->field->kind == VS_REAL) memcpy(&real, key->value, sizeof real);
+  if (vs_field_is_real(key->field)) memcpy(&real, key->value, sizeof real);
   if (key->field->kind != VS_COUNT) return real;
   memcpy(&whole, key->value, sizeof whole);
   return whole;

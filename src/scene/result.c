@@ -11,9 +11,16 @@ void vs_result_finish(vs_result *r) {
   vs_verdict_reach(r->watchers.measures, r->watchers.devices, &r->verdict);
 }
 
+void vs_result_end_loop(vs_result *r) {
+  if (r->loop) vs_loop_end(r->loop);
+  free(r->loop);
+  r->loop = NULL;
+}
+
 void vs_result_free(vs_result *r) {
   vs_verdict_free(&r->verdict);
   vs_watchers_free(&r->watchers);
+  vs_result_end_loop(r);
   free(r->meters);
   r->meters = NULL;
   if (r->climbed) vs_scene_free(r->climbed);
@@ -138,6 +145,8 @@ static void warn_after(const vs_result *r, bool of_firing,
 const char *vs_result_declined(const vs_result *r) {
   const vs_scene *s = r->scene;
   const vs_stand_in *stand_in = s->order.stand_in;
+  if (s->tier->has_circuit && r->loop && !s->setup.run.stays)
+    return "a control decides the firings, so that the next one is not known";
   if (!s->tier->has_circuit || !stand_in || s->setup.run.stays) return NULL;
   return stand_in->declines(&s->setup.model);
 }

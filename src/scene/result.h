@@ -3,7 +3,7 @@
 #ifndef VS_SCENE_RESULT_H
 #define VS_SCENE_RESULT_H
 
-#include "instrument/meter.h"
+#include "control/loop.h"
 #include "scene/ladder.h"
 #include "watch/verdict.h"
 #include "watch/watchers.h"
@@ -29,6 +29,7 @@ typedef struct vs_result {
   vs_value values[VS_MEASURES]; /* of the measures, SI (watch/measures.h) */
   vs_watchers watchers;         /* what they have seen of the run */
   vs_meter *meters; /* of the scene's instruments, in their order, owned; NULL: it has none */
+  vs_loop *loop;    /* the scene's control, owned; NULL: it has none */
   char books[512];  /* what the energy audit finds; empty: nothing */
   vs_verdict verdict;
   vs_ladder ladder; /* the rung whose settings gave this result; 0 is the scene as it is */
@@ -40,9 +41,11 @@ typedef struct vs_result {
 /* Fills values and verdict from what the watchers have seen, once the run has reached its end. */
 void vs_result_finish(vs_result *result);
 void vs_result_free(vs_result *result);
+/* Ends the control of an attempt that another one follows. */
+void vs_result_end_loop(vs_result *result);
 
-/* Why the circuit's solver was not to be left in this run for its machine's sake; NULL: it might
- * be, or there is no solver, or the scene has run.leave_circuit: never. */
+/* Why the circuit's solver was not to be left in this run, for its machine's or its control's sake;
+ * NULL: it might be, or there is no solver, or the scene has run.leave_circuit: never. */
 const char *vs_result_declined(const vs_result *result);
 
 /* Calls each(ctx, text) with every warning, one after the other: those of the scene, then those

@@ -340,6 +340,15 @@ static void warn(vs_scene *s) {
   if (s->setup.steady) vs_warnings_of_settling(&s->instruments, &s->frame, &s->warnings);
 }
 
+void vs_scene_hold(vs_scene *s) {
+  const vs_node *section = vs_tree_child(s->tree.root, vs_control_section.name);
+  if (!s->control.regulator) return;
+  s->control.regulator = NULL;
+  vs_fail_at(vs_warnings_add(&s->warnings), section->key_where,
+             "control: it is off here: the orbit is that of the angle firing.angle = %g deg",
+             s->setup.timeline.firing.angle.first / vs_units_factor("deg"));
+}
+
 void vs_scene_warn(const vs_scene *s) {
   for (size_t k = 0; k < s->warnings.count; k++)
     fprintf(stderr, "vibrospice: warning: %s\n", vs_warnings_text(&s->warnings.item[k]));
@@ -373,7 +382,9 @@ static vs_status conclude(vs_scene *s, const char *tier, vs_error *err) {
 
 static vs_status read_instruments(vs_scene *s, vs_error *err) {
   const vs_node *section = vs_tree_child(s->tree.root, "instruments");
-  return vs_instruments_read(section, &s->setup, &s->frame, &s->instruments, err);
+  vs_status status = vs_instruments_read(section, &s->setup, &s->frame, &s->instruments, err);
+  section = vs_tree_child(s->tree.root, vs_control_section.name);
+  return status ? status : vs_control_read(section, &s->setup, &s->instruments, &s->control, err);
 }
 
 vs_status vs_scene_settle(vs_scene *s, const char *tier, vs_error *err) {

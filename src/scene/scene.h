@@ -5,7 +5,7 @@
 #define VS_SCENE_SCENE_H
 
 #include "base/path.h"
-#include "instrument/instruments.h"
+#include "control/control.h"
 #include "scene/tiers.h"
 #include "scene/warnings.h"
 #include "watch/measures.h"
@@ -26,6 +26,7 @@ typedef struct vs_scene {
   char why[256];                       /* why this tier */
   vs_frame frame;                      /* of this tier */
   vs_instruments instruments;          /* none where the scene has no such section */
+  vs_control control;                  /* likewise */
   int record[VS_CH_MOST], n_record;    /* channels of the frame, in the order of the columns */
   vs_value measured[VS_MOST_MEASURES]; /* SI; as the scene's `measured` says, in the order of
                                           vs_measure_at */
@@ -52,6 +53,10 @@ vs_status vs_scene_again(vs_scene *scene, vs_error *err);
  * before `scene`, also after an error. Errors: those of vs_scene_settle. */
 vs_status vs_scene_with(const vs_scene *scene, const char *const *keys, size_t n_keys,
                         vs_scene *other, vs_error *err);
+
+/* Takes the scene's control off, where it has one, and adds a warning that says so: whoever asks
+ * for a periodic orbit gets that of the angle firing.angle. */
+void vs_scene_hold(vs_scene *scene);
 
 /* Prints a line on standard error for each of the scene's warnings. */
 void vs_scene_warn(const vs_scene *scene);

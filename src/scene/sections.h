@@ -9,8 +9,8 @@
 /* One row for each key at the top of a scene, in the order in which a scene is shown.
  * SECTION(name, fields, member): fields is the vs_section, NULL for those of the scene's own
  * machine and deck; member is the one of vs_setup that the fields fill. OTHER(name, ): the key has
- * no fields of its own; scene/scene.c, drive/events.c and instrument/instruments.c read such keys.
- */
+ * no fields of its own; scene/scene.c, drive/events.c, instrument/instruments.c and
+ * control/control.c read such keys. */
 #define VS_SECTION_LIST(SECTION, OTHER)                                                            \
   SECTION(machine, NULL, model.parameters)                                                         \
   SECTION(actuator, NULL, model.actuator)                                                          \
@@ -20,6 +20,7 @@
   SECTION(circuit, NULL, circuit_values)                                                           \
   OTHER(events, )                                                                                  \
   OTHER(instruments, )                                                                             \
+  OTHER(control, )                                                                                 \
   SECTION(run, &vs_setup_run_section, run)                                                         \
   SECTION(start, NULL, start)                                                                      \
   OTHER(record, )                                                                                  \

@@ -24,6 +24,7 @@ static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
   r->steps++;
   if (!a->session->bare) vs_watchers_accept(&r->watchers, step);
   vs_status status = guest && guest->accept ? guest->accept(guest->ctx, step, r, err) : VS_OK;
+  if (!status && r->loop) status = vs_loop_accept(r->loop, step, err);
   for (int k = 0; r->meters && k < r->scene->instruments.count && !status; k++)
     vs_meter_accept(&r->meters[k], step);
   if (!status && a->session->stop && *a->session->stop)
@@ -99,6 +100,18 @@ static void begin_meters(const vs_session *session, const vs_scene *s, vs_result
   for (int k = 0; k < all->count; k++) vs_meter_begin(&r->meters[k], &all->item[k], all->v.seed);
 }
 
+/* Begins the scene's control anew, which then decides when the setup's thyristors fire. The circuit
+ * is not left in such a run, as nobody knows when the next firing comes. */
+static vs_status begin_loop(const vs_session *session, vs_scene *s, vs_result *r, vs_error *err) {
+  vs_result_end_loop(r);
+  s->setup.timeline.program = NULL;
+  if (!s->control.regulator || session->bare) return VS_OK;
+  r->loop = vs_alloc(1, sizeof *r->loop);
+  s->order.stand_in = NULL;
+  s->setup.timeline.program = &r->loop->program;
+  return vs_loop_begin(r->loop, &s->control, &s->setup, &s->instruments, r->meters, err);
+}
+
 static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, vs_error *err) {
   attempt a = {session, r};
   const vs_observer observer = {&a, accept};
@@ -111,6 +124,8 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
   begin_meters(session, s, r);
   s->order.stop = session->stop;
   double began_s = seconds(CLOCK_MONOTONIC);
+  status = begin_loop(session, s, r, err);
+  if (status) return status;
   status = session->unguarded ? s->tier->run(&s->setup, &s->order, &observer, err)
                               : vs_sim_run(s->tier, &s->setup, &s->order, &observer, err);
   r->wall_s = seconds(CLOCK_MONOTONIC) - began_s;
@@ -231,7 +246,7 @@ static void change_settings(vs_scene *s, double factor) {
   run.trtol = run.trtol > USUAL_TRTOL ? USUAL_TRTOL : fmax(run.trtol * looser, 1);
   s->setup = vs_setup_varied(&s->setup, &run, NULL);
   s->order.raw = NULL;
-  s->instruments.count = 0; /* it is for the margins alone */
+  if (!s->control.regulator) s->instruments.count = 0; /* it is for the margins alone */
   s->order.tried = true;
   s->frame = vs_sim_frame(s->tier, &s->setup);
 }

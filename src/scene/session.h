@@ -28,7 +28,8 @@ typedef struct vs_guest {
 typedef struct vs_session {
   const vs_guest *guest; /* NULL: nobody */
   bool verify;           /* what `run.verify: auto` means: a second run where something is rated */
-  bool bare;      /* no watchers and no ladder: of the result only wall_s and steps are filled */
+  bool bare; /* no watchers, no ladder and no control, so that the angle is firing.angle: of the
+                result only wall_s and steps are filled */
   bool unguarded; /* the run goes on beyond the pole cover without a stop, for callers who look
                      where the armature meets it */
   vs_status (*steady)(vs_scene *scene, vs_error *err); /* puts a scene with `start: steady` at the

@@ -7,6 +7,7 @@
 
 #include "deck/devices.h"
 #include "deck/parts.h"
+#include "drive/firing.h"
 #include "drive/wave.h"
 #include "instrument/lowpass.h"
 #include "syntax/units.h"
@@ -45,12 +46,14 @@ static void warn_below_theta(const vs_node *root, const vs_setup *s, vs_warnings
   double theta = atan2(s->timeline.omega_rad_s * s->model.actuator.inductance_h,
                        s->model.actuator.resistance_ohm);
   const vs_node *angle = vs_tree_child(vs_tree_child(root, "firing"), "angle");
-  if (s->timeline.firing.angle_rad >= theta) return;
+  double range[2];
+  vs_firing_range(&s->timeline, range);
+  if (range[0] >= theta) return;
   vs_fail_at(vs_warnings_add(w), place_of(angle),
              "firing.angle = %.6g deg is below theta = %.6g deg, the lower end of the control "
              "range (Eq. 92): "
              "the thyristor conducts as Eq. 91 says, for more than 180 deg",
-             s->timeline.firing.angle_rad / vs_units_factor("deg"), theta / vs_units_factor("deg"));
+             range[0] / vs_units_factor("deg"), theta / vs_units_factor("deg"));
 }
 
 /* A pulse that lasts until its thyristor has forward voltage again fires it there, at once. */
@@ -58,7 +61,9 @@ static void warn_of_long_pulses(const vs_node *root, const vs_setup *s, vs_warni
   const vs_timeline *t = &s->timeline;
   const vs_node *firing = vs_tree_child(root, "firing");
   const vs_node *width = vs_tree_child(firing, "pulse_width");
-  double ends_s = t->firing.angle_rad / t->omega_rad_s + t->firing.pulse_width_s;
+  double range[2];
+  vs_firing_range(t, range);
+  double ends_s = range[1] / t->omega_rad_s + t->firing.pulse_width_s;
   if (t->firing.no_valve || t->supply.direct || !t->firing.every || ends_s <= t->period_s) return;
   vs_fail_at(vs_warnings_add(w), place_of(width ? width : vs_tree_child(firing, "angle")),
              "firing.pulse_width: the pulse lasts until %.6g ms, and forward voltage is back at "

@@ -11,6 +11,7 @@
 #include "deck/netlist.h"
 #include "deck/parts.h"
 #include "drive/events.h"
+#include "drive/firing.h"
 #include "drive/signals.h"
 #include "machine/blueprint.h"
 #include "machine/build.h"
@@ -272,6 +273,8 @@ static vs_status check_fraction(const vs_node *scene, const vs_setup *setup, vs_
   if (line->supply.direct) why = "and direct voltage (supply.kind: step) has none";
   if (!line->firing.no_valve && !line->firing.every)
     why = "and firing.every is 'once'; write firing.every: 1";
+  if (line->firing.angle.count > 0)
+    why = "and firing.angle is a table over time, which has none; write one angle";
   if (!why) return VS_OK;
   return vs_fail_at(err, node ? node->where : (vs_where){0},
                     "load.fraction: auto is found on the machine's orbit, %s, or a number here",
@@ -287,6 +290,8 @@ static vs_status check_steady(const vs_node *scene, const vs_timeline *line, con
     section = "supply", key = "kind", why = "direct voltage has no cycles, and so no orbit";
   else if (!firing->no_valve && !firing->every)
     why = "an orbit wants a firing in every cycle, and this is 'once'; write firing.every: 1";
+  else if (firing->angle.count > 0)
+    key = "angle", why = "an orbit has one angle, and this is a table over time";
   else if (!firing->no_valve && firing->first_cycle != 1)
     key = "first_cycle", why = "an orbit has a firing in the first cycle; leave the key out";
   else if (line->supply.phase_rad != 0)
@@ -492,7 +497,8 @@ double vs_setup_edge(const vs_setup *setup, double t_s) {
     const vs_signal *s = &setup->deck.ports[k].signal;
     next_s = fmin(next_s, vs_signals_edge(&setup->timeline, s, t_s));
   }
-  return next_s;
+  double known_s = vs_firing_known_s(&setup->timeline);
+  return known_s > t_s + vs_occurrence_rounding(t_s) ? fmin(next_s, known_s) : next_s;
 }
 
 bool vs_setup_found_fraction(const vs_setup *setup) {

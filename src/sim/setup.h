@@ -112,7 +112,7 @@ double vs_setup_source_ohm(const vs_setup *setup);
 void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD]);
 
 /* First instant after t_s that must be the end of a step for the circuit: an edge of what a port of
- * the deck is driven with, or of an event. INFINITY: there is none. */
+ * the deck is driven with, or of an event, or the next decision of a control. INFINITY: none. */
 double vs_setup_edge(const vs_setup *setup, double t_s);
 
 /* True if load.fraction is auto, and what it comes to has been found for this setup. */

@@ -12,7 +12,7 @@
 vs_setup vs_steady_setup(const vs_scene *scene, const vs_run_values *run, const vs_orbit *orbit) {
   vs_setup setup = vs_shooting_setup(scene, run, orbit);
   vs_firing_values *firing = &setup.timeline.firing;
-  double ends_s = firing->angle_rad / setup.timeline.omega_rad_s + firing->pulse_width_s;
+  double ends_s = firing->angle.first / setup.timeline.omega_rad_s + firing->pulse_width_s;
   if (ends_s < firing->every * setup.timeline.period_s) firing->first_cycle = 1;
   return setup;
 }

@@ -24,9 +24,10 @@ void vs_field_range(const vs_field *field, char *text, size_t size) {
   if (field->kind == VS_CHOICE || field->kind == VS_NAME)
     snprintf(text, size, "%s", field->choices ? field->choices : "");
   else
-    snprintf(text, size, "%s%s%g..%g%s%s%s", field->choices ? field->choices : "",
+    snprintf(text, size, "%s%s%g..%g%s%s%s%s", field->choices ? field->choices : "",
              field->choices ? " or " : "", field->min, field->max, space, field->unit,
-             field->open ? " (ends excluded)" : "");
+             field->open ? " (ends excluded)" : "",
+             field->kind == VS_PROFILE ? ", or over time: [[TIME, VALUE], ...]" : "");
 }
 
 static vs_status read_real(const char *name, const vs_field *field, const vs_node *node,
@@ -55,6 +56,60 @@ static vs_status read_real(const char *name, const vs_field *field, const vs_nod
   vs_field_range(field, range, sizeof range);
   return vs_fail_at(err, node->where, "%s: %s is out of range; allowed: %s", name, node->text,
                     range);
+}
+
+/* ---- a quantity over time ---- */
+
+double vs_field_profile_at(const vs_field_profile *c, double t_s) {
+  int k = 0;
+  if (!c->count) return c->first;
+  while (k < c->count && c->at_s[k] <= t_s) k++;
+  if (k == 0) return c->value[0];
+  if (k == c->count) return c->value[k - 1];
+  double share = (t_s - c->at_s[k - 1]) / (c->at_s[k] - c->at_s[k - 1]);
+  return c->value[k - 1] + share * (c->value[k] - c->value[k - 1]);
+}
+
+bool vs_field_is_real(const vs_field *field) {
+  return field->kind == VS_REAL || field->kind == VS_PROFILE;
+}
+
+/* Reads one point, [TIME, VALUE], behind those that the table has. */
+static vs_status read_point(const char *name, const vs_field *field, const vs_node *node,
+                            vs_field_profile *c, vs_error *err) {
+  static const vs_field TIME = {.kind = VS_REAL, .unit = "s", .default_text = "0 s", .max = 1e9};
+  int k = c->count;
+  const vs_node *at = node->kind == VS_NODE_LIST ? node->child : NULL;
+  if (k == VS_PROFILE_MOST)
+    return vs_fail_at(err, node->where, "%s: a list of at most %d points is allowed", name, k);
+  if (!at || !at->next || at->next->next)
+    return vs_fail_at(err, node->where, "%s: each point is a time and a value: [0 s, %s]", name,
+                      field->default_text);
+  vs_status status = read_real(name, &TIME, at, &c->at_s[k], err);
+  if (!status) status = read_real(name, field, at->next, &c->value[k], err);
+  if (status) return status;
+  if (k && c->at_s[k] < c->at_s[k - 1])
+    return vs_fail_at(err, at->where, "%s: %g s stands behind %g s; times must not go back", name,
+                      c->at_s[k], c->at_s[k - 1]);
+  c->count++;
+  return VS_OK;
+}
+
+/* Reads the one value, or a list of points. */
+static vs_status read_profile(const char *name, const vs_field *field, const vs_node *node,
+                              vs_field_profile *out, vs_error *err) {
+  vs_field_profile read = {0};
+  vs_status status = VS_OK;
+  if (node->kind != VS_NODE_LIST) {
+    status = read_real(name, field, node, &read.first, err);
+  } else {
+    if (!node->child) return vs_fail_at(err, node->where, "%s: the list has no points", name);
+    for (const vs_node *n = node->child; n && !status; n = n->next)
+      status = read_point(name, field, n, &read, err);
+    read.first = read.value[0];
+  }
+  if (!status) *out = read;
+  return status;
 }
 
 static vs_status read_choice(const char *name, const vs_field *field, const vs_node *node, int *out,
@@ -153,6 +208,8 @@ vs_status vs_field_read(const vs_section *section, const vs_field *field, const 
   switch (field->kind) {
   case VS_REAL:
     return read_real(name, field, node, (double *)(void *)member, err);
+  case VS_PROFILE:
+    return read_profile(name, field, node, (vs_field_profile *)(void *)member, err);
   case VS_CHOICE:
     return read_choice(name, field, node, (int *)(void *)member, err);
   case VS_COUNT:
@@ -246,7 +303,7 @@ static void add_choice(const char *choices, int choice, vs_json *json) {
 /* Writes {"value": 6, "unit": "mm"}; the value of a pair is [x, y]. */
 static void add_quantity(const vs_field *field, const double *si, vs_json *json) {
   const double factor = vs_units_factor(field->unit);
-  if (field->kind == VS_REAL && isnan(si[0])) {
+  if (vs_field_is_real(field) && isnan(si[0])) {
     vs_json_text(json, NULL, field->choices);
     return;
   }
@@ -258,6 +315,23 @@ static void add_quantity(const vs_field *field, const double *si, vs_json *json)
   } else
     vs_json_number(json, "value", si[0] / factor, 12);
   vs_json_text(json, "unit", field->unit);
+  vs_json_end(json);
+}
+
+/* Writes {"value": [[0, 160], [1, 100]], "unit": "deg", "over": "s"}. */
+static void add_profile(const vs_field *field, const vs_field_profile *c, vs_json *json) {
+  const double factor = vs_units_factor(field->unit);
+  vs_json_object(json, NULL, VS_JSON_ROW);
+  vs_json_array(json, "value", VS_JSON_ROW);
+  for (int k = 0; k < c->count; k++) {
+    vs_json_array(json, NULL, VS_JSON_ROW);
+    vs_json_number(json, NULL, c->at_s[k], 12);
+    vs_json_number(json, NULL, c->value[k] / factor, 12);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+  vs_json_text(json, "unit", field->unit);
+  vs_json_text(json, "over", "s");
   vs_json_end(json);
 }
 
@@ -285,10 +359,17 @@ static void add_maps(const vs_field *field, const char *member, vs_json *json) {
 
 void vs_field_json(const vs_field *field, const void *values, vs_text *text) {
   const char *member = (const char *)values + field->offset;
+  const vs_field_profile *profile = (const vs_field_profile *)(const void *)member;
   int whole = 0;
   vs_json json = vs_json_new(text);
   if (field->kind == VS_CHOICE || field->kind == VS_COUNT) memcpy(&whole, member, sizeof whole);
   switch (field->kind) {
+  case VS_PROFILE:
+    if (profile->count)
+      add_profile(field, profile, &json);
+    else
+      add_quantity(field, &profile->first, &json);
+    break;
   case VS_REAL:
   case VS_PAIR:
     add_quantity(field, (const double *)(const void *)member, &json);

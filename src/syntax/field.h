@@ -12,17 +12,27 @@
 #include "syntax/tree.h"
 
 typedef enum vs_field_kind {
-  VS_REAL,   /* double, SI; or (where choices names one) that word, read as NaN */
-  VS_PAIR,   /* double[2], SI, written [x, y] */
-  VS_CHOICE, /* int: which of `choices` */
-  VS_COUNT,  /* int: a whole number, or (where choices names one) that word, read as 0 */
-  VS_NAME,   /* char[VS_NAME_SIZE] */
-  VS_OPTION  /* up to `options.most` structs in a row, each of which begins with an int: it is 1 for
-                a map, whose keys fill the struct's other members, and for each map of a list. It
-                is 0 behind the last, and in the first for the word `choices` names */
+  VS_REAL,    /* double, SI; or (where choices names one) that word, read as NaN */
+  VS_PROFILE, /* vs_field_profile: as VS_REAL, or a list of points over time */
+  VS_PAIR,    /* double[2], SI, written [x, y] */
+  VS_CHOICE,  /* int: which of `choices` */
+  VS_COUNT,   /* int: a whole number, or (where choices names one) that word, read as 0 */
+  VS_NAME,    /* char[VS_NAME_SIZE] */
+  VS_OPTION /* up to `options.most` structs in a row, each of which begins with an int: it is 1 for
+               a map, whose keys fill the struct's other members, and for each map of a list. It
+               is 0 behind the last, and in the first for the word `choices` names */
 } vs_field_kind;
 
-enum { VS_NAME_SIZE = 256 };
+enum { VS_NAME_SIZE = 256, VS_PROFILE_MOST = 64 };
+
+/* A quantity that may change over time, straight between its points: 100 deg, or [[0 s, 160 deg],
+ * [1 s, 100 deg]]. Before the first point it is the first one's, behind the last the last one's.
+ * Where two points have the same time it jumps. */
+typedef struct vs_field_profile {
+  double first; /* the one number, or that of the first point; SI */
+  int count;    /* of the points; 0: it is one number */
+  double at_s[VS_PROFILE_MOST], value[VS_PROFILE_MOST];
+} vs_field_profile;
 
 typedef struct vs_field {
   const char *key;
@@ -36,6 +46,12 @@ typedef struct vs_field {
   const char *choices;      /* VS_CHOICE: "paper|derived"; VS_REAL, VS_COUNT, VS_OPTION: a word */
   const struct vs_options *options; /* VS_OPTION: what its maps have */
 } vs_field;
+
+/* The quantity at t, SI. At a jump it is the later value. */
+double vs_field_profile_at(const vs_field_profile *profile, double t_s);
+
+/* True if it fills a double, at its offset: a key that can be varied. */
+bool vs_field_is_real(const vs_field *field);
 
 /* A map of a scene. */
 typedef struct vs_section {

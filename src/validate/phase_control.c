@@ -62,7 +62,7 @@ static vs_status perform_closed_form(const vs_experiment *e, const vs_observer *
     const vs_timeline *line = &scene->setup.timeline;
     const vs_actuator_values *coil = &scene->setup.model.actuator;
     double x_ohm = line->omega_rad_s * coil->inductance_h, r_ohm = coil->resistance_ohm;
-    pulse p = {line->firing.angle_rad, atan2(x_ohm, r_ohm), line->peak_v / hypot(x_ohm, r_ohm)};
+    pulse p = {line->firing.angle.first, atan2(x_ohm, r_ohm), line->peak_v / hypot(x_ohm, r_ohm)};
     double beta = root_of(current, &p, fmax(p.alpha, p.theta) + 0.1, 2 * M_PI);
     vs_experiment_add(out, beta / line->omega_rad_s, "t_extinction");
     vs_experiment_add(out, (beta - p.alpha) / line->omega_rad_s, "conduction_time");

@@ -2,8 +2,8 @@
  * Generators against the standards they are made for, the surge into a varistor, varistor laws, and
  * the I2t of a half sine. */
 #include "validate/surge.h"
-#include "drive/faults.h"
-#include "drive/generators.h"
+#include "event/faults.h"
+#include "event/generators.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 

@@ -26,6 +26,9 @@ void vs_table_begin(vs_table *table) {
   }
   for (int k = 0; k < instruments_of(table); k++)
     write_name(table, table->instruments->item[k].column, table->instruments->item[k].unit);
+  vs_control_column column;
+  for (int k = 0; table->control && vs_control_column_at(table->control, k, &column); k++)
+    write_name(table, column.name, column.unit);
   fputc('\n', table->stream);
 }
 
@@ -49,10 +52,14 @@ vs_status vs_table_accept(vs_table *table, const vs_step *step, vs_error *err) {
     vs_step_at(step, within, y);
     write_number(table, t, '\0');
     for (int k = 0; k < table->count; k++) write_number(table, y[table->channels[k]], ',');
+    if (table->loop) vs_loop_to(table->loop, step, within);
     for (int k = 0; k < instruments_of(table); k++) {
       vs_meter_to(&table->meters[k], step, within);
       write_number(table, table->meters[k].value, ',');
     }
+    vs_control_column column;
+    for (int k = 0; table->loop && vs_control_column_at(table->control, k, &column); k++)
+      write_number(table, vs_loop_shows(table->loop, k), ',');
     putc_unlocked('\n', table->stream);
     if (ferror(table->stream))
       return vs_fail(err, VS_RUN, "t = %.9g s: run.csv cannot be written: %s", t, strerror(errno));

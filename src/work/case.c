@@ -191,6 +191,7 @@ static vs_status begin_csv(keeper *k, const vs_scene *s, vs_error *err) {
   k->table = (vs_table){.stream = k->csv.stream,
                         .frame = &s->frame,
                         .instruments = &s->instruments,
+                        .control = &s->control,
                         .digits = 9,
                         .sample_s = s->setup.run.sample_s,
                         .until_s = s->setup.run.until_s};
@@ -208,6 +209,7 @@ static vs_status begin_run(void *ctx, vs_scene *s, vs_error *err) {
 static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
   keeper *k = ctx;
   k->table.meters = result->meters;
+  k->table.loop = result->loop;
   if (k->c->steady) vs_steady_accept(k->c->steady, step);
   return k->csv.stream ? vs_table_accept(&k->table, step, err) : VS_OK;
 }

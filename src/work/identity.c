@@ -54,7 +54,9 @@ static bool is_among(const char *key, const char *const *keys) {
  * order, a deck's in the order of its file, whose contents are in the sum. -0 counts as 0. */
 static void add_value(const vs_field *field, const void *values, vs_text *text) {
   const char *member = (const char *)values + field->offset;
-  const size_t n = field->kind == VS_REAL ? 1 : field->kind == VS_PAIR ? 2 : 0;
+  const bool points =
+      field->kind == VS_PROFILE && ((const vs_field_profile *)(const void *)member)->count;
+  const size_t n = points ? 0 : vs_field_is_real(field) ? 1 : field->kind == VS_PAIR ? 2 : 0;
   double si[2];
   char number[VS_NUMBER_SIZE];
   memcpy(si, member, n * sizeof *si);
@@ -146,6 +148,13 @@ static void add_instruments(const vs_instruments *all, vs_text *text) {
   }
 }
 
+static void add_control(const vs_control *c, vs_text *text) {
+  for (size_t k = 0; c->regulator && k < c->section.count; k++) {
+    vs_text_add(text, "control.%s\n", c->section.fields[k].key);
+    add_value(&c->section.fields[k], &c->v, text);
+  }
+}
+
 void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_SIZE]) {
   vs_text *whole = &identity->whole;
   whole->length = 0;
@@ -157,6 +166,7 @@ void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_
   }
   add_events(&scene->setup.timeline.events, whole);
   add_instruments(&scene->instruments, whole);
+  add_control(&scene->control, whole);
   if (scene->setup.steady) vs_text_add(whole, "start steady\n");
   if (identity->plan->periods) vs_text_add(whole, "steady %d\n", identity->plan->periods);
   sum_of(whole, id);

@@ -288,6 +288,8 @@ static bool calm(vs_past *p) {
   vs_setup *s = &vs_case_scene(p->trunk)->setup;
   vs_events *events = &s->timeline.events;
   vs_error err = {0};
+  if (vs_case_scene(p->trunk)->control.regulator)
+    return false; /* it would decide for one of them */
   for (size_t k = 0; k < events->count; k++)
     if (is_varied(p->plan, &events->item[k])) vs_occurrence_put_off(&events->item[k], k);
   s->run.ladder = VS_LADDER_STAY;

@@ -35,7 +35,7 @@ static double current(double t_s, double *rate) {
 static void build_force(const vs_setup *s) {
   const vs_actuator_values *coil = &s->model.actuator;
   double reactance = s->timeline.omega_rad_s * coil->inductance_h;
-  force = (pulse){.fires_s = s->timeline.firing.angle_rad / s->timeline.omega_rad_s,
+  force = (pulse){.fires_s = s->timeline.firing.angle.first / s->timeline.omega_rad_s,
                   .omega = s->timeline.omega_rad_s,
                   .theta = atan2(reactance, coil->resistance_ohm),
                   .tau_s = coil->inductance_h / coil->resistance_ohm,

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "drive/generators.h"
+#include "event/generators.h"
 
 #include <math.h>
 #include <stdio.h>
 
-#include "drive/wiring.h"
+#include "event/wiring.h"
 
 /* YAML has no bare - as a value: it begins a list. The odd choices are negative. */
 #define POLARITY                                                                                   \

@@ -3,10 +3,10 @@
  * NODE'): surge, ring wave, fast transients. Several may come together, and closer than their waves
  * last: each is one of its own, coupled to the line from the beginning, and what they bring adds
  * up. */
-#ifndef VS_DRIVE_GENERATORS_H
-#define VS_DRIVE_GENERATORS_H
+#ifndef VS_EVENT_GENERATORS_H
+#define VS_EVENT_GENERATORS_H
 
-#include "drive/occurrence.h"
+#include "event/occurrence.h"
 
 /* The kinds; the last row has no name. A new kind is one row of this table, with its keys and
  * functions above it in generators.c. */

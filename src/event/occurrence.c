@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "drive/occurrence.h"
+#include "event/occurrence.h"
 
 #include <float.h>
 #include <limits.h>

@@ -4,8 +4,8 @@
  * that has all that belongs to such events. Kinds are defined in generators.c, disturbances.c,
  * pulses.c and faults.c, each file with a table of its own; nothing else asks which kind an event
  * is of. */
-#ifndef VS_DRIVE_OCCURRENCE_H
-#define VS_DRIVE_OCCURRENCE_H
+#ifndef VS_EVENT_OCCURRENCE_H
+#define VS_EVENT_OCCURRENCE_H
 
 #include <stdbool.h>
 #include <stddef.h>

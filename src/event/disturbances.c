@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "drive/disturbances.h"
+#include "event/disturbances.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "drive/pulses.h"
+#include "event/pulses.h"
 
 #include <math.h>
 

@@ -4,10 +4,10 @@
  * and end with the event's index, so that two events never share one.
  *
  * Errors have the event's place. */
-#ifndef VS_DRIVE_WIRING_H
-#define VS_DRIVE_WIRING_H
+#ifndef VS_EVENT_WIRING_H
+#define VS_EVENT_WIRING_H
 
-#include "drive/occurrence.h"
+#include "event/occurrence.h"
 
 /* Adds a line to the netlist, formatted as printf does. */
 void vs_wiring_line(vs_deck *deck, vs_where where, const char *format, ...)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "drive/faults.h"
+#include "event/faults.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@
 
 #include "base/text.h"
 #include "deck/rules.h"
-#include "drive/wiring.h"
+#include "event/wiring.h"
 
 /* ---- keys ---- */
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Kinds of events that disturb the mains: sag, swell, interruption, notch, jump of phase,
  * harmonic. */
-#ifndef VS_DRIVE_DISTURBANCES_H
-#define VS_DRIVE_DISTURBANCES_H
+#ifndef VS_EVENT_DISTURBANCES_H
+#define VS_EVENT_DISTURBANCES_H
 
-#include "drive/occurrence.h"
+#include "event/occurrence.h"
 
 /* The kinds; the last row has no name. A new kind is one row of this table, with its keys and
  * functions above it in disturbances.c. */

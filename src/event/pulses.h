@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Kinds of events at the gate: a pulse that is missing, short, weak, or one too many. */
-#ifndef VS_DRIVE_PULSES_H
-#define VS_DRIVE_PULSES_H
+#ifndef VS_EVENT_PULSES_H
+#define VS_EVENT_PULSES_H
 
-#include "drive/occurrence.h"
+#include "event/occurrence.h"
 
 /* The kinds; the last row has no name. A new kind is one row of this table, with its keys and
  * functions above it in pulses.c. */

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * With a the amplitude of the period before, r the set point and e = r - a, a firing has the angle
+ *
+ *   alpha = alpha_0 - K_p e - I,   I = K_i T sum of e over the firings so far,
+ *
+ * alpha_0 being firing.angle and T the time from firing to firing. A smaller angle gives more
+ * amplitude, hence the signs. Where alpha would pass a limit and e takes it further, I stays as it
+ * is (anti-windup by conditional integration). */
+#include "control/amplitude.h"
+
+#include <math.h>
+
+#include "instrument/lowpass.h"
+
+#define AT(member) offsetof(vs_control_values, member)
+static const vs_field KEYS[] = {
+    {"setpoint", VS_PROFILE, "~", "0", 0, 1e12, .offset = AT(setpoint),
+     .text = "half the peak to peak value that the sensor is to show"},
+    {"gain", VS_REAL, "deg/~", "0", -1e12, 1e12, .offset = AT(gain),
+     .text = "K_p: by how much the angle falls for what the amplitude is short of"},
+    {"integral", VS_REAL, "deg/~.s", "0", -1e12, 1e12, .offset = AT(integral),
+     .text = "K_i: by how much it falls in each second for that"},
+    {"sensor_gain", VS_REAL, "", "auto", 0, 1e6, true, AT(sensor_gain),
+     .text = "what the sensor shows of an amplitude; auto: its low-pass at the frequency of firing",
+     .choices = "auto"}};
+#undef AT
+
+typedef struct amplitude {
+  double gain;      /* of the sensor */
+  double low, high; /* of the sensor since the last decision; NaN: it has shown nothing */
+  double measured;  /* over the last period; NaN: not known */
+  double setpoint;
+  double integral_rad; /* I */
+} amplitude;
+
+static vs_status begin(void *self, const vs_sight *s, vs_error *err) {
+  (void)err;
+  amplitude *a = self;
+  const vs_instrument *i = &s->instruments->item[s->sensor];
+  const vs_lowpass p = vs_lowpass_make(i->v.bandwidth_hz, i->v.order, i->v.damping);
+  double phase_rad;
+  vs_lowpass_response(&p, vs_instruments_working_hz(s->setup), &a->gain, &phase_rad);
+  if (!isnan(s->v->sensor_gain)) a->gain = s->v->sensor_gain;
+  a->low = a->high = a->measured = NAN;
+  a->setpoint = vs_field_profile_at(&s->v->setpoint, 0);
+  return VS_OK;
+}
+
+static void tick(void *self, const vs_sight *s) {
+  amplitude *a = self;
+  a->low = fmin(a->low, s->value[s->sensor]); /* fmin passes a NaN over */
+  a->high = fmax(a->high, s->value[s->sensor]);
+}
+
+static vs_status decide(void *self, const vs_sight *s, double *angle_rad, vs_error *err) {
+  (void)err;
+  amplitude *a = self;
+  const vs_timeline *t = &s->setup->timeline;
+  const vs_control_values *v = s->v;
+  double start_rad = vs_field_profile_at(&t->firing.angle, s->t_s);
+  a->setpoint = vs_field_profile_at(&v->setpoint, s->t_s);
+  a->measured = (a->high - a->low) / 2 / a->gain;
+  a->low = a->high = s->value[s->sensor];
+  *angle_rad = start_rad;
+  if (isnan(a->measured) || s->firing == 0) return VS_OK;
+  double e = a->setpoint - a->measured;
+  double step_rad = v->integral * t->firing.every * t->period_s * e;
+  *angle_rad = start_rad - v->gain * e - a->integral_rad - step_rad;
+  bool wound_up = (*angle_rad < v->angle_rad[0] && step_rad > 0) ||
+                  (*angle_rad > v->angle_rad[1] && step_rad < 0);
+  if (!wound_up) a->integral_rad += step_rad;
+  *angle_rad = start_rad - v->gain * e - a->integral_rad;
+  return VS_OK;
+}
+
+static double output(const void *self, int k) {
+  const amplitude *a = self;
+  return k == 0 ? a->setpoint : a->measured;
+}
+
+const vs_regulator vs_amplitude_regulator = {
+    .name = "amplitude",
+    .text = "PI controller of half the peak to peak value that a sensor shows over a period",
+    .fields = KEYS,
+    .n_fields = sizeof KEYS / sizeof *KEYS,
+    .senses = true,
+    .outputs = {{"setpoint", "~"}, {"amplitude_meas", "~"}},
+    .size = sizeof(amplitude),
+    .begin = begin,
+    .tick = tick,
+    .decide = decide,
+    .output = output};

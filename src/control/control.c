@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "control/control.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "control/regulators.h"
+
+#define AT(member) offsetof(vs_control_values, member)
+static const vs_field COMMON[] = {
+    {"law", VS_NAME, "", "none", .offset = AT(law), .text = "see 'vibrospice list regulators'"},
+    {"rate", VS_REAL, "Hz", "10 kHz", 0, 1e7, true, AT(rate_hz),
+     .text = "how often it reads the instruments"},
+    {"angle", VS_PAIR, "deg", "10 deg, 170 deg", 0, 180, .offset = AT(angle_rad),
+     .text = "the least and the largest angle that it fires at"}};
+static const vs_field SENSOR = {
+    "sensor", VS_NAME, "", "NAME", .offset = AT(sensor), .text = "the instrument that it reads"};
+#undef AT
+enum { N_COMMON = sizeof COMMON / sizeof *COMMON };
+const vs_section vs_control_section = {"control", COMMON, N_COMMON};
+
+/* Writes a unit in which "~" stands for the sensor's: "x/~" is "x.b/a" with
+ * a sensor in "a/b". */
+static void make_unit(const char *unit, const char *sensors, char *text, size_t size) {
+  const char *mark = strchr(unit, '~'), *slash = strchr(sensors, '/');
+  if (!mark || mark == unit) {
+    snprintf(text, size, "%s", mark ? sensors : unit);
+    return;
+  }
+  int before = (int)(mark - unit) - 1; /* without its '/' */
+  if (!*sensors)
+    snprintf(text, size, "%.*s%s%s", before, unit, mark[1] ? "/" : "", mark[1] ? mark + 2 : "");
+  else if (!slash)
+    snprintf(text, size, "%.*s/%s%s", before, unit, sensors, mark + 1);
+  else
+    snprintf(text, size, "%.*s.%s/%.*s%s", before, unit, slash + 1, (int)(slash - sensors), sensors,
+             mark + 1);
+}
+
+static void add_field(vs_control *c, const vs_field *field) {
+  size_t k = c->section.count++;
+  c->fields[k] = *field;
+  make_unit(field->unit, c->unit, c->units[k], sizeof c->units[k]);
+  c->fields[k].unit = c->units[k];
+}
+
+/* Makes the keys of this control, as its law and its sensor's unit are now known. */
+static void make_section(vs_control *c) {
+  c->section = (vs_section){vs_control_section.name, c->fields, 0};
+  for (int k = 0; k < N_COMMON; k++) add_field(c, &COMMON[k]);
+  if (c->regulator->senses) add_field(c, &SENSOR);
+  for (size_t k = 0; k < c->regulator->n_fields; k++) add_field(c, &c->regulator->fields[k]);
+}
+
+static vs_status find_law(const vs_node *section, vs_control *c, vs_error *err) {
+  const vs_node *law = vs_tree_child(section, "law");
+  const char *names[16], *named = law && law->kind == VS_NODE_TEXT ? law->text : "none";
+  size_t n = 0;
+  for (; vs_regulators[n]; n++) names[n] = vs_regulators[n]->name;
+  c->regulator = vs_regulators_find(named);
+  if (c->regulator) return VS_OK;
+  const char *nearest = vs_text_nearest(named, names, n);
+  return vs_fail_at(err, law->where, "control.law: there is no '%s'%s%s%s", named,
+                    nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                    nearest ? "'?" : "; see 'vibrospice list regulators'");
+}
+
+/* Finds the instrument that the section names. */
+static vs_status find_sensor(const vs_node *section, const vs_instruments *all, vs_control *c,
+                             vs_error *err) {
+  const vs_node *node = vs_tree_child(section, SENSOR.key);
+  const char *names[VS_INSTRUMENT_MOST];
+  if (!c->regulator->senses) return VS_OK;
+  if (!node || node->kind != VS_NODE_TEXT)
+    return vs_fail_at(err, node ? node->where : section->where,
+                      "control: the law %s wants the key sensor: the name of an instrument%s%s%s",
+                      c->regulator->name, all->count ? ", such as '" : "",
+                      all->count ? all->item[0].name : "",
+                      all->count ? "'" : ", of which the scene has none: add instruments: {}");
+  for (int k = 0; k < all->count; k++) {
+    names[k] = all->item[k].name;
+    if (!strcmp(node->text, names[k])) c->sensor = k;
+  }
+  if (c->sensor >= 0) return VS_OK;
+  const char *nearest = vs_text_nearest(node->text, names, (size_t)all->count);
+  return vs_fail_at(err, node->where, "control.sensor: the scene has no instrument '%s'%s%s%s",
+                    node->text, nearest ? "; did you mean '" : "", nearest ? nearest : "",
+                    nearest      ? "'?"
+                    : all->count ? ""
+                                 : ": add instruments: {}");
+}
+
+/* Error: the scene has no firings to decide, or the control no angle to choose. */
+static vs_status check_scene(const vs_node *section, const vs_setup *setup, const vs_control *c,
+                             vs_error *err) {
+  enum { MOST_TICKS = 1000000000 };
+  const vs_timeline *t = &setup->timeline;
+  const vs_node *angle = vs_tree_child(section, "angle"), *rate = vs_tree_child(section, "rate");
+  if (t->firing.no_valve)
+    return vs_fail_at(err, section->key_where,
+                      "control: with firing.valve: none nothing fires; leave it out");
+  if (!t->firing.every)
+    return vs_fail_at(err, section->key_where,
+                      "control: firing.every is 'once', and a control decides one firing after the "
+                      "other; write firing.every: 1");
+  if (!(c->v.angle_rad[0] < c->v.angle_rad[1]))
+    return vs_fail_at(err, angle ? angle->where : section->where,
+                      "control.angle: the first must be the smaller one: [10 deg, 170 deg]");
+  if (c->v.rate_hz * setup->run.until_s > MOST_TICKS)
+    return vs_fail_at(
+        err, rate ? rate->where : section->where,
+        "control.rate: %g Hz reads the instruments %.3g times up to run.until = %g s; "
+        "allowed there: at most %g Hz",
+        c->v.rate_hz, c->v.rate_hz * setup->run.until_s, setup->run.until_s,
+        MOST_TICKS / setup->run.until_s);
+  return VS_OK;
+}
+
+vs_status vs_control_read(const vs_node *section, const vs_setup *setup,
+                          const vs_instruments *instruments, vs_control *c, vs_error *err) {
+  size_t found = vs_error_count(err);
+  *c = (vs_control){.sensor = -1, .unit = ""};
+  if (!section || setup->machine->lost) return VS_OK;
+  if (section->kind != VS_NODE_MAP)
+    return vs_error_carry_on(
+        err, vs_fail_at(err, section->where,
+                        "control: a map is wanted: {law: amplitude, sensor: NAME, ...}"));
+  vs_status s = vs_error_carry_on(err, find_law(section, c, err));
+  if (s || !c->regulator) return s;
+  s = vs_error_carry_on(err, find_sensor(section, instruments, c, err));
+  if (!s && c->sensor >= 0) c->unit = instruments->item[c->sensor].unit;
+  if (!s && vs_error_count(err) == found) {
+    make_section(c);
+    s = vs_field_section_read(&c->section, section, &c->v, err);
+    if (!s && vs_error_count(err) == found)
+      s = vs_error_carry_on(err, check_scene(section, setup, c, err));
+  }
+  if (s || vs_error_count(err) > found) c->regulator = NULL;
+  return s;
+}
+
+bool vs_control_column_at(const vs_control *c, int k, vs_control_column *column) {
+  static const vs_regulator_output ANGLE = {"firing_angle", "rad"};
+  if (!c->regulator || k > VS_REGULATOR_OUTPUTS) return false;
+  const vs_regulator_output *o = k ? &c->regulator->outputs[k - 1] : &ANGLE;
+  if (!o->name) return false;
+  column->name = o->name;
+  make_unit(o->unit, c->unit, column->unit, sizeof column->unit);
+  return true;
+}

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The control of a scene: what its section `control` says of a controller that reads instruments
+ * and sets the angle of each next firing.
+ *
+ *   control: {law: amplitude, sensor: p, setpoint: 1 mm, gain: 20 deg/mm, reset: 0.2 s}
+ *
+ * How it works in a run is in control/loop.h. */
+#ifndef VS_CONTROL_CONTROL_H
+#define VS_CONTROL_CONTROL_H
+
+#include "control/regulator.h"
+
+enum { VS_CONTROL_FIELDS = 16, VS_CONTROL_UNIT = 48 };
+
+/* Not to be moved: its section points into it. Constant once it is read. */
+typedef struct vs_control {
+  const vs_regulator *regulator; /* NULL: the scene has no control */
+  vs_control_values v;
+  int sensor;         /* its number among the scene's instruments; -1: none is named */
+  const char *unit;   /* the sensor's; "" where there is none */
+  vs_section section; /* its keys with their units; it fills `v` */
+  vs_field fields[VS_CONTROL_FIELDS];
+  char units[VS_CONTROL_FIELDS]
+            [VS_CONTROL_UNIT]; /* of fields whose unit follows from the sensor's */
+} vs_control;
+
+/* The keys that every control has. */
+extern const vs_section vs_control_section;
+
+/* Reads the scene's section (NULL: there is none). The instruments are the scene's. Errors, each of
+ * which a check carries on from: no such law, a key that this law has not, no such instrument; a
+ * scene without a thyristor, or one that fires once; and what any key can be wrong in. */
+vs_status vs_control_read(const vs_node *section, const vs_setup *setup,
+                          const vs_instruments *instruments, vs_control *control, vs_error *err);
+
+/* A column of run.csv that shows what the control does. */
+typedef struct vs_control_column {
+  const char *name;
+  char unit[VS_CONTROL_UNIT];
+} vs_control_column;
+
+/* Its columns, from 0: the angle of the last firing that was decided, then what its law shows.
+ * False behind the last, and where there is no control. */
+bool vs_control_column_at(const vs_control *control, int k, vs_control_column *column);
+
+#endif

@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "control/loop.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/text.h"
+#include "drive/firing.h"
+#include "syntax/units.h"
+
+/* ---- decisions ---- */
+
+/* Decides the next firing, whose cycle begins now. */
+static vs_status decide(vs_loop *l, double t_s, vs_error *err) {
+  const vs_control *c = l->control;
+  vs_program *p = &l->program;
+  double angle_rad = NAN;
+  l->sight.t_s = t_s;
+  l->sight.firing = p->count;
+  vs_status status = c->regulator->decide(l->self, &l->sight, &angle_rad, err);
+  if (status) return status;
+  l->left_out += isnan(angle_rad);
+  l->at_limit += angle_rad < p->range[0] || angle_rad > p->range[1];
+  if (!isnan(angle_rad)) angle_rad = fmin(fmax(angle_rad, p->range[0]), p->range[1]);
+  p->angle_rad[p->count++] = l->sight.last_rad = angle_rad;
+  return VS_OK;
+}
+
+/* How many firings have a cycle that begins in the run. */
+static long firings_of(const vs_timeline *t, double until_s) {
+  double n = (until_s - vs_firing_cycle_s(t, 0)) / (t->firing.every * t->period_s);
+  return n < 0 ? 1 : (long)n + 2;
+}
+
+vs_status vs_loop_begin(vs_loop *l, const vs_control *c, const vs_setup *setup,
+                        const vs_instruments *instruments, vs_meter *meters, vs_error *err) {
+  const vs_timeline *t = &setup->timeline;
+  *l = (vs_loop){.control = c, .meters = meters};
+  l->sight = (vs_sight){.v = &c->v,
+                        .setup = setup,
+                        .instruments = instruments,
+                        .value = l->value,
+                        .sensor = c->sensor,
+                        .last_rad = NAN};
+  for (int k = 0; k < VS_INSTRUMENT_MOST; k++) l->value[k] = NAN;
+  l->program.size = firings_of(t, setup->run.until_s);
+  l->program.angle_rad = vs_alloc((size_t)l->program.size, sizeof *l->program.angle_rad);
+  for (int k = 0; k < 2; k++) l->program.range[k] = c->v.angle_rad[k];
+  l->self = vs_alloc(1, c->regulator->size + 1);
+  vs_status status = c->regulator->begin ? c->regulator->begin(l->self, &l->sight, err) : VS_OK;
+  if (!status && vs_firing_cycle_s(t, 0) <= vs_occurrence_rounding(0)) status = decide(l, 0, err);
+  return status;
+}
+
+/* ---- time passes ---- */
+
+/* Instants that are meant to be the same may differ by rounding. */
+static const double SAME = 1e-9; /* of the time between two ticks */
+
+static void read_meters(vs_loop *l, const vs_step *step, double t_s) {
+  for (int k = 0; k < l->sight.instruments->count; k++) {
+    vs_meter_to(&l->meters[k], step, t_s);
+    l->value[k] = l->meters[k].value * vs_units_factor(l->meters[k].instrument->unit);
+  }
+}
+
+void vs_loop_to(vs_loop *l, const vs_step *step, double t_s) {
+  const vs_regulator *r = l->control->regulator;
+  const double rate_hz = l->control->v.rate_hz;
+  for (double next_s; (next_s = (double)l->ticks / rate_hz) <= t_s + SAME / rate_hz; l->ticks++) {
+    l->sight.t_s = next_s;
+    read_meters(l, step, fmin(next_s, step->to->t_s));
+    if (r->tick) r->tick(l->self, &l->sight);
+  }
+}
+
+vs_status vs_loop_accept(vs_loop *l, const vs_step *step, vs_error *err) {
+  double to_s = step->to->t_s, due_s = vs_firing_known_s(&l->sight.setup->timeline);
+  if (to_s == step->from->t_s) return VS_OK; /* the other side of an instant already shown */
+  vs_loop_to(l, step, to_s);
+  if (to_s < due_s - vs_occurrence_rounding(due_s)) return VS_OK;
+  read_meters(l, step, to_s);
+  return decide(l, due_s, err);
+}
+
+/* ---- what it shows ---- */
+
+double vs_loop_shows(const vs_loop *l, int k) {
+  const vs_control *c = l->control;
+  vs_control_column column;
+  if (k == 0) return l->sight.last_rad;
+  if (!vs_control_column_at(c, k, &column)) return NAN;
+  return c->regulator->output(l->self, k - 1) / vs_units_factor(column.unit);
+}
+
+void vs_loop_end(vs_loop *l) {
+  if (l->self && l->control->regulator->end) l->control->regulator->end(l->self);
+  free(l->self);
+  free(l->program.angle_rad);
+  *l = (vs_loop){0};
+}

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The motion's phase is 0 where the sensor rises through the middle between its last largest and
+ * smallest values. With t_z the last such instant and T the time from the one before,
+ *
+ *   phase(t) = 2 pi (t - t_z)/T.
+ *
+ * In the cycle to come the regulator fires where the phase is the one wanted, if that instant lies
+ * within its limits of the angle, and leaves the firing out where it does not. The sensor's
+ * low-pass shows the motion late by its own phase at 1/T, which is taken back. As long as the
+ * sensor swings less than `threshold`, it fires at firing.angle. */
+#include "control/phase.h"
+
+#include <math.h>
+
+#include "instrument/lowpass.h"
+
+#define AT(member) offsetof(vs_control_values, member)
+static const vs_field KEYS[] = {
+    {"phase", VS_REAL, "deg", "90 deg", -360, 360, .offset = AT(phase_rad),
+     .text = "of the motion at which it fires; 0 where the sensor rises through its middle"},
+    {"threshold", VS_REAL, "~", "0", 0, 1e12, .offset = AT(threshold),
+     .text = "half the peak to peak value below which it fires at firing.angle"}};
+#undef AT
+
+/* The sensor must have been this share of its swing below its middle before it rises through it, so
+ * that noise makes no crossings. */
+static const double HYSTERESIS = 0.2;
+
+typedef struct phase {
+  vs_lowpass lowpass;      /* of the sensor */
+  double low, high;        /* since the last rise */
+  double middle, swing;    /* of the period before it; NaN: not known */
+  double before_s, before; /* the last tick */
+  bool armed;              /* it was far enough below since */
+  double rise_s, period_s; /* the last rise, and the time from the one before; NaN: unknown */
+  double seen;             /* how many rises */
+} phase;
+
+static vs_status begin(void *self, const vs_sight *s, vs_error *err) {
+  (void)err;
+  phase *p = self;
+  const vs_instrument *i = &s->instruments->item[s->sensor];
+  p->lowpass = vs_lowpass_make(i->v.bandwidth_hz, i->v.order, i->v.damping);
+  p->low = p->high = p->middle = p->swing = p->before = p->rise_s = p->period_s = NAN;
+  return VS_OK;
+}
+
+/* The sensor has risen through its middle at t. */
+static void rise(phase *p, double t_s) {
+  p->period_s = t_s - p->rise_s;
+  p->rise_s = t_s;
+  p->middle = (p->high + p->low) / 2;
+  p->swing = (p->high - p->low) / 2;
+  p->low = p->high = NAN;
+  p->armed = false;
+}
+
+static void tick(void *self, const vs_sight *s) {
+  phase *p = self;
+  double y = s->value[s->sensor], before = p->before, before_s = p->before_s;
+  p->low = fmin(p->low, y);
+  p->high = fmax(p->high, y);
+  p->before = y;
+  p->before_s = s->t_s;
+  double middle = isnan(p->middle) ? (p->low + p->high) / 2 : p->middle;
+  double swing = isnan(p->swing) ? (p->high - p->low) / 2 : p->swing;
+  if (y < middle - HYSTERESIS * swing) p->armed = true;
+  if (p->armed && before < middle && y >= middle)
+    rise(p, before_s + (middle - before) / (y - before) * (s->t_s - before_s));
+}
+
+/* Two rises further apart than this many firing periods tell of no swing that goes on. */
+static const double STALE = 3;
+
+static vs_status decide(void *self, const vs_sight *s, double *angle_rad, vs_error *err) {
+  (void)err;
+  const phase *p = self;
+  const vs_timeline *t = &s->setup->timeline;
+  double cycle_s = t->period_s, lag_rad, gain;
+  *angle_rad = vs_field_profile_at(&t->firing.angle, s->t_s);
+  bool known =
+      p->swing > 0 && p->period_s < STALE * cycle_s && s->t_s - p->rise_s < STALE * cycle_s;
+  vs_lowpass_response(&p->lowpass, known ? 1 / p->period_s : 0, &gain, &lag_rad);
+  if (!known || p->swing / gain < s->v->threshold) return VS_OK;
+  double turns = (s->v->phase_rad + lag_rad) / (2 * M_PI),
+         wanted_s = p->rise_s + turns * p->period_s;
+  double least_s = s->t_s + s->v->angle_rad[0] / t->omega_rad_s;
+  wanted_s += ceil((least_s - wanted_s) / p->period_s) * p->period_s;
+  double angle = (wanted_s - s->t_s) * t->omega_rad_s;
+  *angle_rad = angle <= s->v->angle_rad[1] ? angle : NAN;
+  return VS_OK;
+}
+
+static double output(const void *self, int k) {
+  const phase *p = self;
+  return k == 0 ? 1 / p->period_s : p->swing;
+}
+
+const vs_regulator vs_phase_regulator = {
+    .name = "phase",
+    .text = "fires at a phase of the motion that a sensor shows: keeps pace with the resonance",
+    .fields = KEYS,
+    .n_fields = sizeof KEYS / sizeof *KEYS,
+    .senses = true,
+    .outputs = {{"f_motion", "Hz"}, {"swing_meas", "~"}},
+    .size = sizeof(phase),
+    .begin = begin,
+    .tick = tick,
+    .decide = decide,
+    .output = output};

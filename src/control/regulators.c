@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "control/regulators.h"
+
+#include <string.h>
+
+#include "control/amplitude.h"
+#include "control/phase.h"
+#include "control/profile.h"
+
+const vs_regulator *const vs_regulators[] = {&vs_profile_regulator, &vs_amplitude_regulator,
+                                             &vs_phase_regulator, NULL};
+
+const vs_regulator *vs_regulators_find(const char *name) {
+  for (const vs_regulator *const *r = vs_regulators; *r; r++)
+    if (!strcmp((*r)->name, name)) return *r;
+  return NULL;
+}

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The table of the laws of control. */
+#ifndef VS_CONTROL_REGULATORS_H
+#define VS_CONTROL_REGULATORS_H
+
+#include "control/regulator.h"
+
+/* NULL stands behind the last. */
+extern const vs_regulator *const vs_regulators[];
+
+/* The one of that name; NULL: there is none. */
+const vs_regulator *vs_regulators_find(const char *name);
+
+#endif

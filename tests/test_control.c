@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The control of a scene: that angles over time and decided ones are fired at, that a control does
+ * the same on every tier, that the shipped scenes settle, and what is refused. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drive/firing.h"
+#include "program.h"
+#include "steady/steady.h"
+#include "syntax/units.h"
+
+static const double DEG = M_PI / 180;
+
+/* ---- which angles are fired at ---- */
+
+enum { MOST = 512 };
+typedef struct fired {
+  double at_s[MOST];
+  int count;
+} fired;
+
+static vs_status note(void *ctx, const vs_step *step, vs_error *err) {
+  fired *f = ctx;
+  (void)err;
+  for (int k = 0; k < 2; k++)
+    if (step->event[k] == VS_EV_FIRES && f->count < MOST) f->at_s[f->count++] = step->event_s[k];
+  return VS_OK;
+}
+
+/* From the table's definition: straight between its points, read at each cycle's beginning. */
+static void angles_over_time(void) {
+  static const char *const SETS[] = {
+      "circuit.deck=halfwave_bare",
+      "firing.angle=[[10 ms, 150 deg], [90 ms, 110 deg], [90 ms, 130 deg]]", "firing.every=1",
+      "run.until=0.2 s", NULL};
+  static const char *const TIERS[] = {"analytic", "switched", "circuit"};
+  for (size_t k = 0; k < COUNT(TIERS); k++) {
+    fired f = {.count = 0};
+    const vs_observer observer = {&f, note};
+    bool circuit = k == 2;
+    const char *const *sets = SETS + !circuit; /* the deck, for the circuit alone */
+    vs_trial *t = vs_trial_run("paper", TIERS[k], sets, &observer);
+    EXPECT(!t->status && f.count == 10, "%s: %d firings, %s", TIERS[k], f.count, t->err.text);
+    for (int n = 0; n < f.count && n < 10; n++) {
+      double t_s = 0.02 * n, deg = t_s < 0.01 ? 150 : t_s < 0.09 ? 150 - 500 * (t_s - 0.01) : 130;
+      /* on the circuit a firing is told from the current's rise, within a microsecond or two */
+      double within = circuit ? 3e-6 : 1e-10;
+      EXPECT(fabs(f.at_s[n] - t_s - deg / 360 * 0.02) < within, "%s, firing %d: %.9g s, %g deg",
+             TIERS[k], n, f.at_s[n], deg);
+    }
+    vs_trial_free(t);
+  }
+}
+
+/* A timeline as vs_gate_... sees it: decided firings, one left out, one not decided. */
+static void decided_angles(void) {
+  double angle[4] = {100 * DEG, NAN, 60 * DEG, 0};
+  const vs_program program = {angle, 3, 4, {10 * DEG, 170 * DEG}};
+  vs_timeline t = {.period_s = 0.02, .omega_rad_s = 100 * M_PI, .program = &program};
+  t.firing.every = 1;
+  t.firing.first_cycle = 1;
+  CU_ASSERT_TRUE(isnan(vs_firing_angle(&t, 1)));
+  CU_ASSERT_TRUE(vs_firing_is_decided(&t, 2) && !vs_firing_is_decided(&t, 3));
+  CLOSE(vs_firing_known_s(&t), 0.06, 1e-12);
+}
+
+static double *decided(const vs_trial *t, long *count) {
+  const vs_program *p = &t->result.loop->program;
+  *count = p->count;
+  return p->angle_rad;
+}
+
+/* ---- the same on every tier ---- */
+
+#define STEP                                                                                       \
+  "control={law: amplitude, sensor: p, setpoint: 1 mm, gain: -5 deg/mm, "                          \
+  "integral: 60 deg/mm.s, angle: [85 deg, 175 deg]}"
+#define QUIET_SENSOR "instruments={p: {noise: 0, bits: none}}"
+
+/* Tier switched is without the source's impedance. The latch's 1 V is left on tier circuit: 1.6e-3
+ * of the peak of the mains, for which the angle makes up by 0.09 degrees. */
+static void same_on_tiers(void) {
+  const char *const ideal[] = {QUIET_SENSOR,    STEP, "firing.every=1", "firing.angle=112.4deg",
+                               "run.until=1 s", NULL};
+  const char *const circuit[] = {QUIET_SENSOR,
+                                 STEP,
+                                 "firing.every=1",
+                                 "firing.angle=112.4deg",
+                                 "run.until=1 s",
+                                 "circuit.deck=halfwave_bare",
+                                 "supply.resistance=0 ohm",
+                                 "supply.inductance=0 mH",
+                                 "run.verify=never",
+                                 NULL};
+  vs_trial *a = vs_trial_run("paper", "switched", ideal, NULL);
+  vs_trial *b = vs_trial_run("paper", "circuit", circuit, NULL);
+  long n = 0, m = 0;
+  double worst = 0;
+  EXPECT(!a->status && !b->status, "%s%s", a->err.text, b->err.text);
+  double *x = decided(a, &n), *y = decided(b, &m);
+  CU_ASSERT_EQUAL(n, m);
+  for (long k = 0; k < n && k < m; k++) worst = fmax(worst, fabs(x[k] - y[k]) / DEG);
+  EXPECT(n == 51 && worst > 0 && worst < 0.1, "%ld firings, off by %g degrees", n, worst);
+  vs_trial_free(a);
+  vs_trial_free(b);
+}
+
+/* ---- the shipped scenes ---- */
+
+typedef struct swing {
+  double low, high, outside_s, most; /* in the present cycle; end of the last cycle off by 1 % */
+  double from_s;                     /* when the last step is */
+  double cycles;
+} swing;
+
+static vs_status follow(void *ctx, const vs_step *step, const vs_result *r, vs_error *err) {
+  enum { PARTS = 20 };
+  swing *s = ctx;
+  (void)r, (void)err;
+  for (int k = 1; k <= PARTS && step->to->t_s > step->from->t_s; k++) {
+    double t_s = step->from->t_s + (step->to->t_s - step->from->t_s) * k / PARTS;
+    double y = vs_step_channel(step, t_s, VS_CH_Q);
+    if (t_s >= (s->cycles + 1) * 0.02 - 1e-9) {
+      double amplitude = (s->high - s->low) / 2;
+      if (t_s > s->from_s + 0.021) s->most = fmax(s->most, amplitude);
+      if (fabs(amplitude - 1e-3) > 0.01e-3) s->outside_s = t_s;
+      s->cycles++;
+      s->low = s->high = y;
+    }
+    s->low = fmin(s->low, y);
+    s->high = fmax(s->high, y);
+  }
+  return VS_OK;
+}
+
+static void shipped_scenes(void) {
+  static const struct {
+    const char *name;
+    double step_s; /* when the last step is */
+  } SCENES[] = {{"control_startup", 1.4},
+                {"control_setpoint", 0.5},
+                {"control_load", 0.5},
+                {"control_sag", 0.65}};
+  for (size_t k = 0; k < COUNT(SCENES); k++) {
+    swing s = {.from_s = SCENES[k].step_s};
+    const vs_guest guest = {.ctx = &s, .accept = follow};
+    const vs_session session = {.guest = &guest, .steady = vs_steady_start};
+    vs_error err = {0};
+    vs_scene *scene = vs_alloc(1, sizeof *scene);
+    vs_result *result = vs_alloc(1, sizeof *result);
+    vs_status status = vs_scene_read(SCENES[k].name, NULL, 0, NULL, scene, &err);
+    if (!status) status = vs_session_run(&session, scene, result, &err);
+    EXPECT(!status, "%s", err.text);
+    EXPECT(s.outside_s < SCENES[k].step_s + 1.5, "%s: within 1 %% from %g s on", SCENES[k].name,
+           s.outside_s);
+    EXPECT(s.most < 1.05e-3, "%s: %g mm", SCENES[k].name, 1e3 * s.most);
+    EXPECT(s.cycles > 100, "%g cycles", s.cycles);
+    vs_result_free(result);
+    free(result);
+    vs_scene_free(scene);
+    free(scene);
+  }
+}
+
+/* ---- firing at a phase of the motion ---- */
+
+/* The machine swings at its own 56.6 Hz, though the mains have 50 Hz: the sensor rises that often.
+ */
+static void resonance_tracking(void) {
+  static const char *const SETS[] = {"instruments={p: {noise: 0}}",
+                                     "firing={every: 1, angle: 120 deg}", "run.until=2 s",
+                                     "control={law: phase, sensor: p, phase: 90 deg, threshold: "
+                                     "0.02 mm, angle: [100 deg, 170 deg]}",
+                                     NULL};
+  vs_trial *t = vs_trial_run("paper", "switched", SETS, NULL);
+  EXPECT(!t->status, "%s", t->err.text);
+  long n = 0, left_out = 0;
+  double *angle = decided(t, &n);
+  for (long k = 0; k < n; k++) left_out += isnan(angle[k]);
+  EXPECT(n == 101 && left_out > 20 && left_out < 90, "%ld of %ld left out", left_out, n);
+  double hz = vs_loop_shows(t->result.loop, 1);
+  EXPECT(fabs(hz - 56.577) < 1.5, "%g Hz", hz);
+  vs_trial_free(t);
+}
+
+/* ---- what is refused ---- */
+
+static void bad_input(void) {
+  static const struct {
+    const char *line, *at, *says[2];
+  } BAD[] = {
+      {"control: {law: amplitud, sensor: p}", "bad.yaml:3:16: ", {"did you mean 'amplitude'"}},
+      {"control: {law: amplitude}", "bad.yaml:3:11: ", {"wants the key sensor", "'p'"}},
+      {"control: {law: amplitude, sensor: q}", "bad.yaml:3:35: ", {"no instrument 'q'"}},
+      {"control: {law: amplitude, sensor: p, setpoint: 1 V}", "bad.yaml:3:48: ", {"setpoint", "m"}},
+      {"control: {law: amplitude, sensor: p, gain: 1 deg}", "bad.yaml:3:44: ", {"gain", "deg/m"}},
+      {"control: {law: amplitude, sensor: p, phase: 1 deg}", "bad.yaml:3:38: ", {"no key 'phase'"}},
+      {"control: {law: none, angle: [100 deg, 90 deg]}", "bad.yaml:3:30: ", {"smaller one"}},
+      {"control: {law: none, rate: 1 GHz}", "bad.yaml:3:28: ", {"out of range"}},
+      {"control: 5", "bad.yaml:3:10: ", {"a map is wanted"}},
+      {"control: {law: amplitude, sensor: p, setpoint: [[1 s, 1 mm], [0 s, 1 mm]]}",
+       "bad.yaml:3:63: ",
+       {"times must not go back"}},
+      {"control: {law: amplitude, sensor: p, setpoint: [1 mm]}",
+       "bad.yaml:3:49: ",
+       {"a time and a value"}},
+  };
+  for (size_t k = 0; k < COUNT(BAD); k++) {
+    char text[512];
+    snprintf(text, sizeof text, "instruments: {}\nfiring: {every: 1}\n%s\n", BAD[k].line);
+    write_file("bad.yaml", text);
+    refuse("run bad.yaml -o out", BAD[k].line, BAD[k].at, BAD[k].says, __LINE__);
+  }
+  static const char *const ONCE[2] = {"firing.every is 'once'"};
+  write_file("bad.yaml", "instruments: {}\ncontrol: {law: none}\n");
+  refuse("run bad.yaml -o out", "once", "bad.yaml:2:1: ", ONCE, __LINE__);
+  static const char *const ORBIT[2] = {"an orbit has one angle"};
+  write_file("bad.yaml",
+             "start: steady\nfiring: {every: 1, angle: [[0 s, 100 deg], [1 s, 90 deg]]}\n");
+  refuse("run bad.yaml -o out", "orbit", "bad.yaml:2:29: ", ORBIT, __LINE__);
+}
+
+static const vs_test TESTS[] = {
+    {"angles over time are fired at, on every tier", angles_over_time},
+    {"angles that a control decides", decided_angles},
+    {"a control does the same on tiers switched and circuit", same_on_tiers},
+    {"the shipped scenes settle", shipped_scenes},
+    {"firing at a phase keeps pace with the machine", resonance_tracking},
+    {"bad input", bad_input},
+};
+
+int main(void) {
+  return program_suite("control", TESTS, COUNT(TESTS));
+}
