@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/json.h"
 #include "deck/netlist.h"
@@ -231,7 +232,29 @@ static vs_status check_part(report *r, vs_error *err) {
 }
 
 /* Endings of decks, as programs of all kinds write them. */
-static const char *const DECKS[] = {".cir", ".net", ".sp", ".ckt", ".lib", ".spi", ".spice"};
+static const char *const DECKS[] = {".cir", ".net", ".sp", ".ckt", ".spi", ".spice"};
+
+/* Of a library its own lines are checked. One that has an EVA or a port is a deck. */
+static vs_status check_library(report *r, vs_error *err) {
+  vs_deck *library = vs_alloc(1, sizeof *library);
+  size_t subcircuits = 0, models = 0;
+  vs_status status = vs_netlist_read_library(r->options->name, library, err);
+  bool is_deck = *library->eva || library->n_ports;
+  for (size_t k = 0; k < library->n_lines; k++) {
+    subcircuits += !strncasecmp(library->lines[k].text, ".subckt", 7);
+    models += !strncasecmp(library->lines[k].text, ".model", 6);
+  }
+  if (!status && !vs_error_count(err) && !is_deck) {
+    vs_text_add(&r->good,
+                "a good library: %zu subcircuit%s, %zu model%s; what ngspice says of them is seen "
+                "with a deck that uses them",
+                subcircuits, subcircuits == 1 ? "" : "s", models, models == 1 ? "" : "s");
+    vs_warnings_of_netlist(library, &r->warnings);
+  }
+  vs_deck_free(library);
+  free(library);
+  return status || vs_error_count(err) || !is_deck ? status : check_deck(r, err);
+}
 
 static bool ends_in(const char *name, const char *ending) {
   size_t n = strlen(name), m = strlen(ending);
@@ -256,6 +279,7 @@ static vs_status check(report *r, vs_error *err) {
   if (r->options->other) return r->options->other(r->options, &r->good, err);
   for (size_t k = 0; k < sizeof DECKS / sizeof *DECKS; k++)
     if (ends_in(name, DECKS[k])) return check_deck(r, err);
+  if (ends_in(name, ".lib")) return check_library(r, err);
   if (ends_in(name, ".inc")) return check_part(r, err);
   if (is_machine(name)) return check_machine(r, err);
   if (ends_in(name, ".yaml") || ends_in(name, ".yml") ||

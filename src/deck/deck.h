@@ -215,6 +215,7 @@ typedef struct vs_deck {
   double eva_flux_wb;             /* the EVA's flux linkage at t = 0 */
   char line[2][VS_DECK_NAME];     /* nodes at which surges couple in; empty: not said */
   int subcircuits;                /* how many are open, while the deck is read */
+  vs_where subcircuit;            /* of the outermost that is open */
   bool own_clock;                 /* a source or an expression of the deck's own knows the time */
   char eva[VS_DECK_NAME];         /* the EVA's instance, and its two nodes */
   char eva_plus[VS_DECK_NAME], eva_minus[VS_DECK_NAME];

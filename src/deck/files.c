@@ -15,6 +15,7 @@
 #include "dialect/source.h"
 #include "dialect/statements.h"
 #include "dialect/translate.h"
+#include "dialect/words.h"
 
 static const vs_shelf INCLUDE_SHELF = {"include file", "", ""};
 
@@ -123,7 +124,7 @@ static vs_status take_line(vs_deck *deck, vs_line line, vs_error *err) {
   if (!status && !other_file) status = take_circuit(deck, &line, &skip, err);
   if (status && (other_file || (*text != '.' && !isalpha((unsigned char)*text))))
     deck->lost |= VS_LOST_ALL; /* it may have been anything */
-  else if (status && *text != '.')
+  else if (status && (*text != '.' || !strcmp(word, ".subckt")))
     deck->lost |= VS_LOST_ELEMENT;
   if (status || skip) vs_line_free(&line);
   return status;
@@ -280,6 +281,23 @@ static vs_status read_file(vs_deck *deck, const char *path, bool library, vs_err
   return status;
 }
 
+/* Warns of pwr() in a netlist that others' constructs were found in: it keeps the sign of x here.
+ */
+static void tell_pwr(vs_deck *deck) {
+  if (*deck->compat || deck->changes.count == 0) return;
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const vs_line *line = &deck->lines[k];
+    const char *text = line->written ? line->written : line->text, *s = text;
+    while ((s = strcasestr(s, "pwr(")) && s > text && vs_words_goes_on(s[-1])) s++;
+    if (!s) continue;
+    vs_deck_remark(
+        deck, vs_line_place(line, s),
+        "pwr(x, y) is sgn(x)*|x|^y in ngspice; if this netlist is LTspice's or PSpice's, "
+        "it is |x|^y, for which write pow(x, y)");
+    return;
+  }
+}
+
 /* Says what was skipped and what was changed in the files that were read. */
 static void tell_skipped(vs_deck *deck) {
   vs_text warning = {0};
@@ -292,11 +310,15 @@ static void tell_skipped(vs_deck *deck) {
     vs_tally_tell(&deck->changes, k, text, sizeof text);
     vs_deck_remark(deck, deck->changes.item[k].first, "%s", text);
   }
+  tell_pwr(deck);
   deck->changes.count = 0;
 }
 
 vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error *err) {
   vs_status status = read_file(deck, path, library, err);
   tell_skipped(deck);
-  return status;
+  if (status || deck->subcircuits == 0) return status;
+  deck->subcircuits = 0;
+  return vs_error_carry_on(
+      err, vs_fail_at(err, deck->subcircuit, "this .subckt has no .ends that closes it"));
 }

@@ -62,6 +62,11 @@ vs_status vs_netlist_read_part(const char *path, vs_deck *part, vs_error *err) {
   return vs_files_read(part, path, false, err);
 }
 
+vs_status vs_netlist_read_library(const char *path, vs_deck *library, vs_error *err) {
+  vs_deck_begin(library);
+  return vs_files_read(library, path, true, err);
+}
+
 /* ---- parts ---- */
 
 /* Finds the file of a part: at the path given, or in the deck's folder, or on the shelf of parts.
@@ -216,15 +221,41 @@ static const char *find_quoted(const char *message, const char *open, char close
 /* True where the message speaks of the line's element, by one of its ways: "...: r1 a b ...", "...:
  * r1: ...", "... instance r1 ...", "... check node r1#branch". */
 static bool is_element_of(const char *line, const char *message) {
-  static const char *const BEFORE[] = {": ", "instance ", "check node "};
+  static const char *const BEFORE[] = {": ", "instance ", "check node ", "(instance: x"};
   size_t n = strcspn(line, " \t");
   if (n < 2 || *line == '.' || *line == '+') return false;
   for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE; k++)
     for (const char *s = message; (s = strstr(s, BEFORE[k]));) {
       s += strlen(BEFORE[k]);
-      if (!strncasecmp(s, line, n) && strchr(" :#", s[n])) return true;
+      if (!strncasecmp(s, line, n) && strchr(" :#)", s[n])) return true;
     }
   return false;
+}
+
+/* Finds the node that a message speaks of in a line of an element: "check node b", "trouble with
+ * node "xa.b"", of which the last part is looked for; NULL: it is not in this line. */
+static const char *find_node(const char *line, const char *message) {
+  static const char *const BEFORE[] = {"check node ", "trouble with node \""};
+  for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE && *line != '.'; k++) {
+    const char *s = strstr(message, BEFORE[k]);
+    if (!s) continue;
+    s += strlen(BEFORE[k]);
+    size_t n = strcspn(s, " \"");
+    for (size_t dot = 0; dot < n; dot++)
+      if (s[dot] == '.') s += dot + 1, n -= dot + 1, dot = 0;
+    const char *from = line + strcspn(line, " \t");
+    return n ? find_word(line, from, s, n) : NULL;
+  }
+  return NULL;
+}
+
+/* Finds the function whose argument was out of its range. */
+static const char *find_function(const char *line, const char *message) {
+  static const char BEFORE[] = "out of range for ";
+  const char *s = strstr(message, BEFORE);
+  if (!s || *line == '.') return NULL;
+  s += strlen(BEFORE);
+  return find_word(line, line, s, strcspn(s, " "));
 }
 
 /* Finds in the line what the message speaks of; NULL: it is not in this line. */
@@ -232,7 +263,7 @@ static const char *find_subject(const char *line, const char *message) {
   size_t n = 0;
   const char *name = find_quoted(message, PARAMETER, ']', &n);
   if (name) { /* a parameter stands in an expression, and so behind the first '{', quote or '=' */
-    const char *from = strpbrk(line, "{'=");
+    const char *from = *line == '.' ? strpbrk(line, "{'=( ") : strpbrk(line, "{'=");
     return from ? find_word(line, from, name, n) : NULL;
   }
   const char *expression = strstr(message, "xpression err: ");
@@ -243,18 +274,27 @@ static const char *find_subject(const char *line, const char *message) {
   return strstr(message, "circuit: no such function '") ? word : NULL;
 }
 
+/* Finds the first line in which `find` finds what a message speaks of. */
+static vs_where place_in_lines(const vs_deck *deck, const char *message,
+                               const char *(*find)(const char *line, const char *message)) {
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const vs_line *line = &deck->lines[k];
+    const char *at = find(line->written ? line->written : line->text, message);
+    if (at) return vs_line_place(line, at);
+    if (line->written && find(line->text, message)) return line->where;
+  }
+  return (vs_where){0};
+}
+
 void vs_netlist_locate(const vs_deck *deck, vs_error *err) {
   const char *signal = strstr(err->text, "the circuit has no ");
   vs_where where = {0};
   for (size_t k = 0; k < deck->n_terms && signal; k++)
     if (!strcmp(signal + 19, deck->terms[k].plus) || !strcmp(signal + 19, deck->terms[k].minus))
       where = deck->terms[k].where;
-  for (size_t k = 0; k < deck->n_lines && !where.file; k++) {
-    const vs_line *line = &deck->lines[k];
-    const char *at = find_subject(line->text, err->text);
-    if (!at) continue;
-    where = vs_line_place(line, at);
-  }
+  if (!where.file) where = place_in_lines(deck, err->text, find_subject);
+  if (!where.file) where = place_in_lines(deck, err->text, find_node);
+  if (!where.file) where = place_in_lines(deck, err->text, find_function);
   if (!where.file) where.file = deck->files[0];
   vs_error plain = *err;
   vs_fail_at(err, where, "%s%s", plain.text,

@@ -217,6 +217,7 @@ static vs_status model_rule(const place *p, const char *line) {
   static const char *const LEVELS[] = {"1", "2", "3", "4", "6", "9"};
   char type[VS_DECK_NAME];
   nth_word(line, 2, type);
+  if (!strncmp(type, "ako:", 4)) nth_word(line, type[4] ? 3 : 4, type); /* "a kind of" another */
   if (!AMONG(type, DEVICES) && !AMONG(type, CODE_MODELS))
     return vs_fail_at(p->err, p->where,
                       "model type '%s' does not belong in a deck: allowed are d, bipolar, field "
@@ -277,9 +278,11 @@ vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, bo
   }
   if (!strcmp(word, ".param") && deck->subcircuits == 0)
     return assignments(line, param_rule, (void *)(size_t)&p);
+  if (!strcmp(word, ".ends") && deck->subcircuits == 0 && !(deck->lost & VS_LOST_ELEMENT))
+    return vs_fail_at(err, where, ".ends closes a .subckt, and none is open here");
   if (!strcmp(word, ".ends") && deck->subcircuits > 0) deck->subcircuits--;
   if (strcmp(word, ".subckt")) return VS_OK;
-  deck->subcircuits++;
+  if (deck->subcircuits++ == 0) deck->subcircuit = where;
   return strcmp(nth_word(line, 1, name), "eva")
              ? VS_OK
              : vs_fail_at(err, where, "subcircuit eva is the program's; give yours another name");

@@ -127,6 +127,7 @@ static vs_status write_parts(vs_rewriting *r, const parts *all) {
 static vs_status rewrite_parameters(vs_rewriting *r) {
   parts all = {0};
   vs_status status = VS_OK;
+  if (!strchr(r->text.text, '=')) return VS_OK;
   for (size_t k = 0; k < sizeof PARAMETERS / sizeof *PARAMETERS && !status; k++)
     if (strchr(PARAMETERS[k].letters, letter_of(r))) status = take_out(r, &PARAMETERS[k], &all);
   return status || !all.any ? status : write_parts(r, &all);

@@ -180,23 +180,33 @@ static vs_status rewrite(vs_rewriting *r, const function *f, const char *at, con
   return status;
 }
 
-/* The call that stands last in the text, so that what it has as arguments is done before it. */
-static const function *find_last(const vs_rewriting *r, const char **at, const char **open) {
-  const function *found = NULL;
+/* The function of the name that ends before `end`; NULL: it is none of these. */
+static const function *function_before(const vs_rewriting *r, const char *end, const char **at) {
+  const char *begin = end;
+  while (begin > r->text.text && vs_words_goes_on(begin[-1])) begin--;
+  if (begin == end || (begin > r->text.text && strchr(".#", begin[-1]))) return NULL;
+  const vs_word name = {begin, (size_t)(end - begin)};
   for (size_t k = 0; k < sizeof FUNCTIONS / sizeof *FUNCTIONS; k++) {
     const function *f = &FUNCTIONS[k];
-    size_t n = strlen(f->name);
-    if ((f->native && r->pspice) || r->own >> k & 1) continue;
-    for (const char *s = r->text.text; (s = strcasestr(s, f->name)); s++) {
-      const char *bracket = s + n + strspn(s + n, " \t");
-      bool within = s > r->text.text && (vs_words_goes_on(s[-1]) || strchr(".#", s[-1]));
-      if (within || *bracket != '(' || (found && s < *at)) continue;
-      found = f;
-      *at = s;
-      *open = bracket;
-    }
+    if (!vs_words_is(name, f->name)) continue;
+    if ((f->native && r->pspice) || r->own >> k & 1) return NULL;
+    *at = begin;
+    return f;
   }
-  return found;
+  return NULL;
+}
+
+/* The call that stands last in the text, so that what it has as arguments is done before it. */
+static const function *find_last(const vs_rewriting *r, const char **at, const char **open) {
+  for (const char *s = r->text.text + r->text.length; s > r->text.text; s--) {
+    if (*s != '(') continue;
+    const char *end = s;
+    while (end > r->text.text && strchr(" \t", end[-1])) end--;
+    const function *f = function_before(r, end, at);
+    *open = s;
+    if (f) return f;
+  }
+  return NULL;
 }
 
 /* PSpice and LTspice write "and", "or" and "not" as & | and ~. */

@@ -125,7 +125,7 @@ static vs_status check_element(const vs_line *line, const vs_word *w, size_t cou
 /* Returns where a line's values begin; NULL: it has none. */
 static const char *values_of(const char *text, const vs_word *w, size_t count) {
   if (*text == '.') {
-    if (vs_words_is(w[0], ".model")) return count > 3 ? w[3].at : NULL;
+    if (vs_words_is(w[0], ".model")) return count > 2 ? strpbrk(w[2].at, "=(") : NULL;
     return strpbrk(text, "={");
   }
   if (strchr("rRcClLkKvViIbBeEgGfFhH", *text)) return count > 3 ? w[3].at : NULL;

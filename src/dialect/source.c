@@ -184,7 +184,8 @@ void vs_source_plain(char *line) {
                {"\xc2\xa0", ' '},      /* blank that keeps words together */
                {"\xe2\x88\x92", '-'}}; /* minus */
   char *to = line;
-  for (const char *from = line; *from;) {
+  while (*to && (unsigned char)*to < 0x80) to++;
+  for (const char *from = to; *from;) {
     size_t n = 0;
     for (size_t k = 0; k < sizeof SIGNS / sizeof *SIGNS && !n; k++)
       if (!strncmp(from, SIGNS[k].sign, strlen(SIGNS[k].sign))) {
