@@ -23,6 +23,8 @@ typedef struct writer {
   const vs_elements *w;
   const char *folder;
   vs_copying *body;
+  int lines;      /* of the text so far */
+  size_t counted; /* bytes of it in which they were counted */
 } writer;
 
 static void add(writer *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -282,11 +284,11 @@ static bool wants_pspice(const vs_listing *l) {
 
 static void note_origin(writer *b, const vs_card *card) {
   vs_copying *body = b->body;
-  int line = 1;
-  for (const char *s = body->text.text; s && *s; s++) line += *s == '\n';
+  for (; b->counted < body->text.length; b->counted++)
+    b->lines += body->text.text[b->counted] == '\n';
   body->origins = realloc(body->origins, (body->count + 1) * sizeof *body->origins);
   if (!body->origins) vs_out_of_memory();
-  body->origins[body->count++] = (vs_copying_origin){line, card->where};
+  body->origins[body->count++] = (vs_copying_origin){b->lines + 1, card->where};
 }
 
 /* The sum of the currents of thyristors, which is what tells when one fires and goes out. */
@@ -311,7 +313,7 @@ static void write_comment(writer *b, const vs_card *card) {
 }
 
 void vs_copying_write(vs_fate *p, const char *folder, const char *library, vs_copying *body) {
-  writer b = {p, p->wiring, folder, body};
+  writer b = {.p = p, .w = p->wiring, .folder = folder, .body = body};
   const vs_listing *l = p->wiring->listing;
   char full[VS_PATH_SIZE];
   size_t element = 0;
