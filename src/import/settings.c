@@ -46,7 +46,13 @@ void vs_settings_make(vs_settings *s, const vs_roles *r, const vs_values *values
 }
 
 void vs_settings_write(const vs_settings *s, const char *deck, const char *before, vs_text *out) {
-  vs_text_add(out, "%scircuit: {deck: %s}", before, deck);
+  bool plain = !strpbrk(deck, ":#{}[],&*!|>'\"%@` ");
+  vs_text_add(out, "%scircuit: {deck: ", before);
+  if (plain)
+    vs_text_add(out, "%s", deck);
+  else
+    vs_json_string(out, deck);
+  vs_text_add(out, "}");
   const char *section = "";
   for (size_t k = 0; k < s->count; k++) {
     const vs_setting *item = &s->item[k];
