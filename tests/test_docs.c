@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The pages of docs/ about machines, fits, instruments and control: their files are written, their
- * commands run, and what they say that is printed must be printed. A page's blocks are taken in
- * their order:
+ * The pages of docs/ about machines, circuits, fits, instruments and control: their files are
+ * written, their commands run, and what they say that is printed must be printed. A page's blocks
+ * are taken in their order:
  *
  *   yaml, first line "# NAME.yaml"   becomes that file; python, "# NAME.py", likewise
  *   sh                               each line that begins with "vibrospice " is run and must end
@@ -135,6 +135,12 @@ static void instruments(void) {
          p.files, p.commands, p.lines);
 }
 
+static void circuits(void) {
+  page p = {.name = "circuits.md"};
+  try_page(&p);
+  EXPECT(p.commands >= 7 && p.lines >= 4, "%d commands, %d lines", p.commands, p.lines);
+}
+
 static void control(void) {
   page p = {.name = "control.md"};
   if (!on_path("python3")) return; /* its laws are written in that */
@@ -146,7 +152,7 @@ static void control(void) {
 static const vs_test TESTS[] = {
     {"machines.md", machines}, {"a page for each machine", pages_of_machines},
     {"fitting.md", fitting},   {"instruments.md", instruments},
-    {"control.md", control},
+    {"control.md", control},   {"circuits.md", circuits},
 };
 
 int main(void) {
