@@ -3,6 +3,7 @@
  * run, and what they say that is printed must be printed. A page's blocks are taken in their order:
  *
  *   yaml, first line "# NAME.yaml"   becomes that file
+ *   spice, first line "* NAME.EXT: " becomes that file
  *   sh                               each line that begins with "vibrospice " is run and must end
  *                                    well, or with N where its comment is "# exit status N"
  *   text                             each line must stand in what was printed since the last such
@@ -32,6 +33,13 @@ static void take_file(page *p, const char *text) {
   char name[64];
   if (sscanf(text, "# %63[a-z_].yaml", name) != 1) return;
   strcat(name, ".yaml");
+  write_file(name, text);
+  p->files++;
+}
+
+static void take_netlist(page *p, const char *text) {
+  char name[64];
+  if (sscanf(text, "* %63[a-z_.]: ", name) != 1) return;
   write_file(name, text);
   p->files++;
 }
@@ -91,6 +99,7 @@ static void try_page(page *p) {
     char *block = vs_copy(begin + 1);
     block[end - begin] = '\0';
     if (named && !strcmp(kind, "yaml")) take_file(p, block);
+    if (named && !strcmp(kind, "spice")) take_netlist(p, block);
     if (named && !strcmp(kind, "sh")) run_lines(p, block);
     if (named && !strcmp(kind, "text")) expect_lines(p, block);
     free(block);
@@ -131,11 +140,17 @@ static void instruments(void) {
          p.files, p.commands, p.lines);
 }
 
+static void dialects(void) {
+  page p = {.name = "dialects.md"};
+  try_page(&p);
+  EXPECT(p.files >= 1 && p.commands >= 2 && p.lines >= 4, "%d files, %d commands, %d lines",
+         p.files, p.commands, p.lines);
+}
+
 static const vs_test TESTS[] = {
-    {"machines.md", machines},
-    {"a page for each machine", pages_of_machines},
-    {"fitting.md", fitting},
-    {"instruments.md", instruments},
+    {"machines.md", machines}, {"a page for each machine", pages_of_machines},
+    {"fitting.md", fitting},   {"instruments.md", instruments},
+    {"dialects.md", dialects},
 };
 
 int main(void) {
