@@ -45,6 +45,7 @@ static vs_run_options run_options(const vs_arguments *a) {
                           .quiet = a->quiet,
                           .reproducible = a->reproducible,
                           .raw = a->raw,
+                          .allow_code = a->allow_code,
                           .digits = a->digits,
                           .stop = &vs_leave_requested};
 }
@@ -76,6 +77,7 @@ static const struct argp_option RUN_OPTIONS[] = {
                     "tier circuit, with -o: writes run.raw too, every voltage and current of the "
                     "circuit at every step, for ngspice's 'load'; a run that fails leaves "
                     "run.partial.raw"),
+    VS_COMMAND_ALLOW_CODE,
     VS_COMMAND_HELP,
     {0}};
 
@@ -87,7 +89,10 @@ static vs_status steady(const vs_arguments *a, vs_error *err) {
   if ((a->step || a->at) && !a->along)
     return vs_fail(err, VS_INPUT, "--%s: it goes with --along; see vibrospice steady --help",
                    a->step ? "step" : "at");
-  return a->along ? vs_branch_command(&branch, err) : vs_steady_command(&o, a->period, err);
+  if (a->linear && a->along)
+    return vs_fail(err, VS_INPUT, "--linear: it is about one orbit, and does not go with --along");
+  return a->along ? vs_branch_command(&branch, err)
+                  : vs_steady_command(&o, a->period, a->linear, err);
 }
 
 static void explain_steady(vs_text *help) {
@@ -121,6 +126,9 @@ static const struct argp_option STEADY_OPTIONS[] = {
                      "with --along: reports every orbit of the branch at that value of the key"),
     VS_COMMAND_VALUE("step", VS_KEY_STEP, "S",
                      "the key's largest change from point to point (default a 50th of the range)"),
+    VS_COMMAND_FLAG("linear", VS_KEY_LINEAR,
+                    "linear models about the orbit, from the firing angle to the state at the next "
+                    "firing and to the amplitude; with -o linear.json and linear_*.csv, too"),
     VS_COMMAND_VALUE("output", 'o', "DIR",
                      "writes run.csv of one period, events.csv and summary.json there; with "
                      "--along branch.csv, branch.json and branch.png"),
@@ -145,6 +153,7 @@ static vs_status sensitivity(const vs_arguments *a, vs_error *err) {
                                     .folder = a->output,
                                     .json = a->json,
                                     .quiet = a->quiet,
+                                    .allow_code = a->allow_code,
                                     .stop = &vs_leave_requested};
   vs_status status = vs_sensitivity_command(&o, err);
   vs_error why = {0};
@@ -166,6 +175,7 @@ static const struct argp_option SENSITIVITY_OPTIONS[] = {
                      "writes sensitivity.csv, summary.json and the picture tornado there"),
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
+    VS_COMMAND_ALLOW_CODE,
     VS_COMMAND_HELP,
     {0}};
 
@@ -289,6 +299,7 @@ static vs_status study(const vs_arguments *a, vs_error *err) {
                               .keep_runs = a->keep_runs,
                               .progress_json = a->progress_json,
                               .quiet = a->quiet,
+                              .allow_code = a->allow_code,
                               .timeout_s = a->timeout_s,
                               .stop = &vs_leave_requested};
   return vs_study_command(&o, err);
@@ -329,6 +340,7 @@ static const struct argp_option STUDY_OPTIONS[] = {
                     "runs each case from its beginning, also where cases have the same past; the "
                     "results are the same"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "no table, no progress"),
+    VS_COMMAND_ALLOW_CODE,
     VS_COMMAND_HELP,
     {0}};
 
@@ -356,6 +368,7 @@ static vs_status fit(const vs_arguments *a, vs_error *err) {
                                 .folder = a->output,
                                 .json = a->json,
                                 .quiet = a->quiet,
+                                .allow_code = a->allow_code,
                                 .digits = a->digits};
   return vs_fitting_command(&o, err);
 }
@@ -375,6 +388,7 @@ static const struct argp_option FIT_OPTIONS[] = {
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
     DIGITS_OPTION,
+    VS_COMMAND_ALLOW_CODE,
     VS_COMMAND_HELP,
     {0}};
 
@@ -396,6 +410,7 @@ static const vs_command COMMANDS[] = {
      .examples = "  vibrospice steady paper --set firing.every=1\n"
                  "  vibrospice steady two_mass --set firing.every=1 --set firing.angle=130deg -o "
                  "work\n"
+                 "  vibrospice steady paper --set firing.every=1 --linear -o model\n"
                  "  vibrospice steady paper --set firing.every=1 --along "
                  "firing.angle=130deg..70deg -o branch\n",
      .options = STEADY_OPTIONS,

@@ -4,8 +4,8 @@
 #ifndef VS_DEPENDENCE_MEASURED_H
 #define VS_DEPENDENCE_MEASURED_H
 
-#include "steady/steady.h"
 #include "scene/shown.h"
+#include "steady/steady.h"
 
 /* Start from {0} and free with vs_measured_free. Not to be copied. */
 typedef struct vs_measured {

@@ -62,6 +62,8 @@ static key_list *all_keys(const vs_scene *scene) {
              &instruments->item[k].v);
   if (scene->control.regulator)
     add_keys(list, scene->control.section.name, &scene->control.section, &scene->control.v);
+  if (scene->control.observing.system)
+    add_keys(list, vs_observing_section.name, &vs_observing_section, &scene->control.observing.v);
   const vs_events *events = &setup->timeline.events;
   for (size_t e = 0; e < events->count; e++) {
     char name[VS_KEY_SIZE];

@@ -332,11 +332,21 @@ static vs_status check_rows(const vs_scene *s, vs_error *err) {
                     1e3 * run->until_s / MOST_ROWS, MOST_ROWS);
 }
 
+/* What the control's observer is not told. */
+static void warn_of_observer(vs_scene *s) {
+  const vs_node *section = vs_tree_child(s->tree.root, vs_control_section.name);
+  const vs_observing *o = &s->control.observing;
+  char text[512];
+  if (o->system && vs_observing_note(o, &s->setup, text, sizeof text))
+    vs_fail_at(vs_warnings_add(&s->warnings), section->key_where, "%s", text);
+}
+
 /* Finds the warnings anew. */
 static void warn(vs_scene *s) {
   s->warnings.count = 0;
   vs_warnings_of_scene(s->tree.root, &s->setup, &s->frame, &s->warnings);
   vs_warnings_of_instruments(&s->instruments, &s->warnings);
+  warn_of_observer(s);
   if (s->setup.steady) vs_warnings_of_settling(&s->instruments, &s->frame, &s->warnings);
 }
 
@@ -415,6 +425,7 @@ vs_status vs_scene_with(const vs_scene *s, const char *const *keys, size_t n_key
                         vs_error *err) {
   *other = (vs_scene){0};
   memcpy(other->path, s->path, sizeof other->path);
+  other->allow_code = s->allow_code;
   vs_tree_copy(&s->tree, &other->tree);
   vs_status status = VS_OK;
   for (size_t k = 0; k < n_keys && !status; k++) status = vs_tree_set(&other->tree, keys[k], err);
@@ -450,6 +461,7 @@ vs_status vs_scene_take_circuit(vs_scene *s, const char *asks, vs_error *err) {
 }
 
 void vs_scene_free(vs_scene *s) {
+  vs_control_free(&s->control);
   vs_instruments_free(&s->instruments);
   vs_warnings_free(&s->warnings);
   vs_setup_free(&s->setup);

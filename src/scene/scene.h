@@ -22,6 +22,7 @@ typedef struct vs_scene {
   vs_run_order order;     /* what its next run has besides; whoever runs it may change it */
   const char *tier_named; /* the word of --tier, borrowed; NULL: not given */
   const char *asks; /* what the command line asked the circuit tier for, borrowed; NULL: nothing */
+  bool allow_code;  /* the command line allows code of the user's own (--allow-code) */
   const vs_tier *tier;
   char why[256];                       /* why this tier */
   vs_frame frame;                      /* of this tier */

@@ -298,7 +298,8 @@ static void run_second(const vs_session *session, vs_result *r) {
 
 vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *r, vs_error *err) {
   *r = (vs_result){.scene = scene};
-  vs_status status = climb(session, scene, r, err);
+  vs_status status = vs_control_allow(&scene->control, scene->allow_code || session->bare, err);
+  if (!status) status = climb(session, scene, r, err);
   if (!status && scene->tier->has_circuit)
     scene->order.tried = true; /* until another deck is read */
   if (!status && wants_second(session, r)) run_second(session, r);
