@@ -283,6 +283,9 @@ static void functions(void) {
       {"B1 0 yy I=1m Rpar=1k", 0.5},
       {"*$ compat ps\n.model n D(is=1n)\n.model m AKO: n D(rs=1)\nD9 yy 0 m\nB1 yy 0 V=-1", -1},
       {"*$ compat ps\nB1 yy 0 V=IF(V(ss)>1 & V(ss)<3,5,6)+PWRS(-2,3)+STP(2)", -2},
+      {"*$ compat ps\nR_R1 $N_0001 yy 1k\nR_R2 $N_0001 ss 1k\nR_R3 yy 0 1k", 2. / 5},
+      {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH(Ron=1k Roff=1G Von=1 Voff=0)", 1},
+      {"*$ compat ps\nE1 yy 0 TABLE {LIMIT(V(ss),0,1)} = (0,0) (1,4) (3,8)", 4},
       {".func hypot(x,y) {x+y}\nB1 yy 0 V=hypot(3,4)", 7}, /* the deck's own */
       {"B1 yy 0 V=hypot(3,4)\n.func hypot(x,y) {x+y}", 7},
   };
@@ -370,6 +373,7 @@ static void constructs_are_told(void) {
       {".model m VSWITCH(Von=1 Voff=0)", "d.cir:16:10", "'*$ compat ps'"},
       {".model m d(is=1n T_ABS=30)", "d.cir:16:18", "'*$ compat ps'"},
       {"V9 yy 0 sin(0 1 50 0 0 0 3)", "d.cir:16:9", "cycles"},
+      {"R_R1 $N_0001 yy 1k", "d.cir:16:6", "'*$ compat ps'"},
   };
   for (size_t k = 0; k < COUNT(TOLD); k++) {
     vs_text deck = {0};

@@ -160,6 +160,13 @@ static void cut_comment(const vs_deck *deck, char *text) {
   text[n] = '\0';
 }
 
+/* Finds a node of PSpice's, as $N_0001, which begins a comment but in PSpice's dialect. */
+static const char *find_dollar(const vs_deck *deck, const char *text) {
+  for (const char *s = text; !*deck->compat && (s = strchr(s, '$')); s++)
+    if (s > text && strchr(" \t", s[-1]) && strchr("NnGgDd", s[1]) && s[1] && s[2] == '_') return s;
+  return NULL;
+}
+
 /* Reads a line that begins with "*$". Alone that is a comment: PSpice's libraries have it between
  * their parts. */
 static vs_status read_contract(vs_deck *deck, const char *line, vs_where where, reading *r,
@@ -197,6 +204,14 @@ static vs_status read_line(vs_deck *deck, char *line, vs_where where, reading *r
     }
   if (!strncmp(text, "*$", 2)) return read_contract(deck, line, where, r, err);
   if (is_title(deck, text, where)) return VS_OK;
+  const char *dollar = *text != '*' ? find_dollar(deck, text) : NULL;
+  if (dollar) {
+    where.column = vs_text_column(line, dollar);
+    return vs_fail_at(err, where,
+                      "%.*s begins a comment here; with a line '*$ compat ps' it is a node, as in "
+                      "PSpice",
+                      (int)strcspn(dollar, " \t"), dollar);
+  }
   if (*text != '*') cut_comment(deck, text);
   if (!*text || *text == '*') return VS_OK;
   if (strncasecmp(text, ".inc", 4) && strncasecmp(text, ".lib", 4)) vs_source_plain(text);
