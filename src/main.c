@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "acceptance/acceptance.h"
 #include "base/leave.h"
 #include "branch/branch.h"
 #include "branch/marks.h"
@@ -182,6 +183,8 @@ static vs_status check(const vs_arguments *a, vs_error *err) {
                               .n_sets = a->n_sets,
                               .json = a->json,
                               .quiet = a->quiet,
+                              .bench = vs_acceptance_try,
+                              .folder = a->output,
                               .other = vs_inquiry_is(name)                 ? vs_fitting_check
                                        : vs_study_is(name, vs_methods_all) ? check_study
                                                                            : NULL};
@@ -190,8 +193,12 @@ static vs_status check(const vs_arguments *a, vs_error *err) {
 
 static const struct argp_option CHECK_OPTIONS[] = {
     VS_COMMAND_SET,
+    VS_COMMAND_VALUE("output", 'o', "DIR",
+                     "of a part: writes what was asked and what the bench got as bench.csv and "
+                     "bench.json there, and draws bench.png"),
     VS_COMMAND_FLAG("json", VS_KEY_JSON,
-                    "findings as a JSON array of {file, line, column, message} on standard output"),
+                    "findings as a JSON array of {file, line, column, message} on standard output; "
+                    "of a part also each figure of the bench, with members more"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "prints nothing but findings"),
     VS_COMMAND_HELP,
     {0}};
