@@ -33,7 +33,7 @@ static void write_asked(const vs_figure *row, char *text, size_t size) {
   if (row->held == VS_HELD_NOT)
     snprintf(text, size, "-");
   else if (row->held == VS_HELD_NEAR)
-    snprintf(text, size, "%.4g +- %.2g %s", shown(row, row->asked), shown(row, row->tolerance),
+    snprintf(text, size, "%.4g +- %.3g %s", shown(row, row->asked), shown(row, row->tolerance),
              row->unit);
   else
     snprintf(text, size, "%s%.4g %s", SIGN[row->held], shown(row, row->asked), row->unit);
@@ -71,7 +71,7 @@ static void add_json(const vs_figure *row, const char *file, vs_text *text) {
     write_got(row, got, sizeof got);
     vs_text message = {0};
     vs_text_add(&message, "%s: asked %s, got %s: %s", row->name, asked, got, vs_figures_word(row));
-    vs_json_text(&json, "file", row->where.file ? row->where.file : file);
+    vs_json_text(&json, "file", file);
     vs_json_number(&json, "line", row->where.line ? (double)row->where.line : (double)NAN, 12);
     vs_json_number(&json, "column", row->where.line ? (double)row->where.column : (double)NAN, 12);
     vs_json_text(&json, "message", message.text);
@@ -179,11 +179,12 @@ static void tell(const vs_stand *s, const vs_figures *f, vs_check_bench *bench) 
   add_table(f, &bench->table);
   for (size_t k = 0; k < f->count; k++) {
     const char *word = vs_figures_word(&f->row[k]);
-    bench->off += !strcmp(word, "off") || !strcmp(word, "failed");
-    add_json(&f->row[k], s->file, &bench->rows);
+    bool asked = f->row[k].held != VS_HELD_NOT;
+    bench->off += asked && (!strcmp(word, "off") || !strcmp(word, "failed"));
+    bench->figures += asked;
+    add_json(&f->row[k], s->name, &bench->rows);
     vs_text_add(&bench->rows, "\n");
   }
-  bench->figures = f->count;
   if (assumed)
     vs_text_add(&bench->table, "\n%zu number%s of the file %s marked assumed", assumed,
                 assumed == 1 ? "" : "s", assumed == 1 ? "is" : "are");

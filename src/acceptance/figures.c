@@ -20,14 +20,14 @@ void vs_figures_free(vs_figures *f) {
 /* ---- what is asked ---- */
 
 /* The line of the part's file that declares this parameter; no file where none does. */
-static vs_where line_of_param(const char *path, const char *name) {
-  FILE *f = path ? fopen(path, "r") : NULL;
+static vs_where line_of_param(const vs_stand *s, const char *name) {
+  FILE *f = s->file ? fopen(s->file, "r") : NULL;
   char *line = NULL, found[VS_DECK_NAME];
   size_t size = 0;
   vs_where where = {0};
   for (int n = 1; f && !where.file && getline(&line, &size, f) >= 0; n++)
     if (sscanf(line, " *$ param %63[^ \t=]", found) == 1 && !strcasecmp(found, name))
-      where = (vs_where){path, n, 1};
+      where = (vs_where){s->name, n, 1};
   free(line);
   if (f) fclose(f);
   return where;
@@ -38,22 +38,29 @@ vs_figures_asked vs_figures_param(const vs_stand *s, const char *name) {
     const vs_field *field = &s->deck.section.fields[k];
     if (field->kind != VS_REAL || strcmp(field->key, name)) continue;
     double value = *(const double *)(const void *)((const char *)&s->values + field->offset);
-    return (vs_figures_asked){value, line_of_param(s->file, name)};
+    return (vs_figures_asked){value, line_of_param(s, name)};
   }
   return (vs_figures_asked){NAN, {0}};
+}
+
+vs_figures_asked vs_figures_own(const vs_stand *s, const char *word) {
+  char name[2 * VS_DECK_NAME];
+  snprintf(name, sizeof name, "%s_%s", s->subcircuit, word);
+  return vs_figures_param(s, name);
 }
 
 vs_figures_asked vs_figures_limit(const vs_stand *s, const char *name) {
   const vs_limit *limit = vs_parts_find_limit(&s->deck, s->file, name);
   if (!limit || !isfinite(limit->value)) return (vs_figures_asked){NAN, {0}};
-  return (vs_figures_asked){limit->value, limit->where};
+  return (vs_figures_asked){limit->value, {s->name, limit->where.line, limit->where.column}};
 }
 
 double vs_figures_first(const vs_stand *s, const char *const *names, double otherwise) {
   for (; *names; names++) {
-    double limit = vs_figures_limit(s, *names).value, param = vs_figures_param(s, *names).value;
-    if (isfinite(limit)) return limit;
-    if (isfinite(param)) return param;
+    const double value[] = {vs_figures_limit(s, *names).value, vs_figures_param(s, *names).value,
+                            vs_figures_own(s, *names).value};
+    for (int k = 0; k < 3; k++)
+      if (isfinite(value[k])) return value[k];
   }
   return otherwise;
 }

@@ -48,9 +48,12 @@ typedef struct vs_figures_asked {
 
 /* A parameter of the part, or of a file that it includes. */
 vs_figures_asked vs_figures_param(const vs_stand *stand, const char *name);
+/* The parameter PART_WORD, as templates write those of a part's own. */
+vs_figures_asked vs_figures_own(const vs_stand *stand, const char *word);
 /* A limit of the part's file; "none" and a limit that is not there are NaN. */
 vs_figures_asked vs_figures_limit(const vs_stand *stand, const char *name);
-/* The first value of these that is a number; `otherwise` where none is. */
+/* The first of these that is a number, each as a limit, a parameter or a parameter PART_NAME;
+ * `otherwise` where none is. */
 double vs_figures_first(const vs_stand *stand, const char *const *names, double otherwise);
 
 /* Adds a row, of which nothing is got yet. The caller fills it. tolerance: a fraction of what is

@@ -15,15 +15,24 @@ typedef struct plan {
 } plan;
 
 static plan plan_of(const vs_stand *s) {
-  static const char *const RATED[] = {"i_rated", "fuse_rated_current", NULL},
+  static const char *const RATED[] = {"i_rated", "fuse_rated_current", "rated_current", NULL},
                            *const VOLT[] = {"v_rated", NULL}, *const FUSING[] = {"i_fusing", NULL},
-                           *const FACTOR[] = {"fuse_fusing_factor", NULL},
-                           *const MELT[] = {"i2t_melt", "fuse_melting_i2t", NULL};
+                           *const FACTOR[] = {"fuse_fusing_factor", "fusing_factor", NULL},
+                           *const MELT[] = {"i2t_melt", "fuse_melting_i2t", "melting_i2t", NULL};
   double rated = vs_figures_first(s, RATED, 10);
   return (plan){.rated_a = rated,
                 .rated_v = vs_figures_first(s, VOLT, 400),
                 .melt_a2s = vs_figures_first(s, MELT, 0.05 * rated * rated),
                 .fusing_a = vs_figures_first(s, FUSING, rated * vs_figures_first(s, FACTOR, 1.3))};
+}
+
+/* The first that says something: a limit, a parameter of the general fuse, one of the part's own.
+ */
+static vs_figures_asked asked_of(const vs_stand *s, const char *limit, const char *general,
+                                 const char *own) {
+  vs_figures_asked a = limit ? vs_figures_limit(s, limit) : (vs_figures_asked){NAN, {0}};
+  if (isnan(a.value)) a = vs_figures_param(s, general);
+  return isnan(a.value) ? vs_figures_own(s, own) : a;
 }
 
 static vs_status try_out(const vs_stand *s, const char *source, double until_s, double step_s,
@@ -62,8 +71,8 @@ static size_t last_above(const vs_stand_record *r, double i) {
 /* ---- resistance and melting ---- */
 
 static void resistance(const vs_stand *s, plan *p, vs_figures *f) {
-  vs_figure *row =
-      vs_figures_add(f, "R", "mohm", vs_figures_param(s, "fuse_resistance"), 0.01, VS_HELD_NEAR);
+  vs_figure *row = vs_figures_add(
+      f, "R", "mohm", asked_of(s, NULL, "fuse_resistance", "resistance"), 0.01, VS_HELD_NEAR);
   vs_stand_record r = {0};
   vs_error err = {0};
   char source[96];
@@ -92,10 +101,8 @@ static vs_status constant(const vs_stand *s, const plan *p, double i, const doub
 /* At 30 times the least melting current cooling is 0.06 %; steps are a 300th of the time to
  * melting. */
 static void melting(const vs_stand *s, const plan *p, vs_figures *f) {
-  vs_figures_asked limit = vs_figures_limit(s, "i2t_melt"),
-                   own = vs_figures_param(s, "fuse_melting_i2t");
-  vs_figure *row = vs_figures_add(f, "I2t melting", "A2.s", isfinite(limit.value) ? limit : own,
-                                  0.02, VS_HELD_NEAR);
+  vs_figures_asked asked = asked_of(s, "i2t_melt", "fuse_melting_i2t", "melting_i2t");
+  vs_figure *row = vs_figures_add(f, "I2t melting", "A2.s", asked, 0.02, VS_HELD_NEAR);
   double i = 30 * p->fusing_a, due_s = p->melt_a2s / (i * i);
   bool melted = false;
   vs_status status = VS_OK;
@@ -124,9 +131,9 @@ static vs_status melts_at(const vs_stand *s, const void *ctx, double i, bool *ye
 
 static void least_current(const vs_stand *s, const plan *p, vs_figures *f) {
   vs_figures_asked asked = vs_figures_limit(s, "i_fusing");
-  double factor = vs_figures_param(s, "fuse_fusing_factor").value;
+  double factor = asked_of(s, NULL, "fuse_fusing_factor", "fusing_factor").value;
   if (isnan(asked.value)) {
-    asked = vs_figures_param(s, "fuse_rated_current");
+    asked = asked_of(s, NULL, "fuse_rated_current", "rated_current");
     asked.value *= factor;
   }
   vs_figure *row = vs_figures_add(f, "I melting", "A", asked, 0.03, VS_HELD_NEAR);
@@ -172,12 +179,10 @@ static vs_status short_circuit(const vs_stand *s, const plan *p, double times, v
  * arc voltage stands for a course. */
 static void clearing(const vs_stand *s, const plan *p, vs_figures *f) {
   static const double TIMES[] = {30, 100, 300, 1000, 2000, 5000};
-  vs_figures_asked arc = vs_figures_limit(s, "v_arc"),
-                   own = vs_figures_param(s, "fuse_arc_voltage");
+  vs_figures_asked arc = asked_of(s, "v_arc", "fuse_arc_voltage", "arc_voltage");
   vs_figure *row = vs_figures_add(f, "I2t clearing", "A2.s", vs_figures_limit(s, "i2t_clear"), 0.1,
                                   VS_HELD_AT_MOST),
-            *volt =
-                vs_figures_add(f, "V arc", "V", isfinite(arc.value) ? arc : own, 0.1, VS_HELD_NEAR);
+            *volt = vs_figures_add(f, "V arc", "V", arc, 0.1, VS_HELD_NEAR);
   vs_status status = VS_OK;
   vs_error err = {0};
   vs_stand_record worst = {0};

@@ -6,13 +6,6 @@
 
 #include "base/text.h"
 
-/* What is asked by the parameter PART_WORD, as a template writes it. */
-static vs_figures_asked own(const vs_stand *s, const char *word) {
-  char name[2 * VS_DECK_NAME];
-  snprintf(name, sizeof name, "%s_%s", s->subcircuit, word);
-  return vs_figures_param(s, name);
-}
-
 static vs_status try_out(const vs_stand *s, const char *source, double until_s, vs_stand_record *r,
                          vs_error *err) {
   vs_text text = {0};
@@ -29,7 +22,8 @@ static void fail(vs_figure *row, const vs_error *err) {
 
 /* 1 V, after 1 s, when its inductance is long past. */
 static void measure_resistor(const vs_stand *s, vs_figures *f) {
-  vs_figure *row = vs_figures_add(f, "R", "ohm", own(s, "resistance"), 0.01, VS_HELD_NEAR);
+  vs_figure *row =
+      vs_figures_add(f, "R", "ohm", vs_figures_own(s, "resistance"), 0.01, VS_HELD_NEAR);
   vs_stand_record r = {0};
   vs_error err = {0};
   snprintf(row->text, sizeof row->text, "at 1 V");
@@ -73,8 +67,9 @@ static void series_resistance(const vs_stand *s, double c_f, vs_figure *row) {
 }
 
 static void measure_capacitor(const vs_stand *s, vs_figures *f) {
-  vs_figure *row = vs_figures_add(f, "C", "uF", own(s, "capacitance"), 0.01, VS_HELD_NEAR),
-            *esr = vs_figures_add(f, "ESR", "mohm", own(s, "esr"), 0.02, VS_HELD_NEAR);
+  vs_figure *row =
+                vs_figures_add(f, "C", "uF", vs_figures_own(s, "capacitance"), 0.01, VS_HELD_NEAR),
+            *esr = vs_figures_add(f, "ESR", "mohm", vs_figures_own(s, "esr"), 0.02, VS_HELD_NEAR);
   capacitance(s, row);
   if (row->got > 0)
     series_resistance(s, row->got, esr);

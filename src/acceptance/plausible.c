@@ -43,7 +43,7 @@ static void warn_of_range(const vs_stand *s, const struct range *range, vs_warni
                    a = isfinite(limit.value) ? limit : vs_figures_param(s, range->name);
   double shown = a.value / vs_units_factor(range->unit);
   if (isnan(shown) || (shown >= range->least && shown <= range->most)) return;
-  vs_fail_at(vs_warnings_add(w), a.where.file ? a.where : (vs_where){.file = s->file},
+  vs_fail_at(vs_warnings_add(w), a.where.file ? a.where : (vs_where){.file = s->name},
              "%s = %.4g %s is implausible: a %s has %.4g to %.4g %s; is the unit right?",
              range->name, shown, range->unit, range->kind, range->least, range->most, range->unit);
 }
@@ -84,7 +84,7 @@ static void warn_of_surge(const vs_stand *s, vs_warnings *w) {
 /* The place of the line `*$ part`. */
 static vs_where part_line(const vs_stand *s) {
   const vs_part_file *file = vs_parts_file(&s->deck, s->file);
-  return file ? file->where : (vs_where){.file = s->file};
+  return (vs_where){s->name, file ? file->where.line : 0, 1};
 }
 
 /* Without zth nothing is computed of the junction. With it, half sines of i_t_rms must not heat it
@@ -100,10 +100,11 @@ static void warn_of_heat(const vs_stand *s, vs_warnings *w) {
   for (size_t k = 0; k < s->deck.n_zth; k++) {
     const vs_zth *z = &s->deck.zth[k];
     if (strcmp(z->where.file, s->file)) continue;
-    if (!first.file) first = z->where;
+    const vs_where where = {s->name, z->where.line, z->where.column};
+    if (!first.file) first = where;
     k_per_w += z->k_per_w;
     if (z->tau_s < 1e-6 || z->tau_s > 1e4)
-      vs_fail_at(vs_warnings_add(w), z->where,
+      vs_fail_at(vs_warnings_add(w), where,
                  "implausible: a time constant of %.4g s; chips and cases have 1 us to 10,000 s",
                  z->tau_s);
   }

@@ -32,6 +32,7 @@ vs_status vs_stand_open(const char *path, vs_stand *s, vs_error *err) {
   char deck[VS_PATH_SIZE], *whole = realpath(path, NULL);
   vs_node part = vs_tree_word("dut", whole ? whole : path, (vs_where){.file = path});
   const vs_node section = vs_tree_map("circuit", &part);
+  s->name = path;
   vs_deck_begin(&s->deck);
   vs_status status = vs_path_find(&SHELF, "stand", (vs_where){0}, deck, err);
   if (!status) {

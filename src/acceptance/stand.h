@@ -16,6 +16,7 @@ typedef struct vs_stand {
   size_t lines;
   const char *subcircuit; /* the part's; the deck owns it */
   const char *file;       /* the part's path; the deck owns it */
+  const char *name;       /* the path as it was given, for messages; borrowed */
 } vs_stand;
 
 /* What is tried. */

@@ -85,6 +85,27 @@ static void draw(vs_figures *f, const vs_stand_record *r, view w, const double *
   }
 }
 
+/* A figure of a maker's that is held to a limit of the file, `held` as the maker means it, or else
+ * to the model's own parameter, within a fraction of it. The parameter goes first where the file
+ * has both and `own_first`. */
+typedef struct source {
+  const char *limit, *param;
+  vs_held held;
+  double tolerance; /* of the parameter */
+  double slack;     /* of the limit */
+  bool own_first;
+} source;
+
+/* NULL where nothing is asked, and `only_asked`. */
+static vs_figure *add_row(const vs_stand *s, vs_figures *f, const char *const name_unit[2],
+                          source of, bool only_asked) {
+  vs_figures_asked limit = vs_figures_limit(s, of.limit), own = vs_figures_param(s, of.param);
+  bool is_own = isfinite(own.value) && (of.own_first || isnan(limit.value));
+  if (only_asked && isnan(own.value) && isnan(limit.value)) return NULL;
+  return vs_figures_add(f, name_unit[0], name_unit[1], is_own ? own : limit,
+                        is_own ? of.tolerance : of.slack, is_own ? VS_HELD_NEAR : of.held);
+}
+
 /* ---- on-state ---- */
 
 /* V_T0 + r_T i by the model's own parameters, or the limit v_t at i_tm. The current stands for 1
@@ -144,10 +165,9 @@ static vs_status rising_gate(const vs_stand *s, const plan *p, double gate_a, vs
 /* 3 %: the steps are 0.1 %, and what the model leaves out of its sum is 2.5 % at most. A model of
  * which nothing is asked is looked for from a tenth of a microampere to ten amperes. */
 static void gate_trigger(const vs_stand *s, const plan *p, vs_figures *f) {
-  vs_figures_asked own = vs_figures_param(s, "gate_current"), most = vs_figures_limit(s, "i_gt");
-  bool limited = isfinite(most.value);
-  vs_figure *row = vs_figures_add(f, "I_GT", "mA", limited ? most : own, limited ? 0 : 0.03,
-                                  limited ? VS_HELD_AT_MOST : VS_HELD_NEAR);
+  vs_figure *row =
+      add_row(s, f, (const char *[]){"I_GT", "mA"},
+              (source){"i_gt", "gate_current", VS_HELD_AT_MOST, 0.03, 0, false}, false);
   vs_figure *volt = vs_figures_add(f, "V_GT", "V", vs_figures_limit(s, "v_gt"), 0, VS_HELD_AT_MOST);
   double scale = p->gate_a, fires_s = NAN;
   vs_error err = {0};
@@ -191,11 +211,10 @@ static vs_status latches(const vs_stand *s, const void *ctx, double i, bool *yes
 }
 
 static void latching(const vs_stand *s, const plan *p, vs_figures *f) {
-  vs_figures_asked most = vs_figures_limit(s, "i_l");
-  bool limited = isfinite(most.value);
   vs_figure *row =
-      vs_figures_add(f, "I_L", "mA", limited ? most : vs_figures_param(s, "latching_current"),
-                     limited ? 0 : 0.05, limited ? VS_HELD_AT_MOST : VS_HELD_NEAR);
+      add_row(s, f, (const char *[]){"I_L", "mA"},
+              (source){"i_l", "latching_current", VS_HELD_AT_MOST, 0.05, 0, false}, true);
+  if (!row) return;
   snprintf(row->text, sizeof row->text, "0.6 ms after a gate pulse of 0.2 ms and 1.5 I_GT");
   vs_figures_find(s, latches, p, p->latching_a, row);
 }
@@ -203,11 +222,9 @@ static void latching(const vs_stand *s, const plan *p, vs_figures *f) {
 /* The supply falls slowly from four times the latching current; the current is read 30 us (0.1 % of
  * it) before the voltage is back. */
 static void holding(const vs_stand *s, const plan *p, vs_figures *f) {
-  vs_figures_asked most = vs_figures_limit(s, "i_h");
-  bool limited = isfinite(most.value);
   vs_figure *row =
-      vs_figures_add(f, "I_H", "mA", limited ? most : vs_figures_param(s, "holding_current"),
-                     limited ? 0 : 0.03, limited ? VS_HELD_AT_MOST : VS_HELD_NEAR);
+      add_row(s, f, (const char *[]){"I_H", "mA"},
+              (source){"i_h", "holding_current", VS_HELD_AT_MOST, 0.03, 0, false}, false);
   vs_stand_record r = {0};
   vs_error err = {0};
   double gate = 3 * p->gate_a;
@@ -242,10 +259,10 @@ static vs_status fires_at(const vs_stand *s, const void *ctx, double slope, bool
 /* The model's own figure, within a tenth, and what the maker guarantees, of which it must do at
  * least nine tenths. */
 static void critical_rise(const vs_stand *s, const plan *p, vs_figures *f) {
-  vs_figures_asked own = vs_figures_param(s, "critical_dvdt"), least = vs_figures_limit(s, "dv_dt");
-  bool is_own = isfinite(own.value);
-  vs_figure *row = vs_figures_add(f, "dv/dt", "V/us", is_own ? own : least, 0.12,
-                                  is_own ? VS_HELD_NEAR : VS_HELD_AT_LEAST);
+  vs_figure *row =
+      add_row(s, f, (const char *[]){"dv/dt", "V/us"},
+              (source){"dv_dt", "critical_dvdt", VS_HELD_AT_LEAST, 0.12, 0.12, true}, true);
+  if (!row) return;
   snprintf(row->text, sizeof row->text, "straight to %.4g V, gate open", 0.67 * p->block_v);
   vs_figures_find(s, fires_at, p, p->slope_v_s, row);
   if (isnan(row->got) && strstr(row->why, "not reached"))
@@ -272,10 +289,9 @@ static vs_status stays_off_after(const vs_stand *s, const void *ctx, double t_q,
 }
 
 static void turn_off(const vs_stand *s, const plan *p, vs_figures *f) {
-  vs_figures_asked own = vs_figures_param(s, "turn_off_time"), most = vs_figures_limit(s, "t_q");
-  bool is_own = isfinite(own.value);
-  vs_figure *row = vs_figures_add(f, "t_q", "us", is_own ? own : most, is_own ? 0.1 : 0,
-                                  is_own ? VS_HELD_NEAR : VS_HELD_AT_MOST);
+  vs_figure *row = add_row(s, f, (const char *[]){"t_q", "us"},
+                           (source){"t_q", "turn_off_time", VS_HELD_AT_MOST, 0.1, 0, true}, true);
+  if (!row) return;
   snprintf(row->text, sizeof row->text, "%.4g A falling at %.4g A/us, -25 V, back at 20 V/us",
            p->test_a, p->test_a_s * 1e-6);
   vs_figures_find(s, stays_off_after, p, p->turn_off_s, row);
@@ -285,11 +301,9 @@ static void turn_off(const vs_stand *s, const plan *p, vs_figures *f) {
 /* The test current falls at the test slope through zero, until the device takes no more and a diode
  * at -25 V does, with a snubber beside: what flowed back. */
 static void recovery(const vs_stand *s, const plan *p, vs_figures *f) {
-  vs_figures_asked own = vs_figures_param(s, "recovered_charge"),
-                   most = vs_figures_limit(s, "q_rr");
-  bool is_own = isfinite(own.value);
-  vs_figure *row = vs_figures_add(f, "Q_rr", "A*us", is_own ? own : most, is_own ? 0.03 : 0,
-                                  is_own ? VS_HELD_NEAR : VS_HELD_AT_MOST);
+  vs_figure *row =
+      add_row(s, f, (const char *[]){"Q_rr", "A*us"},
+              (source){"q_rr", "recovered_charge", VS_HELD_AT_MOST, 0.03, 0, true}, false);
   double i = p->test_a, fall = i / p->test_a_s, gate = 3 * p->gate_a, zero = 300e-6 + fall, q = 0;
   vs_stand_record r = {0};
   vs_error err = {0};

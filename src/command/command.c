@@ -64,7 +64,8 @@ static const char **word_of(vs_arguments *a, int key) {
                {VS_KEY_SHARD, &a->shard},
                {VS_KEY_OF, &a->of},
                {VS_KEY_TO, &a->to},
-               {VS_KEY_PROFILE, &a->profile}};
+               {VS_KEY_PROFILE, &a->profile},
+               {VS_KEY_WRAP, &a->wrap}};
   for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
     if (WORDS[k].key == key) return WORDS[k].word;
   return NULL;

@@ -18,7 +18,7 @@ typedef struct vs_arguments {
   char **sets; /* KEY=VALUE of each --set */
   size_t n_sets;
   const char *tier, *output, *deck, *machine, *overlay, *shard, *of, *to, *along, *step, *at,
-      *profile;
+      *profile, *wrap;
   bool json, quiet, reproducible, raw, list, help, resume, overwrite, keep_runs, progress_json,
       steady, no_sharing;
   int digits; /* 1..17 */
@@ -70,7 +70,8 @@ enum {
   VS_KEY_PROGRESS,
   VS_KEY_KEEP,
   VS_KEY_ALONE,
-  VS_KEY_PROFILE
+  VS_KEY_PROFILE,
+  VS_KEY_WRAP
 };
 
 /* Rows of vs_command.options: an option that takes a value, and one that takes none. */
