@@ -190,14 +190,34 @@ static void tell(const vs_stand *s, const vs_figures *f, vs_check_bench *bench) 
                 assumed == 1 ? "" : "s", assumed == 1 ? "is" : "are");
 }
 
+/* Error: ngspice cannot take the part at all, whatever stands around it. */
+static vs_status try_part(const vs_stand *s, const vs_figures_kind *kind, vs_error *err) {
+  vs_text text = {0};
+  vs_stand_record r = {0};
+  vs_text_add(&text, "Vm a t 0\nXdut %s %s\nRa a 0 1e6\nRg g 0 1e6\n", kind->nodes, s->subcircuit);
+  const vs_stand_circuit c = {text.text, 1e-6, 1e-7, 0};
+  vs_status status = vs_stand_run(s, &c, &r, err);
+  vs_stand_free(&r);
+  vs_text_free(&text);
+  return status ? VS_INPUT : VS_OK;
+}
+
+/* The kind of the part on the stand; NULL: it is not tried. */
+static const vs_figures_kind *kind_of(const vs_stand *s) {
+  const vs_part_file *file = vs_parts_file(&s->deck, s->file);
+  for (size_t k = 0; k < sizeof KINDS / sizeof *KINDS && file; k++)
+    if (!strcmp(KINDS[k]->name, file->kind)) return KINDS[k];
+  return NULL;
+}
+
 vs_status vs_acceptance_try(const vs_check_options *o, vs_check_bench *bench, vs_error *err) {
   vs_stand *s = vs_alloc(1, sizeof *s);
   vs_figures f = {0};
   vs_error own = {0};
   vs_status status = vs_stand_open(o->name, s, &own);
-  const vs_part_file *file = status ? NULL : vs_parts_file(&s->deck, s->file);
-  for (size_t k = 0; k < sizeof KINDS / sizeof *KINDS && file; k++)
-    if (!strcmp(KINDS[k]->name, file->kind)) KINDS[k]->measure(s, &f);
+  const vs_figures_kind *kind = status ? NULL : kind_of(s);
+  if (kind) status = try_part(s, kind, &own);
+  if (kind && !status) kind->measure(s, &f);
   if (!status) vs_plausible_warn(s, &f, bench->warnings);
   if (f.count) tell(s, &f, bench);
   if (f.count && o->folder) status = write_folder(o, &f, s->subcircuit, &own);

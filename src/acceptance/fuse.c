@@ -225,4 +225,4 @@ static void measure(const vs_stand *s, vs_figures *f) {
   clearing(s, &p, f);
 }
 
-const vs_figures_kind vs_fuse_kind = {"fuse", measure};
+const vs_figures_kind vs_fuse_kind = {"fuse", "t 0", measure};

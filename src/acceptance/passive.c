@@ -77,5 +77,5 @@ static void measure_capacitor(const vs_stand *s, vs_figures *f) {
     snprintf(esr->why, sizeof esr->why, "its capacitance is not known");
 }
 
-const vs_figures_kind vs_passive_resistor = {"resistor", measure_resistor},
-                      vs_passive_capacitor = {"capacitor", measure_capacitor};
+const vs_figures_kind vs_passive_resistor = {"resistor", "t 0", measure_resistor},
+                      vs_passive_capacitor = {"capacitor", "t 0", measure_capacitor};

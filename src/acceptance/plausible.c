@@ -122,6 +122,13 @@ static void warn_of_heat(const vs_stand *s, vs_warnings *w) {
 
 /* ---- what was measured ---- */
 
+/* True where a warning speaks of that line. */
+static bool is_named(const vs_warnings *w, int line) {
+  for (size_t k = 0; k < w->count; k++)
+    if (w->item[k].line == line && line) return true;
+  return false;
+}
+
 /* A model may keep what is asked by being no device at all. */
 static void warn_of_figure(const vs_stand *s, const vs_figure *row, vs_warnings *w) {
   static const double FAR = 20; /* times better than what is asked */
@@ -141,6 +148,7 @@ static void warn_of_figure(const vs_stand *s, const vs_figure *row, vs_warnings 
         "of di_dt would be %.2g %%, and tell nothing of the device; look at the unit, or "
         "give the circuit its inductance",
         limit * 1e-6, row->got * 1e-6, 100 * (1 - row->got / limit));
+  if (is_named(w, row->where.line)) return; /* what is asked is wrong already */
   bool better = (row->held == VS_HELD_AT_MOST && row->got < row->asked / FAR) ||
                 (row->held == VS_HELD_AT_LEAST && row->got > row->asked * FAR);
   if (better && isinf(row->got))
@@ -161,8 +169,19 @@ static bool is_ideal(const vs_stand *s) {
   return true;
 }
 
+/* By line, in the order of the file. */
+static void sort(vs_warnings *w, size_t first) {
+  for (size_t k = first + 1; k < w->count; k++)
+    for (size_t n = k; n > first && w->item[n - 1].line > w->item[n].line; n--) {
+      vs_error other = w->item[n];
+      w->item[n] = w->item[n - 1];
+      w->item[n - 1] = other;
+    }
+}
+
 void vs_plausible_warn(const vs_stand *s, const vs_figures *figures, vs_warnings *w) {
   const vs_part_file *file = vs_parts_file(&s->deck, s->file);
+  size_t first = w->count;
   if (!file || is_ideal(s)) return;
   for (size_t k = 0; k < sizeof RANGES / sizeof *RANGES; k++)
     if (!strcmp(RANGES[k].kind, file->kind)) warn_of_range(s, &RANGES[k], w);
@@ -175,4 +194,5 @@ void vs_plausible_warn(const vs_stand *s, const vs_figures *figures, vs_warnings
     warn_of_heat(s, w);
   }
   for (size_t k = 0; k < figures->count; k++) warn_of_figure(s, &figures->row[k], w);
+  sort(w, first);
 }

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <math.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -28,17 +29,22 @@ static const vs_deck_value STANDARD[VS_STANDARD] = {
     {"u_rms", 440},     {"f_mains", 50},        {"phase", 0},     {"r_source", 0.5},
     {"l_source", 5e-4}, {"eva_resistance", 92}, {"eva_a", 5.2e-3}};
 
+/* The stand's own deck, wherever the program's files are; a file of that name in the working
+ * directory is none. */
+static void take_deck(void *ctx, const char *path) {
+  const char *slash = strrchr(path, '/');
+  char *deck = ctx;
+  if (!*deck && !strcmp(slash ? slash + 1 : path, "stand.cir"))
+    snprintf(deck, VS_PATH_SIZE, "%s", path);
+}
+
 vs_status vs_stand_open(const char *path, vs_stand *s, vs_error *err) {
-  char deck[VS_PATH_SIZE], *whole = realpath(path, NULL);
+  char deck[VS_PATH_SIZE] = "", *whole = realpath(path, NULL);
   vs_node part = vs_tree_word("dut", whole ? whole : path, (vs_where){.file = path});
   const vs_node section = vs_tree_map("circuit", &part);
   s->name = path;
-  vs_deck_begin(&s->deck);
-  vs_status status = vs_path_find(&SHELF, "stand", (vs_where){0}, deck, err);
-  if (!status) {
-    vs_deck_free(&s->deck);
-    status = vs_netlist_read(deck, &s->deck, err);
-  }
+  vs_path_list(&SHELF, take_deck, deck);
+  vs_status status = vs_netlist_read(deck, &s->deck, err);
   if (!status) status = vs_netlist_read_parts(&s->deck, &section, err);
   if (!status) status = vs_field_section_read(&s->deck.section, NULL, &s->values, err);
   if (!status) status = vs_deck_bind(&s->deck, &s->values, STANDARD, VS_STANDARD, err);
@@ -69,7 +75,7 @@ enum { SIGNALS = 3 };
 typedef struct head {
   vs_status status;
   size_t points;
-  char why[sizeof((vs_error *)0)->text];
+  vs_error err;
 } head;
 
 /* The steps so far: time and signals in turn. */
@@ -104,6 +110,10 @@ static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *
   return VS_OK;
 }
 
+static void locate(const void *author, vs_error *err) {
+  vs_netlist_locate(author, err);
+}
+
 static vs_status solve(char *const *netlist, size_t lines, const vs_stand *stand,
                        const vs_stand_circuit *c, steps *seen, vs_error *err) {
   static const char *const PORTS[] = {"v.xeva.vgap"}, *const NAMES[] = {"v(a)", "i(vm)", "v(g)"};
@@ -119,6 +129,8 @@ static vs_status solve(char *const *netlist, size_t lines, const vs_stand *stand
                               .dialect = stand->deck.compat,
                               .relative_tolerance = c->tolerance > 0 ? c->tolerance : 1e-4,
                               .current_tolerance_a = 1e-9,
+                              .locate = locate,
+                              .author = &stand->deck,
                               .tried = true};
   const vs_circuit_host host = {seen, gap, no_edge, no_edge, accept, NULL, NULL, NULL};
   void *circuit = NULL;
@@ -143,7 +155,6 @@ static void live_quietly(void) {
 
 static _Noreturn void solve_in(const vs_child_copy *copy, const vs_stand *stand,
                                const vs_stand_circuit *c) {
-  vs_error err = {0};
   steps seen = {0};
   head h = {0};
   char **netlist = vs_alloc(stand->lines + strlen(c->text) + 1, sizeof *netlist),
@@ -153,9 +164,8 @@ static _Noreturn void solve_in(const vs_child_copy *copy, const vs_stand *stand,
   memcpy(netlist, stand->netlist, stand->lines * sizeof *netlist);
   for (char *line; (line = strsep(&rest, "\n"));)
     if (*line) netlist[lines++] = line;
-  h.status = solve(netlist, lines, stand, c, &seen, &err);
+  h.status = solve(netlist, lines, stand, c, &seen, &h.err);
   h.points = seen.count;
-  memcpy(h.why, err.text, sizeof h.why);
   vs_child_say(copy, &h, sizeof h);
   vs_child_tell(copy, seen.row, seen.count * (1 + SIGNALS) * sizeof *seen.row);
 }
@@ -193,7 +203,10 @@ vs_status vs_stand_run(const vs_stand *stand, const vs_stand_circuit *c, vs_stan
   if (WIFSIGNALED(how))
     return vs_fail(err, VS_RUN, "ngspice died of it (signal %d)", WTERMSIG(how));
   if (!whole) return vs_fail(err, VS_RUN, "ngspice ended the process it was in");
-  return h.status ? vs_fail(err, h.status, "%s", h.why) : VS_OK;
+  if (!h.status) return VS_OK;
+  h.err.findings = err->findings;
+  *err = h.err;
+  return h.status;
 }
 
 void vs_stand_free(vs_stand_record *r) {

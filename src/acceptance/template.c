@@ -96,6 +96,39 @@ static void add_kind(void *ctx, const char *path) {
   vs_text_add(ctx, "  %.*s\n", (int)strcspn(base, "."), base);
 }
 
+/* What is looked for on the shelf, and its path; empty: it is not there. */
+typedef struct wanted {
+  const char *name;
+  char path[VS_PATH_SIZE];
+} wanted;
+
+static void take_template(void *ctx, const char *path) {
+  wanted *w = ctx;
+  const char *base = base_of(path);
+  size_t n = strlen(w->name);
+  if (!*w->path && !strncmp(base, w->name, n) && !strcmp(base + n, SHELF.ending))
+    snprintf(w->path, sizeof w->path, "%s", path);
+}
+
+/* Finds the template of the kind. Error: there is none; the message says which there are. */
+static vs_status find_template(const vs_template_options *o, char path[VS_PATH_SIZE],
+                               vs_error *err) {
+  char name[VS_WRAP_NAME];
+  snprintf(name, sizeof name, "%.40s%s", o->kind, o->wrap ? WRAPPED : "");
+  wanted w = {.name = name};
+  if (!strstr(o->kind, WRAPPED)) vs_path_list(&SHELF, take_template, &w);
+  memcpy(path, w.path, VS_PATH_SIZE);
+  if (*path) return VS_OK;
+  if (o->wrap)
+    return vs_fail(
+        err, VS_INPUT,
+        "part --wrap: no template of '%s' around a vendor's model; there are: thyristor, "
+        "varistor, fuse",
+        o->kind);
+  return vs_fail(err, VS_INPUT, "part: '%s' is no kind with a template; see vibrospice part",
+                 o->kind);
+}
+
 void vs_template_explain(vs_text *help) {
   vs_text_add(help, "\nKinds:\n");
   vs_path_list(&SHELF, add_kind, help);
@@ -137,12 +170,9 @@ static vs_status write_template(const vs_template_options *o, const char *path,
 }
 
 vs_status vs_template_command(const vs_template_options *o, vs_error *err) {
-  char path[VS_PATH_SIZE], template[VS_PATH_SIZE], name[VS_WRAP_NAME];
+  char path[VS_PATH_SIZE], name[VS_WRAP_NAME];
   if (!o->kind) return list_kinds();
-  snprintf(template, sizeof template, "%.100s%s", o->kind, o->wrap ? WRAPPED : "");
-  if (strchr(o->kind, '/') || strstr(o->kind, WRAPPED))
-    return vs_fail(err, VS_INPUT, "part: '%s' is no kind; see vibrospice part", o->kind);
-  vs_status status = vs_path_find(&SHELF, template, (vs_where){0}, path, err);
+  vs_status status = find_template(o, path, err);
   if (status) return status;
   if (!o->output)
     return vs_fail(err, VS_INPUT, "part: wants -o NAME.inc; see vibrospice part --help");

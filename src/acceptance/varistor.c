@@ -106,4 +106,4 @@ static void measure(const vs_stand *s, vs_figures *f) {
   draw(s, log10(ROWS[2].i_a / 1e-5), f);
 }
 
-const vs_figures_kind vs_varistor_kind = {"varistor", measure};
+const vs_figures_kind vs_varistor_kind = {"varistor", "t 0", measure};
