@@ -182,8 +182,8 @@ static void gate_trigger(const vs_stand *s, const plan *p, vs_figures *f) {
     if (good) {
       row->got = part * 2 * scale;
       volt->got = vs_stand_at(&r, r.g, fires_s - 20e-6);
-      draw(f, &r, (view){"gate: it fires at 12 V", "t / ms", "v_AK / V", 2e-3, 22e-3},
-           (const double *[]){r.t_s, r.v}, (const double[]){1e-3, 1});
+      draw(f, &r, (view){"gate: it fires at 12 V", "i_G / mA", "v_AK / V", 2e-3, 22e-3},
+           (const double *[]){r.t_s, r.v}, (const double[]){20e-3 / (2e3 * scale), 1});
     }
     vs_stand_free(&r);
     if (good) return;
