@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The pages of docs/ about machines, fits and instruments: their files are written, their commands
- * run, and what they say that is printed must be printed. A page's blocks are taken in their order:
+ * The pages of docs/ about machines, fits, instruments and parts: their files are written, their
+ * commands run, and what they say that is printed must be printed. A page's blocks are taken in
+ * their order:
  *
  *   yaml, first line "# NAME.yaml"   becomes that file
+ *   spice, first line "* NAME.END: " becomes that file
  *   sh                               each line that begins with "vibrospice " is run and must end
  *                                    well, or with N where its comment is "# exit status N"
  *   text                             each line must stand in what was printed since the last such
@@ -32,6 +34,13 @@ static void take_file(page *p, const char *text) {
   char name[64];
   if (sscanf(text, "# %63[a-z_].yaml", name) != 1) return;
   strcat(name, ".yaml");
+  write_file(name, text);
+  p->files++;
+}
+
+static void take_netlist(page *p, const char *text) {
+  char name[64];
+  if (sscanf(text, "* %63[a-z_.]:", name) != 1) return;
   write_file(name, text);
   p->files++;
 }
@@ -91,6 +100,7 @@ static void try_page(page *p) {
     char *block = vs_copy(begin + 1);
     block[end - begin] = '\0';
     if (named && !strcmp(kind, "yaml")) take_file(p, block);
+    if (named && !strcmp(kind, "spice")) take_netlist(p, block);
     if (named && !strcmp(kind, "sh")) run_lines(p, block);
     if (named && !strcmp(kind, "text")) expect_lines(p, block);
     free(block);
@@ -131,11 +141,17 @@ static void instruments(void) {
          p.files, p.commands, p.lines);
 }
 
+static void parts(void) {
+  page p = {.name = "parts.md"};
+  try_page(&p);
+  EXPECT(p.files >= 2 && p.commands >= 6 && p.lines >= 18, "%d files, %d commands, %d lines",
+         p.files, p.commands, p.lines);
+}
+
 static const vs_test TESTS[] = {
-    {"machines.md", machines},
-    {"a page for each machine", pages_of_machines},
-    {"fitting.md", fitting},
-    {"instruments.md", instruments},
+    {"machines.md", machines}, {"a page for each machine", pages_of_machines},
+    {"fitting.md", fitting},   {"instruments.md", instruments},
+    {"parts.md", parts},
 };
 
 int main(void) {

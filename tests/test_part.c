@@ -149,7 +149,9 @@ static void a_small_thyristor(void) {
   for (size_t k = 0; k < COUNT(CHANGES); k++)
     alter("small.inc", "small.inc", CHANGES[k][0], CHANGES[k][1]);
   ran r = run("check small.inc --json");
-  expect_good(&r, "small", __LINE__);
+  EXPECT(r.status == 0, "%d: %s", r.status, r.err);
+  expect_warning(&r, "small.inc", 29, "critical_dvdt, by which the model is made, is 2.5 times");
+  expect_warning(&r, "small.inc", 30, "turn_off_time, by which the model is made, is 2 times");
   CLOSE_OF(number_of(r.out, "V_T", 0, "got"), 0.9 + 0.2, 1, 0.03);
   CLOSE(number_of(r.out, "I_GT", 0, "got"), 5, 0.03);
   CLOSE(number_of(r.out, "I_L", 0, "got"), 30, 0.04);

@@ -79,6 +79,23 @@ static void warn_of_surge(const vs_stand *s, vs_warnings *w) {
                 w);
 }
 
+/* A figure that stands in the file twice: as the limit that runs are held to, and as a parameter
+ * that the model is made with. */
+static void warn_of_twins(const vs_stand *s, vs_warnings *w) {
+  static const char *const TWINS[][2] = {
+      {"blocking_voltage", "v_drm"}, {"critical_dvdt", "dv_dt"}, {"turn_off_time", "t_q"}};
+  for (size_t k = 0; k < sizeof TWINS / sizeof *TWINS; k++) {
+    vs_figures_asked param = vs_figures_param(s, TWINS[k][0]),
+                     limit = vs_figures_limit(s, TWINS[k][1]);
+    double ratio = param.value / limit.value;
+    if (isnan(ratio) || fabs(ratio - 1) < 0.01) continue;
+    vs_fail_at(vs_warnings_add(w), param.where.file ? param.where : limit.where,
+               "%s, by which the model is made, is %.4g times the limit %s: a run is held to the "
+               "one, and the model does the other",
+               TWINS[k][0], ratio, TWINS[k][1]);
+  }
+}
+
 /* ---- heat ---- */
 
 /* The place of the line `*$ part`. */
@@ -191,6 +208,7 @@ void vs_plausible_warn(const vs_stand *s, const vs_figures *figures, vs_warnings
                     PAIRS[k].ends, PAIRS[k].text, w);
   if (!strcmp(file->kind, "thyristor")) {
     warn_of_surge(s, w);
+    warn_of_twins(s, w);
     warn_of_heat(s, w);
   }
   for (size_t k = 0; k < figures->count; k++) warn_of_figure(s, &figures->row[k], w);
