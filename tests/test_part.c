@@ -150,8 +150,8 @@ static void a_small_thyristor(void) {
     alter("small.inc", "small.inc", CHANGES[k][0], CHANGES[k][1]);
   ran r = run("check small.inc --json");
   EXPECT(r.status == 0, "%d: %s", r.status, r.err);
-  expect_warning(&r, "small.inc", 29, "critical_dvdt, by which the model is made, is 2.5 times");
-  expect_warning(&r, "small.inc", 30, "turn_off_time, by which the model is made, is 2 times");
+  expect_warning(&r, "small.inc", 30, "critical_dvdt, by which the model is made, is 2.5 times");
+  expect_warning(&r, "small.inc", 31, "turn_off_time, by which the model is made, is 2 times");
   CLOSE_OF(number_of(r.out, "V_T", 0, "got"), 0.9 + 0.2, 1, 0.03);
   CLOSE(number_of(r.out, "I_GT", 0, "got"), 5, 0.03);
   CLOSE(number_of(r.out, "I_L", 0, "got"), 30, 0.04);
