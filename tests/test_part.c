@@ -237,6 +237,21 @@ static void a_vendors_mistakes(void) {
   free_ran(&r);
 }
 
+/* What never conducts, as by pins in a wrong order, holds nothing: its figures could not be
+ * measured. */
+static void what_never_conducts(void) {
+  static const char *const FAILED[] = {"I_GT", "V_GT", "I_H", "Q_rr", "di/dt"};
+  write_file("dead.inc", "*$ part thyristor \"two resistors\"\n*$ limit i_h = 30 mA\n"
+                         "*$ limit i_gt = 15 mA\n*$ limit v_gt = 1.5 V\n*$ limit q_rr = 20 A*us\n"
+                         ".subckt dead a k g\nR1 a k 1meg\nR2 g k 100\n.ends\n");
+  ran r = run("check dead.inc --json");
+  EXPECT(r.status == 1 && strstr(r.err, "4 of 4 figures are not what is asked"), "%d: %s", r.status,
+         r.err);
+  for (size_t k = 0; k < COUNT(FAILED); k++)
+    EXPECT(isnan(number_of(r.out, FAILED[k], 0, "got")), "%s: %s", FAILED[k], r.out);
+  free_ran(&r);
+}
+
 /* ---- implausible numbers ---- */
 
 /* A thyristor that latches as soon as its gate, on 10 ohm, is at 0.26 V: a comparator, no junction.
@@ -327,6 +342,7 @@ static const vs_test TESTS[] = {
     {"a small thyristor", a_small_thyristor},
     {"a vendor's model", a_vendors_model},
     {"a vendor's mistakes", a_vendors_mistakes},
+    {"what never conducts", what_never_conducts},
     {"implausible numbers", implausible_numbers},
     {"files of a bench", files_of_a_bench},
     {"bad usage", bad_usage},
