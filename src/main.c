@@ -19,11 +19,12 @@
 #include "command/run.h"
 #include "command/sensitivity.h"
 #include "command/steady.h"
-#include "fit/aims.h"
-#include "fit/inquiry.h"
+#include "inquiry/aims.h"
+#include "inquiry/inquiry.h"
 #include "method/methods.h"
 #include "picture/plot.h"
 #include "report/fitting.h"
+#include "report/harmonics.h"
 #include "report/report.h"
 #include "report/tornado.h"
 #include "solver/circuit.h"
@@ -47,6 +48,7 @@ static vs_run_options run_options(const vs_arguments *a) {
                           .quiet = a->quiet,
                           .reproducible = a->reproducible,
                           .raw = a->raw,
+                          .allow_code = a->allow_code,
                           .digits = a->digits,
                           .stop = &vs_leave_requested};
 }
@@ -78,6 +80,7 @@ static const struct argp_option RUN_OPTIONS[] = {
                     "tier circuit, with -o: writes run.raw too, every voltage and current of the "
                     "circuit at every step, for ngspice's 'load'; a run that fails leaves "
                     "run.partial.raw"),
+    VS_COMMAND_ALLOW_CODE,
     VS_COMMAND_HELP,
     {0}};
 
@@ -89,7 +92,10 @@ static vs_status steady(const vs_arguments *a, vs_error *err) {
   if ((a->step || a->at) && !a->along)
     return vs_fail(err, VS_INPUT, "--%s: it goes with --along; see vibrospice steady --help",
                    a->step ? "step" : "at");
-  return a->along ? vs_branch_command(&branch, err) : vs_steady_command(&o, a->period, err);
+  if (a->linear && a->along)
+    return vs_fail(err, VS_INPUT, "--linear: it is about one orbit, and does not go with --along");
+  return a->along ? vs_branch_command(&branch, err)
+                  : vs_steady_command(&o, a->period, a->linear, err);
 }
 
 static void explain_steady(vs_text *help) {
@@ -123,6 +129,9 @@ static const struct argp_option STEADY_OPTIONS[] = {
                      "with --along: reports every orbit of the branch at that value of the key"),
     VS_COMMAND_VALUE("step", VS_KEY_STEP, "S",
                      "the key's largest change from point to point (default a 50th of the range)"),
+    VS_COMMAND_FLAG("linear", VS_KEY_LINEAR,
+                    "linear models about the orbit, from the firing angle to the state at the next "
+                    "firing and to the amplitude; with -o linear.json and linear_*.csv, too"),
     VS_COMMAND_VALUE("output", 'o', "DIR",
                      "writes run.csv of one period, events.csv and summary.json there; with "
                      "--along branch.csv, branch.json and branch.png"),
@@ -147,6 +156,7 @@ static vs_status sensitivity(const vs_arguments *a, vs_error *err) {
                                     .folder = a->output,
                                     .json = a->json,
                                     .quiet = a->quiet,
+                                    .allow_code = a->allow_code,
                                     .stop = &vs_leave_requested};
   vs_status status = vs_sensitivity_command(&o, err);
   vs_error why = {0};
@@ -168,6 +178,7 @@ static const struct argp_option SENSITIVITY_OPTIONS[] = {
                      "writes sensitivity.csv, summary.json and the picture tornado there"),
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
+    VS_COMMAND_ALLOW_CODE,
     VS_COMMAND_HELP,
     {0}};
 
@@ -265,8 +276,9 @@ static vs_status plot(const vs_arguments *a, vs_error *err) {
   const vs_plot_options o = {folder, a->output, a->overlay, a->quiet};
   if (vs_tornado_here(folder) && !a->output && !a->overlay)
     return vs_tornado_draw(folder, a->quiet, err);
-  return vs_folder_here(folder) ? vs_report_command(&o, vs_methods_all, err)
-                                : vs_plot_command(&o, err);
+  if (vs_folder_here(folder)) return vs_report_command(&o, vs_methods_all, err);
+  vs_status status = vs_plot_command(&o, err);
+  return status || a->output || a->overlay ? status : vs_harmonics_draw(folder, a->quiet, err);
 }
 
 static const struct argp_option PLOT_OPTIONS[] = {
@@ -314,6 +326,7 @@ static vs_status study(const vs_arguments *a, vs_error *err) {
                               .keep_runs = a->keep_runs,
                               .progress_json = a->progress_json,
                               .quiet = a->quiet,
+                              .allow_code = a->allow_code,
                               .timeout_s = a->timeout_s,
                               .stop = &vs_leave_requested};
   return vs_study_command(&o, err);
@@ -354,6 +367,7 @@ static const struct argp_option STUDY_OPTIONS[] = {
                     "runs each case from its beginning, also where cases have the same past; the "
                     "results are the same"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "no table, no progress"),
+    VS_COMMAND_ALLOW_CODE,
     VS_COMMAND_HELP,
     {0}};
 
@@ -381,12 +395,14 @@ static vs_status fit(const vs_arguments *a, vs_error *err) {
                                 .folder = a->output,
                                 .json = a->json,
                                 .quiet = a->quiet,
+                                .allow_code = a->allow_code,
                                 .digits = a->digits};
   return vs_fitting_command(&o, err);
 }
 
 static void explain_fit(vs_text *help) {
-  vs_text_add(help, "\nBesides the measures of every run a fit may use:\n");
+  vs_text_add(help, "\nBesides the measures of every run, and with steady: true those of steady, a "
+                    "fit may use:\n");
   vs_aim_explain(help);
 }
 
@@ -400,6 +416,7 @@ static const struct argp_option FIT_OPTIONS[] = {
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
     DIGITS_OPTION,
+    VS_COMMAND_ALLOW_CODE,
     VS_COMMAND_HELP,
     {0}};
 
@@ -421,6 +438,7 @@ static const vs_command COMMANDS[] = {
      .examples = "  vibrospice steady paper --set firing.every=1\n"
                  "  vibrospice steady two_mass --set firing.every=1 --set firing.angle=130deg -o "
                  "work\n"
+                 "  vibrospice steady paper --set firing.every=1 --linear -o model\n"
                  "  vibrospice steady paper --set firing.every=1 --along "
                  "firing.angle=130deg..70deg -o branch\n",
      .options = STEADY_OPTIONS,

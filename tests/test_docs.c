@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The pages of docs/ about machines, fits, instruments and parts: their files are written, their
- * commands run, and what they say that is printed must be printed. A page's blocks are taken in
- * their order:
+ * The pages of docs/ about machines, fits, instruments, control and parts: their files are written,
+ * their commands run, and what they say that is printed must be printed. A page's blocks are taken
+ * in their order:
  *
- *   yaml, first line "# NAME.yaml"   becomes that file
+ *   yaml, first line "# NAME.yaml"   becomes that file; python, "# NAME.py", likewise
  *   spice, first line "* NAME.END: " becomes that file
  *   sh                               each line that begins with "vibrospice " is run and must end
  *                                    well, or with N where its comment is "# exit status N"
@@ -32,8 +32,11 @@ typedef struct page {
 
 static void take_file(page *p, const char *text) {
   char name[64];
-  if (sscanf(text, "# %63[a-z_].yaml", name) != 1) return;
-  strcat(name, ".yaml");
+  size_t n = strspn(text + 2, "abcdefghijklmnopqrstuvwxyz_");
+  const char *ending = text + 2 + n;
+  if (strncmp(text, "# ", 2) || !n || n > 50) return;
+  if (strncmp(ending, ".yaml", 5) && strncmp(ending, ".py", 3)) return;
+  snprintf(name, sizeof name, "%.*s%s", (int)n, text + 2, ending[1] == 'y' ? ".yaml" : ".py");
   write_file(name, text);
   p->files++;
 }
@@ -99,7 +102,7 @@ static void try_page(page *p) {
     CU_ASSERT_PTR_NOT_NULL_FATAL(end);
     char *block = vs_copy(begin + 1);
     block[end - begin] = '\0';
-    if (named && !strcmp(kind, "yaml")) take_file(p, block);
+    if (named && (!strcmp(kind, "yaml") || !strcmp(kind, "python"))) take_file(p, block);
     if (named && !strcmp(kind, "spice")) take_netlist(p, block);
     if (named && !strcmp(kind, "sh")) run_lines(p, block);
     if (named && !strcmp(kind, "text")) expect_lines(p, block);
@@ -141,6 +144,14 @@ static void instruments(void) {
          p.files, p.commands, p.lines);
 }
 
+static void control(void) {
+  page p = {.name = "control.md"};
+  if (!on_path("python3")) return; /* its laws are written in that */
+  try_page(&p);
+  EXPECT(p.files >= 2 && p.commands >= 3 && p.lines >= 3, "%d files, %d commands, %d lines",
+         p.files, p.commands, p.lines);
+}
+
 static void parts(void) {
   page p = {.name = "parts.md"};
   try_page(&p);
@@ -151,7 +162,7 @@ static void parts(void) {
 static const vs_test TESTS[] = {
     {"machines.md", machines}, {"a page for each machine", pages_of_machines},
     {"fitting.md", fitting},   {"instruments.md", instruments},
-    {"parts.md", parts},
+    {"control.md", control},   {"parts.md", parts},
 };
 
 int main(void) {

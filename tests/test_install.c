@@ -80,6 +80,7 @@ static int compare_file(const char *path, const struct stat *s, int kind, struct
 static void all_of_spice_is_there(void) {
   CU_ASSERT_EQUAL(nftw(VS_TEST_FOLDER "/../spice", compare_file, 16, FTW_PHYS), 0);
   CU_ASSERT(compared >= 5); /* decks, subcircuit, part, scene at least */
+  EXPECT(!access("there/include/vibrospice/law.h", R_OK), "the header of laws is not installed");
 }
 
 static void shipped_scenes_and_decks_run(void) {

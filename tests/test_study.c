@@ -338,8 +338,8 @@ static void refusals(void) {
           "r.yaml: ", "more than 100000000 cases");
   write_file("c.csv", "firing.angle,circuit.r1\n100 deg,1 ohm\n101 deg\n");
   REFUSED("vary: c.csv\n", "c.csv:3:1: ", "1 cells, and the header has 2");
-  write_file("c.csv", "firing.angle.first\n1\n");
-  REFUSED("vary: c.csv\n", "c.csv:1:1: ", "column firing.angle.first: firing.angle_deg is wanted");
+  write_file("c.csv", "firing.angle_rad\n1\n");
+  REFUSED("vary: c.csv\n", "c.csv:1:1: ", "column firing.angle_rad: firing.angle_deg is wanted");
   write_file("r.yaml", ONE);
   refused(ONE, "study r.yaml --set firing.angle=90deg -o out", "r.yaml:1:8: ", "--set", __LINE__);
   refused(ONE, "study r.yaml --shard 3/2 -o out", "--shard 3/2", "I/N is wanted", __LINE__);

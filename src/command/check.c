@@ -117,6 +117,7 @@ static vs_status check_scene(report *r, vs_error *err) {
   if (!status && !vs_error_count(err)) status = vs_session_try(scene->tier, &scene->setup, err);
   if (!status && !vs_error_count(err)) {
     vs_text_add(&r->good, "a good scene: tier %s (%s)", scene->tier->name, scene->why);
+    vs_control_describe(&scene->control, &r->good);
     for (size_t w = 0; w < scene->warnings.count; w++)
       *vs_warnings_add(&r->warnings) = scene->warnings.item[w];
     if (scene->frame.deck) warn_of_deck(r, scene->frame.deck);

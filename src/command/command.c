@@ -41,9 +41,11 @@ static bool *flag_of(vs_arguments *a, int key) {
                {VS_KEY_REPRODUCIBLE, &a->reproducible},
                {VS_KEY_STEADY, &a->steady},
                {VS_KEY_RAW, &a->raw},
+               {VS_KEY_LINEAR, &a->linear},
                {VS_KEY_LIST, &a->list},
                {VS_KEY_RESUME, &a->resume},
-               {VS_KEY_OVERWRITE, &a->overwrite}};
+               {VS_KEY_OVERWRITE, &a->overwrite},
+               {VS_KEY_ALLOW_CODE, &a->allow_code}};
   for (size_t k = 0; k < sizeof FLAGS / sizeof *FLAGS; k++)
     if (FLAGS[k].key == key) return FLAGS[k].flag;
   return NULL;

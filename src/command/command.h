@@ -20,7 +20,7 @@ typedef struct vs_arguments {
   const char *tier, *output, *deck, *machine, *overlay, *shard, *of, *to, *along, *step, *at,
       *profile, *wrap;
   bool json, quiet, reproducible, raw, list, help, resume, overwrite, keep_runs, progress_json,
-      steady, no_sharing;
+      steady, no_sharing, linear, allow_code;
   int digits; /* 1..17 */
   int jobs;   /* 0: not given */
   int period; /* 1 or more */
@@ -71,6 +71,8 @@ enum {
   VS_KEY_KEEP,
   VS_KEY_ALONE,
   VS_KEY_PROFILE,
+  VS_KEY_LINEAR,
+  VS_KEY_ALLOW_CODE,
   VS_KEY_WRAP
 };
 
@@ -88,6 +90,9 @@ enum {
   VS_COMMAND_FLAG("json", VS_KEY_JSON, "JSON on standard output instead of the table")
 #define VS_COMMAND_QUIET                                                                           \
   VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "no table, no warnings, no progress")
+#define VS_COMMAND_ALLOW_CODE                                                                      \
+  VS_COMMAND_FLAG("allow-code", VS_KEY_ALLOW_CODE,                                                 \
+                  "lets a scene run code of its own: a control with the law object or pipe")
 
 /* Runs the command whose name is argv[1] with what stands behind it, or prints its help. Prints one
  * line on standard error where it fails. Writes into argv[1]. */

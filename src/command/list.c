@@ -207,6 +207,8 @@ static void list_parameters(const listed *of) {
       print_field(instruments[s]->name, &instruments[s]->fields[k]);
   for (size_t k = 0; k < vs_control_section.count; k++)
     print_field(vs_control_section.name, &vs_control_section.fields[k]);
+  for (size_t k = 0; k < vs_observing_section.count; k++)
+    print_field(vs_observing_section.name, &vs_observing_section.fields[k]);
 }
 
 static void list_events(const listed *of) {

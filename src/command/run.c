@@ -110,7 +110,7 @@ static void remove_stale(const char *folder, const char *name) {
 
 const char *const vs_run_pictures[] = {
     "motion_run",     "motion_100ms", "pulse_50ms", "measured_run",
-    "measured_100ms", "control_run",  NULL};
+    "measured_100ms", "control_run",  "harmonics",  NULL};
 
 /* Calls each(folder, name, names) for every picture in the folder. A link is left alone: the
  * program drew none. */
@@ -289,6 +289,8 @@ vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
     return vs_fail(err, VS_INPUT, "--raw: run.raw goes into a folder; name one with -o DIR");
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
+  scene->allow_code = o->allow_code;
+  if (!status) status = vs_control_allow(&scene->control, o->allow_code, err);
   if (!status && o->raw) status = vs_scene_take_circuit(scene, "--raw", err);
   if (!status && !o->quiet) vs_scene_warn(scene);
   if (!status) status = vs_run_scene(o, NULL, scene, err);

@@ -22,6 +22,7 @@ typedef struct vs_run_options {
   bool quiet;        /* no table, no warnings, no progress */
   bool reproducible; /* leaves the cost out of summary.json */
   bool raw;          /* writes run.raw, too, which wants a folder and the circuit tier */
+  bool allow_code;   /* the scene may run code of its own */
   int digits;        /* significant ones in CSV files, 1..17 */
   const volatile sig_atomic_t *stop; /* set by a signal: the run ends and keeps what there is */
 } vs_run_options;

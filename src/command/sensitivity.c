@@ -198,7 +198,9 @@ static vs_status find(const vs_sensitivity_options *o, const vs_sensitivity_orde
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_sensitivity s = {0};
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
+  scene->allow_code = o->allow_code;
   if (!status && o->steady) vs_scene_hold(scene);
+  if (!status) status = vs_control_allow(&scene->control, o->allow_code, err);
   if (!status && !o->quiet) vs_scene_warn(scene);
   if (!status) status = vs_sensitivity_find(scene, order, &s, err);
   if (!status) status = report(o, scene, &s, err);

@@ -19,6 +19,7 @@ typedef struct vs_sensitivity_options {
   int period;
   const char *folder; /* gets sensitivity.csv and summary.json; NULL: none are written */
   bool json, quiet;
+  bool allow_code;                   /* the scene may run code of its own */
   const volatile sig_atomic_t *stop; /* set by a signal; NULL: none */
 } vs_sensitivity_options;
 

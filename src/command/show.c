@@ -174,12 +174,64 @@ static void print_loop(const vs_result *r, int width, FILE *out) {
   if (!l) return;
   fprintf(out, "\n%-*s law %s: %ld firings decided, %ld of them left out, %ld at a limit\n", width,
           "control", l->control->regulator->name, l->program.count, l->left_out, l->at_limit);
-  for (int k = 0; vs_control_column_at(l->control, k, &column); k++) {
+  for (int k = 0; k <= vs_control_outputs(l->control); k++) {
+    vs_control_column_at(l->control, k, &column);
     double value = vs_loop_shows(l, k);
     const char *unit = column.unit;
     if (!strcmp(unit, "rad")) value /= vs_units_factor("deg"), unit = "deg";
     fprintf(out, "%-*s %16.9g %-5s %14s\n", width, column.name, value, unit, "at the end");
   }
+}
+
+static double percent(double part, double of) {
+  return of > 0 ? 100 * part / of : 0;
+}
+
+/* How far the observer's estimates were from the true motion. */
+static void print_observer(const vs_result *r, int width, FILE *out) {
+  const vs_observing *o = &r->scene->control.observing;
+  if (!r->loop || !o->system) return;
+  const vs_estimator_errors *e = &r->loop->estimator.errors;
+  char settled[48];
+  snprintf(settled, sizeof settled, "from %.4g s on", o->settling_s);
+  fprintf(out, "\n%-*s %16s %-5s %20s %24s\n", width, "estimate", "largest error", "",
+          "of the peak", settled);
+  for (int k = 0; k < o->estimates; k++) {
+    fprintf(out, "%-*s %16.6g %-5s %18.4f %%", width, o->estimate[k].column, e->all[k],
+            o->estimate[k].unit, percent(e->all[k], e->peak[k]));
+    if (e->after)
+      fprintf(out, " %22.4f %%\n", percent(e->settled[k], e->peak[k]));
+    else
+      fprintf(out, " %24s\n", "the run is shorter");
+  }
+}
+
+void vs_show_classes(const vs_drawn *drawn, FILE *out) {
+  fprintf(out, "%-10s %15s %15s   %s\n", "class", "worst harmonic", "part of limit", "of");
+  for (const vs_class *c = vs_classes_all; c->name; c++) {
+    double part;
+    int worst = vs_classes_worst(c, drawn, &part);
+    fprintf(out, "%-10s %15d %13.2f %%   %s%s\n", c->name, worst, 100 * part, c->text,
+            part <= 1 ? "" : ": not held");
+  }
+}
+
+enum { SHOWN = 10 }; /* the last harmonic in the table; JSON has all */
+
+/* The harmonics of a current, and what limits are set for them. */
+static void print_quality(const vs_quality *q, FILE *out) {
+  const vs_drawn drawn = vs_quality_drawn(q);
+  double first_a = vs_spectrum_harmonic(&q->current, 1);
+  fprintf(out, "\nquality of %s, over %d cycles of the mains\n", q->name, q->cycles);
+  fprintf(out, "%-10s %15s %15s %15s\n", "harmonic", "A rms", "of harmonic 1", "phase");
+  for (int n = 0; n <= SHOWN; n++) {
+    double each = vs_spectrum_harmonic(&q->current, n), phase_rad = vs_quality_phase(q, n);
+    fprintf(out, "%-10d %15.9g", n, each);
+    if (first_a > 0) fprintf(out, " %13.2f %%", 100 * each / first_a);
+    if (isfinite(phase_rad)) fprintf(out, " %11.2f deg", phase_rad / vs_units_factor("deg"));
+    fputc('\n', out);
+  }
+  vs_show_classes(&drawn, out);
 }
 
 void vs_show_result(const vs_result *r, FILE *out) {
@@ -196,6 +248,8 @@ void vs_show_result(const vs_result *r, FILE *out) {
             work_j);
   print_instruments(r, width, out);
   print_loop(r, width, out);
+  print_observer(r, width, out);
+  for (int k = 0; k < r->n_quality; k++) print_quality(&r->quality[k], out);
   print_verdict(&r->verdict, width, out);
   print_second(r, out);
   fprintf(out, "\n%ld steps in %.3g s\n", r->steps, r->wall_s);

@@ -5,6 +5,9 @@
 #include <stdlib.h>
 
 #include "base/text.h"
+#include "command/show.h"
+#include "dependence/closed.h"
+#include "dependence/matrices.h"
 #include "period/classes.h"
 #include "steady/steady.h"
 
@@ -197,27 +200,18 @@ static void print_harmonics(const vs_steady *s, FILE *out) {
           worst, 100 * part_of_limit(s, worst));
 }
 
-static void print_classes(const vs_steady *s, FILE *out) {
-  const vs_drawn drawn = drawn_of(s);
-  fprintf(out, "\n%-10s %15s %15s   %s\n", "class", "worst harmonic", "part of limit", "of");
-  for (const vs_class *c = vs_classes_all; c->name; c++) {
-    double part;
-    int worst = vs_classes_worst(c, &drawn, &part);
-    fprintf(out, "%-10s %15d %13.2f %%   %s%s\n", c->name, worst, 100 * part, c->text,
-            part <= 1 ? "" : ": not held");
-  }
-}
-
 static void show(const void *ctx, FILE *out) {
   const vs_steady *s = ctx;
   const vs_orbit *orbit = &s->orbit;
+  const vs_drawn drawn = drawn_of(s);
   vs_steady_measure m;
   fprintf(out, "orbit  of %.9g s, period %d, in %d %s; the last corrected it by %.1g\n\n",
           orbit->period_s, orbit->n, s->picard ? s->picard->cycles : orbit->iterations,
           s->picard ? "cycles" : "iterations", orbit->residual);
   print_multipliers(s, out);
   print_harmonics(s, out);
-  print_classes(s, out);
+  fputc('\n', out);
+  vs_show_classes(&drawn, out);
   fprintf(out, "\n%-18s %16s\n", "over a period", "computed");
   for (int k = 0; vs_steady_at(s, k, &m); k++)
     if (m.value.known)
@@ -232,6 +226,9 @@ static void show(const void *ctx, FILE *out) {
 /* What the run of a period is told by. The functions above are given it as its first member. */
 typedef struct reporter {
   vs_steady steady;
+  vs_matrices *matrices; /* NULL: no linear model is wanted */
+  vs_closed *closed;     /* the closed loop of the scene's control; NULL: it has none to tell */
+  vs_error unclosed;     /* why there is none of a control that should have one */
   vs_scene *scene;
   bool quiet;
 } reporter;
@@ -255,28 +252,90 @@ static void finish(void *ctx, const vs_result *result) {
     fprintf(stderr, "vibrospice: warning: %s\n", vs_warnings_text(&w->item[k]));
 }
 
-static vs_status report(const vs_run_options *o, int periods, vs_scene *scene, vs_error *err) {
+static void show_all(const void *ctx, FILE *out) {
+  const reporter *r = ctx;
+  show(ctx, out);
+  if (r->matrices) vs_matrices_print(r->matrices, out);
+  if (r->closed && !*r->unclosed.text) vs_closed_print(r->closed, out);
+  if (r->closed && *r->unclosed.text)
+    fprintf(out, "control  its closed loop is not known: %s\n\n", r->unclosed.text);
+}
+
+static void add_all(const void *ctx, vs_json *json) {
+  const reporter *r = ctx;
+  add_members(ctx, json);
+  if (r->matrices) vs_matrices_json(r->matrices, json);
+  if (r->closed && !*r->unclosed.text) vs_closed_json(r->closed, json);
+  if (r->closed && *r->unclosed.text) vs_json_text(json, "closed_loop_missing", r->unclosed.text);
+}
+
+/* The linear model's files lie beside those of the run, which has just been written. */
+static vs_status write_linear(const vs_run_options *o, const vs_matrices *matrices, vs_error *err) {
+  if (!o->folder) return VS_OK;
+  if (!matrices) {
+    vs_matrices_remove(o->folder);
+    return VS_OK;
+  }
+  vs_status status = vs_matrices_write(matrices, o->folder, err);
+  if (!status && !o->quiet && !o->json)
+    printf("written: %s in %s\n", vs_matrices_files(), o->folder);
+  return status;
+}
+
+/* Finds the closed loop about its own orbit, where the scene's control, which is off by now, has
+ * one that is told. That there is none is no error of the command. */
+static void close_loop(reporter *r, const vs_regulator *regulator, const vs_scene *scene) {
+  if (!regulator || !regulator->pi || scene->tier->has_circuit || r->steady.orbit.n > 1) return;
+  r->closed = vs_alloc(1, sizeof *r->closed);
+  if (vs_closed_find(scene, regulator, &r->steady.orbit, r->closed, &r->unclosed) &&
+      !*r->unclosed.text)
+    vs_fail(&r->unclosed, VS_RUN, "it was not found");
+}
+
+/* What is to be told besides the orbit. */
+typedef struct extras {
+  bool linear;
+  const vs_regulator *regulator; /* the scene's; NULL: it has none */
+} extras;
+
+static vs_status report(const vs_run_options *o, int periods, extras more_of, vs_scene *scene,
+                        vs_error *err) {
+  bool linear = more_of.linear;
   reporter *r = vs_alloc(1, sizeof *r);
   vs_steady *s = &r->steady;
-  const vs_run_more more = {r, begin, accept, finish, show, {r, add_measures, add_members}};
+  const vs_run_more more = {r, begin, accept, finish, show_all, {r, add_measures, add_all}};
   scene->order.stop = o->stop;
-  vs_status status = vs_steady_begin(s, scene, periods, err);
+  vs_status status = linear ? vs_linear_check(scene, periods, err) : VS_OK;
+  if (!status) status = vs_steady_begin(s, scene, periods, err);
   r->scene = scene;
   r->quiet = o->quiet;
+  if (!status && linear) {
+    r->matrices = vs_alloc(1, sizeof *r->matrices);
+    status = vs_matrices_find(r->matrices, scene, &s->orbit, err);
+  }
+  if (!status) close_loop(r, more_of.regulator, scene);
   if (!status) status = vs_run_scene(o, &more, scene, err);
+  if (!status || status == VS_RATING) {
+    vs_status written = write_linear(o, r->matrices, err);
+    status = written ? written : status;
+  }
   vs_steady_end(s);
+  if (r->matrices) vs_matrices_free(r->matrices);
+  free(r->matrices);
+  free(r->closed);
   free(r);
   return status;
 }
 
-vs_status vs_steady_command(const vs_run_options *o, int periods, vs_error *err) {
+vs_status vs_steady_command(const vs_run_options *o, int periods, bool linear, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
+  const extras more = {linear, scene->control.regulator};
   if (!status) vs_scene_hold(scene);
   if (!status && !scene->setup.steady)
     vs_warnings_of_settling(&scene->instruments, &scene->frame, &scene->warnings);
   if (!status && !o->quiet) vs_scene_warn(scene);
-  if (!status) status = report(o, periods, scene, err);
+  if (!status) status = report(o, periods, more, scene, err);
   vs_scene_free(scene);
   free(scene);
   return status;

@@ -6,8 +6,8 @@
 #include "command/run.h"
 
 /* options: those of `run`; raw is not looked at. periods: how many firing periods the orbit takes
- * to repeat. Errors: those of vs_run_command and vs_steady_begin. Where no orbit is found nothing
- * is written. */
-vs_status vs_steady_command(const vs_run_options *options, int periods, vs_error *err);
+ * to repeat. linear: the linear models about it are told, too. Errors: those of vs_run_command,
+ * vs_steady_begin and vs_matrices_find. Where no orbit or no model is found nothing is written. */
+vs_status vs_steady_command(const vs_run_options *options, int periods, bool linear, vs_error *err);
 
 #endif

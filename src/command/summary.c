@@ -11,7 +11,10 @@
 #include "scene/version.h"
 #include "syntax/units.h"
 
-enum { DIGITS = 12 };
+enum {
+  DIGITS = 12,
+  POLE_DIGITS = 6 /* those of an observer follow from eigenvalues, whose last digits are rounding */
+};
 
 /* Each with its keys, and when it begins. */
 static void add_events(vs_json *json, const vs_events *events) {
@@ -57,6 +60,29 @@ static void add_instruments(vs_json *json, const vs_instruments *all, double fre
   vs_json_end(json);
 }
 
+/* Its keys, what it measures with, and the poles that its error has. */
+static void add_observing(vs_json *json, const vs_observing *o) {
+  vs_json_object(json, "observer", VS_JSON_ROW);
+  for (size_t k = 0; k < vs_observing_section.count; k++) {
+    vs_json_key(json, vs_observing_section.fields[k].key);
+    vs_field_json(&vs_observing_section.fields[k], &o->v, json->text);
+  }
+  vs_json_array(json, "sensors", VS_JSON_ROW);
+  for (int k = 0; k < o->system->sensors; k++)
+    vs_json_text(json, NULL, o->system->sensor[k].instrument->name);
+  vs_json_end(json);
+  vs_json_array(json, "poles", VS_JSON_ROW);
+  for (int k = 0; k < o->system->states; k++) {
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    vs_json_number(json, "re_1_s", o->pole[k].re_1_s, POLE_DIGITS);
+    vs_json_number(json, "im_rad_s", o->pole[k].im_rad_s, POLE_DIGITS);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+  vs_json_number(json, "settling_s", o->settling_s, POLE_DIGITS);
+  vs_json_end(json);
+}
+
 static void add_control(vs_json *json, const vs_control *c) {
   if (!c->regulator) return;
   vs_json_object(json, c->section.name, VS_JSON_LINES);
@@ -64,6 +90,7 @@ static void add_control(vs_json *json, const vs_control *c) {
     vs_json_key(json, c->section.fields[k].key);
     vs_field_json(&c->section.fields[k], &c->v, json->text);
   }
+  if (c->observing.system) add_observing(json, &c->observing);
   vs_json_end(json);
 }
 
@@ -110,6 +137,51 @@ static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r,
     vs_json_end(json);
   }
   if (more && more->measures) more->measures(more->ctx, json);
+  vs_json_end(json);
+}
+
+/* What limits each class of apparatus sets for the current. */
+static void add_limits(vs_json *json, const vs_drawn *drawn) {
+  vs_json_array(json, "classes", VS_JSON_LINES);
+  for (const vs_class *c = vs_classes_all; c->name; c++) {
+    double part;
+    int worst = vs_classes_worst(c, drawn, &part);
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    vs_json_text(json, "class", c->name);
+    vs_json_text(json, "text", c->text);
+    vs_json_text(json, "source", c->source);
+    vs_json_bool(json, "held", part <= 1);
+    vs_json_whole(json, "worst", worst);
+    vs_json_number(json, "worst_part", part, DIGITS);
+    vs_json_array(json, "limits_A", VS_JSON_ROW);
+    for (int n = 0; n < VS_SPECTRUM_LINES; n++)
+      vs_json_number(json, NULL, c->limit(drawn, n), DIGITS);
+    vs_json_end(json);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
+/* The quality of the currents that the scene names; their scalars are measures. */
+static void add_quality(vs_json *json, const vs_result *r) {
+  if (!r->n_quality) return;
+  vs_json_object(json, "quality", VS_JSON_LINES);
+  for (int k = 0; k < r->n_quality; k++) {
+    const vs_quality *q = &r->quality[k];
+    const vs_drawn drawn = vs_quality_drawn(q);
+    vs_json_object(json, q->name, VS_JSON_LINES);
+    vs_json_whole(json, "cycles", q->cycles);
+    vs_json_array(json, "harmonics_A", VS_JSON_ROW);
+    for (int n = 0; n < VS_SPECTRUM_LINES; n++)
+      vs_json_number(json, NULL, vs_spectrum_harmonic(&q->current, n), DIGITS);
+    vs_json_end(json);
+    vs_json_array(json, "phases_deg", VS_JSON_ROW);
+    for (int n = 0; n < VS_SPECTRUM_LINES; n++)
+      vs_json_number(json, NULL, vs_quality_phase(q, n) / vs_units_factor("deg"), DIGITS);
+    vs_json_end(json);
+    add_limits(json, &drawn);
+    vs_json_end(json);
+  }
   vs_json_end(json);
 }
 
@@ -241,6 +313,25 @@ static void add_quiet(vs_json *json, const vs_result *r) {
   vs_json_end(json);
 }
 
+/* How far the observer's estimates were from the true motion, in their units. */
+static void add_estimates(vs_json *json, const vs_result *r) {
+  const vs_observing *o = &r->scene->control.observing;
+  if (!r->loop || !o->system) return;
+  const vs_estimator_errors *e = &r->loop->estimator.errors;
+  vs_json_object(json, "estimates", VS_JSON_LINES);
+  for (int k = 0; k < o->estimates; k++) {
+    double settled = e->after ? e->settled[k] : NAN;
+    vs_json_object(json, o->estimate[k].column, VS_JSON_ROW);
+    vs_json_text(json, "unit", o->estimate[k].unit);
+    vs_json_number(json, "peak", e->peak[k], DIGITS);
+    vs_json_number(json, "error", e->all[k], POLE_DIGITS);
+    vs_json_number(json, "error_settled", settled, POLE_DIGITS);
+    vs_json_number(json, "of_peak", e->peak[k] > 0 ? settled / e->peak[k] : NAN, POLE_DIGITS);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
 static void add_cost(vs_json *json, const vs_result *r) {
   vs_json_object(json, "cost", VS_JSON_ROW);
   vs_json_number(json, "wall_s", r->wall_s, 6);
@@ -267,7 +358,8 @@ static void add_loop(vs_json *json, const vs_loop *loop) {
   vs_json_whole(json, "firings", (int)loop->program.count);
   vs_json_whole(json, "left_out", (int)loop->left_out);
   vs_json_whole(json, "at_limit", (int)loop->at_limit);
-  for (int k = 0; vs_control_column_at(loop->control, k, &column); k++) {
+  for (int k = 0; k <= vs_control_outputs(loop->control); k++) {
+    vs_control_column_at(loop->control, k, &column);
     vs_units_suffix(column.unit, suffix, sizeof suffix);
     snprintf(name, sizeof name, "%s%s%s", column.name, *suffix ? "_" : "", suffix);
     vs_json_number(json, name, vs_loop_shows(loop, k), DIGITS);
@@ -294,8 +386,10 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   vs_json_number(&json, "to_s", s->setup.means.to_s, DIGITS);
   vs_json_end(&json);
   add_measures(&json, s, r, more);
+  add_estimates(&json, r);
   if (more && more->members) more->members(more->ctx, &json);
   add_loop(&json, r->loop);
+  add_quality(&json, r);
   add_fraction(&json, s);
   add_energy(&json, s, &r->watchers.energy, r->books);
   if (with_cost) add_cost(&json, r);

@@ -10,8 +10,6 @@
 
 #include <math.h>
 
-#include "instrument/lowpass.h"
-
 #define AT(member) offsetof(vs_control_values, member)
 static const vs_field KEYS[] = {
     {"setpoint", VS_PROFILE, "~", "0", 0, 1e12, .offset = AT(setpoint),
@@ -33,14 +31,17 @@ typedef struct amplitude {
   double integral_rad; /* I */
 } amplitude;
 
+static double sensor_gain(const vs_sight *s) {
+  const vs_lowpass p = vs_regulator_lowpass(s);
+  double gain, phase_rad;
+  vs_lowpass_response(&p, vs_instruments_working_hz(s->setup), &gain, &phase_rad);
+  return isnan(s->v->sensor_gain) ? gain : s->v->sensor_gain;
+}
+
 static vs_status begin(void *self, const vs_sight *s, vs_error *err) {
   (void)err;
   amplitude *a = self;
-  const vs_instrument *i = &s->instruments->item[s->sensor];
-  const vs_lowpass p = vs_lowpass_make(i->v.bandwidth_hz, i->v.order, i->v.damping);
-  double phase_rad;
-  vs_lowpass_response(&p, vs_instruments_working_hz(s->setup), &a->gain, &phase_rad);
-  if (!isnan(s->v->sensor_gain)) a->gain = s->v->sensor_gain;
+  a->gain = sensor_gain(s);
   a->low = a->high = a->measured = NAN;
   a->setpoint = vs_field_profile_at(&s->v->setpoint, 0);
   return VS_OK;
@@ -78,6 +79,16 @@ static double output(const void *self, int k) {
   return k == 0 ? a->setpoint : a->measured;
 }
 
+/* With the last set point, and firing.angle as it is then: for ever. */
+static vs_regulator_pi pi(const vs_sight *s) {
+  const vs_timeline *t = &s->setup->timeline;
+  double gain = sensor_gain(s), at_s = INFINITY;
+  return (vs_regulator_pi){.wanted = gain * vs_field_profile_at(&s->v->setpoint, at_s),
+                           .start_rad = vs_field_profile_at(&t->firing.angle, at_s),
+                           .proportional = s->v->gain / gain,
+                           .integral = s->v->integral * t->firing.every * t->period_s / gain};
+}
+
 const vs_regulator vs_amplitude_regulator = {
     .name = "amplitude",
     .text = "PI controller of half the peak to peak value that a sensor shows over a period",
@@ -89,4 +100,5 @@ const vs_regulator vs_amplitude_regulator = {
     .begin = begin,
     .tick = tick,
     .decide = decide,
-    .output = output};
+    .output = output,
+    .pi = pi};

@@ -16,7 +16,7 @@ static const vs_field COMMON[] = {
 static const vs_field SENSOR = {
     "sensor", VS_NAME, "", "NAME", .offset = AT(sensor), .text = "the instrument that it reads"};
 #undef AT
-enum { N_COMMON = sizeof COMMON / sizeof *COMMON };
+enum { RATE = 1, N_COMMON = sizeof COMMON / sizeof *COMMON };
 const vs_section vs_control_section = {"control", COMMON, N_COMMON};
 
 /* Writes a unit in which "~" stands for the sensor's: "x/~" is "x.b/a" with
@@ -65,11 +65,12 @@ static vs_status find_law(const vs_node *section, vs_control *c, vs_error *err) 
                     nearest ? "'?" : "; see 'vibrospice list regulators'");
 }
 
-/* Finds the instrument that the section names. */
+/* Finds the instrument, or the estimate, that the section names. */
 static vs_status find_sensor(const vs_node *section, const vs_instruments *all, vs_control *c,
                              vs_error *err) {
   const vs_node *node = vs_tree_child(section, SENSOR.key);
-  const char *names[VS_INSTRUMENT_MOST];
+  const char *names[VS_INSTRUMENT_MOST + VS_MOST_STATES];
+  int count = all->count + c->observing.estimates;
   if (!c->regulator->senses) return VS_OK;
   if (!node || node->kind != VS_NODE_TEXT)
     return vs_fail_at(err, node ? node->where : section->where,
@@ -77,17 +78,62 @@ static vs_status find_sensor(const vs_node *section, const vs_instruments *all, 
                       c->regulator->name, all->count ? ", such as '" : "",
                       all->count ? all->item[0].name : "",
                       all->count ? "'" : ", of which the scene has none: add instruments: {}");
-  for (int k = 0; k < all->count; k++) {
-    names[k] = all->item[k].name;
+  for (int k = 0; k < count; k++) {
+    names[k] = k < all->count ? all->item[k].name : c->observing.estimate[k - all->count].column;
     if (!strcmp(node->text, names[k])) c->sensor = k;
   }
-  if (c->sensor >= 0) return VS_OK;
-  const char *nearest = vs_text_nearest(node->text, names, (size_t)all->count);
+  if (c->sensor >= 0) {
+    c->unit = c->sensor < all->count ? all->item[c->sensor].unit
+                                     : c->observing.estimate[c->sensor - all->count].unit;
+    return VS_OK;
+  }
+  const char *nearest = vs_text_nearest(node->text, names, (size_t)count);
   return vs_fail_at(err, node->where, "control.sensor: the scene has no instrument '%s'%s%s%s",
                     node->text, nearest ? "; did you mean '" : "", nearest ? nearest : "",
                     nearest      ? "'?"
                     : all->count ? ""
                                  : ": add instruments: {}");
+}
+
+/* Looks at the key that names code of the user's own, where the law has one. */
+static vs_status find_code(const vs_node *section, vs_control *c, vs_error *err) {
+  const char *key = c->regulator->code;
+  if (!key) return VS_OK;
+  const vs_node *node = vs_tree_child(section, key);
+  c->code = node ? node->where : section->where;
+  if (!node)
+    return vs_fail_at(err, section->where, "control: the law %s wants the key %s",
+                      c->regulator->name, key);
+  return c->regulator->check(&c->v, c->code, err);
+}
+
+static const char OBSERVER[] = "observer";
+
+/* Reads the observer, whose samples come at the control's rate. */
+static vs_status read_observer(const vs_node *section, const vs_setup *setup,
+                               const vs_instruments *instruments, vs_control *c, vs_error *err) {
+  const vs_node *map = vs_tree_child(section, OBSERVER),
+                *rate = vs_tree_child(section, COMMON[RATE].key);
+  vs_control_values v;
+  if (!map) return VS_OK;
+  vs_status s = vs_field_section_read(&vs_control_section, NULL, &v, err);
+  if (!s && rate) s = vs_field_read(&vs_control_section, &COMMON[RATE], rate, &v, err);
+  if (s) return s;
+  return vs_observing_read(map, &setup->model, instruments, v.rate_hz, &c->observing, err);
+}
+
+/* Reads the keys of this control, besides the observer's map. */
+static vs_status read_keys(const vs_node *section, vs_control *c, vs_error *err) {
+  const char *names[VS_CONTROL_FIELDS + 1] = {OBSERVER};
+  for (size_t k = 0; k < c->section.count; k++) names[1 + k] = c->fields[k].key;
+  vs_status s = vs_field_known_keys(section, c->section.name, names, c->section.count + 1, err);
+  if (!s) s = vs_field_section_read(&c->section, NULL, &c->v, err);
+  for (size_t k = 0; k < c->section.count && !s; k++) {
+    const vs_node *node = vs_tree_child(section, c->fields[k].key);
+    if (node)
+      s = vs_error_carry_on(err, vs_field_read(&c->section, &c->fields[k], node, &c->v, err));
+  }
+  return s;
 }
 
 /* Error: the scene has no firings to decide, or the control no angle to choose. */
@@ -119,6 +165,7 @@ static vs_status check_scene(const vs_node *section, const vs_setup *setup, cons
 vs_status vs_control_read(const vs_node *section, const vs_setup *setup,
                           const vs_instruments *instruments, vs_control *c, vs_error *err) {
   size_t found = vs_error_count(err);
+  vs_control_free(c);
   *c = (vs_control){.sensor = -1, .unit = ""};
   if (!section || setup->machine->lost) return VS_OK;
   if (section->kind != VS_NODE_MAP)
@@ -127,11 +174,13 @@ vs_status vs_control_read(const vs_node *section, const vs_setup *setup,
                         "control: a map is wanted: {law: amplitude, sensor: NAME, ...}"));
   vs_status s = vs_error_carry_on(err, find_law(section, c, err));
   if (s || !c->regulator) return s;
-  s = vs_error_carry_on(err, find_sensor(section, instruments, c, err));
-  if (!s && c->sensor >= 0) c->unit = instruments->item[c->sensor].unit;
+  s = vs_error_carry_on(err, read_observer(section, setup, instruments, c, err));
+  if (!s && vs_error_count(err) == found)
+    s = vs_error_carry_on(err, find_sensor(section, instruments, c, err));
   if (!s && vs_error_count(err) == found) {
     make_section(c);
-    s = vs_field_section_read(&c->section, section, &c->v, err);
+    s = read_keys(section, c, err);
+    if (!s && vs_error_count(err) == found) s = vs_error_carry_on(err, find_code(section, c, err));
     if (!s && vs_error_count(err) == found)
       s = vs_error_carry_on(err, check_scene(section, setup, c, err));
   }
@@ -139,12 +188,53 @@ vs_status vs_control_read(const vs_node *section, const vs_setup *setup,
   return s;
 }
 
+int vs_control_outputs(const vs_control *c) {
+  int n = 0;
+  while (n < VS_REGULATOR_OUTPUTS && c->regulator->outputs[n].name) n++;
+  return n;
+}
+
+void vs_control_free(vs_control *c) {
+  vs_observing_free(&c->observing);
+}
+
 bool vs_control_column_at(const vs_control *c, int k, vs_control_column *column) {
   static const vs_regulator_output ANGLE = {"firing_angle", "rad"};
-  if (!c->regulator || k > VS_REGULATOR_OUTPUTS) return false;
+  if (!c->regulator) return false;
+  int outputs = vs_control_outputs(c), of_observer = k - 1 - outputs;
+  if (of_observer >= c->observing.estimates) return false;
+  if (of_observer >= 0) {
+    const vs_estimated *e = &c->observing.estimate[of_observer];
+    column->name = e->column;
+    snprintf(column->unit, sizeof column->unit, "%s", e->unit);
+    return true;
+  }
   const vs_regulator_output *o = k ? &c->regulator->outputs[k - 1] : &ANGLE;
-  if (!o->name) return false;
   column->name = o->name;
   make_unit(o->unit, c->unit, column->unit, sizeof column->unit);
   return true;
+}
+
+/* The key that names code of the user's own; NULL: there is none. */
+static const char *code_of(const vs_control *c) {
+  return c->regulator ? c->regulator->code : NULL;
+}
+
+void vs_control_describe(const vs_control *c, vs_text *text) {
+  const char *key = code_of(c);
+  if (key)
+    vs_text_add(text, "; control.%s was not tried, as only a run with --allow-code runs it", key);
+}
+
+vs_status vs_control_allow(const vs_control *c, bool allowed, vs_error *err) {
+  const char *key = code_of(c);
+  if (!key || allowed) return VS_OK;
+  return vs_fail_at(err, c->code,
+                    "control.%s: the scene runs code of its own; if you trust it, allow that with "
+                    "the option --allow-code",
+                    key);
+}
+
+bool vs_control_file(const vs_control *c, int k, char path[VS_PATH_SIZE]) {
+  return code_of(c) && c->regulator->file(&c->v, c->code, k, path);
 }

@@ -39,10 +39,12 @@ vs_status vs_loop_begin(vs_loop *l, const vs_control *c, const vs_setup *setup,
   l->sight = (vs_sight){.v = &c->v,
                         .setup = setup,
                         .instruments = instruments,
+                        .observing = &c->observing,
                         .value = l->value,
                         .sensor = c->sensor,
+                        .where = c->code,
                         .last_rad = NAN};
-  for (int k = 0; k < VS_INSTRUMENT_MOST; k++) l->value[k] = NAN;
+  for (size_t k = 0; k < sizeof l->value / sizeof *l->value; k++) l->value[k] = NAN;
   l->program.size = firings_of(t, setup->run.until_s);
   l->program.angle_rad = vs_alloc((size_t)l->program.size, sizeof *l->program.angle_rad);
   for (int k = 0; k < 2; k++) l->program.range[k] = c->v.angle_rad[k];
@@ -64,12 +66,29 @@ static void read_meters(vs_loop *l, const vs_step *step, double t_s) {
   }
 }
 
+/* A sample of the observer at t_s, from what the meters show. It is compared with the true motion.
+ */
+static void estimate(vs_loop *l, const vs_step *step, double t_s) {
+  const vs_observing *o = &l->control->observing;
+  double y[VS_SENSOR_MOST], all[VS_CH_MOST];
+  double *value = l->value + l->sight.instruments->count;
+  if (!o->system) return;
+  if (!l->estimator.observing) vs_estimator_begin(&l->estimator, o, step->frame, step->from->x);
+  for (int k = 0; k < o->system->sensors; k++) y[k] = l->meters[o->of_sensor[k]].value;
+  vs_estimator_sample(&l->estimator, l->meters[o->of_current].value, y);
+  vs_step_groups_at(step, t_s, VS_GROUP_VELOCITIES, all);
+  vs_estimator_compare(&l->estimator, all + VS_CH_Q);
+  for (int k = 0; k < o->estimates; k++)
+    value[k] = l->estimator.x[k] * vs_units_factor(o->estimate[k].unit);
+}
+
 void vs_loop_to(vs_loop *l, const vs_step *step, double t_s) {
   const vs_regulator *r = l->control->regulator;
   const double rate_hz = l->control->v.rate_hz;
   for (double next_s; (next_s = (double)l->ticks / rate_hz) <= t_s + SAME / rate_hz; l->ticks++) {
     l->sight.t_s = next_s;
     read_meters(l, step, fmin(next_s, step->to->t_s));
+    estimate(l, step, fmin(next_s, step->to->t_s));
     if (r->tick) r->tick(l->self, &l->sight);
   }
 }
@@ -88,8 +107,10 @@ vs_status vs_loop_accept(vs_loop *l, const vs_step *step, vs_error *err) {
 double vs_loop_shows(const vs_loop *l, int k) {
   const vs_control *c = l->control;
   vs_control_column column;
+  int of_observer = k - 1 - vs_control_outputs(c);
   if (k == 0) return l->sight.last_rad;
   if (!vs_control_column_at(c, k, &column)) return NAN;
+  if (of_observer >= 0) return l->estimator.observing ? l->estimator.x[of_observer] : NAN;
   return c->regulator->output(l->self, k - 1) / vs_units_factor(column.unit);
 }
 

@@ -7,17 +7,20 @@
 
 #include "control/control.h"
 #include "instrument/meter.h"
+#include "observe/estimator.h"
 
 typedef struct vs_loop {
   const vs_control *control; /* borrowed, as all but self and the program's angles */
   vs_meter *meters;
   vs_program program; /* what it has decided; the run's timeline points to it */
   vs_sight sight;
-  double value[VS_INSTRUMENT_MOST]; /* of the meters, SI; sight.value */
-  void *self;                       /* the regulator's state, owned */
-  long ticks;                       /* how many are behind */
-  long left_out, at_limit;          /* of the firings decided: without a pulse; at an end of
-                                       control.angle, where the law wanted to go further */
+  double value[VS_INSTRUMENT_MOST + VS_MOST_STATES]; /* of the meters and the estimates, SI;
+                                                        sight.value */
+  vs_estimator estimator;  /* of the control's observer, where it has one */
+  void *self;              /* the regulator's state, owned */
+  long ticks;              /* how many are behind */
+  long left_out, at_limit; /* of the firings decided: without a pulse; at an end of
+                              control.angle, where the law wanted to go further */
 } vs_loop;
 
 /* Begins the control of a run of `setup` with the scene's instruments and the run's meters, which

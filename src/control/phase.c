@@ -12,8 +12,6 @@
 
 #include <math.h>
 
-#include "instrument/lowpass.h"
-
 #define AT(member) offsetof(vs_control_values, member)
 static const vs_field KEYS[] = {
     {"phase", VS_REAL, "deg", "90 deg", -360, 360, .offset = AT(phase_rad),
@@ -39,8 +37,7 @@ typedef struct phase {
 static vs_status begin(void *self, const vs_sight *s, vs_error *err) {
   (void)err;
   phase *p = self;
-  const vs_instrument *i = &s->instruments->item[s->sensor];
-  p->lowpass = vs_lowpass_make(i->v.bandwidth_hz, i->v.order, i->v.damping);
+  p->lowpass = vs_regulator_lowpass(s);
   p->low = p->high = p->middle = p->swing = p->before = p->rise_s = p->period_s = NAN;
   return VS_OK;
 }

@@ -4,11 +4,14 @@
 #include <string.h>
 
 #include "control/amplitude.h"
+#include "control/object.h"
 #include "control/phase.h"
+#include "control/pipe.h"
 #include "control/profile.h"
 
 const vs_regulator *const vs_regulators[] = {&vs_profile_regulator, &vs_amplitude_regulator,
-                                             &vs_phase_regulator, NULL};
+                                             &vs_phase_regulator,   &vs_object_regulator,
+                                             &vs_pipe_regulator,    NULL};
 
 const vs_regulator *vs_regulators_find(const char *name) {
   for (const vs_regulator *const *r = vs_regulators; *r; r++)

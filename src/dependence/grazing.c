@@ -5,9 +5,8 @@
 
 #include "orbit/forcing.h"
 
-/* The depth of the armature in a stop where it turns in the step: at the zero of the travel's rate,
- * by bisection. NaN: it does not turn there. */
-static double turn_in(const vs_step *step, const vs_stop *stop) {
+/* It turns at the zero of the travel's rate, which is found by bisection. */
+double vs_grazing_depth(const vs_step *step, const vs_stop *stop) {
   const vs_model *m = step->frame->model;
   double lo = step->from->t_s, hi = step->to->t_s, y[VS_CH_MOST];
   double before = stop->side * vs_mechanics_travel(m, step->from->x + m->dof);
@@ -28,7 +27,7 @@ static double turn_in(const vs_step *step, const vs_stop *stop) {
 void vs_grazing_accept(vs_grazing *g, const vs_variation *v, const vs_step *step) {
   const vs_model *m = step->frame->model;
   for (int n = 0; n < m->stops.count && step->to->t_s > step->from->t_s; n++) {
-    double depth = turn_in(step, &m->stops.item[n]);
+    double depth = vs_grazing_depth(step, &m->stops.item[n]);
     if (isnan(depth)) continue;
     double way = vs_mechanics_travel(m, v->s) + vs_forcing_surface(v->parameter, n, step->to->x);
     double by = fabs(depth / way);

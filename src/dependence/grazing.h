@@ -5,6 +5,10 @@
 
 #include "orbit/variation.h"
 
+/* The depth of the armature in a stop where it turns in the step, m; negative: so much is missing.
+ * NaN: it does not turn there. */
+double vs_grazing_depth(const vs_step *step, const vs_stop *stop);
+
 /* The least change of p, over all steps so far, and when that contact is. */
 typedef struct vs_grazing {
   double by, at_s; /* by: INFINITY at first */

@@ -17,6 +17,11 @@ typedef struct vs_chunk {
 /* The channel, by its number, between two instants of the step. */
 vs_chunk vs_chunk_of(const vs_step *step, int channel, double from_s, double to_s);
 
+/* The j-th of those seven instants, from 0: they run from the part's end back to its beginning. */
+double vs_chunk_instant(int j, double from_s, double to_s);
+/* The polynomial of anything that has these values there. */
+vs_chunk vs_chunk_through(const double value[VS_LOWPASS_TERMS]);
+
 /* About how far the channel may be from the polynomial: the size of its last two terms. */
 double vs_chunk_error(const vs_chunk *chunk);
 

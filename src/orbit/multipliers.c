@@ -5,27 +5,23 @@
 #include <math.h>
 #include <stdlib.h>
 
-static int falling(const void *left, const void *right) {
-  const vs_multiplier *a = left, *b = right;
+int vs_multiplier_order(const vs_multiplier *a, const vs_multiplier *b) {
   double of_a = hypot(a->re, a->im), of_b = hypot(b->re, b->im);
   if (fabs(of_a - of_b) > 1e-12 * (of_a + of_b)) return of_a < of_b ? 1 : -1;
   if (a->re != b->re && a->im == 0 && b->im == 0) return a->re < b->re ? 1 : -1;
   return (a->im < b->im) - (a->im > b->im);
 }
 
-/* What a period leaves of a push, below this, is 0: the product of two such numbers is no number of
- * the computer's any more, and the iteration for the eigenvalues would not end. */
-static const double GONE = 1e-150;
+static int falling(const void *left, const void *right) {
+  return vs_multiplier_order(left, right);
+}
 
-bool vs_multipliers_find(int count, double monodromy[][VS_VARIATION_MOST], const double *scale,
-                         vs_multiplier *out) {
+const double vs_multipliers_gone = 1e-150;
+
+bool vs_multipliers_of(int count, double *matrix, vs_multiplier *out) {
   size_t n = (size_t)count;
-  double matrix[VS_VARIATION_MOST * VS_VARIATION_MOST];
-  for (size_t i = 0; i < n; i++)
-    for (size_t j = 0; j < n; j++) {
-      double part = monodromy[i][j] * scale[j] / scale[i];
-      matrix[i * n + j] = fabs(part) < GONE ? 0 : part;
-    }
+  for (size_t k = 0; k < n * n; k++)
+    if (fabs(matrix[k]) < vs_multipliers_gone) matrix[k] = 0;
   gsl_matrix_view m = gsl_matrix_view_array(matrix, n, n);
   gsl_vector_complex *values = gsl_vector_complex_alloc(n);
   gsl_eigen_nonsymm_workspace *work = gsl_eigen_nonsymm_alloc(n);
@@ -39,4 +35,12 @@ bool vs_multipliers_find(int count, double monodromy[][VS_VARIATION_MOST], const
   gsl_vector_complex_free(values);
   qsort(out, n, sizeof *out, falling);
   return good;
+}
+
+bool vs_multipliers_find(int count, double monodromy[][VS_VARIATION_MOST], const double *scale,
+                         vs_multiplier *out) {
+  double matrix[VS_VARIATION_MOST * VS_VARIATION_MOST];
+  for (int i = 0; i < count; i++)
+    for (int j = 0; j < count; j++) matrix[i * count + j] = monodromy[i][j] * scale[j] / scale[i];
+  return vs_multipliers_of(count, matrix, out);
 }

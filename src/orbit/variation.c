@@ -28,7 +28,8 @@ void vs_variation_begin(vs_variation *v, const vs_setup *setup) {
   for (int j = 0; j < columns; j++) v->s[j * rows + j] = 1;
 }
 
-void vs_variation_add(vs_variation *v, vs_parameter *parameter, const double *y) {
+/* Adds a column that begins with these numbers. */
+static void add_column(vs_variation *v, const double *y) {
   size_t rows = (size_t)v->rows, size = rows * (size_t)(v->columns + 1);
   double *s = vs_alloc(size, sizeof *s);
   memcpy(s, v->s, (size - rows) * sizeof *s);
@@ -37,8 +38,18 @@ void vs_variation_add(vs_variation *v, vs_parameter *parameter, const double *y)
   gsl_odeiv2_step_free(v->stepper);
   v->s = s;
   v->stepper = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, size);
+}
+
+void vs_variation_add(vs_variation *v, vs_parameter *parameter, const double *y) {
+  add_column(v, y);
   v->parameter = parameter;
   if (!v->valve) vs_parameter_connects(parameter, 0);
+}
+
+void vs_variation_add_delay(vs_variation *v) {
+  const double unmoved[VS_VARIATION_MOST] = {0};
+  add_column(v, unmoved);
+  v->delays = true;
 }
 
 void vs_variation_begin_alone(vs_variation *v, const vs_setup *setup, vs_parameter *parameter,
@@ -48,9 +59,9 @@ void vs_variation_begin_alone(vs_variation *v, const vs_setup *setup, vs_paramet
   vs_variation_add(v, parameter, y);
 }
 
-/* The columns of S and the parameter's. */
+/* The columns of S and the one behind them. */
 static int all_columns(const vs_variation *v) {
-  return v->columns + (v->parameter ? 1 : 0);
+  return v->columns + (v->parameter || v->delays ? 1 : 0);
 }
 
 void vs_variation_end(vs_variation *v) {
@@ -69,7 +80,7 @@ static void swing(vs_variation *v) {
   if (!(v->free_s > 0)) return;
   vs_propagator_make(&p, v->model, false, v->free_s);
   p.loaded = false; /* constant forces move all states alike */
-  for (int j = 0; j < v->columns; j++) {
+  for (int j = 0; j < all_columns(v); j++) {
     memcpy(x, v->s + j * v->rows, states * sizeof *x);
     vs_propagator_step(&p, x, y);
     memcpy(v->s + j * v->rows, y, states * sizeof *y);
@@ -151,7 +162,7 @@ static int equations(double t_s, const double *s, double *rate, void *params) {
     memcpy(rate, q1, bytes);
     memcpy(rate + m->dof, q2, bytes);
     rate[2 * m->dof] = v->conducting ? -r * (d.i_flux * flux + d.i_gap * g) : 0;
-    if (j == v->columns) add_parameter(of, t_s, rate);
+    if (j == v->columns && v->parameter) add_parameter(of, t_s, rate);
   }
   return GSL_SUCCESS;
 }
@@ -243,7 +254,8 @@ static vs_status jump(vs_variation *v, const vs_step *step, vs_error *err) {
     v->touched ^= 1u << stop;
   for (int j = 0; j < all_columns(v); j++) {
     double *s = v->s + j * v->rows, way = flux ? s[2 * m->dof] : vs_mechanics_travel(m, s);
-    if (j == v->columns && !flux) way += vs_forcing_surface(v->parameter, stop, step->from->x);
+    if (j == v->columns && v->parameter && !flux)
+      way += vs_forcing_surface(v->parameter, stop, step->from->x);
     for (int i = 0; i < v->rows; i++) s[i] += (after[i] - before[i]) * (way / rate);
     if (flux) s[2 * m->dof] = 0;
     moved_s = -way / rate; /* the last column's stays */
@@ -284,22 +296,52 @@ static vs_status jump_by_parameter(vs_variation *v, const vs_step *step, bool fi
   return VS_OK;
 }
 
+/* The thyristor fires, and the delay's column takes what a second of delay makes of the state. */
+static void delay(vs_variation *v, const vs_step *step) {
+  double before[VS_VARIATION_MOST], after[VS_VARIATION_MOST], *s = v->s + v->columns * v->rows;
+  rates_of(v->model, step->from, before);
+  rates_of(v->model, step->to, after);
+  for (int i = 0; i < v->rows; i++) s[i] += before[i] - after[i];
+}
+
 /* ---- all of it ---- */
 
-vs_status vs_variation_accept(vs_variation *v, const vs_step *step, vs_error *err) {
-  double from = step->from->t_s, to = step->to->t_s;
-  vs_event event = step->event[0];
+static bool is_free(const vs_variation *v) {
+  return !v->conducting && !v->touched && !v->parameter;
+}
+
+/* From one instant of the step to another, on one side of every jump. */
+static vs_status go_along(vs_variation *v, const vs_step *step, double from, double to,
+                          vs_error *err) {
   vs_status status = VS_OK;
-  bool is_free = !v->conducting && !v->touched && !v->parameter;
-  if (v->ending != VS_EV_NONE) return jump(v, step, err);
-  if (is_free) v->free_s += to - from;
-  if (event == VS_EV_NONE && is_free) return VS_OK;
+  if (is_free(v)) {
+    v->free_s += to - from;
+    return VS_OK;
+  }
   swing(v);
-  while (!is_free && from < to && !status) {
+  while (from < to && !status) {
     double behind = to, end = v->touched ? kink(v, step, from, &behind) : to;
-    status = integrate(v, step, from, end, err);
+    status = integrate(v, step, from, fmin(end, to), err);
     from = behind;
   }
+  return status;
+}
+
+vs_status vs_variation_to(vs_variation *v, const vs_step *step, double t_s, vs_error *err) {
+  double from = fmax(step->from->t_s, v->at_s);
+  if (v->ending != VS_EV_NONE || !(t_s > from)) return VS_OK;
+  v->at_s = t_s;
+  return go_along(v, step, from, t_s, err);
+}
+
+vs_status vs_variation_accept(vs_variation *v, const vs_step *step, vs_error *err) {
+  double to = step->to->t_s;
+  vs_event event = step->event[0];
+  bool was_free = is_free(v);
+  if (v->ending != VS_EV_NONE) return jump(v, step, err);
+  vs_status status = go_along(v, step, fmax(step->from->t_s, v->at_s), to, err);
+  if (event == VS_EV_NONE && was_free) return VS_OK;
+  swing(v);
   bool edge = v->conducting && step->from->t_s == to && step->frame->timeline->events.count;
   if (event == VS_EV_LOADS && v->parameter)
     return vs_fail(err, VS_RUN,
@@ -307,10 +349,17 @@ vs_status vs_variation_accept(vs_variation *v, const vs_step *step, vs_error *er
   if (event == VS_EV_LOADS) v->model = step->frame->model; /* q and q' go on, and so does S */
   if (v->parameter && (event == VS_EV_FIRES || edge) && !status)
     status = jump_by_parameter(v, step, event == VS_EV_FIRES, err);
+  if (event == VS_EV_FIRES && v->delays) delay(v, step);
   if (event == VS_EV_FIRES) v->conducting = true;
   if (event == VS_EV_EXTINCT || event == VS_EV_MEETS_STOP || event == VS_EV_LEAVES_STOP)
     v->ending = event;
   return status;
+}
+
+void vs_variation_rates(vs_variation *v, const vs_step *step, double *rate) {
+  const part of = {v, step};
+  swing(v);
+  equations(v->at_s, v->s, rate, (void *)(size_t)&of);
 }
 
 double vs_variation_get(vs_variation *v, int i, int j) {

@@ -11,7 +11,10 @@
  * One column more may tell how y depends on a parameter p of the equations (orbit/parameter.h):
  *   Y' = J(t) Y + df/dp,   Y+ = Y- + (f+ - f-) (dh/dy Y- + dh/dp)/(dh/dy f-),
  * and where p moves an instant by itself, as a firing's,   Y+ = Y- + (f- - f+) dt/dp.
- * Its time is counted in periods of the mains, as the parameter's is. */
+ * Its time is counted in periods of the mains, as the parameter's is.
+ *
+ * Instead, that column may tell how y depends on a delay of the firings: of such a parameter
+ * df/dp = 0 and dt/dp = 1 at each firing. */
 #ifndef VS_ORBIT_VARIATION_H
 #define VS_ORBIT_VARIATION_H
 
@@ -42,9 +45,12 @@ typedef struct vs_variation {
   vs_event ending;    /* how the last step ended, where its other side is still to be shown */
   double free_s;      /* how long the machine has swung freely since S was brought up to date */
   double mains_rad_s; /* of the mains' voltage */
+  double at_s;        /* how far vs_variation_to has come */
   int columns;        /* of S: 2 dof, and lambda's where there is no valve */
   int rows;           /* of y: 2 dof + 1 */
-  double *s; /* S by columns: s[j rows + i] is dy_i/dx0_j; then the parameter's column; owned */
+  double *s;   /* S by columns: s[j rows + i] is dy_i/dx0_j; then the parameter's column, or that of
+                  the delay; owned */
+  bool delays; /* the last column is that of a delay */
   vs_parameter *parameter;  /* borrowed; NULL: there is none */
   vs_jump jump;             /* the last; where there is none yet, all is 0 */
   gsl_odeiv2_step *stepper; /* owned */
@@ -58,12 +64,22 @@ void vs_variation_add(vs_variation *variation, vs_parameter *parameter, const do
 /* Begins with a parameter's column alone, without S. */
 void vs_variation_begin_alone(vs_variation *variation, const vs_setup *setup,
                               vs_parameter *parameter, const double *y);
+/* Adds the column of a delay of the firings, dy per second. To be called before the first step, and
+ * not beside a parameter. */
+void vs_variation_add_delay(vs_variation *variation);
 void vs_variation_end(vs_variation *variation);
 
 /* Goes along with an accepted step. Error: VS_RUN, the equations have no derivative on the way. */
 vs_status vs_variation_accept(vs_variation *variation, const vs_step *step, vs_error *err);
 
-/* S at the last knot that was shown: d(row i of y)/d(x0's j); j = columns is the parameter's. */
+/* Goes to an instant within the step that is to be accepted next, later than any before it: S is
+ * then that of this instant. Errors: as of vs_variation_accept. */
+vs_status vs_variation_to(vs_variation *variation, const vs_step *step, double t_s, vs_error *err);
+/* Gives dS/dt at that instant, laid out as `s`. For a variation without a parameter. */
+void vs_variation_rates(vs_variation *variation, const vs_step *step, double *rate);
+
+/* S at the last knot that was shown, or where vs_variation_to has come: d(row i of y)/d(x0's j);
+ * j = columns is the parameter's, or the delay's. */
 double vs_variation_get(vs_variation *variation, int i, int j);
 
 #endif

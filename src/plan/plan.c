@@ -48,6 +48,7 @@ static vs_status name_scene(vs_plan *plan, vs_error *err) {
 vs_status vs_plan_scene(const vs_plan *plan, vs_scene *scene, vs_error *err) {
   const vs_node *set = vs_tree_child(plan->tree.root, "set");
   vs_status status = vs_scene_open(plan->scene_name, plan->scene_where, scene, err);
+  scene->allow_code = plan->allow_code;
   if (status) return status;
   if (set && (set->kind == VS_NODE_LIST || (set->kind == VS_NODE_TEXT && *set->text)))
     return vs_fail_at(err, set->where, "set: a map of keys is wanted: {run.until: 0.1 s, ...}");
@@ -187,6 +188,7 @@ static vs_status resolve_columns(vs_plan *plan, const vs_scene *scene, const vs_
   const vs_frame frame = vs_sim_frame(tier, &scene->setup);
   vs_result result = {0};
   vs_watchers_begin(&result.watchers, &frame);
+  vs_result_begin_quality(&result, scene);
   const vs_steady blank = {.model = &scene->setup.model, .devices = result.watchers.devices};
   const vs_atwork of = {&frame, &result, plan->periods ? &blank : NULL};
   vs_status status = VS_OK;
@@ -381,6 +383,9 @@ static vs_status try_point(vs_plan *plan, const double *point, vs_scene *scene, 
     status = vs_plan_input(plan, coil->law->file(coil), err);
   for (size_t k = 0; k < scene->setup.deck.n_files && !status && vs_error_count(err) == found; k++)
     status = vs_plan_input(plan, scene->setup.deck.files[k], err);
+  char path[VS_PATH_SIZE];
+  for (int k = 0; !status && vs_control_file(&scene->control, k, path); k++)
+    status = vs_plan_input(plan, path, err);
   return status;
 }
 
@@ -466,7 +471,8 @@ static vs_status read_base(vs_plan *plan, vs_error *err) {
   if (!status) status = vs_plan_scene(plan, plan->base, err);
   if (!status) status = vs_plan_input(plan, plan->path, err);
   if (!status) status = vs_plan_input(plan, plan->base->path, err);
-  if (!status) status = vs_error_carry_on(err, vs_atwork_read(&plan->tree, &plan->periods, err));
+  if (!status)
+    status = vs_error_carry_on(err, vs_atwork_read(plan->tree.root, &plan->periods, err));
   return status ? status : vs_scene_settle(plan->base, NULL, err);
 }
 

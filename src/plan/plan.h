@@ -63,8 +63,9 @@ typedef struct vs_plan {
   const vs_method *const *methods; /* all there are; NULL ends them; borrowed */
   char *const *sets;               /* --set; borrowed */
   size_t n_sets;
-  int periods;   /* firing periods of the orbits that the cases are; 0: the cases are runs */
-  uint64_t seed; /* what methods key their random numbers on; 0 unless one reads another */
+  bool allow_code; /* the cases may run code of their scene's own; set it once the plan is read */
+  int periods;     /* firing periods of the orbits that the cases are; 0: the cases are runs */
+  uint64_t seed;   /* what methods key their random numbers on; 0 unless one reads another */
   vs_axis axes[VS_PLAN_AXES];
   size_t n_axes;
   vs_report_column columns[VS_PLAN_COLUMNS];

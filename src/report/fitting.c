@@ -108,6 +108,10 @@ vs_status vs_fitting_command(const vs_fitting_options *options, vs_error *err) {
       vs_inquiry_read(options->name, options->sets, options->n_sets, options->profile, q, err);
   for (size_t r = 0; r < q->n_runs && !status && !options->quiet; r++)
     vs_scene_warn(q->runs[r].scene);
+  for (size_t r = 0; r < q->n_runs && !status; r++) {
+    q->runs[r].scene->allow_code = options->allow_code;
+    status = vs_control_allow(&q->runs[r].scene->control, options->allow_code, err);
+  }
   if (!status) status = fit(options, q, err);
   vs_inquiry_free(q);
   free(q);

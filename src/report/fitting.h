@@ -16,6 +16,7 @@ typedef struct vs_fitting_options {
   const char *folder;  /* for the files; NULL: none are written */
   bool json;           /* prints JSON instead of the table */
   bool quiet;          /* no table, no warnings */
+  bool allow_code;     /* the scenes may run code of their own */
   int digits;          /* significant ones in CSV files, 1..17 */
 } vs_fitting_options;
 

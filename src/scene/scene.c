@@ -15,8 +15,12 @@ const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"},
                vs_scene_study_shelf = {"study", "studies", ".yaml"},
                vs_scene_fit_shelf = {"fit", "fits", ".yaml"};
 
+/* Where the scene has that key; NULL: nowhere, or it has another word, or the key is obeyed on
+ * every tier: `measure` is, where the scene asks for the quality of currents. */
 static const vs_node *node_of(const vs_scene *s, const vs_tier_key *k) {
   const vs_node *node = vs_tree_child(vs_tree_child(s->tree.root, k->section), k->key);
+  bool is_stretch = !strcmp(k->section, vs_setup_measure_section.name);
+  if (is_stretch && vs_tree_child(s->tree.root, "quality")) return NULL;
   if (!node || !k->value) return node;
   return node->kind == VS_NODE_TEXT && !strcmp(node->text, k->value) ? node : NULL;
 }
@@ -35,16 +39,19 @@ static bool obeys(const vs_tier *tier, const vs_tier_key *key) {
   return false;
 }
 
-/* The scene's first probe that only a tier with a circuit has, which it records or measures; NULL:
- * none. */
+/* The scene's first probe that only a tier with a circuit has, which it records or measures, or
+ * whose quality it asks for; NULL: none. */
 static const char *probe_of_circuit(const vs_scene *s) {
-  const vs_node *record = vs_tree_child(s->tree.root, "record");
+  static const char *const LISTS[] = {"record", "quality"};
   const vs_frame circuit_frame = vs_sim_frame(vs_tiers_automatic(true), &s->setup);
   int first = vs_channel_deck(&s->setup.model);
-  const vs_node *item = record && record->kind == VS_NODE_LIST ? record->child : record;
-  for (; item; item = item->next)
-    if (item->kind == VS_NODE_TEXT && vs_channel_find(&circuit_frame, item->text) >= first)
-      return item->text;
+  for (size_t k = 0; k < sizeof LISTS / sizeof *LISTS; k++) {
+    const vs_node *list = vs_tree_child(s->tree.root, LISTS[k]);
+    const vs_node *item = list && list->kind == VS_NODE_LIST ? list->child : list;
+    for (; item; item = list->kind == VS_NODE_LIST ? item->next : NULL)
+      if (item->kind == VS_NODE_TEXT && vs_channel_find(&circuit_frame, item->text) >= first)
+        return item->text;
+  }
   const vs_node *instruments = vs_tree_child(s->tree.root, "instruments");
   const char *name;
   for (int n = 0; (name = vs_instruments_names(instruments, n)); n++)
@@ -332,11 +339,21 @@ static vs_status check_rows(const vs_scene *s, vs_error *err) {
                     1e3 * run->until_s / MOST_ROWS, MOST_ROWS);
 }
 
+/* What the control's observer is not told. */
+static void warn_of_observer(vs_scene *s) {
+  const vs_node *section = vs_tree_child(s->tree.root, vs_control_section.name);
+  const vs_observing *o = &s->control.observing;
+  char text[512];
+  if (o->system && vs_observing_note(o, &s->setup, text, sizeof text))
+    vs_fail_at(vs_warnings_add(&s->warnings), section->key_where, "%s", text);
+}
+
 /* Finds the warnings anew. */
 static void warn(vs_scene *s) {
   s->warnings.count = 0;
   vs_warnings_of_scene(s->tree.root, &s->setup, &s->frame, &s->warnings);
   vs_warnings_of_instruments(&s->instruments, &s->warnings);
+  warn_of_observer(s);
   if (s->setup.steady) vs_warnings_of_settling(&s->instruments, &s->frame, &s->warnings);
 }
 
@@ -380,9 +397,13 @@ static vs_status conclude(vs_scene *s, const char *tier, vs_error *err) {
   return status;
 }
 
+/* Reads what names channels, of which another tier has others. */
 static vs_status read_instruments(vs_scene *s, vs_error *err) {
+  const vs_node *currents = vs_tree_child(s->tree.root, "quality");
+  vs_status status = vs_quality_read(currents, &s->setup, &s->frame, &s->quality, err);
+  if (status) return status;
   const vs_node *section = vs_tree_child(s->tree.root, "instruments");
-  vs_status status = vs_instruments_read(section, &s->setup, &s->frame, &s->instruments, err);
+  status = vs_instruments_read(section, &s->setup, &s->frame, &s->instruments, err);
   section = vs_tree_child(s->tree.root, vs_control_section.name);
   return status ? status : vs_control_read(section, &s->setup, &s->instruments, &s->control, err);
 }
@@ -415,6 +436,7 @@ vs_status vs_scene_with(const vs_scene *s, const char *const *keys, size_t n_key
                         vs_error *err) {
   *other = (vs_scene){0};
   memcpy(other->path, s->path, sizeof other->path);
+  other->allow_code = s->allow_code;
   vs_tree_copy(&s->tree, &other->tree);
   vs_status status = VS_OK;
   for (size_t k = 0; k < n_keys && !status; k++) status = vs_tree_set(&other->tree, keys[k], err);
@@ -450,6 +472,7 @@ vs_status vs_scene_take_circuit(vs_scene *s, const char *asks, vs_error *err) {
 }
 
 void vs_scene_free(vs_scene *s) {
+  vs_control_free(&s->control);
   vs_instruments_free(&s->instruments);
   vs_warnings_free(&s->warnings);
   vs_setup_free(&s->setup);

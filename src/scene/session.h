@@ -42,9 +42,10 @@ typedef struct vs_session {
 
 /* Runs the scene and fills the result, which vs_result_free frees also after an error. Where
  * ngspice gives up, the scene is run again with the settings of the ladder's next rung;
- * result->scene is the one that was run last. A signal in the second run leaves the first one's
- * result, unverified (result->second.stopped). Errors: those of vs_sim_run and of the guest;
- * VS_RUN, the energy books are open so far that the numbers mean nothing. */
+ * result->scene is the one that was run last. Code of the user's own wants scene->allow_code. A
+ * signal in the second run leaves the first one's result, unverified (result->second.stopped).
+ * Errors: those of vs_sim_run and of the guest; VS_RUN, the energy books are open so far that the
+ * numbers mean nothing. */
 vs_status vs_session_run(const vs_session *session, vs_scene *scene, vs_result *result,
                          vs_error *err);
 

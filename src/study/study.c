@@ -460,6 +460,8 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   s->journal.fd = s->journal.folder = -1;
   vs_status status = check_options(o, err);
   if (!status) status = vs_plan_read(o->name, o->methods, o->sets, o->n_sets, &s->plan, err);
+  s->plan.allow_code = o->allow_code;
+  if (!status) status = vs_control_allow(&s->plan.first->control, o->allow_code, err);
   if (!status) status = name_folder(s, err);
   bool named = !status;
   if (!status) {
@@ -504,6 +506,7 @@ vs_status vs_study_check(const vs_check_options *o, const vs_method *const *meth
     vs_text_add(good, "a good study: %s, %s%llu cases of %zu axes, %zu columns; tier %s (%s)",
                 method, plan->adaptive ? "at most " : "", (unsigned long long)plan->count,
                 plan->n_axes, plan->n_columns, plan->first->tier->name, plan->first->why);
+    vs_control_describe(&plan->first->control, good);
   }
   vs_plan_free(plan);
   free(plan);

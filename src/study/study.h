@@ -17,8 +17,9 @@ typedef struct vs_study_options {
   const char *shard; /* "I/N", "auto" (vs_merge_shard_read); NULL: all cases */
   bool resume;       /* goes on with what the folder has of this study */
   bool overwrite;    /* replaces what the folder has of any study; else that is refused */
-  bool alone;     /* each case is run from its beginning, also where some share their past */
+  bool alone;        /* each case is run from its beginning, also where some share their past */
   bool keep_runs, progress_json, quiet;
+  bool allow_code;                   /* the cases may run code of their scene's own */
   double timeout_s;                  /* of one case; 0: none */
   const volatile sig_atomic_t *stop; /* set by a signal: end, to be gone on with */
 } vs_study_options;

@@ -148,11 +148,24 @@ static void add_instruments(const vs_instruments *all, vs_text *text) {
   }
 }
 
-static void add_control(const vs_control *c, vs_text *text) {
+/* The observer's map as it was written. */
+static void add_node(const vs_node *node, vs_text *text) {
+  if (node->key) vs_text_add(text, "%s ", node->key);
+  vs_text_add(text, "%s\n", node->text ? node->text : "[");
+  for (const vs_node *n = node->child; n; n = n->next) add_node(n, text);
+}
+
+static vs_status add_control(const vs_plan *plan, const vs_control *c, vs_text *text) {
+  static const char *const OUT[] = {"file", "timeout", NULL};
+  char path[VS_PATH_SIZE];
+  vs_status status = VS_OK;
   for (size_t k = 0; c->regulator && k < c->section.count; k++) {
+    if (is_among(c->section.fields[k].key, OUT)) continue;
     vs_text_add(text, "control.%s\n", c->section.fields[k].key);
     add_value(&c->section.fields[k], &c->v, text);
   }
+  for (int k = 0; !status && vs_control_file(c, k, path); k++) status = add_file(plan, path, text);
+  return status;
 }
 
 void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_SIZE]) {
@@ -166,7 +179,9 @@ void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_
   }
   add_events(&scene->setup.timeline.events, whole);
   add_instruments(&scene->instruments, whole);
-  add_control(&scene->control, whole);
+  if (add_control(identity->plan, &scene->control, whole)) return;
+  const vs_node *section = vs_tree_child(scene->tree.root, vs_control_section.name);
+  if (scene->control.observing.system) add_node(vs_tree_child(section, "observer"), whole);
   if (scene->setup.steady) vs_text_add(whole, "start steady\n");
   if (identity->plan->periods) vs_text_add(whole, "steady %d\n", identity->plan->periods);
   sum_of(whole, id);

@@ -7,6 +7,7 @@
  *     has; whether the tier uses the key does not matter;
  *   - the contents of the deck's file, of the files it includes and of its parts' files (each by
  * its own SHA-256), and which file each part's key names. The names of the files do not enter;
+ *   - the contents of the files that make a law of control of the user's own, where it has one;
  *   - whether it begins on its orbit, as `start: steady` says;
  *   - whether it is a period of its orbit, as the study's key `steady` says, and of which period;
  *   - every event, in their order: its name, when it begins, and its other keys.

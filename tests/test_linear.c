@@ -1,0 +1,369 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Linear models about an orbit: what a small step of the firing angle does on the full model,
+ * firing by firing, against the map and against the averaged model; and what is refused. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/text.h"
+#include "dependence/averaged.h"
+#include "instrument/meter.h"
+#include "program.h"
+#include "steady/steady.h"
+
+enum { FIRINGS = 200, STATES = VS_LINEAR_STATES, OUTPUTS = VS_LINEAR_OUTPUTS };
+static const double DEGREE = 0.017453292519943295;
+
+/* ---- the full model ---- */
+
+/* What a run shows of itself: the state at each section and at each nominal firing, and the largest
+ * and least values of the outputs' signals from section to section. */
+typedef struct record {
+  const vs_linear *linear;
+  double x[FIRINGS + 1][STATES], x_firing[FIRINGS + 1][STATES];
+  double most[FIRINGS + 1][OUTPUTS][2]; /* the largest, and the largest of the negative */
+  vs_meter *meter;                      /* of the output that has a low-pass; NULL: none has */
+} record;
+
+/* The signal of an output without a low-pass, and its rate. */
+static double signal_of(const vs_step *step, const vs_seen *seen, double t_s, double *rate) {
+  const vs_model *m = step->frame->model;
+  double y[VS_CH_MOST], value = 0;
+  vs_step_groups_at(step, t_s, VS_GROUP_VELOCITIES, y);
+  *rate = 0;
+  for (int i = 0; i < m->dof; i++) {
+    value += seen->k[i] * y[VS_CH_Q + i];
+    *rate += seen->k[i] * y[VS_CH_Q + m->dof + i];
+  }
+  return value;
+}
+
+/* Takes a value for the extremes of the cycle whose turns of the orbit it is near to. */
+static void take_value(record *r, int output, double t_s, double value) {
+  const double period_s = r->linear->period_s;
+  for (int side = 0; side < 2; side++) {
+    double n = (t_s - r->linear->output[output].seen.best[side].at_s) / period_s;
+    int k = (int)round(n);
+    if (fabs(n - round(n)) > 0.125 || k < 0 || k >= FIRINGS) continue;
+    r->most[k][output][side] = fmax(r->most[k][output][side], side ? -value : value);
+  }
+}
+
+/* Takes the turns of a signal between two instants, by bisection of its rate. */
+static void take_turn(record *r, const vs_step *step, int output, double lo, double hi) {
+  const vs_seen *seen = &r->linear->output[output].seen;
+  double before, after, rate;
+  signal_of(step, seen, lo, &before);
+  signal_of(step, seen, hi, &after);
+  if ((before > 0) == (after > 0)) return;
+  for (int n = 0; n < 60; n++) {
+    double mid = (lo + hi) / 2;
+    signal_of(step, seen, mid, &rate);
+    if ((rate > 0) == (before > 0))
+      lo = mid;
+    else
+      hi = mid;
+  }
+  take_value(r, output, hi, signal_of(step, seen, hi, &rate));
+}
+
+static void take_states(record *r, const vs_step *step) {
+  const vs_linear *l = r->linear;
+  double y[VS_CH_MOST];
+  for (int k = 0; k <= FIRINGS; k++)
+    for (int fires = 0; fires < 2; fires++) {
+      double at = k * l->period_s + fires * l->fires_s;
+      if (at < step->from->t_s || at > step->to->t_s) continue;
+      vs_step_groups_at(step, at, VS_GROUP_VELOCITIES, y);
+      memcpy(fires ? r->x_firing[k] : r->x[k], y + VS_CH_Q,
+             2 * (size_t)step->frame->model->dof * sizeof *y);
+    }
+}
+
+/* The low-pass of an output, as an instrument has it, at each sample; its states at each section.
+ */
+static void take_meter(record *r, const vs_step *step) {
+  for (double t_s; (t_s = vs_meter_next_s(r->meter)) <= step->to->t_s;) {
+    vs_meter_to(r->meter, step, t_s);
+    double k = t_s / r->linear->period_s;
+    int output = r->linear->outputs - 1, first = r->linear->output[output].first;
+    take_value(r, output, t_s, r->meter->value);
+    if (fabs(k - round(k)) < 1e-9 && k < FIRINGS + 0.5)
+      memcpy(&r->x[(int)round(k)][first], r->meter->lowpass.x,
+             (size_t)r->linear->output[output].seen.states * sizeof(double));
+  }
+  vs_meter_accept(r->meter, step);
+}
+
+static vs_status take(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+  enum { LOOKS = 8 };
+  record *r = ctx;
+  double from = step->from->t_s, h = (step->to->t_s - from) / LOOKS;
+  (void)result, (void)err;
+  if (!(h > 0)) return VS_OK;
+  take_states(r, step);
+  if (r->meter) take_meter(r, step);
+  for (int k = 0; k < r->linear->outputs; k++)
+    for (int n = 0; n < LOOKS && r->linear->output[k].first < 0; n++)
+      take_turn(r, step, k, from + n * h, from + (n + 1) * h);
+  return VS_OK;
+}
+
+/* Runs the scene from a state at the section, at an angle, for FIRINGS periods. */
+static void fly(const vs_scene *scene, const vs_orbit *orbit, double angle_rad, record *r) {
+  vs_run_values run = scene->setup.run;
+  run.until_s = (FIRINGS + 0.9) * orbit->period_s;
+  run.tolerance = scene->tier->finest;
+  vs_scene *own = vs_alloc(1, sizeof *own);
+  vs_result *none = vs_alloc(1, sizeof *none);
+  vs_error err = {0};
+  const vs_guest guest = {.ctx = r, .accept = take};
+  const vs_session session = {.guest = &guest, .bare = true, .unguarded = true};
+  *own = *scene;
+  own->setup = vs_steady_setup(scene, &run, orbit);
+  own->setup.timeline.firing.angle.first = angle_rad;
+  own->frame = vs_sim_frame(scene->tier, &own->setup);
+  for (int k = 0; k <= FIRINGS; k++)
+    for (int i = 0; i < OUTPUTS; i++) r->most[k][i][0] = r->most[k][i][1] = -INFINITY;
+  vs_status status = vs_session_run(&session, own, none, &err);
+  EXPECT(!status, "%s", err.text);
+  vs_result_free(none);
+  free(none);
+  free(own);
+}
+
+/* ---- a step of the angle ---- */
+
+typedef struct subject {
+  vs_scene scene;
+  vs_orbit orbit;
+  vs_linear linear;
+  vs_averaged averaged;
+  record calm, stepped;
+} subject;
+
+static subject *begin(const char *name, const char *const *sets, size_t n_sets,
+                      const vs_seen_order *signals, int count) {
+  subject *s = vs_alloc(1, sizeof *s);
+  vs_error err = {0};
+  vs_status status =
+      vs_scene_read(name, (char *const *)(size_t)sets, n_sets, NULL, &s->scene, &err);
+  if (!status) status = vs_shooting_find(&s->scene, 1, &s->orbit, &err);
+  if (!status) status = vs_linear_find(&s->scene, &s->orbit, signals, count, &s->linear, &err);
+  if (!status) status = vs_averaged_find(&s->linear, &s->averaged, &err);
+  EXPECT(!status, "%s: %s", name, err.text);
+  s->calm.linear = s->stepped.linear = &s->linear;
+  return s;
+}
+
+static void end(subject *s) {
+  vs_scene_free(&s->scene);
+  free(s);
+}
+
+/* The largest difference of two courses over all firings, relative to the largest of the first. */
+typedef struct worst {
+  double difference, size;
+} worst;
+
+static void compare(worst *w, double got, double expected) {
+  w->difference = fmax(w->difference, fabs(got - expected));
+  w->size = fmax(w->size, fabs(expected));
+}
+
+static double part_of(worst w) {
+  return w.difference / w.size;
+}
+
+static double amplitude_in(const record *r, int k, int output) {
+  return (r->most[k][output][0] + r->most[k][output][1]) / 2;
+}
+
+/* Takes the angle by `by` degrees away, and compares what the motion does. Returns the largest part
+ * by which anything is off. */
+static double step_of(subject *s, double by) {
+  const vs_linear *l = &s->linear;
+  double x[STATES] = {0}, x_firing[STATES] = {0}, next[STATES], largest = 0, a = by * DEGREE;
+  worst states[STATES] = {{0}}, at_firing[STATES] = {{0}}, outputs[OUTPUTS] = {{0}},
+        averaged[OUTPUTS] = {{0}};
+  fly(&s->scene, &s->orbit, l->angle_rad, &s->calm);
+  fly(&s->scene, &s->orbit, l->angle_rad + a, &s->stepped);
+  for (int k = 0; k < FIRINGS; k++) {
+    for (int i = 0; i < l->n; i++) compare(&states[i], x[i], s->stepped.x[k][i] - s->calm.x[k][i]);
+    for (int i = 0; i < l->machine; i++) {
+      compare(&at_firing[i], x_firing[i], s->stepped.x_firing[k][i] - s->calm.x_firing[k][i]);
+    }
+    for (int i = 0; i < l->outputs; i++) {
+      double y = l->d[i] * a, full = amplitude_in(&s->stepped, k, i) - amplitude_in(&s->calm, k, i);
+      for (int j = 0; j < l->n; j++) y += l->c[i][j] * x[j];
+      compare(&outputs[i], y, full);
+      compare(&averaged[i], a * vs_averaged_step(&s->averaged, i, k), full);
+    }
+    for (int section = 0; section < 2; section++) {
+      double *at = section ? x_firing : x;
+      for (int i = 0; i < l->n; i++) {
+        next[i] = (section ? l->b_firing : l->b)[i] * a;
+        for (int j = 0; j < l->n; j++) next[i] += (section ? l->a_firing : l->a)[i][j] * at[j];
+      }
+      memcpy(at, next, sizeof next);
+    }
+  }
+  for (int i = 0; i < l->machine; i++) largest = fmax(largest, part_of(at_firing[i]));
+  for (int i = 0; i < l->n; i++) largest = fmax(largest, part_of(states[i]));
+  for (int i = 0; i < l->outputs; i++)
+    largest = fmax(largest, fmax(part_of(outputs[i]), part_of(averaged[i])));
+  if (getenv("VS_SHOW")) {
+    for (int i = 0; i < l->machine; i++)
+      printf("%s %.3g %.3g\n", l->state[i].name, part_of(states[i]), part_of(at_firing[i]));
+    for (int i = 0; i < l->outputs; i++)
+      printf("%s %.3g %.3g  gain %g per deg, size %g\n", l->output[i].seen.order.name,
+             part_of(outputs[i]), part_of(averaged[i]), s->averaged.gain[i] * DEGREE,
+             outputs[i].size);
+  }
+  return largest;
+}
+
+/* What a step of 0.01 degrees leaves out is of second order in it: with a tenth of the step, a
+ * tenth of the part. 1 % is what is promised. */
+static void steps_of_the_angle(void) {
+  static const struct {
+    const char *scene, *sets[4];
+    size_t count;
+  } ALL[] = {
+      {"paper", {"firing.every=1", "firing.angle=100deg"}, 2},
+      {"paper", {"firing.every=1", "firing.angle=130deg"}, 2},
+      {"paper", {"firing.every=1", "firing.angle=80deg"}, 2},
+      {"two_mass", {"firing.every=1", "firing.angle=130deg"}, 2},
+      {"two_mass", {"firing.every=1", "firing.angle=150deg"}, 2},
+      {"fixed_base", {"firing.every=2", "firing.angle=140deg"}, 2},
+      {"paper", {"firing.every=1", "firing.angle=20deg", "supply.voltage=60V"}, 3},
+      {"paper",
+       {"firing.every=1", "firing.angle=130deg",
+        "actuator.stop={at: 6.35 mm, stiffness: 2e4 N/m, damping: 10 N.s/m}"},
+       3},
+  };
+  for (size_t k = 0; k < COUNT(ALL); k++) {
+    subject *s = begin(ALL[k].scene, ALL[k].sets, ALL[k].count, NULL, 0);
+    double tenth = step_of(s, 0.001), one = step_of(s, 0.01), ten = step_of(s, 0.1);
+    printf("%s %s: %.3g, %.3g, %.3g\n", ALL[k].scene, ALL[k].sets[1], tenth, one, ten);
+    EXPECT(one < 0.01 && ten < 0.01, "%s %s: %g, %g", ALL[k].scene, ALL[k].sets[1], one, ten);
+    EXPECT(tenth < 0.15 * one, "%s %s: %g, %g", ALL[k].scene, ALL[k].sets[1], tenth, one);
+    end(s);
+  }
+}
+
+/* ---- through a low-pass ---- */
+
+/* The output of the first order, or of the second, joins a model of the coordinates. The largest
+ * sample of 100 kHz is off the signal's own largest value by a part of its change that is the angle
+ * between two samples, 3e-3, times the phase the step shifts the signal by. */
+static void through_low_passes(void) {
+  static const char *const SETS[] = {"firing.every=1", "firing.angle=110deg"};
+  static const char *const CHANNELS[] = {"p", "ap", "vp", "z"};
+  for (int k = 0; k < 4; k++) {
+    vs_scene probe = {0};
+    vs_error err = {0};
+    vs_seen_order orders[2] = {{.name = "direct", .bandwidth_hz = NAN},
+                               {.name = "seen", .bandwidth_hz = 100 + 40 * k, .damping = 0.7}};
+    orders[1].order = 1 + k % 2;
+    vs_status status =
+        vs_scene_read("paper", (char *const *)(size_t)SETS, COUNT(SETS), NULL, &probe, &err);
+    orders[0].channel = vs_channel_find(&probe.frame, "p");
+    orders[1].channel = vs_channel_find(&probe.frame, CHANNELS[k]);
+    EXPECT(!status, "%s", err.text);
+    vs_scene_free(&probe);
+    subject *s = begin("paper", SETS, COUNT(SETS), orders, 2);
+    vs_instrument *i = vs_alloc(1, sizeof *i);
+    const vs_seen *seen = &s->linear.output[1].seen;
+    *i = (vs_instrument){.channel = orders[1].channel, .unit = seen->unit, .on_orbit = true};
+    i->v = (vs_instrument_values){.range = {-1e6, 1e6},
+                                  .bandwidth_hz = orders[1].bandwidth_hz,
+                                  .order = orders[1].order,
+                                  .damping = orders[1].damping,
+                                  .rate_hz = 1e5};
+    memcpy(i->x, seen->start, sizeof i->x);
+    vs_meter meters[2];
+    for (int run = 0; run < 2; run++) vs_meter_begin(&meters[run], i, 1);
+    s->calm.meter = &meters[0];
+    s->stepped.meter = &meters[1];
+    EXPECT(s->linear.n == 9 + k % 2, "%d states", s->linear.n);
+    double off = step_of(s, 0.01);
+    EXPECT(off < 0.01, "%s: %g", CHANNELS[k], off);
+    free(i);
+    end(s);
+  }
+}
+
+/* ---- the command ---- */
+
+static void files(void) {
+  RUN_GOOD("steady two_mass --set firing.every=1 --set firing.angle=130deg --linear -o model");
+  EXPECT_FILES("model", "events.csv linear.json linear_A.csv linear_A_firing.csv linear_B.csv "
+                        "linear_B_firing.csv linear_C.csv linear_C_firing.csv linear_D.csv "
+                        "linear_poles.csv linear_to_firing.csv run.csv summary.json ");
+  char *a = read_file("model/linear_A.csv"), *b = read_file("model/linear_B.csv");
+  EXPECT(!strncmp(a, "x_m,y_m,vx_m_s,vy_m_s\n", 22) && count_lines(a) == 5, "%s", a);
+  EXPECT(!strncmp(b, "angle_rad\n", 10) && count_lines(b) == 5, "%s", b);
+  free(a);
+  free(b);
+  RUN_GOOD("steady two_mass --set firing.every=1 --set firing.angle=130deg -o model");
+  EXPECT_FILES("model", "events.csv run.csv summary.json ");
+}
+
+/* The gain of an amplitude by the derivatives of its two extremes, which dependence/kin.h finds in
+ * another way: through the orbit's own derivative. */
+static void gain_by_sensitivity(void) {
+  ran r = run("sensitivity paper --steady --set firing.every=1 --of p_min,p_max --to firing.angle "
+              "--json --quiet");
+  const char *const SETS[] = {"firing.every=1"};
+  subject *s = begin("paper", SETS, 1, NULL, 0);
+  const vs_seen *seen = &s->linear.output[0].seen;
+  double slope[2] = {0};
+  for (int side = 0; side < 2; side++) {
+    const char *at = strstr(r.out, side ? "\"p_min\": {\n      \"firing.angle\": "
+                                        : "\"p_max\": {\n      \"firing.angle\": ");
+    EXPECT(at != NULL, "%s", r.out);
+    if (at) slope[side] = strtod(strstr(at, "angle\": ") + 8, NULL);
+  }
+  CLOSE(s->averaged.gain[0] * s->linear.angle_rad,
+        (slope[0] * seen->best[0].value - slope[1] * seen->best[1].value) / 2, 1e-8);
+  end(s);
+  free_ran(&r);
+}
+
+static void refusals(void) {
+  static const struct {
+    const char *words;
+    int status;
+    const char *says;
+  } ALL[] = {
+      {"--tier circuit", 2, "tier switched has a linear model"},
+      {"--period 2", 2, "--period 1 has one"},
+      {"--along firing.angle=100deg..99deg", 2, "does not go with --along"},
+      {"--set supply.voltage=60V --set firing.angle=170deg --set firing.pulse_width=15ms", 1,
+       "not at its angle"},
+  };
+  for (size_t k = 0; k < COUNT(ALL); k++) {
+    ran r = run("steady paper --set firing.every=1 --linear -o none %s", ALL[k].words);
+    EXPECT(r.status == ALL[k].status && strstr(r.err, ALL[k].says) && !*r.out, "%s: %d %s",
+           ALL[k].words, r.status, r.err);
+    free_ran(&r);
+  }
+  EXPECT(access("none", F_OK), "a refused model has left a folder");
+  ran r = run("steady lds_v203 --set supply.kind=sine --set supply.frequency=20Hz --set "
+              "supply.voltage=1V --linear");
+  EXPECT(r.status == 2 && strstr(r.err, "no firing angle"), "%d %s", r.status, r.err);
+  free_ran(&r);
+}
+
+static const vs_test TESTS[] = {{"steps of the angle", steps_of_the_angle},
+                                {"through low-passes", through_low_passes},
+                                {"files", files},
+                                {"the gain by sensitivity", gain_by_sensitivity},
+                                {"refusals", refusals}};
+
+int main(void) {
+  return program_suite("linear", TESTS, COUNT(TESTS));
+}
