@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "acceptance/acceptance.h"
+#include "acceptance/template.h"
 #include "base/leave.h"
 #include "branch/branch.h"
 #include "branch/marks.h"
@@ -194,6 +196,8 @@ static vs_status check(const vs_arguments *a, vs_error *err) {
                               .n_sets = a->n_sets,
                               .json = a->json,
                               .quiet = a->quiet,
+                              .bench = vs_acceptance_try,
+                              .folder = a->output,
                               .other = vs_inquiry_is(name)                 ? vs_fitting_check
                                        : vs_study_is(name, vs_methods_all) ? check_study
                                                                            : NULL};
@@ -202,9 +206,30 @@ static vs_status check(const vs_arguments *a, vs_error *err) {
 
 static const struct argp_option CHECK_OPTIONS[] = {
     VS_COMMAND_SET,
+    VS_COMMAND_VALUE("output", 'o', "DIR",
+                     "of a part: writes what was asked and what the bench got as bench.csv and "
+                     "bench.json there, and draws bench.png"),
     VS_COMMAND_FLAG("json", VS_KEY_JSON,
-                    "findings as a JSON array of {file, line, column, message} on standard output"),
+                    "findings as a JSON array of {file, line, column, message} on standard output; "
+                    "of a part also each figure of the bench, with members more"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "prints nothing but findings"),
+    VS_COMMAND_HELP,
+    {0}};
+
+/* ---- part ---- */
+
+static vs_status part(const vs_arguments *a, vs_error *err) {
+  const vs_template_options o = {vs_command_name(a), a->output, a->wrap, a->overwrite, a->quiet};
+  return vs_template_command(&o, err);
+}
+
+static const struct argp_option PART_OPTIONS[] = {
+    VS_COMMAND_VALUE("output", 'o', "NAME.inc", "writes the template there; NAME is the part's"),
+    VS_COMMAND_VALUE("wrap", VS_KEY_WRAP, "FILE[:SUBCKT]",
+                     "around the subcircuit of a vendor's file, instead of a model of the "
+                     "program's own; of a thyristor, a varistor or a fuse"),
+    VS_COMMAND_FLAG("overwrite", VS_KEY_OVERWRITE, "replaces a file that is there already"),
+    VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "prints nothing"),
     VS_COMMAND_HELP,
     {0}};
 
@@ -469,12 +494,24 @@ static const vs_command COMMANDS[] = {
      .argument = "FILE",
      .text =
          "tells all that can be known of a scene, study, fit, machine or deck before a run: every "
-         "mistake, with its line",
+         "mistake, with its line; of a part also whether its model does what its file asks",
      .examples = "  vibrospice check my.yaml\n"
                  "  vibrospice check my.cir\n"
+                 "  vibrospice check my.inc -o bench\n"
                  "  vibrospice check paper --set run.tier=circuit --json\n",
      .options = CHECK_OPTIONS,
      .run = check},
+    {.name = "part",
+     .argument = "[KIND]",
+     .text =
+         "writes a template of a part, to be filled in from its data sheet; without KIND: which "
+         "kinds there are",
+     .examples = "  vibrospice part thyristor -o my.inc && vibrospice check my.inc -o bench\n"
+                 "  vibrospice part thyristor --wrap vendor.lib:NAME -o my.inc\n",
+     .may_be_alone = true,
+     .options = PART_OPTIONS,
+     .run = part,
+     .explain = vs_template_explain},
     {.name = "list",
      .argument = "[KIND]",
      .text = "lists scenes, studies, fits, machines, decks, parts, instruments, tiers, laws, "

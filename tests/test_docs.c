@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The pages of docs/ about machines, circuits, fits, instruments and control: their files are
- * written, their commands run, and what they say that is printed must be printed. A page's blocks
- * are taken in their order:
+ * The pages of docs/ about machines, circuits, fits, instruments, control and parts: their files
+ * are written, their commands run, and what they say that is printed must be printed. A page's
+ * blocks are taken in their order:
  *
  *   yaml, first line "# NAME.yaml"   becomes that file; python, "# NAME.py", likewise
  *   spice, first line "* NAME.EXT: " becomes that file
@@ -43,7 +43,7 @@ static void take_file(page *p, const char *text) {
 
 static void take_netlist(page *p, const char *text) {
   char name[64];
-  if (sscanf(text, "* %63[a-z_.]: ", name) != 1) return;
+  if (sscanf(text, "* %63[a-z_.]:", name) != 1) return;
   write_file(name, text);
   p->files++;
 }
@@ -165,11 +165,18 @@ static void control(void) {
          p.files, p.commands, p.lines);
 }
 
+static void parts(void) {
+  page p = {.name = "parts.md"};
+  try_page(&p);
+  EXPECT(p.files >= 2 && p.commands >= 6 && p.lines >= 18, "%d files, %d commands, %d lines",
+         p.files, p.commands, p.lines);
+}
+
 static const vs_test TESTS[] = {
     {"machines.md", machines}, {"a page for each machine", pages_of_machines},
     {"fitting.md", fitting},   {"instruments.md", instruments},
     {"control.md", control},   {"circuits.md", circuits},
-    {"dialects.md", dialects},
+    {"dialects.md", dialects}, {"parts.md", parts},
 };
 
 int main(void) {

@@ -64,6 +64,7 @@ typedef struct report {
   const vs_check_options *options;
   vs_text good; /* describes the file, where nothing was found */
   vs_warnings warnings;
+  vs_check_bench bench; /* of a part */
 } report;
 
 static void warn_of_deck(report *r, const vs_deck *deck) {
@@ -210,8 +211,8 @@ static vs_status check_machine(report *r, vs_error *err) {
   return status;
 }
 
-/* Of a part's file its own lines are checked. What a deck asks of the part is found with the deck.
- */
+/* Of a part's file its own lines are checked, and what it does on the bench. What a deck asks of
+ * the part is found with the deck. */
 static vs_status check_part(report *r, vs_error *err) {
   vs_deck *part = vs_alloc(1, sizeof *part);
   vs_status status = vs_netlist_read_part(r->options->name, part, err);
@@ -228,7 +229,9 @@ static vs_status check_part(report *r, vs_error *err) {
   }
   vs_deck_free(part);
   free(part);
-  return status;
+  if (status || vs_error_count(err) || !r->options->bench) return status;
+  r->bench.warnings = &r->warnings;
+  return r->options->bench(r->options, &r->bench, err);
 }
 
 /* Endings of decks, as programs of all kinds write them. */
@@ -293,30 +296,44 @@ static vs_status check(report *r, vs_error *err) {
   return status ? status : vs_path_find(&vs_deck_shelf, name, (vs_where){0}, path, err);
 }
 
+/* Prints findings and what the bench saw as one array. */
+static void print_json(const report *r, const vs_findings *all) {
+  vs_text text = {0};
+  vs_json json = vs_json_new(&text);
+  vs_json_array(&json, NULL, all->count || r->bench.rows.text ? VS_JSON_LINES : VS_JSON_ROW);
+  for (size_t k = 0; k < all->count; k++) add_json(r->options->name, &all->item[k], &json);
+  char *rows = vs_copy(r->bench.rows.text ? r->bench.rows.text : ""), *rest = rows;
+  for (char *row; (row = strsep(&rest, "\n"));)
+    if (*row) {
+      vs_json_key(&json, NULL);
+      vs_text_add(&text, "%s", row);
+    }
+  vs_json_end(&json);
+  puts(text.text);
+  free(rows);
+  vs_text_free(&text);
+}
+
 vs_status vs_check_command(const vs_check_options *o, vs_error *err) {
   vs_findings *all = vs_alloc(1, sizeof *all);
   report r = {.options = o};
   vs_error own = {.findings = all};
   vs_status status = vs_error_carry_on(&own, check(&r, &own));
-  vs_text text = {0};
-  vs_json json = vs_json_new(&text);
-  vs_json_array(&json, NULL, all->count ? VS_JSON_LINES : VS_JSON_ROW);
-  for (size_t k = 0; k < all->count; k++)
-    if (o->json)
-      add_json(o->name, &all->item[k], &json);
-    else
-      print_finding(o->name, "", &all->item[k]);
+  for (size_t k = 0; k < all->count && !o->json; k++) print_finding(o->name, "", &all->item[k]);
   for (size_t k = 0; k < r.warnings.count && !o->quiet; k++)
     print_finding(o->name, "warning: ", &r.warnings.item[k]);
-  vs_json_end(&json);
   if (o->json)
-    puts(text.text);
+    print_json(&r, all);
   else if (!status && !all->count && !o->quiet)
-    printf("%s: %s\n", o->name, r.good.text);
+    printf("%s: %s%s\n", o->name, r.good.text, r.bench.table.text ? r.bench.table.text : "");
   if (status == VS_INPUT) vs_fail(err, status, "%s: and more than these", o->name); /* no room */
   if (status && status != VS_INPUT) vs_fail(err, status, "%s", own.text);
   if (!status && all->count) status = VS_INPUT;
-  vs_text_free(&text);
+  if (!status && r.bench.off)
+    status = vs_fail(err, VS_RUN, "%s: %zu of %zu figures are not what is asked", o->name,
+                     r.bench.off, r.bench.figures);
+  vs_text_free(&r.bench.table);
+  vs_text_free(&r.bench.rows);
   vs_text_free(&r.good);
   vs_warnings_free(&r.warnings);
   free(all);

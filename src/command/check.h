@@ -8,6 +8,16 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "scene/warnings.h"
+
+/* What is found out about a part by trying it. */
+typedef struct vs_check_bench {
+  vs_text
+      table;    /* lines to stand behind the one that describes the part, each begun by a newline */
+  vs_text rows; /* for --json: an object with file, line, column, message and more on each line */
+  size_t figures, off;   /* how many were held to what is asked, and how many are not so */
+  vs_warnings *warnings; /* gets what is implausible; borrowed */
+} vs_check_bench;
 
 typedef struct vs_check_options vs_check_options;
 struct vs_check_options {
@@ -20,12 +30,16 @@ struct vs_check_options {
   /* Hook for another kind of file, such as studies. On success it appends one line to `good` that
    * describes the file. NULL: the file is a scene, a deck, a machine or a part. */
   vs_status (*other)(const vs_check_options *options, vs_text *good, vs_error *err);
+  /* Hook that tries a part which has no findings. NULL: a part is read and no more. */
+  vs_status (*bench)(const vs_check_options *options, vs_check_bench *bench, vs_error *err);
+  const char *folder; /* for that hook: where its files go; NULL: it writes none */
 };
 
 /* Reads the file to its end, and takes the first step of a run and no more. Prints all findings to
  * standard error, each with its line of the file, or as JSON to standard output. Without findings
- * it prints one line that describes the file, and warnings. Returns VS_INPUT where there are
- * findings, with an empty err, or with one line more where there were too many to keep. */
+ * it prints one line that describes the file, and warnings, and of a part what the bench found.
+ * Errors: VS_INPUT where there are findings, with an empty err, or with one line more where there
+ * were too many to keep; VS_RUN where a part does not do what its file asks. */
 vs_status vs_check_command(const vs_check_options *options, vs_error *err);
 
 #endif

@@ -72,7 +72,8 @@ static const char **word_of(vs_arguments *a, int key) {
                {VS_KEY_COIL, &a->coil},
                {VS_KEY_PINS, &a->pins},
                {VS_KEY_LIBRARY, &a->library},
-               {VS_KEY_SCENE, &a->scene}};
+               {VS_KEY_SCENE, &a->scene},
+               {VS_KEY_WRAP, &a->wrap}};
   for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
     if (WORDS[k].key == key) return WORDS[k].word;
   return NULL;

@@ -100,7 +100,8 @@ const vs_kind *vs_kinds_find(const char *name) {
 /* Limits that no measure above is held against in its own unit, with the kind of part they are of
  * ("": of any). v_drm, v_rrm and v_rms are held against the mains, whatever the part; t_q, which
  * makers give in us, is held against t_off; by t_j_max the report of an orbit tells how hot the
- * case may be; i2t_clear is held against what the fuse protects; the others are for the reader. */
+ * case may be; i2t_clear is held against what the fuse protects; the others are for the reader, and
+ * for `check` of the part, which tries whether its model keeps them (room acceptance). */
 static const struct figure {
   const char *name, *unit, *kind;
 } FIGURES[] = {{"v_drm", "V", ""},
@@ -108,7 +109,17 @@ static const struct figure {
                {"v_rms", "V", ""},
                {"t_q", "us", "thyristor"},
                {"t_j_max", "degC", "thyristor"},
+               {"i_gt", "mA", "thyristor"},
+               {"v_gt", "V", "thyristor"},
+               {"i_l", "mA", "thyristor"},
+               {"i_h", "mA", "thyristor"},
+               {"v_t", "V", "thyristor"},
+               {"i_tm", "A", "thyristor"},
+               {"q_rr", "A*us", "thyristor"},
+               {"i_test", "A", "thyristor"},
+               {"di_test", "A/us", "thyristor"},
                {"v_dc", "V", "varistor"},
+               {"i_clamp", "A", "varistor"},
                {"v_clamp", "V", "varistor"},
                {"v_varistor", "V", "varistor"},
                {"v_rated", "V", "fuse"},

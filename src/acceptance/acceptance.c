@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "acceptance/acceptance.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "acceptance/curves.h"
+#include "acceptance/fuse.h"
+#include "acceptance/passive.h"
+#include "acceptance/plausible.h"
+#include "acceptance/thyristor.h"
+#include "acceptance/varistor.h"
+#include "base/csv.h"
+#include "base/file.h"
+#include "base/json.h"
+#include "deck/parts.h"
+#include "syntax/units.h"
+
+static const vs_figures_kind *const KINDS[] = {&vs_thyristor_kind, &vs_varistor_kind, &vs_fuse_kind,
+                                               &vs_passive_resistor, &vs_passive_capacitor};
+
+/* ---- rows, shown ---- */
+
+static const char *const SIGN[] = {[VS_HELD_NEAR] = "", "<= ", ">= ", ""};
+
+static double shown(const vs_figure *row, double si) {
+  return si / vs_units_factor(row->unit);
+}
+
+static void write_asked(const vs_figure *row, char *text, size_t size) {
+  if (row->held == VS_HELD_NOT)
+    snprintf(text, size, "-");
+  else if (row->held == VS_HELD_NEAR)
+    snprintf(text, size, "%.4g +- %.3g %s", shown(row, row->asked), shown(row, row->tolerance),
+             row->unit);
+  else
+    snprintf(text, size, "%s%.4g %s", SIGN[row->held], shown(row, row->asked), row->unit);
+}
+
+static void write_got(const vs_figure *row, char *text, size_t size) {
+  if (isnan(row->got))
+    snprintf(text, size, "-");
+  else if (isinf(row->got))
+    snprintf(text, size, "none");
+  else
+    snprintf(text, size, "%.4g %s", shown(row, row->got), row->unit);
+}
+
+static void add_table(const vs_figures *f, vs_text *table) {
+  vs_text_add(table, "\n%-12s %-22s %-14s %-7s %s", "figure", "asked", "got", "word", "test");
+  for (size_t k = 0; k < f->count; k++) {
+    const vs_figure *row = &f->row[k];
+    char asked[64], got[64];
+    write_asked(row, asked, sizeof asked);
+    write_got(row, got, sizeof got);
+    vs_text_add(table, "\n%-12s %-22s %-14s %-7s %s%s%s", row->name, asked, got,
+                vs_figures_word(row), row->text, *row->why && isnan(row->got) ? ": " : "",
+                isnan(row->got) ? row->why : "");
+  }
+}
+
+/* One object on a line. A row of check's array has a place and a message besides. */
+static void add_json(const vs_figure *row, const char *file, vs_text *text) {
+  char asked[64], got[64];
+  vs_json json = vs_json_new(text);
+  vs_json_object(&json, NULL, VS_JSON_ROW);
+  if (file) {
+    write_asked(row, asked, sizeof asked);
+    write_got(row, got, sizeof got);
+    vs_text message = {0};
+    vs_text_add(&message, "%s: asked %s, got %s: %s", row->name, asked, got, vs_figures_word(row));
+    vs_json_text(&json, "file", file);
+    vs_json_number(&json, "line", row->where.line ? (double)row->where.line : (double)NAN, 12);
+    vs_json_number(&json, "column", row->where.line ? (double)row->where.column : (double)NAN, 12);
+    vs_json_text(&json, "message", message.text);
+    vs_text_free(&message);
+  }
+  vs_json_text(&json, "figure", row->name);
+  vs_json_text(&json, "unit", row->unit);
+  vs_json_text(&json, "held",
+               row->held == VS_HELD_NEAR       ? "near"
+               : row->held == VS_HELD_AT_MOST  ? "at most"
+               : row->held == VS_HELD_AT_LEAST ? "at least"
+                                               : NULL);
+  vs_json_number(&json, "asked", shown(row, row->asked), 9);
+  vs_json_number(&json, "tolerance", shown(row, row->tolerance), 9);
+  vs_json_number(&json, "got", shown(row, row->got), 9);
+  vs_json_text(&json, "word", vs_figures_word(row));
+  vs_json_text(&json, "test", row->text);
+  vs_json_text(&json, "why", isnan(row->got) ? row->why : NULL);
+  vs_json_end(&json);
+}
+
+/* ---- files ---- */
+
+static void add_csv(const vs_figures *f, vs_text *text) {
+  vs_text_add(text, "figure,unit,held,asked,tolerance,got,word,test\n");
+  for (size_t k = 0; k < f->count; k++) {
+    const vs_figure *row = &f->row[k];
+    const double number[] = {shown(row, row->asked), shown(row, row->tolerance),
+                             shown(row, row->got)};
+    vs_csv_cell(text, row->name);
+    vs_text_add(text, ",");
+    vs_csv_cell(text, row->unit);
+    vs_text_add(text, ",%s",
+                row->held == VS_HELD_NEAR       ? "near"
+                : row->held == VS_HELD_AT_MOST  ? "at most"
+                : row->held == VS_HELD_AT_LEAST ? "at least"
+                                                : "");
+    for (size_t n = 0; n < 3; n++)
+      if (isfinite(number[n]))
+        vs_text_add(text, ",%.9g", number[n]);
+      else
+        vs_text_add(text, ",");
+    vs_text_add(text, ",%s,", vs_figures_word(row));
+    vs_csv_cell(text, row->text);
+    vs_text_add(text, "\n");
+  }
+}
+
+static vs_status write_file(const char *folder, const char *name, const char *bytes, size_t size,
+                            vs_error *err) {
+  vs_file file;
+  vs_status status = vs_file_open(&file, folder, name, err);
+  if (status) return status;
+  fwrite(bytes, 1, size, file.stream);
+  return vs_file_commit(&file, err);
+}
+
+static vs_status write_folder(const vs_check_options *o, const vs_figures *f, const char *title,
+                              vs_error *err) {
+  vs_text csv = {0}, json = {0};
+  char *picture = NULL;
+  size_t size = 0;
+  int made = 0;
+  vs_error why = {0};
+  add_csv(f, &csv);
+  vs_text_add(&json, "[");
+  for (size_t k = 0; k < f->count; k++) {
+    vs_text_add(&json, "%s\n  ", k ? "," : "");
+    add_json(&f->row[k], NULL, &json);
+  }
+  vs_text_add(&json, "\n]\n");
+  vs_status status = vs_file_folder_make(o->folder, &made, err);
+  if (!status) status = write_file(o->folder, "bench.csv", csv.text, csv.length, err);
+  if (!status) status = write_file(o->folder, "bench.json", json.text, json.length, err);
+  vs_status drawn =
+      status || !f->n_curves ? VS_OK : vs_curves_draw(f, title, &picture, &size, &why);
+  if (!status && picture) status = write_file(o->folder, "bench.png", picture, size, err);
+  if (drawn && !o->quiet)
+    fprintf(stderr, "vibrospice: warning: there is no picture: %s\n", why.text);
+  free(picture);
+  vs_text_free(&csv);
+  vs_text_free(&json);
+  return status;
+}
+
+/* ---- all ---- */
+
+/* How many numbers of the part's file are marked `assumed`. */
+static size_t count_assumed(const char *path) {
+  FILE *f = fopen(path, "r");
+  char *line = NULL;
+  size_t size = 0, count = 0;
+  while (f && getline(&line, &size, f) >= 0) {
+    char *quote = strchr(line, '"');
+    if (quote) *quote = '\0';
+    count += !strncmp(line, "*$", 2) && strstr(line, " assumed") != NULL;
+  }
+  free(line);
+  if (f) fclose(f);
+  return count;
+}
+
+static void tell(const vs_stand *s, const vs_figures *f, vs_check_bench *bench) {
+  size_t assumed = count_assumed(s->file);
+  add_table(f, &bench->table);
+  for (size_t k = 0; k < f->count; k++) {
+    const char *word = vs_figures_word(&f->row[k]);
+    bool asked = f->row[k].held != VS_HELD_NOT;
+    bench->off += asked && (!strcmp(word, "off") || !strcmp(word, "failed"));
+    bench->figures += asked;
+    add_json(&f->row[k], s->name, &bench->rows);
+    vs_text_add(&bench->rows, "\n");
+  }
+  if (assumed)
+    vs_text_add(&bench->table, "\n%zu number%s of the file %s marked assumed", assumed,
+                assumed == 1 ? "" : "s", assumed == 1 ? "is" : "are");
+}
+
+/* Error: ngspice cannot take the part at all, whatever stands around it. */
+static vs_status try_part(const vs_stand *s, const vs_figures_kind *kind, vs_error *err) {
+  vs_text text = {0};
+  vs_stand_record r = {0};
+  vs_text_add(&text, "Vm a t 0\nXdut %s %s\nRa a 0 1e6\nRg g 0 1e6\n", kind->nodes, s->subcircuit);
+  const vs_stand_circuit c = {text.text, 1e-6, 1e-7, 0};
+  vs_status status = vs_stand_run(s, &c, &r, err);
+  vs_stand_free(&r);
+  vs_text_free(&text);
+  return status ? VS_INPUT : VS_OK;
+}
+
+/* The kind of the part on the stand; NULL: it is not tried. */
+static const vs_figures_kind *kind_of(const vs_stand *s) {
+  const vs_part_file *file = vs_parts_file(&s->deck, s->file);
+  for (size_t k = 0; k < sizeof KINDS / sizeof *KINDS && file; k++)
+    if (!strcmp(KINDS[k]->name, file->kind)) return KINDS[k];
+  return NULL;
+}
+
+vs_status vs_acceptance_try(const vs_check_options *o, vs_check_bench *bench, vs_error *err) {
+  vs_stand *s = vs_alloc(1, sizeof *s);
+  vs_figures f = {0};
+  vs_error own = {0};
+  vs_status status = vs_stand_open(o->name, s, &own);
+  const vs_figures_kind *kind = status ? NULL : kind_of(s);
+  if (kind) status = try_part(s, kind, &own);
+  if (kind && !status) kind->measure(s, &f);
+  if (!status) vs_plausible_warn(s, &f, bench->warnings);
+  if (f.count) tell(s, &f, bench);
+  if (f.count && o->folder) status = write_folder(o, &f, s->subcircuit, &own);
+  if (status) *err = (own.findings = err->findings, own);
+  vs_figures_free(&f);
+  vs_stand_close(s);
+  free(s);
+  return status;
+}

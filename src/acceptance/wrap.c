@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "acceptance/wrap.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <libgen.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+#include "base/text.h"
+
+enum { MOST_PINS = 8 };
+
+/* One subcircuit's head. */
+typedef struct subcircuit {
+  char name[VS_WRAP_NAME], pin[MOST_PINS][VS_WRAP_NAME];
+  size_t pins;
+} subcircuit;
+
+/* What is gone through. */
+typedef struct search {
+  const char *wanted; /* the subcircuit's name; NULL: any */
+  size_t pins;        /* how many it must have */
+  subcircuit best;
+  size_t fitting, all;
+  vs_text names; /* of all that fit, for the message */
+  bool pspice;
+} search;
+
+/* ---- the vendor's file ---- */
+
+/* Reads the words behind ".subckt", up to a parameter. False: too many pins to be a part. */
+static bool read_head(char *line, subcircuit *s) {
+  char *rest = line, *word;
+  *s = (subcircuit){0};
+  strtok_r(line, " \t", &rest);
+  word = strtok_r(NULL, " \t", &rest);
+  if (!word) return false;
+  snprintf(s->name, sizeof s->name, "%s", word);
+  while ((word = strtok_r(NULL, " \t", &rest))) {
+    if (strchr(word, '=') || strchr(word, ':') || !strcasecmp(word, "params")) break;
+    if (rest && rest[strspn(rest, " \t")] == '=') break;
+    if (s->pins == MOST_PINS) return false;
+    snprintf(s->pin[s->pins++], VS_WRAP_NAME, "%s", word);
+  }
+  return true;
+}
+
+static void take_line(search *f, char *line) {
+  static const char *const PSPICE[] = {"params:",   "value={", "value {",
+                                       "value = {", "if(",     "table {"};
+  subcircuit s;
+  for (size_t k = 0; k < sizeof PSPICE / sizeof *PSPICE; k++)
+    f->pspice = f->pspice || strcasestr(line, PSPICE[k]);
+  if (strncasecmp(line, ".subckt", 7) || !isspace((unsigned char)line[7])) return;
+  if (!read_head(line, &s)) return;
+  f->all++;
+  if (f->wanted ? strcasecmp(s.name, f->wanted) != 0 : s.pins != f->pins) return;
+  vs_text_add(&f->names, "%s%s", f->fitting ? ", " : "", s.name);
+  if (!f->fitting++) f->best = s;
+}
+
+/* Lines are joined with those that go on with '+'; comments are left out. */
+static void take_file(search *f, FILE *file) {
+  char *line = NULL;
+  size_t size = 0;
+  vs_text whole = {0};
+  while (getline(&line, &size, file) >= 0) {
+    line[strcspn(line, "\r\n;")] = '\0';
+    const char *text = line + strspn(line, " \t");
+    if (!*text || *text == '*') continue;
+    if (*text != '+') {
+      if (whole.text) take_line(f, whole.text);
+      vs_text_free(&whole);
+      whole = (vs_text){0};
+    }
+    vs_text_add(&whole, "%s%s", *text == '+' ? " " : "", *text == '+' ? text + 1 : text);
+  }
+  if (whole.text) take_line(f, whole.text);
+  vs_text_free(&whole);
+  free(line);
+}
+
+/* ---- pins ---- */
+
+/* The node that a pin of this name is: of a thyristor by its first letter. 0: its name does not
+ * say. */
+static char node_of(const char *pin) {
+  switch (tolower((unsigned char)*pin)) {
+  case 'a':
+    return 'a';
+  case 'k':
+  case 'c':
+    return 'k';
+  case 'g':
+    return 'g';
+  default:
+    return 0;
+  }
+}
+
+/* Pins of a thyristor by their names, or else in the order anode, gate, cathode; of others in the
+ * order they have. */
+static void map_pins(const subcircuit *s, bool thyristor, vs_wrap *w) {
+  static const char ASSUMED[] = "agk", *const WHAT[] = {
+                                           ['a'] = "anode", ['k'] = "cathode", ['g'] = "gate"};
+  char node[MOST_PINS + 1] = "ab";
+  size_t n = 0, call = 0;
+  bool named = thyristor;
+  for (size_t k = 0; k < s->pins && thyristor; k++) {
+    node[k] = node_of(s->pin[k]);
+    named = named && node[k] && !memchr(node, node[k], k);
+  }
+  if (thyristor && !named) memcpy(node, ASSUMED, sizeof ASSUMED);
+  n += (size_t)snprintf(w->pins, sizeof w->pins, "Pins of %s: ", s->name);
+  for (size_t k = 0; k < s->pins && n < sizeof w->pins; k++) {
+    call += (size_t)snprintf(w->call + call, sizeof w->call - call, "%c ", node[k]);
+    n += (size_t)snprintf(w->pins + n, sizeof w->pins - n, "%s%s is %c%s%s%s", k ? ", " : "",
+                          s->pin[k], node[k], thyristor ? " (" : "",
+                          thyristor ? WHAT[(unsigned char)node[k]] : "", thyristor ? ")" : "");
+  }
+  snprintf(w->call + call, sizeof w->call - call, "%s", s->name);
+  if (n < sizeof w->pins)
+    snprintf(w->pins + n, sizeof w->pins - n, "%s",
+             !thyristor ? "."
+             : named    ? ", by their names."
+                        : ": assumed, as the names do not say; look at the vendor's text.");
+}
+
+/* ---- all ---- */
+
+/* The name that finds the vendor's file from where the part's file will be: its own name in the
+ * same folder, else its whole path. */
+static void name_file(const char *path, const char *output, vs_wrap *w) {
+  char *whole = realpath(path, NULL), *one = vs_copy(whole ? whole : path),
+       *other = vs_copy(output), *theirs = realpath(dirname(one), NULL),
+       *ours = realpath(dirname(other), NULL);
+  bool same = theirs && ours && !strcmp(theirs, ours);
+  const char *slash = strrchr(path, '/');
+  snprintf(w->file, sizeof w->file, "\"%s\"",
+           same && slash ? slash + 1
+           : same        ? path
+           : whole       ? whole
+                         : path);
+  free(whole);
+  free(one);
+  free(other);
+  free(theirs);
+  free(ours);
+}
+
+static vs_status refuse(const search *f, const char *path, vs_error *err) {
+  const vs_where file = {.file = path};
+  if (f->wanted && !f->fitting) return vs_fail_at(err, file, "has no subcircuit '%s'", f->wanted);
+  if (!f->fitting)
+    return vs_fail_at(err, file, "none of its %zu subcircuits has %zu pins", f->all, f->pins);
+  if (f->best.pins != f->pins)
+    return vs_fail_at(err, file, "the subcircuit %s has %zu pins, and %zu are wanted", f->best.name,
+                      f->best.pins, f->pins);
+  return vs_fail_at(err, file, "has %zu subcircuits of %zu pins; say which: --wrap FILE:NAME of %s",
+                    f->fitting, f->pins, f->names.text);
+}
+
+vs_status vs_wrap_find(const char *word, const char *nodes, const char *output, vs_wrap *w,
+                       vs_error *err) {
+  char path[VS_PATH_SIZE];
+  const char *colon = strrchr(word, ':');
+  bool split = colon && access(word, R_OK);
+  snprintf(path, sizeof path, "%.*s", split ? (int)(colon - word) : (int)strlen(word), word);
+  search f = {.wanted = split ? colon + 1 : NULL, .pins = (strlen(nodes) + 1) / 2};
+  FILE *file = fopen(path, "r");
+  if (!file)
+    return vs_fail_at(err, (vs_where){.file = path}, "cannot be read: %s", strerror(errno));
+  take_file(&f, file);
+  fclose(file);
+  bool good = f.fitting == 1 && f.best.pins == f.pins;
+  vs_status status = good ? VS_OK : refuse(&f, path, err);
+  if (good) {
+    *w = (vs_wrap){.pspice = f.pspice};
+    memcpy(w->called, f.best.name, sizeof w->called);
+    map_pins(&f.best, f.pins == 3, w);
+    name_file(path, output, w);
+  }
+  vs_text_free(&f.names);
+  return status;
+}

@@ -1,0 +1,353 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command part and the bench of check: templates pass as they are written; a model gives what
+ * its file asks, also with other numbers; a vendor's model is wrapped and tried; what is
+ * implausible is named with its line. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "program.h"
+
+/* ---- helpers ---- */
+
+/* The number behind a key in the row of a figure; `nth` of those of that name, from 0. NaN: null,
+ * or there is no such row. */
+static double number_of(const char *json, const char *figure, int nth, const char *key) {
+  char mark[64];
+  const char *row = json;
+  snprintf(mark, sizeof mark, "\"figure\": \"%s\"", figure);
+  for (int n = 0; row && n <= nth; n++) row = strstr(row + (n > 0), mark);
+  snprintf(mark, sizeof mark, "\"%s\": ", key);
+  const char *at = row ? strstr(row, mark) : NULL;
+  char *end = NULL;
+  double value = at ? strtod(at + strlen(mark), &end) : NAN;
+  return at && end > at + strlen(mark) ? value : NAN;
+}
+
+/* Writes a copy of a file in which one text is another. */
+static void alter(const char *from, const char *to, const char *old, const char *new) {
+  char *text = read_file(from), *at = strstr(text, old);
+  vs_text changed = {0};
+  EXPECT(at, "%s has no '%s'", from, old);
+  if (at) vs_text_add(&changed, "%.*s%s%s", (int)(at - text), text, new, at + strlen(old));
+  if (at) write_file(to, changed.text);
+  vs_text_free(&changed);
+  free(text);
+}
+
+/* Standard error holds a warning at that line which says `says`. */
+static void expect_warning(const ran *r, const char *file, int line, const char *says) {
+  char place[64];
+  snprintf(place, sizeof place, "%s:%d:", file, line);
+  for (const char *at = r->err; at && *at; at = strchr(at, '\n')) {
+    at += *at == '\n';
+    const char *end = strchr(at, '\n'), *there = strstr(at, says);
+    if (!strncmp(at, place, strlen(place)) && there && there < end) return;
+    if (!end) break;
+  }
+  EXPECT(false, "no warning at %s that says '%s': %s", place, says, r->err);
+}
+
+/* ---- templates ---- */
+
+/* As written each is a good part whose model gives what the numbers ask; all of them are said to be
+ * assumed. */
+static void templates_pass(void) {
+  static const struct {
+    const char *kind;
+    int figures, assumed;
+  } ROWS[] = {{"thyristor", 10, 24},
+              {"varistor", 3, 7},
+              {"fuse", 5, 7},
+              {"resistor", 1, 2},
+              {"capacitor", 2, 2}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char assumed[64];
+    ran r = run("part %s -o own.inc --overwrite", ROWS[k].kind);
+    expect_good(&r, ROWS[k].kind, __LINE__);
+    free_ran(&r);
+    r = run("check own.inc");
+    expect_good(&r, ROWS[k].kind, __LINE__);
+    snprintf(assumed, sizeof assumed, "\n%d numbers of the file are marked assumed",
+             ROWS[k].assumed);
+    EXPECT(count_lines(r.out) == ROWS[k].figures + 3, "%s: %s", ROWS[k].kind, r.out);
+    EXPECT(strstr(r.out, assumed), "%s: %s", ROWS[k].kind, r.out);
+    EXPECT(!strstr(r.out, " off ") && !strstr(r.out, " failed "), "%s: %s", ROWS[k].kind, r.out);
+    free_ran(&r);
+  }
+}
+
+/* A number that is replaced reaches the model, the bench asks for it, and it is assumed no more. */
+static void filled_in(void) {
+  RUN_GOOD("part varistor -o disc.inc");
+  alter("disc.inc", "disc.inc", "disc_v_1ma = 750 V      1..1e5  assumed",
+        "disc_v_1ma = 390 V 1..1e5");
+  alter("disc.inc", "disc.inc", "disc_v_clamp = 1240 V", "disc_v_clamp = 650 V");
+  alter("disc.inc", "disc.inc", "v_rms = 460 V", "v_rms = 250 V");
+  ran r = run("check disc.inc --json");
+  expect_good(&r, "disc", __LINE__);
+  /* Parallel to the line from 1.1*390 V at 1 mA to 650 V at 100 A. */
+  double exponent = log(1e5) / log(650 / (1.1 * 390));
+  CLOSE(number_of(r.out, "V", 0, "got"), 390, 1e-4);
+  CLOSE(number_of(r.out, "V", 1, "got"), 650 / 1.1, 1e-4);
+  CLOSE(number_of(r.out, "V", 2, "got"), 390 * pow(8e6, 1 / exponent), 1e-4);
+  free_ran(&r);
+  RUN_GOOD("part fuse -o link.inc");
+  alter("link.inc", "link.inc", "melting_i2t = 3.6", "melting_i2t = 8");
+  alter("link.inc", "link.inc", "i2t_clear = 25", "i2t_clear = 60");
+  r = run("check link.inc --json");
+  expect_good(&r, "link", __LINE__);
+  CLOSE(number_of(r.out, "I2t melting", 0, "got"), 8, 0.01);
+  CLOSE(number_of(r.out, "I melting", 0, "got"), 13, 0.02);
+  free_ran(&r);
+}
+
+/* A model that is not what is asked: status 1, the row says so. */
+static void what_is_off(void) {
+  RUN_GOOD("part resistor -o load.inc");
+  alter("load.inc", "load.inc", "R1 a m {load_resistance}", "R1 a m {1.05*load_resistance}");
+  ran r = run("check load.inc");
+  EXPECT(r.status == 1 && strstr(r.out, "100 +- 1 ohm") && strstr(r.out, "105 ohm") &&
+             strstr(r.out, " off ") && strstr(r.err, "1 of 1 figures are not what is asked"),
+         "%d: %s%s", r.status, r.out, r.err);
+  free_ran(&r);
+  r = run("check load.inc --json --quiet");
+  EXPECT(r.status == 1 && strstr(r.out, "{\"file\": \"load.inc\", \"line\": 4, \"column\": 1, ") &&
+             strstr(r.out, "\"word\": \"off\""),
+         "%d: %s", r.status, r.out);
+  free_ran(&r);
+}
+
+/* ---- parts that come with the program ---- */
+
+/* Each does what its file asks, within the bench's tolerances, and nothing of it is implausible. */
+static void shipped_parts(void) {
+  static const char *const PARTS[] = {
+      "latch",          "s14k460", "s20k510",    "v481da40",     "FWP-10A14F",   "varistor_siov",
+      "varistor_power", "fuse",    "FWP-50A14F", "A070gRB10T13", "S505H-3-15-R", "fuse_ideal"};
+  for (size_t k = 0; k < COUNT(PARTS); k++) {
+    ran r = run("check " VS_TEST_FOLDER "/../spice/parts/%s.inc", PARTS[k]);
+    expect_good(&r, PARTS[k], __LINE__);
+    EXPECT(!strstr(r.out, " off ") && !strstr(r.out, " failed ") && strstr(r.out, "\nfigure "),
+           "%s: %s", PARTS[k], r.out);
+    free_ran(&r);
+  }
+}
+
+/* The bench's numbers of a thyristor with values of its own, against these: what
+ * test_parts_thyristor holds the model to. */
+static void a_small_thyristor(void) {
+  static const char *const CHANGES[][2] = {{"gate_current = 15 mA", "gate_current = 5 mA"},
+                                           {"latching_current = 60 mA", "latching_current = 30 mA"},
+                                           {"holding_current = 30 mA", "holding_current = 12 mA"},
+                                           {"critical_dvdt = 200", "critical_dvdt = 500"},
+                                           {"turn_off_time = 50", "turn_off_time = 100"},
+                                           {"recovered_charge = 10", "recovered_charge = 4"}};
+  RUN_GOOD("part thyristor -o small.inc");
+  for (size_t k = 0; k < COUNT(CHANGES); k++)
+    alter("small.inc", "small.inc", CHANGES[k][0], CHANGES[k][1]);
+  ran r = run("check small.inc --json");
+  EXPECT(r.status == 0, "%d: %s", r.status, r.err);
+  expect_warning(&r, "small.inc", 30, "critical_dvdt, by which the model is made, is 2.5 times");
+  expect_warning(&r, "small.inc", 31, "turn_off_time, by which the model is made, is 2 times");
+  CLOSE_OF(number_of(r.out, "V_T", 0, "got"), 0.9 + 0.2, 1, 0.03);
+  CLOSE(number_of(r.out, "I_GT", 0, "got"), 5, 0.03);
+  CLOSE(number_of(r.out, "I_L", 0, "got"), 30, 0.04);
+  CLOSE(number_of(r.out, "I_H", 0, "got"), 12, 0.03);
+  CLOSE(number_of(r.out, "dv/dt", 0, "got"), 500, 0.12);
+  CLOSE(number_of(r.out, "t_q", 0, "got"), 100, 0.08);
+  CLOSE(number_of(r.out, "Q_rr", 0, "got"), 4, 0.03);
+  EXPECT(number_of(r.out, "V_GT", 0, "got") > 0.55 && isnan(number_of(r.out, "V_GT", 0, "asked")),
+         "%s", r.out);
+  free_ran(&r);
+}
+
+/* ---- a vendor's ---- */
+
+/* Two transistors, in the manner of a vendor's library; written here. R behind the gate, and from
+ * there to the cathode 0.65 V at 10 mA. */
+static const char VENDOR[] = "* SCRs\n"
+                             ".subckt SCR12 %s %s %s PARAMS: IGT=10m\n"
+                             "Qp 5 4 %s pmod\nQn 4 5 %s nmod\nRg %s 5 10\nRgk 5 %s {0.65/IGT}\n"
+                             "Rak %s 4 2k\nCj 4 5 100p\n"
+                             ".model pmod pnp(is=1e-14 bf=0.5 tf=2u cjc=50p cje=50p re=0.02)\n"
+                             ".model nmod npn(is=1e-14 bf=20 tf=0.3u cjc=50p cje=100p rc=0.02)\n"
+                             ".ends\n.subckt D1 a k\nD1 a k d1\n.model d1 d\n.ends\n";
+
+/* pins: of anode, gate and cathode, and the order in which they stand. */
+static void write_vendor(const char *const pin[3], const int order[3]) {
+  vs_text text = {0};
+  vs_text_add(&text, VENDOR, pin[order[0]], pin[order[1]], pin[order[2]], pin[0], pin[2], pin[1],
+              pin[2], pin[0]);
+  write_file("vendor.lib", text.text);
+  vs_text_free(&text);
+}
+
+static void a_vendors_model(void) {
+  static const char *const NAMED[] = {"Anode", "GATE", "K"}, *const NUMBERS[] = {"1", "2", "3"};
+  static const struct {
+    const char *const *pins;
+    int order[3];
+    const char *call, *says;
+  } ROWS[] = {{NAMED, {2, 0, 1}, "\nX1 k a g SCR12\n", "by their names"},
+              {NUMBERS, {0, 1, 2}, "\nX1 a g k SCR12\n", "assumed"}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    write_vendor(ROWS[k].pins, ROWS[k].order);
+    RUN_GOOD("part thyristor --wrap vendor.lib -o scr.inc --overwrite");
+    char *text = read_file("scr.inc");
+    EXPECT(strstr(text, ROWS[k].call) && strstr(text, ROWS[k].says) &&
+               strstr(text, "\n.include \"vendor.lib\"\n") && strstr(text, "\n*$ compat ps\n"),
+           "%s", text);
+    free(text);
+  }
+  ran r = run("check scr.inc --json");
+  EXPECT(r.status == 1, "%d: %s", r.status, r.err); /* its dv/dt is low */
+  double gate_ma = number_of(r.out, "I_GT", 0, "got");
+  EXPECT(gate_ma > 9 && gate_ma < 11, "%g mA", gate_ma);
+  EXPECT(number_of(r.out, "dv/dt", 0, "got") < 150, "%s", r.out);
+  expect_warning(&r, "scr.inc", 15, "t_q is");
+  free_ran(&r);
+  r = run("run paper --tier circuit --set circuit.thyristor=scr.inc --set run.until=20ms --quiet");
+  EXPECT(r.status == 0 || r.status == 3, "%d: %s", r.status, r.err);
+  free_ran(&r);
+}
+
+/* What cannot be wrapped, and what ngspice cannot take, with its place in the vendor's file. */
+static void a_vendors_mistakes(void) {
+  static const struct {
+    const char *words, *says;
+  } ROWS[] = {{"part thyristor --wrap vendor.lib:nope -o p.inc", "has no subcircuit 'nope'"},
+              {"part thyristor --wrap vendor.lib:D1 -o p.inc", "has 2 pins, and 3 are wanted"},
+              {"part varistor --wrap none.lib -o p.inc", "none.lib: cannot be read"},
+              {"part resistor --wrap vendor.lib -o p.inc", "there are: thyristor, varistor, fuse"},
+              {"part thyristor --wrap vendor.lib -o scr12.inc", "has that name"}};
+  write_vendor((const char *const[]){"A", "G", "K"}, (const int[]){0, 1, 2});
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    ran r = run("%s", ROWS[k].words);
+    EXPECT(r.status == 2 && strstr(r.err, ROWS[k].says) && access("p.inc", F_OK), "%s: %d: %s",
+           ROWS[k].words, r.status, r.err);
+    free_ran(&r);
+  }
+  alter("vendor.lib", "vendor.lib", "{0.65/IGT}", "{0.65/IGX}");
+  RUN_GOOD("part thyristor --wrap vendor.lib -o scr.inc --overwrite");
+  ran r = run("check scr.inc");
+  EXPECT(r.status == 2 && strstr(r.err, "vendor.lib:6:"), "%d: %s", r.status, r.err);
+  free_ran(&r);
+}
+
+/* What never conducts, as by pins in a wrong order, holds nothing: its figures could not be
+ * measured. */
+static void what_never_conducts(void) {
+  static const char *const FAILED[] = {"I_GT", "V_GT", "I_H", "Q_rr", "di/dt"};
+  write_file("dead.inc", "*$ part thyristor \"two resistors\"\n*$ limit i_h = 30 mA\n"
+                         "*$ limit i_gt = 15 mA\n*$ limit v_gt = 1.5 V\n*$ limit q_rr = 20 A*us\n"
+                         ".subckt dead a k g\nR1 a k 1meg\nR2 g k 100\n.ends\n");
+  ran r = run("check dead.inc --json");
+  EXPECT(r.status == 1 && strstr(r.err, "4 of 4 figures are not what is asked"), "%d: %s", r.status,
+         r.err);
+  for (size_t k = 0; k < COUNT(FAILED); k++)
+    EXPECT(isnan(number_of(r.out, FAILED[k], 0, "got")), "%s: %s", FAILED[k], r.out);
+  free_ran(&r);
+}
+
+/* ---- implausible numbers ---- */
+
+/* A thyristor that latches as soon as its gate, on 10 ohm, is at 0.26 V: a comparator, no junction.
+ */
+#define COLD                                                                                       \
+  ".subckt cold a k g\n"                                                                           \
+  "Bset set 0 V = v(a,k) < 1 ? -0.1 : 0.35*v(g,k)\n"                                               \
+  "S1 a t set 0 state off\n"                                                                       \
+  ".model state sw(ron=10m roff=1e18 vt=0 vh=0.09)\n"                                              \
+  "V1 t k 1\nRg g k 10\nRl a k 1e6\n.ends\n"
+
+static void implausible_numbers(void) {
+  write_file("cold.inc", "*$ part thyristor \"fires at 0.26 V\"\n*$ limit v_drm = 800 V\n"
+                         "*$ limit i_t_rms = 12 A\n*$ limit i_tsm = 120 A\n"
+                         "*$ limit i2t = 720 A2.s\n*$ limit di_dt = 50 A/s\n"
+                         "*$ limit v_gt = 1.5 V\n*$ limit i_gt = 15 A\n" COLD);
+  ran r = run("check cold.inc");
+  EXPECT(r.status == 0, "%d: %s", r.status, r.err);
+  expect_warning(&r, "cold.inc", 1, "no line 'zth'");
+  expect_warning(&r, "cold.inc", 5, "i_tsm^2 * 5 ms; here it is 10");
+  expect_warning(&r, "cold.inc", 6, "di_dt = 5e-05 A/us is implausible");
+  expect_warning(&r, "cold.inc", 6, "a run's margin of di_dt would be -");
+  expect_warning(&r, "cold.inc", 7, "the model's gate fires at 0.2");
+  expect_warning(&r, "cold.inc", 8, "i_gt = 1.5e+04 mA is implausible");
+  free_ran(&r);
+  write_file("cold.inc", "*$ part thyristor \"hot\"\n*$ limit v_drm = 800 V\n"
+                         "*$ limit i_t_rms = 12 A\n*$ zth 50 K/W 1 s\n" COLD);
+  r = run("check cold.inc");
+  expect_warning(&r, "cold.inc", 4, "heats the junction by");
+  free_ran(&r);
+  RUN_GOOD("part varistor -o kilo.inc");
+  alter("kilo.inc", "kilo.inc", "v_rms = 460 V", "v_rms = 46 kV");
+  r = run("check kilo.inc");
+  expect_warning(&r, "kilo.inc", 7, "v_rms = 4.6e+04 V is implausible");
+  free_ran(&r);
+}
+
+/* ---- files and bad usage ---- */
+
+static void files_of_a_bench(void) {
+  bool gnuplot = system("command -v gnuplot >/dev/null 2>&1") == 0;
+  RUN_GOOD("part varistor -o metal.inc");
+  ran r = run("check metal.inc -o seen --quiet");
+  EXPECT(r.status == 0 && !*r.out, "%d: %s", r.status, r.out);
+  free_ran(&r);
+  EXPECT_FILES("seen", gnuplot ? "bench.csv bench.json bench.png " : "bench.csv bench.json ");
+  char *csv = read_file("seen/bench.csv"), *json = read_file("seen/bench.json");
+  EXPECT(count_lines(csv) == 4 &&
+             strstr(csv, "figure,unit,held,asked,tolerance,got,word,test\nV,V,near,750,"),
+         "%s", csv);
+  CLOSE(number_of(json, "V", 0, "got"), 750, 1e-4);
+  CLOSE(number_of(json, "V", 1, "asked"), 1240, 1e-12);
+  free(csv);
+  free(json);
+}
+
+static void bad_usage(void) {
+  static const char *const ROWS[][2] = {
+      {"part thyrister -o p.inc", "'thyrister' is no kind"},
+      {"part thyristor", "wants -o NAME.inc"},
+      {"part thyristor -o p.cir", "a file NAME.inc is wanted"},
+      {"part thyristor -o 1p.inc", "a file NAME.inc is wanted"},
+      {"part thyristor -o no/such/p.inc", "no/such"},
+      {"part thyristor_wrapped -o p.inc", "is no kind"},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    ran r = run("%s", ROWS[k][0]);
+    EXPECT(r.status == 2 && strstr(r.err, ROWS[k][1]) && count_lines(r.err) == 1, "%s: %d: %s",
+           ROWS[k][0], r.status, r.err);
+    free_ran(&r);
+  }
+  RUN_GOOD("part resistor -o p.inc");
+  ran r = run("part fuse -o p.inc");
+  EXPECT(r.status == 2 && strstr(r.err, "is there already"), "%d: %s", r.status, r.err);
+  free_ran(&r);
+  r = run("part");
+  EXPECT(r.status == 0 &&
+             !strcmp(r.out, "  capacitor\n  fuse\n  resistor\n  thyristor\n  varistor\n"),
+         "%s", r.out);
+  free_ran(&r);
+}
+
+static const vs_test TESTS[] = {
+    {"templates pass", templates_pass},
+    {"filled in", filled_in},
+    {"what is off", what_is_off},
+    {"shipped parts", shipped_parts},
+    {"a small thyristor", a_small_thyristor},
+    {"a vendor's model", a_vendors_model},
+    {"a vendor's mistakes", a_vendors_mistakes},
+    {"what never conducts", what_never_conducts},
+    {"implausible numbers", implausible_numbers},
+    {"files of a bench", files_of_a_bench},
+    {"bad usage", bad_usage},
+};
+
+int main(void) {
+  return program_suite("part", TESTS, COUNT(TESTS));
+}
