@@ -222,7 +222,45 @@ static void bad_input(void) {
   refuse("run bad.yaml -o out", "orbit", "bad.yaml:2:29: ", ORBIT, __LINE__);
 }
 
+/* A good scene whose control may do other than it says: what is warned of. */
+static void told(const char *set, const char *says) {
+  const char *sets[] = {"instruments={i: none, v_eva: none}",
+                        "firing={every: 1, angle: 120 deg}",
+                        "control={law: amplitude, sensor: p}",
+                        "run.until=0.1 s",
+                        set,
+                        NULL};
+  vs_trial *t = vs_trial_run("paper", "switched", sets, NULL);
+  bool found = false;
+  EXPECT(!t->status, "%s: %s", set, t->err.text);
+  for (size_t k = 0; k < t->scene.warnings.count; k++)
+    found = found || strstr(vs_warnings_text(&t->scene.warnings.item[k]), says);
+  EXPECT(found == (says[0] != 0), "%s: %zu warnings", set, t->scene.warnings.count);
+  vs_trial_free(t);
+}
+
+static void warnings(void) {
+  told("control.rate=10 kHz", "");
+  told("control.rate=30 Hz", "p is read 0.6 times in a cycle of the mains");
+  told("instruments.p={rate: 500 Hz}", "so that up to 4.9 % of its amplitude"); /* 1 - cos(pi/10) */
+  told("control.rate=1.15 kHz", ""); /* 1 - cos(pi/23) = 0.0093 */
+  /* 170 degrees are 9.44 ms */
+  told("firing.pulse_width=11 ms",
+       "control.angle: at 170 deg the pulse lasts until 20.4444 ms, and forward voltage is back");
+  told("firing.pulse_width=10.5 ms", "");
+}
+
+/* A netlist has one angle, and a control decides each. */
+static void no_export(void) {
+  static const char *const SAYS[2] = {"a control decides each"};
+  write_file("bad.yaml", "instruments: {i: none, v_eva: none}\nfiring: {every: 1}\ncontrol: {law: "
+                         "amplitude, sensor: p}\n");
+  refuse("export bad.yaml -o x.cir", "export", "bad.yaml:3:1: ", SAYS, __LINE__);
+}
+
 static const vs_test TESTS[] = {
+    {"what a control is warned of", warnings},
+    {"a scene with a control is not exported", no_export},
     {"angles over time are fired at, on every tier", angles_over_time},
     {"angles that a control decides", decided_angles},
     {"a control does the same on tiers switched and circuit", same_on_tiers},
