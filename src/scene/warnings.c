@@ -9,7 +9,6 @@
 #include "deck/parts.h"
 #include "drive/firing.h"
 #include "drive/wave.h"
-#include "instrument/lowpass.h"
 #include "syntax/units.h"
 
 /* ---- the list ---- */
@@ -235,24 +234,6 @@ void vs_warnings_of_control(const vs_node *root, const vs_setup *s, const vs_con
   warn_of_late_pulses(section, s, c, w);
   if (vs_control_note(c, s, instruments, text, sizeof text))
     vs_fail_at(vs_warnings_add(w), place_of(vs_tree_child(section, "sensor")), "%s", text);
-}
-
-void vs_warnings_of_settling(const vs_instruments *all, const vs_frame *frame, vs_warnings *w) {
-  const vs_instrument *slowest = NULL;
-  double longest_s = 0;
-  for (int k = 0; frame->deck && k < all->count; k++) {
-    const vs_instrument_values *v = &all->item[k].v;
-    const vs_lowpass p = vs_lowpass_make(v->bandwidth_hz, v->order, v->damping);
-    double settling_s = vs_lowpass_settling(&p, 1e-4);
-    if (settling_s <= longest_s) continue;
-    slowest = &all->item[k];
-    longest_s = settling_s;
-  }
-  if (slowest)
-    vs_fail_at(vs_warnings_add(w), slowest->where,
-               "%s: the run begins on an orbit, and on this tier instruments begin settled, as if "
-               "nothing had moved: what this one shows of that has fallen to 1e-4 after %.2g s",
-               slowest->path, longest_s);
 }
 
 void vs_warnings_of_instruments(const vs_instruments *all, vs_warnings *w) {

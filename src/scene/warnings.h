@@ -29,10 +29,6 @@ void vs_warnings_of_control(const vs_node *root, const vs_setup *setup, const vs
                             const vs_instruments *instruments, vs_warnings *warnings);
 /* Adds what can be warned of in a scene's instruments. */
 void vs_warnings_of_instruments(const vs_instruments *instruments, vs_warnings *warnings);
-/* Adds what is to be said of them where the run begins on an orbit: on a tier with a circuit their
- * low-passes do not. */
-void vs_warnings_of_settling(const vs_instruments *instruments, const vs_frame *frame,
-                             vs_warnings *warnings);
 /* Adds the limits of parts against which nothing of the deck, or of the part's file, is held; the
  * first eight. */
 void vs_warnings_of_limits(const vs_deck *deck, vs_warnings *warnings);
