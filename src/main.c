@@ -17,11 +17,12 @@
 #include "command/run.h"
 #include "command/sensitivity.h"
 #include "command/steady.h"
-#include "fit/aims.h"
-#include "fit/inquiry.h"
+#include "inquiry/aims.h"
+#include "inquiry/inquiry.h"
 #include "method/methods.h"
 #include "picture/plot.h"
 #include "report/fitting.h"
+#include "report/harmonics.h"
 #include "report/report.h"
 #include "report/tornado.h"
 #include "solver/circuit.h"
@@ -250,8 +251,9 @@ static vs_status plot(const vs_arguments *a, vs_error *err) {
   const vs_plot_options o = {folder, a->output, a->overlay, a->quiet};
   if (vs_tornado_here(folder) && !a->output && !a->overlay)
     return vs_tornado_draw(folder, a->quiet, err);
-  return vs_folder_here(folder) ? vs_report_command(&o, vs_methods_all, err)
-                                : vs_plot_command(&o, err);
+  if (vs_folder_here(folder)) return vs_report_command(&o, vs_methods_all, err);
+  vs_status status = vs_plot_command(&o, err);
+  return status || a->output || a->overlay ? status : vs_harmonics_draw(folder, a->quiet, err);
 }
 
 static const struct argp_option PLOT_OPTIONS[] = {
@@ -374,7 +376,8 @@ static vs_status fit(const vs_arguments *a, vs_error *err) {
 }
 
 static void explain_fit(vs_text *help) {
-  vs_text_add(help, "\nBesides the measures of every run a fit may use:\n");
+  vs_text_add(help, "\nBesides the measures of every run, and with steady: true those of steady, a "
+                    "fit may use:\n");
   vs_aim_explain(help);
 }
 
