@@ -332,8 +332,6 @@ vs_status vs_steady_command(const vs_run_options *o, int periods, bool linear, v
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
   const extras more = {linear, scene->control.regulator};
   if (!status) vs_scene_hold(scene);
-  if (!status && !scene->setup.steady)
-    vs_warnings_of_settling(&scene->instruments, &scene->frame, &scene->warnings);
   if (!status && !o->quiet) vs_scene_warn(scene);
   if (!status) status = report(o, periods, more, scene, err);
   vs_scene_free(scene);

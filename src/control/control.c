@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "control/control.h"
 
+#include <gsl/gsl_math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -233,6 +234,28 @@ vs_status vs_control_allow(const vs_control *c, bool allowed, vs_error *err) {
                     "control.%s: the scene runs code of its own; if you trust it, allow that with "
                     "the option --allow-code",
                     key);
+}
+
+/* What of an amplitude may be missed is told of from here on. */
+static const double MISSED = 0.01;
+
+const char *vs_control_note(const vs_control *c, const vs_setup *setup,
+                            const vs_instruments *instruments, char *text, size_t size) {
+  if (!c->regulator || c->sensor < 0) return NULL;
+  double rate_hz = c->v.rate_hz;
+  if (c->sensor < instruments->count)
+    rate_hz = fmin(rate_hz, instruments->item[c->sensor].v.rate_hz);
+  double often = rate_hz * setup->timeline.period_s;
+  double missed = often > 2 ? 1 - cos(M_PI / often) : 1;
+  if (missed <= MISSED) return NULL;
+  snprintf(
+      text, size,
+      "control.sensor: %s is read %.3g times in a cycle of the mains, so that up to %.2g %% of "
+      "its amplitude may be missed; with control.rate and the instrument's rate from %.3g Hz "
+      "on it is at most %g %%",
+      c->v.sensor, often, 100 * missed, M_PI / acos(1 - MISSED) / setup->timeline.period_s,
+      100 * MISSED);
+  return text;
 }
 
 bool vs_control_file(const vs_control *c, int k, char path[VS_PATH_SIZE]) {

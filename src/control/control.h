@@ -2,7 +2,7 @@
  * The control of a scene: what its section `control` says of a controller that reads instruments
  * and sets the angle of each next firing.
  *
- *   control: {law: amplitude, sensor: p, setpoint: 1 mm, gain: 20 deg/mm, reset: 0.2 s}
+ *   control: {law: amplitude, sensor: p, setpoint: 1 mm, gain: -5 deg/mm, integral: 60 deg/mm.s}
  *
  * How it works in a run is in control/loop.h. */
 #ifndef VS_CONTROL_CONTROL_H
@@ -47,6 +47,11 @@ vs_status vs_control_allow(const vs_control *control, bool allowed, vs_error *er
 
 /* For a check, which runs no such code: adds that it was not tried, where there is some. */
 void vs_control_describe(const vs_control *control, vs_text *text);
+
+/* What is to be said of its sensor: that it is read so seldom that much of an amplitude may fall
+ * between two readings. Returns `text`; NULL: there is nothing to say. */
+const char *vs_control_note(const vs_control *control, const vs_setup *setup,
+                            const vs_instruments *instruments, char *text, size_t size);
 
 /* Writes the path of the k-th file, from 0, whose contents make the law. False: it is none. */
 bool vs_control_file(const vs_control *control, int k, char path[VS_PATH_SIZE]);

@@ -57,7 +57,8 @@ typedef struct vs_instruments_values {
 } vs_instruments_values;
 
 /* Start from {0}; vs_instruments_free at the end, also after an error. Not to be moved. Constant
- * once it is read, but for `on_orbit` and `x`, which steady/steady.h sets. */
+ * once it is read, but for `on_orbit` and `x`, which steady/steady.h sets, or instrument/onset.h.
+ */
 typedef struct vs_instruments {
   vs_instruments_values v;
   vs_instrument item[VS_INSTRUMENT_MOST];

@@ -41,7 +41,8 @@ void vs_lowpass_close(vs_lowpass *lowpass, const double from[2], double period_s
 void vs_lowpass_response(const vs_lowpass *lowpass, double frequency_hz, double *gain,
                          double *phase);
 
-/* How long it takes, s, until about this part of an earlier input is left; 0 without a low-pass. */
+/* How long it takes, s, until about this part of an earlier input is left; 0 without a low-pass.
+ * For tests. */
 double vs_lowpass_settling(const vs_lowpass *lowpass, double part);
 
 #endif

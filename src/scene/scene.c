@@ -353,8 +353,8 @@ static void warn(vs_scene *s) {
   s->warnings.count = 0;
   vs_warnings_of_scene(s->tree.root, &s->setup, &s->frame, &s->warnings);
   vs_warnings_of_instruments(&s->instruments, &s->warnings);
+  vs_warnings_of_control(s->tree.root, &s->setup, &s->control, &s->instruments, &s->warnings);
   warn_of_observer(s);
-  if (s->setup.steady) vs_warnings_of_settling(&s->instruments, &s->frame, &s->warnings);
 }
 
 void vs_scene_hold(vs_scene *s) {

@@ -8,6 +8,7 @@
 #include <time.h>
 
 #include "base/text.h"
+#include "instrument/onset.h"
 #include "syntax/units.h"
 
 /* ---- one attempt ---- */
@@ -125,11 +126,18 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
   begin_meters(session, s, r);
   if (!session->bare) vs_result_begin_quality(r, s);
   s->order.stop = session->stop;
+  vs_pilot *pilot = s->order.pilot;
+  vs_onset onset;
+  if (pilot && r->meters) {
+    vs_onset_begin(&onset, pilot, &s->instruments, r->meters);
+    s->order.pilot = &onset.pilot;
+  }
   double began_s = seconds(CLOCK_MONOTONIC);
   status = begin_loop(session, s, r, err);
-  if (status) return status;
-  status = session->unguarded ? s->tier->run(&s->setup, &s->order, &observer, err)
-                              : vs_sim_run(s->tier, &s->setup, &s->order, &observer, err);
+  if (!status)
+    status = session->unguarded ? s->tier->run(&s->setup, &s->order, &observer, err)
+                                : vs_sim_run(s->tier, &s->setup, &s->order, &observer, err);
+  s->order.pilot = pilot;
   r->wall_s = seconds(CLOCK_MONOTONIC) - began_s;
   if (!status && s->order.pilot) /* which has found the start */
     memcpy(s->setup.start.x, s->order.pilot->x, sizeof s->setup.start.x);

@@ -9,7 +9,6 @@
 #include "deck/parts.h"
 #include "drive/firing.h"
 #include "drive/wave.h"
-#include "instrument/lowpass.h"
 #include "syntax/units.h"
 
 /* ---- the list ---- */
@@ -215,22 +214,32 @@ void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame
   vs_warnings_of_limits(deck, w);
 }
 
-void vs_warnings_of_settling(const vs_instruments *all, const vs_frame *frame, vs_warnings *w) {
-  const vs_instrument *slowest = NULL;
-  double longest_s = 0;
-  for (int k = 0; frame->deck && k < all->count; k++) {
-    const vs_instrument_values *v = &all->item[k].v;
-    const vs_lowpass p = vs_lowpass_make(v->bandwidth_hz, v->order, v->damping);
-    double settling_s = vs_lowpass_settling(&p, 1e-4);
-    if (settling_s <= longest_s) continue;
-    slowest = &all->item[k];
-    longest_s = settling_s;
-  }
-  if (slowest)
-    vs_fail_at(vs_warnings_add(w), slowest->where,
-               "%s: the run begins on an orbit, and on this tier instruments begin settled, as if "
-               "nothing had moved: what this one shows of that has fallen to 1e-4 after %.2g s",
-               slowest->path, longest_s);
+/* A pulse at the control's largest angle may last until forward voltage is back, where one at
+ * firing.angle does not. */
+static void warn_of_late_pulses(const vs_node *section, const vs_setup *s, const vs_control *c,
+                                vs_warnings *w) {
+  const vs_timeline *t = &s->timeline;
+  const vs_node *angle = vs_tree_child(section, "angle");
+  double range[2], width_s = t->firing.pulse_width_s, latest_rad = c->v.angle_rad[1];
+  vs_firing_range(t, range);
+  double ends_s = latest_rad / t->omega_rad_s + width_s;
+  if (ends_s <= t->period_s || range[1] / t->omega_rad_s + width_s > t->period_s) return;
+  vs_fail_at(
+      vs_warnings_add(w), angle ? angle->where : section->key_where,
+      "control.angle: at %.6g deg the pulse lasts until %.6g ms, and forward voltage is back "
+      "at %.6g ms: it may fire there, whatever the control decides; a shorter "
+      "firing.pulse_width does not",
+      latest_rad / vs_units_factor("deg"), 1e3 * ends_s, 1e3 * t->period_s);
+}
+
+void vs_warnings_of_control(const vs_node *root, const vs_setup *s, const vs_control *c,
+                            const vs_instruments *instruments, vs_warnings *w) {
+  const vs_node *section = vs_tree_child(root, vs_control_section.name);
+  char text[512];
+  if (!c->regulator) return;
+  warn_of_late_pulses(section, s, c, w);
+  if (vs_control_note(c, s, instruments, text, sizeof text))
+    vs_fail_at(vs_warnings_add(w), place_of(vs_tree_child(section, "sensor")), "%s", text);
 }
 
 void vs_warnings_of_instruments(const vs_instruments *all, vs_warnings *w) {

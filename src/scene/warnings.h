@@ -3,6 +3,7 @@
 #ifndef VS_SCENE_WARNINGS_H
 #define VS_SCENE_WARNINGS_H
 
+#include "control/control.h"
 #include "instrument/instruments.h"
 #include "sim/sim.h"
 
@@ -23,12 +24,11 @@ const char *vs_warnings_text(const vs_error *warning);
  * of the tier that the scene takes. */
 void vs_warnings_of_scene(const vs_node *root, const vs_setup *setup, const vs_frame *frame,
                           vs_warnings *warnings);
+/* Adds what can be warned of in a scene's control. */
+void vs_warnings_of_control(const vs_node *root, const vs_setup *setup, const vs_control *control,
+                            const vs_instruments *instruments, vs_warnings *warnings);
 /* Adds what can be warned of in a scene's instruments. */
 void vs_warnings_of_instruments(const vs_instruments *instruments, vs_warnings *warnings);
-/* Adds what is to be said of them where the run begins on an orbit: on a tier with a circuit their
- * low-passes do not. */
-void vs_warnings_of_settling(const vs_instruments *instruments, const vs_frame *frame,
-                             vs_warnings *warnings);
 /* Adds what the deck's files were found to have that is skipped, changed or misread. */
 void vs_warnings_of_netlist(const vs_deck *deck, vs_warnings *warnings);
 

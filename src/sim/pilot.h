@@ -15,6 +15,7 @@
 typedef struct vs_pilot {
   void *self;
   double period_s;          /* of the prelude's parts, a number of whole cycles of the mains */
+  int of_orbit;             /* so many of them make a period of the orbit */
   int most;                 /* so many of them there may be; then `turn` must end the run */
   double x[VS_MOST_STATES]; /* q, q' at the beginning of each part, and then of the run */
   /* A run of this setup begins: sets x. */

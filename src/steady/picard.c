@@ -283,6 +283,7 @@ vs_status vs_picard_new(const vs_scene *scene, int periods, bool wants_multiplie
   p->search->between = vs_alloc((size_t)periods, sizeof *p->search->between);
   p->pilot = (vs_pilot){.self = p,
                         .period_s = p->orbit.period_s / p->orbit.n,
+                        .of_orbit = p->orbit.n,
                         .most = (MOST_PASSES + VS_PAIRS_PASSES + VS_COPIES_PERIODS) * periods +
                                 VS_PAIRS_LONG_MARCH,
                         .begin = begin,

@@ -43,7 +43,7 @@ static vs_status accept_along(void *ctx, const vs_step *step, vs_error *err) {
 }
 
 /* Makes instruments begin as they are on the orbit, of which `setup` is one period. A circuit is
- * not run for that; vs_warnings_of_settling says so. */
+ * not run for that: there instrument/onset.h does it, in the run's prelude. */
 static vs_status settle_instruments(const vs_scene *scene, const vs_setup *setup,
                                     vs_instruments *all, vs_error *err) {
   if (scene->tier->has_circuit || !all->count) return VS_OK;
