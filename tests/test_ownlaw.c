@@ -340,6 +340,23 @@ static void bad_objects(void) {
   unsetenv("LAW");
 }
 
+/* What a law prints gets into no file, not even where the standard streams are closed. */
+static void closed_streams(void) {
+  write_object_scene("s.yaml", "broken", "");
+  setenv("LAW", "print", 1);
+  int how = system(VS_PROGRAM " run s.yaml --allow-code -o closed <&- >&- 2>&-");
+  unsetenv("LAW");
+  EXPECT(WIFEXITED(how) && WEXITSTATUS(how) == 1, "%d", how); /* it cannot print its table */
+  static const char *const FILES[] = {"run.csv", "events.csv", "summary.json"};
+  for (size_t k = 0; k < COUNT(FILES); k++) {
+    char path[64];
+    snprintf(path, sizeof path, "closed/%s", FILES[k]);
+    char *text = read_file(path);
+    EXPECT(*text && !strstr(text, "not an answer"), "%s: %.99s", path, text);
+    free(text);
+  }
+}
+
 /* What cannot be a law is refused at its place in the scene. */
 static void no_objects(void) {
   write_object_scene("s.yaml", "other_version", "");
@@ -630,6 +647,7 @@ static const vs_test TESTS[] = {{"a copy answers", a_copy_answers},
                                 {"one law in two languages", both_languages},
                                 {"other tiers", other_tiers},
                                 {"bad objects", bad_objects},
+                                {"closed streams", closed_streams},
                                 {"no objects", no_objects},
                                 {"bad pipes", bad_pipes},
                                 {"lines", lines},
