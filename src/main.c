@@ -19,11 +19,13 @@
 #include "command/run.h"
 #include "command/sensitivity.h"
 #include "command/steady.h"
-#include "fit/aims.h"
-#include "fit/inquiry.h"
+#include "import/import.h"
+#include "inquiry/aims.h"
+#include "inquiry/inquiry.h"
 #include "method/methods.h"
 #include "picture/plot.h"
 #include "report/fitting.h"
+#include "report/harmonics.h"
 #include "report/report.h"
 #include "report/tornado.h"
 #include "solver/circuit.h"
@@ -252,8 +254,9 @@ static vs_status plot(const vs_arguments *a, vs_error *err) {
   const vs_plot_options o = {folder, a->output, a->overlay, a->quiet};
   if (vs_tornado_here(folder) && !a->output && !a->overlay)
     return vs_tornado_draw(folder, a->quiet, err);
-  return vs_folder_here(folder) ? vs_report_command(&o, vs_methods_all, err)
-                                : vs_plot_command(&o, err);
+  if (vs_folder_here(folder)) return vs_report_command(&o, vs_methods_all, err);
+  vs_status status = vs_plot_command(&o, err);
+  return status || a->output || a->overlay ? status : vs_harmonics_draw(folder, a->quiet, err);
 }
 
 static const struct argp_option PLOT_OPTIONS[] = {
@@ -376,7 +379,8 @@ static vs_status fit(const vs_arguments *a, vs_error *err) {
 }
 
 static void explain_fit(vs_text *help) {
-  vs_text_add(help, "\nBesides the measures of every run a fit may use:\n");
+  vs_text_add(help, "\nBesides the measures of every run, and with steady: true those of steady, a "
+                    "fit may use:\n");
   vs_aim_explain(help);
 }
 
@@ -391,6 +395,41 @@ static const struct argp_option FIT_OPTIONS[] = {
     VS_COMMAND_QUIET,
     DIGITS_OPTION,
     VS_COMMAND_ALLOW_CODE,
+    VS_COMMAND_HELP,
+    {0}};
+
+/* ---- import ---- */
+
+static vs_status import(const vs_arguments *a, vs_error *err) {
+  const vs_import_options o = {.name = vs_command_name(a),
+                               .output = a->output,
+                               .scene = a->scene,
+                               .pins = a->pins,
+                               .library = a->library,
+                               .asked = {a->mains, a->gate, a->coil},
+                               .json = a->json,
+                               .quiet = a->quiet};
+  return vs_import_command(&o, err);
+}
+
+static const struct argp_option IMPORT_OPTIONS[] = {
+    VS_COMMAND_VALUE("output", 'o', "FILE.cir", "writes the deck there"),
+    VS_COMMAND_VALUE("mains", VS_KEY_MAINS, "V1",
+                     "the source that is the mains, or none (default: the only SIN)"),
+    VS_COMMAND_VALUE("gate", VS_KEY_GATE, "V3[,V4]",
+                     "the sources that fire thyristors, or none (default: the only PULSE); their "
+                     "levels are kept"),
+    VS_COMMAND_VALUE("coil", VS_KEY_COIL, "L1[+R4]",
+                     "the inductor that is the EVA's coil, and its resistance in series (default: "
+                     "the only inductor)"),
+    VS_COMMAND_VALUE("pins", VS_KEY_PINS, "X1=akg,...",
+                     "what an element is, by its pins in their order (akg thyristor, 21g triac, dgs "
+                     "mosfet, cge igbt, ak diode), or varistor, fuse, none"),
+    VS_COMMAND_VALUE("library", VS_KEY_LIBRARY, "FILE", "a file of models besides the netlist's"),
+    VS_COMMAND_VALUE("scene", VS_KEY_SCENE, "FILE.yaml",
+                     "also writes a scene with the netlist's own mains, firing and coil"),
+    VS_COMMAND_FLAG("json", VS_KEY_JSON, "what was done as JSON on standard output"),
+    VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "does not say what was done"),
     VS_COMMAND_HELP,
     {0}};
 
@@ -508,6 +547,13 @@ static const vs_command COMMANDS[] = {
      .options = FIT_OPTIONS,
      .run = fit,
      .explain = explain_fit},
+    {.name = "import",
+     .argument = "NETLIST",
+     .text = "makes a deck of a netlist that LTspice, KiCad, PSpice or a person wrote for SPICE",
+     .examples = "  vibrospice import drawing.net -o my.cir --scene my.yaml\n"
+                 "  vibrospice import drawing.net --mains V1 --gate V3 --coil L1+R4 -o my.cir\n",
+     .options = IMPORT_OPTIONS,
+     .run = import},
 };
 enum { N_COMMANDS = sizeof COMMANDS / sizeof *COMMANDS };
 

@@ -253,7 +253,7 @@ static void bad_decks_are_refused(void) {
       {"*$ probe v_b = v(a) V", "d.cir:9:", {"v_b", "second time"}},
       {"*$ probe x = w(a) V", "d.cir:9:", {"v(n)", NULL}},
       {".control", "d.cir:9:1: ", {".control", "does not belong"}},
-      {"  .TRAN 1u 1", "d.cir:9:3: ", {".tran", "does not belong"}},
+      {"  .STEP r1 1 2 1", "d.cir:9:3: ", {".step", "does not belong"}},
       {".controlx\nshell touch made_by_the_deck", "d.cir:9:1: ", {".control", NULL}},
       {"\f.control\nshell touch made_by_the_deck\n\f.endc",
        "d.cir:9:",

@@ -175,7 +175,7 @@ static void strangers_lines_are_refused(void) {
               {"*$ param eva_resistance = 1 ohm 0..2", "eva_resistance"},
               {"*$ param r1 = 1 ohm 0..2\n.param r1=3", "'*$ param' line already"},
               {".subckt EVA pos neg\nR1 pos neg 1\n.ends", "eva is the program's"},
-              {"\r.control", "control character"}};
+              {"\v.control", "control character"}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     char text[512], place[32];
     snprintf(text, sizeof text, "%s" SUPPLY_LOSS "R1 a b 100\n" EVA "%s\n", SUPPLY, ROWS[k].lines);

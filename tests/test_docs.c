@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The pages of docs/ about machines, fits, instruments and control: their files are written, their
- * commands run, and what they say that is printed must be printed. A page's blocks are taken in
- * their order:
+ * The pages of docs/ about machines, circuits, fits, instruments and control: their files are
+ * written, their commands run, and what they say that is printed must be printed. A page's blocks
+ * are taken in their order:
  *
  *   yaml, first line "# NAME.yaml"   becomes that file; python, "# NAME.py", likewise
+ *   spice, first line "* NAME.EXT: " becomes that file
  *   sh                               each line that begins with "vibrospice " is run and must end
  *                                    well, or with N where its comment is "# exit status N"
  *   text                             each line must stand in what was printed since the last such
@@ -36,6 +37,13 @@ static void take_file(page *p, const char *text) {
   if (strncmp(text, "# ", 2) || !n || n > 50) return;
   if (strncmp(ending, ".yaml", 5) && strncmp(ending, ".py", 3)) return;
   snprintf(name, sizeof name, "%.*s%s", (int)n, text + 2, ending[1] == 'y' ? ".yaml" : ".py");
+  write_file(name, text);
+  p->files++;
+}
+
+static void take_netlist(page *p, const char *text) {
+  char name[64];
+  if (sscanf(text, "* %63[a-z_.]: ", name) != 1) return;
   write_file(name, text);
   p->files++;
 }
@@ -95,6 +103,7 @@ static void try_page(page *p) {
     char *block = vs_copy(begin + 1);
     block[end - begin] = '\0';
     if (named && (!strcmp(kind, "yaml") || !strcmp(kind, "python"))) take_file(p, block);
+    if (named && !strcmp(kind, "spice")) take_netlist(p, block);
     if (named && !strcmp(kind, "sh")) run_lines(p, block);
     if (named && !strcmp(kind, "text")) expect_lines(p, block);
     free(block);
@@ -135,6 +144,19 @@ static void instruments(void) {
          p.files, p.commands, p.lines);
 }
 
+static void circuits(void) {
+  page p = {.name = "circuits.md"};
+  try_page(&p);
+  EXPECT(p.commands >= 7 && p.lines >= 4, "%d commands, %d lines", p.commands, p.lines);
+}
+
+static void dialects(void) {
+  page p = {.name = "dialects.md"};
+  try_page(&p);
+  EXPECT(p.files >= 1 && p.commands >= 2 && p.lines >= 4, "%d files, %d commands, %d lines",
+         p.files, p.commands, p.lines);
+}
+
 static void control(void) {
   page p = {.name = "control.md"};
   if (!on_path("python3")) return; /* its laws are written in that */
@@ -146,7 +168,8 @@ static void control(void) {
 static const vs_test TESTS[] = {
     {"machines.md", machines}, {"a page for each machine", pages_of_machines},
     {"fitting.md", fitting},   {"instruments.md", instruments},
-    {"control.md", control},
+    {"control.md", control},   {"circuits.md", circuits},
+    {"dialects.md", dialects},
 };
 
 int main(void) {

@@ -225,6 +225,55 @@ static void beyond_the_range(void) {
   }
 }
 
+/* ---- jumps, and ranges as narrow as rounding ---- */
+
+/* What a first-order low-pass of rate w makes, from y, of amplitude sin(2 pi 50 t) between two
+ * instants. */
+static double along_sine(double y, double w, double amplitude, double from_s, double to_s) {
+  const double om = 2 * M_PI * 50, ends[] = {from_s, to_s};
+  double settled[2];
+  for (int k = 0; k < 2; k++)
+    settled[k] =
+        amplitude * w * (w * sin(om * ends[k]) - om * cos(om * ends[k])) / (w * w + om * om);
+  return settled[1] + (y - settled[0]) * exp(-w * (to_s - from_s));
+}
+
+/* The mains fall to 0 V where a step ends, and come back: closed form, to what 2^-24 of a step may
+ * be off by, 1.5e-3 s 2^-24 w 300 V = 2e-6 V. */
+static void a_jump_at_a_step(void) {
+  static const char *const SETS[] = {
+      "supply.voltage=230V",
+      "firing={every: 1, angle: 120 deg}",
+      "run.until=0.1s",
+      "events={c: {kind: sag, at: 57.3 ms, duration: 20 ms, level: 0 %}}",
+      "instruments={set: none, x: {channel: v_mains, range: [-900 V, 900 V], bits: none, rate: 100 "
+      "kHz, bandwidth: 10 kHz}}",
+      NULL};
+  const double w = 2 * M_PI * 10e3, most = 230 * M_SQRT2, DOWN = 0.0573, UP = 0.0773;
+  record r = sampled("switched", SETS);
+  double worst = 0, fallen = along_sine(0, w, most, 0, DOWN), back = fallen * exp(-w * (UP - DOWN));
+  for (int k = 0; k < r.count; k++) {
+    double t = r.t_s[k], y = t < DOWN ? along_sine(0, w, most, 0, t)
+                             : t < UP ? fallen * exp(-w * (t - DOWN))
+                                      : along_sine(back, w, most, UP, t);
+    worst = fmax(worst, fabs(r.value[k] - y));
+  }
+  EXPECT(r.count == 10001 && worst < 2e-6, "%d samples, off by %g V", r.count, worst);
+  free_record(&r);
+}
+
+/* No halving of a step takes a channel's rounding away. This must end. */
+static void a_range_of_rounding(void) {
+  static const char *const SETS[] = {
+      "firing={every: 1, angle: 110 deg}", "run.until=0.1s",
+      "instruments={set: none, x: {channel: z, range: [6.5 mm, 6.50000001 mm], bandwidth: 100 Hz}}",
+      NULL};
+  record r = sampled("switched", SETS);
+  EXPECT(r.count == 1001 && r.meter.beyond > 900, "%d samples, %ld beyond", r.count,
+         r.meter.beyond);
+  free_record(&r);
+}
+
 /* ---- the A/D ---- */
 
 static void steps_of_the_converter(void) {
@@ -242,6 +291,25 @@ static void steps_of_the_converter(void) {
     EXPECT(vs_meter_quantised(range, bits, -1) == range[0], "below");
   }
   EXPECT(vs_meter_quantised(range, 12, 0) == 0 && vs_meter_quantised(range, 0, 0.1) == 0.1, "0");
+}
+
+/* The middle of two steps is the upper one's, and the next number below it the lower one's, also
+ * where y - range[0] rounds that away. Ranges and middles are sums of powers of two, so that these
+ * numbers are exact. */
+static void middles_of_the_converter(void) {
+  static const double RANGES[][2] = {{-3, 5}, {-1536, 2560}, {-24, -8}, {0, 8}};
+  for (size_t r = 0; r < COUNT(RANGES); r++)
+    for (int bits = 1; bits <= 32; bits++) {
+      const double *range = RANGES[r], step = ldexp(range[1] - range[0], -bits);
+      for (int n = 0; n < 64; n++) {
+        double code = fmin(floor(ldexp(n, bits - 6)), ldexp(1, bits) - 2);
+        double low = range[0] + step * code, middle = low + step / 2;
+        EXPECT(vs_meter_quantised(range, bits, middle) == low + step,
+               "%d bits: the middle above %g", bits, low);
+        EXPECT(vs_meter_quantised(range, bits, nextafter(middle, -INFINITY)) == low,
+               "%d bits: just below the middle above %g", bits, low);
+      }
+    }
 }
 
 static void samples_are_codes(void) {
@@ -497,18 +565,30 @@ static void in_a_study(void) {
   same_column("s/runs/0/run.csv", 1, "s/runs/1/run.csv", "p_meas_m", false);
   same_column("s/runs/0/run.csv", 1, "s/runs/2/run.csv", "p_meas_m", false);
   same_column("s/runs/0/run.csv", 1, "s/runs/2/run.csv", "aw_meas_m_s2", true);
+  write_file("none.yaml", "vary: {instruments.p.bandwidth: [20 Hz, 200 Hz]}\nreport: [p_max]\n");
+  static const char *const SAYS[] = {"no section instruments", "set: {instruments.set: own}"};
+  refuse("study none.yaml -o out", "no section", "none.yaml:1:8: ", SAYS, __LINE__);
 }
 
 static void pictures(void) {
   if (!on_path("gnuplot")) return;
   RUN_GOOD("run paper --tier switched --set run.until=0.12s --quiet -o r --set "
-           "'instruments={trough: {channel: p, range: [-3 mm, 3 mm]}}'");
+           "'instruments={trough: {channel: p, range: [-3 mm, 3 mm]}, a_meas: {channel: u, range: "
+           "[-3 mm, 3 mm]}, as_measured: {channel: w, range: [-3 mm, 3 mm]}}'");
   RUN_GOOD("plot r --quiet");
   char *svg = read_file("r/measured_100ms.svg"), *other = read_file("r/motion_run.svg");
   EXPECT(strstr(svg, "instrument trough") && strstr(svg, "Fig. 14"), "no curve in measured_100ms");
   EXPECT(strstr(other, "instrument trough") != NULL, "no curve in motion_run");
+  EXPECT(!strstr(other, "p_meas") && !strstr(other, "_meas /"), "an instrument is a coordinate");
+  EXPECT(strstr(svg, "instrument a_meas") && strstr(svg, "instrument as_measured"),
+         "names with _meas in them are lost");
   free(svg);
   free(other);
+  RUN_GOOD("run paper --tier switched --set run.until=20ms --quiet -o few --set record=[i] --set "
+           "'instruments={trough: {channel: p, range: [-3 mm, 3 mm]}}'");
+  RUN_GOOD("plot few --quiet");
+  EXPECT_FILES("few", "events.csv measured_100ms.png measured_100ms.svg measured_run.png "
+                      "measured_run.svg pulse_50ms.png pulse_50ms.svg run.csv summary.json ");
   ran r = run("run paper --tier switched --set run.until=20ms -o r");
   EXPECT(r.status == 0 && strstr(r.err, "measured_run.png"), "%s", r.err);
   EXPECT_FILES("r", "events.csv run.csv summary.json ");
@@ -522,6 +602,7 @@ static void bad_input(void) {
     const char *line, *at, *says[2];
   } BAD[] = {
       {"instruments: p", "bad.yaml:1:14: ", {"a map is wanted", NULL}},
+      {"instruments: [p, i]", "bad.yaml:1:15: ", {"a map is wanted", NULL}},
       {"instruments: {q: {range: [-1 m, 1 m]}}", "bad.yaml:1:15: ", {"no channel 'q'", NULL}},
       {"instruments: {x: {channel: apu, range: [0 m, 1 m]}}",
        "bad.yaml:1:28: ",
@@ -540,6 +621,11 @@ static void bad_input(void) {
       {"instruments: {p: {order: 3}}", "bad.yaml:1:26: ", {"out of range", NULL}},
       {"instruments: {ap: {damping: 0}}", "bad.yaml:1:29: ", {"out of range", NULL}},
       {"instruments: {p: {damping: 0.5}}", "bad.yaml:1:28: ", {"order 1 has none", NULL}},
+      {"instruments: {set: none, p: {range: [0 m, 1 m], order: 2}}",
+       "bad.yaml:1:56: ",
+       {"p.order: without a bandwidth", NULL}},
+      {"instruments: {set: damped.yaml}", "damped.yaml:1:64: ", {"order 1 has none", NULL}},
+      {"instruments: {set: named.yaml}", "named.yaml:1:15: ", {"'seed' is a key", NULL}},
       {"instruments: {p: {noise: -1 um}}", "bad.yaml:1:26: ", {"out of range", NULL}},
       {"instruments: {p: {bandwith: 1 Hz}}", "bad.yaml:1:19: ", {"bandwith", "'bandwidth'"}},
       {"instruments: {p: 3}", "bad.yaml:1:18: ", {"a map of keys is wanted", "none"}},
@@ -555,6 +641,9 @@ static void bad_input(void) {
       {"instruments: {}\nrecord: [p_meas]", "bad.yaml:2:10: ", {"by itself", NULL}},
   };
   write_file("not.yaml", "title: nothing\n");
+  write_file("named.yaml", "instruments: {seed: {channel: p, range: [0 m, 1 m]}}\n");
+  write_file("damped.yaml",
+             "instruments: {p: {range: [0 m, 1 m], bandwidth: 1 Hz, damping: 0.4}}\n");
   for (size_t k = 0; k < COUNT(BAD); k++) {
     write_file("bad.yaml", BAD[k].line);
     refuse("run bad.yaml -o out", BAD[k].line, BAD[k].at, BAD[k].says, __LINE__);
@@ -567,7 +656,10 @@ static const vs_test TESTS[] = {
     {"magnitude and phase at ten frequencies", responses},
     {"3 dB at the bandwidth", bandwidths},
     {"a range that is left", beyond_the_range},
+    {"a jump where a step ends", a_jump_at_a_step},
+    {"a range as narrow as rounding", a_range_of_rounding},
     {"steps of the A/D, to the bit", steps_of_the_converter},
+    {"the middle of two steps, to the bit", middles_of_the_converter},
     {"every sample is one of its codes", samples_are_codes},
     {"noise", noise},
     {"the same bytes, whoever looks", same_bytes},

@@ -7,6 +7,11 @@
 
 static const char BLANKS[] = " \t";
 
+/* What may stand around a cell. */
+static const char *blanks_beside(char separator) {
+  return separator == '\t' ? " " : BLANKS;
+}
+
 /* ---- one cell ---- */
 
 typedef struct cell {
@@ -29,21 +34,22 @@ static char *take_quoted(char **at, bool *open) {
 }
 
 /* Takes off the row the cell that begins at *rest; afterwards *rest is where the next one begins,
- * or NULL. Text between a closing quote and the comma is added to the cell. */
-static cell take_cell(char **rest, bool trim) {
+ * or NULL. Text between a closing quote and the separator is added to the cell. */
+static cell take_cell(char **rest, char separator, bool trim) {
+  const char ends[] = {separator, '\0'}, *blanks = blanks_beside(separator);
   char *s = *rest;
-  if (trim) s += strspn(s, BLANKS);
+  if (trim) s += strspn(s, blanks);
   cell c = {.text = s, .begin = s};
   char *out = s;
   const char *kept = s; /* blanks before it are the cell's own */
   if (*s == '"') {
     out = take_quoted(&s, &c.open);
     kept = out;
-    if (trim) s += strspn(s, BLANKS);
-    c.stray = *s && *s != ',';
+    if (trim) s += strspn(s, blanks);
+    c.stray = *s && *s != separator;
   }
-  while (*s && *s != ',') *out++ = *s++;
-  while (trim && out > kept && strchr(BLANKS, out[-1])) out--;
+  for (size_t n = strcspn(s, ends); n; n--) *out++ = *s++;
+  while (trim && out > kept && strchr(blanks, out[-1])) out--;
   *rest = *s ? s + 1 : NULL;
   *out = '\0';
   return c;
@@ -62,7 +68,7 @@ size_t vs_csv_split(char *row, char **cells, size_t most, vs_csv_flaw *flaw) {
   size_t n = 0;
   if (end) first = (vs_csv_flaw){"a line end inside a row", (size_t)(end - row)};
   while (row && n < most) {
-    const cell c = take_cell(&row, false);
+    const cell c = take_cell(&row, ',', false);
     if (!first.why) first = (vs_csv_flaw){flaw_of(&c), (size_t)(c.begin - begin)};
     cells[n++] = c.text;
   }
@@ -87,15 +93,16 @@ void vs_csv_cell(vs_text *row, const char *word) {
 
 /* True if this line ends inside a quoted cell, so that the row goes on in the next one. open tells
  * whether it begins inside one. */
-static bool ends_open(const char *line, bool open, bool trim) {
+static bool ends_open(const vs_csv *csv, const char *line, bool open) {
+  const char ends[] = {csv->separator, '\0'}, *blanks = blanks_beside(csv->separator);
   for (const char *s = line;; s++) { /* s stands where a cell begins, or inside the quoted one */
-    if (trim && !open) s += strspn(s, BLANKS);
+    if (csv->trim && !open) s += strspn(s, blanks);
     if (open || *s == '"') {
       for (s += !open; *s && (*s != '"' || s[1] == '"'); s++) s += *s == '"';
       if (!*s) return true;
     }
     open = false;
-    s += strcspn(s, ",");
+    s += strcspn(s, ends);
     if (!*s) return false;
   }
 }
@@ -130,6 +137,19 @@ static bool is_comment(const vs_csv *csv) {
   return csv->comments && (!*s || *s == '#');
 }
 
+/* What stands between the cells of the first row, and so of all. */
+static char find_separator(const vs_csv *csv) {
+  static const char OTHERS[] = ";\t";
+  bool quoted = false, seen[2] = {false};
+  for (const char *s = csv->text; csv->guess && *s; s++) {
+    quoted = quoted != (*s == '"');
+    if (quoted) continue;
+    if (*s == ',') return ',';
+    for (int k = 0; k < 2; k++) seen[k] = seen[k] || *s == OTHERS[k];
+  }
+  return seen[0] ? OTHERS[0] : seen[1] ? OTHERS[1] : ',';
+}
+
 /* Reads all lines of the next row and takes the last line's end off. csv->n_lines is 0 at the
  * file's end. */
 static vs_status read_lines(vs_csv *csv, vs_error *err) {
@@ -148,7 +168,8 @@ static vs_status read_lines(vs_csv *csv, vs_error *err) {
       size -= strlen(MARK);
       memmove(csv->text, csv->text + strlen(MARK), size + 1);
     }
-    open = ends_open(csv->text + csv->begins[csv->n_lines - 1], open, csv->trim);
+    if (!csv->separator && !is_comment(csv)) csv->separator = find_separator(csv);
+    open = ends_open(csv, csv->text + csv->begins[csv->n_lines - 1], open);
     if (!open || is_comment(csv)) break;
   }
   if (!csv->n_lines && !first) csv->line--;
@@ -161,7 +182,7 @@ static vs_status read_lines(vs_csv *csv, vs_error *err) {
 
 static vs_status cut(vs_csv *csv, vs_error *err) {
   size_t room = 1, line = 0;
-  for (const char *s = csv->text; *s; s++) room += *s == ',';
+  for (const char *s = csv->text; *s; s++) room += *s == csv->separator;
   if (room > csv->most) {
     csv->most = room;
     csv->cell = realloc(csv->cell, room * sizeof *csv->cell);
@@ -169,7 +190,7 @@ static vs_status cut(vs_csv *csv, vs_error *err) {
     if (!csv->cell || !csv->where) vs_out_of_memory();
   }
   for (char *rest = csv->text; rest;) {
-    const cell c = take_cell(&rest, csv->trim);
+    const cell c = take_cell(&rest, csv->separator, csv->trim);
     const size_t begin = (size_t)(c.begin - csv->text);
     while (line + 1 < csv->n_lines && csv->begins[line + 1] <= begin) line++;
     const vs_where where = {csv->file, csv->line + (int)line, (int)(begin - csv->begins[line]) + 1};

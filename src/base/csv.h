@@ -16,6 +16,7 @@ typedef struct vs_csv {
   FILE *stream;     /* borrowed, open for reading */
   bool trim;        /* blanks around cells do not belong to them */
   bool comments;    /* blank lines, and lines whose first character is '#', are no rows */
+  bool guess;       /* where the first row has no comma, semicolons stand between cells, or tabs */
 
   /* The present row. It lasts until the next is read. */
   char **cell;
@@ -24,6 +25,7 @@ typedef struct vs_csv {
   int line;        /* on which the row begins, from 1; at the file's end the last one's, or 1 */
 
   /* The reader's own. */
+  char separator; /* what stands between cells; 0 before the first row: a comma */
   char *text;     /* the row's bytes */
   size_t *begins; /* where in text each of the row's n_lines lines begins */
   size_t n_lines, room, most;

@@ -5,11 +5,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+#include <strings.h>
 
 #include "base/json.h"
 #include "deck/netlist.h"
 #include "deck/parts.h"
+#include "dialect/source.h"
 #include "machine/blueprint.h"
 #include "scene/session.h"
 
@@ -18,14 +19,10 @@
 /* Prints the line that a place speaks of and a caret below the column. Prints nothing where the
  * file cannot be read again. */
 static void print_source(const char *path, int number, int column) {
-  struct stat s;
-  FILE *f = !stat(path, &s) && S_ISREG(s.st_mode) ? fopen(path, "r") : NULL;
-  char *line = NULL;
-  size_t size = 0;
-  bool there = f;
-  for (int k = 0; k < number && there; k++) there = getline(&line, &size, f) >= 0;
-  if (there) {
-    line[strcspn(line, "\r\n")] = '\0';
+  vs_source source;
+  vs_error unread = {0};
+  if (!vs_source_read(path, &source, &unread) && number <= (int)source.count) {
+    char *line = source.line[number - 1];
     for (char *c = line; *c; c++)
       if ((unsigned char)*c < ' ' && *c != '\t') *c = ' '; /* nothing a terminal would obey */
     fprintf(stderr, " %s\n ", line);
@@ -35,8 +32,7 @@ static void print_source(const char *path, int number, int column) {
     }
     fputs("^\n", stderr);
   }
-  free(line);
-  if (f) fclose(f);
+  vs_source_free(&source);
 }
 
 /* name: of the file under check, for a finding that knows no place of its own. */
@@ -170,6 +166,7 @@ static vs_status check_deck(report *r, vs_error *err) {
                                sizeof text))
         vs_fail_at(vs_warnings_add(&r->warnings), (vs_where){.file = setup->deck.files[0]}, "%s",
                    text);
+    vs_warnings_of_netlist(&setup->deck, &r->warnings);
     vs_warnings_of_limits(&setup->deck, &r->warnings);
     warn_of_deck(r, &setup->deck);
   }
@@ -225,10 +222,38 @@ static vs_status check_part(report *r, vs_error *err) {
     vs_text_add(&r->good, "a good part: %s, %s; %zu limits, %zu parameters",
                 part->part_files[0].kind, part->part_files[0].text, part->n_limits,
                 part->section.count - 1);
-  if (!status && !vs_error_count(err)) vs_warnings_of_limits(part, &r->warnings);
+  if (!status && !vs_error_count(err)) {
+    vs_warnings_of_netlist(part, &r->warnings);
+    vs_warnings_of_limits(part, &r->warnings);
+  }
   vs_deck_free(part);
   free(part);
   return status;
+}
+
+/* Endings of decks, as programs of all kinds write them. */
+static const char *const DECKS[] = {".cir", ".net", ".sp", ".ckt", ".spi", ".spice"};
+
+/* Of a library its own lines are checked. One that has an EVA or a port is a deck. */
+static vs_status check_library(report *r, vs_error *err) {
+  vs_deck *library = vs_alloc(1, sizeof *library);
+  size_t subcircuits = 0, models = 0;
+  vs_status status = vs_netlist_read_library(r->options->name, library, err);
+  bool is_deck = *library->eva || library->n_ports;
+  for (size_t k = 0; k < library->n_lines; k++) {
+    subcircuits += !strncasecmp(library->lines[k].text, ".subckt", 7);
+    models += !strncasecmp(library->lines[k].text, ".model", 6);
+  }
+  if (!status && !vs_error_count(err) && !is_deck) {
+    vs_text_add(&r->good,
+                "a good library: %zu subcircuit%s, %zu model%s; what ngspice says of them is seen "
+                "with a deck that uses them",
+                subcircuits, subcircuits == 1 ? "" : "s", models, models == 1 ? "" : "s");
+    vs_warnings_of_netlist(library, &r->warnings);
+  }
+  vs_deck_free(library);
+  free(library);
+  return status || vs_error_count(err) || !is_deck ? status : check_deck(r, err);
 }
 
 static bool ends_in(const char *name, const char *ending) {
@@ -252,7 +277,9 @@ static vs_status check(report *r, vs_error *err) {
   char path[VS_PATH_SIZE];
   vs_error none = {0};
   if (r->options->other) return r->options->other(r->options, &r->good, err);
-  if (ends_in(name, ".cir")) return check_deck(r, err);
+  for (size_t k = 0; k < sizeof DECKS / sizeof *DECKS; k++)
+    if (ends_in(name, DECKS[k])) return check_deck(r, err);
+  if (ends_in(name, ".lib")) return check_library(r, err);
   if (ends_in(name, ".inc")) return check_part(r, err);
   if (is_machine(name)) return check_machine(r, err);
   if (ends_in(name, ".yaml") || ends_in(name, ".yml") ||

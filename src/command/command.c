@@ -66,7 +66,13 @@ static const char **word_of(vs_arguments *a, int key) {
                {VS_KEY_SHARD, &a->shard},
                {VS_KEY_OF, &a->of},
                {VS_KEY_TO, &a->to},
-               {VS_KEY_PROFILE, &a->profile}};
+               {VS_KEY_PROFILE, &a->profile},
+               {VS_KEY_MAINS, &a->mains},
+               {VS_KEY_GATE, &a->gate},
+               {VS_KEY_COIL, &a->coil},
+               {VS_KEY_PINS, &a->pins},
+               {VS_KEY_LIBRARY, &a->library},
+               {VS_KEY_SCENE, &a->scene}};
   for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
     if (WORDS[k].key == key) return WORDS[k].word;
   return NULL;

@@ -18,7 +18,7 @@ typedef struct vs_arguments {
   char **sets; /* KEY=VALUE of each --set */
   size_t n_sets;
   const char *tier, *output, *deck, *machine, *overlay, *shard, *of, *to, *along, *step, *at,
-      *profile;
+      *profile, *mains, *gate, *coil, *pins, *library, *scene;
   bool json, quiet, reproducible, raw, list, help, resume, overwrite, keep_runs, progress_json,
       steady, no_sharing, linear, allow_code;
   int digits; /* 1..17 */
@@ -71,6 +71,12 @@ enum {
   VS_KEY_KEEP,
   VS_KEY_ALONE,
   VS_KEY_PROFILE,
+  VS_KEY_MAINS,
+  VS_KEY_GATE,
+  VS_KEY_COIL,
+  VS_KEY_PINS,
+  VS_KEY_LIBRARY,
+  VS_KEY_SCENE,
   VS_KEY_LINEAR,
   VS_KEY_ALLOW_CODE
 };

@@ -110,7 +110,7 @@ static void remove_stale(const char *folder, const char *name) {
 
 const char *const vs_run_pictures[] = {
     "motion_run",     "motion_100ms", "pulse_50ms", "measured_run",
-    "measured_100ms", "control_run",  NULL};
+    "measured_100ms", "control_run",  "harmonics",  NULL};
 
 /* Calls each(folder, name, names) for every picture in the folder. A link is left alone: the
  * program drew none. */

@@ -206,6 +206,34 @@ static void print_observer(const vs_result *r, int width, FILE *out) {
   }
 }
 
+void vs_show_classes(const vs_drawn *drawn, FILE *out) {
+  fprintf(out, "%-10s %15s %15s   %s\n", "class", "worst harmonic", "part of limit", "of");
+  for (const vs_class *c = vs_classes_all; c->name; c++) {
+    double part;
+    int worst = vs_classes_worst(c, drawn, &part);
+    fprintf(out, "%-10s %15d %13.2f %%   %s%s\n", c->name, worst, 100 * part, c->text,
+            part <= 1 ? "" : ": not held");
+  }
+}
+
+enum { SHOWN = 10 }; /* the last harmonic in the table; JSON has all */
+
+/* The harmonics of a current, and what limits are set for them. */
+static void print_quality(const vs_quality *q, FILE *out) {
+  const vs_drawn drawn = vs_quality_drawn(q);
+  double first_a = vs_spectrum_harmonic(&q->current, 1);
+  fprintf(out, "\nquality of %s, over %d cycles of the mains\n", q->name, q->cycles);
+  fprintf(out, "%-10s %15s %15s %15s\n", "harmonic", "A rms", "of harmonic 1", "phase");
+  for (int n = 0; n <= SHOWN; n++) {
+    double each = vs_spectrum_harmonic(&q->current, n), phase_rad = vs_quality_phase(q, n);
+    fprintf(out, "%-10d %15.9g", n, each);
+    if (first_a > 0) fprintf(out, " %13.2f %%", 100 * each / first_a);
+    if (isfinite(phase_rad)) fprintf(out, " %11.2f deg", phase_rad / vs_units_factor("deg"));
+    fputc('\n', out);
+  }
+  vs_show_classes(&drawn, out);
+}
+
 void vs_show_result(const vs_result *r, FILE *out) {
   const vs_scene *s = r->scene;
   const double work_j = r->watchers.energy.joule[VS_E_WORK];
@@ -221,6 +249,7 @@ void vs_show_result(const vs_result *r, FILE *out) {
   print_instruments(r, width, out);
   print_loop(r, width, out);
   print_observer(r, width, out);
+  for (int k = 0; k < r->n_quality; k++) print_quality(&r->quality[k], out);
   print_verdict(&r->verdict, width, out);
   print_second(r, out);
   fprintf(out, "\n%ld steps in %.3g s\n", r->steps, r->wall_s);

@@ -11,4 +11,7 @@
  * that the rating's or the limit's line was written in. */
 void vs_show_result(const vs_result *result, FILE *out);
 
+/* Prints for each class of apparatus which harmonic takes most of its limit, and how much. */
+void vs_show_classes(const vs_drawn *drawn, FILE *out);
+
 #endif

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/text.h"
+#include "command/show.h"
 #include "dependence/closed.h"
 #include "dependence/matrices.h"
 #include "period/classes.h"
@@ -199,27 +200,18 @@ static void print_harmonics(const vs_steady *s, FILE *out) {
           worst, 100 * part_of_limit(s, worst));
 }
 
-static void print_classes(const vs_steady *s, FILE *out) {
-  const vs_drawn drawn = drawn_of(s);
-  fprintf(out, "\n%-10s %15s %15s   %s\n", "class", "worst harmonic", "part of limit", "of");
-  for (const vs_class *c = vs_classes_all; c->name; c++) {
-    double part;
-    int worst = vs_classes_worst(c, &drawn, &part);
-    fprintf(out, "%-10s %15d %13.2f %%   %s%s\n", c->name, worst, 100 * part, c->text,
-            part <= 1 ? "" : ": not held");
-  }
-}
-
 static void show(const void *ctx, FILE *out) {
   const vs_steady *s = ctx;
   const vs_orbit *orbit = &s->orbit;
+  const vs_drawn drawn = drawn_of(s);
   vs_steady_measure m;
   fprintf(out, "orbit  of %.9g s, period %d, in %d %s; the last corrected it by %.1g\n\n",
           orbit->period_s, orbit->n, s->picard ? s->picard->cycles : orbit->iterations,
           s->picard ? "cycles" : "iterations", orbit->residual);
   print_multipliers(s, out);
   print_harmonics(s, out);
-  print_classes(s, out);
+  fputc('\n', out);
+  vs_show_classes(&drawn, out);
   fprintf(out, "\n%-18s %16s\n", "over a period", "computed");
   for (int k = 0; vs_steady_at(s, k, &m); k++)
     if (m.value.known)

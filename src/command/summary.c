@@ -140,6 +140,51 @@ static void add_measures(vs_json *json, const vs_scene *s, const vs_result *r,
   vs_json_end(json);
 }
 
+/* What limits each class of apparatus sets for the current. */
+static void add_limits(vs_json *json, const vs_drawn *drawn) {
+  vs_json_array(json, "classes", VS_JSON_LINES);
+  for (const vs_class *c = vs_classes_all; c->name; c++) {
+    double part;
+    int worst = vs_classes_worst(c, drawn, &part);
+    vs_json_object(json, NULL, VS_JSON_ROW);
+    vs_json_text(json, "class", c->name);
+    vs_json_text(json, "text", c->text);
+    vs_json_text(json, "source", c->source);
+    vs_json_bool(json, "held", part <= 1);
+    vs_json_whole(json, "worst", worst);
+    vs_json_number(json, "worst_part", part, DIGITS);
+    vs_json_array(json, "limits_A", VS_JSON_ROW);
+    for (int n = 0; n < VS_SPECTRUM_LINES; n++)
+      vs_json_number(json, NULL, c->limit(drawn, n), DIGITS);
+    vs_json_end(json);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
+/* The quality of the currents that the scene names; their scalars are measures. */
+static void add_quality(vs_json *json, const vs_result *r) {
+  if (!r->n_quality) return;
+  vs_json_object(json, "quality", VS_JSON_LINES);
+  for (int k = 0; k < r->n_quality; k++) {
+    const vs_quality *q = &r->quality[k];
+    const vs_drawn drawn = vs_quality_drawn(q);
+    vs_json_object(json, q->name, VS_JSON_LINES);
+    vs_json_whole(json, "cycles", q->cycles);
+    vs_json_array(json, "harmonics_A", VS_JSON_ROW);
+    for (int n = 0; n < VS_SPECTRUM_LINES; n++)
+      vs_json_number(json, NULL, vs_spectrum_harmonic(&q->current, n), DIGITS);
+    vs_json_end(json);
+    vs_json_array(json, "phases_deg", VS_JSON_ROW);
+    for (int n = 0; n < VS_SPECTRUM_LINES; n++)
+      vs_json_number(json, NULL, vs_quality_phase(q, n) / vs_units_factor("deg"), DIGITS);
+    vs_json_end(json);
+    add_limits(json, &drawn);
+    vs_json_end(json);
+  }
+  vs_json_end(json);
+}
+
 /* What load.fraction: auto came to. */
 static void add_fraction(vs_json *json, const vs_scene *scene) {
   const vs_setup *s = &scene->setup;
@@ -344,6 +389,7 @@ void vs_summary_json(const vs_result *r, bool with_cost, const vs_summary_more *
   add_estimates(&json, r);
   if (more && more->members) more->members(more->ctx, &json);
   add_loop(&json, r->loop);
+  add_quality(&json, r);
   add_fraction(&json, s);
   add_energy(&json, s, &r->watchers.energy, r->books);
   if (with_cost) add_cost(&json, r);

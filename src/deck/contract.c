@@ -233,6 +233,14 @@ static const struct directive {
                   {"compat", read_compat, 0}};
 enum { N_DIRECTIVES = sizeof DIRECTIVES / sizeof *DIRECTIVES };
 
+bool vs_contract_knows(const char *text) {
+  size_t n = 0;
+  while (isalnum((unsigned char)text[n]) || text[n] == '_') n++;
+  for (size_t k = 0; k < N_DIRECTIVES; k++)
+    if (strlen(DIRECTIVES[k].word) == n && !strncmp(DIRECTIVES[k].word, text, n)) return true;
+  return false;
+}
+
 vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_error *err) {
   vs_cursor cursor_here = {line, line + begin.column + 1, begin}, *c = &cursor_here;
   char word[VS_DECK_NAME] = "";

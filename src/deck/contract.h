@@ -57,6 +57,9 @@
 
 #include "deck/deck.h"
 
+/* True where the text, from behind "*$" and blanks on, begins with a word of the contract. */
+bool vs_contract_knows(const char *text);
+
 /* Reads one line of the contract into the deck. `begin` is the place of its "*$" in `line`. Error,
  * with its place: the line cannot be read; deck->lost then has its kind. */
 vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_error *err);

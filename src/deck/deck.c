@@ -2,6 +2,7 @@
 #include "deck/deck.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -67,6 +68,19 @@ void vs_deck_begin(vs_deck *deck) {
 }
 
 /* ---- filling it ---- */
+
+void vs_deck_remark(vs_deck *deck, vs_where where, const char *format, ...) {
+  char text[512];
+  va_list args;
+  va_start(args, format);
+  vsnprintf(text, sizeof text, format, args);
+  va_end(args);
+  if (!deck->remarks) deck->remarks = vs_alloc(1, sizeof *deck->remarks);
+  vs_error own = {.findings = deck->remarks, .elsewhere = true};
+  if (vs_error_carry_on(&own, vs_fail_at(&own, where, "%s", text)))
+    vs_fail(&deck->remarks->item[VS_MOST_FINDINGS - 1], VS_INPUT,
+            "the netlist has more that is to be warned of than the %d shown", VS_MOST_FINDINGS - 1);
+}
 
 void vs_deck_add_line(vs_deck *deck, vs_line line) {
   deck->lines = realloc(deck->lines, (deck->n_lines + 1) * sizeof *deck->lines);
@@ -223,10 +237,12 @@ void vs_deck_free(vs_deck *deck) {
     free((char *)(size_t)deck->section.fields[k].text);
   }
   free(own_fields(deck));
-  for (size_t k = 0; k < deck->n_lines; k++) free(deck->lines[k].text);
+  for (size_t k = 0; k < deck->n_lines; k++) vs_line_free(&deck->lines[k]);
   free(deck->lines);
   each_formula(deck, free_formula, NULL);
   for (size_t k = 0; k < deck->n_files; k++) free(deck->files[k]);
+  vs_statements_free(&deck->skipped);
+  free(deck->remarks);
   vs_text_free(&deck->eva_current);
   vs_text_free(&deck->eva_lines);
   *deck = (vs_deck){0};

@@ -15,8 +15,11 @@
 #include "base/error.h"
 #include "base/path.h"
 #include "base/text.h"
-#include "deck/cursor.h"
 #include "deck/port.h"
+#include "dialect/line.h"
+#include "dialect/statements.h"
+#include "dialect/tally.h"
+#include "syntax/cursor.h"
 #include "syntax/field.h"
 #include "syntax/formula.h"
 
@@ -41,13 +44,6 @@ enum {
   VS_LOST_ELEMENT = 8,
   VS_LOST_ALL = 15
 };
-
-/* A line of the netlist, joined with the lines that continue it ('+'), without comments. */
-typedef struct vs_line {
-  char *text;   /* the deck owns it */
-  size_t first; /* how many bytes of it stand in the line of `where`; the others stand below */
-  vs_where where;
-} vs_line;
 
 /* ---- what the deck's own lines declare ---- */
 
@@ -175,10 +171,16 @@ extern const vs_field vs_deck_key;
 typedef struct vs_deck {
   char *files[VS_DECK_FILES]; /* paths of the deck and of what it includes; owned */
   size_t n_files;
-  unsigned lost; /* VS_LOST_... of the lines that could not be read */
+  unsigned lost;               /* VS_LOST_... of the lines that could not be read */
+  vs_skipped skipped;          /* statements that a circuit is not made of, until they are told */
+  vs_tally changes;            /* what was changed in lines, until it is told */
+  unsigned long own_functions; /* those of dialect/functions.h that the netlist defines itself */
+  vs_findings *remarks; /* warnings of what was skipped, changed or may be meant otherwise, each
+                           with its place; owned; NULL: there are none */
   char title[VS_DECK_TEXT];
-  char compat[8]; /* ngspice's name of a dialect; empty: its own */
-  vs_line *lines; /* of all files, comments and blank lines left out; owned */
+  bool has_title_line; /* its first line may be its title; false for a part */
+  char compat[8];      /* ngspice's name of a dialect; empty: its own */
+  vs_line *lines;      /* of all files, comments and blank lines left out; owned */
   size_t n_lines;
   vs_section section; /* "circuit": vs_deck_key, then params and parts. It fills a
                          vs_circuit_values. Fields and their texts are owned. */
@@ -213,6 +215,7 @@ typedef struct vs_deck {
   double eva_flux_wb;             /* the EVA's flux linkage at t = 0 */
   char line[2][VS_DECK_NAME];     /* nodes at which surges couple in; empty: not said */
   int subcircuits;                /* how many are open, while the deck is read */
+  vs_where subcircuit;            /* of the outermost that is open */
   bool own_clock;                 /* a source or an expression of the deck's own knows the time */
   char eva[VS_DECK_NAME];         /* the EVA's instance, and its two nodes */
   char eva_plus[VS_DECK_NAME], eva_minus[VS_DECK_NAME];
@@ -225,7 +228,12 @@ extern const vs_shelf vs_deck_shelf, vs_deck_parts_shelf;
 void vs_deck_begin(vs_deck *deck);
 void vs_deck_free(vs_deck *deck);
 
-/* Adds a line to the netlist. The deck owns line.text from then on. */
+/* Adds a warning to deck->remarks. Beyond VS_MOST_FINDINGS of them the last one says that there are
+ * more. */
+void vs_deck_remark(vs_deck *deck, vs_where where, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Adds a line to the netlist. The deck owns what the line owns from then on. */
 void vs_deck_add_line(vs_deck *deck, vs_line line);
 
 /* Adds a field to the deck's section; its texts are copied. `where` is the place of its line.

@@ -2,7 +2,6 @@
 #include "deck/netlist.h"
 
 #include <ctype.h>
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,13 +10,11 @@
 #include <unistd.h>
 
 #include "base/text.h"
-#include "deck/contract.h"
 #include "deck/devices.h"
 #include "deck/eva.h"
+#include "deck/files.h"
 #include "deck/parts.h"
 #include "deck/rules.h"
-
-static const vs_shelf INCLUDE_SHELF = {"include file", "", ""};
 
 /* ---- files ---- */
 
@@ -46,170 +43,10 @@ static vs_status match_sources(const vs_deck *deck, vs_error *err) {
   return status;
 }
 
-static vs_status read_file(vs_deck *deck, const char *path, vs_error *err);
-
-static bool is_taken(const vs_deck *deck, const char *path) {
-  for (size_t k = 0; k < deck->n_files; k++)
-    if (!strcmp(deck->files[k], path)) return true;
-  return false;
-}
-
-/* Takes in the file of a line ".include FILE", from the folder of the file it stands in, else from
- * those that come with the program. ngspice does not include it itself, so that its lines are held
- * to the same rules. A file is taken in once, as two parts may rest on the same one; within a
- * subcircuit its lines are the subcircuit's own, and it is taken in each time. */
-static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
-  char name[VS_PATH_SIZE / 2], path[VS_PATH_SIZE];
-  const char *from = line + strcspn(line, " \t"), *slash = strrchr(where.file, '/');
-  from += strspn(from, " \t");
-  char quote = *from == '"' || *from == '\'' ? *from++ : '\0';
-  size_t n = quote ? strcspn(from, (char[]){quote, '\0'}) : strcspn(from, " \t");
-  const char *after = from + n + (quote && from[n] == quote);
-  if (n == 0 || n >= sizeof name || after[strspn(after, " \t")])
-    return vs_fail_at(err, where, "'.include FILE' is wanted here, one file and nothing more");
-  snprintf(name, sizeof name, "%.*s", (int)n, from);
-  snprintf(path, sizeof path, "%.*s%s", slash && *name != '/' ? (int)(slash - where.file + 1) : 0,
-           where.file, name);
-  if (access(path, R_OK)) {
-    vs_status status = vs_path_find(&INCLUDE_SHELF, name, where, path, err);
-    if (status) return status;
-  }
-  if (!strcmp(path, where.file)) return vs_fail_at(err, where, "%s includes itself", path);
-  if (deck->subcircuits == 0 && is_taken(deck, path)) return VS_OK;
-  return read_file(deck, path, err);
-}
-
-/* Takes a line, joined with those that continue it, into the deck. The line's text is the deck's
- * then, or freed. */
-static vs_status take_line(vs_deck *deck, vs_line line, vs_error *err) {
-  const char *text = line.text;
-  char word[16];
-  snprintf(word, sizeof word, "%.*s", (int)strcspn(text, " \t"), text);
-  vs_cursor_lower(word);
-  bool other_file = !strcmp(word, ".include") || !strcmp(word, ".inc") || !strcmp(word, ".lib");
-  vs_status random =
-      other_file ? VS_OK : vs_rules_random(text, *deck->compat != 0, line.where, err);
-  vs_status status = random         ? random
-                     : other_file   ? include(deck, text, line.where, err)
-                     : *text == '.' ? vs_rules_statement(deck, text, line.where, err)
-                                    : vs_rules_element(deck, text, line.where, err);
-  if (status && (other_file || (*text != '.' && !isalpha((unsigned char)*text))))
-    deck->lost |= VS_LOST_ALL; /* it may have been anything */
-  else if (status && *text != '.')
-    deck->lost |= VS_LOST_ELEMENT;
-  if (status || other_file) {
-    free(line.text);
-    return status;
-  }
-  vs_deck_add_line(deck, line);
-  return VS_OK;
-}
-
-/* A line that may still be continued: its text so far (NULL: there is no such line), how many bytes
- * of it stand in its first line, and where that line is. */
-typedef struct begun_line {
-  vs_text text;
-  size_t first;
-  vs_where where;
-} begun_line;
-
-/* Takes the line begun, if there is one, as whole. */
-static vs_status end_line(vs_deck *deck, begun_line *begun, vs_error *err) {
-  vs_line line = {begun->text.text, begun->first, begun->where};
-  *begun = (begun_line){0};
-  return line.text ? vs_error_carry_on(err, take_line(deck, line, err)) : VS_OK;
-}
-
-/* Cuts the end of a line that ngspice takes for a comment: from ';' or '//' on, or from a '$'
- * behind a blank or comma (in PSpice's dialect that is a name). */
-static void cut_comment(const vs_deck *deck, char *text) {
-  size_t n = 0;
-  for (; text[n]; n++) {
-    bool parted = n > 0 && strchr(" \t,", text[n - 1]);
-    if (text[n] == ';' || (text[n] == '/' && text[n + 1] == '/') ||
-        (text[n] == '$' && parted && !*deck->compat))
-      break;
-  }
-  while (n > 0 && strchr(" \t", text[n - 1])) n--;
-  text[n] = '\0';
-}
-
-/* Reads a line of a file. The line of the netlist that it begins lasts as long as lines with '+'
- * follow. */
-static vs_status read_line(vs_deck *deck, char *line, vs_where where, begun_line *begun,
-                           vs_error *err) {
-  char *text = line + where.column - 1;
-  for (const char *c = line; *c; c++)
-    if ((unsigned char)*c < ' ' && *c != '\t') {
-      where.column = vs_text_column(line, c);
-      return vs_fail_at(err, where, "a control character (%d)", *c);
-    }
-  if (!strncmp(text, "*$", 2)) return vs_contract_line(deck, line, where, err);
-  if (*text != '*') cut_comment(deck, text);
-  if (!*text || *text == '*') return VS_OK;
-  if (*text != '+') {
-    vs_status status = end_line(deck, begun, err);
-    *begun = (begun_line){.first = strlen(text), .where = where};
-    vs_text_add(&begun->text, "%s", text);
-    return status;
-  }
-  if (!begun->text.text)
-    return vs_fail_at(err, where, "'+' goes on with a line, and there is none");
-  vs_text_add(&begun->text, " %s", text + 1);
-  return VS_OK;
-}
-
-static vs_status read_lines(vs_deck *deck, char *file, FILE *f, vs_error *err) {
-  char *line = NULL;
-  size_t size = 0;
-  begun_line begun = {0};
-  vs_status status = VS_OK;
-  ssize_t n;
-  for (int number = 1; !status && (n = getline(&line, &size, f)) >= 0; number++) {
-    while (n > 0 && strchr("\r\n", line[n - 1])) line[--n] = '\0';
-    vs_where where = {file, number, (int)strspn(line, " \t") + 1};
-    status = strlen(line) < (size_t)n ? vs_fail_at(err, where, "a zero byte")
-                                      : read_line(deck, line, where, &begun, err);
-    status = vs_error_carry_on(err, status);
-  }
-  if (!status) status = end_line(deck, &begun, err);
-  vs_text_free(&begun.text);
-  free(line);
-  return status;
-}
-
-/* Finds the dialect, which says how every line is read, those before its own too. What else that
- * line may say is found when it is read. */
-static void find_dialect(vs_deck *deck, FILE *f) {
-  char *line = NULL, word[8], name[8], more;
-  size_t size = 0;
-  while (getline(&line, &size, f) >= 0)
-    if (sscanf(line, " *$ %7s %7s %c", word, name, &more) == 2 && !strcmp(word, "compat") &&
-        !strcmp(name, "ps"))
-      memcpy(deck->compat, "ps", sizeof "ps");
-  free(line);
-  rewind(f);
-}
-
-static vs_status read_file(vs_deck *deck, const char *path, vs_error *err) {
-  const vs_where place = {.file = path};
-  struct stat s;
-  if (deck->n_files >= VS_DECK_FILES)
-    return vs_fail_at(err, place, "more than %d files; does one include itself?", VS_DECK_FILES);
-  char *file = deck->files[deck->n_files++] = vs_copy(path);
-  if (!stat(path, &s) && !S_ISREG(s.st_mode)) return vs_fail_at(err, place, "is no file of text");
-  FILE *f = fopen(path, "r");
-  if (!f) return vs_fail_at(err, place, "cannot be opened: %s", strerror(errno));
-  find_dialect(deck, f);
-  vs_status status = read_lines(deck, file, f, err);
-  if (!status && ferror(f)) status = vs_fail_at(err, place, "cannot be read: %s", strerror(errno));
-  fclose(f);
-  return status;
-}
-
 vs_status vs_netlist_read(const char *path, vs_deck *deck, vs_error *err) {
   vs_deck_begin(deck);
-  vs_status status = read_file(deck, path, err);
+  deck->has_title_line = true;
+  vs_status status = vs_files_read(deck, path, false, err);
   if (!status && deck->n_part_files)
     status =
         vs_error_carry_on(err, vs_fail_at(err, deck->part_files[0].where,
@@ -222,7 +59,12 @@ vs_status vs_netlist_read(const char *path, vs_deck *deck, vs_error *err) {
 
 vs_status vs_netlist_read_part(const char *path, vs_deck *part, vs_error *err) {
   vs_deck_begin(part);
-  return read_file(part, path, err);
+  return vs_files_read(part, path, false, err);
+}
+
+vs_status vs_netlist_read_library(const char *path, vs_deck *library, vs_error *err) {
+  vs_deck_begin(library);
+  return vs_files_read(library, path, true, err);
 }
 
 /* ---- parts ---- */
@@ -265,7 +107,7 @@ static vs_status take_part(vs_deck *deck, vs_part *part, const char *name, vs_wh
                            vs_error *err) {
   char path[VS_PATH_SIZE];
   vs_status status = find_part(deck, name, where, path, err);
-  if (!status && !is_taken(deck, path)) status = read_file(deck, path, err);
+  if (!status && !vs_files_has(deck, path)) status = vs_files_read(deck, path, false, err);
   if (status) return status;
   for (size_t k = 0; k < deck->n_files; k++)
     if (!strcmp(deck->files[k], path)) part->file = deck->files[k];
@@ -379,15 +221,41 @@ static const char *find_quoted(const char *message, const char *open, char close
 /* True where the message speaks of the line's element, by one of its ways: "...: r1 a b ...", "...:
  * r1: ...", "... instance r1 ...", "... check node r1#branch". */
 static bool is_element_of(const char *line, const char *message) {
-  static const char *const BEFORE[] = {": ", "instance ", "check node "};
+  static const char *const BEFORE[] = {": ", "instance ", "check node ", "(instance: x"};
   size_t n = strcspn(line, " \t");
   if (n < 2 || *line == '.' || *line == '+') return false;
   for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE; k++)
     for (const char *s = message; (s = strstr(s, BEFORE[k]));) {
       s += strlen(BEFORE[k]);
-      if (!strncasecmp(s, line, n) && strchr(" :#", s[n])) return true;
+      if (!strncasecmp(s, line, n) && strchr(" :#)", s[n])) return true;
     }
   return false;
+}
+
+/* Finds the node that a message speaks of in a line of an element: "check node b", "trouble with
+ * node "xa.b"", of which the last part is looked for; NULL: it is not in this line. */
+static const char *find_node(const char *line, const char *message) {
+  static const char *const BEFORE[] = {"check node ", "trouble with node \""};
+  for (size_t k = 0; k < sizeof BEFORE / sizeof *BEFORE && *line != '.'; k++) {
+    const char *s = strstr(message, BEFORE[k]);
+    if (!s) continue;
+    s += strlen(BEFORE[k]);
+    size_t n = strcspn(s, " \"");
+    for (size_t dot = 0; dot < n; dot++)
+      if (s[dot] == '.') s += dot + 1, n -= dot + 1, dot = 0;
+    const char *from = line + strcspn(line, " \t");
+    return n ? find_word(line, from, s, n) : NULL;
+  }
+  return NULL;
+}
+
+/* Finds the function whose argument was out of its range. */
+static const char *find_function(const char *line, const char *message) {
+  static const char BEFORE[] = "out of range for ";
+  const char *s = strstr(message, BEFORE);
+  if (!s || *line == '.') return NULL;
+  s += strlen(BEFORE);
+  return find_word(line, line, s, strcspn(s, " "));
 }
 
 /* Finds in the line what the message speaks of; NULL: it is not in this line. */
@@ -395,7 +263,7 @@ static const char *find_subject(const char *line, const char *message) {
   size_t n = 0;
   const char *name = find_quoted(message, PARAMETER, ']', &n);
   if (name) { /* a parameter stands in an expression, and so behind the first '{', quote or '=' */
-    const char *from = strpbrk(line, "{'=");
+    const char *from = *line == '.' ? strpbrk(line, "{'=( ") : strpbrk(line, "{'=");
     return from ? find_word(line, from, name, n) : NULL;
   }
   const char *expression = strstr(message, "xpression err: ");
@@ -406,19 +274,27 @@ static const char *find_subject(const char *line, const char *message) {
   return strstr(message, "circuit: no such function '") ? word : NULL;
 }
 
+/* Finds the first line in which `find` finds what a message speaks of. */
+static vs_where place_in_lines(const vs_deck *deck, const char *message,
+                               const char *(*find)(const char *line, const char *message)) {
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const vs_line *line = &deck->lines[k];
+    const char *at = find(line->written ? line->written : line->text, message);
+    if (at) return vs_line_place(line, at);
+    if (line->written && find(line->text, message)) return line->where;
+  }
+  return (vs_where){0};
+}
+
 void vs_netlist_locate(const vs_deck *deck, vs_error *err) {
   const char *signal = strstr(err->text, "the circuit has no ");
   vs_where where = {0};
   for (size_t k = 0; k < deck->n_terms && signal; k++)
     if (!strcmp(signal + 19, deck->terms[k].plus) || !strcmp(signal + 19, deck->terms[k].minus))
       where = deck->terms[k].where;
-  for (size_t k = 0; k < deck->n_lines && !where.file; k++) {
-    const vs_line *line = &deck->lines[k];
-    const char *at = find_subject(line->text, err->text);
-    if (!at) continue;
-    where = line->where;
-    if ((size_t)(at - line->text) < line->first) where.column += vs_text_column(line->text, at) - 1;
-  }
+  if (!where.file) where = place_in_lines(deck, err->text, find_subject);
+  if (!where.file) where = place_in_lines(deck, err->text, find_node);
+  if (!where.file) where = place_in_lines(deck, err->text, find_function);
   if (!where.file) where.file = deck->files[0];
   vs_error plain = *err;
   vs_fail_at(err, where, "%s%s", plain.text,

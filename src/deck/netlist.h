@@ -24,6 +24,9 @@ vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error 
 /* Reads the file of one part alone, for what it says of itself. */
 vs_status vs_netlist_read_part(const char *path, vs_deck *part, vs_error *err);
 
+/* Reads a library of subcircuits and models, which need not be a deck. */
+vs_status vs_netlist_read_library(const char *path, vs_deck *library, vs_error *err);
+
 /* Makes the netlist that the solver loads: title, .param lines, the deck's own lines, the EVA's
  * subcircuit. The caller owns the lines; vs_netlist_free frees them. Error: the EVA's file is not
  * there. */

@@ -8,6 +8,7 @@
 #include <strings.h>
 
 #include "base/text.h"
+#include "dialect/source.h"
 
 static bool among(const char *word, const char *const *list, size_t count) {
   for (size_t k = 0; k < count; k++)
@@ -125,20 +126,18 @@ static const char *find_random(const char *line, bool pspice, const char **word)
 /* Finds the place of a word in its file, which is read again: the line at hand is joined from
  * several. */
 static vs_where place_of(const char *word, bool call, vs_where where) {
-  FILE *f = fopen(where.file, "r");
-  char *text = NULL;
-  size_t size = 0;
-  bool found = false;
-  for (int number = 1; f && !found && getline(&text, &size, f) >= 0; number++) {
-    const char *s = number < where.line ? NULL : find_whole(text, word, call);
+  vs_source source;
+  vs_error unread = {0};
+  bool found = vs_source_read(where.file, &source, &unread) != VS_OK;
+  for (int number = where.line; !found && number <= (int)source.count; number++) {
+    const char *text = source.line[number - 1], *s = find_whole(text, word, call);
     if (number > where.line && !strchr("+*", text[strspn(text, " \t")])) break;
     if (!s || text[strspn(text, " \t")] == '*') continue;
     where.line = number;
     where.column = vs_text_column(text, s);
     found = true;
   }
-  free(text);
-  if (f) fclose(f);
+  vs_source_free(&source);
   return where;
 }
 
@@ -218,6 +217,7 @@ static vs_status model_rule(const place *p, const char *line) {
   static const char *const LEVELS[] = {"1", "2", "3", "4", "6", "9"};
   char type[VS_DECK_NAME];
   nth_word(line, 2, type);
+  if (!strncmp(type, "ako:", 4)) nth_word(line, type[4] ? 3 : 4, type); /* "a kind of" another */
   if (!AMONG(type, DEVICES) && !AMONG(type, CODE_MODELS))
     return vs_fail_at(p->err, p->where,
                       "model type '%s' does not belong in a deck: allowed are d, bipolar, field "
@@ -241,20 +241,35 @@ static vs_status model_rule(const place *p, const char *line) {
   return assignments(line, model_name_rule, (void *)(size_t)p);
 }
 
-vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
+/* Takes a line .title as the deck's title, unless it has one. */
+static vs_status title(vs_deck *deck, const char *text, vs_where where, bool *skip) {
+  *skip = true;
+  text += strspn(text, " \t");
+  if (*deck->title)
+    vs_statements_skip(&deck->skipped, "'.title'", where);
+  else
+    snprintf(deck->title, sizeof deck->title, "%s", text);
+  return VS_OK;
+}
+
+vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, bool *skip,
+                             vs_error *err) {
   static const char *const ALLOWED[] = {".param", ".model",  ".subckt", ".ends",
                                         ".func",  ".global", ".ic",     ".nodeset",
                                         ".if",    ".elseif", ".else",   ".endif"};
   const place p = {deck, where, err};
+  vs_status judged = vs_statements_judge(line, where, &deck->skipped, skip, err);
+  if (judged || *skip) return judged;
   deck->own_clock = deck->own_clock || knows_time(line);
   char word[VS_DECK_NAME], name[VS_DECK_NAME];
   snprintf(word, sizeof word, "%.*s", (int)strcspn(line, " \t=("), line);
   vs_cursor_lower(word);
+  if (!strcmp(word, ".title")) return title(deck, line + strlen(word), where, skip);
   /* ngspice takes any statement that begins with one of its own, so the whole word must be known */
   if (!AMONG(word, ALLOWED))
     return vs_fail_at(err, where,
-                      "%s does not belong in a deck: analysis, options and commands are the "
-                      "program's",
+                      "%s does not belong in a deck: a circuit is made of .param, .model, .subckt, "
+                      ".func, .global, .ic, .nodeset, .if and .include",
                       word);
   if (!strcmp(word, ".model")) return model_rule(&p, line);
   if (!strcmp(word, ".param") || !strcmp(word, ".subckt")) {
@@ -263,9 +278,11 @@ vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, vs
   }
   if (!strcmp(word, ".param") && deck->subcircuits == 0)
     return assignments(line, param_rule, (void *)(size_t)&p);
+  if (!strcmp(word, ".ends") && deck->subcircuits == 0 && !(deck->lost & VS_LOST_ELEMENT))
+    return vs_fail_at(err, where, ".ends closes a .subckt, and none is open here");
   if (!strcmp(word, ".ends") && deck->subcircuits > 0) deck->subcircuits--;
   if (strcmp(word, ".subckt")) return VS_OK;
-  deck->subcircuits++;
+  if (deck->subcircuits++ == 0) deck->subcircuit = where;
   return strcmp(nth_word(line, 1, name), "eva")
              ? VS_OK
              : vs_fail_at(err, where, "subcircuit eva is the program's; give yours another name");

@@ -8,8 +8,10 @@
 #include "deck/deck.h"
 
 /* Holds a line that begins with '.' to the rules. Counts in deck->subcircuits those that it opens
- * and closes, and sets deck->own_clock where it knows the time. */
-vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, vs_error *err);
+ * and closes, and sets deck->own_clock where it knows the time. *skip is true if it is none of the
+ * circuit's lines and harmless; deck->skipped has it then. */
+vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, bool *skip,
+                             vs_error *err);
 /* Holds any other line to the rules. Notes the EVA, and sets deck->own_clock as above. */
 vs_status vs_rules_element(vs_deck *deck, const char *line, vs_where where, vs_error *err);
 

@@ -52,37 +52,17 @@ void vs_fan_end(vs_fan *f) {
 
 /* ---- runs of their own ---- */
 
-static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {
-  vs_measured *m = ctx;
-  (void)err;
-  if (m->period) vs_steady_again(&m->steady, scene);
-  return VS_OK;
-}
-
-static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
-  vs_measured *m = ctx;
-  (void)result, (void)err;
-  if (m->period) vs_steady_accept(&m->steady, step);
-  return VS_OK;
-}
-
 /* Each run finds its own orbit, where it begins on one or is a period of one. */
 static vs_status run_one(vs_fan *f, const vs_subject *subject, int k, double tolerance,
                          vs_error *err) {
   vs_scene *scene = f->scene[k];
-  vs_measured *m = f->measured[k];
-  const vs_guest guest = {.ctx = m, .begin = begin, .accept = accept};
-  const vs_session session = {.guest = &guest, .steady = vs_steady_start, .stop = subject->stop};
-  vs_measured_free(m);
-  *m = (vs_measured){.period = subject->periods > 0};
+  const vs_session session = {.stop = subject->stop};
+  vs_measured_free(f->measured[k]);
+  *f->measured[k] = (vs_measured){0};
   *scene = *f->parameter.scene[f->parameter.idle ? 0 : k];
   scene->setup.run.tolerance = tolerance;
   scene->frame = vs_sim_frame(scene->tier, &scene->setup);
-  vs_status status = VS_OK;
-  if (m->period) status = vs_steady_begin(&m->steady, scene, subject->periods, err);
-  if (!status) status = vs_session_run(&session, scene, &m->result, err);
-  if (!status && m->period) vs_steady_finish(&m->steady, &m->result);
-  return status;
+  return vs_measured_run(f->measured[k], scene, subject->periods, &session, err);
 }
 
 vs_status vs_fan_run(vs_fan *f, const vs_subject *subject, double tolerance, vs_error *err) {

@@ -27,6 +27,40 @@ void vs_measured_free(vs_measured *m) {
   if (m->period) vs_steady_end(&m->steady);
 }
 
+/* ---- a run of its own ---- */
+
+static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {
+  vs_measured *m = ctx;
+  (void)err;
+  vs_steady_again(&m->steady, scene);
+  return VS_OK;
+}
+
+static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
+  vs_measured *m = ctx;
+  (void)result, (void)err;
+  vs_steady_accept(&m->steady, step);
+  return VS_OK;
+}
+
+vs_status vs_measured_run(vs_measured *m, vs_scene *scene, int periods, const vs_session *session,
+                          vs_error *err) {
+  const vs_guest guest = {.ctx = m, .begin = begin, .accept = accept};
+  vs_session along = *session;
+  along.steady = vs_steady_start;
+  m->period = periods > 0;
+  if (m->period) along.guest = &guest;
+  scene->warnings =
+      (vs_warnings){0}; /* those of the scene that it was copied from are not its own */
+  vs_status status = m->period ? vs_steady_begin(&m->steady, scene, periods, err) : VS_OK;
+  if (!status) status = vs_session_run(&along, scene, &m->result, err);
+  if (!status && m->period) vs_steady_finish(&m->steady, &m->result);
+  vs_warnings_free(&scene->warnings);
+  return status;
+}
+
+/* ---- measures ---- */
+
 bool vs_measured_at(const vs_measured *m, int k, vs_measured_value *v) {
   vs_shown shown;
   vs_steady_measure own;

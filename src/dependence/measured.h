@@ -4,6 +4,7 @@
 #ifndef VS_DEPENDENCE_MEASURED_H
 #define VS_DEPENDENCE_MEASURED_H
 
+#include "scene/session.h"
 #include "scene/shown.h"
 #include "steady/steady.h"
 
@@ -21,6 +22,13 @@ void vs_measured_begin(vs_measured *measured, const vs_scene *scene, const vs_or
 void vs_measured_accept(vs_measured *measured, const vs_step *step);
 void vs_measured_finish(vs_measured *measured);
 void vs_measured_free(vs_measured *measured);
+
+/* Runs a scene and takes its measures: those of its run, which finds its own orbit where it begins
+ * on one; or, with periods above 0, those of one period of its orbit of so many firing periods. The
+ * scene is altered: give a copy, which may borrow. session: its guest is only asked into a run.
+ * Fill *measured with {0} before. Errors: those of vs_session_run and vs_steady_begin. */
+vs_status vs_measured_run(vs_measured *measured, vs_scene *scene, int periods,
+                          const vs_session *session, vs_error *err);
 
 /* One of them, in its unit. */
 typedef struct vs_measured_value {

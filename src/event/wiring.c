@@ -14,7 +14,9 @@ void vs_wiring_line(vs_deck *deck, vs_where where, const char *format, ...) {
   va_start(args, format);
   vsnprintf(text, sizeof text, format, args);
   va_end(args);
-  vs_deck_add_line(deck, (vs_line){vs_copy(text), strlen(text), where});
+  vs_line line = {0};
+  vs_line_join(&line, text, where);
+  vs_deck_add_line(deck, line);
 }
 
 vs_status vs_wiring_source(vs_deck *deck, const vs_occurrence *e, size_t index, const char *plus,

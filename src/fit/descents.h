@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The way down to the least sum of squares, chi2, by GSL's trust region (gsl_multifit_nlinear,
  * Levenberg and Marquardt's step, solved by singular values), from one start or from several. It
- * works in the unknowns' coordinate t, in which no step leaves the bounds (fit/unknown.h). */
+ * works in the unknowns' coordinate t, in which no step leaves the bounds (inquiry/unknown.h). */
 #ifndef VS_FIT_DESCENTS_H
 #define VS_FIT_DESCENTS_H
 

@@ -196,6 +196,7 @@ vs_status vs_estimate_at(vs_descender *d, const vs_descent *minimum, vs_estimate
   e->residual = vs_alloc(p->n_residuals, sizeof *e->residual);
   gsl_matrix *slopes = gsl_matrix_alloc(p->n_residuals, p->n_unknowns);
   vs_status status = vs_prediction_run(p, -1, minimum->s, e->computed, err);
+  e->unstable = p->unstable;
   if (!status) status = vs_slopes_fill(d->slopes, p, minimum->s, e->computed, slopes, err);
   if (!status) {
     vs_prediction_residuals(p, minimum->s, e->computed, e->residual);

@@ -33,6 +33,7 @@ typedef struct vs_estimate {
   double covariance[VS_INQUIRY_UNKNOWNS][VS_INQUIRY_UNKNOWNS];  /* of s; 0 on a bound */
   double *computed, *residual;                                  /* [n_data], [n_residuals]; owned */
   long freedom;       /* residuals less unknowns that are not on a bound */
+  bool unstable;      /* an orbit is, of the runs that are a period of one */
   double probability; /* that a true model has a chi2 as large; NaN: freedom is 0 */
   vs_combination directions[VS_INQUIRY_UNKNOWNS]; /* from the best known to the least known */
   size_t n_directions;

@@ -33,7 +33,7 @@ static void follow_profiles(vs_descender *d, vs_outcome *o) {
 static vs_pattern test_column(const vs_outcome *o, size_t run, size_t column) {
   const vs_inquiry_run *r = &o->inquiry->runs[run];
   double *residual = vs_alloc(r->recording.n_samples, sizeof *residual);
-  size_t count = 0, first = r->datum + r->n_aims;
+  size_t count = 0, first = r->datum + r->aims.count;
   for (size_t k = 0; k < r->recording.n_samples; k++)
     if ((size_t)r->recording.samples[k].column == column)
       residual[count++] = o->estimate.residual[first + k];
@@ -44,10 +44,11 @@ static vs_pattern test_column(const vs_outcome *o, size_t run, size_t column) {
 
 static void test_columns(vs_outcome *o) {
   size_t room = 0;
-  for (size_t r = 0; r < o->inquiry->n_runs; r++) room += o->inquiry->runs[r].recording.n_columns;
+  for (size_t r = 0; r < o->inquiry->n_runs; r++)
+    room += o->inquiry->runs[r].recording.columns.count;
   o->columns = vs_alloc(room + 1, sizeof *o->columns);
   for (size_t r = 0; r < o->inquiry->n_runs; r++)
-    for (size_t c = 0; c < o->inquiry->runs[r].recording.n_columns; c++)
+    for (size_t c = 0; c < o->inquiry->runs[r].recording.columns.count; c++)
       o->columns[o->n_columns++] = (vs_outcome_column){r, c, test_column(o, r, c)};
 }
 
@@ -72,7 +73,7 @@ static void settle(vs_descender *d, vs_outcome *o) {
 
 vs_status vs_outcome_of(const vs_inquiry *q, vs_outcome *o, vs_error *err) {
   *o = (vs_outcome){.inquiry = q};
-  vs_prediction_begin(&o->prediction, q);
+  o->prediction = vs_prediction_of(q);
   vs_descender d = {.prediction = &o->prediction};
   d.slopes = kind_of(o, true);
   vs_status status = vs_descents_search(&d, &o->descents, err);
@@ -88,7 +89,6 @@ vs_status vs_outcome_of(const vs_inquiry *q, vs_outcome *o, vs_error *err) {
 }
 
 void vs_outcome_free(vs_outcome *o) {
-  vs_prediction_free(&o->prediction);
   vs_descents_free(&o->descents);
   vs_estimate_free(&o->estimate);
   free(o->profiles);

@@ -4,83 +4,68 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "fit/sampler.h"
 #include "scene/session.h"
-#include "steady/steady.h"
 
-void vs_prediction_begin(vs_prediction *p, const vs_inquiry *q) {
-  *p = (vs_prediction){.inquiry = q,
-                       .n_unknowns = q->n_unknowns,
-                       .n_residuals = vs_inquiry_residuals(q),
-                       .channels = vs_alloc(VS_CH_MOST, sizeof(double))};
+vs_prediction vs_prediction_of(const vs_inquiry *q) {
+  vs_prediction p = {
+      .inquiry = q, .n_unknowns = q->n_unknowns, .n_residuals = vs_inquiry_residuals(q)};
   for (size_t r = 0; r < q->n_runs; r++)
-    p->any_circuit = p->any_circuit || q->runs[r].scene->tier->has_circuit;
-}
-
-void vs_prediction_free(vs_prediction *p) {
-  free(p->channels);
-  *p = (vs_prediction){0};
+    p.rough = p.rough || q->runs[r].scene->tier->has_circuit || q->runs[r].scene->control.regulator;
+  return p;
 }
 
 /* ---- a run ---- */
 
-static unsigned groups_of(const vs_inquiry_run *run) {
-  unsigned groups = 0;
-  for (size_t c = 0; c < run->recording.n_columns; c++)
-    groups |= vs_channel_groups(&run->scene->setup.model, &run->recording.columns[c].channel, 1);
-  return groups;
-}
-
-void vs_prediction_sample(vs_sampler *s, const vs_step *step) {
-  const vs_recording *r = &s->run->recording;
-  double at_s = NAN;
-  if (s->next == r->n_samples || r->samples[s->next].t_s > step->to->t_s) return;
-  const unsigned groups = groups_of(s->run);
-  for (; s->next < r->n_samples && r->samples[s->next].t_s <= step->to->t_s; s->next++) {
-    const vs_sample *sample = &r->samples[s->next];
-    if (sample->t_s != at_s) vs_step_groups_at(step, sample->t_s, groups, s->channels);
-    at_s = sample->t_s;
-    s->computed[s->next] = s->channels[r->columns[sample->column].channel];
-  }
-}
-
 static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {
-  vs_sampler *s = ctx;
-  (void)scene, (void)err;
-  s->next = 0;
+  (void)err;
+  vs_sampler_restart(ctx, scene);
   return VS_OK;
 }
 
 static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
   (void)result, (void)err;
-  vs_prediction_sample(ctx, step);
+  vs_sampler_accept(ctx, step);
   return VS_OK;
 }
 
-static vs_status take_aims(const vs_inquiry_run *run, const vs_result *result, double *computed,
+static vs_status take_aims(const vs_inquiry_run *run, const vs_measured *measured, double *computed,
                            vs_error *err) {
   vs_status status = VS_OK;
-  for (size_t k = 0; k < run->n_aims && !status; k++)
-    status = vs_aim_computed(&run->aims[k], run->scene, result, &computed[k], err);
+  for (size_t k = 0; k < run->aims.count && !status; k++)
+    status = vs_aim_computed(&run->aims.item[k], run->scene, measured, &computed[k], err);
   return status;
 }
 
-static vs_status run_scene(vs_prediction *p, const vs_inquiry_run *run, double *computed,
-                           vs_error *err) {
-  vs_result *result = vs_alloc(1, sizeof *result);
-  vs_sampler looks = {
-      .run = run, .computed = computed + run->datum + run->n_aims, .channels = p->channels};
+static vs_status run_copy(const vs_inquiry_run *run, vs_scene *scene, vs_measured *measured,
+                          double *computed, vs_error *err) {
+  vs_sampler looks;
   const vs_guest guest = {&looks, begin, accept, NULL};
   const vs_session session = {.guest = run->recorded ? &guest : NULL,
-                              .bare = !run->n_aims && !run->scene->tier->has_circuit &&
-                                      !run->scene->control.regulator,
-                              .steady = vs_steady_start};
-  vs_status status = vs_session_run(&session, run->scene, result, err);
+                              .bare = !run->aims.count && !run->scene->tier->has_circuit &&
+                                      !run->scene->control.regulator};
+  vs_sampler_begin(&looks, &run->recording, computed + run->aims.count);
+  vs_status status = vs_measured_run(measured, scene, run->periods, &session, err);
   if (!status && looks.next < run->recording.n_samples)
     status = vs_fail(err, VS_RUN, "the run ends before the sample at %.9g s",
                      run->recording.samples[looks.next].t_s);
-  if (!status) status = take_aims(run, result, computed + run->datum, err);
-  vs_result_free(result);
-  free(result);
+  if (!status) status = take_aims(run, measured, computed, err);
+  vs_sampler_end(&looks);
+  return status;
+}
+
+/* A period of an orbit makes another scene of the one that is run, so that a copy is run. */
+static vs_status run_scene(vs_prediction *p, const vs_inquiry_run *run, double *computed,
+                           vs_error *err) {
+  vs_measured *measured = vs_alloc(1, sizeof *measured);
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  *scene = *run->scene;
+  vs_status status = run_copy(run, scene, measured, computed + run->datum, err);
+  if (!status && run->periods && vs_steady_is_judged(&measured->steady))
+    p->unstable = p->unstable || !measured->steady.orbit.stable;
+  vs_measured_free(measured);
+  free(measured);
+  free(scene);
   return status;
 }
 
@@ -103,6 +88,7 @@ static vs_status predict(vs_prediction *p, int number, const double *s, double *
 vs_status vs_prediction_run(vs_prediction *p, int number, const double *s, double *computed,
                             vs_error *err) {
   vs_status status = VS_OK;
+  p->unstable = false;
   for (int r = 0; r < (int)p->inquiry->n_runs && !status; r++)
     if (number < 0 || r == number) status = predict(p, r, s, computed, err);
   if (!status) return VS_OK;

@@ -3,36 +3,28 @@
 #ifndef VS_FIT_PREDICTION_H
 #define VS_FIT_PREDICTION_H
 
-#include "fit/inquiry.h"
+#include "inquiry/inquiry.h"
 
 typedef struct vs_prediction {
   const vs_inquiry *inquiry; /* borrowed; its scenes are altered */
   size_t n_unknowns, n_residuals;
-  long runs;        /* how often a scene was run so far */
-  long failures;    /* how many of these failed */
-  long inexact;     /* how often an exact slope was asked for and told by differences */
-  vs_error failed;  /* how the last one of them did */
-  bool any_circuit; /* one of the runs has a circuit, whose steps are not the same for all values */
-  double *channels; /* the prediction's own: of one instant */
+  long runs;       /* how often a scene was run so far */
+  long failures;   /* how many of these failed */
+  long inexact;    /* how often an exact slope was asked for and told by differences */
+  vs_error failed; /* how the last one of them did */
+  bool rough;    /* one of the runs does not change smoothly with its scene: it has a circuit, whose
+                    steps are not the same for all values, or a control that reads an A/D */
+  bool unstable; /* the last run of all, or of one, was a period of an orbit that no machine stays
+                    on */
 } vs_prediction;
 
-/* Free it with vs_prediction_free; the inquiry must outlive it. */
-void vs_prediction_begin(vs_prediction *prediction, const vs_inquiry *inquiry);
-void vs_prediction_free(vs_prediction *prediction);
+/* The inquiry must outlive it. */
+vs_prediction vs_prediction_of(const vs_inquiry *inquiry);
 
 /* Puts the values s[n_unknowns] into the scene number `run`, without a run of it. Error: it cannot
  * be read. */
 vs_status vs_prediction_settle(const vs_prediction *prediction, int run, const double *s,
                                vs_error *err);
-
-/* Takes the samples of a recording out of the steps of a run, in their order. */
-typedef struct vs_sampler {
-  const vs_inquiry_run *run;
-  double *computed; /* of the run's first sample, SI */
-  size_t next;      /* the first sample that is not taken yet; begin with 0 */
-  double *channels; /* room for VS_CH_MOST numbers */
-} vs_sampler;
-void vs_prediction_sample(vs_sampler *sampler, const vs_step *step);
 
 /* Runs the scene number `run`, or all where run < 0, with the values s[n_unknowns] and fills its
  * part of computed[n_data], SI. Error, also kept in `failed`: a run cannot be read or fails, or has

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "dependence/kin.h"
+#include "fit/sampler.h"
 #include "syntax/units.h"
 
 /* Runs of the scene that its kin take: to find the instants, how far they may go, to show them. */
@@ -17,8 +18,8 @@ enum { RUNS_OF_KIN = 3 };
  * tiers without a circuit a run's numbers are smooth functions of its scene to some 1e-11, and a
  * motion turns by some 100 rad before it is measured: then both are near 1e-7 of the slope. A run
  * of the circuit has steps that depend on what happens, and numbers that are smooth to its
- * tolerance alone. */
-static const double STEP = 3e-4, STEP_OF_CIRCUIT = 2e-2;
+ * tolerance alone; one with a control fires by what an A/D shows, in its steps. */
+static const double STEP = 3e-4, STEP_WHERE_ROUGH = 2e-2;
 
 /* Runs with unknown k moved by `by`, and fills moved[n_data]. */
 static vs_status move(vs_prediction *p, size_t k, const double *s, double by, double *moved,
@@ -74,7 +75,7 @@ static vs_status one_sided(vs_prediction *p, size_t k, const double *s, double h
 /* Where a run on one side fails, as the machine does not exist there, the other side tells. */
 static vs_status difference(vs_prediction *p, size_t k, const double *s, const double *computed,
                             double *slope, vs_error *err) {
-  const double h = p->any_circuit ? STEP_OF_CIRCUIT : STEP;
+  const double h = p->rough ? STEP_WHERE_ROUGH : STEP;
   memset(slope, 0, p->inquiry->n_data * sizeof *slope);
   if (!apply(p, k, s, &CENTRAL, h, slope, err)) return VS_OK;
   *err = (vs_error){0};
@@ -92,30 +93,42 @@ static bool always(const vs_prediction *p) {
 
 enum { KIN = VS_FAN_RUNS };
 
-/* The circuit's equations are its solver's own. What else stands in the way of one run's
- * derivatives is seen when they are asked for. */
+/* The circuit's equations are its solver's own, and a control's decisions have no slopes. What else
+ * stands in the way of one run's derivatives is seen when they are asked for. */
 static bool has_kin(const vs_prediction *p) {
-  return !p->any_circuit;
+  return !p->rough;
+}
+
+/* True if something was recorded by instruments. */
+static bool sees_through(const vs_inquiry_run *run) {
+  bool any = false;
+  for (size_t c = 0; c < run->recording.columns.count; c++)
+    any = any || run->recording.columns.item[c].instrument >= 0;
+  return any;
 }
 
 /* What a run and its kin say in the place of each of the run's data. */
 typedef struct kin_data {
   const vs_inquiry_run *run;
+  const vs_fan *fan;
   double *value[KIN]; /* of the run's first datum */
   vs_sampler sampler[KIN];
 } kin_data;
 
+/* The kin are shown anew, from the begin on, where an attempt at them has failed. */
 static void take_step(void *ctx, int k, const vs_step *step) {
   kin_data *all = ctx;
-  vs_prediction_sample(&all->sampler[k], step);
+  if (step->from->t_s <= 0) vs_sampler_restart(&all->sampler[k], all->fan->scene[k]);
+  vs_sampler_accept(&all->sampler[k], step);
 }
 
-static vs_status take_data(kin_data *all, const vs_fan *fan, vs_error *err) {
+static vs_status take_data(kin_data *all, vs_error *err) {
   const vs_inquiry_run *run = all->run;
+  const vs_fan *fan = all->fan;
   vs_status status = VS_OK;
   for (int k = 0; k < KIN && !status; k++) {
-    for (size_t a = 0; a < run->n_aims && !status; a++)
-      status = vs_aim_computed(&run->aims[a], fan->scene[k], &fan->measured[k]->result,
+    for (size_t a = 0; a < run->aims.count && !status; a++)
+      status = vs_aim_computed(&run->aims.item[a], fan->scene[k], fan->measured[k],
                                &all->value[k][a], err);
     if (!status && all->sampler[k].next < run->recording.n_samples)
       status = vs_fail(err, VS_RUN, "the kin of the run end before its last sample");
@@ -136,13 +149,18 @@ static void take_slopes(const kin_data *all, const vs_fan *fan, const vs_unknown
   }
 }
 
+/* Error: the kin cannot tell. A key that the tier ignores may still be one of an instrument. */
 static vs_status follow_kin(const vs_subject *subject, kin_data *all, const vs_unknown *u,
                             double *slope, vs_error *err) {
   vs_fan *fan = vs_alloc(1, sizeof *fan);
   const vs_asked key = {u->axis.key, u->axis.where};
+  all->fan = fan;
   vs_status status = vs_kin_find(fan, subject, &key, false, err);
   if (!status) {
-    status = fan->parameter.idle ? VS_OK : take_data(all, fan, err);
+    if (fan->parameter.idle && sees_through(all->run))
+      status = vs_fail(err, VS_RUN, "whether an instrument has the key is seen by differences");
+    else if (!fan->parameter.idle)
+      status = take_data(all, err);
     if (!status && !fan->parameter.idle) take_slopes(all, fan, u, slope);
     vs_fan_end(fan);
   }
@@ -150,24 +168,37 @@ static vs_status follow_kin(const vs_subject *subject, kin_data *all, const vs_u
   return status;
 }
 
+/* Why the run has no kin; NULL: it has. Where a low-pass begins on an orbit, its state there
+ * depends on the key, which the kin are not told. */
+static const char *lacks_kin(const vs_inquiry_run *run, const vs_subject *subject) {
+  if (subject->inexact) return subject->inexact;
+  return subject->calm && sees_through(run) ? "an instrument begins on the orbit" : NULL;
+}
+
+static vs_status find_in_run(const vs_inquiry_run *run, const vs_unknown *u, kin_data *all,
+                             double *slope, vs_error *err) {
+  vs_subject subject;
+  vs_status status = vs_subject_begin(&subject, run->scene, run->periods, err);
+  const char *why = status ? NULL : lacks_kin(run, &subject);
+  subject.shown = run->recorded ? take_step : NULL;
+  subject.ctx = all;
+  if (why) status = vs_fail(err, VS_RUN, "%s", why);
+  if (!status) status = follow_kin(&subject, all, u, slope, err);
+  vs_subject_end(&subject);
+  return status;
+}
+
 static vs_status exact_in_run(vs_prediction *p, int number, size_t k, double *slope,
                               vs_error *err) {
   const vs_inquiry_run *run = &p->inquiry->runs[number];
   double *values = vs_alloc(KIN * run->data, sizeof *values);
-  double *channels = vs_alloc(VS_CH_MOST, sizeof *channels);
   kin_data all = {.run = run};
-  vs_subject subject;
   for (size_t j = 0; j < KIN; j++) {
     all.value[j] = values + j * run->data;
-    all.sampler[j] = (vs_sampler){run, all.value[j] + run->n_aims, 0, channels};
+    vs_sampler_begin(&all.sampler[j], &run->recording, all.value[j] + run->aims.count);
   }
-  vs_status status = vs_subject_begin(&subject, run->scene, 0, err);
-  subject.shown = run->recorded ? take_step : NULL;
-  subject.ctx = &all;
-  if (!status && subject.inexact) status = vs_fail(err, VS_RUN, "%s", subject.inexact);
-  if (!status) status = follow_kin(&subject, &all, &p->inquiry->unknowns[k], slope, err);
-  vs_subject_end(&subject);
-  free(channels);
+  vs_status status = find_in_run(run, &p->inquiry->unknowns[k], &all, slope, err);
+  for (size_t j = 0; j < KIN; j++) vs_sampler_end(&all.sampler[j]);
   free(values);
   p->runs += RUNS_OF_KIN;
   return status;

@@ -103,6 +103,11 @@ static vs_status check_name(const vs_instrument *i, const char *name, const vs_f
                       "instruments: '%s' is no name: at most %d letters, digits and _, the first "
                       "of them a letter",
                       name, VS_INSTRUMENT_NAME - 1);
+  if (is_common(name))
+    return vs_fail_at(err, i->where,
+                      "instruments: '%s' is a key of the section, not a name for an instrument; "
+                      "give it another name",
+                      name);
   int numbers[VS_CH_MOST], n = vs_channel_listed(full, numbers);
   for (int k = 0; k < n; k++) {
     vs_channel c = vs_channel_at(full, numbers[k]);
@@ -124,6 +129,23 @@ static void make_section(vs_instrument *i) {
   i->section = (vs_section){i->path, i->fields, VS_INSTRUMENT_FIELDS};
 }
 
+/* Error: a low-pass that is not there, or one of order 1, is said to have what it has not. What the
+ * scene changes makes no error of what its set says. */
+static vs_status check_lowpass(const vs_instrument *i, const entry *e, vs_error *err) {
+  const bool own_order = vs_tree_child(e->own, "order") != NULL;
+  if (i->v.order == 1 && (vs_tree_child(e->own, "damping") || (!own_order && key_of(e, "damping"))))
+    return vs_fail_at(err, place_of(e, i, "damping"),
+                      "%s.damping: a low-pass of order 1 has none; write order: 2, or leave it out",
+                      i->path);
+  const char *key = key_of(e, "order") ? "order" : "damping";
+  if (key_of(e, key) && !key_of(e, "bandwidth"))
+    return vs_fail_at(err, place_of(e, i, key),
+                      "%s.%s: without a bandwidth there is no low-pass; write one, as bandwidth: "
+                      "100 Hz, or leave this out",
+                      i->path, key);
+  return VS_OK;
+}
+
 /* Error: the keys, each good by itself, do not go together. */
 static vs_status check_values(const vs_instrument *i, const entry *e, double until_s,
                               vs_error *err) {
@@ -138,16 +160,12 @@ static vs_status check_values(const vs_instrument *i, const entry *e, double unt
     return vs_fail_at(err, place_of(e, i, "range"),
                       "%s.range: from %g to %g %s is empty; the first must be the lower end",
                       i->path, v->range[0] / unit, v->range[1] / unit, i->unit);
-  if (v->order == 1 && vs_tree_child(e->own, "damping"))
-    return vs_fail_at(err, place_of(e, i, "damping"),
-                      "%s.damping: a low-pass of order 1 has none; write order: 2, or leave it out",
-                      i->path);
   if (v->rate_hz * until_s > MOST_SAMPLES)
     return vs_fail_at(err, place_of(e, i, "rate"),
                       "%s.rate: %g Hz makes %.3g samples up to run.until = %g s; allowed there: at "
                       "most %g Hz",
                       i->path, v->rate_hz, v->rate_hz * until_s, until_s, MOST_SAMPLES / until_s);
-  return VS_OK;
+  return check_lowpass(i, e, err);
 }
 
 /* Puts the values of the map's keys over those that are there. */
@@ -193,7 +211,7 @@ static vs_status read_one(vs_instruments *all, const entry *e, const vs_setup *s
   snprintf(i->path, sizeof i->path, "instruments.%.31s", node->key);
   if (node->kind != VS_NODE_MAP && !is_silent(node))
     return vs_fail_at(err, node->where, "%s: a map of keys is wanted: {range: [-1, 1], ...}%s",
-                      i->path, e->base ? ", or none" : "");
+                      i->path, e->own && e->base ? ", or none" : "");
   vs_status s = check_name(i, node->key, &full, err);
   if (!s) s = read_channel(i, e, setup, frame, err);
   if (s || i->channel < 0) return s;
@@ -300,7 +318,8 @@ void vs_instruments_free(vs_instruments *all) {
 }
 
 const char *vs_instruments_names(const vs_node *section, int n) {
-  for (const vs_node *i = section ? section->child : NULL; i; i = i->next) {
+  const bool is_map = section && section->kind == VS_NODE_MAP; /* else reading it refuses it */
+  for (const vs_node *i = is_map ? section->child : NULL; i; i = i->next) {
     const vs_node *channel = vs_tree_child(i, "channel");
     if (is_common(i->key) || is_word(i, "none") || n-- > 0) continue;
     return channel && channel->kind == VS_NODE_TEXT ? channel->text : i->key;

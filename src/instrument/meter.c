@@ -49,24 +49,33 @@ static double shown(vs_meter *m, double y) {
 }
 
 /* A part of a step is halved until a polynomial is as near to the channel as this part of the
- * range, or this often; and until the channel is either within the range or beyond it, or so
- * often. */
-static const double NEAR = 1e-12;
-enum { HALVES = 12, HALVES_AT_RANGE = 24 };
+ * range, or as this part of the channel itself, whose rounding no halving takes away; and until the
+ * channel is either within the range or beyond it. It is halved at most so often, so that a jump
+ * is met to a 2^-24th of the step, and a step is taken in at most about so many parts: where a
+ * channel's rounding is larger than the range's steps, halves are no better than the whole. */
+static const double NEAR = 1e-12, ROUNDING = 1e-14;
+enum { HALVES = 24, PARTS = 400 };
+
+/* A step that is taken in parts. */
+typedef struct walk {
+  const vs_step *step;
+  int left; /* how often a part may still be halved */
+} walk;
 
 /* Takes the low-pass along the channel, as the sensor shows it, from one instant of the step to
  * another. depth: how often the part was halved. */
-static void follow(vs_meter *m, const vs_step *step, vs_span_s part, int depth) {
-  const vs_chunk c = vs_chunk_of(step, m->instrument->channel, part.from_s, part.to_s);
+static void follow(vs_meter *m, walk *w, vs_span_s part, int depth) {
+  const vs_chunk c = vs_chunk_of(w->step, m->instrument->channel, part.from_s, part.to_s);
   double low = c.a[0] - c.reach, high = c.a[0] + c.reach, u[VS_LOWPASS_TERMS] = {0};
-  double near = NEAR * (m->range[1] - m->range[0]);
+  double near = fmax(NEAR * (m->range[1] - m->range[0]), ROUNDING * fmax(fabs(low), fabs(high)));
   bool is_beyond = high <= m->range[0] || low >= m->range[1] || !isfinite(c.reach),
        is_within = low >= m->range[0] - near && high <= m->range[1] + near;
-  int most = is_beyond ? 0 : !is_within ? HALVES_AT_RANGE : vs_chunk_error(&c) > near ? HALVES : 0;
+  bool is_good = is_beyond || (is_within && vs_chunk_error(&c) <= near);
   double middle_s = (part.from_s + part.to_s) / 2;
-  if (depth < most && middle_s > part.from_s && middle_s < part.to_s) {
-    follow(m, step, (vs_span_s){part.from_s, middle_s}, depth + 1);
-    follow(m, step, (vs_span_s){middle_s, part.to_s}, depth + 1);
+  if (!is_good && depth < HALVES && w->left > 0 && middle_s > part.from_s && middle_s < part.to_s) {
+    w->left--;
+    follow(m, w, (vs_span_s){part.from_s, middle_s}, depth + 1);
+    follow(m, w, (vs_span_s){middle_s, part.to_s}, depth + 1);
     return;
   }
   if (is_within)
@@ -77,22 +86,40 @@ static void follow(vs_meter *m, const vs_step *step, vs_span_s part, int depth) 
 }
 
 static void take_on(vs_meter *m, const vs_step *step, double t_s) {
-  if (t_s > m->t_s && m->lowpass.rate > 0) follow(m, step, (vs_span_s){m->t_s, t_s}, 0);
+  walk w = {step, PARTS};
+  if (t_s > m->t_s && m->lowpass.rate > 0) follow(m, &w, (vs_span_s){m->t_s, t_s}, 0);
   m->t_s = t_s;
 }
 
 /* ---- samples ---- */
 
+/* How far y is above the middle between a code's step and the one below. The sign is exact: of the
+ * difference and of the product, the part that rounding takes away is kept. */
+static double above_middle(double low, double step, double code, double y) {
+  double product = (code - 0.5) * step, product_rest = fma(code - 0.5, step, -product);
+  double far = y - low, back = far - y, far_rest = (y - (far - back)) - (low + back);
+  return (far - product) + (far_rest - product_rest);
+}
+
 double vs_meter_quantised(const double range[2], int bits, double y) {
   if (!bits) return y;
   double step = ldexp(range[1] - range[0], -bits), last = ldexp(1, bits) - 1;
-  double code = floor((y - range[0]) / step + 0.5);
-  return range[0] + step * fmin(fmax(code, 0), last);
+  double code = fmin(fmax(floor((y - range[0]) / step + 0.5), 0), last);
+  if (code > 0 && above_middle(range[0], step, code, y) < 0)
+    code--; /* which rounding had put on the wrong side of the middle */
+  else if (code < last && above_middle(range[0], step, code + 1, y) >= 0)
+    code++;
+  return range[0] + step * code;
+}
+
+/* What is shown where the low-pass has come to. */
+static double output(vs_meter *m, const vs_step *step) {
+  if (m->lowpass.rate > 0) return m->lowpass.x[0];
+  return shown(m, vs_step_channel(step, m->t_s, m->instrument->channel));
 }
 
 static void sample(vs_meter *m, const vs_step *step) {
-  double y = m->lowpass.rate > 0 ? m->lowpass.x[0]
-                                 : shown(m, vs_step_channel(step, m->t_s, m->instrument->channel));
+  double y = output(m, step);
   m->value = vs_meter_quantised(m->range, m->instrument->v.bits, y + noise(m));
   if (m->outside && !m->beyond++) m->beyond_s = m->t_s;
   m->outside = false;
@@ -119,6 +146,12 @@ void vs_meter_to(vs_meter *m, const vs_step *step, double t_s) {
     take_on(m, step, fmin(next_s, step->to->t_s));
     sample(m, step);
   }
+}
+
+double vs_meter_shown(vs_meter *m, const vs_step *step, double t_s) {
+  if (isnan(m->t_s)) begin_at(m, step);
+  take_on(m, step, t_s);
+  return output(m, step);
 }
 
 void vs_meter_accept(vs_meter *m, const vs_step *step) {

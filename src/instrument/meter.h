@@ -7,9 +7,10 @@
  *   2. its low-pass follows that, all the time and not only at the samples;
  *   3. noise is added: normally distributed, and independent from sample to sample (white);
  *   4. the A/D takes the nearest of its steps, range[0] + code (range[1] - range[0])/2^bits with a
- *      code from 0 to 2^bits - 1. So it never shows the upper end itself.
- * At t = 0 the low-pass is settled: the channel is taken to have stood still before. A run that
- * begins on an orbit has it as the orbit has it (instrument->on_orbit).
+ *      code from 0 to 2^bits - 1. So it never shows the upper end itself. In the middle of two
+ * steps it takes the upper one. At t = 0 the low-pass is settled: the channel is taken to have
+ * stood still before. A run that begins on an orbit has it as the orbit has it
+ * (instrument->on_orbit).
  *
  * A meter is a plain struct, and a copy made by `=` goes on by itself. What it shows follows from
  * the steps, its own keys, its name and the seed alone: neither other instruments nor whoever asks
@@ -47,11 +48,17 @@ void vs_meter_to(vs_meter *meter, const vs_step *step, double t_s);
  * be shown, in order of time. */
 void vs_meter_accept(vs_meter *meter, const vs_step *step);
 
+/* What the sensor behind its low-pass shows at t_s, an instant within the step, in the channel's
+ * unit: what a sample would be without noise and A/D. Instants are to be asked for in order of
+ * time, and the end of every step among them, with vs_meter_accept or here. */
+double vs_meter_shown(vs_meter *meter, const vs_step *step, double t_s);
+
 /* When the next sample is due, s. For tests; a control that is sampled asks it too. */
 double vs_meter_next_s(const vs_meter *meter);
 
-/* What an A/D of so many bits over the range makes of y. 0 bits: there is none, and y stays.
- * For tests. */
+/* What an A/D of so many bits over the range makes of y: the nearest of its steps, and in the
+ * middle of two the upper one, to the last bit of y. 0 bits: there is none, and y stays. For tests.
+ */
 double vs_meter_quantised(const double range[2], int bits, double y);
 
 #endif

@@ -13,8 +13,9 @@ typedef struct vs_drawn {
 } vs_drawn;
 
 typedef struct vs_class {
-  const char *name;                              /* "A" */
-  const char *text;                              /* what it is for */
+  const char *name;   /* "A" */
+  const char *text;   /* what it is for */
+  const char *source; /* where its limits were read, and which are assumed */
   double (*limit)(const vs_drawn *drawn, int n); /* of harmonic n, A rms; NaN: it states none */
 } vs_class;
 

@@ -18,7 +18,7 @@ void vs_spectrum_end(vs_spectrum *s) {
   s->rule = NULL;
 }
 
-static void add_point(vs_spectrum *s, double t_s, double weight_s, double current) {
+void vs_spectrum_add(vs_spectrum *s, double t_s, double weight_s, double current) {
   double part = weight_s * current;
   s->squared += part * current;
   for (int n = 0; n < VS_SPECTRUM_LINES; n++) {
@@ -40,7 +40,7 @@ void vs_spectrum_accept(vs_spectrum *s, const vs_step *step) {
                         upper = from + length * (p + 1) / pieces;
       gsl_integration_glfixed_point(lower, upper, k, &t, &weight, s->rule);
       vs_step_groups_at(step, t, 0, y);
-      add_point(s, t, weight, y[VS_CH_I_MAINS]);
+      vs_spectrum_add(s, t, weight, y[VS_CH_I_MAINS]);
     }
 }
 

@@ -23,6 +23,10 @@ typedef struct vs_spectrum {
 void vs_spectrum_begin(vs_spectrum *spectrum, double omega_rad_s);
 void vs_spectrum_end(vs_spectrum *spectrum);
 
+/* Adds a point of a current, A, to the integrals: weight_s is its share of the time. Whoever adds
+ * points adds their time to span_s, too. */
+void vs_spectrum_add(vs_spectrum *spectrum, double t_s, double weight_s, double current);
+
 /* Takes one accepted step. */
 void vs_spectrum_accept(vs_spectrum *spectrum, const vs_step *step);
 

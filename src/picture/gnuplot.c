@@ -12,6 +12,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/file.h"
+
 void vs_gnuplot_quoted(vs_text *script, const char *text) {
   vs_text_add(script, "'");
   for (; *text; text++) {
@@ -90,5 +92,22 @@ vs_status vs_gnuplot_picture(const char *script, char **picture, size_t *size, v
   vs_status status = run(script, out, err);
   if (!status) status = take(out, picture, size, err);
   fclose(out);
+  return status;
+}
+
+vs_status vs_gnuplot_draw(const char *script, const char *folder, const char *name, bool quiet,
+                          vs_error *err) {
+  vs_file file = {0};
+  char *picture = NULL;
+  size_t size = 0;
+  vs_status status = vs_gnuplot_picture(script, &picture, &size, err);
+  if (!status) status = vs_file_open(&file, folder, name, err);
+  if (!status) {
+    fwrite(picture, 1, size, file.stream); /* an error stays in the stream */
+    status = vs_file_commit(&file, err);
+  }
+  if (!status && !quiet) printf("%s\n", file.path);
+  vs_file_discard(&file);
+  free(picture);
   return status;
 }

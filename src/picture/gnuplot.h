@@ -3,6 +3,8 @@
 #ifndef VS_PICTURE_GNUPLOT_H
 #define VS_PICTURE_GNUPLOT_H
 
+#include <stdbool.h>
+
 #include "base/error.h"
 #include "base/text.h"
 
@@ -18,5 +20,11 @@ void vs_gnuplot_path(vs_text *script, const char *path);
  * Its complaints go to standard error as they are. Errors, with *picture NULL: VS_RUN, gnuplot is
  * not installed or failed. */
 vs_status vs_gnuplot_picture(const char *script, char **picture, size_t *size, vs_error *err);
+
+/* Draws the script's picture into a file of that name in the folder, which appears whole, and
+ * prints where it is unless `quiet`. Errors: those of vs_gnuplot_picture; the file cannot be
+ * written. */
+vs_status vs_gnuplot_draw(const char *script, const char *folder, const char *name, bool quiet,
+                          vs_error *err);
 
 #endif

@@ -121,10 +121,16 @@ static void add_panel(vs_text *script, const run_file *run, const vs_panel *p, d
   vs_text_add(script, "\n");
 }
 
-/* Adds the panels that run.csv has columns for, and returns how many these are. */
-static int add_sheet(vs_text *script, const run_file *run, const vs_sheet *s, const char *output) {
+/* How many of the sheet's panels run.csv has columns for. */
+static int count_panels(const run_file *run, const vs_sheet *s) {
   int there = 0;
   for (int k = 0; k < s->count; k++) there += find_column(run->header, s->panels[k].column) > 0;
+  return there;
+}
+
+/* Adds the panels that run.csv has columns for, and returns how many these are. */
+static int add_sheet(vs_text *script, const run_file *run, const vs_sheet *s, const char *output) {
+  int there = count_panels(run, s);
   if (!there) return 0;
   double until = s->until_s > 0 ? fmin(s->until_s, run->until_s) : run->until_s;
   bool ms = until <= 0.5;
@@ -186,15 +192,20 @@ static void add_measured(vs_sheet *sheets, size_t count, const vs_sheets *all,
   }
 }
 
+/* Draws the sheets of which run.csv has something; where it has nothing of any, the first one's
+ * error says so. */
 static vs_status draw_all(const char *folder, const run_file *run, const vs_sheets *all, bool quiet,
                           vs_error *err) {
   static const char *const ENDINGS[] = {"png", "svg"};
   vs_status status = VS_OK;
+  int there = 0;
   for (size_t k = 0; k < VS_SHEETS; k++) /* a run over an older one removes what it knows by name */
     assert(vs_run_pictures[k] && !strcmp(vs_run_pictures[k], all->set[k].name));
+  for (size_t k = 0; k < VS_SHEETS; k++) there += count_panels(run, &all->set[k]);
   for (size_t k = 0; k < VS_SHEETS; k++)
-    for (size_t e = 0; e < sizeof ENDINGS / sizeof *ENDINGS && !status && all->set[k].count; e++) {
+    for (size_t e = 0; e < sizeof ENDINGS / sizeof *ENDINGS && !status; e++) {
       char output[VS_PATH_SIZE];
+      if (there && !count_panels(run, &all->set[k])) continue;
       snprintf(output, sizeof output, "%s/%s.%s", folder, all->set[k].name, ENDINGS[e]);
       status = draw(run, &all->set[k], output, quiet, err);
     }

@@ -21,8 +21,8 @@ vs_status vs_plot_check(const vs_plot_options *options, vs_error *err);
 
 /* Draws the pictures. A panel whose column was not recorded is left out; a measured curve that none
  * of the pictures has a panel for gets one on the last. Errors: there is no run.csv, or only a
- * partial one; a picture has no column at all; the overlay does not fit; gnuplot is missing or
- * fails. */
+ * partial one; no picture, or the one that -o names, has a column at all; the overlay does not fit;
+ * gnuplot is missing or fails. */
 vs_status vs_plot_command(const vs_plot_options *options, vs_error *err);
 
 #endif

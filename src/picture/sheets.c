@@ -56,11 +56,29 @@ static void ask_measures(found *f, const vs_node *measures) {
   }
 }
 
+/* The instrument of that section of summary.json which has filled a column NAME_meas or
+ * NAME_meas_UNIT; *unit is what follows _meas. A NAME may have _meas in it: the longest is meant.
+ * NULL: none has. */
+static const vs_node *filled_by(const vs_node *instruments, const char *column, const char **unit) {
+  static const char MARK[] = "_meas";
+  const vs_node *by = NULL;
+  for (const vs_node *n = instruments ? instruments->child : NULL; n; n = n->next) {
+    size_t length = strlen(n->key);
+    const char *mark = column + length, *behind = mark + sizeof MARK - 1;
+    if (strncmp(column, n->key, length) || strncmp(mark, MARK, sizeof MARK - 1)) continue;
+    if ((*behind && *behind != '_') || (by && strlen(by->key) > length)) continue;
+    by = n;
+    *unit = behind;
+  }
+  return by;
+}
+
 /* By the columns: NAME_m and aNAME_m_s2, or where no acceleration is there to tell by, NAME_m
- * alone; likewise in rad. */
-static void ask_header(found *f, const char *header, bool alone) {
+ * alone; likewise in rad. What instruments have filled is no coordinate. */
+static void ask_header(found *f, const char *header, const vs_node *instruments, bool alone) {
   static const char *const UNITS[] = {"m", "rad"};
   char *text = vs_copy(header), *cells[512], ending[16];
+  const char *unit;
   size_t n = vs_csv_split(text, cells, sizeof cells / sizeof *cells, NULL);
   if (n > sizeof cells / sizeof *cells) n = sizeof cells / sizeof *cells;
   for (size_t k = 1; k < n; k++)
@@ -68,6 +86,7 @@ static void ask_header(found *f, const char *header, bool alone) {
       snprintf(ending, sizeof ending, alone ? "_%s" : "_%s_s2", UNITS[u]);
       size_t length = strlen(cells[k]), tail = strlen(ending);
       if (length < tail + 2 - alone || strcmp(cells[k] + length - tail, ending)) continue;
+      if (filled_by(instruments, cells[k], &unit)) continue;
       if (alone && strcmp(cells[k], "z_m"))
         take(f, cells[k], length - tail, UNITS[u]);
       else if (!alone && *cells[k] == 'a')
@@ -86,8 +105,9 @@ static void find_coordinates(found *f, const char *folder, const char *header) {
   const vs_node *model = vs_tree_child(vs_tree_child(scene, "machine"), "model");
   f->is_paper = !model || !model->text || !strcmp(model->text, vs_machine_key.default_text);
   if (known) ask_measures(f, vs_tree_child(tree.root, "measures"));
-  ask_header(f, header, false);
-  if (!f->count) ask_header(f, header, true);
+  const vs_node *instruments = vs_tree_child(scene, "instruments");
+  ask_header(f, header, instruments, false);
+  if (!f->count) ask_header(f, header, instruments, true);
   vs_tree_free(&tree);
 }
 
@@ -100,22 +120,17 @@ static bool has_column(const char *header, const char *name) {
   return false;
 }
 
-/* Takes a column NAME_meas or NAME_meas_UNIT, where the instruments in the scene of summary.json
- * have that NAME; they also say which channel it measures. */
-static void take_shown(vs_sheets *all, const vs_node *instruments, const char *header,
-                       const char *column) {
-  char name[VS_SHEET_NAME];
-  static const char MARK[] = "_meas";
-  const char *mark = strstr(column, MARK), *unit = mark ? mark + sizeof MARK - 1 : NULL;
-  if (!mark || (*unit && *unit != '_') || all->n_shown >= VS_SHEET_INSTRUMENTS) return;
-  snprintf(name, sizeof name, "%.*s", (int)(mark - column), column);
-  const vs_node *node = vs_tree_child(vs_tree_child(instruments, name), "channel");
-  if (!node || !node->text) return;
+/* Takes a column that one of these instruments, of the scene in summary.json, has filled; it also
+ * says which channel it measures. */
+static void take_shown(vs_sheets *all, const vs_node *instruments, const char *column) {
+  const char *unit = "";
+  const vs_node *by = filled_by(instruments, column, &unit),
+                *channel = vs_tree_child(by, "channel");
+  if (!channel || !channel->text || all->n_shown >= VS_SHEET_INSTRUMENTS) return;
   vs_sheet_shown *s = &all->shown[all->n_shown++];
-  snprintf(s->name, sizeof s->name, "instrument %s", name);
+  snprintf(s->name, sizeof s->name, "instrument %s", by->key);
   snprintf(s->column, sizeof s->column, "%s", column);
-  snprintf(s->of, sizeof s->of, "%.40s%.40s", node->text, unit);
-  if (!has_column(header, s->of)) memcpy(s->of, s->column, sizeof s->of);
+  snprintf(s->of, sizeof s->of, "%.40s%.40s", channel->text, unit);
 }
 
 static void find_shown(vs_sheets *all, const char *folder, const char *header) {
@@ -127,8 +142,10 @@ static void find_shown(vs_sheets *all, const char *folder, const char *header) {
   const vs_node *scene = known ? vs_tree_child(tree.root, "scene") : NULL;
   size_t n = vs_csv_split(text, cells, sizeof cells / sizeof *cells, NULL);
   if (n > sizeof cells / sizeof *cells) n = sizeof cells / sizeof *cells;
-  for (size_t k = 1; k < n; k++)
-    take_shown(all, vs_tree_child(scene, "instruments"), header, cells[k]);
+  for (size_t k = 1; k < n; k++) take_shown(all, vs_tree_child(scene, "instruments"), cells[k]);
+  for (int k = 0; k < all->n_shown; k++) /* alone where the channel is not recorded */
+    if (!has_column(header, all->shown[k].of))
+      memcpy(all->shown[k].of, all->shown[k].column, sizeof all->shown[k].of);
   vs_tree_free(&tree);
   free(text);
 }

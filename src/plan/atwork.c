@@ -12,9 +12,9 @@
 static const char KEY[] = "steady";
 enum { MOST_PERIODS = 1000 };
 
-vs_status vs_atwork_read(const vs_tree *study, int *periods, vs_error *err) {
+vs_status vs_atwork_read(const vs_node *holder, int *periods, vs_error *err) {
   static const char *const KEYS[] = {"period"};
-  const vs_node *node = vs_tree_child(study->root, KEY);
+  const vs_node *node = vs_tree_child(holder, KEY);
   const bool word = node && node->kind == VS_NODE_TEXT;
   uint64_t n = 1;
   *periods = 0;
@@ -109,15 +109,35 @@ bool vs_atwork_usual(const vs_steady *s, int k, vs_shown *m) {
   return true;
 }
 
+/* The k-th harmonic of the currents whose quality the scene asks for. False: there are no more. */
+static bool harmonic_of_quality(const vs_result *r, int k, vs_shown *m) {
+  vs_quality_measure of;
+  for (int q = 0; q < r->n_quality; q++) {
+    int n = 0;
+    while (vs_quality_at(&r->quality[q], n, false, &of)) n++; /* which are shown already */
+    for (; vs_quality_at(&r->quality[q], n, true, &of); n++)
+      if (k-- == 0) {
+        snprintf(m->name, sizeof m->name, "%s", of.name);
+        snprintf(m->text, sizeof m->text, "%s", of.text);
+        m->unit = of.unit;
+        m->value = of.value;
+        return true;
+      }
+  }
+  return false;
+}
+
 /* ---- all ---- */
 
 bool vs_atwork_at(const vs_atwork *of, int k, vs_shown *m) {
   if (vs_shown_at(of->frame, of->result, k, m)) return true;
-  if (!of->steady) return false;
+  if (!of->steady && !of->result->n_quality) return false;
   int first = 0, usual = 0;
   vs_shown other;
   while (vs_shown_at(of->frame, of->result, first, &other)) first++;
+  if (!of->steady) return harmonic_of_quality(of->result, k - first, m);
   if (vs_atwork_usual(of->steady, k - first, m)) return true;
   while (vs_atwork_usual(of->steady, usual, &other)) usual++;
-  return harmonic_at(of->steady, k - first - usual, m);
+  return harmonic_at(of->steady, k - first - usual, m) ||
+         harmonic_of_quality(of->result, k - first - usual - VS_SPECTRUM_LINES, m);
 }

@@ -8,15 +8,15 @@
 #ifndef VS_PLAN_ATWORK_H
 #define VS_PLAN_ATWORK_H
 
-#include "steady/steady.h"
 #include "scene/shown.h"
+#include "steady/steady.h"
 
 /* The column that tells whether the orbit is stable, 1, or not, 0. */
 #define VS_ATWORK_STABLE "stable"
 
-/* Reads the key from the study's tree: *periods is 0 where the study has no orbits. Errors: it is
- * neither true, false nor a map; it has another key; period is not a whole number above 0. */
-vs_status vs_atwork_read(const vs_tree *study, int *periods, vs_error *err);
+/* Reads the key from the map that may have it: *periods is 0 where there are no orbits. Errors: it
+ * is neither true, false nor a map; it has another key; period is not a whole number above 0. */
+vs_status vs_atwork_read(const vs_node *holder, int *periods, vs_error *err);
 
 /* What a case's columns are taken from. */
 typedef struct vs_atwork {
@@ -26,7 +26,8 @@ typedef struct vs_atwork {
                               model is read, and no value is known */
 } vs_atwork;
 
-/* As vs_shown_at; behind a run's measures come those of the orbit. */
+/* As vs_shown_at; behind a run's measures come those of the orbit, and the harmonics of currents
+ * whose quality the scene asks for. */
 bool vs_atwork_at(const vs_atwork *of, int k, vs_shown *shown);
 
 /* The k-th measure that an orbit's case reports unasked, besides those of every run; false: there

@@ -231,6 +231,18 @@ vs_status vs_axis_whole(const vs_node *map, const char *key, uint64_t least, uin
   return VS_OK;
 }
 
+vs_status vs_axis_word(const vs_node *map, const char *name, const char *words, int *which,
+                       vs_error *err) {
+  char section_name[VS_KEY_SIZE];
+  const char *key = strrchr(name, '.') + 1;
+  const vs_node *node = vs_tree_child(map, key);
+  vs_field field = {
+      .key = key, .kind = VS_CHOICE, .choices = words, .unit = "", .default_text = ""};
+  const vs_section section = {section_name, &field, 1};
+  snprintf(section_name, sizeof section_name, "%.*s", (int)(key - name) - 1, name);
+  return node ? vs_field_read(&section, &field, node, which, err) : VS_OK;
+}
+
 /* ---- print-out ---- */
 
 /* Returns the word that the number stands for: an axis of words has one for each, a count may have

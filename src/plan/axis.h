@@ -49,6 +49,10 @@ vs_status vs_axis_number(vs_axis *axis, const vs_node *node, double *number, vs_
  * it is when the map has no such key. */
 vs_status vs_axis_whole(const vs_node *map, const char *key, uint64_t least, uint64_t most,
                         uint64_t *value, vs_error *err);
+/* Reads which of the words, "one|other|...", a key of a map has: *which is its place, from 0, and
+ * stays as it is when the map has no such key. name: "SECTION.KEY", for errors. */
+vs_status vs_axis_word(const vs_node *map, const char *name, const char *words, int *which,
+                       vs_error *err);
 
 /* Writes the axis' number as it stands in study.csv: a number of 12 digits, or a word. */
 void vs_axis_print(const vs_axis *axis, double number, char *text, size_t size);

@@ -188,6 +188,7 @@ static vs_status resolve_columns(vs_plan *plan, const vs_scene *scene, const vs_
   const vs_frame frame = vs_sim_frame(tier, &scene->setup);
   vs_result result = {0};
   vs_watchers_begin(&result.watchers, &frame);
+  vs_result_begin_quality(&result, scene);
   const vs_steady blank = {.model = &scene->setup.model, .devices = result.watchers.devices};
   const vs_atwork of = {&frame, &result, plan->periods ? &blank : NULL};
   vs_status status = VS_OK;
@@ -470,7 +471,8 @@ static vs_status read_base(vs_plan *plan, vs_error *err) {
   if (!status) status = vs_plan_scene(plan, plan->base, err);
   if (!status) status = vs_plan_input(plan, plan->path, err);
   if (!status) status = vs_plan_input(plan, plan->base->path, err);
-  if (!status) status = vs_error_carry_on(err, vs_atwork_read(&plan->tree, &plan->periods, err));
+  if (!status)
+    status = vs_error_carry_on(err, vs_atwork_read(plan->tree.root, &plan->periods, err));
   return status ? status : vs_scene_settle(plan->base, NULL, err);
 }
 

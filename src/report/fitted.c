@@ -5,7 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "report/rerun.h"
 #include "syntax/units.h"
+
+enum { FIGURE = 32 }; /* room for a number in a table */
 
 /* ---- what was asked ---- */
 
@@ -164,31 +167,32 @@ static void show_priors(const vs_outcome *o, FILE *out) {
               o->estimate.residual[row++]);
 }
 
+/* A dash where too few samples tell nothing. */
+static void print_figure(double figure, const char *format, char *text) {
+  snprintf(text, FIGURE, format, figure);
+  if (isnan(figure)) snprintf(text, FIGURE, "-");
+}
+
+static void show_pattern(const vs_pattern *p, FILE *out) {
+  char runs[FIGURE], ljung_box[FIGURE], chance[FIGURE], durbin_watson[FIGURE];
+  print_figure(100 * p->runs_probability, "%.3g%%", runs);
+  print_figure(p->ljung_box, "%.4g", ljung_box);
+  print_figure(100 * p->ljung_box_probability, "%.3g%%", chance);
+  print_figure(p->durbin_watson, "%.3f", durbin_watson);
+  fprintf(out, " %8zu %8.3f %6ld %9.1f %10s %10s %10s %8s%s\n", p->count, p->rms, p->runs,
+          p->runs_expected, runs, ljung_box, chance, durbin_watson, p->found ? "  PATTERN" : "");
+}
+
 static void show_columns(const vs_outcome *o, FILE *out) {
   if (!o->n_columns) return;
   fprintf(out, "\n%-24s %8s %8s %6s %9s %10s %10s %10s %8s\n", "residuals of", "samples", "rms",
           "runs", "expected", "chance", "Ljung-Box", "chance", "D-W");
   for (size_t k = 0; k < o->n_columns; k++) {
     const vs_outcome_column *c = &o->columns[k];
-    const vs_pattern *p = &c->pattern;
-    fprintf(out, "%zu.%-22s %8zu %8.3f %6ld %9.1f %9.3g%% %10.4g %9.3g%% %8.3f%s\n", c->run + 1,
-            o->inquiry->runs[c->run].recording.columns[c->column].name, p->count, p->rms, p->runs,
-            p->runs_expected, 100 * p->runs_probability, p->ljung_box,
-            100 * p->ljung_box_probability, p->durbin_watson, p->found ? "  PATTERN" : "");
+    fprintf(out, "%zu.%-22s", c->run + 1,
+            o->inquiry->runs[c->run].recording.columns.item[c->column].name);
+    show_pattern(&c->pattern, out);
   }
-}
-
-/* ---- how to go on ---- */
-
-static void show_sets(const vs_outcome *o, FILE *out) {
-  const vs_inquiry *q = o->inquiry;
-  const vs_node *scene = vs_tree_child(q->tree.root, "scene");
-  fprintf(out, "\nrun it  vibrospice run %s", scene && scene->text ? scene->text : "paper");
-  for (size_t k = 0; k < q->n_unknowns; k++)
-    if (q->unknowns[k].run < 0)
-      fprintf(out, " --set %s=%.7g%s", q->unknowns[k].axis.key, o->estimate.value[k],
-              q->unknowns[k].axis.unit);
-  fputc('\n', out);
 }
 
 void vs_fitted_show(const vs_outcome *o, FILE *out) {
@@ -200,7 +204,7 @@ void vs_fitted_show(const vs_outcome *o, FILE *out) {
   show_aims(o, out);
   show_priors(o, out);
   show_columns(o, out);
-  show_sets(o, out);
+  vs_rerun_show(o, out);
 }
 
 /* ---- warnings ---- */
@@ -239,12 +243,25 @@ static void warn_of_recordings(const vs_outcome *o, const warner *w) {
   vs_text text = {0};
   for (size_t r = 0; r < o->inquiry->n_runs; r++) {
     const vs_recording *rec = &o->inquiry->runs[r].recording;
-    if (rec->unused.length) {
-      vs_text_add(&text, "%s: not used: %s", rec->path, rec->unused.text);
+    if (rec->at_end) {
+      vs_text_add(&text,
+                  "%s: %zu samples at an end of their A/D's range are left out, as they tell no "
+                  "more than that",
+                  rec->path, rec->at_end);
+      warn(w, &text);
+    }
+    if (rec->again) {
+      vs_text_add(&text,
+                  "%s: %zu cells show a sample that a row before has shown, and are left out",
+                  rec->path, rec->again);
+      warn(w, &text);
+    }
+    if (rec->columns.unused.length) {
+      vs_text_add(&text, "%s: not used: %s", rec->path, rec->columns.unused.text);
       warn(w, &text);
     }
     if (rec->empty) {
-      vs_text_add(&text, "%s: %zu empty cells are left out", rec->path, rec->empty);
+      vs_text_add(&text, "%s: %zu cells that are empty or nan are left out", rec->path, rec->empty);
       warn(w, &text);
     }
   }
@@ -267,6 +284,12 @@ void vs_fitted_warnings(const vs_outcome *o, void (*each)(void *ctx, const char 
                 o->estimate.minimum.chi2, o->estimate.freedom);
     warn(&w, &text);
   }
+  if (o->estimate.unstable) {
+    vs_text_add(&text,
+                "an orbit is unstable at the estimate: no machine stays there, so that it is "
+                "not the one that was measured");
+    warn(&w, &text);
+  }
   warn_of_unknowns(o, &w);
   for (size_t k = 0; k < o->n_columns; k++) {
     const vs_outcome_column *c = &o->columns[k];
@@ -274,7 +297,7 @@ void vs_fitted_warnings(const vs_outcome *o, void (*each)(void *ctx, const char 
     vs_text_add(&text,
                 "the residuals of %s in run %zu follow a pattern that chance hardly makes: the "
                 "model lacks something, or the errors are not independent",
-                o->inquiry->runs[c->run].recording.columns[c->column].name, c->run + 1);
+                o->inquiry->runs[c->run].recording.columns.item[c->column].name, c->run + 1);
     warn(&w, &text);
   }
   for (size_t k = 0; k < o->n_profiles; k++)

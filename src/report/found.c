@@ -108,7 +108,7 @@ static void add_columns(const vs_outcome *o, vs_json *json) {
     const vs_pattern *p = &c->pattern;
     vs_json_object(json, NULL, VS_JSON_LINES);
     vs_json_whole(json, "run", (int64_t)c->run + 1);
-    vs_json_text(json, "name", o->inquiry->runs[c->run].recording.columns[c->column].name);
+    vs_json_text(json, "name", o->inquiry->runs[c->run].recording.columns.item[c->column].name);
     vs_json_whole(json, "samples", (int64_t)p->count);
     vs_json_number(json, "rms", p->rms, DIGITS);
     vs_json_whole(json, "runs", p->runs);
@@ -177,6 +177,7 @@ void vs_found_residuals(const vs_outcome *o, int digits, FILE *out) {
   fputs("run,name,unit,t_s,measured,computed,error,residual\n", out);
   for (size_t n = 0; n < q->n_data; n++) {
     const vs_datum *d = &q->data[n];
+    const double si = vs_units_factor(vs_inquiry_unit(q, d));
     vs_text row = {0};
     vs_text_add(&row, "%d,", d->run + 1);
     vs_csv_cell(&row, vs_inquiry_name(q, d));
@@ -185,9 +186,9 @@ void vs_found_residuals(const vs_outcome *o, int digits, FILE *out) {
       add_number(&row, q->runs[d->run].recording.samples[d->sample].t_s, digits);
     else
       vs_text_add(&row, ",");
-    add_number(&row, d->value, digits);
-    add_number(&row, o->estimate.computed[n], digits);
-    add_number(&row, d->relative ? fabs(d->error * d->value) : d->error, digits);
+    add_number(&row, d->value / si, digits);
+    add_number(&row, o->estimate.computed[n] / si, digits);
+    add_number(&row, (d->relative ? fabs(d->error * d->value) : d->error) / si, digits);
     add_number(&row, o->estimate.residual[n], digits);
     fprintf(out, "%s\n", row.text);
     vs_text_free(&row);

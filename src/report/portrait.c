@@ -46,7 +46,7 @@ static void add_samples(portrait *p, const vs_outcome_column *c, double factor) 
   vs_text_add(&p->script, "$D << EOD\n");
   for (size_t k = 0; k < run->recording.n_samples; k++) {
     const vs_sample *s = &run->recording.samples[k];
-    size_t n = run->datum + run->n_aims + k;
+    size_t n = run->datum + run->aims.count + k;
     if ((size_t)s->column != c->column) continue;
     vs_text_add(&p->script, "%.9g %.9g %.9g %.6g\n", 1e3 * s->t_s, s->value * factor,
                 p->o->estimate.computed[n] * factor, p->o->estimate.residual[n]);
@@ -61,18 +61,19 @@ static double prefix_of(const portrait *p, const vs_outcome_column *c, char *pre
   for (size_t k = 0; k < r->n_samples; k++)
     if ((size_t)r->samples[k].column == c->column) most = fmax(most, fabs(r->samples[k].value));
   *prefix = '\0';
-  if (!most || most >= 1 || !vs_units_known(r->columns[c->column].unit)) return 1;
+  if (r->columns.item[c->column].si != 1) return 1 / r->columns.item[c->column].si;
+  if (!most || most >= 1 || !vs_units_known(r->columns.item[c->column].unit)) return 1;
   snprintf(prefix, 8, "%s", most >= 1e-3 ? "m" : "u");
   return most >= 1e-3 ? 1e3 : 1e6;
 }
 
 static void draw_column(portrait *p, const vs_outcome_column *c) {
-  const vs_recorded *column = &p->o->inquiry->runs[c->run].recording.columns[c->column];
+  const vs_recorded *column = &p->o->inquiry->runs[c->run].recording.columns.item[c->column];
   char prefix[8], unit[64], name[VS_NAME_SIZE + 32];
   double factor = prefix_of(p, c, prefix);
   snprintf(unit, sizeof unit, "%s%.40s", prefix, column->unit);
   if (!*column->unit || !vs_units_known(unit))
-    snprintf(unit, sizeof unit, "%.40s", column->unit), factor = 1;
+    snprintf(unit, sizeof unit, "%.40s", column->unit), factor = 1 / column->si;
   snprintf(name, sizeof name, "%s", column->name);
   if (p->o->inquiry->n_runs > 1)
     snprintf(name, sizeof name, "%s, run %zu", column->name, c->run + 1);

@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include "base/csv.h"
-#include "base/file.h"
 #include "base/text.h"
 #include "picture/gnuplot.h"
 #include "picture/scale.h"
@@ -128,20 +127,10 @@ static void add_script(const tornado *t, bool svg, vs_text *script) {
 
 static vs_status draw(const tornado *t, const char *folder, bool svg, bool quiet, vs_error *err) {
   vs_text script = {0};
-  vs_file file = {0};
-  char *picture = NULL;
-  size_t size = 0;
   add_script(t, svg, &script);
-  vs_status status = vs_gnuplot_picture(script.text, &picture, &size, err);
-  if (!status) status = vs_file_open(&file, folder, svg ? "tornado.svg" : "tornado.png", err);
-  if (!status) {
-    fwrite(picture, 1, size, file.stream); /* an error stays in the stream */
-    status = vs_file_commit(&file, err);
-  }
-  if (!status && !quiet) printf("%s\n", file.path);
-  vs_file_discard(&file);
+  vs_status status =
+      vs_gnuplot_draw(script.text, folder, svg ? "tornado.svg" : "tornado.png", quiet, err);
   vs_text_free(&script);
-  free(picture);
   return status;
 }
 

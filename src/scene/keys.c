@@ -9,7 +9,7 @@
 #include "base/text.h"
 #include "scene/sections.h"
 
-enum { MOST_KEYS = 512 };
+enum { MOST_KEYS = 1024 };
 
 typedef struct key_list {
   vs_key item[MOST_KEYS];
@@ -85,9 +85,20 @@ static vs_status refuse_section(const vs_key *one, vs_where where, vs_error *err
                           : "");
 }
 
-static vs_status refuse_name(const key_list *list, const char *name, vs_where where,
-                             vs_error *err) {
-  const char *names[MOST_KEYS];
+/* Refuses a key of instruments in a scene without any. */
+static vs_status refuse_instrument(const char *name, vs_where where, vs_error *err) {
+  return vs_fail_at(err, where,
+                    "%s: the scene has no section instruments; give it one, as instruments.set=own "
+                    "(in a study set: {instruments.set: own})",
+                    name);
+}
+
+static vs_status refuse_name(const vs_scene *scene, const key_list *list, const char *name,
+                             vs_where where, vs_error *err) {
+  const char *names[MOST_KEYS], *section = vs_instruments_section.name;
+  size_t length = strlen(section);
+  if (!scene->instruments.count && !strncmp(name, section, length) && name[length] == '.')
+    return refuse_instrument(name, where, err);
   for (size_t k = 0; k < list->count; k++) {
     names[k] = list->item[k].name;
     if (!strcmp(list->item[k].section, name)) return refuse_section(&list->item[k], where, err);
@@ -107,7 +118,7 @@ vs_status vs_key_find(const vs_scene *scene, const char *name, vs_where where, v
   if (k < list->count)
     *key = list->item[k];
   else
-    status = refuse_name(list, name, where, err);
+    status = refuse_name(scene, list, name, where, err);
   free(list);
   return status;
 }

@@ -17,12 +17,28 @@ void vs_result_end_loop(vs_result *r) {
   r->loop = NULL;
 }
 
+static void end_quality(vs_result *r) {
+  for (int k = 0; k < r->n_quality; k++) vs_quality_end(&r->quality[k]);
+  free(r->quality);
+  r->quality = NULL;
+  r->n_quality = 0;
+}
+
+void vs_result_begin_quality(vs_result *r, const vs_scene *s) {
+  end_quality(r);
+  if (!s->quality.count) return;
+  r->quality = vs_alloc((size_t)s->quality.count, sizeof *r->quality);
+  for (; r->n_quality < s->quality.count; r->n_quality++)
+    vs_quality_begin(&r->quality[r->n_quality], &s->quality.item[r->n_quality], &s->setup);
+}
+
 void vs_result_free(vs_result *r) {
   vs_verdict_free(&r->verdict);
   vs_watchers_free(&r->watchers);
   vs_result_end_loop(r);
   free(r->meters);
   r->meters = NULL;
+  end_quality(r);
   if (r->climbed) vs_scene_free(r->climbed);
   free(r->climbed);
   r->climbed = NULL;
@@ -136,6 +152,8 @@ static void warn_after(const vs_result *r, bool of_firing,
   if (*r->books) each(ctx, r->books);
   for (int k = 0; r->meters && k < r->scene->instruments.count; k++)
     if (is_beyond(&r->meters[k], text, sizeof text)) each(ctx, text);
+  for (int k = 0; k < r->n_quality; k++)
+    if (vs_quality_warning(&r->quality[k], &r->scene->setup, text, sizeof text)) each(ctx, text);
   if (!*r->second.failed) return;
   snprintf(text, sizeof text, "no margin's error is known, as the second run %s: %s",
            r->second.stopped ? "was stopped" : "failed", r->second.failed);

@@ -28,9 +28,11 @@ typedef struct vs_result {
                             scene was run as it is */
   vs_value values[VS_MEASURES]; /* of the measures, SI (watch/measures.h) */
   vs_watchers watchers;         /* what they have seen of the run */
-  vs_meter *meters; /* of the scene's instruments, in their order, owned; NULL: it has none */
-  vs_loop *loop;    /* the scene's control, owned; NULL: it has none */
-  char books[512];  /* what the energy audit finds; empty: nothing */
+  vs_meter *meters;    /* of the scene's instruments, in their order, owned; NULL: it has none */
+  vs_loop *loop;       /* the scene's control, owned; NULL: it has none */
+  vs_quality *quality; /* of the scene's currents, in their order, owned; NULL: it names none */
+  int n_quality;
+  char books[512]; /* what the energy audit finds; empty: nothing */
   vs_verdict verdict;
   vs_ladder ladder; /* the rung whose settings gave this result; 0 is the scene as it is */
   vs_second_run second;
@@ -41,6 +43,8 @@ typedef struct vs_result {
 /* Fills values and verdict from what the watchers have seen, once the run has reached its end. */
 void vs_result_finish(vs_result *result);
 void vs_result_free(vs_result *result);
+/* Begins the quality of the scene's currents anew. */
+void vs_result_begin_quality(vs_result *result, const vs_scene *scene);
 /* Ends the control of an attempt that another one follows. */
 void vs_result_end_loop(vs_result *result);
 

@@ -15,8 +15,12 @@ const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"},
                vs_scene_study_shelf = {"study", "studies", ".yaml"},
                vs_scene_fit_shelf = {"fit", "fits", ".yaml"};
 
+/* Where the scene has that key; NULL: nowhere, or it has another word, or the key is obeyed on
+ * every tier: `measure` is, where the scene asks for the quality of currents. */
 static const vs_node *node_of(const vs_scene *s, const vs_tier_key *k) {
   const vs_node *node = vs_tree_child(vs_tree_child(s->tree.root, k->section), k->key);
+  bool is_stretch = !strcmp(k->section, vs_setup_measure_section.name);
+  if (is_stretch && vs_tree_child(s->tree.root, "quality")) return NULL;
   if (!node || !k->value) return node;
   return node->kind == VS_NODE_TEXT && !strcmp(node->text, k->value) ? node : NULL;
 }
@@ -35,16 +39,19 @@ static bool obeys(const vs_tier *tier, const vs_tier_key *key) {
   return false;
 }
 
-/* The scene's first probe that only a tier with a circuit has, which it records or measures; NULL:
- * none. */
+/* The scene's first probe that only a tier with a circuit has, which it records or measures, or
+ * whose quality it asks for; NULL: none. */
 static const char *probe_of_circuit(const vs_scene *s) {
-  const vs_node *record = vs_tree_child(s->tree.root, "record");
+  static const char *const LISTS[] = {"record", "quality"};
   const vs_frame circuit_frame = vs_sim_frame(vs_tiers_automatic(true), &s->setup);
   int first = vs_channel_deck(&s->setup.model);
-  const vs_node *item = record && record->kind == VS_NODE_LIST ? record->child : record;
-  for (; item; item = item->next)
-    if (item->kind == VS_NODE_TEXT && vs_channel_find(&circuit_frame, item->text) >= first)
-      return item->text;
+  for (size_t k = 0; k < sizeof LISTS / sizeof *LISTS; k++) {
+    const vs_node *list = vs_tree_child(s->tree.root, LISTS[k]);
+    const vs_node *item = list && list->kind == VS_NODE_LIST ? list->child : list;
+    for (; item; item = list->kind == VS_NODE_LIST ? item->next : NULL)
+      if (item->kind == VS_NODE_TEXT && vs_channel_find(&circuit_frame, item->text) >= first)
+        return item->text;
+  }
   const vs_node *instruments = vs_tree_child(s->tree.root, "instruments");
   const char *name;
   for (int n = 0; (name = vs_instruments_names(instruments, n)); n++)
@@ -390,9 +397,13 @@ static vs_status conclude(vs_scene *s, const char *tier, vs_error *err) {
   return status;
 }
 
+/* Reads what names channels, of which another tier has others. */
 static vs_status read_instruments(vs_scene *s, vs_error *err) {
+  const vs_node *currents = vs_tree_child(s->tree.root, "quality");
+  vs_status status = vs_quality_read(currents, &s->setup, &s->frame, &s->quality, err);
+  if (status) return status;
   const vs_node *section = vs_tree_child(s->tree.root, "instruments");
-  vs_status status = vs_instruments_read(section, &s->setup, &s->frame, &s->instruments, err);
+  status = vs_instruments_read(section, &s->setup, &s->frame, &s->instruments, err);
   section = vs_tree_child(s->tree.root, vs_control_section.name);
   return status ? status : vs_control_read(section, &s->setup, &s->instruments, &s->control, err);
 }

@@ -9,8 +9,8 @@
 /* One row for each key at the top of a scene, in the order in which a scene is shown.
  * SECTION(name, fields, member): fields is the vs_section, NULL for those of the scene's own
  * machine and deck; member is the one of vs_setup that the fields fill. OTHER(name, ): the key has
- * no fields of its own; scene/scene.c, drive/events.c, instrument/instruments.c and
- * control/control.c read such keys. */
+ * no fields of its own; scene/scene.c, drive/events.c, instrument/instruments.c,
+ * control/control.c and period/quality.c read such keys. */
 #define VS_SECTION_LIST(SECTION, OTHER)                                                            \
   SECTION(machine, NULL, model.parameters)                                                         \
   SECTION(actuator, NULL, model.actuator)                                                          \
@@ -25,6 +25,7 @@
   SECTION(start, NULL, start)                                                                      \
   OTHER(record, )                                                                                  \
   OTHER(measured, )                                                                                \
+  OTHER(quality, )                                                                                 \
   SECTION(measure, &vs_setup_measure_section, measure)
 
 /* How many sections have fields, and how many keys there are. */

@@ -27,6 +27,7 @@ static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
   if (!status && r->loop) status = vs_loop_accept(r->loop, step, err);
   for (int k = 0; r->meters && k < r->scene->instruments.count && !status; k++)
     vs_meter_accept(&r->meters[k], step);
+  for (int k = 0; k < r->n_quality; k++) vs_quality_accept(&r->quality[k], step);
   if (!status && a->session->stop && *a->session->stop)
     return vs_fail(err, VS_SIGNAL, "t = %.9g s: stopped by a signal", step->to->t_s);
   return status;
@@ -122,6 +123,7 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
   if (status) return status;
   if (!session->bare) vs_watchers_begin(&r->watchers, &s->frame);
   begin_meters(session, s, r);
+  if (!session->bare) vs_result_begin_quality(r, s);
   s->order.stop = session->stop;
   double began_s = seconds(CLOCK_MONOTONIC);
   status = begin_loop(session, s, r, err);
@@ -246,6 +248,7 @@ static void change_settings(vs_scene *s, double factor) {
   run.trtol = run.trtol > USUAL_TRTOL ? USUAL_TRTOL : fmax(run.trtol * looser, 1);
   s->setup = vs_setup_varied(&s->setup, &run, NULL);
   s->order.raw = NULL;
+  s->quality.count = 0;
   if (!s->control.regulator) s->instruments.count = 0; /* it is for the margins alone */
   s->order.tried = true;
   s->frame = vs_sim_frame(s->tier, &s->setup);

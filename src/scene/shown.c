@@ -29,6 +29,28 @@ static bool device_measure_at(const vs_devices *devices, size_t k, vs_shown *m) 
   return false;
 }
 
+/* The k-th measure of the quality of currents. False: there are no more. */
+static bool quality_at(const vs_result *r, int k, vs_shown *m) {
+  vs_quality_measure of;
+  for (int q = 0; q < r->n_quality; q++)
+    for (int n = 0; vs_quality_at(&r->quality[q], n, false, &of); n++)
+      if (k-- == 0) {
+        snprintf(m->name, sizeof m->name, "%s", of.name);
+        m->unit = of.unit;
+        m->value = of.value;
+        set_text(m, "%s", of.text);
+        return true;
+      }
+  return false;
+}
+
+/* How many measures the devices have. */
+static int of_devices(const vs_devices *devices) {
+  int n = 0;
+  for (size_t d = 0; devices && d < devices->count; d++) n += (int)devices->item[d].count;
+  return n;
+}
+
 static double rating_of(const vs_deck *deck, int probe, int sense) {
   for (size_t k = 0; k < deck->n_ratings; k++)
     if (deck->ratings[k].probe == probe)
@@ -52,7 +74,8 @@ bool vs_shown_at(const vs_frame *frame, const vs_result *r, int k, vs_shown *m) 
   const vs_measures *measures = r->watchers.measures;
   k += measures->of_probes - vs_measures_count(frame->model); /* the others are shown already */
   if (k >= measures->n_extremes)
-    return device_measure_at(r->watchers.devices, (size_t)(k - measures->n_extremes), m);
+    return device_measure_at(r->watchers.devices, (size_t)(k - measures->n_extremes), m) ||
+           quality_at(r, k - measures->n_extremes - of_devices(r->watchers.devices), m);
   const vs_extreme *e = &measures->extremes[k];
   vs_channel channel = vs_channel_at(frame, e->channel);
   snprintf(m->name, sizeof m->name, "%s_%s", channel.name, e->sense < 0 ? "min" : "max");

@@ -18,8 +18,9 @@ typedef struct vs_shown {
 
 /* Fills `shown` with the k-th measure, from 0, and returns true; false: there are no more. First
  * come the standard measures, the energies among them; then the extremes of the deck's probes; then
- * the measures of its devices. Of the result only its values and its watchers' measures and devices
- * are read, which must have begun with this frame. */
+ * the measures of its devices; then those of the quality of currents (period/quality.h). Of the
+ * result only its values, its watchers' measures and devices, and its quality are read, which must
+ * have begun with this frame. */
 bool vs_shown_at(const vs_frame *frame, const vs_result *result, int k, vs_shown *shown);
 
 #endif

@@ -32,7 +32,7 @@ vs_error *vs_warnings_add(vs_warnings *w) {
 }
 
 const char *vs_warnings_text(const vs_error *warning) {
-  return warning->text + warning->place_size;
+  return warning->text + (warning->elsewhere ? 0 : warning->place_size);
 }
 
 /* ---- a scene ---- */
@@ -96,6 +96,11 @@ void vs_warnings_of_limits(const vs_deck *deck, vs_warnings *w) {
       vs_fail_at(vs_warnings_add(w), deck->limits[k].where, "%s", text);
       said++;
     }
+}
+
+void vs_warnings_of_netlist(const vs_deck *deck, vs_warnings *w) {
+  for (size_t k = 0; deck->remarks && k < deck->remarks->count; k++)
+    *vs_warnings_add(w) = deck->remarks->item[k];
 }
 
 /* Parts that the supply is too much for, and fuses that do not protect what they are to. */
@@ -202,6 +207,7 @@ void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame
   warn_of_growth(root, &s->model, w);
   warn_of_loads(s, w);
   if (!deck) return;
+  vs_warnings_of_netlist(deck, w);
   warn_of_parts(vs_tree_child(root, "circuit"), deck, s->timeline.supply.voltage_v, w);
   warn_of_mains(deck, w);
   warn_of_supply(root, s, w);

@@ -16,7 +16,7 @@ typedef struct vs_warnings {
 void vs_warnings_free(vs_warnings *warnings);
 /* Adds an empty warning, to be filled by the caller. */
 vs_error *vs_warnings_add(vs_warnings *warnings);
-/* The message of a warning, without its place. */
+/* The message of a warning, without its place unless that is elsewhere than in the scene. */
 const char *vs_warnings_text(const vs_error *warning);
 
 /* Adds all that can be warned of in a scene. root: the scene's tree, which knows the places; frame:
@@ -29,6 +29,9 @@ void vs_warnings_of_instruments(const vs_instruments *instruments, vs_warnings *
  * low-passes do not. */
 void vs_warnings_of_settling(const vs_instruments *instruments, const vs_frame *frame,
                              vs_warnings *warnings);
+/* Adds what the deck's files were found to have that is skipped, changed or misread. */
+void vs_warnings_of_netlist(const vs_deck *deck, vs_warnings *warnings);
+
 /* Adds the limits of parts against which nothing of the deck, or of the part's file, is held; the
  * first eight. */
 void vs_warnings_of_limits(const vs_deck *deck, vs_warnings *warnings);

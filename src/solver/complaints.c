@@ -22,6 +22,7 @@ static const struct sign {
     {"unknown subckt", 0, true, false, false},
     {"not enough parameters in line", 1, true, false, false},
     {"singular matrix", 0, false, false, false},
+    {"PTerror: syntax error, parsing stopped at", 1, false, false, false},
     {"xpression err", 0, false, false, false},
     {"oo few parameters", 0, false, false, false},
     {"rror", 0, false, false, false},

@@ -396,14 +396,27 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   return VS_OK;
 }
 
+/* Writes " (FILE:LINE:COLUMN)", the place of the node or element that a complaint names; nothing
+ * where it names none that is found. */
+static void find_place(const char *complaint, char *text, size_t size) {
+  vs_error found = {0};
+  *text = '\0';
+  if (!ng.job->locate) return;
+  vs_fail(&found, VS_INPUT, "%s", complaint);
+  ng.job->locate(ng.job->author, &found);
+  if (found.line > 0) snprintf(text, size, " (%.*s)", found.place_size - 2, found.text);
+}
+
 /* How the run went, once ngspice has come back from it. */
 static vs_status outcome(vs_error *err) {
   if (ng.status || ng.enough) return ng.status;
   if (ng.time_vector < 0 || ng.reached_s == 0)
     return vs_complaints_tell(&ng.complaints, ng.job, "run", err);
   if (ng.reached_s >= ng.job->until_s * (1 - 1e-9)) return VS_OK;
-  vs_fail(err, VS_RUN, "t = %.9g s: ngspice gave up: %s", clock_at(ng.reached_s),
-          vs_complaints_first(&ng.complaints));
+  char place[VS_COMPLAINTS_LINE];
+  find_place(vs_complaints_first(&ng.complaints), place, sizeof place);
+  vs_fail(err, VS_RUN, "t = %.9g s: ngspice gave up: %s%s", clock_at(ng.reached_s),
+          vs_complaints_first(&ng.complaints), place);
   err->gave_up = true;
   return VS_RUN;
 }

@@ -169,6 +169,11 @@ void vs_steady_finish(vs_steady *steady, const vs_result *r) {
   steady->i_mean_a = vs_spectrum_mean(&steady->spectrum);
   steady->power_factor =
       steady->power_in_w / (r->scene->setup.timeline.supply.voltage_v * steady->i_rms_a);
+  const vs_spectrum *current = &steady->spectrum;
+  const double first[] = {current->cosine[1], current->sine[1]};
+  static const double MAINS[] = {0, 1}; /* they rise through zero at t = 0 */
+  steady->displacement_factor = vs_quality_displacement(first, MAINS);
+  steady->thd = vs_quality_thc(current) / vs_spectrum_harmonic(current, 1);
   steady->devices = r->watchers.devices;
   steady->energy_stored_j = joule[VS_E_MAGNETIC] + joule[VS_E_MECHANICAL];
   warn_of_speed(steady);

@@ -7,6 +7,7 @@
 
 #include "orbit/shooting.h"
 #include "period/heat.h"
+#include "period/quality.h"
 #include "period/reaction.h"
 #include "period/spectrum.h"
 #include "period/throw.h"
@@ -19,6 +20,9 @@
   X(i_rms_a, "i_rms", "A", "root mean square of the current drawn from the mains")                 \
   X(i_mean_a, "i_mean", "A", "its mean, the direct current")                                       \
   X(power_factor, "power_factor", "", "power_in over the product of the mains' voltage and i_rms") \
+  X(displacement_factor, "displacement_factor", "",                                                \
+    "cosine of the angle between harmonic 1 of the current and the mains' voltage")                \
+  X(thd, "thd", "", "root of the sum of squares of harmonics 2 to 40, over harmonic 1")            \
   X(energy_stored_j, "energy_stored", "J",                                                         \
     "gained in a period by the coil's field and by the machine: 0 on an orbit")
 

@@ -13,8 +13,8 @@
  *
  * so that no step leaves the bounds. The transformation is that of MINUIT (James and Roos, Computer
  * Physics Communications 10 (1975) 343). */
-#ifndef VS_FIT_UNKNOWN_H
-#define VS_FIT_UNKNOWN_H
+#ifndef VS_INQUIRY_UNKNOWN_H
+#define VS_INQUIRY_UNKNOWN_H
 
 #include "plan/axis.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "fit/inquiry.h"
+#include "inquiry/inquiry.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -7,14 +7,18 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char *const OWN[] = {"scene", "set",    "measures", "data",    "runs",  "free",
-                                  "seed",  "starts", "residual", "profile", "slopes"};
+#include "plan/atwork.h"
+
+static const char *const OWN[] = {"scene", "set",  "measures", "steady",   "data",    "runs",
+                                  "free",  "seed", "starts",   "residual", "profile", "slopes"};
 enum { N_OWN = sizeof OWN / sizeof *OWN };
+/* Those of them that belong to one run. */
+static const char *const OF_RUN[] = {"measures", "steady", "data"};
+enum { N_OF_RUN = sizeof OF_RUN / sizeof *OF_RUN };
 
 /* ---- scenes ---- */
 
-/* True if a --set is one of the fit's own keys (starts=1) and none of a scene's. */
-static bool is_own(const char *set) {
+bool vs_inquiry_owns(const char *set) {
   size_t length = strcspn(set, ".=");
   for (size_t k = 0; k < N_OWN; k++)
     if (strlen(OWN[k]) == length && !strncmp(OWN[k], set, length)) return true;
@@ -53,7 +57,7 @@ static vs_status read_scene(const vs_inquiry *q, const vs_node *own, vs_scene *s
   if (!status) status = put_set(vs_tree_child(root, "set"), scene, err);
   if (!status && own) status = put_set(vs_tree_child(own, "set"), scene, err);
   for (size_t k = 0; k < q->n_sets && !status; k++)
-    if (!is_own(q->sets[k])) status = vs_tree_set(&scene->tree, q->sets[k], err);
+    if (!vs_inquiry_owns(q->sets[k])) status = vs_tree_set(&scene->tree, q->sets[k], err);
   return status ? status : vs_scene_settle(scene, NULL, err);
 }
 
@@ -64,10 +68,25 @@ static vs_status shorten(vs_inquiry_run *run, vs_error *err) {
   char text[VS_NAME_SIZE];
   const vs_recording *r = &run->recording;
   double last_s = r->samples[r->n_samples - 1].t_s;
-  if (run->n_aims || !(last_s > 0) || last_s >= run->scene->setup.run.until_s) return VS_OK;
+  if (run->aims.count || !(last_s > 0) || last_s >= run->scene->setup.run.until_s) return VS_OK;
   snprintf(text, sizeof text, "%.17g s", last_s);
   vs_tree_put(&run->scene->tree, "run.until", text, (vs_where){.file = r->path});
   return vs_scene_again(run->scene, err);
+}
+
+/* Reads whether the run is one period of an orbit, and whether its scene can have one. */
+static vs_status read_steady(vs_inquiry_run *run, const vs_node *holder, vs_error *err) {
+  vs_error why = {0};
+  const vs_node *steady = vs_tree_child(holder, "steady"), *data = vs_tree_child(holder, "data");
+  vs_status status = vs_atwork_read(holder, &run->periods, err);
+  if (status || !run->periods) return status;
+  if (data)
+    return vs_fail_at(
+        err, data->key_where,
+        "data stands beside steady, and a period of an orbit is not sampled: record a "
+        "run that begins on it, by set: {start: steady}");
+  if (!vs_steady_check(run->scene, run->periods, &why)) return VS_OK;
+  return vs_fail_at(err, steady->where, "%s", why.text + why.place_size);
 }
 
 static vs_status read_run(vs_inquiry *q, const vs_node *own, const vs_node *holder, vs_error *err) {
@@ -79,8 +98,9 @@ static vs_status read_run(vs_inquiry *q, const vs_node *own, const vs_node *hold
   if (!status && !measures && !data)
     status = vs_fail_at(err, own ? own->where : (vs_where){.file = q->tree.name},
                         "nothing was measured: measures or data is wanted");
+  if (!status) status = read_steady(run, holder, err);
   if (!status && measures)
-    status = vs_aims_read(measures, run->scene, &run->aims, &run->n_aims, err);
+    status = vs_aims_read(&run->aims, measures, run->scene, run->periods, err);
   if (!status && data) {
     run->recorded = true;
     status = vs_recording_read(&run->recording, data, q->path, run->scene, err);
@@ -90,14 +110,14 @@ static vs_status read_run(vs_inquiry *q, const vs_node *own, const vs_node *hold
 }
 
 static vs_status read_runs(vs_inquiry *q, vs_error *err) {
-  static const char *const KEYS[] = {"scene", "set", "free", "measures", "data"};
+  static const char *const KEYS[] = {"scene", "set", "free", "measures", "steady", "data"};
   const vs_node *root = q->tree.root, *runs = vs_tree_child(root, "runs");
   if (!runs) return read_run(q, NULL, root, err);
-  for (size_t k = 2; k < 4; k++) {
-    const vs_node *twice = vs_tree_child(root, OWN[k]);
+  for (size_t k = 0; k < N_OF_RUN; k++) {
+    const vs_node *twice = vs_tree_child(root, OF_RUN[k]);
     if (twice)
       return vs_fail_at(err, twice->key_where, "%s stands beside runs: move it into one of them",
-                        OWN[k]);
+                        OF_RUN[k]);
   }
   if (runs->kind != VS_NODE_LIST || !runs->child)
     return vs_fail_at(err, runs->where, "runs: a list is wanted: [{set: ..., measures: ...}, ...]");
@@ -107,7 +127,7 @@ static vs_status read_runs(vs_inquiry *q, vs_error *err) {
       return vs_fail_at(err, own->where, "runs: more than %d", VS_INQUIRY_RUNS);
     if (own->kind != VS_NODE_MAP)
       return vs_fail_at(err, own->where, "runs: a map is wanted: {set: ..., measures: ...}");
-    status = vs_field_known_keys(own, "a run", KEYS, 5, err);
+    status = vs_field_known_keys(own, "a run", KEYS, 6, err);
     if (!status) status = read_run(q, own, own, err);
   }
   return status;
@@ -199,8 +219,8 @@ static vs_status read_unknowns(vs_inquiry *q, vs_error *err) {
 static void add_data(vs_inquiry *q, int number) {
   vs_inquiry_run *run = &q->runs[number];
   run->datum = q->n_data;
-  for (size_t k = 0; k < run->n_aims; k++) {
-    const vs_aim *a = &run->aims[k];
+  for (size_t k = 0; k < run->aims.count; k++) {
+    const vs_aim *a = &run->aims.item[k];
     q->data[q->n_data++] = (vs_datum){.run = number,
                                       .aim = (int)k,
                                       .value = a->value,
@@ -223,7 +243,7 @@ static void add_data(vs_inquiry *q, int number) {
 static vs_status gather(vs_inquiry *q, vs_error *err) {
   size_t count = 0;
   for (size_t r = 0; r < q->n_runs; r++)
-    count += q->runs[r].n_aims + q->runs[r].recording.n_samples;
+    count += q->runs[r].aims.count + q->runs[r].recording.n_samples;
   q->data = vs_alloc(count, sizeof *q->data);
   for (size_t r = 0; r < q->n_runs; r++) add_data(q, (int)r);
   if (q->n_unknowns <= vs_inquiry_residuals(q)) return VS_OK;
@@ -240,15 +260,15 @@ size_t vs_inquiry_residuals(const vs_inquiry *q) {
 
 static const vs_recorded *column_of(const vs_inquiry *q, const vs_datum *d) {
   const vs_recording *r = &q->runs[d->run].recording;
-  return &r->columns[r->samples[d->sample].column];
+  return &r->columns.item[r->samples[d->sample].column];
 }
 
 const char *vs_inquiry_name(const vs_inquiry *q, const vs_datum *d) {
-  return d->aim < 0 ? column_of(q, d)->name : q->runs[d->run].aims[d->aim].name;
+  return d->aim < 0 ? column_of(q, d)->name : q->runs[d->run].aims.item[d->aim].name;
 }
 
 const char *vs_inquiry_unit(const vs_inquiry *q, const vs_datum *d) {
-  return d->aim < 0 ? column_of(q, d)->unit : q->runs[d->run].aims[d->aim].unit;
+  return d->aim < 0 ? column_of(q, d)->unit : q->runs[d->run].aims.item[d->aim].unit;
 }
 
 /* ---- the other keys ---- */
@@ -286,27 +306,16 @@ static vs_status read_profile(vs_inquiry *q, const char *more, vs_error *err) {
   return status;
 }
 
-/* Reads which of the words a node has; without a node it is the first. */
-static vs_status read_word(const vs_node *node, const char *words, int *which, vs_error *err) {
-  vs_field field = {.kind = VS_CHOICE, .choices = words, .unit = "", .default_text = ""};
-  const vs_section section = {"fit", &field, 1};
-  *which = 0;
-  if (!node) return VS_OK;
-  field.key = node->key;
-  return vs_field_read(&section, &field, node, which, err);
-}
-
 static vs_status read_settings(vs_inquiry *q, vs_error *err) {
-  int word, slopes = 0;
-  const vs_node *root = q->tree.root, *residual = vs_tree_child(root, "residual");
+  int word = 0, slopes = 0;
+  const vs_node *root = q->tree.root;
   q->starts = 8;
   q->seed = 1;
   vs_status status = vs_axis_whole(root, "starts", 1, 10000, &q->starts, err);
   if (!status) status = vs_axis_whole(root, "seed", 0, UINT32_MAX, &q->seed, err);
-  if (!status) status = read_word(residual, "logarithm|difference", &word, err);
+  if (!status) status = vs_axis_word(root, "fit.residual", "logarithm|difference", &word, err);
   q->difference = word == 1;
-  if (!status)
-    status = read_word(vs_tree_child(root, "slopes"), "auto|exact|differences", &slopes, err);
+  if (!status) status = vs_axis_word(root, "fit.slopes", "auto|exact|differences", &slopes, err);
   q->slopes = (vs_slopes_word)slopes;
   return status;
 }
@@ -319,7 +328,7 @@ vs_status vs_inquiry_read(const char *name, char *const *sets, size_t n_sets, co
   vs_status status = vs_path_find(&vs_scene_fit_shelf, name, (vs_where){0}, q->path, err);
   if (!status) status = vs_tree_read(q->path, &q->tree, err);
   for (size_t k = 0; k < n_sets && !status; k++)
-    if (is_own(sets[k])) status = vs_tree_set(&q->tree, sets[k], err);
+    if (vs_inquiry_owns(sets[k])) status = vs_tree_set(&q->tree, sets[k], err);
   if (!status) status = vs_field_known_keys(q->tree.root, "a fit", OWN, N_OWN, err);
   if (!status) status = read_settings(q, err);
   if (!status) status = read_runs(q, err);
@@ -349,7 +358,7 @@ void vs_inquiry_free(vs_inquiry *q) {
   for (size_t r = 0; r < q->n_runs; r++) {
     vs_scene_free(q->runs[r].scene);
     free(q->runs[r].scene);
-    free(q->runs[r].aims);
+    free(q->runs[r].aims.item);
     vs_recording_free(&q->runs[r].recording);
   }
   free(q->data);

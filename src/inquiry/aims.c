@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "fit/aims.h"
+#include "inquiry/aims.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "fit/unknown.h"
+#include "inquiry/unknown.h"
 #include "machine/mechanics.h"
 #include "syntax/units.h"
 
@@ -50,23 +50,26 @@ static bool find_working(const vs_model *model, vs_mode *working) {
 
 /* ---- reading ---- */
 
-/* All measures that a run of the scene has. */
+/* All measures that there are. */
 typedef struct measures {
-  vs_shown *all;
+  vs_measured_value *all;
   const char **names;
   size_t count;
 } measures;
 
-static measures all_measures(const vs_scene *scene) {
+static measures all_measures(const vs_scene *scene, int periods) {
   enum { MOST = 1024 };
+  const vs_orbit none = {0};
   measures m = {vs_alloc(MOST, sizeof *m.all), vs_alloc(MOST + N_AT_REST, sizeof *m.names), 0};
-  vs_result result = {0};
-  vs_watchers_begin(&result.watchers, &scene->frame);
-  while (m.count < MOST && vs_shown_at(&scene->frame, &result, (int)m.count, &m.all[m.count])) {
+  vs_measured *empty = vs_alloc(1, sizeof *empty);
+  vs_measured_begin(empty, scene, periods ? &none : NULL);
+  empty->steady.devices = empty->result.watchers.devices;
+  while (m.count < MOST && vs_measured_at(empty, (int)m.count, &m.all[m.count])) {
     m.names[m.count] = m.all[m.count].name;
     m.count++;
   }
-  vs_result_free(&result);
+  vs_measured_free(empty);
+  free(empty);
   for (size_t k = 0; k < N_AT_REST; k++) m.names[m.count + k] = AT_REST[k].name;
   return m;
 }
@@ -78,14 +81,14 @@ static vs_status find_measure(const measures *m, const vs_scene *scene, const vs
   aim->place = -1;
   if (rest) {
     snprintf(aim->name, sizeof aim->name, "%s", rest->name);
-    aim->unit = rest->unit;
+    snprintf(aim->unit, sizeof aim->unit, "%s", rest->unit);
     return VS_OK;
   }
   for (size_t k = 0; k < m->count && aim->place < 0; k++)
     if (!strcmp(m->names[k], node->key)) aim->place = (int)k;
   if (aim->place >= 0) {
     snprintf(aim->name, sizeof aim->name, "%s", m->all[aim->place].name);
-    aim->unit = m->all[aim->place].unit;
+    snprintf(aim->unit, sizeof aim->unit, "%s", m->all[aim->place].unit);
     return VS_OK;
   }
   const char *nearest = vs_text_nearest(node->key, m->names, m->count + N_AT_REST);
@@ -114,20 +117,19 @@ static vs_status read_aim(vs_aim *aim, const vs_node *node, vs_error *err) {
   return status;
 }
 
-vs_status vs_aims_read(const vs_node *map, const vs_scene *scene, vs_aim **aims, size_t *count,
+vs_status vs_aims_read(vs_aims *aims, const vs_node *map, const vs_scene *scene, int periods,
                        vs_error *err) {
-  *aims = NULL;
-  *count = 0;
+  *aims = (vs_aims){0};
   if (map->kind != VS_NODE_MAP || !map->child)
     return vs_fail_at(err, map->where,
                       "measures: a map is wanted: {i_peak: {value: 0.95 A, error: 3 %%}, ...}");
   size_t room = 0;
   for (const vs_node *n = map->child; n; n = n->next) room++;
-  *aims = vs_alloc(room, sizeof **aims);
-  measures m = all_measures(scene);
+  aims->item = vs_alloc(room, sizeof *aims->item);
+  measures m = all_measures(scene, periods);
   vs_status status = VS_OK;
   for (const vs_node *n = map->child; n && !status; n = n->next) {
-    vs_aim *aim = &(*aims)[(*count)++];
+    vs_aim *aim = &aims->item[aims->count++];
     status = find_measure(&m, scene, n, aim, err);
     if (!status) status = read_aim(aim, n, err);
   }
@@ -138,9 +140,9 @@ vs_status vs_aims_read(const vs_node *map, const vs_scene *scene, vs_aim **aims,
 
 /* ---- what a run gave ---- */
 
-vs_status vs_aim_computed(const vs_aim *aim, const vs_scene *scene, const vs_result *result,
+vs_status vs_aim_computed(const vs_aim *aim, const vs_scene *scene, const vs_measured *measured,
                           double *value, vs_error *err) {
-  vs_shown m;
+  vs_measured_value m;
   vs_mode working;
   if (aim->place < 0) {
     if (!find_working(&scene->setup.model, &working))
@@ -148,9 +150,9 @@ vs_status vs_aim_computed(const vs_aim *aim, const vs_scene *scene, const vs_res
     *value = find_at_rest(aim->name)->of(&working);
     return VS_OK;
   }
-  bool there = vs_shown_at(&result->scene->frame, result, aim->place, &m) && m.value.known;
+  bool there = vs_measured_at(measured, aim->place, &m) && m.value.known;
   if (!there || !isfinite(m.value.value))
-    return vs_fail(err, VS_RUN, "the run has no %s", aim->name);
+    return vs_fail(err, VS_RUN, "the %s has no %s", measured->period ? "orbit" : "run", aim->name);
   *value = m.value.value * vs_units_factor(aim->unit);
   return VS_OK;
 }

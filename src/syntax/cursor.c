@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "deck/cursor.h"
+#include "syntax/cursor.h"
 
 #include <ctype.h>
 #include <stdio.h>

@@ -4,13 +4,15 @@
  *
  *   scene:    NAME or path               the default: paper
  *   set:      {KEY: VALUE, ...}          over what the scene says
- *   measures: {NAME: {value, error}}     fit/aims.h
- *   data:     {file, columns, ...}       fit/recording.h
- *   runs:     [{scene, set, free, measures, data}, ...]
- *                                        several, in the place of measures and data; scene and set
- *                                        above are the default of each
+ *   measures: {NAME: {value, error}}     inquiry/aims.h
+ *   steady:   true | {period: N}         the measures are those of a period of the orbit, of N
+ *                                        firing periods, and not those of the run
+ *   data:     {file, columns, ...}       inquiry/recording.h
+ *   runs:     [{scene, set, free, measures, steady, data}, ...]
+ *                                        several, in the place of measures, steady and data; scene
+ *                                        and set above are the default of each
  *   free:     {KEY: {from, to, start, prior}, ...}
- *                                        fit/unknown.h; under a run: its own
+ *                                        inquiry/unknown.h; under a run: its own
  *   starts:   N                          searches, the first from the scene's values; default 8
  *   seed:     N                          of the other ones' places; default 1
  *   residual: logarithm | difference     of what has an error in per cent
@@ -23,20 +25,21 @@
  *   (computed/measured - 1)/sigma        sigma is a share, residual: difference
  *   (computed - measured)/sigma          sigma is an amount
  */
-#ifndef VS_FIT_INQUIRY_H
-#define VS_FIT_INQUIRY_H
+#ifndef VS_INQUIRY_INQUIRY_H
+#define VS_INQUIRY_INQUIRY_H
 
-#include "fit/aims.h"
-#include "fit/recording.h"
-#include "fit/unknown.h"
+#include "inquiry/aims.h"
+#include "inquiry/recording.h"
+#include "inquiry/unknown.h"
 
 enum { VS_INQUIRY_UNKNOWNS = 32, VS_INQUIRY_RUNS = 64 }; /* at most */
 
 /* One run that was measured. */
 typedef struct vs_inquiry_run {
   vs_scene *scene; /* settled with `set` and --set; whoever fits alters its tree */
-  vs_aim *aims;
-  size_t n_aims;
+  int periods;     /* 0: its measures are those of its run; else of a period of its orbit, of so
+                      many firing periods */
+  vs_aims aims;
   vs_recording recording;
   bool recorded;      /* it has one */
   size_t datum, data; /* the first of its data, and how many they are: aims, then samples */
@@ -84,6 +87,9 @@ typedef struct vs_inquiry {
 vs_status vs_inquiry_read(const char *name, char *const *sets, size_t n_sets, const char *profile,
                           vs_inquiry *inquiry, vs_error *err);
 void vs_inquiry_free(vs_inquiry *inquiry);
+
+/* True if a --set, KEY=VALUE, is one of the fit's own keys (starts=1) and none of a scene's. */
+bool vs_inquiry_owns(const char *set);
 
 /* True if the name is that of a fit alone, or of a file that has a key that only fits have. */
 bool vs_inquiry_is(const char *name);

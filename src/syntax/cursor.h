@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Reading a line of the netlist contract from left to right, word by word. */
-#ifndef VS_DECK_CURSOR_H
-#define VS_DECK_CURSOR_H
+#ifndef VS_SYNTAX_CURSOR_H
+#define VS_SYNTAX_CURSOR_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dialect/line.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+
+void vs_line_join(vs_line *l, const char *text, vs_where where) {
+  size_t n = strlen(text), begin = l->text ? l->length + 1 : 0;
+  if (begin + n + 1 > l->room) {
+    l->room = 2 * (begin + n + 1);
+    l->text = realloc(l->text, l->room);
+    if (!l->text) vs_out_of_memory();
+  }
+  if (begin)
+    l->text[l->length] = ' ';
+  else
+    l->where = where;
+  memcpy(l->text + begin, text, n + 1);
+  l->length = begin + n;
+  if ((l->n_joints & (l->n_joints - 1)) == 0) { /* the array grows at 0, 1, 2, 4, 8, ... joints */
+    size_t room = l->n_joints ? 2 * l->n_joints : 1;
+    l->joint = realloc(l->joint, room * sizeof *l->joint);
+    if (!l->joint) vs_out_of_memory();
+  }
+  l->joint[l->n_joints++] = (vs_joint){begin, where};
+}
+
+vs_where vs_line_place(const vs_line *l, const char *at) {
+  const char *text = l->written ? l->written : l->text;
+  size_t offset = (size_t)(at - text), k = l->n_joints;
+  while (k > 1 && l->joint[k - 1].at > offset) k--;
+  if (k == 0) return l->where;
+  vs_where where = l->joint[k - 1].where;
+  where.column += vs_text_column(text + l->joint[k - 1].at, at) - 1;
+  return where;
+}
+
+void vs_line_free(vs_line *l) {
+  free(l->text);
+  free(l->written);
+  free(l->joint);
+  *l = (vs_line){0};
+}

@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dialect/numbers.h"
+
+#include <ctype.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "dialect/words.h"
+
+static size_t digits(const char *s) {
+  return strspn(s, "0123456789");
+}
+
+/* Returns the length of a factor at s, as in 4k7, 2meg2 or 0R47; 0: there is none. An exponent is
+ * no factor. */
+static size_t factor(const char *s) {
+  if (!strncasecmp(s, "meg", 3)) return 3;
+  return *s && strchr("rRkKmMuUnNpPfFgGtT", *s) ? 1 : 0;
+}
+
+/* A number at s whose factor stands in the place of its point, as 4k7. *n is its length. */
+static bool has_factor_as_point(const char *s, size_t *n) {
+  size_t before = digits(s), f = factor(s + before), after = digits(s + before + f);
+  *n = before + f + after;
+  return before && f && after && !vs_words_goes_on(s[*n]) && s[*n] != '.';
+}
+
+static vs_status refuse_factor(const vs_line *line, const char *at, size_t n, vs_error *err) {
+  size_t before = digits(at), f = factor(at + before);
+  bool ohms = f == 1 && tolower((unsigned char)at[before]) == 'r';
+  return vs_fail_at(err, vs_line_place(line, at),
+                    "'%.*s': ngspice reads %.*s and leaves the rest out; write %.*s.%.*s%.*s",
+                    (int)n, at, (int)(before + (ohms ? 0 : f)), at, (int)before, at,
+                    (int)(n - before - f), at + before + f, ohms ? 0 : (int)f, at + before);
+}
+
+/* Looks for numbers such as 4k7 from `from` on. What stands in v() and i() are names. */
+static vs_status check_factors(const vs_line *line, const char *from, vs_error *err) {
+  for (const char *s = from; *s; s++) {
+    size_t n = 0;
+    bool begins = s == line->text || (!vs_words_goes_on(s[-1]) && !strchr(".#$:", s[-1]));
+    if (begins && strchr("vViI", *s) && s[1] == '(') {
+      s += strcspn(s, ")");
+      if (!*s) break;
+    } else if (begins && isdigit((unsigned char)*s) && has_factor_as_point(s, &n))
+      return refuse_factor(line, s, n, err);
+  }
+  return VS_OK;
+}
+
+/* A number with a comma for its point, as 4,7k: digits, one comma, digits, letters. */
+static bool has_comma(vs_word w) {
+  const char *s = w.at + (strchr("+-", *w.at) != NULL);
+  size_t before = digits(s), after = s[before] == ',' ? digits(s + before + 1) : 0;
+  const char *end = s + before + 1 + after;
+  while (after && isalpha((unsigned char)*end)) end++;
+  return before && after && end == w.at + w.n;
+}
+
+static bool has_two_points(vs_word w) {
+  int points = 0;
+  for (size_t k = 0; k < w.n && strchr("+-0123456789.", w.at[k]); k++) points += w.at[k] == '.';
+  return points > 1;
+}
+
+/* True for a unit, with or without its factor: k, kohm, uF, ohm. */
+static bool is_unit(vs_word w) {
+  static const char *const UNITS[] = {"",  "ohm", "ohms", "\xce\xa9", "\xe2\x84\xa6",
+                                      "f", "h",   "v",    "a"};
+  size_t f = factor(w.at);
+  for (size_t skip = 0; skip <= f && w.n; skip += f ? f : 1)
+    for (size_t k = 0; k < sizeof UNITS / sizeof *UNITS; k++)
+      if (w.n == skip + strlen(UNITS[k]) && !strncasecmp(w.at + skip, UNITS[k], w.n - skip))
+        return true;
+  return false;
+}
+
+/* A value of its own, not in an expression. */
+static vs_status check_value(const vs_line *line, vs_word w, vs_error *err) {
+  int n = (int)w.n;
+  if (has_comma(w)) {
+    size_t whole = strcspn(w.at, ",");
+    return vs_fail_at(err, vs_line_place(line, w.at),
+                      "'%.*s': ngspice reads %.*s and leaves the rest out; the decimal sign is a "
+                      "point",
+                      n, w.at, (int)whole, w.at);
+  }
+  return has_two_points(w) ? vs_fail_at(err, vs_line_place(line, w.at),
+                                        "'%.*s': a number has one point; ngspice leaves out what "
+                                        "is behind the second",
+                                        n, w.at)
+                           : VS_OK;
+}
+
+/* True for a resistance such as 1M or 2.2MOhm. */
+static bool is_milliohm(vs_word w) {
+  size_t n = strspn(w.at, "0123456789.");
+  if (n == 0 || n >= w.n || w.at[n] != 'M') return false;
+  vs_word unit = {w.at + n + 1, w.n - n - 1};
+  return unit.n == 0 || vs_words_is(unit, "ohm") || vs_words_is(unit, "ohms") ||
+         vs_words_is(unit, "r");
+}
+
+/* R, C, L and K: "NAME node node VALUE". */
+static vs_status check_element(const vs_line *line, const vs_word *w, size_t count, vs_tally *tally,
+                               vs_error *err) {
+  if (count < 4) return VS_OK;
+  vs_status status = check_value(line, w[3], err);
+  if (!status && count > 4 && isdigit((unsigned char)*w[3].at) && is_unit(w[4]) &&
+      !strchr(w[4].at, '='))
+    status = vs_fail_at(err, vs_line_place(line, w[4].at),
+                        "'%.*s %.*s': a unit stands at its number without a blank: %.*s%.*s",
+                        (int)w[3].n, w[3].at, (int)w[4].n, w[4].at, (int)w[3].n, w[3].at,
+                        (int)w[4].n, w[4].at);
+  if (!status && tolower((unsigned char)*line->text) == 'r' && is_milliohm(w[3]))
+    vs_tally_add(tally,
+                 "a resistance in M is one in milliohm, as SPICE knows no capitals; write Meg for "
+                 "megohm, or m",
+                 vs_line_place(line, w[3].at));
+  return status;
+}
+
+/* Returns where a line's values begin; NULL: it has none. */
+static const char *values_of(const char *text, const vs_word *w, size_t count) {
+  if (*text == '.') {
+    if (vs_words_is(w[0], ".model")) return count > 2 ? strpbrk(w[2].at, "=(") : NULL;
+    return strpbrk(text, "={");
+  }
+  if (strchr("rRcClLkKvViIbBeEgGfFhH", *text)) return count > 3 ? w[3].at : NULL;
+  return strchr(text, '=');
+}
+
+vs_status vs_numbers_check(const vs_line *line, vs_tally *tally, vs_error *err) {
+  vs_word w[VS_WORDS_MOST];
+  const char *text = line->text;
+  size_t count = vs_words_split(text, w);
+  vs_status status = VS_OK;
+  if (count == 0) return VS_OK;
+  if (strchr("rRcClLkK", *text)) status = check_element(line, w, count, tally, err);
+  if (strchr("vViI", *text) && count == 4) status = check_value(line, w[3], err);
+  if (status) return status;
+  const char *values = values_of(text, w, count);
+  return values ? check_factors(line, values, err) : VS_OK;
+}

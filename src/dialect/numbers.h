@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Numbers of which ngspice reads something else than was meant, and says nothing: it stops at the
+ * first letter that it does not know and takes no notice of what follows. */
+#ifndef VS_DIALECT_NUMBERS_H
+#define VS_DIALECT_NUMBERS_H
+
+#include "dialect/line.h"
+#include "dialect/tally.h"
+
+/* Looks through the values of a line. Errors with their place and with what to write: a unit in the
+ * place of the point (4k7 is read as 4k), a comma for it (4,7k is read as 4), two points, a unit
+ * that stands apart (10 k). A capital M behind a resistance is told, as 1M is a milliohm. */
+vs_status vs_numbers_check(const vs_line *line, vs_tally *tally, vs_error *err);
+
+#endif

@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "dialect/words.h"
+
+#include <ctype.h>
+#include <string.h>
+#include <strings.h>
+
+static const char BLANKS[] = " \t";
+
+bool vs_words_goes_on(char c) {
+  return isalnum((unsigned char)c) || c == '_';
+}
+
+/* Returns what is behind a word: the first character out of `ends` that stands in no brace, bracket
+ * or quote, or the end of the text. */
+static const char *behind(const char *s, const char *ends) {
+  int depth = 0;
+  char quote = '\0';
+  for (; *s; s++) {
+    if (depth == 0 && !quote && strchr(ends, *s)) break;
+    if (quote)
+      quote = *s == quote ? '\0' : quote;
+    else if (*s == '\'' || *s == '"')
+      quote = *s;
+    else if (strchr("({[", *s))
+      depth++;
+    else if (strchr(")}]", *s))
+      depth -= depth > 0;
+  }
+  return s;
+}
+
+size_t vs_words_split(const char *text, vs_word words[VS_WORDS_MOST]) {
+  size_t count = 0;
+  for (const char *s = text + strspn(text, BLANKS); *s && count < VS_WORDS_MOST;) {
+    const char *end = behind(s, BLANKS);
+    words[count++] = (vs_word){s, (size_t)(end - s)};
+    s = end + strspn(end, BLANKS);
+  }
+  return count;
+}
+
+bool vs_words_is(vs_word word, const char *text) {
+  return strlen(text) == word.n && !strncasecmp(word.at, text, word.n);
+}
+
+bool vs_words_parameter(const char *from, const char *name, vs_word *whole, vs_word *value) {
+  size_t n = strlen(name);
+  for (const char *s = from; *s; s++) {
+    if (strchr("({['\"", *s)) { /* passes by what it keeps together */
+      s = behind(s, " \t=,");
+      if (!*s) return false;
+      continue;
+    }
+    bool within = s > from && vs_words_goes_on(s[-1]);
+    if (within || strncasecmp(s, name, n) || vs_words_goes_on(s[n])) continue;
+    const char *equals = s + n + strspn(s + n, BLANKS);
+    if (*equals != '=' || equals[1] == '=') continue;
+    value->at = equals + 1 + strspn(equals + 1, BLANKS);
+    const char *end = behind(value->at, BLANKS);
+    value->n = (size_t)(end - value->at);
+    *whole = (vs_word){s, (size_t)(end - s)};
+    return true;
+  }
+  return false;
+}
+
+size_t vs_words_arguments(const char *open, vs_word arguments[VS_WORDS_MOST], const char **end) {
+  size_t count = 0;
+  for (const char *s = open + 1; count < VS_WORDS_MOST;) {
+    s += strspn(s, BLANKS);
+    const char *stop = behind(s, ",)");
+    if (!*stop) return 0;
+    size_t n = (size_t)(stop - s);
+    while (n > 0 && strchr(BLANKS, s[n - 1])) n--;
+    arguments[count++] = (vs_word){s, n};
+    *end = stop + 1;
+    if (*stop == ')') return count;
+    s = stop + 1;
+  }
+  return 0;
+}

@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "foreign/courses.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+enum { MOST_NUMBERS = 256 };
+
+/* The numbers of a course, as text that begins behind its word; blanks, commas and brackets part
+ * them. */
+static const char *begin_of(const vs_elements *w, const vs_element *e, const char *word) {
+  const char *text = w->listing->cards[e->card].text;
+  size_t n = strlen(word);
+  if (e->letter != 'v' && e->letter != 'i') return NULL;
+  for (int k = e->n_nodes + 1; k < e->n_words; k++) {
+    const char *s = text + e->words[k].at;
+    if (!strncasecmp(s, word, n) && (s[n] == '(' || s[n] == ' ' || s[n] == '\t')) return s + n;
+  }
+  return NULL;
+}
+
+bool vs_course_has(const vs_elements *w, const vs_element *e, const char *word) {
+  return begin_of(w, e, word);
+}
+
+typedef struct numbers {
+  double item[MOST_NUMBERS];
+  int count;
+} numbers;
+
+/* Error: a number is not known. Ends where an option, NAME=VALUE, or the bracket's end comes. */
+static vs_status read_numbers(const vs_elements *w, const vs_values *v, const vs_element *e,
+                              const char *s, numbers *n, vs_error *err) {
+  s += strspn(s, " \t");
+  bool bracket = *s == '(';
+  if (bracket) s++;
+  while (*(s += strspn(s, " \t,")) && *s != ')' && n->count < MOST_NUMBERS) {
+    int depth = 0, size = 0;
+    bool quoted = false, option = false;
+    for (; s[size] && (depth > 0 || quoted || !strchr(" \t,)", s[size])); size++) {
+      if (s[size] == '\'') quoted = !quoted;
+      depth += (s[size] == '{' || s[size] == '(') - (s[size] == '}' || s[size] == ')');
+      option = option || (s[size] == '=' && depth == 0);
+    }
+    if (option || size == 0) break;
+    char *word = vs_alloc((size_t)size + 1, 1);
+    memcpy(word, s, (size_t)size);
+    bool known = vs_values_of(v, word, &n->item[n->count]);
+    vs_status status = VS_OK;
+    if (!known && bracket)
+      status = vs_fail_at(err, vs_elements_where(w, e, 0),
+                          "%s: '%s' is not known before a run; write a number, or a .param of "
+                          "numbers",
+                          e->name, word);
+    free(word);
+    if (status) return status;
+    if (!known) break; /* AC 1, behind a course without brackets */
+    n->count++;
+    s += size;
+  }
+  return VS_OK;
+}
+
+static double nth(const numbers *n, int k, double otherwise) {
+  return k < n->count ? n->item[k] : otherwise;
+}
+
+vs_status vs_course_read_sine(const vs_elements *w, const vs_values *v, const vs_element *e,
+                              vs_course_sine *sine, vs_error *err) {
+  const char *s = begin_of(w, e, "sin");
+  numbers n = {.count = 0};
+  if (!s) s = begin_of(w, e, "sine");
+  if (!s)
+    return vs_fail_at(err, vs_elements_where(w, e, 0),
+                      "%s has no SIN(offset amplitude frequency), so it cannot be the mains; "
+                      "--mains names another source, or none",
+                      e->name);
+  vs_status status = read_numbers(w, v, e, s, &n, err);
+  *sine = (vs_course_sine){nth(&n, 0, 0), nth(&n, 1, 0), nth(&n, 2, NAN),
+                           nth(&n, 3, 0), nth(&n, 4, 0), nth(&n, 5, 0)};
+  return status;
+}
+
+/* The next edge of a PWL's `count` points from point *k on: from which point to which it crosses
+ * `level`. Gives when it begins and how long it takes; NaN: there is none. *k is the point behind
+ * it. */
+static double edge(const double *points, int count, double level, int *k, double *length_s) {
+  for (; *k < count; ++*k) {
+    const double *a = points + 2 * (*k - 1), *b = points + 2 * *k;
+    if ((a[1] < level) == (b[1] < level)) continue;
+    *length_s = b[0] - a[0];
+    ++*k;
+    return a[0];
+  }
+  return NAN;
+}
+
+static vs_course_pulse of_points(const numbers *n) {
+  vs_course_pulse p = {n->item[1], n->item[1], NAN, NAN, 0, 0, INFINITY};
+  int count = n->count / 2, k = 1;
+  for (int i = 0; i < count; i++) p.high = fmax(p.high, n->item[2 * i + 1]);
+  double level = (p.low + p.high) / 2;
+  p.at_s = edge(n->item, count, level, &k, &p.rise_s);
+  double off_s = edge(n->item, count, level, &k, &p.fall_s);
+  p.width_s = isnan(off_s) ? INFINITY : off_s - p.at_s;
+  return p;
+}
+
+/* PULSE(low high delay rise fall width period cycles), the last LTspice's */
+static vs_course_pulse of_pulse(const numbers *n) {
+  double rise_s = nth(n, 3, 0), fall_s = nth(n, 4, 0), width_s = nth(n, 5, INFINITY);
+  vs_course_pulse p = {nth(n, 0, 0), nth(n, 1, 0), nth(n, 2, 0),       width_s + rise_s,
+                       rise_s,       fall_s,       nth(n, 6, INFINITY)};
+  if (!(p.period_s > 0) || nth(n, 7, 0) == 1) p.period_s = INFINITY;
+  return p;
+}
+
+vs_status vs_course_read_pulse(const vs_elements *w, const vs_values *v, const vs_element *e,
+                               vs_course_pulse *pulse, vs_error *err) {
+  const char *s = begin_of(w, e, "pulse"), *points = begin_of(w, e, "pwl");
+  numbers n = {.count = 0};
+  vs_status status = s || points ? read_numbers(w, v, e, s ? s : points, &n, err) : VS_OK;
+  if (status) return status;
+  if ((s && n.count >= 2) || (points && n.count >= 4)) {
+    *pulse = s ? of_pulse(&n) : of_points(&n);
+    return VS_OK;
+  }
+  char *word = vs_elements_word_of(w, e, e->n_nodes + 1);
+  char *second = vs_elements_word_of(w, e, e->n_nodes + 2);
+  *pulse = (vs_course_pulse){0, NAN, NAN, NAN, 0, 0, INFINITY};
+  bool known = vs_values_of(v, strcasecmp(word, "dc") ? word : second, &pulse->high);
+  free(word);
+  free(second);
+  return known && !s && !points
+             ? VS_OK
+             : vs_fail_at(err, vs_elements_where(w, e, 0),
+                          "%s has no PULSE(low high delay rise fall width period) whose numbers "
+                          "are known, so it cannot be a gate's; --gate names another source, or "
+                          "none",
+                          e->name);
+}

@@ -1,0 +1,379 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "foreign/roles.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+typedef struct finder {
+  const vs_elements *w;
+  const vs_values *v;
+  vs_roles *roles;
+  vs_error *err;
+} finder;
+
+static vs_where file_of(const finder *f) {
+  return (vs_where){.file = f->w->listing->files[0]};
+}
+
+/* The element that an option names. Error: there is none. */
+static vs_status find_named(const finder *f, const char *option, const char *name,
+                            const vs_element **e) {
+  *e = vs_elements_find(f->w, name);
+  if (*e) return VS_OK;
+  const char **names = vs_alloc(f->w->count + 1, sizeof *names);
+  for (size_t k = 0; k < f->w->count; k++) names[k] = f->w->elements[k].name;
+  const char *nearest = vs_text_nearest(name, names, f->w->count);
+  vs_status status =
+      vs_fail_at(f->err, file_of(f), "--%s %s: there is no such element%s%s%s", option, name,
+                 nearest ? "; did you mean " : " outside of subcircuits", nearest ? nearest : "",
+                 nearest ? "?" : "");
+  free(names);
+  return status;
+}
+
+/* ---- mains ---- */
+
+static vs_status set_mains(finder *f, const vs_element *e) {
+  vs_course_sine s;
+  vs_roles *r = f->roles;
+  vs_where where = vs_elements_where(f->w, e, 0);
+  vs_status status = vs_course_read_sine(f->w, f->v, e, &s, f->err);
+  if (status) return status;
+  if (e->letter != 'v')
+    return vs_fail_at(f->err, where, "%s: the mains are a source of voltage, V...", e->name);
+  if (s.offset_v != 0 || s.damping != 0)
+    return vs_fail_at(f->err, where,
+                      "%s: the mains have no %s; write that as a source of its own in series, or "
+                      "say --mains none, which leaves %s as it is",
+                      e->name, s.offset_v != 0 ? "offset" : "damping", e->name);
+  if (!(s.hz > 0) || s.peak_v == 0)
+    return vs_fail_at(f->err, where, "%s: SIN(0 amplitude frequency) is wanted of the mains",
+                      e->name);
+  r->mains = e;
+  r->rms_v = fabs(s.peak_v) / sqrt(2);
+  r->hz = s.hz;
+  r->delayed = s.delay_s > 0;
+  r->phase_deg = remainder(s.phase_deg - 360 * s.hz * s.delay_s + (s.peak_v < 0 ? 180 : 0), 360);
+  return VS_OK;
+}
+
+static bool is_sine(const finder *f, const vs_element *e) {
+  return e->letter == 'v' && (vs_course_has(f->w, e, "sin") || vs_course_has(f->w, e, "sine"));
+}
+
+static vs_status find_mains(finder *f, const char *asked) {
+  const vs_element *found = NULL;
+  vs_text all = {0};
+  size_t count = 0;
+  if (asked && !strcasecmp(asked, "none")) return VS_OK;
+  if (asked) {
+    vs_status status = find_named(f, "mains", asked, &found);
+    return status ? status : set_mains(f, found);
+  }
+  for (size_t k = 0; k < f->w->count; k++)
+    if (is_sine(f, &f->w->elements[k])) {
+      vs_text_add(&all, "%s%s", count++ ? ", " : "", f->w->elements[k].name);
+      found = &f->w->elements[k];
+    }
+  vs_status status = VS_OK;
+  if (count > 1)
+    status = vs_fail_at(f->err, vs_elements_where(f->w, found, 0),
+                        "%zu sources are sines, %s: --mains NAME says which is the mains, --mains "
+                        "none that none is",
+                        count, all.text);
+  else if (found)
+    status = set_mains(f, found);
+  f->roles->found_mains = found;
+  vs_text_free(&all);
+  return status;
+}
+
+/* ---- gates ---- */
+
+/* How a period compares with the mains' is told to this part; netlists write 16.667m for 1/60. */
+static const double NEAR = 2e-3;
+
+static bool is_near(double a, double b) {
+  return fabs(a - b) <= NEAR * b;
+}
+
+/* True for a pulse that comes too often to fire thyristors on the mains: a chopper's. */
+static bool chops(const finder *f, const vs_course_pulse *p) {
+  return f->roles->mains && p->period_s < 0.4 / f->roles->hz;
+}
+
+static vs_status add_gate(finder *f, const vs_element *e) {
+  vs_roles *r = f->roles;
+  vs_where where = vs_elements_where(f->w, e, 0);
+  if (r->n_gates == VS_ROLES_GATES)
+    return vs_fail_at(f->err, where, "more than %d gates", VS_ROLES_GATES);
+  vs_roles_gate *g = &r->gates[r->n_gates];
+  *g = (vs_roles_gate){.source = e, .each = 1};
+  if (e->letter != 'v' && e->letter != 'i')
+    return vs_fail_at(f->err, where, "--gate %s: a source is wanted, V... or I...", e->name);
+  vs_status status = vs_course_read_pulse(f->w, f->v, e, &g->pulse, f->err);
+  if (status) return status;
+  if (!r->mains)
+    return vs_fail_at(f->err, where,
+                      "%s: a gate is fired by the angle of the mains, and there are none; --gate "
+                      "none leaves it as it is",
+                      e->name);
+  double cycles = g->pulse.period_s * r->hz;
+  if (is_near(cycles, 0.5))
+    g->each = 2;
+  else if (!isinf(cycles) && (cycles < 0.9 || !is_near(cycles, rint(cycles))))
+    return vs_fail_at(f->err, where,
+                      "%s comes every %.9g s, which is neither a whole number of the mains' cycles "
+                      "of %.9g s nor half of one; --gate none leaves it as it is",
+                      e->name, g->pulse.period_s, 1 / r->hz);
+  r->n_gates++;
+  return VS_OK;
+}
+
+static vs_status add_named_gates(finder *f, const char *asked) {
+  char *all = vs_copy(asked), *rest = all;
+  vs_status status = VS_OK;
+  for (char *name; !status && (name = strsep(&rest, ",+"));) {
+    const vs_element *e;
+    status = find_named(f, "gate", name, &e);
+    if (!status) status = add_gate(f, e);
+  }
+  free(all);
+  return status;
+}
+
+/* True for a source that may be a gate's: its course is a pulse, or of points that go up and come
+ * back once. */
+static bool may_fire(const finder *f, const vs_element *e) {
+  vs_course_pulse p;
+  vs_error unread = {0};
+  bool pulse = vs_course_has(f->w, e, "pulse"), points = vs_course_has(f->w, e, "pwl");
+  if (!f->roles->mains || (!pulse && !points)) return false;
+  if (vs_course_read_pulse(f->w, f->v, e, &p, &unread)) return true; /* it is asked for, or told */
+  return points ? isfinite(p.at_s) && isfinite(p.width_s) : !chops(f, &p);
+}
+
+static vs_status find_gates(finder *f, const char *asked) {
+  const vs_element *found = NULL;
+  vs_text all = {0};
+  size_t count = 0;
+  if (asked) return strcasecmp(asked, "none") ? add_named_gates(f, asked) : VS_OK;
+  for (size_t k = 0; k < f->w->count; k++)
+    if (may_fire(f, &f->w->elements[k])) {
+      vs_text_add(&all, "%s%s", count++ ? "," : "", f->w->elements[k].name);
+      found = &f->w->elements[k];
+    }
+  vs_status status = VS_OK;
+  if (count > 1)
+    status = vs_fail_at(f->err, vs_elements_where(f->w, found, 0),
+                        "%zu sources are pulses: --gate %s says that all of them fire thyristors, "
+                        "--gate NAME that one does, --gate none that none does",
+                        count, all.text);
+  else if (found)
+    status = add_gate(f, found);
+  f->roles->found_gate = found;
+  vs_text_free(&all);
+  return status;
+}
+
+/* Cycles of the mains from their first rising zero to the gate's first pulse from then on. *late is
+ * set where there is one before. */
+static double cycles_to(const vs_roles *r, const vs_roles_gate *g, bool *late) {
+  double zero = -r->phase_deg / 360;
+  double x = g->pulse.at_s * r->hz - (zero - floor(zero));
+  double every = isinf(g->pulse.period_s) ? 1
+                 : g->each == 2           ? 0.5
+                                          : rint(g->pulse.period_s * r->hz);
+  *late = *late || x < -1e-9;
+  while (x < -1e-9) x += every;
+  return fmax(x, 0);
+}
+
+/* The scene's firing: that of the gate that comes first. The others follow it. */
+static void set_firing(vs_roles *r) {
+  double first = INFINITY;
+  r->angle_deg = r->width_s = NAN;
+  r->every = 0;
+  r->first_cycle = 1;
+  for (size_t k = 0; k < r->n_gates; k++) {
+    const vs_roles_gate *g = &r->gates[k];
+    if (isnan(g->pulse.at_s)) continue;
+    double x = cycles_to(r, g, &r->late);
+    if (x >= first) continue;
+    first = x;
+    r->first_cycle = 1 + (int)floor(x);
+    r->angle_deg = 360 * (x - floor(x));
+    r->width_s = fmin(g->pulse.width_s, 1000);
+    r->every = isinf(g->pulse.period_s) ? 0
+               : g->each == 2           ? 1
+                                        : (int)rint(g->pulse.period_s * r->hz);
+  }
+  if (isnan(r->angle_deg)) return;
+  double begin = first - r->angle_deg / 360;
+  if (r->angle_deg >= 180) r->angle_deg -= 180; /* the first gate is half a cycle late then */
+  r->at_zero = r->angle_deg < 1e-3;
+  if (r->at_zero) r->angle_deg = 1e-3;
+  for (size_t k = 0; k < r->n_gates; k++) {
+    vs_roles_gate *g = &r->gates[k];
+    if (isnan(g->pulse.at_s)) continue;
+    double shift = 360 * (cycles_to(r, g, &r->late) - begin) - (r->at_zero ? 0 : r->angle_deg);
+    if (r->every) shift = fmod(shift, 360.0 * r->every);
+    g->shift_deg = fabs(shift) < 1e-6 ? 0 : shift;
+  }
+}
+
+int vs_roles_gate_of(const vs_roles *r, const vs_element *source) {
+  for (size_t k = 0; k < r->n_gates; k++)
+    if (r->gates[k].source == source) return (int)k;
+  return -1;
+}
+
+/* ---- the coil ---- */
+
+/* The value of an R, L or C: its first word behind the nodes, or R=, L=, C=. */
+static bool value_of(const finder *f, const vs_element *e, double *value) {
+  char *word = vs_elements_word_of(f->w, e, e->n_nodes + 1);
+  char *option = vs_elements_option(f->w, e, (char[]){e->letter, '\0'});
+  bool known = vs_values_of(f->v, option ? option : word, value);
+  free(word);
+  free(option);
+  return known;
+}
+
+static bool is_coupled(const finder *f, const vs_element *coil) {
+  bool coupled = false;
+  for (size_t k = 0; k < f->w->count && !coupled; k++) {
+    const vs_element *e = &f->w->elements[k];
+    for (int n = 1; e->letter == 'k' && n < e->n_words; n++) {
+      char *word = vs_elements_word_of(f->w, e, n);
+      coupled = coupled || vs_elements_find(f->w, word) == coil;
+      free(word);
+    }
+  }
+  return coupled;
+}
+
+/* The resistor in series with an inductor, at either of its ends; NULL: there is none. */
+static const vs_element *resistor_of(const finder *f, const vs_element *coil) {
+  for (int n = 1; n >= 0; n--) {
+    const vs_element *next = vs_elements_next(f->w, coil, coil->nodes[n]);
+    if (next && next->letter == 'r') return next;
+  }
+  return NULL;
+}
+
+/* Gives the coil its ends, from which the current flows as from the inductor's first node. */
+static vs_status join(finder *f, const vs_element *l, const vs_element *r) {
+  vs_roles *roles = f->roles;
+  roles->coil = l;
+  roles->coil_r = r;
+  roles->coil_plus = l->nodes[0];
+  roles->coil_minus = l->nodes[1];
+  for (int n = 0; n < 2 && r; n++) {
+    if (vs_elements_next(f->w, l, l->nodes[n]) != r) continue;
+    int far = r->nodes[0] == l->nodes[n] ? r->nodes[1] : r->nodes[0];
+    *(n ? &roles->coil_minus : &roles->coil_plus) = far;
+    return VS_OK;
+  }
+  return r ? vs_fail_at(f->err, vs_elements_where(f->w, r, 0),
+                        "--coil %s+%s: they are not in series, one node alone between them",
+                        l->name, r->name)
+           : VS_OK;
+}
+
+static vs_status set_coil(finder *f, const vs_element *l, const vs_element *r) {
+  vs_roles *roles = f->roles;
+  vs_where where = vs_elements_where(f->w, l, 0);
+  double own = 0;
+  if (is_coupled(f, l))
+    return vs_fail_at(f->err, where,
+                      "%s is coupled with another inductor (K...); the EVA's coil is a branch of "
+                      "its own: --coil names it",
+                      l->name);
+  if (!value_of(f, l, &roles->inductance_h) || !(roles->inductance_h > 0))
+    return vs_fail_at(f->err, where, "%s: its inductance is not known before a run, as a number",
+                      l->name);
+  roles->resistance_ohm = 0;
+  if (r && (!value_of(f, r, &roles->resistance_ohm) || roles->resistance_ohm < 0))
+    return vs_fail_at(f->err, vs_elements_where(f->w, r, 0),
+                      "%s: its resistance is not known before a run, as a number", r->name);
+  char *rser = vs_elements_option(f->w, l, "rser");
+  char *rpar = vs_elements_option(f->w, l, "rpar"), *cpar = vs_elements_option(f->w, l, "cpar");
+  bool across = rpar || cpar, known = !rser || vs_values_of(f->v, rser, &own);
+  free(rser);
+  free(rpar);
+  free(cpar);
+  if (across || !known)
+    return vs_fail_at(f->err, where, "%s: %s", l->name,
+                      known ? "Rpar and Cpar of the coil are to be elements of their own, across it"
+                            : "Rser is not known before a run, as a number");
+  roles->resistance_ohm += own;
+  return join(f, l, r);
+}
+
+/* --coil L1+R4 */
+static vs_status set_named_coil(finder *f, const char *asked) {
+  const vs_element *l = NULL, *r = NULL;
+  char *all = vs_copy(asked), *rest = all;
+  vs_status status = VS_OK;
+  for (char *name; !status && (name = strsep(&rest, "+,"));) {
+    const vs_element *e = NULL;
+    status = find_named(f, "coil", name, &e);
+    if (status) break;
+    const vs_element **role = e->letter == 'l' ? &l : &r;
+    if ((e->letter != 'l' && e->letter != 'r') || *role)
+      status = vs_fail_at(f->err, vs_elements_where(f->w, e, 0),
+                          "--coil %s: an inductor is wanted, and one resistor at most in series "
+                          "with it",
+                          asked);
+    *role = e;
+  }
+  free(all);
+  if (!status && !l)
+    status = vs_fail_at(f->err, vs_elements_where(f->w, r, 0),
+                        "--coil %s: the inductor is missing, as in L1+%s", asked, asked);
+  return status ? status : set_coil(f, l, r);
+}
+
+static vs_status find_coil(finder *f, const char *asked) {
+  const vs_element *found = NULL;
+  vs_text all = {0};
+  size_t count = 0;
+  if (asked) return set_named_coil(f, asked);
+  for (size_t k = 0; k < f->w->count; k++) {
+    const vs_element *e = &f->w->elements[k], *r = resistor_of(f, e);
+    if (e->letter != 'l' || is_coupled(f, e)) continue;
+    vs_text_add(&all, "%s%s%s%s", count++ ? ", " : "", e->name, r ? "+" : "", r ? r->name : "");
+    found = e;
+  }
+  vs_status status = VS_OK;
+  if (count > 1)
+    status = vs_fail_at(f->err, vs_elements_where(f->w, found, 0),
+                        "%zu inductors could be the EVA's coil: --coil says which, one of %s",
+                        count, all.text);
+  else if (!found)
+    status = vs_fail_at(f->err, file_of(f),
+                        "no inductor, L..., outside of subcircuits and not coupled: the EVA's coil "
+                        "is missing; --coil L1+R4 names one with its series resistor");
+  else
+    status = set_coil(f, found, resistor_of(f, found));
+  f->roles->found_coil = found;
+  vs_text_free(&all);
+  return status;
+}
+
+vs_status vs_roles_find(const vs_elements *w, const vs_values *v, const vs_roles_asked *asked,
+                        vs_roles *roles, vs_error *err) {
+  finder f = {w, v, roles, err};
+  *roles = (vs_roles){0};
+  size_t before = vs_error_count(err);
+  vs_status status = vs_error_carry_on(err, find_mains(&f, asked->mains));
+  bool lost = vs_error_count(err) > before; /* without mains a gate could not be told */
+  if (!status && !lost) status = vs_error_carry_on(err, find_gates(&f, asked->gate));
+  if (!status) status = vs_error_carry_on(err, find_coil(&f, asked->coil));
+  if (!status) set_firing(roles);
+  return status;
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Who is who in a netlist: which source is the mains, which ones fire thyristors, which branch is
+ * the coil of the EVA (the electromagnetic vibratory actuator). What a user says counts; else what
+ * can be nothing else. */
+#ifndef VS_FOREIGN_ROLES_H
+#define VS_FOREIGN_ROLES_H
+
+#include "foreign/courses.h"
+
+enum { VS_ROLES_GATES = 8 };
+
+/* What the command line says; NULL: nothing. */
+typedef struct vs_roles_asked {
+  const char *mains; /* "V1", "none" */
+  const char *gate;  /* "V3", "V3,V4", "none" */
+  const char *coil;  /* "L1", "L1+R4" */
+} vs_roles_asked;
+
+/* A source that fires a thyristor. */
+typedef struct vs_roles_gate {
+  const vs_element *source;
+  vs_course_pulse pulse;
+  int each;         /* pulses in a cycle of the mains: 1 or 2 */
+  double shift_deg; /* how much later than firing.angle it fires */
+} vs_roles_gate;
+
+typedef struct vs_roles {
+  const vs_element *mains; /* NULL: none */
+  double rms_v, hz, phase_deg;
+  vs_roles_gate gates[VS_ROLES_GATES];
+  size_t n_gates;
+  const vs_element *coil, *coil_r; /* the inductor, and the resistor in series (NULL: none) */
+  int coil_plus, coil_minus;       /* indices of nodes */
+  double inductance_h, resistance_ohm;
+  bool found_mains, found_gate, found_coil; /* not said by the user */
+  /* The firing that the netlist has: a scene's section firing. NaN: the netlist does not say. */
+  double angle_deg, width_s;
+  int every; /* 0: once */
+  int first_cycle;
+  bool delayed; /* the netlist's mains begin later than at t = 0, which the program's do not */
+  bool late;    /* pulses before the mains' first rising zero, from which the program counts its
+                   firings, are not made */
+  bool at_zero; /* it fires at the mains' zero, where a scene's firing.angle cannot be; it is put
+                   just behind it */
+} vs_roles;
+
+/* Errors, with their place, each of which names the option that would decide: two or more could be
+ * it, what is named is not there, or is of another kind. */
+vs_status vs_roles_find(const vs_elements *wiring, const vs_values *values,
+                        const vs_roles_asked *asked, vs_roles *roles, vs_error *err);
+
+/* The gate's index that a source is; -1: it is none. */
+int vs_roles_gate_of(const vs_roles *roles, const vs_element *source);
+
+#endif

@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "foreign/values.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "base/text.h"
+#include "syntax/cursor.h"
+#include "syntax/formula.h"
+
+/* ---- numbers ---- */
+
+bool vs_values_number(const vs_values *v, const char *text, double *number) {
+  static const struct {
+    const char *suffix;
+    double factor;
+  } SUFFIX[] = {{"meg", 1e6},       {"mil", 25.4e-6}, {"t", 1e12},  {"g", 1e9},
+                {"k", 1e3},         {"m", 1e-3},      {"u", 1e-6},  {"\xc2\xb5", 1e-6},
+                {"\xce\xbc", 1e-6}, {"n", 1e-9},      {"p", 1e-12}, {"f", 1e-15}};
+  char *end;
+  text += strspn(text, " \t");
+  if (!*text || !strchr("+-.0123456789", *text)) return false;
+  *number = strtod(text, &end);
+  if (end == text || !isfinite(*number)) return false;
+  double factor = 1;
+  bool whole = !memchr(text, '.', (size_t)(end - text));
+  for (size_t k = 0; k < sizeof SUFFIX / sizeof *SUFFIX; k++)
+    if (!strncasecmp(end, SUFFIX[k].suffix, strlen(SUFFIX[k].suffix))) {
+      end += strlen(SUFFIX[k].suffix);
+      factor = SUFFIX[k].factor;
+      break;
+    }
+  if (isdigit((unsigned char)*end)) { /* 4k7 */
+    char fraction[32];
+    size_t n = strspn(end, "0123456789");
+    if (!v->rkm || factor == 1 || !whole || n > 20) return false;
+    snprintf(fraction, sizeof fraction, "0.%.*s", (int)n, end);
+    *number += copysign(strtod(fraction, NULL), *number);
+    end += n;
+  }
+  *number *= factor;
+  while (isalpha((unsigned char)*end) || *end == '%') end++;
+  end += strspn(end, " \t");
+  return !*end;
+}
+
+/* ---- expressions ---- */
+
+enum { NAMES = 64, NESTED = 20 };
+
+/* The names that an expression uses, in the order of their indices. */
+typedef struct names {
+  char name[NAMES][VS_VALUES_NAME];
+  size_t count;
+} names;
+
+static int take_name(void *ctx, const char *at, const char *name) {
+  names *n = ctx;
+  (void)at;
+  for (size_t k = 0; k < n->count; k++)
+    if (!strcmp(n->name[k], name)) return (int)k;
+  if (n->count == NAMES) return -1;
+  snprintf(n->name[n->count], VS_VALUES_NAME, "%s", name);
+  return (int)n->count++;
+}
+
+const vs_value_param *vs_values_find(const vs_values *v, const char *name) {
+  for (size_t k = v->count; k-- > 0;) /* the last one counts */
+    if (!strcasecmp(v->item[k].name, name)) return &v->item[k];
+  return NULL;
+}
+
+static bool evaluate(const vs_values *v, const char *text, int level, double *value);
+
+static bool value_of_name(const vs_values *v, const char *name, int level, double *value) {
+  const vs_value_param *p = vs_values_find(v, name);
+  *value = M_PI;
+  return p ? evaluate(v, p->text, level + 1, value) : !strcmp(name, "pi");
+}
+
+/* The expression without its braces or quotes: a copy. */
+static char *bare(const char *text) {
+  vs_text t = {0};
+  vs_text_add(&t, "%s", "");
+  for (; *text; text++)
+    if (!strchr("'\"", *text))
+      vs_text_add(&t, "%c", *text == '{' ? '(' : *text == '}' ? ')' : *text);
+  return t.text;
+}
+
+/* `**` is '^'. */
+static void tame_powers(char *text) {
+  char *to = text;
+  for (const char *s = text; *s; s++)
+    if (s[0] == '*' && s[1] == '*')
+      *to++ = '^', s++;
+    else
+      *to++ = *s;
+  *to = '\0';
+}
+
+static bool evaluate(const vs_values *v, const char *text, int level, double *value) {
+  if (vs_values_number(v, text, value)) return true;
+  if (level > NESTED) return false;
+  names *n = vs_alloc(1, sizeof *n);
+  double known[NAMES] = {0};
+  char why[200], *expression = bare(text);
+  tame_powers(expression);
+  const char *bad = NULL;
+  const vs_formula_scope scope = {.ctx = n, .name = take_name};
+  vs_formula formula = {0};
+  const char *end = vs_formula_read(expression, &scope, &formula, &bad, why, sizeof why);
+  bool good = end && !end[strspn(end, " \t")];
+  for (size_t k = 0; k < n->count && good; k++)
+    good = value_of_name(v, n->name[k], level, &known[k]);
+  if (good) {
+    vs_formula_bind(&formula, known);
+    *value = vs_formula_value(&formula, NULL);
+    good = isfinite(*value);
+  }
+  vs_formula_free(&formula);
+  free(expression);
+  free(n);
+  return good;
+}
+
+bool vs_values_of(const vs_values *v, const char *text, double *value) {
+  return evaluate(v, text, 0, value);
+}
+
+/* ---- .param ---- */
+
+static void add_param(vs_values *v, const char *name, size_t name_size, const char *text,
+                      size_t size, size_t card) {
+  v->item = realloc(v->item, (v->count + 1) * sizeof *v->item);
+  if (!v->item) vs_out_of_memory();
+  vs_value_param *p = &v->item[v->count++];
+  *p = (vs_value_param){.card = card, .text = vs_alloc(size + 1, 1)};
+  memcpy(p->text, text, size);
+  snprintf(p->name, sizeof p->name, "%.*s", (int)name_size, name);
+  vs_cursor_lower(p->name);
+}
+
+static bool is_name(char c) {
+  return isalnum((unsigned char)c) || c == '_';
+}
+
+/* True where "NAME =" begins at `s`. */
+static bool begins_assignment(const char *s) {
+  size_t n = 0;
+  if (!isalpha((unsigned char)*s) && *s != '_') return false;
+  while (is_name(s[n])) n++;
+  n += strspn(s + n, " \t");
+  return s[n] == '=' && s[n + 1] != '=';
+}
+
+/* Where the value that begins at `s` ends: before the next assignment, outside of brackets. */
+static const char *end_of_value(const char *s) {
+  int depth = 0;
+  bool quoted = false;
+  for (; *s; s++) {
+    if (*s == '\'') quoted = !quoted;
+    depth += (*s == '{' || *s == '(') - (*s == '}' || *s == ')');
+    if (depth > 0 || quoted || !strchr(" \t,", *s)) continue;
+    if (begins_assignment(s + strspn(s, " \t,"))) break;
+  }
+  return s;
+}
+
+static void read_line(vs_values *v, const vs_listing *l, size_t card) {
+  const char *s = l->cards[card].text + strcspn(l->cards[card].text, " \t");
+  while (*(s += strspn(s, " \t,"))) {
+    const char *name = s;
+    while (is_name(*s)) s++;
+    size_t n = (size_t)(s - name);
+    s += strspn(s, " \t=");
+    const char *end = end_of_value(s), *last = end;
+    while (last > s && strchr(" \t", last[-1])) last--;
+    if (n == 0 || last == s) return; /* what it says is ngspice's to refuse */
+    add_param(v, name, n, s, (size_t)(last - s), card);
+    s = end;
+  }
+}
+
+void vs_values_read(vs_values *v, const vs_listing *l) {
+  v->rkm = l->origin == VS_ORIGIN_LTSPICE || l->origin == VS_ORIGIN_KICAD;
+  for (size_t k = 0; k < l->count; k++) {
+    const vs_card *card = &l->cards[k];
+    if (card->depth == 0 && (vs_listing_is(card, ".param") || vs_listing_is(card, ".params") ||
+                             vs_listing_is(card, ".parameters")))
+      read_line(v, l, k);
+  }
+  for (size_t k = 0; k < v->count; k++) {
+    vs_value_param *p = &v->item[k];
+    p->number = vs_values_number(v, p->text, &p->value);
+    p->known = p->number || vs_values_of(v, p->text, &p->value);
+  }
+}
+
+void vs_values_free(vs_values *v) {
+  for (size_t k = 0; k < v->count; k++) free(v->item[k].text);
+  free(v->item);
+  *v = (vs_values){0};
+}

@@ -1,0 +1,342 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "import/copying.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "base/path.h"
+#include "dialect/statements.h"
+
+void vs_copying_free(vs_copying *b) {
+  vs_text_free(&b->text);
+  free(b->origins);
+  *b = (vs_copying){0};
+}
+
+typedef struct writer {
+  vs_fate *p;
+  const vs_elements *w;
+  const char *folder;
+  vs_copying *body;
+  int lines;      /* of the text so far */
+  size_t counted; /* bytes of it in which they were counted */
+} writer;
+
+static void add(writer *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void add(writer *b, const char *format, ...) {
+  char line[1024];
+  va_list list;
+  va_start(list, format);
+  vsnprintf(line, sizeof line, format, list);
+  va_end(list);
+  vs_text_add(&b->body->text, "%s", line);
+}
+
+/* ---- elements ---- */
+
+/* Adds a text whose letters ngspice knows: for the sign of a millionth, a 'u'. */
+static void add_plain(writer *b, const char *text) {
+  for (const char *s = text; *s; s++)
+    if (!strncmp(s, "\xc2\xb5", 2) || !strncmp(s, "\xce\xbc", 2)) {
+      add(b, "u");
+      s++;
+    } else
+      vs_text_add(&b->body->text, "%c", *s);
+}
+
+static const char *node(writer *b, const vs_element *e, int n) {
+  return vs_elements_node_of(b->w, e, n);
+}
+
+/* Adds what stands behind an element's nodes, with its value as the deck's parameter. */
+static void add_rest(writer *b, const vs_element *e, const vs_fate_element *own) {
+  char *rest = vs_elements_rest_of(b->w, e, e->n_nodes + 1 + (*own->param != '\0'));
+  vs_text renamed = {0};
+  if (*own->param) add(b, " {%s}", own->param);
+  vs_elements_rename(b->w, rest, &renamed);
+  if (*rest) add(b, " ");
+  add_plain(b, renamed.text);
+  add(b, "\n");
+  vs_text_free(&renamed);
+  free(rest);
+}
+
+/* An element as it is, but for names of nodes, its value and what senses its currents. */
+static void add_element(writer *b, const vs_element *e, const vs_fate_element *own) {
+  if (*own->sense) add(b, "%s %s %s 0\n", own->sense, node(b, e, own->sensed_at), own->inner);
+  if (*own->gate_sense)
+    add(b, "%s %s %s 0\n", own->gate_sense, node(b, e, own->pins.gate), own->gate_inner);
+  add(b, "%s", e->name);
+  for (int k = 0; k < e->n_nodes; k++) {
+    bool from = *own->sense && k == own->sensed_at, gate = *own->gate_sense && k == own->pins.gate;
+    add(b, " %s", from ? own->inner : gate ? own->gate_inner : node(b, e, k));
+  }
+  add_rest(b, e, own);
+}
+
+/* A shipped part; its pins are a k g, whatever the netlist's order was. */
+static void add_part(writer *b, const vs_element *e, const vs_fate_element *own) {
+  if (*own->sense) add(b, "%s %s %s 0\n", own->sense, node(b, e, own->sensed_at), own->inner);
+  if (*own->gate_sense)
+    add(b, "%s %s %s 0\n", own->gate_sense, node(b, e, own->pins.gate), own->gate_inner);
+  add(b, "%s %s %s%s%s %s\n", e->name, own->inner, node(b, e, own->pins.to),
+      *own->gate_sense ? " " : "", own->gate_inner, own->part);
+}
+
+/* ---- sources that the program drives ---- */
+
+/* The resistance that LTspice puts into a source, as an element of its own. Gives the source's
+ * node, which is its first where it has none. */
+static const char *add_series(writer *b, const vs_element *e, char inner[VS_ELEMENTS_NAME + 8]) {
+  char *rser = vs_elements_option(b->w, e, "rser");
+  double ohm;
+  snprintf(inner, VS_ELEMENTS_NAME + 8, "%s", node(b, e, 0));
+  if (rser && (!vs_values_of(b->p->values, rser, &ohm) || ohm != 0)) {
+    snprintf(inner, VS_ELEMENTS_NAME + 8, "%.50s_ser", e->key);
+    add(b, "Rser_%s %s %s %s\n", e->key, node(b, e, 0), inner, rser);
+  }
+  free(rser);
+  return inner;
+}
+
+static void add_mains(writer *b, const vs_element *e) {
+  char inner[VS_ELEMENTS_NAME + 8];
+  const char *plus = add_series(b, e, inner);
+  add(b, "%s %s %s external\n", e->name, plus, node(b, e, 1));
+}
+
+/* The program's pulse has no edges in time. Where the netlist's take longer than this, a
+ * capacitance of 1 nF gives them theirs: it is charged with a constant current, until 2 % are left,
+ * so that di/dt of what the gate fires is the netlist's, too. */
+static const double SHORT_EDGE_S = 1e-7;
+
+bool vs_copying_has_edges(const vs_course_pulse *p) {
+  return p->rise_s >= SHORT_EDGE_S || p->fall_s >= SHORT_EDGE_S;
+}
+
+/* Adds a gate's pulse of 1 V, and gives the node that has it. */
+static void add_pulse(writer *b, const vs_element *e, const vs_course_pulse *p, const char *two,
+                      char on[VS_ELEMENTS_NAME + 8]) {
+  double rise_s = fmax(p->rise_s, SHORT_EDGE_S / 10), fall_s = fmax(p->fall_s, SHORT_EDGE_S / 10);
+  add(b, "Vgate%s_%s %s_on%s 0 external\n", two, e->key, e->key, two);
+  snprintf(on, VS_ELEMENTS_NAME + 8, "%s_on%s", e->key, two);
+  if (!vs_copying_has_edges(p)) return;
+  add(b, "Bedge%s_%s 0 %s_edge%s I = max(-%.9g, min(%.9g, %.9g*v(%s,%s_edge%s)))\n", two, e->key,
+      e->key, two, 1e-9 / fall_s, 1e-9 / rise_s, 50e-9 / fmin(rise_s, fall_s), on, e->key, two);
+  add(b, "Cedge%s_%s %s_edge%s 0 1n ic=0\n", two, e->key, e->key, two);
+  snprintf(on, VS_ELEMENTS_NAME + 8, "%.56s_edge%s", e->key, two);
+}
+
+/* A gate's source: the program's pulse times its level, on what it has between pulses. */
+static void add_gate(writer *b, const vs_element *e, const vs_roles_gate *g) {
+  char inner[VS_ELEMENTS_NAME + 8], other[VS_ELEMENTS_NAME + 8], on[VS_ELEMENTS_NAME + 8];
+  const char *at = add_series(b, e, inner);
+  bool voltage = e->letter == 'v';
+  for (int n = 0; n < g->each; n++) {
+    const char *two = n ? "2" : "";
+    add_pulse(b, e, &g->pulse, two, on);
+    snprintf(other, sizeof other, "%.50s_low%s", e->key, two);
+    add(b, "%cgate%s_%s %s %s %s 0 {%s_level}\n", voltage ? 'E' : 'G', two, e->key, at,
+        voltage ? other : node(b, e, 1), on, e->key);
+    if (voltage) snprintf(inner, sizeof inner, "%s", other);
+  }
+  add(b, "%s %s %s %.15g\n", e->name, at, node(b, e, 1), g->pulse.low);
+}
+
+static void add_coil(writer *b, const vs_element *e) {
+  const vs_roles *r = b->p->roles;
+  add(b, "* of the EVA: %s\n", b->w->listing->cards[e->card].text);
+  if (e == r->coil)
+    add(b, "Xeva %s %s eva\n", b->w->nodes[r->coil_plus].name, b->w->nodes[r->coil_minus].name);
+}
+
+/* True where both texts are the same, but for capitals and how blank their blanks are. */
+static bool is_same(const char *a, const char *b) {
+  for (;;) {
+    size_t n = strspn(a, " \t"), m = strspn(b, " \t\n");
+    a += n;
+    b += m;
+    if (!*a || !*b) return !*a && !*b;
+    if ((n > 0) != (m > 0) || tolower((unsigned char)*a++) != tolower((unsigned char)*b++))
+      return false;
+  }
+}
+
+/* The element's lines; those that would say the same as the netlist's stay as they were written. */
+static void write_element(writer *b, const vs_element *e) {
+  const vs_fate_element *own = &b->p->of[e - b->w->elements];
+  int gate = vs_roles_gate_of(b->p->roles, e);
+  const vs_card *card = &b->w->listing->cards[e->card];
+  size_t before = b->body->text.length;
+  if (vs_fate_is_coil(b->p, e))
+    add_coil(b, e);
+  else if (e == b->p->roles->mains)
+    add_mains(b, e);
+  else if (gate >= 0)
+    add_gate(b, e, &b->p->roles->gates[gate]);
+  else if (*own->part)
+    add_part(b, e, own);
+  else
+    add_element(b, e, own);
+  if (!is_same(card->text, b->body->text.text + before)) return;
+  b->body->text.length = before;
+  b->body->text.text[before] = '\0';
+  vs_text_add(&b->body->text, "%s\n", card->raw);
+}
+
+/* ---- statements ---- */
+
+/* True for a statement that the deck is to do without: an analysis, an option, an output. Of one
+ * that makes another circuit, or several, it is noted what would take its place. */
+static bool is_skipped(writer *b, const vs_card *card) {
+  static const char *const OURS[] = {".title", ".stmlib", ".wave", ".watch", ".autoconverge"};
+  vs_skipped skipped = {.count = 0};
+  vs_error why = {0};
+  bool skip = false;
+  if (vs_statements_judge(card->text, card->where, &skipped, &skip, &why)) {
+    vs_declared_note(&b->p->sheet.left, "line %d: %s", card->where.line, why.text + why.place_size);
+    skip = true;
+  }
+  vs_statements_free(&skipped);
+  for (size_t k = 0; k < sizeof OURS / sizeof *OURS; k++)
+    skip = skip || vs_listing_is(card, OURS[k]);
+  return skip;
+}
+
+/* The end of .tran step end ..., or of LTspice's .tran end. */
+static void read_tran(writer *b, const vs_card *card) {
+  char first[64] = "", second[64] = "";
+  double end_s;
+  sscanf(card->text, "%*s %63s %63s", first, second);
+  if (vs_values_of(b->p->values, second, &end_s) || vs_values_of(b->p->values, first, &end_s))
+    b->body->until_s = end_s;
+}
+
+/* The line with a parameter that stays .param: one that is an expression. */
+static void write_params(writer *b, size_t card) {
+  const vs_values *v = b->p->values;
+  for (size_t k = 0; k < v->count; k++) {
+    const vs_value_param *p = &v->item[k];
+    if (p->card != card || (p->number && vs_values_find(v, p->name) == p)) continue;
+    if (vs_deck_is_standard(p->name) || vs_values_find(v, p->name) != p) continue;
+    bool braces = !strchr("{'\"", *p->text);
+    add(b, ".param %s=%s", p->name, braces ? "{" : "");
+    add_plain(b, p->text);
+    add(b, "%s\n", braces ? "}" : "");
+  }
+}
+
+static void write_include(writer *b, const vs_card *card) {
+  char path[VS_PATH_SIZE], full[VS_PATH_SIZE];
+  vs_listing_finds(card, path);
+  if (!*path) {
+    vs_declared_note(&b->p->sheet.did,
+                     "line %d: '%s' is not here and left out: every model that is "
+                     "used is defined elsewhere",
+                     card->where.line, card->text);
+    return;
+  }
+  size_t n = strlen(b->folder);
+  if (realpath(path, full))
+    add(b, ".include \"%s\"\n",
+        !strncmp(full, b->folder, n) && full[n] == '/' ? full + n + 1 : full);
+}
+
+static void write_statement(writer *b, size_t card_number) {
+  const vs_card *card = &b->w->listing->cards[card_number];
+  char path[VS_PATH_SIZE];
+  vs_text renamed = {0};
+  if (vs_listing_is(card, ".tran")) read_tran(b, card);
+  if (!strncasecmp(card->text, ".opt", 4) && strcasestr(card->text, "gear")) b->body->gear = true;
+  if (is_skipped(b, card)) {
+    b->body->skipped += !vs_listing_is(card, ".end");
+    if (!vs_listing_is(card, ".end")) add(b, "* left out: %s\n", card->text);
+  } else if (!strncasecmp(card->text, ".param", 6))
+    write_params(b, card_number);
+  else if (vs_listing_finds(card, path))
+    write_include(b, card);
+  else {
+    vs_elements_rename(b->w, card->text, &renamed); /* .ic, .nodeset, .global */
+    add_plain(b, renamed.text);
+    add(b, "\n");
+    vs_text_free(&renamed);
+  }
+}
+
+/* ---- the whole ---- */
+
+/* What only PSpice's dialect has, or what means something else in ngspice's. */
+static bool wants_pspice(const vs_listing *l) {
+  static const char *const SIGNS[] = {"params:", "value={", "value ={", "value = {",
+                                      "value {", "value{",  "table {",  "table{",
+                                      "if(",     "limit(",  "pwrs("};
+  for (size_t k = 0; k < l->count; k++)
+    for (size_t s = 0; s < sizeof SIGNS / sizeof *SIGNS; s++)
+      if (l->cards[k].kind != VS_CARD_COMMENT && strcasestr(l->cards[k].text, SIGNS[s]))
+        return true;
+  return false;
+}
+
+static void note_origin(writer *b, const vs_card *card) {
+  vs_copying *body = b->body;
+  for (; b->counted < body->text.length; b->counted++)
+    b->lines += body->text.text[b->counted] == '\n';
+  body->origins = realloc(body->origins, (body->count + 1) * sizeof *body->origins);
+  if (!body->origins) vs_out_of_memory();
+  body->origins[body->count++] = (vs_copying_origin){b->lines + 1, card->where};
+}
+
+/* The sum of the currents of thyristors, which is what tells when one fires and goes out. */
+static void write_sum(writer *b) {
+  const char *first[VS_DECK_DEVICES];
+  size_t count = 0;
+  for (size_t k = 0; k < b->w->count && count < VS_DECK_DEVICES; k++) {
+    const vs_fate_element *own = &b->p->of[k];
+    if (own->pins.kind &&
+        (!strcmp(own->pins.kind, "thyristor") || !strcmp(own->pins.kind, "triac")))
+      first[count++] = own->sense;
+  }
+  if (count < 2) return;
+  for (size_t k = 0; k < count; k++) add(b, "F%s 0 i_sum %s 1\n", first[k] + 1, first[k]);
+  add(b, "Ri_sum i_sum 0 1\n");
+}
+
+static void write_comment(writer *b, const vs_card *card) {
+  const char *text = card->raw + strspn(card->raw, " \t");
+  if (*text == ';') add(b, "*");
+  add(b, "%s%s\n", !strncmp(text, "*$", 2) ? "* " : "", *text ? text : "");
+}
+
+void vs_copying_write(vs_fate *p, const char *folder, const char *library, vs_copying *body) {
+  writer b = {.p = p, .w = p->wiring, .folder = folder, .body = body};
+  const vs_listing *l = p->wiring->listing;
+  char full[VS_PATH_SIZE];
+  size_t element = 0;
+  body->until_s = NAN;
+  body->pspice = wants_pspice(l);
+  if (library && realpath(library, full)) add(&b, ".include \"%s\"\n", full);
+  for (size_t k = 0; k < l->count; k++) {
+    const vs_card *card = &l->cards[k];
+    if (card->included) continue;
+    note_origin(&b, card);
+    if (card->kind == VS_CARD_COMMAND) {
+      body->skipped++;
+      continue;
+    }
+    if (card->kind == VS_CARD_COMMENT)
+      write_comment(&b, card);
+    else if (card->depth > 0) {
+      add_plain(&b, card->raw);
+      add(&b, "\n");
+    } else if (card->kind == VS_CARD_STATEMENT)
+      write_statement(&b, k);
+    else
+      write_element(&b, &p->wiring->elements[element++]);
+  }
+  write_sum(&b);
+}

@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "import/fate.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "syntax/cursor.h"
+#include "syntax/formula.h"
+
+bool vs_fate_is_coil(const vs_fate *p, const vs_element *e) {
+  return e == p->roles->coil || e == p->roles->coil_r;
+}
+
+/* ---- models ---- */
+
+/* Error: the model or subcircuit of an element is nowhere, and no shipped part has its name. */
+static vs_status check_model(const vs_fate *p, const vs_element *e, const vs_pins *pins,
+                             vs_error *err) {
+  char *model = vs_elements_model(p->wiring, e);
+  double number;
+  vs_status status = VS_OK;
+  bool wanted = model && *model && !*pins->part && !vs_values_number(p->values, model, &number);
+  if (wanted && vs_elements_defined(p->wiring->listing, model) < 0)
+    status = vs_fail_at(err, vs_elements_where(p->wiring, e, 0),
+                        "%s: %s '%s' is defined nowhere; write it into the netlist, or name the "
+                        "file that has it by --library FILE",
+                        e->name, e->letter == 'x' ? "subcircuit" : "model", model);
+  free(model);
+  return status;
+}
+
+/* ---- parameters ---- */
+
+/* Writes a value with the unit of its letter's kind: "4.7 kohm", "100 nF"; and the range of the
+ * parameter, a thousandth to a thousandfold. */
+static void add_param(vs_fate *p, const char *name, char letter, double value, const char *text) {
+  static const struct {
+    char letter;
+    const char *unit;
+    double factor;
+  } UNITS[] = {{'r', "mohm", 1e-3}, {'r', "ohm", 1},    {'r', "kohm", 1e3}, {'r', "Mohm", 1e6},
+               {'c', "fF", 1e-15},  {'c', "pF", 1e-12}, {'c', "nF", 1e-9},  {'c', "uF", 1e-6},
+               {'c', "mF", 1e-3},   {'l', "nH", 1e-9},  {'l', "uH", 1e-6},  {'l', "mH", 1e-3},
+               {'l', "H", 1},       {'v', "V", 1},      {'i', "A", 1}};
+  const char *unit = "";
+  double factor = 1, least = INFINITY;
+  for (size_t k = 0; k < sizeof UNITS / sizeof *UNITS; k++) {
+    double shown = fabs(value) / UNITS[k].factor;
+    if (UNITS[k].letter != letter || (shown < 1 && !isinf(least))) continue;
+    unit = UNITS[k].unit;
+    factor = UNITS[k].factor;
+    least = shown;
+  }
+  double shown = value / factor, low = shown * (shown < 0 ? 1e3 : 1e-3),
+         high = shown * (shown < 0 ? 1e-3 : 1e3);
+  if (shown == 0) low = -1e3, high = 1e3;
+  vs_declared_add(&p->sheet, VS_DECLARED_PARAM, "%s = %.12g%s%s %.3g..%.3g \"%s\"", name, shown,
+                  *unit ? " " : "", unit, low, high, text);
+}
+
+/* How high the gates' pulses are. */
+static void add_levels(vs_fate *p) {
+  for (size_t g = 0; g < p->roles->n_gates; g++) {
+    const vs_roles_gate *gate = &p->roles->gates[g];
+    char name[VS_DECK_NAME], wanted[VS_DECK_NAME];
+    snprintf(wanted, sizeof wanted, "%.50s_level", gate->source->key);
+    vs_declared_name(&p->sheet, wanted, name);
+    add_param(p, name, gate->source->letter, gate->pulse.high - gate->pulse.low,
+              "height of its pulses");
+  }
+}
+
+/* The letter of the R, C or L whose value is just this parameter; '\0': there is none. */
+static char letter_of_use(const vs_fate *p, const char *name) {
+  for (size_t k = 0; k < p->wiring->count; k++) {
+    const vs_element *e = &p->wiring->elements[k];
+    if (!strchr("rcl", e->letter)) continue;
+    char *word = vs_elements_word_of(p->wiring, e, e->n_nodes + 1), *bare = word;
+    if (*bare == '{') bare++;
+    bool is = !strncasecmp(bare, name, strlen(name)) && strchr("}", bare[strlen(name)]);
+    free(word);
+    if (is) return e->letter;
+  }
+  return '\0';
+}
+
+/* True where the text has this name as a whole word. */
+static bool names(const char *text, const char *name) {
+  size_t n = strlen(name);
+  for (const char *s = text; (s = strcasestr(s, name)); s++) {
+    bool begins = s == text || !(isalnum((unsigned char)s[-1]) || s[-1] == '_');
+    if (begins && !isalnum((unsigned char)s[n]) && s[n] != '_') return true;
+  }
+  return false;
+}
+
+/* True where the deck has a line that uses a parameter: not its own, nor one that the program takes
+ * over or leaves out. */
+static bool is_used(const vs_fate *p, const vs_value_param *v) {
+  const vs_listing *l = p->wiring->listing;
+  bool used = false;
+  for (size_t k = 0; k < l->count && !used; k++)
+    used = k != v->card && l->cards[k].kind == VS_CARD_STATEMENT &&
+           !vs_listing_is(&l->cards[k], ".tran") && names(l->cards[k].text, v->name);
+  for (size_t k = 0; k < l->count && !used; k++)
+    used = l->cards[k].kind == VS_CARD_ELEMENT && (l->cards[k].depth > 0 || l->cards[k].included) &&
+           names(l->cards[k].text, v->name);
+  for (size_t k = 0; k < p->wiring->count && !used; k++) {
+    const vs_element *e = &p->wiring->elements[k];
+    bool taken =
+        vs_fate_is_coil(p, e) || e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0;
+    used = !taken && names(l->cards[e->card].text, v->name);
+  }
+  for (size_t k = 0; k < p->values->count && !used; k++) /* another one of the same line */
+    used = &p->values->item[k] != v && p->values->item[k].card == v->card &&
+           names(p->values->item[k].text, v->name);
+  return used;
+}
+
+/* The netlist's own parameters that are numbers become the deck's. Those of what the program takes
+ * over, as the mains' peak, are none any more. */
+static void add_params(vs_fate *p) {
+  for (size_t k = 0; k < p->values->count; k++) {
+    const vs_value_param *v = &p->values->item[k];
+    const vs_card *card = &p->wiring->listing->cards[v->card];
+    char name[VS_DECK_NAME];
+    if (vs_values_find(p->values, v->name) != v || vs_deck_is_standard(v->name)) continue;
+    vs_declared_name(&p->sheet, v->name, name);
+    if (v->number && !card->included && is_used(p, v))
+      add_param(p, name, letter_of_use(p, v->name), v->value, "of the netlist");
+  }
+}
+
+/* ---- values ---- */
+
+/* Does nothing but to say that a formula's names and terms are numbered. */
+static int any_name(void *ctx, const char *at, const char *name) {
+  (void)at;
+  (void)name;
+  return (*(int *)ctx)++;
+}
+
+static bool is_formula(const char *text) {
+  int count = 0;
+  char why[200];
+  const char *bad = NULL;
+  const vs_formula_scope scope = {.ctx = &count, .name = any_name};
+  vs_formula formula = {0};
+  const char *end = vs_formula_read(text, &scope, &formula, &bad, why, sizeof why);
+  vs_formula_free(&formula);
+  return end && !*end;
+}
+
+/* Writes an expression with the deck's parameters alone: others give place to what they are. */
+static void expand(const vs_fate *p, const char *text, int level, vs_text *out) {
+  vs_text_add(out, "(");
+  for (const char *s = text; *s;) {
+    char name[VS_VALUES_NAME];
+    size_t n = strspn(s, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789.");
+    snprintf(name, sizeof name, "%.*s", (int)n, s);
+    const vs_value_param *v = n ? vs_values_find(p->values, name) : NULL;
+    bool other = v && level < 20 && (!v->number || p->wiring->listing->cards[v->card].included);
+    if (other)
+      expand(p, v->text, level + 1, out);
+    else if (n)
+      vs_text_add(out, "%.*s", (int)n, s);
+    else if (!strchr("'\"", *s))
+      vs_text_add(out, "%c", *s == '{' ? '(' : *s == '}' ? ')' : *s);
+    s += n ? n : 1;
+  }
+  vs_text_add(out, ")");
+}
+
+/* Gives an R, C or L whose value is a number a parameter of its name; whose value is an expression,
+ * that as a formula. */
+static void set_value(vs_fate *p, const vs_element *e, vs_fate_element *own) {
+  static const char *const WHAT[] = {"resistor", "capacitor", "inductor"};
+  char *word = vs_elements_word_of(p->wiring, e, e->n_nodes + 1), text[VS_DECK_TEXT];
+  double value;
+  vs_text formula = {0};
+  if (vs_values_number(p->values, word, &value) && value > 0) {
+    char wanted[VS_DECK_NAME];
+    bool taken = vs_deck_is_standard(e->key) || vs_deck_is_reserved(e->key);
+    snprintf(wanted, sizeof wanted, "%.50s%s", e->key, taken ? "_value" : "");
+    vs_declared_name(&p->sheet, wanted, own->param);
+    size_t before = p->sheet.counts[VS_DECLARED_PARAM];
+    snprintf(text, sizeof text, "%s %s", WHAT[strchr("rcl", e->letter) - "rcl"], e->name);
+    add_param(p, own->param, e->letter, value, text);
+    if (p->sheet.counts[VS_DECLARED_PARAM] == before) *own->param = '\0'; /* no room: it stays */
+    if (*own->param)
+      vs_text_add(&formula, "{%s}", own->param);
+    else
+      vs_text_add(&formula, "%.15g", value);
+  } else if (vs_values_of(p->values, word, &value) && value > 0) {
+    size_t n = strcspn(word + 1, "}");
+    snprintf(text, sizeof text, "%.*s", *word == '{' && n < VS_VALUES_NAME ? (int)n : 0, word + 1);
+    const vs_value_param *v = vs_values_find(p->values, text);
+    if (v && v->number && !p->wiring->listing->cards[v->card].included)
+      vs_text_add(&formula, "{%s}", v->name);
+    else
+      expand(p, word, 0, &formula);
+  }
+  if (formula.text && is_formula(formula.text))
+    own->value = formula.text;
+  else
+    vs_text_free(&formula);
+  free(word);
+}
+
+/* ---- senses ---- */
+
+static void name_free(const vs_fate *p, const char *first, const char *key, const char *last,
+                      char name[VS_ELEMENTS_NAME]) {
+  snprintf(name, VS_ELEMENTS_NAME, "%s%.44s%s", first, key, last);
+  for (int k = 2; vs_elements_is_taken(p->wiring, name); k++)
+    snprintf(name, VS_ELEMENTS_NAME, "%s%.40s%s_%d", first, key, last, k);
+}
+
+static void set_senses(vs_fate *p, const vs_element *e, vs_fate_element *own) {
+  bool known = own->pins.kind, no_formula = strchr("r", e->letter) && !own->value;
+  bool source = e->letter == 'v' || e->letter == 'i';
+  if ((!known && e->letter != 'c' && !no_formula) || source || vs_fate_is_coil(p, e)) return;
+  own->sensed_at = known ? own->pins.from : 0;
+  name_free(p, "Vi_", e->key, "", own->sense);
+  name_free(p, "", e->key, "_in", own->inner);
+  if (e->letter != 'x' || own->pins.gate < 0) return;
+  name_free(p, "Vg_", e->key, "", own->gate_sense);
+  name_free(p, "", e->key, "_g", own->gate_inner);
+}
+
+/* A part's parameter is called as its kind, or, where there are several, as its element. */
+static void set_part(vs_fate *p, const vs_element *e, vs_fate_element *own) {
+  size_t count = 0;
+  if (!*own->pins.part || !own->pins.kind) return;
+  for (size_t k = 0; k < p->wiring->count; k++) {
+    const vs_pins *other = &p->of[k].pins;
+    count += other->kind && *other->part && !strcmp(other->kind, own->pins.kind);
+  }
+  vs_declared_name(&p->sheet, count == 1 ? own->pins.kind : e->key, own->part);
+  if (!vs_declared_add(&p->sheet, VS_DECLARED_PARAM, "%s = %s part %s \"%s\"", own->part,
+                       own->pins.part, own->pins.kind, e->name))
+    *own->part = '\0';
+}
+
+vs_status vs_fate_make(vs_fate *p, const char *asked, vs_error *err) {
+  const vs_elements *w = p->wiring;
+  vs_status status = vs_error_carry_on(err, vs_pins_check(w, asked, err));
+  p->of = vs_alloc(w->count + 1, sizeof *p->of);
+  for (size_t k = 0; k < w->count && !status; k++) {
+    const vs_element *e = &w->elements[k];
+    status = vs_error_carry_on(err, vs_pins_find(w, asked, e, &p->of[k].pins, err));
+    if (!status) status = vs_error_carry_on(err, check_model(p, e, &p->of[k].pins, err));
+  }
+  if (status) return status;
+  add_params(p);
+  add_levels(p);
+  for (size_t k = 0; k < w->count; k++) {
+    const vs_element *e = &w->elements[k];
+    if (strchr("rcl", e->letter) && !vs_fate_is_coil(p, e)) set_value(p, e, &p->of[k]);
+    set_part(p, e, &p->of[k]);
+    set_senses(p, e, &p->of[k]);
+  }
+  return VS_OK;
+}
+
+void vs_fate_free(vs_fate *p) {
+  for (size_t k = 0; p->of && k < p->wiring->count; k++) free(p->of[k].value);
+  free(p->of);
+  vs_declared_free(&p->sheet);
+  *p = (vs_fate){0};
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What becomes of each element of a netlist in its deck: which parameter its value becomes, where
+ * its current is sensed, what it is measured as. */
+#ifndef VS_IMPORT_FATE_H
+#define VS_IMPORT_FATE_H
+
+#include "foreign/pins.h"
+#include "import/declared.h"
+
+/* One element. */
+typedef struct vs_fate_element {
+  vs_pins pins;
+  char param[VS_ELEMENTS_NAME]; /* the deck's parameter that its value becomes; empty: none */
+  char *value; /* its value as a formula of the deck's parameters; NULL: it is none */
+  char sense[VS_ELEMENTS_NAME];      /* the source of 0 V that senses its current; empty: none */
+  char inner[VS_ELEMENTS_NAME];      /* the node between that and the element */
+  int sensed_at;                     /* which of its nodes, from 0 */
+  char gate_sense[VS_ELEMENTS_NAME]; /* the same for its gate */
+  char gate_inner[VS_ELEMENTS_NAME];
+  char part[VS_ELEMENTS_NAME]; /* the deck's parameter that is its part; empty: it is no part */
+} vs_fate_element;
+
+/* Begins as {0}; ends with vs_fate_free. */
+typedef struct vs_fate {
+  const vs_elements *wiring; /* borrowed, as the next two are */
+  const vs_values *values;
+  const vs_roles *roles;
+  vs_fate_element *of; /* of each element; owned */
+  vs_declared sheet;
+} vs_fate;
+
+/* Finds out what each element is, names its sources and parameters, and adds the lines param.
+ * `pins` is what --pins says. Errors with their place, each of which a check carries on from: pins
+ * that nobody can tell, a model that is nowhere. */
+vs_status vs_fate_make(vs_fate *plan, const char *pins, vs_error *err);
+void vs_fate_free(vs_fate *plan);
+
+/* True for an element that the deck does not have: one of the coil's. */
+bool vs_fate_is_coil(const vs_fate *plan, const vs_element *element);
+
+#endif

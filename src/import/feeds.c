@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "import/feeds.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "import/copying.h"
+
+/* The loss of the resistance that LTspice puts into a source, which has become an element. */
+static void add_series(vs_fate *p, const vs_element *e) {
+  char *rser = vs_elements_option(p->wiring, e, "rser"), v[VS_DECK_TEXT], inner[VS_ELEMENTS_NAME];
+  double ohm;
+  if (rser && vs_values_of(p->values, rser, &ohm) && ohm > 0) {
+    snprintf(inner, sizeof inner, "%.50s_ser", e->key);
+    vs_declared_voltage(vs_elements_node_of(p->wiring, e, 0), inner, v);
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s_ser = %s^2/%.15g", e->key,
+                    *v == '-' ? v + 1 : v, ohm);
+  }
+  free(rser);
+}
+
+/* What a gate's edges are made with: some 1e-10 J, named so that nothing of the deck goes unseen.
+ */
+static void add_edge(vs_fate *p, const vs_roles_gate *g, const char *two) {
+  const char *key = g->source->key;
+  if (vs_copying_has_edges(&g->pulse))
+    vs_declared_add(&p->sheet, VS_DECLARED_STORE, "%s_edge%s = 1n*v(%s_edge%s)^2/2", key, two, key,
+                    two);
+}
+
+/* What a gate's source of current gives, a loss below zero: its level times its pulses, and what
+ * flows between them. (Sources of voltage tell their current.) */
+static void add_gate_loss(vs_fate *p, const vs_roles_gate *g) {
+  const vs_element *e = g->source;
+  char v[VS_DECK_TEXT];
+  const char *node = vs_copying_has_edges(&g->pulse) ? "edge" : "on";
+  if (e->letter != 'i') return;
+  vs_declared_voltage(vs_elements_node_of(p->wiring, e, 0), vs_elements_node_of(p->wiring, e, 1),
+                      v);
+  if (g->each == 1)
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s = %s*({%s_level}*v(%s_%s)+%.15g)", e->key, v,
+                    e->key, e->key, node, g->pulse.low);
+  else
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s = %s*({%s_level}*(v(%s_%s)+v(%s_%s2))+%.15g)",
+                    e->key, v, e->key, e->key, node, e->key, node, g->pulse.low);
+}
+
+static void add_sources(vs_fate *p) {
+  const vs_roles *r = p->roles;
+  const vs_elements *w = p->wiring;
+  if (r->mains) {
+    vs_declared_add(&p->sheet, VS_DECLARED_PORT, "mains = %s", r->mains->name);
+    vs_declared_add(&p->sheet, VS_DECLARED_PROBE,
+                    "i_source = -i(%s) A \"current drawn from the mains\"", r->mains->name);
+    char name[VS_DECK_NAME];
+    vs_declared_name(&p->sheet, "i_source", name);
+  }
+  for (size_t g = 0; g < r->n_gates; g++)
+    for (int n = 0; n < r->gates[g].each; n++) {
+      add_edge(p, &r->gates[g], n ? "2" : "");
+      double shift_deg = r->gates[g].shift_deg + 180 * n;
+      const char *key = r->gates[g].source->key;
+      if (shift_deg != 0)
+        vs_declared_add(&p->sheet, VS_DECLARED_PORT, "gate+%.9gdeg = Vgate%s_%s", shift_deg,
+                        n ? "2" : "", key);
+      else
+        vs_declared_add(&p->sheet, VS_DECLARED_PORT, "gate = Vgate%s_%s", n ? "2" : "", key);
+    }
+  for (size_t g = 0; g <= r->n_gates; g++)
+    if (g < r->n_gates || r->mains) add_series(p, g < r->n_gates ? r->gates[g].source : r->mains);
+  for (size_t g = 0; g < r->n_gates; g++) add_gate_loss(p, &r->gates[g]);
+  for (size_t k = 0; k < w->count; k++) { /* what sources give is a loss below zero */
+    const vs_element *e = &w->elements[k];
+    char v[VS_DECK_TEXT];
+    if (e->letter != 'v' || e == r->mains) continue;
+    vs_declared_voltage(vs_elements_node_of(w, e, 0), vs_elements_node_of(w, e, 1), v);
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s = %s*i(%s)", e->key, v, e->name);
+  }
+}
+
+/* The mains' terminals: behind the resistors and inductors in series with their source. */
+static void add_line(vs_fate *p) {
+  const vs_element *e = p->roles->mains;
+  if (!e) return;
+  int node = e->nodes[0], end = e->nodes[1];
+  if (!strcmp(p->wiring->nodes[node].name, "0")) node = end, end = e->nodes[0];
+  for (const vs_element *next; (next = vs_elements_next(p->wiring, e, node)); e = next) {
+    if (!strchr("rl", next->letter) || vs_fate_is_coil(p, next)) break;
+    node = next->nodes[next->nodes[0] == node];
+  }
+  const char *other = p->wiring->nodes[end].name;
+  vs_declared_add(&p->sheet, VS_DECLARED_LINE, "%s%s%s", p->wiring->nodes[node].name,
+                  strcmp(other, "0") ? " " : "", strcmp(other, "0") ? other : "");
+}
+
+void vs_feeds_add(vs_fate *p) {
+  add_line(p);
+  add_sources(p);
+}

@@ -1,0 +1,346 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "import/import.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/path.h"
+#include "import/copying.h"
+#include "import/lines.h"
+#include "import/settings.h"
+#include "scene/session.h"
+
+/* Netlists that come with the program, as examples. */
+static const vs_shelf SHELF = {"netlist", "import", ""};
+
+/* All of one import. */
+typedef struct work {
+  const vs_import_options *o;
+  vs_listing listing;
+  vs_values values;
+  vs_elements wiring;
+  vs_roles roles;
+  vs_fate plan;
+  vs_copying body;
+  vs_settings settings;
+  vs_text deck;
+  int head; /* lines of the deck before the netlist */
+} work;
+
+static void free_work(work *w) {
+  vs_text_free(&w->deck);
+  vs_copying_free(&w->body);
+  vs_fate_free(&w->plan);
+  vs_elements_free(&w->wiring);
+  vs_values_free(&w->values);
+  vs_listing_free(&w->listing);
+  free(w);
+}
+
+/* ---- what was done ---- */
+
+static void note_roles(work *w) {
+  const vs_roles *r = &w->roles;
+  vs_declared_notes *did = &w->plan.sheet.did, *left = &w->plan.sheet.left;
+  if (r->mains)
+    vs_declared_note(did, "%s is the mains, %s: %.6g V rms, %.6g Hz", r->mains->name,
+                     r->found_mains ? "the only sine" : "as said", r->rms_v, r->hz);
+  else
+    vs_declared_note(did, "nothing is the mains: no source is driven by the program");
+  for (size_t g = 0; g < r->n_gates; g++) {
+    const vs_roles_gate *gate = &r->gates[g];
+    const vs_element *next = vs_elements_next(&w->wiring, gate->source, gate->source->nodes[0]);
+    bool resistor = next && next->letter == 'r';
+    vs_declared_note(
+        did, "%s fires, %s: its %.6g %s become %s_level, behind the program's pulse; %s%s",
+        gate->source->name, r->found_gate ? "the only pulse" : "as said",
+        gate->pulse.high - gate->pulse.low, gate->source->letter == 'v' ? "V" : "A",
+        gate->source->key, resistor ? "in series: " : "no resistor is in series with it",
+        resistor ? next->name : "");
+  }
+  if (!r->n_gates) vs_declared_note(did, "no source fires anything");
+  vs_declared_note(did, "%s%s%s is the EVA's coil, %s: %.6g H, %.6g ohm", r->coil->name,
+                   r->coil_r ? "+" : "", r->coil_r ? r->coil_r->name : "",
+                   r->found_coil ? "the only inductor that is coupled with none" : "as said",
+                   r->inductance_h, r->resistance_ohm);
+  if (r->resistance_ohm < 1e-3)
+    vs_declared_note(left,
+                     "the coil has no resistance: give actuator.resistance (1 mohm is taken)");
+  if (r->delayed)
+    vs_declared_note(
+        left,
+        "%s begins with a delay; the program's mains are there from t = 0 on, in the same phase",
+        r->mains->name);
+  if (r->late)
+    vs_declared_note(left, "the program counts firings from the mains' first rising zero: pulses "
+                           "of the netlist before that "
+                           "are not made, and the run begins otherwise");
+  if (r->at_zero)
+    vs_declared_note(left,
+                     "the gate fires at the mains' zero, where firing.angle cannot be: 0.001 deg "
+                     "is taken");
+}
+
+static void note_devices(work *w) {
+  vs_declared *s = &w->plan.sheet;
+  for (size_t k = 0; k < w->wiring.count; k++) {
+    const vs_element *e = &w->wiring.elements[k];
+    const vs_fate_element *own = &w->plan.of[k];
+    if (!own->pins.kind || e->letter == 'd') continue;
+    vs_declared_note(&s->did, "%s is a %s, %s%s%s", e->name, own->pins.kind, own->pins.by,
+                     *own->pins.part ? ": " : "", own->pins.part);
+    if (strcmp(own->pins.kind, "thyristor") || *own->pins.part) continue;
+    vs_declared_note(&s->left,
+                     "%s: what its maker allows is not known here: a line '*$ rating v_ak "
+                     "-V_RRM..V_DRM V', or a part's file in the place of its subcircuit",
+                     e->name);
+  }
+  if (w->body.skipped)
+    vs_declared_note(&s->did,
+                     "%zu line%s of analysis and commands left out: the program runs its own",
+                     w->body.skipped, w->body.skipped == 1 ? "" : "s");
+  if (w->body.pspice) vs_declared_note(&s->did, "read in PSpice's dialect: *$ compat ps");
+  if (s->left_out)
+    vs_declared_note(&s->left,
+                     "%zu probes, losses and the like are left out: a deck has no room for "
+                     "more",
+                     s->left_out);
+}
+
+/* ---- the deck ---- */
+
+static const char *name_of(const char *path) {
+  const char *slash = strrchr(path, '/');
+  return slash ? slash + 1 : path;
+}
+
+static void add_comments(vs_text *t, const char *head, const vs_declared_notes *notes) {
+  if (notes->count) vs_text_add(t, "* %s\n", head);
+  for (size_t k = 0; k < notes->count; k++) vs_text_add(t, "*   %s\n", notes->item[k]);
+}
+
+static void compose(work *w) {
+  const vs_declared *s = &w->plan.sheet;
+  vs_text *t = &w->deck;
+  const char *title = *w->listing.title ? w->listing.title : name_of(w->o->name);
+  vs_text_add(t, "* %s\n* imported from %s (%s) by vibrospice %s\n", name_of(w->o->output),
+              name_of(w->o->name), vs_listing_origins[w->listing.origin], VS_VERSION);
+  add_comments(t, "What was done:", &s->did);
+  add_comments(t, "What is left to decide:", &s->left);
+  vs_text_add(t, "* A scene with the netlist's own values:\n");
+  vs_settings_write(&w->settings, name_of(w->o->output), "*   ", t);
+  vs_text_add(t, "*$ title  %.100s\n", title);
+  if (w->body.pspice) vs_text_add(t, "*$ compat ps\n");
+  vs_declared_write(s, t);
+  for (const char *c = t->text; *c; c++) w->head += *c == '\n';
+  vs_text_add(t, "%s", w->body.text.text ? w->body.text.text : "");
+}
+
+/* The folder of a path as it is written, and from the root on. */
+static void folder_of(const char *path, char folder[VS_PATH_SIZE], char full[VS_PATH_SIZE]) {
+  int n = (int)(name_of(path) - path);
+  snprintf(folder, VS_PATH_SIZE, "%.*s", n > 1 ? n - 1 : n, path);
+  if (!realpath(*folder ? folder : ".", full)) snprintf(full, VS_PATH_SIZE, "%s", folder);
+}
+
+static vs_status plan_all(work *w, const char *folder, vs_error *err) {
+  const vs_import_options *o = w->o;
+  vs_status status = vs_listing_read(&w->listing, o->name, o->library, err);
+  if (status) return status;
+  vs_values_read(&w->values, &w->listing);
+  status = vs_elements_read(&w->wiring, &w->listing, err);
+  if (!status && vs_error_count(err)) return VS_OK;
+  if (!status) status = vs_roles_find(&w->wiring, &w->values, &o->asked, &w->roles, err);
+  w->plan = (vs_fate){&w->wiring, &w->values, &w->roles, NULL, {.counts = {0}}};
+  if (!status) status = vs_fate_make(&w->plan, o->pins, err);
+  if (status || vs_error_count(err)) return status;
+  note_roles(w);
+  status = vs_lines_add(&w->plan, err);
+  vs_copying_write(&w->plan, folder, o->library, &w->body);
+  note_devices(w);
+  vs_settings_make(&w->settings, &w->roles, &w->values, w->body.until_s, w->body.gear);
+  compose(w);
+  return status;
+}
+
+/* ---- trying it ---- */
+
+/* Gives an error of the deck the place in the netlist that its line comes from. */
+static void place_in_netlist(const work *w, const char *path, vs_error *e) {
+  vs_error plain = *e;
+  const vs_copying_origin *from = NULL;
+  if (!e->place_size || strncmp(e->text, path, (size_t)e->file_size)) return;
+  for (size_t k = 0; k < w->body.count && w->body.origins[k].line + w->head <= e->line; k++)
+    from = &w->body.origins[k];
+  vs_fail_at(e, from ? from->where : (vs_where){.file = w->listing.files[0]}, "%s",
+             plain.text + plain.place_size);
+}
+
+/* Has the deck, which lies at `path`, take its first step in the scene that the netlist describes.
+ */
+static vs_status try_deck(const work *w, const char *path, vs_error *err) {
+  vs_tree tree = {.root = vs_alloc(1, sizeof *tree.root)};
+  tree.root->kind = VS_NODE_MAP;
+  vs_tree_put(&tree, "circuit.deck", path, (vs_where){0});
+  for (size_t k = 0; k < w->settings.count; k++) {
+    const vs_setting *s = &w->settings.item[k];
+    char key[64];
+    snprintf(key, sizeof key, "%s.%s", s->section, s->key);
+    vs_tree_put(&tree, key, s->value, (vs_where){0});
+  }
+  vs_setup *setup = vs_alloc(1, sizeof *setup);
+  vs_status status = vs_setup_build(tree.root, setup, err);
+  if (!status && !vs_error_count(err))
+    status = vs_session_try(vs_tiers_automatic(true), setup, err);
+  vs_setup_free(setup);
+  free(setup);
+  vs_tree_free(&tree);
+  return status;
+}
+
+static vs_status write_file(const char *path, const char *text, vs_error *err) {
+  char folder[VS_PATH_SIZE], full[VS_PATH_SIZE];
+  vs_file file = {0};
+  folder_of(path, folder, full);
+  vs_status status = vs_file_open(&file, folder, name_of(path), err);
+  if (status) return status;
+  fputs(text, file.stream);
+  return vs_file_commit(&file, err);
+}
+
+/* Writes the deck under a name that nobody looks for, tries it, and then gives it its own. */
+static vs_status write_deck(work *w, const char *folder, vs_findings *all, vs_error *err) {
+  vs_file file = {0};
+  vs_error own = {.findings = all};
+  vs_status status = vs_file_open(&file, folder, name_of(w->o->output), err);
+  if (status) return status;
+  fputs(w->deck.text, file.stream);
+  fflush(file.stream);
+  status = vs_error_carry_on(&own, try_deck(w, file.temporary, &own));
+  for (size_t k = 0; k < all->count; k++) place_in_netlist(w, file.temporary, &all->item[k]);
+  if (status) *err = own;
+  if (!status && !all->count) return vs_file_commit(&file, err);
+  vs_file_discard(&file);
+  return status;
+}
+
+/* ---- what is said ---- */
+
+static void say(const work *w) {
+  const vs_declared *s = &w->plan.sheet;
+  fprintf(stderr, "%s: %s netlist\n", w->o->name, vs_listing_origins[w->listing.origin]);
+  for (size_t k = 0; k < s->did.count; k++) fprintf(stderr, "  %s\n", s->did.item[k]);
+  if (s->left.count) fprintf(stderr, "left to decide:\n");
+  for (size_t k = 0; k < s->left.count; k++) fprintf(stderr, "  %s\n", s->left.item[k]);
+}
+
+static void add_notes(vs_json *json, const char *key, const vs_declared_notes *notes) {
+  vs_json_array(json, key, notes->count ? VS_JSON_LINES : VS_JSON_ROW);
+  for (size_t k = 0; k < notes->count; k++) vs_json_text(json, NULL, notes->item[k]);
+  vs_json_end(json);
+}
+
+static void say_json(const work *w) {
+  const vs_roles *r = &w->roles;
+  vs_text text = {0};
+  vs_json json = vs_json_new(&text);
+  vs_json_object(&json, NULL, VS_JSON_LINES);
+  vs_json_text(&json, "written", w->o->output);
+  vs_json_text(&json, "origin", vs_listing_origins[w->listing.origin]);
+  vs_json_text(&json, "mains", r->mains ? r->mains->name : NULL);
+  vs_json_array(&json, "gates", VS_JSON_ROW);
+  for (size_t g = 0; g < r->n_gates; g++) vs_json_text(&json, NULL, r->gates[g].source->name);
+  vs_json_end(&json);
+  vs_json_array(&json, "coil", VS_JSON_ROW);
+  vs_json_text(&json, NULL, r->coil->name);
+  if (r->coil_r) vs_json_text(&json, NULL, r->coil_r->name);
+  vs_json_end(&json);
+  vs_settings_json(&w->settings, w->o->output, &json);
+  add_notes(&json, "done", &w->plan.sheet.did);
+  add_notes(&json, "left", &w->plan.sheet.left);
+  vs_json_end(&json);
+  puts(text.text);
+  vs_text_free(&text);
+}
+
+static vs_status write_scene(const work *w, vs_error *err) {
+  vs_text scene = {0};
+  vs_text_add(&scene, "# the values of %s, for %s\n", name_of(w->o->name), name_of(w->o->output));
+  vs_settings_write(&w->settings, w->o->output, "", &scene);
+  vs_status status = write_file(w->o->scene, scene.text, err);
+  vs_text_free(&scene);
+  return status;
+}
+
+static void say_findings(const vs_import_options *o, const vs_findings *all) {
+  vs_text text = {0};
+  vs_json json = vs_json_new(&text);
+  vs_json_object(&json, NULL, VS_JSON_LINES);
+  vs_json_null(&json, "written");
+  vs_json_array(&json, "findings", VS_JSON_LINES);
+  for (size_t k = 0; k < all->count; k++) {
+    const vs_error *e = &all->item[k];
+    fprintf(stderr, "%s\n", e->text);
+    vs_json_object(&json, NULL, VS_JSON_ROW);
+    char file[sizeof e->text];
+    snprintf(file, sizeof file, "%.*s", e->file_size, e->text);
+    vs_json_text(&json, "file", *file ? file : o->name);
+    vs_json_number(&json, "line", e->line ? (double)e->line : (double)NAN, 12);
+    vs_json_number(&json, "column", e->line ? (double)e->column : (double)NAN, 12);
+    vs_json_text(&json, "message", e->text + e->place_size);
+    vs_json_end(&json);
+  }
+  vs_json_end(&json);
+  vs_json_end(&json);
+  if (o->json) puts(text.text);
+  vs_text_free(&text);
+}
+
+/* ---- the command ---- */
+
+/* Error: the output is no name of a deck, or is the netlist itself. */
+static vs_status check_output(const vs_import_options *o, vs_error *err) {
+  const char *ending = o->output ? strrchr(o->output, '.') : NULL;
+  char a[VS_PATH_SIZE], b[VS_PATH_SIZE];
+  if (!o->output)
+    return vs_fail(err, VS_INPUT, "import: wants -o FILE.cir; see vibrospice import --help");
+  if (!ending || strcmp(ending, ".cir"))
+    return vs_fail(err, VS_INPUT, "-o %s: a deck's name ends in .cir", o->output);
+  if (realpath(o->name, a) && realpath(o->output, b) && !strcmp(a, b))
+    return vs_fail(err, VS_INPUT, "-o %s: that is the netlist itself; give the deck another name",
+                   o->output);
+  return VS_OK;
+}
+
+static vs_status import(const vs_import_options *o, vs_error *err) {
+  work *w = vs_alloc(1, sizeof *w);
+  vs_findings *all = vs_alloc(1, sizeof *all);
+  vs_error own = {.findings = all};
+  char folder[VS_PATH_SIZE], full[VS_PATH_SIZE];
+  w->o = o;
+  folder_of(o->output, folder, full);
+  vs_status status = vs_error_carry_on(&own, plan_all(w, full, &own));
+  if (status) *err = own;
+  if (!status && !all->count) status = write_deck(w, folder, all, err);
+  if (all->count) say_findings(o, all);
+  if (!status && all->count) status = VS_INPUT;
+  if (!status && o->scene) status = write_scene(w, err);
+  if (!status && !o->quiet) say(w);
+  if (!status && o->json) say_json(w);
+  free(all);
+  free_work(w);
+  return status;
+}
+
+vs_status vs_import_command(const vs_import_options *options, vs_error *err) {
+  vs_import_options o = *options;
+  char path[VS_PATH_SIZE];
+  vs_status status = check_output(&o, err);
+  if (!status) status = vs_path_find(&SHELF, o.name, (vs_where){0}, path, err);
+  o.name = path;
+  return status ? status : import(&o, err);
+}

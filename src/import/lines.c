@@ -1,0 +1,306 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "import/lines.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "deck/kinds.h"
+#include "import/feeds.h"
+
+/* The voltage of an element, from the node where its current is sensed, or its first, on. */
+static void voltage_of(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
+                       char text[VS_DECK_TEXT]) {
+  int from = own->pins.kind ? own->pins.from : 0, to = own->pins.kind ? own->pins.to : 1;
+  vs_declared_voltage(vs_elements_node_of(p->wiring, e, from),
+                      vs_elements_node_of(p->wiring, e, to), text);
+}
+
+static bool is_kind(const vs_fate_element *own, const char *kind) {
+  return own->pins.kind && !strcmp(own->pins.kind, kind);
+}
+
+static size_t count_kind(const vs_fate *p, const char *kind) {
+  size_t count = 0;
+  for (size_t k = 0; k < p->wiring->count; k++) count += is_kind(&p->of[k], kind);
+  return count;
+}
+
+/* ---- gates ---- */
+
+/* Marks what is connected with a node over resistors and diodes, but not over node 0. */
+static void spread(const vs_fate *p, int node, bool *reached) {
+  const vs_elements *w = p->wiring;
+  reached[node] = true;
+  if (!strcmp(w->nodes[node].name, "0")) return;
+  for (size_t k = 0; k < w->count; k++) {
+    const vs_element *e = &w->elements[k];
+    for (int n = 0; n < 2 && strchr("rd", e->letter); n++)
+      if (e->nodes[n] == node && !reached[e->nodes[1 - n]]) spread(p, e->nodes[1 - n], reached);
+  }
+}
+
+/* The gate that drives a node of an element; -1: none does as far as shows. The reference of the
+ * gate's source, its other end, tells nothing. */
+static int gate_at(const vs_fate *p, int node) {
+  bool *reached = vs_alloc(p->wiring->n_nodes + 1, sizeof *reached);
+  int found = -1;
+  spread(p, node, reached);
+  for (size_t g = 0; g < p->roles->n_gates && found < 0; g++) {
+    int plus = p->roles->gates[g].source->nodes[0];
+    if (reached[plus] && strcmp(p->wiring->nodes[plus].name, "0")) found = (int)g;
+  }
+  free(reached);
+  return found;
+}
+
+/* A shipped part's pins are a k g. A netlist that was written for another one of that name may have
+ * them in another order, which its gate's source shows. */
+static vs_status check_part(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
+                            vs_error *err) {
+  bool gated = *own->pins.part && own->pins.gate >= 0 && p->roles->n_gates;
+  if (!gated || strcmp(own->pins.by, "a shipped part") || gate_at(p, e->nodes[2]) >= 0)
+    return VS_OK;
+  return vs_fail_at(err, vs_elements_where(p->wiring, e, 0),
+                    "%s: the shipped part %s has the pins a k g, and no gate's source drives the "
+                    "third node here; --pins %s=akg, or %s=agk, or ..., says which node is what",
+                    e->name, own->pins.part, e->name, e->name);
+}
+
+/* ---- thyristors and triacs ---- */
+
+/* The word of the port that fires the element, with a blank before it; empty: the deck's first. */
+static void gate_word(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
+                      char word[VS_DECK_NAME]) {
+  int gate = own->pins.gate < 0 ? -1 : gate_at(p, e->nodes[own->pins.gate]);
+  *word = '\0';
+  if (gate < 0 || p->roles->n_gates < 2) return;
+  double shift_deg = p->roles->gates[gate].shift_deg;
+  if (shift_deg != 0)
+    snprintf(word, VS_DECK_NAME, " gate+%.9gdeg", shift_deg);
+  else
+    strcpy(word, " gate");
+}
+
+/* What stands between the names of a device's line and '='. */
+static void device_kind(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
+                        char text[VS_DECK_TEXT]) {
+  const vs_kind *kind = vs_kinds_find(own->pins.kind);
+  char gate[VS_DECK_NAME] = "";
+  if (kind->gated) gate_word(p, e, own, gate);
+  snprintf(text, VS_DECK_TEXT, "%s%s%s", *own->part ? "" : " ", *own->part ? "" : own->pins.kind,
+           gate);
+}
+
+/* Adds device, loss and probe of current of an element of a known kind, by the name given. */
+static void add_device(vs_fate *p, const vs_element *e, const vs_fate_element *own,
+                       const char *name, const char *probe) {
+  char v[VS_DECK_TEXT], kind[VS_DECK_TEXT], gate[VS_DECK_TEXT];
+  voltage_of(p, e, own, v);
+  if (vs_kinds_find(own->pins.kind)) {
+    device_kind(p, e, own, kind);
+    vs_declared_add(&p->sheet, VS_DECLARED_DEVICE, "%s%s = %s, i(%s)", name, kind, v, own->sense);
+  }
+  if (*own->gate_sense) {
+    vs_declared_voltage(vs_elements_node_of(p->wiring, e, own->pins.gate),
+                        vs_elements_node_of(p->wiring, e, own->pins.to), gate);
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s = %s*i(%s)+%s*i(%s)", name, v, own->sense,
+                    gate, own->gate_sense);
+  } else
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s = %s*i(%s)", name, v, own->sense);
+  if (probe)
+    vs_declared_add(&p->sheet, VS_DECLARED_PROBE, "%s = i(%s) A \"current of %s\"", probe,
+                    own->sense, e->name);
+}
+
+static void add_valve(vs_fate *p, const vs_element *e, const vs_fate_element *own, size_t count,
+                      bool first) {
+  char name[VS_DECK_NAME], v_ak[VS_DECK_NAME], i[VS_DECK_NAME], v[VS_DECK_TEXT];
+  const char *key = count == 1 ? own->pins.kind : e->key;
+  if (*own->part) key = own->part;
+  snprintf(name, sizeof name, "%s", key);
+  if (first)
+    snprintf(v_ak, sizeof v_ak, "v_ak");
+  else
+    snprintf(v_ak, sizeof v_ak, "v_ak_%.50s", e->key);
+  snprintf(i, sizeof i, "i_%.50s", count == 1 ? "thyristor" : e->key);
+  voltage_of(p, e, own, v);
+  vs_declared_add(&p->sheet, VS_DECLARED_PROBE, "%s = %s V \"voltage of %s\"", v_ak, v, e->name);
+  vs_declared_name(&p->sheet, v_ak, v_ak);
+  vs_declared_name(&p->sheet, i, i);
+  if (*own->part)
+    vs_declared_add(&p->sheet, VS_DECLARED_RATING, "%s -%s.v_rrm..%s.v_drm V", v_ak, own->part,
+                    own->part);
+  add_device(p, e, own, name, i);
+}
+
+/* Thyristors and triacs; the anode current of several is their sum, which the deck makes. */
+static void add_valves(vs_fate *p) {
+  size_t count = count_kind(p, "thyristor") + count_kind(p, "triac");
+  bool first = true;
+  for (size_t k = 0; k < p->wiring->count; k++) {
+    const vs_fate_element *own = &p->of[k];
+    if (!is_kind(own, "thyristor") && !is_kind(own, "triac")) continue;
+    add_valve(p, &p->wiring->elements[k], own, count, first);
+    first = false;
+  }
+  if (count > 1)
+    vs_declared_add(&p->sheet, VS_DECLARED_PROBE,
+                    "i_thyristor = v(i_sum) A \"the sum of their currents\"");
+}
+
+/* ---- everything else ---- */
+
+static void add_others(vs_fate *p) {
+  for (size_t k = 0; k < p->wiring->count; k++) {
+    const vs_element *e = &p->wiring->elements[k];
+    const vs_fate_element *own = &p->of[k];
+    char i[VS_DECK_NAME];
+    if (!own->pins.kind || is_kind(own, "thyristor") || is_kind(own, "triac") || !*own->sense)
+      continue;
+    snprintf(i, sizeof i, "i_%.50s", e->key);
+    vs_declared_name(&p->sheet, i, i);
+    add_device(p, e, own, *own->part ? own->part : e->key, i);
+  }
+}
+
+static void add_passive(vs_fate *p, const vs_element *e, const vs_fate_element *own) {
+  char v[VS_DECK_TEXT];
+  vs_declared_voltage(vs_elements_node_of(p->wiring, e, 0), vs_elements_node_of(p->wiring, e, 1),
+                      v);
+  if (e->letter == 'r' && own->value) {
+    const char *square = *v == '-' ? v + 1 : v;
+    vs_declared_add(&p->sheet, VS_DECLARED_DEVICE, "%s resistor = %s, %s/%s", e->key, v, v,
+                    own->value);
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s = %s^2/%s", e->key, square, own->value);
+  } else if (e->letter == 'r') {
+    vs_declared_add(&p->sheet, VS_DECLARED_DEVICE, "%s resistor = %s, i(%s)", e->key, v,
+                    own->sense);
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s = %s*i(%s)", e->key, v, own->sense);
+  } else if (e->letter == 'c') {
+    vs_declared_add(&p->sheet, VS_DECLARED_DEVICE, "%s capacitor = %s, i(%s)", e->key, v,
+                    own->sense);
+    if (own->value)
+      vs_declared_add(&p->sheet, VS_DECLARED_STORE, "%s = %s*%s^2/2", e->key, own->value,
+                      *v == '-' ? v + 1 : v);
+  } else if (own->value)
+    vs_declared_add(&p->sheet, VS_DECLARED_STORE, "%s = %s*i(%s)^2/2", e->key, own->value, e->name);
+  if (e->letter != 'r' && !own->value)
+    vs_declared_note(&p->sheet.left,
+                     "%s: its value is no number, so that the energy it holds is not "
+                     "counted: a line '*$ store %s = ...' would",
+                     e->name, e->key);
+}
+
+/* The losses of what LTspice puts into an inductor or capacitor, which the reader of decks makes
+ * elements of their own: Rser in series, Rpar across. */
+static void add_parasitic(vs_fate *p, const vs_element *e, const vs_fate_element *own) {
+  char v[VS_DECK_TEXT];
+  char *series = vs_elements_option(p->wiring, e, "rser");
+  char *across = vs_elements_option(p->wiring, e, "rpar");
+  double ohm;
+  vs_declared_voltage(vs_elements_node_of(p->wiring, e, 0), vs_elements_node_of(p->wiring, e, 1),
+                      v);
+  if (series && vs_values_of(p->values, series, &ohm))
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s_rser = %.15g*i(%s)^2", e->key, ohm,
+                    e->letter == 'c' ? own->sense : e->name);
+  if (across && vs_values_of(p->values, across, &ohm) && ohm > 0)
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s_rpar = %s^2/%.15g", e->key,
+                    *v == '-' ? v + 1 : v, ohm);
+  free(series);
+  free(across);
+}
+
+/* Resistors, capacitors and inductors, letter by letter: those that store come first. */
+static void add_passives(vs_fate *p) {
+  for (const char *letter = "lcr"; *letter; letter++)
+    for (size_t k = 0; k < p->wiring->count; k++) {
+      const vs_element *e = &p->wiring->elements[k];
+      if (e->letter != *letter || vs_fate_is_coil(p, e)) continue;
+      add_passive(p, e, &p->of[k]);
+      if (e->letter != 'r') add_parasitic(p, e, &p->of[k]);
+    }
+}
+
+/* The energy that two inductors hold together: K sqrt(L1 L2) i1 i2. */
+static bool add_coupling(vs_fate *p, const vs_element *e) {
+  const vs_element *l[2] = {NULL, NULL};
+  double factor;
+  for (int n = 0; n < 2; n++) {
+    char *name = vs_elements_word_of(p->wiring, e, n + 1);
+    l[n] = vs_elements_find(p->wiring, name);
+    free(name);
+  }
+  char *value = vs_elements_word_of(p->wiring, e, 3);
+  bool known = e->n_words == 4 && l[0] && l[1] && vs_values_of(p->values, value, &factor);
+  free(value);
+  const char *a = known ? p->of[l[0] - p->wiring->elements].value : NULL;
+  const char *b = known ? p->of[l[1] - p->wiring->elements].value : NULL;
+  return a && b &&
+         vs_declared_add(&p->sheet, VS_DECLARED_STORE, "%s = %.15g*sqrt(%s*%s)*i(%s)*i(%s)", e->key,
+                         factor, a, b, l[0]->name, l[1]->name);
+}
+
+/* A voltage of each net that a person has named. */
+static void add_nets(vs_fate *p) {
+  const vs_elements *w = p->wiring;
+  for (size_t k = 0; k < w->n_nodes; k++) {
+    const vs_elements_node *n = &w->nodes[k];
+    char wanted[VS_DECK_NAME], name[VS_DECK_NAME];
+    if (!n->named || !strcmp(n->name, "0") ||
+        (p->roles->coil_r && n->ends == 2 &&
+         vs_elements_next(w, p->roles->coil, (int)k) == p->roles->coil_r))
+      continue;
+    snprintf(wanted, sizeof wanted, "v_%.50s", n->name);
+    if (!strcmp(wanted, "v_eva") || !strcmp(wanted, "v_mains")) strcat(wanted, "_net");
+    vs_declared_name(&p->sheet, wanted, name);
+    vs_declared_add(&p->sheet, VS_DECLARED_PROBE, "%s = v(%s) V \"net %s\"", name, n->name,
+                    n->said);
+  }
+}
+
+/* What no line says: sources that a formula drives, and what takes part in them. */
+static void note_unmeasured(vs_fate *p) {
+  vs_text sources = {0}, unknown = {0}, coupled = {0};
+  for (size_t k = 0; k < p->wiring->count; k++) {
+    const vs_element *e = &p->wiring->elements[k];
+    if (p->of[k].pins.kind || vs_roles_gate_of(p->roles, e) >= 0) continue;
+    vs_text *t = strchr("befghi", e->letter)               ? &sources
+                 : e->letter == 'k' && !add_coupling(p, e) ? &coupled
+                 : strchr("xatuo", e->letter)              ? &unknown
+                                                           : NULL;
+    if (t) vs_text_add(t, "%s%s", t->length ? ", " : "", e->name);
+  }
+  if (sources.text)
+    vs_declared_note(&p->sheet.left,
+                     "%s: what these sources give or take stands in no line '*$ loss', "
+                     "so that the energy audit may not close",
+                     sources.text);
+  if (coupled.text)
+    vs_declared_note(&p->sheet.left,
+                     "%s: the energy of the coupling is not counted: a line '*$ store "
+                     "NAME = K*sqrt(L1*L2)*i(L1)*i(L2)' would",
+                     coupled.text);
+  if (unknown.text)
+    vs_declared_note(&p->sheet.left,
+                     "%s: nothing is measured of these: --pins NAME=akg (or 21g, dgs, "
+                     "cge, ak, varistor, fuse) says what one is",
+                     unknown.text);
+  vs_text_free(&sources);
+  vs_text_free(&unknown);
+  vs_text_free(&coupled);
+}
+
+vs_status vs_lines_add(vs_fate *p, vs_error *err) {
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < p->wiring->count && !status; k++)
+    status = vs_error_carry_on(err, check_part(p, &p->wiring->elements[k], &p->of[k], err));
+  add_valves(p);
+  vs_feeds_add(p);
+  add_others(p);
+  add_passives(p);
+  add_nets(p);
+  note_unmeasured(p);
+  return status;
+}

@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "report/harmonics.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/path.h"
+#include "base/text.h"
+#include "period/quality.h"
+#include "picture/gnuplot.h"
+#include "picture/scale.h"
+#include "syntax/tree.h"
+
+enum { PANELS = VS_QUALITY_MOST + 1, WIDTH = 900, HEIGHT = 320 /* of a panel, pixels */ };
+
+/* A current: its harmonics, and the classes' limits, as summary.json has them. */
+typedef struct panel {
+  char title[128];
+  const vs_node *harmonics, *classes; /* lists; classes NULL: of class A alone there are... */
+  const vs_node *limits;              /* ... these */
+} panel;
+
+typedef struct panels {
+  panel item[PANELS];
+  int count;
+} panels;
+
+/* ---- what there is ---- */
+
+/* How many numbers of the list, from harmonic 1 on, a logarithmic axis has a place for. */
+static int count_of(const vs_node *list) {
+  int n = 0, count = 0;
+  for (const vs_node *item = list ? list->child : NULL; item; item = item->next)
+    count += n++ && item->kind == VS_NODE_TEXT && strtod(item->text, NULL) > 0;
+  return count;
+}
+
+static void add_panel(panels *all, const char *name, const vs_node *harmonics,
+                      const vs_node *classes, const vs_node *limits) {
+  if (!count_of(harmonics) || all->count == PANELS) return;
+  panel *p = &all->item[all->count++];
+  *p = (panel){.harmonics = harmonics, .classes = classes, .limits = limits};
+  snprintf(p->title, sizeof p->title, "harmonics of %.64s", name);
+}
+
+static void find_panels(const vs_tree *tree, panels *all) {
+  const vs_node *own = vs_tree_child(tree->root, "harmonics"),
+                *limits = vs_tree_child(tree->root, "harmonic_limits"),
+                *quality = vs_tree_child(tree->root, "quality");
+  add_panel(all, "the mains current on the orbit", own, NULL, vs_tree_child(limits, "limits_A"));
+  for (const vs_node *n = quality ? quality->child : NULL; n; n = n->next)
+    add_panel(all, n->key, vs_tree_child(n, "harmonics_A"), vs_tree_child(n, "classes"), NULL);
+}
+
+/* ---- the picture ---- */
+
+/* Adds these numbers as a block of that name. */
+static void add_block(vs_text *script, const char *name, int number, const vs_node *list) {
+  int n = 0;
+  vs_text_add(script, "$%s%d << EOD\n", name, number);
+  for (const vs_node *item = list ? list->child : NULL; item; item = item->next, n++) {
+    double value = item->kind == VS_NODE_TEXT ? strtod(item->text, NULL) : 0;
+    if (n && value > 0) vs_text_add(script, "%d %.9g\n", n, value);
+  }
+  vs_text_add(script, "EOD\n");
+}
+
+/* Marks what a class allows. */
+static void add_limits(vs_text *script, const char *class, int number, const vs_node *limits,
+                       int kind) {
+  static const char *const COLOURS[] = {"#d1495b", "#e08e1b", "#8e5ea2", "#2a9d6f"};
+  const int kinds = sizeof COLOURS / sizeof *COLOURS;
+  if (!count_of(limits)) return;
+  vs_text_add(script, ", $%s%d using 1:2 with points pt %d ps 0.7 lc rgb '%s' title 'class %s'",
+              class, number, 4 + 2 * (kind % kinds), COLOURS[kind % kinds], class);
+}
+
+static void add_script_of(vs_text *script, const panel *p, int k) {
+  int kind = 0;
+  add_block(script, "bars", k, p->harmonics);
+  if (p->limits) add_block(script, "A", k, p->limits);
+  for (const vs_node *c = p->classes ? p->classes->child : NULL; c; c = c->next)
+    add_block(script, vs_tree_child(c, "class")->text, k, vs_tree_child(c, "limits_A"));
+  vs_text_add(script, "set title ");
+  vs_gnuplot_quoted(script, p->title);
+  vs_text_add(script,
+              "\nplot $bars%d using 1:2 with boxes fs solid 0.45 noborder fc rgb '%s' notitle", k,
+              vs_scale_colour_good);
+  if (p->limits) add_limits(script, "A", k, p->limits, kind++);
+  for (const vs_node *c = p->classes ? p->classes->child : NULL; c; c = c->next)
+    add_limits(script, vs_tree_child(c, "class")->text, k, vs_tree_child(c, "limits_A"), kind++);
+  vs_text_add(script, "\n");
+}
+
+static void add_script(const panels *all, bool svg, vs_text *script) {
+  vs_text_add(script,
+              "set terminal %s noenhanced size %d,%d font 'sans,%d' background rgb 'white'\nset "
+              "multiplot layout %d,1\nset logscale y\nset yrange [1e-5:*]\nset xrange [0.4:40.6]\n"
+              "set format y '%%g'\nset xtics 1,2\nset boxwidth 0.7\nset "
+              "border 3 lc rgb '#404040'\nset grid y lt 1 lw 0.5 lc rgb '#d0d0d0'\nset xlabel "
+              "'harmonic'\nset ylabel 'A rms'\nset key outside right\n",
+              svg ? "svg" : "pngcairo", WIDTH, HEIGHT * all->count, svg ? 13 : 10, all->count);
+  for (int k = 0; k < all->count; k++) add_script_of(script, &all->item[k], k);
+  vs_text_add(script, "unset multiplot\n");
+}
+
+static vs_status draw(const panels *all, const char *folder, bool svg, bool quiet, vs_error *err) {
+  vs_text script = {0};
+  add_script(all, svg, &script);
+  vs_status status =
+      vs_gnuplot_draw(script.text, folder, svg ? "harmonics.svg" : "harmonics.png", quiet, err);
+  vs_text_free(&script);
+  return status;
+}
+
+vs_status vs_harmonics_draw(const char *folder, bool quiet, vs_error *err) {
+  char path[VS_PATH_SIZE];
+  vs_tree tree = {0};
+  panels all = {.count = 0};
+  snprintf(path, sizeof path, "%s/summary.json", folder);
+  if (access(path, R_OK)) return VS_OK;
+  vs_status status = vs_tree_read(path, &tree, err);
+  if (!status) find_panels(&tree, &all);
+  if (!status && all.count) status = draw(&all, folder, false, quiet, err);
+  if (!status && all.count) status = draw(&all, folder, true, quiet, err);
+  vs_tree_free(&tree);
+  return status;
+}

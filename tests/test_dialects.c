@@ -1,0 +1,474 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Netlists as LTspice, PSpice, KiCad and data sheets write them: files in any encoding, statements
+ * that are skipped, constructs that are rewritten against the same circuit written by hand, numbers
+ * that ngspice would misread, and the places of what ngspice says. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "program.h"
+
+/* ---- files as they come ---- */
+
+/* A capacitor in microfarad behind the mains, its sign a micro sign where that can be written. */
+#define DECK(sign)                                                                                 \
+  "*$ port mains = Vmains\n*$ port gate = Vgate\n*$ probe i_thyristor = i(Vt) A\n"                 \
+  "*$ probe v_b = v(b) V\nVmains a 0 external\nVgate g 0 external\nRg g 0 1k\nVt a b1 0\n"         \
+  "R1 b1 b 10\nC1 b 0 1" sign "\nXeva b 0 eva\n"
+
+#define RUN                                                                                        \
+  "run paper --set circuit.deck=%s --set run.until=3ms --set run.verify=never --quiet --json"
+
+static void write_bytes(const char *path, const char *bytes, size_t n) {
+  FILE *f = fopen(path, "w");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(f);
+  CU_ASSERT_EQUAL(fwrite(bytes, 1, n, f), n);
+  fclose(f);
+}
+
+/* Writes a text of characters below 256, given as UTF-8, with two bytes each. */
+static void write_utf16(const char *path, const char *text, bool big_end_first, bool mark) {
+  char bytes[4096];
+  size_t n = 0;
+  if (mark) {
+    memcpy(bytes, big_end_first ? "\xfe\xff" : "\xff\xfe", 2);
+    n = 2;
+  }
+  for (const unsigned char *s = (const unsigned char *)text; *s; s++) {
+    int c = *s < 0x80 ? *s : (*s & 0x1f) << 6 | (s[1] & 0x3f);
+    if (*s >= 0x80) s++;
+    bytes[n + big_end_first] = (char)c;
+    bytes[n + !big_end_first] = '\0';
+    n += 2;
+  }
+  write_bytes(path, bytes, n);
+}
+
+/* Replaces each end of a line. */
+static char *with_ends(const char *text, const char *end, const char *last) {
+  vs_text out = {0};
+  for (const char *s = text; *s; s++) {
+    if (*s == '\n')
+      vs_text_add(&out, "%s", end);
+    else
+      vs_text_add(&out, "%c", *s);
+  }
+  vs_text_add(&out, "%s", last);
+  return out.text;
+}
+
+static double number(const char *json, const char *name) {
+  char wanted[64];
+  snprintf(wanted, sizeof wanted, "\"%s\": {\"value\": ", name);
+  const char *found = strstr(json, wanted);
+  return found ? strtod(found + strlen(wanted), NULL) : NAN;
+}
+
+/* The same circuit gives the same numbers to the bit, whatever its file is written in. */
+static void encodings(void) {
+  static const char PLAIN[] = DECK("u"), MICRO[] = DECK("\xc2\xb5"), LATIN[] = DECK("\xb5");
+  static const char GREEK[] = DECK("\xce\xbc"), MARK[] = "\xef\xbb\xbf" DECK("u");
+  write_file("d.cir", PLAIN);
+  ran first = run(RUN, "d.cir");
+  EXPECT(first.status == 0 && strstr(first.out, "v_b_max"), "%s", first.err);
+  for (int k = 0; k < 13; k++) {
+    char *text = NULL;
+    if (k < 4) write_utf16("d.cir", MICRO, k & 1, k & 2);
+    if (k == 4) write_file("d.cir", MICRO);
+    if (k == 5) write_file("d.cir", LATIN);
+    if (k == 6) write_file("d.cir", GREEK);
+    if (k == 7) write_file("d.cir", MARK);
+    if (k == 8) text = with_ends(PLAIN, "\r\n", "");
+    if (k == 9) text = with_ends(PLAIN, "\r", "");
+    if (k == 10) text = with_ends(PLAIN, "\r\n", "\x1a");
+    if (k == 11) text = with_ends(PLAIN, "\n", "\x1a\x1a\r\n");
+    if (k == 12) text = with_ends(PLAIN, "\r\r\n", "");
+    if (text) write_file("d.cir", text);
+    free(text);
+    ran r = run(RUN, "d.cir");
+    EXPECT(r.status == 0 && !*r.err, "%d: %d %s", k, r.status, r.err);
+    CU_ASSERT_EQUAL(number(r.out, "v_b_max"), number(first.out, "v_b_max"));
+    CU_ASSERT_EQUAL(number(r.out, "v_b_min"), number(first.out, "v_b_min"));
+    free_ran(&r);
+  }
+  free_ran(&first);
+}
+
+/* Runs a deck that must be refused, at that place and with these words. */
+static void refused(const char *deck, const char *at, const char *says, int line) {
+  write_file("d.cir", deck);
+  ran r = run(RUN, "d.cir");
+  char begin[64];
+  snprintf(begin, sizeof begin, "vibrospice: %s: ", at);
+  const char *own = strstr(r.err, begin);
+  expect(r.status == 2 && own && strstr(own, says), line, "%s: %d %s", says, r.status, r.err);
+  free_ran(&r);
+}
+
+/* Places count lines and characters as an editor shows them. */
+static void places_in_encodings(void) {
+  static const char BAD[] = DECK("u") "* \xc2\xb5\xc2\xb5\nR2 b 0 \xc2\xb5 4k7\n";
+  write_utf16("u.cir", DECK("u") "* \xc2\xb5\nR2 b 0 4k7\n", false, true);
+  ran r = run("check u.cir");
+  EXPECT(r.status == 2 && strstr(r.err, "u.cir:13:8: ") &&
+             strstr(r.err, "\n R2 b 0 4k7\n        ^\n"),
+         "%s", r.err);
+  free_ran(&r);
+  refused(BAD, "d.cir:13:10", "4k7", __LINE__);
+  char *text = with_ends(BAD, "\r", "");
+  refused(text, "d.cir:13:10", "4k7", __LINE__);
+  free(text);
+  refused(DECK("u") "R2 b 0 1k\x1aR3\n", "d.cir:12:10", "control character", __LINE__);
+  write_bytes("d.cir", "R1 a b 1\nR2\0 a b\n", 17);
+  r = run("check d.cir");
+  EXPECT(r.status == 2 && strstr(r.err, "d.cir:2:1: a zero byte"), "%s", r.err);
+  free_ran(&r);
+  write_bytes("d.cir",
+              "\xff\xfeR\0\0\xd8"
+              "1\0",
+              8);
+  r = run("check d.cir");
+  EXPECT(r.status == 2 && strstr(r.err, "d.cir:1:1: half of a pair"), "%s", r.err);
+  free_ran(&r);
+}
+
+static void warns(const char *words, int status, const char *says, int line) {
+  ran r = run("%s", words);
+  expect(r.status == status && strstr(r.err, says), line, "%s: %d %s\n(%s)", words, r.status, r.err,
+         says);
+  free_ran(&r);
+}
+
+static void skipped_statements(void) {
+  write_file("d.cir",
+             "A rectifier, as drawn\n" DECK(
+                 "u") ".tran 0 20m 0 1u\n.options reltol=1e-4 temp=27\n.probe v(b)\n.save all\n"
+                      ".meas tran m1 max v(b)\n.backanno\n.op\n.temp 27\n.end\nRubbish\n");
+  warns("check d.cir", 0, "d.cir:1:1: warning: taken for the title", __LINE__);
+  warns("check d.cir", 0,
+        "d.cir:13:1: warning: skipped: '.tran', '.options' (line 14), '.probe' (line 15), '.save' "
+        "(line 16), '.meas' (line 17), '.backanno' (line 18), '.op' (line 19), '.temp' (line 20), "
+        "'.end' (line 21), all that stands behind '.end' (line 22), ...",
+        __LINE__);
+  ran r = run("check d.cir");
+  EXPECT(strstr(r.out, "a good deck: A rectifier, as drawn; "), "%s", r.out);
+  free_ran(&r);
+  r = run(
+      "run paper --set circuit.deck=d.cir --set run.until=2ms --set run.verify=never --json -o o");
+  EXPECT(r.status == 0 && strstr(r.err, "warning: d.cir:13:1: skipped: '.tran'"), "%s", r.err);
+  EXPECT(strstr(r.out, "d.cir:13:1: skipped: '.tran'"), "%s", r.out); /* in "warnings" */
+  free_ran(&r);
+  remove_tree("o");
+  write_file("d.cir", DECK("u") ".title KiCad schematic\n.end\n");
+  warns("check d.cir", 0, "skipped: '.end': ", __LINE__);
+  r = run("check d.cir");
+  EXPECT(strstr(r.out, "a good deck: KiCad schematic; "), "%s", r.out);
+  free_ran(&r);
+}
+
+static void refused_statements(void) {
+  refused(DECK("u") ".step param x 1 2 1\n", "d.cir:12:1", "circuit.NAME", __LINE__);
+  refused(DECK("u") ".temp 50\n", "d.cir:12:1", "27 degC", __LINE__);
+  refused(DECK("u") ".options tnom=25\n", "d.cir:12:1", "tnom", __LINE__);
+  refused(DECK("u") ".option rshunt = 1e9\n", "d.cir:12:1", "rshunt", __LINE__);
+  refused(DECK("u") ".wave x.wav 16 44.1k v(b)\n", "d.cir:12:1", "does not belong", __LINE__);
+  refused(DECK("u") ".savebias x tran\n", "d.cir:12:1", "does not belong", __LINE__);
+  refused(DECK("u") ".ends\n", "d.cir:12:1", "none is open", __LINE__);
+  refused(DECK("u") ".subckt s a b\nR1 a b 1\n", "d.cir:12:1", "no .ends", __LINE__);
+  /* the commands themselves are no findings of their own, and are not obeyed */
+  write_file("d.cir", DECK("u") ".control\nshell touch made\nrun\n.endc\nR2 a\n");
+  ran r = run("check d.cir");
+  EXPECT(r.status == 2 && strstr(r.err, "d.cir:12:1: .control") && strstr(r.err, "d.cir:16:1: ") &&
+             !strstr(r.err, "d.cir:13:") && !strstr(r.err, "d.cir:14:"),
+         "%s", r.err);
+  EXPECT(access("made", F_OK), "the command was obeyed");
+  free_ran(&r);
+}
+
+#define LIBRARY                                                                                    \
+  "* a vendor's\n*$\n.SUBCKT LOAD 1 2 PARAMS: R=3, S=1k\nR1 1 2 {R+S}\n.ENDS\n*$\n*$ note 1\n"     \
+  "*$ note 2\n*$\n.END\n\x1a"
+
+static void libraries(void) {
+  static const char *const ENDINGS[] = {"net", "sp", "ckt", "spice"};
+  write_file("v.lib", LIBRARY);
+  write_file("d.cir", "*$\n" DECK("u") ".lib v.lib\nX1 b 0 LOAD\n");
+  warns("check d.cir", 0,
+        "v.lib:7:1: warning: '*$ note' is none of the contract's lines and taken for a comment (2 "
+        "such lines in this file)",
+        __LINE__);
+  ran r = run("check v.lib");
+  EXPECT(r.status == 0 && strstr(r.out, "a good library: 1 subcircuit, 0 models"), "%s", r.out);
+  free_ran(&r);
+  refused(DECK("u") "*$ note 1\n", "d.cir:12:4", "'*$ note' is not known", __LINE__);
+  for (size_t k = 0; k < COUNT(ENDINGS); k++) {
+    char name[32], words[64];
+    snprintf(name, sizeof name, "d.%s", ENDINGS[k]);
+    snprintf(words, sizeof words, "check %s", name);
+    write_file(name, DECK("u"));
+    r = run("%s", words);
+    EXPECT(r.status == 0 && strstr(r.out, "a good deck"), "%s: %s", name, r.err);
+    free_ran(&r);
+  }
+  write_file("deck.lib", DECK("u"));
+  r = run("check deck.lib");
+  EXPECT(r.status == 0 && strstr(r.out, "a good deck"), "%s", r.err);
+  free_ran(&r);
+  /* a path of Windows': the file beside the deck, or none, which is told */
+  write_file("d.cir", DECK("u") ".lib C:\\Users\\me\\lib\\v.lib\nX1 b 0 LOAD\n"
+                                ".lib C:\\Users\\me\\lib\\standard.dio\n");
+  warns("check d.cir", 0, "d.cir:14:1: warning: C:\\Users\\me\\lib\\standard.dio is not on this",
+        __LINE__);
+}
+
+/* ---- constructs ---- */
+
+/* A circuit for expressions: v(ss) is 2 V, v(ww) 3 V times the sine of 500 Hz. */
+#define BENCH                                                                                      \
+  "*$ port mains = Vmains\n*$ port gate = Vgate\n*$ probe i_thyristor = i(Vt) A\n"                 \
+  "*$ probe y_v = v(yy) V\nVmains a 0 external\nVgate g 0 external\nRg g 0 1k\nVt a b1 0\n"        \
+  "R1 b1 b 10\nXeva b 0 eva\nVss ss 0 2\nRss ss 0 1k\nVww ww 0 sin(0 3 500)\nRww ww 0 1k\n"        \
+  "Ryy yy 0 1k\n" /* 15 lines */
+
+/* Runs the bench with these lines and gives the least and the largest v(yy). */
+static void bench_gives(const char *lines, double least, double most, double tolerance, int line) {
+  vs_text deck = {0};
+  vs_text_add(&deck, BENCH "%s\n", lines);
+  write_file("d.cir", deck.text);
+  ran r = run("run paper --set circuit.deck=d.cir --set run.until=2ms --set run.verify=never "
+              "--json --quiet");
+  expect(r.status == 0, line, "%s: %s", lines, r.err);
+  double scale = fmax(fabs(least), fabs(most));
+  vs_close(number(r.out, "y_v_min"), least, scale, tolerance, lines, line);
+  vs_close(number(r.out, "y_v_max"), most, scale, tolerance, lines, line);
+  free_ran(&r);
+  vs_text_free(&deck);
+}
+
+/* Each expression's value is a number: no step enters, and ngspice's tolerance of 1e-6 is met by
+ * far, as the circuit of the bench is linear but for the source. */
+static void functions(void) {
+  static const struct {
+    const char *lines;
+    double value;
+  } ROWS[] = {
+      {"B1 yy 0 V=IF(V(ss)>1 & V(ss)<3,5,6)", 5},
+      {"B1 yy 0 V=if( v(ss)>3 | ~(v(ss)<3) , 5 , 6 )", 6},
+      {"B1 yy 0 V=IF(V(ss)>1 && V(ss)<3,5,6)", 5},
+      {"E1 yy 0 VALUE={IF(V(ss)>1, IF(V(ss)>5,1,7), 6)}", 7},
+      {"E1 yy 0 VALUE = { IF ( V(ss)>1,\n+ IF(V(ss)>5,1,7), 6) }", 7},
+      {".param q={IF(2>1,7,8)}\nB1 yy 0 V={q}", 7},
+      {".func f(x) {IF(x>1,7,8)}\nB1 yy 0 V=f(V(ss))", 7},
+      {"B1 yy 0 V=PWRS(-2,3)+STP(V(ss))", -7},
+      {".param q={PWRS(-2,3)+STP(2)}\nB1 yy 0 V={q}", -7},
+      {"B1 yy 0 V=hypot(3,4)+round(2.6)+buf(1)-inv(0)", 8},
+      {"B1 yy 0 V=arcsin(1)+arccos(1)", M_PI / 2},
+      {"B1 yy 0 V=2^3+2**3", 16},
+      {"E1 yy 0 TABLE {V(ss)} = (0,0) (1,4) (3,8)", 6},
+      {"E1 yy 0 TABLE {V(ss)} (0,0) (2,4)", 4}, /* ngspice's own TABLE gives 3.9 here */
+      {"E1 yy 0 TABLE {V(ss)*5} = ( (0,0) , (1,4) )", 4},
+      {"G1 0 yy TABLE {V(ss)} = (0,0) (1,4m) (3,8m)", 6},
+      {"E1 yy 0 ss 0 table=(0,0,1,4,3,8)", 6},
+      {"B1 yy 0 V=table(V(ss),0,0,1,4,3,8)", 6},
+      {"B1 yy 0 V=tbl(-V(ss),0,1,1,4)", 1},
+      {".param k=9\nB1 yy 0 V=table(2*V(ss),0,0,3,{k})", 9},
+      {"X1 yy 0 s PARAMS: A=2, B=3\n.subckt s p q PARAMS: A=1, B=1\nB1 p q V={A*B}\n.ends", 6},
+      {".param a1=1, b1=2\nB1 yy 0 V={a1+b1}", 3},
+      {"R9 ss yy 1k TC=0.001,0.002", 1},
+      {"R9 ss yy 1k tol=5 pwr=0.25", 1},
+      {"V9 yy 0 5 Rser=1k", 2.5},
+      {"B1 yy 0 V=V(ss)*3 tripdv=1 tripdt=1u", 6},
+      {"B1 0 yy I=1m Rpar=1k", 0.5},
+      {"*$ compat ps\n.model n D(is=1n)\n.model m AKO: n D(rs=1)\nD9 yy 0 m\nB1 yy 0 V=-1", -1},
+      {"*$ compat ps\nB1 yy 0 V=IF(V(ss)>1 & V(ss)<3,5,6)+PWRS(-2,3)+STP(2)", -2},
+      {"*$ compat ps\nR_R1 $N_0001 yy 1k\nR_R2 $N_0001 ss 1k\nR_R3 yy 0 1k", 2. / 5},
+      {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH(Ron=1k Roff=1G Von=1 Voff=0)", 1},
+      {"*$ compat ps\nE1 yy 0 TABLE {LIMIT(V(ss),0,1)} = (0,0) (1,4) (3,8)", 4},
+      {".func hypot(x,y) {x+y}\nB1 yy 0 V=hypot(3,4)", 7}, /* the deck's own */
+      {"B1 yy 0 V=hypot(3,4)\n.func hypot(x,y) {x+y}", 7},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++)
+    bench_gives(ROWS[k].lines, ROWS[k].value, ROWS[k].value, 1e-8, __LINE__);
+}
+
+/* idt(3 sin(w t)) is 3 (1 - cos(w t))/w, at its most 6/w after half of the 2 ms; and 1 V s more.
+ * The trapezoidal rule at the tier's steps is good to 1e-5 of that. */
+static void integrals(void) {
+  const double most = 6 / (2 * M_PI * 500);
+  bench_gives("B1 yy 0 V=1e3*idt(V(ww))", 0, 1e3 * most, 1e-3, __LINE__);
+  bench_gives("B1 yy 0 V=1e3*sdt(V(ww),1m)", 1, 1 + 1e3 * most, 1e-3, __LINE__);
+  bench_gives("X1 yy s\n.subckt s p\nB1 p 0 V={idt(idt(1e6))+0}\n.ends", 0, 2, 1e-3, __LINE__);
+}
+
+/* An element with parasitic parts against the same by hand. The lines differ in names and order, so
+ * that rounding does; the step's tolerance bounds what that makes of the courses. */
+static void parasitic_parts(void) {
+  static const struct {
+    const char *short_form, *by_hand;
+  } ROWS[] = {
+      {"L9 ww yy 10m Rser=50 ic=1m", "L9 ww x 10m ic=1m\nR9 x yy 50"},
+      {"L9 ww yy 10m Rser=50 Cpar=10n Rpar=10k",
+       "L9 ww x 10m\nR9 x yy 50\nC8 ww yy 10n\nR8 ww yy 10k"},
+      {"C9 ww yy 1u Rser=100 V=50 Irms=1 mfg=\"A maker\" pn=\"C 1\" type=\"film\" ic=2",
+       "C9 ww x 1u ic=2\nR9 x yy 100"},
+      {"C9 ww yy 1u Rser=100 Lser=1u RLshunt=1k Rpar=100k Cpar=1n",
+       "C9 ww x 1u\nR9 x y 100\nL9 y yy 1u\nR7 y yy 1k\nR8 ww yy 100k\nC8 ww yy 1n"},
+      {"V9 yy 0 sin(1 2 1k) Rser=2k Cpar=10n", "V9 yy x sin(1 2 1k)\nR9 x 0 2k\nC9 yy 0 10n"},
+      {".model d9 D(is=1n rs=0.1 mfg=Somebody type=silicon Vpk=400 Iave=1)\nD9 ww yy d9",
+       ".model d9 D(is=1n rs=0.1)\nD9 ww yy d9"},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    double ends[2];
+    vs_text deck = {0};
+    vs_text_add(&deck, BENCH "%s\n", ROWS[k].by_hand);
+    write_file("d.cir", deck.text);
+    vs_text_free(&deck);
+    ran r = run("run paper --set circuit.deck=d.cir --set run.until=2ms --set run.verify=never "
+                "--json --quiet");
+    EXPECT(r.status == 0, "%s", r.err);
+    ends[0] = number(r.out, "y_v_min");
+    ends[1] = number(r.out, "y_v_max");
+    free_ran(&r);
+    bench_gives(ROWS[k].short_form, ends[0], ends[1], 1e-5, __LINE__);
+  }
+}
+
+/* What is said of what was changed; and what cannot be. Lines count from 16 on. */
+static void constructs_are_told(void) {
+  static const struct {
+    const char *lines, *says;
+  } TOLD[] = {
+      {"B1 yy 0 V=IF(V(ss)>1,\n+ 5, IF(V(ss)>0,6,7))",
+       "d.cir:17:6: warning: IF(a, b, c), PSpice's and LTspice's, is read as a ? b : c (2 times"},
+      {"L9 ss yy 1m Rser=1", "d.cir:16:1: warning: Rser, Lser, Rpar, Cpar and RLshunt, LTspice's"},
+      {"B1 yy 0 V=1 tripdv=1", "d.cir:16:13: warning: tripdv and tripdt"},
+      {"R9 ss yy 1M", "d.cir:16:10: warning: a resistance in M is one in milliohm"},
+      {"B1 yy 0 V=IF(1>0,1,2)*pwr(2,3)", "d.cir:16:23: warning: pwr(x, y) is sgn(x)*|x|^y"},
+      {".model m d(is=1n\n+ foo=3)\nD9 ss yy m",
+       "d.cir:17:3: warning: ngspice has no such parameter in a model of this type"},
+  };
+  static const struct {
+    const char *lines, *at, *says;
+  } REFUSED[] = {
+      {"B1 yy 0 V=dnlim(V(ss),1,0.1)", "d.cir:16:11", "max(x, least)"},
+      {"B1 yy 0 V=1+uplim(V(ss),1,0.1)", "d.cir:16:13", "min(x, most)"},
+      {"B1 yy 0 V=delay(V(ss),1u)", "d.cir:16:11", "T1 a 0 b 0"},
+      {"B1 yy 0 V=rand(time)", "d.cir:16:11", "random anew"},
+      {"B1 yy 0 V=IF(V(ss)>1,2)", "d.cir:16:11", "it has 2"},
+      {"B1 yy 0 V=table(V(ss),1,2,3)", "d.cir:16:11", "pairs of numbers"},
+      {"R9 ss yy {idt(1)}", "d.cir:16:11", "belongs into a B source"},
+      {"B1 yy 0 2*V(ss)", "d.cir:16:1", "V=... or I=..."},
+      {"B1 yy 0 R=5", "d.cir:16:1", "R1 a b R={...}"},
+      {"L9 ss yy Flux=1m*tanh(5*x)", "d.cir:16:10", "B source"},
+      {"C9 ss yy Q=1u*x", "d.cir:16:10", "Q={...}"},
+      {"L9 ss yy 1m Rser=1 m=2", "d.cir:16:20", "one by one"},
+      {"E1 yy 0 LAPLACE {V(ss)} = {1/(1+s)}", "d.cir:16:9", "R, L"},
+      {"E1 yy 0 TABLE V(ss) (0,0) (1,1)", "d.cir:16:9", "TABLE {x}"},
+      {".model m D(Ron=1m Roff=1Meg Vfwd=0.7)", "d.cir:16:12", "ideal diode"},
+      {".model n D(is=1n)\n.model m AKO:n D(is=2n)", "d.cir:17:10", "'*$ compat ps'"},
+      {".model n D(is=1n)\n.model m AKO: n D(is=2n)", "d.cir:17:10", "'*$ compat ps'"},
+      {".model n D(is=1n)\n.model m AKO: n NUMD", "d.cir:17:1", "'numd'"},
+      {".model m VSWITCH(Von=1 Voff=0)", "d.cir:16:10", "'*$ compat ps'"},
+      {".model m d(is=1n T_ABS=30)", "d.cir:16:18", "'*$ compat ps'"},
+      {"V9 yy 0 sin(0 1 50 0 0 0 3)", "d.cir:16:9", "cycles"},
+      {"R_R1 $N_0001 yy 1k", "d.cir:16:6", "'*$ compat ps'"},
+  };
+  for (size_t k = 0; k < COUNT(TOLD); k++) {
+    vs_text deck = {0};
+    vs_text_add(&deck, BENCH "%s\n", TOLD[k].lines);
+    write_file("d.cir", deck.text);
+    warns("check d.cir", 0, TOLD[k].says, __LINE__);
+    vs_text_free(&deck);
+  }
+  for (size_t k = 0; k < COUNT(REFUSED); k++) {
+    vs_text deck = {0};
+    vs_text_add(&deck, BENCH "%s\n", REFUSED[k].lines);
+    refused(deck.text, REFUSED[k].at, REFUSED[k].says, __LINE__);
+    vs_text_free(&deck);
+  }
+}
+
+/* ---- numbers, and messages ---- */
+
+static void numbers_that_are_misread(void) {
+  static const struct {
+    const char *lines, *at, *says;
+  } ROWS[] = {
+      {"R9 ss yy 4k7", "d.cir:16:10", "write 4.7k"},
+      {"R9 ss yy 4R7", "d.cir:16:10", "reads 4 and leaves the rest out; write 4.7"},
+      {"C9 ss yy 2n2 ic=0", "d.cir:16:10", "write 2.2n"},
+      {"L9 ss yy\n+ 1Meg5", "d.cir:17:3", "write 1.5Meg"},
+      {"R9 ss yy 4,7k", "d.cir:16:10", "a point"},
+      {"V9 ss yy 2,5", "d.cir:16:10", "a point"},
+      {"R9 ss yy 1.2.3", "d.cir:16:10", "one point"},
+      {"R9 ss yy 10 k", "d.cir:16:13", "10k"},
+      {"R9 ss yy 10 kOhm", "d.cir:16:13", "10kOhm"},
+      {"C9 ss yy 10 uF", "d.cir:16:13", "10uF"},
+      {"R9 ss yy 10 \xce\xa9", "d.cir:16:13", "without a blank"},
+      {".param q={2*4k7}", "d.cir:16:13", "write 4.7k"},
+      {"V9 yy 0 sin(0 4k7 50)", "d.cir:16:15", "write 4.7k"},
+      {"B1 yy 0 V=V(ss)*1k5", "d.cir:16:17", "write 1.5k"},
+      {".model m d(is=1n5)", "d.cir:16:15", "write 1.5n"},
+      {"X1 ss yy s R=4k7\n.subckt s a b R=1\nR1 a b {R}\n.ends", "d.cir:16:14", "write 4.7k"},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text deck = {0};
+    vs_text_add(&deck, BENCH "%s\n", ROWS[k].lines);
+    refused(deck.text, ROWS[k].at, ROWS[k].says, __LINE__);
+    vs_text_free(&deck);
+  }
+  /* names that look like such numbers, and numbers that are well */
+  write_file("d.cir", BENCH "D9 yy 0 1N4148\n.model 1N4148 D(is=2n)\nR9 ss yy 1kOhm\n"
+                            "Q9 yy 0 0 2N2222\n.model 2N2222 NPN(bf=1e2)\nR8 yy 4k7 1e3k\n"
+                            "R7 4k7 0 2.2MEG\nB1 1k5 0 V=V(4k7)\nR6 1k5 0 1u\n");
+  ran r = run("check d.cir");
+  EXPECT(r.status == 0 && !strstr(r.err, "1n4148"), "%s", r.err);
+  free_ran(&r);
+}
+
+/* The place of what ngspice says. */
+static void messages_have_places(void) {
+  static const struct {
+    const char *lines, *at, *says;
+  } ROWS[] = {
+      {"B1 yy 0 V=foo(V(ss))", "d.cir:16:11", "'foo'"},
+      {"B1 yy 0 V=IF(V(ss)>1,foo(1),2)", "d.cir:16:22", "'foo'"},
+      {"B1 yy 0 V=V(ss)+*2", "d.cir:16:1", "parsing stopped at: *"},
+      {"B1 yy 0 V=V(nowhere)", "d.cir:16:13", "nowhere"},
+      {"X1 ss yy s\n.subckt s a b c\nR1 a b 1\n.ends", "d.cir:16:1", "Too few parameters"},
+      {"X1 ss yy nosub", "d.cir:16:1", "nosub"},
+      {"R9 ss yy nomodel", "d.cir:16:10", "nomodel"},
+      {"B1 yy 0 V=ln(-v(ss))", "d.cir:16:11", "out of range"},
+      {".if (x>1)\nR9 ss yy 1\n.endif", "d.cir:16:6", "[x]"},
+      {"R9 ss yy {unk}\n+ tc1=0", "d.cir:16:11", "[unk]"},
+      {"R9 ss yy\n+ {unk}", "d.cir:17:4", "[unk]"},
+      {"V9 ss 0 1", "d.cir:11:1", "singular"},
+      {"F1 yy 0 Vnone 2", "d.cir:16:1", "vnone"},
+      {"L9 ss yy 1m Rser={unk}", "d.cir:16:19", "[unk]"},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text deck = {0};
+    vs_text_add(&deck, BENCH "%s\n", ROWS[k].lines);
+    refused(deck.text, ROWS[k].at, ROWS[k].says, __LINE__);
+    vs_text_free(&deck);
+  }
+}
+
+int main(void) {
+  static const vs_test TESTS[] = {
+      {"encodings", encodings},
+      {"places in encodings", places_in_encodings},
+      {"skipped statements", skipped_statements},
+      {"refused statements", refused_statements},
+      {"libraries", libraries},
+      {"functions", functions},
+      {"integrals", integrals},
+      {"parasitic parts", parasitic_parts},
+      {"constructs are told", constructs_are_told},
+      {"numbers that are misread", numbers_that_are_misread},
+      {"messages have places", messages_have_places},
+  };
+  return program_suite("dialects", TESTS, COUNT(TESTS));
+}

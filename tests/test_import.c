@@ -1,0 +1,404 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * `vibrospice import`: the netlists that ship, one in the manner of each origin, become decks that
+ * pass a check, run, and give with the gap held what plain ngspice gives for the netlist itself;
+ * exported they give the same in plain ngspice. What cannot be decided is asked for by its place
+ * and the option that would tell it. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/json.h"
+#include "program.h"
+#include "suite.h"
+
+/* ---- against plain ngspice ---- */
+
+/* A signal's least and largest value. */
+typedef struct extreme {
+  const char *probe;
+  double min, max;
+} extreme;
+
+enum { MOST_EXTREMES = 6 };
+
+/* The coil's inductance is constant, as the netlist's: a coil in a field of no force. */
+#define HELD "--set actuator.law=moving_coil --set 'actuator.emf_constant=0 V.s/m'"
+
+/* Each netlist as plain ngspice 39.3 reads it: `ngspice -b X`, with its lines .options, .tran,
+ * .save, .probe and .control replaced by
+ *   .options method=gear reltol=1e-5
+ *   .tran 10u END 0 0.5u uic
+ *   .control / run / let q = SIGNAL / meas tran m max q / meas tran n min q / .endc
+ * The file of LTspice's manner without mfg= and type=, with a resistor of 0.5 ohm for Rser and u
+ * for the sign of a millionth; that of PSpice's by `ngspice -D ngbehavior=psa -b`. ngspice's own
+ * error at these settings, seen by halving the step, is below 6e-4 of the peak of i_source of the
+ * bridge, which is the discharge of a snubber in microseconds, and below 6e-5 of all others. */
+static const struct shipped {
+  const char *name, *options, *origin, *tolerance;
+  extreme extremes[MOST_EXTREMES]; /* the first is the coil's current, of which the peak is told */
+} SHIPPED[] = {
+    {"halfwave_ltspice.net",
+     "",
+     "LTspice",
+     "1e-5",
+     {{"i_peak", 0, 0.9186262}, {"v_ak", -324.0479, 321.0054}, {"v_k", -1.004554, 324.0717}}},
+    {"triac_kicad.cir",
+     "--coil L1+R4",
+     "KiCad",
+     "1e-4",
+     {{"i_peak", 0, 0.8932452},
+      {"v_ak", -565.8549, 575.1771},
+      {"v_load", -320.0547, 320.0534},
+      {"i_source", -0.8778037, 0.8932452}}},
+    {"bridge_plain.cir",
+     "--gate Vg1,Vg2",
+     "plain SPICE",
+     "1e-5",
+     {{"i_peak", 0, 0.7567689},
+      {"v_ak", -154.6875, 156.5393},
+      {"v_ak_xt2", -155.2235, 156.5393},
+      {"v_p", -0.9744109, 133.8465},
+      {"v_s1", -155.5945, 269.908},
+      {"i_source", -0.987869, 0.9884534}}},
+    {"dimmer_pspice.cir",
+     "",
+     "PSpice",
+     "1e-5",
+     {{"i_peak", 0, 0.8377316},
+      {"v_ak", -324.3261, 326.1922},
+      {"v_out", -0.9885976, 319.3943},
+      {"i_source", -0.003389726, 0.8948061}}}};
+
+/* The value of a measure in summary.json. */
+static double measure(const char *json, const char *name, const char *end) {
+  char wanted[96];
+  double value = NAN;
+  snprintf(wanted, sizeof wanted, "\"%s%s\": {\"value\": ", name, end);
+  const char *at = strstr(json, wanted);
+  if (at) sscanf(at + strlen(wanted), "%lf", &value);
+  EXPECT(at, "there is no measure %s%s", name, end);
+  return value;
+}
+
+static void import(const struct shipped *s) {
+  ran r = run("import %s %s -o w.cir --scene w.yaml --json --quiet", s->name, s->options);
+  EXPECT(r.status == 0 && !*r.err, "%s: %s", s->name, r.err);
+  EXPECT(vs_json_is_whole(r.out) && strstr(r.out, s->origin), "%s: %s", s->name, r.out);
+  free_ran(&r);
+}
+
+static void as_plain_ngspice_with_the_gap_held(void) {
+  for (size_t k = 0; k < COUNT(SHIPPED); k++) {
+    const struct shipped *s = &SHIPPED[k];
+    import(s);
+    ran r = run("check w.cir");
+    EXPECT(r.status == 0, "%s: %s", s->name, r.err);
+    free_ran(&r);
+    r = run("run w.yaml --json --quiet --set run.tolerance=%s " HELD, s->tolerance);
+    EXPECT(r.status == 0, "%s: %s", s->name, r.err);
+    double worst = fabs(measure(r.out, "i_peak", "") / s->extremes[0].max - 1);
+    for (int n = 1; n < MOST_EXTREMES && s->extremes[n].probe; n++) {
+      const extreme *e = &s->extremes[n];
+      double peak = fmax(fabs(e->min), fabs(e->max));
+      worst = fmax(worst, fabs(measure(r.out, e->probe, "_min") - e->min) / peak);
+      worst = fmax(worst, fabs(measure(r.out, e->probe, "_max") - e->max) / peak);
+    }
+    printf(" %s %.1e", s->name, worst);
+    EXPECT(worst <= 1e-3, "%s: off by %.2e of a peak", s->name, worst);
+    EXPECT(strstr(r.out, "\"energy\"") && measure(r.out, "energy_residual", "") < 1e-3,
+           "%s: the energy books do not close", s->name);
+    free_ran(&r);
+  }
+}
+
+/* ---- exported ---- */
+
+enum { MOST_COLUMNS = 40 };
+
+/* The largest magnitude of each column of a table, but for its first row, which is ngspice's
+ * extrapolation in the export's. Returns how many columns there are. */
+static int peaks(const char *path, const char *between, char names[MOST_COLUMNS][64],
+                 double peak[MOST_COLUMNS]) {
+  char *text = read_file(path), *rest = text, *line = strsep(&rest, "\n");
+  int count = 0, row = 0;
+  for (char *name; (name = strsep(&line, between));)
+    if (*name && count < MOST_COLUMNS) {
+      snprintf(names[count], 64, "%s", name);
+      peak[count++] = 0;
+    }
+  while ((line = strsep(&rest, "\n"))) {
+    int n = 0;
+    for (char *word; (word = strsep(&line, between)) && n < count;)
+      if (*word) {
+        if (row > 0) peak[n] = fmax(peak[n], fabs(strtod(word, NULL)));
+        n++;
+      }
+    row += n > 0;
+  }
+  free(text);
+  return count;
+}
+
+/* The machine in it moves here. Both tables have rows at the same instants. */
+static void exported(void) {
+  for (size_t k = 0; k < COUNT(SHIPPED); k++) {
+    const struct shipped *s = &SHIPPED[k];
+    bool pspice = !strcmp(s->origin, "PSpice");
+    char a[MOST_COLUMNS][64], b[MOST_COLUMNS][64];
+    double mine[MOST_COLUMNS], theirs[MOST_COLUMNS];
+    import(s);
+    RUN_GOOD("run w.yaml -o out --quiet --set run.until=0.04s --set run.tolerance=2e-5");
+    ran r = run("export w.yaml --set run.until=0.04s --set run.tolerance=2e-5 -o x.cir");
+    EXPECT(r.status == 0, "%s: %s", s->name, r.err);
+    free_ran(&r);
+    int how = system(pspice ? "ngspice -D ngbehavior=psa -b x.cir >x.log 2>&1"
+                            : "ngspice -b x.cir >x.log 2>&1");
+    EXPECT(how == 0, "%s: ngspice fails", s->name);
+    int n = peaks("out/run.csv", ",", a, mine), m = peaks("x.txt", " \t", b, theirs), seen = 0;
+    double worst = 0;
+    for (int i = 1; i < n; i++)
+      for (int j = 1; j < m; j++)
+        if (!strcmp(a[i], b[j]) && mine[i] > 0) {
+          double error = fabs(mine[i] - theirs[j]) / mine[i];
+          worst = fmax(worst, error);
+          EXPECT(error <= 1e-3, "%s: peak of %s is off by %.2e", s->name, a[i], error);
+          seen++;
+        }
+    EXPECT(seen >= 10, "%s: %d columns", s->name, seen);
+    printf(" %s %.1e", s->name, worst);
+    remove("x.txt");
+  }
+}
+
+/* ---- what it does and says ---- */
+
+/* The example of the issue: the gate's level and its resistor are kept as parameters. */
+static const char NETLIST[] = "thyristor, 440 V\n"
+                              "V1 line 0 SIN(0 622.25 50)\n"
+                              "X1 line k g scr\n"
+                              "R2 line s 1k\n"
+                              "C2 s k 47n ic=0\n"
+                              "V3 gs k PULSE(0 5 5.5556m 1u 1u 2m 20m)\n"
+                              "R3 gs g 100\n"
+                              "L1 k m 1.6\n"
+                              "R4 m 0 92\n"
+                              ".subckt scr a k g\n"
+                              "Q1 b c a up\nQ2 c b k down\nRg g b 10\nRk b k 220\n"
+                              ".model up pnp(is=1e-15 bf=2 rc=20m)\n"
+                              ".model down npn(is=1e-15 bf=10 rc=20m)\n"
+                              ".ends\n"
+                              ".tran 10u 60m uic\n"
+                              ".end\n";
+
+static void says_what_it_did(void) {
+  static const char *const LINES[] = {"*$ param  v3_level = 5 V ",
+                                      "*$ param  r3 = 100 ohm ",
+                                      "*$ port   mains = V1\n",
+                                      "*$ port   gate = Vgate_v3\n",
+                                      "*$ line   line\n",
+                                      "*$ probe  i_thyristor = i(Vi_x1) A",
+                                      "*$ probe  v_k = v(k) V",
+                                      "*$ device thyristor thyristor = v(line,k), i(Vi_x1)\n",
+                                      "*$ device c2 capacitor = v(s,k), i(Vi_c2)\n",
+                                      "*$ loss   r3 = v(gs,g)^2/{r3}\n",
+                                      "*$ store  c2 = {c2}*v(s,k)^2/2\n",
+                                      "\nV1 line 0 external\n",
+                                      " {v3_level}\n",
+                                      "\nC2 c2_in k {c2} ic=0\n",
+                                      "\nXeva k 0 eva\n",
+                                      "* left out: .tran 10u 60m uic\n",
+                                      "*   L1+R4 is the EVA's coil, as said: 1.6 H, 92 ohm\n"};
+  write_file("x.net", NETLIST);
+  ran r = run("import x.net --mains V1 --gate V3 --coil L1+R4 -o my.cir --scene my.yaml");
+  EXPECT(r.status == 0 && !*r.out, "%s", r.err);
+  EXPECT(strstr(r.err, "V3 fires, as said: its 5 V become v3_level") &&
+             strstr(r.err, "left to decide:\n"),
+         "%s", r.err);
+  free_ran(&r);
+  char *deck = read_file("my.cir"), *scene = read_file("my.yaml");
+  for (size_t k = 0; k < COUNT(LINES); k++)
+    EXPECT(strstr(deck, LINES[k]), "no line '%s' in %s", LINES[k], deck);
+  EXPECT(!strstr(deck, "\nL1 ") && !strstr(deck, "\nR4 "), "%s", deck);
+  EXPECT(strstr(scene, "firing: {angle: 100.0008 deg, pulse_width: 2.001 ms, every: 1}") &&
+             strstr(scene, "actuator: {inductance: 1.6 H, resistance: 92 ohm}") &&
+             strstr(scene, "run: {tier: circuit, until: 0.06 s}"),
+         "%s", scene);
+  RUN_GOOD("check my.yaml");
+  free(deck);
+  free(scene);
+  r = run("import x.net -o same.cir --quiet"); /* all of it is certain */
+  EXPECT(r.status == 0 && !*r.out && !*r.err, "%s", r.err);
+  free_ran(&r);
+}
+
+/* What a netlist looks like must not change what comes of it: encoding, ends of lines, names. */
+static void reads_what_programs_write(void) {
+  vs_text wide = {0};
+  write_file("x.net", NETLIST);
+  RUN_GOOD("import x.net -o a.cir --quiet");
+  FILE *f = fopen("y.net", "wb");
+  fputs("\xff\xfe", f);
+  for (const char *c = NETLIST; *c; c++) {
+    if (*c == '\n') fwrite("\r\0", 1, 2, f);
+    fwrite((char[]){*c, '\0'}, 1, 2, f);
+  }
+  fclose(f);
+  vs_text_free(&wide);
+  RUN_GOOD("import y.net -o b.cir --quiet");
+  char *a = read_file("a.cir"), *b = read_file("b.cir");
+  const char *from = "*$ title";
+  EXPECT(strstr(a, from) && strstr(b, from) && !strcmp(strstr(a, from), strstr(b, from)), "%s", b);
+  free(a);
+  free(b);
+  write_file("odd.net", "* C:\\x.asc\n"
+                        "V§1 /V+ GND SINE(0 325 50)\n"
+                        "R§1 /V+ Net-(D1-A) 4k7\n"
+                        "D1 Net-(D1-A) /out+ DX\n"
+                        "C1 /out+ GND 10µ\n"
+                        "L1 /out+ N001 1 Rser=5\n"
+                        "R4 N001 GND 90\n"
+                        ".model DX D(Is=1n)\n"
+                        ".tran 20m\n.backanno\n.end\n");
+  ran r = run("import odd.net -o odd.cir");
+  EXPECT(r.status == 0 && strstr(r.err, "1 H, 95 ohm"), "%s", r.err);
+  free_ran(&r);
+  char *odd = read_file("odd.cir");
+  EXPECT(strstr(odd, "*$ param  r_1 = 4.7 kohm") || strstr(odd, "*$ param  1 = 4.7 kohm"), "%s",
+         odd);
+  EXPECT(strstr(odd, "*$ param  c1 = 10 uF") && strstr(odd, "Xeva outp 0 eva"), "%s", odd);
+  free(odd);
+}
+
+/* A folder of a test's own, within the work folder. */
+static void enter(const char *folder) {
+  CU_ASSERT_EQUAL_FATAL(mkdir(folder, 0700), 0);
+  CU_ASSERT_EQUAL_FATAL(chdir(folder), 0);
+}
+
+static void leave(void) {
+  CU_ASSERT_EQUAL_FATAL(chdir(".."), 0);
+}
+
+/* ---- what cannot be decided ---- */
+
+static const struct refusal {
+  const char *netlist, *options, *at, *says[2];
+} REFUSALS[] = {
+    {"t\nV1 a 0 SIN(0 1 50)\nV2 b 0 SIN(0 1 50)\nR1 a b 1\nL1 b 0 1\n",
+     "",
+     "x.net:3:1: ",
+     {"V1, V2", "--mains NAME"}},
+    {"t\nV1 a 0 SIN(0 1 50)\nV3 g 0 PULSE(0 5 1m 1u 1u 1m 20m)\n"
+     "V4 h 0 PULSE(0 5 9m 1u 1u 1m 20m)\nR1 a g 1\nL1 h 0 1\n",
+     "",
+     "x.net:4:1: ",
+     {"--gate V3,V4", "--gate none"}},
+    {"t\nV1 a 0 SIN(0 1 50)\nL1 a b 1\nL2 b c 2\nR2 c 0 9\n",
+     "",
+     "x.net:4:1: ",
+     {"--coil says which", "L2+R2"}},
+    {"t\nV1 a 0 SIN(0 1 50)\nR1 a 0 1\n", "", "x.net: ", {"no inductor", "--coil L1+R4"}},
+    {"t\nV1 a 0 SIN(0 1 50)\nL1 a b 1\nR4 c 0 9\nR5 b c 1\nR6 b 0 1\n",
+     "--coil L1+R4",
+     "x.net:4:1: ",
+     {"not in series", NULL}},
+    {"t\nV1 a 0 SIN(0 1 50)\nL1 a 0 1\n", "--coil L7", "x.net: ", {"--coil L7", "L1?"}},
+    {"t\nV1 a 0 SIN(0 1 50)\nV3 g 0 PULSE(0 5 1m 1u 1u 1m 13m)\nR1 a g 1\nL1 g 0 1\n",
+     "",
+     "x.net:3:1: ",
+     {"0.013 s", "--gate none"}},
+    {"t\nV1 a 0 SIN(5 1 50)\nL1 a 0 1\n", "", "x.net:2:1: ", {"offset", "--mains none"}},
+    {"t\nV1 a 0 SIN(0 1 50)\nD1 a b 1N4007\nL1 b 0 1\n.lib C:\\lib\\standard.dio\n",
+     "",
+     "x.net:3:1: ",
+     {"'1n4007' is defined nowhere", "--library"}},
+    {"t\nV1 a 0 SIN(0 1 50)\nX1 a b g my_scr\nR3 g a 9\nL1 b 0 1\n.subckt my_scr 1 2 3\n"
+     "R1 1 2 1\nR2 3 2 1\n.ends\n",
+     "",
+     "x.net:3:1: ",
+     {"looks like a thyristor", "--pins X1=akg"}},
+    {"t\nV1 a 0 SIN(0 1 50)\nR1 a b 1\nR2 b 0 {nope}\nL1 b 0 1\n",
+     "",
+     "x.net:4:",
+     {"[nope]", NULL}},
+    {"t\nV1 a 0 SIN(0 {big} 50)\nL1 a 0 1\n", "", "x.net:2:1: ", {"{big}", ".param"}},
+    {"Version 4\nSHEET 1 880 680\n", "", "x.net:1:1: ", {"drawing", "-netlist"}},
+    {"*$ title t\nV1 a 0 external\nXeva a 0 eva\n", "", "x.net:1:1: ", {"a deck already", "check"}},
+    {"t\nV1 a 0 SIN(0 1 50)\nL1 a 0 1\n", "--pins L1=xyz", "--pins", {"akg", "triac"}},
+};
+
+static void asks_for_what_it_cannot_decide(void) {
+  enter("asked");
+  for (size_t k = 0; k < COUNT(REFUSALS); k++) {
+    const struct refusal *f = &REFUSALS[k];
+    write_file("x.net", f->netlist);
+    ran r = run("import x.net %s -o y.cir --scene y.yaml", f->options);
+    EXPECT(r.status == 2 && !*r.out, "case %zu: status %d: %s", k, r.status, r.err);
+    EXPECT(strstr(r.err, f->at) == r.err, "case %zu: %s", k, r.err);
+    for (int n = 0; n < 2; n++)
+      EXPECT(!f->says[n] || strstr(r.err, f->says[n]), "case %zu: no '%s': %s", k, f->says[n],
+             r.err);
+    EXPECT_FILES(".", "x.net ");
+    free_ran(&r);
+    r = run("import x.net %s -o y.cir --json", f->options);
+    EXPECT(r.status == 2 && vs_json_is_whole(r.out) && strstr(r.out, "\"written\": null"),
+           "case %zu: %s", k, r.out);
+    free_ran(&r);
+  }
+  leave();
+}
+
+/* Whatever bytes it is given, it ends, and says where it gave up. */
+static void survives_any_text(void) {
+  unsigned seed = 20;
+  for (int k = 0; k < 60; k++) {
+    size_t n = strlen(NETLIST), cuts = 1 + (size_t)k % 6;
+    char *text = vs_copy(NETLIST);
+    for (size_t c = 0; c < cuts; c++) {
+      static const char SIGNS[] = "(){}=,'\"+*. \n;$xK9";
+      seed = seed * 1664525u + 1013904223u;
+      text[(seed >> 8) % n] = SIGNS[(seed >> 3) % (sizeof SIGNS - 1)];
+    }
+    write_file("x.net", text);
+    ran r = run("import x.net -o y.cir --quiet");
+    EXPECT(r.status == 0 || (r.status == 2 && *r.err), "status %d: %s: %s", r.status, r.err, text);
+    free_ran(&r);
+    free(text);
+  }
+}
+
+static void bad_command_lines(void) {
+  enter("lines");
+  write_file("x.net", NETLIST);
+  static const char *const ROWS[][2] = {{"import x.net", "-o FILE.cir"},
+                                        {"import x.net -o x.net", ".cir"},
+                                        {"import none.net -o y.cir", "none.net"},
+                                        {"import x.net -o no/y.cir", "no/y.cir"},
+                                        {"import -o y.cir", "NETLIST"}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    ran r = run("%s", ROWS[k][0]);
+    EXPECT(r.status == 2 && strstr(r.err, ROWS[k][1]), "%s: %d %s", ROWS[k][0], r.status, r.err);
+    free_ran(&r);
+  }
+  EXPECT_FILES(".", "x.net ");
+  leave();
+}
+
+static const vs_test TESTS[] = {
+    {"says what it did", says_what_it_did},
+    {"reads what programs write", reads_what_programs_write},
+    {"asks for what it cannot decide", asks_for_what_it_cannot_decide},
+    {"bad command lines", bad_command_lines},
+    {"survives any text", survives_any_text},
+    {"as plain ngspice with the gap held", as_plain_ngspice_with_the_gap_held},
+    {"exported", exported},
+};
+
+int main(void) {
+  bool there = on_path("ngspice");
+  if (!there) puts("ngspice is not on the PATH: exported decks are not compared");
+  return program_suite("import", TESTS, there ? COUNT(TESTS) : COUNT(TESTS) - 1);
+}

@@ -1,0 +1,360 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Power quality: currents whose harmonics are known in closed form, what is told of them, and what
+ * is refused. */
+#include <complex.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "period/quality.h"
+#include "program.h"
+
+/* ---- closed forms ---- */
+
+/* A current over a cycle of the mains: between two angles it is the real part of the sum of
+ * size[k] exp(rate[k] a), a in rad; elsewhere it is 0. */
+typedef struct form {
+  double from, to;
+  double complex size[2], rate[2];
+} form;
+
+static double form_at(const form *f, double a) {
+  double sum = 0;
+  for (int k = 0; k < 2; k++) sum += creal(f->size[k] * cexp(f->rate[k] * a));
+  return a >= f->from && a <= f->to ? sum : 0;
+}
+
+/* Phasor of harmonic n: what it is the real part of is this times exp(j n a); amplitude, not rms.
+ * Of 0 it is twice the mean. */
+static double complex phasor(const form *f, int n) {
+  double complex sum = 0;
+  for (int k = 0; k < 2; k++) /* the real part is half the sum with its conjugate */
+    for (int c = 0; c < 2; c++) {
+      double complex size = c ? conj(f->size[k]) : f->size[k],
+                     s = (c ? conj(f->rate[k]) : f->rate[k]) - (double)n * I;
+      sum +=
+          size / 2 * (cabs(s) > 1e-9 ? (cexp(s * f->to) - cexp(s * f->from)) / s : f->to - f->from);
+    }
+  return sum / M_PI;
+}
+
+/* The mean square, by Simpson's rule on many pieces. */
+static double mean_square(const form *f) {
+  enum { PIECES = 20000 };
+  double sum = 0, h = (f->to - f->from) / PIECES;
+  for (int k = 0; k <= PIECES; k++)
+    sum += pow(form_at(f, fmin(f->from + k * h, f->to)), 2) * (k == 0 || k == PIECES ? 1
+                                                               : k % 2               ? 4
+                                                                                     : 2);
+  return sum * h / 3 / (2 * M_PI);
+}
+
+/* Sizes are rms; tolerance: relative to harmonic 1. */
+static void compare(const vs_quality *q, const form *f, double tolerance) {
+  double first = cabs(phasor(f, 1)) / M_SQRT2, squares = 0, rms = sqrt(mean_square(f));
+  for (int n = 0; n < VS_SPECTRUM_LINES; n++) {
+    double complex p = n ? phasor(f, n) : phasor(f, 0) / 2;
+    double size = n ? cabs(p) / M_SQRT2 : cabs(p);
+    CLOSE_OF(vs_spectrum_harmonic(&q->current, n), size, first, tolerance);
+    if (n > 1) squares += size * size;
+    if (n && size > 1e-3 * first) /* cos(n a + phase) is sin(n a + phase + pi/2) */
+      CLOSE_OF(remainder(vs_quality_phase(q, n) - carg(p) - M_PI_2, 2 * M_PI), 0, 1,
+               tolerance * first / size);
+  }
+  vs_quality_measure m;
+  for (int k = 0; vs_quality_at(q, k, false, &m); k++) {
+    const char *name = strchr(m.name, '.') + 1;
+    double v = m.value.value;
+    EXPECT(m.value.known, "%s is not known", m.name);
+    if (!strcmp(name, "i_rms")) CLOSE_OF(v, rms, first, tolerance);
+    if (!strcmp(name, "i_dc")) CLOSE_OF(v, creal(phasor(f, 0)) / 2, first, tolerance);
+    if (!strcmp(name, "thc")) CLOSE_OF(v, sqrt(squares), first, tolerance);
+    if (!strcmp(name, "thd")) CLOSE_OF(v, sqrt(squares) / first, 1, 3 * tolerance);
+    /* the voltage is a sine, cos(a - pi/2): harmonic 1 alone has power */
+    double cosine = cos(carg(phasor(f, 1)) + M_PI_2);
+    if (!strcmp(name, "displacement_factor")) CLOSE_OF(v, cosine, 1, 3 * tolerance);
+    if (!strcmp(name, "power_factor")) CLOSE_OF(v, cosine * first / rms, 1, 3 * tolerance);
+  }
+}
+
+/* Shows the current to a watcher in straight pieces, as tier circuit has them, over more than the
+ * stretch. */
+static void show(vs_quality *q, const vs_frame *frame, const form *f, double period_s) {
+  enum { PIECES = 40000, CYCLES = 4 };
+  vs_knot *a = vs_alloc(1, sizeof *a), *b = vs_alloc(1, sizeof *b);
+  const double ends[] = {0, f->from, f->to, 2 * M_PI};
+  for (int c = 0; c < CYCLES; c++)
+    for (int part = 0; part < 3; part++)
+      for (int k = 0; k < PIECES; k++) {
+        double at[2], inside = part == 1;
+        for (int e = 0; e < 2; e++)
+          at[e] = ends[part] + (ends[part + 1] - ends[part]) * (k + e) / PIECES;
+        a->t_s = period_s * (c + at[0] / (2 * M_PI));
+        b->t_s = period_s * (c + at[1] / (2 * M_PI));
+        a->i_mains_a = inside ? form_at(f, fmax(at[0], f->from)) : 0;
+        b->i_mains_a = inside ? form_at(f, fmin(at[1], f->to)) : 0;
+        const vs_step step = {.frame = frame, .from = a, .to = b};
+        vs_quality_accept(q, &step);
+      }
+  free(a);
+  free(b);
+}
+
+static void shown(const form *f) {
+  static const char *const SETS[] = {"run.until=80ms", "measure={from: 20 ms, to: 60 ms}",
+                                     "quality=mains", NULL};
+  vs_trial *t = vs_trial_read("paper", "circuit", SETS);
+  vs_quality q;
+  EXPECT(!t->status && t->scene.quality.count == 1, "%s", t->err.text);
+  vs_quality_begin(&q, &t->scene.quality.item[0], &t->scene.setup);
+  show(&q, &t->scene.frame, f, 0.02);
+  EXPECT(q.cycles == 2 && fabs(q.current.span_s - 0.04) < 1e-12, "%d cycles", q.cycles);
+  /* straight pieces of a 40000th of half a cycle: (pi/4e4)^2/12 of a sine */
+  compare(&q, f, 2e-9);
+  vs_quality_end(&q);
+  vs_trial_free(t);
+}
+
+/* sin a = Re(-j exp(j a)) */
+static void half_wave(void) {
+  const form f = {0, M_PI, {-3 * I, 0}, {I, 0}};
+  shown(&f);
+  CLOSE(cabs(phasor(&f, 0)) / 2, 3 / M_PI, 1e-14);
+  CLOSE(cabs(phasor(&f, 2)), 2 * 3 / (3 * M_PI), 1e-14);
+  CLOSE_OF(cabs(phasor(&f, 3)), 0, 1, 1e-14);
+}
+
+static void phase_controlled(void) {
+  for (double degrees = 30; degrees < 180; degrees += 70) {
+    const form f = {degrees * M_PI / 180, M_PI, {-3 * I, 0}, {I, 0}};
+    shown(&f);
+  }
+}
+
+/* Resistance and inductance behind an ideal thyristor that is fired at alpha: v/|Z| (sin(a - phi) -
+ * sin(alpha - phi) exp(-(a - alpha)/tan(phi))), until it is 0. Tier analytic is that. */
+static form inductive(double peak_v, double r, double x, double alpha) {
+  double z = hypot(r, x), phi = atan2(x, r), low = M_PI, high = 2 * M_PI + alpha;
+  form f = {
+      alpha, high, {-I * peak_v / z * cexp(-I * phi), -peak_v / z * sin(alpha - phi)}, {I, -r / x}};
+  f.size[1] *= exp(alpha * r / x);
+  for (int k = 0; k < 80; k++) {
+    double middle = (low + high) / 2;
+    if (form_at(&f, middle) > 0)
+      low = middle;
+    else
+      high = middle;
+  }
+  f.to = low;
+  return f;
+}
+
+static void resistance_and_inductance(void) {
+  static const char *const ANGLES[] = {"100deg", "120deg", "150deg"};
+  for (size_t k = 0; k < COUNT(ANGLES); k++) {
+    char angle[64];
+    const char *const sets[] = {"firing.every=1",     angle,
+                                "run.until=0.2s",     "measure.last=3 cycles",
+                                "quality=[mains, i]", NULL};
+    snprintf(angle, sizeof angle, "firing.angle=%s", ANGLES[k]);
+    vs_trial *t = vs_trial_run("paper", "analytic", sets, NULL);
+    EXPECT(!t->status && t->result.n_quality == 2, "%s", t->err.text);
+    const vs_setup *s = &t->scene.setup;
+    const form f = inductive(s->timeline.peak_v, s->model.actuator.resistance_ohm,
+                             s->timeline.omega_rad_s * s->model.actuator.inductance_h,
+                             atof(ANGLES[k]) * M_PI / 180);
+    EXPECT(f.to < 2 * M_PI, "it conducts until %g", f.to);
+    /* the tier's own error, which is below 1e-10 of the current */
+    for (int n = 0; n < t->result.n_quality; n++) compare(&t->result.quality[n], &f, 1e-9);
+    vs_trial_free(t);
+  }
+}
+
+/* ---- runs ---- */
+
+/* A resistor across the mains takes a sine from them, and its current is a probe. */
+static void resistor(void) {
+  write_file("r.cir", "*$ port mains = Vm\n*$ probe i_r = i(Vr) A\n*$ probe v_r = v(a) V\n"
+                      "Vm a 0 external\nVr a r 0\nR1 r 0 100\nRe a e 1meg\nXeva e 0 eva\n");
+  static const char *const SETS[] = {"circuit.deck=r.cir", "supply.voltage=100V",
+                                     "run={until: 60 ms}", "measure.last=2 cycles",
+                                     "quality=i_r",        NULL};
+  vs_trial *t = vs_trial_run("paper", NULL, SETS, NULL);
+  EXPECT(!t->status && t->result.n_quality == 1, "%s", t->err.text);
+  vs_quality_measure m;
+  for (int k = 0; !t->status && vs_quality_at(&t->result.quality[0], k, false, &m); k++) {
+    double v = m.value.value;
+    /* straight lines between ngspice's knots, some 1e-5 of a sine */
+    if (strstr(m.name, ".power_factor") || strstr(m.name, ".displacement_factor"))
+      CLOSE(v, 1, 1e-4);
+    if (strstr(m.name, ".i_rms")) CLOSE(v, 1, 1e-4);
+    if (!strcmp(m.name, "i_r.power")) CLOSE(v, 100, 1e-4);
+    if (strstr(m.name, ".thd")) EXPECT(v < 1e-3, "thd %g", v);
+  }
+  vs_trial_free(t);
+}
+
+/* The number that follows a key in JSON. */
+static double number_of(const char *json, const char *key) {
+  const char *at = strstr(json, key);
+  EXPECT(at != NULL, "no %s in %.300s", key, json);
+  return at ? strtod(at + strlen(key), NULL) : NAN;
+}
+
+/* On the orbit `steady` and a run tell the same. */
+static void on_the_orbit(void) {
+#define WORK "--set firing.every=1 --set firing.angle=110deg --tier switched --quiet "
+  RUN_GOOD("steady paper " WORK "-o period");
+  RUN_GOOD("run paper " WORK
+           "--set start=steady --set run.until=0.2s --set 'measure.last=5 cycles' "
+           "--set quality=mains -o five");
+  char *one = read_file("period/summary.json"), *five = read_file("five/summary.json");
+  static const char *const NAMES[][2] = {
+      {"\"thd\": {\"value\": ", "\"mains.thd\": {\"value\": "},
+      {"\"displacement_factor\": {\"value\": ", "\"mains.displacement_factor\": {\"value\": "},
+      {"\"power_factor\": {\"value\": ", "\"mains.power_factor\": {\"value\": "},
+      {"\"i_mean\": {\"value\": ", "\"mains.i_dc\": {\"value\": "},
+      {"\"power_in\": {\"value\": ", "\"mains.power\": {\"value\": "}};
+  for (size_t k = 0; k < COUNT(NAMES); k++) /* as well as the run keeps to the orbit */
+    CLOSE(number_of(five, NAMES[k][1]), number_of(one, NAMES[k][0]), 1e-7);
+  EXPECT(strstr(five, "\"source\": \"state of 2014") &&
+             strstr(five, "\"limits_A\": [null, null, 1.08"),
+         "no limits in %.400s", strstr(five, "\"quality\""));
+  free(one);
+  free(five);
+}
+
+static void shown_and_drawn(void) {
+  ran r = run("run paper "
+              "--set firing.every=1 --tier switched --set run.until=0.1s --set "
+              "'measure.last=5 cycles' --set 'quality=[mains, i]' -o q");
+  EXPECT(r.status == 0 && strstr(r.out, "quality of mains, over 5 cycles") &&
+             strstr(r.out, "mains.thd ") && strstr(r.out, "i.displacement_factor "),
+         "%s%s", r.out, r.err);
+  EXPECT(strstr(r.err, "quality: mains has not settled: over the first 2 of 5 cycles"), "%s",
+         r.err);
+  free_ran(&r);
+  if (!on_path("gnuplot")) return;
+  RUN_GOOD("plot q --quiet");
+  char *svg = read_file("q/harmonics.svg");
+  EXPECT(strstr(svg, "harmonics of mains") && strstr(svg, "class D"), "%.200s", svg);
+  free(svg);
+  r = run("run paper --tier switched --set run.until=20ms -o q --quiet");
+  EXPECT(r.status == 0, "%s", r.err);
+  EXPECT_FILES("q", "events.csv run.csv summary.json ");
+  free_ran(&r);
+}
+
+/* The block of docs/operation.md that begins with this text, up to its end; free() it. */
+static char *block_of(const char *page, const char *begins) {
+  const char *from = strstr(page, begins), *to = from ? strstr(from, "\n```") : NULL;
+  EXPECT(to != NULL, "no block %s", begins);
+  return to ? strndup(from, (size_t)(to - from) + 1) : vs_copy("");
+}
+
+/* Each word of a line of the page stands in the program's line that begins with the same one;
+ * numbers to what ngspice gives on other machines. */
+static void expect_line(const char *printed, char *line) {
+  char *word = strtok(line, " ");
+  const char *at = printed;
+  char start[64];
+  snprintf(start, sizeof start, "\n%s ", word);
+  while ((at = strstr(at, start))) {
+    char *copy = strndup(at + 1, strcspn(at + 1, "\n")), *rest = NULL, *given = NULL;
+    bool same = strtok_r(copy, " ", &rest) != NULL;
+    for (char *w = line + strlen(word) + 1; same && *w; w += *w == ' ') {
+      char each[64];
+      while (*w == ' ') w++;
+      size_t n = strcspn(w, " ");
+      snprintf(each, sizeof each, "%.*s", (int)n, w);
+      w += n;
+      if (!n) break;
+      given = strtok_r(NULL, " ", &rest);
+      char *end;
+      double x = strtod(each, &end);
+      same = given && (*end || end == each ? !strcmp(each, given)
+                                           : fabs(strtod(given, NULL) - x) <= 1e-4 * fabs(x));
+    }
+    free(copy);
+    if (same) return;
+    at++;
+  }
+  EXPECT(false, "the page's line of %s is not printed", word);
+}
+
+static void the_page(void) {
+  char *page = read_file(VS_TEST_FOLDER "/../docs/operation.md");
+  char *scene = block_of(page, "# quality.yaml"), *text = block_of(page, "mains.power  "),
+       *rest = text;
+  write_file("quality.yaml", scene);
+  ran r = run("run quality.yaml -o quality");
+  EXPECT(r.status == 0, "%s", r.err);
+  for (char *line; (line = strsep(&rest, "\n"));)
+    if (*line) expect_line(r.out, line);
+  free_ran(&r);
+  free(page), free(scene), free(text);
+}
+
+static void in_a_study(void) {
+  write_file("s.yaml", "set: {quality: [mains], measure: {last: 1 cycles}, firing.every: 1, "
+                       "start: steady, run: {until: 40 ms, tier: switched}}\n"
+                       "vary: {firing.angle: [110 deg, 130 deg]}\n"
+                       "report: [mains.thd, mains.harmonic_3, mains.i_dc]\n");
+  RUN_GOOD("study s.yaml -o s --jobs 1 --quiet");
+  char *csv = read_file("s/study.csv");
+  EXPECT(strstr(csv, "mains.thd,mains.harmonic_3_a,mains.i_dc_a"), "%s", csv);
+  const char *row = strchr(csv, '\n');
+  double angle = 0, thd = 0, third = 0;
+  EXPECT(row && sscanf(row + 1, "0,%*[^,],%lf,%lf,%lf", &angle, &thd, &third) == 3, "%s", csv);
+  CLOSE(thd, 0.7058411, 1e-6); /* steady's, at 110 deg */
+  CLOSE(third, 0.04536657, 1e-6);
+  free(csv);
+}
+
+/* ---- bad input ---- */
+
+static void bad_input(void) {
+  static const struct {
+    const char *line, *at, *says[2];
+  } BAD[] = {
+      {"quality: {a: b}", "bad.yaml:1:11: ", {"a list of currents is wanted", NULL}},
+      {"quality: []", "bad.yaml:1:1: ", {"a list of currents is wanted", NULL}},
+      {"quality: [main]", "bad.yaml:1:11: ", {"no current 'main'", "did you mean 'mains'"}},
+      {"quality: [p]", "bad.yaml:1:11: ", {"p is in m; a current is wanted", NULL}},
+      {"quality: [i, i]", "bad.yaml:1:14: ", {"i stands here a second time", NULL}},
+      {"circuit: {deck: named.cir}\nquality: mains",
+       "bad.yaml:2:10: ",
+       {"a device of the deck", NULL}},
+      {"quality: [[i]]", "bad.yaml:1:", {"no current", NULL}},
+      {"run: {tier: switched}\nquality: i_source", "bad.yaml:2:10: ", {"take tier circuit", NULL}},
+      {"run: {until: 50 ms}\nquality: i", "bad.yaml:2:10: ", {"whole cycles", "last: 5 cycles"}},
+      {"measure: {last: 2.5 cycles}\nquality: i", "bad.yaml:2:10: ", {"which is 2.5", NULL}},
+      {"supply: {kind: step}\nfiring: {valve: none}\nquality: i",
+       "bad.yaml:3:10: ",
+       {"direct voltage", NULL}},
+  };
+  write_file("named.cir", "*$ port mains = Vm\n*$ probe v_r = v(a) V\n*$ device mains resistor = "
+                          "v(a), v(a)/100\nVm a 0 external\nR1 a 0 100\nXeva a 0 eva\n");
+  for (size_t k = 0; k < COUNT(BAD); k++) {
+    write_file("bad.yaml", BAD[k].line);
+    refuse("run bad.yaml -o out", BAD[k].line, BAD[k].at, BAD[k].says, __LINE__);
+  }
+}
+
+static const vs_test TESTS[] = {
+    {"half a wave", half_wave},
+    {"a phase-controlled resistor", phase_controlled},
+    {"a phase-controlled coil", resistance_and_inductance},
+    {"a resistor across the mains", resistor},
+    {"on the orbit", on_the_orbit},
+    {"what is shown and drawn", shown_and_drawn},
+    {"the page", the_page},
+    {"in a study", in_a_study},
+    {"bad input", bad_input},
+};
+
+int main(void) {
+  return program_suite("quality", TESTS, COUNT(TESTS));
+}
