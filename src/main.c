@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command line: the table of commands, each with its options. */
+#include <fcntl.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_version.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "acceptance/acceptance.h"
 #include "acceptance/template.h"
@@ -631,11 +633,21 @@ static bool is_among(const char *word, const char *const *words) {
   return false;
 }
 
+/* A standard stream that is closed would be the first file that is opened, and what is printed
+ * would get into that. Its place is taken by a file that cannot be written. */
+static void fill_streams(void) {
+  int file;
+  do file = open("/dev/null", O_RDONLY);
+  while (file >= 0 && file <= STDERR_FILENO);
+  if (file >= 0) close(file);
+}
+
 int main(int argc, char **argv) {
   static const char *const HELP[] = {"--help", "-h", "-?", "help", NULL}, *const VERSION[] = {
                                                                               "--version", "-V",
                                                                               NULL};
   gsl_set_error_handler_off();
+  fill_streams();
   if (argc < 2) {
     print_help(stderr);
     return VS_INPUT;

@@ -274,6 +274,20 @@ static void names_of_files_are_tamed(void) {
   remove(name);
 }
 
+/* What the netlist would leave out without a word is refused. */
+static void what_is_not_exported(void) {
+  static const struct {
+    const char *sets[3], *says;
+  } ALL[] = {{{"firing.every=1", "control.law=none"}, "has no control; leave it out"},
+             {{"firing.every=1", "start=steady"}, "the orbit that start: steady begins on"},
+             {{"firing.angle=[[0 s, 160 deg], [1 s, 100 deg]]", "firing.every=1"}, "a table over"}};
+  for (size_t k = 0; k < COUNT(ALL); k++) {
+    vs_error err = {0};
+    EXPECT(export(ALL[k].sets, &err) == VS_INPUT, "%s is exported", ALL[k].sets[1]);
+    EXPECT(strstr(err.text, ALL[k].says) != NULL, "%s", err.text);
+  }
+}
+
 static void names_of_our_own_are_refused(void) {
   static const struct {
     const char *line, *says[2];
@@ -310,6 +324,7 @@ static const vs_test TESTS[] = {
     {"stands alone", stands_alone},
     {"names of files", names_of_files_are_tamed},
     {"names of our own", names_of_our_own_are_refused},
+    {"what is not exported", what_is_not_exported},
     {"a source may be called Vs...", a_source_may_be_called_vs},
     {"single shot", single_shot},
     {"continuous firing", continuous_firing},

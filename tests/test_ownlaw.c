@@ -151,6 +151,8 @@ static void a_program_fails(void) {
               __LINE__);
   expect_line((char *[]){"sleep", "30", NULL}, 0.2, "no answer within control.timeout, 0.2 s",
               __LINE__);
+  expect_line((char *[]){"sh", "-c", "read x; sleep 77 & exit 5", NULL}, 0.5,
+              "ended with status 5, without an answer", __LINE__);
   expect_line((char *[]){"yes", NULL}, 20, "said something unasked", __LINE__);
   expect_line((char *[]){"sh", "-c", "exec 1>&-; sleep 30", NULL}, 20, "closed its pipe", __LINE__);
   expect_line((char *[]){"sh", "-c", "read x; head -c 9999 /dev/zero", NULL}, 20,
@@ -181,6 +183,34 @@ static void a_program_is_ended(void) {
   for (int k = 0; k < 100 && !is_gone(other); k++) usleep(10000);
   EXPECT(is_gone(other), "what it has started is still there");
   expect_alone(__LINE__);
+}
+
+/* All of it is ended where this process dies without a word. */
+static void a_program_outlives_nobody(void) {
+  int ends[2];
+  char *words[] = {"sh", "-c", "sleep 77 & echo $!; sleep 77", NULL};
+  CU_ASSERT(!pipe(ends));
+  fflush(NULL);
+  pid_t owner = fork();
+  if (!owner) {
+    vs_remote r = {.name = "it", .timeout_s = 20};
+    vs_error err = {0};
+    pid_t told[2] = {0, 0};
+    if (!vs_remote_exec(&r, words, "", (vs_where){0}, &err) && !vs_remote_answer(&r, 0, &err))
+      told[0] = r.pid, told[1] = (pid_t)atol(r.in);
+    if (write(ends[1], told, sizeof told) < 0) _exit(1);
+    pause();
+  }
+  pid_t told[2] = {0, 0};
+  CU_ASSERT(read(ends[0], told, sizeof told) == sizeof told);
+  CU_ASSERT(told[0] > 0 && told[1] > 0);
+  kill(owner, SIGKILL);
+  waitpid(owner, NULL, 0);
+  for (int k = 0; k < 500 && !(is_gone(told[0]) && is_gone(told[1])); k++) usleep(10000);
+  EXPECT(is_gone(told[0]), "it is still there");
+  EXPECT(is_gone(told[1]), "what it has started is still there");
+  close(ends[0]);
+  close(ends[1]);
 }
 
 /* A signal that asks this process to end is heeded while it waits. */
@@ -296,6 +326,8 @@ static void bad_objects(void) {
       {"exit", 1, "t = 0.04 s: control: broken.so ended with status 3, without an answer"},
       {"hang", 1, "t = 0.04 s: control: broken.so gave no answer within control.timeout, 0.2 s"},
       {"error", 1, "t = 0.04 s: control: broken.so says: the feeder is empty"},
+      {"error of bytes", 1, "t = 0.04 s: control: broken.so says: the belt"},
+      {"floods its pipe at load", 2, "control.file: "},
       {"beyond", 1,
        "t = 0.04 s: control: broken.so answered an angle of 180 deg; allowed: 0..180 deg"},
       {"crash at load", 1, "t = 0 s: control: broken.so ended by signal 11"},
@@ -306,6 +338,23 @@ static void bad_objects(void) {
     expect_end("run s.yaml --allow-code --quiet", LAWS[k].status, LAWS[k].says, __LINE__);
   }
   unsetenv("LAW");
+}
+
+/* What a law prints gets into no file, not even where the standard streams are closed. */
+static void closed_streams(void) {
+  write_object_scene("s.yaml", "broken", "");
+  setenv("LAW", "print", 1);
+  int how = system(VS_PROGRAM " run s.yaml --allow-code -o closed <&- >&- 2>&-");
+  unsetenv("LAW");
+  EXPECT(WIFEXITED(how) && WEXITSTATUS(how) == 1, "%d", how); /* it cannot print its table */
+  static const char *const FILES[] = {"run.csv", "events.csv", "summary.json"};
+  for (size_t k = 0; k < COUNT(FILES); k++) {
+    char path[64];
+    snprintf(path, sizeof path, "closed/%s", FILES[k]);
+    char *text = read_file(path);
+    EXPECT(*text && !strstr(text, "not an answer"), "%s: %.99s", path, text);
+    free(text);
+  }
 }
 
 /* What cannot be a law is refused at its place in the scene. */
@@ -353,6 +402,9 @@ static void bad_pipes(void) {
       {"read x; echo", "answered ''; wanted"},
       {"read x; echo '{\"angle_deg\": NaN}'", "answered '{\"angle_deg\": NaN}'; wanted"},
       {"read x; echo '{\"angle_deg\": \"wide\"}'", "\"wide\"}'; wanted"},
+      {"read x; echo '{\"angle_deg\": \"nan\"}'", "\"nan\"}'; wanted"},
+      {"read x; echo '{\"angle_deg\": \"95\"}'", "\"95\"}'; wanted"},
+      {"read x; echo '{\"error\": null}'", "answered '{\"error\": null}'; wanted"},
       {"read x; echo '{\"angle_deg\": [95]}'", "[95]}'; wanted"},
       {"read x; echo '{\"angel_deg\": 95}'", "answered '{\"angel_deg\": 95}'; wanted"},
       {"read x; echo '{\"angle_deg\": 95, \"error\": \"x\"}'", "\"x\"}'; wanted"},
@@ -589,11 +641,13 @@ static const vs_test TESTS[] = {{"a copy answers", a_copy_answers},
                                 {"a program answers", a_program_answers},
                                 {"a program fails", a_program_fails},
                                 {"a program is ended", a_program_is_ended},
+                                {"its whole group ends with its owner", a_program_outlives_nobody},
                                 {"a signal is heeded", a_signal_is_heeded},
                                 {"a copy of the owner", a_copy_of_the_owner},
                                 {"one law in two languages", both_languages},
                                 {"other tiers", other_tiers},
                                 {"bad objects", bad_objects},
+                                {"closed streams", closed_streams},
                                 {"no objects", no_objects},
                                 {"bad pipes", bad_pipes},
                                 {"lines", lines},

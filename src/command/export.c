@@ -471,17 +471,32 @@ static vs_status write_deck(const vs_scene *scene, const char *output, vs_error 
   return status;
 }
 
+/* What the netlist would leave out without a word is refused. */
+static vs_status check_whole(const vs_scene *scene, vs_error *err) {
+  const vs_events *events = &scene->setup.timeline.events;
+  const vs_node *control = vs_tree_child(scene->tree.root, vs_control_section.name);
+  if (events->count)
+    return vs_fail_at(err, events->item[0].where,
+                      "export: a netlist for plain ngspice has no events; leave %s out",
+                      events->item[0].name);
+  if (scene->control.regulator)
+    return vs_fail_at(err, control->key_where,
+                      "export: a netlist for plain ngspice has no control; leave it out");
+  if (scene->setup.steady)
+    return vs_fail(
+        err, VS_INPUT,
+        "export: the orbit that start: steady begins on is not exported; leave it out, or "
+        "write the coordinates at the start as start: {NAME: VALUE, ...}");
+  return vs_setup_require_fraction(&scene->setup, "export", err);
+}
+
 vs_status vs_export_command(const char *name, char *const *sets, size_t n_sets, const char *output,
                             vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status =
       vs_scene_read(name, sets, n_sets, vs_setup_tier_words[VS_TIER_CIRCUIT], scene, err);
   if (!status) vs_scene_warn(scene);
-  if (!status && scene->setup.timeline.events.count)
-    status = vs_fail_at(err, scene->setup.timeline.events.item[0].where,
-                        "export: a netlist for plain ngspice has no events; leave %s out",
-                        scene->setup.timeline.events.item[0].name);
-  if (!status) status = vs_setup_require_fraction(&scene->setup, "export", err);
+  if (!status) status = check_whole(scene, err);
   if (!status) status = write_deck(scene, output, err);
   if (!status) printf("written: %s\n", output);
   vs_scene_free(scene);

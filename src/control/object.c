@@ -134,6 +134,7 @@ static vs_status begin(void *self, const vs_sight *sight, vs_error *err) {
   if (!status) status = vs_remote_answer(&o->remote, sizeof h, err);
   if (status) return status;
   memcpy(&h, o->remote.in, sizeof h);
+  h.trouble[sizeof h.trouble - 1] = '\0'; /* the object may have written into the pipe itself */
   return *h.trouble ? vs_fail_at(err, sight->where, "control.file: %s %s", path, h.trouble) : VS_OK;
 }
 
@@ -150,6 +151,7 @@ static vs_status decide(void *self, const vs_sight *sight, double *angle_rad, vs
   if (!status) status = vs_remote_answer(&o->remote, sizeof r, err);
   if (status) return status;
   memcpy(&r, o->remote.in, sizeof r);
+  r.trouble[sizeof r.trouble - 1] = '\0';
   return vs_view_answer(&o->view, o->remote.name, r.angle_deg, r.trouble, angle_rad, err);
 }
 

@@ -126,6 +126,14 @@ static void shorten(const char *text, char shown[64]) {
     if ((unsigned char)*c < ' ' || *c == 127) *c = ' ';
 }
 
+/* Is the value of the line's only member a text? Of its quotes, two are the name's. A text may look
+ * like a number, and "nan" is not the null that leaves a firing out. */
+static bool is_quoted(const char *line) {
+  int quotes = 0;
+  for (const char *c = line; *c; c++) quotes += *c == '"';
+  return quotes > 2;
+}
+
 /* Reads an angle as JSON has it, deg; NaN for null. False: it is none. */
 static bool read_angle(const char *text, double *angle_deg) {
   char *end;
@@ -148,7 +156,7 @@ static vs_status read_answer(const vs_remote *r, double *angle_deg, char *troubl
   tree.root->kind = VS_NODE_MAP;
   good = good && !vs_tree_set(&tree, assignment.text, &none); /* YAML, of which JSON is a part */
   if (good) a = members_of(vs_tree_child(tree.root, "answer"));
-  good = good && !a.other && !a.angle == !!a.error;
+  good = good && !a.other && !a.angle == !!a.error && is_quoted(r->in) == !!a.error;
   if (good && a.error) snprintf(trouble, size, "%s", *a.error->text ? a.error->text : "error");
   if (good && a.angle) good = read_angle(a.angle->text, angle_deg);
   vs_tree_free(&tree);

@@ -63,6 +63,24 @@ static void take_ends(int in, int out, int why) {
   close_range(CHILD_FIRST_FREE, ~0u, 0);
 }
 
+/* A second child, the watchman, lives in the group of the first and does nothing until this process
+ * dies: then it ends the group. The kernel ends the first child alone, and not what that has
+ * started. */
+static _Noreturn void watch(pid_t owner, pid_t group) {
+  sigset_t all, died;
+  int number;
+  sigfillset(&all);
+  sigemptyset(&died);
+  sigaddset(&died, SIGTERM);
+  sigprocmask(SIG_SETMASK, &all, NULL);
+  setpgid(0, group);
+  close_range(0, ~0u, 0);
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  while (getppid() == owner) sigwait(&died, &number);
+  kill(-group, SIGKILL);
+  _exit(0);
+}
+
 /* ---- how it is started ---- */
 
 /* What the child does: calls work, or becomes another program. */
@@ -131,6 +149,8 @@ static vs_status start(vs_remote *r, const task *t, int *why, vs_error *err) {
     return vs_fail(err, VS_RUN, "control: no process for %s: %s", r->name, strerror(no_process));
   }
   setpgid(pid, pid); /* both processes do this, and either may be first */
+  r->watchman = fork();
+  if (r->watchman == 0) watch(parent, pid);
   while (read(trouble[0], why, sizeof *why) < 0 && errno == EINTR) {
   }
   close(trouble[0]);
@@ -165,6 +185,11 @@ vs_status vs_remote_exec(vs_remote *r, char *const *words, const char *folder, v
 
 /* ---- how it ends ---- */
 
+static void wait_for_end(pid_t pid, int *how) {
+  while (waitpid(pid, how, 0) < 0 && errno == EINTR) {
+  }
+}
+
 /* Ends the child and whatever is left of its group. True: it has ended by itself within the grace,
  * and *how is what waitpid gives. A child that has ended keeps its number, and that of its group,
  * until it is waited for. */
@@ -172,6 +197,7 @@ static bool finish(vs_remote *r, double grace_s, int *how) {
   const double until_s = wall_s() + grace_s;
   const struct timespec pause = {0, 1000000};
   siginfo_t ended = {0};
+  int unused;
   close(r->to);
   close(r->from);
   while (!waitid(P_PID, (id_t)r->pid, &ended, WEXITED | WNOHANG | WNOWAIT) && !ended.si_pid &&
@@ -179,8 +205,11 @@ static bool finish(vs_remote *r, double grace_s, int *how) {
     nanosleep(&pause, NULL);
   kill(-r->pid, SIGKILL);
   kill(r->pid, SIGKILL);
-  while (waitpid(r->pid, how, 0) < 0 && errno == EINTR) {
+  if (r->watchman > 0) {
+    kill(r->watchman, SIGKILL);
+    wait_for_end(r->watchman, &unused);
   }
+  wait_for_end(r->pid, how);
   r->pid = 0;
   return ended.si_pid;
 }
@@ -203,12 +232,8 @@ void vs_remote_end(vs_remote *r) {
   }
 }
 
-/* The child has closed a pipe: says how it ended, which it may be about to. */
-static vs_status has_ended(vs_remote *r, vs_error *err) {
-  int how = 0;
-  if (!finish(r, GRACE_S, &how))
-    return vs_fail(err, VS_RUN, "t = %.9g s: control: %s closed its pipe, without an answer",
-                   r->t_s, r->name);
+/* Says how the child ended. */
+static vs_status tell_end(const vs_remote *r, int how, vs_error *err) {
   if (WIFSIGNALED(how))
     return vs_fail(err, VS_RUN, "t = %.9g s: control: %s ended by signal %d (%s)", r->t_s, r->name,
                    WTERMSIG(how), strsignal(WTERMSIG(how)));
@@ -216,8 +241,19 @@ static vs_status has_ended(vs_remote *r, vs_error *err) {
                  r->t_s, r->name, WEXITSTATUS(how));
 }
 
+/* The child has closed a pipe: says how it ended, which it may be about to. */
+static vs_status has_ended(vs_remote *r, vs_error *err) {
+  int how = 0;
+  if (finish(r, GRACE_S, &how)) return tell_end(r, how, err);
+  return vs_fail(err, VS_RUN, "t = %.9g s: control: %s closed its pipe, without an answer", r->t_s,
+                 r->name);
+}
+
+/* No answer has come. The child may have ended, and something that it has started may hold its pipe
+ * open. */
 static vs_status is_late(vs_remote *r, vs_error *err) {
-  dismiss(r);
+  int how = 0;
+  if (finish(r, 0, &how)) return tell_end(r, how, err);
   return vs_fail(err, VS_RUN, "t = %.9g s: control: %s gave no answer within control.timeout, %g s",
                  r->t_s, r->name, r->timeout_s);
 }

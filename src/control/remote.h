@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A child process that is asked, again and again, and answers each question within a time of the
  * wall's clock: a law of the user's own at work. What it may do wrong (crash, end, hang, talk out
- * of turn) becomes one line. It never outlives this process: it is ended by vs_remote_end, and by
- * the kernel where this process dies before that. */
+ * of turn) becomes one line. Neither it nor what it has started, unless that has left its process
+ * group, outlives this process: vs_remote_end ends them, and a watchman where this process dies
+ * before that. */
 #ifndef VS_CONTROL_REMOTE_H
 #define VS_CONTROL_REMOTE_H
 
@@ -16,6 +17,7 @@ typedef struct vs_remote {
   double timeout_s; /* within which it answers, s of the wall's clock */
 
   int pid;                     /* of the child; 0: there is none */
+  int watchman;                /* a process that ends the child's group where this one dies */
   int owner;                   /* the process that started it, which alone may ask it */
   int to, from;                /* ends of the pipes to and from the child; neither blocks */
   double t_s;                  /* the run's time of the present question, for messages */

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "syntax/units.h"
 
 static const double RAD_PER_DEG = M_PI / 180;
@@ -43,14 +44,22 @@ void vs_view_ask(vs_view *view, const vs_sight *sight) {
   view->firing.last_angle_deg = sight->last_rad / RAD_PER_DEG;
 }
 
+/* Makes one line of a law's trouble, which may hold anything: its beginning, up to what is not
+ * UTF-8 (as where it was cut within a character). */
+static void make_line(const char *trouble, char line[VIBROSPICE_LAW_TEXT]) {
+  const char *wrong = vs_text_not_utf8(trouble, strnlen(trouble, VIBROSPICE_LAW_TEXT - 1));
+  snprintf(line, VIBROSPICE_LAW_TEXT, "%.*s",
+           wrong ? (int)(wrong - trouble) : VIBROSPICE_LAW_TEXT - 1, trouble);
+  for (char *c = line; *c; c++)
+    if ((unsigned char)*c < ' ' || *c == 127) *c = ' ';
+}
+
 vs_status vs_view_answer(vs_view *view, const char *who, double angle_deg, const char *trouble,
                          double *angle_rad, vs_error *err) {
   const double t_s = view->firing.t_s;
   if (*trouble) {
     char line[VIBROSPICE_LAW_TEXT];
-    snprintf(line, sizeof line, "%s", trouble);
-    for (char *c = line; *c; c++)
-      if ((unsigned char)*c < ' ' || *c == 127) *c = ' ';
+    make_line(trouble, line);
     return vs_fail(err, VS_RUN, "t = %.9g s: control: %s says: %s", t_s, who, line);
   }
   if (!isnan(angle_deg) && !(angle_deg > 0 && angle_deg < 180))

@@ -248,6 +248,16 @@ static vs_status walk_along(const vs_scene *scene, const vs_setup *setup, vs_lin
 
 /* ---- the other section ---- */
 
+/* A fast low-pass has forgotten at the firing what it was at the section, exp(-740) being 0. There
+ * is no way back then. */
+static void leave_section_out(vs_linear *l) {
+  for (int j = 0; j < l->n; j++) {
+    l->b_firing[j] = NAN;
+    for (int i = 0; i < l->n; i++) l->a_firing[i][j] = NAN;
+    for (int i = 0; i < l->outputs; i++) l->c_firing[i][j] = NAN;
+  }
+}
+
 /* x_f = T x, so that x_f[k+1] = T A T^-1 x_f[k] + T B a[k], y = C T^-1 x_f[k] + D a[k]. */
 static vs_status move_section(vs_linear *l, vs_error *err) {
   size_t n = (size_t)l->n, order[N];
@@ -275,8 +285,11 @@ static vs_status move_section(vs_linear *l, vs_error *err) {
   free(ta);
   free(inverse);
   free(t);
-  return good ? VS_OK
-              : vs_fail(err, VS_RUN, "the free flight up to the firing cannot be turned back");
+  if (good) return VS_OK;
+  if (l->n == l->machine)
+    return vs_fail(err, VS_RUN, "the free flight up to the firing cannot be turned back");
+  leave_section_out(l);
+  return VS_OK;
 }
 
 /* ---- the gain ---- */

@@ -54,7 +54,8 @@ typedef struct vs_linear {
   bool stable;
 
   /* The same model with another section, the instant t_k + fires_s at which the orbit fires. There
-   * x is to_firing times the x of the section; before the thyristor fires it swings freely. */
+   * x is to_firing times the x of the section; before the thyristor fires it swings freely. NaN
+   * where a low-pass is so fast that nothing of its state is left there. */
   double to_firing[VS_LINEAR_STATES][VS_LINEAR_STATES];
   double a_firing[VS_LINEAR_STATES][VS_LINEAR_STATES], b_firing[VS_LINEAR_STATES];
   double c_firing[VS_LINEAR_OUTPUTS][VS_LINEAR_STATES];

@@ -29,6 +29,9 @@ __attribute__((constructor)) static void load(void) {
   if (f) fclose(f);
   if (!strcmp(what(), "crash at load")) raise(SIGSEGV);
   if (!strcmp(what(), "hang at load")) sleep(77);
+  for (int k = 3; k < 6 && !strcmp(what(), "floods its pipe at load"); k++)
+    for (int n = 0; n < 512; n++)
+      if (write(k, "x", 1) < 0) break;
 }
 
 #ifndef NO_FUNCTION
@@ -40,6 +43,7 @@ double vibrospice_law(const vibrospice_firing *firing, char *error) {
   if (!strcmp(law, "exit")) exit(3);
   if (!strcmp(law, "hang")) sleep(77);
   if (!strcmp(law, "error")) strcpy(error, "the feeder\nis empty");
+  if (!strcmp(law, "error of bytes")) strcpy(error, "the belt\xff\xfe is torn");
   if (!strcmp(law, "beyond")) return 180;
   if (!strcmp(law, "print")) printf("not an answer\n");
   return 100;
