@@ -278,7 +278,7 @@ static void names_of_files_are_tamed(void) {
 static void what_is_not_exported(void) {
   static const struct {
     const char *sets[3], *says;
-  } ALL[] = {{{"firing.every=1", "control.law=none"}, "has no control; leave it out"},
+  } ALL[] = {{{"firing.every=1", "control.law=none"}, "one angle for all firings"},
              {{"firing.every=1", "start=steady"}, "the orbit that start: steady begins on"},
              {{"firing.angle=[[0 s, 160 deg], [1 s, 100 deg]]", "firing.every=1"}, "a table over"}};
   for (size_t k = 0; k < COUNT(ALL); k++) {

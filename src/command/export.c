@@ -273,15 +273,6 @@ static void add_burst(vs_text *t, const char *name, const char *nodes[2], double
               name, name, turns, name, name, nodes[1], name, name, name, nodes[0], name);
 }
 
-/* Error: the scene has a control, which no netlist computes. */
-static vs_status check_control(const vs_scene *scene, vs_error *err) {
-  const vs_node *section = vs_tree_child(scene->tree.root, vs_control_section.name);
-  if (!scene->control.regulator) return VS_OK;
-  return vs_fail_at(err, section->key_where,
-                    "export: control: a netlist has one angle for all firings, and a control "
-                    "decides each; leave the section out");
-}
-
 /* The exported train of pulses has one angle, and its sub-pulses keep their phase from gate pulse
  * to gate pulse. */
 static vs_status check_pulses(const vs_setup *s, vs_error *err) {
@@ -437,8 +428,7 @@ static vs_status write_text(vs_text *t, const vs_scene *scene, const char *name,
   snprintf(table_name, sizeof table_name, "%.*s.txt", (int)stem, deck_name);
   column *columns = vs_alloc(MOST_COLUMNS, sizeof *columns);
   size_t count = find_columns(scene, columns);
-  vs_status status = check_control(scene, err);
-  if (!status) status = check_names(scene, columns, count, err);
+  vs_status status = check_names(scene, columns, count, err);
   add_head(t, scene, deck_name, table_name);
   add_scene(t, &scene->setup);
   add_timing(t);
@@ -481,7 +471,8 @@ static vs_status check_whole(const vs_scene *scene, vs_error *err) {
                       events->item[0].name);
   if (scene->control.regulator)
     return vs_fail_at(err, control->key_where,
-                      "export: a netlist for plain ngspice has no control; leave it out");
+                      "export: control: a netlist has one angle for all firings, and a control "
+                      "decides each; leave the section out");
   if (scene->setup.steady)
     return vs_fail(
         err, VS_INPUT,
