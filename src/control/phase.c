@@ -20,8 +20,8 @@ static const vs_field KEYS[] = {
      .text = "half the peak to peak value below which it fires at firing.angle"}};
 #undef AT
 
-/* The sensor must have been this share of its swing below its middle before it rises through it, so
- * that noise makes no crossings. */
+/* Between two rises the sensor must have been this share of its swing above its middle, and then
+ * below it. So noise makes no rise, and neither does a pulse that moves the middle. */
 static const double HYSTERESIS = 0.2;
 
 typedef struct phase {
@@ -29,9 +29,8 @@ typedef struct phase {
   double low, high;        /* since the last rise */
   double middle, swing;    /* of the period before it; NaN: not known */
   double before_s, before; /* the last tick */
-  bool armed;              /* it was far enough below since */
+  bool was_high, was_low;  /* it was far enough above since then, and far enough below after that */
   double rise_s, period_s; /* the last rise, and the time from the one before; NaN: unknown */
-  double seen;             /* how many rises */
 } phase;
 
 static vs_status begin(void *self, const vs_sight *s, vs_error *err) {
@@ -39,6 +38,7 @@ static vs_status begin(void *self, const vs_sight *s, vs_error *err) {
   phase *p = self;
   p->lowpass = vs_regulator_lowpass(s);
   p->low = p->high = p->middle = p->swing = p->before = p->rise_s = p->period_s = NAN;
+  p->was_high = true; /* the first rise wants nothing before it */
   return VS_OK;
 }
 
@@ -49,7 +49,7 @@ static void rise(phase *p, double t_s) {
   p->middle = (p->high + p->low) / 2;
   p->swing = (p->high - p->low) / 2;
   p->low = p->high = NAN;
-  p->armed = false;
+  p->was_high = p->was_low = false;
 }
 
 static void tick(void *self, const vs_sight *s) {
@@ -61,8 +61,9 @@ static void tick(void *self, const vs_sight *s) {
   p->before_s = s->t_s;
   double middle = isnan(p->middle) ? (p->low + p->high) / 2 : p->middle;
   double swing = isnan(p->swing) ? (p->high - p->low) / 2 : p->swing;
-  if (y < middle - HYSTERESIS * swing) p->armed = true;
-  if (p->armed && before < middle && y >= middle)
+  if (y > middle + HYSTERESIS * swing) p->was_high = true;
+  if (p->was_high && y < middle - HYSTERESIS * swing) p->was_low = true;
+  if (p->was_low && before < middle && y >= middle)
     rise(p, before_s + (middle - before) / (y - before) * (s->t_s - before_s));
 }
 

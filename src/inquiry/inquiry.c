@@ -85,6 +85,7 @@ static vs_status read_steady(vs_inquiry_run *run, const vs_node *holder, vs_erro
         err, data->key_where,
         "data stands beside steady, and a period of an orbit is not sampled: record a "
         "run that begins on it, by set: {start: steady}");
+  vs_scene_hold(run->scene);
   if (!vs_steady_check(run->scene, run->periods, &why)) return VS_OK;
   return vs_fail_at(err, steady->where, "%s", why.text + why.place_size);
 }

@@ -348,6 +348,15 @@ static void warn_of_observer(vs_scene *s) {
     vs_fail_at(vs_warnings_add(&s->warnings), section->key_where, "%s", text);
 }
 
+static void take_control_off(vs_scene *s) {
+  const vs_node *section = vs_tree_child(s->tree.root, vs_control_section.name);
+  if (!s->control.regulator) return;
+  s->control.regulator = NULL;
+  vs_fail_at(vs_warnings_add(&s->warnings), section->key_where,
+             "control: it is off here: the orbit is that of the angle firing.angle = %g deg",
+             s->setup.timeline.firing.angle.first / vs_units_factor("deg"));
+}
+
 /* Finds the warnings anew. */
 static void warn(vs_scene *s) {
   s->warnings.count = 0;
@@ -355,15 +364,12 @@ static void warn(vs_scene *s) {
   vs_warnings_of_instruments(&s->instruments, &s->warnings);
   vs_warnings_of_control(s->tree.root, &s->setup, &s->control, &s->instruments, &s->warnings);
   warn_of_observer(s);
+  if (s->held) take_control_off(s);
 }
 
 void vs_scene_hold(vs_scene *s) {
-  const vs_node *section = vs_tree_child(s->tree.root, vs_control_section.name);
-  if (!s->control.regulator) return;
-  s->control.regulator = NULL;
-  vs_fail_at(vs_warnings_add(&s->warnings), section->key_where,
-             "control: it is off here: the orbit is that of the angle firing.angle = %g deg",
-             s->setup.timeline.firing.angle.first / vs_units_factor("deg"));
+  s->held = true;
+  take_control_off(s);
 }
 
 void vs_scene_warn(const vs_scene *s) {
@@ -437,6 +443,7 @@ vs_status vs_scene_with(const vs_scene *s, const char *const *keys, size_t n_key
   *other = (vs_scene){0};
   memcpy(other->path, s->path, sizeof other->path);
   other->allow_code = s->allow_code;
+  other->held = s->held;
   vs_tree_copy(&s->tree, &other->tree);
   vs_status status = VS_OK;
   for (size_t k = 0; k < n_keys && !status; k++) status = vs_tree_set(&other->tree, keys[k], err);

@@ -24,6 +24,7 @@ typedef struct vs_scene {
   const char *tier_named; /* the word of --tier, borrowed; NULL: not given */
   const char *asks; /* what the command line asked the circuit tier for, borrowed; NULL: nothing */
   bool allow_code;  /* the command line allows code of the user's own (--allow-code) */
+  bool held;        /* its control is off (vs_scene_hold) */
   const vs_tier *tier;
   char why[256];                       /* why this tier */
   vs_frame frame;                      /* of this tier */
@@ -57,8 +58,9 @@ vs_status vs_scene_again(vs_scene *scene, vs_error *err);
 vs_status vs_scene_with(const vs_scene *scene, const char *const *keys, size_t n_keys,
                         vs_scene *other, vs_error *err);
 
-/* Takes the scene's control off, where it has one, and adds a warning that says so: whoever asks
- * for a periodic orbit gets that of the angle firing.angle. */
+/* Takes the scene's control off for good, also where it is settled again, and adds a warning that
+ * says so. A scene without a control stays as it is. Whoever asks for a periodic orbit gets that of
+ * the angle firing.angle. */
 void vs_scene_hold(vs_scene *scene);
 
 /* Prints a line on standard error for each of the scene's warnings. */

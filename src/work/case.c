@@ -280,7 +280,9 @@ static vs_status read_scene(vs_case *c, vs_error *err) {
   for (size_t k = 0; k < plan->n_axes && !status; k++)
     vs_axis_put(&plan->axes[k], c->present.point[k], &c->scene->tree);
   if (status) return status;
-  return again ? vs_scene_again(c->scene, err) : vs_scene_settle(c->scene, NULL, err);
+  status = again ? vs_scene_again(c->scene, err) : vs_scene_settle(c->scene, NULL, err);
+  if (!status && plan->periods) vs_scene_hold(c->scene);
+  return status;
 }
 
 vs_status vs_case_begin(vs_case *c, uint64_t index, const double *point, vs_error *err) {
