@@ -215,6 +215,26 @@ static void shipped_scenes(void) {
 
 /* ---- firing at a phase of the motion ---- */
 
+/* A set point that cannot be reached for 1.5 s, at the limit of 110 degrees, and then one that can.
+ * The integral part stays behind the limit by one step at most: 40 deg/mm.s times 3 mm and 20 ms,
+ * 2.4 degrees. From 0.2 mm too much it then takes 0.16 degrees in each period, 15 of them. Wound up
+ * over 1.5 s it would need hundreds. */
+static void no_windup(void) {
+  static const char *const SETS[] = {
+      "instruments={p: {noise: 0}}", "firing={every: 1, angle: 115 deg}", "run.until=3 s",
+      "control={law: amplitude, sensor: p, integral: 40 deg/mm.s, angle: [110 deg, 170 deg], "
+      "setpoint: [[0 s, 3 mm], [1.5 s, 3 mm], [1.5 s, 0.8 mm]]}",
+      NULL};
+  vs_trial *t = vs_trial_run("paper", "switched", SETS, NULL);
+  EXPECT(!t->status, "%s", t->err.text);
+  long n = 0, leaves = 75; /* decided at 1.5 s, with the lower set point */
+  double *angle = decided(t, &n);
+  CLOSE(angle[74] / DEG, 110, 1e-12);
+  while (leaves < n && angle[leaves] <= 110 * DEG) leaves++;
+  EXPECT(leaves - 75 <= 15, "it leaves the limit after %ld firings", leaves - 75);
+  vs_trial_free(t);
+}
+
 typedef struct rises {
   double at_s[MOST]; /* when p rises through 0 */
   int count;
@@ -379,6 +399,7 @@ static const vs_test TESTS[] = {
     {"a control does the same on tiers switched and circuit", same_on_tiers},
     {"the same from an orbit on", same_from_an_orbit},
     {"the shipped scenes settle", shipped_scenes},
+    {"nothing winds up at a limit", no_windup},
     {"firing at a phase keeps pace with the machine", resonance_tracking},
     {"a control is off on orbits, and that is said", off_on_orbits},
     {"bad input", bad_input},
