@@ -4,8 +4,8 @@
  *   alpha = alpha_0 - K_p e - I,   I = K_i T sum of e over the firings so far,
  *
  * alpha_0 being firing.angle and T the time from firing to firing. A smaller angle gives more
- * amplitude, hence the signs. Where alpha would pass a limit and e takes it further, I stays as it
- * is (anti-windup by conditional integration). */
+ * amplitude, hence the signs. A step of I goes as far as takes alpha to its limit, and no further
+ * (anti-windup by conditional integration). */
 #include "control/amplitude.h"
 
 #include <math.h>
@@ -66,10 +66,10 @@ static vs_status decide(void *self, const vs_sight *s, double *angle_rad, vs_err
   if (isnan(a->measured) || s->firing == 0) return VS_OK;
   double e = a->setpoint - a->measured;
   double step_rad = v->integral * t->firing.every * t->period_s * e;
-  *angle_rad = start_rad - v->gain * e - a->integral_rad - step_rad;
-  bool wound_up = (*angle_rad < v->angle_rad[0] && step_rad > 0) ||
-                  (*angle_rad > v->angle_rad[1] && step_rad < 0);
-  if (!wound_up) a->integral_rad += step_rad;
+  double without_rad = start_rad - v->gain * e - a->integral_rad; /* the angle without the step */
+  double down_rad = fmax(without_rad - v->angle_rad[0], 0);
+  double up_rad = fmax(v->angle_rad[1] - without_rad, 0);
+  a->integral_rad += fmin(fmax(step_rad, -up_rad), down_rad);
   *angle_rad = start_rad - v->gain * e - a->integral_rad;
   return VS_OK;
 }
