@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * A law of the user's own as a shared object (include/vibrospice/law.h):
+ * A law of the user's own as a shared object (vibrospice/law.h):
  *
  *   control: {law: object, file: ./mylaw.so}
  *

@@ -278,7 +278,7 @@ static const char *add_controls(vs_sheet *s, const char *header, const char *nam
 /* The angle, what the control's law shows, and over its amplitude the set point. */
 static void fill_control(vs_sheets *all, vs_sheet *s, const char *header, const found *f) {
   if (!has_column(header, ANGLE)) return;
-  const char *amplitude = add_controls(s, header, "amplitude_meas_", "amplitude");
+  const char *amplitude = add_controls(s, header, "amplitude_meas_", "amplitude seen");
   vs_sheet_add(s, ANGLE, "firing angle / °", 57.29577951308232);
   add_controls(s, header, "f_motion_", "frequency of the motion");
   add_controls(s, header, "swing_meas_", "swing");
