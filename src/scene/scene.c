@@ -15,6 +15,11 @@ const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"},
                vs_scene_study_shelf = {"study", "studies", ".yaml"},
                vs_scene_fit_shelf = {"fit", "fits", ".yaml"};
 
+/* True if switches of the deck are modulated, which no ideal tier can do. */
+static bool is_modulated(const vs_scene *s) {
+  return vs_deck_has_port(&s->setup.deck, vs_port_is_modulated);
+}
+
 /* Where the scene has that key; NULL: nowhere, or it has another word, or the key is obeyed on
  * every tier: `measure` is, where the scene asks for the quality of currents. */
 static const vs_node *node_of(const vs_scene *s, const vs_tier_key *k) {
@@ -130,12 +135,15 @@ static vs_status ignored_event(const vs_scene *s, const vs_occurrence *e, vs_err
   return vs_error_carry_on(err, VS_INPUT);
 }
 
-/* The keys of the scene that other tiers obey and this one does not. */
+/* The keys of the scene that other tiers obey and this one does not. Without a gate to fire, direct
+ * voltage and firing.valve: none are obeyed by a deck with modulated switches. */
 static vs_status check_ignored_keys(const vs_scene *s, vs_error *err) {
   vs_status status = VS_OK;
+  bool all = is_modulated(s) && !vs_deck_has_port(&s->setup.deck, vs_port_is_gated);
   for (int t = 0; t < VS_TIERS; t++)
     for (const vs_tier_key *k = vs_tiers_all[t]->keys; k && k->section && !status; k++)
-      if (!obeys(s->tier, k)) status = ignored_key(s, k->section, node_of(s, k), err);
+      if (!obeys(s->tier, k) && !(all && s->tier->has_circuit))
+        status = ignored_key(s, k->section, node_of(s, k), err);
   return status;
 }
 
@@ -194,6 +202,11 @@ static vs_status check_ignored(const vs_scene *s, vs_error *err) {
   const vs_events *events = &s->setup.timeline.events;
   vs_status status = check_law(s, err);
   if (status || s->tier->has_circuit) return status ? status : check_ignored_keys(s, err);
+  if (is_modulated(s))
+    return vs_fail_at(err, circuit ? circuit->where : (vs_where){0},
+                      "circuit.deck: the deck has a port pwm, and tier %s (%s) has no switch to be "
+                      "modulated; take tier %s or auto",
+                      s->tier->name, s->why, circuit_tier());
   for (const vs_node *n = circuit ? circuit->child : NULL; n && !status; n = n->next)
     if (strcmp(n->key, vs_deck_key.key)) status = ignored_key(s, "circuit", n, err);
   if (!status) status = check_ignored_keys(s, err);
@@ -226,6 +239,9 @@ static vs_status choose_tier(vs_scene *s, const char *named, vs_error *err) {
     snprintf(s->why, sizeof s->why, "asked for by run.tier");
   } else if (!tier_is_known(s)) {
     s->tier = vs_tiers_automatic(true); /* it has all probes */
+  } else if (is_modulated(s)) {
+    s->tier = vs_tiers_automatic(true);
+    snprintf(s->why, sizeof s->why, "auto: the deck has a port pwm, which only this tier has");
   } else if (ideal) {
     s->tier = vs_tiers_automatic(false);
     snprintf(s->why, sizeof s->why, "auto: the scene names %s.%s: %s, which no circuit has",
