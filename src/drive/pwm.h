@@ -46,7 +46,7 @@ bool vs_pwm_is_on(const vs_pwm_values *pwm, vs_pwm_switch of, double t_s);
  * instant not later than the next one at which the carrier turns, with no change there. */
 double vs_pwm_edge(const vs_pwm_values *pwm, vs_pwm_switch of, double t_s);
 
-/* When the reference meets the carrier on flank k, s: found to rounding. */
+/* When the reference meets the carrier on flank k, s: found to rounding; for tests. */
 double vs_pwm_crossing(const vs_pwm_values *pwm, double shift_rad, double k);
 
 /* Writes what is to be said where the dead time leaves out pulses of the upper switch, or of the
