@@ -80,7 +80,7 @@ static const double CONTINUOUS_S = 1;
  * operation. The scene fires once; or the device began to conduct there once at most, and did not
  * conduct all of the time. */
 static bool is_one_shot(const vs_watched *w) {
-  if (!isnan(w->device->gate_rad) && !w->timeline->firing.every) return true;
+  if (w->device->gates.count && !w->timeline->firing.every) return true;
   return w->starts < 2 && w->rests;
 }
 
@@ -422,7 +422,7 @@ typedef struct gate_pulses {
 
 static void prepare_gate(vs_watched *w, vs_reduced *r) {
   gate_pulses *g = r->state;
-  vs_switching_gate_begin(&g->gate, w->timeline, w->device->gate_rad);
+  vs_switching_gate_begin(&g->gate, w->timeline, &w->device->gates);
 }
 
 static void follow_gate(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
