@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "stress/reductions.h"
 
 /* A formula of the deck. One that is a single term times a constant is evaluated the short way. */
 typedef struct quick {
@@ -121,6 +122,7 @@ void vs_devices_free(vs_devices *d) {
     for (size_t n = 0; n < w->count; n++) free(w->reduced[n].state);
     free(w->reduced);
     free(w->states);
+    free(w->losses);
     free(d->watch[k].busy);
     free(d->watch[k].opening);
   }
@@ -254,6 +256,7 @@ static void follow(vs_devices *d, size_t k, vs_course_step *c, const double *mid
   if (w->states) follow_states(d, w, c);
   if (w->states) follow_shots(d, w, &own->shots, c);
   if (own->opening) keep(own->opening, c);
+  if (w->losses) vs_losses_follow(w->losses, c);
   follow_means(d, w, c);
   for (size_t n = 0; n < own->n_busy; n++) own->busy[n]->by->follow(w, own->busy[n], c);
 }
@@ -269,6 +272,7 @@ static void begin(vs_devices *d, const vs_step *step) {
     w->last[VS_OF_I] = vs_formula_value(own->current.formula, terms);
     if (own->flux.formula) w->last[VS_OF_FLUX] = vs_formula_value(own->flux.formula, terms);
     complete(w->last);
+    if (w->losses) vs_losses_resume(w->losses, w->last[VS_OF_V], w->last[VS_OF_I]);
     if (w->states) vs_switching_resume(w->states, w->last[VS_OF_I], w->last[VS_OF_V]);
     for (size_t n = 0; n < own->n_busy; n++)
       if (own->busy[n]->by->begin) own->busy[n]->by->begin(w, own->busy[n], d->began_s);

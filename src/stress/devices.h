@@ -8,7 +8,7 @@
 #ifndef VS_STRESS_DEVICES_H
 #define VS_STRESS_DEVICES_H
 
-#include "stress/reductions.h"
+#include "stress/reducer.h"
 
 /* What happened to a device in the step last accepted: it went against its gate; or it fired or
  * went out, where the deck has devices that conduct both ways (vs_devices.tells). */
