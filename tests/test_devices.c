@@ -701,7 +701,7 @@ static void devices_are_listed(void) {
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   CU_ASSERT(measure(t, "t1", "i2t")->limit && measure(t, "t2", "i2t")->limit);
   CU_ASSERT_PTR_NULL(measure(t, "f1", "i2t")->limit);
-  CLOSE(t->result.watchers.devices->item[0].device->gate_rad, M_PI,
+  CLOSE(t->result.watchers.devices->item[0].device->gates.rad[0], M_PI,
         1e-12); /* the deck's only gate */
   vs_trial_free(t);
   r = run("list parts");

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * How the courses of a device (its voltage, its current, ...) become one number each: one plug for
- * each vs_reduction that the deck's kinds name. A reduction sees its device step by step and keeps
- * what it must remember in a state of its own. */
-#ifndef VS_WATCH_REDUCTIONS_H
-#define VS_WATCH_REDUCTIONS_H
+ * What a reduction is: how the courses of a device (its voltage, its current, ...) become one
+ * number. A reduction sees its device step by step and keeps what it must remember in a state of
+ * its own. The table of all reductions is in stress/reductions.h. */
+#ifndef VS_STRESS_REDUCER_H
+#define VS_STRESS_REDUCER_H
 
-#include "watch/switching.h"
+#include "stress/losses.h"
+#include "stress/switching.h"
 
 typedef struct vs_reducer vs_reducer;
 
@@ -28,9 +29,10 @@ typedef struct vs_watched {
   const vs_device *device;
   const vs_deck *deck;
   const vs_timeline *timeline;
-  vs_switch *states;            /* of a device that conducts or blocks; NULL: of any other */
-  double last[VS_COURSES];      /* its courses at the last knot */
-  double sum[VS_COURSES];       /* integrals over the run so far; those of V and V.s stay 0 */
+  vs_switch *states;       /* of a device that conducts or blocks; NULL: of any other */
+  vs_losses *losses;       /* where a measure asks what the loss is made of; else NULL; owned */
+  double last[VS_COURSES]; /* its courses at the last knot */
+  double sum[VS_COURSES];  /* integrals over the run so far; those of V and V.s stay 0 */
   double sum_meant[VS_COURSES]; /* the same integrals over the stretch that means are over */
   bool at_work;                 /* the run is whole periods of an orbit */
   int starts;                   /* how many shots began in that stretch (devices.c) */
@@ -70,7 +72,20 @@ struct vs_reducer {
   void (*finish)(const vs_watched *w, vs_reduced *r, const vs_run_end *end);
 };
 
-/* The plugs, by vs_reduction. */
-extern const vs_reducer *const vs_reductions_all[VS_REDUCTIONS];
+/* ---- what reductions share ---- */
+
+/* Notes when the limit was passed by a value that was `before` at the step's beginning and is
+ * `after` at its end. */
+void vs_reducer_watch(vs_reduced *r, const vs_course_step *c, double before, double after);
+/* The same, and keeps `after` where it is the largest so far. */
+void vs_reducer_take_largest(vs_reduced *r, const vs_course_step *c, double before, double after);
+/* Takes a value of something that happens now and then: keeps the largest of all, or the least. */
+void vs_reducer_offer(vs_reduced *r, vs_value v, bool least);
+/* True where the limit is the least that is allowed. */
+bool vs_reducer_is_held_from_below(const vs_reduced *r);
+/* Adds 1 where `once` is true; the value belongs to the first instant. */
+void vs_reducer_count(vs_reduced *r, bool once, double at_s);
+/* A `begin` of a value that is 0 as the run begins. */
+void vs_reducer_begin_at_zero(const vs_watched *w, vs_reduced *r, double t_s);
 
 #endif

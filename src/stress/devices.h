@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Watcher that measures the stress of the deck's devices (deck/devices.h). It evaluates each
  * device's voltage and current, tells what a device that conducts or blocks did, and hands both to
- * the reductions of the device's measures (watch/reductions.h).
+ * the reductions of the device's measures (stress/reductions.h).
  *
  * Between two knots the deck's terms lie on straight lines, as the probes do. So extremes are at
  * knots, and Simpson's rule integrates a voltage times a current exactly. */
-#ifndef VS_WATCH_DEVICES_H
-#define VS_WATCH_DEVICES_H
+#ifndef VS_STRESS_DEVICES_H
+#define VS_STRESS_DEVICES_H
 
-#include "watch/reductions.h"
+#include "stress/reducer.h"
 
-/* A device that went against its gate in the step last accepted. */
+/* What happened to a device in the step last accepted: it went against its gate; or it fired or
+ * went out, where the deck has devices that conduct both ways (vs_devices.tells). */
 typedef struct vs_incident {
   double at_s;
   const char *device, *what; /* borrowed: "thyristor", "misfires" */
@@ -22,7 +23,10 @@ typedef struct vs_devices {
   const vs_frame *frame;
   vs_span_s means;       /* what means are over; the whole run where the frame says nothing */
   double began_s, now_s; /* of the steps accepted; began_s is NaN before the first */
-  vs_incident incidents[2 * VS_DECK_DEVICES]; /* at most one misfire and one firing a device */
+  bool tells; /* each device's firings are among the incidents, so that the run's own need not be
+                 told besides */
+  vs_incident incidents[3 * VS_DECK_DEVICES]; /* at most a misfire, a firing or an end of one, and
+                                                 what is to be said of the firing, a device */
   size_t n_incidents;
   vs_device_watch *watch; /* [count]; owned */
   size_t count;

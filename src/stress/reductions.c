@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "stress/reductions.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "stress/junction.h"
+#include "stress/pulse.h"
+#include "stress/told.h"
+
+/* ---- peaks ---- */
+
+static double in_sense(double value, int sense) {
+  return (sense ? sense * value : fabs(value)) + 0.0; /* no -0 */
+}
+
+static bool has_course(const vs_watched *w, const vs_reduced *r) {
+  return r->measure->of != VS_OF_FLUX || w->device->has_flux;
+}
+
+static void begin_peak(const vs_watched *w, vs_reduced *r, double t_s) {
+  const vs_device_measure *m = r->measure;
+  r->value = (vs_value){true, in_sense(w->last[m->of], m->sense), t_s};
+}
+
+static void follow_peak(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+  const vs_device_measure *m = r->measure;
+  double to = in_sense(c->to[m->of], m->sense);
+  (void)w;
+  if (to > r->value.value) r->value = (vs_value){true, to, c->t1_s};
+  if (r->limit) vs_reducer_watch(r, c, in_sense(c->from[m->of], m->sense), to);
+}
+
+static const vs_reducer peak = {.is_busy = has_course, .begin = begin_peak, .follow = follow_peak};
+
+/* ---- means ---- */
+
+/* A continuous rating says nothing of a shorter run: one pulse that the part's i2t allows would be
+ * above it over 0.7 s (i2t/i_t_rms^2 of the parts that ship is 0.46 to 0.68 s). */
+static const double CONTINUOUS_S = 1;
+
+/* True: only one firing falls into the time meant, which says nothing of the power or current in
+ * operation. The scene fires once; or the device began to conduct there once at most, and did not
+ * conduct all of the time. */
+static bool is_one_shot(const vs_watched *w) {
+  if (w->device->gates.count && !w->timeline->firing.every) return true;
+  return w->starts < 2 && w->rests;
+}
+
+/* The limit of a mean or an rms current holds for ever, as does the current on an orbit. A value
+ * above it counts as passing the limit at the end of the time meant. */
+static void judge_mean(const vs_watched *w, vs_reduced *r, double span_s, double end_s) {
+  if (!r->limit) return;
+  if (!w->at_work && span_s < CONTINUOUS_S * (1 - 1e-9))
+    r->unjudged = "not judged: over less than 1 s";
+  else if (!w->at_work && is_one_shot(w))
+    r->unjudged = "not judged: one shot";
+  if (r->unjudged)
+    r->limit = NULL;
+  else if (r->value.value > r->limit->value)
+    r->failed_s = end_s;
+}
+
+static void finish_mean(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  double span_s = end->to_s - end->from_s;
+  if (!(span_s > 0)) return;
+  r->value = (vs_value){true, w->sum_meant[r->measure->of] / span_s, NAN};
+  judge_mean(w, r, span_s, end->to_s);
+}
+
+static void finish_rms(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  double span_s = end->to_s - end->from_s;
+  if (!(span_s > 0)) return;
+  r->value = (vs_value){true, sqrt(w->sum_meant[r->measure->of] / span_s), NAN};
+  judge_mean(w, r, span_s, end->to_s);
+}
+
+static const vs_reducer mean = {.finish = finish_mean}, rms = {.finish = finish_rms};
+
+/* ---- integrals ---- */
+
+static bool has_limit(const vs_watched *w, const vs_reduced *r) {
+  (void)w;
+  return r->limit;
+}
+
+static void follow_integral(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+  int of = r->measure->of;
+  vs_reducer_watch(r, c, w->sum[of] - c->more[of], w->sum[of]);
+}
+
+static void finish_integral(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  (void)end;
+  r->value = (vs_value){true, w->sum[r->measure->of], NAN};
+}
+
+static const vs_reducer integral = {
+    .is_busy = has_limit, .follow = follow_integral, .finish = finish_integral};
+
+/* The state is the integral over the present conduction. */
+static void follow_pulse(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+  double *present = r->state;
+  (void)w;
+  if (!c->was_on && !c->on) return;
+  double before = c->was_on ? *present : 0;
+  *present = before + c->more[r->measure->of];
+  vs_reducer_take_largest(r, c, before, *present);
+}
+
+static const vs_reducer pulse = {.state_size = sizeof(double),
+                                 .across = true,
+                                 .begin = vs_reducer_begin_at_zero,
+                                 .follow = follow_pulse};
+
+/* ---- heat of one pulse ---- */
+
+static void prepare_heat(vs_watched *w, vs_reduced *r) {
+  vs_pulse *p = r->state;
+  p->rest_s = w->timeline->period_s / 4;
+}
+
+static void follow_heat(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+  vs_pulse *p = r->state;
+  double before = p->heat_j, heat = vs_pulse_follow(p, c);
+  (void)w;
+  vs_reducer_take_largest(r, c, fmin(before, heat), heat);
+}
+
+/* What the present current has brought as the run ends counts whole. No pulse has more heat than
+ * the run, whose integral may be less by the rounding of sums. */
+static void finish_heat(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  double heat_j = vs_pulse_unfinished(r->state, end->now_s);
+  if (heat_j > r->value.value) r->value = (vs_value){true, heat_j, end->now_s};
+  r->value.value = fmin(r->value.value, fmax(w->sum[VS_OF_POWER], 0));
+  if (r->limit && isnan(r->failed_s) && r->value.value > r->limit->value) r->failed_s = end->now_s;
+}
+
+static const vs_reducer heat = {.state_size = sizeof(vs_pulse),
+                                .prepare = prepare_heat,
+                                .begin = vs_reducer_begin_at_zero,
+                                .follow = follow_heat,
+                                .finish = finish_heat};
+
+/* ---- within 10 ms ---- */
+
+enum { WINDOW_PARTS = 40 };
+/* The surge that I_TSM is given for is a half sine of 10 ms; the window over it is made of parts of
+ * a quarter of a millisecond. */
+static const double SURGE_S = 10e-3, PART_S = 10e-3 / WINDOW_PARTS;
+
+/* The integral over the last 10 ms. Each part holds its share of the steps that reach into it; of
+ * the oldest part the share counts that is not yet out of the window. */
+typedef struct window {
+  double part[WINDOW_PARTS + 1];
+  double whole;    /* sum of all parts but the present and the oldest one */
+  size_t now;      /* index of the present part */
+  double starts_s; /* when the present part began */
+  double sum;      /* the window's integral at the end of the last step */
+} window;
+
+static void begin_window(const vs_watched *w, vs_reduced *r, double t_s) {
+  window *in = r->state;
+  in->starts_s = t_s;
+  vs_reducer_begin_at_zero(w, r, t_s);
+}
+
+static void next_part(window *w) {
+  w->now = (w->now + 1) % (WINDOW_PARTS + 1);
+  w->part[w->now] = w->whole = 0;
+  for (size_t k = 2; k <= WINDOW_PARTS; k++) w->whole += w->part[(w->now + k) % (WINDOW_PARTS + 1)];
+  w->starts_s += PART_S;
+}
+
+/* Returns the window's integral after a step that adds `more`, evenly over its length. */
+static double add_to_window(window *w, const vs_course_step *c, double more) {
+  double from_s = c->t0_s;
+  double skipped = floor((c->t1_s - w->starts_s) / PART_S) - WINDOW_PARTS - 1;
+  if (skipped > 0) w->starts_s += skipped * PART_S; /* a step longer than all of it */
+  from_s = fmax(from_s, w->starts_s);
+  while (c->t1_s > w->starts_s + PART_S) {
+    double end_s = fmax(w->starts_s + PART_S, from_s);
+    w->part[w->now] += more * (end_s - from_s) / c->h_s;
+    from_s = end_s;
+    next_part(w);
+  }
+  w->part[w->now] += more * (c->t1_s - from_s) / c->h_s;
+  double oldest = w->part[(w->now + 1) % (WINDOW_PARTS + 1)];
+  double still_in = fmax(1 - (c->t1_s - w->starts_s) / PART_S, 0);
+  return w->sum = w->whole + w->part[w->now] + still_in * oldest;
+}
+
+static void follow_within(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+  window *in = r->state;
+  double before = in->sum, after = add_to_window(in, c, c->more[r->measure->of]);
+  (void)w;
+  vs_reducer_take_largest(r, c, before, after);
+}
+
+/* Up to 10 ms what a junction bears is a constant int i^2 dt; that of a half sine is
+ * peak^2 length/2. */
+static void follow_surge(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+  window *in = r->state;
+  double before = in->sum, after = add_to_window(in, c, c->more[r->measure->of]);
+  (void)w;
+  vs_reducer_take_largest(r, c, sqrt(2 * before / SURGE_S), sqrt(2 * after / SURGE_S));
+}
+
+static const vs_reducer within = {.state_size = sizeof(window),
+                                  .begin = begin_window,
+                                  .follow = follow_within},
+                        surge = {.state_size = sizeof(window),
+                                 .across = true,
+                                 .begin = begin_window,
+                                 .follow = follow_surge};
+
+/* ---- rates ---- */
+
+static void follow_slope(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
+  int of = r->measure->of;
+  (void)w;
+  double rate =
+      vs_slope_follow(r->state, c->t0_s, c->from[of], c->t1_s, c->to[of], r->measure->sense);
+  vs_reducer_offer(r, (vs_value){rate >= 0, rate, c->t1_s}, vs_reducer_is_held_from_below(r));
+}
+
+static const vs_reducer steepest = {
+    .state_size = sizeof(vs_slope), .is_rate = true, .follow = follow_slope};
+
+/* ---- the table ---- */
+
+const vs_reducer *const vs_reductions_all[VS_REDUCTIONS] = {
+#define VS_REDUCTION_ROW(id, plug) [id] = &plug,
+    VS_REDUCTION_LIST(VS_REDUCTION_ROW)
+#undef VS_REDUCTION_ROW
+};
