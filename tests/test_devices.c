@@ -620,7 +620,7 @@ static void bad_lines(void) {
   static const struct {
     const char *lines, *part, *place, *says;
   } ROWS[] = {
-      {"*$ device\n", "", "d.cir:4:10: ", "'device NAME [PART or KIND] [gate+ANGLE] [protects"},
+      {"*$ device\n", "", "d.cir:4:10: ", "'device NAME [PART or KIND] [PORT]... [protects"},
       {"*$ device t v(a), v(b)\n", "", "d.cir:4:14: ", "'device NAME [PART or KIND]"},
       {"*$ device t a b = v(a), v(b)\n", "", "d.cir:4:15: ", "'device NAME [PART or KIND]"},
       {"*$ device t = v(a)\n", "", "d.cir:4:19: ", "',' and the formula of its current"},

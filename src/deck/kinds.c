@@ -236,7 +236,7 @@ const vs_kind vs_kinds_all[] = {
     {.name = "resistor", MEASURED(RESISTOR)},
     {.name = "capacitor", MEASURED(CAPACITOR)},
     {.name = "electrolytic", MEASURED(ELECTROLYTIC)},
-    {.name = "fuse", MEASURED(FUSE)},
+    {.name = "fuse", .melts = true, MEASURED(FUSE)},
     {.name = "gate_drive", .gated = true, MEASURED(GATE_DRIVE)},
     {.name = NULL}};
 
