@@ -298,7 +298,8 @@ static void refused(void) {
   static const struct {
     const char *words, *what;
   } ROWS[] = {
-      {"run chopper --tier switched", "circuit.deck: the deck has a port pwm, and tier switched"},
+      {"run chopper --tier switched",
+       "circuit.deck: tier switched (asked for by --tier) has no port pwm"},
       {"steady chopper", "port pwm"},
       {"steady bridge_link", "for which no periodic orbit is sought"},
       {"run bridge_link --set start=steady", "no orbit is sought where the deck has a port pwm"},
@@ -330,7 +331,8 @@ static void said(void) {
   EXPECT(r.status == 0 && strstr(r.err, "pulses of port pwm_low no longer than"), "%s", r.err);
   free_ran(&r);
   r = run("check chopper");
-  EXPECT(r.status == 0 && strstr(r.out, "auto: the deck has a port pwm"), "%s", r.out);
+  EXPECT(r.status == 0 && strstr(r.out, "auto: the scene names a deck with a port pwm"), "%s",
+         r.out);
   free_ran(&r);
   r = run("run paper --json --quiet --set 'run.until=1 ms'");
   EXPECT(r.status == 0 && !strstr(r.out, "\"pwm\""), "a section of no use is shown");

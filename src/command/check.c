@@ -70,8 +70,9 @@ typedef struct report {
 static void warn_of_deck(report *r, const vs_deck *deck) {
   const vs_where file = {.file = deck->files[0]};
   const char *mains = vs_warnings_without_mains(deck);
-  bool fires = false;
-  for (size_t k = 0; k < deck->n_probes; k++)
+  bool fires =
+      vs_deck_has_port(deck, vs_port_is_modulated) && !vs_deck_has_port(deck, vs_port_is_gated);
+  for (size_t k = 0; k < deck->n_probes; k++) /* without a gate there is nothing to be found */
     fires = fires || !strcmp(deck->probes[k].name, "i_thyristor");
   if (!fires)
     vs_fail_at(vs_warnings_add(&r->warnings), file,

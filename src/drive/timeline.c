@@ -90,9 +90,16 @@ vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_error *err)
   return VS_OK;
 }
 
-vs_status vs_timeline_settle(const vs_node *scene, vs_timeline *t, bool fires, vs_error *err) {
+/* True if the scene's firing drives something: a gate of the deck, or the thyristor of an ideal
+ * tier, which no deck with pulse-width modulation is run on. */
+static bool is_fired(const vs_deck *deck) {
+  return vs_deck_has_port(deck, vs_port_is_gated) || !vs_deck_has_port(deck, vs_port_is_modulated);
+}
+
+vs_status vs_timeline_settle(const vs_node *scene, vs_timeline *t, const vs_deck *deck,
+                             vs_error *err) {
   bool no_valve = t->firing.no_valve;
-  if (!fires) t->firing.no_valve = 1;
+  if (!is_fired(deck)) t->firing.no_valve = 1;
   if (t->supply.direct && !t->firing.no_valve) {
     const vs_node *kind = vs_tree_child(vs_tree_child(scene, "supply"), "kind");
     return vs_fail_at(err, kind ? kind->where : (vs_where){0},

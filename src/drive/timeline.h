@@ -54,10 +54,10 @@ typedef struct vs_timeline {
  * vs_field_section_read and vs_pwm_check refuse; a pulse that reaches into the next one. */
 vs_status vs_timeline_build(const vs_node *scene, vs_timeline *timeline, vs_error *err);
 
-/* Tells the timeline whether there is a gate to be fired: where a deck has ports pwm and no gate
- * there is none, which then counts as firing.valve: none. Errors: a key of the section firing where
- * nothing fires; a thyristor on direct voltage. */
-vs_status vs_timeline_settle(const vs_node *scene, vs_timeline *timeline, bool fires,
+/* Looks whether there is a gate to be fired: where the deck has ports pwm and no gate there is
+ * none, which then counts as firing.valve: none. Errors: a key of the section firing where nothing
+ * fires; a thyristor on direct voltage. */
+vs_status vs_timeline_settle(const vs_node *scene, vs_timeline *timeline, const vs_deck *deck,
                              vs_error *err);
 
 /* The mains' voltage with events, V; without, u = sqrt(2) U sin(wt + phase) (Eq. 90), or U where it

@@ -81,7 +81,9 @@ static const char *needs_circuit(const vs_scene *s, char *buffer, size_t size) {
   const vs_occurrence *event = first_event(s);
   const char *probe = probe_of_circuit(s);
   const vs_tier_key *key = own_key(s, vs_tiers_automatic(true));
-  if (circuit && circuit->child)
+  if (is_modulated(s))
+    snprintf(buffer, size, "a deck with a port pwm, %s", HAS);
+  else if (circuit && circuit->child)
     snprintf(buffer, size, "circuit.%s, %s", circuit->child->key, HAS);
   else if (key)
     snprintf(buffer, size, "%s.%s, %s", key->section, key->key, HAS);
@@ -135,8 +137,8 @@ static vs_status ignored_event(const vs_scene *s, const vs_occurrence *e, vs_err
   return vs_error_carry_on(err, VS_INPUT);
 }
 
-/* The keys of the scene that other tiers obey and this one does not. Without a gate to fire, direct
- * voltage and firing.valve: none are obeyed by a deck with modulated switches. */
+/* The keys of the scene that other tiers obey and this one does not. Where pulses come from ports
+ * pwm alone, direct voltage and firing.valve: none are obeyed. */
 static vs_status check_ignored_keys(const vs_scene *s, vs_error *err) {
   vs_status status = VS_OK;
   bool all = is_modulated(s) && !vs_deck_has_port(&s->setup.deck, vs_port_is_gated);
@@ -204,8 +206,7 @@ static vs_status check_ignored(const vs_scene *s, vs_error *err) {
   if (status || s->tier->has_circuit) return status ? status : check_ignored_keys(s, err);
   if (is_modulated(s))
     return vs_fail_at(err, circuit ? circuit->where : (vs_where){0},
-                      "circuit.deck: the deck has a port pwm, and tier %s (%s) has no switch to be "
-                      "modulated; take tier %s or auto",
+                      "circuit.deck: tier %s (%s) has no port pwm; take tier %s or auto",
                       s->tier->name, s->why, circuit_tier());
   for (const vs_node *n = circuit ? circuit->child : NULL; n && !status; n = n->next)
     if (strcmp(n->key, vs_deck_key.key)) status = ignored_key(s, "circuit", n, err);
@@ -239,10 +240,7 @@ static vs_status choose_tier(vs_scene *s, const char *named, vs_error *err) {
     snprintf(s->why, sizeof s->why, "asked for by run.tier");
   } else if (!tier_is_known(s)) {
     s->tier = vs_tiers_automatic(true); /* it has all probes */
-  } else if (is_modulated(s)) {
-    s->tier = vs_tiers_automatic(true);
-    snprintf(s->why, sizeof s->why, "auto: the deck has a port pwm, which only this tier has");
-  } else if (ideal) {
+  } else if (ideal && !is_modulated(s)) {
     s->tier = vs_tiers_automatic(false);
     snprintf(s->why, sizeof s->why, "auto: the scene names %s.%s: %s, which no circuit has",
              ideal->section, ideal->key, ideal->value ? ideal->value : "");

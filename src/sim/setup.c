@@ -408,12 +408,6 @@ static vs_status choose_eva(vs_setup *setup, vs_error *err) {
   return vs_error_carry_on(err, vs_eva_check_names(&setup->deck, &setup->model.coil, err));
 }
 
-/* True if the scene's firing drives something: a gate of the deck, or the thyristor of an ideal
- * tier, which no deck with pulse-width modulation is run on. */
-static bool is_fired(const vs_deck *deck) {
-  return vs_deck_has_port(deck, vs_port_is_gated) || !vs_deck_has_port(deck, vs_port_is_modulated);
-}
-
 /* Builds all of it; with has_deck the deck's text is there already, and so is a machine that the
  * setup has. */
 static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_error *err) {
@@ -431,7 +425,7 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
   if (!s)
     s = vs_field_section_read(&vs_setup_run_section, vs_tree_child(scene, "run"), &setup->run, err);
   vs_timeline *line = &setup->timeline;
-  if (!s) s = vs_error_carry_on(err, vs_timeline_settle(scene, line, is_fired(&setup->deck), err));
+  if (!s) s = vs_error_carry_on(err, vs_timeline_settle(scene, line, &setup->deck, err));
   if (!s)
     s = vs_events_read(vs_tree_child(scene, "events"), line, setup->run.until_s, &line->events,
                        err);
