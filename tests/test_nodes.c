@@ -206,6 +206,9 @@ static void other_names_are_refused(void) {
       {"Ea m1 0 xeva.foo 0 1\n", "bad.cir:7:9: ", "xeva.z, xeva.lam, xeva.vz, xeva.q_p"},
       {"Ba m1 0 V=v(xeva.z)+v(xeva.v_pp)\n", "bad.cir:7:23: ", "did you mean 'xeva.v_p'?"},
       {"*$ probe b = v(xeva.q_phy) rad\n", "bad.cir:7:14: ", "did you mean 'xeva.q_phi'?"},
+      {"Rb xeva.lam m1 1k\n", "bad.cir:7:4: ", "E1 a 0 xeva.lam 0 1"},
+      {"Xm xeva.lam meter\n.subckt meter a\nRa a 0 1\n.ends\n",
+       "bad.cir:7:4: ", "a source read it"},
       {"*$ loss b = v(xeva.y)^2\n", "bad.cir:7:", "xeva.y"},
       {"Xm m1 meter\n.subckt meter a\nBa a 0 V=v(xeva.z)\nRa a 0 1\n.ends\n",
        "bad.cir:9:12: ", ".global xeva.z"},
@@ -220,6 +223,8 @@ static void other_names_are_refused(void) {
   remove("bad.cir");
   write_deck("good.cir", "Xm m1 meter\n.global xeva.z\n.subckt meter a\nBa a 0 V=v(xeva.z)\n"
                          "Ra a 0 1\n.ends\n*$ probe g = v(m1) m\n");
+  RUN_GOOD("run paper --set circuit.deck=good.cir --set run.until=5ms -o out --quiet");
+  write_deck("good.cir", "Ba m1 0 V=v(xeva.lam)\nEb m2 0 xeva.lam 0 1\nRb xeva.z m2 1k\n");
   RUN_GOOD("run paper --set circuit.deck=good.cir --set run.until=5ms -o out --quiet");
 }
 

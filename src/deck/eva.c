@@ -55,7 +55,7 @@ _Static_assert(VS_DECK_MOTIONS == 2 * VS_MACHINE_COORDINATES + 1,
                "a node for the gap's rate, each coordinate and each coordinate's rate");
 
 /* The nodes that every EVA has. */
-static const char *const OWN[] = {"z", "lam"};
+static const char *const OWN[] = {"z", "lam"}; /* the second one is a state */
 static const char RATE[] = "vz", COORDINATE[] = "q_", VELOCITY[] = "v_";
 
 static bool is_part_of_a_name(char c) {
@@ -161,27 +161,56 @@ static bool is_of_the_deck(const vs_deck *deck, vs_where where) {
   return false;
 }
 
-/* Takes the nodes that one line of the netlist names; `within`: it is one of a subcircuit. */
-static vs_status take_line(vs_deck *deck, const vs_line *line, bool within, const node_names *names,
+/* True where the word at `at` draws no current from the node it names: it stands in a statement, or
+ * behind the two nodes of an element that has only these, or only reads the others. */
+static bool draws_nothing(const char *line, const char *at) {
+  static const char BETWEEN[] = " \t(),";
+  int words = 0;
+  for (const char *s = line; s < at; words++) {
+    s += strcspn(s, BETWEEN);
+    s += strspn(s, BETWEEN);
+  }
+  return *line == '.' || (strchr("rclvidbefghws", tolower((unsigned char)*line)) && words > 2);
+}
+
+/* A line of the netlist, and whether it is one of a subcircuit. */
+typedef struct own_line {
+  const vs_line *line;
+  bool within;
+} own_line;
+
+/* Takes a node that a line names at `at`. */
+static vs_status take_mention(vs_deck *deck, const own_line *own, const char *at, const char *node,
+                              const node_names *names, vs_where where, vs_error *err) {
+  if (own->within && !may_stand_within(deck, node))
+    return vs_fail_at(err, where,
+                      "%s.%s within a subcircuit is a node of its own; hand the EVA's to it as one "
+                      "of its nodes, or write .global %s.%s",
+                      deck->eva, node, deck->eva, node);
+  if (own->within) return VS_OK;
+  if (!strcmp(node, OWN[1]) && !draws_nothing(own->line->text, at))
+    return vs_fail_at(err, where,
+                      "%s.%s: a current from this node would change the flux linkage; let a source "
+                      "read it, as in E1 a 0 %s.%s 0 1",
+                      deck->eva, node, deck->eva, node);
+  return take_node(deck, node, names, where, err);
+}
+
+/* Takes the nodes that one line of the netlist names. */
+static vs_status take_line(vs_deck *deck, const own_line *own, const node_names *names,
                            vs_error *err) {
-  char node[VS_DECK_NAME];
-  const char *text = line->text, *written = line->written ? line->written : text, *from = text;
-  bool sets = is_statement(text, ".ic") || is_statement(text, ".nodeset");
+  char node[VS_DECK_NAME], other[VS_DECK_NAME];
+  const vs_line *line = own->line;
+  const char *text = line->text, *written = line->written ? line->written : text;
+  bool reads = !is_statement(text, ".ic") && !is_statement(text, ".nodeset") &&
+               !is_statement(text, ".global");
   vs_status status = VS_OK;
-  while (!status && (from = find_node(deck->eva, text, from, node))) {
-    char other[VS_DECK_NAME]; /* where the text was changed, the place is that of the first node */
-    const char *at = line->written ? find_node(deck->eva, written, written, other) : from;
-    vs_where where = vs_line_place(line, at ? at : written);
-    from += strlen(deck->eva);
-    if (!within)
-      status = vs_error_carry_on(err, take_node(deck, node, names, where, err));
-    else if (!may_stand_within(deck, node))
-      status = vs_error_carry_on(
-          err, vs_fail_at(err, where,
-                          "%s.%s within a subcircuit is a node of its own; hand the EVA's to it as "
-                          "one of its nodes, or write .global %s.%s",
-                          deck->eva, node, deck->eva, node));
-    if (!sets && !is_statement(text, ".global") && !deck->reads_eva.file) deck->reads_eva = where;
+  for (const char *at = text; !status && (at = find_node(deck->eva, text, at, node)); at++) {
+    /* where the text was changed, the place is that of the first node */
+    const char *in_file = line->written ? find_node(deck->eva, written, written, other) : at;
+    vs_where where = vs_line_place(line, in_file ? in_file : written);
+    status = vs_error_carry_on(err, take_mention(deck, own, at, node, names, where, err));
+    if (reads && !deck->reads_eva.file) deck->reads_eva = where;
   }
   return status;
 }
@@ -198,7 +227,8 @@ vs_status vs_eva_take_motions(vs_deck *deck, const vs_machine *machine, vs_error
   for (size_t k = 0; k < deck->n_lines && !status; k++) {
     const vs_line *line = &deck->lines[k];
     depth += is_statement(line->text, ".subckt");
-    if (is_of_the_deck(deck, line->where)) status = take_line(deck, line, depth > 0, &names, err);
+    const own_line own = {line, depth > 0};
+    if (is_of_the_deck(deck, line->where)) status = take_line(deck, &own, &names, err);
     depth -= is_statement(line->text, ".ends");
   }
   for (size_t k = 0; k < deck->n_terms && !status; k++) {
@@ -214,8 +244,7 @@ vs_status vs_eva_take_motions(vs_deck *deck, const vs_machine *machine, vs_error
 /* ---- written ---- */
 
 /* Adds a line of the file, with the law's texts in the place of the file's own, and before the last
- * one the sources of the machine's motion. Returns how often
- * it took the law's current. */
+ * one the sources of the machine's motion. Returns how often it took the law's current. */
 static int add_line(const vs_deck *deck, const char *line, vs_text *out) {
   const char *at = strstr(line, CURRENT), *begins = strstr(line, BEGINS);
   if (deck->eva_current.text && !strncasecmp(line, ENDS, sizeof ENDS - 1) && deck->eva_lines.text)

@@ -195,8 +195,8 @@ static vs_status check_feedback(const vs_scene *s, vs_error *err) {
   if (s->tier->has_circuit || !deck->reads_eva.file) return VS_OK;
   return vs_error_carry_on(
       err, vs_fail_at(err, deck->reads_eva,
-                      "an element reads the machine's motion (%s....), and tier %s (%s) has no "
-                      "circuit; take tier %s or auto",
+                      "an element reads the machine's motion at a node of %s, and tier %s (%s) has "
+                      "no circuit; take tier %s or auto",
                       deck->eva, s->tier->name, s->why, circuit_tier()));
 }
 
