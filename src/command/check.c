@@ -163,7 +163,9 @@ static vs_status check_deck(report *r, vs_error *err) {
     status = vs_session_try(vs_tiers_automatic(true), setup, err);
   if (!status && !vs_error_count(err)) {
     describe_deck(&setup->deck, &r->good);
-    for (size_t p = 0; p < setup->deck.n_parts; p++)
+    /* modulated switches are made for a voltage that only their scene names */
+    bool known = !vs_deck_has_port(&setup->deck, vs_port_is_modulated);
+    for (size_t p = 0; known && p < setup->deck.n_parts; p++)
       if (vs_parts_below_mains(&setup->deck, p, setup->timeline.supply.voltage_v, text,
                                sizeof text))
         vs_fail_at(vs_warnings_add(&r->warnings), (vs_where){.file = setup->deck.files[0]}, "%s",

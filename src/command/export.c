@@ -246,7 +246,7 @@ static void add_scene(vs_text *t, const vs_setup *s) {
   vs_mechanism_params(t, &s->model);
 }
 
-/* The source of a port, or the gap's (port: NULL), in the place of "NAME n m external". */
+/* The source of a port, or one of the EVA's (port: NULL), in the place of "NAME n m external". */
 static void add_source(vs_text *t, const char *line, const vs_port *port, const vs_setup *s) {
   char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME];
   sscanf(line, "%63s %63s %63s", name, plus, minus);
@@ -254,8 +254,7 @@ static void add_source(vs_text *t, const char *line, const vs_port *port, const 
     vs_plain_write(t, &(vs_plain_source){name, plus, minus, &port->signal}, &s->timeline,
                    s->run.until_s);
   else
-    vs_text_add(t, "B%s %s %s V = ({vs_gap})+v(vs_%s)/1000\n", name + 1, plus, minus,
-                vs_mechanism_node(&s->model, false));
+    vs_mechanism_motion(t, s, name, (const char *[]){plus, minus});
 }
 
 /* The netlist with its external sources replaced. The EVA's stands after the deck's own lines. */

@@ -10,7 +10,10 @@
 
 static const vs_field SUPPLY[] = {
     {"kind", VS_CHOICE, "", "sine", 0, 0, false, S_(direct),
-     "sine: the mains; step: direct voltage from t = 0 on, ideal tiers only", "sine|step", NULL},
+     "sine: the mains; step: direct voltage from t = 0 on, on ideal tiers and for decks with a "
+     "port "
+     "pwm",
+     "sine|step", NULL},
     {"voltage", VS_REAL, "V", "440 V", 0, 1e6, true, S_(voltage_v),
      "U, rms at the converter (Table 1)", NULL, NULL},
     {"frequency", VS_REAL, "Hz", "50 Hz", 0.1, 1e4, false, S_(frequency_hz), "f, mains (Table 1)",
@@ -33,8 +36,8 @@ static const vs_field FIRING[] = {
      "t_pulse, length of the gate pulse train", NULL, NULL},
     {"every", VS_COUNT, "", "once", 1, 1e6, false, F_(every), "fires in every n-th cycle", "once",
      NULL},
-    {"first_cycle", VS_COUNT, "", "1", 1, 1e9, false, F_(first_cycle),
-     "cycle of the first firing, counted from 1", NULL, NULL},
+    {"first_cycle", VS_COUNT, "", "1", 0, 1e9, false, F_(first_cycle),
+     "cycle of the first firing, from 1 on; 0: the cycle that is under way at t = 0", NULL, NULL},
     {"burst_frequency", VS_REAL, "kHz", "5 kHz", 0.01, 1000, false, F_(burst_hz),
      "of the sub-pulses that fill a gate pulse; decks with a port burst", NULL, NULL},
     {"burst_duty", VS_REAL, "%", "30 %", 0, 100, true, F_(burst_duty),

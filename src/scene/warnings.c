@@ -232,7 +232,9 @@ void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame
   warn_of_loads(s, w);
   if (!deck) return;
   vs_warnings_of_netlist(deck, w);
-  warn_of_parts(vs_tree_child(root, "circuit"), deck, s->timeline.supply.voltage_v, w);
+  /* a direct voltage is its own peak */
+  double rms_v = s->timeline.supply.voltage_v / (s->timeline.supply.direct ? M_SQRT2 : 1);
+  warn_of_parts(vs_tree_child(root, "circuit"), deck, rms_v, w);
   warn_of_mains(deck, w);
   warn_of_supply(root, s, w);
   warn_of_bursts(vs_tree_child(root, "firing"), deck, w);
