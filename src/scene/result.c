@@ -53,7 +53,8 @@ static bool nothing_conducts(const vs_scene *s, const vs_result *r) {
   bool told = !deck || vs_channel_find(&s->frame, "i_thyristor") >= 0;
   if (r->values[VS_M_T_FIRE].known) return false;
   for (size_t k = 0; r->watchers.devices && k < r->watchers.devices->count; k++) {
-    const vs_switch *states = r->watchers.devices->item[k].states;
+    const vs_watched *w = &r->watchers.devices->item[k];
+    const vs_switch *states = w->device->kind->gated ? w->states : NULL;
     told = told || states;
     if (states && !isnan(states->fired_s)) return false;
   }
