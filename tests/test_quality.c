@@ -260,9 +260,9 @@ static void expect_line(const char *printed, char *line) {
   char *word = strtok(line, " ");
   const char *at = printed;
   char start[64];
-  snprintf(start, sizeof start, "\n%s ", word);
+  snprintf(start, sizeof start, "\n  %s ", word);
   while ((at = strstr(at, start))) {
-    char *copy = strndup(at + 1, strcspn(at + 1, "\n")), *rest = NULL, *given = NULL;
+    char *copy = strndup(at + 3, strcspn(at + 3, "\n")), *rest = NULL, *given = NULL;
     bool same = strtok_r(copy, " ", &rest) != NULL;
     for (char *w = line + strlen(word) + 1; same && *w; w += *w == ' ') {
       char each[64];

@@ -8,7 +8,7 @@
 #include "tell/amount.h"
 
 /* Measures of devices stand in cells side by side. */
-enum { NAME_WIDTH = 18, VALUE_WIDTH = 22, CELL = 30, CELLS = 3 };
+enum { ROW = 40, NAME_WIDTH = 18, CELL = 30, CELLS = 3 };
 
 static const char *const HEADINGS[VS_SHOWN_GROUPS] = {[VS_SHOWN_MOTION] = "motion",
                                                       [VS_SHOWN_ELECTRICAL] = "electrical",
@@ -55,7 +55,7 @@ static bool is_wanted(const rows *r, const vs_shown *m, int k) {
   if (is_asked(r, m, k)) return r->group < 0;
   if ((int)m->group != r->group) return false;
   if (r->options->all) return true;
-  return m->value.known && m->value.value != 0 && !m->doubled && m->group != VS_SHOWN_QUALITY;
+  return m->value.known && m->value.value != 0 && !m->doubled;
 }
 
 /* ---- rows ---- */
@@ -63,6 +63,12 @@ static bool is_wanted(const rows *r, const vs_shown *m, int k) {
 static void begin(rows *r) {
   if (!r->begun) fprintf(r->out, "\n%s\n", r->group < 0 ? "asked for" : HEADINGS[r->group]);
   r->begun = true;
+}
+
+/* The name to the left and the value to the right of a row. */
+static void print_pair(const char *name, int length, const char *value, FILE *out) {
+  int room = ROW - length;
+  fprintf(out, "  %.*s %*s", length, name, room > 0 ? room : 0, value);
 }
 
 /* "   at 5.556 ms" */
@@ -74,12 +80,11 @@ static void print_at(double at_s, const char *before, FILE *out) {
 static void print_row(rows *r, const vs_shown *m, int k) {
   char value[VS_AMOUNT_SIZE];
   const vs_value *measured = measured_of(r, k);
-  fprintf(r->out, "  %-*s ", NAME_WIDTH, m->name);
   if (!m->value.known) {
-    fprintf(r->out, "%*s\n", VALUE_WIDTH, "-");
+    print_pair(m->name, (int)strlen(m->name), "-\n", r->out);
     return;
   }
-  fprintf(r->out, "%*s", VALUE_WIDTH, vs_amount_text(m->value.value, m->unit, value));
+  print_pair(m->name, (int)strlen(m->name), vs_amount_text(m->value.value, m->unit, value), r->out);
   print_at(m->value.at_s, "   at ", r->out);
   if (measured) {
     fprintf(r->out, "   measured %s", vs_amount_text(measured->value, m->unit, value));
@@ -99,9 +104,8 @@ static bool are_ends(const vs_shown *least, const vs_shown *largest) {
 
 static void print_ends(rows *r, const vs_shown *least, const vs_shown *largest) {
   char range[2 * VS_AMOUNT_SIZE];
-  fprintf(r->out, "  %-*.*s %*s", NAME_WIDTH, (int)strlen(least->name) - 4, least->name,
-          VALUE_WIDTH,
-          vs_amount_range(least->value.value, largest->value.value, least->unit, range));
+  print_pair(least->name, (int)strlen(least->name) - 4,
+             vs_amount_range(least->value.value, largest->value.value, least->unit, range), r->out);
   print_at(least->value.at_s, "   at ", r->out);
   print_at(largest->value.at_s, ", ", r->out);
   fputc('\n', r->out);
