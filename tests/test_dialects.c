@@ -403,6 +403,14 @@ static void numbers_that_are_misread(void) {
       {"R9 ss yy 4,7k", "d.cir:16:10", "a point"},
       {"V9 ss yy 2,5", "d.cir:16:10", "a point"},
       {"R9 ss yy 1.2.3", "d.cir:16:10", "one point"},
+      {"R9 ss yy 1,000.5", "d.cir:16:10", "a point"},
+      {"R9 ss yy 0x10", "d.cir:16:10", "ngspice reads 0x and leaves"}, /* none of an ohm */
+      {"R9 ss yy 4k7ohm", "d.cir:16:10", "ngspice reads 4k and leaves"},
+      {"R9 ss yy 1e3e3", "d.cir:16:10", "leaves the rest out"},
+      {"B1 yy 0 V=V(ss)*1_000", "d.cir:16:17", "ngspice reads 1 and leaves"},
+      {"C9 ss yy 100n 50V", "d.cir:16:15", "second number"}, /* 50 F in ngspice */
+      {"R9 ss yy 5k 1%", "d.cir:16:13", "second number"},
+      {"L9 ss yy 10u 5A", "d.cir:16:14", "second number"},
       {"R9 ss yy 10 k", "d.cir:16:13", "10k"},
       {"R9 ss yy 10 kOhm", "d.cir:16:13", "10kOhm"},
       {"C9 ss yy 10 uF", "d.cir:16:13", "10uF"},

@@ -16,6 +16,7 @@ typedef struct vs_course_pulse {
   double at_s, width_s;  /* when it begins to rise; from then until it begins to fall */
   double rise_s, fall_s; /* how long its edges take */
   double period_s;       /* INFINITY: it comes once */
+  double pulses;         /* how many there are; INFINITY: they go on */
 } vs_course_pulse;
 
 /* True for a source (V or I) with this word, SIN, PULSE, PWL, ...: whether its numbers are known or

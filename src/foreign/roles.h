@@ -37,6 +37,7 @@ typedef struct vs_roles {
   double angle_deg, width_s;
   int every; /* 0: once */
   int first_cycle;
+  bool begins_with_current; /* the coil has an initial current, IC=, in the netlist */
   bool delayed; /* the netlist's mains begin later than at t = 0, which the program's do not */
   bool late;    /* pulses before the mains' first rising zero, from which the program counts its
                    firings, are not made */

@@ -70,6 +70,9 @@ static void note_roles(work *w) {
   if (r->resistance_ohm < 1e-3)
     vs_declared_note(left,
                      "the coil has no resistance: give actuator.resistance (1 mohm is taken)");
+  if (r->begins_with_current)
+    vs_declared_note(left, "%s begins with a current, IC=; the program's coil begins without one",
+                     r->coil->name);
   if (r->delayed)
     vs_declared_note(
         left,
@@ -79,6 +82,12 @@ static void note_roles(work *w) {
     vs_declared_note(left, "the program counts firings from the mains' first rising zero: pulses "
                            "of the netlist before that "
                            "are not made, and the run begins otherwise");
+  for (size_t g = 0; g < r->n_gates; g++)
+    if (r->gates[g].pulse.pulses > 1 && !isinf(r->gates[g].pulse.pulses))
+      vs_declared_note(left,
+                       "%s gives %.6g pulses and no more; the program goes on firing to the end of "
+                       "the run",
+                       r->gates[g].source->name, r->gates[g].pulse.pulses);
   if (r->at_zero)
     vs_declared_note(left,
                      "the gate fires at the mains' zero, where firing.angle cannot be: 0.001 deg "
