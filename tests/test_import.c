@@ -301,6 +301,7 @@ static const struct refusal {
      "x.net:4:1: ",
      {"--coil says which", "L2+R2"}},
     {"t\nV1 a 0 SIN(0 1 50)\nR1 a 0 1\n", "", "x.net: ", {"no inductor", "--coil L1+R4"}},
+    {"t\nA1 1 2 summer\n", "", "x.net: ", {"no inductor", NULL}}, /* no node at all is known */
     {"t\nV1 a 0 SIN(0 1 50)\nL1 a b 1\nR4 c 0 9\nR5 b c 1\nR6 b 0 1\n",
      "--coil L1+R4",
      "x.net:4:1: ",

@@ -126,8 +126,9 @@ static vs_status of_points(const vs_elements *w, const vs_element *e, const numb
   for (double at_s; !isnan(at_s = edge(n->item, count, level, &k, &rise_s)); p->pulses++) {
     off_s = edge(n->item, count, level, &k, &fall_s);
     if (isinf(p->period_s)) p->period_s = at_s - before;
-    double slip =
-        fmax(fabs(at_s - before - p->period_s), isnan(off_s) ? 0 : fabs(off_s - at_s - p->width_s));
+    double slip = fmax(fabs(at_s - before - p->period_s), fabs(rise_s - p->rise_s));
+    if (!isnan(off_s))
+      slip = fmax(slip, fmax(fabs(off_s - at_s - p->width_s), fabs(fall_s - p->fall_s)));
     if (!(slip <= ALIKE * p->period_s))
       return vs_fail_at(err, vs_elements_where(w, e, 0),
                         "%s: the pulses of its PWL are not all alike and at one distance, as the "

@@ -368,8 +368,9 @@ static vs_status find_coil(finder *f, const char *asked) {
   size_t count = 0;
   if (asked) return set_named_coil(f, asked);
   for (size_t k = 0; k < f->w->count; k++) {
-    const vs_element *e = &f->w->elements[k], *r = resistor_of(f, e);
+    const vs_element *e = &f->w->elements[k];
     if (e->letter != 'l' || is_coupled(f, e)) continue;
+    const vs_element *r = resistor_of(f, e);
     vs_text_add(&all, "%s%s%s%s", count++ ? ", " : "", e->name, r ? "+" : "", r ? r->name : "");
     found = e;
   }
