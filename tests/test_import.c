@@ -396,9 +396,9 @@ static void courses_of_gates(void) {
     ran r = run("import x.net -o y.cir --scene y.yaml");
     char *scene = read_file("y.yaml");
     EXPECT(r.status == 0 && strstr(scene, ROWS[k].scene), "%s: %s%s", ROWS[k].course, r.err, scene);
-    EXPECT(!ROWS[k].says == !strstr(r.out, " pulses"), "%s: %s", ROWS[k].course, r.out);
-    EXPECT(!ROWS[k].says || strstr(r.out, ROWS[k].says), "%s: %s", ROWS[k].course, r.out);
-    EXPECT(strstr(r.out, "L1 begins with a current"), "%s", r.out);
+    EXPECT(!ROWS[k].says == !strstr(r.err, " pulses"), "%s: %s", ROWS[k].course, r.err);
+    EXPECT(!ROWS[k].says || strstr(r.err, ROWS[k].says), "%s: %s", ROWS[k].course, r.err);
+    EXPECT(strstr(r.err, "L1 begins with a current"), "%s", r.err);
     free(scene);
     free_ran(&r);
     vs_text_free(&text);

@@ -249,13 +249,27 @@ static const char *find_node(const char *line, const char *message) {
   return NULL;
 }
 
+static const char RANGE[] = "out of range for "; /* from ngspice's message of a function */
+
+/* True where a message is of a power, x^y, however it is written. */
+static bool is_of_power(const char *message) {
+  const char *s = strstr(message, RANGE);
+  return s && (s[strlen(RANGE)] == '^' || !strncmp(s + strlen(RANGE), "p", 1));
+}
+
 /* Finds the function whose argument was out of its range. */
 static const char *find_function(const char *line, const char *message) {
-  static const char BEFORE[] = "out of range for ";
-  const char *s = strstr(message, BEFORE);
+  static const char *const POWERS[] = {"pow", "pwr", "pwrs"};
+  const char *s = strstr(message, RANGE), *found = NULL;
   if (!s || *line == '.') return NULL;
-  s += strlen(BEFORE);
-  return find_word(line, line, s, strcspn(s, " "));
+  s += strlen(RANGE);
+  found = find_word(line, line, s, strcspn(s, " "));
+  if (found || !is_of_power(message) || !strchr("bBeEgG", *line)) return found;
+  found = strstr(line, "**");
+  if (!found) found = strchr(line, '^');
+  for (size_t k = 0; k < sizeof POWERS / sizeof *POWERS && !found; k++)
+    found = find_word(line, line, POWERS[k], strlen(POWERS[k]));
+  return found;
 }
 
 /* Finds in the line what the message speaks of; NULL: it is not in this line. */
@@ -300,5 +314,8 @@ void vs_netlist_locate(const vs_deck *deck, vs_error *err) {
   vs_fail_at(err, where, "%s%s", plain.text,
              strstr(plain.text, PARAMETER)
                  ? "; '.param NAME=...' or '*$ param NAME = ...' defines one"
+             : is_of_power(plain.text)
+                 ? "; a power below 0 has no value where x is 0, one below 1 no slope: write "
+                   "max(abs(x), 1u) for x"
                  : "");
 }
