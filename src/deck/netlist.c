@@ -103,6 +103,15 @@ static bool defines(const vs_deck *deck, const char *subcircuit) {
   return false;
 }
 
+/* A subcircuit with parameters may have been given another name (dialect/translate.h). */
+static void take_plain_name(const vs_deck *deck, char subcircuit[VS_DECK_NAME]) {
+  char plain[VS_DECK_NAME];
+  snprintf(plain, sizeof plain, "%s", subcircuit);
+  for (char *c = plain; *c; c++)
+    if (!isalnum((unsigned char)*c)) *c = '_';
+  if (defines(deck, plain)) snprintf(subcircuit, VS_DECK_NAME, "%s", plain);
+}
+
 static vs_status take_part(vs_deck *deck, vs_part *part, const char *name, vs_where where,
                            vs_error *err) {
   char path[VS_PATH_SIZE];
@@ -112,6 +121,7 @@ static vs_status take_part(vs_deck *deck, vs_part *part, const char *name, vs_wh
   for (size_t k = 0; k < deck->n_files; k++)
     if (!strcmp(deck->files[k], path)) part->file = deck->files[k];
   subcircuit_of(path, part->subcircuit);
+  if (!defines(deck, part->subcircuit)) take_plain_name(deck, part->subcircuit);
   return defines(deck, part->subcircuit) || deck->lost & VS_LOST_ELEMENT
              ? vs_parts_check_kind(deck, part, where, err)
              : vs_fail_at(err, where, "circuit.%s: %s defines no subcircuit '%s' (the file's name)",
