@@ -330,6 +330,12 @@ static void parasitic_parts(void) {
       {"C9 ww yy 1u Rser=100 Lser=1u RLshunt=1k Rpar=100k Cpar=1n",
        "C9 ww x 1u\nR9 x y 100\nL9 y yy 1u\nR7 y yy 1k\nR8 ww yy 100k\nC8 ww yy 1n"},
       {"V9 yy 0 sin(1 2 1k) Rser=2k Cpar=10n", "V9 yy x sin(1 2 1k)\nR9 x 0 2k\nC9 yy 0 10n"},
+      {"L9 ww yy 10m Rser=0 Rpar=0 Cpar=0 Ipk=2", "L9 ww yy 10m"}, /* no short across it */
+      {"L9 ww yy 10m Rser=50 Rpar=0 Cpar=0.0", "L9 ww x 10m\nR9 x yy 50"},
+      {"D9 ww y\xe2\x80\x8by d9 2.5\n.model d9 D(is=1n rs=0.1)",
+       ".model d9 D(is=1n rs=0.1)\nD9 ww yy d9 area=2.5"},
+      {"D9 ww yy d9 {5/2}\n.model d9 D(is=1n rs=0.1)",
+       ".model d9 D(is=1n rs=0.1)\nD9 ww yy d9 area=2.5"},
       {".model d9 D(is=1n rs=0.1 mfg=Somebody type=silicon Vpk=400 Iave=1)\nD9 ww yy d9",
        ".model d9 D(is=1n rs=0.1)\nD9 ww yy d9"},
   };
@@ -394,6 +400,8 @@ static void constructs_are_told(void) {
       {".model m VSWITCH(Von=1 Voff=0)", "d.cir:16:10", "'*$ compat ps'"},
       {".model m d(is=1n T_ABS=30)", "d.cir:16:18", "'*$ compat ps'"},
       {"V9 yy 0 sin(0 1 50 0 0 0 3)", "d.cir:16:9", "cycles"},
+      {"V9 yy 0 PWL(0 0 1m 0 +1u 5)", "d.cir:16:22", "times from t = 0"},
+      {"A1 ss 0 0 0 0 yy 0 0 SRFLOP td=1m", "d.cir:16:22", "LTspice's own"},
       {"R_R1 $N_0001 yy 1k", "d.cir:16:6", "'*$ compat ps'"},
   };
   for (size_t k = 0; k < COUNT(TOLD); k++) {

@@ -390,7 +390,7 @@ static void courses_of_gates(void) {
   enter("courses");
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     vs_text text = {0};
-    vs_text_add(&text, "t\nV1 a 0 SIN(0 1 50)\nV3 g 0 %s\nR1 a g 1\nL1 g 0 1 IC=0.1\n",
+    vs_text_add(&text, "t\nV1 a 0 SIN(0 1 50)\nV3 g 0 %s\nR1 a g 1\nL1 g 0 1 IC=0.1 Rser=9 Rpar=0 Cpar=0\n",
                 ROWS[k].course);
     write_file("x.net", text.text);
     ran r = run("import x.net -o y.cir --scene y.yaml");

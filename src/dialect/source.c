@@ -177,12 +177,18 @@ void vs_source_free(vs_source *source) {
 
 void vs_source_plain(char *line) {
   static const struct {
-    const char *sign;
-    char plain;
-  } SIGNS[] = {{"\xc2\xb5", 'u'},      /* micro sign */
-               {"\xce\xbc", 'u'},      /* Greek small letter mu */
-               {"\xc2\xa0", ' '},      /* blank that keeps words together */
-               {"\xe2\x88\x92", '-'}}; /* minus */
+    const char *sign, *plain;
+  } SIGNS[] = {
+      {"\xc2\xb5", "u"},     /* micro sign */
+      {"\xce\xbc", "u"},     /* Greek small letter mu */
+      {"\xc2\xa0", " "},     /* blank that keeps words together */
+      {"\xe2\x80\x89", " "}, /* thin blank */
+      {"\xe2\x80\xaf", " "}, /* narrow blank that keeps words together */
+      {"\xe2\x88\x92", "-"}, /* minus */
+      {"\xe2\x80\x93", "-"}, /* dash as wide as an n */
+      {"\xe2\x80\x8b", ""},  /* blank of no width: none of a name's characters */
+      {"\xe2\x80\x8c", ""},  {"\xe2\x80\x8d", ""}, {"\xe2\x81\xa0", ""},
+      {"\xef\xbb\xbf", ""},  {"\xc2\xad", ""}}; /* hyphen that shows at the end of a line alone */
   char *to = line;
   while (*to && (unsigned char)*to < 0x80) to++;
   for (const char *from = to; *from;) {
@@ -190,7 +196,7 @@ void vs_source_plain(char *line) {
     for (size_t k = 0; k < sizeof SIGNS / sizeof *SIGNS && !n; k++)
       if (!strncmp(from, SIGNS[k].sign, strlen(SIGNS[k].sign))) {
         n = strlen(SIGNS[k].sign);
-        *to++ = SIGNS[k].plain;
+        if (*SIGNS[k].plain) *to++ = *SIGNS[k].plain;
       }
     if (!n) *to++ = *from, n = 1;
     from += n;

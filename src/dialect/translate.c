@@ -45,6 +45,24 @@ static vs_status check_sine(const vs_rewriting *r) {
                                 "cycles, it leaves out: write a B source with u(time)");
 }
 
+/* PWL(0 0 1m 0 +1u 5): LTspice counts a time with a plus sign from the one before it, ngspice from
+ * t = 0. */
+static vs_status check_points(const vs_rewriting *r) {
+  const char *pwl = strcasestr(r->text.text, "pwl"), *open = pwl ? strchr(pwl, '(') : NULL;
+  if (!strchr("vViI", *r->text.text) || !open || pwl[-1] > ' ') return VS_OK;
+  int n = 0; /* which number it is: times are those of even n */
+  for (const char *s = open + 1; *(s += strspn(s, " \t,")) && *s != ')'; n++) {
+    size_t length = strcspn(s, " \t,)");
+    if (n > 0 && n % 2 == 0 && *s == '+')
+      return vs_fail_at(r->err, vs_rewriting_place(r, s, length),
+                        "%.*s: a time from the point before, LTspice's, which ngspice counts from "
+                        "t = 0; write times from t = 0",
+                        (int)length, s);
+    s += length;
+  }
+  return VS_OK;
+}
+
 vs_status vs_translate(vs_rewriting *r) {
   vs_status status = vs_numbers_check(r->line, r->tally, r->err);
   if (status) return status;
@@ -53,6 +71,7 @@ vs_status vs_translate(vs_rewriting *r) {
       tolower((unsigned char)*r->text.text) == 'x')
     rewrite_commas(r);
   status = check_sine(r);
+  if (!status) status = check_points(r);
   if (!status) status = vs_models_rewrite(r);
   if (!status) status = vs_elements_rewrite(r);
   if (!status) status = vs_functions_rewrite(r);

@@ -319,7 +319,10 @@ static vs_status set_coil(finder *f, const vs_element *l, const vs_element *r) {
                       "%s: its resistance is not known before a run, as a number", r->name);
   char *rser = vs_elements_option(f->w, l, "rser");
   char *rpar = vs_elements_option(f->w, l, "rpar"), *cpar = vs_elements_option(f->w, l, "cpar");
-  bool across = rpar || cpar, known = !rser || vs_values_of(f->v, rser, &own);
+  double parallel = 0;
+  bool across = (rpar && !(vs_values_of(f->v, rpar, &parallel) && parallel == 0)) ||
+                (cpar && !(vs_values_of(f->v, cpar, &parallel) && parallel == 0));
+  bool known = !rser || vs_values_of(f->v, rser, &own);
   free(rser);
   free(rpar);
   free(cpar);
