@@ -299,6 +299,9 @@ static void functions(void) {
       {"*$ compat ps\nB1 yy 0 V=IF(V(ss)>1 & V(ss)<3,5,6)+PWRS(-2,3)+STP(2)", -2},
       {"*$ compat ps\nR_R1 $N_0001 yy 1k\nR_R2 $N_0001 ss 1k\nR_R3 yy 0 1k", 2. / 5},
       {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH(Ron=1k Roff=1G Von=1 Voff=0)", 1},
+      {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH (Ron=1k,Voff=0.5)", 1}, /* no Von */
+      {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH Ron=1k Roff=1G Von=1", 1},
+      {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH", 2000. / 1001},
       {"*$ compat ps\nE1 yy 0 TABLE {LIMIT(V(ss),0,1)} = (0,0) (1,4) (3,8)", 4},
       {".func hypot(x,y) {x+y}\nB1 yy 0 V=hypot(3,4)", 7}, /* the deck's own */
       {"B1 yy 0 V=hypot(3,4)\n.func hypot(x,y) {x+y}", 7},

@@ -390,8 +390,9 @@ static void courses_of_gates(void) {
   enter("courses");
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     vs_text text = {0};
-    vs_text_add(&text, "t\nV1 a 0 SIN(0 1 50)\nV3 g 0 %s\nR1 a g 1\nL1 g 0 1 IC=0.1 Rser=9 Rpar=0 Cpar=0\n",
-                ROWS[k].course);
+    vs_text_add(
+        &text, "t\nV1 a 0 SIN(0 1 50)\nV3 g 0 %s\nR1 a g 1\nL1 g 0 1 IC=0.1 Rser=9 Rpar=0 Cpar=0\n",
+        ROWS[k].course);
     write_file("x.net", text.text);
     ran r = run("import x.net -o y.cir --scene y.yaml");
     char *scene = read_file("y.yaml");
@@ -432,6 +433,7 @@ static void bad_command_lines(void) {
                                         {"import x.net -o x.net", ".cir"},
                                         {"import none.net -o y.cir", "none.net"},
                                         {"import x.net -o no/y.cir", "no/y.cir"},
+                                        {"import x.net -o y.cir --scene y.cir", "that is the deck"},
                                         {"import -o y.cir", "NETLIST"}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     ran r = run("%s", ROWS[k][0]);

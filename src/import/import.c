@@ -319,6 +319,9 @@ static vs_status check_output(const vs_import_options *o, vs_error *err) {
     return vs_fail(err, VS_INPUT, "import: wants -o FILE.cir; see vibrospice import --help");
   if (!ending || strcmp(ending, ".cir"))
     return vs_fail(err, VS_INPUT, "-o %s: a deck's name ends in .cir", o->output);
+  if (o->scene && !strcmp(o->scene, o->output))
+    return vs_fail(err, VS_INPUT, "--scene %s: that is the deck; give the scene another name",
+                   o->scene);
   if (realpath(o->name, a) && realpath(o->output, b) && !strcmp(a, b))
     return vs_fail(err, VS_INPUT, "-o %s: that is the netlist itself; give the deck another name",
                    o->output);
