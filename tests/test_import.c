@@ -327,7 +327,7 @@ static const struct refusal {
      {"[nope]", NULL}},
     {"t\nV1 a 0 SIN(0 {big} 50)\nL1 a 0 1\n", "", "x.net:2:1: ", {"{big}", ".param"}},
     {"t\nV1 a 0 SIN(0 0x10 50)\nL1 a 0 1\n", "", "x.net:2:1: ", {"0x10", ".param"}},
-    {"t\nV1 a 0 SIN(0 1 50 0 0 0 3)\nL1 a 0 1\n", "", "x.net:2:1: ", {"3 cycles", "leave"}},
+    {"t\nV1 a 0 SIN(0 1 50 0 0 0 3)\nL1 a 0 1\n", "", "x.net:2:1: ", {"3 cycles", "leave it out"}},
     {"t\nV1 a 0 SIN(0 1 50)\nL1 a 0 1 m=2\n", "", "x.net:3:1: ", {"m=2", "value that it makes"}},
     {"t\nV1 a 0 SIN(0 1 50)\nL1 a b 1\nR4 b 0 9 m=2\n", "", "x.net:4:1: ", {"m=2", NULL}},
     {"t\nV1 a 0 SIN(0 1 50)\nR1 a b 5k 1%\nL1 b 0 1\nC1 b 0 100n 50V\n",
@@ -343,7 +343,7 @@ static const struct refusal {
      "1\n",
      "",
      "x.net:3:1: ",
-     {"not all alike", "--gate none"}},
+     {"more than one pulse", "--gate none"}},
     {"t\nV1 a 0 SIN(0 1 50)\nV3 g 0 PULSE(0 5 1m 1u 1u 1m 20m)\nR1 a g 1\nL1 g 0 1\n",
      "--gate V3,V3",
      "x.net:3:1: ",
@@ -374,18 +374,16 @@ static void asks_for_what_it_cannot_decide(void) {
   leave();
 }
 
-/* What a gate's course says besides one pulse: how many there are, times that count from the one
- * before, a PWL that repeats, no width. */
+/* What a gate's course says besides one pulse: times that count from the one before, a PWL that
+ * repeats, no width. */
 static void courses_of_gates(void) {
   static const struct {
-    const char *course, *scene, *says;
+    const char *course, *scene;
   } ROWS[] = {
-      {"PULSE(0 5 1m 1u 1u 1m 20m 2)", "every: 1", "V3 gives 2 pulses and no more"},
-      {"PULSE(0 5 1m 1u 1u 1m 20m)", "every: 1", NULL},
-      {"PULSE(0 5 1m)", "every: once", NULL},
-      {"PWL(0 0 1m 0 +1u 5 +2m 5 +1u 0)", "pulse_width: 2.001 ms", NULL},
-      {"PWL(0 0 1m 0 2m 5 3m 0 21m 0 22m 5 23m 0)", "every: 1", "2 pulses"},
-      {"PWL(0 0 1m 0 2m 5 3m 0 20m 0) r=0", "every: 1", NULL},
+      {"PULSE(0 5 1m 1u 1u 1m 20m)", "every: 1"},
+      {"PULSE(0 5 1m)", "every: once"},
+      {"PWL(0 0 1m 0 +1u 5 +2m 5 +1u 0)", "pulse_width: 2.001 ms"},
+      {"PWL(0 0 1m 0 2m 5 3m 0 20m 0) r=0", "every: 1"},
   };
   enter("courses");
   for (size_t k = 0; k < COUNT(ROWS); k++) {
@@ -397,8 +395,6 @@ static void courses_of_gates(void) {
     ran r = run("import x.net -o y.cir --scene y.yaml");
     char *scene = read_file("y.yaml");
     EXPECT(r.status == 0 && strstr(scene, ROWS[k].scene), "%s: %s%s", ROWS[k].course, r.err, scene);
-    EXPECT(!ROWS[k].says == !strstr(r.err, " pulses"), "%s: %s", ROWS[k].course, r.err);
-    EXPECT(!ROWS[k].says || strstr(r.err, ROWS[k].says), "%s: %s", ROWS[k].course, r.err);
     EXPECT(strstr(r.err, "L1 begins with a current"), "%s", r.err);
     free(scene);
     free_ran(&r);

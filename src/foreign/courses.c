@@ -75,6 +75,12 @@ static double nth(const numbers *n, int k, double otherwise) {
   return k < n->count ? n->item[k] : otherwise;
 }
 
+/* The number of cycles at place k, which 0 and no number leave without end. */
+static double cycles_at(const numbers *n, int k) {
+  double cycles = nth(n, k, 0);
+  return cycles > 0 ? cycles : INFINITY;
+}
+
 vs_status vs_course_read_sine(const vs_elements *w, const vs_values *v, const vs_element *e,
                               vs_course_sine *sine, vs_error *err) {
   const char *s = begin_of(w, e, "sin");
@@ -86,13 +92,8 @@ vs_status vs_course_read_sine(const vs_elements *w, const vs_values *v, const vs
                       "--mains names another source, or none",
                       e->name);
   vs_status status = read_numbers(w, v, e, s, false, &n, err);
-  if (!status && nth(&n, 6, 0) > 0)
-    status = vs_fail_at(err, vs_elements_where(w, e, 0),
-                        "%s: SIN of %.6g cycles: the program's mains do not end; leave the seventh "
-                        "number out",
-                        e->name, n.item[6]);
-  *sine = (vs_course_sine){nth(&n, 0, 0), nth(&n, 1, 0), nth(&n, 2, NAN),
-                           nth(&n, 3, 0), nth(&n, 4, 0), nth(&n, 5, 0)};
+  *sine = (vs_course_sine){nth(&n, 0, 0), nth(&n, 1, 0), nth(&n, 2, NAN), nth(&n, 3, 0),
+                           nth(&n, 4, 0), nth(&n, 5, 0), cycles_at(&n, 6)};
   return status;
 }
 
@@ -110,34 +111,23 @@ static double edge(const double *points, int count, double level, int *k, double
   return NAN;
 }
 
-/* The pulses of a PWL, of which the first is given. Error: they are not alike, or not all at the
- * same distance. */
+/* The pulse of a PWL. Error: it has a second one, whose place and shape may be any. */
 static vs_status of_points(const vs_elements *w, const vs_element *e, const numbers *n,
                            vs_course_pulse *p, vs_error *err) {
-  const double ALIKE = 1e-3; /* of the distance: times in netlists have few digits */
   int count = n->count / 2, k = 1;
-  *p = (vs_course_pulse){n->item[1], n->item[1], NAN, NAN, 0, 0, INFINITY, 1};
+  *p = (vs_course_pulse){n->item[1], n->item[1], NAN, NAN, 0, 0, INFINITY, INFINITY};
   for (int i = 0; i < count; i++) p->high = fmax(p->high, n->item[2 * i + 1]);
-  double level = (p->low + p->high) / 2, before = 0, rise_s, fall_s;
+  double level = (p->low + p->high) / 2, rise_s;
   p->at_s = edge(n->item, count, level, &k, &p->rise_s);
   double off_s = edge(n->item, count, level, &k, &p->fall_s);
   p->width_s = isnan(off_s) ? INFINITY : off_s - p->at_s;
-  before = p->at_s;
-  for (double at_s; !isnan(at_s = edge(n->item, count, level, &k, &rise_s)); p->pulses++) {
-    off_s = edge(n->item, count, level, &k, &fall_s);
-    if (isinf(p->period_s)) p->period_s = at_s - before;
-    double slip = fmax(fabs(at_s - before - p->period_s), fabs(rise_s - p->rise_s));
-    if (!isnan(off_s))
-      slip = fmax(slip, fmax(fabs(off_s - at_s - p->width_s), fabs(fall_s - p->fall_s)));
-    if (!(slip <= ALIKE * p->period_s))
-      return vs_fail_at(err, vs_elements_where(w, e, 0),
-                        "%s: the pulses of its PWL are not all alike and at one distance, as the "
-                        "program's are; write PULSE(...), or say --gate none, which leaves %s as "
-                        "it is",
-                        e->name, e->name);
-    before = at_s;
-  }
-  return VS_OK;
+  return isnan(edge(n->item, count, level, &k, &rise_s))
+             ? VS_OK
+             : vs_fail_at(err, vs_elements_where(w, e, 0),
+                          "%s: its PWL has more than one pulse, and a scene's are alike and come "
+                          "until its run ends; write PULSE(low high delay rise fall width period), "
+                          "or say --gate none, which leaves %s as it is",
+                          e->name, e->name);
 }
 
 /* r=0, ngspice's, has a PWL begin anew at its end, and td= delays it. Error: it is otherwise. */
@@ -147,11 +137,7 @@ static vs_status repeat_points(const vs_elements *w, const vs_values *v, const v
   double from_s = 0, delay_s = 0, end_s = n->item[2 * (n->count / 2) - 2];
   bool known = (!from || vs_values_of(v, from, &from_s)) &&
                (!delay || vs_values_of(v, delay, &delay_s)) && from_s == 0 && delay_s == 0;
-  if (known && from && p->pulses == 1) {
-    p->period_s = end_s;
-    p->pulses = INFINITY;
-  } else if (known && from)
-    known = false;
+  if (known && from) p->period_s = end_s;
   free(from);
   free(delay);
   return known ? VS_OK
@@ -161,14 +147,12 @@ static vs_status repeat_points(const vs_elements *w, const vs_values *v, const v
                             e->name, e->name);
 }
 
-/* PULSE(low high delay rise fall width period pulses) */
+/* PULSE(low high delay rise fall width period cycles), the last LTspice's and ngspice's */
 static vs_course_pulse of_pulse(const numbers *n) {
   double rise_s = nth(n, 3, 0), fall_s = nth(n, 4, 0), width_s = nth(n, 5, INFINITY);
   vs_course_pulse p = {nth(n, 0, 0), nth(n, 1, 0), nth(n, 2, 0),        width_s + rise_s,
-                       rise_s,       fall_s,       nth(n, 6, INFINITY), nth(n, 7, 0)};
-  if (!(p.pulses >= 1)) p.pulses = INFINITY;
-  if (!(p.period_s > 0) || p.pulses < 2) p.period_s = INFINITY;
-  if (isinf(p.period_s)) p.pulses = 1;
+                       rise_s,       fall_s,       nth(n, 6, INFINITY), cycles_at(n, 7)};
+  if (!(p.period_s > 0) || p.cycles == 1) p.period_s = INFINITY;
   return p;
 }
 
@@ -188,7 +172,7 @@ vs_status vs_course_read_pulse(const vs_elements *w, const vs_values *v, const v
   }
   char *word = vs_elements_word_of(w, e, e->n_nodes + 1);
   char *second = vs_elements_word_of(w, e, e->n_nodes + 2);
-  *pulse = (vs_course_pulse){0, NAN, NAN, NAN, 0, 0, INFINITY, 1};
+  *pulse = (vs_course_pulse){0, NAN, NAN, NAN, 0, 0, INFINITY, INFINITY};
   bool known = vs_values_of(v, strcasecmp(word, "dc") ? word : second, &pulse->high);
   free(word);
   free(second);
