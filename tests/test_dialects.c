@@ -202,6 +202,11 @@ static void libraries(void) {
   ran r = run("check v.lib");
   EXPECT(r.status == 0 && strstr(r.out, "a good library: 1 subcircuit, 0 models"), "%s", r.out);
   free_ran(&r);
+  write_file(
+      "v.lib",
+      "* LTspice's\n* Begin:\n 5D DD 2F E9 DF 8B 6B E1 49 4F\n 47 8A 1E 19 0C AA 0A F3 B0\n");
+  warns("check v.lib", 2, "v.lib:2:1: is encrypted for LTspice", __LINE__);
+  write_file("v.lib", LIBRARY);
   refused(DECK("u") "*$ note 1\n", "d.cir:12:4", "'*$ note' is not known", __LINE__);
   for (size_t k = 0; k < COUNT(ENDINGS); k++) {
     char name[32], words[64];
