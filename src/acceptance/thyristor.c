@@ -15,6 +15,7 @@ typedef struct plan {
   double block_v;               /* V_DRM */
   double test_a, test_a_s;      /* of t_q and Q_rr */
   double slope_v_s, turn_off_s; /* dv/dt, t_q: first guesses */
+  double back_v_s;              /* of t_q: how fast the forward voltage comes back */
 } plan;
 
 static plan plan_of(const vs_stand *s) {
@@ -25,13 +26,15 @@ static plan plan_of(const vs_stand *s) {
                            *const FALL[] = {"di_test", "test_slope", NULL},
                            *const RISE[] = {"critical_dvdt", "dv_dt", NULL},
                            *const OFF[] = {"turn_off_time", "t_q", NULL};
-  double gate = vs_figures_first(s, GATE, 10e-3);
+  const double BACK_V_S = 20e6; /* where dv/dt is less than twice that, half of dv/dt is taken */
+  double gate = vs_figures_first(s, GATE, 10e-3), rise_v_s = vs_figures_first(s, RISE, 200e6);
   return (plan){.gate_a = gate,
                 .latching_a = vs_figures_first(s, LATCH, 4 * gate),
                 .block_v = vs_figures_first(s, BLOCK, 600),
                 .test_a = vs_figures_first(s, TEST, 10),
                 .test_a_s = vs_figures_first(s, FALL, 10e6),
-                .slope_v_s = vs_figures_first(s, RISE, 200e6),
+                .slope_v_s = rise_v_s,
+                .back_v_s = fmin(BACK_V_S, rise_v_s / 2),
                 .turn_off_s = vs_figures_first(s, OFF, 50e-6)};
 }
 
@@ -277,19 +280,19 @@ static void critical_rise(const vs_stand *s, const plan *p, vs_figures *f) {
 }
 
 /* The test current falls to zero at the test slope, then -25 V, and so long after the zero the
- * forward voltage passes zero at 20 V/us: does it stay off? */
+ * forward voltage passes zero at 20 V/us or less: does it stay off? */
 static vs_status stays_off_after(const vs_stand *s, const void *ctx, double t_q, bool *yes,
                                  vs_error *err) {
   const plan *p = ctx;
   double i = p->test_a, zero = 300e-6 + i / p->test_a_s, gate = 3 * p->gate_a;
-  double back = zero + fmax(t_q, 1.4e-6), v = 0.67 * p->block_v, up = back + v / 20e6;
+  double back = zero + fmax(t_q, 1.4e-6), v = 0.67 * p->block_v, up = back + v / p->back_v_s;
   vs_stand_record r = {0};
   vs_status status =
       try_out(s, (course){up + 50e-6, 0.2e-6}, &r, err,
               "I1 0 a pwl(0 0 20u 0 70u %g 300u %g %.9g 0)\nIg 0 g pwl(0 %g 100u %g 101u 0)\n"
               "S1 a w ct 0 joined\n.model joined sw(ron=1 roff=1g vt=0.5 vh=0.1)\n"
               "Vct ct 0 pwl(0 0 %.9g 0 %.9g 1)\nVw w 0 pwl(0 -25 %.9g -25 %.9g %g)\n",
-              i, i, zero, gate, gate, zero, zero + 1e-7, back - 25 / 20e6, up, v);
+              i, i, zero, gate, gate, zero, zero + 1e-7, back - 25 / p->back_v_s, up, v);
   if (!status && vs_stand_at(&r, r.v, 299e-6) > 20) status = not_on(err);
   *yes = !status && r.points > 0 && r.v[r.points - 1] > v / 2;
   vs_stand_free(&r);
@@ -300,8 +303,8 @@ static void turn_off(const vs_stand *s, const plan *p, vs_figures *f) {
   vs_figure *row = add_row(s, f, (const char *[]){"t_q", "us"},
                            (source){"t_q", "turn_off_time", VS_HELD_AT_MOST, 0.1, 0, true}, true);
   if (!row) return;
-  snprintf(row->text, sizeof row->text, "%.4g A falling at %.4g A/us, -25 V, back at 20 V/us",
-           p->test_a, p->test_a_s * 1e-6);
+  snprintf(row->text, sizeof row->text, "%.4g A falling at %.4g A/us, -25 V, back at %.4g V/us",
+           p->test_a, p->test_a_s * 1e-6, p->back_v_s * 1e-6);
   vs_figures_find(s, stays_off_after, p, p->turn_off_s, row);
   if (isnan(row->got) && strstr(row->why, "below")) row->got = 0; /* the model is off at once */
 }
