@@ -447,9 +447,10 @@ static const struct argp_option IMPORT_OPTIONS[] = {
     VS_COMMAND_VALUE("coil", VS_KEY_COIL, "L1[+R4]",
                      "the inductor that is the EVA's coil, and its resistance in series (default: "
                      "the only inductor)"),
-    VS_COMMAND_VALUE("pins", VS_KEY_PINS, "X1=akg,...",
-                     "what an element is, by its pins in their order (akg thyristor, 21g triac, dgs "
-                     "mosfet, cge igbt, ak diode), or varistor, fuse, none"),
+    VS_COMMAND_VALUE(
+        "pins", VS_KEY_PINS, "X1=akg,...",
+        "what an element is, by its pins in their order (akg thyristor, 21g triac, dgs "
+        "mosfet, cge igbt, ak diode), or varistor, fuse, none"),
     VS_COMMAND_VALUE("library", VS_KEY_LIBRARY, "FILE", "a file of models besides the netlist's"),
     VS_COMMAND_VALUE("scene", VS_KEY_SCENE, "FILE.yaml",
                      "also writes a scene with the netlist's own mains, firing and coil"),
@@ -516,10 +517,11 @@ static const vs_command COMMANDS[] = {
      .explain = vs_template_explain},
     {.name = "list",
      .argument = "[KIND]",
-     .text = "lists scenes, studies, fits, machines, decks, parts, instruments, tiers, laws, "
-             "regulators, probes, measures, "
-             "parameters (with "
-             "unit, default, range)",
+     .text =
+         "lists scenes, studies, fits, machines, decks, parts, instruments, kinds, tiers, laws, "
+         "regulators, probes, measures, "
+         "parameters (with "
+         "unit, default, range)",
      .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n"
                  "  vibrospice list parameters --machine two_mass\n",
      .may_be_alone = true,

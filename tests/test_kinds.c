@@ -254,7 +254,7 @@ static void a_triac_both_ways(void) {
   CLOSE(value(t, "dv_dt_c"), 299 / 9.9e-6, 2e-2);
   CLOSE(measure(t, "dv_dt_c")->failed_s, 13.5e-3, 1e-3);
   CU_ASSERT(isnan(measure(t, "di_dt_c")->failed_s));
-  CU_ASSERT_FALSE(measure(t, "dv_dt")->value.known); /* there is no other rise */
+  CLOSE(value(t, "dv_dt"), value(t, "dv_dt_c"), 1e-12); /* there is no other rise */
   CLOSE(value(t, "i2t"), 100 * (5.39e-3 + 0.01e-3 / 3 + 2.5e-3 / 3), 2e-3); /* one half cycle */
   CLOSE_OF(value(t, "i_mean"), 0, 10, 2e-2);
   CLOSE_OF(value(t, "misfires"), 0, 1, 0);
@@ -366,6 +366,10 @@ static void a_fuse(void) {
   CLOSE(when(e, "f melts"), melts, 1e-2);
   CU_ASSERT(when(e, "f has cleared") > when(e, "f melts"));
   CU_ASSERT(when(e, "f has cleared") < when(e, "f melts") + 0.5e-3);
+  free(e);
+  /* 1 kA, of which the source's rise within 1 us is to bring a third as much as a whole one */
+  e = events_of(FUSE("0.559"), "", "--set run.until=5ms");
+  CLOSE(when(e, "f melts"), 5e-6 + 2e-6 / 3, 2e-2);
   free(e);
   e = events_of(FUSE("60"), "", "--set run.until=5ms");
   EXPECT(!strstr(e, "f "), "%s", e); /* 10 A it bears */
