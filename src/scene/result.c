@@ -167,7 +167,7 @@ const char *vs_result_declined(const vs_result *r) {
   if (s->tier->has_circuit && r->loop && !s->setup.run.stays)
     return "a control decides the firings, so that the next one is not known";
   if (!s->tier->has_circuit || !stand_in || s->setup.run.stays) return NULL;
-  return stand_in->declines(&s->setup.model);
+  return stand_in->declines(&s->setup);
 }
 
 void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *text), void *ctx) {
