@@ -32,8 +32,7 @@ enum {
   VS_DECK_PARTS = 16,
   VS_DECK_DEVICES = 32,
   VS_DECK_LIMITS = 128,
-  VS_DEVICE_PORTS = 4, /* ports that one device may name */
-  VS_PART_ZTH = 8      /* terms of one part's thermal impedance */
+  VS_DEVICE_PORTS = 4,  /* ports that one device may name */
   VS_DECK_MOTIONS = 33, /* the gap's rate, 16 coordinates and their rates */
   VS_PART_ZTH = 8       /* terms of one part's thermal impedance */
 };
