@@ -522,10 +522,11 @@ static const vs_command COMMANDS[] = {
      .explain = vs_template_explain},
     {.name = "list",
      .argument = "[KIND]",
-     .text = "lists scenes, studies, fits, machines, decks, parts, instruments, tiers, laws, "
-             "regulators, probes, measures, "
-             "parameters (with "
-             "unit, default, range)",
+     .text =
+         "lists scenes, studies, fits, machines, decks, parts, instruments, kinds, tiers, laws, "
+         "regulators, probes, measures, "
+         "parameters (with "
+         "unit, default, range)",
      .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n"
                  "  vibrospice list parameters --machine two_mass\n",
      .may_be_alone = true,

@@ -621,7 +621,7 @@ static void bad_lines(void) {
   static const struct {
     const char *lines, *part, *place, *says;
   } ROWS[] = {
-      {"*$ device\n", "", "d.cir:4:10: ", "'device NAME [PART or KIND] [gate+ANGLE] [protects"},
+      {"*$ device\n", "", "d.cir:4:10: ", "'device NAME [PART or KIND] [PORT]... [protects"},
       {"*$ device t v(a), v(b)\n", "", "d.cir:4:14: ", "'device NAME [PART or KIND]"},
       {"*$ device t a b = v(a), v(b)\n", "", "d.cir:4:15: ", "'device NAME [PART or KIND]"},
       {"*$ device t = v(a)\n", "", "d.cir:4:19: ", "',' and the formula of its current"},
@@ -702,7 +702,7 @@ static void devices_are_listed(void) {
   CU_ASSERT_EQUAL_FATAL(t->status, VS_OK);
   CU_ASSERT(measure(t, "t1", "i2t")->limit && measure(t, "t2", "i2t")->limit);
   CU_ASSERT_PTR_NULL(measure(t, "f1", "i2t")->limit);
-  CLOSE(t->result.watchers.devices->item[0].device->gate_rad, M_PI,
+  CLOSE(t->result.watchers.devices->item[0].device->gates.rad[0], M_PI,
         1e-12); /* the deck's only gate */
   vs_trial_free(t);
   r = run("list parts");

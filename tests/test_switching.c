@@ -45,7 +45,7 @@ static void short_steps_behind_an_edge(void) {
     for (double first = 0.1; first < 8; first *= 1.3) {
       vs_gate_watch g;
       double at_s = 0;
-      vs_switching_gate_begin(&g, line, 0);
+      vs_switching_gate_begin(&g, line, &(vs_gates){{0}, 1});
       for (int pulse = 0; pulse < 3; pulse++) {
         double rise_s = vs_gate_edge(line, 0, at_s), fall_s = vs_gate_edge(line, 0, rise_s);
         EXPECT(!wrong_behind(&g, &at_s, rise_s, first, true), "%s, %g: on", angle, first);

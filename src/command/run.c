@@ -44,6 +44,11 @@ static void progress(audience *a, double t_s, long steps) {
           until, spent * (until - t_s) / t_s);
 }
 
+/* True for the firings of a run whose devices tell their own. */
+static bool is_told_by_devices(const vs_devices *devices, vs_event event) {
+  return devices && devices->tells && (event == VS_EV_FIRES || event == VS_EV_EXTINCT);
+}
+
 static vs_status accept(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
   static const char *const WHAT[] = {[VS_EV_FIRES] = "thyristor fires",
                                      [VS_EV_EXTINCT] = "thyristor extinct",
@@ -60,8 +65,9 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
   a->table.meters = result->meters;
   a->table.loop = result->loop;
   if (a->table.stream) status = vs_table_accept(&a->table, step, err);
+  const vs_devices *devices = result->watchers.devices;
   for (int k = 0; a->events.stream && k < 2; k++)
-    if (step->event[k] != VS_EV_NONE)
+    if (step->event[k] != VS_EV_NONE && !is_told_by_devices(devices, step->event[k]))
       fprintf(a->events.stream, "%.*g,%s\n", a->options->digits, step->event_s[k],
               WHAT[step->event[k]]);
   const vs_events *events = &a->scene->setup.timeline.events;
@@ -69,7 +75,6 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
     if (events->item[k].start_s >= step->from->t_s && events->item[k].start_s < step->to->t_s)
       fprintf(a->events.stream, "%.*g,%s begins (%s)\n", a->options->digits,
               events->item[k].start_s, events->item[k].name, events->item[k].kind->name);
-  const vs_devices *devices = result->watchers.devices;
   for (size_t k = 0; a->events.stream && devices && k < devices->n_incidents; k++) {
     const vs_incident *i = &devices->incidents[k];
     fprintf(a->events.stream, "%.*g,%s %s\n", a->options->digits, i->at_s, i->device, i->what);

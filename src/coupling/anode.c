@@ -8,12 +8,12 @@
 #include "drive/gate.h"
 
 static double current_at(const vs_anode_current *m, const vs_knot *k) {
-  return m->probe ? m->probe->sign * k->terms[m->probe->term]
-                  : vs_formula_value(&m->device->current, k->terms);
+  return m->way * (m->probe ? m->probe->sign * k->terms[m->probe->term]
+                            : vs_formula_value(&m->device->current, k->terms));
 }
 
 static double voltage_at(const vs_anode_current *m, const vs_knot *k) {
-  return m->device ? vs_formula_value(&m->device->voltage, k->terms) : 0;
+  return m->device ? m->way * vs_formula_value(&m->device->voltage, k->terms) : 0;
 }
 
 /* The current without leakage. At its zero an ideal latch lets go. */
@@ -85,14 +85,19 @@ void vs_anode_wind(vs_anode *a, double by_s) {
   }
 }
 
+static bool is_gated(const vs_device *d, const vs_timeline *timeline, double t_s) {
+  for (size_t g = 0; g < d->gates.count; g++)
+    if (vs_gate_is_on(timeline, d->gates.rad[g], t_s)) return true;
+  return false;
+}
+
 static vs_event follow(vs_anode_current *m, const vs_timeline *timeline, const vs_knot *from,
                        const vs_knot *to, double *event_s) {
   const vs_conduction_step step = {from->t_s,           to->t_s,
                                    current_at(m, from), current_at(m, to),
                                    voltage_at(m, from), voltage_at(m, to)};
-  double gate_rad = m->device ? m->device->gate_rad : NAN;
-  m->conduction.gated = !m->conduction.conducts && step.v1_v > 0 && !isnan(gate_rad) &&
-                        vs_gate_is_on(timeline, gate_rad, vs_gate_of_step(from->t_s, to->t_s));
+  bool asked = m->device && !m->conduction.conducts && step.v1_v > 0;
+  m->conduction.gated = asked && is_gated(m->device, timeline, vs_gate_of_step(from->t_s, to->t_s));
   return vs_conduction_follow(&m->conduction, &step, event_s);
 }
 
@@ -126,14 +131,17 @@ static bool has_current(const vs_device *d, const vs_probe *probe) {
 }
 
 static void add(vs_anode *a, const vs_probe *probe, const vs_device *device) {
-  vs_anode_current *m = &a->item[a->count++];
-  *m = (vs_anode_current){.probe = probe, .device = device, .crosses_s = INFINITY};
-  vs_conduction_begin(&m->conduction);
+  for (double way = 1; way >= (device && device->kind->both_ways ? -1 : 1); way -= 2) {
+    vs_anode_current *m = &a->item[a->count++];
+    *m = (vs_anode_current){.probe = probe, .device = device, .way = way, .crosses_s = INFINITY};
+    vs_conduction_begin(&m->conduction);
+  }
 }
 
 void vs_anode_begin(vs_anode *a, const vs_deck *deck, const vs_timeline *timeline) {
   const vs_probe *probe = NULL;
   const vs_device *own = NULL, *d;
+  size_t valves = 0;
   *a = (vs_anode){.timeline = timeline, .out_s = -INFINITY};
   for (size_t k = 0; k < deck->n_probes; k++)
     if (!strcmp(deck->probes[k].name, "i_thyristor")) probe = &deck->probes[k];
@@ -141,10 +149,11 @@ void vs_anode_begin(vs_anode *a, const vs_deck *deck, const vs_timeline *timelin
   for (size_t k = 0; k < deck->n_devices; k++) {
     d = &deck->devices[k];
     if (!d->kind->switches || !d->kind->gated) continue;
+    valves++;
     if (has_current(d, probe)) own = d;
     add(a, NULL, d);
   }
-  if (!own && a->count > 1) return;
+  if (!own && valves > 1) return;
   a->count = 0;
   add(a, probe, own);
 }

@@ -4,7 +4,8 @@
  *
  * It is the deck's probe i_thyristor. Where that is no single thyristor's current and the deck has
  * two or more, it is taken for their sum, and each is followed by its own current and voltage: the
- * sum fires when the first of them does, and is extinct when the last one goes out. */
+ * sum fires when the first of them does, and is extinct when the last one goes out. A triac counts
+ * as two thyristors, one for each direction. */
 #ifndef VS_COUPLING_ANODE_H
 #define VS_COUPLING_ANODE_H
 
@@ -14,6 +15,7 @@
 typedef struct vs_anode_current {
   const vs_probe *probe;   /* the current; NULL: it is the thyristor's, by its formula */
   const vs_device *device; /* the thyristor whose current it is; NULL: not known */
+  double way;              /* -1: of a triac, its other direction; else +1 */
   vs_conduction conduction;
   bool conducted; /* it did before the solver's present step */
   bool nearing;   /* the thyristor has conducted, and its current has not yet passed its zero */
@@ -24,7 +26,7 @@ typedef struct vs_anode_current {
 /* Begins with vs_anode_begin. In a deck without the probe nothing ever fires here. */
 typedef struct vs_anode {
   const vs_timeline *timeline;
-  vs_anode_current item[VS_DECK_DEVICES];
+  vs_anode_current item[2 * VS_DECK_DEVICES];
   size_t count;
   double out_s; /* when one of them last went out; -INFINITY: none has */
   bool crossed; /* the last step was to pass a zero, so that there is a kink at its end */

@@ -69,6 +69,11 @@ static void set_foot(vs_conduction *c, double t_s, double i_a) {
   c->foot_a = i_a;
 }
 
+void vs_conduction_turn(vs_conduction *c, double zero_s) {
+  c->before_a = -c->before_a;
+  set_foot(c, zero_s, 0);
+}
+
 static double leakage(double v_v) {
   return LEAKS_S * fabs(v_v);
 }

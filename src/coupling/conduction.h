@@ -41,6 +41,11 @@ void vs_conduction_begin(vs_conduction *c);
  * blocked one does, it conducts already, and will not be told to fire. */
 void vs_conduction_resume(vs_conduction *c, double i_a, double v_v);
 
+/* From now on the current of the other direction is followed, of a device that conducts both ways
+ * and blocks at present. Current and voltage changed their signs at zero_s; the following steps
+ * have them with their signs turned. */
+void vs_conduction_turn(vs_conduction *c, double zero_s);
+
 /* The clock is set back by by_s. */
 void vs_conduction_wind(vs_conduction *c, double by_s);
 

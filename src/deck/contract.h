@@ -27,11 +27,14 @@
  *       is kept
  *   *$ require A <= B  "TEXT"
  *       a condition between parameters (or A < B)
- *   *$ device NAME [PART or KIND] [gate+ANGLE] [protects DEVICE] = FORMULA, FORMULA [, FORMULA]
+ *   *$ device NAME [PART or KIND] [PORT]... [protects DEVICE] = FORMULA, FORMULA [, FORMULA]
  *             "TEXT"
  *       its voltage and current, and (of a gate drive) its core's flux linkage, V.s. Its measures
  *       are NAME.what, and enter the verdict against the limits of the part of that name
- *       (deck/kinds.h). gate+ANGLE: the port that its gate pulses go by; else the deck's first.
+ *       (deck/kinds.h). PORT: what its gate pulses come from, as gate+ANGLE. A triac that is fired
+ *       in both half cycles names two, gate gate+180deg. Where none is named it goes by the deck's
+ *       first gate port, a triac by all of them. A mosfet or an igbt may name the port that drives
+ *       it; of these nobody judges whether they obey
  *       protects: what it lets through is held against that device's limit
  *   *$ compat ps
  *       the netlist is read as PSpice's dialect

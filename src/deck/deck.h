@@ -32,6 +32,7 @@ enum {
   VS_DECK_PARTS = 16,
   VS_DECK_DEVICES = 32,
   VS_DECK_LIMITS = 128,
+  VS_DEVICE_PORTS = 4,  /* ports that one device may name */
   VS_DECK_MOTIONS = 33, /* the gap's rate, 16 coordinates and their rates */
   VS_PART_ZTH = 8       /* terms of one part's thermal impedance */
 };
@@ -139,7 +140,20 @@ typedef struct vs_rating {
   vs_where where;
 } vs_rating;
 
-/* A device whose stress is measured (deck/devices.h). Kind, part, gate and ward are known once the
+/* The gate pulses that a device goes by, those of one gate port or of several: by how much each
+ * port delays them against the port `gate`. */
+typedef struct vs_gates {
+  double rad[VS_DEVICE_PORTS];
+  size_t count; /* 0: the deck has no gate port */
+} vs_gates;
+
+/* A port that a device's line names. */
+typedef struct vs_named_port {
+  vs_signal signal;
+  vs_where where;
+} vs_named_port;
+
+/* A device whose stress is measured (deck/devices.h). Kind, part, gates and ward are known once the
  * parts are read. */
 typedef struct vs_device {
   char name[VS_DECK_NAME], text[VS_DECK_TEXT];
@@ -147,12 +161,15 @@ typedef struct vs_device {
   vs_formula voltage, current; /* V, A */
   vs_formula flux;             /* V.s, of its core; only where has_flux is true */
   bool has_flux;
-  const struct vs_kind *kind; /* NULL: none is known */
-  int part;                   /* index into vs_deck.parts; -1: none */
-  double gate_rad;            /* delay of its gate pulses; NaN: the deck has no gate port */
-  char ward[VS_DECK_NAME];    /* the device it protects, as the line says; empty: none */
-  int protects;               /* index of that device; -1: none */
-  vs_where where, where_of, where_gate, where_ward, where_flux;
+  const struct vs_kind *kind;           /* NULL: none is known */
+  int part;                             /* index into vs_deck.parts; -1: none */
+  vs_named_port ports[VS_DEVICE_PORTS]; /* as the line says */
+  size_t n_ports;
+  vs_gates
+      gates; /* those it goes by; of a kind without a gate those of the deck's first gate port */
+  char ward[VS_DECK_NAME]; /* the device it protects, as the line says; empty: none */
+  int protects;            /* index of that device; -1: none */
+  vs_where where, where_of, where_ward, where_flux;
 } vs_device;
 
 /* A node of the EVA that shows the machine's motion besides the gap (deck/eva.h). It is there only

@@ -22,8 +22,11 @@ static bool read_word(vs_device *d, vs_cursor *c) {
     d->where_ward = vs_cursor_here(c);
     return vs_cursor_word(c, "", d->ward, sizeof d->ward);
   }
-  if (isnan(d->gate_rad) && vs_port_read_gate(word, &d->gate_rad)) {
-    d->where_gate = where;
+  vs_named_port port = {.where = where};
+  vs_error none = {0};
+  if (!vs_port_read(word, where, &port.signal, &none) && port.signal.drive != VS_PORT_MAINS) {
+    if (d->n_ports == VS_DEVICE_PORTS) return false;
+    d->ports[d->n_ports++] = port;
     return true;
   }
   if (*d->of) return false;
@@ -32,17 +35,17 @@ static bool read_word(vs_device *d, vs_cursor *c) {
   return true;
 }
 
-/* device NAME [PART or KIND] [gate+ANGLE] [protects DEVICE] = VOLTAGE, CURRENT [, FLUX] "TEXT" */
+/* device NAME [PART or KIND] [PORT]... [protects DEVICE] = VOLTAGE, CURRENT [, FLUX] "TEXT" */
 vs_status vs_devices_line(vs_deck *deck, vs_cursor *c, vs_error *err) {
   static const char WANTED[] =
-      "'device NAME [PART or KIND] [gate+ANGLE] [protects DEVICE] = VOLTAGE, CURRENT [, FLUX] "
+      "'device NAME [PART or KIND] [PORT]... [protects DEVICE] = VOLTAGE, CURRENT [, FLUX] "
       "\"TEXT\"' is wanted here";
   if (deck->n_devices >= VS_DECK_DEVICES)
     return vs_fail_at(err, c->line, "more than %d devices", VS_DECK_DEVICES);
   vs_device *d = &deck->devices[deck->n_devices];
-  *d = (vs_device){.gate_rad = NAN, .part = -1, .protects = -1};
+  *d = (vs_device){.part = -1, .protects = -1};
   vs_cursor_skip(c);
-  d->where = d->where_of = d->where_gate = vs_cursor_here(c);
+  d->where = d->where_of = vs_cursor_here(c);
   if (!vs_cursor_word(c, "", d->name, sizeof d->name))
     return vs_fail_at(err, vs_cursor_here(c), "%s", WANTED);
   for (size_t k = 0; k < deck->n_devices; k++)
@@ -151,21 +154,54 @@ static vs_status resolve_kind(const vs_deck *deck, vs_device *d, vs_error *err) 
                               d->name, part->subcircuit, file->kind);
 }
 
-/* Gives the device the gate pulses of the port that it names, else of the deck's first gate port.
- */
-static vs_status resolve_gate(const vs_deck *deck, vs_device *d, vs_error *err) {
-  bool named = !isnan(d->gate_rad);
-  if (named && d->kind && !d->kind->gated)
-    return vs_fail_at(err, d->where_gate, "device %s: a %s has no gate", d->name, d->kind->name);
+static bool is_same_signal(const vs_signal *a, const vs_signal *b) {
+  return a->drive == b->drive && fabs(a->shift_rad - b->shift_rad) <= 1e-9;
+}
+
+/* True where the deck has the port, or, of a port of gate pulses, one with the same pulses. */
+static bool has_port(const vs_deck *deck, const vs_signal *wanted) {
   for (size_t p = 0; p < deck->n_ports; p++) {
-    const vs_signal *signal = &deck->ports[p].signal;
-    if (!vs_port_is_gated(signal)) continue;
-    if (named && fabs(signal->shift_rad - d->gate_rad) > 1e-9) continue;
-    d->gate_rad = signal->shift_rad;
-    return VS_OK;
+    vs_signal signal = deck->ports[p].signal;
+    if (vs_port_is_gated(&signal) && vs_port_is_gated(wanted)) signal.drive = wanted->drive;
+    if (is_same_signal(&signal, wanted)) return true;
   }
-  if (!named || deck->lost & VS_LOST_PORT) return VS_OK;
-  return vs_fail_at(err, d->where_gate, "device %s: the deck has no such port", d->name);
+  return false;
+}
+
+/* Adds the pulses of a gate port, unless they are among the device's already. */
+static void add_gate(vs_device *d, const vs_signal *signal) {
+  bool new = vs_port_is_gated(signal) && d->gates.count < VS_DEVICE_PORTS;
+  for (size_t g = 0; g < d->gates.count; g++)
+    new = new &&fabs(d->gates.rad[g] - signal->shift_rad) > 1e-9;
+  if (new) d->gates.rad[d->gates.count++] = signal->shift_rad;
+}
+
+/* Error: the device's kind has no use for the port, or the deck has not got it. */
+static vs_status check_port(const vs_deck *deck, const vs_device *d, const vs_named_port *port,
+                            vs_error *err) {
+  const vs_kind *kind = d->kind;
+  if (kind && !kind->gated && !kind->driven)
+    return vs_fail_at(err, port->where, "device %s: a %s has no gate", d->name, kind->name);
+  if (kind && kind->gated && !vs_port_is_gated(&port->signal))
+    return vs_fail_at(err, port->where, "device %s: a %s goes by gate pulses: gate+ANGLE is wanted",
+                      d->name, kind->name);
+  if (has_port(deck, &port->signal) || deck->lost & VS_LOST_PORT) return VS_OK;
+  return vs_fail_at(err, port->where, "device %s: the deck has no such port", d->name);
+}
+
+/* Gives the device the gate pulses of the ports that it names; else of the deck's first gate port,
+ * or, where it conducts both ways, of all of them. */
+static vs_status resolve_gates(const vs_deck *deck, vs_device *d, vs_error *err) {
+  vs_status status = VS_OK;
+  d->gates.count = 0;
+  for (size_t n = 0; n < d->n_ports && !status; n++) {
+    status = check_port(deck, d, &d->ports[n], err);
+    add_gate(d, &d->ports[n].signal);
+  }
+  bool all = d->kind && d->kind->both_ways;
+  for (size_t p = 0; p < deck->n_ports && !d->n_ports; p++)
+    if (all || !d->gates.count) add_gate(d, &deck->ports[p].signal);
+  return status;
 }
 
 static vs_status check_flux(const vs_device *d, vs_error *err) {
@@ -218,9 +254,16 @@ static vs_status check_limits(const vs_deck *deck, const vs_device *d, vs_error 
   for (size_t k = 0; d->kind && k < d->kind->n_measures && !status; k++) {
     const vs_device_measure *m = &d->kind->measures[k];
     const vs_limit *limit = vs_devices_limit(deck, d, m);
-    if (!limit || vs_units_same_kind(limit->unit, m->unit)) continue;
-    status = vs_fail_at(err, limit->where, "limit %s: a unit as %s is wanted, for %s.%s",
-                        limit->name, m->unit, d->name, m->name);
+    if (!limit) continue;
+    bool fits = vs_units_same_kind(limit->unit, m->unit);
+    if (fits && limit->value > 0) continue;
+    if (fits)
+      status = vs_fail_at(err, limit->where,
+                          "limit %s: it must be above 0, as margins are parts of it, for %s.%s",
+                          limit->name, d->name, m->name);
+    else
+      status = vs_fail_at(err, limit->where, "limit %s: a unit as %s is wanted, for %s.%s",
+                          limit->name, m->unit, d->name, m->name);
     status = vs_error_carry_on(err, status);
   }
   return status;
@@ -231,7 +274,7 @@ vs_status vs_devices_resolve(vs_deck *deck, vs_error *err) {
   for (size_t k = 0; k < deck->n_devices && !status; k++) {
     vs_device *d = &deck->devices[k];
     status = vs_error_carry_on(err, resolve_kind(deck, d, err));
-    if (!status) status = vs_error_carry_on(err, resolve_gate(deck, d, err));
+    if (!status) status = vs_error_carry_on(err, resolve_gates(deck, d, err));
     if (!status) status = vs_error_carry_on(err, check_flux(d, err));
     if (!status) status = vs_error_carry_on(err, resolve_ward(deck, d, err));
   }

@@ -53,13 +53,20 @@ static const vs_device_measure TRIAC[] = {
      "v_drm", VS_AT_MOST},
     {"dv_dt", "V/us",
      "steepest rise of off-state voltage, either way, mean rate from 10 to 90 % of a rise of 10 V "
-     "or more, not counting the first one behind a conduction",
+     "or more",
      VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST},
     {"dv_dt_max", "V/us", "largest rate of off-state voltage, either way, over any 0.1 us",
      VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
     {"di_dt", "A/us",
      "largest rate of current from firing to its first extreme, either way, over any 0.1 us",
      VS_R_ON_RATE, VS_OF_I, 1, "di_dt", VS_AT_MOST},
+    {"dv_dt_c", "V/us",
+     "steepest first rise of off-state voltage behind a conduction, mean rate from 10 to 90 % of "
+     "it: (dv/dt)c",
+     VS_R_RETURN_RISE, VS_OF_V, 1, "dv_dt_c", VS_AT_MOST},
+    {"di_dt_c", "A/ms",
+     "steepest fall of a current to its zero, mean rate from a tenth of its peak: (di/dt)c",
+     VS_R_FALL, VS_OF_I, 1, "di_dt_c", VS_AT_MOST},
     {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_trm", VS_AT_MOST},
     {"i_surge", "A",
      "peak of the half sine of 10 ms with the largest int i^2 dt within 10 ms: a shorter pulse "
@@ -74,6 +81,12 @@ static const vs_device_measure TRIAC[] = {
     {"i2t", "A2.s", "largest int i^2 dt of one half cycle's conduction", VS_R_PULSE, VS_OF_I2, 1,
      "i2t", VS_AT_MOST},
     {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"loss_conduction", "J", "of this, while it conducts", VS_R_CONDUCTION, VS_OF_POWER, 1, NULL,
+     VS_AT_MOST},
+    {"loss_switching", "J", "of this, while it turns on and off", VS_R_SWITCHING, VS_OF_POWER, 1,
+     NULL, VS_AT_MOST},
+    {"loss_blocking", "J", "of this, while it blocks: the rest", VS_R_BLOCKING, VS_OF_POWER, 1,
+     NULL, VS_AT_MOST},
     {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
      VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST},
     {"misfires", "", "gate pulses that it did not follow, of both half cycles", VS_R_MISFIRE,
@@ -101,6 +114,14 @@ static const vs_device_measure DIODE[] = {
     {"i2t", "A2.s", "largest int i^2 dt of one conduction", VS_R_PULSE, VS_OF_I2, 1, "i2t",
      VS_AT_MOST},
     {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"loss_conduction", "J", "of this, while it conducts", VS_R_CONDUCTION, VS_OF_POWER, 1, NULL,
+     VS_AT_MOST},
+    {"loss_recovery", "J", "of this, from the zero of its current to the end of its recovery",
+     VS_R_RECOVERY, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"loss_blocking", "J", "of this, while it blocks: the rest", VS_R_BLOCKING, VS_OF_POWER, 1,
+     NULL, VS_AT_MOST},
+    {"e_rec", "J", "largest energy of one recovery", VS_R_E_RECOVERY, VS_OF_POWER, 1, NULL,
+     VS_AT_MOST},
     {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
      VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST}};
 static const vs_device_measure MOSFET[] = {
@@ -115,6 +136,16 @@ static const vs_device_measure MOSFET[] = {
     {"dv_dt", "V/us", "largest rate of voltage, either way, over any 0.1 us", VS_R_STEEPEST,
      VS_OF_V, 0, "dv_dt", VS_AT_MOST},
     {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"loss_conduction", "J", "of this, while it conducts", VS_R_CONDUCTION, VS_OF_POWER, 1, NULL,
+     VS_AT_MOST},
+    {"loss_switching", "J", "of this, while it turns on and off", VS_R_SWITCHING, VS_OF_POWER, 1,
+     NULL, VS_AT_MOST},
+    {"loss_blocking", "J", "of this, while it blocks: the rest", VS_R_BLOCKING, VS_OF_POWER, 1,
+     NULL, VS_AT_MOST},
+    {"e_on", "J", "largest energy of one turn-on", VS_R_E_ON, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"e_off", "J", "largest energy of one turn-off", VS_R_E_OFF, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"i_off", "A", "largest current that it turned off", VS_R_TURNED_OFF, VS_OF_I, 1, NULL,
+     VS_AT_MOST},
     {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
      VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST}};
 static const vs_device_measure IGBT[] = {
@@ -131,6 +162,16 @@ static const vs_device_measure IGBT[] = {
     {"dv_dt", "V/us", "largest rate of voltage, either way, over any 0.1 us", VS_R_STEEPEST,
      VS_OF_V, 0, "dv_dt", VS_AT_MOST},
     {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"loss_conduction", "J", "of this, while it conducts", VS_R_CONDUCTION, VS_OF_POWER, 1, NULL,
+     VS_AT_MOST},
+    {"loss_switching", "J", "of this, while it turns on and off", VS_R_SWITCHING, VS_OF_POWER, 1,
+     NULL, VS_AT_MOST},
+    {"loss_blocking", "J", "of this, while it blocks: the rest", VS_R_BLOCKING, VS_OF_POWER, 1,
+     NULL, VS_AT_MOST},
+    {"e_on", "J", "largest energy of one turn-on", VS_R_E_ON, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"e_off", "J", "largest energy of one turn-off", VS_R_E_OFF, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"i_off", "A", "largest current that it turned off", VS_R_TURNED_OFF, VS_OF_I, 1, "i_rbsoa",
+     VS_AT_MOST},
     {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
      VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST}};
 static const vs_device_measure ELECTROLYTIC[] = {
@@ -145,7 +186,10 @@ static const vs_device_measure ELECTROLYTIC[] = {
     {"power", "W",
      "mean of v i over the time that measure says: its loss, where it stores as much at the end "
      "as at the beginning",
-     VS_R_MEAN, VS_OF_POWER, 1, NULL, VS_AT_MOST}};
+     VS_R_MEAN, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"t_core_rise", "K",
+     "largest rise of its core's temperature under ESR i^2, by the part's limit esr and its zth",
+     VS_R_CORE, VS_OF_I2, 1, "t_core_rise", VS_AT_MOST}};
 static const vs_device_measure VARISTOR[] = {
     {"v_clamp", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
     {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_surge", VS_AT_MOST},
@@ -185,14 +229,14 @@ static const vs_device_measure GATE_DRIVE[] = {
 const vs_kind vs_kinds_all[] = {
     {.name = "thyristor", .switches = true, .gated = true, MEASURED(THYRISTOR)},
     {.name = "triac", .switches = true, .both_ways = true, .gated = true, MEASURED(TRIAC)},
-    {.name = "diode", .switches = true, MEASURED(DIODE)},
+    {.name = "diode", .switches = true, .rectifies = true, MEASURED(DIODE)},
     {.name = "mosfet", .driven = true, MEASURED(MOSFET)},
     {.name = "igbt", .driven = true, MEASURED(IGBT)},
     {.name = "varistor", MEASURED(VARISTOR)},
     {.name = "resistor", MEASURED(RESISTOR)},
     {.name = "capacitor", MEASURED(CAPACITOR)},
     {.name = "electrolytic", MEASURED(ELECTROLYTIC)},
-    {.name = "fuse", MEASURED(FUSE)},
+    {.name = "fuse", .melts = true, MEASURED(FUSE)},
     {.name = "gate_drive", .gated = true, MEASURED(GATE_DRIVE)},
     {.name = NULL}};
 

@@ -16,8 +16,8 @@
  * current (A), voltage times current (W), current squared (A2). */
 enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
 
-/* How a course becomes one number. Each row is an id and the name of its plug in
- * stress/reductions.c, which does it. Those from VS_R_RISE to VS_R_COMMUTATION_FAILURE are of a
+/* How a course becomes one number. Each row is an id and the name of its plug, which
+ * stress/reductions.c has or includes. Those from VS_R_RISE to VS_R_COMMUTATION_FAILURE are of a
  * device that conducts or blocks, VS_R_GATE_LEAST is of one with a gate.
  *   VS_R_PEAK         largest value, in the sense that the measure gives
  *   VS_R_MEAN         mean over the stretch that the scene's section measure says
@@ -34,7 +34,13 @@ enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
  *   VS_R_ON_RATE      largest rate of current from firing to its first maximum, over any 0.1 us
  *   VS_R_OFFERED      shortest time between a conduction and forward voltage without a gate pulse
  *   VS_R_MISFIRE, VS_R_UNINTENDED, VS_R_COMMUTATION_FAILURE   how often: stress/switching.h
- *   VS_R_GATE_LEAST   smallest of all gate pulses' peaks */
+ *   VS_R_GATE_LEAST   smallest of all gate pulses' peaks
+ *   VS_R_CORE         rise of a capacitor's core, by the part's lines zth and its ESR
+ *   VS_R_RETURN_RISE, VS_R_FALL   (dv/dt)c and (di/dt)c of a triac: stress/switching.h
+ *   VS_R_CONDUCTION, VS_R_SWITCHING, VS_R_RECOVERY, VS_R_BLOCKING   the parts of the loss, which
+ *                     are all of it: stress/losses.h
+ *   VS_R_E_ON, VS_R_E_OFF, VS_R_E_RECOVERY   the largest of a single switching
+ *   VS_R_TURNED_OFF   largest current that was turned off */
 #define VS_REDUCTION_LIST(X)                                                                       \
   X(VS_R_PEAK, peak)                                                                               \
   X(VS_R_MEAN, mean)                                                                               \
@@ -45,15 +51,26 @@ enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
   X(VS_R_WITHIN, within)                                                                           \
   X(VS_R_SURGE, surge)                                                                             \
   X(VS_R_STEEPEST, steepest)                                                                       \
-  X(VS_R_JUNCTION, junction)                                                                       \
-  X(VS_R_RISE, rise)                                                                               \
-  X(VS_R_OFF_RATE, off_rate)                                                                       \
-  X(VS_R_ON_RATE, on_rate)                                                                         \
-  X(VS_R_OFFERED, offered)                                                                         \
-  X(VS_R_MISFIRE, misfire)                                                                         \
-  X(VS_R_UNINTENDED, unintended)                                                                   \
-  X(VS_R_COMMUTATION_FAILURE, commutation_failure)                                                 \
-  X(VS_R_GATE_LEAST, gate_least)
+  X(VS_R_JUNCTION, vs_junction_of_power)                                                           \
+  X(VS_R_RISE, vs_told_rise)                                                                       \
+  X(VS_R_OFF_RATE, vs_told_off_rate)                                                               \
+  X(VS_R_ON_RATE, vs_told_on_rate)                                                                 \
+  X(VS_R_OFFERED, vs_told_offered)                                                                 \
+  X(VS_R_MISFIRE, vs_told_misfire)                                                                 \
+  X(VS_R_UNINTENDED, vs_told_unintended)                                                           \
+  X(VS_R_COMMUTATION_FAILURE, vs_told_commutation_failure)                                         \
+  X(VS_R_GATE_LEAST, vs_told_gate_least)                                                           \
+  X(VS_R_CORE, vs_junction_of_current)                                                             \
+  X(VS_R_RETURN_RISE, vs_told_return_rise)                                                         \
+  X(VS_R_FALL, vs_told_fall)                                                                       \
+  X(VS_R_CONDUCTION, vs_told_conduction)                                                           \
+  X(VS_R_SWITCHING, vs_told_switching)                                                             \
+  X(VS_R_RECOVERY, vs_told_recovery)                                                               \
+  X(VS_R_BLOCKING, vs_told_blocking)                                                               \
+  X(VS_R_E_ON, vs_told_e_on)                                                                       \
+  X(VS_R_E_OFF, vs_told_e_off)                                                                     \
+  X(VS_R_E_RECOVERY, vs_told_e_recovery)                                                           \
+  X(VS_R_TURNED_OFF, vs_told_turned_off)
 
 typedef enum vs_reduction {
 #define VS_REDUCTION_ID(id, plug) id,
@@ -85,8 +102,10 @@ typedef struct vs_kind {
   bool switches;    /* it conducts or blocks, and which of the two its current tells, as that of a
                        thyristor does */
   bool both_ways;   /* it conducts either way, as a triac does */
+  bool rectifies;   /* it conducts one way, by its voltage, as a diode does */
   bool gated;       /* it goes by the deck's gate pulses */
   bool driven;      /* a port turns it on and off, as a mosfet; nobody judges whether it obeys */
+  bool melts;       /* it is a fuse, of which events.csv tells when it melts and has cleared */
   const vs_device_measure *measures;
   size_t n_measures;
 } vs_kind;

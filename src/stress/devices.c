@@ -7,6 +7,8 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "stress/melting.h"
+#include "stress/reductions.h"
 
 /* A formula of the deck. One that is a single term times a constant is evaluated the short way. */
 typedef struct quick {
@@ -41,9 +43,10 @@ typedef struct opening {
 struct vs_device_watch {
   quick voltage, current, flux;
   shots shots;
-  opening *opening;  /* of a device that conducts or blocks, on an orbit; NULL: of any other. Owned
-                      */
-  vs_reduced **busy; /* those of the device's measures that every step may change; owned */
+  vs_melting melting; /* of a fuse */
+  opening *opening;   /* of a device that conducts or blocks, on an orbit; NULL: of any other. Owned
+                       */
+  vs_reduced **busy;  /* those of the device's measures that every step may change; owned */
   size_t n_busy;
 };
 
@@ -61,23 +64,15 @@ static void begin_measure(vs_watched *w, vs_reduced *r, const vs_device_measure 
   *r = (vs_reduced){.measure = m,
                     .by = by,
                     .limit = vs_devices_limit(w->deck, w->device, m),
-                    .value = {.known = by->counts && !isnan(w->device->gate_rad), .at_s = NAN},
+                    .value = {.known = by->counts && w->device->gates.count, .at_s = NAN},
                     .failed_s = NAN};
   if (by->state_size) r->state = vs_alloc(1, by->state_size + (w->at_work ? by->at_work_size : 0));
   if (by->prepare) by->prepare(w, r);
 }
 
-/* The delay of the deck's first gate; NaN: the deck has none. */
-static double any_gate_rad(const vs_deck *deck) {
-  for (size_t k = 0; k < deck->n_ports; k++)
-    if (vs_port_is_gated(&deck->ports[k].signal)) return deck->ports[k].signal.shift_rad;
-  return NAN;
-}
-
 static void begin_shots(shots *s, const vs_frame *frame, const vs_device *d) {
-  double delay_rad = isnan(d->gate_rad) ? any_gate_rad(frame->deck) : d->gate_rad;
   *s = (shots){.fresh = true, .last_s = -INFINITY};
-  vs_switching_gate_begin(&s->gate, frame->timeline, delay_rad);
+  vs_switching_gate_begin(&s->gate, frame->timeline, &d->gates);
 }
 
 static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *frame,
@@ -92,7 +87,9 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
   if (d->has_flux) own->flux = quick_of(&d->flux);
   if (d->kind->switches) {
     w->states = vs_alloc(1, sizeof *w->states);
-    vs_switching_begin(w->states, frame->timeline, d->kind->gated ? d->gate_rad : NAN);
+    static const vs_gates NONE = {0};
+    vs_switching_begin(w->states, frame->timeline, d->kind->gated ? &d->gates : &NONE,
+                       d->kind->both_ways);
     begin_shots(&own->shots, frame, d);
     if (w->at_work) own->opening = vs_alloc(1, sizeof *own->opening);
   }
@@ -117,6 +114,7 @@ vs_devices *vs_devices_new(const vs_frame *frame) {
   if (!(d->means.to_s > 0)) d->means = (vs_span_s){0, INFINITY};
   for (size_t k = 0; k < count; k++)
     begin_device(&d->item[k], &d->watch[k], frame, &frame->deck->devices[k]);
+  for (size_t k = 0; k < count; k++) d->tells = d->tells || d->item[k].device->kind->both_ways;
   return d;
 }
 
@@ -126,6 +124,7 @@ void vs_devices_free(vs_devices *d) {
     for (size_t n = 0; n < w->count; n++) free(w->reduced[n].state);
     free(w->reduced);
     free(w->states);
+    free(w->losses);
     free(d->watch[k].busy);
     free(d->watch[k].opening);
   }
@@ -175,7 +174,7 @@ static void follow_shots(const vs_devices *d, vs_watched *w, shots *s, const vs_
   vs_switching_gate_follow(&s->gate, c);
   s->fresh = s->fresh || s->gate.begins;
   if (!c->on || c->was_on) return;
-  bool gated = s->gate.on && !isnan(s->gate.delay_rad);
+  bool gated = s->gate.on && s->gate.gates.count;
   bool again = gated && !s->fresh && c->t0_s - s->last_s < d->frame->timeline->period_s / 2;
   s->fresh = false;
   if (again) return;
@@ -196,15 +195,37 @@ static void follow_means(const vs_devices *d, vs_watched *w, const vs_course_ste
 
 /* ---- step by step ---- */
 
+static void say(vs_devices *d, double at_s, const char *device, const char *what) {
+  d->incidents[d->n_incidents++] = (vs_incident){at_s, device, what};
+}
+
+static void tell_firing(vs_devices *d, const vs_watched *w, const vs_switch_news *news) {
+  static const char *const FIRES[] = {"fires (negative half cycle)", "fires",
+                                      "fires (positive half cycle)"},
+                           *const EXTINCT[] = {"extinct (negative half cycle)", "extinct",
+                                               "extinct (positive half cycle)"};
+  int half = w->device->kind->both_ways ? (news->way < 0 ? 0 : 2) : 1;
+  if (news->extinct.known) say(d, news->extinct.at_s, w->device->name, EXTINCT[half]);
+  if (news->fires.known) say(d, news->fires.at_s, w->device->name, FIRES[half]);
+}
+
 static void tell(vs_devices *d, const vs_watched *w, const vs_switch_news *news) {
   const char *name = w->device->name;
-  if (news->misfire.known)
-    d->incidents[d->n_incidents++] = (vs_incident){news->misfire.at_s, name, "misfires"};
+  if (news->misfire.known) say(d, news->misfire.at_s, name, "misfires");
+  if (d->tells && w->device->kind->gated) tell_firing(d, w, news);
   if (news->unintended.known)
-    d->incidents[d->n_incidents++] =
-        (vs_incident){news->unintended.at_s, name,
-                      news->commutation_failure ? "fires without a gate pulse (commutation failure)"
-                                                : "fires without a gate pulse (unintended firing)"};
+    say(d, news->unintended.at_s, name,
+        news->commutation_failure ? "fires without a gate pulse (commutation failure)"
+                                  : "fires without a gate pulse (unintended firing)");
+}
+
+static void follow_melting(vs_devices *d, const vs_watched *w, vs_melting *m,
+                           const vs_course_step *c) {
+  vs_melting_news news = vs_melting_follow(m, c);
+  const char *name = w->device->name;
+  if (!isnan(news.melts_s)) say(d, news.melts_s, name, "melts");
+  if (!isnan(news.cleared_s)) say(d, news.cleared_s, name, "has cleared");
+  if (!isnan(news.again_s)) say(d, news.again_s, name, "arcs again");
 }
 
 static void follow_states(vs_devices *d, vs_watched *w, vs_course_step *c) {
@@ -246,6 +267,8 @@ static void follow(vs_devices *d, size_t k, vs_course_step *c, const double *mid
   if (w->states) follow_states(d, w, c);
   if (w->states) follow_shots(d, w, &own->shots, c);
   if (own->opening) keep(own->opening, c);
+  if (w->device->kind->melts) follow_melting(d, w, &own->melting, c);
+  if (w->losses) vs_losses_follow(w->losses, c);
   follow_means(d, w, c);
   for (size_t n = 0; n < own->n_busy; n++) own->busy[n]->by->follow(w, own->busy[n], c);
 }
@@ -261,6 +284,7 @@ static void begin(vs_devices *d, const vs_step *step) {
     w->last[VS_OF_I] = vs_formula_value(own->current.formula, terms);
     if (own->flux.formula) w->last[VS_OF_FLUX] = vs_formula_value(own->flux.formula, terms);
     complete(w->last);
+    if (w->losses) vs_losses_resume(w->losses, w->last[VS_OF_V], w->last[VS_OF_I]);
     if (w->states) vs_switching_resume(w->states, w->last[VS_OF_I], w->last[VS_OF_V]);
     for (size_t n = 0; n < own->n_busy; n++)
       if (own->busy[n]->by->begin) own->busy[n]->by->begin(w, own->busy[n], d->began_s);

@@ -8,9 +8,11 @@
 #ifndef VS_STRESS_DEVICES_H
 #define VS_STRESS_DEVICES_H
 
-#include "stress/reductions.h"
+#include "stress/reducer.h"
 
-/* A device that went against its gate in the step last accepted. */
+/* What happened to a device in the step last accepted: it went against its gate; or it fired or
+ * went out, where the deck has devices that conduct both ways (vs_devices.tells); or a fuse melted,
+ * had cleared or arced again. */
 typedef struct vs_incident {
   double at_s;
   const char *device, *what; /* borrowed: "thyristor", "misfires" */
@@ -22,7 +24,10 @@ typedef struct vs_devices {
   const vs_frame *frame;
   vs_span_s means;       /* what means are over; the whole run where the frame says nothing */
   double began_s, now_s; /* of the steps accepted; began_s is NaN before the first */
-  vs_incident incidents[2 * VS_DECK_DEVICES]; /* at most one misfire and one firing a device */
+  bool tells; /* each device's firings are among the incidents, so that the run's own need not be
+                 told besides */
+  vs_incident incidents[3 * VS_DECK_DEVICES]; /* at most a misfire, a firing or an end of one, and
+                                                 what is to be said of the firing, a device */
   size_t n_incidents;
   vs_device_watch *watch; /* [count]; owned */
   size_t count;

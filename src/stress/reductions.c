@@ -4,46 +4,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "stress/junction.h"
 #include "stress/pulse.h"
-
-/* ---- what reductions share ---- */
-
-/* Notes when the limit was passed by a value that was `before` at the step's beginning and is
- * `after` at its end. */
-static void watch_limit(vs_reduced *r, const vs_course_step *c, double before, double after) {
-  if (!r->limit || !isnan(r->failed_s) || !(after > r->limit->value)) return;
-  double part = (r->limit->value - before) / (after - before);
-  r->failed_s = c->t0_s + fmin(fmax(part, 0), 1) * c->h_s;
-}
-
-/* The same, and keeps `after` where it is the largest so far. */
-static void take_largest(vs_reduced *r, const vs_course_step *c, double before, double after) {
-  if (after > r->value.value) r->value = (vs_value){true, after, c->t1_s};
-  watch_limit(r, c, before, after);
-}
-
-/* A value of something that happens now and then: keeps the largest of all, or the least. */
-static void offer(vs_reduced *r, vs_value v, bool least) {
-  if (!v.known) return;
-  if (!r->value.known || (least ? v.value < r->value.value : v.value > r->value.value))
-    r->value = v;
-  if (!r->limit || !isnan(r->failed_s)) return;
-  if (r->measure->held == VS_AT_LEAST ? v.value < r->limit->value : v.value > r->limit->value)
-    r->failed_s = v.at_s;
-}
-
-static bool is_held_from_below(const vs_reduced *r) {
-  return r->measure->held == VS_AT_LEAST;
-}
-
-static void count(vs_reduced *r, bool once, double at_s) {
-  if (once && r->value.value++ == 0) r->value.at_s = at_s;
-}
-
-static void begin_at_zero(const vs_watched *w, vs_reduced *r, double t_s) {
-  (void)w, (void)t_s;
-  r->value = (vs_value){true, 0, NAN};
-}
+#include "stress/told.h"
 
 /* ---- peaks ---- */
 
@@ -65,7 +28,7 @@ static void follow_peak(const vs_watched *w, vs_reduced *r, const vs_course_step
   double to = in_sense(c->to[m->of], m->sense);
   (void)w;
   if (to > r->value.value) r->value = (vs_value){true, to, c->t1_s};
-  if (r->limit) watch_limit(r, c, in_sense(c->from[m->of], m->sense), to);
+  if (r->limit) vs_reducer_watch(r, c, in_sense(c->from[m->of], m->sense), to);
 }
 
 static const vs_reducer peak = {.is_busy = has_course, .begin = begin_peak, .follow = follow_peak};
@@ -80,7 +43,7 @@ static const double CONTINUOUS_S = 1;
  * operation. The scene fires once; or the device began to conduct there once at most, and did not
  * conduct all of the time. */
 static bool is_one_shot(const vs_watched *w) {
-  if (!isnan(w->device->gate_rad) && !w->timeline->firing.every) return true;
+  if (w->device->gates.count && !w->timeline->firing.every) return true;
   return w->starts < 2 && w->rests;
 }
 
@@ -123,7 +86,7 @@ static bool has_limit(const vs_watched *w, const vs_reduced *r) {
 
 static void follow_integral(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
   int of = r->measure->of;
-  watch_limit(r, c, w->sum[of] - c->more[of], w->sum[of]);
+  vs_reducer_watch(r, c, w->sum[of] - c->more[of], w->sum[of]);
 }
 
 static void finish_integral(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
@@ -141,11 +104,13 @@ static void follow_pulse(const vs_watched *w, vs_reduced *r, const vs_course_ste
   if (!c->was_on && !c->on) return;
   double before = c->was_on ? *present : 0;
   *present = before + c->more[r->measure->of];
-  take_largest(r, c, before, *present);
+  vs_reducer_take_largest(r, c, before, *present);
 }
 
-static const vs_reducer pulse = {
-    .state_size = sizeof(double), .across = true, .begin = begin_at_zero, .follow = follow_pulse};
+static const vs_reducer pulse = {.state_size = sizeof(double),
+                                 .across = true,
+                                 .begin = vs_reducer_begin_at_zero,
+                                 .follow = follow_pulse};
 
 /* ---- heat of one pulse ---- */
 
@@ -158,7 +123,7 @@ static void follow_heat(const vs_watched *w, vs_reduced *r, const vs_course_step
   vs_pulse *p = r->state;
   double before = p->heat_j, heat = vs_pulse_follow(p, c);
   (void)w;
-  take_largest(r, c, fmin(before, heat), heat);
+  vs_reducer_take_largest(r, c, fmin(before, heat), heat);
 }
 
 /* What the present current has brought as the run ends counts whole. No pulse has more heat than
@@ -172,7 +137,7 @@ static void finish_heat(const vs_watched *w, vs_reduced *r, const vs_run_end *en
 
 static const vs_reducer heat = {.state_size = sizeof(vs_pulse),
                                 .prepare = prepare_heat,
-                                .begin = begin_at_zero,
+                                .begin = vs_reducer_begin_at_zero,
                                 .follow = follow_heat,
                                 .finish = finish_heat};
 
@@ -196,7 +161,7 @@ typedef struct window {
 static void begin_window(const vs_watched *w, vs_reduced *r, double t_s) {
   window *in = r->state;
   in->starts_s = t_s;
-  begin_at_zero(w, r, t_s);
+  vs_reducer_begin_at_zero(w, r, t_s);
 }
 
 static void next_part(window *w) {
@@ -228,7 +193,7 @@ static void follow_within(const vs_watched *w, vs_reduced *r, const vs_course_st
   window *in = r->state;
   double before = in->sum, after = add_to_window(in, c, c->more[r->measure->of]);
   (void)w;
-  take_largest(r, c, before, after);
+  vs_reducer_take_largest(r, c, before, after);
 }
 
 /* Up to 10 ms what a junction bears is a constant int i^2 dt; that of a half sine is
@@ -237,7 +202,7 @@ static void follow_surge(const vs_watched *w, vs_reduced *r, const vs_course_ste
   window *in = r->state;
   double before = in->sum, after = add_to_window(in, c, c->more[r->measure->of]);
   (void)w;
-  take_largest(r, c, sqrt(2 * before / SURGE_S), sqrt(2 * after / SURGE_S));
+  vs_reducer_take_largest(r, c, sqrt(2 * before / SURGE_S), sqrt(2 * after / SURGE_S));
 }
 
 static const vs_reducer within = {.state_size = sizeof(window),
@@ -255,187 +220,11 @@ static void follow_slope(const vs_watched *w, vs_reduced *r, const vs_course_ste
   (void)w;
   double rate =
       vs_slope_follow(r->state, c->t0_s, c->from[of], c->t1_s, c->to[of], r->measure->sense);
-  offer(r, (vs_value){rate >= 0, rate, c->t1_s}, is_held_from_below(r));
+  vs_reducer_offer(r, (vs_value){rate >= 0, rate, c->t1_s}, vs_reducer_is_held_from_below(r));
 }
 
 static const vs_reducer steepest = {
     .state_size = sizeof(vs_slope), .is_rate = true, .follow = follow_slope};
-
-/* ---- the junction's temperature ---- */
-
-/* On an orbit the rise at the period's beginning is that at its end. So the power over the period
- * is kept: each step's mean and its end. Where there are more steps than that, each two neighbours
- * become one. */
-enum { KEPT = 32768 };
-typedef struct heating {
-  double end_s, power_w;
-} heating;
-
-/* The Foster network of the device's part, and the rise of each of its terms. */
-typedef struct network {
-  const vs_zth *zth[VS_PART_ZTH];
-  double rise_k[VS_PART_ZTH];
-  size_t count;
-  double begun_s;
-  size_t n_kept;
-  heating kept[]; /* [KEPT] on an orbit, else [0] */
-} network;
-
-static void prepare_junction(vs_watched *w, vs_reduced *r) {
-  network *n = r->state;
-  const vs_deck *deck = w->deck;
-  const char *file = w->device->part < 0 ? "" : deck->parts[w->device->part].file;
-  for (size_t k = 0; k < deck->n_zth; k++)
-    if (!strcmp(deck->zth[k].where.file, file)) n->zth[n->count++] = &deck->zth[k];
-}
-
-static bool has_network(const vs_watched *w, const vs_reduced *r) {
-  const network *n = r->state;
-  (void)w;
-  return n->count;
-}
-
-static void begin_junction(const vs_watched *w, vs_reduced *r, double t_s) {
-  network *n = r->state;
-  n->begun_s = t_s;
-  begin_at_zero(w, r, t_s);
-}
-
-static double rise_of(const network *n) {
-  double rise_k = 0;
-  for (size_t k = 0; k < n->count; k++) rise_k += n->rise_k[k];
-  return rise_k;
-}
-
-/* Each term moves on its own, under a power that is constant for h_s. Returns the rise of all. */
-static double heat_up(network *n, double power_w, double h_s) {
-  for (size_t k = 0; k < n->count; k++) {
-    double less = -expm1(-h_s / n->zth[k]->tau_s);
-    n->rise_k[k] += less * (n->zth[k]->k_per_w * power_w - n->rise_k[k]);
-  }
-  return rise_of(n);
-}
-
-static void halve(network *n) {
-  double from_s = n->begun_s;
-  for (size_t k = 0; k < KEPT / 2; k++) {
-    const heating *a = &n->kept[2 * k], *b = a + 1;
-    double joule = a->power_w * (a->end_s - from_s) + b->power_w * (b->end_s - a->end_s);
-    const heating both = {b->end_s, joule / (b->end_s - from_s)};
-    from_s = b->end_s;
-    n->kept[k] = both;
-  }
-  n->n_kept = KEPT / 2;
-}
-
-static void follow_junction(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  network *n = r->state;
-  double before = rise_of(n), power_w = c->more[r->measure->of] / c->h_s;
-  double after = heat_up(n, power_w, c->h_s);
-  if (!w->at_work) {
-    take_largest(r, c, before, after);
-    return;
-  }
-  if (n->n_kept == KEPT) halve(n);
-  n->kept[n->n_kept++] = (heating){c->t1_s, power_w};
-}
-
-/* From 0 a term comes to b in the period T, and from s to s e^(-T/tau) + b. On an orbit that is s
- * again: s = b/(1 - e^(-T/tau)). From there the period is gone through once more. */
-static void finish_junction(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  network *n = r->state;
-  vs_course_step c = {.t1_s = n->begun_s};
-  if (!w->at_work || !n->count) return;
-  for (size_t k = 0; k < n->count; k++)
-    n->rise_k[k] /= -expm1((n->begun_s - end->now_s) / n->zth[k]->tau_s);
-  r->value = (vs_value){true, rise_of(n), n->begun_s};
-  for (size_t k = 0; k < n->n_kept; k++) {
-    double before = rise_of(n);
-    c.t0_s = c.t1_s;
-    c.t1_s = n->kept[k].end_s;
-    c.h_s = c.t1_s - c.t0_s;
-    take_largest(r, &c, before, heat_up(n, n->kept[k].power_w, c.h_s));
-  }
-}
-
-static const vs_reducer junction = {.state_size = sizeof(network),
-                                    .at_work_size = KEPT * sizeof(heating),
-                                    .prepare = prepare_junction,
-                                    .is_busy = has_network,
-                                    .begin = begin_junction,
-                                    .follow = follow_junction,
-                                    .finish = finish_junction};
-
-/* ---- news of a device that conducts or blocks ---- */
-
-static void take_rise(vs_reduced *r, const vs_switch_news *news) {
-  offer(r, news->rise, is_held_from_below(r));
-}
-
-static void take_off_rate(vs_reduced *r, const vs_switch_news *news) {
-  offer(r, news->off_rate, is_held_from_below(r));
-}
-
-static void take_on_rate(vs_reduced *r, const vs_switch_news *news) {
-  offer(r, news->on_rate, is_held_from_below(r));
-}
-
-/* The limit of the time offered is the part's t_q, by which a commutation failure is told. */
-static void prepare_offered(vs_watched *w, vs_reduced *r) {
-  if (w->states && r->limit) w->states->t_q_s = r->limit->value;
-}
-
-static void take_offered(vs_reduced *r, const vs_switch_news *news) {
-  offer(r, news->offered, is_held_from_below(r));
-  if (!news->offered.known || r->value.at_s != news->offered.at_s) return;
-  r->doubt = news->doubt_s;
-  r->spread = news->spread_s;
-}
-
-static void take_misfire(vs_reduced *r, const vs_switch_news *news) {
-  count(r, news->misfire.known, news->misfire.at_s);
-}
-
-static void take_unintended(vs_reduced *r, const vs_switch_news *news) {
-  count(r, news->unintended.known, news->unintended.at_s);
-}
-
-static void take_commutation_failure(vs_reduced *r, const vs_switch_news *news) {
-  count(r, news->commutation_failure, news->unintended.at_s);
-}
-
-static const vs_reducer rise = {.is_rate = true, .take_news = take_rise},
-                        off_rate = {.is_rate = true, .take_news = take_off_rate},
-                        on_rate = {.is_rate = true, .take_news = take_on_rate},
-                        offered = {.prepare = prepare_offered, .take_news = take_offered},
-                        misfire = {.counts = true, .take_news = take_misfire},
-                        unintended = {.counts = true, .take_news = take_unintended},
-                        commutation_failure = {.counts = true,
-                                               .take_news = take_commutation_failure};
-
-/* ---- gate pulses ---- */
-
-typedef struct gate_pulses {
-  vs_gate_watch gate;
-  double peak_a; /* in the present pulse */
-} gate_pulses;
-
-static void prepare_gate(vs_watched *w, vs_reduced *r) {
-  gate_pulses *g = r->state;
-  vs_switching_gate_begin(&g->gate, w->timeline, w->device->gate_rad);
-}
-
-static void follow_gate(const vs_watched *w, vs_reduced *r, const vs_course_step *c) {
-  gate_pulses *g = r->state;
-  (void)w;
-  vs_switching_gate_follow(&g->gate, c);
-  if (g->gate.ended) offer(r, (vs_value){true, g->peak_a, c->t0_s}, true);
-  if (g->gate.begins) g->peak_a = 0;
-  g->peak_a = fmax(g->peak_a, c->to[VS_OF_I]);
-}
-
-static const vs_reducer gate_least = {
-    .state_size = sizeof(gate_pulses), .prepare = prepare_gate, .follow = follow_gate};
 
 /* ---- the table ---- */
 

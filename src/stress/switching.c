@@ -18,14 +18,14 @@ enum { REST_NONE, REST_NO_REVERSE_YET, REST_REVERSED, REST_FORWARD_AGAIN };
 
 /* ---- gate ---- */
 
-void vs_switching_gate_begin(vs_gate_watch *g, const vs_timeline *timeline, double delay_rad) {
+void vs_switching_gate_begin(vs_gate_watch *g, const vs_timeline *timeline, const vs_gates *gates) {
   *g = (vs_gate_watch){
-      .timeline = timeline, .delay_rad = delay_rad, .edge_s = -INFINITY, .off_since_s = -INFINITY};
+      .timeline = timeline, .gates = *gates, .edge_s = -INFINITY, .off_since_s = -INFINITY};
 }
 
 void vs_switching_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
   g->begins = g->ended = false;
-  if (isnan(g->delay_rad)) {
+  if (!g->gates.count) {
     g->on = true;
     return;
   }
@@ -35,9 +35,12 @@ void vs_switching_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
   /* an edge that is not told from this instant counts as one to come, so that the next step asks
    * again */
   double before_s = at_s - 3 * vs_occurrence_rounding(at_s);
-  g->on = vs_gate_is_on(g->timeline, g->delay_rad, at_s);
-  g->edge_s = fmin(vs_gate_edge(g->timeline, g->delay_rad, before_s),
-                   vs_events_edge(&g->timeline->events, before_s)); /* one may add a pulse */
+  g->on = false;
+  g->edge_s = vs_events_edge(&g->timeline->events, before_s); /* one may add a pulse */
+  for (size_t k = 0; k < g->gates.count; k++) {
+    g->on = g->on || vs_gate_is_on(g->timeline, g->gates.rad[k], at_s);
+    g->edge_s = fmin(g->edge_s, vs_gate_edge(g->timeline, g->gates.rad[k], before_s));
+  }
   g->begins = g->on && !was;
   g->ended = was && !g->on;
   if (g->ended) g->off_since_s = c->t0_s;
@@ -124,25 +127,42 @@ static void follow_fired_v(vs_switch *s, const vs_course_step *c, double began_s
  * not known it counts as 150 us, which is long for a thyristor of this size. */
 static const double DECAYS = 10, SLOW_T_Q_S = 150e-6;
 static bool has_latched(const vs_switch *s) {
-  bool by_pulse = s->by_gate && !isnan(s->gate.delay_rad);
+  bool by_pulse = s->by_gate && s->gate.gates.count;
   double from_s = by_pulse ? s->gate.off_since_s : s->fired_s;
   if (!(from_s >= s->fired_s)) return false; /* its pulse is still there */
   return s->zero_s - from_s > DECAYS * (isfinite(s->t_q_s) ? s->t_q_s : SLOW_T_Q_S);
 }
 
-static void follow_conduction(vs_switch *s, const vs_course_step *c) {
+/* Of a device that conducts both ways: notes since when its current is below a tenth of its peak.
+ */
+static void follow_fall(vs_switch *s, const vs_course_step *c) {
+  double i0 = c->from[VS_OF_I], i1 = c->to[VS_OF_I], tenth_a = s->conduction.peak_a / 10;
+  if (i1 > tenth_a)
+    s->tenth_s = NAN;
+  else if (isnan(s->tenth_s))
+    s->tenth_s = i0 > tenth_a ? c->t0_s + (i0 - tenth_a) / (i0 - i1) * c->h_s : c->t0_s;
+}
+
+static void follow_conduction(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   const vs_conduction_step step = {c->t0_s,        c->t1_s,          c->from[VS_OF_I],
                                    c->to[VS_OF_I], c->from[VS_OF_V], c->to[VS_OF_V]};
   double event_s = NAN;
-  s->conduction.gated = s->gate.on && !isnan(s->gate.delay_rad);
+  s->conduction.gated = s->gate.on && s->gate.gates.count;
   switch (vs_conduction_follow(&s->conduction, &step, &event_s)) {
   case VS_EV_FIRES:
     s->fired_s = event_s;
     follow_fired_v(s, c, s->fired_s);
+    s->tenth_s = NAN;
+    s->commutates = false;
+    news->fires = (vs_value){true, 1, event_s};
     break;
   case VS_EV_EXTINCT:
     s->zero_s = event_s;
-    s->rest = c->to[VS_OF_V] < 0 ? REST_REVERSED : REST_NO_REVERSE_YET;
+    s->rest = c->to[VS_OF_V] < 0 && !s->both_ways ? REST_REVERSED : REST_NO_REVERSE_YET;
+    if (event_s > s->tenth_s)
+      news->fall = (vs_value){true, s->conduction.peak_a / 10 / (event_s - s->tenth_s), event_s};
+    s->commutates = s->both_ways;
+    news->extinct = (vs_value){true, 1, event_s};
     s->latched = has_latched(s);
     s->rose_s = NAN;
     break;
@@ -157,7 +177,7 @@ static void follow_conduction(vs_switch *s, const vs_course_step *c) {
  * its gate pulse lasts it may be fired again, by the next of the sub-pulses, and the end of the
  * pulse will tell. Otherwise this is a misfire. */
 static void fall_back(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
-  bool gate_known = !isnan(s->gate.delay_rad);
+  bool gate_known = s->gate.gates.count;
   s->rest = REST_NONE;
   if (s->gate.on)
     s->conducted = false;
@@ -169,7 +189,7 @@ static void fall_back(vs_switch *s, const vs_course_step *c, vs_switch_news *new
 static void turn_off(vs_switch *s, double returned_s, vs_switch_news *news) {
   s->rest = REST_FORWARD_AGAIN;
   s->offered_s = fmax(returned_s - s->zero_s, 0);
-  if (!s->gate.on || isnan(s->gate.delay_rad)) /* else it is meant to conduct */
+  if (!s->gate.on || !s->gate.gates.count) /* else it is meant to conduct */
     news->offered = (vs_value){true, s->offered_s, returned_s};
   news->doubt_s = s->conduction.tail_s;
   news->spread_s = s->conduction.peak_a / s->conduction.tail_a_s;
@@ -197,8 +217,34 @@ static void follow_rest(vs_switch *s, const vs_course_step *c, vs_switch_news *n
     break;
   case REST_FORWARD_AGAIN:
     if (v1 < 0) s->rest = REST_NONE;
+    if (s->both_ways && isnan(s->rose_s) && v1 > FORWARD_V) s->rose_s = c->t1_s;
     break;
   }
+}
+
+/* The blocking device's voltage has changed its sign: the other half cycle begins. Behind a
+ * conduction this is the return of forward voltage. A rest is over with the half cycle behind it,
+ * which the voltage must have gone to 10 V in: up to there it is noise about zero. */
+static void turn_over(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V];
+  double zero_s = v0 * v1 < 0 ? c->t0_s + v0 / (v0 - v1) * c->h_s : c->t0_s;
+  s->way = -s->way;
+  vs_conduction_turn(&s->conduction, zero_s);
+  if (s->rest == REST_NO_REVERSE_YET) {
+    turn_off(s, zero_s, news);
+    s->rose_s = NAN;
+  } else if (!isnan(s->rose_s))
+    s->rest = REST_NONE;
+}
+
+/* The step as the present half cycle sees it. */
+static vs_course_step in_half_cycle(const vs_switch *s, const vs_course_step *c) {
+  vs_course_step f = *c;
+  for (int of = VS_OF_V; of <= VS_OF_I; of++) {
+    f.from[of] *= s->way;
+    f.to[of] *= s->way;
+  }
+  return f;
 }
 
 /* A current has begun. Without a gate pulse at that time this is an unintended firing. */
@@ -228,14 +274,22 @@ static void follow_pulse(vs_switch *s, const vs_course_step *c, vs_switch_news *
   s->unanswered_s = NAN;
 }
 
-void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double delay_rad) {
-  *s = (vs_switch){.t_q_s = INFINITY, .fired_s = NAN, .unanswered_s = NAN};
-  vs_switching_gate_begin(&s->gate, timeline, delay_rad);
+void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gates *gates,
+                        bool both_ways) {
+  *s = (vs_switch){.both_ways = both_ways,
+                   .way = 1,
+                   .t_q_s = INFINITY,
+                   .fired_s = NAN,
+                   .rose_s = NAN,
+                   .tenth_s = NAN,
+                   .unanswered_s = NAN};
+  vs_switching_gate_begin(&s->gate, timeline, gates);
   vs_conduction_begin(&s->conduction);
 }
 
 void vs_switching_resume(vs_switch *s, double i_a, double v_v) {
-  vs_conduction_resume(&s->conduction, i_a, v_v);
+  if (s->both_ways) s->way = i_a < 0 ? -1 : 1;
+  vs_conduction_resume(&s->conduction, s->way * i_a, s->way * v_v);
   if (!s->conduction.conducts) return;
   s->by_gate = true;
   s->fired_s = -INFINITY;
@@ -244,7 +298,8 @@ void vs_switching_resume(vs_switch *s, double i_a, double v_v) {
 static void follow_current(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
   bool was_on = s->conduction.conducts;
   if (!was_on) follow_rest(s, c, news);
-  follow_conduction(s, c);
+  if (was_on && s->both_ways) follow_fall(s, c);
+  follow_conduction(s, c, news);
   if (was_on || !s->conduction.conducts) return;
   judge_firing(s, news);
   s->turning_on = true;
@@ -276,9 +331,15 @@ static double forward_rate(vs_slope *slope, const vs_course_step *c) {
   return fmax(largest, vs_slope_follow(slope, zero_s, fmax(v0, 0), c->t1_s, fmax(v1, 0), 1));
 }
 
-void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
-  *news = (vs_switch_news){0};
-  bool was_on = s->conduction.conducts;
+/* The first rise behind a conduction is (dv/dt)c, too. */
+static void tell_return(vs_switch *s, vs_switch_news *news) {
+  if (!s->commutates || !news->rise.known) return;
+  news->return_rise = news->rise;
+  s->commutates = false;
+}
+
+static void follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  bool was_on = s->conduction.conducts, commutates = s->commutates;
   double off_rate = forward_rate(&s->off, c);
   double on_rate = vs_slope_follow(&s->on, c->t0_s, c->from[VS_OF_I], c->t1_s, c->to[VS_OF_I], 1);
   vs_switching_gate_follow(&s->gate, c);
@@ -295,6 +356,22 @@ void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *
     }
     if (s->turning_on) news->on_rate = follow_turn_on(s, c, on_rate);
   }
+  s->commutates = s->commutates || (commutates && news->rise.known);
+  tell_return(s, news);
+}
+
+void vs_switching_follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {
+  *news = (vs_switch_news){0};
+  if (!s->both_ways)
+    follow(s, c, news);
+  else {
+    if (!s->conduction.conducts && s->way * c->to[VS_OF_V] < 0) turn_over(s, c, news);
+    vs_course_step half = in_half_cycle(s, c);
+    follow(s, &half, news);
+  }
+  news->way = s->way;
   news->any = news->rise.known || news->off_rate.known || news->on_rate.known ||
-              news->offered.known || news->misfire.known || news->unintended.known;
+              news->offered.known || news->misfire.known || news->unintended.known ||
+              news->fires.known || news->extinct.known || news->fall.known ||
+              news->return_rise.known;
 }

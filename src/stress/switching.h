@@ -13,7 +13,18 @@
  *                          it had fired from without having been reversed, as it may when it lets
  *                          go at its holding current, to the first 10 V
  *   commutation failure    an unintended firing on the first forward voltage after a conduction,
- *                          where the time offered was below the part's t_q, or that is not known */
+ *                          where the time offered was below the part's t_q, or that is not known
+ *
+ * A triac conducts both ways, and is followed in one half cycle after the other. A half cycle is
+ * positive where the device's voltage, by its formula in the deck, is positive, or its current was
+ * as it began to conduct. All of the above is told by voltage and current with the signs of the
+ * present half cycle. A new half cycle begins where the voltage of the blocking device changes its
+ * sign. So behind a conduction the new half cycle's voltage is the forward voltage that returns, at
+ * once; and a triac that then conducts without a gate pulse has failed to commutate. Of a triac
+ * there is also:
+ *   (di/dt)c               mean rate at which the current falls from a tenth of its peak to zero
+ *   (dv/dt)c               mean rate from 10 to 90 % of the first rise of 10 V or more behind a
+ *                          conduction */
 #ifndef VS_STRESS_SWITCHING_H
 #define VS_STRESS_SWITCHING_H
 
@@ -33,15 +44,16 @@ typedef struct vs_course_step {
 /* The gate pulses of a device. Their edges are ends of steps. */
 typedef struct vs_gate_watch {
   const vs_timeline *timeline;
-  double delay_rad;   /* of its pulses against the deck's port gate; NaN: nothing is known of its
-                         gate, which then counts as always on */
-  bool on;            /* there is a pulse in the step last followed */
+  vs_gates gates; /* whose pulses they are; none: nothing is known of its gate, which then counts
+                     as always on */
+  bool on;        /* there is a pulse in the step last followed */
   bool begins, ended; /* a pulse began, or ended, at that step's beginning */
   double edge_s;      /* instant of the next edge */
   double off_since_s; /* end of the last pulse; -INFINITY: there was none */
 } vs_gate_watch;
-/* delay_rad: as in the struct. */
-void vs_switching_gate_begin(vs_gate_watch *gate, const vs_timeline *timeline, double delay_rad);
+/* gates: as in the struct, which copies them. */
+void vs_switching_gate_begin(vs_gate_watch *gate, const vs_timeline *timeline,
+                             const vs_gates *gates);
 /* Takes the next step. */
 void vs_switching_gate_follow(vs_gate_watch *gate, const vs_course_step *c);
 
@@ -55,13 +67,17 @@ typedef struct vs_rise {
 
 typedef struct vs_switch {
   vs_gate_watch gate;
-  double t_q_s; /* of the part; INFINITY, as at the beginning: not known */
+  bool both_ways; /* it conducts either way */
+  double way;     /* +1 in a positive half cycle, -1 in a negative one */
+  double t_q_s;   /* of the part; INFINITY, as at the beginning: not known */
   vs_conduction conduction;
   bool by_gate;     /* the present or last conduction began with a gate pulse */
   bool turning_on;  /* the current has not come to its first maximum */
   double fired_s;   /* when it last fired; NaN: it has not fired yet */
   double fired_v;   /* the forward voltage it fired from */
   double rose_s;    /* when it had 10 V forward since zero_s, not reversed yet; NaN: not so far */
+  double tenth_s;   /* since when the current is below a tenth of its peak; NaN: it is not */
+  bool commutates;  /* the voltage has not risen by 10 V since the last conduction */
   bool latched;     /* the last conduction went on without its gate */
   double zero_s;    /* when its current last went to zero */
   int rest;         /* what its voltage did since then: REST_... of switching.c */
@@ -73,20 +89,24 @@ typedef struct vs_switch {
   vs_slope off, on; /* rates of its forward voltage and of its current, followed all the time */
   double off_rate;  /* the largest of its forward voltage while it blocked, V/s */
 } vs_switch;
-/* delay_rad: as in vs_gate_watch. */
-void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, double delay_rad);
+/* gates: as in vs_gate_watch. */
+void vs_switching_begin(vs_switch *s, const vs_timeline *timeline, const vs_gates *gates,
+                        bool both_ways);
 /* Tells the current and the voltage at the first knot, before the first step. A device that
  * conducts there, as on an orbit, was fired by its gate before. */
 void vs_switching_resume(vs_switch *s, double i_a, double v_v);
 
 /* What a step brought. Values that are not known were not brought. */
 typedef struct vs_switch_news {
-  bool any;          /* one of the values is known */
-  vs_value rise;     /* mean rate from 10 to 90 % of a rise that has ended, V/s */
-  vs_value off_rate; /* a rate of blocked forward voltage, V/s, above all before */
-  vs_value on_rate;  /* a rate of the current as it turns on, A/s */
-  vs_value offered;  /* the time offered, s, where no gate pulse was there at its end */
-  double doubt_s;    /* error of the time offered: how long the current crept before its zero */
+  bool any;                   /* one of the values is known */
+  double way;                 /* the half cycle that the step belongs to, as in vs_switch */
+  vs_value fires, extinct;    /* only their instants mean anything */
+  vs_value rise;              /* mean rate from 10 to 90 % of a rise that has ended, V/s */
+  vs_value off_rate;          /* a rate of blocked forward voltage, V/s, above all before */
+  vs_value on_rate;           /* a rate of the current as it turns on, A/s */
+  vs_value fall, return_rise; /* (di/dt)c, A/s, and (dv/dt)c, V/s */
+  vs_value offered;           /* the time offered, s, where no gate pulse was there at its end */
+  double doubt_s; /* error of the time offered: how long the current crept before its zero */
   double
       spread_s; /* sensitivity: a relative error e of the current changes the time by e spread_s */
   vs_value misfire, unintended; /* only their instants mean anything */

@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What a reduction is: how the courses of a device (its voltage, its current, ...) become one
+ * number. A reduction sees its device step by step and keeps what it must remember in a state of
+ * its own. The table of all reductions is in stress/reductions.h. */
+#ifndef VS_STRESS_REDUCER_H
+#define VS_STRESS_REDUCER_H
+
+#include "stress/losses.h"
+#include "stress/switching.h"
+
+typedef struct vs_reducer vs_reducer;
+
+/* One measure of one device in one run. */
+typedef struct vs_reduced {
+  const vs_device_measure *measure;
+  const vs_reducer *by;  /* the plug of measure->how */
+  const vs_limit *limit; /* of the device's part; NULL: the measure is held against none */
+  vs_value value;        /* in SI units; a mean is known once the run is over */
+  double doubt;          /* the value may be wrong by this besides */
+  double spread;   /* sensitivity: a relative error e of the run changes the value by e spread */
+  double failed_s; /* instant at which the value first passed the limit; NaN: it has not */
+  const char *unjudged; /* why the value is not held against the limit that the part has; NULL: it
+                           is, or the part has none */
+  void *state;          /* the reduction's own, of by->state_size bytes; owned */
+} vs_reduced;
+
+/* A device under watch: what its reductions share. */
+typedef struct vs_watched {
+  const vs_device *device;
+  const vs_deck *deck;
+  const vs_timeline *timeline;
+  vs_switch *states;       /* of a device that conducts or blocks; NULL: of any other */
+  vs_losses *losses;       /* where a measure asks what the loss is made of; else NULL; owned */
+  double last[VS_COURSES]; /* its courses at the last knot */
+  double sum[VS_COURSES];  /* integrals over the run so far; those of V and V.s stay 0 */
+  double sum_meant[VS_COURSES]; /* the same integrals over the stretch that means are over */
+  bool at_work;                 /* the run is whole periods of an orbit */
+  int starts;                   /* how many shots began in that stretch (devices.c) */
+  bool rests;                   /* the device did not conduct in all of that stretch */
+  vs_reduced *reduced;          /* one for each measure of its kind, in the kind's order; owned */
+  size_t count;
+} vs_watched;
+
+/* The times at which a run ended, s. */
+typedef struct vs_run_end {
+  double now_s;        /* end of the last step */
+  double from_s, to_s; /* the stretch that means are over, as far as the run covers it */
+} vs_run_end;
+
+/* A reduction. Each function may be NULL: the reduction then has nothing to do there. */
+struct vs_reducer {
+  size_t state_size;   /* bytes; the state begins as zeros */
+  size_t at_work_size; /* bytes that the state has besides where the run is on an orbit */
+  /* The reduction counts what the device did against its gate. Its value is 0 from the start where
+   * that gate is known, and not known otherwise. */
+  bool counts;
+  /* A conduction that goes on across the end of an orbit's period counts whole. */
+  bool across;
+  /* The value is a rate, which a few steps decide: its margin is known less well (verdict.c). */
+  bool is_rate;
+  /* Prepares the state, before the run. limit and states are there. */
+  void (*prepare)(vs_watched *w, vs_reduced *r);
+  /* False: this measure needs no `begin` and `follow`. NULL: it needs them. */
+  bool (*is_busy)(const vs_watched *w, const vs_reduced *r);
+  /* Called at the run's first knot, at t_s. w->last holds the courses there. */
+  void (*begin)(const vs_watched *w, vs_reduced *r, double t_s);
+  /* Called with each step of some length, once w->sum holds its integrals. */
+  void (*follow)(const vs_watched *w, vs_reduced *r, const vs_course_step *c);
+  /* Called with each step that brought news of a device that conducts or blocks. */
+  void (*take_news)(vs_reduced *r, const vs_switch_news *news);
+  /* Called once, when the run is over and had a step. */
+  void (*finish)(const vs_watched *w, vs_reduced *r, const vs_run_end *end);
+};
+
+/* ---- what reductions share ---- */
+
+/* Notes when the limit was passed by a value that was `before` at the step's beginning and is
+ * `after` at its end. */
+void vs_reducer_watch(vs_reduced *r, const vs_course_step *c, double before, double after);
+/* The same, and keeps `after` where it is the largest so far. */
+void vs_reducer_take_largest(vs_reduced *r, const vs_course_step *c, double before, double after);
+/* Takes a value of something that happens now and then: keeps the largest of all, or the least. */
+void vs_reducer_offer(vs_reduced *r, vs_value v, bool least);
+/* True where the limit is the least that is allowed. */
+bool vs_reducer_is_held_from_below(const vs_reduced *r);
+/* Adds 1 where `once` is true; the value belongs to the first instant. */
+void vs_reducer_count(vs_reduced *r, bool once, double at_s);
+/* A `begin` of a value that is 0 as the run begins. */
+void vs_reducer_begin_at_zero(const vs_watched *w, vs_reduced *r, double t_s);
+
+#endif
