@@ -7,14 +7,14 @@
 #include <string.h>
 
 #include "acceptance/curves.h"
-#include "acceptance/fuse.h"
-#include "acceptance/passive.h"
 #include "acceptance/plausible.h"
-#include "acceptance/thyristor.h"
-#include "acceptance/varistor.h"
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/json.h"
+#include "bench/fuse.h"
+#include "bench/passive.h"
+#include "bench/thyristor.h"
+#include "bench/varistor.h"
 #include "deck/parts.h"
 #include "syntax/units.h"
 

@@ -3,7 +3,7 @@
 #ifndef VS_ACCEPTANCE_PLAUSIBLE_H
 #define VS_ACCEPTANCE_PLAUSIBLE_H
 
-#include "acceptance/figures.h"
+#include "stand/figures.h"
 #include "scene/warnings.h"
 
 /* Adds a warning for each implausible number: of the file's limits, parameters and thermal
