@@ -11,15 +11,20 @@
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/json.h"
+#include "bench/diode.h"
 #include "bench/fuse.h"
 #include "bench/passive.h"
 #include "bench/thyristor.h"
+#include "bench/transistor.h"
+#include "bench/triac.h"
 #include "bench/varistor.h"
 #include "deck/parts.h"
 #include "syntax/units.h"
 
-static const vs_figures_kind *const KINDS[] = {&vs_thyristor_kind, &vs_varistor_kind, &vs_fuse_kind,
-                                               &vs_passive_resistor, &vs_passive_capacitor};
+static const vs_figures_kind *const KINDS[] = {
+    &vs_thyristor_kind,    &vs_triac_kind,          &vs_diode_kind, &vs_transistor_mosfet,
+    &vs_transistor_igbt,   &vs_varistor_kind,       &vs_fuse_kind,  &vs_passive_resistor,
+    &vs_passive_capacitor, &vs_passive_electrolytic};
 
 /* ---- rows, shown ---- */
 

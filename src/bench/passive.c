@@ -77,5 +77,72 @@ static void measure_capacitor(const vs_stand *s, vs_figures *f) {
     snprintf(esr->why, sizeof esr->why, "its capacitance is not known");
 }
 
+/* ---- electrolytic capacitors ---- */
+
+/* A sine of 1 A that begins at its zero, so that the voltage does not turn: capacitance and
+ * resistance by the parts of the voltage at that frequency, over the last two of four periods. */
+static vs_status impedance(const vs_stand *s, double hz, double *c_f, double *r_ohm,
+                           vs_error *err) {
+  const double omega = 2 * M_PI * hz, from = 2 / hz;
+  vs_stand_record r = {0};
+  char source[96];
+  double re = 0, im = 0;
+  snprintf(source, sizeof source, "Is 0 m sin(0 1 %g)", hz);
+  vs_status status = try_out(s, source, 4 / hz, &r, err);
+  double mean = status ? NAN : vs_stand_at(&r, r.v, from);
+  for (size_t k = 1; k < r.points && !status; k++) {
+    if (r.t_s[k - 1] < from) continue;
+    double t = (r.t_s[k] + r.t_s[k - 1]) / 2, h = r.t_s[k] - r.t_s[k - 1],
+           v = (r.v[k] + r.v[k - 1]) / 2 - mean;
+    re += v * sin(omega * t) * h;
+    im -= v * cos(omega * t) * h;
+  }
+  *r_ohm = status ? NAN : re * hz;
+  *c_f = status ? NAN : 1 / (omega * im * hz);
+  vs_stand_free(&r);
+  return status;
+}
+
+/* The rated voltage through so much resistance that it is there after a twentieth of a second. */
+static void leakage(const vs_stand *s, double c_f, vs_figures *f) {
+  static const char *const RATED[] = {"v_rated", "rated_voltage", NULL};
+  vs_figures_asked own = vs_figures_any(s, "leakage"), most = vs_figures_limit(s, "i_leakage");
+  bool limited = isfinite(most.value);
+  double v = vs_figures_first(s, RATED, NAN), ohm = 0.05 / c_f;
+  vs_figure *row = vs_figures_add(f, "leakage", "mA", limited ? most : own, limited ? 0 : 0.02,
+                                  limited ? VS_HELD_AT_MOST : VS_HELD_NEAR);
+  vs_stand_record r = {0};
+  vs_error err = {0};
+  char source[128];
+  snprintf(source, sizeof source, "Vs w 0 pwl(0 0 0.1 %g)\nRs w m %g", v, ohm);
+  snprintf(row->text, sizeof row->text, "at %.4g V", v);
+  vs_status status = isnan(v) ? vs_fail(&err, VS_RUN, "its rated voltage is not known")
+                              : try_out(s, source, 2, &r, &err);
+  if (status)
+    fail(row, &err);
+  else
+    row->got = vs_stand_at(&r, r.i, 1.99);
+  vs_stand_free(&r);
+}
+
+static void measure_electrolytic(const vs_stand *s, vs_figures *f) {
+  vs_figures_asked c = vs_figures_any(s, "capacitance"), esr = vs_figures_any(s, "esr"),
+                   rated = vs_figures_limit(s, "c_rated"), most = vs_figures_limit(s, "esr");
+  bool c_own = isfinite(c.value), esr_own = isfinite(esr.value);
+  vs_figure *row[] = {
+      vs_figures_add(f, "C", "uF", c_own ? c : rated, c_own ? 0.01 : 0.2, VS_HELD_NEAR),
+      vs_figures_add(f, "ESR", "mohm", esr_own ? esr : most, esr_own ? 0.03 : 0,
+                     esr_own ? VS_HELD_NEAR : VS_HELD_AT_MOST),
+      vs_figures_add(f, "ESR", "mohm", vs_figures_any(s, "esr_high"), 0.05, VS_HELD_NEAR)};
+  vs_error err = {0};
+  double ignored;
+  if (impedance(s, 100, &row[0]->got, &row[1]->got, &err)) fail(row[0], &err), fail(row[1], &err);
+  if (impedance(s, 10e3, &ignored, &row[2]->got, &err)) fail(row[2], &err);
+  for (int n = 0; n < 3; n++)
+    snprintf(row[n]->text, sizeof row[n]->text, "at %s", n < 2 ? "100 Hz" : "10 kHz");
+  leakage(s, row[0]->got > 0 ? row[0]->got : 100e-6, f);
+}
+
 const vs_figures_kind vs_passive_resistor = {"resistor", "t 0", measure_resistor},
-                      vs_passive_capacitor = {"capacitor", "t 0", measure_capacitor};
+                      vs_passive_capacitor = {"capacitor", "t 0", measure_capacitor},
+                      vs_passive_electrolytic = {"electrolytic", "t 0", measure_electrolytic};

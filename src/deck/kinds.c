@@ -262,6 +262,7 @@ static const struct figure {
                {"t_q", "us", " thyristor "},
                {"t_j_max", "degC", " thyristor triac diode mosfet igbt "},
                {"i_gt", "mA", " thyristor triac "},
+               {"i_gt_4", "mA", " triac "},
                {"v_gt", "V", " thyristor triac "},
                {"i_l", "mA", " thyristor triac "},
                {"i_h", "mA", " thyristor triac "},
