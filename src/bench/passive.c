@@ -66,15 +66,23 @@ static void series_resistance(const vs_stand *s, double c_f, vs_figure *row) {
   vs_stand_free(&r);
 }
 
-static void measure_capacitor(const vs_stand *s, vs_figures *f) {
-  vs_figure *row =
-                vs_figures_add(f, "C", "uF", vs_figures_own(s, "capacitance"), 0.01, VS_HELD_NEAR),
-            *esr = vs_figures_add(f, "ESR", "mohm", vs_figures_own(s, "esr"), 0.02, VS_HELD_NEAR);
+static void measure_series(const vs_stand *s, vs_figures *f, vs_figures_asked c_f,
+                           const char *r_name, vs_figures_asked r_ohm) {
+  vs_figure *row = vs_figures_add(f, "C", "uF", c_f, 0.01, VS_HELD_NEAR),
+            *resistor = vs_figures_add(f, r_name, "mohm", r_ohm, 0.02, VS_HELD_NEAR);
   capacitance(s, row);
   if (row->got > 0)
-    series_resistance(s, row->got, esr);
+    series_resistance(s, row->got, resistor);
   else
-    snprintf(esr->why, sizeof esr->why, "its capacitance is not known");
+    snprintf(resistor->why, sizeof resistor->why, "its capacitance is not known");
+}
+
+static void measure_capacitor(const vs_stand *s, vs_figures *f) {
+  measure_series(s, f, vs_figures_own(s, "capacitance"), "ESR", vs_figures_own(s, "esr"));
+}
+
+static void measure_snubber(const vs_stand *s, vs_figures *f) {
+  measure_series(s, f, vs_figures_any(s, "c"), "R", vs_figures_any(s, "r"));
 }
 
 /* ---- electrolytic capacitors ---- */
@@ -145,4 +153,5 @@ static void measure_electrolytic(const vs_stand *s, vs_figures *f) {
 
 const vs_figures_kind vs_passive_resistor = {"resistor", "t 0", measure_resistor},
                       vs_passive_capacitor = {"capacitor", "t 0", measure_capacitor},
+                      vs_passive_snubber = {"snubber", "t 0", measure_snubber},
                       vs_passive_electrolytic = {"electrolytic", "t 0", measure_electrolytic};
