@@ -67,9 +67,10 @@ static void series_resistance(const vs_stand *s, double c_f, vs_figure *row) {
 }
 
 static void measure_series(const vs_stand *s, vs_figures *f, vs_figures_asked c_f,
-                           const char *r_name, vs_figures_asked r_ohm) {
+                           const char *const r_name_unit[2], vs_figures_asked r_ohm) {
   vs_figure *row = vs_figures_add(f, "C", "uF", c_f, 0.01, VS_HELD_NEAR),
-            *resistor = vs_figures_add(f, r_name, "mohm", r_ohm, 0.02, VS_HELD_NEAR);
+            *resistor =
+                vs_figures_add(f, r_name_unit[0], r_name_unit[1], r_ohm, 0.02, VS_HELD_NEAR);
   capacitance(s, row);
   if (row->got > 0)
     series_resistance(s, row->got, resistor);
@@ -78,11 +79,13 @@ static void measure_series(const vs_stand *s, vs_figures *f, vs_figures_asked c_
 }
 
 static void measure_capacitor(const vs_stand *s, vs_figures *f) {
-  measure_series(s, f, vs_figures_own(s, "capacitance"), "ESR", vs_figures_own(s, "esr"));
+  measure_series(s, f, vs_figures_own(s, "capacitance"), (const char *[]){"ESR", "mohm"},
+                 vs_figures_own(s, "esr"));
 }
 
 static void measure_snubber(const vs_stand *s, vs_figures *f) {
-  measure_series(s, f, vs_figures_any(s, "c"), "R", vs_figures_any(s, "r"));
+  measure_series(s, f, vs_figures_any(s, "c"), (const char *[]){"R", "ohm"},
+                 vs_figures_any(s, "r"));
 }
 
 /* ---- electrolytic capacitors ---- */

@@ -36,26 +36,28 @@ static bool is_asked(const vs_stand *s, int quadrant) {
   return isfinite(own) ? own < 1e3 : isfinite(vs_figures_limit(s, QUADRANTS[quadrant].limit).value);
 }
 
-/* Half of the test current falls at (dI/dt)c to zero; then the voltage the other way rises by dv/dt
- * to 0.67 V_DRM: does it conduct? */
+/* A current falls at (dI/dt)c to zero; then the voltage the other way rises by dv/dt to 0.67 V_DRM:
+ * does it conduct? */
 typedef struct commutation {
   const vs_firing_plan *p;
   double a_s;
+  double fall_s; /* how long the current falls: longer than anything of it is remembered */
 } commutation;
 
 static vs_status conducts_again(const vs_stand *s, const void *ctx, double v_s, bool *yes,
                                 vs_error *err) {
   const commutation *c = ctx;
-  double i = c->p->test_a / 2, zero = 1e-3 + i / c->a_s, v = 0.67 * c->p->block_v,
+  double i = c->a_s * c->fall_s, begin = 0.3e-3, zero = begin + c->fall_s, v = 0.67 * c->p->block_v,
          end = zero + v / v_s, gate = 3 * c->p->gate_a;
   vs_stand_record r = {0};
-  vs_status status =
-      vs_tryout_run(s, (vs_tryout){c->p->wiring, end + 60e-6, fmin(2e-6, v / v_s / 50)}, &r, err,
-                    "I1 0 a pwl(0 0 20u 0 70u %g 1m %g %.9g 0)\nIg 0 g pwl(0 %g 0.5m %g 0.501m 0)\n"
-                    "S1 a w ct 0 joined\n.model joined sw(ron=1 roff=1g vt=0.5 vh=0.1)\n"
-                    "Vct ct 0 pwl(0 0 %.9g 0 %.9g 1)\nVw w 0 pwl(0 0 %.9g 0 %.9g %g)\n",
-                    i, i, zero, gate, gate, zero, zero + 1e-7, zero, end, -v);
-  if (!status && vs_stand_at(&r, r.v, 0.99e-3) > 20) status = vs_firing_not_on(err);
+  vs_status status = vs_tryout_run(
+      s, (vs_tryout){c->p->wiring, end + 60e-6, fmin(2e-6, fmax(v / v_s / 50, end / 4000))}, &r,
+      err,
+      "I1 0 a pwl(0 0 20u 0 70u %g %g %g %.9g 0)\nIg 0 g pwl(0 %g 0.2m %g 0.201m 0)\n"
+      "S1 a w ct 0 joined\n.model joined sw(ron=1 roff=1g vt=0.5 vh=0.1)\n"
+      "Vct ct 0 pwl(0 0 %.9g 0 %.9g 1)\nVw w 0 pwl(0 0 %.9g 0 %.9g %g)\n",
+      i, begin, i, zero, gate, gate, zero, zero + 1e-7, zero, end, -v);
+  if (!status && vs_stand_at(&r, r.v, 0.99 * begin) > 20) status = vs_firing_not_on(err);
   *yes = !status && r.points > 0 && r.v[r.points - 1] > -v / 2;
   vs_stand_free(&r);
   return status;
@@ -70,10 +72,12 @@ static void commutating_rise(const vs_stand *s, const vs_firing_plan *p, vs_figu
       s, f, (const char *[]){"(dv/dt)c", "V/us"},
       (vs_tryout_source){"dv_dt_c", "commutating_dvdt", VS_HELD_AT_LEAST, 0.25, 0.1, true}, true);
   if (!row) return;
-  const commutation c = {p, vs_figures_first(s, FALL, 5e3)};
+  double rise = vs_figures_first(s, RISE, 10e6), fall = vs_figures_first(s, FALL, 5e3);
+  const commutation c = {p, fall,
+                         fmin(p->test_a / 2 / fall, fmax(0.3e-3, 5 * 0.67 * p->block_v / rise))};
   snprintf(row->text, sizeof row->text, "behind a current that falls at %.4g A/ms%s", c.a_s * 1e-3,
            p->way);
-  vs_figures_find(s, conducts_again, &c, vs_figures_first(s, RISE, 10e6), row);
+  vs_figures_find(s, conducts_again, &c, rise, row);
   if (isnan(row->got) && strstr(row->why, "not reached")) row->got = INFINITY;
 }
 
