@@ -172,11 +172,19 @@ static void parts(void) {
          p.files, p.commands, p.lines);
 }
 
+static void hints(void) {
+  page p = {.name = "hints.md"};
+  try_page(&p);
+  EXPECT(p.files >= 2 && p.commands >= 2 && p.lines >= 4, "%d files, %d commands, %d lines",
+         p.files, p.commands, p.lines);
+}
+
 static const vs_test TESTS[] = {
     {"machines.md", machines}, {"a page for each machine", pages_of_machines},
     {"fitting.md", fitting},   {"instruments.md", instruments},
     {"control.md", control},   {"circuits.md", circuits},
     {"dialects.md", dialects}, {"parts.md", parts},
+    {"hints.md", hints},
 };
 
 int main(void) {

@@ -67,21 +67,16 @@ static bool is_fed_back(const vs_wiring *w, const vs_wire *from) {
   return found;
 }
 
-/* True where all that the element looks at are its own pins. */
+/* True where the element looks at the voltage across itself. */
 static bool looks_at_itself(const vs_wire *wire) {
-  bool own = wire->n_looks > 0 && (!wire->law || !strstr(wire->law, "i("));
-  for (int k = 0; k < wire->n_looks && own; k++) {
-    bool pin = wire->looks[k] == 0;
-    for (int p = 0; p < wire->n_pins; p++) pin = pin || wire->pins[p] == wire->looks[k];
-    own = pin;
-  }
-  return own;
+  return wire->n_looks == 2 && wire->n_pins == 2 && wire->looks[0] == wire->pins[0] &&
+         wire->looks[1] == wire->pins[1];
 }
 
 static void add(const vs_wiring *w, const vs_wire *wire, const char *text, vs_comparators *all) {
   if (all->count == VS_COMPARATORS_MOST || !is_fed_back(w, wire)) return;
   vs_comparator *c = &all->item[all->count++];
-  *c = (vs_comparator){.wire = wire, .fed_back = true, .own = looks_at_itself(wire)};
+  *c = (vs_comparator){.wire = wire, .own = looks_at_itself(wire)};
   snprintf(c->text, sizeof c->text, "%s", text);
 }
 

@@ -10,13 +10,11 @@
 
 enum { VS_COMPARATORS_MOST = 32 };
 
-/* What is compared by one element. */
+/* What is compared by one element; what the element does reaches what it looks at. */
 typedef struct vs_comparator {
   const vs_wire *wire; /* borrowed from the wiring */
   char text[256];      /* what changes its sign where the element jumps: "(v(a,0))-({level})" */
-  bool fed_back;       /* what the element does reaches what it looks at */
-  bool own;            /* it looks at its own pins alone, so that its jump moves what it looks at at
-                          once */
+  bool own; /* it looks at the voltage across itself, so that its jump moves that at once */
 } vs_comparator;
 
 typedef struct vs_comparators {

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/text.h"
 
-enum { VS_NOTES_MOST = 64, VS_NOTE_NUMBERS = 8 };
+enum { VS_NOTES_MOST = 64, VS_NOTE_NUMBERS = 10 };
 
 /* A number of a note; its name ends with its unit. */
 typedef struct vs_note_number {

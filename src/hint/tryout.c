@@ -55,7 +55,7 @@ enum { CLOSE = 4 };
 
 static void see_watch(onlooker *o, size_t k, const vs_knot *at) {
   vs_tryout_watch *w = &o->trial->watch[k];
-  double sign = vs_formula_value(&o->plan->watched[k], at->terms) < 0 ? -1 : 1;
+  double value = vs_formula_value(&o->plan->watched[k], at->terms), sign = value < 0 ? -1 : 1;
   bool first = o->trial->steps == 1;
   if (!first && sign != o->sign[k]) {
     w->crossings++;
@@ -67,6 +67,8 @@ static void see_watch(onlooker *o, size_t k, const vs_knot *at) {
     o->crossed_at[k] = o->trial->steps;
   }
   o->sign[k] = sign;
+  w->last = value;
+  w->largest = fmax(w->largest, fabs(value));
 }
 
 static vs_status see(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {

@@ -9,8 +9,10 @@
 
 enum { VS_TRYOUT_WATCHES = 32 };
 
-/* How often a quantity changed its sign from one accepted step to a later one. */
+/* How often a quantity changed its sign from one accepted step to a later one, its value at the
+ * last step, and its largest magnitude. */
 typedef struct vs_tryout_watch {
+  double last, largest;
   long crossings;
   long close; /* of these, how many came within four steps after the one before */
   double first_close_s, last_close_s; /* instants of these; NaN: there are none */
