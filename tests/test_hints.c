@@ -93,6 +93,7 @@ static void nodes_that_nothing_holds(void) {
       "L1 a x 1\nL2 x 0 1\n",
       "V1 x 0 5\nL1 x 0 1\n",
       "V3 x 0 3\n",
+      "B1 y 0 V=v(xeva.z)*1000\nRy y 0 1k\n",
       ".subckt two p n\n.subckt one p n\nR1 p m 1k\nR2 m n 1k\n.ends\nX1 p n one\n.ends\nXt a 0 "
       "two\n",
   };

@@ -66,6 +66,12 @@ static void name_nodes(const vs_wiring *w, int *parent, int root, vs_text *names
   if (count > 4) vs_text_add(names, " and %d more", count - 4);
 }
 
+/* True for a node within the EVA, as its gap: the program's own subcircuit, which is not opened. */
+static bool is_in_eva(const vs_wiring *w, int node) {
+  size_t n = strlen(w->deck->eva);
+  return n > 0 && !strncmp(w->nodes[node], w->deck->eva, n) && w->nodes[node][n] == '.';
+}
+
 static void tell_group(const vs_wiring *w, int *parent, int root, vs_notes *notes) {
   const vs_wire *at = first_at(w, parent, root), *looking = first_looking(w, root);
   vs_text names = {0};
@@ -89,7 +95,8 @@ static void find_groups(const vs_wiring *w, vs_notes *notes) {
     for (int p = 1; p < w->wires[k].n_pins && holds(&w->wires[k]); p++)
       join(parent, w->wires[k].pins[0], w->wires[k].pins[p]);
   for (size_t k = 1; k < w->n_nodes; k++)
-    if (root_of(parent, (int)k) == (int)k) tell_group(w, parent, (int)k, notes);
+    if (root_of(parent, (int)k) == (int)k && !is_in_eva(w, (int)k))
+      tell_group(w, parent, (int)k, notes);
   free(parent);
 }
 
