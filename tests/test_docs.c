@@ -195,12 +195,20 @@ static void devices(void) {
   EXPECT(p.commands >= 2 && p.lines >= 4, "%d commands, %d lines", p.commands, p.lines);
 }
 
+static void hints(void) {
+  page p = {.name = "hints.md"};
+  try_page(&p);
+  EXPECT(p.files >= 2 && p.commands >= 2 && p.lines >= 3, "%d files, %d commands, %d lines",
+         p.files, p.commands, p.lines);
+}
+
 static const vs_test TESTS[] = {
     {"machines.md", machines},    {"a page for each machine", pages_of_machines},
     {"fitting.md", fitting},      {"instruments.md", instruments},
     {"control.md", control},      {"circuits.md", circuits},
     {"dialects.md", dialects},    {"parts.md", parts},
     {"other pages", other_pages}, {"devices.md", devices},
+    {"hints.md", hints},
 };
 
 int main(void) {
