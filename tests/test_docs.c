@@ -202,13 +202,20 @@ static void hints(void) {
          p.files, p.commands, p.lines);
 }
 
+static void choppers(void) {
+  page p = {.name = "choppers.md"};
+  try_page(&p);
+  EXPECT(p.files >= 1 && p.commands >= 2 && p.lines >= 5, "%d files, %d commands, %d lines",
+         p.files, p.commands, p.lines);
+}
+
 static const vs_test TESTS[] = {
     {"machines.md", machines},    {"a page for each machine", pages_of_machines},
     {"fitting.md", fitting},      {"instruments.md", instruments},
     {"control.md", control},      {"circuits.md", circuits},
     {"dialects.md", dialects},    {"parts.md", parts},
     {"other pages", other_pages}, {"devices.md", devices},
-    {"hints.md", hints},
+    {"hints.md", hints},          {"choppers.md", choppers},
 };
 
 int main(void) {

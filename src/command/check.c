@@ -70,8 +70,9 @@ typedef struct report {
 static void warn_of_deck(report *r, const vs_deck *deck) {
   const vs_where file = {.file = deck->files[0]};
   const char *mains = vs_warnings_without_mains(deck);
-  bool fires = false;
-  for (size_t k = 0; k < deck->n_probes; k++)
+  bool fires =
+      vs_deck_has_port(deck, vs_port_is_modulated) && !vs_deck_has_port(deck, vs_port_is_gated);
+  for (size_t k = 0; k < deck->n_probes; k++) /* without a gate there is nothing to be found */
     fires = fires || !strcmp(deck->probes[k].name, "i_thyristor");
   if (!fires)
     vs_fail_at(vs_warnings_add(&r->warnings), file,
@@ -178,7 +179,9 @@ static vs_status check_deck(report *r, vs_error *err) {
     status = vs_session_try(vs_tiers_automatic(true), setup, err);
   if (!status && !vs_error_count(err)) {
     describe_deck(&setup->deck, &r->good);
-    for (size_t p = 0; p < setup->deck.n_parts; p++)
+    /* modulated switches are made for a voltage that only their scene names */
+    bool known = !vs_deck_has_port(&setup->deck, vs_port_is_modulated);
+    for (size_t p = 0; known && p < setup->deck.n_parts; p++)
       if (vs_parts_below_mains(&setup->deck, p, setup->timeline.supply.voltage_v, text,
                                sizeof text))
         vs_fail_at(vs_warnings_add(&r->warnings), (vs_where){.file = setup->deck.files[0]}, "%s",

@@ -197,8 +197,8 @@ static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_
 }
 
 /* What stands between the mains and the deck, and what its solver alone is told. */
-/* This tier alone has a source's impedance, ngspice, a gate drive that is fed with bursts, and
- * devices with means and ratings. */
+/* This tier alone has a source's impedance, ngspice, a gate drive that is fed with bursts, switches
+ * that are modulated, and devices with means and ratings. */
 static const vs_tier_key KEYS[] = {
     {"supply", "resistance", NULL},
     {"supply", "inductance", NULL},
@@ -210,6 +210,12 @@ static const vs_tier_key KEYS[] = {
     {"run", "verify", "always"},
     {"firing", "burst_frequency", NULL},
     {"firing", "burst_duty", NULL},
+    {"pwm", "carrier", NULL},
+    {"pwm", "duty", NULL},
+    {"pwm", "depth", NULL},
+    {"pwm", "frequency", NULL},
+    {"pwm", "phase", NULL},
+    {"pwm", "dead_time", NULL},
     {"measure", "from", NULL},
     {"measure", "to", NULL},
     {"measure", "last", NULL},

@@ -305,6 +305,9 @@ bool vs_deck_is_standard(const char *name);
  * numbers. */
 bool vs_deck_is_reserved(const char *name);
 
+/* True if a port of the deck has a signal of that sort, as vs_port_is_gated tells. */
+bool vs_deck_has_port(const vs_deck *deck, bool (*is)(const vs_signal *signal));
+
 /* A parameter's name and value, SI. */
 typedef struct vs_deck_value {
   const char *name;

@@ -97,6 +97,7 @@ static void add_control(vs_json *json, const vs_control *c) {
 void vs_summary_scene(vs_json *json, const vs_scene *s) {
   vs_json_object(json, "scene", VS_JSON_LINES);
   for (int p = 0; p < VS_SECTIONS; p++) {
+    if (!vs_section_counts(&s->setup, p)) continue;
     vs_filled_section part = vs_section_at(&s->setup, p);
     vs_json_object(json, part.section->name, VS_JSON_LINES);
     for (size_t k = 0; k < part.section->count; k++) {
