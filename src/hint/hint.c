@@ -53,8 +53,8 @@ static double trial_end(const vs_setup *s) {
 /* ---- what is watched ---- */
 
 typedef struct watch_list {
-  vs_formula formula[VS_TRYOUT_WATCHES];
-  const vs_comparator *of[VS_TRYOUT_WATCHES];
+  vs_formula formula[VS_ATTEMPT_WATCHES];
+  const vs_comparator *of[VS_ATTEMPT_WATCHES];
   size_t count;
 } watch_list;
 
@@ -91,7 +91,8 @@ static void watch(vs_scene *scene, const vs_comparator *c, watch_list *list) {
   vs_formula formula = {0};
   vs_error unread = {0};
   size_t terms = deck->n_terms, names = deck->n_names;
-  if (list->count == VS_TRYOUT_WATCHES || vs_deck_add_formula(deck, &cursor, "", &formula, &unread))
+  if (list->count == VS_ATTEMPT_WATCHES ||
+      vs_deck_add_formula(deck, &cursor, "", &formula, &unread))
     return;
   if (vs_formula_has_terms(&formula) && bind_names(&scene->setup, &formula)) {
     list->of[list->count] = c;
@@ -107,7 +108,7 @@ static void watch(vs_scene *scene, const vs_comparator *c, watch_list *list) {
 
 static const char *const RULES[] = {"trap", "gear"};
 
-static void add_line(const vs_tryout *t, bool gear, vs_text *table) {
+static void add_line(const vs_attempt *t, bool gear, vs_text *table) {
   vs_text_add(table, "\n%-7s %9ld %9ld %10.2f s %10.2g s   %s %.6g s", RULES[gear], t->steps,
               t->tries - t->steps, t->processor_s, t->steps ? t->shortest_s : 0,
               t->status ? "fails at"
@@ -131,20 +132,20 @@ static void add_table(const vs_judge_case *c, double until_s, const vs_notes *no
 /* Tries the scene with both rules and adds what that says. */
 static vs_status try_both(const vs_check_options *o, vs_scene *scene, const watch_list *list,
                           vs_check_bench *bench, vs_error *err) {
-  vs_tryout *trials = vs_alloc(2, sizeof *trials);
+  vs_attempt *trials = vs_alloc(2, sizeof *trials);
   vs_notes *notes = vs_alloc(1, sizeof *notes);
   bool gear = scene->setup.run.gear;
   double until_s = trial_end(&scene->setup);
-  vs_tryout_plan plan = {.scene = scene,
-                         .gear = gear,
-                         .until_s = until_s,
-                         .limit_s = LIMIT_S,
-                         .watched = list->formula,
-                         .n_watched = list->count};
-  vs_status status = vs_tryout_run(&plan, &trials[0], err);
+  vs_attempt_plan plan = {.scene = scene,
+                          .gear = gear,
+                          .until_s = until_s,
+                          .limit_s = LIMIT_S,
+                          .watched = list->formula,
+                          .n_watched = list->count};
+  vs_status status = vs_attempt_run(&plan, &trials[0], err);
   plan.gear = !gear;
   if (trials[0].cut) plan.until_s = trials[0].reached_s;
-  if (!status) status = vs_tryout_run(&plan, &trials[1], err);
+  if (!status) status = vs_attempt_run(&plan, &trials[1], err);
   const vs_judge_case c = {.scene = scene,
                            .gear = gear,
                            .now = &trials[0],

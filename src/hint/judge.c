@@ -7,7 +7,7 @@
 
 static const char *const RULES[] = {"trap", "gear"};
 
-static double peak_of(const vs_tryout *t, int channel) {
+static double peak_of(const vs_attempt *t, int channel) {
   return fmax(fabs(t->least[channel]), fabs(t->largest[channel]));
 }
 
@@ -36,7 +36,7 @@ typedef struct gap {
 } gap;
 
 static gap compare_extremes(const vs_judge_case *c) {
-  const vs_tryout *a = c->now, *b = c->other;
+  const vs_attempt *a = c->now, *b = c->other;
   gap g = {.which = -1, .which_other = -1};
   int listed[VS_CH_MOST], count = vs_channel_listed(&c->scene->frame, listed);
   for (int n = 0; n < count; n++) {
@@ -125,13 +125,13 @@ enum { RINGS = 8 };
 void vs_judge_ringing(const vs_judge_case *c, vs_notes *notes) {
   int listed[VS_CH_MOST], count = vs_channel_listed(&c->scene->frame, listed), worst = -1;
   for (int n = 0; n < count; n++) {
-    const vs_tryout_ring *now = &c->now->ring[listed[n]], *other = &c->other->ring[listed[n]];
+    const vs_attempt_ring *now = &c->now->ring[listed[n]], *other = &c->other->ring[listed[n]];
     if (now->steps >= RINGS && now->swing > 1e-3 * peak_of(c->now, listed[n]) &&
         4 * other->steps < now->steps && (worst < 0 || now->steps > c->now->ring[worst].steps))
       worst = listed[n];
   }
   if (worst < 0) return;
-  const vs_tryout_ring *ring = &c->now->ring[worst];
+  const vs_attempt_ring *ring = &c->now->ring[worst];
   const vs_channel channel = vs_channel_at(&c->scene->frame, worst);
   vs_note *note = vs_note_add(notes, "ringing", "hint");
   vs_fail(&note->text, VS_OK,
@@ -150,7 +150,7 @@ void vs_judge_ringing(const vs_judge_case *c, vs_notes *notes) {
 enum { CHATTERS = 20 };
 
 /* True where the run ended within a hundredth of where the comparator turns over. */
-static bool is_at_edge(const vs_tryout_watch *w) {
+static bool is_at_edge(const vs_attempt_watch *w) {
   return fabs(w->last) <= 1e-2 * w->largest;
 }
 
@@ -165,8 +165,8 @@ static bool is_named(const char *why, const vs_wire *wire) {
 
 static void judge_comparator(const vs_judge_case *c, size_t k, vs_notes *notes) {
   const vs_comparator *comparator = c->watched[k];
-  const vs_tryout *t = c->now;
-  const vs_tryout_watch *w = &t->watch[k];
+  const vs_attempt *t = c->now;
+  const vs_attempt_watch *w = &t->watch[k];
   bool chatters = w->close >= CHATTERS;
   bool last = (t->status || t->cut) && (is_at_edge(w) || is_named(t->why, comparator->wire));
   vs_note *note = vs_note_add(notes, "comparator", chatters || last ? "hint" : "note");

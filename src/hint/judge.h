@@ -4,15 +4,15 @@
 #ifndef VS_HINT_JUDGE_H
 #define VS_HINT_JUDGE_H
 
+#include "hint/attempt.h"
 #include "hint/comparator.h"
-#include "hint/tryout.h"
 
 /* Two trials of one scene from 0 s to the same instant, or to where one of them ended. */
 typedef struct vs_judge_case {
   const vs_scene *scene;
   bool gear;                           /* the present rule is Gear's */
-  const vs_tryout *now;                /* with the present rule */
-  const vs_tryout *other;              /* with the other one */
+  const vs_attempt *now;               /* with the present rule */
+  const vs_attempt *other;             /* with the other one */
   const vs_comparator *const *watched; /* whose are the trials' watches, in their order */
   size_t n_watched;
 } vs_judge_case;

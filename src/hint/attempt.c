@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "hint/tryout.h"
+#include "hint/attempt.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -12,13 +12,13 @@
 
 /* One that looks on at the steps of a trial. */
 typedef struct onlooker {
-  const vs_tryout_plan *plan;
-  vs_tryout *trial;
+  const vs_attempt_plan *plan;
+  vs_attempt *trial;
   int channels;
   double last[VS_CH_MOST], change[VS_CH_MOST]; /* of each channel: its value, its last change */
   long turns[VS_CH_MOST];                      /* how many changes in turn were to and fro */
-  double sign[VS_TRYOUT_WATCHES];
-  long crossed_at[VS_TRYOUT_WATCHES]; /* the number of the step */
+  double sign[VS_ATTEMPT_WATCHES];
+  long crossed_at[VS_ATTEMPT_WATCHES]; /* the number of the step */
 } onlooker;
 
 static double processor_time(void) {
@@ -35,7 +35,7 @@ static const double LEAST_SWING = 1e-3;
 /* A change counts as to and fro where it has the other sign than the one before, is a thousandth of
  * the channel's peak or more, and is neither half nor double as large. */
 static void see_channel(onlooker *o, int c, double value, double t_s) {
-  vs_tryout *trial = o->trial;
+  vs_attempt *trial = o->trial;
   double change = value - o->last[c], before = o->change[c];
   double peak = fmax(fabs(trial->least[c]), fabs(trial->largest[c]));
   bool turns = change * before < 0 && fabs(change) > LEAST_SWING * peak &&
@@ -43,7 +43,7 @@ static void see_channel(onlooker *o, int c, double value, double t_s) {
   o->turns[c] = turns ? o->turns[c] + 1 : 0;
   bool faint = trial->ring[c].swing < LEAST_SWING * peak; /* since the peak has grown */
   if (o->turns[c] > (faint ? 0 : trial->ring[c].steps))
-    trial->ring[c] = (vs_tryout_ring){o->turns[c], t_s, fabs(change)};
+    trial->ring[c] = (vs_attempt_ring){o->turns[c], t_s, fabs(change)};
   o->last[c] = value;
   o->change[c] = change;
   trial->least[c] = fmin(trial->least[c], value);
@@ -54,7 +54,7 @@ static void see_channel(onlooker *o, int c, double value, double t_s) {
 enum { CLOSE = 4 };
 
 static void see_watch(onlooker *o, size_t k, const vs_knot *at) {
-  vs_tryout_watch *w = &o->trial->watch[k];
+  vs_attempt_watch *w = &o->trial->watch[k];
   double value = vs_formula_value(&o->plan->watched[k], at->terms), sign = value < 0 ? -1 : 1;
   bool first = o->trial->steps == 1;
   if (!first && sign != o->sign[k]) {
@@ -74,7 +74,7 @@ static void see_watch(onlooker *o, size_t k, const vs_knot *at) {
 static vs_status see(void *ctx, const vs_step *step, const vs_result *result, vs_error *err) {
   (void)result;
   onlooker *o = ctx;
-  vs_tryout *trial = o->trial;
+  vs_attempt *trial = o->trial;
   double y[VS_CH_MOST], length_s = step->to->t_s - step->from->t_s;
   if (!(length_s > 0)) return VS_OK;
   vs_step_at(step, step->to->t_s, y);
@@ -91,7 +91,7 @@ static vs_status see(void *ctx, const vs_step *step, const vs_result *result, vs
 /* ---- in the child ---- */
 
 /* Runs the trial in this process, which ends soon. */
-static void attempt(const vs_tryout_plan *plan, vs_tryout *trial) {
+static void attempt(const vs_attempt_plan *plan, vs_attempt *trial) {
   vs_scene *scene = plan->scene;
   onlooker *o = vs_alloc(1, sizeof *o);
   vs_result *result = vs_alloc(1, sizeof *result);
@@ -113,11 +113,11 @@ static void attempt(const vs_tryout_plan *plan, vs_tryout *trial) {
 
 /* ---- in the parent ---- */
 
-vs_status vs_tryout_run(const vs_tryout_plan *plan, vs_tryout *trial, vs_error *err) {
+vs_status vs_attempt_run(const vs_attempt_plan *plan, vs_attempt *trial, vs_error *err) {
   vs_child_copy copy;
-  *trial = (vs_tryout){.shortest_s = INFINITY};
-  for (int k = 0; k < VS_TRYOUT_WATCHES; k++)
-    trial->watch[k] = (vs_tryout_watch){.first_close_s = NAN, .last_close_s = NAN, .last_s = NAN};
+  *trial = (vs_attempt){.shortest_s = INFINITY};
+  for (int k = 0; k < VS_ATTEMPT_WATCHES; k++)
+    trial->watch[k] = (vs_attempt_watch){.first_close_s = NAN, .last_close_s = NAN, .last_s = NAN};
   vs_status status = vs_child_fork(&copy, err);
   if (status) return status;
   if (copy.pid == 0) {
