@@ -22,8 +22,8 @@ void vs_plain_timing(vs_text *t, const vs_timeline *timeline) {
   else
     vs_text_add(t, ".param vs_fire={vs_zero+(vs_first-1+vs_angle/%.17g)/f_mains}\n", turn);
   vs_text_add(t, ".param vs_period={vs_every>0 ? vs_every/f_mains : vs_until+vs_pulse+1}\n");
-  vs_text_add(t, ".param vs_edge={min(%g,vs_pulse/10)}\n", EDGE_S);
-  vs_text_add(t, ".param vs_burst_edge={min(%g,vs_burst_duty/vs_burst/10)}\n", EDGE_S);
+  vs_text_add(t, ".param vs_edge={min(1e-8,vs_pulse/10)}\n");
+  vs_text_add(t, ".param vs_burst_edge={min(1e-8,vs_burst_duty/vs_burst/10)}\n");
 }
 
 static void add_pulses(vs_text *t, const char *name, const char *nodes, double turns) {
