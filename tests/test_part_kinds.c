@@ -13,13 +13,14 @@
 /* ---- templates ---- */
 
 /* As written each is a good part whose model gives what the numbers ask; all of them are said to be
- * assumed, and nothing is implausible. */
+ * assumed. Only the triac's model is implausible: a rise behind a commutation fires it no sooner
+ * than any other, and check says so. */
 static void templates_pass(void) {
   static const struct {
     const char *kind;
     int figures, assumed;
   } ROWS[] = {{"diode", 6, 17},
-              {"triac", 20, 26},
+              {"triac", 20, 24},
               {"mosfet", 11, 25},
               {"igbt", 12, 29},
               {"electrolytic", 4, 9}};
@@ -29,7 +30,11 @@ static void templates_pass(void) {
     expect_good(&r, ROWS[k].kind, __LINE__);
     free_ran(&r);
     r = run("check own.inc");
-    expect_good(&r, ROWS[k].kind, __LINE__);
+    bool is_triac = !strcmp(ROWS[k].kind, "triac");
+    if (is_triac)
+      EXPECT(r.status == 0 && strstr(r.err, "implausible: (dv/dt)c is "), "%s", r.err);
+    else
+      expect_good(&r, ROWS[k].kind, __LINE__);
     snprintf(assumed, sizeof assumed, "\n%d numbers of the file are marked assumed",
              ROWS[k].assumed);
     EXPECT(count_lines(r.out) == ROWS[k].figures + 3, "%s: %s", ROWS[k].kind, r.out);
@@ -136,7 +141,6 @@ static void a_sensitive_triac(void) {
       {"triac_gate_current_4 = 70 mA", "triac_gate_current_4 = 1 kA"},
       {"triac_latching_current = 60", "triac_latching_current = 25"},
       {"triac_holding_current = 35", "triac_holding_current = 15"},
-      {"triac_commutating_dvdt = 10", "triac_commutating_dvdt = 4"},
       {"X1 mt2 mt1 g ", "Rbeside g mt1 220\nX1 mt2 mt1 g "}};
   RUN_GOOD("part triac -o my.inc --overwrite --quiet");
   for (size_t k = 0; k < COUNT(CHANGES); k++)
@@ -152,7 +156,8 @@ static void a_sensitive_triac(void) {
   for (int n = 0; n < 2; n++) { /* MT2 positive, negative */
     CLOSE(number_of(r.out, "I_H", n, "got"), 15, 0.03);
     CLOSE(number_of(r.out, "dv/dt", n, "got"), 500, 0.12);
-    CLOSE(number_of(r.out, "(dv/dt)c", n, "got"), 4, 0.25);
+    /* The model has no (dv/dt)c of its own: it fires at dv/dt. */
+    EXPECT(number_of(r.out, "(dv/dt)c", n, "got") > 400, "%s", r.out);
   }
   free_ran(&r);
 }
@@ -188,7 +193,8 @@ static const char VENDOR[] =
     ".subckt RD10 K A PARAMS: RS=20m\nD1 A K dmod\n"
     ".model dmod d(is=1n n=1.6 rs={RS} tt=80n cjo=100p bv=700 ibv=1m)\n.ends\n"
     ".subckt NM8 1 2 3\nLd 1 d 5n\nRdl 1 d 10\nM1 d gi 3 3 chan L=1u W=1u\nRg 2 gi 3\n"
-    ".model chan nmos(level=1 vto=3.5 kp=4 rd=0.25 is=1e-20)\nCgs gi 3 1n\nCgd gi d 60p\nCds d 3 150p\n"
+    ".model chan nmos(level=1 vto=3.5 kp=4 rd=0.25 is=1e-20)\nCgs gi 3 1n\nCgd gi d 60p\nCds d 3 "
+    "150p\n"
     "D1 3 d body\n.model body d(is=1p rs=20m tt=200n bv=550 ibv=1m)\n.ends\n"
     ".subckt GB15 Collector Gate Emitter\nM1 b gi e e chan L=1u W=1u\nRe e Emitter 1m\n"
     "Rg Gate gi 5\n.model chan nmos(level=1 vto=5 kp=6 rd=20m)\nQ1 Emitter b Collector pq\n"

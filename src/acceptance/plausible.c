@@ -129,10 +129,8 @@ static void warn_of_surge(const vs_stand *s, vs_warnings *w) {
  * that the model is made with. */
 static void warn_of_twins(const vs_stand *s, vs_warnings *w) {
   static const char *const TWINS[][2] = {
-      {"blocking_voltage", "v_drm"},   {"blocking_voltage", "v_dss"},
-      {"blocking_voltage", "v_ces"},   {"critical_dvdt", "dv_dt"},
-      {"commutating_dvdt", "dv_dt_c"}, {"commutating_didt", "di_dt_c"},
-      {"turn_off_time", "t_q"},        {"rated_voltage", "v_rated"}};
+      {"blocking_voltage", "v_drm"}, {"blocking_voltage", "v_dss"}, {"blocking_voltage", "v_ces"},
+      {"critical_dvdt", "dv_dt"},    {"turn_off_time", "t_q"},      {"rated_voltage", "v_rated"}};
   for (size_t k = 0; k < sizeof TWINS / sizeof *TWINS; k++) {
     vs_figures_asked param = vs_figures_any(s, TWINS[k][0]),
                      limit = vs_figures_limit(s, TWINS[k][1]);
