@@ -21,6 +21,7 @@
 #include "command/run.h"
 #include "command/sensitivity.h"
 #include "command/steady.h"
+#include "hint/hint.h"
 #include "import/import.h"
 #include "inquiry/aims.h"
 #include "inquiry/inquiry.h"
@@ -204,6 +205,9 @@ static vs_status check(const vs_arguments *a, vs_error *err) {
                               .json = a->json,
                               .quiet = a->quiet,
                               .bench = vs_acceptance_try,
+                              .look = vs_hint_look,
+                              .deep = a->deep,
+                              .trial = vs_hint_try,
                               .folder = a->output,
                               .other = vs_inquiry_is(name)                 ? vs_fitting_check
                                        : vs_study_is(name, vs_methods_all) ? check_study
@@ -216,6 +220,9 @@ static const struct argp_option CHECK_OPTIONS[] = {
     VS_COMMAND_VALUE("output", 'o', "DIR",
                      "of a part: writes what was asked and what the bench got as bench.csv and "
                      "bench.json there, and draws bench.png"),
+    VS_COMMAND_FLAG("deep", VS_KEY_DEEP,
+                    "of a scene or deck: also tries the beginning of its run, with each of the "
+                    "solver's rules, and tells what was measured and what may help"),
     VS_COMMAND_FLAG("json", VS_KEY_JSON,
                     "findings as a JSON array of {file, line, column, message} on standard output; "
                     "of a part also each figure of the bench, with members more"),
@@ -506,6 +513,7 @@ static const vs_command COMMANDS[] = {
      .examples = "  vibrospice check my.yaml\n"
                  "  vibrospice check my.cir\n"
                  "  vibrospice check my.inc -o bench\n"
+                 "  vibrospice check my.yaml --deep\n"
                  "  vibrospice check paper --set run.tier=circuit --json\n",
      .options = CHECK_OPTIONS,
      .run = check},
@@ -522,10 +530,11 @@ static const vs_command COMMANDS[] = {
      .explain = vs_template_explain},
     {.name = "list",
      .argument = "[KIND]",
-     .text = "lists scenes, studies, fits, machines, decks, parts, instruments, tiers, laws, "
-             "regulators, probes, measures, "
-             "parameters (with "
-             "unit, default, range)",
+     .text =
+         "lists scenes, studies, fits, machines, decks, parts, instruments, kinds, tiers, laws, "
+         "regulators, probes, measures, "
+         "parameters (with "
+         "unit, default, range)",
      .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n"
                  "  vibrospice list parameters --machine two_mass\n",
      .may_be_alone = true,

@@ -254,7 +254,7 @@ static void a_triac_both_ways(void) {
   CLOSE(value(t, "dv_dt_c"), 299 / 9.9e-6, 2e-2);
   CLOSE(measure(t, "dv_dt_c")->failed_s, 13.5e-3, 1e-3);
   CU_ASSERT(isnan(measure(t, "di_dt_c")->failed_s));
-  CU_ASSERT_FALSE(measure(t, "dv_dt")->value.known); /* there is no other rise */
+  CLOSE(value(t, "dv_dt"), value(t, "dv_dt_c"), 1e-12); /* there is no other rise */
   CLOSE(value(t, "i2t"), 100 * (5.39e-3 + 0.01e-3 / 3 + 2.5e-3 / 3), 2e-3); /* one half cycle */
   CLOSE_OF(value(t, "i_mean"), 0, 10, 2e-2);
   CLOSE_OF(value(t, "misfires"), 0, 1, 0);
@@ -367,6 +367,10 @@ static void a_fuse(void) {
   CU_ASSERT(when(e, "f has cleared") > when(e, "f melts"));
   CU_ASSERT(when(e, "f has cleared") < when(e, "f melts") + 0.5e-3);
   free(e);
+  /* 1 kA, of which the source's rise within 1 us is to bring a third as much as a whole one */
+  e = events_of(FUSE("0.559"), "", "--set run.until=5ms");
+  CLOSE(when(e, "f melts"), 5e-6 + 2e-6 / 3, 2e-2);
+  free(e);
   e = events_of(FUSE("60"), "", "--set run.until=5ms");
   EXPECT(!strstr(e, "f "), "%s", e); /* 10 A it bears */
   free(e);
@@ -402,6 +406,47 @@ static void ports(void) {
   }
 }
 
+/* ---- docs/devices.md ---- */
+
+static bool has_row(const char *section, const char *name, const char *limit) {
+  char measure[80], held[80];
+  snprintf(measure, sizeof measure, "`%s`", name);
+  snprintf(held, sizeof held, "`%s`", limit ? limit : "");
+  for (const char *line = section; line && strncmp(line, "\n## ", 4);
+       line = strchr(line + 1, '\n')) {
+    size_t n = strcspn(line + 1, "\n") + 1;
+    vs_text row = {0};
+    vs_text_add(&row, "%.*s", (int)n, line);
+    const char *last = strrchr(row.text, '`');
+    bool good = row.text[1] == '|' && strstr(row.text, measure) &&
+                (limit ? strstr(strstr(row.text, measure) + 1, held) != NULL : last != NULL);
+    vs_text_free(&row);
+    if (good) return true;
+  }
+  return false;
+}
+
+/* Each measure of these kinds stands in the page, with its limit. */
+static void the_page(void) {
+  static const struct {
+    const char *kind, *head;
+  } ROWS[] = {{"triac", "\n## Triac"},
+              {"diode", "\n## Diode"},
+              {"mosfet", "\n## MOSFET"},
+              {"igbt", "\n## MOSFET"},
+              {"electrolytic", "\n## Electrolytic"}};
+  char *text = read_file(VS_TEST_FOLDER "/../docs/devices.md");
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    const char *section = strstr(text, ROWS[k].head);
+    const vs_kind *kind = vs_kinds_find(ROWS[k].kind);
+    CU_ASSERT_FATAL(section && kind);
+    for (size_t n = 0; n < kind->n_measures; n++)
+      EXPECT(has_row(strchr(section + 1, '\n'), kind->measures[n].name, kind->measures[n].limit),
+             "%s.%s, limit %s", kind->name, kind->measures[n].name, kind->measures[n].limit);
+  }
+  free(text);
+}
+
 static const vs_test TESTS[] = {
     {"hard switching", hard_switching},
     {"low voltage", low_voltage},
@@ -416,6 +461,7 @@ static const vs_test TESTS[] = {
     {"an imported triac", an_imported_triac},
     {"a fuse", a_fuse},
     {"ports", ports},
+    {"the page", the_page},
 };
 int main(void) {
   return program_suite("kinds", TESTS, COUNT(TESTS));

@@ -8,47 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "program.h"
-
-/* ---- helpers ---- */
-
-/* The number behind a key in the row of a figure; `nth` of those of that name, from 0. NaN: null,
- * or there is no such row. */
-static double number_of(const char *json, const char *figure, int nth, const char *key) {
-  char mark[64];
-  const char *row = json;
-  snprintf(mark, sizeof mark, "\"figure\": \"%s\"", figure);
-  for (int n = 0; row && n <= nth; n++) row = strstr(row + (n > 0), mark);
-  snprintf(mark, sizeof mark, "\"%s\": ", key);
-  const char *at = row ? strstr(row, mark) : NULL;
-  char *end = NULL;
-  double value = at ? strtod(at + strlen(mark), &end) : NAN;
-  return at && end > at + strlen(mark) ? value : NAN;
-}
-
-/* Writes a copy of a file in which one text is another. */
-static void alter(const char *from, const char *to, const char *old, const char *new) {
-  char *text = read_file(from), *at = strstr(text, old);
-  vs_text changed = {0};
-  EXPECT(at, "%s has no '%s'", from, old);
-  if (at) vs_text_add(&changed, "%.*s%s%s", (int)(at - text), text, new, at + strlen(old));
-  if (at) write_file(to, changed.text);
-  vs_text_free(&changed);
-  free(text);
-}
-
-/* Standard error holds a warning at that line which says `says`. */
-static void expect_warning(const ran *r, const char *file, int line, const char *says) {
-  char place[64];
-  snprintf(place, sizeof place, "%s:%d:", file, line);
-  for (const char *at = r->err; at && *at; at = strchr(at, '\n')) {
-    at += *at == '\n';
-    const char *end = strchr(at, '\n'), *there = strstr(at, says);
-    if (!strncmp(at, place, strlen(place)) && there && there < end) return;
-    if (!end) break;
-  }
-  EXPECT(false, "no warning at %s that says '%s': %s", place, says, r->err);
-}
+#include "part_rows.h"
 
 /* ---- templates ---- */
 
@@ -164,6 +124,36 @@ static void a_small_thyristor(void) {
   free_ran(&r);
 }
 
+/* The numbers of a sensitive gate of 0.8 A, whose dv/dt is that of the test of t_q, and of a disc
+ * of 1200 A: ends of what thyristors are. */
+static void ends_of_the_range(void) {
+  static const char *const CHANGES[][3] = {
+      {"gate_current = 15 mA", "gate_current = 0.2 mA", "gate_current = 300 mA"},
+      {"latching_current = 60 mA", "latching_current = 5 mA", "latching_current = 1500 mA"},
+      {"holding_current = 30 mA", "holding_current = 3 mA", "holding_current = 300 mA"},
+      {"critical_dvdt = 200", "critical_dvdt = 20", "critical_dvdt = 1000"},
+      {"dv_dt = 200", "dv_dt = 20", "dv_dt = 1000"},
+      {"turn_off_time = 50", "turn_off_time = 35", "turn_off_time = 400"},
+      {"t_q = 50", "t_q = 35", "t_q = 400"},
+      {"recovered_charge = 10", "recovered_charge = 0.5", "recovered_charge = 2600"},
+      {"blocking_voltage = 800", "blocking_voltage = 600", "blocking_voltage = 2800"},
+      {"test_current = 10", "test_current = 1", "test_current = 1200"},
+      {"test_slope = 30", "test_slope = 5", "test_slope = 10"},
+      {"on_resistance = 20", "on_resistance = 600", "on_resistance = 0.26"}};
+  static const char *const NAMES[] = {"sensitive", "press_pack"};
+  for (int n = 0; n < 2; n++) {
+    char file[24], words[48];
+    snprintf(file, sizeof file, "%s.inc", NAMES[n]);
+    snprintf(words, sizeof words, "part thyristor -o %s", file);
+    RUN_GOOD(words);
+    for (size_t k = 0; k < COUNT(CHANGES); k++) alter(file, file, CHANGES[k][0], CHANGES[k][n + 1]);
+    ran r = run("check %s", file);
+    EXPECT(r.status == 0 && !strstr(r.out, " off ") && !strstr(r.out, " failed "), "%s: %s%s", file,
+           r.out, r.err);
+    free_ran(&r);
+  }
+}
+
 /* ---- a vendor's ---- */
 
 /* Two transistors, in the manner of a vendor's library; written here. R behind the gate, and from
@@ -221,7 +211,7 @@ static void a_vendors_mistakes(void) {
   } ROWS[] = {{"part thyristor --wrap vendor.lib:nope -o p.inc", "has no subcircuit 'nope'"},
               {"part thyristor --wrap vendor.lib:D1 -o p.inc", "has 2 pins, and 3 are wanted"},
               {"part varistor --wrap none.lib -o p.inc", "none.lib: cannot be read"},
-              {"part resistor --wrap vendor.lib -o p.inc", "there are: thyristor, varistor, fuse"},
+              {"part resistor --wrap vendor.lib -o p.inc", "there are: diode, fuse, igbt, mosfet"},
               {"part thyristor --wrap vendor.lib -o scr12.inc", "has that name"}};
   write_vendor((const char *const[]){"A", "G", "K"}, (const int[]){0, 1, 2});
   for (size_t k = 0; k < COUNT(ROWS); k++) {
@@ -328,8 +318,8 @@ static void bad_usage(void) {
   EXPECT(r.status == 2 && strstr(r.err, "is there already"), "%d: %s", r.status, r.err);
   free_ran(&r);
   r = run("part");
-  EXPECT(r.status == 0 &&
-             !strcmp(r.out, "  capacitor\n  fuse\n  resistor\n  thyristor\n  varistor\n"),
+  EXPECT(r.status == 0 && !strcmp(r.out, "  capacitor\n  diode\n  electrolytic\n  fuse\n  igbt\n  "
+                                         "mosfet\n  resistor\n  thyristor\n  triac\n  varistor\n"),
          "%s", r.out);
   free_ran(&r);
 }
@@ -340,6 +330,7 @@ static const vs_test TESTS[] = {
     {"what is off", what_is_off},
     {"shipped parts", shipped_parts},
     {"a small thyristor", a_small_thyristor},
+    {"ends of the range", ends_of_the_range},
     {"a vendor's model", a_vendors_model},
     {"a vendor's mistakes", a_vendors_mistakes},
     {"what never conducts", what_never_conducts},

@@ -7,19 +7,24 @@
 #include <string.h>
 
 #include "acceptance/curves.h"
-#include "acceptance/fuse.h"
-#include "acceptance/passive.h"
 #include "acceptance/plausible.h"
-#include "acceptance/thyristor.h"
-#include "acceptance/varistor.h"
 #include "base/csv.h"
 #include "base/file.h"
 #include "base/json.h"
+#include "bench/diode.h"
+#include "bench/fuse.h"
+#include "bench/passive.h"
+#include "bench/thyristor.h"
+#include "bench/transistor.h"
+#include "bench/triac.h"
+#include "bench/varistor.h"
 #include "deck/parts.h"
 #include "syntax/units.h"
 
-static const vs_figures_kind *const KINDS[] = {&vs_thyristor_kind, &vs_varistor_kind, &vs_fuse_kind,
-                                               &vs_passive_resistor, &vs_passive_capacitor};
+static const vs_figures_kind *const KINDS[] = {
+    &vs_thyristor_kind,    &vs_triac_kind,      &vs_diode_kind,          &vs_transistor_mosfet,
+    &vs_transistor_igbt,   &vs_varistor_kind,   &vs_fuse_kind,           &vs_passive_resistor,
+    &vs_passive_capacitor, &vs_passive_snubber, &vs_passive_electrolytic};
 
 /* ---- rows, shown ---- */
 
@@ -202,6 +207,27 @@ static vs_status try_part(const vs_stand *s, const vs_figures_kind *kind, vs_err
   return status ? VS_INPUT : VS_OK;
 }
 
+/* Says that nothing was tried, so that no figure is not taken for a good one. */
+static void tell_of_no_bench(const vs_stand *s, vs_check_bench *bench) {
+  const vs_part_file *file = vs_parts_file(&s->deck, s->file);
+  vs_text message = {0};
+  vs_text_add(
+      &message,
+      "no bench: parts of the kind '%s' are read and not tried, so that nothing is known of "
+      "what the model does",
+      file ? file->kind : "");
+  vs_text_add(&bench->table, "\n%s", message.text);
+  vs_json json = vs_json_new(&bench->rows);
+  vs_json_object(&json, NULL, VS_JSON_ROW);
+  vs_json_text(&json, "file", s->name);
+  vs_json_number(&json, "line", file ? (double)file->where.line : (double)NAN, 12);
+  vs_json_number(&json, "column", file ? (double)file->where.column : (double)NAN, 12);
+  vs_json_text(&json, "message", message.text);
+  vs_json_end(&json);
+  vs_text_add(&bench->rows, "\n");
+  vs_text_free(&message);
+}
+
 /* The kind of the part on the stand; NULL: it is not tried. */
 static const vs_figures_kind *kind_of(const vs_stand *s) {
   const vs_part_file *file = vs_parts_file(&s->deck, s->file);
@@ -216,6 +242,7 @@ vs_status vs_acceptance_try(const vs_check_options *o, vs_check_bench *bench, vs
   vs_error own = {0};
   vs_status status = vs_stand_open(o->name, s, &own);
   const vs_figures_kind *kind = status ? NULL : kind_of(s);
+  if (!kind && !status) tell_of_no_bench(s, bench);
   if (kind) status = try_part(s, kind, &own);
   if (kind && !status) kind->measure(s, &f);
   if (!status) vs_plausible_warn(s, &f, bench->warnings);

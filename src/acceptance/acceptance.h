@@ -7,7 +7,7 @@
 #include "command/check.h"
 
 /* The hook of `check` for parts. With options->folder it writes bench.csv, bench.json and, where
- * gnuplot is installed, bench.png there. A part of a kind that is not tried adds nothing. Errors:
+ * gnuplot is installed, bench.png there. Of a part of a kind that is not tried it says so. Errors:
  * the part cannot be put on the stand; a file cannot be written. */
 vs_status vs_acceptance_try(const vs_check_options *options, vs_check_bench *bench, vs_error *err);
 

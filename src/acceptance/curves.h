@@ -3,7 +3,7 @@
 #ifndef VS_ACCEPTANCE_CURVES_H
 #define VS_ACCEPTANCE_CURVES_H
 
-#include "acceptance/figures.h"
+#include "stand/figures.h"
 
 /* Draws all curves side by side into a PNG of `size` bytes, to be freed by the caller. Errors:
  * VS_RUN, gnuplot is not installed or failed. */

@@ -3,8 +3,8 @@
 #ifndef VS_ACCEPTANCE_PLAUSIBLE_H
 #define VS_ACCEPTANCE_PLAUSIBLE_H
 
-#include "acceptance/figures.h"
 #include "scene/warnings.h"
+#include "stand/figures.h"
 
 /* Adds a warning for each implausible number: of the file's limits, parameters and thermal
  * impedance, and of what was measured. Says nothing of a part without any limit, which is ideal. */

@@ -122,8 +122,8 @@ static vs_status find_template(const vs_template_options *o, char path[VS_PATH_S
   if (o->wrap)
     return vs_fail(
         err, VS_INPUT,
-        "part --wrap: no template of '%s' around a vendor's model; there are: thyristor, "
-        "varistor, fuse",
+        "part --wrap: no template of '%s' around a vendor's model; there are: diode, fuse, "
+        "igbt, mosfet, thyristor, triac, varistor",
         o->kind);
   return vs_fail(err, VS_INPUT, "part: '%s' is no kind with a template; see vibrospice part",
                  o->kind);
@@ -151,9 +151,7 @@ static vs_status write_template(const vs_template_options *o, const char *path,
   vs_text text = {0};
   for (size_t k = 0; name[k]; k++) subckt[k] = (char)tolower((unsigned char)name[k]);
   vs_status status = VS_OK;
-  if (o->wrap)
-    status = vs_wrap_find(o->wrap, strcmp(o->kind, "thyristor") ? "a b" : "a k g", o->output, &wrap,
-                          err);
+  if (o->wrap) status = vs_wrap_find(o->wrap, o->kind, o->output, &wrap, err);
   if (!status && !strcasecmp(wrap.called, subckt))
     status = vs_fail(err, VS_INPUT, "-o %s: the vendor's subcircuit has that name; take another",
                      o->output);

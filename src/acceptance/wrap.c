@@ -86,48 +86,82 @@ static void take_file(search *f, FILE *file) {
 
 /* ---- pins ---- */
 
-/* The node that a pin of this name is: of a thyristor by its first letter. 0: its name does not
- * say. */
-static char node_of(const char *pin) {
-  switch (tolower((unsigned char)*pin)) {
-  case 'a':
-    return 'a';
-  case 'k':
-  case 'c':
-    return 'k';
-  case 'g':
-    return 'g';
-  default:
-    return 0;
-  }
+enum { MOST_NODES = 3 };
+
+/* The nodes of a part of each kind, in the order of its template, with the beginnings of the names
+ * that vendors give to such a pin, in small letters, each between blanks; and the order that is
+ * assumed where the names do not say. */
+static const struct layout {
+  const char *kind;
+  struct {
+    const char *node, *what, *beginnings;
+  } pin[MOST_NODES];
+  int assumed[MOST_NODES];
+} LAYOUTS[] = {
+    {"thyristor",
+     {{"a", "anode", " a "}, {"k", "cathode", " k c "}, {"g", "gate", " g "}},
+     {0, 2, 1}},
+    {"triac",
+     {{"mt2", "main terminal 2", " mt2 t2 a2 m2 "},
+      {"mt1", "main terminal 1", " mt1 t1 a1 m1 k "},
+      {"g", "gate", " g "}},
+     {0, 2, 1}},
+    {"diode", {{"a", "anode", " a p "}, {"k", "cathode", " k c n "}, {NULL, NULL, NULL}}, {0, 1}},
+    {"mosfet", {{"d", "drain", " d "}, {"g", "gate", " g "}, {"s", "source", " s "}}, {0, 1, 2}},
+    {"igbt", {{"c", "collector", " c "}, {"g", "gate", " g "}, {"e", "emitter", " e "}}, {0, 1, 2}},
+    {"varistor", {{"a", NULL, ""}, {"b", NULL, ""}, {NULL, NULL, NULL}}, {0, 1}},
+    {"fuse", {{"a", NULL, ""}, {"b", NULL, ""}, {NULL, NULL, NULL}}, {0, 1}},
+    {NULL, {{NULL, NULL, NULL}}, {0}}};
+
+static const struct layout *layout_of(const char *kind) {
+  const struct layout *l = LAYOUTS;
+  while (l->kind && strcmp(l->kind, kind)) l++;
+  return l;
 }
 
-/* Pins of a thyristor by their names, or else in the order anode, gate, cathode; of others in the
- * order they have. */
-static void map_pins(const subcircuit *s, bool thyristor, vs_wrap *w) {
-  static const char ASSUMED[] = "agk", *const WHAT[] = {
-                                           ['a'] = "anode", ['k'] = "cathode", ['g'] = "gate"};
-  char node[MOST_PINS + 1] = "ab";
+static size_t count_nodes(const struct layout *l) {
+  size_t n = 0;
+  while (n < MOST_NODES && l->pin[n].node) n++;
+  return n;
+}
+
+/* The node that a pin of this name is; -1: its name does not say. */
+static int node_of(const struct layout *l, const char *pin) {
+  for (int k = 0; k < MOST_NODES && l->pin[k].node; k++)
+    for (const char *at = l->pin[k].beginnings; *at == ' ' && at[1];) {
+      size_t n = strcspn(at + 1, " ");
+      if (!strncasecmp(pin, at + 1, n)) return k;
+      at += 1 + n;
+    }
+  return -1;
+}
+
+/* Pins by their names, or else in the order that is assumed; of two that are alike in the order
+ * they have. */
+static void map_pins(const subcircuit *s, const struct layout *l, vs_wrap *w) {
+  int node[MOST_NODES] = {-1, -1, -1};
   size_t n = 0, call = 0;
-  bool named = thyristor;
-  for (size_t k = 0; k < s->pins && thyristor; k++) {
-    node[k] = node_of(s->pin[k]);
-    named = named && node[k] && !memchr(node, node[k], k);
+  bool alike = !l->pin[0].what, named = !alike;
+  for (size_t k = 0; k < s->pins; k++) {
+    node[k] = node_of(l, s->pin[k]);
+    named = named && node[k] >= 0;
+    for (size_t other = 0; other < k; other++) named = named && node[other] != node[k];
   }
-  if (thyristor && !named) memcpy(node, ASSUMED, sizeof ASSUMED);
+  if (!named) memcpy(node, l->assumed, sizeof node);
   n += (size_t)snprintf(w->pins, sizeof w->pins, "Pins of %s: ", s->name);
   for (size_t k = 0; k < s->pins && n < sizeof w->pins; k++) {
-    call += (size_t)snprintf(w->call + call, sizeof w->call - call, "%c ", node[k]);
-    n += (size_t)snprintf(w->pins + n, sizeof w->pins - n, "%s%s is %c%s%s%s", k ? ", " : "",
-                          s->pin[k], node[k], thyristor ? " (" : "",
-                          thyristor ? WHAT[(unsigned char)node[k]] : "", thyristor ? ")" : "");
+    const char *what = l->pin[node[k]].what;
+    call += (size_t)snprintf(w->call + call, sizeof w->call - call, "%s ", l->pin[node[k]].node);
+    n += (size_t)snprintf(w->pins + n, sizeof w->pins - n, "%s%s is %s%s%s%s", k ? ", " : "",
+                          s->pin[k], l->pin[node[k]].node, what ? " (" : "", what ? what : "",
+                          what ? ")" : "");
   }
   snprintf(w->call + call, sizeof w->call - call, "%s", s->name);
   if (n < sizeof w->pins)
     snprintf(w->pins + n, sizeof w->pins - n, "%s",
-             !thyristor ? "."
-             : named    ? ", by their names."
-                        : ": assumed, as the names do not say; look at the vendor's text.");
+             alike   ? "."
+             : named ? ", by their names."
+                     : ": assumed, as the names do not say; look at the vendor's text.");
 }
 
 /* ---- all ---- */
@@ -164,13 +198,14 @@ static vs_status refuse(const search *f, const char *path, vs_error *err) {
                     f->fitting, f->pins, f->names.text);
 }
 
-vs_status vs_wrap_find(const char *word, const char *nodes, const char *output, vs_wrap *w,
+vs_status vs_wrap_find(const char *word, const char *kind, const char *output, vs_wrap *w,
                        vs_error *err) {
   char path[VS_PATH_SIZE];
   const char *colon = strrchr(word, ':');
   bool split = colon && access(word, R_OK);
   snprintf(path, sizeof path, "%.*s", split ? (int)(colon - word) : (int)strlen(word), word);
-  search f = {.wanted = split ? colon + 1 : NULL, .pins = (strlen(nodes) + 1) / 2};
+  const struct layout *layout = layout_of(kind);
+  search f = {.wanted = split ? colon + 1 : NULL, .pins = count_nodes(layout)};
   FILE *file = fopen(path, "r");
   if (!file)
     return vs_fail_at(err, (vs_where){.file = path}, "cannot be read: %s", strerror(errno));
@@ -181,7 +216,7 @@ vs_status vs_wrap_find(const char *word, const char *nodes, const char *output, 
   if (good) {
     *w = (vs_wrap){.pspice = f.pspice};
     memcpy(w->called, f.best.name, sizeof w->called);
-    map_pins(&f.best, f.pins == 3, w);
+    map_pins(&f.best, layout, w);
     name_file(path, output, w);
   }
   vs_text_free(&f.names);

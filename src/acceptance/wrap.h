@@ -18,11 +18,11 @@ typedef struct vs_wrap {
   bool pspice;                 /* the file is written in PSpice's dialect */
 } vs_wrap;
 
-/* Finds in `word`, FILE or FILE:NAME, the subcircuit that is to be a part with the nodes "a k g" (a
- * thyristor's) or "a b". Pins go by their names, else by the order anode, gate, cathode, and the
- * sentence then says that this is assumed. output: the part's file to be. Errors: the file cannot
- * be read; no subcircuit, or more than one, has as many pins; it has the part's own name. */
-vs_status vs_wrap_find(const char *word, const char *nodes, const char *output, vs_wrap *wrap,
+/* Finds in `word`, FILE or FILE:NAME, the subcircuit that is to be a part of this kind. Pins go by
+ * their names, else by an order that is usual, and the sentence then says that this is assumed.
+ * output: the part's file to be. Errors: the file cannot be read; no subcircuit, or more than one,
+ * has as many pins; it has the part's own name. */
+vs_status vs_wrap_find(const char *word, const char *kind, const char *output, vs_wrap *wrap,
                        vs_error *err);
 
 #endif

@@ -279,6 +279,9 @@ static void say_result(const vs_run_options *o, const vs_run_more *more, const v
              o->folder);
   }
   if (!o->quiet) vs_result_warn(r);
+  char text[512];
+  if (!o->quiet && vs_result_crawls(r, text, sizeof text))
+    fprintf(stderr, "vibrospice: hint: %s\n", text);
 }
 
 vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scene *scene,

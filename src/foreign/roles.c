@@ -155,6 +155,8 @@ static vs_status add_named_gates(finder *f, const char *asked) {
   for (char *name; !status && (name = strsep(&rest, ",+"));) {
     const vs_element *e;
     status = find_named(f, "gate", name, &e);
+    if (!status && vs_roles_gate_of(f->roles, e) >= 0)
+      status = vs_fail_at(f->err, vs_elements_where(f->w, e, 0), "--gate names %s twice", e->name);
     if (!status) status = add_gate(f, e);
   }
   free(all);
@@ -247,7 +249,7 @@ static void set_firing(vs_roles *r) {
     first = x;
     r->first_cycle = 1 + (int)floor(x);
     r->angle_deg = 360 * (x - floor(x));
-    r->width_s = fmin(g->pulse.width_s, 1000);
+    r->width_s = fmin(g->pulse.width_s, 999); /* a scene takes less than 1000 s */
     r->every = every_of(r, g);
   }
   if (isnan(r->angle_deg)) return;
@@ -322,6 +324,21 @@ static vs_status join(finder *f, const vs_element *l, const vs_element *r) {
            : VS_OK;
 }
 
+/* Error: an option makes more than one of the element, or puts it at another temperature. */
+static vs_status check_options(const finder *f, const vs_element *e) {
+  static const char *const OPTIONS[] = {"m", "scale", "temp", "dtemp"};
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < sizeof OPTIONS / sizeof *OPTIONS && !status; k++) {
+    char *value = vs_elements_option(f->w, e, OPTIONS[k]);
+    if (value)
+      status = vs_fail_at(f->err, vs_elements_where(f->w, e, 0),
+                          "%s: the coil's %s=%s is not taken; write the value that it makes",
+                          e->name, OPTIONS[k], value);
+    free(value);
+  }
+  return status;
+}
+
 static vs_status set_coil(finder *f, const vs_element *l, const vs_element *r) {
   vs_roles *roles = f->roles;
   vs_where where = vs_elements_where(f->w, l, 0);
@@ -340,7 +357,10 @@ static vs_status set_coil(finder *f, const vs_element *l, const vs_element *r) {
                       "%s: its resistance is not known before a run, as a number", r->name);
   char *rser = vs_elements_option(f->w, l, "rser");
   char *rpar = vs_elements_option(f->w, l, "rpar"), *cpar = vs_elements_option(f->w, l, "cpar");
-  bool across = rpar || cpar, known = !rser || vs_values_of(f->v, rser, &own);
+  double parallel = 0;
+  bool across = (rpar && !(vs_values_of(f->v, rpar, &parallel) && parallel == 0)) ||
+                (cpar && !(vs_values_of(f->v, cpar, &parallel) && parallel == 0));
+  bool known = !rser || vs_values_of(f->v, rser, &own);
   free(rser);
   free(rpar);
   free(cpar);
@@ -349,7 +369,14 @@ static vs_status set_coil(finder *f, const vs_element *l, const vs_element *r) {
                       known ? "Rpar and Cpar of the coil are to be elements of their own, across it"
                             : "Rser is not known before a run, as a number");
   roles->resistance_ohm += own;
-  return join(f, l, r);
+  char *current = vs_elements_option(f->w, l, "ic");
+  double current_a = 0;
+  roles->begins_with_current =
+      current && !(vs_values_of(f->v, current, &current_a) && current_a == 0);
+  free(current);
+  vs_status status = check_options(f, l);
+  if (!status && r) status = check_options(f, r);
+  return status ? status : join(f, l, r);
 }
 
 /* --coil L1+R4 */
@@ -382,8 +409,9 @@ static vs_status find_coil(finder *f, const char *asked) {
   size_t count = 0;
   if (asked) return set_named_coil(f, asked);
   for (size_t k = 0; k < f->w->count; k++) {
-    const vs_element *e = &f->w->elements[k], *r = resistor_of(f, e);
+    const vs_element *e = &f->w->elements[k];
     if (e->letter != 'l' || is_coupled(f, e)) continue;
+    const vs_element *r = resistor_of(f, e);
     vs_text_add(&all, "%s%s%s%s", count++ ? ", " : "", e->name, r ? "+" : "", r ? r->name : "");
     found = e;
   }

@@ -40,6 +40,7 @@ typedef struct vs_roles {
   bool delayed;    /* the netlist's mains begin later than at t = 0, which the program's do not */
   bool at_zero;    /* it fires at the mains' zero, where a scene's firing.angle cannot be; it is put
                       just behind it */
+  bool begins_with_current; /* the coil has an initial current, IC=, in the netlist */
 } vs_roles;
 
 /* Errors, with their place, each of which names the option that would decide: two or more could be

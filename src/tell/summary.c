@@ -338,6 +338,8 @@ static void add_cost(vs_json *json, const vs_result *r) {
   vs_json_number(json, "wall_s", r->wall_s, 6);
   vs_json_number(json, "second_run_s", r->second.wall_s, 6);
   vs_json_whole(json, "steps", r->steps);
+  char text[512];
+  if (vs_result_crawls(r, text, sizeof text)) vs_json_text(json, "hint", text);
   vs_json_end(json);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "acceptance/stand.h"
+#include "stand/stand.h"
 
 #include <fcntl.h>
 #include <math.h>

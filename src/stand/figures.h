@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Figures of a part: what its file asks for and what the test stand got, row by row, with curves of
  * what was seen. */
-#ifndef VS_ACCEPTANCE_FIGURES_H
-#define VS_ACCEPTANCE_FIGURES_H
+#ifndef VS_STAND_FIGURES_H
+#define VS_STAND_FIGURES_H
 
-#include "acceptance/stand.h"
+#include "stand/stand.h"
 
 /* How a figure is held to what is asked: it may be off by a tolerance either way, or it may be at
  * most or at least what is asked, but for the tolerance; or nothing is asked. */
@@ -30,7 +30,7 @@ typedef struct vs_figures_curve {
 } vs_figures_curve;
 
 /* All of one part. Start from {0}; end with vs_figures_free. */
-enum { VS_MOST_FIGURES = 16, VS_MOST_CURVES = 6 };
+enum { VS_MOST_FIGURES = 24, VS_MOST_CURVES = 6 };
 typedef struct vs_figures {
   vs_figure row[VS_MOST_FIGURES];
   size_t count;
@@ -50,10 +50,12 @@ typedef struct vs_figures_asked {
 vs_figures_asked vs_figures_param(const vs_stand *stand, const char *name);
 /* The parameter PART_WORD, as templates write those of a part's own. */
 vs_figures_asked vs_figures_own(const vs_stand *stand, const char *word);
+/* The parameter of that name, or PART_NAME, or KIND_NAME: the first there is. */
+vs_figures_asked vs_figures_any(const vs_stand *stand, const char *name);
 /* A limit of the part's file; "none" and a limit that is not there are NaN. */
 vs_figures_asked vs_figures_limit(const vs_stand *stand, const char *name);
-/* The first of these that is a number, each as a limit, a parameter or a parameter PART_NAME;
- * `otherwise` where none is. */
+/* The first of these that is a number, each as a limit or as any parameter; `otherwise` where none
+ * is. */
 double vs_figures_first(const vs_stand *stand, const char *const *names, double otherwise);
 
 /* Adds a row, of which nothing is got yet. The caller fills it. tolerance: a fraction of what is

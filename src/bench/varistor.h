@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What a data sheet says of a varistor, tried. */
-#ifndef VS_ACCEPTANCE_VARISTOR_H
-#define VS_ACCEPTANCE_VARISTOR_H
+#ifndef VS_BENCH_VARISTOR_H
+#define VS_BENCH_VARISTOR_H
 
-#include "acceptance/figures.h"
+#include "stand/figures.h"
 
 /* Its voltage at three currents. */
 extern const vs_figures_kind vs_varistor_kind;

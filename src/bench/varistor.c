@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "acceptance/varistor.h"
+#include "bench/varistor.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What a data sheet says of a thyristor, tried. */
-#ifndef VS_ACCEPTANCE_THYRISTOR_H
-#define VS_ACCEPTANCE_THYRISTOR_H
+#ifndef VS_BENCH_THYRISTOR_H
+#define VS_BENCH_THYRISTOR_H
 
-#include "acceptance/figures.h"
+#include "stand/figures.h"
 
 /* V_T, I_GT, V_GT, I_L, I_H, dv/dt, t_q, Q_rr, and how fast the model turns on. */
 extern const vs_figures_kind vs_thyristor_kind;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "acceptance/figures.h"
+#include "stand/figures.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -49,6 +49,15 @@ vs_figures_asked vs_figures_own(const vs_stand *s, const char *word) {
   return vs_figures_param(s, name);
 }
 
+vs_figures_asked vs_figures_any(const vs_stand *s, const char *name) {
+  const vs_part_file *file = vs_parts_file(&s->deck, s->file);
+  vs_figures_asked asked = vs_figures_param(s, name);
+  char kind_name[2 * VS_DECK_NAME];
+  if (isnan(asked.value)) asked = vs_figures_own(s, name);
+  snprintf(kind_name, sizeof kind_name, "%s_%s", file ? file->kind : "", name);
+  return isnan(asked.value) ? vs_figures_param(s, kind_name) : asked;
+}
+
 vs_figures_asked vs_figures_limit(const vs_stand *s, const char *name) {
   const vs_limit *limit = vs_parts_find_limit(&s->deck, s->file, name);
   if (!limit || !isfinite(limit->value)) return (vs_figures_asked){NAN, {0}};
@@ -57,9 +66,8 @@ vs_figures_asked vs_figures_limit(const vs_stand *s, const char *name) {
 
 double vs_figures_first(const vs_stand *s, const char *const *names, double otherwise) {
   for (; *names; names++) {
-    const double value[] = {vs_figures_limit(s, *names).value, vs_figures_param(s, *names).value,
-                            vs_figures_own(s, *names).value};
-    for (int k = 0; k < 3; k++)
+    const double value[] = {vs_figures_limit(s, *names).value, vs_figures_any(s, *names).value};
+    for (int k = 0; k < 2; k++)
       if (isfinite(value[k])) return value[k];
   }
   return otherwise;

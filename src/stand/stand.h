@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A test stand for one part: small circuits around it, each solved by ngspice in a child process,
  * which may die of it. No machine takes part. */
-#ifndef VS_ACCEPTANCE_STAND_H
-#define VS_ACCEPTANCE_STAND_H
+#ifndef VS_STAND_STAND_H
+#define VS_STAND_STAND_H
 
 #include <stdbool.h>
 

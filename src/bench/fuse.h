@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What a data sheet says of a fuse, tried. */
-#ifndef VS_ACCEPTANCE_FUSE_H
-#define VS_ACCEPTANCE_FUSE_H
+#ifndef VS_BENCH_FUSE_H
+#define VS_BENCH_FUSE_H
 
-#include "acceptance/figures.h"
+#include "stand/figures.h"
 
 /* Resistance, melting I2t, least melting current, clearing I2t, arc voltage. */
 extern const vs_figures_kind vs_fuse_kind;
