@@ -21,6 +21,7 @@
 #include "command/run.h"
 #include "command/sensitivity.h"
 #include "command/steady.h"
+#include "hint/hint.h"
 #include "import/import.h"
 #include "inquiry/aims.h"
 #include "inquiry/inquiry.h"
@@ -48,6 +49,7 @@ static vs_run_options run_options(const vs_arguments *a) {
                           .sets = a->sets,
                           .n_sets = a->n_sets,
                           .json = a->json,
+                          .all = a->all,
                           .quiet = a->quiet,
                           .reproducible = a->reproducible,
                           .raw = a->raw,
@@ -67,6 +69,8 @@ static vs_status run(const vs_arguments *a, vs_error *err) {
 #define REPRODUCIBLE_OPTION                                                                        \
   VS_COMMAND_FLAG("reproducible", VS_KEY_REPRODUCIBLE,                                             \
                   "leaves the cost (wall time) out of summary.json")
+#define ALL_OPTION                                                                                 \
+  VS_COMMAND_FLAG("all", VS_KEY_ALL, "the table leaves nothing out: zeros, unknowns, doubles")
 #define DIGITS_OPTION                                                                              \
   VS_COMMAND_VALUE("digits", VS_KEY_DIGITS, "N",                                                   \
                    "significant digits in CSV, 1 to 17 (default 9; 17 is exact)")
@@ -77,6 +81,7 @@ static const struct argp_option RUN_OPTIONS[] = {
     VS_COMMAND_VALUE("output", 'o', "DIR", "writes run.csv, events.csv and summary.json there"),
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
+    ALL_OPTION,
     REPRODUCIBLE_OPTION,
     DIGITS_OPTION,
     VS_COMMAND_FLAG("raw", VS_KEY_RAW,
@@ -140,6 +145,7 @@ static const struct argp_option STEADY_OPTIONS[] = {
                      "--along branch.csv, branch.json and branch.png"),
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
+    ALL_OPTION,
     REPRODUCIBLE_OPTION,
     DIGITS_OPTION,
     VS_COMMAND_HELP,
@@ -199,6 +205,9 @@ static vs_status check(const vs_arguments *a, vs_error *err) {
                               .json = a->json,
                               .quiet = a->quiet,
                               .bench = vs_acceptance_try,
+                              .look = vs_hint_look,
+                              .deep = a->deep,
+                              .trial = vs_hint_try,
                               .folder = a->output,
                               .other = vs_inquiry_is(name)                 ? vs_fitting_check
                                        : vs_study_is(name, vs_methods_all) ? check_study
@@ -211,6 +220,9 @@ static const struct argp_option CHECK_OPTIONS[] = {
     VS_COMMAND_VALUE("output", 'o', "DIR",
                      "of a part: writes what was asked and what the bench got as bench.csv and "
                      "bench.json there, and draws bench.png"),
+    VS_COMMAND_FLAG("deep", VS_KEY_DEEP,
+                    "of a scene or deck: also tries the beginning of its run, with each of the "
+                    "solver's rules, and tells what was measured and what may help"),
     VS_COMMAND_FLAG("json", VS_KEY_JSON,
                     "findings as a JSON array of {file, line, column, message} on standard output; "
                     "of a part also each figure of the bench, with members more"),
@@ -447,9 +459,10 @@ static const struct argp_option IMPORT_OPTIONS[] = {
     VS_COMMAND_VALUE("coil", VS_KEY_COIL, "L1[+R4]",
                      "the inductor that is the EVA's coil, and its resistance in series (default: "
                      "the only inductor)"),
-    VS_COMMAND_VALUE("pins", VS_KEY_PINS, "X1=akg,...",
-                     "what an element is, by its pins in their order (akg thyristor, 21g triac, dgs "
-                     "mosfet, cge igbt, ak diode), or varistor, fuse, none"),
+    VS_COMMAND_VALUE(
+        "pins", VS_KEY_PINS, "X1=akg,...",
+        "what an element is, by its pins in their order (akg thyristor, 21g triac, dgs "
+        "mosfet, cge igbt, ak diode), or varistor, fuse, none"),
     VS_COMMAND_VALUE("library", VS_KEY_LIBRARY, "FILE", "a file of models besides the netlist's"),
     VS_COMMAND_VALUE("scene", VS_KEY_SCENE, "FILE.yaml",
                      "also writes a scene with the netlist's own mains, firing and coil"),
@@ -500,6 +513,7 @@ static const vs_command COMMANDS[] = {
      .examples = "  vibrospice check my.yaml\n"
                  "  vibrospice check my.cir\n"
                  "  vibrospice check my.inc -o bench\n"
+                 "  vibrospice check my.yaml --deep\n"
                  "  vibrospice check paper --set run.tier=circuit --json\n",
      .options = CHECK_OPTIONS,
      .run = check},
@@ -516,10 +530,11 @@ static const vs_command COMMANDS[] = {
      .explain = vs_template_explain},
     {.name = "list",
      .argument = "[KIND]",
-     .text = "lists scenes, studies, fits, machines, decks, parts, instruments, tiers, laws, "
-             "regulators, probes, measures, "
-             "parameters (with "
-             "unit, default, range)",
+     .text =
+         "lists scenes, studies, fits, machines, decks, parts, instruments, kinds, tiers, laws, "
+         "regulators, probes, measures, "
+         "parameters (with "
+         "unit, default, range)",
      .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n"
                  "  vibrospice list parameters --machine two_mass\n",
      .may_be_alone = true,
@@ -642,12 +657,15 @@ static void fill_streams(void) {
   if (file >= 0) close(file);
 }
 
+enum { LINES = 1 << 16 }; /* bytes of standard output that are written at once */
+
 int main(int argc, char **argv) {
   static const char *const HELP[] = {"--help", "-h", "-?", "help", NULL}, *const VERSION[] = {
                                                                               "--version", "-V",
                                                                               NULL};
   gsl_set_error_handler_off();
   fill_streams();
+  setvbuf(stdout, NULL, _IOLBF, LINES); /* so that a warning never stands within a line */
   if (argc < 2) {
     print_help(stderr);
     return VS_INPUT;

@@ -202,6 +202,11 @@ static void libraries(void) {
   ran r = run("check v.lib");
   EXPECT(r.status == 0 && strstr(r.out, "a good library: 1 subcircuit, 0 models"), "%s", r.out);
   free_ran(&r);
+  write_file(
+      "v.lib",
+      "* LTspice's\n* Begin:\n 5D DD 2F E9 DF 8B 6B E1 49 4F\n 47 8A 1E 19 0C AA 0A F3 B0\n");
+  warns("check v.lib", 2, "v.lib:2:1: is encrypted for LTspice", __LINE__);
+  write_file("v.lib", LIBRARY);
   refused(DECK("u") "*$ note 1\n", "d.cir:12:4", "'*$ note' is not known", __LINE__);
   for (size_t k = 0; k < COUNT(ENDINGS); k++) {
     char name[32], words[64];
@@ -261,7 +266,18 @@ static void functions(void) {
       {"E1 yy 0 VALUE = { IF ( V(ss)>1,\n+ IF(V(ss)>5,1,7), 6) }", 7},
       {".param q={IF(2>1,7,8)}\nB1 yy 0 V={q}", 7},
       {".func f(x) {IF(x>1,7,8)}\nB1 yy 0 V=f(V(ss))", 7},
+      {"B1 yy 0 V=IF(V(ss)/5,5,6)", 6}, /* 0.4 is no condition of LTspice's */
+      {"B1 yy 0 V=IF(V(ss)/2,5,6)", 5},
+      {".param q={IF(0.4,7,8)}\nB1 yy 0 V={q}", 8},
+      {"B1 yy 0 V=int(-2.5)+int(2.5)+int(V(ss)+0.9)", 2},
+      {"B1 yy 0 V=arctan(V(ss)/2)", M_PI / 4},
+      {"*$ compat ps\nE1 yy 0 VALUE={INT(2.5)+ARCTAN(1)}", 2 + M_PI / 4},
+      {".param q={table(1.5,0,1,1,3,2,7,4,1)}\nB1 yy 0 V={q}", 5},
+      {".param q={table(9,0,1,1,3)+table(-9,0,1,1,3)}\nB1 yy 0 V={q}", 4},
+      {"R9 ss yy {tbl(2,0,1k,4,3k)}\nR8 yy 0 1k", 0.4},
       {"B1 yy 0 V=PWRS(-2,3)+STP(V(ss))", -7},
+      {"B1 yy 0 V=PWRS(-2*V(ss),0.5)", -2},
+      {"B1 yy 0 V=1+PWRS(V(ss)-2,0.04)", 1},
       {".param q={PWRS(-2,3)+STP(2)}\nB1 yy 0 V={q}", -7},
       {"B1 yy 0 V=hypot(3,4)+round(2.6)+buf(1)-inv(0)", 8},
       {"B1 yy 0 V=arcsin(1)+arccos(1)", M_PI / 2},
@@ -275,6 +291,11 @@ static void functions(void) {
       {"B1 yy 0 V=tbl(-V(ss),0,1,1,4)", 1},
       {".param k=9\nB1 yy 0 V=table(2*V(ss),0,0,3,{k})", 9},
       {"X1 yy 0 s PARAMS: A=2, B=3\n.subckt s p q PARAMS: A=1, B=1\nB1 p q V={A*B}\n.ends", 6},
+      {"X1 yy 0 a-1+ PARAMS: A=2\n.subckt a-1+ p q PARAMS: A=1\nB1 p q V={3*A}\n.ends a-1+", 6},
+      {"X1 yy 0 o/2\n.subckt o/2 p q\nX1 p q b-2 A = 4\n.ends\n.subckt b-2 p q\n+ A=1\n"
+       ".param c={A/2}\nB1 p q V={c}\n.ends",
+       2},
+      {"X1 yy 0 b-2\n.subckt b-2 p q\n.param c=3\nB1 p q V={c}\n.ends b-2", 3},
       {".param a1=1, b1=2\nB1 yy 0 V={a1+b1}", 3},
       {"R9 ss yy 1k TC=0.001,0.002", 1},
       {"R9 ss yy 1k tol=5 pwr=0.25", 1},
@@ -285,6 +306,9 @@ static void functions(void) {
       {"*$ compat ps\nB1 yy 0 V=IF(V(ss)>1 & V(ss)<3,5,6)+PWRS(-2,3)+STP(2)", -2},
       {"*$ compat ps\nR_R1 $N_0001 yy 1k\nR_R2 $N_0001 ss 1k\nR_R3 yy 0 1k", 2. / 5},
       {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH(Ron=1k Roff=1G Von=1 Voff=0)", 1},
+      {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH (Ron=1k,Voff=0.5)", 1}, /* no Von */
+      {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH Ron=1k Roff=1G Von=1", 1},
+      {"*$ compat ps\nS1 ss yy ss 0 sw1\n.model sw1 VSWITCH", 2000. / 1001},
       {"*$ compat ps\nE1 yy 0 TABLE {LIMIT(V(ss),0,1)} = (0,0) (1,4) (3,8)", 4},
       {".func hypot(x,y) {x+y}\nB1 yy 0 V=hypot(3,4)", 7}, /* the deck's own */
       {"B1 yy 0 V=hypot(3,4)\n.func hypot(x,y) {x+y}", 7},
@@ -316,6 +340,12 @@ static void parasitic_parts(void) {
       {"C9 ww yy 1u Rser=100 Lser=1u RLshunt=1k Rpar=100k Cpar=1n",
        "C9 ww x 1u\nR9 x y 100\nL9 y yy 1u\nR7 y yy 1k\nR8 ww yy 100k\nC8 ww yy 1n"},
       {"V9 yy 0 sin(1 2 1k) Rser=2k Cpar=10n", "V9 yy x sin(1 2 1k)\nR9 x 0 2k\nC9 yy 0 10n"},
+      {"L9 ww yy 10m Rser=0 Rpar=0 Cpar=0 Ipk=2", "L9 ww yy 10m"}, /* no short across it */
+      {"L9 ww yy 10m Rser=50 Rpar=0 Cpar=0.0", "L9 ww x 10m\nR9 x yy 50"},
+      {"D9 ww y\xe2\x80\x8by d9 2.5\n.model d9 D(is=1n rs=0.1)",
+       ".model d9 D(is=1n rs=0.1)\nD9 ww yy d9 area=2.5"},
+      {"D9 ww yy d9 {5/2}\n.model d9 D(is=1n rs=0.1)",
+       ".model d9 D(is=1n rs=0.1)\nD9 ww yy d9 area=2.5"},
       {".model d9 D(is=1n rs=0.1 mfg=Somebody type=silicon Vpk=400 Iave=1)\nD9 ww yy d9",
        ".model d9 D(is=1n rs=0.1)\nD9 ww yy d9"},
   };
@@ -341,9 +371,16 @@ static void constructs_are_told(void) {
     const char *lines, *says;
   } TOLD[] = {
       {"B1 yy 0 V=IF(V(ss)>1,\n+ 5, IF(V(ss)>0,6,7))",
-       "d.cir:17:6: warning: IF(a, b, c), PSpice's and LTspice's, is read as a ? b : c (2 times"},
+       "d.cir:17:6: warning: IF(a, b, c), PSpice's and LTspice's, is read as a > 0.5 ? b : c (2 "
+       "times"},
       {"L9 ss yy 1m Rser=1", "d.cir:16:1: warning: Rser, Lser, Rpar, Cpar and RLshunt, LTspice's"},
       {"B1 yy 0 V=1 tripdv=1", "d.cir:16:13: warning: tripdv and tripdt"},
+      {"B1 yy 0 V=-V(ss)**3", "d.cir:16:12: warning: x^y, x**y and pow(x, y) are powers of |x|"},
+      {"B1 yy 0 V=1+(2*V(ss)-5) ^ 2.5", "are powers of |x|"},
+      {"B1 yy 0 V=pow(V(ss),3)", "d.cir:16:15: warning: x^y, x**y"},
+      {"B1 yy 0 I=I(Vt)^{2.5+1}", "are powers of |x|"},
+      {"X1 ss yy a-b\n.subckt a-b p q R=1\nR1 p q {R}\n.ends",
+       "d.cir:17:1: warning: a subcircuit with parameters is found by ngspice if its name"},
       {"R9 ss yy 1M", "d.cir:16:10: warning: a resistance in M is one in milliohm"},
       {"B1 yy 0 V=IF(1>0,1,2)*pwr(2,3)", "d.cir:16:23: warning: pwr(x, y) is sgn(x)*|x|^y"},
       {".model m d(is=1n\n+ foo=3)\nD9 ss yy m",
@@ -373,6 +410,8 @@ static void constructs_are_told(void) {
       {".model m VSWITCH(Von=1 Voff=0)", "d.cir:16:10", "'*$ compat ps'"},
       {".model m d(is=1n T_ABS=30)", "d.cir:16:18", "'*$ compat ps'"},
       {"V9 yy 0 sin(0 1 50 0 0 0 3)", "d.cir:16:9", "cycles"},
+      {"V9 yy 0 PWL(0 0 1m 0 +1u 5)", "d.cir:16:22", "times from t = 0"},
+      {"A1 ss 0 0 0 0 yy 0 0 SRFLOP td=1m", "d.cir:16:22", "LTspice's own"},
       {"R_R1 $N_0001 yy 1k", "d.cir:16:6", "'*$ compat ps'"},
   };
   for (size_t k = 0; k < COUNT(TOLD); k++) {
@@ -403,6 +442,14 @@ static void numbers_that_are_misread(void) {
       {"R9 ss yy 4,7k", "d.cir:16:10", "a point"},
       {"V9 ss yy 2,5", "d.cir:16:10", "a point"},
       {"R9 ss yy 1.2.3", "d.cir:16:10", "one point"},
+      {"R9 ss yy 1,000.5", "d.cir:16:10", "a point"},
+      {"R9 ss yy 0x10", "d.cir:16:10", "ngspice reads 0x and leaves"}, /* none of an ohm */
+      {"R9 ss yy 4k7ohm", "d.cir:16:10", "ngspice reads 4k and leaves"},
+      {"R9 ss yy 1e3e3", "d.cir:16:10", "leaves the rest out"},
+      {"B1 yy 0 V=V(ss)*1_000", "d.cir:16:17", "ngspice reads 1 and leaves"},
+      {"C9 ss yy 100n 50V", "d.cir:16:15", "second number"}, /* 50 F in ngspice */
+      {"R9 ss yy 5k 1%", "d.cir:16:13", "second number"},
+      {"L9 ss yy 10u 5A", "d.cir:16:14", "second number"},
       {"R9 ss yy 10 k", "d.cir:16:13", "10k"},
       {"R9 ss yy 10 kOhm", "d.cir:16:13", "10kOhm"},
       {"C9 ss yy 10 uF", "d.cir:16:13", "10uF"},
@@ -441,6 +488,8 @@ static void messages_have_places(void) {
       {"X1 ss yy nosub", "d.cir:16:1", "nosub"},
       {"R9 ss yy nomodel", "d.cir:16:10", "nomodel"},
       {"B1 yy 0 V=ln(-v(ss))", "d.cir:16:11", "out of range"},
+      {"B1 yy 0 V=V(ss)**-2", "d.cir:16:16", "max(abs(x), 1u)"},
+      {"B1 yy 0 V=abs(V(ss)) ^ 0.5", "d.cir:16:22", "max(abs(x), 1u)"},
       {".if (x>1)\nR9 ss yy 1\n.endif", "d.cir:16:6", "[x]"},
       {"R9 ss yy {unk}\n+ tc1=0", "d.cir:16:11", "[unk]"},
       {"R9 ss yy\n+ {unk}", "d.cir:17:4", "[unk]"},

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The pages of docs/ about machines, circuits, fits, instruments, control and parts: their files
+ * The pages of docs/ about machines, circuits, fits, instruments, control, parts and
+ * devices: their files
  * are written, their commands run, and what they say that is printed must be printed. A page's
  * blocks are taken in their order:
  *
@@ -172,11 +173,49 @@ static void parts(void) {
          p.files, p.commands, p.lines);
 }
 
+/* Pages that show a thing or two on the way. */
+static void other_pages(void) {
+  static const struct {
+    const char *name;
+    int files, commands;
+  } PAGES[] = {{"scenes.md", 1, 6},   {"faults.md", 1, 2},   {"studies.md", 1, 1},
+               {"contract.md", 1, 3}, {"decks.md", 0, 2},    {"accuracy.md", 0, 1},
+               {"theory.md", 0, 0},   {"glossary.md", 0, 0}, {"troubleshooting.md", 0, 0}};
+  for (size_t k = 0; k < COUNT(PAGES); k++) {
+    page p = {.name = PAGES[k].name};
+    try_page(&p);
+    EXPECT(p.files == PAGES[k].files && p.commands == PAGES[k].commands,
+           "%s: %d files, %d commands", p.name, p.files, p.commands);
+  }
+}
+
+static void devices(void) {
+  page p = {.name = "devices.md"};
+  try_page(&p);
+  EXPECT(p.commands >= 2 && p.lines >= 4, "%d commands, %d lines", p.commands, p.lines);
+}
+
+static void hints(void) {
+  page p = {.name = "hints.md"};
+  try_page(&p);
+  EXPECT(p.files >= 2 && p.commands >= 2 && p.lines >= 3, "%d files, %d commands, %d lines",
+         p.files, p.commands, p.lines);
+}
+
+static void choppers(void) {
+  page p = {.name = "choppers.md"};
+  try_page(&p);
+  EXPECT(p.files >= 1 && p.commands >= 2 && p.lines >= 5, "%d files, %d commands, %d lines",
+         p.files, p.commands, p.lines);
+}
+
 static const vs_test TESTS[] = {
-    {"machines.md", machines}, {"a page for each machine", pages_of_machines},
-    {"fitting.md", fitting},   {"instruments.md", instruments},
-    {"control.md", control},   {"circuits.md", circuits},
-    {"dialects.md", dialects}, {"parts.md", parts},
+    {"machines.md", machines},    {"a page for each machine", pages_of_machines},
+    {"fitting.md", fitting},      {"instruments.md", instruments},
+    {"control.md", control},      {"circuits.md", circuits},
+    {"dialects.md", dialects},    {"parts.md", parts},
+    {"other pages", other_pages}, {"devices.md", devices},
+    {"hints.md", hints},          {"choppers.md", choppers},
 };
 
 int main(void) {

@@ -301,6 +301,7 @@ static const struct refusal {
      "x.net:4:1: ",
      {"--coil says which", "L2+R2"}},
     {"t\nV1 a 0 SIN(0 1 50)\nR1 a 0 1\n", "", "x.net: ", {"no inductor", "--coil L1+R4"}},
+    {"t\nA1 1 2 summer\n", "", "x.net: ", {"no inductor", NULL}}, /* no node at all is known */
     {"t\nV1 a 0 SIN(0 1 50)\nL1 a b 1\nR4 c 0 9\nR5 b c 1\nR6 b 0 1\n",
      "--coil L1+R4",
      "x.net:4:1: ",
@@ -325,6 +326,28 @@ static const struct refusal {
      "x.net:4:",
      {"[nope]", NULL}},
     {"t\nV1 a 0 SIN(0 {big} 50)\nL1 a 0 1\n", "", "x.net:2:1: ", {"{big}", ".param"}},
+    {"t\nV1 a 0 SIN(0 0x10 50)\nL1 a 0 1\n", "", "x.net:2:1: ", {"0x10", ".param"}},
+    {"t\nV1 a 0 SIN(0 1 50 0 0 0 3)\nL1 a 0 1\n", "", "x.net:2:1: ", {"3 cycles", "leave it out"}},
+    {"t\nV1 a 0 SIN(0 1 50)\nL1 a 0 1 m=2\n", "", "x.net:3:1: ", {"m=2", "value that it makes"}},
+    {"t\nV1 a 0 SIN(0 1 50)\nL1 a b 1\nR4 b 0 9 m=2\n", "", "x.net:4:1: ", {"m=2", NULL}},
+    {"t\nV1 a 0 SIN(0 1 50)\nR1 a b 5k 1%\nL1 b 0 1\nC1 b 0 100n 50V\n",
+     "",
+     "x.net:3:1: ",
+     {"'{r1} 1%'", "x.net:5:1: "}}, /* ngspice would take 1 ohm and 50 F */
+    {"t\nV1 a 0 SIN(0 1 50)\nV3 g 0 PWL(0 0 1m 0 2m 5 3m 0 8m 0 9m 5 10m 0)\nR1 a g 1\nL1 g 0 1\n"
+     "V4 h 0 1\nR2 h g 1\n",
+     "--gate V3,V3",
+     "x.net:3:1: ",
+     {"--gate none", NULL}},
+    {"t\nV1 a 0 SIN(0 1 50)\nV3 g 0 PWL(0 0 1m 0 2m 5 3m 0 21m 0 22m 5 26m 0)\nR1 a g 1\nL1 g 0 "
+     "1\n",
+     "",
+     "x.net:3:1: ",
+     {"more than one pulse", "--gate none"}},
+    {"t\nV1 a 0 SIN(0 1 50)\nV3 g 0 PULSE(0 5 1m 1u 1u 1m 20m)\nR1 a g 1\nL1 g 0 1\n",
+     "--gate V3,V3",
+     "x.net:3:1: ",
+     {"V3 twice", NULL}},
     {"Version 4\nSHEET 1 880 680\n", "", "x.net:1:1: ", {"drawing", "-netlist"}},
     {"*$ title t\nV1 a 0 external\nXeva a 0 eva\n", "", "x.net:1:1: ", {"a deck already", "check"}},
     {"t\nV1 a 0 SIN(0 1 50)\nL1 a 0 1\n", "--pins L1=xyz", "--pins", {"akg", "triac"}},
@@ -347,6 +370,35 @@ static void asks_for_what_it_cannot_decide(void) {
     EXPECT(r.status == 2 && vs_json_is_whole(r.out) && strstr(r.out, "\"written\": null"),
            "case %zu: %s", k, r.out);
     free_ran(&r);
+  }
+  leave();
+}
+
+/* What a gate's course says besides one pulse: times that count from the one before, a PWL that
+ * repeats, no width. */
+static void courses_of_gates(void) {
+  static const struct {
+    const char *course, *scene;
+  } ROWS[] = {
+      {"PULSE(0 5 1m 1u 1u 1m 20m)", "every: 1"},
+      {"PULSE(0 5 1m)", "every: once"},
+      {"PWL(0 0 1m 0 +1u 5 +2m 5 +1u 0)", "pulse_width: 2.001 ms"},
+      {"PWL(0 0 1m 0 2m 5 3m 0 20m 0) r=0", "every: 1"},
+  };
+  enter("courses");
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text text = {0};
+    vs_text_add(
+        &text, "t\nV1 a 0 SIN(0 1 50)\nV3 g 0 %s\nR1 a g 1\nL1 g 0 1 IC=0.1 Rser=9 Rpar=0 Cpar=0\n",
+        ROWS[k].course);
+    write_file("x.net", text.text);
+    ran r = run("import x.net -o y.cir --scene y.yaml");
+    char *scene = read_file("y.yaml");
+    EXPECT(r.status == 0 && strstr(scene, ROWS[k].scene), "%s: %s%s", ROWS[k].course, r.err, scene);
+    EXPECT(strstr(r.err, "L1 begins with a current"), "%s", r.err);
+    free(scene);
+    free_ran(&r);
+    vs_text_free(&text);
   }
   leave();
 }
@@ -377,6 +429,7 @@ static void bad_command_lines(void) {
                                         {"import x.net -o x.net", ".cir"},
                                         {"import none.net -o y.cir", "none.net"},
                                         {"import x.net -o no/y.cir", "no/y.cir"},
+                                        {"import x.net -o y.cir --scene y.cir", "that is the deck"},
                                         {"import -o y.cir", "NETLIST"}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     ran r = run("%s", ROWS[k][0]);
@@ -392,6 +445,7 @@ static const vs_test TESTS[] = {
     {"reads what programs write", reads_what_programs_write},
     {"asks for what it cannot decide", asks_for_what_it_cannot_decide},
     {"bad command lines", bad_command_lines},
+    {"courses of gates", courses_of_gates},
     {"survives any text", survives_any_text},
     {"as plain ngspice with the gap held", as_plain_ngspice_with_the_gap_held},
     {"exported", exported},

@@ -124,6 +124,36 @@ static void a_small_thyristor(void) {
   free_ran(&r);
 }
 
+/* The numbers of a sensitive gate of 0.8 A, whose dv/dt is that of the test of t_q, and of a disc
+ * of 1200 A: ends of what thyristors are. */
+static void ends_of_the_range(void) {
+  static const char *const CHANGES[][3] = {
+      {"gate_current = 15 mA", "gate_current = 0.2 mA", "gate_current = 300 mA"},
+      {"latching_current = 60 mA", "latching_current = 5 mA", "latching_current = 1500 mA"},
+      {"holding_current = 30 mA", "holding_current = 3 mA", "holding_current = 300 mA"},
+      {"critical_dvdt = 200", "critical_dvdt = 20", "critical_dvdt = 1000"},
+      {"dv_dt = 200", "dv_dt = 20", "dv_dt = 1000"},
+      {"turn_off_time = 50", "turn_off_time = 35", "turn_off_time = 400"},
+      {"t_q = 50", "t_q = 35", "t_q = 400"},
+      {"recovered_charge = 10", "recovered_charge = 0.5", "recovered_charge = 2600"},
+      {"blocking_voltage = 800", "blocking_voltage = 600", "blocking_voltage = 2800"},
+      {"test_current = 10", "test_current = 1", "test_current = 1200"},
+      {"test_slope = 30", "test_slope = 5", "test_slope = 10"},
+      {"on_resistance = 20", "on_resistance = 600", "on_resistance = 0.26"}};
+  static const char *const NAMES[] = {"sensitive", "press_pack"};
+  for (int n = 0; n < 2; n++) {
+    char file[24], words[48];
+    snprintf(file, sizeof file, "%s.inc", NAMES[n]);
+    snprintf(words, sizeof words, "part thyristor -o %s", file);
+    RUN_GOOD(words);
+    for (size_t k = 0; k < COUNT(CHANGES); k++) alter(file, file, CHANGES[k][0], CHANGES[k][n + 1]);
+    ran r = run("check %s", file);
+    EXPECT(r.status == 0 && !strstr(r.out, " off ") && !strstr(r.out, " failed "), "%s: %s%s", file,
+           r.out, r.err);
+    free_ran(&r);
+  }
+}
+
 /* ---- a vendor's ---- */
 
 /* Two transistors, in the manner of a vendor's library; written here. R behind the gate, and from
@@ -300,6 +330,7 @@ static const vs_test TESTS[] = {
     {"what is off", what_is_off},
     {"shipped parts", shipped_parts},
     {"a small thyristor", a_small_thyristor},
+    {"ends of the range", ends_of_the_range},
     {"a vendor's model", a_vendors_model},
     {"a vendor's mistakes", a_vendors_mistakes},
     {"what never conducts", what_never_conducts},

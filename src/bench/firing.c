@@ -13,7 +13,8 @@ vs_firing_plan vs_firing_plan_of(const vs_stand *s) {
                            *const FALL[] = {"di_test", "test_slope", NULL},
                            *const RISE[] = {"critical_dvdt", "dv_dt", NULL},
                            *const OFF[] = {"turn_off_time", "t_q", NULL};
-  double gate = vs_figures_first(s, GATE, 10e-3);
+  const double BACK_V_S = 20e6; /* where dv/dt is less than twice that, half of dv/dt is taken */
+  double gate = vs_figures_first(s, GATE, 10e-3), rise_v_s = vs_figures_first(s, RISE, 200e6);
   return (vs_firing_plan){.wiring = VS_FIRING_WIRING,
                           .way = "",
                           .gate_param = "gate_current",
@@ -23,7 +24,8 @@ vs_firing_plan vs_firing_plan_of(const vs_stand *s) {
                           .block_v = vs_figures_first(s, BLOCK, 600),
                           .test_a = vs_figures_first(s, TEST, 10),
                           .test_a_s = vs_figures_first(s, FALL, 10e6),
-                          .slope_v_s = vs_figures_first(s, RISE, 200e6),
+                          .slope_v_s = rise_v_s,
+                          .back_v_s = fmin(BACK_V_S, rise_v_s / 2),
                           .turn_off_s = vs_figures_first(s, OFF, 50e-6)};
 }
 

@@ -17,6 +17,7 @@ typedef struct vs_firing_plan {
   double block_v;                      /* V_DRM */
   double test_a, test_a_s;             /* of t_q and Q_rr */
   double slope_v_s, turn_off_s;        /* dv/dt, t_q: first guesses */
+  double back_v_s; /* of t_q: how fast the forward voltage comes back */
 } vs_firing_plan;
 
 /* The plan of a thyristor, by what the part's file asks. */

@@ -70,8 +70,9 @@ typedef struct report {
 static void warn_of_deck(report *r, const vs_deck *deck) {
   const vs_where file = {.file = deck->files[0]};
   const char *mains = vs_warnings_without_mains(deck);
-  bool fires = false;
-  for (size_t k = 0; k < deck->n_probes; k++)
+  bool fires =
+      vs_deck_has_port(deck, vs_port_is_modulated) && !vs_deck_has_port(deck, vs_port_is_gated);
+  for (size_t k = 0; k < deck->n_probes; k++) /* without a gate there is nothing to be found */
     fires = fires || !strcmp(deck->probes[k].name, "i_thyristor");
   if (!fires)
     vs_fail_at(vs_warnings_add(&r->warnings), file,
@@ -106,10 +107,25 @@ static void warn_of_firing(report *r, const vs_scene *s) {
                            : "");
 }
 
+/* Looks through the circuit, if that could be read. */
+static void look_through(report *r, const vs_deck *deck, const vs_error *err) {
+  r->bench.warnings = &r->warnings;
+  if (r->options->look && !vs_error_count(err)) r->options->look(r->options, deck, &r->bench);
+}
+
+/* Tries the beginning of a run, where that is asked for and nothing was found. */
+static vs_status try_deep(report *r, bool is_deck, vs_status status, vs_error *err) {
+  const vs_check_options *o = r->options;
+  return status || vs_error_count(err) || !o->deep || !o->trial
+             ? status
+             : o->trial(o, is_deck, &r->bench, err);
+}
+
 static vs_status check_scene(report *r, vs_error *err) {
   const vs_check_options *o = r->options;
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status = vs_scene_read(o->name, o->sets, o->n_sets, NULL, scene, err);
+  if (!status && scene->frame.deck) look_through(r, scene->frame.deck, err);
   if (!status && !vs_error_count(err)) status = vs_session_try(scene->tier, &scene->setup, err);
   if (!status && !vs_error_count(err)) {
     vs_text_add(&r->good, "a good scene: tier %s (%s)", scene->tier->name, scene->why);
@@ -121,7 +137,7 @@ static vs_status check_scene(report *r, vs_error *err) {
   }
   vs_scene_free(scene);
   free(scene);
-  return status;
+  return try_deep(r, false, status, err);
 }
 
 static void describe_deck(const vs_deck *deck, vs_text *good) {
@@ -158,11 +174,14 @@ static vs_status check_deck(report *r, vs_error *err) {
   vs_setup *setup = vs_alloc(1, sizeof *setup);
   char text[VS_DECK_TEXT + VS_NAME_SIZE];
   vs_status status = vs_setup_build(&scene, setup, err);
+  if (!status) look_through(r, &setup->deck, err);
   if (!status && !vs_error_count(err))
     status = vs_session_try(vs_tiers_automatic(true), setup, err);
   if (!status && !vs_error_count(err)) {
     describe_deck(&setup->deck, &r->good);
-    for (size_t p = 0; p < setup->deck.n_parts; p++)
+    /* modulated switches are made for a voltage that only their scene names */
+    bool known = !vs_deck_has_port(&setup->deck, vs_port_is_modulated);
+    for (size_t p = 0; known && p < setup->deck.n_parts; p++)
       if (vs_parts_below_mains(&setup->deck, p, setup->timeline.supply.voltage_v, text,
                                sizeof text))
         vs_fail_at(vs_warnings_add(&r->warnings), (vs_where){.file = setup->deck.files[0]}, "%s",
@@ -173,7 +192,7 @@ static vs_status check_deck(report *r, vs_error *err) {
   }
   vs_setup_free(setup);
   free(setup);
-  return status;
+  return try_deep(r, true, status, err);
 }
 
 /* Checks the machine's own set, where it has one. */

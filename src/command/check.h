@@ -8,9 +8,10 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "deck/deck.h"
 #include "scene/warnings.h"
 
-/* What is found out about a part by trying it. */
+/* What is found out about a part, a deck or a scene by looking through it or trying it. */
 typedef struct vs_check_bench {
   vs_text
       table;    /* lines to stand behind the one that describes the part, each begun by a newline */
@@ -33,6 +34,12 @@ struct vs_check_options {
   /* Hook that tries a part which has no findings. NULL: a part is read and no more. */
   vs_status (*bench)(const vs_check_options *options, vs_check_bench *bench, vs_error *err);
   const char *folder; /* for that hook: where its files go; NULL: it writes none */
+  /* Hook that looks through the circuit of a deck or scene, also where the solver cannot begin with
+   * it. NULL: nobody does. */
+  void (*look)(const vs_check_options *options, const vs_deck *deck, vs_check_bench *bench);
+  bool deep; /* a deck or scene without findings is tried by the hook below */
+  vs_status (*trial)(const vs_check_options *options, bool is_deck, vs_check_bench *bench,
+                     vs_error *err);
 };
 
 /* Reads the file to its end, and takes the first step of a run and no more. Prints all findings to

@@ -37,10 +37,12 @@ static bool *flag_of(vs_arguments *a, int key) {
     bool *flag;
   } FLAGS[] = {{'h', &a->help},
                {VS_KEY_JSON, &a->json},
+               {VS_KEY_ALL, &a->all},
                {VS_KEY_QUIET, &a->quiet},
                {VS_KEY_REPRODUCIBLE, &a->reproducible},
                {VS_KEY_STEADY, &a->steady},
                {VS_KEY_RAW, &a->raw},
+               {VS_KEY_DEEP, &a->deep},
                {VS_KEY_LINEAR, &a->linear},
                {VS_KEY_LIST, &a->list},
                {VS_KEY_RESUME, &a->resume},

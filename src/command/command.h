@@ -19,8 +19,8 @@ typedef struct vs_arguments {
   size_t n_sets;
   const char *tier, *output, *deck, *machine, *overlay, *shard, *of, *to, *along, *step, *at,
       *profile, *mains, *gate, *coil, *pins, *library, *scene, *wrap;
-  bool json, quiet, reproducible, raw, list, help, resume, overwrite, keep_runs, progress_json,
-      steady, no_sharing, linear, allow_code;
+  bool json, all, quiet, reproducible, raw, list, deep, help, resume, overwrite, keep_runs,
+      progress_json, steady, no_sharing, linear, allow_code;
   int digits; /* 1..17 */
   int jobs;   /* 0: not given */
   int period; /* 1 or more */
@@ -79,7 +79,9 @@ enum {
   VS_KEY_SCENE,
   VS_KEY_LINEAR,
   VS_KEY_ALLOW_CODE,
-  VS_KEY_WRAP
+  VS_KEY_WRAP,
+  VS_KEY_ALL,
+  VS_KEY_DEEP
 };
 
 /* Rows of vs_command.options: an option that takes a value, and one that takes none. */

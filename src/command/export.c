@@ -16,6 +16,7 @@
 #include "base/file.h"
 #include "command/mechanism.h"
 #include "deck/netlist.h"
+#include "drive/plain.h"
 #include "scene/scene.h"
 #include "syntax/units.h"
 
@@ -33,6 +34,11 @@ static double largest_step(const vs_setup *s) {
   return s->run.max_step_s > 0 ? s->run.max_step_s : h;
 }
 static const double RELTOL = 1e-3;
+/* Where switches are modulated, each of thousands of edges leaves an error of its own: at 1e-3 the
+ * shipped chopper's current is off by 1.4e-3 after 80 periods of 20 kHz, at 1e-4 by 2e-6. The other
+ * tolerances are as coarse as tier circuit's, with which ngspice takes an eighth of the time. */
+static const double RELTOL_MODULATED = 1e-4;
+static const char COARSE[] = " chgtol=1e-10 abstol=1e-7 vntol=1e-4";
 
 /* A difference of two signals as commands have it: nothing for v(0), quotes around a name with
  * operators in it. */
@@ -240,72 +246,15 @@ static void add_scene(vs_text *t, const vs_setup *s) {
   vs_mechanism_params(t, &s->model);
 }
 
-/* Instants of the gate pulses as drive/timeline.c has them, from the parameters. Edges of 10 ns
- * cost 1e-5 of the first peak; in shorter ones ngspice may fail to step (1 ns: one scene of fifty,
- * with a diode in its deck; 0.1 ns and below: that one always). */
-static void add_timing(vs_text *t) {
-  const double turn = 2 * M_PI;
-  vs_text_add(t, "* first rising zero of the mains, first pulse, period and edges of the pulses\n");
-  vs_text_add(t, ".param vs_zero={(-phase/%.17g-floor(-phase/%.17g))/f_mains}\n", turn, turn);
-  vs_text_add(t, ".param vs_fire={vs_zero+(vs_first-1+vs_angle/%.17g)/f_mains}\n", turn);
-  vs_text_add(t, ".param vs_period={vs_every>0 ? vs_every/f_mains : vs_until+vs_pulse+1}\n");
-  vs_text_add(t, ".param vs_edge={min(1e-8,vs_pulse/10)}\n");
-  vs_text_add(t, ".param vs_burst_edge={min(1e-8,vs_burst_duty/vs_burst/10)}\n");
-}
-
-static void add_pulses(vs_text *t, const char *name, const char *nodes, double turns) {
-  vs_text_add(t,
-              "%s %s PULSE(0 1 {vs_fire+%.17g/f_mains} {vs_edge} {vs_edge} {vs_pulse-vs_edge} "
-              "{vs_period})\n",
-              name, nodes, turns);
-}
-
-/* Sub-pulses: those of one endless train that fall into a gate pulse. */
-static void add_burst(vs_text *t, const char *name, const char *nodes[2], double turns) {
-  char source[2 * VS_DECK_NAME], node[2 * VS_DECK_NAME];
-  snprintf(source, sizeof source, "Vvs_w_%s", name);
-  snprintf(node, sizeof node, "vs_w_%s 0", name);
-  add_pulses(t, source, node, turns);
-  vs_text_add(t,
-              "Vvs_b_%s vs_b_%s 0 PULSE(0 1 {vs_fire+%.17g/f_mains} {vs_burst_edge} "
-              "{vs_burst_edge} {vs_burst_duty/vs_burst-vs_burst_edge} {1/vs_burst})\n"
-              "Bvs_%s vs_%s %s V = v(vs_w_%s)*v(vs_b_%s)\n%s %s vs_%s 0\n",
-              name, name, turns, name, name, nodes[1], name, name, name, nodes[0], name);
-}
-
-/* The exported train of pulses has one angle, and its sub-pulses keep their phase from gate pulse
- * to gate pulse. */
-static vs_status check_pulses(const vs_setup *s, vs_error *err) {
-  const vs_firing_values *f = &s->timeline.firing;
-  if (f->angle.count)
-    return vs_fail(err, VS_INPUT,
-                   "export: firing.angle: a table over time cannot be exported; write one angle");
-  double n = f->burst_hz * f->every * s->timeline.period_s;
-  for (size_t k = 0; k < s->deck.n_ports; k++)
-    if (s->deck.ports[k].signal.drive == VS_PORT_BURST && fabs(n - rint(n)) > 1e-6 * (n + 1))
-      return vs_fail(err, VS_INPUT,
-                     "export: firing.burst_frequency: the time from gate pulse to gate pulse must "
-                     "be a whole number of sub-pulses (it is %.9g)",
-                     n);
-  return VS_OK;
-}
-
-/* The source of a port, or the gap's (port: NULL), in the place of "NAME n m external". `travel` is
- * the travel's node behind "vs_". */
-static void add_source(vs_text *t, const char *line, const vs_port *port, const char *travel) {
-  char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME], nodes[2 * VS_DECK_NAME];
+/* The source of a port, or one of the EVA's (port: NULL), in the place of "NAME n m external". */
+static void add_source(vs_text *t, const char *line, const vs_port *port, const vs_setup *s) {
+  char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME];
   sscanf(line, "%63s %63s %63s", name, plus, minus);
-  if (!port)
-    vs_text_add(t, "B%s %s %s V = ({vs_gap})+v(vs_%s)/1000\n", name + 1, plus, minus, travel);
-  else if (port->signal.drive == VS_PORT_MAINS)
-    vs_text_add(t, "%s %s %s SIN(0 {sqrt(2)*u_rms} {f_mains} 0 0 {phase*%.17g})\n", name, plus,
-                minus, 180 / M_PI);
-  else if (port->signal.drive == VS_PORT_BURST)
-    add_burst(t, name, (const char *[]){plus, minus}, port->signal.shift_rad / (2 * M_PI));
-  else {
-    snprintf(nodes, sizeof nodes, "%s %s", plus, minus);
-    add_pulses(t, name, nodes, port->signal.shift_rad / (2 * M_PI));
-  }
+  if (port)
+    vs_plain_write(t, &(vs_plain_source){name, plus, minus, &port->signal}, &s->timeline,
+                   s->run.until_s);
+  else
+    vs_mechanism_motion(t, s, name, (const char *[]){plus, minus});
 }
 
 /* The netlist with its external sources replaced. The EVA's stands after the deck's own lines. */
@@ -315,7 +264,7 @@ static vs_status add_netlist(vs_text *t, const vs_setup *s, vs_error *err) {
   size_t count;
   vs_setup_standard(s, standard);
   vs_text_add(t, "*\n* The converter.\n");
-  vs_status status = check_pulses(s, err);
+  vs_status status = vs_plain_check(&s->timeline, &s->deck, s->run.until_s, err);
   if (status) return status;
   status =
       vs_netlist_make(&s->deck, &s->circuit_values, standard, VS_STANDARD, &lines, &count, err);
@@ -328,8 +277,7 @@ static vs_status add_netlist(vs_text *t, const vs_setup *s, vs_error *err) {
     if (strchr("iI", *name)) continue; /* the EVA's, by which the program leads ngspice */
     size_t p = 0;
     while (p < s->deck.n_ports && strcasecmp(s->deck.ports[p].source, name)) p++;
-    add_source(t, lines[k], p < s->deck.n_ports ? &s->deck.ports[p] : NULL,
-               vs_mechanism_node(&s->model, false));
+    add_source(t, lines[k], p < s->deck.n_ports ? &s->deck.ports[p] : NULL, s);
   }
   vs_netlist_free(lines, count);
   return status;
@@ -340,8 +288,10 @@ static void add_saved(vs_text *t, const char *signal) {
 }
 
 static void add_analysis(vs_text *t, const vs_setup *s) {
-  vs_text_add(t, "*\n.options method=%s reltol=%g trtol=%g pivrel=%g\n",
-              s->run.gear ? "gear" : "trap", RELTOL, s->run.trtol, s->run.pivrel);
+  bool modulated = vs_deck_has_port(&s->deck, vs_port_is_modulated);
+  vs_text_add(t, "*\n.options method=%s reltol=%g trtol=%g pivrel=%g%s\n",
+              s->run.gear ? "gear" : "trap", modulated ? RELTOL_MODULATED : RELTOL, s->run.trtol,
+              s->run.pivrel, modulated ? COARSE : "");
   vs_text_add(t, ".tran {vs_sample} {vs_until} 0 {vs_step} uic\n");
   const vs_deck *deck = &s->deck;
   const vs_model *m = &s->model;
@@ -431,7 +381,7 @@ static vs_status write_text(vs_text *t, const vs_scene *scene, const char *name,
   vs_status status = check_names(scene, columns, count, err);
   add_head(t, scene, deck_name, table_name);
   add_scene(t, &scene->setup);
-  add_timing(t);
+  vs_plain_timing(t, &scene->setup.timeline);
   if (!status) status = add_netlist(t, &scene->setup, err);
   vs_mechanism_write(t, &scene->setup);
   add_analysis(t, &scene->setup);

@@ -159,15 +159,19 @@ static void list_probes(const listed *of) {
   }
 }
 
-static void list_device(const vs_device *d) {
-  for (size_t n = 0; d->kind && n < d->kind->n_measures; n++) {
-    const vs_device_measure *m = &d->kind->measures[n];
-    char name[VS_DECK_NAME + 24];
-    snprintf(name, sizeof name, "%s.%s", d->name, m->name);
-    printf("%-20s %-7s %s (tier circuit)%s%s%s\n", name, m->unit, m->text,
-           m->limit ? "; limit " : "", m->limit ? m->limit : "",
-           m->held == VS_WARD_AT_MOST ? " of what it protects" : "");
+static void list_of_kind(const char *name, const vs_kind *kind, const char *where) {
+  for (size_t n = 0; kind && n < kind->n_measures; n++) {
+    const vs_device_measure *m = &kind->measures[n];
+    char of[VS_DECK_NAME + 24];
+    snprintf(of, sizeof of, "%s.%s", name, m->name);
+    printf("%-20s %-7s %s%s%s%s%s\n", of, m->unit, m->text, where, m->limit ? "; limit " : "",
+           m->limit ? m->limit : "", m->held == VS_WARD_AT_MOST ? " of what it protects" : "");
   }
+}
+
+static void list_kinds(const listed *of) {
+  (void)of;
+  for (const vs_kind *kind = vs_kinds_all; kind->name; kind++) list_of_kind(kind->name, kind, "");
 }
 
 static void list_measures(const listed *of) {
@@ -183,7 +187,8 @@ static void list_measures(const listed *of) {
   for (size_t k = 0; k < deck->n_probes; k++)
     printf("%s_min, %s_max  %s  extremes of the probe (tier circuit)\n", deck->probes[k].name,
            deck->probes[k].name, deck->probes[k].unit);
-  for (size_t k = 0; k < deck->n_devices; k++) list_device(&deck->devices[k]);
+  for (size_t k = 0; k < deck->n_devices; k++)
+    list_of_kind(deck->devices[k].name, deck->devices[k].kind, " (tier circuit)");
 }
 
 static void print_field(const char *section, const vs_field *f) {
@@ -258,6 +263,7 @@ static const struct kind {
     {"instruments",
      "sets of instruments that come with the program, and what the machine's own has",
      list_instruments},
+    {"kinds", "kinds of devices: what is measured of each, unit, meaning, limit", list_kinds},
     {"tiers", "tiers, from the least modelled to the most", list_tiers},
     {"laws", "laws of the actuator, by actuator.law", list_laws},
     {"regulators", "laws of control, by control.law, with their keys; ~ is the unit of the sensor",

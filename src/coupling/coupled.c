@@ -5,7 +5,8 @@
  * Mechanics -> circuit: the gap z at the candidate time of each of the solver's steps, foretold
  * from the last accepted step. Circuit -> mechanics: the flux linkage lambda of the accepted step,
  * under which the mechanics are integrated over it. The coil's current and force are functions of
- * lambda and z, in C as in the netlist (deck/eva.h), so nothing else need be exchanged.
+ * lambda and z, in C as in the netlist (deck/eva.h), so nothing else need be exchanged; what else
+ * of the motion the deck names is foretold as the gap is.
  *
  * This file is the solver's host. course.h moves the machine and shows the steps, pace.h, swing.h
  * and anode.h say how long a step may be, away.h leaves the solver where the circuit is quiet. */
@@ -47,6 +48,10 @@ static double source(void *ctx, size_t port, double solver_s) {
   double t_s = run_time(c, solver_s);
   size_t of_deck = c->setup->deck.n_ports;
   if (port == of_deck + VS_EVA_PORT_GAP) return vs_course_gap(&c->course, t_s);
+  size_t motion = port + c->setup->deck.n_motions;
+  if (motion >= c->names->n_ports)
+    return vs_course_motion(&c->course, c->setup->deck.motions[motion - c->names->n_ports].state,
+                            t_s);
   if (port > of_deck) return vs_away_lead(&c->away, port - of_deck, t_s);
   const vs_port *p = &c->setup->deck.ports[port];
   double push_v = p->signal.drive == VS_PORT_MAINS ? vs_prelude_push(&c->prelude, t_s) : 0;
@@ -137,6 +142,7 @@ static vs_circuit_job job_of(const coupling *c) {
                           .max_step_s = c->pace.max_step_s,
                           .raw = c->order->raw,
                           .tried = c->order->tried,
+                          .tries = c->order->tries,
                           .truncation_factor = c->pace.truncation,
                           .pivot_threshold = setup->run.pivrel,
                           .relative_tolerance = c->pace.relative,
@@ -191,8 +197,8 @@ static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_
 }
 
 /* What stands between the mains and the deck, and what its solver alone is told. */
-/* This tier alone has a source's impedance, ngspice, a gate drive that is fed with bursts, and
- * devices with means and ratings. */
+/* This tier alone has a source's impedance, ngspice, a gate drive that is fed with bursts, switches
+ * that are modulated, and devices with means and ratings. */
 static const vs_tier_key KEYS[] = {
     {"supply", "resistance", NULL},
     {"supply", "inductance", NULL},
@@ -204,6 +210,12 @@ static const vs_tier_key KEYS[] = {
     {"run", "verify", "always"},
     {"firing", "burst_frequency", NULL},
     {"firing", "burst_duty", NULL},
+    {"pwm", "carrier", NULL},
+    {"pwm", "duty", NULL},
+    {"pwm", "depth", NULL},
+    {"pwm", "frequency", NULL},
+    {"pwm", "phase", NULL},
+    {"pwm", "dead_time", NULL},
     {"measure", "from", NULL},
     {"measure", "to", NULL},
     {"measure", "last", NULL},

@@ -55,6 +55,12 @@ bool vs_deck_is_reserved(const char *name) {
   return AMONG(name, FUNCTIONS) || AMONG(name, VARIABLES);
 }
 
+bool vs_deck_has_port(const vs_deck *deck, bool (*is)(const vs_signal *signal)) {
+  for (size_t k = 0; k < deck->n_ports; k++)
+    if (is(&deck->ports[k].signal)) return true;
+  return false;
+}
+
 /* The deck owns its fields; its section shows them as constant. */
 static vs_field *own_fields(vs_deck *deck) {
   return (vs_field *)(size_t)deck->section.fields;

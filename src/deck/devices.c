@@ -254,9 +254,16 @@ static vs_status check_limits(const vs_deck *deck, const vs_device *d, vs_error 
   for (size_t k = 0; d->kind && k < d->kind->n_measures && !status; k++) {
     const vs_device_measure *m = &d->kind->measures[k];
     const vs_limit *limit = vs_devices_limit(deck, d, m);
-    if (!limit || vs_units_same_kind(limit->unit, m->unit)) continue;
-    status = vs_fail_at(err, limit->where, "limit %s: a unit as %s is wanted, for %s.%s",
-                        limit->name, m->unit, d->name, m->name);
+    if (!limit) continue;
+    bool fits = vs_units_same_kind(limit->unit, m->unit);
+    if (fits && limit->value > 0) continue;
+    if (fits)
+      status = vs_fail_at(err, limit->where,
+                          "limit %s: it must be above 0, as margins are parts of it, for %s.%s",
+                          limit->name, d->name, m->name);
+    else
+      status = vs_fail_at(err, limit->where, "limit %s: a unit as %s is wanted, for %s.%s",
+                          limit->name, m->unit, d->name, m->name);
     status = vs_error_carry_on(err, status);
   }
   return status;

@@ -331,6 +331,7 @@ static void tell_skipped(vs_deck *deck) {
 
 vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error *err) {
   vs_status status = read_file(deck, path, library, err);
+  vs_translate_names(deck->lines, deck->n_lines, &deck->changes);
   tell_skipped(deck);
   if (status || deck->subcircuits == 0) return status;
   deck->subcircuits = 0;

@@ -53,7 +53,7 @@ static const vs_device_measure TRIAC[] = {
      "v_drm", VS_AT_MOST},
     {"dv_dt", "V/us",
      "steepest rise of off-state voltage, either way, mean rate from 10 to 90 % of a rise of 10 V "
-     "or more, not counting the first one behind a conduction",
+     "or more",
      VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST},
     {"dv_dt_max", "V/us", "largest rate of off-state voltage, either way, over any 0.1 us",
      VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
@@ -236,7 +236,7 @@ const vs_kind vs_kinds_all[] = {
     {.name = "resistor", MEASURED(RESISTOR)},
     {.name = "capacitor", MEASURED(CAPACITOR)},
     {.name = "electrolytic", MEASURED(ELECTROLYTIC)},
-    {.name = "fuse", MEASURED(FUSE)},
+    {.name = "fuse", .melts = true, MEASURED(FUSE)},
     {.name = "gate_drive", .gated = true, MEASURED(GATE_DRIVE)},
     {.name = NULL}};
 

@@ -103,6 +103,15 @@ static bool defines(const vs_deck *deck, const char *subcircuit) {
   return false;
 }
 
+/* A subcircuit with parameters may have been given another name (dialect/translate.h). */
+static void take_plain_name(const vs_deck *deck, char subcircuit[VS_DECK_NAME]) {
+  char plain[VS_DECK_NAME];
+  snprintf(plain, sizeof plain, "%s", subcircuit);
+  for (char *c = plain; *c; c++)
+    if (!isalnum((unsigned char)*c)) *c = '_';
+  if (defines(deck, plain)) snprintf(subcircuit, VS_DECK_NAME, "%s", plain);
+}
+
 static vs_status take_part(vs_deck *deck, vs_part *part, const char *name, vs_where where,
                            vs_error *err) {
   char path[VS_PATH_SIZE];
@@ -112,6 +121,7 @@ static vs_status take_part(vs_deck *deck, vs_part *part, const char *name, vs_wh
   for (size_t k = 0; k < deck->n_files; k++)
     if (!strcmp(deck->files[k], path)) part->file = deck->files[k];
   subcircuit_of(path, part->subcircuit);
+  if (!defines(deck, part->subcircuit)) take_plain_name(deck, part->subcircuit);
   return defines(deck, part->subcircuit) || deck->lost & VS_LOST_ELEMENT
              ? vs_parts_check_kind(deck, part, where, err)
              : vs_fail_at(err, where, "circuit.%s: %s defines no subcircuit '%s' (the file's name)",
@@ -249,13 +259,27 @@ static const char *find_node(const char *line, const char *message) {
   return NULL;
 }
 
+static const char RANGE[] = "out of range for "; /* from ngspice's message of a function */
+
+/* True where a message is of a power, x^y, however it is written. */
+static bool is_of_power(const char *message) {
+  const char *s = strstr(message, RANGE);
+  return s && (s[strlen(RANGE)] == '^' || !strncmp(s + strlen(RANGE), "p", 1));
+}
+
 /* Finds the function whose argument was out of its range. */
 static const char *find_function(const char *line, const char *message) {
-  static const char BEFORE[] = "out of range for ";
-  const char *s = strstr(message, BEFORE);
+  static const char *const POWERS[] = {"pow", "pwr", "pwrs"};
+  const char *s = strstr(message, RANGE), *found = NULL;
   if (!s || *line == '.') return NULL;
-  s += strlen(BEFORE);
-  return find_word(line, line, s, strcspn(s, " "));
+  s += strlen(RANGE);
+  found = find_word(line, line, s, strcspn(s, " "));
+  if (found || !is_of_power(message) || !strchr("bBeEgG", *line)) return found;
+  found = strstr(line, "**");
+  if (!found) found = strchr(line, '^');
+  for (size_t k = 0; k < sizeof POWERS / sizeof *POWERS && !found; k++)
+    found = find_word(line, line, POWERS[k], strlen(POWERS[k]));
+  return found;
 }
 
 /* Finds in the line what the message speaks of; NULL: it is not in this line. */
@@ -300,5 +324,8 @@ void vs_netlist_locate(const vs_deck *deck, vs_error *err) {
   vs_fail_at(err, where, "%s%s", plain.text,
              strstr(plain.text, PARAMETER)
                  ? "; '.param NAME=...' or '*$ param NAME = ...' defines one"
+             : is_of_power(plain.text)
+                 ? "; a power below 0 has no value where x is 0, one below 1 no slope: write "
+                   "max(abs(x), 1u) for x"
                  : "");
 }

@@ -10,12 +10,17 @@
 /* What a deck may say, by VS_PORT_.... A drive without a name is put in by the program alone. */
 static const struct drive {
   const char *name;
-  bool gated; /* follows gate pulses, and so may be delayed by an angle */
-} DRIVES[] = {[VS_PORT_MAINS] = {"mains", false},
-              [VS_PORT_GATE] = {"gate", true},
-              [VS_PORT_BURST] = {"burst", true},
-              [VS_PORT_EVENT] = {NULL, false}};
+  bool gated;     /* follows gate pulses */
+  bool modulated; /* follows pulse-width modulation */
+} DRIVES[] = {[VS_PORT_MAINS] = {"mains", false, false},    [VS_PORT_GATE] = {"gate", true, false},
+              [VS_PORT_BURST] = {"burst", true, false},     [VS_PORT_PWM] = {"pwm", false, true},
+              [VS_PORT_PWM_LOW] = {"pwm_low", false, true}, [VS_PORT_EVENT] = {NULL, false, false}};
 _Static_assert(sizeof DRIVES / sizeof *DRIVES == VS_PORT_DRIVES, "a row for each drive");
+
+/* True where the drive's pulses may be delayed by an angle. */
+static bool may_shift(const struct drive *d) {
+  return d->gated || d->modulated;
+}
 
 static vs_status unknown_port(const char *name, int length, vs_where where, vs_error *err) {
   vs_text all = {0};
@@ -23,7 +28,7 @@ static vs_status unknown_port(const char *name, int length, vs_where where, vs_e
     const struct drive *d = &DRIVES[k];
     if (!d->name) continue;
     vs_text_add(&all, "%s%s", all.length ? ", " : "", d->name);
-    if (d->gated) vs_text_add(&all, ", %s+ANGLE", d->name);
+    if (may_shift(d)) vs_text_add(&all, ", %s+ANGLE", d->name);
   }
   vs_status status =
       vs_fail_at(err, where, "no port '%.*s'; there are: %s", length, name, all.text);
@@ -40,7 +45,7 @@ vs_status vs_port_read(const char *name, vs_where where, vs_signal *signal, vs_e
   for (; drive < VS_PORT_DRIVES; drive++) {
     const struct drive *d = &DRIVES[drive];
     if (d->name && strlen(d->name) == length && !strncmp(name, d->name, length) &&
-        (d->gated || !shifted))
+        (may_shift(d) || !shifted))
       break;
   }
   if (drive == VS_PORT_DRIVES) return unknown_port(name, (int)length, where, err);
@@ -59,4 +64,8 @@ bool vs_port_read_gate(const char *name, double *shift_rad) {
 
 bool vs_port_is_gated(const vs_signal *signal) {
   return DRIVES[signal->drive].gated;
+}
+
+bool vs_port_is_modulated(const vs_signal *signal) {
+  return DRIVES[signal->drive].modulated;
 }

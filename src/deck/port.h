@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What may drive a source of the circuit, and what a deck calls it in its lines
- * `*$ port NAME = SOURCE`: mains, gate[+ANGLE], burst[+ANGLE]. The voltage that such a signal has
+ * `*$ port NAME = SOURCE`: mains, gate[+ANGLE], burst[+ANGLE], pwm[+ANGLE], pwm_low[+ANGLE]. The
+ * voltage that such a signal has
  * at an instant is computed in drive/signals.h. */
 #ifndef VS_DECK_PORT_H
 #define VS_DECK_PORT_H
@@ -11,14 +12,24 @@
 #include "base/error.h"
 
 /* What drives a source: the mains' voltage; a gate pulse, 1 V while it lasts; the sub-pulses that
- * fill a gate pulse; the wave of a generator or the control of a switch that an event puts into the
- * deck. VS_PORT_DRIVES is their number. */
-enum { VS_PORT_MAINS, VS_PORT_GATE, VS_PORT_BURST, VS_PORT_EVENT, VS_PORT_DRIVES };
+ * fill a gate pulse; the pulses of a modulated leg's upper and of its lower switch, 1 V while they
+ * last; the wave of a generator or the control of a switch that an event puts into the deck.
+ * VS_PORT_DRIVES is their number. */
+enum {
+  VS_PORT_MAINS,
+  VS_PORT_GATE,
+  VS_PORT_BURST,
+  VS_PORT_PWM,
+  VS_PORT_PWM_LOW,
+  VS_PORT_EVENT,
+  VS_PORT_DRIVES
+};
 
 /* One source's signal. */
 typedef struct vs_signal {
   int drive;        /* VS_PORT_... */
-  double shift_rad; /* gate and burst: how much later than the port `gate` its pulses come */
+  double shift_rad; /* gate and burst: how much later than the port `gate` its pulses come; pwm: how
+                       much later the sine of its reference comes */
   size_t event;     /* VS_PORT_EVENT: the event's index in the scene's list */
 } vs_signal;
 
@@ -32,5 +43,8 @@ bool vs_port_read_gate(const char *name, double *shift_rad);
 
 /* True for a signal that follows gate pulses, whole or as sub-pulses. */
 bool vs_port_is_gated(const vs_signal *signal);
+
+/* True for a signal of pulse-width modulation. */
+bool vs_port_is_modulated(const vs_signal *signal);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include <ctype.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -60,6 +61,9 @@ static const char TOLD_PARTS[] =
     "Rser, Lser, Rpar, Cpar and RLshunt, LTspice's, become elements of their own: in series behind "
     "the second node, in parallel from node to node";
 
+static const char TOLD_NOUGHT[] =
+    "Rser, Lser, Rpar, Cpar and RLshunt of 0 are read as no such part, as LTspice means them";
+
 static char letter_of(const vs_rewriting *r) {
   return (char)tolower((unsigned char)*r->text.text);
 }
@@ -69,6 +73,12 @@ typedef struct parts {
   char value[PARTS][64];
   bool any;
 } parts;
+
+/* LTspice writes a 0 where an element has no such part: 0 ohm in parallel would be a short. */
+static bool is_zero(vs_word value) {
+  char *end;
+  return strtod(value.at, &end) == 0 && end > value.at && end == value.at + value.n;
+}
 
 /* Takes a parameter out of the line. */
 static vs_status take_out(vs_rewriting *r, const parameter *p, parts *all) {
@@ -81,8 +91,11 @@ static vs_status take_out(vs_rewriting *r, const parameter *p, parts *all) {
   if (p->fate == NEVER) return vs_fail_at(r->err, where, "%s=, LTspice's: %s", p->name, p->instead);
   if (value.n == 0 || value.n >= sizeof all->value[0])
     return vs_fail_at(r->err, where, "%s= has no value, or one that is too long", p->name);
-  snprintf(all->value[p->fate], sizeof all->value[0], "%.*s", (int)value.n, value.at);
-  all->any = all->any || p->fate > HINT;
+  if (p->fate <= HINT || !is_zero(value)) {
+    snprintf(all->value[p->fate], sizeof all->value[0], "%.*s", (int)value.n, value.at);
+    all->any = all->any || p->fate > HINT;
+  } else
+    vs_tally_add(r->tally, TOLD_NOUGHT, where);
   if (p->fate <= HINT) vs_tally_add(r->tally, p->fate == HINT ? TOLD_HINTS : TOLD_RATINGS, where);
   vs_rewriting_replace(r, (size_t)(whole.at - text), whole.n, "");
   return VS_OK;
@@ -131,6 +144,15 @@ static vs_status rewrite_parameters(vs_rewriting *r) {
   for (size_t k = 0; k < sizeof PARAMETERS / sizeof *PARAMETERS && !status; k++)
     if (strchr(PARAMETERS[k].letters, letter_of(r))) status = take_out(r, &PARAMETERS[k], &all);
   return status || !all.any ? status : write_parts(r, &all);
+}
+
+/* D1 a b MODEL 2: ngspice 39 takes a number there for the model's name, but not area=2. */
+static void rewrite_area(vs_rewriting *r) {
+  vs_word w[VS_WORDS_MOST];
+  size_t count = vs_words_split(r->text.text, w);
+  if (r->pspice || count < 5 || memchr(w[4].at, '=', w[4].n) || !strchr(".0123456789{'", *w[4].at))
+    return;
+  vs_rewriting_replace(r, (size_t)(w[4].at - r->text.text), 0, "area=");
 }
 
 /* R1 a b 1 TC=0.001,0.002: ngspice has tc1 and tc2. */
@@ -230,11 +252,34 @@ static vs_status check_b(const vs_rewriting *r) {
                                : "a B source wants V=... or I=... behind its two nodes");
 }
 
+/* ---- A devices ---- */
+
+/* LTspice's A devices have eight nodes and the name of what they are; ngspice's are code models. */
+static vs_status check_gate(const vs_rewriting *r) {
+  static const char *const KINDS[] = {
+      "srflop",    "and",      "or",           "xor",        "buf",        "inv",
+      "schmitt",   "dflop",    "schmtbuf",     "schmtinv",   "phasedet",   "diffschmitt",
+      "counter",   "varistor", "ota",          "diffbuf",    "samplehold", "modulate",
+      "modulator", "dlatch",   "diffschmtbuf", "dffschmtinv"};
+  vs_word w[VS_WORDS_MOST];
+  size_t count = vs_words_split(r->text.text, w);
+  for (size_t k = 0; count > 9 && k < sizeof KINDS / sizeof *KINDS; k++)
+    if (vs_words_is(w[9], KINDS[k]))
+      return vs_fail_at(
+          r->err, vs_rewriting_place(r, w[9].at, w[9].n),
+          "%s is a device of LTspice's own, which no other program has; write it with "
+          "B sources and switches",
+          KINDS[k]);
+  return VS_OK;
+}
+
 vs_status vs_elements_rewrite(vs_rewriting *r) {
   char letter = letter_of(r);
   vs_status status = VS_OK;
   if (!isalpha((unsigned char)letter)) return VS_OK;
   if (letter == 'b') status = check_b(r);
+  if (letter == 'd') rewrite_area(r);
+  if (letter == 'a') status = check_gate(r);
   if (letter == 'r') rewrite_temperature(r);
   if (letter == 'e' || letter == 'g') status = check_transfer(r);
   if (!status && (letter == 'e' || letter == 'g')) status = rewrite_table(r);

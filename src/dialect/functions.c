@@ -2,7 +2,9 @@
 #include "dialect/functions.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -27,6 +29,18 @@ typedef struct function {
   bool native;         /* ngspice knows it in PSpice's dialect */
 } function;
 
+/* Writes a table for where ngspice has no pwl, as in a .param: y1 and, for each stretch, the share
+ * of it that lies below x times its rise. */
+static void write_sum(const call *c, vs_text *text) {
+  const vs_word *a = c->argument;
+  vs_text_add(text, "(%.*s", (int)a[2].n, a[2].at);
+  for (size_t k = 3; k + 1 < c->count; k += 2)
+    vs_text_add(text, "+((%.*s)-(%.*s))*min(max(((%.*s)-(%.*s))/((%.*s)-(%.*s)),0),1)",
+                (int)a[k + 1].n, a[k + 1].at, (int)a[k - 1].n, a[k - 1].at, (int)a[0].n, a[0].at,
+                (int)a[k - 2].n, a[k - 2].at, (int)a[k].n, a[k].at, (int)a[k - 2].n, a[k - 2].at);
+  vs_text_add(text, ")");
+}
+
 /* table(x, x1, y1, ...): between the points straight lines, beyond them the last value. ngspice's
  * pwl goes on straight, so that x is held between the first and the last point. */
 static vs_status write_table(vs_rewriting *r, const function *f, const call *c, vs_text *text) {
@@ -35,6 +49,10 @@ static vs_status write_table(vs_rewriting *r, const function *f, const call *c, 
   if (c->count % 2 == 0)
     return vs_fail_at(r->err, vs_rewriting_place(r, r->text.text + c->at, strlen(f->name)),
                       "%s: an x and pairs of numbers are wanted", f->name);
+  if (!strchr("bBeEgG", *r->line->text)) {
+    write_sum(c, text);
+    return VS_OK;
+  }
   vs_text_add(text, "pwl(min(max(%.*s,%.*s),%.*s)", (int)a[0].n, a[0].at, (int)a[1].n, a[1].at,
               (int)a[c->count - 2].n, a[c->count - 2].at);
   for (size_t k = 1; k < c->count; k++) vs_text_add(text, ",%.*s", (int)a[k].n, a[k].at);
@@ -70,9 +88,9 @@ static const function FUNCTIONS[] = {
     {.name = "if",
      .least = 3,
      .most = 3,
-     .as = "ternary_fcn($1,$2,$3)",
+     .as = "ternary_fcn(($1)>0.5,$2,$3)", /* a condition is 0 or 1; LTspice takes any number */
      .native = true,
-     .told = "IF(a, b, c), PSpice's and LTspice's, is read as a ? b : c"},
+     .told = "IF(a, b, c), PSpice's and LTspice's, is read as a > 0.5 ? b : c"},
     {.name = "stp",
      .least = 1,
      .most = 1,
@@ -82,7 +100,8 @@ static const function FUNCTIONS[] = {
     {.name = "pwrs",
      .least = 2,
      .most = 2,
-     .as = "(sgn($1)*pow(abs($1),$2))",
+     /* ngspice ends at a slope that is infinite, as that of a power below 1 is where x is 0 */
+     .as = "(sgn($1)*pow(max(abs($1),1e-20),$2))",
      .native = true,
      .told = "PWRS(x, y), PSpice's and LTspice's, is read as sgn(x)*pow(abs(x), y)"},
     {.name = "table",
@@ -115,6 +134,12 @@ static const function FUNCTIONS[] = {
      .most = 1,
      .as = "floor(($1)+0.5)",
      .told = "round(x) is read as floor(x + 0.5)"},
+    {.name = "int",
+     .least = 1,
+     .most = 1,
+     .as = "(sgn($1)*floor(abs($1)))",
+     .told = "int(x) is read as sgn(x)*floor(abs(x))"},
+    {.name = "arctan", .least = 1, .most = 1, .as = "atan($1)", .told = "arctan is read as atan"},
     {.name = "arcsin", .least = 1, .most = 1, .as = "asin($1)", .told = "arcsin is read as asin"},
     {.name = "arccos", .least = 1, .most = 1, .as = "acos($1)", .told = "arccos is read as acos"},
     {.name = "idt",
@@ -229,6 +254,64 @@ static void rewrite_operators(vs_rewriting *r) {
     }
 }
 
+/* True for a text that may be below 0: one with a voltage or a current, and of no function that
+ * keeps it above. */
+static bool may_be_negative(const char *text, size_t n) {
+  static const char *const ABOVE[] = {"abs(", "exp(", "sqrt(", "max(", "uramp("};
+  for (size_t k = 0; k < sizeof ABOVE / sizeof *ABOVE; k++)
+    if (!strncasecmp(text, ABOVE[k], strlen(ABOVE[k]))) return false;
+  for (size_t k = 0; k + 1 < n; k++)
+    if (strchr("vViI", text[k]) && text[k + 1] == '(' && (!k || !vs_words_goes_on(text[k - 1])))
+      return true;
+  return false;
+}
+
+static bool is_even(const char *exponent) {
+  char *end;
+  double y = strtod(exponent, &end);
+  return end > exponent && fmod(y, 2) == 0 && !vs_words_goes_on(*end);
+}
+
+/* The base that ends before `end`: V(...), I(...) or a bracket; NULL: another one. */
+static const char *base_before(const char *text, const char *end) {
+  int depth = 0;
+  while (end > text && strchr(" \t", end[-1])) end--;
+  if (end == text || end[-1] != ')') return NULL;
+  const char *s = end;
+  do {
+    s--;
+    depth += (*s == ')') - (*s == '(');
+  } while (depth > 0 && s > text);
+  const char *name = s;
+  while (name > text && vs_words_goes_on(name[-1])) name--;
+  bool own = name == s || (name + 1 == s && strchr("vViI", *name));
+  return depth || !own ? NULL : name;
+}
+
+/* ngspice 39 takes the size of x in x^y, x**y and pow(x, y), so that an odd power has no sign. */
+static void tell_powers(vs_rewriting *r) {
+  static const char TOLD[] = "x^y, x**y and pow(x, y) are powers of |x| in ngspice: where x may be "
+                             "below 0 and y is odd, write sgn(x)*abs(x)^y";
+  const char *text = r->text.text;
+  for (const char *s = text; *s; s++) {
+    vs_word a[VS_WORDS_MOST];
+    const char *end = NULL, *base = NULL, *exponent = NULL;
+    size_t n = 0;
+    if (!strncasecmp(s, "pow(", 4) && (s == text || !vs_words_goes_on(s[-1])) &&
+        vs_words_arguments(s + 3, a, &end) == 2)
+      base = a[0].at, n = a[0].n, exponent = a[1].at;
+    else if (*s == '^' || (s[0] == '*' && s[1] == '*')) {
+      base = base_before(text, s);
+      n = base ? (size_t)(s - base) : 0;
+      exponent = s + (*s == '^' ? 1 : 2);
+      s = exponent - 1;
+    }
+    if (base && n > 1 && *base == '(') base++, n--;
+    if (base && !is_even(exponent) && may_be_negative(base, n))
+      vs_tally_add(r->tally, TOLD, vs_rewriting_place(r, base, 1));
+  }
+}
+
 /* True for a line that may have expressions: elements with a formula, parameters and functions. */
 static bool has_expressions(const char *line) {
   if (*line == '.')
@@ -243,6 +326,7 @@ vs_status vs_functions_rewrite(vs_rewriting *r) {
   const function *f;
   if (!has_expressions(r->text.text)) return VS_OK;
   if (!r->pspice) rewrite_operators(r);
+  tell_powers(r);
   while ((f = find_last(r, &at, &open))) {
     vs_status status = rewrite(r, f, at, open);
     if (status) return status;

@@ -108,6 +108,40 @@ static vs_status judge(vs_rewriting *r, vs_word type, vs_word name, bool *left_o
   return VS_OK;
 }
 
+/* Adds what a switch of PSpice's leaves to its defaults: ngspice dies of one without Von or Voff.
+ */
+static void complete_switch(vs_rewriting *r, vs_word type) {
+  static const struct {
+    const char *type, *name, *value;
+  } DEFAULTS[] = {{"vswitch", "ron", "1"},    {"vswitch", "roff", "1e6"},
+                  {"vswitch", "von", "1"},    {"vswitch", "voff", "0"},
+                  {"iswitch", "ron", "1"},    {"iswitch", "roff", "1e6"},
+                  {"iswitch", "ion", "1e-3"}, {"iswitch", "ioff", "0"}};
+  static const char TOLD[] =
+      "a switch of PSpice's without Ron, Roff, Von or Voff (Ion, Ioff): 1 ohm, 1 Mohm, 1 V and 0 V "
+      "(1 mA, 0 A) are taken, PSpice's own";
+  vs_word whole, value;
+  size_t at = (size_t)(type.at - r->text.text), n = strcspn(type.at, " \t(");
+  char kind[8];
+  snprintf(kind, sizeof kind, "%.*s", (int)n, type.at);
+  char *bracket = strchr(r->text.text + at, '(');
+  if (bracket) *bracket = ' ';
+  bool vt = vs_words_parameter(r->text.text + at, "vt", &whole, &value) ||
+            vs_words_parameter(r->text.text + at, "it", &whole, &value);
+  vs_text added = {0};
+  for (size_t k = 0; k < sizeof DEFAULTS / sizeof *DEFAULTS && !vt; k++)
+    if (!strcasecmp(DEFAULTS[k].type, kind) &&
+        !vs_words_parameter(r->text.text + at, DEFAULTS[k].name, &whole, &value))
+      vs_text_add(&added, " %s=%s ", DEFAULTS[k].name, DEFAULTS[k].value);
+  if (bracket) *bracket = '(';
+  if (added.text) {
+    size_t place = bracket ? (size_t)(bracket - r->text.text) + 1 : at + n;
+    vs_rewriting_replace(r, place, 0, added.text);
+    vs_rewriting_tell(r, TOLD);
+  }
+  vs_text_free(&added);
+}
+
 vs_status vs_models_rewrite(vs_rewriting *r) {
   vs_word w[VS_WORDS_MOST];
   if (strncasecmp(r->text.text, ".model", 6)) return VS_OK;
@@ -117,6 +151,7 @@ vs_status vs_models_rewrite(vs_rewriting *r) {
   if (!r->pspice && (is_type(w[2], "vswitch") || is_type(w[2], "iswitch")))
     return refuse(r, w[2], "a switch of that name", PSPICE);
   size_t type = (size_t)(w[2].at - r->text.text), type_n = w[2].n;
+  if (is_type(w[2], "vswitch") || is_type(w[2], "iswitch")) complete_switch(r, w[2]);
   for (size_t at = type; r->text.text[at]; at++) {
     const char *text = r->text.text, *end = text + at, *begin;
     if (*end != '=') continue;

@@ -36,6 +36,21 @@ static vs_status refuse_factor(const vs_line *line, const char *at, size_t n, vs
                     (int)(n - before - f), at + before + f, ohms ? 0 : (int)f, at + before);
 }
 
+/* Returns how much of the number at s ngspice reads: digits, a point, an exponent and letters. *n
+ * is how long the whole word is; where that is more, the rest is left out, as in 0x10 or 4k7ohm. */
+static size_t read_of(const char *s, size_t *n) {
+  size_t k = digits(s);
+  if (s[k] == '.') k += 1 + digits(s + k + 1);
+  if (tolower((unsigned char)s[k]) == 'e') {
+    size_t sign = strchr("+-", s[k + 1]) && s[k + 1] ? 1 : 0, power = digits(s + k + 1 + sign);
+    if (power) k += 1 + sign + power;
+  }
+  while (isalpha((unsigned char)s[k])) k++;
+  *n = k;
+  while (vs_words_goes_on(s[*n]) || s[*n] == '.') ++*n;
+  return k;
+}
+
 /* Looks for numbers such as 4k7 from `from` on. What stands in v() and i() are names. */
 static vs_status check_factors(const vs_line *line, const char *from, vs_error *err) {
   for (const char *s = from; *s; s++) {
@@ -46,15 +61,20 @@ static vs_status check_factors(const vs_line *line, const char *from, vs_error *
       if (!*s) break;
     } else if (begins && isdigit((unsigned char)*s) && has_factor_as_point(s, &n))
       return refuse_factor(line, s, n, err);
+    else if (begins && isdigit((unsigned char)*s) && read_of(s, &n) < n)
+      return vs_fail_at(err, vs_line_place(line, s),
+                        "'%.*s' is no number: ngspice reads %.*s and leaves the rest out", (int)n,
+                        s, (int)read_of(s, &n), s);
   }
   return VS_OK;
 }
 
-/* A number with a comma for its point, as 4,7k: digits, one comma, digits, letters. */
+/* A number with a comma, as 4,7k or 1,000.5: digits, one comma, digits, letters. */
 static bool has_comma(vs_word w) {
   const char *s = w.at + (strchr("+-", *w.at) != NULL);
   size_t before = digits(s), after = s[before] == ',' ? digits(s + before + 1) : 0;
   const char *end = s + before + 1 + after;
+  if (after && *end == '.') end += 1 + digits(end + 1);
   while (after && isalpha((unsigned char)*end)) end++;
   return before && after && end == w.at + w.n;
 }
@@ -103,6 +123,14 @@ static bool is_milliohm(vs_word w) {
          vs_words_is(unit, "r");
 }
 
+/* True where a second number follows a value, as in "100n 50V" or "5k 1%". ngspice takes the last
+ * one for the value. */
+static bool is_second_number(vs_word value, vs_word next) {
+  const char *first = value.at + strspn(value.at, "+-.");
+  return (isdigit((unsigned char)*first) || strchr("{'", *first)) &&
+         isdigit((unsigned char)next.at[strspn(next.at, "+-.")]) && !memchr(next.at, '=', next.n);
+}
+
 /* R, C, L and K: "NAME node node VALUE". */
 static vs_status check_element(const vs_line *line, const vs_word *w, size_t count, vs_tally *tally,
                                vs_error *err) {
@@ -114,6 +142,10 @@ static vs_status check_element(const vs_line *line, const vs_word *w, size_t cou
                         "'%.*s %.*s': a unit stands at its number without a blank: %.*s%.*s",
                         (int)w[3].n, w[3].at, (int)w[4].n, w[4].at, (int)w[3].n, w[3].at,
                         (int)w[4].n, w[4].at);
+  if (!status && count > 4 && is_second_number(w[3], w[4]))
+    status = vs_fail_at(err, vs_line_place(line, w[4].at),
+                        "'%.*s %.*s': ngspice takes the second number for the value; leave it out",
+                        (int)w[3].n, w[3].at, (int)w[4].n, w[4].at);
   if (!status && tolower((unsigned char)*line->text) == 'r' && is_milliohm(w[3]))
     vs_tally_add(tally,
                  "a resistance in M is one in milliohm, as SPICE knows no capitals; write Meg for "

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "dialect/source.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -152,6 +153,26 @@ static void split(vs_source *s) {
   }
 }
 
+/* True for a line of at least eight bytes as pairs of digits of base 16. */
+static bool is_hexadecimal(const char *line) {
+  int pairs = 0;
+  const char *s = line + strspn(line, " \t");
+  for (; isxdigit((unsigned char)s[0]) && isxdigit((unsigned char)s[1]); pairs++)
+    s += 2 + strspn(s + 2, " \t");
+  return !*s && pairs >= 8;
+}
+
+/* Error: LTspice has made the file unreadable for others. */
+static vs_status check_encryption(const vs_source *s, const char *path, vs_error *err) {
+  for (size_t k = 0; k + 1 < s->count; k++)
+    if (!strncmp(s->line[k], "* Begin:", 8) && is_hexadecimal(s->line[k + 1]))
+      return vs_fail_at(
+          err, (vs_where){path, (int)k + 1, 1},
+          "is encrypted for LTspice, and no other program reads it; its maker may have "
+          "a plain one, for PSpice");
+  return VS_OK;
+}
+
 vs_status vs_source_read(const char *path, vs_source *source, vs_error *err) {
   bytes b = {0};
   *source = (vs_source){0};
@@ -166,7 +187,7 @@ vs_status vs_source_read(const char *path, vs_source *source, vs_error *err) {
   if (status) return status;
   cut_end(source->text);
   split(source);
-  return VS_OK;
+  return check_encryption(source, path, err);
 }
 
 void vs_source_free(vs_source *source) {
@@ -177,12 +198,18 @@ void vs_source_free(vs_source *source) {
 
 void vs_source_plain(char *line) {
   static const struct {
-    const char *sign;
-    char plain;
-  } SIGNS[] = {{"\xc2\xb5", 'u'},      /* micro sign */
-               {"\xce\xbc", 'u'},      /* Greek small letter mu */
-               {"\xc2\xa0", ' '},      /* blank that keeps words together */
-               {"\xe2\x88\x92", '-'}}; /* minus */
+    const char *sign, *plain;
+  } SIGNS[] = {
+      {"\xc2\xb5", "u"},     /* micro sign */
+      {"\xce\xbc", "u"},     /* Greek small letter mu */
+      {"\xc2\xa0", " "},     /* blank that keeps words together */
+      {"\xe2\x80\x89", " "}, /* thin blank */
+      {"\xe2\x80\xaf", " "}, /* narrow blank that keeps words together */
+      {"\xe2\x88\x92", "-"}, /* minus */
+      {"\xe2\x80\x93", "-"}, /* dash as wide as an n */
+      {"\xe2\x80\x8b", ""},  /* blank of no width: none of a name's characters */
+      {"\xe2\x80\x8c", ""},  {"\xe2\x80\x8d", ""}, {"\xe2\x81\xa0", ""},
+      {"\xef\xbb\xbf", ""},  {"\xc2\xad", ""}}; /* hyphen that shows at the end of a line alone */
   char *to = line;
   while (*to && (unsigned char)*to < 0x80) to++;
   for (const char *from = to; *from;) {
@@ -190,7 +217,7 @@ void vs_source_plain(char *line) {
     for (size_t k = 0; k < sizeof SIGNS / sizeof *SIGNS && !n; k++)
       if (!strncmp(from, SIGNS[k].sign, strlen(SIGNS[k].sign))) {
         n = strlen(SIGNS[k].sign);
-        *to++ = SIGNS[k].plain;
+        if (*SIGNS[k].plain) *to++ = *SIGNS[k].plain;
       }
     if (!n) *to++ = *from, n = 1;
     from += n;

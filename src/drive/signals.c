@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "drive/gate.h"
+#include "drive/pwm.h"
 
 static double mains_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
   (void)s;
@@ -25,6 +26,16 @@ static double burst_voltage(const vs_timeline *t, const vs_signal *s, double t_s
 static double burst_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
   return vs_gate_burst_edge(t, s->shift_rad, t_s);
 }
+/* The switch that a port of pulse-width modulation drives. */
+static vs_pwm_switch switch_of(const vs_signal *s) {
+  return (vs_pwm_switch){s->shift_rad, s->drive == VS_PORT_PWM_LOW};
+}
+static double pwm_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_pwm_is_on(&t->pwm, switch_of(s), t_s) ? 1 : 0;
+}
+static double pwm_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
+  return vs_pwm_edge(&t->pwm, switch_of(s), t_s);
+}
 static double event_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
   const vs_occurrence *e = &t->events.item[s->event];
   return e->kind->source(e, t_s);
@@ -34,10 +45,10 @@ static double event_voltage(const vs_timeline *t, const vs_signal *s, double t_s
 static const struct drive {
   double (*voltage)(const vs_timeline *timeline, const vs_signal *signal, double t_s);
   double (*edge)(const vs_timeline *timeline, const vs_signal *signal, double t_s);
-} DRIVES[] = {[VS_PORT_MAINS] = {mains_voltage, no_edge},
-              [VS_PORT_GATE] = {gate_voltage, gate_edge},
-              [VS_PORT_BURST] = {burst_voltage, burst_edge},
-              [VS_PORT_EVENT] = {event_voltage, no_edge}};
+} DRIVES[] = {
+    [VS_PORT_MAINS] = {mains_voltage, no_edge},    [VS_PORT_GATE] = {gate_voltage, gate_edge},
+    [VS_PORT_BURST] = {burst_voltage, burst_edge}, [VS_PORT_PWM] = {pwm_voltage, pwm_edge},
+    [VS_PORT_PWM_LOW] = {pwm_voltage, pwm_edge},   [VS_PORT_EVENT] = {event_voltage, no_edge}};
 _Static_assert(sizeof DRIVES / sizeof *DRIVES == VS_PORT_DRIVES, "a row for each drive of a port");
 
 double vs_signals_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {

@@ -10,7 +10,10 @@
 
 static const vs_field SUPPLY[] = {
     {"kind", VS_CHOICE, "", "sine", 0, 0, false, S_(direct),
-     "sine: the mains; step: direct voltage from t = 0 on, ideal tiers only", "sine|step", NULL},
+     "sine: the mains; step: direct voltage from t = 0 on, on ideal tiers and for decks with a "
+     "port "
+     "pwm",
+     "sine|step", NULL},
     {"voltage", VS_REAL, "V", "440 V", 0, 1e6, true, S_(voltage_v),
      "U, rms at the converter (Table 1)", NULL, NULL},
     {"frequency", VS_REAL, "Hz", "50 Hz", 0.1, 1e4, false, S_(frequency_hz), "f, mains (Table 1)",
@@ -33,8 +36,8 @@ static const vs_field FIRING[] = {
      "t_pulse, length of the gate pulse train", NULL, NULL},
     {"every", VS_COUNT, "", "once", 1, 1e6, false, F_(every), "fires in every n-th cycle", "once",
      NULL},
-    {"first_cycle", VS_COUNT, "", "1", 1, 1e9, false, F_(first_cycle),
-     "cycle of the first firing, counted from 1", NULL, NULL},
+    {"first_cycle", VS_COUNT, "", "1", 0, 1e9, false, F_(first_cycle),
+     "cycle of the first firing, from 1 on; 0: the cycle that is under way at t = 0", NULL, NULL},
     {"burst_frequency", VS_REAL, "kHz", "5 kHz", 0.01, 1000, false, F_(burst_hz),
      "of the sub-pulses that fill a gate pulse; decks with a port burst", NULL, NULL},
     {"burst_duty", VS_REAL, "%", "30 %", 0, 100, true, F_(burst_duty),
@@ -43,15 +46,18 @@ static const vs_field FIRING[] = {
 const vs_section vs_timeline_supply_section = {"supply", SUPPLY, sizeof SUPPLY / sizeof *SUPPLY};
 const vs_section vs_timeline_firing_section = {"firing", FIRING, sizeof FIRING / sizeof *FIRING};
 
+static const char NO_VALVE[] = "with firing.valve: none";
+
 /* Error: a key of the firing where there is nothing to fire, or of a sine where the voltage is
- * direct. */
-static vs_status refuse_unused(const vs_node *scene, const vs_timeline *t, vs_error *err) {
+ * direct. `why` tells why nothing fires. */
+static vs_status refuse_unused(const vs_node *scene, const vs_timeline *t, const char *why,
+                               vs_error *err) {
   const vs_node *firing = vs_tree_child(scene, "firing"), *supply = vs_tree_child(scene, "supply");
   const vs_node *phase = t->supply.direct ? vs_tree_child(supply, "phase") : NULL;
   for (const vs_node *n = firing ? firing->child : NULL; n; n = n->next)
-    if (strcmp(n->key, "valve") != 0)
-      return vs_fail_at(err, n->key_where,
-                        "firing.%s: with firing.valve: none nothing fires; leave it out", n->key);
+    if (strcmp(n->key, "valve") != 0 || why != NO_VALVE)
+      return vs_fail_at(err, n->key_where, "firing.%s: %s nothing fires; leave it out", n->key,
+                        why);
   return phase ? vs_fail_at(err, phase->key_where,
                             "supply.phase: with supply.kind: step the voltage is direct; leave it "
                             "out")
@@ -65,6 +71,8 @@ vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_error *err)
   vs_status s = vs_field_section_read(&vs_timeline_supply_section, vs_tree_child(scene, "supply"),
                                       &t->supply, err);
   if (!s) s = vs_field_section_read(&vs_timeline_firing_section, firing, &t->firing, err);
+  const vs_node *pwm = vs_tree_child(scene, vs_pwm_section.name);
+  if (!s) s = vs_field_section_read(&vs_pwm_section, pwm, &t->pwm, err);
   if (s) return s;
   t->peak_v = t->supply.voltage_v * (t->supply.direct ? 1 : M_SQRT2);
   t->omega_rad_s = 2 * M_PI * t->supply.frequency_hz;
@@ -72,13 +80,9 @@ vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_error *err)
   double turns = -t->supply.phase_rad / (2 * M_PI);
   t->first_zero_s = (turns - floor(turns)) * t->period_s;
   if (vs_error_count(err) > found) return VS_OK;
-  if (t->supply.direct && !t->firing.no_valve) {
-    const vs_node *kind = vs_tree_child(vs_tree_child(scene, "supply"), "kind");
-    return vs_fail_at(err, kind ? kind->where : (vs_where){0},
-                      "supply.kind: step has no cycles for a thyristor to fire in; it wants "
-                      "firing.valve: none");
-  }
-  if (t->firing.no_valve) return refuse_unused(scene, t, err);
+  s = vs_error_carry_on(err, vs_pwm_check(pwm, &t->pwm, err));
+  if (s || t->supply.direct) return s;
+  if (t->firing.no_valve) return refuse_unused(scene, t, NO_VALVE, err);
   if (t->firing.every && t->firing.pulse_width_s >= t->firing.every * t->period_s) {
     const vs_node *width = vs_tree_child(firing, "pulse_width");
     return vs_fail_at(
@@ -87,6 +91,28 @@ vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_error *err)
         1e3 * t->firing.pulse_width_s, 1e3 * t->firing.every * t->period_s);
   }
   return VS_OK;
+}
+
+/* True if the scene's firing drives something: a gate of the deck, or the thyristor of an ideal
+ * tier, which no deck with pulse-width modulation is run on. */
+static bool is_fired(const vs_deck *deck) {
+  return vs_deck_has_port(deck, vs_port_is_gated) || !vs_deck_has_port(deck, vs_port_is_modulated);
+}
+
+vs_status vs_timeline_settle(const vs_node *scene, vs_timeline *t, const vs_deck *deck,
+                             vs_error *err) {
+  bool no_valve = t->firing.no_valve;
+  if (!is_fired(deck)) t->firing.no_valve = 1;
+  if (t->supply.direct && !t->firing.no_valve) {
+    const vs_node *kind = vs_tree_child(vs_tree_child(scene, "supply"), "kind");
+    return vs_fail_at(err, kind ? kind->where : (vs_where){0},
+                      "supply.kind: step has no cycles for a thyristor to fire in; it wants "
+                      "firing.valve: none");
+  }
+  if (no_valve && !t->supply.direct) return VS_OK; /* vs_timeline_build has looked */
+  return t->firing.no_valve
+             ? refuse_unused(scene, t, no_valve ? NO_VALVE : "the deck has no port gate, and", err)
+             : VS_OK;
 }
 
 /* The numbers of all events of a stage, multiplied where they are factors, else added. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * What the outside does at which time: the scene's sections supply and firing, the events, and the
- * mains' voltage that comes of them. The gate's pulses are in drive/gate.h.
+ * What the outside does at which time: the scene's sections supply, firing and pwm, the events, and
+ * the mains' voltage that comes of them. The gate's pulses are in drive/gate.h, those of
+ * pulse-width modulation in drive/pwm.h.
  *
  * Events act on the mains in fixed stages, whatever the order of their lines. First, jumps of phase
  * are added to the angle of the undisturbed sine. Then harmonics, at the phase of that sine, are
@@ -10,6 +11,7 @@
 #define VS_DRIVE_TIMELINE_H
 
 #include "base/error.h"
+#include "drive/pwm.h"
 #include "event/occurrence.h"
 #include "syntax/field.h"
 
@@ -39,6 +41,7 @@ typedef struct vs_program {
 typedef struct vs_timeline {
   vs_supply_values supply;
   vs_firing_values firing;
+  vs_pwm_values pwm;
   double peak_v, omega_rad_s, period_s; /* of the undisturbed mains; a direct voltage is its own
                                            peak */
   double first_zero_s;                  /* their first rising zero crossing at or after t = 0 */
@@ -47,10 +50,15 @@ typedef struct vs_timeline {
       *program; /* of the run under way, borrowed; NULL: angles are those of `firing` */
 } vs_timeline;
 
-/* Fills the timeline from the scene's sections supply and firing, without events. Errors: what
- * vs_field_section_read refuses; a pulse that reaches into the next one; a thyristor on direct
- * voltage. */
+/* Fills the timeline from the scene's sections supply, firing and pwm, without events. Errors: what
+ * vs_field_section_read and vs_pwm_check refuse; a pulse that reaches into the next one. */
 vs_status vs_timeline_build(const vs_node *scene, vs_timeline *timeline, vs_error *err);
+
+/* Looks whether there is a gate to be fired: where the deck has ports pwm and no gate there is
+ * none, which then counts as firing.valve: none. Errors: a key of the section firing where nothing
+ * fires; a thyristor on direct voltage. */
+vs_status vs_timeline_settle(const vs_node *scene, vs_timeline *timeline, const vs_deck *deck,
+                             vs_error *err);
 
 /* The mains' voltage with events, V; without, u = sqrt(2) U sin(wt + phase) (Eq. 90), or U where it
  * is direct. */

@@ -30,9 +30,16 @@ typedef struct numbers {
   int count;
 } numbers;
 
-/* Error: a number is not known. Ends where an option, NAME=VALUE, or the bracket's end comes. */
+/* LTspice's PWL counts a time with a plus sign from the time before it. */
+static void add_time(numbers *n, const char *word) {
+  if (*word == '+' && n->count >= 2 && n->count % 2 == 0)
+    n->item[n->count] += n->item[n->count - 2];
+}
+
+/* Error: a number is not known. Ends where an option, NAME=VALUE, or the bracket's end comes.
+ * `points` says that they are a PWL's. */
 static vs_status read_numbers(const vs_elements *w, const vs_values *v, const vs_element *e,
-                              const char *s, numbers *n, vs_error *err) {
+                              const char *s, bool points, numbers *n, vs_error *err) {
   s += strspn(s, " \t");
   bool bracket = *s == '(';
   if (bracket) s++;
@@ -54,6 +61,7 @@ static vs_status read_numbers(const vs_elements *w, const vs_values *v, const vs
                           "%s: '%s' is not known before a run; write a number, or a .param of "
                           "numbers",
                           e->name, word);
+    if (known && points) add_time(n, word);
     free(word);
     if (status) return status;
     if (!known) break; /* AC 1, behind a course without brackets */
@@ -67,6 +75,12 @@ static double nth(const numbers *n, int k, double otherwise) {
   return k < n->count ? n->item[k] : otherwise;
 }
 
+/* The number of cycles at place k, which 0 and no number leave without end. */
+static double cycles_at(const numbers *n, int k) {
+  double cycles = nth(n, k, 0);
+  return cycles > 0 ? cycles : INFINITY;
+}
+
 vs_status vs_course_read_sine(const vs_elements *w, const vs_values *v, const vs_element *e,
                               vs_course_sine *sine, vs_error *err) {
   const char *s = begin_of(w, e, "sin");
@@ -77,9 +91,9 @@ vs_status vs_course_read_sine(const vs_elements *w, const vs_values *v, const vs
                       "%s has no SIN(offset amplitude frequency), so it cannot be the mains; "
                       "--mains names another source, or none",
                       e->name);
-  vs_status status = read_numbers(w, v, e, s, &n, err);
-  *sine = (vs_course_sine){nth(&n, 0, 0), nth(&n, 1, 0), nth(&n, 2, NAN),
-                           nth(&n, 3, 0), nth(&n, 4, 0), nth(&n, 5, 0)};
+  vs_status status = read_numbers(w, v, e, s, false, &n, err);
+  *sine = (vs_course_sine){nth(&n, 0, 0), nth(&n, 1, 0), nth(&n, 2, NAN), nth(&n, 3, 0),
+                           nth(&n, 4, 0), nth(&n, 5, 0), cycles_at(&n, 6)};
   return status;
 }
 
@@ -97,23 +111,48 @@ static double edge(const double *points, int count, double level, int *k, double
   return NAN;
 }
 
-static vs_course_pulse of_points(const numbers *n) {
-  vs_course_pulse p = {n->item[1], n->item[1], NAN, NAN, 0, 0, INFINITY};
+/* The pulse of a PWL. Error: it has a second one, whose place and shape may be any. */
+static vs_status of_points(const vs_elements *w, const vs_element *e, const numbers *n,
+                           vs_course_pulse *p, vs_error *err) {
   int count = n->count / 2, k = 1;
-  for (int i = 0; i < count; i++) p.high = fmax(p.high, n->item[2 * i + 1]);
-  double level = (p.low + p.high) / 2;
-  p.at_s = edge(n->item, count, level, &k, &p.rise_s);
-  double off_s = edge(n->item, count, level, &k, &p.fall_s);
-  p.width_s = isnan(off_s) ? INFINITY : off_s - p.at_s;
-  return p;
+  *p = (vs_course_pulse){n->item[1], n->item[1], NAN, NAN, 0, 0, INFINITY, INFINITY};
+  for (int i = 0; i < count; i++) p->high = fmax(p->high, n->item[2 * i + 1]);
+  double level = (p->low + p->high) / 2, rise_s;
+  p->at_s = edge(n->item, count, level, &k, &p->rise_s);
+  double off_s = edge(n->item, count, level, &k, &p->fall_s);
+  p->width_s = isnan(off_s) ? INFINITY : off_s - p->at_s;
+  return isnan(edge(n->item, count, level, &k, &rise_s))
+             ? VS_OK
+             : vs_fail_at(err, vs_elements_where(w, e, 0),
+                          "%s: its PWL has more than one pulse, and a scene's are alike and come "
+                          "until its run ends; write PULSE(low high delay rise fall width period), "
+                          "or say --gate none, which leaves %s as it is",
+                          e->name, e->name);
 }
 
-/* PULSE(low high delay rise fall width period cycles), the last LTspice's */
+/* r=0, ngspice's, has a PWL begin anew at its end, and td= delays it. Error: it is otherwise. */
+static vs_status repeat_points(const vs_elements *w, const vs_values *v, const vs_element *e,
+                               const numbers *n, vs_course_pulse *p, vs_error *err) {
+  char *from = vs_elements_option(w, e, "r"), *delay = vs_elements_option(w, e, "td");
+  double from_s = 0, delay_s = 0, end_s = n->item[2 * (n->count / 2) - 2];
+  bool known = (!from || vs_values_of(v, from, &from_s)) &&
+               (!delay || vs_values_of(v, delay, &delay_s)) && from_s == 0 && delay_s == 0;
+  if (known && from) p->period_s = end_s;
+  free(from);
+  free(delay);
+  return known ? VS_OK
+               : vs_fail_at(err, vs_elements_where(w, e, 0),
+                            "%s: of a PWL with r= or td= a gate's pulse cannot be told; write "
+                            "PULSE(...), or say --gate none, which leaves %s as it is",
+                            e->name, e->name);
+}
+
+/* PULSE(low high delay rise fall width period cycles), the last LTspice's and ngspice's */
 static vs_course_pulse of_pulse(const numbers *n) {
   double rise_s = nth(n, 3, 0), fall_s = nth(n, 4, 0), width_s = nth(n, 5, INFINITY);
-  vs_course_pulse p = {nth(n, 0, 0), nth(n, 1, 0), nth(n, 2, 0),       width_s + rise_s,
-                       rise_s,       fall_s,       nth(n, 6, INFINITY)};
-  if (!(p.period_s > 0) || nth(n, 7, 0) == 1) p.period_s = INFINITY;
+  vs_course_pulse p = {nth(n, 0, 0), nth(n, 1, 0), nth(n, 2, 0),        width_s + rise_s,
+                       rise_s,       fall_s,       nth(n, 6, INFINITY), cycles_at(n, 7)};
+  if (!(p.period_s > 0) || p.cycles == 1) p.period_s = INFINITY;
   return p;
 }
 
@@ -121,15 +160,19 @@ vs_status vs_course_read_pulse(const vs_elements *w, const vs_values *v, const v
                                vs_course_pulse *pulse, vs_error *err) {
   const char *s = begin_of(w, e, "pulse"), *points = begin_of(w, e, "pwl");
   numbers n = {.count = 0};
-  vs_status status = s || points ? read_numbers(w, v, e, s ? s : points, &n, err) : VS_OK;
+  vs_status status = s || points ? read_numbers(w, v, e, s ? s : points, !s, &n, err) : VS_OK;
   if (status) return status;
-  if ((s && n.count >= 2) || (points && n.count >= 4)) {
-    *pulse = s ? of_pulse(&n) : of_points(&n);
+  if (s && n.count >= 2) {
+    *pulse = of_pulse(&n);
     return VS_OK;
+  }
+  if (!s && points && n.count >= 4) {
+    status = of_points(w, e, &n, pulse, err);
+    return status ? status : repeat_points(w, v, e, &n, pulse, err);
   }
   char *word = vs_elements_word_of(w, e, e->n_nodes + 1);
   char *second = vs_elements_word_of(w, e, e->n_nodes + 2);
-  *pulse = (vs_course_pulse){0, NAN, NAN, NAN, 0, 0, INFINITY};
+  *pulse = (vs_course_pulse){0, NAN, NAN, NAN, 0, 0, INFINITY, INFINITY};
   bool known = vs_values_of(v, strcasecmp(word, "dc") ? word : second, &pulse->high);
   free(word);
   free(second);

@@ -14,6 +14,15 @@
 
 /* ---- numbers ---- */
 
+/* True where a number such as 0x10 stands in the text, which C reads and SPICE does not. */
+static bool has_hexadecimal(const char *text) {
+  for (const char *s = text; (s = strpbrk(s, "xX")); s++) {
+    bool word = s > text + 1 && (isalnum((unsigned char)s[-2]) || strchr("_.", s[-2]));
+    if (s > text && s[-1] == '0' && !word && isxdigit((unsigned char)s[1])) return true;
+  }
+  return false;
+}
+
 bool vs_values_number(const vs_values *v, const char *text, double *number) {
   static const struct {
     const char *suffix;
@@ -23,7 +32,7 @@ bool vs_values_number(const vs_values *v, const char *text, double *number) {
                 {"\xce\xbc", 1e-6}, {"n", 1e-9},      {"p", 1e-12}, {"f", 1e-15}};
   char *end;
   text += strspn(text, " \t");
-  if (!*text || !strchr("+-.0123456789", *text)) return false;
+  if (!*text || !strchr("+-.0123456789", *text) || has_hexadecimal(text)) return false;
   *number = strtod(text, &end);
   if (end == text || !isfinite(*number)) return false;
   double factor = 1;
@@ -104,6 +113,7 @@ static void tame_powers(char *text) {
 }
 
 static bool evaluate(const vs_values *v, const char *text, int level, double *value) {
+  if (has_hexadecimal(text)) return false;
   if (vs_values_number(v, text, value)) return true;
   if (level > NESTED) return false;
   names *n = vs_alloc(1, sizeof *n);

@@ -70,15 +70,14 @@ static void note_roles(work *w) {
   if (r->resistance_ohm < 1e-3)
     vs_declared_note(left,
                      "the coil has no resistance: give actuator.resistance (1 mohm is taken)");
+  if (r->begins_with_current)
+    vs_declared_note(left, "%s begins with a current, IC=; the program's coil begins without one",
+                     r->coil->name);
   if (r->delayed)
     vs_declared_note(
         left,
         "%s begins with a delay; the program's mains are there from t = 0 on, in the same phase",
         r->mains->name);
-  if (r->late)
-    vs_declared_note(left, "the program counts firings from the mains' first rising zero: pulses "
-                           "of the netlist before that "
-                           "are not made, and the run begins otherwise");
   if (r->at_zero)
     vs_declared_note(left,
                      "the gate fires at the mains' zero, where firing.angle cannot be: 0.001 deg "
@@ -310,6 +309,9 @@ static vs_status check_output(const vs_import_options *o, vs_error *err) {
     return vs_fail(err, VS_INPUT, "import: wants -o FILE.cir; see vibrospice import --help");
   if (!ending || strcmp(ending, ".cir"))
     return vs_fail(err, VS_INPUT, "-o %s: a deck's name ends in .cir", o->output);
+  if (o->scene && !strcmp(o->scene, o->output))
+    return vs_fail(err, VS_INPUT, "--scene %s: that is the deck; give the scene another name",
+                   o->scene);
   if (realpath(o->name, a) && realpath(o->output, b) && !strcmp(a, b))
     return vs_fail(err, VS_INPUT, "-o %s: that is the netlist itself; give the deck another name",
                    o->output);

@@ -41,18 +41,19 @@ static void spread(const vs_fate *p, int node, bool *reached) {
   }
 }
 
-/* The gate that drives a node of an element; -1: none does as far as shows. The reference of the
- * gate's source, its other end, tells nothing. */
-static int gate_at(const vs_fate *p, int node) {
+/* Marks the gates that drive a node of an element, as far as shows; returns how many do. The
+ * reference of a gate's source, its other end, tells nothing. */
+static size_t gates_at(const vs_fate *p, int node, bool drives[VS_ROLES_GATES]) {
   bool *reached = vs_alloc(p->wiring->n_nodes + 1, sizeof *reached);
-  int found = -1;
+  size_t count = 0;
   spread(p, node, reached);
-  for (size_t g = 0; g < p->roles->n_gates && found < 0; g++) {
+  for (size_t g = 0; g < p->roles->n_gates; g++) {
     int plus = p->roles->gates[g].source->nodes[0];
-    if (reached[plus] && strcmp(p->wiring->nodes[plus].name, "0")) found = (int)g;
+    drives[g] = reached[plus] && strcmp(p->wiring->nodes[plus].name, "0");
+    count += drives[g];
   }
   free(reached);
-  return found;
+  return count;
 }
 
 /* A shipped part's pins are a k g. A netlist that was written for another one of that name may have
@@ -60,7 +61,8 @@ static int gate_at(const vs_fate *p, int node) {
 static vs_status check_part(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
                             vs_error *err) {
   bool gated = *own->pins.part && own->pins.gate >= 0 && p->roles->n_gates;
-  if (!gated || strcmp(own->pins.by, "a shipped part") || gate_at(p, e->nodes[2]) >= 0)
+  bool drives[VS_ROLES_GATES];
+  if (!gated || strcmp(own->pins.by, "a shipped part") || gates_at(p, e->nodes[2], drives))
     return VS_OK;
   return vs_fail_at(err, vs_elements_where(p->wiring, e, 0),
                     "%s: the shipped part %s has the pins a k g, and no gate's source drives the "
@@ -70,17 +72,29 @@ static vs_status check_part(const vs_fate *p, const vs_element *e, const vs_fate
 
 /* ---- thyristors and triacs ---- */
 
-/* The word of the port that fires the element, with a blank before it; empty: the deck's first. */
-static void gate_word(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
-                      char word[VS_DECK_NAME]) {
-  int gate = own->pins.gate < 0 ? -1 : gate_at(p, e->nodes[own->pins.gate]);
-  *word = '\0';
-  if (gate < 0 || p->roles->n_gates < 2) return;
-  double shift_deg = p->roles->gates[gate].shift_deg;
+static void add_port(char words[VS_DECK_NAME], double shift_deg) {
+  size_t n = strlen(words);
   if (shift_deg != 0)
-    snprintf(word, VS_DECK_NAME, " gate+%.9gdeg", shift_deg);
+    snprintf(words + n, VS_DECK_NAME - n, " gate+%.9gdeg", shift_deg);
   else
-    strcpy(word, " gate");
+    snprintf(words + n, VS_DECK_NAME - n, " gate");
+}
+
+/* The words of the ports that fire the element, each with a blank before it; empty where that is
+ * the deck's only port, or not known. A thyristor is fired by the first pulse in a cycle alone. */
+static void gate_words(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
+                       bool both_ways, char words[VS_DECK_NAME]) {
+  bool drives[VS_ROLES_GATES];
+  size_t count = own->pins.gate < 0 ? 0 : gates_at(p, e->nodes[own->pins.gate], drives), ports = 0;
+  *words = '\0';
+  for (size_t g = 0; g < p->roles->n_gates; g++)
+    ports += both_ways ? (size_t)p->roles->gates[g].each : 1;
+  for (size_t g = 0; g < p->roles->n_gates && count && ports > 1; g++) {
+    const vs_roles_gate *gate = &p->roles->gates[g];
+    for (int n = 0; drives[g] && n < (both_ways ? gate->each : 1); n++)
+      add_port(words, gate->shift_deg + 180 * n);
+    if (drives[g] && !both_ways) break;
+  }
 }
 
 /* What stands between the names of a device's line and '='. */
@@ -88,7 +102,7 @@ static void device_kind(const vs_fate *p, const vs_element *e, const vs_fate_ele
                         char text[VS_DECK_TEXT]) {
   const vs_kind *kind = vs_kinds_find(own->pins.kind);
   char gate[VS_DECK_NAME] = "";
-  if (kind->gated) gate_word(p, e, own, gate);
+  if (kind->gated) gate_words(p, e, own, kind->both_ways, gate);
   snprintf(text, VS_DECK_TEXT, "%s%s%s", *own->part ? "" : " ", *own->part ? "" : own->pins.kind,
            gate);
 }

@@ -119,6 +119,11 @@ vs_status vs_shooting_check(const vs_scene *s, int periods, vs_error *err) {
   const vs_timeline *line = &s->setup.timeline;
   if (periods < 1)
     return vs_fail(err, VS_INPUT, "an orbit of %d periods: allowed are 1 and more", periods);
+  if (vs_deck_has_port(&s->setup.deck, vs_port_is_modulated))
+    return vs_fail(err, VS_INPUT,
+                   "circuit.deck: the deck has a port pwm, for which no periodic orbit is sought; "
+                   "run it until it repeats, with means over its end as measure: {from: ..., "
+                   "to: ...} says");
   if (line->supply.direct)
     return vs_fail(err, VS_INPUT, "supply.kind: step has no period, and so no periodic orbit");
   if (line->events.count)

@@ -40,8 +40,15 @@ static double resistance_k_per_w(const subject *s) {
   return sum;
 }
 
+static const vs_reduced *largest_rise(const subject *s) {
+  for (size_t k = 0; k < s->watched->count; k++)
+    if (s->watched->reduced[k].measure->how == VS_R_JUNCTION) return &s->watched->reduced[k];
+  return NULL;
+}
+
+/* Its part has a network, and its kind a junction. */
 static bool has_network(const subject *s) {
-  return resistance_k_per_w(s) > 0;
+  return resistance_k_per_w(s) > 0 && largest_rise(s);
 }
 
 /* All of the network's time constants forget, so the mean rise is that of the mean power. */
@@ -53,15 +60,9 @@ static const vs_limit *junction_limit(const subject *s) {
   return *s->file ? vs_parts_find_limit(s->watched->deck, s->file, "t_j_max") : NULL;
 }
 
-static const vs_reduced *largest_rise(const subject *s) {
-  for (size_t k = 0; k < s->watched->count; k++)
-    if (s->watched->reduced[k].measure->how == VS_R_JUNCTION) return &s->watched->reduced[k];
-  return NULL;
-}
-
 static bool limits_case(const subject *s) {
   const vs_limit *limit = junction_limit(s);
-  return has_network(s) && largest_rise(s) && limit && isfinite(limit->value) &&
+  return has_network(s) && limit && isfinite(limit->value) &&
          vs_units_same_kind(limit->unit, "degC");
 }
 

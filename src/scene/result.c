@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "coupling/pace.h"
+
 void vs_result_finish(vs_result *r) {
   vs_watchers_finish(&r->watchers, r->scene->setup.run.until_s, r->values);
   vs_verdict_reach(r->watchers.measures, r->watchers.devices, &r->verdict);
@@ -142,6 +144,27 @@ static bool fraction_is_one_of_two(const vs_result *r, char *text, size_t size) 
   return true;
 }
 
+/* A run with a thyristor of two transistors took 4 times as many steps as the largest step asks
+ * for, those that crawled 39 times and more (docs/hints.md). A short run is no trouble, however it
+ * went.
+ */
+static const double CRAWLS = 20;
+static const long FEW_STEPS = 20000;
+
+bool vs_result_crawls(const vs_result *r, char *text, size_t size) {
+  const vs_setup *s = &r->scene->setup;
+  double solved_s = s->run.until_s - r->watchers.absence.total_s;
+  double asked = solved_s / vs_pace_largest_step(s);
+  if (!r->scene->tier->has_circuit || s->run.gear || r->steps < FEW_STEPS) return false;
+  if ((double)r->steps < CRAWLS * asked) return false;
+  snprintf(text, size,
+           "%ld steps, %.3g in a cycle of the mains, where the mains and run.tolerance ask for "
+           "%.3g: 'vibrospice check --deep %.300s' tries run.method: gear",
+           r->steps, (double)r->steps / solved_s * s->timeline.period_s,
+           asked / solved_s * s->timeline.period_s, r->scene->path);
+  return true;
+}
+
 /* The warnings that are known only once the run is over; of_firing: that nothing fires, too. */
 static void warn_after(const vs_result *r, bool of_firing,
                        void (*each)(void *ctx, const char *text), void *ctx) {
@@ -167,7 +190,7 @@ const char *vs_result_declined(const vs_result *r) {
   if (s->tier->has_circuit && r->loop && !s->setup.run.stays)
     return "a control decides the firings, so that the next one is not known";
   if (!s->tier->has_circuit || !stand_in || s->setup.run.stays) return NULL;
-  return stand_in->declines(&s->setup.model);
+  return stand_in->declines(&s->setup);
 }
 
 void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *text), void *ctx) {

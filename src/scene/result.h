@@ -57,6 +57,11 @@ const char *vs_result_declined(const vs_result *result);
 void vs_result_warnings(const vs_result *result, void (*each)(void *ctx, const char *text),
                         void *ctx);
 
+/* True for a run by the trapezoidal rule whose steps are that much shorter than the mains and
+ * run.tolerance ask for that the other rule may be worth a trial; writes what is to be said of it.
+ */
+bool vs_result_crawls(const vs_result *result, char *text, size_t size);
+
 /* Prints a line on standard error for each warning that is known only once the scene was run. That
  * nothing fires is not said of a run shorter than a cycle of the mains: whoever asks for one does
  * not wait for a firing. */

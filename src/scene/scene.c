@@ -15,6 +15,11 @@ const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"},
                vs_scene_study_shelf = {"study", "studies", ".yaml"},
                vs_scene_fit_shelf = {"fit", "fits", ".yaml"};
 
+/* True if switches of the deck are modulated, which no ideal tier can do. */
+static bool is_modulated(const vs_scene *s) {
+  return vs_deck_has_port(&s->setup.deck, vs_port_is_modulated);
+}
+
 /* Where the scene has that key; NULL: nowhere, or it has another word, or the key is obeyed on
  * every tier: `measure` is, where the scene asks for the quality of currents. */
 static const vs_node *node_of(const vs_scene *s, const vs_tier_key *k) {
@@ -76,7 +81,9 @@ static const char *needs_circuit(const vs_scene *s, char *buffer, size_t size) {
   const vs_occurrence *event = first_event(s);
   const char *probe = probe_of_circuit(s);
   const vs_tier_key *key = own_key(s, vs_tiers_automatic(true));
-  if (circuit && circuit->child)
+  if (is_modulated(s))
+    snprintf(buffer, size, "a deck with a port pwm, %s", HAS);
+  else if (circuit && circuit->child)
     snprintf(buffer, size, "circuit.%s, %s", circuit->child->key, HAS);
   else if (key)
     snprintf(buffer, size, "%s.%s, %s", key->section, key->key, HAS);
@@ -130,12 +137,15 @@ static vs_status ignored_event(const vs_scene *s, const vs_occurrence *e, vs_err
   return vs_error_carry_on(err, VS_INPUT);
 }
 
-/* The keys of the scene that other tiers obey and this one does not. */
+/* The keys of the scene that other tiers obey and this one does not. Where pulses come from ports
+ * pwm alone, direct voltage and firing.valve: none are obeyed. */
 static vs_status check_ignored_keys(const vs_scene *s, vs_error *err) {
   vs_status status = VS_OK;
+  bool all = is_modulated(s) && !vs_deck_has_port(&s->setup.deck, vs_port_is_gated);
   for (int t = 0; t < VS_TIERS; t++)
     for (const vs_tier_key *k = vs_tiers_all[t]->keys; k && k->section && !status; k++)
-      if (!obeys(s->tier, k)) status = ignored_key(s, k->section, node_of(s, k), err);
+      if (!obeys(s->tier, k) && !(all && s->tier->has_circuit))
+        status = ignored_key(s, k->section, node_of(s, k), err);
   return status;
 }
 
@@ -188,12 +198,29 @@ static vs_status check_law(const vs_scene *s, vs_error *err) {
   return vs_error_carry_on(err, VS_INPUT);
 }
 
+/* Refuses a tier without a circuit where elements of the deck read the machine's motion, as such a
+ * circuit is no mains with an ideal thyristor. */
+static vs_status check_feedback(const vs_scene *s, vs_error *err) {
+  const vs_deck *deck = &s->setup.deck;
+  if (s->tier->has_circuit || !deck->reads_eva.file) return VS_OK;
+  return vs_error_carry_on(
+      err, vs_fail_at(err, deck->reads_eva,
+                      "an element reads the machine's motion at a node of %s, and tier %s (%s) has "
+                      "no circuit; take tier %s or auto",
+                      deck->eva, s->tier->name, s->why, circuit_tier()));
+}
+
 /* The deck's name alone is no conflict: it says what the tiers stand for. */
 static vs_status check_ignored(const vs_scene *s, vs_error *err) {
   const vs_node *circuit = vs_tree_child(s->tree.root, "circuit");
   const vs_events *events = &s->setup.timeline.events;
   vs_status status = check_law(s, err);
+  if (!status) status = check_feedback(s, err);
   if (status || s->tier->has_circuit) return status ? status : check_ignored_keys(s, err);
+  if (is_modulated(s))
+    return vs_fail_at(err, circuit ? circuit->where : (vs_where){0},
+                      "circuit.deck: tier %s (%s) has no port pwm; take tier %s or auto",
+                      s->tier->name, s->why, circuit_tier());
   for (const vs_node *n = circuit ? circuit->child : NULL; n && !status; n = n->next)
     if (strcmp(n->key, vs_deck_key.key)) status = ignored_key(s, "circuit", n, err);
   if (!status) status = check_ignored_keys(s, err);
@@ -226,7 +253,7 @@ static vs_status choose_tier(vs_scene *s, const char *named, vs_error *err) {
     snprintf(s->why, sizeof s->why, "asked for by run.tier");
   } else if (!tier_is_known(s)) {
     s->tier = vs_tiers_automatic(true); /* it has all probes */
-  } else if (ideal) {
+  } else if (ideal && !is_modulated(s)) {
     s->tier = vs_tiers_automatic(false);
     snprintf(s->why, sizeof s->why, "auto: the scene names %s.%s: %s, which no circuit has",
              ideal->section, ideal->key, ideal->value ? ideal->value : "");

@@ -40,6 +40,10 @@ vs_filled_section vs_section_at(const vs_setup *s, int index) {
                              (const char *)s + r->offset, r->size};
 }
 
+bool vs_section_counts(const vs_setup *s, int index) {
+  return index != VS_SECTION_NUMBER_pwm || vs_deck_has_port(&s->deck, vs_port_is_modulated);
+}
+
 const vs_section *vs_section_fields(const vs_machine *machine, const vs_deck *deck, int index) {
   return fields_of(index, machine, deck);
 }

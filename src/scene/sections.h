@@ -17,6 +17,7 @@
   SECTION(load, &vs_model_load_section, model.load)                                                \
   SECTION(supply, &vs_timeline_supply_section, timeline.supply)                                    \
   SECTION(firing, &vs_timeline_firing_section, timeline.firing)                                    \
+  SECTION(pwm, &vs_pwm_section, timeline.pwm)                                                      \
   SECTION(circuit, NULL, circuit_values)                                                           \
   OTHER(events, )                                                                                  \
   OTHER(instruments, )                                                                             \
@@ -55,6 +56,9 @@ typedef struct vs_filled_section {
 
 /* index: from 0, below VS_SECTIONS, in the table's order. */
 vs_filled_section vs_section_at(const vs_setup *setup, int index);
+/* True unless the section does nothing in this setup: `pwm`, where the deck has no port pwm. Such a
+ * section is no part of what a run is known by. */
+bool vs_section_counts(const vs_setup *setup, int index);
 /* The same section without a setup, with that machine and that deck for the scene's. */
 const vs_section *vs_section_fields(const vs_machine *machine, const vs_deck *deck, int index);
 

@@ -117,6 +117,13 @@ static void warn_of_parts(const vs_node *circuit, const vs_deck *deck, double ma
     }
 }
 
+static bool is_high(const vs_signal *signal) {
+  return signal->drive == VS_PORT_PWM;
+}
+static bool is_low(const vs_signal *signal) {
+  return signal->drive == VS_PORT_PWM_LOW;
+}
+
 /* Sub-pulses that drive no source of the deck. */
 static void warn_of_bursts(const vs_node *firing, const vs_deck *deck, vs_warnings *w) {
   static const char *const KEYS[] = {"burst_frequency", "burst_duty"};
@@ -129,6 +136,24 @@ static void warn_of_bursts(const vs_node *firing, const vs_deck *deck, vs_warnin
   vs_fail_at(vs_warnings_add(w), node->key_where,
              "firing.%s: the deck has no port burst, so that nothing is driven with sub-pulses",
              node->key);
+}
+
+/* Pulses that drive no source of the deck, and those that the dead time leaves out. */
+static void warn_of_pwm(const vs_node *pwm, const vs_timeline *t, const vs_deck *deck,
+                        vs_warnings *w) {
+  const vs_node *dead = vs_tree_child(pwm, "dead_time");
+  char text[256];
+  if (deck->lost & VS_LOST_PORT) return;
+  if (!vs_deck_has_port(deck, vs_port_is_modulated)) {
+    if (pwm && pwm->child)
+      vs_fail_at(vs_warnings_add(w), pwm->child->key_where,
+                 "pwm.%s: the deck has no port pwm, so that nothing is modulated", pwm->child->key);
+    return;
+  }
+  for (int low = 0; low < 2; low++)
+    if (vs_deck_has_port(deck, low ? is_low : is_high) &&
+        vs_pwm_drops(&t->pwm, low, text, sizeof text))
+      vs_fail_at(vs_warnings_add(w), place_of(dead ? dead : pwm), "%s", text);
 }
 
 /* What the coil's law has to say, such as how far a table's forces are from its flux linkages. */
@@ -207,10 +232,13 @@ void vs_warnings_of_scene(const vs_node *root, const vs_setup *s, const vs_frame
   warn_of_loads(s, w);
   if (!deck) return;
   vs_warnings_of_netlist(deck, w);
-  warn_of_parts(vs_tree_child(root, "circuit"), deck, s->timeline.supply.voltage_v, w);
+  /* a direct voltage is its own peak */
+  double rms_v = s->timeline.supply.voltage_v / (s->timeline.supply.direct ? M_SQRT2 : 1);
+  warn_of_parts(vs_tree_child(root, "circuit"), deck, rms_v, w);
   warn_of_mains(deck, w);
   warn_of_supply(root, s, w);
   warn_of_bursts(vs_tree_child(root, "firing"), deck, w);
+  warn_of_pwm(vs_tree_child(root, vs_pwm_section.name), &s->timeline, deck, w);
   vs_warnings_of_limits(deck, w);
 }
 

@@ -275,6 +275,8 @@ static vs_status check_fraction(const vs_node *scene, const vs_setup *setup, vs_
     why = "and firing.every is 'once'; write firing.every: 1";
   if (line->firing.angle.count > 0)
     why = "and firing.angle is a table over time, which has none; write one angle";
+  if (vs_deck_has_port(&setup->deck, vs_port_is_modulated))
+    why = "and no orbit is sought where the deck has a port pwm";
   if (!why) return VS_OK;
   return vs_fail_at(err, node ? node->where : (vs_where){0},
                     "load.fraction: auto is found on the machine's orbit, %s, or a number here",
@@ -282,11 +284,15 @@ static vs_status check_fraction(const vs_node *scene, const vs_setup *setup, vs_
 }
 
 /* Refuses, where the key stands or else at `map`, what leaves `start: steady` without a meaning. */
-static vs_status check_steady(const vs_node *scene, const vs_timeline *line, const vs_node *map,
+static vs_status check_steady(const vs_node *scene, const vs_setup *setup, const vs_node *map,
                               vs_error *err) {
+  const vs_timeline *line = &setup->timeline;
   const vs_firing_values *firing = &line->firing;
   const char *section = "firing", *key = "every", *why = NULL;
-  if (line->supply.direct)
+  if (vs_deck_has_port(&setup->deck, vs_port_is_modulated))
+    section = "circuit", key = "deck",
+    why = "no orbit is sought where the deck has a port pwm; write start: {NAME: VALUE, ...}";
+  else if (line->supply.direct)
     section = "supply", key = "kind", why = "direct voltage has no cycles, and so no orbit";
   else if (!firing->no_valve && !firing->every)
     why = "an orbit wants a firing in every cycle, and this is 'once'; write firing.every: 1";
@@ -312,7 +318,7 @@ static vs_status read_steady(const vs_node *scene, const vs_node *map, vs_setup 
                    "start: '%s' is neither 'steady' nor a map of coordinates: {%s: 0, ...}",
                    map->text, setup->machine->coordinates[0].name);
   setup->steady = !s;
-  if (!s) s = check_steady(scene, &setup->timeline, map, err);
+  if (!s) s = check_steady(scene, setup, map, err);
   return vs_error_carry_on(err, s);
 }
 
@@ -399,7 +405,9 @@ static vs_status choose_eva(vs_setup *setup, vs_error *err) {
   if (vs_error_count(err)) return VS_OK; /* there may be no coil */
   vs_eva_take_law(&setup->deck, &setup->model.coil);
   begin_eva(setup);
-  return vs_error_carry_on(err, vs_eva_check_names(&setup->deck, &setup->model.coil, err));
+  vs_status s = vs_error_carry_on(err, vs_eva_check_names(&setup->deck, &setup->model.coil, err));
+  if (!s) s = vs_error_carry_on(err, vs_eva_take_motions(&setup->deck, setup->machine, err));
+  return s;
 }
 
 /* Builds all of it; with has_deck the deck's text is there already, and so is a machine that the
@@ -419,6 +427,7 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
   if (!s)
     s = vs_field_section_read(&vs_setup_run_section, vs_tree_child(scene, "run"), &setup->run, err);
   vs_timeline *line = &setup->timeline;
+  if (!s) s = vs_error_carry_on(err, vs_timeline_settle(scene, line, &setup->deck, err));
   if (!s)
     s = vs_events_read(vs_tree_child(scene, "events"), line, setup->run.until_s, &line->events,
                        err);

@@ -33,9 +33,11 @@ typedef struct vs_junction {
 typedef struct vs_run_order {
   const vs_circuit_kind *solver; /* who solves the circuit: vs_ng_kind, or a test's own */
   const vs_stand_in *stand_in;   /* who may stand in for the circuit; NULL: nobody may */
-  FILE *raw;  /* gets a rawfile of the run; NULL: none is written. The caller owns it */
-  bool tried; /* this deck with these parts was run in this process before, so that the solver need
-                 not try first whether it survives them */
+  FILE *raw;   /* gets a rawfile of the run; NULL: none is written. The caller owns it */
+  bool tried;  /* this deck with these parts was run in this process before, so that the solver need
+                  not try first whether it survives them */
+  long *tries; /* counts the steps that the solver tries, rejected ones too; NULL: nobody asks.
+                  Borrowed */
   vs_pilot *pilot;                   /* steers the run's prelude; NULL: it has none. Borrowed */
   const volatile sig_atomic_t *stop; /* set by a signal: the prelude ends with VS_SIGNAL, as the
                                         observer sees nothing of it; NULL: no signal ends it */

@@ -40,6 +40,7 @@ typedef struct vs_circuit_job {
   const void *author; /* of the netlist */
   bool tried;         /* this process has run a netlist that differs in parameters' values at most:
                          no trial in a child */
+  long *tries;        /* counts the steps that are tried, rejected ones too; NULL: nobody asks */
   FILE *raw;          /* gets all the circuit's vectors at every accepted step as a rawfile
                          (solver/rawfile.h); its head is filled in also when the run fails. NULL: none */
 } vs_circuit_job;

@@ -188,6 +188,7 @@ static const double PROGRESS_S = 1e-5;
 static vs_status guard_progress(void) {
   double gone = ng.reached_s - ng.progress_from_s;
   ng.tries++;
+  if (ng.job->tries) ++*ng.job->tries;
   if (gone >= fmin(ng.job->max_step_s, PROGRESS_S)) {
     ng.progress_from_s = ng.reached_s;
     ng.tries = 0;

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "stress/melting.h"
 #include "stress/reductions.h"
 
 /* A formula of the deck. One that is a single term times a constant is evaluated the short way. */
@@ -42,9 +43,10 @@ typedef struct opening {
 struct vs_device_watch {
   quick voltage, current, flux;
   shots shots;
-  opening *opening;  /* of a device that conducts or blocks, on an orbit; NULL: of any other. Owned
-                      */
-  vs_reduced **busy; /* those of the device's measures that every step may change; owned */
+  vs_melting melting; /* of a fuse */
+  opening *opening;   /* of a device that conducts or blocks, on an orbit; NULL: of any other. Owned
+                       */
+  vs_reduced **busy;  /* those of the device's measures that every step may change; owned */
   size_t n_busy;
 };
 
@@ -217,6 +219,15 @@ static void tell(vs_devices *d, const vs_watched *w, const vs_switch_news *news)
                                   : "fires without a gate pulse (unintended firing)");
 }
 
+static void follow_melting(vs_devices *d, const vs_watched *w, vs_melting *m,
+                           const vs_course_step *c) {
+  vs_melting_news news = vs_melting_follow(m, c);
+  const char *name = w->device->name;
+  if (!isnan(news.melts_s)) say(d, news.melts_s, name, "melts");
+  if (!isnan(news.cleared_s)) say(d, news.cleared_s, name, "has cleared");
+  if (!isnan(news.again_s)) say(d, news.again_s, name, "arcs again");
+}
+
 static void follow_states(vs_devices *d, vs_watched *w, vs_course_step *c) {
   vs_switch_news news;
   c->was_on = w->states->conduction.conducts;
@@ -256,6 +267,7 @@ static void follow(vs_devices *d, size_t k, vs_course_step *c, const double *mid
   if (w->states) follow_states(d, w, c);
   if (w->states) follow_shots(d, w, &own->shots, c);
   if (own->opening) keep(own->opening, c);
+  if (w->device->kind->melts) follow_melting(d, w, &own->melting, c);
   if (w->losses) vs_losses_follow(w->losses, c);
   follow_means(d, w, c);
   for (size_t n = 0; n < own->n_busy; n++) own->busy[n]->by->follow(w, own->busy[n], c);

@@ -11,7 +11,8 @@
 #include "stress/reducer.h"
 
 /* What happened to a device in the step last accepted: it went against its gate; or it fired or
- * went out, where the deck has devices that conduct both ways (vs_devices.tells). */
+ * went out, where the deck has devices that conduct both ways (vs_devices.tells); or a fuse melted,
+ * had cleared or arced again. */
 typedef struct vs_incident {
   double at_s;
   const char *device, *what; /* borrowed: "thyristor", "misfires" */

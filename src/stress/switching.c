@@ -331,11 +331,11 @@ static double forward_rate(vs_slope *slope, const vs_course_step *c) {
   return fmax(largest, vs_slope_follow(slope, zero_s, fmax(v0, 0), c->t1_s, fmax(v1, 0), 1));
 }
 
-/* A first rise behind a conduction is (dv/dt)c alone. */
+/* The first rise behind a conduction is (dv/dt)c, too. */
 static void tell_return(vs_switch *s, vs_switch_news *news) {
   if (!s->commutates || !news->rise.known) return;
   news->return_rise = news->rise;
-  news->rise.known = s->commutates = false;
+  s->commutates = false;
 }
 
 static void follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) {

@@ -104,7 +104,7 @@ typedef struct vs_switch_news {
   vs_value rise;              /* mean rate from 10 to 90 % of a rise that has ended, V/s */
   vs_value off_rate;          /* a rate of blocked forward voltage, V/s, above all before */
   vs_value on_rate;           /* a rate of the current as it turns on, A/s */
-  vs_value fall, return_rise; /* (di/dt)c, A/s, and (dv/dt)c, V/s; the latter is then no `rise` */
+  vs_value fall, return_rise; /* (di/dt)c, A/s, and (dv/dt)c, V/s */
   vs_value offered;           /* the time offered, s, where no gate pulse was there at its end */
   double doubt_s; /* error of the time offered: how long the current crept before its zero */
   double

@@ -174,6 +174,7 @@ void vs_identity_of(vs_identity *identity, const vs_scene *scene, char id[VS_ID_
   *id = '\0';
   vs_text_add(whole, "%s\n", scene->tier->name);
   for (int p = 0; p < VS_SECTIONS; p++) {
+    if (!vs_section_counts(&scene->setup, p)) continue;
     if (update(identity, p, scene)) return;
     vs_text_add(whole, "%s\n", identity->kept[p].sum);
   }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "command/summary.h"
+#include "tell/summary.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -97,6 +97,7 @@ static void add_control(vs_json *json, const vs_control *c) {
 void vs_summary_scene(vs_json *json, const vs_scene *s) {
   vs_json_object(json, "scene", VS_JSON_LINES);
   for (int p = 0; p < VS_SECTIONS; p++) {
+    if (!vs_section_counts(&s->setup, p)) continue;
     vs_filled_section part = vs_section_at(&s->setup, p);
     vs_json_object(json, part.section->name, VS_JSON_LINES);
     for (size_t k = 0; k < part.section->count; k++) {
@@ -337,6 +338,8 @@ static void add_cost(vs_json *json, const vs_result *r) {
   vs_json_number(json, "wall_s", r->wall_s, 6);
   vs_json_number(json, "second_run_s", r->second.wall_s, 6);
   vs_json_whole(json, "steps", r->steps);
+  char text[512];
+  if (vs_result_crawls(r, text, sizeof text)) vs_json_text(json, "hint", text);
   vs_json_end(json);
 }
 
