@@ -34,15 +34,23 @@ static double largest_step(const vs_setup *s) {
 }
 static const double RELTOL = 1e-3;
 
-/* A difference of two signals as commands have it: nothing for v(0), quotes around a name with
- * operators in it. */
+/* True for a node's name that ngspice's commands would take for something else: signs, or an
+ * operator that is a word. */
+static bool wants_quotes(const char *signal) {
+  char word[16];
+  snprintf(word, sizeof word, " %.*s ", (int)strlen(signal) - 3, signal + 2);
+  return strpbrk(signal, "+-:") || strstr(" gt lt ge le eq ne and or not ", word);
+}
+
+/* A difference of two signals as commands have it: nothing for v(0), quotes where they are wanted.
+ */
 static void add_difference(vs_text *t, const char *plus, const char *minus) {
   const char *const signal[] = {plus, minus};
   bool grounded[2];
   for (int k = 0; k < 2; k++) {
     grounded[k] = !strcmp(signal[k], "v(0)");
     if (grounded[k]) continue;
-    const char *quote = strpbrk(signal[k], "+-:") ? "\"" : "";
+    const char *quote = wants_quotes(signal[k]) ? "\"" : "";
     vs_text_add(t, "%s%.2s%s%.*s%s)", k ? "-" : "", signal[k], quote, (int)strlen(signal[k]) - 3,
                 signal[k] + 2, quote);
   }
