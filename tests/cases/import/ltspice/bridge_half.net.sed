@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 # the paragraph sign, Rser, ratings
 s/§//g
 s/^V1 N001 n \(.*\) Rser=0.3/V1 VX n \1\nRVX VX N001 0.3/

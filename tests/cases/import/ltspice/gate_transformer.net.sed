@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 # the paragraph sign, Rser
 s/§//g
 s/^L1 N001 N002.*/L1 N001 LX 1.1\nRLX LX N002 60/

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 # the paragraph sign and that of a millionth, Rser, ratings
 s/§//g
 s/µ/u/g

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 # Rser, Rpar of a coil, of a capacitor and of a source; ratings; the paragraph sign in names; a library that is not here
 s/§//g
 s/µ/u/g

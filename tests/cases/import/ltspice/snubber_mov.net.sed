@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 # Rser, Cpar, tripdv, the sign of a millionth
 s/µ/u/g
 s/^L2 N001 N002/&/

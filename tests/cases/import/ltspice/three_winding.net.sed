@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 # Rser, and one K of three
 s/^L1 pri 0 .*/L1 pri LX 8\nRLX LX 0 5/
 s/^L2 s1 0 .*/L2 s1 LY 0.5\nRLY LY 0 0.3/

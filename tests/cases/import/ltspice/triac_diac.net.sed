@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 # the paragraph sign, ratings, Rser
 s/§//g
 s/ tol=20 pwr=0.25//

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 # Rser and Cpar, ratings, the sign of a millionth
 s/µ/u/g
 s/^L2 line N001.*/L2 line LX 0.2m\nRLX LX N001 0.4\nCLX line N001 50p/
