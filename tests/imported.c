@@ -76,7 +76,7 @@ static bool import(const deck *k) {
   EXPECT(good, "%s: %s", k->netlist, r.err);
   free_ran(&r);
   if (!good) return false;
-  r = run("check w.cir --quiet");
+  r = run("check w.cir");
   good = r.status == 0;
   EXPECT(good, "%s: %s", k->netlist, r.err);
   free_ran(&r);
