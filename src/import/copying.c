@@ -111,7 +111,7 @@ static void add_mains(writer *b, const vs_element *e) {
 }
 
 /* The program's pulse has no edges in time. Where the netlist's take longer than this, a
- * capacitance of 1 nF gives them theirs: it is charged with a constant current, until 2 % are left,
+ * capacitance of 1 nF gives them theirs: it is charged with a constant current, until 0.2 % are left,
  * so that di/dt of what the gate fires is the netlist's, too. */
 static const double SHORT_EDGE_S = 1e-7;
 
@@ -127,7 +127,7 @@ static void add_pulse(writer *b, const vs_element *e, const vs_course_pulse *p, 
   snprintf(on, VS_ELEMENTS_NAME + 8, "%s_on%s", e->key, two);
   if (!vs_copying_has_edges(p)) return;
   add(b, "Bedge%s_%s 0 %s_edge%s I = max(-%.9g, min(%.9g, %.9g*v(%s,%s_edge%s)))\n", two, e->key,
-      e->key, two, 1e-9 / fall_s, 1e-9 / rise_s, 50e-9 / fmin(rise_s, fall_s), on, e->key, two);
+      e->key, two, 1e-9 / fall_s, 1e-9 / rise_s, 500e-9 / fmin(rise_s, fall_s), on, e->key, two);
   add(b, "Cedge%s_%s %s_edge%s 0 1n ic=0\n", two, e->key, e->key, two);
   snprintf(on, VS_ELEMENTS_NAME + 8, "%.56s_edge%s", e->key, two);
 }
@@ -151,8 +151,18 @@ static void add_gate(writer *b, const vs_element *e, const vs_roles_gate *g) {
 static void add_coil(writer *b, const vs_element *e) {
   const vs_roles *r = b->p->roles;
   add(b, "* of the EVA: %s\n", b->w->listing->cards[e->card].text);
-  if (e == r->coil)
-    add(b, "Xeva %s %s eva\n", b->w->nodes[r->coil_plus].name, b->w->nodes[r->coil_minus].name);
+  if (e != r->coil) return;
+  const char *plus = b->w->nodes[r->coil_plus].name, *minus = b->w->nodes[r->coil_minus].name;
+  add(b, "Xeva %s %s eva\n", plus, minus);
+  for (const char *letter = "rc"; *letter; letter++) { /* across it, LTspice's */
+    char *value = vs_elements_option(b->w, e, *letter == 'r' ? "rpar" : "cpar");
+    double number = 1;
+    bool is = value && !(vs_values_of(b->p->values, value, &number) && number == 0);
+    if (is) add(b, "%c%s__par %s %s ", toupper(*letter), e->name, plus, minus);
+    if (is) add_plain(b, value);
+    if (is) add(b, "\n");
+    free(value);
+  }
 }
 
 /* True where both texts are the same, but for capitals and how blank their blanks are. */
@@ -270,13 +280,17 @@ static void write_statement(writer *b, size_t card_number) {
 
 /* ---- the whole ---- */
 
-/* What only PSpice's dialect has, or what means something else in ngspice's. */
+/* What only PSpice's dialect has. A netlist of PSpice's own is read in it altogether where it has
+ * signs of it; in others the reader of decks translates these (docs/dialects.md), so that all else
+ * means what ngspice takes it for. */
 static bool wants_pspice(const vs_listing *l) {
-  static const char *const SIGNS[] = {"params:", "value={", "value ={", "value = {",
-                                      "value {", "value{",  "table {",  "table{",
-                                      "if(",     "limit(",  "pwrs("};
+  static const char *const SIGNS[] = {
+      "limit(",   "ako:",      " vswitch", " iswitch", "t_abs=",  "t_abs =", "params:", "value={",
+      "value ={", "value = {", "value {",  "value{",   "table {", "table{",  "if(",     "pwrs("};
+  enum { ALWAYS = 6 };
+  size_t count = l->origin == VS_ORIGIN_PSPICE ? sizeof SIGNS / sizeof *SIGNS : ALWAYS;
   for (size_t k = 0; k < l->count; k++)
-    for (size_t s = 0; s < sizeof SIGNS / sizeof *SIGNS; s++)
+    for (size_t s = 0; s < count; s++)
       if (l->cards[k].kind != VS_CARD_COMMENT && strcasestr(l->cards[k].text, SIGNS[s]))
         return true;
   return false;
