@@ -150,6 +150,7 @@ static void clean(const char *said, char name[VS_ELEMENTS_NAME]) {
   }
   while (n > 0 && name[n - 1] == '_') n--;
   name[n] = '\0';
+  if (!strcmp(name, "ac") || !strcmp(name, "dc")) strcat(name, "_net"); /* words of a source */
 }
 
 static bool has_node(const vs_elements *w, const char *name) {

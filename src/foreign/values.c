@@ -44,6 +44,8 @@ bool vs_values_number(const vs_values *v, const char *text, double *number) {
   }
   *number *= factor;
   while (isalpha((unsigned char)*end) || *end == '%') end++;
+  if (!strncmp(end, "\xce\xa9", 2)) end += 2;     /* Greek capital omega */
+  if (!strncmp(end, "\xe2\x84\xa6", 3)) end += 3; /* sign of the ohm */
   end += strspn(end, " \t");
   return !*end;
 }

@@ -194,7 +194,8 @@ static void write_element(writer *b, const vs_element *e) {
 /* True for a statement that the deck is to do without: an analysis, an option, an output. Of one
  * that makes another circuit, or several, it is noted what would take its place. */
 static bool is_skipped(writer *b, const vs_card *card) {
-  static const char *const OURS[] = {".title", ".stmlib", ".wave", ".watch", ".autoconverge"};
+  static const char *const OURS[] = {".title",    ".stmlib",       ".wave",     ".watch",
+                                     ".external", ".autoconverge", ".loadbias", ".savebias"};
   vs_skipped skipped = {.count = 0};
   vs_error why = {0};
   bool skip = false;
@@ -231,6 +232,20 @@ static void write_params(writer *b, size_t card) {
   }
 }
 
+/* True where the file was found, but not where its line says. */
+static bool is_elsewhere(const vs_card *card, const char *path) {
+  const char *slash = strrchr(card->where.file, '/');
+  size_t folder = slash ? (size_t)(slash - card->where.file + 1) : 0;
+  char *said = vs_copy(card->text);
+  for (char *c = said; *c; c++)
+    if (*c == '\\') *c = '/';
+  bool absolute = strncmp(path, card->where.file, folder) != 0;
+  const char *name = path + (absolute ? 0 : folder), *at = strstr(said, name);
+  bool elsewhere = !at || at == said || !strchr(" \t\"'", at[-1]);
+  free(said);
+  return elsewhere;
+}
+
 static void write_include(writer *b, const vs_card *card) {
   char path[VS_PATH_SIZE], full[VS_PATH_SIZE];
   vs_listing_finds(card, path);
@@ -241,6 +256,9 @@ static void write_include(writer *b, const vs_card *card) {
                      card->where.line, card->text);
     return;
   }
+  if (is_elsewhere(card, path))
+    vs_declared_note(&b->p->sheet.did, "line %d: '%s' is not here; taken is %s", card->where.line,
+                     card->text, path);
   size_t n = strlen(b->folder);
   if (realpath(path, full))
     add(b, ".include \"%s\"\n",
