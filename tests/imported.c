@@ -44,6 +44,7 @@ static decks begin(const char *origin) {
   decks d = {.origin = origin};
   char folder[512];
   snprintf(folder, sizeof folder, VS_TEST_FOLDER "/cases/import/%s", origin);
+  unlink("decks"); /* of an earlier test */
   CU_ASSERT_EQUAL_FATAL(symlink(folder, "decks"), 0);
   d.text = read_file("decks/decks.txt");
   d.references = read_file("decks/references.csv");
