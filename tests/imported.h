@@ -4,7 +4,8 @@
  *
  *   decks.txt       one line per netlist, in fields parted by '|':
  *                     netlist | options of import | settings of run | options of ngspice |
- *                     end of the reference, as .tran takes it | PROBE=EXPRESSION ...
+ *                     end of the reference, as .tran takes it, and its reltol if not 1e-5 |
+ *                     PROBE=EXPRESSION ...
  *                   An expression is of ngspice and the netlist's own names, without blanks. The
  *                   probe i_peak stands for the coil's current, whose peak either way counts.
  *                   A netlist with `-` for an end has no reference: ngspice does not read it.
