@@ -34,15 +34,24 @@ static double largest_step(const vs_setup *s) {
 }
 static const double RELTOL = 1e-3;
 
-/* A difference of two signals as commands have it: nothing for v(0), quotes around a name with
- * operators in it. */
+/* True for a name that commands would take for an operator, or that has one in it. */
+static bool wants_quotes(const char *signal) {
+  static const char *const WORDS[] = {"eq", "ne", "gt", "lt", "ge", "le", "and", "or", "not"};
+  size_t n = strlen(signal) - 3; /* without v( ) */
+  for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
+    if (n == strlen(WORDS[k]) && !strncasecmp(signal + 2, WORDS[k], n)) return true;
+  return strpbrk(signal, "+-:") != NULL;
+}
+
+/* A difference of two signals as commands have it: nothing for v(0), quotes around a name that
+ * wants them. */
 static void add_difference(vs_text *t, const char *plus, const char *minus) {
   const char *const signal[] = {plus, minus};
   bool grounded[2];
   for (int k = 0; k < 2; k++) {
     grounded[k] = !strcmp(signal[k], "v(0)");
     if (grounded[k]) continue;
-    const char *quote = strpbrk(signal[k], "+-:") ? "\"" : "";
+    const char *quote = wants_quotes(signal[k]) ? "\"" : "";
     vs_text_add(t, "%s%.2s%s%.*s%s)", k ? "-" : "", signal[k], quote, (int)strlen(signal[k]) - 3,
                 signal[k] + 2, quote);
   }
