@@ -162,6 +162,7 @@ static bool has_node(const vs_elements *w, const char *name) {
 /* True for a name that programs give to nets nobody has named. */
 static bool is_made_up(const char *said) {
   const char *s = said;
+  if (!strcmp(said, "n") || !strcmp(said, "net")) return false;
   if (strstr(said, "net-") == said || strstr(said, "unconnected-")) return true;
   if (*s == 'n') s++;
   if (!strncmp(s, "et", 2)) s += 2;

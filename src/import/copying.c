@@ -291,9 +291,9 @@ static void write_statement(writer *b, size_t card_number) {
 
 /* What only PSpice's dialect has, or what means something else in ngspice's. */
 static bool wants_pspice(const vs_listing *l) {
-  static const char *const SIGNS[] = {"params:", "value={", "value ={", "value = {",
-                                      "value {", "value{",  "table {",  "table{",
-                                      "if(",     "limit(",  "pwrs("};
+  static const char *const SIGNS[] = {"params:", "value={", "value ={", "value = {", "value {",
+                                      "value{",  "table {", "table{",   "if(",       "limit(",
+                                      "pwrs(",   "vswitch", "iswitch",  "ako:"};
   for (size_t k = 0; k < l->count; k++)
     for (size_t s = 0; s < sizeof SIGNS / sizeof *SIGNS; s++)
       if (l->cards[k].kind != VS_CARD_COMMENT && strcasestr(l->cards[k].text, SIGNS[s]))
