@@ -4,7 +4,8 @@
  *
  *   decks.txt       one line per netlist, in fields parted by '|':
  *                     netlist | options of import | settings of run | options of ngspice |
- *                     end of the reference, as .tran takes it, and its reltol if not 1e-5 |
+ *                     end of the reference, as .tran takes it, and its reltol and largest step if
+ *                     not 1e-5 and 0.5 us |
  *                     PROBE=EXPRESSION ...
  *                   An expression is of ngspice and the netlist's own names, without blanks. The
  *                   probe i_peak stands for the coil's current, whose peak either way counts.
@@ -22,10 +23,10 @@
  * the netlist itself, within 1e-3 of each probe's peak. Prints the worst of each. */
 void imported_held(const char *origin);
 
-/* Each deck with a machine that moves: the peak of each column of run.csv is that of plain ngspice
- * on the exported netlist, within 1e-3. Writes ORIGIN's rows of tests/long/imports.csv to
- * imports_ORIGIN.csv beside the work folder. Does nothing unless VS_LONG is set and ngspice is on
- * the PATH. */
+/* Each deck with a machine that moves: the extremes of each column are those of plain ngspice on
+ * the exported netlist, within 1e-3 of its peak, where ngspice itself is certain of them. Writes
+ * ORIGIN's rows of tests/long/imports.csv to imports_ORIGIN.csv beside the work folder. Does
+ * nothing unless VS_LONG is set and ngspice is on the PATH. */
 void imported_exported(const char *origin);
 
 #endif

@@ -34,28 +34,23 @@ static double largest_step(const vs_setup *s) {
 }
 static const double RELTOL = 1e-3;
 
-/* True for a name that commands would take for an operator, or that has one in it. */
+/* True for a node's name in which ngspice's commands would see an operator. */
 static bool wants_quotes(const char *signal) {
-  static const char *const WORDS[] = {"eq", "ne", "gt", "lt", "ge", "le", "and", "or", "not"};
-  size_t n = strlen(signal) - 3; /* without v( ) */
-  for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
-    if (n == strlen(WORDS[k]) && !strncasecmp(signal + 2, WORDS[k], n)) return true;
-  return strpbrk(signal, "+-:") != NULL;
+  char word[16];
+  snprintf(word, sizeof word, " %.*s ", (int)strlen(signal) - 3, signal + 2);
+  return strpbrk(signal, "+-:") || strstr(" gt lt ge le eq ne and or not ", word);
 }
 
-/* A difference of two signals as commands have it: nothing for v(0), quotes around a name that
- * wants them. */
+/* A difference of two signals as commands have it: nothing for v(0). */
 static void add_difference(vs_text *t, const char *plus, const char *minus) {
   const char *const signal[] = {plus, minus};
-  bool grounded[2];
   for (int k = 0; k < 2; k++) {
-    grounded[k] = !strcmp(signal[k], "v(0)");
-    if (grounded[k]) continue;
+    if (!strcmp(signal[k], "v(0)")) continue;
     const char *quote = wants_quotes(signal[k]) ? "\"" : "";
     vs_text_add(t, "%s%.2s%s%.*s%s)", k ? "-" : "", signal[k], quote, (int)strlen(signal[k]) - 3,
                 signal[k] + 2, quote);
   }
-  if (grounded[0] && grounded[1]) vs_text_add(t, "0*time");
+  if (!strcmp(plus, "v(0)") && !strcmp(minus, "v(0)")) vs_text_add(t, "0*time");
 }
 
 /* ---- the columns of the table ---- */

@@ -110,6 +110,12 @@ static vs_status judge(vs_rewriting *r, vs_word type, vs_word name, bool *left_o
     return refuse(r, name, "this parameter",
                   "belongs to an ideal diode of LTspice's, which ngspice would read as a common "
                   "one; a like one is d(is=1e-9 n=0.1 rs=RON), with bv= for Vrev");
+  const char *value = strchr(name.at, '=') + 1;
+  if (is_type(type, "sw") && has(" vh ", name) && value[strspn(value, " \t")] == '-')
+    vs_tally_add(r->tally,
+                 "Vh below 0: LTspice's switch goes over smoothly from Vt-|Vh| to Vt+|Vh|; "
+                 "ngspice's jumps where it enters that range, a little sooner",
+                 vs_rewriting_place(r, name.at, name.n));
   *left_out = has(RATINGS, name);
   if (*left_out)
     leave_out(r, name);

@@ -97,8 +97,16 @@ static double edge(const double *points, int count, double level, int *k, double
   return NAN;
 }
 
-static vs_course_pulse of_points(const numbers *n) {
+/* Passes by REPEAT FOREVER, behind which PWL's points stand in brackets. */
+static const char *passed_repeat(const char *points, bool *repeats) {
+  const char *s = points + strspn(points, " \t");
+  *repeats = !strncasecmp(s, "repeat", 6) && strchr(s, '(');
+  return *repeats ? strchr(s, '(') : points;
+}
+
+static vs_course_pulse of_points(const numbers *n, bool repeats) {
   vs_course_pulse p = {n->item[1], n->item[1], NAN, NAN, 0, 0, INFINITY};
+  if (repeats) p.period_s = n->item[n->count / 2 * 2 - 2];
   int count = n->count / 2, k = 1;
   for (int i = 0; i < count; i++) p.high = fmax(p.high, n->item[2 * i + 1]);
   double level = (p.low + p.high) / 2;
@@ -121,10 +129,12 @@ vs_status vs_course_read_pulse(const vs_elements *w, const vs_values *v, const v
                                vs_course_pulse *pulse, vs_error *err) {
   const char *s = begin_of(w, e, "pulse"), *points = begin_of(w, e, "pwl");
   numbers n = {.count = 0};
+  bool repeats = false;
+  if (points) points = passed_repeat(points, &repeats);
   vs_status status = s || points ? read_numbers(w, v, e, s ? s : points, &n, err) : VS_OK;
   if (status) return status;
   if ((s && n.count >= 2) || (points && n.count >= 4)) {
-    *pulse = s ? of_pulse(&n) : of_points(&n);
+    *pulse = s ? of_pulse(&n) : of_points(&n, repeats);
     return VS_OK;
   }
   char *word = vs_elements_word_of(w, e, e->n_nodes + 1);

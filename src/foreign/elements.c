@@ -169,6 +169,11 @@ static bool is_made_up(const char *said) {
   return strspn(s, "0123456789_") == strlen(s);
 }
 
+/* True for a name that ngspice takes for something else in a source's line, or in an output. */
+static bool is_word_of_ngspice(const char *name) {
+  return !strcmp(name, "ac") || !strcmp(name, "value") || !strcmp(name, "time");
+}
+
 static int find_node(const vs_elements *w, const char *said) {
   for (size_t k = 0; k < w->n_nodes; k++)
     if (!strcmp(w->nodes[k].said, said)) return (int)k;
@@ -185,6 +190,7 @@ static int take_node(vs_elements *w, char *said) {
   clean(said, name);
   bool ground = !strcmp(said, "0") || !strcmp(said, "gnd");
   if (!*name || !strcmp(name, "gnd") || (!ground && !strcmp(name, "0"))) strcpy(name, "net");
+  if (is_word_of_ngspice(name)) strcat(name, "_net");
   snprintf(node.name, sizeof node.name, "%s", ground ? "0" : name);
   for (int k = 2; !ground && has_node(w, node.name); k++)
     snprintf(node.name, sizeof node.name, "%.50s_%d", name, k);

@@ -152,8 +152,16 @@ static void add_gate(writer *b, const vs_element *e, const vs_roles_gate *g) {
 static void add_coil(writer *b, const vs_element *e) {
   const vs_roles *r = b->p->roles;
   add(b, "* of the EVA: %s\n", b->w->listing->cards[e->card].text);
-  if (e == r->coil)
-    add(b, "Xeva %s %s eva\n", b->w->nodes[r->coil_plus].name, b->w->nodes[r->coil_minus].name);
+  if (e != r->coil) return;
+  const char *plus = b->w->nodes[r->coil_plus].name, *minus = b->w->nodes[r->coil_minus].name;
+  add(b, "Xeva %s %s eva\n", plus, minus);
+  for (const char *letter = "rc"; *letter; letter++) { /* across it, LTspice's */
+    char *value = vs_elements_option(b->w, e, *letter == 'r' ? "rpar" : "cpar");
+    if (value) add(b, "%c%s__par %s %s ", toupper(*letter), e->name, plus, minus);
+    if (value) add_plain(b, value);
+    if (value) add(b, "\n");
+    free(value);
+  }
 }
 
 /* True where both texts are the same, but for capitals and how blank their blanks are. */
@@ -289,13 +297,17 @@ static void write_statement(writer *b, size_t card_number) {
 
 /* ---- the whole ---- */
 
-/* What only PSpice's dialect has, or what means something else in ngspice's. */
+/* What only PSpice's dialect has. A netlist of PSpice's own is read in it altogether where it has
+ * signs of it; in others the reader of decks translates these (docs/dialects.md), so that all else
+ * means what ngspice takes it for. */
 static bool wants_pspice(const vs_listing *l) {
-  static const char *const SIGNS[] = {"params:", "value={", "value ={", "value = {", "value {",
-                                      "value{",  "table {", "table{",   "if(",       "limit(",
-                                      "pwrs(",   "vswitch", "iswitch",  "ako:"};
+  static const char *const SIGNS[] = {
+      "limit(",   "ako:",      " vswitch", " iswitch", "t_abs=",  "t_abs =", "params:", "value={",
+      "value ={", "value = {", "value {",  "value{",   "table {", "table{",  "if(",     "pwrs("};
+  enum { ALWAYS = 6 };
+  size_t count = l->origin == VS_ORIGIN_PSPICE ? sizeof SIGNS / sizeof *SIGNS : ALWAYS;
   for (size_t k = 0; k < l->count; k++)
-    for (size_t s = 0; s < sizeof SIGNS / sizeof *SIGNS; s++)
+    for (size_t s = 0; s < count; s++)
       if (l->cards[k].kind != VS_CARD_COMMENT && strcasestr(l->cards[k].text, SIGNS[s]))
         return true;
   return false;

@@ -258,8 +258,9 @@ static void name_free(const vs_fate *p, const char *first, const char *key, cons
 
 static void set_senses(vs_fate *p, const vs_element *e, vs_fate_element *own) {
   bool known = own->pins.kind, no_formula = strchr("r", e->letter) && !own->value;
-  bool source = e->letter == 'v' || e->letter == 'i';
-  if ((!known && e->letter != 'c' && !no_formula) || source || vs_fate_is_coil(p, e)) return;
+  bool source = e->letter == 'v' || vs_roles_gate_of(p->roles, e) >= 0;
+  if ((!known && !strchr("cbefghi", e->letter) && !no_formula) || source || vs_fate_is_coil(p, e))
+    return;
   own->sensed_at = known ? own->pins.from : 0;
   name_free(p, "Vi_", e->key, "", own->sense);
   name_free(p, "", e->key, "_in", own->inner);
