@@ -168,7 +168,8 @@ static int with_measures(const char *reltol, int divisor, extreme of[MOST_COLUMN
       }
       fputs("quit 0\n", out);
     } else if (at)
-      fprintf(out, "%.*sreltol=%s%s\n", (int)(at - line), line, reltol, at + strlen(RELTOL));
+      fprintf(out, "%.*sreltol=%s abstol=1e-9 vntol=1e-5%s\n", (int)(at - line), line, reltol,
+              at + strlen(RELTOL));
     else if (!strncmp(line, STEP, strlen(STEP)))
       fprintf(out, "%s{%.*s/%d}\n", STEP, (int)strcspn(line + strlen(STEP), " ;"),
               line + strlen(STEP), divisor);
