@@ -48,6 +48,7 @@ static vs_run_options run_options(const vs_arguments *a) {
                           .sets = a->sets,
                           .n_sets = a->n_sets,
                           .json = a->json,
+                          .all = a->all,
                           .quiet = a->quiet,
                           .reproducible = a->reproducible,
                           .raw = a->raw,
@@ -67,6 +68,8 @@ static vs_status run(const vs_arguments *a, vs_error *err) {
 #define REPRODUCIBLE_OPTION                                                                        \
   VS_COMMAND_FLAG("reproducible", VS_KEY_REPRODUCIBLE,                                             \
                   "leaves the cost (wall time) out of summary.json")
+#define ALL_OPTION                                                                                 \
+  VS_COMMAND_FLAG("all", VS_KEY_ALL, "the table leaves nothing out: zeros, unknowns, doubles")
 #define DIGITS_OPTION                                                                              \
   VS_COMMAND_VALUE("digits", VS_KEY_DIGITS, "N",                                                   \
                    "significant digits in CSV, 1 to 17 (default 9; 17 is exact)")
@@ -77,6 +80,7 @@ static const struct argp_option RUN_OPTIONS[] = {
     VS_COMMAND_VALUE("output", 'o', "DIR", "writes run.csv, events.csv and summary.json there"),
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
+    ALL_OPTION,
     REPRODUCIBLE_OPTION,
     DIGITS_OPTION,
     VS_COMMAND_FLAG("raw", VS_KEY_RAW,
@@ -140,6 +144,7 @@ static const struct argp_option STEADY_OPTIONS[] = {
                      "--along branch.csv, branch.json and branch.png"),
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
+    ALL_OPTION,
     REPRODUCIBLE_OPTION,
     DIGITS_OPTION,
     VS_COMMAND_HELP,
@@ -447,9 +452,10 @@ static const struct argp_option IMPORT_OPTIONS[] = {
     VS_COMMAND_VALUE("coil", VS_KEY_COIL, "L1[+R4]",
                      "the inductor that is the EVA's coil, and its resistance in series (default: "
                      "the only inductor)"),
-    VS_COMMAND_VALUE("pins", VS_KEY_PINS, "X1=akg,...",
-                     "what an element is, by its pins in their order (akg thyristor, 21g triac, dgs "
-                     "mosfet, cge igbt, ak diode), or varistor, fuse, none"),
+    VS_COMMAND_VALUE(
+        "pins", VS_KEY_PINS, "X1=akg,...",
+        "what an element is, by its pins in their order (akg thyristor, 21g triac, dgs "
+        "mosfet, cge igbt, ak diode), or varistor, fuse, none"),
     VS_COMMAND_VALUE("library", VS_KEY_LIBRARY, "FILE", "a file of models besides the netlist's"),
     VS_COMMAND_VALUE("scene", VS_KEY_SCENE, "FILE.yaml",
                      "also writes a scene with the netlist's own mains, firing and coil"),
@@ -642,12 +648,15 @@ static void fill_streams(void) {
   if (file >= 0) close(file);
 }
 
+enum { LINES = 1 << 16 }; /* bytes of standard output that are written at once */
+
 int main(int argc, char **argv) {
   static const char *const HELP[] = {"--help", "-h", "-?", "help", NULL}, *const VERSION[] = {
                                                                               "--version", "-V",
                                                                               NULL};
   gsl_set_error_handler_off();
   fill_streams();
+  setvbuf(stdout, NULL, _IOLBF, LINES); /* so that a warning never stands within a line */
   if (argc < 2) {
     print_help(stderr);
     return VS_INPUT;

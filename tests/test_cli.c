@@ -623,7 +623,7 @@ static void streams_and_files(void) {
   expect_good(&json, "json", __LINE__);
   struct fy_document *doc = parse_json(json.out);
   char line[64], *at = strstr(shown.out, "i_peak");
-  snprintf(line, sizeof line, "%.9g A", measure_of(doc, "i_peak", "value"));
+  snprintf(line, sizeof line, "%.4g mA", 1e3 * measure_of(doc, "i_peak", "value"));
   EXPECT(at && strstr(at, line), "table without '%s': %s", line, shown.out);
   ran quiet = run("run paper --set run.until=0.03s --quiet");
   expect_good(&quiet, "quiet", __LINE__);

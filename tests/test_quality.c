@@ -254,16 +254,24 @@ static char *block_of(const char *page, const char *begins) {
   return to ? strndup(from, (size_t)(to - from) + 1) : vs_copy("");
 }
 
+/* True if only blanks stand before `at` in its line. */
+static bool begins_line(const char *text, const char *at) {
+  while (at > text && at[-1] == ' ') at--;
+  return at == text || at[-1] == '\n';
+}
+
 /* Each word of a line of the page stands in the program's line that begins with the same one;
  * numbers to what ngspice gives on other machines. */
 static void expect_line(const char *printed, char *line) {
   char *word = strtok(line, " ");
   const char *at = printed;
-  char start[64];
-  snprintf(start, sizeof start, "\n%s ", word);
-  while ((at = strstr(at, start))) {
-    char *copy = strndup(at + 1, strcspn(at + 1, "\n")), *rest = NULL, *given = NULL;
-    bool same = strtok_r(copy, " ", &rest) != NULL;
+  while ((at = strstr(at, word))) {
+    if (!begins_line(printed, at)) {
+      at++;
+      continue;
+    }
+    char *copy = strndup(at, strcspn(at, "\n")), *rest = NULL, *given = NULL;
+    bool same = !strcmp(strtok_r(copy, " ", &rest), word);
     for (char *w = line + strlen(word) + 1; same && *w; w += *w == ' ') {
       char each[64];
       while (*w == ' ') w++;

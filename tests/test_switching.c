@@ -9,7 +9,7 @@
 #include "drive/gate.h"
 #include "event/occurrence.h"
 #include "program.h"
-#include "watch/switching.h"
+#include "stress/switching.h"
 
 /* ---- edges of gate pulses ---- */
 

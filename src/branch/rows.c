@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "base/csv.h"
-#include "command/summary.h"
+#include "tell/summary.h"
 #include "scene/version.h"
 #include "syntax/units.h"
 

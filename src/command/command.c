@@ -37,6 +37,7 @@ static bool *flag_of(vs_arguments *a, int key) {
     bool *flag;
   } FLAGS[] = {{'h', &a->help},
                {VS_KEY_JSON, &a->json},
+               {VS_KEY_ALL, &a->all},
                {VS_KEY_QUIET, &a->quiet},
                {VS_KEY_REPRODUCIBLE, &a->reproducible},
                {VS_KEY_STEADY, &a->steady},

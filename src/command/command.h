@@ -19,7 +19,7 @@ typedef struct vs_arguments {
   size_t n_sets;
   const char *tier, *output, *deck, *machine, *overlay, *shard, *of, *to, *along, *step, *at,
       *profile, *mains, *gate, *coil, *pins, *library, *scene, *wrap;
-  bool json, quiet, reproducible, raw, list, help, resume, overwrite, keep_runs, progress_json,
+  bool json, all, quiet, reproducible, raw, list, help, resume, overwrite, keep_runs, progress_json,
       steady, no_sharing, linear, allow_code;
   int digits; /* 1..17 */
   int jobs;   /* 0: not given */
@@ -79,7 +79,8 @@ enum {
   VS_KEY_SCENE,
   VS_KEY_LINEAR,
   VS_KEY_ALLOW_CODE,
-  VS_KEY_WRAP
+  VS_KEY_WRAP,
+  VS_KEY_ALL
 };
 
 /* Rows of vs_command.options: an option that takes a value, and one that takes none. */

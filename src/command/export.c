@@ -294,13 +294,12 @@ static vs_status check_pulses(const vs_setup *s, vs_error *err) {
   return VS_OK;
 }
 
-/* The source of a port, or the gap's (port: NULL), in the place of "NAME n m external". `travel` is
- * the travel's node behind "vs_". */
-static void add_source(vs_text *t, const char *line, const vs_port *port, const char *travel) {
+/* The source of a port, or one of the EVA's (port: NULL), in the place of "NAME n m external". */
+static void add_source(vs_text *t, const char *line, const vs_port *port, const vs_setup *s) {
   char name[VS_DECK_NAME], plus[VS_DECK_NAME], minus[VS_DECK_NAME], nodes[2 * VS_DECK_NAME];
   sscanf(line, "%63s %63s %63s", name, plus, minus);
   if (!port)
-    vs_text_add(t, "B%s %s %s V = ({vs_gap})+v(vs_%s)/1000\n", name + 1, plus, minus, travel);
+    vs_mechanism_motion(t, s, name, (const char *[]){plus, minus});
   else if (port->signal.drive == VS_PORT_MAINS)
     vs_text_add(t, "%s %s %s SIN(0 {sqrt(2)*u_rms} {f_mains} 0 0 {phase*%.17g})\n", name, plus,
                 minus, 180 / M_PI);
@@ -332,8 +331,7 @@ static vs_status add_netlist(vs_text *t, const vs_setup *s, vs_error *err) {
     if (strchr("iI", *name)) continue; /* the EVA's, by which the program leads ngspice */
     size_t p = 0;
     while (p < s->deck.n_ports && strcasecmp(s->deck.ports[p].source, name)) p++;
-    add_source(t, lines[k], p < s->deck.n_ports ? &s->deck.ports[p] : NULL,
-               vs_mechanism_node(&s->model, false));
+    add_source(t, lines[k], p < s->deck.n_ports ? &s->deck.ports[p] : NULL, s);
   }
   vs_netlist_free(lines, count);
   return status;

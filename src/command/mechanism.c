@@ -44,6 +44,22 @@ const char *vs_mechanism_node(const vs_model *m, bool rate) {
   return one < 0 ? rate ? "vg" : "g" : vs_mechanism_state(m, rate ? m->dof + one : one);
 }
 
+/* The node behind "vs_" of a motion that the deck names. */
+static const char *node_of(const vs_model *m, const vs_motion_node *motion) {
+  return motion->state < 0 ? vs_mechanism_node(m, true) : vs_mechanism_state(m, motion->state);
+}
+
+void vs_mechanism_motion(vs_text *t, const vs_setup *s, const char *name,
+                         const char *const nodes[2]) {
+  const char *node = vs_mechanism_node(&s->model, false), *rest = "({vs_gap})+";
+  for (size_t k = 0; k < s->deck.n_motions; k++) {
+    if (strcasecmp(s->deck.motions[k].name, nodes[0])) continue;
+    node = node_of(&s->model, &s->deck.motions[k]);
+    rest = "";
+  }
+  vs_text_add(t, "B%s %s %s V = %sv(vs_%s)/1000\n", name + 1, nodes[0], nodes[1], rest, node);
+}
+
 /* True for the name behind "vs_" of a node that the export makes besides the states', or of a
  * number that its commands go by, which a node of that name would hide. */
 static bool is_our_node(const vs_deck *deck, const char *name) {
@@ -259,6 +275,8 @@ void vs_mechanism_write(vs_text *t, const vs_setup *s) {
               ", solved for q\". Each state is the voltage of\n* 1 F: 1 V is 1 mm, 1 mrad, 1 mm/s, "
               "1 mrad/s; F, too, as 1 V/N.\n.global vs_%s\n",
               vs_mechanism_node(m, false));
+  for (size_t k = 0; k < s->deck.n_motions; k++)
+    vs_text_add(t, ".global vs_%s\n", node_of(m, &s->deck.motions[k]));
   add_force(t, s);
   add_travel(t, m);
   add_stops(t, m);

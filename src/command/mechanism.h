@@ -20,6 +20,11 @@ const char *vs_mechanism_travel(const vs_model *model);
 /* The node of the travel, mm, or of its rate, mm/s, behind "vs_". */
 const char *vs_mechanism_node(const vs_model *model, bool rate);
 
+/* Adds the source of the EVA's, "NAME n m external", that has the gap or another motion which the
+ * deck names (deck/eva.h). */
+void vs_mechanism_motion(vs_text *text, const vs_setup *setup, const char *name,
+                         const char *const nodes[2]);
+
 /* Refuses a machine that calls a state as the export calls a node of its own, and a stop that has
  * no text. Errors with the place in the machine's file. */
 vs_status vs_mechanism_check(const vs_setup *setup, vs_error *err);

@@ -11,9 +11,9 @@
 
 #include "base/file.h"
 #include "base/leave.h"
-#include "command/show.h"
 #include "scene/session.h"
 #include "steady/steady.h"
+#include "tell/show.h"
 #include "watch/table.h"
 
 /* What the command adds to a run: its files and its progress line. */
@@ -246,13 +246,29 @@ static void again(void *ctx, const char *failed, int next) {
 
 /* ---- the command ---- */
 
+/* True if a --set changes what is computed, and not only how: what the scene says was measured is
+ * then of another experiment. */
+static bool changes_machine(const vs_run_options *o) {
+  static const char *const HOW[] = {"run.", "record", "measure", "instruments", "quality"};
+  for (size_t k = 0; k < o->n_sets; k++) {
+    bool how = false;
+    for (size_t n = 0; n < sizeof HOW / sizeof *HOW; n++)
+      how = how || !strncmp(o->sets[k], HOW[n], strlen(HOW[n]));
+    if (!how) return true;
+  }
+  return false;
+}
+
 static void say_result(const vs_run_options *o, const vs_run_more *more, const vs_result *r,
                        const char *json) {
   if (o->json)
     fputs(json, stdout);
   else if (!o->quiet) {
+    const vs_groups_options groups = {.all = o->all, .measured = !changes_machine(o)};
+    vs_show_verdict(r, stdout);
+    if (more && more->show) fputc('\n', stdout);
     if (more && more->show) more->show(more->ctx, stdout);
-    vs_show_result(r, stdout);
+    vs_show_result(r, &groups, stdout);
     if (o->folder)
       printf("written: run.csv, events.csv, summary.json%s in %s\n", o->raw ? ", run.raw" : "",
              o->folder);

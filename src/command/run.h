@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "command/summary.h"
+#include "tell/summary.h"
 
 /* The names, without .png or .svg, of the pictures that `plot` draws into a run's folder; NULL ends
  * them. A run over an older one removes them. */
@@ -19,6 +19,7 @@ typedef struct vs_run_options {
   char *const *sets;        /* KEY=VALUE of each --set */
   size_t n_sets;
   bool json;         /* prints JSON instead of the table */
+  bool all;          /* the table leaves nothing out */
   bool quiet;        /* no table, no warnings, no progress */
   bool reproducible; /* leaves the cost out of summary.json */
   bool raw;          /* writes run.raw, too, which wants a folder and the circuit tier */

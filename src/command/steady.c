@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "base/text.h"
-#include "command/show.h"
+#include "tell/show.h"
 #include "dependence/closed.h"
 #include "dependence/matrices.h"
 #include "period/classes.h"

@@ -140,7 +140,7 @@ void vs_anode_begin(vs_anode *a, const vs_deck *deck, const vs_timeline *timelin
   if (!probe) return;
   for (size_t k = 0; k < deck->n_devices; k++) {
     d = &deck->devices[k];
-    if (!d->kind->switches) continue;
+    if (!d->kind->switches || !d->kind->gated) continue;
     if (has_current(d, probe)) own = d;
     add(a, NULL, d);
   }

@@ -5,7 +5,8 @@
  * Mechanics -> circuit: the gap z at the candidate time of each of the solver's steps, foretold
  * from the last accepted step. Circuit -> mechanics: the flux linkage lambda of the accepted step,
  * under which the mechanics are integrated over it. The coil's current and force are functions of
- * lambda and z, in C as in the netlist (deck/eva.h), so nothing else need be exchanged.
+ * lambda and z, in C as in the netlist (deck/eva.h), so nothing else need be exchanged; what else
+ * of the motion the deck names is foretold as the gap is.
  *
  * This file is the solver's host. course.h moves the machine and shows the steps, pace.h, swing.h
  * and anode.h say how long a step may be, away.h leaves the solver where the circuit is quiet. */
@@ -47,6 +48,10 @@ static double source(void *ctx, size_t port, double solver_s) {
   double t_s = run_time(c, solver_s);
   size_t of_deck = c->setup->deck.n_ports;
   if (port == of_deck + VS_EVA_PORT_GAP) return vs_course_gap(&c->course, t_s);
+  size_t motion = port + c->setup->deck.n_motions;
+  if (motion >= c->names->n_ports)
+    return vs_course_motion(&c->course, c->setup->deck.motions[motion - c->names->n_ports].state,
+                            t_s);
   if (port > of_deck) return vs_away_lead(&c->away, port - of_deck, t_s);
   const vs_port *p = &c->setup->deck.ports[port];
   double push_v = p->signal.drive == VS_PORT_MAINS ? vs_prelude_push(&c->prelude, t_s) : 0;

@@ -17,30 +17,54 @@ static void set_flux(vs_course *c, double f0, double f1, double f2, double f3) {
 
 /* ---- foretold ---- */
 
-/* The travel after h seconds by the mechanics' integration, for where the armature is in its stop
- * or may meet it. lambda goes on with the slope it has, and the slope as it last changed. */
-static double integrated_travel(vs_course *c, double h) {
+/* The state after h seconds by the mechanics' integration, for where the armature is in its stop or
+ * may meet it. lambda goes on with the slope it has, and the slope as it last changed. */
+static void integrate(vs_course *c, double h, double x[VS_MOST_STATES]) {
   const vs_knot *k = &c->knots[c->now];
-  double x[VS_MOST_STATES];
-  memcpy(x, k->x, sizeof x);
+  memcpy(x, k->x, sizeof k->x);
   set_flux(c, k->flux_wb, k->flux_rate_v, k->flux_rate2_v_s / 2, 0);
   for (double at = 0; at < h; c->motion.touched ^= c->motion.changed)
     at = vs_motion_advance(&c->motion, at, h, x); /* a NaN ends this too, and move() will say so */
-  return vs_mechanics_travel(c->frame.model, x);
+}
+
+/* The state after h seconds by its Taylor polynomial, with the derivatives up to the third of q. */
+static void expand(const vs_course *c, double h, double x[VS_MOST_STATES]) {
+  const vs_knot *k = &c->knots[c->now];
+  int dof = c->frame.model->dof;
+  for (int i = 0; i < dof; i++) {
+    double v = k->x[dof + i], a = k->a[i], j = k->j[i];
+    x[i] = k->x[i] + h * (v + h / 2 * (a + h / 3 * j));
+    x[dof + i] = v + h * (a + h / 2 * j);
+  }
 }
 
 /* The travel follows its Taylor polynomial of third order. The next term is (w h)^4/24 of the
  * amplitude at most, with w of the fastest mode. */
-double vs_course_gap(vs_course *c, double t_s) {
+static void foretell(vs_course *c, double t_s) {
   const vs_knot *k = &c->knots[c->now];
-  if (t_s == c->candidate_s) return c->candidate_gap_m;
+  if (t_s == c->candidate_s) return;
   const vs_model *m = c->frame.model;
   double h = t_s - k->t_s, g0 = vs_mechanics_travel(m, k->x),
          g1 = vs_mechanics_travel(m, k->x + m->dof), g2 = vs_mechanics_travel(m, k->a),
          g3 = vs_mechanics_travel(m, k->j), g = g0 + h * (g1 + h / 2 * (g2 + h / 3 * g3));
-  if (h > c->series_s || c->touched || vs_stops_touched(&m->stops, g)) g = integrated_travel(c, h);
+  if (h > c->series_s || c->touched || vs_stops_touched(&m->stops, g)) {
+    integrate(c, h, c->candidate_x);
+    g = vs_mechanics_travel(m, c->candidate_x);
+  } else if (c->setup->deck.n_motions)
+    expand(c, h, c->candidate_x);
   c->candidate_s = t_s;
-  return c->candidate_gap_m = vs_coil_gap(&m->coil, g);
+  c->candidate_gap_m = vs_coil_gap(&m->coil, g);
+}
+
+double vs_course_gap(vs_course *c, double t_s) {
+  foretell(c, t_s);
+  return c->candidate_gap_m;
+}
+
+double vs_course_motion(vs_course *c, int state, double t_s) {
+  const vs_model *m = c->frame.model;
+  foretell(c, t_s);
+  return state < 0 ? vs_mechanics_travel(m, c->candidate_x + m->dof) : c->candidate_x[state];
 }
 
 /* ---- shown ---- */

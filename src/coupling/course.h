@@ -21,8 +21,9 @@ typedef struct vs_course {
   double jams_s;                       /* INFINITY: it never is */
   size_t loads;                        /* how many changes of the load are behind */
   double series_s;                     /* how far the travel's Taylor polynomial is good enough */
-  double candidate_s, candidate_gap_m; /* the last question and answer of vs_course_gap; -1: the
-                                          answer does not hold any more */
+  double candidate_s, candidate_gap_m; /* the last instant that was asked for, and the gap there;
+                                          -1: the answer does not hold any more */
+  double candidate_x[VS_MOST_STATES];  /* the state there; only where the deck names motions */
   bool blank;   /* the last knot is the solver's first, of which it shows no terms */
   bool without; /* the steps shown are a stand-in's, not the solver's */
   double bound; /* on the error of having left the solver so far, relative to
@@ -42,6 +43,10 @@ static inline const vs_knot *vs_course_last(const vs_course *course) {
 
 /* The gap, m, where the mechanics will be at t_s, foretold from the last knot. */
 double vs_course_gap(vs_course *course, double t_s);
+
+/* The machine's state there, SI, by its index in (q, q'), or the gap's rate, m/s, by -1. The deck
+ * must name one. Over a step h the gap and q are foretold up to h^4, the rates up to h^3. */
+double vs_course_motion(vs_course *course, int state, double t_s);
 
 /* Integrates the machine over the step from the last knot to *end and shows it. *end says what the
  * circuit knows: time, lambda with two derivatives, v_eva, i_mains, terms; the rest is filled in.

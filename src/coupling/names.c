@@ -13,7 +13,7 @@ static const char *const LEADING[VS_EVA_PORTS] = {[VS_EVA_PORT_FLUX] = "igoal_l"
                                                   [VS_EVA_PORT_RATE] = "irate",
                                                   [VS_EVA_PORT_CONDUCTANCE] = "ilead"};
 
-static size_t name_ports(const vs_deck *deck, vs_names *n, size_t used) {
+static size_t name_own_ports(const vs_deck *deck, vs_names *n, size_t used) {
   const char **of_eva = n->ports + deck->n_ports;
   for (size_t p = 0; p < deck->n_ports; p++) NAMED(n->ports[p], "%s", deck->ports[p].source);
   NAMED(of_eva[VS_EVA_PORT_GAP], "v.%s.vgap", deck->eva);
@@ -23,6 +23,13 @@ static size_t name_ports(const vs_deck *deck, vs_names *n, size_t used) {
   for (size_t p = VS_EVA_PORT_GAP + 1; p < VS_EVA_PORTS; p++)
     NAMED(of_eva[p], "i.%s.%s", deck->eva, LEADING[p]);
   n->n_ports = deck->n_ports + VS_EVA_PORTS;
+  return used;
+}
+
+static size_t name_ports(const vs_deck *deck, vs_names *n) {
+  size_t used = name_own_ports(deck, n, 0);
+  for (size_t k = 0; k < deck->n_motions; k++)
+    NAMED(n->ports[n->n_ports++], "v.%s.v%s", deck->eva, deck->motions[k].name);
   return used;
 }
 
@@ -46,7 +53,7 @@ static void name_signals(const vs_deck *deck, vs_names *n, size_t used) {
 }
 
 void vs_names_of(const vs_deck *deck, const vs_memories *memories, vs_names *n) {
-  name_signals(deck, n, name_ports(deck, n, 0));
+  name_signals(deck, n, name_ports(deck, n));
   n->n_memories = memories ? memories->count : 0;
   for (size_t k = 0; k < n->n_memories; k++) {
     n->signals[n->n_signals++] = memories->item[k].plus;

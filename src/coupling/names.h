@@ -19,7 +19,7 @@ enum {
   VS_SIG_MOST = VS_SIG_TERMS + 2 * VS_DECK_MOST
 };
 /* Ports: the deck's, then the EVA's. Those but the gap are there only where the EVA can be led
- * (eva_led.inc). */
+ * (eva_led.inc). Last come the machine's motions that the deck names, in vs_deck.motions' order. */
 enum {
   VS_EVA_PORT_GAP,         /* z, m */
   VS_EVA_PORT_FLUX,        /* lambda that the EVA is led to, Wb */
@@ -30,9 +30,10 @@ enum {
 };
 
 typedef struct vs_names {
-  char text[VS_SIG_MOST + VS_DECK_MOST + VS_EVA_PORTS][2 * VS_DECK_NAME]; /* room for the names */
+  char text[VS_SIG_MOST + VS_DECK_MOST + VS_EVA_PORTS + VS_DECK_MOTIONS]
+           [2 * VS_DECK_NAME]; /* room for the names */
   const char *signals[VS_SIG_MOST + 2 * VS_MEMORIES];
-  const char *ports[VS_DECK_MOST + VS_EVA_PORTS];
+  const char *ports[VS_DECK_MOST + VS_EVA_PORTS + VS_DECK_MOTIONS];
   size_t n_signals, n_ports;
   size_t n_memories; /* the last 2 n_memories signals are theirs */
 } vs_names;

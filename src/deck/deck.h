@@ -32,7 +32,8 @@ enum {
   VS_DECK_PARTS = 16,
   VS_DECK_DEVICES = 32,
   VS_DECK_LIMITS = 128,
-  VS_PART_ZTH = 8 /* terms of one part's thermal impedance */
+  VS_DECK_MOTIONS = 33, /* the gap's rate, 16 coordinates and their rates */
+  VS_PART_ZTH = 8       /* terms of one part's thermal impedance */
 };
 
 /* Kinds of lines of which one could not be read. A check carries on without the line, and then does
@@ -154,6 +155,14 @@ typedef struct vs_device {
   vs_where where, where_of, where_gate, where_ward, where_flux;
 } vs_device;
 
+/* A node of the EVA that shows the machine's motion besides the gap (deck/eva.h). It is there only
+ * where the deck names it. */
+typedef struct vs_motion_node {
+  char name[VS_DECK_NAME]; /* within the EVA, in lower case: "vz", "q_NAME", "v_NAME" */
+  int state; /* index into the machine's state (q, q'), of which the node has the value in SI; -1:
+                it has the gap's rate, m/s */
+} vs_motion_node;
+
 /* ---- the deck ---- */
 
 /* The values of the scene's section circuit: the deck's name, the deck's parameters in SI, and the
@@ -213,11 +222,15 @@ typedef struct vs_deck {
   vs_text eva_current, eva_lines; /* the coil's law for the EVA's subcircuit, and the lines that it
                                      needs (deck/eva.h); empty: the law is the file's own */
   double eva_flux_wb;             /* the EVA's flux linkage at t = 0 */
-  char line[2][VS_DECK_NAME];     /* nodes at which surges couple in; empty: not said */
-  int subcircuits;                /* how many are open, while the deck is read */
-  vs_where subcircuit;            /* of the outermost that is open */
-  bool own_clock;                 /* a source or an expression of the deck's own knows the time */
-  char eva[VS_DECK_NAME];         /* the EVA's instance, and its two nodes */
+  vs_motion_node motions[VS_DECK_MOTIONS]; /* those that the deck names */
+  size_t n_motions;
+  vs_where reads_eva; /* the first line of a circuit element, or of a function, that names a node of
+                         the EVA's; no file: none does */
+  char line[2][VS_DECK_NAME]; /* nodes at which surges couple in; empty: not said */
+  int subcircuits;            /* how many are open, while the deck is read */
+  vs_where subcircuit;        /* of the outermost that is open */
+  bool own_clock;             /* a source or an expression of the deck's own knows the time */
+  char eva[VS_DECK_NAME];     /* the EVA's instance, and its two nodes */
   char eva_plus[VS_DECK_NAME], eva_minus[VS_DECK_NAME];
 } vs_deck;
 

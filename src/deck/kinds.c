@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "deck/kinds.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,6 +46,106 @@ static const vs_device_measure THYRISTOR[] = {
     {"commutation_failures", "",
      "of these, on the first forward voltage after a conduction and before t_q",
      VS_R_COMMUTATION_FAILURE, VS_OF_I, 1, NULL, VS_AT_MOST}};
+static const vs_device_measure TRIAC[] = {
+    {"v_forward", "V", "peak voltage, second main terminal positive", VS_R_PEAK, VS_OF_V, 1,
+     "v_drm", VS_AT_MOST},
+    {"v_reverse", "V", "peak voltage, second main terminal negative", VS_R_PEAK, VS_OF_V, -1,
+     "v_drm", VS_AT_MOST},
+    {"dv_dt", "V/us",
+     "steepest rise of off-state voltage, either way, mean rate from 10 to 90 % of a rise of 10 V "
+     "or more, not counting the first one behind a conduction",
+     VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST},
+    {"dv_dt_max", "V/us", "largest rate of off-state voltage, either way, over any 0.1 us",
+     VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
+    {"di_dt", "A/us",
+     "largest rate of current from firing to its first extreme, either way, over any 0.1 us",
+     VS_R_ON_RATE, VS_OF_I, 1, "di_dt", VS_AT_MOST},
+    {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_trm", VS_AT_MOST},
+    {"i_surge", "A",
+     "peak of the half sine of 10 ms with the largest int i^2 dt within 10 ms: a shorter pulse "
+     "heats as much by the same int i^2 dt",
+     VS_R_SURGE, VS_OF_I2, 1, "i_tsm", VS_AT_MOST},
+    {"i_mean", "A", "mean current, a direct part of the load's, over the time that measure says",
+     VS_R_MEAN, VS_OF_I, 1, NULL, VS_AT_MOST},
+    {"i_rms", "A",
+     "rms current, over the time that measure says; judged where that lasts 1 s or longer and "
+     "more than one shot falls into it, as i_surge and i2t are for what is short",
+     VS_R_RMS, VS_OF_I2, 1, "i_t_rms", VS_AT_MOST},
+    {"i2t", "A2.s", "largest int i^2 dt of one half cycle's conduction", VS_R_PULSE, VS_OF_I2, 1,
+     "i2t", VS_AT_MOST},
+    {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
+     VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST},
+    {"misfires", "", "gate pulses that it did not follow, of both half cycles", VS_R_MISFIRE,
+     VS_OF_I, 1, NULL, VS_AT_MOST},
+    {"unintended", "", "firings without a gate pulse", VS_R_UNINTENDED, VS_OF_I, 1, NULL,
+     VS_AT_MOST},
+    {"commutation_failures", "",
+     "of these, in the half cycle that begins with the zero of a current", VS_R_COMMUTATION_FAILURE,
+     VS_OF_I, 1, NULL, VS_AT_MOST}};
+static const vs_device_measure DIODE[] = {
+    {"v_reverse", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, -1, "v_rrm", VS_AT_MOST},
+    {"i_peak", "A", "peak forward current", VS_R_PEAK, VS_OF_I, 1, "i_frm", VS_AT_MOST},
+    {"i_reverse", "A", "peak reverse current, of its recovery", VS_R_PEAK, VS_OF_I, -1, NULL,
+     VS_AT_MOST},
+    {"i_surge", "A",
+     "peak of the half sine of 10 ms with the largest int i^2 dt within 10 ms: a shorter pulse "
+     "heats as much by the same int i^2 dt",
+     VS_R_SURGE, VS_OF_I2, 1, "i_fsm", VS_AT_MOST},
+    {"i_mean", "A", "mean current, over the time that measure says; judged as i_rms is", VS_R_MEAN,
+     VS_OF_I, 1, "i_f_av", VS_AT_MOST},
+    {"i_rms", "A",
+     "rms current, over the time that measure says; judged where that lasts 1 s or longer and "
+     "more than one shot falls into it",
+     VS_R_RMS, VS_OF_I2, 1, "i_f_rms", VS_AT_MOST},
+    {"i2t", "A2.s", "largest int i^2 dt of one conduction", VS_R_PULSE, VS_OF_I2, 1, "i2t",
+     VS_AT_MOST},
+    {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
+     VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST}};
+static const vs_device_measure MOSFET[] = {
+    {"v_peak", "V", "peak voltage, drain positive", VS_R_PEAK, VS_OF_V, 1, "v_dss", VS_AT_MOST},
+    {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_dm", VS_AT_MOST},
+    {"i_mean", "A", "mean current, over the time that measure says", VS_R_MEAN, VS_OF_I, 1, NULL,
+     VS_AT_MOST},
+    {"i_rms", "A",
+     "rms current, over the time that measure says; judged where that lasts 1 s or longer and "
+     "more than one shot falls into it",
+     VS_R_RMS, VS_OF_I2, 1, "i_d", VS_AT_MOST},
+    {"dv_dt", "V/us", "largest rate of voltage, either way, over any 0.1 us", VS_R_STEEPEST,
+     VS_OF_V, 0, "dv_dt", VS_AT_MOST},
+    {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
+     VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST}};
+static const vs_device_measure IGBT[] = {
+    {"v_peak", "V", "peak voltage, collector positive", VS_R_PEAK, VS_OF_V, 1, "v_ces", VS_AT_MOST},
+    {"v_reverse", "V", "peak voltage, emitter positive", VS_R_PEAK, VS_OF_V, -1, "v_ecs",
+     VS_AT_MOST},
+    {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_cm", VS_AT_MOST},
+    {"i_mean", "A", "mean current, over the time that measure says", VS_R_MEAN, VS_OF_I, 1, NULL,
+     VS_AT_MOST},
+    {"i_rms", "A",
+     "rms current, over the time that measure says; judged where that lasts 1 s or longer and "
+     "more than one shot falls into it",
+     VS_R_RMS, VS_OF_I2, 1, "i_c", VS_AT_MOST},
+    {"dv_dt", "V/us", "largest rate of voltage, either way, over any 0.1 us", VS_R_STEEPEST,
+     VS_OF_V, 0, "dv_dt", VS_AT_MOST},
+    {"loss", "J", "int v i dt over the run", VS_R_INTEGRAL, VS_OF_POWER, 1, NULL, VS_AT_MOST},
+    {"t_j_rise", "K", "largest rise of the junction's temperature, by the part's zth",
+     VS_R_JUNCTION, VS_OF_POWER, 1, "t_j_rise", VS_AT_MOST}};
+static const vs_device_measure ELECTROLYTIC[] = {
+    {"v_peak", "V", "peak voltage", VS_R_PEAK, VS_OF_V, 1, "v_rated", VS_AT_MOST},
+    {"v_reverse", "V", "peak voltage the wrong way round", VS_R_PEAK, VS_OF_V, -1, "v_reverse",
+     VS_AT_MOST},
+    {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_surge", VS_AT_MOST},
+    {"i_rms", "A",
+     "rms current, over the time that measure says; judged where that lasts 1 s or longer and "
+     "more than one shot falls into it",
+     VS_R_RMS, VS_OF_I2, 1, "i_ripple", VS_AT_MOST},
+    {"power", "W",
+     "mean of v i over the time that measure says: its loss, where it stores as much at the end "
+     "as at the beginning",
+     VS_R_MEAN, VS_OF_POWER, 1, NULL, VS_AT_MOST}};
 static const vs_device_measure VARISTOR[] = {
     {"v_clamp", "V", "peak voltage, either way", VS_R_PEAK, VS_OF_V, 0, NULL, VS_AT_MOST},
     {"i_peak", "A", "peak current, either way", VS_R_PEAK, VS_OF_I, 0, "i_surge", VS_AT_MOST},
@@ -80,14 +181,20 @@ static const vs_device_measure GATE_DRIVE[] = {
     {"volt_seconds", "V.s", "largest flux linkage of its core, either way", VS_R_PEAK, VS_OF_FLUX,
      0, "volt_seconds", VS_AT_MOST}};
 
-#define MEASURED(rows) rows, sizeof rows / sizeof *rows
-const vs_kind vs_kinds_all[] = {{"thyristor", true, true, MEASURED(THYRISTOR)},
-                                {"varistor", false, false, MEASURED(VARISTOR)},
-                                {"resistor", false, false, MEASURED(RESISTOR)},
-                                {"capacitor", false, false, MEASURED(CAPACITOR)},
-                                {"fuse", false, false, MEASURED(FUSE)},
-                                {"gate_drive", false, true, MEASURED(GATE_DRIVE)},
-                                {NULL, false, false, NULL, 0}};
+#define MEASURED(rows) .measures = rows, .n_measures = sizeof rows / sizeof *rows
+const vs_kind vs_kinds_all[] = {
+    {.name = "thyristor", .switches = true, .gated = true, MEASURED(THYRISTOR)},
+    {.name = "triac", .switches = true, .both_ways = true, .gated = true, MEASURED(TRIAC)},
+    {.name = "diode", .switches = true, MEASURED(DIODE)},
+    {.name = "mosfet", .driven = true, MEASURED(MOSFET)},
+    {.name = "igbt", .driven = true, MEASURED(IGBT)},
+    {.name = "varistor", MEASURED(VARISTOR)},
+    {.name = "resistor", MEASURED(RESISTOR)},
+    {.name = "capacitor", MEASURED(CAPACITOR)},
+    {.name = "electrolytic", MEASURED(ELECTROLYTIC)},
+    {.name = "fuse", MEASURED(FUSE)},
+    {.name = "gate_drive", .gated = true, MEASURED(GATE_DRIVE)},
+    {.name = NULL}};
 
 const vs_kind *vs_kinds_find(const char *name) {
   for (const vs_kind *kind = vs_kinds_all; kind->name; kind++)
@@ -97,37 +204,51 @@ const vs_kind *vs_kinds_find(const char *name) {
 
 /* ---- limits ---- */
 
-/* Limits that no measure above is held against in its own unit, with the kind of part they are of
- * ("": of any). v_drm, v_rrm and v_rms are held against the mains, whatever the part; t_q, which
- * makers give in us, is held against t_off; by t_j_max the report of an orbit tells how hot the
- * case may be; i2t_clear is held against what the fuse protects; the others are for the reader, and
- * for `check` of the part, which tries whether its model keeps them (room acceptance). */
+/* Limits that no measure above is held against in its own unit, with the kinds of part they are of,
+ * each between blanks ("": of any). v_drm, v_rrm and v_rms are held against the mains, whatever the
+ * part; t_q, which makers give in us, is held against t_off; by t_j_max the report of an orbit
+ * tells how hot the case may be; i2t_clear is held against what the fuse protects; the others are
+ * for the reader, and for `check` of the part, which tries whether its model keeps them (room
+ * acceptance). */
 static const struct figure {
-  const char *name, *unit, *kind;
+  const char *name, *unit, *kinds;
 } FIGURES[] = {{"v_drm", "V", ""},
                {"v_rrm", "V", ""},
                {"v_rms", "V", ""},
-               {"t_q", "us", "thyristor"},
-               {"t_j_max", "degC", "thyristor"},
-               {"i_gt", "mA", "thyristor"},
-               {"v_gt", "V", "thyristor"},
-               {"i_l", "mA", "thyristor"},
-               {"i_h", "mA", "thyristor"},
-               {"v_t", "V", "thyristor"},
-               {"i_tm", "A", "thyristor"},
-               {"q_rr", "A*us", "thyristor"},
-               {"i_test", "A", "thyristor"},
-               {"di_test", "A/us", "thyristor"},
-               {"v_dc", "V", "varistor"},
-               {"i_clamp", "A", "varistor"},
-               {"v_clamp", "V", "varistor"},
-               {"v_varistor", "V", "varistor"},
-               {"v_rated", "V", "fuse"},
-               {"i_rated", "A", "fuse"},
-               {"i_fusing", "A", "fuse"},
-               {"i2t_melt", "A2.s", "fuse"},
-               {"i2t_clear", "A2.s", "fuse"},
-               {"v_arc", "V", "fuse"}};
+               {"t_q", "us", " thyristor "},
+               {"t_j_max", "degC", " thyristor triac diode mosfet igbt "},
+               {"i_gt", "mA", " thyristor triac "},
+               {"v_gt", "V", " thyristor triac "},
+               {"i_l", "mA", " thyristor triac "},
+               {"i_h", "mA", " thyristor triac "},
+               {"v_t", "V", " thyristor triac "},
+               {"i_tm", "A", " thyristor triac "},
+               {"q_rr", "A*us", " thyristor diode mosfet "},
+               {"t_rr", "ns", " diode mosfet "},
+               {"i_rm", "A", " diode mosfet "},
+               {"v_f", "V", " diode mosfet igbt "},
+               {"i_test", "A", " thyristor triac diode mosfet igbt "},
+               {"di_test", "A/us", " thyristor triac diode mosfet igbt "},
+               {"v_test", "V", " diode mosfet igbt "},
+               {"r_ds_on", "ohm", " mosfet "},
+               {"v_gs_th", "V", " mosfet "},
+               {"v_ge_th", "V", " igbt "},
+               {"v_ce_sat", "V", " igbt "},
+               {"e_on", "mJ", " mosfet igbt "},
+               {"e_off", "mJ", " mosfet igbt "},
+               {"c_rated", "uF", " capacitor electrolytic "},
+               {"esr", "ohm", " capacitor electrolytic "},
+               {"i_leakage", "mA", " electrolytic "},
+               {"v_dc", "V", " varistor "},
+               {"i_clamp", "A", " varistor "},
+               {"v_clamp", "V", " varistor "},
+               {"v_varistor", "V", " varistor "},
+               {"v_rated", "V", " fuse "},
+               {"i_rated", "A", " fuse "},
+               {"i_fusing", "A", " fuse "},
+               {"i2t_melt", "A2.s", " fuse "},
+               {"i2t_clear", "A2.s", " fuse "},
+               {"v_arc", "V", " fuse "}};
 enum { N_FIGURES = sizeof FIGURES / sizeof *FIGURES };
 
 /* The limit of its own part's file that a measure is held against; NULL: none. */
@@ -149,9 +270,11 @@ const char *vs_kinds_limit_unit(const char *limit) {
 bool vs_kinds_knows_limit(const char *kind_name, const char *limit, const char **nearest) {
   const vs_kind *kind = vs_kinds_find(kind_name);
   size_t n_measures = kind ? kind->n_measures : 0, count = 0;
+  char spaced[VS_KIND_NAME + 2];
+  snprintf(spaced, sizeof spaced, " %.*s ", VS_KIND_NAME - 1, kind_name);
   const char **names = vs_alloc(N_FIGURES + n_measures, sizeof *names);
   for (size_t k = 0; k < N_FIGURES; k++)
-    if (!*FIGURES[k].kind || !strcmp(FIGURES[k].kind, kind_name)) names[count++] = FIGURES[k].name;
+    if (!*FIGURES[k].kinds || strstr(FIGURES[k].kinds, spaced)) names[count++] = FIGURES[k].name;
   for (size_t k = 0; k < n_measures; k++) {
     const char *own = own_limit(&kind->measures[k]);
     if (own) names[count++] = own;

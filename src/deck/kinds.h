@@ -4,7 +4,7 @@
  *
  * A new measure is one row of its kind's table in kinds.c, with its limit, if any, in the same row;
  * where it needs a way of becoming one number that there is not yet, a row of VS_REDUCTION_LIST
- * besides, and its plug in watch/reductions.c. A new kind is a table of measures and one row of
+ * besides, and its plug in stress/reductions.c. A new kind is a table of measures and one row of
  * vs_kinds_all. */
 #ifndef VS_DECK_KINDS_H
 #define VS_DECK_KINDS_H
@@ -17,14 +17,14 @@
 enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
 
 /* How a course becomes one number. Each row is an id and the name of its plug in
- * watch/reductions.c, which does it. Those from VS_R_RISE to VS_R_COMMUTATION_FAILURE are of a
+ * stress/reductions.c, which does it. Those from VS_R_RISE to VS_R_COMMUTATION_FAILURE are of a
  * device that conducts or blocks, VS_R_GATE_LEAST is of one with a gate.
  *   VS_R_PEAK         largest value, in the sense that the measure gives
  *   VS_R_MEAN         mean over the stretch that the scene's section measure says
  *   VS_R_RMS          root of the mean over that stretch
  *   VS_R_INTEGRAL     integral over the run
  *   VS_R_PULSE        largest integral over one conduction
- *   VS_R_HEAT         most that one pulse turned into heat: watch/pulse.h
+ *   VS_R_HEAT         most that one pulse turned into heat: stress/pulse.h
  *   VS_R_WITHIN       largest integral within 10 ms
  *   VS_R_SURGE        peak of the half sine of 10 ms that has this integral
  *   VS_R_STEEPEST     largest rate, in the sense that the measure gives, over any 0.1 us
@@ -33,7 +33,7 @@ enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
  *   VS_R_OFF_RATE     largest rising rate of blocked forward voltage, over any 0.1 us
  *   VS_R_ON_RATE      largest rate of current from firing to its first maximum, over any 0.1 us
  *   VS_R_OFFERED      shortest time between a conduction and forward voltage without a gate pulse
- *   VS_R_MISFIRE, VS_R_UNINTENDED, VS_R_COMMUTATION_FAILURE   how often: watch/switching.h
+ *   VS_R_MISFIRE, VS_R_UNINTENDED, VS_R_COMMUTATION_FAILURE   how often: stress/switching.h
  *   VS_R_GATE_LEAST   smallest of all gate pulses' peaks */
 #define VS_REDUCTION_LIST(X)                                                                       \
   X(VS_R_PEAK, peak)                                                                               \
@@ -77,10 +77,16 @@ typedef struct vs_device_measure {
   int held;          /* VS_AT_MOST, ... */
 } vs_device_measure;
 
+/* Bytes that a kind's name may have, its end included. */
+enum { VS_KIND_NAME = 64 };
+
 typedef struct vs_kind {
   const char *name; /* as in `*$ part KIND` and `*$ device NAME KIND` */
-  bool switches;    /* it conducts or blocks, as a thyristor does */
+  bool switches;    /* it conducts or blocks, and which of the two its current tells, as that of a
+                       thyristor does */
+  bool both_ways;   /* it conducts either way, as a triac does */
   bool gated;       /* it goes by the deck's gate pulses */
+  bool driven;      /* a port turns it on and off, as a mosfet; nobody judges whether it obeys */
   const vs_device_measure *measures;
   size_t n_measures;
 } vs_kind;

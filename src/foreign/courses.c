@@ -67,6 +67,12 @@ static double nth(const numbers *n, int k, double otherwise) {
   return k < n->count ? n->item[k] : otherwise;
 }
 
+/* The number of cycles at place k, which 0 and no number leave without end. */
+static double cycles_at(const numbers *n, int k) {
+  double cycles = nth(n, k, 0);
+  return cycles > 0 ? cycles : INFINITY;
+}
+
 vs_status vs_course_read_sine(const vs_elements *w, const vs_values *v, const vs_element *e,
                               vs_course_sine *sine, vs_error *err) {
   const char *s = begin_of(w, e, "sin");
@@ -78,8 +84,8 @@ vs_status vs_course_read_sine(const vs_elements *w, const vs_values *v, const vs
                       "--mains names another source, or none",
                       e->name);
   vs_status status = read_numbers(w, v, e, s, &n, err);
-  *sine = (vs_course_sine){nth(&n, 0, 0), nth(&n, 1, 0), nth(&n, 2, NAN),
-                           nth(&n, 3, 0), nth(&n, 4, 0), nth(&n, 5, 0)};
+  *sine = (vs_course_sine){nth(&n, 0, 0), nth(&n, 1, 0), nth(&n, 2, NAN), nth(&n, 3, 0),
+                           nth(&n, 4, 0), nth(&n, 5, 0), cycles_at(&n, 6)};
   return status;
 }
 
@@ -105,7 +111,7 @@ static const char *passed_repeat(const char *points, bool *repeats) {
 }
 
 static vs_course_pulse of_points(const numbers *n, bool repeats) {
-  vs_course_pulse p = {n->item[1], n->item[1], NAN, NAN, 0, 0, INFINITY};
+  vs_course_pulse p = {n->item[1], n->item[1], NAN, NAN, 0, 0, INFINITY, INFINITY};
   if (repeats) p.period_s = n->item[n->count / 2 * 2 - 2];
   int count = n->count / 2, k = 1;
   for (int i = 0; i < count; i++) p.high = fmax(p.high, n->item[2 * i + 1]);
@@ -116,12 +122,12 @@ static vs_course_pulse of_points(const numbers *n, bool repeats) {
   return p;
 }
 
-/* PULSE(low high delay rise fall width period cycles), the last LTspice's */
+/* PULSE(low high delay rise fall width period cycles), the last LTspice's and ngspice's */
 static vs_course_pulse of_pulse(const numbers *n) {
   double rise_s = nth(n, 3, 0), fall_s = nth(n, 4, 0), width_s = nth(n, 5, INFINITY);
-  vs_course_pulse p = {nth(n, 0, 0), nth(n, 1, 0), nth(n, 2, 0),       width_s + rise_s,
-                       rise_s,       fall_s,       nth(n, 6, INFINITY)};
-  if (!(p.period_s > 0) || nth(n, 7, 0) == 1) p.period_s = INFINITY;
+  vs_course_pulse p = {nth(n, 0, 0), nth(n, 1, 0), nth(n, 2, 0),        width_s + rise_s,
+                       rise_s,       fall_s,       nth(n, 6, INFINITY), cycles_at(n, 7)};
+  if (!(p.period_s > 0) || p.cycles == 1) p.period_s = INFINITY;
   return p;
 }
 
@@ -139,7 +145,7 @@ vs_status vs_course_read_pulse(const vs_elements *w, const vs_values *v, const v
   }
   char *word = vs_elements_word_of(w, e, e->n_nodes + 1);
   char *second = vs_elements_word_of(w, e, e->n_nodes + 2);
-  *pulse = (vs_course_pulse){0, NAN, NAN, NAN, 0, 0, INFINITY};
+  *pulse = (vs_course_pulse){0, NAN, NAN, NAN, 0, 0, INFINITY, INFINITY};
   bool known = vs_values_of(v, strcasecmp(word, "dc") ? word : second, &pulse->high);
   free(word);
   free(second);

@@ -5,9 +5,10 @@
 
 #include "foreign/elements.h"
 
-/* SIN(offset amplitude frequency delay damping phase) */
+/* SIN(offset amplitude frequency delay damping phase cycles), the last LTspice's */
 typedef struct vs_course_sine {
   double offset_v, peak_v, hz, delay_s, damping, phase_deg;
+  double cycles; /* after which it ends; INFINITY: it does not */
 } vs_course_sine;
 
 /* A pulse, from PULSE or from PWL. */
@@ -16,6 +17,7 @@ typedef struct vs_course_pulse {
   double at_s, width_s;  /* when it begins to rise; from then until it begins to fall */
   double rise_s, fall_s; /* how long its edges take */
   double period_s;       /* INFINITY: it comes once */
+  double cycles;         /* how often it comes where it has a period; INFINITY: without end */
 } vs_course_pulse;
 
 /* True for a source (V or I) with this word, SIN, PULSE, PWL, ...: whether its numbers are known or

@@ -52,6 +52,12 @@ static vs_status set_mains(finder *f, const vs_element *e) {
   if (!(s.hz > 0) || s.peak_v == 0)
     return vs_fail_at(f->err, where, "%s: SIN(0 amplitude frequency) is wanted of the mains",
                       e->name);
+  if (isfinite(s.cycles))
+    return vs_fail_at(f->err, where,
+                      "%s: the mains do not end after %.9g cycles (the seventh number, LTspice's); "
+                      "leave it out, and let the run end at %.9g s or give the scene an event "
+                      "{kind: interruption, at: %.9g s, duration: ...}",
+                      e->name, s.cycles, s.delay_s + s.cycles / s.hz, s.delay_s + s.cycles / s.hz);
   r->mains = e;
   r->rms_v = fabs(s.peak_v) / sqrt(2);
   r->hz = s.hz;
@@ -116,6 +122,16 @@ static vs_status add_gate(finder *f, const vs_element *e) {
     return vs_fail_at(f->err, where, "--gate %s: a source is wanted, V... or I...", e->name);
   vs_status status = vs_course_read_pulse(f->w, f->v, e, &g->pulse, f->err);
   if (status) return status;
+  if (g->pulse.at_s < 0)
+    return vs_fail_at(f->err, where, "%s: its PULSE has a delay below 0; add a period to it",
+                      e->name);
+  if (isfinite(g->pulse.period_s) && isfinite(g->pulse.cycles))
+    return vs_fail_at(f->err, where,
+                      "%s: a scene fires until its run ends, not %.9g times (the eighth number); "
+                      "leave it out and let the run end before %.9g s; --gate none leaves %s as it "
+                      "is",
+                      e->name, g->pulse.cycles, g->pulse.at_s + g->pulse.cycles * g->pulse.period_s,
+                      e->name);
   if (!r->mains)
     return vs_fail_at(f->err, where,
                       "%s: a gate is fired by the angle of the mains, and there are none; --gate "
@@ -193,17 +209,42 @@ static vs_status find_gates(finder *f, const char *asked) {
   return status;
 }
 
-/* Cycles of the mains from their first rising zero to the gate's first pulse from then on. *late is
- * set where there is one before. */
-static double cycles_to(const vs_roles *r, const vs_roles_gate *g, bool *late) {
+/* A pulse that comes this much before a zero of the mains, in cycles, comes at the zero: rounding
+ * of the numbers in the netlist. */
+static const double AT_ZERO = 1e-9;
+
+/* Cycles of the mains from their first rising zero to the gate's first pulse. Below zero, down to
+ * -1, is a pulse in the cycle that is under way at t = 0. */
+static double cycles_to(const vs_roles *r, const vs_roles_gate *g) {
   double zero = -r->phase_deg / 360;
   double x = g->pulse.at_s * r->hz - (zero - floor(zero));
-  double every = isinf(g->pulse.period_s) ? 1
-                 : g->each == 2           ? 0.5
-                                          : rint(g->pulse.period_s * r->hz);
-  *late = *late || x < -1e-9;
-  while (x < -1e-9) x += every;
-  return fmax(x, 0);
+  return fabs(x - rint(x)) < AT_ZERO ? rint(x) : x;
+}
+
+/* In how many cycles the gate fires once; 0: only once. */
+static int every_of(const vs_roles *r, const vs_roles_gate *g) {
+  return isinf(g->pulse.period_s) ? 0 : g->each == 2 ? 1 : (int)rint(g->pulse.period_s * r->hz);
+}
+
+/* A scene has one section firing: gates may differ in when they fire, and in nothing else. */
+static vs_status check_alike(const finder *f) {
+  const vs_roles *r = f->roles;
+  const vs_roles_gate *first = NULL;
+  for (size_t k = 0; k < r->n_gates; k++) {
+    const vs_roles_gate *g = &r->gates[k];
+    if (isnan(g->pulse.at_s)) continue;
+    if (!first) first = g;
+    bool often = every_of(r, g) != every_of(r, first);
+    double a = g->pulse.width_s, b = first->pulse.width_s;
+    if (!often && (a == b || fabs(a - b) <= 1e-6 * b)) continue;
+    return vs_fail_at(f->err, vs_elements_where(f->w, g->source, 0),
+                      "%s: its pulses %s other than those of %s (%.9g s and %.9g s); all that fire "
+                      "are to do so alike; --gate names those that do",
+                      g->source->name, often ? "come in a period" : "have a length",
+                      first->source->name, often ? g->pulse.period_s : a,
+                      often ? first->pulse.period_s : b);
+  }
+  return VS_OK;
 }
 
 /* The scene's firing: that of the gate that comes first. The others follow it. */
@@ -215,15 +256,13 @@ static void set_firing(vs_roles *r) {
   for (size_t k = 0; k < r->n_gates; k++) {
     const vs_roles_gate *g = &r->gates[k];
     if (isnan(g->pulse.at_s)) continue;
-    double x = cycles_to(r, g, &r->late);
+    double x = cycles_to(r, g);
     if (x >= first) continue;
     first = x;
     r->first_cycle = 1 + (int)floor(x);
     r->angle_deg = 360 * (x - floor(x));
     r->width_s = fmin(g->pulse.width_s, 1000);
-    r->every = isinf(g->pulse.period_s) ? 0
-               : g->each == 2           ? 1
-                                        : (int)rint(g->pulse.period_s * r->hz);
+    r->every = every_of(r, g);
   }
   if (isnan(r->angle_deg)) return;
   double begin = first - r->angle_deg / 360;
@@ -233,8 +272,7 @@ static void set_firing(vs_roles *r) {
   for (size_t k = 0; k < r->n_gates; k++) {
     vs_roles_gate *g = &r->gates[k];
     if (isnan(g->pulse.at_s)) continue;
-    double shift = 360 * (cycles_to(r, g, &r->late) - begin) - (r->at_zero ? 0 : r->angle_deg);
-    if (r->every) shift = fmod(shift, 360.0 * r->every);
+    double shift = 360 * (cycles_to(r, g) - begin) - (r->at_zero ? 0 : r->angle_deg);
     g->shift_deg = fabs(shift) < 1e-6 ? 0 : shift;
   }
 }
@@ -400,6 +438,7 @@ vs_status vs_roles_find(const vs_elements *w, const vs_values *v, const vs_roles
   bool lost = vs_error_count(err) > before; /* without mains a gate could not be told */
   if (!status && !lost) status = vs_error_carry_on(err, find_gates(&f, asked->gate));
   if (!status) status = vs_error_carry_on(err, find_coil(&f, asked->coil));
+  if (!status) status = check_alike(&f);
   if (!status) set_firing(roles);
   return status;
 }

@@ -35,13 +35,11 @@ typedef struct vs_roles {
   bool found_mains, found_gate, found_coil; /* not said by the user */
   /* The firing that the netlist has: a scene's section firing. NaN: the netlist does not say. */
   double angle_deg, width_s;
-  int every; /* 0: once */
-  int first_cycle;
-  bool delayed; /* the netlist's mains begin later than at t = 0, which the program's do not */
-  bool late;    /* pulses before the mains' first rising zero, from which the program counts its
-                   firings, are not made */
-  bool at_zero; /* it fires at the mains' zero, where a scene's firing.angle cannot be; it is put
-                   just behind it */
+  int every;       /* 0: once */
+  int first_cycle; /* 0: the one that is under way at t = 0 */
+  bool delayed;    /* the netlist's mains begin later than at t = 0, which the program's do not */
+  bool at_zero;    /* it fires at the mains' zero, where a scene's firing.angle cannot be; it is put
+                      just behind it */
 } vs_roles;
 
 /* Errors, with their place, each of which names the option that would decide: two or more could be

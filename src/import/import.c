@@ -75,10 +75,6 @@ static void note_roles(work *w) {
         left,
         "%s begins with a delay; the program's mains are there from t = 0 on, in the same phase",
         r->mains->name);
-  if (r->late)
-    vs_declared_note(left, "the program counts firings from the mains' first rising zero: pulses "
-                           "of the netlist before that "
-                           "are not made, and the run begins otherwise");
   if (r->at_zero)
     vs_declared_note(left,
                      "the gate fires at the mains' zero, where firing.angle cannot be: 0.001 deg "

@@ -36,7 +36,7 @@ void vs_settings_make(vs_settings *s, const vs_roles *r, const vs_values *values
       add(s, "firing", "every", r->every, "");
     else
       s->item[s->count++] = (vs_setting){"firing", "every", "once"};
-    if (r->first_cycle > 1) add(s, "firing", "first_cycle", r->first_cycle, "");
+    if (r->first_cycle != 1) add(s, "firing", "first_cycle", r->first_cycle, "");
   }
   add(s, "actuator", "inductance", r->inductance_h, "H");
   add(s, "actuator", "resistance", fmax(r->resistance_ohm, 1e-3), "ohm");

@@ -5,7 +5,7 @@
 #ifndef VS_PERIOD_HEAT_H
 #define VS_PERIOD_HEAT_H
 
-#include "watch/devices.h"
+#include "stress/devices.h"
 
 typedef struct vs_heat {
   char name[VS_DECK_NAME + 24]; /* "thyristor.power" */

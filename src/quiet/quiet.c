@@ -320,8 +320,11 @@ static bool can_stand_in(const vs_setup *setup, vs_memories *memories) {
          deck->stores.count && !vs_memory_is_hidden(deck) && vs_memory_list(deck, memories);
 }
 
-/* The one-port's law has i = lambda z/(2a), and may_touch() wants springs, and a rest at q = 0. */
-static const char *declines(const vs_model *m) {
+/* The one-port's law has i = lambda z/(2a), and may_touch() wants springs, and a rest at q = 0. An
+ * element that reads the motion may do anything once that is where it has not been yet. */
+static const char *declines(const vs_setup *setup) {
+  const vs_model *m = &setup->model;
+  if (setup->deck.reads_eva.file) return "an element of the deck reads the machine's motion";
   if (!m->coil.square) return "its law is fitted to a coil with i = lambda z/(2a) alone";
   if (m->loaded) return "the machine has forces that never change";
   if (!isfinite(m->compliance_m_n)) return "a coordinate of the machine has no spring";
@@ -340,7 +343,7 @@ static void end(void *self) {
 static void *begin(const vs_setup *setup, const vs_frame *frame) {
   quiet *q = vs_alloc(1, sizeof *q);
   *q = (quiet){.setup = setup, .frame = frame};
-  if (declines(&setup->model) || !can_stand_in(setup, &q->memories)) {
+  if (declines(setup) || !can_stand_in(setup, &q->memories)) {
     free(q);
     return NULL;
   }

@@ -53,7 +53,8 @@ static bool nothing_conducts(const vs_scene *s, const vs_result *r) {
   bool told = !deck || vs_channel_find(&s->frame, "i_thyristor") >= 0;
   if (r->values[VS_M_T_FIRE].known) return false;
   for (size_t k = 0; r->watchers.devices && k < r->watchers.devices->count; k++) {
-    const vs_switch *states = r->watchers.devices->item[k].states;
+    const vs_watched *w = &r->watchers.devices->item[k];
+    const vs_switch *states = w->device->kind->gated ? w->states : NULL;
     told = told || states;
     if (states && !isnan(states->fired_s)) return false;
   }
@@ -166,7 +167,7 @@ const char *vs_result_declined(const vs_result *r) {
   if (s->tier->has_circuit && r->loop && !s->setup.run.stays)
     return "a control decides the firings, so that the next one is not known";
   if (!s->tier->has_circuit || !stand_in || s->setup.run.stays) return NULL;
-  return stand_in->declines(&s->setup.model);
+  return stand_in->declines(&s->setup);
 }
 
 void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *text), void *ctx) {

@@ -188,11 +188,24 @@ static vs_status check_law(const vs_scene *s, vs_error *err) {
   return vs_error_carry_on(err, VS_INPUT);
 }
 
+/* Refuses a tier without a circuit where elements of the deck read the machine's motion, as such a
+ * circuit is no mains with an ideal thyristor. */
+static vs_status check_feedback(const vs_scene *s, vs_error *err) {
+  const vs_deck *deck = &s->setup.deck;
+  if (s->tier->has_circuit || !deck->reads_eva.file) return VS_OK;
+  return vs_error_carry_on(
+      err, vs_fail_at(err, deck->reads_eva,
+                      "an element reads the machine's motion at a node of %s, and tier %s (%s) has "
+                      "no circuit; take tier %s or auto",
+                      deck->eva, s->tier->name, s->why, circuit_tier()));
+}
+
 /* The deck's name alone is no conflict: it says what the tiers stand for. */
 static vs_status check_ignored(const vs_scene *s, vs_error *err) {
   const vs_node *circuit = vs_tree_child(s->tree.root, "circuit");
   const vs_events *events = &s->setup.timeline.events;
   vs_status status = check_law(s, err);
+  if (!status) status = check_feedback(s, err);
   if (status || s->tier->has_circuit) return status ? status : check_ignored_keys(s, err);
   for (const vs_node *n = circuit ? circuit->child : NULL; n && !status; n = n->next)
     if (strcmp(n->key, vs_deck_key.key)) status = ignored_key(s, "circuit", n, err);

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "syntax/units.h"
 
@@ -23,6 +24,7 @@ static bool device_measure_at(const vs_devices *devices, size_t k, vs_shown *m) 
     if (r->limit) m->limit = r->limit->value / vs_units_factor(m->unit);
     m->at_least = r->measure->held == VS_AT_LEAST;
     m->unjudged = r->unjudged;
+    m->group = VS_SHOWN_DEVICES;
     set_text(m, "%s", r->measure->text);
     return true;
   }
@@ -38,6 +40,7 @@ static bool quality_at(const vs_result *r, int k, vs_shown *m) {
         snprintf(m->name, sizeof m->name, "%s", of.name);
         m->unit = of.unit;
         m->value = of.value;
+        m->group = VS_SHOWN_QUALITY;
         set_text(m, "%s", of.text);
         return true;
       }
@@ -51,6 +54,23 @@ static int of_devices(const vs_devices *devices) {
   return n;
 }
 
+/* By slot of the standard measures; the coordinates' are motion. */
+static const vs_shown_group GROUPS[VS_STANDARD_MEASURES] = {
+    [VS_M_I_PEAK] = VS_SHOWN_ELECTRICAL,       [VS_M_T_FIRE] = VS_SHOWN_ELECTRICAL,
+    [VS_M_T_EXTINCTION] = VS_SHOWN_ELECTRICAL, [VS_M_CONDUCTION] = VS_SHOWN_ELECTRICAL,
+    [VS_M_ENERGY_IN] = VS_SHOWN_ENERGY,        [VS_M_ENERGY_COPPER] = VS_SHOWN_ENERGY,
+    [VS_M_WORK_FORCE] = VS_SHOWN_ENERGY,       [VS_M_ENERGY_RESIDUAL] = VS_SHOWN_ENERGY};
+
+/* True for a measure of the gap that also has the name of the one coordinate which opens it. */
+static bool is_doubled(const vs_model *model, const vs_measure *m) {
+  static const int OF_GAP[] = {VS_M_GAP_FIRST, VS_M_GAP_SECOND, VS_M_GAP_MIN, VS_M_GAP_MAX,
+                               VS_M_TAU_GAP};
+  bool of_gap = false;
+  for (size_t k = 0; k < sizeof OF_GAP / sizeof *OF_GAP; k++)
+    of_gap = of_gap || (m->slot == OF_GAP[k] && strstr(m->name, "gap"));
+  return of_gap && vs_measure_has_alias(model);
+}
+
 static double rating_of(const vs_deck *deck, int probe, int sense) {
   for (size_t k = 0; k < deck->n_ratings; k++)
     if (deck->ratings[k].probe == probe)
@@ -62,6 +82,8 @@ bool vs_shown_at(const vs_frame *frame, const vs_result *r, int k, vs_shown *m) 
   m->limit = NAN;
   m->at_least = false;
   m->unjudged = NULL;
+  m->channel = -1;
+  m->doubled = false;
   vs_measure of_machine;
   if (vs_measure_at(frame->model, k, &of_machine)) {
     snprintf(m->name, sizeof m->name, "%s", of_machine.name);
@@ -69,6 +91,8 @@ bool vs_shown_at(const vs_frame *frame, const vs_result *r, int k, vs_shown *m) 
     m->unit = of_machine.unit;
     m->value = r->values[of_machine.slot];
     m->value.value *= of_machine.factor;
+    m->group = of_machine.slot < VS_STANDARD_MEASURES ? GROUPS[of_machine.slot] : VS_SHOWN_MOTION;
+    m->doubled = is_doubled(frame->model, &of_machine);
     return true;
   }
   const vs_measures *measures = r->watchers.measures;
@@ -81,6 +105,8 @@ bool vs_shown_at(const vs_frame *frame, const vs_result *r, int k, vs_shown *m) 
   snprintf(m->name, sizeof m->name, "%s_%s", channel.name, e->sense < 0 ? "min" : "max");
   m->unit = channel.unit;
   m->value = e->best;
+  m->group = VS_SHOWN_ELECTRICAL;
+  m->channel = e->channel;
   m->at_least = e->sense < 0;
   if (frame->deck)
     m->limit = rating_of(frame->deck, e->channel - vs_channel_deck(frame->model), e->sense) /

@@ -6,12 +6,25 @@
 
 #include "scene/result.h"
 
+/* What a measure is about. */
+typedef enum vs_shown_group {
+  VS_SHOWN_MOTION,
+  VS_SHOWN_ELECTRICAL, /* currents, voltages, firing and extinction */
+  VS_SHOWN_DEVICES,
+  VS_SHOWN_ENERGY,
+  VS_SHOWN_QUALITY, /* of currents, to the mains */
+  VS_SHOWN_GROUPS
+} vs_shown_group;
+
 typedef struct vs_shown {
   char name[VS_JUDGED_NAME], text[VS_DECK_TEXT + 32];
   const char *unit; /* borrowed from the deck or from a table of the program */
   vs_value value;   /* in that unit */
   double limit;     /* in that unit: of a rating of its probe or of its device's part; NaN: none */
   bool at_least;    /* the limit is the least allowed, not the most */
+  vs_shown_group group;
+  int channel;          /* of the frame, whose extreme this is; -1: it is none of a deck's probe */
+  bool doubled;         /* the same number also stands under another name */
   const char *unjudged; /* why the value is not held against its part's limit; NULL: nothing is to
                            be said */
 } vs_shown;

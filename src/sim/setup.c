@@ -399,7 +399,9 @@ static vs_status choose_eva(vs_setup *setup, vs_error *err) {
   if (vs_error_count(err)) return VS_OK; /* there may be no coil */
   vs_eva_take_law(&setup->deck, &setup->model.coil);
   begin_eva(setup);
-  return vs_error_carry_on(err, vs_eva_check_names(&setup->deck, &setup->model.coil, err));
+  vs_status s = vs_error_carry_on(err, vs_eva_check_names(&setup->deck, &setup->model.coil, err));
+  if (!s) s = vs_error_carry_on(err, vs_eva_take_motions(&setup->deck, setup->machine, err));
+  return s;
 }
 
 /* Builds all of it; with has_deck the deck's text is there already, and so is a machine that the

@@ -12,8 +12,9 @@
 
 /* `self` is what `begin` returned. */
 typedef struct vs_stand_in {
-  /* Says why no circuit of this machine can be stood in for; NULL: it may be. */
-  const char *(*declines)(const vs_model *model);
+  /* Says why no circuit of this machine, or this circuit not, can be stood in for; NULL: it may be.
+   */
+  const char *(*declines)(const vs_setup *setup);
   /* Makes the stand-in of one run; setup and frame must outlive it. Returns NULL where the solver
    * of this run is never to be left. */
   void *(*begin)(const vs_setup *setup, const vs_frame *frame);

@@ -16,12 +16,7 @@
 #define VS_WATCH_EXTREMES_H
 
 #include "sim/step.h"
-
-/* A number that a run gave, in SI, and the instant it belongs to. */
-typedef struct vs_value {
-  bool known;         /* false: the run had nothing to measure, as no firing or too few extremes */
-  double value, at_s; /* at_s: NaN where the value belongs to no instant */
-} vs_value;
+#include "stress/value.h"
 
 /* The largest or least value of one channel so far. */
 typedef struct vs_extreme {

@@ -28,6 +28,10 @@ static int sole(const vs_model *model) {
   return movers == 1 && fabs(model->along[found]) == 1 ? found : -1;
 }
 
+bool vs_measure_has_alias(const vs_model *model) {
+  return sole(model) >= 0;
+}
+
 static const vs_coordinate *coordinate(const vs_model *model, int i) {
   return &model->machine->coordinates[i];
 }

@@ -61,6 +61,9 @@ enum { VS_MOST_MEASURES = VS_MEASURES + 3 };
 /* Fills `measure` with the k-th measure of the machine, from 0, in the order of lists, and returns
  * true; false: there are no more. Of the model only machine, dof and along are read. */
 bool vs_measure_at(const vs_model *model, int k, vs_measure *measure);
+/* True where one coordinate opens the gap by as much as it moves, so that measures of the travel
+ * also stand under that coordinate's name. */
+bool vs_measure_has_alias(const vs_model *model);
 /* How many there are. */
 int vs_measures_count(const vs_model *model);
 

@@ -4,7 +4,7 @@
 #ifndef VS_WATCH_VERDICT_H
 #define VS_WATCH_VERDICT_H
 
-#include "watch/devices.h"
+#include "stress/devices.h"
 #include "watch/measures.h"
 
 /* One line of a verdict: a rating of a probe, or a limit of a device's part. Values are in SI.

@@ -4,7 +4,7 @@
 #ifndef VS_WATCH_WATCHERS_H
 #define VS_WATCH_WATCHERS_H
 
-#include "watch/devices.h"
+#include "stress/devices.h"
 #include "watch/energy.h"
 #include "watch/measures.h"
 

@@ -14,13 +14,13 @@
  *                          go at its holding current, to the first 10 V
  *   commutation failure    an unintended firing on the first forward voltage after a conduction,
  *                          where the time offered was below the part's t_q, or that is not known */
-#ifndef VS_WATCH_SWITCHING_H
-#define VS_WATCH_SWITCHING_H
+#ifndef VS_STRESS_SWITCHING_H
+#define VS_STRESS_SWITCHING_H
 
 #include "coupling/conduction.h"
 #include "deck/devices.h"
-#include "watch/extremes.h"
-#include "watch/slope.h"
+#include "stress/slope.h"
+#include "stress/value.h"
 
 /* The courses of a device over one step (VS_OF_V, ...): at its beginning, half way, at its end. */
 typedef struct vs_course_step {

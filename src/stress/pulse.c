@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "watch/pulse.h"
+#include "stress/pulse.h"
 
 #include <math.h>
 

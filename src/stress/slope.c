@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "watch/slope.h"
+#include "stress/slope.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The result of one run as JSON for programs: the file summary.json. */
-#ifndef VS_COMMAND_SUMMARY_H
-#define VS_COMMAND_SUMMARY_H
+#ifndef VS_TELL_SUMMARY_H
+#define VS_TELL_SUMMARY_H
 
 #include "base/json.h"
 #include "scene/result.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "watch/switching.h"
+#include "stress/switching.h"
 
 #include <math.h>
 

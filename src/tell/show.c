@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "command/show.h"
+#include "tell/show.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-#include "scene/shown.h"
 #include "scene/tiers.h"
 #include "syntax/units.h"
+#include "tell/amount.h"
 
 /* "  12.3 % +- 0.04 %  held" */
 static void print_margin(const vs_judgement *j, FILE *out) {
@@ -19,9 +21,15 @@ static void print_margin(const vs_judgement *j, FILE *out) {
           vs_verdict_words[word]);
 }
 
+/* What is rated, in the unit that its limit was written in: "76.54 A/us". */
+static const char *written(double si, const char *unit, char text[VS_AMOUNT_SIZE]) {
+  snprintf(text, VS_AMOUNT_SIZE, "%.4g %s", si / vs_units_factor(unit), unit);
+  return text;
+}
+
 static void print_rating(const vs_judgement *j, int width, FILE *out) {
   double unit = vs_units_factor(j->rating->unit);
-  fprintf(out, "%-*s %12.6g %12.6g %12.6g %12.6g %-5s ", width, j->probe->name,
+  fprintf(out, "  %-*s %11.4g %11.4g %11.4g %11.4g %-5s ", width, j->probe->name,
           j->rating->min / unit, j->least.value / unit, j->largest.value / unit,
           j->rating->max / unit, j->rating->unit);
   print_margin(j, out);
@@ -29,14 +37,11 @@ static void print_rating(const vs_judgement *j, int width, FILE *out) {
 }
 
 static void print_device(const vs_judgement *j, int width, FILE *out) {
-  char name[VS_JUDGED_NAME];
+  char name[VS_JUDGED_NAME], at[VS_AMOUNT_SIZE] = "";
   double unit = vs_units_factor(j->limit->unit);
-  fprintf(out, "%-*s %12.6g %12.6g %-5s ", width, vs_verdict_name(j, name), j->stress.value / unit,
-          j->limit->value / unit, j->limit->unit);
-  if (isnan(j->stress.at_s))
-    fprintf(out, "%14s ", "");
-  else
-    fprintf(out, "%12.7g s ", j->stress.at_s);
+  if (!isnan(j->stress.at_s)) vs_amount_text(j->stress.at_s, "s", at);
+  fprintf(out, "  %-*s %11.4g %11.4g %-5s %11s ", width, vs_verdict_name(j, name),
+          j->stress.value / unit, j->limit->value / unit, j->limit->unit, at);
   print_margin(j, out);
   if (j->ward) fprintf(out, "  limit of %s", j->ward->name);
   fprintf(out, "%s\n", j->limit->assumed ? "  assumed" : "");
@@ -52,47 +57,65 @@ static void print_undecided(const vs_verdict *v, FILE *out) {
   if (n) fputc('\n', out);
 }
 
-/* The ratings come first; limits and stresses are shown in the unit they were written in. */
-static void print_verdict(const vs_verdict *v, int width, FILE *out) {
+/* "weakest: thyristor.di_dt, 76.54 A/us where 50 A/us is allowed, margin -53.1 % ..." */
+static void print_weakest(const vs_judgement *j, FILE *out) {
+  char name[VS_JUDGED_NAME], stress[VS_AMOUNT_SIZE], limit[VS_AMOUNT_SIZE];
+  const char *unit = vs_verdict_unit(j);
+  double allowed = j->limit                  ? j->limit->value
+                   : j->room[0] < j->room[1] ? j->rating->min
+                                             : j->rating->max;
+  fprintf(out, "weakest: %s, %s where %s is allowed, margin ", vs_verdict_name(j, name),
+          written(j->stress.value, unit, stress), written(allowed, unit, limit));
+  print_margin(j, out);
+  fputc('\n', out);
+}
+
+static void print_first_to_fail(const vs_judgement *j, FILE *out) {
+  char name[VS_JUDGED_NAME], at[VS_AMOUNT_SIZE];
+  fprintf(out, "first to fail: %s, at %s\n", vs_verdict_name(j, name),
+          vs_amount_text(j->failed_s, "s", at));
+}
+
+/* The word of the whole: that of its worst line. It is coloured where people look. */
+static void print_word(const vs_verdict *v, FILE *out) {
+  static const char *const COLOURS[VS_WORDS] = {
+      [VS_HELD] = "32", [VS_VIOLATED] = "31", [VS_UNDECIDED] = "33", [VS_UNVERIFIED] = "33"};
+  const vs_judgement *breach = vs_verdict_breach(v);
+  vs_word word = VS_HELD;
+  for (size_t k = 0; k < v->count; k++)
+    if (vs_verdict_word(&v->item[k]) == VS_UNVERIFIED) word = VS_UNVERIFIED;
+  if (breach)
+    word = breach->margin < 0 && vs_verdict_word(breach) == VS_UNVERIFIED ? VS_VIOLATED
+                                                                          : vs_verdict_word(breach);
+  bool coloured = isatty(fileno(out)) && !getenv("NO_COLOR");
+  if (coloured)
+    fprintf(out, "verdict: \033[1;%sm%s\033[0m\n", COLOURS[word], vs_verdict_words[word]);
+  else
+    fprintf(out, "verdict: %s\n", vs_verdict_words[word]);
+}
+
+static int name_width(const vs_verdict *v) {
   char name[VS_JUDGED_NAME];
+  int width = 18;
+  for (size_t k = 0; k < v->count; k++) {
+    int n = (int)strlen(vs_verdict_name(&v->item[k], name));
+    if (n > width) width = n;
+  }
+  return width;
+}
+
+/* The ratings come first; limits and stresses are shown in the unit they were written in. */
+static void print_lines(const vs_verdict *v, FILE *out) {
+  int width = name_width(v);
   size_t k = 0;
-  if (v->count && v->item[0].rating)
-    fprintf(out, "\n%-*s %12s %12s %12s %12s %-5s %8s\n", width, "rating", "min", "least",
+  if (v->item[0].rating)
+    fprintf(out, "\n  %-*s %11s %11s %11s %11s %-5s %8s\n", width, "rating", "min", "least",
             "largest", "max", "", "margin +- its numerical error");
   for (; k < v->count && v->item[k].rating; k++) print_rating(&v->item[k], width, out);
   if (k < v->count)
-    fprintf(out, "\n%-*s %12s %12s %-5s %14s %8s\n", width, "device", "stress", "limit", "", "at",
+    fprintf(out, "\n  %-*s %11s %11s %-5s %11s %8s\n", width, "device", "stress", "limit", "", "at",
             "margin +- its numerical error");
   for (; k < v->count; k++) print_device(&v->item[k], width, out);
-  if (v->weakest) {
-    fprintf(out, "\nweakest: %s, margin ", vs_verdict_name(v->weakest, name));
-    print_margin(v->weakest, out);
-    fputc('\n', out);
-  }
-  print_undecided(v, out);
-  if (v->first_to_fail)
-    fprintf(out, "first to fail: %s, at %.9g s\n", vs_verdict_name(v->first_to_fail, name),
-            v->first_to_fail->failed_s);
-}
-
-static void print_measure(const vs_shown *m, int width, const vs_value *measured, FILE *out) {
-  fprintf(out, "%-*s ", width, m->name);
-  if (!m->value.known) {
-    fprintf(out, "%16s\n", "-");
-    return;
-  }
-  fprintf(out, "%16.9g %-5s ", m->value.value, m->unit);
-  if (isnan(m->value.at_s))
-    fprintf(out, "%14s", "");
-  else
-    fprintf(out, "%12.7g s", m->value.at_s);
-  if (measured && measured->known) {
-    fprintf(out, " %16.6g", measured->value);
-    if (measured->value != 0)
-      fprintf(out, "   computed is %+.1f %%", 100 * (m->value.value / measured->value - 1));
-  }
-  if (m->unjudged) fprintf(out, "  %s", m->unjudged);
-  fputc('\n', out);
 }
 
 /* How the errors of the margins were found, and what would decide those that are not. */
@@ -114,7 +137,7 @@ static void print_second(const vs_result *r, FILE *out) {
 static void print_head(const vs_result *r, FILE *out) {
   const vs_scene *s = r->scene;
   const vs_absence *absence = &r->watchers.absence;
-  fprintf(out, "scene  %s\ntier   %s (%s)\n", s->path, s->tier->name, s->why);
+  fprintf(out, "\nscene  %s\ntier   %s (%s)\n", s->path, s->tier->name, s->why);
   if (r->ladder.rung)
     fprintf(out, "rung   %d: %s; before, %s\n", r->ladder.rung, vs_ladder_text(r->ladder.rung),
             r->ladder.failed);
@@ -135,20 +158,7 @@ static void print_head(const vs_result *r, FILE *out) {
             s->setup.model.riding, s->setup.throw_coefficient, s->tier == tier ? "" : " of tier ",
             s->tier == tier ? "" : tier->name);
   if (r->watchers.devices)
-    fprintf(out, "means over %.9g..%.9g s\n", s->setup.means.from_s, s->setup.means.to_s);
-  fputc('\n', out);
-}
-
-static void print_measures(const vs_result *r, int width, FILE *out) {
-  const vs_scene *s = r->scene;
-  vs_shown m;
-  bool any = false;
-  int standard = vs_measures_count(&s->setup.model);
-  for (int k = 0; k < VS_MOST_MEASURES; k++) any = any || s->measured[k].known;
-  fprintf(out, "%-*s %16s %-5s %14s%s\n", width, "measure", "computed", "", "at",
-          any ? "         measured" : "");
-  for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++)
-    print_measure(&m, width, k < standard ? &s->measured[k] : NULL, out);
+    fprintf(out, "means  over %.9g..%.9g s\n", s->setup.means.from_s, s->setup.means.to_s);
 }
 
 /* What each instrument makes of a sine of the frequency at which the machine works. */
@@ -234,15 +244,29 @@ static void print_quality(const vs_quality *q, FILE *out) {
   vs_show_classes(&drawn, out);
 }
 
-void vs_show_result(const vs_result *r, FILE *out) {
+void vs_show_verdict(const vs_result *r, FILE *out) {
+  const vs_verdict *v = &r->verdict;
+  const vs_scene *s = r->scene;
+  if (!v->count) {
+    fprintf(out, "verdict: none, as %s\n",
+            s->tier->has_circuit ? "the deck and its parts rate nothing"
+                                 : "this tier has no circuit whose parts could be rated");
+    return;
+  }
+  print_word(v, out);
+  if (v->weakest) print_weakest(v->weakest, out);
+  if (v->first_to_fail) print_first_to_fail(v->first_to_fail, out);
+  print_undecided(v, out);
+  print_lines(v, out);
+  print_second(r, out);
+}
+
+void vs_show_result(const vs_result *r, const vs_groups_options *options, FILE *out) {
   const vs_scene *s = r->scene;
   const double work_j = r->watchers.energy.joule[VS_E_WORK];
-  vs_shown m;
-  int width = 18;
-  for (int k = 0; vs_shown_at(&s->frame, r, k, &m); k++)
-    if ((int)strlen(m.name) > width) width = (int)strlen(m.name);
+  const int width = 18;
   print_head(r, out);
-  print_measures(r, width, out);
+  vs_groups_print(r, options, out);
   if (s->frame.gap_at_rest && work_j != 0)
     fprintf(out, "\nthe one-way force of this tier did %.4f J of work that nothing supplied\n",
             work_j);
@@ -250,7 +274,5 @@ void vs_show_result(const vs_result *r, FILE *out) {
   print_loop(r, width, out);
   print_observer(r, width, out);
   for (int k = 0; k < r->n_quality; k++) print_quality(&r->quality[k], out);
-  print_verdict(&r->verdict, width, out);
-  print_second(r, out);
   fprintf(out, "\n%ld steps in %.3g s\n", r->steps, r->wall_s);
 }

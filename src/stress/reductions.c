@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "watch/reductions.h"
+#include "stress/reductions.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "watch/pulse.h"
+#include "stress/pulse.h"
 
 /* ---- what reductions share ---- */
 
@@ -76,11 +76,6 @@ static const vs_reducer peak = {.is_busy = has_course, .begin = begin_peak, .fol
  * above it over 0.7 s (i2t/i_t_rms^2 of the parts that ship is 0.46 to 0.68 s). */
 static const double CONTINUOUS_S = 1;
 
-static void finish_mean(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
-  double span_s = end->to_s - end->from_s;
-  if (span_s > 0) r->value = (vs_value){true, w->sum_meant[r->measure->of] / span_s, NAN};
-}
-
 /* True: only one firing falls into the time meant, which says nothing of the power or current in
  * operation. The scene fires once; or the device began to conduct there once at most, and did not
  * conduct all of the time. */
@@ -89,9 +84,9 @@ static bool is_one_shot(const vs_watched *w) {
   return w->starts < 2 && w->rests;
 }
 
-/* The limit of an rms current holds for ever, as does the current on an orbit. A value above it
- * counts as passing the limit at the end of the time meant. */
-static void judge_rms(const vs_watched *w, vs_reduced *r, double span_s, double end_s) {
+/* The limit of a mean or an rms current holds for ever, as does the current on an orbit. A value
+ * above it counts as passing the limit at the end of the time meant. */
+static void judge_mean(const vs_watched *w, vs_reduced *r, double span_s, double end_s) {
   if (!r->limit) return;
   if (!w->at_work && span_s < CONTINUOUS_S * (1 - 1e-9))
     r->unjudged = "not judged: over less than 1 s";
@@ -103,11 +98,18 @@ static void judge_rms(const vs_watched *w, vs_reduced *r, double span_s, double 
     r->failed_s = end_s;
 }
 
+static void finish_mean(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
+  double span_s = end->to_s - end->from_s;
+  if (!(span_s > 0)) return;
+  r->value = (vs_value){true, w->sum_meant[r->measure->of] / span_s, NAN};
+  judge_mean(w, r, span_s, end->to_s);
+}
+
 static void finish_rms(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
   double span_s = end->to_s - end->from_s;
   if (!(span_s > 0)) return;
   r->value = (vs_value){true, sqrt(w->sum_meant[r->measure->of] / span_s), NAN};
-  judge_rms(w, r, span_s, end->to_s);
+  judge_mean(w, r, span_s, end->to_s);
 }
 
 static const vs_reducer mean = {.finish = finish_mean}, rms = {.finish = finish_rms};

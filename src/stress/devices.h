@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Watcher that measures the stress of the deck's devices (deck/devices.h). It evaluates each
  * device's voltage and current, tells what a device that conducts or blocks did, and hands both to
- * the reductions of the device's measures (watch/reductions.h).
+ * the reductions of the device's measures (stress/reductions.h).
  *
  * Between two knots the deck's terms lie on straight lines, as the probes do. So extremes are at
  * knots, and Simpson's rule integrates a voltage times a current exactly. */
-#ifndef VS_WATCH_DEVICES_H
-#define VS_WATCH_DEVICES_H
+#ifndef VS_STRESS_DEVICES_H
+#define VS_STRESS_DEVICES_H
 
-#include "watch/reductions.h"
+#include "stress/reductions.h"
 
 /* A device that went against its gate in the step last accepted. */
 typedef struct vs_incident {

@@ -2,10 +2,10 @@
  * How the courses of a device (its voltage, its current, ...) become one number each: one plug for
  * each vs_reduction that the deck's kinds name. A reduction sees its device step by step and keeps
  * what it must remember in a state of its own. */
-#ifndef VS_WATCH_REDUCTIONS_H
-#define VS_WATCH_REDUCTIONS_H
+#ifndef VS_STRESS_REDUCTIONS_H
+#define VS_STRESS_REDUCTIONS_H
 
-#include "watch/switching.h"
+#include "stress/switching.h"
 
 typedef struct vs_reducer vs_reducer;
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The largest rate of a course that runs straight from knot to knot. A rate is the change over a
  * window of exactly 0.1 us, divided by 0.1 us; the window may lie anywhere. */
-#ifndef VS_WATCH_SLOPE_H
-#define VS_WATCH_SLOPE_H
+#ifndef VS_STRESS_SLOPE_H
+#define VS_STRESS_SLOPE_H
 
 #include <stdbool.h>
 #include <stddef.h>

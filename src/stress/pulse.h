@@ -14,12 +14,12 @@
  * in it. Therefore it counts nothing that is only stored, and it is never above the integral over
  * the run. It is known when the voltage has come back. Of a pulse whose current still flows as the
  * run ends, all of the integral is taken for heat, which is too much by what is stored then. */
-#ifndef VS_WATCH_PULSE_H
-#define VS_WATCH_PULSE_H
+#ifndef VS_STRESS_PULSE_H
+#define VS_STRESS_PULSE_H
 
 #include <stdbool.h>
 
-#include "watch/switching.h"
+#include "stress/switching.h"
 
 /* Levels of |v| whose first passing is noted: 0 V, then 16 to an octave from 1 V to 131 kV. Heat
  * below a level is left out where the pulse never comes back to that level; levels are 4.4 % apart.

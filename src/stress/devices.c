@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "watch/devices.h"
+#include "stress/devices.h"
 
 #include <assert.h>
 #include <math.h>
@@ -92,7 +92,7 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
   if (d->has_flux) own->flux = quick_of(&d->flux);
   if (d->kind->switches) {
     w->states = vs_alloc(1, sizeof *w->states);
-    vs_switching_begin(w->states, frame->timeline, d->gate_rad);
+    vs_switching_begin(w->states, frame->timeline, d->kind->gated ? d->gate_rad : NAN);
     begin_shots(&own->shots, frame, d);
     if (w->at_work) own->opening = vs_alloc(1, sizeof *own->opening);
   }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "command/summary.h"
+#include "tell/summary.h"
 
 #include <math.h>
 #include <stdio.h>

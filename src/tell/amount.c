@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "tell/amount.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Units that take a prefix. */
+static const char *const PREFIXED[] = {"A", "V", "W",  "J",   "N", "m",  "s",  "F",
+                                       "H", "C", "Wb", "ohm", "S", "Hz", "VA", NULL};
+
+/* The power of 1000 that the value is shown in, -5 (f) to 3 (G); 0 where the unit has no prefix. */
+static int power_of(double value, const char *unit) {
+  bool prefixed = false;
+  for (const char *const *p = PREFIXED; *p; p++) prefixed = prefixed || !strcmp(*p, unit);
+  if (!prefixed || !isfinite(value) || value == 0) return 0;
+  int power = (int)floor(log10(fabs(value)) / 3 + 1e-12);
+  return power < -5 ? -5 : power > 3 ? 3 : power;
+}
+
+static const char *prefix_of(int power) {
+  static const char *const PREFIXES[] = {"f", "p", "n", "u", "m", "", "k", "M", "G"};
+  return PREFIXES[power + 5];
+}
+
+const char *vs_amount_text(double value, const char *unit, char text[VS_AMOUNT_SIZE]) {
+  int power = power_of(value, unit);
+  snprintf(text, VS_AMOUNT_SIZE, "%.4g%s%s%s", value / pow(1000, power), *unit ? " " : "",
+           prefix_of(power), unit);
+  return text;
+}
+
+const char *vs_amount_range(double least, double largest, const char *unit,
+                            char text[2 * VS_AMOUNT_SIZE]) {
+  int power = power_of(fmax(fabs(least), fabs(largest)), unit);
+  double scale = pow(1000, power);
+  snprintf(text, (size_t)(2 * VS_AMOUNT_SIZE), "%.4g .. %.4g%s%s%s", least / scale, largest / scale,
+           *unit ? " " : "", prefix_of(power), unit);
+  return text;
+}

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The result of one run as a table for people. */
+#ifndef VS_TELL_SHOW_H
+#define VS_TELL_SHOW_H
+
+#include <stdio.h>
+
+#include "tell/groups.h"
+
+/* Prints the verdict: its word, the weakest line, the first to fail, every line. Limits and
+ * stresses are in the unit that the rating's or the limit's line was written in. */
+void vs_show_verdict(const vs_result *result, FILE *out);
+
+/* Prints what stands behind the verdict: scene, tier, the measures in groups, the cost. */
+void vs_show_result(const vs_result *result, const vs_groups_options *options, FILE *out);
+
+/* Prints for each class of apparatus which harmonic takes most of its limit, and how much. */
+void vs_show_classes(const vs_drawn *drawn, FILE *out);
+
+#endif
