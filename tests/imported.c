@@ -44,6 +44,7 @@ static decks begin(const char *origin) {
   decks d = {.origin = origin};
   char folder[512];
   snprintf(folder, sizeof folder, VS_TEST_FOLDER "/cases/import/%s", origin);
+  unlink("decks"); /* of an earlier test */
   CU_ASSERT_EQUAL_FATAL(symlink(folder, "decks"), 0);
   d.text = read_file("decks/decks.txt");
   d.references = read_file("decks/references.csv");
@@ -167,7 +168,8 @@ static int with_measures(const char *reltol, int divisor, extreme of[MOST_COLUMN
       }
       fputs("quit 0\n", out);
     } else if (at)
-      fprintf(out, "%.*sreltol=%s%s\n", (int)(at - line), line, reltol, at + strlen(RELTOL));
+      fprintf(out, "%.*sreltol=%s abstol=1e-9 vntol=1e-5%s\n", (int)(at - line), line, reltol,
+              at + strlen(RELTOL));
     else if (!strncmp(line, STEP, strlen(STEP)))
       fprintf(out, "%s{%.*s/%d}\n", STEP, (int)strcspn(line + strlen(STEP), " ;"),
               line + strlen(STEP), divisor);

@@ -150,6 +150,7 @@ static void clean(const char *said, char name[VS_ELEMENTS_NAME]) {
   }
   while (n > 0 && name[n - 1] == '_') n--;
   name[n] = '\0';
+  if (!strcmp(name, "ac") || !strcmp(name, "dc")) strcat(name, "_net"); /* words of a source */
 }
 
 static bool has_node(const vs_elements *w, const char *name) {
@@ -161,6 +162,7 @@ static bool has_node(const vs_elements *w, const char *name) {
 /* True for a name that programs give to nets nobody has named. */
 static bool is_made_up(const char *said) {
   const char *s = said;
+  if (!strcmp(said, "n") || !strcmp(said, "net")) return false;
   if (strstr(said, "net-") == said || strstr(said, "unconnected-")) return true;
   if (*s == 'n') s++;
   if (!strncmp(s, "et", 2)) s += 2;

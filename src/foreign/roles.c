@@ -163,13 +163,27 @@ static vs_status add_named_gates(finder *f, const char *asked) {
   return status;
 }
 
+/* True for a source that shares a node, other than 0, with the mains' own: a surge in the line,
+ * say.
+ */
+static bool in_the_line(const finder *f, const vs_element *e) {
+  const int *mains = f->roles->mains->nodes;
+  for (int k = 0; k < 2; k++)
+    for (int n = 0; n < 2; n++)
+      if (mains[k] == e->nodes[n] && strcmp(f->w->nodes[mains[k]].name, "0")) {
+        const vs_element *other = vs_elements_next(f->w, e, mains[k]);
+        if (other == f->roles->mains) return true; /* nothing else meets there: in series */
+      }
+  return false;
+}
+
 /* True for a source that may be a gate's: its course is a pulse, or of points that go up and come
  * back once. */
 static bool may_fire(const finder *f, const vs_element *e) {
   vs_course_pulse p;
   vs_error unread = {0};
   bool pulse = vs_course_has(f->w, e, "pulse"), points = vs_course_has(f->w, e, "pwl");
-  if (!f->roles->mains || (!pulse && !points)) return false;
+  if (!f->roles->mains || (!pulse && !points) || in_the_line(f, e)) return false;
   if (vs_course_read_pulse(f->w, f->v, e, &p, &unread)) return true; /* it is asked for, or told */
   return (!points || (isfinite(p.at_s) && isfinite(p.width_s))) && !chops(f, &p);
 }
