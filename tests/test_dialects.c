@@ -408,7 +408,7 @@ static void constructs_are_told(void) {
       {"B1 yy 0 V=IF(V(ss)>1,2)", "d.cir:16:11", "it has 2"},
       {"B1 yy 0 V=table(V(ss),1,2,3)", "d.cir:16:11", "pairs of numbers"},
       {"R9 ss yy {idt(1)}", "d.cir:16:11", "belongs into a B source"},
-      {"V9 yy 0 PWL(0 0 +1u 5)", "d.cir:16:17", "counted from the point before"},
+      {"V9 yy 0 PWL(0 0 +1u 5)", "d.cir:16:17", "time from the point before"},
       {"V9 yy 0 PWL REPEAT FOR 5 (0 0 1u 1) ENDREPEAT", "d.cir:16:13", "REPEAT FOREVER"},
       {"V9 yy 0 PWL(0 0 1 5) TIME_SCALE_FACTOR=1u", "d.cir:16:22", "as they come out"},
       {"K1 L1 L2 0.9 core", "d.cir:16:10", "a core's model"},

@@ -334,18 +334,13 @@ static bool add_as_pulse(const char *open, const char *close, int head, const ch
 }
 
 /* PWL REPEAT FOREVER (0 0 1u 1 ...) ENDREPEAT, of LTspice and PSpice, is PWL(0 0 1u 1 ...) r=0 in
- * ngspice. A time behind '+', counted from the point before, ngspice would read from 0. */
+ * ngspice. */
 static vs_status rewrite_points(vs_rewriting *r) {
   const char *text = r->text.text, *pwl = strcasestr(text, "pwl");
   if (!pwl || pwl == text || !strchr(" \t", pwl[-1]) || vs_words_goes_on(pwl[3])) return VS_OK;
   const char *s = pwl + 3 + strspn(pwl + 3, " \t"), *open = strchr(s, '(');
   const char *close = open ? strchr(open, ')') : NULL;
   bool repeats = !strncasecmp(s, "repeat", 6);
-  for (const char *c = s; *c && c != close; c++)
-    if (*c == '+' && strchr(" \t,(", c[-1]))
-      return vs_fail_at(r->err, vs_rewriting_place(r, c, 1),
-                        "a time behind '+' is counted from the point before, by LTspice and "
-                        "PSpice; ngspice reads it from 0: write it so");
   if (!repeats) return VS_OK;
   vs_word w[VS_WORDS_MOST];
   size_t count = vs_words_split(s, w);
