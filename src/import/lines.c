@@ -180,18 +180,25 @@ static void add_others(vs_fate *p) {
   }
 }
 
+/* True where the element has an option of that name that is not 0, as LTspice's Rser: one of 0 is
+ * no part. */
+static bool has_part(const vs_fate *p, const vs_element *e, const char *name) {
+  double value = 1;
+  char *text = vs_elements_option(p->wiring, e, name);
+  bool has = text && !(vs_values_of(p->values, text, &value) && value == 0);
+  free(text);
+  return has;
+}
+
 /* The voltage of a capacitor without what LTspice puts in series into it: Rser and Lser, behind the
  * node that the reader of decks makes of them. */
 static void within(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
                    char v[VS_DECK_TEXT]) {
-  char *rser = vs_elements_option(p->wiring, e, "rser");
-  char *lser = vs_elements_option(p->wiring, e, "lser");
   char inner[VS_ELEMENTS_NAME + 8];
   snprintf(inner, sizeof inner, "%s__ser", e->name);
   vs_cursor_lower(inner);
-  if (rser || lser) snprintf(v, VS_DECK_TEXT, "v(%s,%s)", own->inner, inner);
-  free(rser);
-  free(lser);
+  if (has_part(p, e, "rser") || has_part(p, e, "lser"))
+    snprintf(v, VS_DECK_TEXT, "v(%s,%s)", own->inner, inner);
 }
 
 static void add_passive(vs_fate *p, const vs_element *e, const vs_fate_element *own) {
