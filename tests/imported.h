@@ -9,6 +9,7 @@
  *                     PROBE=EXPRESSION ...
  *                   An expression is of ngspice and the netlist's own names, without blanks. The
  *                   probe i_peak stands for the coil's current, whose peak either way counts.
+ *                   Behind another '|' may stand columns of the export that are known to be missed.
  *                   A netlist with `-` for an end has no reference: ngspice does not read it.
  *                   Lines that begin with '#' are comments.
  *   NETLIST.sed     where ngspice does not read the netlist as it is: the edits that make it do so
@@ -25,8 +26,8 @@ void imported_held(const char *origin);
 
 /* Each deck with a machine that moves: the extremes of each column are those of plain ngspice on
  * the exported netlist, within 1e-3 of its peak, where ngspice itself is certain of them. Writes
- * ORIGIN's rows of tests/long/imports.csv to imports_ORIGIN.csv beside the work folder. Does
- * nothing unless VS_LONG is set and ngspice is on the PATH. */
+ * ORIGIN's rows of tests/long/imports.csv to imports_ORIGIN.csv in the folder that VS_ROWS names.
+ * Does nothing unless VS_LONG is set and ngspice is on the PATH. */
 void imported_exported(const char *origin);
 
 #endif

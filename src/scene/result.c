@@ -171,6 +171,13 @@ static void warn_after(const vs_result *r, bool of_firing,
   char text[VS_DECK_TEXT + sizeof r->second.failed];
   if (of_firing && nothing_fires(r, text, sizeof text)) each(ctx, text);
   if (sequence_differs(r, text, sizeof text)) each(ctx, text);
+  if (*r->second.unsure) {
+    snprintf(text, sizeof text,
+             "a signal's extreme hangs on the steps: %s; a finer run.tolerance, or a capacitance "
+             "beside the switch, may settle it",
+             r->second.unsure);
+    each(ctx, text);
+  }
   if (fraction_is_held(r, text, sizeof text)) each(ctx, text);
   if (fraction_is_one_of_two(r, text, sizeof text)) each(ctx, text);
   if (*r->books) each(ctx, r->books);

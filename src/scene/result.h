@@ -16,6 +16,7 @@ typedef struct vs_second_run {
   vs_sequence sequence; /* how often its thyristor fired and went out */
   double decides; /* a run.tolerance at which the undecided lines of the verdict are likely to be
                      decided; 0: none is known, or none is needed */
+  char unsure[256]; /* extremes that the two runs have very differently; empty: there are none */
   double wall_s;
   char failed[256]; /* why there was none though it was wanted; empty: there was one, or it was not
                        wanted */

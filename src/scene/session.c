@@ -9,6 +9,7 @@
 
 #include "base/text.h"
 #include "instrument/onset.h"
+#include "scene/shown.h"
 #include "syntax/units.h"
 
 /* ---- one attempt ---- */
@@ -243,8 +244,43 @@ static const double RESOLUTION = 3;
 
 static bool wants_second(const vs_session *session, const vs_result *r) {
   int word = r->scene->setup.run.verify;
-  return r->verdict.count &&
-         (word == VS_VERIFY_ALWAYS || (word == VS_VERIFY_AUTO && session->verify));
+  bool told = r->verdict.count || r->scene->tier->has_circuit; /* what a second run tells */
+  return (word == VS_VERIFY_ALWAYS && told) ||
+         (word == VS_VERIFY_AUTO && session->verify && r->verdict.count);
+}
+
+/* With run.verify: always, an extreme of a probe is told which a finer run has otherwise by more
+ * than this part of the probe's peak, or a coarser one by three times as much. A tolerance bounds
+ * the motion; a spike of nanoseconds, as behind an ideal switch, may be as high as the steps make
+ * it. What is below a millionth of a volt or an ampere is nothing. */
+static const double UNSURE = 0.03, NOTHING = 1e-6;
+
+/* Names the extreme of a probe that the second run has most differently. */
+static void tell_unsure(vs_result *r, const vs_result *second) {
+  const vs_frame *frame = &r->scene->frame;
+  vs_shown one, other, worst = {.name = ""};
+  bool coarser = second->scene->setup.run.tolerance > r->scene->setup.run.tolerance;
+  const double allowed = coarser ? 3 * UNSURE : UNSURE;
+  double most = allowed, by = NAN;
+  int count = 0;
+  for (int k = 0; vs_shown_at(frame, r, k, &one); k++) {
+    if (one.channel < 0 || !vs_shown_at(frame, second, k, &other)) continue;
+    const vs_extreme *ends =
+        vs_measures_of_probe(r->watchers.measures, one.channel - vs_channel_deck(frame->model));
+    double peak = fmax(fabs(ends[0].best.value), fabs(ends[1].best.value));
+    double change =
+        fabs(one.value.value - other.value.value) * vs_units_factor(one.unit) / fmax(peak, NOTHING);
+    count += change > allowed;
+    if (!(change > most)) continue;
+    most = change;
+    worst = one;
+    by = other.value.value;
+  }
+  if (count)
+    snprintf(r->second.unsure, sizeof r->second.unsure,
+             "%s is %.4g %s, and %.4g %s at run.tolerance = %.3g%s", worst.name, worst.value.value,
+             worst.unit, by, worst.unit, r->second.tolerance,
+             count > 1 ? "; other extremes differ, too" : "");
 }
 
 /* Makes *s, a copy of a scene, one that differs in how finely it is solved and in nothing else. */
@@ -301,6 +337,7 @@ static void run_second(const vs_session *session, vs_result *r) {
     double bound = fmax(r->watchers.absence.bound, second->watchers.absence.bound);
     vs_verdict_compare(&r->verdict, &second->verdict, RESOLUTION * own + bound);
     r->second.decides = deciding_tolerance(r);
+    if (r->scene->setup.run.verify == VS_VERIFY_ALWAYS) tell_unsure(r, second);
   }
   vs_result_free(second);
   free(second);

@@ -248,9 +248,12 @@ void vs_show_verdict(const vs_result *r, FILE *out) {
   const vs_verdict *v = &r->verdict;
   const vs_scene *s = r->scene;
   if (!v->count) {
-    fprintf(out, "verdict: none, as %s\n",
+    fprintf(out, "verdict: none, as %s%s\n",
             s->tier->has_circuit ? "the deck and its parts rate nothing"
-                                 : "this tier has no circuit whose parts could be rated");
+                                 : "this tier has no circuit whose parts could be rated",
+            s->tier->has_circuit && !r->second.done
+                ? "; run.verify: always would tell which extremes hang on the steps"
+                : "");
     return;
   }
   print_word(v, out);
