@@ -325,6 +325,11 @@ static void what_is_not_tried(void) {
   ran r = run("check paper --deep");
   EXPECT(r.status == 0 && strstr(r.out, "nothing is tried: tier"), "%s", r.out);
   free_ran(&r);
+  write_file("grid.yaml", "scene: paper\nvary: {firing.angle: [90 deg, 100 deg]}\n");
+  r = run("check grid.yaml --deep");
+  EXPECT(r.status == 0 && strstr(r.out, "nothing is tried: --deep tries a scene or a deck"), "%s",
+         r.out);
+  free_ran(&r);
   write_deck("R9 a\n");
   r = run("check deck.cir --deep");
   EXPECT(r.status == 2 && !strstr(r.out, "tried"), "%d: %s", r.status, r.out);
