@@ -283,6 +283,24 @@ static void gear_where_it_does_not(void) {
   free_ran(&r);
 }
 
+/* A deck of modulated switches has no gate to fire. In the trial both legs do the same, so that the
+ * coil has no voltage, and no rule is the better one for the rounding that is left of it. */
+static void modulated_legs(void) {
+  write_file("legs.cir", "*$ title two legs that do the same\n"
+                         "*$ port pwm = Vu\n*$ port pwm_low = Vl\n*$ probe v_x = v(x) V\n"
+                         "Vu u 0 external\nVl l 0 external\nVdc d 0 100\nRdc d p 10\n"
+                         "Cdc p 0 10u ic=100\nS1 p x u 0 sw off\nS2 x 0 l 0 sw off\n"
+                         "S3 p y u 0 sw off\nS4 y 0 l 0 sw off\n"
+                         "D1 x p dw\nD2 0 x dw\nD3 y p dw\nD4 0 y dw\n"
+                         "Rsn x sn 330\nCsn sn y 1n ic=0\n"
+                         ".model sw sw(ron=0.3 roff=10meg vt=0.5 vh=0.1)\n"
+                         ".model dw d(is=1e-9 rs=20m cjo=100p bv=2000)\nXeva x y eva\n");
+  ran r = run("check legs.cir --deep");
+  EXPECT(r.status == 0 && strstr(r.out, "tried: ") && !strstr(r.out, "hint: "), "%d: %s%s",
+         r.status, r.out, r.err);
+  free_ran(&r);
+}
+
 /* The hint after a run stands where the run crawled, on standard error and in summary.json, and not
  * with --quiet. */
 static void after_a_run(void) {
@@ -307,6 +325,11 @@ static void what_is_not_tried(void) {
   ran r = run("check paper --deep");
   EXPECT(r.status == 0 && strstr(r.out, "nothing is tried: tier"), "%s", r.out);
   free_ran(&r);
+  write_file("grid.yaml", "scene: paper\nvary: {firing.angle: [90 deg, 100 deg]}\n");
+  r = run("check grid.yaml --deep");
+  EXPECT(r.status == 0 && strstr(r.out, "nothing is tried: --deep tries a scene or a deck"), "%s",
+         r.out);
+  free_ran(&r);
   write_deck("R9 a\n");
   r = run("check deck.cir --deep");
   EXPECT(r.status == 2 && !strstr(r.out, "tried"), "%d: %s", r.status, r.out);
@@ -322,6 +345,7 @@ static const vs_test TESTS[] = {
     {"gear where it pays", gear_where_it_pays},
     {"ringing", ringing},
     {"gear where it does not", gear_where_it_does_not},
+    {"modulated legs", modulated_legs},
     {"after a run", after_a_run},
     {"what is not tried", what_is_not_tried},
 };

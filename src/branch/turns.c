@@ -7,7 +7,7 @@ void vs_turns_begin(vs_turns *t, const vs_model *model) {
   *t = (vs_turns){.least = {VS_CH_TRAVEL, -1, {false, 0, 0}},
                   .largest = {VS_CH_TRAVEL, 1, {false, 0, 0}}};
   for (int i = 0; i < 2 * model->dof; i++)
-    t->of[i] = (vs_extreme){VS_CH_Q + i / 2, i % 2 ? 1 : -1, {false, 0, 0}};
+    t->of[i] = (vs_extreme){.channel = VS_CH_Q + i / 2, .sense = i % 2 ? 1 : -1};
   for (int k = 0; k < VS_MOST_STOPS; k++) t->nearest_m[k] = INFINITY;
 }
 

@@ -65,6 +65,7 @@ typedef struct report {
   vs_text good; /* describes the file, where nothing was found */
   vs_warnings warnings;
   vs_check_bench bench; /* of a part */
+  bool may_try;         /* the file is of a kind that --deep tries */
 } report;
 
 static void warn_of_deck(report *r, const vs_deck *deck) {
@@ -116,6 +117,7 @@ static void look_through(report *r, const vs_deck *deck, const vs_error *err) {
 /* Tries the beginning of a run, where that is asked for and nothing was found. */
 static vs_status try_deep(report *r, bool is_deck, vs_status status, vs_error *err) {
   const vs_check_options *o = r->options;
+  r->may_try = true;
   return status || vs_error_count(err) || !o->deep || !o->trial
              ? status
              : o->trial(o, is_deck, &r->bench, err);
@@ -338,6 +340,8 @@ vs_status vs_check_command(const vs_check_options *o, vs_error *err) {
   report r = {.options = o};
   vs_error own = {.findings = all};
   vs_status status = vs_error_carry_on(&own, check(&r, &own));
+  if (o->deep && !r.may_try)
+    vs_text_add(&r.bench.table, "\nnothing is tried: --deep tries a scene or a deck");
   for (size_t k = 0; k < all->count && !o->json; k++) print_finding(o->name, "", &all->item[k]);
   for (size_t k = 0; k < r.warnings.count && !o->quiet; k++)
     print_finding(o->name, "warning: ", &r.warnings.item[k]);

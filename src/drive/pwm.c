@@ -156,6 +156,10 @@ vs_status vs_pwm_check(const vs_node *section, const vs_pwm_values *p, vs_error 
                       "pwm.depth: duty and half of depth make a reference from %.6g to %.6g; "
                       "allowed: from 0 to 1",
                       range[0], range[1]);
+  if (isinf(steepest(p)))
+    return vs_fail_at(err, place_of(section, "duty", "carrier"),
+                      "pwm.duty: it jumps where two points have one time; wanted: a duty without "
+                      "jumps, so a time between them");
   if (!(steepest(p) < 1 / flank_s))
     return vs_fail_at(err, place_of(section, "carrier", "frequency"),
                       "pwm.carrier: the reference changes by up to %.6g in a second, faster than "

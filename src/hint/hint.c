@@ -29,16 +29,25 @@ void vs_hint_look(const vs_check_options *o, const vs_deck *deck, vs_check_bench
 
 /* ---- the scene that is tried ---- */
 
-/* The scene itself, or the shipped one at its defaults with the deck, fired in each cycle. */
-static vs_status read_scene(const vs_check_options *o, bool is_deck, vs_scene *scene,
-                            vs_error *err) {
+/* The shipped scene at its defaults with the deck; with a gate to fire, fired in each cycle. */
+static vs_status read_deck(const char *name, vs_scene *scene, vs_error *err) {
   vs_text deck = {0};
-  vs_text_add(&deck, "circuit.deck=%s", o->name);
+  vs_text_add(&deck, "circuit.deck=%s", name);
   char every[] = "firing.every=1", *sets[] = {deck.text, every};
-  vs_status status = is_deck ? vs_scene_read("paper", sets, 2, "circuit", scene, err)
-                             : vs_scene_read(o->name, o->sets, o->n_sets, NULL, scene, err);
+  vs_status status = vs_scene_read("paper", sets, 1, "circuit", scene, err);
+  if (!status && vs_deck_has_port(&scene->setup.deck, vs_port_is_gated)) {
+    vs_scene_free(scene);
+    status = vs_scene_read("paper", sets, 2, "circuit", scene, err);
+  }
   vs_text_free(&deck);
   return status;
+}
+
+/* The scene itself, or the shipped one with the deck. */
+static vs_status read_scene(const vs_check_options *o, bool is_deck, vs_scene *scene,
+                            vs_error *err) {
+  return is_deck ? read_deck(o->name, scene, err)
+                 : vs_scene_read(o->name, o->sets, o->n_sets, NULL, scene, err);
 }
 
 /* What a trial may take, s of processor time. */

@@ -29,6 +29,20 @@ static bool is_bounded(const vs_judge_case *c, int channel) {
          channel < vs_channel_deck(c->scene->frame.model);
 }
 
+/* A voltage below this is what the solver's iteration leaves over, V: its tolerance of no voltage
+ * at run.tolerance = 1e-4 (coupling/pace.c). */
+static const double NO_VOLTAGE_V = 1e-4;
+
+static bool has_no_voltage(const vs_judge_case *c, int channel) {
+  return fmax(peak_of(c->now, channel), peak_of(c->other, channel)) < NO_VOLTAGE_V;
+}
+
+/* True for a channel that shows rounding: a voltage that is none, and all of a coil without one. */
+static bool is_idle(const vs_judge_case *c, int channel) {
+  if (is_bounded(c, channel)) return has_no_voltage(c, VS_CH_V_EVA);
+  return !strcmp(vs_channel_at(&c->scene->frame, channel).unit, "V") && has_no_voltage(c, channel);
+}
+
 /* How far the trials' extremes differ at the most, relative to the channel's peak. */
 typedef struct gap {
   double bounded, other;  /* of channels that run.tolerance bounds, and of the others */
@@ -43,7 +57,7 @@ static gap compare_extremes(const vs_judge_case *c) {
     int k = listed[n];
     double peak = fmax(peak_of(a, k), peak_of(b, k));
     double off = fmax(fabs(a->least[k] - b->least[k]), fabs(a->largest[k] - b->largest[k])) / peak;
-    if (!(peak > 0)) continue;
+    if (!(peak > 0) || is_idle(c, k)) continue;
     if (is_bounded(c, k) && off > g.bounded) g.bounded = off, g.which = k;
     if (!is_bounded(c, k) && off > g.other) g.other = off, g.which_other = k;
   }
@@ -126,8 +140,9 @@ void vs_judge_ringing(const vs_judge_case *c, vs_notes *notes) {
   int listed[VS_CH_MOST], count = vs_channel_listed(&c->scene->frame, listed), worst = -1;
   for (int n = 0; n < count; n++) {
     const vs_attempt_ring *now = &c->now->ring[listed[n]], *other = &c->other->ring[listed[n]];
-    if (now->steps >= RINGS && now->swing > 1e-3 * peak_of(c->now, listed[n]) &&
-        4 * other->steps < now->steps && (worst < 0 || now->steps > c->now->ring[worst].steps))
+    if (now->steps >= RINGS && !is_idle(c, listed[n]) &&
+        now->swing > 1e-3 * peak_of(c->now, listed[n]) && 4 * other->steps < now->steps &&
+        (worst < 0 || now->steps > c->now->ring[worst].steps))
       worst = listed[n];
   }
   if (worst < 0) return;

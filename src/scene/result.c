@@ -181,6 +181,8 @@ static void warn_after(const vs_result *r, bool of_firing,
   if (fraction_is_held(r, text, sizeof text)) each(ctx, text);
   if (fraction_is_one_of_two(r, text, sizeof text)) each(ctx, text);
   if (*r->books) each(ctx, r->books);
+  if (r->watchers.measures && vs_measures_are_sharp(r->watchers.measures, text, sizeof text))
+    each(ctx, text);
   for (int k = 0; r->meters && k < r->scene->instruments.count; k++)
     if (is_beyond(&r->meters[k], text, sizeof text)) each(ctx, text);
   for (int k = 0; k < r->n_quality; k++)

@@ -253,6 +253,8 @@ void vs_energy_finish(vs_energy *e) {
 double vs_energy_whole(const vs_energy *e) {
   double moved = fmax(fabs(e->joule[VS_E_DAMPING]), fabs(e->began_j));
   moved = fmax(moved, fabs(e->joule[VS_E_LOAD]));
+  /* a deck without a port mains feeds the coil from sources of its own */
+  if (e->joule[VS_E_SOURCE] == 0) moved = fmax(moved, fabs(e->joule[VS_E_PORT]));
   return fmax(fmax(fabs(e->joule[VS_E_WORK]), fabs(e->joule[VS_E_SOURCE])), moved);
 }
 

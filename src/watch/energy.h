@@ -85,7 +85,8 @@ void vs_energy_finish(vs_energy *energy);
 /* What a balance may leave over without a warning, times run.tolerance and vs_energy_whole. */
 enum { VS_ENERGY_ALLOWED = 10 };
 /* The work of the force, what was drawn from the mains, what damping took or what the machine had
- * at the first knot, whichever is most, J. */
+ * at the first knot, whichever is most, J; where nothing is drawn from mains, what the EVA took,
+ * too. */
 double vs_energy_whole(const vs_energy *energy);
 
 /* Returns NULL where the books close, at the end and on the way. Otherwise writes into the buffer

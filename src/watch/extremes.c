@@ -15,9 +15,17 @@ static void follow_probe(vs_extreme *e, const vs_step *step) {
       &step->frame->deck->probes[e->channel - vs_channel_deck(step->frame->model)];
   double from = probe->sign * step->from->terms[probe->term];
   double to = probe->sign * step->to->terms[probe->term], sense = e->sense;
-  if (!e->best.known || sense * from > sense * e->best.value)
+  if (e->is_last) e->stands = fmin(e->climbed, fmax(sense * (e->best.value - to), 0));
+  e->is_last = false;
+  if (!e->best.known || sense * from > sense * e->best.value) {
     e->best = (vs_value){true, from, step->from->t_s};
-  if (sense * to > sense * e->best.value) e->best = (vs_value){true, to, step->to->t_s};
+    e->stands = 0;
+  }
+  if (!(sense * to > sense * e->best.value)) return;
+  e->best = (vs_value){true, to, step->to->t_s};
+  e->is_last = true;
+  e->climbed = sense * (to - from);
+  e->stands = 0;
 }
 
 /* Value and slope at a knot, of a channel that is no probe. */

@@ -24,6 +24,11 @@ typedef struct vs_extreme {
                   deck */
   int sense;   /* +1 the largest, -1 the least, 0 the largest magnitude; a probe has no 0 */
   vs_value best;
+  /* of a probe alone, whose steps are straight lines */
+  bool is_last;   /* best is the end of the last step */
+  double climbed; /* how much the last step that brought it went up to it */
+  double stands; /* how much it stands out from the ends of the steps beside it, the nearer of them;
+                    0 until both are known */
 } vs_extreme;
 
 /* Takes a step of some length into account, with both its ends. jammed: the armature is held, and

@@ -214,6 +214,39 @@ const vs_extreme *vs_measures_of_probe(const vs_measures *m, int probe) {
   return pair;
 }
 
+/* A smooth maximum has steps beside it that are almost as high: with 32 steps in a period of a sine
+ * they are lower by a fiftieth. */
+static const double SHARP = 0.02;
+
+/* What an extreme of a probe stands out by, in parts of the probe's largest magnitude. */
+static double sharpness(const vs_measures *m, int probe, int which) {
+  const vs_extreme *pair = vs_measures_of_probe(m, probe);
+  double size = fmax(fabs(pair[0].best.value), fabs(pair[1].best.value));
+  return pair[which].best.known && size > 0 ? pair[which].stands / size : 0;
+}
+
+bool vs_measures_are_sharp(const vs_measures *m, char *text, size_t size) {
+  const vs_deck *deck = m->frame->deck;
+  int worst = -1, which = 0, count = 0;
+  for (int k = 0; deck && k < 2 * (int)deck->n_probes; k++) {
+    double sharp = sharpness(m, k / 2, k % 2);
+    if (sharp > SHARP) count++;
+    if (sharp > SHARP && (worst < 0 || sharp > sharpness(m, worst, which)))
+      worst = k / 2, which = k % 2;
+  }
+  if (worst < 0) return false;
+  const vs_extreme *e = &vs_measures_of_probe(m, worst)[which];
+  const vs_probe *probe = &deck->probes[worst];
+  snprintf(text, size,
+           "%s_%s: %.4g %s at %.9g s is met by one step alone, and %.2g %s from the steps beside "
+           "it: it is as uncertain as that (%d such extreme%s); is a capacitance straight across a "
+           "switch? a "
+           "resistor in series with it, or a finer run.tolerance, gives it a width",
+           probe->name, which ? "max" : "min", e->best.value, probe->unit, e->best.at_s, e->stands,
+           probe->unit, count, count > 1 ? "s" : "");
+  return true;
+}
+
 double vs_measures_slack(const vs_measures *m, const vs_rating *r) {
   const vs_extreme *pair = vs_measures_of_probe(m, r->probe);
   double range = r->max - r->min, size = fmax(fabs(pair[0].best.value), fabs(pair[1].best.value));

@@ -108,6 +108,10 @@ void vs_measures_accept(vs_measures *measures, const vs_step *step);
 /* The least and the largest value of one of the deck's probes so far: two extremes, one behind the
  * other. probe: its number in the deck, from 0. */
 const vs_extreme *vs_measures_of_probe(const vs_measures *measures, int probe);
+/* Writes which of the deck's probes has the least certain extreme, where that one is met by a
+ * single step and stands out from the steps beside it by more than a fiftieth of the probe's
+ * largest magnitude. False: no probe has such an extreme. */
+bool vs_measures_are_sharp(const vs_measures *measures, char *text, size_t size);
 /* How far a probe may pass an end of its rating that is 0, in the probe's SI unit: such an end says
  * which sign the probe may have. It is run.tolerance of the rating's range, the scale on which the
  * run is judged, or of the probe's largest magnitude so far where the rating has no other end. */
