@@ -9,6 +9,7 @@
 
 #include "program.h"
 #include "stress/losses.h"
+#include "watch/sign.h"
 
 /* ---- what the loss is made of: given courses ---- */
 
@@ -177,6 +178,34 @@ static void a_mosfet(void) {
   /* 0.8 mJ within 10 us, of which a network of 1 ms forgets 1 % at most */
   CLOSE(value(t, "t_j_rise"), 0.5 * value(t, "loss") / 1e-3, 2e-2);
   vs_trial_free(t);
+}
+
+/* The same courses with each sign in the device's line. A wrong one was not told, and its limits
+ * were held. */
+static void signs(void) {
+  static const char COURSES[] = FORCED("0 -400 9.8u -400 9.9u 1 20.1u 1 20.2u -400",
+                                       "0 -5u 9.9u -5u 10u 8 20u 8 20.1u -1 20.2u -1 20.3u -5u");
+  static const struct {
+    const char *kind, *v, *i, *says;
+  } ROWS[] = {{"diode", "v(x)", "i(Vt)", NULL},
+              {"diode", "-v(x)", "i(Vt)", "device t gives 0.00"},
+              {"diode", "v(x)", "-i(Vt)", "device t gives 0.00"},
+              {"diode", "-v(x)", "-i(Vt)", "device t conducts backwards, which no diode does"},
+              {"mosfet", "-v(x)", "-i(Vt)", NULL}, /* it may conduct either way */
+              {"igbt", "v(x)", "-i(Vt)", "which no igbt does"},
+              {"electrolytic", "v(x)", "-i(Vt)", NULL}}; /* it may give what it has */
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char deck[1024], part[128], text[512] = "";
+    snprintf(deck, sizeof deck, "*$ param t = p part\n*$ device t = %s, %s\n%s", ROWS[k].v,
+             ROWS[k].i, COURSES);
+    snprintf(part, sizeof part, PART("%s", ""), ROWS[k].kind);
+    vs_trial *t = run_deck(deck, part, "30us", "10ns");
+    const vs_watched *w = t->result.watchers.devices->item;
+    bool wrong = vs_sign_is_wrong(w, 1e-3, text, sizeof text);
+    EXPECT(wrong == (ROWS[k].says != NULL), "%zu: %s", k, text);
+    if (ROWS[k].says) EXPECT(strstr(text, ROWS[k].says), "%s", text);
+    vs_trial_free(t);
+  }
 }
 
 static void an_igbt_and_its_limits(void) {
@@ -452,6 +481,7 @@ static const vs_test TESTS[] = {
     {"low voltage", low_voltage},
     {"recovery", recovery},
     {"a mosfet", a_mosfet},
+    {"signs", signs},
     {"an igbt and its limits", an_igbt_and_its_limits},
     {"a diode", a_diode},
     {"an electrolytic", an_electrolytic},

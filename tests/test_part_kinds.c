@@ -44,6 +44,50 @@ static void templates_pass(void) {
   }
 }
 
+/* A template that has the name of its kind is a file beside which nothing of the program's is taken
+ * for itself. What is sought takes long, and is left out. */
+static void named_as_its_kind(void) {
+  static const char *const KINDS[] = {"thyristor", "triac", "diode"}, *const LONG[] = {
+                                                                          "dv_dt", "dv_dt_c", "i_l",
+                                                                          "t_q"};
+  for (size_t k = 0; k < COUNT(KINDS); k++) {
+    char name[32], limit[2][32];
+    snprintf(name, sizeof name, "%s.inc", KINDS[k]);
+    ran r = run("part %s -o %s --overwrite", KINDS[k], name);
+    free_ran(&r);
+    for (size_t n = 0; n < COUNT(LONG); n++) {
+      snprintf(limit[0], sizeof limit[0], "*$ limit  %s =", LONG[n]);
+      snprintf(limit[1], sizeof limit[1], "* limit  %s =", LONG[n]);
+      char *text = read_file(name);
+      if (strstr(text, limit[0])) alter(name, name, limit[0], limit[1]);
+      free(text);
+    }
+    r = run("check %s", name);
+    EXPECT(r.status == 0 && strstr(r.out, ": a good part: "), "%s: %s", name, r.err);
+    free_ran(&r);
+    unlink(name);
+  }
+}
+
+/* A figure that the model is made of is tried as the model has it, whatever a limit's test is. */
+static void conditions(void) {
+  ran r = run("part diode -o my.inc --overwrite");
+  free_ran(&r);
+  alter("my.inc", "my.inc", "*$ limit  v_rrm", "*$ limit i_test = 20 A\n*$ limit  v_rrm");
+  r = run("check my.inc --json");
+  EXPECT(r.status == 0, "%s", r.err);
+  CLOSE(number_of(r.out, "Q_rr", 0, "got"), 0.5, 0.1);
+  free_ran(&r);
+  r = run("part igbt -o my.inc --overwrite");
+  free_ran(&r);
+  alter("my.inc", "my.inc", "*$ limit  v_ces",
+        "*$ limit i_test = 5 A\n*$ limit v_test = 200 V\n*$ limit  v_ces");
+  r = run("check my.inc --json");
+  EXPECT(r.status == 0, "%s", r.err);
+  CLOSE(number_of(r.out, "E_off", 0, "got"), 0.4, 1.0 / 6);
+  free_ran(&r);
+}
+
 /* ---- other numbers ---- */
 
 enum { MOST_CHANGES = 8, MOST_ROWS = 8 };
@@ -313,6 +357,7 @@ static void what_is_not_tried(void) {
 }
 
 static const vs_test TESTS[] = {
+    {"named as its kind", named_as_its_kind}, {"conditions", conditions},
     {"templates pass", templates_pass},       {"other numbers", other_numbers},
     {"a sensitive triac", a_sensitive_triac}, {"what is off", what_is_off},
     {"a vendor's models", a_vendors_models},  {"implausible numbers", implausible_numbers},

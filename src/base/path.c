@@ -97,13 +97,17 @@ static void collect_name(void *ctx, const char *path) {
     n->names[n->count++] = strndup(base, strlen(base) - strlen(n->shelf->ending));
 }
 
+bool vs_path_shipped(const vs_shelf *shelf, const char *name, char path[VS_PATH_SIZE]) {
+  struct search search = {shelf, name, path};
+  return *name && each_library(try_library, &search);
+}
+
 vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
                        char path[VS_PATH_SIZE], vs_error *err) {
   if (strlen(name) >= VS_PATH_SIZE / 2) return vs_fail_at(err, where, "%s: name too long", name);
   snprintf(path, VS_PATH_SIZE, "%s", name);
   if (is_file(path)) return VS_OK;
-  struct search search = {shelf, name, path};
-  if (*name && each_library(try_library, &search)) return VS_OK;
+  if (vs_path_shipped(shelf, name, path)) return VS_OK;
   struct names known = {.shelf = shelf};
   vs_path_list(shelf, collect_name, &known);
   const char *nearest = vs_text_nearest(name, known.names, known.count);

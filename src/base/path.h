@@ -3,6 +3,8 @@
 #ifndef VS_BASE_PATH_H
 #define VS_BASE_PATH_H
 
+#include <stdbool.h>
+
 #include "base/error.h"
 
 enum { VS_PATH_SIZE = 4096 }; /* bytes of the longest path, its end included */
@@ -21,6 +23,9 @@ typedef struct vs_shelf {
  * Error: there is no such file; the message names the nearest shipped one. */
 vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
                        char path[VS_PATH_SIZE], vs_error *err);
+
+/* The same, for a file that comes with the program: false where there is none of that name. */
+bool vs_path_shipped(const vs_shelf *shelf, const char *name, char path[VS_PATH_SIZE]);
 
 /* Calls each(ctx, path) for every file on the shelf, sorted by name within each library folder. */
 void vs_path_list(const vs_shelf *shelf, void (*each)(void *ctx, const char *path), void *ctx);

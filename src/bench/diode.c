@@ -20,15 +20,18 @@ static double forward_at(const vs_stand *s, const vs_diode_plan *p, double i, vs
   return v;
 }
 
-/* The line by the model's own parameters at the test current and at a tenth of it, within 40 mV:
+/* The line by the model's own parameters at their test current and at a tenth of it, within 40 mV:
  * the junction that the line leaves out has 30 mV a decade. Or the limit v_f at the test current.
  */
 void vs_diode_forward(const vs_stand *s, const vs_diode_plan *p, vs_figures *f) {
   vs_figures_asked v0 = vs_figures_any(s, p->v_param), slope = vs_figures_any(s, p->r_param),
                    most = vs_figures_limit(s, "v_f");
   bool limited = isfinite(most.value);
+  double own_a =
+      vs_figures_condition(s, true, (const char *[]){"i_test", "test_current"}, p->test_a);
+  const double at_a[] = {own_a, own_a / 10, p->test_a};
   for (int n = 0; n < 3; n++) {
-    double i = n == 1 ? p->test_a / 10 : p->test_a;
+    double i = at_a[n];
     vs_figures_asked asked = n < 2 ? v0 : most;
     if (n < 2) asked.value += slope.value * i;
     if (isnan(asked.value) && (n > 0 || limited)) continue;
@@ -79,7 +82,11 @@ void vs_diode_recovery(const vs_stand *s, const vs_diode_plan *p, vs_figures *f)
                     (vs_tryout_source){"t_rr", NULL, VS_HELD_AT_MOST, 0, 0, false}, false),
       vs_tryout_row(s, f, (const char *[]){"I_RM", "A"},
                     (vs_tryout_source){"i_rm", NULL, VS_HELD_AT_MOST, 0, 0, false}, false)};
-  double i = p->test_a, fall = i / p->test_a_s, out[3] = {NAN, NAN, NAN},
+  bool own = isfinite(vs_figures_any(s, p->q_param).value);
+  double i = vs_figures_condition(s, own, (const char *[]){"i_test", "test_current"}, p->test_a),
+         slope =
+             vs_figures_condition(s, own, (const char *[]){"di_test", "test_slope"}, p->test_a_s);
+  double fall = i / slope, out[3] = {NAN, NAN, NAN},
          before = fmax(40 * fall, isfinite(row[0]->asked) ? 20 * row[0]->asked / i : 0),
          zero = before + fall, end = before + 10 * fall;
   vs_stand_record r = {0};
@@ -98,8 +105,8 @@ void vs_diode_recovery(const vs_stand *s, const vs_diode_plan *p, vs_figures *f)
         (const double *[]){r.t_s, r.i}, (const double[]){1e-6, 1});
   for (int n = 0; n < 3; n++) {
     row[n]->got = out[n];
-    snprintf(row[n]->text, sizeof row[n]->text, "%.4g A falling at %.4g A/us%s%s", i,
-             p->test_a_s * 1e-6, n == 1 ? ", to a quarter of I_RM" : "", p->way);
+    snprintf(row[n]->text, sizeof row[n]->text, "%.4g A falling at %.4g A/us%s%s", i, slope * 1e-6,
+             n == 1 ? ", to a quarter of I_RM" : "", p->way);
     if (status) vs_tryout_fail(row[n], &err);
   }
   vs_stand_free(&r);

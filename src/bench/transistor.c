@@ -15,8 +15,8 @@ static const char WIRING[] = "Xdut t g 0 %s", MIRRORED[] = VS_TRYOUT_MIRROR "Xdu
 typedef struct plan {
   const char *threshold_name, *threshold_limit;
   double drive_v, block_v;
-  double test_v, test_a, test_ohm; /* of switching */
-  double threshold_a, slope_a;     /* currents of V_GS(th) and g_fs */
+  double test_v, test_a;       /* of on-state and of switching */
+  double threshold_a, slope_a; /* currents of V_GS(th) and g_fs */
 } plan;
 
 static plan plan_of(const vs_stand *s, const plan *usual) {
@@ -24,7 +24,6 @@ static plan plan_of(const vs_stand *s, const plan *usual) {
                            *const BLOCK[] = {"blocking_voltage", "v_dss", "v_ces", NULL},
                            *const AT_V[] = {"v_test", "test_voltage", NULL},
                            *const AT_A[] = {"i_test", "test_current", "i_d", "i_c", NULL},
-                           *const GATE[] = {"r_test", "test_resistance", NULL},
                            *const LOW[] = {"i_th", "threshold_current", NULL},
                            *const SLOPE[] = {"transconductance_current", NULL};
   plan p = *usual;
@@ -32,7 +31,6 @@ static plan plan_of(const vs_stand *s, const plan *usual) {
   p.block_v = vs_figures_first(s, BLOCK, 500);
   p.test_v = vs_figures_first(s, AT_V, 0.6 * p.block_v);
   p.test_a = vs_figures_first(s, AT_A, 5);
-  p.test_ohm = vs_figures_first(s, GATE, 10);
   p.threshold_a = vs_figures_first(s, LOW, p.threshold_a);
   p.slope_a = vs_figures_first(s, SLOPE, p.test_a);
   return p;
@@ -69,8 +67,11 @@ static void resistance(const vs_stand *s, const plan *p, vs_figures *f) {
 static void saturation(const vs_stand *s, const plan *p, vs_figures *f) {
   vs_figures_asked v0 = vs_figures_any(s, "on_voltage"), slope = vs_figures_any(s, "on_resistance"),
                    most = vs_figures_limit(s, "v_ce_sat");
+  double own_a =
+      vs_figures_condition(s, true, (const char *[]){"i_test", "test_current"}, p->test_a);
+  const double at_a[] = {own_a, own_a / 10, p->test_a};
   for (int n = 0; n < 3; n++) {
-    double i = n == 1 ? p->test_a / 10 : p->test_a;
+    double i = at_a[n];
     vs_figures_asked asked = n < 2 ? v0 : most;
     if (n < 2) asked.value += slope.value * i;
     if (isnan(asked.value) && (n > 0 || isfinite(most.value))) continue;
@@ -144,6 +145,10 @@ static void switching(const vs_stand *s, const plan *p, vs_figures *f) {
                 (vs_tryout_source){"e_off", "turn_off_energy", VS_HELD_AT_MOST, 1.0 / 6, 0, true},
                 false);
   const double ON = 50e-6, OFF = 150e-6;
+  bool own = isfinite(vs_figures_any(s, "turn_off_energy").value);
+  double v = vs_figures_condition(s, own, (const char *[]){"v_test", "test_voltage"}, p->test_v),
+         i = vs_figures_condition(s, own, (const char *[]){"i_test", "test_current"}, p->test_a),
+         ohm = vs_figures_condition(s, own, (const char *[]){"r_test", "test_resistance"}, 10);
   vs_stand_record r = {0};
   vs_error err = {0};
   vs_status status = vs_tryout_run(
@@ -151,19 +156,18 @@ static void switching(const vs_stand *s, const plan *p, vs_figures *f) {
       "Vdd p 0 pwl(0 0 10u %g)\nIl p a pwl(0 0 10u 0 20u %g)\nDf a p free\n"
       ".model free d(is=1n rs=5m)\nVs gs 0 pwl(0 0 50u 0 50.02u %g 150u %g 150.02u 0)\n"
       "Rgs gs g %g\n",
-      p->test_v, p->test_a, p->drive_v, p->drive_v, p->test_ohm);
-  if (!status && !(vs_stand_at(&r, r.i, OFF - 1e-6) > 0.9 * p->test_a))
+      v, i, p->drive_v, p->drive_v, ohm);
+  if (!status && !(vs_stand_at(&r, r.i, OFF - 1e-6) > 0.9 * i))
     status = vs_fail(&err, VS_RUN, "it does not conduct when its gate is driven");
   for (int n = 0; n < 2; n++) {
     vs_figure *row = n ? off : on;
     snprintf(row->text, sizeof row->text, "%.4g V, %.4g A, gate %.4g ohm, diode without recovery",
-             p->test_v, p->test_a, p->test_ohm);
+             v, i, ohm);
     if (status) vs_tryout_fail(row, &err);
   }
   if (!status) {
-    double on_s = falls_below(&r, r.v, ON, 0.05 * p->test_v),
-           off_s =
-               falls_below(&r, r.i, falls_below(&r, r.i, OFF, 0.5 * p->test_a), 0.02 * p->test_a);
+    double on_s = falls_below(&r, r.v, ON, 0.05 * v),
+           off_s = falls_below(&r, r.i, falls_below(&r, r.i, OFF, 0.5 * i), 0.02 * i);
     on->got = vs_tryout_energy(&r, ON, on_s);
     off->got = vs_tryout_energy(&r, OFF, off_s);
     vs_tryout_draw(f, &r,

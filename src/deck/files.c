@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/text.h"
@@ -41,15 +42,27 @@ static vs_status include_name(const char *line, vs_where where, char name[VS_PAT
   return VS_OK;
 }
 
+static bool is_same_file(const char *a, const char *b) {
+  struct stat left, right;
+  return !stat(a, &left) && !stat(b, &right) && left.st_dev == right.st_dev &&
+         left.st_ino == right.st_ino;
+}
+
 /* Finds a file by its name, from the folder of the file `where`. Of a path of Windows', which
  * programs write into netlists for their own libraries, the file's name alone is looked for; a
- * library that is not there is told, and *path is empty: ngspice names what it misses then. */
+ * library that is not there is told, and *path is empty: ngspice names what it misses then. A file
+ * that has the name of what it includes means the one that comes with the program. */
 static vs_status find_include(vs_deck *deck, const char *name, vs_where where,
                               char path[VS_PATH_SIZE], vs_error *err) {
   const char *slash = strrchr(where.file, '/'), *back = strrchr(name, '\\');
   const char *base = back ? back + 1 : name;
   snprintf(path, VS_PATH_SIZE, "%.*s%s", slash && *base != '/' ? (int)(slash - where.file + 1) : 0,
            where.file, base);
+  char shipped[VS_PATH_SIZE];
+  if (is_same_file(path, where.file) && vs_path_shipped(&INCLUDE_SHELF, base, shipped)) {
+    snprintf(path, VS_PATH_SIZE, "%s", shipped);
+    return VS_OK;
+  }
   if (!access(path, R_OK)) return VS_OK;
   vs_error unread = {0};
   vs_status status = vs_path_find(&INCLUDE_SHELF, base, where, path, back ? &unread : err);

@@ -234,10 +234,10 @@ const vs_kind vs_kinds_all[] = {
     {.name = "igbt", .driven = true, MEASURED(IGBT)},
     {.name = "varistor", MEASURED(VARISTOR)},
     {.name = "resistor", MEASURED(RESISTOR)},
-    {.name = "capacitor", MEASURED(CAPACITOR)},
-    {.name = "electrolytic", MEASURED(ELECTROLYTIC)},
+    {.name = "capacitor", .stores = true, MEASURED(CAPACITOR)},
+    {.name = "electrolytic", .stores = true, MEASURED(ELECTROLYTIC)},
     {.name = "fuse", .melts = true, MEASURED(FUSE)},
-    {.name = "gate_drive", .gated = true, MEASURED(GATE_DRIVE)},
+    {.name = "gate_drive", .stores = true, .gated = true, MEASURED(GATE_DRIVE)},
     {.name = NULL}};
 
 const vs_kind *vs_kinds_find(const char *name) {

@@ -105,6 +105,7 @@ typedef struct vs_kind {
   bool rectifies;   /* it conducts one way, by its voltage, as a diode does */
   bool gated;       /* it goes by the deck's gate pulses */
   bool driven;      /* a port turns it on and off, as a mosfet; nobody judges whether it obeys */
+  bool stores;      /* it may give energy for a time, as a capacitor does */
   bool melts;       /* it is a fuse, of which events.csv tells when it melts and has cleared */
   const vs_device_measure *measures;
   size_t n_measures;

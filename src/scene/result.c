@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "coupling/pace.h"
+#include "watch/sign.h"
 
 void vs_result_finish(vs_result *r) {
   vs_watchers_finish(&r->watchers, r->scene->setup.run.until_s, r->values);
@@ -165,6 +166,15 @@ bool vs_result_crawls(const vs_result *r, char *text, size_t size) {
   return true;
 }
 
+static void warn_of_signs(const vs_result *r, void (*each)(void *ctx, const char *text),
+                          void *ctx) {
+  const vs_devices *d = r->watchers.devices;
+  char text[VS_DECK_TEXT];
+  for (size_t k = 0; d && k < d->count; k++)
+    if (vs_sign_is_wrong(&d->item[k], vs_energy_whole(&r->watchers.energy), text, sizeof text))
+      each(ctx, text);
+}
+
 /* The warnings that are known only once the run is over; of_firing: that nothing fires, too. */
 static void warn_after(const vs_result *r, bool of_firing,
                        void (*each)(void *ctx, const char *text), void *ctx) {
@@ -183,6 +193,7 @@ static void warn_after(const vs_result *r, bool of_firing,
   if (*r->books) each(ctx, r->books);
   if (r->watchers.measures && vs_measures_are_sharp(r->watchers.measures, text, sizeof text))
     each(ctx, text);
+  warn_of_signs(r, each, ctx);
   for (int k = 0; r->meters && k < r->scene->instruments.count; k++)
     if (is_beyond(&r->meters[k], text, sizeof text)) each(ctx, text);
   for (int k = 0; k < r->n_quality; k++)

@@ -73,6 +73,12 @@ double vs_figures_first(const vs_stand *s, const char *const *names, double othe
   return otherwise;
 }
 
+double vs_figures_condition(const vs_stand *s, bool own, const char *const limit_param[2],
+                            double otherwise) {
+  return vs_figures_first(s, (const char *[]){limit_param[own], limit_param[!own], NULL},
+                          otherwise);
+}
+
 /* ---- rows ---- */
 
 vs_figure *vs_figures_add(vs_figures *f, const char *name, const char *unit, vs_figures_asked asked,

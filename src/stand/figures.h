@@ -58,6 +58,11 @@ vs_figures_asked vs_figures_limit(const vs_stand *stand, const char *name);
  * is. */
 double vs_figures_first(const vs_stand *stand, const char *const *names, double otherwise);
 
+/* A condition of a test, which a file gives by a limit or by a parameter: the model's own goes
+ * first where what is asked is the model's own. */
+double vs_figures_condition(const vs_stand *stand, bool own, const char *const limit_param[2],
+                            double otherwise);
+
 /* Adds a row, of which nothing is got yet. The caller fills it. tolerance: a fraction of what is
  * asked. A limit is held as `held` says. */
 vs_figure *vs_figures_add(vs_figures *figures, const char *name, const char *unit,

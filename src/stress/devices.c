@@ -263,6 +263,8 @@ static void follow(vs_devices *d, size_t k, vs_course_step *c, const double *mid
     c->more[of] = c->h_s * (c->from[of] + 4 * c->mid[of] + c->to[of]) / 6;
     w->sum[of] += c->more[of];
   }
+  w->given_j -= fmin(c->more[VS_OF_POWER], 0);
+  w->back_c -= fmin(c->more[VS_OF_I], 0);
   c->was_on = c->on = true; /* a device that does not switch conducts all the time */
   if (w->states) follow_states(d, w, c);
   if (w->states) follow_shots(d, w, &own->shots, c);

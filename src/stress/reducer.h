@@ -34,6 +34,8 @@ typedef struct vs_watched {
   double last[VS_COURSES]; /* its courses at the last knot */
   double sum[VS_COURSES];  /* integrals over the run so far; those of V and V.s stay 0 */
   double sum_meant[VS_COURSES]; /* the same integrals over the stretch that means are over */
+  double given_j;               /* energy of the steps in which it gave energy (watch/sign.h) */
+  double back_c;                /* charge of the steps in which its current was below zero */
   bool at_work;                 /* the run is whole periods of an orbit */
   int starts;                   /* how many shots began in that stretch (devices.c) */
   bool rests;                   /* the device did not conduct in all of that stretch */
