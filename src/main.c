@@ -16,11 +16,11 @@
 #include "command/check.h"
 #include "command/command.h"
 #include "command/export.h"
-#include "command/list.h"
 #include "command/modes.h"
 #include "command/run.h"
 #include "command/sensitivity.h"
 #include "command/steady.h"
+#include "guide/list.h"
 #include "hint/hint.h"
 #include "import/import.h"
 #include "inquiry/aims.h"
@@ -77,6 +77,9 @@ static vs_status run(const vs_arguments *a, vs_error *err) {
 
 static const struct argp_option RUN_OPTIONS[] = {
     VS_COMMAND_SET,
+    VS_COMMAND_UNTIL,
+    VS_COMMAND_TOLERANCE,
+    VS_COMMAND_ANGLE,
     TIER_OPTION,
     VS_COMMAND_VALUE("output", 'o', "DIR", "writes run.csv, events.csv and summary.json there"),
     VS_COMMAND_JSON,
@@ -126,6 +129,8 @@ static void explain_steady(vs_text *help) {
 
 static const struct argp_option STEADY_OPTIONS[] = {
     VS_COMMAND_SET,
+    VS_COMMAND_TOLERANCE,
+    VS_COMMAND_ANGLE,
     TIER_OPTION,
     VS_COMMAND_VALUE("period", VS_KEY_PERIOD, "N",
                      "the orbit repeats after N firing periods, of firing.every cycles of the "
@@ -250,13 +255,23 @@ static const struct argp_option PART_OPTIONS[] = {
 /* ---- list, modes, export ---- */
 
 static vs_status list(const vs_arguments *a, vs_error *err) {
-  return vs_list_command(vs_command_name(a), a->deck, a->machine, err);
+  if (a->n_names > 2)
+    return vs_fail(err, VS_INPUT, "list: one argument too many: '%s'; see vibrospice list --help",
+                   a->names[2]);
+  const vs_list_options o = {.kind = vs_command_name(a),
+                             .filter = a->n_names > 1 ? a->names[1] : NULL,
+                             .deck = a->deck,
+                             .machine = a->machine,
+                             .json = a->json};
+  return vs_list_command(&o, err);
 }
 
 static const struct argp_option LIST_OPTIONS[] = {
     VS_COMMAND_VALUE("deck", VS_KEY_DECK, "DECK",
                      "whose probes and parameters (default halfwave_snubbed)"),
     VS_COMMAND_VALUE("machine", VS_KEY_MACHINE, "MACHINE", "likewise (default conveyor)"),
+    VS_COMMAND_FLAG("json", VS_KEY_JSON,
+                    "an object with an array of entries for each kind, on standard output"),
     VS_COMMAND_HELP,
     {0}};
 
@@ -478,7 +493,7 @@ static const vs_command COMMANDS[] = {
      .argument = "SCENE",
      .text = "runs one scene; SCENE is a file, or the name of one that comes with the program",
      .examples = "  vibrospice run paper --tier circuit -o out\n"
-                 "  vibrospice run paper --set firing.angle=95deg --set circuit.r1=220ohm\n"
+                 "  vibrospice run paper --angle 95deg --until 0.5s --set circuit.r1=220ohm\n"
                  "  vibrospice run my.yaml --json --quiet > result.json\n",
      .options = RUN_OPTIONS,
      .run = run},
@@ -529,15 +544,17 @@ static const vs_command COMMANDS[] = {
      .run = part,
      .explain = vs_template_explain},
     {.name = "list",
-     .argument = "[KIND]",
+     .argument = "[KIND [FILTER]]",
      .text =
          "lists scenes, studies, fits, machines, decks, parts, instruments, kinds, tiers, laws, "
          "regulators, probes, measures, "
          "parameters (with "
-         "unit, default, range)",
+         "unit, default, range); FILTER: only what has that text",
      .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n"
+                 "  vibrospice list parameters angle --json\n"
                  "  vibrospice list parameters --machine two_mass\n",
      .may_be_alone = true,
+     .takes_many = true,
      .options = LIST_OPTIONS,
      .run = list},
     {.name = "modes",

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Finding things: lists with a filter and as JSON, shortcuts of --set. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/json.h"
+#include "program.h"
+
+/* ---- list ---- */
+
+/* How often the word stands in the text. */
+static int times(const char *text, const char *word) {
+  int n = 0;
+  for (; (text = strstr(text, word)); text += strlen(word)) n++;
+  return n;
+}
+
+/* What `list words` prints has the words in `has` and not `lacks`; NULL: whatever. */
+static void expect_list(const char *words, const char *has, const char *lacks, int line) {
+  ran r = run("list %s", words);
+  expect_good(&r, words, line);
+  expect(strstr(r.out, has), line, "list %s: no '%s' in %s", words, has, r.out);
+  expect(!lacks || !strstr(r.out, lacks), line, "list %s: '%s' in %s", words, lacks, r.out);
+  free_ran(&r);
+}
+#define LIST(words, has, lacks) expect_list(words, has, lacks, __LINE__)
+
+static void lists_are_filtered(void) {
+  LIST("tiers circuit", "circuit ", "analytic ");
+  LIST("parameters ANGLE", "firing.angle ", "run.until");
+  LIST("parameters carrier", "pwm.", "firing.angle");
+  LIST("events voltage", "sag ", "missing_pulse");
+  LIST("measures v_ak_max", "v_ak_min, v_ak_max", "i_peak");
+  LIST("all snubber", "decks that come with", "tiers, from");
+  LIST("parts BT151", "    limit v_drm", "    limit v_ces"); /* with the lines below it */
+}
+
+static void nothing_found_is_said(void) {
+  ran of_path = run("list scenes scenes"); /* the folder of a file is none of its words */
+  EXPECT(!*of_path.out && *of_path.err, "%s", of_path.out);
+  free_ran(&of_path);
+  ran r = run("list probes nonesuch");
+  EXPECT(r.status == 0 && !*r.out && strstr(r.err, "nothing of probes has 'nonesuch'"), "%d %s %s",
+         r.status, r.out, r.err);
+  free_ran(&r);
+  r = run("list all nonesuch --json");
+  EXPECT(r.status == 0 && vs_json_is_whole(r.out) && strstr(r.err, "nothing of all"), "%d %s %s",
+         r.status, r.out, r.err);
+  EXPECT(times(r.out, ": []") == 15, "%s", r.out);
+  free_ran(&r);
+}
+
+static void lists_as_json(void) {
+  ran r = run("list --json"), lines = run("list parameters"), one;
+  EXPECT(r.status == 0 && vs_json_is_whole(r.out), "%d %s", r.status, r.err);
+  EXPECT(strstr(r.out, "{\"name\": \"firing.angle\", \"default\": \"100 deg\"") != NULL, "%s",
+         r.out);
+  free_ran(&r);
+  one = run("list parameters --json");
+  EXPECT(vs_json_is_whole(one.out), "%s", one.out);
+  EXPECT(times(one.out, "{\"name\": ") == count_lines(lines.out), "%d entries, %d lines",
+         times(one.out, "{\"name\": "), count_lines(lines.out));
+  free_ran(&one);
+  free_ran(&lines);
+  LIST("probes v_ak --json",
+       "{\"name\": \"v_ak\", \"unit\": \"V\", \"text\": \"anode-cathode voltage\", \"tier\": "
+       "\"circuit\"}",
+       "lambda");
+  LIST("events sag --json", "\"keys\": [{\"key\": \"at\"", "swell");
+  LIST("parts BT151-800R --json", "\"limits\": [{\"name\": \"v_drm\", \"value\": \"800 V\"", NULL);
+}
+
+/* ---- shortcuts ---- */
+
+static void shortcuts_are_sets(void) {
+  static const char *const PAIRS[][2] = {
+      {"run paper --until 30ms --angle 95deg --tolerance 1e-3",
+       "run paper --set run.until=30ms --set firing.angle=95deg --set run.tolerance=1e-3"},
+      {"run paper --set run.until=9s --until 30ms", "run paper --until 30ms"}, /* the later one */
+      {"steady paper --set firing.every=1 --angle 120deg --tolerance 1e-3",
+       "steady paper --set firing.every=1 --set firing.angle=120deg --set run.tolerance=1e-3"}};
+  for (size_t k = 0; k < COUNT(PAIRS); k++) {
+    ran a = run("%s --json --quiet --reproducible", PAIRS[k][0]);
+    ran b = run("%s --json --quiet --reproducible", PAIRS[k][1]);
+    EXPECT(a.status == 0 && !strcmp(a.out, b.out), "%s: %d %s", PAIRS[k][0], a.status, a.err);
+    free_ran(&a);
+    free_ran(&b);
+  }
+  refuse("run paper --until 5", "until", "--set run.until=5", (const char *const[]){"'5 s'", NULL},
+         __LINE__);
+  refuse("run paper --angle 5s", "angle", "--set firing.angle=5s",
+         (const char *const[]){"wrong unit", "deg"}, __LINE__);
+}
+
+static const vs_test TESTS[] = {
+    {"lists are filtered", lists_are_filtered},
+    {"nothing found is said", nothing_found_is_said},
+    {"lists as JSON", lists_as_json},
+    {"shortcuts are --set", shortcuts_are_sets},
+};
+
+int main(void) {
+  return program_suite("find", TESTS, COUNT(TESTS));
+}
