@@ -20,6 +20,7 @@
 #include "command/run.h"
 #include "command/sensitivity.h"
 #include "command/steady.h"
+#include "guide/fresh.h"
 #include "guide/list.h"
 #include "hint/hint.h"
 #include "import/import.h"
@@ -272,6 +273,18 @@ static const struct argp_option LIST_OPTIONS[] = {
     VS_COMMAND_VALUE("machine", VS_KEY_MACHINE, "MACHINE", "likewise (default conveyor)"),
     VS_COMMAND_FLAG("json", VS_KEY_JSON,
                     "an object with an array of entries for each kind, on standard output"),
+    VS_COMMAND_HELP,
+    {0}};
+
+static vs_status new (const vs_arguments *a, vs_error *err) {
+  const vs_fresh_options o = {vs_command_name(a), a->deck, a->machine, a->quiet};
+  return vs_fresh_command(&o, err);
+}
+
+static const struct argp_option NEW_OPTIONS[] = {
+    VS_COMMAND_VALUE("deck", VS_KEY_DECK, "DECK", "with that deck, and its keys"),
+    VS_COMMAND_VALUE("machine", VS_KEY_MACHINE, "MACHINE", "with that machine, and its keys"),
+    VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "prints nothing"),
     VS_COMMAND_HELP,
     {0}};
 
@@ -557,6 +570,13 @@ static const vs_command COMMANDS[] = {
      .takes_many = true,
      .options = LIST_OPTIONS,
      .run = list},
+    {.name = "new",
+     .argument = "FILE",
+     .text = "writes a scene that has every key, with its default, range and meaning, behind a '#'",
+     .examples = "  vibrospice new my.yaml && vibrospice run my.yaml\n"
+                 "  vibrospice new my.yaml --machine two_mass\n",
+     .options = NEW_OPTIONS,
+     .run = new},
     {.name = "modes",
      .argument = "SCENE",
      .text = "prints eigenfrequencies, damping and shapes; exports the state space",

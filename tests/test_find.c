@@ -93,7 +93,85 @@ static void shortcuts_are_sets(void) {
          (const char *const[]){"wrong unit", "deg"}, __LINE__);
 }
 
+/* ---- new ---- */
+
+/* Runs check on the scene with the one '#' taken away that stands at `off`. */
+static void check_with_key(char *scene, char *off) {
+  memmove(off, off + 1, strlen(off));
+  write_file("one.yaml", scene);
+  ran r = run("check one.yaml --quiet");
+  EXPECT(r.status == 0, "%.60s: %s", off, r.err);
+  free_ran(&r);
+  memmove(off + 1, off, strlen(off) + 1);
+  *off = '#';
+}
+
+static void a_new_scene_runs(void) {
+  ran r = run("new my.yaml");
+  EXPECT(r.status == 0 && strstr(r.out, "my.yaml"), "%s", r.err);
+  free_ran(&r);
+  ran a = run("run my.yaml --until 20ms --json --quiet --reproducible");
+  ran b = run("run paper --set measured={} --until 20ms --json --quiet --reproducible");
+  const char *of_a = strstr(a.out, "\"tier\""), *of_b = strstr(b.out, "\"tier\"");
+  EXPECT(a.status == 0 && of_a && of_b, "%s%s", a.err, b.err);
+  free_ran(&a);
+  free_ran(&b);
+  r = run("new my.yaml");
+  EXPECT(r.status == 2 && strstr(r.err, "there already"), "%d %s", r.status, r.err);
+  free_ran(&r);
+  r = run("new my");
+  EXPECT(r.status == 2 && strstr(r.err, ".yaml"), "%d %s", r.status, r.err);
+  free_ran(&r);
+}
+
+/* Each key on its own, at its default, is one that check takes; but for those of another
+ * law, and those of the section measure, where 0 stands for nothing. */
+static void its_keys_are_good(void) {
+  ran r = run("new keys.yaml --quiet");
+  char *scene = read_file("keys.yaml");
+  int keys = 0;
+  EXPECT(!*r.out && !*r.err, "%s%s", r.out, r.err);
+  free_ran(&r);
+  for (char *s = scene; (s = strstr(s, "\n  #")); s += 4) {
+    char *end = strchr(s + 1, '\n'), *other = strstr(s, "law moving_coil"),
+         *window = strstr(s, "\nmeasure:");
+    if (!window || (other && other < end)) continue;
+    check_with_key(scene, s + 3);
+    keys++;
+  }
+  EXPECT(keys > 70, "%d keys", keys);
+  free(scene);
+}
+
+static void a_new_scene_of_a_machine(void) {
+  ran r = run("new other.yaml --machine two_mass --deck chopper");
+  EXPECT(r.status == 0, "%s", r.err);
+  free_ran(&r);
+  r = run("check other.yaml");
+  EXPECT(r.status == 0, "%s", r.err);
+  free_ran(&r);
+  char *scene = read_file("other.yaml");
+  EXPECT(strstr(scene, "\n  model: two_mass ") && strstr(scene, "\n  deck: chopper "), "%s", scene);
+  free(scene);
+  refuse("new third.yaml --deck nonesuch", "deck", "", (const char *const[]){"nonesuch", NULL},
+         __LINE__);
+}
+
+/* ---- keys ---- */
+
+static void a_misspelt_key_names_all(void) {
+  refuse("run paper --set firing.angel=3deg", "key", "--set firing.angel=3deg",
+         (const char *const[]){"did you mean 'angle'? it has: valve, angle, pulse_width", NULL},
+         __LINE__);
+  refuse("run paper --set load.xyz=3", "key", "--set load.xyz=3",
+         (const char *const[]){"'xyz'; it has: density, volume", NULL}, __LINE__);
+}
+
 static const vs_test TESTS[] = {
+    {"a new scene runs", a_new_scene_runs},
+    {"its keys are good", its_keys_are_good},
+    {"a new scene of a machine", a_new_scene_of_a_machine},
+    {"a misspelt key names all", a_misspelt_key_names_all},
     {"lists are filtered", lists_are_filtered},
     {"nothing found is said", nothing_found_is_said},
     {"lists as JSON", lists_as_json},
