@@ -125,7 +125,9 @@ static void all_that_is_wrong_with_a_scene(void) {
            "s.yaml:10:15: circuit.r1: 0 ohm is out of range; allowed: 0.001..1e+06 ohm\n"
            " circuit: {r1: 0 ohm, r99: 1 ohm}\n"
            "               ^\n"
-           "s.yaml:10:22: circuit has no key 'r99'; did you mean 'r1'?\n"
+           "s.yaml:10:22: circuit has no key 'r99'; did you mean 'r1'? "
+           "it has: deck, r1, c1, r2, c2, varistor_voltage, varistor_exponent, thyristor, "
+           "on_voltage, on_resistance, off_resistance\n"
            " circuit: {r1: 0 ohm, r99: 1 ohm}\n"
            "                      ^\n"
            "s.yaml:11:13: run.tier: 'circus' is not one of: auto|analytic|switched|circuit\n"
@@ -372,7 +374,7 @@ static void what_ngspice_refuses(void) {
       {"L1 a b xx=1\n", "d.cir:11:1 "},
       {"R8 a b {1+}\n", "d.cir:11:9 "},
       {"B1 a b I = v(a)\nB2 a b I = foo(v(a))\n", "d.cir:12:12 "},
-      {"V8 a 0 1\n", "d.cir:6:1 "}, /* in a loop with the mains */
+      {"V8 a 0 1\n", "d.cir:6:1 d.cir:11:1 "}, /* in a loop with the mains */
       {"K1 L1 L2 0.5\n", "d.cir:11:1 "},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
