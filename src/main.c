@@ -22,6 +22,7 @@
 #include "command/steady.h"
 #include "guide/fresh.h"
 #include "guide/list.h"
+#include "guide/topics.h"
 #include "hint/hint.h"
 #include "import/import.h"
 #include "inquiry/aims.h"
@@ -501,6 +502,10 @@ static const struct argp_option IMPORT_OPTIONS[] = {
 
 /* ---- the table ---- */
 
+static vs_status help(const vs_arguments *a, vs_error *err);
+
+static const struct argp_option HELP_OPTIONS[] = {VS_COMMAND_HELP, {0}};
+
 static const vs_command COMMANDS[] = {
     {.name = "run",
      .argument = "SCENE",
@@ -643,6 +648,14 @@ static const vs_command COMMANDS[] = {
                  "  vibrospice import drawing.net --mains V1 --gate V3 --coil L1+R4 -o my.cir\n",
      .options = IMPORT_OPTIONS,
      .run = import},
+    {.name = "help",
+     .argument = "[TOPIC]",
+     .text = "tells of a command, of a section of a scene and its keys, of tiers, events, units, "
+             "exit statuses; without TOPIC: of the program, and which topics there are",
+     .examples = "  vibrospice help firing\n  vibrospice help exit\n",
+     .may_be_alone = true,
+     .options = HELP_OPTIONS,
+     .run = help},
 };
 enum { N_COMMANDS = sizeof COMMANDS / sizeof *COMMANDS };
 
@@ -664,6 +677,27 @@ static void print_help(FILE *out) {
   VS_STATUS_LIST(EXIT_TEXT)
 #undef EXIT_TEXT
   fputs("\nShipped files are looked up in $VIBROSPICE_PATH, then beside the program.\n", out);
+}
+
+static vs_status help(const vs_arguments *a, vs_error *err) {
+  const char *names[N_COMMANDS], *topic = vs_command_name(a);
+  if (!topic) {
+    print_help(stdout);
+    vs_topics_list();
+    return VS_OK;
+  }
+  for (size_t k = 0; k < N_COMMANDS; k++) {
+    char program[] = "vibrospice", name[32], option[] = "--help",
+         *words[] = {program, name, option};
+    names[k] = COMMANDS[k].name;
+    snprintf(name, sizeof name, "%s", topic);
+    if (strcmp(topic, names[k]) != 0) continue;
+    vs_status status = vs_command_run(&COMMANDS[k], 3, words);
+    if (status || !vs_topics_is_section(topic)) return status;
+    printf("\nThe section %s of a scene:\n", topic);
+    break;
+  }
+  return vs_topics_print(topic, names, N_COMMANDS, err);
 }
 
 static const vs_command *find_command(const char *word) {
@@ -697,9 +731,8 @@ static void fill_streams(void) {
 enum { LINES = 1 << 16 }; /* bytes of standard output that are written at once */
 
 int main(int argc, char **argv) {
-  static const char *const HELP[] = {"--help", "-h", "-?", "help", NULL}, *const VERSION[] = {
-                                                                              "--version", "-V",
-                                                                              NULL};
+  static const char *const HELP[] = {"--help", "-h", "-?", NULL}, *const VERSION[] = {"--version",
+                                                                                      "-V", NULL};
   gsl_set_error_handler_off();
   fill_streams();
   setvbuf(stdout, NULL, _IOLBF, LINES); /* so that a warning never stands within a line */

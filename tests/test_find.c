@@ -167,7 +167,40 @@ static void a_misspelt_key_names_all(void) {
          (const char *const[]){"'xyz'; it has: density, volume", NULL}, __LINE__);
 }
 
+/* ---- help ---- */
+
+static void every_topic_has_help(void) {
+  ran all = run("help"), one;
+  char *at = strstr(all.out, "Topics of"), *rest = at ? strchr(at, '\n') + 1 : NULL, name[32];
+  int topics = 0;
+  CU_ASSERT_PTR_NOT_NULL_FATAL(rest);
+  for (char *line; (line = strsep(&rest, "\n"));) {
+    if (sscanf(line, "%31s", name) != 1) continue;
+    one = run("help %s", name);
+    EXPECT(one.status == 0 && *one.out && !*one.err, "help %s: %d %s", name, one.status, one.err);
+    free_ran(&one);
+    topics++;
+  }
+  EXPECT(topics > 30, "%d topics", topics);
+  free_ran(&all);
+}
+
+static void help_says_what_the_tables_say(void) {
+  static const char *const ROWS[][2] = {
+      {"firing", "firing.angle "},          {"exit", " 75  stopped by a signal"},
+      {"check", "Usage: vibrospice check"}, {"run", "\nrun.until "}, /* command and section */
+      {"control", "control.rate "},         {"tiers", "switched "}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    ran r = run("help %s", ROWS[k][0]);
+    EXPECT(strstr(r.out, ROWS[k][1]), "help %s: %s", ROWS[k][0], r.out);
+    free_ran(&r);
+  }
+  refuse("help fireng", "topic", "", (const char *const[]){"'fireng'", "'firing'"}, __LINE__);
+}
+
 static const vs_test TESTS[] = {
+    {"every topic has help", every_topic_has_help},
+    {"help says what the tables say", help_says_what_the_tables_say},
     {"a new scene runs", a_new_scene_runs},
     {"its keys are good", its_keys_are_good},
     {"a new scene of a machine", a_new_scene_of_a_machine},

@@ -375,3 +375,24 @@ vs_status vs_list_command(const vs_list_options *o, vs_error *err) {
   vs_ground_free(&ground);
   return status;
 }
+
+bool vs_list_has(const char *kind) {
+  for (size_t k = 0; k < N_KINDS; k++)
+    if (!strcmp(kind, KINDS[k].name)) return true;
+  return false;
+}
+
+const char *vs_list_heading(int k) {
+  return k < N_KINDS ? KINDS[k].heading : NULL;
+}
+
+const char *vs_list_kind(int k) {
+  return k < N_KINDS ? KINDS[k].name : NULL;
+}
+
+void vs_list_section(const vs_section *section) {
+  vs_entries entries = {0};
+  put_section(&entries, section);
+  if (entries.count) fputs(entries.out.text, stdout);
+  vs_entry_free(&entries);
+}

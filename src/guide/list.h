@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "base/error.h"
+#include "syntax/field.h"
 
 typedef struct vs_list_options {
   const char *kind;   /* "scenes", "probes", ...; "all" or NULL: every kind */
@@ -18,5 +19,14 @@ typedef struct vs_list_options {
 /* Prints the list. Where the filter lets nothing pass, one line on standard error says so. Errors:
  * VS_INPUT, there is no such kind; those of reading deck and machine. */
 vs_status vs_list_command(const vs_list_options *options, vs_error *err);
+
+/* The k-th kind and what it lists, from 0; NULL: there are no more. */
+const char *vs_list_kind(int k);
+const char *vs_list_heading(int k);
+/* True if it is the name of a kind. */
+bool vs_list_has(const char *kind);
+
+/* Prints the section's keys as the kind parameters has them. */
+void vs_list_section(const vs_section *section);
 
 #endif
