@@ -22,6 +22,7 @@
 #include "command/steady.h"
 #include "guide/fresh.h"
 #include "guide/list.h"
+#include "guide/schema.h"
 #include "guide/topics.h"
 #include "hint/hint.h"
 #include "import/import.h"
@@ -286,6 +287,17 @@ static const struct argp_option NEW_OPTIONS[] = {
     VS_COMMAND_VALUE("deck", VS_KEY_DECK, "DECK", "with that deck, and its keys"),
     VS_COMMAND_VALUE("machine", VS_KEY_MACHINE, "MACHINE", "with that machine, and its keys"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "prints nothing"),
+    VS_COMMAND_HELP,
+    {0}};
+
+static vs_status schema(const vs_arguments *a, vs_error *err) {
+  const vs_schema_options o = {vs_command_name(a), a->deck, a->machine};
+  return vs_schema_command(&o, err);
+}
+
+static const struct argp_option SCHEMA_OPTIONS[] = {
+    VS_COMMAND_VALUE("deck", VS_KEY_DECK, "DECK", "whose keys the section circuit has"),
+    VS_COMMAND_VALUE("machine", VS_KEY_MACHINE, "MACHINE", "whose keys the section machine has"),
     VS_COMMAND_HELP,
     {0}};
 
@@ -582,6 +594,14 @@ static const vs_command COMMANDS[] = {
                  "  vibrospice new my.yaml --machine two_mass\n",
      .options = NEW_OPTIONS,
      .run = new},
+    {.name = "schema",
+     .argument = "[scene|study|machine]",
+     .text = "prints a JSON Schema of such files (default: scene), for editors that complete and "
+             "check YAML",
+     .examples = "  vibrospice schema scene > scene.schema.json\n",
+     .may_be_alone = true,
+     .options = SCHEMA_OPTIONS,
+     .run = schema},
     {.name = "modes",
      .argument = "SCENE",
      .text = "prints eigenfrequencies, damping and shapes; exports the state space",

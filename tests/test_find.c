@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Finding things: lists with a filter and as JSON, shortcuts of --set. */
+ * Finding things: lists with a filter and as JSON, shortcuts of --set, a new scene, help by topic,
+ * the keys of a section, and the schema, which must agree with check. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 
 #include "base/json.h"
 #include "program.h"
@@ -198,7 +200,28 @@ static void help_says_what_the_tables_say(void) {
   refuse("help fireng", "topic", "", (const char *const[]){"'fireng'", "'firing'"}, __LINE__);
 }
 
+/* ---- schema ---- */
+
+/* The script holds the schema against check, scene by scene. */
+static void schema_and_check_agree(void) {
+  ran r;
+  if (!on_path("python3")) return;
+  int status = system("python3 " VS_TEST_FOLDER "/schema_agrees.py " VS_PROGRAM " " VS_TEST_FOLDER
+                      "/../spice >../agrees 2>&1");
+  char *said = read_file("../agrees");
+  EXPECT(WIFEXITED(status) && (WEXITSTATUS(status) == 0 || WEXITSTATUS(status) == 77), "%s", said);
+  free(said);
+  r = run("schema machine");
+  EXPECT(r.status == 0 && vs_json_is_whole(r.out) && strstr(r.out, "\"coordinates\""), "%s", r.out);
+  free_ran(&r);
+  r = run("schema scene --deck chopper");
+  EXPECT(r.status == 0 && strstr(r.out, "\"deck\""), "%s", r.err);
+  free_ran(&r);
+  refuse("schema deck", "kind", "", (const char *const[]){"'deck'", "machine"}, __LINE__);
+}
+
 static const vs_test TESTS[] = {
+    {"schema and check agree", schema_and_check_agree},
     {"every topic has help", every_topic_has_help},
     {"help says what the tables say", help_says_what_the_tables_say},
     {"a new scene runs", a_new_scene_runs},
