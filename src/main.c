@@ -20,6 +20,7 @@
 #include "command/run.h"
 #include "command/sensitivity.h"
 #include "command/steady.h"
+#include "guide/completion.h"
 #include "guide/fresh.h"
 #include "guide/list.h"
 #include "guide/schema.h"
@@ -515,6 +516,7 @@ static const struct argp_option IMPORT_OPTIONS[] = {
 /* ---- the table ---- */
 
 static vs_status help(const vs_arguments *a, vs_error *err);
+static vs_status completion(const vs_arguments *a, vs_error *err);
 
 static const struct argp_option HELP_OPTIONS[] = {VS_COMMAND_HELP, {0}};
 
@@ -676,6 +678,12 @@ static const vs_command COMMANDS[] = {
      .may_be_alone = true,
      .options = HELP_OPTIONS,
      .run = help},
+    {.name = "completion",
+     .argument = "SHELL",
+     .text = "prints what bash or fish needs to complete commands and options",
+     .examples = "  vibrospice completion bash > vibrospice.bash\n",
+     .options = HELP_OPTIONS,
+     .run = completion},
 };
 enum { N_COMMANDS = sizeof COMMANDS / sizeof *COMMANDS };
 
@@ -718,6 +726,10 @@ static vs_status help(const vs_arguments *a, vs_error *err) {
     break;
   }
   return vs_topics_print(topic, names, N_COMMANDS, err);
+}
+
+static vs_status completion(const vs_arguments *a, vs_error *err) {
+  return vs_completion_print(vs_command_name(a), COMMANDS, N_COMMANDS, err);
 }
 
 static const vs_command *find_command(const char *word) {

@@ -220,7 +220,20 @@ static void schema_and_check_agree(void) {
   refuse("schema deck", "kind", "", (const char *const[]){"'deck'", "machine"}, __LINE__);
 }
 
+static void shells_complete(void) {
+  ran r = run("completion bash");
+  write_file("vibrospice.bash", r.out);
+  EXPECT(strstr(r.out, " sensitivity ") && strstr(r.out, "--until"), "%s", r.out);
+  free_ran(&r);
+  EXPECT(!on_path("bash") || !system("bash -n vibrospice.bash"), "bash refuses it");
+  r = run("completion fish");
+  EXPECT(strstr(r.out, "from run' -l until -r -d "), "%s", r.out);
+  free_ran(&r);
+  refuse("completion csh", "shell", "", (const char *const[]){"'csh'", "bash"}, __LINE__);
+}
+
 static const vs_test TESTS[] = {
+    {"shells complete", shells_complete},
     {"schema and check agree", schema_and_check_agree},
     {"every topic has help", every_topic_has_help},
     {"help says what the tables say", help_says_what_the_tables_say},
