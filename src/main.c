@@ -16,11 +16,15 @@
 #include "command/check.h"
 #include "command/command.h"
 #include "command/export.h"
-#include "command/list.h"
 #include "command/modes.h"
 #include "command/run.h"
 #include "command/sensitivity.h"
 #include "command/steady.h"
+#include "guide/completion.h"
+#include "guide/fresh.h"
+#include "guide/list.h"
+#include "guide/schema.h"
+#include "guide/topics.h"
 #include "hint/hint.h"
 #include "import/import.h"
 #include "inquiry/aims.h"
@@ -77,6 +81,9 @@ static vs_status run(const vs_arguments *a, vs_error *err) {
 
 static const struct argp_option RUN_OPTIONS[] = {
     VS_COMMAND_SET,
+    VS_COMMAND_UNTIL,
+    VS_COMMAND_TOLERANCE,
+    VS_COMMAND_ANGLE,
     TIER_OPTION,
     VS_COMMAND_VALUE("output", 'o', "DIR", "writes run.csv, events.csv and summary.json there"),
     VS_COMMAND_JSON,
@@ -126,6 +133,8 @@ static void explain_steady(vs_text *help) {
 
 static const struct argp_option STEADY_OPTIONS[] = {
     VS_COMMAND_SET,
+    VS_COMMAND_TOLERANCE,
+    VS_COMMAND_ANGLE,
     TIER_OPTION,
     VS_COMMAND_VALUE("period", VS_KEY_PERIOD, "N",
                      "the orbit repeats after N firing periods, of firing.every cycles of the "
@@ -250,13 +259,46 @@ static const struct argp_option PART_OPTIONS[] = {
 /* ---- list, modes, export ---- */
 
 static vs_status list(const vs_arguments *a, vs_error *err) {
-  return vs_list_command(vs_command_name(a), a->deck, a->machine, err);
+  if (a->n_names > 2)
+    return vs_fail(err, VS_INPUT, "list: one argument too many: '%s'; see vibrospice list --help",
+                   a->names[2]);
+  const vs_list_options o = {.kind = vs_command_name(a),
+                             .filter = a->n_names > 1 ? a->names[1] : NULL,
+                             .deck = a->deck,
+                             .machine = a->machine,
+                             .json = a->json};
+  return vs_list_command(&o, err);
 }
 
 static const struct argp_option LIST_OPTIONS[] = {
     VS_COMMAND_VALUE("deck", VS_KEY_DECK, "DECK",
                      "whose probes and parameters (default halfwave_snubbed)"),
     VS_COMMAND_VALUE("machine", VS_KEY_MACHINE, "MACHINE", "likewise (default conveyor)"),
+    VS_COMMAND_FLAG("json", VS_KEY_JSON,
+                    "an object with an array of entries for each kind, on standard output"),
+    VS_COMMAND_HELP,
+    {0}};
+
+static vs_status new (const vs_arguments *a, vs_error *err) {
+  const vs_fresh_options o = {vs_command_name(a), a->deck, a->machine, a->quiet};
+  return vs_fresh_command(&o, err);
+}
+
+static const struct argp_option NEW_OPTIONS[] = {
+    VS_COMMAND_VALUE("deck", VS_KEY_DECK, "DECK", "with that deck, and its keys"),
+    VS_COMMAND_VALUE("machine", VS_KEY_MACHINE, "MACHINE", "with that machine, and its keys"),
+    VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "prints nothing"),
+    VS_COMMAND_HELP,
+    {0}};
+
+static vs_status schema(const vs_arguments *a, vs_error *err) {
+  const vs_schema_options o = {vs_command_name(a), a->deck, a->machine};
+  return vs_schema_command(&o, err);
+}
+
+static const struct argp_option SCHEMA_OPTIONS[] = {
+    VS_COMMAND_VALUE("deck", VS_KEY_DECK, "DECK", "whose keys the section circuit has"),
+    VS_COMMAND_VALUE("machine", VS_KEY_MACHINE, "MACHINE", "whose keys the section machine has"),
     VS_COMMAND_HELP,
     {0}};
 
@@ -473,12 +515,17 @@ static const struct argp_option IMPORT_OPTIONS[] = {
 
 /* ---- the table ---- */
 
+static vs_status help(const vs_arguments *a, vs_error *err);
+static vs_status completion(const vs_arguments *a, vs_error *err);
+
+static const struct argp_option HELP_OPTIONS[] = {VS_COMMAND_HELP, {0}};
+
 static const vs_command COMMANDS[] = {
     {.name = "run",
      .argument = "SCENE",
      .text = "runs one scene; SCENE is a file, or the name of one that comes with the program",
      .examples = "  vibrospice run paper --tier circuit -o out\n"
-                 "  vibrospice run paper --set firing.angle=95deg --set circuit.r1=220ohm\n"
+                 "  vibrospice run paper --angle 95deg --until 0.5s --set circuit.r1=220ohm\n"
                  "  vibrospice run my.yaml --json --quiet > result.json\n",
      .options = RUN_OPTIONS,
      .run = run},
@@ -529,17 +576,34 @@ static const vs_command COMMANDS[] = {
      .run = part,
      .explain = vs_template_explain},
     {.name = "list",
-     .argument = "[KIND]",
+     .argument = "[KIND [FILTER]]",
      .text =
          "lists scenes, studies, fits, machines, decks, parts, instruments, kinds, tiers, laws, "
          "regulators, probes, measures, "
          "parameters (with "
-         "unit, default, range)",
+         "unit, default, range); FILTER: only what has that text",
      .examples = "  vibrospice list parameters\n  vibrospice list probes --deck my.cir\n"
+                 "  vibrospice list parameters angle --json\n"
                  "  vibrospice list parameters --machine two_mass\n",
      .may_be_alone = true,
+     .takes_many = true,
      .options = LIST_OPTIONS,
      .run = list},
+    {.name = "new",
+     .argument = "FILE",
+     .text = "writes a scene that has every key, with its default, range and meaning, behind a '#'",
+     .examples = "  vibrospice new my.yaml && vibrospice run my.yaml\n"
+                 "  vibrospice new my.yaml --machine two_mass\n",
+     .options = NEW_OPTIONS,
+     .run = new},
+    {.name = "schema",
+     .argument = "[scene|study|machine]",
+     .text = "prints a JSON Schema of such files (default: scene), for editors that complete and "
+             "check YAML",
+     .examples = "  vibrospice schema scene > scene.schema.json\n",
+     .may_be_alone = true,
+     .options = SCHEMA_OPTIONS,
+     .run = schema},
     {.name = "modes",
      .argument = "SCENE",
      .text = "prints eigenfrequencies, damping and shapes; exports the state space",
@@ -606,6 +670,20 @@ static const vs_command COMMANDS[] = {
                  "  vibrospice import drawing.net --mains V1 --gate V3 --coil L1+R4 -o my.cir\n",
      .options = IMPORT_OPTIONS,
      .run = import},
+    {.name = "help",
+     .argument = "[TOPIC]",
+     .text = "tells of a command, of a section of a scene and its keys, of tiers, events, units, "
+             "exit statuses; without TOPIC: of the program, and which topics there are",
+     .examples = "  vibrospice help firing\n  vibrospice help exit\n",
+     .may_be_alone = true,
+     .options = HELP_OPTIONS,
+     .run = help},
+    {.name = "completion",
+     .argument = "SHELL",
+     .text = "prints what bash or fish needs to complete commands and options",
+     .examples = "  vibrospice completion bash > vibrospice.bash\n",
+     .options = HELP_OPTIONS,
+     .run = completion},
 };
 enum { N_COMMANDS = sizeof COMMANDS / sizeof *COMMANDS };
 
@@ -627,6 +705,31 @@ static void print_help(FILE *out) {
   VS_STATUS_LIST(EXIT_TEXT)
 #undef EXIT_TEXT
   fputs("\nShipped files are looked up in $VIBROSPICE_PATH, then beside the program.\n", out);
+}
+
+static vs_status help(const vs_arguments *a, vs_error *err) {
+  const char *names[N_COMMANDS], *topic = vs_command_name(a);
+  if (!topic) {
+    print_help(stdout);
+    vs_topics_list();
+    return VS_OK;
+  }
+  for (size_t k = 0; k < N_COMMANDS; k++) {
+    char program[] = "vibrospice", name[32], option[] = "--help",
+         *words[] = {program, name, option};
+    names[k] = COMMANDS[k].name;
+    snprintf(name, sizeof name, "%s", topic);
+    if (strcmp(topic, names[k]) != 0) continue;
+    vs_status status = vs_command_run(&COMMANDS[k], 3, words);
+    if (status || !vs_topics_is_section(topic)) return status;
+    printf("\nThe section %s of a scene:\n", topic);
+    break;
+  }
+  return vs_topics_print(topic, names, N_COMMANDS, err);
+}
+
+static vs_status completion(const vs_arguments *a, vs_error *err) {
+  return vs_completion_print(vs_command_name(a), COMMANDS, N_COMMANDS, err);
 }
 
 static const vs_command *find_command(const char *word) {
@@ -660,9 +763,8 @@ static void fill_streams(void) {
 enum { LINES = 1 << 16 }; /* bytes of standard output that are written at once */
 
 int main(int argc, char **argv) {
-  static const char *const HELP[] = {"--help", "-h", "-?", "help", NULL}, *const VERSION[] = {
-                                                                              "--version", "-V",
-                                                                              NULL};
+  static const char *const HELP[] = {"--help", "-h", "-?", NULL}, *const VERSION[] = {"--version",
+                                                                                      "-V", NULL};
   gsl_set_error_handler_off();
   fill_streams();
   setvbuf(stdout, NULL, _IOLBF, LINES); /* so that a warning never stands within a line */

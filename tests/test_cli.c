@@ -178,7 +178,7 @@ static void bad_commands_are_refused(void) {
       {"run paper -o ''", {"output directory", NULL}},
       {"list prob", {"'prob'", "'probes'"}},
       {"list frobnicate", {"'frobnicate'", "parameters"}},
-      {"list probes tiers", {"'tiers'", "too many"}},
+      {"list probes tiers laws", {"'laws'", "too many"}},
       {"list probes --deck halfwave_snubed", {"no deck", "'halfwave_snubbed'"}},
       {"modes", {"SCENE", "--help"}},
       {"modes papr", {"'papr'", "'paper'"}},

@@ -190,6 +190,12 @@ static void other_pages(void) {
   }
 }
 
+static void finding(void) {
+  page p = {.name = "finding.md"};
+  try_page(&p);
+  EXPECT(p.commands >= 8 && p.lines >= 1, "%d commands, %d lines", p.commands, p.lines);
+}
+
 static void devices(void) {
   page p = {.name = "devices.md"};
   try_page(&p);
@@ -215,8 +221,9 @@ static const vs_test TESTS[] = {
     {"fitting.md", fitting},      {"instruments.md", instruments},
     {"control.md", control},      {"circuits.md", circuits},
     {"dialects.md", dialects},    {"parts.md", parts},
-    {"other pages", other_pages}, {"devices.md", devices},
-    {"hints.md", hints},          {"choppers.md", choppers},
+    {"other pages", other_pages}, {"finding things", finding},
+    {"devices.md", devices},      {"hints.md", hints},
+    {"choppers.md", choppers},
 };
 
 int main(void) {

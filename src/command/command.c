@@ -11,6 +11,8 @@
 typedef struct parser {
   const vs_command *command;
   vs_arguments arguments;
+  char **made; /* sets that shortcuts were spelt out to, to be freed */
+  size_t n_made;
   vs_error err;
 } parser;
 
@@ -81,6 +83,30 @@ static const char **word_of(vs_arguments *a, int key) {
   return NULL;
 }
 
+/* ---- shortcuts of --set ---- */
+
+/* The scene key that the option sets; NULL: it is no such option. */
+static const char *key_of(int option) {
+  static const struct {
+    int option;
+    const char *key;
+  } SHORT[] = {{VS_KEY_UNTIL, "run.until"},
+               {VS_KEY_TOLERANCE, "run.tolerance"},
+               {VS_KEY_ANGLE, "firing.angle"}};
+  for (size_t k = 0; k < sizeof SHORT / sizeof *SHORT; k++)
+    if (SHORT[k].option == option) return SHORT[k].key;
+  return NULL;
+}
+
+/* Adds KEY=VALUE to the sets; of two for one key the later one holds, as of two --set. */
+static error_t add_set(parser *p, const char *key, const char *value) {
+  vs_text set = {0};
+  vs_text_add(&set, "%s=%s", key, value);
+  p->made[p->n_made++] = set.text;
+  p->arguments.sets[p->arguments.n_sets++] = set.text;
+  return 0;
+}
+
 /* ---- options with a value of their own ---- */
 
 /* A whole number in a range; false: the word is none. */
@@ -131,9 +157,10 @@ static error_t parse(int key, char *value, struct argp_state *state) {
   parser *p = state->input;
   vs_arguments *a = &p->arguments;
   bool *flag = flag_of(a, key);
-  const char **word = word_of(a, key);
+  const char **word = word_of(a, key), *scene_key = key_of(key);
   if (flag) return *flag = true, 0;
   if (word) return *word = value, 0;
+  if (scene_key) return add_set(p, scene_key, value);
   switch (key) {
   case ARGP_KEY_ARG:
     if (a->n_names && !p->command->takes_many) return fail(p, "one argument too many:", value);
@@ -173,6 +200,7 @@ static vs_status parse_and_run(parser *p, int argc, char **argv) {
 
 vs_status vs_command_run(const vs_command *command, int argc, char **argv) {
   parser p = {.command = command,
+              .made = vs_alloc((size_t)argc, sizeof(char *)),
               .arguments = {.digits = 9,
                             .period = 1,
                             .timeout_s = 3600,
@@ -180,6 +208,8 @@ vs_status vs_command_run(const vs_command *command, int argc, char **argv) {
                             .names = vs_alloc((size_t)argc, sizeof(char *))}};
   vs_status status = parse_and_run(&p, argc, argv);
   if (status && *p.err.text) fprintf(stderr, "vibrospice: %s\n", p.err.text);
+  for (size_t k = 0; k < p.n_made; k++) free(p.made[k]);
+  free(p.made);
   free(p.arguments.sets);
   free(p.arguments.names);
   return status;

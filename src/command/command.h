@@ -15,7 +15,7 @@
 typedef struct vs_arguments {
   char **names; /* those that are no options: a scene, a kind, folders */
   size_t n_names;
-  char **sets; /* KEY=VALUE of each --set */
+  char **sets; /* KEY=VALUE of each --set, and of each shortcut of it */
   size_t n_sets;
   const char *tier, *output, *deck, *machine, *overlay, *shard, *of, *to, *along, *step, *at,
       *profile, *mains, *gate, *coil, *pins, *library, *scene, *wrap;
@@ -81,7 +81,10 @@ enum {
   VS_KEY_ALLOW_CODE,
   VS_KEY_WRAP,
   VS_KEY_ALL,
-  VS_KEY_DEEP
+  VS_KEY_DEEP,
+  VS_KEY_UNTIL,
+  VS_KEY_TOLERANCE,
+  VS_KEY_ANGLE
 };
 
 /* Rows of vs_command.options: an option that takes a value, and one that takes none. */
@@ -94,6 +97,13 @@ enum {
 #define VS_COMMAND_SET                                                                             \
   VS_COMMAND_VALUE("set", VS_KEY_SET, "KEY=VALUE",                                                 \
                    "sets a scene key over what the file says; may stand several times")
+/* Shortcuts: an option that sets one scene key, as --set KEY=VALUE does. */
+#define VS_COMMAND_UNTIL                                                                           \
+  VS_COMMAND_VALUE("until", VS_KEY_UNTIL, "T", "the same as --set run.until=T")
+#define VS_COMMAND_TOLERANCE                                                                       \
+  VS_COMMAND_VALUE("tolerance", VS_KEY_TOLERANCE, "X", "the same as --set run.tolerance=X")
+#define VS_COMMAND_ANGLE                                                                           \
+  VS_COMMAND_VALUE("angle", VS_KEY_ANGLE, "A", "the same as --set firing.angle=A, as 95deg")
 #define VS_COMMAND_JSON                                                                            \
   VS_COMMAND_FLAG("json", VS_KEY_JSON, "JSON on standard output instead of the table")
 #define VS_COMMAND_QUIET                                                                           \

@@ -358,10 +358,10 @@ static vs_status read_actuator(vs_machine *m, vs_error *err) {
 
 /* ---- the file ---- */
 
-static const char *const KEYS[] = {
-    "title",   "coordinates", "parameters", "let",  "mass",   "damping",  "stiffness",  "bodies",
-    "springs", "forces",      "gap",        "load", "probes", "actuator", "instruments"};
-enum { N_KEYS = sizeof KEYS / sizeof *KEYS };
+const char *const vs_blueprint_keys[] = {
+    "title",   "coordinates", "parameters", "let",  "mass",   "damping",  "stiffness",   "bodies",
+    "springs", "forces",      "gap",        "load", "probes", "actuator", "instruments", NULL};
+enum { N_KEYS = sizeof vs_blueprint_keys / sizeof *vs_blueprint_keys - 1 };
 
 bool vs_blueprint_has_keys(const vs_tree *file) {
   static const char *const OWN[] = {"coordinates", "parameters", "let",    "mass",   "damping",
@@ -373,7 +373,7 @@ bool vs_blueprint_has_keys(const vs_tree *file) {
 
 static vs_status read_all(vs_machine *m, vs_error *err) {
   const vs_node *root = m->tree.root;
-  vs_status s = vs_field_known_keys(root, "a machine", KEYS, N_KEYS, err);
+  vs_status s = vs_field_known_keys(root, "a machine", vs_blueprint_keys, N_KEYS, err);
   if (!s)
     s = vs_error_carry_on(err, vs_declare_text(vs_tree_child(root, "title"), "title", m->title,
                                                sizeof m->title, err));

@@ -41,4 +41,7 @@ vs_status vs_blueprint_read(const char *path, vs_machine *machine, vs_error *err
 /* True if the file has a key that only machines have. */
 bool vs_blueprint_has_keys(const vs_tree *file);
 
+/* The keys at the top of a machine's file; NULL ends them. */
+extern const char *const vs_blueprint_keys[];
+
 #endif

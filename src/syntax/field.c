@@ -250,6 +250,20 @@ static vs_status read_default(const vs_section *section, const vs_field *field, 
   return vs_field_read(section, field, &list, out, err);
 }
 
+/* Writes which keys there are, as far as the line has room: "it has: a, b, c". */
+static void add_known(const char *const *names, size_t count, char *text, size_t size) {
+  const char *const more = ", ...";
+  size_t n = 0;
+  *text = '\0';
+  for (size_t k = 0; k < count; k++) {
+    if (n + strlen(names[k]) + strlen("it has: ") + strlen(more) >= size) {
+      snprintf(text + n, size - n, "%s", more);
+      return;
+    }
+    n += (size_t)snprintf(text + n, size - n, "%s%s", k ? ", " : "it has: ", names[k]);
+  }
+}
+
 vs_status vs_field_known_keys(const vs_node *map, const char *what, const char *const *names,
                               size_t count, vs_error *err) {
   for (const vs_node *n = map ? map->child : NULL; n; n = n->next) {
@@ -257,9 +271,11 @@ vs_status vs_field_known_keys(const vs_node *map, const char *what, const char *
     for (size_t k = 0; k < count && !known; k++) known = !strcmp(names[k], n->key);
     if (known) continue;
     const char *nearest = vs_text_nearest(n->key, names, count);
-    vs_status status =
-        vs_fail_at(err, n->key_where, "%s has no key '%s'%s%s%s", what, n->key,
-                   nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    char known_keys[240];
+    add_known(names, count, known_keys, sizeof known_keys);
+    vs_status status = vs_fail_at(err, n->key_where, "%s has no key '%s'; %s%s%s%s", what, n->key,
+                                  nearest ? "did you mean '" : "", nearest ? nearest : "",
+                                  nearest ? "'? " : "", known_keys);
     status = vs_error_carry_on(err, status);
     if (status) return status;
   }

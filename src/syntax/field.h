@@ -80,8 +80,8 @@ int vs_field_maps(const vs_field *field, const void *member);
 vs_status vs_field_section_read(const vs_section *section, const vs_node *map, void *out,
                                 vs_error *err);
 
-/* Error: the map has a key that is none of names[count]; the nearest is named. what is the map's
- * own name, for the message. A check carries on. */
+/* Error: the map has a key that is none of names[count]; the nearest is named, and all are. what is
+ * the map's own name, for the message. A check carries on. */
 vs_status vs_field_known_keys(const vs_node *map, const char *what, const char *const *names,
                               size_t count, vs_error *err);
 

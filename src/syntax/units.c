@@ -206,3 +206,98 @@ void vs_units_suffix(const char *of, char *suffix, size_t size) {
     suffix[n++] = isalnum((unsigned char)*of) ? (char)tolower((unsigned char)*of) : '_';
   suffix[n] = '\0';
 }
+
+/* ---- patterns ---- */
+
+static bool same_powers(const unit *a, const unit *b) {
+  return !memcmp(a->power, b->power, sizeof a->power);
+}
+
+/* Adds "([fpn...]?V|...)": every name of the same kind as UNITS[k], raised to the power. */
+static void add_names(size_t k, int power, vs_text *pattern) {
+  vs_text_add(pattern, "(");
+  bool first = true;
+  for (size_t n = 0; n < sizeof UNITS / sizeof *UNITS; n++) {
+    if (!same_powers(&UNITS[n].unit, &UNITS[k].unit)) continue;
+    vs_text_add(pattern, "%s%s%s", first ? "" : "|", UNITS[n].prefixed ? "[fpnuµmckMG]?" : "",
+                UNITS[n].name);
+    first = false;
+  }
+  vs_text_add(pattern, ")");
+  if (power != 1) vs_text_add(pattern, "\\^?%d", power);
+}
+
+/* True if UNITS[k] is the first of its kind, and of a kind that is no pure number. */
+static bool leads(size_t k) {
+  const unit pure = {.factor = 1};
+  for (size_t n = 0; n < k; n++)
+    if (same_powers(&UNITS[n].unit, &UNITS[k].unit)) return false;
+  return !same_powers(&UNITS[k].unit, &pure);
+}
+
+static bool is_product(const unit *want, size_t a, int pa, size_t b, int pb) {
+  for (int d = 0; d < VS_UNIT_POWERS; d++)
+    if (want->power[d] != pa * UNITS[a].unit.power[d] + pb * UNITS[b].unit.power[d]) return false;
+  return true;
+}
+
+/* Adds every product and quotient of powers of two units that is of the kind wanted. */
+static void add_pairs(const unit *want, vs_text *pattern) {
+  enum { N = sizeof UNITS / sizeof *UNITS, MOST = 3 };
+  for (size_t a = 0; a < N; a++)
+    for (size_t b = 0; b < N && leads(a); b++)
+      for (int p = 1; p <= MOST && leads(b); p++)
+        for (int q = -MOST; q <= MOST; q++) {
+          if (!q || (a == b && q < 0) || !is_product(want, a, p, b, q)) continue;
+          vs_text_add(pattern, "|");
+          add_names(a, p, pattern);
+          vs_text_add(pattern, q < 0 ? "/" : "[.*]");
+          add_names(b, q < 0 ? -q : q, pattern);
+        }
+}
+
+/* Adds every power of one unit, or its inverse, that is of the kind wanted. */
+static void add_powers(const unit *want, vs_text *pattern) {
+  const char *between = "";
+  for (size_t k = 0; k < sizeof UNITS / sizeof *UNITS; k++)
+    for (int p = -3; p <= 3 && leads(k); p++) {
+      if (!p || !is_product(want, k, p, k, 0)) continue;
+      vs_text_add(pattern, "%s%s", between, p < 0 ? "1/" : "");
+      add_names(k, p < 0 ? -p : p, pattern);
+      between = "|";
+    }
+  if (!*between) vs_text_add(pattern, "(?!)"); /* nothing: what follows begins with '|' */
+}
+
+/* Adds the unit as it is written, each of its names replaced by all of its kind. */
+static void add_as_written(const char *text, vs_text *pattern) {
+  for (const char *s = text; *s;) {
+    size_t n = strcspn(s, ".*/^0123456789-"), k = 0;
+    unit u;
+    if (n && named_unit(s, n, false, &u)) {
+      while (!same_powers(&UNITS[k].unit, &u)) k++;
+      add_names(k, 1, pattern);
+    } else if (n)
+      vs_text_add(pattern, "%.*s", (int)n, s);
+    else if (strchr(".*", *s))
+      vs_text_add(pattern, "[.*]");
+    else
+      vs_text_add(pattern, "%c", *s);
+    s += n ? n : 1;
+  }
+}
+
+void vs_units_pattern(const char *expected, vs_text *pattern) {
+  unit want;
+  vs_text_add(pattern, "^[+-]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][+-]?[0-9]+)? *");
+  if (!*expected || !parse_unit(expected, &want)) {
+    vs_text_add(pattern, "(%%|1)?$");
+    return;
+  }
+  vs_text_add(pattern, "(");
+  add_powers(&want, pattern);
+  add_pairs(&want, pattern);
+  vs_text_add(pattern, "|");
+  add_as_written(expected, pattern);
+  vs_text_add(pattern, ")$");
+}

@@ -6,6 +6,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "base/text.h"
+
 /* Reads text as a quantity of the same kind as `unit` and gives it in SI. "" is the unit of a pure
  * number, and "%" counts as one. The text must have a unit unless the number is 0 or pure. Units
  * may have the prefixes f p n u µ m c k M G, products with '.' or '*', one '/', and whole powers
@@ -18,6 +20,11 @@ double vs_units_factor(const char *unit);
 bool vs_units_known(const char *unit);
 /* True if both are units and measure the same kind of quantity. */
 bool vs_units_same_kind(const char *unit, const char *other);
+
+/* Adds a regular expression, in the words that ECMA-262 and Python share, of a number with a unit
+ * of the same kind: any name of that kind with any prefix, products and quotients of the powers, up
+ * to 3, of two names, and `unit` as it is written with other names. */
+void vs_units_pattern(const char *unit, vs_text *pattern);
 
 /* The powers of a unit: of mass, length, time, current, angle, temperature, cycles, and a
  * temperature that is counted from 0 degC, which is not a difference of two. Returns false where it

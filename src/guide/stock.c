@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "guide/stock.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "deck/netlist.h"
+#include "machine/blueprint.h"
+
+/* The files of one shelf, and what is told of each besides its name and path. */
+typedef struct shelf_walk {
+  const vs_shelf *shelf;
+  vs_stock_more *more; /* NULL: nothing */
+  vs_entries *to;
+} shelf_walk;
+
+static void put_file(void *ctx, const char *path) {
+  const shelf_walk *walk = ctx;
+  const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
+  char name[VS_PATH_SIZE];
+  snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(walk->shelf->ending)), base);
+  vs_entry_begin(walk->to);
+  vs_entry_put(walk->to, "name", 20, name);
+  vs_entry_path(walk->to, "path", path);
+  vs_entry_line(walk->to);
+  if (walk->more) walk->more(walk->to, path);
+  vs_entry_end(walk->to);
+}
+
+void vs_stock_list(vs_entries *to, const vs_shelf *shelf, vs_stock_more *more) {
+  const shelf_walk walk = {shelf, more, to};
+  vs_path_list(shelf, put_file, (void *)(size_t)&walk);
+}
+
+static void put_title(vs_entries *to, const char *title) {
+  vs_entry_say(to, "%-20s", "");
+  vs_entry_put(to, "title", 0, title);
+  vs_entry_line(to);
+}
+
+void vs_stock_deck(vs_entries *to, const char *path) {
+  vs_deck *deck = vs_alloc(1, sizeof *deck);
+  vs_error err = {0};
+  if (!vs_netlist_read(path, deck, &err)) put_title(to, deck->title);
+  vs_deck_free(deck);
+  free(deck);
+}
+
+void vs_stock_machine(vs_entries *to, const char *path) {
+  vs_machine *machine = vs_alloc(1, sizeof *machine);
+  vs_error err = {0};
+  vs_machine_begin(machine);
+  vs_blueprint_read(path, machine, &err);
+  if (*machine->title) put_title(to, machine->title);
+  vs_machine_free(machine);
+  free(machine);
+}
+
+static void put_limit(vs_entries *to, const vs_limit *limit) {
+  vs_entry_object(to);
+  vs_entry_say(to, "    limit");
+  vs_entry_put(to, "name", 18, limit->name);
+  vs_entry_put(to, "value", 14, limit->written);
+  vs_entry_put(to, "text", 0, limit->text);
+  if (limit->assumed) vs_entry_true(to, "assumed");
+  if (limit->assumed) vs_entry_say(to, " (assumed)");
+  vs_entry_line(to);
+  vs_entry_object_end(to);
+}
+
+static void put_limits(vs_entries *to, const vs_deck *part) {
+  if (part->n_limits) vs_entry_array(to, "limits");
+  for (size_t k = 0; k < part->n_limits; k++) put_limit(to, &part->limits[k]);
+  if (part->n_limits) vs_entry_array_end(to);
+  if (part->n_zth) vs_entry_array(to, "zth");
+  for (size_t k = 0; k < part->n_zth; k++) {
+    vs_entry_object(to);
+    vs_entry_number(to, "k_per_w", part->zth[k].k_per_w);
+    vs_entry_number(to, "tau_s", part->zth[k].tau_s);
+    if (part->zth[k].assumed) vs_entry_true(to, "assumed");
+    vs_entry_say(to, "    zth   %g K/W, %g s%s", part->zth[k].k_per_w, part->zth[k].tau_s,
+                 part->zth[k].assumed ? " (assumed)" : "");
+    vs_entry_line(to);
+    vs_entry_object_end(to);
+  }
+  if (part->n_zth) vs_entry_array_end(to);
+}
+
+static void put_part(vs_entries *to, const vs_deck *part) {
+  if (part->n_part_files) {
+    vs_entry_say(to, "    %s: %s", part->part_files[0].kind, part->part_files[0].text);
+    vs_entry_line(to);
+    vs_entry_text(to, "kind", part->part_files[0].kind);
+    vs_entry_text(to, "text", part->part_files[0].text);
+  }
+  put_limits(to, part);
+  vs_entry_array(to, "parameters");
+  for (size_t k = 1; k < part->section.count; k++) {
+    const vs_field *f = &part->section.fields[k];
+    vs_entry_object(to);
+    vs_entry_say(to, "    param");
+    vs_entry_put(to, "name", 18, f->key);
+    vs_entry_put(to, "default", 14, f->default_text);
+    vs_entry_put(to, "text", 0, f->text);
+    vs_entry_line(to);
+    vs_entry_object_end(to);
+  }
+  vs_entry_array_end(to);
+}
+
+void vs_stock_part(vs_entries *to, const char *path) {
+  vs_deck *part = vs_alloc(1, sizeof *part);
+  vs_error err = {0};
+  if (!vs_netlist_read_part(path, part, &err)) {
+    put_part(to, part);
+  } else {
+    vs_entry_say(to, "    %s", err.text);
+    vs_entry_text(to, "error", err.text);
+    vs_entry_line(to);
+  }
+  vs_deck_free(part);
+  free(part);
+}
+
+void vs_stock_set(vs_entries *to, const char *path) {
+  vs_tree tree = {0};
+  vs_error err = {0};
+  const vs_node *title = vs_tree_read(path, &tree, &err) ? NULL : vs_tree_child(tree.root, "title");
+  if (title && title->text) put_title(to, title->text);
+  vs_tree_free(&tree);
+}
