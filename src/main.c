@@ -21,6 +21,7 @@
 #include "command/run.h"
 #include "command/sensitivity.h"
 #include "command/steady.h"
+#include "compare/compare.h"
 #include "hint/hint.h"
 #include "import/import.h"
 #include "inquiry/aims.h"
@@ -307,6 +308,23 @@ static const struct argp_option PLOT_OPTIONS[] = {
     VS_COMMAND_HELP,
     {0}};
 
+/* ---- compare ---- */
+
+static vs_status compare(const vs_arguments *a, vs_error *err) {
+  if (a->n_names != 2)
+    return vs_fail(err, VS_INPUT,
+                   "compare: wants two folders, of two runs or of two studies; see vibrospice "
+                   "compare --help");
+  const vs_compare_options o = {a->names[0], a->names[1], a->json, a->quiet, vs_methods_all};
+  return vs_compare_command(&o, err);
+}
+
+static const struct argp_option COMPARE_OPTIONS[] = {
+    VS_COMMAND_JSON,
+    VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "prints nothing"),
+    VS_COMMAND_HELP,
+    {0}};
+
 /* ---- validate ---- */
 
 static vs_status validate(const vs_arguments *a, vs_error *err) {
@@ -564,6 +582,15 @@ static const vs_command COMMANDS[] = {
          "  vibrospice plot out\n  vibrospice plot out -o sheet.svg --overlay measured.csv\n",
      .options = PLOT_OPTIONS,
      .run = plot},
+    {.name = "compare",
+     .argument = "A B",
+     .text = "tells in what two runs, or two studies, differ: keys, verdicts, measures, curves; "
+             "that they differ is no failure",
+     .examples = "  vibrospice compare before after\n"
+                 "  vibrospice compare before after --json\n",
+     .takes_many = true,
+     .options = COMPARE_OPTIONS,
+     .run = compare},
     {.name = "validate",
      .argument = "[WORD]",
      .text = "compares with closed forms and reference solutions, and tier with tier, each with "
