@@ -115,7 +115,8 @@ static void remove_stale(const char *folder, const char *name) {
 
 const char *const vs_run_pictures[] = {
     "motion_run",     "motion_100ms", "pulse_50ms", "measured_run",
-    "measured_100ms", "control_run",  "harmonics",  NULL};
+    "measured_100ms", "control_run",  "harmonics",  "closeup",
+    "spectrum",       "orbit",        NULL};
 
 /* Calls each(folder, name, names) for every picture in the folder. A link is left alone: the
  * program drew none. */
