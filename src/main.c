@@ -23,6 +23,7 @@
 #include "command/sensitivity.h"
 #include "command/steady.h"
 #include "compare/compare.h"
+#include "digest/digest.h"
 #include "hint/hint.h"
 #include "import/import.h"
 #include "inquiry/aims.h"
@@ -308,7 +309,7 @@ static vs_status plot_run(const vs_arguments *a, const vs_plot_options *o, vs_er
   if (status || a->output || a->overlay) return status;
   status = vs_harmonics_draw(o->folder, a->quiet, err);
   if (!status && vs_closeup_wanted(o->folder)) status = close_up(a, err);
-  return status;
+  return status ? status : vs_digest_write(o->folder, a->quiet, err);
 }
 
 static vs_status plot(const vs_arguments *a, vs_error *err) {
@@ -618,7 +619,7 @@ static const vs_command COMMANDS[] = {
     {.name = "plot",
      .argument = "DIR...",
      .text = "draws a run, as PNG and SVG: displacements, accelerations, force, current and "
-             "voltage; or a "
+             "voltage, and report.html; or a "
              "study: report.html and its pictures as PNG",
      .examples =
          "  vibrospice plot out\n  vibrospice plot out -o sheet.svg --overlay measured.csv\n"

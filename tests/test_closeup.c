@@ -172,11 +172,35 @@ static void drawn(void) {
   EXPECT_FILES("dip", "events.csv run.csv summary.json ");
 }
 
-static const vs_test TESTS[] = {{"windows", windows},
-                                {"probes", probes},
-                                {"spectra", spectra},
-                                {"refused", refused},
-                                {"drawn", drawn}};
+/* The page of a run has its sections, what the scene is called is escaped, and it is alone. */
+static void page(void) {
+  if (!on_path("gnuplot")) return;
+  write_file("page.yaml", "circuit: {deck: halfwave_paper}\nrun: {until: 30 ms}\n");
+  RUN_GOOD("run page.yaml -o 'a<b' --quiet");
+  RUN_GOOD("plot 'a<b' --quiet");
+  static const char *const SAYS[] = {"<h1>Run a&lt;b</h1>",
+                                     "class=\"verdict good\">\n<p class=\"big\">held</p>",
+                                     "<td>thyristor.v_reverse</td><td>held</td>",
+                                     ">from the source</td>",
+                                     ">heat in the winding</td>",
+                                     "lost in thyristor</td>",
+                                     "The audit: the books close.",
+                                     "<figcaption>v_ak_v</figcaption>",
+                                     "<tr><td>i_peak</td><td class=\"n\">",
+                                     "<tr><td>firing.angle</td><td>100 deg</td></tr>",
+                                     "</html>\n"};
+  char *html = read_file("a<b/report.html");
+  for (size_t k = 0; k < COUNT(SAYS); k++) EXPECT(strstr(html, SAYS[k]) != NULL, "no %s", SAYS[k]);
+  EXPECT(count_words(html, "<iframe ") >= 6, "%d pictures", count_words(html, "<iframe "));
+  EXPECT(!strstr(html, "src=\"http") && !strstr(html, "href=\"http"), "it needs other files");
+  free(html);
+  ran again = run("run page.yaml -o 'a<b' --quiet");
+  free_ran(&again);
+  EXPECT_FILES("a<b", "events.csv run.csv summary.json ");
+}
+
+static const vs_test TESTS[] = {{"windows", windows}, {"probes", probes}, {"spectra", spectra},
+                                {"refused", refused}, {"drawn", drawn},   {"page", page}};
 
 int main(void) {
   return program_suite("closeup", TESTS, COUNT(TESTS));

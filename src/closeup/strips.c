@@ -2,13 +2,34 @@
 #include "closeup/strips.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "picture/gnuplot.h"
 
-enum { MOST_LINES = 200, APART = 40 }; /* lines of moments; words are a 40th of the width apart */
+enum {
+  MOST_LINES = 200, /* of moments */
+  APART = 40,       /* words are at least a 40th of the width apart */
+  CROWD = 8         /* among more moments than these, words of a kind stand once */
+};
 
 static double time_scale(const vs_stretch *s) {
   return s->to_s <= 2 ? 1e3 : 1;
+}
+
+static bool is_shown(const vs_stretch *s, const vs_moment *m) {
+  return m->at_s >= s->from_s && m->at_s <= s->to_s;
+}
+
+/* True if the same was shown before, and many are. */
+static bool is_repeated(const vs_stretch *s, const vs_moments *m, size_t k) {
+  size_t shown = 0;
+  bool before = false;
+  for (size_t other = 0; other < m->count; other++) {
+    if (!is_shown(s, &m->item[other])) continue;
+    shown++;
+    before = before || (other < k && !strcmp(m->item[other].what, m->item[k].what));
+  }
+  return before && shown > CROWD;
 }
 
 /* The lines of one run's moments, and where `words` is true what they are. */
@@ -18,14 +39,14 @@ static void add_moments(const vs_stretch *s, size_t run, bool words, vs_text *sc
   int lines = 0;
   for (size_t k = 0; k < m->count && lines < MOST_LINES; k++) {
     const vs_moment *now = &m->item[k];
-    if (now->at_s < s->from_s || now->at_s > s->to_s) continue;
+    if (!is_shown(s, now)) continue;
     lines++;
     vs_text_add(script,
                 "set arrow from first %.9g, graph 0 to first %.9g, graph 1 nohead lc rgb '%s' lw "
                 "%s dt 3 back\n",
                 scale * now->at_s, scale * now->at_s,
                 s->runs > 1 ? vs_stretch_colour(run) : "#808080", now->is_event ? "1.8" : "0.9");
-    if (!words || now->at_s - last < room) continue;
+    if (!words || (!now->is_event && (now->at_s - last < room || is_repeated(s, m, k)))) continue;
     last = now->at_s;
     vs_text_add(script, "set label ");
     vs_gnuplot_quoted(script, now->what);
@@ -36,14 +57,15 @@ static void add_moments(const vs_stretch *s, size_t run, bool words, vs_text *sc
   }
 }
 
-static void add_strip(const vs_stretch *s, int probe, vs_text *script) {
+/* The first strip has the words, the last one the axis of time; one that stands alone has both. */
+static void add_strip(const vs_stretch *s, int probe, bool alone, vs_text *script) {
   const vs_probe_shown *p = &s->probes.item[probe];
-  bool legend = s->runs > 1 && !probe;
+  bool legend = s->runs > 1 && (alone || !probe);
   vs_text_add(script, "unset label\nunset arrow\n");
-  for (size_t r = 0; r < s->runs; r++) add_moments(s, r, !r && !probe, script);
+  for (size_t r = 0; r < s->runs; r++) add_moments(s, r, !r && (alone || !probe), script);
   vs_text_add(script,
               legend ? "set key tmargin right horizontal reverse Left samplen 2\n" : "unset key\n");
-  if (probe + 1 == s->probes.count)
+  if (alone || probe + 1 == s->probes.count)
     vs_text_add(script, "set xlabel 't / %s'\n", time_scale(s) > 1 ? "ms" : "s");
   vs_text_add(script, "set ylabel ");
   vs_gnuplot_quoted(script, p->label);
@@ -64,6 +86,13 @@ void vs_strips_add(const vs_stretch *s, vs_text *script) {
   vs_stretch_begin(script);
   vs_text_add(script, "set multiplot layout %d,1\nset xrange [%.9g:%.9g]\n", s->probes.count,
               scale * s->from_s, scale * s->to_s);
-  for (int k = 0; k < s->probes.count; k++) add_strip(s, k, script);
+  for (int k = 0; k < s->probes.count; k++) add_strip(s, k, false, script);
   vs_text_add(script, "unset multiplot\n");
+}
+
+void vs_strips_one(const vs_stretch *s, int probe, vs_text *script) {
+  double scale = time_scale(s);
+  vs_stretch_begin(script);
+  vs_text_add(script, "set xrange [%.9g:%.9g]\n", scale * s->from_s, scale * s->to_s);
+  add_strip(s, probe, true, script);
 }

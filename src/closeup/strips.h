@@ -9,4 +9,7 @@
  * lines, as far as there is room; those of the others have lines in their colour. */
 void vs_strips_add(const vs_stretch *stretch, vs_text *script);
 
+/* Adds one probe's strip alone, as a picture of its own. */
+void vs_strips_one(const vs_stretch *stretch, int probe, vs_text *script);
+
 #endif

@@ -107,21 +107,21 @@ static const vs_node *find_line(const vs_node *verdict, const char *name) {
 }
 
 /* The word of a line; a margin below 0 whose error is not known is violated, too. */
-static const char *word_of(const vs_node *line) {
+const char *vs_run_pair_word(const vs_node *line) {
   const char *word = vs_member_word(line, "word");
   bool below = !strcmp(vs_member_word(line, "violated"), "true");
   return below && !strcmp(word, "unverified") ? "violated, unverified" : word;
 }
 
 /* The word of the whole: that of its worst line. */
-static const char *whole(const vs_node *verdict) {
+const char *vs_run_pair_whole(const vs_node *verdict) {
   static const char *const RISING[] = {"held", "unverified", "undecided", "violated, unverified",
                                        "violated"};
   size_t worst = 0;
   if (!verdict || !verdict->child) return "no limit stated";
   for (const vs_node *m = verdict->child; m; m = m->next)
     for (size_t k = worst; k < sizeof RISING / sizeof *RISING; k++)
-      if (!strcmp(word_of(m), RISING[k])) worst = k;
+      if (!strcmp(vs_run_pair_word(m), RISING[k])) worst = k;
   return RISING[worst];
 }
 
@@ -129,7 +129,7 @@ static void add_margin(const vs_node *line, vs_text *out) {
   char cell[96] = "-";
   if (line)
     snprintf(cell, sizeof cell, "%.1f %% %s", 100 * vs_member_number(vs_tree_child(line, "margin")),
-             word_of(line));
+             vs_run_pair_word(line));
   vs_text_add(out, " %24s", cell);
 }
 
@@ -296,7 +296,7 @@ void vs_run_pair_table(const vs_run_pair *p, vs_text *out) {
   writer w = {.out = out};
   add_heads(p, out);
   vs_text_add(out, "\n%-28s %24s %24s\n  %-26s %24s %24s\n", "verdict", "A", "B", "the whole",
-              whole(a), whole(b));
+              vs_run_pair_whole(a), vs_run_pair_whole(b));
   show_lines(&w, a, b);
   vs_text_add(out, "\n%-28s %16s %16s\n", "keys that differ", "A", "B");
   vs_members_unlike(vs_tree_child(p->summary[0].root, "scene"),
@@ -317,7 +317,7 @@ static void add_run(const vs_run_pair *p, int k, vs_json *json) {
   vs_json_text(json, "folder", p->folder[k]);
   vs_json_text(json, "tier", vs_member_word(p->summary[k].root, "tier"));
   vs_json_number(json, "until_s", end_of(&p->traces[k]), DIGITS);
-  vs_json_text(json, "verdict", whole(vs_tree_child(p->summary[k].root, "verdict")));
+  vs_json_text(json, "verdict", vs_run_pair_whole(vs_tree_child(p->summary[k].root, "verdict")));
   vs_json_end(json);
 }
 

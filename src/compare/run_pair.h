@@ -18,6 +18,11 @@ typedef struct vs_run_pair {
 vs_status vs_run_pair_open(vs_run_pair *pair, const char *a, const char *b, vs_error *err);
 void vs_run_pair_close(vs_run_pair *pair);
 
+/* Returns the word of a line of summary.json's verdict, and that of the whole, which is its worst
+ * line's. */
+const char *vs_run_pair_word(const vs_node *line);
+const char *vs_run_pair_whole(const vs_node *verdict);
+
 /* Adds the table for people, and the same as one JSON object. */
 void vs_run_pair_table(const vs_run_pair *pair, vs_text *out);
 void vs_run_pair_json(const vs_run_pair *pair, vs_text *out);
