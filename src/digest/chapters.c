@@ -31,7 +31,8 @@ static const char STYLE[] =
     "var(--line);padding:.2rem .55rem;text-align:left;white-space:nowrap}"
     "th{background:var(--head)}td.n{text-align:right}.bars{min-width:9rem;width:100%}"
     ".bar{display:block;height:.8em;background:var(--good)}.back{background:var(--bad)}"
-    "@media(max-width:600px){#energy td,#energy th{white-space:normal;padding:.15rem .3rem}"
+    "@media(max-width:600px){#energy td,#energy th{padding:.15rem .3rem}#energy "
+    "td:first-child{white-space:normal}"
     "#energy .bars{min-width:3.5rem}}"
     "@media print{main{max-width:none}.screen{display:none}}";
 
