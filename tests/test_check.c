@@ -363,7 +363,7 @@ static void what_ngspice_refuses(void) {
       {"L1 a b xx=1\n", "d.cir:11:1 "},
       {"R8 a b {1+}\n", "d.cir:11:9 "},
       {"B1 a b I = v(a)\nB2 a b I = foo(v(a))\n", "d.cir:12:12 "},
-      {"V8 a 0 1\n", "d.cir:6:1 "}, /* in a loop with the mains */
+      {"V8 a 0 1\n", "d.cir:6:1 d.cir:11:1 "}, /* in a loop with the mains */
       {"K1 L1 L2 0.5\n", "d.cir:11:1 "},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {

@@ -346,6 +346,16 @@ static void parasitic_parts(void) {
        ".model d9 D(is=1n rs=0.1)\nD9 ww yy d9 area=2.5"},
       {"D9 ww yy d9 {5/2}\n.model d9 D(is=1n rs=0.1)",
        ".model d9 D(is=1n rs=0.1)\nD9 ww yy d9 area=2.5"},
+      {"L9 ww x 10m\nR9 x yy 50\nL8 s8 0 1m\nL7 s7 0 2m\nR8 s8 0 100\nR7 s7 0 9\nK1 L9 L8 L7 0.9",
+       "L9 ww x 10m\nR9 x yy 50\nL8 s8 0 1m\nL7 s7 0 2m\nR8 s8 0 100\nR7 s7 0 9\nK1 L9 L8 0.9\n"
+       "K2 L9 L7 0.9\nK3 L8 L7 0.9"},
+      {"V9 v9 0 PWL REPEAT FOREVER (0 0 10u 1 50u 1 60u 0 100u 0) ENDREPEAT\nR9 v9 yy 1k",
+       "V9 v9 0 PULSE(0 1 0 10u 10u 40u 100u)\nR9 v9 yy 1k"},
+      {"V9 v9 0 pwl repeat forever (0 0, 5u 0, 10u 1, 50u 1, 60u 0, 100u 0) endrepeat\n"
+       "R9 v9 yy 1k",
+       "V9 v9 0 PULSE(0 1 5u 5u 10u 40u 100u)\nR9 v9 yy 1k"},
+      {"V9 v9 0 PWL REPEAT FOREVER (0 0 400u 1 500u 0) ENDREPEAT\nR9 v9 yy 1k",
+       "V9 v9 0 PWL(0 0 400u 1 500u 0) r=0\nR9 v9 yy 1k"},
       {".model d9 D(is=1n rs=0.1 mfg=Somebody type=silicon Vpk=400 Iave=1)\nD9 ww yy d9",
        ".model d9 D(is=1n rs=0.1)\nD9 ww yy d9"},
   };
@@ -374,6 +384,8 @@ static void constructs_are_told(void) {
        "d.cir:17:6: warning: IF(a, b, c), PSpice's and LTspice's, is read as a > 0.5 ? b : c (2 "
        "times"},
       {"L9 ss yy 1m Rser=1", "d.cir:16:1: warning: Rser, Lser, Rpar, Cpar and RLshunt, LTspice's"},
+      {"S1 ss yy ss 0 sd\n.model sd SW(Ron=1 Roff=1Meg Vt=1 Vh=-0.5)",
+       "d.cir:17:35: warning: Vh below 0"},
       {"B1 yy 0 V=1 tripdv=1", "d.cir:16:13: warning: tripdv and tripdt"},
       {"B1 yy 0 V=-V(ss)**3", "d.cir:16:12: warning: x^y, x**y and pow(x, y) are powers of |x|"},
       {"B1 yy 0 V=1+(2*V(ss)-5) ^ 2.5", "are powers of |x|"},
@@ -396,6 +408,10 @@ static void constructs_are_told(void) {
       {"B1 yy 0 V=IF(V(ss)>1,2)", "d.cir:16:11", "it has 2"},
       {"B1 yy 0 V=table(V(ss),1,2,3)", "d.cir:16:11", "pairs of numbers"},
       {"R9 ss yy {idt(1)}", "d.cir:16:11", "belongs into a B source"},
+      {"V9 yy 0 PWL(0 0 +1u 5)", "d.cir:16:17", "time from the point before"},
+      {"V9 yy 0 PWL REPEAT FOR 5 (0 0 1u 1) ENDREPEAT", "d.cir:16:13", "REPEAT FOREVER"},
+      {"V9 yy 0 PWL(0 0 1 5) TIME_SCALE_FACTOR=1u", "d.cir:16:22", "as they come out"},
+      {"K1 L1 L2 0.9 core", "d.cir:16:10", "a core's model"},
       {"B1 yy 0 2*V(ss)", "d.cir:16:1", "V=... or I=..."},
       {"B1 yy 0 R=5", "d.cir:16:1", "R1 a b R={...}"},
       {"L9 ss yy Flux=1m*tanh(5*x)", "d.cir:16:10", "B source"},

@@ -158,6 +158,8 @@ static void every_key_counts(void) {
   direct.id = id_with(t.kept, "paper", direct.base);
   key_test ideal = {.kept = t.kept, .base = "run.tier=switched"};
   ideal.id = id_with(t.kept, "paper", ideal.base);
+  key_test modulated = {.kept = t.kept, .base = "circuit.deck=chopper"};
+  modulated.id = id_with(t.kept, "paper", modulated.base);
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_error err = {0};
   CU_ASSERT_EQUAL_FATAL(vs_scene_read("paper", set, 2, NULL, scene, &err), VS_OK);
@@ -172,12 +174,13 @@ static void every_key_counts(void) {
       bool other = !strcmp(f->key, "emf_constant") || !strcmp(f->key, "force_constant");
       bool step = !strcmp(part.section->name, "supply") && !strcmp(f->key, "kind");
       bool valve = !strcmp(part.section->name, "firing") && !strcmp(f->key, "valve");
-      key_test *with = other ? &moving : step ? &direct : valve ? &ideal : &t;
+      bool pwm = !strcmp(part.section->name, "pwm");
+      key_test *with = other ? &moving : step ? &direct : valve ? &ideal : pwm ? &modulated : &t;
       change_field(with, part.section->name, f, part.values);
       keys++;
     }
   }
-  int changed = t.changed + moving.changed + direct.changed + ideal.changed;
+  int changed = t.changed + moving.changed + direct.changed + ideal.changed + modulated.changed;
   EXPECT(changed > keys && keys > 50, "%d keys, %d changed", keys, changed); /* a stop has 4 */
   vs_scene_free(scene);
   free(scene);

@@ -34,7 +34,7 @@ static void in_the_ring(void) {
   char *events = read_file("ring/events.csv");
   const char *first = strstr(events, "thyristor fires");
   EXPECT(first && strstr(first + 1, "thyristor fires"), "it fires once: %s", events);
-  const char *line = strstr(r.out, "thyristor.i_rms "),
+  const char *line = strstr(r.out, "thyristor.i_rms: "),
              *said = line ? strstr(line, "one shot") : NULL;
   EXPECT(r.status == 0 && said && said < strchr(line, '\n'), "%d %s%s", r.status, r.out, r.err);
   free(events);

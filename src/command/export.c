@@ -40,19 +40,23 @@ static const double RELTOL = 1e-3;
 static const double RELTOL_MODULATED = 1e-4;
 static const char COARSE[] = " chgtol=1e-10 abstol=1e-7 vntol=1e-4";
 
-/* A difference of two signals as commands have it: nothing for v(0), quotes around a name with
- * operators in it. */
+/* True for a node's name in which ngspice's commands would see an operator. */
+static bool wants_quotes(const char *signal) {
+  char word[16];
+  snprintf(word, sizeof word, " %.*s ", (int)strlen(signal) - 3, signal + 2);
+  return strpbrk(signal, "+-:") || strstr(" gt lt ge le eq ne and or not ", word);
+}
+
+/* A difference of two signals as commands have it: nothing for v(0). */
 static void add_difference(vs_text *t, const char *plus, const char *minus) {
   const char *const signal[] = {plus, minus};
-  bool grounded[2];
   for (int k = 0; k < 2; k++) {
-    grounded[k] = !strcmp(signal[k], "v(0)");
-    if (grounded[k]) continue;
-    const char *quote = strpbrk(signal[k], "+-:") ? "\"" : "";
+    if (!strcmp(signal[k], "v(0)")) continue;
+    const char *quote = wants_quotes(signal[k]) ? "\"" : "";
     vs_text_add(t, "%s%.2s%s%.*s%s)", k ? "-" : "", signal[k], quote, (int)strlen(signal[k]) - 3,
                 signal[k] + 2, quote);
   }
-  if (grounded[0] && grounded[1]) vs_text_add(t, "0*time");
+  if (!strcmp(plus, "v(0)") && !strcmp(minus, "v(0)")) vs_text_add(t, "0*time");
 }
 
 /* ---- the columns of the table ---- */

@@ -275,9 +275,10 @@ static void say_result(const vs_run_options *o, const vs_run_more *more, const v
     fputs(json, stdout);
   else if (!o->quiet) {
     const vs_groups_options groups = {.all = o->all, .measured = !changes_machine(o)};
-    vs_show_verdict(r, stdout);
-    if (more && more->show) fputc('\n', stdout);
-    if (more && more->show) more->show(more->ctx, stdout);
+    bool shows = more && more->show;
+    if (!shows || r->verdict.count) vs_show_verdict(r, stdout);
+    if (shows && r->verdict.count) fputc('\n', stdout);
+    if (shows) more->show(more->ctx, stdout);
     vs_show_result(r, &groups, stdout);
     if (o->folder)
       printf("written: run.csv, events.csv, summary.json%s in %s\n", o->raw ? ", run.raw" : "",

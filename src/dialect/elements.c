@@ -47,6 +47,8 @@ static const parameter PARAMETERS[] = {
     {"b", "delay", NEVER, "a line delays: T1 a 0 b 0 z0=50 td=1u, with 50 ohm at its end"},
     {"eg", "laplace", NEVER, "write it with R, L and C"},
     {"vi", "wavefile", NEVER, "a deck reads no files; write pwl(...)"},
+    {"vi", "time_scale_factor", NEVER, "write the points' times as they come out"},
+    {"vi", "value_scale_factor", NEVER, "write the points' values as they come out"},
     {"vi", "trigger", NEVER, "write a course without it"},
     {"i", "tbl", NEVER, "write B1 a b I=pwl(v(a,b), ...)"},
 };
@@ -273,6 +275,96 @@ static vs_status check_gate(const vs_rewriting *r) {
   return VS_OK;
 }
 
+/* ---- couplings ---- */
+
+/* K1 L1 L2 L3 0.99, of LTspice and PSpice: a coupling of each two of them. */
+static vs_status rewrite_coupling(vs_rewriting *r) {
+  vs_word w[VS_WORDS_MOST];
+  vs_text changed = {0};
+  size_t count = vs_words_split(r->text.text, w), last = count - 1;
+  if (count < 5) return VS_OK;
+  for (size_t n = 1; n < last; n++)
+    if (tolower((unsigned char)*w[n].at) != 'l')
+      return vs_fail_at(r->err, vs_rewriting_place(r, w[n].at, w[n].n),
+                        "inductors and a factor are wanted behind %.*s; a core's model ngspice has "
+                        "not: write the inductances of the windings",
+                        (int)w[0].n, w[0].at);
+  for (size_t n = 1; n < last; n++)
+    for (size_t m = n + 1; m < last; m++) {
+      bool first = n == 1 && m == 2;
+      vs_text *text = first ? &changed : &r->more;
+      vs_text_add(text, "%.*s", (int)w[0].n, w[0].at);
+      if (!first) vs_text_add(text, "__%zu_%zu", n, m);
+      vs_text_add(text, " %.*s %.*s %.*s%s", (int)w[n].n, w[n].at, (int)w[m].n, w[m].at,
+                  (int)w[last].n, w[last].at, first ? "" : "\n");
+    }
+  vs_text_free(&r->text);
+  r->text = changed;
+  vs_rewriting_tell(r, "K of several inductors is read as one of each two of them");
+  return VS_OK;
+}
+
+/* ---- points that repeat ---- */
+
+/* Where points between two brackets are those of a pulse, 0 V0 [T1 V0] T2 V1 T3 V1 T4 V0 T5 V0,
+ * adds the `head` of the line and that as a PULSE, whose edges end ngspice's steps. Numbers may be
+ * expressions; they are compared as texts. */
+static bool add_as_pulse(const char *open, const char *close, int head, const char *text,
+                         vs_text *out) {
+  vs_text inner = {0};
+  vs_word w[VS_WORDS_MOST];
+  vs_text_add(&inner, "%.*s", (int)(close - open - 1), open + 1);
+  for (char *s = inner.text; *s; s++)
+    if (*s == ',') *s = ' ';
+  size_t count = vs_words_split(inner.text, w), n = count == 12 ? 2 : 0;
+  const vs_word *low = w + 1, *t = w + n, *high = t + 3;
+  bool is = count == 10 || count == 12;
+  for (size_t k = 1; k < count && is; k += 2) {
+    const vs_word *like = k == n + 3 || k == n + 5 ? high : low;
+    is = w[k].n == like->n && !strncasecmp(w[k].at, like->at, like->n);
+  }
+  if (is)
+    vs_text_add(out,
+                "%.*sPULSE(%.*s %.*s %.*s {(%.*s)-(%.*s)} {(%.*s)-(%.*s)} {(%.*s)-(%.*s)} %.*s)",
+                head, text, (int)low->n, low->at, (int)high->n, high->at, (int)t->n, t->at,
+                (int)t[2].n, t[2].at, (int)t->n, t->at, (int)t[6].n, t[6].at, (int)t[4].n, t[4].at,
+                (int)t[4].n, t[4].at, (int)t[2].n, t[2].at, (int)t[8].n, t[8].at);
+  vs_text_free(&inner);
+  return is;
+}
+
+/* PWL REPEAT FOREVER (0 0 1u 1 ...) ENDREPEAT, of LTspice and PSpice, is PWL(0 0 1u 1 ...) r=0 in
+ * ngspice. */
+static vs_status rewrite_points(vs_rewriting *r) {
+  const char *text = r->text.text, *pwl = strcasestr(text, "pwl");
+  if (!pwl || pwl == text || !strchr(" \t", pwl[-1]) || vs_words_goes_on(pwl[3])) return VS_OK;
+  const char *s = pwl + 3 + strspn(pwl + 3, " \t"), *open = strchr(s, '(');
+  const char *close = open ? strchr(open, ')') : NULL;
+  bool repeats = !strncasecmp(s, "repeat", 6);
+  if (!repeats) return VS_OK;
+  vs_word w[VS_WORDS_MOST];
+  size_t count = vs_words_split(s, w);
+  bool forever = count > 2 && vs_words_is(w[1], "forever") && open && close &&
+                 !memchr(open + 1, '(', (size_t)(close - open - 1)) && strtod(open + 1, NULL) == 0;
+  if (!forever)
+    return vs_fail_at(
+        r->err, vs_rewriting_place(r, s, 6),
+        "of PWL's REPEAT only 'REPEAT FOREVER (0 V0 T1 V1 ...) ENDREPEAT' can be said "
+        "in ngspice, as 'PWL(0 V0 T1 V1 ...) r=0'; write all points, or a PULSE");
+  vs_text changed = {0};
+  bool edges = add_as_pulse(open, close, (int)(pwl - text), text, &changed);
+  if (!edges)
+    vs_text_add(&changed, "%.*s%.*s r=0", (int)(pwl + 3 - text), text, (int)(close + 1 - open),
+                open);
+  vs_text_free(&r->text);
+  r->text = changed;
+  vs_rewriting_tell(r, edges ? "PWL REPEAT FOREVER (...), LTspice's and PSpice's, is read as PULSE"
+                             : "PWL REPEAT FOREVER (...), LTspice's and PSpice's, is read as "
+                               "PWL(...) r=0; ngspice may step over edges that are repeated: a "
+                               "fifth of the shortest as run.max_step prevents it");
+  return VS_OK;
+}
+
 vs_status vs_elements_rewrite(vs_rewriting *r) {
   char letter = letter_of(r);
   vs_status status = VS_OK;
@@ -281,6 +373,8 @@ vs_status vs_elements_rewrite(vs_rewriting *r) {
   if (letter == 'd') rewrite_area(r);
   if (letter == 'a') status = check_gate(r);
   if (letter == 'r') rewrite_temperature(r);
+  if (letter == 'k') status = rewrite_coupling(r);
+  if (letter == 'v' || letter == 'i') status = rewrite_points(r);
   if (letter == 'e' || letter == 'g') status = check_transfer(r);
   if (!status && (letter == 'e' || letter == 'g')) status = rewrite_table(r);
   return status ? status : rewrite_parameters(r);

@@ -90,6 +90,18 @@ static void leave_out(vs_rewriting *r, vs_word name) {
   vs_rewriting_replace(r, begin, (size_t)(end - name.at), "");
 }
 
+/* KiCad writes "VDMOS NCHAN ( vto=3 ... )", from which ngspice 39 never comes back. Without these
+ * brackets it reads the same. */
+static void rewrite_channel(vs_rewriting *r, vs_word type, vs_word channel) {
+  channel.n = strcspn(channel.at, "( \t");
+  const char *open = channel.at + channel.n + strspn(channel.at + channel.n, " \t");
+  if (!is_type(type, "vdmos") || *open != '(') return;
+  if (!is_type(channel, "nchan") && !is_type(channel, "pchan")) return;
+  char *close = strrchr(r->text.text, ')');
+  r->text.text[open - r->text.text] = ' ';
+  if (close) *close = ' ';
+}
+
 /* Judges one parameter of a model; *left_out says that it is not in the text any more. */
 static vs_status judge(vs_rewriting *r, vs_word type, vs_word name, bool *left_out) {
   const struct known *known = known_of(type);
@@ -98,6 +110,12 @@ static vs_status judge(vs_rewriting *r, vs_word type, vs_word name, bool *left_o
     return refuse(r, name, "this parameter",
                   "belongs to an ideal diode of LTspice's, which ngspice would read as a common "
                   "one; a like one is d(is=1e-9 n=0.1 rs=RON), with bv= for Vrev");
+  const char *value = strchr(name.at, '=') + 1;
+  if (is_type(type, "sw") && has(" vh ", name) && value[strspn(value, " \t")] == '-')
+    vs_tally_add(r->tally,
+                 "Vh below 0: LTspice's switch goes over smoothly from Vt-|Vh| to Vt+|Vh|; "
+                 "ngspice's jumps where it enters that range, a little sooner",
+                 vs_rewriting_place(r, name.at, name.n));
   *left_out = has(RATINGS, name);
   if (*left_out)
     leave_out(r, name);
@@ -150,6 +168,7 @@ vs_status vs_models_rewrite(vs_rewriting *r) {
   if (!r->pspice && is_type(w[2], "ako")) return refuse(r, w[2], "AKO:", PSPICE);
   if (!r->pspice && (is_type(w[2], "vswitch") || is_type(w[2], "iswitch")))
     return refuse(r, w[2], "a switch of that name", PSPICE);
+  if (count > 3) rewrite_channel(r, w[2], w[3]);
   size_t type = (size_t)(w[2].at - r->text.text), type_n = w[2].n;
   if (is_type(w[2], "vswitch") || is_type(w[2], "iswitch")) complete_switch(r, w[2]);
   for (size_t at = type; r->text.text[at]; at++) {

@@ -92,9 +92,10 @@ static vs_status judge_temperature(const char *line, vs_where where, vs_error *e
 
 /* Statements that a deck is not refused for. */
 static const char *const SKIPPED[] = {
-    ".tran", ".ac",   ".dc",      ".op",   ".noise",   ".tf",       ".sens",  ".disto", ".pz",
-    ".save", ".end",  ".print",   ".plot", ".probe",   ".four",     ".meas",  ".width", ".options",
-    ".opt",  ".temp", ".measure", ".net",  ".fourier", ".backanno", ".option"};
+    ".tran",  ".ac",      ".dc",       ".op",      ".noise",  ".tf",   ".sens",
+    ".disto", ".pz",      ".save",     ".end",     ".print",  ".plot", ".probe",
+    ".four",  ".meas",    ".width",    ".options", ".opt",    ".temp", ".measure",
+    ".net",   ".fourier", ".backanno", ".option",  ".probe64"};
 
 /* Statements that mean more than one circuit, which a study has. */
 static const char *const STUDIES[] = {".step", ".mc", ".wcase", ".alter", ".data"};

@@ -111,6 +111,13 @@ static double edge(const double *points, int count, double level, int *k, double
   return NAN;
 }
 
+/* Passes by REPEAT FOREVER, behind which PWL's points stand in brackets. */
+static const char *passed_repeat(const char *points, bool *repeats) {
+  const char *s = points + strspn(points, " \t");
+  *repeats = !strncasecmp(s, "repeat", 6) && strchr(s, '(');
+  return *repeats ? strchr(s, '(') : points;
+}
+
 /* The pulse of a PWL. Error: it has a second one, whose place and shape may be any. */
 static vs_status of_points(const vs_elements *w, const vs_element *e, const numbers *n,
                            vs_course_pulse *p, vs_error *err) {
@@ -160,6 +167,8 @@ vs_status vs_course_read_pulse(const vs_elements *w, const vs_values *v, const v
                                vs_course_pulse *pulse, vs_error *err) {
   const char *s = begin_of(w, e, "pulse"), *points = begin_of(w, e, "pwl");
   numbers n = {.count = 0};
+  bool repeats = false;
+  if (points) points = passed_repeat(points, &repeats);
   vs_status status = s || points ? read_numbers(w, v, e, s ? s : points, !s, &n, err) : VS_OK;
   if (status) return status;
   if (s && n.count >= 2) {
@@ -168,6 +177,7 @@ vs_status vs_course_read_pulse(const vs_elements *w, const vs_values *v, const v
   }
   if (!s && points && n.count >= 4) {
     status = of_points(w, e, &n, pulse, err);
+    if (repeats) pulse->period_s = n.item[n.count / 2 * 2 - 2];
     return status ? status : repeat_points(w, v, e, &n, pulse, err);
   }
   char *word = vs_elements_word_of(w, e, e->n_nodes + 1);

@@ -150,6 +150,7 @@ static void clean(const char *said, char name[VS_ELEMENTS_NAME]) {
   }
   while (n > 0 && name[n - 1] == '_') n--;
   name[n] = '\0';
+  if (!strcmp(name, "ac") || !strcmp(name, "dc")) strcat(name, "_net"); /* words of a source */
 }
 
 static bool has_node(const vs_elements *w, const char *name) {
@@ -161,10 +162,16 @@ static bool has_node(const vs_elements *w, const char *name) {
 /* True for a name that programs give to nets nobody has named. */
 static bool is_made_up(const char *said) {
   const char *s = said;
+  if (!strcmp(said, "n") || !strcmp(said, "net")) return false;
   if (strstr(said, "net-") == said || strstr(said, "unconnected-")) return true;
   if (*s == 'n') s++;
   if (!strncmp(s, "et", 2)) s += 2;
   return strspn(s, "0123456789_") == strlen(s);
+}
+
+/* True for a name that ngspice takes for something else in a source's line, or in an output. */
+static bool is_word_of_ngspice(const char *name) {
+  return !strcmp(name, "ac") || !strcmp(name, "value") || !strcmp(name, "time");
 }
 
 static int find_node(const vs_elements *w, const char *said) {
@@ -183,6 +190,7 @@ static int take_node(vs_elements *w, char *said) {
   clean(said, name);
   bool ground = !strcmp(said, "0") || !strcmp(said, "gnd");
   if (!*name || !strcmp(name, "gnd") || (!ground && !strcmp(name, "0"))) strcpy(name, "net");
+  if (is_word_of_ngspice(name)) strcat(name, "_net");
   snprintf(node.name, sizeof node.name, "%s", ground ? "0" : name);
   for (int k = 2; !ground && has_node(w, node.name); k++)
     snprintf(node.name, sizeof node.name, "%.50s_%d", name, k);

@@ -14,7 +14,7 @@
 enum { VS_ORIGIN_PLAIN, VS_ORIGIN_LTSPICE, VS_ORIGIN_KICAD, VS_ORIGIN_PSPICE, VS_ORIGINS };
 extern const char *const vs_listing_origins[VS_ORIGINS];
 
-/* VS_CARD_COMMAND: of a block .control, with its first and last line. */
+/* VS_CARD_COMMAND: of a block .control or .aliases, with its first and last line. */
 enum { VS_CARD_COMMENT, VS_CARD_STATEMENT, VS_CARD_ELEMENT, VS_CARD_COMMAND };
 
 /* One line with those that continue it. */
@@ -24,7 +24,7 @@ typedef struct vs_card {
   vs_where where;
   int kind;      /* VS_CARD_... */
   int depth;     /* how many subcircuits are open; a line .subckt counts itself, .ends does, too */
-  bool included; /* it stands in a file that the netlist includes */
+  bool included; /* it stands in a library that the netlist includes, and not in a part of it */
 } vs_card;
 
 enum { VS_LISTING_FILES = 32 };
@@ -48,8 +48,9 @@ vs_status vs_listing_read(vs_listing *listing, const char *path, const char *lib
                           vs_error *err);
 void vs_listing_free(vs_listing *listing);
 
-/* True for a line that includes a file. `path` is then where the file lies, or empty where none can
- * be read; it holds VS_PATH_SIZE bytes. */
+/* True for a line that includes a file. `path` is then where the file lies, which may be beside the
+ * netlist where the line names a folder of another machine; empty: there is none. It holds
+ * VS_PATH_SIZE bytes. */
 bool vs_listing_finds(const vs_card *card, char *path);
 
 /* True where the card's first word is this one, capitals aside. */

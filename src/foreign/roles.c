@@ -163,15 +163,29 @@ static vs_status add_named_gates(finder *f, const char *asked) {
   return status;
 }
 
+/* True for a source that shares a node, other than 0, with the mains' own: a surge in the line,
+ * say.
+ */
+static bool in_the_line(const finder *f, const vs_element *e) {
+  const int *mains = f->roles->mains->nodes;
+  for (int k = 0; k < 2; k++)
+    for (int n = 0; n < 2; n++)
+      if (mains[k] == e->nodes[n] && strcmp(f->w->nodes[mains[k]].name, "0")) {
+        const vs_element *other = vs_elements_next(f->w, e, mains[k]);
+        if (other == f->roles->mains) return true; /* nothing else meets there: in series */
+      }
+  return false;
+}
+
 /* True for a source that may be a gate's: its course is a pulse, or of points that go up and come
  * back once. */
 static bool may_fire(const finder *f, const vs_element *e) {
   vs_course_pulse p;
   vs_error unread = {0};
   bool pulse = vs_course_has(f->w, e, "pulse"), points = vs_course_has(f->w, e, "pwl");
-  if (!f->roles->mains || (!pulse && !points)) return false;
+  if (!f->roles->mains || (!pulse && !points) || in_the_line(f, e)) return false;
   if (vs_course_read_pulse(f->w, f->v, e, &p, &unread)) return true; /* it is asked for, or told */
-  return points ? isfinite(p.at_s) && isfinite(p.width_s) : !chops(f, &p);
+  return (!points || (isfinite(p.at_s) && isfinite(p.width_s))) && !chops(f, &p);
 }
 
 static vs_status find_gates(finder *f, const char *asked) {
@@ -296,8 +310,24 @@ static bool is_coupled(const finder *f, const vs_element *coil) {
   return coupled;
 }
 
-/* The resistor in series with an inductor, at either of its ends; NULL: there is none. */
+/* True where something lies across the inductor within its own line: Rpar=, Cpar= of LTspice's. One
+ * of 0 is no part. */
+static bool has_across(const finder *f, const vs_element *coil) {
+  static const char *const KEYS[] = {"rpar", "cpar"};
+  bool across = false;
+  for (int k = 0; k < 2; k++) {
+    double value = 1;
+    char *text = vs_elements_option(f->w, coil, KEYS[k]);
+    across = across || (text && !(vs_values_of(f->v, text, &value) && value == 0));
+    free(text);
+  }
+  return across;
+}
+
+/* The resistor in series with an inductor, at either of its ends; NULL: there is none, or it does
+ * not belong to the coil, because something lies across the inductor alone. */
 static const vs_element *resistor_of(const finder *f, const vs_element *coil) {
+  if (has_across(f, coil)) return NULL;
   for (int n = 1; n >= 0; n--) {
     const vs_element *next = vs_elements_next(f->w, coil, coil->nodes[n]);
     if (next && next->letter == 'r') return next;
@@ -356,18 +386,15 @@ static vs_status set_coil(finder *f, const vs_element *l, const vs_element *r) {
     return vs_fail_at(f->err, vs_elements_where(f->w, r, 0),
                       "%s: its resistance is not known before a run, as a number", r->name);
   char *rser = vs_elements_option(f->w, l, "rser");
-  char *rpar = vs_elements_option(f->w, l, "rpar"), *cpar = vs_elements_option(f->w, l, "cpar");
-  double parallel = 0;
-  bool across = (rpar && !(vs_values_of(f->v, rpar, &parallel) && parallel == 0)) ||
-                (cpar && !(vs_values_of(f->v, cpar, &parallel) && parallel == 0));
   bool known = !rser || vs_values_of(f->v, rser, &own);
   free(rser);
-  free(rpar);
-  free(cpar);
-  if (across || !known)
-    return vs_fail_at(f->err, where, "%s: %s", l->name,
-                      known ? "Rpar and Cpar of the coil are to be elements of their own, across it"
-                            : "Rser is not known before a run, as a number");
+  if (!known)
+    return vs_fail_at(f->err, where, "%s: Rser is not known before a run, as a number", l->name);
+  if (r && has_across(f, l))
+    return vs_fail_at(f->err, where,
+                      "%s has Rpar or Cpar, which %s is not across; --coil %s takes the inductor "
+                      "alone, and %s stays in the circuit",
+                      l->name, r->name, l->name, r->name);
   roles->resistance_ohm += own;
   char *current = vs_elements_option(f->w, l, "ic");
   double current_a = 0;

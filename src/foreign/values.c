@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #include "base/text.h"
+#include "foreign/macros.h"
 #include "syntax/cursor.h"
 #include "syntax/formula.h"
 
@@ -53,6 +54,8 @@ bool vs_values_number(const vs_values *v, const char *text, double *number) {
   }
   *number *= factor;
   while (isalpha((unsigned char)*end) || *end == '%') end++;
+  if (!strncmp(end, "\xce\xa9", 2)) end += 2;     /* Greek capital omega */
+  if (!strncmp(end, "\xe2\x84\xa6", 3)) end += 3; /* sign of the ohm */
   end += strspn(end, " \t");
   return !*end;
 }
@@ -118,7 +121,8 @@ static bool evaluate(const vs_values *v, const char *text, int level, double *va
   if (level > NESTED) return false;
   names *n = vs_alloc(1, sizeof *n);
   double known[NAMES] = {0};
-  char why[200], *expression = bare(text);
+  char why[200], *plain = bare(text), *expression = vs_macros_expand(v->listing, plain);
+  free(plain);
   tame_powers(expression);
   const char *bad = NULL;
   const vs_formula_scope scope = {.ctx = n, .name = take_name};
@@ -197,6 +201,7 @@ static void read_line(vs_values *v, const vs_listing *l, size_t card) {
 }
 
 void vs_values_read(vs_values *v, const vs_listing *l) {
+  v->listing = l;
   v->rkm = l->origin == VS_ORIGIN_LTSPICE || l->origin == VS_ORIGIN_KICAD;
   for (size_t k = 0; k < l->count; k++) {
     const vs_card *card = &l->cards[k];

@@ -24,7 +24,8 @@ typedef struct vs_value_param {
 typedef struct vs_values {
   vs_value_param *item; /* owned */
   size_t count;
-  bool rkm; /* 4k7 means 4.7k, as LTspice and KiCad read it */
+  bool rkm;                  /* 4k7 means 4.7k, as LTspice and KiCad read it */
+  const vs_listing *listing; /* of its lines .func; borrowed */
 } vs_values;
 
 void vs_values_read(vs_values *values, const vs_listing *listing);

@@ -111,8 +111,9 @@ static void add_mains(writer *b, const vs_element *e) {
 }
 
 /* The program's pulse has no edges in time. Where the netlist's take longer than this, a
- * capacitance of 1 nF gives them theirs: it is charged with a constant current, until 2 % are left,
- * so that di/dt of what the gate fires is the netlist's, too. */
+ * capacitance of 1 nF gives them theirs: it is charged with a constant current until a thousandth
+ * of the pulse is left, so that di/dt of what the gate fires is the netlist's, too. (With 2 % left,
+ * the voltage at a gate's transformer was off by 1.2 % of its peak.) */
 static const double SHORT_EDGE_S = 1e-7;
 
 bool vs_copying_has_edges(const vs_course_pulse *p) {
@@ -127,7 +128,7 @@ static void add_pulse(writer *b, const vs_element *e, const vs_course_pulse *p, 
   snprintf(on, VS_ELEMENTS_NAME + 8, "%s_on%s", e->key, two);
   if (!vs_copying_has_edges(p)) return;
   add(b, "Bedge%s_%s 0 %s_edge%s I = max(-%.9g, min(%.9g, %.9g*v(%s,%s_edge%s)))\n", two, e->key,
-      e->key, two, 1e-9 / fall_s, 1e-9 / rise_s, 50e-9 / fmin(rise_s, fall_s), on, e->key, two);
+      e->key, two, 1e-9 / fall_s, 1e-9 / rise_s, 1e-6 / fmin(rise_s, fall_s), on, e->key, two);
   add(b, "Cedge%s_%s %s_edge%s 0 1n ic=0\n", two, e->key, e->key, two);
   snprintf(on, VS_ELEMENTS_NAME + 8, "%.56s_edge%s", e->key, two);
 }
@@ -151,8 +152,18 @@ static void add_gate(writer *b, const vs_element *e, const vs_roles_gate *g) {
 static void add_coil(writer *b, const vs_element *e) {
   const vs_roles *r = b->p->roles;
   add(b, "* of the EVA: %s\n", b->w->listing->cards[e->card].text);
-  if (e == r->coil)
-    add(b, "Xeva %s %s eva\n", b->w->nodes[r->coil_plus].name, b->w->nodes[r->coil_minus].name);
+  if (e != r->coil) return;
+  const char *plus = b->w->nodes[r->coil_plus].name, *minus = b->w->nodes[r->coil_minus].name;
+  add(b, "Xeva %s %s eva\n", plus, minus);
+  for (const char *letter = "rc"; *letter; letter++) { /* across it, LTspice's */
+    char *value = vs_elements_option(b->w, e, *letter == 'r' ? "rpar" : "cpar");
+    double number = 1;
+    bool is = value && !(vs_values_of(b->p->values, value, &number) && number == 0);
+    if (is) add(b, "%c%s__par %s %s ", toupper(*letter), e->name, plus, minus);
+    if (is) add_plain(b, value);
+    if (is) add(b, "\n");
+    free(value);
+  }
 }
 
 /* True where both texts are the same, but for capitals and how blank their blanks are. */
@@ -194,7 +205,8 @@ static void write_element(writer *b, const vs_element *e) {
 /* True for a statement that the deck is to do without: an analysis, an option, an output. Of one
  * that makes another circuit, or several, it is noted what would take its place. */
 static bool is_skipped(writer *b, const vs_card *card) {
-  static const char *const OURS[] = {".title", ".stmlib", ".wave", ".watch", ".autoconverge"};
+  static const char *const OURS[] = {".title",    ".stmlib",       ".wave",     ".watch",
+                                     ".external", ".autoconverge", ".loadbias", ".savebias"};
   vs_skipped skipped = {.count = 0};
   vs_error why = {0};
   bool skip = false;
@@ -231,6 +243,20 @@ static void write_params(writer *b, size_t card) {
   }
 }
 
+/* True where the file was found, but not where its line says. */
+static bool is_elsewhere(const vs_card *card, const char *path) {
+  const char *slash = strrchr(card->where.file, '/');
+  size_t folder = slash ? (size_t)(slash - card->where.file + 1) : 0;
+  char *said = vs_copy(card->text);
+  for (char *c = said; *c; c++)
+    if (*c == '\\') *c = '/';
+  bool absolute = strncmp(path, card->where.file, folder) != 0;
+  const char *name = path + (absolute ? 0 : folder), *at = strstr(said, name);
+  bool elsewhere = !at || at == said || !strchr(" \t\"'", at[-1]);
+  free(said);
+  return elsewhere;
+}
+
 static void write_include(writer *b, const vs_card *card) {
   char path[VS_PATH_SIZE], full[VS_PATH_SIZE];
   vs_listing_finds(card, path);
@@ -241,6 +267,9 @@ static void write_include(writer *b, const vs_card *card) {
                      card->where.line, card->text);
     return;
   }
+  if (is_elsewhere(card, path))
+    vs_declared_note(&b->p->sheet.did, "line %d: '%s' is not here; taken is %s", card->where.line,
+                     card->text, path);
   size_t n = strlen(b->folder);
   if (realpath(path, full))
     add(b, ".include \"%s\"\n",
@@ -270,13 +299,17 @@ static void write_statement(writer *b, size_t card_number) {
 
 /* ---- the whole ---- */
 
-/* What only PSpice's dialect has, or what means something else in ngspice's. */
+/* What only PSpice's dialect has. A netlist of PSpice's own is read in it altogether where it has
+ * signs of it; in others the reader of decks translates these (docs/dialects.md), so that all else
+ * means what ngspice takes it for. */
 static bool wants_pspice(const vs_listing *l) {
-  static const char *const SIGNS[] = {"params:", "value={", "value ={", "value = {",
-                                      "value {", "value{",  "table {",  "table{",
-                                      "if(",     "limit(",  "pwrs("};
+  static const char *const SIGNS[] = {
+      "limit(",   "ako:",      " vswitch", " iswitch", "t_abs=",  "t_abs =", "params:", "value={",
+      "value ={", "value = {", "value {",  "value{",   "table {", "table{",  "if(",     "pwrs("};
+  enum { ALWAYS = 6 };
+  size_t count = l->origin == VS_ORIGIN_PSPICE ? sizeof SIGNS / sizeof *SIGNS : ALWAYS;
   for (size_t k = 0; k < l->count; k++)
-    for (size_t s = 0; s < sizeof SIGNS / sizeof *SIGNS; s++)
+    for (size_t s = 0; s < count; s++)
       if (l->cards[k].kind != VS_CARD_COMMENT && strcasestr(l->cards[k].text, SIGNS[s]))
         return true;
   return false;

@@ -33,6 +33,42 @@ static vs_status check_model(const vs_fate *p, const vs_element *e, const vs_pin
   return status;
 }
 
+/* Error: an element that ngspice would read as something else than the netlist's writer meant. */
+static vs_status check_element(const vs_fate *p, const vs_element *e, vs_error *err) {
+  const vs_elements *w = p->wiring;
+  vs_where where = vs_elements_where(w, e, 0);
+  char *word = vs_elements_word_of(w, e, e->n_nodes + 1);
+  const char *text = w->listing->cards[e->card].text;
+  const char *behind = text + strlen(text);
+  if (e->n_nodes + 1 < e->n_words)
+    behind = text + e->words[e->n_nodes + 1].at + e->words[e->n_nodes + 1].size;
+  vs_status status = VS_OK;
+  double number;
+  bool passive = strchr("rcl", e->letter) != NULL;
+  if (passive && *behind == ',' && isdigit((unsigned char)behind[1]))
+    status = vs_fail_at(err, where, "%s: '%s%.*s': the decimal sign is a point", e->name, word,
+                        (int)strcspn(behind, " \t"), behind);
+  else if (passive && isalpha((unsigned char)*word) && !strpbrk(text, "={'") &&
+           e->n_words == e->n_nodes + 2 && !vs_values_of(p->values, word, &number) &&
+           vs_elements_defined(w->listing, word) < 0)
+    status = vs_fail_at(err, where, "%s: '%s' is no value: write a number there, as 4.7k", e->name,
+                        word);
+  else if (e->letter == 'u')
+    status = vs_fail_at(err, where,
+                        "%s: with U begin PSpice's digital parts, which ngspice does not have: "
+                        "write what it does as a source, E1 out 0 VALUE={IF(V(in)>2.5, 5, 0)}; a "
+                        "subcircuit's name begins with X, as KiCad's symbols with a simulation "
+                        "model do",
+                        e->name);
+  else if (strchr("vi", e->letter) && strcasestr(text, "stimulus"))
+    status = vs_fail_at(err, where,
+                        "%s: the stimulus was drawn in PSpice's editor; write it as PULSE(...), "
+                        "PWL(...) or SIN(...)",
+                        e->name);
+  free(word);
+  return status;
+}
+
 /* ---- parameters ---- */
 
 /* Writes a value with the unit of its letter's kind: "4.7 kohm", "100 nF"; and the range of the
@@ -222,8 +258,9 @@ static void name_free(const vs_fate *p, const char *first, const char *key, cons
 
 static void set_senses(vs_fate *p, const vs_element *e, vs_fate_element *own) {
   bool known = own->pins.kind, no_formula = strchr("r", e->letter) && !own->value;
-  bool source = e->letter == 'v' || e->letter == 'i';
-  if ((!known && e->letter != 'c' && !no_formula) || source || vs_fate_is_coil(p, e)) return;
+  bool source = e->letter == 'v' || vs_roles_gate_of(p->roles, e) >= 0;
+  if ((!known && !strchr("cbefghi", e->letter) && !no_formula) || source || vs_fate_is_coil(p, e))
+    return;
   own->sensed_at = known ? own->pins.from : 0;
   name_free(p, "Vi_", e->key, "", own->sense);
   name_free(p, "", e->key, "_in", own->inner);
@@ -254,6 +291,7 @@ vs_status vs_fate_make(vs_fate *p, const char *asked, vs_error *err) {
     const vs_element *e = &w->elements[k];
     status = vs_error_carry_on(err, vs_pins_find(w, asked, e, &p->of[k].pins, err));
     if (!status) status = vs_error_carry_on(err, check_model(p, e, &p->of[k].pins, err));
+    if (!status) status = vs_error_carry_on(err, check_element(p, e, err));
   }
   if (status) return status;
   add_params(p);

@@ -7,7 +7,8 @@
 
 #include "import/copying.h"
 
-/* The loss of the resistance that LTspice puts into a source, which has become an element. */
+/* The loss of the resistance that LTspice puts into the mains, which has become an element. That of
+ * another source is part of what the source gives at its nodes. */
 static void add_series(vs_fate *p, const vs_element *e) {
   char *rser = vs_elements_option(p->wiring, e, "rser"), v[VS_DECK_TEXT], inner[VS_ELEMENTS_NAME];
   double ohm;
@@ -67,8 +68,7 @@ static void add_sources(vs_fate *p) {
       else
         vs_declared_add(&p->sheet, VS_DECLARED_PORT, "gate = Vgate%s_%s", n ? "2" : "", key);
     }
-  for (size_t g = 0; g <= r->n_gates; g++)
-    if (g < r->n_gates || r->mains) add_series(p, g < r->n_gates ? r->gates[g].source : r->mains);
+  if (r->mains) add_series(p, r->mains);
   for (size_t g = 0; g < r->n_gates; g++) add_gate_loss(p, &r->gates[g]);
   for (size_t k = 0; k < w->count; k++) { /* what sources give is a loss below zero */
     const vs_element *e = &w->elements[k];

@@ -90,7 +90,8 @@ static void note_devices(work *w) {
     const vs_element *e = &w->wiring.elements[k];
     const vs_fate_element *own = &w->plan.of[k];
     if (!own->pins.kind || e->letter == 'd') continue;
-    vs_declared_note(&s->did, "%s is a %s, %s%s%s", e->name, own->pins.kind, own->pins.by,
+    vs_declared_note(&s->did, "%s is %s %s, %s%s%s", e->name,
+                     strchr("aeio", *own->pins.kind) ? "an" : "a", own->pins.kind, own->pins.by,
                      *own->pins.part ? ": " : "", own->pins.part);
     if (strcmp(own->pins.kind, "thyristor") || *own->pins.part) continue;
     vs_declared_note(&s->left,

@@ -8,6 +8,7 @@
 
 #include "deck/kinds.h"
 #include "import/feeds.h"
+#include "syntax/cursor.h"
 
 /* The voltage of an element, from the node where its current is sensed, or its first, on. */
 static void voltage_of(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
@@ -179,6 +180,27 @@ static void add_others(vs_fate *p) {
   }
 }
 
+/* True where the element has an option of that name that is not 0, as LTspice's Rser: one of 0 is
+ * no part. */
+static bool has_part(const vs_fate *p, const vs_element *e, const char *name) {
+  double value = 1;
+  char *text = vs_elements_option(p->wiring, e, name);
+  bool has = text && !(vs_values_of(p->values, text, &value) && value == 0);
+  free(text);
+  return has;
+}
+
+/* The voltage of a capacitor without what LTspice puts in series into it: Rser and Lser, behind the
+ * node that the reader of decks makes of them. */
+static void within(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
+                   char v[VS_DECK_TEXT]) {
+  char inner[VS_ELEMENTS_NAME + 8];
+  snprintf(inner, sizeof inner, "%s__ser", e->name);
+  vs_cursor_lower(inner);
+  if (has_part(p, e, "rser") || has_part(p, e, "lser"))
+    snprintf(v, VS_DECK_TEXT, "v(%s,%s)", own->inner, inner);
+}
+
 static void add_passive(vs_fate *p, const vs_element *e, const vs_fate_element *own) {
   char v[VS_DECK_TEXT];
   vs_declared_voltage(vs_elements_node_of(p->wiring, e, 0), vs_elements_node_of(p->wiring, e, 1),
@@ -195,6 +217,7 @@ static void add_passive(vs_fate *p, const vs_element *e, const vs_fate_element *
   } else if (e->letter == 'c') {
     vs_declared_add(&p->sheet, VS_DECLARED_DEVICE, "%s capacitor = %s, i(%s)", e->key, v,
                     own->sense);
+    within(p, e, own, v);
     if (own->value)
       vs_declared_add(&p->sheet, VS_DECLARED_STORE, "%s = %s*%s^2/2", e->key, own->value,
                       *v == '-' ? v + 1 : v);
@@ -237,23 +260,65 @@ static void add_passives(vs_fate *p) {
     }
 }
 
-/* The energy that two inductors hold together: K sqrt(L1 L2) i1 i2. */
+/* The inductor that is the n-th word of a line K..., and its value; NULL: it has none that is
+ * known.
+ */
+static const vs_element *coupled(const vs_fate *p, const vs_element *e, int n, const char **value) {
+  char *name = vs_elements_word_of(p->wiring, e, n);
+  const vs_element *l = vs_elements_find(p->wiring, name);
+  free(name);
+  *value = l ? p->of[l - p->wiring->elements].value : NULL;
+  return *value ? l : NULL;
+}
+
+/* The energy that inductors hold together, for each two of them: K sqrt(L1 L2) i1 i2. */
 static bool add_coupling(vs_fate *p, const vs_element *e) {
-  const vs_element *l[2] = {NULL, NULL};
   double factor;
-  for (int n = 0; n < 2; n++) {
-    char *name = vs_elements_word_of(p->wiring, e, n + 1);
-    l[n] = vs_elements_find(p->wiring, name);
-    free(name);
+  int last = e->n_words - 1;
+  char *word = vs_elements_word_of(p->wiring, e, last), name[VS_DECK_NAME];
+  bool known = last > 2 && vs_values_of(p->values, word, &factor);
+  free(word);
+  for (int n = 1; n < last && known; n++)
+    for (int m = n + 1; m < last && known; m++) {
+      const char *a, *b;
+      const vs_element *first = coupled(p, e, n, &a), *second = coupled(p, e, m, &b);
+      snprintf(name, sizeof name, last == 3 ? "%.50s" : "%.50s_%d_%d", e->key, n, m);
+      known = first && second &&
+              vs_declared_add(&p->sheet, VS_DECLARED_STORE, "%s = %.15g*sqrt(%s*%s)*i(%s)*i(%s)",
+                              name, factor, a, b, first->name, second->name);
+    }
+  return known;
+}
+
+/* What sources that a formula drives take, and those of current: a loss, below zero where they
+ * give. */
+static void add_controlled(vs_fate *p) {
+  for (size_t k = 0; k < p->wiring->count; k++) {
+    const vs_element *e = &p->wiring->elements[k];
+    const vs_fate_element *own = &p->of[k];
+    char v[VS_DECK_TEXT];
+    if (own->pins.kind || !*own->sense || !strchr("befghi", e->letter)) continue;
+    voltage_of(p, e, own, v);
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s = %s*i(%s)", e->key, v, own->sense);
   }
-  char *value = vs_elements_word_of(p->wiring, e, 3);
-  bool known = e->n_words == 4 && l[0] && l[1] && vs_values_of(p->values, value, &factor);
-  free(value);
-  const char *a = known ? p->of[l[0] - p->wiring->elements].value : NULL;
-  const char *b = known ? p->of[l[1] - p->wiring->elements].value : NULL;
-  return a && b &&
-         vs_declared_add(&p->sheet, VS_DECLARED_STORE, "%s = %.15g*sqrt(%s*%s)*i(%s)*i(%s)", e->key,
-                         factor, a, b, l[0]->name, l[1]->name);
+}
+
+/* What LTspice puts across the EVA's coil, which has become elements of their own. */
+static void add_across(vs_fate *p) {
+  const vs_roles *r = p->roles;
+  char *rpar = vs_elements_option(p->wiring, r->coil, "rpar"), v[VS_DECK_TEXT];
+  char *cpar = vs_elements_option(p->wiring, r->coil, "cpar");
+  double value;
+  vs_declared_voltage(p->wiring->nodes[r->coil_plus].name, p->wiring->nodes[r->coil_minus].name, v);
+  const char *square = *v == '-' ? v + 1 : v;
+  if (rpar && vs_values_of(p->values, rpar, &value) && value > 0)
+    vs_declared_add(&p->sheet, VS_DECLARED_LOSS, "%s_rpar = %s^2/%.15g", r->coil->key, square,
+                    value);
+  if (cpar && vs_values_of(p->values, cpar, &value))
+    vs_declared_add(&p->sheet, VS_DECLARED_STORE, "%s_cpar = %.15g*%s^2/2", r->coil->key, value,
+                    square);
+  free(rpar);
+  free(cpar);
 }
 
 /* A voltage of each net that a person has named. */
@@ -274,36 +339,29 @@ static void add_nets(vs_fate *p) {
   }
 }
 
-/* What no line says: sources that a formula drives, and what takes part in them. */
+/* What no line says. */
 static void note_unmeasured(vs_fate *p) {
-  vs_text sources = {0}, unknown = {0}, coupled = {0};
+  vs_text unknown = {0}, together = {0};
   for (size_t k = 0; k < p->wiring->count; k++) {
     const vs_element *e = &p->wiring->elements[k];
     if (p->of[k].pins.kind || vs_roles_gate_of(p->roles, e) >= 0) continue;
-    vs_text *t = strchr("befghi", e->letter)               ? &sources
-                 : e->letter == 'k' && !add_coupling(p, e) ? &coupled
-                 : strchr("xatuo", e->letter)              ? &unknown
-                                                           : NULL;
+    vs_text *t = e->letter == 'k' && !add_coupling(p, e) ? &together
+                 : strchr("xatuo", e->letter)            ? &unknown
+                                                         : NULL;
     if (t) vs_text_add(t, "%s%s", t->length ? ", " : "", e->name);
   }
-  if (sources.text)
-    vs_declared_note(&p->sheet.left,
-                     "%s: what these sources give or take stands in no line '*$ loss', "
-                     "so that the energy audit may not close",
-                     sources.text);
-  if (coupled.text)
+  if (together.text)
     vs_declared_note(&p->sheet.left,
                      "%s: the energy of the coupling is not counted: a line '*$ store "
                      "NAME = K*sqrt(L1*L2)*i(L1)*i(L2)' would",
-                     coupled.text);
+                     together.text);
   if (unknown.text)
     vs_declared_note(&p->sheet.left,
                      "%s: nothing is measured of these: --pins NAME=akg (or 21g, dgs, "
                      "cge, ak, varistor, fuse) says what one is",
                      unknown.text);
-  vs_text_free(&sources);
   vs_text_free(&unknown);
-  vs_text_free(&coupled);
+  vs_text_free(&together);
 }
 
 vs_status vs_lines_add(vs_fate *p, vs_error *err) {
@@ -313,7 +371,9 @@ vs_status vs_lines_add(vs_fate *p, vs_error *err) {
   add_valves(p);
   vs_feeds_add(p);
   add_others(p);
+  add_controlled(p);
   add_passives(p);
+  add_across(p);
   add_nets(p);
   note_unmeasured(p);
   return status;

@@ -5,6 +5,7 @@
  * Newton iteration; then, once the step is accepted, SendData. Steps it rejects it repeats by
  * itself. Its return codes say nothing: whether a run was good is seen from the time it reached and
  * from its log. */
+#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -82,11 +83,16 @@ static void stop_with(vs_status status) {
   if (ng.status == VS_OK) ng.status = status;
 }
 
-/* Finds the vector of a signal: "v(a)" is vector "a", "i(vth)" is "vth#branch". */
+/* Finds the vector of a signal: "v(a)" is vector "a", "i(vth)" is "vth#branch". Only a node whose
+ * name begins with a digit has a vector with brackets, "V(1)". */
 static int find_vector(const vecinfoall *all, const char *signal) {
   char name[256];
-  snprintf(name, sizeof name, "%.*s%s", (int)strlen(signal) - 3, signal + 2,
-           signal[0] == 'i' ? "#branch" : "");
+  int n = (int)strlen(signal) - 3;
+  bool number = signal[0] == 'v' && isdigit((unsigned char)signal[2]);
+  snprintf(name, sizeof name, "%s%.*s%s", number ? "V(" : "", n, signal + 2,
+           signal[0] == 'i' ? "#branch"
+           : number         ? ")"
+                            : "");
   for (int k = 0; k < all->veccount; k++)
     if (!strcmp(all->vecs[k]->vecname, name)) return k;
   return MISSING;

@@ -1,0 +1,1 @@
+s#"\(SCR\|POWER\)\.LIB"#"\L\1.lib"#

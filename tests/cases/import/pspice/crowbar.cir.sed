@@ -1,0 +1,1 @@
+s#\bAC\b#ACX#g

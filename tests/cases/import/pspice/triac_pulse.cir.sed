@@ -1,0 +1,1 @@
+/^\.ALIASES/,/^\.ENDALIASES/d
