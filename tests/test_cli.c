@@ -873,7 +873,7 @@ static void plot_draws(void) {
   vs_text_add(&files, "events.csv ");
   ran r = run("plot out");
   expect_good(&r, "plot out", __LINE__);
-  CU_ASSERT_EQUAL(count_lines(r.out), 6);
+  CU_ASSERT_EQUAL(count_lines(r.out), 7);
   free_ran(&r);
   for (size_t k = 0; k < sizeof PICTURES / sizeof *PICTURES; k++) {
     char path[64];
@@ -881,7 +881,7 @@ static void plot_draws(void) {
     check_picture(path);
     vs_text_add(&files, "%s ", PICTURES[k]);
   }
-  vs_text_add(&files, "run.csv summary.json ");
+  vs_text_add(&files, "report.html run.csv summary.json ");
   EXPECT_FILES("out", files.text);
   vs_text_free(&files);
   r = run("plot out -o 'one sheet.svg' --quiet");

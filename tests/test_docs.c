@@ -216,6 +216,12 @@ static void choppers(void) {
          p.files, p.commands, p.lines);
 }
 
+static void pictures(void) {
+  page p = {.name = "pictures.md"};
+  try_page(&p);
+  EXPECT(p.commands >= 3 && p.lines >= 3, "%d commands, %d lines", p.commands, p.lines);
+}
+
 static const vs_test TESTS[] = {
     {"machines.md", machines},    {"a page for each machine", pages_of_machines},
     {"fitting.md", fitting},      {"instruments.md", instruments},
@@ -223,7 +229,7 @@ static const vs_test TESTS[] = {
     {"dialects.md", dialects},    {"parts.md", parts},
     {"other pages", other_pages}, {"finding things", finding},
     {"devices.md", devices},      {"hints.md", hints},
-    {"choppers.md", choppers},
+    {"choppers.md", choppers},    {"pictures.md", pictures},
 };
 
 int main(void) {

@@ -49,7 +49,9 @@ static bool *flag_of(vs_arguments *a, int key) {
                {VS_KEY_LIST, &a->list},
                {VS_KEY_RESUME, &a->resume},
                {VS_KEY_OVERWRITE, &a->overwrite},
-               {VS_KEY_ALLOW_CODE, &a->allow_code}};
+               {VS_KEY_ALLOW_CODE, &a->allow_code},
+               {VS_KEY_FFT, &a->fft},
+               {VS_KEY_ORBIT, &a->orbit}};
   for (size_t k = 0; k < sizeof FLAGS / sizeof *FLAGS; k++)
     if (FLAGS[k].key == key) return FLAGS[k].flag;
   return NULL;
@@ -77,7 +79,9 @@ static const char **word_of(vs_arguments *a, int key) {
                {VS_KEY_PINS, &a->pins},
                {VS_KEY_LIBRARY, &a->library},
                {VS_KEY_SCENE, &a->scene},
-               {VS_KEY_WRAP, &a->wrap}};
+               {VS_KEY_WRAP, &a->wrap},
+               {VS_KEY_PROBE, &a->probe},
+               {VS_KEY_FROM, &a->from}};
   for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
     if (WORDS[k].key == key) return WORDS[k].word;
   return NULL;

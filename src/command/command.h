@@ -18,9 +18,9 @@ typedef struct vs_arguments {
   char **sets; /* KEY=VALUE of each --set, and of each shortcut of it */
   size_t n_sets;
   const char *tier, *output, *deck, *machine, *overlay, *shard, *of, *to, *along, *step, *at,
-      *profile, *mains, *gate, *coil, *pins, *library, *scene, *wrap;
+      *profile, *mains, *gate, *coil, *pins, *library, *scene, *wrap, *probe, *from;
   bool json, all, quiet, reproducible, raw, list, deep, help, resume, overwrite, keep_runs,
-      progress_json, steady, no_sharing, linear, allow_code;
+      progress_json, steady, no_sharing, linear, allow_code, fft, orbit;
   int digits; /* 1..17 */
   int jobs;   /* 0: not given */
   int period; /* 1 or more */
@@ -84,7 +84,11 @@ enum {
   VS_KEY_DEEP,
   VS_KEY_UNTIL,
   VS_KEY_TOLERANCE,
-  VS_KEY_ANGLE
+  VS_KEY_ANGLE,
+  VS_KEY_PROBE,
+  VS_KEY_FROM,
+  VS_KEY_FFT,
+  VS_KEY_ORBIT
 };
 
 /* Rows of vs_command.options: an option that takes a value, and one that takes none. */

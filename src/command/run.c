@@ -115,10 +115,11 @@ static void remove_stale(const char *folder, const char *name) {
 
 const char *const vs_run_pictures[] = {
     "motion_run",     "motion_100ms", "pulse_50ms", "measured_run",
-    "measured_100ms", "control_run",  "harmonics",  NULL};
+    "measured_100ms", "control_run",  "harmonics",  "closeup",
+    "spectrum",       "orbit",        NULL};
 
-/* Calls each(folder, name, names) for every picture in the folder. A link is left alone: the
- * program drew none. */
+/* Calls each(folder, name, names) for every picture in the folder, and for the page. A link is left
+ * alone: the program drew none. */
 static void each_picture(const char *folder,
                          void (*each)(const char *folder, const char *name, vs_text *names),
                          vs_text *names) {
@@ -131,6 +132,10 @@ static void each_picture(const char *folder,
       snprintf(path, sizeof path, "%s/%s", folder, name);
       if (!lstat(path, &s) && S_ISREG(s.st_mode)) each(folder, name, names);
     }
+  snprintf(path, sizeof path, "%s/manifest.json", folder); /* the page is a study's then */
+  if (!access(path, F_OK)) return;
+  snprintf(path, sizeof path, "%s/report.html", folder);
+  if (!lstat(path, &s) && S_ISREG(s.st_mode)) each(folder, "report.html", names);
 }
 
 static void add_name(const char *folder, const char *name, vs_text *names) {

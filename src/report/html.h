@@ -12,4 +12,15 @@ void vs_html_cell(vs_text *html, const char *text);
 /* Adds a table's cell with a number of 6 digits; the cell is empty for NaN. */
 void vs_html_number(vs_text *html, double value);
 
+/* A picture as gnuplot's terminal "svg dynamic mousing standalone" draws it. */
+typedef struct vs_html_picture {
+  const char *title, *caption; /* NULL for no caption */
+  const char *svg;
+  int width, height; /* pixels */
+} vs_html_picture;
+
+/* Adds a figure with the picture in a frame. Each is a document of its own, so that their scripts
+ * do not meet. */
+void vs_html_picture_add(vs_text *html, const vs_html_picture *picture);
+
 #endif

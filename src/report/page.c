@@ -226,29 +226,6 @@ static void add_verdict(vs_text *html, const vs_folder *t, const vs_survey *s) {
 
 /* ---- pictures ---- */
 
-/* What stands before each picture. The wheel goes on scrolling the page unless Ctrl is held. */
-static const char FRAME[] =
-    "<style>body{margin:0;overflow:hidden}svg{display:block;width:100%}"
-    "polygon{shape-rendering:crispEdges}</style><script>addEventListener('wheel',function(e){"
-    "if(!e.ctrlKey)e.stopImmediatePropagation()},true)</script>";
-
-/* Each is a document of its own, so that their scripts do not meet. */
-static void add_picture(vs_text *html, const vs_picture *p, const char *svg) {
-  const char *from = strstr(svg, "<svg");
-  vs_text_add(html, "<figure>\n<iframe title=\"");
-  vs_html_text(html, p->title.text);
-  vs_text_add(html, "\" style=\"aspect-ratio:%d/%d\" srcdoc=\"%s", p->width, p->height, FRAME);
-  for (from = from ? from : svg; *from;) {
-    int n = (int)strcspn(from, "&\"");
-    vs_text_add(html, "%.*s", n, from);
-    from += n;
-    if (*from) vs_text_add(html, "%s", *from++ == '&' ? "&amp;" : "&quot;");
-  }
-  vs_text_add(html, "\"></iframe>\n<figcaption>");
-  vs_html_text(html, p->caption.text ? p->caption.text : "");
-  vs_text_add(html, "</figcaption>\n</figure>\n");
-}
-
 static void add_pictures(vs_text *html, const vs_album *album, char *const *svg) {
   vs_text_add(html, "<section id=\"pictures\">\n<h2>Pictures</h2>\n");
   vs_text_add(html, album->count
@@ -257,7 +234,11 @@ static void add_pictures(vs_text *html, const vs_album *album, char *const *svg)
                           "right button goes back.</p>\n"
                         : "<p>There is nothing to draw.</p>\n");
   vs_text_add(html, "<div class=\"pictures\">\n");
-  for (size_t k = 0; k < album->count; k++) add_picture(html, &album->item[k], svg[k]);
+  for (size_t k = 0; k < album->count; k++) {
+    const vs_picture *p = &album->item[k];
+    const vs_html_picture picture = {p->title.text, p->caption.text, svg[k], p->width, p->height};
+    vs_html_picture_add(html, &picture);
+  }
   vs_text_add(html, "</div>\n");
   if (album->left_out)
     vs_text_add(html, "<p>Not drawn, for there is no more room: %zu.</p>\n", album->left_out);

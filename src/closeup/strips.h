@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Probes over time, one strip each, with what happened marked as vertical lines. */
+#ifndef VS_CLOSEUP_STRIPS_H
+#define VS_CLOSEUP_STRIPS_H
+
+#include "closeup/stretch.h"
+
+/* Adds the strips to a script for gnuplot. Moments of the first run have their words beside their
+ * lines, as far as there is room; those of the others have lines in their colour. */
+void vs_strips_add(const vs_stretch *stretch, vs_text *script);
+
+/* Adds one probe's strip alone, as a picture of its own. */
+void vs_strips_one(const vs_stretch *stretch, int probe, vs_text *script);
+
+#endif

@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Where the energy of a run went, as a table with bars. */
+#ifndef VS_DIGEST_FLOW_H
+#define VS_DIGEST_FLOW_H
+
+#include "base/text.h"
+#include "syntax/tree.h"
+
+/* Adds the section. energy: that member of summary.json; NULL: nothing is added. */
+void vs_flow_add(vs_text *html, const vs_node *energy);
+
+#endif

@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "trace/traces.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/text.h"
+
+static bool is_there(const char *folder, const char *name) {
+  char path[VS_PATH_SIZE];
+  snprintf(path, sizeof path, "%s/%s", folder, name);
+  return !access(path, R_OK);
+}
+
+bool vs_traces_here(const char *folder) {
+  if (strlen(folder) > VS_PATH_SIZE / 2 || is_there(folder, "manifest.json")) return false;
+  return is_there(folder, "run.csv") || is_there(folder, "run.partial.csv") ||
+         is_there(folder, "summary.json");
+}
+
+/* ---- header ---- */
+
+static vs_status read_header(vs_traces *t, char *line, vs_error *err) {
+  size_t most = 1;
+  line[strcspn(line, "\r\n")] = '\0';
+  for (const char *s = line; *s; s++) most += *s == ',';
+  t->name = vs_alloc(most, sizeof *t->name);
+  for (char *cell; (cell = strsep(&line, ","));) t->name[t->columns++] = vs_copy(cell);
+  if (!strcmp(t->name[0], "t_s")) return VS_OK;
+  return vs_fail_at(err, (vs_where){t->path, 1, 1},
+                    "'%s': the first column of a run is t_s, its time", t->name[0]);
+}
+
+/* ---- rows ---- */
+
+static vs_status read_row(vs_traces *t, char *line, int number, vs_error *err) {
+  double *row = t->value + t->rows * t->columns;
+  char *s = line;
+  line[strcspn(line, "\r\n")] = '\0';
+  for (size_t c = 0; c < t->columns; c++) {
+    size_t length = strcspn(s, ",");
+    char *end = s;
+    row[c] = length ? strtod(s, &end) : NAN;
+    vs_where where = {t->path, number, (int)(s - line) + 1};
+    if (end != s + length)
+      return vs_fail_at(err, where, "'%.*s': a number is wanted", (int)length, s);
+    s += length;
+    if ((*s == ',') != (c + 1 < t->columns))
+      return vs_fail_at(err, where, "the row has not %zu cells, as the header has", t->columns);
+    s += *s == ',';
+  }
+  vs_where where = {t->path, number, 1};
+  if (isnan(row[0])) return vs_fail_at(err, where, "a time is wanted, in s");
+  if (t->rows && row[0] < vs_trace_time(t, t->rows - 1))
+    return vs_fail_at(err, where, "the time, %.9g s, is before that of the row above", row[0]);
+  t->rows++;
+  return VS_OK;
+}
+
+static void make_room(vs_traces *t, size_t *room) {
+  if (t->rows < *room) return;
+  *room = *room ? 2 * *room : 1024;
+  t->value = realloc(t->value, *room * t->columns * sizeof *t->value);
+  if (!t->value) vs_out_of_memory();
+}
+
+static vs_status read_rows(vs_traces *t, FILE *f, vs_error *err) {
+  vs_status status = VS_OK;
+  char *line = NULL;
+  size_t size = 0, room = 0;
+  if (getline(&line, &size, f) < 0) line = vs_copy("");
+  status = read_header(t, line, err);
+  for (int number = 2; !status && getline(&line, &size, f) > 0; number++) {
+    make_room(t, &room);
+    status = read_row(t, line, number, err);
+  }
+  free(line);
+  if (!status && !t->rows) status = vs_fail(err, VS_INPUT, "%s: holds no rows", t->path);
+  return status;
+}
+
+vs_status vs_traces_read(const char *folder, vs_traces *t, vs_error *err) {
+  if (strlen(folder) > VS_PATH_SIZE / 2)
+    return vs_fail(err, VS_INPUT, "%.100s...: too long a name", folder);
+  snprintf(t->path, sizeof t->path, "%s/run.csv", folder);
+  FILE *f = fopen(t->path, "r");
+  if (!f && is_there(folder, "run.partial.csv"))
+    return vs_fail(err, VS_INPUT, "%s: the run did not end well; only run.partial.csv is there",
+                   folder);
+  if (!f)
+    return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s; 'vibrospice run SCENE -o %s' makes it",
+                   t->path, strerror(errno), folder);
+  vs_status status = read_rows(t, f, err);
+  fclose(f);
+  return status;
+}
+
+void vs_traces_free(vs_traces *t) {
+  for (size_t c = 0; c < t->columns; c++) free(t->name[c]);
+  free(t->name);
+  free(t->value);
+  *t = (vs_traces){0};
+}
+
+int vs_traces_find(const vs_traces *t, const char *name) {
+  for (size_t c = 0; c < t->columns; c++)
+    if (!strcmp(t->name[c], name)) return (int)c;
+  return -1;
+}
+
+double vs_trace_value(const vs_traces *t, size_t row, int column) {
+  return t->value[row * t->columns + (size_t)column];
+}
+
+double vs_trace_time(const vs_traces *t, size_t row) {
+  return t->value[row * t->columns];
+}

@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Close-ups of runs: which stretch of time is shown, which columns are meant, spectra against
+ * closed forms, and what is refused. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "closeup/fourier.h"
+#include "closeup/moments.h"
+#include "closeup/probes.h"
+#include "program.h"
+
+/* ---- the stretch of time ---- */
+
+/* Adds what happens to events.csv at these instants, ms. */
+static void window_of(const char *rows, double from_ms, double to_ms, const char *why, int line) {
+  vs_moments m = {0};
+  vs_error err = {0};
+  double from, to;
+  mkdir("happened", 0777);
+  vs_text text = {0};
+  vs_text_add(&text, "t_s,what\n%s", rows);
+  write_file("happened/events.csv", text.text);
+  vs_text_free(&text);
+  CU_ASSERT_EQUAL(vs_moments_read("happened", &m, &err), VS_OK);
+  const char *got = vs_moments_window(&m, 0.02, 1, &from, &to);
+  vs_close(1e3 * from, from_ms, 1e3, 1e-12, rows, line);
+  vs_close(1e3 * to, to_ms, 1e3, 1e-12, rows, line);
+  expect(strstr(got, why) != NULL, line, "%s, not %s", got, why);
+  vs_moments_free(&m);
+}
+
+static void windows(void) {
+  static const char OFTEN[] = "0.1,fires\n0.12,fires\n0.14,fires\n0.16,fires\n";
+  char rows[512];
+  window_of("", 940, 1000, "last cycles", __LINE__);
+  window_of("0.1,fires\n0.11,extinct\n", 80, 150, "what happens", __LINE__);
+  window_of("0.01,fires\n0.99,extinct\n", 0, 1000, "what happens", __LINE__);
+  snprintf(rows, sizeof rows, "%s0.3,\"f1 melts, and clears\"\n", OFTEN);
+  window_of(rows, 280, 340, "once", __LINE__);
+  snprintf(rows, sizeof rows, "0.05,x\n%s0.2,dip begins (sag)\n0.3,f1 melts\n", OFTEN);
+  window_of(rows, 180, 240, "scene's events", __LINE__);
+  snprintf(rows, sizeof rows, "%s%s%s", OFTEN, OFTEN, OFTEN);
+  window_of(rows, 940, 1000, "last cycles", __LINE__);
+}
+
+/* ---- probes ---- */
+
+static void probes(void) {
+  char *names[] = {"t_s", "i_thyristor_a", "i_a", "p_m", "vp_m_s", "share", "v_ak_v"};
+  double row[7] = {0};
+  vs_traces t = {.path = "run.csv", .name = names, .value = row, .columns = 7, .rows = 1};
+  vs_probes_shown p = {.count = 0};
+  vs_probe_shown rate;
+  vs_error err = {0};
+  CU_ASSERT_EQUAL(vs_probes_find("i,p, v_ak_v,share", &t, &p, &err), VS_OK);
+  CU_ASSERT_EQUAL_FATAL(p.count, 4);
+  CU_ASSERT_STRING_EQUAL(p.item[0].column, "i_a"); /* not i_thyristor_a */
+  CU_ASSERT_STRING_EQUAL(p.item[1].label, "p / mm");
+  CLOSE(p.item[1].scale, 1e3, 0);
+  CU_ASSERT_STRING_EQUAL(p.item[2].label, "v_ak / V");
+  CU_ASSERT_STRING_EQUAL(p.item[3].label, "share");
+  CU_ASSERT_TRUE_FATAL(vs_probes_rate(&p.item[1], &t, &rate));
+  CU_ASSERT_STRING_EQUAL(rate.column, "vp_m_s");
+  CU_ASSERT_STRING_EQUAL(rate.label, "vp / m/s");
+  CU_ASSERT_FALSE(vs_probes_rate(&p.item[0], &t, &rate));
+  p.count = 0;
+  CU_ASSERT_EQUAL(vs_probes_find("v_ak_w", &t, &p, &err), VS_INPUT);
+  CU_ASSERT_PTR_NOT_NULL(strstr(err.text, "did you mean 'v_ak_v'"));
+}
+
+/* ---- spectra ---- */
+
+/* y = 1 + 3 sin(2 pi 50 t) + 0.2 cos(2 pi 350 t) over the rows' times; rows at equal distances make
+ * the lines exact to rounding. */
+static void fill(double *value, size_t rows, const double *at) {
+  for (size_t r = 0; r < rows; r++) {
+    value[2 * r] = at[r];
+    value[2 * r + 1] = 1 + 3 * sin(2 * M_PI * 50 * at[r]) + 0.2 * cos(2 * M_PI * 350 * at[r]);
+  }
+}
+
+enum { ROWS = 701 };
+
+static void expect_lines(const double *at, double tolerance, int line) {
+  char *names[] = {"t_s", "y"};
+  double value[2 * ROWS];
+  vs_traces t = {.path = "run.csv", .name = names, .value = value, .columns = 2, .rows = ROWS};
+  vs_fourier f;
+  vs_error err = {0};
+  fill(value, ROWS, at);
+  CU_ASSERT_EQUAL_FATAL(vs_fourier_take(&t, 1, (double[]){0.005, 0.0695}, 0.02, &f, &err), VS_OK);
+  vs_close(f.span_s, 0.06, 1, 1e-12, "span", line); /* three cycles, up to 69.5 ms */
+  vs_close(f.from_s, 0.0095, 1, 1e-12, "from", line);
+  vs_close(f.rms[0], 1, 3, tolerance, "mean", line);
+  vs_close(f.rms[3], 3 * M_SQRT1_2, 3, tolerance, "50 Hz", line);
+  vs_close(f.rms[21], 0.2 * M_SQRT1_2, 3, tolerance, "350 Hz", line);
+  vs_close(f.rms[4], 0, 3, tolerance, "66.7 Hz", line);
+  vs_close(f.rms[6], 0, 3, tolerance, "100 Hz", line);
+  free(f.rms);
+}
+
+static void spectra(void) {
+  double at[ROWS];
+  for (size_t r = 0; r < ROWS; r++) at[r] = 1e-4 * (double)r;
+  expect_lines(at, 1e-12, __LINE__);
+  /* Rows at unequal distances of at most h = 0.15 ms: a straight line between is off by at most
+   * h^2/8 of the second derivative, (3 + 0.2 49) (2 pi 50)^2 h^2/8 = 3.5e-3, and its rms is less.
+   */
+  for (size_t r = 1; r + 1 < ROWS; r++) at[r] += r % 2 ? 0.25e-4 : -0.25e-4;
+  expect_lines(at, 1.3e-3, __LINE__);
+}
+
+/* ---- the program ---- */
+
+static void refused(void) {
+  RUN_GOOD("run paper --set run.until=30ms -o one --quiet");
+  RUN_GOOD("run paper --set run.until=30ms --set record=[i] -o poor --quiet");
+  static const char *const CASES[][2] = {{"plot one --probe v_a", "no column 'v_a'"},
+                                         {"plot one poor", "poor/run.csv has no column"},
+                                         {"plot one --probe i --orbit", "no column of the rate"},
+                                         {"plot one --orbit --fft", "two pictures"},
+                                         {"plot one --from 5", "--from 5: a time is wanted"},
+                                         {"plot one --to 0ms", "nothing is between"},
+                                         {"plot one --from 40ms", "nothing is between"},
+                                         {"plot one --fft --to 19ms", "no whole cycle"},
+                                         {"plot one nowhere", "nowhere/run.csv"},
+                                         {"plot one --probe i --overlay x.csv", "--overlay"},
+                                         {"plot one --probe i -o x.pdf", ".png or .svg"}};
+  for (size_t k = 0; k < COUNT(CASES); k++) {
+    ran r = run("%s", CASES[k][0]);
+    EXPECT(r.status == 2 && !*r.out && count_lines(r.err) == 1 && strstr(r.err, CASES[k][1]),
+           "%s: %d, %s", CASES[k][0], r.status, r.err);
+    free_ran(&r);
+  }
+  EXPECT_FILES("one", "events.csv run.csv summary.json ");
+}
+
+static int count_words(const char *text, const char *word) {
+  int n = 0;
+  for (const char *s = text; (s = strstr(s, word)); s += strlen(word)) n++;
+  return n;
+}
+
+/* A fault is found by itself and its word stands in the picture; the next run removes pictures. */
+static void drawn(void) {
+  if (!on_path("gnuplot")) return;
+  static const char SCENE[] = "firing: {every: 1, angle: 120 deg}\nrun: {until: 260 ms}\n"
+                              "events: {dip: {kind: sag, at: 200 ms}}\n";
+  write_file("dip.yaml", SCENE);
+  RUN_GOOD("run dip.yaml -o dip --quiet");
+  RUN_GOOD("run dip.yaml --set events.dip.level=90% -o mild --quiet");
+  ran r = run("plot dip mild --probe i,p");
+  expect_good(&r, "plot dip mild", __LINE__);
+  EXPECT(strstr(r.out, "shown: 180 ms to 240 ms, around the scene's events"), "%s", r.out);
+  free_ran(&r);
+  char *svg = read_file("dip/closeup.svg");
+  EXPECT(count_words(svg, ">dip begins (sag)<") == 1 && count_words(svg, ">mild<") == 1 &&
+             count_words(svg, ">p / mm<") == 1 && count_words(svg, ">thyristor fires<") == 3,
+         "%d, %d", count_words(svg, ">dip begins (sag)<"), count_words(svg, ">thyristor fires<"));
+  free(svg);
+  RUN_GOOD("plot dip --probe i --fft --quiet");
+  RUN_GOOD("plot dip --orbit -o orbit.svg --quiet");
+  EXPECT_FILES("dip", "closeup.png closeup.svg events.csv run.csv spectrum.png spectrum.svg "
+                      "summary.json ");
+  ran again = run("run dip.yaml -o dip --quiet");
+  CU_ASSERT_EQUAL(again.status, 0);
+  free_ran(&again);
+  EXPECT_FILES("dip", "events.csv run.csv summary.json ");
+}
+
+/* The page of a run has its sections, what the scene is called is escaped, and it is alone. */
+static void page(void) {
+  if (!on_path("gnuplot")) return;
+  write_file("page.yaml", "circuit: {deck: halfwave_paper}\nrun: {until: 30 ms}\n");
+  RUN_GOOD("run page.yaml -o 'a<b' --quiet");
+  RUN_GOOD("plot 'a<b' --quiet");
+  static const char *const SAYS[] = {"<h1>Run a&lt;b</h1>",
+                                     "class=\"verdict good\">\n<p class=\"big\">held</p>",
+                                     "<td>thyristor.v_reverse</td><td>held</td>",
+                                     ">from the source</td>",
+                                     ">heat in the winding</td>",
+                                     "lost in thyristor</td>",
+                                     "The audit: the books close.",
+                                     "<figcaption>v_ak_v</figcaption>",
+                                     "<tr><td>i_peak</td><td class=\"n\">",
+                                     "<tr><td>firing.angle</td><td>100 deg</td></tr>",
+                                     "</html>\n"};
+  char *html = read_file("a<b/report.html");
+  for (size_t k = 0; k < COUNT(SAYS); k++) EXPECT(strstr(html, SAYS[k]) != NULL, "no %s", SAYS[k]);
+  EXPECT(count_words(html, "<iframe ") >= 6, "%d pictures", count_words(html, "<iframe "));
+  EXPECT(!strstr(html, "src=\"http") && !strstr(html, "href=\"http"), "it needs other files");
+  free(html);
+  ran again = run("run page.yaml -o 'a<b' --quiet");
+  free_ran(&again);
+  EXPECT_FILES("a<b", "events.csv run.csv summary.json ");
+}
+
+static const vs_test TESTS[] = {{"windows", windows}, {"probes", probes}, {"spectra", spectra},
+                                {"refused", refused}, {"drawn", drawn},   {"page", page}};
+
+int main(void) {
+  return program_suite("closeup", TESTS, COUNT(TESTS));
+}

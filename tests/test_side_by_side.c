@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The command compare: two runs and two studies side by side. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "compare/departure.h"
+#include "program.h"
+
+static void write_run(const char *folder, const char *csv, const char *summary) {
+  char path[64];
+  mkdir(folder, 0777);
+  snprintf(path, sizeof path, "%s/run.csv", folder);
+  write_file(path, csv);
+  snprintf(path, sizeof path, "%s/summary.json", folder);
+  write_file(path, summary);
+}
+
+/* A straight line from 0 to 2 over 2 s and a bent one, whose rows have other times. B - A is 0 at 0
+ * s, 1 at 0.5 s, -0.5 at 1.5 s: the integral of its square is 0.5 (1)/3 + 1 (1 - 0.5 + 0.25)/3. */
+static void departure(void) {
+  double left[] = {0, 0, 1, 1, 2, 2}, right[] = {0, 0, 0.5, 1.5, 1.5, 1};
+  char *names[] = {"t_s", "y"};
+  vs_traces a = {.name = names, .value = left, .columns = 2, .rows = 3},
+            b = {.name = names, .value = right, .columns = 2, .rows = 3};
+  vs_departure d = vs_departure_of(&a, 1, &b, 1);
+  CLOSE(d.largest, 1, 1e-15);
+  CLOSE(d.at_s, 0.5, 1e-15);
+  CLOSE(d.peak, 1.5, 1e-15); /* A at 1.5 s, where both end being known */
+  CLOSE(d.to_s, 1.5, 1e-15);
+  CLOSE(d.rms, sqrt((0.5 + 0.75) / 3 / 1.5), 1e-14);
+  d = vs_departure_of(&b, 1, &a, 1);
+  CLOSE(d.largest, -1, 1e-15);
+  double late[] = {3, 0, 4, 1};
+  vs_traces c = {.name = names, .value = late, .columns = 2, .rows = 2};
+  CU_ASSERT(isnan(vs_departure_of(&a, 1, &c, 1).largest));
+}
+
+static const char A[] =
+    "{\"tier\": \"circuit\",\n"
+    " \"scene\": {\"firing\": {\"angle\": {\"value\": 100, \"unit\": \"deg\"}},\n"
+    "  \"circuit\": {\"r1\": {\"value\": 0.03, \"unit\": \"ohm\"}}},\n"
+    " \"measures\": {\"i_peak\": {\"value\": 0.8, \"unit\": \"A\"},\n"
+    "  \"x\": {\"value\": null, \"unit\": \"m\"}},\n"
+    " \"verdict\": [{\"device\": \"t1\", \"measure\": \"di_dt\", \"margin\": 0.5,"
+    " \"word\": \"held\", \"violated\": false}]}\n";
+static const char B[] =
+    "{\"tier\": \"switched\",\n"
+    " \"scene\": {\"firing\": {\"angle\": {\"value\": 95, \"unit\": \"deg\"}},\n"
+    "  \"circuit\": {\"r1\": {\"value\": 30, \"unit\": \"mohm\"}}},\n"
+    " \"measures\": {\"i_peak\": {\"value\": 1.0, \"unit\": \"A\"},\n"
+    "  \"x\": {\"value\": 0.002, \"unit\": \"m\"}},\n"
+    " \"verdict\": [{\"device\": \"t1\", \"measure\": \"di_dt\", \"margin\": -0.1,"
+    " \"word\": \"unverified\", \"violated\": true}]}\n";
+
+static void make_runs(void) {
+  write_run("a", "t_s,i_a,v_v\n0,0,1\n1,2,1\n2,0,\n", A);
+  write_run("b", "t_s,i_a,w_v\n0,0,1\n0.5,2,1\n2,0,1\n", B);
+}
+
+static void expect_lines(const char *out, const char *const *lines, int line) {
+  for (; *lines; lines++) expect(strstr(out, *lines) != NULL, line, "no '%s' in: %s", *lines, out);
+}
+
+static void runs(void) {
+  static const char *const TABLE[] = {
+      "A: a, tier circuit, from 0 s to 2 s\n",
+      "  the whole                                      held     violated, unverified\n",
+      "  t1.di_dt                                50.0 % held",
+      "-10.0 % violated, unverified\n",
+      "  firing.angle                        100 deg           95 deg\n\n",
+      "  i_peak                               800 mA              1 A           200 mA       +25 "
+      "%\n",
+      "  x                                         -             2 mm                -           "
+      "-\n",
+      "  i_a                                  2             1       500 ms        50 %      23.6 "
+      "%\n",
+      "  only A has v_v\n  only B has w_v\n",
+      NULL};
+  static const char *const JSON[] = {
+      "\"compared\": \"runs\"",
+      "{\"key\": \"firing.angle\", \"a\": \"100 deg\", \"b\": \"95 deg\"}\n  ]",
+      "\"i_peak\": {\"unit\": \"A\", \"a\": 0.8, \"b\": 1, \"difference\": 0.2, \"relative\": "
+      "0.25}",
+      "\"x\": {\"unit\": \"m\", \"a\": null, \"b\": 0.002, \"difference\": null",
+      "\"i_a\": {\"peak\": 2, \"largest\": 1, \"at_s\": 0.5, \"rms\": 0.471404520791",
+      "\"only_a\": [\"v_v\"]",
+      NULL};
+  make_runs();
+  ran r = run("compare a b");
+  expect_good(&r, "compare", __LINE__);
+  expect_lines(r.out, TABLE, __LINE__);
+  free_ran(&r);
+  r = run("compare a b --json");
+  expect_good(&r, "compare --json", __LINE__);
+  expect_lines(r.out, JSON, __LINE__);
+  free_ran(&r);
+  r = run("compare a a");
+  static const char *const SAME[] = {
+      "keys that differ                            A                B\n"
+      "  there is none\n",
+      "  2 measures are the same in both\n", "  2 curves are the same in both\n", NULL};
+  expect_lines(r.out, SAME, __LINE__);
+  CU_ASSERT_EQUAL(count_lines(r.err), 0);
+  free_ran(&r);
+}
+
+/* Folders that are no runs, and broken files, each with its place. */
+static void refused(void) {
+  static const struct {
+    const char *csv, *at, *says[3];
+  } BROKEN[] = {{"i_a,t_s\n0,0\n", "vibrospice: broken/run.csv:1:1: ", {"first column"}},
+                {"t_s,i_a\n0,0\n1,x\n", "vibrospice: broken/run.csv:3:3: ", {"'x'", "number"}},
+                {"t_s,i_a\n0,0\n1\n", "vibrospice: broken/run.csv:3:1: ", {"2 cells"}},
+                {"t_s,i_a\n0,0\n1,2,3\n", "vibrospice: broken/run.csv:3:3: ", {"2 cells"}},
+                {"t_s,i_a\n1,0\n0,0\n", "vibrospice: broken/run.csv:3:1: ", {"time"}},
+                {"t_s,i_a\n", "vibrospice: broken/run.csv: ", {"no rows"}}};
+  make_runs();
+  mkdir("empty", 0777);
+  for (size_t k = 0; k < COUNT(BROKEN); k++) {
+    write_run("broken", BROKEN[k].csv, A);
+    ran r = run("compare a broken");
+    EXPECT(r.status == 2 && !*r.out && count_lines(r.err) == 1, "%zu: %d, %s", k, r.status, r.err);
+    EXPECT(!strncmp(r.err, BROKEN[k].at, strlen(BROKEN[k].at)), "%zu: %s", k, r.err);
+    expect_lines(r.err, BROKEN[k].says, __LINE__);
+    free_ran(&r);
+  }
+  write_run("broken", "t_s,i_a\n0,0\n", "{\"what\": 1}\n");
+  static const char *const CASES[][2] = {{"compare a broken", "measures"},
+                                         {"compare a empty", "neither a run nor a study"},
+                                         {"compare a nowhere", "neither a run nor a study"},
+                                         {"compare a", "two folders"},
+                                         {"compare a b a", "two folders"}};
+  for (size_t k = 0; k < COUNT(CASES); k++) {
+    ran r = run("%s", CASES[k][0]);
+    EXPECT(r.status == 2 && !*r.out && count_lines(r.err) == 1 && strstr(r.err, CASES[k][1]),
+           "%s: %d, %s", CASES[k][0], r.status, r.err);
+    free_ran(&r);
+  }
+}
+
+/* Studies: rows are joined by their axes, in whatever order they come, else by their number. */
+static void studies(void) {
+  static const char FILE_OF[] =
+      "scene: paper\n"
+      "set: {run: {tier: circuit, until: 12 ms}, circuit.thyristor: TYN1212}\n"
+      "vary:\n  %s\n  %s\n"
+      "report: [thyristor.di_dt]\n";
+  static const char R1[] = "circuit.r1: [10 ohm, 100 ohm]", C1[] = "circuit.c1: [10 nF, 100 nF]";
+  char text[512];
+  snprintf(text, sizeof text, FILE_OF, R1, C1);
+  write_file("one.yaml", text);
+  snprintf(text, sizeof text, FILE_OF, C1, R1);
+  write_file("turned.yaml", text);
+  snprintf(text, sizeof text, FILE_OF, R1, "circuit.c2: [10 nF, 100 nF]");
+  write_file("other.yaml", text);
+  free_ran((ran[]){run("study one.yaml -o one --set firing.angle=95deg --quiet")});
+  free_ran((ran[]){run("study turned.yaml -o turned --set firing.angle=160deg --quiet")});
+  free_ran((ran[]){run("study other.yaml -o other --quiet")});
+  /* 10 ohm and 100 nF are case 1 of the one and, their axes being turned, case 2 of the other. */
+  static const char *const JOINED[] = {
+      "one, 4 cases with a result, 0 failed; 3 of 4 judged are held",
+      "4 rows joined by the values of their axes; 0 in A alone",
+      "verdict: 1 of the joined rows has another word\n"
+      "  case 1: violated, B's case 2: held\n",
+      "-157  case 2\n", NULL};
+  ran r = run("compare one turned");
+  expect_good(&r, "compare", __LINE__);
+  expect_lines(r.out, JOINED, __LINE__);
+  free_ran(&r);
+  static const char *const NUMBERED[] = {"4 rows joined by the number of the case", NULL};
+  r = run("compare one other");
+  expect_lines(r.out, NUMBERED, __LINE__);
+  free_ran(&r);
+  static const char *const JSON[] = {"\"compared\": \"studies\"", "\"joined_by\": \"axes\"",
+                                     "\"changed\": 1", "\"at_case_a\": 1, \"at_case_b\": 2}", NULL};
+  r = run("compare one turned --json");
+  expect_lines(r.out, JSON, __LINE__);
+  free_ran(&r);
+  make_runs();
+  r = run("compare a one");
+  EXPECT(r.status == 2 && strstr(r.err, "a holds a run and one a study"), "%s", r.err);
+  free_ran(&r);
+}
+
+static const vs_test TESTS[] = {
+    {"departure", departure}, {"runs", runs}, {"refused", refused}, {"studies", studies}};
+
+int main(void) {
+  return program_suite("side_by_side", TESTS, COUNT(TESTS));
+}
