@@ -517,7 +517,7 @@ static void keys_of_laws(void) {
           "s.yaml:1:24: actuator.inductance: law FILE.csv has no use for it; leave it out, or "
           "choose a law that has");
   refused("actuator: {saturation: {law: multiplicative, current: 1 A}}",
-          "s.yaml:1:46: actuator.saturation has no key 'current'");
+          "s.yaml:1:46: actuator.saturation has no key 'current'; it has: law, flux, exponent");
   built b = good("actuator: {saturation: {law: series, flux: 1.2 Wb}}");
   CU_ASSERT_EQUAL(b.values.saturation.current_a, 0.2);
   CU_ASSERT_EQUAL(b.values.saturation.flux_wb, 1.2);

@@ -587,8 +587,9 @@ static void pictures(void) {
   RUN_GOOD("run paper --tier switched --set run.until=20ms --quiet -o few --set record=[i] --set "
            "'instruments={trough: {channel: p, range: [-3 mm, 3 mm]}}'");
   RUN_GOOD("plot few --quiet");
-  EXPECT_FILES("few", "events.csv measured_100ms.png measured_100ms.svg measured_run.png "
-                      "measured_run.svg pulse_50ms.png pulse_50ms.svg run.csv summary.json ");
+  EXPECT_FILES("few",
+               "events.csv measured_100ms.png measured_100ms.svg measured_run.png "
+               "measured_run.svg pulse_50ms.png pulse_50ms.svg report.html run.csv summary.json ");
   ran r = run("run paper --tier switched --set run.until=20ms -o r");
   EXPECT(r.status == 0 && strstr(r.err, "measured_run.png"), "%s", r.err);
   EXPECT_FILES("r", "events.csv run.csv summary.json ");

@@ -56,7 +56,8 @@ static void a_run_over_another(void) {
   CU_ASSERT_EQUAL(symlink("../else.svg", "r/pulse_50ms.svg"), 0);
   ran r = run("%s", WORDS);
   EXPECT(r.status == 0 && strstr(r.err, "summary.json, motion_run.png, motion_run.svg, "
-                                        "motion_100ms.png, motion_100ms.svg, pulse_50ms.png\n"),
+                                        "motion_100ms.png, motion_100ms.svg, pulse_50ms.png, "
+                                        "report.html\n"),
          "%d %s", r.status, r.err);
   free_ran(&r);
   EXPECT_FILES("r", "events.csv mine.png pulse_50ms.svg run.csv summary.json ");
