@@ -229,6 +229,13 @@ static void shells_complete(void) {
   r = run("completion fish");
   EXPECT(strstr(r.out, "from run' -l until -r -d "), "%s", r.out);
   free_ran(&r);
+  r = run("completion zsh");
+  write_file("_vibrospice", r.out);
+  EXPECT(!strncmp(r.out, "#compdef vibrospice\n", 20) &&
+             strstr(r.out, "    run) _arguments '--set["),
+         "%s", r.out);
+  free_ran(&r);
+  EXPECT(!on_path("zsh") || !system("zsh -n _vibrospice"), "zsh refuses it");
   refuse("completion csh", "shell", "", (const char *const[]){"'csh'", "bash"}, __LINE__);
 }
 

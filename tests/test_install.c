@@ -80,7 +80,19 @@ static int compare_file(const char *path, const struct stat *s, int kind, struct
 static void all_of_spice_is_there(void) {
   CU_ASSERT_EQUAL(nftw(VS_TEST_FOLDER "/../spice", compare_file, 16, FTW_PHYS), 0);
   CU_ASSERT(compared >= 5); /* decks, subcircuit, part, scene at least */
-  EXPECT(!access("there/include/vibrospice/law.h", R_OK), "the header of laws is not installed");
+  static const char *const MADE[] = {"include/vibrospice/law.h",
+                                     "share/bash-completion/completions/vibrospice",
+                                     "share/fish/vendor_completions.d/vibrospice.fish",
+                                     "share/zsh/site-functions/_vibrospice",
+                                     "share/vibrospice/schema/scene.schema.json",
+                                     "share/vibrospice/schema/study.schema.json",
+                                     "share/vibrospice/schema/machine.schema.json"};
+  for (size_t k = 0; k < COUNT(MADE); k++) {
+    char path[128];
+    struct stat s;
+    snprintf(path, sizeof path, "there/%s", MADE[k]);
+    EXPECT(!stat(path, &s) && s.st_size > 100, "%s is not installed", MADE[k]);
+  }
 }
 
 static void shipped_scenes_and_decks_run(void) {

@@ -7,7 +7,7 @@
 
 /* Prints the script for that shell, bash or fish, from the table of commands. Error: there is no
  * such shell. */
-vs_status vs_completion_print(const char *shell, const vs_command *commands, size_t count,
+vs_status vs_completion_print(const char *shell, const vs_command *const *commands, size_t count,
                               vs_error *err);
 
 #endif
