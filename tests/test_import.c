@@ -440,7 +440,18 @@ static void bad_command_lines(void) {
   leave();
 }
 
+/* A deck that was edited is not replaced without a word. */
+static void what_is_replaced_is_said(void) {
+  for (int again = 0; again < 2; again++) {
+    ran r = run("import halfwave_ltspice.net -o twice.cir --scene twice.yaml");
+    bool said = strstr(r.err, "note: replaced twice.cir, twice.yaml\n") != NULL;
+    EXPECT(r.status == 0 && said == (again > 0), "%s", r.err);
+    free_ran(&r);
+  }
+}
+
 static const vs_test TESTS[] = {
+    {"what is replaced is said", what_is_replaced_is_said},
     {"says what it did", says_what_it_did},
     {"reads what programs write", reads_what_programs_write},
     {"asks for what it cannot decide", asks_for_what_it_cannot_decide},

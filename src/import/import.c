@@ -324,6 +324,7 @@ static vs_status import(const vs_import_options *o, vs_error *err) {
   vs_findings *all = vs_alloc(1, sizeof *all);
   vs_error own = {.findings = all};
   char folder[VS_PATH_SIZE], full[VS_PATH_SIZE];
+  bool deck = !access(o->output, F_OK), scene = o->scene && !access(o->scene, F_OK);
   w->o = o;
   folder_of(o->output, folder, full);
   vs_status status = vs_error_carry_on(&own, plan_all(w, full, &own));
@@ -333,6 +334,9 @@ static vs_status import(const vs_import_options *o, vs_error *err) {
   if (!status && all->count) status = VS_INPUT;
   if (!status && o->scene) status = write_scene(w, err);
   if (!status && !o->quiet) say(w);
+  if (!status && !o->quiet && (deck || scene))
+    fprintf(stderr, "vibrospice: note: replaced %s%s%s\n", deck ? o->output : "",
+            deck && scene ? ", " : "", scene ? o->scene : "");
   if (!status && o->json) say_json(w);
   free(all);
   free_work(w);
