@@ -17,6 +17,7 @@
 #include "front/sights.h"
 #include "front/trade.h"
 #include "guide/completion.h"
+#include "guide/manual.h"
 #include "guide/topics.h"
 #include "solver/ng.h"
 
@@ -31,8 +32,10 @@ static const vs_command help_command = {
     .name = "help",
     .argument = "[TOPIC]",
     .text = "tells of a command, of a section of a scene and its keys, of tiers, events, units, "
-            "exit statuses; without TOPIC: of the program, and which topics there are",
-    .examples = "  vibrospice help firing\n  vibrospice help exit\n",
+            "exit statuses; man: the manual page's source; without TOPIC: of the program, and "
+            "which topics there are",
+    .examples =
+        "  vibrospice help firing\n  vibrospice help exit\n  vibrospice help man | man -l -\n",
     .may_be_alone = true,
     .options = HELP_OPTIONS,
     .run = help};
@@ -77,6 +80,10 @@ static vs_status help(const vs_arguments *a, vs_error *err) {
   if (!topic) {
     print_help(stdout);
     vs_topics_list();
+    return VS_OK;
+  }
+  if (!strcmp(topic, "man")) {
+    vs_manual_print(COMMANDS, N_COMMANDS);
     return VS_OK;
   }
   for (size_t k = 0; k < N_COMMANDS; k++) {

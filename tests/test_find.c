@@ -239,7 +239,21 @@ static void shells_complete(void) {
   refuse("completion csh", "shell", "", (const char *const[]){"'csh'", "bash"}, __LINE__);
 }
 
+/* The manual page has every command, and groff, where it is, has no complaint. */
+static void the_manual_page(void) {
+  ran r = run("help man");
+  EXPECT(r.status == 0 && strstr(r.out, "\n.SS vibrospice sensitivity SCENE\n") &&
+             strstr(r.out, "\\fB\\-\\-until\\fR=\\fIT\\fR"),
+         "%s", r.out);
+  write_file("vibrospice.1", r.out);
+  free_ran(&r);
+  EXPECT(!on_path("groff") ||
+             !system("groff -man -Tutf8 -ww vibrospice.1 2>said >/dev/null && ! grep -q . said"),
+         "groff complains");
+}
+
 static const vs_test TESTS[] = {
+    {"the manual page", the_manual_page},
     {"shells complete", shells_complete},
     {"schema and check agree", schema_and_check_agree},
     {"every topic has help", every_topic_has_help},

@@ -84,6 +84,7 @@ static void all_of_spice_is_there(void) {
                                      "share/bash-completion/completions/vibrospice",
                                      "share/fish/vendor_completions.d/vibrospice.fish",
                                      "share/zsh/site-functions/_vibrospice",
+                                     "share/man/man1/vibrospice.1",
                                      "share/vibrospice/schema/scene.schema.json",
                                      "share/vibrospice/schema/study.schema.json",
                                      "share/vibrospice/schema/machine.schema.json"};
