@@ -19,7 +19,7 @@ static const struct argp_option PART_OPTIONS[] = {
     VS_COMMAND_VALUE("output", 'o', "NAME.inc", "writes the template there; NAME is the part's"),
     VS_COMMAND_VALUE("wrap", VS_KEY_WRAP, "FILE[:SUBCKT]",
                      "around the subcircuit of a vendor's file, instead of a model of the "
-                     "program's own; of a thyristor, a varistor or a fuse"),
+                     "program's own; of a thyristor, triac, diode, MOSFET, IGBT, varistor or fuse"),
     VS_COMMAND_FLAG("overwrite", VS_KEY_OVERWRITE, "replaces a file that is there already"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "prints nothing"),
     VS_COMMAND_HELP,
