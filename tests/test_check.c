@@ -508,7 +508,10 @@ static void warnings(void) {
   EXPECT(!*r.err && !*r.out, "%s%s", r.err, r.out);
   free_ran(&r);
   r = check("s.yaml", "firing: {angle: 70 deg}\n", "--json");
-  CU_ASSERT_STRING_EQUAL(r.out, "[]\n");
+  static const char ROW[] = "[\n  {\"file\": \"s.yaml\", \"line\": 1, \"column\": 17, \"message\": "
+                            "\"firing.angle = 70 deg is below theta";
+  EXPECT(!strncmp(r.out, ROW, strlen(ROW)) && strstr(r.out, "\", \"level\": \"warning\"}\n]\n"),
+         "%s", r.out);
   EXPECT(strstr(r.err, "warning"), "%s", r.err);
   free_ran(&r);
   vs_text deck = {0};

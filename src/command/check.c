@@ -47,7 +47,8 @@ static void print_finding(const char *name, const char *kind, const vs_error *e)
   if (e->line) print_source(file, e->line, e->column);
 }
 
-static void add_json(const char *name, const vs_error *e, vs_json *json) {
+/* Adds a row. level: "warning"; NULL: it is a mistake. */
+static void add_json(const char *name, const vs_error *e, const char *level, vs_json *json) {
   char file[sizeof e->text];
   snprintf(file, sizeof file, "%.*s", e->file_size, e->text);
   vs_json_object(json, NULL, VS_JSON_ROW);
@@ -55,6 +56,7 @@ static void add_json(const char *name, const vs_error *e, vs_json *json) {
   vs_json_number(json, "line", e->line ? (double)e->line : (double)NAN, 12);
   vs_json_number(json, "column", e->line ? (double)e->column : (double)NAN, 12);
   vs_json_text(json, "message", e->text + e->place_size);
+  if (level) vs_json_text(json, "level", level);
   vs_json_end(json);
 }
 
@@ -317,12 +319,15 @@ static vs_status check(report *r, vs_error *err) {
   return status ? status : vs_path_find(&vs_deck_shelf, name, (vs_where){0}, path, err);
 }
 
-/* Prints findings and what the bench saw as one array. */
+/* Prints mistakes, warnings and what the bench saw as one array. */
 static void print_json(const report *r, const vs_findings *all) {
   vs_text text = {0};
   vs_json json = vs_json_new(&text);
-  vs_json_array(&json, NULL, all->count || r->bench.rows.text ? VS_JSON_LINES : VS_JSON_ROW);
-  for (size_t k = 0; k < all->count; k++) add_json(r->options->name, &all->item[k], &json);
+  bool any = all->count || r->warnings.count || r->bench.rows.text;
+  vs_json_array(&json, NULL, any ? VS_JSON_LINES : VS_JSON_ROW);
+  for (size_t k = 0; k < all->count; k++) add_json(r->options->name, &all->item[k], NULL, &json);
+  for (size_t k = 0; k < r->warnings.count; k++)
+    add_json(r->options->name, &r->warnings.item[k], "warning", &json);
   char *rows = vs_copy(r->bench.rows.text ? r->bench.rows.text : ""), *rest = rows;
   for (char *row; (row = strsep(&rest, "\n"));)
     if (*row) {
