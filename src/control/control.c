@@ -144,8 +144,9 @@ static vs_status check_scene(const vs_node *section, const vs_setup *setup, cons
   const vs_timeline *t = &setup->timeline;
   const vs_node *angle = vs_tree_child(section, "angle"), *rate = vs_tree_child(section, "rate");
   if (t->firing.no_valve)
-    return vs_fail_at(err, section->key_where,
-                      "control: with firing.valve: none nothing fires; leave it out");
+    return vs_fail_at(
+        err, section->key_where,
+        "control: with firing.valve: none nothing fires; leave the section control out");
   if (!t->firing.every)
     return vs_fail_at(err, section->key_where,
                       "control: firing.every is 'once', and a control decides one firing after the "
@@ -251,8 +252,8 @@ const char *vs_control_note(const vs_control *c, const vs_setup *setup,
   snprintf(
       text, size,
       "control.sensor: %s is read %.3g times in a cycle of the mains, so that up to %.2g %% of "
-      "its amplitude may be missed; with control.rate and the instrument's rate from %.3g Hz "
-      "on it is at most %g %%",
+      "its amplitude may be missed; from %.3g Hz on, of control.rate and of the "
+      "instrument's rate, it is at most %g %%",
       c->v.sensor, often, 100 * missed, M_PI / acos(1 - MISSED) / setup->timeline.period_s,
       100 * MISSED);
   return text;
