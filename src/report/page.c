@@ -28,18 +28,20 @@ double vs_page_share(long part, long whole) {
 
 static void add_weakest(vs_text *html, const vs_counts *weakest, long judged) {
   if (!weakest->count) return;
-  vs_text_add(html, "<p>Weakest part:</p>\n<table><tr><th>part</th><th>cases</th><th>share</th>"
+  vs_text_add(html, "<p>Weakest part:</p>\n<div "
+                    "class=\"wide\"><table><tr><th>part</th><th>cases</th><th>share</th>"
                     "<th></th></tr>\n");
   for (size_t k = 0; k < weakest->count; k++) {
     double share = vs_page_share(weakest->item[k].times, judged);
     vs_text_add(html, "<tr>");
     vs_html_cell(html, weakest->item[k].name);
     vs_text_add(html,
-                "<td class=\"n\">%ld</td><td class=\"n\">%.4g %%</td><td><span class=\"bar\" "
-                "style=\"width:%.0fpx\"></span></td></tr>\n",
-                weakest->item[k].times, share, 2 * share);
+                "<td class=\"n\">%ld</td><td class=\"n\">%.4g %%</td><td class=\"bars\"><span "
+                "class=\"bar\" "
+                "style=\"width:%.2f%%\"></span></td></tr>\n",
+                weakest->item[k].times, share, share);
   }
-  vs_text_add(html, "</table>\n");
+  vs_text_add(html, "</table></div>\n");
 }
 
 static void add_failures(vs_text *html, const vs_folder *t, const vs_survey *s) {
@@ -53,13 +55,13 @@ static void add_failures(vs_text *html, const vs_folder *t, const vs_survey *s) 
     vs_text_add(html, "<p>Why is not known: failures.csv is not there.</p>\n");
     return;
   }
-  vs_text_add(html, "<table><tr><th>cases</th><th>why</th></tr>\n");
+  vs_text_add(html, "<div class=\"wide prose\"><table><tr><th>cases</th><th>why</th></tr>\n");
   for (size_t k = 0; k < s->why.count; k++) {
     vs_text_add(html, "<tr><td class=\"n\">%ld</td>", s->why.item[k].times);
     vs_html_cell(html, s->why.item[k].name);
     vs_text_add(html, "</tr>\n");
   }
-  vs_text_add(html, "</table>\n");
+  vs_text_add(html, "</table></div>\n");
 }
 
 /* Says where a case lies: "circuit.r1 = 330 Ω, circuit.c1 = 47 nF". With `ranged` only axes that
