@@ -197,7 +197,7 @@ static void numbers(void) {
     vs_close(line[4 * k], hertz, 1 + hertz, 5e-9, "frequency", __LINE__);
     for (size_t c = 1; c < 4; c++)
       vs_close(line[4 * k + c], line_of(row, 4, c, 200, 800, hertz), c < 3 ? line[4 * 3 + c] : 440,
-               2e-9, "line", __LINE__);
+               1e-8, "line", __LINE__);
   }
   vs_close(line[4 * 3 + 3], 440, 440, 1e-8, "mains", __LINE__);
   free(row);
