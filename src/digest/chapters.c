@@ -25,7 +25,10 @@ static void add_number(vs_text *html, const vs_node *line, const char *key, doub
   if (isnan(value))
     vs_text_add(html, "<td></td>");
   else
-    vs_text_add(html, "<td class=\"n\">%.4g%s%s</td>", value, *unit ? " " : "", unit);
+    vs_text_add(html,
+                fabs(value) >= 1e4 && fabs(value) < 1e6 ? "<td class=\"n\">%.0f%s%s</td>"
+                                                        : "<td class=\"n\">%.4g%s%s</td>",
+                value, *unit ? " " : "", unit);
 }
 
 static void add_line(vs_text *html, const vs_node *line) {
