@@ -31,7 +31,8 @@ import tempfile
 import warnings as _warnings
 import weakref
 
-from .results import Error, Interrupted, Page, Picture, Quantity, Result, Study, Table
+from .results import Page, Picture, Result, Study, rows_of
+from .tables import Error, Interrupted, Quantity, Table
 
 __version__ = "0.1.0"
 __all__ = ["run", "steady", "study", "load", "plot", "report", "program", "Error", "Interrupted",
@@ -272,7 +273,7 @@ def study(study, *, set=None, out=None, **options):
     out      folder for study.csv, failures.csv and manifest.json; another study's there is refused
              but for overwrite=True. None: a temporary folder, deleted together with the Study.
     options  of `vibrospice study --help`: jobs=2, shard="1/2", resume=True, overwrite=True,
-             keep="runs", case_timeout="60 s", no_sharing=True, allow_code=True
+             keep="runs", case_timeout="60 s", format="npy", allow_code=True
 
     Error with status 1: cases failed. The error's `result` is the Study of the others, with
     `failures`. Interrupted: a signal stopped it; with `out`, resume=True goes on.
@@ -288,11 +289,11 @@ def load(folder):
     Error: nothing of the kind is there, it is not finished, or shards are missing.
     """
     folder = os.fspath(folder)
-    there = {name for name in ("summary.json", "branch.json", "study.csv", "journal", "run.csv")
+    there = {name for name in ("summary.json", "branch.json", "journal", "run.csv")
              if os.path.exists(os.path.join(folder, name))}
     if there & {"summary.json", "branch.json"}:
         return _warn(Result(folder), 2)
-    if "study.csv" in there:
+    if rows_of(pathlib.Path(folder)):
         return _warn(Study(folder), 2)
     if "journal" in there:
         raise Error(None, [f"{folder}: this study is not finished; study(..., out=..., "
@@ -303,7 +304,7 @@ def load(folder):
         merged, owner = _out(None)
         status, text, messages = _call(["merge", f"--output={merged}", "--", folder])
         result = Study(merged, status=status, messages=messages, text=text, owner=owner,
-                       shards=folder) if os.path.exists(os.path.join(merged, "study.csv")) else None
+                       shards=folder) if rows_of(pathlib.Path(merged)) else None
         if result:
             _warn(result, 2)
         _expect_good(status, messages, result)

@@ -1,243 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the program wrote, as Python objects. `import vibrospice` has what is for users."""
 
-import array
 import base64
 import collections.abc
-import csv
 import html
 import json
 import math
-import os
 import pathlib
 import subprocess
 
-
-class Error(Exception):
-    """The program refused its input or failed, or what it should have written cannot be read.
-
-    status    its exit status: 1 a run, a case or a picture failed; 2 bad usage or input; negative:
-              ended by that signal. None: it was not the program that failed.
-    messages  its lines on standard error, a list of str, without "vibrospice: "
-    result    what there is all the same: the Study of a study with failed cases, the Table of
-              run.partial.csv of a run that failed; else None
-    """
-
-    def __init__(self, status, messages, result=None):
-        super().__init__("\n".join(messages))
-        self.status = status
-        self.messages = list(messages)
-        self.result = result
-
-
-class Interrupted(Error):
-    """A signal stopped the program (exit status 75). A study goes on with resume=True."""
-
-
-class Quantity(float):
-    """A float that knows its unit. Sums and products of it are plain floats.
-
-    unit      as the program writes it: "m", "V/us"; "" of a pure number
-    at        when it was met, in s; None where a measure has no time
-    measured  what the scene says was measured, in the same unit; else None
-    """
-
-    def __new__(cls, value, unit="", at=None, measured=None):
-        self = super().__new__(cls, value)
-        self.unit, self.at, self.measured = unit, at, measured
-        return self
-
-    def __getnewargs__(self):
-        return float(self), self.unit, self.at, self.measured
-
-    @property
-    def value(self):
-        """The plain float. NaN: the run has no such value, as no firing has no time."""
-        return float(self)
-
-    def text(self):
-        """Returns value and unit as scenes and options take them, with all digits."""
-        return f"{float(self)!r} {self.unit}".strip()
-
-    def __repr__(self):
-        at = "" if self.at is None else f" at {self.at:.9g} s"
-        return f"{float(self):.9g} {self.unit}".strip() + at
-
-    __str__ = __repr__
-
-
-# ---- tables ----
-
-# Columns of words. An id is one, too, although it may look like a number.
-_WORDS = {"id", "weakest", "warnings", "why", "what", "state", "beyond", "mark"}
-_COUNTS = {"case", "rung", "status"}
-# How the names of columns end, where only the name tells the unit.
-_ENDINGS = {"s": "s", "m": "m", "m_s": "m/s", "m_s2": "m/s2", "rad": "rad", "rad_s": "rad/s",
-            "rad_s2": "rad/s2", "deg": "deg", "wb": "Wb", "a": "A", "v": "V", "n": "N", "w": "W",
-            "j": "J", "k": "K", "hz": "Hz", "n_m": "N.m", "a2_s": "A2.s", "v_s": "V.s"}
-
-
-def _ending(unit):
-    """Returns what a unit makes of the end of a column's name: "_m_s2" of "m/s2"."""
-    return "_" + "".join(c.lower() if c.isalnum() else "_" for c in unit) if unit else ""
-
-
-def _unit_by_name(name):
-    """Returns the unit of the longest ending that is known; None: none is."""
-    parts = name.split("_")
-    for k in range(1, len(parts)):
-        if "_".join(parts[k:]) in _ENDINGS:
-            return _ENDINGS["_".join(parts[k:])]
-    return None
-
-
-class _NoNumber(Exception):
-    """A cell of this column is no number."""
-
-
-def _number(cell):
-    return float(cell) if cell else math.nan
-
-
-def _read_columns(path, words):
-    """Returns {name: array('d') or list of str} of a CSV file. words: columns that are not read as
-    numbers. Error: a row is longer or shorter than the header."""
-    with open(path, newline="", encoding="utf-8") as file:
-        rows = csv.reader(file)
-        names = next(rows, [])
-        columns = [[] if name in words else array.array("d") for name in names]
-        for row in rows:
-            if len(row) != len(names):
-                raise Error(None, [f"{path}:{rows.line_num}: {len(row)} cells under "
-                                   f"{len(names)} names; the file is damaged"])
-            for name, column, cell in zip(names, columns, row):
-                try:
-                    column.append(cell if name in words else _number(cell))
-                except ValueError:
-                    raise _NoNumber(name, f"{path}:{rows.line_num}: {name}: {cell!r}") from None
-    return dict(zip(names, columns))
-
-
-def _numpy():
-    try:
-        import numpy
-        return numpy
-    except ImportError:
-        return None
-
-
-def _handed_out(name, column):
-    """Returns a column as users get it: numpy's array where numpy is, else a list."""
-    numpy = _numpy()
-    if isinstance(column, list):
-        return numpy.array(column, dtype=object) if numpy else column
-    if name in _COUNTS and not any(map(math.isnan, column)):
-        column = array.array("q", map(int, column))
-    if numpy:
-        return numpy.frombuffer(column, dtype=column.typecode).copy()
-    return column.tolist()
-
-
-class Table(collections.abc.Mapping):
-    """Columns of a CSV file by their names: table["p_m"], and table["p"], without the unit.
-
-    A column is a numpy array where numpy is installed, else a list: of float, of int (case, rung,
-    status) or of str. An empty cell of numbers is NaN. `units` maps each name to its unit: "" for a
-    pure number or a word, None where the file's folder does not tell.
-
-    The file is read when a column is first asked for. Error: it is not there, is damaged, or is
-    another than when the Table was made.
-    """
-
-    def __init__(self, path, units=None, words=()):
-        """units: {name: unit}, or a function that returns that; words: columns of words."""
-        self.path = pathlib.Path(path)
-        self._units, self._words = units or {}, set(words) | _WORDS
-        self._columns = None
-        self._state = self._stamp()
-
-    def _stamp(self):
-        try:
-            s = os.stat(self.path)
-        except OSError as e:
-            raise Error(None, [f"{self.path}: {e.strerror}"]) from None
-        return s.st_ino, s.st_mtime_ns, s.st_size
-
-    def _read(self):
-        if self._columns is not None:
-            return self._columns
-        if self._stamp() != self._state:
-            raise Error(None, [f"{self.path}: another run or study has replaced this file"])
-        columns = None
-        while columns is None:
-            try:
-                columns = _read_columns(self.path, self._words)
-            except _NoNumber as e:
-                if self.path.name == "run.csv":
-                    raise Error(None, [f"{e.args[1]} is no number; the file is damaged"]) from None
-                self._words.add(e.args[0])
-        self._columns = {name: _handed_out(name, c) for name, c in columns.items()}
-        return self._columns
-
-    @property
-    def units(self):
-        """{column: unit}, in the order of the columns."""
-        if callable(self._units):
-            self._units = self._units()
-        known = {name: "" for name in self._words | _COUNTS} | dict(self._units)
-        return {name: known[name] if name in known else _unit_by_name(name)
-                for name in self._read()}
-
-    def name(self, name):
-        """Returns a column's full name for one with or without its unit. KeyError: none or more
-        than one has it."""
-        columns = self._read()
-        if name in columns:
-            return name
-        full = [c for c, unit in self.units.items() if unit and c == name + _ending(unit)]
-        if len(full) != 1:
-            raise KeyError(f"{name!r} is {' and '.join(full) or 'no column'}; "
-                           f"there are {', '.join(columns)}")
-        return full[0]
-
-    def __getitem__(self, name):
-        return self._read()[self.name(name)]
-
-    def __iter__(self):
-        return iter(self._read())
-
-    def __len__(self):
-        return len(self._read())
-
-    def rows(self):
-        """Yields each row as a dict of its cells by the columns' names."""
-        columns = {n: c.tolist() if hasattr(c, "tolist") else c for n, c in self._read().items()}
-        for cells in zip(*columns.values()):
-            yield dict(zip(columns, cells))
-
-    def frame(self):
-        """Returns a pandas DataFrame; its attrs["units"] are the units. ImportError: there is no
-        pandas."""
-        import pandas
-        frame = pandas.DataFrame(dict(self._read()))
-        frame.attrs["units"] = self.units
-        return frame
-
-    def __repr__(self):
-        return f"<Table {self.path}: {', '.join(self._read())}>"
+from .tables import Error, Quantity, Table, ending_of, load_json, read_columns
 
 
 # ---- runs ----
-
-def _load_json(path):
-    try:
-        with open(path, encoding="utf-8") as file:
-            return json.load(file)
-    except OSError as e:
-        raise Error(None, [f"{path}: {e.strerror}"]) from None
-    except ValueError as e:
-        raise Error(None, [f"{path}: {e}"]) from None
-
 
 def _told(messages):
     """Returns those of the messages that warn."""
@@ -283,7 +58,7 @@ class Result:
         self.path = pathlib.Path(path)
         self._owner = owner
         is_branch = _is_branch(self.path, text)
-        self.summary = _load_json(self.path / ("branch.json" if is_branch else "summary.json"))
+        self.summary = load_json(self.path / ("branch.json" if is_branch else "summary.json"))
         self.messages, self.text = list(messages), text
         self.scene = self.summary.get("scene", {})
         self.tier = self.summary.get("tier")
@@ -307,7 +82,7 @@ class Result:
         return str(self.path)
 
     def _read_events(self):
-        events = _read_columns(self.path / "events.csv", {"what"})
+        events = read_columns(self.path / "events.csv", {"what"})
         return list(zip(events["t_s"], events["what"]))
 
     def _probe_units(self):
@@ -315,17 +90,19 @@ class Result:
         not there, or not the deck; the names' endings tell, then."""
         from . import _call
         of = [f"--{key}={self.scene[section][name]}"
-              for key, section, name in (("deck", "circuit", "deck"), ("machine", "machine", "model"))
+              for key, section, name in (("deck", "circuit", "deck"),
+                                         ("machine", "machine", "model"))
               if name in self.scene.get(section, {})]
         try:
             status, out, _ = _call(["list", *of, "--json", "--", "probes"])
             probes = json.loads(out)["probes"] if status == 0 else []
         except (Error, OSError, ValueError, KeyError, subprocess.SubprocessError):
             probes = []
-        return {p["name"] + _ending(p["unit"]): p["unit"] for p in probes}
+        return {p["name"] + ending_of(p["unit"]): p["unit"] for p in probes}
 
     def __repr__(self):
-        return f"<Result {self.path}: {self.word or 'nothing is rated'}, {len(self.measures)} measures>"
+        said = self.word or "nothing is rated"
+        return f"<Result {self.path}: {said}, {len(self.measures)} measures>"
 
     def _repr_html_(self):
         return _html_of_run(self)
@@ -344,6 +121,13 @@ def _is_branch(path, text):
 
 # ---- studies ----
 
+def rows_of(path):
+    """Returns the file that has a study's rows, or lists those that do; None: there is none. All
+    that a study may have hold the same."""
+    names = ("columns/columns.json", "study.csv", "study.csv.zst")
+    return next((path / name for name in names if (path / name).is_file()), None)
+
+
 class Study(collections.abc.Sequence):
     """The cases of a study: len(study), study[0], `for row in study`. A row is a dict.
 
@@ -351,7 +135,7 @@ class Study(collections.abc.Sequence):
     status     0; 3 where a rating is violated or undecided in some case; 1 where a case failed
     held       False where it is in some case; True where all cases are there, none failed and all
                that is rated holds; else None
-    columns    Table of study.csv
+    columns    Table of study.csv, study.csv.zst or the folder columns, whichever there is
     units      {column: unit}; None: the manifest does not tell
     failures   list of dict: the cases that failed, with "case", "status" and "why"
     manifest   all of manifest.json: "cases", "done", "failed", "violated", "axes", "report", ...
@@ -363,21 +147,22 @@ class Study(collections.abc.Sequence):
         """Reads the folder; as Result. shards: the folder of shards that this one was merged of."""
         self.path = pathlib.Path(path)
         self._owner = owner
-        self.manifest = m = _load_json(self.path / "manifest.json")
+        self.manifest = m = load_json(self.path / "manifest.json")
         self.messages, self.text, self.shards = list(messages), text, shards
         units = {c["column"]: c["unit"] for c in m["axes"] + m["report"]}
         units |= {"margin_least": "", "margin_error": "", "leaving_bound": ""}
         words = {a["column"] for a in m["axes"]
                  if any(isinstance(v, str) for v in a.get("values", []))}
-        self.columns = Table(self.path / "study.csv", units, words)
-        self.failures = list(Table(self.path / "failures.csv", units, words).rows())
-        for failure in self.failures:
-            failure["case"] = int(failure["case"])
-        self._rows = list(self.columns.rows())
+        rows = rows_of(self.path)
+        if not rows:
+            raise Error(None, [f"{self.path}: a study without its rows"])
+        self.columns = Table(rows, units, words)
+        failures = Table(self.path / "failures.csv", units, words)
+        self.failures = [failures.row(k) for k in range(failures.rows())]
         self.status = status if status is not None else \
             1 if m["failed"] else 3 if m["violated"] else 0
         is_whole = m["done"] == m["cases"] and not m["failed"]
-        is_rated = any(not math.isnan(row["margin_least"]) for row in self._rows)
+        is_rated = not all(map(math.isnan, self.columns["margin_least"]))
         self.held = False if m["violated"] else True if is_whole and is_rated else None
         self.warnings = self._find_warnings()
 
@@ -385,7 +170,7 @@ class Study(collections.abc.Sequence):
     def has_failures(path):
         """Is a study's result in the folder, with cases that failed?"""
         try:
-            return _load_json(pathlib.Path(path) / "manifest.json").get("failed", 0) > 0
+            return load_json(pathlib.Path(path) / "manifest.json").get("failed", 0) > 0
         except Error:
             return False
 
@@ -397,9 +182,8 @@ class Study(collections.abc.Sequence):
                          + (": shard {} of {}".format(*m["shard"]) if m["shard"][1] > 1 else ""))
         if m["failed"]:
             found.append(f"{m['failed']} of {m['cases']} cases failed; `failures` tells why")
-        for row in self._rows:
-            if row["warnings"]:
-                found += [f"case {row['case']}: {w}" for w in row["warnings"].split(" | ")]
+        for case, said in zip(self.columns["case"], self.columns["warnings"]):
+            found += [f"case {case}: {w}" for w in said.split(" | ") if w]
         return _merged(found, _told(self.messages))
 
     @property
@@ -410,14 +194,12 @@ class Study(collections.abc.Sequence):
         return str(self.path)
 
     def __len__(self):
-        return len(self._rows)
+        return self.columns.rows()
 
     def __getitem__(self, k):
-        return self._rows[k]
-
-    def rows(self):
-        """Returns the rows as a list of dict."""
-        return list(self._rows)
+        if isinstance(k, slice):
+            return [self.columns.row(n) for n in range(*k.indices(len(self)))]
+        return self.columns.row(k)
 
     def frame(self):
         """Returns a pandas DataFrame, as Table.frame()."""
@@ -459,7 +241,7 @@ def _html_of_run(r):
 
 def _html_of_study(s):
     rows = [[f"{c:.4g}" if isinstance(c, float) else str(c) for c in row.values()]
-            for row in s.rows()[:_MOST_ROWS]]
+            for row in s[:_MOST_ROWS]]
     more = f"<p>and {len(s) - _MOST_ROWS} more rows</p>" if len(s) > _MOST_ROWS else ""
     return f"<p>{html.escape(repr(s))}</p>{_html_table(list(s.columns), rows)}{more}"
 
