@@ -85,6 +85,9 @@ static void all_of_spice_is_there(void) {
                                      "share/fish/vendor_completions.d/vibrospice.fish",
                                      "share/zsh/site-functions/_vibrospice",
                                      "share/man/man1/vibrospice.1",
+                                     "lib/python3/dist-packages/vibrospice/__init__.py",
+                                     "lib/python3/dist-packages/vibrospice/results.py",
+                                     "lib/python3/dist-packages/vibrospice/tables.py",
                                      "share/vibrospice/schema/scene.schema.json",
                                      "share/vibrospice/schema/study.schema.json",
                                      "share/vibrospice/schema/machine.schema.json"};
