@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "base/leave.h"
 #include "scene/session.h"
+#include "solver/guard.h"
 #include "steady/steady.h"
 #include "tell/show.h"
 #include "watch/table.h"
@@ -303,7 +304,8 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   vs_leave_heed_set(VS_HEED_KEEP);
   end_progress(&a);
   if (!status && more && more->finish) more->finish(more->ctx, result);
-  if (!status) vs_summary_json(result, !o->reproducible, more ? &more->summary : NULL, &json);
+  if (!status && (o->json || o->folder))
+    vs_summary_json(result, !o->reproducible, more ? &more->summary : NULL, &json);
   if (o->folder) status = close_files(&a, status, json.text, err);
   vs_leave_heed_set(before);
   if (!status) say_result(o, more, result, json.text);
@@ -314,6 +316,14 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   return status;
 }
 
+/* True if a second process would find all that this one has been given: the scene comes from no
+ * pipe, and no other program takes part. */
+static bool can_begin_anew(const vs_run_options *o, const vs_scene *scene) {
+  struct stat s;
+  bool file = stat(o->scene, &s) || S_ISREG(s.st_mode);
+  return file && !scene->control.regulator;
+}
+
 vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
   if (o->raw && !o->folder)
     return vs_fail(err, VS_INPUT, "--raw: run.raw goes into a folder; name one with -o DIR");
@@ -322,7 +332,8 @@ vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
   scene->allow_code = o->allow_code;
   if (!status) status = vs_control_allow(&scene->control, o->allow_code, err);
   if (!status && o->raw) status = vs_scene_take_circuit(scene, "--raw", err);
-  if (!status && !o->quiet) vs_scene_warn(scene);
+  if (!status && !o->quiet && !vs_guard_again()) vs_scene_warn(scene);
+  scene->order.unbegun = can_begin_anew(o, scene);
   if (!status) status = vs_run_scene(o, NULL, scene, err);
   vs_scene_free(scene);
   free(scene);
