@@ -22,6 +22,7 @@
 #include "base/path.h"
 #include "base/text.h"
 #include "solver/child.h"
+#include "solver/guard.h"
 #include "solver/ng.h"
 #include "solver/rawfile.h"
 
@@ -149,6 +150,7 @@ static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
   double t = all->vecsa[ng.time_vector]->creal;
   if (t <= ng.reached_s) return 0;
   if (ng.trial) vs_child_finish();
+  vs_guard_end();
   for (size_t s = 0; s < ng.job->n_signals; s++)
     ng.values[s] = ng.vector[s] >= 0        ? all->vecsa[ng.vector[s]]->creal
                    : ng.vector[s] == GROUND ? 0
@@ -296,6 +298,7 @@ static void step_on(vs_error *err) {
   ng.raw = (vs_rawfile){0};
   char command[] = "run";
   ngSpice_Command(command);
+  vs_guard_end();
 }
 
 /* What is given to the child. */
@@ -318,11 +321,16 @@ static vs_child_end attempt(void *ctx) {
   return ng.ended ? VS_CHILD_BAD_RUN : VS_CHILD_GOOD;
 }
 
-static vs_status try_in_child(const vs_circuit_job *job, const vs_circuit_host *host, char **lines,
-                              vs_error *err) {
+/* Tries the netlist in a child process, where that is needed. A process that has begun anew has
+ * died of the netlist, and does not take it even if the child survives. */
+static vs_status try_first(const vs_circuit_job *job, const vs_circuit_host *host, char **lines,
+                           vs_error *err) {
+  if (job->tried || (job->unbegun && vs_guard_begin())) return VS_OK;
   trial t = {job, host, lines};
   vs_child_end end;
   vs_status status = vs_child_try(attempt, &t, &ng.complaints, &end, err);
+  if (!status && end == VS_CHILD_GOOD && job->unbegun && vs_guard_again())
+    return vs_fail(err, VS_INPUT, "ngspice cannot take the circuit: it died of it the first time");
   if (status || end == VS_CHILD_GOOD) return status;
   return vs_complaints_tell(&ng.complaints, job, end == VS_CHILD_BAD_RUN ? "run" : "load", err);
 }
@@ -356,9 +364,10 @@ static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *hos
                            vs_text *netlist, vs_error *err) {
   forget();
   set_dialect(job->dialect);
-  vs_status status = job->tried ? VS_OK : try_in_child(job, host, lines, err);
+  vs_status status = try_first(job, host, lines, err);
   if (status) return status;
   ngSpice_Circ(lines);
+  if (ng.ended) vs_guard_end();
   if (ng.ended) return vs_complaints_tell(&ng.complaints, job, "load", err);
   vs_text_free(&ng.loaded);
   ng.loaded = *netlist;
@@ -440,6 +449,7 @@ static vs_status run(void *circuit, vs_error *err) {
 
 static void release(void *circuit) {
   if (!circuit) return;
+  vs_guard_end();
   free(ng.vector);
   free(ng.values);
   free(ng.raw_vector);
