@@ -193,7 +193,7 @@ static void other_pages(void) {
 static void studies(void) {
   page p = {.name = "studies.md"};
   try_page(&p);
-  EXPECT(p.files == 3 && p.commands >= 2 && p.lines >= 2, "%d files, %d commands, %d lines",
+  EXPECT(p.files >= 3 && p.commands >= 2 && p.lines >= 2, "%d files, %d commands, %d lines",
          p.files, p.commands, p.lines);
   if (system("/usr/bin/python3 -c 'import numpy' 2>numpy.out")) return;
   EXPECT(!system("/usr/bin/python3 columns.py >columns.out"), "columns.py fails");
