@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/csv.h"
@@ -280,12 +279,6 @@ vs_status vs_array_commit(vs_array *a, vs_error *err) {
 
 /* ---- removing ---- */
 
-static void remove_file(int folder, const char *name) {
-  struct stat s;
-  if (!fstatat(folder, name, &s, AT_SYMLINK_NOFOLLOW) && S_ISREG(s.st_mode))
-    unlinkat(folder, name, 0);
-}
-
 void vs_array_remove(int folder, const char *header) {
   char file[NAME_MAX + 1], *row = vs_copy(header);
   size_t most = 1;
@@ -293,10 +286,10 @@ void vs_array_remove(int folder, const char *header) {
   char **names = vs_alloc(most, sizeof *names);
   const size_t count = vs_csv_split(row, names, most, NULL);
   int columns = openat(folder, VS_ARRAY_FOLDER, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-  if (columns >= 0) remove_file(columns, "columns.json");
+  if (columns >= 0) vs_file_remove(columns, "columns.json");
   for (size_t k = 0; k < count && columns >= 0; k++) {
     name_file(names, k, file);
-    remove_file(columns, file);
+    vs_file_remove(columns, file);
   }
   if (columns >= 0) close(columns);
   unlinkat(folder, VS_ARRAY_FOLDER, AT_REMOVEDIR); /* if it is empty */

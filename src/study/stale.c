@@ -7,21 +7,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/csv.h"
+#include "base/file.h"
 #include "base/packed.h"
 #include "base/text.h"
 #include "study/array.h"
 #include "study/format.h"
 #include "work/case.h"
-
-static void remove_file(int folder, const char *name) {
-  struct stat s;
-  if (!fstatat(folder, name, &s, AT_SYMLINK_NOFOLLOW) && S_ISREG(s.st_mode))
-    unlinkat(folder, name, 0);
-}
 
 /* ---- pictures ---- */
 
@@ -44,7 +38,7 @@ static void remove_pictures_of(int folder, picture_of of, const char *column) {
     snprintf(name, sizeof name, "%s%.*s.png", KINDS[k].begin, KINDS[k].most, column);
     for (char *s = name; *s; s++)
       if (*s == '/') *s = '_';
-    remove_file(folder, name);
+    vs_file_remove(folder, name);
   }
 }
 
@@ -91,7 +85,7 @@ static void discard(header *h) {
 /* The axes stand behind case and id, in both files; the measures behind them, up to the least
  * margin. */
 static void remove_report(int folder) {
-  for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) remove_file(folder, NAMES[k]);
+  for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) vs_file_remove(folder, NAMES[k]);
   header done = read_header(folder, rows_of(folder)), failed = read_header(folder, "failures.csv");
   bool axis = true, measure = failed.count;
   for (size_t k = 2; k < done.count && measure; k++) {
@@ -171,7 +165,7 @@ static void remove_runs(int folder, const vs_journal *old, const cases *listed) 
     if (!had_case(old, listed, strtoull(entry->d_name, NULL, 10))) continue;
     int run = open_folder(runs, entry->d_name);
     if (run < 0) continue;
-    remove_file(run, "run.csv");
+    vs_file_remove(run, "run.csv");
     close(run);
     unlinkat(runs, entry->d_name, AT_REMOVEDIR); /* if it is empty */
   }
