@@ -201,16 +201,28 @@ static void other_pages(void) {
   static const struct {
     const char *name;
     int files, commands;
-  } PAGES[] = {{"scenes.md", 1, 6},         {"faults.md", 1, 2}, {"studies.md", 1, 1},
-               {"contract.md", 1, 3},       {"decks.md", 0, 2},  {"accuracy.md", 0, 1},
-               {"tutorial.md", 2, 9},       {"theory.md", 0, 0}, {"glossary.md", 0, 0},
-               {"troubleshooting.md", 0, 0}};
+  } PAGES[] = {{"scenes.md", 1, 6}, {"faults.md", 1, 2},   {"contract.md", 1, 3},
+               {"decks.md", 0, 2},  {"accuracy.md", 0, 1}, {"tutorial.md", 2, 9},
+               {"theory.md", 0, 0}, {"glossary.md", 0, 0}, {"troubleshooting.md", 0, 0}};
   for (size_t k = 0; k < COUNT(PAGES); k++) {
     page p = {.name = PAGES[k].name};
     try_page(&p);
     EXPECT(p.files == PAGES[k].files && p.commands == PAGES[k].commands,
            "%s: %d files, %d commands", p.name, p.files, p.commands);
   }
+}
+
+/* Its last example is Python, and runs where numpy is. */
+static void studies(void) {
+  page p = {.name = "studies.md"};
+  try_page(&p);
+  EXPECT(p.files >= 3 && p.commands >= 2 && p.lines >= 2, "%d files, %d commands, %d lines",
+         p.files, p.commands, p.lines);
+  if (system("/usr/bin/python3 -c 'import numpy' 2>numpy.out")) return;
+  EXPECT(!system("/usr/bin/python3 columns.py >columns.out"), "columns.py fails");
+  char *said = read_file("columns.out");
+  EXPECT(strtod(said, NULL) > 0.1 && strstr(said, " A\n"), "%s", said);
+  free(said);
 }
 
 static void finding(void) {
@@ -246,15 +258,15 @@ static void pictures(void) {
 }
 
 static const vs_test TESTS[] = {
-    {"machines.md", machines},   {"a page for each machine", pages_of_machines},
-    {"fitting.md", fitting},     {"instruments.md", instruments},
-    {"control.md", control},     {"linear.md", linear},
-    {"observer.md", observer},   {"ownlaw.md", own_law},
-    {"circuits.md", circuits},   {"dialects.md", dialects},
-    {"parts.md", parts},         {"other pages", other_pages},
-    {"finding things", finding}, {"devices.md", devices},
-    {"hints.md", hints},         {"choppers.md", choppers},
-    {"pictures.md", pictures},
+    {"machines.md", machines}, {"a page for each machine", pages_of_machines},
+    {"fitting.md", fitting},   {"instruments.md", instruments},
+    {"control.md", control},   {"linear.md", linear},
+    {"observer.md", observer}, {"ownlaw.md", own_law},
+    {"circuits.md", circuits}, {"dialects.md", dialects},
+    {"parts.md", parts},       {"other pages", other_pages},
+    {"studies", studies},      {"finding things", finding},
+    {"devices.md", devices},   {"hints.md", hints},
+    {"choppers.md", choppers}, {"pictures.md", pictures},
 };
 
 int main(void) {

@@ -226,13 +226,20 @@ static void shells_complete(void) {
   EXPECT(strstr(r.out, " sensitivity ") && strstr(r.out, "--until"), "%s", r.out);
   free_ran(&r);
   EXPECT(!on_path("bash") || !system("bash -n vibrospice.bash"), "bash refuses it");
+  EXPECT(!on_path("bash") ||
+             !system("bash -c '. ./vibrospice.bash; COMP_WORDS=(vibrospice study --format n); "
+                     "COMP_CWORD=3; _vibrospice; [ \"${COMPREPLY[*]}\" = npy ]'"),
+         "bash does not complete the words of --format");
   r = run("completion fish");
-  EXPECT(strstr(r.out, "from run' -l until -r -d "), "%s", r.out);
+  EXPECT(strstr(r.out, "from run' -l until -r -d ") &&
+             strstr(r.out, "from merge' -l format -r -f -a 'csv csv.zst npy' -d "),
+         "%s", r.out);
   free_ran(&r);
   r = run("completion zsh");
   write_file("_vibrospice", r.out);
   EXPECT(!strncmp(r.out, "#compdef vibrospice\n", 20) &&
-             strstr(r.out, "    run) _arguments '--set["),
+             strstr(r.out, "    run) _arguments '--set[") &&
+             strstr(r.out, "]:format:(csv csv.zst npy)'"),
          "%s", r.out);
   free_ran(&r);
   EXPECT(!on_path("zsh") || !system("zsh -n _vibrospice"), "zsh refuses it");
