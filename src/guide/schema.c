@@ -28,33 +28,38 @@ static void begin(vs_json *j, const char *title) {
  * file which declares the section's keys; with it any key passes. */
 static void put_section(vs_json *j, const vs_section *s, const char *own) {
   vs_json_object(j, s->name, VS_JSON_ROW);
-  vs_json_array(j, "anyOf", VS_JSON_ROW);
-  vs_shape_type(j, "null");
+  vs_json_array(j, "type", VS_JSON_ROW);
+  vs_json_text(j, NULL, "object");
+  vs_json_text(j, NULL, "null");
+  vs_json_end(j);
   if (own) {
-    vs_json_object(j, NULL, VS_JSON_ROW);
-    vs_json_text(j, "type", "object");
+    vs_json_object(j, "if", VS_JSON_ROW);
     vs_json_array(j, "required", VS_JSON_ROW);
     vs_json_text(j, NULL, own);
     vs_json_end(j);
     vs_json_end(j);
+    vs_json_object(j, "else", VS_JSON_ROW);
   }
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_shape_keys(j, s->fields, s->count);
-  vs_json_end(j);
-  vs_json_end(j);
+  vs_shape_properties(j, s->fields, s->count);
+  if (own) vs_json_end(j);
   vs_json_end(j);
 }
 
-/* Begins a member with alternatives; null is one of them. end_member closes it. */
+/* Begins a member with alternatives. end_member closes it; end_or_null adds null as the last, as
+ * editors tell of the first why a value is none of them. */
 static void begin_member(vs_json *j, const char *key) {
   vs_json_object(j, key, VS_JSON_ROW);
   vs_json_array(j, "anyOf", VS_JSON_ROW);
-  vs_shape_type(j, "null");
 }
 
 static void end_member(vs_json *j) {
   vs_json_end(j);
   vs_json_end(j);
+}
+
+static void end_or_null(vs_json *j) {
+  vs_shape_type(j, "null");
+  end_member(j);
 }
 
 static void put_event(vs_json *j, const vs_event_kind *kind) {
@@ -122,7 +127,7 @@ static void put_names(vs_json *j, const char *key, const char *word, const names
     if (list) vs_json_end(j);
     vs_json_end(j);
   }
-  end_member(j);
+  end_or_null(j);
 }
 
 static void put_channels(vs_json *j, const vs_ground *ground) {
@@ -158,7 +163,7 @@ static void put_measured(vs_json *j, const vs_ground *ground) {
   vs_json_end(j);
   vs_json_bool(j, "additionalProperties", false);
   vs_json_end(j);
-  end_member(j);
+  end_or_null(j);
   vs_actuator_end(&model->coil);
   free(model);
 }
@@ -166,11 +171,11 @@ static void put_measured(vs_json *j, const vs_ground *ground) {
 static void put_start(vs_json *j, const vs_ground *ground) {
   const vs_section *start = &ground->machine->start;
   begin_member(j, vs_section_keys[VS_SECTION_KEY_start]);
-  vs_shape_word(j, vs_setup_steady);
   vs_json_object(j, NULL, VS_JSON_ROW);
   vs_shape_keys(j, start->fields, start->count);
   vs_json_end(j);
-  end_member(j);
+  vs_shape_word(j, vs_setup_steady);
+  end_or_null(j);
 }
 
 /* A scene that names a machine or a deck of its own. */
@@ -190,8 +195,7 @@ static void put_names_own(vs_json *j, int section, const char *key) {
 /* Sections whose keys and words are names of the machine's and the deck's: told only of scenes
  * that name neither. */
 static void put_named(vs_json *j, const vs_ground *ground) {
-  vs_json_object(j, "if", VS_JSON_ROW);
-  vs_json_array(j, "anyOf", VS_JSON_ROW);
+  begin_member(j, "if");
   put_names_own(j, VS_SECTION_KEY_machine, vs_machine_key.key);
   put_names_own(j, VS_SECTION_KEY_circuit, vs_deck_key.key);
   end_member(j);
@@ -220,7 +224,7 @@ static void put_instruments(vs_json *j) {
   vs_outlined_instrument(j);
   end_member(j);
   vs_json_end(j);
-  end_member(j);
+  end_or_null(j);
 }
 
 static void put_observer(vs_json *j) {

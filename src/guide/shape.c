@@ -31,10 +31,13 @@ static void put_number(vs_json *j, const char *type, const vs_field *f) {
 
 static void put_pattern(vs_json *j, const char *unit) {
   vs_text pattern = {0};
+  char wanted[128];
   vs_units_pattern(unit, &pattern);
   vs_json_object(j, NULL, VS_JSON_ROW);
   vs_json_text(j, "type", "string");
   vs_json_text(j, "pattern", pattern.text);
+  snprintf(wanted, sizeof wanted, "a number in %s is wanted", *unit ? unit : "% or without a unit");
+  vs_json_text(j, "patternErrorMessage", wanted); /* which editors show */
   vs_json_end(j);
   vs_text_free(&pattern);
 }
@@ -42,6 +45,7 @@ static void put_pattern(vs_json *j, const char *unit) {
 /* 0, which needs no unit, as a number and as the text that YAML 1.1 makes of 0e0. */
 static void put_zero(vs_json *j) {
   vs_json_object(j, NULL, VS_JSON_ROW);
+  vs_json_text(j, "type", "integer");
   vs_json_number(j, "const", 0, 1);
   vs_json_end(j);
   vs_json_object(j, NULL, VS_JSON_ROW);
@@ -57,11 +61,11 @@ static void put_quantity(vs_json *j, const vs_field *f) {
     vs_shape_type(j, "number");
     return;
   }
+  put_pattern(j, f->unit);
   if (*f->unit)
     put_zero(j);
   else
     put_number(j, "number", f);
-  put_pattern(j, f->unit);
 }
 
 void vs_shape_quantity(vs_json *j, const vs_field *f) {
@@ -197,6 +201,10 @@ void vs_shape_field(vs_json *j, const vs_field *f) {
 /* The members of a schema of a map that has these keys and no others. */
 void vs_shape_keys(vs_json *j, const vs_field *fields, size_t count) {
   vs_json_text(j, "type", "object");
+  vs_shape_properties(j, fields, count);
+}
+
+void vs_shape_properties(vs_json *j, const vs_field *fields, size_t count) {
   vs_json_object(j, "properties", VS_JSON_LINES);
   for (size_t k = 0; k < count; k++) vs_shape_field(j, &fields[k]);
   vs_json_end(j);

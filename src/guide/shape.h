@@ -24,5 +24,7 @@ void vs_shape_field(vs_json *json, const vs_field *field);
 
 /* Adds the members of a schema of a map that has these keys and no others. */
 void vs_shape_keys(vs_json *json, const vs_field *fields, size_t count);
+/* The same members without the type. */
+void vs_shape_properties(vs_json *json, const vs_field *fields, size_t count);
 
 #endif
