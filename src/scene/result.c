@@ -100,10 +100,10 @@ static bool sequence_differs(const vs_result *r, char *text, size_t size) {
   if (one->firings == other->firings && one->extinctions == other->extinctions) return false;
   snprintf(text, size,
            "the sequence of firings depends on the tolerance: it fires and goes out %ld and %ld "
-           "times at run.tolerance = %.3g, %ld and %ld times at %.3g, in the second run, which "
-           "finds the "
-           "errors of the margins; these errors contain it; other numbers are known less well than "
-           "run.tolerance says, and a finer one may settle it",
+           "times at run.tolerance = %.3g, %ld and %ld times at %.3g; the errors of the margins "
+           "come from these two runs; what else follows from it is known less well than "
+           "run.tolerance says, "
+           "and a finer one may settle it",
            one->firings, one->extinctions, r->scene->setup.run.tolerance, other->firings,
            other->extinctions, r->second.tolerance);
   return true;

@@ -255,10 +255,10 @@ void vs_show_verdict(const vs_result *r, FILE *out) {
                 ? "; run.verify: always would tell which extremes hang on the steps"
                 : "");
     if (s->tier->has_circuit)
-      fputs(
-          "for one: choose parts that have limits, as circuit.thyristor ('vibrospice list "
-          "parts'), or write lines '*$ rating' into the deck\n",
-          out);
+      fputs("to have one: choose parts that have limits, as circuit.thyristor ('vibrospice list "
+            "parts'), "
+            "or write a line '*$ rating' into the deck\n",
+            out);
     return;
   }
   print_word(v, out);
