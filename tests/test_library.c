@@ -99,7 +99,7 @@ static void by_pkg_config(void) {
 }
 
 static void by_cmake(void) {
-  SHELL_GOOD("'" VS_CMAKE "' -S . -B build -DCMAKE_C_COMPILER='" VS_COMPILER
+  SHELL_GOOD("'" VS_CMAKE "' -S . -B build -G '" VS_GENERATOR "' -DCMAKE_C_COMPILER='" VS_COMPILER
              "' -DCMAKE_C_FLAGS='" FLAGS "' && '" VS_CMAKE "' --build build");
   EXPECT_PEAK("build/peak");
 }
@@ -109,7 +109,9 @@ static void another_version_is_refused(void) {
   int status;
   SHELL_GOOD("sed 's/(vibrospice [0-9.]*/(vibrospice 0.0.9/' CMakeLists.txt >other &&"
              " mv other CMakeLists.txt");
-  char *says = shell("'" VS_CMAKE "' -S . -B other -DCMAKE_C_COMPILER='" VS_COMPILER "'", &status);
+  char *says = shell("'" VS_CMAKE "' -S . -B other -G '" VS_GENERATOR
+                     "' -DCMAKE_C_COMPILER='" VS_COMPILER "'",
+                     &status);
   EXPECT(status != 0 && strstr(says, "version: " VS_VERSION), "status %d: %s", status, says);
   free(says);
 }
