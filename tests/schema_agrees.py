@@ -71,6 +71,16 @@ actuator: {stop: {stiffness: 1e7 N, damping: 300 N.s/m}}
 actuator: {stop: {stifness: 1e7 N/m}}
 actuator: {stop: 3}
 actuator: {gap: 0.6 cm}
+actuator: {gap: " 6 mm "}
+actuator: {pole_cover: " 0 "}
+actuator: {pole_cover: ""}
+actuator: {law: reluctance}
+actuator: {law: hysteresis}
+actuator: {law: iron.dat}
+machine: {model: {}}
+circuit: {deck: [halfwave_bare]}
+supply: {frequency: 50 s^-1}
+supply: {frequency: 50 s-1}
 actuator: {gap: 6 mm2}
 load: {density: 1600 kg/m3, fraction: 0.3}
 load: {density: 1.6 g/cm3, fraction: 30 %}
@@ -183,6 +193,10 @@ set: {run.until: 30 ms, run.tier: switched}
 set: {run.until: 30 mm}
 set: {run.tier: best}
 set: {run: {until: 30 ms}}
+set: {run: {until: 30 mm}}
+set: {run: {untill: 30 ms}}
+set: {firing: []}
+set: {firing: }
 set: {circuit.r1: 100 ohm}
 set: {machine.spring_stiffness: 43 kN/m}
 set: {run.untill: 30 ms}

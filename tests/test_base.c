@@ -18,6 +18,7 @@
 #include "syntax/field.h"
 #include "syntax/tree.h"
 #include "syntax/units.h"
+#include "tell/amount.h"
 
 /* The first bytes of a file; empty when it is not there. */
 static const char *head(const char *path, char text[256]) {
@@ -903,7 +904,31 @@ static void numbers_are_written_as_printf_does(void) {
   }
 }
 
+/* Four digits and a prefix; what rounds to 1000 of a prefix is 1 of the next. */
+static void amounts(void) {
+  static const struct {
+    double value;
+    const char *unit, *text;
+  } ROWS[] = {{0.841894, "A", "841.9 mA"},
+              {0.99994, "A", "999.9 mA"},
+              {0.99996, "A", "1 A"},
+              {-999.97, "V", "-1 kV"},
+              {999.97e9, "Hz", "1000 GHz"},
+              {999.97, "rad", "1000 rad"},
+              {0, "A", "0 A"},
+              {1e-300, "A", "1e-285 fA"},
+              {9.9997e-16, "s", "1 fs"},
+              {INFINITY, "V", "inf V"},
+              {NAN, "V", "nan V"},
+              {0.25, "", "0.25"}};
+  char text[2 * VS_AMOUNT_SIZE];
+  for (size_t k = 0; k < COUNT(ROWS); k++)
+    CU_ASSERT_STRING_EQUAL(vs_amount_text(ROWS[k].value, ROWS[k].unit, text), ROWS[k].text);
+  CU_ASSERT_STRING_EQUAL(vs_amount_range(-0.99997, 0.5, "m", text), "-1 .. 0.5 m");
+}
+
 static const vs_test TESTS[] = {
+    {"amounts", amounts},
     {"rows of CSV", rows_of_csv},
     {"JSON is laid out", json_is_laid_out},
     {"JSON of what is no UTF-8", json_is_utf8},

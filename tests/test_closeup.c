@@ -126,6 +126,7 @@ static void refused(void) {
                                          {"plot one --from 5", "--from 5: a time is wanted"},
                                          {"plot one --to 0ms", "nothing is between"},
                                          {"plot one --from 40ms", "nothing is between"},
+                                         {"plot one --from 10.02ms --to 10.05ms", "no row of"},
                                          {"plot one --fft --to 19ms", "no whole cycle"},
                                          {"plot one nowhere", "nowhere/run.csv"},
                                          {"plot one --probe i --overlay x.csv", "--overlay"},
@@ -212,6 +213,31 @@ static void numbers(void) {
   EXPECT_FILES("n", "events.csv run.csv summary.json ");
 }
 
+/* Each run's spectrum is taken over whole cycles of its own mains: 62.5 Hz has its 220 V in one
+ * line, although 40 ms are no whole number of its cycles. */
+static void two_mains(void) {
+  if (!on_path("gnuplot")) return;
+  const char *const record = "--set run.until=40ms --set record=[v_mains] --quiet";
+  ran a = run("run paper %s -o f50", record),
+      b = run("run paper --set supply.frequency=62.5Hz --set supply.voltage=220V %s -o f62",
+              record);
+  RUN_GOOD("plot f50 f62 --probe v_mains --fft -o f.svg --from 0ms --to 40ms --quiet");
+  char *csv = read_file("f_spectrum.csv"), *row = strstr(csv, "\nf62,62.5,");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(row);
+  vs_close(strtod(row + 10, NULL), 220, 220, 1e-8, "62.5 Hz", __LINE__);
+  free(csv);
+  free_ran(&a);
+  free_ran(&b);
+}
+
+/* gnuplot complains of each curve that is constant; who asked for a picture does not read that. */
+static void constant(void) {
+  if (!on_path("gnuplot")) return;
+  RUN_GOOD("run paper --set run.until=4ms -o still --quiet");
+  RUN_GOOD("plot still --quiet");
+  RUN_GOOD("plot still --probe p,i --quiet");
+}
+
 /* A fault is found by itself and its word stands in the picture; the next run removes pictures. */
 static void drawn(void) {
   if (!on_path("gnuplot")) return;
@@ -266,9 +292,10 @@ static void page(void) {
   EXPECT_FILES("a<b", "events.csv run.csv summary.json ");
 }
 
-static const vs_test TESTS[] = {{"windows", windows}, {"probes", probes}, {"spectra", spectra},
-                                {"refused", refused}, {"drawn", drawn},   {"numbers", numbers},
-                                {"page", page}};
+static const vs_test TESTS[] = {
+    {"windows", windows},     {"probes", probes},     {"spectra", spectra},
+    {"refused", refused},     {"drawn", drawn},       {"numbers", numbers},
+    {"two mains", two_mains}, {"constant", constant}, {"page", page}};
 
 int main(void) {
   return program_suite("closeup", TESTS, COUNT(TESTS));

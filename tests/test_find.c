@@ -155,6 +155,11 @@ static void a_new_scene_of_a_machine(void) {
   char *scene = read_file("other.yaml");
   EXPECT(strstr(scene, "\n  model: two_mass ") && strstr(scene, "\n  deck: chopper "), "%s", scene);
   free(scene);
+  r = run("new coil.yaml --machine lds_v203"); /* whose coil no thyristor drives */
+  EXPECT(r.status == 0 && strstr(r.out, "before it runs, mend this: coil.yaml:") &&
+             strstr(r.out, "write firing.valve: none"),
+         "%d %s", r.status, r.out);
+  free_ran(&r);
   refuse("new third.yaml --deck nonesuch", "deck", "", (const char *const[]){"nonesuch", NULL},
          __LINE__);
 }

@@ -56,6 +56,16 @@ static void a_pipe_is_tried_first(void) {
   free(err);
 }
 
+/* Warnings are told once, by the process that the other one follows. */
+static void warnings_are_told_once(void) {
+  write_scene("warned", "Badded added 0 V=if(time>1,pwl(time),1)");
+  ran a = run("run warned.yaml"), b = run("steady warned.yaml --set firing.every=1");
+  EXPECT(a.status == 2 && count_lines(a.err) == 3 && strstr(a.err, "warning: "), "%s", a.err);
+  EXPECT(b.status == 2 && !strcmp(a.err, b.err), "%s", b.err);
+  free_ran(&a);
+  free_ran(&b);
+}
+
 /* The guard ends with the first step: a run that it was on for does not end as one that was
  * guarded, and gives the numbers of a case of a study, which is tried in a child process. */
 static void the_numbers_are_those_of_a_trial(void) {
@@ -74,6 +84,7 @@ int main(void) {
   static const vs_test TESTS[] = {
       {"a netlist that ngspice dies of is a message", it_is_a_message},
       {"a scene from a pipe is tried first", a_pipe_is_tried_first},
+      {"warnings are told once", warnings_are_told_once},
       {"the numbers are those of a trial", the_numbers_are_those_of_a_trial},
   };
   return program_suite("guard", TESTS, COUNT(TESTS));

@@ -141,6 +141,25 @@ static void refused(void) {
   }
 }
 
+/* A run that ends before the gate's pulse has no time of firing. Such a row is in no difference,
+ * and is counted. */
+static void values_that_are_gone(void) {
+  write_file("fires.yaml", "scene: paper\nset: {run: {tier: switched, until: 9.9 ms}}\n"
+                           "vary: {firing.angle: [90 deg, 150 deg]}\nreport: [t_fire, tau_p]\n");
+  free_ran((ran[]){run("study fires.yaml -o fires --quiet")});
+  free_ran((ran[]){run("study fires.yaml -o ends --set run.until=8ms --quiet")});
+  static const char *const TABLE[] = {"0  case 0; 1 in A alone\n", "-            -            -\n",
+                                      NULL};
+  ran r = run("compare fires ends");
+  expect_good(&r, "compare", __LINE__);
+  expect_lines(r.out, TABLE, __LINE__);
+  free_ran(&r);
+  static const char *const JSON[] = {"\"at_case_b\": 0, \"only_a\": 0, \"only_b\": 1}", NULL};
+  r = run("compare ends fires --json");
+  expect_lines(r.out, JSON, __LINE__);
+  free_ran(&r);
+}
+
 /* Studies: rows are joined by their axes, in whatever order they come, else by their number. */
 static void studies(void) {
   static const char FILE_OF[] =
@@ -239,6 +258,7 @@ static const vs_test TESTS[] = {{"departure", departure},
                                 {"runs", runs},
                                 {"refused", refused},
                                 {"studies", studies},
+                                {"values that are gone", values_that_are_gone},
                                 {"pages", pages}};
 
 int main(void) {

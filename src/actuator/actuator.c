@@ -101,7 +101,7 @@ static const vs_field ACTUATOR[] = {
     {"law", VS_NAME, "", "reluctance", 0, 0, false, A_(law),
      "how current and force follow from flux linkage and gap: see 'list laws'; or a table, a file "
      "that ends in .csv",
-     NULL, NULL},
+     "reluctance|moving_coil|formula|FILE.csv", NULL},
     {"leakage", VS_REAL, "H", "0 H", 0, 1e4, false, A_(leakage_h),
      "law reluctance: L_k, inductance of the flux that does not cross the gap", NULL, NULL},
     {"saturation", VS_OPTION, "", "none", 0, 0, false, A_(saturation),

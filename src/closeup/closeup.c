@@ -53,13 +53,13 @@ static vs_status open_runs(const vs_closeup_options *o, vs_stretch *s, vs_error 
     if (!status) status = vs_moments_read(run->folder, &run->moments, err);
     if (!status) status = vs_probes_find(o->probes, &run->traces, &probes, err);
     if (!status && !k) s->probes = probes;
+    if (!status) run->cycle_s = cycle_of(run->folder);
   }
   for (int p = 0; p < s->probes.count && !status; p++) /* the usual ones are the first run's */
     for (size_t k = 1; k < s->runs && !status; k++)
       if (vs_traces_find(&s->run[k].traces, s->probes.item[p].column) < 1)
         status = vs_fail(err, VS_INPUT, "%s has no column %s, as %s has; choose by --probe",
                          s->run[k].traces.path, s->probes.item[p].column, s->run[0].folder);
-  if (!status) s->cycle_s = cycle_of(o->folders[0]);
   return status;
 }
 
@@ -69,6 +69,16 @@ static vs_status read_time(const char *option, const char *word, double *time_s,
   return vs_fail(err, VS_INPUT, "%s %.100s: a time is wanted, as 60ms", option, word);
 }
 
+/* True if a run has a row in the stretch of time; the picture would be empty otherwise. */
+static bool has_rows(const vs_stretch *s) {
+  for (size_t k = 0; k < s->runs; k++)
+    for (size_t r = 0; r < s->run[k].traces.rows; r++) {
+      double at = vs_trace_time(&s->run[k].traces, r);
+      if (at >= s->from_s && at <= s->to_s) return true;
+    }
+  return false;
+}
+
 /* Finds what is shown; *why says why, or is NULL where all of it was asked for. */
 static vs_status find_window(const vs_closeup_options *o, vs_stretch *s, const char **why,
                              vs_error *err) {
@@ -76,7 +86,7 @@ static vs_status find_window(const vs_closeup_options *o, vs_stretch *s, const c
   for (size_t k = 0; k < s->runs; k++) {
     const vs_traces *t = &s->run[k].traces;
     double a, b, end = vs_trace_time(t, t->rows - 1);
-    const char *reason = vs_moments_window(&s->run[k].moments, s->cycle_s, end, &a, &b);
+    const char *reason = vs_moments_window(&s->run[k].moments, s->run[k].cycle_s, end, &a, &b);
     if (!k) *why = reason;
     from = fmin(from, a), to = fmax(to, b), until = fmax(until, end);
     start = fmin(start, vs_trace_time(t, 0));
@@ -93,6 +103,11 @@ static vs_status find_window(const vs_closeup_options *o, vs_stretch *s, const c
                      "plot: nothing is between %.6g s and %.6g s; recorded is %.6g "
                      "s to %.6g s",
                      s->from_s, s->to_s, start, until);
+  if (!status && !has_rows(s))
+    status = vs_fail(err, VS_INPUT,
+                     "plot: no row of run.csv is between %.9g s and %.9g s; a smaller run.sample "
+                     "gives more of them",
+                     s->from_s, s->to_s);
   return status;
 }
 

@@ -94,12 +94,19 @@ vs_status vs_fourier_take(const vs_traces *t, int column, const double window_s[
 static vs_status take(const vs_stretch *s, int probe, size_t run, vs_fourier *f, vs_error *err) {
   const vs_traces *t = &s->run[run].traces;
   return vs_fourier_take(t, vs_traces_find(t, s->probes.item[probe].column),
-                         (double[]){s->from_s, s->to_s}, s->cycle_s, f, err);
+                         (double[]){s->from_s, s->to_s}, s->run[run].cycle_s, f, err);
 }
 
 /* ---- the picture ---- */
 
-/* Adds the lines up to LAST_HARMONIC as a data block, one for each probe and run. */
+/* The highest frequency that the picture shows, Hz: that of the run with the fastest mains. */
+static double top_of(const vs_stretch *s) {
+  double cycle_s = s->run[0].cycle_s;
+  for (size_t r = 1; r < s->runs; r++) cycle_s = fmin(cycle_s, s->run[r].cycle_s);
+  return (LAST_HARMONIC + 0.5) / cycle_s;
+}
+
+/* Adds the lines up to top_of() as a data block, one for each probe and run. */
 static vs_status add_block(const vs_stretch *s, int probe, size_t run, vs_text *script,
                            double *largest, vs_error *err) {
   const vs_probe_shown *p = &s->probes.item[probe];
@@ -109,7 +116,7 @@ static vs_status add_block(const vs_stretch *s, int probe, size_t run, vs_text *
   vs_text_add(script, "$lines_%d_%zu << EOD\n", probe, run);
   for (size_t k = 0; k < f.lines; k++) {
     double frequency = (double)k / f.span_s;
-    if (frequency > (LAST_HARMONIC + 0.5) / s->cycle_s) break;
+    if (frequency > top_of(s)) break;
     vs_text_add(script, "%.9g,%.9g\n", frequency, p->scale * f.rms[k]);
     *largest = fmax(*largest, p->scale * f.rms[k]);
   }
@@ -146,8 +153,7 @@ vs_status vs_fourier_add(const vs_stretch *s, vs_text *script, vs_error *err) {
               s->probes.count,
               s->runs > 1 ? "set key tmargin right horizontal reverse Left samplen 2"
                           : "unset key");
-  vs_text_add(script, "set xrange [%g:%g]\n", -0.5 / s->cycle_s,
-              (LAST_HARMONIC + 0.5) / s->cycle_s);
+  vs_text_add(script, "set xrange [%g:%g]\n", -top_of(s) / (2 * LAST_HARMONIC + 1), top_of(s));
   for (int k = 0; k < s->probes.count && !status; k++) add_panel(s, k, largest[k], script);
   vs_text_add(script, "unset multiplot\n");
   return status;

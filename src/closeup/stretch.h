@@ -13,6 +13,7 @@ typedef struct vs_stretch_run {
   const char *folder; /* borrowed */
   vs_traces traces;
   vs_moments moments;
+  double cycle_s; /* of its mains */
 } vs_stretch_run;
 
 /* Start from {0}. */
@@ -21,7 +22,6 @@ typedef struct vs_stretch {
   size_t runs;
   vs_probes_shown probes;
   double from_s, to_s; /* what is shown */
-  double cycle_s;      /* of the first run's mains */
 } vs_stretch;
 
 /* Adds the style that all pictures of a close-up share, and returns the colour of a run's curves.

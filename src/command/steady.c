@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/text.h"
+#include "solver/guard.h"
 #include "tell/show.h"
 #include "dependence/closed.h"
 #include "dependence/matrices.h"
@@ -332,7 +333,7 @@ vs_status vs_steady_command(const vs_run_options *o, int periods, bool linear, v
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
   const extras more = {linear, scene->control.regulator};
   if (!status) vs_scene_hold(scene);
-  if (!status && !o->quiet) vs_scene_warn(scene);
+  if (!status && !o->quiet && !vs_guard_again()) vs_scene_warn(scene);
   if (!status) status = report(o, periods, more, scene, err);
   vs_scene_free(scene);
   free(scene);

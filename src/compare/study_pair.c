@@ -129,7 +129,8 @@ static void join_values(vs_study_pair *p, const struct vs_study_pair_row *a,
                         const vs_folder_row *b) {
   for (size_t k = 0; k < p->columns; k++) {
     vs_study_pair_column *c = &p->column[k];
-    double apart = number_in(b, (int)c->at[1]) - a->value[k];
+    double of_a = a->value[k], of_b = number_in(b, (int)c->at[1]), apart = of_b - of_a;
+    if (isnan(of_a) != isnan(of_b)) c->alone[isnan(of_a) ? 1 : 0]++;
     if (isnan(apart)) continue;
     c->sum += apart;
     c->joined++;
@@ -211,13 +212,19 @@ void vs_study_pair_close(vs_study_pair *p) {
 static void add_column(const vs_study_pair *p, const vs_study_pair_column *c, vs_text *out) {
   char range[2][64];
   for (int k = 0; k < 2; k++)
-    snprintf(range[k], sizeof range[k], "%.4g .. %.4g", c->least[k], c->largest[k]);
+    if (isnan(c->least[k]))
+      snprintf(range[k], sizeof range[k], "-");
+    else
+      snprintf(range[k], sizeof range[k], "%.4g .. %.4g", c->least[k], c->largest[k]);
   vs_text_add(out, "  %-30s %24s %24s", p->folder[0].column[c->at[0]].title, range[0], range[1]);
   if (c->joined)
-    vs_text_add(out, " %12.4g %12.4g  case %ld\n", c->sum / (double)c->joined, c->apart,
+    vs_text_add(out, " %12.4g %12.4g  case %ld", c->sum / (double)c->joined, c->apart,
                 c->apart_case[1]);
   else
-    vs_text_add(out, " %12s %12s\n", "-", "-");
+    vs_text_add(out, " %12s %12s", "-", "-");
+  for (int k = 0; k < 2; k++)
+    if (c->alone[k]) vs_text_add(out, "; %ld in %c alone", c->alone[k], "AB"[k]);
+  vs_text_add(out, "\n");
 }
 
 void vs_study_pair_table(const vs_study_pair *p, vs_text *out) {
@@ -285,6 +292,8 @@ void vs_study_pair_json(const vs_study_pair *p, vs_text *out) {
     vs_json_number(&json, "largest_difference", c->apart, DIGITS);
     if (c->joined) vs_json_whole(&json, "at_case_a", c->apart_case[0]);
     if (c->joined) vs_json_whole(&json, "at_case_b", c->apart_case[1]);
+    vs_json_whole(&json, "only_a", c->alone[0]);
+    vs_json_whole(&json, "only_b", c->alone[1]);
     vs_json_end(&json);
   }
   vs_json_end(&json);

@@ -17,6 +17,7 @@ typedef struct vs_study_pair_column {
   long apart_case[2];          /* the cases of that row */
   double sum;                  /* of B less A over the joined rows with both */
   long joined;                 /* these */
+  long alone[2];               /* joined rows in which A, or B, alone has a number */
 } vs_study_pair_column;
 
 /* A joined row whose verdict is not the same. */

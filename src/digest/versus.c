@@ -225,16 +225,17 @@ static void add_changes(vs_text *html, const vs_node *root) {
 
 static void add_columns(vs_text *html, const vs_node *columns) {
   static const char *const NUMBERS[] = {"least_a",   "largest_a",       "least_b",
-                                        "largest_b", "mean_difference", "largest_difference"};
+                                        "largest_b", "mean_difference", "largest_difference",
+                                        "at_case_b", "only_a",          "only_b"};
   begin_table(html, "columns", "Columns",
               "<th>column</th><th>least of A</th><th>largest of A</th><th>least of B</th>"
-              "<th>largest of B</th><th>mean B - A</th><th>largest B - A</th><th>at B's case</th>");
+              "<th>largest of B</th><th>mean B - A</th><th>largest B - A</th><th>at B's case</th>"
+              "<th>rows in A alone</th><th>in B alone</th>");
   for (const vs_node *m = columns ? columns->child : NULL; m; m = m->next) {
     vs_text_add(html, "<tr>");
     vs_html_cell(html, m->key);
     for (size_t k = 0; k < sizeof NUMBERS / sizeof *NUMBERS; k++)
       vs_html_number(html, number_of(m, NUMBERS[k]));
-    vs_html_number(html, number_of(m, "at_case_b"));
     vs_text_add(html, "</tr>\n");
   }
   end_table(html, 0, "");

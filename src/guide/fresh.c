@@ -10,12 +10,13 @@
 #include "base/path.h"
 #include "drive/events.h"
 #include "guide/ground.h"
+#include "scene/scene.h"
 #include "scene/sections.h"
 
 static const char ENDING[] = ".yaml";
 
 static const char HEAD[] =
-    "# A scene for VibroSpice. It runs as it stands: vibrospice run %s\n"
+    "# A scene for VibroSpice: vibrospice run %s\n"
     "#\n"
     "# Every key of a scene is here, off, behind a '#'. Take that '#' away and change the value.\n"
     "# Behind each: its default unit and range, and what it means. 'vibrospice check %s' tells\n"
@@ -105,6 +106,19 @@ static vs_status check_path(const char *path, vs_error *err) {
   return VS_OK;
 }
 
+/* Says what comes next. Some machines want more keys than their name before they run, as a moving
+ * coil wants firing.valve. */
+static void say_next(const char *path) {
+  vs_scene *scene = vs_alloc(1, sizeof *scene);
+  vs_error wanted = {0};
+  if (vs_scene_read(path, NULL, 0, NULL, scene, &wanted))
+    printf("written: %s; before it runs, mend this: %s\n", path, wanted.text);
+  else
+    printf("written: %s; next: vibrospice run %s\n", path, path);
+  vs_scene_free(scene);
+  free(scene);
+}
+
 vs_status vs_fresh_command(const vs_fresh_options *o, vs_error *err) {
   vs_ground ground;
   vs_text text = {0};
@@ -119,7 +133,7 @@ vs_status vs_fresh_command(const vs_fresh_options *o, vs_error *err) {
     add_others(&text);
     status = write_scene(o->path, &text, err);
   }
-  if (!status && !o->quiet) printf("written: %s; next: vibrospice run %s\n", o->path, o->path);
+  if (!status && !o->quiet) say_next(o->path);
   vs_text_free(&text);
   vs_ground_free(&ground);
   return status;

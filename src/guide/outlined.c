@@ -254,11 +254,29 @@ static bool of_scene_keys(const vs_outline *row) {
   return !row->key && row->takes & (VS_OUTLINE_VALUE | VS_OUTLINE_SPREAD | VS_OUTLINE_SETTING);
 }
 
+/* Sections as maps, {run: {until: 30 ms}}, where their keys are the same for all machines and
+ * decks. */
+static void put_sections(context c) {
+  for (int s = 0; s < VS_SECTIONS; s++) {
+    if (vs_section_is_named(s)) continue;
+    const vs_section *section = vs_section_fields(c.ground->machine, c.ground->deck, s);
+    vs_json_object(c.j, section->name, VS_JSON_ROW);
+    vs_json_array(c.j, "anyOf", VS_JSON_ROW);
+    vs_json_object(c.j, NULL, VS_JSON_ROW);
+    vs_shape_keys(c.j, section->fields, section->count);
+    vs_json_end(c.j);
+    vs_shape_type(c.j, "null");
+    vs_json_end(c.j);
+    vs_json_end(c.j);
+  }
+}
+
 static void put_map_keys(context c, const vs_outline *keys) {
   const vs_outline *row = keys, *any = NULL;
   vs_json_text(c.j, "type", "object");
   vs_json_object(c.j, "properties", VS_JSON_ROW);
   if (of_scene_keys(keys)) each_key(c.ground, put_keyed, &(keyed){c, keys});
+  if (of_scene_keys(keys) && keys->takes & VS_OUTLINE_SETTING) put_sections(c);
   for (; row->takes; row++)
     if (row->key)
       put_row(c, row->key, row);

@@ -33,6 +33,10 @@ static void put_section(vs_json *j, const vs_section *s, const char *own) {
   vs_json_text(j, NULL, "null");
   vs_json_end(j);
   if (own) {
+    vs_json_object(j, "properties", VS_JSON_ROW);
+    for (size_t k = 0; k < s->count; k++)
+      if (!strcmp(s->fields[k].key, own)) vs_shape_field(j, &s->fields[k]);
+    vs_json_end(j);
     vs_json_object(j, "if", VS_JSON_ROW);
     vs_json_array(j, "required", VS_JSON_ROW);
     vs_json_text(j, NULL, own);

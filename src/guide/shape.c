@@ -50,7 +50,7 @@ static void put_zero(vs_json *j) {
   vs_json_end(j);
   vs_json_object(j, NULL, VS_JSON_ROW);
   vs_json_text(j, "type", "string");
-  vs_json_text(j, "pattern", "^[+-]?0*\\.?0*([eE][+-]?[0-9]+)?$");
+  vs_json_text(j, "pattern", "^ *[+-]?(0+\\.?0*|\\.0+)([eE][+-]?[0-9]+)? *$");
   vs_json_end(j);
 }
 
@@ -173,9 +173,35 @@ static void put_maps(vs_json *j, const vs_field *f) {
   vs_json_end(j);
 }
 
+/* Any name, which may be of digits; or one of `choices`, of which "FILE.csv" stands for files that
+ * end so. */
+static void put_name(vs_json *j, const vs_field *f) {
+  static const char FILES[] = "FILE";
+  char words[256], *rest = words;
+  if (!f->choices) {
+    vs_shape_type(j, "string");
+    vs_shape_type(j, "number");
+    return;
+  }
+  snprintf(words, sizeof words, "%s", f->choices);
+  for (char *word; (word = strsep(&rest, "|"));) {
+    vs_text ending = {0};
+    if (strncmp(word, FILES, strlen(FILES)) != 0) {
+      vs_shape_word(j, word);
+      continue;
+    }
+    vs_text_add(&ending, ".\\%s$", word + strlen(FILES));
+    vs_json_object(j, NULL, VS_JSON_ROW);
+    vs_json_text(j, "type", "string");
+    vs_json_text(j, "pattern", ending.text);
+    vs_json_end(j);
+    vs_text_free(&ending);
+  }
+}
+
 /* One row for each kind of field: the values that it may have. */
 void vs_shape_values(vs_json *j, const vs_field *f) {
-  const bool has_word = f->choices && f->kind != VS_CHOICE;
+  const bool has_word = f->choices && f->kind != VS_CHOICE && f->kind != VS_NAME;
   if (has_word) vs_shape_word(j, f->choices);
   if (vs_field_is_real(f)) put_quantity(j, f);
   if (f->kind == VS_PROFILE) put_points(j, f);
@@ -183,9 +209,7 @@ void vs_shape_values(vs_json *j, const vs_field *f) {
   if (f->kind == VS_CHOICE) vs_shape_words(j, f->choices);
   if (f->kind == VS_COUNT) vs_shape_whole(j, f);
   if (f->kind == VS_OPTION) put_maps(j, f);
-  if (f->kind != VS_NAME) return;
-  vs_shape_type(j, "string");
-  vs_shape_type(j, "number"); /* a name of digits */
+  if (f->kind == VS_NAME) put_name(j, f);
 }
 
 void vs_shape_field(vs_json *j, const vs_field *f) {

@@ -31,26 +31,43 @@ void vs_gnuplot_path(vs_text *script, const char *path) {
   vs_text_free(&name);
 }
 
-static void become_gnuplot(FILE *in, FILE *out) {
+static void become_gnuplot(FILE *in, FILE *out, FILE *said) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   dup2(fileno(in), STDIN_FILENO);
+  dup2(fileno(said), STDERR_FILENO);
   if (out) dup2(fileno(out), STDOUT_FILENO);
   setenv("GNUTERM", "dumb", 1);
   execlp("gnuplot", "gnuplot", "--default-settings", "-", (char *)NULL);
   _exit(127);
 }
 
+/* Hands on what gnuplot said on standard error, but for its warnings that a range is empty: it
+ * gives each curve that is constant a range of its own, and says so for every picture. */
+static void hand_on(FILE *said) {
+  static const char *const EMPTY[] = {"Warning: empty x range", "Warning: empty y range"};
+  char line[1024];
+  rewind(said);
+  while (fgets(line, sizeof line, said)) {
+    const char *word = line + strspn(line, " \t");
+    bool empty = *word == '\n';
+    for (size_t k = 0; k < sizeof EMPTY / sizeof *EMPTY; k++)
+      empty = empty || !strncmp(word, EMPTY[k], strlen(EMPTY[k]));
+    if (!empty) fputs(line, stderr);
+  }
+}
+
 /* Files, not pipes: neither side then waits for the other to read. */
-static vs_status between(const char *script, FILE *in, FILE *out, vs_error *err) {
+static vs_status between(const char *script, FILE *in, FILE *out, FILE *said, vs_error *err) {
   if (fputs(script, in) < 0 || fflush(in) || fseek(in, 0, SEEK_SET))
     return vs_fail(err, VS_RUN, "no script for gnuplot: %s", strerror(errno));
   fflush(NULL);
   pid_t child = fork();
   if (child < 0) return vs_fail(err, VS_RUN, "gnuplot cannot be started: %s", strerror(errno));
-  if (child == 0) become_gnuplot(in, out);
+  if (child == 0) become_gnuplot(in, out, said);
   int how = 0;
   while (waitpid(child, &how, 0) < 0 && errno == EINTR) {
   }
+  hand_on(said);
   if (WIFEXITED(how) && WEXITSTATUS(how) == 127)
     return vs_fail(err, VS_RUN, "gnuplot is not installed (Debian package gnuplot-nox)");
   return how ? vs_fail(err, VS_RUN, "gnuplot failed (status %d)", how) : VS_OK;
@@ -78,10 +95,12 @@ static FILE *nameless(void) {
 }
 
 static vs_status run(const char *script, FILE *out, vs_error *err) {
-  FILE *in = nameless();
-  if (!in) return vs_fail(err, VS_RUN, "no script for gnuplot: %s", strerror(errno));
-  vs_status status = between(script, in, out, err);
-  fclose(in);
+  FILE *in = nameless(), *said = nameless();
+  vs_status status = in && said
+                         ? between(script, in, out, said, err)
+                         : vs_fail(err, VS_RUN, "no script for gnuplot: %s", strerror(errno));
+  if (in) fclose(in);
+  if (said) fclose(said);
   return status;
 }
 

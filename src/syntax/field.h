@@ -43,7 +43,8 @@ typedef struct vs_field {
   bool open;                /* min and max themselves are not allowed */
   size_t offset;            /* of the member it fills, in the section's struct */
   const char *text;         /* what it means, one line */
-  const char *choices;      /* VS_CHOICE: "paper|derived"; VS_REAL, VS_COUNT, VS_OPTION: a word */
+  const char *choices;      /* VS_CHOICE: "paper|derived"; VS_REAL, VS_COUNT, VS_OPTION: a word;
+                               VS_NAME: those that there are, FILE.csv of files; NULL: any name */
   const struct vs_options *options; /* VS_OPTION: what its maps have */
 } vs_field;
 

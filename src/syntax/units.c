@@ -274,15 +274,19 @@ static void add_pairs(const unit *want, vs_text *pattern) {
         }
 }
 
-/* Adds every power of one unit, or its inverse, that is of the kind wanted. */
+/* Adds every power of one unit that is of the kind wanted; those below 0 also as quotients, "1/s2"
+ * beside "s^-2". */
 static void add_powers(const unit *want, vs_text *pattern) {
   const char *between = "";
   for (size_t k = 0; k < sizeof UNITS / sizeof *UNITS; k++)
     for (int p = -3; p <= 3 && leads(k); p++) {
       if (!p || !is_product(want, k, p, k, 0)) continue;
-      vs_text_add(pattern, "%s%s", between, p < 0 ? "1/" : "");
-      add_names(k, p < 0 ? -p : p, pattern);
+      vs_text_add(pattern, "%s", between);
+      add_names(k, p, pattern);
       between = "|";
+      if (p > 0) continue;
+      vs_text_add(pattern, "|1/");
+      add_names(k, -p, pattern);
     }
   if (!*between) vs_text_add(pattern, "(?!)"); /* nothing: what follows begins with '|' */
 }
@@ -307,9 +311,9 @@ static void add_as_written(const char *text, vs_text *pattern) {
 
 void vs_units_pattern(const char *expected, vs_text *pattern) {
   unit want;
-  vs_text_add(pattern, "^[+-]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][+-]?[0-9]+)? *");
+  vs_text_add(pattern, "^ *[+-]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][+-]?[0-9]+)? *");
   if (!*expected || !parse_unit(expected, &want)) {
-    vs_text_add(pattern, "(%%|1)?$");
+    vs_text_add(pattern, "(%%|1)? *$");
     return;
   }
   vs_text_add(pattern, "(");
@@ -317,5 +321,5 @@ void vs_units_pattern(const char *expected, vs_text *pattern) {
   add_pairs(&want, pattern);
   vs_text_add(pattern, "|");
   add_as_written(expected, pattern);
-  vs_text_add(pattern, ")$");
+  vs_text_add(pattern, ") *$");
 }

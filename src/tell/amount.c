@@ -10,12 +10,16 @@
 static const char *const PREFIXED[] = {"A", "V", "W",  "J",   "N", "m",  "s",  "F",
                                        "H", "C", "Wb", "ohm", "S", "Hz", "VA", NULL};
 
+/* Of four digits the largest below 1000 is 999.9; from here on a value rounds to 1000. */
+static const double ROUNDS_UP = 999.95;
+
 /* The power of 1000 that the value is shown in, -5 (f) to 3 (G); 0 where the unit has no prefix. */
 static int power_of(double value, const char *unit) {
   bool prefixed = false;
   for (const char *const *p = PREFIXED; *p; p++) prefixed = prefixed || !strcmp(*p, unit);
   if (!prefixed || !isfinite(value) || value == 0) return 0;
   int power = (int)floor(log10(fabs(value)) / 3 + 1e-12);
+  if (power >= -5 && fabs(value) / pow(1000, power) >= ROUNDS_UP) power++;
   return power < -5 ? -5 : power > 3 ? 3 : power;
 }
 
