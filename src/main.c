@@ -66,8 +66,11 @@ static void print_help(FILE *out) {
         out);
   for (size_t k = 0; k < N_COMMANDS; k++)
     fprintf(out, "  %-8s %-7s %s\n", COMMANDS[k]->name, COMMANDS[k]->argument, COMMANDS[k]->text);
-  fputs("\nvibrospice COMMAND --help says more. Examples:\n", out);
-  for (size_t k = 0; k < N_COMMANDS; k++) fputs(COMMANDS[k]->examples, out);
+  fputs("\nvibrospice COMMAND --help says more, with more examples than these:\n", out);
+  for (size_t k = 0; k < N_COMMANDS; k++) {
+    const char *first = COMMANDS[k]->examples;
+    fprintf(out, "%.*s\n", (int)strcspn(first, "\n"), first);
+  }
   fputs("\nExit status:", out);
 #define EXIT_TEXT(name, status, text) fprintf(out, " %d %s.", status, text);
   VS_STATUS_LIST(EXIT_TEXT)

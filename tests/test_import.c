@@ -450,7 +450,48 @@ static void what_is_replaced_is_said(void) {
   }
 }
 
+/* A part that its user made of a data sheet, beside the netlist, is taken by its name; a netlist
+ * of other pins is told so; a definition of the netlist's own goes first. */
+static void a_part_of_ones_own(void) {
+  static const char HEAD[] = "t\nV1 l 0 SIN(0 325 50)\nR1 l a 0.4\nR2 a b 47\nC1 b k 100n\n"
+                             "V2 g k PULSE(0 5 5.5m 1u 1u 2m 20m)\nL1 k 0 0.9 Rser=38\n";
+  static const char OWN[] = ".subckt MyScr a k g\nR1 a k 1meg\nR2 g k 100\n.ends\n";
+  static const struct {
+    const char *line, *rest;
+    int status;
+    const char *says, *deck;
+  } ROWS[] = {
+      {"XU1 a k g MyScr\n", "", 0, "XU1 is a thyristor, a part beside the netlist: myscr",
+       "param  thyristor = myscr part thyristor"},
+      {"XU1 a g k MyScr\n", "", 2, "the part myscr has the pins a k g", ""},
+      {"XU1 a k g MyScr\n", OWN, 0, "what its maker allows is not known here", "XU1"},
+  };
+  enter("ownpart");
+  ran part = run("part thyristor -o myscr.inc");
+  EXPECT(part.status == 0, "%s", part.err);
+  free_ran(&part);
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text text = {0};
+    vs_text_add(&text, "%s%s%s", HEAD, ROWS[k].line, ROWS[k].rest);
+    write_file("x.net", text.text);
+    ran r = run("import x.net -o y.cir --scene y.yaml");
+    EXPECT(r.status == ROWS[k].status && strstr(r.err, ROWS[k].says), "%s", r.err);
+    char *deck = r.status ? vs_copy("") : read_file("y.cir");
+    EXPECT(strstr(deck, ROWS[k].deck), "%s", deck);
+    free(deck);
+    free_ran(&r);
+    vs_text_free(&text);
+    if (k) continue;
+    ran judged = run("run y.yaml --until 10ms");
+    EXPECT(judged.status == 0 && strstr(judged.out, "verdict: held"), "%s%s", judged.out,
+           judged.err);
+    free_ran(&judged);
+  }
+  leave();
+}
+
 static const vs_test TESTS[] = {
+    {"a part of one's own", a_part_of_ones_own},
     {"what is replaced is said", what_is_replaced_is_said},
     {"says what it did", says_what_it_did},
     {"reads what programs write", reads_what_programs_write},

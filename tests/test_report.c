@@ -409,8 +409,10 @@ static void other_methods(void) {
   EXPECT_REPORT("Worst found: margin_least -30 %, case 3", "search for the least");
   write_study("corners", "", 4, cornered);
   RUN_GOOD("plot s --quiet");
-  EXPECT_REPORT("Worst margin -30 %: peak, case 3", "case 3  ++", "case 2  −+", "case 0  −−",
-                "in the order circuit.a, circuit.b");
+  EXPECT_REPORT(
+      "The best case: circuit.a = 90 Ω, circuit.b = 2; its least margin is 30 %, of other.part",
+      "Worst margin -30 %: peak, case 3", "case 3  ++", "case 2  −+", "case 0  −−",
+      "in the order circuit.a, circuit.b");
   write_study("snubber",
               ", \"snubber\": {\"candidates\": [{\"case\": 0, \"holds\": true}, {\"case\": 1, "
               "\"holds\": true}, {\"case\": 3, \"holds\": false}], \"found\": {\"case\": 1}}",

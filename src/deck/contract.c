@@ -54,7 +54,9 @@ static vs_status set_range(vs_field *field, param_text *p, char *default_text, s
   double si;
   snprintf(default_text, size, "%s%s%s", p->value, *p->unit ? " " : "", p->unit);
   if (!vs_units_known(p->unit) || !vs_units_read(default_text, p->unit, &si, why, sizeof why))
-    return vs_fail_at(err, p->where, "param %s: '%s' is not a number with a unit known here",
+    return vs_fail_at(err, p->where,
+                      "param %s: '%s' is not a number with a unit known here; both are words of "
+                      "their own, as '25 mA'",
                       p->name, default_text);
   if (!read_range(p->range, &field->min, &field->max))
     return vs_fail_at(err, p->where, "param %s: a range MIN..MAX is wanted after the value",

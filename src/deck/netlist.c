@@ -48,9 +48,10 @@ vs_status vs_netlist_read(const char *path, vs_deck *deck, vs_error *err) {
   deck->has_title_line = true;
   vs_status status = vs_files_read(deck, path, false, err);
   if (!status && deck->n_part_files)
-    status =
-        vs_error_carry_on(err, vs_fail_at(err, deck->part_files[0].where,
-                                          "'*$ part' belongs into a part's file, not into a deck"));
+    status = vs_error_carry_on(
+        err, vs_fail_at(err, deck->part_files[0].where,
+                        "'*$ part' belongs into a part's file, not into a deck; a deck takes "
+                        "a part by a line '*$ param thyristor = NAME part thyristor'"));
   if (!status && !*deck->eva && !(deck->lost & VS_LOST_ELEMENT))
     status = vs_error_carry_on(err, vs_fail_at(err, (vs_where){.file = path},
                                                "has no EVA; a deck has one line 'Xeva n m eva'"));

@@ -43,8 +43,9 @@ static vs_status read_amount(vs_limit *limit, vs_cursor *c, const char *value, v
       limit->value <= 0)
     return vs_fail_at(err, where,
                       "limit %s: a positive number with a unit known here, or 'none', is wanted, "
-                      "not '%s'",
-                      limit->name, limit->written);
+                      "not '%s'%s%s",
+                      limit->name, limit->written, usual ? "; its unit is written as " : "",
+                      usual ? usual : "");
   limit->assumed = vs_cursor_is(c, "assumed");
   return VS_OK;
 }

@@ -2,6 +2,7 @@
 #include "foreign/pins.h"
 
 #include <ctype.h>
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,6 +40,8 @@ static const struct letter {
                {'z', "igbt", 0, 2, 1},       {'q', "transistor", 0, 2, 1},
                {'j', "transistor", 0, 2, 1}, {'s', "switch", 0, 1, -1},
                {'w', "switch", 0, 1, -1}};
+
+const char *const vs_pins_said = "as --pins says";
 
 static bool among(const char *list, const char *word, size_t n) {
   char spaced[VS_ELEMENTS_NAME + 2];
@@ -194,7 +197,7 @@ static vs_status find_in_netlist(const vs_elements *w, const vs_element *e, cons
   return VS_OK;
 }
 
-/* ---- a shipped part ---- */
+/* ---- a part ---- */
 
 typedef struct search {
   const char *name;
@@ -210,6 +213,22 @@ static void look(void *ctx, const char *path) {
   snprintf(s->found, sizeof s->found, "%.*s", (int)n, base);
 }
 
+/* Looks for a part's file of that name in the netlist's own folder, capitals aside. */
+static void look_beside(const vs_elements *w, search *s) {
+  const char *own = w->listing->files[0], *slash = strrchr(own, '/');
+  char folder[VS_PATH_SIZE], path[VS_PATH_SIZE + 256];
+  const char *ending = vs_deck_parts_shelf.ending;
+  snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - own + 1) : 0, own);
+  DIR *dir = opendir(*folder ? folder : ".");
+  for (struct dirent *entry; dir && (entry = readdir(dir));) {
+    const char *last = strrchr(entry->d_name, '.');
+    if (!last || strcmp(last, ending)) continue;
+    snprintf(path, sizeof path, "%s%s", folder, entry->d_name);
+    look(s, path);
+  }
+  if (dir) closedir(dir);
+}
+
 static const char *known_kind(const char *kind) {
   for (size_t k = 0; k < N_SORTS; k++)
     if (!strcmp(kind, SORTS[k].kind)) return SORTS[k].kind;
@@ -218,23 +237,37 @@ static const char *known_kind(const char *kind) {
   return NULL;
 }
 
-/* A subcircuit that the netlist does not define may be a shipped part's. Its pins are a, k, g. */
-static void find_part(const char *model, const vs_element *e, vs_pins *pins) {
-  search s = {.name = model};
-  vs_path_list(&vs_deck_parts_shelf, look, &s);
-  if (!*s.found) return;
+/* Gives the kind of the part that a file holds; NULL: it holds none of a kind known here. */
+static const char *kind_of_part(const char *path) {
   vs_deck *part = vs_alloc(1, sizeof *part);
   vs_error unread = {0};
-  if (!vs_netlist_read_part(s.path, part, &unread) && part->n_part_files)
-    pins->kind = known_kind(part->part_files[0].kind);
+  const char *kind = NULL;
+  if (!vs_netlist_read_part(path, part, &unread) && part->n_part_files)
+    kind = known_kind(part->part_files[0].kind);
   vs_deck_free(part);
   free(part);
+  return kind;
+}
+
+/* A subcircuit that the netlist does not define may be that of a part: of a file beside the
+ * netlist, else of one that ships. Its pins are a, k, g. */
+static void find_part(const vs_elements *w, const char *model, const vs_element *e, vs_pins *pins) {
+  search s = {.name = model};
+  pins->by = "a part beside the netlist";
+  look_beside(w, &s);
+  if (*s.found) pins->kind = kind_of_part(s.path);
+  if (!pins->kind) {
+    s = (search){.name = model};
+    pins->by = "a shipped part";
+    vs_path_list(&vs_deck_parts_shelf, look, &s);
+    if (*s.found) pins->kind = kind_of_part(s.path);
+  }
+  if (!*s.found) return;
   bool gated = pins->kind && (!strcmp(pins->kind, "thyristor") || !strcmp(pins->kind, "triac"));
   if (pins->kind && e->n_nodes != (gated ? 3 : 2)) pins->kind = NULL;
   pins->from = 0;
   pins->to = 1;
   pins->gate = gated ? 2 : -1;
-  pins->by = "a shipped part";
   snprintf(pins->part, sizeof pins->part, "%s", pins->kind ? s.found : "");
 }
 
@@ -258,7 +291,7 @@ static bool read_said(const char *said, vs_pins *pins) {
   const char *words[MOST_PINS];
   size_t sizes[MOST_PINS];
   int count = (int)strlen(said);
-  *pins = (vs_pins){.gate = -1, .by = "as --pins says"};
+  *pins = (vs_pins){.gate = -1, .by = vs_pins_said};
   if (!strcmp(said, "none")) return true;
   for (size_t k = 0; k < N_ALIKE; k++)
     if (!strcmp(said, ALIKE[k].kind)) {
@@ -322,7 +355,7 @@ vs_status vs_pins_find(const vs_elements *w, const char *asked, const vs_element
   char *said = said_of(w, asked, e), *model = vs_elements_model(w, e);
   int subckt = model ? vs_elements_defined(w->listing, model) : -1;
   vs_status status = VS_OK;
-  if (e->letter == 'x' && subckt < 0 && model) find_part(model, e, pins);
+  if (e->letter == 'x' && subckt < 0 && model) find_part(w, model, e, pins);
   vs_pins part = *pins;
   if (said && read_said(said, pins))
     memcpy(pins->part, part.part, sizeof pins->part);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What an element is whose stress can be measured, and which of its nodes is what: by its letter,
- * by the names of its subcircuit's pins or the comment that explains them, by a shipped part of its
- * name, or as the user says. */
+ * by the names of its subcircuit's pins or the comment that explains them, by a part of its name,
+ * which lies beside the netlist or ships, or as the user says. */
 #ifndef VS_FOREIGN_PINS_H
 #define VS_FOREIGN_PINS_H
 
@@ -12,10 +12,11 @@ typedef struct vs_pins {
   const char *kind;            /* "thyristor", "triac", "diode", ...; NULL: it is nothing known */
   int from, to;                /* the current that counts flows from the one to the other */
   int gate;                    /* -1: it has none */
-  char part[VS_ELEMENTS_NAME]; /* the shipped part that its subcircuit is; empty: the netlist's own
-                                */
-  const char *by;              /* how it was told, for the reader */
+  char part[VS_ELEMENTS_NAME]; /* the part that its subcircuit is; empty: the netlist's own */
+  const char *by;              /* how it was told, for the reader; vs_pins_said: by the user */
 } vs_pins;
+
+extern const char *const vs_pins_said; /* what vs_pins.by is where --pins told it */
 
 /* `asked` is what the user says, "X1=akg,X2=varistor" (NULL: nothing): the letters of the pins in
  * their order (a k g of a thyristor, 2 1 g of a triac, d s g, c e g), or a word for what has two

@@ -93,9 +93,12 @@ static vs_status refuse(const char *topic, const char *const *others, size_t n_o
   for (int k = 0; (name = vs_list_kind(k)) && n < MOST; k++) names[n++] = name;
   for (size_t k = 0; k < n_others && n < MOST; k++) names[n++] = others[k];
   const char *nearest = vs_text_nearest(topic, names, n);
-  return vs_fail(err, VS_INPUT, "help: no topic '%s'%s%s%s", topic,
-                 nearest ? "; did you mean '" : "; see vibrospice help", nearest ? nearest : "",
-                 nearest ? "'?" : "");
+  return vs_fail(
+      err, VS_INPUT,
+      "help: no topic '%s'%s%s%s; 'vibrospice list all %s' finds keys, parts and measures "
+      "that have the word",
+      topic, nearest ? "; did you mean '" : "; see vibrospice help", nearest ? nearest : "",
+      nearest ? "'?" : "", topic);
 }
 
 vs_status vs_topics_print(const char *topic, const char *const *others, size_t n_others,

@@ -79,7 +79,7 @@ static void add_element(writer *b, const vs_element *e, const vs_fate_element *o
   add_rest(b, e, own);
 }
 
-/* A shipped part; its pins are a k g, whatever the netlist's order was. */
+/* A part; its pins are a k g, whatever the netlist's order was. */
 static void add_part(writer *b, const vs_element *e, const vs_fate_element *own) {
   if (*own->sense) add(b, "%s %s %s 0\n", own->sense, node(b, e, own->sensed_at), own->inner);
   if (*own->gate_sense)

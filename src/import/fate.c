@@ -17,7 +17,7 @@ bool vs_fate_is_coil(const vs_fate *p, const vs_element *e) {
 
 /* ---- models ---- */
 
-/* Error: the model or subcircuit of an element is nowhere, and no shipped part has its name. */
+/* Error: the model or subcircuit of an element is nowhere, and no part has its name. */
 static vs_status check_model(const vs_fate *p, const vs_element *e, const vs_pins *pins,
                              vs_error *err) {
   char *model = vs_elements_model(p->wiring, e);

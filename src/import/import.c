@@ -94,10 +94,12 @@ static void note_devices(work *w) {
                      strchr("aeio", *own->pins.kind) ? "an" : "a", own->pins.kind, own->pins.by,
                      *own->pins.part ? ": " : "", own->pins.part);
     if (strcmp(own->pins.kind, "thyristor") || *own->pins.part) continue;
-    vs_declared_note(&s->left,
-                     "%s: what its maker allows is not known here: a line '*$ rating v_ak "
-                     "-V_RRM..V_DRM V', or a part's file in the place of its subcircuit",
-                     e->name);
+    vs_declared_note(
+        &s->left,
+        "%s: what its maker allows is not known here: a line '*$ rating v_ak "
+        "-V_RRM..V_DRM V'; or a part's file NAME.inc beside the netlist ('vibrospice part "
+        "thyristor -o NAME.inc'), if the netlist names NAME and does not define it",
+        e->name);
   }
   if (w->body.skipped)
     vs_declared_note(&s->did,

@@ -57,16 +57,15 @@ static size_t gates_at(const vs_fate *p, int node, bool drives[VS_ROLES_GATES]) 
   return count;
 }
 
-/* A shipped part's pins are a k g. A netlist that was written for another one of that name may have
+/* A part's pins are a k g. A netlist that was written for another one of that name may have
  * them in another order, which its gate's source shows. */
 static vs_status check_part(const vs_fate *p, const vs_element *e, const vs_fate_element *own,
                             vs_error *err) {
   bool gated = *own->pins.part && own->pins.gate >= 0 && p->roles->n_gates;
   bool drives[VS_ROLES_GATES];
-  if (!gated || strcmp(own->pins.by, "a shipped part") || gates_at(p, e->nodes[2], drives))
-    return VS_OK;
+  if (!gated || own->pins.by == vs_pins_said || gates_at(p, e->nodes[2], drives)) return VS_OK;
   return vs_fail_at(err, vs_elements_where(p->wiring, e, 0),
-                    "%s: the shipped part %s has the pins a k g, and no gate's source drives the "
+                    "%s: the part %s has the pins a k g, and no gate's source drives the "
                     "third node here; --pins %s=akg, or %s=agk, or ..., says which node is what",
                     e->name, own->pins.part, e->name, e->name);
 }

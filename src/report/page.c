@@ -182,6 +182,20 @@ static void add_share(vs_text *html, const vs_folder *t, const vs_survey *s, boo
   }
 }
 
+/* Says where the least margin is largest: what one would choose. A sample's cases are chosen by
+ * chance, and a search says what it has found. */
+static void add_best_case(vs_text *html, const vs_folder *t, const vs_survey *s) {
+  if (!s->best.cell || s->judged < 2 || t->search || vs_folder_is_sampled(t)) return;
+  vs_text_add(html, "<p>The best case: ");
+  add_place(html, t, s->best.cell, false);
+  vs_text_add(html, "; its least margin is %.4g %%", -100 * s->best.key);
+  if (t->weakest >= 0 && *s->best.cell[t->weakest]) {
+    vs_text_add(html, ", of ");
+    vs_html_text(html, s->best.cell[t->weakest]);
+  }
+  vs_text_add(html, ".</p>\n");
+}
+
 static void add_verdict(vs_text *html, const vs_folder *t, const vs_survey *s) {
   bool good = s->good == s->judged && !t->failed;
   if (t->search && t->search->report.none && vs_folder_search(t)) good = s->found.cell != NULL;
@@ -195,6 +209,7 @@ static void add_verdict(vs_text *html, const vs_folder *t, const vs_survey *s) {
     add_place(html, t, s->worst[0].cell, false);
     vs_text_add(html, ".</p>\n");
   }
+  add_best_case(html, t, s);
   add_doubts(html, s);
   if (s->judged && s->judged < s->rows)
     vs_text_add(html, "<p>Without a margin: %ld cases.</p>\n", s->rows - s->judged);

@@ -98,13 +98,14 @@ static bool sequence_differs(const vs_result *r, char *text, size_t size) {
   const vs_sequence *one = &r->watchers.sequence, *other = &r->second.sequence;
   if (!r->second.done) return false;
   if (one->firings == other->firings && one->extinctions == other->extinctions) return false;
-  snprintf(
-      text, size,
-      "the sequence of firings depends on the tolerance: it fires and goes out %ld and %ld "
-      "times at run.tolerance = %.3g, %ld and %ld times at %.3g; what follows from it is known "
-      "less well than run.tolerance says, and a finer one may settle it",
-      one->firings, one->extinctions, r->scene->setup.run.tolerance, other->firings,
-      other->extinctions, r->second.tolerance);
+  snprintf(text, size,
+           "the sequence of firings depends on the tolerance: it fires and goes out %ld and %ld "
+           "times at run.tolerance = %.3g, %ld and %ld times at %.3g; the errors of the margins "
+           "come from these two runs; what else follows from it is known less well than "
+           "run.tolerance says, "
+           "and a finer one may settle it",
+           one->firings, one->extinctions, r->scene->setup.run.tolerance, other->firings,
+           other->extinctions, r->second.tolerance);
   return true;
 }
 

@@ -202,7 +202,9 @@ static vs_status note_row(void *ctx, const vs_folder_row *row, vs_error *err) {
   if (t->margin >= 0) vs_folder_number(row->cell[t->margin], &margin);
   note_verdict(s, t, row, margin);
   if (!isnan(margin)) {
+    size_t kept = s->best.cell != NULL;
     if (t->weakest >= 0 && *row->cell[t->weakest]) count_name(&s->weakest, row->cell[t->weakest]);
+    vs_survey_keep(&s->best, &kept, 1, -margin, row);
   }
   if (row->number == r->found) {
     size_t none = 0;
@@ -250,6 +252,7 @@ void vs_survey_free(const vs_folder *t, vs_survey *s) {
     free(p->value);
   }
   vs_survey_kept_free(s->worst, s->n_worst, t->count);
+  if (s->best.cell) vs_survey_kept_free(&s->best, 1, t->count);
   if (s->found.cell) vs_survey_kept_free(&s->found, 1, t->count);
   counts_free(&s->doubtful);
   counts_free(&s->weakest);

@@ -62,6 +62,8 @@ typedef struct vs_survey {
   long failures;                        /* rows of failures.csv */
   vs_kept worst[VS_WORST]; /* by vs_folder_aim, the worst first; where it is 0, the first cases */
   size_t n_worst;
+  vs_kept
+      best; /* the case with the largest least margin; its cell is NULL where nothing is judged */
   vs_kept found; /* the case of vs_folder_found; its cell is NULL when there is none */
 } vs_survey;
 

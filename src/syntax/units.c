@@ -149,11 +149,27 @@ double vs_units_factor(const char *text) {
   return parse_unit(text, &u) ? to_si(1, &u) : NAN;
 }
 
+/* Writes which unit is wanted: "mm"; where the unit has a prefix, also the unit without it, so that
+ * nobody who left a unit out takes a factor of a thousand with the example: "ohm or kohm".
+ * `number` stands before each, with a blank, in quotes; "" for none. */
+static void wanted_units(const char *expected, const char *number, char *text, size_t size) {
+  unit plain, with;
+  const char *quote = *number ? "'" : "", *blank = *number ? " " : "";
+  bool prefixed =
+      parse_unit(expected, &with) && *expected && expected[1] && parse_unit(expected + 1, &plain) &&
+      !memcmp(plain.power, with.power, sizeof plain.power) && to_si(1, &plain) != to_si(1, &with);
+  size_t n = 0;
+  if (prefixed)
+    n = (size_t)snprintf(text, size, "%s%s%s%s%s or ", quote, number, blank, expected + 1, quote);
+  snprintf(text + n, size - n, "%s%s%s%s%s", quote, number, blank, expected, quote);
+}
+
 bool vs_units_read(const char *text, const char *expected, double *si, char *why, size_t size) {
   char *end;
   errno = 0;
   double value = strtod(text, &end);
   const char *as = *expected ? expected : "a plain number";
+  char wanted[160];
   if (end == text) {
     snprintf(why, size, "'%s' is not a number; write %s%s", text,
              *expected ? "a number with its unit, in " : "", as);
@@ -167,11 +183,13 @@ bool vs_units_read(const char *text, const char *expected, double *si, char *why
   while (*end == ' ') end++;
   parse_unit(expected, &want);
   if (!parse_unit(end, &got)) {
-    snprintf(why, size, "'%s' is no unit known here; write %s", end, as);
+    wanted_units(expected, "", wanted, sizeof wanted);
+    snprintf(why, size, "'%s' is no unit known here; write %s", end, *expected ? wanted : as);
     return false;
   }
   if (!*end && *expected && value != 0) {
-    snprintf(why, size, "%s has no unit; write for example '%s %s'", text, text, expected);
+    wanted_units(expected, text, wanted, sizeof wanted);
+    snprintf(why, size, "%s has no unit; write for example %s", text, wanted);
     return false;
   }
   if (*end && memcmp(want.power, got.power, sizeof want.power)) {

@@ -254,6 +254,11 @@ void vs_show_verdict(const vs_result *r, FILE *out) {
             s->tier->has_circuit && !r->second.done
                 ? "; run.verify: always would tell which extremes hang on the steps"
                 : "");
+    if (s->tier->has_circuit)
+      fputs("to have one: choose parts that have limits, as circuit.thyristor ('vibrospice list "
+            "parts'), "
+            "or write a line '*$ rating' into the deck\n",
+            out);
     return;
   }
   print_word(v, out);
