@@ -75,3 +75,32 @@ void vs_propagator_step(const vs_propagator *p, const double *x, double *restric
   }
   for (int i = 0; p->loaded && i < p->states; i++) y[i] += p->constant[i];
 }
+
+/* The propagator of twice the length: E E, and E c + c for the constant part. */
+static void redouble(vs_propagator *p) {
+  const vs_propagator once = *p;
+  vs_propagator linear = once;
+  linear.loaded = false;
+  for (int j = 0; j < p->states; j++) vs_propagator_step(&linear, once.column[j], p->column[j]);
+  if (p->loaded) vs_propagator_step(&once, once.constant, p->constant);
+}
+
+static void leap(const vs_propagator *p, double count, const double *x, double *restrict y) {
+  vs_propagator power = *p;
+  double at[VS_MOST_STATES];
+  memcpy(y, x, (size_t)p->states * sizeof *y);
+  for (unsigned long long left = (unsigned long long)count; left; left >>= 1) {
+    if (left & 1) {
+      memcpy(at, y, (size_t)p->states * sizeof *at);
+      vs_propagator_step(&power, at, y);
+    }
+    if (left > 1) redouble(&power);
+  }
+}
+
+void vs_propagator_leap(const vs_propagator *p, double count, const double *x, double *restrict y) {
+  if (count == 1)
+    vs_propagator_step(p, x, y);
+  else
+    leap(p, count, x, y);
+}

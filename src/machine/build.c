@@ -56,7 +56,7 @@ static const double GROWS = 1e-9;
 
 /* What follows from the modes, for step lengths and warnings. */
 static vs_status find_speeds(vs_model *model, vs_error *err) {
-  vs_mode modes[VS_MOST_STATES];
+  vs_mode *modes = model->mode;
   if (!vs_mechanics_modes(model, modes))
     return vs_fail_at(
         err, (vs_where){.file = model->machine->path},

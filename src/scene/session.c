@@ -35,6 +35,17 @@ static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
   return status;
 }
 
+static bool leaves(void *ctx, const vs_rest *rest) {
+  const attempt *a = ctx;
+  return vs_watchers_leave(&a->result->watchers, rest, a->session->wants);
+}
+
+/* True if nobody but the watchers looks at the run, and these need not see all of it. */
+static bool may_leave(const vs_session *session, const vs_scene *s) {
+  return session->wants && !session->bare && !session->guest && !s->instruments.count &&
+         !s->quality.count && !s->control.regulator && !s->order.pilot;
+}
+
 static double seconds(clockid_t clock) {
   struct timespec now;
   clock_gettime(clock, &now);
@@ -118,6 +129,7 @@ static vs_status begin_loop(const vs_session *session, vs_scene *s, vs_result *r
 static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, vs_error *err) {
   attempt a = {session, r};
   const vs_observer observer = {&a, accept};
+  const vs_leaver leaver = {&a, leaves};
   const vs_guest *guest = session->guest;
   r->scene = s;
   r->steps = 0;
@@ -127,6 +139,7 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
   begin_meters(session, s, r);
   if (!session->bare) vs_result_begin_quality(r, s);
   s->order.stop = session->stop;
+  s->order.leaver = may_leave(session, s) ? &leaver : NULL;
   vs_pilot *pilot = s->order.pilot;
   vs_onset onset;
   if (pilot && r->meters) {
@@ -139,6 +152,7 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
     status = session->unguarded ? s->tier->run(&s->setup, &s->order, &observer, err)
                                 : vs_sim_run(s->tier, &s->setup, &s->order, &observer, err);
   s->order.pilot = pilot;
+  s->order.leaver = NULL;
   r->wall_s = seconds(CLOCK_MONOTONIC) - began_s;
   if (!status && s->order.pilot) /* which has found the start */
     memcpy(s->setup.start.x, s->order.pilot->x, sizeof s->setup.start.x);

@@ -121,10 +121,8 @@ bool vs_measure_at(const vs_model *model, int k, vs_measure *m) {
 
 /* ---- beginning ---- */
 
-/* The resonance and the decay are read up to this instant, as the paper's figures are. */
-static const double SWING_ENDS_S = 1.0;
-/* An extremum this much smaller than a later one was no motion peak but a ripple before it. */
-static const double RIPPLE = 0.01;
+const double vs_measures_swing_ends_s = 1.0;
+const double vs_measures_ripple = 0.01;
 
 enum { OF_CURRENT, OF_FORCE, OF_COORDINATES }; /* where these extremes stand */
 
@@ -268,7 +266,7 @@ static void follow_rating(vs_measures *m, size_t k) {
 }
 
 static bool swings_freely(const vs_measures *m, double t_s) {
-  return t_s > m->extinct_s && t_s <= SWING_ENDS_S && !(t_s > m->refired_s);
+  return t_s > m->extinct_s && t_s <= vs_measures_swing_ends_s && !(t_s > m->refired_s);
 }
 
 /* Follows the motion peaks after the first firing. In the free swing it also sums up the logarithm
@@ -277,11 +275,11 @@ static void follow_peaks(vs_measures *m) {
   if (m->steps < 2 || !turns(m)) return;
   double middle = m->kept[m->last].from.t_s;
   bool free_swing = swings_freely(m, middle);
-  bool wanted =
-      !m->first.known || !m->second.known || fabs(m->first.value) < RIPPLE * fabs(m->travel_m[1]);
+  bool wanted = !m->first.known || !m->second.known ||
+                fabs(m->first.value) < vs_measures_ripple * fabs(m->travel_m[1]);
   if (!(middle > m->drives_s) || (!wanted && !free_swing)) return;
   vs_value v = refine(m);
-  if (!m->first.known || fabs(m->first.value) < RIPPLE * fabs(v.value)) {
+  if (!m->first.known || fabs(m->first.value) < vs_measures_ripple * fabs(v.value)) {
     m->first = v;
     m->second.known = false;
   } else if (!m->second.known)

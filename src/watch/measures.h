@@ -116,6 +116,11 @@ bool vs_measures_are_sharp(const vs_measures *measures, char *text, size_t size)
  * which sign the probe may have. It is run.tolerance of the rating's range, the scale on which the
  * run is judged, or of the probe's largest magnitude so far where the rating has no other end. */
 double vs_measures_slack(const vs_measures *measures, const vs_rating *rating);
+/* f_resonance and tau_gap are read up to this instant, as the paper's figures are. */
+extern const double vs_measures_swing_ends_s;
+/* An extremum this much smaller than a later one was no motion peak but a ripple before it. */
+extern const double vs_measures_ripple;
+
 /* Gives the values of all measures but the energies, values[VS_MEASURES]. */
 void vs_measures_finish(const vs_measures *measures, vs_value values[VS_MEASURES]);
 
