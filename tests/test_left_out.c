@@ -98,10 +98,10 @@ static bool is_same(const vs_value *a, const vs_value *b) {
 }
 
 /* Random values of the machine's are wanted, few or many of them. */
-static vs_settled draw_wants(uint64_t n) {
-  vs_settled wants = {.value = {[VS_M_T_FIRE] = true}};
+static vs_measure_set draw_wants(uint64_t n) {
+  vs_measure_set wants = {.has = {[VS_M_T_FIRE] = true}};
   for (int k = 0; k < VS_MEASURES; k++)
-    wants.value[k] = wants.value[k] || chance(n, 100 + (uint64_t)k, draw(n, 99) / 5);
+    wants.has[k] = wants.has[k] || chance(n, 100 + (uint64_t)k, draw(n, 99) / 5);
   return wants;
 }
 
@@ -111,7 +111,7 @@ static bool run_both(uint64_t n) {
   words w;
   vs_error err = {0};
   vs_scene scene;
-  const vs_settled wants = draw_wants(n);
+  const vs_measure_set wants = draw_wants(n);
   const char *tier = make_scene(n, &w);
   vs_result *whole = vs_alloc(1, sizeof *whole), *part = vs_alloc(1, sizeof *part);
   vs_status read = vs_scene_read("/dev/null", w.set, w.count, tier, &scene, &err);
@@ -122,7 +122,7 @@ static bool run_both(uint64_t n) {
   EXPECT(one == other, "scene %d ends as %d and %d: %s", (int)n, one, other, err.text);
   for (int k = 0; !one && k < VS_MEASURES; k++) {
     const vs_value *a = &whole->values[k], *b = &part->values[k];
-    bool free = part->watchers.left && !b->known && !wants.value[k];
+    const bool free = !b->known && !wants.has[k];
     bool audit = k == VS_M_ENERGY_RESIDUAL;
     EXPECT(free || is_same(a, b) || (audit && fabs(a->value - b->value) < 1e-8),
            "scene %d, value %d: %.17g at %.17g and %.17g at %.17g", (int)n, k, a->value, a->at_s,

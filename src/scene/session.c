@@ -41,7 +41,7 @@ static bool leaves(void *ctx, const vs_rest *rest) {
 }
 
 /* True if nobody but the watchers looks at the run, and these need not see all of it. */
-static bool may_leave(const vs_session *session, const vs_scene *s) {
+static bool is_alone(const vs_session *session, const vs_scene *s) {
   return session->wants && !session->bare && !session->guest && !s->instruments.count &&
          !s->quality.count && !s->control.regulator && !s->order.pilot;
 }
@@ -135,11 +135,12 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
   r->steps = 0;
   vs_status status = guest && guest->begin ? guest->begin(guest->ctx, s, err) : VS_OK;
   if (status) return status;
-  if (!session->bare) vs_watchers_begin(&r->watchers, &s->frame);
+  const bool alone = is_alone(session, s);
+  if (!session->bare) vs_watchers_begin(&r->watchers, &s->frame, alone ? session->wants : NULL);
   begin_meters(session, s, r);
   if (!session->bare) vs_result_begin_quality(r, s);
   s->order.stop = session->stop;
-  s->order.leaver = may_leave(session, s) ? &leaver : NULL;
+  s->order.leaver = alone ? &leaver : NULL;
   vs_pilot *pilot = s->order.pilot;
   vs_onset onset;
   if (pilot && r->meters) {

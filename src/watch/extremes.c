@@ -239,6 +239,7 @@ static void look_between(const search *s) {
 void vs_extreme_follow(vs_extreme *e, const vs_step *step, bool jammed) {
   bool of_flux = e->channel == VS_CH_I || e->channel == VS_CH_FORCE;
   const vs_model *m = step->frame->model;
+  if (e->idle) return;
   if (e->channel >= vs_channel_deck(m)) {
     follow_probe(e, step);
     return;
@@ -277,10 +278,10 @@ static inline bool may_be_new(const vs_extreme of[VS_OF_COORDINATE], const vs_st
 void vs_extreme_follow_motion(vs_extreme *all, const vs_step *step, bool jammed) {
   const vs_model *m = step->frame->model;
   double h = step->to->t_s - step->from->t_s;
-  bool known = all[0].best.known, smooth = is_smooth(step, jammed);
+  const bool smooth = is_smooth(step, jammed);
   for (int i = 0; i < m->dof; i++) {
     vs_extreme *of = all + VS_OF_COORDINATE * i;
-    if (known && smooth && !may_be_new(of, step, i, h)) continue;
+    if (of->idle || (of->best.known && smooth && !may_be_new(of, step, i, h))) continue;
     for (int k = 0; k < VS_OF_COORDINATE; k++) vs_extreme_follow(&of[k], step, jammed);
   }
 }

@@ -130,7 +130,20 @@ static void add_extreme(vs_measures *m, int channel, int sense) {
   m->extremes[m->n_extremes++] = (vs_extreme){.channel = channel, .sense = sense};
 }
 
-vs_measures *vs_measures_new(const vs_frame *frame) {
+/* Lets the extremes that nobody wants be. The travel's may be a coordinate's. */
+static void leave_idle(vs_measures *m, const vs_measure_set *wants) {
+  const bool travel = wants->has[VS_M_GAP_MIN] || wants->has[VS_M_GAP_MAX];
+  for (int i = 0; i < m->frame->model->dof; i++) {
+    const bool *of = &wants->has[VS_M_OF_COORDINATE(i, 0)];
+    const bool own = of[VS_LEAST] || of[VS_LARGEST] || of[VS_PEAK];
+    for (int k = 0; k < VS_OF_COORDINATE; k++)
+      m->extremes[OF_COORDINATES + VS_OF_COORDINATE * i + k].idle =
+          !own && !(travel && i == sole(m->frame->model));
+  }
+  for (int k = m->of_travel; k < m->of_probes; k++) m->extremes[k].idle = !travel;
+}
+
+vs_measures *vs_measures_new(const vs_frame *frame, const vs_measure_set *wants) {
   const vs_model *model = frame->model;
   vs_measures *m = vs_alloc(1, sizeof *m);
   m->frame = frame;
@@ -147,6 +160,7 @@ vs_measures *vs_measures_new(const vs_frame *frame) {
   m->of_probes = m->n_extremes;
   for (int c = vs_channel_deck(model); c < vs_channel_count(frame); c++)
     for (int sense = -1; sense <= 1; sense += 2) add_extreme(m, c, sense);
+  if (wants) leave_idle(m, wants);
   for (int k = 0; k < VS_DECK_MOST; k++) m->passed_s[k] = NAN;
   m->fired_s = m->extinct_s = m->refired_s = NAN;
   m->drives_s = frame->timeline->firing.no_valve ? 0 : NAN;
