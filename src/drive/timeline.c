@@ -65,7 +65,8 @@ static vs_status refuse_unused(const vs_node *scene, const vs_timeline *t, const
 }
 
 vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_memo *memo, vs_error *err) {
-  *t = (vs_timeline){0};
+  t->events.count = 0; /* its items are many, and count no more */
+  t->program = NULL;
   size_t found = vs_error_count(err);
   const vs_node *firing = vs_tree_child(scene, "firing");
   vs_status s = vs_memo_read(memo, &vs_timeline_supply_section, vs_tree_child(scene, "supply"),

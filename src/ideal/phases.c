@@ -60,7 +60,6 @@ static double longest_step(const phases *p, double radians, double fastest_rad_s
   return fmin(h, run->until_s / 4);
 }
 
-/* The step to the knot to come. */
 static vs_step next_step(const phases *p, vs_event event) {
   const vs_knot *to = &p->knots[1 - p->now];
   return (vs_step){.frame = p->driven.frame,
@@ -384,11 +383,10 @@ static vs_status show_glide(phases *p, const vs_glide *glide, vs_error *err) {
 static vs_status swing_until(phases *p, double end_s, vs_error *err) {
   double began = p->since_s, n = floor((end_s - p->knots[p->now].t_s) / p->longest_s) - 1;
   double y[VS_CONDUCTING] = {[VS_FLUX] = 0}, steps;
-  const bool last = end_s == p->setup->run.until_s && !p->disturbed && p->leaver;
   vs_status status = VS_OK;
-  vs_glide modes;
-  const vs_glide *glide =
-      last && vs_glide_make(model_of(p), &p->knots[p->now], &modes) ? &modes : NULL;
+  vs_glide modes, *glide = p->leaver && end_s == p->setup->run.until_s ? &modes : NULL;
+  if (glide && (p->disturbed || !vs_glide_make(model_of(p), &p->knots[p->now], glide)))
+    glide = NULL;
   for (double k = 0; k < n && !status; k += steps) {
     const bool left = fmod(k, OFFERS) == 0 && n > k + 1 && is_left(p, glide, end_s);
     steps = left ? n - k : 1;
