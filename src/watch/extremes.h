@@ -44,6 +44,10 @@ enum { VS_LEAST, VS_LARGEST, VS_PEAK, VS_OF_COORDINATE };
  * coordinate's extremes at a glance. All three of a coordinate are idle or none is. */
 void vs_extreme_follow_motion(vs_extreme *all, const vs_step *step, bool jammed);
 
+/* Does the same for the least and the largest value of each of the deck's probes, one pair behind
+ * the other. */
+void vs_extreme_follow_probes(vs_extreme *pairs, const vs_step *step);
+
 /* Finds where the travel turns in a step whose ends have velocities of unlike signs. Returns false
  * and leaves `turn` as it is where they have not. */
 bool vs_extreme_turn_of_travel(const vs_step *step, vs_value *turn);

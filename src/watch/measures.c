@@ -360,8 +360,9 @@ void vs_measures_accept(vs_measures *m, const vs_step *step) {
   vs_extreme_follow(&m->extremes[OF_CURRENT], step, m->jammed);
   vs_extreme_follow(&m->extremes[OF_FORCE], step, m->jammed);
   vs_extreme_follow_motion(&m->extremes[OF_COORDINATES], step, m->jammed);
-  for (int k = m->of_travel; k < m->n_extremes; k++)
+  for (int k = m->of_travel; k < m->of_probes; k++)
     vs_extreme_follow(&m->extremes[k], step, m->jammed);
+  if (m->frame->deck) vs_extreme_follow_probes(&m->extremes[m->of_probes], step);
   for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++) follow_rating(m, k);
   follow_peaks(m);
   follow_crossings(m);
