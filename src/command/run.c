@@ -119,24 +119,30 @@ const char *const vs_run_pictures[] = {
     "measured_100ms", "control_run",  "harmonics",  "closeup",
     "spectrum",       "orbit",        NULL};
 
-/* Calls each(folder, name, names) for every picture in the folder, and for the page. A link is left
- * alone: the program drew none. */
-static void each_picture(const char *folder,
-                         void (*each)(const char *folder, const char *name, vs_text *names),
-                         vs_text *names) {
+/* Is called with each file that gives way. */
+typedef void (*file_visit)(const char *folder, const char *name, vs_text *names);
+
+/* A link is left alone: the program made none. */
+static void visit_file(const char *folder, const char *name, file_visit each, vs_text *names) {
+  char path[VS_PATH_SIZE];
+  struct stat s;
+  snprintf(path, sizeof path, "%s/%s", folder, name);
+  if (!lstat(path, &s) && S_ISREG(s.st_mode)) each(folder, name, names);
+}
+
+/* Calls each(folder, name, names) for every picture in the folder, for the numbers of a spectrum,
+ * and for the page, unless it is a study's. */
+static void each_picture(const char *folder, file_visit each, vs_text *names) {
   static const char *const ENDINGS[] = {"png", "svg"};
   char path[VS_PATH_SIZE], name[64];
-  struct stat s;
   for (const char *const *k = vs_run_pictures; *k; k++)
     for (size_t e = 0; e < sizeof ENDINGS / sizeof *ENDINGS; e++) {
       snprintf(name, sizeof name, "%s.%s", *k, ENDINGS[e]);
-      snprintf(path, sizeof path, "%s/%s", folder, name);
-      if (!lstat(path, &s) && S_ISREG(s.st_mode)) each(folder, name, names);
+      visit_file(folder, name, each, names);
     }
-  snprintf(path, sizeof path, "%s/manifest.json", folder); /* the page is a study's then */
-  if (!access(path, F_OK)) return;
-  snprintf(path, sizeof path, "%s/report.html", folder);
-  if (!lstat(path, &s) && S_ISREG(s.st_mode)) each(folder, "report.html", names);
+  visit_file(folder, "spectrum.csv", each, names);
+  snprintf(path, sizeof path, "%s/manifest.json", folder);
+  if (access(path, F_OK)) visit_file(folder, "report.html", each, names);
 }
 
 static void add_name(const char *folder, const char *name, vs_text *names) {
