@@ -13,7 +13,7 @@
 #include "base/error.h"
 #include "drive/pwm.h"
 #include "event/occurrence.h"
-#include "syntax/memo.h"
+#include "memo/memo.h"
 
 typedef struct vs_supply_values {
   int direct; /* 1: direct voltage, voltage_v, instead of a sine */

@@ -9,7 +9,7 @@
 
 #include "machine/assemble.h"
 #include "machine/mechanics.h"
-#include "syntax/memo.h"
+#include "memo/memo.h"
 
 /* M^-1 B, M^-1 K, -M^-1 c and M^-1 f0 by Cholesky, which works, as M is positive definite. */
 static void solve_mass(vs_model *model) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "syntax/memo.h"
+#include "memo/memo.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What sections of a scene were read from, so that of a scene that is read again, with some of its
  * keys changed, only these are read anew. */
-#ifndef VS_SYNTAX_MEMO_H
-#define VS_SYNTAX_MEMO_H
+#ifndef VS_MEMO_MEMO_H
+#define VS_MEMO_MEMO_H
 
 #include "syntax/field.h"
 
