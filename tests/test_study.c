@@ -465,11 +465,10 @@ static pid_t child_of(pid_t parent) {
   return (pid_t)atoi(text);
 }
 
-/* A case that has no end costs itself. */
+/* A case that has no end costs itself. What a balance leaves over wants all steps of it. */
 static void a_hanging_case(void) {
-  write_file(
-      "h.yaml",
-      "set: {run.sample: 1 ms}\nvary: {run.until: [10 ms, 9e5 s, 20 ms]}\nreport: [p_min]\n");
+  write_file("h.yaml", "set: {run.sample: 1 ms}\nvary: {run.until: [10 ms, 9e5 s, 20 ms]}\nreport: "
+                       "[p_min, energy_residual]\n");
   ran r = run("study h.yaml -o h --case-timeout 0.5s --jobs 2");
   EXPECT(r.status == 1 && strstr(r.out, "2 done, 1 failed") && strstr(r.err, "1 of 3 cases failed"),
          "%s%s", r.out, r.err);
@@ -520,8 +519,9 @@ static void a_case_that_kills(void) {
 static void a_signal(void) {
   write_file("g.yaml", GRID);
   EXPECT_EXIT("study g.yaml -o whole --quiet", 1);
-  write_file("s.yaml",
-             "set: {run.sample: 1 ms}\nvary: {run.until: [10 ms, 9e5 s]}\nreport: [p_min]\n");
+  write_file(
+      "s.yaml",
+      "set: {run.sample: 1 ms}\nvary: {run.until: [10 ms, 9e5 s]}\nreport: [energy_residual]\n");
   pid_t master = start("study s.yaml -o stopped --jobs 2");
   for (double end = seconds() + 10; access("stopped/journal", F_OK) && seconds() < end;)
     wait_s(0.01);

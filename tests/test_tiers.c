@@ -211,7 +211,7 @@ typedef struct late {
 static vs_status watch_late(void *ctx, const vs_step *step, vs_error *err) {
   (void)err;
   late *l = ctx;
-  if (!l->measures) l->measures = vs_measures_new(step->frame);
+  if (!l->measures) l->measures = vs_measures_new(step->frame, NULL);
   if (step->from->t_s >= l->after_s) vs_measures_accept(l->measures, step);
   return VS_OK;
 }

@@ -195,7 +195,8 @@ static void time_measures(const char *tolerance, size_t repeat) {
     vs_setup_free(&scene->setup);
     must(vs_setup_build(scene->tree.root, &scene->setup, &err), &err);
     double built = wall_clock();
-    watchers w = {.measures = vs_measures_new(&scene->frame), .energy = {.frame = &scene->frame}};
+    watchers w = {.measures = vs_measures_new(&scene->frame, NULL),
+                  .energy = {.frame = &scene->frame}};
     const vs_observer watching = {&w, watch};
     must(vs_sim_run(scene->tier, &scene->setup, &scene->order, &watching, &err), &err);
     vs_measures_finish(w.measures, values);
@@ -325,7 +326,8 @@ static void time_circuit(int rounds) {
   for (int round = -1; round < rounds;
        round++) /* the first, with ngspice's beginning, is not counted */
     for (int way = 0; way < 3; way++) {
-      watchers w = {.measures = vs_measures_new(&scene->frame), .energy = {.frame = &scene->frame}};
+      watchers w = {.measures = vs_measures_new(&scene->frame, NULL),
+                    .energy = {.frame = &scene->frame}};
       const vs_observer watching = {&w, watch};
       timed.circuit_alone = way == 2;
       double spent = run_timed(scene, way ? &idle : &watching);

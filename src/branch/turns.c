@@ -4,8 +4,8 @@
 #include <math.h>
 
 void vs_turns_begin(vs_turns *t, const vs_model *model) {
-  *t = (vs_turns){.least = {VS_CH_TRAVEL, -1, {false, 0, 0}},
-                  .largest = {VS_CH_TRAVEL, 1, {false, 0, 0}}};
+  *t = (vs_turns){.least = {.channel = VS_CH_TRAVEL, .sense = -1},
+                  .largest = {.channel = VS_CH_TRAVEL, .sense = 1}};
   for (int i = 0; i < 2 * model->dof; i++)
     t->of[i] = (vs_extreme){.channel = VS_CH_Q + i / 2, .sense = i % 2 ? 1 : -1};
   for (int k = 0; k < VS_MOST_STOPS; k++) t->nearest_m[k] = INFINITY;

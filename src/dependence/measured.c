@@ -5,7 +5,7 @@
 #include <string.h>
 
 void vs_measured_begin(vs_measured *m, const vs_scene *scene, const vs_orbit *orbit) {
-  vs_watchers_begin(&m->result.watchers, &scene->frame);
+  vs_watchers_begin(&m->result.watchers, &scene->frame, NULL);
   m->result.scene = scene;
   m->period = orbit != NULL;
   if (orbit) vs_steady_follow(&m->steady, orbit, &scene->setup);

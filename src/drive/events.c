@@ -177,7 +177,7 @@ static vs_status read_event(const vs_node *map, const vs_timeline *t, double unt
 vs_status vs_events_read(const vs_node *map, const vs_timeline *t, double until_s,
                          vs_events *events, vs_error *err) {
   vs_status status = VS_OK;
-  *events = (vs_events){0};
+  events->count = 0;
   if (!map || (map->kind == VS_NODE_TEXT && !*map->text)) return VS_OK;
   if (map->kind != VS_NODE_MAP)
     return vs_error_carry_on(err,

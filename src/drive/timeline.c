@@ -64,15 +64,17 @@ static vs_status refuse_unused(const vs_node *scene, const vs_timeline *t, const
                : VS_OK;
 }
 
-vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_error *err) {
-  *t = (vs_timeline){0};
+vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_memo *memo, vs_error *err) {
+  t->events.count = 0; /* its items are many, and count no more */
+  t->program = NULL;
   size_t found = vs_error_count(err);
   const vs_node *firing = vs_tree_child(scene, "firing");
-  vs_status s = vs_field_section_read(&vs_timeline_supply_section, vs_tree_child(scene, "supply"),
-                                      &t->supply, err);
-  if (!s) s = vs_field_section_read(&vs_timeline_firing_section, firing, &t->firing, err);
+  vs_status s = vs_memo_read(memo, &vs_timeline_supply_section, vs_tree_child(scene, "supply"),
+                             &t->supply, sizeof t->supply, err);
+  if (!s)
+    s = vs_memo_read(memo, &vs_timeline_firing_section, firing, &t->firing, sizeof t->firing, err);
   const vs_node *pwm = vs_tree_child(scene, vs_pwm_section.name);
-  if (!s) s = vs_field_section_read(&vs_pwm_section, pwm, &t->pwm, err);
+  if (!s) s = vs_memo_read(memo, &vs_pwm_section, pwm, &t->pwm, sizeof t->pwm, err);
   if (s) return s;
   t->peak_v = t->supply.voltage_v * (t->supply.direct ? 1 : M_SQRT2);
   t->omega_rad_s = 2 * M_PI * t->supply.frequency_hz;

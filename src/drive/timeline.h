@@ -13,7 +13,7 @@
 #include "base/error.h"
 #include "drive/pwm.h"
 #include "event/occurrence.h"
-#include "syntax/field.h"
+#include "memo/memo.h"
 
 typedef struct vs_supply_values {
   int direct; /* 1: direct voltage, voltage_v, instead of a sine */
@@ -50,9 +50,11 @@ typedef struct vs_timeline {
       *program; /* of the run under way, borrowed; NULL: angles are those of `firing` */
 } vs_timeline;
 
-/* Fills the timeline from the scene's sections supply, firing and pwm, without events. Errors: what
+/* Fills the timeline from the scene's sections supply, firing and pwm, without events. memo: what
+ * they were read from the last time; NULL: nothing is known of it. Errors: what
  * vs_field_section_read and vs_pwm_check refuse; a pulse that reaches into the next one. */
-vs_status vs_timeline_build(const vs_node *scene, vs_timeline *timeline, vs_error *err);
+vs_status vs_timeline_build(const vs_node *scene, vs_timeline *timeline, vs_memo *memo,
+                            vs_error *err);
 
 /* Looks whether there is a gate to be fired: where the deck has ports pwm and no gate there is
  * none, which then counts as firing.valve: none. Errors: a key of the section firing where nothing

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "ideal/driven.h"
 
+#include <math.h>
+
 #include "actuator/coil.h"
+#include "drive/firing.h"
 
 static void complete(const vs_driven *d, vs_knot *k) {
   if (d->held)
@@ -54,4 +57,45 @@ void vs_driven_fill(const vs_driven *d, double since_s, vs_knot *k) {
     square_rates(m, u, z, k);
   else
     law_rates(m, u, z, k);
+}
+
+void vs_driven_find_coordinates(vs_driven *d) {
+  const vs_model *m = d->frame->model;
+  double w = m->working_rad_s > 0 ? m->working_rad_s : m->fastest_rad_s;
+  double force = fabs(vs_coil_force(&m->coil, d->flux_wb, m->coil.gap_rest_m));
+  double per_newton = fabs(m->per_newton_m_s2), closes = m->coil.gap_rest_m / per_newton;
+  bool held = m->plain || force / (w * w) < closes;
+  for (int i = 0; i < m->dof; i++) {
+    double own = fmax(fabs(m->mf[i]), 1e-6 * per_newton);
+    d->coordinate[i] = held ? own * force / (w * w) : own * closes;
+  }
+}
+
+/* A flux linkage below this, relative to that of the mains, is none: it comes from a voltage that
+ * was as good as none. */
+static const double FAINT = 1e-9;
+
+double vs_driven_built_up(const vs_driven *d, double t_s) {
+  const vs_timeline *line = d->frame->timeline;
+  const vs_wave *wave = &d->mains;
+  double most = fmin(vs_wave_edge(line, t_s) - t_s, line->period_s), flux = 0;
+  double half = fmin(vs_wave_turns(wave, -1, 0, most), most) / 2;
+  for (size_t k = 0; k < wave->count; k++) { /* its integral: cosines' difference */
+    const vs_sine *s = &wave->sine[k];
+    double turned = s->omega_rad_s * half;
+    flux += 2 * s->peak_v / s->omega_rad_s * sin(s->phase_rad + turned) * sin(turned);
+  }
+  return fmax(flux, FAINT * line->peak_v / line->omega_rad_s);
+}
+
+void vs_driven_find_large(vs_driven *d, bool valve) {
+  const vs_timeline *line = d->frame->timeline;
+  double range[2] = {0, 0};
+  if (valve) vs_firing_range(line, range);
+  d->flux_wb = line->peak_v / line->omega_rad_s * (1 + cos(range[0]));
+  if (line->supply.direct) {
+    const vs_coil *coil = &d->frame->model->coil;
+    d->flux_wb = line->peak_v * fmin(coil->rest_h / coil->resistance_ohm, line->period_s);
+  }
+  vs_driven_find_coordinates(d);
 }

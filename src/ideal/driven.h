@@ -27,4 +27,16 @@ typedef struct vs_driven {
  * lambda. since_s is the knot's time, counted from the origin of u. */
 void vs_driven_fill(const vs_driven *driven, double since_s, vs_knot *knot);
 
+/* Sets what is large: for lambda what the mains can build up from the firing angle on, or what
+ * direct voltage builds up in the coil's time constant; for the coordinates what its force moves.
+ * valve: a thyristor stands between mains and coil. */
+void vs_driven_find_large(vs_driven *driven, bool valve);
+/* Sets what is large for the coordinates: how far the force of a large flux linkage moves each of
+ * them at the working mode, or where nothing holds the machine how far they go as the gap closes.
+ * One that the force does not move gets 1e-6 of what the gap gets. */
+void vs_driven_find_coordinates(vs_driven *driven);
+/* What u builds up in lambda from t_s, where its wave begins, until it falls or changes, Wb; at
+ * least a thousand millionth of what the mains build up. */
+double vs_driven_built_up(const vs_driven *driven, double t_s);
+
 #endif

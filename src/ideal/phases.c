@@ -9,6 +9,7 @@
 #include "drive/firing.h"
 #include "drive/gate.h"
 #include "ideal/general.h"
+#include "ideal/glide.h"
 #include "ideal/propagator.h"
 #include "ideal/series.h"
 
@@ -18,9 +19,10 @@
 typedef struct phases {
   const vs_setup *setup;
   const vs_observer *observer;
-  vs_frame frame;   /* its model is the one in effect, as events may change the load */
-  size_t loads;     /* how many of these changes are behind */
-  vs_knot knots[2]; /* the last accepted one is knots[now], the one to come the other */
+  const vs_leaver *leaver; /* NULL: all steps are needed */
+  vs_frame frame;          /* its model is the one in effect, as events may change the load */
+  size_t loads;            /* how many of these changes are behind */
+  vs_knot knots[2];        /* the last accepted one is knots[now], the one to come the other */
   int now;
   vs_driven driven;          /* what drives the machine from the last knot on */
   bool valve;                /* a thyristor stands between mains and coil */
@@ -58,16 +60,24 @@ static double longest_step(const phases *p, double radians, double fastest_rad_s
   return fmin(h, run->until_s / 4);
 }
 
-static vs_status show(phases *p, vs_event event, vs_error *err) {
+static vs_step next_step(const phases *p, vs_event event) {
   const vs_knot *to = &p->knots[1 - p->now];
-  vs_step step = {.frame = p->driven.frame,
-                  .from = &p->knots[p->now],
-                  .to = to,
-                  .held = p->driven.held,
-                  .event = {event},
-                  .event_s = {to->t_s}};
+  return (vs_step){.frame = p->driven.frame,
+                   .from = &p->knots[p->now],
+                   .to = to,
+                   .held = p->driven.held,
+                   .event = {event},
+                   .event_s = {to->t_s}};
+}
+
+static vs_status show_step(phases *p, const vs_step *step, vs_error *err) {
   p->now = 1 - p->now;
-  return p->observer->accept(p->observer->ctx, &step, err);
+  return p->observer->accept(p->observer->ctx, step, err);
+}
+
+static vs_status show(phases *p, vs_event event, vs_error *err) {
+  const vs_step step = next_step(p, event);
+  return show_step(p, &step, err);
 }
 
 /* Returns when u falls through zero next, in local time, or `most_s` where that comes first. */
@@ -78,41 +88,12 @@ static double mains_turn(const phases *p, double most_s) {
   return fmin(vs_wave_turns(u, -1, p->since_s, most_s), most_s); /* NaN: it does not */
 }
 
-/* Sets what is large for the coordinates: how far the force of a large flux linkage moves each of
- * them at the working mode, or where nothing holds the machine how far they go as the gap closes.
- * One that the force does not move gets 1e-6 of what the gap gets. */
-static void find_coordinates(phases *p) {
-  const vs_model *m = model_of(p);
-  double w = m->working_rad_s > 0 ? m->working_rad_s : m->fastest_rad_s;
-  double force = fabs(vs_coil_force(&m->coil, p->driven.flux_wb, m->coil.gap_rest_m));
-  double per_newton = fabs(m->per_newton_m_s2), closes = m->coil.gap_rest_m / per_newton;
-  bool held = m->plain || force / (w * w) < closes;
-  for (int i = 0; i < m->dof; i++) {
-    double own = fmax(fabs(m->mf[i]), 1e-6 * per_newton);
-    p->driven.coordinate[i] = held ? own * force / (w * w) : own * closes;
-  }
-}
-
-/* A flux linkage below this, relative to that of the mains, is none: it comes from a voltage that
- * was as good as none. */
-static const double FAINT = 1e-9;
-
 /* A conduction begins. What is large for lambda is then what u builds up until it falls or changes,
  * or what lambda was before, if that is more. */
 static void rescale(phases *p, double t_s) {
-  const vs_timeline *line = p->driven.frame->timeline;
-  const vs_wave *wave = &p->driven.mains;
-  if (!p->valve) return; /* as find_scales has it */
-  double most = fmin(vs_wave_edge(line, t_s) - t_s, line->period_s), flux = 0;
-  double half = fmin(vs_wave_turns(wave, -1, 0, most), most) / 2;
-  for (size_t k = 0; k < wave->count; k++) { /* its integral: cosines' difference */
-    const vs_sine *s = &wave->sine[k];
-    double turned = s->omega_rad_s * half;
-    flux += 2 * s->peak_v / s->omega_rad_s * sin(s->phase_rad + turned) * sin(turned);
-  }
-  flux = fmax(flux, FAINT * line->peak_v / line->omega_rad_s);
-  p->driven.flux_wb = fmax(flux, p->largest_wb);
-  find_coordinates(p);
+  if (!p->valve) return; /* as vs_driven_find_large has it */
+  p->driven.flux_wb = fmax(vs_driven_built_up(&p->driven, t_s), p->largest_wb);
+  vs_driven_find_coordinates(&p->driven);
 }
 
 /* Fills the knot to come, `since_s` of local time on, from y. */
@@ -377,19 +358,44 @@ static vs_status drive_until(phases *p, double end_s, vs_error *err) {
 
 /* ---- free and off ---- */
 
+/* So many steps of a free swing lie between two offers to leave out its rest. */
+enum { OFFERS = 16 };
+
+/* Does the observer leave the rest of the swing out? glide: the swing by its modes; NULL: there is
+ * nothing to offer. */
+static bool is_left(const phases *p, const vs_glide *glide, double end_s) {
+  vs_rest rest;
+  if (!glide) return false;
+  vs_glide_rest(glide, p->knots[p->now].t_s, end_s, &rest);
+  return vs_glide_is_clear(glide, &rest) && p->leaver->leaves(p->leaver->ctx, &rest);
+}
+
+static vs_status show_glide(phases *p, const vs_glide *glide, vs_error *err) {
+  vs_step step = next_step(p, VS_EV_NONE);
+  step.glides = true;
+  step.lost_j = vs_glide_lost(glide, step.from->t_s, step.to->t_s);
+  return show_step(p, &step, err);
+}
+
 /* Goes by the propagator, in steps of longest_s, of which one or more are left over at the end.
- * Where the armature is about to meet its stop, goes on by series. */
+ * Where the armature is about to meet its stop, goes on by series. A swing that lasts to the run's
+ * end is offered to the observer, who may leave out its rest. */
 static vs_status swing_until(phases *p, double end_s, vs_error *err) {
   double began = p->since_s, n = floor((end_s - p->knots[p->now].t_s) / p->longest_s) - 1;
-  double y[VS_CONDUCTING] = {[VS_FLUX] = 0};
+  double y[VS_CONDUCTING] = {[VS_FLUX] = 0}, steps;
   vs_status status = VS_OK;
-  for (double k = 1; k <= n && !status; k++) {
-    double since = began + k * p->longest_s;
-    vs_propagator_step(&p->propagator, p->knots[p->now].x, y);
+  vs_glide modes, *glide = p->leaver && end_s == p->setup->run.until_s ? &modes : NULL;
+  if (glide && (p->disturbed || !vs_glide_make(model_of(p), &p->knots[p->now], glide)))
+    glide = NULL;
+  for (double k = 0; k < n && !status; k += steps) {
+    const bool left = fmod(k, OFFERS) == 0 && n > k + 1 && is_left(p, glide, end_s);
+    steps = left ? n - k : 1;
+    double since = began + (k + steps) * p->longest_s;
+    vs_propagator_leap(&p->propagator, steps, p->knots[p->now].x, y);
     fill(p, since, y);
-    if (meets(p)) return drive_until(p, end_s, err);
+    if (!left && meets(p)) return drive_until(p, end_s, err);
     p->since_s = since;
-    status = show(p, VS_EV_NONE, err);
+    status = left ? show_glide(p, glide, err) : show(p, VS_EV_NONE, err);
   }
   return status;
 }
@@ -399,21 +405,6 @@ static vs_status go(phases *p, double end_s, vs_error *err) {
   bool swings = !p->driven.conducting && !p->driven.touched;
   if (swings && end_s - p->knots[p->now].t_s >= 2 * p->longest_s) return swing_until(p, end_s, err);
   return drive_until(p, end_s, err);
-}
-
-/* Sets what is large: for lambda what the mains can build up from the firing angle on, or what
- * direct voltage builds up in the coil's time constant; for the coordinates what its force moves.
- */
-static void find_scales(phases *p) {
-  const vs_timeline *line = &p->setup->timeline;
-  double range[2] = {0, 0};
-  if (p->valve) vs_firing_range(line, range);
-  p->driven.flux_wb = line->peak_v / line->omega_rad_s * (1 + cos(range[0]));
-  if (line->supply.direct) {
-    const vs_coil *coil = &model_of(p)->coil;
-    p->driven.flux_wb = line->peak_v * fmin(coil->rest_h / coil->resistance_ohm, line->period_s);
-  }
-  find_coordinates(p);
 }
 
 /* Sets what follows from the model in effect: how long steps may be, and the propagator. */
@@ -437,7 +428,7 @@ static void find_steps(phases *p) {
 /* The load changes at the last knot: q, q' and lambda go on as they are, with another M. */
 static vs_status change_load(phases *p, vs_error *err) {
   p->frame.model = &p->setup->loads.item[p->loads++].model;
-  find_coordinates(p);
+  vs_driven_find_coordinates(&p->driven);
   find_steps(p);
   return turn_over(p, p->driven.conducting, p->driven.touched, VS_EV_LOADS, err);
 }
@@ -471,12 +462,13 @@ static double next_firing(const phases *p, double t_s) {
 const vs_tier_key vs_phases_keys[] = {
     {"supply", "kind", "step"}, {"firing", "valve", "none"}, {NULL, NULL, NULL}};
 
-vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_observer *observer,
-                        vs_error *err) {
+vs_status vs_phases_run(const vs_setup *setup, const vs_run_order *order, const vs_frame *frame,
+                        const vs_observer *observer, vs_error *err) {
   const vs_model *m = &setup->model;
   double until = setup->run.until_s, tolerance = setup->run.tolerance;
   phases p = {.setup = setup,
               .observer = observer,
+              .leaver = order ? order->leaver : NULL,
               .frame = *frame,
               .rough = fmin(ROUGH * tolerance, ROUGHEST)};
   p.negligible = 1e-3 * p.rough;
@@ -487,7 +479,7 @@ vs_status vs_phases_run(const vs_setup *setup, const vs_frame *frame, const vs_o
   p.driven = (vs_driven){.frame = &p.frame};
   p.knots[0] = vs_sim_start(setup, &p.frame);
   p.driven.touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, p.knots[0].x));
-  find_scales(&p);
+  vs_driven_find_large(&p.driven, p.valve);
   find_steps(&p);
   vs_general_begin(&p.general, m->dof);
   vs_status status = vs_sim_refuse_endless(setup, p.longest_touching_s, err);

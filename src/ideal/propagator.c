@@ -62,7 +62,8 @@ static void step_by_blocks(const vs_propagator *p, const double *x, double *rest
   }
 }
 
-void vs_propagator_step(const vs_propagator *p, const double *x, double *restrict y) {
+/* E x. */
+static inline void multiply(const vs_propagator *p, const double *x, double *restrict y) {
   const double(*e)[VS_MOST_STATES] = p->column;
   double sum[2 * VS_ROWS];
   if (p->states == 2 * VS_ROWS) {
@@ -73,5 +74,39 @@ void vs_propagator_step(const vs_propagator *p, const double *x, double *restric
   } else {
     step_by_blocks(p, x, y);
   }
+}
+
+void vs_propagator_step(const vs_propagator *p, const double *x, double *restrict y) {
+  multiply(p, x, y);
   for (int i = 0; p->loaded && i < p->states; i++) y[i] += p->constant[i];
+}
+
+/* Makes the propagator of twice the length: E E, and E c + c for what constant forces add. */
+static void redouble(const vs_propagator *once, vs_propagator *twice) {
+  twice->states = once->states;
+  twice->loaded = once->loaded;
+  for (int j = 0; j < once->states; j++) multiply(once, once->column[j], twice->column[j]);
+  if (once->loaded) vs_propagator_step(once, once->constant, twice->constant);
+}
+
+static void leap(const vs_propagator *p, unsigned long long left, const double *x,
+                 double *restrict y) {
+  vs_propagator power[2]; /* in turn, each of twice the other's length */
+  double at[VS_MOST_STATES];
+  memcpy(y, x, (size_t)p->states * sizeof *y);
+  for (int now = 0; left; left >>= 1, now = 1 - now) {
+    if (left & 1) {
+      memcpy(at, y, (size_t)p->states * sizeof *at);
+      vs_propagator_step(p, at, y);
+    }
+    if (left > 1) redouble(p, &power[now]);
+    p = &power[now];
+  }
+}
+
+void vs_propagator_leap(const vs_propagator *p, double count, const double *x, double *restrict y) {
+  if (count == 1)
+    vs_propagator_step(p, x, y);
+  else
+    leap(p, (unsigned long long)count, x, y);
 }

@@ -21,4 +21,8 @@ void vs_propagator_make(vs_propagator *propagator, const vs_model *model, bool h
  * VS_MOST_STATES. */
 void vs_propagator_step(const vs_propagator *propagator, const double *x, double *restrict y);
 
+/* Gives the state y, that many whole steps after the state x, which is another array. */
+void vs_propagator_leap(const vs_propagator *propagator, double count, const double *x,
+                        double *restrict y);
+
 #endif

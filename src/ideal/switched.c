@@ -7,9 +7,8 @@
 
 static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_observer *observer,
                      vs_error *err) {
-  (void)order;
   const vs_frame frame = vs_sim_frame(&vs_switched_tier, setup);
-  return vs_phases_run(setup, &frame, observer, err);
+  return vs_phases_run(setup, order, &frame, observer, err);
 }
 
 const vs_tier vs_switched_tier = {

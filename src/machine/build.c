@@ -9,6 +9,7 @@
 
 #include "machine/assemble.h"
 #include "machine/mechanics.h"
+#include "memo/memo.h"
 
 /* M^-1 B, M^-1 K, -M^-1 c and M^-1 f0 by Cholesky, which works, as M is positive definite. */
 static void solve_mass(vs_model *model) {
@@ -56,7 +57,7 @@ static const double GROWS = 1e-9;
 
 /* What follows from the modes, for step lengths and warnings. */
 static vs_status find_speeds(vs_model *model, vs_error *err) {
-  vs_mode modes[VS_MOST_STATES];
+  vs_mode *modes = model->mode;
   if (!vs_mechanics_modes(model, modes))
     return vs_fail_at(
         err, (vs_where){.file = model->machine->path},
@@ -232,6 +233,28 @@ vs_status vs_build_model(const vs_node *scene, vs_machine *machine, vs_model *mo
       model->coil.square &&
       (!model->stops.count || (model->stops.count == 1 && first->kind->linear && first->side > 0));
   return derive(model, err);
+}
+
+vs_status vs_build_again(const vs_node *scene, vs_machine *machine, vs_model *model,
+                         vs_text *written, vs_error *err) {
+  const char *const sections[] = {machine->section.name, "actuator", "load"};
+  vs_text now = {0};
+  for (size_t k = 0; k < sizeof sections / sizeof *sections; k++)
+    vs_memo_write(vs_tree_child(scene, sections[k]), &now);
+  bool same = written->length == now.length && !memcmp(written->text, now.text, now.length);
+  vs_text_free(written);
+  if (same && model->machine == machine && !isnan(model->load.fraction)) {
+    *written = now;
+    return VS_OK;
+  }
+  vs_actuator_end(&model->coil);
+  size_t found = vs_error_count(err);
+  vs_status s = vs_build_model(scene, machine, model, err);
+  if (s || vs_error_count(err) > found)
+    vs_text_free(&now);
+  else
+    *written = now;
+  return s;
 }
 
 vs_status vs_build_loaded(vs_machine *machine, const vs_model *from, const vs_load_values *load,

@@ -12,6 +12,13 @@
  * carries on); a load where the machine has none. */
 vs_status vs_build_model(const vs_node *scene, vs_machine *machine, vs_model *model, vs_error *err);
 
+/* The same over a model that was built before, or is {0}, which is kept where the three sections
+ * say what they said then. written: what they said, {0} at first; the caller frees it. A model
+ * whose load is auto is always built, as its load is put in its place later. Ends the model's coil
+ * where it builds another. */
+vs_status vs_build_again(const vs_node *scene, vs_machine *machine, vs_model *model,
+                         vs_text *written, vs_error *err);
+
 /* Builds in `out` the model `from` with another load: these values of the section, of which the
  * share `riding` rides. `out` may be `from`; it borrows what that one's coil owns, and is not to be
  * ended. Errors: what vs_assemble_model refuses. */

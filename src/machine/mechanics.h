@@ -71,16 +71,6 @@ typedef struct vs_state_space {
 } vs_state_space;
 void vs_mechanics_state_space(const vs_model *model, vs_state_space *out);
 
-/* A mode of the free motion. */
-typedef struct vs_mode {
-  double re_1_s, im_rad_s; /* its eigenvalue s */
-  double frequency_hz;     /* |s|/2 pi */
-  double time_constant_s;  /* -1/Re s; infinite when undamped */
-  double damping_ratio;    /* -Re s/|s| */
-  double drive;            /* the size of its share in c.q after a unit impulse of F, m/(N s) */
-  double shape_re[VS_MOST_DOF],
-      shape_im[VS_MOST_DOF]; /* of q, scaled to a largest component of 1 */
-} vs_mode;
 /* Finds all modes, two for each coordinate, sorted by |s|, pairs by falling imaginary part. Returns
  * false where GSL finds none. */
 bool vs_mechanics_modes(const vs_model *model, vs_mode modes[VS_MOST_STATES]);

@@ -30,6 +30,16 @@ double vs_model_fraction(double k);
 /* g as the paper has it, m/s2. */
 extern const double vs_model_gravity_m_s2;
 
+/* A mode of the free motion. */
+typedef struct vs_mode {
+  double re_1_s, im_rad_s; /* its eigenvalue s */
+  double frequency_hz;     /* |s|/2 pi */
+  double time_constant_s;  /* -1/Re s; infinite when undamped */
+  double damping_ratio;    /* -Re s/|s| */
+  double drive;            /* the size of its share in c.q after a unit impulse of F, m/(N s) */
+  double shape_re[VS_MOST_DOF],
+      shape_im[VS_MOST_DOF]; /* of q, scaled to a largest component of 1 */
+} vs_mode;
 /* Matrices and vectors are filled up to `dof`. Units follow from the coordinates': with m and rad,
  * M is in kg, kg m and kg m2, and the others likewise. */
 typedef struct vs_model {
@@ -59,8 +69,9 @@ typedef struct vs_model {
   double way[VS_MACHINE_WAYS][VS_MOST_DOF]; /* how the trough moves, m per coordinate; all 0 where
                                                the machine's file does not say */
   bool reloaded;                            /* events change the load in the run (sim/loads.h) */
-  bool plain;        /* the coil is square and the stop, if there is one, is a single linear one
-                        at the pole cover: the motion is polynomials' products (ideal/series.h) */
+  bool plain; /* the coil is square and the stop, if there is one, is a single linear one
+                 at the pole cover: the motion is polynomials' products (ideal/series.h) */
+  vs_mode mode[VS_MOST_STATES]; /* of the free motion, as vs_mechanics_modes sorts them */
   double growth_1_s; /* the largest Re s of the modes that is more than rounding; 0: none grows */
   double fastest_rad_s; /* the largest |s| of the mechanics' modes; 0 for a free mass */
   double contact_rad_s; /* a bound of |s| while a stop is touched; without a stop it is

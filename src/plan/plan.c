@@ -187,7 +187,7 @@ static vs_status resolve_columns(vs_plan *plan, const vs_scene *scene, const vs_
                                  vs_error *err) {
   const vs_frame frame = vs_sim_frame(tier, &scene->setup);
   vs_result result = {0};
-  vs_watchers_begin(&result.watchers, &frame);
+  vs_watchers_begin(&result.watchers, &frame, NULL);
   vs_result_begin_quality(&result, scene);
   const vs_steady blank = {.model = &scene->setup.model, .devices = result.watchers.devices};
   const vs_atwork of = {&frame, &result, plan->periods ? &blank : NULL};

@@ -35,6 +35,17 @@ static vs_status accept(void *ctx, const vs_step *step, vs_error *err) {
   return status;
 }
 
+static bool leaves(void *ctx, const vs_rest *rest) {
+  const attempt *a = ctx;
+  return vs_watchers_leave(&a->result->watchers, rest, a->session->wants);
+}
+
+/* True if nobody but the watchers looks at the run, and these need not see all of it. */
+static bool is_alone(const vs_session *session, const vs_scene *s) {
+  return session->wants && !session->bare && !session->guest && !s->instruments.count &&
+         !s->quality.count && !s->control.regulator && !s->order.pilot;
+}
+
 static double seconds(clockid_t clock) {
   struct timespec now;
   clock_gettime(clock, &now);
@@ -118,15 +129,18 @@ static vs_status begin_loop(const vs_session *session, vs_scene *s, vs_result *r
 static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, vs_error *err) {
   attempt a = {session, r};
   const vs_observer observer = {&a, accept};
+  const vs_leaver leaver = {&a, leaves};
   const vs_guest *guest = session->guest;
   r->scene = s;
   r->steps = 0;
   vs_status status = guest && guest->begin ? guest->begin(guest->ctx, s, err) : VS_OK;
   if (status) return status;
-  if (!session->bare) vs_watchers_begin(&r->watchers, &s->frame);
+  const bool alone = is_alone(session, s);
+  if (!session->bare) vs_watchers_begin(&r->watchers, &s->frame, alone ? session->wants : NULL);
   begin_meters(session, s, r);
   if (!session->bare) vs_result_begin_quality(r, s);
   s->order.stop = session->stop;
+  s->order.leaver = alone ? &leaver : NULL;
   vs_pilot *pilot = s->order.pilot;
   vs_onset onset;
   if (pilot && r->meters) {
@@ -139,6 +153,7 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
     status = session->unguarded ? s->tier->run(&s->setup, &s->order, &observer, err)
                                 : vs_sim_run(s->tier, &s->setup, &s->order, &observer, err);
   s->order.pilot = pilot;
+  s->order.leaver = NULL;
   r->wall_s = seconds(CLOCK_MONOTONIC) - began_s;
   if (!status && s->order.pilot) /* which has found the start */
     memcpy(s->setup.start.x, s->order.pilot->x, sizeof s->setup.start.x);

@@ -30,6 +30,9 @@ typedef struct vs_session {
   bool verify;           /* what `run.verify: auto` means: a second run where something is rated */
   bool bare; /* no watchers, no ladder and no control, so that the angle is firing.angle: of the
                 result only wall_s and steps are filled */
+  const vs_measure_set
+      *wants;     /* the values that are read of the result; others may be left unknown,
+                 and what the run needs for these alone may be left out; NULL: all */
   bool unguarded; /* the run goes on beyond the pole cover without a stop, for callers who look
                      where the armature meets it */
   vs_status (*steady)(vs_scene *scene, vs_error *err); /* puts a scene with `start: steady` at the

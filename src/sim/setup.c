@@ -146,6 +146,13 @@ static void free_machine(vs_setup *setup) {
   setup->machine = NULL;
 }
 
+static void forget(vs_setup *setup) {
+  vs_actuator_end(&setup->model.coil);
+  setup->model.coil = (vs_coil){0};
+  vs_text_free(&setup->written);
+  vs_memo_free(&setup->memo);
+}
+
 /* ---- the circuit ---- */
 
 /* A probe of the deck must not have the name of a channel that every tier has, nor that of the
@@ -211,7 +218,7 @@ static vs_status refuse_one_column(const vs_setup *setup, vs_error *err) {
 static vs_status read_values(const vs_node *map, vs_setup *setup, vs_error *err) {
   vs_circuit_values *values = &setup->circuit_values;
   if (setup->deck.lost & VS_LOST_PARAM) map = NULL; /* a key may be that one's */
-  vs_status s = vs_field_section_read(&setup->deck.section, map, values, err);
+  vs_status s = vs_memo_read(&setup->memo, &setup->deck.section, map, values, sizeof *values, err);
   vs_deck_value standard[VS_STANDARD];
   vs_setup_standard(setup, standard);
   size_t found = vs_error_count(err);
@@ -338,7 +345,7 @@ static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err
     s = read_steady(scene, map, setup, err);
     map = NULL;
   }
-  if (!s) s = vs_field_section_read(section, map, &setup->start, err);
+  if (!s) s = vs_memo_read(&setup->memo, section, map, &setup->start, sizeof setup->start, err);
   if (s || vs_error_count(err) || !m->coil.law->poles) return s; /* of the gap, perhaps */
   double least = -(a->gap_m + (m->stops.count ? a->pole_cover_m : 0));
   double g = vs_mechanics_travel(m, setup->start.x);
@@ -381,7 +388,7 @@ static vs_status read_means(const vs_node *scene, vs_setup *setup, vs_error *err
   char text[160];
   setup->means = (vs_span_s){0, until_s};
   size_t found = vs_error_count(err);
-  vs_status s = vs_field_section_read(&vs_setup_measure_section, map, v, err);
+  vs_status s = vs_memo_read(&setup->memo, &vs_setup_measure_section, map, v, sizeof *v, err);
   if (s || vs_error_count(err) > found || !map || map->kind != VS_NODE_MAP) return s;
   const char *key = wrong_means(v, map, period_s, until_s, text, sizeof text);
   const vs_node *node = key ? vs_tree_child(map, key) : NULL;
@@ -400,15 +407,17 @@ static void begin_eva(vs_setup *setup) {
 
 /* A run in which something happens after the circuit may have been left wants an EVA that can be
  * led back. Leaving takes a few cycles, so fewer than four between two firings are not worth it. An
- * EVA that an event has put in its place stays. */
-static vs_status choose_eva(vs_setup *setup, vs_error *err) {
+ * EVA that an event has put in its place stays. has_motions: the deck's motions are known already.
+ */
+static vs_status choose_eva(vs_setup *setup, bool has_motions, vs_error *err) {
   bool again = setup->timeline.firing.every >= 4 || setup->timeline.events.count;
   setup->deck.eva_led = again && !setup->deck.eva_file && setup->model.coil.square;
   if (vs_error_count(err)) return VS_OK; /* there may be no coil */
   vs_eva_take_law(&setup->deck, &setup->model.coil);
   begin_eva(setup);
   vs_status s = vs_error_carry_on(err, vs_eva_check_names(&setup->deck, &setup->model.coil, err));
-  if (!s) s = vs_error_carry_on(err, vs_eva_take_motions(&setup->deck, setup->machine, err));
+  if (!s && !has_motions)
+    s = vs_error_carry_on(err, vs_eva_take_motions(&setup->deck, setup->machine, err));
   return s;
 }
 
@@ -416,18 +425,22 @@ static vs_status choose_eva(vs_setup *setup, vs_error *err) {
  * setup has. */
 static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_error *err) {
   vs_status s = VS_OK;
-  if (!setup->machine) {
+  const bool has_machine = setup->machine;
+  if (!has_machine) {
     setup->machine = vs_alloc(1, sizeof *setup->machine);
     s = vs_error_carry_on(err, read_machine(scene, setup->machine, err));
   }
-  if (!s) s = vs_error_carry_on(err, vs_build_model(scene, setup->machine, &setup->model, err));
-  if (!s) s = vs_error_carry_on(err, vs_timeline_build(scene, &setup->timeline, err));
+  if (!s)
+    s = vs_error_carry_on(
+        err, vs_build_again(scene, setup->machine, &setup->model, &setup->written, err));
+  if (!s) s = vs_error_carry_on(err, vs_timeline_build(scene, &setup->timeline, &setup->memo, err));
   if (!s && has_deck)
     s = read_values(vs_tree_child(scene, "circuit"), setup, err);
   else if (!s)
     s = vs_error_carry_on(err, read_circuit(scene, setup, err));
   if (!s)
-    s = vs_field_section_read(&vs_setup_run_section, vs_tree_child(scene, "run"), &setup->run, err);
+    s = vs_memo_read(&setup->memo, &vs_setup_run_section, vs_tree_child(scene, "run"), &setup->run,
+                     sizeof setup->run, err);
   vs_timeline *line = &setup->timeline;
   if (!s) s = vs_error_carry_on(err, vs_timeline_settle(scene, line, &setup->deck, err));
   if (!s)
@@ -441,7 +454,7 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
   if (!s) s = vs_error_carry_on(err, check_fraction(scene, setup, err));
   if (!s) s = vs_error_carry_on(err, read_start(scene, setup, err));
   if (!s) s = vs_error_carry_on(err, read_means(scene, setup, err));
-  if (!s) s = choose_eva(setup, err);
+  if (!s) s = choose_eva(setup, has_deck && has_machine, err);
   return s;
 }
 
@@ -470,8 +483,7 @@ bool vs_setup_keeps_deck(const vs_node *scene, const vs_setup *setup) {
 
 vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err) {
   bool keeps = vs_setup_keeps_deck(scene, setup);
-  vs_actuator_end(&setup->model.coil);
-  setup->model.coil = (vs_coil){0};
+  if (!keeps || !keeps_machine(scene, setup)) forget(setup);
   if (!keeps_machine(scene, setup)) free_machine(setup);
   vs_loads_free(&setup->loads);
   if (!keeps) {
@@ -484,8 +496,7 @@ vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err) {
 }
 
 void vs_setup_free(vs_setup *setup) {
-  vs_actuator_end(&setup->model.coil);
-  setup->model.coil = (vs_coil){0};
+  forget(setup);
   free_machine(setup);
   vs_loads_free(&setup->loads);
   vs_deck_free(&setup->deck);

@@ -13,12 +13,34 @@
 #include "sim/step.h"
 #include "solver/circuit.h"
 
+/* How far a coordinate goes from a value to either side. */
+typedef struct vs_range {
+  double middle, way;
+} vs_range;
+
+/* What is known of the rest of a run in which nothing happens any more: the machine swings freely,
+ * without flux and outside of all stops. */
+typedef struct vs_rest {
+  double from_s, to_s;
+  vs_range q[VS_MOST_DOF]; /* of the coordinates, and of the travel c.q */
+  vs_range travel;
+  double rate2[VS_MOST_DOF]; /* the largest |q"| */
+} vs_rest;
+
 /* Someone who is shown the steps, in order of time. A status other than VS_OK ends the run, which
  * then returns it. */
 typedef struct vs_observer {
   void *ctx;
   vs_status (*accept)(void *ctx, const vs_step *step, vs_error *err);
 } vs_observer;
+
+/* Someone who knows what the observer of a run needs. */
+typedef struct vs_leaver {
+  void *ctx;
+  /* Returns true if no more of the run is needed than its last state and its energies, so that the
+   * tier may go on to rest->to_s in one step (vs_step.glides). */
+  bool (*leaves)(void *ctx, const vs_rest *rest);
+} vs_leaver;
 
 /* Someone who may make another run of this one on the way (work/past.h). */
 typedef struct vs_junction {
@@ -29,21 +51,24 @@ typedef struct vs_junction {
   vs_status (*reach)(void *ctx, double t_s, vs_error *err);
 } vs_junction;
 
-/* What one run has besides its setup. Only a tier with a circuit looks at it. */
+/* What one run has besides its setup. Only a tier with a circuit looks at it, but for
+ * the leaver. */
 typedef struct vs_run_order {
   const vs_circuit_kind *solver; /* who solves the circuit: vs_ng_kind, or a test's own */
   const vs_stand_in *stand_in;   /* who may stand in for the circuit; NULL: nobody may */
-  FILE *raw;   /* gets a rawfile of the run; NULL: none is written. The caller owns it */
-  bool tried;  /* this deck with these parts was run in this process before, so that the solver need
-                  not try first whether it survives them */
+  FILE *raw;  /* gets a rawfile of the run; NULL: none is written. The caller owns it */
+  bool tried; /* this deck with these parts was run in this process before, so that the solver need
+                 not try first whether it survives them */
   bool unbegun; /* this process can begin anew without harm, and need not try either: a netlist that
                    it does not survive makes it do so, and try then */
-  long *tries; /* counts the steps that the solver tries, rejected ones too; NULL: nobody asks.
-                  Borrowed */
+  long *tries;  /* counts the steps that the solver tries, rejected ones too; NULL: nobody asks.
+                   Borrowed */
   vs_pilot *pilot;                   /* steers the run's prelude; NULL: it has none. Borrowed */
   const volatile sig_atomic_t *stop; /* set by a signal: the prelude ends with VS_SIGNAL, as the
                                         observer sees nothing of it; NULL: no signal ends it */
   const vs_junction *junction;       /* NULL: the run goes its own way to the end. Borrowed */
+  const vs_leaver *leaver;           /* asked on the ideal tiers; NULL: all steps are needed.
+                                        Borrowed */
 } vs_run_order;
 
 /* A key of a section that every tier reads. */

@@ -28,6 +28,9 @@ typedef struct vs_step {
   bool cubic_flux;   /* lambda is a cubic, from values and first derivatives alone */
   bool periodic;     /* the deck's terms follow a law that repeats from cycle to cycle, as the
                         circuit's solver was left */
+  bool glides;       /* the machine swings freely, and the step is longer than any polynomial holds:
+                        its ends alone count, and lost_j */
+  double lost_j;     /* where it glides: what damping takes in the step, J */
   bool held;         /* the armature is jammed: p" = 0 */
   vs_event event[2]; /* in order of time; VS_EV_NONE where there is none */
   double event_s[2]; /* when they happened: within the step, or as near to it as can be told */

@@ -184,13 +184,15 @@ static void follow_shots(const vs_devices *d, vs_watched *w, shots *s, const vs_
 
 /* Adds to the integrals over the stretch that means are over. */
 static void follow_means(const vs_devices *d, vs_watched *w, const vs_course_step *c) {
+  if (c->t0_s >= d->means.from_s && c->t1_s <= d->means.to_s) {
+    w->rests = w->rests || !c->on;
+    for (int of = VS_OF_I; of < VS_COURSES; of++) w->sum_meant[of] += c->more[of];
+    return;
+  }
   double from_s = fmax(c->t0_s, d->means.from_s), to_s = fmin(c->t1_s, d->means.to_s);
   if (!(to_s > from_s)) return;
   w->rests = w->rests || !c->on;
-  if (from_s > c->t0_s || to_s < c->t1_s)
-    integrate_part(c, (from_s - c->t0_s) / c->h_s, (to_s - c->t0_s) / c->h_s, w->sum_meant);
-  else
-    for (int of = VS_OF_I; of < VS_COURSES; of++) w->sum_meant[of] += c->more[of];
+  integrate_part(c, (from_s - c->t0_s) / c->h_s, (to_s - c->t0_s) / c->h_s, w->sum_meant);
 }
 
 /* ---- step by step ---- */
@@ -263,8 +265,8 @@ static void follow(vs_devices *d, size_t k, vs_course_step *c, const double *mid
     c->more[of] = c->h_s * (c->from[of] + 4 * c->mid[of] + c->to[of]) / 6;
     w->sum[of] += c->more[of];
   }
-  w->given_j -= fmin(c->more[VS_OF_POWER], 0);
-  w->back_c -= fmin(c->more[VS_OF_I], 0);
+  if (c->more[VS_OF_POWER] < 0) w->given_j -= c->more[VS_OF_POWER];
+  if (c->more[VS_OF_I] < 0) w->back_c -= c->more[VS_OF_I];
   c->was_on = c->on = true; /* a device that does not switch conducts all the time */
   if (w->states) follow_states(d, w, c);
   if (w->states) follow_shots(d, w, &own->shots, c);

@@ -39,7 +39,8 @@ double vs_slope_follow(vs_slope *s, double t0_s, double y0, double t1_s, double 
     if (begin_s < s->t_s[s->first] || (!last && (end_s <= t0_s || end_s > t1_s))) continue;
     double begin = last ? value_at(s, begin_s, t0_s, y0, rate) : s->y[at(s, n)];
     double end = last ? y1 : y0 + rate * (end_s - t0_s), change = (end - begin) / WINDOW_S;
-    largest = fmax(largest, sense ? sense * change : fabs(change));
+    double own = sense ? sense * change : fabs(change);
+    if (own > largest) largest = own; /* fmax would be called */
   }
   while (s->count > 1 && s->t_s[at(s, 1)] <= t1_s - WINDOW_S) {
     s->first = at(s, 1);

@@ -282,6 +282,22 @@ vs_status vs_field_known_keys(const vs_node *map, const char *what, const char *
   return VS_OK;
 }
 
+vs_status vs_field_section_keys(const vs_section *section, const vs_node *map, vs_error *err) {
+  if (!map || !map->child) return VS_OK;
+  const char **names = vs_alloc(section->count, sizeof *names);
+  for (size_t k = 0; k < section->count; k++) names[k] = section->fields[k].key;
+  vs_status status = vs_field_known_keys(map, section->name, names, section->count, err);
+  free(names);
+  return status;
+}
+
+vs_status vs_field_read_key(const vs_section *section, const vs_field *field, const vs_node *node,
+                            void *out, vs_error *err) {
+  vs_status status = read_default(section, field, out, err);
+  if (status || !node) return status;
+  return vs_error_carry_on(err, vs_field_read(section, field, node, out, err));
+}
+
 vs_status vs_field_section_read(const vs_section *section, const vs_node *map, void *out,
                                 vs_error *err) {
   vs_status status = VS_OK;
@@ -293,17 +309,10 @@ vs_status vs_field_section_read(const vs_section *section, const vs_node *map, v
     status = vs_error_carry_on(err, status);
     map = NULL;
   }
-  const char **names = vs_alloc(section->count, sizeof *names);
-  for (size_t k = 0; k < section->count; k++) names[k] = section->fields[k].key;
-  if (!status) status = vs_field_known_keys(map, section->name, names, section->count, err);
-  free(names);
+  if (!status) status = vs_field_section_keys(section, map, err);
   for (size_t k = 0; k < section->count && !status; k++) {
     const vs_field *field = &section->fields[k];
-    const vs_node *node = vs_tree_child(map, field->key);
-    status = read_default(section, field, out,
-                          err); /* the default stays where the scene's value is refused */
-    if (!status && node)
-      status = vs_error_carry_on(err, vs_field_read(section, field, node, out, err));
+    status = vs_field_read_key(section, field, vs_tree_child(map, field->key), out, err);
   }
   return status;
 }

@@ -81,6 +81,13 @@ int vs_field_maps(const vs_field *field, const void *member);
 vs_status vs_field_section_read(const vs_section *section, const vs_node *map, void *out,
                                 vs_error *err);
 
+/* The two parts of it. Error: the map has a key that the section has not; a check carries on. */
+vs_status vs_field_section_keys(const vs_section *section, const vs_node *map, vs_error *err);
+/* Fills one key's member of out, from the default where node is NULL. The default stays where the
+ * scene's value is refused; a check carries on. */
+vs_status vs_field_read_key(const vs_section *section, const vs_field *field, const vs_node *node,
+                            void *out, vs_error *err);
+
 /* Error: the map has a key that is none of names[count]; the nearest is named, and all are. what is
  * the map's own name, for the message. A check carries on. */
 vs_status vs_field_known_keys(const vs_node *map, const char *what, const char *const *names,

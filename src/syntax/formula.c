@@ -312,9 +312,8 @@ bool vs_formula_is_term(const vs_formula *f, int *term, double *factor) {
   return terms == 1;
 }
 
-typedef struct pair {
-  double a, b;
-} pair;
+/* Two values side by side, on which one instruction works. */
+typedef double pair __attribute__((vector_size(2 * sizeof(double))));
 
 /* The values for both sets of terms, or, `both` being a constant that is false, for the first. */
 static inline __attribute__((always_inline)) pair evaluate(const vs_formula *f, const double *first,
@@ -332,35 +331,31 @@ static inline __attribute__((always_inline)) pair evaluate(const vs_formula *f, 
       y = (pair){op->value, op->value};
       break;
     case VS_OP_FUNCTION + VS_ADD:
-      y = (pair){x->a + y.a, x->b + y.b};
-      x--;
+      y = *x-- + y;
       break;
     case VS_OP_FUNCTION + VS_SUBTRACT:
-      y = (pair){x->a - y.a, x->b - y.b};
-      x--;
+      y = *x-- - y;
       break;
     case VS_OP_FUNCTION + VS_MULTIPLY:
-      y = (pair){x->a * y.a, x->b * y.b};
-      x--;
+      y = *x-- * y;
       break;
     case VS_OP_FUNCTION + VS_DIVIDE:
-      y = (pair){x->a / y.a, x->b / y.b};
-      x--;
+      y = *x-- / y;
       break;
     case VS_OP_FUNCTION + VS_POWER:
-      y = (pair){vs_function_power(x->a, y.a), both ? vs_function_power(x->b, y.b) : 0};
+      y = (pair){vs_function_power((*x)[0], y[0]), both ? vs_function_power((*x)[1], y[1]) : 0};
       x--;
       break;
     case VS_OP_FUNCTION + VS_NEGATE:
-      y = (pair){-y.a, -y.b};
+      y = -y;
       break;
     default: {
       const vs_function *function = &vs_function_table[op->kind - VS_OP_FUNCTION];
       if (function->of_two) {
-        y = (pair){function->of_two(x->a, y.a), both ? function->of_two(x->b, y.b) : 0};
+        y = (pair){function->of_two((*x)[0], y[0]), both ? function->of_two((*x)[1], y[1]) : 0};
         x--;
       } else
-        y = (pair){function->of(y.a), both ? function->of(y.b) : 0};
+        y = (pair){function->of(y[0]), both ? function->of(y[1]) : 0};
     }
     }
   return y;
@@ -369,10 +364,10 @@ static inline __attribute__((always_inline)) pair evaluate(const vs_formula *f, 
 void vs_formula_pair(const vs_formula *f, const double *first, const double *second,
                      double value[2]) {
   pair y = evaluate(f, first, second, true);
-  value[0] = y.a;
-  value[1] = y.b;
+  value[0] = y[0];
+  value[1] = y[1];
 }
 
 double vs_formula_value(const vs_formula *f, const double *terms) {
-  return evaluate(f, terms, terms, false).a;
+  return evaluate(f, terms, terms, false)[0];
 }

@@ -211,7 +211,9 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
     take_model(e, m);
   } else if (step->to->t_s == step->from->t_s) /* jams */
     e->joule[VS_E_STOP] += mechanical(m, step->from) - mechanical(m, step->to);
-  if (flows || !is_far(step))
+  if (step->glides)
+    e->joule[VS_E_DAMPING] += step->lost_j;
+  else if (flows || !is_far(step))
     integrate(e, step, flows);
   else
     swing(e, step);

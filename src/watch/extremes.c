@@ -239,6 +239,7 @@ static void look_between(const search *s) {
 void vs_extreme_follow(vs_extreme *e, const vs_step *step, bool jammed) {
   bool of_flux = e->channel == VS_CH_I || e->channel == VS_CH_FORCE;
   const vs_model *m = step->frame->model;
+  if (e->idle) return;
   if (e->channel >= vs_channel_deck(m)) {
     follow_probe(e, step);
     return;
@@ -260,27 +261,44 @@ void vs_extreme_follow(vs_extreme *e, const vs_step *step, bool jammed) {
   }
 }
 
-/* Whether one of a coordinate's three extremes may lie in the step. The acceleration stays within
- * its largest value at the ends and 3/8 of the way that the jerk at the ends would take it: for a
- * sine that moves by one radian, the longest there is, 1.06 of its peak. The coordinate leaves the
- * chord between its ends by at most 1/8 of the acceleration times the length squared. */
-static inline bool may_be_new(const vs_extreme of[VS_OF_COORDINATE], const vs_step *step, int i,
-                              double h) {
+/* Which of a coordinate's three extremes may lie in the step, as bits. The acceleration stays
+ * within its largest value at the ends and 3/8 of the way that the jerk at the ends would take it:
+ * for a sine that moves by one radian, the longest there is, 1.06 of its peak. The coordinate
+ * leaves the chord between its ends by at most 1/8 of the acceleration times the length squared. */
+static inline unsigned may_be_new(const vs_extreme of[VS_OF_COORDINATE], const vs_step *step, int i,
+                                  double h) {
   const vs_knot *from = step->from, *to = step->to;
   double a0 = fabs(from->a[i]), a1 = fabs(to->a[i]), j0 = fabs(from->j[i]), j1 = fabs(to->j[i]);
   double x0 = from->x[i], x1 = to->x[i];
   double a = (a0 > a1 ? a0 : a1) + 0.375 * h * (j0 > j1 ? j0 : j1), bulge = 0.15 * h * h * a;
-  return (x0 > x1 ? x0 : x1) + bulge > of[VS_LARGEST].best.value ||
-         (x0 < x1 ? x0 : x1) - bulge < of[VS_LEAST].best.value || a > of[VS_PEAK].best.value;
+  return ((x0 < x1 ? x0 : x1) - bulge < of[VS_LEAST].best.value ? 1u << VS_LEAST : 0) |
+         ((x0 > x1 ? x0 : x1) + bulge > of[VS_LARGEST].best.value ? 1u << VS_LARGEST : 0) |
+         (a > of[VS_PEAK].best.value ? 1u << VS_PEAK : 0);
 }
 
 void vs_extreme_follow_motion(vs_extreme *all, const vs_step *step, bool jammed) {
   const vs_model *m = step->frame->model;
   double h = step->to->t_s - step->from->t_s;
-  bool known = all[0].best.known, smooth = is_smooth(step, jammed);
+  const bool smooth = is_smooth(step, jammed);
   for (int i = 0; i < m->dof; i++) {
     vs_extreme *of = all + VS_OF_COORDINATE * i;
-    if (known && smooth && !may_be_new(of, step, i, h)) continue;
-    for (int k = 0; k < VS_OF_COORDINATE; k++) vs_extreme_follow(&of[k], step, jammed);
+    if (of->idle) continue;
+    unsigned look = of->best.known && smooth ? may_be_new(of, step, i, h) : ~0u;
+    for (int k = 0; look && k < VS_OF_COORDINATE; k++)
+      if (look >> k & 1) vs_extreme_follow(&of[k], step, jammed);
+  }
+}
+
+void vs_extreme_follow_probes(vs_extreme *pairs, const vs_step *step) {
+  const vs_deck *deck = step->frame->deck;
+  for (size_t n = 0; n < deck->n_probes; n++, pairs += 2) {
+    const vs_probe *probe = &deck->probes[n];
+    double from = probe->sign * step->from->terms[probe->term];
+    double to = probe->sign * step->to->terms[probe->term];
+    double least = pairs[0].best.value, largest = pairs[1].best.value;
+    bool settled = pairs[0].best.known && !pairs[0].is_last && !pairs[1].is_last;
+    if (settled && from >= least && to >= least && from <= largest && to <= largest) continue;
+    follow_probe(&pairs[0], step);
+    follow_probe(&pairs[1], step);
   }
 }

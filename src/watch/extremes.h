@@ -29,6 +29,7 @@ typedef struct vs_extreme {
   double climbed; /* how much the last step that brought it went up to it */
   double stands; /* how much it stands out from the ends of the steps beside it, the nearer of them;
                     0 until both are known */
+  bool idle;     /* nobody wants it, and it is not followed */
 } vs_extreme;
 
 /* Takes a step of some length into account, with both its ends. jammed: the armature is held, and
@@ -40,8 +41,12 @@ void vs_extreme_follow(vs_extreme *extreme, const vs_step *step, bool jammed);
 enum { VS_LEAST, VS_LARGEST, VS_PEAK, VS_OF_COORDINATE };
 /* Does the same for the extremes of all coordinates, `all` being those of the first coordinate in
  * the order above, then those of the second, and so on. Most steps are seen to hold none of a
- * coordinate's extremes at a glance. */
+ * coordinate's extremes at a glance. All three of a coordinate are idle or none is. */
 void vs_extreme_follow_motion(vs_extreme *all, const vs_step *step, bool jammed);
+
+/* Does the same for the least and the largest value of each of the deck's probes, one pair behind
+ * the other. */
+void vs_extreme_follow_probes(vs_extreme *pairs, const vs_step *step);
 
 /* Finds where the travel turns in a step whose ends have velocities of unlike signs. Returns false
  * and leaves `turn` as it is where they have not. */

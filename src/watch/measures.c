@@ -121,10 +121,8 @@ bool vs_measure_at(const vs_model *model, int k, vs_measure *m) {
 
 /* ---- beginning ---- */
 
-/* The resonance and the decay are read up to this instant, as the paper's figures are. */
-static const double SWING_ENDS_S = 1.0;
-/* An extremum this much smaller than a later one was no motion peak but a ripple before it. */
-static const double RIPPLE = 0.01;
+const double vs_measures_swing_ends_s = 1.0;
+const double vs_measures_ripple = 0.01;
 
 enum { OF_CURRENT, OF_FORCE, OF_COORDINATES }; /* where these extremes stand */
 
@@ -132,7 +130,20 @@ static void add_extreme(vs_measures *m, int channel, int sense) {
   m->extremes[m->n_extremes++] = (vs_extreme){.channel = channel, .sense = sense};
 }
 
-vs_measures *vs_measures_new(const vs_frame *frame) {
+/* Lets the extremes that nobody wants be. The travel's may be a coordinate's. */
+static void leave_idle(vs_measures *m, const vs_measure_set *wants) {
+  const bool travel = wants->has[VS_M_GAP_MIN] || wants->has[VS_M_GAP_MAX];
+  for (int i = 0; i < m->frame->model->dof; i++) {
+    const bool *of = &wants->has[VS_M_OF_COORDINATE(i, 0)];
+    const bool own = of[VS_LEAST] || of[VS_LARGEST] || of[VS_PEAK];
+    for (int k = 0; k < VS_OF_COORDINATE; k++)
+      m->extremes[OF_COORDINATES + VS_OF_COORDINATE * i + k].idle =
+          !own && !(travel && i == sole(m->frame->model));
+  }
+  for (int k = m->of_travel; k < m->of_probes; k++) m->extremes[k].idle = !travel;
+}
+
+vs_measures *vs_measures_new(const vs_frame *frame, const vs_measure_set *wants) {
   const vs_model *model = frame->model;
   vs_measures *m = vs_alloc(1, sizeof *m);
   m->frame = frame;
@@ -149,6 +160,7 @@ vs_measures *vs_measures_new(const vs_frame *frame) {
   m->of_probes = m->n_extremes;
   for (int c = vs_channel_deck(model); c < vs_channel_count(frame); c++)
     for (int sense = -1; sense <= 1; sense += 2) add_extreme(m, c, sense);
+  if (wants) leave_idle(m, wants);
   for (int k = 0; k < VS_DECK_MOST; k++) m->passed_s[k] = NAN;
   m->fired_s = m->extinct_s = m->refired_s = NAN;
   m->drives_s = frame->timeline->firing.no_valve ? 0 : NAN;
@@ -268,7 +280,7 @@ static void follow_rating(vs_measures *m, size_t k) {
 }
 
 static bool swings_freely(const vs_measures *m, double t_s) {
-  return t_s > m->extinct_s && t_s <= SWING_ENDS_S && !(t_s > m->refired_s);
+  return t_s > m->extinct_s && t_s <= vs_measures_swing_ends_s && !(t_s > m->refired_s);
 }
 
 /* Follows the motion peaks after the first firing. In the free swing it also sums up the logarithm
@@ -277,11 +289,11 @@ static void follow_peaks(vs_measures *m) {
   if (m->steps < 2 || !turns(m)) return;
   double middle = m->kept[m->last].from.t_s;
   bool free_swing = swings_freely(m, middle);
-  bool wanted =
-      !m->first.known || !m->second.known || fabs(m->first.value) < RIPPLE * fabs(m->travel_m[1]);
+  bool wanted = !m->first.known || !m->second.known ||
+                fabs(m->first.value) < vs_measures_ripple * fabs(m->travel_m[1]);
   if (!(middle > m->drives_s) || (!wanted && !free_swing)) return;
   vs_value v = refine(m);
-  if (!m->first.known || fabs(m->first.value) < RIPPLE * fabs(v.value)) {
+  if (!m->first.known || fabs(m->first.value) < vs_measures_ripple * fabs(v.value)) {
     m->first = v;
     m->second.known = false;
   } else if (!m->second.known)
@@ -348,8 +360,9 @@ void vs_measures_accept(vs_measures *m, const vs_step *step) {
   vs_extreme_follow(&m->extremes[OF_CURRENT], step, m->jammed);
   vs_extreme_follow(&m->extremes[OF_FORCE], step, m->jammed);
   vs_extreme_follow_motion(&m->extremes[OF_COORDINATES], step, m->jammed);
-  for (int k = m->of_travel; k < m->n_extremes; k++)
+  for (int k = m->of_travel; k < m->of_probes; k++)
     vs_extreme_follow(&m->extremes[k], step, m->jammed);
+  if (m->frame->deck) vs_extreme_follow_probes(&m->extremes[m->of_probes], step);
   for (size_t k = 0; m->frame->deck && k < m->frame->deck->n_ratings; k++) follow_rating(m, k);
   follow_peaks(m);
   follow_crossings(m);

@@ -46,6 +46,11 @@ enum {
 };
 #define VS_M_OF_COORDINATE(i, which) (VS_STANDARD_MEASURES + VS_OF_COORDINATE * (i) + (which))
 
+/* Some of these values. */
+typedef struct vs_measure_set {
+  bool has[VS_MEASURES];
+} vs_measure_set;
+
 /* One measure of a machine, as it is listed. */
 typedef struct vs_measure {
   char name[VS_MACHINE_NAME + 16], text[VS_MACHINE_TEXT + 32];
@@ -100,8 +105,9 @@ typedef struct vs_measures {
   gsl_root_fsolver *solver;   /* owned */
 } vs_measures;
 
-/* The frame must outlive the watcher, which vs_measures_free frees. */
-vs_measures *vs_measures_new(const vs_frame *frame);
+/* The frame must outlive the watcher, which vs_measures_free frees. wants: of the extremes of
+ * coordinates and travel those that are followed, while the others stay unknown; NULL: all. */
+vs_measures *vs_measures_new(const vs_frame *frame, const vs_measure_set *wants);
 void vs_measures_free(vs_measures *measures);
 /* Takes one accepted step. */
 void vs_measures_accept(vs_measures *measures, const vs_step *step);
@@ -116,6 +122,11 @@ bool vs_measures_are_sharp(const vs_measures *measures, char *text, size_t size)
  * which sign the probe may have. It is run.tolerance of the rating's range, the scale on which the
  * run is judged, or of the probe's largest magnitude so far where the rating has no other end. */
 double vs_measures_slack(const vs_measures *measures, const vs_rating *rating);
+/* f_resonance and tau_gap are read up to this instant, as the paper's figures are. */
+extern const double vs_measures_swing_ends_s;
+/* An extremum this much smaller than a later one was no motion peak but a ripple before it. */
+extern const double vs_measures_ripple;
+
 /* Gives the values of all measures but the energies, values[VS_MEASURES]. */
 void vs_measures_finish(const vs_measures *measures, vs_value values[VS_MEASURES]);
 

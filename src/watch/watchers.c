@@ -33,14 +33,24 @@ static void follow_sequence(vs_sequence *sequence, const vs_step *step) {
 
 /* ---- all of them ---- */
 
-void vs_watchers_begin(vs_watchers *w, const vs_frame *frame) {
+void vs_watchers_begin(vs_watchers *w, const vs_frame *frame, const vs_measure_set *wants) {
   vs_watchers_free(w);
-  w->measures = vs_measures_new(frame);
+  w->measures = vs_measures_new(frame, wants);
   w->devices = vs_devices_new(frame);
   w->energy.frame = frame;
 }
 
+bool vs_watchers_leave(vs_watchers *w, const vs_rest *rest, const vs_measure_set *wanted) {
+  vs_settled_find(w->measures, rest, &w->settled);
+  return vs_settled_all(&w->settled, wanted);
+}
+
 void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
+  w->left = w->left || step->glides;
+  if (w->left) { /* what is settled stays */
+    vs_energy_accept(&w->energy, step);
+    return;
+  }
   follow_absence(&w->absence, step);
   follow_sequence(&w->sequence, step);
   vs_measures_accept(w->measures, step);
@@ -57,6 +67,8 @@ void vs_watchers_finish(vs_watchers *w, double until_s, vs_value values[VS_MEASU
   values[VS_M_ENERGY_COPPER] = (vs_value){true, joule[VS_E_COPPER], NAN};
   values[VS_M_WORK_FORCE] = (vs_value){true, joule[VS_E_WORK], NAN};
   values[VS_M_ENERGY_RESIDUAL] = (vs_value){true, w->energy.worst, NAN};
+  for (int k = 0; w->left && k < VS_MEASURES; k++)
+    if (!w->settled.has[k]) values[k] = (vs_value){.at_s = NAN};
   vs_devices_finish(w->devices);
 }
 

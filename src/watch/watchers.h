@@ -7,6 +7,7 @@
 #include "stress/devices.h"
 #include "watch/energy.h"
 #include "watch/measures.h"
+#include "watch/settled.h"
 
 /* The stretches of a run that went without ngspice, as the circuit was quiet (quiet/quiet.h). */
 typedef struct vs_absence {
@@ -31,12 +32,17 @@ typedef struct vs_watchers {
   vs_energy energy;
   vs_absence absence;
   vs_sequence sequence;
+  vs_measure_set settled; /* as vs_watchers_leave found it the last time */
+  bool left;              /* the rest of the run was left out: what is not settled is not known */
 } vs_watchers;
 
-/* Begins a run anew. The frame must outlive the watchers' use. */
-void vs_watchers_begin(vs_watchers *watchers, const vs_frame *frame);
+/* Begins a run anew. The frame must outlive the watchers' use. wants: as for vs_measures_new. */
+void vs_watchers_begin(vs_watchers *watchers, const vs_frame *frame, const vs_measure_set *wants);
 /* Shows one accepted step to all. */
 void vs_watchers_accept(vs_watchers *watchers, const vs_step *step);
+/* Returns true if the rest of the run cannot change any of the values that are wanted, so that it
+ * may be left out (vs_observer.leaves). What it could change is then not known at the end. */
+bool vs_watchers_leave(vs_watchers *watchers, const vs_rest *rest, const vs_measure_set *wanted);
 /* The run has ended at until_s: completes what each has seen and gives the standard measures, the
  * energies included, values[VS_MEASURES]. */
 void vs_watchers_finish(vs_watchers *watchers, double until_s, vs_value values[VS_MEASURES]);

@@ -34,6 +34,9 @@ struct vs_case {
   vs_identity *identity;
   which present;
   bool circuit;               /* the last case used ngspice */
+  char machine[VS_NAME_SIZE]; /* the machine of `wants` */
+  vs_measure_set wants;       /* the values that the columns are made of */
+  bool wants_all;             /* a column is no such value */
   int shown[VS_PLAN_COLUMNS]; /* where each column was found the last time */
   vs_result *result;          /* too large for the stack */
   vs_steady *steady;          /* of a study of orbits, the case's; else NULL */
@@ -250,10 +253,33 @@ static vs_status derive(vs_case *c, vs_error *err) {
   return order ? vs_sensitivity_find(c->scene, order, &c->derived, err) : VS_OK;
 }
 
+/* Marks the value of that name. False: no value of the machine's has it. */
+static bool want(vs_case *c, const char *name) {
+  vs_measure m;
+  for (int k = 0; vs_measure_at(&c->scene->setup.model, k, &m); k++)
+    if (!strcmp(m.name, name)) return c->wants.has[m.slot] = true;
+  return false;
+}
+
+/* Finds what is read of the case's result: its columns, and what a warning tells of a run in which
+ * nothing fires. NULL: all of it. */
+static const vs_measure_set *find_wants(vs_case *c) {
+  const char *machine = c->scene->setup.model.parameters.model;
+  if (c->plan->derivatives) return NULL;
+  if (!strcmp(c->machine, machine)) return c->wants_all ? NULL : &c->wants;
+  snprintf(c->machine, sizeof c->machine, "%s", machine);
+  c->wants = (vs_measure_set){.has = {[VS_M_T_FIRE] = true, [VS_M_I_PEAK] = true}};
+  c->wants_all = false;
+  for (size_t k = 0; k < c->plan->n_columns; k++)
+    c->wants_all = !want(c, c->plan->columns[k].name) || c->wants_all;
+  return c->wants_all ? NULL : &c->wants;
+}
+
 static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
   keeper k = {.c = c};
   const vs_guest guest = {&k, begin_run, accept, again};
   const vs_session session = {.guest = c->keep || c->steady ? &guest : NULL,
+                              .wants = find_wants(c),
                               .steady = vs_steady_start};
   *c->result = (vs_result){0};
   vs_status status = derive(c, err);
