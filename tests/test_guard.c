@@ -59,11 +59,15 @@ static void a_pipe_is_tried_first(void) {
 /* A process that inherits the word by which one that begins anew knows it is none. */
 static void the_word_is_not_inherited(void) {
   write_scene("good", "");
+  write_scene("crash", "Badded added 0 V=pwl(time)");
   setenv("VIBROSPICE_BEGUN_ANEW", "1", 1);
-  ran r = run("run good.yaml --quiet");
+  ran good = run("run good.yaml --quiet"), crash = run("run crash.yaml --quiet");
   unsetenv("VIBROSPICE_BEGUN_ANEW");
-  EXPECT(r.status == 0 && !*r.err, "%d %s", r.status, r.err);
-  free_ran(&r);
+  EXPECT(good.status == 0 && !*good.err, "%d %s", good.status, good.err);
+  EXPECT(crash.status == 2 && strstr(crash.err, "ngspice died of it (signal 11)"), "%d %s",
+         crash.status, crash.err);
+  free_ran(&good);
+  free_ran(&crash);
 }
 
 /* Warnings are told once, by the process that the other one follows. */

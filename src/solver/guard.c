@@ -92,7 +92,9 @@ static bool prepare(void) {
   for (size_t k = 0; k < n; k++, word += strlen(word) + 1) guard.argv[k] = word;
   for (n = 0; environ[n];) n++;
   guard.environment = vs_alloc(n + 2, sizeof *guard.environment);
-  memcpy(guard.environment, environ, n * sizeof *environ);
+  n = 0;
+  for (char **e = environ; *e; e++) /* all but an older word */
+    if (strncmp(*e, AGAIN, strlen(AGAIN)) != 0) guard.environment[n++] = *e;
   guard.environment[n] = guard.again;
   snprintf(guard.again, sizeof guard.again, "%s=%ld", AGAIN, (long)getpid());
   return true;
