@@ -21,6 +21,7 @@ import stat
 import subprocess
 import sys
 import unittest
+import unittest.mock
 import warnings
 
 if sys.argv[2:] == ["without-numpy"]:
@@ -53,6 +54,7 @@ FAILING = {"scene": "paper", "set": {"run.until": "20 ms", "firing.every": 1},
 
 def setUpModule():
     """Makes the folders that several classes read: a run, a run with a violated rating, a study."""
+    os.environ["XDG_CACHE_HOME"] = os.path.abspath("cache")  # not the user's own
     if not os.path.exists("run"):
         vibrospice.run("paper", until="30 ms", set={"firing.angle": "95 deg"}, out="run")
         vibrospice.run(VIOLATED, out="violated")
@@ -406,6 +408,19 @@ class Studies(Case):
         self.assertEqual((caught.exception.status, caught.exception.result), (2, None))
         vibrospice.study(STUDY, jobs=1, out="older", overwrite=True)
         self.assertEqual(len(vibrospice.study(STUDY, jobs=1, out="older", resume=True)), 6)
+
+    def test_a_scene_of_its_own_goes_on(self):
+        """A study whose scene is a dict is the same study in the next call, and in each shard; also
+        where there is no place to keep the scene in it runs."""
+        study = {"scene": {"run": {"until": "10 ms", "tier": "switched"}},
+                 "vary": {"firing.angle": ["90 deg", "95 deg"]}, "report": ["i_peak"]}
+        for _ in range(2):
+            self.assertEqual(len(vibrospice.study(study, jobs=1, out="own", resume=True)), 2)
+        for part in ("1", "2"):
+            vibrospice.study(study, jobs=1, shard=f"{part}/2", out=f"parts/{part}")
+        self.assertEqual(len(vibrospice.load("parts")), 2)
+        with unittest.mock.patch.dict(os.environ, {"XDG_CACHE_HOME": "/dev/null"}):
+            self.assertEqual(len(vibrospice.study(study, jobs=1)), 2)
 
     def test_a_study_that_is_not_finished(self):
         os.mkdir("unfinished")

@@ -56,6 +56,20 @@ static void a_pipe_is_tried_first(void) {
   free(err);
 }
 
+/* A process that inherits the word by which one that begins anew knows it is none. */
+static void the_word_is_not_inherited(void) {
+  write_scene("good", "");
+  write_scene("crash", "Badded added 0 V=pwl(time)");
+  setenv("VIBROSPICE_BEGUN_ANEW", "1", 1);
+  ran good = run("run good.yaml --quiet"), crash = run("run crash.yaml --quiet");
+  unsetenv("VIBROSPICE_BEGUN_ANEW");
+  EXPECT(good.status == 0 && !*good.err, "%d %s", good.status, good.err);
+  EXPECT(crash.status == 2 && strstr(crash.err, "ngspice died of it (signal 11)"), "%d %s",
+         crash.status, crash.err);
+  free_ran(&good);
+  free_ran(&crash);
+}
+
 /* Warnings are told once, by the process that the other one follows. */
 static void warnings_are_told_once(void) {
   write_scene("warned", "Badded added 0 V=if(time>1,pwl(time),1)");
@@ -84,6 +98,7 @@ int main(void) {
   static const vs_test TESTS[] = {
       {"a netlist that ngspice dies of is a message", it_is_a_message},
       {"a scene from a pipe is tried first", a_pipe_is_tried_first},
+      {"the word is not inherited", the_word_is_not_inherited},
       {"warnings are told once", warnings_are_told_once},
       {"the numbers are those of a trial", the_numbers_are_those_of_a_trial},
   };

@@ -290,10 +290,10 @@ void vs_study_pair_json(const vs_study_pair *p, vs_text *out) {
     vs_json_number(&json, "largest_b", c->largest[1], DIGITS);
     vs_json_number(&json, "mean_difference", c->joined ? c->sum / (double)c->joined : NAN, DIGITS);
     vs_json_number(&json, "largest_difference", c->apart, DIGITS);
-    if (c->joined) vs_json_whole(&json, "at_case_a", c->apart_case[0]);
-    if (c->joined) vs_json_whole(&json, "at_case_b", c->apart_case[1]);
     vs_json_whole(&json, "only_a", c->alone[0]);
     vs_json_whole(&json, "only_b", c->alone[1]);
+    if (c->joined) vs_json_whole(&json, "at_case_a", c->apart_case[0]);
+    if (c->joined) vs_json_whole(&json, "at_case_b", c->apart_case[1]);
     vs_json_end(&json);
   }
   vs_json_end(&json);

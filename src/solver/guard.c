@@ -12,7 +12,8 @@
 #include "base/text.h"
 #include "solver/child.h"
 
-/* By this variable of the environment a process knows that it has begun anew. */
+/* By this variable of the environment a process knows that it has begun anew. It has the number of
+ * the process, which stays the same; a child process that inherits it has another number. */
 static const char AGAIN[] = "VIBROSPICE_BEGUN_ANEW";
 
 static const int GUARDED[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM};
@@ -23,7 +24,7 @@ static struct {
   bool once;                  /* the guard was begun before in this process */
   char words[1 << 16];        /* of the process to come, each with its final zero */
   char **argv, **environment; /* the environment has one more string, again */
-  char again[32];
+  char again[64];
   char stack[1 << 16]; /* the handler's own, as a crash may be that the stack is full */
   stack_t stack_before;
   int stream[STDERR_FILENO + 1]; /* a copy of standard output and error; -1: there is none */
@@ -91,9 +92,11 @@ static bool prepare(void) {
   for (size_t k = 0; k < n; k++, word += strlen(word) + 1) guard.argv[k] = word;
   for (n = 0; environ[n];) n++;
   guard.environment = vs_alloc(n + 2, sizeof *guard.environment);
-  memcpy(guard.environment, environ, n * sizeof *environ);
+  n = 0;
+  for (char **e = environ; *e; e++) /* all but an older word */
+    if (strncmp(*e, AGAIN, strlen(AGAIN)) != 0) guard.environment[n++] = *e;
   guard.environment[n] = guard.again;
-  snprintf(guard.again, sizeof guard.again, "%s=1", AGAIN);
+  snprintf(guard.again, sizeof guard.again, "%s=%ld", AGAIN, (long)getpid());
   return true;
 }
 
@@ -125,5 +128,6 @@ void vs_guard_end(void) {
 }
 
 bool vs_guard_again(void) {
-  return getenv(AGAIN) != NULL;
+  const char *number = getenv(AGAIN);
+  return number && strtol(number, NULL, 10) == (long)getpid();
 }

@@ -87,7 +87,9 @@ static void print_word(const vs_verdict *v, FILE *out) {
   if (breach)
     word = breach->margin < 0 && vs_verdict_word(breach) == VS_UNVERIFIED ? VS_VIOLATED
                                                                           : vs_verdict_word(breach);
-  bool coloured = isatty(fileno(out)) && !getenv("NO_COLOR");
+  const char *terminal = getenv("TERM");
+  bool coloured = isatty(fileno(out)) && !getenv("NO_COLOR") &&
+                  !(terminal && !strcmp(terminal, "dumb")); /* it would show the codes */
   if (coloured)
     fprintf(out, "verdict: \033[1;%sm%s\033[0m\n", COLOURS[word], vs_verdict_words[word]);
   else

@@ -20,6 +20,7 @@ Each warning of the program is in the result's `warnings`, and is a Python warni
 (vibrospice.Warned).
 """
 
+import hashlib
 import json
 import numbers
 import os
@@ -179,8 +180,32 @@ def _write(value, folder, name):
         return os.fspath(value)
     path = os.path.join(folder, name)
     with open(path, "w", encoding="utf-8") as file:
-        json.dump(_plain(value), file, indent=1, ensure_ascii=False)
+        file.write(_json(value))
     return path
+
+
+def _json(value):
+    return json.dumps(_plain(value), indent=1, ensure_ascii=False)
+
+
+def _keep(scene, inputs):
+    """Writes the dict that is a study's scene; returns the file's folder and path. The program
+    resumes a study, and merges its shards, if their files have the same text. That text has the
+    scene's path, so the same scene is always at the same path: in the user's cache, in a folder
+    named by its content. Where there is no such place it is the folder inputs."""
+    text = _json(scene)
+    cache = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    folder = os.path.join(os.path.abspath(cache), "vibrospice",
+                          hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()[:16])
+    path = os.path.join(folder, "scene.yaml")
+    try:
+        os.makedirs(folder, exist_ok=True)
+        with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=folder, delete=False) as file:
+            file.write(text)
+        os.replace(file.name, path)  # whole, also where two do this at a time
+        return folder, path
+    except OSError:
+        return inputs, _write(scene, inputs, "scene.yaml")
 
 
 def _explain(messages, folder):
@@ -217,12 +242,14 @@ def _compute(command, scene, options, settings, out, kind):
     """Runs a command that writes a folder, and reads the folder."""
     folder, owner = _out(out)
     with tempfile.TemporaryDirectory(prefix="vibrospice-") as inputs:
+        kept = inputs
         if kind is Study and isinstance(scene, dict) and isinstance(scene.get("scene"), dict):
-            scene = {**scene, "scene": _write(scene["scene"], inputs, "scene.yaml")}
+            kept, path = _keep(scene["scene"], inputs)
+            scene = {**scene, "scene": path}
         path = _write(scene, inputs, "study.yaml" if kind is Study else "scene.yaml")
         status, text, messages = _call([command, f"--output={folder}", *_options(options),
                                         *_sets(settings), "--", path])
-        messages = _explain(messages, inputs)
+        messages = _explain(_explain(messages, inputs), kept)
     result = None
     if status in (0, _RATING) or kind is Study and status == 1 and Study.has_failures(folder):
         result = kind(folder, status=status, messages=messages, text=text, owner=owner)
