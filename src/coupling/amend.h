@@ -22,9 +22,17 @@ typedef struct vs_amend_sums {
   int count; /* steps in the sums */
 } vs_amend_sums;
 
+/* Fading sums over steps: of the slope s of the voltage v across the coil, of v itself, of the
+ * current y that flows out of the coil, and of products. */
+typedef struct vs_amend_outside {
+  double weight, s, v, y, s_s, s_v, v_v, s_y, v_y, y_y;
+  double rad; /* what angle of the swing they have seen in all */
+} vs_amend_outside;
+
 /* Begins as vs_amend_of makes it. */
 typedef struct vs_amend {
   bool on;
+  double mains_rad_s;
   vs_amend_sums sums;
   double seen_v[2], seen_v_s2[2]; /* v and v'' at the last two instants where v'' is known, the
                                      later one first */
@@ -36,8 +44,16 @@ typedef struct vs_amend {
   double try_s;                   /* length of the step that was asked for last; 0: none was */
   double foretold_v_s2[2];        /* v'' at the end of that step, and of the last one */
   double given_v_s2[2];           /* the same where it was given, else 0 */
+  vs_amend_outside outside;       /* what the coil rings with */
   double flux_v, current_a;       /* what is given in the step that was asked for last */
 } vs_amend;
+
+/* A step of the solver between two knots. driven: a thyristor conducts in it. */
+typedef struct vs_amend_step {
+  const vs_model *model;
+  const vs_knot *from, *to;
+  bool driven;
+} vs_amend_step;
 
 /* A candidate for the end of a step from the knot `last`, with the gap there. */
 typedef struct vs_amend_try {
@@ -51,9 +67,9 @@ vs_amend vs_amend_of(const vs_setup *setup);
 /* Forgets the steps before. */
 void vs_amend_restart(vs_amend *amend);
 
-/* Takes in the solver's step between two knots. Returns by how much v'' at its beginning was other
- * than was given there, V/s^2. The flux_rate2_v_s of `to` is the mean over the step. */
-double vs_amend_take(vs_amend *amend, const vs_knot *from, const vs_knot *to);
+/* Takes in a step of the solver. Returns what of v'' at its beginning the rule was not given, or
+ * was given too much, V/s^2. The flux_rate2_v_s of `to` is the mean over the step. */
+double vs_amend_take(vs_amend *amend, const vs_amend_step *step);
 
 /* What is given at the end of such a step: to the rate of lambda, V, and to the current that the
  * coil draws, A. */

@@ -116,7 +116,9 @@ static vs_status accept(void *ctx, double solver_s, const double *signals, vs_er
   vs_names_take_terms(&c->setup->deck, signals, &next);
   next.flux_rate2_v_s = (next.flux_rate_v - from->flux_rate_v) / (t_s - from->t_s);
   next.flux_rate3_v_s2 = 0; /* not known; a cubic's weight for it is 0 */
-  vs_swing_take(&c->swing, from, &next, vs_amend_take(&c->amend, from, &next));
+  const vs_amend_step step = {c->course.frame.model, from, &next,
+                              vs_anode_conducts(&c->course.anode)};
+  vs_swing_take(&c->swing, from, &next, vs_amend_take(&c->amend, &step));
   status = vs_course_move(&c->course, &next, err);
   if (status) return status;
   if (!c->prelude.on) return vs_away_consider(&c->away, signals, err);
