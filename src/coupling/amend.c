@@ -28,11 +28,13 @@ static const double OWN = 1.5, SLOW = 4;
 
 /* Gear's rule has another error. */
 vs_amend vs_amend_of(const vs_setup *s) {
-  return (vs_amend){.on = !s->run.gear, .mains_rad_s = s->timeline.omega_rad_s};
+  double slow = SLOW * s->timeline.omega_rad_s * s->timeline.omega_rad_s;
+  return (vs_amend){
+      .on = !s->run.gear, .mains_1_s2 = slow, .mains_v_s2 = 1.5 * slow / SLOW * s->timeline.peak_v};
 }
 
 void vs_amend_restart(vs_amend *a) {
-  *a = (vs_amend){.on = a->on, .mains_rad_s = a->mains_rad_s, .outside = a->outside};
+  *a = (vs_amend){.on = a->on, .mains_1_s2 = a->mains_1_s2, .mains_v_s2 = a->mains_v_s2, .outside = a->outside};
 }
 
 /* ---- the line ---- */
@@ -133,20 +135,22 @@ static double part_outside(const vs_amend_outside *o, double *capacitance_f) {
 
 /* True where the swing is the coil's own, or as slow as the mains. A faster one is that of some
  * other inductance with these capacitances: it goes on with the error that the rule makes there. */
-static bool is_own(const vs_amend *a, const vs_amend_step *step, double capacitance_f) {
+static bool is_own(const vs_amend *a, const vs_amend_step *step, double bend,
+                   double capacitance_f) {
   const vs_knot *k = step->from;
   const vs_model *m = step->model;
   line l;
+  if (step->driven) return fabs(bend) <= a->mains_v_s2;
   if (!fit(&a->sums, &l)) return false;
   double per_wb = vs_coil_rates(&m->coil, k->flux_wb, 1, vs_mechanics_gap(m, k->x), 0).i_rate_a_s;
   double own = capacitance_f > 0 ? OWN * fabs(per_wb) / capacitance_f : 0;
-  return fabs(l.slope) <= fmax(own, SLOW * a->mains_rad_s * a->mains_rad_s);
+  return fabs(l.slope) <= fmax(own, a->mains_1_s2);
 }
 
 /* By how much v'' was other than the rule was given, V/s^2. */
 static double missed(vs_amend *a, const vs_amend_step *step, double bend) {
   double given = a->given_v_s2[1], capacitance_f, part = part_outside(&a->outside, &capacitance_f);
-  if (!is_own(a, step, capacitance_f)) return fmax(fabs(bend - given), fabs(bend));
+  if (!is_own(a, step, bend, capacitance_f)) return fmax(fabs(bend - given), fabs(bend));
   return fabs(bend - given) + (step->driven ? 0 : part * fabs(given));
 }
 
