@@ -9,10 +9,8 @@
  * with 25 us in a period of 20 ms the trapezoidal rule is wrong by 6.5e-5 of the first peak, which
  * falls with the square of the step. Gear's rule is wrong by four times as much, and so takes half.
  */
-static const double LONGEST = 1.0 / 200;
-
 double vs_pace_largest_step(const vs_setup *s) {
-  double h = fmin(sqrt(s->run.tolerance / 1e-4) / 800, LONGEST) * s->timeline.period_s;
+  double h = fmin(sqrt(s->run.tolerance / 1e-4) / 800, 1.0 / 200) * s->timeline.period_s;
   if (s->run.gear) h /= 2;
   return s->run.max_step_s > 0 ? s->run.max_step_s : h;
 }
@@ -78,21 +76,9 @@ static const double VOLTAGE_SCALE_V = 10;
  */
 static const double LEAST_CHARGE_C = 1e-15;
 
-/* The trapezoidal rule is given back at the coil what it leaves out (amend.h), so that its steps
- * may be twice as long. Measured over 20 cycles of halfwave_snubbed, fired in each, at 1e-4: the
- * worst error is 5.5e-5 with 13,500 steps. Where nothing can be given back, swing.h keeps steps
- * short. */
-static const double AMENDED = 2;
-
-static double amended_step(const vs_setup *s) {
-  double h = vs_pace_largest_step(s);
-  if (s->run.gear || s->run.max_step_s > 0) return h;
-  return fmin(AMENDED * h, LONGEST * s->timeline.period_s);
-}
-
 vs_pace vs_pace_of(const vs_setup *s) {
   bool blows = has_blows(s);
-  double tolerance = solver_tolerance(s, blows), h = amended_step(s);
+  double tolerance = solver_tolerance(s, blows), h = vs_pace_largest_step(s);
   return (vs_pace){.max_step_s = blows && !(s->run.max_step_s > 0) ? h / M_SQRT2 : h,
                    .relative = tolerance,
                    .current_a = tolerance * current_scale(s),

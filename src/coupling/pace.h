@@ -16,7 +16,7 @@ typedef struct vs_pace {
 /* The pace for this setup. May run it on tier "switched" first, to see whether its stop is met. */
 vs_pace vs_pace_of(const vs_setup *setup);
 
-/* The longest step, s, that the plain rule may take of a scene whose stop is not met: the scene's
+/* The longest step, s, that the circuit tier takes of a scene whose stop is not met: the scene's
  * own run.max_step, or what follows from its tolerance. */
 double vs_pace_largest_step(const vs_setup *setup);
 
