@@ -25,16 +25,20 @@ static const double OUTSIDE_RAD = 4;
 /* The square of a swing's frequency may be so many times that of the coil with the capacitance that
  * it was seen with, or so many times that of the mains. */
 static const double OWN = 1.5, SLOW = 4;
+/* While a thyristor conducts, v'' may be so many times what the mains alone have. */
+static const double MAINS = 1.5;
 
 /* Gear's rule has another error. */
 vs_amend vs_amend_of(const vs_setup *s) {
-  double slow = SLOW * s->timeline.omega_rad_s * s->timeline.omega_rad_s;
-  return (vs_amend){
-      .on = !s->run.gear, .mains_1_s2 = slow, .mains_v_s2 = 1.5 * slow / SLOW * s->timeline.peak_v};
+  double square = s->timeline.omega_rad_s * s->timeline.omega_rad_s;
+  return (vs_amend){.on = !s->run.gear,
+                    .mains_1_s2 = SLOW * square,
+                    .mains_v_s2 = MAINS * square * s->timeline.peak_v};
 }
 
 void vs_amend_restart(vs_amend *a) {
-  *a = (vs_amend){.on = a->on, .mains_1_s2 = a->mains_1_s2, .mains_v_s2 = a->mains_v_s2, .outside = a->outside};
+  *a = (vs_amend){
+      .on = a->on, .mains_1_s2 = a->mains_1_s2, .mains_v_s2 = a->mains_v_s2, .outside = a->outside};
 }
 
 /* ---- the line ---- */
@@ -134,7 +138,8 @@ static double part_outside(const vs_amend_outside *o, double *capacitance_f) {
 }
 
 /* True where the swing is the coil's own, or as slow as the mains. A faster one is that of some
- * other inductance with these capacitances: it goes on with the error that the rule makes there. */
+ * other inductance with these capacitances: it goes on with the error that the rule makes there.
+ * While a thyristor conducts, what the coil shows of the capacitances is little. */
 static bool is_own(const vs_amend *a, const vs_amend_step *step, double bend,
                    double capacitance_f) {
   const vs_knot *k = step->from;

@@ -13,18 +13,17 @@
  *
  *   h^2/12 |lambda'''| T <= SHARE run.tolerance max |lambda|
  *
- * with what of lambda''' the rule is not given back (amend.h), over the time T that the ring may last: LASTS radians of its own, and no more than a cycle of the
- * mains, in which the coil's resistance, if nothing else, has damped it. Measured over the 100
- * scenes of tests/test_tolerance_grid.c: with SHARE 0.3 an error is up to 2 times the tolerance,
- * with 1 up to 4.8 times. With half of LASTS, or less of T, it is more. */
+ * with what of lambda''' the rule is not given back (amend.h), over the time T that the ring may
+ * last: LASTS radians of its own, and no more than a cycle of the mains, in which the coil's
+ * resistance, if nothing else, has damped it. Measured over the 100 scenes of
+ * tests/test_tolerance_grid.c: with SHARE 0.3 an error is up to 2 times the tolerance, with 1 up
+ * to 4.8 times. With half of LASTS, or less of T, it is more. */
 static const double SHARE = 0.2, LASTS = 100;
 
 /* The sizes of the derivatives fade by this factor a step of a run at 1e-4, and so are remembered
  * over some ten steps: a step must not become longer only because the swing is just where a
  * derivative is zero. At a finer tolerance they are remembered over as long a time: over ten steps
- * of a finer run the error grew against the tolerance, 1.6 times from 1e-4 to 1e-7. What the rule
- * was not given back is remembered over ten times the step over which it showed: behind a jump
- * steps grow from a picosecond on, and what is true of such steps says nothing of longer ones. */
+ * of a finer run the error grew against the tolerance, 1.6 times from 1e-4 to 1e-7. */
 static const double FADES = 0.9, FADES_AT = 1e-4;
 
 /* A firing at the very end of the half cycle brings next to no flux linkage. Errors are then
@@ -94,12 +93,6 @@ static double common_slope(const vs_knot *from, const vs_knot *to) {
   return before * now > 0 ? fmin(fabs(before), fabs(now)) : 0;
 }
 
-static void follow_missed(vs_swing *w, double missed_v_s2, double h) {
-  double kept = w->missed_s > 0 ? w->missed_v_s2 * pow(w->fades, h / w->missed_s) : 0;
-  if (!(kept > missed_v_s2)) w->missed_s = h;
-  w->missed_v_s2 = fmax(missed_v_s2, kept);
-}
-
 void vs_swing_take(vs_swing *w, const vs_knot *from, const vs_knot *to, double missed_v_s2) {
   double h = to->t_s - from->t_s;
   double bend = fabs(to->flux_rate2_v_s - from->flux_rate2_v_s) / ((h + w->before_s) / 2);
@@ -107,7 +100,7 @@ void vs_swing_take(vs_swing *w, const vs_knot *from, const vs_knot *to, double m
   w->slope_v_s = fmax(w->fades * w->slope_v_s, common_slope(from, to));
   bool resolved = bend * h <= RESOLVED * w->slope_v_s;
   w->bend_v_s2 = fmax(w->fades * w->bend_v_s2, resolved ? bend : 0);
-  follow_missed(w, resolved ? missed_v_s2 : 0, h);
+  w->missed_v_s2 = fmax(w->fades * w->missed_v_s2, resolved ? missed_v_s2 : 0);
   w->flux_wb = fmax(w->flux_wb, fabs(to->flux_wb));
   follow_current(w, from);
   follow_alternation(w, from, to);

@@ -16,15 +16,14 @@ typedef struct vs_swing {
   double peak_a,
       amplifies; /* largest current so far that counts, of a coil that is not square, and by how
                     much a relative error of lambda is larger in that current; 1 at least */
-  double slope_v_s, bend_v_s2;  /* sizes of the first two derivatives of v = dlambda/dt of late */
-  double missed_v_s2, missed_s; /* the most of v'' that was not given back of late, and the step
-                                   over which that showed */
-  double before_s;              /* length of the last step; 0: there was none */
-  double rise_v;                /* by how much v rose over the last step */
-  double kick_v;                /* by how much more than over the step before */
-  int alternations;             /* steps in a row whose kick was against the one before */
-  int since_anew;               /* steps since the solver's rule was last told to begin anew */
-  bool anew;                    /* the rule is to begin anew at the end of the last step */
+  double slope_v_s, bend_v_s2; /* sizes of the first two derivatives of v = dlambda/dt of late */
+  double missed_v_s2;          /* size of late of what of v'' the rule was not given back */
+  double before_s;             /* length of the last step; 0: there was none */
+  double rise_v;               /* by how much v rose over the last step */
+  double kick_v;               /* by how much more than over the step before */
+  int alternations;            /* steps in a row whose kick was against the one before */
+  int since_anew;              /* steps since the solver's rule was last told to begin anew */
+  bool anew;                   /* the rule is to begin anew at the end of the last step */
 } vs_swing;
 
 vs_swing vs_swing_of(const vs_setup *setup);
