@@ -63,7 +63,8 @@ typedef struct vs_amend_try {
   double t_s, z_m;
 } vs_amend_try;
 
-vs_amend vs_amend_of(const vs_setup *setup);
+/* on: something is given at all. */
+vs_amend vs_amend_of(const vs_setup *setup, bool on);
 
 /* Forgets the steps before. */
 void vs_amend_restart(vs_amend *amend);
