@@ -25,22 +25,21 @@ static const double OUTSIDE_RAD = 4;
 /* The square of a swing's frequency may be so many times that of the coil with the capacitance that
  * it was seen with, or so many times that of the mains. */
 static const double OWN = 1.5, SLOW = 4;
-/* While a thyristor conducts, v'' may be so many times what the mains alone have. */
-static const double MAINS = 1.5;
 /* What was foretold amiss counts so many times: it comes and goes, and where it has gone the step
  * is longer. */
 static const double CARE = 4;
+/* At least this share of v'' counts as left out, so that steps are twice as long at most: another
+ * inductance that rings with the coil, as that of a transformer, is given nothing back. */
+static const double LEFT = 1.0 / 4;
 
 vs_amend vs_amend_of(const vs_setup *s, bool on) {
   double square = s->timeline.omega_rad_s * s->timeline.omega_rad_s;
   return (vs_amend){.on = on && !s->run.gear, /* Gear's rule has another error */
-                    .mains_1_s2 = SLOW * square,
-                    .mains_v_s2 = MAINS * square * s->timeline.peak_v};
+                    .mains_1_s2 = SLOW * square};
 }
 
 void vs_amend_restart(vs_amend *a) {
-  *a = (vs_amend){
-      .on = a->on, .mains_1_s2 = a->mains_1_s2, .mains_v_s2 = a->mains_v_s2, .outside = a->outside};
+  *a = (vs_amend){.on = a->on, .mains_1_s2 = a->mains_1_s2, .outside = a->outside};
 }
 
 /* ---- the line ---- */
@@ -142,13 +141,11 @@ static double part_outside(const vs_amend_outside *o, double *capacitance_f) {
 /* True where the swing is the coil's own, or as slow as the mains. A faster one is that of some
  * other inductance with these capacitances: it goes on with the error that the rule makes there.
  * While a thyristor conducts, what the coil shows of the capacitances is little. */
-static bool is_own(const vs_amend *a, const vs_amend_step *step, double bend,
-                   double capacitance_f) {
+static bool is_own(const vs_amend *a, const vs_amend_step *step, double capacitance_f) {
   const vs_knot *k = step->from;
   const vs_model *m = step->model;
   line l;
-  if (step->driven) return fabs(bend) <= a->mains_v_s2;
-  if (!fit(&a->sums, &l)) return false;
+  if (step->driven || !fit(&a->sums, &l)) return false;
   double per_wb = vs_coil_rates(&m->coil, k->flux_wb, 1, vs_mechanics_gap(m, k->x), 0).i_rate_a_s;
   double own = capacitance_f > 0 ? OWN * fabs(per_wb) / capacitance_f : 0;
   return fabs(l.slope) <= fmax(own, a->mains_1_s2);
@@ -157,9 +154,9 @@ static bool is_own(const vs_amend *a, const vs_amend_step *step, double bend,
 /* By how much v'' was other than the rule was given, V/s^2. */
 static double missed(vs_amend *a, const vs_amend_step *step, double bend) {
   double given = a->given_v_s2[1], capacitance_f, part = part_outside(&a->outside, &capacitance_f);
-  bool own = given != 0 && is_own(a, step, bend, capacitance_f);
+  bool own = given != 0 && is_own(a, step, capacitance_f);
   if (!own) return fmax(fabs(bend - given), fabs(bend));
-  return CARE * fabs(bend - given) + (step->driven ? 0 : part * fabs(given));
+  return fmax(CARE * fabs(bend - given) + part * fabs(given), LEFT * fabs(bend));
 }
 
 double vs_amend_take(vs_amend *a, const vs_amend_step *step) {

@@ -32,8 +32,7 @@ typedef struct vs_amend_outside {
 /* Begins as vs_amend_of makes it. */
 typedef struct vs_amend {
   bool on;
-  double mains_1_s2, mains_v_s2; /* squares of frequencies, and sizes of v'', up to which a swing
-                                    is taken for one of the mains */
+  double mains_1_s2; /* the square of a frequency up to which a swing is taken for the mains' */
   vs_amend_sums sums;
   double seen_v[2], seen_v_s2[2]; /* v and v'' at the last two instants where v'' is known, the
                                      later one first */

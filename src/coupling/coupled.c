@@ -198,12 +198,13 @@ static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_
                      vs_error *err) {
   const vs_frame frame = vs_sim_frame(&vs_coupled_tier, setup);
   /* A search for an orbit compares cycles from almost the same state. What is given makes steps of
-   * their own in each, and the differences would show these. */
+   * their own in each, and the differences would show these. Where
+   * the armature meets a stop within a step, what is given comes too late. */
   coupling c = {.setup = setup, /* stays where it is: the host and the motion point to it */
                 .order = order,
                 .pace = vs_pace_of(setup),
                 .swing = vs_swing_of(setup),
-                .amend = vs_amend_of(setup, !order->pilot),
+                .amend = vs_amend_of(setup, !order->pilot && !setup->model.stops.count),
                 .names = vs_alloc(1, sizeof *c.names)};
   vs_prelude_begin(&c.prelude, setup, order, observer);
   vs_course_begin(&c.course, vs_prelude_setup(&c.prelude), &frame, vs_prelude_observer(&c.prelude));
