@@ -9,13 +9,15 @@
  * of the motion the deck names is foretold as the gap is.
  *
  * This file is the solver's host. course.h moves the machine and shows the steps, pace.h, swing.h
- * and anode.h say how long a step may be, away.h leaves the solver where the circuit is quiet. */
+ * and anode.h say how long a step may be, amend.h gives back what the solver's rule leaves out at
+ * the coil, away.h leaves the solver where the circuit is quiet. */
 #include "coupling/coupled.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "base/text.h"
+#include "coupling/amend.h"
 #include "coupling/away.h"
 #include "coupling/course.h"
 #include "coupling/names.h"
@@ -31,6 +33,7 @@ typedef struct coupling {
   const vs_run_order *order;
   vs_pace pace;
   vs_swing swing;
+  vs_amend amend;
   vs_names *names; /* owned */
   vs_course course;
   vs_away away;
@@ -43,6 +46,15 @@ static double run_time(const coupling *c, double solver_s) {
   return vs_prelude_time(&c->prelude, solver_s, c->away.shift_s);
 }
 
+/* What is given back to the solver's rule, through one of the EVA's ports. */
+static double amended(coupling *c, size_t port, double t_s) {
+  const vs_amend_try at = {c->course.frame.model, vs_course_last(&c->course), t_s,
+                           vs_course_gap(&c->course, t_s)};
+  if (c->away.follows) return 0;
+  return port == VS_EVA_PORT_AMENDS_FLUX ? vs_amend_flux(&c->amend, &at)
+                                         : vs_amend_current(&c->amend, &at);
+}
+
 static double source(void *ctx, size_t port, double solver_s) {
   coupling *c = ctx;
   double t_s = run_time(c, solver_s);
@@ -52,7 +64,8 @@ static double source(void *ctx, size_t port, double solver_s) {
   if (motion >= c->names->n_ports)
     return vs_course_motion(&c->course, c->setup->deck.motions[motion - c->names->n_ports].state,
                             t_s);
-  if (port > of_deck) return vs_away_lead(&c->away, port - of_deck, t_s);
+  if (port >= of_deck + VS_EVA_PORTS_LEADING) return vs_away_lead(&c->away, port - of_deck, t_s);
+  if (port > of_deck) return amended(c, port - of_deck, t_s);
   const vs_port *p = &c->setup->deck.ports[port];
   double push_v = p->signal.drive == VS_PORT_MAINS ? vs_prelude_push(&c->prelude, t_s) : 0;
   return push_v + vs_signals_voltage(&c->course.setup->timeline, &p->signal, t_s);
@@ -92,7 +105,10 @@ static vs_status accept(void *ctx, double solver_s, const double *signals, vs_er
   double t_s = run_time(c, solver_s);
   vs_status status = c->prelude.on ? VS_OK : reach_junction(c, t_s, err);
   if (status) return status;
-  if (c->away.follows) return vs_away_follow(&c->away, t_s, signals, err);
+  if (c->away.follows) {
+    vs_amend_restart(&c->amend);
+    return vs_away_follow(&c->away, t_s, signals, err);
+  }
   const vs_knot *from = vs_course_last(&c->course);
   vs_knot next; /* vs_course_move gives it its state */
   next.t_s = t_s;
@@ -100,7 +116,9 @@ static vs_status accept(void *ctx, double solver_s, const double *signals, vs_er
   vs_names_take_terms(&c->setup->deck, signals, &next);
   next.flux_rate2_v_s = (next.flux_rate_v - from->flux_rate_v) / (t_s - from->t_s);
   next.flux_rate3_v_s2 = 0; /* not known; a cubic's weight for it is 0 */
-  vs_swing_take(&c->swing, from, &next);
+  const vs_amend_step step = {c->course.frame.model, from, &next,
+                              vs_anode_conducts(&c->course.anode)};
+  vs_swing_take(&c->swing, from, &next, vs_amend_take(&c->amend, &step));
   status = vs_course_move(&c->course, &next, err);
   if (status) return status;
   if (!c->prelude.on) return vs_away_consider(&c->away, signals, err);
@@ -180,10 +198,14 @@ static vs_status go(coupling *c, vs_error *err) {
 static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_observer *observer,
                      vs_error *err) {
   const vs_frame frame = vs_sim_frame(&vs_coupled_tier, setup);
+  /* A search for an orbit compares cycles from almost the same state. What is given makes steps of
+   * their own in each, and the differences would show these. Where
+   * the armature meets a stop within a step, what is given comes too late. */
   coupling c = {.setup = setup, /* stays where it is: the host and the motion point to it */
                 .order = order,
                 .pace = vs_pace_of(setup),
                 .swing = vs_swing_of(setup),
+                .amend = vs_amend_of(setup, !order->pilot && !setup->model.stops.count),
                 .names = vs_alloc(1, sizeof *c.names)};
   vs_prelude_begin(&c.prelude, setup, order, observer);
   vs_course_begin(&c.course, vs_prelude_setup(&c.prelude), &frame, vs_prelude_observer(&c.prelude));

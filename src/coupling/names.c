@@ -8,21 +8,20 @@
   (snprintf(n->text[used], sizeof n->text[used], __VA_ARGS__), (place) = n->text[used++])
 
 /* The sources in eva_led.inc, by the port each is. */
-static const char *const LEADING[VS_EVA_PORTS] = {[VS_EVA_PORT_FLUX] = "igoal_l",
-                                                  [VS_EVA_PORT_VOLTAGE] = "igoal_v",
-                                                  [VS_EVA_PORT_RATE] = "irate",
-                                                  [VS_EVA_PORT_CONDUCTANCE] = "ilead"};
+static const char *const SOURCES[VS_EVA_PORTS] = {[VS_EVA_PORT_GAP] = "v.%s.vgap",
+                                                  [VS_EVA_PORT_AMENDS_FLUX] = "i.%s.iamend_l",
+                                                  [VS_EVA_PORT_AMENDS_CURRENT] = "i.%s.iamend_i",
+                                                  [VS_EVA_PORT_FLUX] = "i.%s.igoal_l",
+                                                  [VS_EVA_PORT_VOLTAGE] = "i.%s.igoal_v",
+                                                  [VS_EVA_PORT_RATE] = "i.%s.irate",
+                                                  [VS_EVA_PORT_CONDUCTANCE] = "i.%s.ilead"};
 
 static size_t name_own_ports(const vs_deck *deck, vs_names *n, size_t used) {
   const char **of_eva = n->ports + deck->n_ports;
   for (size_t p = 0; p < deck->n_ports; p++) NAMED(n->ports[p], "%s", deck->ports[p].source);
-  NAMED(of_eva[VS_EVA_PORT_GAP], "v.%s.vgap", deck->eva);
-  n->n_ports = deck->n_ports + VS_EVA_PORT_GAP + 1;
-  _Static_assert(VS_EVA_PORT_GAP == 0, "an EVA that cannot be led has the first port alone");
-  if (!deck->eva_led) return used;
-  for (size_t p = VS_EVA_PORT_GAP + 1; p < VS_EVA_PORTS; p++)
-    NAMED(of_eva[p], "i.%s.%s", deck->eva, LEADING[p]);
-  n->n_ports = deck->n_ports + VS_EVA_PORTS;
+  size_t count = deck->eva_led ? VS_EVA_PORTS : VS_EVA_PORTS_LEADING;
+  for (size_t p = 0; p < count; p++) NAMED(of_eva[p], SOURCES[p], deck->eva);
+  n->n_ports = deck->n_ports + count;
   return used;
 }
 

@@ -18,14 +18,17 @@ enum {
   VS_SIG_TERMS,
   VS_SIG_MOST = VS_SIG_TERMS + 2 * VS_DECK_MOST
 };
-/* Ports: the deck's, then the EVA's. Those but the gap are there only where the EVA can be led
+/* Ports: the deck's, then the EVA's. Those that lead are there only where the EVA can be led
  * (eva_led.inc). Last come the machine's motions that the deck names, in vs_deck.motions' order. */
 enum {
-  VS_EVA_PORT_GAP,         /* z, m */
-  VS_EVA_PORT_FLUX,        /* lambda that the EVA is led to, Wb */
-  VS_EVA_PORT_VOLTAGE,     /* voltage that it is led to, V */
-  VS_EVA_PORT_RATE,        /* how fast lambda is led, 1/s; 0: it is not */
-  VS_EVA_PORT_CONDUCTANCE, /* through which the voltage is led, S; 0: it is not */
+  VS_EVA_PORT_GAP,            /* z, m */
+  VS_EVA_PORT_AMENDS_FLUX,    /* what is added to the rate of lambda, V (coupling/amend.h) */
+  VS_EVA_PORT_AMENDS_CURRENT, /* what is added to the coil's current, A */
+  VS_EVA_PORTS_LEADING,       /* the first of those that lead */
+  VS_EVA_PORT_FLUX = VS_EVA_PORTS_LEADING, /* lambda that the EVA is led to, Wb */
+  VS_EVA_PORT_VOLTAGE,                     /* voltage that it is led to, V */
+  VS_EVA_PORT_RATE,                        /* how fast lambda is led, 1/s; 0: it is not */
+  VS_EVA_PORT_CONDUCTANCE,                 /* through which the voltage is led, S; 0: it is not */
   VS_EVA_PORTS
 };
 

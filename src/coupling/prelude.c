@@ -29,7 +29,7 @@ static vs_setup *calm_of(const vs_setup *setup, const vs_pilot *pilot) {
   vs_events *events = &calm->timeline.events;
   for (size_t k = 0; k < events->count; k++)
     events->item[k].start_s = events->item[k].end_s = NEVER_S;
-  events->count = 0; /* their sources in the deck still ask for the items */
+  events->count = 0;             /* their sources in the deck still ask for the items */
   calm->timeline.program = NULL; /* a control begins with the run */
   calm->loads = (vs_loads){0};
   calm->model.reloaded = false;

@@ -6,7 +6,6 @@
 #include "actuator/coil.h"
 #include "drive/firing.h"
 
-
 /* The trapezoidal rule makes an error of lambda of h^2/12 of its third derivative in each second.
  * While the coil rings with the snubbers, these errors add up to an error of the ring's phase. At
  * the next firing that is an error of the flux linkage from which the whole conduction starts, and
@@ -14,10 +13,11 @@
  *
  *   h^2/12 |lambda'''| T <= SHARE run.tolerance max |lambda|
  *
- * over the time T that the ring may last: LASTS radians of its own, and no more than a cycle of the
- * mains, in which the coil's resistance, if nothing else, has damped it. Measured over the 100
- * scenes of tests/test_tolerance_grid.c: with SHARE 0.3 an error is up to 2 times the tolerance,
- * with 1 up to 4.8 times. With half of LASTS, or less of T, it is more. */
+ * with what of lambda''' the rule is not given back (amend.h), over the time T that the ring may
+ * last: LASTS radians of its own, and no more than a cycle of the mains, in which the coil's
+ * resistance, if nothing else, has damped it. Measured over the 100 scenes of
+ * tests/test_tolerance_grid.c: with SHARE 0.3 an error is up to 2 times the tolerance, with 1 up
+ * to 4.8 times. With half of LASTS, or less of T, it is more. */
 static const double SHARE = 0.2, LASTS = 100;
 
 /* The sizes of the derivatives fade by this factor a step of a run at 1e-4, and so are remembered
@@ -93,20 +93,22 @@ static double common_slope(const vs_knot *from, const vs_knot *to) {
   return before * now > 0 ? fmin(fabs(before), fabs(now)) : 0;
 }
 
-void vs_swing_take(vs_swing *w, const vs_knot *from, const vs_knot *to) {
+void vs_swing_take(vs_swing *w, const vs_knot *from, const vs_knot *to, double missed_v_s2) {
   double h = to->t_s - from->t_s;
   double bend = fabs(to->flux_rate2_v_s - from->flux_rate2_v_s) / ((h + w->before_s) / 2);
   w->before_s = h;
   w->slope_v_s = fmax(w->fades * w->slope_v_s, common_slope(from, to));
-  w->bend_v_s2 = fmax(w->fades * w->bend_v_s2, bend * h <= RESOLVED * w->slope_v_s ? bend : 0);
+  bool resolved = bend * h <= RESOLVED * w->slope_v_s;
+  w->bend_v_s2 = fmax(w->fades * w->bend_v_s2, resolved ? bend : 0);
+  w->missed_v_s2 = fmax(w->fades * w->missed_v_s2, resolved ? missed_v_s2 : 0);
   w->flux_wb = fmax(w->flux_wb, fabs(to->flux_wb));
   follow_current(w, from);
   follow_alternation(w, from, to);
 }
 
 double vs_swing_longest(const vs_swing *w) {
-  if (!(w->bend_v_s2 > 0))
+  if (!(w->missed_v_s2 > 0))
     return INFINITY; /* a NaN as well, of which the machine's motion will tell */
   double lasts_s = fmin(w->period_s, LASTS * w->slope_v_s / w->bend_v_s2);
-  return sqrt(12 * w->share * w->flux_wb / (w->amplifies * w->bend_v_s2 * lasts_s));
+  return sqrt(12 * w->share * w->flux_wb / (w->amplifies * w->missed_v_s2 * lasts_s));
 }

@@ -17,6 +17,7 @@ typedef struct vs_swing {
       amplifies; /* largest current so far that counts, of a coil that is not square, and by how
                     much a relative error of lambda is larger in that current; 1 at least */
   double slope_v_s, bend_v_s2; /* sizes of the first two derivatives of v = dlambda/dt of late */
+  double missed_v_s2;          /* size of late of what of v'' the rule was not given back */
   double before_s;             /* length of the last step; 0: there was none */
   double rise_v;               /* by how much v rose over the last step */
   double kick_v;               /* by how much more than over the step before */
@@ -28,8 +29,8 @@ typedef struct vs_swing {
 vs_swing vs_swing_of(const vs_setup *setup);
 
 /* Takes in the solver's step between two knots. The flux_rate2_v_s of each is the mean over the
- * step that ends there. */
-void vs_swing_take(vs_swing *swing, const vs_knot *from, const vs_knot *to);
+ * step that ends there. missed_v_s2: what of v'' the rule was not given back (amend.h), V/s^2. */
+void vs_swing_take(vs_swing *swing, const vs_knot *from, const vs_knot *to, double missed_v_s2);
 
 /* Returns the longest step, s, that may be taken from the last knot on; INFINITY: any. */
 double vs_swing_longest(const vs_swing *swing);

@@ -44,6 +44,7 @@ static struct {
   long tries;             /* steps in that stretch, failed ones too */
   vs_status status;       /* the run ends once it is not VS_OK */
   bool enough;            /* the host has seen enough: the run ends with VS_OK */
+  const char **asked;     /* per port: where ngspice has its name; NULL: not known yet */
   size_t next_port;       /* the one that ngspice is likely to ask for next */
   vs_error *err;
   vs_complaints complaints; /* of the present load or run */
@@ -178,13 +179,14 @@ static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
 }
 
 /* ngspice asks for its sources in the same order each time, so the one behind the last is tried
- * first. */
+ * first. Within a run it has each name at one address, which is compared before the name is. */
 static int on_source(double *value, double t, char *name, int id, void *user) {
   (void)id, (void)user;
   *value = 0;
   for (size_t k = 0; ng.job && k < ng.job->n_ports; k++) {
     size_t p = (ng.next_port + k) % ng.job->n_ports;
-    if (strcmp(name, ng.job->ports[p])) continue;
+    if (name != ng.asked[p] && strcmp(name, ng.job->ports[p])) continue;
+    ng.asked[p] = name;
     ng.next_port = p + 1 < ng.job->n_ports ? p + 1 : 0;
     *value = ng.host->source(ng.host->ctx, p, t);
     break;
@@ -292,6 +294,7 @@ static void take_job(const vs_circuit_job *job, const vs_circuit_host *host) {
   ng.host = host;
   ng.vector = vs_alloc(job->n_signals, sizeof *ng.vector);
   ng.values = vs_alloc(job->n_signals, sizeof *ng.values);
+  ng.asked = vs_alloc(job->n_ports, sizeof *ng.asked);
 }
 
 static void step_on(vs_error *err) {
@@ -460,8 +463,10 @@ static void release(void *circuit) {
   vs_guard_end();
   free(ng.vector);
   free(ng.values);
+  free(ng.asked);
   free(ng.raw_vector);
   free(ng.raw_values);
+  ng.asked = NULL;
   ng.vector = ng.raw_vector = NULL;
   ng.values = ng.raw_values = NULL;
   ng.job = NULL;
