@@ -5,12 +5,12 @@
 #include <stdlib.h>
 
 #include "base/text.h"
-#include "solver/guard.h"
-#include "tell/show.h"
 #include "dependence/closed.h"
 #include "dependence/matrices.h"
 #include "period/classes.h"
+#include "solver/guard.h"
 #include "steady/steady.h"
+#include "tell/show.h"
 
 enum { DIGITS = 12, SHOWN = 10 /* the last harmonic in the table; JSON has all */ };
 
