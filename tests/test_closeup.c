@@ -145,6 +145,73 @@ static int count_words(const char *text, const char *word) {
   return n;
 }
 
+/* Reads a CSV file of numbers: its header, then rows. */
+static double *read_numbers(const char *name, const char *header, size_t columns, size_t *rows) {
+  char *text = read_file(name), *rest = text, *line = strsep(&rest, "\n");
+  double *value = vs_alloc(strlen(rest) + 1, sizeof *value);
+  EXPECT(!strcmp(line, header), "%s: %s", name, line);
+  for (*rows = 0; (line = strsep(&rest, "\n")) && *line; ++*rows)
+    for (size_t c = 0; c < columns; c++) {
+      value[*rows * columns + c] = strtod(line, &line);
+      CU_ASSERT_EQUAL_FATAL(*line, c + 1 < columns ? ',' : '\0');
+      line++;
+    }
+  free(text);
+  return value;
+}
+
+/* The rms of the line of that frequency, as the sum that defines it, over rows from..to. */
+static double line_of(const double *row, size_t columns, size_t column, size_t from, size_t to,
+                      double hertz) {
+  double re = 0, im = 0, n = (double)(to - from);
+  for (size_t r = from; r < to; r++) {
+    double angle = 2 * M_PI * hertz * row[r * columns];
+    re += row[r * columns + column] * cos(angle) / n;
+    im += row[r * columns + column] * sin(angle) / n;
+  }
+  return (hertz > 0 ? M_SQRT2 : 1) * hypot(re, im);
+}
+
+/* spectrum.csv holds the lines of the rows of run.csv from 20 ms to 80 ms, 600 of them: each as the
+ * sum that defines it. That of the mains is 440 V. Both files
+ * have nine digits, so that a number in them is wrong by 5e-9 of itself at most: once in the rows,
+ * whose mean is not more wrong, and once in the lines. */
+static void numbers(void) {
+  if (!on_path("gnuplot")) return;
+  size_t rows, lines;
+  RUN_GOOD("run paper --set firing.every=1 --set run.until=80ms --set record=[p,i,v_mains] -o n "
+           "--quiet");
+  ran r = run("plot n --probe p,i,v_mains --fft --from 15ms --to 80ms");
+  expect_good(&r, "plot --fft", __LINE__);
+  EXPECT(
+      strstr(r.out, "n/spectrum.csv\nspectrum of n: from 20 ms to 80 ms, lines 16.67 Hz apart\n"),
+      "%s", r.out);
+  free_ran(&r);
+  double *row = read_numbers("n/run.csv", "t_s,p_m,i_a,v_mains_v", 4, &rows),
+         *line = read_numbers("n/spectrum.csv", "frequency_hz,p_rms_m,i_rms_a,v_mains_rms_v", 4,
+                              &lines);
+  CU_ASSERT_EQUAL_FATAL(rows, 801);
+  CU_ASSERT_EQUAL_FATAL(lines, 300);
+  for (size_t k = 0; k < lines; k++) {
+    double hertz = (double)k / 0.06;
+    vs_close(line[4 * k], hertz, 1 + hertz, 5e-9, "frequency", __LINE__);
+    for (size_t c = 1; c < 4; c++)
+      vs_close(line[4 * k + c], line_of(row, 4, c, 200, 800, hertz), c < 3 ? line[4 * 3 + c] : 440,
+               1e-8, "line", __LINE__);
+  }
+  vs_close(line[4 * 3 + 3], 440, 440, 1e-8, "mains", __LINE__);
+  free(row);
+  free(line);
+  RUN_GOOD("plot n n --probe i --fft -o two.svg --quiet");
+  char *two = read_file("two_spectrum.csv");
+  EXPECT(!strncmp(two, "run,frequency_hz,i_rms_a\nn,0,", 29) && count_lines(two) == 801, "%.60s",
+         two);
+  free(two);
+  ran again = run("run paper --set run.until=10ms -o n --quiet");
+  free_ran(&again);
+  EXPECT_FILES("n", "events.csv run.csv summary.json ");
+}
+
 /* A fault is found by itself and its word stands in the picture; the next run removes pictures. */
 static void drawn(void) {
   if (!on_path("gnuplot")) return;
@@ -164,8 +231,8 @@ static void drawn(void) {
   free(svg);
   RUN_GOOD("plot dip --probe i --fft --quiet");
   RUN_GOOD("plot dip --orbit -o orbit.svg --quiet");
-  EXPECT_FILES("dip", "closeup.png closeup.svg events.csv run.csv spectrum.png spectrum.svg "
-                      "summary.json ");
+  EXPECT_FILES("dip", "closeup.png closeup.svg events.csv run.csv spectrum.csv spectrum.png "
+                      "spectrum.svg summary.json ");
   ran again = run("run dip.yaml -o dip --quiet");
   CU_ASSERT_EQUAL(again.status, 0);
   free_ran(&again);
@@ -200,7 +267,8 @@ static void page(void) {
 }
 
 static const vs_test TESTS[] = {{"windows", windows}, {"probes", probes}, {"spectra", spectra},
-                                {"refused", refused}, {"drawn", drawn},   {"page", page}};
+                                {"refused", refused}, {"drawn", drawn},   {"numbers", numbers},
+                                {"page", page}};
 
 int main(void) {
   return program_suite("closeup", TESTS, COUNT(TESTS));

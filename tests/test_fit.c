@@ -430,7 +430,7 @@ static void refused(void) {
        "p_first_peak: {value: -1.5 mm, error: 3 %}}\n",
        NULL,
        "f.yaml:1:",
-       {"do not carry so many unknowns", "actuator.gap"}},
+       {"cannot tell so many unknowns apart", "actuator.gap"}},
       {"free: {machine.trough_mas: }\n" PEAK, NULL, "f.yaml:1:8", {"did you mean"}},
       {"free: {machine.trough_mass: {from: 1 kg}}\n" PEAK,
        NULL,

@@ -85,6 +85,9 @@ static void all_of_spice_is_there(void) {
                                      "share/fish/vendor_completions.d/vibrospice.fish",
                                      "share/zsh/site-functions/_vibrospice",
                                      "share/man/man1/vibrospice.1",
+                                     "lib/python3/dist-packages/vibrospice/__init__.py",
+                                     "lib/python3/dist-packages/vibrospice/results.py",
+                                     "lib/python3/dist-packages/vibrospice/tables.py",
                                      "share/vibrospice/schema/scene.schema.json",
                                      "share/vibrospice/schema/study.schema.json",
                                      "share/vibrospice/schema/machine.schema.json"};
@@ -104,6 +107,21 @@ static void shipped_scenes_and_decks_run(void) {
   EXPECT_SAYS("run paper --tier circuit --set run.until=5ms",
               "there/bin/../share/vibrospice/scenes/paper.yaml");
   EXPECT_SAYS("run paper --set circuit.deck=halfwave_bare --set run.until=5ms", "circuit");
+}
+
+/* A new scene names the installed schema, and so do the shipped files, by where they lie. */
+static void schemas_are_named(void) {
+  EXPECT_SAYS("new fresh.yaml", "written");
+  char *fresh = read_file("fresh.yaml"),
+       *shipped = read_file("there/share/vibrospice/scenes/paper.yaml");
+  char path[256] = "";
+  sscanf(fresh, "# yaml-language-server: $schema=%255s", path);
+  EXPECT(strstr(path, "/share/vibrospice/schema/scene.schema.json") && !access(path, R_OK),
+         "%.200s", fresh);
+  sscanf(shipped, "# yaml-language-server: $schema=%255s", path);
+  EXPECT(!strcmp(path, "../schema/scene.schema.json"), "%.200s", shipped);
+  free(fresh);
+  free(shipped);
 }
 
 static void added_files_are_found(void) {
@@ -166,6 +184,7 @@ int main(void) {
   static const vs_test TESTS[] = {
       {"installing", installing},
       {"all of spice/ is there", all_of_spice_is_there},
+      {"schemas are named", schemas_are_named},
       {"shipped scenes and decks run", shipped_scenes_and_decks_run},
       {"added files are found", added_files_are_found},
       {"by another name", by_another_name},

@@ -440,10 +440,9 @@ static char *block(const char *at, const char *kind) {
 }
 
 static void the_page(void) {
-  char *page = read_file(VS_TEST_FOLDER "/../docs/operation.md");
-  const char *section = strstr(page, "\n## The load");
-  char *yaml = block(section, "yaml"), *lines = block(section, "sh"), *rest = lines, *line;
-  char *text = block(section, "text"), *expected = text;
+  char *page = read_file(VS_TEST_FOLDER "/../docs/load.md");
+  char *yaml = block(page, "yaml"), *lines = block(page, "sh"), *rest = lines, *line;
+  char *text = block(page, "text"), *expected = text;
   vs_text said = {0};
   write_file("charge.yaml", yaml);
   while ((line = strsep(&rest, "\n"))) {

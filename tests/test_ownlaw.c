@@ -99,8 +99,9 @@ static void unasked(void) {
   ask_number(&r, "nu", &number, &err);
   usleep(300000); /* until it has said the rest */
   EXPECT(ask_number(&r, "n", &number, &err) == VS_RUN, "it was taken");
-  EXPECT(!strcmp(err.text, "t = 0.5 s: control: copy said something unasked; wanted: one answer "
-                           "for each question"),
+  EXPECT(!strcmp(err.text,
+                 "t = 0.5 s: control: copy answered before it was asked; wanted: one answer "
+                 "for each question"),
          "%s", err.text);
   vs_remote_end(&r);
   expect_alone(__LINE__);
@@ -153,7 +154,7 @@ static void a_program_fails(void) {
               __LINE__);
   expect_line((char *[]){"sh", "-c", "read x; sleep 77 & exit 5", NULL}, 0.5,
               "ended with status 5, without an answer", __LINE__);
-  expect_line((char *[]){"yes", NULL}, 20, "said something unasked", __LINE__);
+  expect_line((char *[]){"yes", NULL}, 20, "answered before it was asked", __LINE__);
   expect_line((char *[]){"sh", "-c", "exec 1>&-; sleep 30", NULL}, 20, "closed its pipe", __LINE__);
   expect_line((char *[]){"sh", "-c", "read x; head -c 9999 /dev/zero", NULL}, 20,
               "longer than 4096 bytes", __LINE__);
@@ -424,9 +425,10 @@ static void bad_pipes(void) {
   REFUSE("run s.yaml --allow-code --quiet", "no program",
          "s.yaml:2:31: control: the program no_such", "cannot be started: No such file");
   write_scene("s.yaml", "law: pipe, command: \"python3 'my law.py\"");
-  REFUSE("run s.yaml", "a quote", "s.yaml:2:32: control.command: ", "a quote of it has no end");
+  REFUSE("run s.yaml", "a quote",
+         "s.yaml:2:32: control.command: ", "a quotation in it is not closed");
   write_scene("s.yaml", "law: pipe, command: ' '");
-  REFUSE("run s.yaml", "no word", "s.yaml:2:32: control.command: ", "it has no word");
+  REFUSE("run s.yaml", "no word", "s.yaml:2:32: control.command: ", "it is empty");
 }
 
 /* What it reads is one line, with null for what is not known; no firing is null, too. */

@@ -247,7 +247,7 @@ static void shown_and_drawn(void) {
   free_ran(&r);
 }
 
-/* The block of docs/operation.md that begins with this text, up to its end; free() it. */
+/* The block of docs/quality.md that begins with this text, up to its end; free() it. */
 static char *block_of(const char *page, const char *begins) {
   const char *from = strstr(page, begins), *to = from ? strstr(from, "\n```") : NULL;
   EXPECT(to != NULL, "no block %s", begins);
@@ -293,7 +293,7 @@ static void expect_line(const char *printed, char *line) {
 }
 
 static void the_page(void) {
-  char *page = read_file(VS_TEST_FOLDER "/../docs/operation.md");
+  char *page = read_file(VS_TEST_FOLDER "/../docs/quality.md");
   char *scene = block_of(page, "# quality.yaml"), *text = block_of(page, "mains.power  "),
        *rest = text;
   write_file("quality.yaml", scene);

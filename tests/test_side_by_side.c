@@ -185,8 +185,61 @@ static void studies(void) {
   free_ran(&r);
 }
 
-static const vs_test TESTS[] = {
-    {"departure", departure}, {"runs", runs}, {"refused", refused}, {"studies", studies}};
+static void expect_page(const char *name, const char *const *says, int line) {
+  char *html = read_file(name);
+  expect_lines(html, says, line);
+  EXPECT(!strstr(html, "src=\"http") && !strstr(html, "href=\"http"), "%s needs other files", name);
+  free(html);
+}
+
+/* The page says what the table says, whatever the folders are called; it takes no run's place. */
+static void pages(void) {
+  static const char *const STUDIES[] = {
+      "<h1>Compare one and turned</h1>",
+      "class=\"verdict bad\">\n<p>A: one</p>\n<p class=\"big\">3 of 4 judged are held</p>",
+      "<p>4 rows joined by the values of their axes; 0 in A alone, 0 in B alone. 1 of the joined",
+      "<tr><td class=\"n\">1</td><td>violated</td><td class=\"n\">2</td><td>held</td></tr>",
+      "<tr><td>thyristor.di_dt_a_us</td>",
+      "</html>\n",
+      NULL};
+  static const char *const RUNS[] = {
+      "<h1>Compare a and b&lt;</h1>",
+      "class=\"verdict good\">\n<p>A: a</p>\n<p class=\"big\">held</p>\n<p>tier circuit, until 2 s",
+      "class=\"verdict bad\">\n<p>B: b&lt;</p>\n<p class=\"big\">violated, unverified</p>",
+      "<tr><td>firing.angle</td><td>100 deg</td><td>95 deg</td></tr>\n</table>",
+      "<td>t1.di_dt</td><td class=\"n\">50.0 %</td><td>held</td><td class=\"n\">-10.0 %</td>"
+      "<td>violated, unverified</td>",
+      "<td>i_peak</td><td class=\"n\">800 mA</td><td class=\"n\">1 A</td><td class=\"n\">200 "
+      "mA</td>"
+      "<td class=\"n\">+25 %</td>",
+      "<td>x</td><td class=\"n\">-</td><td class=\"n\">2 mm</td><td class=\"n\">-</td>",
+      "<figcaption>i_a</figcaption>",
+      "<td>i_a</td><td class=\"n\">2</td><td class=\"n\">1</td><td class=\"n\">500 ms</td>",
+      "<p>Only A has v_v.</p>",
+      "</html>\n",
+      NULL};
+  RUN_GOOD("compare one turned -o new/page --quiet");
+  expect_page("new/page/report.html", STUDIES, __LINE__);
+  EXPECT_FILES("new/page", "report.html ");
+  ran r = run("compare a b -o one");
+  EXPECT(r.status == 2 && !*r.out && strstr(r.err, "-o one: holds a study"), "%s", r.err);
+  free_ran(&r);
+  make_runs();
+  if (!on_path("gnuplot")) return;
+  write_run("b<", "t_s,i_a,w_v\n0,0,1\n0.5,2,1\n2,0,1\n", B);
+  r = run("compare a 'b<' -o both");
+  expect_good(&r, "compare -o", __LINE__);
+  EXPECT(!strncmp(r.out, "A: a, tier circuit", 18) && strstr(r.out, "\nboth/report.html\n"), "%s",
+         r.out);
+  free_ran(&r);
+  expect_page("both/report.html", RUNS, __LINE__);
+}
+
+static const vs_test TESTS[] = {{"departure", departure},
+                                {"runs", runs},
+                                {"refused", refused},
+                                {"studies", studies},
+                                {"pages", pages}};
 
 int main(void) {
   return program_suite("side_by_side", TESTS, COUNT(TESTS));

@@ -182,3 +182,9 @@ vs_status vs_file_commit_as(vs_file *file, const char *folder, const char *name,
   snprintf(file->path, sizeof file->path, "%s%s%s", folder, *folder ? "/" : "", name);
   return vs_file_commit(file, err);
 }
+
+void vs_file_remove(int folder, const char *name) {
+  struct stat s;
+  if (!fstatat(folder, name, &s, AT_SYMLINK_NOFOLLOW) && S_ISREG(s.st_mode))
+    unlinkat(folder, name, 0);
+}

@@ -35,4 +35,8 @@ vs_status vs_file_commit_as(vs_file *file, const char *folder, const char *name,
 /* Removes the file as if it had never been. Does nothing to one that is closed. */
 void vs_file_discard(vs_file *file);
 
+/* Removes a plain file from the folder that is open as `folder`; a link, or what else has that
+ * name, stays. */
+void vs_file_remove(int folder, const char *name);
+
 #endif

@@ -14,19 +14,26 @@ vs_json vs_json_inside(vs_text *text) {
   return (vs_json){.text = text, .level = {{'}', .lines = true, .has_members = true}}, .depth = 1};
 }
 
+static bool is_plain(char c) {
+  return (unsigned char)c >= 0x20 && c != '"' && c != '\\';
+}
+
 void vs_json_string(vs_text *t, const char *string) {
   const char *bad = vs_text_not_utf8(string, strlen(string));
   vs_text_add(t, "\"");
-  for (const unsigned char *s = (const unsigned char *)string; *s; s++) {
-    if (bad == (const char *)s) {
+  for (const char *s = string; *s; s++) {
+    size_t plain = 0; /* characters that stand for themselves */
+    while (s + plain != bad && is_plain(s[plain])) plain++;
+    vs_text_add(t, "%.*s", (int)plain, s);
+    s += plain;
+    if (!*s) break;
+    if (s == bad) {
       vs_text_add(t, "\\ufffd");
       bad = vs_text_not_utf8(bad + 1, strlen(bad + 1));
     } else if (*s == '"' || *s == '\\')
       vs_text_add(t, "\\%c", *s);
-    else if (*s < 0x20)
-      vs_text_add(t, "\\u%04x", *s);
     else
-      vs_text_add(t, "%c", *s);
+      vs_text_add(t, "\\u%04x", (unsigned char)*s);
   }
   vs_text_add(t, "\"");
 }

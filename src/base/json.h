@@ -15,7 +15,7 @@ typedef enum vs_json_layout {
   VS_JSON_LINES /* each on a line of its own, indented by 2 for every VS_JSON_LINES around it */
 } vs_json_layout;
 
-enum { VS_JSON_DEPTH = 16 }; /* most objects and arrays inside each other; asserted */
+enum { VS_JSON_DEPTH = 24 }; /* most objects and arrays inside each other; asserted */
 
 /* The members of this struct are the writer's own. */
 typedef struct vs_json {

@@ -16,7 +16,7 @@ static const char *volatile removed[VS_LEAVE_MOST];
 static volatile sig_atomic_t heed = VS_HEED_NOT;
 static volatile pid_t owner; /* the process whose files they are; a forked child removes nothing */
 
-static void take_away(void) {
+void vs_leave_clean(void) {
   if (getpid() != owner) return;
   for (int k = 0; k < VS_LEAVE_MOST; k++)
     if (removed[k]) unlink(removed[k]);
@@ -26,7 +26,7 @@ static void take_away(void) {
 
 static _Noreturn void leave(void) {
   static const char TEXT[] = "vibrospice: stopped by a signal\n";
-  take_away();
+  vs_leave_clean();
   if (getpid() == owner && write(STDERR_FILENO, TEXT, sizeof TEXT - 1) < 0) _exit(VS_SIGNAL);
   _exit(VS_SIGNAL);
 }
@@ -44,7 +44,7 @@ static void set_alarm(void) {
 
 /* Ends the process as the signal does without a handler, after its files were removed. */
 static void on_end(int number) {
-  take_away();
+  vs_leave_clean();
   signal(number, SIG_DFL);
   raise(number); /* the signal is taken when this handler has returned */
 }
@@ -70,7 +70,7 @@ void vs_leave_begin(void) {
     sigaction(SIGHUP, &stop, NULL); /* under nohup HUP stays ignored */
   sigaction(SIGPIPE, NULL, &before);
   if (before.sa_handler != SIG_IGN) sigaction(SIGPIPE, &pipe, NULL);
-  atexit(take_away);
+  atexit(vs_leave_clean);
 }
 
 vs_heed vs_leave_heed_set(vs_heed next) {

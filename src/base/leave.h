@@ -31,6 +31,9 @@ enum { VS_LEAVE_MOST = 512 };
 void vs_leave_remove(const char *path);
 void vs_leave_forget(const char *path);
 
+/* Removes all that is noted. A signal handler may call it. */
+void vs_leave_clean(void);
+
 /* Between these two calls no signal is handled, so that a file can be made and noted in one step.
  */
 void vs_leave_hold(sigset_t *before);

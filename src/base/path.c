@@ -10,8 +10,8 @@
 
 #include "base/text.h"
 
-#ifndef VS_SOURCE_LIBRARY
-#error "the build names the source tree's spice/ folder"
+#ifndef VS_LIBRARY
+#error "the build names the library folder that is looked into last"
 #endif
 
 /* Calls visit for the library folders in their order, until it returns true; returns whether it
@@ -32,7 +32,7 @@ static bool each_library(bool (*visit)(void *ctx, const char *folder), void *ctx
     snprintf(share, sizeof share, "%s/../share/vibrospice", self);
     stop = visit(ctx, share);
   }
-  return stop || visit(ctx, VS_SOURCE_LIBRARY);
+  return stop || visit(ctx, VS_LIBRARY);
 }
 
 static bool is_file(const char *path) {

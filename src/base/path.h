@@ -18,9 +18,10 @@ typedef struct vs_shelf {
 
 /* Writes to path where the file called name lies. It is the path given, or NAME+ending on the shelf
  * in the first library folder that has it. The library folders are, in this order: those of
- * $VIBROSPICE_PATH (separated by colons), share/vibrospice beside the executable, spice/ of the
- * source tree the program was built from. where is the place that names the file, for the message.
- * Error: there is no such file; the message names the nearest shipped one. */
+ * $VIBROSPICE_PATH (separated by colons), share/vibrospice beside the executable, and the build's
+ * VS_LIBRARY: spice/ of the source tree, or where the Debian package installs it. where is the
+ * place that names the file, for the message. Error: there is no such file; the message names the
+ * nearest shipped one. */
 vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
                        char path[VS_PATH_SIZE], vs_error *err);
 

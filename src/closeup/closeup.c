@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "closeup/fourier.h"
 #include "closeup/phase_plane.h"
 #include "closeup/strips.h"
@@ -132,6 +133,27 @@ static vs_status draw(const vs_closeup_options *o, const vs_stretch *s, vs_error
   return status;
 }
 
+/* Writes spectrum.csv beside spectrum.png, or FILE_spectrum.csv beside the FILE.png of -o, as
+ * FILE.csv may be somebody's data. */
+static vs_status write_numbers(const vs_closeup_options *o, const vs_stretch *s, vs_error *err) {
+  char name[VS_PATH_SIZE] = "spectrum.csv";
+  vs_text csv = {0}, words = {0};
+  vs_file file = {0};
+  if (o->output) /* which ends in .png or .svg */
+    snprintf(name, sizeof name, "%.*s_spectrum.csv", (int)strlen(o->output) - 4, o->output);
+  vs_status status = vs_fourier_csv(s, &csv, err);
+  if (!status) status = vs_fourier_say(s, &words, err);
+  if (!status) status = vs_file_open(&file, o->output ? "" : o->folders[0], name, err);
+  if (!status) {
+    fwrite(csv.text, 1, csv.length, file.stream); /* an error stays in the stream */
+    status = vs_file_commit(&file, err);
+  }
+  if (!status && !o->quiet) printf("%s\n%s", file.path, words.text);
+  vs_text_free(&csv);
+  vs_text_free(&words);
+  return status;
+}
+
 static void say_window(const vs_stretch *s, const char *why) {
   char from[VS_AMOUNT_SIZE], to[VS_AMOUNT_SIZE];
   printf("shown: %s to %s, %s; --from and --to choose\n", vs_amount_text(s->from_s, "s", from),
@@ -150,6 +172,7 @@ vs_status vs_closeup_command(const vs_closeup_options *o, vs_error *err) {
   if (!status && o->orbit && !o->probes) s->probes.count = 1;
   if (!status) status = find_window(o, s, &why, err);
   if (!status) status = draw(o, s, err);
+  if (!status && o->fft) status = write_numbers(o, s, err);
   if (!status && why && !o->quiet) say_window(s, why);
   for (size_t k = 0; k < s->runs; k++) {
     vs_traces_free(&s->run[k].traces);

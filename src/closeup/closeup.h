@@ -20,8 +20,9 @@ typedef struct vs_closeup_options {
   bool quiet;
 } vs_closeup_options;
 
-/* Draws the picture. Errors: those of reading the runs; no such probe; no such stretch of time;
- * both spectra and orbits are asked for; gnuplot is missing or fails. */
+/* Draws the picture, and of spectra writes the numbers as CSV beside it. Errors: those of reading
+ * the runs; no such probe; no such stretch of time; both spectra and orbits are asked for; gnuplot
+ * is missing or fails. */
 vs_status vs_closeup_command(const vs_closeup_options *options, vs_error *err);
 
 /* True if an event of the scene begins in the run of that folder. */

@@ -5,9 +5,15 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/csv.h"
 #include "picture/gnuplot.h"
+#include "tell/amount.h"
 
-enum { MOST_FACTOR = 101, LAST_HARMONIC = 40 }; /* of the points; shown, of the mains */
+enum {
+  MOST_FACTOR = 101,  /* of the points */
+  LAST_HARMONIC = 40, /* of the mains, that the picture shows */
+  DIGITS = 9          /* as run.csv has */
+};
 static const double FLOOR = 1e-6; /* what is this share of a probe's largest line is shown as 0 */
 
 /* The number, or the next one whose prime factors are all small, as the transform of a large prime
@@ -84,14 +90,21 @@ vs_status vs_fourier_take(const vs_traces *t, int column, const double window_s[
                          t->name[column]);
 }
 
+/* The spectrum of a probe of a run over what is shown. */
+static vs_status take(const vs_stretch *s, int probe, size_t run, vs_fourier *f, vs_error *err) {
+  const vs_traces *t = &s->run[run].traces;
+  return vs_fourier_take(t, vs_traces_find(t, s->probes.item[probe].column),
+                         (double[]){s->from_s, s->to_s}, s->cycle_s, f, err);
+}
+
+/* ---- the picture ---- */
+
 /* Adds the lines up to LAST_HARMONIC as a data block, one for each probe and run. */
 static vs_status add_block(const vs_stretch *s, int probe, size_t run, vs_text *script,
                            double *largest, vs_error *err) {
-  const vs_traces *t = &s->run[run].traces;
   const vs_probe_shown *p = &s->probes.item[probe];
   vs_fourier f;
-  vs_status status = vs_fourier_take(t, vs_traces_find(t, p->column),
-                                     (double[]){s->from_s, s->to_s}, s->cycle_s, &f, err);
+  vs_status status = take(s, probe, run, &f, err);
   if (status) return status;
   vs_text_add(script, "$lines_%d_%zu << EOD\n", probe, run);
   for (size_t k = 0; k < f.lines; k++) {
@@ -137,5 +150,55 @@ vs_status vs_fourier_add(const vs_stretch *s, vs_text *script, vs_error *err) {
               (LAST_HARMONIC + 0.5) / s->cycle_s);
   for (int k = 0; k < s->probes.count && !status; k++) add_panel(s, k, largest[k], script);
   vs_text_add(script, "unset multiplot\n");
+  return status;
+}
+
+/* ---- the numbers ---- */
+
+/* Adds the rows of a run. All its probes have the same lines, as they have the same times. */
+static vs_status add_rows(const vs_stretch *s, size_t run, vs_text *csv, vs_error *err) {
+  vs_fourier f[VS_PROBES_MOST] = {{.rms = NULL}};
+  vs_status status = VS_OK;
+  char number[VS_NUMBER_SIZE];
+  for (int k = 0; k < s->probes.count && !status; k++) status = take(s, k, run, &f[k], err);
+  for (size_t line = 0; !status && line < f[0].lines; line++) {
+    if (s->runs > 1) vs_csv_cell(csv, s->run[run].folder);
+    vs_text_number(number, (double)line / f[0].span_s, DIGITS);
+    vs_text_add(csv, "%s%s", s->runs > 1 ? "," : "", number);
+    for (int k = 0; k < s->probes.count; k++) {
+      vs_text_number(number, f[k].rms[line], DIGITS);
+      vs_text_add(csv, ",%s", number);
+    }
+    vs_text_add(csv, "\n");
+  }
+  for (int k = 0; k < s->probes.count; k++) free(f[k].rms);
+  return status;
+}
+
+vs_status vs_fourier_csv(const vs_stretch *s, vs_text *csv, vs_error *err) {
+  vs_status status = VS_OK;
+  vs_text_add(csv, "%sfrequency_hz", s->runs > 1 ? "run," : "");
+  for (int k = 0; k < s->probes.count; k++) {
+    char name[VS_PROBE_SIZE + 8];
+    vs_probes_named(&s->probes.item[k], "rms", name, sizeof name);
+    vs_text_add(csv, ",%s", name);
+  }
+  vs_text_add(csv, "\n");
+  for (size_t r = 0; r < s->runs && !status; r++) status = add_rows(s, r, csv, err);
+  return status;
+}
+
+vs_status vs_fourier_say(const vs_stretch *s, vs_text *words, vs_error *err) {
+  vs_status status = VS_OK;
+  for (size_t r = 0; r < s->runs && !status; r++) {
+    vs_fourier f = {.rms = NULL};
+    char from[VS_AMOUNT_SIZE], to[VS_AMOUNT_SIZE], apart[VS_AMOUNT_SIZE];
+    status = take(s, 0, r, &f, err);
+    free(f.rms);
+    if (status) break;
+    vs_text_add(words, "spectrum of %s: from %s to %s, lines %s apart\n", s->run[r].folder,
+                vs_amount_text(f.from_s, "s", from), vs_amount_text(f.from_s + f.span_s, "s", to),
+                vs_amount_text(1 / f.span_s, "Hz", apart));
+  }
   return status;
 }

@@ -90,3 +90,9 @@ bool vs_probes_rate(const vs_probe_shown *probe, const vs_traces *t, vs_probe_sh
   fill(rate, column);
   return true;
 }
+
+void vs_probes_named(const vs_probe_shown *probe, const char *word, char *name, size_t size) {
+  const char *unit, *at = unit_of(probe->column, &unit);
+  int length = (int)(at - probe->column) - (*at != '\0');
+  snprintf(name, size, "%.*s_%s%s%s", length, probe->column, word, *at ? "_" : "", at);
+}

@@ -28,4 +28,7 @@ vs_status vs_probes_find(const char *words, const vs_traces *traces, vs_probes_s
  * run has none. */
 bool vs_probes_rate(const vs_probe_shown *probe, const vs_traces *traces, vs_probe_shown *rate);
 
+/* Writes the probe's column with a word before its unit: "i_rms_a" of i_a and "rms". */
+void vs_probes_named(const vs_probe_shown *probe, const char *word, char *name, size_t size);
+
 #endif

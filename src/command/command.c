@@ -81,7 +81,8 @@ static const char **word_of(vs_arguments *a, int key) {
                {VS_KEY_SCENE, &a->scene},
                {VS_KEY_WRAP, &a->wrap},
                {VS_KEY_PROBE, &a->probe},
-               {VS_KEY_FROM, &a->from}};
+               {VS_KEY_FROM, &a->from},
+               {VS_KEY_FORMAT, &a->format}};
   for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
     if (WORDS[k].key == key) return WORDS[k].word;
   return NULL;

@@ -18,7 +18,7 @@ typedef struct vs_arguments {
   char **sets; /* KEY=VALUE of each --set, and of each shortcut of it */
   size_t n_sets;
   const char *tier, *output, *deck, *machine, *overlay, *shard, *of, *to, *along, *step, *at,
-      *profile, *mains, *gate, *coil, *pins, *library, *scene, *wrap, *probe, *from;
+      *profile, *mains, *gate, *coil, *pins, *library, *scene, *wrap, *probe, *from, *format;
   bool json, all, quiet, reproducible, raw, list, deep, help, resume, overwrite, keep_runs,
       progress_json, steady, no_sharing, linear, allow_code, fft, orbit;
   int digits; /* 1..17 */
@@ -88,7 +88,8 @@ enum {
   VS_KEY_PROBE,
   VS_KEY_FROM,
   VS_KEY_FFT,
-  VS_KEY_ORBIT
+  VS_KEY_ORBIT,
+  VS_KEY_FORMAT
 };
 
 /* Rows of vs_command.options: an option that takes a value, and one that takes none. */

@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "base/leave.h"
 #include "scene/session.h"
+#include "solver/guard.h"
 #include "steady/steady.h"
 #include "tell/show.h"
 #include "watch/table.h"
@@ -118,24 +119,30 @@ const char *const vs_run_pictures[] = {
     "measured_100ms", "control_run",  "harmonics",  "closeup",
     "spectrum",       "orbit",        NULL};
 
-/* Calls each(folder, name, names) for every picture in the folder, and for the page. A link is left
- * alone: the program drew none. */
-static void each_picture(const char *folder,
-                         void (*each)(const char *folder, const char *name, vs_text *names),
-                         vs_text *names) {
+/* Is called with each file that gives way. */
+typedef void (*file_visit)(const char *folder, const char *name, vs_text *names);
+
+/* A link is left alone: the program made none. */
+static void visit_file(const char *folder, const char *name, file_visit each, vs_text *names) {
+  char path[VS_PATH_SIZE];
+  struct stat s;
+  snprintf(path, sizeof path, "%s/%s", folder, name);
+  if (!lstat(path, &s) && S_ISREG(s.st_mode)) each(folder, name, names);
+}
+
+/* Calls each(folder, name, names) for every picture in the folder, for the numbers of a spectrum,
+ * and for the page, unless it is a study's. */
+static void each_picture(const char *folder, file_visit each, vs_text *names) {
   static const char *const ENDINGS[] = {"png", "svg"};
   char path[VS_PATH_SIZE], name[64];
-  struct stat s;
   for (const char *const *k = vs_run_pictures; *k; k++)
     for (size_t e = 0; e < sizeof ENDINGS / sizeof *ENDINGS; e++) {
       snprintf(name, sizeof name, "%s.%s", *k, ENDINGS[e]);
-      snprintf(path, sizeof path, "%s/%s", folder, name);
-      if (!lstat(path, &s) && S_ISREG(s.st_mode)) each(folder, name, names);
+      visit_file(folder, name, each, names);
     }
-  snprintf(path, sizeof path, "%s/manifest.json", folder); /* the page is a study's then */
-  if (!access(path, F_OK)) return;
-  snprintf(path, sizeof path, "%s/report.html", folder);
-  if (!lstat(path, &s) && S_ISREG(s.st_mode)) each(folder, "report.html", names);
+  visit_file(folder, "spectrum.csv", each, names);
+  snprintf(path, sizeof path, "%s/manifest.json", folder);
+  if (access(path, F_OK)) visit_file(folder, "report.html", each, names);
 }
 
 static void add_name(const char *folder, const char *name, vs_text *names) {
@@ -227,12 +234,24 @@ static vs_status close_files(audience *a, vs_status ran, const char *json, vs_er
 
 /* ---- as the session's guest ---- */
 
+/* True if a second process would find all that this one has found: the scene comes from no pipe,
+ * one folder at most was made, which is noted to go with the process, and no other program takes
+ * part.
+ */
+static bool can_begin_anew(const audience *a) {
+  struct stat s;
+  bool file = stat(a->options->scene, &s) || S_ISREG(s.st_mode);
+  return file && a->made <= 1 && !a->scene->control.regulator;
+}
+
 static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {
   audience *a = ctx;
   a->scene = scene;
   if (a->more && a->more->begin) a->more->begin(a->more->ctx, scene);
   vs_status status = a->options->folder ? open_files(a, err) : VS_OK;
   scene->order.raw = a->raw.stream;
+  scene->order.unbegun = can_begin_anew(a);
+  if (a->made == 1) vs_leave_remove(a->options->folder);
   a->began_s = wall_clock();
   a->shown_s = 0;
   return status;
@@ -247,6 +266,7 @@ static void again(void *ctx, const char *failed, int next) {
   audience *a = ctx;
   end_progress(a);
   if (a->options->folder) {
+    vs_leave_forget(a->options->folder);
     discard_files(a);
     vs_file_folder_unmake(a->options->folder, a->made);
   }
@@ -303,8 +323,10 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   vs_leave_heed_set(VS_HEED_KEEP);
   end_progress(&a);
   if (!status && more && more->finish) more->finish(more->ctx, result);
-  if (!status) vs_summary_json(result, !o->reproducible, more ? &more->summary : NULL, &json);
+  if (!status && (o->json || o->folder))
+    vs_summary_json(result, !o->reproducible, more ? &more->summary : NULL, &json);
   if (o->folder) status = close_files(&a, status, json.text, err);
+  if (o->folder) vs_leave_forget(o->folder);
   vs_leave_heed_set(before);
   if (!status) say_result(o, more, result, json.text);
   if (!status) status = vs_session_judge(result, err);
@@ -322,7 +344,7 @@ vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
   scene->allow_code = o->allow_code;
   if (!status) status = vs_control_allow(&scene->control, o->allow_code, err);
   if (!status && o->raw) status = vs_scene_take_circuit(scene, "--raw", err);
-  if (!status && !o->quiet) vs_scene_warn(scene);
+  if (!status && !o->quiet && !vs_guard_again()) vs_scene_warn(scene);
   if (!status) status = vs_run_scene(o, NULL, scene, err);
   vs_scene_free(scene);
   free(scene);

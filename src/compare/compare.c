@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "compare/compare.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,7 +29,7 @@ static const char *kind_of(const char *folder) {
   return vs_folder_here(folder) ? "study" : vs_traces_here(folder) ? "run" : NULL;
 }
 
-vs_status vs_compare_command(const vs_compare_options *o, vs_error *err) {
+vs_status vs_compare_tell(const vs_compare_options *o, vs_text *out, vs_error *err) {
   const char *folders[] = {o->a, o->b}, *kinds[2];
   for (int k = 0; k < 2; k++)
     if (!(kinds[k] = kind_of(folders[k])))
@@ -42,10 +41,5 @@ vs_status vs_compare_command(const vs_compare_options *o, vs_error *err) {
     return vs_fail(err, VS_INPUT,
                    "%.400s holds a %s and %.400s a %s; two of a kind can be compared", o->a,
                    kinds[0], o->b, kinds[1]);
-  vs_text out = {0};
-  bool studies = vs_folder_here(o->a);
-  vs_status status = (studies ? compare_studies : compare_runs)(o, &out, err);
-  if (!status && !o->quiet) fputs(out.text, stdout);
-  vs_text_free(&out);
-  return status;
+  return (vs_folder_here(o->a) ? compare_studies : compare_runs)(o, out, err);
 }

@@ -5,18 +5,19 @@
 
 #include <stdbool.h>
 
-#include "base/error.h"
+#include "base/text.h"
 #include "plan/method.h"
 
 typedef struct vs_compare_options {
   const char *a, *b; /* folders */
-  bool json, quiet;
+  bool json;
   const vs_method *const *methods; /* of studies; NULL ends them */
 } vs_compare_options;
 
-/* Prints what differs. That they differ is no failure: the status is then VS_OK, too. Errors,
+/* Adds what differs, as a table or as JSON. That they differ is no failure: the status is then
+ * VS_OK, too. Errors,
  * VS_INPUT: a folder holds neither a run nor a study; one holds a run and the other a study; a file
  * in them is broken. */
-vs_status vs_compare_command(const vs_compare_options *options, vs_error *err);
+vs_status vs_compare_tell(const vs_compare_options *options, vs_text *out, vs_error *err);
 
 #endif

@@ -13,13 +13,14 @@
 #define AT(member) offsetof(vs_control_values, member)
 static const vs_field KEYS[] = {
     {"setpoint", VS_PROFILE, "~", "0", 0, 1e12, .offset = AT(setpoint),
-     .text = "half the peak to peak value that the sensor is to show"},
+     .text = "amplitude that the sensor is to show: half of its peak to peak value"},
     {"gain", VS_REAL, "deg/~", "0", -1e12, 1e12, .offset = AT(gain),
-     .text = "K_p: by how much the angle falls for what the amplitude is short of"},
+     .text = "K_p: fall of the angle per unit by which the amplitude is below the set point"},
     {"integral", VS_REAL, "deg/~.s", "0", -1e12, 1e12, .offset = AT(integral),
-     .text = "K_i: by how much it falls in each second for that"},
+     .text = "K_i: the same, in each second"},
     {"sensor_gain", VS_REAL, "", "auto", 0, 1e6, true, AT(sensor_gain),
-     .text = "what the sensor shows of an amplitude; auto: its low-pass at the frequency of firing",
+     .text = "shown amplitude over true amplitude; auto: gain of the sensor's low-pass at the "
+             "frequency of firing",
      .choices = "auto"}};
 #undef AT
 

@@ -14,11 +14,24 @@ static const vs_field COMMON[] = {
      .text = "how often it reads the instruments"},
     {"angle", VS_PAIR, "deg", "10 deg, 170 deg", 0, 180, .offset = AT(angle_rad),
      .text = "the least and the largest angle that it fires at"}};
-static const vs_field SENSOR = {
-    "sensor", VS_NAME, "", "NAME", .offset = AT(sensor), .text = "the instrument that it reads"};
+const char vs_control_sensor[] = "sensor";
+static const vs_field SENSOR = {vs_control_sensor,
+                                VS_NAME,
+                                "",
+                                "NAME",
+                                .offset = AT(sensor),
+                                .text = "the instrument that it reads"};
 #undef AT
 enum { RATE = 1, N_COMMON = sizeof COMMON / sizeof *COMMON };
 const vs_section vs_control_section = {"control", COMMON, N_COMMON};
+
+size_t vs_control_keys(const vs_regulator *law, const vs_field *keys[VS_CONTROL_FIELDS]) {
+  size_t n = 0;
+  for (int k = 0; k < N_COMMON; k++) keys[n++] = &COMMON[k];
+  if (law->senses) keys[n++] = &SENSOR;
+  for (size_t k = 0; k < law->n_fields; k++) keys[n++] = &law->fields[k];
+  return n;
+}
 
 /* Writes a unit in which "~" stands for the sensor's: "x/~" is "x.b/a" with
  * a sensor in "a/b". */
@@ -47,10 +60,10 @@ static void add_field(vs_control *c, const vs_field *field) {
 
 /* Makes the keys of this control, as its law and its sensor's unit are now known. */
 static void make_section(vs_control *c) {
+  const vs_field *keys[VS_CONTROL_FIELDS];
+  const size_t n = vs_control_keys(c->regulator, keys);
   c->section = (vs_section){vs_control_section.name, c->fields, 0};
-  for (int k = 0; k < N_COMMON; k++) add_field(c, &COMMON[k]);
-  if (c->regulator->senses) add_field(c, &SENSOR);
-  for (size_t k = 0; k < c->regulator->n_fields; k++) add_field(c, &c->regulator->fields[k]);
+  for (size_t k = 0; k < n; k++) add_field(c, keys[k]);
 }
 
 static vs_status find_law(const vs_node *section, vs_control *c, vs_error *err) {
@@ -108,12 +121,12 @@ static vs_status find_code(const vs_node *section, vs_control *c, vs_error *err)
   return c->regulator->check(&c->v, c->code, err);
 }
 
-static const char OBSERVER[] = "observer";
+const char vs_control_observer[] = "observer";
 
 /* Reads the observer, whose samples come at the control's rate. */
 static vs_status read_observer(const vs_node *section, const vs_setup *setup,
                                const vs_instruments *instruments, vs_control *c, vs_error *err) {
-  const vs_node *map = vs_tree_child(section, OBSERVER),
+  const vs_node *map = vs_tree_child(section, vs_control_observer),
                 *rate = vs_tree_child(section, COMMON[RATE].key);
   vs_control_values v;
   if (!map) return VS_OK;
@@ -125,7 +138,7 @@ static vs_status read_observer(const vs_node *section, const vs_setup *setup,
 
 /* Reads the keys of this control, besides the observer's map. */
 static vs_status read_keys(const vs_node *section, vs_control *c, vs_error *err) {
-  const char *names[VS_CONTROL_FIELDS + 1] = {OBSERVER};
+  const char *names[VS_CONTROL_FIELDS + 1] = {vs_control_observer};
   for (size_t k = 0; k < c->section.count; k++) names[1 + k] = c->fields[k].key;
   vs_status s = vs_field_known_keys(section, c->section.name, names, c->section.count + 1, err);
   if (!s) s = vs_field_section_read(&c->section, NULL, &c->v, err);
@@ -144,8 +157,9 @@ static vs_status check_scene(const vs_node *section, const vs_setup *setup, cons
   const vs_timeline *t = &setup->timeline;
   const vs_node *angle = vs_tree_child(section, "angle"), *rate = vs_tree_child(section, "rate");
   if (t->firing.no_valve)
-    return vs_fail_at(err, section->key_where,
-                      "control: with firing.valve: none nothing fires; leave it out");
+    return vs_fail_at(
+        err, section->key_where,
+        "control: with firing.valve: none nothing fires; leave the section control out");
   if (!t->firing.every)
     return vs_fail_at(err, section->key_where,
                       "control: firing.every is 'once', and a control decides one firing after the "
@@ -251,8 +265,8 @@ const char *vs_control_note(const vs_control *c, const vs_setup *setup,
   snprintf(
       text, size,
       "control.sensor: %s is read %.3g times in a cycle of the mains, so that up to %.2g %% of "
-      "its amplitude may be missed; with control.rate and the instrument's rate from %.3g Hz "
-      "on it is at most %g %%",
+      "its amplitude may be missed; from %.3g Hz on, of control.rate and of the "
+      "instrument's rate, it is at most %g %%",
       c->v.sensor, often, 100 * missed, M_PI / acos(1 - MISSED) / setup->timeline.period_s,
       100 * MISSED);
   return text;

@@ -102,7 +102,7 @@ static const vs_field KEYS[] = {
     {"file", VS_NAME, "", "NAME", .offset = AT(file),
      .text = "the shared object, which has the function vibrospice_law"},
     {"timeout", VS_REAL, "s", "5 s", 0, 86400, true, AT(timeout_s),
-     .text = "within which it must answer, by the wall's clock"}};
+     .text = "wall-clock time within which it must answer"}};
 #undef AT
 
 static bool file(const vs_control_values *v, vs_where where, int k, char path[VS_PATH_SIZE]) {

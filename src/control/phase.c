@@ -15,9 +15,9 @@
 #define AT(member) offsetof(vs_control_values, member)
 static const vs_field KEYS[] = {
     {"phase", VS_REAL, "deg", "90 deg", -360, 360, .offset = AT(phase_rad),
-     .text = "of the motion at which it fires; 0 where the sensor rises through its middle"},
+     .text = "phase of the motion at which it fires; 0 where the sensor rises through its middle"},
     {"threshold", VS_REAL, "~", "0", 0, 1e12, .offset = AT(threshold),
-     .text = "half the peak to peak value below which it fires at firing.angle"}};
+     .text = "amplitude below which it fires at firing.angle: half of the peak to peak value"}};
 #undef AT
 
 /* Between two rises the sensor must have been this share of its swing above its middle, and then

@@ -46,13 +46,13 @@ static const char *cut(const char *command, words *w) {
       quote = quote ? '\0' : *c;
       continue;
     }
-    if (*c == '\\' && quote != '\'' && !*++c) return "nothing stands behind its backslash";
+    if (*c == '\\' && quote != '\'' && !*++c) return "it ends with a backslash";
     *to++ = *c;
   }
   *to = '\0';
   w->word[w->count] = NULL;
-  if (quote) return "a quote of it has no end";
-  return w->count ? NULL : "it has no word";
+  if (quote) return "a quotation in it is not closed";
+  return w->count ? NULL : "it is empty";
 }
 
 /* ---- question and answer ---- */
@@ -178,7 +178,7 @@ static const vs_field KEYS[] = {
     {"command", VS_NAME, "", "NAME", .offset = AT(command),
      .text = "the program and its arguments; it runs in the folder of this file, without a shell"},
     {"timeout", VS_REAL, "s", "5 s", 0, 86400, true, AT(timeout_s),
-     .text = "within which it must answer, by the wall's clock"}};
+     .text = "wall-clock time within which it must answer"}};
 #undef AT
 
 typedef struct pipe_law {

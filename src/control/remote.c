@@ -298,10 +298,11 @@ static vs_status expect_silence(vs_remote *r, vs_error *err) {
   if (n < 0 && is_only_busy()) return VS_OK;
   if (n <= 0) return has_ended(r, err);
   dismiss(r);
-  return vs_fail(err, VS_RUN,
-                 "t = %.9g s: control: %s said something unasked; wanted: one answer for each "
-                 "question",
-                 r->t_s, r->name);
+  return vs_fail(
+      err, VS_RUN,
+      "t = %.9g s: control: %s answered before it was asked; wanted: one answer for each "
+      "question",
+      r->t_s, r->name);
 }
 
 vs_status vs_remote_ask(vs_remote *r, double t_s, const void *question, size_t size,
@@ -348,9 +349,10 @@ vs_status vs_remote_answer(vs_remote *r, size_t size, vs_error *err) {
   }
   if (end < r->n_in) {
     dismiss(r);
-    return vs_fail(err, VS_RUN,
-                   "t = %.9g s: control: %s gave more than one line; wanted: one for each question",
-                   r->t_s, r->name);
+    return vs_fail(
+        err, VS_RUN,
+        "t = %.9g s: control: %s gave more than one line; wanted: one line for each question",
+        r->t_s, r->name);
   }
   r->in[size ? end : end - 1] = '\0';
   return VS_OK;

@@ -41,7 +41,7 @@ vs_status vs_remote_exec(vs_remote *remote, char *const *words, const char *fold
                          vs_error *err);
 
 /* Asks, at time t_s of the run. Errors, VS_RUN: the process has ended; it does not read; it has
- * said something unasked. VS_SIGNAL: a signal asks this process to end. */
+ * answered before it was asked. VS_SIGNAL: a signal asks this process to end. */
 vs_status vs_remote_ask(vs_remote *remote, double t_s, const void *question, size_t size,
                         vs_error *err);
 

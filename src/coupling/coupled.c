@@ -160,6 +160,7 @@ static vs_circuit_job job_of(const coupling *c) {
                           .max_step_s = c->pace.max_step_s,
                           .raw = c->order->raw,
                           .tried = c->order->tried,
+                          .unbegun = c->order->unbegun,
                           .tries = c->order->tries,
                           .truncation_factor = c->pace.truncation,
                           .pivot_threshold = setup->run.pivrel,

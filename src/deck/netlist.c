@@ -94,11 +94,12 @@ static void subcircuit_of(const char *path, char name[VS_DECK_NAME]) {
 
 static bool defines(const vs_deck *deck, const char *subcircuit) {
   for (size_t k = 0; k < deck->n_lines; k++) {
-    char word[16], name[VS_DECK_NAME];
-    if (sscanf(deck->lines[k].text, "%15s %63s", word, name) != 2) continue;
-    vs_cursor_lower(word);
-    vs_cursor_lower(name);
-    if (!strcmp(word, ".subckt") && !strcmp(name, subcircuit)) return true;
+    const char *text = deck->lines[k].text;
+    char name[VS_DECK_NAME];
+    if (strncasecmp(text, ".subckt", 7) || !strchr(" \t", text[7]) ||
+        sscanf(text + 7, " %63s", name) != 1)
+      continue;
+    if (!strcasecmp(name, subcircuit)) return true;
   }
   return false;
 }

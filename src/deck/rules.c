@@ -66,9 +66,11 @@ static bool knows_time(const char *line) {
     char word[VS_DECK_NAME];
     size_t n = 0;
     while (isalnum((unsigned char)s[n]) || s[n] == '_') n++;
+    if (n == 0) s++;
+    if (n == 0) continue;
     snprintf(word, sizeof word, "%.*s", (int)n, s);
     if (AMONG(word, CLOCKS) || (source && s > line && AMONG(word, COURSES))) return true;
-    s += n ? n : 1;
+    s += n;
   }
   return false;
 }
@@ -78,9 +80,9 @@ static bool knows_time(const char *line) {
 /* Finds the whole word in a text; with `call`, only where '(' follows it. NULL: it is not there. */
 static const char *find_whole(const char *text, const char *word, bool call) {
   size_t n = strlen(word);
-  for (const char *s = text; *s; s++) {
+  for (const char *s = text; (s = strcasestr(s, word)); s++) {
     bool within = s > text && (isalnum((unsigned char)s[-1]) || strchr("_.#", s[-1]));
-    if (within || strncasecmp(s, word, n) || isalnum((unsigned char)s[n]) || s[n] == '_') continue;
+    if (within || isalnum((unsigned char)s[n]) || s[n] == '_') continue;
     if (!call || s[n + strspn(s + n, " \t")] == '(') return s;
   }
   return NULL;

@@ -9,41 +9,10 @@
 #include "report/html.h"
 #include "tell/amount.h"
 
-/* Colours follow the reader's: light or dark. Pictures stay on white. */
-static const char STYLE[] =
-    ":root{color-scheme:light "
-    "dark;--paper:#fff;--ink:#1a1a1a;--dim:#555;--line:#ccc;--head:#f2f2f2;"
-    "--good:#0072b2;--bad:#d55e00}"
-    "@media(prefers-color-scheme:dark){:root{--paper:#16181c;--ink:#e6e6e6;--dim:#a8a8a8;"
-    "--line:#444;--head:#23262c;--good:#56b4e9;--bad:#e8834a}}"
-    "body{margin:0;background:var(--paper);color:var(--ink);font:15px/1.45 system-ui,'Liberation "
-    "Sans',Arial,sans-serif}main{max-width:1180px;margin:0 auto;padding:1.2rem 1.1rem 3rem}"
-    "h1{font-size:1.5rem;margin:.2rem 0;overflow-wrap:anywhere}h2{font-size:1.15rem;margin:2rem 0 "
-    ".6rem;border-bottom:1px solid var(--line)}.of{color:var(--dim);margin:0 0 1rem}"
-    ".verdict{border:1px solid var(--line);border-left:10px solid #777;padding:.7rem "
-    "1.1rem;margin:1rem 0}.good{border-left-color:var(--good)}.bad{border-left-color:var(--bad)}"
-    ".big{font-size:1.5rem;font-weight:600;margin:.1rem 0}p{margin:.35rem 0}"
-    ".pictures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,500px),1fr));"
-    "gap:1.2rem}figure{margin:0;break-inside:avoid}"
-    "iframe{width:100%;border:1px solid var(--line);display:block;background:#fff}"
-    "figcaption{font-size:.88rem;color:var(--dim);padding:.3rem .1rem}.wide{overflow-x:auto}"
-    "table{border-collapse:collapse;font-size:.88rem;margin:.4rem 0}th,td{border:1px solid "
-    "var(--line);padding:.2rem .55rem;text-align:left;white-space:nowrap}"
-    "th{background:var(--head)}td.n{text-align:right}.bars{min-width:9rem;width:100%}"
-    ".bar{display:block;height:.8em;background:var(--good)}.back{background:var(--bad)}"
-    "@media(max-width:600px){#energy td,#energy th{padding:.15rem .3rem}#energy "
-    "td:first-child{white-space:normal}"
-    "#energy .bars{min-width:3.5rem}}"
-    "@media print{main{max-width:none}.screen{display:none}}";
-
 void vs_chapter_head(vs_text *html, const char *folder, const vs_node *summary, double until_s) {
   char until[VS_AMOUNT_SIZE];
-  vs_text_add(html, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-                    "<meta name=\"viewport\" content=\"width=device-width\">\n<title>Run ");
-  vs_html_text(html, folder);
-  vs_text_add(html, "</title>\n<style>%s</style>\n</head>\n<body>\n<main>\n<h1>Run ", STYLE);
-  vs_html_text(html, folder);
-  vs_text_add(html, "</h1>\n<p class=\"of\">tier ");
+  vs_html_begin(html, "Run", folder);
+  vs_text_add(html, "<p class=\"of\">tier ");
   vs_html_text(html, vs_member_word(summary, "tier"));
   vs_text_add(html, ", %s</p>\n", vs_amount_text(until_s, "s", until));
 }
@@ -56,7 +25,10 @@ static void add_number(vs_text *html, const vs_node *line, const char *key, doub
   if (isnan(value))
     vs_text_add(html, "<td></td>");
   else
-    vs_text_add(html, "<td class=\"n\">%.4g%s%s</td>", value, *unit ? " " : "", unit);
+    vs_text_add(html,
+                fabs(value) >= 1e4 && fabs(value) < 1e6 ? "<td class=\"n\">%.0f%s%s</td>"
+                                                        : "<td class=\"n\">%.4g%s%s</td>",
+                value, *unit ? " " : "", unit);
 }
 
 static void add_line(vs_text *html, const vs_node *line) {
@@ -76,8 +48,9 @@ static void add_line(vs_text *html, const vs_node *line) {
   add_number(html, line, *device ? "limit" : "min", 1, unit);
   add_number(html, line, *device ? "" : "largest", 1, unit);
   add_number(html, line, *device ? "" : "max", 1, unit);
-  vs_html_cell(html, vs_member_word(line, "text"));
-  vs_text_add(html, "</tr>\n");
+  vs_text_add(html, "<td class=\"text\">");
+  vs_html_text(html, vs_member_word(line, "text"));
+  vs_text_add(html, "</td></tr>\n");
 }
 
 void vs_chapter_verdict(vs_text *html, const vs_node *summary) {

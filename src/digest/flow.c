@@ -27,15 +27,16 @@ static const struct {
 
 /* A row, with its share of the largest flow as a bar. What is 0 is left out. */
 static void add_row(vs_text *html, const char *text, int depth, double joule, double whole) {
-  char amount[VS_AMOUNT_SIZE];
+  char amount[VS_AMOUNT_SIZE], part[32] = "&lt; 0.01 %";
   double share = joule / whole;
+  if (!(fabs(share) < 1e-4)) snprintf(part, sizeof part, "%.3g %%", 100 * share);
   if (isnan(joule) || joule == 0) return;
   vs_text_add(html, "<tr><td style=\"padding-left:%.1frem\">", 0.5 + 1.2 * depth);
   vs_html_text(html, text);
   vs_text_add(html,
-              "</td><td class=\"n\">%s</td><td class=\"n\">%.3g %%</td><td class=\"bars\">"
+              "</td><td class=\"n\">%s</td><td class=\"n\">%s</td><td class=\"bars\">"
               "<span class=\"bar%s\" style=\"width:%.2f%%\"></span></td></tr>\n",
-              vs_amount_text(joule, "J", amount), 100 * share, joule < 0 ? " back" : "",
+              vs_amount_text(joule, "J", amount), part, joule < 0 ? " back" : "",
               fmin(100, 100 * fabs(share)));
 }
 

@@ -173,7 +173,7 @@ static void descend(search *w, gsl_multifit_nlinear_workspace *gsl, vs_descent *
   else
     snprintf(
         out->why, sizeof out->why, "%s after %d iterations, where chi2 could still fall by %.2g",
-        failed ? "no further step is found" : "not at an end", out->iterations, out->decrement);
+        failed ? "no further step is found" : "not converged", out->iterations, out->decrement);
 }
 
 /* Goes down from s[], as far as the part of the recordings that counts leads. */

@@ -153,8 +153,8 @@ static vs_status find_flat(const vs_estimate *e, const decomposed *d, vs_error *
   }
   vs_status status = vs_fail_at(
       err, e->inquiry->unknowns[d->index[heaviest]].axis.where,
-      "the data do not carry so many unknowns: nothing they tell changes when %s %s; hold one "
-      "of these, add a prior, or measure more",
+      "the data cannot tell so many unknowns apart: nothing that was measured changes when %s %s; "
+      "hold one of these, add a prior, or measure more",
       text.text, strchr(text.text, ',') ? "change together" : "changes");
   vs_text_free(&text);
   return status;

@@ -127,10 +127,11 @@ vs_status vs_prediction_check_signs(const vs_prediction *p, const double *comput
   for (size_t n = 0; n < q->n_data; n++) {
     const vs_datum *d = &q->data[n];
     if (!isnan(find_residual(q, d, computed[n]))) continue;
-    return vs_fail_at(err, d->where,
-                      "%s: %.6g was measured and %.6g is computed at the start; numbers of unlike "
-                      "signs have no ratio: alter the sign, or write residual: difference",
-                      vs_inquiry_name(q, d), d->value, computed[n]);
+    return vs_fail_at(
+        err, d->where,
+        "%s: %.6g was measured and %.6g is computed at the start; their signs "
+        "are unlike, so that they have no ratio; change the sign, or write residual: difference",
+        vs_inquiry_name(q, d), d->value, computed[n]);
   }
   return VS_OK;
 }

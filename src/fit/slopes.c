@@ -131,7 +131,7 @@ static vs_status take_data(kin_data *all, vs_error *err) {
       status = vs_aim_computed(&run->aims.item[a], fan->scene[k], fan->measured[k],
                                &all->value[k][a], err);
     if (!status && all->sampler[k].next < run->recording.n_samples)
-      status = vs_fail(err, VS_RUN, "the kin of the run end before its last sample");
+      status = vs_fail(err, VS_RUN, "the runs for its derivatives end before its last sample");
   }
   return status;
 }
@@ -158,7 +158,7 @@ static vs_status follow_kin(const vs_subject *subject, kin_data *all, const vs_u
   vs_status status = vs_kin_find(fan, subject, &key, false, err);
   if (!status) {
     if (fan->parameter.idle && sees_through(all->run))
-      status = vs_fail(err, VS_RUN, "whether an instrument has the key is seen by differences");
+      status = vs_fail(err, VS_RUN, "a key of an instrument has no exact derivative");
     else if (!fan->parameter.idle)
       status = take_data(all, err);
     if (!status && !fan->parameter.idle) take_slopes(all, fan, u, slope);

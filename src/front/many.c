@@ -9,17 +9,22 @@
 #include "inquiry/aims.h"
 #include "method/methods.h"
 #include "report/fitting.h"
+#include "study/format.h"
 #include "study/merge.h"
 #include "study/study.h"
 
 /* ---- study, merge ---- */
 
 static vs_status study(const vs_arguments *a, vs_error *err) {
+  const vs_format *format;
+  vs_status status = vs_format_find(a->format, &format, err);
+  if (status) return status;
   const vs_study_options o = {.name = vs_command_name(a),
                               .methods = vs_methods_all,
                               .folder = a->output,
                               .sets = a->sets,
                               .n_sets = a->n_sets,
+                              .format = format,
                               .jobs = a->jobs,
                               .shard = a->shard,
                               .resume = a->resume,
@@ -34,6 +39,12 @@ static vs_status study(const vs_arguments *a, vs_error *err) {
   return vs_study_command(&o, err);
 }
 
+static void explain_formats(vs_text *help) {
+  vs_text_add(help, "\nFormats of the rows (--format):\n");
+  for (const vs_format *f = vs_format_all; f->name; f++)
+    vs_text_add(help, "  %-8s %s\n", f->name, f->text);
+}
+
 /* What a study file may ask for. */
 static void explain_study(vs_text *help) {
   vs_text_add(help, "\nA study has, besides scene, set and report:\n");
@@ -42,13 +53,19 @@ static void explain_study(vs_text *help) {
   vs_text_add(help, "  %-8s %-12s %s\n", "steady", "",
               "each case is one period of its orbit, as `vibrospice steady` finds it: true, or "
               "{period: N}");
+  explain_formats(help);
 }
+
+#define FORMAT                                                                                     \
+  VS_COMMAND_VALUE("format", VS_KEY_FORMAT, VS_FORMAT_WORDS,                                       \
+                   "how the rows are written (default csv); see below")
 
 static const struct argp_option STUDY_OPTIONS[] = {
     VS_COMMAND_SET,
     VS_COMMAND_VALUE("output", 'o', "DIR",
                      "writes study.csv, failures.csv and manifest.json there; without it study.csv "
                      "goes to standard output"),
+    FORMAT,
     VS_COMMAND_VALUE("jobs", VS_KEY_JOBS, "N",
                      "worker processes (default: the cores this process may use)"),
     VS_COMMAND_VALUE("shard", VS_KEY_SHARD, "I/N",
@@ -74,13 +91,15 @@ static const struct argp_option STUDY_OPTIONS[] = {
     {0}};
 
 static vs_status merge(const vs_arguments *a, vs_error *err) {
-  const vs_merge_options o = {a->names, a->n_names, a->output, a->overwrite, a->quiet};
-  return vs_merge_command(&o, err);
+  vs_merge_options o = {a->names, a->n_names, a->output, NULL, a->overwrite, a->quiet};
+  vs_status status = vs_format_find(a->format, &o.format, err);
+  return status ? status : vs_merge_command(&o, err);
 }
 
 static const struct argp_option MERGE_OPTIONS[] = {
     VS_COMMAND_VALUE("output", 'o', "DIR",
                      "writes the whole study there (default: the one DIR named)"),
+    FORMAT,
     VS_COMMAND_FLAG("overwrite", VS_KEY_OVERWRITE,
                     "over another study's result, too; else that is refused"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "prints nothing"),
@@ -140,7 +159,8 @@ const vs_command vs_many_merge = {
     .examples = "  vibrospice merge shards\n  vibrospice merge one two three -o whole\n",
     .takes_many = true,
     .options = MERGE_OPTIONS,
-    .run = merge};
+    .run = merge,
+    .explain = explain_formats};
 
 const vs_command vs_many_fit = {
     .name = "fit",

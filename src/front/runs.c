@@ -85,7 +85,7 @@ static void explain_steady(vs_text *help) {
   for (const vs_mark_kind *const *kind = vs_mark_kinds; *kind; kind++)
     vs_text_add(help, "  %-17s    %s\n", (*kind)->name, (*kind)->text);
   vs_text_add(help,
-              "Orbits are computed on tier %s alone; a scene that would take another one "
+              "Branches are followed on tier %s alone; a scene that would take another one "
               "wants --tier %s.\n",
               vs_tiers_automatic(false)->name, vs_tiers_automatic(false)->name);
 }

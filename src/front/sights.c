@@ -8,6 +8,7 @@
 #include "closeup/closeup.h"
 #include "compare/compare.h"
 #include "digest/digest.h"
+#include "digest/versus.h"
 #include "method/methods.h"
 #include "picture/plot.h"
 #include "report/harmonics.h"
@@ -69,8 +70,10 @@ static const struct argp_option PLOT_OPTIONS[] = {
     VS_COMMAND_VALUE("from", VS_KEY_FROM, "T",
                      "the picture's first instant, as 60ms (default: where something happens)"),
     VS_COMMAND_VALUE("to", VS_KEY_TO, "T", "its last instant"),
-    VS_COMMAND_FLAG("fft", VS_KEY_FFT,
-                    "the spectrum of the probes over the whole cycles of the mains in that time"),
+    VS_COMMAND_FLAG(
+        "fft", VS_KEY_FFT,
+        "the spectrum of the probes over the whole cycles of the mains in that time, and "
+        "its numbers as CSV"),
     VS_COMMAND_FLAG("orbit", VS_KEY_ORBIT,
                     "each probe, a coordinate, and its rate over one another"),
     VS_COMMAND_VALUE("overlay", VS_KEY_OVERLAY, "FILE",
@@ -87,11 +90,24 @@ static vs_status compare(const vs_arguments *a, vs_error *err) {
     return vs_fail(err, VS_INPUT,
                    "compare: wants two folders, of two runs or of two studies; see vibrospice "
                    "compare --help");
-  const vs_compare_options o = {a->names[0], a->names[1], a->json, a->quiet, vs_methods_all};
-  return vs_compare_command(&o, err);
+  vs_compare_options o = {a->names[0], a->names[1], true, vs_methods_all};
+  vs_text json = {0}, table = {0};
+  vs_status status = a->output ? vs_versus_check(a->output, err) : VS_OK;
+  if (!status && (a->json || a->output)) status = vs_compare_tell(&o, &json, err);
+  o.json = false;
+  if (!status && !a->json) status = vs_compare_tell(&o, &table, err);
+  if (!status && a->output) status = vs_versus_write(json.text, a->output, err);
+  if (!status && !a->quiet) fputs(a->json ? json.text : table.text, stdout);
+  if (!status && !a->quiet && !a->json && a->output) printf("%s/report.html\n", a->output);
+  vs_text_free(&json);
+  vs_text_free(&table);
+  return status;
 }
 
 static const struct argp_option COMPARE_OPTIONS[] = {
+    VS_COMMAND_VALUE("output", 'o', "DIR",
+                     "also writes a page, report.html, into DIR: both side by side, and of runs "
+                     "the curves over one another"),
     VS_COMMAND_JSON,
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "prints nothing"),
     VS_COMMAND_HELP,
@@ -134,6 +150,7 @@ const vs_command vs_sights_compare = {
     .text = "tells in what two runs, or two studies, differ: keys, verdicts, measures, curves; "
             "that they differ is no failure",
     .examples = "  vibrospice compare before after\n"
+                "  vibrospice compare before after -o page\n"
                 "  vibrospice compare before after --json\n",
     .takes_many = true,
     .options = COMPARE_OPTIONS,

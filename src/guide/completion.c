@@ -1,8 +1,35 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "guide/completion.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+
+/* True if the option's value is one of a few words, which its argument lists: "csv|npy", "json".
+ * Other arguments are in capitals. */
+static bool has_words(const struct argp_option *o) {
+  return o->arg && !strpbrk(o->arg, "ABCDEFGHIJKLMNOPQRSTUVWXYZ");
+}
+
+/* Prints them with blanks between them. */
+static void print_words(const struct argp_option *o) {
+  for (const char *s = o->arg; *s; s++) putchar(*s == '|' ? ' ' : *s);
+}
+
+/* Behind an option whose value is one of a few words, these take the place of the options. */
+static void print_bash_words(const struct argp_option *options) {
+  bool any = false;
+  for (const struct argp_option *o = options; o->name; o++) any = any || has_words(o);
+  if (!any) return;
+  printf("\n        case \"${COMP_WORDS[COMP_CWORD-1]}\" in");
+  for (const struct argp_option *o = options; o->name; o++) {
+    if (!has_words(o)) continue;
+    printf(" --%s) words=\"", o->name);
+    print_words(o);
+    printf("\" ;;");
+  }
+  printf(" esac");
+}
 
 static void print_bash(const vs_command *const *commands, size_t count) {
   puts("_vibrospice() {\n  local words");
@@ -13,7 +40,9 @@ static void print_bash(const vs_command *const *commands, size_t count) {
     printf("      %s) words=\"", commands[k]->name);
     for (const struct argp_option *o = commands[k]->options; o->name; o++)
       printf("%s--%s", o == commands[k]->options ? "" : " ", o->name);
-    puts("\" ;;");
+    printf("\"");
+    print_bash_words(commands[k]->options);
+    puts(" ;;");
   }
   puts("    esac\n  fi\n"
        "  COMPREPLY=($(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\"))\n}\n"
@@ -33,8 +62,14 @@ static void print_fish(const vs_command *const *commands, size_t count) {
     print_quoted(commands[k]->text);
     putchar('\n');
     for (const struct argp_option *o = commands[k]->options; o->name; o++) {
-      printf("complete -c vibrospice -n '__fish_seen_subcommand_from %s' -l %s%s -d ",
+      printf("complete -c vibrospice -n '__fish_seen_subcommand_from %s' -l %s%s",
              commands[k]->name, o->name, o->arg ? " -r" : "");
+      if (has_words(o)) {
+        printf(" -f -a '");
+        print_words(o);
+        putchar('\'');
+      }
+      printf(" -d ");
       print_quoted(o->doc);
       putchar('\n');
     }
@@ -61,7 +96,12 @@ static void print_zsh(const vs_command *const *commands, size_t count) {
     for (const struct argp_option *o = commands[k]->options; o->name; o++) {
       printf(" '--%s", o->name);
       print_plain("[", o->doc, o->arg ? "]:" : "]'");
-      if (o->arg) print_plain("", o->arg, ":_files'");
+      if (has_words(o)) {
+        printf("%s:(", o->name);
+        print_words(o);
+        printf(")'");
+      } else if (o->arg)
+        print_plain("", o->arg, ":_files'");
     }
     puts(" '*:file:_files' ;;");
   }

@@ -2,10 +2,12 @@
 #include "guide/fresh.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/path.h"
 #include "drive/events.h"
 #include "guide/ground.h"
 #include "scene/sections.h"
@@ -71,6 +73,16 @@ static void add_others(vs_text *text) {
     vs_text_add(text, "\n# %s\n#%s\n", OTHERS[k].text, OTHERS[k].line);
 }
 
+/* The first line, by which an editor finds the schema; nothing where the program is not installed.
+ */
+static void add_schema(vs_text *text) {
+  static const vs_shelf SCHEMAS = {"schema", "schema", ".schema.json"};
+  char path[VS_PATH_SIZE];
+  char *whole = vs_path_shipped(&SCHEMAS, "scene", path) ? realpath(path, NULL) : NULL;
+  if (whole) vs_text_add(text, "# yaml-language-server: $schema=%s\n", whole);
+  free(whole);
+}
+
 static vs_status write_scene(const char *path, const vs_text *text, vs_error *err) {
   const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
   char folder[VS_PATH_SIZE];
@@ -100,6 +112,7 @@ vs_status vs_fresh_command(const vs_fresh_options *o, vs_error *err) {
   if (status) return status;
   status = vs_ground_read(o->deck, o->machine, &ground, err);
   if (!status) {
+    add_schema(&text);
     vs_text_add(&text, HEAD, o->path, o->path);
     for (int s = 0; s < VS_SECTIONS; s++)
       add_section(vs_section_fields(ground.machine, ground.deck, s), o, &text);

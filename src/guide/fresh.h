@@ -14,8 +14,9 @@ typedef struct vs_fresh_options {
 } vs_fresh_options;
 
 /* Writes a scene in which every key stands behind a '#', with its default, what is allowed and what
- * it means; only the deck and the machine asked for are set. So it runs as it is. Errors: VS_INPUT,
- * the file is there already, or has another ending; those of reading deck and machine. */
+ * it means; only the deck and the machine asked for are set. So it runs as it is. Where the program
+ * is installed the first line names the schema. Errors: VS_INPUT, the file is there already, or has
+ * another ending; those of reading deck and machine. */
 vs_status vs_fresh_command(const vs_fresh_options *options, vs_error *err);
 
 #endif

@@ -2,174 +2,18 @@
 #include "guide/schema.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "base/json.h"
+#include "control/regulators.h"
 #include "drive/events.h"
 #include "guide/ground.h"
+#include "guide/outlined.h"
+#include "guide/shape.h"
 #include "machine/blueprint.h"
+#include "machine/build.h"
+#include "plan/plan.h"
 #include "scene/sections.h"
-#include "syntax/units.h"
-
-/* ---- values ---- */
-
-static void put_type(vs_json *j, const char *type) {
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_text(j, "type", type);
-  vs_json_end(j);
-}
-
-static void put_word(vs_json *j, const char *word) {
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_text(j, "const", word);
-  vs_json_end(j);
-}
-
-/* A pure number, in the range that is allowed, or any number where min is above max. */
-static void put_number(vs_json *j, const char *type, const vs_field *f) {
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_text(j, "type", type);
-  vs_json_number(j, f->open ? "exclusiveMinimum" : "minimum", f->min, 12);
-  vs_json_number(j, f->open ? "exclusiveMaximum" : "maximum", f->max, 12);
-  vs_json_end(j);
-}
-
-static void put_pattern(vs_json *j, const char *unit) {
-  vs_text pattern = {0};
-  vs_units_pattern(unit, &pattern);
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_text(j, "type", "string");
-  vs_json_text(j, "pattern", pattern.text);
-  vs_json_end(j);
-  vs_text_free(&pattern);
-}
-
-/* 0, which needs no unit, as a number and as the text that YAML 1.1 makes of 0e0. */
-static void put_zero(vs_json *j) {
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_number(j, "const", 0, 1);
-  vs_json_end(j);
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_text(j, "type", "string");
-  vs_json_text(j, "pattern", "^[+-]?0*\\.?0*([eE][+-]?[0-9]+)?$");
-  vs_json_end(j);
-}
-
-/* The alternatives of one number with its unit. */
-static void put_quantity(vs_json *j, const vs_field *f) {
-  if (*f->unit)
-    put_zero(j);
-  else
-    put_number(j, "number", f);
-  put_pattern(j, f->unit);
-}
-
-static void put_any_quantity(vs_json *j, const vs_field *f) {
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_array(j, "anyOf", VS_JSON_ROW);
-  put_quantity(j, f);
-  vs_json_end(j);
-  vs_json_end(j);
-}
-
-/* A list of exactly two quantities. */
-static void put_two(vs_json *j, const vs_field *first, const vs_field *second) {
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_text(j, "type", "array");
-  vs_json_whole(j, "minItems", 2);
-  vs_json_whole(j, "maxItems", 2);
-  vs_json_array(j, "prefixItems", VS_JSON_ROW);
-  put_any_quantity(j, first);
-  put_any_quantity(j, second);
-  vs_json_end(j);
-  vs_json_end(j);
-}
-
-/* A list of points over time. */
-static void put_points(vs_json *j, const vs_field *f) {
-  static const vs_field TIME = {.unit = "s"};
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_text(j, "type", "array");
-  vs_json_whole(j, "minItems", 1);
-  vs_json_whole(j, "maxItems", VS_PROFILE_MOST);
-  vs_json_key(j, "items");
-  vs_json items = vs_json_new(j->text);
-  put_two(&items, &TIME, f);
-  vs_json_end(j);
-}
-
-static void put_words(vs_json *j, const char *choices) {
-  char words[256], *rest = words;
-  snprintf(words, sizeof words, "%s", choices);
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_array(j, "enum", VS_JSON_ROW);
-  for (char *word; (word = strsep(&rest, "|"));) vs_json_text(j, NULL, word);
-  vs_json_end(j);
-  vs_json_end(j);
-}
-
-static void put_whole(vs_json *j, const vs_field *f) {
-  put_number(j, "integer", f);
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_text(j, "type", "string");
-  vs_json_text(j, "pattern", "^[+-]?[0-9.]+([eE][+-]?[0-9]+)? *$");
-  vs_json_end(j);
-}
-
-/* ---- keys ---- */
-
-static void put_keys(vs_json *j, const vs_field *fields, size_t count);
-
-static void put_maps(vs_json *j, const vs_field *f) {
-  const vs_section *keys = &f->options->keys;
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  put_keys(j, keys->fields, keys->count);
-  vs_json_end(j);
-  if (f->options->most == 1) return;
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  vs_json_text(j, "type", "array");
-  vs_json_whole(j, "maxItems", f->options->most);
-  vs_json_key(j, "items");
-  vs_json items = vs_json_new(j->text);
-  vs_json_object(&items, NULL, VS_JSON_ROW);
-  put_keys(&items, keys->fields, keys->count);
-  vs_json_end(&items);
-  vs_json_end(j);
-}
-
-/* One row for each kind of field: the values that it may have. */
-static void put_values(vs_json *j, const vs_field *f) {
-  const bool has_word = f->choices && f->kind != VS_CHOICE;
-  if (has_word) put_word(j, f->choices);
-  if (vs_field_is_real(f)) put_quantity(j, f);
-  if (f->kind == VS_PROFILE) put_points(j, f);
-  if (f->kind == VS_PAIR) put_two(j, f, f);
-  if (f->kind == VS_CHOICE) put_words(j, f->choices);
-  if (f->kind == VS_COUNT) put_whole(j, f);
-  if (f->kind == VS_OPTION) put_maps(j, f);
-  if (f->kind != VS_NAME) return;
-  put_type(j, "string");
-  put_type(j, "number"); /* a name of digits */
-}
-
-static void put_field(vs_json *j, const vs_field *f) {
-  vs_json_object(j, f->key, VS_JSON_ROW);
-  vs_json_text(j, "description", f->text);
-  vs_json_text(j, "default", f->default_text);
-  vs_json_array(j, "anyOf", VS_JSON_ROW);
-  put_values(j, f);
-  vs_json_end(j);
-  vs_json_end(j);
-}
-
-/* The members of a schema of a map that has these keys and no others. */
-static void put_keys(vs_json *j, const vs_field *fields, size_t count) {
-  vs_json_text(j, "type", "object");
-  vs_json_object(j, "properties", VS_JSON_LINES);
-  for (size_t k = 0; k < count; k++) put_field(j, &fields[k]);
-  vs_json_end(j);
-  vs_json_bool(j, "additionalProperties", false);
-}
 
 /* ---- a scene ---- */
 
@@ -180,42 +24,42 @@ static void begin(vs_json *j, const char *title) {
   vs_json_text(j, "type", "object");
 }
 
-/* A key of any value. */
-static void put_open(vs_json *j, const char *key) {
-  vs_json_object(j, key, VS_JSON_ROW);
-  vs_json_end(j);
-}
-
 /* A section; NULL stands for one that says nothing more than its name. own: the key that names a
  * file which declares the section's keys; with it any key passes. */
 static void put_section(vs_json *j, const vs_section *s, const char *own) {
   vs_json_object(j, s->name, VS_JSON_ROW);
-  vs_json_array(j, "anyOf", VS_JSON_ROW);
-  put_type(j, "null");
+  vs_json_array(j, "type", VS_JSON_ROW);
+  vs_json_text(j, NULL, "object");
+  vs_json_text(j, NULL, "null");
+  vs_json_end(j);
   if (own) {
-    vs_json_object(j, NULL, VS_JSON_ROW);
-    vs_json_text(j, "type", "object");
+    vs_json_object(j, "if", VS_JSON_ROW);
     vs_json_array(j, "required", VS_JSON_ROW);
     vs_json_text(j, NULL, own);
     vs_json_end(j);
     vs_json_end(j);
+    vs_json_object(j, "else", VS_JSON_ROW);
   }
-  vs_json_object(j, NULL, VS_JSON_ROW);
-  put_keys(j, s->fields, s->count);
+  vs_shape_properties(j, s->fields, s->count);
+  if (own) vs_json_end(j);
   vs_json_end(j);
+}
+
+/* Begins a member with alternatives. end_member closes it; end_or_null adds null as the last, as
+ * editors tell of the first why a value is none of them. */
+static void begin_member(vs_json *j, const char *key) {
+  vs_json_object(j, key, VS_JSON_ROW);
+  vs_json_array(j, "anyOf", VS_JSON_ROW);
+}
+
+static void end_member(vs_json *j) {
   vs_json_end(j);
   vs_json_end(j);
 }
 
-/* The section start, whose keys are the coordinates of the machine: only where it names none. */
-static void put_start(vs_json *j) {
-  vs_json_object(j, "start", VS_JSON_ROW);
-  vs_json_array(j, "anyOf", VS_JSON_ROW);
-  put_type(j, "null");
-  put_type(j, "object");
-  put_word(j, "steady");
-  vs_json_end(j);
-  vs_json_end(j);
+static void end_or_null(vs_json *j) {
+  vs_shape_type(j, "null");
+  end_member(j);
 }
 
 static void put_event(vs_json *j, const vs_event_kind *kind) {
@@ -228,8 +72,8 @@ static void put_event(vs_json *j, const vs_event_kind *kind) {
   vs_json_object(j, "properties", VS_JSON_ROW);
   vs_json_key(j, "kind");
   vs_json word = vs_json_new(j->text);
-  put_word(&word, kind->name);
-  for (size_t k = 1; k < kind->n_fields; k++) put_field(j, &kind->fields[k]);
+  vs_shape_word(&word, kind->name);
+  for (size_t k = 1; k < kind->n_fields; k++) vs_shape_field(j, &kind->fields[k]);
   vs_json_end(j);
   vs_json_bool(j, "additionalProperties", false);
   vs_json_end(j);
@@ -257,48 +101,215 @@ static const char *own_key(const char *section) {
   return NULL;
 }
 
-static void put_scene(vs_json *j, const vs_ground *ground) {
-  begin(j, "a scene of VibroSpice");
-  vs_json_object(j, "properties", VS_JSON_LINES);
-  for (int s = 0; s < VS_SECTIONS; s++) {
-    const vs_section *section = vs_section_fields(ground->machine, ground->deck, s);
-    if (s == VS_SECTION_NUMBER_start)
-      put_start(j);
-    else
-      put_section(j, section, own_key(section->name));
+/* ---- what the machine and the deck name ---- */
+
+/* Names that a list may have, each once. */
+typedef struct names {
+  const char *item[VS_CH_MOST + 1];
+  size_t count;
+} names;
+
+/* One of the names, or a list of them; word: what may stand instead. */
+static void put_names(vs_json *j, const char *key, const char *word, const names *n) {
+  begin_member(j, key);
+  vs_shape_word(j, word);
+  for (int list = 0; list < 2; list++) {
+    vs_json_object(j, NULL, VS_JSON_ROW);
+    if (list) {
+      vs_json_text(j, "type", "array");
+      vs_json_whole(j, "minItems", 1);
+      vs_json_bool(j, "uniqueItems", true);
+      vs_json_object(j, "items", VS_JSON_ROW);
+    }
+    vs_json_array(j, "enum", VS_JSON_ROW);
+    for (size_t k = 0; k < n->count; k++) vs_json_text(j, NULL, n->item[k]);
+    vs_json_end(j);
+    if (list) vs_json_end(j);
+    vs_json_end(j);
   }
-  put_events(j);
-  static const int OPEN[] = {VS_SECTION_KEY_instruments, VS_SECTION_KEY_control,
-                             VS_SECTION_KEY_record, VS_SECTION_KEY_measured,
-                             VS_SECTION_KEY_quality};
-  for (size_t k = 0; k < sizeof OPEN / sizeof *OPEN; k++) put_open(j, vs_section_keys[OPEN[k]]);
+  end_or_null(j);
+}
+
+static void put_channels(vs_json *j, const vs_ground *ground) {
+  const vs_model model = {.machine = ground->machine, .dof = ground->machine->dof};
+  const vs_frame frame = {.model = &model, .deck = ground->deck};
+  int numbers[VS_CH_MOST], count = vs_channel_listed(&frame, numbers);
+  names all = {.count = 0}, currents = {.count = 0};
+  for (int k = 0; k < count; k++) {
+    const vs_channel c = vs_channel_at(&frame, numbers[k]);
+    all.item[all.count++] = c.name;
+    if (!strcmp(c.unit, "A")) currents.item[currents.count++] = c.name;
+  }
+  currents.item[currents.count++] = vs_quality_mains;
+  put_names(j, vs_section_keys[VS_SECTION_KEY_record], vs_scene_all_probes, &all);
+  put_names(j, vs_section_keys[VS_SECTION_KEY_quality], vs_quality_none, &currents);
+}
+
+static void put_measured(vs_json *j, const vs_ground *ground) {
+  vs_model *model = vs_alloc(1, sizeof *model);
+  vs_error err = {0};
+  vs_measure m;
+  vs_build_model(NULL, ground->machine, model, &err); /* names follow, even where numbers do not */
+  begin_member(j, vs_section_keys[VS_SECTION_KEY_measured]);
+  vs_json_object(j, NULL, VS_JSON_ROW);
+  vs_json_text(j, "type", "object");
+  vs_json_object(j, "properties", VS_JSON_ROW);
+  for (int k = 0; vs_measure_at(model, k, &m); k++) {
+    vs_json_object(j, m.name, VS_JSON_ROW);
+    vs_json_array(j, "anyOf", VS_JSON_ROW);
+    vs_shape_quantity(j, &(vs_field){.unit = m.unit});
+    end_member(j);
+  }
+  vs_json_end(j);
+  vs_json_bool(j, "additionalProperties", false);
+  vs_json_end(j);
+  end_or_null(j);
+  vs_actuator_end(&model->coil);
+  free(model);
+}
+
+static void put_start(vs_json *j, const vs_ground *ground) {
+  const vs_section *start = &ground->machine->start;
+  begin_member(j, vs_section_keys[VS_SECTION_KEY_start]);
+  vs_json_object(j, NULL, VS_JSON_ROW);
+  vs_shape_keys(j, start->fields, start->count);
+  vs_json_end(j);
+  vs_shape_word(j, vs_setup_steady);
+  end_or_null(j);
+}
+
+/* A scene that names a machine or a deck of its own. */
+static void put_names_own(vs_json *j, int section, const char *key) {
+  vs_json_object(j, NULL, VS_JSON_ROW);
+  vs_json_array(j, "required", VS_JSON_ROW);
+  vs_json_text(j, NULL, vs_section_keys[section]);
+  vs_json_end(j);
+  vs_json_object(j, "properties", VS_JSON_ROW);
+  vs_json_object(j, vs_section_keys[section], VS_JSON_ROW);
+  vs_json_text(j, "type", "object");
+  vs_json_array(j, "required", VS_JSON_ROW);
+  vs_json_text(j, NULL, key);
+  for (int k = 0; k < 4; k++) vs_json_end(j);
+}
+
+/* Sections whose keys and words are names of the machine's and the deck's: told only of scenes
+ * that name neither. */
+static void put_named(vs_json *j, const vs_ground *ground) {
+  begin_member(j, "if");
+  put_names_own(j, VS_SECTION_KEY_machine, vs_machine_key.key);
+  put_names_own(j, VS_SECTION_KEY_circuit, vs_deck_key.key);
+  end_member(j);
+  vs_json_object(j, "else", VS_JSON_ROW);
+  vs_json_object(j, "properties", VS_JSON_LINES);
+  put_start(j, ground);
+  put_measured(j, ground);
+  put_channels(j, ground);
+  vs_json_end(j);
+  vs_json_end(j);
+}
+
+/* ---- instruments and control ---- */
+
+static void put_instruments(vs_json *j) {
+  begin_member(j, vs_section_keys[VS_SECTION_KEY_instruments]);
+  vs_json_object(j, NULL, VS_JSON_ROW);
+  vs_json_text(j, "type", "object");
+  vs_json_object(j, "properties", VS_JSON_LINES);
+  for (size_t k = 0; k < vs_instruments_section.count; k++)
+    vs_shape_field(j, &vs_instruments_section.fields[k]);
+  vs_json_end(j);
+  vs_json_object(j, "additionalProperties", VS_JSON_ROW);
+  vs_json_array(j, "anyOf", VS_JSON_ROW);
+  vs_shape_word(j, vs_instruments_left_out);
+  vs_outlined_instrument(j);
+  end_member(j);
+  vs_json_end(j);
+  end_or_null(j);
+}
+
+static void put_observer(vs_json *j) {
+  vs_json_object(j, vs_control_observer, VS_JSON_ROW);
+  vs_json_array(j, "anyOf", VS_JSON_ROW);
+  vs_shape_type(j, "null");
+  vs_outlined_map(j, vs_observing_keys);
+  end_member(j);
+}
+
+/* The section control with one law, of which `law` must be the name unless it is the default. */
+static void put_law(vs_json *j, const vs_regulator *law) {
+  const vs_field *keys[VS_CONTROL_FIELDS];
+  const size_t n = vs_control_keys(law, keys);
+  vs_json_object(j, NULL, VS_JSON_ROW);
+  vs_json_text(j, "type", "object");
+  vs_json_text(j, "description", law->text);
+  vs_json_object(j, "properties", VS_JSON_LINES);
+  vs_json_object(j, keys[0]->key, VS_JSON_ROW);
+  vs_json_text(j, "const", law->name);
+  vs_json_end(j);
+  for (size_t k = 1; k < n; k++) vs_shape_field(j, keys[k]);
+  put_observer(j);
+  vs_json_end(j);
+  vs_json_array(j, "required", VS_JSON_ROW);
+  if (strcmp(law->name, keys[0]->default_text) != 0) vs_json_text(j, NULL, keys[0]->key);
+  if (law->senses) vs_json_text(j, NULL, vs_control_sensor);
+  if (law->code) vs_json_text(j, NULL, law->code);
   vs_json_end(j);
   vs_json_bool(j, "additionalProperties", false);
   vs_json_end(j);
 }
 
-/* ---- studies and machines: their keys ---- */
+static void put_control(vs_json *j) {
+  vs_json_object(j, vs_section_keys[VS_SECTION_KEY_control], VS_JSON_ROW);
+  vs_json_array(j, "anyOf", VS_JSON_LINES);
+  for (const vs_regulator *const *law = vs_regulators; *law; law++) put_law(j, *law);
+  end_member(j);
+}
+
+static void put_scene(vs_json *j, const vs_ground *ground) {
+  static const int NAMED[] = {VS_SECTION_KEY_start, VS_SECTION_KEY_record, VS_SECTION_KEY_measured,
+                              VS_SECTION_KEY_quality};
+  begin(j, "a scene of VibroSpice");
+  vs_json_object(j, "properties", VS_JSON_LINES);
+  for (int s = 0; s < VS_SECTIONS; s++) {
+    const vs_section *section = vs_section_fields(ground->machine, ground->deck, s);
+    if (s != VS_SECTION_NUMBER_start) put_section(j, section, own_key(section->name));
+  }
+  put_events(j);
+  put_instruments(j);
+  put_control(j);
+  for (size_t k = 0; k < sizeof NAMED / sizeof *NAMED; k++) {
+    vs_json_object(j, vs_section_keys[NAMED[k]], VS_JSON_ROW);
+    vs_json_end(j);
+  }
+  vs_json_end(j);
+  put_named(j, ground);
+  vs_json_bool(j, "additionalProperties", false);
+  vs_json_end(j);
+}
+
+/* ---- studies and machines ---- */
 
 static void put_study(vs_json *j, const vs_ground *ground) {
-  (void)ground;
-  static const char *const KEYS[] = {"scene", "set", "steady", "report"};
   begin(j, "a study of VibroSpice");
+  vs_outlined_definitions(j, ground);
   vs_json_object(j, "properties", VS_JSON_LINES);
-  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS; k++) put_open(j, KEYS[k]);
+  for (const vs_outline *row = vs_plan_keys; row->takes; row++)
+    vs_outlined_row(j, row->key, row, ground);
   const char *before = "";
   for (const vs_method *const *m = vs_methods_all; *m; before = (*m)->key, m++)
-    if (strcmp(before, (*m)->key) != 0) put_open(j, (*m)->key);
+    if (strcmp(before, (*m)->key) != 0) vs_outlined_row(j, (*m)->key, (*m)->keys, ground);
   vs_json_end(j);
   vs_json_bool(j, "additionalProperties", false);
   vs_json_end(j);
 }
 
 static void put_machine(vs_json *j, const vs_ground *ground) {
-  (void)ground;
   begin(j, "a machine of VibroSpice");
   vs_json_object(j, "properties", VS_JSON_LINES);
-  for (const char *const *key = vs_blueprint_keys; *key; key++) put_open(j, *key);
+  for (const vs_outline *row = vs_blueprint_keys; row->takes; row++)
+    vs_outlined_row(j, row->key, row, ground);
   vs_json_end(j);
+  vs_outlined_required(j, vs_blueprint_keys);
   vs_json_bool(j, "additionalProperties", false);
   vs_json_end(j);
 }

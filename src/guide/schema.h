@@ -12,9 +12,10 @@ typedef struct vs_schema_options {
                                  scene */
 } vs_schema_options;
 
-/* Prints the schema. It tells unknown keys, words, kinds of values and units of the wrong
- * dimension; ranges only of pure numbers. Of a scene that names a deck or a machine of its own, it
- * lets any key pass in the sections that these declare. Errors: there is no such kind; those of
+/* Prints the schema. It tells unknown and missing keys, words, kinds of values and units of the
+ * wrong dimension; ranges only of a scene's pure numbers. Of a scene that names a deck or a machine
+ * of its own, it lets any key pass in the sections that these declare. It looks into no formula and
+ * no name. Errors: there is no such kind; those of
  * reading deck and machine. */
 vs_status vs_schema_command(const vs_schema_options *options, vs_error *err);
 

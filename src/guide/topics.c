@@ -33,7 +33,7 @@ static void print_scene(void) {
 
 static void print_quality(void) {
   puts("quality: the probes of currents whose period is compared with the mains' sine, as\n"
-       "quality: [i]. What is then told of each: vibrospice steady --help, docs/operation.md.");
+       "quality: [i]. What is then told of each: vibrospice steady --help, docs/quality.md.");
 }
 
 static const struct topic {

@@ -43,6 +43,12 @@ static const vs_field COMMON[] = {
 enum { N_COMMON = sizeof COMMON / sizeof *COMMON };
 const vs_section vs_instruments_section = {"instruments", COMMON, N_COMMON};
 
+bool vs_instruments_follows(const vs_field *key) {
+  return key == &KEYS[RANGE] || key == &KEYS[NOISE];
+}
+
+const char vs_instruments_left_out[] = "none";
+
 static bool is_common(const char *key) {
   for (int k = 0; k < N_COMMON; k++)
     if (!strcmp(key, COMMON[k].key)) return true;
@@ -267,7 +273,8 @@ static vs_status read_all(const vs_node *section, const vs_node *set, const vs_s
   vs_status s = VS_OK;
   for (const vs_node *n = set ? set->child : NULL; n && !s; n = n->next) {
     const entry e = {vs_tree_child(section, n->key), n};
-    if (!is_word(e.own, "none")) s = vs_error_carry_on(err, read_one(all, &e, setup, frame, err));
+    if (!is_word(e.own, vs_instruments_left_out))
+      s = vs_error_carry_on(err, read_one(all, &e, setup, frame, err));
   }
   for (const vs_node *n = section->child; n && !s; n = n->next) {
     const entry e = {n, NULL};
@@ -321,7 +328,7 @@ const char *vs_instruments_names(const vs_node *section, int n) {
   const bool is_map = section && section->kind == VS_NODE_MAP; /* else reading it refuses it */
   for (const vs_node *i = is_map ? section->child : NULL; i; i = i->next) {
     const vs_node *channel = vs_tree_child(i, "channel");
-    if (is_common(i->key) || is_word(i, "none") || n-- > 0) continue;
+    if (is_common(i->key) || is_word(i, vs_instruments_left_out) || n-- > 0) continue;
     return channel && channel->kind == VS_NODE_TEXT ? channel->text : i->key;
   }
   return NULL;

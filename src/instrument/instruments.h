@@ -70,6 +70,10 @@ typedef struct vs_instruments {
  * instrument, where units that follow from the channel are left out. */
 extern const vs_shelf vs_instrument_shelf;
 extern const vs_section vs_instruments_section, vs_instrument_section;
+/* What the scene says of an instrument of the set that it has not. */
+extern const char vs_instruments_left_out[];
+/* True for a key of an instrument whose unit is the channel's. */
+bool vs_instruments_follows(const vs_field *key);
 
 /* Reads the scene's section (NULL: there is none, and no instrument). setup: the scene's, whose
  * machine and deck have the channels; frame: of its tier. Errors, each of which a check carries on

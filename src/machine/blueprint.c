@@ -10,6 +10,59 @@
 #include "machine/expression.h"
 #include "syntax/units.h"
 
+/* ---- the keys of a machine's file ---- */
+
+static const vs_outline FORMULA = {.takes = VS_OUTLINE_TEXT},
+                        ROW = {.takes = VS_OUTLINE_LIST, .of = &FORMULA},
+                        SUM = {.takes = VS_OUTLINE_WORD, .words = "mass|damping|stiffness|forces"};
+static const vs_outline FORMULAS[] = {{.takes = VS_OUTLINE_TEXT}, {0}};
+static const vs_outline GAP[] = {
+    {"along", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = FORMULAS}, {0}};
+static const vs_outline LOAD[] = {
+    {"adds", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT},
+    {"to", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_LIST, .of = &SUM, .instead = &SUM},
+    {"along", .takes = VS_OUTLINE_TEXT},
+    {"up", .takes = VS_OUTLINE_TEXT},
+    {"forward", .takes = VS_OUTLINE_TEXT},
+    {0}};
+static const vs_outline PROBE[] = {{"of", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT},
+                                   {"unit", .takes = VS_OUTLINE_TEXT},
+                                   {"text", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_NOTHING},
+                                   {0}};
+static const vs_outline ACTUATOR[] = {{"current", .takes = VS_OUTLINE_TEXT},
+                                      {"energy", .takes = VS_OUTLINE_TEXT},
+                                      {"force", .takes = VS_OUTLINE_TEXT},
+                                      {.section = &vs_actuator_section}};
+
+static const vs_outline COORDINATES[] = {
+    {.takes = VS_OUTLINE_MAP, .of = vs_declare_coordinate_keys}, {0}};
+static const vs_outline PARAMETERS[] = {{.takes = VS_OUTLINE_MAP, .of = vs_declare_parameter_keys},
+                                        {0}};
+static const vs_outline BODIES[] = {{.takes = VS_OUTLINE_MAP, .of = vs_bodies_keys}, {0}};
+static const vs_outline SPRINGS[] = {{.takes = VS_OUTLINE_MAP, .of = vs_bodies_spring_keys}, {0}};
+static const vs_outline PROBES[] = {{.takes = VS_OUTLINE_MAP, .of = PROBE}, {0}};
+
+enum { EMPTY = VS_OUTLINE_NOTHING | VS_OUTLINE_MAP, MATRIX = VS_OUTLINE_TEXT | VS_OUTLINE_LIST };
+const vs_outline vs_blueprint_keys[] = {
+    {"title", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_NOTHING},
+    {"coordinates", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = COORDINATES},
+    {"parameters", EMPTY, .of = PARAMETERS},
+    {"let", EMPTY, .of = FORMULAS},
+    {"mass", MATRIX, .of = &ROW},
+    {"damping", MATRIX, .of = &ROW},
+    {"stiffness", MATRIX, .of = &ROW},
+    {"bodies", .takes = VS_OUTLINE_MAP, .of = BODIES},
+    {"springs", .takes = VS_OUTLINE_MAP, .of = SPRINGS},
+    {"forces", EMPTY, .of = FORMULAS},
+    {"gap", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = GAP},
+    {"load", EMPTY, .of = LOAD},
+    {"probes", EMPTY, .of = PROBES},
+    {"actuator", EMPTY, .of = ACTUATOR},
+    {"instruments", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_SENSORS},
+    {0}};
+
+/* ---- maps ---- */
+
 static bool is_map(const vs_node *node) {
   return node && node->kind == VS_NODE_MAP;
 }
@@ -160,10 +213,9 @@ static vs_status read_forces(vs_machine *m, vs_error *err) {
 }
 
 static vs_status read_gap(vs_machine *m, vs_error *err) {
-  static const char *const KEYS[] = {"along"};
   const vs_node *map, *along;
   vs_status s = map_of(m, "gap", &map, err);
-  if (!s) s = vs_field_known_keys(map, "gap", KEYS, 1, err);
+  if (!s) s = vs_outline_known_keys(map, "gap", GAP, err);
   if (s) return s;
   along = vs_tree_child(map, "along");
   m->where_along = along ? along->key_where : map ? map->where : (vs_where){.file = m->tree.name};
@@ -200,12 +252,11 @@ static vs_status read_ways(vs_machine *m, const vs_node *map, vs_error *err) {
 }
 
 static vs_status read_load(vs_machine *m, vs_error *err) {
-  static const char *const KEYS[] = {"adds", "to", "along", "up", "forward"};
   const vs_node *map;
   const char *names[VS_MACHINE_NAMES];
   vs_status s = map_of(m, "load", &map, err);
   if (s || !map) return s;
-  s = vs_field_known_keys(map, "load", KEYS, sizeof KEYS / sizeof *KEYS, err);
+  s = vs_outline_known_keys(map, "load", LOAD, err);
   if (!s) s = read_ways(m, map, err);
   const vs_node *adds = vs_tree_child(map, "adds"), *to = vs_tree_child(map, "to");
   if (s) return s;
@@ -256,7 +307,6 @@ static vs_status scale_probe(vs_machine_probe *probe, vs_error *err) {
 }
 
 static vs_status read_probe(vs_machine *m, const vs_node *node, vs_error *err) {
-  static const char *const KEYS[] = {"of", "unit", "text"};
   char what[VS_MACHINE_NAME + 16];
   vs_machine_probe probe = {.where = node->key_where};
   vs_expression of = {0};
@@ -269,7 +319,7 @@ static vs_status read_probe(vs_machine *m, const vs_node *node, vs_error *err) {
   if (node->kind != VS_NODE_MAP || !formula)
     return vs_fail_at(err, node->where, "%s: {of: FORMULA, unit: m, text: ...} is wanted", what);
   snprintf(probe.name, sizeof probe.name, "%s", node->key);
-  s = vs_field_known_keys(node, what, KEYS, 3, err);
+  s = vs_outline_known_keys(node, what, PROBE, err);
   if (!s) s = vs_declare_text(unit, what, probe.unit, sizeof probe.unit, err);
   if (!s)
     s = vs_declare_text(vs_tree_child(node, "text"), what, probe.text, sizeof probe.text, err);
@@ -336,15 +386,9 @@ static vs_status check_law(const vs_machine *m, vs_error *err) {
 static vs_status read_actuator(vs_machine *m, vs_error *err) {
   static const char *const units[VS_MACHINE_LAWS] = {
       [VS_MACHINE_CURRENT] = "A", [VS_MACHINE_ENERGY] = "J", [VS_MACHINE_FORCE] = "N"};
-  enum { MOST = 64 };
-  const char *names[MOST];
-  size_t n = 0;
   char what[40];
   vs_status s = map_of(m, "actuator", &m->own_actuator, err);
-  for (; n < VS_MACHINE_LAWS; n++) names[n] = vs_machine_law_words[n];
-  for (size_t k = 0; k < vs_actuator_section.count && n < MOST; k++)
-    names[n++] = vs_actuator_section.fields[k].key;
-  if (!s) s = vs_field_known_keys(m->own_actuator, "actuator", names, n, err);
+  if (!s) s = vs_outline_known_keys(m->own_actuator, "actuator", ACTUATOR, err);
   for (int k = 0; k < VS_MACHINE_LAWS && !s; k++) {
     const vs_node *node = vs_tree_child(m->own_actuator, vs_machine_law_words[k]);
     const vs_dimension wanted = vs_dimension_of(units[k]);
@@ -358,11 +402,6 @@ static vs_status read_actuator(vs_machine *m, vs_error *err) {
 
 /* ---- the file ---- */
 
-const char *const vs_blueprint_keys[] = {
-    "title",   "coordinates", "parameters", "let",  "mass",   "damping",  "stiffness",   "bodies",
-    "springs", "forces",      "gap",        "load", "probes", "actuator", "instruments", NULL};
-enum { N_KEYS = sizeof vs_blueprint_keys / sizeof *vs_blueprint_keys - 1 };
-
 bool vs_blueprint_has_keys(const vs_tree *file) {
   static const char *const OWN[] = {"coordinates", "parameters", "let",    "mass",   "damping",
                                     "stiffness",   "gap",        "probes", "bodies", "springs"};
@@ -373,7 +412,7 @@ bool vs_blueprint_has_keys(const vs_tree *file) {
 
 static vs_status read_all(vs_machine *m, vs_error *err) {
   const vs_node *root = m->tree.root;
-  vs_status s = vs_field_known_keys(root, "a machine", vs_blueprint_keys, N_KEYS, err);
+  vs_status s = vs_outline_known_keys(root, "a machine", vs_blueprint_keys, err);
   if (!s)
     s = vs_error_carry_on(err, vs_declare_text(vs_tree_child(root, "title"), "title", m->title,
                                                sizeof m->title, err));

@@ -33,6 +33,7 @@
 #define VS_MACHINE_BLUEPRINT_H
 
 #include "machine/machine.h"
+#include "syntax/outline.h"
 
 /* Reads the file into a machine that vs_machine_begin has made. Errors with their place; a check
  * carries on from most of them, and machine->lost is true then. */
@@ -41,7 +42,7 @@ vs_status vs_blueprint_read(const char *path, vs_machine *machine, vs_error *err
 /* True if the file has a key that only machines have. */
 bool vs_blueprint_has_keys(const vs_tree *file);
 
-/* The keys at the top of a machine's file; NULL ends them. */
-extern const char *const vs_blueprint_keys[];
+/* The keys of a machine's file, with all below them. */
+extern const vs_outline vs_blueprint_keys[];
 
 #endif

@@ -54,18 +54,40 @@ static vs_status find_body(const vs_machine *m, const char *name, vs_where where
                     nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
 }
 
+/* ---- their keys ---- */
+
+static const vs_outline FORMULA = {.takes = VS_OUTLINE_TEXT},
+                        POINT[] = {{.takes = VS_OUTLINE_LIST, .of = &FORMULA, .count = 2}, {0}};
+static const vs_outline MOVES[] = {{"x", .takes = VS_OUTLINE_TEXT},
+                                   {"y", .takes = VS_OUTLINE_TEXT},
+                                   {"turn", .takes = VS_OUTLINE_TEXT},
+                                   {0}};
+const vs_outline vs_bodies_keys[] = {
+    {"mass", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT},
+    {"inertia", .takes = VS_OUTLINE_TEXT},
+    {"at", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_LIST, .of = &FORMULA, .count = 2},
+    {"on", .takes = VS_OUTLINE_TEXT},
+    {"moves", .takes = VS_OUTLINE_MAP, .of = MOVES},
+    {0}};
+const vs_outline vs_bodies_spring_keys[] = {
+    {"from", .takes = VS_OUTLINE_MAP, .of = POINT, .count = 1},
+    {"to", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = POINT, .count = 1},
+    {"along", .takes = VS_OUTLINE_LIST, .of = &FORMULA, .count = 2},
+    {"stiffness", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &FORMULA, .count = 2},
+    {"damping", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &FORMULA, .count = 2},
+    {0}};
+
 /* ---- bodies ---- */
 
 static vs_status read_moves(const vs_machine *m, const vs_node *map, const char *owner,
                             vs_expression moves[3], vs_error *err) {
-  static const char *const KEYS[] = {"x", "y", "turn"},
-                           *const WORDS[] = {"moves.x", "moves.y", "moves.turn"},
-                           *const UNITS[] = {"m", "m", "rad"};
+  static const char *const WORDS[] = {"moves.x", "moves.y", "moves.turn"}, *const UNITS[] = {
+                                                                               "m", "m", "rad"};
   if (map && map->kind != VS_NODE_MAP)
     return vs_fail_at(err, map->where, "%s.moves: {x: ..., y: ..., turn: ...} is wanted", owner);
-  vs_status s = vs_field_known_keys(map, "moves", KEYS, 3, err);
+  vs_status s = vs_outline_known_keys(map, "moves", MOVES, err);
   for (int k = 0; k < 3 && !s; k++) {
-    const vs_node *node = vs_tree_child(map, KEYS[k]);
+    const vs_node *node = vs_tree_child(map, MOVES[k].key);
     const source from = {owner, WORDS[k], UNITS[k], VS_EXPRESSION_MOTION};
     if (node) s = read_one(m, node, from, &moves[k], err);
   }
@@ -88,7 +110,6 @@ static vs_status fill_body(vs_machine *m, const vs_node *node, const char *owner
 }
 
 static vs_status read_body(vs_machine *m, const vs_node *node, vs_error *err) {
-  static const char *const KEYS[] = {"mass", "inertia", "at", "on", "moves"};
   char owner[VS_MACHINE_NAME + 16];
   snprintf(owner, sizeof owner, "bodies.%.*s", VS_MACHINE_NAME - 1, node->key);
   if (m->n_bodies >= VS_MACHINE_BODIES)
@@ -97,7 +118,7 @@ static vs_status read_body(vs_machine *m, const vs_node *node, vs_error *err) {
     return vs_fail_at(err, node->key_where, "%s: that name is the program's", owner);
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where, "%s: {mass: ..., at: [x, y], moves: ...} is wanted", owner);
-  vs_status s = vs_field_known_keys(node, owner, KEYS, sizeof KEYS / sizeof *KEYS, err);
+  vs_status s = vs_outline_known_keys(node, owner, vs_bodies_keys, err);
   vs_body *b = &m->bodies[m->n_bodies];
   b->on = -1;
   if (!s) s = fill_body(m, node, owner, b, err);
@@ -160,7 +181,6 @@ static vs_status fill_spring(const vs_machine *m, const vs_node *node, const cha
 }
 
 static vs_status read_spring(vs_machine *m, const vs_node *node, vs_error *err) {
-  static const char *const KEYS[] = {"from", "to", "along", "stiffness", "damping"};
   char owner[VS_MACHINE_NAME + 16];
   snprintf(owner, sizeof owner, "springs.%.*s", VS_MACHINE_NAME - 1, node->key);
   if (m->n_springs >= VS_MACHINE_SPRINGS)
@@ -168,7 +188,7 @@ static vs_status read_spring(vs_machine *m, const vs_node *node, vs_error *err) 
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where, "%s: {from: ..., to: ..., stiffness: ...} is wanted",
                       owner);
-  vs_status status = vs_field_known_keys(node, owner, KEYS, sizeof KEYS / sizeof *KEYS, err);
+  vs_status status = vs_outline_known_keys(node, owner, vs_bodies_spring_keys, err);
   vs_spring *s = &m->springs[m->n_springs++];
   s->body[0] = s->body[1] = -1;
   snprintf(s->name, sizeof s->name, "%.*s", VS_MACHINE_NAME - 1, node->key);

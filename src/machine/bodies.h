@@ -14,6 +14,10 @@
 #define VS_MACHINE_BODIES_H
 
 #include "machine/machine.h"
+#include "syntax/outline.h"
+
+/* The keys of a body, and those of a spring. */
+extern const vs_outline vs_bodies_keys[], vs_bodies_spring_keys[];
 
 /* Reads both keys. Errors with their place; a check carries on. */
 vs_status vs_bodies_read(vs_machine *machine, vs_error *err);

@@ -82,9 +82,13 @@ static void rate_unit(const char *unit, const char *per, char *text, size_t size
     snprintf(text, size, "%s%s%s", unit, strchr(unit, '/') ? "." : "/", per);
 }
 
+const vs_outline vs_declare_coordinate_keys[] = {
+    {"unit", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT},
+    {"text", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_NOTHING},
+    {0}};
+
 /* {unit: m, text: trough} */
 static vs_status read_coordinate(vs_machine *m, const vs_node *node, vs_error *err) {
-  static const char *const KEYS[] = {"unit", "text"};
   vs_coordinate c = {.where = node->key_where};
   char what[VS_MACHINE_NAME + 24];
   snprintf(what, sizeof what, "coordinates.%.*s", VS_MACHINE_NAME - 1, node->key);
@@ -99,7 +103,7 @@ static vs_status read_coordinate(vs_machine *m, const vs_node *node, vs_error *e
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where, "%s: {unit: m, text: ...} is wanted", what);
   const vs_node *unit = vs_tree_child(node, "unit");
-  s = vs_field_known_keys(node, what, KEYS, 2, err);
+  s = vs_outline_known_keys(node, what, vs_declare_coordinate_keys, err);
   if (!s) s = vs_declare_text(unit, what, c.unit, sizeof c.unit, err);
   if (!s) s = vs_declare_text(vs_tree_child(node, "text"), what, c.text, sizeof c.text, err);
   if (s) return s;
@@ -273,8 +277,15 @@ static vs_status read_default(declaration *d, const vs_node *node, vs_error *err
   return take_unit(d, pair ? x : value, err);
 }
 
-static const char *const PARAMETER_KEYS[] = {"default", "range", "open", "choices", "text"};
-enum { N_PARAMETER_KEYS = sizeof PARAMETER_KEYS / sizeof *PARAMETER_KEYS };
+static const vs_outline TEXT = {.takes = VS_OUTLINE_TEXT};
+const vs_outline vs_declare_parameter_keys[] = {
+    {"default", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &TEXT,
+     .count = 2},
+    {"range", .takes = VS_OUTLINE_TEXT},
+    {"open", .takes = VS_OUTLINE_FLAG},
+    {"choices", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &TEXT},
+    {"text", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_NOTHING},
+    {0}};
 
 static vs_status read_declaration(const vs_node *node, declaration *d, vs_error *err) {
   const vs_node *range = vs_tree_child(node, "range");
@@ -282,7 +293,7 @@ static vs_status read_declaration(const vs_node *node, declaration *d, vs_error 
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where,
                       "%s: {default: 20 kg, range: 0 kg .. 100 kg, text: ...} is wanted", d->what);
-  vs_status s = vs_field_known_keys(node, d->what, PARAMETER_KEYS, N_PARAMETER_KEYS, err);
+  vs_status s = vs_outline_known_keys(node, d->what, vs_declare_parameter_keys, err);
   if (!s) s = read_default(d, node, err);
   if (!s && range && d->field.kind == VS_CHOICE)
     s = vs_fail_at(err, range->where, "%s: a choice has no range", d->what);

@@ -4,6 +4,10 @@
 #define VS_MACHINE_DECLARE_H
 
 #include "machine/machine.h"
+#include "syntax/outline.h"
+
+/* The keys of a coordinate, and those of a parameter. */
+extern const vs_outline vs_declare_coordinate_keys[], vs_declare_parameter_keys[];
 
 /* Adds a name that formulas may use. Error, at `where`: it is no name, is taken, or is one that
  * formulas have for something else. */

@@ -26,6 +26,13 @@ static bool is_any(const vs_node *section) {
   return true;
 }
 
+static const vs_outline NAME = {.takes = VS_OUTLINE_TEXT};
+static const vs_outline KEYS[] = {
+    {"of", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &NAME},
+    {"to", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &NAME},
+    {0}};
+static const vs_outline SENSITIVITY = {.takes = VS_OUTLINE_MAP, .of = KEYS};
+
 /* Reads one name or a list of them. */
 static vs_status read_names(const vs_node *section, const char *key, vs_asked names[MOST],
                             size_t *count, vs_error *err) {
@@ -43,10 +50,9 @@ static vs_status read_names(const vs_node *section, const char *key, vs_asked na
 
 static vs_status read_derivatives(vs_plan *plan, const vs_node *section, void **state,
                                   vs_error *err) {
-  static const char *const KEYS[] = {"of", "to"};
   derivatives *d = *state = vs_alloc(1, sizeof *d);
   d->order = (vs_sensitivity_order){.of = d->of, .to = d->to, .periods = plan->periods};
-  vs_status status = vs_field_known_keys(section, "sensitivity", KEYS, 2, err);
+  vs_status status = vs_outline_known_keys(section, "sensitivity", KEYS, err);
   if (!status) status = read_names(section, "of", d->of, &d->order.n_of, err);
   if (!status) status = read_names(section, "to", d->to, &d->order.n_to, err);
   if (!status) status = vs_sensitivity_check(plan->base, &d->order, err);
@@ -66,6 +72,7 @@ static void no_axis(const vs_plan *plan, const vs_plan_stage *stage, uint64_t in
 const vs_method vs_derivative_method = {
     .name = "sensitivity",
     .key = "sensitivity",
+    .keys = &SENSITIVITY,
     .text = "no cases of its own: derivatives of each case's measures to keys, as columns",
     .claims = is_any,
     .read = read_derivatives,

@@ -14,6 +14,9 @@
 
 /* ---- grid ---- */
 
+static const vs_outline AXES[] = {{.takes = VS_OUTLINE_VALUE, .instead = &vs_axis_many}, {0}};
+static const vs_outline VARY = {.takes = VS_OUTLINE_TEXT | VS_OUTLINE_MAP, .of = AXES};
+
 static bool is_map(const vs_node *section) {
   return section->kind != VS_NODE_TEXT;
 }
@@ -55,6 +58,7 @@ static const char *const GRID_EACH[] = {"curve", "map", "cases", NULL}, *const G
 
 const vs_method vs_grid_method = {.name = "grid",
                                   .key = "vary",
+                                  .keys = &VARY,
                                   .text = "all combinations of the values listed",
                                   .claims = is_map,
                                   .read = read_grid,
@@ -179,6 +183,7 @@ static const char *const LIST_EACH[] = {"cases", NULL};
 
 const vs_method vs_grid_list = {.name = "list",
                                 .key = "vary",
+                                .keys = &VARY,
                                 .text = "the rows of a CSV file, whose header names scene keys",
                                 .claims = is_text,
                                 .read = read_list,

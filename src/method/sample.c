@@ -26,7 +26,19 @@
 #include "plan/plan.h"
 #include "syntax/units.h"
 
-static const char *const KEYS[] = {"method", "n", "seed", "spread", "correlation", "sigmas"};
+static const vs_outline SPREAD[] = {{.takes = VS_OUTLINE_SPREAD, .instead = &vs_axis_many}, {0}},
+                        ITEM = {.takes = VS_OUTLINE_TEXT},
+                        TRIPLE = {.takes = VS_OUTLINE_LIST, .of = &ITEM, .count = 3};
+static const vs_outline KEYS[] = {
+    {"method", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_WORD,
+     .words = "sobol|latin_hypercube|lhs|monte_carlo|corners"},
+    {"n", .takes = VS_OUTLINE_WHOLE},
+    {"seed", .takes = VS_OUTLINE_WHOLE},
+    {"spread", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = SPREAD},
+    {"correlation", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_LIST, .of = &TRIPLE, .count = -1},
+    {"sigmas", .takes = VS_OUTLINE_PART},
+    {0}};
+static const vs_outline SAMPLE = {.takes = VS_OUTLINE_MAP, .of = KEYS};
 
 typedef struct sample {
   uint64_t n;
@@ -154,7 +166,7 @@ static vs_status sample_read(vs_plan *plan, const vs_node *section, void **state
   const size_t first = plan->n_axes;
   double sigmas;
   sample *s = *state = vs_alloc(1, sizeof *s);
-  vs_status status = vs_field_known_keys(section, "sample", KEYS, sizeof KEYS / sizeof *KEYS, err);
+  vs_status status = vs_outline_known_keys(section, "sample", KEYS, err);
   if (!status) status = read_numbers(plan, section, s, &sigmas, err);
   if (!status) status = read_spread(plan, section, sigmas, err);
   if (!status) status = read_correlation(plan, section, first, s, err);
@@ -273,6 +285,7 @@ static const char *const SPREAD_EACH[] = {"histogram", NULL},
 const vs_method vs_sample_latin = {
     .name = "lhs",
     .key = "sample",
+    .keys = &SAMPLE,
     .uncertain = true,
     .text = "Latin hypercube: every n-th part of every axis once "
             "(without correlation)",
@@ -286,6 +299,7 @@ const vs_method vs_sample_latin = {
 const vs_method vs_sample_monte_carlo = {
     .name = "monte_carlo",
     .key = "sample",
+    .keys = &SAMPLE,
     .uncertain = true,
     .text = "independent random points",
     .claims = is_monte_carlo,
@@ -298,6 +312,7 @@ const vs_method vs_sample_monte_carlo = {
 const vs_method vs_sample_sobol = {
     .name = "sobol",
     .key = "sample",
+    .keys = &SAMPLE,
     .uncertain = true,
     .text = "Sobol's sequence, shifted by the seed",
     .claims = is_sobol,
@@ -309,6 +324,7 @@ const vs_method vs_sample_sobol = {
     .axis_json = spread_json};
 const vs_method vs_sample_corners = {.name = "corners",
                                      .key = "sample",
+                                     .keys = &SAMPLE,
                                      .uncertain = true,
                                      .text = "the scene as it is, then all ends of all spreads",
                                      .claims = is_corners,

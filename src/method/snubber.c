@@ -121,14 +121,23 @@ static vs_status read_prices(vs_plan *plan, const vs_node *section, snubber *s, 
                     "snubber: vary is wanted, with the ranges of circuit.r1 and circuit.c1");
 }
 
+static const vs_outline RATING[] = {{.takes = VS_OUTLINE_TEXT}, {0}};
+static const vs_outline KEYS[] = {
+    {"ratings", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_MAP, .of = RATING},
+    {"margin", .takes = VS_OUTLINE_PART},
+    {"n", .takes = VS_OUTLINE_WHOLE},
+    {"seed", .takes = VS_OUTLINE_WHOLE},
+    {"finest", .takes = VS_OUTLINE_PART},
+    {0}};
+static const vs_outline SNUBBER = {.takes = VS_OUTLINE_MAP, .of = KEYS};
+
 static vs_status read_snubber(vs_plan *plan, const vs_node *section, void **state, vs_error *err) {
-  static const char *const KEYS[] = {"ratings", "margin", "n", "seed", "finest"};
   snubber *s = *state = vs_alloc(1, sizeof *s);
   s->margin = 0.2;
   s->finest = 0.01;
   for (size_t p = 0; p < plan->n_stages; p++)
     if (plan->stages[p].method->uncertain) s->sample = &plan->stages[p];
-  vs_status status = vs_field_known_keys(section, "snubber", KEYS, sizeof KEYS / sizeof *KEYS, err);
+  vs_status status = vs_outline_known_keys(section, "snubber", KEYS, err);
   if (!status) status = vs_error_carry_on(err, read_ratings(plan, section, s, err));
   if (!status)
     status = vs_error_carry_on(err, read_part_of_one(section, "margin", 1, &s->margin, err));
@@ -409,6 +418,7 @@ static const char *const LEAD[] = {"feasible", NULL}, *const EACH[] = {"map", "c
 const vs_method vs_snubber_method = {
     .name = "snubber",
     .key = "snubber",
+    .keys = &SNUBBER,
     .text = "search for the cheapest snubber that keeps its ratings over all spreads",
     .claims = is_snubber,
     .read = read_snubber,

@@ -61,13 +61,19 @@ static vs_status read_aim(vs_plan *plan, const vs_node *section, worst *w, vs_er
   return VS_OK;
 }
 
+static const vs_outline KEYS[] = {{"worst", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_TEXT},
+                                  {"n", .takes = VS_OUTLINE_WHOLE},
+                                  {"seed", .takes = VS_OUTLINE_WHOLE},
+                                  {"finest", .takes = VS_OUTLINE_PART},
+                                  {0}};
+static const vs_outline FIND = {.takes = VS_OUTLINE_MAP, .of = KEYS};
+
 static vs_status read_worst(vs_plan *plan, const vs_node *section, void **state, vs_error *err) {
-  static const char *const KEYS[] = {"worst", "n", "seed", "finest"};
   worst *w = *state = vs_alloc(1, sizeof *w);
   const vs_node *finest = vs_tree_child(section, "finest");
   char why[256];
   w->finest = 1e-3;
-  vs_status status = vs_field_known_keys(section, "find", KEYS, sizeof KEYS / sizeof *KEYS, err);
+  vs_status status = vs_outline_known_keys(section, "find", KEYS, err);
   if (!status) status = vs_error_carry_on(err, read_aim(plan, section, w, err));
   if (!status)
     status = vs_error_carry_on(err, vs_axis_whole(section, "n", 1, MOST_CASES, &w->n, err));
@@ -199,6 +205,7 @@ static const char *const LEAD[] = {"path", "cloud", NULL}, *const EACH[] = {"cas
 const vs_method vs_worst_method = {
     .name = "worst",
     .key = "find",
+    .keys = &FIND,
     .text = "search for the largest or least value: differential evolution, then pattern search",
     .claims = is_worst,
     .read = read_worst,

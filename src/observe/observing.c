@@ -28,6 +28,14 @@ static const vs_field KEYS[] = {
 enum { N_KEYS = sizeof KEYS / sizeof *KEYS };
 const vs_section vs_observing_section = {"control.observer", KEYS, N_KEYS};
 
+static const vs_outline NAME = {.takes = VS_OUTLINE_TEXT},
+                        POLE = {
+                            .takes = VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &NAME, .count = 2};
+const vs_outline vs_observing_keys[] = {
+    {"sensors", .takes = VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &NAME},
+    {"poles", .takes = VS_OUTLINE_LIST, .of = &POLE},
+    {.section = &vs_observing_section}};
+
 /* What reading has at hand. */
 typedef struct reading {
   const vs_node *map;
@@ -229,12 +237,10 @@ static vs_status check_keys(const reading *r, const vs_gain_kind *other) {
 }
 
 static vs_status read_keys(const reading *r) {
-  const char *names[N_KEYS + 2] = {"sensors", "poles"};
   vs_observing_values *v = &r->o->v;
-  for (int k = 0; k < N_KEYS; k++) names[2 + k] = KEYS[k].key;
   vs_status s = vs_field_section_read(&vs_observing_section, NULL, v, r->err);
   if (!s && r->map->kind == VS_NODE_MAP)
-    s = vs_field_known_keys(r->map, "control.observer", names, N_KEYS + 2, r->err);
+    s = vs_outline_known_keys(r->map, vs_observing_section.name, vs_observing_keys, r->err);
   for (int k = 0; k < N_KEYS && !s; k++) {
     const vs_node *node = vs_tree_child(r->map, KEYS[k].key);
     if (node) s = vs_field_read(&vs_observing_section, &KEYS[k], node, v, r->err);

@@ -13,6 +13,7 @@
 #define VS_OBSERVE_OBSERVING_H
 
 #include "observe/gain.h"
+#include "syntax/outline.h"
 
 typedef struct vs_observing_values {
   int kind;                   /* which of the kinds, vs_gain_kinds[kind] */
@@ -40,8 +41,9 @@ typedef struct vs_observing {
   double settling_s; /* until a hundredth of the slowest part of an error is left */
 } vs_observing;
 
-/* Its keys that are one value, with their units; `sensors` and `poles` are lists. */
+/* Its keys that are one value, with their units; and all of its keys. */
 extern const vs_section vs_observing_section;
+extern const vs_outline vs_observing_keys[];
 
 /* Reads the key's map and finds the gain. model: of the scene; rate_hz: of the control.
  * Errors: an instrument that is none, or that shows no motion; none for the current; sensors that

@@ -7,7 +7,8 @@
 
 /* ---- the key ---- */
 
-static const char KEY[] = "quality", MAINS[] = "mains";
+static const char KEY[] = "quality";
+const char vs_quality_mains[] = "mains", vs_quality_none[] = "none";
 
 /* How many cycles of the mains the means are over; NaN: no whole number. */
 static double cycles_of(const vs_setup *setup) {
@@ -30,7 +31,7 @@ static vs_status unknown(const vs_node *node, const vs_setup *setup, const vs_fr
   for (int k = 0, listed = vs_channel_listed(&full, numbers); k < listed; k++)
     if (!strcmp(vs_channel_at(&full, numbers[k]).unit, "A"))
       names[n++] = vs_channel_at(&full, numbers[k]).name;
-  names[n++] = MAINS;
+  names[n++] = vs_quality_mains;
   const char *nearest = vs_text_nearest(name, names, n);
   return vs_fail_at(err, node->where, "quality: no current '%s'%s%s%s", name,
                     nearest ? "; did you mean '" : "", nearest ? nearest : "",
@@ -39,7 +40,7 @@ static vs_status unknown(const vs_node *node, const vs_setup *setup, const vs_fr
 
 static vs_status take(const vs_node *node, const vs_setup *setup, const vs_frame *frame,
                       vs_quality_list *list, vs_error *err) {
-  bool word = node->kind == VS_NODE_TEXT, mains = word && !strcmp(node->text, MAINS);
+  bool word = node->kind == VS_NODE_TEXT, mains = word && !strcmp(node->text, vs_quality_mains);
   int channel = mains ? VS_CH_I_MAINS : word ? vs_channel_find(frame, node->text) : -1;
   if (channel < 0) return unknown(node, setup, frame, err);
   const char *unit = vs_channel_at(frame, channel).unit;
@@ -68,7 +69,8 @@ vs_status vs_quality_read(const vs_node *node, const vs_setup *setup, const vs_f
   const bool text = node && node->kind == VS_NODE_TEXT;
   vs_status s = VS_OK;
   list->count = 0;
-  if (!node || (text && !*node->text) || (text && !strcmp(node->text, "none"))) return VS_OK;
+  if (!node || (text && !*node->text) || (text && !strcmp(node->text, vs_quality_none)))
+    return VS_OK;
   if (node->kind == VS_NODE_MAP || (node->kind == VS_NODE_LIST && !node->child))
     return vs_error_carry_on(
         err,

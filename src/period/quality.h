@@ -16,6 +16,9 @@
 
 enum { VS_QUALITY_MOST = 8 };
 
+/* The words for the mains current, and for no current. */
+extern const char vs_quality_mains[], vs_quality_none[];
+
 /* A current that is named. */
 typedef struct vs_quality_current {
   char name[VS_DECK_NAME];

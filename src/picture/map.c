@@ -210,6 +210,7 @@ static void add_colours(const map *m, vs_picture *p) {
   vs_text_add(&p->script, "%sset cbrange [%.9g:%.9g]\nset cblabel ", vs_scale_palette, least - room,
               largest + room);
   vs_gnuplot_quoted(&p->script, vs_sketch_scale(m->k, m->column).label);
+  vs_text_add(&p->script, " offset 1.5,0"); /* letters that grow on narrow pages have room */
   if (least > 0 && largest > MOST_EVEN * least) vs_text_add(&p->script, "\nset logscale cb");
   vs_text_add(&p->script, "\nset colorbox user origin 0.81,0.15 size 0.025,0.72\nset rmargin "
                           "screen 0.79\nset cbtics nomirror in\n");

@@ -10,10 +10,10 @@
 /* ---- the key ---- */
 
 static const char KEY[] = "steady";
+const vs_outline vs_atwork_keys[] = {{"period", .takes = VS_OUTLINE_WHOLE}, {0}};
 enum { MOST_PERIODS = 1000 };
 
 vs_status vs_atwork_read(const vs_node *holder, int *periods, vs_error *err) {
-  static const char *const KEYS[] = {"period"};
   const vs_node *node = vs_tree_child(holder, KEY);
   const bool word = node && node->kind == VS_NODE_TEXT;
   uint64_t n = 1;
@@ -24,9 +24,10 @@ vs_status vs_atwork_read(const vs_node *holder, int *periods, vs_error *err) {
   if (node->kind != VS_NODE_MAP)
     return vs_fail_at(err, node->where,
                       "steady: true is wanted, or a map: {period: N}, N firing periods");
-  vs_status status = vs_field_known_keys(node, KEY, KEYS, sizeof KEYS / sizeof *KEYS, err);
+  vs_status status = vs_outline_known_keys(node, KEY, vs_atwork_keys, err);
   if (!status)
-    status = vs_error_carry_on(err, vs_axis_whole(node, KEYS[0], 1, MOST_PERIODS, &n, err));
+    status = vs_error_carry_on(
+        err, vs_axis_whole(node, vs_atwork_keys[0].key, 1, MOST_PERIODS, &n, err));
   *periods = (int)n;
   return status;
 }

@@ -10,12 +10,14 @@
 
 #include "scene/shown.h"
 #include "steady/steady.h"
+#include "syntax/outline.h"
 
 /* The column that tells whether the orbit is stable, 1, or not, 0. */
 #define VS_ATWORK_STABLE "stable"
 
 /* Reads the key from the map that may have it: *periods is 0 where there are no orbits. Errors: it
  * is neither true, false nor a map; it has another key; period is not a whole number above 0. */
+extern const vs_outline vs_atwork_keys[]; /* where it is a map */
 vs_status vs_atwork_read(const vs_node *holder, int *periods, vs_error *err);
 
 /* What a case's columns are taken from. */

@@ -150,6 +150,24 @@ static vs_status whole_values(const vs_axis *axis, const vs_node *node, vs_error
   return VS_OK;
 }
 
+static const vs_outline VALUE = {.takes = VS_OUTLINE_VALUE};
+static const vs_outline STEP[] = {{"from", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_VALUE},
+                                  {"to", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_VALUE},
+                                  {"step", .takes = VS_OUTLINE_VALUE},
+                                  {0}};
+static const vs_outline LOG[] = {
+    {"log", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_LIST, .of = &VALUE, .count = 2},
+    {"n", .takes = VS_OUTLINE_WHOLE},
+    {0}};
+static const vs_outline LIN[] = {
+    {"lin", .takes = VS_OUTLINE_NEEDED | VS_OUTLINE_LIST, .of = &VALUE, .count = 2},
+    {"n", .takes = VS_OUTLINE_WHOLE},
+    {0}};
+static const vs_outline LINEAR = {.takes = VS_OUTLINE_MAP, .of = LIN},
+                        SPACED = {.takes = VS_OUTLINE_MAP, .of = LOG, .instead = &LINEAR},
+                        STEPPED = {.takes = VS_OUTLINE_MAP, .of = STEP, .instead = &SPACED};
+const vs_outline vs_axis_many = {.takes = VS_OUTLINE_LIST, .of = &VALUE, .instead = &STEPPED};
+
 /* Reads {from: A, to: B, step: C}, which is A, A + C, ... up to B; B itself need not be met.
  * Without a step a range is a continuum; one of whole numbers is all of them. */
 static vs_status stepped(vs_axis *axis, const vs_node *map, vs_error *err) {
@@ -201,8 +219,6 @@ static vs_status spaced(vs_axis *axis, const vs_node *map, const vs_node *ends, 
 }
 
 vs_status vs_axis_values(vs_axis *axis, const vs_node *node, vs_error *err) {
-  static const char *const STEP[] = {"from", "to", "step"}, *const LOG[] = {"log", "n"},
-                           *const LIN[] = {"lin", "n"};
   if (node->kind == VS_NODE_TEXT) return one_value(axis, node, err);
   if (node->kind == VS_NODE_LIST) return list_values(axis, node, err);
   if (axis->is_word)
@@ -210,9 +226,7 @@ vs_status vs_axis_values(vs_axis *axis, const vs_node *node, vs_error *err) {
                       axis->key);
   const vs_node *log = vs_tree_child(node, "log"), *lin = vs_tree_child(node, "lin");
   size_t found = vs_error_count(err);
-  vs_status status = log   ? vs_field_known_keys(node, axis->key, LOG, 2, err)
-                     : lin ? vs_field_known_keys(node, axis->key, LIN, 2, err)
-                           : vs_field_known_keys(node, axis->key, STEP, 3, err);
+  vs_status status = vs_outline_known_keys(node, axis->key, log ? LOG : lin ? LIN : STEP, err);
   if (status || vs_error_count(err) > found) return status;
   return log || lin ? spaced(axis, node, log ? log : lin, err) : stepped(axis, node, err);
 }

@@ -29,10 +29,11 @@ typedef struct vs_method_report {
 } vs_method_report;
 
 typedef struct vs_method {
-  const char *name; /* "grid" */
-  const char *key;  /* the study's key it stands under, and its member's in the manifest */
-  const char *text; /* what it does, one line */
-  bool uncertain;   /* its axes are what is not known exactly; false: what may be chosen */
+  const char *name;       /* "grid" */
+  const char *key;        /* the study's key it stands under, and its member's in the manifest */
+  const char *text;       /* what it does, one line */
+  const vs_outline *keys; /* what may stand under `key`, one row, the same for all methods of it */
+  bool uncertain;         /* its axes are what is not known exactly; false: what may be chosen */
 
   /* Says whether the section under `key` asks for this method. Of several the first in the table is
    * taken. */

@@ -230,13 +230,22 @@ void vs_plan_generation_add(vs_generation *g, const double *point) {
 
 /* ---- methods ---- */
 
+static const vs_outline NAME = {.takes = VS_OUTLINE_TEXT},
+                        SETTINGS[] = {{.takes = VS_OUTLINE_SETTING}, {0}};
+const vs_outline vs_plan_keys[] = {
+    {"scene", .takes = VS_OUTLINE_TEXT},
+    {"set", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_MAP, .of = SETTINGS},
+    {"steady", .takes = VS_OUTLINE_FLAG | VS_OUTLINE_MAP, .of = vs_atwork_keys},
+    {"report", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &NAME,
+     .count = -1},
+    {0}};
+
 /* Returns the keys a study may have: its own, and those that methods stand under. The list is the
  * caller's to free(). */
 static const char **study_keys(const vs_method *const *methods, size_t *count) {
-  static const char *const OWN[] = {"scene", "set", "steady", "report"};
-  enum { N_OWN = sizeof OWN / sizeof *OWN };
+  enum { N_OWN = sizeof vs_plan_keys / sizeof *vs_plan_keys - 1 };
   const char **names = vs_alloc(N_OWN + vs_method_count(methods), sizeof *names);
-  memcpy(names, OWN, sizeof OWN);
+  for (int k = 0; k < N_OWN; k++) names[k] = vs_plan_keys[k].key;
   *count = N_OWN + vs_method_keys(methods, names + N_OWN);
   return names;
 }

@@ -87,6 +87,9 @@ vs_status vs_plan_read(const char *name, const vs_method *const *methods, char *
                        size_t n_sets, vs_plan *plan, vs_error *err);
 void vs_plan_free(vs_plan *plan);
 
+/* The keys of a study's file besides those of methods, with all below them. */
+extern const vs_outline vs_plan_keys[];
+
 /* True if the file has a key that only studies have. */
 bool vs_plan_has_keys(const vs_tree *file, const vs_method *const *methods);
 

@@ -1,9 +1,21 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Texts and cells of an HTML page. */
+ * What all pages of HTML share: their beginning and end, their style, texts, cells, pictures. */
 #ifndef VS_REPORT_HTML_H
 #define VS_REPORT_HTML_H
 
+#include <stdbool.h>
+
+#include "base/error.h"
 #include "base/text.h"
+
+/* Adds all that stands before the first section: the style, and the title, "WHAT NAME". Colours are
+ * light or dark as the reader's are; pictures stay on white. A page needs no other file. */
+void vs_html_begin(vs_text *html, const char *what, const char *name);
+void vs_html_end(vs_text *html);
+
+/* Writes the page as report.html into the folder, and prints where it is unless `quiet`. Error: it
+ * cannot be written. */
+vs_status vs_html_write(const vs_text *html, const char *folder, bool quiet, vs_error *err);
 
 /* Adds the text, escaped: whatever it holds is shown as it is. */
 void vs_html_text(vs_text *html, const char *text);

@@ -7,26 +7,6 @@
 #include "report/html.h"
 #include "report/tables.h"
 
-static const char STYLE[] =
-    "body{margin:0;background:#fff;color:#1a1a1a;font:15px/1.45 system-ui,'Liberation Sans',Arial,"
-    "sans-serif}main{max-width:1180px;margin:0 auto;padding:1.2rem 1.4rem 3rem}"
-    "h1{font-size:1.5rem;margin:.2rem 0}h2{font-size:1.15rem;margin:2rem 0 .6rem;border-bottom:1px "
-    "solid #ccc}.of{color:#555;margin:0 0 1rem}.verdict{border:1px solid #bbb;border-left:10px "
-    "solid #777;padding:.7rem 1.1rem;margin:1rem 0}.good{border-left-color:#0072b2}"
-    ".bad{border-left-color:#d55e00}.big{font-size:1.5rem;font-weight:600;margin:.1rem 0}"
-    "p{margin:.35rem 0}.pictures{display:flex;flex-wrap:wrap;gap:1.2rem}"
-    "figure{margin:0;flex:1 1 520px;max-width:720px;break-inside:avoid}"
-    "iframe{width:100%;border:1px solid #ddd;display:block}"
-    "figcaption{font-size:.88rem;color:#333;padding:.3rem .1rem}"
-    ".wide{overflow-x:auto}table{border-collapse:collapse;font-size:.88rem;margin:.4rem 0}"
-    "th,td{border:1px solid #ccc;padding:.2rem .55rem;text-align:left;vertical-align:top;"
-    "overflow-wrap:break-word}"
-    "th{background:#f2f2f2;white-space:nowrap}td.n{text-align:right;white-space:nowrap}"
-    ".wide th,.wide "
-    "td{white-space:nowrap;overflow-wrap:normal}.bar{display:inline-block;height:.7em;background:#"
-    "0072b2}"
-    "@media print{main{max-width:none}.screen{display:none}}";
-
 static const char *manifest_text(const vs_folder *t, const char *key) {
   const vs_node *node = vs_tree_child(t->manifest.root, key);
   return node && node->kind == VS_NODE_TEXT ? node->text : "";
@@ -48,18 +28,20 @@ double vs_page_share(long part, long whole) {
 
 static void add_weakest(vs_text *html, const vs_counts *weakest, long judged) {
   if (!weakest->count) return;
-  vs_text_add(html, "<p>Weakest part:</p>\n<table><tr><th>part</th><th>cases</th><th>share</th>"
+  vs_text_add(html, "<p>Weakest part:</p>\n<div "
+                    "class=\"wide\"><table><tr><th>part</th><th>cases</th><th>share</th>"
                     "<th></th></tr>\n");
   for (size_t k = 0; k < weakest->count; k++) {
     double share = vs_page_share(weakest->item[k].times, judged);
     vs_text_add(html, "<tr>");
     vs_html_cell(html, weakest->item[k].name);
     vs_text_add(html,
-                "<td class=\"n\">%ld</td><td class=\"n\">%.4g %%</td><td><span class=\"bar\" "
-                "style=\"width:%.0fpx\"></span></td></tr>\n",
-                weakest->item[k].times, share, 2 * share);
+                "<td class=\"n\">%ld</td><td class=\"n\">%.4g %%</td><td class=\"bars\"><span "
+                "class=\"bar\" "
+                "style=\"width:%.2f%%\"></span></td></tr>\n",
+                weakest->item[k].times, share, share);
   }
-  vs_text_add(html, "</table>\n");
+  vs_text_add(html, "</table></div>\n");
 }
 
 static void add_failures(vs_text *html, const vs_folder *t, const vs_survey *s) {
@@ -73,13 +55,13 @@ static void add_failures(vs_text *html, const vs_folder *t, const vs_survey *s) 
     vs_text_add(html, "<p>Why is not known: failures.csv is not there.</p>\n");
     return;
   }
-  vs_text_add(html, "<table><tr><th>cases</th><th>why</th></tr>\n");
+  vs_text_add(html, "<div class=\"wide prose\"><table><tr><th>cases</th><th>why</th></tr>\n");
   for (size_t k = 0; k < s->why.count; k++) {
     vs_text_add(html, "<tr><td class=\"n\">%ld</td>", s->why.item[k].times);
     vs_html_cell(html, s->why.item[k].name);
     vs_text_add(html, "</tr>\n");
   }
-  vs_text_add(html, "</table>\n");
+  vs_text_add(html, "</table></div>\n");
 }
 
 /* Says where a case lies: "circuit.r1 = 330 Ω, circuit.c1 = 47 nF". With `ranged` only axes that
@@ -249,12 +231,8 @@ void vs_page_write(const vs_folder *t, const vs_survey *s, const vs_album *album
                    vs_text *html) {
   const char *study = manifest_text(t, "study");
   if (!*study) study = "without a name";
-  vs_text_add(html, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-                    "<meta name=\"viewport\" content=\"width=device-width\">\n<title>Study ");
-  vs_html_text(html, study);
-  vs_text_add(html, "</title>\n<style>%s</style>\n</head>\n<body>\n<main>\n<h1>Study ", STYLE);
-  vs_html_text(html, study);
-  vs_text_add(html, "</h1>\n<p class=\"of\">");
+  vs_html_begin(html, "Study", study);
+  vs_text_add(html, "<p class=\"of\">");
   vs_html_text(html, t->method);
   vs_text_add(html, ", %ld cases</p>\n", t->done + t->failed);
   add_verdict(html, t, s);
@@ -264,5 +242,6 @@ void vs_page_write(const vs_folder *t, const vs_survey *s, const vs_album *album
   vs_tables_axes(html, t, s);
   vs_tables_columns(html, t, s);
   vs_tables_manifest(html, t);
-  vs_text_add(html, "</section>\n</main>\n</body>\n</html>\n");
+  vs_text_add(html, "</section>\n");
+  vs_html_end(html);
 }

@@ -64,7 +64,8 @@ static bool is_said(const char *key) {
 }
 
 void vs_tables_axes(vs_text *html, const vs_folder *t, const vs_survey *s) {
-  vs_text_add(html, "<section id=\"axes\">\n<h2>What was varied</h2>\n<table><tr><th>key</th>"
+  vs_text_add(html, "<section id=\"axes\">\n<h2>What was varied</h2>\n<div class=\"wide "
+                    "prose\"><table><tr><th>key</th>"
                     "<th>unit</th><th>least</th><th>largest</th><th>asked for</th><th>what it is"
                     "</th></tr>\n");
   for (size_t c = 0; c < t->count; c++) {
@@ -87,14 +88,14 @@ void vs_tables_axes(vs_text *html, const vs_folder *t, const vs_survey *s) {
     vs_html_cell(html, t->column[c].text);
     vs_text_add(html, "</tr>\n");
   }
-  vs_text_add(html, "</table>\n</section>\n");
+  vs_text_add(html, "</table></div>\n</section>\n");
 }
 
 void vs_tables_columns(vs_text *html, const vs_folder *t, const vs_survey *s) {
-  vs_text_add(html,
-              "<section id=\"columns\">\n<h2>What is reported</h2>\n<table><tr><th>column</th>"
-              "<th>unit</th><th>rating</th><th>least</th><th>largest</th><th>cases</th>"
-              "<th>what it is</th></tr>\n");
+  vs_text_add(html, "<section id=\"columns\">\n<h2>What is reported</h2>\n<div class=\"wide "
+                    "prose\"><table><tr><th>column</th>"
+                    "<th>unit</th><th>rating</th><th>least</th><th>largest</th><th>cases</th>"
+                    "<th>what it is</th></tr>\n");
   for (size_t c = 0; c < t->count; c++) {
     vs_folder_role role = t->column[c].role;
     if (role != VS_ROLE_REPORT && role != VS_ROLE_MARGIN) continue;
@@ -110,11 +111,13 @@ void vs_tables_columns(vs_text *html, const vs_folder *t, const vs_survey *s) {
                            : t->column[c].text);
     vs_text_add(html, "</tr>\n");
   }
-  vs_text_add(html, "</table>\n</section>\n");
+  vs_text_add(html, "</table></div>\n</section>\n");
 }
 
 void vs_tables_manifest(vs_text *html, const vs_folder *t) {
-  vs_text_add(html, "<section id=\"manifest\">\n<h2>How it was made</h2>\n<table>\n");
+  vs_text_add(
+      html,
+      "<section id=\"manifest\">\n<h2>How it was made</h2>\n<div class=\"wide fold\"><table>\n");
   for (const vs_node *n = t->manifest.root->child; n; n = n->next) {
     if (!n->key || !strcmp(n->key, "axes") || !strcmp(n->key, "report")) continue;
     bool lines = n->kind == VS_NODE_LIST && !strcmp(n->key, "inputs");
@@ -134,5 +137,5 @@ void vs_tables_manifest(vs_text *html, const vs_folder *t) {
       add_node(html, n);
     vs_text_add(html, "</td></tr>\n");
   }
-  vs_text_add(html, "</table>\n</section>\n");
+  vs_text_add(html, "</table></div>\n</section>\n");
 }

@@ -301,10 +301,13 @@ static vs_status take_probe(vs_scene *s, const vs_node *node, vs_error *err) {
   return VS_OK;
 }
 
+const char vs_scene_all_probes[] = "all";
+
 /* record: all | [NAME, ...] */
 static vs_status read_record(vs_scene *s, vs_error *err) {
   const vs_node *node = vs_tree_child(s->tree.root, "record");
-  if (!node || (node->kind == VS_NODE_TEXT && (!*node->text || !strcmp(node->text, "all")))) {
+  if (!node ||
+      (node->kind == VS_NODE_TEXT && (!*node->text || !strcmp(node->text, vs_scene_all_probes)))) {
     s->n_record = vs_channel_listed(&s->frame, s->record);
     return VS_OK;
   }

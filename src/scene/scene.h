@@ -11,6 +11,9 @@
 #include "scene/warnings.h"
 #include "watch/measures.h"
 
+/* The word of `record` for all probes. */
+extern const char vs_scene_all_probes[];
+
 /* Where scenes, studies and fits that come with the program are. */
 extern const vs_shelf vs_scene_shelf, vs_scene_study_shelf, vs_scene_fit_shelf;
 

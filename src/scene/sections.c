@@ -34,6 +34,16 @@ static const vs_section *fields_of(int index, const vs_machine *machine, const v
   return fields;
 }
 
+bool vs_section_is_named(int index) {
+  return !ROWS[index].fields && index != VS_SECTION_NUMBER_actuator;
+}
+
+bool vs_section_key_is_named(int key) {
+  for (int s = 0; s < VS_SECTIONS; s++)
+    if (!strcmp(ROWS[s].name, vs_section_keys[key])) return vs_section_is_named(s);
+  return true;
+}
+
 vs_filled_section vs_section_at(const vs_setup *s, int index) {
   const row *r = &ROWS[index];
   return (vs_filled_section){fields_of(index, s->model.machine, &s->deck),

@@ -47,6 +47,11 @@ enum {
 
 extern const char *const vs_section_keys[VS_SECTION_KEYS];
 
+/* True for a section whose keys the scene, its machine or its deck names: by its number among those
+ * with fields, and by that among all. The actuator's are the same for all machines. */
+bool vs_section_is_named(int index);
+bool vs_section_key_is_named(int key);
+
 /* A section and the values that its fields have in one setup. */
 typedef struct vs_filled_section {
   const vs_section *section;

@@ -78,6 +78,8 @@ static const vs_field MEASURE[] = {
 };
 const vs_section vs_setup_measure_section = {"measure", MEASURE, sizeof MEASURE / sizeof *MEASURE};
 
+const char vs_setup_steady[] = "steady";
+
 /* ---- the machine ---- */
 
 /* The scene's node of the key machine.model, and the name that it gives. */
@@ -313,7 +315,7 @@ static vs_status check_steady(const vs_node *scene, const vs_setup *setup, const
 static vs_status read_steady(const vs_node *scene, const vs_node *map, vs_setup *setup,
                              vs_error *err) {
   vs_status s = VS_OK;
-  if (strcmp(map->text, "steady"))
+  if (strcmp(map->text, vs_setup_steady))
     s = vs_fail_at(err, map->where,
                    "start: '%s' is neither 'steady' nor a map of coordinates: {%s: 0, ...}",
                    map->text, setup->machine->coordinates[0].name);

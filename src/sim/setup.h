@@ -59,6 +59,7 @@ typedef struct vs_start_values {
                      tier */
 } vs_start_values;
 
+extern const char vs_setup_steady[]; /* the word of `start` for an orbit */
 extern const vs_section vs_setup_run_section, vs_setup_measure_section;
 
 /* Built once by vs_setup_build, then constant: what one run alone has, such as its files, stands

@@ -36,6 +36,8 @@ typedef struct vs_run_order {
   FILE *raw;   /* gets a rawfile of the run; NULL: none is written. The caller owns it */
   bool tried;  /* this deck with these parts was run in this process before, so that the solver need
                   not try first whether it survives them */
+  bool unbegun; /* this process can begin anew without harm, and need not try either: a netlist that
+                   it does not survive makes it do so, and try then */
   long *tries; /* counts the steps that the solver tries, rejected ones too; NULL: nobody asks.
                   Borrowed */
   vs_pilot *pilot;                   /* steers the run's prelude; NULL: it has none. Borrowed */

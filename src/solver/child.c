@@ -12,9 +12,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* A circuit takes a few milliseconds. */
-enum { MOST_SECONDS = 20 };
-
 /* A crash shall end the child by its signal, without a word and without a core file. */
 static void die_quietly(void) {
   static const int CRASHES[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
@@ -38,7 +35,7 @@ static _Noreturn void attempt_alone(vs_child_end (*attempt)(void *), void *ctx,
                                     const vs_complaints *complaints, int pipe_end) {
   prctl(PR_SET_PDEATHSIG, SIGKILL); /* nobody outlives the parent */
   signal(SIGALRM, SIG_DFL);
-  alarm(MOST_SECONDS);
+  alarm(VS_CHILD_SECONDS);
   die_quietly();
   vs_child_end end = attempt(ctx);
   if (end == VS_CHILD_GOOD) vs_child_finish();
@@ -76,7 +73,7 @@ vs_status vs_child_try(vs_child_end (*attempt)(void *), void *ctx, vs_complaints
   if (WIFSIGNALED(how) && WTERMSIG(how) == SIGALRM)
     return vs_fail(err, VS_INPUT,
                    "ngspice cannot take the circuit: it did not come back from it in %d s",
-                   MOST_SECONDS);
+                   VS_CHILD_SECONDS);
   if (WIFSIGNALED(how))
     return vs_fail(err, VS_INPUT, "ngspice cannot take the circuit: ngspice died of it (signal %d)",
                    WTERMSIG(how));

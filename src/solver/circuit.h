@@ -40,6 +40,8 @@ typedef struct vs_circuit_job {
   const void *author; /* of the netlist */
   bool tried;         /* this process has run a netlist that differs in parameters' values at most:
                          no trial in a child */
+  bool unbegun;       /* this process can begin anew without harm: a guard in the place of a trial
+                         (solver/guard.h) */
   long *tries;        /* counts the steps that are tried, rejected ones too; NULL: nobody asks */
   FILE *raw;          /* gets all the circuit's vectors at every accepted step as a rawfile
                          (solver/rawfile.h); its head is filled in also when the run fails. NULL: none */

@@ -20,8 +20,7 @@
 static const char NAME[] = "journal";
 /* ---- the manifest ---- */
 
-/* Adds the manifest of these journals. */
-static void add_manifest(const vs_journals *all, vs_text *text) {
+void vs_journal_manifest(const vs_journals *all, vs_text *text) {
   const vs_head *head = &all->item[0].head;
   uint64_t done = 0, failed = 0, violated = 0;
   for (uint64_t k = 0; k < all->count; k++) {
@@ -47,7 +46,7 @@ static void add_manifest(const vs_journals *all, vs_text *text) {
 static bool has_manifest(vs_journal *j) {
   const vs_journals alone = {j, 1, 0, NULL};
   vs_text text = {0};
-  add_manifest(&alone, &text);
+  vs_journal_manifest(&alone, &text);
   bool whole = vs_json_is_whole(text.text);
   vs_text_free(&text);
   return whole;
@@ -390,74 +389,4 @@ vs_status vs_journal_row(const vs_journal *j, uint64_t index, vs_text *row, bool
   row->length -= 11;
   memmove(row->text, row->text + 11, row->length + 1);
   return VS_OK;
-}
-
-/* ---- the files ---- */
-
-const char *const vs_journal_files[VS_JOURNAL_FILES] = {"manifest.json", "study.csv",
-                                                        "failures.csv"};
-
-const char *vs_journal_result(const char *folder) {
-  char path[VS_PATH_SIZE + 16];
-  struct stat s;
-  for (size_t k = 0; k < VS_JOURNAL_FILES; k++) {
-    snprintf(path, sizeof path, "%.4000s/%s", folder, vs_journal_files[k]);
-    if (!lstat(path, &s)) return vs_journal_files[k];
-  }
-  return NULL;
-}
-
-static vs_status write_rows(const vs_journals *all, FILE *study, FILE *failures, vs_error *err) {
-  const vs_journal *first = &all->item[0];
-  vs_text row = {0};
-  vs_status status = VS_OK;
-  fprintf(study, "%s\n", first->head.columns);
-  fprintf(failures, "%s\n", first->head.failures);
-  for (uint64_t k = 0; k < all->cases && !status; k++) {
-    const vs_journal *j = &all->item[all->count > 1 ? k % all->count : 0];
-    bool failed;
-    if (!is_own(j, k)) continue;
-    status = vs_journal_row(j, k, &row, &failed, err);
-    if (!status) fprintf(failed ? failures : study, "%s\n", row.text);
-  }
-  vs_text_free(&row);
-  return status;
-}
-
-/* A search knows how many cases it has only at its end: rows beyond them would be counted, and
- * stand in no file. */
-static vs_status check_count(const vs_journals *all, vs_error *err) {
-  for (uint64_t k = 0; k < all->count; k++) {
-    const vs_journal *j = &all->item[k];
-    const uint64_t own = (all->cases + j->head.shards - j->head.shard) / j->head.shards;
-    if (j->done + j->failed != own)
-      return vs_fail(err, VS_INPUT,
-                     "%s: has rows of %llu cases, and the study %llu; this record is of another "
-                     "study, or was changed",
-                     j->path, (unsigned long long)(j->done + j->failed), (unsigned long long)own);
-  }
-  return VS_OK;
-}
-
-vs_status vs_journal_write(const vs_journals *all, const char *folder, vs_error *err) {
-  vs_file study = {0}, failures = {0}, manifest = {0};
-  vs_status status = check_count(all, err);
-  if (status) return status;
-  status = vs_file_open(&study, folder, "study.csv", err);
-  if (!status) status = vs_file_open(&failures, folder, "failures.csv", err);
-  if (!status) status = vs_file_open(&manifest, folder, "manifest.json", err);
-  if (!status) status = write_rows(all, study.stream, failures.stream, err);
-  if (!status) {
-    vs_text text = {0};
-    add_manifest(all, &text);
-    fprintf(manifest.stream, "%s\n", text.text);
-    vs_text_free(&text);
-    status = vs_file_commit(&study, err);
-  }
-  if (!status) status = vs_file_commit(&failures, err);
-  if (!status) status = vs_file_commit(&manifest, err);
-  vs_file_discard(&study);
-  vs_file_discard(&failures);
-  vs_file_discard(&manifest);
-  return status;
 }

@@ -81,12 +81,6 @@ vs_status vs_journal_flush(vs_journal *journal, bool sync, vs_error *err);
 vs_status vs_journal_row(const vs_journal *journal, uint64_t index, vs_text *row, bool *failed,
                          vs_error *err);
 
-/* The files that vs_journal_write makes. */
-enum { VS_JOURNAL_FILES = 3 };
-extern const char *const vs_journal_files[VS_JOURNAL_FILES];
-/* Returns the name of one of them that the folder holds; NULL: it holds none. */
-const char *vs_journal_result(const char *folder);
-
 /* The journals of a whole study. */
 typedef struct vs_journals {
   vs_journal *item; /* one journal, or those of all shards: item k is shard k + 1 */
@@ -95,8 +89,7 @@ typedef struct vs_journals {
   const char *more; /* further members of the manifest, as a writer inside it (vs_json_inside) adds
                        them; NULL: none */
 } vs_journals;
-/* Writes study.csv, failures.csv and manifest.json into the folder, in the order of the cases.
- * Error: a journal has more rows than cases. */
-vs_status vs_journal_write(const vs_journals *journals, const char *folder, vs_error *err);
+/* Adds their manifest to text. */
+void vs_journal_manifest(const vs_journals *journals, vs_text *text);
 
 #endif

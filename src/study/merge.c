@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "study/journal.h"
+#include "study/publish.h"
 #include "study/stale.h"
 
 /* ---- which ---- */
@@ -123,13 +124,14 @@ static vs_status check_shards(const shards *all, vs_error *err) {
   return VS_OK;
 }
 
-static vs_status write_merged(const shards *all, const char *folder, bool quiet, vs_error *err) {
+static vs_status write_merged(const shards *all, const vs_merge_options *o, const char *folder,
+                              vs_error *err) {
   int made;
   uint64_t done = 0, failed = 0, violated = 0;
   const vs_journals journals = {all->item, all->count, all->item[0].head.cases, NULL};
   vs_status status = vs_file_folder_make(folder, &made, err);
   if (status) return status;
-  status = vs_journal_write(&journals, folder, err);
+  status = vs_publish_write(&journals, o->format, folder, err);
   if (status) vs_file_folder_unmake(folder, made);
   if (status) return status;
   for (size_t k = 0; k < all->count; k++) {
@@ -137,11 +139,11 @@ static vs_status write_merged(const shards *all, const char *folder, bool quiet,
     failed += all->item[k].failed;
     violated += all->item[k].violated;
   }
-  if (!quiet)
+  if (!o->quiet)
     printf("shards %zu\ncases  %llu done, %llu failed, in %llu a rating is violated or undecided\n"
-           "written: study.csv, failures.csv, manifest.json in %s\n",
+           "written: %s in %s\n",
            all->count, (unsigned long long)done, (unsigned long long)failed,
-           (unsigned long long)violated, folder);
+           (unsigned long long)violated, o->format->written, folder);
   if (failed)
     return vs_fail(err, VS_RUN, "%llu of %llu cases failed; why stands in %s/failures.csv",
                    (unsigned long long)failed, (unsigned long long)(done + failed), folder);
@@ -174,7 +176,7 @@ static bool has_other_result(const char *folder, const vs_head *head) {
   size_t size = 0;
   snprintf(path, sizeof path, "%.4000s/manifest.json", folder);
   FILE *f = fopen(path, "r");
-  if (!f) return vs_journal_result(folder) && !vs_journal_exists(folder);
+  if (!f) return vs_publish_found(folder) && !vs_journal_exists(folder);
   bool same = getdelim(&manifest, &size, '\0', f) > 0 && is_of(manifest, head);
   free(manifest);
   fclose(f);
@@ -202,7 +204,7 @@ static vs_status remove_others(const char *folder, const others *o, vs_error *er
 }
 
 static vs_status check_free(const char *folder, const others *o, vs_error *err) {
-  const char *name = o->journal ? "journal" : o->result ? vs_journal_result(folder) : NULL;
+  const char *name = o->journal ? "journal" : o->result ? vs_publish_found(folder) : NULL;
   return name ? vs_fail(err, VS_INPUT,
                         "%s/%s: is of another study than the shards; --overwrite replaces it, or "
                         "take another folder",
@@ -224,8 +226,9 @@ vs_status vs_merge_command(const vs_merge_options *o, vs_error *err) {
   others other = {0};
   if (!status) other = find_others(folder, &all.item[0].head);
   if (!status && !o->overwrite) status = check_free(folder, &other, err);
+  if (!status) status = vs_publish_check(folder, o->format, err);
   if (!status && (other.journal || other.result)) status = remove_others(folder, &other, err);
-  if (!status) status = write_merged(&all, folder, o->quiet, err);
+  if (!status) status = write_merged(&all, o, folder, err);
   for (size_t k = 0; k < all.count; k++) vs_journal_close(&all.item[k]);
   free(all.item);
   return status;

@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include "base/error.h"
+#include "study/format.h"
 
 /* Reads "I/N", or "auto", which stands for the variables of a Slurm job array; I counts from 1.
  * Error: the text is neither. */
@@ -17,8 +18,9 @@ vs_status vs_merge_shard_read(const char *text, uint64_t *shard, uint64_t *shard
 typedef struct vs_merge_options {
   char *const *folders; /* of shards, or that hold such */
   size_t count;
-  const char *folder; /* where the result goes; NULL: the one folder named */
-  bool overwrite;     /* another study's result there is replaced; else it is refused */
+  const char *folder;      /* where the result goes; NULL: the one folder named */
+  const vs_format *format; /* of the result */
+  bool overwrite;          /* another study's result there is replaced; else it is refused */
   bool quiet;
 } vs_merge_options;
 

@@ -21,6 +21,7 @@ static const char *const WANTED[] = {
 /* Of one header row. */
 typedef struct header {
   char *text, **name; /* cut up; name points into text */
+  char **unit;        /* as JSON; only of study.csv */
   cell_kind *kind;
   size_t count;
 } header;
@@ -35,27 +36,41 @@ static header cut(const char *row) {
   for (const char *s = row; *s; s++) most += *s == ',';
   h.name = vs_alloc(most, sizeof *h.name);
   h.kind = vs_alloc(most, sizeof *h.kind);
+  h.unit = vs_alloc(most, sizeof *h.unit);
   h.count = vs_csv_split(h.text, h.name, most, NULL);
   return h;
 }
 
 static void discard(header *h) {
+  for (size_t k = 0; k < h->count; k++) free(h->unit[k]);
+  free(h->unit);
   free(h->text);
   free(h->name);
   free(h->kind);
 }
 
-/* An axis with a unit is a number; one without may be a choice or a file's name. */
-static cell_kind kind_of_axis(const char *column, const char *manifest) {
+/* Returns a column's unit as the manifest has it, in quotes; "" in quotes where that says nothing.
+ * free() it. */
+static char *find_unit(const char *column, const char *manifest) {
   vs_text wanted = {0};
   vs_text_add(&wanted, "\"column\": ");
   vs_json_string(&wanted, column);
-  vs_text_add(&wanted, ", \"unit\": \"");
+  vs_text_add(&wanted, ", \"unit\": ");
   const char *found = strstr(manifest, wanted.text);
-  char first = '"';
-  if (found) first = found[wanted.length];
+  if (found) found += wanted.length;
+  const char *end = found ? vs_json_string_end(found) : NULL;
+  char *unit = end ? strndup(found, (size_t)(end - found)) : vs_copy("\"\"");
   vs_text_free(&wanted);
-  return first == '"' ? WORD : NUMBER;
+  if (!unit) vs_out_of_memory();
+  return unit;
+}
+
+/* An axis with a unit is a number; one without may be a choice or a file's name. */
+static cell_kind kind_of_axis(const char *column, const char *manifest) {
+  char *unit = find_unit(column, manifest);
+  const bool none = unit[1] == '"';
+  free(unit);
+  return none ? WORD : NUMBER;
 }
 
 /* Of a column that is no axis. */
@@ -88,6 +103,8 @@ vs_row *vs_row_new(const char *columns, const char *failures, const char *manife
   shape->failed = cut(failures);
   find_kinds(&shape->done, &shape->failed, false, manifest);
   find_kinds(&shape->failed, &shape->done, true, manifest);
+  for (size_t k = 0; k < shape->done.count; k++)
+    shape->done.unit[k] = find_unit(shape->done.name[k], manifest);
   return shape;
 }
 
@@ -98,8 +115,21 @@ void vs_row_free(vs_row *shape) {
   free(shape);
 }
 
-/* As the program prints numbers: neither hexadecimal nor a blank before it, and finite. */
-static bool is_number(const char *cell) {
+size_t vs_row_columns(const vs_row *shape) {
+  return shape->done.count;
+}
+
+vs_row_column vs_row_column_at(const vs_row *shape, size_t k) {
+  static const vs_row_holds HOLDS[] = {
+      [ANY] = VS_ROW_WORDS,      [WORD] = VS_ROW_EITHER,
+      [NUMBER] = VS_ROW_NUMBERS, [NUMBER_OR_NOTHING] = VS_ROW_NUMBERS,
+      [COUNT] = VS_ROW_WHOLE,    [DONE] = VS_ROW_WHOLE,
+      [FAILED] = VS_ROW_WHOLE};
+  const header *h = &shape->done;
+  return (vs_row_column){h->name[k], h->unit[k], HOLDS[h->kind[k]]};
+}
+
+bool vs_row_is_number(const char *cell) {
   char *end;
   return *cell && !cell[strspn(cell, "0123456789.eE+-")] && isfinite(strtod(cell, &end)) && !*end;
 }
@@ -113,9 +143,9 @@ static bool holds(const char *cell, cell_kind kind) {
   case WORD:
     return *cell;
   case NUMBER:
-    return is_number(cell);
+    return vs_row_is_number(cell);
   case NUMBER_OR_NOTHING:
-    return !*cell || is_number(cell);
+    return !*cell || vs_row_is_number(cell);
   case COUNT:
     return is_count(cell);
   case DONE:

@@ -15,6 +15,25 @@ typedef struct vs_row vs_row;
 vs_row *vs_row_new(const char *columns, const char *failures, const char *manifest);
 void vs_row_free(vs_row *shape);
 
+/* What the cells of a column of study.csv hold. */
+typedef enum vs_row_holds {
+  VS_ROW_WORDS,
+  VS_ROW_NUMBERS, /* or nothing */
+  VS_ROW_WHOLE,   /* whole numbers */
+  VS_ROW_EITHER   /* words or numbers: an axis without a unit */
+} vs_row_holds;
+typedef struct vs_row_column {
+  const char *name; /* as the header has it; the shape's own */
+  const char *unit; /* as JSON, in quotes; the shape's own. "" in quotes: none, or not known */
+  vs_row_holds holds;
+} vs_row_column;
+size_t vs_row_columns(const vs_row *shape); /* how many columns study.csv has */
+vs_row_column vs_row_column_at(const vs_row *shape, size_t k);
+
+/* True if the program prints numbers like this one: finite, neither hexadecimal nor a blank before
+ * it. */
+bool vs_row_is_number(const char *cell);
+
 /* What a row says by which it is counted, whether its cells stand in quotes or not. */
 typedef struct vs_row_counts {
   uint64_t index; /* the case's; UINT64_MAX: too large for any */

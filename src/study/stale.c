@@ -7,18 +7,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/csv.h"
+#include "base/file.h"
+#include "base/packed.h"
 #include "base/text.h"
+#include "study/array.h"
+#include "study/format.h"
 #include "work/case.h"
-
-static void remove_file(int folder, const char *name) {
-  struct stat s;
-  if (!fstatat(folder, name, &s, AT_SYMLINK_NOFOLLOW) && S_ISREG(s.st_mode))
-    unlinkat(folder, name, 0);
-}
 
 /* ---- pictures ---- */
 
@@ -41,13 +38,20 @@ static void remove_pictures_of(int folder, picture_of of, const char *column) {
     snprintf(name, sizeof name, "%s%.*s.png", KINDS[k].begin, KINDS[k].most, column);
     for (char *s = name; *s; s++)
       if (*s == '/') *s = '_';
-    remove_file(folder, name);
+    vs_file_remove(folder, name);
   }
 }
 
 static FILE *open_file(int folder, const char *name) {
   int fd = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  return fd < 0 ? NULL : fdopen(fd, "r");
+  return fd < 0 ? NULL : vs_packed_read(fdopen(fd, "r"), name);
+}
+
+/* Returns the name of the file of rows that is there. */
+static const char *rows_of(int folder) {
+  const vs_format *f = vs_format_all;
+  while (f->name && faccessat(folder, f->rows, F_OK, AT_SYMLINK_NOFOLLOW)) f++;
+  return f->name ? f->rows : vs_format_all->rows;
 }
 
 /* The first line of a file, cut into its cells; none where there is no such file. */
@@ -81,8 +85,8 @@ static void discard(header *h) {
 /* The axes stand behind case and id, in both files; the measures behind them, up to the least
  * margin. */
 static void remove_report(int folder) {
-  for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) remove_file(folder, NAMES[k]);
-  header done = read_header(folder, "study.csv"), failed = read_header(folder, "failures.csv");
+  for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) vs_file_remove(folder, NAMES[k]);
+  header done = read_header(folder, rows_of(folder)), failed = read_header(folder, "failures.csv");
   bool axis = true, measure = failed.count;
   for (size_t k = 2; k < done.count && measure; k++) {
     axis = axis && k < failed.count && !strcmp(done.cell[k], failed.cell[k]);
@@ -91,6 +95,20 @@ static void remove_report(int folder) {
   }
   discard(&done);
   discard(&failed);
+}
+
+/* ---- columns ---- */
+
+/* The header row stands in the file of rows; where that is not there, in the journal. */
+static void remove_columns(int folder, const vs_journal *old) {
+  char *line = NULL;
+  size_t size = 0;
+  FILE *f = open_file(folder, rows_of(folder));
+  bool there = f && getline(&line, &size, f) > 0;
+  if (there) line[strcspn(line, "\r\n")] = '\0';
+  if (there || old) vs_array_remove(folder, there ? line : old->head.columns);
+  if (f) fclose(f);
+  free(line);
 }
 
 /* ---- the study's cases ---- */
@@ -147,7 +165,7 @@ static void remove_runs(int folder, const vs_journal *old, const cases *listed) 
     if (!had_case(old, listed, strtoull(entry->d_name, NULL, 10))) continue;
     int run = open_folder(runs, entry->d_name);
     if (run < 0) continue;
-    remove_file(run, "run.csv");
+    vs_file_remove(run, "run.csv");
     close(run);
     unlinkat(runs, entry->d_name, AT_REMOVEDIR); /* if it is empty */
   }
@@ -159,10 +177,11 @@ void vs_stale_remove(const char *path, const vs_journal *old) {
   cases listed = {0};
   int folder = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder < 0) return;
-  if (!old) add_cases(folder, "study.csv", &listed);
+  if (!old) add_cases(folder, rows_of(folder), &listed);
   if (!old) add_cases(folder, "failures.csv", &listed);
   if (listed.count) qsort(listed.index, listed.count, sizeof *listed.index, by_index);
   remove_report(folder);
+  remove_columns(folder, old);
   remove_runs(folder, old, &listed);
   free(listed.index);
   close(folder);

@@ -16,6 +16,7 @@
 #include "scene/session.h"
 #include "study/manifest.h"
 #include "study/merge.h"
+#include "study/publish.h"
 #include "study/stale.h"
 #include "work/jobs.h"
 #include "work/past.h"
@@ -27,7 +28,7 @@ typedef struct session {
   vs_journal journal;
   vs_jobs *jobs;
   char folder[VS_PATH_SIZE], keep[VS_PATH_SIZE + 8];
-  char own[VS_JOURNAL_FILES + 1][VS_PATH_SIZE + 16]; /* without -o: the files in the folder, and
+  char own[VS_PUBLISH_FILES + 1][VS_PATH_SIZE + 16]; /* without -o: the files in the folder, and
                                                  their journal, to be removed */
   int made;                                          /* how many folders were made for the output */
   uint64_t next, until; /* cases to deal; of a search those of the present generation */
@@ -207,18 +208,10 @@ static vs_status run_adaptive(session *s, uint64_t *count, vs_error *err) {
 
 /* ---- the folder ---- */
 
-static void remove_result(const char *folder) {
-  char path[VS_PATH_SIZE + 16];
-  for (size_t k = 0; k < VS_JOURNAL_FILES; k++) {
-    snprintf(path, sizeof path, "%s/%s", folder, vs_journal_files[k]);
-    unlink(path);
-  }
-}
-
 /* Error: the folder holds a study's result, which may be hours of work and is not thrown away
  * unasked. */
 static vs_status check_free(const session *s, bool journal, vs_error *err) {
-  const char *result = vs_journal_result(s->folder);
+  const char *result = vs_publish_found(s->folder);
   if (s->o->overwrite || (!journal && !result)) return VS_OK;
   if (!journal)
     return vs_fail(err, VS_INPUT,
@@ -268,7 +261,7 @@ static vs_status begin_anew(session *s, vs_head *head, vs_error *err) {
   const bool known = vs_journal_peek(&old, s->folder);
   vs_status status = vs_journal_create(&s->journal, s->folder, head, err);
   if (!status) vs_stale_remove(s->folder, known ? &old : NULL);
-  if (!status) remove_result(s->folder);
+  if (!status) vs_publish_remove(s->folder);
   vs_journal_close(&old);
   return status;
 }
@@ -287,6 +280,7 @@ static vs_status open_journal(session *s, vs_error *err) {
   if (!status && s->o->keep_runs && !lstat(s->keep, &st) && S_ISLNK(st.st_mode))
     status =
         vs_fail(err, VS_INPUT, "%s: is a link; runs are kept in the study's own folder", s->keep);
+  if (!status) status = vs_publish_check(s->folder, s->o->format, err);
   if (!status) status = vs_file_folder_make(s->folder, &s->made, err);
   bool there = !status && vs_journal_exists(s->folder);
   if (!status && there && s->o->resume)
@@ -311,9 +305,9 @@ static vs_status make_own_folder(session *s, vs_error *err) {
   if (made) vs_leave_remove(s->folder);
   vs_leave_release(&before);
   if (!made) return vs_fail(err, VS_RUN, "%s: cannot be made: %s", s->folder, strerror(why));
-  for (size_t k = 0; k <= VS_JOURNAL_FILES; k++) {
+  for (size_t k = 0; k <= VS_PUBLISH_FILES; k++) {
     snprintf(s->own[k], sizeof s->own[k], "%s/%s", s->folder,
-             k < VS_JOURNAL_FILES ? vs_journal_files[k] : "journal");
+             k < VS_PUBLISH_FILES ? vs_publish_files[k] : "journal");
     vs_leave_remove(s->own[k]);
   }
   return VS_OK;
@@ -338,7 +332,7 @@ static void show_file(const session *s, const char *name, bool header, FILE *out
 }
 
 static void discard_folder(const session *s) {
-  for (size_t k = 0; k <= VS_JOURNAL_FILES; k++) {
+  for (size_t k = 0; k <= VS_PUBLISH_FILES; k++) {
     unlink(s->own[k]);
     vs_leave_forget(s->own[k]);
   }
@@ -358,7 +352,7 @@ static vs_status write_result(session *s, uint64_t cases, vs_error *err) {
     stage->method->json(&s->plan, stage, &results, &json);
   }
   const vs_journals all = {&s->journal, 1, cases, more.text};
-  vs_status status = vs_journal_write(&all, s->folder, err);
+  vs_status status = vs_publish_write(&all, s->o->format, s->folder, err);
   vs_text_free(&more);
   return status;
 }
@@ -378,9 +372,9 @@ static void say_result(const session *s) {
     printf("shard  %llu of %llu\n", (unsigned long long)j->head.shard,
            (unsigned long long)j->head.shards);
   printf("cases  %llu done, %llu failed, in %llu a rating is violated or undecided\n"
-         "written: study.csv, failures.csv, manifest.json in %s\n",
+         "written: %s in %s\n",
          (unsigned long long)j->done, (unsigned long long)j->failed,
-         (unsigned long long)j->violated, s->folder);
+         (unsigned long long)j->violated, s->o->format->written, s->folder);
 }
 
 static vs_status judge(const session *s, vs_error *err) {
@@ -435,12 +429,13 @@ static vs_status check_options(const vs_study_options *o, vs_error *err) {
     return vs_fail(err, VS_INPUT,
                    "--resume goes on with what is there, --overwrite throws it "
                    "away; give one of them");
-  const char *wants_folder = o->resume          ? "--resume"
-                             : o->overwrite     ? "--overwrite"
-                             : o->keep_runs     ? "--keep runs"
-                             : o->progress_json ? "--progress json"
-                             : o->shard         ? "--shard"
-                                                : NULL;
+  const char *wants_folder = o->format != vs_format_all ? "--format"
+                             : o->resume                ? "--resume"
+                             : o->overwrite             ? "--overwrite"
+                             : o->keep_runs             ? "--keep runs"
+                             : o->progress_json         ? "--progress json"
+                             : o->shard                 ? "--shard"
+                                                        : NULL;
   if (o->folder || !wants_folder) return VS_OK;
   return vs_fail(err, VS_INPUT, "%s: wants a folder; name one with -o DIR", wants_folder);
 }

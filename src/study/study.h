@@ -7,17 +7,19 @@
 
 #include "command/check.h"
 #include "plan/method.h"
+#include "study/format.h"
 
 typedef struct vs_study_options {
   const char *name, *folder;       /* folder: NULL, then study.csv goes to standard output */
   const vs_method *const *methods; /* all there are; NULL ends them */
   char *const *sets;
   size_t n_sets;
-  int jobs;          /* worker processes; 0: one for each core this process may use */
-  const char *shard; /* "I/N", "auto" (vs_merge_shard_read); NULL: all cases */
-  bool resume;       /* goes on with what the folder has of this study */
-  bool overwrite;    /* replaces what the folder has of any study; else that is refused */
-  bool alone;        /* each case is run from its beginning, also where some share their past */
+  const vs_format *format; /* of the result */
+  int jobs;                /* worker processes; 0: one for each core this process may use */
+  const char *shard;       /* "I/N", "auto" (vs_merge_shard_read); NULL: all cases */
+  bool resume;             /* goes on with what the folder has of this study */
+  bool overwrite;          /* replaces what the folder has of any study; else that is refused */
+  bool alone; /* each case is run from its beginning, also where some share their past */
   bool keep_runs, progress_json, quiet;
   bool allow_code;                   /* the cases may run code of their scene's own */
   double timeout_s;                  /* of one case; 0: none */

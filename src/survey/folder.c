@@ -9,7 +9,9 @@
 #include <unistd.h>
 
 #include "base/csv.h"
+#include "base/packed.h"
 #include "base/text.h"
+#include "study/format.h"
 #include "syntax/units.h"
 #include "work/case.h"
 
@@ -20,7 +22,8 @@ static bool is_there(const char *folder, const char *name) {
 }
 
 bool vs_folder_here(const char *folder) {
-  return is_there(folder, "manifest.json") || is_there(folder, "study.csv");
+  char path[VS_PATH_SIZE];
+  return is_there(folder, "manifest.json") || vs_format_find_rows(folder, path);
 }
 
 bool vs_folder_number(const char *cell, double *value) {
@@ -71,7 +74,7 @@ static vs_status each(vs_csv *csv, size_t cells, vs_folder_visit visit, void *ct
 }
 
 vs_status vs_folder_each(const vs_folder *t, vs_folder_visit visit, void *ctx, vs_error *err) {
-  FILE *f = fopen(t->path, "r");
+  FILE *f = vs_packed_read(fopen(t->path, "r"), t->path);
   if (!f) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", t->path, strerror(errno));
   vs_status status = each(&(vs_csv){.file = t->path, .stream = f}, t->count, visit, ctx, err);
   fclose(f);
@@ -250,7 +253,7 @@ static vs_status take_header(vs_folder *t, char *const *cell, size_t count, vs_e
 }
 
 static vs_status read_header(vs_folder *t, vs_error *err) {
-  FILE *f = fopen(t->path, "r");
+  FILE *f = vs_packed_read(fopen(t->path, "r"), t->path);
   if (!f)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s; a study that ended has one", t->path,
                    strerror(errno));
@@ -278,7 +281,7 @@ vs_status vs_folder_open(vs_folder *t, const char *folder, const vs_method *cons
   if (strlen(folder) > VS_PATH_SIZE / 2)
     return vs_fail(err, VS_INPUT, "%s: too long a name", folder);
   snprintf(t->folder, sizeof t->folder, "%s", folder);
-  snprintf(t->path, sizeof t->path, "%s/study.csv", folder);
+  vs_format_find_rows(folder, t->path);
   snprintf(t->manifest_path, sizeof t->manifest_path, "%s/manifest.json", folder);
   vs_status status = read_manifest(t, err);
   if (!status) find_methods(t, methods);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * A study's folder as it is read. manifest.json says what was asked, study.csv holds a row for each
- * case, failures.csv one for each case that failed. Rows are shown one by one and are never in
- * memory all at once. */
+ * A study's folder as it is read. manifest.json says what was asked, study.csv, or study.csv.zst,
+ * holds a row for each case, failures.csv one for each case that failed. Rows are shown one by one
+ * and are never in memory all at once. */
 #ifndef VS_SURVEY_FOLDER_H
 #define VS_SURVEY_FOLDER_H
 
@@ -74,7 +74,7 @@ bool vs_folder_is_sampled(const vs_folder *table);
 /* Returns the number of the case that is the search's answer; -1: there is none. */
 long vs_folder_found(const vs_folder *table);
 
-/* True when the folder holds manifest.json or study.csv. */
+/* True when the folder holds manifest.json, study.csv or study.csv.zst. */
 bool vs_folder_here(const char *folder);
 
 typedef struct vs_folder_row {

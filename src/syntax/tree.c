@@ -261,18 +261,28 @@ static vs_status slurp(const char *path, char **text, size_t *length, vs_error *
   return status;
 }
 
-vs_status vs_tree_read(const char *path, vs_tree *tree, vs_error *err) {
-  *tree = (vs_tree){.name = vs_copy(path)};
-  char *text;
-  size_t length;
-  vs_status status = slurp(path, &text, &length, err);
-  if (!status) status = parse(text, length, tree->name, &tree->root, err);
-  free(text);
+static vs_status plant(const char *text, size_t length, vs_tree *tree, vs_error *err) {
+  vs_status status = parse(text, length, tree->name, &tree->root, err);
   if (!status && tree->root->kind == VS_NODE_TEXT && !*tree->root->text)
     tree->root->kind = VS_NODE_MAP; /* a file that is "~" says nothing */
   if (!status && tree->root->kind != VS_NODE_MAP)
     status = vs_fail_at(err, tree->root->where, "lines 'key: value' are wanted");
   return status;
+}
+
+vs_status vs_tree_read(const char *path, vs_tree *tree, vs_error *err) {
+  *tree = (vs_tree){.name = vs_copy(path)};
+  char *text;
+  size_t length;
+  vs_status status = slurp(path, &text, &length, err);
+  if (!status) status = plant(text, length, tree, err);
+  free(text);
+  return status;
+}
+
+vs_status vs_tree_parse(const char *text, const char *name, vs_tree *tree, vs_error *err) {
+  *tree = (vs_tree){.name = vs_copy(name)};
+  return plant(text, strlen(text), tree, err);
 }
 
 vs_node vs_tree_word(const char *key, const char *text, vs_where where) {

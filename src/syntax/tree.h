@@ -29,6 +29,9 @@ typedef struct vs_tree {
  * second document. vs_tree_free even then. */
 vs_status vs_tree_read(const char *path, vs_tree *tree, vs_error *err);
 
+/* The same for a text in memory, which errors call by that name. */
+vs_status vs_tree_parse(const char *text, const char *name, vs_tree *tree, vs_error *err);
+
 /* Makes a copy with nodes of its own. Their places point to the file name and labels of the
  * original, which must live as long as the copy. */
 void vs_tree_copy(const vs_tree *tree, vs_tree *copy);

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # What tools/work_precision and tools/bench_study share. Wants: the repository as folder, $dir with a build, $work.
 
-libraries=$(pkg-config --cflags --libs gsl libfyaml ngspice)
+libraries=$(pkg-config --cflags --libs gsl libfyaml libzstd ngspice)
 tool() { # NAME: of tools/precision
   # shellcheck disable=SC2086 # a list of words
   "${CC:-cc}" -std=gnu11 -O2 -D_GNU_SOURCE -ffp-contract=off -Isrc -Itests -o "${dir:?}/precision_$1" \

@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/publish.h"
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/csv.h"
+#include "base/file.h"
+#include "base/packed.h"
+#include "study/array.h"
+
+static const char FAILURES[] = "failures.csv", MANIFEST[] = "manifest.json";
+const char *const vs_publish_files[VS_PUBLISH_FILES] = {MANIFEST, "study.csv", FAILURES};
+
+/* ---- what is there ---- */
+
+static bool is_there(const char *folder, const char *name) {
+  char path[VS_PATH_SIZE + 32];
+  struct stat s;
+  snprintf(path, sizeof path, "%.4000s/%s", folder, name);
+  return !lstat(path, &s);
+}
+
+static void remove_file(const char *folder, const char *name) {
+  char path[VS_PATH_SIZE + 32];
+  snprintf(path, sizeof path, "%.4000s/%s", folder, name);
+  unlink(path);
+}
+
+const char *vs_publish_found(const char *folder) {
+  for (size_t k = 0; k < VS_PUBLISH_FILES; k++)
+    if (is_there(folder, vs_publish_files[k])) return vs_publish_files[k];
+  for (const vs_format *f = vs_format_all; f->name; f++)
+    if (is_there(folder, f->rows)) return f->rows;
+  return is_there(folder, VS_ARRAY_LIST) ? VS_ARRAY_LIST : NULL;
+}
+
+void vs_publish_remove(const char *folder) {
+  for (const vs_format *f = vs_format_all; f->name; f++) remove_file(folder, f->rows);
+  remove_file(folder, FAILURES);
+  remove_file(folder, MANIFEST);
+}
+
+vs_status vs_publish_check(const char *folder, const vs_format *format, vs_error *err) {
+  char path[VS_PATH_SIZE + 16];
+  struct stat s;
+  snprintf(path, sizeof path, "%.4000s/" VS_ARRAY_FOLDER, folder);
+  if (!format->columns || lstat(path, &s) || S_ISDIR(s.st_mode)) return VS_OK;
+  return vs_fail(err, VS_INPUT,
+                 "%s: is no folder; --format %s writes the columns into a folder of that name; "
+                 "remove it, or take another DIR",
+                 path, format->name);
+}
+
+/* ---- writing ---- */
+
+/* A result under way. Its members are in the order in which they are committed. */
+typedef struct result {
+  vs_file study, failures, manifest;
+  FILE *rows;        /* what packs into `study`, or its stream; NULL: it has ended */
+  vs_array *columns; /* NULL: none are written */
+} result;
+
+/* Takes one row, which may be cut up. */
+typedef vs_status (*visit)(result *r, bool failed, char *row, vs_error *err);
+
+static vs_status each_row(const vs_journals *all, visit take, result *r, vs_error *err) {
+  vs_text row = {0};
+  vs_status status = VS_OK;
+  for (uint64_t k = 0; k < all->cases && !status; k++) {
+    const vs_journal *j = &all->item[all->count > 1 ? k % all->count : 0];
+    bool failed;
+    if (!vs_journal_had(j, k)) continue;
+    status = vs_journal_row(j, k, &row, &failed, err);
+    if (!status) status = take(r, failed, row.text, err);
+  }
+  vs_text_free(&row);
+  return status;
+}
+
+static vs_status look(result *r, bool failed, char *row, vs_error *err) {
+  (void)err;
+  if (!failed) vs_array_look(r->columns, row);
+  return VS_OK;
+}
+
+static vs_status take(result *r, bool failed, char *row, vs_error *err) {
+  fprintf(failed ? r->failures.stream : r->rows, "%s\n", row);
+  return failed || !r->columns ? VS_OK : vs_array_add(r->columns, row, err);
+}
+
+static vs_status open_columns(result *r, const vs_journals *all, const vs_row *shape,
+                              const char *folder, vs_error *err) {
+  uint64_t done = 0;
+  vs_status status = VS_OK;
+  for (uint64_t k = 0; k < all->count; k++) done += all->item[k].done;
+  r->columns = vs_array_new(shape);
+  if (vs_array_must_look(r->columns)) status = each_row(all, look, r, err);
+  return status ? status : vs_array_open(r->columns, folder, done, err);
+}
+
+static vs_status write_rows(result *r, const vs_journals *all, const char *name, vs_error *err) {
+  const vs_head *head = &all->item[0].head;
+  fprintf(r->rows, "%s\n", head->columns);
+  fprintf(r->failures.stream, "%s\n", head->failures);
+  vs_status status = each_row(all, take, r, err);
+  FILE *rows = r->rows;
+  r->rows = NULL;
+  vs_error second = {0};
+  const vs_status ended = vs_packed_end(rows, r->study.stream, name, status ? &second : err);
+  return status ? status : ended;
+}
+
+/* A search knows how many cases it has only at its end: rows beyond them would be counted, and
+ * stand in no file. */
+static vs_status check_count(const vs_journals *all, vs_error *err) {
+  for (uint64_t k = 0; k < all->count; k++) {
+    const vs_journal *j = &all->item[k];
+    const uint64_t own = (all->cases + j->head.shards - j->head.shard) / j->head.shards;
+    if (j->done + j->failed != own)
+      return vs_fail(err, VS_INPUT,
+                     "%s: has rows of %llu cases, and the study %llu; this record is of another "
+                     "study, or was changed",
+                     j->path, (unsigned long long)(j->done + j->failed), (unsigned long long)own);
+  }
+  return VS_OK;
+}
+
+static vs_status commit(result *r, const vs_journals *all, vs_error *err) {
+  vs_text text = {0};
+  vs_journal_manifest(all, &text);
+  fprintf(r->manifest.stream, "%s\n", text.text);
+  vs_text_free(&text);
+  vs_status status = vs_file_commit(&r->study, err);
+  if (!status && r->columns) status = vs_array_commit(r->columns, err);
+  if (!status) status = vs_file_commit(&r->failures, err);
+  return status ? status : vs_file_commit(&r->manifest, err);
+}
+
+/* Removes what other formats than this one have left of the same study. */
+static void remove_others(const vs_head *head, const vs_format *format, const char *folder) {
+  for (const vs_format *f = vs_format_all; f->name; f++)
+    if (strcmp(f->rows, format->rows)) remove_file(folder, f->rows);
+  int fd = format->columns ? -1 : open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;
+  vs_array_remove(fd, head->columns);
+  close(fd);
+}
+
+vs_status vs_publish_write(const vs_journals *all, const vs_format *format, const char *folder,
+                           vs_error *err) {
+  result r = {0};
+  const vs_head *head = &all->item[0].head;
+  vs_row *shape = vs_row_new(head->columns, head->failures, head->manifest_end);
+  vs_status status = check_count(all, err);
+  if (!status) status = vs_publish_check(folder, format, err);
+  if (!status) status = vs_file_open(&r.study, folder, format->rows, err);
+  if (!status) status = vs_file_open(&r.failures, folder, FAILURES, err);
+  if (!status) status = vs_file_open(&r.manifest, folder, MANIFEST, err);
+  if (!status && format->columns) status = open_columns(&r, all, shape, folder, err);
+  if (!status) {
+    r.rows = vs_packed_write(r.study.stream, format->rows);
+    status = write_rows(&r, all, r.study.path, err);
+  }
+  if (!status) status = commit(&r, all, err);
+  if (!status) remove_others(head, format, folder);
+  vs_array_free(r.columns);
+  vs_row_free(shape);
+  vs_file_discard(&r.study);
+  vs_file_discard(&r.failures);
+  vs_file_discard(&r.manifest);
+  return status;
+}

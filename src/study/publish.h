@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * A study's result as its folder has it, made of the journals' rows: the file of rows,
+ * failures.csv, manifest.json, and in some formats the folder of columns. */
+#ifndef VS_STUDY_PUBLISH_H
+#define VS_STUDY_PUBLISH_H
+
+#include "study/format.h"
+#include "study/journal.h"
+
+/* The files of the default format. */
+enum { VS_PUBLISH_FILES = 3 };
+extern const char *const vs_publish_files[VS_PUBLISH_FILES];
+
+/* Returns the name of a file of a result, of any format, that the folder holds; NULL: none. */
+const char *vs_publish_found(const char *folder);
+/* Removes the result's files, of any format. What study/stale.h removes goes before. */
+void vs_publish_remove(const char *folder);
+
+/* Error: the format wants a folder of columns, and something else has its name. */
+vs_status vs_publish_check(const char *folder, const vs_format *format, vs_error *err);
+
+/* Writes the result into the folder, in the order of the cases, and removes what the same study has
+ * left there in other formats. Error: a journal has more rows than cases; a file cannot be written.
+ */
+vs_status vs_publish_write(const vs_journals *journals, const vs_format *format, const char *folder,
+                           vs_error *err);
+
+#endif

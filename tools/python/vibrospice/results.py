@@ -1,0 +1,291 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the program wrote, as Python objects. `import vibrospice` has what is for users."""
+
+import base64
+import collections.abc
+import html
+import json
+import math
+import pathlib
+import subprocess
+
+from .tables import Error, Quantity, Table, ending_of, load_json, read_columns
+
+
+# ---- runs ----
+
+def _told(messages):
+    """Returns those of the messages that warn."""
+    return [m[len("warning: "):] for m in messages or () if m.startswith("warning: ")]
+
+
+def _merged(first, second):
+    return first + [w for w in second if w not in first]
+
+
+def _word_of(verdict):
+    """Returns the verdict's word for the whole: that of its worst line. None: nothing is rated."""
+    words = {"violated" if line["violated"] and line["word"] != "undecided" else line["word"]
+             for line in verdict}
+    return next((w for w in ("violated", "undecided", "unverified", "held") if w in words), None)
+
+
+class Result:
+    """A run, or a periodic orbit.
+
+    path         its folder (pathlib.Path)
+    status       0, or 3 where a rating is violated or undecided
+    word         "held", "violated", "undecided" (the margin is within its own numerical error),
+                 "unverified" (that error was not computed); None: nothing is rated
+    held         True with status 0, False with status 3, None where nothing is rated
+    measures     {name: Quantity}; one with a value the run does not have is NaN
+    verdict      list of dict, a line for each limit: "device", "measure" or "rating", "stress",
+                 "limit", "unit", "margin", "margin_error" (both parts of the limit), "word", ...
+    weakest, first_to_fail    names of lines of the verdict, or None
+    energy       {name: J}, with "residual", which has no unit, and "audit", a text
+    warnings     list of str
+    messages     all lines of the program on standard error, list of str; [] of a loaded run
+    text         the table that the program printed; "" of a loaded run
+    scene        every effective parameter, as summary.json has it
+    summary      all of summary.json, or of branch.json
+    columns      Table of run.csv, or of branch.csv
+    events       list of (time in s, text)
+    """
+
+    def __init__(self, path, status=None, messages=(), text="", owner=None):
+        """Reads the folder. owner: what deletes the folder when it is of no more use. Error: a file
+        is missing or damaged."""
+        self.path = pathlib.Path(path)
+        self._owner = owner
+        is_branch = _is_branch(self.path, text)
+        self.summary = load_json(self.path / ("branch.json" if is_branch else "summary.json"))
+        self.messages, self.text = list(messages), text
+        self.scene = self.summary.get("scene", {})
+        self.tier = self.summary.get("tier")
+        self.measures = {name: Quantity(math.nan if m["value"] is None else m["value"], m["unit"],
+                                        m.get("at_s"), m.get("measured"))
+                         for name, m in self.summary.get("measures", {}).items()}
+        self.verdict = self.summary.get("verdict", [])
+        self.weakest = self.summary.get("weakest")
+        self.first_to_fail = self.summary.get("first_to_fail")
+        self.energy = self.summary.get("energy", {})
+        self.warnings = _merged(self.summary.get("warnings", []), _told(messages))
+        self.word = _word_of(self.verdict)
+        breached = self.word in ("violated", "undecided")
+        self.status = status if status is not None else 3 if breached else 0
+        self.held = self.status == 0 if self.verdict or self.status else None
+        self.columns = Table(self.path / ("branch.csv" if is_branch else "run.csv"),
+                             {} if is_branch else self._probe_units)
+        self.events = [] if is_branch else self._read_events()
+
+    def __fspath__(self):
+        return str(self.path)
+
+    def _read_events(self):
+        events = read_columns(self.path / "events.csv", {"what"})
+        return list(zip(events["t_s"], events["what"]))
+
+    def _probe_units(self):
+        """Returns the columns' units as the program lists them for this deck and machine. {}: it is
+        not there, or not the deck; the names' endings tell, then."""
+        from . import _call
+        of = [f"--{key}={self.scene[section][name]}"
+              for key, section, name in (("deck", "circuit", "deck"),
+                                         ("machine", "machine", "model"))
+              if name in self.scene.get(section, {})]
+        try:
+            status, out, _ = _call(["list", *of, "--json", "--", "probes"])
+            probes = json.loads(out)["probes"] if status == 0 else []
+        except (Error, OSError, ValueError, KeyError, subprocess.SubprocessError):
+            probes = []
+        return {p["name"] + ending_of(p["unit"]): p["unit"] for p in probes}
+
+    def __repr__(self):
+        said = self.word or "nothing is rated"
+        return f"<Result {self.path}: {said}, {len(self.measures)} measures>"
+
+    def _repr_html_(self):
+        return _html_of_run(self)
+
+
+def _is_branch(path, text):
+    """A folder may have both an orbit and a branch. What was just printed tells, then; else the
+    newer one counts."""
+    branch, run = path / "branch.json", path / "summary.json"
+    if not branch.exists() or not run.exists():
+        return branch.exists()
+    if text:
+        return "branch.csv" in text
+    return branch.stat().st_mtime_ns > run.stat().st_mtime_ns
+
+
+# ---- studies ----
+
+def rows_of(path):
+    """Returns the file that has a study's rows, or lists those that do; None: there is none. All
+    that a study may have hold the same."""
+    names = ("columns/columns.json", "study.csv", "study.csv.zst")
+    return next((path / name for name in names if (path / name).is_file()), None)
+
+
+class Study(collections.abc.Sequence):
+    """The cases of a study: len(study), study[0], `for row in study`. A row is a dict.
+
+    path       its folder (pathlib.Path)
+    status     0; 3 where a rating is violated or undecided in some case; 1 where a case failed
+    held       False where it is in some case; True where all cases are there, none failed and all
+               that is rated holds; else None
+    columns    Table of study.csv, study.csv.zst or the folder columns, whichever there is
+    units      {column: unit}; None: the manifest does not tell
+    failures   list of dict: the cases that failed, with "case", "status" and "why"
+    manifest   all of manifest.json: "cases", "done", "failed", "violated", "axes", "report", ...
+    warnings   list of str; those of a case begin with "case N: "
+    messages, text    as a Result has them
+    """
+
+    def __init__(self, path, status=None, messages=(), text="", owner=None, shards=None):
+        """Reads the folder; as Result. shards: the folder of shards that this one was merged of."""
+        self.path = pathlib.Path(path)
+        self._owner = owner
+        self.manifest = m = load_json(self.path / "manifest.json")
+        self.messages, self.text, self.shards = list(messages), text, shards
+        units = {c["column"]: c["unit"] for c in m["axes"] + m["report"]}
+        units |= {"margin_least": "", "margin_error": "", "leaving_bound": ""}
+        words = {a["column"] for a in m["axes"]
+                 if any(isinstance(v, str) for v in a.get("values", []))}
+        rows = rows_of(self.path)
+        if not rows:
+            raise Error(None, [f"{self.path}: a study without its rows"])
+        self.columns = Table(rows, units, words)
+        failures = Table(self.path / "failures.csv", units, words)
+        self.failures = [failures.row(k) for k in range(failures.rows())]
+        self.status = status if status is not None else \
+            1 if m["failed"] else 3 if m["violated"] else 0
+        is_whole = m["done"] == m["cases"] and not m["failed"]
+        is_rated = not all(map(math.isnan, self.columns["margin_least"]))
+        self.held = False if m["violated"] else True if is_whole and is_rated else None
+        self.warnings = self._find_warnings()
+
+    @staticmethod
+    def has_failures(path):
+        """Is a study's result in the folder, with cases that failed?"""
+        try:
+            return load_json(pathlib.Path(path) / "manifest.json").get("failed", 0) > 0
+        except Error:
+            return False
+
+    def _find_warnings(self):
+        m = self.manifest
+        found = []
+        if m["done"] < m["cases"]:
+            found.append(f"{self.path}: {m['done']} of {m['cases']} cases are here"
+                         + (": shard {} of {}".format(*m["shard"]) if m["shard"][1] > 1 else ""))
+        if m["failed"]:
+            found.append(f"{m['failed']} of {m['cases']} cases failed; `failures` tells why")
+        for case, said in zip(self.columns["case"], self.columns["warnings"]):
+            found += [f"case {case}: {w}" for w in said.split(" | ") if w]
+        return _merged(found, _told(self.messages))
+
+    @property
+    def units(self):
+        return self.columns.units
+
+    def __fspath__(self):
+        return str(self.path)
+
+    def __len__(self):
+        return self.columns.rows()
+
+    def __getitem__(self, k):
+        if isinstance(k, slice):
+            return [self.columns.row(n) for n in range(*k.indices(len(self)))]
+        return self.columns.row(k)
+
+    def frame(self):
+        """Returns a pandas DataFrame, as Table.frame()."""
+        return self.columns.frame()
+
+    def run(self, case):
+        """Returns the Table of a case's run.csv, which keep="runs" stores. Error: there is none."""
+        return Table(self.path / "runs" / str(int(case)) / "run.csv")
+
+    def __repr__(self):
+        m = self.manifest
+        return (f"<Study {self.path}: {m['done']} of {m['cases']} cases, {m['failed']} failed, "
+                f"in {m['violated']} a rating is violated or undecided>")
+
+    def _repr_html_(self):
+        return _html_of_study(self)
+
+
+# ---- what a notebook shows ----
+
+_MOST_ROWS = 20
+
+
+def _html_table(head, rows):
+    cells = "".join(f"<th>{html.escape(h)}</th>" for h in head)
+    lines = "".join("<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in row) + "</tr>"
+                    for row in rows)
+    return f"<table><thead><tr>{cells}</tr></thead><tbody>{lines}</tbody></table>"
+
+
+def _html_of_run(r):
+    verdict = f"{r.word or 'none'}" + (f"; weakest: {r.weakest}" if r.weakest else "")
+    said = "".join(f"<p>warning: {html.escape(w)}</p>" for w in r.warnings)
+    rows = [(name, f"{q.value:.4g}", q.unit, "" if q.at is None else f"{q.at:.4g} s")
+            for name, q in r.measures.items()]
+    return f"<p>verdict: {html.escape(verdict)}</p>{said}" + _html_table(
+        ("measure", "value", "unit", "at"), rows)
+
+
+def _html_of_study(s):
+    rows = [[f"{c:.4g}" if isinstance(c, float) else str(c) for c in row.values()]
+            for row in s[:_MOST_ROWS]]
+    more = f"<p>and {len(s) - _MOST_ROWS} more rows</p>" if len(s) > _MOST_ROWS else ""
+    return f"<p>{html.escape(repr(s))}</p>{_html_table(list(s.columns), rows)}{more}"
+
+
+class Picture:
+    """A picture. A notebook shows it as the last value of a cell.
+
+    data      the file's bytes, of PNG or SVG
+    path      where it was written (pathlib.Path); None: it is in memory alone
+    messages  what the program said, such as which time is shown
+    """
+
+    def __init__(self, data, path, messages):
+        self.data, self.path, self.messages = data, path, messages
+
+    def save(self, path):
+        """Writes the picture into a file, which should end as the data does."""
+        pathlib.Path(path).write_bytes(self.data)
+
+    @property
+    def is_png(self):
+        return self.data.startswith(b"\x89PNG\r\n\x1a\n")
+
+    def _repr_png_(self):
+        return self.data if self.is_png else None
+
+    def _repr_svg_(self):
+        return None if self.is_png else self.data.decode("utf-8")
+
+    def __repr__(self):
+        return "\n".join([f"<Picture {self.path or 'in memory'}: {len(self.data)} bytes>",
+                          *self.messages])
+
+
+class Page:
+    """A report.html at `path` (pathlib.Path). A notebook shows it in a frame."""
+
+    def __init__(self, path, messages):
+        self.path, self.messages = path, messages
+
+    def _repr_html_(self):
+        source = base64.b64encode(self.path.read_bytes()).decode("ascii")
+        return ('<iframe style="width: 100%; height: 40em; border: 0" '
+                f'src="data:text/html;charset=utf-8;base64,{source}"></iframe>')
+
+    def __repr__(self):
+        return f"<Page {self.path}>"
