@@ -12,7 +12,7 @@ static const double FADES = 0.8;
 static const int LEAST_STEPS = 4;
 static const double OTHER = 0.5;
 /* The line is used once it has foretold so many steps in a row to this share of v''. */
-static const int LEAST_GOOD = 2;
+static const int LEAST_GOOD = 4;
 static const double OFF = 0.2;
 /* v that hardly varies tells no slope: its variance is taken to be this share of v^2 more. */
 static const double LEVEL = 1e-4;
@@ -172,6 +172,7 @@ double vs_amend_take(vs_amend *a, const vs_amend_step *step) {
     a->good = fabs(bend - a->foretold_v_s2[1]) <= OFF * a->size_v_s2 ? a->good + 1 : 0;
     see(a, from->flux_rate_v + behind * (slope + behind * bend / 2), bend, behind - h);
   }
+  a->driven = step->driven;
   a->foretold_v_s2[1] = a->foretold_v_s2[0];
   a->given_v_s2[1] = fabs(a->try_s - h) <= 1e-6 * h ? a->given_v_s2[0] : 0;
   a->v0_v = from->flux_rate_v;
@@ -239,7 +240,7 @@ static void ask(vs_amend *a, const vs_amend_try *at) {
   if (!a->on || !(h > 0) || !next_line(a, h, &l)) return;
   go_on(a, at->last, h, &l, flux);
   a->foretold_v_s2[0] = l.rest + l.slope * flux[1];
-  if (a->good >= LEAST_GOOD) give(a, at, h, &l, flux);
+  if (a->good >= LEAST_GOOD && !a->driven) give(a, at, h, &l, flux);
 }
 
 double vs_amend_flux(vs_amend *a, const vs_amend_try *at) {

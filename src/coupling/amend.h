@@ -10,7 +10,8 @@
  * v'' of v = dlambda/dt must be known at the end of a step before the step. Over some steps v'' is
  * nearly a straight line over v, where the coil rings as well as where it follows the mains. That
  * line is fitted to the last steps, moved by what it was off at the last two, and its solution goes
- * on over the next step. Where it did not foretell the steps before, nothing is given. */
+ * on over the next step. Where it did not foretell the steps before, nothing is given, nor
+ * while a thyristor conducts: the mains then drive the coil, and its neighbours decide. */
 #ifndef VS_COUPLING_AMEND_H
 #define VS_COUPLING_AMEND_H
 
@@ -38,6 +39,7 @@ typedef struct vs_amend {
                                      later one first */
   double seen_s;                  /* that later instant, behind the last knot */
   double size_v_s2, size_s;       /* the largest |v''| of late, and the step over which it showed */
+  bool driven;                    /* a thyristor conducted in the last step: nothing is given */
   int good;                       /* how many steps in a row v'' was foretold well */
   double v0_v, rise_v_s;          /* v before the last step, and its mean slope in it */
   double h_s;                     /* length of the last step; 0: there was none */
