@@ -96,8 +96,11 @@ static double measure(const char *json, const char *name, const char *end_of_nam
   return value;
 }
 
-/* How far a probe's extremes are from its row of references.csv, of its peak; INFINITY: no row. */
+/* How far a probe's extremes are from its row of references.csv, of its peak; INFINITY: no row. Of
+ * "^NAME" the maximum alone is compared. */
 static double error_of(const decks *d, const deck *k, const char *probe, const char *json) {
+  bool maximum = *probe == '^';
+  probe += maximum;
   char wanted[128];
   double min = NAN, max = NAN, uncertain = NAN;
   snprintf(wanted, sizeof wanted, "\n%s,%s,", k->netlist, probe);
@@ -109,8 +112,8 @@ static double error_of(const decks *d, const deck *k, const char *probe, const c
   double peak = fmax(fabs(min), fabs(max));
   if (!read) return INFINITY;
   if (!strcmp(probe, "i_peak")) return fabs(measure(json, probe, "") / peak - 1);
-  return fmax(fabs(measure(json, probe, "_min") - min), fabs(measure(json, probe, "_max") - max)) /
-         peak;
+  double low = maximum ? 0 : fabs(measure(json, probe, "_min") - min);
+  return fmax(low, fabs(measure(json, probe, "_max") - max)) / peak;
 }
 
 /* Runs what was imported, and gives the worst of its signals. */
