@@ -453,7 +453,8 @@ static void refused(void) {
       {"sample: {spread: {actuator.gab: 1 % normal}}", "did you mean 'actuator.gap'?"},
       {"sample: {spread: {actuator.gap: 1 % norml}}",
        "study.yaml:1:33: actuator.gap: '1 % norml' is no spread; write '5 % normal'"},
-      {"sample: {spread: {actuator.gap: 1 normal}}", "1 has no unit; write for example '1 mm'"},
+      {"sample: {spread: {actuator.gap: 1 normal}}",
+       "1 has no unit; write for example '1 m' or '1 mm'"},
       {"sample: {spread: {actuator.gap: 1 ohm normal}}", "has the wrong unit; write mm"},
       {"sample: {spread: {actuator.gap: 0 % normal}}", "a spread is more than 0"},
       {"sample: {spread: {actuator.gap: 5 % uniform within 2 sigma}}", "is no spread"},
@@ -585,15 +586,9 @@ static void n_from_the_command_line(void) {
 }
 
 static void shipped_studies_are_good(void) {
-  static const char *const NAMES[] = {"surge_worst",
-                                      "surge_at_work",
-                                      "yield",
-                                      "amplitude",
-                                      "false_firing",
-                                      "snubber",
-                                      "snubber_map",
-                                      "control_characteristic",
-                                      "resonance"};
+  static const char *const NAMES[] = {"surge_worst", "surge_at_work",          "yield",
+                                      "amplitude",   "false_firing",           "snubber",
+                                      "snubber_map", "control_characteristic", "resonance"};
   for (size_t k = 0; k < COUNT(NAMES); k++) {
     ran r = run("check %s", NAMES[k]);
     EXPECT(!r.status && strstr(r.out, "a good study"), "%s: %s%s", NAMES[k], r.out, r.err);

@@ -13,7 +13,7 @@
 #define CIRCUIT "circuit: {deck: own.cir, r1: 1.33 ohm, c1: 0.341 nF, r2: 27.7 ohm, c2: 0.263 nF}\n"
 #define SCENE                                                                                      \
   CIRCUIT "supply: {voltage: 243 V, resistance: 1.79 ohm, inductance: 10.4 mH}\n"                  \
-          "firing: {angle: 142.23 deg}\nrun: {until: 12 ms, verify: always}\n"
+          "firing: {angle: 142.2 deg}\nrun: {until: 12 ms, verify: always}\n"
 static const char WORDS[] = "the sequence of firings depends on the tolerance: ";
 
 static void write_files(void) {

@@ -198,14 +198,15 @@ static vs_status go(coupling *c, vs_error *err) {
 static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_observer *observer,
                      vs_error *err) {
   const vs_frame frame = vs_sim_frame(&vs_coupled_tier, setup);
-  /* A search for an orbit compares cycles from almost the same state. What is given makes steps of
-   * their own in each, and the differences would show these. Where
-   * the armature meets a stop within a step, what is given comes too late. */
+  /* Nothing is given back in a search for an orbit, which compares cycles from almost the same
+   * state: what is given makes steps of their own in each, and the differences would show these.
+   * Where the armature meets a stop within a step, what is given comes too late. */
+  const vs_pace pace = vs_pace_of(setup);
   coupling c = {.setup = setup, /* stays where it is: the host and the motion point to it */
                 .order = order,
-                .pace = vs_pace_of(setup),
+                .pace = pace,
                 .swing = vs_swing_of(setup),
-                .amend = vs_amend_of(setup, !order->pilot && !setup->model.stops.count),
+                .amend = vs_amend_of(setup, !order->pilot && !pace.blows),
                 .names = vs_alloc(1, sizeof *c.names)};
   vs_prelude_begin(&c.prelude, setup, order, observer);
   vs_course_begin(&c.course, vs_prelude_setup(&c.prelude), &frame, vs_prelude_observer(&c.prelude));

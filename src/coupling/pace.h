@@ -6,6 +6,7 @@
 #include "sim/sim.h"
 
 typedef struct vs_pace {
+  bool blows;        /* the armature is expected to meet a stop */
   double max_step_s; /* the solver's largest step */
   /* Tolerances of its Newton iteration and of a step's truncation error: relative to each value,
    * and below which a difference of currents, voltages or charges is none. */
