@@ -34,7 +34,7 @@ enum {
 
 typedef struct vs_names {
   char text[VS_SIG_MOST + VS_DECK_MOST + VS_EVA_PORTS + VS_DECK_MOTIONS]
-           [2 * VS_DECK_NAME]; /* room for the names */
+           [2 * VS_DECK_NAME + 8]; /* room for the names */
   const char *signals[VS_SIG_MOST + 2 * VS_MEMORIES];
   const char *ports[VS_DECK_MOST + VS_EVA_PORTS + VS_DECK_MOTIONS];
   size_t n_signals, n_ports;
