@@ -198,12 +198,10 @@ static vs_status go(coupling *c, vs_error *err) {
 static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_observer *observer,
                      vs_error *err) {
   const vs_frame frame = vs_sim_frame(&vs_coupled_tier, setup);
-  /* A search for an orbit compares cycles from almost the same state. What is given back makes
-   * steps of their own in each, and the differences would show these; so nothing is, and the
-   * truncation is not loosened. Where the armature meets a stop within a step, what is given comes
-   * too late. */
-  vs_pace pace = vs_pace_of(setup);
-  if (order->pilot) pace.truncation = fmin(pace.truncation, setup->run.trtol);
+  /* Nothing is given back in a search for an orbit, which compares cycles from almost the same
+   * state: what is given makes steps of their own in each, and the differences would show these.
+   * Where the armature meets a stop within a step, what is given comes too late. */
+  const vs_pace pace = vs_pace_of(setup);
   coupling c = {.setup = setup, /* stays where it is: the host and the motion point to it */
                 .order = order,
                 .pace = pace,

@@ -253,9 +253,6 @@ static const double USUAL_TRTOL = 7;
  * twice that 0.45, with three times no less. With twice that the rise of the current at a firing
  * was told as 63 A/us where it is 73. */
 static const double LOOSER = 1.5;
-/* Above this tolerance the pace loosens the truncation by the root of the tolerance
- * (coupling/pace.c), which is taken out of LOOSER, as the above was measured without it. */
-static const double LOOSENS = 1e-4;
 
 /* What any number of a run may be wrong by, as a multiple of run.tolerance. The tolerance bounds
  * the motion; a device's spikes are known less well. */
@@ -307,8 +304,7 @@ static void change_settings(vs_scene *s, double factor) {
   vs_run_values run = s->setup.run;
   run.tolerance = fmin(fmax(run.tolerance * factor, s->tier->finest), 0.1);
   run.max_step_s *= sqrt(factor);
-  double own = fmax(s->setup.run.tolerance, LOOSENS), loosened = fmax(run.tolerance, LOOSENS) / own;
-  double looser = factor > 1 ? factor * LOOSER / sqrt(loosened) : factor;
+  double looser = factor > 1 ? factor * LOOSER : factor;
   run.trtol = run.trtol > USUAL_TRTOL ? USUAL_TRTOL : fmax(run.trtol * looser, 1);
   s->setup = vs_setup_varied(&s->setup, &run, NULL);
   s->order.raw = NULL;
