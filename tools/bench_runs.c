@@ -233,6 +233,7 @@ static double rest_source(void *ctx, size_t port, double t_s) {
   (void)ctx;
   timed.sources++;
   if (port == timed.gap_port) return timed.setup->model.coil.gap_rest_m;
+  if (port > timed.gap_port) return 0; /* nothing is given back */
   const vs_port *p = &timed.setup->deck.ports[port];
   return vs_signals_voltage(&timed.setup->timeline, &p->signal, t_s);
 }
@@ -295,7 +296,7 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
                                           .edge = counted_edge,
                                           .longest = noted_longest,
                                           .accept = counted_accept};
-  timed.gap_port = job->n_ports - 1;
+  timed.gap_port = timed.setup->deck.n_ports; /* the first of the EVA's own */
   timed.steps = timed.sources = 0;
   timed.now = 0;
   if (!timed.circuit_alone) timed.limits = 0;
