@@ -14,6 +14,7 @@ volatile sig_atomic_t vs_leave_requested;
  * process' only thread; each is one word, and so is never half written. */
 static const char *volatile removed[VS_LEAVE_MOST];
 static volatile sig_atomic_t heed = VS_HEED_NOT;
+static volatile int told = STDERR_FILENO; /* where is said that a signal has stopped the process */
 static volatile pid_t owner; /* the process whose files they are; a forked child removes nothing */
 
 void vs_leave_clean(void) {
@@ -27,7 +28,7 @@ void vs_leave_clean(void) {
 static _Noreturn void leave(void) {
   static const char TEXT[] = "vibrospice: stopped by a signal\n";
   vs_leave_clean();
-  if (getpid() == owner && write(STDERR_FILENO, TEXT, sizeof TEXT - 1) < 0) _exit(VS_SIGNAL);
+  if (getpid() == owner && write(told, TEXT, sizeof TEXT - 1) < 0) _exit(VS_SIGNAL);
   _exit(VS_SIGNAL);
 }
 
@@ -71,6 +72,10 @@ void vs_leave_begin(void) {
   sigaction(SIGPIPE, NULL, &before);
   if (before.sa_handler != SIG_IGN) sigaction(SIGPIPE, &pipe, NULL);
   atexit(vs_leave_clean);
+}
+
+void vs_leave_tell(int file) {
+  told = file;
 }
 
 vs_heed vs_leave_heed_set(vs_heed next) {

@@ -24,6 +24,9 @@ enum { VS_HEED_S = 3 }; /* s; who pressed Ctrl-C waits that long */
 /* Returns what held before, so that the caller can put it back. */
 vs_heed vs_leave_heed_set(vs_heed heed);
 
+/* An open file in the place of standard error for saying that a signal has stopped the process. */
+void vs_leave_tell(int file);
+
 /* Notes a file, or a folder that will be empty, which is removed when the process ends by a signal
  * or by exit. The path is borrowed until vs_leave_forget. Beyond VS_LEAVE_MOST notes, further files
  * stay behind. */

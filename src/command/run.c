@@ -236,8 +236,7 @@ static vs_status close_files(audience *a, vs_status ran, const char *json, vs_er
 
 /* True if a second process would find all that this one has found: the scene comes from no pipe,
  * one folder at most was made, which is noted to go with the process, and no other program takes
- * part.
- */
+ * part. */
 static bool can_begin_anew(const audience *a) {
   struct stat s;
   bool file = stat(a->options->scene, &s) || S_ISREG(s.st_mode);

@@ -102,8 +102,7 @@ static bool sequence_differs(const vs_result *r, char *text, size_t size) {
            "the sequence of firings depends on the tolerance: it fires and goes out %ld and %ld "
            "times at run.tolerance = %.3g, %ld and %ld times at %.3g; the errors of the margins "
            "come from these two runs; what else follows from it is known less well than "
-           "run.tolerance says, "
-           "and a finer one may settle it",
+           "run.tolerance says, and a finer one may settle it",
            one->firings, one->extinctions, r->scene->setup.run.tolerance, other->firings,
            other->extinctions, r->second.tolerance);
   return true;

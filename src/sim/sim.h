@@ -51,8 +51,8 @@ typedef struct vs_junction {
   vs_status (*reach)(void *ctx, double t_s, vs_error *err);
 } vs_junction;
 
-/* What one run has besides its setup. Only a tier with a circuit looks at it, but for
- * the leaver. */
+/* What one run has besides its setup. Only a tier with a circuit looks at it, but for the leaver.
+ */
 typedef struct vs_run_order {
   const vs_circuit_kind *solver; /* who solves the circuit: vs_ng_kind, or a test's own */
   const vs_stand_in *stand_in;   /* who may stand in for the circuit; NULL: nobody may */

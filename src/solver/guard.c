@@ -40,10 +40,12 @@ static void hush(void) {
     guard.stream[k] = nowhere >= 0 ? fcntl(k, F_DUPFD_CLOEXEC, STDERR_FILENO + 1) : -1;
     if (guard.stream[k] >= 0) dup2(nowhere, k);
   }
+  if (guard.stream[STDERR_FILENO] >= 0) vs_leave_tell(guard.stream[STDERR_FILENO]);
   if (nowhere >= 0) close(nowhere);
 }
 
 static void speak(void) {
+  vs_leave_tell(STDERR_FILENO);
   for (int k = STDOUT_FILENO; k <= STDERR_FILENO; k++) {
     if (guard.stream[k] >= 0) dup2(guard.stream[k], k);
     if (guard.stream[k] >= 0) close(guard.stream[k]);
@@ -100,8 +102,7 @@ static bool prepare(void) {
   return true;
 }
 
-bool vs_guard_begin(void) {
-  if (guard.once || vs_guard_again() || !prepare()) return false;
+static void put_on(void) {
   const stack_t stack = {.ss_sp = guard.stack, .ss_size = sizeof guard.stack};
   const struct sigaction crash = {.sa_handler = on_crash, .sa_flags = SA_ONSTACK};
   guard.once = true;
@@ -111,11 +112,23 @@ bool vs_guard_begin(void) {
   for (size_t k = 0; k < SIGNALS; k++) sigaction(GUARDED[k], &crash, &guard.before[k]);
   atexit(begin_anew);
   alarm(VS_CHILD_SECONDS);
-  return true;
+}
+
+/* A process that has been asked to stop has an alarm of its own, which is left alone. */
+bool vs_guard_begin(void) {
+  sigset_t before;
+  if (guard.once || vs_guard_again() || !prepare()) return false;
+  vs_leave_hold(&before);
+  bool stopping = vs_leave_requested;
+  if (!stopping) put_on();
+  vs_leave_release(&before);
+  return !stopping;
 }
 
 void vs_guard_end(void) {
+  sigset_t before;
   if (!guard.on) return;
+  vs_leave_hold(&before);
   guard.on = 0;
   speak();
   bool stopping = vs_leave_requested; /* the alarm is for that then */
@@ -123,6 +136,7 @@ void vs_guard_end(void) {
   for (size_t k = 0; k < SIGNALS; k++)
     if (GUARDED[k] != SIGALRM || !stopping) sigaction(GUARDED[k], &guard.before[k], NULL);
   sigaltstack(&guard.stack_before, NULL);
+  vs_leave_release(&before);
   free(guard.argv);
   free(guard.environment);
 }
