@@ -83,6 +83,12 @@ file src/attic/old.c ''
 says 'src/attic/old.c:1: lies in none of the rooms'
 echo >"$tree/notes.txt"
 says 'notes.txt:1: does not belong at the root'
+add src/base/texts.c 'static char *other(const char *s) { return strdup(s); }'
+says 'src/base/texts.c:11: calls strdup(); base/alloc.h has what ends the process where there is no memory'
+add src/base/texts.c 'static void *other(void) { return vs_checked(gsl_vector_alloc(1)); }'
+says 'check_rooms: fine'
+add src/base/texts.c 'static void *other(void) { return gsl_vector_alloc(1); }'
+says 'src/base/texts.c:11: calls gsl_vector_alloc() without vs_checked()'
 add src/main.c '#include <ngspice/sharedspice.h>'
 says 'src/main.c:7: includes ngspice/sharedspice.h, which only src/solver/ng.c may'
 exit $failed

@@ -169,7 +169,7 @@ static size_t count_assumed(const char *path) {
   FILE *f = fopen(path, "r");
   char *line = NULL;
   size_t size = 0, count = 0;
-  while (f && getline(&line, &size, f) >= 0) {
+  while (f && vs_alloc_line(&line, &size, f) >= 0) {
     char *quote = strchr(line, '"');
     if (quote) *quote = '\0';
     count += !strncmp(line, "*$", 2) && strstr(line, " assumed") != NULL;

@@ -69,7 +69,7 @@ static vs_status fill_in(const char *path, const char *const with[WORDS], vs_tex
   if (!f) return vs_fail(err, VS_RUN, "%s: cannot be read: %s", path, strerror(errno));
   char *line = NULL;
   size_t size = 0;
-  for (int n = 0; getline(&line, &size, f) >= 0; n++)
+  for (int n = 0; vs_alloc_line(&line, &size, f) >= 0; n++)
     if (n > 0) add_line(line, with, text);
   free(line);
   fclose(f);

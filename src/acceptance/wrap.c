@@ -68,7 +68,7 @@ static void take_file(search *f, FILE *file) {
   char *line = NULL;
   size_t size = 0;
   vs_text whole = {0};
-  while (getline(&line, &size, file) >= 0) {
+  while (vs_alloc_line(&line, &size, file) >= 0) {
     line[strcspn(line, "\r\n;")] = '\0';
     const char *text = line + strspn(line, " \t");
     if (!*text || *text == '*') continue;

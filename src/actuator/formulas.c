@@ -290,8 +290,7 @@ static vs_status check_all(const written *w, const vs_law_formulas *f, const ran
 static void choose_panels(vs_coil *c, const range *r) {
   written *w = c->own;
   double before[FLUXES][GAPS] = {{0}}, worst = 1;
-  w->rule = gsl_integration_glfixed_table_alloc(NODES);
-  if (!w->rule) vs_out_of_memory();
+  w->rule = vs_checked(gsl_integration_glfixed_table_alloc(NODES));
   for (w->panels = 1; worst > 1e-11 && w->panels <= MOST_PANELS; w->panels *= 2) {
     worst = 0;
     for (int k = 0; k < FLUXES; k++)

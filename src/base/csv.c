@@ -112,20 +112,18 @@ static bool ends_open(const vs_csv *csv, const char *line, bool open) {
 static bool add_line(vs_csv *csv, size_t *size) {
   char *line = NULL;
   size_t room = 0;
-  const ssize_t n =
-      *size ? getline(&line, &room, csv->stream) : getline(&csv->text, &csv->room, csv->stream);
+  const ssize_t n = *size ? vs_alloc_line(&line, &room, csv->stream)
+                          : vs_alloc_line(&csv->text, &csv->room, csv->stream);
   if (n >= 0 && *size) {
     if (csv->room < *size + (size_t)n + 1) {
       csv->room = 2 * (*size + (size_t)n + 1);
-      csv->text = realloc(csv->text, csv->room);
-      if (!csv->text) vs_out_of_memory();
+      csv->text = vs_resize(csv->text, csv->room, 1);
     }
     memcpy(csv->text + *size, line, (size_t)n + 1);
   }
   free(line);
   if (n < 0) return false;
-  csv->begins = realloc(csv->begins, (csv->n_lines + 1) * sizeof *csv->begins);
-  if (!csv->begins) vs_out_of_memory();
+  csv->begins = vs_resize(csv->begins, csv->n_lines + 1, sizeof *csv->begins);
   csv->begins[csv->n_lines++] = *size;
   *size += (size_t)n;
   return true;
@@ -185,9 +183,8 @@ static vs_status cut(vs_csv *csv, vs_error *err) {
   for (const char *s = csv->text; *s; s++) room += *s == csv->separator;
   if (room > csv->most) {
     csv->most = room;
-    csv->cell = realloc(csv->cell, room * sizeof *csv->cell);
-    csv->where = realloc(csv->where, room * sizeof *csv->where);
-    if (!csv->cell || !csv->where) vs_out_of_memory();
+    csv->cell = vs_resize(csv->cell, room, sizeof *csv->cell);
+    csv->where = vs_resize(csv->where, room, sizeof *csv->where);
   }
   for (char *rest = csv->text; rest;) {
     const cell c = take_cell(&rest, csv->separator, csv->trim);

@@ -15,7 +15,8 @@ volatile sig_atomic_t vs_leave_requested;
 static const char *volatile removed[VS_LEAVE_MOST];
 static volatile sig_atomic_t heed = VS_HEED_NOT;
 static volatile int told = STDERR_FILENO; /* where is said that a signal has stopped the process */
-static volatile pid_t owner; /* the process whose files they are; a forked child removes nothing */
+static volatile pid_t owner; /* the process whose files they are; a forked child removes nothing; 0:
+                                vs_leave_begin was not called */
 
 void vs_leave_clean(void) {
   if (getpid() != owner) return;
@@ -25,11 +26,18 @@ void vs_leave_clean(void) {
     if (removed[k]) rmdir(removed[k]); /* rmdir fails where the path is a file */
 }
 
+/* In a program over the library that has not called vs_leave_begin, every process is one of its
+ * own. */
+void vs_leave_now(int status, int child_status, const char *text, size_t size) {
+  const bool child = owner && getpid() != owner;
+  vs_leave_clean();
+  if (child || write(told, text, size) < 0) _exit(child ? child_status : status);
+  _exit(status);
+}
+
 static _Noreturn void leave(void) {
   static const char TEXT[] = "vibrospice: stopped by a signal\n";
-  vs_leave_clean();
-  if (getpid() == owner && write(told, TEXT, sizeof TEXT - 1) < 0) _exit(VS_SIGNAL);
-  _exit(VS_SIGNAL);
+  vs_leave_now(VS_SIGNAL, VS_SIGNAL, TEXT, sizeof TEXT - 1);
 }
 
 /* The grace time is over: nobody heeded the signal. */

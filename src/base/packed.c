@@ -76,13 +76,11 @@ FILE *vs_packed_read(FILE *file, const char *name) {
   if (!file || !is_packed(name)) return file;
   unpacker *u = vs_alloc(1, sizeof *u);
   u->file = file;
-  u->context = ZSTD_createDCtx();
+  u->context = vs_checked(ZSTD_createDCtx());
   u->size = ZSTD_DStreamInSize();
   u->room = vs_alloc(u->size, 1);
-  FILE *stream =
-      fopencookie(u, "r", (cookie_io_functions_t){.read = unpack, .close = end_unpacker});
-  if (!u->context || !stream) vs_out_of_memory();
-  return stream;
+  return vs_checked(
+      fopencookie(u, "r", (cookie_io_functions_t){.read = unpack, .close = end_unpacker}));
 }
 
 /* ---- writing ---- */
@@ -129,14 +127,13 @@ FILE *vs_packed_write(FILE *file, const char *name) {
   if (!is_packed(name)) return file;
   packer *p = vs_alloc(1, sizeof *p);
   p->file = file;
-  p->context = ZSTD_createCCtx();
+  p->context = vs_checked(ZSTD_createCCtx());
   p->size = ZSTD_CStreamOutSize();
   p->room = vs_alloc(p->size, 1);
-  FILE *stream = fopencookie(p, "w", (cookie_io_functions_t){.write = take, .close = end_packer});
-  if (!p->context || !stream) vs_out_of_memory();
   ZSTD_CCtx_setParameter(p->context, ZSTD_c_compressionLevel, LEVEL);
   ZSTD_CCtx_setParameter(p->context, ZSTD_c_checksumFlag, 1);
-  return stream;
+  return vs_checked(
+      fopencookie(p, "w", (cookie_io_functions_t){.write = take, .close = end_packer}));
 }
 
 vs_status vs_packed_end(FILE *stream, FILE *file, const char *name, vs_error *err) {

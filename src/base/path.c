@@ -94,7 +94,7 @@ static void collect_name(void *ctx, const char *path) {
   const char *slash = strrchr(path, '/');
   const char *base = slash ? slash + 1 : path;
   if (n->count < sizeof n->names / sizeof *n->names)
-    n->names[n->count++] = strndup(base, strlen(base) - strlen(n->shelf->ending));
+    n->names[n->count++] = vs_alloc_part(base, strlen(base) - strlen(n->shelf->ending));
 }
 
 bool vs_path_shipped(const vs_shelf *shelf, const char *name, char path[VS_PATH_SIZE]) {

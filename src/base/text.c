@@ -10,23 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void vs_out_of_memory(void) {
-  fputs("vibrospice: out of memory\n", stderr);
-  exit(1);
-}
-
-void *vs_alloc(size_t count, size_t size) {
-  void *memory = calloc(count ? count : 1, size ? size : 1);
-  if (!memory) vs_out_of_memory();
-  return memory;
-}
-
-char *vs_copy(const char *string) {
-  char *copy = strdup(string);
-  if (!copy) vs_out_of_memory();
-  return copy;
-}
-
 void vs_text_add(vs_text *t, const char *format, ...) {
   va_list args, again;
   va_start(args, format);
@@ -34,11 +17,11 @@ void vs_text_add(vs_text *t, const char *format, ...) {
   size_t room = t->capacity - t->length;
   int n = vsnprintf(t->text ? t->text + t->length : NULL, room, format, args);
   va_end(args);
-  size_t need = t->length + (n > 0 ? (size_t)n : 0) + 1;
+  if (n < 0) vs_alloc_failed(0); /* the C library needs memory for long numbers */
+  size_t need = t->length + (size_t)n + 1;
   if (need > t->capacity) {
     t->capacity = need * 2;
-    t->text = realloc(t->text, t->capacity);
-    if (!t->text) vs_out_of_memory();
+    t->text = vs_resize(t->text, t->capacity, 1);
     vsnprintf(t->text + t->length, t->capacity - t->length, format, again);
   }
   va_end(again);

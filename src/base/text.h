@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Strings that grow, memory that is there or ends the process, nearest names, UTF-8, numbers. */
+ * Strings that grow, nearest names, UTF-8, numbers. */
 #ifndef VS_BASE_TEXT_H
 #define VS_BASE_TEXT_H
 
 #include <stddef.h>
+
+#include "base/alloc.h"
 
 /* A string that grows. Start from {0}; text is NULL until something is added. Adding ends the
  * process when there is no memory. */
@@ -14,14 +16,6 @@ typedef struct vs_text {
 
 void vs_text_add(vs_text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void vs_text_free(vs_text *t);
-
-/* Says on standard error that there is no memory, and ends the process. */
-_Noreturn void vs_out_of_memory(void);
-/* Returns count*size zeroed bytes, to be freed with free(). Ends the process when there is no
- * memory. */
-void *vs_alloc(size_t count, size_t size);
-/* Returns a copy of the string, in the same way. */
-char *vs_copy(const char *string);
 
 /* Returns the candidate nearest to name by Damerau and Levenshtein's distance, capitals aside; NULL
  * when none is near enough to be meant. */

@@ -12,8 +12,7 @@
 static void insert(vs_walk *w, size_t behind, const vs_path_point *at, const vs_mark *mark) {
   if (w->count == w->room) {
     w->room = w->room ? 2 * w->room : 256;
-    w->row = realloc(w->row, w->room * sizeof *w->row);
-    if (!w->row) vs_out_of_memory();
+    w->row = vs_resize(w->row, w->room, sizeof *w->row);
   }
   memmove(w->row + behind + 1, w->row + behind, (w->count - behind) * sizeof *w->row);
   w->row[behind] = (vs_walk_row){*at, *mark};

@@ -55,8 +55,8 @@ static bool resample(const vs_traces *t, int column, const vs_fourier *f, size_t
 
 /* The root mean square of each line: |c_k| of the mean, sqrt(2) |c_k| of the others. */
 static void transform(double *y, size_t n, vs_fourier *f) {
-  gsl_fft_real_wavetable *table = gsl_fft_real_wavetable_alloc(n);
-  gsl_fft_real_workspace *space = gsl_fft_real_workspace_alloc(n);
+  gsl_fft_real_wavetable *table = vs_checked(gsl_fft_real_wavetable_alloc(n));
+  gsl_fft_real_workspace *space = vs_checked(gsl_fft_real_workspace_alloc(n));
   gsl_fft_real_transform(y, 1, n, table, space);
   f->lines = (n + 1) / 2;
   f->rms = vs_alloc(f->lines, sizeof *f->rms);

@@ -109,8 +109,7 @@ static vs_status keep_row(void *ctx, const vs_folder_row *row, vs_error *err) {
   (void)err;
   if ((size_t)p->rows[0] == r->room) {
     r->room = r->room ? 2 * r->room : 256;
-    p->row = realloc(p->row, r->room * sizeof *p->row);
-    if (!p->row) vs_out_of_memory();
+    p->row = vs_resize(p->row, r->room, sizeof *p->row);
   }
   struct vs_study_pair_row *kept = &p->row[p->rows[0]];
   *kept = (struct vs_study_pair_row){key_of(p, 0, row), row->number, word_of(&p->folder[0], row),

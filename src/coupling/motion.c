@@ -102,9 +102,10 @@ void vs_motion_take(vs_motion *m, const vs_model *model) {
 }
 
 void vs_motion_begin(vs_motion *m, const vs_model *model) {
-  *m = (vs_motion){.size = 2 * (size_t)model->dof * sizeof(double),
-                   .system = {rhs, NULL, 2 * (size_t)model->dof, m},
-                   .step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, 2 * (size_t)model->dof)};
+  *m = (vs_motion){
+      .size = 2 * (size_t)model->dof * sizeof(double),
+      .system = {rhs, NULL, 2 * (size_t)model->dof, m},
+      .step = vs_checked(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, 2 * (size_t)model->dof))};
   vs_motion_take(m, model);
 }
 

@@ -89,8 +89,7 @@ void vs_deck_remark(vs_deck *deck, vs_where where, const char *format, ...) {
 }
 
 void vs_deck_add_line(vs_deck *deck, vs_line line) {
-  deck->lines = realloc(deck->lines, (deck->n_lines + 1) * sizeof *deck->lines);
-  if (!deck->lines) vs_out_of_memory();
+  deck->lines = vs_resize(deck->lines, deck->n_lines + 1, sizeof *deck->lines);
   deck->lines[deck->n_lines++] = line;
 }
 

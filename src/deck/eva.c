@@ -272,7 +272,7 @@ vs_status vs_eva_write(const vs_deck *deck, vs_text *out, vs_error *err) {
   if (status) return status;
   FILE *file = fopen(path, "r");
   if (!file) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
-  while (getline(&line, &size, file) >= 0) {
+  while (vs_alloc_line(&line, &size, file) >= 0) {
     line[strcspn(line, "\r\n")] = '\0';
     if (*line && *line != '*') taken += add_line(deck, line, out);
   }

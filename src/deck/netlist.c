@@ -150,7 +150,7 @@ vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error 
 /* ---- for the solver ---- */
 
 static void add_text(char ***lines, size_t *count, const char *text) {
-  *lines = realloc(*lines, (*count + 1) * sizeof **lines);
+  *lines = vs_resize(*lines, *count + 1, sizeof **lines);
   (*lines)[(*count)++] = vs_copy(text);
 }
 

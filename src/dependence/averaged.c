@@ -25,8 +25,9 @@ static double _Complex of_gsl(gsl_complex z) {
 static bool solve(modes *m, const vs_linear *l) {
   size_t order[N];
   int sign;
-  gsl_matrix_complex *v = gsl_matrix_complex_alloc(m->n, m->n);
-  gsl_vector_complex *b = gsl_vector_complex_alloc(m->n), *w = gsl_vector_complex_alloc(m->n);
+  gsl_matrix_complex *v = vs_checked(gsl_matrix_complex_alloc(m->n, m->n));
+  gsl_vector_complex *b = vs_checked(gsl_vector_complex_alloc(m->n)),
+                     *w = vs_checked(gsl_vector_complex_alloc(m->n));
   gsl_permutation p = {m->n, order};
   for (size_t i = 0; i < m->n; i++) {
     gsl_vector_complex_set(b, i, gsl_complex_rect(l->b[i] / l->scale[i], 0));
@@ -49,10 +50,10 @@ static bool stands_before(double _Complex a, double _Complex b) {
 
 static bool find_modes(const vs_linear *l, modes *m) {
   m->n = (size_t)l->n;
-  gsl_matrix *a = gsl_matrix_alloc(m->n, m->n);
-  gsl_matrix_complex *v = gsl_matrix_complex_alloc(m->n, m->n);
-  gsl_vector_complex *values = gsl_vector_complex_alloc(m->n);
-  gsl_eigen_nonsymmv_workspace *work = gsl_eigen_nonsymmv_alloc(m->n);
+  gsl_matrix *a = vs_checked(gsl_matrix_alloc(m->n, m->n));
+  gsl_matrix_complex *v = vs_checked(gsl_matrix_complex_alloc(m->n, m->n));
+  gsl_vector_complex *values = vs_checked(gsl_vector_complex_alloc(m->n));
+  gsl_eigen_nonsymmv_workspace *work = vs_checked(gsl_eigen_nonsymmv_alloc(m->n));
   size_t place[N];
   for (size_t i = 0; i < m->n; i++)
     for (size_t j = 0; j < m->n; j++) {
@@ -82,10 +83,10 @@ static bool find_modes(const vs_linear *l, modes *m) {
 static vs_averaged_pole pole_of(double _Complex m, double period_s) {
   double re = log(cabs(m)) / period_s, im = carg(m) / period_s;
   return (vs_averaged_pole){.multiplier = {creal(m), cimag(m)},
-                   .re_1_s = re,
-                   .im_rad_s = im,
-                   .frequency_hz = fabs(im) / (2 * M_PI),
-                   .time_constant_s = -1 / re};
+                            .re_1_s = re,
+                            .im_rad_s = im,
+                            .frequency_hz = fabs(im) / (2 * M_PI),
+                            .time_constant_s = -1 / re};
 }
 
 /* ---- an output ---- */

@@ -43,7 +43,7 @@ typedef struct pass {
 static void add_instant(pass *p, double t_s, double moved_s) {
   if (p->count == p->room) {
     p->room = p->room ? 2 * p->room : 64;
-    p->instants = realloc(p->instants, p->room * sizeof *p->instants);
+    p->instants = vs_resize(p->instants, p->room, sizeof *p->instants);
   }
   p->instants[p->count++] = (instant){t_s, moved_s};
 }

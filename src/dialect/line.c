@@ -10,8 +10,7 @@ void vs_line_join(vs_line *l, const char *text, vs_where where) {
   size_t n = strlen(text), begin = l->text ? l->length + 1 : 0;
   if (begin + n + 1 > l->room) {
     l->room = 2 * (begin + n + 1);
-    l->text = realloc(l->text, l->room);
-    if (!l->text) vs_out_of_memory();
+    l->text = vs_resize(l->text, l->room, 1);
   }
   if (begin)
     l->text[l->length] = ' ';
@@ -21,8 +20,7 @@ void vs_line_join(vs_line *l, const char *text, vs_where where) {
   l->length = begin + n;
   if ((l->n_joints & (l->n_joints - 1)) == 0) { /* the array grows at 0, 1, 2, 4, 8, ... joints */
     size_t room = l->n_joints ? 2 * l->n_joints : 1;
-    l->joint = realloc(l->joint, room * sizeof *l->joint);
-    if (!l->joint) vs_out_of_memory();
+    l->joint = vs_resize(l->joint, room, sizeof *l->joint);
   }
   l->joint[l->n_joints++] = (vs_joint){begin, where};
 }

@@ -27,8 +27,7 @@ static vs_status read_bytes(const char *path, bytes *b, vs_error *err) {
   size_t room = 0, n;
   do {
     room = 2 * room + 4096;
-    b->at = realloc(b->at, room);
-    if (!b->at) vs_out_of_memory();
+    b->at = vs_resize(b->at, room, 1);
     n = fread(b->at + b->count, 1, room - 1 - b->count, f);
     b->count += n;
   } while (n > 0 && b->count == room - 1);
@@ -142,8 +141,7 @@ static void split(vs_source *s) {
   for (char *at = s->text; *at;) {
     if (s->count == room) {
       room = 2 * room + 64;
-      s->line = realloc(s->line, room * sizeof *s->line);
-      if (!s->line) vs_out_of_memory();
+      s->line = vs_resize(s->line, room, sizeof *s->line);
     }
     s->line[s->count++] = at;
     at += strcspn(at, "\r\n");

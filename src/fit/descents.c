@@ -113,7 +113,7 @@ static double find_decrement(search *w, const gsl_vector *residual, vs_descent *
   const vs_inquiry *q = w->d->prediction->inquiry;
   size_t moving = 0, n = residual->size;
   double fall = 0;
-  gsl_matrix *j = gsl_matrix_alloc(n, w->n_free);
+  gsl_matrix *j = vs_checked(gsl_matrix_alloc(n, w->n_free));
   memset(out->bound, 0, sizeof out->bound);
   for (size_t k = 0; k < w->n_free; k++) {
     const vs_unknown *u = &q->unknowns[w->index[k]];
@@ -129,8 +129,9 @@ static double find_decrement(search *w, const gsl_vector *residual, vs_descent *
   }
   if (moving) { /* |U^T r|^2 of the columns' singular values that are more than rounding */
     gsl_matrix_view u = gsl_matrix_submatrix(j, 0, 0, n, moving);
-    gsl_matrix *v = gsl_matrix_alloc(moving, moving);
-    gsl_vector *size = gsl_vector_alloc(moving), *part = gsl_vector_alloc(moving);
+    gsl_matrix *v = vs_checked(gsl_matrix_alloc(moving, moving));
+    gsl_vector *size = vs_checked(gsl_vector_alloc(moving)),
+               *part = vs_checked(gsl_vector_alloc(moving));
     gsl_linalg_SV_decomp_jacobi(&u.matrix, v, size);
     gsl_blas_dgemv(CblasTrans, 1, &u.matrix, residual, 0, part);
     for (size_t k = 0; k < moving; k++)
@@ -184,7 +185,7 @@ static void go_down(search *w, gsl_multifit_nlinear_workspace *gsl, const double
                                   .n = w->d->prediction->n_residuals,
                                   .p = w->n_free,
                                   .params = w};
-  gsl_vector *t = gsl_vector_alloc(w->n_free);
+  gsl_vector *t = vs_checked(gsl_vector_alloc(w->n_free));
   for (size_t j = 0; j < w->n_free; j++) {
     const vs_unknown *u = &w->d->prediction->inquiry->unknowns[w->index[j]];
     gsl_vector_set(t, j, vs_unknown_free_of(u, s[w->index[j]]));
@@ -229,13 +230,12 @@ void vs_descent_from(vs_descender *d, const double *start, vs_descent *out) {
   *out = (vs_descent){0};
   for (size_t k = 0; k < p->n_unknowns; k++)
     if (!d->held[k]) w.index[w.n_free++] = k;
-  w.slopes = gsl_matrix_calloc(p->n_residuals, p->n_unknowns);
+  w.slopes = vs_checked(gsl_matrix_calloc(p->n_residuals, p->n_unknowns));
   gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
   parameters.solver = gsl_multifit_nlinear_solver_svd;
   if (w.n_free) {
-    gsl_multifit_nlinear_workspace *gsl = gsl_multifit_nlinear_alloc(
-        gsl_multifit_nlinear_trust, &parameters, p->n_residuals, w.n_free);
-    if (!gsl) vs_out_of_memory();
+    gsl_multifit_nlinear_workspace *gsl = vs_checked(gsl_multifit_nlinear_alloc(
+        gsl_multifit_nlinear_trust, &parameters, p->n_residuals, w.n_free));
     go_by_parts(&w, gsl, out);
     gsl_multifit_nlinear_free(gsl);
   } else
@@ -283,7 +283,7 @@ static const double FLAT = 1e-2;
 static vs_status check_effects(vs_descender *d, const double *s, vs_error *err) {
   vs_prediction *p = d->prediction;
   double *computed = vs_alloc(p->inquiry->n_data, sizeof *computed);
-  gsl_matrix *slopes = gsl_matrix_alloc(p->n_residuals, p->n_unknowns);
+  gsl_matrix *slopes = vs_checked(gsl_matrix_alloc(p->n_residuals, p->n_unknowns));
   vs_error failed = {0};
   vs_status status = vs_prediction_run(p, -1, s, computed, &failed);
   if (!status) status = vs_slopes_fill(d->slopes, p, s, computed, slopes, &failed);

@@ -101,13 +101,13 @@ static void decompose(const vs_estimate *e, const gsl_matrix *slopes, bool all, 
   for (size_t k = 0; k < e->n; k++)
     if (all || !e->minimum.bound[k]) d->index[d->count++] = k;
   if (!d->count) return;
-  gsl_matrix *u = gsl_matrix_alloc(slopes->size1, d->count);
+  gsl_matrix *u = vs_checked(gsl_matrix_alloc(slopes->size1, d->count));
   for (size_t k = 0; k < d->count; k++) {
     gsl_vector_const_view column = gsl_matrix_const_column(slopes, d->index[k]);
     gsl_matrix_set_col(u, k, &column.vector);
   }
-  d->v = gsl_matrix_alloc(d->count, d->count);
-  d->s = gsl_vector_alloc(d->count);
+  d->v = vs_checked(gsl_matrix_alloc(d->count, d->count));
+  d->s = vs_checked(gsl_vector_alloc(d->count));
   gsl_linalg_SV_decomp_jacobi(u, d->v, d->s);
   gsl_matrix_free(u);
 }
@@ -194,7 +194,7 @@ vs_status vs_estimate_at(vs_descender *d, const vs_descent *minimum, vs_estimate
   *e = (vs_estimate){.inquiry = p->inquiry, .minimum = *minimum, .n = p->n_unknowns};
   e->computed = vs_alloc(p->inquiry->n_data, sizeof *e->computed);
   e->residual = vs_alloc(p->n_residuals, sizeof *e->residual);
-  gsl_matrix *slopes = gsl_matrix_alloc(p->n_residuals, p->n_unknowns);
+  gsl_matrix *slopes = vs_checked(gsl_matrix_alloc(p->n_residuals, p->n_unknowns));
   vs_status status = vs_prediction_run(p, -1, minimum->s, e->computed, err);
   e->unstable = p->unstable;
   if (!status) status = vs_slopes_fill(d->slopes, p, minimum->s, e->computed, slopes, err);

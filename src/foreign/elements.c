@@ -194,8 +194,7 @@ static int take_node(vs_elements *w, char *said) {
   snprintf(node.name, sizeof node.name, "%s", ground ? "0" : name);
   for (int k = 2; !ground && has_node(w, node.name); k++)
     snprintf(node.name, sizeof node.name, "%.50s_%d", name, k);
-  w->nodes = realloc(w->nodes, (w->n_nodes + 1) * sizeof *w->nodes);
-  if (!w->nodes) vs_out_of_memory();
+  w->nodes = vs_resize(w->nodes, w->n_nodes + 1, sizeof *w->nodes);
   w->nodes[w->n_nodes] = node;
   return (int)w->n_nodes++;
 }
@@ -235,8 +234,7 @@ static void name_element(const vs_elements *w, vs_element *e) {
 
 static vs_status add_element(vs_elements *w, size_t card, vs_error *err) {
   const vs_card *c = &w->listing->cards[card];
-  w->elements = realloc(w->elements, (w->count + 1) * sizeof *w->elements);
-  if (!w->elements) vs_out_of_memory();
+  w->elements = vs_resize(w->elements, w->count + 1, sizeof *w->elements);
   vs_element *e = &w->elements[w->count];
   *e = (vs_element){.card = card, .letter = (char)tolower((unsigned char)*c->text)};
   e->n_words = split(c->text, e->words);

@@ -150,8 +150,7 @@ bool vs_values_of(const vs_values *v, const char *text, double *value) {
 
 static void add_param(vs_values *v, const char *name, size_t name_size, const char *text,
                       size_t size, size_t card) {
-  v->item = realloc(v->item, (v->count + 1) * sizeof *v->item);
-  if (!v->item) vs_out_of_memory();
+  v->item = vs_resize(v->item, v->count + 1, sizeof *v->item);
   vs_value_param *p = &v->item[v->count++];
   *p = (vs_value_param){.card = card, .text = vs_alloc(size + 1, 1)};
   memcpy(p->text, text, size);

@@ -60,8 +60,7 @@ static bool is_global(const vs_deck *deck, vs_word name) {
 static int take_node(vs_wiring *w, const char *name) {
   for (size_t k = 0; k < w->n_nodes; k++)
     if (!strcmp(w->nodes[k], name)) return (int)k;
-  w->nodes = realloc(w->nodes, (w->n_nodes + 1) * sizeof *w->nodes);
-  if (!w->nodes) vs_out_of_memory();
+  w->nodes = vs_resize(w->nodes, w->n_nodes + 1, sizeof *w->nodes);
   snprintf(w->nodes[w->n_nodes], sizeof *w->nodes, "%s", name);
   return (int)w->n_nodes++;
 }
@@ -184,8 +183,7 @@ static int count_pins(const vs_deck *deck, char letter, const vs_word *w, size_t
 
 static vs_wire *add_wire(vs_wiring *w) {
   if ((w->count & (w->count + 1)) == 0) {
-    w->wires = realloc(w->wires, (2 * w->count + 2) * sizeof *w->wires);
-    if (!w->wires) vs_out_of_memory();
+    w->wires = vs_resize(w->wires, 2 * w->count + 2, sizeof *w->wires);
   }
   w->wires[w->count] = (vs_wire){0};
   return &w->wires[w->count++];

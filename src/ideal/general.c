@@ -8,7 +8,8 @@
 #include "actuator/coil.h"
 
 void vs_general_begin(vs_general *g, int dof) {
-  *g = (vs_general){.stepper = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, 2 * (size_t)dof + 1)};
+  *g = (vs_general){
+      .stepper = vs_checked(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, 2 * (size_t)dof + 1))};
 }
 
 void vs_general_end(vs_general *g) {

@@ -12,7 +12,8 @@ void vs_propagator_make(vs_propagator *p, const vs_model *m, bool held, double h
   size_t dof = (size_t)m->dof, states = 2 * dof, size = states + m->loaded;
   double w = m->fastest_rad_s > 0 ? m->fastest_rad_s : 1 / h_s;
   double k[VS_MOST_DOF], b[VS_MOST_DOF], f[VS_MOST_DOF];
-  gsl_matrix *a = gsl_matrix_calloc(size, size), *e = gsl_matrix_alloc(size, size);
+  gsl_matrix *a = vs_checked(gsl_matrix_calloc(size, size)),
+             *e = vs_checked(gsl_matrix_alloc(size, size));
   for (size_t j = 0; j < dof; j++) {
     gsl_matrix_set(a, j, dof + j, h_s * w);
     memcpy(k, m->mk_column[j], sizeof k);

@@ -102,8 +102,7 @@ static vs_status find_instant(const vs_recording *r, const vs_recorded *c, vs_wh
 static void add_sample(vs_recording *r, const vs_sample *sample) {
   if (!(r->n_samples & (r->n_samples - 1))) {
     size_t room = r->n_samples ? 2 * r->n_samples : 1;
-    r->samples = realloc(r->samples, room * sizeof *r->samples);
-    if (!r->samples) vs_out_of_memory();
+    r->samples = vs_resize(r->samples, room, sizeof *r->samples);
   }
   r->samples[r->n_samples++] = *sample;
 }

@@ -66,9 +66,9 @@ static int by_frequency(const void *left, const void *right) {
 static bool find_drive(const vs_model *model, const gsl_matrix_complex *vectors,
                        double drive[VS_MOST_STATES]) {
   size_t n = (size_t)model->dof;
-  gsl_matrix_complex *lu = gsl_matrix_complex_alloc(2 * n, 2 * n);
-  gsl_vector_complex *x0 = gsl_vector_complex_calloc(2 * n);
-  gsl_permutation *perm = gsl_permutation_alloc(2 * n);
+  gsl_matrix_complex *lu = vs_checked(gsl_matrix_complex_alloc(2 * n, 2 * n));
+  gsl_vector_complex *x0 = vs_checked(gsl_vector_complex_calloc(2 * n));
+  gsl_permutation *perm = vs_checked(gsl_permutation_alloc(2 * n));
   int sign;
   gsl_matrix_complex_memcpy(lu, vectors);
   for (size_t i = 0; i < n; i++) gsl_vector_complex_set(x0, i, gsl_complex_rect(model->mf[i], 0));
@@ -93,9 +93,9 @@ bool vs_mechanics_modes(const vs_model *model, vs_mode modes[VS_MOST_STATES]) {
   vs_mechanics_state_space(model, &space);
   gsl_matrix_view a =
       gsl_matrix_view_array_with_tda(&space.a[0][0], states, states, VS_MOST_STATES);
-  gsl_vector_complex *values = gsl_vector_complex_alloc(states);
-  gsl_matrix_complex *vectors = gsl_matrix_complex_alloc(states, states);
-  gsl_eigen_nonsymmv_workspace *work = gsl_eigen_nonsymmv_alloc(states);
+  gsl_vector_complex *values = vs_checked(gsl_vector_complex_alloc(states));
+  gsl_matrix_complex *vectors = vs_checked(gsl_matrix_complex_alloc(states, states));
+  gsl_eigen_nonsymmv_workspace *work = vs_checked(gsl_eigen_nonsymmv_alloc(states));
   gsl_eigen_nonsymmv_params(1, work); /* balance: q' and q differ by orders of magnitude */
   bool good = gsl_eigen_nonsymmv(&a.matrix, values, vectors, work) == 0;
   double drive[VS_MOST_STATES];

@@ -117,7 +117,7 @@ static vs_status read_cell(reader *c, size_t k, vs_error *err) {
   if (status) return status;
   if ((axis->n_values & (axis->n_values - 1)) == 0) /* the array is full at each power of two */
     axis->value =
-        realloc(axis->value, (axis->n_values ? 2 * axis->n_values : 1) * sizeof *axis->value);
+        vs_resize(axis->value, axis->n_values ? 2 * axis->n_values : 1, sizeof *axis->value);
   axis->value[axis->n_values++] = number;
   return VS_OK;
 }

@@ -69,7 +69,7 @@ bool vs_random_sobol_begin(vs_sobol *s, size_t axes, uint64_t count, uint64_t se
   *s = (vs_sobol){.axes = axes, .count = count};
   if (axes > VS_SOBOL_AXES || count > (uint64_t)1 << VS_SOBOL_BITS) return false;
   for (size_t d = 0; d < axes; d++) s->shift[d] = vs_random_bits(seed, SALT_SHIFT, d);
-  gsl_qrng *q = axes ? gsl_qrng_alloc(gsl_qrng_sobol, (unsigned)axes) : NULL;
+  gsl_qrng *q = axes ? vs_checked(gsl_qrng_alloc(gsl_qrng_sobol, (unsigned)axes)) : NULL;
   if (!q) return !axes;
   /* Point k is the sum without carry of the direction numbers at the bits of k ^ k/2: point 2^j has
    * those at bits j and j-1. */

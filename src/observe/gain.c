@@ -18,7 +18,7 @@ static vs_status place(const vs_gain_ask *q, gsl_matrix *gain, vs_error *err) {
   vs_status status = vs_poles_read(q->map, p, pole, err);
   if (status) return status;
   for (int k = 0; k < p->states; k++) wanted[k] = vs_sampled_difference(p, pole[k]);
-  gsl_matrix *k = gsl_matrix_alloc(gain->size2, gain->size1);
+  gsl_matrix *k = vs_checked(gsl_matrix_alloc(gain->size2, gain->size1));
   bool good = vs_place(s->at, s->cat, wanted, k);
   gsl_matrix_transpose_memcpy(gain, k);
   gsl_matrix_scale(gain, s->unit_s);
@@ -46,7 +46,8 @@ static vs_status filter(const vs_gain_ask *q, gsl_matrix *gain, vs_error *err) {
   const vs_sampled *p = q->system;
   const vs_scaled *s = q->scaled;
   size_t n = (size_t)p->states, m = (size_t)p->sensors;
-  gsl_matrix *w = gsl_matrix_alloc(n, n), *v = gsl_matrix_calloc(m, m), *c = gsl_matrix_alloc(n, n);
+  gsl_matrix *w = vs_checked(gsl_matrix_alloc(n, n)), *v = vs_checked(gsl_matrix_calloc(m, m)),
+             *c = vs_checked(gsl_matrix_alloc(n, n));
   double noise = q->v->force_noise_n, energy = 0, push[VS_SAMPLED_MOST];
   for (size_t i = 0; i < n; i++) push[i] = noise * (p->b[0][i] + p->b[1][i]) / p->scale[i];
   for (size_t i = 0; i < n; i++)

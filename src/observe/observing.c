@@ -256,7 +256,7 @@ static const double LEFT = 0.01;
 static vs_status find_gain(const reading *r) {
   vs_observing *o = r->o;
   const vs_sampled *p = o->system;
-  gsl_matrix *gain = gsl_matrix_calloc((size_t)p->states, (size_t)p->sensors);
+  gsl_matrix *gain = vs_checked(gsl_matrix_calloc((size_t)p->states, (size_t)p->sensors));
   vs_scaled s = vs_sampled_scale(p);
   const vs_gain_ask ask = {r->map, &o->v.gain, p, &s};
   vs_status status = check_sight(r, &s);

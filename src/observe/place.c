@@ -35,7 +35,7 @@ typedef struct placing {
  * of w (n x (n - m)), which is overwritten. */
 static void complement(gsl_matrix_complex *w, gsl_matrix_complex *basis) {
   size_t n = w->size1, columns = w->size2;
-  gsl_vector_complex *tau = gsl_vector_complex_alloc(columns);
+  gsl_vector_complex *tau = vs_checked(gsl_vector_complex_alloc(columns));
   gsl_linalg_complex_QR_decomp(w, tau);
   gsl_matrix_complex_set_zero(basis);
   for (size_t j = 0; j < basis->size2; j++) {
@@ -50,8 +50,8 @@ static void complement(gsl_matrix_complex *w, gsl_matrix_complex *basis) {
 static gsl_matrix_complex *space_of(const placing *p, const gsl_matrix *a, const gsl_matrix *u,
                                     gsl_complex s) {
   size_t n = p->n, rest = n - p->m;
-  gsl_matrix_complex *w = gsl_matrix_complex_alloc(n, rest), *basis;
-  gsl_matrix *au = gsl_matrix_alloc(n, rest);
+  gsl_matrix_complex *w = vs_checked(gsl_matrix_complex_alloc(n, rest)), *basis;
+  gsl_matrix *au = vs_checked(gsl_matrix_alloc(n, rest));
   gsl_matrix_const_view u1 = gsl_matrix_const_submatrix(u, 0, p->m, n, rest);
   gsl_blas_dgemm(CblasTrans, CblasNoTrans, 1, a, &u1.matrix, 0, au);
   for (size_t i = 0; i < n; i++)
@@ -61,7 +61,7 @@ static gsl_matrix_complex *space_of(const placing *p, const gsl_matrix *a, const
       gsl_matrix_complex_set(w, i, j,
                              gsl_complex_sub(gsl_complex_rect(gsl_matrix_get(au, i, j), 0), shift));
     }
-  basis = gsl_matrix_complex_alloc(n, p->m);
+  basis = vs_checked(gsl_matrix_complex_alloc(n, p->m));
   complement(w, basis);
   gsl_matrix_complex_free(w);
   gsl_matrix_free(au);
@@ -77,7 +77,7 @@ static bool is_pair(const placing *p, size_t j) {
 /* Puts the vector S g into the column j, or into j and the next. It is scaled to a length of 1; of
  * a pair, whose vector may be turned by any angle, so that a and b are at right angles. */
 static void put(placing *p, size_t j, const gsl_vector_complex *g) {
-  gsl_vector_complex *v = gsl_vector_complex_alloc(p->n);
+  gsl_vector_complex *v = vs_checked(gsl_vector_complex_alloc(p->n));
   gsl_blas_zgemv(CblasNoTrans, GSL_COMPLEX_ONE, p->space[j], g, GSL_COMPLEX_ZERO, v);
   gsl_complex square = GSL_COMPLEX_ZERO; /* v^T v = |a|^2 - |b|^2 + 2 j a.b, made real */
   for (size_t i = 0; i < p->n; i++) {
@@ -97,7 +97,7 @@ static void put(placing *p, size_t j, const gsl_vector_complex *g) {
 
 /* Any vectors, but the same in each run. */
 static void begin_anywhere(placing *p) {
-  gsl_vector_complex *g = gsl_vector_complex_alloc(p->m);
+  gsl_vector_complex *g = vs_checked(gsl_vector_complex_alloc(p->m));
   unsigned long random = 1;
   for (size_t j = 0; j < p->n; j += 1 + is_pair(p, j)) {
     for (size_t i = 0; i < p->m; i++) {
@@ -119,7 +119,7 @@ static void right_angles(placing *p, size_t j, size_t width, gsl_matrix *y) {
   }
   gsl_matrix_view others = gsl_matrix_submatrix(p->others, 0, 0, n, rest);
   gsl_matrix_view r = gsl_matrix_submatrix(p->r, 0, 0, n, rest);
-  gsl_vector *tau = gsl_vector_alloc(rest);
+  gsl_vector *tau = vs_checked(gsl_vector_alloc(rest));
   for (size_t k = 0; k < rest; k++) {
     gsl_vector_view from = gsl_matrix_column(p->x, k < j ? k : k + width),
                     to = gsl_matrix_column(&others.matrix, k);
@@ -147,8 +147,8 @@ static void project(const gsl_matrix_complex *space, const gsl_matrix *y, size_t
 
 /* Puts a real pole's vector anew. Returns its share in the determinant. */
 static double turn_single(placing *p, size_t j) {
-  gsl_matrix *y = gsl_matrix_alloc(p->n, 1);
-  gsl_vector_complex *g = gsl_vector_complex_alloc(p->m);
+  gsl_matrix *y = vs_checked(gsl_matrix_alloc(p->n, 1));
+  gsl_vector_complex *g = vs_checked(gsl_vector_complex_alloc(p->m));
   right_angles(p, j, 1, y);
   project(p->space[j], y, 0, g);
   double share = gsl_blas_dznrm2(g);
@@ -164,11 +164,13 @@ static double turn_single(placing *p, size_t j) {
  * eigenvalue of the largest size. Returns the pair's share in the determinant. */
 static double turn_pair(placing *p, size_t j) {
   size_t m = p->m;
-  gsl_matrix *y = gsl_matrix_alloc(p->n, 2);
-  gsl_matrix_complex *h = gsl_matrix_complex_alloc(m, m), *vectors = gsl_matrix_complex_alloc(m, m);
-  gsl_vector_complex *u1 = gsl_vector_complex_alloc(m), *u2 = gsl_vector_complex_alloc(m);
-  gsl_vector *values = gsl_vector_alloc(m);
-  gsl_eigen_hermv_workspace *work = gsl_eigen_hermv_alloc(m);
+  gsl_matrix *y = vs_checked(gsl_matrix_alloc(p->n, 2));
+  gsl_matrix_complex *h = vs_checked(gsl_matrix_complex_alloc(m, m)),
+                     *vectors = vs_checked(gsl_matrix_complex_alloc(m, m));
+  gsl_vector_complex *u1 = vs_checked(gsl_vector_complex_alloc(m)),
+                     *u2 = vs_checked(gsl_vector_complex_alloc(m));
+  gsl_vector *values = vs_checked(gsl_vector_alloc(m));
+  gsl_eigen_hermv_workspace *work = vs_checked(gsl_eigen_hermv_alloc(m));
   right_angles(p, j, 2, y);
   project(p->space[j], y, 0, u1);
   project(p->space[j], y, 1, u2);
@@ -215,8 +217,8 @@ static void find_vectors(placing *p) {
 static bool find_gain(const placing *p, const gsl_matrix *a, const gsl_matrix *u,
                       const gsl_matrix *r, gsl_matrix *k) {
   size_t n = p->n, m = p->m;
-  gsl_matrix *lu = gsl_matrix_alloc(n, n), *xd = gsl_matrix_calloc(n, n);
-  gsl_permutation *order = gsl_permutation_alloc(n);
+  gsl_matrix *lu = vs_checked(gsl_matrix_alloc(n, n)), *xd = vs_checked(gsl_matrix_calloc(n, n));
+  gsl_permutation *order = vs_checked(gsl_permutation_alloc(n));
   int sign;
   bool good = true;
   for (size_t j = 0; j < n; j++) /* X D, column by column */
@@ -251,12 +253,13 @@ bool vs_place(const gsl_matrix *a, const gsl_matrix *b, const gsl_complex *poles
                m,
                poles,
                vs_alloc(n, sizeof *p.space),
-               gsl_matrix_alloc(n, n),
-               gsl_matrix_alloc(n, n),
-               gsl_matrix_alloc(n, n),
-               gsl_matrix_alloc(n, n)};
-  gsl_matrix *u = gsl_matrix_alloc(n, n), *qr = gsl_matrix_alloc(n, m), *r = gsl_matrix_alloc(n, m);
-  gsl_vector *tau = gsl_vector_alloc(m);
+               vs_checked(gsl_matrix_alloc(n, n)),
+               vs_checked(gsl_matrix_alloc(n, n)),
+               vs_checked(gsl_matrix_alloc(n, n)),
+               vs_checked(gsl_matrix_alloc(n, n))};
+  gsl_matrix *u = vs_checked(gsl_matrix_alloc(n, n)), *qr = vs_checked(gsl_matrix_alloc(n, m)),
+             *r = vs_checked(gsl_matrix_alloc(n, m));
+  gsl_vector *tau = vs_checked(gsl_vector_alloc(m));
   gsl_matrix_memcpy(qr, b);
   gsl_linalg_QR_decomp(qr, tau);
   gsl_linalg_QR_unpack(qr, tau, u, r);
@@ -279,8 +282,8 @@ bool vs_place(const gsl_matrix *a, const gsl_matrix *b, const gsl_complex *poles
  * overwritten. */
 static gsl_vector *singular_values(gsl_matrix *m) {
   size_t n = m->size2;
-  gsl_matrix *v = gsl_matrix_alloc(n, n);
-  gsl_vector *values = gsl_vector_alloc(n), *work = gsl_vector_alloc(n);
+  gsl_matrix *v = vs_checked(gsl_matrix_alloc(n, n));
+  gsl_vector *values = vs_checked(gsl_vector_alloc(n)), *work = vs_checked(gsl_vector_alloc(n));
   gsl_linalg_SV_decomp(m, v, values, work);
   gsl_matrix_free(v);
   gsl_vector_free(work);
@@ -291,7 +294,7 @@ static gsl_vector *singular_values(gsl_matrix *m) {
  * the transpose of [A - s I, B], as there have to be more rows than columns. */
 double vs_place_reach(const gsl_matrix *a, const gsl_matrix *b, gsl_complex s) {
   size_t n = b->size1, m = b->size2, rows = n + m;
-  gsl_matrix *w = gsl_matrix_calloc(2 * rows, 2 * n);
+  gsl_matrix *w = vs_checked(gsl_matrix_calloc(2 * rows, 2 * n));
   for (size_t half = 0; half < 2; half++)
     for (size_t j = 0; j < n; j++) {
       for (size_t i = 0; i < n; i++)
@@ -309,7 +312,7 @@ double vs_place_reach(const gsl_matrix *a, const gsl_matrix *b, gsl_complex s) {
 }
 
 double vs_place_independence(const gsl_matrix *b) {
-  gsl_matrix *w = gsl_matrix_alloc(b->size1, b->size2);
+  gsl_matrix *w = vs_checked(gsl_matrix_alloc(b->size1, b->size2));
   gsl_matrix_memcpy(w, b);
   gsl_vector *values = singular_values(w);
   double most = gsl_vector_get(values, 0), least = gsl_vector_get(values, b->size2 - 1);

@@ -5,6 +5,8 @@
 #include <gsl/gsl_linalg.h>
 #include <math.h>
 
+#include "base/alloc.h"
+
 /* z = x y, or x^T y, or x y^T. */
 static void product(CBLAS_TRANSPOSE_t tx, CBLAS_TRANSPOSE_t ty, const gsl_matrix *x,
                     const gsl_matrix *y, gsl_matrix *z) {
@@ -76,8 +78,9 @@ static double take_twice(doubling *d) {
 
 static void begin(doubling *d, size_t n) {
   gsl_matrix **all[] = {&d->f, &d->g, &d->h, &d->w, &d->wf, &d->wg, &d->room};
-  for (size_t k = 0; k < sizeof all / sizeof *all; k++) *all[k] = gsl_matrix_alloc(n, n);
-  d->order = gsl_permutation_alloc(n);
+  for (size_t k = 0; k < sizeof all / sizeof *all; k++)
+    *all[k] = vs_checked(gsl_matrix_alloc(n, n));
+  d->order = vs_checked(gsl_permutation_alloc(n));
 }
 
 static void end(doubling *d) {
@@ -88,7 +91,8 @@ static void end(doubling *d) {
 
 /* g = C^T R^-1 C. */
 static void set_information(const gsl_matrix *c, const gsl_matrix *r, gsl_matrix *g) {
-  gsl_matrix *rc = gsl_matrix_alloc(c->size1, c->size2), *l = gsl_matrix_alloc(r->size1, r->size2);
+  gsl_matrix *rc = vs_checked(gsl_matrix_alloc(c->size1, c->size2)),
+             *l = vs_checked(gsl_matrix_alloc(r->size1, r->size2));
   gsl_matrix_memcpy(l, r);
   gsl_matrix_memcpy(rc, c);
   gsl_linalg_cholesky_decomp1(l);
@@ -126,7 +130,7 @@ bool vs_riccati(const gsl_matrix *a, const gsl_matrix *c, const gsl_matrix *q, c
 void vs_riccati_gain(const gsl_matrix *p, const gsl_matrix *c, const gsl_matrix *r,
                      gsl_matrix *gain) {
   size_t n = p->size1, m = c->size1;
-  gsl_matrix *pc = gsl_matrix_alloc(n, m), *s = gsl_matrix_alloc(m, m);
+  gsl_matrix *pc = vs_checked(gsl_matrix_alloc(n, m)), *s = vs_checked(gsl_matrix_alloc(m, m));
   product(CblasNoTrans, CblasTrans, p, c, pc);
   gsl_matrix_memcpy(s, r);
   gsl_blas_dgemm(CblasNoTrans, CblasNoTrans, 1, c, pc, 1, s);

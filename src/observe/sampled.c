@@ -118,7 +118,8 @@ static double scale_of(const vs_sampled *p, size_t k) {
  * exp(G T) (x, F, rise, 1). The exponential is taken in scaled states (see ideal/propagator.c). */
 static void fill_samples(vs_sampled *p, const vs_model *m) {
   size_t states = (size_t)p->states, size = states + INPUTS;
-  gsl_matrix *g = gsl_matrix_calloc(size, size), *e = gsl_matrix_alloc(size, size);
+  gsl_matrix *g = vs_checked(gsl_matrix_calloc(size, size)),
+             *e = vs_checked(gsl_matrix_alloc(size, size));
   fill_motion(g, m);
   for (int k = 0; k < p->sensors; k++)
     if (p->sensor[k].states) fill_lowpass(g, &p->sensor[k], p->dof);
@@ -162,8 +163,9 @@ void vs_sampled_make(vs_sampled *p, const vs_model *m, const vs_instrument *cons
 
 vs_scaled vs_sampled_scale(const vs_sampled *p) {
   size_t n = (size_t)p->states, m = (size_t)p->sensors;
-  vs_scaled s = {gsl_matrix_alloc(n, n), gsl_matrix_alloc(m, n), gsl_matrix_alloc(n, n),
-                 gsl_matrix_alloc(n, m), p->period_s * p->rad_s};
+  vs_scaled s = {vs_checked(gsl_matrix_alloc(n, n)), vs_checked(gsl_matrix_alloc(m, n)),
+                 vs_checked(gsl_matrix_alloc(n, n)), vs_checked(gsl_matrix_alloc(n, m)),
+                 p->period_s * p->rad_s};
   for (size_t i = 0; i < n; i++)
     for (size_t j = 0; j < n; j++) {
       double one = p->a[i][j] * p->scale[j] / p->scale[i];
@@ -200,9 +202,9 @@ static int slowest_first(const void *left, const void *right) {
 bool vs_sampled_poles(const vs_sampled *p, const vs_scaled *s, const gsl_matrix *gain,
                       vs_pole poles[VS_SAMPLED_MOST]) {
   size_t n = (size_t)p->states;
-  gsl_matrix *closed = gsl_matrix_alloc(n, n);
-  gsl_vector_complex *d = gsl_vector_complex_alloc(n);
-  gsl_eigen_nonsymm_workspace *work = gsl_eigen_nonsymm_alloc(n);
+  gsl_matrix *closed = vs_checked(gsl_matrix_alloc(n, n));
+  gsl_vector_complex *d = vs_checked(gsl_vector_complex_alloc(n));
+  gsl_eigen_nonsymm_workspace *work = vs_checked(gsl_eigen_nonsymm_alloc(n));
   gsl_matrix_memcpy(closed, s->at);
   gsl_blas_dgemm(CblasNoTrans, CblasTrans, -1 / s->unit_s, s->cat, gain, 1, closed);
   gsl_eigen_nonsymm_params(0, 1, work);

@@ -23,8 +23,8 @@ bool vs_multipliers_of(int count, double *matrix, vs_multiplier *out) {
   for (size_t k = 0; k < n * n; k++)
     if (fabs(matrix[k]) < vs_multipliers_gone) matrix[k] = 0;
   gsl_matrix_view m = gsl_matrix_view_array(matrix, n, n);
-  gsl_vector_complex *values = gsl_vector_complex_alloc(n);
-  gsl_eigen_nonsymm_workspace *work = gsl_eigen_nonsymm_alloc(n);
+  gsl_vector_complex *values = vs_checked(gsl_vector_complex_alloc(n));
+  gsl_eigen_nonsymm_workspace *work = vs_checked(gsl_eigen_nonsymm_alloc(n));
   gsl_eigen_nonsymm_params(0, 1, work);
   bool good = !gsl_eigen_nonsymm(&m.matrix, values, work);
   for (size_t k = 0; k < n; k++) {

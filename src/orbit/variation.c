@@ -24,7 +24,7 @@ void vs_variation_begin(vs_variation *v, const vs_setup *setup) {
                       .rows = rows};
   v->touched = vs_stops_touched(&m->stops, vs_mechanics_travel(m, setup->start.x));
   v->s = vs_alloc(size, sizeof *v->s);
-  v->stepper = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, size);
+  v->stepper = vs_checked(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, size));
   for (int j = 0; j < columns; j++) v->s[j * rows + j] = 1;
 }
 
@@ -37,7 +37,7 @@ static void add_column(vs_variation *v, const double *y) {
   free(v->s);
   gsl_odeiv2_step_free(v->stepper);
   v->s = s;
-  v->stepper = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, size);
+  v->stepper = vs_checked(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, size));
 }
 
 void vs_variation_add(vs_variation *v, vs_parameter *parameter, const double *y) {

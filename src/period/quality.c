@@ -107,7 +107,7 @@ void vs_quality_begin(vs_quality *q, const vs_quality_current *current, const vs
   q->cycles = isnan(cycles) ? 0 : (int)cycles;
   q->half = setup->at_work ? 0 : q->cycles / 2 / every * every;
   vs_spectrum_begin(&q->current, setup->timeline.omega_rad_s);
-  q->short_rule = gsl_integration_glfixed_table_alloc(SHORT_POINTS);
+  q->short_rule = vs_checked(gsl_integration_glfixed_table_alloc(SHORT_POINTS));
 }
 
 void vs_quality_end(vs_quality *q) {

@@ -10,7 +10,7 @@ enum { POINTS = 24, PIECES = 20 };
 
 void vs_spectrum_begin(vs_spectrum *s, double omega_rad_s) {
   *s = (vs_spectrum){.omega_rad_s = omega_rad_s};
-  s->rule = gsl_integration_glfixed_table_alloc(POINTS);
+  s->rule = vs_checked(gsl_integration_glfixed_table_alloc(POINTS));
 }
 
 void vs_spectrum_end(vs_spectrum *s) {

@@ -222,8 +222,7 @@ double vs_plan_results_value(const vs_results *r, uint64_t index, int column) {
 void vs_plan_generation_add(vs_generation *g, const double *point) {
   if (g->count == g->capacity) {
     g->capacity = g->capacity ? 2 * g->capacity : 64;
-    g->points = realloc(g->points, g->capacity * (g->n_axes ? g->n_axes : 1) * sizeof *g->points);
-    if (!g->points) abort();
+    g->points = vs_resize(g->points, g->capacity * (g->n_axes ? g->n_axes : 1), sizeof *g->points);
   }
   memcpy(g->points + g->count++ * g->n_axes, point, g->n_axes * sizeof *point);
 }
@@ -463,7 +462,7 @@ static vs_status try_cases(vs_plan *plan, vs_error *err) {
 vs_status vs_plan_input(vs_plan *plan, const char *path, vs_error *err) {
   for (size_t k = 0; k < plan->n_inputs; k++)
     if (!strcmp(plan->inputs[k].path, path)) return VS_OK;
-  plan->inputs = realloc(plan->inputs, (plan->n_inputs + 1) * sizeof *plan->inputs);
+  plan->inputs = vs_resize(plan->inputs, plan->n_inputs + 1, sizeof *plan->inputs);
   vs_input *input = &plan->inputs[plan->n_inputs];
   *input = (vs_input){0};
   snprintf(input->path, sizeof input->path, "%s", path);

@@ -5,17 +5,19 @@
 #include <gsl/gsl_linalg.h>
 #include <math.h>
 
+#include "base/alloc.h"
+
 /* A column that is a combination of others but for this share of it counts as none. */
 static const double RANK = 1e-9;
 
 vs_fit vs_fit_new(size_t rows, size_t columns) {
-  return (vs_fit){.a = gsl_matrix_alloc(rows, columns),
-                  .tau = gsl_vector_alloc(columns),
-                  .norm = gsl_vector_alloc(columns),
-                  .b = gsl_vector_alloc(rows),
-                  .x = gsl_vector_alloc(columns),
-                  .residual = gsl_vector_alloc(rows),
-                  .p = gsl_permutation_alloc(columns)};
+  return (vs_fit){.a = vs_checked(gsl_matrix_alloc(rows, columns)),
+                  .tau = vs_checked(gsl_vector_alloc(columns)),
+                  .norm = vs_checked(gsl_vector_alloc(columns)),
+                  .b = vs_checked(gsl_vector_alloc(rows)),
+                  .x = vs_checked(gsl_vector_alloc(columns)),
+                  .residual = vs_checked(gsl_vector_alloc(rows)),
+                  .p = vs_checked(gsl_permutation_alloc(columns))};
 }
 
 void vs_fit_free(vs_fit *f) {

@@ -18,9 +18,9 @@ void vs_modal_shares(const vs_modal *modal, const double x[VS_MOST_STATES],
 bool vs_modal_begin(vs_modal *modal, const vs_model *model) {
   size_t dof = (size_t)model->dof, states = 2 * dof;
   int sign;
-  modal->vectors = gsl_matrix_complex_alloc(states, states);
-  modal->order = gsl_permutation_alloc(states);
-  modal->share = gsl_vector_complex_alloc(states);
+  modal->vectors = vs_checked(gsl_matrix_complex_alloc(states, states));
+  modal->order = vs_checked(gsl_permutation_alloc(states));
+  modal->share = vs_checked(gsl_vector_complex_alloc(states));
   if (!vs_mechanics_modes(model, modal->mode)) return false;
   for (size_t k = 0; k < states; k++)
     for (size_t n = 0; n < dof; n++) {

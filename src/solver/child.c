@@ -12,6 +12,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/alloc.h"
+
 /* A crash shall end the child by its signal, without a word and without a core file. */
 static void die_quietly(void) {
   static const int CRASHES[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
@@ -77,6 +79,8 @@ vs_status vs_child_try(vs_child_end (*attempt)(void *), void *ctx, vs_complaints
   if (WIFSIGNALED(how))
     return vs_fail(err, VS_INPUT, "ngspice cannot take the circuit: ngspice died of it (signal %d)",
                    WTERMSIG(how));
+  if (WIFEXITED(how) && WEXITSTATUS(how) == VS_ALLOC_STATUS)
+    return vs_fail(err, VS_RUN, "ngspice cannot take the circuit: it ran out of memory");
   if (how) *end = WEXITSTATUS(how) == VS_CHILD_BAD_RUN ? VS_CHILD_BAD_RUN : VS_CHILD_BAD_LOAD;
   return VS_OK;
 }

@@ -25,7 +25,7 @@ static vs_where line_of_param(const vs_stand *s, const char *name) {
   char *line = NULL, found[VS_DECK_NAME];
   size_t size = 0;
   vs_where where = {0};
-  for (int n = 1; f && !where.file && getline(&line, &size, f) >= 0; n++)
+  for (int n = 1; f && !where.file && vs_alloc_line(&line, &size, f) >= 0; n++)
     if (sscanf(line, " *$ param %63[^ \t=]", found) == 1 && !strcasecmp(found, name))
       where = (vs_where){s->name, n, 1};
   free(line);

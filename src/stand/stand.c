@@ -101,8 +101,7 @@ static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *
   if (s->count == MOST) return vs_fail(err, VS_RUN, "more than %zu steps", MOST);
   if (s->count == s->room) {
     s->room = s->room ? 2 * s->room : 1024;
-    s->row = realloc(s->row, s->room * (1 + SIGNALS) * sizeof *s->row);
-    if (!s->row) vs_out_of_memory();
+    s->row = vs_resize(s->row, s->room * (1 + SIGNALS), sizeof *s->row);
   }
   double *row = &s->row[s->count++ * (1 + SIGNALS)];
   row[0] = t_s;

@@ -91,8 +91,7 @@ static int by_text(const void *a, const void *b) {
 static void keep_word(column *c, word *w) {
   if (c->n_words == c->room) {
     c->room = c->room ? 2 * c->room : 16;
-    c->words = realloc(c->words, c->room * sizeof *c->words);
-    if (!c->words) vs_out_of_memory();
+    c->words = vs_resize(c->words, c->room, sizeof *c->words);
   }
   w->number = (int32_t)c->n_words;
   c->words[c->n_words++] = w;
@@ -103,8 +102,7 @@ static vs_status put_word(column *c, const char *cell, vs_error *err) {
   word *w = vs_alloc(1, sizeof *w + size);
   (void)err;
   memcpy(w->text, cell, size);
-  word **found = tsearch(w, &c->sorted, by_text);
-  if (!found) vs_out_of_memory();
+  word **found = vs_checked(tsearch(w, &c->sorted, by_text));
   if (*found == w)
     keep_word(c, w);
   else

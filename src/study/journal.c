@@ -76,8 +76,7 @@ static bool is_own(const vs_journal *j, uint64_t index) {
 static void make_room(vs_journal *j, uint64_t cases) {
   if (cases <= j->room) return;
   uint64_t room = cases > 2 * j->room ? cases : 2 * j->room;
-  j->place = realloc(j->place, room * sizeof *j->place);
-  if (!j->place) vs_out_of_memory();
+  j->place = vs_resize(j->place, room, sizeof *j->place);
   memset(j->place + j->room, 0, (room - j->room) * sizeof *j->place);
   j->room = room;
 }
@@ -259,7 +258,7 @@ static vs_status read_lines(vs_journal *j, uint64_t *whole, vs_error *err) {
   ssize_t n;
   uint64_t at = 0, number = 0;
   vs_status status = VS_OK;
-  while (!status && !j->two_heads && (n = getline(&line, &size, f)) > 0) {
+  while (!status && !j->two_heads && (n = vs_alloc_line(&line, &size, f)) > 0) {
     number++;
     if (line[n - 1] == '\n') {
       line[n - 1] = '\0';

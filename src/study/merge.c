@@ -58,8 +58,7 @@ typedef struct shards {
 } shards;
 
 static vs_status take_folder(shards *all, const char *folder, vs_error *err) {
-  all->item = realloc(all->item, (all->count + 1) * sizeof *all->item);
-  if (!all->item) abort();
+  all->item = vs_resize(all->item, all->count + 1, sizeof *all->item);
   return vs_journal_open(&all->item[all->count++], folder, false, err);
 }
 
@@ -172,13 +171,16 @@ static bool has_other_journal(const char *folder, const vs_head *head) {
 /* Does it hold another study's manifest, or a result of which nobody knows whose it is? Beside the
  * shards' own journal a study was broken off as it wrote its result. */
 static bool has_other_result(const char *folder, const vs_head *head) {
-  char path[VS_PATH_SIZE + 16], *manifest = NULL;
+  char path[VS_PATH_SIZE + 16], *line = NULL;
   size_t size = 0;
+  vs_text manifest = {0};
   snprintf(path, sizeof path, "%.4000s/manifest.json", folder);
   FILE *f = fopen(path, "r");
   if (!f) return vs_publish_found(folder) && !vs_journal_exists(folder);
-  bool same = getdelim(&manifest, &size, '\0', f) > 0 && is_of(manifest, head);
-  free(manifest);
+  while (vs_alloc_line(&line, &size, f) > 0) vs_text_add(&manifest, "%s", line);
+  bool same = manifest.length && is_of(manifest.text, head);
+  vs_text_free(&manifest);
+  free(line);
   fclose(f);
   return !same;
 }

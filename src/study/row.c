@@ -59,9 +59,8 @@ static char *find_unit(const char *column, const char *manifest) {
   const char *found = strstr(manifest, wanted.text);
   if (found) found += wanted.length;
   const char *end = found ? vs_json_string_end(found) : NULL;
-  char *unit = end ? strndup(found, (size_t)(end - found)) : vs_copy("\"\"");
+  char *unit = end ? vs_alloc_part(found, (size_t)(end - found)) : vs_copy("\"\"");
   vs_text_free(&wanted);
-  if (!unit) vs_out_of_memory();
   return unit;
 }
 

@@ -64,7 +64,7 @@ static header read_header(int folder, const char *name) {
   header h = {0};
   size_t size = 0, most = 1;
   FILE *f = open_file(folder, name);
-  bool there = f && getline(&h.line, &size, f) > 0;
+  bool there = f && vs_alloc_line(&h.line, &size, f) > 0;
   if (f) fclose(f);
   if (!there) {
     free(h.line);
@@ -104,7 +104,7 @@ static void remove_columns(int folder, const vs_journal *old) {
   char *line = NULL;
   size_t size = 0;
   FILE *f = open_file(folder, rows_of(folder));
-  bool there = f && getline(&line, &size, f) > 0;
+  bool there = f && vs_alloc_line(&line, &size, f) > 0;
   if (there) line[strcspn(line, "\r\n")] = '\0';
   if (there || old) vs_array_remove(folder, there ? line : old->head.columns);
   if (f) fclose(f);
@@ -123,12 +123,11 @@ static void add_cases(int folder, const char *name, cases *all) {
   char *line = NULL;
   size_t size = 0;
   FILE *f = open_file(folder, name);
-  while (f && getline(&line, &size, f) > 0) {
+  while (f && vs_alloc_line(&line, &size, f) > 0) {
     if (*line < '0' || *line > '9') continue; /* the header */
     if (all->count == all->room) {
       all->room = all->room ? 2 * all->room : 64;
-      all->index = realloc(all->index, all->room * sizeof *all->index);
-      if (!all->index) vs_out_of_memory();
+      all->index = vs_resize(all->index, all->room, sizeof *all->index);
     }
     all->index[all->count++] = strtoull(line, NULL, 10);
   }

@@ -128,10 +128,9 @@ static void take_generation(session *s, uint64_t count, const vs_generation *g) 
   uint64_t need = count + g->count;
   if (need > s->room) {
     s->room = 2 * need;
-    s->points = realloc(s->points, s->room * axes * sizeof *s->points);
-    s->values = realloc(s->values, s->room * width * sizeof *s->values);
-    s->status = realloc(s->status, s->room * sizeof *s->status);
-    if (!s->points || !s->values || !s->status) abort();
+    s->points = vs_resize(s->points, s->room * axes, sizeof *s->points);
+    s->values = vs_resize(s->values, s->room * width, sizeof *s->values);
+    s->status = vs_resize(s->status, s->room, sizeof *s->status);
   }
   memcpy(s->points + count * axes, g->points, g->count * axes * sizeof *s->points);
 }
@@ -325,7 +324,7 @@ static void show_file(const session *s, const char *name, bool header, FILE *out
   size_t size = 0;
   snprintf(path, sizeof path, "%s/%s", s->folder, name);
   FILE *f = fopen(path, "r");
-  for (bool first = true; f && getline(&line, &size, f) > 0; first = false)
+  for (bool first = true; f && vs_alloc_line(&line, &size, f) > 0; first = false)
     if (header || !first) fputs(line, out);
   free(line);
   if (f) fclose(f);

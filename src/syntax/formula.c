@@ -8,6 +8,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/alloc.h"
+
 enum { WORD = 60, LEVELS = 50 };
 
 typedef struct reader {
@@ -37,8 +39,7 @@ static bool emit(reader *r, vs_op op) {
   r->depth += 1 - taken(op.kind);
   if (r->depth > VS_FORMULA_DEPTH) return fail(r, "too long a formula");
   vs_formula *f = r->formula;
-  f->ops = realloc(f->ops, (f->count + 1) * sizeof *f->ops);
-  if (!f->ops) abort();
+  f->ops = vs_resize(f->ops, f->count + 1, sizeof *f->ops);
   f->ops[f->count++] = op;
   return true;
 }

@@ -98,7 +98,7 @@ static vs_status convert_children(struct fy_node *fy, const char *file, vs_node 
     vs_where key_where = place(key, file);
     size_t length;
     const char *name = fy_node_get_scalar(key, &length);
-    char *copy = strndup(name ? name : "", length);
+    char *copy = vs_alloc_part(name ? name : "", length);
     vs_status status = convert(fy_node_pair_value(pair), file, tail, err);
     if (status) {
       free(copy);
@@ -128,7 +128,7 @@ static vs_status convert(struct fy_node *fy, const char *file, vs_node **out, vs
   size_t length = 0;
   const char *text = fy ? fy_node_get_scalar(fy, &length) : NULL;
   bool nothing = !text || (length == 1 && *text == '~'); /* YAML's way to say so */
-  node->text = nothing ? vs_copy("") : strndup(text, length);
+  node->text = nothing ? vs_copy("") : vs_alloc_part(text, length);
   return VS_OK;
 }
 
@@ -435,7 +435,7 @@ vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
     vs_text_free(&label);
     return status;
   }
-  char *path = strndup(assignment, (size_t)(equals - assignment));
+  char *path = vs_alloc_part(assignment, (size_t)(equals - assignment));
   take_value(reach(tree, path, where), value, where);
   free(path);
   vs_node *keep = vs_alloc(1, sizeof *keep); /* it owns the label */

@@ -100,8 +100,7 @@ static vs_status read_rows(vs_csv *csv, rows *r, vs_error *err) {
       return vs_fail_at(err, (vs_where){csv->file, csv->line, 1}, "more than %d rows", MOST * MOST);
     if (r->count == r->room) {
       r->room = 2 * r->room + 64;
-      r->item = realloc(r->item, r->room * sizeof *r->item);
-      if (!r->item) vs_out_of_memory();
+      r->item = vs_resize(r->item, r->room, sizeof *r->item);
     }
     s = read_row(csv, r, &r->item[r->count], err);
     r->count++;

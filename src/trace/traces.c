@@ -64,17 +64,16 @@ static vs_status read_row(vs_traces *t, char *line, int number, vs_error *err) {
 static void make_room(vs_traces *t, size_t *room) {
   if (t->rows < *room) return;
   *room = *room ? 2 * *room : 1024;
-  t->value = realloc(t->value, *room * t->columns * sizeof *t->value);
-  if (!t->value) vs_out_of_memory();
+  t->value = vs_resize(t->value, *room * t->columns, sizeof *t->value);
 }
 
 static vs_status read_rows(vs_traces *t, FILE *f, vs_error *err) {
   vs_status status = VS_OK;
   char *line = NULL;
   size_t size = 0, room = 0;
-  if (getline(&line, &size, f) < 0) line = vs_copy("");
+  if (vs_alloc_line(&line, &size, f) < 0) line = vs_copy("");
   status = read_header(t, line, err);
-  for (int number = 2; !status && getline(&line, &size, f) > 0; number++) {
+  for (int number = 2; !status && vs_alloc_line(&line, &size, f) > 0; number++) {
     make_room(t, &room);
     status = read_row(t, line, number, err);
   }

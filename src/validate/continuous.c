@@ -109,7 +109,7 @@ static double clearance(double value, void *ctx) {
 
 static double solve(contact *c, double lo, double hi) {
   gsl_function f = {clearance, c};
-  gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
+  gsl_root_fsolver *solver = vs_checked(gsl_root_fsolver_alloc(gsl_root_fsolver_brent));
   double root = NAN;
   if (!gsl_root_fsolver_set(solver, &f, lo, hi)) {
     for (int n = 0; n < 50 && !gsl_root_fsolver_iterate(solver); n++)

@@ -11,16 +11,10 @@
 
 /* ---- numbers by name ---- */
 
-static void *grown(void *items, size_t count, size_t size) {
-  void *more = realloc(items, count * size);
-  if (!more) abort();
-  return more;
-}
-
 void vs_experiment_add(vs_numbers *n, double value, const char *format, ...) {
   if (n->count == n->capacity) {
     n->capacity = 2 * n->capacity + 64;
-    n->item = grown(n->item, n->capacity, sizeof *n->item);
+    n->item = vs_resize(n->item, n->capacity, sizeof *n->item);
   }
   vs_number *number = &n->item[n->count++];
   va_list args;
@@ -46,8 +40,8 @@ void vs_experiment_numbers_free(vs_numbers *n) {
 void vs_experiment_curve_add(vs_experiment_curve *c, double t_s, double y) {
   if (c->count == c->capacity) {
     c->capacity = 2 * c->capacity + 1024;
-    c->t_s = grown(c->t_s, c->capacity, sizeof *c->t_s);
-    c->y = grown(c->y, c->capacity, sizeof *c->y);
+    c->t_s = vs_resize(c->t_s, c->capacity, sizeof *c->t_s);
+    c->y = vs_resize(c->y, c->capacity, sizeof *c->y);
   }
   c->t_s[c->count] = t_s;
   c->y[c->count++] = y;

@@ -34,7 +34,7 @@ static double square(double x, void *ctx) {
 
 static double root_of(double (*function)(double, void *), pulse *p, double lo, double hi) {
   gsl_function f = {function, p};
-  gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
+  gsl_root_fsolver *solver = vs_checked(gsl_root_fsolver_alloc(gsl_root_fsolver_brent));
   double root = NAN;
   if (!gsl_root_fsolver_set(solver, &f, lo, hi)) {
     for (int n = 0; n < 100 && !gsl_root_fsolver_iterate(solver); n++)

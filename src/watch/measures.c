@@ -164,7 +164,7 @@ vs_measures *vs_measures_new(const vs_frame *frame, const vs_measure_set *wants)
   for (int k = 0; k < VS_DECK_MOST; k++) m->passed_s[k] = NAN;
   m->fired_s = m->extinct_s = m->refired_s = NAN;
   m->drives_s = frame->timeline->firing.no_valve ? 0 : NAN;
-  m->solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
+  m->solver = vs_checked(gsl_root_fsolver_alloc(gsl_root_fsolver_brent));
   return m;
 }
 

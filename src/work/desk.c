@@ -54,7 +54,7 @@ static void put(vs_desk *d, const void *bytes, size_t size) {
   if (!d->size) d->since_s = now_s();
   if (d->size + size > d->room) {
     d->room = 2 * (d->size + size);
-    d->box = realloc(d->box, d->room);
+    d->box = vs_resize(d->box, d->room, 1);
     if (!d->box) _exit(1);
   }
   memcpy(d->box + d->size, bytes, size);

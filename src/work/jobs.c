@@ -59,8 +59,7 @@ void vs_jobs_free(vs_jobs *j) {
 static void put_back(vs_jobs *j, const vs_task *task) {
   if (j->n_again == j->room) {
     j->room = j->room ? 2 * j->room : 16;
-    j->again = realloc(j->again, j->room * sizeof *j->again);
-    if (!j->again) abort();
+    j->again = vs_resize(j->again, j->room, sizeof *j->again);
   }
   j->again[j->n_again++] = *task;
 }
@@ -87,6 +86,8 @@ static vs_status bury(vs_jobs *j, vs_worker *w, bool slow, vs_error *err) {
   else if (WIFSIGNALED(how))
     snprintf(why, sizeof why, "its process died: signal %d (%s)", WTERMSIG(how),
              strsignal(WTERMSIG(how)));
+  else if (WEXITSTATUS(how) == VS_ALLOC_STATUS)
+    snprintf(why, sizeof why, "its process ran out of memory");
   else
     snprintf(why, sizeof why, "its process ended itself: exit status %d", WEXITSTATUS(how));
   for (; w->queued; w->queued--, w->first = (w->first + 1) % VS_DESK_TASKS) {

@@ -122,8 +122,7 @@ bool vs_worker_hear(vs_worker *w) {
   for (;;) {
     if (w->room - w->n_in < 4096) {
       w->room = w->room ? 2 * w->room : 65536;
-      w->in = realloc(w->in, w->room);
-      if (!w->in) abort();
+      w->in = vs_resize(w->in, w->room, 1);
     }
     ssize_t n = read(w->from, w->in + w->n_in, w->room - w->n_in);
     if (n < 0 && errno == EINTR) continue;

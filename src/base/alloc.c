@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/alloc.h"
+
+#include <errno.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/leave.h"
+
+void vs_alloc_failed(size_t bytes) {
+  char text[96];
+  int n = bytes
+              ? snprintf(text, sizeof text, "vibrospice: out of memory: %zu bytes wanted\n", bytes)
+              : snprintf(text, sizeof text, "vibrospice: out of memory\n");
+  vs_leave_now(VS_RUN, VS_ALLOC_STATUS, text, (size_t)n);
+}
+
+/* The product; one too large for a size_t is more than there ever is. */
+static size_t product(size_t count, size_t size) {
+  size_t bytes;
+  return __builtin_mul_overflow(count, size, &bytes) ? SIZE_MAX : bytes;
+}
+
+void *vs_alloc(size_t count, size_t size) {
+  void *memory = calloc(count ? count : 1, size ? size : 1);
+  if (!memory) vs_alloc_failed(product(count, size));
+  return memory;
+}
+
+void *vs_resize(void *memory, size_t count, size_t size) {
+  const size_t bytes = product(count, size);
+  void *resized = bytes < SIZE_MAX ? realloc(memory, bytes ? bytes : 1) : NULL;
+  if (!resized) vs_alloc_failed(bytes);
+  return resized;
+}
+
+char *vs_copy(const char *string) {
+  char *copy = strdup(string);
+  if (!copy) vs_alloc_failed(strlen(string) + 1);
+  return copy;
+}
+
+void *vs_checked(void *memory) {
+  if (!memory) vs_alloc_failed(0);
+  return memory;
+}
+
+char *vs_alloc_part(const char *string, size_t length) {
+  char *copy = strndup(string, length);
+  if (!copy) vs_alloc_failed(strnlen(string, length) + 1);
+  return copy;
+}
+
+ssize_t vs_alloc_line(char **line, size_t *size, FILE *file) {
+  errno = 0;
+  ssize_t n = getline(line, size, file);
+  if (n < 0 && errno == ENOMEM) vs_alloc_failed(0);
+  return n;
+}
