@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/jail.h"
 #include "base/text.h"
 #include "deck/contract.h"
 #include "deck/rules.h"
@@ -59,13 +60,15 @@ static vs_status find_include(vs_deck *deck, const char *name, vs_where where,
   snprintf(path, VS_PATH_SIZE, "%.*s%s", slash && *base != '/' ? (int)(slash - where.file + 1) : 0,
            where.file, base);
   char shipped[VS_PATH_SIZE];
+  vs_status status = vs_jail_check(path, where, err);
+  if (status) return status;
   if (is_same_file(path, where.file) && vs_path_shipped(&INCLUDE_SHELF, base, shipped)) {
     snprintf(path, VS_PATH_SIZE, "%s", shipped);
     return VS_OK;
   }
   if (!access(path, R_OK)) return VS_OK;
   vs_error unread = {0};
-  vs_status status = vs_path_find(&INCLUDE_SHELF, base, where, path, back ? &unread : err);
+  status = vs_path_find(&INCLUDE_SHELF, base, where, path, back ? &unread : err);
   if (!status || !back) return status;
   *path = '\0';
   vs_deck_remark(deck, where,

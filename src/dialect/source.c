@@ -10,6 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/jail.h"
 #include "base/text.h"
 
 /* The bytes of a file as they are on the disk. */
@@ -21,6 +22,8 @@ typedef struct bytes {
 static vs_status read_bytes(const char *path, bytes *b, vs_error *err) {
   const vs_where place = {.file = path};
   struct stat s;
+  vs_status status = vs_jail_check(path, place, err);
+  if (status) return status;
   if (!stat(path, &s) && !S_ISREG(s.st_mode)) return vs_fail_at(err, place, "is no file of text");
   FILE *f = fopen(path, "r");
   if (!f) return vs_fail_at(err, place, "cannot be opened: %s", strerror(errno));
@@ -33,8 +36,7 @@ static vs_status read_bytes(const char *path, bytes *b, vs_error *err) {
     b->count += n;
   } while (n > 0 && b->count == room - 1);
   b->at[b->count] = '\0';
-  vs_status status =
-      ferror(f) ? vs_fail_at(err, place, "cannot be read: %s", strerror(errno)) : VS_OK;
+  status = ferror(f) ? vs_fail_at(err, place, "cannot be read: %s", strerror(errno)) : VS_OK;
   fclose(f);
   return status;
 }

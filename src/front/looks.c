@@ -51,6 +51,8 @@ static const struct argp_option CHECK_OPTIONS[] = {
                     "findings as a JSON array of {file, line, column, message} on standard output; "
                     "of a part also each figure of the bench, with members more"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "prints nothing but findings"),
+    VS_COMMAND_JAIL,
+    VS_COMMAND_NO_JAIL,
     VS_COMMAND_HELP,
     {0}};
 
@@ -109,6 +111,8 @@ static const struct argp_option MODES_OPTIONS[] = {
     VS_COMMAND_VALUE("output", 'o', "DIR",
                      "writes modes.csv and the state space there: A.csv, B.csv, C.csv, D.csv"),
     VS_COMMAND_JSON,
+    VS_COMMAND_JAIL,
+    VS_COMMAND_NO_JAIL,
     VS_COMMAND_HELP,
     {0}};
 
@@ -123,6 +127,7 @@ const vs_command vs_looks_check = {
                 "  vibrospice check my.inc -o bench\n"
                 "  vibrospice check my.yaml --deep\n"
                 "  vibrospice check paper --set run.tier=circuit --json\n",
+    .jailed = true,
     .options = CHECK_OPTIONS,
     .run = check};
 

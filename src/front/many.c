@@ -87,6 +87,8 @@ static const struct argp_option STUDY_OPTIONS[] = {
                     "results are the same"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "no table, no progress"),
     VS_COMMAND_ALLOW_CODE,
+    VS_COMMAND_JAIL,
+    VS_COMMAND_NO_JAIL,
     VS_COMMAND_HELP,
     {0}};
 
@@ -138,6 +140,8 @@ static const struct argp_option FIT_OPTIONS[] = {
     VS_COMMAND_QUIET,
     VS_OPTIONS_DIGITS,
     VS_COMMAND_ALLOW_CODE,
+    VS_COMMAND_JAIL,
+    VS_COMMAND_NO_JAIL,
     VS_COMMAND_HELP,
     {0}};
 

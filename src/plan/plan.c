@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/hash.h"
+#include "base/jail.h"
 #include "scene/shown.h"
 #include "syntax/units.h"
 
@@ -25,7 +26,8 @@ vs_status vs_plan_find(const vs_plan *plan, const vs_node *name, char path[VS_PA
   int n = snprintf(path, VS_PATH_SIZE, "%.*s%s",
                    slash && *name->text != '/' ? (int)(slash - plan->path + 1) : 0, plan->path,
                    name->text);
-  if (access(name->text, R_OK) && n < VS_PATH_SIZE && !access(path, R_OK)) return VS_OK;
+  if (access(name->text, R_OK) && n < VS_PATH_SIZE && !access(path, R_OK))
+    return vs_jail_check(path, name->where, err);
   return vs_path_find(&FILES, name->text, name->where, path, err);
 }
 

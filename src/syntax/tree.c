@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/jail.h"
 #include "base/text.h"
 
 static vs_where place(struct fy_node *node, const char *file) {
@@ -236,12 +237,13 @@ enum { LONGEST_TEXT = 1 << 26 };
 static vs_status slurp(const char *path, char **text, size_t *length, vs_error *err) {
   const vs_where where = {.file = path};
   *text = NULL;
+  vs_status status = vs_jail_check(path, where, err);
+  if (status) return status;
   FILE *f = fopen(path, "rb");
   if (!f) return vs_fail_at(err, where, "cannot be opened: %s", strerror(errno));
   vs_text all = {0};
   char part[4096];
   size_t n;
-  vs_status status = VS_OK;
   while ((n = fread(part, 1, sizeof part - 1, f)) > 0) {
     if (all.length > LONGEST_TEXT) {
       status = vs_fail_at(err, where, "longer than %d bytes; no scene or study is", LONGEST_TEXT);
