@@ -269,8 +269,9 @@ static vs_status begin_anew(session *s, vs_head *head, vs_error *err) {
 static vs_status open_journal(session *s, vs_error *err) {
   vs_head head;
   vs_manifest_head(&s->plan, s->o->name, &head);
-  vs_status status = VS_OK;
-  if (s->o->shard) status = vs_merge_shard_read(s->o->shard, &head.shard, &head.shards, err);
+  vs_status status = s->o->keep_runs ? vs_case_check_csv(s->plan.first, err) : VS_OK;
+  if (!status && s->o->shard)
+    status = vs_merge_shard_read(s->o->shard, &head.shard, &head.shards, err);
   if (!status && s->plan.adaptive && head.shards > 1)
     status = vs_fail(err, VS_INPUT,
                      "--shard %s: method %s chooses its cases by the results of others; only "
