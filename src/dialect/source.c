@@ -19,6 +19,10 @@ typedef struct bytes {
   size_t count;
 } bytes;
 
+/* The largest file of text that is read, in bytes. A byte takes a dozen of memory until the netlist
+ * is made. */
+enum { LARGEST = 1 << 24 };
+
 static vs_status read_bytes(const char *path, bytes *b, vs_error *err) {
   const vs_where place = {.file = path};
   struct stat s;
@@ -34,9 +38,14 @@ static vs_status read_bytes(const char *path, bytes *b, vs_error *err) {
     if (!b->at) vs_out_of_memory();
     n = fread(b->at + b->count, 1, room - 1 - b->count, f);
     b->count += n;
-  } while (n > 0 && b->count == room - 1);
+  } while (n > 0 && b->count == room - 1 && b->count <= LARGEST);
   b->at[b->count] = '\0';
-  status = ferror(f) ? vs_fail_at(err, place, "cannot be read: %s", strerror(errno)) : VS_OK;
+  if (ferror(f)) status = vs_fail_at(err, place, "cannot be read: %s", strerror(errno));
+  if (!status && b->count > LARGEST)
+    status = vs_fail_at(err, place,
+                        "more than %d bytes, and no netlist is so large; copy what the circuit "
+                        "needs of it into a file of its own",
+                        LARGEST);
   fclose(f);
   return status;
 }

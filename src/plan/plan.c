@@ -322,13 +322,16 @@ static vs_status read_stages(vs_plan *plan, vs_error *err) {
  * for each, and its journal some hundred. */
 enum { USUAL_CASES = 10000000 };
 
-static vs_status too_many(const vs_plan *plan, uint64_t most, vs_error *err) {
+static vs_status too_many(const vs_plan *plan, const vs_plan_stage *stage, uint64_t most,
+                          vs_error *err) {
   const vs_node *node = vs_tree_child(plan->tree.root, "most_cases");
+  const vs_where where = node       ? node->where
+                         : stage->n ? plan->axes[stage->axis].where
+                                    : (vs_where){.file = plan->tree.name};
   if (most == VS_PLAN_CASES)
-    return vs_fail_at(err, (vs_where){.file = plan->tree.name},
-                      "more than %llu cases; fewer values are wanted",
+    return vs_fail_at(err, where, "more than %llu cases; fewer values are wanted",
                       (unsigned long long)VS_PLAN_CASES);
-  return vs_fail_at(err, node ? node->where : (vs_where){.file = plan->tree.name},
+  return vs_fail_at(err, where,
                     "more than %llu cases; fewer values are wanted, or a larger most_cases, which "
                     "may be up to %llu",
                     (unsigned long long)most, (unsigned long long)VS_PLAN_CASES);
@@ -347,9 +350,9 @@ static vs_status count_cases(vs_plan *plan, vs_error *err) {
       if (!plan->axes[k].n_values)
         return vs_fail_at(err, plan->axes[k].where,
                           "%s: a range alone has no values; add step or n", plan->axes[k].key);
-    if (stage->count > most) return too_many(plan, most, err);
+    if (stage->count > most) return too_many(plan, stage, most, err);
     plan->count *= stage->count;
-    if (plan->count > most) return too_many(plan, most, err);
+    if (plan->count > most) return too_many(plan, stage, most, err);
   }
   return VS_OK;
 }

@@ -230,9 +230,9 @@ static vs_status parse(const char *text, size_t length, const char *file, vs_nod
   return status;
 }
 
-/* The longest text that is read. A byte of it may take a hundred bytes of memory in the tree; a
+/* The longest text that is read. A byte of it takes some forty bytes of memory in the tree; a
  * megabyte holds some 60,000 keys. */
-enum { LONGEST_TEXT = 1 << 26 };
+enum { LONGEST_TEXT = 1 << 23 };
 
 static vs_status slurp(const char *path, char **text, size_t *length, vs_error *err) {
   const vs_where where = {.file = path};
@@ -246,7 +246,11 @@ static vs_status slurp(const char *path, char **text, size_t *length, vs_error *
   size_t n;
   while ((n = fread(part, 1, sizeof part - 1, f)) > 0) {
     if (all.length > LONGEST_TEXT) {
-      status = vs_fail_at(err, where, "longer than %d bytes; no scene or study is", LONGEST_TEXT);
+      status =
+          vs_fail_at(err, where,
+                     "longer than %d bytes, and no scene or study is so long; many cases stand "
+                     "in a CSV file, which a study's key list names",
+                     LONGEST_TEXT);
       break;
     }
     if (memchr(part, '\0', n)) {
