@@ -150,6 +150,9 @@ static error_t parse_value(parser *p, int key, char *value) {
   case VS_KEY_PROGRESS:
     a->progress_json = true;
     return strcmp(value, "json") ? fail_with(p, "--progress: there is: json") : 0;
+  case VS_KEY_AGAIN:
+    a->again = true;
+    return strcmp(value, "failed") ? fail_with(p, "--again: there is: failed") : 0;
   case VS_KEY_ALONE:
     a->no_sharing = true;
     return 0;

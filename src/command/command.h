@@ -20,7 +20,7 @@ typedef struct vs_arguments {
   const char *tier, *output, *deck, *machine, *overlay, *shard, *of, *to, *along, *step, *at,
       *profile, *mains, *gate, *coil, *pins, *library, *scene, *wrap, *probe, *from, *format;
   bool json, all, quiet, reproducible, raw, list, deep, help, resume, overwrite, keep_runs,
-      progress_json, steady, no_sharing, linear, allow_code, fft, orbit, jail, no_jail;
+      progress_json, steady, no_sharing, linear, allow_code, fft, orbit, jail, no_jail, again;
   int digits; /* 1..17 */
   int jobs;   /* 0: not given */
   int period; /* 1 or more */
@@ -92,7 +92,8 @@ enum {
   VS_KEY_ORBIT,
   VS_KEY_FORMAT,
   VS_KEY_JAIL,
-  VS_KEY_NO_JAIL
+  VS_KEY_NO_JAIL,
+  VS_KEY_AGAIN
 };
 
 /* Rows of vs_command.options: an option that takes a value, and one that takes none. */

@@ -12,13 +12,14 @@
 #include "guide/schema.h"
 #include "hint/hint.h"
 #include "inquiry/inquiry.h"
+#include "method/methods.h"
+#include "plan/inspect.h"
 #include "report/fitting.h"
-#include "study/study.h"
 
 /* ---- check ---- */
 
 static vs_status check_study(const vs_check_options *o, vs_text *good, vs_error *err) {
-  return vs_study_check(o, vs_methods_all, good, err);
+  return vs_inspect_study(o, vs_methods_all, good, err);
 }
 
 static vs_status check(const vs_arguments *a, vs_error *err) {
@@ -33,9 +34,9 @@ static vs_status check(const vs_arguments *a, vs_error *err) {
                               .deep = a->deep,
                               .trial = vs_hint_try,
                               .folder = a->output,
-                              .other = vs_inquiry_is(name)                 ? vs_fitting_check
-                                       : vs_study_is(name, vs_methods_all) ? check_study
-                                                                           : NULL};
+                              .other = vs_inquiry_is(name) ? vs_fitting_check
+                                       : vs_inspect_is_study(name, vs_methods_all) ? check_study
+                                                                                   : NULL};
   return vs_check_command(&o, err);
 }
 
