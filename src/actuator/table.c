@@ -17,6 +17,7 @@
 
 #include "actuator/coil.h"
 #include "actuator/values.h"
+#include "base/jail.h"
 #include "base/path.h"
 #include "tables/grid.h"
 #include "tables/surface.h"
@@ -68,16 +69,23 @@ static vs_status read_table(FILE *stream, table *t, vs_error *err) {
 /* ---- the law ---- */
 
 /* Opens the file: in the folder of the file that names it, or as a path of its own. */
-static FILE *open_table(const char *name, vs_where where, char path[VS_PATH_SIZE]) {
+static vs_status open_table(const char *name, vs_where where, char path[VS_PATH_SIZE],
+                            FILE **stream, vs_error *err) {
   const char *slash = where.file ? strrchr(where.file, '/') : NULL;
-  FILE *stream = NULL;
+  vs_status status = VS_OK;
+  *stream = NULL;
   if (slash && *name != '/') {
     snprintf(path, VS_PATH_SIZE, "%.*s%s", (int)(slash + 1 - where.file), where.file, name);
-    stream = fopen(path, "r");
+    status = vs_jail_check(path, where, err);
+    if (!status) *stream = fopen(path, "r");
   }
-  if (stream) return stream;
+  if (status || *stream) return status;
   snprintf(path, VS_PATH_SIZE, "%s", name);
-  return fopen(path, "r");
+  status = vs_jail_check(path, where, err);
+  if (!status) *stream = fopen(path, "r");
+  if (status || *stream) return status;
+  return vs_fail_at(err, where, "actuator.law: the table %s cannot be read: %s", name,
+                    strerror(errno));
 }
 
 static vs_status build(const vs_actuator_values *v, const vs_node *map,
@@ -87,11 +95,10 @@ static vs_status build(const vs_actuator_values *v, const vs_node *map,
   const vs_where where = node ? node->where : (vs_where){0};
   table *t = vs_alloc(1, sizeof *t);
   c->own = t;
-  FILE *stream = open_table(v->law, where, t->file);
-  if (!stream)
-    return vs_fail_at(err, where, "actuator.law: the table %s cannot be read: %s", v->law,
-                      strerror(errno));
-  vs_status s = read_table(stream, t, err);
+  FILE *stream;
+  vs_status s = open_table(v->law, where, t->file, &stream, err);
+  if (s) return s;
+  s = read_table(stream, t, err);
   fclose(stream);
   if (s) return s;
   const double *z = t->surface.z_m, least_m = z[0], most_m = z[t->surface.n_z - 1];

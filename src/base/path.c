@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/jail.h"
 #include "base/text.h"
 
 #ifndef VS_LIBRARY
@@ -38,6 +39,16 @@ static bool each_library(bool (*visit)(void *ctx, const char *folder), void *ctx
 static bool is_file(const char *path) {
   struct stat s;
   return stat(path, &s) == 0 && !S_ISDIR(s.st_mode);
+}
+
+static bool allow_library(void *ctx, const char *folder) {
+  (void)ctx;
+  vs_jail_allow(folder);
+  return false;
+}
+
+void vs_path_allow_shipped(void) {
+  each_library(allow_library, NULL);
 }
 
 struct search {
@@ -106,8 +117,9 @@ vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
                        char path[VS_PATH_SIZE], vs_error *err) {
   if (strlen(name) >= VS_PATH_SIZE / 2) return vs_fail_at(err, where, "%s: name too long", name);
   snprintf(path, VS_PATH_SIZE, "%s", name);
-  if (is_file(path)) return VS_OK;
-  if (vs_path_shipped(shelf, name, path)) return VS_OK;
+  if (is_file(path)) return vs_jail_check(path, where, err);
+  if (vs_path_shipped(shelf, name, path)) return vs_jail_check(path, where, err);
+  if (strchr(name, '/') && vs_jail_check(name, where, err)) return VS_INPUT;
   struct names known = {.shelf = shelf};
   vs_path_list(shelf, collect_name, &known);
   const char *nearest = vs_text_nearest(name, known.names, known.count);

@@ -20,13 +20,16 @@ typedef struct vs_shelf {
  * in the first library folder that has it. The library folders are, in this order: those of
  * $VIBROSPICE_PATH (separated by colons), share/vibrospice beside the executable, and the build's
  * VS_LIBRARY: spice/ of the source tree, or where the Debian package installs it. where is the
- * place that names the file, for the message. Error: there is no such file; the message names the
- * nearest shipped one. */
+ * place that names the file, for the message. Errors: there is no such file; the message names the
+ * nearest shipped one; the jail does not let it be read. */
 vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
                        char path[VS_PATH_SIZE], vs_error *err);
 
 /* The same, for a file that comes with the program: false where there is none of that name. */
 bool vs_path_shipped(const vs_shelf *shelf, const char *name, char path[VS_PATH_SIZE]);
+
+/* Lets the jail (base/jail.h) allow all that comes with the program. */
+void vs_path_allow_shipped(void);
 
 /* Calls each(ctx, path) for every file on the shelf, sorted by name within each library folder. */
 void vs_path_list(const vs_shelf *shelf, void (*each)(void *ctx, const char *path), void *ctx);

@@ -13,6 +13,7 @@
 #include "dialect/source.h"
 #include "machine/blueprint.h"
 #include "scene/session.h"
+#include "watch/table.h"
 
 /* ---- print-out ---- */
 
@@ -110,6 +111,20 @@ static void warn_of_firing(report *r, const vs_scene *s) {
                            : "");
 }
 
+/* Warns of a table that run -o would refuse to write; without -o there is none. */
+static void warn_of_table(report *r, const vs_scene *s) {
+  const vs_table table = {.frame = &s->frame,
+                          .instruments = &s->instruments,
+                          .control = &s->control,
+                          .count = s->n_record,
+                          .digits = 9,
+                          .sample_s = s->setup.run.sample_s,
+                          .until_s = s->setup.run.until_s};
+  vs_error e = {0};
+  if (vs_table_check(&table, s->tree.root, s->setup.limits.csv_bytes, &e))
+    *vs_warnings_add(&r->warnings) = e;
+}
+
 /* Looks through the circuit, if that could be read. */
 static void look_through(report *r, const vs_deck *deck, const vs_error *err) {
   r->bench.warnings = &r->warnings;
@@ -138,6 +153,7 @@ static vs_status check_scene(report *r, vs_error *err) {
       *vs_warnings_add(&r->warnings) = scene->warnings.item[w];
     if (scene->frame.deck) warn_of_deck(r, scene->frame.deck);
     warn_of_firing(r, scene);
+    warn_of_table(r, scene);
   }
   vs_scene_free(scene);
   free(scene);

@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/jail.h"
+#include "base/path.h"
+#include "solver/confine.h"
 #include "syntax/units.h"
 
 typedef struct parser {
@@ -51,7 +54,9 @@ static bool *flag_of(vs_arguments *a, int key) {
                {VS_KEY_OVERWRITE, &a->overwrite},
                {VS_KEY_ALLOW_CODE, &a->allow_code},
                {VS_KEY_FFT, &a->fft},
-               {VS_KEY_ORBIT, &a->orbit}};
+               {VS_KEY_ORBIT, &a->orbit},
+               {VS_KEY_JAIL, &a->jail},
+               {VS_KEY_NO_JAIL, &a->no_jail}};
   for (size_t k = 0; k < sizeof FLAGS / sizeof *FLAGS; k++)
     if (FLAGS[k].key == key) return FLAGS[k].flag;
   return NULL;
@@ -145,6 +150,9 @@ static error_t parse_value(parser *p, int key, char *value) {
   case VS_KEY_PROGRESS:
     a->progress_json = true;
     return strcmp(value, "json") ? fail_with(p, "--progress: there is: json") : 0;
+  case VS_KEY_AGAIN:
+    a->again = true;
+    return strcmp(value, "failed") ? fail_with(p, "--again: there is: failed") : 0;
   case VS_KEY_ALONE:
     a->no_sharing = true;
     return 0;
@@ -184,6 +192,34 @@ static error_t parse(int key, char *value, struct argp_state *state) {
   }
 }
 
+/* Enters the jail, where that is asked for. What the command line names is the user's own choice.
+ */
+static vs_status enter_jail(const vs_command *c, const vs_arguments *a, vs_error *err) {
+  const char *const words[] = {a->deck, a->machine, a->library, a->pins, a->scene};
+  if (a->jail && a->no_jail)
+    return vs_fail(err, VS_INPUT, "--jail and --no-jail: give one of them");
+  if (a->jail && a->allow_code)
+    return vs_fail(err, VS_INPUT,
+                   "--allow-code runs what the scene brings along, --jail trusts it with nothing; "
+                   "give one of them");
+  if (!a->jail && (!c->jailed || a->no_jail)) return VS_OK;
+  if (!vs_confine_works() && !a->quiet)
+    fputs(
+        "vibrospice: warning: this kernel has no filter of calls (seccomp), so that ngspice could "
+        "reach the network if a netlist misused a fault in it\n",
+        stderr);
+  vs_jail_begin();
+  vs_path_allow_shipped();
+  for (size_t k = 0; k < a->n_names; k++) vs_jail_allow_beside(a->names[k]);
+  for (size_t k = 0; k < sizeof words / sizeof *words; k++)
+    if (words[k]) vs_jail_allow_beside(words[k]);
+  for (size_t k = 0; k < a->n_sets; k++) {
+    const char *value = strchr(a->sets[k], '=');
+    if (value) vs_jail_allow_beside(value + 1);
+  }
+  return VS_OK;
+}
+
 static vs_status parse_and_run(parser *p, int argc, char **argv) {
   const vs_command *c = p->command;
   vs_text doc = {0}, program = {0};
@@ -197,7 +233,8 @@ static vs_status parse_and_run(parser *p, int argc, char **argv) {
   if (!failed && p->arguments.help)
     argp_help(&argp, stdout, ARGP_HELP_USAGE | ARGP_HELP_LONG | ARGP_HELP_DOC, program.text);
   else if (!failed)
-    status = c->run(&p->arguments, &p->err);
+    status = enter_jail(c, &p->arguments, &p->err);
+  if (!status && !p->arguments.help) status = c->run(&p->arguments, &p->err);
   vs_text_free(&doc);
   vs_text_free(&program);
   return status;

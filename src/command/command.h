@@ -20,7 +20,7 @@ typedef struct vs_arguments {
   const char *tier, *output, *deck, *machine, *overlay, *shard, *of, *to, *along, *step, *at,
       *profile, *mains, *gate, *coil, *pins, *library, *scene, *wrap, *probe, *from, *format;
   bool json, all, quiet, reproducible, raw, list, deep, help, resume, overwrite, keep_runs,
-      progress_json, steady, no_sharing, linear, allow_code, fft, orbit;
+      progress_json, steady, no_sharing, linear, allow_code, fft, orbit, jail, no_jail, again;
   int digits; /* 1..17 */
   int jobs;   /* 0: not given */
   int period; /* 1 or more */
@@ -37,6 +37,7 @@ typedef struct vs_command {
   const char *examples;              /* whole lines, for --help */
   bool may_be_alone;                 /* the argument may be left out */
   bool takes_many;                   /* arguments */
+  bool jailed;                       /* in the jail (base/jail.h) unless --no-jail says otherwise */
   const struct argp_option *options; /* made of the macros below; ended by {0} */
   vs_status (*run)(const vs_arguments *arguments, vs_error *err);
   void (*explain)(vs_text *help); /* adds to --help, behind the examples; NULL: nothing */
@@ -89,7 +90,10 @@ enum {
   VS_KEY_FROM,
   VS_KEY_FFT,
   VS_KEY_ORBIT,
-  VS_KEY_FORMAT
+  VS_KEY_FORMAT,
+  VS_KEY_JAIL,
+  VS_KEY_NO_JAIL,
+  VS_KEY_AGAIN
 };
 
 /* Rows of vs_command.options: an option that takes a value, and one that takes none. */
@@ -116,6 +120,12 @@ enum {
 #define VS_COMMAND_ALLOW_CODE                                                                      \
   VS_COMMAND_FLAG("allow-code", VS_KEY_ALLOW_CODE,                                                 \
                   "lets a scene run code of its own: a control with the law object or pipe")
+#define VS_COMMAND_JAIL                                                                            \
+  VS_COMMAND_FLAG("jail", VS_KEY_JAIL,                                                             \
+                  "for a stranger's files: what they name is read only below the folder of FILE "  \
+                  "and from what comes with the program; no network, no code of their own")
+#define VS_COMMAND_NO_JAIL                                                                         \
+  VS_COMMAND_FLAG("no-jail", VS_KEY_NO_JAIL, "reads whatever file they name")
 
 /* Runs the command whose name is argv[1] with what stands behind it, or prints its help. Prints one
  * line on standard error where it fails. Writes into argv[1]. */

@@ -87,20 +87,21 @@ static vs_status accept(void *ctx, const vs_step *step, const vs_result *result,
 static vs_status open_files(audience *a, vs_error *err) {
   const vs_scene *s = a->scene;
   const char *folder = a->options->folder;
-  vs_status status = vs_file_folder_make(folder, &a->made, err);
-  if (!status) status = vs_file_open(&a->csv, folder, "run.csv", err);
-  if (!status) status = vs_file_open(&a->events, folder, "events.csv", err);
-  if (!status) status = vs_file_open(&a->summary, folder, "summary.json", err);
-  if (!status && a->options->raw) status = vs_file_open(&a->raw, folder, "run.raw", err);
-  if (status) return status;
-  a->table = (vs_table){.stream = a->csv.stream,
-                        .frame = &s->frame,
+  a->table = (vs_table){.frame = &s->frame,
                         .instruments = &s->instruments,
                         .control = &s->control,
                         .count = s->n_record,
                         .digits = a->options->digits,
                         .sample_s = s->setup.run.sample_s,
                         .until_s = s->setup.run.until_s};
+  vs_status status = vs_table_check(&a->table, s->tree.root, s->setup.limits.csv_bytes, err);
+  if (!status) status = vs_file_folder_make(folder, &a->made, err);
+  if (!status) status = vs_file_open(&a->csv, folder, "run.csv", err);
+  if (!status) status = vs_file_open(&a->events, folder, "events.csv", err);
+  if (!status) status = vs_file_open(&a->summary, folder, "summary.json", err);
+  if (!status && a->options->raw) status = vs_file_open(&a->raw, folder, "run.raw", err);
+  if (status) return status;
+  a->table.stream = a->csv.stream;
   memcpy(a->table.channels, s->record, sizeof s->record);
   vs_table_begin(&a->table);
   fputs("t_s,what\n", a->events.stream);
@@ -278,7 +279,8 @@ static void again(void *ctx, const char *failed, int next) {
 /* True if a --set changes what is computed, and not only how: what the scene says was measured is
  * then of another experiment. */
 static bool changes_machine(const vs_run_options *o) {
-  static const char *const HOW[] = {"run.", "record", "measure", "instruments", "quality"};
+  static const char *const HOW[] = {"run.",        "record",  "measure",
+                                    "instruments", "quality", "limits."};
   for (size_t k = 0; k < o->n_sets; k++) {
     bool how = false;
     for (size_t n = 0; n < sizeof HOW / sizeof *HOW; n++)

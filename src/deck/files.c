@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/jail.h"
 #include "base/text.h"
 #include "deck/contract.h"
 #include "deck/rules.h"
@@ -59,13 +60,15 @@ static vs_status find_include(vs_deck *deck, const char *name, vs_where where,
   snprintf(path, VS_PATH_SIZE, "%.*s%s", slash && *base != '/' ? (int)(slash - where.file + 1) : 0,
            where.file, base);
   char shipped[VS_PATH_SIZE];
+  vs_status status = vs_jail_check(path, where, err);
+  if (status) return status;
   if (is_same_file(path, where.file) && vs_path_shipped(&INCLUDE_SHELF, base, shipped)) {
     snprintf(path, VS_PATH_SIZE, "%s", shipped);
     return VS_OK;
   }
   if (!access(path, R_OK)) return VS_OK;
   vs_error unread = {0};
-  vs_status status = vs_path_find(&INCLUDE_SHELF, base, where, path, back ? &unread : err);
+  status = vs_path_find(&INCLUDE_SHELF, base, where, path, back ? &unread : err);
   if (!status || !back) return status;
   *path = '\0';
   vs_deck_remark(deck, where,
@@ -86,6 +89,8 @@ static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_err
   if (status || !*path) return status;
   if (!strcmp(path, where.file)) return vs_fail_at(err, where, "%s includes itself", path);
   if (deck->subcircuits == 0 && vs_files_has(deck, path)) return VS_OK;
+  if (deck->n_files >= VS_DECK_FILES)
+    return vs_fail_at(err, where, "more than %d files; does one include itself?", VS_DECK_FILES);
   return read_file(deck, path, true, err);
 }
 
@@ -293,6 +298,9 @@ static void find_dialect(vs_deck *deck, const vs_source *source) {
   }
 }
 
+/* A deck's lines stay in memory as long as it does, each with some hundred bytes. */
+enum { MOST_LINES = 250000 };
+
 static vs_status read_file(vs_deck *deck, const char *path, bool library, vs_error *err) {
   if (deck->n_files >= VS_DECK_FILES)
     return vs_fail_at(err, (vs_where){.file = path}, "more than %d files; does one include itself?",
@@ -300,6 +308,11 @@ static vs_status read_file(vs_deck *deck, const char *path, bool library, vs_err
   const char *file = deck->files[deck->n_files++] = vs_copy(path);
   vs_source source;
   vs_status status = vs_source_read(path, &source, err);
+  if (!status && deck->n_lines + source.count > MOST_LINES)
+    status = vs_fail_at(err, (vs_where){.file = file},
+                        "with it the deck has more than %d lines; copy what the circuit needs of "
+                        "it into a file of its own",
+                        MOST_LINES);
   if (!status) {
     reading r = {.library = library};
     find_dialect(deck, &source);

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/jail.h"
 #include "base/text.h"
 #include "deck/devices.h"
 #include "deck/eva.h"
@@ -80,6 +81,8 @@ static vs_status find_part(const vs_deck *deck, const char *name, vs_where where
     snprintf(path, VS_PATH_SIZE, "%.*s%s%s", *name == '/' ? 0 : folder, deck->files[0], name,
              ending ? vs_deck_parts_shelf.ending : "");
     struct stat s;
+    vs_status status = vs_jail_check(path, where, err);
+    if (status) return status;
     if (!stat(path, &s) && S_ISREG(s.st_mode)) return VS_OK;
   }
   return vs_path_find(&vs_deck_parts_shelf, name, where, path, err);

@@ -10,6 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/jail.h"
 #include "base/text.h"
 
 /* The bytes of a file as they are on the disk. */
@@ -18,9 +19,15 @@ typedef struct bytes {
   size_t count;
 } bytes;
 
+/* The largest file of text that is read, in bytes. A byte takes a dozen of memory until the netlist
+ * is made. */
+enum { LARGEST = 1 << 24 };
+
 static vs_status read_bytes(const char *path, bytes *b, vs_error *err) {
   const vs_where place = {.file = path};
   struct stat s;
+  vs_status status = vs_jail_check(path, place, err);
+  if (status) return status;
   if (!stat(path, &s) && !S_ISREG(s.st_mode)) return vs_fail_at(err, place, "is no file of text");
   FILE *f = fopen(path, "r");
   if (!f) return vs_fail_at(err, place, "cannot be opened: %s", strerror(errno));
@@ -30,10 +37,14 @@ static vs_status read_bytes(const char *path, bytes *b, vs_error *err) {
     b->at = vs_resize(b->at, room, 1);
     n = fread(b->at + b->count, 1, room - 1 - b->count, f);
     b->count += n;
-  } while (n > 0 && b->count == room - 1);
+  } while (n > 0 && b->count == room - 1 && b->count <= LARGEST);
   b->at[b->count] = '\0';
-  vs_status status =
-      ferror(f) ? vs_fail_at(err, place, "cannot be read: %s", strerror(errno)) : VS_OK;
+  if (ferror(f)) status = vs_fail_at(err, place, "cannot be read: %s", strerror(errno));
+  if (!status && b->count > LARGEST)
+    status = vs_fail_at(err, place,
+                        "more than %d bytes, and no netlist is so large; copy what the circuit "
+                        "needs of it into a file of its own",
+                        LARGEST);
   fclose(f);
   return status;
 }

@@ -12,13 +12,14 @@
 #include "guide/schema.h"
 #include "hint/hint.h"
 #include "inquiry/inquiry.h"
+#include "method/methods.h"
+#include "plan/inspect.h"
 #include "report/fitting.h"
-#include "study/study.h"
 
 /* ---- check ---- */
 
 static vs_status check_study(const vs_check_options *o, vs_text *good, vs_error *err) {
-  return vs_study_check(o, vs_methods_all, good, err);
+  return vs_inspect_study(o, vs_methods_all, good, err);
 }
 
 static vs_status check(const vs_arguments *a, vs_error *err) {
@@ -33,9 +34,9 @@ static vs_status check(const vs_arguments *a, vs_error *err) {
                               .deep = a->deep,
                               .trial = vs_hint_try,
                               .folder = a->output,
-                              .other = vs_inquiry_is(name)                 ? vs_fitting_check
-                                       : vs_study_is(name, vs_methods_all) ? check_study
-                                                                           : NULL};
+                              .other = vs_inquiry_is(name) ? vs_fitting_check
+                                       : vs_inspect_is_study(name, vs_methods_all) ? check_study
+                                                                                   : NULL};
   return vs_check_command(&o, err);
 }
 
@@ -51,6 +52,8 @@ static const struct argp_option CHECK_OPTIONS[] = {
                     "findings as a JSON array of {file, line, column, message} on standard output; "
                     "of a part also each figure of the bench, with members more"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "prints nothing but findings"),
+    VS_COMMAND_JAIL,
+    VS_COMMAND_NO_JAIL,
     VS_COMMAND_HELP,
     {0}};
 
@@ -109,6 +112,8 @@ static const struct argp_option MODES_OPTIONS[] = {
     VS_COMMAND_VALUE("output", 'o', "DIR",
                      "writes modes.csv and the state space there: A.csv, B.csv, C.csv, D.csv"),
     VS_COMMAND_JSON,
+    VS_COMMAND_JAIL,
+    VS_COMMAND_NO_JAIL,
     VS_COMMAND_HELP,
     {0}};
 
@@ -123,6 +128,7 @@ const vs_command vs_looks_check = {
                 "  vibrospice check my.inc -o bench\n"
                 "  vibrospice check my.yaml --deep\n"
                 "  vibrospice check paper --set run.tier=circuit --json\n",
+    .jailed = true,
     .options = CHECK_OPTIONS,
     .run = check};
 

@@ -28,6 +28,7 @@ static vs_status study(const vs_arguments *a, vs_error *err) {
                               .jobs = a->jobs,
                               .shard = a->shard,
                               .resume = a->resume,
+                              .again = a->again,
                               .overwrite = a->overwrite,
                               .alone = a->no_sharing,
                               .keep_runs = a->keep_runs,
@@ -73,6 +74,8 @@ static const struct argp_option STUDY_OPTIONS[] = {
                      "job array"),
     VS_COMMAND_FLAG("resume", VS_KEY_RESUME,
                     "goes on with what DIR has; begins where there is nothing"),
+    VS_COMMAND_VALUE("again", VS_KEY_AGAIN, "failed",
+                     "with --resume: runs the cases again that failed"),
     VS_COMMAND_FLAG("overwrite", VS_KEY_OVERWRITE,
                     "replaces what another study, or this one, has left in DIR; else that is "
                     "refused"),
@@ -87,6 +90,8 @@ static const struct argp_option STUDY_OPTIONS[] = {
                     "results are the same"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "no table, no progress"),
     VS_COMMAND_ALLOW_CODE,
+    VS_COMMAND_JAIL,
+    VS_COMMAND_NO_JAIL,
     VS_COMMAND_HELP,
     {0}};
 
@@ -138,6 +143,8 @@ static const struct argp_option FIT_OPTIONS[] = {
     VS_COMMAND_QUIET,
     VS_OPTIONS_DIGITS,
     VS_COMMAND_ALLOW_CODE,
+    VS_COMMAND_JAIL,
+    VS_COMMAND_NO_JAIL,
     VS_COMMAND_HELP,
     {0}};
 

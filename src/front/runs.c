@@ -55,6 +55,8 @@ static const struct argp_option RUN_OPTIONS[] = {
                     "circuit at every step, for ngspice's 'load'; a run that fails leaves "
                     "run.partial.raw"),
     VS_COMMAND_ALLOW_CODE,
+    VS_COMMAND_JAIL,
+    VS_COMMAND_NO_JAIL,
     VS_COMMAND_HELP,
     {0}};
 
@@ -116,6 +118,8 @@ static const struct argp_option STEADY_OPTIONS[] = {
     VS_OPTIONS_ALL,
     VS_OPTIONS_REPRODUCIBLE,
     VS_OPTIONS_DIGITS,
+    VS_COMMAND_JAIL,
+    VS_COMMAND_NO_JAIL,
     VS_COMMAND_HELP,
     {0}};
 
@@ -156,6 +160,8 @@ static const struct argp_option SENSITIVITY_OPTIONS[] = {
     VS_COMMAND_JSON,
     VS_COMMAND_QUIET,
     VS_COMMAND_ALLOW_CODE,
+    VS_COMMAND_JAIL,
+    VS_COMMAND_NO_JAIL,
     VS_COMMAND_HELP,
     {0}};
 

@@ -34,10 +34,9 @@ static vs_status export(const vs_arguments *a, vs_error *err) {
 }
 
 static const struct argp_option EXPORT_OPTIONS[] = {
-    VS_COMMAND_SET,
-    VS_COMMAND_VALUE("output", 'o', "FILE", "writes the netlist there"),
-    VS_COMMAND_HELP,
-    {0}};
+    VS_COMMAND_SET,  VS_COMMAND_VALUE("output", 'o', "FILE", "writes the netlist there"),
+    VS_COMMAND_JAIL, VS_COMMAND_NO_JAIL,
+    VS_COMMAND_HELP, {0}};
 
 /* ---- import ---- */
 
@@ -72,6 +71,8 @@ static const struct argp_option IMPORT_OPTIONS[] = {
                      "also writes a scene with the netlist's own mains, firing and coil"),
     VS_COMMAND_FLAG("json", VS_KEY_JSON, "what was done as JSON on standard output"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "does not say what was done"),
+    VS_COMMAND_JAIL,
+    VS_COMMAND_NO_JAIL,
     VS_COMMAND_HELP,
     {0}};
 

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/jail.h"
 #include "plan/axis.h"
 #include "syntax/units.h"
 
@@ -39,6 +40,8 @@ static vs_status find_file(vs_recording *r, const vs_node *file, const char *bes
   if (access(r->path, R_OK) && !access(file->text, R_OK))
     snprintf(r->path, sizeof r->path, "%s", file->text);
   struct stat s;
+  vs_status status = vs_jail_check(r->path, file->where, err);
+  if (status) return status;
   if (!stat(r->path, &s) && S_ISREG(s.st_mode) && !access(r->path, R_OK)) return VS_OK;
   return vs_fail_at(err, file->where, "data: file: %s cannot be opened: %s", r->path,
                     access(r->path, R_OK) ? strerror(errno) : "not a plain file");

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/hash.h"
+#include "base/jail.h"
 #include "scene/shown.h"
 #include "syntax/units.h"
 
@@ -25,7 +26,8 @@ vs_status vs_plan_find(const vs_plan *plan, const vs_node *name, char path[VS_PA
   int n = snprintf(path, VS_PATH_SIZE, "%.*s%s",
                    slash && *name->text != '/' ? (int)(slash - plan->path + 1) : 0, plan->path,
                    name->text);
-  if (access(name->text, R_OK) && n < VS_PATH_SIZE && !access(path, R_OK)) return VS_OK;
+  if (access(name->text, R_OK) && n < VS_PATH_SIZE && !access(path, R_OK))
+    return vs_jail_check(path, name->where, err);
   return vs_path_find(&FILES, name->text, name->where, path, err);
 }
 
@@ -234,6 +236,7 @@ static const vs_outline NAME = {.takes = VS_OUTLINE_TEXT},
 const vs_outline vs_plan_keys[] = {
     {"scene", .takes = VS_OUTLINE_TEXT},
     {"set", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_MAP, .of = SETTINGS},
+    {"most_cases", .takes = VS_OUTLINE_TEXT},
     {"steady", .takes = VS_OUTLINE_FLAG | VS_OUTLINE_MAP, .of = vs_atwork_keys},
     {"report", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &NAME,
      .count = -1},
@@ -314,13 +317,29 @@ static vs_status read_stages(vs_plan *plan, vs_error *err) {
   return status;
 }
 
-static vs_status too_many(const vs_plan *plan, vs_error *err) {
-  return vs_fail_at(err, (vs_where){.file = plan->tree.name},
-                    "more than %llu cases; fewer values are wanted",
-                    (unsigned long long)VS_PLAN_CASES);
+/* What a study may have unless its key most_cases says otherwise: this process keeps eight bytes
+ * for each, and its journal some hundred. */
+enum { USUAL_CASES = 10000000 };
+
+static vs_status too_many(const vs_plan *plan, const vs_plan_stage *stage, uint64_t most,
+                          vs_error *err) {
+  const vs_node *node = vs_tree_child(plan->tree.root, "most_cases");
+  const vs_where where = node       ? node->where
+                         : stage->n ? plan->axes[stage->axis].where
+                                    : (vs_where){.file = plan->tree.name};
+  if (most == VS_PLAN_CASES)
+    return vs_fail_at(err, where, "more than %llu cases; fewer values are wanted",
+                      (unsigned long long)VS_PLAN_CASES);
+  return vs_fail_at(err, where,
+                    "more than %llu cases; fewer values are wanted, or a larger most_cases, which "
+                    "may be up to %llu",
+                    (unsigned long long)most, (unsigned long long)VS_PLAN_CASES);
 }
 
 static vs_status count_cases(vs_plan *plan, vs_error *err) {
+  uint64_t most = USUAL_CASES;
+  vs_status status = vs_axis_whole(plan->tree.root, "most_cases", 1, VS_PLAN_CASES, &most, err);
+  if (status) return status;
   plan->count = 1;
   for (size_t p = 0; p < plan->n_stages; p++) {
     vs_plan_stage *stage = &plan->stages[p];
@@ -330,9 +349,9 @@ static vs_status count_cases(vs_plan *plan, vs_error *err) {
       if (!plan->axes[k].n_values)
         return vs_fail_at(err, plan->axes[k].where,
                           "%s: a range alone has no values; add step or n", plan->axes[k].key);
-    if (stage->count > VS_PLAN_CASES) return too_many(plan, err);
+    if (stage->count > most) return too_many(plan, stage, most, err);
     plan->count *= stage->count;
-    if (plan->count > VS_PLAN_CASES) return too_many(plan, err);
+    if (plan->count > most) return too_many(plan, stage, most, err);
   }
   return VS_OK;
 }

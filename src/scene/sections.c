@@ -51,6 +51,7 @@ vs_filled_section vs_section_at(const vs_setup *s, int index) {
 }
 
 bool vs_section_counts(const vs_setup *s, int index) {
+  if (index == VS_SECTION_NUMBER_limits) return false;
   return index != VS_SECTION_NUMBER_pwm || vs_deck_has_port(&s->deck, vs_port_is_modulated);
 }
 

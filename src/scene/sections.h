@@ -27,7 +27,8 @@
   OTHER(record, )                                                                                  \
   OTHER(measured, )                                                                                \
   OTHER(quality, )                                                                                 \
-  SECTION(measure, &vs_setup_measure_section, measure)
+  SECTION(measure, &vs_setup_measure_section, measure)                                             \
+  SECTION(limits, &vs_limits_section, limits)
 
 /* How many sections have fields, and how many keys there are. */
 enum {
@@ -61,8 +62,8 @@ typedef struct vs_filled_section {
 
 /* index: from 0, below VS_SECTIONS, in the table's order. */
 vs_filled_section vs_section_at(const vs_setup *setup, int index);
-/* True unless the section does nothing in this setup: `pwm`, where the deck has no port pwm. Such a
- * section is no part of what a run is known by. */
+/* True unless the section does nothing in this setup: `pwm`, where the deck has no port pwm, and
+ * `limits`, which never changes a result. Such a section is no part of what a run is known by. */
 bool vs_section_counts(const vs_setup *setup, int index);
 /* The same section without a setup, with that machine and that deck for the scene's. */
 const vs_section *vs_section_fields(const vs_machine *machine, const vs_deck *deck, int index);

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bounds/expansion.h"
 #include "deck/eva.h"
 #include "deck/netlist.h"
 #include "deck/parts.h"
@@ -399,6 +400,16 @@ static vs_status read_means(const vs_node *scene, vs_setup *setup, vs_error *err
   return VS_OK;
 }
 
+/* Reads the section limits, and holds a deck that was just read to it. */
+static vs_status read_limits(const vs_node *scene, vs_setup *setup, bool has_deck, vs_error *err) {
+  const vs_node *map = vs_tree_child(scene, vs_limits_section.name);
+  vs_limits_values *v = &setup->limits;
+  size_t found = vs_error_count(err);
+  vs_status s = vs_memo_read(&setup->memo, &vs_limits_section, map, v, sizeof *v, err);
+  if (s || has_deck || vs_error_count(err) > found) return s;
+  return vs_error_carry_on(err, vs_expansion_check(&setup->deck, v->devices, err));
+}
+
 /* The EVA begins without a current. */
 static void begin_eva(vs_setup *setup) {
   const vs_model *m = &setup->model;
@@ -441,6 +452,7 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
   if (!s)
     s = vs_memo_read(&setup->memo, &vs_setup_run_section, vs_tree_child(scene, "run"), &setup->run,
                      sizeof setup->run, err);
+  if (!s) s = read_limits(scene, setup, has_deck, err);
   vs_timeline *line = &setup->timeline;
   if (!s) s = vs_error_carry_on(err, vs_timeline_settle(scene, line, &setup->deck, err));
   if (!s)

@@ -4,6 +4,7 @@
 #ifndef VS_SIM_SETUP_H
 #define VS_SIM_SETUP_H
 
+#include "bounds/limits.h"
 #include "sim/frame.h"
 #include "sim/loads.h"
 
@@ -78,6 +79,7 @@ typedef struct vs_setup {
   bool steady;  /* `start: steady`: the run begins on the scene's orbit, which scene/session.h has
                    found for it; until then `start` is at rest */
   bool at_work; /* the run is whole periods of an orbit: what is seen comes again for ever */
+  vs_limits_values limits;
   vs_measure_values measure;
   vs_span_s means; /* what `measure` says, as a stretch of time */
   vs_deck deck;    /* the scene's, also for a tier that does not use it; with what the scene's

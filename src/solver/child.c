@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "solver/confine.h"
 
 /* A crash shall end the child by its signal, without a word and without a core file. */
 static void die_quietly(void) {
@@ -39,6 +40,7 @@ static _Noreturn void attempt_alone(vs_child_end (*attempt)(void *), void *ctx,
   signal(SIGALRM, SIG_DFL);
   alarm(VS_CHILD_SECONDS);
   die_quietly();
+  vs_confine_process(VS_CONFINE_TRIAL);
   vs_child_end end = attempt(ctx);
   if (end == VS_CHILD_GOOD) vs_child_finish();
   size_t size = complaints->count * VS_COMPLAINTS_LINE;

@@ -18,10 +18,12 @@
 
 #include <ngspice/sharedspice.h>
 
+#include "base/jail.h"
 #include "base/leave.h"
 #include "base/path.h"
 #include "base/text.h"
 #include "solver/child.h"
+#include "solver/confine.h"
 #include "solver/guard.h"
 #include "solver/ng.h"
 #include "solver/rawfile.h"
@@ -276,6 +278,7 @@ static vs_status initialise(vs_error *err) {
   else {
     close(empty);
     call_init();
+    if (vs_jail_is_on()) vs_confine_process(VS_CONFINE_NETWORK);
     unlink(".spiceinit");
     ng.initialised = true;
   }

@@ -11,7 +11,10 @@
 #include "base/json.h"
 #include "plan/plan.h"
 
-static const char MAGIC[] = "vibrospice journal 1";
+/* Versions of the journal: 1 had no copies of the head (H) and no rows called back (~). A journal
+ * of version 1 is read as one of 2 that happens to have none. */
+static const char MAGIC[] = "vibrospice journal 2", OLDER[] = "vibrospice journal 1",
+                  BEFORE_VERSION[] = "vibrospice journal ";
 
 /* The head's texts, in the order of their lines. */
 static const struct {
@@ -51,22 +54,44 @@ void vs_head_line(vs_text *to, char kind, const char *text, size_t length) {
   vs_text_free(&line);
 }
 
-void vs_head_print(vs_text *to, const vs_head *head) {
+/* In the texts a backslash is written twice, as it begins a line end. */
+static void print_lines(vs_text *to, char kind, const vs_head *head) {
   vs_text line = {0};
-  /* in the texts a backslash is written twice, as it begins a line end */
-  vs_head_line(to, 'h', MAGIC, strlen(MAGIC));
   for (size_t k = 0; k < N_TEXTS; k++) {
     line.length = 0;
     vs_text_add(&line, "%s=", TEXTS[k].name);
     for (const char *s = text_in(head, k); *s; s++)
       vs_text_add(&line, "%s%c", *s == '\\' ? "\\" : "", *s);
-    vs_head_line(to, 'h', line.text, line.length);
+    vs_head_line(to, kind, line.text, line.length);
   }
   line.length = 0;
   vs_text_add(&line, "counts=%" PRIu64 " %" PRIu64 " %" PRIu64, head->cases, head->shard,
               head->shards);
-  vs_head_line(to, 'h', line.text, line.length);
+  vs_head_line(to, kind, line.text, line.length);
   vs_text_free(&line);
+}
+
+void vs_head_print(vs_text *to, const vs_head *head) {
+  vs_head_line(to, 'h', MAGIC, strlen(MAGIC));
+  print_lines(to, 'h', head);
+}
+
+void vs_head_print_copy(vs_text *to, const vs_head *head) {
+  print_lines(to, 'H', head);
+}
+
+void vs_head_fill(vs_head *head, const vs_head *copy) {
+  for (size_t k = 0; k < N_TEXTS; k++)
+    if (!*text_of(head, k) && text_in(copy, k)) *text_of(head, k) = vs_copy(text_in(copy, k));
+  if (head->shards) return;
+  head->cases = copy->cases;
+  head->shard = copy->shard;
+  head->shards = copy->shards;
+}
+
+bool vs_head_is_foreign(const char *text) {
+  return !strncmp(text, BEFORE_VERSION, sizeof BEFORE_VERSION - 1) && strcmp(text, MAGIC) != 0 &&
+         strcmp(text, OLDER) != 0;
 }
 
 /* Turns \n back into line ends, and two backslashes into one. */
@@ -106,7 +131,7 @@ static bool read_counts(vs_head *head, const char *text) {
 
 bool vs_head_read(vs_head *head, const char *text, bool first, bool *twice) {
   static const char COUNTS[] = "counts=";
-  if (!strcmp(text, MAGIC)) {
+  if (!strcmp(text, MAGIC) || !strcmp(text, OLDER)) {
     *twice = *twice || !first;
     return true;
   }

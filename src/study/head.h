@@ -27,15 +27,26 @@ void vs_head_free(vs_head *head);
  * study are named in the manifest is no difference. */
 const char *vs_head_differs(const vs_head *a, const vs_head *b);
 
-/* Adds a line of a journal, with its sum and its kind ('h', '=' or '!'). The text's own line ends
- * are written as \n. */
+/* Adds a line of a journal, with its sum and its kind ('h', 'H', '=', '!' or '~'). The text's own
+ * line ends are written as \n. */
 void vs_head_line(vs_text *to, char kind, const char *text, size_t length);
 
 /* Adds all lines of a head. */
 void vs_head_print(vs_text *to, const vs_head *head);
 
-/* Takes the text of a line of kind h. first: it begins the journal. What the head has already is
- * not taken again; *twice then becomes true. Returns false where it is no line of a head. */
+/* Adds the lines of a copy of the head, which are of kind 'H'. */
+void vs_head_print_copy(vs_text *to, const vs_head *head);
+
+/* Gives a head the lines that it lacks and `copy` has. */
+void vs_head_fill(vs_head *head, const vs_head *copy);
+
+/* True for a head's first line that names another version of the journal than this program reads.
+ */
+bool vs_head_is_foreign(const char *text);
+
+/* Takes the text of a line of kind h, or of H into a head that has nothing but copies. first: it
+ * begins the journal. What the head has already is not taken again; *twice then becomes true.
+ * Returns false where it is no line of a head. */
 bool vs_head_read(vs_head *head, const char *text, bool first, bool *twice);
 
 /* Returns true if every line was read. */

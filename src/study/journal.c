@@ -7,15 +7,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/json.h"
 #include "plan/plan.h"
+#include "study/lock.h"
 
 static const char NAME[] = "journal";
 /* ---- the manifest ---- */
@@ -87,44 +86,12 @@ static void reserve(vs_journal *j) {
   if (h->cases) make_room(j, (h->cases + h->shards - h->shard) / h->shards);
 }
 
-/* Tries for a moment, as a worker that was just forked holds the lock, too, and may outlive its
- * killed parent by so long. */
-static vs_status held(const vs_journal *j, bool (*try)(const vs_journal *), vs_error *err) {
-  const struct timespec pause = {.tv_nsec = 20000000};
-  for (int k = 0; k < 10 && !try(j); k++) {
-    if (errno != EACCES && errno != EAGAIN) return VS_OK; /* a file system without locks */
-    if (k == 9) return vs_fail(err, VS_INPUT, "%s: another process is at this study", j->path);
-    nanosleep(&pause, NULL);
-  }
-  return VS_OK;
-}
-
-/* This descriptor's own lock: closing another one of the file, as read_lines does, keeps it. */
-static bool try_file(const vs_journal *j) {
-  struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
-  return !fcntl(j->fd, F_OFD_SETLK, &whole);
-}
-
-static bool try_folder(const vs_journal *j) {
-  return !flock(j->folder, LOCK_EX | LOCK_NB);
-}
-
-static vs_status lock(vs_journal *j, vs_error *err) {
-  return held(j, try_file, err);
-}
-
-/* Locks the folder, so that of two processes that begin a study in it only one goes on. */
-static vs_status lock_folder(vs_journal *j, const char *folder, vs_error *err) {
-  j->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  return j->folder < 0 ? VS_OK : held(j, try_folder, err);
-}
-
 vs_status vs_journal_remove(const char *folder, vs_error *err) {
   vs_journal j = {.fd = -1, .folder = -1};
   name_file(&j, folder);
-  vs_status status = lock_folder(&j, folder, err);
+  vs_status status = vs_lock_folder(folder, j.path, &j.folder, err);
   if (!status) j.fd = open(j.path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  if (j.fd >= 0) status = lock(&j, err);
+  if (j.fd >= 0) status = vs_lock_file(j.fd, j.path, err);
   if (!status && unlink(j.path))
     status = vs_fail(err, VS_RUN, "%s: cannot be removed: %s", j.path, strerror(errno));
   vs_journal_close(&j);
@@ -137,7 +104,7 @@ vs_status vs_journal_create(vs_journal *j, const char *folder, vs_head *head, vs
   *j = (vs_journal){.fd = -1, .folder = -1, .head = *head};
   *head = (vs_head){0};
   name_file(j, folder);
-  vs_status status = lock_folder(j, folder, err);
+  vs_status status = vs_lock_folder(folder, j->path, &j->folder, err);
   if (!status) status = vs_file_open(&file, folder, NAME, err);
   vs_head_print(&text, &j->head);
   if (!status) {
@@ -150,7 +117,7 @@ vs_status vs_journal_create(vs_journal *j, const char *folder, vs_head *head, vs
   j->fd = open(j->path, O_RDWR | O_NOFOLLOW | O_CLOEXEC);
   if (j->fd < 0) return vs_fail(err, VS_RUN, "%s: cannot be opened: %s", j->path, strerror(errno));
   reserve(j);
-  return lock(j, err);
+  return vs_lock_file(j->fd, j->path, err);
 }
 
 /* False where a study cannot have written that case at byte `at`, so that no memory is taken for
@@ -231,25 +198,94 @@ static vs_status count_row(vs_journal *j, const entry *e, vs_error *err) {
   return VS_OK;
 }
 
-static vs_status take_line(vs_journal *j, const entry *e, vs_error *err) {
-  const char *line = e->line;
+static bool is_good(const entry *e) {
   char *after;
-  bool good = e->length > BEFORE_ROW &&
-              strtoull(line, &after, 16) == vs_hash_crc32(line + 9, e->length - 9) &&
-              after == line + 8;
-  if (!good || strlen(line) != e->length)
+  return e->length > BEFORE_ROW &&
+         strtoull(e->line, &after, 16) == vs_hash_crc32(e->line + 9, e->length - 9) &&
+         after == e->line + 8 && strlen(e->line) == e->length;
+}
+
+/* What is known while a journal is read. */
+typedef struct reading {
+  vs_head found; /* the head, each line from the first place that has it; whole, or of no use */
+  vs_head copy;  /* the copy that is being read */
+  bool enough;   /* no more lines are wanted */
+} reading;
+
+/* Gives a head that lacks a line what copies have. Where the journal's lines still stand where they
+ * were written, `at` is the place behind the head, and the head can be written again. */
+static void mend_head(vs_journal *j, const reading *r, uint64_t at) {
+  vs_text head = {0};
+  if (vs_head_is_whole(&j->head) || !vs_head_is_whole(&r->found)) return;
+  vs_head_fill(&j->head, &r->found);
+  vs_head_print(&head, &j->head);
+  j->mended = true;
+  j->in_place = head.length == at;
+  j->bad = 0; /* these were the head's */
+  vs_text_free(&head);
+}
+
+/* Takes a line of the head. A copy is there to be compared, once it is whole. */
+static void take_head(vs_journal *j, const entry *e, reading *r) {
+  const char *text = e->line + BEFORE_ROW;
+  bool again = false;
+  if (e->line[9] == 'h') {
+    j->bad += !vs_head_read(&j->head, text, !e->at, &j->two_heads);
+    return;
+  }
+  if (vs_head_is_whole(&r->copy)) vs_head_free(&r->copy);
+  j->bad += !vs_head_read(&r->copy, text, false, &again);
+  if (vs_head_is_whole(&r->copy) && vs_head_is_whole(&j->head) &&
+      vs_head_differs(&r->copy, &j->head))
+    j->two_heads = true;
+}
+
+/* A case's row of failures.csv does not count any more. */
+static void call_back(vs_journal *j, const entry *e) {
+  char *end;
+  const uint64_t index = strtoull(e->line + BEFORE_ROW, &end, 10);
+  const bool known = !*end && is_own(j, index) && vs_journal_has(j, index);
+  vs_text row = {0};
+  vs_error none = {0};
+  bool failed = false;
+  if (known && !vs_journal_row(j, index, &row, &failed, &none) && failed) {
+    j->place[own(j, index)] = 0;
+    j->failed--;
+  } else
     j->bad++;
-  else if (line[9] == 'h')
-    j->bad += !vs_head_read(&j->head, line + BEFORE_ROW, !(e->at), &j->two_heads);
-  else if ((line[9] == '=' || line[9] == '!') && vs_head_is_whole(&j->head))
+  vs_text_free(&row);
+}
+
+static vs_status take_line(vs_journal *j, const entry *e, reading *r, vs_error *err) {
+  const char kind = is_good(e) ? e->line[9] : '\0';
+  if (kind && kind != 'h') mend_head(j, r, e->at);
+  const bool headed = vs_head_is_whole(&j->head);
+  if (kind == 'h' || kind == 'H')
+    take_head(j, e, r);
+  else if (kind == '~' && headed)
+    call_back(j, e);
+  else if ((kind == '=' || kind == '!') && headed)
     return count_row(j, e, err);
   else
     j->bad++;
   return VS_OK;
 }
 
-/* Reads all lines; *end is where the last whole one ends. */
-static vs_status read_lines(vs_journal *j, uint64_t *whole, vs_error *err) {
+/* Looks for the head alone. */
+static vs_status find_head(vs_journal *j, const entry *e, reading *r, vs_error *err) {
+  bool again = false;
+  (void)err;
+  if (!is_good(e) || (e->line[9] != 'h' && e->line[9] != 'H')) return VS_OK;
+  j->foreign = j->foreign || (!e->at && vs_head_is_foreign(e->line + BEFORE_ROW));
+  vs_head_read(&r->found, e->line + BEFORE_ROW, true, &again);
+  r->enough = vs_head_is_whole(&r->found);
+  return VS_OK;
+}
+
+typedef vs_status (*visit)(vs_journal *j, const entry *e, reading *r, vs_error *err);
+
+/* Calls each for all whole lines, from the first on; *whole is where the last of them ends. */
+static vs_status each_line(vs_journal *j, visit each, reading *r, uint64_t *whole, vs_error *err) {
   int copy = dup(j->fd);
   FILE *f = copy < 0 ? NULL : fdopen(copy, "r");
   if (!f) return vs_fail(err, VS_RUN, "%s: cannot be read: %s", j->path, strerror(errno));
@@ -258,11 +294,12 @@ static vs_status read_lines(vs_journal *j, uint64_t *whole, vs_error *err) {
   ssize_t n;
   uint64_t at = 0, number = 0;
   vs_status status = VS_OK;
-  while (!status && !j->two_heads && (n = vs_alloc_line(&line, &size, f)) > 0) {
+  rewind(f);
+  while (!status && !j->two_heads && !r->enough && (n = vs_alloc_line(&line, &size, f)) > 0) {
     number++;
     if (line[n - 1] == '\n') {
       line[n - 1] = '\0';
-      status = take_line(j, &(entry){line, (size_t)n - 1, at, number}, err);
+      status = each(j, &(entry){line, (size_t)n - 1, at, number}, r, err);
       *whole = at + (uint64_t)n;
     } else
       j->bad++;
@@ -275,17 +312,48 @@ static vs_status read_lines(vs_journal *j, uint64_t *whole, vs_error *err) {
   return bad ? vs_fail(err, VS_RUN, "%s: cannot be read: %s", j->path, strerror(errno)) : VS_OK;
 }
 
+/* Reads all lines; *end is where the last whole one ends. The head is looked for first, as a row
+ * cannot be read without it; in a journal that is not damaged that takes its first lines. */
+static vs_status read_lines(vs_journal *j, uint64_t *end, vs_error *err) {
+  reading r = {.enough = false};
+  vs_status status = each_line(j, find_head, &r, end, err);
+  r.enough = false;
+  j->bad = *end = 0;
+  if (!status && j->foreign)
+    status = vs_fail(err, VS_INPUT,
+                     "%s: is of another version of the journal than this program reads; go on with "
+                     "the program that began it, or take another folder",
+                     j->path);
+  if (!status) status = each_line(j, take_line, &r, end, err);
+  if (!status && !j->done && !j->failed) mend_head(j, &r, *end);
+  vs_head_free(&r.found);
+  vs_head_free(&r.copy);
+  return status;
+}
+
+/* Writes the head again where it is damaged and its lines have kept their places. Error: the file
+ * cannot be written. */
+static vs_status write_head(vs_journal *j, vs_error *err) {
+  vs_text head = {0};
+  vs_head_print(&head, &j->head);
+  bool written = pwrite(j->fd, head.text, head.length, 0) == (ssize_t)head.length;
+  vs_text_free(&head);
+  return written ? VS_OK
+                 : vs_fail(err, VS_RUN, "%s: cannot be written: %s", j->path, strerror(errno));
+}
+
 vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error *err) {
   *j = (vs_journal){.fd = -1, .folder = -1};
   name_file(j, folder);
-  vs_status status = mend ? lock_folder(j, folder, err) : VS_OK;
+  vs_status status = mend ? vs_lock_folder(folder, j->path, &j->folder, err) : VS_OK;
   if (status) return status;
   j->fd = open(j->path, (mend ? O_RDWR | O_NOFOLLOW : O_RDONLY) | O_CLOEXEC);
   if (j->fd < 0)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", j->path, strerror(errno));
   if (mend)
-    status =
-        lock(j, err); /* locked before it is read, as whoever had the lock may have added lines */
+    status = vs_lock_file(
+        j->fd, j->path,
+        err); /* locked before it is read, as whoever had the lock may have added lines */
   if (!status) status = read_lines(j, &j->end, err);
   if (!status && j->two_heads)
     status =
@@ -305,7 +373,7 @@ vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error
                      j->path);
   if (!status && mend && ftruncate(j->fd, (off_t)j->end))
     status = vs_fail(err, VS_RUN, "%s: cannot be written: %s", j->path, strerror(errno));
-  return status;
+  return !status && mend && j->mended && j->in_place ? write_head(j, err) : status;
 }
 
 bool vs_journal_peek(vs_journal *j, const char *folder) {
@@ -348,8 +416,18 @@ vs_status vs_journal_add(vs_journal *j, uint64_t index, int status, const char *
   return j->fresh.length < 1 << 16 ? VS_OK : vs_journal_flush(j, false, err);
 }
 
+/* Puts a copy of the head behind the fresh lines, once the journal is twice as long as it was at
+ * the copy before. */
+static void add_copy(vs_journal *j) {
+  const uint64_t end = j->end + j->fresh.length;
+  if (!j->fresh.length || end < j->copy_at) return;
+  vs_head_print_copy(&j->fresh, &j->head);
+  j->copy_at = 2 * end;
+}
+
 vs_status vs_journal_flush(vs_journal *j, bool sync, vs_error *err) {
   size_t done = 0;
+  add_copy(j);
   while (done < j->fresh.length) {
     ssize_t n = pwrite(j->fd, j->fresh.text + done, j->fresh.length - done, (off_t)(j->end + done));
     if (n < 0 && errno == EINTR) continue;
@@ -366,6 +444,27 @@ vs_status vs_journal_flush(vs_journal *j, bool sync, vs_error *err) {
                    strerror(errno));
   if (sync) j->unsynced = false;
   return VS_OK;
+}
+
+vs_status vs_journal_call_back(vs_journal *j, uint64_t *count, vs_error *err) {
+  vs_text row = {0};
+  char number[24];
+  bool failed = false;
+  vs_status status = VS_OK;
+  *count = 0;
+  for (uint64_t k = 0; k < j->room && !status; k++) {
+    const uint64_t index = k * j->head.shards + j->head.shard - 1;
+    if (!j->place[k]) continue;
+    status = vs_journal_row(j, index, &row, &failed, err);
+    if (status || !failed) continue;
+    int n = snprintf(number, sizeof number, "%" PRIu64, index);
+    vs_head_line(&j->fresh, '~', number, (size_t)n);
+    j->place[k] = 0;
+    j->failed--;
+    ++*count;
+  }
+  vs_text_free(&row);
+  return status ? status : vs_journal_flush(j, true, err);
 }
 
 vs_status vs_journal_row(const vs_journal *j, uint64_t index, vs_text *row, bool *failed,

@@ -7,14 +7,19 @@
  * where CRC32 is the CRC-32 of "KIND TEXT" in 8 hexadecimal digits, and KIND is
  *
  *   h   for a line NAME=VALUE of the head, which comes first and once;
+ *   H   for the same line in a copy of the head: one stands behind the first rows, and one more
+ *       whenever the journal has become twice as long;
  *   =   for a row of study.csv;
- *   !   for a row of failures.csv.
+ *   !   for a row of failures.csv;
+ *   ~   for the number of a case whose row of failures.csv does not count any more, as it is run
+ *       again.
  *
- * Lines are only ever added. A line whose sum is wrong does not count, and its case is not done.
- * The last line may be torn, when the process was killed; it is cut off when the study goes on. A
- * row that does not fit its header is refused, and so is one of a case that the head has not. So is
- * a row that differs from an earlier one of the same case, as nobody knows which of the two is
- * true. The same row twice counts as one.
+ * A head that lacks a line takes it from the first copy that has it. Lines are only ever added. A
+ * line whose sum is wrong does not count, and its case is not done. The last line may be torn, when
+ * the process was killed; it is cut off when the study goes on. A row that does not fit its header
+ * is refused, and so is one of a case that the head has not. So is a row that differs from an
+ * earlier one of the same case, as nobody knows which of the two is true. The same row twice counts
+ * as one.
  *
  * The rows stay on the disk; in memory are 8 bytes for each case. A count that stands in a journal
  * never makes this process take more memory than the journal's length justifies. */
@@ -41,7 +46,12 @@ typedef struct vs_journal {
   uint64_t failed;   /* cases with a row in failures.csv */
   uint64_t violated; /* those of `done` that have status 3 */
   vs_row *shape;     /* that every row must have; NULL: no row was read yet */
-  bool two_heads;    /* a line of the head stands there twice, or behind rows */
+  bool two_heads;    /* a line of the head stands there twice, or behind rows, or a copy of it says
+                        something else */
+  bool foreign;      /* of a version that this program does not read */
+  bool mended;       /* the head lacked a line, which a copy had */
+  bool in_place;     /* what stands behind that head stands where it did */
+  uint64_t copy_at;  /* bytes from which on the next copy of the head is written */
   uint64_t bad;      /* lines that did not count when it was opened */
   vs_text fresh;     /* lines that are not written yet */
   bool unsynced;     /* lines were written since the last fsync */
@@ -55,10 +65,11 @@ vs_status vs_journal_remove(const char *folder, vs_error *err);
  * process is at the study in that folder; the file cannot be written. */
 vs_status vs_journal_create(vs_journal *journal, const char *folder, vs_head *head, vs_error *err);
 /* Opens the journal that the folder holds and reads what is done. With `mend` the study goes on:
- * the folder is locked, and a torn last line is cut off. Errors: there is no journal; it has two
- * heads, or one whose manifest is no JSON, or counts that no study has; a row does not fit its
- * header, or a case has two different rows, or the head lacks it, which the error names with their
- * place; another process is at the study. vs_journal_close even then. */
+ * the folder is locked, and a torn last line is cut off. Errors: there is no journal; it is of a
+ * version that this program does not know; it has two heads, or one whose manifest is no JSON, or
+ * counts that no study has; a row does not fit its header, or a case has two different rows, or the
+ * head lacks it, which the error names with their place; another process is at the study.
+ * vs_journal_close even then. */
 vs_status vs_journal_open(vs_journal *journal, const char *folder, bool mend, vs_error *err);
 /* The same for one that gives way to another study, whatever stands there: false, it is no journal,
  * or no plain file. */
@@ -70,6 +81,9 @@ void vs_journal_close(vs_journal *journal);
 bool vs_journal_had(const vs_journal *journal, uint64_t index);
 /* True if the case is done. It must be one of the shard's. */
 bool vs_journal_has(const vs_journal *journal, uint64_t index);
+/* Calls all rows of failures.csv back, so that their cases are not done; *count is how many. They
+ * are on the disk. Error: the file cannot be written. */
+vs_status vs_journal_call_back(vs_journal *journal, uint64_t *count, vs_error *err);
 /* Adds the row of a case, as the CSV file has it but without a newline. status is VS_CASE_... of
  * work/case.h: it says to which of the two files the row belongs. Error: the file cannot be
  * written. */

@@ -228,6 +228,17 @@ static vs_status check_free(const session *s, bool journal, vs_error *err) {
                  s->folder, result);
 }
 
+/* Lets the cases that failed be run again: after a change of the machine's memory, of
+ * --case-timeout, of a library. A scene or a program that has changed makes another study. */
+static vs_status run_failed_again(session *s, vs_error *err) {
+  uint64_t count = 0;
+  vs_status status = vs_journal_call_back(&s->journal, &count, err);
+  if (!status && !s->o->quiet)
+    fprintf(stderr, "vibrospice: note: %llu case%s that failed run again\n",
+            (unsigned long long)count, count == 1 ? "" : "s");
+  return status;
+}
+
 static vs_status go_on(session *s, vs_head *head, vs_error *err) {
   vs_journal *j = &s->journal;
   vs_status status = vs_journal_open(j, s->folder, true, err);
@@ -251,7 +262,11 @@ static vs_status go_on(session *s, vs_head *head, vs_error *err) {
             "vibrospice: warning: %s: %llu torn or damaged line%s mended; what stood there is run "
             "again\n",
             j->path, (unsigned long long)j->bad, j->bad > 1 ? "s" : "");
-  return s->plan.adaptive ? VS_OK : check_rows(s, 0, s->plan.count, err);
+  if (j->mended && !s->o->quiet)
+    fprintf(stderr, "vibrospice: warning: %s: its head was damaged, and is taken from a copy\n",
+            j->path);
+  status = s->plan.adaptive ? VS_OK : check_rows(s, 0, s->plan.count, err);
+  return status || !s->o->again ? status : run_failed_again(s, err);
 }
 
 /* Begins a new journal, and removes what the folder has of an older study. */
@@ -268,13 +283,18 @@ static vs_status begin_anew(session *s, vs_head *head, vs_error *err) {
 static vs_status open_journal(session *s, vs_error *err) {
   vs_head head;
   vs_manifest_head(&s->plan, s->o->name, &head);
-  vs_status status = VS_OK;
-  if (s->o->shard) status = vs_merge_shard_read(s->o->shard, &head.shard, &head.shards, err);
+  vs_status status = s->o->keep_runs ? vs_case_check_csv(s->plan.first, err) : VS_OK;
+  if (!status && s->o->shard)
+    status = vs_merge_shard_read(s->o->shard, &head.shard, &head.shards, err);
   if (!status && s->plan.adaptive && head.shards > 1)
     status = vs_fail(err, VS_INPUT,
                      "--shard %s: method %s chooses its cases by the results of others; only "
                      "studies without it can be cut into shards",
                      s->o->shard, s->plan.adaptive->method->name);
+  if (!status && s->plan.adaptive && s->o->again)
+    status = vs_fail(err, VS_INPUT,
+                     "--again: method %s chose later cases by what failed; begin the study anew",
+                     s->plan.adaptive->method->name);
   struct stat st;
   if (!status && s->o->keep_runs && !lstat(s->keep, &st) && S_ISLNK(st.st_mode))
     status =
@@ -428,6 +448,9 @@ static vs_status check_options(const vs_study_options *o, vs_error *err) {
     return vs_fail(err, VS_INPUT,
                    "--resume goes on with what is there, --overwrite throws it "
                    "away; give one of them");
+  if (o->again && !o->resume)
+    return vs_fail(err, VS_INPUT,
+                   "--again: it says what --resume does besides going on; give both");
   const char *wants_folder = o->format != vs_format_all ? "--format"
                              : o->resume                ? "--resume"
                              : o->overwrite             ? "--overwrite"
@@ -468,41 +491,5 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
                      (unsigned long long)(s->journal.done + s->journal.failed));
   if (named && !o->folder) discard_folder(s);
   free_session(s);
-  return status;
-}
-
-/* ---- check ---- */
-
-bool vs_study_is(const char *name, const vs_method *const *methods) {
-  char path[VS_PATH_SIZE];
-  vs_error none = {0};
-  vs_tree tree = {0};
-  if (vs_path_find(&vs_scene_shelf, name, (vs_where){0}, path, &none))
-    return !vs_path_find(&vs_scene_study_shelf, name, (vs_where){0}, path, &none);
-  bool study = false;
-  size_t n = strlen(path);
-  bool yaml = (n > 5 && !strcmp(path + n - 5, ".yaml")) || (n > 4 && !strcmp(path + n - 4, ".yml"));
-  if (!yaml || vs_tree_read(path, &tree, &none)) n = 0;
-  if (n) study = vs_plan_has_keys(&tree, methods);
-  vs_tree_free(&tree);
-  return study;
-}
-
-vs_status vs_study_check(const vs_check_options *o, const vs_method *const *methods, vs_text *good,
-                         vs_error *err) {
-  vs_plan *plan = vs_alloc(1, sizeof *plan);
-  char method[128];
-  vs_status status = vs_plan_read(o->name, methods, o->sets, o->n_sets, plan, err);
-  if (!status && !vs_error_count(err))
-    status = vs_session_try(plan->first->tier, &plan->first->setup, err);
-  if (!status && !vs_error_count(err)) {
-    vs_plan_method(plan, method, sizeof method);
-    vs_text_add(good, "a good study: %s, %s%llu cases of %zu axes, %zu columns; tier %s (%s)",
-                method, plan->adaptive ? "at most " : "", (unsigned long long)plan->count,
-                plan->n_axes, plan->n_columns, plan->first->tier->name, plan->first->why);
-    vs_control_describe(&plan->first->control, good);
-  }
-  vs_plan_free(plan);
-  free(plan);
   return status;
 }

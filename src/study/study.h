@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * The command `study`, and what `check` says of a study. */
+ * The command `study`. */
 #ifndef VS_STUDY_STUDY_H
 #define VS_STUDY_STUDY_H
 
 #include <signal.h>
 
-#include "command/check.h"
 #include "plan/method.h"
 #include "study/format.h"
 
@@ -18,6 +17,7 @@ typedef struct vs_study_options {
   int jobs;                /* worker processes; 0: one for each core this process may use */
   const char *shard;       /* "I/N", "auto" (vs_merge_shard_read); NULL: all cases */
   bool resume;             /* goes on with what the folder has of this study */
+  bool again;              /* with resume: runs the cases again that failed */
   bool overwrite;          /* replaces what the folder has of any study; else that is refused */
   bool alone; /* each case is run from its beginning, also where some share their past */
   bool keep_runs, progress_json, quiet;
@@ -29,14 +29,5 @@ typedef struct vs_study_options {
 /* Runs the study. Errors: VS_INPUT, and nothing is written; VS_RUN, a case failed, or a file could
  * not be written; VS_RATING, all cases ran, and in some a rating is violated; VS_SIGNAL. */
 vs_status vs_study_command(const vs_study_options *options, vs_error *err);
-
-/* True if name is a file that is a study rather than a scene, or is the name of a study that comes
- * with the program and of no scene. */
-bool vs_study_is(const char *name, const vs_method *const *methods);
-
-/* Reads the study as the command would, without running it, and takes its first case's first step.
- * On success it adds one line that describes the study to good. */
-vs_status vs_study_check(const vs_check_options *options, const vs_method *const *methods,
-                         vs_text *good, vs_error *err);
 
 #endif

@@ -2,6 +2,7 @@
 #include "watch/table.h"
 
 #include <errno.h>
+#include <math.h>
 #include <string.h>
 
 #include "base/text.h"
@@ -30,6 +31,30 @@ void vs_table_begin(vs_table *table) {
   for (int k = 0; table->control && vs_control_column_at(table->control, k, &column); k++)
     write_name(table, column.name, column.unit);
   fputc('\n', table->stream);
+}
+
+static int columns_of(const vs_table *table) {
+  vs_control_column column;
+  int n = 1 + table->count + instruments_of(table), k = 0;
+  while (table->control && vs_control_column_at(table->control, k, &column)) k++;
+  return n + k;
+}
+
+vs_status vs_table_check(const vs_table *table, const vs_node *scene, double most, vs_error *err) {
+  enum {
+    BESIDES = 4
+  }; /* bytes of a number besides its digits: sign, point, exponent, comma; of
+        the nine digits of tables seen 1.5 to 4.2 */
+  const double rows = floor(table->until_s / table->sample_s) + 1;
+  const double bytes = rows * columns_of(table) * (table->digits + BESIDES);
+  if (bytes <= most) return VS_OK;
+  const vs_node *run = vs_tree_child(scene, "run"), *node = vs_tree_child(run, "sample");
+  if (!node) node = vs_tree_child(run, "until");
+  return vs_fail_at(err, node ? node->where : (vs_where){0},
+                    "run.csv would have about %.2g GB, in %.4g rows of %d columns; limits.csv = "
+                    "%.9g bytes allows no more: take a longer run.sample, record fewer probes, or "
+                    "raise it",
+                    1e-9 * bytes, rows, columns_of(table), most);
 }
 
 static void write_number(vs_table *table, double value, char before) {

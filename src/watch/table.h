@@ -24,6 +24,9 @@ typedef struct vs_table {
   double next;               /* number of the next row, from 0; its instant is next * sample_s */
 } vs_table;
 
+/* Error, with its place in the scene whose root that is: the file would have more than so many
+ * bytes. Its stream is not asked for. */
+vs_status vs_table_check(const vs_table *table, const vs_node *scene, double most, vs_error *err);
 /* Writes the header row: t_s, then name_unit of each channel, then NAME_meas_unit of each
  * instrument, then what the control has. */
 void vs_table_begin(vs_table *table);

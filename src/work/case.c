@@ -184,21 +184,33 @@ typedef struct keeper {
   vs_table table;
 } keeper;
 
+/* The table of all channels, without a stream. */
+static vs_table table_of(const vs_scene *s) {
+  vs_table table = {.frame = &s->frame,
+                    .instruments = &s->instruments,
+                    .control = &s->control,
+                    .digits = 9,
+                    .sample_s = s->setup.run.sample_s,
+                    .until_s = s->setup.run.until_s};
+  table.count = vs_channel_listed(&s->frame, table.channels);
+  return table;
+}
+
+vs_status vs_case_check_csv(const vs_scene *s, vs_error *err) {
+  const vs_table table = table_of(s);
+  return vs_table_check(&table, s->tree.root, s->setup.limits.csv_bytes, err);
+}
+
 static vs_status begin_csv(keeper *k, const vs_scene *s, vs_error *err) {
   char folder[VS_PATH_SIZE + 32];
   int made;
   snprintf(folder, sizeof folder, "%s/%llu", k->c->keep, (unsigned long long)k->c->present.index);
-  vs_status status = vs_file_folder_make(folder, &made, err);
+  vs_status status = vs_case_check_csv(s, err);
+  if (!status) status = vs_file_folder_make(folder, &made, err);
   if (!status) status = vs_file_open(&k->csv, folder, "run.csv", err);
   if (status) return status;
-  k->table = (vs_table){.stream = k->csv.stream,
-                        .frame = &s->frame,
-                        .instruments = &s->instruments,
-                        .control = &s->control,
-                        .digits = 9,
-                        .sample_s = s->setup.run.sample_s,
-                        .until_s = s->setup.run.until_s};
-  k->table.count = vs_channel_listed(&s->frame, k->table.channels);
+  k->table = table_of(s);
+  k->table.stream = k->csv.stream;
   vs_table_begin(&k->table);
   return VS_OK;
 }

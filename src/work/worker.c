@@ -12,6 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "solver/confine.h"
 #include "work/past.h"
 
 double vs_worker_clock(void) {
@@ -66,6 +67,11 @@ static void settle_in(pid_t parent, int in, int out) {
   close_range((unsigned)high + 1, ~0u, 0);
 }
 
+/* A scene's own code may do whatever its user lets it do. */
+static void confine(const vs_plan *plan) {
+  if (!plan->allow_code) vs_confine_process(VS_CONFINE_WORKER);
+}
+
 /* ---- the parent ---- */
 
 vs_status vs_worker_start(vs_worker *w, const vs_plan *plan, const char *keep, bool share,
@@ -80,6 +86,7 @@ vs_status vs_worker_start(vs_worker *w, const vs_plan *plan, const char *keep, b
   pid_t parent = getpid(), pid = fork();
   if (pid == 0) {
     settle_in(parent, there[0], back[1]);
+    confine(plan);
     work(plan, keep, share, there[0], back[1]);
   }
   int why = errno;

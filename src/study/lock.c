@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "study/lock.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdbool.h>
+#include <sys/file.h>
+#include <time.h>
+#include <unistd.h>
+
+static vs_status held(int fd, bool (*try)(int fd), const char *path, vs_error *err) {
+  const struct timespec pause = {.tv_nsec = 20000000};
+  for (int k = 0; k < 10 && !try(fd); k++) {
+    if (errno != EACCES && errno != EAGAIN) return VS_OK; /* a file system without locks */
+    if (k == 9) return vs_fail(err, VS_INPUT, "%s: another process is at this study", path);
+    nanosleep(&pause, NULL);
+  }
+  return VS_OK;
+}
+
+static bool try_file(int fd) {
+  struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+  return !fcntl(fd, F_OFD_SETLK, &whole);
+}
+
+static bool try_folder(int fd) {
+  return !flock(fd, LOCK_EX | LOCK_NB);
+}
+
+vs_status vs_lock_file(int fd, const char *path, vs_error *err) {
+  return held(fd, try_file, path, err);
+}
+
+vs_status vs_lock_folder(const char *folder, const char *path, int *fd, vs_error *err) {
+  *fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  return *fd < 0 ? VS_OK : held(*fd, try_folder, path, err);
+}
