@@ -27,7 +27,7 @@ good_tree() {
   file src/machine/model.h 'typedef struct vs_model {' '  int n;' '} vs_model;' 'int vs_model_n(const vs_model *m);'
   file src/machine/model.c '#include "machine/model.h"' '#include "base/texts.h"' \
     'int vs_model_n(const vs_model *m) { return vs_text_twice(m->n) + vs_text_most[0] + vs_text_least; }'
-  file src/solver/ng.c '#include <ngspice/sharedspice.h>'
+  file src/solver/library.h '#include <ngspice/sharedspice.h>'
   file src/main.c '#include "machine/model.h"' 'int main(void) {' '  vs_model m = {3};' '  return vs_model_n(&m);' '}'
   file tests/test_text.c '#include "base/texts.h"' 'int main(void) { return vs_texts(3); }'
 }
@@ -90,5 +90,5 @@ says 'check_rooms: fine'
 add src/base/texts.c 'static void *other(void) { return gsl_vector_alloc(1); }'
 says 'src/base/texts.c:11: calls gsl_vector_alloc() without vs_checked()'
 add src/main.c '#include <ngspice/sharedspice.h>'
-says 'src/main.c:7: includes ngspice/sharedspice.h, which only src/solver/ng.c may'
+says 'src/main.c:7: includes ngspice/sharedspice.h, which only src/solver/library.h may'
 exit $failed

@@ -13,6 +13,7 @@
 #include "base/leave.h"
 #include "scene/session.h"
 #include "solver/guard.h"
+#include "solver/ng.h"
 #include "steady/steady.h"
 #include "tell/show.h"
 #include "watch/table.h"
@@ -337,11 +338,36 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   return status;
 }
 
+/* True if a circuit is going to be solved, as far as the scene's tree tells. False says nothing. */
+static bool foresees_circuit(const vs_scene *scene, const char *tier) {
+  static const char *const SECTIONS[] = {"circuit", "events"};
+  const vs_node *root = scene->tree.root;
+  const vs_node *named = vs_tree_child(vs_tree_child(root, "run"), "tier");
+  if (vs_tree_child(root, vs_control_section.name)) return false; /* it may fork */
+  if (!tier && named && named->kind == VS_NODE_TEXT) tier = named->text;
+  if (tier && strcmp(tier, "auto") != 0)
+    return vs_tiers_find(tier) && vs_tiers_find(tier)->has_circuit;
+  for (size_t k = 0; k < sizeof SECTIONS / sizeof *SECTIONS; k++) {
+    const vs_node *section = vs_tree_child(root, SECTIONS[k]);
+    if (section && section->child) return true;
+  }
+  return false;
+}
+
+/* Reads the scene, while ngspice gets ready where it is going to be asked. */
+static vs_status read_scene(const vs_run_options *o, vs_scene *scene, vs_error *err) {
+  vs_status status = vs_scene_open(o->scene, (vs_where){0}, scene, err);
+  for (size_t k = 0; k < o->n_sets && !status; k++)
+    status = vs_error_carry_on(err, vs_tree_set(&scene->tree, o->sets[k], err));
+  if (!status && foresees_circuit(scene, o->tier)) vs_ng_expect();
+  return status ? status : vs_scene_settle(scene, o->tier, err);
+}
+
 vs_status vs_run_command(const vs_run_options *o, vs_error *err) {
   if (o->raw && !o->folder)
     return vs_fail(err, VS_INPUT, "--raw: run.raw goes into a folder; name one with -o DIR");
   vs_scene *scene = vs_alloc(1, sizeof *scene);
-  vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
+  vs_status status = read_scene(o, scene, err);
   scene->allow_code = o->allow_code;
   if (!status) status = vs_control_allow(&scene->control, o->allow_code, err);
   if (!status && o->raw) status = vs_scene_take_circuit(scene, "--raw", err);

@@ -6,25 +6,18 @@
  * itself. Its return codes say nothing: whether a run was good is seen from the time it reached and
  * from its log. */
 #include <ctype.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
-#include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-
-#include <ngspice/sharedspice.h>
 
 #include "base/jail.h"
-#include "base/leave.h"
-#include "base/path.h"
 #include "base/text.h"
 #include "solver/child.h"
 #include "solver/confine.h"
 #include "solver/guard.h"
+#include "solver/library.h"
 #include "solver/ng.h"
 #include "solver/rawfile.h"
 
@@ -33,6 +26,7 @@ enum { GROUND = -1, MISSING = -2 };
 
 /* libngspice is one global instance in a process, and so is what its callbacks need. */
 static struct {
+  const vs_library *library;
   const vs_circuit_job *job;
   const vs_circuit_host *host;
   int *vector; /* per signal: its index in SendData, GROUND or MISSING */
@@ -104,7 +98,7 @@ static int find_vector(const vecinfoall *all, const char *signal) {
 
 static void set_edge(double t_s) {
   double edge = ng.host->edge(ng.host->ctx, t_s);
-  if (edge != ng.edge_s && edge < ng.job->until_s) ngSpice_SetBkpt(edge);
+  if (edge != ng.edge_s && edge < ng.job->until_s) ng.library->set_breakpoint(edge);
   ng.edge_s = edge;
 }
 
@@ -231,62 +225,25 @@ static int on_sync(double t, double *step, double old_step, int redo, int id, in
   return 0;
 }
 
-/* Removes the variables by which a user tells ngspice where its files are, and so whose spinit it
- * runs, and more of the kind. Without them it takes those that it was installed with, code models
- * included. */
-static void forget_environment(void) {
-  static const char *const NAMES[] = {
-      "SPICE_LIB_DIR",     "SPICE_SCRIPTS",         "SPICE_EXEC_DIR",
-      "SPICE_PATH",        "SPICE_HELP_DIR",        "SPICE_NEWS",
-      "SPICE_MAPFILE",     "SPICE_ASCIIRAWFILE",    "SPICE_EDITOR",
-      "SPICE_HOST",        "SPICE_BUGADDR",         "SPICE_NO_DATASEG_CHECK",
-      "NGSPICE_INPUT_DIR", "NGSPICE_MEAS_PRECISION"};
-  for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) unsetenv(NAMES[k]);
-}
-
-/* Makes a folder below $TMPDIR, or /tmp. Returns false where it cannot; errno says why. */
-static bool make_folder(char path[VS_PATH_SIZE]) {
-  const char *temporary = getenv("TMPDIR");
-  snprintf(path, VS_PATH_SIZE, "%.4000s/vibrospice.XXXXXX",
-           temporary && *temporary ? temporary : "/tmp");
-  return mkdtemp(path) != NULL;
-}
-
-static void call_init(void) {
+static void begin(const vs_library *library) {
   int id = 0;
-  ngSpice_Init(on_text, on_status, on_exit_wanted, on_accepted, on_vectors, on_thread, NULL);
-  ngSpice_Init_Sync(on_source, on_source, on_sync, &id, NULL);
+  ng.library = library;
+  library->init(on_text, on_status, on_exit_wanted, on_accepted, on_vectors, on_thread, NULL);
+  library->init_sync(on_source, on_source, on_sync, &id, NULL);
 }
 
-/* Initialises ngspice once in a process. It reads .spiceinit from the working directory, else from
- * the user's home; an empty one in a private folder keeps the user's out, so that a scene gives the
- * same result for everyone. Signals are held back as long as that folder is there. */
+void vs_ng_expect(void) {
+  if (!ng.initialised) vs_library_expect(begin);
+}
+
+/* Initialises ngspice once in a process. */
 static vs_status initialise(vs_error *err) {
   if (ng.ended)
     return vs_fail(err, VS_RUN, "ngspice ended itself in an earlier run of this process");
   if (ng.initialised) return VS_OK;
-  char folder[VS_PATH_SIZE] = ".";
-  vs_status status = VS_OK;
-  sigset_t before;
-  forget_environment();
-  int home = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC), empty = -1;
-  vs_leave_hold(&before);
-  bool made = home >= 0 && make_folder(folder);
-  if (made && !chdir(folder)) empty = open(".spiceinit", O_WRONLY | O_CREAT | O_EXCL, 0600);
-  if (empty < 0)
-    status = vs_fail(err, VS_RUN, "no private folder for ngspice: %s: %s", folder, strerror(errno));
-  else {
-    close(empty);
-    call_init();
-    if (vs_jail_is_on()) vs_confine_process(VS_CONFINE_NETWORK);
-    unlink(".spiceinit");
-    ng.initialised = true;
-  }
-  if (made && fchdir(home) && !status)
-    status = vs_fail(err, VS_RUN, "the working directory is gone: %s", strerror(errno));
-  if (made) rmdir(folder);
-  vs_leave_release(&before);
-  if (home >= 0) close(home);
+  vs_status status = vs_library_open(begin, err);
+  ng.initialised = !status;
+  if (ng.initialised && vs_jail_is_on()) vs_confine_process(VS_CONFINE_NETWORK);
   return status;
 }
 
@@ -311,7 +268,7 @@ static void step_on(vs_error *err) {
   ng.tries = 0;
   ng.raw = (vs_rawfile){0};
   char command[] = "run";
-  ngSpice_Command(command);
+  ng.library->command(command);
   vs_guard_end();
 }
 
@@ -327,7 +284,7 @@ typedef struct trial {
 static vs_child_end attempt(void *ctx) {
   const trial *t = ctx;
   vs_error err = {0};
-  ngSpice_Circ(t->lines);
+  ng.library->circuit(t->lines);
   if (ng.ended) return VS_CHILD_BAD_LOAD;
   ng.trial = true;
   take_job(t->job, t->host);
@@ -354,12 +311,12 @@ static vs_status try_first(const vs_circuit_job *job, const vs_circuit_host *hos
 static void set_dialect(const char *dialect) {
   char command[64];
   snprintf(command, sizeof command, *dialect ? "set ngbehavior=%sa" : "unset ngbehavior", dialect);
-  ngSpice_Command(command);
+  ng.library->command(command);
 }
 
 static void forget(void) {
   char remove[] = "remcirc";
-  if (ng.loaded.length && !ng.ended) ngSpice_Command(remove);
+  if (ng.loaded.length && !ng.ended) ng.library->command(remove);
   ng.loaded.length = 0;
   ng.sound = false;
 }
@@ -380,7 +337,7 @@ static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *hos
   set_dialect(job->dialect);
   vs_status status = try_first(job, host, lines, err);
   if (status) return status;
-  ngSpice_Circ(lines);
+  ng.library->circuit(lines);
   if (ng.ended) vs_guard_end();
   if (ng.ended) return vs_complaints_tell(&ng.complaints, job, "load", err);
   vs_text_free(&ng.loaded);
@@ -475,7 +432,7 @@ static void release(void *circuit) {
   ng.job = NULL;
   if (ng.ended) return;
   char destroy[] = "destroy all";
-  ngSpice_Command(destroy);
+  ng.library->command(destroy);
   if (!ng.sound) forget();
 }
 

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * libngspice, the library. It is loaded when the first circuit is to be solved, and not when the
+ * program starts: most of what the program does needs none. Loading it takes as long as reading a
+ * scene, so a second thread may do it meanwhile. */
+#ifndef VS_SOLVER_LIBRARY_H
+#define VS_SOLVER_LIBRARY_H
+
+#include <stdbool.h>
+
+#include <ngspice/sharedspice.h>
+
+#include "base/error.h"
+
+/* Its functions that are used, under the names that sharedspice.h has for them without "ngSpice_".
+ */
+typedef struct vs_library {
+  __typeof__(ngSpice_Init) *init;
+  __typeof__(ngSpice_Init_Sync) *init_sync;
+  __typeof__(ngSpice_Circ) *circuit;
+  __typeof__(ngSpice_Command) *command;
+  __typeof__(ngSpice_SetBkpt) *set_breakpoint;
+} vs_library;
+
+/* Calls init and init_sync. It may be called in a second thread, while the first one does not look
+ * at anything that it writes. */
+typedef void (*vs_library_begin)(const vs_library *library);
+
+/* Begins to load the library and to call begin in a second thread, which signals that end the
+ * process do not reach. Nothing comes of it where that cannot be; vs_library_open does all of it
+ * then. A process must not fork before it has called vs_library_open. */
+void vs_library_expect(vs_library_begin begin);
+
+/* Loads the library and calls begin, unless vs_library_expect has, whose thread it waits for; it
+ * is called once in a process. ngspice reads .spiceinit from the working directory, else from the
+ * user's home; begin is called in a folder that has an empty one, so that a scene gives the same
+ * result for everyone. Errors, VS_RUN: there is no such library, or no folder for it. */
+vs_status vs_library_open(vs_library_begin begin, vs_error *err);
+
+#endif
