@@ -6,7 +6,6 @@
  *   bench_runs switched EVERY TOL REPEAT best and median wall time
  *   bench_runs measures TOL REPEAT       the same of a run for its measures alone
  * Others:
- *   bench_runs circuit ROUNDS        0.1 s on the circuit tier against its circuit alone, in turn
  *   bench_runs child PROGRAM ARG...  wall time and peak memory of a program
  *   bench_runs seconds N PROGRAM ARG...  least wall time of N runs of a program, its output dropped
  *
@@ -24,9 +23,7 @@
 #include <unistd.h>
 
 #include "conveyor.h"
-#include "drive/signals.h"
 #include "scene/scene.h"
-#include "solver/ng.h"
 #include "watch/energy.h"
 
 /* The peers' record: p, u, w, phi, i every 0.1 ms of 2 s. */
@@ -213,133 +210,6 @@ static void time_measures(const char *tolerance, size_t repeat) {
   free_scene(scene);
 }
 
-/* ---- circuit tier: a solver that is ngspice, with a clock, or with a host of its own ---- */
-
-enum { MOST_LIMITS = 1000000 };
-static struct {
-  const vs_setup *setup;
-  bool circuit_alone; /* run with the gap at rest and nobody to be told */
-  size_t gap_port;
-  double solving_s; /* of the last run, without loading */
-  long steps, sources;
-  vs_circuit_host host; /* the tier's */
-  struct {
-    double from_s, longest_s;
-  } limit[MOST_LIMITS]; /* the tier's step limits, for the circuit alone; `limits` of them */
-  size_t limits, now;
-} timed;
-
-static double rest_source(void *ctx, size_t port, double t_s) {
-  (void)ctx;
-  timed.sources++;
-  if (port == timed.gap_port) return timed.setup->model.coil.gap_rest_m;
-  if (port > timed.gap_port) return 0; /* nothing is given back */
-  const vs_port *p = &timed.setup->deck.ports[port];
-  return vs_signals_voltage(&timed.setup->timeline, &p->signal, t_s);
-}
-
-static double rest_edge(void *ctx, double t_s) {
-  (void)ctx;
-  double next = INFINITY;
-  for (size_t k = 0; k < timed.setup->deck.n_ports; k++) {
-    const vs_signal *s = &timed.setup->deck.ports[k].signal;
-    next = fmin(next, vs_signals_edge(&timed.setup->timeline, s, t_s));
-  }
-  return next;
-}
-
-static double rest_longest(void *ctx, double t_s) {
-  (void)ctx;
-  while (timed.now + 1 < timed.limits && timed.limit[timed.now + 1].from_s <= t_s) timed.now++;
-  return timed.limit[timed.now].longest_s;
-}
-
-static vs_status rest_accept(void *ctx, double t_s, const double *signals, vs_error *err) {
-  (void)ctx, (void)t_s, (void)signals, (void)err;
-  timed.steps++;
-  return VS_OK;
-}
-
-static double counted_source(void *ctx, size_t port, double t_s) {
-  (void)ctx;
-  timed.sources++;
-  return timed.host.source(timed.host.ctx, port, t_s);
-}
-
-static double counted_edge(void *ctx, double t_s) {
-  (void)ctx;
-  return timed.host.edge(timed.host.ctx, t_s);
-}
-
-static double noted_longest(void *ctx, double t_s) {
-  (void)ctx;
-  double longest_s = timed.host.longest(timed.host.ctx, t_s);
-  if (!timed.limits || longest_s != timed.limit[timed.limits - 1].longest_s) {
-    if (timed.limits == MOST_LIMITS) give_up("too many step limits");
-    timed.limit[timed.limits].from_s = t_s;
-    timed.limit[timed.limits++].longest_s = longest_s;
-  }
-  return longest_s;
-}
-
-static vs_status counted_accept(void *ctx, double t_s, const double *signals, vs_error *err) {
-  (void)ctx;
-  timed.steps++;
-  return timed.host.accept(timed.host.ctx, t_s, signals, err);
-}
-
-static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
-                      vs_error *err) {
-  static const vs_circuit_host rest = {
-      .source = rest_source, .edge = rest_edge, .longest = rest_longest, .accept = rest_accept};
-  static const vs_circuit_host counted = {.source = counted_source,
-                                          .edge = counted_edge,
-                                          .longest = noted_longest,
-                                          .accept = counted_accept};
-  timed.gap_port = timed.setup->deck.n_ports; /* the first of the EVA's own */
-  timed.steps = timed.sources = 0;
-  timed.now = 0;
-  if (!timed.circuit_alone) timed.limits = 0;
-  timed.host = *host;
-  return vs_ng_kind.load(job, timed.circuit_alone ? &rest : &counted, circuit, err);
-}
-
-static vs_status run(void *circuit, vs_error *err) {
-  double began = wall_clock();
-  vs_status status = vs_ng_kind.run(circuit, err);
-  timed.solving_s = wall_clock() - began;
-  return status;
-}
-
-static void release(void *circuit) {
-  vs_ng_kind.free(circuit);
-}
-
-/* One line per round; of the product with measures and energy, the product with an idle observer,
- * the circuit alone: seconds, seconds without loading, steps, source calls. */
-static void time_circuit(int rounds) {
-  const vs_circuit_kind solver = {"ngspice, timed", load, run, release};
-  char until[] = "run.until=0.1s", *sets[] = {until};
-  vs_scene *scene = read_scene("circuit", sets, 1);
-  scene->order.solver = &solver;
-  timed.setup = &scene->setup;
-  const vs_observer idle = {NULL, nothing};
-  for (int round = -1; round < rounds;
-       round++) /* the first, with ngspice's beginning, is not counted */
-    for (int way = 0; way < 3; way++) {
-      watchers w = {.measures = vs_measures_new(&scene->frame, NULL),
-                    .energy = {.frame = &scene->frame}};
-      const vs_observer watching = {&w, watch};
-      timed.circuit_alone = way == 2;
-      double spent = run_timed(scene, way ? &idle : &watching);
-      vs_measures_free(w.measures);
-      if (round >= 0)
-        printf("%.9f,%.9f,%ld,%ld%c", spent, timed.solving_s, timed.steps, timed.sources,
-               way < 2 ? ',' : '\n');
-    }
-  free_scene(scene);
-}
-
 /* ---- a child's peak memory ---- */
 
 /* Runs the program to its end; gives its wall time, s. */
@@ -380,8 +250,6 @@ int main(int argc, char **argv) {
     time_switched(argv[2], argv[3], (size_t)atoi(argv[4]));
   else if (argc == 4 && !strcmp(argv[1], "measures") && atoi(argv[3]) > 0)
     time_measures(argv[2], (size_t)atoi(argv[3]));
-  else if (argc == 3 && !strcmp(argv[1], "circuit"))
-    time_circuit(atoi(argv[2]));
   else if (argc > 2 && !strcmp(argv[1], "child"))
     time_child(argv + 2);
   else if (argc > 3 && !strcmp(argv[1], "seconds") && atoi(argv[2]) > 0)
@@ -389,7 +257,7 @@ int main(int argc, char **argv) {
   else {
     fputs(
         "usage: bench_runs error EVERY TOL REF | switched EVERY TOL REPEAT | measures TOL REPEAT | "
-        "circuit ROUNDS | child PROGRAM [ARG...] | seconds N PROGRAM [ARG...]\n",
+        "child PROGRAM [ARG...] | seconds N PROGRAM [ARG...]\n",
         stderr);
     return 2;
   }

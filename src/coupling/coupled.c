@@ -15,6 +15,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/text.h"
 #include "coupling/amend.h"
@@ -26,7 +27,7 @@
 #include "coupling/swing.h"
 #include "deck/netlist.h"
 #include "drive/events.h"
-#include "drive/signals.h"
+#include "drive/held.h"
 
 typedef struct coupling {
   const vs_setup *setup;
@@ -38,6 +39,16 @@ typedef struct coupling {
   vs_course course;
   vs_away away;
   vs_prelude prelude;
+  vs_held edge,
+      port[VS_DECK_MOST]; /* the next edge, and the deck's ports, as they were told last */
+  /* What the sources were told at the candidate time that the solver asked for last: it asks for
+   * each once per Newton iteration. */
+  double asked_s;  /* by the solver's clock; NaN: at none since the last step */
+  unsigned asking; /* the number of that time */
+  struct {
+    unsigned asking; /* when this was told */
+    double value;
+  } told[VS_DECK_MOST + VS_EVA_PORTS + VS_DECK_MOTIONS];
 } coupling;
 
 /* ---- the solver's host ---- */
@@ -55,26 +66,60 @@ static double amended(coupling *c, size_t port, double t_s) {
                                          : vs_amend_current(&c->amend, &at);
 }
 
-static double source(void *ctx, size_t port, double solver_s) {
-  coupling *c = ctx;
-  double t_s = run_time(c, solver_s);
+static double deck_source(coupling *c, size_t port, double t_s) {
+  const vs_port *p = &c->setup->deck.ports[port];
+  double push_v = p->signal.drive == VS_PORT_MAINS ? vs_prelude_push(&c->prelude, t_s) : 0;
+  return push_v + vs_held_voltage(&c->port[port], &c->course.setup->timeline, &p->signal, t_s);
+}
+
+static double find_source(coupling *c, size_t port, double t_s) {
   size_t of_deck = c->setup->deck.n_ports;
+  if (port < of_deck) return deck_source(c, port, t_s);
   if (port == of_deck + VS_EVA_PORT_GAP) return vs_course_gap(&c->course, t_s);
   size_t motion = port + c->setup->deck.n_motions;
   if (motion >= c->names->n_ports)
     return vs_course_motion(&c->course, c->setup->deck.motions[motion - c->names->n_ports].state,
                             t_s);
   if (port >= of_deck + VS_EVA_PORTS_LEADING) return vs_away_lead(&c->away, port - of_deck, t_s);
-  if (port > of_deck) return amended(c, port - of_deck, t_s);
-  const vs_port *p = &c->setup->deck.ports[port];
-  double push_v = p->signal.drive == VS_PORT_MAINS ? vs_prelude_push(&c->prelude, t_s) : 0;
-  return push_v + vs_signals_voltage(&c->course.setup->timeline, &p->signal, t_s);
+  return amended(c, port - of_deck, t_s);
+}
+
+static double source(void *ctx, size_t port, double solver_s) {
+  coupling *c = ctx;
+  if (solver_s != c->asked_s) {
+    c->asked_s = solver_s;
+    c->asking++;
+  }
+  if (c->told[port].asking != c->asking) {
+    c->told[port].asking = c->asking;
+    c->told[port].value = find_source(c, port, run_time(c, solver_s));
+  }
+  return c->told[port].value;
+}
+
+/* The edge behind now_s of what drives the circuit. */
+static double next_edge(coupling *c, double now_s) {
+  const vs_setup *setup = c->course.setup;
+  if (vs_held_at(&c->edge, now_s)) return c->edge.number;
+  double edge_s = vs_setup_edge(setup, now_s);
+  if (!setup->timeline.program)
+    c->edge = (vs_held){now_s, edge_s - vs_held_near(&setup->timeline, now_s), edge_s};
+  return edge_s;
+}
+
+/* A step was accepted: what was told does not hold any more, and where events may change on the
+ * way, or another part of the run may have begun, neither does what is told from edge to edge. */
+static void forget(coupling *c) {
+  c->asked_s = NAN;
+  if (!c->prelude.on && !c->order->junction) return;
+  c->edge = (vs_held){0};
+  memset(c->port, 0, sizeof c->port);
 }
 
 static double edge(void *ctx, double solver_s) {
   coupling *c = ctx;
   if (c->course.anode.crossed || c->swing.anew) return solver_s; /* the solver's rule begins anew */
-  double now_s = run_time(c, solver_s), next_s = vs_setup_edge(c->course.setup, now_s);
+  double now_s = run_time(c, solver_s), next_s = next_edge(c, now_s);
   if (c->away.shift_s != 0 && !c->prelude.on) next_s = fmin(next_s, c->setup->run.until_s);
   return vs_prelude_edge(&c->prelude, now_s, next_s) - c->away.shift_s;
 }
@@ -102,6 +147,7 @@ static vs_status reach_junction(coupling *c, double t_s, vs_error *err) {
 
 static vs_status accept(void *ctx, double solver_s, const double *signals, vs_error *err) {
   coupling *c = ctx;
+  forget(c);
   double t_s = run_time(c, solver_s);
   vs_status status = c->prelude.on ? VS_OK : reach_junction(c, t_s, err);
   if (status) return status;
@@ -207,6 +253,7 @@ static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_
                 .pace = pace,
                 .swing = vs_swing_of(setup),
                 .amend = vs_amend_of(setup, !order->pilot && !pace.blows),
+                .asked_s = NAN,
                 .names = vs_alloc(1, sizeof *c.names)};
   vs_prelude_begin(&c.prelude, setup, order, observer);
   vs_course_begin(&c.course, vs_prelude_setup(&c.prelude), &frame, vs_prelude_observer(&c.prelude));

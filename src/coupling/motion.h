@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The machine between two of the circuit's knots: Eq. 54 under a flux linkage that is a cubic in
- * time, integrated by GSL's rkf45. The instant at which the armature meets or leaves its stop is
- * located. */
+ * time. Where the force follows from that alone and the armature is free, q is a Taylor series;
+ * else it is integrated by GSL's rkf45. The instant at which the armature meets or leaves its stop
+ * is located. */
 #ifndef VS_COUPLING_MOTION_H
 #define VS_COUPLING_MOTION_H
 
@@ -16,8 +17,8 @@ typedef struct vs_motion {
   unsigned touched;                     /* the stops that the armature is in, as bits */
   bool jammed;                          /* the armature stays where it is */
   double substep_s, substep_touching_s; /* longest substep, free and in a stop: 0.02 rad of the
-                                           fastest swing, where rkf45's error is below 1e-12 of the
-                                           amplitude; INFINITY for a free mass */
+                                           fastest swing, where the error of either is below 1e-12
+                                           of the amplitude; INFINITY for a free mass */
   unsigned changed; /* behind a contact: the stop that was met or left, as a bit */
   size_t size;      /* of a state, bytes */
   gsl_odeiv2_system system;

@@ -75,8 +75,8 @@ double vs_prelude_edge(vs_prelude *p, double now_s, double next_s) {
 
 double vs_prelude_time(const vs_prelude *p, double solver_s, double shift_s) {
   double t_s = solver_s + shift_s;
-  bool at_edge = pilot_of(p) && fabs(t_s - p->edge_s) <= vs_occurrence_rounding(solver_s);
-  return at_edge ? p->edge_s : t_s;
+  if (!pilot_of(p)) return t_s;
+  return fabs(t_s - p->edge_s) <= vs_occurrence_rounding(solver_s) ? p->edge_s : t_s;
 }
 
 vs_status vs_prelude_follow(vs_prelude *p, vs_course *course, double *shift_s, vs_error *err) {

@@ -45,10 +45,13 @@ static double event_voltage(const vs_timeline *t, const vs_signal *s, double t_s
 static const struct drive {
   double (*voltage)(const vs_timeline *timeline, const vs_signal *signal, double t_s);
   double (*edge)(const vs_timeline *timeline, const vs_signal *signal, double t_s);
-} DRIVES[] = {
-    [VS_PORT_MAINS] = {mains_voltage, no_edge},    [VS_PORT_GATE] = {gate_voltage, gate_edge},
-    [VS_PORT_BURST] = {burst_voltage, burst_edge}, [VS_PORT_PWM] = {pwm_voltage, pwm_edge},
-    [VS_PORT_PWM_LOW] = {pwm_voltage, pwm_edge},   [VS_PORT_EVENT] = {event_voltage, no_edge}};
+  bool holds; /* the voltage stays from one edge to the next, of its own or of an event */
+} DRIVES[] = {[VS_PORT_MAINS] = {mains_voltage, no_edge, false},
+              [VS_PORT_GATE] = {gate_voltage, gate_edge, true},
+              [VS_PORT_BURST] = {burst_voltage, burst_edge, true},
+              [VS_PORT_PWM] = {pwm_voltage, pwm_edge, true},
+              [VS_PORT_PWM_LOW] = {pwm_voltage, pwm_edge, true},
+              [VS_PORT_EVENT] = {event_voltage, no_edge, false}};
 _Static_assert(sizeof DRIVES / sizeof *DRIVES == VS_PORT_DRIVES, "a row for each drive of a port");
 
 double vs_signals_voltage(const vs_timeline *t, const vs_signal *s, double t_s) {
@@ -57,4 +60,8 @@ double vs_signals_voltage(const vs_timeline *t, const vs_signal *s, double t_s) 
 
 double vs_signals_edge(const vs_timeline *t, const vs_signal *s, double t_s) {
   return DRIVES[s->drive].edge(t, s, t_s);
+}
+
+bool vs_signals_holds(const vs_signal *s) {
+  return DRIVES[s->drive].holds;
 }
