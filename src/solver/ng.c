@@ -42,6 +42,7 @@ static struct {
   double reached_s, edge_s;
   double progress_from_s; /* where the stretch that guard_progress() looks at began */
   long tries;             /* steps in that stretch, failed ones too */
+  int halves;             /* how many steps in turn went half of what was left to the end */
   vs_status status;       /* the run ends once it is not VS_OK */
   bool enough;            /* the host has seen enough: the run ends with VS_OK */
   const char **asked;     /* per port: where ngspice has its name; NULL: not known yet */
@@ -145,19 +146,22 @@ static int on_vectors(pvecinfoall all, int id, void *user) {
   return 0;
 }
 
-/* ngspice from 44 on may come to its end in steps of 1e-20 s, shorter than the rounding of the
- * time. What an inductance or a capacitance makes of such a step is rounding, too: a surge of 1 kV
- * ended with 6.4 kV. They are left out: the run has come to its end before them. */
-static bool is_shred(double t_s) {
-  double end = ng.job->until_s;
-  return t_s > end * (1 - 1e-12) && t_s - ng.reached_s < end * 1e-13;
+/* A run has come to its end this near to it, in parts of its largest step; ngspice up to 43 ends
+ * there by itself, and on the way to it stops 1.1e-11 of a largest step short. From 44 on it goes
+ * on in steps down to 1e-20 s, shorter than the rounding of the time. What an inductance or a
+ * capacitance makes of such a step is rounding, too: a surge of 1 kV ended with 6.4 kV. These steps
+ * are left out. */
+static const double END = 1e-10;
+
+static bool has_come_to_the_end(void) {
+  return ng.job->until_s - ng.reached_s < END * ng.job->max_step_s;
 }
 
 static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
   (void)count, (void)id, (void)user;
   if (!ng.job || ng.time_vector < 0 || ng.status || ng.enough) return 0;
   double t = all->vecsa[ng.time_vector]->creal;
-  if (t <= ng.reached_s || is_shred(t)) return 0;
+  if (t <= ng.reached_s || has_come_to_the_end()) return 0;
   if (ng.trial) vs_child_finish();
   vs_guard_end();
   for (size_t s = 0; s < ng.job->n_signals; s++)
@@ -218,13 +222,24 @@ static vs_status guard_progress(void) {
   return VS_RUN;
 }
 
+/* The step of a run that ngspice halves on its way to the end. From 46 on it goes half of what is
+ * left where that is more than a step. As it also holds a step back from the end by the least bit,
+ * it then goes half of the way again, and again, 37 times. The second half is made a whole. */
+static double not_halved(double t, double step) {
+  double left = ng.job->until_s - t;
+  bool half = fabs(2 * step - left) < 1e-6 * left;
+  ng.halves = half ? ng.halves + 1 : 0;
+  return ng.halves > 1 ? left : step;
+}
+
 /* Limits the next step to what the host allows. A step of zero makes ngspice end the run; it stays
  * usable. */
 static int on_sync(double t, double *step, double old_step, int redo, int id, int place,
                    void *user) {
   (void)old_step, (void)redo, (void)id, (void)user;
   if (ng.job && place == 1 && !ng.status && !ng.enough) stop_with(guard_progress());
-  if (ng.job && place == 0 && !ng.status) *step = fmin(*step, ng.host->longest(ng.host->ctx, t));
+  if (ng.job && place == 0 && !ng.status)
+    *step = fmin(not_halved(t, *step), ng.host->longest(ng.host->ctx, t));
   if (ng.status || ng.enough) *step = 0;
   return 0;
 }
@@ -254,6 +269,10 @@ static void call_init(void) {
   int id = 0;
   ngSpice_Init(on_text, on_status, on_exit_wanted, on_accepted, on_vectors, on_thread, NULL);
   ngSpice_Init_Sync(on_source, on_source, on_sync, &id, NULL);
+  /* ngspice 46 asks the system at every step whether there is memory for the run's vectors, and
+   * ends the process where it thinks not. Of these vectors it keeps one point (".save none"). */
+  char unasked[] = "set no_mem_check";
+  ngSpice_Command(unasked);
 }
 
 /* Initialises ngspice once in a process. It reads .spiceinit from the working directory, else from
@@ -306,6 +325,7 @@ static void step_on(vs_error *err) {
   ng.time_vector = -1;
   ng.reached_s = ng.progress_from_s = 0;
   ng.tries = 0;
+  ng.halves = 0;
   ng.raw = (vs_rawfile){0};
   char command[] = "run";
   ngSpice_Command(command);
