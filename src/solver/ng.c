@@ -22,6 +22,7 @@
 #include "base/path.h"
 #include "base/text.h"
 #include "solver/child.h"
+#include "solver/ending.h"
 #include "solver/guard.h"
 #include "solver/ng.h"
 #include "solver/rawfile.h"
@@ -42,21 +43,24 @@ static struct {
   double reached_s, edge_s;
   double progress_from_s; /* where the stretch that guard_progress() looks at began */
   long tries;             /* steps in that stretch, failed ones too */
-  int halves;             /* how many steps in turn went half of what was left to the end */
-  vs_status status;       /* the run ends once it is not VS_OK */
-  bool enough;            /* the host has seen enough: the run ends with VS_OK */
-  const char **asked;     /* per port: where ngspice has its name; NULL: not known yet */
-  size_t next_port;       /* the one that ngspice is likely to ask for next */
+  vs_ending ending;
+  vs_status status;   /* the run ends once it is not VS_OK */
+  bool enough;        /* the host has seen enough: the run ends with VS_OK */
+  const char **asked; /* per port: where ngspice has its name; NULL: not known yet */
+  size_t next_port;   /* the one that ngspice is likely to ask for next */
   vs_error *err;
   vs_complaints complaints; /* of the present load or run */
   bool trial;               /* this is the child process, which ends with the first accepted step */
-  vs_text loaded; /* all that was given to ngspice for the circuit it has; empty: it has none */
-  bool sound;     /* that circuit has run well */
+  vs_text loaded;   /* all that was given to ngspice for the circuit it has; empty: it has none */
+  bool sound;       /* that circuit has run well */
+  char version[16]; /* of the library; empty: not known yet */
   bool initialised, ended; /* ngspice asked to be unloaded; this process cannot use it again */
 } ng;
 
+/* ngspice begins with "** ngspice-39 shared library". */
 static int on_text(char *line, int id, void *user) {
   (void)id, (void)user;
+  if (!*ng.version) sscanf(line, "stdout ** ngspice-%15s shared library", ng.version);
   vs_complaints_hear(&ng.complaints, line, ng.reached_s > 0);
   return 0;
 }
@@ -146,22 +150,12 @@ static int on_vectors(pvecinfoall all, int id, void *user) {
   return 0;
 }
 
-/* A run has come to its end this near to it, in parts of its largest step; ngspice up to 43 ends
- * there by itself, and on the way to it stops 1.1e-11 of a largest step short. From 44 on it goes
- * on in steps down to 1e-20 s, shorter than the rounding of the time. What an inductance or a
- * capacitance makes of such a step is rounding, too: a surge of 1 kV ended with 6.4 kV. These steps
- * are left out. */
-static const double END = 1e-10;
-
-static bool has_come_to_the_end(void) {
-  return ng.job->until_s - ng.reached_s < END * ng.job->max_step_s;
-}
-
 static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
   (void)count, (void)id, (void)user;
   if (!ng.job || ng.time_vector < 0 || ng.status || ng.enough) return 0;
   double t = all->vecsa[ng.time_vector]->creal;
-  if (t <= ng.reached_s || has_come_to_the_end()) return 0;
+  if (t <= ng.reached_s || vs_ending_reached(ng.job->until_s - ng.reached_s, ng.job->max_step_s))
+    return 0;
   if (ng.trial) vs_child_finish();
   vs_guard_end();
   for (size_t s = 0; s < ng.job->n_signals; s++)
@@ -222,16 +216,6 @@ static vs_status guard_progress(void) {
   return VS_RUN;
 }
 
-/* The step of a run that ngspice halves on its way to the end. From 46 on it goes half of what is
- * left where that is more than a step. As it also holds a step back from the end by the least bit,
- * it then goes half of the way again, and again, 37 times. The second half is made a whole. */
-static double not_halved(double t, double step) {
-  double left = ng.job->until_s - t;
-  bool half = fabs(2 * step - left) < 1e-6 * left;
-  ng.halves = half ? ng.halves + 1 : 0;
-  return ng.halves > 1 ? left : step;
-}
-
 /* Limits the next step to what the host allows. A step of zero makes ngspice end the run; it stays
  * usable. */
 static int on_sync(double t, double *step, double old_step, int redo, int id, int place,
@@ -239,7 +223,8 @@ static int on_sync(double t, double *step, double old_step, int redo, int id, in
   (void)old_step, (void)redo, (void)id, (void)user;
   if (ng.job && place == 1 && !ng.status && !ng.enough) stop_with(guard_progress());
   if (ng.job && place == 0 && !ng.status)
-    *step = fmin(not_halved(t, *step), ng.host->longest(ng.host->ctx, t));
+    *step = fmin(vs_ending_step(&ng.ending, ng.job->until_s - t, *step),
+                 ng.host->longest(ng.host->ctx, t));
   if (ng.status || ng.enough) *step = 0;
   return 0;
 }
@@ -269,16 +254,12 @@ static void call_init(void) {
   int id = 0;
   ngSpice_Init(on_text, on_status, on_exit_wanted, on_accepted, on_vectors, on_thread, NULL);
   ngSpice_Init_Sync(on_source, on_source, on_sync, &id, NULL);
-  /* ngspice 46 asks the system at every step whether there is memory for the run's vectors, and
-   * ends the process where it thinks not. Of these vectors it keeps one point (".save none"). */
-  char unasked[] = "set no_mem_check";
-  ngSpice_Command(unasked);
 }
 
 /* Initialises ngspice once in a process. It reads .spiceinit from the working directory, else from
  * the user's home; an empty one in a private folder keeps the user's out, so that a scene gives the
  * same result for everyone. Signals are held back as long as that folder is there. */
-static vs_status initialise(vs_error *err) {
+vs_status vs_ng_begin(vs_error *err) {
   if (ng.ended)
     return vs_fail(err, VS_RUN, "ngspice ended itself in an earlier run of this process");
   if (ng.initialised) return VS_OK;
@@ -325,7 +306,7 @@ static void step_on(vs_error *err) {
   ng.time_vector = -1;
   ng.reached_s = ng.progress_from_s = 0;
   ng.tries = 0;
-  ng.halves = 0;
+  ng.ending = (vs_ending){0};
   ng.raw = (vs_rawfile){0};
   char command[] = "run";
   ngSpice_Command(command);
@@ -367,11 +348,13 @@ static vs_status try_first(const vs_circuit_job *job, const vs_circuit_host *hos
 }
 
 /* Sets the dialect, which says what a netlist's words mean. In ngspice it is a setting that lasts.
- */
+ * ngspice 46 asks the system at every step whether there is memory for the run's vectors, and ends
+ * the process where it thinks not; as it keeps one point of them (".save none"), it is not to. */
 static void set_dialect(const char *dialect) {
-  char command[64];
+  char command[64], unasked[] = "set no_mem_check";
   snprintf(command, sizeof command, *dialect ? "set ngbehavior=%sa" : "unset ngbehavior", dialect);
   ngSpice_Command(command);
+  ngSpice_Command(unasked);
 }
 
 static void forget(void) {
@@ -409,7 +392,7 @@ static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *hos
 static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
                       vs_error *err) {
   *circuit = NULL;
-  vs_status status = initialise(err);
+  vs_status status = vs_ng_begin(err);
   if (status) return status;
   vs_text tail = {0}, netlist = {0};
   /* .save none keeps one point in memory; SendData gives all vectors nevertheless. */
@@ -504,4 +487,8 @@ bool vs_ng_usable(void) {
 
 const char *vs_ng_version(void) {
   return NGSPICE_PACKAGE_VERSION;
+}
+
+const char *vs_ng_running(void) {
+  return *ng.version ? ng.version : NGSPICE_PACKAGE_VERSION;
 }
