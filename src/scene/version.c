@@ -9,7 +9,7 @@
 void vs_version_json(vs_json *json) {
   vs_json_object(json, "program", VS_JSON_ROW);
   vs_json_text(json, "version", VS_VERSION);
-  vs_json_text(json, "ngspice", vs_ng_version());
+  vs_json_text(json, "ngspice", vs_ng_running());
   vs_json_text(json, "gsl", gsl_version);
   vs_json_end(json);
 }

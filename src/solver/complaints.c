@@ -6,6 +6,10 @@
 
 static const char NO_REASON[] = "it gave no reason";
 
+/* From 46 on ngspice puts this line before a complaint, with the numbers of lines that it has made.
+ */
+static const char HEADING[] = "Error in netlist line no. ";
+
 /* Signs of what went wrong in a line of the log. A line has the first of them that it contains. */
 static const struct sign {
   const char *text;
@@ -93,6 +97,7 @@ void vs_complaints_hear(vs_complaints *c, const char *line, bool runs) {
     complain_on(c, text);
     return;
   }
+  if (!strncmp(text, HEADING, sizeof HEADING - 1)) return;
   for (size_t k = 0; k < sizeof SIGNS / sizeof *SIGNS; k++)
     if (strstr(text, SIGNS[k].text)) {
       complain(c, &SIGNS[k], text, runs);

@@ -16,6 +16,7 @@
 #include "base/text.h"
 #include "solver/child.h"
 #include "solver/confine.h"
+#include "solver/ending.h"
 #include "solver/guard.h"
 #include "solver/library.h"
 #include "solver/ng.h"
@@ -38,20 +39,24 @@ static struct {
   double reached_s, edge_s;
   double progress_from_s; /* where the stretch that guard_progress() looks at began */
   long tries;             /* steps in that stretch, failed ones too */
-  vs_status status;       /* the run ends once it is not VS_OK */
-  bool enough;            /* the host has seen enough: the run ends with VS_OK */
-  const char **asked;     /* per port: where ngspice has its name; NULL: not known yet */
-  size_t next_port;       /* the one that ngspice is likely to ask for next */
+  vs_ending ending;
+  vs_status status;   /* the run ends once it is not VS_OK */
+  bool enough;        /* the host has seen enough: the run ends with VS_OK */
+  const char **asked; /* per port: where ngspice has its name; NULL: not known yet */
+  size_t next_port;   /* the one that ngspice is likely to ask for next */
   vs_error *err;
   vs_complaints complaints; /* of the present load or run */
   bool trial;               /* this is the child process, which ends with the first accepted step */
-  vs_text loaded; /* all that was given to ngspice for the circuit it has; empty: it has none */
-  bool sound;     /* that circuit has run well */
+  vs_text loaded;   /* all that was given to ngspice for the circuit it has; empty: it has none */
+  bool sound;       /* that circuit has run well */
+  char version[16]; /* of the library; empty: not known yet */
   bool initialised, ended; /* ngspice asked to be unloaded; this process cannot use it again */
 } ng;
 
+/* ngspice begins with "** ngspice-39 shared library". */
 static int on_text(char *line, int id, void *user) {
   (void)id, (void)user;
+  if (!*ng.version) sscanf(line, "stdout ** ngspice-%15s shared library", ng.version);
   vs_complaints_hear(&ng.complaints, line, ng.reached_s > 0);
   return 0;
 }
@@ -141,19 +146,12 @@ static int on_vectors(pvecinfoall all, int id, void *user) {
   return 0;
 }
 
-/* ngspice from 44 on may come to its end in steps of 1e-20 s, shorter than the rounding of the
- * time. What an inductance or a capacitance makes of such a step is rounding, too: a surge of 1 kV
- * ended with 6.4 kV. They are left out: the run has come to its end before them. */
-static bool is_shred(double t_s) {
-  double end = ng.job->until_s;
-  return t_s > end * (1 - 1e-12) && t_s - ng.reached_s < end * 1e-13;
-}
-
 static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
   (void)count, (void)id, (void)user;
   if (!ng.job || ng.time_vector < 0 || ng.status || ng.enough) return 0;
   double t = all->vecsa[ng.time_vector]->creal;
-  if (t <= ng.reached_s || is_shred(t)) return 0;
+  if (t <= ng.reached_s || vs_ending_reached(ng.job->until_s - ng.reached_s, ng.job->max_step_s))
+    return 0;
   if (ng.trial) vs_child_finish();
   vs_guard_end();
   for (size_t s = 0; s < ng.job->n_signals; s++)
@@ -220,7 +218,9 @@ static int on_sync(double t, double *step, double old_step, int redo, int id, in
                    void *user) {
   (void)old_step, (void)redo, (void)id, (void)user;
   if (ng.job && place == 1 && !ng.status && !ng.enough) stop_with(guard_progress());
-  if (ng.job && place == 0 && !ng.status) *step = fmin(*step, ng.host->longest(ng.host->ctx, t));
+  if (ng.job && place == 0 && !ng.status)
+    *step = fmin(vs_ending_step(&ng.ending, ng.job->until_s - t, *step),
+                 ng.host->longest(ng.host->ctx, t));
   if (ng.status || ng.enough) *step = 0;
   return 0;
 }
@@ -237,7 +237,7 @@ void vs_ng_expect(void) {
 }
 
 /* Initialises ngspice once in a process. */
-static vs_status initialise(vs_error *err) {
+vs_status vs_ng_begin(vs_error *err) {
   if (ng.ended)
     return vs_fail(err, VS_RUN, "ngspice ended itself in an earlier run of this process");
   if (ng.initialised) return VS_OK;
@@ -266,6 +266,7 @@ static void step_on(vs_error *err) {
   ng.time_vector = -1;
   ng.reached_s = ng.progress_from_s = 0;
   ng.tries = 0;
+  ng.ending = (vs_ending){0};
   ng.raw = (vs_rawfile){0};
   char command[] = "run";
   ng.library->command(command);
@@ -307,11 +308,13 @@ static vs_status try_first(const vs_circuit_job *job, const vs_circuit_host *hos
 }
 
 /* Sets the dialect, which says what a netlist's words mean. In ngspice it is a setting that lasts.
- */
+ * ngspice 46 asks the system at every step whether there is memory for the run's vectors, and ends
+ * the process where it thinks not; as it keeps one point of them (".save none"), it is not to. */
 static void set_dialect(const char *dialect) {
-  char command[64];
+  char command[64], unasked[] = "set no_mem_check";
   snprintf(command, sizeof command, *dialect ? "set ngbehavior=%sa" : "unset ngbehavior", dialect);
   ng.library->command(command);
+  ng.library->command(unasked);
 }
 
 static void forget(void) {
@@ -349,7 +352,7 @@ static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *hos
 static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
                       vs_error *err) {
   *circuit = NULL;
-  vs_status status = initialise(err);
+  vs_status status = vs_ng_begin(err);
   if (status) return status;
   vs_text tail = {0}, netlist = {0};
   /* .save none keeps one point in memory; SendData gives all vectors nevertheless. */
@@ -444,4 +447,8 @@ bool vs_ng_usable(void) {
 
 const char *vs_ng_version(void) {
   return NGSPICE_PACKAGE_VERSION;
+}
+
+const char *vs_ng_running(void) {
+  return *ng.version ? ng.version : NGSPICE_PACKAGE_VERSION;
 }

@@ -12,8 +12,14 @@ extern const vs_circuit_kind vs_ng_kind;
  * meanwhile (solver/library.h). Until a circuit is loaded, the process must not fork. */
 void vs_ng_expect(void);
 
-/* The version of the library, as its header says it. */
+/* The version of the library that the program was built with, as its header says it. */
 const char *vs_ng_version(void);
+/* The version that runs, as the library itself says it once it has begun; before, as above. */
+const char *vs_ng_running(void);
+
+/* Begins the library, once in a process; whoever loads a circuit does it anyway. Error: VS_RUN, it
+ * cannot. */
+vs_status vs_ng_begin(vs_error *err);
 
 /* False once ngspice has ended itself in this process, as some nonsense makes it do: nothing can be
  * loaded any more. */
