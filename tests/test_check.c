@@ -37,7 +37,7 @@ static void expect_findings(const char *file, const char *text, const char *opti
 /* The findings' places alone, for what is said in the solver's words: "d.cir:9:3 d.cir:10:3 ". Of
  * the program's own files the folders are left out. */
 static void expect_places(const char *file, const char *text, const char *places, int line) {
-  ran r = check(file, text, "");
+  ran r = check(file, text, "--no-jail");
   vs_text seen = {0};
   char *rest = r.err;
   vs_text_add(&seen, "%s", "");
@@ -99,7 +99,7 @@ static void all_that_is_wrong_with_a_scene(void) {
            "                                                             ^\n"
            "s.yaml:4:1: a scene has no key 'firin'; did you mean 'firing'? "
            "it has: machine, actuator, load, supply, firing, pwm, circuit, events, instruments, "
-           "control, run, start, record, measured, quality, measure\n"
+           "control, run, start, record, measured, quality, measure, limits\n"
            " firin:\t{angle: 95 deg}\n"
            " ^\n"
            "s.yaml:6:9: actuator.gap: -1 mm is out of range; allowed: 0..1000 mm (ends excluded)\n"
@@ -403,7 +403,7 @@ static void a_scene_with_its_deck(void) {
     vs_text_add(&deck, "%s%s", GOOD_DECK, ROWS[k].more);
     write_file("../d.cir", deck.text);
     vs_text_free(&deck);
-    ran r = check("s.yaml", ROWS[k].scene, "");
+    ran r = check("s.yaml", ROWS[k].scene, "--no-jail");
     EXPECT(r.status == (*ROWS[k].says ? 2 : 0), "%s: exit status %d", ROWS[k].scene, r.status);
     EXPECT(!strncmp(r.err, ROWS[k].says, strlen(ROWS[k].says)), "%s: %s", ROWS[k].scene, r.err);
     EXPECT(count_lines(r.err) == (*ROWS[k].says ? 3 : 0), "%s: %s", ROWS[k].scene, r.err);
@@ -458,7 +458,7 @@ static void verdicts(void) {
        "key "
        "'\\\"'; it has: machine, actuator, load, supply, firing, pwm, circuit, events, "
        "instruments, "
-       "control, run, start, record, measured, quality, measure\"}\n"
+       "control, run, start, record, measured, quality, measure, limits\"}\n"
        "]\n",
        "", 2},
       {"paper --json --set run.max_step=1e-9us",

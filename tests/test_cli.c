@@ -735,10 +735,11 @@ static void a_signal_keeps_what_there_is(void) {
     int number;
     const char *words;
   } ROWS[] = {
-      {SIGTERM, "run paper -o out --tier circuit --set run.until=1000s"},
-      {SIGINT, "run paper -o out --tier circuit --set run.until=1000s --json"},
-      {SIGHUP, "run paper -o out --tier circuit --set run.until=1000s"},
-      {SIGTERM, "run paper -o out --tier switched --set run.until=9e5s --set run.sample=10ms"},
+      {SIGTERM, "run paper -o out --tier circuit --set run.until=300s"},
+      {SIGINT, "run paper -o out --tier circuit --set run.until=300s --json"},
+      {SIGHUP, "run paper -o out --tier circuit --set run.until=300s"},
+      {SIGTERM, "run paper -o out --tier switched --set run.until=9e5s --set run.sample=10ms "
+                "--set limits.csv=1e12"},
   };
   for (size_t k = 0; k < sizeof ROWS / sizeof *ROWS; k++) {
     const struct timespec while_it_runs = {0, 200000000};

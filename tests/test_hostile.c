@@ -437,7 +437,8 @@ static void temporary_folder(void) {
 static pid_t start_long_run(const char *folder) {
   char words[128];
   const char *argv[MOST_WORDS];
-  snprintf(words, sizeof words, "run paper --set run.until=9e5s --set run.sample=1ms -o %s",
+  snprintf(words, sizeof words,
+           "run paper --set run.until=9e5s --set run.sample=1ms --set limits.csv=1e12 -o %s",
            folder);
   split(words, argv);
   pid_t child = spawn_ready(argv);

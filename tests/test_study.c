@@ -335,7 +335,7 @@ static void refusals(void) {
   REFUSED("vary: nosuch.csv\n", "r.yaml:1:7: ", "nosuch.csv");
   REFUSED("vary: {run.sample: {lin: [1 ms, 2 ms], n: 1000000}, run.until: {lin: [1 s, 2 s], n: "
           "1000000}}\n",
-          "r.yaml: ", "more than 100000000 cases");
+          "r.yaml:1:8: ", "more than 10000000 cases");
   write_file("c.csv", "firing.angle,circuit.r1\n100 deg,1 ohm\n101 deg\n");
   REFUSED("vary: c.csv\n", "c.csv:3:1: ", "1 cells, and the header has 2");
   write_file("c.csv", "firing.angle_rad\n1\n");
