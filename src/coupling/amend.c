@@ -44,13 +44,8 @@ void vs_amend_restart(vs_amend *a) {
 
 /* ---- the line ---- */
 
-/* v'' = rest + slope v. */
-typedef struct line {
-  double rest, slope;
-} line;
-
 /* Returns false where too few steps are known. */
-static bool fit(const vs_amend_sums *s, line *l) {
+static bool fit(const vs_amend_sums *s, vs_amend_line *l) {
   if (s->count < LEAST_STEPS) return false;
   double v = s->v / s->weight, bend = s->bend / s->weight, square = s->v_v / s->weight;
   double variance = square - v * v + LEVEL * square;
@@ -64,8 +59,8 @@ static bool fit(const vs_amend_sums *s, line *l) {
  * would else outweigh all that comes behind it. */
 static void add(vs_amend *a, double v, double bend) {
   vs_amend_sums *s = &a->sums;
-  line l;
-  if (fit(s, &l) && !(fabs(bend - l.rest - l.slope * v) <= OTHER * a->size_v_s2))
+  const vs_amend_line *l = &a->line;
+  if (a->fitted && !(fabs(bend - l->rest - l->slope * v) <= OTHER * a->size_v_s2))
     *s = (vs_amend_sums){0};
   double weight = a->size_v_s2 > 0 ? 1 / (a->size_v_s2 * a->size_v_s2) : 0;
   s->count++;
@@ -74,6 +69,7 @@ static void add(vs_amend *a, double v, double bend) {
   s->bend = FADES * s->bend + weight * bend;
   s->v_v = FADES * s->v_v + weight * v * v;
   s->v_bend = FADES * s->v_bend + weight * v * bend;
+  a->fitted = fit(s, &a->line);
 }
 
 /* Takes in v and v'' at an instant that is at_s behind the last knot. */
@@ -89,7 +85,8 @@ static void see(vs_amend *a, double v, double bend, double at_s) {
 /* The size of v'' fades over a few times the step over which it showed. What was seen over steps of
  * a nanosecond is then forgotten once steps are longer. */
 static void follow_size(vs_amend *a, double bend, double h) {
-  double kept = a->size_s > 0 ? a->size_v_s2 * pow(FADES, h / a->size_s) : 0;
+  double steps = h / a->size_s; /* mostly 1 */
+  double kept = a->size_s > 0 ? a->size_v_s2 * (steps == 1 ? FADES : pow(FADES, steps)) : 0;
   if (!(kept > fabs(bend))) a->size_s = h;
   a->size_v_s2 = fmax(fabs(bend), kept);
 }
@@ -103,9 +100,8 @@ static void look_outside(vs_amend *a, const vs_amend_step *step) {
   const vs_knot *from = step->from, *to = step->to;
   const vs_model *m = step->model;
   vs_amend_outside *o = &a->outside;
-  line l;
-  if (!fit(&a->sums, &l)) return;
-  double h = to->t_s - from->t_s, rad = sqrt(fabs(l.slope)) * h;
+  if (!a->fitted) return;
+  double h = to->t_s - from->t_s, rad = sqrt(fabs(a->line.slope)) * h;
   double s = (to->v_eva_v - from->v_eva_v) / h, v = (to->v_eva_v + from->v_eva_v) / 2;
   double z = vs_mechanics_gap(m, from->x) + h / 2 * vs_mechanics_travel(m, from->x + m->dof);
   double y = -vs_coil_current(&m->coil, (from->flux_wb + to->flux_wb) / 2, z);
@@ -144,11 +140,10 @@ static double part_outside(const vs_amend_outside *o, double *capacitance_f) {
 static bool is_own(const vs_amend *a, const vs_amend_step *step, double capacitance_f) {
   const vs_knot *k = step->from;
   const vs_model *m = step->model;
-  line l;
-  if (step->driven || !fit(&a->sums, &l)) return false;
+  if (step->driven || !a->fitted) return false;
   double per_wb = vs_coil_rates(&m->coil, k->flux_wb, 1, vs_mechanics_gap(m, k->x), 0).i_rate_a_s;
   double own = capacitance_f > 0 ? OWN * fabs(per_wb) / capacitance_f : 0;
-  return fabs(l.slope) <= fmax(own, a->mains_1_s2);
+  return fabs(a->line.slope) <= fmax(own, a->mains_1_s2);
 }
 
 /* By how much v'' was other than the rule was given, V/s^2. */
@@ -197,8 +192,9 @@ static solution solve(double slope, double h) {
 }
 
 /* The line with which the next step is foretold: it goes on to be off as it was of late. */
-static bool next_line(const vs_amend *a, double h, line *l) {
-  if (!fit(&a->sums, l)) return false;
+static bool next_line(const vs_amend *a, double h, vs_amend_line *l) {
+  if (!a->fitted) return false;
+  *l = a->line;
   double off = a->seen_v_s2[0] - l->rest - l->slope * a->seen_v[0];
   double before = a->seen_v_s2[1] - l->rest - l->slope * a->seen_v[1];
   l->rest += off + (off - before) * fmin((h - a->seen_s) / a->h_s, FOLLOWS);
@@ -207,7 +203,8 @@ static bool next_line(const vs_amend *a, double h, line *l) {
 }
 
 /* lambda, v and v' after h seconds on the line. */
-static void go_on(const vs_amend *a, const vs_knot *k, double h, const line *l, double flux[3]) {
+static void go_on(const vs_amend *a, const vs_knot *k, double h, const vs_amend_line *l,
+                  double flux[3]) {
   solution back = solve(l->slope, a->h_s), on = solve(l->slope, h);
   double v = k->flux_rate_v, rate = (v * back.even + l->rest * back.whole - a->v0_v) / back.odd;
   flux[1] = v * on.even + rate * on.odd + l->rest * on.whole;
@@ -217,7 +214,7 @@ static void go_on(const vs_amend *a, const vs_knot *k, double h, const line *l, 
 
 /* On a swing of the angle y over half a step the rule's error is the factor tan(y)/y: that is
  * h^2/12 (1 + x/10) of the second derivative, with x = 4 y^2. */
-static void give(vs_amend *a, const vs_amend_try *at, double h, const line *l,
+static void give(vs_amend *a, const vs_amend_try *at, double h, const vs_amend_line *l,
                  const double flux[3]) {
   const vs_model *m = at->model;
   const vs_knot *k = at->last;
@@ -233,7 +230,7 @@ static void give(vs_amend *a, const vs_amend_try *at, double h, const line *l,
 
 static void ask(vs_amend *a, const vs_amend_try *at) {
   double h = at->t_s - at->last->t_s, flux[3];
-  line l;
+  vs_amend_line l;
   if (h == a->try_s) return;
   a->try_s = h;
   a->flux_v = a->current_a = a->given_v_s2[0] = a->foretold_v_s2[0] = 0;

@@ -30,11 +30,18 @@ typedef struct vs_amend_outside {
   double rad; /* what angle of the swing they have seen in all */
 } vs_amend_outside;
 
+/* v'' = rest + slope v. */
+typedef struct vs_amend_line {
+  double rest, slope;
+} vs_amend_line;
+
 /* Begins as vs_amend_of makes it. */
 typedef struct vs_amend {
   bool on;
   double mains_1_s2; /* the square of a frequency up to which a swing is taken for the mains' */
   vs_amend_sums sums;
+  vs_amend_line line;             /* fitted to the sums */
+  bool fitted;                    /* false: too few steps are known for a line */
   double seen_v[2], seen_v_s2[2]; /* v and v'' at the last two instants where v'' is known, the
                                      later one first */
   double seen_s;                  /* that later instant, behind the last knot */

@@ -8,25 +8,24 @@
 #include "drive/gate.h"
 
 static double current_at(const vs_anode_current *m, const vs_knot *k) {
-  return m->way * (m->probe ? m->probe->sign * k->terms[m->probe->term]
-                            : vs_formula_value(&m->device->current, k->terms));
+  return m->way * vs_formula_quick_value(&m->i, k->terms);
 }
 
 static double voltage_at(const vs_anode_current *m, const vs_knot *k) {
-  return m->device ? m->way * vs_formula_value(&m->device->voltage, k->terms) : 0;
+  return m->device ? m->way * vs_formula_quick_value(&m->v, k->terms) : 0;
 }
 
 /* The current without leakage. At its zero an ideal latch lets go. */
-static double forward_current(const vs_anode_current *m, const vs_knot *k) {
-  return vs_conduction_current(&m->conduction, current_at(m, k), voltage_at(m, k));
+static double forward_current(const vs_anode_current *m) {
+  return vs_conduction_current(&m->conduction, m->last_a, m->last_v);
 }
 
 /* When that current passes zero, if it goes on to fall as over the last step; INFINITY: it does not
  * fall. */
-static double zero_of_current(const vs_anode_current *m, const vs_knot *before,
-                              const vs_knot *last) {
-  double i0 = forward_current(m, before), i1 = forward_current(m, last);
-  return i1 < i0 ? last->t_s + (last->t_s - before->t_s) * i1 / (i0 - i1) : INFINITY;
+static double zero_of_current(const vs_anode *a, const vs_anode_current *m) {
+  double i0 = vs_conduction_current(&m->conduction, m->before_a, m->before_v);
+  double i1 = forward_current(m);
+  return i1 < i0 ? a->last_s + (a->last_s - a->before_s) * i1 / (i0 - i1) : INFINITY;
 }
 
 /* The step that passes the zero begins and ends this near to it. Nearer than some 1e-13 s rounding
@@ -41,22 +40,19 @@ static const double NEARER = 0.9;
  * solver's rule. A step that the solver tries and rejects because of that is worse: its end stays
  * in Newton's iteration, so that a latch that has let go there lets go at the beginning of the next
  * try. So a step that would pass the zero is tried only from close by. */
-static double longest(vs_anode_current *m, const vs_knot *before, const vs_knot *last,
-                      double max_step_s) {
+static double longest(const vs_anode *a, vs_anode_current *m, double max_step_s) {
   m->crosses_s = INFINITY;
   if (!m->nearing) return INFINITY;
-  double now = last->t_s, left = zero_of_current(m, before, last) - now;
+  double now = a->last_s, left = zero_of_current(a, m) - now;
   if (!(left > 0 && left < 2 * max_step_s)) return INFINITY;
   if (left > NEAR_S) return fmax(NEARER * left, NEAR_S / 2);
   m->crosses_s = now + left + NEAR_S / 2;
   return left + NEAR_S;
 }
 
-double vs_anode_longest(vs_anode *a, const vs_knot *before, const vs_knot *last,
-                        double max_step_s) {
+double vs_anode_longest(vs_anode *a, double max_step_s) {
   double least = INFINITY;
-  for (size_t k = 0; k < a->count; k++)
-    least = fmin(least, longest(&a->item[k], before, last, max_step_s));
+  for (size_t k = 0; k < a->count; k++) least = fmin(least, longest(a, &a->item[k], max_step_s));
   return least;
 }
 
@@ -64,21 +60,23 @@ void vs_anode_leave(vs_anode *a) {
   for (size_t k = 0; k < a->count; k++) a->item[k].conducted = a->item[k].conduction.conducts;
 }
 
-void vs_anode_take(vs_anode *a, const vs_knot *last) {
+void vs_anode_take(vs_anode *a) {
   a->crossed = false;
   for (size_t k = 0; k < a->count; k++) {
     vs_anode_current *m = &a->item[k];
-    bool crossed = m->nearing && last->t_s >= m->crosses_s;
+    bool crossed = m->nearing && a->last_s >= m->crosses_s;
     a->crossed = a->crossed || crossed;
     if (m->conduction.conducts)
       m->nearing = true;
-    else if (crossed || (!m->conducted && !(forward_current(m, last) > 0)))
+    else if (crossed || (!m->conducted && !(forward_current(m) > 0)))
       m->nearing = false;
   }
 }
 
 void vs_anode_wind(vs_anode *a, double by_s) {
   a->out_s -= by_s;
+  a->last_s -= by_s;
+  a->before_s -= by_s;
   for (size_t k = 0; k < a->count; k++) {
     a->item[k].crosses_s -= by_s;
     vs_conduction_wind(&a->item[k].conduction, by_s);
@@ -91,11 +89,23 @@ static bool is_gated(const vs_device *d, const vs_timeline *timeline, double t_s
   return false;
 }
 
+/* Moves on to a knot. */
+static void shift(vs_anode *a, const vs_knot *k) {
+  a->before_s = a->last_s;
+  a->last_s = k->t_s;
+  for (size_t n = 0; n < a->count; n++) {
+    vs_anode_current *m = &a->item[n];
+    m->before_a = m->last_a;
+    m->before_v = m->last_v;
+    m->last_a = current_at(m, k);
+    m->last_v = voltage_at(m, k);
+  }
+}
+
 static vs_event follow(vs_anode_current *m, const vs_timeline *timeline, const vs_knot *from,
                        const vs_knot *to, double *event_s) {
-  const vs_conduction_step step = {from->t_s,           to->t_s,
-                                   current_at(m, from), current_at(m, to),
-                                   voltage_at(m, from), voltage_at(m, to)};
+  const vs_conduction_step step = {from->t_s, to->t_s,     m->before_a,
+                                   m->last_a, m->before_v, m->last_v};
   bool asked = m->device && !m->conduction.conducts && step.v1_v > 0;
   m->conduction.gated = asked && is_gated(m->device, timeline, vs_gate_of_step(from->t_s, to->t_s));
   return vs_conduction_follow(&m->conduction, &step, event_s);
@@ -110,6 +120,8 @@ bool vs_anode_conducts(const vs_anode *a) {
 /* Where one thyristor takes over from another, the sum goes on. A current's foot may lie before the
  * end of the conduction before, where that was another thyristor's. */
 vs_event vs_anode_follow(vs_anode *a, const vs_knot *from, const vs_knot *to, double *event_s) {
+  if (isnan(a->last_s)) shift(a, from);
+  shift(a, to);
   if (to->t_s == from->t_s) return VS_EV_NONE;
   bool was = vs_anode_conducts(a);
   double fires_s = INFINITY, at_s = NAN;
@@ -130,10 +142,15 @@ static bool has_current(const vs_device *d, const vs_probe *probe) {
          factor == probe->sign;
 }
 
+/* The current is the probe's, or without one the device's by its formula. */
 static void add(vs_anode *a, const vs_probe *probe, const vs_device *device) {
   for (double way = 1; way >= (device && device->kind->both_ways ? -1 : 1); way -= 2) {
     vs_anode_current *m = &a->item[a->count++];
-    *m = (vs_anode_current){.probe = probe, .device = device, .way = way, .crosses_s = INFINITY};
+    *m = (vs_anode_current){.device = device, .way = way, .crosses_s = INFINITY};
+    if (device) m->v = vs_formula_quicken(&device->voltage);
+    m->i =
+        probe ? (vs_formula_quick){.is_term = true, .term = (int)probe->term, .factor = probe->sign}
+              : vs_formula_quicken(&device->current);
     vs_conduction_begin(&m->conduction);
   }
 }
@@ -142,7 +159,7 @@ void vs_anode_begin(vs_anode *a, const vs_deck *deck, const vs_timeline *timelin
   const vs_probe *probe = NULL;
   const vs_device *own = NULL, *d;
   size_t valves = 0;
-  *a = (vs_anode){.timeline = timeline, .out_s = -INFINITY};
+  *a = (vs_anode){.timeline = timeline, .out_s = -INFINITY, .last_s = NAN, .before_s = NAN};
   for (size_t k = 0; k < deck->n_probes; k++)
     if (!strcmp(deck->probes[k].name, "i_thyristor")) probe = &deck->probes[k];
   if (!probe) return;

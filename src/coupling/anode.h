@@ -13,9 +13,10 @@
 
 /* One current that is followed. */
 typedef struct vs_anode_current {
-  const vs_probe *probe;   /* the current; NULL: it is the thyristor's, by its formula */
   const vs_device *device; /* the thyristor whose current it is; NULL: not known */
-  double way;              /* -1: of a triac, its other direction; else +1 */
+  vs_formula_quick i, v;   /* the current, and the device's voltage where that is known */
+  double last_a, last_v, before_a, before_v; /* at the last two knots shown */
+  double way;                                /* -1: of a triac, its other direction; else +1 */
   vs_conduction conduction;
   bool conducted; /* it did before the solver's present step */
   bool nearing;   /* the thyristor has conducted, and its current has not yet passed its zero */
@@ -28,7 +29,8 @@ typedef struct vs_anode {
   const vs_timeline *timeline;
   vs_anode_current item[2 * VS_DECK_DEVICES];
   size_t count;
-  double out_s; /* when one of them last went out; -INFINITY: none has */
+  double last_s, before_s; /* instants of the last two knots shown; NaN: there was none */
+  double out_s;            /* when one of them last went out; -INFINITY: none has */
   bool crossed; /* the last step was to pass a zero, so that there is a kink at its end */
 } vs_anode;
 
@@ -47,12 +49,12 @@ bool vs_anode_conducts(const vs_anode *a);
 /* A step of the solver begins, from the last knot shown. */
 void vs_anode_leave(vs_anode *a);
 
-/* Takes in the knot at the end of the solver's step. */
-void vs_anode_take(vs_anode *a, const vs_knot *last);
+/* The solver's step has come to its end, the last knot shown. */
+void vs_anode_take(vs_anode *a);
 
 /* Returns the longest step, s, that should be taken from the last knot towards a current's zero,
  * which is foretold from the last two knots. INFINITY: no zero is within two steps of
  * max_step_s. */
-double vs_anode_longest(vs_anode *a, const vs_knot *before, const vs_knot *last, double max_step_s);
+double vs_anode_longest(vs_anode *a, double max_step_s);
 
 #endif

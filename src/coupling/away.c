@@ -60,7 +60,7 @@ vs_status vs_away_consider(vs_away *a, const double *signals, vs_error *err) {
   a->kind->take(a->law, vs_course_last(c), memory, !conducts);
   if (conducts || c->touched) return VS_OK;
   double cycles = INFINITY, most_lag_s = INFINITY, period_s = setup->timeline.period_s;
-  double next = vs_setup_edge(setup, now);
+  double next = vs_course_edge(c, now);
   if (next < until) {
     if (!setup->deck.eva_led) return VS_OK;
     cycles = floor((next - now) / period_s) - 1; /* the last of them is for being led back */
@@ -130,6 +130,23 @@ bool vs_away_enough(const vs_away *a) {
 /* The solver is led with a time constant of this many of its largest steps. */
 static const double LEADS_STEPS = 4;
 
+/* False where edges are so near to one another, all along the run, that the solver cannot be left:
+ * vs_away_consider wants two cycles of the mains up to the next edge, and may_leave
+ * (sim/stand_in.h) one up to the run's end. A law would then be fed at each step for nothing. Where
+ * edges are not known yet, or are too many to be looked at, the time may come. */
+static bool may_come(const vs_setup *setup, const vs_run_order *order) {
+  enum { MOST_EDGES = 100000 };
+  double period_s = setup->timeline.period_s * (1 - 1e-6), until_s = setup->run.until_s, now_s = 0;
+  if (setup->timeline.program || order->junction || order->pilot) return true;
+  for (int k = 0; k < MOST_EDGES; k++) {
+    double next_s = vs_setup_edge(setup, now_s);
+    if (next_s >= until_s) return until_s - now_s >= period_s;
+    if (next_s - now_s >= 2 * period_s) return true;
+    now_s = next_s;
+  }
+  return true;
+}
+
 void vs_away_begin(vs_away *a, const vs_run_order *order, vs_course *course, const vs_names *names,
                    double max_step_s) {
   const vs_setup *setup = course->setup;
@@ -139,7 +156,7 @@ void vs_away_begin(vs_away *a, const vs_run_order *order, vs_course *course, con
                  .lead_rate_1_s = 1 / (LEADS_STEPS * max_step_s),
                  .goal_s = -1};
   /* not where the user forbids it, or wants all that the solver shows */
-  if (order->stand_in && !setup->run.stays && !order->raw)
+  if (order->stand_in && !setup->run.stays && !order->raw && may_come(setup, order))
     a->law = order->stand_in->begin(setup, &course->frame);
 }
 

@@ -84,27 +84,17 @@ static double find_source(coupling *c, size_t port, double t_s) {
   return amended(c, port - of_deck, t_s);
 }
 
-static double source(void *ctx, size_t port, double solver_s) {
-  coupling *c = ctx;
-  if (solver_s != c->asked_s) {
-    c->asked_s = solver_s;
-    c->asking++;
-  }
-  if (c->told[port].asking != c->asking) {
-    c->told[port].asking = c->asking;
-    c->told[port].value = find_source(c, port, run_time(c, solver_s));
-  }
-  return c->told[port].value;
+static __attribute__((noinline)) double tell_source(coupling *c, size_t port, double solver_s) {
+  if (solver_s != c->asked_s) c->asking++;
+  c->asked_s = solver_s;
+  c->told[port].asking = c->asking;
+  return c->told[port].value = find_source(c, port, run_time(c, solver_s));
 }
 
-/* The edge behind now_s of what drives the circuit. */
-static double next_edge(coupling *c, double now_s) {
-  const vs_setup *setup = c->course.setup;
-  if (vs_held_at(&c->edge, now_s)) return c->edge.number;
-  double edge_s = vs_setup_edge(setup, now_s);
-  if (!setup->timeline.program)
-    c->edge = (vs_held){now_s, edge_s - vs_held_near(&setup->timeline, now_s), edge_s};
-  return edge_s;
+static double source(void *ctx, size_t port, double solver_s) {
+  coupling *c = ctx;
+  bool again = solver_s == c->asked_s && c->told[port].asking == c->asking;
+  return again ? c->told[port].value : tell_source(c, port, solver_s);
 }
 
 /* A step was accepted: what was told does not hold any more, and where events may change on the
@@ -112,14 +102,14 @@ static double next_edge(coupling *c, double now_s) {
 static void forget(coupling *c) {
   c->asked_s = NAN;
   if (!c->prelude.on && !c->order->junction) return;
-  c->edge = (vs_held){0};
+  c->course.edge = (vs_held){0};
   memset(c->port, 0, sizeof c->port);
 }
 
 static double edge(void *ctx, double solver_s) {
   coupling *c = ctx;
   if (c->course.anode.crossed || c->swing.anew) return solver_s; /* the solver's rule begins anew */
-  double now_s = run_time(c, solver_s), next_s = next_edge(c, now_s);
+  double now_s = run_time(c, solver_s), next_s = vs_course_edge(&c->course, now_s);
   if (c->away.shift_s != 0 && !c->prelude.on) next_s = fmin(next_s, c->setup->run.until_s);
   return vs_prelude_edge(&c->prelude, now_s, next_s) - c->away.shift_s;
 }
@@ -127,10 +117,8 @@ static double edge(void *ctx, double solver_s) {
 static double longest(void *ctx, double solver_s) {
   coupling *c = ctx;
   vs_course *course = &c->course;
-  const vs_knot *before = &course->knots[1 - course->now];
   double most = fmin(c->pace.max_step_s, vs_swing_longest(&c->swing));
-  most = fmin(most,
-              vs_anode_longest(&course->anode, before, vs_course_last(course), c->pace.max_step_s));
+  most = fmin(most, vs_anode_longest(&course->anode, c->pace.max_step_s));
   return fmin(most, vs_events_longest(&course->setup->timeline.events, run_time(c, solver_s)));
 }
 
@@ -156,16 +144,16 @@ static vs_status accept(void *ctx, double solver_s, const double *signals, vs_er
     return vs_away_follow(&c->away, t_s, signals, err);
   }
   const vs_knot *from = vs_course_last(&c->course);
-  vs_knot next; /* vs_course_move gives it its state */
-  next.t_s = t_s;
-  vs_names_take_coil(signals, &next);
-  vs_names_take_terms(&c->setup->deck, signals, &next);
-  next.flux_rate2_v_s = (next.flux_rate_v - from->flux_rate_v) / (t_s - from->t_s);
-  next.flux_rate3_v_s2 = 0; /* not known; a cubic's weight for it is 0 */
-  const vs_amend_step step = {c->course.frame.model, from, &next,
+  vs_knot *next = vs_course_next(&c->course); /* vs_course_move gives it its state */
+  next->t_s = t_s;
+  vs_names_take_coil(signals, next);
+  vs_names_take_terms(&c->setup->deck, signals, next);
+  next->flux_rate2_v_s = (next->flux_rate_v - from->flux_rate_v) / (t_s - from->t_s);
+  next->flux_rate3_v_s2 = 0; /* not known; a cubic's weight for it is 0 */
+  const vs_amend_step step = {c->course.frame.model, from, next,
                               vs_anode_conducts(&c->course.anode)};
-  vs_swing_take(&c->swing, from, &next, vs_amend_take(&c->amend, &step));
-  status = vs_course_move(&c->course, &next, err);
+  vs_swing_take(&c->swing, from, next, vs_amend_take(&c->amend, &step));
+  status = vs_course_move(&c->course, err);
   if (status) return status;
   if (!c->prelude.on) return vs_away_consider(&c->away, signals, err);
   status = vs_prelude_follow(&c->prelude, &c->course, &c->away.shift_s, err);

@@ -67,6 +67,15 @@ double vs_course_motion(vs_course *c, int state, double t_s) {
   return state < 0 ? vs_mechanics_travel(m, c->candidate_x + m->dof) : c->candidate_x[state];
 }
 
+/* What a control decides next is not known, so that with one nothing is remembered. */
+double vs_course_edge(vs_course *c, double t_s) {
+  if (vs_held_at(&c->edge, t_s)) return c->edge.number;
+  double edge_s = vs_setup_edge(c->setup, t_s);
+  if (!c->setup->timeline.program)
+    c->edge = (vs_held){t_s, edge_s - vs_held_near(&c->setup->timeline, t_s), edge_s};
+  return edge_s;
+}
+
 /* ---- shown ---- */
 
 static void complete(const vs_course *c, vs_knot *k) {
@@ -87,7 +96,7 @@ vs_status vs_course_show(vs_course *c, const vs_knot *k, vs_event what, vs_error
                   .periodic = c->without,
                   .held = c->jammed};
   step.event[0] = vs_anode_follow(&c->anode, from, k, &step.event_s[0]);
-  vs_knot_copy(&c->frame, k, to);
+  if (k != to) vs_knot_copy(&c->frame, k, to);
   step.event[1] = what;
   step.event_s[1] = to->t_s;
   step.bound = c->bound;
@@ -121,7 +130,9 @@ static vs_status show_contact(vs_course *c, vs_knot *cut, vs_error *err) {
 }
 
 /* The last knot is the instant at which the armature jams; it is shown from behind that too. */
-static vs_status jam(vs_course *c, vs_knot *k, vs_error *err) {
+static vs_status jam(vs_course *c, vs_error *err) {
+  vs_knot *k = vs_course_next(c);
+  vs_knot_copy(&c->frame, vs_course_last(c), k);
   c->jammed = c->motion.jammed = true;
   vs_mechanics_hold(c->frame.model, k->x + c->frame.model->dof);
   complete(c, k);
@@ -137,7 +148,9 @@ static void take_model(vs_course *c, const vs_model *m) {
 }
 
 /* The load changes at the last knot: q and q' go on as they are, with another M. */
-static vs_status change_load(vs_course *c, vs_knot *k, vs_error *err) {
+static vs_status change_load(vs_course *c, vs_error *err) {
+  vs_knot *k = vs_course_next(c);
+  vs_knot_copy(&c->frame, vs_course_last(c), k);
   take_model(c, &c->setup->loads.item[c->loads++].model);
   vs_motion_take(&c->motion, c->frame.model);
   complete(c, k);
@@ -147,43 +160,63 @@ static vs_status change_load(vs_course *c, vs_knot *k, vs_error *err) {
 /* An event's instant counts as reached from here on, s: rounding. */
 static const double REACHED_S = 1e-12;
 
-/* From `start` to `end`, both of which are outside of c, as the knots in it are overwritten. */
-static vs_status move(vs_course *c, const vs_knot *start, vs_knot *end, vs_error *err) {
-  double h = end->t_s - start->t_s, x[VS_MOST_STATES];
-  vs_knot cut, *k = &cut;
-  memcpy(x, start->x, sizeof x);
-  for (double at = 0; at < h;) {
-    at = vs_motion_advance(&c->motion, at, h, x);
-    if (isnan(at)) return vs_fail(err, VS_RUN, "t = %.9g s: GSL cannot step on", end->t_s);
-    if (at < h)
-      cut = between(c, start, end, at);
-    else
-      k = end;
-    memcpy(k->x, x, sizeof x);
-    complete(c, k);
-    if (k == end) break;
-    vs_status status = show_contact(c, k, err);
-    if (status) return status;
-  }
-  vs_status status = vs_course_show(c, end, VS_EV_NONE, err);
-  if (!status && end->t_s >= vs_loads_at(&c->setup->loads, c->loads) - REACHED_S)
-    status = change_load(c, end, err);
-  if (status || c->jammed || end->t_s < c->jams_s - REACHED_S) return status;
-  return jam(c, end, err);
+/* What is due at the end of a step, which was shown. */
+static vs_status end_step(vs_course *c, vs_error *err) {
+  double now_s = vs_course_last(c)->t_s;
+  vs_status status = VS_OK;
+  if (now_s >= vs_loads_at(&c->setup->loads, c->loads) - REACHED_S) status = change_load(c, err);
+  if (status || c->jammed || now_s < c->jams_s - REACHED_S) return status;
+  return jam(c, err);
 }
 
-vs_status vs_course_move(vs_course *c, vs_knot *end, vs_error *err) {
-  vs_knot from;
-  vs_knot_copy(&c->frame, &c->knots[c->now], &from);
+/* From `at` seconds behind the last knot, where the armature meets or leaves a stop in the state x,
+ * to vs_course_next, or to the next such instant. */
+static vs_status move_in_parts(vs_course *c, double at, double x[VS_MOST_STATES], vs_error *err) {
+  const vs_knot start = *vs_course_last(c);
+  vs_knot end = *vs_course_next(c), cut; /* as the course's own are overwritten */
+  double h = end.t_s - start.t_s;
+  while (at < h) {
+    cut = between(c, &start, &end, at);
+    memcpy(cut.x, x, sizeof cut.x);
+    complete(c, &cut);
+    vs_status status = show_contact(c, &cut, err);
+    if (status) return status;
+    at = vs_motion_advance(&c->motion, at, h, x);
+    if (isnan(at)) return vs_fail(err, VS_RUN, "t = %.9g s: GSL cannot step on", end.t_s);
+  }
+  memcpy(end.x, x, sizeof end.x);
+  complete(c, &end);
+  return vs_course_show(c, &end, VS_EV_NONE, err);
+}
+
+static vs_status move(vs_course *c, vs_error *err) {
+  const vs_knot *start = vs_course_last(c);
+  vs_knot *end = vs_course_next(c);
+  double h = end->t_s - start->t_s;
+  memcpy(end->x, start->x, c->motion.size);
+  double at = vs_motion_advance(&c->motion, 0, h, end->x);
+  if (isnan(at)) return vs_fail(err, VS_RUN, "t = %.9g s: GSL cannot step on", end->t_s);
+  if (at < h) {
+    double x[VS_MOST_STATES];
+    memcpy(x, end->x, sizeof x);
+    return move_in_parts(c, at, x, err);
+  }
+  complete(c, end);
+  return vs_course_show(c, end, VS_EV_NONE, err);
+}
+
+vs_status vs_course_move(vs_course *c, vs_error *err) {
+  const vs_knot *from = vs_course_last(c), *to = vs_course_next(c);
   /* lambda is the cubic through both ends' values and slopes */
-  double h = end->t_s - from.t_s, slope = (end->flux_wb - from.flux_wb) / h;
-  set_flux(c, from.flux_wb, from.flux_rate_v,
-           (3 * slope - 2 * from.flux_rate_v - end->flux_rate_v) / h,
-           (from.flux_rate_v + end->flux_rate_v - 2 * slope) / (h * h));
+  double h = to->t_s - from->t_s, slope = (to->flux_wb - from->flux_wb) / h;
+  set_flux(c, from->flux_wb, from->flux_rate_v,
+           (3 * slope - 2 * from->flux_rate_v - to->flux_rate_v) / h,
+           (from->flux_rate_v + to->flux_rate_v - 2 * slope) / (h * h));
   c->candidate_s = -1;
   vs_anode_leave(&c->anode);
-  vs_status status = move(c, &from, end, err);
-  vs_anode_take(&c->anode, &c->knots[c->now]);
+  vs_status status = move(c, err);
+  if (!status) status = end_step(c, err);
+  vs_anode_take(&c->anode);
   return status;
 }
 

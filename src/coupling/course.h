@@ -6,6 +6,7 @@
 
 #include "coupling/anode.h"
 #include "coupling/motion.h"
+#include "drive/held.h"
 #include "sim/sim.h"
 
 typedef struct vs_course {
@@ -16,11 +17,12 @@ typedef struct vs_course {
   int now;
   vs_anode anode;
   vs_motion motion;
-  unsigned touched;                    /* the stops that the armature is in, as bits */
-  bool jammed;                         /* the armature is jammed, since jams_s */
-  double jams_s;                       /* INFINITY: it never is */
-  size_t loads;                        /* how many changes of the load are behind */
-  double series_s;                     /* how far the travel's Taylor polynomial is good enough */
+  vs_held edge;     /* the next edge of what drives the circuit; {0} where it may have changed */
+  unsigned touched; /* the stops that the armature is in, as bits */
+  bool jammed;      /* the armature is jammed, since jams_s */
+  double jams_s;    /* INFINITY: it never is */
+  size_t loads;     /* how many changes of the load are behind */
+  double series_s;  /* how far the travel's Taylor polynomial is good enough */
   double candidate_s, candidate_gap_m; /* the last instant that was asked for, and the gap there;
                                           -1: the answer does not hold any more */
   double candidate_x[VS_MOST_STATES];  /* the state there; only where the deck names motions */
@@ -41,6 +43,14 @@ static inline const vs_knot *vs_course_last(const vs_course *course) {
   return &course->knots[course->now];
 }
 
+/* What vs_setup_edge returns of the course's setup, from memory as far as it holds. */
+double vs_course_edge(vs_course *course, double t_s);
+
+/* Room for the knot that comes next. It is void once a step was shown. */
+static inline vs_knot *vs_course_next(vs_course *course) {
+  return &course->knots[1 - course->now];
+}
+
 /* The gap, m, where the mechanics will be at t_s, foretold from the last knot. */
 double vs_course_gap(vs_course *course, double t_s);
 
@@ -48,19 +58,19 @@ double vs_course_gap(vs_course *course, double t_s);
  * must name one. Over a step h the gap and q are foretold up to h^4, the rates up to h^3. */
 double vs_course_motion(vs_course *course, int state, double t_s);
 
-/* Integrates the machine over the step from the last knot to *end and shows it. *end says what the
- * circuit knows: time, lambda with two derivatives, v_eva, i_mains, terms; the rest is filled in.
- * The step is cut where the armature meets or leaves its stop, and such an instant is shown from
- * either side. Errors: the observer's; VS_RUN where GSL cannot integrate. */
-vs_status vs_course_move(vs_course *course, vs_knot *end, vs_error *err);
+/* Integrates the machine over the step from the last knot to vs_course_next and shows it. The
+ * caller has filled in what the circuit knows of that knot: time, lambda with two derivatives,
+ * v_eva, i_mains, terms. The step is cut where the armature meets or leaves its stop, and such an
+ * instant is shown from either side. Errors: the observer's; VS_RUN where GSL cannot integrate. */
+vs_status vs_course_move(vs_course *course, vs_error *err);
 
 /* The last knot becomes the first of another part of the run: its clock is set back by by_s, the
  * setup and the observer from there on are these, and the machine's state is x. */
 void vs_course_turn(vs_course *course, double by_s, const vs_setup *setup,
                     const vs_observer *observer, const double *x);
 
-/* Shows the step from the last knot to `to`, which is copied. `what` happens at its end, besides
- * what the thyristor does. Errors: the observer's. */
+/* Shows the step from the last knot to `to`, which is copied, or which is vs_course_next. `what`
+ * happens at its end, besides what the thyristor does. Errors: the observer's. */
 vs_status vs_course_show(vs_course *course, const vs_knot *to, vs_event what, vs_error *err);
 
 #endif

@@ -10,14 +10,6 @@
 #include "stress/melting.h"
 #include "stress/reductions.h"
 
-/* A formula of the deck. One that is a single term times a constant is evaluated the short way. */
-typedef struct quick {
-  const vs_formula *formula; /* NULL: the device has no such formula */
-  bool is_term;
-  int term;
-  double factor;
-} quick;
-
 /* The shots of a device that conducts or blocks. One that goes out in a ring and is fired again by
  * the same gate pulse is at the same shot, as long as the same half cycle of the mains may drive
  * it. */
@@ -41,7 +33,7 @@ typedef struct opening {
 } opening;
 
 struct vs_device_watch {
-  quick voltage, current, flux;
+  vs_formula_quick voltage, current, flux; /* flux: of a device that has one */
   shots shots;
   vs_melting melting; /* of a fuse */
   opening *opening;   /* of a device that conducts or blocks, on an orbit; NULL: of any other. Owned
@@ -51,12 +43,6 @@ struct vs_device_watch {
 };
 
 /* ---- beginning ---- */
-
-static quick quick_of(const vs_formula *formula) {
-  quick q = {.formula = formula};
-  q.is_term = vs_formula_is_term(formula, &q.term, &q.factor);
-  return q;
-}
 
 static void begin_measure(vs_watched *w, vs_reduced *r, const vs_device_measure *m) {
   const vs_reducer *by = vs_reductions_all[m->how];
@@ -82,9 +68,9 @@ static void begin_device(vs_watched *w, vs_device_watch *own, const vs_frame *fr
                     .timeline = frame->timeline,
                     .at_work = frame->at_work,
                     .count = d->kind->n_measures};
-  own->voltage = quick_of(&d->voltage);
-  own->current = quick_of(&d->current);
-  if (d->has_flux) own->flux = quick_of(&d->flux);
+  own->voltage = vs_formula_quicken(&d->voltage);
+  own->current = vs_formula_quicken(&d->current);
+  if (d->has_flux) own->flux = vs_formula_quicken(&d->flux);
   if (d->kind->switches) {
     w->states = vs_alloc(1, sizeof *w->states);
     static const vs_gates NONE = {0};
@@ -134,7 +120,7 @@ void vs_devices_free(vs_devices *d) {
 
 /* ---- courses ---- */
 
-static void evaluate(const quick *q, const double *mid, const double *to, double *at_mid,
+static void evaluate(const vs_formula_quick *q, const double *mid, const double *to, double *at_mid,
                      double *at_to) {
   if (q->is_term) {
     *at_mid = q->factor * mid[q->term];

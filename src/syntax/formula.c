@@ -313,6 +313,12 @@ bool vs_formula_is_term(const vs_formula *f, int *term, double *factor) {
   return terms == 1;
 }
 
+vs_formula_quick vs_formula_quicken(const vs_formula *f) {
+  vs_formula_quick q = {.formula = f};
+  q.is_term = vs_formula_is_term(f, &q.term, &q.factor);
+  return q;
+}
+
 /* Two values side by side, on which one instruction works. */
 typedef double pair __attribute__((vector_size(2 * sizeof(double))));
 
