@@ -263,13 +263,15 @@ static vs_status initialise(vs_error *err) {
   if (ng.ended)
     return vs_fail(err, VS_RUN, "ngspice ended itself in an earlier run of this process");
   if (ng.initialised) return VS_OK;
-  char folder[VS_PATH_SIZE] = ".";
+  char folder[VS_PATH_SIZE] = ".", settings[VS_PATH_SIZE + 16];
   vs_status status = VS_OK;
   sigset_t before;
   forget_environment();
   int home = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC), empty = -1;
   vs_leave_hold(&before);
   bool made = home >= 0 && make_folder(folder);
+  snprintf(settings, sizeof settings, "%s/.spiceinit", folder);
+  if (made) vs_leave_from(home), vs_leave_remove(folder), vs_leave_remove(settings);
   if (made && !chdir(folder)) empty = open(".spiceinit", O_WRONLY | O_CREAT | O_EXCL, 0600);
   if (empty < 0)
     status = vs_fail(err, VS_RUN, "no private folder for ngspice: %s: %s", folder, strerror(errno));
@@ -282,6 +284,7 @@ static vs_status initialise(vs_error *err) {
   if (made && fchdir(home) && !status)
     status = vs_fail(err, VS_RUN, "the working directory is gone: %s", strerror(errno));
   if (made) rmdir(folder);
+  vs_leave_from(AT_FDCWD), vs_leave_forget(folder), vs_leave_forget(settings);
   vs_leave_release(&before);
   if (home >= 0) close(home);
   return status;
