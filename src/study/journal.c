@@ -268,11 +268,10 @@ static vs_status read_lines(vs_journal *j, uint64_t *whole, vs_error *err) {
       j->bad++;
     at += (uint64_t)n;
   }
-  bool bad = ferror(f);
+  if (!status) status = vs_file_was_read(f, j->path, err);
   free(line);
   fclose(f);
-  if (status) return status;
-  return bad ? vs_fail(err, VS_RUN, "%s: cannot be read: %s", j->path, strerror(errno)) : VS_OK;
+  return status;
 }
 
 vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error *err) {
