@@ -145,11 +145,21 @@ static void sync_folder_of(const char *path) {
   close(fd);
 }
 
+/* Why an earlier write to the file has failed. The stream keeps that it has, and not why; so some
+ * more is written to the file, which is given up anyway. What is left of a full disk's last blocks
+ * may take the first of it. */
+static const char *why_refused(int fd) {
+  static const char MORE[1 << 16];
+  for (int k = 0; k < 2; k++)
+    if (write(fd, MORE, sizeof MORE) < 0) return strerror(errno);
+  return "a part of it was refused";
+}
+
 vs_status vs_file_commit(vs_file *file, vs_error *err) {
   FILE *stream = file->stream;
   file->stream = NULL;
-  bool lost = ferror(stream); /* of an earlier write nobody knows why it failed */
-  bool bad = fflush(stream) || lost || fsync(fileno(stream));
+  const char *refused = ferror(stream) ? why_refused(fileno(stream)) : NULL;
+  bool bad = refused || fflush(stream) || fsync(fileno(stream));
   int why = errno;
   int lock = dup(fileno(
       stream)); /* a copy of the descriptor keeps the lock until the file has its final name */
@@ -169,7 +179,7 @@ vs_status vs_file_commit(vs_file *file, vs_error *err) {
     return VS_OK;
   }
   return vs_fail(err, VS_RUN, "%s: cannot be written: %s", file->path,
-                 lost ? "a part of it was refused" : strerror(why));
+                 refused ? refused : strerror(why));
 }
 
 void vs_file_discard(vs_file *file) {
