@@ -71,9 +71,10 @@ static vs_status fill_in(const char *path, const char *const with[WORDS], vs_tex
   size_t size = 0;
   for (int n = 0; vs_alloc_line(&line, &size, f) >= 0; n++)
     if (n > 0) add_line(line, with, text);
+  vs_status status = vs_file_was_read(f, path, err);
   free(line);
   fclose(f);
-  return VS_OK;
+  return status;
 }
 
 static vs_status write_out(const char *output, const vs_text *text, vs_error *err) {

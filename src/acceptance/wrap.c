@@ -10,6 +10,7 @@
 #include <strings.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "base/text.h"
 
 enum { MOST_PINS = 8 };
@@ -64,7 +65,7 @@ static void take_line(search *f, char *line) {
 }
 
 /* Lines are joined with those that go on with '+'; comments are left out. */
-static void take_file(search *f, FILE *file) {
+static vs_status take_file(search *f, FILE *file, const char *path, vs_error *err) {
   char *line = NULL;
   size_t size = 0;
   vs_text whole = {0};
@@ -79,9 +80,11 @@ static void take_file(search *f, FILE *file) {
     }
     vs_text_add(&whole, "%s%s", *text == '+' ? " " : "", *text == '+' ? text + 1 : text);
   }
+  vs_status status = vs_file_was_read(file, path, err);
   if (whole.text) take_line(f, whole.text);
   vs_text_free(&whole);
   free(line);
+  return status;
 }
 
 /* ---- pins ---- */
@@ -209,10 +212,10 @@ vs_status vs_wrap_find(const char *word, const char *kind, const char *output, v
   FILE *file = fopen(path, "r");
   if (!file)
     return vs_fail_at(err, (vs_where){.file = path}, "cannot be read: %s", strerror(errno));
-  take_file(&f, file);
+  vs_status status = take_file(&f, file, path, err);
   fclose(file);
-  bool good = f.fitting == 1 && f.best.pins == f.pins;
-  vs_status status = good ? VS_OK : refuse(&f, path, err);
+  bool good = !status && f.fitting == 1 && f.best.pins == f.pins;
+  if (!good && !status) status = refuse(&f, path, err);
   if (good) {
     *w = (vs_wrap){.pspice = f.pspice};
     memcpy(w->called, f.best.name, sizeof w->called);

@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/alloc.h"
 #include "base/leave.h"
 
 vs_status vs_file_folder_make(const char *folder, int *made, vs_error *err) {
@@ -128,7 +129,7 @@ vs_status vs_file_open(vs_file *file, const char *folder, const char *name, vs_e
   mode_t mask = umask(0);
   umask(mask);
   fchmod(fd, 0666 & ~mask);
-  file->stream = fdopen(fd, "w");
+  file->stream = vs_checked(fdopen(fd, "w"));
   return VS_OK;
 }
 
@@ -144,10 +145,21 @@ static void sync_folder_of(const char *path) {
   close(fd);
 }
 
+/* Why an earlier write to the file has failed. The stream keeps that it has, and not why; so some
+ * more is written to the file, which is given up anyway. What is left of a full disk's last blocks
+ * may take the first of it. */
+static const char *why_refused(int fd) {
+  static const char MORE[1 << 16];
+  for (int k = 0; k < 2; k++)
+    if (write(fd, MORE, sizeof MORE) < 0) return strerror(errno);
+  return "a part of it was refused";
+}
+
 vs_status vs_file_commit(vs_file *file, vs_error *err) {
   FILE *stream = file->stream;
   file->stream = NULL;
-  bool bad = fflush(stream) || ferror(stream) || fsync(fileno(stream));
+  const char *refused = ferror(stream) ? why_refused(fileno(stream)) : NULL;
+  bool bad = refused || fflush(stream) || fsync(fileno(stream));
   int why = errno;
   int lock = dup(fileno(
       stream)); /* a copy of the descriptor keeps the lock until the file has its final name */
@@ -166,8 +178,8 @@ vs_status vs_file_commit(vs_file *file, vs_error *err) {
     sync_folder_of(file->path);
     return VS_OK;
   }
-  errno = why;
-  return vs_fail(err, VS_RUN, "%s: cannot be written: %s", file->path, strerror(errno));
+  return vs_fail(err, VS_RUN, "%s: cannot be written: %s", file->path,
+                 refused ? refused : strerror(why));
 }
 
 void vs_file_discard(vs_file *file) {
@@ -181,6 +193,12 @@ void vs_file_discard(vs_file *file) {
 vs_status vs_file_commit_as(vs_file *file, const char *folder, const char *name, vs_error *err) {
   snprintf(file->path, sizeof file->path, "%s%s%s", folder, *folder ? "/" : "", name);
   return vs_file_commit(file, err);
+}
+
+vs_status vs_file_was_read(FILE *stream, const char *path, vs_error *err) {
+  if (!ferror(stream)) return VS_OK;
+  return vs_fail(err, VS_INPUT, "%s: cannot be read: %s", path,
+                 errno ? strerror(errno) : "a part of it was refused");
 }
 
 void vs_file_remove(int folder, const char *name) {

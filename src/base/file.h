@@ -35,6 +35,10 @@ vs_status vs_file_commit_as(vs_file *file, const char *folder, const char *name,
 /* Removes the file as if it had never been. Does nothing to one that is closed. */
 void vs_file_discard(vs_file *file);
 
+/* For who has read a file to its end: what seemed its end may be that it cannot be read on. To be
+ * called before errno has changed. Error: VS_INPUT, it cannot be read. */
+vs_status vs_file_was_read(FILE *stream, const char *path, vs_error *err);
+
 /* Removes a plain file from the folder that is open as `folder`; a link, or what else has that
  * name, stays. */
 void vs_file_remove(int folder, const char *name);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/leave.h"
 
+#include <fcntl.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,20 +11,22 @@
 
 volatile sig_atomic_t vs_leave_requested;
 
-/* The paths to be removed. The signal handler may read them between any two instructions of this
- * process' only thread; each is one word, and so is never half written. */
+/* The paths to be removed, and the process that has noted each: a forked child removes its own
+ * alone. The signal handler may read them between any two instructions of this process' only
+ * thread; each is one word, and so is never half written. */
 static const char *volatile removed[VS_LEAVE_MOST];
+static volatile pid_t noted_by[VS_LEAVE_MOST];
+static volatile int home = AT_FDCWD; /* the folder from which relative paths lead */
 static volatile sig_atomic_t heed = VS_HEED_NOT;
 static volatile int told = STDERR_FILENO; /* where is said that a signal has stopped the process */
-static volatile pid_t owner; /* the process whose files they are; a forked child removes nothing; 0:
-                                vs_leave_begin was not called */
+static volatile pid_t owner; /* the process that has called vs_leave_begin; 0: none has */
 
 void vs_leave_clean(void) {
-  if (getpid() != owner) return;
+  const pid_t self = getpid();
   for (int k = 0; k < VS_LEAVE_MOST; k++)
-    if (removed[k]) unlink(removed[k]);
-  for (int k = 0; k < VS_LEAVE_MOST; k++)
-    if (removed[k]) rmdir(removed[k]); /* rmdir fails where the path is a file */
+    if (removed[k] && noted_by[k] == self) unlinkat(home, removed[k], 0);
+  for (int k = 0; k < VS_LEAVE_MOST; k++) /* fails where the path is a file */
+    if (removed[k] && noted_by[k] == self) unlinkat(home, removed[k], AT_REMOVEDIR);
 }
 
 /* In a program over the library that has not called vs_leave_begin, every process is one of its
@@ -86,6 +89,10 @@ void vs_leave_tell(int file) {
   told = file;
 }
 
+void vs_leave_from(int folder) {
+  home = folder;
+}
+
 vs_heed vs_leave_heed_set(vs_heed next) {
   vs_heed before = (vs_heed)heed;
   heed = (sig_atomic_t)next;
@@ -97,6 +104,7 @@ vs_heed vs_leave_heed_set(vs_heed next) {
 void vs_leave_remove(const char *path) {
   for (int k = 0; k < VS_LEAVE_MOST; k++)
     if (!removed[k]) {
+      noted_by[k] = getpid();
       removed[k] = path;
       return;
     }

@@ -140,5 +140,6 @@ vs_status vs_packed_end(FILE *stream, FILE *file, const char *name, vs_error *er
   if (stream == file) return VS_OK;
   const bool bad = ferror(stream);
   if (!fclose(stream) && !bad) return VS_OK;
-  return vs_fail(err, VS_RUN, "%s: cannot be written: %s", name, strerror(errno));
+  return vs_fail(err, VS_RUN, "%s: cannot be written: %s", name,
+                 bad ? "a part of it was refused" : strerror(errno));
 }

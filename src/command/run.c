@@ -97,6 +97,7 @@ static vs_status open_files(audience *a, vs_error *err) {
                         .until_s = s->setup.run.until_s};
   vs_status status = vs_table_check(&a->table, s->tree.root, s->setup.limits.csv_bytes, err);
   if (!status) status = vs_file_folder_make(folder, &a->made, err);
+  if (!status && a->made == 1) vs_leave_remove(folder);
   if (!status) status = vs_file_open(&a->csv, folder, "run.csv", err);
   if (!status) status = vs_file_open(&a->events, folder, "events.csv", err);
   if (!status) status = vs_file_open(&a->summary, folder, "summary.json", err);
@@ -252,7 +253,6 @@ static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {
   vs_status status = a->options->folder ? open_files(a, err) : VS_OK;
   scene->order.raw = a->raw.stream;
   scene->order.unbegun = can_begin_anew(a);
-  if (a->made == 1) vs_leave_remove(a->options->folder);
   a->began_s = wall_clock();
   a->shown_s = 0;
   return status;

@@ -8,6 +8,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/file.h"
+
 static const vs_shelf EVA_SHELF = {"subcircuit", "", ".inc"};
 
 /* What the files have for the current, where the flux linkage begins, and how they end. */
@@ -276,8 +278,10 @@ vs_status vs_eva_write(const vs_deck *deck, vs_text *out, vs_error *err) {
     line[strcspn(line, "\r\n")] = '\0';
     if (*line && *line != '*') taken += add_line(deck, line, out);
   }
+  status = vs_file_was_read(file, path, err);
   free(line);
   fclose(file);
+  if (status) return status;
   if (deck->eva_current.text && !taken)
     return vs_fail(err, VS_INPUT, "%s: has no current '%s' for the law to take the place of", path,
                    CURRENT);

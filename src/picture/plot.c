@@ -41,9 +41,11 @@ static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
   char *row = NULL;
   if (vs_alloc_line(&run->header, &size, f) < 0) run->header = vs_copy("");
   while (vs_alloc_line(&row, &row_size, f) > 0) run->until_s = strtod(row, NULL);
+  vs_status status = vs_file_was_read(f, run->path, err);
   run->header[strcspn(run->header, "\r\n")] = '\0';
   free(row);
   fclose(f);
+  if (status) return status;
   return run->until_s > 0 ? VS_OK : vs_fail(err, VS_INPUT, "%s: holds no rows", run->path);
 }
 

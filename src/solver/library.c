@@ -92,14 +92,17 @@ static bool make_folder(char path[VS_PATH_SIZE]) {
   return mkdtemp(path) != NULL;
 }
 
-/* Begins in a private folder. Signals are held back as long as that is there. */
-static vs_status begin_in_private(vs_error *err) {
-  char folder[VS_PATH_SIZE] = ".";
+/* Begins in a private folder. Signals are held back as long as that is there; `home` is the working
+ * directory, from which the paths of what is noted for removal lead. */
+static vs_status begin_in_private(int home, vs_error *err) {
+  char folder[VS_PATH_SIZE] = ".", settings[VS_PATH_SIZE + 16];
   vs_status status = VS_OK;
   sigset_t before;
   int empty = -1;
   vs_leave_hold(&before);
   bool made = make_folder(folder);
+  snprintf(settings, sizeof settings, "%s/%s", folder, INIT);
+  if (made) vs_leave_from(home), vs_leave_remove(folder), vs_leave_remove(settings);
   if (made && !chdir(folder)) empty = open(INIT, O_WRONLY | O_CREAT | O_EXCL, 0600);
   if (empty < 0)
     status = vs_fail(err, VS_RUN, "no private folder for ngspice: %s: %s", folder, strerror(errno));
@@ -108,7 +111,10 @@ static vs_status begin_in_private(vs_error *err) {
     call_begin();
     unlink(INIT);
   }
+  if (made && fchdir(home) && !status)
+    status = vs_fail(err, VS_RUN, "the working directory is gone: %s", strerror(errno));
   if (made) rmdir(folder);
+  vs_leave_from(AT_FDCWD), vs_leave_forget(folder), vs_leave_forget(settings);
   vs_leave_release(&before);
   return status;
 }
@@ -119,12 +125,13 @@ static vs_status begin_here(vs_error *err) {
   if (home < 0)
     return vs_fail(err, VS_RUN, "no working directory for ngspice: %s", strerror(errno));
   vs_status status = VS_OK;
-  if (enter_shipped())
+  if (!enter_shipped())
+    status = begin_in_private(home, err);
+  else {
     call_begin();
-  else
-    status = begin_in_private(err);
-  if (fchdir(home) && !status)
-    status = vs_fail(err, VS_RUN, "the working directory is gone: %s", strerror(errno));
+    if (fchdir(home))
+      status = vs_fail(err, VS_RUN, "the working directory is gone: %s", strerror(errno));
+  }
   close(home);
   return status;
 }

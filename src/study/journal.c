@@ -305,11 +305,10 @@ static vs_status each_line(vs_journal *j, visit each, reading *r, uint64_t *whol
       j->bad++;
     at += (uint64_t)n;
   }
-  bool bad = ferror(f);
+  if (!status) status = vs_file_was_read(f, j->path, err);
   free(line);
   fclose(f);
-  if (status) return status;
-  return bad ? vs_fail(err, VS_RUN, "%s: cannot be read: %s", j->path, strerror(errno)) : VS_OK;
+  return status;
 }
 
 /* Reads all lines; *end is where the last whole one ends. The head is looked for first, as a row

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "study/publish.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -173,5 +174,20 @@ vs_status vs_publish_write(const vs_journals *all, const vs_format *format, cons
   vs_file_discard(&r.study);
   vs_file_discard(&r.failures);
   vs_file_discard(&r.manifest);
+  return status;
+}
+
+vs_status vs_publish_show(const char *folder, const char *name, bool header, FILE *out,
+                          vs_error *err) {
+  char path[VS_PATH_SIZE + 16], *line = NULL;
+  size_t size = 0;
+  snprintf(path, sizeof path, "%.4000s/%s", folder, name);
+  FILE *f = fopen(path, "r");
+  if (!f) return vs_fail(err, VS_RUN, "%s: cannot be opened: %s", path, strerror(errno));
+  for (bool first = true; vs_alloc_line(&line, &size, f) > 0; first = false)
+    if (header || !first) fputs(line, out);
+  vs_status status = vs_file_was_read(f, path, err);
+  free(line);
+  fclose(f);
   return status;
 }

@@ -25,4 +25,9 @@ vs_status vs_publish_check(const char *folder, const vs_format *format, vs_error
 vs_status vs_publish_write(const vs_journals *journals, const vs_format *format, const char *folder,
                            vs_error *err);
 
+/* Prints one of the folder's files, with its header row or without. Errors: VS_INPUT or VS_RUN, it
+ * cannot be read. */
+vs_status vs_publish_show(const char *folder, const char *name, bool header, FILE *out,
+                          vs_error *err);
+
 #endif

@@ -339,17 +339,6 @@ static vs_status name_folder(session *s, vs_error *err) {
   return VS_OK;
 }
 
-static void show_file(const session *s, const char *name, bool header, FILE *out) {
-  char path[VS_PATH_SIZE + 16], *line = NULL;
-  size_t size = 0;
-  snprintf(path, sizeof path, "%s/%s", s->folder, name);
-  FILE *f = fopen(path, "r");
-  for (bool first = true; f && vs_alloc_line(&line, &size, f) > 0; first = false)
-    if (header || !first) fputs(line, out);
-  free(line);
-  if (f) fclose(f);
-}
-
 static void discard_folder(const session *s) {
   for (size_t k = 0; k <= VS_PUBLISH_FILES; k++) {
     unlink(s->own[k]);
@@ -376,15 +365,15 @@ static vs_status write_result(session *s, uint64_t cases, vs_error *err) {
   return status;
 }
 
-static void say_result(const session *s) {
+static vs_status say_result(const session *s, vs_error *err) {
   char method[128];
   const vs_journal *j = &s->journal;
   if (!s->o->folder) { /* even with --quiet, as the result is nowhere else */
-    show_file(s, "study.csv", true, stdout);
-    if (!s->o->quiet) show_file(s, "failures.csv", false, stderr);
-    return;
+    vs_status status = vs_publish_show(s->folder, "study.csv", true, stdout, err);
+    if (s->o->quiet || status) return status;
+    return vs_publish_show(s->folder, "failures.csv", false, stderr, err);
   }
-  if (s->o->quiet || s->o->progress_json) return;
+  if (s->o->quiet || s->o->progress_json) return VS_OK;
   vs_plan_method(&s->plan, method, sizeof method);
   printf("study  %s (%s)\n", s->plan.path, method);
   if (j->head.shards > 1)
@@ -394,6 +383,7 @@ static void say_result(const session *s) {
          "written: %s in %s\n",
          (unsigned long long)j->done, (unsigned long long)j->failed,
          (unsigned long long)j->violated, s->o->format->written, s->folder);
+  return VS_OK;
 }
 
 static vs_status judge(const session *s, vs_error *err) {
@@ -438,7 +428,7 @@ static vs_status run_session(session *s, vs_error *err) {
             (unsigned long long)s->total);
   if (!status) status = write_result(s, cases, err);
   signal(SIGPIPE, before);
-  if (!status) say_result(s);
+  if (!status) status = say_result(s, err);
   return status ? status : judge(s, err);
 }
 

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "base/text.h"
 
 static bool is_there(const char *folder, const char *name) {
@@ -77,6 +78,7 @@ static vs_status read_rows(vs_traces *t, FILE *f, vs_error *err) {
     make_room(t, &room);
     status = read_row(t, line, number, err);
   }
+  if (!status) status = vs_file_was_read(f, t->path, err);
   free(line);
   if (!status && !t->rows) status = vs_fail(err, VS_INPUT, "%s: holds no rows", t->path);
   return status;

@@ -152,7 +152,8 @@ static vs_status deal(vs_jobs *j, vs_worker *w, vs_error *err) {
     if (status) return status;
   }
   w->alone = alone;
-  vs_worker_send(w, j->o.plan, j->tasks, n); /* if the worker is gone, its pipe will tell */
+  if (!vs_worker_send(w, j->o.plan, j->tasks, n))
+    kill(w->pid, SIGKILL); /* it may have got a part; that it is gone its pipe will tell */
   return VS_OK;
 }
 
