@@ -26,10 +26,11 @@ static const double U = 100, W = 100 * M_PI;                    /* V, rad/s */
 static const double R = 10, R_ON = 1e-3, L = 10e-3, TAU = 1e-3; /* ohm, ohm, H, R C in s */
 static const double FIRES_S = 2e-3, GATED_S = 4e-3, UNTIL_S = 19e-3, STEP_S = 50e-6;
 
-/* What is allowed, each some ten times what ngspice 39 to 47 leave. */
+/* What is allowed: of the first two, some ten times what ngspice 39 to 47 leave. They obey the rule
+ * to 1e-15; Gear's is 1e-7 off. */
 static const double OFF = 2.5e-4; /* of currents and voltages, in parts of their peaks */
 static const double BOOKS = 5e-5; /* of energy, in parts of what was drawn */
-static const double RULE = 1e-6;  /* of the trapezoidal rule, in parts of the source's peak */
+static const double RULE = 1e-9;  /* of the trapezoidal rule, in parts of the source's peak */
 static const double NONE = 1e-5;  /* a step of no length, in parts of the largest */
 static const double THERE = 1e-9; /* an instant, in parts of the largest step */
 
@@ -134,14 +135,14 @@ static void judge(const watch *w, char wrong[VS_PROBE_TEXT]) {
   if (UNTIL_S - w->t_s > THERE * STEP_S)
     snprintf(wrong, VS_PROBE_TEXT, "its last step ends %.2g s before the run's end",
              UNTIL_S - w->t_s);
-  else if (w->shortest_s < NONE * STEP_S)
-    snprintf(wrong, VS_PROBE_TEXT, "it takes steps of %.2g s, which have no length", w->shortest_s);
+  else if (!w->fired_there)
+    snprintf(wrong, VS_PROBE_TEXT, "it steps over instants where a step must end");
   else if (w->too_long)
     snprintf(wrong, VS_PROBE_TEXT, "it takes steps longer than allowed");
-  else if (w->asked_elsewhere || !w->fired_there)
-    snprintf(wrong, VS_PROBE_TEXT, "it %s",
-             w->fired_there ? "asks its sources for other instants than those of its steps"
-                            : "steps over instants where a step must end");
+  else if (w->asked_elsewhere)
+    snprintf(wrong, VS_PROBE_TEXT, "it asks its sources for other instants than its steps end at");
+  else if (w->shortest_s < NONE * STEP_S)
+    snprintf(wrong, VS_PROBE_TEXT, "it takes steps of %.2g s, which have no length", w->shortest_s);
   else if (w->whole < 100 || w->otherwise > w->whole / 10)
     snprintf(wrong, VS_PROBE_TEXT, "%ld of its %ld longest steps do not obey the trapezoidal rule",
              w->otherwise, w->whole);
