@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "coupling/pace.h"
+#include "solver/trust.h"
 #include "watch/sign.h"
 
 void vs_result_finish(vs_result *r) {
@@ -222,6 +223,7 @@ void vs_result_warnings(const vs_result *r, void (*each)(void *ctx, const char *
              vs_ladder_text(r->ladder.rung), r->ladder.failed);
     each(ctx, text);
   }
+  if (s->tier->has_circuit && *vs_trust_text()) each(ctx, vs_trust_text());
   warn_after(r, true, each, ctx);
 }
 

@@ -7,7 +7,7 @@
 #include "ideal/analytic.h"
 #include "ideal/switched.h"
 #include "quiet/quiet.h"
-#include "solver/ng.h"
+#include "solver/trust.h"
 
 const vs_tier *const vs_tiers_all[VS_TIERS] = {
 #define TIER_ROW(id, file, word) [id] = &vs_##file##_tier,
@@ -17,7 +17,7 @@ const vs_tier *const vs_tiers_all[VS_TIERS] = {
 
 const char vs_tiers_words[] = VS_TIER_WORDS;
 
-const vs_run_order vs_tiers_order = {.solver = &vs_ng_kind, .stand_in = &vs_quiet_stand_in};
+const vs_run_order vs_tiers_order = {.solver = &vs_trust_kind, .stand_in = &vs_quiet_stand_in};
 
 const vs_tier *vs_tiers_find(const char *name) {
   for (int k = 0; k < VS_TIERS; k++)

@@ -54,7 +54,7 @@ typedef struct vs_junction {
 /* What one run has besides its setup. Only a tier with a circuit looks at it, but for the leaver.
  */
 typedef struct vs_run_order {
-  const vs_circuit_kind *solver; /* who solves the circuit: vs_ng_kind, or a test's own */
+  const vs_circuit_kind *solver; /* who solves the circuit: vs_trust_kind, or a test's own */
   const vs_stand_in *stand_in;   /* who may stand in for the circuit; NULL: nobody may */
   FILE *raw;  /* gets a rawfile of the run; NULL: none is written. The caller owns it */
   bool tried; /* this deck with these parts was run in this process before, so that the solver need

@@ -16,6 +16,7 @@
 #include "deck/parts.h"
 #include "solver/child.h"
 #include "solver/ng.h"
+#include "solver/trust.h"
 
 /* A circuit of the stand takes some hundredths of a second. */
 enum { MOST_SECONDS = 20 };
@@ -190,7 +191,8 @@ vs_status vs_stand_run(const vs_stand *stand, const vs_stand_circuit *c, vs_stan
   vs_child_copy copy;
   head h = {0};
   *r = (vs_stand_record){0};
-  vs_status status = vs_child_fork(&copy, err);
+  vs_status status = vs_trust_find(err);
+  if (!status) status = vs_child_fork(&copy, err);
   if (status) return status;
   if (copy.pid == 0) solve_in(&copy, stand, c);
   bool whole = vs_child_listen(&copy, &h, sizeof h);

@@ -1,0 +1,281 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Can the library be relied on: the probe says so of the one that is here, and says what is wrong
+ * with each of some solvers that are wrong on purpose; what is remembered of it is used, and is not
+ * used where it is not whole. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "program.h"
+#include "solver/ending.h"
+#include "solver/ng.h"
+#include "solver/probe.h"
+
+/* ---- solvers that are wrong on purpose: ngspice, and between it and the host a liar ---- */
+
+static struct {
+  vs_circuit_host host, lying;
+  vs_circuit_job job;
+  double end_s;
+} liar;
+
+static vs_status tell(double t_s, const double *signals, vs_error *err) {
+  return liar.host.accept(liar.host.ctx, t_s, signals, err);
+}
+static double honest_source(void *ctx, size_t port, double t_s) {
+  (void)ctx;
+  return liar.host.source(liar.host.ctx, port, t_s);
+}
+static double honest_edge(void *ctx, double t_s) {
+  (void)ctx;
+  return liar.host.edge(liar.host.ctx, t_s);
+}
+static double honest_longest(void *ctx, double t_s) {
+  (void)ctx;
+  return liar.host.longest(liar.host.ctx, t_s);
+}
+static vs_status honest_accept(void *ctx, double t_s, const double *signals, vs_error *err) {
+  (void)ctx;
+  return tell(t_s, signals, err);
+}
+
+static vs_status without_end(void *ctx, double t_s, const double *signals, vs_error *err) {
+  (void)ctx;
+  return t_s > liar.end_s - 1e-9 ? VS_OK : tell(t_s, signals, err);
+}
+static vs_status twice(void *ctx, double t_s, const double *signals, vs_error *err) {
+  (void)ctx;
+  tell(t_s, signals, err);
+  return t_s > 1e-3 ? tell(t_s + 1e-15, signals, err) : VS_OK;
+}
+static vs_status with_more_current(void *ctx, double t_s, const double *signals, vs_error *err) {
+  (void)ctx;
+  const double more[] = {signals[0], 1.001 * signals[1], signals[2], signals[3]};
+  return tell(t_s, more, err);
+}
+static vs_status with_a_lossy_latch(void *ctx, double t_s, const double *signals, vs_error *err) {
+  (void)ctx;
+  const double more[] = {signals[0], signals[1], signals[2] + 0.1, signals[3]};
+  return tell(t_s, more, err);
+}
+static double no_edge(void *ctx, double t_s) {
+  (void)ctx, (void)t_s;
+  return INFINITY;
+}
+static double longer(void *ctx, double t_s) {
+  (void)ctx;
+  return 2 * liar.host.longest(liar.host.ctx, t_s);
+}
+static double elsewhere(void *ctx, size_t port, double t_s) {
+  (void)ctx;
+  return liar.host.source(liar.host.ctx, port, fmax(t_s - 1e-7, 0));
+}
+
+static const struct lie {
+  vs_circuit_host host;
+  bool gear;
+  const char *says;
+} LIES[] = {
+    {{.accept = without_end}, false, "its last step ends"},
+    {{.accept = twice}, false, "which have no length"},
+    {{.accept = with_more_current}, false, "the current of a coil is off by 0.001 of its peak"},
+    {{.accept = with_a_lossy_latch}, false, "the energy books of a coil behind a latch leave 0.00"},
+    {{.edge = no_edge}, false, "it steps over instants where a step must end"},
+    {{.longest = longer}, false, "it takes steps longer than allowed"},
+    {{.source = elsewhere}, false, "it asks its sources for other instants"},
+    {{0}, true, "do not obey the trapezoidal rule"},
+};
+static const struct lie *told;
+
+static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
+                      vs_error *err) {
+  liar.host = *host;
+  liar.job = *job;
+  liar.end_s = job->until_s;
+  liar.job.gear = told->gear;
+  liar.job.max_step_s = told->host.longest ? 2 * job->max_step_s : job->max_step_s;
+  liar.lying = told->host;
+  if (!liar.lying.source) liar.lying.source = honest_source;
+  if (!liar.lying.edge) liar.lying.edge = honest_edge;
+  if (!liar.lying.longest) liar.lying.longest = honest_longest;
+  if (!liar.lying.accept) liar.lying.accept = honest_accept;
+  return vs_ng_kind.load(&liar.job, &liar.lying, circuit, err);
+}
+static vs_status go(void *circuit, vs_error *err) {
+  return vs_ng_kind.run(circuit, err);
+}
+static void release(void *circuit) {
+  vs_ng_kind.free(circuit);
+}
+
+static vs_status fails(void *circuit, vs_error *err) {
+  (void)circuit;
+  return vs_fail(err, VS_RUN, "t = 0.01 s: the solver gave up");
+}
+
+static void each_lie_is_told(void) {
+  static const vs_circuit_kind LIAR = {"a liar", load, go, release};
+  char wrong[VS_PROBE_TEXT];
+  for (size_t k = 0; k < COUNT(LIES); k++) {
+    told = &LIES[k];
+    vs_probe_run(&LIAR, wrong);
+    EXPECT(strstr(wrong, LIES[k].says), "'%s' is not '%s'", wrong, LIES[k].says);
+  }
+  static const vs_circuit_kind FAILS = {"one that fails", load, fails, release};
+  told = &LIES[0];
+  vs_probe_run(&FAILS, wrong);
+  EXPECT(!strcmp(wrong, "a small circuit fails: t = 0.01 s: the solver gave up"), "%s", wrong);
+}
+
+static void this_one_is_right(void) {
+  char wrong[VS_PROBE_TEXT];
+  vs_probe_run(&vs_ng_kind, wrong);
+  EXPECT(!*wrong, "ngspice %s: %s", vs_ng_running(), wrong);
+}
+
+/* ---- how a run ends ---- */
+
+/* What ngspice 46 would do of itself: half of what is left, and again. */
+static void halves_become_a_whole(void) {
+  vs_ending e = {0};
+  CU_ASSERT_EQUAL(vs_ending_step(&e, 8e-5, 4e-5), 4e-5);
+  CU_ASSERT_EQUAL(vs_ending_step(&e, 4e-5, 2e-5), 4e-5);
+  CU_ASSERT_EQUAL(vs_ending_step(&e, 3e-5, 1e-5), 1e-5); /* a third is no half */
+  CU_ASSERT_EQUAL(vs_ending_step(&e, 2e-5, 1e-5), 1e-5);
+  CU_ASSERT_EQUAL(vs_ending_step(&e, 1e-5, 1e-5), 1e-5);
+  CU_ASSERT(!vs_ending_reached(1e-14, 2.5e-5));
+  CU_ASSERT(vs_ending_reached(1.1e-11 * 2.5e-5, 2.5e-5));
+  CU_ASSERT(vs_ending_reached(-1e-20, 2.5e-5));
+}
+
+/* ---- what is remembered ---- */
+
+static const char RUN[] = "run short.yaml --json --reproducible";
+
+/* The one file of the memory, read; "" where there is none. */
+static char *memory(char path[512]) {
+  char *names = listing("cache/vibrospice");
+  snprintf(path, 512, "cache/vibrospice/%.*s", (int)strcspn(names, " "), names);
+  free(names);
+  return read_file(path);
+}
+
+static void set_up(void) {
+  char folder[4096 - 16], cache[4096];
+  remove_tree("cache");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(getcwd(folder, sizeof folder));
+  snprintf(cache, sizeof cache, "%s/cache", folder);
+  setenv("XDG_CACHE_HOME", cache, 1);
+  write_file("short.yaml", "circuit: {deck: halfwave_bare}\nrun: {until: 1 ms}\n");
+}
+
+/* Probed once; a second start finds what came of it, and gives the same. */
+static void a_verdict_is_remembered(void) {
+  char path[512];
+  set_up();
+  ran first = run("%s", RUN);
+  expect_good(&first, RUN, __LINE__);
+  char *text = memory(path);
+  EXPECT(strstr(text, "libngspice") && strstr(text, "\n\nend\n"), "%s", text);
+  struct stat before, after;
+  CU_ASSERT_EQUAL(stat(path, &before), 0);
+  ran second = run("%s", RUN);
+  expect_good(&second, RUN, __LINE__);
+  CU_ASSERT_STRING_EQUAL(first.out, second.out);
+  CU_ASSERT_EQUAL(stat(path, &after), 0);
+  CU_ASSERT_EQUAL(before.st_ino, after.st_ino); /* it was not written again */
+  free(text);
+  free_ran(&first);
+  free_ran(&second);
+}
+
+/* A library that was found wrong is told with its version and its file wherever warnings are. */
+static void a_wrong_one_is_told(void) {
+  char path[512], wanted[64];
+  set_up();
+  RUN_GOOD(RUN);
+  char *text = memory(path), *end = strstr(text, "\n\nend\n");
+  CU_ASSERT_PTR_NOT_NULL_FATAL(end);
+  char *altered = vs_alloc(strlen(text) + 64, 1);
+  sprintf(altered, "%.*s\nits twos are threes\nend\n", (int)(end - text), text);
+  write_file(path, altered);
+  snprintf(wanted, sizeof wanted, "ngspice %s (", vs_ng_running());
+  ran r = run("%s", RUN);
+  EXPECT(r.status == 0 && strstr(r.err, "warning: ngspice") && strstr(r.err, wanted) &&
+             strstr(r.err, "not to be relied on: its twos are threes"),
+         "%d: %s", r.status, r.err);
+  EXPECT(strstr(r.out, "not to be relied on: its twos are threes"), "%s", r.out);
+  CU_ASSERT_EQUAL(count_lines(r.err), 1);
+  free_ran(&r);
+  r = run("%s --tier switched", "run paper --json --reproducible"); /* no ngspice, no warning */
+  EXPECT(r.status == 0 && !*r.err && !strstr(r.out, "relied"), "%s%s", r.err, r.out);
+  free_ran(&r);
+  write_file("three.yaml", "scene: short.yaml\n"
+                           "vary:\n  firing.angle: [90 deg, 100 deg, 110 deg]\n");
+  r = run("study three.yaml -o out --jobs 1 --quiet");
+  char *rows = read_file("out/study.csv");
+  EXPECT(r.status == 0 && strstr(rows, "its twos are threes"), "%d: %s%s", r.status, r.err, rows);
+  free_ran(&r);
+  remove_tree("out");
+  remove("three.yaml");
+  free(rows);
+  free(altered);
+  free(text);
+}
+
+/* What is not whole is not believed: the library is probed again, and found right. */
+static void a_torn_memory_is_not_believed(void) {
+  static const char *const TEXTS[] = {"", "vibrospice 0.0.1\nits twos are threes\nend\n",
+                                      "its twos are threes\nend\n"};
+  char path[512];
+  set_up();
+  RUN_GOOD(RUN);
+  char *whole = memory(path);
+  for (size_t k = 0; k < COUNT(TEXTS); k++) {
+    write_file(path, TEXTS[k]);
+    RUN_GOOD(RUN);
+    char *again = read_file(path);
+    CU_ASSERT_STRING_EQUAL(again, whole);
+    free(again);
+  }
+  char *torn = vs_copy(whole);
+  torn[strlen(torn) - 3] = '\0';
+  write_file(path, torn);
+  RUN_GOOD(RUN);
+  free(torn);
+  free(whole);
+}
+
+/* Where nothing can be remembered, runs go well nevertheless, and nothing is left anywhere. */
+static void without_a_memory(void) {
+  static const char *const HOMES[] = {"/nowhere/at/all", "relative", "", NULL};
+  char *kept = getenv("HOME") ? vs_copy(getenv("HOME")) : NULL;
+  set_up();
+  setenv("XDG_CACHE_HOME", "/dev/null", 1);
+  RUN_GOOD(RUN);
+  unsetenv("XDG_CACHE_HOME");
+  for (size_t k = 0; k < COUNT(HOMES); k++) {
+    if (HOMES[k])
+      setenv("HOME", HOMES[k], 1);
+    else
+      unsetenv("HOME");
+    RUN_GOOD(RUN);
+  }
+  EXPECT_FILES(".", "short.yaml ");
+  CU_ASSERT(access("/nowhere", F_OK));
+  if (kept) setenv("HOME", kept, 1);
+  free(kept);
+}
+
+int main(void) {
+  static const vs_test TESTS[] = {{"this one is right", this_one_is_right},
+                                  {"each lie is told", each_lie_is_told},
+                                  {"halves become a whole", halves_become_a_whole},
+                                  {"a verdict is remembered", a_verdict_is_remembered},
+                                  {"a wrong one is told", a_wrong_one_is_told},
+                                  {"a torn memory is not believed", a_torn_memory_is_not_believed},
+                                  {"without a memory", without_a_memory}};
+  return program_suite("trust", TESTS, COUNT(TESTS));
+}
