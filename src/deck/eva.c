@@ -13,7 +13,7 @@
 static const vs_shelf EVA_SHELF = {"subcircuit", "", ".inc"};
 
 /* What the files have for the current, where the flux linkage begins, and how they end. */
-static const char CURRENT[] = "v(lam)*v(z)*{1/(2*eva_a)}", BEGINS[] = " ic=0", ENDS[] = ".ends";
+static const char CURRENT[] = "v(lam)*v(z) m={1/(2*eva_a)}", BEGINS[] = " ic=0", ENDS[] = ".ends";
 
 void vs_eva_take_law(vs_deck *deck, const vs_coil *coil) {
   vs_text force = {0};

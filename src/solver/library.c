@@ -52,17 +52,27 @@ static bool load(void) {
   return spice.loaded;
 }
 
+/* The folder in which ngspice looks for spinit: here it is the one that it begins in. */
+static const char SCRIPTS[] = "SPICE_SCRIPTS";
+
 /* Removes the variables by which a user tells ngspice where its files are, and so whose spinit it
- * runs, and more of the kind. Without them it takes those that it was installed with, code models
- * included. */
-static void forget_environment(void) {
-  static const char *const NAMES[] = {
-      "SPICE_LIB_DIR",     "SPICE_SCRIPTS",         "SPICE_EXEC_DIR",
-      "SPICE_PATH",        "SPICE_HELP_DIR",        "SPICE_NEWS",
-      "SPICE_MAPFILE",     "SPICE_ASCIIRAWFILE",    "SPICE_EDITOR",
-      "SPICE_HOST",        "SPICE_BUGADDR",         "SPICE_NO_DATASEG_CHECK",
-      "NGSPICE_INPUT_DIR", "NGSPICE_MEAS_PRECISION"};
+ * runs, and more of the kind. */
+static void set_environment(void) {
+  static const char *const NAMES[] = {"SPICE_LIB_DIR",
+                                      "SPICE_EXEC_DIR",
+                                      "SPICE_PATH",
+                                      "SPICE_HELP_DIR",
+                                      "SPICE_NEWS",
+                                      "SPICE_MAPFILE",
+                                      "SPICE_ASCIIRAWFILE",
+                                      "SPICE_EDITOR",
+                                      "SPICE_HOST",
+                                      "SPICE_BUGADDR",
+                                      "SPICE_NO_DATASEG_CHECK",
+                                      "NGSPICE_INPUT_DIR",
+                                      "NGSPICE_MEAS_PRECISION"};
   for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) unsetenv(NAMES[k]);
+  setenv(SCRIPTS, ".", 1);
 }
 
 static void call_begin(void) {
@@ -72,10 +82,10 @@ static void call_begin(void) {
 
 /* ---- where it begins ---- */
 
-/* The file that ngspice reads in the place of the user's. */
-static const char INIT[] = ".spiceinit";
+/* The files that ngspice reads in the place of the user's and of its own. */
+static const char INIT[] = ".spiceinit", SPINIT[] = "spinit";
 
-/* Goes to the folder with an empty .spiceinit that comes with the program. */
+/* Goes to the folder that comes with the program, whose files of these names say nothing. */
 static bool enter_shipped(void) {
   static const vs_shelf SHELF = {"", "ngspice", ""};
   char path[VS_PATH_SIZE];
@@ -92,29 +102,35 @@ static bool make_folder(char path[VS_PATH_SIZE]) {
   return mkdtemp(path) != NULL;
 }
 
+static bool make_empty(const char *name) {
+  int file = open(name, O_WRONLY | O_CREAT | O_EXCL, 0600);
+  if (file >= 0) close(file);
+  return file >= 0;
+}
+
 /* Begins in a private folder. Signals are held back as long as that is there; `home` is the working
  * directory, from which the paths of what is noted for removal lead. */
 static vs_status begin_in_private(int home, vs_error *err) {
-  char folder[VS_PATH_SIZE] = ".", settings[VS_PATH_SIZE + 16];
+  char folder[VS_PATH_SIZE] = ".", init[VS_PATH_SIZE + 16], spinit[VS_PATH_SIZE + 16];
   vs_status status = VS_OK;
   sigset_t before;
-  int empty = -1;
   vs_leave_hold(&before);
   bool made = make_folder(folder);
-  snprintf(settings, sizeof settings, "%s/%s", folder, INIT);
-  if (made) vs_leave_from(home), vs_leave_remove(folder), vs_leave_remove(settings);
-  if (made && !chdir(folder)) empty = open(INIT, O_WRONLY | O_CREAT | O_EXCL, 0600);
-  if (empty < 0)
-    status = vs_fail(err, VS_RUN, "no private folder for ngspice: %s: %s", folder, strerror(errno));
-  else {
-    close(empty);
+  snprintf(init, sizeof init, "%s/%s", folder, INIT);
+  snprintf(spinit, sizeof spinit, "%s/%s", folder, SPINIT);
+  if (made)
+    vs_leave_from(home), vs_leave_remove(folder), vs_leave_remove(init), vs_leave_remove(spinit);
+  bool entered = made && !chdir(folder);
+  if (entered && make_empty(INIT) && make_empty(SPINIT))
     call_begin();
-    unlink(INIT);
-  }
+  else
+    status = vs_fail(err, VS_RUN, "no private folder for ngspice: %s: %s", folder, strerror(errno));
+  if (entered) unlink(INIT), unlink(SPINIT);
   if (made && fchdir(home) && !status)
     status = vs_fail(err, VS_RUN, "the working directory is gone: %s", strerror(errno));
   if (made) rmdir(folder);
-  vs_leave_from(AT_FDCWD), vs_leave_forget(folder), vs_leave_forget(settings);
+  vs_leave_from(AT_FDCWD);
+  vs_leave_forget(folder), vs_leave_forget(init), vs_leave_forget(spinit);
   vs_leave_release(&before);
   return status;
 }
@@ -157,7 +173,7 @@ static void await_thread(void) {
 void vs_library_expect(vs_library_begin begin) {
   sigset_t before;
   if (spice.expected || spice.loaded) return;
-  forget_environment();
+  set_environment();
   spice.begin = begin;
   spice.owner = getpid();
   vs_leave_hold(&before); /* the thread keeps them held back */
@@ -166,10 +182,14 @@ void vs_library_expect(vs_library_begin begin) {
 }
 
 vs_status vs_library_open(vs_library_begin begin, vs_error *err) {
+  vs_status status = VS_OK;
   await_thread();
-  if (spice.begun) return VS_OK;
-  forget_environment();
-  spice.begin = begin;
-  if (!load()) return vs_fail(err, VS_RUN, "ngspice cannot be loaded: %s", spice.why);
-  return begin_here(err);
+  if (!spice.begun) {
+    set_environment();
+    spice.begin = begin;
+    status =
+        load() ? begin_here(err) : vs_fail(err, VS_RUN, "ngspice cannot be loaded: %s", spice.why);
+  }
+  unsetenv(SCRIPTS); /* programs that this one starts may be another ngspice */
+  return status;
 }
