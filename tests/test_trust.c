@@ -11,7 +11,7 @@
 #include "program.h"
 #include "solver/ending.h"
 #include "solver/ng.h"
-#include "solver/probe.h"
+#include "trust/probe.h"
 
 /* ---- solvers that are wrong on purpose: ngspice, and between it and the host a liar ---- */
 

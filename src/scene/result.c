@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "coupling/pace.h"
-#include "solver/trust.h"
+#include "trust/trust.h"
 #include "watch/sign.h"
 
 void vs_result_finish(vs_result *r) {

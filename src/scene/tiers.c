@@ -7,7 +7,7 @@
 #include "ideal/analytic.h"
 #include "ideal/switched.h"
 #include "quiet/quiet.h"
-#include "solver/trust.h"
+#include "trust/trust.h"
 
 const vs_tier *const vs_tiers_all[VS_TIERS] = {
 #define TIER_ROW(id, file, word) [id] = &vs_##file##_tier,

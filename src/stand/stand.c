@@ -16,7 +16,7 @@
 #include "deck/parts.h"
 #include "solver/child.h"
 #include "solver/ng.h"
-#include "solver/trust.h"
+#include "trust/trust.h"
 
 /* A circuit of the stand takes some hundredths of a second. */
 enum { MOST_SECONDS = 20 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "solver/probe.h"
+#include "trust/probe.h"
 
 #include <math.h>
 #include <stdio.h>

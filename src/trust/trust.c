@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "solver/trust.h"
+#include "trust/trust.h"
 
 #include <fcntl.h>
 #include <link.h>
@@ -15,7 +15,7 @@
 #include "solver/child.h"
 #include "solver/guard.h"
 #include "solver/ng.h"
-#include "solver/probe.h"
+#include "trust/probe.h"
 
 /* libngspice is one in a process, and so is what is known of it. */
 static struct {

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Can the ngspice that runs be relied on? Users have other versions than the developers, and one
- * version may be right where the next is not. So each library is probed once (solver/probe.h), in a
+ * version may be right where the next is not. So each library is probed once (trust/probe.h), in a
  * child process, and what came of it is remembered in $XDG_CACHE_HOME/vibrospice, or
  * ~/.cache/vibrospice. A library is told by its file: path, size, time of change. It is probed
  * again where the file is another one, with another version of this program, and each time a
  * process begins where there is no folder to remember it in. */
-#ifndef VS_SOLVER_TRUST_H
-#define VS_SOLVER_TRUST_H
+#ifndef VS_TRUST_TRUST_H
+#define VS_TRUST_TRUST_H
 
 #include "solver/circuit.h"
 

@@ -2,8 +2,8 @@
  * Does a solver do what the program relies on? A small circuit tells, in some milliseconds: a coil
  * behind a latch of 1 Gohm at a sine, and a capacitor that a resistor charges. Both have closed
  * forms, and what went wrong with one version of ngspice or another shows in them. */
-#ifndef VS_SOLVER_PROBE_H
-#define VS_SOLVER_PROBE_H
+#ifndef VS_TRUST_PROBE_H
+#define VS_TRUST_PROBE_H
 
 #include "solver/circuit.h"
 
