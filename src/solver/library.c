@@ -22,6 +22,7 @@
 static struct {
   vs_library library;
   bool loaded, begun;
+  bool lean;     /* it begins, or has begun, without code models */
   char why[256]; /* it could not be loaded */
   vs_library_begin begin;
   bool expected; /* the thread runs, or has ended and was not waited for */
@@ -75,13 +76,26 @@ static void call_begin(void) {
 /* The file that ngspice reads in the place of the user's. */
 static const char INIT[] = ".spiceinit";
 
-/* Goes to the folder with an empty .spiceinit that comes with the program. */
-static bool enter_shipped(void) {
+/* Finds the folder with an empty .spiceinit that comes with the program. */
+static bool find_shipped(char path[VS_PATH_SIZE]) {
   static const vs_shelf SHELF = {"", "ngspice", ""};
-  char path[VS_PATH_SIZE];
   if (!vs_path_shipped(&SHELF, INIT, path)) return false;
   path[strlen(path) - strlen(INIT)] = '\0';
-  return !chdir(path);
+  return true;
+}
+
+/* Goes there. */
+static bool enter_shipped(void) {
+  char path[VS_PATH_SIZE];
+  return find_shipped(path) && !chdir(path);
+}
+
+/* Lets ngspice take the spinit of that folder, which loads no code models. The environment is the
+ * process's, so this comes before there is a second thread. */
+static void begin_lean(void) {
+  char path[VS_PATH_SIZE];
+  forget_environment();
+  spice.lean = find_shipped(path) && !setenv("SPICE_SCRIPTS", path, 1);
 }
 
 /* Makes a folder below $TMPDIR, or /tmp. Returns false where it cannot; errno says why. */
@@ -150,7 +164,7 @@ static void await_thread(void) {
 void vs_library_expect(vs_library_begin begin) {
   sigset_t before;
   if (spice.expected || spice.loaded) return;
-  forget_environment();
+  begin_lean();
   spice.begin = begin;
   spice.owner = getpid();
   vs_leave_hold(&before); /* the thread keeps them held back */
@@ -161,8 +175,15 @@ void vs_library_expect(vs_library_begin begin) {
 vs_status vs_library_open(vs_library_begin begin, vs_error *err) {
   await_thread();
   if (spice.begun) return VS_OK;
-  forget_environment();
   spice.begin = begin;
+  if (!spice.lean) forget_environment();
   if (!load()) return vs_fail(err, VS_RUN, "ngspice cannot be loaded: %s", spice.why);
+  return begin_here(err);
+}
+
+vs_status vs_library_complete(vs_error *err) {
+  if (!spice.lean) return VS_OK;
+  spice.lean = false;
+  forget_environment();
   return begin_here(err);
 }

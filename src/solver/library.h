@@ -27,7 +27,8 @@ typedef void (*vs_library_begin)(const vs_library *library);
 
 /* Begins to load the library and to call begin in a second thread, which signals that end the
  * process do not reach. Nothing comes of it where that cannot be; vs_library_open does all of it
- * then. A process must not fork before it has called vs_library_open. */
+ * then. A process must not fork before it has called vs_library_open. ngspice begins without its
+ * code models, the elements whose names begin with "a", which few netlists have. */
 void vs_library_expect(vs_library_begin begin);
 
 /* Loads the library and calls begin, unless vs_library_expect has, whose thread it waits for; it
@@ -35,5 +36,9 @@ void vs_library_expect(vs_library_begin begin);
  * user's home; begin is called in a folder that has an empty one, so that a scene gives the same
  * result for everyone. Errors, VS_RUN: there is no such library, or no folder for it. */
 vs_status vs_library_open(vs_library_begin begin, vs_error *err);
+
+/* Calls begin once more where ngspice has begun without its code models: it has them then. To be
+ * called while it has no circuit. Errors: those of vs_library_open. */
+vs_status vs_library_complete(vs_error *err);
 
 #endif

@@ -11,8 +11,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/text.h"
+#include "dialect/words.h"
 #include "solver/child.h"
 #include "solver/guard.h"
 #include "solver/library.h"
@@ -326,13 +328,46 @@ static bool is_loaded(const vs_text *netlist) {
          !memcmp(ng.loaded.text, netlist->text, netlist->length);
 }
 
+/* True for a line that may want a code model. ngspice makes one of a controlled source with a table
+ * or a polynomial, which need not have that word: it is known by its number of words. */
+static bool wants_model(const char *line) {
+  vs_word w[VS_WORDS_MOST];
+  size_t count = vs_words_split(line, w);
+  if (count == 0) return false;
+  switch (tolower((unsigned char)*w[0].at)) {
+  case 'a':
+  case 'n':
+  case 'u':
+    return true;
+  case 'e':
+  case 'g':
+    return count != 6 || strchr(line, '=');
+  case 'f':
+  case 'h':
+    return count != 5 || strchr(line, '=');
+  case '.':
+    return !strncasecmp(w[0].at, ".inc", 4) || !strncasecmp(w[0].at, ".lib", 4);
+  default:
+    return false;
+  }
+}
+
+/* The dialects of others make code models of more. */
+static bool wants_models(const vs_circuit_job *job) {
+  bool wants = *job->dialect;
+  for (size_t k = 1; k < job->lines && !wants; k++) wants = wants_model(job->netlist[k]);
+  return wants;
+}
+
 /* Loads a netlist in the place of the one that ngspice has, after a trial. Owns *netlist from then
  * on. */
 static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *host, char **lines,
                            vs_text *netlist, vs_error *err) {
   forget();
+  vs_status status = wants_models(job) ? vs_library_complete(err) : VS_OK;
+  if (status) return status;
   set_dialect(job->dialect);
-  vs_status status = try_first(job, host, lines, err);
+  status = try_first(job, host, lines, err);
   if (status) return status;
   ng.library->circuit(lines);
   if (ng.ended) vs_guard_end();
