@@ -6,8 +6,10 @@
 #include <glob.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/path.h"
+#include "dialect/words.h"
 
 /* What turns a line E, F, G or H, or one that continues it, into a code model. */
 static bool has_form(const char *line) {
@@ -18,13 +20,35 @@ static bool has_form(const char *line) {
   return found;
 }
 
+/* A polynomial need not be called one: ngspice knows it by the number of words, too. What an
+ * .include brings is not seen here. */
+static bool may_need(const char *line) {
+  vs_word w[VS_WORDS_MOST];
+  size_t count = vs_words_split(line, w);
+  if (count == 0) return false;
+  switch (tolower((unsigned char)*w[0].at)) {
+  case 'a':
+  case 'n':
+  case 'u':
+    return true;
+  case 'e':
+  case 'g':
+    return count != 6 || strchr(line, '=') || has_form(line);
+  case 'f':
+  case 'h':
+    return count != 5 || strchr(line, '=') || has_form(line);
+  case '+':
+    return has_form(line);
+  case '.':
+    return !strncasecmp(w[0].at, ".inc", 4) || !strncasecmp(w[0].at, ".lib", 4);
+  default:
+    return false;
+  }
+}
+
 bool vs_code_models_needed(char *const *netlist, size_t lines, const char *dialect) {
   bool needed = *dialect;
-  for (size_t k = 1; k < lines && !needed; k++) {
-    const char *line = netlist[k] + strspn(netlist[k], " \t");
-    int first = tolower((unsigned char)*line);
-    needed = first == 'a' || first == 'u' || (strchr("efgh+", first) && has_form(line));
-  }
+  for (size_t k = 1; k < lines && !needed; k++) needed = may_need(netlist[k]);
   return needed;
 }
 

@@ -87,8 +87,8 @@ static const char INIT[] = ".spiceinit", SPINIT[] = "spinit";
 
 /* Goes to the folder that comes with the program, whose files of these names say nothing. */
 static bool enter_shipped(void) {
-  static const vs_shelf SHELF = {"", "ngspice", ""};
   char path[VS_PATH_SIZE];
+  static const vs_shelf SHELF = {"", "ngspice", ""};
   if (!vs_path_shipped(&SHELF, INIT, path)) return false;
   path[strlen(path) - strlen(INIT)] = '\0';
   return !chdir(path);
