@@ -13,18 +13,22 @@
  * version takes for "as usual". */
 enum { WIDTH = 5, PERIOD = 6, ARGUMENTS };
 
-static char comment[] = "*"; /* a line that went into another one */
-
 static bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == ',';
 }
 
-/* Where a pulse's arguments begin, its parenthesis included if it has one; NULL: there is none. */
+/* Where the arguments of a source's pulse begin, its parenthesis included if it has one; NULL: it
+ * has no pulse. A source has a name and two nodes before its value; a node may be called pulse. */
 static const char *find_pulse(const char *line) {
-  static const char WORD[] = "pulse";
-  for (const char *at = line; (at = strcasestr(at, WORD)); at++) {
+  static const char WORD[] = "pulse", BLANKS[] = " \t,";
+  const char *value = line;
+  for (int k = 0; k < 3; k++) {
+    value += strspn(value, BLANKS);
+    value += strcspn(value, BLANKS);
+  }
+  for (const char *at = value; (at = strcasestr(at, WORD)); at++) {
     const char *behind = at + sizeof WORD - 1;
-    if (at > line && is_blank(at[-1]) && (is_blank(*behind) || *behind == '('))
+    if (is_blank(at[-1]) && (is_blank(*behind) || *behind == '('))
       return behind + strspn(behind, " \t");
   }
   return NULL;
@@ -90,30 +94,15 @@ static char *complete(const char *line, double until_s) {
   return NULL;
 }
 
-/* How many lines go on with the one before them. */
-static size_t continued(char *const *lines, size_t count) {
-  size_t k = 0;
-  while (k < count && lines[k][strspn(lines[k], " \t")] == '+') k++;
-  return k;
-}
-
 void vs_defaults_write(char **lines, size_t count, double until_s) {
   for (size_t k = 1; k < count; k++) {
     char letter = lines[k][strspn(lines[k], " \t")];
-    if (!letter || !strchr("vViI", letter)) continue;
-    size_t more = continued(lines + k + 1, count - k - 1);
-    vs_text whole = {0};
-    vs_text_add(&whole, "%s", lines[k]);
-    for (size_t m = 1; m <= more; m++) vs_text_add(&whole, " %s", strchr(lines[k + m], '+') + 1);
-    char *completed = complete(whole.text, until_s);
-    vs_text_free(&whole);
-    if (!completed) continue;
-    lines[k] = completed;
-    for (; more; more--) lines[++k] = comment;
+    char *completed = letter && strchr("vViI", letter) ? complete(lines[k], until_s) : NULL;
+    if (completed) lines[k] = completed;
   }
 }
 
 void vs_defaults_free(char **lines, char *const *netlist, size_t count) {
   for (size_t k = 0; k < count; k++)
-    if (lines[k] != netlist[k] && lines[k] != comment) free(lines[k]);
+    if (lines[k] != netlist[k]) free(lines[k]);
 }

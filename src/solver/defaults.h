@@ -8,10 +8,9 @@
 #include <stddef.h>
 
 /* Gives each pulse of the netlist the width and the period that ngspice 44 takes where they are not
- * there or are the number 0: until_s, the length of the run, in s. lines[0] is the title. A line
- * that is rewritten takes in those that go on with it ("+"), which become comments; elements of
- * `lines` point to text of this function's then. vs_defaults_free frees that; `netlist` is what
- * `lines` was copied from. */
+ * there or are the number 0: until_s, the length of the run, in s. lines[0] is the title; each line
+ * is whole. `lines` is a copy of `netlist`, whose elements become text of this function's where
+ * they are rewritten. vs_defaults_free frees that text. */
 void vs_defaults_write(char **lines, size_t count, double until_s);
 void vs_defaults_free(char **lines, char *const *netlist, size_t count);
 
