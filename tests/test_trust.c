@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Can the library be relied on: the probe says so of the one that is here, and says what is wrong
  * with each of some solvers that are wrong on purpose; what is remembered of it is used, and is not
- * used where it is not whole. */
+ * used where it is not whole. And what versions of ngspice do differently comes to the same. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "program.h"
+#include "solver/defaults.h"
 #include "solver/ending.h"
 #include "solver/ng.h"
 #include "trust/probe.h"
@@ -150,6 +151,59 @@ static void halves_become_a_whole(void) {
   CU_ASSERT(vs_ending_reached(-1e-20, 2.5e-5));
 }
 
+/* ---- what a line leaves out ---- */
+
+static void pulses_are_completed(void) {
+  static const struct {
+    const char *line, *becomes; /* NULL: the line itself */
+  } ROWS[] = {
+      {"the title has a PULSE(0 1)", NULL},
+      {"V1 a 0 PULSE(0 1 1m 1u 1u 1m 2m)", NULL},
+      {"V1 a 0 PULSE(0 1 1m 1u 1u 1m)", "V1 a 0 PULSE( 0 1 1m 1u 1u 1m 0.25)"},
+      {"v1 a 0 dc 0 pulse (0,{a*(b+1)} 1m) ac 1",
+       "v1 a 0 dc 0 pulse ( 0 {a*(b+1)} 1m 0 0 0.25 0.25) ac 1"},
+      {"I1 a 0 PULSE 0 1 0 0 0 0s 0.0 AC 1", "I1 a 0 PULSE ( 0 1 0 0 0 0.25 0.25) AC 1"},
+      {"V1 a 0 PULSE(0 'x y' 0 1u 1u {w} 2m)", NULL},
+      {"V1 pulse 0 5", NULL},
+      {"V1 pulse 0 PULSE(0 1 0 1u 1u 0.5 10)", NULL},
+      {"V1 a 0 PULSE(0)", NULL},
+      {"B1 a 0 V=pulse(0 1)", NULL},
+      {"V1 a 0 PULSE(0 1", "V1 a 0 PULSE( 0 1 0 0 0 0.25 0.25)"},
+      {"V1", NULL},
+      {"", NULL},
+  };
+  char *netlist[COUNT(ROWS)], *lines[COUNT(ROWS)];
+  for (size_t k = 0; k < COUNT(ROWS); k++) netlist[k] = lines[k] = vs_copy(ROWS[k].line);
+  vs_defaults_write(lines, COUNT(ROWS), 0.25);
+  for (size_t k = 0; k < COUNT(ROWS); k++)
+    EXPECT(!strcmp(lines[k], ROWS[k].becomes ? ROWS[k].becomes : ROWS[k].line), "'%s' became '%s'",
+           ROWS[k].line, lines[k]);
+  vs_defaults_free(lines, netlist, COUNT(ROWS));
+  for (size_t k = 0; k < COUNT(ROWS); k++) free(netlist[k]);
+}
+
+/* A pulse without a period comes once, whichever version runs: the capacitor keeps what it got. */
+static void a_pulse_comes_once(void) {
+  write_file("once.cir",
+             "*$ probe v_c = v(c) V\n*$ probe v_d = v(d) V\n"
+             "V1 p 0 PULSE(0 5 0.1m 1u 1u 0.2m)\nR1 p c 1k\nC1 c 0 10n ic=0\n"
+             "V2 q 0 PULSE(0 5 0.1m 1u)\nR2 q d 1k\nC2 d 0 10n ic=0\nRe e 0 1\nXeva e 0 eva\n");
+  write_file("once.yaml", "circuit: {deck: once.cir}\nrun: {until: 1 ms, sample: 0.5 ms}\n"
+                          "record: [v_c, v_d]\n");
+  ran r = run("run once.yaml -o once --quiet");
+  CU_ASSERT_EQUAL(r.status, 0);
+  char *rows = read_file("once/run.csv"), *last = strstr(rows, "\n0.001,");
+  double at_end[2] = {NAN, NAN};
+  EXPECT(last && sscanf(last, "\n0.001,%lf,%lf", &at_end[0], &at_end[1]) == 2, "%s%s", r.err, rows);
+  CLOSE_OF(at_end[0], 0, 5, 1e-6);
+  CLOSE_OF(at_end[1], 5, 5, 1e-6);
+  free(rows);
+  free_ran(&r);
+  remove_tree("once");
+  remove("once.cir");
+  remove("once.yaml");
+}
+
 /* ---- what is remembered ---- */
 
 static const char RUN[] = "run short.yaml --json --reproducible";
@@ -273,6 +327,8 @@ int main(void) {
   static const vs_test TESTS[] = {{"this one is right", this_one_is_right},
                                   {"each lie is told", each_lie_is_told},
                                   {"halves become a whole", halves_become_a_whole},
+                                  {"pulses are completed", pulses_are_completed},
+                                  {"a pulse comes once", a_pulse_comes_once},
                                   {"a verdict is remembered", a_verdict_is_remembered},
                                   {"a wrong one is told", a_wrong_one_is_told},
                                   {"a torn memory is not believed", a_torn_memory_is_not_believed},

@@ -154,6 +154,19 @@ static vs_status check_element(const vs_line *line, const vs_word *w, size_t cou
   return status;
 }
 
+/* Sources whose arguments ngspice has changed: V and I with SFFM(...) or AM(...). */
+static void tell_of_modulation(const vs_line *line, const vs_word *w, size_t count,
+                               vs_tally *tally) {
+  for (size_t k = 3; k < count; k++) {
+    vs_word name = {w[k].at, strcspn(w[k].at, "( \t")};
+    if (vs_words_is(name, "sffm") || vs_words_is(name, "am"))
+      vs_tally_add(tally,
+                   "the arguments of SFFM and AM mean other things in ngspice 39, 44 and 46; a B "
+                   "source with sin(...) of time means the same in each",
+                   vs_line_place(line, w[k].at));
+  }
+}
+
 /* Returns where a line's values begin; NULL: it has none. */
 static const char *values_of(const char *text, const vs_word *w, size_t count) {
   if (*text == '.') {
@@ -172,6 +185,7 @@ vs_status vs_numbers_check(const vs_line *line, vs_tally *tally, vs_error *err) 
   if (count == 0) return VS_OK;
   if (strchr("rRcClLkK", *text)) status = check_element(line, w, count, tally, err);
   if (strchr("vViI", *text) && count == 4) status = check_value(line, w[3], err);
+  if (strchr("vViI", *text)) tell_of_modulation(line, w, count, tally);
   if (status) return status;
   const char *values = values_of(text, w, count);
   return values ? check_factors(line, values, err) : VS_OK;

@@ -27,6 +27,7 @@ static const struct sign {
     {"not enough parameters in line", 1, true, false, false},
     {"singular matrix", 0, false, false, false},
     {"PTerror: syntax error, parsing stopped at", 1, false, false, false},
+    {"YYparse error", 1, false, false, false}, /* the same, from 44 on */
     {"xpression err", 0, false, false, false},
     {"oo few parameters", 0, false, false, false},
     {"rror", 0, false, false, false},

@@ -18,6 +18,7 @@
 #include "solver/child.h"
 #include "solver/code_models.h"
 #include "solver/confine.h"
+#include "solver/defaults.h"
 #include "solver/ending.h"
 #include "solver/guard.h"
 #include "solver/library.h"
@@ -389,6 +390,7 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   char **lines = vs_alloc(job->lines + 5, sizeof *lines);
   size_t n = 0;
   for (; n < job->lines; n++) lines[n] = job->netlist[n];
+  vs_defaults_write(lines, n, job->until_s);
   char *rest = tail.text;
   for (char *line; (line = strsep(&rest, "\n"));) lines[n++] = line;
   vs_complaints_clear(&ng.complaints);
@@ -398,6 +400,7 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   for (size_t k = 0; k < n; k++) vs_text_add(&netlist, "%s\n", lines[k]);
   status = is_loaded(&netlist) ? VS_OK : load_anew(job, host, lines, &netlist, err);
   vs_text_free(&netlist);
+  vs_defaults_free(lines, job->netlist, job->lines);
   free(lines);
   vs_text_free(&tail);
   if (status) return status;
