@@ -39,7 +39,10 @@ static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
                    run->path, strerror(errno), folder);
   size_t size = 0, row_size = 0;
   char *row = NULL;
-  if (getline(&run->header, &size, f) < 0) run->header = vs_copy("");
+  if (getline(&run->header, &size, f) < 0) {
+    free(run->header); /* it may have been made all the same */
+    run->header = vs_copy("");
+  }
   while (getline(&row, &row_size, f) > 0) run->until_s = strtod(row, NULL);
   run->header[strcspn(run->header, "\r\n")] = '\0';
   free(row);
