@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Netlists of other programs, as `import` reads them, up to the deck's lines. */
-#include <stdlib.h>
+#include <string.h>
 
 #include "import/copying.h"
 #include "import/lines.h"
@@ -51,7 +51,7 @@ static vs_status understand(work *w, const char *path, vs_findings *all) {
 static vs_status go(const char *path, vs_findings *all) {
   static work w_; /* too large to be made anew for each text */
   work *w = &w_;
-  *w = (work){.plan = {NULL}};
+  memset(w, 0, sizeof *w);
   vs_status status = understand(w, path, all);
   vs_copying_free(&w->body);
   vs_fate_free(&w->plan);
