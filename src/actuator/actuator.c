@@ -153,8 +153,11 @@ static vs_status find_law(const char *name, const vs_node *map, const vs_law **l
 /* True if the word is one of those between the bars of "one|two". */
 static bool is_one_of(const char *word, const char *words) {
   size_t n = strlen(word);
-  for (const char *s = words; s && *s; s = strchr(s, '|'), s += s != NULL)
+  for (const char *s = words; s && *s;) {
+    const char *bar = strchr(s, '|');
     if (!strncmp(s, word, n) && (!s[n] || s[n] == '|')) return true;
+    s = bar ? bar + 1 : NULL;
+  }
   return false;
 }
 

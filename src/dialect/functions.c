@@ -181,6 +181,10 @@ static void write_pattern(const char *pattern, const call *c, vs_text *text) {
       vs_text_add(text, "%c", *s);
 }
 
+/* A function within itself, of which each is written out with its argument twice, doubles the line
+ * with each: twenty of them would make megabytes. No line that is meant needs as much. */
+enum { LONGEST = 100000 };
+
 /* Rewrites the call of f whose name stands at `at`. */
 static vs_status rewrite(vs_rewriting *r, const function *f, const char *at, const char *open) {
   call c = {.at = (size_t)(at - r->text.text)};
@@ -328,6 +332,11 @@ vs_status vs_functions_rewrite(vs_rewriting *r) {
   if (!r->pspice) rewrite_operators(r);
   tell_powers(r);
   while ((f = find_last(r, &at, &open))) {
+    if (r->text.length > LONGEST)
+      return vs_fail_at(r->err, vs_rewriting_place(r, at, strlen(f->name)),
+                        "%s: written out for ngspice, the line is longer than %d characters; give "
+                        "inner functions sources of their own: B1 x 0 V=%s(...), and then v(x)",
+                        f->name, LONGEST, f->name);
     vs_status status = rewrite(r, f, at, open);
     if (status) return status;
   }

@@ -228,6 +228,20 @@ static int every_of(const vs_roles *r, const vs_roles_gate *g) {
   return isinf(g->pulse.period_s) ? 0 : g->each == 2 ? 1 : (int)rint(g->pulse.period_s * r->hz);
 }
 
+/* Error: the gate's pulses begin, or come again, later than firing.first_cycle and firing.every can
+ * say. */
+static vs_status check_reach(const finder *f, const vs_roles_gate *g) {
+  static const double MOST_CYCLES = 1e8; /* in the longest run there are fewer */
+  double at = cycles_to(f->roles, g), period = g->pulse.period_s * f->roles->hz;
+  if (fabs(at) < MOST_CYCLES && (isinf(g->pulse.period_s) || fabs(period) < MOST_CYCLES))
+    return VS_OK;
+  return vs_fail_at(
+      f->err, vs_elements_where(f->w, g->source, 0),
+      "%s: it fires first at %.9g s and then every %.9g s, which is more cycles of the "
+      "mains than a run has; --gate none says that it fires nothing",
+      g->source->name, g->pulse.at_s, g->pulse.period_s);
+}
+
 /* A scene has one section firing: gates may differ in when they fire, and in nothing else. */
 static vs_status check_alike(const finder *f) {
   const vs_roles *r = f->roles;
@@ -235,6 +249,8 @@ static vs_status check_alike(const finder *f) {
   for (size_t k = 0; k < r->n_gates; k++) {
     const vs_roles_gate *g = &r->gates[k];
     if (isnan(g->pulse.at_s)) continue;
+    vs_status status = check_reach(f, g);
+    if (status) return status;
     if (!first) first = g;
     bool often = every_of(r, g) != every_of(r, first);
     double a = g->pulse.width_s, b = first->pulse.width_s;

@@ -39,7 +39,10 @@ static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
                    run->path, strerror(errno), folder);
   size_t size = 0, row_size = 0;
   char *row = NULL;
-  if (vs_alloc_line(&run->header, &size, f) < 0) run->header = vs_copy("");
+  if (vs_alloc_line(&run->header, &size, f) < 0) {
+    free(run->header); /* it may have been made all the same */
+    run->header = vs_copy("");
+  }
   while (vs_alloc_line(&row, &row_size, f) > 0) run->until_s = strtod(row, NULL);
   vs_status status = vs_file_was_read(f, run->path, err);
   run->header[strcspn(run->header, "\r\n")] = '\0';

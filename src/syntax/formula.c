@@ -10,7 +10,9 @@
 
 #include "base/alloc.h"
 
-enum { WORD = 60, LEVELS = 50 };
+/* A formula of names that stand for formulas, each of which has the one before it twice, would grow
+ * without a bound; and so would a derivative of many factors. */
+enum { WORD = 60, LEVELS = 50, MOST_OPS = 4096 };
 
 typedef struct reader {
   const char *text, *at, *bad;
@@ -39,6 +41,7 @@ static bool emit(reader *r, vs_op op) {
   r->depth += 1 - taken(op.kind);
   if (r->depth > VS_FORMULA_DEPTH) return fail(r, "too long a formula");
   vs_formula *f = r->formula;
+  if (f->count == MOST_OPS) return fail(r, "too long a formula, with those that it names");
   f->ops = vs_resize(f->ops, f->count + 1, sizeof *f->ops);
   f->ops[f->count++] = op;
   return true;
@@ -124,9 +127,11 @@ static bool call(reader *r, const char *word, const char *begin) {
   int k = vs_function_find(word);
   if (k < 0) return no_such_function(r);
   bool two = vs_function_table[k].of_two;
+  if (++r->level > LEVELS) return fail(r, "too many functions in each other");
   if (!take(r, '(') || !read_sum(r)) return fail(r, "'(' is wanted here");
   if (two && (!take(r, ',') || !read_sum(r))) return fail(r, "',' and a second value are wanted");
   if (!take(r, ')')) return fail(r, "')' is wanted here");
+  r->level--;
   return emit_function(r, k, begin);
 }
 

@@ -68,19 +68,33 @@ static void make_room(vs_traces *t, size_t *room) {
   t->value = vs_resize(t->value, *room * t->columns, sizeof *t->value);
 }
 
+/* Reads line `number`; *more is false where there is none. Error: it holds a zero byte, behind
+ * which nobody would look. */
+static vs_status next_line(const vs_traces *t, FILE *f, vs_text *line, int number, bool *more,
+                           vs_error *err) {
+  ssize_t n = vs_alloc_line(&line->text, &line->capacity, f);
+  *more = n > 0;
+  if (n <= 0 || strlen(line->text) == (size_t)n) return VS_OK;
+  return vs_fail_at(err, (vs_where){t->path, number, (int)strlen(line->text) + 1},
+                    "a zero byte; a run's table is text");
+}
+
 static vs_status read_rows(vs_traces *t, FILE *f, vs_error *err) {
-  vs_status status = VS_OK;
-  char *line = NULL;
-  size_t size = 0, room = 0;
-  if (vs_alloc_line(&line, &size, f) < 0) line = vs_copy("");
-  status = read_header(t, line, err);
-  for (int number = 2; !status && vs_alloc_line(&line, &size, f) > 0; number++) {
+  vs_text line = {0};
+  size_t room = 0;
+  bool more;
+  int number = 1;
+  vs_status status = next_line(t, f, &line, number, &more, err);
+  if (!status && !more)
+    status = vs_fail_at(err, (vs_where){t->path, 1, 1}, "holds no line; a run's begins with t_s");
+  if (!status) status = read_header(t, line.text, err);
+  while (!status && !(status = next_line(t, f, &line, ++number, &more, err)) && more) {
     make_room(t, &room);
-    status = read_row(t, line, number, err);
+    status = read_row(t, line.text, number, err);
   }
   if (!status) status = vs_file_was_read(f, t->path, err);
-  free(line);
-  if (!status && !t->rows) status = vs_fail(err, VS_INPUT, "%s: holds no rows", t->path);
+  vs_text_free(&line);
+  if (!status && !t->rows) status = vs_fail_at(err, (vs_where){t->path, 2, 1}, "holds no rows");
   return status;
 }
 

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * The targets by name. VS_FUZZ_TARGETS(X) has X(NAME) for each; NAME.c defines fuzz_NAME. */
+#ifndef VS_TESTS_FUZZ_TARGETS_H
+#define VS_TESTS_FUZZ_TARGETS_H
+
+#include "target.h"
+
+#define VS_FUZZ_TARGETS(X)                                                                         \
+  X(units)                                                                                         \
+  X(formula)                                                                                       \
+  X(sets)                                                                                          \
+  X(scene)                                                                                         \
+  X(study)                                                                                         \
+  X(fit)                                                                                           \
+  X(machine)                                                                                       \
+  X(deck)                                                                                          \
+  X(part)                                                                                          \
+  X(netlist)                                                                                       \
+  X(journal)                                                                                       \
+  X(study_csv)                                                                                     \
+  X(manifest)                                                                                      \
+  X(overlay)                                                                                       \
+  X(run_csv)
+
+#define VS_FUZZ_DECLARED(name) extern const fuzz_target fuzz_##name;
+VS_FUZZ_TARGETS(VS_FUZZ_DECLARED)
+#undef VS_FUZZ_DECLARED
+
+#endif
