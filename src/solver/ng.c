@@ -19,12 +19,12 @@
 #include "solver/code_models.h"
 #include "solver/confine.h"
 #include "solver/defaults.h"
-#include "solver/ending.h"
 #include "solver/guard.h"
 #include "solver/library.h"
 #include "solver/ng.h"
 #include "solver/rawfile.h"
-#include "solver/stride.h"
+#include "stride/ending.h"
+#include "stride/stride.h"
 
 /* In the place of a vector's index: of a signal that is 0, and of one that the circuit has not. */
 enum { GROUND = -1, MISSING = -2 };

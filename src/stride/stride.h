@@ -2,8 +2,8 @@
  * How long the solver's next try of a step should be, where its own proposal wastes tries. The
  * solver still judges each try by its own truncation error, so that no step is accepted which it
  * would not accept otherwise. */
-#ifndef VS_SOLVER_STRIDE_H
-#define VS_SOLVER_STRIDE_H
+#ifndef VS_STRIDE_STRIDE_H
+#define VS_STRIDE_STRIDE_H
 
 #include <stdbool.h>
 

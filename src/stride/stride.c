@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "solver/stride.h"
+#include "stride/stride.h"
 
 #include <math.h>
 
