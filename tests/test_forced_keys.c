@@ -72,6 +72,7 @@ static bool other_value(const char *line, char *key, char *value, size_t size) {
   char number[64] = "", unit[32] = "";
   if (sscanf(line, "%95s", key) != 1) return false;
   if (!strncmp(key, "control.", 8)) return false; /* every tier obeys them, once it fires again */
+  if (!strncmp(key, "limits.", 7)) return false;  /* every tier obeys them; they change nothing */
   for (size_t k = 0; k < COUNT(NO_CONFLICT); k++)
     if (!strcmp(key, NO_CONFLICT[k])) return false;
   for (size_t k = 0; k < COUNT(OTHER); k++)
