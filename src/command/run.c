@@ -315,7 +315,7 @@ static void say_result(const vs_run_options *o, const vs_run_more *more, const v
 vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scene *scene,
                        vs_error *err) {
   audience a = {.options = o, .more = more, .show_progress = !o->quiet && isatty(STDERR_FILENO)};
-  const vs_guest guest = {&a, begin, accept, again};
+  const vs_guest guest = {&a, begin, accept, again, !o->folder};
   const vs_session session = {
       .guest = &guest, .verify = true, .steady = vs_steady_start, .stop = o->stop};
   vs_result *result = vs_alloc(1, sizeof *result);

@@ -40,7 +40,7 @@ static vs_status take_aims(const vs_inquiry_run *run, const vs_measured *measure
 static vs_status run_copy(const vs_inquiry_run *run, vs_scene *scene, vs_measured *measured,
                           double *computed, vs_error *err) {
   vs_sampler looks;
-  const vs_guest guest = {&looks, begin, accept, NULL};
+  const vs_guest guest = {.ctx = &looks, .begin = begin, .accept = accept};
   const vs_session session = {.guest = run->recorded ? &guest : NULL,
                               .bare = !run->aims.count && !run->scene->tier->has_circuit &&
                                       !run->scene->control.regulator};

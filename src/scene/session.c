@@ -137,6 +137,8 @@ static vs_status run_once(const vs_session *session, vs_scene *s, vs_result *r, 
   if (status) return status;
   const bool alone = is_alone(session, s);
   if (!session->bare) vs_watchers_begin(&r->watchers, &s->frame, alone ? session->wants : NULL);
+  r->watchers.prompt =
+      (guest && guest->accept && !guest->late) || s->control.regulator || s->order.junction;
   begin_meters(session, s, r);
   if (!session->bare) vs_result_begin_quality(r, s);
   s->order.stop = session->stop;

@@ -23,6 +23,8 @@ typedef struct vs_guest {
   /* Called when an attempt has ended because ngspice gave up, and another one is to begin on the
    * ladder's rung `next`. failed: how it ended. */
   void (*again)(void *ctx, const char *failed, int next);
+  bool
+      late; /* `accept` does not ask the watchers, so that these may look at some steps at a time */
 } vs_guest;
 
 typedef struct vs_session {

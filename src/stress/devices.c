@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "batch/sweep.h"
 #include "stress/melting.h"
 #include "stress/reductions.h"
 
@@ -120,22 +121,24 @@ void vs_devices_free(vs_devices *d) {
 
 /* ---- courses ---- */
 
-static void evaluate(const vs_formula_quick *q, const double *mid, const double *to, double *at_mid,
-                     double *at_to) {
-  if (q->is_term) {
-    *at_mid = q->factor * mid[q->term];
-    *at_to = q->factor * to[q->term];
-    return;
-  }
-  double pair[2];
-  vs_formula_pair(q->formula, mid, to, pair);
-  *at_mid = pair[0];
-  *at_to = pair[1];
-}
-
 static void complete(double course[VS_COURSES]) {
   course[VS_OF_POWER] = course[VS_OF_V] * course[VS_OF_I];
   course[VS_OF_I2] = course[VS_OF_I] * course[VS_OF_I];
+}
+
+/* A device's courses in each step of a batch. */
+typedef struct courses {
+  vs_pair of[VS_COURSES][VS_BATCH_STEPS];
+} courses;
+
+static void evaluate(const vs_device_watch *own, const vs_batch *b, courses *c) {
+  vs_sweep(&own->voltage, b, c->of[VS_OF_V]);
+  vs_sweep(&own->current, b, c->of[VS_OF_I]);
+  for (size_t n = 0; n < b->count; n++) {
+    c->of[VS_OF_POWER][n] = c->of[VS_OF_V][n] * c->of[VS_OF_I][n];
+    c->of[VS_OF_I2][n] = c->of[VS_OF_I][n] * c->of[VS_OF_I][n];
+  }
+  if (own->flux.formula) vs_sweep(&own->flux, b, c->of[VS_OF_FLUX]);
 }
 
 /* ---- means ---- */
@@ -236,17 +239,10 @@ static void keep(opening *o, const vs_course_step *c) {
   o->step[o->count++].i2_s = c->more[VS_OF_I2];
 }
 
-static void follow(vs_devices *d, size_t k, vs_course_step *c, const double *mid,
-                   const double *to) {
+/* The courses are there. */
+static void follow(vs_devices *d, size_t k, vs_course_step *c) {
   vs_watched *w = &d->item[k];
   vs_device_watch *own = &d->watch[k];
-  memcpy(c->from, w->last, sizeof c->from);
-  evaluate(&own->voltage, mid, to, &c->mid[VS_OF_V], &c->to[VS_OF_V]);
-  evaluate(&own->current, mid, to, &c->mid[VS_OF_I], &c->to[VS_OF_I]);
-  if (own->flux.formula) evaluate(&own->flux, mid, to, &c->mid[VS_OF_FLUX], &c->to[VS_OF_FLUX]);
-  complete(c->mid);
-  complete(c->to);
-  memcpy(w->last, c->to, sizeof c->to);
   for (int of = VS_OF_I; of < VS_COURSES; of++) {
     c->more[of] = c->h_s * (c->from[of] + 4 * c->mid[of] + c->to[of]) / 6;
     w->sum[of] += c->more[of];
@@ -264,8 +260,9 @@ static void follow(vs_devices *d, size_t k, vs_course_step *c, const double *mid
 }
 
 /* The courses at the first step's beginning, where peaks and pulses begin. */
-static void begin(vs_devices *d, const vs_step *step) {
+void vs_devices_begin(vs_devices *d, const vs_step *step) {
   const double *terms = step->from->terms;
+  if (!d) return;
   d->began_s = step->from->t_s;
   for (size_t k = 0; k < d->count; k++) {
     vs_watched *w = &d->item[k];
@@ -281,18 +278,34 @@ static void begin(vs_devices *d, const vs_step *step) {
   }
 }
 
-void vs_devices_accept(vs_devices *d, const vs_step *step) {
+static void follow_device(vs_devices *d, size_t k, const vs_batch *b) {
+  vs_watched *w = &d->item[k];
+  vs_course_step c = {.h_s = 0};
+  courses all;
+  evaluate(&d->watch[k], b, &all);
+  memcpy(c.to, w->last, sizeof c.to);
+  for (size_t n = 0; n < b->count; n++) {
+    memcpy(c.from, c.to, sizeof c.from);
+    c.t0_s = b->t0_s[n];
+    c.t1_s = b->t1_s[n];
+    c.h_s = c.t1_s - c.t0_s;
+    if (!(c.h_s > 0)) continue;
+    for (int of = 0; of < VS_COURSES; of++) {
+      if (of == VS_OF_FLUX && !d->watch[k].flux.formula) continue;
+      c.mid[of] = all.of[of][n][0];
+      c.to[of] = all.of[of][n][1];
+    }
+    memcpy(w->last, c.to, sizeof c.to);
+    if (n + 1 < b->count) d->n_incidents = 0; /* nobody asks for those of a step before the last */
+    follow(d, k, &c);
+  }
+}
+
+void vs_devices_follow(vs_devices *d, const vs_batch *b) {
   if (!d) return;
   d->n_incidents = 0;
-  vs_course_step c = {.t0_s = step->from->t_s, .t1_s = step->to->t_s};
-  c.h_s = c.t1_s - c.t0_s;
-  if (!(c.h_s > 0)) return;
-  if (isnan(d->began_s)) begin(d, step);
-  const double *from = step->from->terms, *to = step->to->terms;
-  double mid[VS_DECK_MOST];
-  for (size_t t = 0; t < d->frame->deck->n_terms; t++) mid[t] = (from[t] + to[t]) / 2;
-  for (size_t k = 0; k < d->count; k++) follow(d, k, &c, mid, to);
-  d->now_s = c.t1_s;
+  for (size_t k = 0; k < d->count; k++) follow_device(d, k, b);
+  d->now_s = b->t1_s[b->count - 1];
 }
 
 /* Takes in a step of the opening. What the device does against its gate there was told already. */

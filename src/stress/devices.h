@@ -8,9 +8,10 @@
 #ifndef VS_STRESS_DEVICES_H
 #define VS_STRESS_DEVICES_H
 
+#include "batch/batch.h"
 #include "stress/reducer.h"
 
-/* What happened to a device in the step last accepted: it went against its gate; or it fired or
+/* What happened to a device in the step last followed: it went against its gate; or it fired or
  * went out, where the deck has devices that conduct both ways (vs_devices.tells); or a fuse melted,
  * had cleared or arced again. */
 typedef struct vs_incident {
@@ -38,8 +39,11 @@ typedef struct vs_devices {
  * nothing. The frame must outlive the watcher, which vs_devices_free frees. */
 vs_devices *vs_devices_new(const vs_frame *frame);
 void vs_devices_free(vs_devices *devices);
-/* Takes one accepted step. A step of no length is ignored. */
-void vs_devices_accept(vs_devices *devices, const vs_step *step);
+/* Tells where the first step begins. */
+void vs_devices_begin(vs_devices *devices, const vs_step *first);
+/* Takes some steps, one behind the other. A step of no length is ignored. `incidents` become those
+ * of the last step. */
+void vs_devices_follow(vs_devices *devices, const vs_batch *batch);
 /* Completes the measures that are known only once the run is over. */
 void vs_devices_finish(vs_devices *devices);
 

@@ -7,9 +7,9 @@
 
 double vs_function_power(double x, double y) {
   if (y == 2) return x * x; /* as gsl_pow_int has it; most losses are squares */
-  return y == rint(y) && fabs(y) <= 100 ? gsl_pow_int(x, (int)y) : pow(x, y);
+  return y == rint(y) && fabs(y) <= VS_FUNCTION_WHOLE ? gsl_pow_int(x, (int)y) : pow(x, y);
 }
-static double sign_power(double x, double y) {
+double vs_function_sign_power(double x, double y) {
   return copysign(vs_function_power(fabs(x), y), x);
 }
 static double add(double x, double y) {
@@ -162,7 +162,7 @@ const vs_function vs_function_table[VS_FUNCTIONS] = {
     ONE("ln", log, ln_slopes, "1/x", .pure = true),
     ONE("log10", log10, log10_slopes, "1/(ln(10)*x)", .pure = true),
     TWO("pow", vs_function_power, power_slopes, "y*x^(y-1)", "x^y*ln(x)", .raises = true),
-    TWO("pwr", sign_power, sign_power_slopes, "y*abs(x)^(y-1)", "pwr(x,y)*ln(abs(x))",
+    TWO("pwr", vs_function_sign_power, sign_power_slopes, "y*abs(x)^(y-1)", "pwr(x,y)*ln(abs(x))",
         .raises = true),
     TWO("min", fmin, min_slopes, "(1-sgn(x-y))/2", "(1+sgn(x-y))/2", .alike = true),
     TWO("max", fmax, max_slopes, "(1+sgn(x-y))/2", "(1-sgn(x-y))/2", .alike = true),

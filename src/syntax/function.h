@@ -30,8 +30,13 @@ extern const vs_function vs_function_table[VS_FUNCTIONS];
 /* The index of the function of that name; -1: there is none. Operators are not found. */
 int vs_function_find(const char *name);
 
+/* Whole exponents up to this, of either sign, are multiplied. */
+enum { VS_FUNCTION_WHOLE = 100 };
+
 /* x^y. Most exponents are whole numbers, as of squares and of varistors' laws; for these pow is
  * five times slower than multiplying. */
 double vs_function_power(double x, double y);
+/* sign(x) |x|^y */
+double vs_function_sign_power(double x, double y);
 
 #endif

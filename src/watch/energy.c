@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "actuator/coil.h"
+#include "batch/sweep.h"
 
 const char *const vs_energy_names[VS_ENERGIES] = {
 #define VS_ENERGY_NAME(id, name, text) name,
@@ -76,27 +77,6 @@ static void begin(vs_energy *e, const vs_step *step) {
     e->loss_w[n] = vs_formula_value(&deck->losses.item[n].formula, e->first.terms);
 }
 
-/* Integrates the deck's losses by Simpson's rule, with the deck's terms on straight lines between
- * the ends of a step. That is exact for a voltage times a current on such lines, and off by the
- * square of the step, as the solver is. Where the circuit is periodic the trapezoidal rule adds up
- * whole cycles exactly. */
-static void add_losses(vs_energy *e, const vs_step *step) {
-  const vs_deck *deck = step->frame->deck;
-  const double *from = step->from->terms, *to = step->to->terms;
-  double h = step->to->t_s - step->from->t_s, mid[VS_DECK_MOST];
-  for (size_t t = 0; t < deck->n_terms; t++) mid[t] = (from[t] + to[t]) / 2;
-  for (size_t n = 0; n < deck->losses.count; n++) {
-    double power[2];
-    if (step->periodic) {
-      power[1] = vs_formula_value(&deck->losses.item[n].formula, to);
-      power[0] = (e->loss_w[n] + power[1]) / 2;
-    } else
-      vs_formula_pair(&deck->losses.item[n].formula, mid, to, power);
-    e->loss_j[n] += h * (e->loss_w[n] + 4 * power[0] + power[1]) / 6;
-    e->loss_w[n] = power[1];
-  }
-}
-
 /* Fills what is stored, which the first and the last knot alone tell, and takes the balances. */
 static void take_stock(vs_energy *e) {
   const vs_deck *deck = e->frame->deck;
@@ -125,6 +105,32 @@ static void take_stock(vs_energy *e) {
 }
 
 enum { STOCK_TAKING = 32 }; /* steps between two looks at the books */
+_Static_assert((int)STOCK_TAKING <= (int)VS_BATCH_STEPS, "a batch has room for them");
+
+bool vs_energy_is_due(const vs_energy *e) {
+  return e->steps % STOCK_TAKING == 0;
+}
+
+/* Integrates a loss by Simpson's rule, with the deck's terms on straight lines between the ends of
+ * a step. That is exact for a voltage times a current on such lines, and off by the square of the
+ * step, as the solver is. Where the circuit is periodic the trapezoidal rule adds up whole cycles
+ * exactly. */
+static void add_loss(vs_energy *e, size_t n, const vs_batch *b) {
+  const vs_formula_quick loss = {.formula = &e->frame->deck->losses.item[n].formula};
+  vs_pair power[VS_BATCH_STEPS];
+  vs_sweep(&loss, b, power);
+  for (size_t k = 0; k < b->count; k++) {
+    double from = e->loss_w[n], to = power[k][1];
+    double mid = b->periodic[k] ? (from + to) / 2 : power[k][0];
+    e->loss_j[n] += (b->t1_s[k] - b->t0_s[k]) * (from + 4 * mid + to) / 6;
+    e->loss_w[n] = to;
+  }
+}
+
+void vs_energy_lose(vs_energy *e, const vs_batch *b) {
+  for (size_t n = 0; n < e->frame->deck->losses.count; n++) add_loss(e, n, b);
+  if (vs_energy_is_due(e)) take_stock(e);
+}
 
 /* q'.B q', W. */
 static double damping_power(const vs_energy *e, const double *v) {
@@ -218,8 +224,7 @@ void vs_energy_accept(vs_energy *e, const vs_step *step) {
   else
     swing(e, step);
   note_end(e, step->to);
-  if (step->frame->deck) add_losses(e, step);
-  if (e->steps % STOCK_TAKING == 0) take_stock(e);
+  if (!step->frame->deck && vs_energy_is_due(e)) take_stock(e);
 }
 
 /* The residual's scale is at least this share of what was drawn. Where the machine hardly moves

@@ -6,7 +6,7 @@
 
 #include <stdbool.h>
 
-#include "sim/step.h"
+#include "batch/batch.h"
 
 /* The terms, all in J. id, name, text */
 #define VS_ENERGY_LIST(X)                                                                          \
@@ -57,7 +57,7 @@ typedef struct vs_energy {
     double b;
   } damping[VS_MOST_DOF * VS_MOST_DOF]; /* the coefficients of B that are not 0, by rows */
   int n_damping;
-  double loss_w[VS_DECK_MOST];  /* the deck's loss lines at the last step's end */
+  double loss_w[VS_DECK_MOST];  /* the deck's loss lines at the end of the last step taken */
   double loss_j[VS_DECK_MOST];  /* their integrals */
   double store_j[VS_DECK_MOST]; /* what the deck's store lines have gained since the beginning */
   vs_knot first, last;          /* of the steps accepted so far; of the last its time, state, flux
@@ -76,8 +76,14 @@ typedef struct vs_energy {
   double worst;                 /* the largest |residual| */
 } vs_energy;
 
-/* Takes one accepted step. The balances are taken every 32 steps. */
+/* Takes one accepted step, but for what the deck's losses are in it. The balances are taken every
+ * 32 steps. */
 void vs_energy_accept(vs_energy *energy, const vs_step *step);
+/* Takes the losses of some steps that were accepted. They must be known to the last step when the
+ * balances are taken: where the deck has any, once vs_energy_is_due returns true. */
+void vs_energy_lose(vs_energy *energy, const vs_batch *batch);
+/* True if vs_energy_lose is to take balances now. */
+bool vs_energy_is_due(const vs_energy *energy);
 /* Takes the balances at the end of the run and fills balanced, residual and worst. With a one-way
  * force (analytic tier) the EVA's balance leaves the work out, as nothing supplies it. */
 void vs_energy_finish(vs_energy *energy);

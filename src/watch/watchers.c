@@ -2,6 +2,9 @@
 #include "watch/watchers.h"
 
 #include <math.h>
+#include <stdlib.h>
+
+#include "base/text.h"
 
 /* ---- absence ---- */
 
@@ -37,12 +40,20 @@ void vs_watchers_begin(vs_watchers *w, const vs_frame *frame, const vs_measure_s
   vs_watchers_free(w);
   w->measures = vs_measures_new(frame, wants);
   w->devices = vs_devices_new(frame);
+  if (frame->deck) w->batch = vs_alloc(1, sizeof *w->batch);
   w->energy.frame = frame;
 }
 
 bool vs_watchers_leave(vs_watchers *w, const vs_rest *rest, const vs_measure_set *wanted) {
   vs_settled_find(w->measures, rest, &w->settled);
   return vs_settled_all(&w->settled, wanted);
+}
+
+/* Shows the steps that wait. */
+static void look_at_batch(vs_watchers *w) {
+  vs_devices_follow(w->devices, w->batch);
+  vs_energy_lose(&w->energy, w->batch);
+  w->batch->count = 0;
 }
 
 void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
@@ -54,12 +65,17 @@ void vs_watchers_accept(vs_watchers *w, const vs_step *step) {
   follow_absence(&w->absence, step);
   follow_sequence(&w->sequence, step);
   vs_measures_accept(w->measures, step);
-  vs_devices_accept(w->devices, step);
   vs_energy_accept(&w->energy, step);
+  if (!w->batch) return;
+  if (!w->began) vs_devices_begin(w->devices, step);
+  w->began = true;
+  vs_batch_take(w->batch, step);
+  if (w->prompt || vs_energy_is_due(&w->energy)) look_at_batch(w);
 }
 
 void vs_watchers_finish(vs_watchers *w, double until_s, vs_value values[VS_MEASURES]) {
   end_absence(&w->absence, until_s);
+  if (w->batch && w->batch->count) look_at_batch(w);
   vs_measures_finish(w->measures, values);
   vs_energy_finish(&w->energy);
   const double *joule = w->energy.joule;
@@ -75,5 +91,6 @@ void vs_watchers_finish(vs_watchers *w, double until_s, vs_value values[VS_MEASU
 void vs_watchers_free(vs_watchers *w) {
   vs_measures_free(w->measures);
   vs_devices_free(w->devices);
+  free(w->batch);
   *w = (vs_watchers){0};
 }

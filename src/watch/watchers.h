@@ -29,6 +29,11 @@ typedef struct vs_sequence {
 typedef struct vs_watchers {
   vs_measures *measures; /* owned; NULL before the first run */
   vs_devices *devices;   /* owned; NULL: the deck has none */
+  vs_batch *batch;       /* owned; NULL: there is no deck. Steps that devices and losses, whose
+                            formulas cost most, have not seen yet */
+  bool began;            /* a step was accepted */
+  bool prompt;           /* set behind vs_watchers_begin: no step waits, as someone asks what was
+                            seen of it, or as the scene's firings or events are decided on the way */
   vs_energy energy;
   vs_absence absence;
   vs_sequence sequence;

@@ -289,7 +289,8 @@ static const vs_measure_set *find_wants(vs_case *c) {
 
 static vs_status run_scene(vs_case *c, vs_text *row, vs_error *err) {
   keeper k = {.c = c};
-  const vs_guest guest = {&k, begin_run, accept, again};
+  const vs_guest guest = {
+      .ctx = &k, .begin = begin_run, .accept = accept, .again = again, .late = true};
   const vs_session session = {.guest = c->keep || c->steady ? &guest : NULL,
                               .wants = find_wants(c),
                               .steady = vs_steady_start};
