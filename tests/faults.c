@@ -174,13 +174,18 @@ static void name_file(const struct seccomp_notif *q, bool opens, char name[256])
 }
 
 /* A message on standard error would not be seen if that failed. The calls of the
- * dynamic linker and of a sanitizer are none of the program's. A pipe is closed whatever close()
+ * dynamic linker and of a sanitizer are none of the program's. ngspice 39 crashes, in a
+ * handler of its own, where it cannot open the empty .spiceinit that was made for it a moment
+ * before; as that file was just closed, a descriptor is free. A pipe is closed whatever close()
  * returns, while a call that fails here is not done at all; so only those of plain files fail. */
 static bool counts(const fault *f, const struct seccomp_notif *q) {
   const bool opens = q->data.nr == SYS_open || q->data.nr == SYS_openat;
   char name[256];
   name_file(q, opens, name);
   if (strstr(name, ".so") || !strncmp(name, "/proc/", 6) || !strcmp(name, "/etc/ld.so.cache"))
+    return false;
+  if (opens && !strcmp(name, ".spiceinit") &&
+      !(q->data.args[q->data.nr == SYS_openat ? 2 : 1] & O_CREAT))
     return false;
   if (f->calls[0] == SYS_write && strstr(name, "/stderr")) return false;
   return f->calls[0] != SYS_close || (*name == '/' && strncmp(name, "/dev/", 5) != 0);

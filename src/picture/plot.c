@@ -31,12 +31,13 @@ static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
   snprintf(run->path, sizeof run->path, "%s/run.csv", folder);
   snprintf(partial, sizeof partial, "%s/run.partial.csv", folder);
   FILE *f = fopen(run->path, "r");
+  int why = errno;
   if (!f && !access(partial, R_OK))
     return vs_fail(err, VS_INPUT, "%s: the run did not end well; only run.partial.csv is there",
                    folder);
   if (!f)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s; 'vibrospice run SCENE -o %s' makes it",
-                   run->path, strerror(errno), folder);
+                   run->path, strerror(why), folder);
   size_t size = 0, row_size = 0;
   char *row = NULL;
   if (vs_alloc_line(&run->header, &size, f) < 0) {

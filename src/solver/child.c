@@ -60,6 +60,10 @@ static vs_status hear_child(pid_t child, int pipe_end, vs_complaints *c, int *ho
   return stopped ? vs_fail(err, VS_SIGNAL, "t = 0 s: stopped by a signal") : VS_OK;
 }
 
+static bool ran_out(int how) {
+  return WIFEXITED(how) && WEXITSTATUS(how) == VS_ALLOC_STATUS;
+}
+
 vs_status vs_child_try(vs_child_end (*attempt)(void *), void *ctx, vs_complaints *complaints,
                        vs_child_end *end, vs_error *err) {
   int ends[2], how = 0;
@@ -81,7 +85,7 @@ vs_status vs_child_try(vs_child_end (*attempt)(void *), void *ctx, vs_complaints
   if (WIFSIGNALED(how))
     return vs_fail(err, VS_INPUT, "ngspice cannot take the circuit: ngspice died of it (signal %d)",
                    WTERMSIG(how));
-  if (WIFEXITED(how) && WEXITSTATUS(how) == VS_ALLOC_STATUS)
+  if (ran_out(how))
     return vs_fail(err, VS_RUN, "ngspice cannot take the circuit: it ran out of memory");
   if (how) *end = WEXITSTATUS(how) == VS_CHILD_BAD_RUN ? VS_CHILD_BAD_RUN : VS_CHILD_BAD_LOAD;
   return VS_OK;
@@ -144,6 +148,7 @@ int vs_child_end_of(const vs_child_copy *copy) {
 vs_status vs_child_hear(const vs_child_copy *copy, void *data, size_t size, vs_error *err) {
   bool whole = vs_child_listen(copy, data, size);
   int how = vs_child_end_of(copy);
+  if (ran_out(how)) return vs_fail(err, VS_RUN, "a copy of this process ran out of memory");
   return !whole || how ? vs_fail(err, VS_RUN, "a copy of this process did not come to its end")
                        : VS_OK;
 }

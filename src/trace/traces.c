@@ -103,12 +103,13 @@ vs_status vs_traces_read(const char *folder, vs_traces *t, vs_error *err) {
     return vs_fail(err, VS_INPUT, "%.100s...: too long a name", folder);
   snprintf(t->path, sizeof t->path, "%s/run.csv", folder);
   FILE *f = fopen(t->path, "r");
+  int why = errno;
   if (!f && is_there(folder, "run.partial.csv"))
     return vs_fail(err, VS_INPUT, "%s: the run did not end well; only run.partial.csv is there",
                    folder);
   if (!f)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s; 'vibrospice run SCENE -o %s' makes it",
-                   t->path, strerror(errno), folder);
+                   t->path, strerror(why), folder);
   vs_status status = read_rows(t, f, err);
   fclose(f);
   return status;
