@@ -20,17 +20,22 @@ static bool is_of(const char *set, char c) {
 /* Returns what is behind a word: the first character out of `ends` that stands in no brace, bracket
  * or quote, or the end of the text. */
 static const char *behind(const char *s, const char *ends) {
+  enum { OPENS = 1, CLOSES, QUOTES };
+  static const unsigned char KIND[256] = {
+      ['('] = OPENS,  ['{'] = OPENS,  ['['] = OPENS,  [')'] = CLOSES,
+      ['}'] = CLOSES, [']'] = CLOSES, ['"'] = QUOTES, ['\''] = QUOTES};
   int depth = 0;
   char quote = '\0';
   for (; *s; s++) {
+    unsigned char kind = KIND[(unsigned char)*s];
     if (depth == 0 && !quote && is_of(ends, *s)) break;
     if (quote)
       quote = *s == quote ? '\0' : quote;
-    else if (*s == '\'' || *s == '"')
+    else if (kind == QUOTES)
       quote = *s;
-    else if (is_of("({[", *s))
+    else if (kind == OPENS)
       depth++;
-    else if (is_of(")}]", *s))
+    else if (kind == CLOSES)
       depth -= depth > 0;
   }
   return s;
