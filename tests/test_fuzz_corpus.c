@@ -96,11 +96,17 @@ static void long_texts(void) {
     const char *target, *before, *piece;
     int times;
   } LONG[] = {
-      {"formula", "1", "sqrt(", 100000},    {"formula", "0", "(", 100000},
-      {"formula", "0", "-", 100000},        {"formula", "0", "2^", 100000},
-      {"units", "m\n1 ", "m*", 100000},     {"scene", "a: ", "[", 20000},
-      {"scene", "a: ", "{a: ", 20000},      {"deck", "B1 a 0 V=", "if(1,", 20000},
-      {"deck", "*$ loss x = ", "(", 20000}, {"deck", ".subckt s a b\n", "X1 a b s\n", 2000},
+      {"formula", "1", "sqrt(", 100000},
+      {"formula", "0", "(", 100000},
+      {"formula", "0", "-", 100000},
+      {"formula", "0", "2^", 100000},
+      {"units", "m\n1 ", "m*", 100000},
+      {"scene", "a: ", "[", 20000},
+      {"scene", "a: ", "{a: ", 20000},
+      {"deck", "B1 a 0 V=", "if(1,", 20000},
+      {"overlay", "t_s,p_m\n0,\"1\n", "1,2\n", 800000},
+      {"deck", "*$ loss x = ", "(", 20000},
+      {"deck", ".subckt s a b\n", "X1 a b s\n", 2000},
   };
   for (size_t k = 0; k < COUNT(LONG); k++) {
     const fuzz_target *const *t = fuzz_targets;

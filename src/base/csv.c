@@ -159,7 +159,8 @@ static vs_status read_lines(vs_csv *csv, vs_error *err) {
   csv->line += first;
   csv->n_lines = 0;
   while (add_line(csv, &size)) {
-    if (strlen(csv->text) != size)
+    const size_t begin = csv->begins[csv->n_lines - 1];
+    if (begin + strlen(csv->text + begin) != size)
       return vs_fail_at(err, (vs_where){csv->file, csv->line + (int)csv->n_lines - 1, 1},
                         "a zero byte; this is no text");
     if (first && !strncmp(csv->text, MARK, strlen(MARK))) {

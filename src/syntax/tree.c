@@ -75,6 +75,11 @@ static const vs_node *second_of_a_key(const vs_node *map) {
   return second;
 }
 
+/* Of what stands nowhere, the file's begin. */
+static vs_where or_begin(vs_where where) {
+  return where.line ? where : (vs_where){where.file, 1, 1};
+}
+
 static vs_status convert(struct fy_node *fy, const char *file, vs_node **out, vs_error *err);
 
 static vs_status convert_children(struct fy_node *fy, const char *file, vs_node *parent,
@@ -95,7 +100,7 @@ static vs_status convert_children(struct fy_node *fy, const char *file, vs_node 
   while ((pair = fy_node_mapping_iterate(fy, &position))) {
     struct fy_node *key = fy_node_pair_key(pair);
     if (!key || !fy_node_is_scalar(key))
-      return vs_fail_at(err, parent->where, "a key must be a plain name");
+      return vs_fail_at(err, or_begin(parent->where), "a key must be a plain name");
     vs_where key_where = place(key, file);
     size_t length;
     const char *name = fy_node_get_scalar(key, &length);
@@ -144,19 +149,33 @@ static vs_status report(struct fy_diag *diag, const char *file, vs_error *err) {
                     dash ? "; a - that begins no list is written in quotes: '-'" : "");
 }
 
+/* The place of a byte of the text. */
+static vs_where place_of(const char *text, const char *at, const char *file) {
+  vs_where where = {.file = file, .line = 1};
+  const char *line = text;
+  for (const char *end; (end = memchr(line, '\n', (size_t)(at - line))); where.line++)
+    line = end + 1;
+  where.column = vs_text_column(line, at);
+  return where;
+}
+
 /* Refuses bytes that are not UTF-8, with which libfyaml 0.7 does anything: behind a '%' it never
  * returns. */
 static vs_status check_bytes(const char *text, size_t length, const char *file, vs_error *err) {
   const char *bad = vs_text_not_utf8(text, length);
   if (!bad) return VS_OK;
-  vs_where where = {.file = file, .line = 1};
-  const char *line = text;
-  for (const char *end; (end = memchr(line, '\n', (size_t)(bad - line))); where.line++)
-    line = end + 1;
-  where.column = vs_text_column(line, bad);
-  return vs_fail_at(err, where,
+  return vs_fail_at(err, place_of(text, bad, file),
                     "the byte 0x%02x is not UTF8; what is read here is written in UTF-8",
                     (unsigned char)*bad);
+}
+
+/* Gives nodes that stand nowhere, as an empty list or map does, the place of what they stand in. */
+static void stand_somewhere(vs_node *node, vs_where where) {
+  for (; node; node = node->next) {
+    if (!node->where.line) node->where = node->key_where.line ? node->key_where : where;
+    if (!node->key_where.line) node->key_where = node->where;
+    stand_somewhere(node->child, node->where);
+  }
 }
 
 /* The time libfyaml 0.7 takes for two things grows with the square of their number: anchors (it
@@ -218,7 +237,7 @@ static vs_status parse(const char *text, size_t length, const char *file, vs_nod
   if (!status && document) {
     second = fy_parse_load_document(parser);
     if (second)
-      status = vs_fail_at(err, place(fy_document_root(second), file),
+      status = vs_fail_at(err, or_begin(place(fy_document_root(second), file)),
                           "a second document (after '---') begins here; a file holds one");
     else if (fy_parser_get_stream_error(parser))
       status = report(diag, file, err);
@@ -253,12 +272,14 @@ static vs_status slurp(const char *path, char **text, size_t *length, vs_error *
                      LONGEST_TEXT);
       break;
     }
-    if (memchr(part, '\0', n)) {
-      status = vs_fail_at(err, where, "holds a zero byte; it is no text");
-      break;
-    }
     part[n] = '\0';
     vs_text_add(&all, "%s", part);
+    if (strlen(part) < n) {
+      const char *before = all.text ? all.text : "";
+      status = vs_fail_at(err, place_of(before, before + all.length, path),
+                          "a zero byte; this is no text");
+      break;
+    }
   }
   if (!status && ferror(f)) status = vs_fail_at(err, where, "cannot be read: %s", strerror(errno));
   fclose(f);
@@ -269,6 +290,7 @@ static vs_status slurp(const char *path, char **text, size_t *length, vs_error *
 
 static vs_status plant(const char *text, size_t length, vs_tree *tree, vs_error *err) {
   vs_status status = parse(text, length, tree->name, &tree->root, err);
+  if (!status) stand_somewhere(tree->root, (vs_where){tree->name, 1, 1});
   if (!status && tree->root->kind == VS_NODE_TEXT && !*tree->root->text)
     tree->root->kind = VS_NODE_MAP; /* a file that is "~" says nothing */
   if (!status && tree->root->kind != VS_NODE_MAP)
