@@ -122,6 +122,9 @@ static void what_may_be_read(void) {
   RUN_GOOD("run in/s.yaml --jail --quiet");
   write_file("in/s.yaml", "circuit: {deck: halfwave_paper, thyristor: TYN1212}\n");
   RUN_GOOD("check in/s.yaml --quiet");
+  ran r = run("check /dev/stdin --quiet"); /* of the tests, whatever that is */
+  EXPECT(!strstr(r.err, "lies at"), "%s", r.err);
+  free_ran(&r);
   write_deck("out/deck.cir", "");
   RUN_GOOD("check paper --set circuit.deck=out/deck.cir --quiet");
 }
