@@ -20,7 +20,8 @@ bool vs_jail_is_on(void);
 
 /* Allows what lies below a folder. One that is not there allows nothing. */
 void vs_jail_allow(const char *folder);
-/* Allows what lies below the folder of a file. A name that is no file's allows nothing. */
+/* Allows what lies below the folder of a file. A name that is no file's allows nothing. What a link
+ * in /dev leads to is allowed, too. */
 void vs_jail_allow_beside(const char *file);
 
 /* Asked before a file is opened, whether it is there or not. `where` is the place that names it.

@@ -236,7 +236,7 @@ static const vs_outline NAME = {.takes = VS_OUTLINE_TEXT},
 const vs_outline vs_plan_keys[] = {
     {"scene", .takes = VS_OUTLINE_TEXT},
     {"set", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_MAP, .of = SETTINGS},
-    {"most_cases", .takes = VS_OUTLINE_TEXT},
+    {"most_cases", .takes = VS_OUTLINE_WHOLE},
     {"steady", .takes = VS_OUTLINE_FLAG | VS_OUTLINE_MAP, .of = vs_atwork_keys},
     {"report", .takes = VS_OUTLINE_NOTHING | VS_OUTLINE_TEXT | VS_OUTLINE_LIST, .of = &NAME,
      .count = -1},

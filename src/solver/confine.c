@@ -9,6 +9,7 @@
 #include <sched.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <sys/ioctl.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -25,6 +26,13 @@
 #endif
 
 /* ---- which calls ---- */
+
+/* The compiler's checker of leaks looks at its own process by tracing it. */
+#ifdef __SANITIZE_ADDRESS__
+#define TRACING VS_CONFINE_TRIAL
+#else
+#define TRACING VS_CONFINE_NETWORK
+#endif
 
 /* A call is refused from its level on. Numbers that one of the two machines lacks are left out for
  * it: there the call with "at" behind its name is the only one. */
@@ -44,7 +52,7 @@ static const refusal REFUSED[] = {
     {SYS_io_uring_setup, VS_CONFINE_NETWORK}, /* would do all of these by another way */
     {SYS_io_uring_enter, VS_CONFINE_NETWORK},
     {SYS_io_uring_register, VS_CONFINE_NETWORK},
-    {SYS_ptrace, VS_CONFINE_NETWORK},
+    {SYS_ptrace, TRACING},
     {SYS_process_vm_readv, VS_CONFINE_NETWORK},
     {SYS_process_vm_writev, VS_CONFINE_NETWORK},
     {SYS_pidfd_getfd, VS_CONFINE_NETWORK},
@@ -73,6 +81,11 @@ static const refusal REFUSED[] = {
     {SYS_clock_settime, VS_CONFINE_NETWORK},
     {SYS_execve, VS_CONFINE_WORKER},
     {SYS_execveat, VS_CONFINE_WORKER},
+    {SYS_shmget, VS_CONFINE_WORKER}, /* and what else other processes could share with it */
+    {SYS_shmat, VS_CONFINE_WORKER},
+    {SYS_msgget, VS_CONFINE_WORKER},
+    {SYS_semget, VS_CONFINE_WORKER},
+    {SYS_mq_open, VS_CONFINE_WORKER},
     {SYS_kill, VS_CONFINE_TRIAL},
     {SYS_tkill, VS_CONFINE_TRIAL},
     {SYS_pidfd_send_signal, VS_CONFINE_TRIAL},
@@ -153,6 +166,16 @@ static void refuse_with(program *p, int number, int k, uint32_t bits) {
   allow(p);
 }
 
+/* Refuses to type into the terminal that the process was started from, as if its user did. */
+static void refuse_typing(program *p) {
+  add(p, BPF_JMP | BPF_JEQ | BPF_K, SYS_ioctl, 0, 5);
+  load(p, argument(1));
+  add(p, BPF_JMP | BPF_JEQ | BPF_K, TIOCSTI, 1, 0);
+  add(p, BPF_JMP | BPF_JEQ | BPF_K, TIOCLINUX, 0, 1);
+  refuse(p, EPERM);
+  allow(p);
+}
+
 /* Allows `clone` for threads alone, which ngspice may use. Of clone3 and openat2 the flags lie
  * where the filter cannot look; programs fall back to the older calls where these are not there. */
 static void refuse_processes(program *p) {
@@ -198,6 +221,7 @@ static void write_program(program *p, vs_confine level) {
     add(p, BPF_JMP | BPF_JEQ | BPF_K, (uint32_t)REFUSED[k].number, 0, 1);
     refuse(p, EPERM);
   }
+  refuse_typing(p);
   if (level == VS_CONFINE_TRIAL) {
     refuse_processes(p);
     refuse_signals(p);

@@ -11,8 +11,9 @@
 
 /* Each gives up what the one before it does, and more. */
 typedef enum vs_confine {
-  VS_CONFINE_NETWORK, /* no sockets, no tracing of other processes, nothing of an administrator's */
-  VS_CONFINE_WORKER,  /* no other program is started */
+  VS_CONFINE_NETWORK, /* no sockets, no tracing of other processes, no keys typed into the terminal,
+                         nothing of an administrator's */
+  VS_CONFINE_WORKER,  /* no other program is started, no memory shared with one */
   VS_CONFINE_TRIAL    /* no process is started or ended, and no file opened for writing; at most
                          VS_CONFINE_TRIAL_BYTES of memory */
 } vs_confine;
