@@ -126,19 +126,24 @@ static void complete(double course[VS_COURSES]) {
   course[VS_OF_I2] = course[VS_OF_I] * course[VS_OF_I];
 }
 
-/* A device's courses in each step of a batch. */
-typedef struct courses {
-  vs_pair of[VS_COURSES][VS_BATCH_STEPS];
-} courses;
-
-static void evaluate(const vs_device_watch *own, const vs_batch *b, courses *c) {
-  vs_sweep(&own->voltage, b, c->of[VS_OF_V]);
-  vs_sweep(&own->current, b, c->of[VS_OF_I]);
+/* Integrates a course over each step of a batch by Simpson's rule. */
+static void integrate(const vs_batch *b, const vs_pair *y, double last, double *more) {
   for (size_t n = 0; n < b->count; n++) {
-    c->of[VS_OF_POWER][n] = c->of[VS_OF_V][n] * c->of[VS_OF_I][n];
-    c->of[VS_OF_I2][n] = c->of[VS_OF_I][n] * c->of[VS_OF_I][n];
+    more[n] = (b->t1_s[n] - b->t0_s[n]) * (last + 4 * y[n][0] + y[n][1]) / 6;
+    last = y[n][1];
   }
+}
+
+static void evaluate(const vs_watched *w, const vs_device_watch *own, const vs_batch *b,
+                     vs_courses *c) {
+  vs_pair *v = c->of[VS_OF_V], *i = c->of[VS_OF_I];
+  c->count = b->count;
+  vs_sweep(&own->voltage, b, v);
+  vs_sweep(&own->current, b, i);
+  for (size_t n = 0; n < b->count; n++) c->of[VS_OF_POWER][n] = v[n] * i[n];
+  for (size_t n = 0; n < b->count; n++) c->of[VS_OF_I2][n] = i[n] * i[n];
   if (own->flux.formula) vs_sweep(&own->flux, b, c->of[VS_OF_FLUX]);
+  for (int of = VS_OF_I; of < VS_COURSES; of++) integrate(b, c->of[of], w->last[of], c->more[of]);
 }
 
 /* ---- means ---- */
@@ -243,10 +248,7 @@ static void keep(opening *o, const vs_course_step *c) {
 static void follow(vs_devices *d, size_t k, vs_course_step *c) {
   vs_watched *w = &d->item[k];
   vs_device_watch *own = &d->watch[k];
-  for (int of = VS_OF_I; of < VS_COURSES; of++) {
-    c->more[of] = c->h_s * (c->from[of] + 4 * c->mid[of] + c->to[of]) / 6;
-    w->sum[of] += c->more[of];
-  }
+  for (int of = VS_OF_I; of < VS_COURSES; of++) w->sum[of] += c->more[of];
   if (c->more[VS_OF_POWER] < 0) w->given_j -= c->more[VS_OF_POWER];
   if (c->more[VS_OF_I] < 0) w->back_c -= c->more[VS_OF_I];
   c->was_on = c->on = true; /* a device that does not switch conducts all the time */
@@ -278,11 +280,36 @@ void vs_devices_begin(vs_devices *d, const vs_step *step) {
   }
 }
 
-static void follow_device(vs_devices *d, size_t k, const vs_batch *b) {
+/* True if all that these steps bring is a share of each integral: the device does not switch, melt
+ * or tell what its loss is made of, all of the steps count in its means, and its measures rest. */
+static bool only_adds_up(const vs_devices *d, size_t k, const vs_batch *b, const vs_courses *c) {
+  const vs_watched *w = &d->item[k];
+  const vs_device_watch *own = &d->watch[k];
+  bool meant = b->t0_s[0] >= d->means.from_s && b->t1_s[b->count - 1] <= d->means.to_s;
+  bool rests = meant && !w->states && !w->losses && !w->device->kind->melts;
+  for (size_t n = 0; n < own->n_busy && rests; n++)
+    rests = own->busy[n]->by->rests && own->busy[n]->by->rests(w, own->busy[n], c);
+  return rests;
+}
+
+/* What follow() does then. Such a device counts as conducting all the time. */
+static void add_up(vs_watched *w, const vs_courses *c) {
+  for (int of = VS_OF_I; of < VS_COURSES; of++)
+    for (size_t n = 0; n < c->count; n++) {
+      w->sum[of] += c->more[of][n];
+      w->sum_meant[of] += c->more[of][n];
+    }
+  for (size_t n = 0; n < c->count; n++) {
+    if (c->more[VS_OF_POWER][n] < 0) w->given_j -= c->more[VS_OF_POWER][n];
+    if (c->more[VS_OF_I][n] < 0) w->back_c -= c->more[VS_OF_I][n];
+  }
+}
+
+/* Goes through the steps one by one. */
+static void follow_steps(vs_devices *d, size_t k, const vs_batch *b, const vs_courses *all) {
   vs_watched *w = &d->item[k];
+  const bool flux = d->watch[k].flux.formula;
   vs_course_step c = {.h_s = 0};
-  courses all;
-  evaluate(&d->watch[k], b, &all);
   memcpy(c.to, w->last, sizeof c.to);
   for (size_t n = 0; n < b->count; n++) {
     memcpy(c.from, c.to, sizeof c.from);
@@ -290,15 +317,29 @@ static void follow_device(vs_devices *d, size_t k, const vs_batch *b) {
     c.t1_s = b->t1_s[n];
     c.h_s = c.t1_s - c.t0_s;
     if (!(c.h_s > 0)) continue;
-    for (int of = 0; of < VS_COURSES; of++) {
-      if (of == VS_OF_FLUX && !d->watch[k].flux.formula) continue;
-      c.mid[of] = all.of[of][n][0];
-      c.to[of] = all.of[of][n][1];
+    for (int of = flux ? VS_OF_V : VS_OF_I; of < VS_COURSES; of++) {
+      c.mid[of] = all->of[of][n][0];
+      c.to[of] = all->of[of][n][1];
     }
-    memcpy(w->last, c.to, sizeof c.to);
+    c.mid[VS_OF_V] = all->of[VS_OF_V][n][0];
+    c.to[VS_OF_V] = all->of[VS_OF_V][n][1];
+    for (int of = VS_OF_I; of < VS_COURSES; of++) c.more[of] = all->more[of][n];
     if (n + 1 < b->count) d->n_incidents = 0; /* nobody asks for those of a step before the last */
     follow(d, k, &c);
   }
+}
+
+static void follow_device(vs_devices *d, size_t k, const vs_batch *b) {
+  vs_watched *w = &d->item[k];
+  vs_courses c;
+  size_t last = b->count - 1;
+  evaluate(w, &d->watch[k], b, &c);
+  if (only_adds_up(d, k, b, &c))
+    add_up(w, &c);
+  else
+    follow_steps(d, k, b, &c);
+  for (int of = 0; of < VS_COURSES; of++)
+    if (of != VS_OF_FLUX || d->watch[k].flux.formula) w->last[of] = c.of[of][last][1];
 }
 
 void vs_devices_follow(vs_devices *d, const vs_batch *b) {

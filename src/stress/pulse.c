@@ -81,6 +81,10 @@ double vs_pulse_follow(vs_pulse *p, const vs_course_step *c) {
   return p->heat_j;
 }
 
+bool vs_pulse_rests(const vs_pulse *p, double i_a) {
+  return !p->lasts && fabs(i_a) < PULSE_A;
+}
+
 double vs_pulse_unfinished(const vs_pulse *p, double now_s) {
   return p->lasts && p->current_s >= now_s ? p->energy_j : 0;
 }

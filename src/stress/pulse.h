@@ -46,6 +46,9 @@ typedef struct vs_pulse {
  * there is none. */
 double vs_pulse_follow(vs_pulse *pulse, const vs_course_step *c);
 
+/* True if there is no pulse, and a step with this current, A, at both ends begins none. */
+bool vs_pulse_rests(const vs_pulse *pulse, double i_a);
+
 /* Once the run is over, at now_s: all the energy of a pulse whose current still flows; 0 where
  * there is none. */
 double vs_pulse_unfinished(const vs_pulse *pulse, double now_s);

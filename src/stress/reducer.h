@@ -68,6 +68,9 @@ struct vs_reducer {
   void (*begin)(const vs_watched *w, vs_reduced *r, double t_s);
   /* Called with each step of some length, once w->sum holds its integrals. */
   void (*follow)(const vs_watched *w, vs_reduced *r, const vs_course_step *c);
+  /* True if none of these steps changes the measure, so that `follow` need not be called with them.
+   * NULL: any step may. w->last holds the courses where the first of them begins. */
+  bool (*rests)(const vs_watched *w, const vs_reduced *r, const vs_courses *c);
   /* Called with each step that brought news of a device that conducts or blocks. */
   void (*take_news)(vs_reduced *r, const vs_switch_news *news);
   /* Called once, when the run is over and had a step. */

@@ -31,7 +31,22 @@ static void follow_peak(const vs_watched *w, vs_reduced *r, const vs_course_step
   if (r->limit) vs_reducer_watch(r, c, in_sense(c->from[m->of], m->sense), to);
 }
 
-static const vs_reducer peak = {.is_busy = has_course, .begin = begin_peak, .follow = follow_peak};
+/* No step ends above the peak so far, nor above a limit that was not passed yet. */
+static bool peak_rests(const vs_watched *w, const vs_reduced *r, const vs_courses *c) {
+  const vs_device_measure *m = r->measure;
+  const vs_pair *y = c->of[m->of];
+  double most = -INFINITY;
+  bool watched = r->limit && isnan(r->failed_s);
+  (void)w;
+  for (size_t n = 0; n < c->count; n++) {
+    double to = in_sense(y[n][1], m->sense);
+    if (to > most) most = to;
+  }
+  return most <= r->value.value && !(watched && !(most <= r->limit->value));
+}
+
+static const vs_reducer peak = {
+    .is_busy = has_course, .begin = begin_peak, .follow = follow_peak, .rests = peak_rests};
 
 /* ---- means ---- */
 
@@ -126,6 +141,13 @@ static void follow_heat(const vs_watched *w, vs_reduced *r, const vs_course_step
   vs_reducer_take_largest(r, c, fmin(before, heat), heat);
 }
 
+static bool heat_rests(const vs_watched *w, const vs_reduced *r, const vs_courses *c) {
+  const vs_pulse *p = r->state;
+  bool rests = vs_pulse_rests(p, w->last[VS_OF_I]);
+  for (size_t n = 0; n < c->count && rests; n++) rests = vs_pulse_rests(p, c->of[VS_OF_I][n][1]);
+  return rests;
+}
+
 /* What the present current has brought as the run ends counts whole. No pulse has more heat than
  * the run, whose integral may be less by the rounding of sums. */
 static void finish_heat(const vs_watched *w, vs_reduced *r, const vs_run_end *end) {
@@ -139,6 +161,7 @@ static const vs_reducer heat = {.state_size = sizeof(vs_pulse),
                                 .prepare = prepare_heat,
                                 .begin = vs_reducer_begin_at_zero,
                                 .follow = follow_heat,
+                                .rests = heat_rests,
                                 .finish = finish_heat};
 
 /* ---- within 10 ms ---- */

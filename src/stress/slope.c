@@ -27,8 +27,28 @@ static double value_at(const vs_slope *s, double t_s, double t0_s, double y0, do
   return tb > ta ? ya + (yb - ya) * (t_s - ta) / (tb - ta) : yb;
 }
 
+static double in_sense(double change, int sense) {
+  return sense ? sense * change : fabs(change);
+}
+
+/* The largest rate where the last knot kept is a window or more before the step, and the step two
+ * windows long: the windows that count begin with the step, or end with it. */
+static double follow_long(vs_slope *s, double t0_s, double y0, double t1_s, double y1, int sense) {
+  double rate = (y1 - y0) / (t1_s - t0_s), after = y0 + rate * (t0_s + WINDOW_S - t0_s);
+  double before = y0 + rate * (t1_s - WINDOW_S - t0_s);
+  double first = in_sense((after - y0) / WINDOW_S, sense);
+  double last = in_sense((y1 - before) / WINDOW_S, sense), largest = -INFINITY;
+  s->first = 0;
+  s->t_s[0] = t0_s;
+  s->y[0] = y0;
+  if (first > largest) largest = first;
+  return last > largest ? last : largest;
+}
+
 double vs_slope_follow(vs_slope *s, double t0_s, double y0, double t1_s, double y1, int sense) {
   if (!(t1_s > t0_s)) return -INFINITY;
+  if (s->count == 1 && t0_s - s->t_s[s->first] > 2 * WINDOW_S && t1_s - t0_s > 2 * WINDOW_S)
+    return follow_long(s, t0_s, y0, t1_s, y1, sense);
   double rate = (y1 - y0) / (t1_s - t0_s), largest = -INFINITY;
   keep(s, t0_s, y0);
   /* As the window moves, the rate changes along a straight line until one end passes a knot. So its
@@ -39,7 +59,7 @@ double vs_slope_follow(vs_slope *s, double t0_s, double y0, double t1_s, double 
     if (begin_s < s->t_s[s->first] || (!last && (end_s <= t0_s || end_s > t1_s))) continue;
     double begin = last ? value_at(s, begin_s, t0_s, y0, rate) : s->y[at(s, n)];
     double end = last ? y1 : y0 + rate * (end_s - t0_s), change = (end - begin) / WINDOW_S;
-    double own = sense ? sense * change : fabs(change);
+    double own = in_sense(change, sense);
     if (own > largest) largest = own; /* fmax would be called */
   }
   while (s->count > 1 && s->t_s[at(s, 1)] <= t1_s - WINDOW_S) {

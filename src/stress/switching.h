@@ -28,6 +28,7 @@
 #ifndef VS_STRESS_SWITCHING_H
 #define VS_STRESS_SWITCHING_H
 
+#include "batch/batch.h"
 #include "coupling/conduction.h"
 #include "deck/devices.h"
 #include "stress/slope.h"
@@ -40,6 +41,14 @@ typedef struct vs_course_step {
   double more[VS_COURSES]; /* integrals over the step; those of V and V.s are 0 */
   bool was_on, on;         /* the device conducts at the beginning; at the end */
 } vs_course_step;
+
+/* The courses of a device over the steps of a batch, half way and at the end of each, and their
+ * integrals over each step. */
+typedef struct vs_courses {
+  size_t count;
+  vs_pair of[VS_COURSES][VS_BATCH_STEPS];  /* V.s: of a device that has it */
+  double more[VS_COURSES][VS_BATCH_STEPS]; /* from VS_OF_I on */
+} vs_courses;
 
 /* The gate pulses of a device. Their edges are ends of steps. */
 typedef struct vs_gate_watch {

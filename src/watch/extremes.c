@@ -236,6 +236,24 @@ static void look_between(const search *s) {
   if (size > 0) look_into(&in, c, 0, 1);
 }
 
+/* True if the current or the force of a square coil stays below the extreme so far: a cubic of the
+ * flux linkage leaves its ends by a third of what their slopes are over the step at most, and the
+ * gap by no more than it moves at the rates and with the accelerations of both ends together. */
+static bool stays_below(const vs_extreme *e, const vs_step *step) {
+  const vs_model *m = step->frame->model;
+  const vs_knot *a = step->from, *b = step->to;
+  if (!e->best.known || !m->coil.square || !step->cubic_flux || step->frame->gap_at_rest)
+    return false;
+  double h = b->t_s - a->t_s, flux = fabs(a->flux_wb), other = fabs(b->flux_wb);
+  flux = (flux > other ? flux : other) + h * (fabs(a->flux_rate_v) + fabs(b->flux_rate_v)) / 3;
+  if (e->channel == VS_CH_FORCE) return 1.001 * flux * flux < 4 * m->coil.a_hm * e->best.value;
+  double z = fabs(vs_mechanics_gap(m, a->x)), z1 = fabs(vs_mechanics_gap(m, b->x));
+  double moves = h * (fabs(vs_mechanics_travel(m, a->x + m->dof)) +
+                      fabs(vs_mechanics_travel(m, b->x + m->dof))) +
+                 h * h * (fabs(vs_mechanics_travel(m, a->a)) + fabs(vs_mechanics_travel(m, b->a)));
+  return 1.001 * flux * ((z > z1 ? z : z1) + moves) < 2 * m->coil.a_hm * fabs(e->best.value);
+}
+
 void vs_extreme_follow(vs_extreme *e, const vs_step *step, bool jammed) {
   bool of_flux = e->channel == VS_CH_I || e->channel == VS_CH_FORCE;
   const vs_model *m = step->frame->model;
@@ -245,6 +263,7 @@ void vs_extreme_follow(vs_extreme *e, const vs_step *step, bool jammed) {
     return;
   }
   if (of_flux && e->best.known && vs_step_is_quiet(step)) return; /* both are 0, and |i| is meant */
+  if (of_flux && stays_below(e, step)) return;
   const at_knot from = knot_of(step->frame, step->from, e->channel),
                 to = knot_of(step->frame, step->to, e->channel);
   bool of_rates2 = e->channel >= vs_channel_rates2(m);
