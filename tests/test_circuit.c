@@ -430,7 +430,7 @@ static void two_iterations_per_step(void) {
                                           free_counted};
   char until[] = "run.until=0.1s", stays[] = "run.leave_circuit=never";
   char *const sets[] = {until, stays};
-  vs_scene scene;
+  vs_scene scene = {0};
   vs_error err = {0};
   long steps = 0;
   vs_observer observer = {&steps, count_steps};

@@ -110,7 +110,7 @@ static vs_measure_set draw_wants(uint64_t n) {
 static bool run_both(uint64_t n) {
   words w;
   vs_error err = {0};
-  vs_scene scene;
+  vs_scene scene = {0};
   const vs_measure_set wants = draw_wants(n);
   const char *tier = make_scene(n, &w);
   vs_result *whole = vs_alloc(1, sizeof *whole), *part = vs_alloc(1, sizeof *part);

@@ -137,7 +137,7 @@ static void fly(const vs_scene *scene, const vs_orbit *orbit, double angle_rad, 
 /* ---- a step of the angle ---- */
 
 typedef struct subject {
-  vs_scene scene;
+  vs_scene scene = {0};
   vs_orbit orbit;
   vs_linear linear;
   vs_averaged averaged;

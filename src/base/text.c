@@ -105,7 +105,8 @@ static size_t utf8_size(const unsigned char *s, size_t left) {
 
 const char *vs_text_not_utf8(const char *text, size_t length) {
   for (size_t at = 0, size; at < length; at += size) {
-    size = utf8_size((const unsigned char *)text + at, length - at);
+    bool plain = (unsigned char)text[at] < 0x80;
+    size = plain ? 1 : utf8_size((const unsigned char *)text + at, length - at);
     if (!size) return text + at;
   }
   return NULL;

@@ -67,7 +67,8 @@ static vs_field *own_fields(vs_deck *deck) {
 }
 
 void vs_deck_begin(vs_deck *deck) {
-  *deck = (vs_deck){0};
+  if (deck->begun) *deck = (vs_deck){0};
+  deck->begun = true;
   deck->section =
       (vs_section){"circuit", vs_alloc(1 + VS_DECK_MOST + VS_DECK_PARTS, sizeof(vs_field)), 1};
   own_fields(deck)[0] = vs_deck_key;
@@ -236,6 +237,8 @@ static void free_formula(vs_formula *formula, const double *values) {
 }
 
 void vs_deck_free(vs_deck *deck) {
+  if (deck->freed) return;
+  deck->freed = true;
   for (size_t k = 1; k < deck->section.count; k++) {
     free((char *)(size_t)deck->section.fields[k].key);
     free((char *)(size_t)deck->section.fields[k].unit);
@@ -251,5 +254,4 @@ void vs_deck_free(vs_deck *deck) {
   free(deck->remarks);
   vs_text_free(&deck->eva_current);
   vs_text_free(&deck->eva_lines);
-  *deck = (vs_deck){0};
 }

@@ -195,6 +195,7 @@ extern const vs_field vs_deck_key;
 
 /* Begin with vs_deck_begin; end with vs_deck_free. */
 typedef struct vs_deck {
+  bool begun, freed;          /* it has had something else than zeros in it, which was freed */
   char *files[VS_DECK_FILES]; /* paths of the deck and of what it includes; owned */
   size_t n_files;
   unsigned lost;               /* VS_LOST_... of the lines that could not be read */
@@ -254,7 +255,8 @@ typedef struct vs_deck {
 /* Where decks and parts that come with the program are found. */
 extern const vs_shelf vs_deck_shelf, vs_deck_parts_shelf;
 
-/* Makes an empty deck. It must be freed, also where filling it failed. */
+/* Makes an empty deck of zeros, or of a deck that was freed: it has 190 kB, so zeros that are there
+ * already are not written again. It must be freed, also where filling it failed. */
 void vs_deck_begin(vs_deck *deck);
 void vs_deck_free(vs_deck *deck);
 

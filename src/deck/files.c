@@ -286,7 +286,7 @@ static void find_dialect(vs_deck *deck, const vs_source *source) {
   char word[8], name[8], more;
   for (size_t k = 0; k < source->count; k++) {
     vs_functions_own(source->line[k], &deck->own_functions);
-    if (strstr(source->line[k], "*$") &&
+    if (strstr(source->line[k], "*$") && strstr(source->line[k], "compat") &&
         sscanf(source->line[k], " *$ %7s %7s %c", word, name, &more) == 2 &&
         !strcmp(word, "compat") && !strcmp(name, "ps"))
       memcpy(deck->compat, "ps", sizeof "ps");

@@ -60,10 +60,13 @@ typedef struct level {
 
 typedef struct search {
   const vs_deck *deck;
+  bool has_globals; /* it has a line .global */
   vs_memories *all;
 } search;
 
+/* True for a statement, which begins with a dot as the word does. */
 static bool starts(const vs_line *line, const char *word) {
+  if (*line->text != '.') return false;
   size_t n = strlen(word);
   return !strncasecmp(line->text, word, n) && !isalnum((unsigned char)line->text[n]);
 }
@@ -100,7 +103,8 @@ static void full_name(const search *s, const level *l, const char *node, char ou
   if (!strcmp(node, "0") || !strcmp(node, "gnd"))
     snprintf(out, VS_MEMORY_NAME, "0");
   else
-    snprintf(out, VS_MEMORY_NAME, "%.80s%.70s", is_global(s->deck, node) ? "" : l->path, node);
+    snprintf(out, VS_MEMORY_NAME, "%.80s%.70s",
+             s->has_globals && is_global(s->deck, node) ? "" : l->path, node);
 }
 
 static bool add(const search *s, const vs_memory *m) {
@@ -302,7 +306,9 @@ static bool subcircuit(const search *s, const level *l, const words *w) {
 bool vs_memory_list(const vs_deck *deck, vs_memories *all) {
   level *top = vs_alloc(1, sizeof *top);
   top->last = deck->n_lines;
-  const search s = {deck, all};
+  search s = {deck, false, all};
+  for (size_t k = 0; k < deck->n_lines; k++)
+    s.has_globals = s.has_globals || starts(&deck->lines[k], ".global");
   bool good = take_apart(&s, top);
   free(top);
   return good;

@@ -17,6 +17,14 @@ static bool among(const char *word, const char *const *list, size_t count) {
 }
 #define AMONG(word, list) among(word, list, sizeof(list) / sizeof *(list))
 
+/* The same for the n characters at s. */
+static bool begins_among(const char *s, size_t n, const char *const *list, size_t count) {
+  for (size_t k = 0; k < count && n > 0; k++)
+    if (!strncasecmp(s, list[k], n) && !list[k][n]) return true;
+  return false;
+}
+#define BEGINS_AMONG(s, n, list) begins_among(s, n, list, sizeof(list) / sizeof *(list))
+
 /* What ngspice takes for the space between words. */
 static const char BETWEEN[] = " \t(),";
 
@@ -63,14 +71,11 @@ static bool knows_time(const char *line) {
   static const char *const CLOCKS[] = {"time", "hertz"};
   bool source = strchr("vViI", *line) && *line;
   for (const char *s = line; *s;) {
-    char word[VS_DECK_NAME];
     size_t n = 0;
     while (isalnum((unsigned char)s[n]) || s[n] == '_') n++;
-    if (n == 0) s++;
-    if (n == 0) continue;
-    snprintf(word, sizeof word, "%.*s", (int)n, s);
-    if (AMONG(word, CLOCKS) || (source && s > line && AMONG(word, COURSES))) return true;
-    s += n;
+    if (BEGINS_AMONG(s, n, CLOCKS)) return true;
+    if (source && s > line && BEGINS_AMONG(s, n, COURSES)) return true;
+    s += n ? n : 1;
   }
   return false;
 }
@@ -80,6 +85,7 @@ static bool knows_time(const char *line) {
 /* Finds the whole word in a text; with `call`, only where '(' follows it. NULL: it is not there. */
 static const char *find_whole(const char *text, const char *word, bool call) {
   size_t n = strlen(word);
+  if (call && !strchr(text, '(')) return NULL;
   for (const char *s = text; (s = strcasestr(s, word)); s++) {
     bool within = s > text && (isalnum((unsigned char)s[-1]) || strchr("_.#", s[-1]));
     if (within || isalnum((unsigned char)s[n]) || s[n] == '_') continue;

@@ -297,8 +297,8 @@ static void tell_powers(vs_rewriting *r) {
     vs_word a[VS_WORDS_MOST];
     const char *end = NULL, *base = NULL, *exponent = NULL;
     size_t n = 0;
-    if (!strncasecmp(s, "pow(", 4) && (s == text || !vs_words_goes_on(s[-1])) &&
-        vs_words_arguments(s + 3, a, &end) == 2)
+    if ((*s == 'p' || *s == 'P') && !strncasecmp(s, "pow(", 4) &&
+        (s == text || !vs_words_goes_on(s[-1])) && vs_words_arguments(s + 3, a, &end) == 2)
       base = a[0].at, n = a[0].n, exponent = a[1].at;
     else if (*s == '^' || (s[0] == '*' && s[1] == '*')) {
       base = base_before(text, s);

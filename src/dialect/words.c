@@ -11,20 +11,31 @@ bool vs_words_goes_on(char c) {
   return isalnum((unsigned char)c) || c == '_';
 }
 
+/* strchr(set, c) for a set of a few characters, which a loop is done with sooner. */
+static bool is_of(const char *set, char c) {
+  while (*set && *set != c) set++;
+  return *set;
+}
+
 /* Returns what is behind a word: the first character out of `ends` that stands in no brace, bracket
  * or quote, or the end of the text. */
 static const char *behind(const char *s, const char *ends) {
+  enum { OPENS = 1, CLOSES, QUOTES };
+  static const unsigned char KIND[256] = {
+      ['('] = OPENS,  ['{'] = OPENS,  ['['] = OPENS,  [')'] = CLOSES,
+      ['}'] = CLOSES, [']'] = CLOSES, ['"'] = QUOTES, ['\''] = QUOTES};
   int depth = 0;
   char quote = '\0';
   for (; *s; s++) {
-    if (depth == 0 && !quote && strchr(ends, *s)) break;
+    unsigned char kind = KIND[(unsigned char)*s];
+    if (depth == 0 && !quote && is_of(ends, *s)) break;
     if (quote)
       quote = *s == quote ? '\0' : quote;
-    else if (*s == '\'' || *s == '"')
+    else if (kind == QUOTES)
       quote = *s;
-    else if (strchr("({[", *s))
+    else if (kind == OPENS)
       depth++;
-    else if (strchr(")}]", *s))
+    else if (kind == CLOSES)
       depth -= depth > 0;
   }
   return s;
@@ -46,12 +57,14 @@ bool vs_words_is(vs_word word, const char *text) {
 
 bool vs_words_parameter(const char *from, const char *name, vs_word *whole, vs_word *value) {
   size_t n = strlen(name);
+  const int first = tolower((unsigned char)*name);
   for (const char *s = from; *s; s++) {
-    if (strchr("({['\"", *s)) { /* passes by what it keeps together */
+    if (is_of("({['\"", *s)) { /* passes by what it keeps together */
       s = behind(s, " \t=,");
       if (!*s) return false;
       continue;
     }
+    if (tolower((unsigned char)*s) != first) continue;
     bool within = s > from && vs_words_goes_on(s[-1]);
     if (within || strncasecmp(s, name, n) || vs_words_goes_on(s[n])) continue;
     const char *equals = s + n + strspn(s + n, BLANKS);

@@ -53,10 +53,10 @@ void vs_machine_add_field(vs_section *section, const vs_field *field) {
 }
 
 void vs_machine_begin(vs_machine *machine) {
-  *machine = (vs_machine){.section = {.name = "machine"},
-                          .actuator = {.name = "actuator"},
-                          .start = {.name = "start"},
-                          .load = {.adds = -1}};
+  machine->section.name = "machine";
+  machine->actuator.name = "actuator";
+  machine->start.name = "start";
+  machine->load.adds = -1;
   vs_machine_add_field(&machine->section, &vs_machine_key);
 }
 
@@ -103,12 +103,11 @@ void vs_machine_free(vs_machine *m) {
   for (int k = 0; k < VS_MACHINE_LAWS; k++) vs_formula_free(&m->law[k].of);
   for (int k = 0; k < m->n_probes; k++) vs_formula_free(&m->probes[k].of);
   for (int k = 0; k < VS_MACHINE_WAYS; k++) vs_formula_free(&m->load.way[k].of);
-  for (int i = 0; i < VS_MACHINE_COORDINATES; i++) {
+  for (int i = 0; i < m->dof; i++) {
     vs_formula_free(&m->forces[i].of);
     vs_formula_free(&m->along[i].of);
-    for (int j = 0; j < VS_MACHINE_COORDINATES; j++)
+    for (int j = 0; j < m->dof; j++)
       for (int s = 0; s < VS_MACHINE_FORCES; s++) vs_formula_free(&m->sums[s][i][j].of);
   }
   vs_tree_free(&m->tree);
-  *m = (vs_machine){0};
 }

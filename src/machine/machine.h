@@ -160,7 +160,7 @@ typedef struct vs_machine {
 extern const vs_shelf vs_machine_shelf;
 extern const vs_field vs_machine_key;
 
-/* Makes an empty machine. It must be freed, also where filling it failed. */
+/* Makes an empty machine of zeros. It must be freed, also where filling it failed. */
 void vs_machine_begin(vs_machine *machine);
 void vs_machine_free(vs_machine *machine);
 

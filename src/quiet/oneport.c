@@ -320,7 +320,8 @@ double vs_oneport_lag(const vs_oneport *o) {
 
 vs_oneport *vs_oneport_new(const vs_setup *setup, const vs_frame *frame, size_t memories) {
   vs_oneport *o = vs_alloc(1, sizeof *o);
-  *o = (vs_oneport){.setup = setup, .frame = frame};
+  o->setup = setup;
+  o->frame = frame;
   vs_signals_begin(&o->signals, setup->timeline.omega_rad_s, frame->deck->n_terms + 1 + memories);
   o->system = (gsl_odeiv2_system){rhs, NULL, VS_ONEPORT_STATES, o};
   o->step = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, VS_ONEPORT_STATES);

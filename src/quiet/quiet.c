@@ -342,7 +342,8 @@ static void end(void *self) {
 
 static void *begin(const vs_setup *setup, const vs_frame *frame) {
   quiet *q = vs_alloc(1, sizeof *q);
-  *q = (quiet){.setup = setup, .frame = frame};
+  q->setup = setup;
+  q->frame = frame;
   if (declines(setup) || !can_stand_in(setup, &q->memories)) {
     free(q);
     return NULL;

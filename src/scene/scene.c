@@ -408,7 +408,8 @@ void vs_scene_warn(const vs_scene *s) {
 }
 
 vs_status vs_scene_open(const char *name, vs_where where, vs_scene *s, vs_error *err) {
-  *s = (vs_scene){0};
+  if (s->opened) *s = (vs_scene){0};
+  s->opened = true;
   vs_status status = vs_path_find(&vs_scene_shelf, name, where, s->path, err);
   return status ? status : vs_tree_read(s->path, &s->tree, err);
 }

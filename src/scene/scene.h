@@ -17,9 +17,11 @@ extern const char vs_scene_all_probes[];
 /* Where scenes, studies and fits that come with the program are. */
 extern const vs_shelf vs_scene_shelf, vs_scene_study_shelf, vs_scene_fit_shelf;
 
-/* Filled by vs_scene_read, and freed by vs_scene_free also after an error. Not to be moved: its
- * frame points into its setup. */
+/* Begins as zeros, or as a scene that was freed. Filled by vs_scene_read, and freed by
+ * vs_scene_free also after an error. Not to be moved: its frame points into its setup. It has 300
+ * kB, so zeros that are there already are not written again. */
 typedef struct vs_scene {
+  bool opened; /* it has had something else than zeros in it */
   char path[VS_PATH_SIZE];
   vs_tree tree;
   vs_setup setup;         /* constant once the scene is settled */

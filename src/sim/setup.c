@@ -459,7 +459,8 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
 }
 
 vs_status vs_setup_build(const vs_node *scene, vs_setup *setup, vs_error *err) {
-  *setup = (vs_setup){0};
+  if (setup->begun) *setup = (vs_setup){0};
+  setup->begun = true;
   vs_status s = build(scene, setup, false, err);
   if (s) setup->deck.lost = VS_LOST_ALL; /* so that vs_setup_again reads it anew */
   return s;
@@ -488,7 +489,7 @@ vs_status vs_setup_again(const vs_node *scene, vs_setup *setup, vs_error *err) {
   vs_loads_free(&setup->loads);
   if (!keeps) {
     vs_deck_free(&setup->deck);
-    *setup = (vs_setup){.machine = setup->machine};
+    *setup = (vs_setup){.begun = true, .machine = setup->machine};
   }
   vs_status s = build(scene, setup, keeps, err);
   if (s) setup->deck.lost = VS_LOST_ALL; /* so that it is read anew the next time */

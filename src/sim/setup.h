@@ -65,6 +65,7 @@ extern const vs_section vs_setup_run_section, vs_setup_measure_section;
 /* Built once by vs_setup_build, then constant: what one run alone has, such as its files, stands
  * in its vs_run_order (sim/sim.h). */
 typedef struct vs_setup {
+  bool begun;          /* it has had something else than zeros in it */
   vs_machine *machine; /* owned; the model borrows it */
   vs_model model;      /* from the beginning on */
   vs_loads loads;      /* what events make of it; owned */

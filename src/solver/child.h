@@ -21,8 +21,8 @@ typedef enum vs_child_end { VS_CHILD_GOOD, VS_CHILD_BAD_LOAD, VS_CHILD_BAD_RUN }
 /* Calls attempt(ctx) in a child process, without standard output and error, and waits for the
  * child's end. *end is what attempt returned, or what it gave to vs_child_finish; unless that is
  * VS_CHILD_GOOD, the child's *complaints are then this process's. Errors: VS_INPUT, the child died
- * of a signal or did not come back in VS_CHILD_SECONDS; VS_SIGNAL, a signal that is handled came meanwhile;
- * VS_RUN, there is no child to be had. */
+ * of a signal or did not come back in VS_CHILD_SECONDS; VS_SIGNAL, a signal that is handled came
+ * meanwhile; VS_RUN, there is no child to be had. */
 vs_status vs_child_try(vs_child_end (*attempt)(void *ctx), void *ctx, vs_complaints *complaints,
                        vs_child_end *end, vs_error *err);
 

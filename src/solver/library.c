@@ -22,6 +22,7 @@
 static struct {
   vs_library library;
   bool loaded, begun;
+  bool lean;     /* it begins, or has begun, without code models */
   char why[256]; /* it could not be loaded */
   vs_library_begin begin;
   bool expected; /* the thread runs, or has ended and was not waited for */
@@ -52,27 +53,17 @@ static bool load(void) {
   return spice.loaded;
 }
 
-/* The folder in which ngspice looks for spinit: here it is the one that it begins in. */
-static const char SCRIPTS[] = "SPICE_SCRIPTS";
-
 /* Removes the variables by which a user tells ngspice where its files are, and so whose spinit it
- * runs, and more of the kind. */
-static void set_environment(void) {
-  static const char *const NAMES[] = {"SPICE_LIB_DIR",
-                                      "SPICE_EXEC_DIR",
-                                      "SPICE_PATH",
-                                      "SPICE_HELP_DIR",
-                                      "SPICE_NEWS",
-                                      "SPICE_MAPFILE",
-                                      "SPICE_ASCIIRAWFILE",
-                                      "SPICE_EDITOR",
-                                      "SPICE_HOST",
-                                      "SPICE_BUGADDR",
-                                      "SPICE_NO_DATASEG_CHECK",
-                                      "NGSPICE_INPUT_DIR",
-                                      "NGSPICE_MEAS_PRECISION"};
+ * runs, and more of the kind. Without them it takes those that it was installed with, code models
+ * included. */
+static void forget_environment(void) {
+  static const char *const NAMES[] = {
+      "SPICE_LIB_DIR",     "SPICE_SCRIPTS",         "SPICE_EXEC_DIR",
+      "SPICE_PATH",        "SPICE_HELP_DIR",        "SPICE_NEWS",
+      "SPICE_MAPFILE",     "SPICE_ASCIIRAWFILE",    "SPICE_EDITOR",
+      "SPICE_HOST",        "SPICE_BUGADDR",         "SPICE_NO_DATASEG_CHECK",
+      "NGSPICE_INPUT_DIR", "NGSPICE_MEAS_PRECISION"};
   for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) unsetenv(NAMES[k]);
-  setenv(SCRIPTS, ".", 1);
 }
 
 static void call_begin(void) {
@@ -82,16 +73,29 @@ static void call_begin(void) {
 
 /* ---- where it begins ---- */
 
-/* The files that ngspice reads in the place of the user's and of its own. */
-static const char INIT[] = ".spiceinit", SPINIT[] = "spinit";
+/* The file that ngspice reads in the place of the user's. */
+static const char INIT[] = ".spiceinit";
 
-/* Goes to the folder that comes with the program, whose files of these names say nothing. */
-static bool enter_shipped(void) {
+/* Finds the folder with an empty .spiceinit that comes with the program. */
+static bool find_shipped(char path[VS_PATH_SIZE]) {
   static const vs_shelf SHELF = {"", "ngspice", ""};
-  char path[VS_PATH_SIZE];
   if (!vs_path_shipped(&SHELF, INIT, path)) return false;
   path[strlen(path) - strlen(INIT)] = '\0';
-  return !chdir(path);
+  return true;
+}
+
+/* Goes there. */
+static bool enter_shipped(void) {
+  char path[VS_PATH_SIZE];
+  return find_shipped(path) && !chdir(path);
+}
+
+/* Lets ngspice take the spinit of that folder, which loads no code models. The environment is the
+ * process's, so this comes before there is a second thread. */
+static void begin_lean(void) {
+  char path[VS_PATH_SIZE];
+  forget_environment();
+  spice.lean = find_shipped(path) && !setenv("SPICE_SCRIPTS", path, 1);
 }
 
 /* Makes a folder below $TMPDIR, or /tmp. Returns false where it cannot; errno says why. */
@@ -102,24 +106,22 @@ static bool make_folder(char path[VS_PATH_SIZE]) {
   return mkdtemp(path) != NULL;
 }
 
-static bool make_empty(const char *name) {
-  int file = open(name, O_WRONLY | O_CREAT | O_EXCL, 0600);
-  if (file >= 0) close(file);
-  return file >= 0;
-}
-
 /* Begins in a private folder. Signals are held back as long as that is there. */
 static vs_status begin_in_private(vs_error *err) {
   char folder[VS_PATH_SIZE] = ".";
   vs_status status = VS_OK;
   sigset_t before;
+  int empty = -1;
   vs_leave_hold(&before);
-  bool made = make_folder(folder), entered = made && !chdir(folder);
-  if (entered && make_empty(INIT) && make_empty(SPINIT))
-    call_begin();
-  else
+  bool made = make_folder(folder);
+  if (made && !chdir(folder)) empty = open(INIT, O_WRONLY | O_CREAT | O_EXCL, 0600);
+  if (empty < 0)
     status = vs_fail(err, VS_RUN, "no private folder for ngspice: %s: %s", folder, strerror(errno));
-  if (entered) unlink(INIT), unlink(SPINIT);
+  else {
+    close(empty);
+    call_begin();
+    unlink(INIT);
+  }
   if (made) rmdir(folder);
   vs_leave_release(&before);
   return status;
@@ -162,7 +164,7 @@ static void await_thread(void) {
 void vs_library_expect(vs_library_begin begin) {
   sigset_t before;
   if (spice.expected || spice.loaded) return;
-  set_environment();
+  begin_lean();
   spice.begin = begin;
   spice.owner = getpid();
   vs_leave_hold(&before); /* the thread keeps them held back */
@@ -171,14 +173,17 @@ void vs_library_expect(vs_library_begin begin) {
 }
 
 vs_status vs_library_open(vs_library_begin begin, vs_error *err) {
-  vs_status status = VS_OK;
   await_thread();
-  if (!spice.begun) {
-    set_environment();
-    spice.begin = begin;
-    status =
-        load() ? begin_here(err) : vs_fail(err, VS_RUN, "ngspice cannot be loaded: %s", spice.why);
-  }
-  unsetenv(SCRIPTS); /* programs that this one starts may be another ngspice */
-  return status;
+  if (spice.begun) return VS_OK;
+  spice.begin = begin;
+  if (!spice.lean) forget_environment();
+  if (!load()) return vs_fail(err, VS_RUN, "ngspice cannot be loaded: %s", spice.why);
+  return begin_here(err);
+}
+
+vs_status vs_library_complete(vs_error *err) {
+  if (!spice.lean) return VS_OK;
+  spice.lean = false;
+  forget_environment();
+  return begin_here(err);
 }

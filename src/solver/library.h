@@ -27,14 +27,18 @@ typedef void (*vs_library_begin)(const vs_library *library);
 
 /* Begins to load the library and to call begin in a second thread, which signals that end the
  * process do not reach. Nothing comes of it where that cannot be; vs_library_open does all of it
- * then. A process must not fork before it has called vs_library_open. */
+ * then. A process must not fork before it has called vs_library_open. ngspice begins without its
+ * code models, the elements whose names begin with "a", which few netlists have. */
 void vs_library_expect(vs_library_begin begin);
 
 /* Loads the library and calls begin, unless vs_library_expect has, whose thread it waits for; it
  * is called once in a process. ngspice reads .spiceinit from the working directory, else from the
- * user's home, and spinit from where it was installed; begin is called in a folder that has empty
- * ones in their places. So a scene gives the same result for everyone, and no code models are
- * loaded (solver/code_models.h). Errors, VS_RUN: there is no such library, or no folder for it. */
+ * user's home; begin is called in a folder that has an empty one, so that a scene gives the same
+ * result for everyone. Errors, VS_RUN: there is no such library, or no folder for it. */
 vs_status vs_library_open(vs_library_begin begin, vs_error *err);
+
+/* Calls begin once more where ngspice has begun without its code models: it has them then. To be
+ * called while it has no circuit. Errors: those of vs_library_open. */
+vs_status vs_library_complete(vs_error *err);
 
 #endif

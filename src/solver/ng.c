@@ -11,10 +11,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/text.h"
+#include "dialect/words.h"
 #include "solver/child.h"
-#include "solver/code_models.h"
 #include "solver/guard.h"
 #include "solver/library.h"
 #include "solver/ng.h"
@@ -44,9 +45,8 @@ static struct {
   vs_error *err;
   vs_complaints complaints; /* of the present load or run */
   bool trial;               /* this is the child process, which ends with the first accepted step */
-  vs_text loaded;   /* all that was given to ngspice for the circuit it has; empty: it has none */
-  bool sound;       /* that circuit has run well */
-  bool code_models; /* they are loaded */
+  vs_text loaded; /* all that was given to ngspice for the circuit it has; empty: it has none */
+  bool sound;     /* that circuit has run well */
   bool initialised, ended; /* ngspice asked to be unloaded; this process cannot use it again */
 } ng;
 
@@ -328,18 +328,46 @@ static bool is_loaded(const vs_text *netlist) {
          !memcmp(ng.loaded.text, netlist->text, netlist->length);
 }
 
+/* True for a line that may want a code model. ngspice makes one of a controlled source with a table
+ * or a polynomial, which need not have that word: it is known by its number of words. */
+static bool wants_model(const char *line) {
+  vs_word w[VS_WORDS_MOST];
+  size_t count = vs_words_split(line, w);
+  if (count == 0) return false;
+  switch (tolower((unsigned char)*w[0].at)) {
+  case 'a':
+  case 'n':
+  case 'u':
+    return true;
+  case 'e':
+  case 'g':
+    return count != 6 || strchr(line, '=');
+  case 'f':
+  case 'h':
+    return count != 5 || strchr(line, '=');
+  case '.':
+    return !strncasecmp(w[0].at, ".inc", 4) || !strncasecmp(w[0].at, ".lib", 4);
+  default:
+    return false;
+  }
+}
+
+/* The dialects of others make code models of more. */
+static bool wants_models(const vs_circuit_job *job) {
+  bool wants = *job->dialect;
+  for (size_t k = 1; k < job->lines && !wants; k++) wants = wants_model(job->netlist[k]);
+  return wants;
+}
+
 /* Loads a netlist in the place of the one that ngspice has, after a trial. Owns *netlist from then
  * on. */
 static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *host, char **lines,
                            vs_text *netlist, vs_error *err) {
-  vs_status status = VS_OK;
   forget();
-  if (!ng.code_models && vs_code_models_needed(job->netlist, job->lines, job->dialect)) {
-    status = vs_code_models_load(ng.library, err);
-    ng.code_models = !status;
-  }
+  vs_status status = wants_models(job) ? vs_library_complete(err) : VS_OK;
+  if (status) return status;
   set_dialect(job->dialect);
-  if (!status) status = try_first(job, host, lines, err);
+  status = try_first(job, host, lines, err);
   if (status) return status;
   ng.library->circuit(lines);
   if (ng.ended) vs_guard_end();
