@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <glob.h>
 #include <pthread.h>
 #include <sched.h>
 #include <signal.h>
@@ -53,16 +54,20 @@ static bool load(void) {
   return spice.loaded;
 }
 
+/* Names the folder of spinit. */
+static const char SCRIPTS[] = "SPICE_SCRIPTS";
+
 /* Removes the variables by which a user tells ngspice where its files are, and so whose spinit it
  * runs, and more of the kind. Without them it takes those that it was installed with, code models
  * included. */
 static void forget_environment(void) {
-  static const char *const NAMES[] = {
-      "SPICE_LIB_DIR",     "SPICE_SCRIPTS",         "SPICE_EXEC_DIR",
-      "SPICE_PATH",        "SPICE_HELP_DIR",        "SPICE_NEWS",
-      "SPICE_MAPFILE",     "SPICE_ASCIIRAWFILE",    "SPICE_EDITOR",
-      "SPICE_HOST",        "SPICE_BUGADDR",         "SPICE_NO_DATASEG_CHECK",
-      "NGSPICE_INPUT_DIR", "NGSPICE_MEAS_PRECISION"};
+  const char *const NAMES[] = {"SPICE_LIB_DIR",     SCRIPTS,
+                               "SPICE_EXEC_DIR",    "SPICE_PATH",
+                               "SPICE_HELP_DIR",    "SPICE_NEWS",
+                               "SPICE_MAPFILE",     "SPICE_ASCIIRAWFILE",
+                               "SPICE_EDITOR",      "SPICE_HOST",
+                               "SPICE_BUGADDR",     "SPICE_NO_DATASEG_CHECK",
+                               "NGSPICE_INPUT_DIR", "NGSPICE_MEAS_PRECISION"};
   for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) unsetenv(NAMES[k]);
 }
 
@@ -95,7 +100,7 @@ static bool enter_shipped(void) {
 static void begin_lean(void) {
   char path[VS_PATH_SIZE];
   forget_environment();
-  spice.lean = find_shipped(path) && !setenv("SPICE_SCRIPTS", path, 1);
+  spice.lean = find_shipped(path) && !setenv(SCRIPTS, path, 1);
 }
 
 /* Makes a folder below $TMPDIR, or /tmp. Returns false where it cannot; errno says why. */
@@ -172,18 +177,47 @@ void vs_library_expect(vs_library_begin begin) {
   vs_leave_release(&before);
 }
 
-vs_status vs_library_open(vs_library_begin begin, vs_error *err) {
-  await_thread();
-  if (spice.begun) return VS_OK;
-  spice.begin = begin;
-  if (!spice.lean) forget_environment();
-  if (!load()) return vs_fail(err, VS_RUN, "ngspice cannot be loaded: %s", spice.why);
-  return begin_here(err);
+/* ---- opened, and with code models ---- */
+
+/* Their folder is beside the library's file, wherever ngspice was installed. */
+static int find_models(glob_t *found) {
+  char pattern[VS_PATH_SIZE];
+  void *function;
+  Dl_info info;
+  memcpy(&function, &spice.library.init, sizeof function); /* C has no cast to data */
+  const char *file = dladdr(function, &info) ? info.dli_fname : "";
+  const char *slash = strrchr(file, '/');
+  snprintf(pattern, sizeof pattern, "%.*s/ngspice/*.cm", slash ? (int)(slash - file) : 0, file);
+  return glob(pattern, 0, NULL, found);
 }
 
+vs_status vs_library_open(vs_library_begin begin, vs_error *err) {
+  vs_status status = VS_OK;
+  glob_t models;
+  await_thread();
+  spice.begin = begin;
+  if (!spice.begun && !load())
+    return vs_fail(err, VS_RUN, "ngspice cannot be loaded: %s", spice.why);
+  if (!spice.begun && !spice.lean) {
+    forget_environment();
+    if (!find_models(&models)) begin_lean(), globfree(&models);
+  }
+  if (!spice.begun) status = begin_here(err);
+  unsetenv(SCRIPTS); /* a program that this one starts may run another ngspice */
+  return status;
+}
+
+/* Where the folder is elsewhere, ngspice begins once more, with its own spinit, which knows it. */
 vs_status vs_library_complete(vs_error *err) {
+  char command[VS_PATH_SIZE + 16];
+  glob_t found;
   if (!spice.lean) return VS_OK;
   spice.lean = false;
-  forget_environment();
-  return begin_here(err);
+  if (find_models(&found)) return begin_here(err);
+  for (size_t k = 0; k < found.gl_pathc; k++) {
+    snprintf(command, sizeof command, "codemodel %s", found.gl_pathv[k]);
+    spice.library.command(command);
+  }
+  globfree(&found);
+  return VS_OK;
 }
