@@ -405,16 +405,15 @@ static void foreign_spinit(void) {
   remove_tree("ng");
 }
 
-/* $TMPDIR is what is used, and nothing stays in it, nor when the reader of a pipe has gone. */
+/* A run does without $TMPDIR, as ngspice begins in a folder that comes with the program. Nothing
+ * stays there, nor when the reader of a pipe has gone. */
 static void temporary_folder(void) {
   const char *before = getenv("TMPDIR");
   char here[VS_PATH_SIZE], *kept = before ? vs_copy(before) : NULL, command[VS_PATH_SIZE + 256];
   CU_ASSERT_PTR_NOT_NULL(getcwd(here, sizeof here));
   strncat(here, "/tmp", sizeof here - strlen(here) - 1);
   setenv("TMPDIR", here, 1);
-  ran r = run("run paper --tier circuit --set run.until=2ms --quiet");
-  EXPECT(r.status == 1 && strstr(r.err, here), "%d %s", r.status, r.err); /* it is not there */
-  free_ran(&r);
+  RUN_GOOD("run paper --tier circuit --set run.until=2ms --quiet");
   CU_ASSERT_EQUAL(mkdir("tmp", 0777), 0);
   RUN_GOOD("run paper --tier circuit --set run.until=2ms --quiet");
   EXPECT_FILES("tmp", "");

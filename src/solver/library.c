@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <glob.h>
 #include <pthread.h>
 #include <sched.h>
 #include <signal.h>
@@ -22,6 +23,7 @@
 static struct {
   vs_library library;
   bool loaded, begun;
+  bool lean;     /* it begins, or has begun, without code models */
   char why[256]; /* it could not be loaded */
   vs_library_begin begin;
   bool expected; /* the thread runs, or has ended and was not waited for */
@@ -52,27 +54,21 @@ static bool load(void) {
   return spice.loaded;
 }
 
-/* The folder in which ngspice looks for spinit: here it is the one that it begins in. */
+/* Names the folder of spinit. */
 static const char SCRIPTS[] = "SPICE_SCRIPTS";
 
 /* Removes the variables by which a user tells ngspice where its files are, and so whose spinit it
- * runs, and more of the kind. */
-static void set_environment(void) {
-  static const char *const NAMES[] = {"SPICE_LIB_DIR",
-                                      "SPICE_EXEC_DIR",
-                                      "SPICE_PATH",
-                                      "SPICE_HELP_DIR",
-                                      "SPICE_NEWS",
-                                      "SPICE_MAPFILE",
-                                      "SPICE_ASCIIRAWFILE",
-                                      "SPICE_EDITOR",
-                                      "SPICE_HOST",
-                                      "SPICE_BUGADDR",
-                                      "SPICE_NO_DATASEG_CHECK",
-                                      "NGSPICE_INPUT_DIR",
-                                      "NGSPICE_MEAS_PRECISION"};
+ * runs, and more of the kind. Without them it takes those that it was installed with, code models
+ * included. */
+static void forget_environment(void) {
+  const char *const NAMES[] = {"SPICE_LIB_DIR",     SCRIPTS,
+                               "SPICE_EXEC_DIR",    "SPICE_PATH",
+                               "SPICE_HELP_DIR",    "SPICE_NEWS",
+                               "SPICE_MAPFILE",     "SPICE_ASCIIRAWFILE",
+                               "SPICE_EDITOR",      "SPICE_HOST",
+                               "SPICE_BUGADDR",     "SPICE_NO_DATASEG_CHECK",
+                               "NGSPICE_INPUT_DIR", "NGSPICE_MEAS_PRECISION"};
   for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) unsetenv(NAMES[k]);
-  setenv(SCRIPTS, ".", 1);
 }
 
 static void call_begin(void) {
@@ -82,16 +78,29 @@ static void call_begin(void) {
 
 /* ---- where it begins ---- */
 
-/* The files that ngspice reads in the place of the user's and of its own. */
-static const char INIT[] = ".spiceinit", SPINIT[] = "spinit";
+/* The file that ngspice reads in the place of the user's. */
+static const char INIT[] = ".spiceinit";
 
-/* Goes to the folder that comes with the program, whose files of these names say nothing. */
-static bool enter_shipped(void) {
-  char path[VS_PATH_SIZE];
+/* Finds the folder with an empty .spiceinit that comes with the program. */
+static bool find_shipped(char path[VS_PATH_SIZE]) {
   static const vs_shelf SHELF = {"", "ngspice", ""};
   if (!vs_path_shipped(&SHELF, INIT, path)) return false;
   path[strlen(path) - strlen(INIT)] = '\0';
-  return !chdir(path);
+  return true;
+}
+
+/* Goes there. */
+static bool enter_shipped(void) {
+  char path[VS_PATH_SIZE];
+  return find_shipped(path) && !chdir(path);
+}
+
+/* Lets ngspice take the spinit of that folder, which loads no code models. The environment is the
+ * process's, so this comes before there is a second thread. */
+static void begin_lean(void) {
+  char path[VS_PATH_SIZE];
+  forget_environment();
+  spice.lean = find_shipped(path) && !setenv(SCRIPTS, path, 1);
 }
 
 /* Makes a folder below $TMPDIR, or /tmp. Returns false where it cannot; errno says why. */
@@ -102,35 +111,29 @@ static bool make_folder(char path[VS_PATH_SIZE]) {
   return mkdtemp(path) != NULL;
 }
 
-static bool make_empty(const char *name) {
-  int file = open(name, O_WRONLY | O_CREAT | O_EXCL, 0600);
-  if (file >= 0) close(file);
-  return file >= 0;
-}
-
 /* Begins in a private folder. Signals are held back as long as that is there; `home` is the working
  * directory, from which the paths of what is noted for removal lead. */
 static vs_status begin_in_private(int home, vs_error *err) {
-  char folder[VS_PATH_SIZE] = ".", init[VS_PATH_SIZE + 16], spinit[VS_PATH_SIZE + 16];
+  char folder[VS_PATH_SIZE] = ".", settings[VS_PATH_SIZE + 16];
   vs_status status = VS_OK;
   sigset_t before;
+  int empty = -1;
   vs_leave_hold(&before);
   bool made = make_folder(folder);
-  snprintf(init, sizeof init, "%s/%s", folder, INIT);
-  snprintf(spinit, sizeof spinit, "%s/%s", folder, SPINIT);
-  if (made)
-    vs_leave_from(home), vs_leave_remove(folder), vs_leave_remove(init), vs_leave_remove(spinit);
-  bool entered = made && !chdir(folder);
-  if (entered && make_empty(INIT) && make_empty(SPINIT))
-    call_begin();
-  else
+  snprintf(settings, sizeof settings, "%s/%s", folder, INIT);
+  if (made) vs_leave_from(home), vs_leave_remove(folder), vs_leave_remove(settings);
+  if (made && !chdir(folder)) empty = open(INIT, O_WRONLY | O_CREAT | O_EXCL, 0600);
+  if (empty < 0)
     status = vs_fail(err, VS_RUN, "no private folder for ngspice: %s: %s", folder, strerror(errno));
-  if (entered) unlink(INIT), unlink(SPINIT);
+  else {
+    close(empty);
+    call_begin();
+    unlink(INIT);
+  }
   if (made && fchdir(home) && !status)
     status = vs_fail(err, VS_RUN, "the working directory is gone: %s", strerror(errno));
   if (made) rmdir(folder);
-  vs_leave_from(AT_FDCWD);
-  vs_leave_forget(folder), vs_leave_forget(init), vs_leave_forget(spinit);
+  vs_leave_from(AT_FDCWD), vs_leave_forget(folder), vs_leave_forget(settings);
   vs_leave_release(&before);
   return status;
 }
@@ -170,26 +173,62 @@ static void await_thread(void) {
   pthread_join(spice.thread, NULL);
 }
 
+enum { STACK = 1 << 20 }; /* bytes; what is done there nests little */
+
 void vs_library_expect(vs_library_begin begin) {
+  pthread_attr_t small;
   sigset_t before;
-  if (spice.expected || spice.loaded) return;
-  set_environment();
+  if (spice.expected || spice.loaded || pthread_attr_init(&small)) return;
+  begin_lean();
   spice.begin = begin;
   spice.owner = getpid();
+  pthread_attr_setstacksize(&small, STACK);
   vs_leave_hold(&before); /* the thread keeps them held back */
-  spice.expected = !atexit(await_thread) && !pthread_create(&spice.thread, NULL, work, NULL);
+  spice.expected = !atexit(await_thread) && !pthread_create(&spice.thread, &small, work, NULL);
   vs_leave_release(&before);
+}
+
+/* ---- opened, and with code models ---- */
+
+/* Their folder is beside the library's file, wherever ngspice was installed. */
+static int find_models(glob_t *found) {
+  char pattern[VS_PATH_SIZE];
+  void *function;
+  Dl_info info;
+  memcpy(&function, &spice.library.init, sizeof function); /* C has no cast to data */
+  const char *file = dladdr(function, &info) ? info.dli_fname : "";
+  const char *slash = strrchr(file, '/');
+  snprintf(pattern, sizeof pattern, "%.*s/ngspice/*.cm", slash ? (int)(slash - file) : 0, file);
+  return glob(pattern, 0, NULL, found);
 }
 
 vs_status vs_library_open(vs_library_begin begin, vs_error *err) {
   vs_status status = VS_OK;
+  glob_t models;
   await_thread();
-  if (!spice.begun) {
-    set_environment();
-    spice.begin = begin;
-    status =
-        load() ? begin_here(err) : vs_fail(err, VS_RUN, "ngspice cannot be loaded: %s", spice.why);
+  spice.begin = begin;
+  if (!spice.begun && !load())
+    return vs_fail(err, VS_RUN, "ngspice cannot be loaded: %s", spice.why);
+  if (!spice.begun && !spice.lean) {
+    forget_environment();
+    if (!find_models(&models)) begin_lean(), globfree(&models);
   }
-  unsetenv(SCRIPTS); /* programs that this one starts may be another ngspice */
+  if (!spice.begun) status = begin_here(err);
+  unsetenv(SCRIPTS); /* a program that this one starts may run another ngspice */
   return status;
+}
+
+/* Where the folder is elsewhere, ngspice begins once more, with its own spinit, which knows it. */
+vs_status vs_library_complete(vs_error *err) {
+  char command[VS_PATH_SIZE + 16];
+  glob_t found;
+  if (!spice.lean) return VS_OK;
+  spice.lean = false;
+  if (find_models(&found)) return begin_here(err);
+  for (size_t k = 0; k < found.gl_pathc; k++) {
+    snprintf(command, sizeof command, "codemodel %s", found.gl_pathv[k]);
+    spice.library.command(command);
+  }
+  globfree(&found);
+  return VS_OK;
 }

@@ -55,7 +55,6 @@ static struct {
   vs_text loaded;   /* all that was given to ngspice for the circuit it has; empty: it has none */
   bool sound;       /* that circuit has run well */
   char version[16]; /* of the library; empty: not known yet */
-  bool code_models; /* they are loaded */
   bool initialised, ended; /* ngspice asked to be unloaded; this process cannot use it again */
 } ng;
 
@@ -352,14 +351,12 @@ static bool is_loaded(const vs_text *netlist) {
  * on. */
 static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *host, char **lines,
                            vs_text *netlist, vs_error *err) {
-  vs_status status = VS_OK;
   forget();
-  if (!ng.code_models && vs_code_models_needed(job->netlist, job->lines, job->dialect)) {
-    status = vs_code_models_load(ng.library, err);
-    ng.code_models = !status;
-  }
+  if (vs_code_models_needed(job->netlist, job->lines, job->dialect))
+    status = vs_library_complete(err);
+  if (status) return status;
   set_dialect(job->dialect);
-  if (!status) status = try_first(job, host, lines, err);
+  status = try_first(job, host, lines, err);
   if (status) return status;
   ng.library->circuit(lines);
   if (ng.ended) vs_guard_end();
