@@ -161,15 +161,20 @@ static void await_thread(void) {
   pthread_join(spice.thread, NULL);
 }
 
+enum { STACK = 1 << 20 }; /* bytes; what is done there nests little */
+
 void vs_library_expect(vs_library_begin begin) {
+  pthread_attr_t small;
   sigset_t before;
-  if (spice.expected || spice.loaded) return;
+  if (spice.expected || spice.loaded || pthread_attr_init(&small)) return;
   begin_lean();
   spice.begin = begin;
   spice.owner = getpid();
+  pthread_attr_setstacksize(&small, STACK);
   vs_leave_hold(&before); /* the thread keeps them held back */
-  spice.expected = !atexit(await_thread) && !pthread_create(&spice.thread, NULL, work, NULL);
+  spice.expected = !atexit(await_thread) && !pthread_create(&spice.thread, &small, work, NULL);
   vs_leave_release(&before);
+  pthread_attr_destroy(&small);
 }
 
 vs_status vs_library_open(vs_library_begin begin, vs_error *err) {
