@@ -186,6 +186,7 @@ void vs_library_expect(vs_library_begin begin) {
   vs_leave_hold(&before); /* the thread keeps them held back */
   spice.expected = !atexit(await_thread) && !pthread_create(&spice.thread, &small, work, NULL);
   vs_leave_release(&before);
+  pthread_attr_destroy(&small);
 }
 
 /* ---- opened, and with code models ---- */
