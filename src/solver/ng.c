@@ -351,6 +351,7 @@ static bool is_loaded(const vs_text *netlist) {
  * on. */
 static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *host, char **lines,
                            vs_text *netlist, vs_error *err) {
+  vs_status status = VS_OK;
   forget();
   if (vs_code_models_needed(job->netlist, job->lines, job->dialect))
     status = vs_library_complete(err);
