@@ -82,7 +82,7 @@ static void find_units(const vs_formula *f) {
     FUZZ_HOLDS(*fault.why && fault.at >= 0);
 }
 
-static void use(vs_formula *f) {
+static void use(vs_formula *f, bool derive) {
   static const char *const NODES[WORDS] = {"v(a)", "v(b)", "v(c)", "v(d)",
                                            "i(a)", "i(b)", "i(c)", "i(d)"};
   const double other[WORDS] = {-1, 2, 0.5, 7, -1e-9, 0, 4, -3};
@@ -99,7 +99,7 @@ static void use(vs_formula *f) {
   if (vs_formula_is_term(f, &of, &factor)) FUZZ_HOLDS(of >= 0 && of < WORDS);
   vs_spice_formula(&text, f, NODES);
   vs_text_free(&text);
-  if (vs_slope_of(f, 0, &slope)) vs_formula_value(&slope, VALUES);
+  if (derive && vs_slope_of(f, 0, &slope)) vs_formula_value(&slope, VALUES);
   vs_formula_free(&slope);
   vs_formula_fold(f);
   FUZZ_HOLDS(same(vs_formula_value(f, VALUES), value));
@@ -119,7 +119,7 @@ static void take(const char *text, size_t size) {
   vs_formula f = {0};
   end = vs_formula_read(begin, &scope, &f, &bad, why, sizeof why);
   FUZZ_HOLDS(end ? end >= begin && end <= text + size : *why && bad >= begin && bad <= text + size);
-  if (end) use(&f);
+  if (end) use(&f, size % 4 == 0); /* a derivative takes ten times as long as the rest */
   vs_formula_free(&f);
 }
 
