@@ -735,9 +735,9 @@ static void a_signal_keeps_what_there_is(void) {
     int number;
     const char *words;
   } ROWS[] = {
-      {SIGTERM, "run paper -o out --tier circuit --set run.until=300s"},
-      {SIGINT, "run paper -o out --tier circuit --set run.until=300s --json"},
-      {SIGHUP, "run paper -o out --tier circuit --set run.until=300s"},
+      {SIGTERM, "run paper -o out --tier circuit --set run.until=200s"},
+      {SIGINT, "run paper -o out --tier circuit --set run.until=200s --json"},
+      {SIGHUP, "run paper -o out --tier circuit --set run.until=200s"},
       {SIGTERM, "run paper -o out --tier switched --set run.until=9e5s --set run.sample=10ms "
                 "--set limits.csv=1e12"},
   };

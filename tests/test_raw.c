@@ -260,7 +260,7 @@ static void older_files_go(void) {
 /* The program handles signals before it makes its folder. */
 static void a_signal_leaves_its_part(void) {
   const struct timespec while_it_runs = {0, 300000000}, nap = {0, 5000000};
-  char words[] = "run paper -o out --raw --set run.until=1000s";
+  char words[] = "run paper -o out --raw --set run.until=200s";
   const char *argv[MOST_WORDS];
   split(words, argv);
   pid_t child = spawn(argv);
