@@ -41,6 +41,7 @@ void vs_watchers_begin(vs_watchers *w, const vs_frame *frame, const vs_measure_s
   w->measures = vs_measures_new(frame, wants);
   w->devices = vs_devices_new(frame);
   if (frame->deck) w->batch = vs_alloc(1, sizeof *w->batch);
+  w->prompt = frame->timeline->program != NULL;
   w->energy.frame = frame;
 }
 
