@@ -10,7 +10,7 @@
 
 #include "program.h"
 #include "solver/defaults.h"
-#include "stride/ending.h"
+#include "solver/ending.h"
 #include "solver/ng.h"
 #include "trust/probe.h"
 

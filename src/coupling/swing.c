@@ -23,13 +23,7 @@ static const double SHARE = 0.2, LASTS = 100;
 /* The sizes of the derivatives fade by this factor a step of a run at 1e-4, and so are remembered
  * over some ten steps: a step must not become longer only because the swing is just where a
  * derivative is zero. At a finer tolerance they are remembered over as long a time: over ten steps
- * of a finer run the error grew against the tolerance, 1.6 times from 1e-4 to 1e-7.
- *
- * Such a step is one of the length over which the size showed. What an edge of the gate drive makes
- * of v within steps of some nanoseconds is so forgotten once steps are longer. Remembered over ten
- * steps of any length, it held all steps of halfwave_paper between the edges of a burst at a fifth
- * of what its swing allows. The slope is remembered over steps of any length: where it is too
- * large, steps are too short at worst. */
+ * of a finer run the error grew against the tolerance, 1.6 times from 1e-4 to 1e-7. */
 static const double FADES = 0.9, FADES_AT = 1e-4;
 
 /* A firing at the very end of the half cycle brings next to no flux linkage. Errors are then
@@ -99,29 +93,22 @@ static double common_slope(const vs_knot *from, const vs_knot *to) {
   return before * now > 0 ? fmin(fabs(before), fabs(now)) : 0;
 }
 
-/* Takes in what was seen of a second derivative over a step h. */
-static void take_size(const vs_swing *w, vs_swing_size *size, double h, double seen) {
-  double kept = size->over_s > 0 ? size->v_s2 * pow(w->fades, h / size->over_s) : 0;
-  if (!(kept > seen)) size->over_s = h;
-  size->v_s2 = fmax(kept, seen);
-}
-
 void vs_swing_take(vs_swing *w, const vs_knot *from, const vs_knot *to, double missed_v_s2) {
   double h = to->t_s - from->t_s;
   double bend = fabs(to->flux_rate2_v_s - from->flux_rate2_v_s) / ((h + w->before_s) / 2);
   w->before_s = h;
   w->slope_v_s = fmax(w->fades * w->slope_v_s, common_slope(from, to));
   bool resolved = bend * h <= RESOLVED * w->slope_v_s;
-  take_size(w, &w->bend, h, resolved ? bend : 0);
-  take_size(w, &w->missed, h, resolved ? missed_v_s2 : 0);
+  w->bend_v_s2 = fmax(w->fades * w->bend_v_s2, resolved ? bend : 0);
+  w->missed_v_s2 = fmax(w->fades * w->missed_v_s2, resolved ? missed_v_s2 : 0);
   w->flux_wb = fmax(w->flux_wb, fabs(to->flux_wb));
   follow_current(w, from);
   follow_alternation(w, from, to);
 }
 
 double vs_swing_longest(const vs_swing *w) {
-  if (!(w->missed.v_s2 > 0))
+  if (!(w->missed_v_s2 > 0))
     return INFINITY; /* a NaN as well, of which the machine's motion will tell */
-  double lasts_s = fmin(w->period_s, LASTS * w->slope_v_s / w->bend.v_s2);
-  return sqrt(12 * w->share * w->flux_wb / (w->amplifies * w->missed.v_s2 * lasts_s));
+  double lasts_s = fmin(w->period_s, LASTS * w->slope_v_s / w->bend_v_s2);
+  return sqrt(12 * w->share * w->flux_wb / (w->amplifies * w->missed_v_s2 * lasts_s));
 }

@@ -6,12 +6,6 @@
 
 #include "sim/sim.h"
 
-/* The size of a second derivative of late. */
-typedef struct vs_swing_size {
-  double v_s2;
-  double over_s; /* length of the step over which it showed; 0: none did yet */
-} vs_swing_size;
-
 /* Begins as vs_swing_of makes it. */
 typedef struct vs_swing {
   const vs_model *model;
@@ -20,17 +14,16 @@ typedef struct vs_swing {
   double period_s; /* of the mains */
   double flux_wb;  /* largest flux linkage so far; at first what the first firing may bring */
   double peak_a,
-      amplifies;    /* largest current so far that counts, of a coil that is not square, and by how
-                       much a relative error of lambda is larger in that current; 1 at least */
-  double slope_v_s; /* size of the first derivative of v = dlambda/dt of late */
-  vs_swing_size bend;   /* of its second derivative */
-  vs_swing_size missed; /* of what of the second derivative the rule was not given back */
-  double before_s;      /* length of the last step; 0: there was none */
-  double rise_v;        /* by how much v rose over the last step */
-  double kick_v;        /* by how much more than over the step before */
-  int alternations;     /* steps in a row whose kick was against the one before */
-  int since_anew;       /* steps since the solver's rule was last told to begin anew */
-  bool anew;            /* the rule is to begin anew at the end of the last step */
+      amplifies; /* largest current so far that counts, of a coil that is not square, and by how
+                    much a relative error of lambda is larger in that current; 1 at least */
+  double slope_v_s, bend_v_s2; /* sizes of the first two derivatives of v = dlambda/dt of late */
+  double missed_v_s2;          /* size of late of what of v'' the rule was not given back */
+  double before_s;             /* length of the last step; 0: there was none */
+  double rise_v;               /* by how much v rose over the last step */
+  double kick_v;               /* by how much more than over the step before */
+  int alternations;            /* steps in a row whose kick was against the one before */
+  int since_anew;              /* steps since the solver's rule was last told to begin anew */
+  bool anew;                   /* the rule is to begin anew at the end of the last step */
 } vs_swing;
 
 vs_swing vs_swing_of(const vs_setup *setup);

@@ -13,7 +13,7 @@
 static const vs_shelf EVA_SHELF = {"subcircuit", "", ".inc"};
 
 /* What the files have for the current, where the flux linkage begins, and how they end. */
-static const char CURRENT[] = "v(lam)*v(z) m={1/(2*eva_a)}", BEGINS[] = " ic={0", ENDS[] = ".ends";
+static const char CURRENT[] = "v(lam)*v(z) m={1/(2*eva_a)}", BEGINS[] = " ic=0", ENDS[] = ".ends";
 
 void vs_eva_take_law(vs_deck *deck, const vs_coil *coil) {
   vs_text force = {0};
@@ -259,7 +259,7 @@ static int add_line(const vs_deck *deck, const char *line, vs_text *out) {
     vs_text_add(out, "%.*s(%s)%s\n", (int)(at - line), line, deck->eva_current.text,
                 at + sizeof CURRENT - 1);
   else if (deck->eva_flux_wb != 0 && begins)
-    vs_text_add(out, "%.*s ic={%.17g%s\n", (int)(begins - line), line, deck->eva_flux_wb,
+    vs_text_add(out, "%.*s ic=%.17g%s\n", (int)(begins - line), line, deck->eva_flux_wb,
                 begins + sizeof BEGINS - 1);
   else
     vs_text_add(out, "%s\n", line);

@@ -6,7 +6,6 @@
  * itself. Its return codes say nothing: whether a run was good is seen from the time it reached and
  * from its log. */
 #include <ctype.h>
-#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -19,12 +18,11 @@
 #include "solver/code_models.h"
 #include "solver/confine.h"
 #include "solver/defaults.h"
+#include "solver/ending.h"
 #include "solver/guard.h"
 #include "solver/library.h"
 #include "solver/ng.h"
 #include "solver/rawfile.h"
-#include "stride/ending.h"
-#include "stride/stride.h"
 
 /* In the place of a vector's index: of a signal that is 0, and of one that the circuit has not. */
 enum { GROUND = -1, MISSING = -2 };
@@ -41,7 +39,6 @@ static struct {
   int *raw_vector; /* per vector of the rawfile: its index in SendData */
   double *raw_values;
   double reached_s, edge_s;
-  vs_stride stride;
   double progress_from_s; /* where the stretch that guard_progress() looks at began */
   long tries;             /* steps in that stretch, failed ones too */
   vs_ending ending;
@@ -217,24 +214,15 @@ static vs_status guard_progress(void) {
   return VS_RUN;
 }
 
-/* True where ngspice takes t for the edge that it was told of: within a hundred roundings of t. */
-static bool is_edge(double t) {
-  return fabs(t - ng.edge_s) <= 100 * DBL_EPSILON * t;
-}
-
-/* Called before a step (place 0) and after each of its tries (place 1), which was rejected if
- * `redo`. Limits the next step to what the host allows. A step of zero makes ngspice end the run;
- * it stays usable. */
+/* Limits the next step to what the host allows. A step of zero makes ngspice end the run; it stays
+ * usable. */
 static int on_sync(double t, double *step, double old_step, int redo, int id, int place,
                    void *user) {
-  (void)id, (void)user;
-  if (ng.job && place == 1 && redo) *step = vs_stride_again(&ng.stride, old_step, *step);
-  if (ng.job && place == 1 && !redo) vs_stride_done(&ng.stride, old_step, is_edge(t));
+  (void)old_step, (void)redo, (void)id, (void)user;
   if (ng.job && place == 1 && !ng.status && !ng.enough) stop_with(guard_progress());
   if (ng.job && place == 0 && !ng.status)
-    *step =
-        fmin(vs_ending_step(&ng.ending, ng.job->until_s - t, vs_stride_start(&ng.stride, *step)),
-             ng.host->longest(ng.host->ctx, t));
+    *step = fmin(vs_ending_step(&ng.ending, ng.job->until_s - t, *step),
+                 ng.host->longest(ng.host->ctx, t));
   if (ng.status || ng.enough) *step = 0;
   return 0;
 }
@@ -277,7 +265,6 @@ static void step_on(vs_error *err) {
   ng.enough = false;
   ng.next_port = 0;
   ng.edge_s = INFINITY;
-  vs_stride_begin(&ng.stride);
   ng.time_vector = -1;
   ng.reached_s = ng.progress_from_s = 0;
   ng.tries = 0;
