@@ -81,7 +81,7 @@ static void call_begin(void) {
 /* The file that ngspice reads in the place of the user's. */
 static const char INIT[] = ".spiceinit";
 
-/* Finds the folder with an empty .spiceinit that comes with the program. */
+/* Finds the folder that comes with the program, whose .spiceinit says nothing. */
 static bool find_shipped(char path[VS_PATH_SIZE]) {
   static const vs_shelf SHELF = {"", "ngspice", ""};
   if (!vs_path_shipped(&SHELF, INIT, path)) return false;

@@ -32,9 +32,9 @@ void vs_library_expect(vs_library_begin begin);
 
 /* Loads the library and calls begin, unless vs_library_expect has, whose thread it waits for; it
  * is called once in a process. ngspice reads .spiceinit from the working directory, else from the
- * user's home; begin is called in a folder that has an empty one, so that a scene gives the same
- * result for everyone. It begins without its code models, the elements whose names begin with "a":
- * ngspice goes through all types of devices that it has several times in every step, and with
+ * user's home; begin is called in a folder with one that says nothing, so that a scene gives the
+ * same result for everyone. It begins without its code models, the elements whose names begin with
+ * "a": ngspice goes through all types of devices that it has several times in every step, and with
  * these, which few netlists have, that is a fifteenth of a run. Errors, VS_RUN: there is no such
  * library, or no folder for it. */
 vs_status vs_library_open(vs_library_begin begin, vs_error *err);
