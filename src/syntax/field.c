@@ -266,6 +266,8 @@ static void add_known(const char *const *names, size_t count, char *text, size_t
 
 vs_status vs_field_known_keys(const vs_node *map, const char *what, const char *const *names,
                               size_t count, vs_error *err) {
+  if (map && map->kind == VS_NODE_LIST && map->child) /* whose items have no keys */
+    return vs_fail_at(err, map->where, "%s: a map of keys is wanted, and this is a list", what);
   for (const vs_node *n = map ? map->child : NULL; n; n = n->next) {
     bool known = false;
     for (size_t k = 0; k < count && !known; k++) known = !strcmp(names[k], n->key);

@@ -89,7 +89,7 @@ vs_status vs_field_read_key(const vs_section *section, const vs_field *field, co
                             void *out, vs_error *err);
 
 /* Error: the map has a key that is none of names[count]; the nearest is named, and all are. what is
- * the map's own name, for the message. A check carries on. */
+ * the map's own name, for the message. A check carries on, but not from a list in its place. */
 vs_status vs_field_known_keys(const vs_node *map, const char *what, const char *const *names,
                               size_t count, vs_error *err);
 
