@@ -9,11 +9,10 @@
 #include <unistd.h>
 
 #include "program.h"
-#include "solver/defaults.h"
 #include "solver/ending.h"
 #include "solver/ng.h"
-#include "solver/powers.h"
 #include "solver/probe.h"
+#include "solver/versions.h"
 
 /* ---- solvers that are wrong on purpose: ngspice, and between it and the host a liar ---- */
 
@@ -175,11 +174,11 @@ static void pulses_are_completed(void) {
   };
   char *netlist[COUNT(ROWS)], *lines[COUNT(ROWS)];
   for (size_t k = 0; k < COUNT(ROWS); k++) netlist[k] = lines[k] = vs_copy(ROWS[k].line);
-  vs_defaults_write(lines, COUNT(ROWS), 0.25);
+  vs_versions_complete(lines, COUNT(ROWS), 0.25);
   for (size_t k = 0; k < COUNT(ROWS); k++)
     EXPECT(!strcmp(lines[k], ROWS[k].becomes ? ROWS[k].becomes : ROWS[k].line), "'%s' became '%s'",
            ROWS[k].line, lines[k]);
-  vs_defaults_free(lines, netlist, COUNT(ROWS));
+  vs_versions_free(lines, netlist, COUNT(ROWS));
   for (size_t k = 0; k < COUNT(ROWS); k++) free(netlist[k]);
 }
 
@@ -199,8 +198,8 @@ static void powers_that_differ(void) {
               {"B1 a 0 V=1+pow( max(v(x),0),3)", false, false},
               {"", false, false}};
   for (size_t k = 0; k < COUNT(ROWS); k++) {
-    EXPECT(vs_powers_differ(ROWS[k].line, false) == ROWS[k].plain, "%s", ROWS[k].line);
-    EXPECT(vs_powers_differ(ROWS[k].line, true) == ROWS[k].pspice, "%s, PSpice's", ROWS[k].line);
+    EXPECT(vs_versions_differ(ROWS[k].line, false) == ROWS[k].plain, "%s", ROWS[k].line);
+    EXPECT(vs_versions_differ(ROWS[k].line, true) == ROWS[k].pspice, "%s, PSpice's", ROWS[k].line);
   }
 }
 

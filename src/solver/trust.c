@@ -15,8 +15,8 @@
 #include "solver/child.h"
 #include "solver/guard.h"
 #include "solver/ng.h"
-#include "solver/powers.h"
 #include "solver/probe.h"
+#include "solver/versions.h"
 
 /* libngspice is one in a process, and so is what is known of it. */
 static struct {
@@ -179,7 +179,7 @@ static void look_at_circuit(const vs_circuit_job *job) {
   *trust.circuit = '\0';
   if (strtod(vs_ng_running(), NULL) < SINCE) return;
   for (size_t k = 1; k < job->lines && !*trust.circuit; k++)
-    if (vs_powers_differ(job->netlist[k], *job->dialect))
+    if (vs_versions_differ(job->netlist[k], *job->dialect))
       snprintf(
           trust.circuit, sizeof trust.circuit,
           "%.*s: ngspice %s takes x to the y, or 0, for a power of a negative x, and ngspice up to "
