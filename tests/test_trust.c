@@ -9,9 +9,9 @@
 #include <unistd.h>
 
 #include "program.h"
-#include "solver/defaults.h"
 #include "solver/ending.h"
 #include "solver/ng.h"
+#include "solver/versions.h"
 #include "trust/probe.h"
 
 /* ---- solvers that are wrong on purpose: ngspice, and between it and the host a liar ---- */
@@ -174,12 +174,33 @@ static void pulses_are_completed(void) {
   };
   char *netlist[COUNT(ROWS)], *lines[COUNT(ROWS)];
   for (size_t k = 0; k < COUNT(ROWS); k++) netlist[k] = lines[k] = vs_copy(ROWS[k].line);
-  vs_defaults_write(lines, COUNT(ROWS), 0.25);
+  vs_versions_complete(lines, COUNT(ROWS), 0.25);
   for (size_t k = 0; k < COUNT(ROWS); k++)
     EXPECT(!strcmp(lines[k], ROWS[k].becomes ? ROWS[k].becomes : ROWS[k].line), "'%s' became '%s'",
            ROWS[k].line, lines[k]);
-  vs_defaults_free(lines, netlist, COUNT(ROWS));
+  vs_versions_free(lines, netlist, COUNT(ROWS));
   for (size_t k = 0; k < COUNT(ROWS); k++) free(netlist[k]);
+}
+
+/* Which powers ngspice 47 takes for other numbers. */
+static void powers_that_differ(void) {
+  static const struct {
+    const char *line;
+    bool plain, pspice;
+  } ROWS[] = {{"B1 a 0 V=pow(v(x),3)", true, true},
+              {"B1 a 0 V=pow(abs(v(x)),3)", false, false},
+              {"b1 a 0 i=V(x)**3", true, true},
+              {"B1 a 0 V=v(x)**2+v(y)^4", false, false},
+              {"B1 a 0 V=v(x)^2.5", true, true},
+              {"B1 a 0 V={2**3}*v(x)", false, false},
+              {"E1 a 0 vol='pwr(v(x),3)'", false, true},
+              {"R1 a 0 {pow(-2,3)}", false, false},
+              {"B1 a 0 V=1+pow( max(v(x),0),3)", false, false},
+              {"", false, false}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    EXPECT(vs_versions_differ(ROWS[k].line, false) == ROWS[k].plain, "%s", ROWS[k].line);
+    EXPECT(vs_versions_differ(ROWS[k].line, true) == ROWS[k].pspice, "%s, PSpice's", ROWS[k].line);
+  }
 }
 
 /* A pulse without a period comes once, whichever version runs: the capacitor keeps what it got. */
@@ -328,6 +349,7 @@ int main(void) {
                                   {"each lie is told", each_lie_is_told},
                                   {"halves become a whole", halves_become_a_whole},
                                   {"pulses are completed", pulses_are_completed},
+                                  {"powers that differ", powers_that_differ},
                                   {"a pulse comes once", a_pulse_comes_once},
                                   {"a verdict is remembered", a_verdict_is_remembered},
                                   {"a wrong one is told", a_wrong_one_is_told},

@@ -17,12 +17,12 @@
 #include "solver/child.h"
 #include "solver/code_models.h"
 #include "solver/confine.h"
-#include "solver/defaults.h"
 #include "solver/ending.h"
 #include "solver/guard.h"
 #include "solver/library.h"
 #include "solver/ng.h"
 #include "solver/rawfile.h"
+#include "solver/versions.h"
 
 /* In the place of a vector's index: of a signal that is 0, and of one that the circuit has not. */
 enum { GROUND = -1, MISSING = -2 };
@@ -375,7 +375,7 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   char **lines = vs_alloc(job->lines + 5, sizeof *lines);
   size_t n = 0;
   for (; n < job->lines; n++) lines[n] = job->netlist[n];
-  vs_defaults_write(lines, n, job->until_s);
+  vs_versions_complete(lines, n, job->until_s);
   char *rest = tail.text;
   for (char *line; (line = strsep(&rest, "\n"));) lines[n++] = line;
   vs_complaints_clear(&ng.complaints);
@@ -385,7 +385,7 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   for (size_t k = 0; k < n; k++) vs_text_add(&netlist, "%s\n", lines[k]);
   status = is_loaded(&netlist) ? VS_OK : load_anew(job, host, lines, &netlist, err);
   vs_text_free(&netlist);
-  vs_defaults_free(lines, job->netlist, job->lines);
+  vs_versions_free(lines, job->netlist, job->lines);
   free(lines);
   vs_text_free(&tail);
   if (status) return status;

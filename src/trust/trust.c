@@ -15,13 +15,15 @@
 #include "solver/child.h"
 #include "solver/guard.h"
 #include "solver/ng.h"
+#include "solver/versions.h"
 #include "trust/probe.h"
 
 /* libngspice is one in a process, and so is what is known of it. */
 static struct {
   bool known;
   char wrong[VS_PROBE_TEXT];
-  char text[VS_PATH_SIZE + 2 * VS_PROBE_TEXT]; /* what is told of it; empty: nothing */
+  char library[VS_PATH_SIZE + 2 * VS_PROBE_TEXT]; /* what is told of it; empty: nothing */
+  char circuit[2 * VS_PROBE_TEXT];                /* what is told of the circuit it has */
 } trust;
 
 /* ---- which library it is ---- */
@@ -139,11 +141,11 @@ static void put_into_words(void) {
   char path[VS_PATH_SIZE];
   if (!*trust.wrong) return;
   find_library(path);
-  snprintf(trust.text, sizeof trust.text,
+  snprintf(trust.library, sizeof trust.library,
            "ngspice %s (%s) is not to be relied on: %s; what tier circuit computes with it may be "
            "wrong",
            vs_ng_running(), *path ? path : "linked into the program", trust.wrong);
-  if (!vs_guard_again()) fprintf(stderr, "vibrospice: warning: %s\n", trust.text);
+  if (!vs_guard_again()) fprintf(stderr, "vibrospice: warning: %s\n", trust.library);
 }
 
 vs_status vs_trust_find(vs_error *err) {
@@ -164,15 +166,34 @@ vs_status vs_trust_find(vs_error *err) {
 }
 
 const char *vs_trust_text(void) {
-  return trust.text;
+  return *trust.library ? trust.library : trust.circuit;
 }
 
 /* ---- the solver ---- */
+
+/* Tells of a circuit that means another thing in this version than in those before it. */
+static void look_at_circuit(const vs_circuit_job *job) {
+  static const double SINCE = 47;
+  char before[sizeof trust.circuit];
+  memcpy(before, trust.circuit, sizeof before);
+  *trust.circuit = '\0';
+  if (strtod(vs_ng_running(), NULL) < SINCE) return;
+  for (size_t k = 1; k < job->lines && !*trust.circuit; k++)
+    if (vs_versions_differ(job->netlist[k], *job->dialect))
+      snprintf(
+          trust.circuit, sizeof trust.circuit,
+          "%.*s: ngspice %s takes x to the y, or 0, for a power of a negative x, and ngspice up to "
+          "46 takes |x|^y: write pow(abs(x),y), or sgn(x)*pow(abs(x),y)",
+          (int)strcspn(job->netlist[k], " \t"), job->netlist[k], vs_ng_running());
+  if (*trust.circuit && strcmp(before, trust.circuit) != 0 && !vs_guard_again())
+    fprintf(stderr, "vibrospice: warning: %s\n", trust.circuit);
+}
 
 static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, void **circuit,
                       vs_error *err) {
   vs_status status = vs_trust_find(err);
   *circuit = NULL;
+  if (!status) look_at_circuit(job);
   return status ? status : vs_ng_kind.load(job, host, circuit, err);
 }
 

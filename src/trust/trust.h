@@ -18,8 +18,8 @@ extern const vs_circuit_kind vs_trust_kind;
  * handled came meanwhile. */
 vs_status vs_trust_find(vs_error *err);
 
-/* What is wrong with the library, to be told with every result that it gave; empty: nothing, or it
- * was not asked. */
+/* What is wrong with the library, or else what in the circuit it loaded last means another thing in
+ * this version than before: to be told with every result. Empty: nothing, or it was not asked. */
 const char *vs_trust_text(void);
 
 #endif
