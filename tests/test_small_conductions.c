@@ -103,10 +103,33 @@ static void letting_go(void) {
   CLOSE_OF(coarse.fires_s[0], fine.fires_s[0], 1, 1e-7);
 }
 
+/* Compares a run at a tolerance of 1e-4 with one at 1e-6: returns by how much later its conduction
+ * ends, s. It fires at `fires_s` or up to `delay_s` later. */
+static double apart_of(const char *deck, const char *angle, const char *voltage, double fires_s,
+                       double delay_s) {
+  char sets[3][64];
+  snprintf(sets[0], sizeof sets[0], "circuit.deck=%s", deck);
+  snprintf(sets[1], sizeof sets[1], "firing.angle=%s", angle);
+  snprintf(sets[2], sizeof sets[2], "supply.voltage=%s", voltage);
+  const char *scene[] = {sets[0], sets[1], sets[2], "run.until=15 ms", NULL};
+  instants coarse, fine;
+  instants_of(scene, "1e-4", &coarse);
+  instants_of(scene, "1e-6", &fine);
+  EXPECT(coarse.fired == 1 && coarse.ended == 1 && fine.fired == 1 && fine.ended == 1,
+         "%s at %s, %s: %zu, %zu firings", deck, angle, voltage, coarse.fired, fine.fired);
+  double late_s = coarse.fires_s[0] - fires_s;
+  EXPECT(late_s > -1e-7 && late_s < delay_s + 1e-7, "%s at %s: fires %+.3f us late", deck, angle,
+         1e6 * late_s);
+  return coarse.extinct_s[0] - fine.extinct_s[0];
+}
+
 /* Where the anode probe is the sum of two thyristors' currents, each is followed by its own: small
  * conductions are seen, the firing lies at the gate pulse (a pair of transistors takes 0.3 us), and
  * the end is the thyristor's own zero, which no tolerance moves. What two transistors have stored
- * decays without a zero, so that their small conductions are compared to 0.3 us. */
+ * decays without a zero, so that their small conductions are compared to 0.3 us. A long
+ * conduction's end scatters by 0.16 us with where the steps fall, which is 2e-5 of it; so that a
+ * zero which is looked for at the wrong place shows, the mean of five voltages is compared to 0.1
+ * us. */
 static void one_of_two(void) {
   static const struct {
     const char *deck, *angle, *voltage;
@@ -116,27 +139,19 @@ static void one_of_two(void) {
       {"bridge_halfcontrolled", "177 deg", "50 V", 9.8333333e-3, 0, 1e-7},
       {"fullwave_antiparallel", "177 deg", "50 V", 9.8333333e-3, 3e-7, 3e-7},
       {"fullwave_antiparallel", "177 deg", "100 V", 9.8333333e-3, 3e-7, 3e-7},
-      {"fullwave_antiparallel", "100 deg", "440 V", 5.5555556e-3, 3e-7, 1e-7},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
-    char sets[3][64];
-    snprintf(sets[0], sizeof sets[0], "circuit.deck=%s", ROWS[k].deck);
-    snprintf(sets[1], sizeof sets[1], "firing.angle=%s", ROWS[k].angle);
-    snprintf(sets[2], sizeof sets[2], "supply.voltage=%s", ROWS[k].voltage);
-    const char *scene[] = {sets[0], sets[1], sets[2], "run.until=15 ms", NULL};
-    instants coarse, fine;
-    instants_of(scene, "1e-4", &coarse);
-    instants_of(scene, "1e-6", &fine);
-    EXPECT(coarse.fired == 1 && coarse.ended == 1 && fine.fired == 1 && fine.ended == 1,
-           "%s at %s, %s: %zu, %zu firings", ROWS[k].deck, ROWS[k].angle, ROWS[k].voltage,
-           coarse.fired, fine.fired);
-    double late_s = coarse.fires_s[0] - ROWS[k].fires_s;
-    EXPECT(late_s > -1e-7 && late_s < ROWS[k].delay_s + 1e-7, "%s at %s: fires %+.3f us late",
-           ROWS[k].deck, ROWS[k].angle, 1e6 * late_s);
-    EXPECT(fabs(coarse.extinct_s[0] - fine.extinct_s[0]) < ROWS[k].apart_s,
-           "%s at %s, %s: ends %.3f us apart", ROWS[k].deck, ROWS[k].angle, ROWS[k].voltage,
-           1e6 * (coarse.extinct_s[0] - fine.extinct_s[0]));
+    double apart_s =
+        apart_of(ROWS[k].deck, ROWS[k].angle, ROWS[k].voltage, ROWS[k].fires_s, ROWS[k].delay_s);
+    EXPECT(fabs(apart_s) < ROWS[k].apart_s, "%s at %s, %s: ends %.3f us apart", ROWS[k].deck,
+           ROWS[k].angle, ROWS[k].voltage, 1e6 * apart_s);
   }
+  static const char *const NEAR[] = {"439.9 V", "439.95 V", "440 V", "440.05 V", "440.1 V"};
+  double sum_s = 0;
+  for (size_t k = 0; k < COUNT(NEAR); k++)
+    sum_s += apart_of("fullwave_antiparallel", "100 deg", NEAR[k], 5.5555556e-3, 3e-7);
+  EXPECT(fabs(sum_s / COUNT(NEAR)) < 1e-7, "ends %.3f us apart in the mean",
+         1e6 * sum_s / COUNT(NEAR));
 }
 
 static const vs_test TESTS[] = {
