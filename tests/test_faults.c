@@ -242,6 +242,25 @@ static void all_of_them(void) {
   fclose(table);
 }
 
+/* ---- a thread without memory ---- */
+
+/* A second thread begins ngspice, in a folder of its own, while the first one makes the files of
+ * the run. That is in the first half of all calls. */
+static void thread(void) {
+  enum { TRIED = 40 };
+  const workload *circuit = &WORKLOADS[1];
+  const fault *memory = &fault_all[0];
+  tally t = {0};
+  if (!fault_is_possible(memory) || getenv("VS_LONG")) return;
+  prepare();
+  reference good = run_good_one(circuit, memory, &t.calls);
+  for (unsigned long k = 1; k <= TRIED; k++)
+    try_one(circuit, memory, k * t.calls / (2 * TRIED), &good, &t);
+  free(good.out);
+  free(good.files);
+  unsetenv("TMPDIR");
+}
+
 /* ---- a worker without memory ---- */
 
 /* Its cases fail with that cause, one by one, and the study comes to its end. */
@@ -264,6 +283,7 @@ static void workers(void) {
 
 static const vs_test TESTS[] = {{"some calls fail", some},
                                 {"every call fails", all_of_them},
+                                {"the thread that begins ngspice has no memory", thread},
                                 {"workers have no memory", workers}};
 
 int main(void) {

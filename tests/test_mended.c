@@ -95,7 +95,7 @@ static void each_line_of_the_head(void) {
 static void a_head_that_has_moved(void) {
   vs_text text = {0};
   expect_mended(journal + 400, false, __LINE__);
-  char *first = line_of(journal, "= 0,");
+  char *first = line_of(journal, "= "); /* of whichever case has ended first */
   expect_mended(first, false, __LINE__);
   vs_text_add(&text, "what\nis\nthis\n%s", journal + 60);
   expect_mended(text.text, false, __LINE__);

@@ -28,6 +28,7 @@ static struct {
   vs_library_begin begin;
   bool expected; /* the thread runs, or has ended and was not waited for */
   pthread_t thread;
+  int home;    /* where the process works, open as long as the thread is expected */
   pid_t owner; /* the process that has the thread */
 } spice;
 
@@ -111,8 +112,21 @@ static bool make_folder(char path[VS_PATH_SIZE]) {
   return mkdtemp(path) != NULL;
 }
 
+/* Opens the working directory. From there, and not from the folder where ngspice begins, lead the
+ * paths of what is removed if the process ends meanwhile. Returns -1 where it cannot. */
+static int open_home(void) {
+  int home = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
+  if (home >= 0) vs_leave_from(home);
+  return home;
+}
+
+static void close_home(int home) {
+  vs_leave_from(AT_FDCWD);
+  close(home);
+}
+
 /* Begins in a private folder. Signals are held back as long as that is there; `home` is the working
- * directory, from which the paths of what is noted for removal lead. */
+ * directory. */
 static vs_status begin_in_private(int home, vs_error *err) {
   char folder[VS_PATH_SIZE] = ".", settings[VS_PATH_SIZE + 16];
   vs_status status = VS_OK;
@@ -121,7 +135,7 @@ static vs_status begin_in_private(int home, vs_error *err) {
   vs_leave_hold(&before);
   bool made = make_folder(folder);
   snprintf(settings, sizeof settings, "%s/%s", folder, INIT);
-  if (made) vs_leave_from(home), vs_leave_remove(folder), vs_leave_remove(settings);
+  if (made) vs_leave_remove(folder), vs_leave_remove(settings);
   if (made && !chdir(folder)) empty = open(INIT, O_WRONLY | O_CREAT | O_EXCL, 0600);
   if (empty < 0)
     status = vs_fail(err, VS_RUN, "no private folder for ngspice: %s: %s", folder, strerror(errno));
@@ -133,14 +147,14 @@ static vs_status begin_in_private(int home, vs_error *err) {
   if (made && fchdir(home) && !status)
     status = vs_fail(err, VS_RUN, "the working directory is gone: %s", strerror(errno));
   if (made) rmdir(folder);
-  vs_leave_from(AT_FDCWD), vs_leave_forget(folder), vs_leave_forget(settings);
+  vs_leave_forget(folder), vs_leave_forget(settings);
   vs_leave_release(&before);
   return status;
 }
 
 /* Begins, and comes back to the working directory. */
 static vs_status begin_here(vs_error *err) {
-  int home = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
+  int home = open_home();
   if (home < 0)
     return vs_fail(err, VS_RUN, "no working directory for ngspice: %s", strerror(errno));
   vs_status status = VS_OK;
@@ -151,7 +165,7 @@ static vs_status begin_here(vs_error *err) {
     if (fchdir(home))
       status = vs_fail(err, VS_RUN, "the working directory is gone: %s", strerror(errno));
   }
-  close(home);
+  close_home(home);
   return status;
 }
 
@@ -171,6 +185,7 @@ static void await_thread(void) {
   if (!spice.expected || getpid() != spice.owner) return;
   spice.expected = false;
   pthread_join(spice.thread, NULL);
+  close_home(spice.home);
 }
 
 enum { STACK = 1 << 20 }; /* bytes; what is done there nests little */
@@ -180,12 +195,15 @@ void vs_library_expect(vs_library_begin begin) {
   sigset_t before;
   if (spice.expected || spice.loaded || pthread_attr_init(&small)) return;
   begin_lean();
+  spice.home = open_home();
   spice.begin = begin;
   spice.owner = getpid();
   pthread_attr_setstacksize(&small, STACK);
   vs_leave_hold(&before); /* the thread keeps them held back */
-  spice.expected = !atexit(await_thread) && !pthread_create(&spice.thread, &small, work, NULL);
+  spice.expected = spice.home >= 0 && !atexit(await_thread) &&
+                   !pthread_create(&spice.thread, &small, work, NULL);
   vs_leave_release(&before);
+  if (!spice.expected && spice.home >= 0) close_home(spice.home);
   pthread_attr_destroy(&small);
 }
 
