@@ -130,6 +130,23 @@ static void what_may_be_read(void) {
   RUN_GOOD("check paper --set circuit.deck=out/deck.cir --quiet");
 }
 
+/* ngspice executes what its .spiceinit and spinit say, before any jail could hold it. So they are
+ * taken from the program's own folders alone, never from one of $VIBROSPICE_PATH. */
+static void what_ngspice_executes(void) {
+  static const char *const COMMANDS[] = {"run s.yaml", "run s.yaml --jail", "check s.yaml"};
+  static const char *const FILES[] = {"shelf/ngspice/.spiceinit", "shelf/ngspice/spinit"};
+  CU_ASSERT(!mkdir("shelf", 0777) && !mkdir("shelf/ngspice", 0777));
+  for (size_t k = 0; k < COUNT(FILES); k++)
+    write_file(FILES[k], "* a stranger's\nshell touch executed\nquit\n");
+  write_file("s.yaml", "circuit: {deck: halfwave_snubbed}\nrun: {until: 1 ms}\n");
+  setenv("VIBROSPICE_PATH", "shelf", 1);
+  for (size_t k = 0; k < COUNT(COMMANDS); k++) {
+    RUN_GOOD(COMMANDS[k]);
+    EXPECT(access("executed", F_OK) != 0, "%s executes it", COMMANDS[k]);
+  }
+  unsetenv("VIBROSPICE_PATH");
+}
+
 static void words_that_clash(void) {
   refuse("run paper --jail --allow-code", "both", "", (const char *[]){"--allow-code", "--jail"},
          __LINE__);
@@ -256,6 +273,7 @@ int main(void) {
       {"what keys name", what_keys_name},
       {"what decks include", what_decks_include},
       {"what may be read", what_may_be_read},
+      {"what ngspice executes", what_ngspice_executes},
       {"words that clash", words_that_clash},
       {"calls are refused", calls_are_refused},
       {"a trial is confined", a_trial_is_confined},

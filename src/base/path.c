@@ -15,18 +15,13 @@
 #error "the build names the library folder that is looked into last"
 #endif
 
-/* Calls visit for the library folders in their order, until it returns true; returns whether it
- * did. */
-static bool each_library(bool (*visit)(void *ctx, const char *folder), void *ctx) {
-  const char *path = getenv("VIBROSPICE_PATH");
-  char *folders = vs_copy(path ? path : ""), *rest = folders;
+/* Calls visit for the program's own library folders in their order, until it returns true; returns
+ * whether it did. */
+static bool each_own(bool (*visit)(void *ctx, const char *folder), void *ctx) {
   bool stop = false;
-  for (char *folder; !stop && (folder = strsep(&rest, ":"));)
-    if (*folder) stop = visit(ctx, folder);
-  free(folders);
   char self[VS_PATH_SIZE], share[VS_PATH_SIZE + 32];
   ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
-  if (!stop && n > 0) {
+  if (n > 0) {
     self[n] = '\0';
     char *slash = strrchr(self, '/');
     if (slash) *slash = '\0';
@@ -34,6 +29,17 @@ static bool each_library(bool (*visit)(void *ctx, const char *folder), void *ctx
     stop = visit(ctx, share);
   }
   return stop || visit(ctx, VS_LIBRARY);
+}
+
+/* The same for all library folders, of which the user's come first. */
+static bool each_library(bool (*visit)(void *ctx, const char *folder), void *ctx) {
+  const char *path = getenv("VIBROSPICE_PATH");
+  char *folders = vs_copy(path ? path : ""), *rest = folders;
+  bool stop = false;
+  for (char *folder; !stop && (folder = strsep(&rest, ":"));)
+    if (*folder) stop = visit(ctx, folder);
+  free(folders);
+  return stop || each_own(visit, ctx);
 }
 
 static bool is_file(const char *path) {
@@ -111,6 +117,11 @@ static void collect_name(void *ctx, const char *path) {
 bool vs_path_shipped(const vs_shelf *shelf, const char *name, char path[VS_PATH_SIZE]) {
   struct search search = {shelf, name, path};
   return *name && each_library(try_library, &search);
+}
+
+bool vs_path_own(const vs_shelf *shelf, const char *name, char path[VS_PATH_SIZE]) {
+  struct search search = {shelf, name, path};
+  return each_own(try_library, &search) && access(path, R_OK) == 0;
 }
 
 vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,

@@ -28,6 +28,9 @@ vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
 /* The same, for a file that comes with the program: false where there is none of that name. */
 bool vs_path_shipped(const vs_shelf *shelf, const char *name, char path[VS_PATH_SIZE]);
 
+/* The same, but never of $VIBROSPICE_PATH, whose files may be a stranger's; and it can be read. */
+bool vs_path_own(const vs_shelf *shelf, const char *name, char path[VS_PATH_SIZE]);
+
 /* Lets the jail (base/jail.h) allow all that comes with the program. */
 void vs_path_allow_shipped(void);
 

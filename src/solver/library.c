@@ -79,13 +79,14 @@ static void call_begin(void) {
 
 /* ---- where it begins ---- */
 
-/* The file that ngspice reads in the place of the user's. */
-static const char INIT[] = ".spiceinit";
+/* The files that ngspice reads in the place of the user's and of its own. */
+static const char INIT[] = ".spiceinit", SPINIT[] = "spinit";
 
-/* Finds the folder that comes with the program, whose .spiceinit says nothing. */
+/* Finds the folder that comes with the program, whose two files say nothing. ngspice executes what
+ * they say, shell commands too: it must be the program's own. */
 static bool find_shipped(char path[VS_PATH_SIZE]) {
   static const vs_shelf SHELF = {"", "ngspice", ""};
-  if (!vs_path_shipped(&SHELF, INIT, path)) return false;
+  if (!vs_path_own(&SHELF, SPINIT, path) || !vs_path_own(&SHELF, INIT, path)) return false;
   path[strlen(path) - strlen(INIT)] = '\0';
   return true;
 }
