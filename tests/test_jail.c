@@ -138,7 +138,7 @@ static void what_ngspice_executes(void) {
   CU_ASSERT(!mkdir("shelf", 0777) && !mkdir("shelf/ngspice", 0777));
   for (size_t k = 0; k < COUNT(FILES); k++)
     write_file(FILES[k], "* a stranger's\nshell touch executed\nquit\n");
-  write_file("s.yaml", "circuit: {deck: halfwave_snubbed}\nrun: {until: 1 ms}\n");
+  write_file("s.yaml", "circuit: {deck: halfwave_snubbed}\nrun: {until: 12 ms}\n");
   setenv("VIBROSPICE_PATH", "shelf", 1);
   for (size_t k = 0; k < COUNT(COMMANDS); k++) {
     RUN_GOOD(COMMANDS[k]);
