@@ -68,6 +68,10 @@ static const double BETTER = 0.1, HANGS = 0.8;
  * without. As bits; the plainest comes first. */
 enum { WITH_COIL = 1, WITH_DRIFT = 2, FITS = 4 };
 
+/* Two fits of which one has all columns of the other leave the other less over but for rounding.
+ * That rounding is far below this factor. */
+static const double FAR = 2;
+
 /* Which of a signal's columns is the j-th of this kind of fit. Without the coil's the drift, if
  * there is one, stands right behind the mean. */
 static size_t column_at(int kind, size_t j) {
@@ -80,44 +84,78 @@ static size_t columns_of(int kind) {
   return kind & WITH_DRIFT ? count + 1 : count;
 }
 
-static bool begin_fit(const vs_signals *s, const vs_seen *const *seen, const vs_coil_state *coil,
-                      int kind, vs_fit *f) {
-  for (size_t k = 0; k < f->a->size1; k++) {
+/* A kind of fit to knots that all signals share. It is decomposed when a signal first needs it. */
+typedef struct kind_of_fit {
+  vs_fit fit;
+  bool decomposed, good;
+} kind_of_fit;
+
+/* What the signals are fitted to. */
+typedef struct sight {
+  const vs_frame *frame;
+  const vs_seen *const *seen;
+  const vs_coil_state *coil;
+  size_t knots;
+  kind_of_fit kind[FITS];
+} sight;
+
+static bool decompose(const vs_signals *s, const sight *in, int kind, vs_fit *f) {
+  *f = vs_fit_new(in->knots, columns_of(kind));
+  for (size_t k = 0; k < in->knots; k++) {
     double column[VS_SIGNAL_COLUMNS];
-    columns(s, seen[k]->knot.t_s, &coil[k], column);
+    columns(s, in->seen[k]->knot.t_s, &in->coil[k], column);
     for (size_t j = 0; j < f->a->size2; j++) gsl_matrix_set(f->a, k, j, column[column_at(kind, j)]);
   }
   return vs_fit_decompose(f);
 }
 
+/* Fits signal n in one way. Returns what is left over, INFINITY where there is no fit. */
+static double fit_kind(const vs_signals *s, sight *in, size_t n, int kind,
+                       double x[VS_SIGNAL_COLUMNS]) {
+  kind_of_fit *of = &in->kind[kind];
+  if (!of->decomposed) of->good = decompose(s, in, kind, &of->fit);
+  of->decomposed = true;
+  if (!of->good) return INFINITY;
+  for (size_t k = 0; k < in->knots; k++)
+    gsl_vector_set(of->fit.b, k, vs_signals_seen(in->frame, in->seen[k], n));
+  return vs_fit_solve(&of->fit, x);
+}
+
+static void keep(vs_signals *s, size_t n, int kind, const double x[VS_SIGNAL_COLUMNS]) {
+  memset(s->weight[n], 0, sizeof s->weight[n]);
+  for (size_t j = 0; j < columns_of(kind); j++) s->weight[n][column_at(kind, j)] = x[j];
+}
+
 /* Fits signal n in each way, and keeps the plainest that is good enough. Returns false where there
- * is none. */
-static bool fit_signal(vs_signals *s, const vs_frame *frame, const vs_seen *const *seen, size_t n,
-                       vs_fit fits[FITS]) {
-  double x[VS_SIGNAL_COLUMNS], best = INFINITY;
-  for (int kind = 0; kind < FITS; kind++) {
-    vs_fit *f = &fits[kind];
-    for (size_t k = 0; k < f->a->size1; k++)
-      gsl_vector_set(f->b, k, vs_signals_seen(frame, seen[k], n));
-    double left = vs_fit_solve(f, x);
-    if (!(left < (kind & WITH_DRIFT ? BETTER : HANGS) * best) && kind) continue;
+ * is none. The fit with all columns leaves the least over: where even that is far from good enough,
+ * the one with the drift alone is not tried. */
+static bool fit_signal(vs_signals *s, sight *in, size_t n) {
+  double x[VS_SIGNAL_COLUMNS], all[VS_SIGNAL_COLUMNS];
+  double best = fit_kind(s, in, n, 0, x);
+  if (!isfinite(best)) return false;
+  keep(s, n, 0, x);
+  double left = fit_kind(s, in, n, WITH_COIL, x);
+  if (left < HANGS * best) {
     best = left;
-    memset(s->weight[n], 0, sizeof s->weight[n]);
-    for (size_t j = 0; j < f->a->size2; j++) s->weight[n][column_at(kind, j)] = x[j];
+    keep(s, n, WITH_COIL, x);
   }
-  return isfinite(best);
+  double least = fit_kind(s, in, n, WITH_COIL | WITH_DRIFT, all);
+  left = least < FAR * BETTER * best ? fit_kind(s, in, n, WITH_DRIFT, x) : INFINITY;
+  if (left < BETTER * best) {
+    best = left;
+    keep(s, n, WITH_DRIFT, x);
+  }
+  if (least < BETTER * best) keep(s, n, WITH_COIL | WITH_DRIFT, all);
+  return true;
 }
 
 bool vs_signals_fit(vs_signals *s, const vs_frame *frame, const vs_seen *const *seen,
                     const vs_coil_state *coil, size_t knots) {
-  vs_fit fits[FITS];
+  sight in = {.frame = frame, .seen = seen, .coil = coil, .knots = knots};
   bool good = true;
   s->from_s = seen[0]->knot.t_s;
-  for (int kind = 0; kind < FITS; kind++) {
-    fits[kind] = vs_fit_new(knots, columns_of(kind));
-    good = begin_fit(s, seen, coil, kind, &fits[kind]) && good;
-  }
-  for (size_t n = 0; good && n < s->count; n++) good = fit_signal(s, frame, seen, n, fits);
-  for (int kind = 0; kind < FITS; kind++) vs_fit_free(&fits[kind]);
+  for (size_t n = 0; good && n < s->count; n++) good = fit_signal(s, &in, n);
+  for (int kind = 0; kind < FITS; kind++)
+    if (in.kind[kind].decomposed) vs_fit_free(&in.kind[kind].fit);
   return good;
 }
