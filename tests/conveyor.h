@@ -4,7 +4,7 @@
 #define VS_TESTS_CONVEYOR_H
 
 #include "machine/mechanics.h"
-#include "sim/channel.h"
+#include "setup/channel.h"
 
 enum { P, U, W, PHI, VS_DOF, VS_STATES = 2 * VS_DOF };
 enum {

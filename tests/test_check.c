@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The command check: all findings at once, in the order of the lines, each with its line and a
  * caret; nothing that is only the echo of another; and nothing written. */
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "program.h"
 
@@ -136,7 +139,7 @@ static void all_that_is_wrong_with_a_scene(void) {
            "s.yaml:12:13: record: no probe 'forze'; did you mean 'force'?\n"
            " record: [p, forze, p, v_al, v_ak]\n"
            "             ^\n"
-           "s.yaml:12:20: record: probe p stands here a second time\n"
+           "s.yaml:12:20: record: probe p stands here a second time; leave one out\n"
            " record: [p, forze, p, v_al, v_ak]\n"
            "                    ^\n"
            "s.yaml:12:23: record: no probe 'v_al'; did you mean 'v_ak'?\n"
@@ -337,7 +340,7 @@ static void what_does_not_fit_together(void) {
        "d.cir:11:9 d.cir:12:1 d.cir:13:1 "},
       {"*$ port gate+10deg = V2\n*$ port gate+20deg = V3\n", "d.cir:11:9 d.cir:12:9 "},
       {"*$ loss x = v(a)^2/{rx}\n*$ loss y = v(a)^2/(1 + ry)\n", "d.cir:11:21 d.cir:12:25 "},
-      {"*$ param p = none part\n*$ param q = nothing part\n", "d.cir d.cir "},
+      {"*$ param p = none part\n*$ param q = nothing part\n", "d.cir:11:14 d.cir:12:14 "},
       {"*$ rating v_x 0..1 V\n*$ rating v_y 0..1 V\n", "d.cir:11:11 d.cir:12:11 "},
       {".include d.cir\n", "d.cir:11:1 "},
       /* and no echo of it */
@@ -356,7 +359,7 @@ static void what_does_not_fit_together(void) {
     expect_places("d.cir", deck.text, ROWS[k].places, __LINE__);
     vs_text_free(&deck);
   }
-  PLACES("d.cir", "*$ port mains = Vm\nVm a 0 external\nVn b 0 external\n", "d.cir d.cir:3:1 ");
+  PLACES("d.cir", "*$ port mains = Vm\nVm a 0 external\nVn b 0 external\n", "d.cir:1:1 d.cir:3:1 ");
   PLACES("d.cir", "*$ port mains = Vm\nVm a 0 external\nXeva b\n", "d.cir:3:1 ");
 }
 
@@ -409,6 +412,45 @@ static void a_scene_with_its_deck(void) {
     EXPECT(count_lines(r.err) == (*ROWS[k].says ? 3 : 0), "%s: %s", ROWS[k].scene, r.err);
     free_ran(&r);
   }
+}
+
+/* ---- what can be read but once ---- */
+
+/* check with a file as its standard input. */
+static ran check_input(const char *file) {
+  int kept = dup(STDIN_FILENO), input = open(file, O_RDONLY);
+  CU_ASSERT_FATAL(kept >= 0 && input >= 0 && dup2(input, STDIN_FILENO) >= 0);
+  close(input);
+  ran r = run("check /dev/stdin");
+  dup2(kept, STDIN_FILENO);
+  close(kept);
+  return r;
+}
+
+/* A pipe was read to find its kind, and was an empty scene then, which is a good one. */
+static void no_pipe_is_a_good_scene(void) {
+  CU_ASSERT_EQUAL(mkfifo("pipe.yaml", 0600), 0);
+  static const char *const NAMES[] = {"pipe.yaml", "/dev/null"};
+  for (size_t k = 0; k < COUNT(NAMES); k++) {
+    ran r = run("check %s", NAMES[k]);
+    EXPECT(r.status == 2 && !*r.out && strstr(r.err, "is a pipe or a device"), "%s: %d: %s%s",
+           NAMES[k], r.status, r.out, r.err);
+    CU_ASSERT_EQUAL(count_lines(r.err), 1);
+    free_ran(&r);
+  }
+  int ends[2];
+  char name[32];
+  CU_ASSERT_EQUAL_FATAL(pipe(ends), 0);
+  snprintf(name, sizeof name, "/dev/fd/%d", ends[0]);
+  ran r = run("check %s", name);
+  EXPECT(r.status == 2 && !*r.out && strstr(r.err, "is a pipe or a device"), "%s%s", r.out, r.err);
+  free_ran(&r);
+  close(ends[0]);
+  close(ends[1]);
+  remove("pipe.yaml");
+  r = check_input(VS_TEST_FOLDER "/../spice/halfwave_bare.cir");
+  EXPECT(r.status == 0 && strstr(r.out, "halfwave_bare.cir: a good deck"), "%s%s", r.out, r.err);
+  free_ran(&r);
 }
 
 /* ---- what is good, and how it is said ---- */
@@ -536,6 +578,7 @@ static const vs_test TESTS[] = {
     {"what ngspice refuses", what_ngspice_refuses},
     {"a scene with its deck", a_scene_with_its_deck},
     {"all that ships is good", all_that_ships_is_good},
+    {"no pipe is a good scene", no_pipe_is_a_good_scene},
     {"verdicts", verdicts},
     {"warnings", warnings},
 };

@@ -10,6 +10,7 @@
 
 #include "actuator/actuator.h"
 #include "suite.h"
+#include "tables/surface.h"
 
 /* ---- an actuator from the text of a scene ---- */
 
@@ -330,7 +331,7 @@ static void tables_that_are_none(void) {
   static const struct {
     const char *text, *says;
   } ROWS[] = {
-      {"", "t.csv: the table is empty; its first line names its columns: "
+      {"", "t.csv:1:1: the table is empty; its first line names its columns: "
            "z_m,i_a,lambda_wb,force_n"},
       {"z_m,i_a,lambda_wb,forze_n\n",
        "t.csv:1:19: column 'forze_n' is not known in a table of an actuator; there are: z_m, i_a, "
@@ -338,10 +339,10 @@ static void tables_that_are_none(void) {
       {"z_m,i_a,lambda_v\n",
        "t.csv:1:9: column 'lambda_v' is not known in a table of an actuator; there are: z_m, i_a, "
        "lambda_wb and force_n"},
-      {"z_m,z_mm,i_a\n", "t.csv:1:5: column z_mm stands here a second time"},
+      {"z_m,z_mm,i_a\n", "t.csv:1:5: column z_mm stands here a second time; leave one out"},
       {"z_m,i_a\n", "t.csv:1:1: there is no column lambda_wb; a table of an actuator has z_m, i_a, "
                     "lambda_wb and, if wanted, force_n"},
-      {"z_m,i_a,lambda_wb\n1,2,x\n", "t.csv:2:5: 'x' is not a number"},
+      {"z_m,i_a,lambda_wb\n1,2,x\n", "t.csv:2:5: 'x' is not a number; write one as 1.5e-3"},
       {"z_m,i_a,lambda_wb\n1,2\n",
        "t.csv:2:1: the row has 2 cells, and its column lambda_wb is the 3."},
       {"z_mm,i_a,lambda_wb\n-1,2,3\n", "t.csv:2:1: -1: a gap must be above 0"},
@@ -349,9 +350,9 @@ static void tables_that_are_none(void) {
        "t.csv:2:3: -2: a current must not be below 0; the table is taken as symmetric, lambda as "
        "odd in i"},
       {"z_m,i_a,lambda_wb\n1,0,0\n1,1,1\n1,2,2\n1,3,3\n",
-       "t.csv: the number of gaps is 1; a table has 4 to 1000"},
+       "t.csv:1:1: the number of gaps is 1; a table has 4 to 1000"},
       {"z_m,i_a,lambda_wb\n1,0,0\n1,1,1\n2,0,0\n2,1,1\n3,0,0\n3,1,1\n4,0,0\n4,1,1\n",
-       "t.csv: the number of currents, 0 included, is 2; a table has 4 to 1000"},
+       "t.csv:1:1: the number of currents, 0 included, is 2; a table has 4 to 1000"},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     write_file("t.csv", ROWS[k].text);
@@ -374,7 +375,8 @@ static void grids_that_are_none(void) {
       {5, "",
        "t.csv:7:1: the table is no grid: at z = 0.002 m the currents are not those at z = "
        "0.001 m; give every gap the same ones"},
-      {5, "0.002,1,0.5\n0.002,1,0.6\n", "t.csv:8:1: z = 0.002 m, i = 1 A stands in line 7 already"},
+      {5, "0.002,1,0.5\n0.002,1,0.6\n",
+       "t.csv:8:1: z = 0.002 m, i = 1 A stands in line 7 already; leave one out"},
       {15, "",
        "t.csv:16:1: the table is no grid: at z = 0.004 m currents are missing; give every "
        "gap the same ones"},
@@ -525,11 +527,54 @@ static void keys_of_laws(void) {
   vs_actuator_end(&b.coil);
 }
 
+/* Where a spline across the gaps bends, lambda may fall with i between two of them. */
+static void a_line_is_the_surface(void) {
+  enum { N_Z = 7, N_I = 5 };
+  double z_m[N_Z], i_a[N_I], flux_wb[N_Z * N_I], at_z = 0, at_i = 0;
+  for (size_t n = 0; n < N_I; n++) i_a[n] = 0.5 * (double)n;
+  for (size_t k = 0; k < N_Z; k++) {
+    z_m[k] = 1e-3 * (double)(k + 1);
+    for (size_t n = 0; n < N_I; n++)
+      flux_wb[k * N_I + n] = i_a[n] / (1 + 0.2 * i_a[n]) / (double)(k + 1);
+  }
+  vs_surface s = vs_surface_new(z_m, N_Z, i_a, N_I, flux_wb);
+  for (double i = 0; i < 3; i += 0.25) {
+    vs_surface_line line = vs_surface_line_new(&s, i);
+    for (double z = 0.5e-3; z < 9e-3; z += 0.4e-3) {
+      vs_surface_point whole = vs_surface_at(&s, i, z), own = vs_surface_line_at(&line, z);
+      for (int a = 0; a < 4; a++)
+        for (int b = 0; a + b < 4; b++)
+          EXPECT(fabs(own.c[a][b] - whole.c[a][b]) <= 1e-9 * (fabs(whole.c[a][b]) + 1e-6),
+                 "%g A, %g m: c[%d][%d] is %g and not %g", i, z, a, b, own.c[a][b], whole.c[a][b]);
+    }
+    vs_surface_line_free(&line);
+  }
+  CU_ASSERT(vs_surface_rises(&s, &at_z, &at_i));
+  vs_surface_free(&s);
+  /* at one gap the flux linkage rises late and steeply, and the spline swings beside it */
+  static const double STEEP[N_I] = {0, 0.1, 0.2, 5, 10};
+  for (size_t k = 0; k < N_Z * N_I; k++) flux_wb[k] = k / N_I == 3 ? STEEP[k % N_I] : i_a[k % N_I];
+  s = vs_surface_new(z_m, N_Z, i_a, N_I, flux_wb);
+  CU_ASSERT_FALSE_FATAL(vs_surface_rises(&s, &at_z, &at_i));
+  bool earlier = false, there = false; /* at smaller gaps, or at smaller currents */
+  for (size_t k = 0; k < 4 * (N_Z - 1); k++)
+    for (size_t n = 0; n < 4 * (N_I - 1); n++) {
+      double z = z_m[k / 4] + (double)(k % 4) / 4 * (z_m[k / 4 + 1] - z_m[k / 4]);
+      double i = i_a[n / 4] + (double)(n % 4) / 4 * (i_a[n / 4 + 1] - i_a[n / 4]);
+      if (vs_surface_at(&s, i, z).c[2][0] > 0) continue;
+      if (z == at_z && i == at_i) there = true;
+      earlier = earlier || z < at_z || (z == at_z && i < at_i);
+    }
+  CU_ASSERT(there && !earlier);
+  vs_surface_free(&s);
+}
+
 static const vs_test TESTS[] = {
     {"a moving coil", moving_coil},
     {"constants that differ", transducer},
     {"the solenoid of the test", solenoid_of_the_test},
     {"a table off its grid", table_off_its_grid},
+    {"a line of a surface is the surface", a_line_is_the_surface},
     {"a table agrees with itself", table_agrees_with_itself},
     {"a table pulls in", table_pulls_in},
     {"a table tells its range", table_tells_its_range},

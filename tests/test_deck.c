@@ -146,6 +146,36 @@ static void bad_lines_are_refused(void) {
   REFUSE(SUPPLY "*$ param x = y part 3\n" EVA, "bad.cir:4:21: ", "quotes");
 }
 
+/* What ngspice takes without a word, and makes another circuit of; and what it takes rightly. */
+static void slips_are_refused(void) {
+  static const char TWO[] = SUPPLY "Rb a b 1\n" EVA ".subckt two p q r=1\n.param x=1\n"
+                                   "R1 p q {r*x}\n.ends\n";
+  char deck[1024];
+  snprintf(deck, sizeof deck, "%sX9 a 0 two rr=5\n", TWO);
+  REFUSE(deck, "bad.cir:10:12: ", "did you mean 'r'");
+  snprintf(deck, sizeof deck, "%sX9 a 0 two r=1\n+ other=5\n", TWO);
+  REFUSE(deck, "bad.cir:11:3: ", "it has r, x");
+  REFUSE(SUPPLY EVA "R9 a 0\n", "bad.cir:5:1: ", "resistance in ohm");
+  REFUSE(SUPPLY EVA "C9 (a, 0)\n", "bad.cir:5:1: ", "capacitance in F");
+  REFUSE(SUPPLY EVA "L9 a 0\n", "bad.cir:5:1: ", "inductance in H");
+  REFUSE(SUPPLY EVA "B9 q 0 V=v(a))\n", "bad.cir:5:14: ", "one too many");
+  REFUSE(SUPPLY EVA "B9 q 0 V=v(a\n", "bad.cir:5:11: ", "is not closed");
+  REFUSE(SUPPLY EVA "V9 q 0\n+ PULSE(0 1 2 3\n", "bad.cir:6:8: ", "is not closed");
+  REFUSE(SUPPLY EVA "R9 a 0 {(1}\n", "bad.cir:5:9: ", "is not closed");
+  REFUSE(SUPPLY EVA ".if (1)\nR9 a 0 1k\n", "bad.cir:5:1: ", "no .endif");
+  REFUSE(SUPPLY EVA "V9 q 0 PWL(1 0 0 1)\n", "bad.cir:5:16: ", "times that rise");
+  REFUSE(SUPPLY EVA "V9 q 0 PWL 0 0 1m 1 200us 2\n", "bad.cir:5:21: ", "times that rise");
+  snprintf(deck, sizeof deck,
+           "%sX9 a 0 two R = 5 x=2 m=2\nX8 a 0 two params: r={2*(1+1)}\nR9 a 0 dr\n"
+           ".model dr r(r=1k\n.if (1)\nR8 a 0 r='(1k)'\n.endif\n"
+           "V9 q 0 PWL(0 0 1m 1 1m 2 2000us 0)\nR7 q 0 1k\n",
+           TWO);
+  write_file("good.cir", deck);
+  vs_trial *t = run_deck("good.cir", NULL, NULL);
+  EXPECT(t->status == VS_OK, "status %d: %s", (int)t->status, t->err.text);
+  vs_trial_free(t);
+}
+
 /* What would write or read a file, take what is the program's, or hide from the rules: refused as
  * the seventh line of a good deck, with or without a continuation. */
 static void strangers_lines_are_refused(void) {
@@ -530,5 +560,6 @@ static const vs_test TESTS[] = {
     {"parts by name", parts_by_name},
     {"dialects", dialects},
     {"ratings", ratings_are_judged},
+    {"slips are refused", slips_are_refused},
 };
 VS_SUITE_MAIN("deck", TESTS)

@@ -670,7 +670,7 @@ static void bad_lines(void) {
                       "Vm a 0 external\nXt a b g t\nRb b 0 1\n" ASIDE);
   write_file("p.inc", ".subckt p a k g\nR1 a k 1\nR2 g k 1\n.ends\n");
   ran r = run("check d.cir");
-  EXPECT(r.status == 2 && strstr(r.err, "p.inc: has no line '*$ part KIND \"TEXT\"', which the "
+  EXPECT(r.status == 2 && strstr(r.err, "p.inc:1:1: has no line '*$ part KIND \"TEXT\"', which the "
                                         "device t at d.cir:3 asks for"),
          "%s", r.err);
   free_ran(&r);

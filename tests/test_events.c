@@ -7,10 +7,9 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "drive/events.h"
 #include "drive/gate.h"
 #include "event/generators.h"
-#include "program.h"
+#include "schedule.h"
 
 /* ---- the surge generator ---- */
 
@@ -240,30 +239,16 @@ static void ring_wave_and_eft(void) {
 
 /* ---- the mains and the gate ---- */
 
-static vs_timeline timeline_of(const char *scene) {
-  vs_tree tree = {0};
-  vs_error err = {0};
-  vs_timeline t;
-  write_file("t.yaml", scene);
-  CU_ASSERT_EQUAL_FATAL(vs_tree_read("t.yaml", &tree, &err), VS_OK);
-  CU_ASSERT_EQUAL_FATAL(vs_timeline_build(tree.root, &t, NULL, &err), VS_OK);
-  vs_status s = vs_events_read(vs_tree_child(tree.root, "events"), &t, 2, &t.events, &err);
-  EXPECT(s == VS_OK, "%s", err.text);
-  vs_tree_free(&tree);
-  return t;
-}
-
 static void on_the_mains(void) {
-  vs_timeline t =
-      timeline_of("events:\n"
-                  " sag: {kind: sag, at: 20 ms, duration: 20 ms, level: 40 %}\n"
-                  " up: {kind: swell, at: 60 ms, duration: 20 ms, level: 130 %}\n"
-                  " out: {kind: interruption, cycle: 6, angle: 90 deg}\n"
-                  " cut: {kind: notch, cycle: 8, angle: 90 deg, duration: 1 ms, depth: "
-                  "50 %, count: 3}\n"
-                  " jump: {kind: phase_jump, at: 300 ms, jump: 30 deg}\n"
-                  " five: {kind: harmonic, at: 240 ms, duration: 20 ms, order: 5, level: "
-                  "10 %, phase: 90 deg}\n");
+  vs_timeline t = schedule("events:\n"
+                           " sag: {kind: sag, at: 20 ms, duration: 20 ms, level: 40 %}\n"
+                           " up: {kind: swell, at: 60 ms, duration: 20 ms, level: 130 %}\n"
+                           " out: {kind: interruption, cycle: 6, angle: 90 deg}\n"
+                           " cut: {kind: notch, cycle: 8, angle: 90 deg, duration: 1 ms, depth: "
+                           "50 %, count: 3}\n"
+                           " jump: {kind: phase_jump, at: 300 ms, jump: 30 deg}\n"
+                           " five: {kind: harmonic, at: 240 ms, duration: 20 ms, order: 5, level: "
+                           "10 %, phase: 90 deg}\n");
   static const struct {
     double t_ms, value; /* of the peak */
   } ROWS[] = {{5, 1},
@@ -331,7 +316,7 @@ static void several_on_the_mains(void) {
         int at = (turn < 4 ? n + turn : 7 - n - turn % 4) % 4;
         if (ROWS[k].kind[at]) vs_text_add(&scene, " e%d: {%s}\n", at, ROWS[k].kind[at]);
       }
-      vs_timeline t = timeline_of(scene.text);
+      vs_timeline t = schedule(scene.text);
       CLOSE_OF(vs_timeline_voltage(&t, 3e-3), ROWS[k].value * t.peak_v, t.peak_v, 1e-14);
       vs_text_free(&scene);
     }
@@ -339,7 +324,7 @@ static void several_on_the_mains(void) {
 
 /* Firing at 90 degrees: pulses at 5, 25, 45 ms, ... of 8 ms. */
 static void at_the_gate(void) {
-  vs_timeline t = timeline_of(
+  vs_timeline t = schedule(
       "firing: {angle: 90 deg, every: 1, burst_frequency: 10 kHz, burst_duty: 50 %}\nevents:\n"
       " a: {kind: missing_pulse, cycle: 2}\n"
       " b: {kind: short_pulse, cycle: 3, duration: 1 ms}\n"
@@ -366,7 +351,7 @@ static void at_the_gate(void) {
 
 /* Of two gates one: pulses at 5, 25 ms and, of the other, at 15, 35 ms. */
 static void at_one_gate(void) {
-  vs_timeline t = timeline_of(
+  vs_timeline t = schedule(
       "firing: {angle: 90 deg, every: 1, burst_frequency: 10 kHz, burst_duty: 50 %}\nevents:\n"
       " a: {kind: missing_pulse, cycle: 1, gate: gate+180deg}\n"
       " b: {kind: weak_pulse, cycle: 1, level: 50 %, gate: gate}\n"

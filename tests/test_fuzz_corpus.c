@@ -32,6 +32,7 @@ static void give(const fuzz_target *target, const char *path, const char *text, 
   double begin_s = processor_s();
   fuzz_take(target, (const uint8_t *)text, size);
   double took_s = processor_s() - begin_s;
+  if (getenv("VS_FUZZ_TIMES")) printf("%s: %s: %.2f s\n", target->name, path, took_s);
   EXPECT(took_s < PATIENCE_S, "%s: %s: %.1f s", target->name, path, took_s);
   unlink(now);
 }
@@ -89,6 +90,55 @@ static void what_fell(void) {
   CU_ASSERT(count > 0);
 }
 
+static const fuzz_target *target_called(const char *name) {
+  const fuzz_target *const *t = fuzz_targets;
+  while (*t && strcmp((*t)->name, name)) t++;
+  CU_ASSERT_PTR_NOT_NULL_FATAL(*t);
+  return *t;
+}
+
+/* Much of the same kind, each with a name or two of its own: the piece's first number counts them,
+ * its second is one more. What compares each with all others takes minutes. */
+static void many_names(void) {
+  static const struct {
+    const char *target, *before, *piece, *behind;
+    int times;
+  } MANY[] = {
+      {"netlist", "V1 n0 0 SINE(0 311 50)\n", "R%1$d n%1$d n%2$d 1\n", "L1 n30000 0 1m\n", 30000},
+      {"netlist", "V1 a 0 SINE(0 311 50)\nL1 a 0 1m\n", "L_%1$d a%1$d 0 1\nK%1$d L_%1$d L1 1\n", "",
+       10000},
+      {"netlist", ".param p0=1 q0=1\n", /* each needs two that need two */
+       ".param p%2$d=(p%1$d+q%1$d)/2 q%2$d=(p%1$d-q%1$d)/2\n", "R1 a 0 {p60}\n", 60},
+      {"netlist", "R1 a 0 {p0}\n", ".param p%1$d=(p%2$d)\n", ".param p20000=1\n", 20000},
+      {"scene", "machine: machines/conveyor.yaml\ninstruments:\n",
+       "  s%1$d: {channel: p, range: [-1 mm, 1 mm], bandwidth: 1 kHz}\n", "", 20000},
+      {"deck", "*$ port mains = V1\nV1 a 0 external\nXeva a 0 eva\n",
+       ".subckt s%1$d a b\nR1 a b 1\n.ends\nX%1$d a n%1$d s%1$d\n", "", 20000},
+      {"deck", "*$ port mains = V1\nV1 a 0 external\nXeva a 0 eva\n",
+       ".global g%1$d\nR%1$d a g%1$d 1\n", "", 20000},
+  };
+  for (size_t k = 0; k < COUNT(MANY); k++) {
+    vs_text text = {0};
+    vs_text_add(&text, "%s", MANY[k].before);
+    for (int n = 0; n < MANY[k].times; n++) vs_text_add(&text, MANY[k].piece, n, n + 1);
+    vs_text_add(&text, "%s", MANY[k].behind);
+    give(target_called(MANY[k].target), MANY[k].piece, text.text, text.length);
+    vs_text_free(&text);
+  }
+}
+
+/* A coil's table of 300 gaps and 300 currents. */
+static void a_large_table(void) {
+  vs_text text = {0};
+  vs_text_add(&text, "machine: {model: conveyor}\nactuator: {law: table.csv, gap: 2 mm}\n"
+                     "%%%%%% table.csv\nz_m,i_a,lambda_wb,force_n\n");
+  for (int k = 0; k < 300; k++)
+    for (int n = 0; n < 300; n++)
+      vs_text_add(&text, "%.9g,%.9g,%.9g,0\n", 1e-4 * (k + 1), 0.1 * n, 0.1 * n / (k + 100));
+  give(target_called("scene"), "table.csv", text.text, text.length);
+  vs_text_free(&text);
+}
+
 /* What is long rather than odd: a text, and a piece that stands in it so many times. */
 static void long_texts(void) {
   static const char BASE[] = "*$ port mains = V1\nV1 a 0 external\nXeva a 0 eva\n";
@@ -109,20 +159,21 @@ static void long_texts(void) {
       {"deck", ".subckt s a b\n", "X1 a b s\n", 2000},
   };
   for (size_t k = 0; k < COUNT(LONG); k++) {
-    const fuzz_target *const *t = fuzz_targets;
+    const fuzz_target *t = target_called(LONG[k].target);
     vs_text text = {0};
-    while (*t && strcmp((*t)->name, LONG[k].target)) t++;
-    CU_ASSERT_PTR_NOT_NULL_FATAL(*t);
-    vs_text_add(&text, "%s%s", strcmp((*t)->name, "deck") ? "" : BASE, LONG[k].before);
+    vs_text_add(&text, "%s%s", strcmp(t->name, "deck") ? "" : BASE, LONG[k].before);
     for (int n = 0; n < LONG[k].times; n++) vs_text_add(&text, "%s", LONG[k].piece);
-    give(*t, LONG[k].piece, text.text, text.length);
+    give(t, LONG[k].piece, text.text, text.length);
     vs_text_free(&text);
   }
 }
 
 int main(void) {
-  static const vs_test TESTS[] = {
-      {"what fell once", what_fell}, {"long texts", long_texts}, {"the corpora, changed", corpora}};
+  static const vs_test TESTS[] = {{"what fell once", what_fell},
+                                  {"many names", many_names},
+                                  {"a large table", a_large_table},
+                                  {"long texts", long_texts},
+                                  {"the corpora, changed", corpora}};
   fuzz_begin();
   return vs_suite("fuzz_corpus", TESTS, COUNT(TESTS));
 }

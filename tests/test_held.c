@@ -5,24 +5,10 @@
 #include <stdlib.h>
 
 #include "batch/sweep.h"
-#include "drive/events.h"
 #include "drive/held.h"
-#include "program.h"
+#include "schedule.h"
 
 /* ---- from edge to edge ---- */
-
-static vs_timeline timeline_of(const char *scene) {
-  vs_tree tree = {0};
-  vs_error err = {0};
-  vs_timeline t;
-  write_file("t.yaml", scene);
-  CU_ASSERT_EQUAL_FATAL(vs_tree_read("t.yaml", &tree, &err), VS_OK);
-  CU_ASSERT_EQUAL_FATAL(vs_timeline_build(tree.root, &t, NULL, &err), VS_OK);
-  vs_status s = vs_events_read(vs_tree_child(tree.root, "events"), &t, 2, &t.events, &err);
-  EXPECT(s == VS_OK, "%s", err.text);
-  vs_tree_free(&tree);
-  return t;
-}
 
 static double random_share(void) {
   return rand() / (RAND_MAX + 1.0);
@@ -50,7 +36,7 @@ static void remembered(void) {
                                " d: {kind: spurious_pulse, at: 97 ms, duration: 0.5 ms}\n"
                                " cut: {kind: notch, cycle: 5, angle: 90 deg, duration: 1 ms, "
                                "depth: 50 %, count: 3}\n";
-  const vs_timeline t = timeline_of(EVENTS);
+  const vs_timeline t = schedule(EVENTS);
   static const int DRIVES[] = {VS_PORT_MAINS, VS_PORT_GATE, VS_PORT_BURST, VS_PORT_PWM,
                                VS_PORT_PWM_LOW};
   srand(1);

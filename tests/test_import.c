@@ -300,13 +300,13 @@ static const struct refusal {
      "",
      "x.net:4:1: ",
      {"--coil says which", "L2+R2"}},
-    {"t\nV1 a 0 SIN(0 1 50)\nR1 a 0 1\n", "", "x.net: ", {"no inductor", "--coil L1+R4"}},
-    {"t\nA1 1 2 summer\n", "", "x.net: ", {"no inductor", NULL}}, /* no node at all is known */
+    {"t\nV1 a 0 SIN(0 1 50)\nR1 a 0 1\n", "", "x.net:1:1: ", {"no inductor", "--coil L1+R4"}},
+    {"t\nA1 1 2 summer\n", "", "x.net:1:1: ", {"no inductor", NULL}}, /* no node at all is known */
     {"t\nV1 a 0 SIN(0 1 50)\nL1 a b 1\nR4 c 0 9\nR5 b c 1\nR6 b 0 1\n",
      "--coil L1+R4",
      "x.net:4:1: ",
      {"not in series", NULL}},
-    {"t\nV1 a 0 SIN(0 1 50)\nL1 a 0 1\n", "--coil L7", "x.net: ", {"--coil L7", "L1?"}},
+    {"t\nV1 a 0 SIN(0 1 50)\nL1 a 0 1\n", "--coil L7", "x.net:1:1: ", {"--coil L7", "L1?"}},
     {"t\nV1 a 0 SIN(0 1 50)\nV3 g 0 PULSE(0 5 1m 1u 1u 1m 13m)\nR1 a g 1\nL1 g 0 1\n",
      "",
      "x.net:3:1: ",

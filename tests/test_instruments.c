@@ -632,7 +632,7 @@ static void bad_input(void) {
       {"instruments: {p: 3}", "bad.yaml:1:18: ", {"a map of keys is wanted", "none"}},
       {"instruments: {set: papr}", "bad.yaml:1:20: ", {"set of instruments", "'paper'"}},
       {"instruments: {set: none}", "bad.yaml:1:15: ", {"there are none", NULL}},
-      {"instruments: {set: not.yaml}", "not.yaml: ", {"a map instruments", NULL}},
+      {"instruments: {set: not.yaml}", "not.yaml:1:1: ", {"a map instruments", NULL}},
       {"instruments: {seed: -1}", "bad.yaml:1:21: ", {"out of range", NULL}},
       {"instruments: {a-b: {channel: p, range: [0 m, 1 m]}}",
        "bad.yaml:1:15: ",

@@ -44,7 +44,7 @@ static void make_study(void) {
 static void refuse_to_go_on(const char *study, const char *what, const char *says, int line) {
   char words[64];
   snprintf(words, sizeof words, "study %s -o j --resume", study);
-  refuse(words, what, "j/journal: ", (const char *[]){says, NULL}, line);
+  refuse(words, what, "j/journal:1:1: ", (const char *[]){says, NULL}, line);
 }
 
 /* The line of s/journal that has this case's row, without its sum; free() it. */
@@ -235,8 +235,8 @@ static void heads_of_others(void) {
   for (size_t k = 0; k < COUNT(NO_JSON); k++) {
     char *changed = changed_head(head, NO_JSON[k][0], NO_JSON[k][1]);
     write_journal(changed, (const char *[]){GOOD_0, GOOD_1, NULL});
-    refuse("merge j -o m", NO_JSON[k][1], "j/journal: ", (const char *[]){"manifest.json", NULL},
-           __LINE__);
+    refuse("merge j -o m", NO_JSON[k][1],
+           "j/journal:1:1: ", (const char *[]){"manifest.json", NULL}, __LINE__);
     free(changed);
   }
   free(head);

@@ -28,7 +28,7 @@ static void an_ideal_device_is_the_last(void) {
   CU_ASSERT_EQUAL(r.status, 0);
   CU_ASSERT_EQUAL(count(r.err, "ngspice gave up"), 5);
   CU_ASSERT_EQUAL(count(r.err, "; trying "), 5);
-  EXPECT(strstr(r.out, "rung   5: an ideal thyristor (latch), method gear; before, t = 0.00"), "%s",
+  EXPECT(strstr(r.out, "rung   6: an ideal thyristor (latch), method gear; before, t = 0.00"), "%s",
          r.out);
   free_ran(&r);
   EXPECT_FILES("climbed", "events.csv run.csv summary.json ");
@@ -37,9 +37,9 @@ static void an_ideal_device_is_the_last(void) {
   char *climbed = read_file("climbed/run.csv"), *asked = read_file("asked/run.csv"),
        *json = read_file("climbed/summary.json"), *plain = read_file("asked/summary.json");
   CU_ASSERT(count_lines(asked) == 202 && !strcmp(climbed, asked));
-  EXPECT(strstr(json, "\"rung\": {\"number\": 5, \"text\": \"an ideal thyristor (latch), method "
+  EXPECT(strstr(json, "\"rung\": {\"number\": 6, \"text\": \"an ideal thyristor (latch), method "
                       "gear\", \"failed\": \"t = 0.00") &&
-             strstr(json, "\"warnings\": [\"got on rung 5 of the ladder, an ideal thyristor") &&
+             strstr(json, "\"warnings\": [\"got on rung 6 of the ladder, an ideal thyristor") &&
              strstr(json, "\"thyristor\": \"latch\"") && strstr(json, "\"method\": \"gear\""),
          "%s", json);
   EXPECT(strstr(plain, "\"rung\": {\"number\": 0, \"text\": \"the scene as it is\", \"failed\": "
@@ -102,7 +102,7 @@ static void no_other_device_unasked(void) {
   EXPECT(
       r.status == 0 && count_lines(rows) == 3 &&
           strstr(rows, ",margin_least,margin_error,weakest,rung,leaving_bound,warnings,status\n") &&
-          strstr(rows, ",5,0,\"got on rung 5 of the ladder, an ideal thyristor (latch), method "
+          strstr(rows, ",6,0,\"got on rung 6 of the ladder, an ideal thyristor (latch), method "
                        "gear; before, t = 0.00"),
       "%s", rows);
   free(rows), free_ran(&r);
@@ -119,6 +119,64 @@ static void rungs_go_by_the_scene(void) {
   CU_ASSERT_STRING_EQUAL(ladder.keys[1], "run.max_step=20us");
   CU_ASSERT_STRING_EQUAL(ladder.keys[2], "run.trtol=500");
   CU_ASSERT_FALSE(vs_ladder_climb(&ladder, &t->scene)); /* the deck's thyristor is ideal */
+  vs_trial_free(t);
+}
+
+/* A scene that asks for more than 1e-4 has a rung at that tolerance, with its own steps. */
+static void a_coarser_tolerance_with_the_same_steps(void) {
+  static const char *const SETS[] = {"run.tolerance=1e-6", NULL};
+  vs_trial *t = vs_trial_read("paper", "circuit", SETS);
+  vs_ladder ladder = {0};
+  for (int rung = 1; rung <= 5; rung++) CU_ASSERT_FATAL(vs_ladder_climb(&ladder, &t->scene));
+  CU_ASSERT_EQUAL(ladder.n_keys, 2);
+  CU_ASSERT_STRING_EQUAL(ladder.keys[0], "run.tolerance=0.0001");
+  CU_ASSERT_STRING_EQUAL(ladder.keys[1], "run.max_step=2.5us"); /* a tenth of that at 1e-4 */
+  CU_ASSERT_FALSE(vs_ladder_climb(&ladder, &t->scene));
+  vs_trial_free(t);
+}
+
+/* The control of one rung is ended before its scene goes. */
+static void with_a_control(void) {
+  write_file("bad.inc", BAD);
+  write_file("s.yaml", "circuit: {thyristor: bad.inc}\nfiring: {every: 1, angle: 140 deg}\n"
+                       "instruments: {}\n"
+                       "control: {law: phase, sensor: p, angle: [90 deg, 175 deg]}\n"
+                       "run: {until: 20 ms, tier: circuit}\n");
+  ran r = run("run s.yaml -o o");
+  EXPECT(r.status == 1 && count(r.err, "; trying ") == 4, "%d %s", r.status, r.err);
+  free_ran(&r);
+}
+
+/* Behind the source's inductance alone, without a snubber, ngspice finds no step short enough at
+ * this tolerance where a thyristor of two transistors fires. */
+static void a_thyristor_without_a_snubber(void) {
+  static const char *const PARTS[] = {"BT151-800R", "12TTS08S"};
+  for (size_t k = 0; k < COUNT(PARTS); k++) {
+    char part[64];
+    snprintf(part, sizeof part, "circuit.thyristor=%s", PARTS[k]);
+    const char *sets[] = {"circuit.deck=halfwave_bare", part, "run.until=8ms", "run.tolerance=1e-6",
+                          NULL};
+    vs_trial *fine = vs_trial_run("paper", "circuit", sets, NULL);
+    sets[3] = "run.tolerance=1e-4";
+    vs_trial *coarse = vs_trial_run("paper", "circuit", sets, NULL);
+    EXPECT(fine->status == VS_OK, "%s: %s", PARTS[k], fine->err.text);
+    CLOSE(fine->result.values[VS_M_I_PEAK].value, coarse->result.values[VS_M_I_PEAK].value, 2e-4);
+    vs_trial_free(fine);
+    vs_trial_free(coarse);
+  }
+}
+
+/* Nor one where its current ends: the steps towards that zero stay long enough. */
+static void the_end_of_a_current_without_a_snubber(void) {
+  static const char *const SETS[] = {"circuit.deck=halfwave_bare", "circuit.thyristor=12TTS08S",
+                                     "firing.angle=121.2deg",      "supply.voltage=446.7V",
+                                     "supply.frequency=60Hz",      "supply.resistance=0.269ohm",
+                                     "supply.inductance=3.29mH",   "actuator.resistance=62.45ohm",
+                                     "actuator.inductance=1.061H", "actuator.leakage=0.162H",
+                                     "run.until=11.5ms",           NULL};
+  vs_trial *t = vs_trial_run("paper", "circuit", SETS, NULL);
+  EXPECT(t->status == VS_OK && t->result.ladder.rung == 0, "%d: %s %s", t->result.ladder.rung,
+         t->err.text, t->result.ladder.failed);
   vs_trial_free(t);
 }
 
@@ -172,6 +230,10 @@ static const vs_test TESTS[] = {
     {"no other device unasked", no_other_device_unasked},
     {"the part that was chosen counts", the_part_that_was_chosen_counts},
     {"rungs go by the scene", rungs_go_by_the_scene},
+    {"a coarser tolerance with the same steps", a_coarser_tolerance_with_the_same_steps},
+    {"with a control", with_a_control},
+    {"a thyristor without a snubber", a_thyristor_without_a_snubber},
+    {"the end of a current without a snubber", the_end_of_a_current_without_a_snubber},
     {"one may stay", one_may_stay},
     {"nothing helps", nothing_helps},
     {"only when ngspice gives up", only_when_ngspice_gives_up},

@@ -82,16 +82,17 @@ static void bad_input(void) {
     const char *deck, *part, *scene, *place, *says;
   } ROWS[] = {
       {DECK CIRCUIT, "*$ part varistor \"V\"\n.subckt f a b\nR1 a b 1\n.ends\n",
-       "circuit: {deck: d.cir}", "d.cir: ", "f is a part of kind varistor, and fuse is wanted"},
+       "circuit: {deck: d.cir}",
+       "d.cir:2:17: ", "f is a part of kind varistor, and fuse is wanted"},
       {DECK CIRCUIT, "*$ part varistor \"V\"\n.subckt f a b\nR1 a b 1\n.ends\n",
        "circuit: {deck: d.cir, fuse: f}", "s.yaml:1:30: ", "circuit.fuse: f is a part of kind"},
       {DECK CIRCUIT, ".subckt f a b\nR1 a b 1\n.ends\n", "circuit: {deck: d.cir}",
-       "f.inc: ", "has no line '*$ part fuse \"TEXT\"', which circuit.fuse asks for"},
+       "f.inc:1:1: ", "has no line '*$ part fuse \"TEXT\"', which circuit.fuse asks for"},
       {DECK CIRCUIT, "*$ part fuse \"V\"\n.subckt g a b\nR1 a b 1\n.ends\n",
-       "circuit: {deck: d.cir}", "d.cir: ", "defines no subcircuit 'f'"},
+       "circuit: {deck: d.cir}", "f.inc:2:1: ", "defines no subcircuit 'f'"},
       {DECK CIRCUIT, PART(""), "circuit: {deck: d.cir, fuse: fuze}", "s.yaml:1:30: ", "fuze"},
       {DECK "*$ rating i_f 0..fuse.i_rated A\n" CIRCUIT, PART(""), "circuit: {deck: d.cir}",
-       "f.inc: ",
+       "f.inc:1:1: ",
        "has no line '*$ limit i_rated = VALUE UNIT' (or none), which the rating of i_f at d.cir:7 "
        "asks for"},
       {DECK "*$ rating i_f 0..fuse.v A\n" CIRCUIT, PART("*$ limit v = 3 V\n"),
@@ -249,7 +250,7 @@ static void parts_are_checked(void) {
          r.out);
   free_ran(&r);
   r = run("check g.inc");
-  EXPECT(r.status == 2 && !strncmp(r.err, "g.inc: has no line '*$ part", 27), "%s", r.err);
+  EXPECT(r.status == 2 && !strncmp(r.err, "g.inc:1:1: has no line '*$ part", 31), "%s", r.err);
   free_ran(&r);
   r = run("check h.inc");
   EXPECT(r.status == 2 && !strncmp(r.err, "h.inc:2:14: limit v: ", 21), "%s", r.err);

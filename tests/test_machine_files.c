@@ -396,11 +396,12 @@ static void every_mistake_has_its_place(void) {
        "m.yaml:14:23: stiffness is not symmetric: y, x is 0, and x, y is -420000"},
       {"[[k, -k], [-k, 2*k]]", "[[k, 0], [0, 0]]", NULL}, /* y is free */
       {"damping: [[b, -b], [-b, b]]\n", "", NULL},
-      {"stiffness:", "stiffnes:", "m.yaml: stiffness is wanted: a list of rows"},
+      {"stiffness:", "stiffnes:", "m.yaml:1:1: stiffness is wanted: a list of rows"},
       /* gap, load, actuator, parameters */
       {"{x: 1, y: -1}", "{x: 0}", "m.yaml:16:7: gap.along: no coordinate moves the gap"},
       {"{x: 1, y: -1}", "{z: 1}", "m.yaml:16:15: gap.along has no key 'z'"},
-      {"gap: {along: {x: 1, y: -1}}\n", "", "m.yaml: gap: how the coordinates open it is wanted"},
+      {"gap: {along: {x: 1, y: -1}}\n", "",
+       "m.yaml:1:1: gap: how the coordinates open it is wanted"},
       {"adds: m1", "adds: m2", "m.yaml:17:14: load.adds: no parameter 'm2'; did you mean 'm1'?"},
       {"adds: m1", "adds: k", "m.yaml:17:14: load.adds: k is no mass, in kg, as the load is"},
       {"[mass, forces]", "[mas]",

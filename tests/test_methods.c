@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "method/methods.h"
-#include "plan/plan.h"
+#include "plan/reading.h"
 #include "program.h"
 
 /* A study that is there as long as a test needs it. */
@@ -20,7 +20,7 @@ typedef struct study {
 static study *read_study(const char *text) {
   study *s = vs_alloc(1, sizeof *s);
   write_file("study.yaml", text);
-  s->status = vs_plan_read("study.yaml", vs_methods_all, NULL, 0, &s->plan, &s->err);
+  s->status = vs_reading_plan("study.yaml", vs_methods_all, NULL, 0, &s->plan, &s->err);
   return s;
 }
 

@@ -494,7 +494,7 @@ static void not_allowed(void) {
   static const char *const COMMANDS[] = {"run s.yaml", "run s.yaml -o out", "study v.yaml -o out",
                                          "sensitivity s.yaml --of p_max --to supply.voltage",
                                          "fit f.yaml"};
-  static const char *const CHECKS[] = {"check s.yaml", "check v.yaml"};
+  static const char *const CHECKS[] = {"check s.yaml --no-jail", "check v.yaml --no-jail"};
   setenv("LAW_FILE", "touched", 1);
   write_object_scene("s.yaml", "broken", "");
   write_study("v.yaml");

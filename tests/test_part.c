@@ -290,7 +290,7 @@ static void files_of_a_bench(void) {
   EXPECT_FILES("seen", gnuplot ? "bench.csv bench.json bench.png " : "bench.csv bench.json ");
   char *csv = read_file("seen/bench.csv"), *json = read_file("seen/bench.json");
   EXPECT(count_lines(csv) == 4 &&
-             strstr(csv, "figure,unit,held,asked,tolerance,got,word,test\nV,V,near,750,"),
+             strstr(csv, "figure,unit,held,asked,tolerance,got,word,test,warning\nV,V,near,750,"),
          "%s", csv);
   CLOSE(number_of(json, "V", 0, "got"), 750, 1e-4);
   CLOSE(number_of(json, "V", 1, "asked"), 1240, 1e-12);

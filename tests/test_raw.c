@@ -206,7 +206,9 @@ static void bad_commands_are_refused(void) {
       {"run s.yaml --raw", "--raw: ", {"-o DIR", NULL}},
       {"run s.yaml --raw -o out --tier switched", "--raw: ", {"tier switched", "by --tier"}},
       {"run s.yaml --raw -o out --tier analytic", "--raw: ", {"tier analytic", "by --tier"}},
-      {"run s.yaml --raw -o out --set run.tier=switched", "--raw: ", {"switched", "by run.tier"}},
+      {"run s.yaml --raw -o out --set run.tier=switched",
+       "--set run.tier=switched: --raw: ",
+       {"switched", "by run.tier"}},
       {"run s.yaml --raw -o out", "s.yaml:1:18: ", {"1e-09", "tier circuit"}},
       {"run s.yaml --raw=x -o out", "", {"--raw", NULL}},
       {"modes s.yaml --raw", "", {"--raw", NULL}},
@@ -260,7 +262,7 @@ static void older_files_go(void) {
 /* The program handles signals before it makes its folder. */
 static void a_signal_leaves_its_part(void) {
   const struct timespec while_it_runs = {0, 300000000}, nap = {0, 5000000};
-  char words[] = "run paper -o out --raw --set run.until=200s";
+  char words[] = "run paper -o out --raw --set run.until=200s --set limits.raw=1e10";
   const char *argv[MOST_WORDS];
   split(words, argv);
   pid_t child = spawn(argv);

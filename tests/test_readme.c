@@ -69,10 +69,6 @@ static void ask_many_at_once(void) {
   free(study);
 }
 
-static void from_ltspice(void) {
-  try_section("### From LTspice or KiCad", NULL);
-}
-
 /* A newcomer reads it in one go. */
 static void a_screenful_and_a_half(void) {
   int lines = 0;
@@ -83,7 +79,6 @@ static void a_screenful_and_a_half(void) {
 static const vs_test TESTS[] = {
     {"write a scene", write_a_scene},
     {"ask many at once", ask_many_at_once},
-    {"from LTspice or KiCad", from_ltspice},
     {"a screenful and a half", a_screenful_and_a_half},
 };
 

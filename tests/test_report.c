@@ -472,10 +472,10 @@ static void bad_folders(void) {
   } ROWS[] = {
       {"manifest.json", NULL, "bad/manifest.json: ", {"cannot be opened", NULL}},
       {"study.csv", NULL, "bad/study.csv: ", {"cannot be opened", NULL}},
-      {"manifest.json", "", "bad/manifest.json: ", {"\"method\" is missing", NULL}},
+      {"manifest.json", "", "bad/manifest.json:1:1: ", {"\"method\" is missing", NULL}},
       {"manifest.json", "{\"method\": \"grid\",", "bad/manifest.json:2:", {"not YAML", NULL}},
       {"manifest.json", "[1, 2]", "bad/manifest.json:1:2: ", {"no manifest", NULL}},
-      {"manifest.json", "{\"method\": \"grid\"}", "bad/manifest.json: ", {"\"cases\"", NULL}},
+      {"manifest.json", "{\"method\": \"grid\"}", "bad/manifest.json:1:1: ", {"\"cases\"", NULL}},
       {"manifest.json",
        "{\"method\": \"grid\", \"cases\": \"many\"}",
        "bad/manifest.json:1:30: ",
@@ -494,7 +494,7 @@ static void bad_folders(void) {
        "\"run.until\", \"unit\": \"s\"}], \"report\": []}",
        "bad/study.csv:1:1: ",
        {"no column 'run.until_s'", "manifest.json"}},
-      {"study.csv", "", "bad/study.csv: ", {"empty", NULL}},
+      {"study.csv", "", "bad/study.csv:1:1: ", {"empty", NULL}},
       {"study.csv", "t_s,p_m\n0,1\n", "bad/study.csv:1:1: ", {"'case'", "'status'"}},
       {"study.csv", "case,a,a,status\n", "bad/study.csv:1:1: ", {"'a'", "twice"}},
       {"study.csv", "+0,f00,1,1,1,1,1,x\n", "bad/study.csv:2:1: ", {"cells in this row: 8", "9"}},
@@ -509,7 +509,7 @@ static void bad_folders(void) {
        "bad/study.csv:2:1: ",
        {"'wide'", "circuit.r1_ohm"}},
       {"study.csv", "+0,f00,1,1,high,1,1,x,0\n", "bad/study.csv:2:1: ", {"'high'", "no number"}},
-      {"study.csv", "+0,f00,1,1,1,1,1,x,0\n", "bad/study.csv: ", {"rows: 1", "done"}},
+      {"study.csv", "+0,f00,1,1,1,1,1,x,0\n", "bad/study.csv:1:1: ", {"rows: 1", "done"}},
       {"failures.csv", "case,why\n5,no\n", "bad/failures.csv:2:1: ", {"cells in this row: 2", "6"}},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
@@ -579,7 +579,7 @@ static void no_rows(void) {
          "without rows the report says something else");
   free(html);
   static const char *const NOTHING[] = {"nothing to draw", NULL};
-  refuse("plot none -o one.png", "no rows", "none/study.csv: ", NOTHING, __LINE__);
+  refuse("plot none -o one.png", "no rows", "none/study.csv:1:1: ", NOTHING, __LINE__);
   remove_tree("none");
 }
 

@@ -264,6 +264,19 @@ static void files_are_written(void) {
   remove_tree("out");
 }
 
+/* One bar alone, to the right and to the left. */
+static void one_bar_is_drawn(void) {
+  static const char *const TO[] = {"supply.voltage", "firing.angle"};
+  if (!on_path("gnuplot")) return;
+  for (size_t k = 0; k < COUNT(TO); k++) {
+    vs_error err = {0};
+    const vs_sensitivity_options o = {.of = "i_peak", .to = TO[k], .folder = "out"};
+    EXPECT(!command(o, &err), "%s", err.text);
+    EXPECT(!vs_tornado_draw("out", true, &err), "%s: %s", TO[k], err.text);
+    remove_tree("out");
+  }
+}
+
 /* ---- docs/sensitivity.md ---- */
 
 /* Copy of the n-th fenced block of that kind, from 0. */
@@ -297,6 +310,7 @@ static void the_page_is_right(void) {
   }
   free_ran(&r), free(line), free(text);
   text = block(page, "yaml", 0), line = block(page, "sh", 1);
+  remove_tree("angles"); /* of an older run of the tests */
   write_file("angles.yaml", text);
   r = run("%s", line + strlen("vibrospice "));
   expect_good(&r, line, __LINE__);
@@ -411,6 +425,7 @@ static const vs_test TESTS[] = {
     {"edges are taken from one side", edges_are_taken_from_one_side},
     {"a circuit is differenced", a_circuit_is_differenced},
     {"files are written", files_are_written},
+    {"one bar is drawn", one_bar_is_drawn},
     {"the page is right", the_page_is_right},
     {"grazing is told", grazing_is_told},
     {"an unstable orbit is told", an_unstable_orbit_is_told},

@@ -383,7 +383,7 @@ static void what_is_refused(void) {
     const char *why, *sets[4];
   } ROWS[] = {
       {"paper", "switched", 1, VS_INPUT, "firing.every", {NULL}},
-      {"paper", "switched", 0, VS_INPUT, "allowed are 1 and more", {"firing.every=1", NULL}},
+      {"paper", "switched", 0, VS_INPUT, "allowed: 1 and more", {"firing.every=1", NULL}},
       {"paper", "switched", 2, VS_INPUT, "repeats after 1 already", {"firing.every=1", NULL}},
       {"paper", "circuit", 1, VS_INPUT, "tier circuit", {"firing.every=1", NULL}},
       {"solenoid", "switched", 1, VS_INPUT, "has no period", {NULL}},

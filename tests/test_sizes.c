@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "bounds/limits.h"
 #include "program.h"
 
 #ifdef __SANITIZE_ADDRESS__
@@ -41,6 +42,61 @@ static void tables(void) {
          __LINE__);
   RUN_GOOD("run s.yaml --quiet"); /* without -o there is no table */
   RUN_GOOD("run s.yaml -o out --quiet --set limits.csv=1e6");
+}
+
+/* Kilobytes are not "0.0 GB". */
+static void units(void) {
+  static const struct {
+    double bytes;
+    const char *text;
+  } ROWS[] = {{800, "800 bytes"}, {2345, "2.3 kB"}, {123456, "123 kB"}, {999.6e3, "1 MB"},
+              {5.32e9, "5.3 GB"}, {2e13, "20 TB"},  {7e20, "700 EB"}};
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    char text[VS_LIMITS_SIZE];
+    vs_limits_write(ROWS[k].bytes, text);
+    EXPECT(!strcmp(text, ROWS[k].text), "%g: %s", ROWS[k].bytes, text);
+  }
+  write_file("s.yaml", "run: {until: 50 ms}\nlimits: {csv: 2e3}\n");
+  refuse("run s.yaml -o out", "kB",
+         "s.yaml:1:14: ", (const char *[]){"run.csv would have about 133 kB, in 501 rows", NULL},
+         __LINE__);
+}
+
+/* ---- what a study keeps ---- */
+
+/* 501 rows of 19 columns of 14 bytes, a hundred times. */
+static void kept_runs(void) {
+  write_file("s.yaml", "run: {until: 50 ms}\n");
+  write_file("st.yaml", "scene: s.yaml\nset: {limits.kept: 1e7}\n"
+                        "vary: {firing.angle: {from: 90 deg, to: 109.8 deg, step: 0.2 deg}}\n");
+  refuse("study st.yaml -o out --keep runs", "kept", "s.yaml:1:14: ",
+         (const char *[]){"--keep runs: 100 run.csv of about 133 kB each would have 13 MB",
+                          "limits.kept = 10000000 bytes"},
+         __LINE__);
+  RUN_GOOD("study st.yaml -o out --keep runs --quiet --set limits.kept=14e6");
+  remove_tree("out");
+}
+
+/* ---- run.raw ---- */
+
+/* A run whose longest steps would write too much is refused before it begins; one that takes
+ * shorter steps ends where the file is full, and keeps it. */
+static void rawfiles(void) {
+  write_file("s.yaml", "circuit: {deck: halfwave_bare}\nrun: {until: 50 ms}\n");
+  refuse("run s.yaml -o out --raw --set limits.raw=2e3", "raw", "s.yaml:2:14: ",
+         (const char *[]){"run.raw would have at least ", "limits.raw = 2000 bytes"}, __LINE__);
+  RUN_GOOD("run s.yaml -o out --raw --quiet");
+  struct stat s;
+  CU_ASSERT_EQUAL_FATAL(stat("out/run.raw", &s), 0);
+  remove_tree("out");
+  ran r = run("run s.yaml -o out --raw --quiet --set limits.raw=%lld", (long long)s.st_size - 2000);
+  EXPECT(r.status == 1 && strstr(r.err, "run.raw has the limits.raw"), "%d %s", r.status, r.err);
+  CU_ASSERT_EQUAL(count_lines(r.err), 1);
+  free_ran(&r);
+  r = run("run s.yaml -o out --raw --quiet --set limits.raw=%lld", (long long)s.st_size);
+  EXPECT(r.status == 0, "%s", r.err);
+  free_ran(&r);
+  remove_tree("out");
 }
 
 /* What the rule says of a table is not below what the table has. */
@@ -195,10 +251,11 @@ static void scenes(void) {
 
 int main(void) {
   static const vs_test TESTS[] = {
-      {"bombs", bombs},   {"devices are counted", devices_are_counted},
-      {"tables", tables}, {"estimates", estimates},
-      {"cases", cases},   {"files", files},
-      {"scenes", scenes},
+      {"bombs", bombs},         {"devices are counted", devices_are_counted},
+      {"tables", tables},       {"units", units},
+      {"kept runs", kept_runs}, {"rawfiles", rawfiles},
+      {"estimates", estimates}, {"cases", cases},
+      {"files", files},         {"scenes", scenes},
   };
   return program_suite("sizes", TESTS, COUNT(TESTS));
 }

@@ -205,7 +205,7 @@ static void with_a_stop(void) {
   } ROWS[] = {
       {"--set firing.angle=82deg", 0, "\"stable\": true"},
       {"--set firing.angle=66deg --period 3", 0, "\"stable\": true"},
-      {"--set firing.angle=80deg", 2, "after 5 periods: try --period 5"},
+      {"--set firing.angle=80deg", 2, "after 5 periods; try --period 5"},
       {"--set firing.angle=60deg", 2, "`steady --period 2` reports"},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {

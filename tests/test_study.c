@@ -17,6 +17,7 @@
 #include "base/csv.h"
 #include "base/hash.h"
 #include "method/methods.h"
+#include "plan/reading.h"
 #include "program.h"
 #include "study/journal.h"
 #include "work/case.h"
@@ -325,7 +326,7 @@ static void refused(const char *study, const char *words, const char *at, const 
 
 static void refusals(void) {
   static const char ONE[] = "vary: {firing.angle: [100 deg]}\n";
-  REFUSED("scene: paper\n", "r.yaml: ", "nothing is varied");
+  REFUSED("scene: paper\n", "r.yaml:1:1: ", "nothing is varied");
   REFUSED("vary: {firing.angle: []}\n", "r.yaml:1:", "the list is empty");
   REFUSED("vary: {firing.angle: {from: 90 deg, to: 91 deg}}\n",
           "r.yaml:1:8: ", "a range alone has no values; add step or n");
@@ -503,7 +504,7 @@ static void a_case_that_kills(void) {
   char *failures = read_file("k/failures.csv"), id[32] = "";
   vs_plan *plan = vs_alloc(1, sizeof *plan);
   vs_error err = {0};
-  CU_ASSERT_EQUAL_FATAL(vs_plan_read("k.yaml", vs_methods_all, NULL, 0, plan, &err), VS_OK);
+  CU_ASSERT_EQUAL_FATAL(vs_reading_plan("k.yaml", vs_methods_all, NULL, 0, plan, &err), VS_OK);
   vs_identity *identity = vs_identity_new(plan);
   vs_identity_of(identity, plan->first, id);
   EXPECT(strlen(id) == 16 && strstr(failures, id), "no %s in %s", id, failures);
@@ -564,13 +565,13 @@ static void a_torn_journal(void) {
   free_ran(&r);
   SAME_STUDY("whole", "torn");
   r = run("study g.yaml -o torn --resume --set load.fraction=0.1");
-  EXPECT(r.status == 2 && strstr(r.err, "torn/journal: is of another study"), "%s", r.err);
+  EXPECT(r.status == 2 && strstr(r.err, "torn/journal:1:1: is of another study"), "%s", r.err);
   free_ran(&r);
   char changed[sizeof GRID + 16];
   snprintf(changed, sizeof changed, "%s# more\n", GRID);
   write_file("g.yaml", changed);
   r = run("study g.yaml -o torn --resume");
-  EXPECT(r.status == 2 && strstr(r.err, "torn/journal: is of another study"), "%s", r.err);
+  EXPECT(r.status == 2 && strstr(r.err, "torn/journal:1:1: is of another study"), "%s", r.err);
   free_ran(&r);
   SAME_STUDY("whole", "torn");
 }

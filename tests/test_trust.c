@@ -9,9 +9,9 @@
 #include <unistd.h>
 
 #include "program.h"
-#include "solver/ending.h"
 #include "solver/ng.h"
 #include "solver/versions.h"
+#include "stride/ending.h"
 #include "trust/probe.h"
 
 /* ---- solvers that are wrong on purpose: ngspice, and between it and the host a liar ---- */
@@ -266,6 +266,47 @@ static void a_verdict_is_remembered(void) {
   free_ran(&second);
 }
 
+#define TOLD "not to be relied on: its twos are threes"
+
+/* A command that prints results, or writes them to files. */
+static const struct door {
+  const char *words, *files[2];
+} DOORS[] = {
+    {"run short.yaml --json", {NULL}},
+    {"run short.yaml -o out --quiet", {"out/summary.json", NULL}},
+    {"sensitivity short.yaml --of i_peak --to supply.voltage", {NULL}},
+    {"sensitivity short.yaml --of i_peak --to supply.voltage --json", {NULL}},
+    {"sensitivity short.yaml --of i_peak --to supply.voltage -o out --quiet",
+     {"out/sensitivity.csv", "out/summary.json"}},
+    {"check short.yaml --json", {NULL}},
+    {"check three.yaml --json", {NULL}},
+    {"check " VS_TEST_FOLDER "/../spice/halfwave_bare.cir --json", {NULL}},
+    {"check " VS_TEST_FOLDER "/../spice/parts/TYN1212.inc --json", {NULL}},
+    {"check " VS_TEST_FOLDER "/../spice/parts/TYN1212.inc -o out --quiet",
+     {"out/bench.csv", "out/bench.json"}},
+    {"fit fit.yaml --json", {NULL}},
+    {"fit fit.yaml -o out --quiet", {"out/fit.json", NULL}},
+};
+
+static void each_door_tells(void) {
+  write_file("fit.yaml", "scene: short.yaml\nmeasures: {i_peak: {value: 20 mA, error: 1 %}}\n"
+                         "free: {supply.voltage: {from: 300 V, to: 480 V}}\n");
+  for (size_t k = 0; k < COUNT(DOORS); k++) {
+    const struct door *d = &DOORS[k];
+    ran r = run("%s", d->words);
+    EXPECT(r.status == 0 && strstr(r.err, TOLD), "%s: %d: %s", d->words, r.status, r.err);
+    EXPECT(*d->files || strstr(r.out, TOLD), "%s: %s", d->words, r.out);
+    for (int f = 0; f < 2 && d->files[f]; f++) {
+      char *text = read_file(d->files[f]);
+      EXPECT(strstr(text, TOLD), "%s: %s: %s", d->words, d->files[f], text);
+      free(text);
+    }
+    free_ran(&r);
+    remove_tree("out");
+  }
+  remove("fit.yaml");
+}
+
 /* A library that was found wrong is told with its version and its file wherever warnings are. */
 static void a_wrong_one_is_told(void) {
   char path[512], wanted[64];
@@ -274,7 +315,7 @@ static void a_wrong_one_is_told(void) {
   char *text = memory(path), *end = strstr(text, "\n\nend\n");
   CU_ASSERT_PTR_NOT_NULL_FATAL(end);
   char *altered = vs_alloc(strlen(text) + 64, 1);
-  sprintf(altered, "%.*s\nits twos are threes\nend\n", (int)(end - text), text);
+  sprintf(altered, "%.*s\nits twos\033are\nthrees\nend\n", (int)(end - text), text);
   write_file(path, altered);
   snprintf(wanted, sizeof wanted, "ngspice %s (", vs_ng_running());
   ran r = run("%s", RUN);
@@ -294,6 +335,7 @@ static void a_wrong_one_is_told(void) {
   EXPECT(r.status == 0 && strstr(rows, "its twos are threes"), "%d: %s%s", r.status, r.err, rows);
   free_ran(&r);
   remove_tree("out");
+  each_door_tells();
   remove("three.yaml");
   free(rows);
   free(altered);

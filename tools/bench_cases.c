@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "method/methods.h"
+#include "plan/reading.h"
 #include "work/worker.h"
 
 static double processor_s(int who) {
@@ -43,7 +44,7 @@ int main(int argc, char **argv) {
   vs_plan *plan = vs_alloc(1, sizeof *plan);
   gsl_set_error_handler_off();
   if (argc > 2) return run_child(argv + 1);
-  if (argc != 2 || vs_plan_read(argv[1], vs_methods_all, NULL, 0, plan, &err)) {
+  if (argc != 2 || vs_reading_plan(argv[1], vs_methods_all, NULL, 0, plan, &err)) {
     fprintf(stderr, "bench_cases: %s\n", argc == 2 ? err.text : "wants a study or a command");
     return 1;
   }

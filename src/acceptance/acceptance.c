@@ -20,6 +20,7 @@
 #include "bench/varistor.h"
 #include "deck/parts.h"
 #include "syntax/units.h"
+#include "trust/trust.h"
 
 static const vs_figures_kind *const KINDS[] = {
     &vs_thyristor_kind,    &vs_triac_kind,      &vs_diode_kind,          &vs_transistor_mosfet,
@@ -66,7 +67,8 @@ static void add_table(const vs_figures *f, vs_text *table) {
   }
 }
 
-/* One object on a line. A row of check's array has a place and a message besides. */
+/* One object on a line. A row of check's array has a place and a message besides; there what is to
+ * be told of the library has a row of its own. */
 static void add_json(const vs_figure *row, const char *file, vs_text *text) {
   char asked[64], got[64];
   vs_json json = vs_json_new(text);
@@ -95,13 +97,14 @@ static void add_json(const vs_figure *row, const char *file, vs_text *text) {
   vs_json_text(&json, "word", vs_figures_word(row));
   vs_json_text(&json, "test", row->text);
   vs_json_text(&json, "why", isnan(row->got) ? row->why : NULL);
+  if (!file) vs_json_text(&json, "warning", *vs_trust_text() ? vs_trust_text() : NULL);
   vs_json_end(&json);
 }
 
 /* ---- files ---- */
 
 static void add_csv(const vs_figures *f, vs_text *text) {
-  vs_text_add(text, "figure,unit,held,asked,tolerance,got,word,test\n");
+  vs_text_add(text, "figure,unit,held,asked,tolerance,got,word,test,warning\n");
   for (size_t k = 0; k < f->count; k++) {
     const vs_figure *row = &f->row[k];
     const double number[] = {shown(row, row->asked), shown(row, row->tolerance),
@@ -121,6 +124,8 @@ static void add_csv(const vs_figures *f, vs_text *text) {
         vs_text_add(text, ",");
     vs_text_add(text, ",%s,", vs_figures_word(row));
     vs_csv_cell(text, row->text);
+    vs_text_add(text, ",");
+    vs_csv_cell(text, vs_trust_text());
     vs_text_add(text, "\n");
   }
 }

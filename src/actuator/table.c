@@ -37,15 +37,19 @@ typedef struct table {
 /* Finds the largest deviation of the column of forces from those of the energy. */
 static void compare_forces(const vs_grid *g, table *t) {
   t->has_force = g->force_n != NULL;
-  for (size_t k = 0; t->has_force && k < g->n_z * g->n_i; k++) {
-    const double z_m = g->z_m[k / g->n_i], i_a = g->i_a[k % g->n_i];
-    const double given = fabs(g->force_n[k]), own = vs_surface_at(&t->surface, i_a, z_m).c[0][1];
-    const double off = fabs(given - fabs(own));
-    t->largest_n = fmax(t->largest_n, given);
-    if (off <= t->worst_n) continue;
-    t->worst_n = off;
-    t->worst_z_m = z_m;
-    t->worst_i_a = i_a;
+  for (size_t n = 0; t->has_force && n < g->n_i; n++) {
+    vs_surface_line line = vs_surface_line_new(&t->surface, g->i_a[n]);
+    for (size_t k = 0; k < g->n_z; k++) {
+      const double given = fabs(g->force_n[k * g->n_i + n]);
+      const double own = vs_surface_line_at(&line, g->z_m[k]).c[0][1];
+      const double off = fabs(given - fabs(own));
+      t->largest_n = fmax(t->largest_n, given);
+      if (off <= t->worst_n) continue;
+      t->worst_n = off;
+      t->worst_z_m = g->z_m[k];
+      t->worst_i_a = g->i_a[n];
+    }
+    vs_surface_line_free(&line);
   }
 }
 
@@ -60,7 +64,7 @@ static vs_status read_table(FILE *stream, table *t, vs_error *err) {
   compare_forces(&g, t);
   vs_grid_free(&g);
   if (vs_surface_rises(&t->surface, &at_z, &at_i)) return VS_OK;
-  return vs_fail_at(err, (vs_where){.file = t->file},
+  return vs_fail_at(err, (vs_where){t->file, 1, 1},
                     "between the table's gaps, at z = %.6g m, lambda does not rise with i at %.6g "
                     "A; give more gaps there",
                     at_z, at_i);

@@ -2,6 +2,7 @@
 #include "base/alloc.h"
 
 #include <errno.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,6 +36,11 @@ void *vs_resize(void *memory, size_t count, size_t size) {
   void *resized = bytes < SIZE_MAX ? realloc(memory, bytes ? bytes : 1) : NULL;
   if (!resized) vs_alloc_failed(bytes);
   return resized;
+}
+
+void *vs_alloc_grow(void *list, size_t count, size_t size) {
+  bool full = (count & (count - 1)) == 0; /* 0 or a power of two: what it has room for */
+  return full ? vs_resize(list, count ? 2 * count : 1, size) : list;
 }
 
 char *vs_copy(const char *string) {

@@ -26,6 +26,9 @@ void *vs_alloc(size_t count, size_t size);
 /* Returns the memory with a new size of count*size bytes, which may be at another place; NULL for
  * memory is none yet. What is added is not zeroed. */
 void *vs_resize(void *memory, size_t count, size_t size);
+/* Returns the list of `count` items of that size with room for one more. The room doubles, so a
+ * list may only ever have grown by this function; NULL with a count of 0. */
+void *vs_alloc_grow(void *list, size_t count, size_t size);
 /* Returns a copy of the string. */
 char *vs_copy(const char *string);
 /* Returns memory that a library has allocated; ends the process where it is NULL. */

@@ -34,7 +34,10 @@ vs_status vs_file_folder_make(const char *folder, int *made, vs_error *err) {
     if (!kept) break;
   }
   struct stat st;
-  if (!status && (stat(folder, &st) || !S_ISDIR(st.st_mode)))
+  if (!status && stat(folder, &st))
+    status = vs_fail(err, VS_INPUT, "output directory %s: cannot be reached: %s", folder,
+                     strerror(errno));
+  else if (!status && !S_ISDIR(st.st_mode))
     status = vs_fail(err, VS_INPUT, "output directory %s: is there and is not a directory", folder);
   if (!status && access(folder, W_OK | X_OK))
     status = vs_fail(err, VS_INPUT, "output directory %s: cannot be written to: %s", folder,
@@ -81,7 +84,7 @@ static void remove_stale(int folder, const char *name) {
   close(fd);
 }
 
-static void remove_all_stale(const char *folder) {
+void vs_file_sweep(const char *folder) {
   DIR *d = opendir(*folder ? folder : ".");
   if (!d) return;
   for (const struct dirent *e; (e = readdir(d));)
@@ -119,7 +122,7 @@ vs_status vs_file_open(vs_file *file, const char *folder, const char *name, vs_e
     return vs_fail(err, VS_INPUT, "%s: cannot be written: %s", file->path, strerror(EISDIR));
   char place[VS_PATH_SIZE];
   snprintf(place, sizeof place, "%.*s", size, file->path);
-  remove_all_stale(place);
+  vs_file_sweep(place);
   sigset_t before;
   vs_leave_hold(&before);
   int fd = make_temporary(file, size), why = errno;

@@ -35,6 +35,9 @@ vs_status vs_file_commit_as(vs_file *file, const char *folder, const char *name,
 /* Removes the file as if it had never been. Does nothing to one that is closed. */
 void vs_file_discard(vs_file *file);
 
+/* Removes what processes that were killed have left of files in the folder. */
+void vs_file_sweep(const char *folder);
+
 /* For who has read a file to its end: what seemed its end may be that it cannot be read on. To be
  * called before errno has changed. Error: VS_INPUT, it cannot be read. */
 vs_status vs_file_was_read(FILE *stream, const char *path, vs_error *err);

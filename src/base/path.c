@@ -124,11 +124,23 @@ bool vs_path_own(const vs_shelf *shelf, const char *name, char path[VS_PATH_SIZE
   return each_own(try_library, &search) && access(path, R_OK) == 0;
 }
 
+/* A file of that name hides one that comes with the program. Who meant that one is told. */
+static vs_status check_own_file(const vs_shelf *shelf, const char *name, vs_where where,
+                                vs_error *err) {
+  char shipped[VS_PATH_SIZE];
+  if (!vs_jail_check(name, where, err)) return VS_OK;
+  if (!vs_path_shipped(shelf, name, shipped)) return VS_INPUT;
+  return vs_fail_at(err, where,
+                    "the file %s hides the %s of that name that comes with the program, and the "
+                    "jail does not let it be read; give the file another name",
+                    name, shelf->what);
+}
+
 vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
                        char path[VS_PATH_SIZE], vs_error *err) {
   if (strlen(name) >= VS_PATH_SIZE / 2) return vs_fail_at(err, where, "%s: name too long", name);
   snprintf(path, VS_PATH_SIZE, "%s", name);
-  if (is_file(path)) return vs_jail_check(path, where, err);
+  if (is_file(path)) return check_own_file(shelf, name, where, err);
   if (vs_path_shipped(shelf, name, path)) return vs_jail_check(path, where, err);
   if (strchr(name, '/') && vs_jail_check(name, where, err)) return VS_INPUT;
   struct names known = {.shelf = shelf};

@@ -2,6 +2,7 @@
 #include "bounds/limits.h"
 
 #include <stddef.h>
+#include <stdio.h>
 
 #define L_(member) offsetof(vs_limits_values, member)
 
@@ -9,8 +10,24 @@ static const vs_field LIMITS[] = {
     {"csv", VS_REAL, "", "1e9", 1e3, 1e15, false, L_(csv_bytes),
      "bytes that run.csv may have; a run that would write more is refused before it begins", NULL,
      NULL},
+    {"raw", VS_REAL, "", "1e9", 1e3, 1e15, false, L_(raw_bytes),
+     "bytes that run.raw may have; a run whose longest steps alone would write more is refused "
+     "before it begins, another one ends there",
+     NULL, NULL},
+    {"kept", VS_REAL, "", "1e10", 1e3, 1e18, false, L_(kept_bytes),
+     "bytes that all run.csv may have which study --keep runs writes; a study that would write "
+     "more is refused before it begins",
+     NULL, NULL},
     {"devices", VS_REAL, "", "1e5", 1, 1e9, false, L_(devices),
      "elements that the circuit may have, those of each instance of a subcircuit counted", NULL,
      NULL},
 };
 const vs_section vs_limits_section = {"limits", LIMITS, sizeof LIMITS / sizeof *LIMITS};
+
+void vs_limits_write(double bytes, char text[VS_LIMITS_SIZE]) {
+  static const char *const UNITS[] = {"bytes", "kB", "MB", "GB", "TB", "PB", "EB"};
+  size_t unit = 0;
+  /* 999.6 to three digits is 1000, which the next unit has */
+  for (; bytes >= 999.5 && unit + 1 < sizeof UNITS / sizeof *UNITS; unit++) bytes /= 1000;
+  snprintf(text, VS_LIMITS_SIZE, "%.*g %s", unit && bytes < 99.5 ? 2 : 3, bytes, UNITS[unit]);
+}

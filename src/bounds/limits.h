@@ -8,10 +8,17 @@
 #include "syntax/field.h"
 
 typedef struct vs_limits_values {
-  double csv_bytes; /* of one run.csv */
-  double devices;   /* of the circuit, each instance of a subcircuit taken apart */
+  double csv_bytes;  /* of one run.csv */
+  double raw_bytes;  /* of one run.raw */
+  double kept_bytes; /* of all run.csv that a study keeps */
+  double devices;    /* of the circuit, each instance of a subcircuit taken apart */
 } vs_limits_values;
 
 extern const vs_section vs_limits_section;
+
+/* Writes a number of bytes to two or three digits in the unit that fits, as "5.3 GB" or "800
+ * bytes". */
+enum { VS_LIMITS_SIZE = 24 };
+void vs_limits_write(double bytes, char text[VS_LIMITS_SIZE]);
 
 #endif

@@ -73,8 +73,8 @@ static vs_status say(const vs_walk *w, const vs_run_options *o, vs_error *err) {
 static vs_status refuse_tier(const vs_scene *s, vs_error *err) {
   const char *known = vs_tiers_automatic(false)->name;
   if (!s->tier->has_circuit && !s->tier->gap_at_rest) return VS_OK;
-  return vs_fail(
-      err, VS_INPUT,
+  return vs_fail_at(
+      err, vs_tree_place(s->tree.root, "run.tier"),
       "steady --along: this is tier %s (%s), and branches are followed on tier %s alone; "
       "write --tier %s, or run.tier: %s",
       s->tier->name, s->why, known, known, known);

@@ -288,8 +288,8 @@ vs_status vs_path_begin(vs_path *p, vs_along *along, int periods, vs_path_point 
   vs_status status = vs_shooting_seek(along->scene, &how, &orbit, err);
   if (!status && orbit.n < periods)
     status = vs_fail(err, VS_INPUT,
-                     "an orbit of period %d was asked for; the one found at %s = %.9g%s%s repeats "
-                     "after %d already: write --period %d",
+                     "--period %d: the orbit that is found at %s = %.9g%s%s repeats after %d "
+                     "already; write --period %d",
                      periods, along->axis.key, along->from, *along->axis.unit ? " " : "",
                      along->axis.unit, orbit.n, orbit.n);
   if (status) return status;

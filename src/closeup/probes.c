@@ -72,7 +72,7 @@ vs_status vs_probes_find(const char *words, const vs_traces *t, vs_probes_shown 
   vs_status status = VS_OK;
   if (!words) {
     take_usual(t, p);
-    return p->count ? VS_OK : vs_fail(err, VS_INPUT, "%s: records nothing to draw", t->path);
+    return p->count ? VS_OK : vs_fail_at(err, (vs_where){t->path, 1, 1}, "records nothing to draw");
   }
   char *copy = vs_copy(words), *rest = copy;
   for (char *word; !status && (word = strsep(&rest, ","));)

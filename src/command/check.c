@@ -13,6 +13,7 @@
 #include "dialect/source.h"
 #include "machine/blueprint.h"
 #include "scene/session.h"
+#include "trust/trust.h"
 #include "watch/table.h"
 
 /* ---- print-out ---- */
@@ -256,8 +257,8 @@ static vs_status check_part(report *r, vs_error *err) {
   vs_deck *part = vs_alloc(1, sizeof *part);
   vs_status status = vs_netlist_read_part(r->options->name, part, err);
   if (!status && !vs_error_count(err) && !part->n_part_files)
-    status = vs_fail_at(err, (vs_where){.file = r->options->name},
-                        "has no line '*$ part KIND \"TEXT\"'");
+    status =
+        vs_fail_at(err, (vs_where){r->options->name, 1, 1}, "has no line '*$ part KIND \"TEXT\"'");
   if (!status && !vs_error_count(err))
     vs_text_add(&r->good, "a good part: %s, %s; %zu limits, %zu parameters",
                 part->part_files[0].kind, part->part_files[0].text, part->n_limits,
@@ -339,11 +340,14 @@ static vs_status check(report *r, vs_error *err) {
 static void print_json(const report *r, const vs_findings *all) {
   vs_text text = {0};
   vs_json json = vs_json_new(&text);
-  bool any = all->count || r->warnings.count || r->bench.rows.text;
+  bool any = all->count || r->warnings.count || r->bench.rows.text || *vs_trust_text();
   vs_json_array(&json, NULL, any ? VS_JSON_LINES : VS_JSON_ROW);
   for (size_t k = 0; k < all->count; k++) add_json(r->options->name, &all->item[k], NULL, &json);
   for (size_t k = 0; k < r->warnings.count; k++)
     add_json(r->options->name, &r->warnings.item[k], "warning", &json);
+  vs_error library = {0};
+  vs_fail(&library, VS_RUN, "%s", vs_trust_text());
+  if (*library.text) add_json(r->options->name, &library, "warning", &json);
   char *rows = vs_copy(r->bench.rows.text ? r->bench.rows.text : ""), *rest = rows;
   for (char *row; (row = strsep(&rest, "\n"));)
     if (*row) {

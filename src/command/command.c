@@ -193,7 +193,8 @@ static error_t parse(int key, char *value, struct argp_state *state) {
 }
 
 /* Enters the jail, where that is asked for. What the command line names is the user's own choice.
- */
+ * Of
+ * --set only a key that holds a file's name names one. */
 static vs_status enter_jail(const vs_command *c, const vs_arguments *a, vs_error *err) {
   const char *const words[] = {a->deck, a->machine, a->library, a->pins, a->scene};
   if (a->jail && a->no_jail)
@@ -208,14 +209,16 @@ static vs_status enter_jail(const vs_command *c, const vs_arguments *a, vs_error
         "vibrospice: warning: this kernel has no filter of calls (seccomp), so that ngspice could "
         "reach the network if a netlist misused a fault in it\n",
         stderr);
-  vs_jail_begin();
+  vs_jail_begin(a->jail ? "leave out --jail" : "give --no-jail");
   vs_path_allow_shipped();
-  for (size_t k = 0; k < a->n_names; k++) vs_jail_allow_beside(a->names[k]);
+  for (size_t k = 0; k < a->n_names; k++) vs_jail_allow_named(a->names[k]);
   for (size_t k = 0; k < sizeof words / sizeof *words; k++)
-    if (words[k]) vs_jail_allow_beside(words[k]);
+    if (words[k]) vs_jail_allow_named(words[k]);
   for (size_t k = 0; k < a->n_sets; k++) {
-    const char *value = strchr(a->sets[k], '=');
-    if (value) vs_jail_allow_beside(value + 1);
+    vs_text label = {0};
+    vs_text_add(&label, "--set %s", a->sets[k]);
+    vs_jail_allow_place(label.text);
+    vs_text_free(&label);
   }
   return VS_OK;
 }

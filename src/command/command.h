@@ -122,7 +122,8 @@ enum {
                   "lets a scene run code of its own: a control with the law object or pipe")
 #define VS_COMMAND_JAIL                                                                            \
   VS_COMMAND_FLAG("jail", VS_KEY_JAIL,                                                             \
-                  "for a stranger's files: what they name is read only below the folder of FILE "  \
+                  "for a stranger's files: what they name is read only below the folder of FILE, " \
+                  "below the working directory if FILE lies below it (not / nor a home folder), "  \
                   "and from what comes with the program; no network, no code of their own")
 #define VS_COMMAND_NO_JAIL                                                                         \
   VS_COMMAND_FLAG("no-jail", VS_KEY_NO_JAIL, "reads whatever file they name")

@@ -159,8 +159,10 @@ static vs_status check_column(const vs_deck *deck, const char *name, vs_error *e
               !strcasecmp(name, "time");
   for (size_t j = 0; j < deck->n_terms && !used; j++)
     used = !strcasecmp(deck->terms[j].plus, signal) || !strcasecmp(deck->terms[j].minus, signal);
-  return used ? vs_fail(err, VS_INPUT, "%s: node %s: the export's table has a column of this name",
-                        deck->files[0], name)
+  return used ? vs_fail_at(err, (vs_where){deck->files[0], 1, 1},
+                           "node %s: the export's table has a column of this name; give the node "
+                           "another one",
+                           name)
               : VS_OK;
 }
 
@@ -174,16 +176,18 @@ static vs_status check_names(const vs_scene *scene, const column *columns, size_
     if (uses_our_names(deck->lines[k].text)) return vs_fail_at(err, deck->lines[k].where, OURS);
   for (size_t k = 0; k < deck->section.count; k++)
     if (!strncasecmp(deck->section.fields[k].key, "vs_", 3))
-      return vs_fail(err, VS_INPUT, "%s: param %s: %s", deck->files[0], deck->section.fields[k].key,
-                     OURS);
+      return vs_fail_at(err, (vs_where){deck->files[0], 1, 1}, "param %s: %s",
+                        deck->section.fields[k].key, OURS);
   vs_status status = vs_mechanism_check(&scene->setup, err);
   for (size_t k = 0; k < count && !status; k++) {
     const char *name = columns[k].name;
     bool twice = false;
     for (size_t j = 0; j < k; j++) twice = twice || !strcasecmp(columns[j].name, name);
     for (int j = 0; j < N_MEASURED; j++) twice = twice || !strcasecmp(measured[j], name);
-    status = twice ? vs_fail(err, VS_INPUT, "%s: probe: %s stands in the export already",
-                             deck->files[0], name)
+    status = twice ? vs_fail_at(err, (vs_where){deck->files[0], 1, 1},
+                                "probe: %s stands in the export already; give the probe another "
+                                "name",
+                                name)
                    : check_column(deck, name, err);
   }
   return status;
@@ -428,18 +432,19 @@ static vs_status check_whole(const vs_scene *scene, vs_error *err) {
                       "export: control: a netlist has one angle for all firings, and a control "
                       "decides each; leave the section out");
   if (scene->setup.steady)
-    return vs_fail(
-        err, VS_INPUT,
+    return vs_fail_at(
+        err, vs_tree_place(scene->tree.root, "start"),
         "export: the orbit that start: steady begins on is not exported; leave it out, or "
         "write the coordinates at the start as start: {NAME: VALUE, ...}");
-  return vs_setup_require_fraction(&scene->setup, "export", err);
+  return vs_setup_require_fraction(&scene->setup, vs_tree_place(scene->tree.root, "load.fraction"),
+                                   "export", err);
 }
 
 vs_status vs_export_command(const char *name, char *const *sets, size_t n_sets, const char *output,
                             vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_status status =
-      vs_scene_read(name, sets, n_sets, vs_setup_tier_words[VS_TIER_CIRCUIT], scene, err);
+      vs_scene_read(name, sets, n_sets, vs_manner_tier_words[VS_TIER_CIRCUIT], scene, err);
   if (!status) vs_scene_warn(scene);
   if (!status) status = check_whole(scene, err);
   if (!status) status = write_deck(scene, output, err);

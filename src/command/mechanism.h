@@ -7,7 +7,7 @@
 #define VS_COMMAND_MECHANISM_H
 
 #include "base/text.h"
-#include "sim/setup.h"
+#include "setup/setup.h"
 
 /* The name of a state, k = 0..2 dof-1: a coordinate, or its rate. */
 const char *vs_mechanism_state(const vs_model *model, int k);

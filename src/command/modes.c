@@ -115,7 +115,9 @@ vs_status vs_modes_command(const char *name, char *const *sets, size_t n_sets, c
   vs_mode modes[VS_MOST_STATES];
   vs_status status = vs_scene_read(name, sets, n_sets, NULL, scene, err);
   const vs_model *model = &scene->setup.model;
-  if (!status) status = vs_setup_require_fraction(&scene->setup, "modes", err);
+  if (!status)
+    status = vs_setup_require_fraction(
+        &scene->setup, vs_tree_place(scene->tree.root, "load.fraction"), "modes", err);
   if (!status && !vs_mechanics_modes(model, modes))
     status = vs_fail(err, VS_RUN, "no eigenvalues found");
   if (!status && folder) status = write_all(folder, model, modes, err);

@@ -251,7 +251,9 @@ static vs_status begin(void *ctx, vs_scene *scene, vs_error *err) {
   a->scene = scene;
   if (a->more && a->more->begin) a->more->begin(a->more->ctx, scene);
   vs_status status = a->options->folder ? open_files(a, err) : VS_OK;
+  const vs_node *until = vs_tree_child(vs_tree_child(scene->tree.root, "run"), "until");
   scene->order.raw = a->raw.stream;
+  scene->order.raw_where = until ? until->where : (vs_where){0};
   scene->order.unbegun = can_begin_anew(a);
   a->began_s = wall_clock();
   a->shown_s = 0;

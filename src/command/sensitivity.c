@@ -6,11 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/csv.h"
 #include "base/file.h"
 #include "base/json.h"
 #include "base/text.h"
 #include "dependence/sensitivity.h"
 #include "scene/version.h"
+#include "trust/trust.h"
 
 enum { MOST = 64, DIGITS = 12, ERROR_DIGITS = 2 };
 
@@ -57,7 +59,12 @@ static void print_entry(const vs_sensitivity_entry *e, FILE *out) {
   fprintf(out, " %17s%s", text, e->exact || isnan(e->value) ? " " : "~");
 }
 
-static void print_table(const vs_sensitivity *s, FILE *out) {
+/* What is to be told of the library that solved the scene's circuit; empty: nothing. */
+static const char *warning_of(const vs_scene *scene) {
+  return scene->tier->has_circuit ? vs_trust_text() : "";
+}
+
+static void print_table(const vs_sensitivity *s, const char *warning, FILE *out) {
   double exact = 0;
   bool some = false, differences = false;
   fprintf(out, "%-30s %12s %-9s", "d ln|measure| / d ln key", "value", "");
@@ -76,6 +83,7 @@ static void print_table(const vs_sensitivity *s, FILE *out) {
   if (some) fprintf(out, "exact but for rounding: off by %.1g at most\n", exact);
   if (differences) fputs("~ by differences of runs, to the digits that they tell\n", out);
   fputs(s->notes.text, out);
+  if (*warning) fprintf(out, "warning: %s\n", warning);
 }
 
 /* ---- JSON ---- */
@@ -137,14 +145,20 @@ static void write_json(const vs_sensitivity_options *o, const vs_scene *scene,
   add_all(&json, "errors", s, add_error);
   add_all(&json, "how", s, add_how);
   add_notes(&json, s->notes.text);
+  vs_json_array(&json, "warnings", VS_JSON_ROW);
+  if (*warning_of(scene)) vs_json_text(&json, NULL, warning_of(scene));
+  vs_json_end(&json);
   vs_json_end(&json);
   vs_text_add(text, "\n");
 }
 
 /* ---- files ---- */
 
-static void write_rows(const vs_sensitivity *s, FILE *out) {
-  fputs("measure,key,derivative,error,how,measure_value,measure_unit,key_value,key_unit\n", out);
+static void write_rows(const vs_sensitivity *s, const char *warning, FILE *out) {
+  vs_text cell = {0};
+  vs_csv_cell(&cell, warning);
+  fputs("measure,key,derivative,error,how,measure_value,measure_unit,key_value,key_unit,warnings\n",
+        out);
   for (size_t m = 0; m < s->n_of; m++)
     for (size_t k = 0; k < s->n_to; k++) {
       const vs_sensitivity_entry *e = vs_sensitivity_at(s, m, k);
@@ -154,20 +168,21 @@ static void write_rows(const vs_sensitivity *s, FILE *out) {
       else
         fprintf(out, "%.*g,%.*g,%s,", DIGITS, e->value, ERROR_DIGITS, e->error,
                 e->exact ? "exact" : "differences");
-      fprintf(out, "%.*g,%s,%.*g,%s\n", DIGITS, s->of[m].value, s->of[m].unit, DIGITS,
-              s->to[k].value, s->to[k].unit);
+      fprintf(out, "%.*g,%s,%.*g,%s,%s\n", DIGITS, s->of[m].value, s->of[m].unit, DIGITS,
+              s->to[k].value, s->to[k].unit, cell.text ? cell.text : "");
     }
+  vs_text_free(&cell);
 }
 
 static vs_status write_files(const char *folder, const vs_sensitivity *s, const char *json,
-                             vs_error *err) {
+                             const char *warning, vs_error *err) {
   vs_file table = {0}, summary = {0};
   int made;
   vs_status status = vs_file_folder_make(folder, &made, err);
   if (!status) status = vs_file_open(&table, folder, "sensitivity.csv", err);
   if (!status) status = vs_file_open(&summary, folder, "summary.json", err);
   if (!status) {
-    write_rows(s, table.stream);
+    write_rows(s, warning, table.stream);
     fputs(json, summary.stream);
     status = vs_file_commit(&table, err);
   }
@@ -184,11 +199,12 @@ static vs_status report(const vs_sensitivity_options *o, const vs_scene *scene,
                         const vs_sensitivity *s, vs_error *err) {
   vs_text json = {0};
   write_json(o, scene, s, &json);
-  vs_status status = o->folder ? write_files(o->folder, s, json.text, err) : VS_OK;
+  vs_status status =
+      o->folder ? write_files(o->folder, s, json.text, warning_of(scene), err) : VS_OK;
   if (!status && o->json)
     fputs(json.text, stdout);
   else if (!status && !o->quiet)
-    print_table(s, stdout);
+    print_table(s, warning_of(scene), stdout);
   vs_text_free(&json);
   return status;
 }

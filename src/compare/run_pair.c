@@ -19,7 +19,7 @@ static vs_status read_summary(const char *folder, vs_tree *tree, vs_error *err) 
   snprintf(path, sizeof path, "%s/summary.json", folder);
   vs_status status = vs_tree_read(path, tree, err);
   if (status || vs_tree_child(tree->root, "measures")) return status;
-  return vs_fail(err, VS_INPUT, "%s: has no member 'measures', so it is of no run", path);
+  return vs_fail_at(err, (vs_where){path, 1, 1}, "has no member 'measures', so it is of no run");
 }
 
 vs_status vs_run_pair_open(vs_run_pair *p, const char *a, const char *b, vs_error *err) {

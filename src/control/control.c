@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/jail.h"
 #include "control/regulators.h"
 
 #define AT(member) offsetof(vs_control_values, member)
@@ -118,7 +119,11 @@ static vs_status find_code(const vs_node *section, vs_control *c, vs_error *err)
   if (!node)
     return vs_fail_at(err, section->where, "control: the law %s wants the key %s",
                       c->regulator->name, key);
-  return c->regulator->check(&c->v, c->code, err);
+  char path[VS_PATH_SIZE];
+  vs_status status = VS_OK;
+  for (int k = 0; !status && c->regulator->file(&c->v, c->code, k, path); k++)
+    status = vs_jail_check(path, c->code, err);
+  return status ? status : c->regulator->check(&c->v, c->code, err);
 }
 
 const char vs_control_observer[] = "observer";

@@ -24,6 +24,10 @@ static const double GRACE_S = 1;
 /* How often who waits looks whether a signal asks this process to end, ms. */
 enum { LOOK_MS = 100 };
 
+/* A look that takes longer than this, s, is one in which this process stood still: a batch system
+ * has stopped it, and the child perhaps with it. */
+static const double PAUSE_S = 1;
+
 static double wall_s(void) {
   struct timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);
@@ -268,9 +272,10 @@ static vs_status wait_for(vs_remote *r, int end, short what, vs_error *err) {
       dismiss(r);
       return vs_fail(err, VS_SIGNAL, "t = %.9g s: stopped by a signal", r->t_s);
     }
-    double left_ms = 1e3 * (r->until_s - wall_s());
+    const double now_s = wall_s(), left_ms = 1e3 * (r->until_s - now_s);
     if (poll(&one, 1, (int)fmax(0, fmin(ceil(left_ms), LOOK_MS))) > 0) return VS_OK;
     if (left_ms <= 0) return is_late(r, err);
+    if (wall_s() - now_s > PAUSE_S) r->until_s = wall_s() + r->timeout_s;
   }
 }
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "deck/devices.h"
+#include "deck/parts.h"
 #include "drive/gate.h"
 
 static double current_at(const vs_anode_current *m, const vs_knot *k) {
@@ -30,8 +31,13 @@ static double zero_of_current(const vs_anode *a, const vs_anode_current *m) {
 
 /* The step that passes the zero begins and ends this near to it. Nearer than some 1e-13 s rounding
  * would decide whether the thyristor conducts. Further away more would be chopped off the current:
- * here 20 nA where it falls by 200 A/s, which makes 20 V at an off_resistance of 1 Gohm. */
-static const double NEAR_S = 1e-10;
+ * here 20 nA where it falls by 200 A/s, which makes 20 V at an off_resistance of 1 Gohm.
+ *
+ * The current of a thyristor that recovers goes on through zero, so nothing is chopped off. In
+ * steps of less than some 1e-10 s the voltage across the source's inductance is the rounding of its
+ * current. Behind that alone, without a snubber, Newton's iteration then had no end, and 14 of some
+ * 350 scenes at 1e-3 and 1e-4 climbed the ladder, one to its end. From 1e-9 s on none did. */
+static const double NEAR_S = 1e-10, NEAR_RECOVERING_S = 1e-9;
 /* A step that does not pass the zero goes this share of the way to it. The current is straight
  * enough over that not to pass the zero early. */
 static const double NEARER = 0.9;
@@ -45,9 +51,9 @@ static double longest(const vs_anode *a, vs_anode_current *m, double max_step_s)
   if (!m->nearing) return INFINITY;
   double now = a->last_s, left = zero_of_current(a, m) - now;
   if (!(left > 0 && left < 2 * max_step_s)) return INFINITY;
-  if (left > NEAR_S) return fmax(NEARER * left, NEAR_S / 2);
-  m->crosses_s = now + left + NEAR_S / 2;
-  return left + NEAR_S;
+  if (left > m->near_s) return fmax(NEARER * left, m->near_s / 2);
+  m->crosses_s = now + left + m->near_s / 2;
+  return left + m->near_s;
 }
 
 double vs_anode_longest(vs_anode *a, double max_step_s) {
@@ -142,11 +148,20 @@ static bool has_current(const vs_device *d, const vs_probe *probe) {
          factor == probe->sign;
 }
 
+/* True: the file of its part states a turn-off time, which an ideal thyristor has none of. */
+static bool recovers(const vs_deck *deck, const vs_device *device) {
+  const char *file = device && device->part >= 0 ? deck->parts[device->part].file : NULL;
+  return file && vs_parts_find_limit(deck, file, "t_q");
+}
+
 /* The current is the probe's, or without one the device's by its formula. */
-static void add(vs_anode *a, const vs_probe *probe, const vs_device *device) {
+static void add(vs_anode *a, const vs_deck *deck, const vs_probe *probe, const vs_device *device) {
   for (double way = 1; way >= (device && device->kind->both_ways ? -1 : 1); way -= 2) {
     vs_anode_current *m = &a->item[a->count++];
-    *m = (vs_anode_current){.device = device, .way = way, .crosses_s = INFINITY};
+    *m = (vs_anode_current){.device = device,
+                            .way = way,
+                            .near_s = recovers(deck, device) ? NEAR_RECOVERING_S : NEAR_S,
+                            .crosses_s = INFINITY};
     if (device) m->v = vs_formula_quicken(&device->voltage);
     m->i =
         probe ? (vs_formula_quick){.is_term = true, .term = (int)probe->term, .factor = probe->sign}
@@ -168,9 +183,9 @@ void vs_anode_begin(vs_anode *a, const vs_deck *deck, const vs_timeline *timelin
     if (!d->kind->switches || !d->kind->gated) continue;
     valves++;
     if (has_current(d, probe)) own = d;
-    add(a, NULL, d);
+    add(a, deck, NULL, d);
   }
   if (!own && valves > 1) return;
   a->count = 0;
-  add(a, probe, own);
+  add(a, deck, probe, own);
 }

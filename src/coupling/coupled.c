@@ -114,10 +114,20 @@ static double edge(void *ctx, double solver_s) {
   return vs_prelude_edge(&c->prelude, now_s, next_s) - c->away.shift_s;
 }
 
+/* The first step, as a part of the largest. At t = 0 the circuit is without currents, so mains that
+ * are not at their zero jump. What rings by that may have nanoseconds, and the solver takes its
+ * first step whatever its error. */
+static const double FIRST = 1e-4;
+
+static bool begins_with_a_jump(const coupling *c, double solver_s) {
+  return solver_s == 0 && !c->prelude.on && vs_timeline_voltage(&c->course.setup->timeline, 0) != 0;
+}
+
 static double longest(void *ctx, double solver_s) {
   coupling *c = ctx;
   vs_course *course = &c->course;
   double most = fmin(c->pace.max_step_s, vs_swing_longest(&c->swing));
+  if (begins_with_a_jump(c, solver_s)) most *= FIRST;
   most = fmin(most, vs_anode_longest(&course->anode, c->pace.max_step_s));
   return fmin(most, vs_events_longest(&course->setup->timeline.events, run_time(c, solver_s)));
 }
@@ -176,8 +186,8 @@ static bool hides(void *ctx) {
 
 /* ---- a run ---- */
 
-static void locate(const void *deck, vs_error *err) {
-  vs_netlist_locate(deck, err);
+static void locate(const void *deck, size_t culprit, vs_error *err) {
+  vs_netlist_locate(deck, culprit, err);
 }
 
 /* All of the solver's job but its netlist. */
@@ -193,6 +203,8 @@ static vs_circuit_job job_of(const coupling *c) {
                           .dialect = setup->deck.compat,
                           .max_step_s = c->pace.max_step_s,
                           .raw = c->order->raw,
+                          .raw_most = setup->limits.raw_bytes,
+                          .raw_where = c->order->raw_where,
                           .tried = c->order->tried,
                           .unbegun = c->order->unbegun,
                           .tries = c->order->tries,
@@ -282,7 +294,7 @@ static const vs_tier_key KEYS[] = {
 };
 
 const vs_tier vs_coupled_tier = {
-    .name = vs_setup_tier_words[VS_TIER_CIRCUIT],
+    .name = vs_manner_tier_words[VS_TIER_CIRCUIT],
     .text = "the ngspice netlist, F = lambda^2/(4a) from it: anything about devices",
     .finest = 1e-8,
     .automatic = true,

@@ -38,6 +38,7 @@ static vs_status read_part(vs_deck *deck, vs_cursor *c, vs_field *field, vs_wher
   vs_part *part = &deck->parts[deck->n_parts++];
   part->name = deck->section.fields[deck->section.count - 1].key;
   memcpy(part->kind, kind, sizeof kind);
+  part->where = where;
   return VS_OK;
 }
 
@@ -155,7 +156,8 @@ static vs_status read_probe(vs_deck *deck, vs_cursor *c, vs_error *err) {
   probe.term = vs_deck_add_term(deck, where, quantity, first, second);
   for (size_t k = 0; k < deck->n_probes; k++)
     if (!strcmp(deck->probes[k].name, probe.name))
-      return vs_fail_at(err, c->line, "probe %s stands here a second time", probe.name);
+      return vs_fail_at(err, c->line, "probe %s stands here a second time; leave one out",
+                        probe.name);
   if (deck->n_probes >= VS_DECK_MOST || probe.term < 0)
     return vs_fail_at(err, c->line, "more than %d probes and terms of formulas", VS_DECK_MOST);
   deck->probes[deck->n_probes++] = probe;
@@ -171,7 +173,7 @@ static vs_status read_account(vs_deck *deck, vs_accounts *accounts, vs_cursor *c
   if (status) return status;
   for (size_t k = 0; k < accounts->count; k++)
     if (!strcmp(accounts->item[k].name, account->name))
-      return vs_fail_at(err, c->line, "%s stands here a second time", account->name);
+      return vs_fail_at(err, c->line, "%s stands here a second time; leave one out", account->name);
   accounts->count++; /* its formula is freed with the deck, also when it is not good */
   return vs_deck_add_formula(deck, c, "", &account->formula, err);
 }

@@ -90,7 +90,7 @@ void vs_deck_remark(vs_deck *deck, vs_where where, const char *format, ...) {
 }
 
 void vs_deck_add_line(vs_deck *deck, vs_line line) {
-  deck->lines = vs_resize(deck->lines, deck->n_lines + 1, sizeof *deck->lines);
+  deck->lines = vs_alloc_grow(deck->lines, deck->n_lines, sizeof *deck->lines);
   deck->lines[deck->n_lines++] = line;
 }
 
@@ -126,6 +126,19 @@ int vs_deck_add_term(vs_deck *deck, vs_where where, char quantity, const char *f
   if (deck->n_terms >= VS_DECK_MOST) return -1;
   deck->terms[deck->n_terms++] = term;
   return (int)deck->n_terms - 1;
+}
+
+vs_where vs_deck_mendable(const vs_deck *deck, vs_where where, char *within, size_t size) {
+  *within = '\0';
+  for (size_t k = deck->n_files; k-- > 0;) { /* who includes a file stands before it */
+    if (where.file != deck->files[k] || !deck->included[k].file) continue;
+    const char *slash = strrchr(where.file, '/');
+    if (!*within)
+      snprintf(within, size, " (%s:%d:%d)", slash ? slash + 1 : where.file, where.line,
+               where.column);
+    where = deck->included[k];
+  }
+  return where;
 }
 
 /* ---- formulas ---- */
@@ -213,9 +226,11 @@ static vs_status find_value(const vs_deck *deck, const vs_named *named,
   }
   if (!isnan(*value)) return VS_OK;
   const char *nearest = vs_text_nearest(named->name, known, count);
-  return vs_fail_at(err, named->where, "no parameter '%s' is declared%s%s%s", named->name,
-                    nearest ? "; did you mean '" : " by '*$ param'", nearest ? nearest : "",
-                    nearest ? "'?" : "");
+  char within[VS_PATH_SIZE];
+  const vs_where where = vs_deck_mendable(deck, named->where, within, sizeof within);
+  return vs_fail_at(err, where, "no parameter '%s' is declared%s%s%s%s", named->name, within,
+                    nearest ? "; did you mean '" : "; '*$ param NAME = ...' declares one",
+                    nearest ? nearest : "", nearest ? "'?" : "");
 }
 
 vs_status vs_deck_bind(vs_deck *deck, const vs_circuit_values *values,

@@ -100,6 +100,7 @@ typedef struct vs_part {
   char kind[VS_DECK_NAME];       /* the kind of part that is wanted; empty: any */
   char subcircuit[VS_DECK_NAME]; /* of the part chosen; empty: none yet */
   const char *file;              /* of the part chosen, one of vs_deck.files; NULL: none yet */
+  vs_where where;                /* of the parameter's line */
 } vs_part;
 
 /* What a part's file says it is. */
@@ -197,6 +198,8 @@ extern const vs_field vs_deck_key;
 typedef struct vs_deck {
   bool begun, freed;          /* it has had something else than zeros in it, which was freed */
   char *files[VS_DECK_FILES]; /* paths of the deck and of what it includes; owned */
+  vs_where included[VS_DECK_FILES]; /* of files that come with the program: the line that includes
+                                       each; no file: of others, and of what nothing includes */
   size_t n_files;
   unsigned lost;               /* VS_LOST_... of the lines that could not be read */
   vs_skipped skipped;          /* statements that a circuit is not made of, until they are told */
@@ -264,6 +267,11 @@ void vs_deck_free(vs_deck *deck);
  * more. */
 void vs_deck_remark(vs_deck *deck, vs_where where, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/* The place that has to be mended where something is wrong there: of a file that comes with the
+ * program, and that another one includes, the line that includes it. Then `within` is " (FILE:LINE:
+ * COLUMN)", where it stands in that file; else it is empty. */
+vs_where vs_deck_mendable(const vs_deck *deck, vs_where where, char *within, size_t size);
 
 /* Adds a line to the netlist. The deck owns what the line owns from then on. */
 void vs_deck_add_line(vs_deck *deck, vs_line line);

@@ -50,7 +50,8 @@ vs_status vs_devices_line(vs_deck *deck, vs_cursor *c, vs_error *err) {
     return vs_fail_at(err, vs_cursor_here(c), "%s", WANTED);
   for (size_t k = 0; k < deck->n_devices; k++)
     if (!strcmp(deck->devices[k].name, d->name))
-      return vs_fail_at(err, d->where, "device %s stands here a second time", d->name);
+      return vs_fail_at(err, d->where, "device %s stands here a second time; leave one out",
+                        d->name);
   while (!vs_cursor_take(c, '=')) {
     vs_where where = vs_cursor_here(c);
     if (!read_word(d, c)) return vs_fail_at(err, where, "%s", WANTED);
@@ -140,7 +141,7 @@ static vs_status resolve_kind(const vs_deck *deck, vs_device *d, vs_error *err) 
   if (!part->file) return VS_OK; /* its file was not found, and a check carries on */
   const vs_part_file *file = vs_parts_file(deck, part->file);
   if (!file && !d->kind)
-    return vs_fail_at(err, (vs_where){.file = part->file},
+    return vs_fail_at(err, (vs_where){part->file, 1, 1},
                       "has no line '*$ part KIND \"TEXT\"', which the device %s at %s:%d asks for",
                       d->name, d->where.file, d->where.line);
   if (!file) return VS_OK;

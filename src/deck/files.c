@@ -18,6 +18,7 @@
 #include "dialect/statements.h"
 #include "dialect/translate.h"
 #include "dialect/words.h"
+#include "slips/slips.h"
 
 static const vs_shelf INCLUDE_SHELF = {"include file", "", ""};
 
@@ -52,9 +53,10 @@ static bool is_same_file(const char *a, const char *b) {
 /* Finds a file by its name, from the folder of the file `where`. Of a path of Windows', which
  * programs write into netlists for their own libraries, the file's name alone is looked for; a
  * library that is not there is told, and *path is empty: ngspice names what it misses then. A file
- * that has the name of what it includes means the one that comes with the program. */
+ * that has the name of what it includes means the one that comes with the program. *ours: it is one
+ * that does. */
 static vs_status find_include(vs_deck *deck, const char *name, vs_where where,
-                              char path[VS_PATH_SIZE], vs_error *err) {
+                              char path[VS_PATH_SIZE], bool *ours, vs_error *err) {
   const char *slash = strrchr(where.file, '/'), *back = strrchr(name, '\\');
   const char *base = back ? back + 1 : name;
   snprintf(path, VS_PATH_SIZE, "%.*s%s", slash && *base != '/' ? (int)(slash - where.file + 1) : 0,
@@ -62,12 +64,17 @@ static vs_status find_include(vs_deck *deck, const char *name, vs_where where,
   char shipped[VS_PATH_SIZE];
   vs_status status = vs_jail_check(path, where, err);
   if (status) return status;
+  *ours = true;
   if (is_same_file(path, where.file) && vs_path_shipped(&INCLUDE_SHELF, base, shipped)) {
     snprintf(path, VS_PATH_SIZE, "%s", shipped);
     return VS_OK;
   }
+  *ours = false;
+  for (size_t k = 0; k < deck->n_files; k++) /* what is beside a file of the program's own */
+    *ours = *ours || (deck->files[k] == where.file && deck->included[k].file);
   if (!access(path, R_OK)) return VS_OK;
   vs_error unread = {0};
+  *ours = true;
   status = vs_path_find(&INCLUDE_SHELF, base, where, path, back ? &unread : err);
   if (!status || !back) return status;
   *path = '\0';
@@ -84,13 +91,15 @@ static vs_status find_include(vs_deck *deck, const char *name, vs_where where,
  * subcircuit its lines are the subcircuit's own, and it is taken in each time. */
 static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
   char name[VS_PATH_SIZE / 2], path[VS_PATH_SIZE];
+  bool ours = false;
   vs_status status = include_name(line, where, name, err);
-  if (!status) status = find_include(deck, name, where, path, err);
+  if (!status) status = find_include(deck, name, where, path, &ours, err);
   if (status || !*path) return status;
   if (!strcmp(path, where.file)) return vs_fail_at(err, where, "%s includes itself", path);
   if (deck->subcircuits == 0 && vs_files_has(deck, path)) return VS_OK;
   if (deck->n_files >= VS_DECK_FILES)
     return vs_fail_at(err, where, "more than %d files; does one include itself?", VS_DECK_FILES);
+  deck->included[deck->n_files] = ours ? where : (vs_where){0};
   return read_file(deck, path, true, err);
 }
 
@@ -116,6 +125,7 @@ static vs_status take_circuit(vs_deck *deck, vs_line *line, bool *skip, vs_error
   vs_status status = *line->text == '.'
                          ? vs_rules_statement(deck, line->text, line->where, skip, err)
                          : vs_rules_element(deck, line->text, line->where, err);
+  if (!status && !*skip) status = vs_slips_line(line, err);
   if (status || *skip) return status;
   vs_rewriting r = {.line = line,
                     .pspice = *deck->compat != 0,
@@ -357,11 +367,16 @@ static void tell_skipped(vs_deck *deck) {
 }
 
 vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error *err) {
+  const size_t before = deck->n_lines;
   vs_status status = read_file(deck, path, library, err);
+  if (!status && !deck->lost)
+    status = vs_error_carry_on(
+        err, vs_slips_conditions(deck->lines + before, deck->n_lines - before, err));
   vs_translate_names(deck->lines, deck->n_lines, &deck->changes);
   tell_skipped(deck);
   if (status || deck->subcircuits == 0) return status;
   deck->subcircuits = 0;
   return vs_error_carry_on(
-      err, vs_fail_at(err, deck->subcircuit, "this .subckt has no .ends that closes it"));
+      err, vs_fail_at(err, deck->subcircuit,
+                      "this .subckt has no .ends that closes it; write one behind its last line"));
 }

@@ -8,6 +8,7 @@
 #include <strings.h>
 
 #include "base/text.h"
+#include "memo/names.h"
 
 /* Bounds of what is taken apart; a netlist beyond them has no list. 48 words are more than any
  * device of ngspice has nodes; 12 levels are more than makers nest subcircuits; a path of 80 bytes
@@ -60,7 +61,8 @@ typedef struct level {
 
 typedef struct search {
   const vs_deck *deck;
-  bool has_globals; /* it has a line .global */
+  vs_names globals;            /* the nodes of its lines .global */
+  vs_names definitions, twins; /* lines .subckt that stand in no other; the names that two have */
   vs_memories *all;
 } search;
 
@@ -82,15 +84,26 @@ static size_t behind(const vs_deck *deck, size_t k) {
   return k;
 }
 
-static bool is_global(const vs_deck *deck, const char *node) {
+static bool has(const vs_names *names, const char *name) {
+  return vs_names_find(names, name, strlen(name), NULL);
+}
+
+/* Lists what is looked for by name in all of the deck. */
+static void list_names(search *s) {
+  const vs_line *lines = s->deck->lines;
   words w;
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    if (!starts(&deck->lines[k], ".global")) continue;
-    split(deck->lines[k].text, &w);
-    for (size_t n = 1; n < w.count; n++)
-      if (!strcmp(w.word[n], node)) return true;
+  for (size_t k = 0; k < s->deck->n_lines; k++) {
+    if (!starts(&lines[k], ".global")) continue;
+    split(lines[k].text, &w);
+    for (size_t n = 1; n < w.count; n++) vs_names_put(&s->globals, w.word[n], k);
   }
-  return false;
+  for (size_t k = 0; k < s->deck->n_lines; k++) {
+    if (!starts(&lines[k], ".subckt")) continue;
+    split(lines[k].text, &w);
+    if (w.count > 1 && has(&s->definitions, w.word[1])) vs_names_put(&s->twins, w.word[1], k);
+    if (w.count > 1) vs_names_put(&s->definitions, w.word[1], k);
+    k = behind(s->deck, k) - 1;
+  }
 }
 
 /* Gives the name that a level's node has in the whole circuit. */
@@ -103,8 +116,7 @@ static void full_name(const search *s, const level *l, const char *node, char ou
   if (!strcmp(node, "0") || !strcmp(node, "gnd"))
     snprintf(out, VS_MEMORY_NAME, "0");
   else
-    snprintf(out, VS_MEMORY_NAME, "%.80s%.70s",
-             s->has_globals && is_global(s->deck, node) ? "" : l->path, node);
+    snprintf(out, VS_MEMORY_NAME, "%.80s%.70s", has(&s->globals, node) ? "" : l->path, node);
 }
 
 static bool add(const search *s, const vs_memory *m) {
@@ -241,8 +253,14 @@ static bool take_apart(const search *s, const level *l) {
 
 /* Finds the definition of that name at a level; n_lines: there is none. *twice is set where there
  * are two, which cannot be told apart. */
-static size_t definition(const vs_deck *deck, const level *at, const char *name, bool *twice) {
+static size_t definition(const search *s, const level *at, const char *name, bool *twice) {
+  const vs_deck *deck = s->deck;
   size_t found = deck->n_lines;
+  if (!at->home) { /* the deck, which may have many thousands */
+    vs_names_find(&s->definitions, name, strlen(name), &found);
+    *twice = *twice || has(&s->twins, name);
+    return found;
+  }
   for (size_t k = at->first; k < at->last; k++) {
     words w;
     if (!starts(&deck->lines[k], ".subckt")) continue;
@@ -265,14 +283,14 @@ static const char *name_of(const vs_deck *deck, const char *name) {
 
 /* Finds the definition that holds at a level: its own, or that of the nearest level about it, which
  * becomes *home. Returns n_lines where there is none, or where two are not to be told apart. */
-static size_t definition_for(const vs_deck *deck, const char *name, const level **home) {
+static size_t definition_for(const search *s, const char *name, const level **home) {
   bool twice = false;
-  size_t at = definition(deck, *home, name, &twice);
-  while (at == deck->n_lines && (*home)->home) {
+  size_t none = s->deck->n_lines, at = definition(s, *home, name, &twice);
+  while (at == none && (*home)->home) {
     *home = (*home)->home;
-    at = definition(deck, *home, name, &twice);
+    at = definition(s, *home, name, &twice);
   }
-  return twice ? deck->n_lines : at;
+  return twice ? none : at;
 }
 
 /* Fills the level of an instance w at level l, whose definition begins at that line. Returns false
@@ -294,7 +312,7 @@ static bool subcircuit(const search *s, const level *l, const words *w) {
   const level *home = l;
   if (!*l->path && !strcmp(w->word[0], s->deck->eva)) return true;
   if (l->depth == MOST_DEPTH) return false;
-  size_t at = definition_for(s->deck, name_of(s->deck, w->word[w->count - 1]), &home);
+  size_t at = definition_for(s, name_of(s->deck, w->word[w->count - 1]), &home);
   if (at == s->deck->n_lines) return false;
   level *in = vs_alloc(1, sizeof *in);
   in->home = home;
@@ -306,10 +324,12 @@ static bool subcircuit(const search *s, const level *l, const words *w) {
 bool vs_memory_list(const vs_deck *deck, vs_memories *all) {
   level *top = vs_alloc(1, sizeof *top);
   top->last = deck->n_lines;
-  search s = {deck, false, all};
-  for (size_t k = 0; k < deck->n_lines; k++)
-    s.has_globals = s.has_globals || starts(&deck->lines[k], ".global");
+  search s = {.deck = deck, .all = all};
+  list_names(&s);
   bool good = take_apart(&s, top);
+  vs_names_free(&s.globals);
+  vs_names_free(&s.definitions);
+  vs_names_free(&s.twins);
   free(top);
   return good;
 }

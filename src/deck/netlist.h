@@ -35,9 +35,15 @@ vs_status vs_netlist_make(const vs_deck *deck, const vs_circuit_values *values,
                           size_t *count, vs_error *err);
 void vs_netlist_free(char **lines, size_t count);
 
-/* Puts the place in the deck before what the solver said of its circuit, if it can be found: the
- * place of a signal that is not there, of an undefined parameter (ngspice says "[name]"), or of an
- * element. Else the place is the deck's file. */
-void vs_netlist_locate(const vs_deck *deck, vs_error *err);
+/* The words of a complaint behind which, up to its end, the line of the netlist stands that the
+ * solver was found to do better without. */
+#define VS_NETLIST_WITHOUT "; without this line it does better: "
+
+/* Puts the place in the deck before what the solver said of its circuit, if it can be found: that
+ * of line `culprit` of the netlist, as vs_netlist_make has made it (0: not known); the place of a
+ * signal that is not there, of an undefined parameter (ngspice says "[name]"), or of an element.
+ * Else the place is the deck's file. Of a file that comes with the program and that another one
+ * includes, the place is the line that includes it, as that one has to be mended. */
+void vs_netlist_locate(const vs_deck *deck, size_t culprit, vs_error *err);
 
 #endif

@@ -65,7 +65,8 @@ vs_status vs_parts_limit(vs_deck *deck, vs_cursor *c, vs_error *err) {
   for (size_t k = 0; k < deck->n_limits && !status; k++)
     if (!strcmp(deck->limits[k].where.file, c->line.file) &&
         !strcmp(deck->limits[k].name, limit.name))
-      status = vs_fail_at(err, c->line, "limit %s stands here a second time", limit.name);
+      status =
+          vs_fail_at(err, c->line, "limit %s stands here a second time; leave one out", limit.name);
   if (!status && deck->n_limits >= VS_DECK_LIMITS)
     status = vs_fail_at(err, c->line, "more than %d limits", VS_DECK_LIMITS);
   if (!status) deck->limits[deck->n_limits++] = limit;
@@ -192,7 +193,7 @@ vs_status vs_parts_check_kind(const vs_deck *deck, const vs_part *part, vs_where
   const vs_part_file *file = vs_parts_file(deck, part->file);
   if (!*part->kind || (file && !strcmp(file->kind, part->kind))) return VS_OK;
   if (!file)
-    return vs_fail_at(err, (vs_where){.file = part->file},
+    return vs_fail_at(err, (vs_where){part->file, 1, 1},
                       "has no line '*$ part %s \"TEXT\"', which circuit.%s asks for", part->kind,
                       part->name);
   return vs_fail_at(err, where,
@@ -227,8 +228,15 @@ static vs_status resolve_bound(const vs_deck *deck, const vs_rating *r, const vs
   }
   if (!deck->parts[p].file) return VS_OK; /* its file was not found, and a check carries on */
   const vs_limit *limit = vs_parts_find_limit(deck, deck->parts[p].file, bound->limit);
+  const vs_part_file *said = vs_parts_file(deck, deck->parts[p].file);
+  if (!limit && !vs_kinds_limit_unit(bound->limit)) /* more likely a slip in the rating's line */
+    return vs_fail_at(
+        err, r->where,
+        "rating: the part %s has no limit '%s'; a line '*$ limit %s = VALUE UNIT' (or "
+        "none) in %s gives it one",
+        deck->parts[p].name, bound->limit, bound->limit, deck->parts[p].file);
   if (!limit)
-    return vs_fail_at(err, (vs_where){.file = deck->parts[p].file},
+    return vs_fail_at(err, said ? said->where : (vs_where){deck->parts[p].file, 1, 1},
                       "has no line '*$ limit %s = VALUE UNIT' (or none), which the rating of %s at "
                       "%s:%d asks for",
                       bound->limit, deck->probes[r->probe].name, r->where.file, r->where.line);

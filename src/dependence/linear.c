@@ -320,14 +320,15 @@ vs_status vs_linear_gain(const vs_linear *l, double gain[VS_LINEAR_OUTPUTS], vs_
 
 vs_status vs_linear_check(const vs_scene *scene, int periods, vs_error *err) {
   if (scene->tier->has_circuit)
-    return vs_fail(
-        err, VS_INPUT,
+    return vs_fail_at(
+        err, vs_tree_place(scene->tree.root, "run.tier"),
         "--linear: the circuit's equations are its solver's own, and are not linearised; "
         "--tier %s has a linear model",
         vs_tiers_automatic(false)->name);
   if (scene->setup.timeline.firing.no_valve)
-    return vs_fail(err, VS_INPUT,
-                   "--linear: firing.valve is none, so that there is no firing angle");
+    return vs_fail_at(err, vs_tree_place(scene->tree.root, "firing.valve"),
+                      "--linear: firing.valve is none, so that there is no firing angle; write "
+                      "firing.valve: thyristor");
   if (periods != 1)
     return vs_fail(
         err, VS_INPUT,

@@ -24,8 +24,9 @@ static const char *inexact(const vs_scene *s) {
 vs_status vs_subject_begin(vs_subject *s, const vs_scene *scene, int periods, vs_error *err) {
   *s = (vs_subject){.scene = scene, .periods = periods, .inexact = inexact(scene)};
   if (s->inexact || (!periods && !scene->setup.steady)) return VS_OK;
-  vs_status status = vs_tiers_require_orbits(periods ? "--steady" : "start: steady", scene->tier,
-                                             scene->why, (vs_where){0}, err);
+  vs_status status =
+      vs_tiers_require_orbits(periods ? "--steady" : "start: steady", scene->tier, scene->why,
+                              vs_tree_place(scene->tree.root, "run.tier"), err);
   if (status) return status;
   if (periods) {
     s->calm = vs_alloc(1, sizeof *s->calm);

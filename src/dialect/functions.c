@@ -225,9 +225,11 @@ static const function *function_before(const vs_rewriting *r, const char *end, c
   return NULL;
 }
 
-/* The call that stands last in the text, so that what it has as arguments is done before it. */
-static const function *find_last(const vs_rewriting *r, const char **at, const char **open) {
-  for (const char *s = r->text.text + r->text.length; s > r->text.text; s--) {
+/* The last call whose bracket does not stand behind the first `until` bytes, so that what a call
+ * has as arguments is done before it. */
+static const function *find_last(const vs_rewriting *r, size_t until, const char **at,
+                                 const char **open) {
+  for (const char *s = r->text.text + until; s > r->text.text; s--) {
     if (*s != '(') continue;
     const char *end = s;
     while (end > r->text.text && strchr(" \t", end[-1])) end--;
@@ -331,7 +333,9 @@ vs_status vs_functions_rewrite(vs_rewriting *r) {
   if (!has_expressions(r->text.text)) return VS_OK;
   if (!r->pspice) rewrite_operators(r);
   tell_powers(r);
-  while ((f = find_last(r, &at, &open))) {
+  size_t until = r->text.length;
+  while ((f = find_last(r, until, &at, &open))) {
+    until = (size_t)(at - r->text.text); /* what is written there has no call of these */
     if (r->text.length > LONGEST)
       return vs_fail_at(r->err, vs_rewriting_place(r, at, strlen(f->name)),
                         "%s: written out for ngspice, the line is longer than %d characters; give "

@@ -104,7 +104,8 @@ static vs_status from_utf16(const bytes *b, const encoding *e, const char *path,
     bool alone = first ? !low : low;
     if (alone || unit == 0)
       return vs_fail_at(err, (vs_where){path, line_of(text, to), 1},
-                        unit ? "half of a pair of UTF-16's; is this a text?" : "a zero byte");
+                        unit ? "half of a pair of UTF-16's; is this a text?"
+                             : "a zero byte; a netlist is a text");
     if (first) unit = 0x10000 + ((first - 0xd800) << 10) + (unit - 0xdc00);
     first = high ? unit : 0;
     if (!high) to = put(to, unit);
@@ -122,7 +123,9 @@ static vs_status from_bytes(const bytes *b, size_t mark, const char *path, char 
   bool latin = vs_text_not_utf8(from, b->count - mark) != NULL;
   for (size_t k = mark; k < b->count; k++) {
     unsigned char c = b->at[k];
-    if (c == 0) return vs_fail_at(err, (vs_where){path, line_of(text, to), 1}, "a zero byte");
+    if (c == 0)
+      return vs_fail_at(err, (vs_where){path, line_of(text, to), 1},
+                        "a zero byte; a netlist is a text");
     if (latin)
       to = put(to, c);
     else

@@ -86,9 +86,8 @@ vs_status vs_timeline_build(const vs_node *scene, vs_timeline *t, vs_memo *memo,
   if (s || t->supply.direct) return s;
   if (t->firing.no_valve) return refuse_unused(scene, t, NO_VALVE, err);
   if (t->firing.every && t->firing.pulse_width_s >= t->firing.every * t->period_s) {
-    const vs_node *width = vs_tree_child(firing, "pulse_width");
     return vs_fail_at(
-        err, width ? width->where : (vs_where){0},
+        err, vs_tree_place(scene, "firing.pulse_width"),
         "firing.pulse_width: %g ms reaches into the next pulse; allowed here: below %g ms",
         1e3 * t->firing.pulse_width_s, 1e3 * t->firing.every * t->period_s);
   }
@@ -105,12 +104,10 @@ vs_status vs_timeline_settle(const vs_node *scene, vs_timeline *t, const vs_deck
                              vs_error *err) {
   bool no_valve = t->firing.no_valve;
   if (!is_fired(deck)) t->firing.no_valve = 1;
-  if (t->supply.direct && !t->firing.no_valve) {
-    const vs_node *kind = vs_tree_child(vs_tree_child(scene, "supply"), "kind");
-    return vs_fail_at(err, kind ? kind->where : (vs_where){0},
+  if (t->supply.direct && !t->firing.no_valve)
+    return vs_fail_at(err, vs_tree_place(scene, "supply.kind"),
                       "supply.kind: step has no cycles for a thyristor to fire in; it wants "
                       "firing.valve: none");
-  }
   if (no_valve && !t->supply.direct) return VS_OK; /* vs_timeline_build has looked */
   return t->firing.no_valve
              ? refuse_unused(scene, t, no_valve ? NO_VALVE : "the deck has no port gate, and", err)

@@ -19,10 +19,13 @@ static double sign(const vs_occurrence *e) {
   return e->v.polarity % 2 ? -1 : 1;
 }
 
+/* A step that begins a wave may begin this much before it, s, by the rounding of its instant. */
+static const double NEAR_S = 1e-12;
+
 /* The longest step in a wave that began since_s ago: 20 steps for its front, up to 5 of these; 400
  * for its tail, up to 4 of these. */
 static double steps_of(double since_s, double front_s, double tail_s) {
-  if (since_s < 0) return INFINITY;
+  if (since_s < -NEAR_S) return INFINITY;
   return since_s < 5 * front_s ? front_s / 20 : since_s < 4 * tail_s ? tail_s / 400 : INFINITY;
 }
 
@@ -128,9 +131,10 @@ static double eft_pulse(double t_ns) {
   return t_ns > 0 ? v1 / scale * x / (1 + x) * exp(-t_ns / fall) : 0;
 }
 
-/* Time since the last pulse of the burst began, s; negative: none did. */
+/* Time since the last pulse of the burst began, s; negative: none did. A pulse that begins within
+ * NEAR_S counts: the step from there on is its first. */
 static double since_pulse(const vs_occurrence *e, double t_s) {
-  double n = ceil((t_s - e->start_s) * e->v.frequency_hz) - 1;
+  double n = floor((t_s - e->start_s + NEAR_S) * e->v.frequency_hz);
   double most = ceil(e->v.duration_s * e->v.frequency_hz) - 1;
   return n < 0 ? -1 : t_s - e->start_s - fmin(n, most) / e->v.frequency_hz;
 }

@@ -153,12 +153,6 @@ static void clean(const char *said, char name[VS_ELEMENTS_NAME]) {
   if (!strcmp(name, "ac") || !strcmp(name, "dc")) strcat(name, "_net"); /* words of a source */
 }
 
-static bool has_node(const vs_elements *w, const char *name) {
-  for (size_t k = 0; k < w->n_nodes; k++)
-    if (!strcmp(w->nodes[k].name, name)) return true;
-  return false;
-}
-
 /* True for a name that programs give to nets nobody has named. */
 static bool is_made_up(const char *said) {
   const char *s = said;
@@ -174,10 +168,18 @@ static bool is_word_of_ngspice(const char *name) {
   return !strcmp(name, "ac") || !strcmp(name, "value") || !strcmp(name, "time");
 }
 
+static bool has(const vs_names *names, const char *name) {
+  return vs_names_find(names, name, strlen(name), NULL);
+}
+
+/* The first of a name counts. */
+static void put(vs_names *names, const char *name, size_t number) {
+  if (!has(names, name)) vs_names_put(names, name, number);
+}
+
 static int find_node(const vs_elements *w, const char *said) {
-  for (size_t k = 0; k < w->n_nodes; k++)
-    if (!strcmp(w->nodes[k].said, said)) return (int)k;
-  return -1;
+  size_t number;
+  return vs_names_find(&w->said, said, strlen(said), &number) ? (int)number : -1;
 }
 
 static int take_node(vs_elements *w, char *said) {
@@ -192,10 +194,12 @@ static int take_node(vs_elements *w, char *said) {
   if (!*name || !strcmp(name, "gnd") || (!ground && !strcmp(name, "0"))) strcpy(name, "net");
   if (is_word_of_ngspice(name)) strcat(name, "_net");
   snprintf(node.name, sizeof node.name, "%s", ground ? "0" : name);
-  for (int k = 2; !ground && has_node(w, node.name); k++)
+  for (int k = 2; !ground && has(&w->names, node.name); k++)
     snprintf(node.name, sizeof node.name, "%.50s_%d", name, k);
-  w->nodes = vs_resize(w->nodes, w->n_nodes + 1, sizeof *w->nodes);
+  w->nodes = vs_alloc_grow(w->nodes, w->n_nodes, sizeof *w->nodes);
   w->nodes[w->n_nodes] = node;
+  put(&w->said, node.said, w->n_nodes);
+  put(&w->names, node.name, w->n_nodes);
   return (int)w->n_nodes++;
 }
 
@@ -204,13 +208,6 @@ const char *vs_elements_node_of(const vs_elements *w, const vs_element *e, int n
 }
 
 /* ---- elements ---- */
-
-static bool has_element(const vs_elements *w, const char *name, const char *key) {
-  for (size_t k = 0; k < w->count; k++)
-    if (!strcasecmp(w->elements[k].name, name) || (key && !strcmp(w->elements[k].key, key)))
-      return true;
-  return false;
-}
 
 /* Names the element: what ngspice or the contract would not take in a name becomes '_'. */
 static void name_element(const vs_elements *w, vs_element *e) {
@@ -223,18 +220,18 @@ static void name_element(const vs_elements *w, vs_element *e) {
       name[n++] = '_';
   name[n] = '\0';
   snprintf(e->name, sizeof e->name, "%s", name);
-  for (int k = 2; has_element(w, e->name, NULL); k++)
+  for (int k = 2; has(&w->by_name, e->name); k++)
     snprintf(e->name, sizeof e->name, "%.50s_%d", name, k);
   snprintf(e->key, sizeof e->key, "%s", e->name);
   vs_cursor_lower(e->key);
-  if (e->key[1] == '_' && isalpha((unsigned char)e->key[2]) && !has_element(w, "", e->key + 2))
+  if (e->key[1] == '_' && isalpha((unsigned char)e->key[2]) && !has(&w->by_key, e->key + 2))
     memmove(e->key, e->key + 2, strlen(e->key + 2) + 1);
   free(said);
 }
 
 static vs_status add_element(vs_elements *w, size_t card, vs_error *err) {
   const vs_card *c = &w->listing->cards[card];
-  w->elements = vs_resize(w->elements, w->count + 1, sizeof *w->elements);
+  w->elements = vs_alloc_grow(w->elements, w->count, sizeof *w->elements);
   vs_element *e = &w->elements[w->count];
   *e = (vs_element){.card = card, .letter = (char)tolower((unsigned char)*c->text)};
   e->n_words = split(c->text, e->words);
@@ -250,11 +247,30 @@ static vs_status add_element(vs_elements *w, size_t card, vs_error *err) {
   for (int k = 0; k < e->n_nodes; k++) {
     char *said = vs_elements_word_of(w, e, k + 1);
     e->nodes[k] = take_node(w, said);
-    w->nodes[e->nodes[k]].ends++;
+    vs_elements_node *node = &w->nodes[e->nodes[k]];
+    node->at[node->ends++ > 0] = w->count;
     free(said);
   }
+  char *said = vs_elements_word_of(w, e, 0);
+  put(&w->by_said, said, w->count);
+  put(&w->by_name, e->name, w->count);
+  put(&w->by_key, e->key, w->count);
+  free(said);
   w->count++;
   return VS_OK;
+}
+
+/* Marks what the elements K name. */
+static void mark_coupled(vs_elements *w) {
+  for (size_t k = 0; k < w->count; k++) {
+    const vs_element *e = &w->elements[k];
+    for (int n = 1; e->letter == 'k' && n < e->n_words; n++) {
+      char *word = vs_elements_word_of(w, e, n);
+      const vs_element *named = vs_elements_find(w, word);
+      if (named) w->elements[named - w->elements].coupled = true;
+      free(word);
+    }
+  }
 }
 
 vs_status vs_elements_read(vs_elements *w, const vs_listing *l, vs_error *err) {
@@ -263,40 +279,38 @@ vs_status vs_elements_read(vs_elements *w, const vs_listing *l, vs_error *err) {
   for (size_t k = 0; k < l->count && !status; k++)
     if (l->cards[k].kind == VS_CARD_ELEMENT && l->cards[k].depth == 0 && !l->cards[k].included)
       status = vs_error_carry_on(err, add_element(w, k, err));
+  mark_coupled(w);
   return status;
 }
 
 void vs_elements_free(vs_elements *w) {
   free(w->elements);
   free(w->nodes);
+  vs_names_free(&w->said);
+  vs_names_free(&w->names);
+  vs_names_free(&w->by_said);
+  vs_names_free(&w->by_name);
+  vs_names_free(&w->by_key);
   *w = (vs_elements){0};
 }
 
 const vs_element *vs_elements_find(const vs_elements *w, const char *name) {
-  const vs_element *found = NULL;
-  for (size_t k = 0; k < w->count && !found; k++) {
-    char *said = vs_elements_word_of(w, &w->elements[k], 0);
-    if (!strcasecmp(said, name) || !strcasecmp(w->elements[k].name, name)) found = &w->elements[k];
-    free(said);
-  }
-  for (size_t k = 0; k < w->count && !found; k++)
-    if (!strcasecmp(w->elements[k].key, name)) found = &w->elements[k];
-  return found;
+  size_t size = strlen(name), found = w->count, other;
+  vs_names_find(&w->by_said, name, size, &found);
+  if (vs_names_find(&w->by_name, name, size, &other) && other < found) found = other;
+  if (found == w->count) vs_names_find(&w->by_key, name, size, &found);
+  return found < w->count ? &w->elements[found] : NULL;
 }
 
 const vs_element *vs_elements_next(const vs_elements *w, const vs_element *e, int node) {
-  const vs_element *found = NULL;
-  if (w->nodes[node].ends != 2 || !strcmp(w->nodes[node].name, "0")) return NULL;
-  for (size_t k = 0; k < w->count; k++)
-    for (int n = 0; n < w->elements[k].n_nodes; n++)
-      if (w->elements[k].nodes[n] == node && &w->elements[k] != e) found = &w->elements[k];
-  return found;
+  const vs_elements_node *n = &w->nodes[node];
+  if (n->ends != 2 || !strcmp(n->name, "0")) return NULL;
+  const vs_element *first = &w->elements[n->at[0]], *last = &w->elements[n->at[1]];
+  return last != e ? last : first != e ? first : NULL;
 }
 
 bool vs_elements_is_taken(const vs_elements *w, const char *name) {
-  for (size_t k = 0; k < w->n_nodes; k++)
-    if (!strcasecmp(w->nodes[k].name, name)) return true;
-  return has_element(w, name, NULL);
+  return has(&w->names, name) || has(&w->by_name, name);
 }
 
 /* ---- renaming ---- */

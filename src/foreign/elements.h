@@ -5,6 +5,7 @@
 
 #include "base/text.h"
 #include "foreign/values.h"
+#include "memo/names.h"
 
 enum { VS_ELEMENTS_NODES = 24, VS_ELEMENTS_WORDS = 64, VS_ELEMENTS_NAME = 64 };
 
@@ -21,6 +22,7 @@ typedef struct vs_element {
                                 lines of the contract call it */
   vs_elements_word words[VS_ELEMENTS_WORDS];
   int n_words;
+  bool coupled;                 /* an element K names it */
   int n_nodes;                  /* words 1 to n_nodes are nodes */
   int nodes[VS_ELEMENTS_NODES]; /* indices into vs_elements.nodes */
 } vs_element;
@@ -30,6 +32,7 @@ typedef struct vs_elements_node {
   char name[VS_ELEMENTS_NAME]; /* as the deck does: lower case, letters and digits and '_'; "0" */
   bool named;                  /* by a person, and not by the program that wrote the netlist */
   int ends;                    /* how many ends of elements meet there */
+  size_t at[2];                /* whose the first and the last of them are, as indices */
 } vs_elements_node;
 
 /* Begins as {0}; ends with vs_elements_free. */
@@ -39,6 +42,8 @@ typedef struct vs_elements {
   size_t count;
   vs_elements_node *nodes;
   size_t n_nodes;
+  vs_names said, names;              /* indices of nodes by what netlist and deck call them */
+  vs_names by_said, by_name, by_key; /* the same of elements; of several, the first */
 } vs_elements;
 
 /* Error, with its place: a line that is no element. */

@@ -15,7 +15,7 @@ typedef struct finder {
 } finder;
 
 static vs_where file_of(const finder *f) {
-  return (vs_where){.file = f->w->listing->files[0]};
+  return (vs_where){f->w->listing->files[0], 1, 1};
 }
 
 /* The element that an option names. Error: there is none. */
@@ -313,19 +313,6 @@ static bool value_of(const finder *f, const vs_element *e, double *value) {
   return known;
 }
 
-static bool is_coupled(const finder *f, const vs_element *coil) {
-  bool coupled = false;
-  for (size_t k = 0; k < f->w->count && !coupled; k++) {
-    const vs_element *e = &f->w->elements[k];
-    for (int n = 1; e->letter == 'k' && n < e->n_words; n++) {
-      char *word = vs_elements_word_of(f->w, e, n);
-      coupled = coupled || vs_elements_find(f->w, word) == coil;
-      free(word);
-    }
-  }
-  return coupled;
-}
-
 /* True where something lies across the inductor within its own line: Rpar=, Cpar= of LTspice's. One
  * of 0 is no part. */
 static bool has_across(const finder *f, const vs_element *coil) {
@@ -389,7 +376,7 @@ static vs_status set_coil(finder *f, const vs_element *l, const vs_element *r) {
   vs_roles *roles = f->roles;
   vs_where where = vs_elements_where(f->w, l, 0);
   double own = 0;
-  if (is_coupled(f, l))
+  if (l->coupled)
     return vs_fail_at(f->err, where,
                       "%s is coupled with another inductor (K...); the EVA's coil is a branch of "
                       "its own: --coil names it",
@@ -453,7 +440,7 @@ static vs_status find_coil(finder *f, const char *asked) {
   if (asked) return set_named_coil(f, asked);
   for (size_t k = 0; k < f->w->count; k++) {
     const vs_element *e = &f->w->elements[k];
-    if (e->letter != 'l' || is_coupled(f, e)) continue;
+    if (e->letter != 'l' || e->coupled) continue;
     const vs_element *r = resistor_of(f, e);
     vs_text_add(&all, "%s%s%s%s", count++ ? ", " : "", e->name, r ? "+" : "", r ? r->name : "");
     found = e;

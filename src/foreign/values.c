@@ -62,7 +62,8 @@ bool vs_values_number(const vs_values *v, const char *text, double *number) {
 
 /* ---- expressions ---- */
 
-enum { NAMES = 64, NESTED = 20 };
+/* Each level takes some kilobytes of the stack or the heap. */
+enum { NAMES = 64, NESTED = 200 };
 
 /* The names that an expression uses, in the order of their indices. */
 typedef struct names {
@@ -81,17 +82,26 @@ static int take_name(void *ctx, const char *at, const char *name) {
 }
 
 const vs_value_param *vs_values_find(const vs_values *v, const char *name) {
-  for (size_t k = v->count; k-- > 0;) /* the last one counts */
-    if (!strcasecmp(v->item[k].name, name)) return &v->item[k];
-  return NULL;
+  size_t k;
+  return vs_names_find(&v->names, name, strlen(name), &k) ? &v->item[k] : NULL;
 }
 
 static bool evaluate(const vs_values *v, const char *text, int level, double *value);
 
+/* Finds out what a parameter is, once. One that needs itself is not known. */
+static void settle(const vs_values *v, vs_value_param *p, int level) {
+  if (p->tried) return;
+  p->tried = true;
+  p->known = evaluate(v, p->text, level, &p->value);
+}
+
 static bool value_of_name(const vs_values *v, const char *name, int level, double *value) {
-  const vs_value_param *p = vs_values_find(v, name);
+  size_t k;
   *value = M_PI;
-  return p ? evaluate(v, p->text, level + 1, value) : !strcmp(name, "pi");
+  if (!vs_names_find(&v->names, name, strlen(name), &k)) return !strcmp(name, "pi");
+  settle(v, &v->item[k], level + 1);
+  *value = v->item[k].value;
+  return v->item[k].known;
 }
 
 /* The expression without its braces or quotes: a copy. */
@@ -150,12 +160,13 @@ bool vs_values_of(const vs_values *v, const char *text, double *value) {
 
 static void add_param(vs_values *v, const char *name, size_t name_size, const char *text,
                       size_t size, size_t card) {
-  v->item = vs_resize(v->item, v->count + 1, sizeof *v->item);
-  vs_value_param *p = &v->item[v->count++];
+  v->item = vs_alloc_grow(v->item, v->count, sizeof *v->item);
+  vs_value_param *p = &v->item[v->count];
   *p = (vs_value_param){.card = card, .text = vs_alloc(size + 1, 1)};
   memcpy(p->text, text, size);
   snprintf(p->name, sizeof p->name, "%.*s", (int)name_size, name);
   vs_cursor_lower(p->name);
+  vs_names_put(&v->names, p->name, v->count++); /* the last one counts */
 }
 
 static bool is_name(char c) {
@@ -210,13 +221,15 @@ void vs_values_read(vs_values *v, const vs_listing *l) {
   }
   for (size_t k = 0; k < v->count; k++) {
     vs_value_param *p = &v->item[k];
-    p->number = vs_values_number(v, p->text, &p->value);
-    p->known = p->number || vs_values_of(v, p->text, &p->value);
+    double value;
+    p->number = vs_values_number(v, p->text, &value);
+    settle(v, p, 0);
   }
 }
 
 void vs_values_free(vs_values *v) {
   for (size_t k = 0; k < v->count; k++) free(v->item[k].text);
   free(v->item);
+  vs_names_free(&v->names);
   *v = (vs_values){0};
 }

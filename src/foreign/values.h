@@ -7,6 +7,7 @@
 #include <stddef.h>
 
 #include "foreign/listing.h"
+#include "memo/names.h"
 
 enum { VS_VALUES_NAME = 64 };
 
@@ -15,6 +16,7 @@ typedef struct vs_value_param {
   char name[VS_VALUES_NAME]; /* in lower case */
   char *text;                /* what it is set to, as written; owned */
   double value;
+  bool tried;  /* whether it is known has been found out */
   bool known;  /* `value` is its value: a number, or an expression of numbers */
   bool number; /* it is written as a number */
   size_t card; /* index of its line */
@@ -24,6 +26,7 @@ typedef struct vs_value_param {
 typedef struct vs_values {
   vs_value_param *item; /* owned */
   size_t count;
+  vs_names names;            /* index of the last one of each name */
   bool rkm;                  /* 4k7 means 4.7k, as LTspice and KiCad read it */
   const vs_listing *listing; /* of its lines .func; borrowed */
 } vs_values;

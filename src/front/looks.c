@@ -2,9 +2,13 @@
 #include "front/looks.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "acceptance/acceptance.h"
+#include "base/jail.h"
+#include "base/path.h"
 #include "command/check.h"
 #include "command/modes.h"
 #include "guide/fresh.h"
@@ -22,8 +26,33 @@ static vs_status check_study(const vs_check_options *o, vs_text *good, vs_error 
   return vs_inspect_study(o, vs_methods_all, good, err);
 }
 
+/* A file is read more than once: for its kind, for what it says, for the lines that messages quote.
+ * A pipe gives its text once. /dev/stdin of a file is called as the file is, whose ending tells the
+ * kind; `path` has room for that. */
+static vs_status find_file(const char **name, char path[VS_PATH_SIZE], vs_error *err) {
+  static const char DEVICES[] = "/dev/";
+  struct stat s;
+  if (stat(*name, &s)) return VS_OK;
+  if (!S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode))
+    return vs_fail(err, VS_INPUT,
+                   "%s is a pipe or a device; check reads a file more than once: write it to a "
+                   "file, with the ending of its kind (.yaml, .cir, .inc)",
+                   *name);
+  char *real = strncmp(*name, DEVICES, sizeof DEVICES - 1) ? NULL : realpath(*name, NULL);
+  if (real && strlen(real) < VS_PATH_SIZE) {
+    snprintf(path, VS_PATH_SIZE, "%s", real);
+    vs_jail_allow_named(path);
+    *name = path;
+  }
+  free(real);
+  return VS_OK;
+}
+
 static vs_status check(const vs_arguments *a, vs_error *err) {
   const char *name = vs_command_name(a);
+  char path[VS_PATH_SIZE];
+  vs_status status = find_file(&name, path, err);
+  if (status) return status;
   const vs_check_options o = {.name = name,
                               .sets = a->sets,
                               .n_sets = a->n_sets,

@@ -4,7 +4,7 @@
 #define VS_FRONT_OPTIONS_H
 
 #include "command/command.h"
-#include "scene/tiers.h"
+#include "tier/tiers.h"
 
 #define VS_OPTIONS_TIER                                                                            \
   VS_COMMAND_VALUE("tier", VS_KEY_TIER, "NAME", VS_TIER_WORDS "; over the scene's run.tier")

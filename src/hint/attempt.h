@@ -36,7 +36,7 @@ typedef struct vs_attempt_plan {
   size_t n_watched;          /* at most VS_ATTEMPT_WATCHES */
 } vs_attempt_plan;
 
-/* What comes of it. Numbers are in the order of channels (sim/channel.h), SI. */
+/* What comes of it. Numbers are in the order of channels (setup/channel.h), SI. */
 typedef struct vs_attempt {
   vs_status status;  /* VS_OK: it went on to its end or its limit */
   bool cut;          /* by the limit */

@@ -90,7 +90,7 @@ static bool is_none(vs_word value) {
 
 /* A switch whose model gives no hysteresis, or none but 0. */
 static void look_at_switch(const vs_wiring *w, const vs_wire *wire, vs_comparators *all) {
-  const vs_line *model = wire->model ? vs_wiring_statement(w->deck, ".model", wire->model) : NULL;
+  const vs_line *model = wire->model ? vs_wiring_statement(w, ".model", wire->model) : NULL;
   vs_word whole, value, level = {"0", 1};
   char text[256];
   if (!model || !wire->law) return;

@@ -38,13 +38,32 @@ static char *copy_word(vs_word w) {
   return copy;
 }
 
-const vs_line *vs_wiring_statement(const vs_deck *deck, const char *statement, const char *name) {
+/* Lists the first line of each model and subcircuit. */
+static void list_statements(vs_wiring *wiring) {
+  static const char *const LISTED[] = {".model", ".subckt"};
+  const vs_deck *deck = wiring->deck;
   vs_word w[VS_WORDS_MOST];
   for (size_t k = 0; k < deck->n_lines; k++)
-    if (begins(&deck->lines[k], statement) && vs_words_split(deck->lines[k].text, w) > 1 &&
-        (w[1].n = strcspn(w[1].at, " \t(")) > 0 && vs_words_is(w[1], name))
-      return &deck->lines[k];
-  return NULL;
+    for (size_t i = 0; i < sizeof LISTED / sizeof *LISTED; i++) {
+      if (!begins(&deck->lines[k], LISTED[i]) || vs_words_split(deck->lines[k].text, w) < 2 ||
+          (w[1].n = strcspn(w[1].at, " \t(")) == 0)
+        continue;
+      vs_text key = {0};
+      vs_text_add(&key, "%s %.*s", LISTED[i], (int)w[1].n, w[1].at);
+      if (!vs_names_find(&wiring->statements, key.text, key.length, NULL))
+        vs_names_put(&wiring->statements, key.text, k);
+      vs_text_free(&key);
+    }
+}
+
+const vs_line *vs_wiring_statement(const vs_wiring *wiring, const char *statement,
+                                   const char *name) {
+  vs_text key = {0};
+  size_t k;
+  vs_text_add(&key, "%s %s", statement, name);
+  bool found = vs_names_find(&wiring->statements, key.text, key.length, &k);
+  vs_text_free(&key);
+  return found ? &wiring->deck->lines[k] : NULL;
 }
 
 static bool is_global(const vs_deck *deck, vs_word name) {
@@ -58,10 +77,11 @@ static bool is_global(const vs_deck *deck, vs_word name) {
 }
 
 static int take_node(vs_wiring *w, const char *name) {
-  for (size_t k = 0; k < w->n_nodes; k++)
-    if (!strcmp(w->nodes[k], name)) return (int)k;
-  w->nodes = vs_resize(w->nodes, w->n_nodes + 1, sizeof *w->nodes);
+  size_t known;
+  if (vs_names_find(&w->numbers, name, strlen(name), &known)) return (int)known;
+  w->nodes = vs_alloc_grow(w->nodes, w->n_nodes, sizeof *w->nodes);
   snprintf(w->nodes[w->n_nodes], sizeof *w->nodes, "%s", name);
+  vs_names_put(&w->numbers, name, w->n_nodes);
   return (int)w->n_nodes++;
 }
 
@@ -166,7 +186,7 @@ static void take_law(const scope *s, vs_wire *wire, const vs_word *w, size_t cou
 
 /* ---- elements ---- */
 
-static int count_pins(const vs_deck *deck, char letter, const vs_word *w, size_t count) {
+static int count_pins(const vs_wiring *wiring, char letter, const vs_word *w, size_t count) {
   static const char LETTERS[] = "rclvidbfhwegstjqmzuo", COUNTS[] = "22222222222224334334";
   const char *at = strchr(LETTERS, letter);
   if (!at) return 0;
@@ -174,7 +194,7 @@ static int count_pins(const vs_deck *deck, char letter, const vs_word *w, size_t
   if (letter != 'q' && letter != 'm') return pins;
   for (size_t k = 4; k < count && k < 8; k++) { /* a substrate, a bulk and more may follow */
     char *name = copy_word(w[k]);
-    bool model = vs_wiring_statement(deck, ".model", name);
+    bool model = vs_wiring_statement(wiring, ".model", name);
     free(name);
     if (model) return (int)k - 1;
   }
@@ -202,8 +222,7 @@ static vs_wire *begin_wire(const scope *s, const vs_line *line, vs_word name) {
 static void open_element(const scope *s, const vs_line *line) {
   vs_word w[VS_WORDS_MOST];
   size_t count = vs_words_split(line->text, w);
-  int pins =
-      count ? count_pins(s->wiring->deck, (char)tolower((unsigned char)*line->text), w, count) : 0;
+  int pins = count ? count_pins(s->wiring, (char)tolower((unsigned char)*line->text), w, count) : 0;
   if (pins == 0 || (size_t)pins >= count) return;
   vs_wire *wire = begin_wire(s, line, w[0]);
   for (int k = 0; k < pins; k++) wire->pins[wire->n_pins++] = node_of(s, w[k + 1]);
@@ -259,7 +278,7 @@ static void open_instance(const scope *s, const vs_line *line) {
   vs_word w[VS_WORDS_MOST];
   size_t count = vs_words_split(line->text, w), pins = 0;
   char *kind = subcircuit_of(deck, line, &name);
-  const vs_line *head = vs_wiring_statement(deck, ".subckt", kind);
+  const vs_line *head = vs_wiring_statement(s->wiring, ".subckt", kind);
   while (name && pins + 1 < count && w[pins + 1].at < name) pins++;
   free(kind);
   if (head && s->depth < MOST_DEPTH) {
@@ -315,6 +334,7 @@ static void open_lines(const scope *s, size_t from, size_t to) {
 void vs_wiring_open(vs_wiring *w, const vs_deck *deck) {
   *w = (vs_wiring){.deck = deck, .whole = true};
   const scope top = {.wiring = w};
+  list_statements(w);
   take_node(w, "0");
   open_lines(&top, 0, deck->n_lines);
 }
@@ -326,6 +346,8 @@ void vs_wiring_free(vs_wiring *w) {
   }
   free(w->wires);
   free(w->nodes);
+  vs_names_free(&w->numbers);
+  vs_names_free(&w->statements);
   *w = (vs_wiring){0};
 }
 

@@ -5,6 +5,7 @@
 #define VS_HINT_WIRING_H
 
 #include "deck/deck.h"
+#include "memo/names.h"
 
 enum { VS_WIRING_PINS = 24, VS_WIRING_LOOKS = 24, VS_WIRING_NAME = 128 };
 
@@ -30,6 +31,8 @@ typedef struct vs_wiring {
   size_t count;
   char (*nodes)[VS_WIRING_NAME]; /* their names as the solver has them, in lower case */
   size_t n_nodes;
+  vs_names numbers;    /* of the nodes */
+  vs_names statements; /* the deck's first line of each ".model dx" and ".subckt x", from 0 */
   bool
       whole; /* false: there were more than can be looked through, or instances within themselves */
 } vs_wiring;
@@ -40,7 +43,8 @@ void vs_wiring_free(vs_wiring *wiring);
 
 /* The line of the deck that begins with this statement and name, as ".model dx"; NULL: none does.
  */
-const vs_line *vs_wiring_statement(const vs_deck *deck, const char *statement, const char *name);
+const vs_line *vs_wiring_statement(const vs_wiring *wiring, const char *statement,
+                                   const char *name);
 
 /* True where the element's law looks at the current of that voltage source. */
 bool vs_wiring_senses(const vs_wire *wire, const vs_wire *source);

@@ -16,7 +16,7 @@ static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_
 }
 
 const vs_tier vs_analytic_tier = {
-    .name = vs_setup_tier_words[VS_TIER_ANALYTIC],
+    .name = vs_manner_tier_words[VS_TIER_ANALYTIC],
     .text = "Eq. 91 with L(0), F = k_i i^2: the paper's own simulation; mechanics only",
     .finest = 1e-10,
     .gap_at_rest = true,

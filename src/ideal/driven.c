@@ -99,3 +99,10 @@ void vs_driven_find_large(vs_driven *d, bool valve) {
   }
   vs_driven_find_coordinates(d);
 }
+
+double vs_driven_mains_turn(const vs_driven *d, bool disturbed, double most_s) {
+  const vs_wave *u = &d->mains;
+  if (!u->count) return INFINITY;
+  if (!disturbed) return (M_PI - u->sine[0].phase_rad) / u->sine[0].omega_rad_s;
+  return fmin(vs_wave_turns(u, -1, d->since_s, most_s), most_s); /* NaN: it does not */
+}

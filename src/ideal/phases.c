@@ -8,6 +8,7 @@
 #include "actuator/coil.h"
 #include "drive/firing.h"
 #include "drive/gate.h"
+#include "ideal/ending.h"
 #include "ideal/general.h"
 #include "ideal/glide.h"
 #include "ideal/propagator.h"
@@ -80,14 +81,6 @@ static vs_status show(phases *p, vs_event event, vs_error *err) {
   return show_step(p, &step, err);
 }
 
-/* Returns when u falls through zero next, in local time, or `most_s` where that comes first. */
-static double mains_turn(const phases *p, double most_s) {
-  const vs_wave *u = &p->driven.mains;
-  if (!u->count) return INFINITY;
-  if (!p->disturbed) return (M_PI - u->sine[0].phase_rad) / u->sine[0].omega_rad_s;
-  return fmin(vs_wave_turns(u, -1, p->since_s, most_s), most_s); /* NaN: it does not */
-}
-
 /* A conduction begins. What is large for lambda is then what u builds up until it falls or changes,
  * or what lambda was before, if that is more. */
 static void rescale(phases *p, double t_s) {
@@ -131,124 +124,26 @@ static vs_status turn_over(phases *p, bool conducting, unsigned touched, vs_even
   return show(p, event, err);
 }
 
-/* Relative to what is large: the rounding of lambda's series. Relative to the largest so far: a
- * flux linkage that is over, where 0 V would let it die away for ever. */
-static const double NOTHING = 1e-14, OVER = 1e-9;
+/* Relative to the largest so far: a flux linkage that is over, where 0 V would let it die away for
+ * ever. */
+static const double OVER = 1e-9;
 
-/* ---- what may end a stretch of motion: a quantity that falls through zero ---- */
-
-typedef enum ending_kind { GOES_ON, FLUX_ENDS, CONTACT_BEGINS, CONTACT_ENDS } ending_kind;
-typedef struct ending {
-  ending_kind kind;
-  int stop; /* of a contact, which of the model's */
-} ending;
-
-/* Returns an instant in the step to the knot to come at which the armature is in this stop, which
- * it was not: the step's end, or the deepest travel on the way where that turns inside it. NaN:
- * none. */
-static double first_contact(const phases *p, const vs_stop *stop) {
-  const vs_model *m = p->driven.frame->model;
-  const vs_knot *from = &p->knots[p->now], *to = &p->knots[1 - p->now];
-  int dof = m->dof, side = stop->side;
-  if (vs_stop_depth(stop, vs_mechanics_travel(m, to->x)) > 0) return to->t_s;
-  if (side * vs_mechanics_travel(m, from->x + dof) >= 0 ||
-      side * vs_mechanics_travel(m, to->x + dof) <= 0)
-    return NAN;
-  const vs_step step = {.frame = p->driven.frame, .from = from, .to = to};
-  double lo = from->t_s, hi = to->t_s, y[VS_CH_MOST];
-  for (int n = 0; n < 50; n++) {
-    double mid = (lo + hi) / 2;
-    vs_step_groups_at(&step, mid, VS_GROUP_VELOCITIES, y);
-    if (side * vs_mechanics_travel(m, y + vs_channel_rates(m)) < 0)
-      lo = mid;
-    else
-      hi = mid;
-  }
-  vs_step_groups_at(&step, hi, 0, y);
-  return vs_stop_depth(stop, y[VS_CH_TRAVEL]) > 0 ? hi : NAN;
+/* The step to the knot to come. */
+static vs_taken taken(const phases *p) {
+  return (vs_taken){.driven = &p->driven,
+                    .series = &p->series,
+                    .from = &p->knots[p->now],
+                    .to = &p->knots[1 - p->now],
+                    .valve = p->valve,
+                    .disturbed = p->disturbed};
 }
 
-/* Does the armature meet a stop in the step to the knot to come? */
-static bool meets(const phases *p) {
-  const vs_stops *stops = &p->driven.frame->model->stops;
-  for (int k = 0; k < stops->count && !p->driven.held; k++)
-    if (!(p->driven.touched >> k & 1) && !isnan(first_contact(p, &stops->item[k]))) return true;
-  return false;
-}
-
-static double ending_value(const phases *p, ending e, double at_s, double *rate) {
-  if (e.kind == FLUX_ENDS) return vs_series_flux(&p->series, at_s, rate);
-  const vs_stop *stop = &model_of(p)->stops.item[e.stop];
-  int sign = e.kind == CONTACT_BEGINS ? stop->side : -stop->side;
-  double way = vs_series_travel(&p->series, at_s, rate) - stop->at_m;
-  *rate *= sign;
-  return sign * way;
-}
-
-/* Returns when the quantity falls through zero, in seconds from the last knot. It does so between
- * `lower` and `upper`. Newton's iteration on the series. */
-static double locate(const phases *p, ending e, double lower, double upper) {
-  double nothing = 1e-15 * (e.kind == FLUX_ENDS ? p->driven.flux_wb : model_of(p)->actuator.gap_m);
-  double at = upper;
-  for (int n = 0; n < 60; n++) {
-    double rate, value = ending_value(p, e, at, &rate);
-    if (fabs(value) <= nothing || upper - lower <= 1e-15 * (p->since_s + at)) break;
-    if (value > 0)
-      lower = at;
-    else
-      upper = at;
-    double next = at - value / rate;
-    at = next > lower && next < upper ? next : (lower + upper) / 2;
-  }
-  return at;
-}
+/* ---- anything at all, by Taylor series or by steps ---- */
 
 static void make_series(phases *p, double span_s) {
   p->driven.since_s = p->since_s;
   vs_series_make(&p->driven, &p->knots[p->now], span_s, &p->series);
 }
-
-/* Does a conduction end in the step to the knot to come, and between which two instants, in seconds
- * from the last knot? Undisturbed u > 0 until its next zero, and so lambda > 0 there: the zero of
- * lambda lies behind it. Disturbed, the series itself is asked for its first fall. */
-static bool flux_ends(const phases *p, double full_s, double *lower_s, double *upper_s) {
-  double turn;
-  if (!p->driven.conducting || !p->valve) return false;
-  if (p->disturbed)
-    return vs_series_flux_falls(&p->series, full_s, NOTHING * p->driven.flux_wb, lower_s, upper_s);
-  turn = mains_turn(p, INFINITY) - p->since_s;
-  *lower_s = fmax(turn, 0);
-  *upper_s = full_s;
-  return p->knots[1 - p->now].flux_wb <= 0 && full_s >= turn;
-}
-
-/* Returns which ending comes first in the step just taken along the series, which is `*length` long
- * and whose end the knot to come has. *length becomes the time to that ending. */
-static ending find_ending(const phases *p, double *length) {
-  double full = *length, lower, upper;
-  const vs_knot *from = &p->knots[p->now], *to = &p->knots[1 - p->now];
-  const vs_model *m = p->driven.frame->model;
-  ending found = {GOES_ON, 0};
-  if (flux_ends(p, full, &lower, &upper)) {
-    found.kind = FLUX_ENDS;
-    *length = locate(p, found, lower, upper);
-  }
-  for (int k = 0; k < m->stops.count && !p->driven.held; k++) {
-    const vs_stop *stop = &m->stops.item[k];
-    bool inside = p->driven.touched >> k & 1;
-    bool leaves = inside && !(vs_stop_depth(stop, vs_mechanics_travel(m, to->x)) > 0);
-    double contact = inside ? NAN : first_contact(p, stop);
-    if (!leaves && isnan(contact)) continue;
-    ending change = {leaves ? CONTACT_ENDS : CONTACT_BEGINS, k};
-    double at = locate(p, change, 0, leaves ? full : contact - from->t_s);
-    if (found.kind != GOES_ON && *length < at) continue;
-    *length = at;
-    found = change;
-  }
-  return found;
-}
-
-/* ---- anything at all, by Taylor series or by steps ---- */
 
 /* By which factor the books of energy ask lambda to be better than `rough` says. The voltage of
  * harmonics, whose product with the current the books take, is larger than their share in lambda,
@@ -311,7 +206,9 @@ static double choose_length(phases *p, double left_s) {
   double length = make_motion(p, left_s);
   if (!(length > 1e-15 * (p->since_s + left_s))) return 0;
   /* a knot near the largest flux, however short the conduction */
-  double turn = p->driven.conducting && p->since_s == 0 ? mains_turn(p, length) : 0;
+  double turn = p->driven.conducting && p->since_s == 0
+                    ? vs_driven_mains_turn(&p->driven, p->disturbed, length)
+                    : 0;
   if (turn > 0) length = fmin(length, turn);
   if (length >= left_s) return left_s;
   return 2 * length > left_s ? left_s / 2 : length;
@@ -319,12 +216,13 @@ static double choose_length(phases *p, double left_s) {
 
 /* Fills the knot to come, *length on by the series or where an ending comes first; *length becomes
  * the time to it. */
-static ending go_by_series(phases *p, double *length) {
+static vs_ending go_by_series(phases *p, double *length) {
   double y[VS_CONDUCTING];
   vs_series_at(&p->series, *length, y);
   fill(p, p->since_s + *length, y);
-  ending e = find_ending(p, length);
-  if (e.kind == GOES_ON) return (ending){is_over(p) ? FLUX_ENDS : GOES_ON, 0};
+  const vs_taken step = taken(p);
+  vs_ending e = vs_ending_find(&step, length);
+  if (e.kind == VS_GOES_ON) return (vs_ending){is_over(p) ? VS_FLUX_ENDS : VS_GOES_ON, 0};
   vs_series_at(&p->series, *length, y);
   fill(p, p->since_s + *length, y);
   return e;
@@ -333,24 +231,24 @@ static ending go_by_series(phases *p, double *length) {
 /* Goes by series until end_s, or until the thyristor goes out, or the armature meets or leaves its
  * stop. */
 static vs_status drive_until(phases *p, double end_s, vs_error *err) {
-  static const vs_event EVENT[] = {[GOES_ON] = VS_EV_NONE,
-                                   [FLUX_ENDS] = VS_EV_EXTINCT,
-                                   [CONTACT_BEGINS] = VS_EV_MEETS_STOP,
-                                   [CONTACT_ENDS] = VS_EV_LEAVES_STOP};
+  static const vs_event EVENT[] = {[VS_GOES_ON] = VS_EV_NONE,
+                                   [VS_FLUX_ENDS] = VS_EV_EXTINCT,
+                                   [VS_CONTACT_BEGINS] = VS_EV_MEETS_STOP,
+                                   [VS_CONTACT_ENDS] = VS_EV_LEAVES_STOP};
   double end = end_s - p->began_s;
   while (p->since_s < end) {
     double left = end - p->since_s, length = choose_length(p, left);
     if (!(length > 0))
       return vs_fail(err, VS_RUN, "t = %.9g s: no step is short enough", p->knots[p->now].t_s);
-    ending e = go_by_series(p, &length);
+    vs_ending e = go_by_series(p, &length);
     bool done = length == left;
     p->since_s += length;
     if (done) p->knots[1 - p->now].t_s = end_s;
     vs_status status = show(p, EVENT[e.kind], err);
-    if (status || (done && e.kind == GOES_ON)) return status;
-    if (e.kind == GOES_ON) continue;
-    bool conducting = p->driven.conducting && e.kind != FLUX_ENDS;
-    unsigned touched = p->driven.touched ^ (e.kind == FLUX_ENDS ? 0 : 1u << e.stop);
+    if (status || (done && e.kind == VS_GOES_ON)) return status;
+    if (e.kind == VS_GOES_ON) continue;
+    bool conducting = p->driven.conducting && e.kind != VS_FLUX_ENDS;
+    unsigned touched = p->driven.touched ^ (e.kind == VS_FLUX_ENDS ? 0 : 1u << e.stop);
     return turn_over(p, conducting, touched, VS_EV_NONE, err);
   }
   return VS_OK;
@@ -393,7 +291,8 @@ static vs_status swing_until(phases *p, double end_s, vs_error *err) {
     double since = began + (k + steps) * p->longest_s;
     vs_propagator_leap(&p->propagator, steps, p->knots[p->now].x, y);
     fill(p, since, y);
-    if (!left && meets(p)) return drive_until(p, end_s, err);
+    const vs_taken step = taken(p);
+    if (!left && vs_ending_meets(&step)) return drive_until(p, end_s, err);
     p->since_s = since;
     status = left ? show_glide(p, glide, err) : show(p, VS_EV_NONE, err);
   }

@@ -12,7 +12,7 @@ static vs_status run(const vs_setup *setup, const vs_run_order *order, const vs_
 }
 
 const vs_tier vs_switched_tier = {
-    .name = vs_setup_tier_words[VS_TIER_SWITCHED],
+    .name = vs_manner_tier_words[VS_TIER_SWITCHED],
     .text = "ideal thyristor, L(z), F = lambda^2/(4a): mechanics, energy, big sweeps",
     .finest = 1e-10,
     .automatic = true,

@@ -319,7 +319,7 @@ static void note_origin(writer *b, const vs_card *card) {
   vs_copying *body = b->body;
   for (; b->counted < body->text.length; b->counted++)
     b->lines += body->text.text[b->counted] == '\n';
-  body->origins = vs_resize(body->origins, body->count + 1, sizeof *body->origins);
+  body->origins = vs_alloc_grow(body->origins, body->count, sizeof *body->origins);
   body->origins[body->count++] = (vs_copying_origin){b->lines + 1, card->where};
 }
 

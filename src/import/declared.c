@@ -94,7 +94,7 @@ void vs_declared_note(vs_declared_notes *notes, const char *format, ...) {
   va_start(list, format);
   vsnprintf(line, sizeof line, format, list);
   va_end(list);
-  notes->item = vs_resize(notes->item, notes->count + 1, sizeof *notes->item);
+  notes->item = vs_alloc_grow(notes->item, notes->count, sizeof *notes->item);
   notes->item[notes->count++] = vs_copy(line);
 }
 

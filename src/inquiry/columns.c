@@ -141,8 +141,9 @@ static vs_status find_cell(const vs_csv *csv, const char *name, const char *unit
                         *unit ? unit : "a pure number", name, *unit ? unit : "", name, unit);
     if (isnan(f)) continue;
     if (*cell >= 0)
-      return vs_fail_at(err, csv->where[k], "column '%s': %s stands here a second time",
-                        csv->cell[k], name);
+      return vs_fail_at(err, csv->where[k],
+                        "column '%s': %s stands here a second time; leave one out", csv->cell[k],
+                        name);
     *cell = (int)k;
     *factor = f;
   }

@@ -70,7 +70,7 @@ static vs_status shorten(vs_inquiry_run *run, vs_error *err) {
   double last_s = r->samples[r->n_samples - 1].t_s;
   if (run->aims.count || !(last_s > 0) || last_s >= run->scene->setup.run.until_s) return VS_OK;
   snprintf(text, sizeof text, "%.17g s", last_s);
-  vs_tree_put(&run->scene->tree, "run.until", text, (vs_where){.file = r->path});
+  vs_tree_put(&run->scene->tree, "run.until", text, (vs_where){r->path, 1, 1});
   return vs_scene_again(run->scene, err);
 }
 
@@ -97,7 +97,7 @@ static vs_status read_run(vs_inquiry *q, const vs_node *own, const vs_node *hold
   run->scene = vs_alloc(1, sizeof *run->scene);
   vs_status status = read_scene(q, own, run->scene, err);
   if (!status && !measures && !data)
-    status = vs_fail_at(err, own ? own->where : (vs_where){.file = q->tree.name},
+    status = vs_fail_at(err, own ? own->where : (vs_where){q->tree.name, 1, 1},
                         "nothing was measured: measures or data is wanted");
   if (!status) status = read_steady(run, holder, err);
   if (!status && measures)
@@ -209,7 +209,7 @@ static vs_status read_unknowns(vs_inquiry *q, vs_error *err) {
   for (const vs_node *own = runs ? runs->child : NULL; own && !status; own = own->next)
     status = read_free(q, vs_tree_child(own, "free"), run++, err);
   if (!status && !q->n_unknowns)
-    status = vs_fail_at(err, (vs_where){.file = q->tree.name},
+    status = vs_fail_at(err, (vs_where){q->tree.name, 1, 1},
                         "nothing is free: free: {KEY: {from: A, to: B}} is wanted");
   if (!status) status = check_common(q, err);
   return status ? status : begin_at_starts(q, err);

@@ -33,7 +33,7 @@ static vs_status find_file(vs_recording *r, const vs_node *file, const char *bes
                            vs_error *err) {
   const char *slash = strrchr(beside, '/');
   if (!file || file->kind != VS_NODE_TEXT || !*file->text)
-    return vs_fail_at(err, file ? file->where : (vs_where){.file = beside},
+    return vs_fail_at(err, file ? file->where : (vs_where){beside, 1, 1},
                       "data: file: the name of a CSV file is wanted");
   snprintf(r->path, sizeof r->path, "%.*s%s",
            slash && *file->text != '/' ? (int)(slash - beside + 1) : 0, beside, file->text);
@@ -162,7 +162,10 @@ static vs_status read_row(rows *f, vs_error *err) {
   if (status) return status;
   double t_s = t * f->time_s;
   if (t_s <= f->before_s)
-    return vs_fail_at(err, where, "the time does not rise: %.9g s after %.9g s", t_s, f->before_s);
+    return vs_fail_at(
+        err, where,
+        "the time does not rise: %.9g s after %.9g s; rows come in the order of their times", t_s,
+        f->before_s);
   f->before_s = t_s;
   if (t_s < r->from_s || t_s > r->to_s) {
     r->outside++;

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "sim/channel.h"
+#include "setup/channel.h"
 #include "syntax/units.h"
 
 const vs_shelf vs_instrument_shelf = {"set of instruments", "instruments", ".yaml"};
@@ -90,7 +90,7 @@ static vs_status unknown_channel(const vs_instrument *i, const char *name, vs_wh
   int numbers[VS_CH_MOST], n = vs_channel_listed(full, numbers);
   if (vs_channel_find(full, name) >= 0)
     return vs_fail_at(err, where, "%s: channel %s exists only where a deck is run; take tier %s",
-                      i->path, name, vs_setup_tier_words[VS_TIER_CIRCUIT]);
+                      i->path, name, vs_manner_tier_words[VS_TIER_CIRCUIT]);
   if (full->deck->lost & VS_LOST_PROBE) return VS_OK; /* a check carries on: it may be that one */
   for (int k = 0; k < n; k++) names[k] = vs_channel_at(full, numbers[k]).name;
   const char *nearest = vs_text_nearest(name, names, (size_t)n);
@@ -243,7 +243,7 @@ static vs_status read_set(const char *name, vs_where where, vs_instruments *all,
   *map = vs_tree_child(all->tree.root, "instruments");
   if (*map && (*map)->kind == VS_NODE_MAP) return VS_OK;
   *map = NULL;
-  return vs_fail_at(err, (vs_where){.file = all->tree.name},
+  return vs_fail_at(err, (vs_where){all->tree.name, 1, 1},
                     "a map instruments: {NAME: {range: [-1, 1], ...}, ...} is wanted");
 }
 
@@ -324,11 +324,12 @@ void vs_instruments_free(vs_instruments *all) {
   all->count = 0;
 }
 
-const char *vs_instruments_names(const vs_node *section, int n) {
+const char *vs_instruments_names(const vs_node *section, const vs_node **at) {
   const bool is_map = section && section->kind == VS_NODE_MAP; /* else reading it refuses it */
-  for (const vs_node *i = is_map ? section->child : NULL; i; i = i->next) {
+  for (const vs_node *i = *at ? (*at)->next : is_map ? section->child : NULL; i; i = i->next) {
+    if (is_common(i->key) || is_word(i, vs_instruments_left_out)) continue;
     const vs_node *channel = vs_tree_child(i, "channel");
-    if (is_common(i->key) || is_word(i, vs_instruments_left_out) || n-- > 0) continue;
+    *at = i;
     return channel && channel->kind == VS_NODE_TEXT ? channel->text : i->key;
   }
   return NULL;

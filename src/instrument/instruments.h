@@ -13,7 +13,7 @@
 #define VS_INSTRUMENT_INSTRUMENTS_H
 
 #include "base/path.h"
-#include "sim/setup.h"
+#include "setup/setup.h"
 #include "syntax/field.h"
 
 enum {
@@ -84,9 +84,10 @@ vs_status vs_instruments_read(const vs_node *section, const vs_setup *setup, con
                               vs_instruments *instruments, vs_error *err);
 void vs_instruments_free(vs_instruments *instruments);
 
-/* The channel that the n-th instrument of the section names, from 0, without reading anything else;
- * NULL: the section names no more. Those of its set are not looked at. */
-const char *vs_instruments_names(const vs_node *section, int n);
+/* The channel that the section's next instrument names, without reading anything else; NULL: the
+ * section names no more. Those of its set are not looked at. *at: where the search is; it begins as
+ * NULL, and whoever asks again gives it back. */
+const char *vs_instruments_names(const vs_node *section, const vs_node **at);
 
 /* The frequency at which the scene's machine works, Hz: that of the firings, or of the mains where
  * nothing fires or only once. */

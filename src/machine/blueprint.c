@@ -169,7 +169,7 @@ static vs_status read_matrix(vs_machine *m, int sum, vs_error *err) {
   if (m->n_bodies) return VS_OK;
   if (!node && sum == VS_MACHINE_DAMPING) return VS_OK;
   if (!node)
-    return vs_fail_at(err, (vs_where){.file = m->tree.name},
+    return vs_fail_at(err, (vs_where){m->tree.name, 1, 1},
                       "%s is wanted: a list of rows, [[a, b], [c, d]], of a formula for each "
                       "pair of coordinates",
                       word);
@@ -218,7 +218,7 @@ static vs_status read_gap(vs_machine *m, vs_error *err) {
   if (!s) s = vs_outline_known_keys(map, "gap", GAP, err);
   if (s) return s;
   along = vs_tree_child(map, "along");
-  m->where_along = along ? along->key_where : map ? map->where : (vs_where){.file = m->tree.name};
+  m->where_along = along ? along->key_where : map ? map->where : (vs_where){m->tree.name, 1, 1};
   if (!is_map(along))
     return vs_fail_at(err, along ? along->where : m->where_along,
                       "gap: how the coordinates open it is wanted: gap: {along: {%s: 1}}",

@@ -60,7 +60,7 @@ static vs_status find_speeds(vs_model *model, vs_error *err) {
   vs_mode *modes = model->mode;
   if (!vs_mechanics_modes(model, modes))
     return vs_fail_at(
-        err, (vs_where){.file = model->machine->path},
+        err, (vs_where){model->machine->path, 1, 1},
         "the eigenvalues of the mechanics cannot be found; masses or springs are too unlike");
   double drive = 0;
   model->fastest_rad_s = model->working_rad_s = model->growth_1_s = 0;

@@ -167,7 +167,7 @@ vs_status vs_declare_coordinates(vs_machine *m, const vs_node *map, vs_error *er
   vs_status s = VS_OK;
   if (!map || map->kind != VS_NODE_MAP)
     return vs_error_carry_on(
-        err, vs_fail_at(err, map ? map->where : (vs_where){.file = m->tree.name},
+        err, vs_fail_at(err, map ? map->where : (vs_where){m->tree.name, 1, 1},
                         "coordinates are wanted: coordinates: {x: {unit: m, text: ...}, ...}"));
   for (const vs_node *n = map->child; n && !s; n = n->next)
     s = vs_error_carry_on(err, read_coordinate(m, n, err));
@@ -193,9 +193,10 @@ static vs_status take_unit(declaration *d, const vs_node *value, vs_error *err) 
   end += strspn(end, " ");
   snprintf(d->unit, sizeof d->unit, "%s", end == value->text ? "" : end);
   if (!vs_units_known(d->unit) || !vs_units_read(value->text, d->unit, &si, why, sizeof why))
-    return vs_fail_at(err, value->where,
-                      "%s: the default '%s' is not a number with a unit known here", d->what,
-                      value->text);
+    return vs_fail_at(
+        err, value->where,
+        "%s: the default '%s' is not a number with a unit known here; write it as '6 kg'", d->what,
+        value->text);
   return VS_OK;
 }
 

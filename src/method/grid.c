@@ -165,7 +165,7 @@ static vs_status read_list(vs_plan *plan, const vs_node *section, void **state, 
   vs_csv_free(&c.csv);
   fclose(f);
   if (!status && vs_error_count(err) == found && (!c.columns || !c.axis[0]->n_values))
-    status = vs_fail_at(err, (vs_where){.file = *state},
+    status = vs_fail_at(err, (vs_where){*state, 1, 1},
                         "a header row of scene keys and a row for each case are wanted");
   return status ? status : vs_plan_input(plan, path, err);
 }

@@ -28,7 +28,7 @@
 #include "base/text.h"
 #include "method/search.h"
 #include "method/span.h"
-#include "plan/plan.h"
+#include "plan/headings.h"
 #include "syntax/units.h"
 
 enum { PER_AXIS = 80, MOST_CANDIDATES = 10000, RATINGS = 16 };
@@ -90,7 +90,7 @@ static vs_status read_ratings(vs_plan *plan, const vs_node *section, snubber *s,
                           RATINGS);
     else
       s->ratings[s->n_ratings++] =
-          (rating){node, vs_plan_column(plan, node->key, node->where), NAN};
+          (rating){node, vs_headings_column(plan, node->key, node->where), NAN};
     status = vs_error_carry_on(err, status);
   }
   return status;
@@ -113,8 +113,8 @@ static vs_status read_prices(vs_plan *plan, const vs_node *section, snubber *s, 
     snprintf(measure, sizeof measure, "%s.%s", name + 1, c ? "v_peak" : "power");
     if (strlen(measure) >= VS_JUDGED_NAME)
       return vs_fail_at(err, axis->where, "snubber: the name is too long");
-    s->prices[s->n_design] =
-        (price){vs_plan_column(plan, measure, axis->where), c ? vs_units_factor(axis->unit) : 0};
+    s->prices[s->n_design] = (price){vs_headings_column(plan, measure, axis->where),
+                                     c ? vs_units_factor(axis->unit) : 0};
   }
   if (s->n_design) return VS_OK;
   return vs_fail_at(err, section->where,

@@ -21,7 +21,7 @@
 #include "base/text.h"
 #include "method/search.h"
 #include "method/span.h"
-#include "plan/plan.h"
+#include "plan/headings.h"
 #include "syntax/units.h"
 
 enum { PER_AXIS = 100, MOST_CASES = 100000 };
@@ -57,7 +57,7 @@ static vs_status read_aim(vs_plan *plan, const vs_node *section, worst *w, vs_er
                       "find.worst: 'max MEASURE' or 'min MEASURE' is wanted, for example 'max "
                       "thyristor.v_reverse'");
   snprintf(w->measure, sizeof w->measure, "%s", measure);
-  w->column = vs_plan_column(plan, w->measure, node->where);
+  w->column = vs_headings_column(plan, w->measure, node->where);
   return VS_OK;
 }
 

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "observe/place.h"
-#include "sim/channel.h"
+#include "setup/channel.h"
 
 #define AT(member) offsetof(vs_observing_values, member)
 static const vs_field KEYS[] = {

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/channel.h"
+#include "setup/channel.h"
 #include "syntax/units.h"
 
 /* ---- what an instrument measures ---- */

@@ -115,28 +115,36 @@ static int least_period(const vs_flight *f, const vs_orbit *o) {
 
 /* ---- what is refused ---- */
 
+/* The place of the scene's key. */
+static vs_where at(const vs_scene *s, const char *key) {
+  return vs_tree_place(s->tree.root, key);
+}
+
 vs_status vs_shooting_check(const vs_scene *s, int periods, vs_error *err) {
   const vs_timeline *line = &s->setup.timeline;
-  if (periods < 1)
-    return vs_fail(err, VS_INPUT, "an orbit of %d periods: allowed are 1 and more", periods);
+  if (periods < 1) return vs_fail(err, VS_INPUT, "--period %d: allowed: 1 and more", periods);
   if (vs_deck_has_port(&s->setup.deck, vs_port_is_modulated))
-    return vs_fail(err, VS_INPUT,
-                   "circuit.deck: the deck has a port pwm, for which no periodic orbit is sought; "
-                   "run it until it repeats, with means over its end as measure: {from: ..., "
-                   "to: ...} says");
+    return vs_fail_at(
+        err, at(s, "circuit.deck"),
+        "circuit.deck: the deck has a port pwm, for which no periodic orbit is sought; "
+        "run it until it repeats, with means over its end as measure: {from: ..., "
+        "to: ...} says");
   if (line->supply.direct)
-    return vs_fail(err, VS_INPUT, "supply.kind: step has no period, and so no periodic orbit");
+    return vs_fail_at(err, at(s, "supply.kind"),
+                      "supply.kind: step has no period, and so no periodic orbit; sine has one");
   if (line->events.count)
     return vs_fail_at(err, line->events.item[0].where,
                       "events.%s: a periodic orbit has no events; they strike a machine that runs "
                       "on it",
                       line->events.item[0].name);
   if (!line->firing.no_valve && !line->firing.every)
-    return vs_fail(err, VS_INPUT,
-                   "firing.every: a periodic orbit needs continuous firing, not 'once'");
+    return vs_fail_at(err, at(s, "firing.every"),
+                      "firing.every: a periodic orbit needs continuous firing, not 'once'; write "
+                      "firing.every: 1");
   if (!vs_firing_is_even(line))
-    return vs_fail(err, VS_INPUT,
-                   "firing.angle: a periodic orbit has one angle, and this is a table over time");
+    return vs_fail_at(err, at(s, "firing.angle"),
+                      "firing.angle: a periodic orbit has one angle, and this is a table over "
+                      "time; write one angle");
   return VS_OK;
 }
 
@@ -167,8 +175,7 @@ static vs_status judge(const vs_flight *f, const vs_shooting *how, const vs_orbi
   if (!how->quietly && o->n < how->periods)
     return vs_fail(
         err, VS_INPUT,
-        "an orbit of period %d was asked for; the one found repeats after %d already: write "
-        "--period %d",
+        "--period %d: the orbit that is found repeats after %d already; write --period %d",
         how->periods, o->n, o->n);
   return VS_OK;
 }
@@ -240,8 +247,8 @@ static vs_status refuse_subharmonic(vs_flight *f, const vs_shooting *how, const 
     memcpy(other.x, x, sizeof other.x);
     if (close_in(f, &other, &why) || other.n <= least || !other.stable) continue;
     return vs_fail(err, VS_INPUT,
-                   "an orbit of period %d was asked for; %s, and the machine runs on %s of period "
-                   "%d, which `steady --period %d` reports",
+                   "--period %d: of the orbits %s, and the machine runs on %s of period %d, which "
+                   "`steady --period %d` reports",
                    how->periods, found, other.n > how->periods ? "a subharmonic" : "one", other.n,
                    other.n);
   }
@@ -283,13 +290,15 @@ static vs_status seek(vs_flight *f, const vs_shooting *how, vs_orbit *o, vs_erro
 vs_status vs_shooting_seek(const vs_scene *scene, const vs_shooting *how, vs_orbit *o,
                            vs_error *err) {
   vs_status status = vs_shooting_check(scene, how->periods, err);
-  if (!status) status = vs_setup_require_fraction(&scene->setup, "an orbit", err);
+  if (!status)
+    status = vs_setup_require_fraction(&scene->setup, at(scene, "load.fraction"), "an orbit", err);
   *o = (vs_orbit){.n = how->periods};
   if (!status && scene->tier->has_circuit)
-    status = vs_fail(err, VS_INPUT,
-                     "tier %s: an orbit is shot for on an ideal tier, as the circuit's own state "
-                     "is not known",
-                     scene->tier->name);
+    status =
+        vs_fail_at(err, at(scene, "run.tier"),
+                   "tier %s: an orbit is shot for on an ideal tier, as the circuit's own state "
+                   "is not known",
+                   scene->tier->name);
   if (status) return status;
   vs_flight flight;
   vs_flight_begin(&flight, scene);

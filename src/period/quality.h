@@ -11,7 +11,7 @@
 #define VS_PERIOD_QUALITY_H
 
 #include "period/classes.h"
-#include "sim/setup.h"
+#include "setup/setup.h"
 #include "watch/extremes.h"
 
 enum { VS_QUALITY_MOST = 8 };

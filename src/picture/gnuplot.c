@@ -70,7 +70,10 @@ static vs_status between(const char *script, FILE *in, FILE *out, FILE *said, vs
   hand_on(said);
   if (WIFEXITED(how) && WEXITSTATUS(how) == 127)
     return vs_fail(err, VS_RUN, "gnuplot is not installed (Debian package gnuplot-nox)");
-  return how ? vs_fail(err, VS_RUN, "gnuplot failed (status %d)", how) : VS_OK;
+  if (WIFSIGNALED(how))
+    return vs_fail(err, VS_RUN, "gnuplot ended by signal %d (%s)", WTERMSIG(how),
+                   strsignal(WTERMSIG(how)));
+  return how ? vs_fail(err, VS_RUN, "gnuplot failed (status %d)", WEXITSTATUS(how)) : VS_OK;
 }
 
 /* All of a file from its beginning. */

@@ -146,7 +146,8 @@ static vs_status take_curve(reader *r, const char *name, int column, vs_error *e
   }
   if (!c) return unknown_column(r, name, err);
   if (vs_overlay_find(r->overlay, c->name))
-    return vs_fail_at(err, r->at, "column '%s': %s stands here a second time", name, c->name);
+    return vs_fail_at(err, r->at, "column '%s': %s stands here a second time; leave one out", name,
+                      c->name);
   vs_overlay_curve *curve = &r->overlay->curves[r->overlay->count++];
   *curve = (vs_overlay_curve){.column = column, .factor = factor};
   snprintf(curve->name, sizeof curve->name, "%s", c->name);
@@ -193,11 +194,15 @@ static vs_status read_row(reader *r, const vs_csv *csv, double *t, vs_error *err
                       r->columns);
   for (size_t k = 0; k < csv->count; k++) {
     if (!is_number(csv->cell[k], &value))
-      return vs_fail_at(err, csv->where[k], "'%s' is not a finite number", csv->cell[k]);
+      return vs_fail_at(err, csv->where[k], "'%s' is not a finite number; write one as 1.5e-3",
+                        csv->cell[k]);
     if (k == 0) *t = value;
   }
   if (*t <= before)
-    return vs_fail_at(err, r->at, "the time does not rise: %.9g after %.9g", *t, before);
+    return vs_fail_at(
+        err, r->at,
+        "the time does not rise: %.9g after %.9g; rows come in the order of their times", *t,
+        before);
   double t_s = *t * r->overlay->time_s;
   if (t_s >= 0 && t_s <= r->run->until_s) r->overlay->rows++;
   return VS_OK;

@@ -50,7 +50,7 @@ static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
   free(row);
   fclose(f);
   if (status) return status;
-  return run->until_s > 0 ? VS_OK : vs_fail(err, VS_INPUT, "%s: holds no rows", run->path);
+  return run->until_s > 0 ? VS_OK : vs_fail_at(err, (vs_where){run->path, 1, 1}, "holds no rows");
 }
 
 /* Number of a column from 1; 0: not there. */
@@ -169,7 +169,8 @@ static vs_status draw(const run_file *run, const vs_sheet *s, const char *output
                        "set rmargin 3\nset datafile separator ','\n");
   if (!add_sheet(&script, run, s, output)) {
     vs_text_free(&script);
-    return vs_fail(err, VS_INPUT, "%s: records nothing that '%s' shows", run->path, s->title);
+    return vs_fail_at(err, (vs_where){run->path, 1, 1}, "records nothing that '%s' shows",
+                      s->title);
   }
   vs_status status = vs_gnuplot_picture(script.text, &picture, &size, err);
   vs_text_free(&script);

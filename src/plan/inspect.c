@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "plan/plan.h"
+#include "plan/reading.h"
 #include "scene/session.h"
 
 bool vs_inspect_is_study(const char *name, const vs_method *const *methods) {
@@ -26,7 +26,7 @@ vs_status vs_inspect_study(const vs_check_options *o, const vs_method *const *me
                            vs_text *good, vs_error *err) {
   vs_plan *plan = vs_alloc(1, sizeof *plan);
   char method[128];
-  vs_status status = vs_plan_read(o->name, methods, o->sets, o->n_sets, plan, err);
+  vs_status status = vs_reading_plan(o->name, methods, o->sets, o->n_sets, plan, err);
   if (!status && !vs_error_count(err))
     status = vs_session_try(plan->first->tier, &plan->first->setup, err);
   if (!status && !vs_error_count(err)) {

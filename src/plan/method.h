@@ -40,8 +40,8 @@ typedef struct vs_method {
   bool (*claims)(const vs_node *section);
 
   /* Reads the section: adds axes (vs_plan_axis, vs_axis_values), registers the columns it needs
-   * (vs_plan_column), keeps what else it wants in *state, which may stay NULL. Errors carry their
-   * place (vs_fail_at); a check carries on from each (vs_error_carry_on). */
+   * (vs_headings_column), keeps what else it wants in *state, which may stay NULL. Errors carry
+   * their place (vs_fail_at); a check carries on from each (vs_error_carry_on). */
   vs_status (*read)(struct vs_plan *plan, const vs_node *section, void **state, vs_error *err);
 
   /* Checks the section once the plan's columns have their units and ratings. NULL: there is nothing

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * A study file as it was read: which scene, what is varied and by which methods, what is reported.
- * A plan knows its cases by number: case k is a point, which has one number for each axis.
+ * plan/reading.h reads it. A plan knows its cases by number: case k is a point, which has one
+ * number for each axis.
  *
  *   scene:   NAME or path                 the default: paper
  *   set:     {KEY: VALUE, ...}            over what the scene says
@@ -80,11 +81,7 @@ typedef struct vs_plan {
   size_t n_inputs;
 } vs_plan;
 
-/* Reads the study called name: a path, or the name of one that comes with the program. Errors:
- * everything a study can be wrong in, and the scene of its first case; a check carries on from
- * most. vs_plan_free even then. */
-vs_status vs_plan_read(const char *name, const vs_method *const *methods, char *const *sets,
-                       size_t n_sets, vs_plan *plan, vs_error *err);
+/* Frees what vs_reading_plan made (plan/reading.h). */
 void vs_plan_free(vs_plan *plan);
 
 /* The keys of a study's file besides those of methods, with all below them. */
@@ -92,6 +89,13 @@ extern const vs_outline vs_plan_keys[];
 
 /* True if the file has a key that only studies have. */
 bool vs_plan_has_keys(const vs_tree *file, const vs_method *const *methods);
+
+/* Returns the keys a study may have: its own, and those that methods stand under. The list is the
+ * caller's to free(). */
+const char **vs_plan_known_keys(const vs_method *const *methods, size_t *count);
+
+/* True if a --set is one of the study itself (sample.n=4096) and none of its scene. */
+bool vs_plan_is_own(const vs_plan *plan, const char *set);
 
 /* Writes the methods that choose the cases: "grid", "grid x sobol", "worst". */
 void vs_plan_method(const vs_plan *plan, char *text, size_t size);
@@ -118,16 +122,6 @@ vs_status vs_plan_find(const vs_plan *plan, const vs_node *name, char path[VS_PA
 /* Adds a file that the cases are made of: it enters the manifest, and what the study is told apart
  * by. */
 vs_status vs_plan_input(vs_plan *plan, const char *path, vs_error *err);
-
-/* Returns the index of that measure among the columns (VS_COLUMN_MARGIN for margin_least), and adds
- * it when nobody asked for it before. Whether there is such a measure is found out later; an error
- * then stands at `where`. */
-int vs_plan_column(vs_plan *plan, const char *measure, vs_where where);
-
-/* Adds the columns of these derivatives, for each measure and key d ln|measure|/d ln key and its
- * error. The order must last as long as the plan. Error: there is no room for them. */
-vs_status vs_plan_derive(vs_plan *plan, const vs_sensitivity_order *order, vs_where where,
-                         vs_error *err);
 
 /* What a method that searches is shown: cases 0..count-1, in order. */
 typedef struct vs_results {

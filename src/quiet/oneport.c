@@ -323,8 +323,9 @@ vs_oneport *vs_oneport_new(const vs_setup *setup, const vs_frame *frame, size_t 
   o->setup = setup;
   o->frame = frame;
   vs_signals_begin(&o->signals, setup->timeline.omega_rad_s, frame->deck->n_terms + 1 + memories);
-  o->system = (gsl_odeiv2_system){rhs, NULL, VS_ONEPORT_STATES, o};
-  o->step = vs_checked(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, VS_ONEPORT_STATES));
+  /* only the states that the machine has: the others' rates are not set */
+  o->system = (gsl_odeiv2_system){rhs, NULL, VS_ONEPORT_Q + 2 * (size_t)setup->model.dof, o};
+  o->step = vs_checked(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rkf45, o->system.dimension));
   return o;
 }
 

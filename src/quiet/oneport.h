@@ -16,7 +16,7 @@
 #define VS_QUIET_ONEPORT_H
 
 #include "quiet/signals.h"
-#include "sim/setup.h"
+#include "setup/setup.h"
 
 /* The state that the law integrates: lambda, Wb, v, V, and then q and q' of the machine. */
 enum {

@@ -36,10 +36,13 @@ static const double HIDDEN_SHARE = 1;
  * it may be wrong by. A signal in a store may not: its current would go on changing. */
 static const double MOST_DRIFT = 100;
 
-/* A look may cost as much as some of the solver's steps, of which a cycle has hundreds. So there
- * are four in a cycle at most, and never two within a sixteenth of the time since the thyristor
- * blocks. */
+/* There are four looks in a cycle at most, and never two within a sixteenth of the time since the
+ * thyristor blocks. */
 static const double LOOKS_PER_CYCLE = 4, IN_VAIN = 16;
+
+/* A look costs as much as so many of the solver's steps. Counted in instructions, of
+ * halfwave_snubbed: 190 with the knots of coarse steps, 270 with as many knots as are kept. */
+static const double LOOK_STEPS = 200;
 
 /* A tenth more for what the force may add to the energy that is in the machine. */
 static const double MAY_TOUCH = 1.1;
@@ -58,8 +61,10 @@ typedef struct quiet {
   vs_oneport *port;
   vs_misfit misfit;          /* of the law that is looked at */
   double looked_s, blocks_s; /* time of the last look; since when the thyristor blocks */
-  double bound_before[2];    /* the bound at the last look, by the law without G and C [0] and with
-                                them [1]; INFINITY: there was none */
+  double steps; /* of the solver, of late: a step a cycle ago counts for 1/e. In a steady pace that
+                   is how many a cycle takes */
+  double bound_before[2]; /* the bound at the last look, by the law without G and C [0] and with
+                             them [1]; INFINITY: there was none */
   double
       carried[VS_MOST_STATES]; /* each mode's error of having left before, at the time carried_s */
   double carried_s;
@@ -75,6 +80,8 @@ static void restart(void *self) {
 
 static void take(void *self, const vs_knot *k, const double *memory, bool blocks) {
   quiet *q = self;
+  double gone_s = q->record.any ? k->t_s - q->record.last.knot.t_s : 0;
+  q->steps = 1 + q->steps * fmax(0, 1 - gone_s / q->setup->timeline.period_s);
   vs_record_take(&q->record, k, memory, blocks);
   q->blocks = blocks;
   if (blocks) return;
@@ -225,12 +232,20 @@ static bool something_is_on(const quiet *q) {
          isfinite(vs_events_longest(&q->setup->timeline.events, now));
 }
 
+/* Does a look pay? The solver is left at the second good look in a row, a wait later. Until until_s
+ * it would take steps as it has of late. */
+static bool pays(const quiet *q, double wait_s, double until_s) {
+  bool held = isfinite(fmin(q->bound_before[0], q->bound_before[1]));
+  double away_s = until_s - q->record.last.knot.t_s - (held ? 0 : wait_s);
+  return q->steps * away_s / q->setup->timeline.period_s >= (held ? 1 : 2) * LOOK_STEPS;
+}
+
 /* Is it time for a look? Only when two cycles are known, and at least one is to come. */
 static bool is_due(const quiet *q, double until_s) {
   double period = q->setup->timeline.period_s, now = q->record.last.knot.t_s;
   if (q->record.blind || !vs_record_two_cycles(&q->record)) return false;
   double wait_s = fmax(period / LOOKS_PER_CYCLE, (now - q->blocks_s) / IN_VAIN);
-  return !(now < q->looked_s + wait_s || until_s < now + period);
+  return !(now < q->looked_s + wait_s || until_s < now + period) && pays(q, wait_s, until_s);
 }
 
 /* A bound must hold at two looks in a row, so the larger of the two counts. Where the law with G

@@ -5,8 +5,10 @@
 #include <string.h>
 
 #include "base/csv.h"
+#include "report/fitted.h"
 #include "scene/version.h"
 #include "syntax/units.h"
+#include "trust/trust.h"
 
 enum { DIGITS = 12 };
 
@@ -124,6 +126,20 @@ static void add_columns(const vs_outcome *o, vs_json *json) {
   vs_json_end(json);
 }
 
+static void add_warning(void *ctx, const char *text) {
+  vs_json_text(ctx, NULL, text);
+}
+
+static void add_warnings(const vs_outcome *o, vs_json *json) {
+  bool circuit = false;
+  for (size_t r = 0; r < o->inquiry->n_runs; r++)
+    circuit = circuit || o->inquiry->runs[r].scene->tier->has_circuit;
+  vs_json_array(json, "warnings", VS_JSON_LINES);
+  if (circuit && *vs_trust_text()) add_warning(json, vs_trust_text());
+  vs_fitted_warnings(o, add_warning, json);
+  vs_json_end(json);
+}
+
 static void add_search(const vs_outcome *o, vs_json *json) {
   vs_json_object(json, "search", VS_JSON_ROW);
   vs_json_whole(json, "starts", (int64_t)o->descents.count);
@@ -160,6 +176,7 @@ void vs_found_json(const vs_outcome *o, vs_text *text) {
   add_combinations(e, &json);
   add_measures(o, &json);
   add_columns(o, &json);
+  add_warnings(o, &json);
   vs_json_end(&json);
   vs_text_add(text, "\n");
 }

@@ -54,7 +54,8 @@ static vs_status write_one(const report *r, const vs_plot_options *o, vs_error *
   size_t n = strlen(o->output);
   vs_file file = {0};
   drawing d = {0};
-  if (!r->album.count) return vs_fail(err, VS_INPUT, "%s: holds nothing to draw", r->table.path);
+  if (!r->album.count)
+    return vs_fail_at(err, (vs_where){r->table.path, 1, 1}, "holds nothing to draw");
   vs_status status = draw(&r->album.item[0], n > 4 && !strcmp(o->output + n - 4, ".svg"), &d, err);
   if (!status) status = prepare(&file, "", o->output, &d, err);
   if (!status) status = appear(&file, o->quiet, err);

@@ -59,14 +59,16 @@ static vs_status read_table(const char *folder, tornado *t, vs_error *err) {
   vs_csv csv = {.file = path, .stream = f};
   vs_status status = vs_csv_next(&csv, err); /* the header */
   while (!status && !(status = vs_csv_next(&csv, err)) && csv.count && t->count < MOST_BARS) {
-    if (csv.count != COLUMNS)
-      status = vs_fail_at(err, (vs_where){path, csv.line, 1}, "%d cells are wanted", COLUMNS);
+    if (csv.count < COLUMNS)
+      status =
+          vs_fail_at(err, (vs_where){path, csv.line, 1}, "at least %d cells are wanted", COLUMNS);
     else
       take_row(&csv, t);
   }
   vs_csv_free(&csv);
   fclose(f);
-  if (!status && !t->count) status = vs_fail(err, VS_INPUT, "%s: holds nothing to draw", path);
+  if (!status && !t->count)
+    status = vs_fail_at(err, (vs_where){path, 1, 1}, "holds nothing to draw");
   return status;
 }
 
@@ -81,6 +83,19 @@ static int longest_first(const void *a, const void *b) {
 /* ---- the picture ---- */
 
 enum { WIDTH = 900, EDGE = 90, BAR = 28 /* pixels */ };
+
+/* Writes each bar's number behind its end, towards `side`, 1 or -1. gnuplot 5.4 crashes over labels
+ * none of which has a place, so that a panel without such bars has none. */
+static void add_numbers(vs_text *script, const bar *first, size_t count, int side) {
+  bool any = false;
+  for (size_t k = 0; k < count; k++) any = any || (first[k].value < 0) == (side < 0);
+  if (any)
+    vs_text_add(script,
+                ", $bars%d using ($1<0?%s):2:(sprintf('%%+.4g',$1)) with labels %s offset %g,0 "
+                "notitle",
+                first->panel, side < 0 ? "$1:0/0" : "0/0:$1", side < 0 ? "right" : "left",
+                0.7 * side);
+}
 
 static void add_panel(vs_text *script, const bar *first, size_t count, double top, double height) {
   double longest = fabs(first->value) > 0 ? fabs(first->value) : 1;
@@ -98,10 +113,11 @@ static void add_panel(vs_text *script, const bar *first, size_t count, double to
   }
   vs_text_add(script,
               ")\nplot $bars%d using (0):2:(0):1:($2-0.36):($2+0.36) with boxxyerror fs solid 0.9 "
-              "noborder fc rgb '%s' notitle, $bars%d using ($1<0?0/0:$1):2:(sprintf('%%+.4g',$1)) "
-              "with labels left offset 0.7,0 notitle, $bars%d using ($1<0?$1:0/0):2:"
-              "(sprintf('%%+.4g',$1)) with labels right offset -0.7,0 notitle\n",
-              first->panel, vs_scale_colour_good, first->panel, first->panel);
+              "noborder fc rgb '%s' notitle",
+              first->panel, vs_scale_colour_good);
+  add_numbers(script, first, count, 1);
+  add_numbers(script, first, count, -1);
+  vs_text_add(script, "\n");
 }
 
 static void add_script(const tornado *t, bool svg, vs_text *script) {

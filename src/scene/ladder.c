@@ -2,6 +2,7 @@
 #include "scene/ladder.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -16,20 +17,29 @@
  * - With a larger trtol ngspice accepts steps whose truncation error it cannot get down by
  *   shortening them. Their length is then given by the largest step, which is why that is a
  *   quarter.
+ * - Newton's iteration may have to end within what rounding leaves: behind an inductance alone, a
+ *   step of picoseconds makes volts of the last digit of its current. So the tolerance goes back to
+ *   where the solver's own is the coarsest (coupling/pace.c). The steps stay as short as they were.
+ *   What may be wrong is then told for that tolerance.
  * - Where the model of the thyristor has no solution, an ideal thyristor has one. */
 typedef struct rung {
   const char *text;
-  bool other_order, gear, quarter, loose, ideal;
+  bool other_order, gear, quarter, loose, coarse, ideal;
 } rung;
 static const rung RUNGS[] = {
-    {"the scene as it is", false, false, false, false, false},
-    {"another order of elimination (pivrel 0.001)", true, false, false, false, false},
-    {"method gear", false, true, false, false, false},
-    {"method gear, a quarter of the step", false, true, true, false, false},
-    {"method gear, a quarter of the step, trtol 100", false, true, true, true, false},
-    {"an ideal thyristor (latch), method gear", false, true, false, false, true},
+    {.text = "the scene as it is"},
+    {.text = "another order of elimination (pivrel 0.001)", .other_order = true},
+    {.text = "method gear", .gear = true},
+    {.text = "method gear, a quarter of the step", .gear = true, .quarter = true},
+    {.text = "method gear, a quarter of the step, trtol 100",
+     .gear = true,
+     .quarter = true,
+     .loose = true},
+    {.text = "tolerance 1e-4 with the same steps", .coarse = true},
+    {.text = "an ideal thyristor (latch), method gear", .gear = true, .ideal = true},
 };
-static const double OTHER_PIVREL = 1e-3; /* ngspice's default */
+static const double OTHER_PIVREL = 1e-3;     /* ngspice's default */
+static const double COARSE_TOLERANCE = 1e-4; /* as the rung's text says */
 enum { N_RUNGS = sizeof RUNGS / sizeof *RUNGS };
 
 const char *vs_ladder_text(int number) {
@@ -49,33 +59,39 @@ bool vs_ladder_stopped_short(const vs_scene *scene) {
          can_be_ideal(&scene->setup);
 }
 
-static void add_key(vs_ladder *l, const char *key_and_value) {
-  snprintf(l->keys[l->n_keys++], sizeof l->keys[0], "%s", key_and_value);
+static void add_key(vs_ladder *l, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void add_key(vs_ladder *l, const char *format, ...) {
+  va_list values;
+  va_start(values, format);
+  vsnprintf(l->keys[l->n_keys++], sizeof l->keys[0], format, values);
+  va_end(values);
 }
 
 bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
   const vs_setup *s = &scene->setup;
-  char step[64], trtol[64], pivrel[64];
   if (!scene->tier->has_circuit || s->run.ladder == VS_LADDER_STAY) return false;
   if (l->rung == 0) {
     l->gear = s->run.gear;
-    l->step_s = vs_pace_largest_step(s) / (s->run.gear || s->run.max_step_s > 0 ? 1 : 2);
+    l->own_step_s = vs_pace_largest_step(s);
+    l->step_s = l->own_step_s / (s->run.gear || s->run.max_step_s > 0 ? 1 : 2);
+    l->tolerance = s->run.tolerance;
     l->trtol = s->run.trtol;
     l->pivrel = s->run.pivrel;
   }
   for (l->rung++; l->rung < N_RUNGS; l->rung++) {
     const rung *r = &RUNGS[l->rung];
     bool other = (r->other_order && l->pivrel != OTHER_PIVREL) || (r->gear && !l->gear) ||
-                 r->quarter || r->ideal;
+                 r->quarter || (r->coarse && l->tolerance < COARSE_TOLERANCE) || r->ideal;
     if (!other || (r->ideal && (s->run.ladder != VS_LADDER_IDEAL || !can_be_ideal(s)))) continue;
     l->n_keys = 0;
     if (r->gear) add_key(l, "run.method=gear");
-    snprintf(pivrel, sizeof pivrel, "run.pivrel=%.9g", OTHER_PIVREL);
-    if (r->other_order) add_key(l, pivrel);
-    snprintf(step, sizeof step, "run.max_step=%.9gus", 1e6 * l->step_s / 4);
-    if (r->quarter) add_key(l, step);
-    snprintf(trtol, sizeof trtol, "run.trtol=%.9g", fmax(100, l->trtol));
-    if (r->loose) add_key(l, trtol);
+    if (r->other_order) add_key(l, "run.pivrel=%.9g", OTHER_PIVREL);
+    if (r->quarter) add_key(l, "run.max_step=%.9gus", 1e6 * l->step_s / 4);
+    if (r->loose) add_key(l, "run.trtol=%.9g", fmax(100, l->trtol));
+    if (r->coarse) {
+      add_key(l, "run.tolerance=%.9g", COARSE_TOLERANCE);
+      add_key(l, "run.max_step=%.9gus", 1e6 * l->own_step_s);
+    }
     if (r->ideal) add_key(l, "circuit.thyristor=latch");
     return true;
   }

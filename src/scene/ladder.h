@@ -13,9 +13,11 @@ typedef struct vs_ladder {
   int rung;                      /* 0: the scene as it is */
   char keys[VS_LADDER_KEYS][64]; /* KEY=VALUE of this rung, as for --set */
   size_t n_keys;
-  bool gear;            /* method of the scene as it is */
-  double step_s;        /* largest step by Gear's rule of the scene as it is, s */
-  double trtol, pivrel; /* ngspice's own settings in the scene as it is */
+  bool gear;                                  /* method of the scene as it is */
+  double own_step_s;                          /* largest step of the scene as it is, s */
+  double step_s;                              /* the same by Gear's rule */
+  double tolerance;                           /* run.tolerance of the scene as it is */
+  double trtol, pivrel;                       /* ngspice's own settings in the scene as it is */
   char failed[sizeof(((vs_error *)0)->text)]; /* error of the scene as it is; empty before the
                                                  first climb */
 } vs_ladder;

@@ -7,8 +7,8 @@
 #include "base/path.h"
 #include "control/control.h"
 #include "period/quality.h"
-#include "scene/tiers.h"
 #include "scene/warnings.h"
+#include "tier/choice.h"
 #include "watch/measures.h"
 
 /* The word of `record` for all probes. */
@@ -31,7 +31,7 @@ typedef struct vs_scene {
   bool allow_code;  /* the command line allows code of the user's own (--allow-code) */
   bool held;        /* its control is off (vs_scene_hold) */
   const vs_tier *tier;
-  char why[256];                       /* why this tier */
+  char why[VS_CHOICE_WHY];             /* why this tier */
   vs_frame frame;                      /* of this tier */
   vs_instruments instruments;          /* none where the scene has no such section */
   vs_control control;                  /* likewise */

@@ -22,12 +22,12 @@
   OTHER(events, )                                                                                  \
   OTHER(instruments, )                                                                             \
   OTHER(control, )                                                                                 \
-  SECTION(run, &vs_setup_run_section, run)                                                         \
+  SECTION(run, &vs_manner_run, run)                                                                \
   SECTION(start, NULL, start)                                                                      \
   OTHER(record, )                                                                                  \
   OTHER(measured, )                                                                                \
   OTHER(quality, )                                                                                 \
-  SECTION(measure, &vs_setup_measure_section, measure)                                             \
+  SECTION(measure, &vs_manner_measure, measure)                                                    \
   SECTION(limits, &vs_limits_section, limits)
 
 /* How many sections have fields, and how many keys there are. */

@@ -13,3 +13,7 @@ void vs_version_json(vs_json *json) {
   vs_json_text(json, "gsl", gsl_version);
   vs_json_end(json);
 }
+
+const char *vs_version_sources(void) {
+  return VS_SOURCES;
+}

@@ -8,4 +8,8 @@
 /* Adds the member "program": {"version", "ngspice", "gsl"}. */
 void vs_version_json(vs_json *json);
 
+/* Returns a digest over the program's sources (tools/sources.cmake). Programs of
+ * one version differ in it where they were built between two releases. */
+const char *vs_version_sources(void);
+
 #endif

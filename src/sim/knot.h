@@ -5,7 +5,7 @@
 #define VS_SIM_KNOT_H
 
 #include "machine/mechanics.h"
-#include "sim/frame.h"
+#include "setup/frame.h"
 
 typedef struct vs_knot {
   double t_s;

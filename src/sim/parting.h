@@ -6,7 +6,7 @@
 #ifndef VS_SIM_PARTING_H
 #define VS_SIM_PARTING_H
 
-#include "sim/setup.h"
+#include "setup/setup.h"
 
 /* Two instants that are as near, s, count as one: ngspice ends a step on an edge but for rounding,
  * which is far less, and takes no other step that ends as near before an edge. */

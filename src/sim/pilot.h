@@ -9,7 +9,7 @@
 #ifndef VS_SIM_PILOT_H
 #define VS_SIM_PILOT_H
 
-#include "sim/setup.h"
+#include "setup/setup.h"
 #include "sim/step.h"
 
 typedef struct vs_pilot {

@@ -7,8 +7,8 @@
 #define VS_SIM_STAND_IN_H
 
 #include "deck/memory.h"
+#include "setup/setup.h"
 #include "sim/knot.h"
-#include "sim/setup.h"
 
 /* `self` is what `begin` returned. */
 typedef struct vs_stand_in {

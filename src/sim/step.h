@@ -5,7 +5,7 @@
 #define VS_SIM_STEP_H
 
 #include "base/error.h"
-#include "sim/channel.h"
+#include "setup/channel.h"
 #include "sim/knot.h"
 
 typedef enum vs_event {

@@ -60,14 +60,21 @@ static vs_status hear_child(pid_t child, int pipe_end, vs_complaints *c, int *ho
   return stopped ? vs_fail(err, VS_SIGNAL, "t = 0 s: stopped by a signal") : VS_OK;
 }
 
+const char vs_child_forbidden[] =
+    "ended by signal SIGSYS: a filter of system calls outside of the program, as of a container, "
+    "forbids a call that it makes; let that filter refuse calls with an error, or allow them";
+
 static bool ran_out(int how) {
   return WIFEXITED(how) && WEXITSTATUS(how) == VS_ALLOC_STATUS;
 }
 
-vs_status vs_child_try(vs_child_end (*attempt)(void *), void *ctx, vs_complaints *complaints,
-                       vs_child_end *end, vs_error *err) {
-  int ends[2], how = 0;
-  *end = VS_CHILD_GOOD;
+static bool was_killed(int how) {
+  return WIFSIGNALED(how) && WTERMSIG(how) == SIGKILL;
+}
+
+static vs_status try_once(vs_child_end (*attempt)(void *), void *ctx, vs_complaints *complaints,
+                          int *how, vs_error *err) {
+  int ends[2];
   if (pipe(ends)) return vs_fail(err, VS_RUN, "no pipe: %s", strerror(errno));
   fflush(NULL);
   pid_t child = fork();
@@ -75,15 +82,30 @@ vs_status vs_child_try(vs_child_end (*attempt)(void *), void *ctx, vs_complaints
   int why = errno;
   close(ends[1]);
   vs_status status = child < 0 ? vs_fail(err, VS_RUN, "no child process: %s", strerror(why))
-                               : hear_child(child, ends[0], complaints, &how, err);
+                               : hear_child(child, ends[0], complaints, how, err);
   close(ends[0]);
+  return status;
+}
+
+vs_status vs_child_try(vs_child_end (*attempt)(void *), void *ctx, vs_complaints *complaints,
+                       vs_child_end *end, vs_error *err) {
+  int how = 0;
+  *end = VS_CHILD_GOOD;
+  vs_status status = try_once(attempt, ctx, complaints, &how, err);
+  /* no circuit does that; once it may be somebody's doing */
+  if (!status && was_killed(how)) status = try_once(attempt, ctx, complaints, &how, err);
   if (status) return status;
   if (WIFSIGNALED(how) && WTERMSIG(how) == SIGALRM)
-    return vs_fail(err, VS_INPUT,
-                   "ngspice cannot take the circuit: it did not come back from it in %d s",
+    return vs_fail(err, VS_INPUT, "ngspice cannot take the circuit: " VS_CHILD_HUNG " in %d s",
                    VS_CHILD_SECONDS);
+  if (WIFSIGNALED(how) && WTERMSIG(how) == SIGSYS)
+    return vs_fail(err, VS_RUN, "the trial of the circuit was %s", vs_child_forbidden);
+  if (was_killed(how))
+    return vs_fail(err, VS_RUN,
+                   "ngspice cannot take the circuit: the process that tried it was killed (signal "
+                   "9), as the kernel does where memory runs out");
   if (WIFSIGNALED(how))
-    return vs_fail(err, VS_INPUT, "ngspice cannot take the circuit: ngspice died of it (signal %d)",
+    return vs_fail(err, VS_INPUT, "ngspice cannot take the circuit: " VS_CHILD_DIED " (signal %d)",
                    WTERMSIG(how));
   if (ran_out(how))
     return vs_fail(err, VS_RUN, "ngspice cannot take the circuit: it ran out of memory");

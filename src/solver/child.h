@@ -11,6 +11,10 @@
 
 #include "solver/complaints.h"
 
+/* What errors say of a child that died of a signal, and of one that did not come back. */
+#define VS_CHILD_DIED "ngspice died of it"
+#define VS_CHILD_HUNG "it did not come back from it"
+
 /* The longest that a trial may take, s. A circuit takes a few milliseconds. */
 enum { VS_CHILD_SECONDS = 20 };
 
@@ -18,12 +22,16 @@ enum { VS_CHILD_SECONDS = 20 };
  * it does no harm to a process); it cannot be loaded; it cannot be run. */
 typedef enum vs_child_end { VS_CHILD_GOOD, VS_CHILD_BAD_LOAD, VS_CHILD_BAD_RUN } vs_child_end;
 
+/* Why a child process ended that met SIGSYS. This program's own filter only refuses calls
+ * (solver/confine.h), so that another one killed it. */
+extern const char vs_child_forbidden[];
+
 /* Calls attempt(ctx) in a child process, without standard output and error and confined as
  * solver/confine.h says, and waits for the child's end. *end is what attempt returned, or what it
  * gave to vs_child_finish; unless that is VS_CHILD_GOOD, the child's *complaints are then this
  * process's. Errors: VS_INPUT, the child died of a signal or did not come back in VS_CHILD_SECONDS;
- * VS_SIGNAL, a signal that is handled came meanwhile; VS_RUN, there is no child to be had, or it
- * ran out of memory. */
+ * VS_SIGNAL, a signal that is handled came meanwhile; VS_RUN, there is no child to be had, it
+ * ran out of memory, or a filter of system calls killed it. */
 vs_status vs_child_try(vs_child_end (*attempt)(void *ctx), void *ctx, vs_complaints *complaints,
                        vs_child_end *end, vs_error *err);
 

@@ -157,11 +157,12 @@ static size_t argument(int k) {
   return offsetof(struct seccomp_data, args) + (size_t)k * sizeof(uint64_t);
 }
 
-/* Refuses call `number` where any bit of `bits` is set in its argument k. */
-static void refuse_with(program *p, int number, int k, uint32_t bits) {
+/* Refuses call `number` by the low half of its argument k: where any of these bits is set in it, or
+ * where none is. */
+static void refuse_bits(program *p, int number, int k, uint32_t bits, bool set) {
   add(p, BPF_JMP | BPF_JEQ | BPF_K, (uint32_t)number, 0, 4);
   load(p, argument(k));
-  add(p, BPF_JMP | BPF_JSET | BPF_K, bits, 0, 1);
+  add(p, BPF_JMP | BPF_JSET | BPF_K, bits, !set, set);
   refuse(p, EPERM);
   allow(p);
 }
@@ -179,11 +180,7 @@ static void refuse_typing(program *p) {
 /* Allows `clone` for threads alone, which ngspice may use. Of clone3 and openat2 the flags lie
  * where the filter cannot look; programs fall back to the older calls where these are not there. */
 static void refuse_processes(program *p) {
-  add(p, BPF_JMP | BPF_JEQ | BPF_K, SYS_clone, 0, 4);
-  load(p, argument(0));
-  add(p, BPF_JMP | BPF_JSET | BPF_K, CLONE_THREAD, 1, 0);
-  refuse(p, EPERM);
-  allow(p);
+  refuse_bits(p, SYS_clone, 0, CLONE_THREAD, false);
   add(p, BPF_JMP | BPF_JEQ | BPF_K, SYS_clone3, 0, 1);
   refuse(p, ENOSYS);
 }
@@ -200,9 +197,9 @@ static void refuse_signals(program *p) {
 static void refuse_writing(program *p) {
   const uint32_t writes = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC;
 #ifdef SYS_open
-  refuse_with(p, SYS_open, 1, writes);
+  refuse_bits(p, SYS_open, 1, writes, true);
 #endif
-  refuse_with(p, SYS_openat, 2, writes);
+  refuse_bits(p, SYS_openat, 2, writes, true);
   add(p, BPF_JMP | BPF_JEQ | BPF_K, SYS_openat2, 0, 1);
   refuse(p, ENOSYS);
 }

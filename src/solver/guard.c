@@ -125,6 +125,10 @@ bool vs_guard_begin(void) {
   return !stopping;
 }
 
+void vs_guard_retry(void) {
+  if (guard.on) begin_anew();
+}
+
 void vs_guard_end(void) {
   sigset_t before;
   if (!guard.on) return;

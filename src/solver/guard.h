@@ -14,6 +14,9 @@
  * already: a trial is needed then. */
 bool vs_guard_begin(void);
 
+/* Begins anew at once, as after a crash. Returns only where there is no guard. */
+void vs_guard_retry(void);
+
 /* Ends the guard; nothing happens where there is none. */
 void vs_guard_end(void);
 

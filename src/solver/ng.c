@@ -17,12 +17,14 @@
 #include "solver/child.h"
 #include "solver/code_models.h"
 #include "solver/confine.h"
-#include "solver/ending.h"
 #include "solver/guard.h"
 #include "solver/library.h"
 #include "solver/ng.h"
 #include "solver/rawfile.h"
+#include "solver/trial.h"
 #include "solver/versions.h"
+#include "stride/ending.h"
+#include "stride/progress.h"
 
 /* In the place of a vector's index: of a signal that is 0, and of one that the circuit has not. */
 enum { GROUND = -1, MISSING = -2 };
@@ -39,8 +41,7 @@ static struct {
   int *raw_vector; /* per vector of the rawfile: its index in SendData */
   double *raw_values;
   double reached_s, edge_s;
-  double progress_from_s; /* where the stretch that guard_progress() looks at began */
-  long tries;             /* steps in that stretch, failed ones too */
+  vs_progress progress;
   vs_ending ending;
   vs_status status;   /* the run ends once it is not VS_OK */
   bool enough;        /* the host has seen enough: the run ends with VS_OK */
@@ -111,8 +112,18 @@ static void set_edge(double t_s) {
 
 static vs_status no_signal(const char *signal) {
   vs_status status = vs_fail(ng.err, VS_INPUT, "the circuit has no %s", signal);
-  if (ng.job->locate) ng.job->locate(ng.job->author, ng.err);
+  vs_complaints_place(ng.job, 0, ng.err);
   return vs_error_carry_on(ng.err, status);
+}
+
+/* Writes the step into the rawfile. */
+static vs_status add_raw(const vecvaluesall *all, double t) {
+  vs_status status = vs_rawfile_room(&ng.raw, t, ng.err);
+  if (status) return status;
+  for (size_t k = 0; k < ng.raw.vectors; k++)
+    ng.raw_values[k] = all->vecsa[ng.raw_vector[k]]->creal;
+  ng.raw_values[0] = clock_at(t);
+  return vs_rawfile_point(&ng.raw, ng.raw_values, ng.err);
 }
 
 /* Begins the rawfile: the time first, then the other vectors in the order of ngspice's equations,
@@ -128,6 +139,9 @@ static void begin_raw(const vecinfoall *all) {
   for (size_t k = 0; k < n; k++) names[k] = all->vecs[ng.raw_vector[k]]->vecname;
   ng.raw = vs_rawfile_begin(ng.job->raw, all->title, names, n);
   free(names);
+  ng.raw.most_bytes = ng.job->raw_most;
+  stop_with(
+      vs_rawfile_expect(&ng.raw, ng.job->until_s / ng.job->max_step_s, ng.job->raw_where, ng.err));
 }
 
 static int on_vectors(pvecinfoall all, int id, void *user) {
@@ -163,12 +177,7 @@ static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
   ng.reached_s = t;
   stop_with(ng.host->accept(ng.host->ctx, t, ng.values, ng.err));
   bool hidden = ng.host->hides && ng.host->hides(ng.host->ctx);
-  if (!ng.status && ng.raw.stream && !hidden) {
-    for (size_t k = 0; k < ng.raw.vectors; k++)
-      ng.raw_values[k] = all->vecsa[ng.raw_vector[k]]->creal;
-    ng.raw_values[0] = clock_at(t);
-    stop_with(vs_rawfile_point(&ng.raw, ng.raw_values, ng.err));
-  }
+  if (!ng.status && ng.raw.stream && !hidden) stop_with(add_raw(all, t));
   ng.enough = !ng.status && ng.host->enough && ng.host->enough(ng.host->ctx);
   if (!ng.status) set_edge(t);
   return 0;
@@ -190,26 +199,11 @@ static int on_source(double *value, double t, char *name, int id, void *user) {
   return 0;
 }
 
-/* A circuit may have an instant that ngspice neither gets past nor gives up at: it shrinks its step
- * until one converges, doubles it until one fails, and so on. A run makes no progress when it takes
- * MOST_TRIES steps, failed ones too, for PROGRESS_S or for one largest step. At such instants steps
- * of 1e-12 s on average were measured, which is 1e7 steps for PROGRESS_S; a junction that rings
- * undamped takes 3e3 at its worst. Steps are counted and not seconds, so that every computer ends
- * the run at the same step. */
-enum { MOST_TRIES = 100000 };
-static const double PROGRESS_S = 1e-5;
-
 static vs_status guard_progress(void) {
-  double gone = ng.reached_s - ng.progress_from_s;
-  ng.tries++;
   if (ng.job->tries) ++*ng.job->tries;
-  if (gone >= fmin(ng.job->max_step_s, PROGRESS_S)) {
-    ng.progress_from_s = ng.reached_s;
-    ng.tries = 0;
-  }
-  if (ng.tries < MOST_TRIES) return VS_OK;
+  if (vs_progress_made(&ng.progress, ng.reached_s, ng.job->max_step_s)) return VS_OK;
   vs_fail(ng.err, VS_RUN, "t = %.9g s: ngspice makes no progress: %d steps for %.2g s",
-          clock_at(ng.reached_s), MOST_TRIES, gone);
+          clock_at(ng.reached_s), VS_PROGRESS_TRIES, ng.reached_s - ng.progress.from_s);
   ng.err->gave_up = true;
   return VS_RUN;
 }
@@ -249,8 +243,6 @@ vs_status vs_ng_begin(vs_error *err) {
   return status;
 }
 
-/* ---- the trial ---- */
-
 static void take_job(const vs_circuit_job *job, const vs_circuit_host *host) {
   ng.job = job;
   ng.host = host;
@@ -266,8 +258,8 @@ static void step_on(vs_error *err) {
   ng.next_port = 0;
   ng.edge_s = INFINITY;
   ng.time_vector = -1;
-  ng.reached_s = ng.progress_from_s = 0;
-  ng.tries = 0;
+  ng.reached_s = 0;
+  ng.progress = (vs_progress){0};
   ng.ending = (vs_ending){0};
   ng.raw = (vs_rawfile){0};
   char command[] = "run";
@@ -275,17 +267,9 @@ static void step_on(vs_error *err) {
   vs_guard_end();
 }
 
-/* What is given to the child. */
-typedef struct trial {
-  const vs_circuit_job *job;
-  const vs_circuit_host *host;
-  char **lines;
-} trial;
-
 /* In the child: loads the circuit and runs it up to its first accepted step, where on_accepted ends
  * the child. What goes wrong without harm to the process is left to the parent to find. */
-static vs_child_end attempt(void *ctx) {
-  const trial *t = ctx;
+static vs_child_end attempt(const vs_trial *t) {
   vs_error err = {0};
   ng.library->circuit(t->lines);
   if (ng.ended) return VS_CHILD_BAD_LOAD;
@@ -295,18 +279,8 @@ static vs_child_end attempt(void *ctx) {
   return ng.ended ? VS_CHILD_BAD_RUN : VS_CHILD_GOOD;
 }
 
-/* Tries the netlist in a child process, where that is needed. A process that has begun anew has
- * died of the netlist, and does not take it even if the child survives. */
-static vs_status try_first(const vs_circuit_job *job, const vs_circuit_host *host, char **lines,
-                           vs_error *err) {
-  if (job->tried || (job->unbegun && vs_guard_begin())) return VS_OK;
-  trial t = {job, host, lines};
-  vs_child_end end;
-  vs_status status = vs_child_try(attempt, &t, &ng.complaints, &end, err);
-  if (!status && end == VS_CHILD_GOOD && job->unbegun && vs_guard_again())
-    return vs_fail(err, VS_INPUT, "ngspice cannot take the circuit: it died of it the first time");
-  if (status || end == VS_CHILD_GOOD) return status;
-  return vs_complaints_tell(&ng.complaints, job, end == VS_CHILD_BAD_RUN ? "run" : "load", err);
+static vs_trial trial_of(const vs_circuit_job *job, const vs_circuit_host *host, char **lines) {
+  return (vs_trial){attempt, job, host, lines, &ng.complaints};
 }
 
 /* Sets the dialect, which says what a netlist's words mean. In ngspice it is a setting that lasts.
@@ -338,17 +312,23 @@ static bool is_loaded(const vs_text *netlist) {
  * on. */
 static vs_status load_anew(const vs_circuit_job *job, const vs_circuit_host *host, char **lines,
                            vs_text *netlist, vs_error *err) {
+  char place[VS_COMPLAINTS_LINE];
   vs_status status = VS_OK;
   forget();
   if (vs_code_models_needed(job->netlist, job->lines, job->dialect))
     status = vs_library_complete(err);
   if (status) return status;
   set_dialect(job->dialect);
-  status = try_first(job, host, lines, err);
+  vs_trial trial = trial_of(job, host, lines);
+  status = vs_trial_first(&trial, err);
   if (status) return status;
   ng.library->circuit(lines);
-  if (ng.ended) vs_guard_end();
-  if (ng.ended) return vs_complaints_tell(&ng.complaints, job, "load", err);
+  if (ng.ended) {
+    vs_trial_place(&ng.complaints, job, place, sizeof place);
+    if (!*place) vs_guard_retry(); /* a process whose ngspice has not ended looks for the line */
+    vs_guard_end();
+    return vs_complaints_tell(&ng.complaints, job, "load", err);
+  }
   vs_text_free(&ng.loaded);
   ng.loaded = *netlist;
   *netlist = (vs_text){0};
@@ -394,25 +374,29 @@ static vs_status load(const vs_circuit_job *job, const vs_circuit_host *host, vo
   return VS_OK;
 }
 
-/* Writes " (FILE:LINE:COLUMN)", the place of the node or element that a complaint names; nothing
- * where it names none that is found. */
-static void find_place(const char *complaint, char *text, size_t size) {
-  vs_error found = {0};
-  *text = '\0';
-  if (!ng.job->locate) return;
-  vs_fail(&found, VS_INPUT, "%s", complaint);
-  ng.job->locate(ng.job->author, &found);
-  if (found.line > 0) snprintf(text, size, " (%.*s)", found.place_size - 2, found.text);
+/* A run that had no first step. What was loaded is cut into its lines again; the first one is the
+ * dialect. */
+static vs_status tell_of_run(vs_error *err) {
+  char *text = vs_copy(ng.loaded.text), *rest = text, *line;
+  size_t n = 0, room = 1;
+  for (const char *c = text; *c; c++) room += *c == '\n';
+  char **lines = vs_alloc(room + 1, sizeof *lines);
+  strsep(&rest, "\n");
+  while ((line = strsep(&rest, "\n")) && rest) lines[n++] = line;
+  vs_trial trial = trial_of(ng.job, ng.host, lines);
+  if (n >= ng.job->lines) vs_trial_blame(&trial);
+  free(lines);
+  free(text);
+  return vs_complaints_tell(&ng.complaints, ng.job, "run", err);
 }
 
 /* How the run went, once ngspice has come back from it. */
 static vs_status outcome(vs_error *err) {
   if (ng.status || ng.enough) return ng.status;
-  if (ng.time_vector < 0 || ng.reached_s == 0)
-    return vs_complaints_tell(&ng.complaints, ng.job, "run", err);
+  if (ng.time_vector < 0 || ng.reached_s == 0) return tell_of_run(err);
   if (ng.reached_s >= ng.job->until_s * (1 - 1e-9)) return VS_OK;
   char place[VS_COMPLAINTS_LINE];
-  find_place(vs_complaints_first(&ng.complaints), place, sizeof place);
+  vs_trial_place(&ng.complaints, ng.job, place, sizeof place);
   vs_fail(err, VS_RUN, "t = %.9g s: ngspice gave up: %s%s", clock_at(ng.reached_s),
           vs_complaints_first(&ng.complaints), place);
   err->gave_up = true;

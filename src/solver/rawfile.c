@@ -5,6 +5,8 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "bounds/limits.h"
+
 enum { COUNT_WIDTH = 12 }; /* room for the number of points */
 
 vs_rawfile vs_rawfile_begin(FILE *stream, const char *title, const char *const *names,
@@ -31,6 +33,30 @@ vs_rawfile vs_rawfile_begin(FILE *stream, const char *title, const char *const *
   }
   fputs("Binary:\n", stream);
   return raw;
+}
+
+static double bytes_of(const vs_rawfile *raw, double points) {
+  return points * (double)raw->vectors * sizeof(double);
+}
+
+vs_status vs_rawfile_expect(const vs_rawfile *raw, double points, vs_where where, vs_error *err) {
+  const double bytes = bytes_of(raw, points);
+  char size[VS_LIMITS_SIZE];
+  if (raw->most_bytes <= 0 || bytes <= raw->most_bytes) return VS_OK;
+  vs_limits_write(bytes, size);
+  return vs_fail_at(err, where,
+                    "run.raw would have at least %s, in %.4g steps of %zu vectors; limits.raw = "
+                    "%.9g bytes allows no more: take a shorter run.until, or raise it",
+                    size, points, raw->vectors, raw->most_bytes);
+}
+
+vs_status vs_rawfile_room(const vs_rawfile *raw, double t_s, vs_error *err) {
+  if (raw->most_bytes <= 0 || bytes_of(raw, 1 + (double)raw->points) <= raw->most_bytes)
+    return VS_OK;
+  return vs_fail(err, VS_RUN,
+                 "t = %.9g s: run.raw has the limits.raw = %.9g bytes that it may have; take a "
+                 "shorter run.until, or raise it",
+                 t_s, raw->most_bytes);
 }
 
 vs_status vs_rawfile_point(vs_rawfile *raw, const double *values, vs_error *err) {

@@ -14,7 +14,8 @@ typedef struct vs_rawfile {
   FILE *stream; /* borrowed; NULL: no file is written */
   size_t vectors;
   long points;
-  long count_at; /* where the head says how many points there are, bytes from the beginning */
+  double most_bytes; /* that its points may have; 0: any number */
+  long count_at;     /* where the head says how many points there are, bytes from the beginning */
 } vs_rawfile;
 
 /* Writes the head. The names are ngspice's own, the time first: "time", "a", "vthy#branch"; they
@@ -22,6 +23,11 @@ typedef struct vs_rawfile {
  * end. */
 vs_rawfile vs_rawfile_begin(FILE *stream, const char *title, const char *const *names,
                             size_t count);
+/* Looks ahead to so many points, the fewest that there will be. Error: they have more than
+ * most_bytes, told at `where`. */
+vs_status vs_rawfile_expect(const vs_rawfile *raw, double points, vs_where where, vs_error *err);
+/* Looks whether one more point has room. Error, told with the time t_s: it has not. */
+vs_status vs_rawfile_room(const vs_rawfile *raw, double t_s, vs_error *err);
 /* Writes a point: as many values as names, SI. Error: the stream cannot be written to. */
 vs_status vs_rawfile_point(vs_rawfile *raw, const double *values, vs_error *err);
 /* Fills in the number of points; the stream is left open. Error: it cannot be written to. */

@@ -110,12 +110,21 @@ static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *
   return VS_OK;
 }
 
-static void locate(const void *author, vs_error *err) {
-  vs_netlist_locate(author, err);
+/* What is wrong in the stand's own deck, or stands nowhere, is the part's doing. A line around the
+ * part that ngspice does better without tells a user nothing. */
+static void locate(const void *author, size_t culprit, vs_error *err) {
+  const vs_stand *stand = author;
+  const char *deck = stand->deck.files[0];
+  char *without = strstr(err->text, VS_NETLIST_WITHOUT);
+  if (without && culprit >= stand->lines) *without = '\0';
+  vs_netlist_locate(&stand->deck, culprit, err);
+  if ((size_t)err->file_size != strlen(deck) || strncmp(err->text, deck, strlen(deck)) != 0) return;
+  const vs_error plain = *err;
+  vs_fail_at(err, (vs_where){.file = stand->name}, "%s", plain.text + plain.place_size);
 }
 
 static vs_status solve(char *const *netlist, size_t lines, const vs_stand *stand,
-                       const vs_stand_circuit *c, steps *seen, vs_error *err) {
+                       const vs_stand_circuit *c, bool search, steps *seen, vs_error *err) {
   static const char *const PORTS[] = {"v.xeva.vgap"}, *const NAMES[] = {"v(a)", "i(vm)", "v(g)"};
   const vs_circuit_job job = {.netlist = netlist,
                               .lines = lines,
@@ -130,8 +139,8 @@ static vs_status solve(char *const *netlist, size_t lines, const vs_stand *stand
                               .relative_tolerance = c->tolerance > 0 ? c->tolerance : 1e-4,
                               .current_tolerance_a = 1e-9,
                               .locate = locate,
-                              .author = &stand->deck,
-                              .tried = true};
+                              .author = stand,
+                              .tried = !search};
   const vs_circuit_host host = {seen, gap, no_edge, no_edge, accept, NULL, NULL, NULL};
   void *circuit = NULL;
   vs_status status = vs_ng_kind.load(&job, &host, &circuit, err);
@@ -154,7 +163,7 @@ static void live_quietly(void) {
 }
 
 static _Noreturn void solve_in(const vs_child_copy *copy, const vs_stand *stand,
-                               const vs_stand_circuit *c) {
+                               const vs_stand_circuit *c, bool search) {
   steps seen = {0};
   head h = {0};
   char **netlist = vs_alloc(stand->lines + strlen(c->text) + 1, sizeof *netlist),
@@ -164,7 +173,7 @@ static _Noreturn void solve_in(const vs_child_copy *copy, const vs_stand *stand,
   memcpy(netlist, stand->netlist, stand->lines * sizeof *netlist);
   for (char *line; (line = strsep(&rest, "\n"));)
     if (*line) netlist[lines++] = line;
-  h.status = solve(netlist, lines, stand, c, &seen, &h.err);
+  h.status = solve(netlist, lines, stand, c, search, &seen, &h.err);
   h.points = seen.count;
   vs_child_say(copy, &h, sizeof h);
   vs_child_tell(copy, seen.row, seen.count * (1 + SIGNALS) * sizeof *seen.row);
@@ -186,28 +195,48 @@ static bool take_record(const vs_child_copy *copy, vs_stand_record *r) {
   return whole;
 }
 
-vs_status vs_stand_run(const vs_stand *stand, const vs_stand_circuit *c, vs_stand_record *r,
-                       vs_error *err) {
+static vs_status run_once(const vs_stand *stand, const vs_stand_circuit *c, bool search,
+                          vs_stand_record *r, int *how, vs_error *err) {
   vs_child_copy copy;
   head h = {0};
   *r = (vs_stand_record){0};
-  vs_status status = vs_trust_find(err);
-  if (!status) status = vs_child_fork(&copy, err);
+  *how = 0;
+  vs_status status = vs_child_fork(&copy, err);
   if (status) return status;
-  if (copy.pid == 0) solve_in(&copy, stand, c);
+  if (copy.pid == 0) solve_in(&copy, stand, c, search);
   bool whole = vs_child_listen(&copy, &h, sizeof h);
   r->points = h.points;
   whole = whole && take_record(&copy, r);
-  int how = vs_child_end_of(&copy);
-  if (WIFSIGNALED(how) && WTERMSIG(how) == SIGALRM)
+  *how = vs_child_end_of(&copy);
+  if (WIFSIGNALED(*how) && WTERMSIG(*how) == SIGALRM)
     return vs_fail(err, VS_RUN, "ngspice did not come back from it in %d s", MOST_SECONDS);
-  if (WIFSIGNALED(how))
-    return vs_fail(err, VS_RUN, "ngspice died of it (signal %d)", WTERMSIG(how));
+  if (WIFSIGNALED(*how) && WTERMSIG(*how) == SIGSYS)
+    return vs_fail(err, VS_RUN, "the trial of the part was %s", vs_child_forbidden);
+  if (WIFSIGNALED(*how))
+    return vs_fail(err, VS_RUN, "ngspice died of it (signal %d)", WTERMSIG(*how));
   if (!whole) return vs_fail(err, VS_RUN, "ngspice ended the process it was in");
   if (!h.status) return VS_OK;
   h.err.findings = err->findings;
   *err = h.err;
   return h.status;
+}
+
+/* Where ngspice refuses the circuit without a line, or dies of it, the same circuit is tried once
+ * more, with a search for the line (solver/trial.h). */
+vs_status vs_stand_run(const vs_stand *stand, const vs_stand_circuit *c, vs_stand_record *r,
+                       vs_error *err) {
+  int how = 0;
+  vs_status status = vs_trust_find(err);
+  if (!status) status = run_once(stand, c, false, r, &how, err);
+  bool died = WIFSIGNALED(how) && WTERMSIG(how) != SIGALRM && WTERMSIG(how) != SIGSYS;
+  if (!died && (status != VS_INPUT || !strstr(err->text, vs_complaints_nowhere))) return status;
+  vs_error found = {.findings = err->findings};
+  vs_stand_free(r);
+  if (run_once(stand, c, true, r, &how, &found) == VS_INPUT) {
+    *err = found;
+    status = VS_INPUT;
+  }
+  return status;
 }
 
 void vs_stand_free(vs_stand_record *r) {

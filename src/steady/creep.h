@@ -10,7 +10,7 @@
 #ifndef VS_STEADY_CREEP_H
 #define VS_STEADY_CREEP_H
 
-#include "sim/setup.h"
+#include "setup/setup.h"
 #include "sim/step.h"
 
 /* A clean pass: the flux linkage at its beginning, and by how much it changed, Wb. */

@@ -10,8 +10,8 @@
 #include "orbit/shooting.h"
 #include "period/throw.h"
 #include "scene/session.h"
-#include "scene/tiers.h"
 #include "steady/picard.h"
+#include "tier/tiers.h"
 
 enum { MOST_TRIALS = 40 };
 /* The share is found where the orbit's own differs by less: far below what an empirical number

@@ -98,8 +98,8 @@ static vs_status look_around(vs_search *s, vs_error *err) {
   if (k == n) return vs_pairs_begin(s, err);
   if (k)
     return vs_fail(err, VS_INPUT,
-                   "an orbit of period %d was asked for; none is found, and the machine, left to "
-                   "itself, comes back to about where it was after %d periods: try --period %d",
+                   "--period %d: no such orbit is found, and the machine, left to itself, comes "
+                   "back to about where it was after %d periods; try --period %d",
                    n, k, k);
   return vs_fail(err, VS_RUN,
                  "no orbit of period %d is found; nor does the machine, left to itself, come back "

@@ -112,10 +112,10 @@ static vs_status take_orbit(vs_picard *p, const vs_knot *end, bool *begins, vs_e
   vs_search *s = p->search;
   int least = least_period(p);
   if (least < p->orbit.n)
-    return vs_fail(err, VS_INPUT,
-                   "an orbit of period %d was asked for; the one found repeats after %d already: "
-                   "write --period %d",
-                   p->orbit.n, least, least);
+    return vs_fail(
+        err, VS_INPUT,
+        "--period %d: the orbit that is found repeats after %d already; write --period %d",
+        p->orbit.n, least, least);
   if (p->found) return VS_OK;
   p->found = true;
   p->cycles = s->cycles;

@@ -23,7 +23,8 @@ static void begin_watching(vs_steady *steady, const vs_setup *setup) {
 }
 
 vs_status vs_steady_check(const vs_scene *scene, int periods, vs_error *err) {
-  vs_status status = vs_tiers_require_orbits("steady", scene->tier, scene->why, (vs_where){0}, err);
+  vs_status status = vs_tiers_require_orbits("steady", scene->tier, scene->why,
+                                             vs_tree_place(scene->tree.root, "run.tier"), err);
   return status ? status : vs_shooting_check(scene, periods, err);
 }
 
@@ -80,7 +81,8 @@ static void put_on_orbit(vs_steady *steady, vs_scene *scene) {
 
 vs_status vs_steady_begin(vs_steady *steady, vs_scene *scene, int periods, vs_error *err) {
   *steady = (vs_steady){0};
-  vs_status status = vs_tiers_require_orbits("steady", scene->tier, scene->why, (vs_where){0}, err);
+  vs_status status = vs_tiers_require_orbits("steady", scene->tier, scene->why,
+                                             vs_tree_place(scene->tree.root, "run.tier"), err);
   if (!status) status = vs_fraction_settle(scene, periods, err);
   if (status) return status;
   if (scene->tier->has_circuit)

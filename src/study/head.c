@@ -54,6 +54,15 @@ void vs_head_line(vs_text *to, char kind, const char *text, size_t length) {
   vs_text_free(&line);
 }
 
+char vs_head_kind(const char *line, size_t length) {
+  char *after;
+  const bool good =
+      length > VS_HEAD_TEXT && strlen(line) == length &&
+      strtoull(line, &after, 16) == vs_hash_crc32(line + VS_HEAD_KIND, length - VS_HEAD_KIND) &&
+      after == line + VS_HEAD_KIND - 1;
+  return good ? line[VS_HEAD_KIND] : '\0';
+}
+
 /* In the texts a backslash is written twice, as it begins a line end. */
 static void print_lines(vs_text *to, char kind, const vs_head *head) {
   vs_text line = {0};
@@ -116,13 +125,16 @@ static bool read_count(const char **at, char end, uint64_t most, uint64_t *count
 }
 
 /* Reads the line of counts. Counts that no study has are not taken, and the head then lacks them.
- */
-static bool read_counts(vs_head *head, const char *text) {
+ * *twice becomes true where the head has others. */
+static bool read_counts(vs_head *head, const char *text, bool *twice) {
   vs_head h;
   if (!read_count(&text, ' ', VS_PLAN_CASES, &h.cases) ||
       !read_count(&text, ' ', VS_MOST_SHARDS, &h.shard) ||
       !read_count(&text, '\0', VS_MOST_SHARDS, &h.shards) || !h.shard || h.shard > h.shards)
     return false;
+  *twice = *twice || (head->shards && (head->cases != h.cases || head->shard != h.shard ||
+                                       head->shards != h.shards));
+  if (head->shards) return *twice;
   head->cases = h.cases;
   head->shard = h.shard;
   head->shards = h.shards;
@@ -131,28 +143,52 @@ static bool read_counts(vs_head *head, const char *text) {
 
 bool vs_head_read(vs_head *head, const char *text, bool first, bool *twice) {
   static const char COUNTS[] = "counts=";
-  if (!strcmp(text, MAGIC) || !strcmp(text, OLDER)) {
-    *twice = *twice || !first;
-    return true;
-  }
+  if (!strcmp(text, MAGIC) || !strcmp(text, OLDER)) return first;
   for (size_t k = 0; k < N_TEXTS; k++) {
     size_t n = strlen(TEXTS[k].name);
     if (strncmp(text, TEXTS[k].name, n) || text[n] != '=') continue;
-    if (*text_of(head, k))
-      *twice = true;
+    char *now = unfold(text + n + 1), **at = text_of(head, k);
+    const bool again = *at && !strcmp(*at, now);
+    *twice = *twice || (*at && !again);
+    if (*at)
+      free(now);
     else
-      *text_of(head, k) = unfold(text + n + 1);
-    return true;
+      *at = now;
+    return !again;
   }
   if (strncmp(text, COUNTS, sizeof COUNTS - 1)) return false;
-  *twice = *twice || head->shards;
-  return *twice || read_counts(head, text + sizeof COUNTS - 1);
+  return read_counts(head, text + sizeof COUNTS - 1, twice);
 }
 
 bool vs_head_is_whole(const vs_head *head) {
   for (size_t k = 0; k < N_TEXTS; k++)
     if (!text_in(head, k)) return false;
   return head->shards > 0 && head->shard > 0 && head->shard <= head->shards;
+}
+
+void vs_head_manifest(const vs_head *head, const vs_head_counts *counts, bool merged,
+                      const char *more, vs_text *text) {
+  vs_text_add(text, "%s", head->manifest_begin);
+  vs_json json = vs_json_inside(text);
+  vs_json_whole(&json, "cases", (int64_t)counts->cases);
+  vs_json_whole(&json, "done", (int64_t)counts->done);
+  vs_json_whole(&json, "failed", (int64_t)counts->failed);
+  vs_json_whole(&json, "violated", (int64_t)counts->violated);
+  vs_text_add(text, "%s%s", head->manifest_end, more ? more : "");
+  vs_json_array(&json, "shard", VS_JSON_ROW);
+  vs_json_whole(&json, NULL, merged ? 1 : (int64_t)head->shard);
+  vs_json_whole(&json, NULL, merged ? 1 : (int64_t)head->shards);
+  vs_json_end(&json);
+  vs_json_end(&json);
+}
+
+bool vs_head_has_manifest(const vs_head *head) {
+  const vs_head_counts none = {0};
+  vs_text text = {0};
+  vs_head_manifest(head, &none, false, NULL, &text);
+  const bool whole = vs_json_is_whole(text.text);
+  vs_text_free(&text);
+  return whole;
 }
 
 /* True if both texts are the same but for how files and the study are named, which may differ from
@@ -180,4 +216,30 @@ const char *vs_head_differs(const vs_head *a, const vs_head *b) {
       return TEXTS[k].name;
   }
   return a->cases != b->cases || a->shard != b->shard || a->shards != b->shards ? "counts" : NULL;
+}
+
+/* Writes which program has written the head; false: it does not say so. */
+static bool name_program(const vs_head *head, char *text, size_t size) {
+  char version[32], ngspice[32], gsl[32];
+  const char *at = strstr(head->manifest_begin, "\"program\": {");
+  if (!at || sscanf(at,
+                    "\"program\": {\"version\": \"%31[^\"]\", \"ngspice\": \"%31[^\"]\", "
+                    "\"gsl\": \"%31[^\"]\"",
+                    version, ngspice, gsl) != 3)
+    return false;
+  snprintf(text, size, "vibrospice %s (ngspice %s, GSL %s)", version, ngspice, gsl);
+  return true;
+}
+
+bool vs_head_programs(const vs_head *a, const vs_head *b, char *of_a, char *of_b, size_t size) {
+  if (!name_program(a, of_a, size) || !name_program(b, of_b, size)) return false;
+  if (strcmp(of_a, of_b) != 0) return true;
+  /* What the identity is made of stands in the other lines, but for the program's sources. */
+  const char *differs = vs_head_differs(a, b);
+  if (!differs || strcmp(differs, "identity") ||
+      !says_the_same(a->manifest_begin, b->manifest_begin) ||
+      !says_the_same(a->manifest_end, b->manifest_end))
+    return false;
+  snprintf(of_a, size, "another build of ");
+  return name_program(b, of_a + strlen(of_a), size - strlen(of_a));
 }

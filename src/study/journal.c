@@ -11,45 +11,19 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "base/hash.h"
-#include "base/json.h"
 #include "plan/plan.h"
 #include "study/lock.h"
 
 static const char NAME[] = "journal";
-/* ---- the manifest ---- */
 
-void vs_journal_manifest(const vs_journals *all, vs_text *text) {
-  const vs_head *head = &all->item[0].head;
-  uint64_t done = 0, failed = 0, violated = 0;
-  for (uint64_t k = 0; k < all->count; k++) {
-    done += all->item[k].done;
-    failed += all->item[k].failed;
-    violated += all->item[k].violated;
-  }
-  vs_text_add(text, "%s", head->manifest_begin);
-  vs_json json = vs_json_inside(text);
-  vs_json_whole(&json, "cases", (int64_t)all->cases);
-  vs_json_whole(&json, "done", (int64_t)done);
-  vs_json_whole(&json, "failed", (int64_t)failed);
-  vs_json_whole(&json, "violated", (int64_t)violated);
-  vs_text_add(text, "%s%s", head->manifest_end, all->more ? all->more : "");
-  vs_json_array(&json, "shard", VS_JSON_ROW);
-  vs_json_whole(&json, NULL, all->count > 1 ? 1 : (int64_t)head->shard);
-  vs_json_whole(&json, NULL, all->count > 1 ? 1 : (int64_t)head->shards);
-  vs_json_end(&json);
-  vs_json_end(&json);
-}
-
-/* The head's two parts of it make one only together, with the counts between them. */
-static bool has_manifest(vs_journal *j) {
-  const vs_journals alone = {j, 1, 0, NULL};
-  vs_text text = {0};
-  vs_journal_manifest(&alone, &text);
-  bool whole = vs_json_is_whole(text.text);
-  vs_text_free(&text);
-  return whole;
-}
+/* Rows are mostly asked for in the order in which they stand there, and a read may have to go over
+ * a network. A merge has one part for each shard. */
+enum { PART = 4096 };
+struct vs_journal_part {
+  uint64_t at; /* of its first byte in the file */
+  size_t size;
+  char bytes[PART];
+};
 
 /* ---- opening ---- */
 
@@ -102,6 +76,7 @@ vs_status vs_journal_create(vs_journal *j, const char *folder, vs_head *head, vs
   vs_file file = {0};
   vs_text text = {0};
   *j = (vs_journal){.fd = -1, .folder = -1, .head = *head};
+  j->part = vs_alloc(1, sizeof *j->part);
   *head = (vs_head){0};
   name_file(j, folder);
   vs_status status = vs_lock_folder(folder, j->path, &j->folder, err);
@@ -136,13 +111,10 @@ typedef struct entry {
   uint64_t at, number; /* where it begins, in bytes; which it is, from 1 */
 } entry;
 
-/* Its sum, "=" or "!", and blanks. */
-enum { BEFORE_ROW = 11 };
-
 static vs_status refuse_row(const vs_journal *j, const entry *e, size_t at, const char *why,
                             vs_error *err) {
   const vs_where where = {j->path, (int)e->number,
-                          vs_text_column(e->line, e->line + BEFORE_ROW + at)};
+                          vs_text_column(e->line, e->line + VS_HEAD_TEXT + at)};
   return vs_fail_at(err, where, "%s; this record is of no study, or was changed", why);
 }
 
@@ -151,7 +123,8 @@ static vs_status read_row(vs_journal *j, const entry *e, vs_row_counts *counts, 
   char why[256];
   size_t at;
   if (!j->shape) j->shape = vs_row_new(h->columns, h->failures, h->manifest_end);
-  if (vs_row_read(j->shape, e->line[9] == '!', e->line + BEFORE_ROW, counts, &at, why, sizeof why))
+  if (vs_row_read(j->shape, e->line[VS_HEAD_KIND] == '!', e->line + VS_HEAD_TEXT, counts, &at, why,
+                  sizeof why))
     return VS_OK;
   return refuse_row(j, e, at, why, err);
 }
@@ -175,7 +148,8 @@ static vs_status check_double(vs_journal *j, const entry *e, uint64_t index, vs_
   char why[96];
   bool failed;
   vs_status status = vs_journal_row(j, index, &row, &failed, err);
-  bool same = !status && failed == (e->line[9] == '!') && !strcmp(row.text, e->line + BEFORE_ROW);
+  bool same = !status && failed == (e->line[VS_HEAD_KIND] == '!') &&
+              !strcmp(row.text, e->line + VS_HEAD_TEXT);
   vs_text_free(&row);
   if (status || same) return status;
   snprintf(why, sizeof why, "case %" PRIu64 " has another row before this one", index);
@@ -183,7 +157,7 @@ static vs_status check_double(vs_journal *j, const entry *e, uint64_t index, vs_
 }
 
 static vs_status count_row(vs_journal *j, const entry *e, vs_error *err) {
-  const char kind = e->line[9];
+  const char kind = e->line[VS_HEAD_KIND];
   vs_row_counts counts;
   vs_status status = read_row(j, e, &counts, err);
   if (status) return status;
@@ -196,13 +170,6 @@ static vs_status count_row(vs_journal *j, const entry *e, vs_error *err) {
   j->failed += kind == '!';
   j->violated += kind == '=' && counts.violated;
   return VS_OK;
-}
-
-static bool is_good(const entry *e) {
-  char *after;
-  return e->length > BEFORE_ROW &&
-         strtoull(e->line, &after, 16) == vs_hash_crc32(e->line + 9, e->length - 9) &&
-         after == e->line + 8 && strlen(e->line) == e->length;
 }
 
 /* What is known while a journal is read. */
@@ -227,9 +194,9 @@ static void mend_head(vs_journal *j, const reading *r, uint64_t at) {
 
 /* Takes a line of the head. A copy is there to be compared, once it is whole. */
 static void take_head(vs_journal *j, const entry *e, reading *r) {
-  const char *text = e->line + BEFORE_ROW;
+  const char *text = e->line + VS_HEAD_TEXT;
   bool again = false;
-  if (e->line[9] == 'h') {
+  if (e->line[VS_HEAD_KIND] == 'h') {
     j->bad += !vs_head_read(&j->head, text, !e->at, &j->two_heads);
     return;
   }
@@ -243,7 +210,7 @@ static void take_head(vs_journal *j, const entry *e, reading *r) {
 /* A case's row of failures.csv does not count any more. */
 static void call_back(vs_journal *j, const entry *e) {
   char *end;
-  const uint64_t index = strtoull(e->line + BEFORE_ROW, &end, 10);
+  const uint64_t index = strtoull(e->line + VS_HEAD_TEXT, &end, 10);
   const bool known = !*end && is_own(j, index) && vs_journal_has(j, index);
   vs_text row = {0};
   vs_error none = {0};
@@ -257,7 +224,7 @@ static void call_back(vs_journal *j, const entry *e) {
 }
 
 static vs_status take_line(vs_journal *j, const entry *e, reading *r, vs_error *err) {
-  const char kind = is_good(e) ? e->line[9] : '\0';
+  const char kind = vs_head_kind(e->line, e->length);
   if (kind && kind != 'h') mend_head(j, r, e->at);
   const bool headed = vs_head_is_whole(&j->head);
   if (kind == 'h' || kind == 'H')
@@ -273,11 +240,12 @@ static vs_status take_line(vs_journal *j, const entry *e, reading *r, vs_error *
 
 /* Looks for the head alone. */
 static vs_status find_head(vs_journal *j, const entry *e, reading *r, vs_error *err) {
+  const char kind = vs_head_kind(e->line, e->length);
   bool again = false;
   (void)err;
-  if (!is_good(e) || (e->line[9] != 'h' && e->line[9] != 'H')) return VS_OK;
-  j->foreign = j->foreign || (!e->at && vs_head_is_foreign(e->line + BEFORE_ROW));
-  vs_head_read(&r->found, e->line + BEFORE_ROW, true, &again);
+  if (kind != 'h' && kind != 'H') return VS_OK;
+  j->foreign = j->foreign || (!e->at && vs_head_is_foreign(e->line + VS_HEAD_TEXT));
+  vs_head_read(&r->found, e->line + VS_HEAD_TEXT, true, &again);
   r->enough = vs_head_is_whole(&r->found);
   return VS_OK;
 }
@@ -286,6 +254,7 @@ typedef vs_status (*visit)(vs_journal *j, const entry *e, reading *r, vs_error *
 
 /* Calls each for all whole lines, from the first on; *whole is where the last of them ends. */
 static vs_status each_line(vs_journal *j, visit each, reading *r, uint64_t *whole, vs_error *err) {
+  enum { AT_ONCE = 1 << 16 }; /* bytes, as each read may have to go over a network */
   int copy = dup(j->fd);
   FILE *f = copy < 0 ? NULL : fdopen(copy, "r");
   if (!f) return vs_fail(err, VS_RUN, "%s: cannot be read: %s", j->path, strerror(errno));
@@ -295,8 +264,10 @@ static vs_status each_line(vs_journal *j, visit each, reading *r, uint64_t *whol
   uint64_t at = 0, number = 0;
   vs_status status = VS_OK;
   rewind(f);
+  char *room = vs_alloc(1, AT_ONCE);
+  setvbuf(f, room, _IOFBF, AT_ONCE);
   while (!status && !j->two_heads && !r->enough && (n = vs_alloc_line(&line, &size, f)) > 0) {
-    number++;
+    j->lines = ++number;
     if (line[n - 1] == '\n') {
       line[n - 1] = '\0';
       status = each(j, &(entry){line, (size_t)n - 1, at, number}, r, err);
@@ -308,6 +279,7 @@ static vs_status each_line(vs_journal *j, visit each, reading *r, uint64_t *whol
   if (!status) status = vs_file_was_read(f, j->path, err);
   free(line);
   fclose(f);
+  free(room);
   return status;
 }
 
@@ -319,10 +291,9 @@ static vs_status read_lines(vs_journal *j, uint64_t *end, vs_error *err) {
   r.enough = false;
   j->bad = *end = 0;
   if (!status && j->foreign)
-    status = vs_fail(err, VS_INPUT,
-                     "%s: is of another version of the journal than this program reads; go on with "
-                     "the program that began it, or take another folder",
-                     j->path);
+    status = vs_fail_at(err, (vs_where){j->path, 1, 1},
+                        "is of another version of the journal than this program reads; go on with "
+                        "the program that began it, or take another folder");
   if (!status) status = each_line(j, take_line, &r, end, err);
   if (!status && !j->done && !j->failed) mend_head(j, &r, *end);
   vs_head_free(&r.found);
@@ -343,6 +314,7 @@ static vs_status write_head(vs_journal *j, vs_error *err) {
 
 vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error *err) {
   *j = (vs_journal){.fd = -1, .folder = -1};
+  j->part = vs_alloc(1, sizeof *j->part);
   name_file(j, folder);
   vs_status status = mend ? vs_lock_folder(folder, j->path, &j->folder, err) : VS_OK;
   if (status) return status;
@@ -355,21 +327,22 @@ vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error
         err); /* locked before it is read, as whoever had the lock may have added lines */
   if (!status) status = read_lines(j, &j->end, err);
   if (!status && j->two_heads)
-    status =
-        vs_fail(err, VS_INPUT,
-                "%s: has two heads, so that its rows may be of two studies; a journal has one, "
-                "in its first lines",
-                j->path);
+    status = vs_fail_at(err, (vs_where){j->path, (int)j->lines, 1},
+                        "has two heads, so that its rows may be of two studies; a journal has one, "
+                        "in its first lines");
   if (!status && !vs_head_is_whole(&j->head))
-    status = vs_fail(err, VS_INPUT,
-                     "%s: is no journal of a study: its head lacks a line, or has counts that no "
-                     "study has (at most %llu cases and %d shards)",
-                     j->path, VS_PLAN_CASES, VS_MOST_SHARDS);
-  if (!status && !has_manifest(j))
-    status = vs_fail(err, VS_INPUT,
-                     "%s: manifest_begin and manifest_end of its head are not the two parts of a "
-                     "manifest.json; this record is of no study, or was changed",
-                     j->path);
+    status = vs_fail_at(
+        err, (vs_where){j->path, 1, 1},
+        "is no journal of a study: its head lacks a line, or has counts that no study has (at most "
+        "%llu cases and %d shards); where it is damaged and nothing has a copy of it, as in a "
+        "journal of version 1, put the file back from a backup, or begin the study anew: with "
+        "--overwrite, or in another folder",
+        VS_PLAN_CASES, VS_MOST_SHARDS);
+  if (!status && !vs_head_has_manifest(&j->head))
+    status = vs_fail_at(err, (vs_where){j->path, 1, 1},
+                        "manifest_begin and manifest_end of its head are not the two parts of a "
+                        "manifest.json; this record is of no study, or was changed");
+  j->part->size = 0; /* a torn line that it has is cut off, and others come in its place */
   if (!status && mend && ftruncate(j->fd, (off_t)j->end))
     status = vs_fail(err, VS_RUN, "%s: cannot be written: %s", j->path, strerror(errno));
   return !status && mend && j->mended && j->in_place ? write_head(j, err) : status;
@@ -390,6 +363,7 @@ void vs_journal_close(vs_journal *j) {
   free(j->place);
   vs_row_free(j->shape);
   vs_text_free(&j->fresh);
+  free(j->part);
   *j = (vs_journal){.fd = -1, .folder = -1};
 }
 
@@ -442,7 +416,7 @@ vs_status vs_journal_flush(vs_journal *j, bool sync, vs_error *err) {
     return vs_fail(err, VS_RUN, "%s: cannot be written: %s; --resume goes on with it", j->path,
                    strerror(errno));
   if (sync) j->unsynced = false;
-  return VS_OK;
+  return sync ? vs_lock_keeps(j->fd, j->path, err) : VS_OK;
 }
 
 vs_status vs_journal_call_back(vs_journal *j, uint64_t *count, vs_error *err) {
@@ -466,24 +440,52 @@ vs_status vs_journal_call_back(vs_journal *j, uint64_t *count, vs_error *err) {
   return status ? status : vs_journal_flush(j, true, err);
 }
 
+/* Reads the part from byte `at` on. Behind the file's end it is empty. */
+static vs_status read_part(const vs_journal *j, uint64_t at, vs_error *err) {
+  struct vs_journal_part *p = j->part;
+  ssize_t n;
+  do n = pread(j->fd, p->bytes, sizeof p->bytes, (off_t)at);
+  while (n < 0 && errno == EINTR);
+  p->at = at;
+  p->size = n > 0 ? (size_t)n : 0;
+  return n < 0 ? vs_fail(err, VS_RUN, "%s: cannot be read: %s", j->path, strerror(errno)) : VS_OK;
+}
+
+/* Reads the line that begins at byte `at`, without its end. *length is how many bytes stand there:
+ * more than the text's where a zero is among them. */
+static vs_status read_line(const vs_journal *j, uint64_t at, vs_text *line, size_t *length,
+                           vs_error *err) {
+  const struct vs_journal_part *p = j->part;
+  line->length = *length = 0;
+  for (bool ended = false; !ended;) {
+    vs_status status = VS_OK;
+    if (at < p->at || at >= p->at + p->size) status = read_part(j, at, err);
+    if (status) return status;
+    const char *from = p->bytes + (at - p->at);
+    const size_t left = p->size - (at - p->at);
+    const char *end = memchr(from, '\n', left);
+    const size_t n = end ? (size_t)(end - from) : left;
+    vs_text_add(line, "%.*s", (int)n, from);
+    *length += n;
+    at += n;
+    ended = end || !left;
+  }
+  return VS_OK;
+}
+
 vs_status vs_journal_row(const vs_journal *j, uint64_t index, vs_text *row, bool *failed,
                          vs_error *err) {
-  uint64_t at = j->place[own(j, index)] - 1;
-  char part[1024];
-  row->length = 0;
-  for (bool ended = false; !ended;) {
-    ssize_t n = pread(j->fd, part, sizeof part - 1, (off_t)at);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return vs_fail(err, VS_RUN, "%s: cannot be read: %s", j->path, strerror(errno));
-    part[n] = '\0';
-    char *end = strchr(part, '\n');
-    ended = end;
-    if (end) *end = '\0';
-    vs_text_add(row, "%s", part);
-    at += (uint64_t)n;
-  }
-  *failed = row->text[9] == '!';
-  row->length -= 11;
-  memmove(row->text, row->text + 11, row->length + 1);
+  size_t length;
+  vs_status status = read_line(j, j->place[own(j, index)] - 1, row, &length, err);
+  if (status) return status;
+  const char kind = vs_head_kind(row->text, length);
+  if ((kind != '=' && kind != '!') || !vs_row_is_of(row->text + VS_HEAD_TEXT, index))
+    return vs_fail(err, VS_RUN,
+                   "%s: row of case %llu was changed while the study ran or was merged; let "
+                   "nothing else write to this file, and --resume runs again what is lost",
+                   j->path, (unsigned long long)index);
+  *failed = kind == '!';
+  row->length -= VS_HEAD_TEXT;
+  memmove(row->text, row->text + VS_HEAD_TEXT, row->length + 1);
   return VS_OK;
 }

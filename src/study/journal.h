@@ -46,6 +46,7 @@ typedef struct vs_journal {
   uint64_t failed;   /* cases with a row in failures.csv */
   uint64_t violated; /* those of `done` that have status 3 */
   vs_row *shape;     /* that every row must have; NULL: no row was read yet */
+  uint64_t lines;    /* how many of its lines were read last */
   bool two_heads;    /* a line of the head stands there twice, or behind rows, or a copy of it says
                         something else */
   bool foreign;      /* of a version that this program does not read */
@@ -54,7 +55,8 @@ typedef struct vs_journal {
   uint64_t copy_at;  /* bytes from which on the next copy of the head is written */
   uint64_t bad;      /* lines that did not count when it was opened */
   vs_text fresh;     /* lines that are not written yet */
-  bool unsynced;     /* lines were written since the last fsync */
+  struct vs_journal_part *part; /* of the file, as it was read last; NULL: closed */
+  bool unsynced;                /* lines were written since the last fsync */
 } vs_journal;
 
 /* True if the folder holds a journal. */
@@ -89,9 +91,11 @@ vs_status vs_journal_call_back(vs_journal *journal, uint64_t *count, vs_error *e
  * written. */
 vs_status vs_journal_add(vs_journal *journal, uint64_t index, int status, const char *row,
                          size_t length, vs_error *err);
-/* Writes the fresh lines; with sync it also waits until they are on the disk. */
+/* Writes the fresh lines; with sync it also waits until they are on the disk. Errors: they cannot
+ * be written; with sync, the journal's name has become that of another file, or of none. */
 vs_status vs_journal_flush(vs_journal *journal, bool sync, vs_error *err);
-/* Adds to row the row of a case that is done, and tells whether the case failed. */
+/* Reads the row of a case that is done, and tells whether the case failed. Errors: the file cannot
+ * be read; another program has changed the row since it was written, or read first. */
 vs_status vs_journal_row(const vs_journal *journal, uint64_t index, vs_text *row, bool *failed,
                          vs_error *err);
 
@@ -103,7 +107,5 @@ typedef struct vs_journals {
   const char *more; /* further members of the manifest, as a writer inside it (vs_json_inside) adds
                        them; NULL: none */
 } vs_journals;
-/* Adds their manifest to text. */
-void vs_journal_manifest(const vs_journals *journals, vs_text *text);
 
 #endif

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <stdbool.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -34,4 +35,19 @@ vs_status vs_lock_file(int fd, const char *path, vs_error *err) {
 vs_status vs_lock_folder(const char *folder, const char *path, int *fd, vs_error *err) {
   *fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   return *fd < 0 ? VS_OK : held(*fd, try_folder, path, err);
+}
+
+/* On some network file systems a file's number changes; its length does not. */
+vs_status vs_lock_keeps(int fd, const char *path, vs_error *err) {
+  struct stat held, named;
+  if (fstat(fd, &held)) return VS_OK;
+  if (stat(path, &named) ? errno != ENOENT && errno != ENOTDIR && errno != ESTALE
+                         : (named.st_ino == held.st_ino && named.st_dev == held.st_dev) ||
+                               named.st_size == held.st_size)
+    return VS_OK;
+  return vs_fail(
+      err, VS_RUN,
+      "%s: is gone, or is another file: its folder was moved, removed or unmounted while "
+      "the study ran; put it back, and --resume goes on with it",
+      path);
 }

@@ -15,4 +15,8 @@ vs_status vs_lock_file(int fd, const char *path, vs_error *err);
  * goes on. *fd is -1 where it cannot be opened. Error: another process has it. */
 vs_status vs_lock_folder(const char *folder, const char *path, int *fd, vs_error *err);
 
+/* Error: the path does not name the open file any more, but another one or none. What is written to
+ * it would be found by nobody, and what is written beside it would stand elsewhere. */
+vs_status vs_lock_keeps(int fd, const char *path, vs_error *err);
+
 #endif

@@ -21,7 +21,8 @@ static char *identify(const vs_plan *plan, const char *columns) {
   vs_hash hash;
   vs_text text = {0};
   char digits[VS_HASH_TEXT];
-  vs_text_add(&text, "%s\n%s\n%s\n%s\n", VS_VERSION, vs_ng_version(), gsl_version, columns);
+  vs_text_add(&text, "%s\n%s\n%s\n%s\n%s\n", VS_VERSION, vs_version_sources(), vs_ng_version(),
+              gsl_version, columns);
   for (size_t k = 0; k < plan->n_inputs; k++) vs_text_add(&text, "%s\n", plan->inputs[k].sha256);
   for (size_t k = 0; k < plan->n_sets; k++) vs_text_add(&text, "--set %s\n", plan->sets[k]);
   vs_hash_begin(&hash);

@@ -102,53 +102,55 @@ static vs_status check_shards(const shards *all, vs_error *err) {
   for (size_t k = 0; k < all->count; k++) {
     const vs_journal *j = &all->item[k];
     const vs_head *h = &j->head;
+    char one[160], other[160];
+    if (strcmp(h->identity, first->head.identity) != 0 &&
+        vs_head_programs(h, &first->head, one, other, sizeof one))
+      return vs_fail(err, VS_INPUT,
+                     "%s: was made by %s, and %s by %s; rows of two programs are not mixed",
+                     j->path, one, first->path, other);
     if (!is_same_study(h, &first->head))
-      return vs_fail(err, VS_INPUT, "%s: is of another study than %s", j->path, first->path);
+      return vs_fail_at(err, (vs_where){j->path, 1, 1}, "is of another study than %s", first->path);
     if (k && h->shard == all->item[k - 1].head.shard)
-      return vs_fail(err, VS_INPUT, "%s: is shard %llu, as %s is", j->path,
-                     (unsigned long long)h->shard, all->item[k - 1].path);
+      return vs_fail_at(err, (vs_where){j->path, 1, 1}, "is shard %llu, as %s is",
+                        (unsigned long long)h->shard, all->item[k - 1].path);
     if (h->shard != k + 1)
-      return vs_fail(err, VS_INPUT, "shard %zu of %llu is missing", k + 1,
-                     (unsigned long long)h->shards);
+      return vs_fail(err, VS_INPUT, "merge: shard %zu of %llu is missing; name its folder, too",
+                     k + 1, (unsigned long long)h->shards);
     uint64_t gap = first_gap(j);
     if (gap < h->cases)
-      return vs_fail(err, VS_INPUT, "%s: case %llu is missing; study --resume goes on there",
-                     j->path, (unsigned long long)gap);
+      return vs_fail_at(err, (vs_where){j->path, 1, 1},
+                        "case %llu is missing; study --resume goes on there",
+                        (unsigned long long)gap);
   }
   if (all->count < first->head.shards)
-    return vs_fail(err, VS_INPUT, "shard %zu of %llu is missing", all->count + 1,
-                   (unsigned long long)first->head.shards);
+    return vs_fail(err, VS_INPUT, "merge: shard %zu of %llu is missing; name its folder, too",
+                   all->count + 1, (unsigned long long)first->head.shards);
   if (!first->head.cases)
-    return vs_fail(err, VS_INPUT, "%s: is of a study that has no shards", first->path);
+    return vs_fail_at(err, (vs_where){first->path, 1, 1}, "is of a study that has no shards");
   return VS_OK;
 }
 
 static vs_status write_merged(const shards *all, const vs_merge_options *o, const char *folder,
                               vs_error *err) {
   int made;
-  uint64_t done = 0, failed = 0, violated = 0;
   const vs_journals journals = {all->item, all->count, all->item[0].head.cases, NULL};
   vs_status status = vs_file_folder_make(folder, &made, err);
   if (status) return status;
   status = vs_publish_write(&journals, o->format, folder, err);
   if (status) vs_file_folder_unmake(folder, made);
   if (status) return status;
-  for (size_t k = 0; k < all->count; k++) {
-    done += all->item[k].done;
-    failed += all->item[k].failed;
-    violated += all->item[k].violated;
-  }
+  const vs_head_counts counts = vs_publish_count(&journals);
+  const unsigned long long done = counts.done, failed = counts.failed, violated = counts.violated;
   if (!o->quiet)
     printf("shards %zu\ncases  %llu done, %llu failed, in %llu a rating is violated or undecided\n"
            "written: %s in %s\n",
-           all->count, (unsigned long long)done, (unsigned long long)failed,
-           (unsigned long long)violated, o->format->written, folder);
+           all->count, done, failed, violated, o->format->written, folder);
   if (failed)
-    return vs_fail(err, VS_RUN, "%llu of %llu cases failed; why stands in %s/failures.csv",
-                   (unsigned long long)failed, (unsigned long long)(done + failed), folder);
+    return vs_fail(err, VS_RUN, "%llu of %llu cases failed; why stands in %s/failures.csv", failed,
+                   done + failed, folder);
   return violated
              ? vs_fail(err, VS_RATING, "a rating is violated or undecided in %llu of %llu cases",
-                       (unsigned long long)violated, (unsigned long long)(done + failed))
+                       violated, done + failed)
              : VS_OK;
 }
 
@@ -169,14 +171,18 @@ static bool has_other_journal(const char *folder, const vs_head *head) {
 }
 
 /* Does it hold another study's manifest, or a result of which nobody knows whose it is? Beside the
- * shards' own journal a study was broken off as it wrote its result. */
-static bool has_other_result(const char *folder, const vs_head *head) {
+ * shards' own journal a study was broken off as it wrote its result; and so was an earlier merge
+ * that has left these same rows without a manifest. */
+static bool has_other_result(const char *folder, const vs_journals *all) {
+  const vs_head *head = &all->item[0].head;
   char path[VS_PATH_SIZE + 16], *line = NULL;
   size_t size = 0;
   vs_text manifest = {0};
   snprintf(path, sizeof path, "%.4000s/manifest.json", folder);
   FILE *f = fopen(path, "r");
-  if (!f) return vs_publish_found(folder) && !vs_journal_exists(folder);
+  if (!f)
+    return vs_publish_found(folder) && !vs_journal_exists(folder) &&
+           !vs_publish_was_begun(all, folder);
   while (vs_alloc_line(&line, &size, f) > 0) vs_text_add(&manifest, "%s", line);
   bool same = manifest.length && is_of(manifest.text, head);
   vs_text_free(&manifest);
@@ -190,8 +196,10 @@ typedef struct others {
   bool journal, result;
 } others;
 
-static others find_others(const char *folder, const vs_head *head) {
-  return (others){has_other_journal(folder, head), has_other_result(folder, head)};
+static others find_others(const char *folder, const shards *all) {
+  const vs_journals journals = {all->item, all->count, all->item[0].head.cases, NULL};
+  return (others){has_other_journal(folder, &all->item[0].head),
+                  has_other_result(folder, &journals)};
 }
 
 /* Removes another study's journal, and what else it left there but its result, which is replaced.
@@ -226,7 +234,7 @@ vs_status vs_merge_command(const vs_merge_options *o, vs_error *err) {
   if (!status) qsort(all.item, all.count, sizeof *all.item, by_shard);
   if (!status) status = check_shards(&all, err);
   others other = {0};
-  if (!status) other = find_others(folder, &all.item[0].head);
+  if (!status) other = find_others(folder, &all);
   if (!status && !o->overwrite) status = check_free(folder, &other, err);
   if (!status) status = vs_publish_check(folder, o->format, err);
   if (!status && (other.journal || other.result)) status = remove_others(folder, &other, err);

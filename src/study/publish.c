@@ -83,6 +83,44 @@ static vs_status each_row(const vs_journals *all, visit take, result *r, vs_erro
   return status;
 }
 
+/* The next line of the file that is read must be this row, as far as it belongs there. */
+static vs_status meet(result *r, bool failed, char *row, vs_error *err) {
+  (void)err;
+  char *line = NULL;
+  size_t size = 0;
+  bool same = failed;
+  if (!failed) {
+    const ssize_t n = vs_alloc_line(&line, &size, r->rows);
+    same = n > 0 && !strncmp(line, row, (size_t)n - 1) && !row[n - 1] && line[n - 1] == '\n';
+  }
+  free(line);
+  return same ? VS_OK : VS_INPUT;
+}
+
+/* True if the file has these journals' rows and no others. */
+static bool has_rows(const vs_journals *all, const char *folder, const char *name) {
+  char path[VS_PATH_SIZE + 32];
+  vs_error none = {0};
+  snprintf(path, sizeof path, "%.4000s/%s", folder, name);
+  result r = {.rows = vs_packed_read(fopen(path, "r"), name)};
+  if (!r.rows) return false;
+  const bool same = !meet(&r, false, all->item[0].head.columns, &none) &&
+                    !each_row(all, meet, &r, &none) && getc(r.rows) == EOF;
+  fclose(r.rows);
+  return same;
+}
+
+bool vs_publish_was_begun(const vs_journals *all, const char *folder) {
+  bool found = false;
+  if (is_there(folder, MANIFEST)) return false;
+  for (const vs_format *f = vs_format_all; f->name; f++) {
+    if (!is_there(folder, f->rows)) continue;
+    if (!has_rows(all, folder, f->rows)) return false;
+    found = true;
+  }
+  return found;
+}
+
 static vs_status look(result *r, bool failed, char *row, vs_error *err) {
   (void)err;
   if (!failed) vs_array_look(r->columns, row);
@@ -96,9 +134,8 @@ static vs_status take(result *r, bool failed, char *row, vs_error *err) {
 
 static vs_status open_columns(result *r, const vs_journals *all, const vs_row *shape,
                               const char *folder, vs_error *err) {
-  uint64_t done = 0;
+  const uint64_t done = vs_publish_count(all).done;
   vs_status status = VS_OK;
-  for (uint64_t k = 0; k < all->count; k++) done += all->item[k].done;
   r->columns = vs_array_new(shape);
   if (vs_array_must_look(r->columns)) status = each_row(all, look, r, err);
   return status ? status : vs_array_open(r->columns, folder, done, err);
@@ -123,17 +160,28 @@ static vs_status check_count(const vs_journals *all, vs_error *err) {
     const vs_journal *j = &all->item[k];
     const uint64_t own = (all->cases + j->head.shards - j->head.shard) / j->head.shards;
     if (j->done + j->failed != own)
-      return vs_fail(err, VS_INPUT,
-                     "%s: has rows of %llu cases, and the study %llu; this record is of another "
-                     "study, or was changed",
-                     j->path, (unsigned long long)(j->done + j->failed), (unsigned long long)own);
+      return vs_fail_at(err, (vs_where){j->path, 1, 1},
+                        "has rows of %llu cases, and the study %llu; this record is of another "
+                        "study, or was changed",
+                        (unsigned long long)(j->done + j->failed), (unsigned long long)own);
   }
   return VS_OK;
 }
 
+vs_head_counts vs_publish_count(const vs_journals *all) {
+  vs_head_counts counts = {.cases = all->cases};
+  for (uint64_t k = 0; k < all->count; k++) {
+    counts.done += all->item[k].done;
+    counts.failed += all->item[k].failed;
+    counts.violated += all->item[k].violated;
+  }
+  return counts;
+}
+
 static vs_status commit(result *r, const vs_journals *all, vs_error *err) {
   vs_text text = {0};
-  vs_journal_manifest(all, &text);
+  const vs_head_counts counts = vs_publish_count(all);
+  vs_head_manifest(&all->item[0].head, &counts, all->count > 1, all->more, &text);
   fprintf(r->manifest.stream, "%s\n", text.text);
   vs_text_free(&text);
   vs_status status = vs_file_commit(&r->study, err);

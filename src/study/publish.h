@@ -19,11 +19,18 @@ void vs_publish_remove(const char *folder);
 /* Error: the format wants a folder of columns, and something else has its name. */
 vs_status vs_publish_check(const char *folder, const vs_format *format, vs_error *err);
 
+/* What has come of all the journals' cases. */
+vs_head_counts vs_publish_count(const vs_journals *journals);
+
 /* Writes the result into the folder, in the order of the cases, and removes what the same study has
- * left there in other formats. Error: a journal has more rows than cases; a file cannot be written.
- */
+ * left there in other formats. Error: a journal has more rows than cases, or one that was changed
+ * meanwhile; a file cannot be written. Nothing is left of the result then. */
 vs_status vs_publish_write(const vs_journals *journals, const vs_format *format, const char *folder,
                            vs_error *err);
+
+/* True if the folder has these journals' rows, all of them and no others, without a manifest, which
+ * is written last: their result was broken off as it was given its names. */
+bool vs_publish_was_begun(const vs_journals *journals, const char *folder);
 
 /* Prints one of the folder's files, with its header row or without. Errors: VS_INPUT or VS_RUN, it
  * cannot be read. */

@@ -190,3 +190,10 @@ bool vs_row_read(const vs_row *shape, bool failed, const char *row, vs_row_count
   free(copy);
   return fits;
 }
+
+/* The case comes first, in quotes or not. */
+bool vs_row_is_of(const char *row, uint64_t index) {
+  const char *number = row + (*row == '"');
+  char *after;
+  return strtoull(number, &after, 10) == index && after > number;
+}

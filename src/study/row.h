@@ -45,4 +45,7 @@ typedef struct vs_row_counts {
 bool vs_row_read(const vs_row *shape, bool failed, const char *row, vs_row_counts *counts,
                  size_t *at, char *why, size_t size);
 
+/* True for the row of that case, among those that vs_row_read takes. */
+bool vs_row_is_of(const char *row, uint64_t index);
+
 #endif

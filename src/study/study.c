@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/leave.h"
+#include "plan/reading.h"
 #include "scene/session.h"
 #include "study/manifest.h"
 #include "study/merge.h"
@@ -143,9 +144,9 @@ static vs_status check_row(const session *s, vs_case *c, uint64_t index, const d
   bool failed;
   vs_status status = vs_journal_row(&s->journal, index, &row, &failed, err);
   if (!status && !vs_case_is_row(c, index, point, failed, row.text, why, sizeof why))
-    status =
-        vs_fail(err, VS_INPUT, "%s: case %llu: %s; this record is of another study, or was changed",
-                s->journal.path, (unsigned long long)index, why);
+    status = vs_fail_at(err, (vs_where){s->journal.path, 1, 1},
+                        "case %llu: %s; this record is of another study, or was changed",
+                        (unsigned long long)index, why);
   vs_text_free(&row);
   return status;
 }
@@ -239,24 +240,33 @@ static vs_status run_failed_again(session *s, vs_error *err) {
   return status;
 }
 
+/* The journal has another identity than the study. */
+static vs_status refuse_other(const vs_journal *j, const vs_head *head, vs_error *err) {
+  char theirs[160], ours[160];
+  if (vs_head_programs(&j->head, head, theirs, ours, sizeof theirs))
+    return vs_fail_at(err, (vs_where){j->path, 1, 1},
+                      "was begun by %s, and this is %s; rows of two programs are not mixed: go on "
+                      "with that one, or take another folder",
+                      theirs, ours);
+  return vs_fail_at(err, (vs_where){j->path, 1, 1},
+                    "is of another study: the study's file, a file it names, a --set or the "
+                    "program have changed since; take another folder, or remove this one");
+}
+
 static vs_status go_on(session *s, vs_head *head, vs_error *err) {
   vs_journal *j = &s->journal;
   vs_status status = vs_journal_open(j, s->folder, true, err);
   if (status) return status;
-  if (strcmp(j->head.identity, head->identity))
-    return vs_fail(err, VS_INPUT,
-                   "%s: is of another study: the study's file, a file it names, a --set or the "
-                   "program have changed since; take another folder, or remove this one",
-                   j->path);
+  if (strcmp(j->head.identity, head->identity)) return refuse_other(j, head, err);
   if (j->head.shard != head->shard || j->head.shards != head->shards)
-    return vs_fail(err, VS_INPUT, "%s: is of shard %llu/%llu: give --shard so", j->path,
-                   (unsigned long long)j->head.shard, (unsigned long long)j->head.shards);
+    return vs_fail_at(err, (vs_where){j->path, 1, 1}, "is of shard %llu/%llu: give --shard so",
+                      (unsigned long long)j->head.shard, (unsigned long long)j->head.shards);
   const char *differs = vs_head_differs(&j->head, head);
   if (differs)
-    return vs_fail(err, VS_INPUT,
-                   "%s: the line %s= of its head is not as this study writes it; this record was "
-                   "changed",
-                   j->path, differs);
+    return vs_fail_at(err, (vs_where){j->path, 1, 1},
+                      "the line %s= of its head is not as this study writes it; this record was "
+                      "changed",
+                      differs);
   if (j->bad && !s->o->quiet)
     fprintf(stderr,
             "vibrospice: warning: %s: %llu torn or damaged line%s mended; what stood there is run "
@@ -283,7 +293,7 @@ static vs_status begin_anew(session *s, vs_head *head, vs_error *err) {
 static vs_status open_journal(session *s, vs_error *err) {
   vs_head head;
   vs_manifest_head(&s->plan, s->o->name, &head);
-  vs_status status = s->o->keep_runs ? vs_case_check_csv(s->plan.first, err) : VS_OK;
+  vs_status status = s->o->keep_runs ? vs_case_check_csv(s->plan.first, s->plan.count, err) : VS_OK;
   if (!status && s->o->shard)
     status = vs_merge_shard_read(s->o->shard, &head.shard, &head.shards, err);
   if (!status && s->plan.adaptive && head.shards > 1)
@@ -399,6 +409,16 @@ static vs_status judge(const session *s, vs_error *err) {
   return VS_OK;
 }
 
+/* A worker may outlive its killed parent by a moment, in which its case is already run again. What
+ * it has left of its run.csv then lies beside the other one. */
+static void sweep_runs(const session *s, uint64_t cases) {
+  char folder[VS_PATH_SIZE + 32];
+  for (uint64_t k = 0; k < cases && s->o->keep_runs && s->o->resume; k++) {
+    snprintf(folder, sizeof folder, "%s/%llu", s->keep, (unsigned long long)k);
+    vs_file_sweep(folder);
+  }
+}
+
 static vs_status run_session(session *s, vs_error *err) {
   const vs_head *head = &s->journal.head;
   uint64_t cases = s->plan.count;
@@ -426,6 +446,7 @@ static vs_status run_session(session *s, vs_error *err) {
   if (s->show && s->shared)
     fprintf(stderr, "shared pasts: %llu of %llu cases\n", (unsigned long long)s->shared,
             (unsigned long long)s->total);
+  sweep_runs(s, cases);
   if (!status) status = write_result(s, cases, err);
   signal(SIGPIPE, before);
   if (!status) status = say_result(s, err);
@@ -466,7 +487,7 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   s->o = o;
   s->journal.fd = s->journal.folder = -1;
   vs_status status = check_options(o, err);
-  if (!status) status = vs_plan_read(o->name, o->methods, o->sets, o->n_sets, &s->plan, err);
+  if (!status) status = vs_reading_plan(o->name, o->methods, o->sets, o->n_sets, &s->plan, err);
   s->plan.allow_code = o->allow_code;
   if (!status) status = vs_control_allow(&s->plan.first->control, o->allow_code, err);
   if (!status) status = name_folder(s, err);

@@ -64,7 +64,8 @@ static vs_status each(vs_csv *csv, size_t cells, vs_folder_visit visit, void *ct
   vs_folder_row row;
   vs_status status = vs_csv_next(csv, err);
   if (!status && !csv->count)
-    status = vs_fail_at(err, (vs_where){.file = csv->file}, "the file is empty");
+    status = vs_fail_at(err, (vs_where){csv->file, 1, 1},
+                        "the file is empty; its first line names columns");
   while (!status && !(status = vs_csv_next(csv, err)) && csv->count) {
     status = take_row(csv, cells, &row, &before, err);
     if (!status) status = visit(ctx, &row, err);
@@ -103,7 +104,7 @@ static const char *text_of(const vs_node *node) {
 }
 
 static vs_status wanted(const vs_folder *t, const vs_node *node, const char *what, vs_error *err) {
-  return vs_fail_at(err, node ? node->where : (vs_where){.file = t->manifest_path},
+  return vs_fail_at(err, node ? node->where : (vs_where){t->manifest_path, 1, 1},
                     "%s; this is no manifest of a study", what);
 }
 
@@ -226,7 +227,7 @@ static vs_folder_role role_of(const char *title, size_t position) {
 
 static vs_status take_header(vs_folder *t, char *const *cell, size_t count, vs_error *err) {
   const vs_where at = {t->path, 1, 1};
-  if (!count) return vs_fail_at(err, (vs_where){.file = t->path}, "the file is empty");
+  if (!count) return vs_fail_at(err, at, "the file is empty; its first line names columns");
   if (count > VS_STUDY_COLUMNS)
     return vs_fail_at(err, at, "more than %d columns", VS_STUDY_COLUMNS);
   t->count = count;

@@ -236,8 +236,8 @@ vs_status vs_survey_take(const vs_folder *t, vs_survey *s, vs_error *err) {
   vs_status status = vs_folder_each(t, note_row, &r, err);
   if (!status) status = vs_folder_each_failure(t, note_failure, s, err);
   if (!status && s->rows != t->done)
-    status = vs_fail(err, VS_INPUT, "%s: rows: %ld; cases done, says %s: %ld", t->path, s->rows,
-                     t->manifest_path, t->done);
+    status = vs_fail_at(err, (vs_where){t->path, 1, 1}, "rows: %ld; cases done, says %s: %ld",
+                        s->rows, t->manifest_path, t->done);
   qsort(s->doubtful.item, s->doubtful.count, sizeof *s->doubtful.item, by_times);
   qsort(s->weakest.item, s->weakest.count, sizeof *s->weakest.item, by_times);
   qsort(s->why.item, s->why.count, sizeof *s->why.item, by_times);

@@ -117,7 +117,9 @@ static vs_status convert_children(struct fy_node *fy, const char *file, vs_node 
     tail = &(*tail)->next;
   }
   const vs_node *second = second_of_a_key(parent);
-  return second ? vs_fail_at(err, second->key_where, "not YAML: duplicate key") : VS_OK;
+  return second ? vs_fail_at(err, second->key_where,
+                             "not YAML: duplicate key; a map has each key once")
+                : VS_OK;
 }
 
 static vs_status convert(struct fy_node *fy, const char *file, vs_node **out, vs_error *err) {
@@ -138,15 +140,29 @@ static vs_status convert(struct fy_node *fy, const char *file, vs_node **out, vs
   return VS_OK;
 }
 
+/* What would be right where the parser complains so. */
+static const char *instead_of(const char *complaint) {
+  static const struct {
+    const char *says, *instead;
+  } ROWS[] = {
+      {"'-'", "a - that begins no list is written in quotes: '-'"},
+      {"block sequence on the same line", "a - that begins no list is written in quotes: '-'"},
+      {"tab", "blanks are wanted in its place"},
+      {"quote", "a quote that is opened is closed on its line"},
+      {"closing", "what [ or { opens, ] or } closes"},
+      {"comma", "between [ and ], or { and }, commas stand between values"}};
+  for (size_t k = 0; k < sizeof ROWS / sizeof *ROWS; k++)
+    if (strstr(complaint, ROWS[k].says)) return ROWS[k].instead;
+  return "lines 'key: value' are wanted, and what belongs to a key stands farther to the right";
+}
+
 /* Makes the parser's first complaint an error of this program. */
 static vs_status report(struct fy_diag *diag, const char *file, vs_error *err) {
   void *position = NULL;
   struct fy_diag_error *first = fy_diag_errors_iterate(diag, &position);
-  if (!first) return vs_fail_at(err, (vs_where){.file = file}, "cannot be read as YAML");
+  if (!first) return vs_fail_at(err, (vs_where){file, 1, 1}, "cannot be read as YAML");
   vs_where where = {file, first->line > 0 ? first->line : 1, first->column > 0 ? first->column : 1};
-  bool dash = strstr(first->msg, "'-'") || strstr(first->msg, "block sequence on the same line");
-  return vs_fail_at(err, where, "not YAML: %s%s", first->msg,
-                    dash ? "; a - that begins no list is written in quotes: '-'" : "");
+  return vs_fail_at(err, where, "not YAML: %s; %s", first->msg, instead_of(first->msg));
 }
 
 /* The place of a byte of the text. */
@@ -219,7 +235,7 @@ static vs_status parse(const char *text, size_t length, const char *file, vs_nod
   struct fy_parser *parser = fy_parser_create(&cfg);
   struct fy_document *document = NULL, *second = NULL;
   if (!parser || fy_parser_set_string(parser, text, length))
-    status = vs_fail_at(err, (vs_where){.file = file}, "cannot be read as YAML");
+    status = vs_fail_at(err, (vs_where){file, 1, 1}, "cannot be read as YAML");
   if (!status) {
     document = fy_parse_load_document(parser);
     if (fy_parser_get_stream_error(parser)) status = report(diag, file, err);
@@ -326,6 +342,19 @@ vs_node vs_tree_map(const char *key, vs_node *child) {
   map.kind = VS_NODE_MAP;
   map.child = child;
   return map;
+}
+
+vs_where vs_tree_place(const vs_node *map, const char *key) {
+  vs_where where = map ? map->where : (vs_where){0};
+  while (map && *key) {
+    size_t n = strcspn(key, ".");
+    const vs_node *child = map->kind == VS_NODE_MAP ? map->child : NULL;
+    while (child && (strncmp(child->key, key, n) != 0 || child->key[n])) child = child->next;
+    if (child && child->where.file) where = child->where;
+    map = child;
+    key += n + (key[n] == '.');
+  }
+  return where;
 }
 
 const vs_node *vs_tree_child(const vs_node *map, const char *key) {

@@ -50,6 +50,11 @@ void vs_tree_free(vs_tree *tree);
 /* The map's value of that key; NULL when it has none or map is NULL. */
 const vs_node *vs_tree_child(const vs_node *map, const char *key);
 
+/* Where the dotted key stands below the map: its value. Where there is none, the place of what is
+ * nearest above it; so a message about a default points to where the key would have to be. No place
+ * only where the map is NULL or stands nowhere itself. */
+vs_where vs_tree_place(const vs_node *map, const char *key);
+
 /* A text, and a map of one child, that belong to no tree, for readers that want a node where the
  * program itself has a word. They borrow what they are made of and must not be freed; key may be
  * NULL. */

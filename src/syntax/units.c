@@ -176,7 +176,7 @@ bool vs_units_read(const char *text, const char *expected, double *si, char *why
     return false;
   }
   if (!isfinite(value)) {
-    snprintf(why, size, "'%s' is not a finite number", text);
+    snprintf(why, size, "'%s' is not a finite number; write one below 1e300", text);
     return false;
   }
   unit want, got;
@@ -198,7 +198,7 @@ bool vs_units_read(const char *text, const char *expected, double *si, char *why
   }
   *si = to_si(value, &got);
   if (isfinite(*si)) return true;
-  snprintf(why, size, "'%s' is not a finite number", text);
+  snprintf(why, size, "'%s' is not a finite number; write one below 1e300", text);
   return false;
 }
 

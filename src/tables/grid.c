@@ -48,7 +48,8 @@ static vs_status read_head(vs_csv *csv, rows *r, vs_error *err) {
                         "lambda_wb and force_n",
                         word);
     if (r->column[c] >= 0)
-      return vs_fail_at(err, csv->where[k], "column %s stands here a second time", word);
+      return vs_fail_at(err, csv->where[k], "column %s stands here a second time; leave one out",
+                        word);
     r->column[c] = (int)k;
     r->factor[c] = factor;
   }
@@ -73,7 +74,8 @@ static vs_status read_row(const vs_csv *csv, const rows *r, row *out, vs_error *
                         COLUMN[c].example, k + 1);
     double value = strtod(csv->cell[k], &end);
     if (end == csv->cell[k] || *end || !isfinite(value))
-      return vs_fail_at(err, csv->where[k], "'%s' is not a number", csv->cell[k]);
+      return vs_fail_at(err, csv->where[k], "'%s' is not a number; write one as 1.5e-3",
+                        csv->cell[k]);
     out->value[c] = value * r->factor[c];
     bool low = c == Z ? value <= 0 : c == I && value < 0;
     if (low)
@@ -89,7 +91,7 @@ static vs_status read_row(const vs_csv *csv, const rows *r, row *out, vs_error *
 static vs_status read_rows(vs_csv *csv, rows *r, vs_error *err) {
   vs_status s = vs_csv_next(csv, err);
   if (!s && !csv->count)
-    s = vs_fail_at(err, (vs_where){.file = csv->file},
+    s = vs_fail_at(err, (vs_where){csv->file, 1, 1},
                    "the table is empty; its first line names its "
                    "columns: z_m,i_a,lambda_wb,force_n");
   if (!s) s = read_head(csv, r, err);
@@ -139,7 +141,8 @@ static vs_status check_grid(const rows *r, size_t n_i, const char *file, vs_erro
     const row *at = &r->item[k], *first = &r->item[k % n_i], *left = k ? at - 1 : NULL;
     const vs_where where = {file, at->line, 1};
     if (left && left->value[Z] == at->value[Z] && left->value[I] == at->value[I])
-      return vs_fail_at(err, where, "z = %.9g m, i = %.9g A stands in line %d already",
+      return vs_fail_at(err, where,
+                        "z = %.9g m, i = %.9g A stands in line %d already; leave one out",
                         at->value[Z], at->value[I], left->line);
     bool begins = !left || left->value[Z] != at->value[Z];
     if (at->value[I] != first->value[I] || begins != (k % n_i == 0))
@@ -177,7 +180,7 @@ static vs_status check_rising(const rows *r, const char *file, vs_error *err) {
 
 static vs_status check_size(const char *what, size_t n, const char *file, vs_error *err) {
   if (n >= LEAST && n <= MOST) return VS_OK;
-  return vs_fail_at(err, (vs_where){.file = file}, "the number of %s is %zu; a table has %d to %d",
+  return vs_fail_at(err, (vs_where){file, 1, 1}, "the number of %s is %zu; a table has %d to %d",
                     what, n, LEAST, MOST);
 }
 
@@ -213,7 +216,7 @@ vs_status vs_grid_read(const char *file, FILE *stream, vs_grid *g, vs_error *err
   *g = (vs_grid){0};
   vs_status s = read_rows(&csv, &r, err);
   if (r.count) qsort(r.item, r.count, sizeof *r.item, by_gap_and_current);
-  if (!s) g->added_zero = add_zeros(&r);
+  if (!s && r.count) g->added_zero = add_zeros(&r);
   if (!s) s = make_grid(&r, file, g, err);
   free(r.item);
   vs_csv_free(&csv);

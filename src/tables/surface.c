@@ -180,12 +180,24 @@ static void across(const double y[2], const double m[2], double h, double t, dou
   c[0] += beyond * c[1];
 }
 
+/* Taylor coefficients of Q behind the gap k, from those in i and the spline's second derivatives
+ * there and at the next gap. */
+static vs_surface_point between(const vs_surface *s, size_t k, double y[2][4], double m[2][4],
+                                double z_m) {
+  vs_surface_point point = {0};
+  for (int a = 0; a < 4; a++)
+    across((double[]){y[0][a], y[1][a]}, (double[]){m[0][a], m[1][a]}, s->z_m[k + 1] - s->z_m[k],
+           z_m - s->z_m[k], point.c[a]);
+  double least = 1e-3 * y[0][0]; /* far beyond the grid the straight line falls through 0 */
+  if (point.c[0][0] < least) point = (vs_surface_point){{{least}}};
+  return point;
+}
+
 /* Taylor coefficients of Q. */
 static vs_surface_point reluctance_at(const vs_surface *s, double i_a, double z_m) {
   size_t k = interval(s->z_m, s->n_z - 2, z_m), n = interval(s->i_a, s->n_i - 1, i_a);
   const double *bend = s->bend + k * s->n_z;
   double y[2][4] = {{0}}, m[2][4] = {{0}}, q[4];
-  vs_surface_point point = {0};
   for (size_t j = 0; j < s->n_z; j++) {
     row_at(&s->piece[j * s->n_i + n], n == 0, i_a, i_a - s->i_a[n], q);
     if (j == k) memcpy(y[0], q, sizeof q);
@@ -195,16 +207,11 @@ static vs_surface_point reluctance_at(const vs_surface *s, double i_a, double z_
       m[1][a] += bend[s->n_z + j] * q[a];
     }
   }
-  for (int a = 0; a < 4; a++)
-    across((double[]){y[0][a], y[1][a]}, (double[]){m[0][a], m[1][a]}, s->z_m[k + 1] - s->z_m[k],
-           z_m - s->z_m[k], point.c[a]);
-  double least = 1e-3 * y[0][0]; /* far beyond the grid the straight line falls through 0 */
-  if (point.c[0][0] < least) point = (vs_surface_point){{{least}}};
-  return point;
+  return between(s, k, y, m, z_m);
 }
 
-vs_surface_point vs_surface_at(const vs_surface *s, double i_a, double z_m) {
-  const vs_surface_point q = reluctance_at(s, i_a, z_m);
+/* Taylor coefficients of Wc from those of Q. */
+static vs_surface_point energy_of(const vs_surface_point q, double i_a) {
   const double square[4] = {i_a * i_a / 2, i_a, 0.5, 0};
   vs_surface_point w = {0}; /* Q Wc = i^2/2, order by order */
   for (int total = 0; total < 4; total++)
@@ -218,6 +225,45 @@ vs_surface_point vs_surface_at(const vs_surface *s, double i_a, double z_m) {
     }
   return w;
 }
+
+vs_surface_point vs_surface_at(const vs_surface *s, double i_a, double z_m) {
+  return energy_of(reluctance_at(s, i_a, z_m), i_a);
+}
+
+/* ---- many gaps at one current ---- */
+
+vs_surface_line vs_surface_line_new(const vs_surface *s, double i_a) {
+  vs_surface_line line = {s, i_a, vs_alloc(8 * s->n_z, sizeof *line.value), NULL};
+  size_t n = interval(s->i_a, s->n_i - 1, i_a);
+  line.bend = line.value + 4 * s->n_z;
+  for (size_t k = 0; k < s->n_z; k++) {
+    double q[4];
+    row_at(&s->piece[k * s->n_i + n], n == 0, i_a, i_a - s->i_a[n], q);
+    for (size_t a = 0; a < 4; a++) line.value[a * s->n_z + k] = q[a];
+  }
+  for (size_t a = 0; a < 4; a++)
+    second_derivatives(s->z_m, line.value + a * s->n_z, s->n_z, NOT_A_KNOT, line.bend + a * s->n_z);
+  return line;
+}
+
+void vs_surface_line_free(vs_surface_line *line) {
+  free(line->value);
+  *line = (vs_surface_line){0};
+}
+
+vs_surface_point vs_surface_line_at(const vs_surface_line *line, double z_m) {
+  const vs_surface *s = line->surface;
+  size_t k = interval(s->z_m, s->n_z - 2, z_m);
+  double y[2][4], m[2][4];
+  for (size_t a = 0; a < 4; a++)
+    for (size_t side = 0; side < 2; side++) {
+      y[side][a] = line->value[a * s->n_z + k + side];
+      m[side][a] = line->bend[a * s->n_z + k + side];
+    }
+  return energy_of(between(s, k, y, m, z_m), line->i_a);
+}
+
+/* ---- the current ---- */
 
 /* The current at one gap of the grid, by straight lines between its points. */
 static double row_current(const vs_surface *s, size_t k, double flux_wb) {
@@ -258,14 +304,26 @@ double vs_surface_current(const vs_surface *s, double flux_wb, double z_m) {
   return i;
 }
 
+/* The n-th place between the points of a grid, of which each interval has PARTS. */
+enum { PARTS = 4 };
+static double place(const double *x, size_t n) {
+  const double *from = x + n / PARTS;
+  return from[0] + (double)(n % PARTS) / PARTS * (from[1] - from[0]);
+}
+
 bool vs_surface_rises(const vs_surface *s, double *z_m, double *i_a) {
-  enum { PARTS = 4 };
-  for (size_t k = 0; k < PARTS * (s->n_z - 1); k++)
-    for (size_t n = 0; n < PARTS * (s->n_i - 1); n++) {
-      const double *z = s->z_m + k / PARTS, *i = s->i_a + n / PARTS;
-      *z_m = z[0] + (double)(k % PARTS) / PARTS * (z[1] - z[0]);
-      *i_a = i[0] + (double)(n % PARTS) / PARTS * (i[1] - i[0]);
-      if (!(vs_surface_at(s, *i_a, *z_m).c[2][0] > 0)) return false;
+  const size_t all = PARTS * (s->n_z - 1);
+  size_t good = all; /* so many gaps, from the smallest on, are good at all currents so far */
+  for (size_t n = 0; n < PARTS * (s->n_i - 1); n++) {
+    vs_surface_line line = vs_surface_line_new(s, place(s->i_a, n));
+    for (size_t k = 0; k < good; k++) {
+      double z = place(s->z_m, k);
+      if (vs_surface_line_at(&line, z).c[2][0] > 0) continue;
+      good = k;
+      *z_m = z;
+      *i_a = line.i_a;
     }
-  return true;
+    vs_surface_line_free(&line);
+  }
+  return good == all;
 }

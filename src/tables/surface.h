@@ -37,10 +37,23 @@ void vs_surface_free(vs_surface *surface);
 
 /* The co-energy and its derivatives; i_a >= 0. */
 vs_surface_point vs_surface_at(const vs_surface *surface, double i_a, double z_m);
+
+/* The surface at one current, for whoever asks at many gaps: vs_surface_at takes a time that grows
+ * with the number of gaps. What it gives differs by rounding. vs_surface_line_free it. */
+typedef struct vs_surface_line {
+  const vs_surface *surface; /* borrowed */
+  double i_a;
+  double *value, *bend; /* at the gaps: a quantity and its second derivatives in z; owned */
+} vs_surface_line;
+vs_surface_line vs_surface_line_new(const vs_surface *surface, double i_a);
+void vs_surface_line_free(vs_surface_line *line);
+/* As vs_surface_at. */
+vs_surface_point vs_surface_line_at(const vs_surface_line *line, double z_m);
+
 /* The current at a flux linkage >= 0. */
 double vs_surface_current(const vs_surface *surface, double flux_wb, double z_m);
-/* True if between the gaps of the grid, too, lambda rises with i; otherwise *z_m and *i_a are where
- * it does not. */
+/* True if between the gaps of the grid, too, lambda rises with i; otherwise *z_m is the smallest
+ * gap at which it does not, and *i_a the smallest current there. */
 bool vs_surface_rises(const vs_surface *surface, double *z_m, double *i_a);
 
 #endif

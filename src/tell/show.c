@@ -6,9 +6,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "scene/tiers.h"
 #include "syntax/units.h"
 #include "tell/amount.h"
+#include "tier/tiers.h"
 
 /* "  12.3 % +- 0.04 %  held" */
 static void print_margin(const vs_judgement *j, FILE *out) {

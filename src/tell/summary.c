@@ -7,9 +7,9 @@
 #include "instrument/lowpass.h"
 #include "scene/sections.h"
 #include "scene/shown.h"
-#include "scene/tiers.h"
 #include "scene/version.h"
 #include "syntax/units.h"
+#include "tier/tiers.h"
 
 enum {
   DIGITS = 12,

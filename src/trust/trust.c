@@ -140,6 +140,8 @@ static vs_status probe(bool *lasting, vs_error *err) {
 static void put_into_words(void) {
   char path[VS_PATH_SIZE];
   if (!*trust.wrong) return;
+  for (char *c = trust.wrong; *c; c++) /* the memory is a file; nothing a terminal would obey */
+    if (*c < ' ' || *c > '~') *c = ' ';
   find_library(path);
   snprintf(trust.library, sizeof trust.library,
            "ngspice %s (%s) is not to be relied on: %s; what tier circuit computes with it may be "

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "bounds/limits.h"
 #include "syntax/units.h"
 
 static int instruments_of(const vs_table *table) {
@@ -44,17 +45,29 @@ static int columns_of(const vs_table *table) {
  * to 4.3 were seen. */
 enum { BESIDES = 5 };
 
-vs_status vs_table_check(const vs_table *table, const vs_node *scene, double most, vs_error *err) {
-  const double rows = floor(table->until_s / table->sample_s) + 1;
-  const double bytes = rows * columns_of(table) * (table->digits + BESIDES);
-  if (bytes <= most) return VS_OK;
+static double rows_of(const vs_table *table) {
+  return floor(table->until_s / table->sample_s) + 1;
+}
+
+double vs_table_bytes(const vs_table *table) {
+  return rows_of(table) * columns_of(table) * (table->digits + BESIDES);
+}
+
+vs_where vs_table_where(const vs_node *scene) {
   const vs_node *run = vs_tree_child(scene, "run"), *node = vs_tree_child(run, "sample");
-  if (!node) node = vs_tree_child(run, "until");
-  return vs_fail_at(err, node ? node->where : (vs_where){0},
-                    "run.csv would have about %.2g GB, in %.4g rows of %d columns; limits.csv = "
+  return node ? node->where : vs_tree_place(scene, "run.until");
+}
+
+vs_status vs_table_check(const vs_table *table, const vs_node *scene, double most, vs_error *err) {
+  const double bytes = vs_table_bytes(table);
+  char size[VS_LIMITS_SIZE];
+  if (bytes <= most) return VS_OK;
+  vs_limits_write(bytes, size);
+  return vs_fail_at(err, vs_table_where(scene),
+                    "run.csv would have about %s, in %.4g rows of %d columns; limits.csv = "
                     "%.9g bytes allows no more: take a longer run.sample, record fewer probes, or "
                     "raise it",
-                    1e-9 * bytes, rows, columns_of(table), most);
+                    size, rows_of(table), columns_of(table), most);
 }
 
 static void write_number(vs_table *table, double value, char before) {

@@ -24,6 +24,10 @@ typedef struct vs_table {
   double next;               /* number of the next row, from 0; its instant is next * sample_s */
 } vs_table;
 
+/* How many bytes the file will have, and a little more. */
+double vs_table_bytes(const vs_table *table);
+/* The place in the scene whose root that is of the key that says how many rows there are. */
+vs_where vs_table_where(const vs_node *scene);
 /* Error, with its place in the scene whose root that is: the file would have more than so many
  * bytes. Its stream is not asked for. */
 vs_status vs_table_check(const vs_table *table, const vs_node *scene, double most, vs_error *err);

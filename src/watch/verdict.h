@@ -61,11 +61,13 @@ vs_word vs_verdict_word(const vs_judgement *judgement);
  * there is none, among those that are undecided; NULL: there is none of these either. */
 const vs_judgement *vs_verdict_breach(const vs_verdict *verdict);
 
-/* Gives each line its margin's error: twice the difference to the verdict of a second run of the
- * same scene at another tolerance, and the resolution besides. That is what every number of this
- * run may be wrong by, as a part of the number or of its limit, whichever is more. A line that the
- * second run does not have gets an infinite error, and so is undecided. */
-void vs_verdict_compare(vs_verdict *verdict, const vs_verdict *second, double resolution);
+/* Gives each line its margin's error: three times the difference to the verdict of a second run of
+ * the same scene at another tolerance, and the resolution besides. That is what every number of
+ * this run may be wrong by, as a part of the number or of its limit, whichever is more; `rates` is
+ * the same for rates. A line that the second run does not have gets an infinite error, and so is
+ * undecided. */
+void vs_verdict_compare(vs_verdict *verdict, const vs_verdict *second, double resolution,
+                        double rates);
 
 /* Writes the line's name, "v_ak" or "thyristor.i2t", and returns it. */
 enum { VS_JUDGED_NAME = VS_DECK_NAME + 24 };

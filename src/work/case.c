@@ -196,16 +196,25 @@ static vs_table table_of(const vs_scene *s) {
   return table;
 }
 
-vs_status vs_case_check_csv(const vs_scene *s, vs_error *err) {
+vs_status vs_case_check_csv(const vs_scene *s, uint64_t cases, vs_error *err) {
   const vs_table table = table_of(s);
-  return vs_table_check(&table, s->tree.root, s->setup.limits.csv_bytes, err);
+  const double each = vs_table_bytes(&table), most = s->setup.limits.kept_bytes;
+  char one[VS_LIMITS_SIZE], all[VS_LIMITS_SIZE];
+  vs_status status = vs_table_check(&table, s->tree.root, s->setup.limits.csv_bytes, err);
+  if (status || each * (double)cases <= most) return status;
+  vs_limits_write(each, one);
+  vs_limits_write(each * (double)cases, all);
+  return vs_fail_at(err, vs_table_where(s->tree.root),
+                    "--keep runs: %llu run.csv of about %s each would have %s; limits.kept = %.9g "
+                    "bytes allows no more: take a longer run.sample, fewer cases, or raise it",
+                    (unsigned long long)cases, one, all, most);
 }
 
 static vs_status begin_csv(keeper *k, const vs_scene *s, vs_error *err) {
   char folder[VS_PATH_SIZE + 32];
   int made;
   snprintf(folder, sizeof folder, "%s/%llu", k->c->keep, (unsigned long long)k->c->present.index);
-  vs_status status = vs_case_check_csv(s, err);
+  vs_status status = vs_case_check_csv(s, 1, err);
   if (!status) status = vs_file_folder_make(folder, &made, err);
   if (!status) status = vs_file_open(&k->csv, folder, "run.csv", err);
   if (status) return status;

@@ -23,8 +23,9 @@ vs_case *vs_case_new(const vs_plan *plan, const char *keep);
 /* Frees it; for tools and tests, as a worker ends with its process. */
 void vs_case_free(vs_case *c);
 
-/* Error: a run.csv that is stored for the scene would have more bytes than its limits.csv. */
-vs_status vs_case_check_csv(const vs_scene *scene, vs_error *err);
+/* Error: a run.csv that is stored for the scene would have more bytes than its limits.csv, or that
+ * many of them more than its limits.kept. */
+vs_status vs_case_check_csv(const vs_scene *scene, uint64_t cases, vs_error *err);
 
 /* The columns of study.csv behind the measures, in their order. */
 typedef enum vs_case_column {

@@ -5,17 +5,23 @@
 #include <math.h>
 #include <poll.h>
 #include <sched.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "solver/child.h"
+
 /* libngspice leaks about a kilobyte a run, so a worker is replaced after this many. */
 enum { MOST_CIRCUITS = 500 };
 /* How much work a worker is given in advance, as time. It must outlast a pause of this process,
  * such as a write that waits for the disk. */
 static const double AHEAD_S = 0.1;
+/* How long a turn of vs_jobs_run may take and still count for the workers, s: with 50 ms of
+ * waiting, and what a busy machine adds. */
+static const double TURN_S = 1;
 /* How often a case may end a worker that runs nothing else. Once is not enough to blame the case,
  * as a worker may also be ended from outside. */
 enum { MOST_TRIES = 2 };
@@ -28,7 +34,8 @@ struct vs_jobs {
   vs_task *again;               /* cases of workers that died, to be run alone */
   size_t n_again, room;
   const vs_dealer *dealer;
-  bool dealt; /* the dealer has no more */
+  bool dealt;    /* the dealer has no more */
+  double turn_s; /* when the clock was looked at last, by vs_worker_clock */
 };
 
 int vs_jobs_cores(void) {
@@ -77,12 +84,14 @@ static vs_status give_up(vs_jobs *j, const vs_task *task, const char *why, vs_er
 /* Replaces a worker that is gone, or, with `slow`, that is to end because it took too long. The
  * cases it had are run again, except one that was alone with it often enough: that has failed. */
 static vs_status bury(vs_jobs *j, vs_worker *w, bool slow, vs_error *err) {
-  char why[128];
+  char why[256];
   int how = vs_worker_kill(w);
   bool alone = w->queued == 1;
   vs_status status = VS_OK;
   if (slow)
     snprintf(why, sizeof why, "no end after %g s (--case-timeout)", j->o.timeout_s);
+  else if (WIFSIGNALED(how) && WTERMSIG(how) == SIGSYS)
+    snprintf(why, sizeof why, "its process was %s", vs_child_forbidden);
   else if (WIFSIGNALED(how))
     snprintf(why, sizeof why, "its process died: signal %d (%s)", WTERMSIG(how),
              strsignal(WTERMSIG(how)));
@@ -183,7 +192,18 @@ static vs_status hear(vs_jobs *j, vs_worker *w, vs_error *err) {
   return status || alive ? status : bury(j, w, false, err);
 }
 
+/* While this process stands still, nobody hears the workers, and they may stand still, too: it
+ * waits for a disk, or a batch system has stopped all of them. That time counts for none of them.
+ */
+static void leave_pause_out(vs_jobs *j) {
+  const double now = vs_worker_clock(), pause = now - j->turn_s;
+  j->turn_s = now;
+  for (int k = 0; k < j->o.count && pause > TURN_S; k++)
+    j->workers[k].heard_s = fmin(j->workers[k].heard_s + pause, now);
+}
+
 static vs_status check_time(vs_jobs *j, vs_worker *w, vs_error *err) {
+  leave_pause_out(j);
   if (!w->pid || !w->queued || !(j->o.timeout_s > 0)) return VS_OK;
   return vs_worker_clock() - w->heard_s > j->o.timeout_s ? bury(j, w, true, err) : VS_OK;
 }
@@ -216,6 +236,7 @@ vs_status vs_jobs_run(vs_jobs *j, const vs_dealer *dealer, vs_error *err) {
       signal(SIGPIPE, SIG_IGN); /* writing to a worker that is gone must not end this process */
   j->dealer = dealer;
   j->dealt = false;
+  j->turn_s = vs_worker_clock();
   vs_status status = VS_OK;
   while (!status) {
     if (*j->o.stop) {

@@ -30,7 +30,7 @@ static void locate(const vs_deck *deck) {
     if (length > 200) length = 200;
     snprintf(err.text + n, sizeof err.text - n, "%.*s%.*s%s", (int)(hole - says), says, (int)length,
              line, hole + 2);
-    vs_netlist_locate(deck, &err);
+    vs_netlist_locate(deck, k % 3 ? 0 : k, &err);
     FUZZ_HOLDS(*err.text);
   }
 }

@@ -86,22 +86,18 @@
   FORMS("@q", "@n", "@N", "@u", "@q@u", "@q @u", "@e", "@x", "{@x}", "@k", "@p", "@l", "@t",       \
         "@q..@q", "external", "=", ",", "(", ")", "\"", "@N=@q")
 
+/* What decks and parts have alike. */
+#define LETTERS                                                                                    \
+  {'N', NAME}, {'q', NUMBER}, {'e', FORMULA}, {'x', EXPRESSION}, {'d', ELEMENT}, {'s', STATEMENT}, \
+      {'u', UNIT}, {'t', TEXT}, {'k', KIND}, {'p', PORT}, {'l', LIMIT}, {                          \
+    'c', CONTRACT                                                                                  \
+  }
+
 static const fuzz_rule DECK[] = {{'L', LINE},
                                  {'W', WORD},
                                  {'F', FORMS("%%% a.inc", "%%% b.inc", "%%% c.lib", "%%% d.inc")},
                                  {'n', NODE},
-                                 {'N', NAME},
-                                 {'q', NUMBER},
-                                 {'e', FORMULA},
-                                 {'x', EXPRESSION},
-                                 {'d', ELEMENT},
-                                 {'s', STATEMENT},
-                                 {'u', UNIT},
-                                 {'t', TEXT},
-                                 {'k', KIND},
-                                 {'p', PORT},
-                                 {'l', LIMIT},
-                                 {'c', CONTRACT}};
+                                 LETTERS};
 const fuzz_grammar fuzz_grammar_deck = RULES(DECK);
 
 /* ---- a part's file has lines of its own more often ---- */
@@ -115,18 +111,7 @@ static const fuzz_rule PART[] = {
     {'F', FORMS("%%% a.inc", "%%% b.lib")},
     {'n',
      FORMS("a", "k", "g", "0", "anode", "cathode", "gate", "mt1", "mt2", "c", "e", "d", "s", "1")},
-    {'N', NAME},
-    {'q', NUMBER},
-    {'e', FORMULA},
-    {'x', EXPRESSION},
-    {'d', ELEMENT},
-    {'s', STATEMENT},
-    {'u', UNIT},
-    {'t', TEXT},
-    {'k', KIND},
-    {'p', PORT},
-    {'l', LIMIT},
-    {'c', CONTRACT}};
+    LETTERS};
 const fuzz_grammar fuzz_grammar_part = RULES(PART);
 
 static const fuzz_rule NETLIST[] = {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "method/methods.h"
-#include "plan/plan.h"
+#include "plan/reading.h"
 #include "study/manifest.h"
 #include "study/row.h"
 #include "targets.h"
@@ -27,7 +27,7 @@ static void use(const vs_plan *plan) {
 static vs_status read_once(const char *path, vs_findings *all) {
   vs_plan *plan = vs_alloc(1, sizeof *plan);
   vs_error err = {.findings = all};
-  vs_status status = vs_plan_read(path, vs_methods_all, NULL, 0, plan, &err);
+  vs_status status = vs_reading_plan(path, vs_methods_all, NULL, 0, plan, &err);
   fuzz_judge(status, &err);
   if (!status && !vs_error_count(&err)) use(plan);
   vs_plan_free(plan);

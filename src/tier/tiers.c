@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "scene/tiers.h"
+#include "tier/tiers.h"
 
 #include <string.h>
 

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The table of tiers. A tier is a constant in a file of its own; a row of VS_TIER_LIST
- * (sim/setup.h) puts it into this table, into the choices of run.tier and into what --tier takes.
+ * (setup/manner.h) puts it into this table, into the choices of run.tier and into what --tier
+ * takes.
  */
-#ifndef VS_SCENE_TIERS_H
-#define VS_SCENE_TIERS_H
+#ifndef VS_TIER_TIERS_H
+#define VS_TIER_TIERS_H
 
 #include "sim/sim.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * How a run of ngspice comes to its end. Each version does it in steps of its own; what is shown of
  * them is the same. */
-#ifndef VS_SOLVER_ENDING_H
-#define VS_SOLVER_ENDING_H
+#ifndef VS_STRIDE_ENDING_H
+#define VS_STRIDE_ENDING_H
 
 #include <stdbool.h>
 

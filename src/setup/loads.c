@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "sim/loads.h"
+#include "setup/loads.h"
 
 #include <math.h>
 #include <stdlib.h>

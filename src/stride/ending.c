@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "solver/ending.h"
+#include "stride/ending.h"
 
 #include <math.h>
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Channels: the quantities that every step of a run offers, under the names and units that users
  * see as columns of the CSV files and as probes. */
-#ifndef VS_SIM_CHANNEL_H
-#define VS_SIM_CHANNEL_H
+#ifndef VS_SETUP_CHANNEL_H
+#define VS_SETUP_CHANNEL_H
 
-#include "sim/frame.h"
+#include "setup/frame.h"
 
 /* The channels that every machine has: id, name, unit, text. The last two are in no list:
  * the current drawn from the mains is for the books of energy, the travel for measures. */

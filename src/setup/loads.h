@@ -2,8 +2,8 @@
  * The machine of a scene over time: events may change its load, and with it its masses. What is
  * added arrives with the trough's velocity, and what is taken away leaves with it, so that q and q'
  * go on as they are while M jumps. */
-#ifndef VS_SIM_LOADS_H
-#define VS_SIM_LOADS_H
+#ifndef VS_SETUP_LOADS_H
+#define VS_SETUP_LOADS_H
 
 #include "drive/timeline.h"
 #include "machine/model.h"

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "sim/setup.h"
+#include "setup/setup.h"
 
 #include <math.h>
-#include <stddef.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,67 +15,7 @@
 #include "machine/blueprint.h"
 #include "machine/build.h"
 #include "machine/mechanics.h"
-#include "sim/channel.h"
-#include "syntax/units.h"
-
-const char vs_setup_tier_words[VS_TIERS][16] = {
-#define TIER_WORD_(id, file, word) word,
-    VS_TIER_LIST(TIER_WORD_)
-#undef TIER_WORD_
-};
-
-#define R_(member) offsetof(vs_run_values, member)
-#define OR_TIER_(id, file, word) "|" word
-
-static const vs_field RUN[] = {
-    {"tier", VS_CHOICE, "", "auto", 0, 0, false, R_(tier),
-     "how much is modelled; auto: no more than the scene needs", "auto" VS_TIER_LIST(OR_TIER_),
-     NULL},
-    {"until", VS_REAL, "s", "2 s", 0, 1e6, true, R_(until_s), "end of the run, which starts at 0",
-     NULL, NULL},
-    {"sample", VS_REAL, "ms", "0.1 ms", 0, 1e9, true, R_(sample_s),
-     "step of the rows in run.csv; does not change the run", NULL, NULL},
-    {"tolerance", VS_REAL, "", "1e-4", 1e-10, 0.1, false, R_(tolerance),
-     "largest error of p, u, w, phi, force and i, each relative to its peak", NULL, NULL},
-    {"max_step", VS_REAL, "us", "0 us", 0, 1e6, false, R_(max_step_s),
-     "largest step; 0: chosen from the tolerance", NULL, NULL},
-    {"trtol", VS_REAL, "", "7", 1, 1e4, false, R_(trtol),
-     "ngspice's: how much larger than tolerated its estimate of a step's truncation error may be",
-     NULL, NULL},
-    {"pivrel", VS_REAL, "", "0.05", 1e-6, 1, false, R_(pivrel),
-     "ngspice's: how small a pivot may be in its column; decides the order of elimination", NULL,
-     NULL},
-    {"method", VS_CHOICE, "", "trap", 0, 0, false, R_(gear),
-     "circuit tier's rule: trap, or gear, which damps the ringing of stiff circuits and needs half "
-     "the step",
-     "trap|gear", NULL},
-    {"ladder", VS_CHOICE, "", "climb", 0, 0, false, R_(ladder),
-     "when ngspice gives up: climb, to other methods and steps, and say so; ideal, to an ideal "
-     "thyristor in the place of the scene's besides; or stay",
-     VS_LADDER_WORDS, NULL},
-    {"verify", VS_CHOICE, "", "auto", 0, 0, false, R_(verify),
-     "a second, coarser run tells the numerical error of each margin: auto, in run where something "
-     "is rated; always, in studies too; never",
-     VS_VERIFY_WORDS, NULL},
-    {"leave_circuit", VS_CHOICE, "", "when_quiet", 0, 0, false, R_(stays),
-     "circuit tier: go on without ngspice once nothing fires any more and what that costs is "
-     "bounded "
-     "well below the tolerance",
-     "when_quiet|never", NULL},
-};
-#undef OR_TIER_
-#undef R_
-const vs_section vs_setup_run_section = {"run", RUN, sizeof RUN / sizeof *RUN};
-
-static const vs_field MEASURE[] = {
-    {"from", VS_REAL, "s", "0 s", 0, 1e6, false, offsetof(vs_measure_values, from_s),
-     "means (power, i_mean, i_rms) are taken from here on", NULL, NULL},
-    {"to", VS_REAL, "s", "0 s", 0, 1e6, false, offsetof(vs_measure_values, to_s),
-     "up to here; 0: run.until", NULL, NULL},
-    {"last", VS_REAL, "cycles", "0 cycles", 0, 1e9, false, offsetof(vs_measure_values, last_cycles),
-     "instead of from and to: over the last cycles of the mains before run.until", NULL, NULL},
-};
-const vs_section vs_setup_measure_section = {"measure", MEASURE, sizeof MEASURE / sizeof *MEASURE};
+#include "setup/naming.h"
 
 const char vs_setup_steady[] = "steady";
 
@@ -86,32 +24,6 @@ const char vs_setup_steady[] = "steady";
 /* The scene's node of the key machine.model, and the name that it gives. */
 static const vs_node *machine_node(const vs_node *scene) {
   return vs_tree_child(vs_tree_child(scene, "machine"), vs_machine_key.key);
-}
-
-/* True for the name of a channel that every machine has, and for the one that the measures of the
- * travel begin with: gap_min. */
-static bool is_the_programs(const char *name) {
-  return vs_channel_is_standard(name) || !strcmp(name, "gap");
-}
-
-/* The machine's outputs must not have such names. */
-static vs_status refuse_standard_names(const vs_machine *m, vs_error *err) {
-  vs_status s = VS_OK;
-  for (int k = 0; k < m->dof && !s; k++) {
-    const vs_coordinate *c = &m->coordinates[k];
-    const char *const names[] = {c->name, c->rate, c->rate2};
-    for (int d = 0; d < 3 && !s; d++)
-      if (is_the_programs(names[d]))
-        s = vs_error_carry_on(err, vs_fail_at(err, c->where,
-                                              "coordinate %s: the name %s is the program's",
-                                              c->name, names[d]));
-  }
-  for (int k = 0; k < m->n_probes && !s; k++)
-    if (vs_channel_is_standard(m->probes[k].name))
-      s = vs_error_carry_on(err,
-                            vs_fail_at(err, m->probes[k].where,
-                                       "probe %s: that name is the program's", m->probes[k].name));
-  return s;
 }
 
 /* Reads the machine's file into an empty machine, of which a check has as much as can be read. */
@@ -128,7 +40,7 @@ static vs_status read_machine(const vs_node *scene, vs_machine *machine, vs_erro
     s = vs_path_find(&vs_machine_shelf, values.model, named ? named->where : (vs_where){0}, path,
                      err);
   if (!s) s = vs_blueprint_read(path, machine, err);
-  return s ? s : refuse_standard_names(machine, err);
+  return s ? s : vs_naming_machine(machine, err);
 }
 
 /* True if the scene names the machine that the setup has. */
@@ -155,65 +67,6 @@ static void forget(vs_setup *setup) {
 }
 
 /* ---- the circuit ---- */
-
-/* A probe of the deck must not have the name of a channel that every tier has, nor that of the
- * time. */
-static vs_status refuse_taken_names(const vs_setup *setup, vs_error *err) {
-  const vs_deck *deck = &setup->deck;
-  vs_status s = VS_OK;
-  for (size_t k = 0; k < deck->n_probes && !s; k++) {
-    const vs_probe *probe = &deck->probes[k];
-    bool machines = vs_machine_has_output(setup->model.machine, probe->name);
-    bool taken = machines || !strcmp(probe->name, "t") || !strcmp(probe->name, "gap") ||
-                 vs_channel_is_standard(probe->name);
-    if (taken)
-      s = vs_error_carry_on(err, vs_fail_at(err, deck->terms[probe->term].where,
-                                            "probe %s: that name is %s%s", probe->name,
-                                            machines ? "taken by the machine " : "the program's",
-                                            machines ? setup->model.machine->path : ""));
-  }
-  return s;
-}
-
-/* True if the shorter name, its unit behind it, makes the longer name's column. */
-static bool is_one_column(vs_channel a, vs_channel b) {
-  char of_a[32], of_b[32];
-  size_t n = strlen(a.name), m = strlen(b.name);
-  if (n > m) return is_one_column(b, a);
-  if (n == m || strncmp(a.name, b.name, n) != 0) return false; /* names are compared elsewhere */
-  vs_units_suffix(a.unit, of_a, sizeof of_a);
-  vs_units_suffix(b.unit, of_b, sizeof of_b);
-  const char *rest = b.name + n, *want = of_a;
-  if (*rest++ != '_' || strncmp(rest, want, m - n - 1) != 0) return false;
-  want += m - n - 1;
-  return !*of_b ? !*want : *want++ == '_' && !strcmp(want, of_b);
-}
-
-static vs_where channel_place(const vs_frame *frame, int number) {
-  const vs_model *m = frame->model;
-  if (number >= vs_channel_deck(m))
-    return frame->deck->terms[frame->deck->probes[number - vs_channel_deck(m)].term].where;
-  if (number >= vs_channel_probes(m))
-    return m->machine->probes[number - vs_channel_probes(m)].where;
-  return m->machine->coordinates[(number - VS_CH_Q) % m->dof].where;
-}
-
-/* A column is a name with its unit: x in m, and x_m without a unit, would be one. */
-static vs_status refuse_one_column(const vs_setup *setup, vs_error *err) {
-  const vs_frame frame = {.model = &setup->model, .deck = &setup->deck};
-  vs_status s = VS_OK;
-  for (int k = VS_CH_Q, n = vs_channel_count(&frame); k < n && !s; k++) {
-    vs_channel c = vs_channel_at(&frame, k);
-    int j = 0;
-    while (j < k && !is_one_column(c, vs_channel_at(&frame, j))) j++;
-    if (j < k)
-      s = vs_error_carry_on(
-          err, vs_fail_at(err, channel_place(&frame, k),
-                          "%s: its column in a run's table is that of %s; give it another name",
-                          c.name, vs_channel_at(&frame, j).name));
-  }
-  return s;
-}
 
 /* Reads the values of the section circuit, whose keys are its deck's parameters. */
 static vs_status read_values(const vs_node *map, vs_setup *setup, vs_error *err) {
@@ -246,9 +99,7 @@ static vs_status read_circuit(const vs_node *scene, vs_setup *setup, vs_error *e
     return s;
   }
   s = vs_netlist_read_parts(&setup->deck, map, err);
-  size_t found = vs_error_count(err);
-  if (!s) s = refuse_taken_names(setup, err);
-  if (!s && vs_error_count(err) == found) s = refuse_one_column(setup, err);
+  if (!s) s = vs_naming_deck(&setup->model, &setup->deck, err);
   return s ? s : read_values(map, setup, err);
 }
 
@@ -277,7 +128,6 @@ void vs_setup_standard(const vs_setup *setup, vs_deck_value standard[VS_STANDARD
 /* Error: load.fraction is auto, and the scene has no orbit with which it could be found. */
 static vs_status check_fraction(const vs_node *scene, const vs_setup *setup, vs_error *err) {
   const vs_timeline *line = &setup->timeline;
-  const vs_node *node = vs_tree_child(vs_tree_child(scene, "load"), "fraction");
   const char *why = NULL;
   if (!setup->wants_fraction) return VS_OK;
   if (line->supply.direct) why = "and direct voltage (supply.kind: step) has none";
@@ -288,7 +138,7 @@ static vs_status check_fraction(const vs_node *scene, const vs_setup *setup, vs_
   if (vs_deck_has_port(&setup->deck, vs_port_is_modulated))
     why = "and no orbit is sought where the deck has a port pwm";
   if (!why) return VS_OK;
-  return vs_fail_at(err, node ? node->where : (vs_where){0},
+  return vs_fail_at(err, vs_tree_place(scene, "load.fraction"),
                     "load.fraction: auto is found on the machine's orbit, %s, or a number here",
                     why);
 }
@@ -353,51 +203,22 @@ static vs_status read_start(const vs_node *scene, vs_setup *setup, vs_error *err
   if (g > least) return s;
   for (int i = 0; i < m->dof && !key; i++)
     if (m->along[i] != 0) key = vs_tree_child(map, m->machine->coordinates[i].name);
-  return vs_fail_at(err, key ? key->where : (vs_where){0},
+  return vs_fail_at(err, key ? key->where : vs_tree_place(scene, section->name),
                     "start.%s: %g mm is beyond the pole cover%s; allowed: more than %g mm",
                     key ? key->key : "", 1e3 * g, m->stops.count ? " and the iron" : "",
                     1e3 * least);
 }
 
-/* Returns the key at which the stretch of time that means are taken over is wrong, with what is
- * wrong in `text`; NULL: nothing is. */
-static const char *wrong_means(const vs_measure_values *v, const vs_node *map, double period_s,
-                               double until_s, char *text, size_t size) {
-  bool from = vs_tree_child(map, "from"), to = vs_tree_child(map, "to");
-  double end_s = to ? v->to_s : until_s;
-  if (vs_tree_child(map, "last")) {
-    if (from || to) {
-      snprintf(text, size, "stands beside %s; write from and to, or last", from ? "from" : "to");
-      return "last";
-    }
-    snprintf(text, size, "%g cycles of %g s are none, or more than run.until = %g s",
-             v->last_cycles, period_s, until_s);
-    return v->last_cycles > 0 && v->last_cycles * period_s <= until_s * (1 + 1e-12) ? NULL : "last";
-  }
-  snprintf(text, size, "%g s is beyond run.until = %g s", end_s, until_s);
-  if (end_s > until_s * (1 + 1e-12)) return "to";
-  snprintf(text, size, "%g s is not before the end of what means are over, %g s", v->from_s, end_s);
-  return v->from_s < end_s ? NULL : from ? "from" : "to";
-}
-
-/* Reads the section measure. Errors: from is not before to, to is beyond run.until, there are more
- * cycles than the run has, both ways are taken at once. */
+/* Reads the section measure. Errors: those of vs_manner_means. */
 static vs_status read_means(const vs_node *scene, vs_setup *setup, vs_error *err) {
-  const vs_node *map = vs_tree_child(scene, vs_setup_measure_section.name);
+  const vs_node *map = vs_tree_child(scene, vs_manner_measure.name);
   vs_measure_values *v = &setup->measure;
-  double until_s = setup->run.until_s, period_s = setup->timeline.period_s;
-  char text[160];
+  double until_s = setup->run.until_s;
   setup->means = (vs_span_s){0, until_s};
   size_t found = vs_error_count(err);
-  vs_status s = vs_memo_read(&setup->memo, &vs_setup_measure_section, map, v, sizeof *v, err);
+  vs_status s = vs_memo_read(&setup->memo, &vs_manner_measure, map, v, sizeof *v, err);
   if (s || vs_error_count(err) > found || !map || map->kind != VS_NODE_MAP) return s;
-  const char *key = wrong_means(v, map, period_s, until_s, text, sizeof text);
-  const vs_node *node = key ? vs_tree_child(map, key) : NULL;
-  if (key) return vs_fail_at(err, node ? node->where : map->where, "measure.%s: %s", key, text);
-  bool to = vs_tree_child(map, "to");
-  double first_s = v->last_cycles > 0 ? until_s - v->last_cycles * period_s : v->from_s;
-  setup->means = (vs_span_s){fmax(first_s, 0), to ? fmin(v->to_s, until_s) : until_s};
-  return VS_OK;
+  return vs_manner_means(v, map, until_s, setup->timeline.period_s, &setup->means, err);
 }
 
 /* Reads the section limits, and holds a deck that was just read to it. */
@@ -450,7 +271,7 @@ static vs_status build(const vs_node *scene, vs_setup *setup, bool has_deck, vs_
   else if (!s)
     s = vs_error_carry_on(err, read_circuit(scene, setup, err));
   if (!s)
-    s = vs_memo_read(&setup->memo, &vs_setup_run_section, vs_tree_child(scene, "run"), &setup->run,
+    s = vs_memo_read(&setup->memo, &vs_manner_run, vs_tree_child(scene, "run"), &setup->run,
                      sizeof setup->run, err);
   if (!s) s = read_limits(scene, setup, has_deck, err);
   vs_timeline *line = &setup->timeline;
@@ -540,12 +361,13 @@ bool vs_setup_found_fraction(const vs_setup *setup) {
   return isnan(setup->model.load.fraction) && !setup->wants_fraction;
 }
 
-vs_status vs_setup_require_fraction(const vs_setup *setup, const char *who, vs_error *err) {
+vs_status vs_setup_require_fraction(const vs_setup *setup, vs_where where, const char *who,
+                                    vs_error *err) {
   if (!setup->wants_fraction) return VS_OK;
-  return vs_fail(err, VS_INPUT,
-                 "load.fraction: auto: %s wants a number; run, studies and steady find one, and "
-                 "print it",
-                 who);
+  return vs_fail_at(err, where,
+                    "load.fraction: auto: %s wants a number; run, studies and steady find one, and "
+                    "print it",
+                    who);
 }
 
 double vs_setup_jams(const vs_setup *setup) {

@@ -1,56 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * One scene as numbers: machine, mains, deck, and the sections `run`, `start` and `measure`, which
- * are read here. */
-#ifndef VS_SIM_SETUP_H
-#define VS_SIM_SETUP_H
+ * One scene as numbers: machine, mains, deck, and the sections `run`, `start` and `measure`. */
+#ifndef VS_SETUP_SETUP_H
+#define VS_SETUP_SETUP_H
 
 #include "bounds/limits.h"
-#include "sim/frame.h"
-#include "sim/loads.h"
-
-/* The tiers, from the simplest to the fullest: id, file, and the word for run.tier and --tier. The
- * file defines `const vs_tier vs_FILE_tier` (sim/sim.h); everything else that lists tiers, or names
- * them to the user, is made from these rows. */
-#define VS_TIER_LIST(X)                                                                            \
-  X(VS_TIER_ANALYTIC, analytic, "analytic")                                                        \
-  X(VS_TIER_SWITCHED, switched, "switched")                                                        \
-  X(VS_TIER_CIRCUIT, coupled, "circuit")
-
-enum {
-#define VS_TIER_ID(id, file, word) id,
-  VS_TIER_LIST(VS_TIER_ID)
-#undef VS_TIER_ID
-      VS_TIERS
-};
-extern const char vs_setup_tier_words[VS_TIERS][16];
-#define VS_TIER_FITS(id, file, word) _Static_assert(sizeof word <= 16, "a longer word: more room");
-VS_TIER_LIST(VS_TIER_FITS)
-#undef VS_TIER_FITS
-
-/* What run.ladder and run.verify may be, and their words in the same order. */
-enum { VS_LADDER_CLIMB, VS_LADDER_IDEAL, VS_LADDER_STAY };
-#define VS_LADDER_WORDS "climb|ideal|stay"
-enum { VS_VERIFY_AUTO, VS_VERIFY_ALWAYS, VS_VERIFY_NEVER };
-#define VS_VERIFY_WORDS "auto|always|never"
-
-typedef struct vs_run_values {
-  int tier; /* as the scene chooses it: 0 is auto, 1 + VS_TIER_... a tier */
-  double until_s, sample_s;
-  double tolerance;  /* largest error wanted, relative to each quantity's own peak */
-  double max_step_s; /* 0: it follows from the tolerance */
-  double trtol;      /* ngspice's own: a factor on the truncation error a step may have */
-  double pivrel;     /* ngspice's own: decides the order in which it eliminates */
-  int gear;          /* the circuit's rule: 0 is the trapezoidal, 1 Gear's of second order */
-  int ladder;        /* how far it is climbed where ngspice gives up: VS_LADDER_... */
-  int verify;        /* whether a second run tells the margins' errors: VS_VERIFY_... */
-  int stays;         /* 1: in the circuit's solver to the end, also when the circuit is quiet */
-} vs_run_values;
-
-/* What means are taken over: from one instant to another, or the run's last cycles of the mains. */
-typedef struct vs_measure_values {
-  double from_s, to_s; /* to_s 0 stands for run.until */
-  double last_cycles;  /* 0: from_s and to_s hold */
-} vs_measure_values;
+#include "setup/loads.h"
+#include "setup/manner.h"
 
 /* The machine's state at t = 0: q, q'. The circuit always begins without current and charge. */
 typedef struct vs_start_values {
@@ -61,7 +16,6 @@ typedef struct vs_start_values {
 } vs_start_values;
 
 extern const char vs_setup_steady[]; /* the word of `start` for an orbit */
-extern const vs_section vs_setup_run_section, vs_setup_measure_section;
 
 /* Built once by vs_setup_build, then constant: what one run alone has, such as its files, stands
  * in its vs_run_order (sim/sim.h). */
@@ -124,7 +78,8 @@ double vs_setup_edge(const vs_setup *setup, double t_s);
 /* True if load.fraction is auto, and what it comes to has been found for this setup. */
 bool vs_setup_found_fraction(const vs_setup *setup);
 /* Error, VS_INPUT: it is auto and has not been found; `who` wants a number. */
-vs_status vs_setup_require_fraction(const vs_setup *setup, const char *who, vs_error *err);
+vs_status vs_setup_require_fraction(const vs_setup *setup, vs_where where, const char *who,
+                                    vs_error *err);
 
 /* When an event jams the armature first, s; INFINITY: none does. */
 double vs_setup_jams(const vs_setup *setup);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What is the same for all steps of one run, so that a step need not carry it. */
-#ifndef VS_SIM_FRAME_H
-#define VS_SIM_FRAME_H
+#ifndef VS_SETUP_FRAME_H
+#define VS_SETUP_FRAME_H
 
 #include <stdbool.h>
 

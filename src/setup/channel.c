@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "sim/channel.h"
+#include "setup/channel.h"
 
 #include <string.h>
 

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Slips in one line of a netlist that ngspice takes without a word, and makes another circuit of.
+ */
+#ifndef VS_SLIPS_SLIPS_H
+#define VS_SLIPS_SLIPS_H
+
+#include "dialect/line.h"
+
+/* Errors with their place, and what would be right: a bracket or brace that is not closed, or is
+ * one too many; an R, C or L of nothing but two nodes; times of a PWL of which one lies before the
+ * last. What stands in quotes is not looked at, nor are the round brackets of a .model, which
+ * ngspice takes for blanks. */
+vs_status vs_slips_line(const vs_line *line, vs_error *err);
+
+/* Error: one of the lines is an .if that no .endif closes. */
+vs_status vs_slips_conditions(const vs_line *lines, size_t count, vs_error *err);
+
+#endif

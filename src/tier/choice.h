@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * Which tier runs a scene: the one that is asked for, or the simplest that has all it names. */
+#ifndef VS_TIER_CHOICE_H
+#define VS_TIER_CHOICE_H
+
+#include "tier/tiers.h"
+
+enum { VS_CHOICE_WHY = 256 };
+
+/* Chooses the tier of the scene with that root of its tree, and writes why. named: the word of
+ * --tier, which counts before run.tier; NULL: not given. Error: there is no tier of that name;
+ * *tier is then NULL. Where run.tier is no tier, which a check carries on from, it is the one with
+ * all probes, and why stays as it was. */
+vs_status vs_choice_make(const vs_node *root, const vs_setup *setup, const char *named,
+                         const vs_tier **tier, char why[VS_CHOICE_WHY], vs_error *err);
+
+/* False: run.tier is no tier. A check carries on from that; what is meant is then not known. */
+bool vs_choice_is_known(const vs_node *root, const vs_setup *setup);
+
+/* Where the scene has that key; NULL: nowhere, or it has another word, or the key is obeyed on
+ * every tier: `measure` is, where the scene asks for the quality of currents. */
+const vs_node *vs_choice_node(const vs_node *root, const vs_tier_key *key);
+
+#endif

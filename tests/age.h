@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * What tests of long-lived studies share: time, processes, and what stands in a folder. */
+#ifndef VS_TESTS_AGE_H
+#define VS_TESTS_AGE_H
+
+#include "program.h"
+
+/* Of a clock that never jumps, in s. */
+double seconds_now(void);
+void wait_seconds(double s);
+
+/* Begins the program with a command line, as run() does, and does not wait for its end. */
+pid_t begin(const char *words);
+
+/* Fills `found` with the children of a process, and returns how many of at most `most` there are.
+ */
+size_t children_of(pid_t parent, pid_t *found, size_t most);
+
+/* All files below the folder but journals: a line for each with its path in it, its length in bytes
+ * and its CRC-32. free() it. */
+char *tree_of(const char *folder);
+
+/* The whole lines of all journals in the folder and in the folders that it holds, one after the
+ * other. free() it. */
+char *rows_of(const char *folder);
+
+/* How many lines of `before` are not in `after`. */
+int lines_lost(const char *before, const char *after);
+
+#endif
