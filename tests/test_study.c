@@ -542,22 +542,22 @@ static void a_signal(void) {
   free_ran(&r);
 }
 
-/* A last line that is torn, and one that is damaged, are run again; a changed study is refused. */
+/* Cases whose lines are torn or damaged are run again. Of a damaged copy of the head its one line
+ * is counted, wherever the copy stands. A changed study is refused. */
 static void a_torn_journal(void) {
   write_file("g.yaml", GRID);
   EXPECT_EXIT("study g.yaml -o whole --quiet --overwrite", 1);
   EXPECT_EXIT("study g.yaml -o torn --quiet", 1);
-  struct stat s;
-  CU_ASSERT_EQUAL(stat("torn/journal", &s), 0);
-  CU_ASSERT_EQUAL(truncate("torn/journal", s.st_size - 7), 0);
-  FILE *f = fopen("torn/journal", "r+");
-  CU_ASSERT_PTR_NOT_NULL_FATAL(f);
-  fseek(f, s.st_size / 2, SEEK_SET);
-  fputc('#', f);
-  fclose(f);
+  char *journal = read_file("torn/journal");
+  char *row = strstr(journal, " = 65,"), *copy = strstr(journal, " H columns=");
+  CU_ASSERT_FATAL(row && copy);
+  row[6] = copy[6] = '#';
+  journal[strlen(journal) - 7] = '\0';
+  write_file("torn/journal", journal);
+  free(journal);
   CU_ASSERT_EQUAL(remove("torn/manifest.json"), 0);
   ran r = run("study g.yaml -o torn --resume");
-  EXPECT(r.status == 1 && strstr(r.err, "2 torn or damaged lines mended"), "%s", r.err);
+  EXPECT(r.status == 1 && strstr(r.err, "3 torn or damaged lines mended"), "%s", r.err);
   free_ran(&r);
   SAME_STUDY("whole", "torn");
   r = run("study g.yaml -o torn --resume --quiet"); /* nothing is left to do */

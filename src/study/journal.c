@@ -192,16 +192,19 @@ static void mend_head(vs_journal *j, const reading *r, uint64_t at) {
   vs_text_free(&head);
 }
 
-/* Takes a line of the head. A copy is there to be compared, once it is whole. */
+/* Takes a line of the head. A copy is there to be compared, once it is whole. A line that the copy
+ * has already begins the next copy: the one before lacks a line, which was damaged. */
 static void take_head(vs_journal *j, const entry *e, reading *r) {
   const char *text = e->line + VS_HEAD_TEXT;
-  bool again = false;
+  bool other = false;
   if (e->line[VS_HEAD_KIND] == 'h') {
     j->bad += !vs_head_read(&j->head, text, !e->at, &j->two_heads);
     return;
   }
-  if (vs_head_is_whole(&r->copy)) vs_head_free(&r->copy);
-  j->bad += !vs_head_read(&r->copy, text, false, &again);
+  if (!vs_head_read(&r->copy, text, false, &other) || other) {
+    vs_head_free(&r->copy);
+    j->bad += !vs_head_read(&r->copy, text, false, &other);
+  }
   if (vs_head_is_whole(&r->copy) && vs_head_is_whole(&j->head) &&
       vs_head_differs(&r->copy, &j->head))
     j->two_heads = true;
