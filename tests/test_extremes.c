@@ -415,10 +415,11 @@ static vs_status follow(void *ctx, const vs_step *step, vs_error *err) {
     r->worst_s = fmax(r->worst_s, fabs(step->event_s[0] - due));
   }
   if (step->to->t_s < r->from_s) return VS_OK;
-  for (int k = 1; k <= 16; k++)
+  enum { PARTS = 256 }; /* of a step of at most 1 ms: what is between two hides 2e-7 of p_min */
+  for (int k = 1; k <= PARTS; k++)
     r->p_min_m =
         fmin(r->p_min_m,
-             vs_step_channel(step, step->from->t_s + (step->to->t_s - step->from->t_s) * k / 16,
+             vs_step_channel(step, step->from->t_s + (step->to->t_s - step->from->t_s) * k / PARTS,
                              VS_CH_P));
   return VS_OK;
 }
