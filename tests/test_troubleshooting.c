@@ -11,7 +11,7 @@
 #include "base/text.h"
 #include "program.h"
 
-#define SOURCES VS_TEST_FOLDER "/../src/*/*.c"
+#define SOURCES VS_TEST_FOLDER "/../src/*/*.[ch]"
 #define PAGE VS_TEST_FOLDER "/../docs/troubleshooting.md"
 
 /* Adds the string that begins behind the quote at s, and returns what stands behind its end. */

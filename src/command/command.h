@@ -122,11 +122,12 @@ enum {
                   "lets a scene run code of its own: a control with the law object or pipe")
 #define VS_COMMAND_JAIL                                                                            \
   VS_COMMAND_FLAG("jail", VS_KEY_JAIL,                                                             \
-                  "for a stranger's files: what they name is read only below the folder of FILE, " \
-                  "below the working directory if FILE lies below it (not / nor a home folder), "  \
-                  "and from what comes with the program; no network, no code of their own")
+                  "for a stranger's files: what they name is read only from the folder of the "    \
+                  "file that you give, from the working directory if it holds that file, and "     \
+                  "from what comes with the program; no network, no code of their own. check "     \
+                  "does so always")
 #define VS_COMMAND_NO_JAIL                                                                         \
-  VS_COMMAND_FLAG("no-jail", VS_KEY_NO_JAIL, "reads whatever file they name")
+  VS_COMMAND_FLAG("no-jail", VS_KEY_NO_JAIL, "reads every file that the given one names")
 
 /* Runs the command whose name is argv[1] with what stands behind it, or prints its help. Prints one
  * line on standard error where it fails. Writes into argv[1]. */

@@ -17,7 +17,7 @@ typedef struct vs_anode_current {
   vs_formula_quick i, v;   /* the current, and the device's voltage where that is known */
   double last_a, last_v, before_a, before_v; /* at the last two knots shown */
   double way;                                /* -1: of a triac, its other direction; else +1 */
-  double near_s; /* the step that passes its zero begins and ends this near to it */
+  double near_s; /* how near to the current's zero the step across it begins and ends, s */
   vs_conduction conduction;
   bool conducted; /* it did before the solver's present step */
   bool nearing;   /* the thyristor has conducted, and its current has not yet passed its zero */

@@ -35,8 +35,8 @@ vs_status vs_netlist_make(const vs_deck *deck, const vs_circuit_values *values,
                           size_t *count, vs_error *err);
 void vs_netlist_free(char **lines, size_t count);
 
-/* The words of a complaint behind which, up to its end, the line of the netlist stands that the
- * solver was found to do better without. */
+/* Words in a complaint. Behind them, up to its end, stands a line of the netlist: without that line
+ * the solver went on further. */
 #define VS_NETLIST_WITHOUT "; without this line it does better: "
 
 /* Puts the place in the deck before what the solver said of its circuit, if it can be found: that

@@ -32,7 +32,7 @@ typedef struct vs_elements_node {
   char name[VS_ELEMENTS_NAME]; /* as the deck does: lower case, letters and digits and '_'; "0" */
   bool named;                  /* by a person, and not by the program that wrote the netlist */
   int ends;                    /* how many ends of elements meet there */
-  size_t at[2];                /* whose the first and the last of them are, as indices */
+  size_t at[2];                /* indices of the elements of the first and the last of them */
 } vs_elements_node;
 
 /* Begins as {0}; ends with vs_elements_free. */

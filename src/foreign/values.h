@@ -16,7 +16,7 @@ typedef struct vs_value_param {
   char name[VS_VALUES_NAME]; /* in lower case */
   char *text;                /* what it is set to, as written; owned */
   double value;
-  bool tried;  /* whether it is known has been found out */
+  bool tried;  /* `known` has been found out */
   bool known;  /* `value` is its value: a number, or an expression of numbers */
   bool number; /* it is written as a number */
   size_t card; /* index of its line */

@@ -79,7 +79,7 @@ static const struct argp_option CHECK_OPTIONS[] = {
                     "solver's rules, and tells what was measured and what may help"),
     VS_COMMAND_FLAG("json", VS_KEY_JSON,
                     "findings as a JSON array of {file, line, column, message} on standard output; "
-                    "of a part also each figure of the bench, with members more"),
+                    "of a part also each figure of the bench, with further members"),
     VS_COMMAND_FLAG("quiet", VS_KEY_QUIET, "prints nothing but findings"),
     VS_COMMAND_JAIL,
     VS_COMMAND_NO_JAIL,

@@ -151,7 +151,8 @@ static const struct argp_option FIT_OPTIONS[] = {
 const vs_command vs_many_study = {
     .name = "study",
     .argument = "STUDY",
-    .text = "runs many scenes: what a study file varies, samples or looks for, one row a case",
+    .text =
+        "runs many scenes: what a study file varies, samples or looks for, one row for each case",
     .examples = "  vibrospice study snubber_map -o map && vibrospice plot map\n"
                 "  vibrospice study my.yaml --shard 2/7 -o shards/2\n"
                 "  vibrospice study my.yaml --resume -o map\n",

@@ -39,9 +39,9 @@ void vs_driven_find_coordinates(vs_driven *driven);
  * least a thousand millionth of what the mains build up. */
 double vs_driven_built_up(const vs_driven *driven, double t_s);
 
-/* Returns when u falls through zero next, counted from its origin, s. disturbed: u may be any
- * wave, is looked at from since_s to most_s, and most_s is returned where it does not fall. Else u
- * is one sine, which begins in a positive half wave. INFINITY: u has no sines. */
+/* Returns the next instant at which u falls through zero, s from u's origin. If `disturbed`, u may
+ * be any wave: it is searched from since_s to most_s, and most_s is returned if it does not fall.
+ * Else u is one sine that begins in its positive half wave. INFINITY: u has no sines. */
 double vs_driven_mains_turn(const vs_driven *driven, bool disturbed, double most_s);
 
 #endif

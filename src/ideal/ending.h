@@ -6,7 +6,7 @@
 
 #include "ideal/series.h"
 
-/* A step that was just taken, whose end nobody has been shown yet. All is borrowed. */
+/* A step that was just taken, before its end is shown to the observers. All is borrowed. */
 typedef struct vs_taken {
   const vs_driven *driven; /* what drives the machine; since_s is that of `from` */
   const vs_series *series; /* from `from` on */
@@ -24,8 +24,8 @@ typedef struct vs_ending {
  * becomes the time from the step's beginning to that ending. */
 vs_ending vs_ending_find(const vs_taken *taken, double *length_s);
 
-/* Returns true if the armature meets a stop in the step. The series and since_s are not looked at,
- * so the step may be one that the propagator took. */
+/* Returns true if the armature meets a stop in the step. It does not read the series and since_s,
+ * so that the step may be one that the propagator took. */
 bool vs_ending_meets(const vs_taken *taken);
 
 #endif

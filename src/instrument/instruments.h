@@ -85,8 +85,8 @@ vs_status vs_instruments_read(const vs_node *section, const vs_setup *setup, con
 void vs_instruments_free(vs_instruments *instruments);
 
 /* The channel that the section's next instrument names, without reading anything else; NULL: the
- * section names no more. Those of its set are not looked at. *at: where the search is; it begins as
- * NULL, and whoever asks again gives it back. */
+ * section names no more. Those of its set are left out. *at keeps the place of the search between
+ * two calls; it begins as NULL. */
 const char *vs_instruments_names(const vs_node *section, const vs_node **at);
 
 /* The frequency at which the scene's machine works, Hz: that of the firings, or of the mains where

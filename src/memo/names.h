@@ -18,11 +18,11 @@ typedef struct vs_names {
   size_t count, room;
 } vs_names;
 
-/* Gives the name this number, in the place of the one that it had. The name is copied. */
+/* Gives the name this number, which replaces one that it had. The name is copied. */
 void vs_names_put(vs_names *names, const char *name, size_t number);
 
-/* Finds the number of the name whose first `size` bytes these are. number: NULL: it is not wanted.
- * Returns false where there is no such name. */
+/* Finds the number of the name that these `size` bytes spell; number may be NULL. Returns false if
+ * there is no such name. */
 bool vs_names_find(const vs_names *names, const char *name, size_t size, size_t *number);
 
 void vs_names_free(vs_names *names);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * In which manner a scene asks for its run: the keys of the sections `run` and `measure`, and the
- * tiers, one of which is such a key's word. */
+ * How a scene is to be run: the keys of its sections `run` and `measure`, and the tiers, whose
+ * names are the words of run.tier. */
 #ifndef VS_SETUP_MANNER_H
 #define VS_SETUP_MANNER_H
 

@@ -57,7 +57,7 @@ typedef struct vs_run_order {
   const vs_circuit_kind *solver; /* who solves the circuit: vs_trust_kind, or a test's own */
   const vs_stand_in *stand_in;   /* who may stand in for the circuit; NULL: nobody may */
   FILE *raw;          /* gets a rawfile of the run; NULL: none is written. The caller owns it */
-  vs_where raw_where; /* of the key that says how long the run is, where the rawfile is too large */
+  vs_where raw_where; /* the key to blame if the rawfile becomes too large: that of the run's end */
   bool tried; /* this deck with these parts was run in this process before, so that the solver need
                  not try first whether it survives them */
   bool unbegun; /* this process can begin anew without harm, and need not try either: a netlist that
@@ -79,7 +79,7 @@ typedef struct vs_tier_key {
 } vs_tier_key;
 
 /* One way of computing a scene. Each tier is a constant in its own file, named in VS_TIER_LIST
- * (setup/setup.h). */
+ * (setup/manner.h). */
 typedef struct vs_tier {
   const char *name; /* vs_manner_tier_words[VS_TIER_...] */
   const char *text; /* for lists */

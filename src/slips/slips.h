@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Slips in one line of a netlist that ngspice takes without a word, and makes another circuit of.
- */
+ * Slips: mistakes in one line of a netlist that ngspice accepts silently, and that make another
+ * circuit of it. */
 #ifndef VS_SLIPS_SLIPS_H
 #define VS_SLIPS_SLIPS_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Parameters of instances, X lines, which their subcircuits do not have: ngspice leaves them out
- * without a word. */
+ * Parameters of instances (lines X...) that their subcircuits do not have. ngspice ignores them
+ * silently. */
 #ifndef VS_SLIPS_SUBCIRCUITS_H
 #define VS_SLIPS_SUBCIRCUITS_H
 
@@ -17,10 +17,10 @@ typedef struct vs_subcircuits {
 void vs_subcircuits_find(vs_subcircuits *s, const vs_line *lines, size_t n_lines);
 void vs_subcircuits_free(vs_subcircuits *s);
 
-/* Holds what an instance says behind its subcircuit's name, at `behind` in its text, to that
- * subcircuit. A parameter stands on the line .subckt or in a .param below it; m is one of each.
- * Error: another one, with its place and the nearest name. Of a subcircuit that is not there
- * nothing is said. */
+/* Checks the parameters of an instance against its subcircuit. `behind` is where they begin, behind
+ * the subcircuit's name in the line. A subcircuit has the parameters of its line .subckt and of
+ * each .param below it, and m. Error: another one, with its place and the nearest name. No error if
+ * the subcircuit is not there. */
 vs_status vs_subcircuits_check(const vs_subcircuits *s, const vs_line *line, const char *behind,
                                const char *subcircuit, vs_error *err);
 

@@ -22,8 +22,8 @@ enum { VS_CHILD_SECONDS = 20 };
  * it does no harm to a process); it cannot be loaded; it cannot be run. */
 typedef enum vs_child_end { VS_CHILD_GOOD, VS_CHILD_BAD_LOAD, VS_CHILD_BAD_RUN } vs_child_end;
 
-/* Why a child process ended that met SIGSYS. This program's own filter only refuses calls
- * (solver/confine.h), so that another one killed it. */
+/* The reason for a child process that SIGSYS ended. This program's own filter only refuses calls
+ * (solver/confine.h), so another filter ended it. */
 extern const char vs_child_forbidden[];
 
 /* Calls attempt(ctx) in a child process, without standard output and error and confined as

@@ -35,8 +35,8 @@ typedef struct vs_circuit_job {
   double pivot_threshold;
   double truncation_factor; /* how many times its tolerance the truncation error may be (ngspice's
                                trtol); 0: its own 7 */
-  /* Gives an error that quotes the netlist the place where that stands; may be NULL. `culprit` is
-   * the index of the line that it was found to be of; 0: none was found. */
+  /* Gives an error that quotes the netlist its place; may be NULL. `culprit` is the index of the
+   * line that was found to cause the error; 0: none was found. */
   void (*locate)(const void *author, size_t culprit, vs_error *err);
   const void *author; /* of the netlist */
   bool tried;         /* this process has run a netlist that differs in parameters' values at most:
@@ -47,7 +47,7 @@ typedef struct vs_circuit_job {
   FILE *raw;          /* gets all the circuit's vectors at every accepted step as a rawfile
                          (solver/rawfile.h); its head is filled in also when the run fails. NULL: none */
   double raw_most;    /* bytes that it may have; 0: any number */
-  vs_where raw_where; /* of what is to blame where it would have more */
+  vs_where raw_where; /* the key to blame if it would have more */
 } vs_circuit_job;
 
 /* What the circuit asks. */

@@ -11,7 +11,7 @@
 
 enum { VS_COMPLAINTS_LINE = 256, VS_COMPLAINTS_MOST = 16 };
 
-/* What an error ends with that has a file, and no line that is known. */
+/* The last words of an error whose file is known, and whose line is not. */
 extern const char vs_complaints_nowhere[];
 
 /* Start from {0}. */
@@ -19,7 +19,7 @@ typedef struct vs_complaints {
   char item[VS_COMPLAINTS_MOST][VS_COMPLAINTS_LINE]; /* texts without newline */
   size_t count;
   int expected;   /* how many lines of the last one are still to come */
-  size_t culprit; /* the line of the job's netlist that the first one was found to be of; 0: none */
+  size_t culprit; /* the line of the job's netlist that was found to cause the first one; 0: none */
 } vs_complaints;
 
 /* Forgets all complaints. */
@@ -32,12 +32,12 @@ void vs_complaints_hear(vs_complaints *complaints, const char *line, bool runs);
 /* The first complaint; never NULL. */
 const char *vs_complaints_first(const vs_complaints *complaints);
 
-/* Adds words to the first complaint, or to what stands for none. */
+/* Adds words to the first complaint; if there is none, to the text that takes its place. */
 void vs_complaints_add(vs_complaints *complaints, const char *words);
 
-/* Gives an error that quotes the netlist, or is of its line `culprit` (0: not known), the place
- * that job->locate finds. Where it finds the file alone, the place is the file's begin, and the
- * text says that the line is not known. */
+/* Gives an error the place that job->locate finds. The error quotes the netlist, or line `culprit`
+ * of it caused the error (0: not known). If only the file is found, the place is its first line,
+ * and the text says that the line is not known. */
 void vs_complaints_place(const vs_circuit_job *job, size_t culprit, vs_error *err);
 
 /* Makes each complaint an error, with the place that job->locate finds: "ngspice cannot WHAT the

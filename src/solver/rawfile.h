@@ -23,10 +23,10 @@ typedef struct vs_rawfile {
  * end. */
 vs_rawfile vs_rawfile_begin(FILE *stream, const char *title, const char *const *names,
                             size_t count);
-/* Looks ahead to so many points, the fewest that there will be. Error: they have more than
- * most_bytes, told at `where`. */
+/* Checks the least number of points that there will be. Error, at `where`: they take more than
+ * most_bytes. */
 vs_status vs_rawfile_expect(const vs_rawfile *raw, double points, vs_where where, vs_error *err);
-/* Looks whether one more point has room. Error, told with the time t_s: it has not. */
+/* Checks that one more point has room. Error, with the time t_s: it has none. */
 vs_status vs_rawfile_room(const vs_rawfile *raw, double t_s, vs_error *err);
 /* Writes a point: as many values as names, SI. Error: the stream cannot be written to. */
 vs_status vs_rawfile_point(vs_rawfile *raw, const double *values, vs_error *err);

@@ -14,8 +14,8 @@
 /* All is borrowed. */
 typedef struct vs_trial {
   /* In the child: loads the lines and runs them. It calls vs_child_finish once the circuit has gone
-   * through its first step. What it returns counts where it does not come so far: VS_CHILD_GOOD is
-   * what does no harm to a process. */
+   * through its first step. If it does not come so far, it returns what went wrong; VS_CHILD_GOOD:
+   * nothing that would harm this process. */
   vs_child_end (*attempt)(const struct vs_trial *trial);
   const vs_circuit_job *job;
   const vs_circuit_host *host;
@@ -27,7 +27,7 @@ typedef struct vs_trial {
  * the netlist is no good, with the line where one is found; those of vs_child_try. */
 vs_status vs_trial_first(vs_trial *trial, vs_error *err);
 
-/* Adds to the first complaint the line that it is of, where its own words do not tell. */
+/* Adds to the first complaint the line that causes it, if its own words do not name the line. */
 void vs_trial_blame(vs_trial *trial);
 
 /* Writes " (FILE:LINE:COLUMN)", the place of the node or element that the first complaint names;

@@ -28,8 +28,8 @@ vs_head_counts vs_publish_count(const vs_journals *journals);
 vs_status vs_publish_write(const vs_journals *journals, const vs_format *format, const char *folder,
                            vs_error *err);
 
-/* True if the folder has these journals' rows, all of them and no others, without a manifest, which
- * is written last: their result was broken off as it was given its names. */
+/* True if the folder has exactly these journals' rows, but no manifest, which is written last: the
+ * writing of this result was interrupted. */
 bool vs_publish_was_begun(const vs_journals *journals, const char *folder);
 
 /* Prints one of the folder's files, with its header row or without. Errors: VS_INPUT or VS_RUN, it

@@ -38,8 +38,8 @@ void vs_surface_free(vs_surface *surface);
 /* The co-energy and its derivatives; i_a >= 0. */
 vs_surface_point vs_surface_at(const vs_surface *surface, double i_a, double z_m);
 
-/* The surface at one current, for whoever asks at many gaps: vs_surface_at takes a time that grows
- * with the number of gaps. What it gives differs by rounding. vs_surface_line_free it. */
+/* The surface at one current, to be evaluated at many gaps: each vs_surface_at takes a time that
+ * grows with the number of gaps. The two differ by rounding. Ends with vs_surface_line_free. */
 typedef struct vs_surface_line {
   const vs_surface *surface; /* borrowed */
   double i_a;

@@ -14,11 +14,11 @@ enum { VS_CHOICE_WHY = 256 };
 vs_status vs_choice_make(const vs_node *root, const vs_setup *setup, const char *named,
                          const vs_tier **tier, char why[VS_CHOICE_WHY], vs_error *err);
 
-/* False: run.tier is no tier. A check carries on from that; what is meant is then not known. */
+/* False: run.tier is no tier, so that it is not known which one is meant. A check carries on. */
 bool vs_choice_is_known(const vs_node *root, const vs_setup *setup);
 
-/* Where the scene has that key; NULL: nowhere, or it has another word, or the key is obeyed on
- * every tier: `measure` is, where the scene asks for the quality of currents. */
+/* Returns the scene's value of that key. NULL: the scene does not have the key, or has another word
+ * there, or every tier obeys it, as `measure` in a scene that asks for the quality of currents. */
 const vs_node *vs_choice_node(const vs_node *root, const vs_tier_key *key);
 
 #endif

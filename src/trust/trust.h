@@ -20,8 +20,8 @@ vs_status vs_trust_find(vs_error *err);
 
 /* What is wrong with the library, or else what in the circuit it loaded last means another thing in
  * this version than before: to be told with every result. Empty: nothing, or it was not asked.
- * Every door through which results leave asks this: summary.json and study.csv (scene/result.h),
- * sensitivity, check, the bench of parts, fit. It was told on standard error when it was found. */
+ * Whatever writes results asks this: summary.json and study.csv (scene/result.h), sensitivity,
+ * check, the bench of parts, fit. It was printed on standard error when it was found. */
 const char *vs_trust_text(void);
 
 #endif

@@ -24,9 +24,9 @@ typedef struct vs_table {
   double next;               /* number of the next row, from 0; its instant is next * sample_s */
 } vs_table;
 
-/* How many bytes the file will have, and a little more. */
+/* Returns how many bytes the file will have at most; that is a little more than it will have. */
 double vs_table_bytes(const vs_table *table);
-/* The place in the scene whose root that is of the key that says how many rows there are. */
+/* Returns the place of the key that sets the number of rows, in the scene with that root. */
 vs_where vs_table_where(const vs_node *scene);
 /* Error, with its place in the scene whose root that is: the file would have more than so many
  * bytes. Its stream is not asked for. */
