@@ -15,8 +15,8 @@
 #include "base/hash.h"
 #include "deck/deck.h"
 #include "deck/netlist.h"
+#include "journal/journal.h"
 #include "program.h"
-#include "study/journal.h"
 
 #ifdef __SANITIZE_ADDRESS__
 static const double SLOWER = 10;

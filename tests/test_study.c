@@ -16,10 +16,10 @@
 
 #include "base/csv.h"
 #include "base/hash.h"
+#include "journal/journal.h"
 #include "method/methods.h"
 #include "plan/reading.h"
 #include "program.h"
-#include "study/journal.h"
 #include "work/case.h"
 #include "work/identity.h"
 
