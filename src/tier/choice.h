@@ -17,6 +17,9 @@ vs_status vs_choice_make(const vs_node *root, const vs_setup *setup, const char 
 /* False: run.tier is no tier. A check carries on from that; what is meant is then not known. */
 bool vs_choice_is_known(const vs_node *root, const vs_setup *setup);
 
+/* True if switches of the scene's deck are modulated, which no ideal tier can do. */
+bool vs_choice_is_modulated(const vs_setup *setup);
+
 /* Where the scene has that key; NULL: nowhere, or it has another word, or the key is obeyed on
  * every tier: `measure` is, where the scene asks for the quality of currents. */
 const vs_node *vs_choice_node(const vs_node *root, const vs_tier_key *key);
