@@ -205,9 +205,9 @@ static vs_status go_on(session *s, vs_head *head, vs_error *err) {
                       differs);
   if (j->bad && !s->o->quiet)
     fprintf(stderr,
-            "vibrospice: warning: %s: %llu torn or damaged line%s mended; what stood there is run "
-            "again\n",
-            j->path, (unsigned long long)j->bad, j->bad > 1 ? "s" : "");
+            "vibrospice: warning: %s: %llu torn or damaged line%s not count; cases that lack their "
+            "row are run again\n",
+            j->path, (unsigned long long)j->bad, j->bad > 1 ? "s do" : " does");
   if (j->mended && !s->o->quiet)
     fprintf(stderr, "vibrospice: warning: %s: its head was damaged, and is taken from a copy\n",
             j->path);
