@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Input that is made to do harm, or might as well be: bytes that hang a parser, journals that lie,
  * links where files are wanted, an environment that is not ours, signals at any time. */
-#include <errno.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,28 +11,17 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "age.h"
 #include "base/hash.h"
 #include "deck/deck.h"
 #include "deck/netlist.h"
 #include "journal/journal.h"
-#include "program.h"
 
 #ifdef __SANITIZE_ADDRESS__
 static const double SLOWER = 10;
 #else
 static const double SLOWER = 1;
 #endif
-
-static double seconds(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static void wait_s(double s) {
-  const struct timespec pause = {(time_t)s, (long)(1e9 * (s - (double)(time_t)s))};
-  nanosleep(&pause, NULL);
-}
 
 static double children_cpu_s(void) {
   struct rusage u;
@@ -221,11 +209,11 @@ static void signals_end_all(void) {
       snprintf(words, sizeof words, "%s", COMMANDS[k]);
       split(words, argv);
       pid_t child = spawn_ready(argv);
-      wait_s(0.4 * SLOWER);
-      double before = seconds();
+      wait_seconds(0.4 * SLOWER);
+      double before = seconds_now();
       kill(child, s ? SIGINT : SIGTERM);
       ran r = collect(child);
-      double took = seconds() - before;
+      double took = seconds_now() - before;
       EXPECT(r.status == 75, "%s: exit status %d: %s", COMMANDS[k], r.status, r.err);
       EXPECT(took < 2 * SLOWER, "%s: %.1f s", COMMANDS[k], took);
       EXPECT(strstr(r.err, "stopped by a signal"), "%s: %s", COMMANDS[k], r.err);
@@ -433,24 +421,31 @@ static void temporary_folder(void) {
 
 /* ---- what stays of a process that was killed ---- */
 
-static pid_t start_long_run(const char *folder) {
-  char words[128];
-  const char *argv[MOST_WORDS];
-  snprintf(words, sizeof words,
-           "run paper --set run.until=9e5s --set run.sample=1ms --set limits.csv=1e12 -o %s",
-           folder);
-  split(words, argv);
-  pid_t child = spawn_ready(argv);
-  wait_s(0.4 * SLOWER);
-  return child;
+/* How many of the folder's temporary files are not in that listing of it. */
+static int temporaries_besides(const char *before, const char *folder) {
+  char *names = listing(folder), *rest = names;
+  int n = 0;
+  for (char *name; (name = strsep(&rest, " "));)
+    n += !strncmp(name, ".vibrospice-tmp.", 16) && !strstr(before, name);
+  free(names);
+  return n;
 }
 
 static int temporaries(const char *folder) {
-  char *names = listing(folder);
-  int n = 0;
-  for (const char *s = names; (s = strstr(s, ".vibrospice-tmp.")); s++) n++;
-  free(names);
-  return n;
+  return temporaries_besides("", folder);
+}
+
+/* Begins a run and waits until it has begun its files: run.csv, events.csv, summary.json. */
+static pid_t start_long_run(const char *folder) {
+  char words[128];
+  snprintf(words, sizeof words,
+           "run paper --set run.until=9e5s --set run.sample=1ms --set limits.csv=1e12 -o %s",
+           folder);
+  char *before = listing(folder);
+  pid_t child = begin(words);
+  WAIT_UNTIL(temporaries_besides(before, folder) == 3);
+  free(before);
+  return child;
 }
 
 static void after_kill(void) {
@@ -458,7 +453,7 @@ static void after_kill(void) {
   kill(dead, SIGKILL);
   ran r = collect(dead);
   free_ran(&r);
-  EXPECT(temporaries("k") == 3, "%d", temporaries("k")); /* run.csv, events.csv, summary.json */
+  EXPECT(temporaries("k") == 3, "%d", temporaries("k"));
   write_file("k/run.csv.backup", "mine");
   write_file("k/.vibrospice-tmp.notes.txt", "mine, too");
   pid_t alive = start_long_run("k");
