@@ -21,12 +21,15 @@ void wait_seconds(double s) {
   nanosleep(&t, NULL);
 }
 
+bool file_says(const char *path, const char *text) {
+  char *all = read_file(path);
+  const bool says = strstr(all, text);
+  free(all);
+  return says;
+}
+
 pid_t begin(const char *words) {
-  char copy[1024];
-  const char *argv[MOST_WORDS];
-  snprintf(copy, sizeof copy, "%s", words);
-  split(copy, argv);
-  return spawn(argv);
+  return spawn_prepared(words, NULL, NULL);
 }
 
 size_t children_of(pid_t parent, pid_t *found, size_t most) {
@@ -98,10 +101,32 @@ char *rows_of(const char *folder) {
   return collect_files(folder, add_rows);
 }
 
+static int by_text(const void *a, const void *b) {
+  return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/* Cuts the text up into its whole lines, in alphabetical order, and a NULL behind them; free() the
+ * list. */
+static char **sorted_lines(char *text) {
+  const size_t count = (size_t)count_lines(text);
+  char **lines = vs_alloc(count + 1, sizeof *lines);
+  for (size_t k = 0; k < count; k++) lines[k] = strsep(&text, "\n");
+  qsort(lines, count, sizeof *lines, by_text);
+  return lines;
+}
+
 int lines_lost(const char *before, const char *after) {
-  char *copy = vs_copy(before), *rest = copy;
+  char *text = vs_copy(before), *other_text = vs_copy(after);
+  char **lines = sorted_lines(text), **others = sorted_lines(other_text), **other = others;
   int lost = 0;
-  for (char *line; (line = strsep(&rest, "\n")) && rest;) lost += !strstr(after, line);
-  free(copy);
+  for (char **line = lines; *line; line++) {
+    while (*other && strcmp(*other, *line) < 0) other++;
+    if (*other && !strcmp(*other, *line))
+      other++;
+    else
+      lost++;
+  }
+  free(lines), free(others);
+  free(text), free(other_text);
   return lost;
 }

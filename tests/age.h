@@ -9,6 +9,16 @@
 double seconds_now(void);
 void wait_seconds(double s);
 
+/* Waits until the condition holds. Where it never does that ends, after a time that no busy machine
+ * needs. */
+enum { WAIT_MOST_S = 60 };
+#define WAIT_UNTIL(condition)                                                                      \
+  for (double end_ = seconds_now() + WAIT_MOST_S; !(condition) && seconds_now() < end_;)           \
+  wait_seconds(0.01)
+
+/* True if the file is there and has that text in it. */
+bool file_says(const char *path, const char *text);
+
 /* Begins the program with a command line, as run() does, and does not wait for its end. */
 pid_t begin(const char *words);
 
@@ -24,7 +34,8 @@ char *tree_of(const char *folder);
  * other. free() it. */
 char *rows_of(const char *folder);
 
-/* How many lines of `before` are not in `after`. */
+/* How many whole lines of `before` are not in `after`, in whatever order. A line that stands there
+ * twice before and once after is lost once. */
 int lines_lost(const char *before, const char *after);
 
 #endif

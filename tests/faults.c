@@ -4,7 +4,6 @@
 #include "faults.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,8 +49,7 @@ const fault fault_of_workers = {"memory of workers", 0, NULL, true, true};
 static bool counts(const fault *f, const seam_call *call) {
   const char *name = call->name;
   const bool opens = call->number == SYS_open || call->number == SYS_openat;
-  if (strstr(name, ".so") || !strncmp(name, "/proc/", 6) || !strcmp(name, "/etc/ld.so.cache"))
-    return false;
+  if (seam_is_library(call) || !strncmp(name, "/proc/", 6)) return false;
   if (opens && !strcmp(name, ".spiceinit") && !call->creates) return false;
   if (f->calls[0] == SYS_write && strstr(name, "/stderr")) return false;
   return f->calls[0] != SYS_close || (*name == '/' && strcmp(name, "/dev/null") != 0);
@@ -70,34 +68,18 @@ static int fail_one(void *ctx, const seam_call *call) {
 
 /* ---- requests for memory ---- */
 
-static void set_environment(const fault *f, unsigned long n) {
+static void fail_requests(void *ctx) {
+  enum { MOST_SECONDS = 60 }; /* a fault may make the program hang */
+  const turn *t = ctx;
+  const fault *f = t->f;
   char number[32];
-  snprintf(number, sizeof number, "%lu", n);
+  snprintf(number, sizeof number, "%lu", t->n);
+  alarm(MOST_SECONDS);
   setenv("LD_PRELOAD", VS_FAULTS, 1);
   setenv("VS_FAULT_COUNT", "../count", 1);
   setenv("VS_FAULT_AT", number, 1);
   if (f->lasts) setenv("VS_FAULT_LASTS", "1", 1);
   if (f->workers) setenv("VS_FAULT_CHILDREN", "1", 1);
-}
-
-static pid_t start(const fault *f, unsigned long n, const char *words) {
-  char copy[1024];
-  const char *argv[MOST_WORDS];
-  snprintf(copy, sizeof copy, "%s", words);
-  split(copy, argv);
-  fflush(NULL);
-  pid_t child = fork();
-  if (child) return child;
-  enum { MOST_SECONDS = 20 };
-  int out = open("../stdout", O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  int err = open("../stderr", O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  if (dup2(out, STDOUT_FILENO) < 0 || dup2(err, STDERR_FILENO) < 0) _exit(126);
-  close(out);
-  close(err);
-  alarm(MOST_SECONDS);
-  set_environment(f, n);
-  execv(VS_PROGRAM, (char *const *)(size_t)argv);
-  _exit(127);
 }
 
 static void write_count(unsigned long n) {
@@ -124,7 +106,7 @@ ran fault_run(const fault *f, unsigned long n, const char *words, unsigned long 
     return r;
   }
   write_count(0);
-  r = collect(start(f, n, words));
+  r = collect(spawn_prepared(words, fail_requests, &t));
   *calls = read_count();
   return r;
 }

@@ -30,23 +30,43 @@ int count_lines(const char *text) {
 
 enum { MOST_SECONDS = 120, MOST_SECONDS_LONG = 3600 };
 
-/* Standard output and error land beside the work folder, so that this holds what the program made.
- */
-pid_t spawn_other(const char *program, const char *const *argv, char *const *environment) {
+/* A child in which another program is to run; 0: this is the child. Its standard output and error
+ * land beside the work folder, so that this holds what the program made. */
+static pid_t begin_child(void) {
   fflush(NULL);
   pid_t child = fork();
   if (child) return child;
   int out = open("../stdout", O_WRONLY | O_CREAT | O_TRUNC, 0600);
   int err = open("../stderr", O_WRONLY | O_CREAT | O_TRUNC, 0600);
   if (dup2(out, STDOUT_FILENO) < 0 || dup2(err, STDERR_FILENO) < 0) _exit(126);
+  close(out);
+  close(err);
   /* outlives exec: a program that hangs ends by SIGALRM */
   alarm(getenv("VS_LONG") ? MOST_SECONDS_LONG : MOST_SECONDS);
+  return 0;
+}
+
+pid_t spawn_other(const char *program, const char *const *argv, char *const *environment) {
+  pid_t child = begin_child();
+  if (child) return child;
   execve(program, (char *const *)(size_t)argv, environment);
   _exit(127);
 }
 
 pid_t spawn(const char *const *argv) {
   return spawn_other(VS_PROGRAM, argv, environ);
+}
+
+pid_t spawn_prepared(const char *words, void (*prepare)(void *ctx), void *ctx) {
+  char copy[2048];
+  const char *argv[MOST_WORDS];
+  snprintf(copy, sizeof copy, "%s", words);
+  split(copy, argv);
+  pid_t child = begin_child();
+  if (child) return child;
+  if (prepare) prepare(ctx);
+  execv(VS_PROGRAM, (char *const *)(size_t)argv);
+  _exit(127);
 }
 
 /* The signals that a process catches, as bits from 0, of the line "SigCgt:" of /proc/PID/status. */

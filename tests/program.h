@@ -39,6 +39,9 @@ pid_t spawn(const char *const *argv);
  * most. */
 pid_t spawn_ready(const char *const *argv);
 pid_t spawn_other(const char *program, const char *const *argv, char *const *environment);
+/* Starts the program with a command line as run() has it. Before the child becomes the program it
+ * calls `prepare`, unless that is NULL. */
+pid_t spawn_prepared(const char *words, void (*prepare)(void *ctx), void *ctx);
 ran collect(pid_t child);
 
 /* Writes gated.cir and its part gated.inc: a resistor of 50 ohm that the gate switches, rated

@@ -70,25 +70,15 @@ static int receive_file(int from) {
   return file;
 }
 
-static pid_t start(const seam *s, const char *words, int tell) {
-  enum { MOST_SECONDS = 60, MOST_SECONDS_LONG = 3600 };
-  char copy[1024];
-  const char *argv[MOST_WORDS];
-  snprintf(copy, sizeof copy, "%s", words);
-  split(copy, argv);
-  fflush(NULL);
-  pid_t child = fork();
-  if (child) return child;
-  int out = open("../stdout", O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  int err = open("../stderr", O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  if (dup2(out, STDOUT_FILENO) < 0 || dup2(err, STDERR_FILENO) < 0) _exit(126);
-  close(out);
-  close(err);
-  alarm(getenv("VS_LONG") ? MOST_SECONDS_LONG : MOST_SECONDS);
+typedef struct filtered {
+  const seam *s;
+  int tell; /* who answers is told of the filter here */
+} filtered;
+
+static void filter(void *ctx) {
+  const filtered *f = ctx;
   setenv("ASAN_OPTIONS", "detect_leaks=0", 1); /* looking for leaks makes calls of its own */
-  if (!send_file(tell, open_listener(s))) _exit(126);
-  execv(VS_PROGRAM, (char *const *)(size_t)argv);
-  _exit(127);
+  if (!send_file(f->tell, open_listener(f->s))) _exit(126);
 }
 
 /* ---- who answers the filter ---- */
@@ -107,7 +97,7 @@ static int argument_of(long number) {
   return argument;
 }
 
-static void name_file(const struct seccomp_notif *q, char name[256]) {
+static void name_file(const struct seccomp_notif *q, char name[VS_PATH_SIZE]) {
   char path[64];
   ssize_t n = -1;
   const int argument = argument_of(q->data.nr);
@@ -115,11 +105,11 @@ static void name_file(const struct seccomp_notif *q, char name[256]) {
   if (argument >= 0) {
     snprintf(path, sizeof path, "/proc/%u/mem", q->pid);
     int memory = open(path, O_RDONLY | O_CLOEXEC);
-    if (memory >= 0) n = pread(memory, name, 255, (off_t)q->data.args[argument]);
+    if (memory >= 0) n = pread(memory, name, VS_PATH_SIZE - 1, (off_t)q->data.args[argument]);
     if (memory >= 0) close(memory);
   } else {
     snprintf(path, sizeof path, "/proc/%u/fd/%d", q->pid, (int)q->data.args[0]);
-    n = readlink(path, name, 255);
+    n = readlink(path, name, VS_PATH_SIZE - 1);
   }
   name[n > 0 ? n : 0] = '\0';
 }
@@ -156,12 +146,17 @@ ran seam_run(const seam *s, const char *words) {
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends))
     return (ran){126, vs_copy(""), vs_copy("no socket")};
-  pid_t child = start(s, words, ends[1]);
+  pid_t child = spawn_prepared(words, filter, &(filtered){s, ends[1]});
   close(ends[1]);
   int listener = receive_file(ends[0]);
   if (listener >= 0) attend(s, child, listener);
   close(ends[0]);
   return collect(child);
+}
+
+bool seam_is_library(const seam_call *call) {
+  const char *slash = strrchr(call->name, '/');
+  return strstr(slash ? slash : call->name, ".so") != NULL;
 }
 
 static int let(void *ctx, const seam_call *call) {

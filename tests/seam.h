@@ -9,11 +9,12 @@
 
 /* A process stands at a call, which is not done yet. */
 typedef struct seam_call {
-  pid_t first;    /* the program's first process */
-  pid_t process;  /* the one that calls */
-  long number;    /* SYS_... */
-  bool creates;   /* an open that may make the file */
-  char name[256]; /* the file that is open under its first argument, or that it names; else "" */
+  pid_t first;   /* the program's first process */
+  pid_t process; /* the one that calls */
+  long number;   /* SYS_... */
+  bool creates;  /* an open that may make the file */
+  /* the file that is open under its first argument, or that it names; else "" */
+  char name[VS_PATH_SIZE];
 } seam_call;
 
 typedef struct seam {
@@ -23,6 +24,9 @@ typedef struct seam {
   int (*answer)(void *ctx, const seam_call *call);
   void *ctx;
 } seam;
+
+/* True for a call about a shared object, which is the dynamic linker's own, not the program's. */
+bool seam_is_library(const seam_call *call);
 
 /* Newer machines lack the older calls. */
 #include <sys/syscall.h>

@@ -90,50 +90,40 @@ static void future(void) {
 
 /* ---- processes that are stopped ---- */
 
-/* A batch system stops a job, and lets it go on later. Its first process goes on first. */
-static void stopped(void) {
+/* Runs the command, all of whose processes are stopped for a while in the midst of it, as a batch
+ * system does with a job. The first one goes on first. Its `children` are waited for. */
+static void stop_for(double pause_s, const char *words, size_t children) {
   enum { MOST = 8 };
-  pid_t workers[MOST];
+  pid_t found[MOST];
+  size_t n = 0;
+  pid_t first = begin(words);
+  WAIT_UNTIL((n = children_of(first, found, MOST)) >= children);
+  EXPECT(n >= children, "%s: %zu processes", words, n);
+  wait_seconds(0.3);
+  kill(first, SIGSTOP);
+  for (size_t k = 0; k < n; k++) kill(found[k], SIGSTOP);
+  wait_seconds(pause_s);
+  kill(first, SIGCONT);
+  wait_seconds(0.3);
+  for (size_t k = 0; k < n; k++) kill(found[k], SIGCONT);
+  ran r = collect(first);
+  EXPECT(r.status == 0, "%s: %d %s", words, r.status, r.err);
+  free_ran(&r);
+}
+
+static void stopped(void) {
   write_file("p.yaml", "set: {run.until: 400 s, run.sample: 1 ms, firing.every: 1}\n"
                        "vary: {firing.angle: {lin: [100 deg, 170 deg], n: 4}}\n"
                        "report: [p_min, energy_residual]\n");
-  pid_t first = begin("study p.yaml -o p --case-timeout 10s --jobs 2 --quiet");
-  size_t n = 0;
-  for (double end = seconds_now() + 20; n < 2 && seconds_now() < end; wait_seconds(0.01))
-    n = children_of(first, workers, MOST);
-  wait_seconds(0.3);
-  kill(first, SIGSTOP);
-  for (size_t k = 0; k < n; k++) kill(workers[k], SIGSTOP);
-  wait_seconds(12);
-  kill(first, SIGCONT);
-  wait_seconds(0.3);
-  for (size_t k = 0; k < n; k++) kill(workers[k], SIGCONT);
-  ran r = collect(first);
-  EXPECT(r.status == 0, "%d %s", r.status, r.err);
-  free_ran(&r);
+  stop_for(12, "study p.yaml -o p --case-timeout 10s --jobs 2 --quiet", 2);
 }
 
 /* A law of the user's own that is stopped together with the run. */
 static void stopped_law(void) {
-  enum { MOST = 8 };
-  pid_t children[MOST];
   write_file("law.sh", "while read line; do sleep 1; echo '{\"angle_deg\": 110}'; done\n");
   write_file("l.yaml", "firing: {every: 1}\ninstruments: {}\nrun: {tier: switched, until: 0.05 s}\n"
                        "control: {law: pipe, timeout: 4 s, command: sh law.sh}\n");
-  pid_t first = begin("run l.yaml --allow-code --quiet -o l");
-  size_t n = 0;
-  for (double end = seconds_now() + 20; n < 2 && seconds_now() < end; wait_seconds(0.01))
-    n = children_of(first, children, MOST);
-  wait_seconds(0.3);
-  kill(first, SIGSTOP);
-  for (size_t k = 0; k < n; k++) kill(children[k], SIGSTOP);
-  wait_seconds(6);
-  kill(first, SIGCONT);
-  wait_seconds(0.3);
-  for (size_t k = 0; k < n; k++) kill(children[k], SIGCONT);
-  ran r = collect(first);
-  EXPECT(r.status == 0, "%d %s", r.status, r.err);
-  free_ran(&r);
+  stop_for(6, "run l.yaml --allow-code --quiet -o l", 2);
 }
 
 static const vs_test TESTS[] = {{"the clock of the day jumps", jumps},

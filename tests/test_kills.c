@@ -95,7 +95,7 @@ typedef struct turn {
 static int end_at(void *ctx, const seam_call *call) {
   turn *t = ctx;
   const bool first = call->process == call->first;
-  if (strstr(call->name, ".so") || first != (t->who != WORKER) || ++t->calls != t->at) return 0;
+  if (seam_is_library(call) || first != (t->who != WORKER) || ++t->calls != t->at) return 0;
   t->killed = t->who == WORKER ? !kill(call->process, SIGKILL) : end_it(call->first, t->who);
   return 0;
 }
@@ -252,8 +252,23 @@ static void litter(void) {
   free(tree), free(good);
 }
 
-static const vs_test TESTS[] = {
-    {"a part of a run", litter}, {"some kills", some}, {"a thousand kills", a_thousand}};
+/* What the others count lost lines by. */
+static void lost_lines(void) {
+  static const struct {
+    const char *before, *after;
+    int lost;
+  } ROWS[] = {{"", "", 0},          {"a\n", "b\na\n", 0},    {"b\na\n", "a\nb\n", 0},
+              {"a\n", "ab\n", 1},   {"ab\na\n", "ab\n", 1},  {"a\na\n", "a\n", 1},
+              {"a\n", "a\na\n", 0}, {"a\nb\nc\n", "b\n", 2}, {"a\n", "", 1}};
+  for (size_t k = 0; k < COUNT(ROWS); k++)
+    EXPECT(lines_lost(ROWS[k].before, ROWS[k].after) == ROWS[k].lost, "%zu: %d", k,
+           lines_lost(ROWS[k].before, ROWS[k].after));
+}
+
+static const vs_test TESTS[] = {{"lost lines", lost_lines},
+                                {"a part of a run", litter},
+                                {"some kills", some},
+                                {"a thousand kills", a_thousand}};
 
 int main(void) {
   return program_suite("kills", TESTS, COUNT(TESTS));

@@ -72,7 +72,7 @@ static const long DISK[] = {SYS_write,
                             SYS_flock,
                             -1};
 
-/* What the disk does at calls that name "disk" in their file's name. */
+/* What the disk does at calls for files in the folder "disk". */
 typedef struct disk {
   double least_s, most_s;    /* each takes a time between these */
   unsigned long from, until; /* from that call on, up to before the other one; 0: to the end ... */
@@ -93,11 +93,18 @@ static long peak_of(pid_t process) {
   return kb;
 }
 
+/* True for the folder "disk" of the work folder, and for what is in it. */
+static bool is_on_disk(const char *name) {
+  char here[VS_PATH_SIZE];
+  const size_t n = getcwd(here, sizeof here) ? strlen(here) : 0;
+  if (n && !strncmp(name, here, n) && name[n] == '/') name += n + 1;
+  return !strncmp(name, "disk", 4) && (!name[4] || name[4] == '/');
+}
+
 static int reach(void *ctx, const seam_call *call) {
   disk *d = ctx;
   const size_t n = strlen(call->name), end = d->file ? strlen(d->file) : 0;
-  if (!strstr(call->name, "disk") || n < end ||
-      strcmp(call->name + n - end, d->file ? d->file : ""))
+  if (!is_on_disk(call->name) || n < end || strcmp(call->name + n - end, d->file ? d->file : ""))
     return 0;
   d->calls++;
   d->syncs += call->number == SYS_fsync || call->number == SYS_fdatasync;
@@ -178,12 +185,7 @@ static pid_t begin_with_a_row(const char *folder) {
   snprintf(words, sizeof words, "study longer.yaml -o %s --jobs 2 --quiet", folder);
   snprintf(journal, sizeof journal, "%s/journal", folder);
   pid_t first = begin(words);
-  for (double end = seconds_now() + 30; seconds_now() < end; wait_seconds(0.01)) {
-    char *text = read_file(journal);
-    const bool there = strstr(text, " = ");
-    free(text);
-    if (there) break;
-  }
+  WAIT_UNTIL(file_says(journal, " = "));
   return first;
 }
 

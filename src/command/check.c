@@ -346,8 +346,10 @@ static void print_json(const report *r, const vs_findings *all) {
   for (size_t k = 0; k < r->warnings.count; k++)
     add_json(r->options->name, &r->warnings.item[k], "warning", &json);
   vs_error library = {0};
-  vs_fail(&library, VS_RUN, "%s", vs_trust_text());
-  if (*library.text) add_json(r->options->name, &library, "warning", &json);
+  if (*vs_trust_text()) {
+    vs_fail(&library, VS_RUN, "%s", vs_trust_text());
+    add_json(r->options->name, &library, "warning", &json);
+  }
   char *rows = vs_copy(r->bench.rows.text ? r->bench.rows.text : ""), *rest = rows;
   for (char *row; (row = strsep(&rest, "\n"));)
     if (*row) {

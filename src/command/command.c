@@ -192,9 +192,8 @@ static error_t parse(int key, char *value, struct argp_state *state) {
   }
 }
 
-/* Enters the jail, where that is asked for. What the command line names is the user's own choice.
- * Of
- * --set only a key that holds a file's name names one. */
+/* Enters the jail, where that is asked for. What the command line names is the user's own choice;
+ * of --set that is the value of a key that holds a file's name. */
 static vs_status enter_jail(const vs_command *c, const vs_arguments *a, vs_error *err) {
   const char *const words[] = {a->deck, a->machine, a->library, a->pins, a->scene};
   if (a->jail && a->no_jail)

@@ -15,11 +15,6 @@ const vs_shelf vs_scene_shelf = {"scene", "scenes", ".yaml"},
                vs_scene_study_shelf = {"study", "studies", ".yaml"},
                vs_scene_fit_shelf = {"fit", "fits", ".yaml"};
 
-/* The tier to take instead. */
-static const char *circuit_tier(void) {
-  return vs_tiers_automatic(true)->name;
-}
-
 static vs_status unknown_probe(const vs_scene *s, const vs_node *node, vs_error *err) {
   vs_frame full = vs_sim_frame(vs_tiers_automatic(true), &s->setup);
   const char *names[VS_CH_MOST];
@@ -29,7 +24,7 @@ static vs_status unknown_probe(const vs_scene *s, const vs_node *node, vs_error 
   if (vs_channel_find(&full, name) >= 0)
     return vs_fail_at(err, node->where,
                       "record: probe %s exists only on tier %s, and this is tier %s", name,
-                      circuit_tier(), s->tier->name);
+                      vs_tiers_circuit(), s->tier->name);
   int numbers[VS_CH_MOST], listed = vs_channel_listed(&full, numbers);
   for (int k = 0; k < listed; k++) names[n++] = vs_channel_at(&full, numbers[k]).name;
   for (int k = 0; k < s->instruments.count; k++)
@@ -251,7 +246,7 @@ vs_status vs_scene_take_circuit(vs_scene *s, const char *asks, vs_error *err) {
     const vs_where where = tier ? (vs_where){0} : vs_tree_place(s->tree.root, "run.tier");
     return vs_fail_at(
         err, where, "%s: only tier %s can do that, and this is tier %s (%s); take tier %s or auto",
-        asks, circuit_tier(), s->tier->name, s->why, circuit_tier());
+        asks, vs_tiers_circuit(), s->tier->name, s->why, vs_tiers_circuit());
   }
   s->tier = vs_tiers_automatic(true);
   snprintf(s->why, sizeof s->why, "auto: %s asks for it", asks);

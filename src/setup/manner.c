@@ -46,8 +46,7 @@ static const vs_field RUN[] = {
      VS_VERIFY_WORDS, NULL},
     {"leave_circuit", VS_CHOICE, "", "when_quiet", 0, 0, false, R_(stays),
      "circuit tier: go on without ngspice once nothing fires any more and what that costs is "
-     "bounded "
-     "well below the tolerance",
+     "bounded well below the tolerance",
      "when_quiet|never", NULL},
 };
 #undef OR_TIER_

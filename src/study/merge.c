@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "study/journal.h"
+#include "journal/journal.h"
 #include "study/publish.h"
 #include "study/stale.h"
 

@@ -4,8 +4,8 @@
 #ifndef VS_STUDY_PUBLISH_H
 #define VS_STUDY_PUBLISH_H
 
+#include "journal/journal.h"
 #include "study/format.h"
-#include "study/journal.h"
 
 /* The files of the default format. */
 enum { VS_PUBLISH_FILES = 3 };

@@ -15,6 +15,7 @@
 #include "base/leave.h"
 #include "plan/reading.h"
 #include "scene/session.h"
+#include "study/cases.h"
 #include "study/manifest.h"
 #include "study/merge.h"
 #include "study/publish.h"
@@ -27,6 +28,7 @@ typedef struct session {
   const vs_study_options *o;
   vs_plan plan;
   vs_journal journal;
+  vs_cases cases;
   vs_jobs *jobs;
   char folder[VS_PATH_SIZE], keep[VS_PATH_SIZE + 8];
   char own[VS_PUBLISH_FILES + 1][VS_PATH_SIZE + 16]; /* without -o: the files in the folder, and
@@ -37,10 +39,7 @@ typedef struct session {
   uint64_t shared;      /* how many had their past from another (work/past.h) */
   uint64_t before;      /* how many were done when this process began */
   double began_s, shown_s;
-  bool show;               /* progress is shown on a terminal */
-  double *points, *values; /* of a search: those of all cases so far, as vs_results has them */
-  int *status;
-  uint64_t room;
+  bool show; /* progress is shown on a terminal */
 } session;
 
 /* ---- dealing ---- */
@@ -51,10 +50,7 @@ static bool next_case(void *ctx, vs_task *task) {
   for (; s->next < s->until; s->next += head->shards) {
     if (vs_journal_has(&s->journal, s->next)) continue;
     task->index = s->next;
-    if (s->plan.adaptive)
-      memcpy(task->point, s->points + s->next * s->plan.n_axes, s->plan.n_axes * sizeof(double));
-    else
-      vs_plan_point(&s->plan, s->next, task->point);
+    vs_cases_point(&s->cases, s->next, task->point);
     s->next += head->shards;
     return true;
   }
@@ -123,67 +119,6 @@ static vs_status run_cases(session *s, uint64_t first, uint64_t until, vs_error 
   return status ? status : kept;
 }
 
-/* Makes room for the generation's cases behind the first `count` and takes their points. */
-static void take_generation(session *s, uint64_t count, const vs_generation *g) {
-  size_t axes = s->plan.n_axes, width = 1 + s->plan.n_columns;
-  uint64_t need = count + g->count;
-  if (need > s->room) {
-    s->room = 2 * need;
-    s->points = vs_resize(s->points, s->room * axes, sizeof *s->points);
-    s->values = vs_resize(s->values, s->room * width, sizeof *s->values);
-    s->status = vs_resize(s->status, s->room, sizeof *s->status);
-  }
-  memcpy(s->points + count * axes, g->points, g->count * axes * sizeof *s->points);
-}
-
-/* A journal that is gone on with may have been changed: its row of a case must be that case's. */
-static vs_status check_row(const session *s, vs_case *c, uint64_t index, const double *point,
-                           vs_error *err) {
-  vs_text row = {0};
-  char why[256];
-  bool failed;
-  vs_status status = vs_journal_row(&s->journal, index, &row, &failed, err);
-  if (!status && !vs_case_is_row(c, index, point, failed, row.text, why, sizeof why))
-    status = vs_fail_at(err, (vs_where){s->journal.path, 1, 1},
-                        "case %llu: %s; this record is of another study, or was changed",
-                        (unsigned long long)index, why);
-  vs_text_free(&row);
-  return status;
-}
-
-/* Checks the rows that the journal has of the cases from `first` to `until`. */
-static vs_status check_rows(const session *s, uint64_t first, uint64_t until, vs_error *err) {
-  const vs_head *head = &s->journal.head;
-  double point[VS_PLAN_AXES];
-  vs_case *c = vs_case_new(&s->plan, NULL);
-  vs_status status = VS_OK;
-  for (uint64_t k = first; k < until && !status; k++) {
-    if (k % head->shards + 1 != head->shard || !vs_journal_has(&s->journal, k)) continue;
-    if (s->plan.adaptive)
-      memcpy(point, s->points + k * s->plan.n_axes, s->plan.n_axes * sizeof *point);
-    else
-      vs_plan_point(&s->plan, k, point);
-    status = check_row(s, c, k, point, err);
-  }
-  vs_case_free(c);
-  return status;
-}
-
-/* Takes the values of one case from its row, not from the run, so that a study that goes on has the
- * same. */
-static vs_status take_values(session *s, uint64_t index, vs_error *err) {
-  const size_t width = 1 + s->plan.n_columns;
-  double *value = s->values + index * width;
-  vs_text row = {0};
-  bool failed = false;
-  vs_status status = vs_journal_row(&s->journal, index, &row, &failed, err);
-  for (size_t k = 0; k < width; k++) value[k] = NAN;
-  s->status[index] = VS_CASE_FAILED;
-  if (!status && !failed) vs_case_values(&s->plan, row.text, value, &s->status[index]);
-  vs_text_free(&row);
-  return status;
-}
-
 /* Runs generation after generation, as the method asks for them by the results so far. */
 static vs_status run_adaptive(session *s, uint64_t *count, vs_error *err) {
   const vs_plan_stage *stage = s->plan.adaptive;
@@ -191,15 +126,16 @@ static vs_status run_adaptive(session *s, uint64_t *count, vs_error *err) {
   *count = 0;
   for (bool more = true; more && !status;) {
     vs_generation g = {.n_axes = s->plan.n_axes};
-    const vs_results results = {&s->plan, *count, s->points, s->values, s->status};
+    const vs_results results = vs_cases_results(&s->cases, *count);
     status = stage->method->next(&s->plan, stage, &results, &g, err);
     more = !status && g.count;
     if (more) {
-      take_generation(s, *count, &g);
-      if (s->o->resume) status = check_rows(s, *count, *count + g.count, err);
-      if (!status) status = run_cases(s, *count, *count + g.count, err);
-      for (size_t k = 0; k < g.count && !status; k++) status = take_values(s, *count + k, err);
-      *count += g.count;
+      const uint64_t first = *count, until = first + g.count;
+      vs_cases_ask(&s->cases, first, &g);
+      if (s->o->resume) status = vs_cases_check(&s->cases, first, until, err);
+      if (!status) status = run_cases(s, first, until, err);
+      if (!status) status = vs_cases_answer(&s->cases, first, until, err);
+      *count = until;
     }
     free(g.points);
   }
@@ -269,13 +205,13 @@ static vs_status go_on(session *s, vs_head *head, vs_error *err) {
                       differs);
   if (j->bad && !s->o->quiet)
     fprintf(stderr,
-            "vibrospice: warning: %s: %llu torn or damaged line%s mended; what stood there is run "
-            "again\n",
-            j->path, (unsigned long long)j->bad, j->bad > 1 ? "s" : "");
+            "vibrospice: warning: %s: %llu torn or damaged line%s not count; cases that lack their "
+            "row are run again\n",
+            j->path, (unsigned long long)j->bad, j->bad > 1 ? "s do" : " does");
   if (j->mended && !s->o->quiet)
     fprintf(stderr, "vibrospice: warning: %s: its head was damaged, and is taken from a copy\n",
             j->path);
-  status = s->plan.adaptive ? VS_OK : check_rows(s, 0, s->plan.count, err);
+  status = s->plan.adaptive ? VS_OK : vs_cases_check(&s->cases, 0, s->plan.count, err);
   return status || !s->o->again ? status : run_failed_again(s, err);
 }
 
@@ -363,7 +299,7 @@ static void discard_folder(const session *s) {
 static vs_status write_result(session *s, uint64_t cases, vs_error *err) {
   vs_text more = {0};
   const vs_plan_stage *stage = s->plan.adaptive;
-  const vs_results results = {&s->plan, cases, s->points, s->values, s->status};
+  const vs_results results = vs_cases_results(&s->cases, cases);
   if (stage && stage->method->json) {
     vs_json json = vs_json_inside(&more);
     vs_json_same_row(&json);
@@ -476,9 +412,7 @@ static vs_status check_options(const vs_study_options *o, vs_error *err) {
 static void free_session(session *s) {
   vs_journal_close(&s->journal);
   vs_plan_free(&s->plan);
-  free(s->points);
-  free(s->values);
-  free(s->status);
+  vs_cases_free(&s->cases);
   free(s);
 }
 
@@ -486,6 +420,7 @@ vs_status vs_study_command(const vs_study_options *o, vs_error *err) {
   session *s = vs_alloc(1, sizeof *s);
   s->o = o;
   s->journal.fd = s->journal.folder = -1;
+  s->cases = (vs_cases){.plan = &s->plan, .journal = &s->journal};
   vs_status status = check_options(o, err);
   if (!status) status = vs_reading_plan(o->name, o->methods, o->sets, o->n_sets, &s->plan, err);
   s->plan.allow_code = o->allow_code;

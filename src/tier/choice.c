@@ -6,8 +6,7 @@
 
 #include "instrument/instruments.h"
 
-/* True if switches of the deck are modulated, which no ideal tier can do. */
-static bool is_modulated(const vs_setup *setup) {
+bool vs_choice_is_modulated(const vs_setup *setup) {
   return vs_deck_has_port(&setup->deck, vs_port_is_modulated);
 }
 
@@ -65,7 +64,7 @@ static const char *needs_circuit(const vs_node *root, const vs_setup *setup, cha
   const vs_occurrence *event = first_event(setup);
   const char *probe = probe_of_circuit(root, setup);
   const vs_tier_key *key = own_key(root, vs_tiers_automatic(true));
-  if (is_modulated(setup))
+  if (vs_choice_is_modulated(setup))
     snprintf(buffer, size, "a deck with a port pwm, %s", HAS);
   else if (circuit && circuit->child)
     snprintf(buffer, size, "circuit.%s, %s", circuit->child->key, HAS);
@@ -105,7 +104,7 @@ vs_status vs_choice_make(const vs_node *root, const vs_setup *setup, const char 
     snprintf(why, VS_CHOICE_WHY, "asked for by run.tier");
   } else if (!vs_choice_is_known(root, setup)) {
     *tier = vs_tiers_automatic(true); /* it has all probes */
-  } else if (ideal && !is_modulated(setup)) {
+  } else if (ideal && !vs_choice_is_modulated(setup)) {
     *tier = vs_tiers_automatic(false);
     snprintf(why, VS_CHOICE_WHY, "auto: the scene names %s.%s: %s, which no circuit has",
              ideal->section, ideal->key, ideal->value ? ideal->value : "");

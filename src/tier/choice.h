@@ -17,6 +17,9 @@ vs_status vs_choice_make(const vs_node *root, const vs_setup *setup, const char 
 /* False: run.tier is no tier, so that it is not known which one is meant. A check carries on. */
 bool vs_choice_is_known(const vs_node *root, const vs_setup *setup);
 
+/* True if switches of the scene's deck are modulated, which no ideal tier can do. */
+bool vs_choice_is_modulated(const vs_setup *setup);
+
 /* Returns the scene's value of that key. NULL: the scene does not have the key, or has another word
  * there, or every tier obeys it, as `measure` in a scene that asks for the quality of currents. */
 const vs_node *vs_choice_node(const vs_node *root, const vs_tier_key *key);

@@ -16,20 +16,10 @@ typedef struct asked {
   const char *why;
 } asked;
 
-/* True if switches of the deck are modulated, which no ideal tier can do. */
-static bool is_modulated(const vs_setup *setup) {
-  return vs_deck_has_port(&setup->deck, vs_port_is_modulated);
-}
-
 static bool obeys(const vs_tier *tier, const vs_tier_key *key) {
   for (const vs_tier_key *k = tier->keys; k && k->section; k++)
     if (!strcmp(k->section, key->section) && !strcmp(k->key, key->key)) return true;
   return false;
-}
-
-/* The tier to take instead. */
-static const char *circuit_tier(void) {
-  return vs_tiers_automatic(true)->name;
 }
 
 static vs_status ignored_key(const asked *s, const char *section, const vs_node *node,
@@ -46,7 +36,7 @@ static vs_status ignored_key(const asked *s, const char *section, const vs_node 
       err, vs_fail_at(err, node->key_where,
                       "%s.%s: tier %s (%s) has no circuit and would ignore it; take "
                       "tier %s or auto, or leave the key out",
-                      section, node->key, s->tier->name, s->why, circuit_tier()));
+                      section, node->key, s->tier->name, s->why, vs_tiers_circuit()));
 }
 
 static vs_status ignored_event(const asked *s, const vs_occurrence *e, vs_error *err) {
@@ -56,12 +46,12 @@ static vs_status ignored_event(const asked *s, const vs_occurrence *e, vs_error 
     vs_fail_at(err, e->where,
                "events.%s.gate: tier %s (%s) has one thyristor, whose gate is 'gate', and would "
                "ignore %s; take tier %s or auto",
-               e->name, s->tier->name, s->why, e->v.gate, circuit_tier());
+               e->name, s->tier->name, s->why, e->v.gate, vs_tiers_circuit());
   else
     vs_fail_at(err, e->where,
                "events.%s: tier %s (%s) has an ideal thyristor between mains and coil, to which a "
                "%s is nothing; take tier %s or auto",
-               e->name, s->tier->name, s->why, e->kind->name, circuit_tier());
+               e->name, s->tier->name, s->why, e->kind->name, vs_tiers_circuit());
   return vs_error_carry_on(err, VS_INPUT);
 }
 
@@ -69,7 +59,8 @@ static vs_status ignored_event(const asked *s, const vs_occurrence *e, vs_error 
  * pwm alone, direct voltage and firing.valve: none are obeyed. */
 static vs_status check_ignored_keys(const asked *s, vs_error *err) {
   vs_status status = VS_OK;
-  bool all = is_modulated(s->setup) && !vs_deck_has_port(&s->setup->deck, vs_port_is_gated);
+  bool all =
+      vs_choice_is_modulated(s->setup) && !vs_deck_has_port(&s->setup->deck, vs_port_is_gated);
   for (int t = 0; t < VS_TIERS; t++)
     for (const vs_tier_key *k = vs_tiers_all[t]->keys; k && k->section && !status; k++)
       if (!obeys(s->tier, k) && !(all && s->tier->has_circuit))
@@ -119,7 +110,7 @@ static vs_status check_law(const asked *s, vs_error *err) {
     vs_fail_at(err, where_law(s),
                "actuator.law: a coil with the law %s has a voltage while the thyristor of tier %s "
                "(%s) is off; write firing.valve: none, or take tier %s",
-               coil->law->name, tier->name, s->why, circuit_tier());
+               coil->law->name, tier->name, s->why, vs_tiers_circuit());
   else
     return VS_OK;
   return vs_error_carry_on(err, VS_INPUT);
@@ -134,7 +125,7 @@ static vs_status check_feedback(const asked *s, vs_error *err) {
       err, vs_fail_at(err, deck->reads_eva,
                       "an element reads the machine's motion at a node of %s, and tier %s (%s) has "
                       "no circuit; take tier %s or auto",
-                      deck->eva, s->tier->name, s->why, circuit_tier()));
+                      deck->eva, s->tier->name, s->why, vs_tiers_circuit()));
 }
 
 vs_status vs_ignored_check(const vs_node *root, const vs_setup *setup, const vs_tier *tier,
@@ -145,10 +136,10 @@ vs_status vs_ignored_check(const vs_node *root, const vs_setup *setup, const vs_
   vs_status status = check_law(s, err);
   if (!status) status = check_feedback(s, err);
   if (status || s->tier->has_circuit) return status ? status : check_ignored_keys(s, err);
-  if (is_modulated(s->setup))
+  if (vs_choice_is_modulated(s->setup))
     return vs_fail_at(err, vs_tree_place(s->root, "circuit.deck"),
                       "circuit.deck: tier %s (%s) has no port pwm; take tier %s or auto",
-                      s->tier->name, s->why, circuit_tier());
+                      s->tier->name, s->why, vs_tiers_circuit());
   for (const vs_node *n = circuit ? circuit->child : NULL; n && !status; n = n->next)
     if (strcmp(n->key, vs_deck_key.key)) status = ignored_key(s, "circuit", n, err);
   if (!status) status = check_ignored_keys(s, err);

@@ -32,6 +32,10 @@ const vs_tier *vs_tiers_automatic(bool circuit) {
   return NULL;
 }
 
+const char *vs_tiers_circuit(void) {
+  return vs_tiers_automatic(true)->name;
+}
+
 const vs_tier *vs_tiers_of_orbit(const vs_tier *tier) {
   return tier->gap_at_rest ? vs_tiers_automatic(false) : tier;
 }

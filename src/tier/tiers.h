@@ -17,6 +17,9 @@ const vs_tier *vs_tiers_find(const char *name);
 /* The tier that run.tier: auto takes for a scene that needs a circuit, or for one that does not. */
 const vs_tier *vs_tiers_automatic(bool circuit);
 
+/* The name of the one with a circuit, for messages that say what to take instead. */
+const char *vs_tiers_circuit(void);
+
 /* The tier whose orbits a scene of this tier has: this one, or where it knows none, the one that
  * run.tier: auto takes for a scene without a circuit. */
 const vs_tier *vs_tiers_of_orbit(const vs_tier *tier);

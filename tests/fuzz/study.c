@@ -6,7 +6,7 @@
 #include "method/methods.h"
 #include "plan/reading.h"
 #include "study/manifest.h"
-#include "study/row.h"
+#include "journal/row.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"scene.yaml", "points.csv", NULL};

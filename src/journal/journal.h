@@ -23,15 +23,16 @@
  *
  * The rows stay on the disk; in memory are 8 bytes for each case. A count that stands in a journal
  * never makes this process take more memory than the journal's length justifies. */
-#ifndef VS_STUDY_JOURNAL_H
-#define VS_STUDY_JOURNAL_H
+#ifndef VS_JOURNAL_JOURNAL_H
+#define VS_JOURNAL_JOURNAL_H
 
 #include <stdint.h>
 
 #include "base/path.h"
 #include "base/text.h"
-#include "study/head.h"
-#include "study/row.h"
+#include "journal/head.h"
+#include "journal/lines.h"
+#include "journal/row.h"
 
 typedef struct vs_journal {
   char path[VS_PATH_SIZE];
@@ -46,17 +47,15 @@ typedef struct vs_journal {
   uint64_t failed;   /* cases with a row in failures.csv */
   uint64_t violated; /* those of `done` that have status 3 */
   vs_row *shape;     /* that every row must have; NULL: no row was read yet */
-  uint64_t lines;    /* how many of its lines were read last */
   bool two_heads;    /* a line of the head stands there twice, or behind rows, or a copy of it says
                         something else */
-  bool foreign;      /* of a version that this program does not read */
   bool mended;       /* the head lacked a line, which a copy had */
   bool in_place;     /* what stands behind that head stands where it did */
   uint64_t copy_at;  /* bytes from which on the next copy of the head is written */
   uint64_t bad;      /* lines that did not count when it was opened */
   vs_text fresh;     /* lines that are not written yet */
-  struct vs_journal_part *part; /* of the file, as it was read last; NULL: closed */
-  bool unsynced;                /* lines were written since the last fsync */
+  vs_lines_part *part; /* of the file, as it was read last; NULL: closed */
+  bool unsynced;       /* lines were written since the last fsync */
 } vs_journal;
 
 /* True if the folder holds a journal. */

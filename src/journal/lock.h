@@ -2,8 +2,8 @@
  * Locks by which a study belongs to one process at a time. They end with the process. Each waits a
  * moment, as a worker that was just forked holds the lock, too, and may outlive its killed parent
  * by so long. On a file system without locks there are none, and both succeed. */
-#ifndef VS_STUDY_LOCK_H
-#define VS_STUDY_LOCK_H
+#ifndef VS_JOURNAL_LOCK_H
+#define VS_JOURNAL_LOCK_H
 
 #include "base/error.h"
 

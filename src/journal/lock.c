@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/lock.h"
+#include "journal/lock.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What a row of a study's journal must look like, by the header rows that stand at its head: how
  * many cells, and what each may hold. A sum that is right does not say that. */
-#ifndef VS_STUDY_ROW_H
-#define VS_STUDY_ROW_H
+#ifndef VS_JOURNAL_ROW_H
+#define VS_JOURNAL_ROW_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The head of a study's journal: what tells the study from others, and what its files need besides
  * the rows. journal.h says how its lines stand in the file. */
-#ifndef VS_STUDY_HEAD_H
-#define VS_STUDY_HEAD_H
+#ifndef VS_JOURNAL_HEAD_H
+#define VS_JOURNAL_HEAD_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/head.h"
+#include "journal/head.h"
 
 #include <inttypes.h>
 #include <stddef.h>
@@ -40,7 +40,6 @@ void vs_head_free(vs_head *head) {
   *head = (vs_head){0};
 }
 
-/* Adds a line of the journal; the text's own line ends are written as \n. */
 void vs_head_line(vs_text *to, char kind, const char *text, size_t length) {
   vs_text line = {0};
   vs_text_add(&line, "%c ", kind);

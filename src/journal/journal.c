@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "study/journal.h"
+#include "journal/journal.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -11,19 +11,14 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "journal/lock.h"
 #include "plan/plan.h"
-#include "study/lock.h"
 
 static const char NAME[] = "journal";
 
-/* Rows are mostly asked for in the order in which they stand there, and a read may have to go over
- * a network. A merge has one part for each shard. */
-enum { PART = 4096 };
-struct vs_journal_part {
-  uint64_t at; /* of its first byte in the file */
-  size_t size;
-  char bytes[PART];
-};
+static vs_lines lines_of(const vs_journal *j) {
+  return (vs_lines){j->fd, j->path, j->part};
+}
 
 /* ---- opening ---- */
 
@@ -76,7 +71,7 @@ vs_status vs_journal_create(vs_journal *j, const char *folder, vs_head *head, vs
   vs_file file = {0};
   vs_text text = {0};
   *j = (vs_journal){.fd = -1, .folder = -1, .head = *head};
-  j->part = vs_alloc(1, sizeof *j->part);
+  j->part = vs_lines_part_new();
   *head = (vs_head){0};
   name_file(j, folder);
   vs_status status = vs_lock_folder(folder, j->path, &j->folder, err);
@@ -96,7 +91,7 @@ vs_status vs_journal_create(vs_journal *j, const char *folder, vs_head *head, vs
 }
 
 /* False where a study cannot have written that case at byte `at`, so that no memory is taken for
- * it. Cases may be done out of order by as many as all workers have at a time (VS_WORKER_QUEUE
+ * it. Cases may be done out of order by as many as all workers have at a time (VS_DESK_TASKS
  * each, of at most 4096 workers); the others have their lines before it, which are longer than
  * SHORTEST_LINE. */
 static bool is_in_reach(const vs_journal *j, uint64_t index, uint64_t at) {
@@ -104,33 +99,27 @@ static bool is_in_reach(const vs_journal *j, uint64_t index, uint64_t at) {
   return own(j, index) <= at / SHORTEST_LINE + AHEAD;
 }
 
-/* A line that is read. */
-typedef struct entry {
-  const char *line;
-  size_t length;       /* without its end */
-  uint64_t at, number; /* where it begins, in bytes; which it is, from 1 */
-} entry;
-
-static vs_status refuse_row(const vs_journal *j, const entry *e, size_t at, const char *why,
-                            vs_error *err) {
+static vs_status refuse_row(const vs_journal *j, const vs_lines_entry *e, size_t at,
+                            const char *why, vs_error *err) {
   const vs_where where = {j->path, (int)e->number,
-                          vs_text_column(e->line, e->line + VS_HEAD_TEXT + at)};
+                          vs_text_column(e->text, e->text + VS_HEAD_TEXT + at)};
   return vs_fail_at(err, where, "%s; this record is of no study, or was changed", why);
 }
 
-static vs_status read_row(vs_journal *j, const entry *e, vs_row_counts *counts, vs_error *err) {
+static vs_status read_row(vs_journal *j, const vs_lines_entry *e, vs_row_counts *counts,
+                          vs_error *err) {
   const vs_head *h = &j->head;
   char why[256];
   size_t at;
   if (!j->shape) j->shape = vs_row_new(h->columns, h->failures, h->manifest_end);
-  if (vs_row_read(j->shape, e->line[VS_HEAD_KIND] == '!', e->line + VS_HEAD_TEXT, counts, &at, why,
+  if (vs_row_read(j->shape, e->text[VS_HEAD_KIND] == '!', e->text + VS_HEAD_TEXT, counts, &at, why,
                   sizeof why))
     return VS_OK;
   return refuse_row(j, e, at, why, err);
 }
 
 /* The row of a case that the journal's study does not have, or that another shard has. */
-static vs_status refuse_case(const vs_journal *j, const entry *e, vs_error *err) {
+static vs_status refuse_case(const vs_journal *j, const vs_lines_entry *e, vs_error *err) {
   const vs_head *h = &j->head;
   char why[160];
   snprintf(why, sizeof why,
@@ -143,21 +132,22 @@ static vs_status refuse_case(const vs_journal *j, const entry *e, vs_error *err)
 
 /* A study that goes on leaves out the cases that have a row, so that none has two. Where a file
  * system has no locks two processes may have done the same work; that tells nothing else. */
-static vs_status check_double(vs_journal *j, const entry *e, uint64_t index, vs_error *err) {
+static vs_status check_double(vs_journal *j, const vs_lines_entry *e, uint64_t index,
+                              vs_error *err) {
   vs_text row = {0};
   char why[96];
   bool failed;
   vs_status status = vs_journal_row(j, index, &row, &failed, err);
-  bool same = !status && failed == (e->line[VS_HEAD_KIND] == '!') &&
-              !strcmp(row.text, e->line + VS_HEAD_TEXT);
+  bool same = !status && failed == (e->text[VS_HEAD_KIND] == '!') &&
+              !strcmp(row.text, e->text + VS_HEAD_TEXT);
   vs_text_free(&row);
   if (status || same) return status;
   snprintf(why, sizeof why, "case %" PRIu64 " has another row before this one", index);
   return refuse_row(j, e, 0, why, err);
 }
 
-static vs_status count_row(vs_journal *j, const entry *e, vs_error *err) {
-  const char kind = e->line[VS_HEAD_KIND];
+static vs_status count_row(vs_journal *j, const vs_lines_entry *e, vs_error *err) {
+  const char kind = e->text[VS_HEAD_KIND];
   vs_row_counts counts;
   vs_status status = read_row(j, e, &counts, err);
   if (status) return status;
@@ -174,9 +164,10 @@ static vs_status count_row(vs_journal *j, const entry *e, vs_error *err) {
 
 /* What is known while a journal is read. */
 typedef struct reading {
+  vs_journal *journal;
   vs_head found; /* the head, each line from the first place that has it; whole, or of no use */
   vs_head copy;  /* the copy that is being read */
-  bool enough;   /* no more lines are wanted */
+  bool foreign;  /* it is of a version that this program does not read */
 } reading;
 
 /* Gives a head that lacks a line what copies have. Where the journal's lines still stand where they
@@ -194,10 +185,10 @@ static void mend_head(vs_journal *j, const reading *r, uint64_t at) {
 
 /* Takes a line of the head. A copy is there to be compared, once it is whole. A line that the copy
  * has already begins the next copy: the one before lacks a line, which was damaged. */
-static void take_head(vs_journal *j, const entry *e, reading *r) {
-  const char *text = e->line + VS_HEAD_TEXT;
+static void take_head(vs_journal *j, const vs_lines_entry *e, reading *r) {
+  const char *text = e->text + VS_HEAD_TEXT;
   bool other = false;
-  if (e->line[VS_HEAD_KIND] == 'h') {
+  if (e->text[VS_HEAD_KIND] == 'h') {
     j->bad += !vs_head_read(&j->head, text, !e->at, &j->two_heads);
     return;
   }
@@ -211,9 +202,9 @@ static void take_head(vs_journal *j, const entry *e, reading *r) {
 }
 
 /* A case's row of failures.csv does not count any more. */
-static void call_back(vs_journal *j, const entry *e) {
+static void call_back(vs_journal *j, const vs_lines_entry *e) {
   char *end;
-  const uint64_t index = strtoull(e->line + VS_HEAD_TEXT, &end, 10);
+  const uint64_t index = strtoull(e->text + VS_HEAD_TEXT, &end, 10);
   const bool known = !*end && is_own(j, index) && vs_journal_has(j, index);
   vs_text row = {0};
   vs_error none = {0};
@@ -226,8 +217,10 @@ static void call_back(vs_journal *j, const entry *e) {
   vs_text_free(&row);
 }
 
-static vs_status take_line(vs_journal *j, const entry *e, reading *r, vs_error *err) {
-  const char kind = vs_head_kind(e->line, e->length);
+static vs_status take_line(void *ctx, const vs_lines_entry *e, bool *enough, vs_error *err) {
+  reading *r = ctx;
+  vs_journal *j = r->journal;
+  const char kind = vs_head_kind(e->text, e->length);
   if (kind && kind != 'h') mend_head(j, r, e->at);
   const bool headed = vs_head_is_whole(&j->head);
   if (kind == 'h' || kind == 'H')
@@ -238,70 +231,62 @@ static vs_status take_line(vs_journal *j, const entry *e, reading *r, vs_error *
     return count_row(j, e, err);
   else
     j->bad++;
+  *enough = j->two_heads;
   return VS_OK;
 }
 
 /* Looks for the head alone. */
-static vs_status find_head(vs_journal *j, const entry *e, reading *r, vs_error *err) {
-  const char kind = vs_head_kind(e->line, e->length);
+static vs_status find_head(void *ctx, const vs_lines_entry *e, bool *enough, vs_error *err) {
+  reading *r = ctx;
+  const char kind = vs_head_kind(e->text, e->length);
   bool again = false;
   (void)err;
   if (kind != 'h' && kind != 'H') return VS_OK;
-  j->foreign = j->foreign || (!e->at && vs_head_is_foreign(e->line + VS_HEAD_TEXT));
-  vs_head_read(&r->found, e->line + VS_HEAD_TEXT, true, &again);
-  r->enough = vs_head_is_whole(&r->found);
+  r->foreign = r->foreign || (!e->at && vs_head_is_foreign(e->text + VS_HEAD_TEXT));
+  vs_head_read(&r->found, e->text + VS_HEAD_TEXT, true, &again);
+  *enough = vs_head_is_whole(&r->found);
   return VS_OK;
 }
 
-typedef vs_status (*visit)(vs_journal *j, const entry *e, reading *r, vs_error *err);
-
-/* Calls each for all whole lines, from the first on; *whole is where the last of them ends. */
-static vs_status each_line(vs_journal *j, visit each, reading *r, uint64_t *whole, vs_error *err) {
-  enum { AT_ONCE = 1 << 16 }; /* bytes, as each read may have to go over a network */
-  int copy = dup(j->fd);
-  FILE *f = copy < 0 ? NULL : fdopen(copy, "r");
-  if (!f) return vs_fail(err, VS_RUN, "%s: cannot be read: %s", j->path, strerror(errno));
-  char *line = NULL;
-  size_t size = 0;
-  ssize_t n;
-  uint64_t at = 0, number = 0;
-  vs_status status = VS_OK;
-  rewind(f);
-  char *room = vs_alloc(1, AT_ONCE);
-  setvbuf(f, room, _IOFBF, AT_ONCE);
-  while (!status && !j->two_heads && !r->enough && (n = vs_alloc_line(&line, &size, f)) > 0) {
-    j->lines = ++number;
-    if (line[n - 1] == '\n') {
-      line[n - 1] = '\0';
-      status = each(j, &(entry){line, (size_t)n - 1, at, number}, r, err);
-      *whole = at + (uint64_t)n;
-    } else
-      j->bad++;
-    at += (uint64_t)n;
-  }
-  if (!status) status = vs_file_was_read(f, j->path, err);
-  free(line);
-  fclose(f);
-  free(room);
-  return status;
-}
-
-/* Reads all lines; *end is where the last whole one ends. The head is looked for first, as a row
- * cannot be read without it; in a journal that is not damaged that takes its first lines. */
-static vs_status read_lines(vs_journal *j, uint64_t *end, vs_error *err) {
-  reading r = {.enough = false};
-  vs_status status = each_line(j, find_head, &r, end, err);
-  r.enough = false;
-  j->bad = *end = 0;
-  if (!status && j->foreign)
+/* Reads all lines. The head is looked for first, as a row cannot be read without it; in a journal
+ * that is not damaged that takes its first lines. */
+static vs_status read_lines(vs_journal *j, vs_error *err) {
+  const vs_lines lines = lines_of(j);
+  vs_lines_seen seen;
+  reading r = {.journal = j};
+  vs_status status = vs_lines_each(&lines, find_head, &r, &seen, err);
+  if (!status && r.foreign)
     status = vs_fail_at(err, (vs_where){j->path, 1, 1},
                         "is of another version of the journal than this program reads; go on with "
                         "the program that began it, or take another folder");
-  if (!status) status = each_line(j, take_line, &r, end, err);
-  if (!status && !j->done && !j->failed) mend_head(j, &r, *end);
+  if (!status) status = vs_lines_each(&lines, take_line, &r, &seen, err);
+  j->end = seen.end;
+  j->bad += seen.torn;
+  if (!status && !j->done && !j->failed) mend_head(j, &r, j->end);
+  if (!status && j->two_heads)
+    status = vs_fail_at(err, (vs_where){j->path, (int)seen.count, 1},
+                        "has two heads, so that its rows may be of two studies; a journal has one, "
+                        "in its first lines");
   vs_head_free(&r.found);
   vs_head_free(&r.copy);
   return status;
+}
+
+/* Errors: the head lacks a line, or its parts of the manifest are no JSON. */
+static vs_status check_head(const vs_journal *j, vs_error *err) {
+  if (!vs_head_is_whole(&j->head))
+    return vs_fail_at(
+        err, (vs_where){j->path, 1, 1},
+        "is no journal of a study: its head lacks a line, or has counts that no study has (at most "
+        "%llu cases and %d shards); where it is damaged and nothing has a copy of it, as in a "
+        "journal of version 1, put the file back from a backup, or begin the study anew: with "
+        "--overwrite, or in another folder",
+        VS_PLAN_CASES, VS_MOST_SHARDS);
+  if (!vs_head_has_manifest(&j->head))
+    return vs_fail_at(err, (vs_where){j->path, 1, 1},
+                      "manifest_begin and manifest_end of its head are not the two parts of a "
+                      "manifest.json; this record is of no study, or was changed");
+  return VS_OK;
 }
 
 /* Writes the head again where it is damaged and its lines have kept their places. Error: the file
@@ -317,35 +302,18 @@ static vs_status write_head(vs_journal *j, vs_error *err) {
 
 vs_status vs_journal_open(vs_journal *j, const char *folder, bool mend, vs_error *err) {
   *j = (vs_journal){.fd = -1, .folder = -1};
-  j->part = vs_alloc(1, sizeof *j->part);
+  j->part = vs_lines_part_new();
   name_file(j, folder);
   vs_status status = mend ? vs_lock_folder(folder, j->path, &j->folder, err) : VS_OK;
   if (status) return status;
   j->fd = open(j->path, (mend ? O_RDWR | O_NOFOLLOW : O_RDONLY) | O_CLOEXEC);
   if (j->fd < 0)
     return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", j->path, strerror(errno));
-  if (mend)
-    status = vs_lock_file(
-        j->fd, j->path,
-        err); /* locked before it is read, as whoever had the lock may have added lines */
-  if (!status) status = read_lines(j, &j->end, err);
-  if (!status && j->two_heads)
-    status = vs_fail_at(err, (vs_where){j->path, (int)j->lines, 1},
-                        "has two heads, so that its rows may be of two studies; a journal has one, "
-                        "in its first lines");
-  if (!status && !vs_head_is_whole(&j->head))
-    status = vs_fail_at(
-        err, (vs_where){j->path, 1, 1},
-        "is no journal of a study: its head lacks a line, or has counts that no study has (at most "
-        "%llu cases and %d shards); where it is damaged and nothing has a copy of it, as in a "
-        "journal of version 1, put the file back from a backup, or begin the study anew: with "
-        "--overwrite, or in another folder",
-        VS_PLAN_CASES, VS_MOST_SHARDS);
-  if (!status && !vs_head_has_manifest(&j->head))
-    status = vs_fail_at(err, (vs_where){j->path, 1, 1},
-                        "manifest_begin and manifest_end of its head are not the two parts of a "
-                        "manifest.json; this record is of no study, or was changed");
-  j->part->size = 0; /* a torn line that it has is cut off, and others come in its place */
+  /* locked before it is read, as whoever had the lock may have added lines */
+  if (mend) status = vs_lock_file(j->fd, j->path, err);
+  if (!status) status = read_lines(j, err);
+  if (!status) status = check_head(j, err);
+  vs_lines_forget(j->part); /* a torn line that it has is cut off, and others come in its place */
   if (!status && mend && ftruncate(j->fd, (off_t)j->end))
     status = vs_fail(err, VS_RUN, "%s: cannot be written: %s", j->path, strerror(errno));
   return !status && mend && j->mended && j->in_place ? write_head(j, err) : status;
@@ -443,43 +411,11 @@ vs_status vs_journal_call_back(vs_journal *j, uint64_t *count, vs_error *err) {
   return status ? status : vs_journal_flush(j, true, err);
 }
 
-/* Reads the part from byte `at` on. Behind the file's end it is empty. */
-static vs_status read_part(const vs_journal *j, uint64_t at, vs_error *err) {
-  struct vs_journal_part *p = j->part;
-  ssize_t n;
-  do n = pread(j->fd, p->bytes, sizeof p->bytes, (off_t)at);
-  while (n < 0 && errno == EINTR);
-  p->at = at;
-  p->size = n > 0 ? (size_t)n : 0;
-  return n < 0 ? vs_fail(err, VS_RUN, "%s: cannot be read: %s", j->path, strerror(errno)) : VS_OK;
-}
-
-/* Reads the line that begins at byte `at`, without its end. *length is how many bytes stand there:
- * more than the text's where a zero is among them. */
-static vs_status read_line(const vs_journal *j, uint64_t at, vs_text *line, size_t *length,
-                           vs_error *err) {
-  const struct vs_journal_part *p = j->part;
-  line->length = *length = 0;
-  for (bool ended = false; !ended;) {
-    vs_status status = VS_OK;
-    if (at < p->at || at >= p->at + p->size) status = read_part(j, at, err);
-    if (status) return status;
-    const char *from = p->bytes + (at - p->at);
-    const size_t left = p->size - (at - p->at);
-    const char *end = memchr(from, '\n', left);
-    const size_t n = end ? (size_t)(end - from) : left;
-    vs_text_add(line, "%.*s", (int)n, from);
-    *length += n;
-    at += n;
-    ended = end || !left;
-  }
-  return VS_OK;
-}
-
 vs_status vs_journal_row(const vs_journal *j, uint64_t index, vs_text *row, bool *failed,
                          vs_error *err) {
   size_t length;
-  vs_status status = read_line(j, j->place[own(j, index)] - 1, row, &length, err);
+  const vs_lines lines = lines_of(j);
+  vs_status status = vs_lines_read(&lines, j->place[own(j, index)] - 1, row, &length, err);
   if (status) return status;
   const char kind = vs_head_kind(row->text, length);
   if ((kind != '=' && kind != '!') || !vs_row_is_of(row->text + VS_HEAD_TEXT, index))
