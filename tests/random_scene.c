@@ -231,14 +231,14 @@ static const char *const DRIVES[] = {"gate_pulse_transformer", "gate_pulse_trans
 
 /* What a deck has to be drawn. */
 enum {
-  SNUBBER_1 = 1,
-  SNUBBER_2 = 2,
-  DISCS = 4,
-  VARISTOR = 8,
-  PARTS = 16,
-  LATCH = 32,
-  PWM = 64,
-  LINE = 128
+  SNUBBER_1 = 1 << 0,
+  SNUBBER_2 = 1 << 1,
+  DISCS = 1 << 2,
+  VARISTOR = 1 << 3,
+  PARTS = 1 << 4,
+  LATCH = 1 << 5,
+  PWM = 1 << 6,
+  LINE = 1 << 7
 };
 typedef struct deck {
   const char *name;

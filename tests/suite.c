@@ -41,6 +41,13 @@ void expect(bool good, int line, const char *format, ...) {
   CU_assertImplementation(good, (unsigned)line, text, "", "", CU_FALSE);
 }
 
+const vs_judgement *judged_line(const vs_verdict *v, const char *name) {
+  char own[VS_JUDGED_NAME];
+  for (size_t k = 0; k < v->count; k++)
+    if (!strcmp(vs_verdict_name(&v->item[k], own), name)) return &v->item[k];
+  return NULL;
+}
+
 void write_file(const char *path, const char *text) {
   FILE *f = fopen(path, "wb");
   CU_ASSERT_PTR_NOT_NULL_FATAL(f);

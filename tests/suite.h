@@ -30,6 +30,9 @@ void vs_close(double got, double expected, double scale, double tolerance, const
 #define CLOSE_OF(got, expected, scale, tolerance)                                                  \
   vs_close(got, expected, scale, tolerance, #got, __LINE__)
 
+/* The verdict's line of that name; NULL: there is none. */
+const vs_judgement *judged_line(const vs_verdict *verdict, const char *name);
+
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
 /* A check that says what it saw when it fails. */

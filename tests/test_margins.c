@@ -9,16 +9,6 @@
 
 #include "program.h"
 
-/* A line of the verdict; NULL: there is no such line. */
-static const vs_judgement *line_of(const vs_trial *t, const char *wanted) {
-  char name[VS_JUDGED_NAME];
-  for (size_t n = 0; n < t->result.verdict.count; n++) {
-    const vs_judgement *j = &t->result.verdict.item[n];
-    if (!strcmp(vs_verdict_name(j, name), wanted)) return j;
-  }
-  return NULL;
-}
-
 /* After its firing the current of this scene touches zero for a fifth of a nanosecond at 1e-4, and
  * not at finer tolerances. What the thyristor fired from, on which t_off hangs, must not change by
  * it. */
@@ -40,7 +30,7 @@ static void a_touch_of_zero(void) {
                           TOLERANCES[k],
                           NULL};
     vs_trial *t = vs_trial_run("paper", "circuit", sets, NULL);
-    const vs_judgement *j = line_of(t, "thyristor.t_off");
+    const vs_judgement *j = judged_line(&t->result.verdict, "thyristor.t_off");
     CU_ASSERT_EQUAL(t->status, VS_OK);
     if (j) margin[k] = j->margin;
     vs_trial_free(t);
@@ -57,7 +47,7 @@ static void expect_converged(const char *const *sets, const char *line) {
     const char *all[16] = {"run.verify=never", TOLERANCES[k]};
     for (size_t n = 0; sets[n]; n++) all[n + 2] = sets[n];
     vs_trial *t = vs_trial_run("paper", "circuit", all, NULL);
-    const vs_judgement *j = line_of(t, line);
+    const vs_judgement *j = judged_line(&t->result.verdict, line);
     if (j) margin[k] = j->margin;
     vs_trial_free(t);
   }
@@ -112,8 +102,8 @@ static void two_runs_wrong_alike(void) {
     sets[6] = "run.tolerance=1e-5";
     sets[7] = "run.verify=never";
     vs_trial *fine = vs_trial_run("paper", "circuit", sets, NULL);
-    const vs_judgement *j = line_of(t, "thyristor.di_dt"),
-                       *truth = line_of(fine, "thyristor.di_dt");
+    const vs_judgement *j = judged_line(&t->result.verdict, "thyristor.di_dt"),
+                       *truth = judged_line(&fine->result.verdict, "thyristor.di_dt");
     CU_ASSERT_FATAL(j && truth);
     EXPECT(fabs(j->margin - truth->margin) <= j->margin_error, "%g +- %g, and %g at 1e-5",
            j->margin, j->margin_error, truth->margin);

@@ -280,13 +280,69 @@ static void agree(const char *scene, const char *sets, const pair *pairs, size_t
 }
 #define AGREE(scene, sets, pairs) agree(scene, sets, pairs, COUNT(pairs), __LINE__)
 
-/* v_link has its extremes some nanoseconds behind t = 0, where the mains jump. Plain ngspice takes
- * its first step without a look at the error, and shows 100.2 V of the 104.1 V that fine steps
- * give. The bridge's link begins without a jump. */
+/* Fills `row` with the named column of a table, whose cells any of these characters part. Returns
+ * how many rows there are, at most `most`. */
+static size_t read_column(const char *path, const char *parts, const char *name, double *row,
+                          size_t most) {
+  char *text = read_file(path), *rest = text, *line, *word;
+  size_t n = 0;
+  int column = -1;
+  while ((line = strsep(&rest, "\n")) && n < most) {
+    int at = 0;
+    for (char *cells = line; (word = strsep(&cells, parts));) {
+      if (!*word) continue;
+      if (n == 0 && column < 0 && !strcmp(word, name)) {
+        column = at;
+        break;
+      }
+      if (at++ == column) row[n++] = atof(word);
+    }
+  }
+  free(text);
+  return n;
+}
+
+/* At t = 0 the supply and an empty snubber make v_link ring for some nanoseconds, as high as the
+ * first step makes it, and plain ngspice takes that one without a look at the error. So v_link is
+ * compared behind the first 20 us, at samples of 1 us. Its ripple is a thousandth of it, and the
+ * difference is held against that: 0.1 % in the mean of all samples was measured, and three times
+ * as much is allowed. Single samples differ more, where they lie in the ring of an edge. */
+static void link_agrees(const char *sets, int line) {
+  enum { MOST = 20000, FROM = 20 };
+  double *own = vs_alloc(MOST, sizeof *own), *other = vs_alloc(MOST, sizeof *other);
+  double most = -INFINITY, least = INFINITY, off = 0;
+  char more[256];
+  snprintf(more, sizeof more, "%s --set 'run.sample=1 us'", sets);
+  free(plain("chopper", more, NULL, 0));
+  ran r =
+      run("run chopper %s --set 'record=[v_link]' --set run.verify=never --quiet -o link", more);
+  expect(r.status == 0, line, "%s", r.err);
+  free_ran(&r);
+  size_t n = read_column("link/run.csv", ",", "v_link_v", own, MOST);
+  size_t count = read_column("x.txt", " ", "v_link_v", other, MOST);
+  for (size_t k = FROM; k < n && k < count; k++) {
+    most = fmax(most, own[k]);
+    least = fmin(least, own[k]);
+    off += fabs(own[k] - other[k]) / (double)(n - FROM);
+  }
+  printf(" v_link %.1e of its ripple", off / (most - least));
+  expect(n > 1000 && n == count && off < 0.003 * (most - least), line,
+         "%s: v_link is off by %.2e V in the mean of %zu and %zu samples, with a ripple of %.2e V",
+         sets, off, n, count, most - least);
+  remove_tree("link");
+  free(own);
+  free(other);
+}
+
 static void chopper(void) {
   static const pair PAIRS[] = {{"v_ds_v", "v_ds"}, {"p_m", "p"}};
-  AGREE("chopper", "--set 'run.until=12 ms' --set 'pwm={carrier: 5 kHz, duty: 0.4}'", PAIRS);
-  AGREE("chopper", "--set 'run.until=4 ms' --set 'pwm.carrier=20 kHz'", PAIRS);
+  static const char *const SETS[] = {
+      "--set 'run.until=12 ms' --set 'pwm={carrier: 5 kHz, duty: 0.4}'",
+      "--set 'run.until=4 ms' --set 'pwm.carrier=20 kHz'"};
+  for (size_t k = 0; k < COUNT(SETS); k++) {
+    AGREE("chopper", SETS[k], PAIRS);
+    link_agrees(SETS[k], __LINE__);
+  }
 }
 
 static void bridge(void) {

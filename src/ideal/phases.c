@@ -8,7 +8,7 @@
 #include "actuator/coil.h"
 #include "drive/firing.h"
 #include "drive/gate.h"
-#include "ideal/ending.h"
+#include "ideal/crossing.h"
 #include "ideal/general.h"
 #include "ideal/glide.h"
 #include "ideal/propagator.h"
@@ -214,15 +214,15 @@ static double choose_length(phases *p, double left_s) {
   return 2 * length > left_s ? left_s / 2 : length;
 }
 
-/* Fills the knot to come, *length on by the series or where an ending comes first; *length becomes
+/* Fills the knot to come, *length on by the series or where a crossing comes first; *length becomes
  * the time to it. */
-static vs_ending go_by_series(phases *p, double *length) {
+static vs_crossing go_by_series(phases *p, double *length) {
   double y[VS_CONDUCTING];
   vs_series_at(&p->series, *length, y);
   fill(p, p->since_s + *length, y);
   const vs_taken step = taken(p);
-  vs_ending e = vs_ending_find(&step, length);
-  if (e.kind == VS_GOES_ON) return (vs_ending){is_over(p) ? VS_FLUX_ENDS : VS_GOES_ON, 0};
+  vs_crossing e = vs_crossing_find(&step, length);
+  if (e.kind == VS_GOES_ON) return (vs_crossing){is_over(p) ? VS_FLUX_ENDS : VS_GOES_ON, 0};
   vs_series_at(&p->series, *length, y);
   fill(p, p->since_s + *length, y);
   return e;
@@ -240,7 +240,7 @@ static vs_status drive_until(phases *p, double end_s, vs_error *err) {
     double left = end - p->since_s, length = choose_length(p, left);
     if (!(length > 0))
       return vs_fail(err, VS_RUN, "t = %.9g s: no step is short enough", p->knots[p->now].t_s);
-    vs_ending e = go_by_series(p, &length);
+    vs_crossing e = go_by_series(p, &length);
     bool done = length == left;
     p->since_s += length;
     if (done) p->knots[1 - p->now].t_s = end_s;
@@ -292,7 +292,7 @@ static vs_status swing_until(phases *p, double end_s, vs_error *err) {
     vs_propagator_leap(&p->propagator, steps, p->knots[p->now].x, y);
     fill(p, since, y);
     const vs_taken step = taken(p);
-    if (!left && vs_ending_meets(&step)) return drive_until(p, end_s, err);
+    if (!left && vs_crossing_meets(&step)) return drive_until(p, end_s, err);
     p->since_s = since;
     status = left ? show_glide(p, glide, err) : show(p, VS_EV_NONE, err);
   }

@@ -130,8 +130,8 @@ static bool is_same(const vs_judgement *a, const vs_judgement *b) {
 
 /* Where errors fall with the tolerance as they should, the second run differs by a multiple of this
  * run's error. Not all do: both runs may by chance meet a spike between two steps nearly alike. So
- * three times the difference is told. With once the difference a tenth of the margins drawn for
- * tests/test_margins.c lay outside, with twice 1 of 48 rates of current. */
+ * three times the difference is told. With once the difference a tenth of the margins of random
+ * scenes lay outside, with twice 1 of 48 rates of current. */
 static const double SAFETY = 3;
 
 /* A zero that the current creeps to is decided by the solver's errors. Without this factor one

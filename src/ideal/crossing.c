@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "ideal/ending.h"
+#include "ideal/crossing.h"
 
 #include <math.h>
 
@@ -30,14 +30,14 @@ static double first_contact(const vs_taken *t, const vs_stop *stop) {
   return vs_stop_depth(stop, y[VS_CH_TRAVEL]) > 0 ? hi : NAN;
 }
 
-bool vs_ending_meets(const vs_taken *t) {
+bool vs_crossing_meets(const vs_taken *t) {
   const vs_stops *stops = &t->driven->frame->model->stops;
   for (int k = 0; k < stops->count && !t->driven->held; k++)
     if (!(t->driven->touched >> k & 1) && !isnan(first_contact(t, &stops->item[k]))) return true;
   return false;
 }
 
-static double ending_value(const vs_taken *t, vs_ending e, double at_s, double *rate) {
+static double value_of(const vs_taken *t, vs_crossing e, double at_s, double *rate) {
   if (e.kind == VS_FLUX_ENDS) return vs_series_flux(t->series, at_s, rate);
   const vs_stop *stop = &t->driven->frame->model->stops.item[e.stop];
   int sign = e.kind == VS_CONTACT_BEGINS ? stop->side : -stop->side;
@@ -48,12 +48,12 @@ static double ending_value(const vs_taken *t, vs_ending e, double at_s, double *
 
 /* Returns when the quantity falls through zero, in seconds from the step's beginning. It does so
  * between `lower` and `upper`. Newton's iteration on the series. */
-static double locate(const vs_taken *t, vs_ending e, double lower, double upper) {
+static double locate(const vs_taken *t, vs_crossing e, double lower, double upper) {
   double nothing = 1e-15 * (e.kind == VS_FLUX_ENDS ? t->driven->flux_wb
                                                    : t->driven->frame->model->actuator.gap_m);
   double at = upper;
   for (int n = 0; n < 60; n++) {
-    double rate, value = ending_value(t, e, at, &rate);
+    double rate, value = value_of(t, e, at, &rate);
     if (fabs(value) <= nothing || upper - lower <= 1e-15 * (t->driven->since_s + at)) break;
     if (value > 0)
       lower = at;
@@ -79,11 +79,11 @@ static bool flux_ends(const vs_taken *t, double full_s, double *lower_s, double 
   return t->to->flux_wb <= 0 && full_s >= turn;
 }
 
-vs_ending vs_ending_find(const vs_taken *t, double *length) {
+vs_crossing vs_crossing_find(const vs_taken *t, double *length) {
   double full = *length, lower, upper;
   const vs_knot *from = t->from, *to = t->to;
   const vs_model *m = t->driven->frame->model;
-  vs_ending found = {VS_GOES_ON, 0};
+  vs_crossing found = {VS_GOES_ON, 0};
   if (flux_ends(t, full, &lower, &upper)) {
     found.kind = VS_FLUX_ENDS;
     *length = locate(t, found, lower, upper);
@@ -94,7 +94,7 @@ vs_ending vs_ending_find(const vs_taken *t, double *length) {
     bool leaves = inside && !(vs_stop_depth(stop, vs_mechanics_travel(m, to->x)) > 0);
     double contact = inside ? NAN : first_contact(t, stop);
     if (!leaves && isnan(contact)) continue;
-    vs_ending change = {leaves ? VS_CONTACT_ENDS : VS_CONTACT_BEGINS, k};
+    vs_crossing change = {leaves ? VS_CONTACT_ENDS : VS_CONTACT_BEGINS, k};
     double at = locate(t, change, 0, leaves ? full : contact - from->t_s);
     if (found.kind != VS_GOES_ON && *length < at) continue;
     *length = at;

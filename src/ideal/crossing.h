@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * What may end a stretch of motion on an ideal tier: a quantity that falls through zero. It is the
  * flux linkage of a conduction, or how far the armature is from a stop or inside it. */
-#ifndef VS_IDEAL_ENDING_H
-#define VS_IDEAL_ENDING_H
+#ifndef VS_IDEAL_CROSSING_H
+#define VS_IDEAL_CROSSING_H
 
 #include "ideal/series.h"
 
@@ -15,17 +15,17 @@ typedef struct vs_taken {
   bool disturbed; /* the scene has events */
 } vs_taken;
 
-typedef struct vs_ending {
+typedef struct vs_crossing {
   enum { VS_GOES_ON, VS_FLUX_ENDS, VS_CONTACT_BEGINS, VS_CONTACT_ENDS } kind;
   int stop; /* of a contact, which of the model's */
-} vs_ending;
+} vs_crossing;
 
-/* Returns which ending comes first in a step along the series, which is *length_s long. *length_s
- * becomes the time from the step's beginning to that ending. */
-vs_ending vs_ending_find(const vs_taken *taken, double *length_s);
+/* Returns which one comes first in a step along the series, which is *length_s long. *length_s
+ * becomes the time from the step's beginning to it. */
+vs_crossing vs_crossing_find(const vs_taken *taken, double *length_s);
 
 /* Returns true if the armature meets a stop in the step. It does not read the series and since_s,
  * so that the step may be one that the propagator took. */
-bool vs_ending_meets(const vs_taken *taken);
+bool vs_crossing_meets(const vs_taken *taken);
 
 #endif
