@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The netlist between files and solver: reads the files of a deck and of its parts into a vs_deck,
- * makes of it the lines that the solver is given, and finds in the files what the solver complains
- * of.
+ * and makes of it the lines that the solver is given.
  *
  * Reading takes three calls: vs_netlist_read for the deck's own files; vs_netlist_read_parts once
  * the scene has named its parts; vs_deck_bind once the parameters have values. vs_deck_free is due
@@ -35,15 +34,8 @@ vs_status vs_netlist_make(const vs_deck *deck, const vs_circuit_values *values,
                           size_t *count, vs_error *err);
 void vs_netlist_free(char **lines, size_t count);
 
-/* The words of a complaint behind which, up to its end, the line of the netlist stands that the
- * solver was found to do better without. */
-#define VS_NETLIST_WITHOUT "; without this line it does better: "
-
-/* Puts the place in the deck before what the solver said of its circuit, if it can be found: that
- * of line `culprit` of the netlist, as vs_netlist_make has made it (0: not known); the place of a
- * signal that is not there, of an undefined parameter (ngspice says "[name]"), or of an element.
- * Else the place is the deck's file. Of a file that comes with the program and that another one
- * includes, the place is the line that includes it, as that one has to be mended. */
-void vs_netlist_locate(const vs_deck *deck, size_t culprit, vs_error *err);
+/* The deck's line that line `number` of such a netlist, from 0, is made of; NULL: it is none of the
+ * deck's own. */
+const vs_line *vs_netlist_line(const vs_deck *deck, size_t number);
 
 #endif
