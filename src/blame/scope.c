@@ -48,7 +48,10 @@ static vs_scope scope_of(const vs_deck *deck, const char *path) {
   if (path[1] == '.') path += 2; /* the element's letter */
   while (path < last) {
     size_t n = strcspn(path, "."), length = 0, k = in.begin;
-    while (k < in.end && !is_named(deck->lines[k].text, path, n)) k++;
+    while (k < in.end && !is_named(deck->lines[k].text, path, n)) {
+      const size_t inner = end_of(deck, k); /* what stands in there has a longer path */
+      k = inner ? inner : k + 1;
+    }
     const char *name = k < in.end ? vs_rules_instance_of(deck->lines[k].text, &length) : NULL;
     if (!name || !vs_scope_enter(&in, name, length)) return (vs_scope){deck, 0, deck->n_lines};
     path += n + 1;

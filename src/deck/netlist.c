@@ -81,14 +81,19 @@ vs_status vs_netlist_read(const char *path, vs_deck *deck, vs_error *err) {
   return status;
 }
 
+static vs_status read_alone(vs_deck *deck, const char *path, bool library, vs_error *err) {
+  vs_status status = vs_files_read(deck, path, library, err);
+  return status || deck->lost ? status : check_instances(deck, err);
+}
+
 vs_status vs_netlist_read_part(const char *path, vs_deck *part, vs_error *err) {
   vs_deck_begin(part);
-  return vs_files_read(part, path, false, err);
+  return read_alone(part, path, false, err);
 }
 
 vs_status vs_netlist_read_library(const char *path, vs_deck *library, vs_error *err) {
   vs_deck_begin(library);
-  return vs_files_read(library, path, true, err);
+  return read_alone(library, path, true, err);
 }
 
 /* ---- parts ---- */

@@ -20,10 +20,11 @@ vs_status vs_netlist_read(const char *path, vs_deck *deck, vs_error *err);
  * devices what their parts say, and sees to it that ports and external sources match. */
 vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error *err);
 
-/* Reads the file of one part alone, for what it says of itself. */
+/* Reads the file of one part alone, for what it says of itself, and holds the parameters of its
+ * instances to its subcircuits. */
 vs_status vs_netlist_read_part(const char *path, vs_deck *part, vs_error *err);
 
-/* Reads a library of subcircuits and models, which need not be a deck. */
+/* The same for a library of subcircuits and models, which need not be a deck. */
 vs_status vs_netlist_read_library(const char *path, vs_deck *library, vs_error *err);
 
 /* Makes the netlist that the solver loads: title, .param lines, the deck's own lines, the EVA's
