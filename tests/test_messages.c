@@ -448,6 +448,7 @@ static void the_line_itself(void) {
       {".param p1={\n", "t.cir:25:11: ", "is not closed in its line"},
       {"B9 q9 0 V=v(a\n", "t.cir:25:12: ", "is not closed in its line"},
       {"B9 q9 0 V=v(a))\n", "t.cir:25:15: ", "is one too many"},
+      {"G9 a 0 b 0\n", "t.cir:25:1: ", "as many nodes and values as such an element"},
       {"X9 a b g c thyristor\n", "t.cir:25:1: ", "Too many parameters"},
       {"X9 a b thyristor\n", "t.cir:25:1: ", "Too few parameters"}};
   size_t size;
@@ -548,6 +549,16 @@ static void an_included_law(void) {
   refused_at("run s.yaml", "my.inc:2:1: ", "(thyristor");
 }
 
+/* A part that comes with the program misses a parameter, which the deck has to give that takes it.
+ */
+static void a_shipped_part(void) {
+  write_file("d.cir", DECK_HEAD "*$ param transformer = autotransformer_ideal part\n"
+                                "X1 a b g thyristor\nX2 a 0 0 transformer\nXe b 0 eva\n");
+  write_file("my.inc", GOOD_PART);
+  write_file("s.yaml", SCENE_OF("d.cir"));
+  refused_at("run s.yaml", "d.cir:7:24: ", "[line_voltage] (autotransformer_ideal.inc:");
+}
+
 /* What no deck uses is held to its own subcircuits. */
 static void a_library(void) {
   write_file("my.lib", ".subckt inner a k r=1k\nR1 a k {r}\n.ends\n"
@@ -592,6 +603,7 @@ int main(void) {
                                   {"in a large circuit", in_a_large_circuit},
                                   {"a part of one's own", a_part_of_ones_own},
                                   {"a law that is included", an_included_law},
+                                  {"a part that is shipped", a_shipped_part},
                                   {"a library", a_library},
                                   {"keys, and files by lines", keys_and_files},
                                   {"files of a study", a_studys_files},

@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/path.h"
 #include "blame/message.h"
 #include "blame/scope.h"
 #include "blame/subject.h"
@@ -29,25 +28,16 @@ static vs_where place_in_lines(const vs_deck *deck, const char *message,
   return (vs_where){0};
 }
 
-/* True for a deck or a part that comes with the program. */
-static bool is_shipped(const char *file) {
-  const char *slash = strrchr(file, '/'), *name = slash ? slash + 1 : file;
-  const vs_shelf parts = {"part", "parts", ""}, decks = {"deck", "", ""};
-  char path[VS_PATH_SIZE];
-  return (vs_path_shipped(&parts, name, path) && !strcmp(path, file)) ||
-         (vs_path_shipped(&decks, name, path) && !strcmp(path, file));
-}
-
 /* A wrong number of nodes is told of the instance. Where that comes with the program, or is none of
  * the deck's lines, the user's subcircuit is what has to be mended: its place. */
 static vs_where place_of_pins(const vs_deck *deck, const char *message, vs_where where) {
   size_t n = 0;
   const char *name = vs_message_between(message, "parameters for subcircuit type \"", '"', &n);
   vs_scope in = {deck, 0, 0};
-  if (!name || (where.file && !is_shipped(where.file)) || !vs_scope_enter(&in, name, n))
+  if (!name || (where.file && !vs_deck_is_shipped(where.file)) || !vs_scope_enter(&in, name, n))
     return where;
   const vs_where its = deck->lines[in.begin - 1].where;
-  return is_shipped(its.file) ? where : its;
+  return vs_deck_is_shipped(its.file) ? where : its;
 }
 
 /* Where a formula or a probe asks for the signal that is not there. */

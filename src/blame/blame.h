@@ -13,8 +13,8 @@
  * of line `culprit` of the netlist, as vs_netlist_make has made it (0: not known); the place of a
  * signal that is not there, of an undefined parameter (ngspice says "[name]"), or of an element.
  * Else the place is the deck's file. Of a file that comes with the program and that another one
- * includes, the place is the line that includes it, as that one has to be mended. Adds what would
- * be right. */
+ * includes, or takes as a part, the place is the line that does so, as that one has to be mended.
+ * Adds what would be right. */
 void vs_blame_locate(const vs_deck *deck, size_t culprit, vs_error *err);
 
 #endif

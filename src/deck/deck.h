@@ -199,7 +199,7 @@ typedef struct vs_deck {
   bool begun, freed;          /* it has had something else than zeros in it, which was freed */
   char *files[VS_DECK_FILES]; /* paths of the deck and of what it includes; owned */
   vs_where included[VS_DECK_FILES]; /* of files that come with the program: the line that includes
-                                       each; no file: of others, and of what nothing includes */
+                                       each, or takes it as a part; no file: of others */
   size_t n_files;
   unsigned lost;               /* VS_LOST_... of the lines that could not be read */
   vs_skipped skipped;          /* statements that a circuit is not made of, until they are told */
@@ -268,9 +268,12 @@ void vs_deck_free(vs_deck *deck);
 void vs_deck_remark(vs_deck *deck, vs_where where, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* True for a deck or a part that comes with the program. */
+bool vs_deck_is_shipped(const char *file);
+
 /* The place that has to be mended where something is wrong there: of a file that comes with the
- * program, and that another one includes, the line that includes it. Then `within` is " (FILE:LINE:
- * COLUMN)", where it stands in that file; else it is empty. */
+ * program, the line of another one that includes it, or takes it as a part. Then `within` is "
+ * (FILE:LINE: COLUMN)", where it stands in that file; else it is empty. */
 vs_where vs_deck_mendable(const vs_deck *deck, vs_where where, char *within, size_t size);
 
 /* Adds a line to the netlist. The deck owns what the line owns from then on. */

@@ -155,7 +155,13 @@ static vs_status take_part(vs_deck *deck, vs_part *part, const char *name, vs_wh
                            vs_error *err) {
   char path[VS_PATH_SIZE];
   vs_status status = find_part(deck, name, where, path, err);
-  if (!status && !vs_files_has(deck, path)) status = vs_files_read(deck, path, false, err);
+  if (!status && !vs_files_has(deck, path)) {
+    /* the deck is to be mended where it takes a part of the program's, and not what a scene says */
+    const bool own = where.file == part->where.file && !vs_deck_is_shipped(where.file);
+    if (own && deck->n_files < VS_DECK_FILES && vs_deck_is_shipped(path))
+      deck->included[deck->n_files] = where;
+    status = vs_files_read(deck, path, false, err);
+  }
   if (status) return status;
   for (size_t k = 0; k < deck->n_files; k++)
     if (!strcmp(deck->files[k], path)) part->file = deck->files[k];
