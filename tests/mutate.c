@@ -243,26 +243,42 @@ static change nothing_left(const source *s) {
   return mutate_below(s->state, 8) ? cut_off(s) : (change){.size = s->size};
 }
 
+/* `of_a_line`: it is one line that is wrong then, that where the change begins. */
 static const struct {
   const char *name;
   change (*of)(const source *s);
-} MISTAKES[] = {{"a line deleted", delete_line}, {"a line twice", double_line},
-                {"a line elsewhere", move_line}, {"two lines joined", join_lines},
-                {"cut off", nothing_left},       {"a zero byte", zero_byte},
-                {"no UTF-8", no_utf8},           {"a sign put in", sign},
-                {"a byte lost", lost_byte},      {"a word lost", lost_word},
-                {"a word twice", double_word},   {"a word of elsewhere", moved_word},
-                {"another word", other_word},    {"another number", other_number},
-                {"another unit", other_unit},    {"a slip of the pen", slip},
-                {"an odd line put in", odd_line}};
+  bool of_a_line;
+} MISTAKES[] = {{"a line deleted", delete_line, false},
+                {"a line twice", double_line, false},
+                {"a line elsewhere", move_line, false},
+                {"two lines joined", join_lines, true},
+                {"cut off", nothing_left, false},
+                {"a zero byte", zero_byte, true},
+                {"no UTF-8", no_utf8, true},
+                {"a sign put in", sign, true},
+                {"a byte lost", lost_byte, true},
+                {"a word lost", lost_word, true},
+                {"a word twice", double_word, true},
+                {"a word of elsewhere", moved_word, true},
+                {"another word", other_word, true},
+                {"another number", other_number, true},
+                {"another unit", other_unit, true},
+                {"a slip of the pen", slip, true},
+                {"an odd line put in", odd_line, true}};
 
-char *mutate(const char *text, size_t size, uint64_t *state, size_t *new_size, const char **name) {
+static int line_of(const source *s, size_t at) {
+  int line = 1;
+  for (size_t k = 0; k < at; k++) line += s->text[k] == '\n';
+  return line;
+}
+
+char *mutate(const char *text, size_t size, uint64_t *state, size_t *new_size, mutation *what) {
   const source s = {text, size, state};
   char *made = NULL;
   for (int n = 0; n < 100; n++) {
     size_t k = mutate_below(state, COUNT(MISTAKES));
     change c = size ? MISTAKES[k].of(&s) : (change){0};
-    *name = MISTAKES[k].name;
+    *what = (mutation){MISTAKES[k].name, MISTAKES[k].of_a_line ? line_of(&s, c.at) : 0};
     *new_size = size - c.size + c.put_size;
     made = vs_alloc(*new_size + 1, 1);
     memcpy(made, text, c.at);

@@ -10,9 +10,14 @@
 /* A number below n; the state goes on. n is at least 1. */
 size_t mutate_below(uint64_t *state, size_t n);
 
+typedef struct mutation {
+  const char *name; /* that of the kind of mistake */
+  int line;         /* that is wrong now, from 1; 0: it is not one line alone */
+} mutation;
+
 /* Returns the text with one mistake, which the caller frees, and its length in bytes; a zero byte
- * stands behind it. name is that of the kind of mistake. Where the mistake makes no difference,
- * another one is taken. An empty text stays empty. */
-char *mutate(const char *text, size_t size, uint64_t *state, size_t *new_size, const char **name);
+ * stands behind it. Where the mistake makes no difference, another one is taken. An empty text
+ * stays empty. */
+char *mutate(const char *text, size_t size, uint64_t *state, size_t *new_size, mutation *what);
 
 #endif

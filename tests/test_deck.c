@@ -160,6 +160,7 @@ static void slips_are_refused(void) {
   REFUSE(SUPPLY EVA "L9 a 0\n", "bad.cir:5:1: ", "inductance in H");
   REFUSE(SUPPLY EVA "B9 q 0 V=v(a))\n", "bad.cir:5:14: ", "one too many");
   REFUSE(SUPPLY EVA "B9 q 0 V=v(a\n", "bad.cir:5:11: ", "is not closed");
+  REFUSE(SUPPLY EVA "B9 q 0 V='v(a'\n", "bad.cir:5:12: ", "is not closed");
   REFUSE(SUPPLY EVA "V9 q 0\n+ PULSE(0 1 2 3\n", "bad.cir:6:8: ", "is not closed");
   REFUSE(SUPPLY EVA "R9 a 0 {(1}\n", "bad.cir:5:9: ", "is not closed");
   REFUSE(SUPPLY EVA ".if (1)\nR9 a 0 1k\n", "bad.cir:5:1: ", "no .endif");

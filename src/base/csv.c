@@ -123,8 +123,7 @@ static bool add_line(vs_csv *csv, size_t *size) {
   }
   free(line);
   if (n < 0) return false;
-  if (!(csv->n_lines & (csv->n_lines - 1))) /* 0 or a power of two: all the room is taken */
-    csv->begins = vs_resize(csv->begins, csv->n_lines ? 2 * csv->n_lines : 1, sizeof *csv->begins);
+  csv->begins = vs_alloc_grow(csv->begins, csv->n_lines, sizeof *csv->begins);
   csv->begins[csv->n_lines++] = *size;
   *size += (size_t)n;
   return true;

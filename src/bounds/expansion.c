@@ -8,6 +8,7 @@
 #include <strings.h>
 
 #include "deck/rules.h"
+#include "dialect/words.h"
 
 /* A subcircuit, or the deck's own top level, which has no name. */
 typedef struct body {
@@ -27,11 +28,6 @@ typedef struct tally {
   double most;
 } tally;
 
-static bool is_statement(const char *line, const char *word) {
-  size_t n = strlen(word);
-  return !strncasecmp(line, word, n) && (!line[n] || strchr(" \t", line[n]));
-}
-
 static int compare_names(const char *a, size_t n, const char *b, size_t m) {
   int order = strncasecmp(a, b, n < m ? n : m);
   return order ? order : (n > m) - (n < m);
@@ -46,14 +42,14 @@ static int by_name(const void *a, const void *b) {
 static void find_bodies(tally *t) {
   const vs_deck *deck = t->deck;
   for (size_t k = 0; k < deck->n_lines; k++)
-    t->count += is_statement(deck->lines[k].text, ".subckt");
+    t->count += vs_words_begin(deck->lines[k].text, ".subckt");
   t->bodies = vs_alloc(t->count + 1, sizeof *t->bodies);
   t->end = vs_alloc(deck->n_lines + 1, sizeof *t->end);
   size_t *open = vs_alloc(t->count + 1, sizeof *open), depth = 0, begun = 0;
   for (size_t k = 0; k < deck->n_lines; k++) {
     const char *text = deck->lines[k].text;
-    if (is_statement(text, ".ends") && depth > 0) t->bodies[open[--depth]].to = k + 1;
-    if (!is_statement(text, ".subckt")) continue;
+    if (vs_words_begin(text, ".ends") && depth > 0) t->bodies[open[--depth]].to = k + 1;
+    if (!vs_words_begin(text, ".subckt")) continue;
     const char *name = text + strlen(".subckt");
     name += strspn(name, " \t");
     open[depth++] = begun;
@@ -98,14 +94,14 @@ static double count(tally *t, size_t from, size_t to, int depth) {
   for (size_t k = from; k < to; k++) {
     const vs_line *line = &t->deck->lines[k];
     size_t n = 0;
-    if (is_statement(line->text, ".subckt")) {
+    if (vs_words_begin(line->text, ".subckt")) {
       k = t->end[k] - 1;
       continue;
     }
     const char *name = vs_rules_instance_of(line->text, &n);
     double of_line =
         name ? count_body(t, find_body(t, name, n), depth + 1)
-             : isalpha((unsigned char)*line->text) || is_statement(line->text, ".model");
+             : isalpha((unsigned char)*line->text) || vs_words_begin(line->text, ".model");
     sum += of_line;
     if (depth > 0 || of_line <= t->most) continue;
     t->most = of_line;

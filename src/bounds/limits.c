@@ -4,23 +4,24 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#define L_(member) offsetof(vs_limits_values, member)
+/* A limit: its key, default, least and largest value, member, and what it limits. */
+#define LIMIT_(key, default_text, least, most, member, text)                                       \
+  {                                                                                                \
+    key, VS_REAL, "", default_text, least, most, false, offsetof(vs_limits_values, member), text,  \
+        NULL, NULL                                                                                 \
+  }
 
 static const vs_field LIMITS[] = {
-    {"csv", VS_REAL, "", "1e9", 1e3, 1e15, false, L_(csv_bytes),
-     "bytes that run.csv may have; a run that would write more is refused before it begins", NULL,
-     NULL},
-    {"raw", VS_REAL, "", "1e9", 1e3, 1e15, false, L_(raw_bytes),
-     "bytes that run.raw may have; a run whose longest steps alone would write more is refused "
-     "before it begins, another one ends there",
-     NULL, NULL},
-    {"kept", VS_REAL, "", "1e10", 1e3, 1e18, false, L_(kept_bytes),
-     "bytes that all run.csv may have which study --keep runs writes; a study that would write "
-     "more is refused before it begins",
-     NULL, NULL},
-    {"devices", VS_REAL, "", "1e5", 1, 1e9, false, L_(devices),
-     "elements that the circuit may have, those of each instance of a subcircuit counted", NULL,
-     NULL},
+    LIMIT_("csv", "1e9", 1e3, 1e15, csv_bytes,
+           "bytes that run.csv may have; a run that would write more is refused before it begins"),
+    LIMIT_("raw", "1e9", 1e3, 1e15, raw_bytes,
+           "bytes that run.raw may have; a run whose longest steps alone would write more is "
+           "refused before it begins, another one ends there"),
+    LIMIT_("kept", "1e10", 1e3, 1e18, kept_bytes,
+           "bytes that all run.csv may have which study --keep runs writes; a study that would "
+           "write more is refused before it begins"),
+    LIMIT_("devices", "1e5", 1, 1e9, devices,
+           "elements that the circuit may have, those of each instance of a subcircuit counted"),
 };
 const vs_section vs_limits_section = {"limits", LIMITS, sizeof LIMITS / sizeof *LIMITS};
 

@@ -22,7 +22,7 @@ static vs_status take(vs_moments *m, const vs_csv *csv, vs_error *err) {
   vs_where where = {csv->file, csv->line, 1};
   if (csv->count != 2 || *end || end == csv->cell[0])
     return vs_fail_at(err, where, "a time in s and what happened are wanted");
-  m->item = vs_resize(m->item, m->count + 1, sizeof *m->item);
+  m->item = vs_alloc_grow(m->item, m->count, sizeof *m->item);
   m->item[m->count++] =
       (vs_moment){at, vs_copy(csv->cell[1]), strstr(csv->cell[1], " begins (") != NULL};
   return VS_OK;

@@ -18,6 +18,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "blame/blame.h"
 #include "coupling/amend.h"
 #include "coupling/away.h"
 #include "coupling/course.h"
@@ -187,7 +188,7 @@ static bool hides(void *ctx) {
 /* ---- a run ---- */
 
 static void locate(const void *deck, size_t culprit, vs_error *err) {
-  vs_netlist_locate(deck, culprit, err);
+  vs_blame_locate(deck, culprit, err);
 }
 
 /* All of the solver's job but its netlist. */

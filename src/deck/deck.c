@@ -128,6 +128,14 @@ int vs_deck_add_term(vs_deck *deck, vs_where where, char quantity, const char *f
   return (int)deck->n_terms - 1;
 }
 
+bool vs_deck_is_shipped(const char *file) {
+  const char *slash = strrchr(file, '/'), *name = slash ? slash + 1 : file;
+  const vs_shelf parts = {"part", "parts", ""}, decks = {"deck", "", ""};
+  char path[VS_PATH_SIZE];
+  return (vs_path_shipped(&parts, name, path) && !strcmp(path, file)) ||
+         (vs_path_shipped(&decks, name, path) && !strcmp(path, file));
+}
+
 vs_where vs_deck_mendable(const vs_deck *deck, vs_where where, char *within, size_t size) {
   *within = '\0';
   for (size_t k = deck->n_files; k-- > 0;) { /* who includes a file stands before it */

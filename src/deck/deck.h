@@ -198,8 +198,9 @@ extern const vs_field vs_deck_key;
 typedef struct vs_deck {
   bool begun, freed;          /* it has had something else than zeros in it, which was freed */
   char *files[VS_DECK_FILES]; /* paths of the deck and of what it includes; owned */
-  vs_where included[VS_DECK_FILES]; /* the line that includes each file that comes with the program;
-                                       no place: for others, and if nothing includes it */
+  vs_where included[VS_DECK_FILES]; /* the line that includes each file that comes with the program,
+                                       or takes it as a part; no place: for others, and if nothing
+                                       includes it */
   size_t n_files;
   unsigned lost;               /* VS_LOST_... of the lines that could not be read */
   vs_skipped skipped;          /* statements that a circuit is not made of, until they are told */
@@ -268,10 +269,13 @@ void vs_deck_free(vs_deck *deck);
 void vs_deck_remark(vs_deck *deck, vs_where where, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* True for a deck or a part that comes with the program. */
+bool vs_deck_is_shipped(const char *file);
+
 /* Returns the place that the user has to mend if something is wrong at `where`. In a file that
- * comes with the program, and that another one includes, that is the line that includes it;
- * `within` then becomes " (FILE:LINE:COLUMN)" of `where` itself. Else it is `where`, and `within`
- * is empty. */
+ * comes with the program, and that another one includes or takes as a part, that is the line that
+ * does so; `within` then becomes " (FILE:LINE:COLUMN)" of `where` itself. Else it is `where`, and
+ * `within` is empty. */
 vs_where vs_deck_mendable(const vs_deck *deck, vs_where where, char *within, size_t size);
 
 /* Adds a line to the netlist. The deck owns what the line owns from then on. */

@@ -265,10 +265,9 @@ static void skip_rest(vs_deck *deck, const char *file, const vs_source *source, 
   }
 }
 
+/* Blanks before it count for nothing. */
 static bool is_statement(const char *line, const char *word) {
-  size_t n = strlen(word);
-  line += strspn(line, " \t");
-  return !strncasecmp(line, word, n) && (!line[n] || strchr(" \t", line[n]));
+  return vs_words_begin(line + strspn(line, " \t"), word);
 }
 
 /* Reads the lines of a file. Commands from .control to .endc are refused with their first line. */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * The netlist between files and solver: reads the files of a deck and of its parts into a vs_deck,
- * makes of it the lines that the solver is given, and finds in the files what the solver complains
- * of.
+ * and makes of it the lines that the solver is given.
  *
  * Reading takes three calls: vs_netlist_read for the deck's own files; vs_netlist_read_parts once
  * the scene has named its parts; vs_deck_bind once the parameters have values. vs_deck_free is due
@@ -21,10 +20,11 @@ vs_status vs_netlist_read(const char *path, vs_deck *deck, vs_error *err);
  * devices what their parts say, and sees to it that ports and external sources match. */
 vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error *err);
 
-/* Reads the file of one part alone, for what it says of itself. */
+/* Reads the file of one part alone, for what it says of itself, and holds the parameters of its
+ * instances to its subcircuits. */
 vs_status vs_netlist_read_part(const char *path, vs_deck *part, vs_error *err);
 
-/* Reads a library of subcircuits and models, which need not be a deck. */
+/* The same for a library of subcircuits and models, which need not be a deck. */
 vs_status vs_netlist_read_library(const char *path, vs_deck *library, vs_error *err);
 
 /* Makes the netlist that the solver loads: title, .param lines, the deck's own lines, the EVA's
@@ -35,15 +35,8 @@ vs_status vs_netlist_make(const vs_deck *deck, const vs_circuit_values *values,
                           size_t *count, vs_error *err);
 void vs_netlist_free(char **lines, size_t count);
 
-/* Words in a complaint. Behind them, up to its end, stands a line of the netlist: without that line
- * the solver went on further. */
-#define VS_NETLIST_WITHOUT "; without this line it does better: "
-
-/* Puts the place in the deck before what the solver said of its circuit, if it can be found: that
- * of line `culprit` of the netlist, as vs_netlist_make has made it (0: not known); the place of a
- * signal that is not there, of an undefined parameter (ngspice says "[name]"), or of an element.
- * Else the place is the deck's file. Of a file that comes with the program and that another one
- * includes, the place is the line that includes it, as that one has to be mended. */
-void vs_netlist_locate(const vs_deck *deck, size_t culprit, vs_error *err);
+/* The deck's line that line `number` of such a netlist, from 0, is made of; NULL: it is none of the
+ * deck's own. */
+const vs_line *vs_netlist_line(const vs_deck *deck, size_t number);
 
 #endif

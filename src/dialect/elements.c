@@ -241,24 +241,13 @@ static vs_status check_transfer(const vs_rewriting *r) {
 
 /* ---- B sources ---- */
 
-/* With a bracket that is not closed ngspice takes a B source for another one, and says nothing. */
-static vs_status check_brackets(const vs_rewriting *r, vs_word all) {
-  long open = 0;
-  for (const char *c = all.at; *c && open >= 0; c++) open += (*c == '(') - (*c == ')');
-  return open == 0 ? VS_OK
-                   : vs_fail_at(r->err, vs_rewriting_place(r, all.at, all.n),
-                                "a bracket '%c' of this source has no '%c'; write as many of one "
-                                "as of the other",
-                                open > 0 ? '(' : ')', open > 0 ? ')' : '(');
-}
-
 static vs_status check_b(const vs_rewriting *r) {
   vs_word whole, value;
   const char *text = r->text.text + strcspn(r->text.text, " \t");
   if ((vs_words_parameter(text, "v", &whole, &value) ||
        vs_words_parameter(text, "i", &whole, &value)) &&
       value.n)
-    return check_brackets(r, whole);
+    return VS_OK;
   bool resistance = vs_words_parameter(text, "r", &whole, &value);
   return vs_fail_at(r->err, r->line->where,
                     resistance ? "a B source gives V=... or I=...; R=..., LTspice's, is written "

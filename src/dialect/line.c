@@ -18,10 +18,7 @@ void vs_line_join(vs_line *l, const char *text, vs_where where) {
     l->where = where;
   memcpy(l->text + begin, text, n + 1);
   l->length = begin + n;
-  if ((l->n_joints & (l->n_joints - 1)) == 0) { /* the array grows at 0, 1, 2, 4, 8, ... joints */
-    size_t room = l->n_joints ? 2 * l->n_joints : 1;
-    l->joint = vs_resize(l->joint, room, sizeof *l->joint);
-  }
+  l->joint = vs_alloc_grow(l->joint, l->n_joints, sizeof *l->joint);
   l->joint[l->n_joints++] = (vs_joint){begin, where};
 }
 

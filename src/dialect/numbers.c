@@ -9,6 +9,21 @@
 
 #include "dialect/words.h"
 
+double vs_numbers_factor(const char *s, size_t *length) {
+  static const struct {
+    const char *suffix;
+    double factor;
+  } ROWS[] = {{"meg", 1e6},       {"mil", 25.4e-6}, {"t", 1e12},  {"g", 1e9},
+              {"k", 1e3},         {"m", 1e-3},      {"u", 1e-6},  {"\xc2\xb5", 1e-6},
+              {"\xce\xbc", 1e-6}, {"n", 1e-9},      {"p", 1e-12}, {"f", 1e-15}};
+  for (size_t k = 0; k < sizeof ROWS / sizeof *ROWS; k++) {
+    *length = strlen(ROWS[k].suffix);
+    if (!strncasecmp(s, ROWS[k].suffix, *length)) return ROWS[k].factor;
+  }
+  *length = 0;
+  return 1;
+}
+
 static size_t digits(const char *s) {
   return strspn(s, "0123456789");
 }

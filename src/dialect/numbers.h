@@ -1,11 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Numbers of which ngspice reads something else than was meant, and says nothing: it stops at the
- * first letter that it does not know and takes no notice of what follows. */
+ * Numbers of netlists. Of some ngspice reads something else than was meant, and says nothing: it
+ * stops at the first letter that it does not know and takes no notice of what follows. */
 #ifndef VS_DIALECT_NUMBERS_H
 #define VS_DIALECT_NUMBERS_H
 
 #include "dialect/line.h"
 #include "dialect/tally.h"
+
+/* The factor that a number is written with, in capitals or not, and the bytes of its letters: t g
+ * meg k mil m u n p f, for u also the micro sign and the Greek mu. 1 and no bytes: there is none.
+ */
+double vs_numbers_factor(const char *text, size_t *length);
 
 /* Looks through the values of a line. Errors with their place and with what to write: a unit in the
  * place of the point (4k7 is read as 4k), a comma for it (4,7k is read as 4), two points, a unit

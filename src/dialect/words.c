@@ -55,6 +55,24 @@ bool vs_words_is(vs_word word, const char *text) {
   return strlen(text) == word.n && !strncasecmp(word.at, text, word.n);
 }
 
+bool vs_words_begin(const char *line, const char *word) {
+  size_t n = strlen(word);
+  return !strncasecmp(line, word, n) && (!line[n] || strchr(BLANKS, line[n]));
+}
+
+const char *vs_words_find(const char *text, const char *from, const char *name, size_t n) {
+  for (const char *s = from; *s; s++)
+    if (!strncasecmp(s, name, n) && !vs_words_goes_on(s[n]) &&
+        (s == text || !vs_words_goes_on(s[-1])))
+      return s;
+  return NULL;
+}
+
+bool vs_words_is_given(const char *end) {
+  end += strspn(end, BLANKS);
+  return *end == '=' && end[1] != '=';
+}
+
 bool vs_words_parameter(const char *from, const char *name, vs_word *whole, vs_word *value) {
   size_t n = strlen(name);
   const int first = tolower((unsigned char)*name);
@@ -67,8 +85,8 @@ bool vs_words_parameter(const char *from, const char *name, vs_word *whole, vs_w
     if (tolower((unsigned char)*s) != first) continue;
     bool within = s > from && vs_words_goes_on(s[-1]);
     if (within || strncasecmp(s, name, n) || vs_words_goes_on(s[n])) continue;
+    if (!vs_words_is_given(s + n)) continue;
     const char *equals = s + n + strspn(s + n, BLANKS);
-    if (*equals != '=' || equals[1] == '=') continue;
     value->at = equals + 1 + strspn(equals + 1, BLANKS);
     const char *end = behind(value->at, BLANKS);
     value->n = (size_t)(end - value->at);

@@ -22,6 +22,16 @@ size_t vs_words_split(const char *text, vs_word words[VS_WORDS_MOST]);
 /* True for the word of that text, in capitals or not. */
 bool vs_words_is(vs_word word, const char *text);
 
+/* True for a line whose first word is that one, in capitals or not. */
+bool vs_words_begin(const char *line, const char *word);
+
+/* Finds the first whole name of n bytes in the text, at or behind `from`, in capitals or not; NULL:
+ * there is none. */
+const char *vs_words_find(const char *text, const char *from, const char *name, size_t n);
+
+/* True where a name that ends here is given a value: "=" comes next. */
+bool vs_words_is_given(const char *end);
+
 /* Finds the parameter "NAME = VALUE" at or behind `from`, outside of braces and brackets. *whole is
  * all of it, *value what stands behind '='. False: it is not there. */
 bool vs_words_parameter(const char *from, const char *name, vs_word *whole, vs_word *value);

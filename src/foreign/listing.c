@@ -106,9 +106,7 @@ static void cut_comment(char *text) {
 
 static vs_card *add_card(vs_listing *l, const char *line, vs_where where) {
   const char *text = line + where.column - 1;
-  if ((l->count & (l->count + 1)) == 0) {
-    l->cards = vs_resize(l->cards, 2 * l->count + 2, sizeof *l->cards);
-  }
+  l->cards = vs_alloc_grow(l->cards, l->count, sizeof *l->cards);
   vs_card *card = &l->cards[l->count++];
   *card = (vs_card){.text = vs_copy(text), .raw = vs_copy(line), .where = where};
   card->kind = !*text || strchr("*;", *text) ? VS_CARD_COMMENT

@@ -6,9 +6,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "base/text.h"
+#include "dialect/numbers.h"
 #include "foreign/macros.h"
 #include "syntax/cursor.h"
 #include "syntax/formula.h"
@@ -25,25 +25,15 @@ static bool has_hexadecimal(const char *text) {
 }
 
 bool vs_values_number(const vs_values *v, const char *text, double *number) {
-  static const struct {
-    const char *suffix;
-    double factor;
-  } SUFFIX[] = {{"meg", 1e6},       {"mil", 25.4e-6}, {"t", 1e12},  {"g", 1e9},
-                {"k", 1e3},         {"m", 1e-3},      {"u", 1e-6},  {"\xc2\xb5", 1e-6},
-                {"\xce\xbc", 1e-6}, {"n", 1e-9},      {"p", 1e-12}, {"f", 1e-15}};
   char *end;
   text += strspn(text, " \t");
   if (!*text || !strchr("+-.0123456789", *text) || has_hexadecimal(text)) return false;
   *number = strtod(text, &end);
   if (end == text || !isfinite(*number)) return false;
-  double factor = 1;
   bool whole = !memchr(text, '.', (size_t)(end - text));
-  for (size_t k = 0; k < sizeof SUFFIX / sizeof *SUFFIX; k++)
-    if (!strncasecmp(end, SUFFIX[k].suffix, strlen(SUFFIX[k].suffix))) {
-      end += strlen(SUFFIX[k].suffix);
-      factor = SUFFIX[k].factor;
-      break;
-    }
+  size_t length;
+  double factor = vs_numbers_factor(end, &length);
+  end += length;
   if (isdigit((unsigned char)*end)) { /* 4k7 */
     char fraction[32];
     size_t n = strspn(end, "0123456789");

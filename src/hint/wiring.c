@@ -26,14 +26,8 @@ static void open_lines(const scope *s, size_t from, size_t to);
 
 /* ---- words and nodes ---- */
 
-static bool begins(const vs_line *line, const char *word) {
-  size_t n = strlen(word);
-  return !strncasecmp(line->text, word, n) && (!line->text[n] || strchr(" \t", line->text[n]));
-}
-
 static char *copy_word(vs_word w) {
-  char *copy = vs_alloc(w.n + 1, 1);
-  memcpy(copy, w.at, w.n);
+  char *copy = vs_alloc_part(w.at, w.n);
   vs_cursor_lower(copy);
   return copy;
 }
@@ -45,8 +39,8 @@ static void list_statements(vs_wiring *wiring) {
   vs_word w[VS_WORDS_MOST];
   for (size_t k = 0; k < deck->n_lines; k++)
     for (size_t i = 0; i < sizeof LISTED / sizeof *LISTED; i++) {
-      if (!begins(&deck->lines[k], LISTED[i]) || vs_words_split(deck->lines[k].text, w) < 2 ||
-          (w[1].n = strcspn(w[1].at, " \t(")) == 0)
+      if (!vs_words_begin(deck->lines[k].text, LISTED[i]) ||
+          vs_words_split(deck->lines[k].text, w) < 2 || (w[1].n = strcspn(w[1].at, " \t(")) == 0)
         continue;
       vs_text key = {0};
       vs_text_add(&key, "%s %.*s", LISTED[i], (int)w[1].n, w[1].at);
@@ -66,14 +60,19 @@ const vs_line *vs_wiring_statement(const vs_wiring *wiring, const char *statemen
   return found ? &wiring->deck->lines[k] : NULL;
 }
 
-static bool is_global(const vs_deck *deck, vs_word name) {
+/* Lists the nodes of lines .global. */
+static void list_globals(vs_wiring *wiring) {
+  const vs_deck *deck = wiring->deck;
   vs_word w[VS_WORDS_MOST];
   for (size_t k = 0; k < deck->n_lines; k++) {
-    size_t n = begins(&deck->lines[k], ".global") ? vs_words_split(deck->lines[k].text, w) : 0;
-    for (size_t i = 1; i < n; i++)
-      if (w[i].n == name.n && !strncasecmp(w[i].at, name.at, name.n)) return true;
+    if (!vs_words_begin(deck->lines[k].text, ".global")) continue;
+    const size_t n = vs_words_split(deck->lines[k].text, w);
+    for (size_t i = 1; i < n; i++) {
+      char *name = copy_word(w[i]);
+      vs_names_put(&wiring->globals, name, k);
+      free(name);
+    }
   }
-  return false;
 }
 
 static int take_node(vs_wiring *w, const char *name) {
@@ -92,7 +91,7 @@ static int node_of(const scope *s, vs_word word) {
   for (int k = 0; k < s->n_formal; k++)
     if (s->formal[k].n == word.n && !strncasecmp(s->formal[k].at, word.at, word.n))
       return s->actual[k];
-  bool global = s->depth > 0 && is_global(s->wiring->deck, word);
+  bool global = s->depth > 0 && vs_names_find(&s->wiring->globals, word.at, word.n, NULL);
   snprintf(name, sizeof name, "%.80s%.*s", global ? "" : s->path, word.n < 40 ? (int)word.n : 40,
            word.at);
   vs_cursor_lower(name);
@@ -202,9 +201,7 @@ static int count_pins(const vs_wiring *wiring, char letter, const vs_word *w, si
 }
 
 static vs_wire *add_wire(vs_wiring *w) {
-  if ((w->count & (w->count + 1)) == 0) {
-    w->wires = vs_resize(w->wires, 2 * w->count + 2, sizeof *w->wires);
-  }
+  w->wires = vs_alloc_grow(w->wires, w->count, sizeof *w->wires);
   w->wires[w->count] = (vs_wire){0};
   return &w->wires[w->count++];
 }
@@ -254,8 +251,8 @@ static char *subcircuit_of(const vs_deck *deck, const vs_line *line, const char 
 static size_t end_of(const vs_deck *deck, size_t from) {
   int depth = 0;
   for (size_t k = from; k < deck->n_lines; k++) {
-    depth += begins(&deck->lines[k], ".subckt");
-    if (begins(&deck->lines[k], ".ends") && --depth == 0) return k;
+    depth += vs_words_begin(deck->lines[k].text, ".subckt");
+    if (vs_words_begin(deck->lines[k].text, ".ends") && --depth == 0) return k;
   }
   return deck->n_lines;
 }
@@ -320,7 +317,7 @@ static void open_lines(const scope *s, size_t from, size_t to) {
     const vs_line *line = &deck->lines[k];
     if (s->wiring->count >= MOST_WIRES) s->wiring->whole = false;
     if (!s->wiring->whole) return;
-    if (begins(line, ".subckt"))
+    if (vs_words_begin(line->text, ".subckt"))
       k = end_of(deck, k);
     else if (strchr("xX", *line->text))
       open_instance(s, line);
@@ -335,6 +332,7 @@ void vs_wiring_open(vs_wiring *w, const vs_deck *deck) {
   *w = (vs_wiring){.deck = deck, .whole = true};
   const scope top = {.wiring = w};
   list_statements(w);
+  list_globals(w);
   take_node(w, "0");
   open_lines(&top, 0, deck->n_lines);
 }
@@ -347,6 +345,7 @@ void vs_wiring_free(vs_wiring *w) {
   free(w->wires);
   free(w->nodes);
   vs_names_free(&w->numbers);
+  vs_names_free(&w->globals);
   vs_names_free(&w->statements);
   *w = (vs_wiring){0};
 }

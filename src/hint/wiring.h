@@ -32,6 +32,7 @@ typedef struct vs_wiring {
   char (*nodes)[VS_WIRING_NAME]; /* their names as the solver has them, in lower case */
   size_t n_nodes;
   vs_names numbers;    /* of the nodes */
+  vs_names globals;    /* nodes that are the same in all subcircuits */
   vs_names statements; /* the deck's first line of each ".model dx" and ".subckt x", from 0 */
   bool
       whole; /* false: there were more than can be looked through, or instances within themselves */

@@ -40,7 +40,7 @@ static vs_field *own_fields(const vs_section *section) {
 }
 
 void vs_machine_add_field(vs_section *section, const vs_field *field) {
-  vs_field *fields = vs_resize(own_fields(section), section->count + 1, sizeof *fields);
+  vs_field *fields = vs_alloc_grow(own_fields(section), section->count, sizeof *fields);
   section->fields = fields;
   vs_field *own = &fields[section->count++];
   *own = *field;

@@ -115,9 +115,7 @@ static vs_status read_cell(reader *c, size_t k, vs_error *err) {
   vs_status status = vs_axis_number(axis, &node, &number, err);
   vs_text_free(&text);
   if (status) return status;
-  if ((axis->n_values & (axis->n_values - 1)) == 0) /* the array is full at each power of two */
-    axis->value =
-        vs_resize(axis->value, axis->n_values ? 2 * axis->n_values : 1, sizeof *axis->value);
+  axis->value = vs_alloc_grow(axis->value, axis->n_values, sizeof *axis->value);
   axis->value[axis->n_values++] = number;
   return VS_OK;
 }

@@ -73,8 +73,8 @@ static double add_word(vs_axis *axis, const vs_node *node) {
   for (size_t k = 0; k < axis->n_words; k++)
     if (!strcmp(axis->word[k], node->text)) return (double)k;
   size_t n = axis->n_words++;
-  axis->word = vs_resize(axis->word, axis->n_words, sizeof *axis->word);
-  axis->word_where = vs_resize(axis->word_where, axis->n_words, sizeof *axis->word_where);
+  axis->word = vs_alloc_grow(axis->word, n, sizeof *axis->word);
+  axis->word_where = vs_alloc_grow(axis->word_where, n, sizeof *axis->word_where);
   axis->word[n] = vs_copy(node->text);
   axis->word_where[n] = node->where;
   return (double)n;
@@ -105,7 +105,7 @@ static vs_status one_value(vs_axis *axis, const vs_node *node, vs_error *err) {
   double number = 0;
   vs_status status = vs_axis_number(axis, node, &number, err);
   if (status) return status;
-  axis->value = vs_resize(axis->value, axis->n_values + 1, sizeof *axis->value);
+  axis->value = vs_alloc_grow(axis->value, axis->n_values, sizeof *axis->value);
   axis->value[axis->n_values++] = number;
   return VS_OK;
 }

@@ -137,7 +137,7 @@ void vs_plan_point(const vs_plan *plan, uint64_t index, double *point) {
 vs_status vs_plan_input(vs_plan *plan, const char *path, vs_error *err) {
   for (size_t k = 0; k < plan->n_inputs; k++)
     if (!strcmp(plan->inputs[k].path, path)) return VS_OK;
-  plan->inputs = vs_resize(plan->inputs, plan->n_inputs + 1, sizeof *plan->inputs);
+  plan->inputs = vs_alloc_grow(plan->inputs, plan->n_inputs, sizeof *plan->inputs);
   vs_input *input = &plan->inputs[plan->n_inputs];
   *input = (vs_input){0};
   snprintf(input->path, sizeof input->path, "%s", path);

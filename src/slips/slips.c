@@ -7,6 +7,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "dialect/numbers.h"
+
 /* What ngspice takes for the space between words. */
 static const char BETWEEN[] = " \t(),";
 
@@ -31,14 +33,19 @@ static vs_status refuse_open(const vs_line *line, const char *at, vs_error *err)
                     *at == '(' ? ')' : '}');
 }
 
-static vs_status check_brackets(const vs_line *line, vs_error *err) {
+/* Looks at the line from s up to `end`. An expression in single quotes is looked at by itself. */
+static vs_status check_brackets(const vs_line *line, const char *s, const char *end,
+                                vs_error *err) {
   const char *open[MOST_OPEN];
   const bool model = is_statement(line->text, ".model");
   size_t count = 0;
-  for (const char *s = line->text; *s; s++) {
+  for (; s < end; s++) {
     if (*s == '"' || *s == '\'') {
-      s = strchr(s + 1, *s);
-      if (!s) break;
+      const char *closing = strchr(s + 1, *s);
+      if (!closing) break;
+      vs_status status = *s == '"' ? VS_OK : check_brackets(line, s + 1, closing, err);
+      if (status) return status;
+      s = closing;
     } else if (*s == '{' || (*s == '(' && !model)) {
       if (count == MOST_OPEN) return VS_OK;
       open[count++] = s;
@@ -70,23 +77,14 @@ static vs_status check_value(const vs_line *line, vs_error *err) {
 
 /* Reads a plain number as ngspice does: 1, -2.5e-3, 10us. False: it is anything else. */
 static bool read_number(const char *s, size_t n, double *value) {
-  static const struct {
-    const char *letters;
-    double factor;
-  } FACTORS[] = {{"meg", 1e6}, {"mil", 25.4e-6}, {"t", 1e12}, {"g", 1e9},   {"k", 1e3},
-                 {"m", 1e-3},  {"u", 1e-6},      {"n", 1e-9}, {"p", 1e-12}, {"f", 1e-15}};
-  size_t digits = strspn(s, "-.0123456789eE+");
-  if (!strchr("-.0123456789", *s) || tolower((unsigned char)s[1]) == 'x') return false;
+  size_t decimal = strspn(s, "-.0123456789eE+"), length; /* C also reads 0x10 */
+  if (!strchr("-.0123456789", *s)) return false;
   char *end;
   *value = strtod(s, &end);
-  if (end == s || end > s + digits) return false;
+  if (end == s || end > s + decimal) return false;
   for (const char *c = end; c < s + n; c++)
     if (!isalpha((unsigned char)*c)) return false;
-  for (size_t k = 0; k < sizeof FACTORS / sizeof *FACTORS; k++)
-    if (!strncasecmp(end, FACTORS[k].letters, strlen(FACTORS[k].letters))) {
-      *value *= FACTORS[k].factor;
-      break;
-    }
+  *value *= vs_numbers_factor(end, &length);
   return true;
 }
 
@@ -114,7 +112,7 @@ static vs_status check_course(const vs_line *line, vs_error *err) {
 }
 
 vs_status vs_slips_line(const vs_line *line, vs_error *err) {
-  vs_status status = check_brackets(line, err);
+  vs_status status = check_brackets(line, line->text, line->text + strlen(line->text), err);
   if (!status) status = check_value(line, err);
   return status ? status : check_course(line, err);
 }

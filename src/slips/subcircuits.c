@@ -10,13 +10,9 @@
 
 #include "base/alloc.h"
 #include "base/text.h"
+#include "dialect/words.h"
 
 enum { NAME = 64, MOST_NAMES = 64, MOST_OF_A_NAME = 8 };
-
-static bool begins(const char *text, const char *word) {
-  size_t n = strlen(word);
-  return !strncasecmp(text, word, n) && (!text[n] || strchr(" \t", text[n]));
-}
 
 /* ---- subcircuits ---- */
 
@@ -46,11 +42,11 @@ static int compare_entries(const void *a, const void *b) {
 
 void vs_subcircuits_find(vs_subcircuits *s, const vs_line *lines, size_t n_lines) {
   *s = (vs_subcircuits){.lines = lines, .n_lines = n_lines};
-  for (size_t k = 0; k < n_lines; k++) s->count += begins(lines[k].text, ".subckt");
+  for (size_t k = 0; k < n_lines; k++) s->count += vs_words_begin(lines[k].text, ".subckt");
   entry *list = vs_alloc(s->count + 1, sizeof *list);
   s->first = vs_alloc(s->count + 1, sizeof *s->first);
   for (size_t k = 0, n = 0; k < n_lines; k++)
-    if (begins(lines[k].text, ".subckt")) list[n++] = (entry){name_in(lines[k].text), k};
+    if (vs_words_begin(lines[k].text, ".subckt")) list[n++] = (entry){name_in(lines[k].text), k};
   qsort(list, s->count, sizeof *list, compare_entries);
   for (size_t k = 0; k < s->count; k++) s->first[k] = list[k].line;
   free(list);
@@ -125,9 +121,9 @@ static bool has(const vs_subcircuits *s, size_t first, const char *name, size_t 
   for (size_t k = first + 1; k < s->n_lines && depth; k++) {
     const char *text = s->lines[k].text;
     if (*text != '.') continue;
-    depth += begins(text, ".subckt");
-    depth -= begins(text, ".ends");
-    if (begins(text, ".param") && has_in_line(text, name, n, known)) return true;
+    depth += vs_words_begin(text, ".subckt");
+    depth -= vs_words_begin(text, ".ends");
+    if (vs_words_begin(text, ".param") && has_in_line(text, name, n, known)) return true;
   }
   return false;
 }

@@ -10,7 +10,7 @@
 #include <time.h>
 
 #include "base/alloc.h"
-#include "deck/netlist.h"
+#include "blame/blame.h"
 #include "solver/guard.h"
 
 static vs_child_end attempt(void *ctx) {
@@ -175,12 +175,12 @@ static size_t find_line(vs_trial *t, bool died) {
 }
 
 /* Of what ngspice does not say, or dies of, the line is found by leaving lines out. Notes it, and
- * writes its words with VS_NETLIST_WITHOUT before them; nothing where no line is found. */
+ * writes its words with VS_BLAME_WITHOUT before them; nothing where no line is found. */
 static void find_culprit(vs_trial *t, bool died, char *text, size_t size) {
   size_t found = find_line(t, died);
   *text = '\0';
   t->complaints->culprit = found;
-  if (found) snprintf(text, size, VS_NETLIST_WITHOUT "%s", t->lines[found]);
+  if (found) snprintf(text, size, VS_BLAME_WITHOUT "%s", t->lines[found]);
 }
 
 void vs_trial_place(const vs_complaints *complaints, const vs_circuit_job *job, char *text,

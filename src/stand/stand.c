@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "base/text.h"
+#include "blame/blame.h"
 #include "deck/netlist.h"
 #include "deck/parts.h"
 #include "solver/child.h"
@@ -115,9 +116,9 @@ static vs_status accept(void *ctx, double t_s, const double *signals, vs_error *
 static void locate(const void *author, size_t culprit, vs_error *err) {
   const vs_stand *stand = author;
   const char *deck = stand->deck.files[0];
-  char *without = strstr(err->text, VS_NETLIST_WITHOUT);
+  char *without = strstr(err->text, VS_BLAME_WITHOUT);
   if (without && culprit >= stand->lines) *without = '\0';
-  vs_netlist_locate(&stand->deck, culprit, err);
+  vs_blame_locate(&stand->deck, culprit, err);
   if ((size_t)err->file_size != strlen(deck) || strncmp(err->text, deck, strlen(deck)) != 0) return;
   const vs_error plain = *err;
   vs_fail_at(err, (vs_where){.file = stand->name}, "%s", plain.text + plain.place_size);

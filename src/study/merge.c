@@ -58,7 +58,7 @@ typedef struct shards {
 } shards;
 
 static vs_status take_folder(shards *all, const char *folder, vs_error *err) {
-  all->item = vs_resize(all->item, all->count + 1, sizeof *all->item);
+  all->item = vs_alloc_grow(all->item, all->count, sizeof *all->item);
   return vs_journal_open(&all->item[all->count++], folder, false, err);
 }
 

@@ -42,8 +42,7 @@ static bool emit(reader *r, vs_op op) {
   if (r->depth > VS_FORMULA_DEPTH) return fail(r, "too long a formula");
   vs_formula *f = r->formula;
   if (f->count == MOST_OPS) return fail(r, "too long a formula, with those that it names");
-  if (!(f->count & (f->count - 1))) /* 0 or a power of two: all the room is taken */
-    f->ops = vs_resize(f->ops, f->count ? 2 * f->count : 1, sizeof *f->ops);
+  f->ops = vs_alloc_grow(f->ops, f->count, sizeof *f->ops);
   f->ops[f->count++] = op;
   return true;
 }

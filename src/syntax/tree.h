@@ -3,21 +3,7 @@
 #ifndef VS_SYNTAX_TREE_H
 #define VS_SYNTAX_TREE_H
 
-#include "base/error.h"
-
-typedef enum vs_node_kind { VS_NODE_TEXT, VS_NODE_LIST, VS_NODE_MAP } vs_node_kind;
-
-/* One key with its value, or one element of a list. Nodes of a tree own their strings and what
- * hangs below them. */
-typedef struct vs_node {
-  vs_node_kind kind;
-  char *key;             /* its name inside a map, else NULL */
-  char *text;            /* a VS_NODE_TEXT's text, else NULL */
-  struct vs_node *child; /* first element of a list or map */
-  struct vs_node *next;  /* next sibling */
-  vs_where where;        /* where the value stands */
-  vs_where key_where;    /* where its key stands */
-} vs_node;
+#include "yaml/node.h"
 
 typedef struct vs_tree {
   vs_node *root;   /* always a map; empty for an empty file, which is a valid scene */

@@ -5,6 +5,7 @@
 
 #include <string.h>
 
+#include "blame/blame.h"
 #include "deck/memory.h"
 #include "deck/netlist.h"
 #include "deck/parts.h"
@@ -30,7 +31,7 @@ static void locate(const vs_deck *deck) {
     if (length > 200) length = 200;
     snprintf(err.text + n, sizeof err.text - n, "%.*s%.*s%s", (int)(hole - says), says, (int)length,
              line, hole + 2);
-    vs_netlist_locate(deck, k % 3 ? 0 : k, &err);
+    vs_blame_locate(deck, k % 3 ? 0 : k, &err);
     FUZZ_HOLDS(*err.text);
   }
 }
