@@ -211,6 +211,11 @@ static vs_status find_rest(vs_coil *c, vs_where where, vs_error *err) {
   }
   c->rest_h = 1 / slope;
   if (slope > 0 && isfinite(slope) && isfinite(i)) return VS_OK;
+  if (!isfinite(slope) || !isfinite(i))
+    return vs_fail_at(err, where,
+                      "the current or di/dlambda is no finite number at lambda = %g Wb, z = %g m; "
+                      "write a formula that has both around lambda = 0",
+                      flux, c->gap_rest_m);
   return vs_fail_at(err, where,
                     "the current must grow with lambda; at lambda = %g Wb, z = %g m it is %g A "
                     "and di/dlambda = %g A/Wb",
