@@ -219,6 +219,21 @@ static void with_a_stop(void) {
   }
 }
 
+/* A copy that is pushed aside may meet the stop otherwise than the orbit does. At a coarse
+ * tolerance pushes to one side alone gave largest multipliers of 1.0026 to 1.82 in these scenes,
+ * known to 0.001. At 1e-4 they are below 1. */
+static void not_unstable(void) {
+  static const char *const ANGLES[] = {"82", "95", "95.5"};
+  for (size_t k = 0; k < COUNT(ANGLES); k++) {
+    ran r = run("steady paper --tier circuit --set firing.every=1 --set actuator.stop={} --set "
+                "run.tolerance=1e-2 --set run.verify=never --set firing.angle=%sdeg --json --quiet",
+                ANGLES[k]);
+    EXPECT(!r.status && !strstr(r.out, "\"stable\": false"), "%s: %d %s", ANGLES[k], r.status,
+           r.err);
+    free_ran(&r);
+  }
+}
+
 /* The same bytes again, and for an orbit of a machine that is another. */
 static void the_same_again(void) {
   static const char WORDS[] = "steady two_mass --tier circuit --set firing.every=1 --set "
@@ -256,6 +271,7 @@ static const vs_test TESTS[] = {
     {"a flux that creeps", a_flux_that_creeps},
     {"a run begins there", a_run_begins_there},
     {"with a stop", with_a_stop},
+    {"not unstable", not_unstable},
     {"what no probe shows", what_no_probe_shows},
     {"the same again", the_same_again},
     {"refused", refused},

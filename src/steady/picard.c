@@ -71,29 +71,57 @@ static double part_pushed(const vs_search *s, double *error) {
   return sqrt(noise / CURVED);
 }
 
-/* Returns true in a copy of the process. */
+/* What one set of copies shows: each state pushed to one side. */
+typedef struct side {
+  vs_multiplier multiplier[VS_VARIATION_MOST]; /* the largest first */
+  int found;
+} side;
+
+/* Sends such copies and hears of them. In a copy search->copies.inside is true behind it. */
+static vs_status look_aside(const vs_picard *p, const vs_knot *end, double part, double *x,
+                            side *to, vs_error *err) {
+  vs_search *s = p->search;
+  double orbit[MOST + 1];
+  vs_status status = vs_copies_fork(&s->copies, &s->setup->model, s->scale, part, x, err);
+  if (status || s->copies.inside) return status;
+  memcpy(orbit, s->x, (size_t)s->count * sizeof *orbit);
+  orbit[s->count] = end->flux_wb;
+  return vs_copies_hear(&s->copies, orbit, s->scale, p->known_to, to->multiplier, &to->found, err);
+}
+
+/* How far the largest multipliers of the two sides lie apart. */
+static double apart(const side *a, const side *b) {
+  return fabs(hypot(a->multiplier[0].re, a->multiplier[0].im) -
+              hypot(b->multiplier[0].re, b->multiplier[0].im));
+}
+
+/* Pushes the states to one side, and then to the other. What part_pushed tells of the error is
+ * measured where copies differ smoothly. Where one meets a stop or a firing that another just
+ * misses, the two sides differ by more, and that is the error. Returns true in a copy of the
+ * process. */
 static bool find_multipliers(vs_picard *p, const vs_knot *end) {
   vs_search *s = p->search;
   vs_error why = {0};
+  side up, down;
+  p->multipliers = 0;
   if (s->corrections.creeps > 0) { /* the copies show one slow state of the circuit and not two */
     snprintf(p->missing, sizeof p->missing,
              "something in the circuit is forgotten by a factor of %.3g a period alone",
              s->corrections.creeps);
-    p->multipliers = 0;
     return false;
   }
   double part = part_pushed(s, &p->known_to);
-  vs_status status = vs_copies_fork(&s->copies, &s->setup->model, s->scale, part, p->pilot.x, &why);
-  if (!status && s->copies.inside) return true;
-  double orbit[MOST + 1];
-  memcpy(orbit, s->x, (size_t)s->count * sizeof *orbit);
-  orbit[s->count] = end->flux_wb;
-  if (!status)
-    status = vs_copies_hear(&s->copies, orbit, s->scale, p->known_to, p->orbit.multiplier,
-                            &p->multipliers, &why);
-  if (status) snprintf(p->missing, sizeof p->missing, "%.255s", why.text);
-  if (status) p->multipliers = 0;
-  p->orbit.stable = !status && hypot(p->orbit.multiplier[0].re, p->orbit.multiplier[0].im) < 1;
+  vs_status status = look_aside(p, end, part, p->pilot.x, &up, &why);
+  if (!status && !s->copies.inside) status = look_aside(p, end, -part, p->pilot.x, &down, &why);
+  if (status) {
+    snprintf(p->missing, sizeof p->missing, "%.255s", why.text);
+    return false;
+  }
+  if (s->copies.inside) return true;
+  p->known_to = fmax(p->known_to, apart(&up, &down));
+  p->multipliers = up.found;
+  memcpy(p->orbit.multiplier, up.multiplier, sizeof up.multiplier);
+  p->orbit.stable = hypot(up.multiplier[0].re, up.multiplier[0].im) < 1;
   return false;
 }
 
