@@ -150,7 +150,7 @@ static void bad_lines_are_refused(void) {
 static void slips_are_refused(void) {
   static const char TWO[] = SUPPLY "Rb a b 1\n" EVA ".subckt two p q r=1\n.param x=1\n"
                                    "R1 p q {r*x}\n.ends\n";
-  char deck[1024];
+  char deck[2048];
   snprintf(deck, sizeof deck, "%sX9 a 0 two rr=5\n", TWO);
   REFUSE(deck, "bad.cir:10:12: ", "did you mean 'r'");
   snprintf(deck, sizeof deck, "%sX9 a 0 two r=1\n+ other=5\n", TWO);
@@ -169,6 +169,9 @@ static void slips_are_refused(void) {
   snprintf(deck, sizeof deck,
            "%sX9 a 0 two R = 5 x=2 m=2\nX8 a 0 two params: r={2*(1+1)}\nR9 a 0 dr\n"
            ".model dr r(r=1k\n.if (1)\nR8 a 0 r='(1k)'\n.endif\n"
+           ".param p1={f1(p2)}\n.subckt s1 p q p1={p1}\n.param p2={p2}\n.func f1(x) {f2(x)}\n"
+           "R1 p q {f1(p1)}\n.ends\n.func f2(x) {f1(x)}\n.func f1(f2) {2*f2}\n.param p2=1k\n"
+           "X7 a 0 s1 p1={p1}\n"
            "V9 q 0 PWL(0 0 1m 1 1m 2 2000us 0)\nR7 q 0 1k\n",
            TWO);
   write_file("good.cir", deck);

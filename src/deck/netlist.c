@@ -16,6 +16,7 @@
 #include "deck/parts.h"
 #include "deck/rules.h"
 #include "dialect/words.h"
+#include "slips/cycles.h"
 #include "slips/subcircuits.h"
 
 /* ---- files ---- */
@@ -45,6 +46,15 @@ static vs_status match_sources(const vs_deck *deck, vs_error *err) {
   return status;
 }
 
+/* Looks for functions and parameters that need themselves. */
+static vs_status check_definitions(const vs_deck *deck, vs_error *err) {
+  vs_definitions definitions;
+  vs_definitions_find(&definitions, deck->lines, deck->n_lines);
+  vs_status status = vs_error_carry_on(err, vs_cycles_check(&definitions, err));
+  vs_definitions_free(&definitions);
+  return status;
+}
+
 /* Holds the parameters of all instances to their subcircuits. */
 static vs_status check_instances(const vs_deck *deck, vs_error *err) {
   vs_subcircuits subcircuits;
@@ -66,6 +76,12 @@ static vs_status check_instances(const vs_deck *deck, vs_error *err) {
   return status;
 }
 
+/* What can be told once all lines are there. */
+static vs_status check_whole(const vs_deck *deck, vs_error *err) {
+  vs_status status = check_definitions(deck, err);
+  return status ? status : check_instances(deck, err);
+}
+
 vs_status vs_netlist_read(const char *path, vs_deck *deck, vs_error *err) {
   vs_deck_begin(deck);
   deck->has_title_line = true;
@@ -83,7 +99,7 @@ vs_status vs_netlist_read(const char *path, vs_deck *deck, vs_error *err) {
 
 static vs_status read_alone(vs_deck *deck, const char *path, bool library, vs_error *err) {
   vs_status status = vs_files_read(deck, path, library, err);
-  return status || deck->lost ? status : check_instances(deck, err);
+  return status || deck->lost ? status : check_whole(deck, err);
 }
 
 vs_status vs_netlist_read_part(const char *path, vs_deck *part, vs_error *err) {
@@ -189,7 +205,7 @@ vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error 
   }
   if (!status) status = vs_parts_resolve(deck, err);
   if (!status) status = vs_devices_resolve(deck, err);
-  if (!status && !deck->lost) status = check_instances(deck, err);
+  if (!status && !deck->lost) status = check_whole(deck, err);
   return status ? status : match_sources(deck, err);
 }
 
