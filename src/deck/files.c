@@ -18,6 +18,7 @@
 #include "dialect/statements.h"
 #include "dialect/translate.h"
 #include "dialect/words.h"
+#include "slips/conditions.h"
 #include "slips/slips.h"
 
 static const vs_shelf INCLUDE_SHELF = {"include file", "", ""};
@@ -152,7 +153,7 @@ static vs_status take_line(vs_deck *deck, vs_line line, vs_error *err) {
   if (!status && !other_file) status = take_circuit(deck, &line, &skip, err);
   if (status && (other_file || (*text != '.' && !isalpha((unsigned char)*text))))
     deck->lost |= VS_LOST_ALL; /* it may have been anything */
-  else if (status && (*text != '.' || !strcmp(word, ".subckt")))
+  else if (status && (*text != '.' || !strcmp(word, ".subckt") || !strncmp(word, ".if", 3)))
     deck->lost |= VS_LOST_ELEMENT;
   if (status || skip) vs_line_free(&line);
   return status;
@@ -368,9 +369,12 @@ static void tell_skipped(vs_deck *deck) {
 vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error *err) {
   const size_t before = deck->n_lines;
   vs_status status = read_file(deck, path, library, err);
-  if (!status && !deck->lost && deck->n_lines > before)
-    status = vs_error_carry_on(
-        err, vs_slips_conditions(deck->lines + before, deck->n_lines - before, err));
+  if (!status && !deck->lost && deck->n_lines > before) {
+    const vs_line *lines = deck->lines + before;
+    const size_t count = deck->n_lines - before;
+    status = vs_error_carry_on(err, vs_conditions_check(lines, count, err));
+    if (!status) status = vs_error_carry_on(err, vs_slips_conditions(lines, count, err));
+  }
   vs_translate_names(deck->lines, deck->n_lines, &deck->changes);
   tell_skipped(deck);
   if (status || deck->subcircuits == 0) return status;

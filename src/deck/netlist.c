@@ -17,6 +17,7 @@
 #include "deck/rules.h"
 #include "dialect/words.h"
 #include "slips/cycles.h"
+#include "slips/nesting.h"
 #include "slips/subcircuits.h"
 
 /* ---- files ---- */
@@ -76,9 +77,28 @@ static vs_status check_instances(const vs_deck *deck, vs_error *err) {
   return status;
 }
 
+/* Looks for subcircuits that have themselves within. */
+static vs_status check_nesting(const vs_deck *deck, vs_error *err) {
+  vs_word *called = vs_alloc(deck->n_lines + 1, sizeof *called);
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    called[k].at = vs_rules_instance_of(deck->lines[k].text, &called[k].n);
+    for (size_t p = 0; p < deck->n_parts && called[k].n; p++) {
+      const char *subcircuit = deck->parts[p].subcircuit;
+      if (!vs_words_is(called[k], deck->parts[p].name)) continue;
+      called[k] = (vs_word){subcircuit, strlen(subcircuit)};
+      break;
+    }
+  }
+  vs_status status =
+      vs_error_carry_on(err, vs_nesting_check(deck->lines, called, deck->n_lines, err));
+  free(called);
+  return status;
+}
+
 /* What can be told once all lines are there. */
 static vs_status check_whole(const vs_deck *deck, vs_error *err) {
   vs_status status = check_definitions(deck, err);
+  if (!status) status = check_nesting(deck, err);
   return status ? status : check_instances(deck, err);
 }
 
