@@ -389,6 +389,7 @@ static void a_circuits_lines(void) {
     const char *deck, *part, *at, *says;
   } ROWS[] = {
       {"X1 a b g thyristor\n", GOOD_PART, "d.cir:1:1: ", "has no EVA"},
+      {"X1 a b g thyristor\nXe b 0 evaa\n", GOOD_PART, "d.cir:8:8: ", "did you mean 'eva'"},
       {"X1 a b g thyristor\nXe b 0 eva\n", ".subckt my a k g\nR1 a k 1k\n.ends\n",
        "my.inc:1:1: ", "which circuit.thyristor asks for"},
       {"X1 a b g thyristor\nXe b 0 eva\n", PART_HEAD "R0 a 0 1\n.subckt other a k g\n.ends\n",
@@ -468,6 +469,12 @@ static void the_line_itself(void) {
       {".subckt s9 a b\nR1 a b 1\nX1 a b s8\n.ends\nX9 a 0 s9\n.subckt s8 a b\n"
        ".subckt s7 a b\nR1 a b 1\n.ends\nX1 a b s7\nX2 a b S9 m=2\n.ends\n",
        "t.cir:27:1: ", "subcircuit s9 calls s8, which calls s9"},
+      {".include ./t.cir\n", "t.cir:25:1: ", "t.cir includes itself"},
+      {".lib models.lib tt\n", "t.cir:25:1: ", "sections of libraries, as tt, are not read"},
+      {".lib\n", "t.cir:25:1: ", "'.include FILE' is wanted"},
+      {".model csw(it=0.1)\n", "t.cir:25:1: ", "a model has a name and a type"},
+      {".model sw vt = 1\n", "t.cir:25:1: ", "a model has a name and a type"},
+      {".model s9\n", "t.cir:25:1: ", "a model has a name and a type"},
       {"G9 a 0 b 0\n", "t.cir:25:1: ", "as many nodes and values as such an element"},
       {"X9 a b g c thyristor\n", "t.cir:25:1: ", "Too many parameters"},
       {"X9 a b thyristor\n", "t.cir:25:1: ", "Too few parameters"}};

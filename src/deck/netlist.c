@@ -102,6 +102,42 @@ static vs_status check_whole(const vs_deck *deck, vs_error *err) {
   return status ? status : check_instances(deck, err);
 }
 
+static bool defines(const vs_deck *deck, const char *subcircuit) {
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const char *text = deck->lines[k].text;
+    char name[VS_DECK_NAME];
+    if (vs_words_begin(text, ".subckt") && sscanf(text + 7, " %63s", name) == 1 &&
+        !strcasecmp(name, subcircuit))
+      return true;
+  }
+  return false;
+}
+
+/* True for the name of a part or of a subcircuit. */
+static bool knows(const vs_deck *deck, const char *name) {
+  for (size_t p = 0; p < deck->n_parts; p++)
+    if (!strcasecmp(deck->parts[p].name, name)) return true;
+  return defines(deck, name);
+}
+
+/* A deck without an EVA has misspelt it where an instance's subcircuit is not there and has nearly
+ * that name. */
+static vs_status refuse_no_eva(const vs_deck *deck, vs_error *err) {
+  static const char *const EVA[] = {"eva"};
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    size_t n = 0;
+    const char *at = vs_rules_instance_of(deck->lines[k].text, &n);
+    char name[VS_DECK_NAME];
+    if (!at || n >= sizeof name || deck->lines[k].written) continue;
+    snprintf(name, sizeof name, "%.*s", (int)n, at);
+    if (vs_text_nearest(name, EVA, 1) && !knows(deck, name))
+      return vs_fail_at(err, vs_line_place(&deck->lines[k], at),
+                        "no subcircuit %s, and the deck has no EVA; did you mean 'eva'?", name);
+  }
+  return vs_fail_at(err, (vs_where){deck->files[0], 1, 1},
+                    "has no EVA; a deck has one line 'Xeva n m eva'");
+}
+
 vs_status vs_netlist_read(const char *path, vs_deck *deck, vs_error *err) {
   vs_deck_begin(deck);
   deck->has_title_line = true;
@@ -112,8 +148,7 @@ vs_status vs_netlist_read(const char *path, vs_deck *deck, vs_error *err) {
                         "'*$ part' belongs into a part's file, not into a deck; a deck takes "
                         "a part by a line '*$ param thyristor = NAME part thyristor'"));
   if (!status && !*deck->eva && !(deck->lost & VS_LOST_ELEMENT))
-    status = vs_error_carry_on(err, vs_fail_at(err, (vs_where){deck->files[0], 1, 1},
-                                               "has no EVA; a deck has one line 'Xeva n m eva'"));
+    status = vs_error_carry_on(err, refuse_no_eva(deck, err));
   return status;
 }
 
@@ -157,17 +192,6 @@ static void subcircuit_of(const char *path, char name[VS_DECK_NAME]) {
   const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
   snprintf(name, VS_DECK_NAME, "%.*s", (int)strcspn(base, "."), base);
   vs_cursor_lower(name);
-}
-
-static bool defines(const vs_deck *deck, const char *subcircuit) {
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    const char *text = deck->lines[k].text;
-    char name[VS_DECK_NAME];
-    if (vs_words_begin(text, ".subckt") && sscanf(text + 7, " %63s", name) == 1 &&
-        !strcasecmp(name, subcircuit))
-      return true;
-  }
-  return false;
 }
 
 /* Where the file defines its first subcircuit; its begin where it defines none. */
