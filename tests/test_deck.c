@@ -169,6 +169,8 @@ static void slips_are_refused(void) {
   snprintf(deck, sizeof deck,
            "%sX9 a 0 two R = 5 x=2 m=2\nX8 a 0 two params: r={2*(1+1)}\nR9 a 0 dr\n"
            ".model dr r(r=1k\n.if (1)\nR8 a 0 r='(1k)'\n.endif\n"
+           ".func f7(x) {f8(f8(x,1),0)}\n.func f8(x,y) {x+x+x+x+x+x+x+x+y}\n"
+           "B7 q7 0 V=f7(v(a)/1k)+f7(f7(2))\n"
            ".if (1)\n.if (0)\n.elseif (1)\n.else\n.endif\n.endif\n"
            ".subckt s5 p q\nX1 p q s6\n.subckt s6 p q\nR1 p q 1k\n.ends\n.ends\nX5 a 0 s5\n"
            ".subckt s4 p q\nX1 p q s5\nX2 p q s5\n.ends\nX4 a 0 s4\n"

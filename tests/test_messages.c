@@ -427,6 +427,7 @@ static void a_circuits_lines(void) {
 
 #define SA ".subckt sa p q"
 #define SB "\n.subckt sb p q\n"
+#define EIGHT ".func f1(x) {x*x*x*x*x*x*x*x}\n.func f2(x) {f1(f1(x))}\n.func f3(x) {f2(f2(x))}\n"
 #define BOTH "\nX8 a 0 sa\nX9 a 0 sb\n"
 
 /* Lines that are added to the shipped deck of 24 lines: the line that is wrong is named, not
@@ -469,6 +470,12 @@ static void the_line_itself(void) {
       {".subckt s9 a b\nR1 a b 1\nX1 a b s8\n.ends\nX9 a 0 s9\n.subckt s8 a b\n"
        ".subckt s7 a b\nR1 a b 1\n.ends\nX1 a b s7\nX2 a b S9 m=2\n.ends\n",
        "t.cir:27:1: ", "subcircuit s9 calls s8, which calls s9"},
+      {EIGHT ".func f4(x) {f3(f3(x))}\nR9 a 0 1k\n", "t.cir:28:1: ", "characters, and at most"},
+      {EIGHT "B9 q9 0 V=f3(f3(v(a)))\n", "t.cir:28:1: ", "characters, and at most"},
+      {EIGHT ".param p9={f3(f3(1))}\n", "t.cir:28:1: ", "characters, and at most"},
+      {EIGHT SA "\n.func f3(x, y) {y}\nB1 p q I=f3(f3(1,2),v(p))\n.ends\n" SB
+                "B1 p q I=f3(f3(v(p)))\n.ends" BOTH,
+       "t.cir:34:1: ", "characters, and at most"},
       {".include ./t.cir\n", "t.cir:25:1: ", "t.cir includes itself"},
       {".lib models.lib tt\n", "t.cir:25:1: ", "sections of libraries, as tt, are not read"},
       {".lib\n", "t.cir:25:1: ", "'.include FILE' is wanted"},

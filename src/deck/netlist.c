@@ -17,6 +17,7 @@
 #include "deck/rules.h"
 #include "dialect/words.h"
 #include "slips/cycles.h"
+#include "slips/growth.h"
 #include "slips/nesting.h"
 #include "slips/subcircuits.h"
 
@@ -47,11 +48,13 @@ static vs_status match_sources(const vs_deck *deck, vs_error *err) {
   return status;
 }
 
-/* Looks for functions and parameters that need themselves. */
+/* Looks for functions and parameters that need themselves, or come to too much. */
 static vs_status check_definitions(const vs_deck *deck, vs_error *err) {
   vs_definitions definitions;
   vs_definitions_find(&definitions, deck->lines, deck->n_lines);
-  vs_status status = vs_error_carry_on(err, vs_cycles_check(&definitions, err));
+  vs_status status = vs_cycles_check(&definitions, err);
+  if (!status) status = vs_growth_check(&definitions, deck->lines, deck->n_lines, err);
+  status = vs_error_carry_on(err, status);
   vs_definitions_free(&definitions);
   return status;
 }

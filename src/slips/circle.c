@@ -11,7 +11,7 @@ enum { NEW, OPEN, DONE }; /* what is known of a thing: OPEN ones are on the path
 /* Goes from a thing to all that it needs. Returns the length of the path if that ends where it has
  * been before, at path[*from]; 0: it does not. */
 static size_t walk(size_t thing, size_t count, vs_circle_next *next, const void *ctx,
-                   unsigned char *known, vs_circle_step *path, size_t *from) {
+                   unsigned char *known, vs_circle_step *path, size_t *from, size_t **order) {
   size_t depth = 1;
   path[0] = (vs_circle_step){.thing = thing};
   known[thing] = OPEN;
@@ -19,6 +19,7 @@ static size_t walk(size_t thing, size_t count, vs_circle_next *next, const void 
     const size_t to = next(ctx, &path[depth - 1]);
     if (to == count) {
       known[path[--depth].thing] = DONE;
+      if (*order) *(*order)++ = path[depth].thing;
     } else if (known[to] == OPEN) {
       for (*from = 0; path[*from].thing != to;) ++*from;
       return depth;
@@ -30,11 +31,12 @@ static size_t walk(size_t thing, size_t count, vs_circle_next *next, const void 
   return 0;
 }
 
-size_t vs_circle_find(size_t count, vs_circle_next *next, const void *ctx, vs_circle_step *path) {
+size_t vs_circle_find(size_t count, vs_circle_next *next, const void *ctx, vs_circle_step *path,
+                      size_t *order) {
   unsigned char *known = vs_alloc(count + 1, sizeof *known);
   size_t length = 0, from = 0, least;
   for (size_t k = 0; k < count && !length; k++)
-    if (known[k] == NEW) length = walk(k, count, next, ctx, known, path, &from);
+    if (known[k] == NEW) length = walk(k, count, next, ctx, known, path, &from, &order);
   free(known);
   least = from;
   for (size_t k = from; k < length; k++)

@@ -19,10 +19,11 @@ typedef struct vs_circle_step {
  * the things: there is none left. */
 typedef size_t vs_circle_next(const void *ctx, vs_circle_step *step);
 
-/* Looks for a circle among `count` things and gives its steps in `path`, which has room for
+/* Looks for a circle among `count` things, and gives its steps in `path`, which has room for
  * `count`, from the thing of the least number on. Returns how many there are; 0: there is no
- * circle. */
-size_t vs_circle_find(size_t count, vs_circle_next *next, const void *ctx, vs_circle_step *path);
+ * circle, and `order` (NULL: not asked for) has all things, each behind those that it names. */
+size_t vs_circle_find(size_t count, vs_circle_next *next, const void *ctx, vs_circle_step *path,
+                      size_t *order);
 
 /* Adds what a circle says: " calls itself", " calls b, which needs c, which needs a". */
 typedef const char *vs_circle_verb(const void *ctx, size_t thing, vs_word *name);

@@ -30,7 +30,7 @@ static const char *verb(const void *ctx, size_t thing, vs_word *name) {
 
 vs_status vs_cycles_check(const vs_definitions *d, vs_error *err) {
   vs_circle_step *path = vs_alloc(d->count + 1, sizeof *path);
-  const size_t count = vs_circle_find(d->count, next, d, path);
+  const size_t count = vs_circle_find(d->count, next, d, path, NULL);
   if (count) {
     const vs_definition *first = &d->list[path[0].thing];
     vs_text text = {0};
@@ -43,4 +43,10 @@ vs_status vs_cycles_check(const vs_definitions *d, vs_error *err) {
   }
   free(path);
   return count ? VS_INPUT : VS_OK;
+}
+
+void vs_cycles_order(const vs_definitions *d, size_t *order) {
+  vs_circle_step *path = vs_alloc(d->count + 1, sizeof *path);
+  vs_circle_find(d->count, next, d, path, order);
+  free(path);
 }

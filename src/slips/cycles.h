@@ -9,4 +9,7 @@
 /* Error: the first definition that needs itself, with the place where it names the next one. */
 vs_status vs_cycles_check(const vs_definitions *d, vs_error *err);
 
+/* Gives the numbers of all definitions, each behind those that it names. None needs itself. */
+void vs_cycles_order(const vs_definitions *d, size_t *order);
+
 #endif

@@ -175,16 +175,30 @@ bool vs_definitions_mention(const char *from, const char *end, vs_mention *found
   return false;
 }
 
-int vs_definitions_argument(const vs_definition *function, vs_word name) {
-  const char *s = function->arguments.at, *end = s + function->arguments.n;
-  for (int k = 0; s < end; k++) {
-    s += strspn(s, " \t,");
-    const size_t n = length_of_name(s);
-    if (n == name.n && !strncasecmp(s, name.at, n)) return k;
-    s += n ? n : 1;
-    s += strspn(s, BLANKS);
+/* The name of the next argument at or behind s, which moves behind it; no bytes: none is left. */
+static vs_word next_argument(const vs_definition *function, const char **s) {
+  const char *end = function->arguments.at + function->arguments.n;
+  for (; *s < end; ++*s) {
+    const vs_word name = {*s, length_of_name(*s)};
+    *s += name.n;
+    if (name.n) return name;
   }
+  return (vs_word){end, 0};
+}
+
+int vs_definitions_argument(const vs_definition *function, vs_word name) {
+  const char *s = function->arguments.at;
+  vs_word argument;
+  for (int k = 0; (argument = next_argument(function, &s)).n; k++)
+    if (!compare_words(argument, name)) return k;
   return -1;
+}
+
+size_t vs_definitions_arguments(const vs_definition *function) {
+  const char *s = function->arguments.at;
+  size_t count = 0;
+  while (next_argument(function, &s).n) count++;
+  return count;
 }
 
 vs_where vs_definitions_place(const vs_line *line, vs_word name) {

@@ -46,6 +46,9 @@ const vs_definition *vs_definitions_get(const vs_definitions *d, vs_mention ment
 /* The number of the function's argument of that name, from 0; -1: it has none. */
 int vs_definitions_argument(const vs_definition *function, vs_word name);
 
+/* How many arguments it has. */
+size_t vs_definitions_arguments(const vs_definition *function);
+
 /* The place in the file of a name in the text of the line, which may have been changed. */
 vs_where vs_definitions_place(const vs_line *line, vs_word name);
 

@@ -89,7 +89,7 @@ vs_status vs_nesting_check(const vs_line *lines, const vs_word *called, size_t c
   netlist all = {.lines = lines, .called = called};
   find_all(&all, count);
   vs_circle_step *path = vs_alloc(all.count + 1, sizeof *path);
-  const size_t length = vs_circle_find(all.count, next, &all, path);
+  const size_t length = vs_circle_find(all.count, next, &all, path, NULL);
   if (length) {
     const vs_word name = all.list[path[0].thing].name;
     vs_text text = {0};
