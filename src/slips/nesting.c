@@ -29,7 +29,7 @@ static int compare_names(const void *a, const void *b) {
   return compare_words(((const subcircuit *)a)->name, ((const subcircuit *)b)->name);
 }
 
-/* Finds the subcircuits in their order; `in` takes those that are open. */
+/* Finds the subcircuits in their order. */
 static void find_all(netlist *all, size_t n_lines) {
   size_t *open = NULL, depth = 0;
   for (size_t k = 0; k < n_lines; k++) {
