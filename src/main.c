@@ -137,6 +137,13 @@ static void fill_streams(void) {
 
 enum { LINES = 1 << 16 }; /* bytes of standard output that are written at once */
 
+/* What is printed may not have gone out, as into a file on a full disk. */
+static vs_status end_output(void) {
+  if (!fflush(stdout) && !ferror(stdout)) return VS_OK;
+  fputs("vibrospice: standard output cannot be written\n", stderr);
+  return VS_RUN;
+}
+
 int main(int argc, char **argv) {
   static const char *const HELP[] = {"--help", "-h", "-?", NULL}, *const VERSION[] = {"--version",
                                                                                       "-V", NULL};
@@ -149,20 +156,16 @@ int main(int argc, char **argv) {
   }
   if (is_among(argv[1], HELP)) {
     print_help(stdout);
-    return VS_OK;
+    return (int)end_output();
   }
   if (is_among(argv[1], VERSION)) {
     print_version(stdout);
-    return VS_OK;
+    return (int)end_output();
   }
   const vs_command *command = find_command(argv[1]);
   if (!command) return VS_INPUT;
   vs_leave_begin();
   signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error to report, like a full disk */
   vs_status status = vs_command_run(command, argc, argv);
-  if (!status && (fflush(stdout) || ferror(stdout))) {
-    fputs("vibrospice: standard output cannot be written\n", stderr);
-    status = VS_RUN;
-  }
-  return (int)status;
+  return (int)(status ? status : end_output());
 }

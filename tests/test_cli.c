@@ -961,6 +961,23 @@ static void a_full_disk_is_an_error(void) {
   remove_tree("old");
 }
 
+/* What is printed, and did not go out, is an error of every command. */
+static void a_full_standard_output_is_an_error(void) {
+  static const char *const WORDS[] = {"--help", "-?", "--version", "help", "run --help", "list"};
+  for (size_t k = 0; k < COUNT(WORDS); k++) {
+    vs_text command = {0};
+    vs_text_add(&command, "'%s' %s >/dev/full 2>said.txt", VS_PROGRAM, WORDS[k]);
+    int how = system(command.text);
+    char *said = read_file("said.txt");
+    EXPECT(WIFEXITED(how) && WEXITSTATUS(how) == VS_RUN &&
+               !strcmp(said, "vibrospice: standard output cannot be written\n"),
+           "%s: %d %s", WORDS[k], how, said);
+    free(said);
+    vs_text_free(&command);
+  }
+  remove("said.txt");
+}
+
 static const vs_test TESTS[] = {
     {"bad scenes are refused", bad_scenes_are_refused},
     {"bad commands are refused", bad_commands_are_refused},
@@ -979,6 +996,7 @@ static const vs_test TESTS[] = {
     {"nohup is obeyed", nohup_is_obeyed},
     {"surroundings change nothing", surroundings_change_nothing},
     {"a full disk is an error", a_full_disk_is_an_error},
+    {"a full standard output is an error", a_full_standard_output_is_an_error},
     {"verdict and audit", verdict_and_audit},
     {"modes", modes},
     {"help, version, list", what_the_program_says_about_itself},

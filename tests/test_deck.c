@@ -150,7 +150,7 @@ static void bad_lines_are_refused(void) {
 static void slips_are_refused(void) {
   static const char TWO[] = SUPPLY "Rb a b 1\n" EVA ".subckt two p q r=1\n.param x=1\n"
                                    "R1 p q {r*x}\n.ends\n";
-  char deck[1024];
+  char deck[2048];
   snprintf(deck, sizeof deck, "%sX9 a 0 two rr=5\n", TWO);
   REFUSE(deck, "bad.cir:10:12: ", "did you mean 'r'");
   snprintf(deck, sizeof deck, "%sX9 a 0 two r=1\n+ other=5\n", TWO);
@@ -169,6 +169,14 @@ static void slips_are_refused(void) {
   snprintf(deck, sizeof deck,
            "%sX9 a 0 two R = 5 x=2 m=2\nX8 a 0 two params: r={2*(1+1)}\nR9 a 0 dr\n"
            ".model dr r(r=1k\n.if (1)\nR8 a 0 r='(1k)'\n.endif\n"
+           ".func f7(x) {f8(f8(x,1),0)}\n.func f8(x,y) {x+x+x+x+x+x+x+x+y}\n"
+           "B7 q7 0 V=f7(v(a)/1k)+f7(f7(2))\n"
+           ".if (1)\n.if (0)\n.elseif (1)\n.else\n.endif\n.endif\n"
+           ".subckt s5 p q\nX1 p q s6\n.subckt s6 p q\nR1 p q 1k\n.ends\n.ends\nX5 a 0 s5\n"
+           ".subckt s4 p q\nX1 p q s5\nX2 p q s5\n.ends\nX4 a 0 s4\n"
+           ".param p1={f1(p2)}\n.subckt s1 p q p1={p1}\n.param p2={p2}\n.func f1(x) {f2(x)}\n"
+           "R1 p q {f1(p1)}\n.ends\n.func f2(x) {f1(x)}\n.func f1(f2) {2*f2}\n.param p2=1k\n"
+           "X7 a 0 s1 p1={p1}\n"
            "V9 q 0 PWL(0 0 1m 1 1m 2 2000us 0)\nR7 q 0 1k\n",
            TWO);
   write_file("good.cir", deck);

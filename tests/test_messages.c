@@ -389,6 +389,7 @@ static void a_circuits_lines(void) {
     const char *deck, *part, *at, *says;
   } ROWS[] = {
       {"X1 a b g thyristor\n", GOOD_PART, "d.cir:1:1: ", "has no EVA"},
+      {"X1 a b g thyristor\nXe b 0 evaa\n", GOOD_PART, "d.cir:8:8: ", "did you mean 'eva'"},
       {"X1 a b g thyristor\nXe b 0 eva\n", ".subckt my a k g\nR1 a k 1k\n.ends\n",
        "my.inc:1:1: ", "which circuit.thyristor asks for"},
       {"X1 a b g thyristor\nXe b 0 eva\n", PART_HEAD "R0 a 0 1\n.subckt other a k g\n.ends\n",
@@ -401,6 +402,9 @@ static void a_circuits_lines(void) {
        "my.inc:3:1: ", "already exists"},
       {".subckt one p\nD1 p 0 da\n.model da d\n.ends\nX1 a b g thyristor\nX2 b one\nXe b 0 eva\n",
        PART_HEAD ".subckt my a k g\nR1 a k 1k\nR2 g k 1k\nD1 a k db\n.ends\n", "my.inc:5:", "'db'"},
+      {"X1 a b g thyristor\nXe b 0 eva\n",
+       PART_HEAD ".subckt my a k g\nR1 a k 1k\nX2 a k g thyristor\n.ends\n",
+       "my.inc:4:1: ", "subcircuit my calls itself"},
       {"X1 a b g thyristor\nB1 b 0 I=\nXe b 0 eva\n", GOOD_PART, "d.cir:8:1: ", "V=... or I=..."},
       {"X1 a b g thyristor\nR7 b 0 {r7\xff}\nXe b 0 eva\n", GOOD_PART,
        "d.cir:8:1: ", "without this line"},
@@ -423,6 +427,7 @@ static void a_circuits_lines(void) {
 
 #define SA ".subckt sa p q"
 #define SB "\n.subckt sb p q\n"
+#define EIGHT ".func f1(x) {x*x*x*x*x*x*x*x}\n.func f2(x) {f1(f1(x))}\n.func f3(x) {f2(f2(x))}\n"
 #define BOTH "\nX8 a 0 sa\nX9 a 0 sb\n"
 
 /* Lines that are added to the shipped deck of 24 lines: the line that is wrong is named, not
@@ -448,6 +453,35 @@ static void the_line_itself(void) {
       {".param p1={\n", "t.cir:25:11: ", "is not closed in its line"},
       {"B9 q9 0 V=v(a\n", "t.cir:25:12: ", "is not closed in its line"},
       {"B9 q9 0 V=v(a))\n", "t.cir:25:15: ", "is one too many"},
+      {".func f9(x) {1+f9(x)}\n", "t.cir:25:16: ", "function f9 calls itself"},
+      {".func f9 (x) = {if(x>1, f9 (x), 1)}\n", "t.cir:25:25: ", "function f9 calls itself"},
+      {".func f9(x) {max(x,\n+ g9(x))}\n.func g9(y) {f9(y)}\nR9 a 0 1k\n",
+       "t.cir:26:3: ", "function f9 calls g9, which calls f9"},
+      {".param p9=1 p8={2*p7} p7={p8}\n", "t.cir:25:19: ", "parameter p8 needs p7, which needs p8"},
+      {".param p9=1 P8='f9(2)'\n.func f9(x) {x*p8}\n",
+       "t.cir:25:17: ", "parameter P8 calls f9, which needs P8"},
+      {".param p9={p9+1}\n", "t.cir:25:12: ", "parameter p9 needs itself"},
+      {"R9 a 0 1k\n.endif\n", "t.cir:26:1: ", ".endif stands here without an .if"},
+      {".if (1)\nR9 a 0 1k\n.endif\n.else\nR8 a 0 1k\n.endif\n",
+       "t.cir:28:1: ", ".else stands here without an .if"},
+      {".elseif(1)\n", "t.cir:25:1: ", ".elseif stands here without an .if"},
+      {".subckt s9 a b\nR1 a b 1\nX1 a b s9\n.ends\nX9 a 0 s9\n",
+       "t.cir:27:1: ", "subcircuit s9 calls itself"},
+      {".subckt s9 a b\nR1 a b 1\nX1 a b s8\n.ends\nX9 a 0 s9\n.subckt s8 a b\n"
+       ".subckt s7 a b\nR1 a b 1\n.ends\nX1 a b s7\nX2 a b S9 m=2\n.ends\n",
+       "t.cir:27:1: ", "subcircuit s9 calls s8, which calls s9"},
+      {EIGHT ".func f4(x) {f3(f3(x))}\nR9 a 0 1k\n", "t.cir:28:1: ", "characters, and at most"},
+      {EIGHT "B9 q9 0 V=f3(f3(v(a)))\n", "t.cir:28:1: ", "characters, and at most"},
+      {EIGHT ".param p9={f3(f3(1))}\n", "t.cir:28:1: ", "characters, and at most"},
+      {EIGHT SA "\n.func f3(x, y) {y}\nB1 p q I=f3(f3(1,2),v(p))\n.ends\n" SB
+                "B1 p q I=f3(f3(v(p)))\n.ends" BOTH,
+       "t.cir:34:1: ", "characters, and at most"},
+      {".include ./t.cir\n", "t.cir:25:1: ", "t.cir includes itself"},
+      {".lib models.lib tt\n", "t.cir:25:1: ", "sections of libraries, as tt, are not read"},
+      {".lib\n", "t.cir:25:1: ", "'.include FILE' is wanted"},
+      {".model csw(it=0.1)\n", "t.cir:25:1: ", "a model has a name and a type"},
+      {".model sw vt = 1\n", "t.cir:25:1: ", "a model has a name and a type"},
+      {".model s9\n", "t.cir:25:1: ", "a model has a name and a type"},
       {"G9 a 0 b 0\n", "t.cir:25:1: ", "as many nodes and values as such an element"},
       {"X9 a b g c thyristor\n", "t.cir:25:1: ", "Too many parameters"},
       {"X9 a b thyristor\n", "t.cir:25:1: ", "Too few parameters"}};

@@ -18,6 +18,7 @@
 #include "dialect/statements.h"
 #include "dialect/translate.h"
 #include "dialect/words.h"
+#include "slips/conditions.h"
 #include "slips/slips.h"
 
 static const vs_shelf INCLUDE_SHELF = {"include file", "", ""};
@@ -38,7 +39,14 @@ static vs_status include_name(const char *line, vs_where where, char name[VS_PAT
   char quote = *from == '"' || *from == '\'' ? *from++ : '\0';
   size_t n = quote ? strcspn(from, (char[]){quote, '\0'}) : strcspn(from, " \t");
   const char *after = from + n + (quote && from[n] == quote);
-  if (n == 0 || n >= VS_PATH_SIZE / 2 || after[strspn(after, " \t")])
+  const char *more = after + strspn(after, " \t");
+  if (*more && n && vs_words_begin(line, ".lib"))
+    return vs_fail_at(
+        err, where,
+        "sections of libraries, as %.*s, are not read; copy what the circuit needs of "
+        "it into a file of its own and write '.include FILE'",
+        (int)strcspn(more, " \t"), more);
+  if (n == 0 || n >= VS_PATH_SIZE / 2 || *more)
     return vs_fail_at(err, where, "'.include FILE' is wanted here, one file and nothing more");
   snprintf(name, VS_PATH_SIZE / 2, "%.*s", (int)n, from);
   return VS_OK;
@@ -85,6 +93,13 @@ static vs_status find_include(vs_deck *deck, const char *name, vs_where where,
   return VS_OK;
 }
 
+/* The same file may go by several paths. */
+static bool has_been_read(const vs_deck *deck, const char *path) {
+  for (size_t k = 0; k < deck->n_files; k++)
+    if (is_same_file(deck->files[k], path)) return true;
+  return false;
+}
+
 /* Takes in the file of a line ".include FILE", from the folder of the file it stands in, else from
  * those that come with the program. ngspice does not include it itself, so that its lines are held
  * to the same rules. A file is taken in once, as two parts may rest on the same one; within a
@@ -95,8 +110,9 @@ static vs_status include(vs_deck *deck, const char *line, vs_where where, vs_err
   vs_status status = include_name(line, where, name, err);
   if (!status) status = find_include(deck, name, where, path, &ours, err);
   if (status || !*path) return status;
-  if (!strcmp(path, where.file)) return vs_fail_at(err, where, "%s includes itself", path);
-  if (deck->subcircuits == 0 && vs_files_has(deck, path)) return VS_OK;
+  if (is_same_file(path, where.file))
+    return vs_fail_at(err, where, "%s includes itself; leave this line out", where.file);
+  if (deck->subcircuits == 0 && has_been_read(deck, path)) return VS_OK;
   if (deck->n_files >= VS_DECK_FILES)
     return vs_fail_at(err, where, "more than %d files; does one include itself?", VS_DECK_FILES);
   deck->included[deck->n_files] = ours ? where : (vs_where){0};
@@ -152,7 +168,7 @@ static vs_status take_line(vs_deck *deck, vs_line line, vs_error *err) {
   if (!status && !other_file) status = take_circuit(deck, &line, &skip, err);
   if (status && (other_file || (*text != '.' && !isalpha((unsigned char)*text))))
     deck->lost |= VS_LOST_ALL; /* it may have been anything */
-  else if (status && (*text != '.' || !strcmp(word, ".subckt")))
+  else if (status && (*text != '.' || !strcmp(word, ".subckt") || !strncmp(word, ".if", 3)))
     deck->lost |= VS_LOST_ELEMENT;
   if (status || skip) vs_line_free(&line);
   return status;
@@ -368,9 +384,12 @@ static void tell_skipped(vs_deck *deck) {
 vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error *err) {
   const size_t before = deck->n_lines;
   vs_status status = read_file(deck, path, library, err);
-  if (!status && !deck->lost && deck->n_lines > before)
-    status = vs_error_carry_on(
-        err, vs_slips_conditions(deck->lines + before, deck->n_lines - before, err));
+  if (!status && !deck->lost && deck->n_lines > before) {
+    const vs_line *lines = deck->lines + before;
+    const size_t count = deck->n_lines - before;
+    status = vs_error_carry_on(err, vs_conditions_check(lines, count, err));
+    if (!status) status = vs_error_carry_on(err, vs_slips_conditions(lines, count, err));
+  }
   vs_translate_names(deck->lines, deck->n_lines, &deck->changes);
   tell_skipped(deck);
   if (status || deck->subcircuits == 0) return status;

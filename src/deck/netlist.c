@@ -16,6 +16,9 @@
 #include "deck/parts.h"
 #include "deck/rules.h"
 #include "dialect/words.h"
+#include "slips/cycles.h"
+#include "slips/growth.h"
+#include "slips/nesting.h"
 #include "slips/subcircuits.h"
 
 /* ---- files ---- */
@@ -45,6 +48,17 @@ static vs_status match_sources(const vs_deck *deck, vs_error *err) {
   return status;
 }
 
+/* Looks for functions and parameters that need themselves, or come to too much. */
+static vs_status check_definitions(const vs_deck *deck, vs_error *err) {
+  vs_definitions definitions;
+  vs_definitions_find(&definitions, deck->lines, deck->n_lines);
+  vs_status status = vs_cycles_check(&definitions, err);
+  if (!status) status = vs_growth_check(&definitions, deck->lines, deck->n_lines, err);
+  status = vs_error_carry_on(err, status);
+  vs_definitions_free(&definitions);
+  return status;
+}
+
 /* Holds the parameters of all instances to their subcircuits. */
 static vs_status check_instances(const vs_deck *deck, vs_error *err) {
   vs_subcircuits subcircuits;
@@ -66,6 +80,67 @@ static vs_status check_instances(const vs_deck *deck, vs_error *err) {
   return status;
 }
 
+/* Looks for subcircuits that have themselves within. */
+static vs_status check_nesting(const vs_deck *deck, vs_error *err) {
+  vs_word *called = vs_alloc(deck->n_lines + 1, sizeof *called);
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    called[k].at = vs_rules_instance_of(deck->lines[k].text, &called[k].n);
+    for (size_t p = 0; p < deck->n_parts && called[k].n; p++) {
+      const char *subcircuit = deck->parts[p].subcircuit;
+      if (!vs_words_is(called[k], deck->parts[p].name)) continue;
+      called[k] = (vs_word){subcircuit, strlen(subcircuit)};
+      break;
+    }
+  }
+  vs_status status =
+      vs_error_carry_on(err, vs_nesting_check(deck->lines, called, deck->n_lines, err));
+  free(called);
+  return status;
+}
+
+/* What can be told once all lines are there. */
+static vs_status check_whole(const vs_deck *deck, vs_error *err) {
+  vs_status status = check_definitions(deck, err);
+  if (!status) status = check_nesting(deck, err);
+  return status ? status : check_instances(deck, err);
+}
+
+static bool defines(const vs_deck *deck, const char *subcircuit) {
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const char *text = deck->lines[k].text;
+    char name[VS_DECK_NAME];
+    if (vs_words_begin(text, ".subckt") && sscanf(text + 7, " %63s", name) == 1 &&
+        !strcasecmp(name, subcircuit))
+      return true;
+  }
+  return false;
+}
+
+/* True for the name of a part or of a subcircuit. */
+static bool knows(const vs_deck *deck, const char *name) {
+  for (size_t p = 0; p < deck->n_parts; p++)
+    if (!strcasecmp(deck->parts[p].name, name)) return true;
+  return defines(deck, name);
+}
+
+/* A deck without an EVA has misspelt it where an instance's subcircuit is not there and has nearly
+ * that name. */
+static vs_status refuse_no_eva(const vs_deck *deck, vs_error *err) {
+  static const char *const EVA[] = {"eva"};
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    size_t n = 0;
+    const char *at = vs_rules_instance_of(deck->lines[k].text, &n);
+    char name[VS_DECK_NAME];
+    if (!at || n >= sizeof name || deck->lines[k].written) continue;
+    snprintf(name, sizeof name, "%.*s", (int)n, at);
+    if (vs_text_nearest(name, EVA, 1) && !knows(deck, name))
+      return vs_fail_at(err, vs_line_place(&deck->lines[k], at),
+                        "no subcircuit %s, and the deck has no EVA; did you mean 'eva'?", name);
+  }
+  return vs_fail_at(err, (vs_where){deck->files[0], 1, 1},
+                    "has no EVA; a deck has one line 'Xeva n m eva'");
+}
+
 vs_status vs_netlist_read(const char *path, vs_deck *deck, vs_error *err) {
   vs_deck_begin(deck);
   deck->has_title_line = true;
@@ -76,14 +151,13 @@ vs_status vs_netlist_read(const char *path, vs_deck *deck, vs_error *err) {
                         "'*$ part' belongs into a part's file, not into a deck; a deck takes "
                         "a part by a line '*$ param thyristor = NAME part thyristor'"));
   if (!status && !*deck->eva && !(deck->lost & VS_LOST_ELEMENT))
-    status = vs_error_carry_on(err, vs_fail_at(err, (vs_where){deck->files[0], 1, 1},
-                                               "has no EVA; a deck has one line 'Xeva n m eva'"));
+    status = vs_error_carry_on(err, refuse_no_eva(deck, err));
   return status;
 }
 
 static vs_status read_alone(vs_deck *deck, const char *path, bool library, vs_error *err) {
   vs_status status = vs_files_read(deck, path, library, err);
-  return status || deck->lost ? status : check_instances(deck, err);
+  return status || deck->lost ? status : check_whole(deck, err);
 }
 
 vs_status vs_netlist_read_part(const char *path, vs_deck *part, vs_error *err) {
@@ -121,17 +195,6 @@ static void subcircuit_of(const char *path, char name[VS_DECK_NAME]) {
   const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
   snprintf(name, VS_DECK_NAME, "%.*s", (int)strcspn(base, "."), base);
   vs_cursor_lower(name);
-}
-
-static bool defines(const vs_deck *deck, const char *subcircuit) {
-  for (size_t k = 0; k < deck->n_lines; k++) {
-    const char *text = deck->lines[k].text;
-    char name[VS_DECK_NAME];
-    if (vs_words_begin(text, ".subckt") && sscanf(text + 7, " %63s", name) == 1 &&
-        !strcasecmp(name, subcircuit))
-      return true;
-  }
-  return false;
 }
 
 /* Where the file defines its first subcircuit; its begin where it defines none. */
@@ -189,7 +252,7 @@ vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error 
   }
   if (!status) status = vs_parts_resolve(deck, err);
   if (!status) status = vs_devices_resolve(deck, err);
-  if (!status && !deck->lost) status = check_instances(deck, err);
+  if (!status && !deck->lost) status = check_whole(deck, err);
   return status ? status : match_sources(deck, err);
 }
 

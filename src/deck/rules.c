@@ -223,9 +223,15 @@ static vs_status model_rule(const place *p, const char *line) {
       "int",    "d_dt",       "lcouple", "core",         "delay", "multi_input_pwl",
       "zener",  "aswitch",    "pswitch", "potentiometer"};
   static const char *const LEVELS[] = {"1", "2", "3", "4", "6", "9"};
-  char type[VS_DECK_NAME];
+  char type[VS_DECK_NAME], after[VS_DECK_NAME];
   nth_word(line, 2, type);
   if (!strncmp(type, "ako:", 4)) nth_word(line, type[4] ? 3 : 4, type); /* "a kind of" another */
+  nth_word(line, 3, after);
+  if (!*type || strchr(type, '=') || *after == '=')
+    return vs_fail_at(
+        p->err, p->where,
+        "a model has a name and a type: '.model NAME TYPE(PARAMETER=VALUE ...)'; here "
+        "one of them is missing");
   if (!AMONG(type, DEVICES) && !AMONG(type, CODE_MODELS))
     return vs_fail_at(p->err, p->where,
                       "model type '%s' does not belong in a deck: allowed are d, bipolar, field "
