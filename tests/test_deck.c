@@ -155,6 +155,12 @@ static void slips_are_refused(void) {
   REFUSE(deck, "bad.cir:10:12: ", "did you mean 'r'");
   snprintf(deck, sizeof deck, "%sX9 a 0 two r=1\n+ other=5\n", TWO);
   REFUSE(deck, "bad.cir:11:3: ", "it has r, x");
+  snprintf(deck, sizeof deck, "%sX9 a 0 two\n+ r=\n+ x=5\n", TWO);
+  REFUSE(deck, "bad.cir:11:3: ", "r has no value");
+  snprintf(deck, sizeof deck, "%sX9 a 0 two r=5 x = \n", TWO);
+  REFUSE(deck, "bad.cir:10:16: ", "x has no value");
+  snprintf(deck, sizeof deck, "%sX9 a 0 two r=50 d\n", TWO);
+  REFUSE(deck, "bad.cir:10:17: ", "leaves out 'd'");
   REFUSE(SUPPLY EVA "R9 a 0\n", "bad.cir:5:1: ", "resistance in ohm");
   REFUSE(SUPPLY EVA "C9 (a, 0)\n", "bad.cir:5:1: ", "capacitance in F");
   REFUSE(SUPPLY EVA "L9 a 0\n", "bad.cir:5:1: ", "inductance in H");
@@ -166,10 +172,15 @@ static void slips_are_refused(void) {
   REFUSE(SUPPLY EVA ".if (1)\nR9 a 0 1k\n", "bad.cir:5:1: ", "no .endif");
   REFUSE(SUPPLY EVA "V9 q 0 PWL(1 0 0 1)\n", "bad.cir:5:16: ", "times that rise");
   REFUSE(SUPPLY EVA "V9 q 0 PWL 0 0 1m 1 200us 2\n", "bad.cir:5:21: ", "times that rise");
+  REFUSE(SUPPLY EVA "E9 q 0 a 0 gain\n", "bad.cir:5:12: ", "no .param defines it");
+  REFUSE(SUPPLY EVA "F9 q 0 Vm\n+ gain m=2\n", "bad.cir:6:3: ", "no .param defines it");
+  REFUSE(SUPPLY EVA ".param gain=2\nG9 q 0 (a,0) gain\n", "bad.cir:6:14: ", "write {gain}");
+  REFUSE(SUPPLY EVA ".param gain=2\nH9 q 0 Vm (gain)\n", "bad.cir:6:12: ", "write {gain}");
   snprintf(deck, sizeof deck,
            "%sX9 a 0 two R = 5 x=2 m=2\nX8 a 0 two params: r={2*(1+1)}\nR9 a 0 dr\n"
            ".model dr r(r=1k\n.if (1)\nR8 a 0 r='(1k)'\n.endif\n"
-           "V9 q 0 PWL(0 0 1m 1 1m 2 2000us 0)\nR7 q 0 1k\n",
+           "V9 q 0 PWL(0 0 1m 1 1m 2 2000us 0)\nR7 q 0 1k\n"
+           ".param gain=2\nE6 e 0 (q 0) gain\nE5 d 0 e 0 r_source\nF4 0 d V9 gain m=2\n",
            TWO);
   write_file("good.cir", deck);
   vs_trial *t = run_deck("good.cir", NULL, NULL);

@@ -16,6 +16,7 @@
 #include "deck/parts.h"
 #include "deck/rules.h"
 #include "dialect/words.h"
+#include "slips/parameters.h"
 #include "slips/subcircuits.h"
 
 /* ---- files ---- */
@@ -63,6 +64,20 @@ static vs_status check_instances(const vs_deck *deck, vs_error *err) {
         err, vs_subcircuits_check(&subcircuits, &deck->lines[k], at + n, name, err));
   }
   vs_subcircuits_free(&subcircuits);
+  return status;
+}
+
+/* Holds the gains of controlled sources to the parameters that the deck has. */
+static vs_status check_gains(const vs_deck *deck, vs_error *err) {
+  vs_parameters names = {0};
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < VS_STANDARD; k++) vs_parameters_add(&names, vs_deck_standard_names[k]);
+  for (size_t k = 1; k < deck->section.count; k++)
+    vs_parameters_add(&names, deck->section.fields[k].key);
+  vs_parameters_find(&names, deck->lines, deck->n_lines);
+  for (size_t k = 0; k < deck->n_lines && !status; k++)
+    status = vs_error_carry_on(err, vs_parameters_check_gain(&names, &deck->lines[k], err));
+  vs_parameters_free(&names);
   return status;
 }
 
@@ -190,6 +205,7 @@ vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error 
   if (!status) status = vs_parts_resolve(deck, err);
   if (!status) status = vs_devices_resolve(deck, err);
   if (!status && !deck->lost) status = check_instances(deck, err);
+  if (!status && !deck->lost) status = check_gains(deck, err);
   return status ? status : match_sources(deck, err);
 }
 

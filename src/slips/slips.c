@@ -8,6 +8,7 @@
 #include <strings.h>
 
 #include "dialect/numbers.h"
+#include "slips/parameters.h"
 
 /* What ngspice takes for the space between words. */
 static const char BETWEEN[] = " \t(),";
@@ -73,7 +74,7 @@ static vs_status check_value(const vs_line *line, vs_error *err) {
                                     : "inductance in H");
 }
 
-/* ---- courses ---- */
+/* ---- numbers ---- */
 
 /* Reads a plain number as ngspice does: 1, -2.5e-3, 10us. False: it is anything else. */
 static bool read_number(const char *s, size_t n, double *value) {
@@ -87,6 +88,8 @@ static bool read_number(const char *s, size_t n, double *value) {
   *value *= vs_numbers_factor(end, &length);
   return true;
 }
+
+/* ---- courses ---- */
 
 /* Looks at the times up to the first word that is no plain number. Two that are the same are a
  * step, which ngspice takes. */
@@ -114,6 +117,7 @@ static vs_status check_course(const vs_line *line, vs_error *err) {
 vs_status vs_slips_line(const vs_line *line, vs_error *err) {
   vs_status status = check_brackets(line, line->text, line->text + strlen(line->text), err);
   if (!status) status = check_value(line, err);
+  if (!status) status = vs_parameters_check(line, err);
   return status ? status : check_course(line, err);
 }
 
