@@ -129,6 +129,13 @@ static void refuse_deck(const char *text, const char *place, const char *word, i
 }
 #define REFUSE(text, place, word) refuse_deck(text, place, word, __LINE__)
 
+static void accept_deck(const char *text) {
+  write_file("good.cir", text);
+  vs_trial *t = run_deck("good.cir", NULL, NULL);
+  EXPECT(t->status == VS_OK, "status %d: %s", (int)t->status, t->err.text);
+  vs_trial_free(t);
+}
+
 static void bad_lines_are_refused(void) {
   REFUSE(SUPPLY "*$ loss r = v(a)*\n" EVA, "bad.cir:4:18: ", "wanted");
   REFUSE(SUPPLY "*$ loss r = v(a) v(b)\n" EVA, "bad.cir:4:18: ", "operator");
@@ -150,7 +157,7 @@ static void bad_lines_are_refused(void) {
 static void slips_are_refused(void) {
   static const char TWO[] = SUPPLY "Rb a b 1\n" EVA ".subckt two p q r=1\n.param x=1\n"
                                    "R1 p q {r*x}\n.ends\n";
-  char deck[1024];
+  char deck[2048];
   snprintf(deck, sizeof deck, "%sX9 a 0 two rr=5\n", TWO);
   REFUSE(deck, "bad.cir:10:12: ", "did you mean 'r'");
   snprintf(deck, sizeof deck, "%sX9 a 0 two r=1\n+ other=5\n", TWO);
@@ -161,6 +168,15 @@ static void slips_are_refused(void) {
   REFUSE(deck, "bad.cir:10:16: ", "x has no value");
   snprintf(deck, sizeof deck, "%sX9 a 0 two r=50 d\n", TWO);
   REFUSE(deck, "bad.cir:10:17: ", "leaves out 'd'");
+#define WINDINGS SUPPLY EVA "L8 a 0 1\nL9 p 0 1\n"
+  REFUSE(WINDINGS "K9 L8 L9\n", "bad.cir:7:1: ", "K9 has no coupling");
+  REFUSE(WINDINGS "K9 (L8, l8) 0.9\n", "bad.cir:7:9: ", "l8 is coupled with itself");
+  REFUSE(WINDINGS "K9 L8 L9 1.9\n", "bad.cir:7:10: ", "-1 to 1 is wanted");
+  REFUSE(WINDINGS "K9 L8 L9 k=-1.1\n", "bad.cir:7:12: ", "-1 to 1 is wanted");
+  REFUSE(WINDINGS "K9 L8 Rs 0.9\n", "bad.cir:7:7: ", "Rs is no inductor");
+  REFUSE(SUPPLY EVA "T9 a 0 q 0 Z0=50 NL=0.25\n", "bad.cir:5:1: ", "would take 0.25 ns");
+  REFUSE(SUPPLY EVA "T9 a 0 q 0 Z0=50 TD=0\n", "bad.cir:5:21: ", "a delay above 0");
+  REFUSE(SUPPLY EVA "T9 a 0 q 0 Z0=50 F -1meg\n", "bad.cir:5:20: ", "a frequency above 0");
   REFUSE(SUPPLY EVA "R9 a 0\n", "bad.cir:5:1: ", "resistance in ohm");
   REFUSE(SUPPLY EVA "C9 (a, 0)\n", "bad.cir:5:1: ", "capacitance in F");
   REFUSE(SUPPLY EVA "L9 a 0\n", "bad.cir:5:1: ", "inductance in H");
@@ -182,10 +198,12 @@ static void slips_are_refused(void) {
            "V9 q 0 PWL(0 0 1m 1 1m 2 2000us 0)\nR7 q 0 1k\n"
            ".param gain=2\nE6 e 0 (q 0) gain\nE5 d 0 e 0 r_source\nF4 0 d V9 gain m=2\n",
            TWO);
-  write_file("good.cir", deck);
-  vs_trial *t = run_deck("good.cir", NULL, NULL);
-  EXPECT(t->status == VS_OK, "status %d: %s", (int)t->status, t->err.text);
-  vs_trial_free(t);
+  accept_deck(deck);
+  accept_deck(WINDINGS "Rb a b 1k\nR9 p 0 1k\nK9 l8 L9 k=0.9\n.param kk=1\nL7 o 0 1\nR8 o 0 1k\n"
+                       "K8 L8 L7 {kk/4}\n");
+  accept_deck(SUPPLY EVA
+              "Rb a b 1k\nV9 q 0 1\nR8 q r 50\nT9 r 0 s 0 Z0=50 F=1k NL=0.25\nT8 s 0 u 0 zo=50 "
+              "td={1m}\nR9 u 0 50\n");
 }
 
 /* What would write or read a file, take what is the program's, or hide from the rules: refused as
