@@ -177,6 +177,10 @@ static void slips_are_refused(void) {
   REFUSE(SUPPLY EVA "T9 a 0 q 0 Z0=50 NL=0.25\n", "bad.cir:5:1: ", "would take 0.25 ns");
   REFUSE(SUPPLY EVA "T9 a 0 q 0 Z0=50 TD=0\n", "bad.cir:5:21: ", "a delay above 0");
   REFUSE(SUPPLY EVA "T9 a 0 q 0 Z0=50 F -1meg\n", "bad.cir:5:20: ", "a frequency above 0");
+  REFUSE(SUPPLY "Xeva a A eva\n", "bad.cir:4:1: ", "both ends of the EVA are on node a");
+  REFUSE(SUPPLY "Xeva 0 gnd eva\n", "bad.cir:4:1: ", "both ends of the EVA");
+  REFUSE(SUPPLY EVA "R9 a 0 1e400\n", "bad.cir:5:8: ", "takes it for infinity");
+  REFUSE(SUPPLY EVA ".param big={2*1e306k}\n", "bad.cir:5:15: ", "takes it for infinity");
   REFUSE(SUPPLY EVA "R9 a 0\n", "bad.cir:5:1: ", "resistance in ohm");
   REFUSE(SUPPLY EVA "C9 (a, 0)\n", "bad.cir:5:1: ", "capacitance in F");
   REFUSE(SUPPLY EVA "L9 a 0\n", "bad.cir:5:1: ", "inductance in H");

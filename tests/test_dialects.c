@@ -394,6 +394,7 @@ static void constructs_are_told(void) {
       {"X1 ss yy a-b\n.subckt a-b p q R=1\nR1 p q {R}\n.ends",
        "d.cir:17:1: warning: a subcircuit with parameters is found by ngspice if its name"},
       {"R9 ss yy 1M", "d.cir:16:10: warning: a resistance in M is one in milliohm"},
+      {"C9 ss yy 1F", "d.cir:16:10: warning: a capacitance in F is one in femtofarad"},
       {"B1 yy 0 V=IF(1>0,1,2)*pwr(2,3)", "d.cir:16:23: warning: pwr(x, y) is sgn(x)*|x|^y"},
       {".model m d(is=1n\n+ foo=3)\nD9 ss yy m",
        "d.cir:17:3: warning: ngspice has no such parameter in a model of this type"},
