@@ -394,6 +394,13 @@ static void constructs_are_told(void) {
       {"X1 ss yy a-b\n.subckt a-b p q R=1\nR1 p q {R}\n.ends",
        "d.cir:17:1: warning: a subcircuit with parameters is found by ngspice if its name"},
       {"R9 ss yy 1M", "d.cir:16:10: warning: a resistance in M is one in milliohm"},
+      {".model m9 d\n.subckt x9 p q\n.model m9 d(n=2)\n.model M9 d(n=3)\nD1 p q m9\n.ends\nX9 ss "
+       "yy x9",
+       "d.cir:19:1: warning: a second .model M9: ngspice takes the first, of line 18"},
+      {".subckt x9 p q\nR1 p q 1\n.ends\n.subckt X9 p q\nR1 p q 2\n.ends\nX9 ss yy x9",
+       "d.cir:19:1: warning: a second .subckt X9: ngspice takes the first, of line 16"},
+      {".subckt x9 p q\nR1 p q 1\n.ends x8\nX9 ss yy x9",
+       "d.cir:18:7: warning: this .ends closes subcircuit x9 of line 16, and not x8"},
       {"C9 ss yy 1F", "d.cir:16:10: warning: a capacitance in F is one in femtofarad"},
       {"B1 yy 0 V=IF(1>0,1,2)*pwr(2,3)", "d.cir:16:23: warning: pwr(x, y) is sgn(x)*|x|^y"},
       {".model m d(is=1n\n+ foo=3)\nD9 ss yy m",

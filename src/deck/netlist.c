@@ -16,6 +16,7 @@
 #include "deck/parts.h"
 #include "deck/rules.h"
 #include "dialect/words.h"
+#include "slips/definitions.h"
 #include "slips/parameters.h"
 #include "slips/subcircuits.h"
 
@@ -79,6 +80,13 @@ static vs_status check_gains(const vs_deck *deck, vs_error *err) {
     status = vs_error_carry_on(err, vs_parameters_check_gain(&names, &deck->lines[k], err));
   vs_parameters_free(&names);
   return status;
+}
+
+/* Warns of what stands in the deck's own file. Libraries of vendors have many such lines, which do
+ * no harm to a circuit that was made with them. */
+static void tell_definition(void *ctx, vs_where where, const char *text) {
+  vs_deck *deck = ctx;
+  if (where.file == deck->files[0]) vs_deck_remark(deck, where, "%s", text);
 }
 
 vs_status vs_netlist_read(const char *path, vs_deck *deck, vs_error *err) {
@@ -206,6 +214,8 @@ vs_status vs_netlist_read_parts(vs_deck *deck, const vs_node *section, vs_error 
   if (!status) status = vs_devices_resolve(deck, err);
   if (!status && !deck->lost) status = check_instances(deck, err);
   if (!status && !deck->lost) status = check_gains(deck, err);
+  if (!status && !deck->lost)
+    vs_definitions_look(deck->lines, deck->n_lines, tell_definition, deck);
   return status ? status : match_sources(deck, err);
 }
 
