@@ -129,6 +129,13 @@ static void refuse_deck(const char *text, const char *place, const char *word, i
 }
 #define REFUSE(text, place, word) refuse_deck(text, place, word, __LINE__)
 
+static void accept_deck(const char *text) {
+  write_file("good.cir", text);
+  vs_trial *t = run_deck("good.cir", NULL, NULL);
+  EXPECT(t->status == VS_OK, "status %d: %s", (int)t->status, t->err.text);
+  vs_trial_free(t);
+}
+
 static void bad_lines_are_refused(void) {
   REFUSE(SUPPLY "*$ loss r = v(a)*\n" EVA, "bad.cir:4:18: ", "wanted");
   REFUSE(SUPPLY "*$ loss r = v(a) v(b)\n" EVA, "bad.cir:4:18: ", "operator");
@@ -155,6 +162,25 @@ static void slips_are_refused(void) {
   REFUSE(deck, "bad.cir:10:12: ", "did you mean 'r'");
   snprintf(deck, sizeof deck, "%sX9 a 0 two r=1\n+ other=5\n", TWO);
   REFUSE(deck, "bad.cir:11:3: ", "it has r, x");
+  snprintf(deck, sizeof deck, "%sX9 a 0 two\n+ r=\n+ x=5\n", TWO);
+  REFUSE(deck, "bad.cir:11:3: ", "r has no value");
+  snprintf(deck, sizeof deck, "%sX9 a 0 two r=5 x = \n", TWO);
+  REFUSE(deck, "bad.cir:10:16: ", "x has no value");
+  snprintf(deck, sizeof deck, "%sX9 a 0 two r=50 d\n", TWO);
+  REFUSE(deck, "bad.cir:10:17: ", "leaves out 'd'");
+#define WINDINGS SUPPLY EVA "L8 a 0 1\nL9 p 0 1\n"
+  REFUSE(WINDINGS "K9 L8 L9\n", "bad.cir:7:1: ", "K9 has no coupling");
+  REFUSE(WINDINGS "K9 (L8, l8) 0.9\n", "bad.cir:7:9: ", "l8 is coupled with itself");
+  REFUSE(WINDINGS "K9 L8 L9 1.9\n", "bad.cir:7:10: ", "-1 to 1 is wanted");
+  REFUSE(WINDINGS "K9 L8 L9 k=-1.1\n", "bad.cir:7:12: ", "-1 to 1 is wanted");
+  REFUSE(WINDINGS "K9 L8 Rs 0.9\n", "bad.cir:7:7: ", "Rs is no inductor");
+  REFUSE(SUPPLY EVA "T9 a 0 q 0 Z0=50 NL=0.25\n", "bad.cir:5:1: ", "would take 0.25 ns");
+  REFUSE(SUPPLY EVA "T9 a 0 q 0 Z0=50 TD=0\n", "bad.cir:5:21: ", "a delay above 0");
+  REFUSE(SUPPLY EVA "T9 a 0 q 0 Z0=50 F -1meg\n", "bad.cir:5:20: ", "a frequency above 0");
+  REFUSE(SUPPLY "Xeva a A eva\n", "bad.cir:4:1: ", "both ends of the EVA are on node a");
+  REFUSE(SUPPLY "Xeva 0 gnd eva\n", "bad.cir:4:1: ", "both ends of the EVA");
+  REFUSE(SUPPLY EVA "R9 a 0 1e400\n", "bad.cir:5:8: ", "takes it for infinity");
+  REFUSE(SUPPLY EVA ".param big={2*1e306k}\n", "bad.cir:5:15: ", "takes it for infinity");
   REFUSE(SUPPLY EVA "R9 a 0\n", "bad.cir:5:1: ", "resistance in ohm");
   REFUSE(SUPPLY EVA "C9 (a, 0)\n", "bad.cir:5:1: ", "capacitance in F");
   REFUSE(SUPPLY EVA "L9 a 0\n", "bad.cir:5:1: ", "inductance in H");
@@ -166,6 +192,10 @@ static void slips_are_refused(void) {
   REFUSE(SUPPLY EVA ".if (1)\nR9 a 0 1k\n", "bad.cir:5:1: ", "no .endif");
   REFUSE(SUPPLY EVA "V9 q 0 PWL(1 0 0 1)\n", "bad.cir:5:16: ", "times that rise");
   REFUSE(SUPPLY EVA "V9 q 0 PWL 0 0 1m 1 200us 2\n", "bad.cir:5:21: ", "times that rise");
+  REFUSE(SUPPLY EVA "E9 q 0 a 0 gain\n", "bad.cir:5:12: ", "no .param defines it");
+  REFUSE(SUPPLY EVA "F9 q 0 Vm\n+ gain m=2\n", "bad.cir:6:3: ", "no .param defines it");
+  REFUSE(SUPPLY EVA ".param gain=2\nG9 q 0 (a,0) gain\n", "bad.cir:6:14: ", "write {gain}");
+  REFUSE(SUPPLY EVA ".param gain=2\nH9 q 0 Vm (gain)\n", "bad.cir:6:12: ", "write {gain}");
   snprintf(deck, sizeof deck,
            "%sX9 a 0 two R = 5 x=2 m=2\nX8 a 0 two params: r={2*(1+1)}\nR9 a 0 dr\n"
            ".model dr r(r=1k\n.if (1)\nR8 a 0 r='(1k)'\n.endif\n"
@@ -177,12 +207,15 @@ static void slips_are_refused(void) {
            ".param p1={f1(p2)}\n.subckt s1 p q p1={p1}\n.param p2={p2}\n.func f1(x) {f2(x)}\n"
            "R1 p q {f1(p1)}\n.ends\n.func f2(x) {f1(x)}\n.func f1(f2) {2*f2}\n.param p2=1k\n"
            "X7 a 0 s1 p1={p1}\n"
-           "V9 q 0 PWL(0 0 1m 1 1m 2 2000us 0)\nR7 q 0 1k\n",
+           "V9 q 0 PWL(0 0 1m 1 1m 2 2000us 0)\nR7 q 0 1k\n"
+           ".param gain=2\nE6 e 0 (q 0) gain\nE5 d 0 e 0 r_source\nF4 0 d V9 gain m=2\n",
            TWO);
-  write_file("good.cir", deck);
-  vs_trial *t = run_deck("good.cir", NULL, NULL);
-  EXPECT(t->status == VS_OK, "status %d: %s", (int)t->status, t->err.text);
-  vs_trial_free(t);
+  accept_deck(deck);
+  accept_deck(WINDINGS "Rb a b 1k\nR9 p 0 1k\nK9 l8 L9 k=0.9\n.param kk=1\nL7 o 0 1\nR8 o 0 1k\n"
+                       "K8 L8 L7 {kk/4}\n");
+  accept_deck(SUPPLY EVA
+              "Rb a b 1k\nV9 q 0 1\nR8 q r 50\nT9 r 0 s 0 Z0=50 F=1k NL=0.25\nT8 s 0 u 0 zo=50 "
+              "td={1m}\nR9 u 0 50\n");
 }
 
 /* What would write or read a file, take what is the program's, or hide from the rules: refused as

@@ -17,8 +17,10 @@
 #include "deck/rules.h"
 #include "dialect/words.h"
 #include "slips/cycles.h"
+#include "slips/doubles.h"
 #include "slips/growth.h"
 #include "slips/nesting.h"
+#include "slips/parameters.h"
 #include "slips/subcircuits.h"
 
 /* ---- files ---- */
@@ -98,11 +100,35 @@ static vs_status check_nesting(const vs_deck *deck, vs_error *err) {
   return status;
 }
 
+/* Holds the gains of controlled sources to the parameters that the deck has. */
+static vs_status check_gains(const vs_deck *deck, vs_error *err) {
+  vs_parameters names = {0};
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < VS_STANDARD; k++) vs_parameters_add(&names, vs_deck_standard_names[k]);
+  for (size_t k = 1; k < deck->section.count; k++)
+    vs_parameters_add(&names, deck->section.fields[k].key);
+  vs_parameters_find(&names, deck->lines, deck->n_lines);
+  for (size_t k = 0; k < deck->n_lines && !status; k++)
+    status = vs_error_carry_on(err, vs_parameters_check_gain(&names, &deck->lines[k], err));
+  vs_parameters_free(&names);
+  return status;
+}
+
+/* Warns of what stands in the deck's own file. Libraries of vendors have many such lines, which do
+ * no harm to a circuit that was made with them. */
+static void tell_double(void *ctx, vs_where where, const char *text) {
+  vs_deck *deck = ctx;
+  if (where.file == deck->files[0]) vs_deck_remark(deck, where, "%s", text);
+}
+
 /* What can be told once all lines are there. */
-static vs_status check_whole(const vs_deck *deck, vs_error *err) {
+static vs_status check_whole(vs_deck *deck, vs_error *err) {
   vs_status status = check_definitions(deck, err);
   if (!status) status = check_nesting(deck, err);
-  return status ? status : check_instances(deck, err);
+  if (!status) status = check_instances(deck, err);
+  if (!status) status = check_gains(deck, err);
+  if (!status) vs_doubles_look(deck->lines, deck->n_lines, tell_double, deck);
+  return status;
 }
 
 static bool defines(const vs_deck *deck, const char *subcircuit) {

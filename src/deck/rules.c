@@ -341,7 +341,12 @@ static vs_status source_rule(const char *line, vs_where where, vs_error *err) {
   return VS_OK;
 }
 
-/* Notes the EVA, "Xname n m eva" at the top of the deck, and refuses it anywhere else. */
+static bool is_ground(const char *node) {
+  return !strcmp(node, "0") || !strcmp(node, "gnd");
+}
+
+/* Notes the EVA, "Xname n m eva" at the top of the deck, and refuses it anywhere else and
+ * with both ends on one node. */
 static vs_status eva_rule(vs_deck *deck, const char *line, vs_where where, vs_error *err) {
   size_t n = 0;
   char word[VS_DECK_NAME];
@@ -354,7 +359,13 @@ static vs_status eva_rule(vs_deck *deck, const char *line, vs_where where, vs_er
   nth_word(line, 0, deck->eva);
   nth_word(line, 1, deck->eva_plus);
   nth_word(line, 2, deck->eva_minus);
-  return VS_OK;
+  return strcmp(deck->eva_plus, deck->eva_minus) &&
+                 !(is_ground(deck->eva_plus) && is_ground(deck->eva_minus))
+             ? VS_OK
+             : vs_fail_at(err, where,
+                          "both ends of the EVA are on node %s, so that it has no current; two "
+                          "nodes are wanted",
+                          deck->eva_plus);
 }
 
 vs_status vs_rules_element(vs_deck *deck, const char *line, vs_where where, vs_error *err) {

@@ -2,8 +2,10 @@
 #include "dialect/numbers.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -66,6 +68,16 @@ static size_t read_of(const char *s, size_t *n) {
   return k;
 }
 
+/* True for a number of those that are beyond what a computer's number can be, as 1e400, which
+ * ngspice takes for infinity. n is the length of the word. */
+static bool is_infinite(const char *s, size_t n) {
+  char *end;
+  size_t length;
+  if (!memchr(s, 'e', n) && !memchr(s, 'E', n)) return false;
+  const double value = strtod(s, &end);
+  return !isfinite(value * vs_numbers_factor(end, &length));
+}
+
 /* Looks for numbers such as 4k7 from `from` on. What stands in v() and i() are names. */
 static vs_status check_factors(const vs_line *line, const char *from, vs_error *err) {
   for (const char *s = from; *s; s++) {
@@ -80,6 +92,11 @@ static vs_status check_factors(const vs_line *line, const char *from, vs_error *
       return vs_fail_at(err, vs_line_place(line, s),
                         "'%.*s' is no number: ngspice reads %.*s and leaves the rest out", (int)n,
                         s, (int)read_of(s, &n), s);
+    else if (begins && isdigit((unsigned char)*s) && is_infinite(s, n))
+      return vs_fail_at(
+          err, vs_line_place(line, s),
+          "'%.*s' is too large: ngspice takes it for infinity; a number below 1e308 is wanted",
+          (int)n, s);
   }
   return VS_OK;
 }
@@ -138,6 +155,12 @@ static bool is_milliohm(vs_word w) {
          vs_words_is(unit, "r");
 }
 
+/* True for a capacitance such as 1F. */
+static bool is_femto(vs_word w) {
+  size_t n = strspn(w.at, "0123456789.");
+  return n > 0 && n + 1 == w.n && w.at[n] == 'F';
+}
+
 /* True where a second number follows a value, as in "100n 50V" or "5k 1%". ngspice takes the last
  * one for the value. */
 static bool is_second_number(vs_word value, vs_word next) {
@@ -165,6 +188,11 @@ static vs_status check_element(const vs_line *line, const vs_word *w, size_t cou
     vs_tally_add(tally,
                  "a resistance in M is one in milliohm, as SPICE knows no capitals; write Meg for "
                  "megohm, or m",
+                 vs_line_place(line, w[3].at));
+  if (!status && tolower((unsigned char)*line->text) == 'c' && is_femto(w[3]))
+    vs_tally_add(tally,
+                 "a capacitance in F is one in femtofarad, as F is SPICE's factor of 1e-15; leave "
+                 "the F out for farad, or write f",
                  vs_line_place(line, w[3].at));
   return status;
 }

@@ -14,8 +14,8 @@ double vs_numbers_factor(const char *text, size_t *length);
 
 /* Looks through the values of a line. Errors with their place and with what to write: a unit in the
  * place of the point (4k7 is read as 4k), a comma for it (4,7k is read as 4), two points, a unit
- * that stands apart (10 k). A capital M behind a resistance is told, as 1M is a milliohm,
- * and so are SFFM and AM, whose arguments differ between versions of ngspice. */
+ * that stands apart (10 k), a number that is infinite (1e400). A capital M behind a resistance is
+ * told, as 1M is a milliohm, and a capital F behind a capacitance, as 1F is a femtofarad; so are SFFM and AM, whose arguments differ between versions of ngspice. */
 vs_status vs_numbers_check(const vs_line *line, vs_tally *tally, vs_error *err);
 
 #endif

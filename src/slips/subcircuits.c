@@ -11,6 +11,7 @@
 #include "base/alloc.h"
 #include "base/text.h"
 #include "dialect/words.h"
+#include "slips/parameters.h"
 
 enum { NAME = 64, MOST_NAMES = 64, MOST_OF_A_NAME = 8 };
 
@@ -73,28 +74,6 @@ static size_t find(const vs_subcircuits *s, const char *name) {
 
 /* ---- parameters ---- */
 
-/* Goes behind the next "NAME =" at or behind s, outside of brackets, braces and quotes. Returns
- * where the name begins in *at, its length in *n; NULL: there is none. */
-static const char *next_parameter(const char *line, const char *s, const char **at, size_t *n) {
-  int depth = 0;
-  for (; *s; s++) {
-    if (*s == '\'' || *s == '"') {
-      s = strchr(s + 1, *s);
-      if (!s) return NULL;
-    }
-    depth += (*s == '{' || *s == '(') - (*s == '}' || *s == ')');
-    if (*s != '=' || depth || s == line || s[1] == '=' || strchr("=<>!", s[-1])) continue;
-    const char *end = s, *begin;
-    while (end > line && strchr(" \t", end[-1])) end--;
-    for (begin = end; begin > line && (isalnum((unsigned char)begin[-1]) || begin[-1] == '_');)
-      begin--;
-    *at = begin;
-    *n = (size_t)(end - begin);
-    return s + 1;
-  }
-  return NULL;
-}
-
 /* Names that may stand in the place of one that is unknown. */
 typedef struct candidates {
   char name[MOST_NAMES][NAME];
@@ -105,7 +84,7 @@ typedef struct candidates {
 static bool has_in_line(const char *line, const char *name, size_t n, candidates *known) {
   const char *at;
   size_t length;
-  for (const char *s = line; (s = next_parameter(line, s, &at, &length));) {
+  for (const char *s = line; (s = vs_parameters_next(line, s, &at, &length));) {
     if (length == n && !strncasecmp(at, name, n)) return true;
     if (length > 0 && length < NAME && known->count < MOST_NAMES)
       snprintf(known->name[known->count++], NAME, "%.*s", (int)length, at);
@@ -171,7 +150,7 @@ vs_status vs_subcircuits_check(const vs_subcircuits *s, const vs_line *line, con
     last++;
   /* Which of several is meant depends on where they stand: any of them will do. */
   if (first == last || last - first > MOST_OF_A_NAME) return VS_OK;
-  for (const char *from = behind; (from = next_parameter(line->text, from, &at, &n));) {
+  for (const char *from = behind; (from = vs_parameters_next(line->text, from, &at, &n));) {
     candidates known = {.count = 0};
     bool found = n == 0 || (n == 1 && tolower((unsigned char)*at) == 'm');
     for (size_t k = first; k < last && !found; k++) found = has(s, s->first[k], at, n, &known);

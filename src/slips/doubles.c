@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "slips/doubles.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "base/alloc.h"
+#include "dialect/words.h"
+
+enum { MOST_OPEN = 64 /* deeper ones are left alone */ };
+
+typedef struct definition {
+  size_t scope; /* 0: outside of all subcircuits; else 1 + the line of the subcircuit it is in */
+  size_t line;
+  vs_word name;
+  bool model;
+} definition;
+
+static vs_word second_word(const char *text) {
+  vs_word w[VS_WORDS_MOST];
+  return vs_words_split(text, w) > 1 ? w[1] : (vs_word){text, 0};
+}
+
+static int compare(const void *a, const void *b) {
+  const definition *x = a, *y = b;
+  if (x->model != y->model) return x->model - y->model;
+  if (x->scope != y->scope) return x->scope < y->scope ? -1 : 1;
+  size_t n = x->name.n < y->name.n ? x->name.n : y->name.n;
+  int order = strncasecmp(x->name.at, y->name.at, n);
+  if (order) return order;
+  if (x->name.n != y->name.n) return x->name.n < y->name.n ? -1 : 1;
+  return (x->line > y->line) - (x->line < y->line);
+}
+
+static bool is_same(const definition *a, const definition *b) {
+  return a->model == b->model && a->scope == b->scope && a->name.n == b->name.n &&
+         !strncasecmp(a->name.at, b->name.at, a->name.n);
+}
+
+/* True where both definitions say the same: a model one line, a subcircuit all up to its .ends. */
+static bool say_the_same(const vs_line *lines, size_t count, const definition *a,
+                         const definition *b) {
+  int depth = 0;
+  for (size_t k = 0; b->line + k < count; k++) {
+    const char *text = lines[a->line + k].text;
+    if (strcasecmp(text, lines[b->line + k].text)) return false;
+    depth += vs_words_begin(text, ".subckt") - vs_words_begin(text, ".ends");
+    if (depth <= 0) break;
+  }
+  return true;
+}
+
+static void tell_second(const vs_line *lines, const definition *first, const definition *second,
+                        vs_doubles_tell *tell, void *ctx) {
+  char text[400];
+  const vs_where at = lines[first->line].where;
+  const bool other = at.file != lines[second->line].where.file;
+  snprintf(text, sizeof text,
+           "a second %s %.*s: ngspice takes the first, of %.200s%sline %d; leave one out, or give "
+           "it another name",
+           second->model ? ".model" : ".subckt", second->name.n < 64 ? (int)second->name.n : 64,
+           second->name.at, other ? at.file : "", other ? ", " : "", at.line);
+  tell(ctx, lines[second->line].where, text);
+}
+
+/* Tells of an .ends that has a name of its own. The names are those of the files, as the program
+ * may have changed that of the subcircuit. */
+static void check_end(const vs_line *subcircuit, const vs_line *end, vs_doubles_tell *tell,
+                      void *ctx) {
+  const char *opens = subcircuit->written ? subcircuit->written : subcircuit->text;
+  const char *closes = end->written ? end->written : end->text;
+  const vs_word name = second_word(opens), said = second_word(closes);
+  char text[256];
+  if (!said.n || (said.n == name.n && !strncasecmp(said.at, name.at, name.n))) return;
+  snprintf(text, sizeof text,
+           "this .ends closes subcircuit %.*s of line %d, and not %.*s; is an .ends missing before "
+           "it, or the name another?",
+           name.n < 64 ? (int)name.n : 64, name.at, subcircuit->where.line,
+           said.n < 64 ? (int)said.n : 64, said.at);
+  tell(ctx, vs_line_place(end, said.at), text);
+}
+
+void vs_doubles_look(const vs_line *lines, size_t count, vs_doubles_tell *tell, void *ctx) {
+  definition *list = NULL;
+  size_t n = 0, depth = 0, conditions = 0, open[MOST_OPEN];
+  for (size_t k = 0; k < count; k++) {
+    const char *text = lines[k].text;
+    if (*text != '.') continue;
+    conditions += vs_words_begin(text, ".if");
+    conditions -= conditions > 0 && vs_words_begin(text, ".endif");
+    const bool model = vs_words_begin(text, ".model"), begins = vs_words_begin(text, ".subckt");
+    if (vs_words_begin(text, ".ends") && depth > 0 && --depth < MOST_OPEN)
+      check_end(&lines[open[depth]], &lines[k], tell, ctx);
+    if ((model || begins) && !conditions && depth < MOST_OPEN) {
+      list = vs_alloc_grow(list, n, sizeof *list);
+      list[n++] = (definition){depth ? 1 + open[depth - 1] : 0, k, second_word(text), model};
+    }
+    if (begins && depth++ < MOST_OPEN) open[depth - 1] = k;
+  }
+  if (n) qsort(list, n, sizeof *list, compare);
+  for (size_t k = 1, first = 0; k < n; k++)
+    if (!is_same(&list[first], &list[k]))
+      first = k;
+    else if (!say_the_same(lines, count, &list[first], &list[k]))
+      tell_second(lines, &list[first], &list[k], tell, ctx);
+  free(list);
+}
