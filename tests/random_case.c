@@ -140,7 +140,7 @@ static vs_trial *tight_run(const random_scene *s, char key[32]) {
  * sign than the tight run's. */
 static void compare_line(row *r, const vs_judgement *j, const vs_judgement *t) {
   char name[VS_JUDGED_NAME];
-  vs_word word = vs_verdict_word(j);
+  vs_finding word = vs_verdict_word(j);
   bool inside = j->margin == t->margin || fabs(j->margin - t->margin) <= j->margin_error;
   r->lines++;
   r->outside += !inside;

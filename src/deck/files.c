@@ -384,12 +384,9 @@ static void tell_skipped(vs_deck *deck) {
 vs_status vs_files_read(vs_deck *deck, const char *path, bool library, vs_error *err) {
   const size_t before = deck->n_lines;
   vs_status status = read_file(deck, path, library, err);
-  if (!status && !deck->lost && deck->n_lines > before) {
-    const vs_line *lines = deck->lines + before;
-    const size_t count = deck->n_lines - before;
-    status = vs_error_carry_on(err, vs_conditions_check(lines, count, err));
-    if (!status) status = vs_error_carry_on(err, vs_slips_conditions(lines, count, err));
-  }
+  if (!status && !deck->lost && deck->n_lines > before)
+    status = vs_error_carry_on(
+        err, vs_conditions_check(deck->lines + before, deck->n_lines - before, err));
   vs_translate_names(deck->lines, deck->n_lines, &deck->changes);
   tell_skipped(deck);
   if (status || deck->subcircuits == 0) return status;

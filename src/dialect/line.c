@@ -32,6 +32,20 @@ vs_where vs_line_place(const vs_line *l, const char *at) {
   return where;
 }
 
+vs_where vs_line_place_of(const vs_line *l, vs_word word) {
+  if (!l->written) return vs_line_place(l, word.at);
+  /* of the words that are alike in the file, the one that is as many of them into the line */
+  const char *at = NULL, *from = l->written;
+  for (const char *s = l->text; (s = vs_words_find(l->text, s, word.at, word.n)) && s <= word.at;
+       s += word.n) {
+    const char *next = vs_words_find(l->written, from, word.at, word.n);
+    if (!next) break;
+    at = next;
+    from = at + word.n;
+  }
+  return at ? vs_line_place(l, at) : l->where;
+}
+
 void vs_line_free(vs_line *l) {
   free(l->text);
   free(l->written);

@@ -7,6 +7,7 @@
 #include <stddef.h>
 
 #include "base/error.h"
+#include "dialect/words.h"
 
 /* From byte `at` of the text on, up to the next joint, the text stands in the file from `where` on.
  */
@@ -30,6 +31,10 @@ void vs_line_join(vs_line *line, const char *text, vs_where where);
 
 /* The place of `at`, which lies in line->written, or in line->text where that is NULL. */
 vs_where vs_line_place(const vs_line *line, const char *at);
+
+/* The place in the file of a word of line->text, also where that was changed for the solver. A word
+ * that the file does not have there has the line's place. */
+vs_where vs_line_place_of(const vs_line *line, vs_word word);
 
 void vs_line_free(vs_line *line);
 

@@ -55,6 +55,11 @@ bool vs_words_is(vs_word word, const char *text) {
   return strlen(text) == word.n && !strncasecmp(word.at, text, word.n);
 }
 
+int vs_words_compare(vs_word a, vs_word b) {
+  int order = strncasecmp(a.at, b.at, a.n < b.n ? a.n : b.n);
+  return order ? order : (a.n > b.n) - (a.n < b.n);
+}
+
 bool vs_words_begin(const char *line, const char *word) {
   size_t n = strlen(word);
   return !strncasecmp(line, word, n) && (!line[n] || strchr(BLANKS, line[n]));

@@ -22,6 +22,10 @@ size_t vs_words_split(const char *text, vs_word words[VS_WORDS_MOST]);
 /* True for the word of that text, in capitals or not. */
 bool vs_words_is(vs_word word, const char *text);
 
+/* Orders words by their letters, in capitals or not, a shorter one before what it begins; less than
+ * 0, 0 or more. */
+int vs_words_compare(vs_word a, vs_word b);
+
 /* True for a line whose first word is that one, in capitals or not. */
 bool vs_words_begin(const char *line, const char *word);
 

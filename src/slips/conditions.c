@@ -13,6 +13,7 @@ static bool is_statement(const char *text, const char *word) {
 vs_status vs_conditions_check(const vs_line *lines, size_t count, vs_error *err) {
   static const char *const WITHIN[] = {".else", ".elseif", ".endif"};
   size_t depth = 0;
+  vs_where outermost = {0};
   for (size_t k = 0; k < count; k++) {
     const char *text = lines[k].text;
     if (*text != '.') continue;
@@ -22,8 +23,10 @@ vs_status vs_conditions_check(const vs_line *lines, size_t count, vs_error *err)
                           "%s stands here without an .if before it; write one, or leave this line "
                           "out",
                           WITHIN[w]);
-    if (is_statement(text, ".if")) depth++;
+    if (is_statement(text, ".if") && depth++ == 0) outermost = lines[k].where;
     if (is_statement(text, ".endif")) depth--;
   }
-  return VS_OK;
+  return depth ? vs_fail_at(err, outermost,
+                            "this .if has no .endif that closes it; write one behind its last line")
+               : VS_OK;
 }

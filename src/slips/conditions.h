@@ -5,8 +5,8 @@
 
 #include "dialect/line.h"
 
-/* Error: one of the lines is an .else, .elseif or .endif, and no .if is open there. ngspice gives
- * no reason for what it does with it. */
+/* Errors: a line is an .else, .elseif or .endif, and no .if is open there, for which ngspice gives
+ * no reason; or an .if that no .endif closes, behind which ngspice silently leaves all out. */
 vs_status vs_conditions_check(const vs_line *lines, size_t count, vs_error *err);
 
 #endif

@@ -35,7 +35,7 @@ vs_status vs_cycles_check(const vs_definitions *d, vs_error *err) {
     const vs_definition *first = &d->list[path[0].thing];
     vs_text text = {0};
     vs_circle_tell(path, count, verb, d, &text);
-    vs_fail_at(err, vs_definitions_place(first->line, path[0].name),
+    vs_fail_at(err, vs_line_place_of(first->line, path[0].name),
                "%s %.*s%s; a %s is wanted that does without",
                first->function ? "function" : "parameter", (int)first->name.n, first->name.at,
                text.text, first->function ? "formula" : "value");

@@ -7,6 +7,7 @@
 #include <strings.h>
 
 #include "base/alloc.h"
+#include "slips/parameters.h"
 
 static const char BLANKS[] = " \t";
 
@@ -38,36 +39,14 @@ static bool read_function(const char *s, vs_definition *f) {
   return true;
 }
 
-/* Where the next "NAME =" begins at or behind s, outside of brackets and quotes; NULL: there is
- * none. */
-static const char *next_assignment(const char *s, vs_word *name, const char **value) {
-  int depth = 0;
-  for (; *s; s++) {
-    if (*s == '\'' || *s == '"') {
-      s = strchr(s + 1, *s);
-      if (!s) return NULL;
-    }
-    depth += (*s == '{' || *s == '(') - (*s == '}' || *s == ')');
-    const size_t n = depth ? 0 : length_of_name(s);
-    if (n && vs_words_is_given(s + n)) {
-      *name = (vs_word){s, n};
-      *value = s + n + strspn(s + n, BLANKS) + 1;
-      return s;
-    }
-    if (!depth && vs_words_goes_on(*s))
-      while (vs_words_goes_on(s[1])) s++;
-  }
-  return NULL;
-}
-
 static void read_parameters(vs_definitions *d, const vs_line *line, const char *s) {
-  vs_definition p = {.line = line};
-  const char *value = NULL, *next_value = NULL;
-  vs_word name = {NULL, 0};
-  for (s = next_assignment(s, &p.name, &value); s; p.name = name, value = next_value) {
-    s = next_assignment(value, &name, &next_value);
-    p.body = (vs_word){value, s ? (size_t)(s - value) : strlen(value)};
-    add(d, p);
+  vs_word name, next = {0};
+  const char *value = vs_parameters_next(line->text, s, &name.at, &name.n), *behind;
+  for (; value; name = next, value = behind) {
+    behind = vs_parameters_next(line->text, value, &next.at, &next.n);
+    const vs_word body = {value, behind ? (size_t)(next.at - value) : strlen(value)};
+    if (name.n && length_of_name(name.at) == name.n)
+      add(d, (vs_definition){.line = line, .name = name, .body = body});
   }
 }
 
@@ -86,13 +65,8 @@ static void read_line(vs_definitions *d, const vs_line *line, size_t scope) {
 
 /* ---- finding ---- */
 
-static int compare_words(vs_word a, vs_word b) {
-  int order = strncasecmp(a.at, b.at, a.n < b.n ? a.n : b.n);
-  return order ? order : (a.n > b.n) - (a.n < b.n);
-}
-
 static int compare(const vs_definition *a, const vs_definition *b) {
-  int order = compare_words(a->name, b->name);
+  int order = vs_words_compare(a->name, b->name);
   if (!order) order = (a->function > b->function) - (a->function < b->function);
   return order ? order : (a->scope > b->scope) - (a->scope < b->scope);
 }
@@ -190,7 +164,7 @@ int vs_definitions_argument(const vs_definition *function, vs_word name) {
   const char *s = function->arguments.at;
   vs_word argument;
   for (int k = 0; (argument = next_argument(function, &s)).n; k++)
-    if (!compare_words(argument, name)) return k;
+    if (!vs_words_compare(argument, name)) return k;
   return -1;
 }
 
@@ -199,18 +173,4 @@ size_t vs_definitions_arguments(const vs_definition *function) {
   size_t count = 0;
   while (next_argument(function, &s).n) count++;
   return count;
-}
-
-vs_where vs_definitions_place(const vs_line *line, vs_word name) {
-  if (!line->written) return vs_line_place(line, name.at);
-  const char *s = line->written + strcspn(line->written, BLANKS), *at = NULL;
-  /* the one that is as many of its name into the line */
-  for (const char *in = line->text + strcspn(line->text, BLANKS); in && in <= name.at;
-       in += name.n) {
-    in = vs_words_find(line->text, in, name.at, name.n);
-    if (!in || in > name.at) break;
-    const char *next = vs_words_find(line->written, at ? at + name.n : s, name.at, name.n);
-    if (next) at = next;
-  }
-  return at ? vs_line_place(line, at) : line->where;
 }

@@ -49,7 +49,4 @@ int vs_definitions_argument(const vs_definition *function, vs_word name);
 /* How many arguments it has. */
 size_t vs_definitions_arguments(const vs_definition *function);
 
-/* The place in the file of a name in the text of the line, which may have been changed. */
-vs_where vs_definitions_place(const vs_line *line, vs_word name);
-
 #endif

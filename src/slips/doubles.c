@@ -28,16 +28,12 @@ static int compare(const void *a, const void *b) {
   const definition *x = a, *y = b;
   if (x->model != y->model) return x->model - y->model;
   if (x->scope != y->scope) return x->scope < y->scope ? -1 : 1;
-  size_t n = x->name.n < y->name.n ? x->name.n : y->name.n;
-  int order = strncasecmp(x->name.at, y->name.at, n);
-  if (order) return order;
-  if (x->name.n != y->name.n) return x->name.n < y->name.n ? -1 : 1;
-  return (x->line > y->line) - (x->line < y->line);
+  int order = vs_words_compare(x->name, y->name);
+  return order ? order : (x->line > y->line) - (x->line < y->line);
 }
 
 static bool is_same(const definition *a, const definition *b) {
-  return a->model == b->model && a->scope == b->scope && a->name.n == b->name.n &&
-         !strncasecmp(a->name.at, b->name.at, a->name.n);
+  return a->model == b->model && a->scope == b->scope && !vs_words_compare(a->name, b->name);
 }
 
 /* True where both definitions say the same: a model one line, a subcircuit all up to its .ends. */

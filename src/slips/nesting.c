@@ -20,13 +20,8 @@ typedef struct netlist {
   size_t count;
 } netlist;
 
-static int compare_words(vs_word a, vs_word b) {
-  int order = strncasecmp(a.at, b.at, a.n < b.n ? a.n : b.n);
-  return order ? order : (a.n > b.n) - (a.n < b.n);
-}
-
 static int compare_names(const void *a, const void *b) {
-  return compare_words(((const subcircuit *)a)->name, ((const subcircuit *)b)->name);
+  return vs_words_compare(((const subcircuit *)a)->name, ((const subcircuit *)b)->name);
 }
 
 /* Finds the subcircuits in their order. */

@@ -71,9 +71,7 @@ vs_status vs_parameters_check(const vs_line *line, vs_error *err) {
 /* ---- names that are defined ---- */
 
 static int compare(const void *a, const void *b) {
-  const vs_word *x = a, *y = b;
-  int order = strncasecmp(x->at, y->at, x->n < y->n ? x->n : y->n);
-  return order ? order : (x->n > y->n) - (x->n < y->n);
+  return vs_words_compare(*(const vs_word *)a, *(const vs_word *)b);
 }
 
 static void add(vs_parameters *p, const char *at, size_t n) {
@@ -125,24 +123,18 @@ static vs_word gain_of(const char *line) {
   return *s ? none : gain;
 }
 
-/* In a line that was changed for ngspice the word is looked for in what the file says. */
-static vs_where place_of(const vs_line *line, vs_word w) {
-  const char *at = line->written ? vs_words_find(line->written, line->written, w.at, w.n) : w.at;
-  return at ? vs_line_place(line, at) : line->where;
-}
-
 vs_status vs_parameters_check_gain(const vs_parameters *p, const vs_line *line, vs_error *err) {
   const vs_word gain = gain_of(line->text);
   const int n = (int)gain.n;
   if (!n) return VS_OK;
   if (!p->count || !bsearch(&gain, p->name, p->count, sizeof *p->name, compare))
-    return vs_fail_at(err, place_of(line, gain),
+    return vs_fail_at(err, vs_line_place_of(line, gain),
                       "ngspice takes the gain %.*s for 0, as no .param defines it; write a number, "
                       "or a line '.param %.*s=...'",
                       n, gain.at, n, gain.at);
   const char *comma = strchr(line->text, ',');
   if (gain.at[-1] != '(' && (!comma || comma > gain.at)) return VS_OK;
-  return vs_fail_at(err, place_of(line, gain),
+  return vs_fail_at(err, vs_line_place_of(line, gain),
                     "ngspice takes the gain %.*s for 0 beside brackets and commas; write {%.*s}", n,
                     gain.at, n, gain.at);
 }

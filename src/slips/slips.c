@@ -196,16 +196,3 @@ vs_status vs_slips_line(const vs_line *line, vs_error *err) {
   if (!status) status = check_delay(line, err);
   return status ? status : check_course(line, err);
 }
-
-vs_status vs_slips_conditions(const vs_line *lines, size_t count, vs_error *err) {
-  size_t depth = 0;
-  vs_where outermost = {0};
-  for (size_t k = 0; k < count; k++) {
-    if (*lines[k].text != '.') continue;
-    if (is_statement(lines[k].text, ".if") && depth++ == 0) outermost = lines[k].where;
-    if (is_statement(lines[k].text, ".endif") && depth > 0) depth--;
-  }
-  return depth ? vs_fail_at(err, outermost,
-                            "this .if has no .endif that closes it; write one behind its last line")
-               : VS_OK;
-}

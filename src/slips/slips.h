@@ -13,7 +13,4 @@
  * looked at, nor are the round brackets of a .model, which ngspice takes for blanks. */
 vs_status vs_slips_line(const vs_line *line, vs_error *err);
 
-/* Error: one of the lines is an .if that no .endif closes. */
-vs_status vs_slips_conditions(const vs_line *lines, size_t count, vs_error *err);
-
 #endif

@@ -107,16 +107,6 @@ static bool has(const vs_subcircuits *s, size_t first, const char *name, size_t 
   return false;
 }
 
-/* The place of what stands at `at` in the line's text, which may have been changed. */
-static vs_where place_of(const vs_line *line, const char *at, size_t n) {
-  if (!line->written) return vs_line_place(line, at);
-  for (const char *s = line->written; *s; s++)
-    if (!strncasecmp(s, at, n) && strchr(" \t=", s[n]) && s > line->written &&
-        strchr(" \t:", s[-1]))
-      return vs_line_place(line, s);
-  return line->where;
-}
-
 static vs_status refuse(const vs_line *line, const char *at, size_t n, const char *subcircuit,
                         const candidates *known, vs_error *err) {
   char name[NAME];
@@ -128,8 +118,8 @@ static vs_status refuse(const vs_line *line, const char *at, size_t n, const cha
     vs_text_add(&all, "%s%s", k ? ", " : "", list[k]);
   }
   nearest = vs_text_nearest(name, list, known->count);
-  vs_fail_at(err, place_of(line, at, n), "subcircuit %s has no parameter %s%s%s%s", subcircuit,
-             name,
+  vs_fail_at(err, vs_line_place_of(line, (vs_word){at, n}),
+             "subcircuit %s has no parameter %s%s%s%s", subcircuit, name,
              nearest        ? "; did you mean '"
              : known->count ? "; it has "
                             : "; it has none: leave it out",

@@ -16,7 +16,7 @@ static void print_margin(const vs_judgement *j, FILE *out) {
     fprintf(out, "%7.1f %% +- %-6.2g %%", 100 * j->margin, 100 * j->margin_error);
   else
     fprintf(out, "%7.1f %% %11s", 100 * j->margin, isnan(j->margin_error) ? "" : "+- ?");
-  vs_word word = vs_verdict_word(j);
+  vs_finding word = vs_verdict_word(j);
   fprintf(out, "  %s%s", word == VS_UNVERIFIED && j->margin < 0 ? "violated, " : "",
           vs_verdict_words[word]);
 }
@@ -81,7 +81,7 @@ static void print_word(const vs_verdict *v, FILE *out) {
   static const char *const COLOURS[VS_WORDS] = {
       [VS_HELD] = "32", [VS_VIOLATED] = "31", [VS_UNDECIDED] = "33", [VS_UNVERIFIED] = "33"};
   const vs_judgement *breach = vs_verdict_breach(v);
-  vs_word word = VS_HELD;
+  vs_finding word = VS_HELD;
   for (size_t k = 0; k < v->count; k++)
     if (vs_verdict_word(&v->item[k]) == VS_UNVERIFIED) word = VS_UNVERIFIED;
   if (breach)

@@ -105,7 +105,7 @@ const char *const vs_verdict_words[VS_WORDS] = {[VS_HELD] = "held",
                                                 [VS_UNDECIDED] = "undecided",
                                                 [VS_UNVERIFIED] = "unverified"};
 
-vs_word vs_verdict_word(const vs_judgement *j) {
+vs_finding vs_verdict_word(const vs_judgement *j) {
   if (isnan(j->margin_error)) return VS_UNVERIFIED;
   if (fabs(j->margin) <= j->margin_error) return VS_UNDECIDED;
   return j->margin > 0 ? VS_HELD : VS_VIOLATED;
@@ -115,7 +115,7 @@ const vs_judgement *vs_verdict_breach(const vs_verdict *v) {
   const vs_judgement *violated = NULL, *undecided = NULL;
   for (size_t k = 0; k < v->count; k++) {
     const vs_judgement *j = &v->item[k];
-    vs_word word = vs_verdict_word(j);
+    vs_finding word = vs_verdict_word(j);
     const vs_judgement **worst = word == VS_UNDECIDED ? &undecided : &violated;
     if (word == VS_UNDECIDED || j->margin < 0)
       if (!*worst || j->margin < (*worst)->margin) *worst = j;

@@ -48,15 +48,15 @@ void vs_verdict_reach(const vs_measures *measures, const vs_devices *devices, vs
 void vs_verdict_free(vs_verdict *verdict);
 
 /* What a line of a verdict comes to. */
-typedef enum vs_word {
+typedef enum vs_finding {
   VS_HELD,       /* the margin is above 0 by more than its error */
   VS_VIOLATED,   /* the margin is below 0 by more than its error */
   VS_UNDECIDED,  /* the margin's sign is not certain */
   VS_UNVERIFIED, /* no error was computed */
   VS_WORDS
-} vs_word;
+} vs_finding;
 extern const char *const vs_verdict_words[VS_WORDS];
-vs_word vs_verdict_word(const vs_judgement *judgement);
+vs_finding vs_verdict_word(const vs_judgement *judgement);
 /* Returns the line with the least margin among those that are violated, verified or not; where
  * there is none, among those that are undecided; NULL: there is none of these either. */
 const vs_judgement *vs_verdict_breach(const vs_verdict *verdict);
