@@ -55,6 +55,37 @@ static void angles_over_time(void) {
   }
 }
 
+/* As the run begins, the cycle of the first firing is over, that of the second begins, or both have
+ * begun. All of these are decided then: the second fires at its angle. */
+static void cycles_before_the_run(void) {
+  static const char *const TIERS[] = {"analytic", "switched", "circuit"};
+  static const double PHASE_DEG[] = {0, 40};
+  for (size_t k = 0; k < COUNT(TIERS) * COUNT(PHASE_DEG); k++) {
+    fired f = {.count = 0};
+    const vs_observer observer = {&f, note};
+    const char *tier = TIERS[k % COUNT(TIERS)];
+    double phase_deg = PHASE_DEG[k / COUNT(TIERS)];
+    char phase[32];
+    snprintf(phase, sizeof phase, "supply.phase=%g deg", phase_deg);
+    bool circuit = !strcmp(tier, "circuit");
+    const char *sets[] = {"circuit.deck=halfwave_bare",
+                          "firing.angle=100 deg",
+                          "firing.every=1",
+                          "firing.first_cycle=0",
+                          "instruments={p: {noise: 0}}",
+                          "control.law=phase",
+                          "control.sensor=p",
+                          "run.until=10 ms",
+                          phase,
+                          NULL};
+    vs_trial *t = vs_trial_run("paper", tier, sets + !circuit, &observer);
+    EXPECT(!t->status && f.count == 1, "%s: %d firings, %s", tier, f.count, t->err.text);
+    EXPECT(fabs(f.at_s[0] - (100 - phase_deg) / 360 * 0.02) < (circuit ? 3e-6 : 1e-10),
+           "%s, phase %g deg: %.9g s", tier, phase_deg, f.at_s[0]);
+    vs_trial_free(t);
+  }
+}
+
 /* A timeline as vs_gate_... sees it: decided firings, one left out, one not decided. */
 static void decided_angles(void) {
   double angle[4] = {100 * DEG, NAN, 60 * DEG, 0};
@@ -395,6 +426,7 @@ static const vs_test TESTS[] = {
     {"a scene with a control is not exported", no_export},
     {"angles over time are fired at, on every tier", angles_over_time},
     {"angles that a control decides", decided_angles},
+    {"cycles that have begun before the run", cycles_before_the_run},
     {"a control does the same on tiers switched and circuit", same_on_tiers},
     {"the same from an orbit on", same_from_an_orbit},
     {"the shipped scenes settle", shipped_scenes},

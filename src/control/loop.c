@@ -10,7 +10,7 @@
 
 /* ---- decisions ---- */
 
-/* Decides the next firing, whose cycle begins now. */
+/* Decides the next firing, whose cycle begins now, or, as the run begins, has begun before. */
 static vs_status decide(vs_loop *l, double t_s, vs_error *err) {
   const vs_control *c = l->control;
   vs_program *p = &l->program;
@@ -50,7 +50,9 @@ vs_status vs_loop_begin(vs_loop *l, const vs_control *c, const vs_setup *setup,
   for (int k = 0; k < 2; k++) l->program.range[k] = c->v.angle_rad[k];
   l->self = vs_alloc(1, c->regulator->size + 1);
   vs_status status = c->regulator->begin ? c->regulator->begin(l->self, &l->sight, err) : VS_OK;
-  if (!status && vs_firing_cycle_s(t, 0) <= vs_occurrence_rounding(0)) status = decide(l, 0, err);
+  while (!status && l->program.count < l->program.size &&
+         vs_firing_cycle_s(t, (double)l->program.count) <= vs_occurrence_rounding(0))
+    status = decide(l, 0, err);
   return status;
 }
 
