@@ -45,6 +45,7 @@ static const struct {
              {"run.leave_circuit", "never"},
              {"run.pivrel", "0.01"},
              {"run.trtol", "9"},
+             {"run.first_step", "1e-3"},
              {"start.phi", "0.001 rad"},
              {"measure.from", "0.01 s"},
              {"measure.to", "0.05 s"},

@@ -15,6 +15,7 @@ static const struct {
             {"supply.inductance", "0.5 mH"},
             {"run.method", "gear"},
             {"run.trtol", "7"},
+            {"run.first_step", "1e-7"},
             {"run.pivrel", "0.05"},
             {"run.leave_circuit", "never"}};
 

@@ -115,13 +115,11 @@ static double edge(void *ctx, double solver_s) {
   return vs_prelude_edge(&c->prelude, now_s, next_s) - c->away.shift_s;
 }
 
-/* The first step, as a part of the largest. At t = 0 the circuit is without currents, so mains that
- * are not at their zero jump. What rings by that may have nanoseconds, and the solver takes its
- * first step whatever its error. With 1e-4 the least voltage of a chopper's link was 95 V, with
- * 1e-6 80 V, from 1e-7 on 75.9 V at any tolerance; steps double from there on, so that it costs
- * ten. */
-static const double FIRST = 1e-7;
-
+/* At t = 0 the circuit is without currents, so mains that are not at their zero jump. What rings by
+ * that may have nanoseconds, and the solver takes its first step whatever its error. With a first
+ * step of 1e-4 of the largest the least voltage of a chopper's link was 95 V, with 1e-6 80 V, from
+ * 1e-7 on, which is the default of run.first_step, 75.9 V at any tolerance. Steps double from there
+ * on, so that it costs ten. */
 static bool begins_with_a_jump(const coupling *c, double solver_s) {
   return solver_s == 0 && !c->prelude.on && vs_timeline_voltage(&c->course.setup->timeline, 0) != 0;
 }
@@ -130,7 +128,7 @@ static double longest(void *ctx, double solver_s) {
   coupling *c = ctx;
   vs_course *course = &c->course;
   double most = fmin(c->pace.max_step_s, vs_swing_longest(&c->swing));
-  if (begins_with_a_jump(c, solver_s)) most *= FIRST;
+  if (begins_with_a_jump(c, solver_s)) most *= c->setup->run.first_step;
   most = fmin(most, vs_anode_longest(&course->anode, c->pace.max_step_s));
   return fmin(most, vs_events_longest(&course->setup->timeline.events, run_time(c, solver_s)));
 }
@@ -277,6 +275,7 @@ static const vs_tier_key KEYS[] = {
     {"supply", "resistance", NULL},
     {"supply", "inductance", NULL},
     {"run", "method", NULL},
+    {"run", "first_step", NULL},
     {"run", "trtol", NULL},
     {"run", "pivrel", NULL},
     {"run", "leave_circuit", NULL},

@@ -9,6 +9,8 @@
 #include "coupling/pace.h"
 
 /* Why each rung may help:
+ * - In a first step of picoseconds, behind the source's inductance alone, rounding errors may be
+ *   larger than what Newton's iteration has to reach. So on all rungs the first step is longer.
  * - Where voltages of 600 V and steps of picoseconds meet, rounding errors may grow beyond what
  *   Newton's iteration has to reach. With another order of elimination they may not, and nothing
  *   else changes.
@@ -38,6 +40,7 @@ static const rung RUNGS[] = {
     {.text = "tolerance 1e-4 with the same steps", .coarse = true},
     {.text = "an ideal thyristor (latch), method gear", .gear = true, .ideal = true},
 };
+static const double FIRST_STEP = 1e-4;       /* of the largest, on all rungs but the lowest */
 static const double OTHER_PIVREL = 1e-3;     /* ngspice's default */
 static const double COARSE_TOLERANCE = 1e-4; /* as the rung's text says */
 enum { N_RUNGS = sizeof RUNGS / sizeof *RUNGS };
@@ -78,6 +81,7 @@ bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
     l->trtol = s->run.trtol;
     l->pivrel = s->run.pivrel;
   }
+  bool jumps = vs_timeline_voltage(&s->timeline, 0) != 0;
   for (l->rung++; l->rung < N_RUNGS; l->rung++) {
     const rung *r = &RUNGS[l->rung];
     bool other = (r->other_order && l->pivrel != OTHER_PIVREL) || (r->gear && !l->gear) ||
@@ -93,6 +97,7 @@ bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
       add_key(l, "run.max_step=%.9gus", 1e6 * l->own_step_s);
     }
     if (r->ideal) add_key(l, "circuit.thyristor=latch");
+    if (jumps && s->run.first_step < FIRST_STEP) add_key(l, "run.first_step=%.9g", FIRST_STEP);
     return true;
   }
   return false;

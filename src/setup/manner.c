@@ -26,6 +26,10 @@ static const vs_field RUN[] = {
      "largest error of p, u, w, phi, force and i, each relative to its peak", NULL, NULL},
     {"max_step", VS_REAL, "us", "0 us", 0, 1e6, false, R_(max_step_s),
      "largest step; 0: chosen from the tolerance", NULL, NULL},
+    {"first_step", VS_REAL, "", "1e-7", 1e-12, 1, false, R_(first_step),
+     "circuit tier: first step of a run whose mains are not at their zero, as a part of the "
+     "largest",
+     NULL, NULL},
     {"trtol", VS_REAL, "", "7", 1, 1e4, false, R_(trtol),
      "ngspice's: how much larger than tolerated its estimate of a step's truncation error may be",
      NULL, NULL},

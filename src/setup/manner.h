@@ -36,6 +36,7 @@ typedef struct vs_run_values {
   double until_s, sample_s;
   double tolerance;  /* largest error wanted, relative to each quantity's own peak */
   double max_step_s; /* 0: it follows from the tolerance */
+  double first_step; /* where the mains are not at their zero at t = 0; a part of the largest */
   double trtol;      /* ngspice's own: a factor on the truncation error a step may have */
   double pivrel;     /* ngspice's own: decides the order in which it eliminates */
   int gear;          /* the circuit's rule: 0 is the trapezoidal, 1 Gear's of second order */
