@@ -52,8 +52,8 @@ static void becomes(const vs_occurrence *e, double *fraction, double *volume_m3)
 }
 
 /* ---- the switch ----
- * It has 1 mohm or 1 Gohm, and lies in series with an element, which it opens, or across it, which
- * it shorts. Its control conducts above zero. */
+ * An element is opened by a switch in series, of 1 mohm or 1 Gohm, whose control conducts above
+ * zero. So are turns of the coil shorted, which the EVA of the deck does by itself. */
 
 static double closing(const vs_occurrence *e, double t_s) {
   return t_s > e->start_s + vs_occurrence_rounding(t_s) ? 1 : -1;
@@ -62,6 +62,46 @@ static double closing(const vs_occurrence *e, double t_s) {
 static double opening(const vs_occurrence *e, double t_s) {
   return -closing(e, t_s);
 }
+
+/* ---- the short ----
+ * It lies across an element. Its resistance falls within CLOSES_S from OPEN_OHM to CLOSED_OHM, by
+ * equal factors in equal times, as a spark's does. In no time at all it would empty a capacitance,
+ * as every varistor has one, in picoseconds and with hundreds of kiloamperes: a peak of which each
+ * step length makes another one. */
+
+static const double CLOSES_S = 1e-6, OPEN_OHM = 1e9, CLOSED_OHM = 1e-3;
+
+/* The logarithm of its conductance in S. */
+static double short_source(const vs_occurrence *e, double t_s) {
+  double part = fmin(fmax((t_s - e->start_s) / CLOSES_S, 0), 1);
+  return -log(OPEN_OHM) + part * log(OPEN_OHM / CLOSED_OHM);
+}
+
+static double short_edge(const vs_occurrence *e, double t_s) {
+  double closed_s = e->start_s + CLOSES_S;
+  return t_s < e->start_s ? e->start_s : t_s < closed_s ? closed_s : INFINITY;
+}
+
+static double short_longest(const vs_occurrence *e, double t_s) {
+  double since_s = t_s - e->start_s, near_s = vs_occurrence_rounding(t_s);
+  return since_s > -near_s && since_s < CLOSES_S ? CLOSES_S / 50 : INFINITY;
+}
+
+/* All turns of a coil are shorted at its terminals, some of them by a switch. */
+static bool is_whole(const vs_occurrence *e) {
+  return e->v.fraction >= 1;
+}
+static double coil_source(const vs_occurrence *e, double t_s) {
+  return is_whole(e) ? short_source(e, t_s) : closing(e, t_s);
+}
+static double coil_edge(const vs_occurrence *e, double t_s) {
+  return is_whole(e) ? short_edge(e, t_s) : vs_occurrence_edge(e, t_s);
+}
+static double coil_longest(const vs_occurrence *e, double t_s) {
+  return is_whole(e) ? short_longest(e, t_s) : INFINITY;
+}
+
+/* ---- elements ---- */
 
 typedef struct element {
   vs_line *line;
@@ -110,9 +150,10 @@ static vs_status find_element(vs_deck *deck, const vs_occurrence *e, const char 
                     nearest ? "'?" : "");
 }
 
-/* Puts a switch between two nodes, with its control and the account of the energy it takes. */
-static vs_status add_switch(vs_deck *deck, const vs_occurrence *e, size_t k,
-                            const char *const nodes[2], vs_error *err) {
+/* Puts what is to be driven between two nodes, `line` with the nodes vs_l<k> and nodes[1], with its
+ * control vs_c<k> and the account of the energy it takes. */
+static vs_status add_driven(vs_deck *deck, const vs_occurrence *e, size_t k,
+                            const char *const nodes[2], const char *line, vs_error *err) {
   char control[VS_DECK_NAME], between[2 * VS_DECK_NAME + 1];
   snprintf(control, sizeof control, "vs_c%zu", k);
   snprintf(between, sizeof between, "%s,%s", nodes[0], nodes[1]);
@@ -120,9 +161,7 @@ static vs_status add_switch(vs_deck *deck, const vs_occurrence *e, size_t k,
   if (!status) status = vs_wiring_loss(deck, e, k, between, err);
   if (status) return status;
   vs_wiring_line(deck, e->where, "Vvs_s%zu %s vs_l%zu 0", k, nodes[0], k);
-  vs_wiring_line(deck, e->where, "Svs_f%zu vs_l%zu %s vs_c%zu 0 vs_f%zu %s", k, k, nodes[1], k, k,
-                 e->kind->source(e, 0) > 0 ? "on" : "off");
-  vs_wiring_line(deck, e->where, ".model vs_f%zu sw(ron=1m roff=1g vt=0 vh=0.5)", k);
+  vs_wiring_line(deck, e->where, "%s", line);
   return VS_OK;
 }
 
@@ -138,7 +177,9 @@ static vs_status open_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_e
     snprintf(deck->eva_plus, sizeof deck->eva_plus, "vs_n%zu", k);
   free(at.line->text);
   at.line->text = vs_copy(line);
-  status = add_switch(deck, e, k, nodes, err);
+  snprintf(line, sizeof line, "Svs_f%zu vs_l%zu %s vs_c%zu 0 vs_f%zu on", k, k, node, k, k);
+  status = add_driven(deck, e, k, nodes, line, err);
+  vs_wiring_line(deck, e->where, ".model vs_f%zu sw(ron=1m roff=1g vt=0 vh=0.5)", k);
   /* An opening contact arcs; otherwise a coil's current would have nowhere to go. The arc's current
    * is i = 1 A (v/level)^30 up to the level and goes on straight above; 100 pF lie beside it. */
   vs_wiring_line(
@@ -153,10 +194,15 @@ static vs_status open_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_e
 
 static vs_status short_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
   element at;
+  char line[256];
   const char *const nodes[] = {at.node[0], at.node[1]};
   vs_status status = find_element(deck, e, e->kind->element(e, deck), &at, err);
   if (status) return status;
-  return add_switch(deck, e, k, nodes, err);
+  /* in a formula stand nodes of our own, as not every name of a node can */
+  vs_wiring_line(deck, e->where, "Vvs_t%zu vs_m%zu %s 0", k, k, at.node[1]);
+  snprintf(line, sizeof line, "Bvs_f%zu vs_l%zu vs_m%zu I = v(vs_l%zu,vs_m%zu)*exp(v(vs_c%zu))", k,
+           k, k, k, k, k);
+  return add_driven(deck, e, k, nodes, line, err);
 }
 
 /* Where all turns are shorted, the coil is shorted at its terminals. Where some are, another EVA
@@ -165,7 +211,7 @@ static vs_status short_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_
 static vs_status coil_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
   element at;
   char line[1024], control[VS_DECK_NAME], plus[VS_DECK_NAME];
-  if (e->v.fraction >= 1) return short_wire(e, k, deck, err);
+  if (is_whole(e)) return short_wire(e, k, deck, err);
   vs_status status = find_element(deck, e, deck->eva, &at, err);
   if (status) return status;
   deck->eva_file = "eva_shorted";
@@ -188,9 +234,11 @@ const vs_event_kind vs_faults[] = {
     {"open", "an element of the deck is cut off", VS_EVENT_KEYS(OPEN), .wants_element = true,
      .edge = vs_occurrence_edge, .element = element_named, .wire = open_wire, .source = opening},
     {"short", "an element of the deck is shorted", VS_EVENT_KEYS(SHORT), .wants_element = true,
-     .edge = vs_occurrence_edge, .element = element_named, .wire = short_wire, .source = closing},
+     .edge = short_edge, .longest = short_longest, .element = element_named, .wire = short_wire,
+     .source = short_source},
     {"coil_short", "the EVA's coil is shorted, whole or in part", VS_EVENT_KEYS(COIL_SHORT),
-     .edge = vs_occurrence_edge, .element = the_coil, .wire = coil_wire, .source = closing},
+     .edge = coil_edge, .longest = coil_longest, .element = the_coil, .wire = coil_wire,
+     .source = coil_source},
     {"jam", "the armature is stuck: p stays what it is", VS_EVENT_KEYS(JAM), .ideal = true,
      .jams = true, .edge = vs_occurrence_edge},
     {"load", "the load changes; what is added arrives with the trough's velocity",
