@@ -8,7 +8,9 @@
  * the process as vs_alloc does. Only the program has them: no library that others link has. A
  * sanitizer brings functions of its own, and then these are left out. */
 #include <dlfcn.h>
+#include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "base/alloc.h"
 
@@ -51,12 +53,18 @@ void *malloc(size_t size) {
   return memory;
 }
 
+/* ngspice asks for some nineteen short strings at each step, and gives them back. glibc's calloc()
+ * (2.36) does not take what the thread gave back last, as its malloc() does, and the next free() is
+ * the slower for that. */
+enum { SHORT = 1024 };
+
 void *calloc(size_t count, size_t size) {
   if (!looked) look();
-  void *memory = next.calloc(count, size);
   size_t bytes;
-  if (!memory) vs_alloc_failed(__builtin_mul_overflow(count, size, &bytes) ? (size_t)-1 : bytes);
-  return memory;
+  bool beyond = __builtin_mul_overflow(count, size, &bytes), is_short = !beyond && bytes <= SHORT;
+  void *memory = is_short ? next.malloc(bytes) : next.calloc(count, size);
+  if (!memory) vs_alloc_failed(beyond ? (size_t)-1 : bytes);
+  return is_short ? memset(memory, 0, bytes) : memory;
 }
 
 /* With a size of 0 it frees the memory, and NULL is no failure. */

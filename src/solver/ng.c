@@ -46,7 +46,8 @@ static struct {
   vs_status status;   /* the run ends once it is not VS_OK */
   bool enough;        /* the host has seen enough: the run ends with VS_OK */
   const char **asked; /* per port: where ngspice has its name; NULL: not known yet */
-  size_t next_port;   /* the one that ngspice is likely to ask for next */
+  size_t last_port;   /* the one that ngspice asked for last */
+  size_t *behind;     /* per port: the one that ngspice asked for behind it */
   vs_error *err;
   vs_complaints complaints; /* of the present load or run */
   bool trial;               /* this is the child process, which ends with the first accepted step */
@@ -183,19 +184,30 @@ static int on_accepted(pvecvaluesall all, int count, int id, void *user) {
   return 0;
 }
 
-/* ngspice asks for its sources in the same order each time, so the one behind the last is tried
- * first. Within a run it has each name at one address, which is compared before the name is. */
+/* Returns the port of this name; n_ports: there is none. Within a run ngspice has each name at one
+ * address, which is compared before the name is. */
+static size_t find_port(const char *name) {
+  size_t p = 0;
+  while (p < ng.job->n_ports && name != ng.asked[p]) p++;
+  if (p < ng.job->n_ports) return p;
+  for (p = 0; p < ng.job->n_ports; p++)
+    if (!strcmp(name, ng.job->ports[p])) break;
+  if (p < ng.job->n_ports) ng.asked[p] = name;
+  return p;
+}
+
+/* ngspice asks for its sources in the same order each time, which need not be that of the ports. So
+ * the one is tried first that was asked for behind the last one before. */
 static int on_source(double *value, double t, char *name, int id, void *user) {
   (void)id, (void)user;
   *value = 0;
-  for (size_t k = 0; ng.job && k < ng.job->n_ports; k++) {
-    size_t p = (ng.next_port + k) % ng.job->n_ports;
-    if (name != ng.asked[p] && strcmp(name, ng.job->ports[p])) continue;
-    ng.asked[p] = name;
-    ng.next_port = p + 1 < ng.job->n_ports ? p + 1 : 0;
-    *value = ng.host->source(ng.host->ctx, p, t);
-    break;
-  }
+  if (!ng.job || !ng.job->n_ports) return 0;
+  size_t p = ng.behind[ng.last_port];
+  if (name != ng.asked[p]) p = find_port(name);
+  if (p == ng.job->n_ports) return 0;
+  ng.behind[ng.last_port] = p;
+  ng.last_port = p;
+  *value = ng.host->source(ng.host->ctx, p, t);
   return 0;
 }
 
@@ -249,13 +261,14 @@ static void take_job(const vs_circuit_job *job, const vs_circuit_host *host) {
   ng.vector = vs_alloc(job->n_signals, sizeof *ng.vector);
   ng.values = vs_alloc(job->n_signals, sizeof *ng.values);
   ng.asked = vs_alloc(job->n_ports, sizeof *ng.asked);
+  ng.behind = vs_alloc(job->n_ports, sizeof *ng.behind);
 }
 
 static void step_on(vs_error *err) {
   ng.err = err;
   ng.status = VS_OK;
   ng.enough = false;
-  ng.next_port = 0;
+  ng.last_port = 0;
   ng.edge_s = INFINITY;
   ng.time_vector = -1;
   ng.reached_s = 0;
@@ -419,9 +432,11 @@ static void release(void *circuit) {
   free(ng.vector);
   free(ng.values);
   free(ng.asked);
+  free(ng.behind);
   free(ng.raw_vector);
   free(ng.raw_values);
   ng.asked = NULL;
+  ng.behind = NULL;
   ng.vector = ng.raw_vector = NULL;
   ng.values = ng.raw_values = NULL;
   ng.job = NULL;
