@@ -97,6 +97,8 @@ static void bad_scenes_are_refused(void) {
       {"firing: {every: 1, pulse_width: 30 ms}\n", "", "s.yaml:1:33: ", {"20 ms", NULL}},
       {"machine: {trough_mass: 1 kg\n", "", "s.yaml:2:1: ", {"not YAML", NULL}},
       {"machine:\n\ttrough_mass: 1 kg\n", "", "s.yaml:2:1: ", {"not YAML", "tab"}},
+      {"run: {until: 0,1 s}\n", "", "s.yaml:1:14: ", {"write 0.1 s", NULL}},
+      {"run:\n  until: 0,1 s\n", "", "s.yaml:2:10: ", {"write '0.1 s'", NULL}},
       {"run: {until: 1 s}\nrun: {until: 2 s}\n", "", "s.yaml:2:1: ", {"duplicate key", NULL}},
       {"run: {until: 1 s}\n---\nrun: {until: 2 s}\n", "", "s.yaml", {"second document", NULL}},
       {"run: &a {until: 1 s}\nload: *a\n", "", "s.yaml:2:", {"aliases", NULL}},

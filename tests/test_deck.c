@@ -174,6 +174,23 @@ static void slips_are_refused(void) {
   REFUSE(WINDINGS "K9 L8 L9 1.9\n", "bad.cir:7:10: ", "-1 to 1 is wanted");
   REFUSE(WINDINGS "K9 L8 L9 k=-1.1\n", "bad.cir:7:12: ", "-1 to 1 is wanted");
   REFUSE(WINDINGS "K9 L8 Rs 0.9\n", "bad.cir:7:7: ", "Rs is no inductor");
+#define THIRD WINDINGS "L7 q 0 1\nK9 L8 L9 0.99\nK8 L9 L7 0.99\n"
+  REFUSE(THIRD, "bad.cir:8:10: ", "the couplings of L7, L8, L9 do not fit together");
+  REFUSE(THIRD "K7 L8 L7 -0.99\n", "bad.cir:8:10: ", "not positive definite");
+  REFUSE(THIRD "K7 L8 L7 0.96\n", "bad.cir:8:10: ", "not positive definite");
+  REFUSE(WINDINGS "K9 L8 L9 0.6\nK8 L9 L8 k=0.5\n", "bad.cir:7:10: ", "do not fit together");
+  REFUSE(WINDINGS "L7 q 0 1\nK9 L7 L8 L9 -0.6\n", "bad.cir:8:13: ", "do not fit together");
+  REFUSE(SUPPLY EVA "E9 q 0 POLY(2) a 0 b\n", "bad.cir:5:1: ", "wants 4 nodes");
+  REFUSE(SUPPLY EVA "E9 q 0 POLY(2) (a,0) 0 1 1\n", "bad.cir:5:22: ", "and has 2");
+  REFUSE(SUPPLY EVA "G9 q 0 POLY(2) a 0 0 1.5 1\n", "bad.cir:5:22: ", "and has 3");
+  REFUSE(SUPPLY EVA "F9 q 0 POLY(2) Vm 0 1 1\n", "bad.cir:5:19: ", "wants 2 sources V");
+  REFUSE(SUPPLY EVA "H9 q 0 POLY(1) Vm\n", "bad.cir:5:1: ", "no coefficient");
+  REFUSE(SUPPLY EVA "E9 q 0 POLY(1) a 0 3\n", "bad.cir:5:20: ", "a single coefficient");
+  REFUSE(SUPPLY EVA "E9 q 0 POLY(1.5) a 0 0 1\n", "bad.cir:5:13: ", "whole number of pairs");
+  REFUSE(SUPPLY EVA "*$ probe x = v(a,b) A\n", "bad.cir:5:21: ", "this is a voltage");
+  REFUSE(SUPPLY EVA "*$ probe y = -i(Vm) V\n", "bad.cir:5:21: ", "this is a current");
+  REFUSE(SUPPLY EVA "Rb a b 1\nCb b c 1n\n*$ probe x = v(C) A\n",
+         "bad.cir:7:19: ", "V is wanted here");
   REFUSE(SUPPLY EVA "T9 a 0 q 0 Z0=50 NL=0.25\n", "bad.cir:5:1: ", "would take 0.25 ns");
   REFUSE(SUPPLY EVA "T9 a 0 q 0 Z0=50 TD=0\n", "bad.cir:5:21: ", "a delay above 0");
   REFUSE(SUPPLY EVA "T9 a 0 q 0 Z0=50 F -1meg\n", "bad.cir:5:20: ", "a frequency above 0");
@@ -213,9 +230,40 @@ static void slips_are_refused(void) {
   accept_deck(deck);
   accept_deck(WINDINGS "Rb a b 1k\nR9 p 0 1k\nK9 l8 L9 k=0.9\n.param kk=1\nL7 o 0 1\nR8 o 0 1k\n"
                        "K8 L8 L7 {kk/4}\n");
+  accept_deck(THIRD "K7 L8 L7 0.98\nRb a b 1k\nR9 p 0 1k\nR7 q 0 1k\n");
+  accept_deck(WINDINGS "L7 q 0 1\nK9 L7 L8 L9 1\nRb a b 1k\nR9 p 0 1k\nR7 q 0 1k\n");
+  accept_deck(SUPPLY EVA
+              "Rb a b 1k\nE9 e 0 POLY(2) (a,0) (b,0) 0 1 1\nE8 f 0 poly( 1 ) a 0 {0} {2}\n"
+              "F7 0 sum poly(1) Vm 0 1\nR7 sum 0 1\nE6 g 0 POLY 1 a b 0 1\n"
+              "*$ probe i_sum = v(sum) A\n*$ probe i_in = -i(Vm) A\n");
   accept_deck(SUPPLY EVA
               "Rb a b 1k\nV9 q 0 1\nR8 q r 50\nT9 r 0 s 0 Z0=50 F=1k NL=0.25\nT8 s 0 u 0 zo=50 "
               "td={1m}\nR9 u 0 50\n");
+}
+
+/* Functions that call each other `deep` deep, or parameters that need each other so. */
+static char *chain(bool function, int deep) {
+  vs_text text = {0};
+  vs_text_add(&text, "%s", SUPPLY EVA);
+  vs_text_add(&text, function ? ".func c1(x) {x}\n" : ".param c1=2\n");
+  for (int k = 2; k <= deep; k++)
+    vs_text_add(&text, function ? ".func c%d(x) {c%d(x)}\n" : ".param c%d={c%d}\n", k, k - 1);
+  vs_text_add(&text, function ? "Rb a b {c%d(1k)}\n" : "Rb a b {c%d}\n", deep);
+  return text.text;
+}
+
+/* ngspice hangs, or loses a bracket, where they are deeper. */
+static void chains_end_somewhere(void) {
+  static const int DEEPEST[] = {1000, 200}; /* parameters, functions */
+  for (int function = 0; function < 2; function++) {
+    char place[32], *deck = chain(function, DEEPEST[function]);
+    accept_deck(deck);
+    free(deck);
+    deck = chain(function, DEEPEST[function] + 1);
+    snprintf(place, sizeof place, "bad.cir:%d:%d: ", 5 + DEEPEST[function], function ? 7 : 8);
+    REFUSE(deck, place, "deep");
+    free(deck);
+  }
 }
 
 /* What would write or read a file, take what is the program's, or hide from the rules: refused as
@@ -503,6 +551,13 @@ static void parts_by_name(void) {
   t = run_deck("decks/d.cir", "circuit.element=bigg", NULL);
   EXPECT(t->status == VS_INPUT && strstr(t->err.text, "did you mean 'big'"), "%s", t->err.text);
   vs_trial_free(t);
+  write_file("decks/big.inc", PART("BIG", "300")); /* hides that of the shelf */
+  t = run_deck("decks/d.cir", "circuit.element=big", NULL);
+  CLOSE(ratio(t), 300, 1e-6);
+  const vs_findings *remarks = t->scene.setup.deck.remarks;
+  CU_ASSERT(remarks && remarks->count == 1 &&
+            strstr(remarks->item[0].text, "part big is taken from decks/big.inc; "));
+  vs_trial_free(t);
   unsetenv("VIBROSPICE_PATH");
   write_file("decks/wrong.inc", ".subckt right p q\nR p q 1\n.ends\n");
   t = run_deck("decks/d.cir", "circuit.element=wrong", NULL);
@@ -603,5 +658,6 @@ static const vs_test TESTS[] = {
     {"dialects", dialects},
     {"ratings", ratings_are_judged},
     {"slips are refused", slips_are_refused},
+    {"chains end somewhere", chains_end_somewhere},
 };
 VS_SUITE_MAIN("deck", TESTS)

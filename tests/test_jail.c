@@ -209,6 +209,10 @@ static void what_the_home_folder_holds(void) {
   EXPECT(strstr(r.err, "(a name on the way to it begins with a dot), and is not read"), "%s",
          r.err);
   free_ran(&r);
+  write_deck("home/proj/d.cir", ".include none/../../../x.inc");
+  r = run("check home/proj/d.cir");
+  EXPECT(strstr(r.err, "('..' behind a folder that is not there leads out"), "%s", r.err);
+  free_ran(&r);
   write_deck("home/proj/.dir/.d.cir", ".include own.inc"); /* such a folder is named here */
   write_file("home/proj/.dir/own.inc", "* nothing\n");
   RUN_GOOD("check home/proj/.dir/.d.cir --quiet");

@@ -180,6 +180,15 @@ static void add_folders(vs_text *text, const char *before, const vs_text *list) 
     vs_text_add(text, "%s%.*s, ", s == list->text ? before : "", (int)strcspn(s, "\n"), s);
 }
 
+/* Why a path below an allowed folder is not read after all. A ".." is left in a real path where it
+ * stands behind a folder that is not there. */
+static const char *why_hidden(const char *real) {
+  const size_t n = strlen(real);
+  return strstr(real, "/../") || (n > 3 && !strcmp(real + n - 3, "/.."))
+             ? " ('..' behind a folder that is not there leads out of those that are read)"
+             : " (a name on the way to it begins with a dot)";
+}
+
 static vs_status refuse(const char *path, const char *real, bool hidden, vs_where where,
                         vs_error *err) {
   vs_text folders = {0};
@@ -188,9 +197,8 @@ static vs_status refuse(const char *path, const char *real, bool hidden, vs_wher
   vs_fail_at(err, where,
              "%s lies at %s%s, and is not read; if you trust the file that names it, %s; else copy "
              "it to where files are read: %sand what comes with the program",
-             path, real ? real : "no place that can be found",
-             hidden ? " (a name on the way to it begins with a dot)" : "", jail.way_out,
-             folders.text ? folders.text : "");
+             path, real ? real : "no place that can be found", hidden ? why_hidden(real) : "",
+             jail.way_out, folders.text ? folders.text : "");
   vs_text_free(&folders);
   return VS_INPUT;
 }

@@ -10,6 +10,9 @@
 #include "base/text.h"
 #include "deck/devices.h"
 #include "deck/parts.h"
+#include "deck/rules.h"
+#include "dialect/words.h"
+#include "memo/names.h"
 #include "syntax/units.h"
 
 static bool read_range(char *token, double *min, double *max) {
@@ -146,8 +149,10 @@ static vs_status read_probe(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_where where = vs_cursor_here(c);
   char quantity = (char)tolower((unsigned char)*c->at);
   bool good = (quantity == 'v' || quantity == 'i') && *c->at++ &&
-              vs_formula_term_read(&c->at, quantity, first, second, sizeof first) &&
-              vs_cursor_word(c, "./^%", probe.unit, sizeof probe.unit);
+              vs_formula_term_read(&c->at, quantity, first, second, sizeof first);
+  if (good) vs_cursor_skip(c);
+  probe.unit_at = vs_cursor_here(c);
+  good = good && vs_cursor_word(c, "./^%", probe.unit, sizeof probe.unit);
   if (!good || !vs_units_known(probe.unit))
     return vs_fail_at(err, vs_cursor_here(c),
                       "'probe NAME = v(n) | v(n,m) | i(Vx)  UNIT' is wanted here");
@@ -267,5 +272,141 @@ vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_e
       vs_fail_at(err, where, "'*$ %s' is not known; there are: %s%s%s%s", word, all.text,
                  nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
   vs_text_free(&all);
+  return status;
+}
+
+/* ---- units of probes ---- */
+
+/* The nodes of a deck, but for those within subcircuits, and which of them branches join: a current
+ * flows from each node of a group to each other one, and not by way of ground alone. */
+typedef struct groups {
+  vs_names numbers; /* of the nodes, in the order in which the lines name them */
+  size_t *parent;   /* towards the node that stands for the group */
+  size_t count;
+} groups;
+
+/* The node that stands for the group of this one. A node that no line has named yet is a group of
+ * its own. */
+static size_t group_of(groups *g, vs_word node) {
+  size_t k;
+  char name[VS_DECK_NAME];
+  snprintf(name, sizeof name, "%.*s", (int)node.n, node.at);
+  if (!vs_names_find(&g->numbers, name, strlen(name), &k)) {
+    k = g->count;
+    g->parent = vs_alloc_grow(g->parent, g->count, sizeof *g->parent);
+    g->parent[g->count++] = k;
+    vs_names_put(&g->numbers, name, k);
+  }
+  while (g->parent[k] != k) k = g->parent[k] = g->parent[g->parent[k]];
+  return k;
+}
+
+static bool is_ground(vs_word node) {
+  return vs_words_is(node, "0") || vs_words_is(node, "gnd");
+}
+
+/* Takes the two nodes of a branch, or of what drives the mains, for one group. */
+static void join(groups *g, vs_word a, vs_word b) {
+  if (is_ground(a) || is_ground(b)) return;
+  const size_t to = group_of(g, a);
+  g->parent[group_of(g, b)] = to;
+}
+
+/* The first `count` words behind the name in a line; those that are not there are empty. */
+static void nodes_of(const char *line, vs_word *node, size_t count) {
+  static const char BETWEEN[] = " \t(),";
+  const char *s = line + strcspn(line, BETWEEN);
+  for (size_t k = 0; k < count; k++) {
+    s += strspn(s, BETWEEN);
+    node[k] = (vs_word){s, strcspn(s, BETWEEN)};
+    s += node[k].n;
+  }
+}
+
+/* How many nodes of an element a current flows between; 0: none that is known. Sources that are
+ * controlled, and instances, may have nodes of signals. */
+static size_t pins_of(const char *line) {
+  return !*line ? 0 : strchr("rRcClLdDvVsSwW", *line) ? 2 : strchr("qQjJmMzZ", *line) ? 3 : 0;
+}
+
+static void find_groups(const vs_deck *deck, groups *g) {
+  size_t within = 0;
+  vs_word node[3];
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const char *text = deck->lines[k].text;
+    within += vs_words_begin(text, ".subckt");
+    within -= vs_words_begin(text, ".ends") && within;
+    const size_t pins = within ? 0 : pins_of(text);
+    nodes_of(text, node, pins);
+    for (size_t p = 1; p < pins; p++)
+      for (size_t q = 0; q < p; q++) join(g, node[p], node[q]);
+  }
+}
+
+/* True where a current of the mains' or of the EVA's can flow through the node. */
+static bool carries(const vs_deck *deck, groups *g, vs_word node) {
+  const char *ends[] = {deck->eva_plus, deck->eva_minus};
+  vs_word end[2];
+  if (is_ground(node)) return false;
+  const size_t group = group_of(g, node);
+  for (size_t k = 0; k < 2; k++) {
+    const vs_word eva = {ends[k], strlen(ends[k])};
+    if (!is_ground(eva) && group_of(g, eva) == group) return true;
+  }
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    char source[VS_DECK_NAME];
+    if (!vs_rules_is_external(deck->lines[k].text, source)) continue;
+    for (size_t p = 0; p < deck->n_ports; p++) {
+      if (deck->ports[p].signal.drive != VS_PORT_MAINS) continue;
+      if (strcmp(deck->ports[p].source, source)) continue;
+      nodes_of(deck->lines[k].text, end, 2);
+      for (size_t e = 0; e < 2; e++)
+        if (!is_ground(end[e]) && group_of(g, end[e]) == group) return true;
+    }
+  }
+  return false;
+}
+
+/* The name in "v(NAME)" or "i(NAME)". */
+static vs_word name_in(const char *term) {
+  return (vs_word){term + 2, strcspn(term + 2, ")")};
+}
+
+/* True for the voltage of a node, or the current of a source, that lies between mains and EVA. */
+static bool is_of_the_circuit(const vs_deck *deck, groups *g, const vs_term *term) {
+  const vs_word name = name_in(term->plus);
+  vs_word node[2];
+  if (*term->plus == 'v')
+    return carries(deck, g, name) || (*term->minus && carries(deck, g, name_in(term->minus)));
+  for (size_t k = 0; k < deck->n_lines; k++) {
+    const char *text = deck->lines[k].text;
+    if (vs_words_compare((vs_word){text, strcspn(text, " \t(),")}, name)) continue;
+    nodes_of(text, node, 2);
+    if (carries(deck, g, node[0]) || carries(deck, g, node[1])) return true;
+  }
+  return false;
+}
+
+vs_status vs_contract_check_units(const vs_deck *deck, vs_error *err) {
+  groups g = {0};
+  vs_status status = VS_OK;
+  for (size_t k = 0; k < deck->n_probes && !status; k++) {
+    const vs_probe *probe = &deck->probes[k];
+    const vs_term *term = &deck->terms[probe->term];
+    const bool voltage = *term->plus == 'v';
+    if (vs_units_same_kind(probe->unit, voltage ? "V" : "A")) continue;
+    if (!g.count) find_groups(deck, &g);
+    if (!is_of_the_circuit(deck, &g, term) && (voltage || !vs_units_same_kind(probe->unit, "V")))
+      continue;
+    status = vs_error_carry_on(
+        err, vs_fail_at(err, probe->unit_at,
+                        voltage ? "probe %s: this is a voltage, and '%s' is no unit of one; V is "
+                                  "wanted here, or i(V...) for a current"
+                                : "probe %s: this is a current, and '%s' is no unit of one; A is "
+                                  "wanted here, or v(NODE) for a voltage",
+                        probe->name, probe->unit));
+  }
+  vs_names_free(&g.numbers);
+  free(g.parent);
   return status;
 }

@@ -10,12 +10,14 @@
 
 #include "base/jail.h"
 #include "base/text.h"
+#include "deck/contract.h"
 #include "deck/devices.h"
 #include "deck/eva.h"
 #include "deck/files.h"
 #include "deck/parts.h"
 #include "deck/rules.h"
 #include "dialect/words.h"
+#include "slips/couplings.h"
 #include "slips/cycles.h"
 #include "slips/doubles.h"
 #include "slips/growth.h"
@@ -55,6 +57,7 @@ static vs_status check_definitions(const vs_deck *deck, vs_error *err) {
   vs_definitions definitions;
   vs_definitions_find(&definitions, deck->lines, deck->n_lines);
   vs_status status = vs_cycles_check(&definitions, err);
+  if (!status) status = vs_cycles_check_depth(&definitions, err);
   if (!status) status = vs_growth_check(&definitions, deck->lines, deck->n_lines, err);
   status = vs_error_carry_on(err, status);
   vs_definitions_free(&definitions);
@@ -127,6 +130,8 @@ static vs_status check_whole(vs_deck *deck, vs_error *err) {
   if (!status) status = check_nesting(deck, err);
   if (!status) status = check_instances(deck, err);
   if (!status) status = check_gains(deck, err);
+  if (!status) status = vs_couplings_check(deck->lines, deck->n_lines, err);
+  if (!status) status = vs_contract_check_units(deck, err);
   if (!status) vs_doubles_look(deck->lines, deck->n_lines, tell_double, deck);
   return status;
 }
@@ -240,10 +245,23 @@ static void take_plain_name(const vs_deck *deck, char subcircuit[VS_DECK_NAME]) 
   if (defines(deck, plain)) snprintf(subcircuit, VS_DECK_NAME, "%s", plain);
 }
 
+/* Warns where a file of the user's has the name of a part that comes with the program. */
+static void tell_hidden_part(vs_deck *deck, const char *name, const char *path, vs_where where) {
+  char shipped[VS_PATH_SIZE];
+  struct stat a, b;
+  if (strchr(name, '/') || !vs_path_shipped(&vs_deck_parts_shelf, name, shipped)) return;
+  if (stat(path, &a) || stat(shipped, &b) || (a.st_dev == b.st_dev && a.st_ino == b.st_ino)) return;
+  vs_deck_remark(deck, where,
+                 "part %s is taken from %s; the one of that name that comes with the program is "
+                 "not; if that is meant, give the file another name",
+                 name, path);
+}
+
 static vs_status take_part(vs_deck *deck, vs_part *part, const char *name, vs_where where,
                            vs_error *err) {
   char path[VS_PATH_SIZE];
   vs_status status = find_part(deck, name, where, path, err);
+  if (!status) tell_hidden_part(deck, name, path, where);
   if (!status && !vs_files_has(deck, path)) {
     /* the deck is to be mended where it takes a part of the program's, and not what a scene says */
     const bool own = where.file == part->where.file && !vs_deck_is_shipped(where.file);

@@ -26,6 +26,19 @@ double vs_numbers_factor(const char *s, size_t *length) {
   return 1;
 }
 
+bool vs_numbers_read(vs_word w, double *value) {
+  const size_t decimal = strspn(w.at, "-.0123456789eE+"); /* C also reads 0x10 */
+  size_t length;
+  if (!w.n || !strchr("-.0123456789", *w.at)) return false;
+  char *end;
+  *value = strtod(w.at, &end);
+  if (end == w.at || end > w.at + decimal) return false;
+  for (const char *c = end; c < w.at + w.n; c++)
+    if (!isalpha((unsigned char)*c)) return false;
+  *value *= vs_numbers_factor(end, &length);
+  return true;
+}
+
 static size_t digits(const char *s) {
   return strspn(s, "0123456789");
 }
@@ -161,6 +174,27 @@ static bool is_femto(vs_word w) {
   return n > 0 && n + 1 == w.n && w.at[n] == 'F';
 }
 
+/* Tells of a value of R, C or L that is seldom meant. */
+static void tell_of_size(const vs_line *line, vs_word w, vs_tally *tally) {
+  const int letter = tolower((unsigned char)*line->text);
+  const char *what = NULL;
+  double value;
+  if (!vs_numbers_read(w, &value)) return;
+  if (value < 0)
+    what = letter == 'r' ? "a resistance below 0 is a source of energy; leave the sign out, unless "
+                           "a model wants it so"
+           : letter == 'c' ? "a capacitance below 0 is a source of energy; leave the sign out, "
+                             "unless a model wants it so"
+                           : "an inductance below 0 is a source of energy; leave the sign out, "
+                             "unless a model wants it so";
+  else if (letter == 'r' && value == 0)
+    what = "ngspice has no resistance of 0 ohm and takes 1 mohm in its place; write a small one, "
+           "or a source V of 0 V";
+  else if (letter == 'c' && value > 1)
+    what = "a capacitance above 1 F; u behind the number makes it microfarad, n nanofarad";
+  if (what) vs_tally_add(tally, what, vs_line_place(line, w.at));
+}
+
 /* True where a second number follows a value, as in "100n 50V" or "5k 1%". ngspice takes the last
  * one for the value. */
 static bool is_second_number(vs_word value, vs_word next) {
@@ -184,6 +218,7 @@ static vs_status check_element(const vs_line *line, const vs_word *w, size_t cou
     status = vs_fail_at(err, vs_line_place(line, w[4].at),
                         "'%.*s %.*s': ngspice takes the second number for the value; leave it out",
                         (int)w[3].n, w[3].at, (int)w[4].n, w[4].at);
+  if (!status && tolower((unsigned char)*line->text) != 'k') tell_of_size(line, w[3], tally);
   if (!status && tolower((unsigned char)*line->text) == 'r' && is_milliohm(w[3]))
     vs_tally_add(tally,
                  "a resistance in M is one in milliohm, as SPICE knows no capitals; write Meg for "

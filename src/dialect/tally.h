@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 
-enum { VS_TALLY_KINDS = 32 }; /* more than there are kinds */
+enum { VS_TALLY_KINDS = 48 }; /* more than there are kinds */
 
 /* Start from {0}. */
 typedef struct vs_tally {

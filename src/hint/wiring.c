@@ -157,10 +157,19 @@ static bool begins_expression(vs_word w) {
   return false;
 }
 
-/* The looks of "POLY(n) a b c d ...". */
-static void add_poly(const scope *s, vs_wire *wire, const vs_word *w, size_t count) {
-  size_t pairs = strchr(w[3].at, '(') ? strtoul(strchr(w[3].at, '(') + 1, NULL, 10) : 1;
-  for (size_t k = 0; k < 2 * pairs && 4 + k < count; k++) add_look(wire, node_of(s, w[4 + k]));
+/* The looks of "POLY(n) a b c d ...", at `poly`. The nodes may stand in brackets, "(a,b) (c,d)". */
+static void add_poly(const scope *s, vs_wire *wire, const char *poly) {
+  static const char BETWEEN[] = " \t(),";
+  const char *at = poly + strlen("poly");
+  at += strspn(at, BETWEEN);
+  size_t nodes = 2 * strtoul(at, NULL, 10);
+  for (at += strcspn(at, BETWEEN); nodes > 0; nodes--) {
+    at += strspn(at, BETWEEN);
+    const vs_word node = {at, strcspn(at, BETWEEN)};
+    if (!node.n) return;
+    add_look(wire, node_of(s, node));
+    at += node.n;
+  }
 }
 
 /* Finds what the element's value is a function of. */
@@ -171,7 +180,7 @@ static void take_law(const scope *s, vs_wire *wire, const vs_word *w, size_t cou
   if (strchr("fhw", wire->letter) && !poly)
     add_current(s, w[3], &law);
   else if (source && poly)
-    add_poly(s, wire, w, count);
+    add_poly(s, wire, w[3].at);
   else if (wire->letter == 's' || (source && !begins_expression(w[3]))) {
     vs_word pair[] = {w[3], w[count > 4 ? 4 : 3]};
     int plus = node_of(s, pair[0]), minus = node_of(s, pair[1]);

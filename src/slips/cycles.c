@@ -45,6 +45,33 @@ vs_status vs_cycles_check(const vs_definitions *d, vs_error *err) {
   return count ? VS_INPUT : VS_OK;
 }
 
+vs_status vs_cycles_check_depth(const vs_definitions *d, vs_error *err) {
+  size_t *order = vs_alloc(d->count + 1, sizeof *order),
+         *depth = vs_alloc(d->count + 1, sizeof *depth);
+  vs_status status = VS_OK;
+  vs_cycles_order(d, order);
+  for (size_t k = 0; k < d->count && !status; k++) {
+    const vs_definition *of = &d->list[order[k]];
+    const size_t most = of->function ? VS_CYCLES_FUNCTIONS : VS_CYCLES_PARAMETERS;
+    vs_circle_step at = {.thing = order[k]};
+    size_t deepest = 0; /* of those of its kind that it names */
+    for (size_t to; (to = next(d, &at)) < d->count;)
+      if (d->list[to].function == of->function && depth[to] > deepest) deepest = depth[to];
+    depth[order[k]] = deepest + 1;
+    if (deepest >= most)
+      status = vs_fail_at(
+          err, vs_line_place_of(of->line, of->name),
+          of->function ? "function %.*s calls others, which call others, and so on more than "
+                         "%zu deep; a formula with fewer calls within each other is wanted"
+                       : "parameter %.*s needs others, which need others, and so on more "
+                         "than %zu deep; a value that needs fewer is wanted",
+          (int)of->name.n, of->name.at, most);
+  }
+  free(depth);
+  free(order);
+  return status;
+}
+
 void vs_cycles_order(const vs_definitions *d, size_t *order) {
   vs_circle_step *path = vs_alloc(d->count + 1, sizeof *path);
   vs_circle_find(d->count, next, d, path, order);

@@ -2,6 +2,7 @@
 #include "slips/slips.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +10,7 @@
 
 #include "dialect/numbers.h"
 #include "dialect/words.h"
+#include "slips/couplings.h"
 #include "slips/parameters.h"
 
 /* What ngspice takes for the space between words. */
@@ -75,21 +77,6 @@ static vs_status check_value(const vs_line *line, vs_error *err) {
                                     : "inductance in H");
 }
 
-/* ---- numbers ---- */
-
-/* Reads a plain number as ngspice does: 1, -2.5e-3, 10us. False: it is anything else. */
-static bool read_number(const char *s, size_t n, double *value) {
-  size_t decimal = strspn(s, "-.0123456789eE+"), length; /* C also reads 0x10 */
-  if (!strchr("-.0123456789", *s)) return false;
-  char *end;
-  *value = strtod(s, &end);
-  if (end == s || end > s + decimal) return false;
-  for (const char *c = end; c < s + n; c++)
-    if (!isalpha((unsigned char)*c)) return false;
-  *value *= vs_numbers_factor(end, &length);
-  return true;
-}
-
 /* ---- courses ---- */
 
 /* Looks at the times up to the first word that is no plain number. Two that are the same are a
@@ -102,8 +89,8 @@ static vs_status check_course(const vs_line *line, vs_error *err) {
   for (const char *from = NULL, *at = *s ? next_word(s) : s; *at; at = next_word(next_word(at))) {
     const size_t n = strcspn(at, BETWEEN);
     const char *second = next_word(at);
-    if (!read_number(at, n, &time)) break;
-    if (!read_number(second, strcspn(second, BETWEEN), &value)) break;
+    if (!vs_numbers_read((vs_word){at, n}, &time)) break;
+    if (!vs_numbers_read((vs_word){second, strcspn(second, BETWEEN)}, &value)) break;
     if (from && time < last)
       return vs_fail_at(err, vs_line_place(line, at),
                         "PWL: the time %.*s stands behind %.*s; pairs TIME VALUE are wanted, of "
@@ -115,44 +102,62 @@ static vs_status check_course(const vs_line *line, vs_error *err) {
   return VS_OK;
 }
 
-/* ---- couplings ---- */
+/* ---- polynomials ---- */
 
-/* Looks at "K1 La Lb 0.9". A name with a point may be an inductor within a subcircuit. */
-static vs_status check_coupling(const vs_line *line, vs_error *err) {
-  const char *w[VS_WORDS_MOST];
-  double factor;
-  int n = 0;
-  if (tolower((unsigned char)*line->text) != 'k') return VS_OK;
-  for (const char *s = line->text; *s && n < VS_WORDS_MOST; s = next_word(s)) w[n++] = s;
-  for (int k = 1; k < n && k <= 2 && n > 3; k++) {
-    const int length = (int)strcspn(w[k], BETWEEN);
-    if (isalpha((unsigned char)*w[k]) && tolower((unsigned char)*w[k]) != 'l' &&
-        !memchr(w[k], '.', (size_t)length))
-      return vs_fail_at(err, vs_line_place(line, w[k]),
-                        "%.*s is no inductor; a K couples inductors, the names of which begin "
-                        "with L",
-                        length, w[k]);
+/* The next word behind s that is no bracket, as ngspice cuts a line; empty: there is none. */
+static vs_word word_behind(const char *s) {
+  s += strspn(s, BETWEEN);
+  return (vs_word){s, *s == '{' ? strcspn(s, "}") + (strchr(s, '}') != NULL) : strcspn(s, BETWEEN)};
+}
+
+/* True for a word that is a number and no node's or source's name. Nodes may be called 1, 2, ... */
+static bool is_value(vs_word w, bool of_nodes) {
+  double value;
+  if (*w.at == '{') return true;
+  if (!vs_numbers_read(w, &value)) return false;
+  return !of_nodes || strspn(w.at, "0123456789") < w.n;
+}
+
+/* Looks at "E1 p q POLY(2) a 0 b 0 0 1 1" and "F1 p q POLY(2) V1 V2 0 1 1": behind POLY(n) there
+ * are n pairs of nodes, or n sources, and two coefficients at the least. */
+static vs_status check_polynomial(const vs_line *line, vs_error *err) {
+  const int letter = tolower((unsigned char)*line->text);
+  if (!*line->text || !strchr("efgh", letter)) return VS_OK;
+  const bool of_nodes = letter == 'e' || letter == 'g';
+  const char *at = next_word(next_word(next_word(line->text)));
+  if (strncasecmp(at, "poly", 4) || !strchr(BETWEEN, at[4])) return VS_OK;
+  vs_word w = word_behind(at + 4);
+  double n;
+  if (!vs_numbers_read(w, &n)) return VS_OK; /* a formula */
+  if (n < 1 || n > VS_WORDS_MOST || n != floor(n))
+    return vs_fail_at(err, vs_line_place(line, w.at),
+                      "POLY(%.*s): 1, 2, or another whole number of %s is wanted", (int)w.n, w.at,
+                      of_nodes ? "pairs of nodes" : "sources V...");
+  const int most = of_nodes ? 2 * (int)n : (int)n;
+  const char *s = w.at + w.n + strspn(w.at + w.n, " \t)");
+  const bool brackets = of_nodes && *s == '(';
+  for (int k = 0; k < most; k++) {
+    const bool opens = brackets && k % 2 == 0;
+    const bool open = memchr(s, '(', strspn(s, BETWEEN)) != NULL;
+    w = word_behind(s);
+    if (!w.n || (opens && !open) || is_value(w, of_nodes))
+      return vs_fail_at(err, w.n ? vs_line_place(line, w.at) : line->where,
+                        "POLY(%d) wants %d %s before its coefficients, and has %d", (int)n, most,
+                        of_nodes   ? "nodes"
+                        : most > 1 ? "sources V..."
+                                   : "source V...",
+                        k);
+    s = w.at + w.n;
   }
-  if (n == 3 && tolower((unsigned char)*w[1]) == 'l' && tolower((unsigned char)*w[2]) == 'l')
-    return vs_fail_at(err, line->where,
-                      "%.*s has no coupling; behind its inductors a factor up to 1 is wanted",
-                      (int)strcspn(w[0], BETWEEN), w[0]);
-  for (int k = 2; k < n - 1; k++)
-    for (int m = 1; m < k; m++) {
-      const size_t length = strcspn(w[k], BETWEEN);
-      if (length != strcspn(w[m], BETWEEN) || strncasecmp(w[k], w[m], length)) continue;
-      return vs_fail_at(err, vs_line_place(line, w[k]),
-                        "%.*s is coupled with itself; the names of two inductors are wanted",
-                        (int)length, w[k]);
-    }
-  if (n < 4) return VS_OK;
-  const size_t length = strcspn(w[n - 1], BETWEEN);
-  const char *equals = memchr(w[n - 1], '=', length), *at = equals ? equals + 1 : w[n - 1];
-  const size_t rest = length - (size_t)(at - w[n - 1]);
-  return read_number(at, rest, &factor) && (factor > 1 || factor < -1)
-             ? vs_fail_at(err, vs_line_place(line, at),
-                          "a coupling of %.*s is not possible; -1 to 1 is wanted", (int)rest, at)
-             : VS_OK;
+  const vs_word first = word_behind(s);
+  if (first.n && word_behind(first.at + first.n).n) return VS_OK;
+  return vs_fail_at(err, first.n ? vs_line_place(line, first.at) : line->where,
+                    "POLY(%d) has %s coefficient behind its %d %s, and ngspice makes a constant of "
+                    "it; two or more are wanted, as 0 1 for a gain of 1",
+                    (int)n, first.n ? "a single" : "no", most,
+                    of_nodes   ? "nodes"
+                    : most > 1 ? "sources"
+                               : "source");
 }
 
 /* ---- lines ---- */
@@ -174,7 +179,7 @@ static vs_status check_delay(const vs_line *line, vs_error *err) {
     if (!vs_words_is(name, "td") && !vs_words_is(name, "f")) continue;
     has_delay = true;
     const size_t length = strcspn(s, ENDS);
-    if (read_number(s, length, &value) && value <= 0)
+    if (vs_numbers_read((vs_word){s, length}, &value) && value <= 0)
       return vs_fail_at(err, vs_line_place(line, s),
                         "%.*s=%.*s: a line has a delay above 0, TD=..., or a frequency above 0 at "
                         "which it has NL wavelengths, F=...",
@@ -192,7 +197,8 @@ vs_status vs_slips_line(const vs_line *line, vs_error *err) {
   vs_status status = check_brackets(line, line->text, line->text + strlen(line->text), err);
   if (!status) status = check_value(line, err);
   if (!status) status = vs_parameters_check(line, err);
-  if (!status) status = check_coupling(line, err);
+  if (!status) status = vs_couplings_line(line, err);
+  if (!status) status = check_polynomial(line, err);
   if (!status) status = check_delay(line, err);
   return status ? status : check_course(line, err);
 }

@@ -182,6 +182,11 @@ bool vs_units_read(const char *text, const char *expected, double *si, char *why
   unit want, got;
   while (*end == ' ') end++;
   parse_unit(expected, &want);
+  if (*end == ',' && isdigit((unsigned char)end[1])) {
+    snprintf(why, size, "'%s': the decimal sign is a point; write '%.*s.%s'", text,
+             (int)(end - text), text, end + 1);
+    return false;
+  }
   if (!parse_unit(end, &got)) {
     wanted_units(expected, "", wanted, sizeof wanted);
     snprintf(why, size, "'%s' is no unit known here; write %s", end, *expected ? wanted : as);

@@ -65,6 +65,22 @@ static vs_where or_begin(vs_where where) {
   return where.line ? where : (vs_where){where.file, 1, 1};
 }
 
+/* Refuses a decimal comma: of {until: 0,1 s} YAML makes the number 0 and a key "1 s" that has
+ * nothing. */
+static vs_status check_comma(const vs_node *before, const char *key, vs_where where,
+                             vs_error *err) {
+  const char *whole = before && before->kind == VS_NODE_TEXT ? before->text : "";
+  const size_t n = strlen(whole), sign = n && strchr("+-", *whole) ? 1 : 0;
+  if (n == sign || strspn(whole + sign, "0123456789") < n - sign) return VS_OK;
+  if (*key < '0' || *key > '9' || before->where.line != where.line ||
+      before->where.column + (int)n + 1 != where.column)
+    return VS_OK;
+  return vs_fail_at(err, before->where,
+                    "'%s,%s': a comma ends a value here, as the decimal sign is a point; write "
+                    "%s.%s",
+                    whole, key, whole, key);
+}
+
 static vs_status convert(struct fy_node *fy, const char *file, vs_node **out, vs_error *err);
 
 static vs_status convert_children(struct fy_node *fy, const char *file, vs_node *parent,
@@ -82,6 +98,7 @@ static vs_status convert_children(struct fy_node *fy, const char *file, vs_node 
     return VS_OK;
   }
   struct fy_node_pair *pair;
+  const vs_node *before = NULL;
   while ((pair = fy_node_mapping_iterate(fy, &position))) {
     struct fy_node *key = fy_node_pair_key(pair);
     if (!key || !fy_node_is_scalar(key))
@@ -91,6 +108,8 @@ static vs_status convert_children(struct fy_node *fy, const char *file, vs_node 
     const char *name = fy_node_get_scalar(key, &length);
     char *copy = vs_alloc_part(name ? name : "", length);
     vs_status status = convert(fy_node_pair_value(pair), file, tail, err);
+    if (!status && (*tail)->kind == VS_NODE_TEXT && !*(*tail)->text)
+      status = check_comma(before, copy, key_where, err);
     if (status) {
       free(copy);
       return status;
@@ -99,6 +118,7 @@ static vs_status convert_children(struct fy_node *fy, const char *file, vs_node 
     if (!key_where.line) key_where = (*tail)->where; /* an empty key stands nowhere */
     if (!(*tail)->where.line) (*tail)->where = key_where;
     (*tail)->key_where = key_where;
+    before = *tail;
     tail = &(*tail)->next;
   }
   const vs_node *second = second_of_a_key(parent);
