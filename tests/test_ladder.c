@@ -194,6 +194,48 @@ static void the_end_of_a_current_without_a_snubber(void) {
   vs_trial_free(t);
 }
 
+/* Nor one whose coil is shorted: it rings with the source's inductance as it blocks, with hardly a
+ * loss, and that ring dies away. */
+static void a_short_behind_a_blocked_thyristor(void) {
+  static const char *const SETS[] = {"circuit.deck=halfwave_bare",
+                                     "circuit.thyristor=TYN1012",
+                                     "supply.voltage=101.3V",
+                                     "supply.frequency=60Hz",
+                                     "supply.resistance=0.0596ohm",
+                                     "supply.inductance=0.0175mH",
+                                     "firing.angle=106.8deg",
+                                     "events.e0.kind=coil_short",
+                                     "events.e0.cycle=1",
+                                     "events.e0.angle=93.98deg",
+                                     "events.e0.fraction=94.43%",
+                                     "run.tolerance=1e-3",
+                                     "run.until=8.5ms",
+                                     "run.verify=never",
+                                     NULL};
+  vs_trial *t = vs_trial_run("paper", "circuit", SETS, NULL);
+  EXPECT(t->status == VS_OK && t->result.steps < 5000, "%ld steps: %s", t->result.steps,
+         t->err.text);
+  vs_trial_free(t);
+}
+
+/* The pulse of this gate drive dies away while the anode's voltage passes the latch's threshold. */
+static void a_latch_as_its_gate_pulse_dies_away(void) {
+  write_file(
+      "s.yaml",
+      "machine: {model: fixed_base}\n"
+      "actuator: {resistance: 77.89 ohm, gap: 4.563 mm}\n"
+      "load: {density: 2.17 g/cm3, fraction: 0.29}\n"
+      "supply: {voltage: 429.9 V, frequency: 60 Hz, resistance: 1.11 ohm, inductance: 3.16 mH}\n"
+      "circuit: {deck: halfwave_paper, thyristor: latch, r1: 135.9 ohm, c1: 2.092 nF,\n"
+      "  r2: 4096 ohm, c2: 7.405 nF, varistor_2: varistor_siov}\n"
+      "firing: {angle: 122 deg, every: 1, first_cycle: 0, burst_frequency: 14.7 kHz,\n"
+      "  burst_duty: 29.6 %}\n"
+      "run: {until: 7 ms, tolerance: 1e-4, verify: never, tier: circuit, ladder: stay}\n");
+  ran r = run("run s.yaml -o o --quiet");
+  EXPECT(!r.status && !strstr(r.err, "gave up"), "%d %s", r.status, r.err);
+  free_ran(&r);
+}
+
 /* run.ladder: stay. What was computed is kept, as of any run that fails. */
 static void one_may_stay(void) {
   write_file("bad.inc", BAD);
@@ -249,6 +291,8 @@ static const vs_test TESTS[] = {
     {"with a control", with_a_control},
     {"a thyristor without a snubber", a_thyristor_without_a_snubber},
     {"the end of a current without a snubber", the_end_of_a_current_without_a_snubber},
+    {"a short behind a blocked thyristor", a_short_behind_a_blocked_thyristor},
+    {"a latch as its gate pulse dies away", a_latch_as_its_gate_pulse_dies_away},
     {"one may stay", one_may_stay},
     {"nothing helps", nothing_helps},
     {"only when ngspice gives up", only_when_ngspice_gives_up},
