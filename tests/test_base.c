@@ -208,7 +208,7 @@ static void bad_quantities(void) {
       {"6 mdeg", "deg", {"'mdeg'", "write deg"}},
       {"6 m%", "", {"'m%'", "a plain number"}},
       {"6 MM", "mm", {"'MM'", NULL}},
-      {"1,5 mm", "mm", {"',5 mm'", NULL}},
+      {"1,5 mm", "mm", {"'1.5 mm'", "decimal sign"}},
       {"6 mm mm", "mm", {"unit known here", NULL}},
       {"6 m/", "m", {"unit known here", NULL}},
       {"6 /m", "m", {"unit known here", NULL}},

@@ -196,21 +196,22 @@ static void a_run_begins_there(void) {
 
 /* With a stop, and the orbits of period 1 and 3 that are stable there. At 80 degrees tier switched
  * keeps off the stop; the circuit does not, and the machine, marched on for 200 cycles, comes back
- * after 5. At 60 degrees the swing's own Phi would drive the armature through its stop. */
+ * after 5. At 60 degrees the swing's own Phi would drive the armature through its stop. At 1e-3
+ * four of nine such orbits have multipliers that are not known well enough to tell. */
 static void with_a_stop(void) {
   static const struct {
     const char *words;
     int status;
     const char *says;
   } ROWS[] = {
-      {"--set firing.angle=82deg", 0, "\"stable\": true"},
-      {"--set firing.angle=66deg --period 3", 0, "\"stable\": true"},
-      {"--set firing.angle=80deg", 2, "after 5 periods; try --period 5"},
-      {"--set firing.angle=60deg", 2, "`steady --period 2` reports"},
+      {"1e-4 --set firing.angle=82deg", 0, "\"stable\": true"},
+      {"1e-4 --set firing.angle=66deg --period 3", 0, "\"stable\": true"},
+      {"1e-3 --set firing.angle=80deg", 2, "after 5 periods; try --period 5"},
+      {"1e-3 --set firing.angle=60deg", 2, "`steady --period 2` reports"},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {
     ran r = run("steady paper --tier circuit --set firing.every=1 --set actuator.stop={} --set "
-                "run.tolerance=1e-3 --set run.verify=never %s --json --quiet",
+                "run.verify=never --json --quiet --set run.tolerance=%s",
                 ROWS[k].words);
     EXPECT(r.status == ROWS[k].status && strstr(r.status ? r.err : r.out, ROWS[k].says),
            "%s: %d %s", ROWS[k].words, r.status, r.err);
