@@ -110,39 +110,11 @@ static vs_status one_value(vs_axis *axis, const vs_node *node, vs_error *err) {
   return VS_OK;
 }
 
-static int by_value(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-/* Refuses a value that the list has already: its cases would be run and counted twice. */
-static vs_status check_values(const vs_axis *axis, const vs_node *list, vs_error *err) {
-  const size_t n = axis->n_values;
-  double *sorted = vs_alloc(n, sizeof *sorted);
-  memcpy(sorted, axis->value, n * sizeof *sorted);
-  qsort(sorted, n, sizeof *sorted, by_value);
-  size_t same = 1;
-  while (same < n && sorted[same] != sorted[same - 1]) same++;
-  const double value = same < n ? sorted[same] : 0;
-  free(sorted);
-  if (same >= n) return VS_OK;
-  const vs_node *item = list->child;
-  size_t k = 0, seen = 0; /* up to the second of that value */
-  for (; item->next; item = item->next, k++) {
-    seen += axis->value[k] == value;
-    if (seen == 2) break;
-  }
-  return vs_fail_at(err, item->where, "%s: the list has %s already; leave one out", axis->key,
-                    item->text);
-}
-
 static vs_status list_values(vs_axis *axis, const vs_node *list, vs_error *err) {
   if (!list->child) return vs_fail_at(err, list->where, "%s: the list is empty", axis->key);
   vs_status status = VS_OK;
-  const size_t found = vs_error_count(err);
   for (const vs_node *item = list->child; item && !status; item = item->next)
     status = vs_error_carry_on(err, one_value(axis, item, err));
-  if (!status && vs_error_count(err) == found) status = check_values(axis, list, err);
   return status;
 }
 
