@@ -155,6 +155,15 @@ static void same_on_tiers(void) {
   vs_trial_free(b);
 }
 
+/* The circuit's watchers know a pulse once it is decided, and no firing by it is unintended. */
+static void firings_are_the_gates(void) {
+  RUN_GOOD("run control_setpoint --tier circuit --set circuit.deck=halfwave_snubbed --set "
+           "run.until=0.1s --set run.verify=never --quiet -o told");
+  char *events = read_file("told/events.csv");
+  EXPECT(strstr(events, "thyristor fires\n") && !strstr(events, "unintended"), "%s", events);
+  free(events);
+}
+
 /* The same of a run that begins on its orbit, where the low-passes of the sensors begin as the
  * orbit has them: with settled ones the second angle was off by 0.17 degrees. */
 static void same_from_an_orbit(void) {
@@ -428,6 +437,7 @@ static const vs_test TESTS[] = {
     {"angles that a control decides", decided_angles},
     {"cycles that have begun before the run", cycles_before_the_run},
     {"a control does the same on tiers switched and circuit", same_on_tiers},
+    {"firings are the gate's", firings_are_the_gates},
     {"the same from an orbit on", same_from_an_orbit},
     {"the shipped scenes settle", shipped_scenes},
     {"nothing winds up at a limit", no_windup},

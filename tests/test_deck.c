@@ -187,6 +187,11 @@ static void slips_are_refused(void) {
   REFUSE(SUPPLY EVA "H9 q 0 POLY(1) Vm\n", "bad.cir:5:1: ", "no coefficient");
   REFUSE(SUPPLY EVA "E9 q 0 POLY(1) a 0 3\n", "bad.cir:5:20: ", "a single coefficient");
   REFUSE(SUPPLY EVA "E9 q 0 POLY(1.5) a 0 0 1\n", "bad.cir:5:13: ", "whole number of pairs");
+  REFUSE(SUPPLY EVA "Rt b TIME 1k\n", "bad.cir:5:6: ", "cannot be called time");
+  REFUSE(SUPPLY EVA "Ct temper 0 1n\n", "bad.cir:5:4: ", "cannot be called temper");
+  REFUSE(SUPPLY EVA "*$ probe x = v(a) mV\n",
+         "bad.cir:5:19: ", "it is measured in V, and 'mV' would");
+  REFUSE(SUPPLY EVA "*$ probe x = i(Vm) kA\n", "bad.cir:5:20: ", "write A");
   REFUSE(SUPPLY EVA "*$ probe x = v(a,b) A\n", "bad.cir:5:21: ", "this is a voltage");
   REFUSE(SUPPLY EVA "*$ probe y = -i(Vm) V\n", "bad.cir:5:21: ", "this is a current");
   REFUSE(SUPPLY EVA "Rb a b 1\nCb b c 1n\n*$ probe x = v(C) A\n",
@@ -616,7 +621,7 @@ static void dialects(void) {
 
 static void ratings_are_judged(void) {
   write_file("rated.cir",
-             "*$ probe v_a = v(a) V\n*$ probe i_a = -i(Vm) mA\n"
+             "*$ probe v_a = v(a) V\n*$ probe i_a = -i(Vm) A\n"
              "*$ rating v_a -0.5..0.2 kV \"insulation\"\n*$ rating i_a -1000..1000 mA\n" SUPPLY
              "R1 a b 100\n" EVA);
   vs_trial *t = run_deck("rated.cir", "supply.resistance=0", NULL);

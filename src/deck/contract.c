@@ -394,7 +394,17 @@ vs_status vs_contract_check_units(const vs_deck *deck, vs_error *err) {
     const vs_probe *probe = &deck->probes[k];
     const vs_term *term = &deck->terms[probe->term];
     const bool voltage = *term->plus == 'v';
-    if (vs_units_same_kind(probe->unit, voltage ? "V" : "A")) continue;
+    const char *unit = voltage ? "V" : "A";
+    if (!strcmp(probe->unit, unit)) continue;
+    if (vs_units_same_kind(probe->unit, unit) && vs_units_factor(probe->unit) != 1) {
+      status = vs_error_carry_on(
+          err, vs_fail_at(err, probe->unit_at,
+                          "probe %s: it is measured in %s, and '%s' would make another number of "
+                          "it; write %s",
+                          probe->name, unit, probe->unit, unit));
+      continue;
+    }
+    if (vs_units_same_kind(probe->unit, unit)) continue;
     if (!g.count) find_groups(deck, &g);
     if (!is_of_the_circuit(deck, &g, term) && (voltage || !vs_units_same_kind(probe->unit, "V")))
       continue;

@@ -23,6 +23,7 @@
 #include "slips/growth.h"
 #include "slips/nesting.h"
 #include "slips/parameters.h"
+#include "slips/slips.h"
 #include "slips/subcircuits.h"
 
 /* ---- files ---- */
@@ -130,6 +131,7 @@ static vs_status check_whole(vs_deck *deck, vs_error *err) {
   if (!status) status = check_nesting(deck, err);
   if (!status) status = check_instances(deck, err);
   if (!status) status = check_gains(deck, err);
+  if (!status) status = vs_error_carry_on(err, vs_slips_names(deck->lines, deck->n_lines, err));
   if (!status) status = vs_couplings_check(deck->lines, deck->n_lines, err);
   if (!status) status = vs_contract_check_units(deck, err);
   if (!status) vs_doubles_look(deck->lines, deck->n_lines, tell_double, deck);

@@ -84,7 +84,7 @@ static double short_edge(const vs_occurrence *e, double t_s) {
 
 static double short_longest(const vs_occurrence *e, double t_s) {
   double since_s = t_s - e->start_s, near_s = vs_occurrence_rounding(t_s);
-  return since_s > -near_s && since_s < CLOSES_S ? CLOSES_S / 50 : INFINITY;
+  return since_s > -near_s && since_s < CLOSES_S ? CLOSES_S / 150 : INFINITY;
 }
 
 /* All turns of a coil are shorted at its terminals, some of them by a switch. */
@@ -150,17 +150,18 @@ static vs_status find_element(vs_deck *deck, const vs_occurrence *e, const char 
                     nearest ? "'?" : "");
 }
 
-/* Puts what is to be driven between two nodes, `line` with the nodes vs_l<k> and nodes[1], with its
- * control vs_c<k> and the account of the energy it takes. */
-static vs_status add_driven(vs_deck *deck, const vs_occurrence *e, size_t k,
-                            const char *const nodes[2], const char *line, vs_error *err) {
-  char control[VS_DECK_NAME], between[2 * VS_DECK_NAME + 1];
+/* Puts `line`, an element between the nodes vs_l<k> and `other`, next to a node of the deck, with
+ * its control vs_c<k> and the account of the energy it takes. Both nodes are our own, as not every
+ * name of a node can stand in a formula. */
+static vs_status add_driven(vs_deck *deck, const vs_occurrence *e, size_t k, const char *node,
+                            const char *other, const char *line, vs_error *err) {
+  char control[VS_DECK_NAME], between[2 * VS_DECK_NAME];
   snprintf(control, sizeof control, "vs_c%zu", k);
-  snprintf(between, sizeof between, "%s,%s", nodes[0], nodes[1]);
+  snprintf(between, sizeof between, "vs_l%zu,%s", k, other);
   vs_status status = vs_wiring_source(deck, e, k, control, "0", err);
   if (!status) status = vs_wiring_loss(deck, e, k, between, err);
   if (status) return status;
-  vs_wiring_line(deck, e->where, "Vvs_s%zu %s vs_l%zu 0", k, nodes[0], k);
+  vs_wiring_line(deck, e->where, "Vvs_s%zu %s vs_l%zu 0", k, node, k);
   vs_wiring_line(deck, e->where, "%s", line);
   return VS_OK;
 }
@@ -168,7 +169,6 @@ static vs_status add_driven(vs_deck *deck, const vs_occurrence *e, size_t k,
 static vs_status open_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
   element at;
   char node[VS_DECK_NAME], line[1024];
-  const char *const nodes[] = {at.node[0], node};
   vs_status status = find_element(deck, e, e->kind->element(e, deck), &at, err);
   if (status) return status;
   snprintf(node, sizeof node, "vs_n%zu", k);
@@ -178,7 +178,7 @@ static vs_status open_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_e
   free(at.line->text);
   at.line->text = vs_copy(line);
   snprintf(line, sizeof line, "Svs_f%zu vs_l%zu %s vs_c%zu 0 vs_f%zu on", k, k, node, k, k);
-  status = add_driven(deck, e, k, nodes, line, err);
+  status = add_driven(deck, e, k, at.node[0], node, line, err);
   vs_wiring_line(deck, e->where, ".model vs_f%zu sw(ron=1m roff=1g vt=0 vh=0.5)", k);
   /* An opening contact arcs; otherwise a coil's current would have nowhere to go. The arc's current
    * is i = 1 A (v/level)^30 up to the level and goes on straight above; 100 pF lie beside it. */
@@ -194,15 +194,14 @@ static vs_status open_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_e
 
 static vs_status short_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_error *err) {
   element at;
-  char line[256];
-  const char *const nodes[] = {at.node[0], at.node[1]};
+  char line[256], other[VS_DECK_NAME];
   vs_status status = find_element(deck, e, e->kind->element(e, deck), &at, err);
   if (status) return status;
-  /* in a formula stand nodes of our own, as not every name of a node can */
-  vs_wiring_line(deck, e->where, "Vvs_t%zu vs_m%zu %s 0", k, k, at.node[1]);
-  snprintf(line, sizeof line, "Bvs_f%zu vs_l%zu vs_m%zu I = v(vs_l%zu,vs_m%zu)*exp(v(vs_c%zu))", k,
-           k, k, k, k, k);
-  return add_driven(deck, e, k, nodes, line, err);
+  snprintf(other, sizeof other, "vs_m%zu", k);
+  vs_wiring_line(deck, e->where, "Vvs_t%zu %s %s 0", k, other, at.node[1]);
+  snprintf(line, sizeof line, "Bvs_f%zu vs_l%zu %s I = v(vs_l%zu,%s)*exp(v(vs_c%zu))", k, k, other,
+           k, other, k);
+  return add_driven(deck, e, k, at.node[0], other, line, err);
 }
 
 /* Where all turns are shorted, the coil is shorted at its terminals. Where some are, another EVA

@@ -202,3 +202,34 @@ vs_status vs_slips_line(const vs_line *line, vs_error *err) {
   if (!status) status = check_delay(line, err);
   return status ? status : check_course(line, err);
 }
+
+/* ---- names ---- */
+
+/* Error: a node of this line has a name under which ngspice has a number of its own. */
+static vs_status check_names(const vs_line *line, vs_error *err) {
+  static const char *const TAKEN[] = {"time", "temper"};
+  vs_word node = {line->text, 0};
+  if (!strchr("rlcdvibefghswqmjz", tolower((unsigned char)*line->text))) return VS_OK;
+  for (int n = 0; n < 2; n++) {
+    node.at = next_word(node.at);
+    node.n = strcspn(node.at, BETWEEN);
+    for (size_t k = 0; k < sizeof TAKEN / sizeof *TAKEN; k++)
+      if (vs_words_is(node, TAKEN[k]))
+        return vs_fail_at(err, vs_line_place_of(line, node),
+                          "a node of a circuit cannot be called %s, which is ngspice's own name "
+                          "for the %s; another name is wanted",
+                          TAKEN[k], k ? "temperature" : "time");
+  }
+  return VS_OK;
+}
+
+vs_status vs_slips_names(const vs_line *lines, size_t count, vs_error *err) {
+  vs_status status = VS_OK;
+  size_t depth = 0;
+  for (size_t k = 0; k < count && !status; k++) {
+    depth += vs_words_begin(lines[k].text, ".subckt");
+    depth -= vs_words_begin(lines[k].text, ".ends") && depth;
+    if (!depth && *lines[k].text) status = check_names(&lines[k], err);
+  }
+  return status;
+}

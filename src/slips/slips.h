@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Slips: mistakes in one line of a netlist that ngspice accepts silently, and that make another
+ * Slips: mistakes in lines of a netlist that ngspice accepts silently, and that make another
  * circuit of it. */
 #ifndef VS_SLIPS_SLIPS_H
 #define VS_SLIPS_SLIPS_H
@@ -12,5 +12,9 @@
  * sources or coefficients; a T without a delay. What stands in double quotes is not
  * looked at, nor are the round brackets of a .model, which ngspice takes for blanks. */
 vs_status vs_slips_line(const vs_line *line, vs_error *err);
+
+/* Error: outside of subcircuits a node is called time or temper, with its place. ngspice then tells
+ * the time in the place of the node's voltage, or runs out of memory. */
+vs_status vs_slips_names(const vs_line *lines, size_t count, vs_error *err);
 
 #endif

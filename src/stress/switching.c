@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "drive/events.h"
+#include "drive/firing.h"
 #include "drive/gate.h"
 
 /* A current up to this is leakage: the device has not begun to conduct. */
@@ -36,7 +37,8 @@ void vs_switching_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
    * again */
   double before_s = at_s - 3 * vs_occurrence_rounding(at_s);
   g->on = false;
-  g->edge_s = vs_events_edge(&g->timeline->events, before_s); /* one may add a pulse */
+  /* an event may add a pulse; a pulse that a control has not decided yet is not known */
+  g->edge_s = fmin(vs_events_edge(&g->timeline->events, before_s), vs_firing_known_s(g->timeline));
   for (size_t k = 0; k < g->gates.count; k++) {
     g->on = g->on || vs_gate_is_on(g->timeline, g->gates.rad[k], at_s);
     g->edge_s = fmin(g->edge_s, vs_gate_edge(g->timeline, g->gates.rad[k], before_s));

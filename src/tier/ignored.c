@@ -141,7 +141,8 @@ vs_status vs_ignored_check(const vs_node *root, const vs_setup *setup, const vs_
                       "circuit.deck: tier %s (%s) has no port pwm; take tier %s or auto",
                       s->tier->name, s->why, vs_tiers_circuit());
   for (const vs_node *n = circuit ? circuit->child : NULL; n && !status; n = n->next)
-    if (strcmp(n->key, vs_deck_key.key)) status = ignored_key(s, "circuit", n, err);
+    if (n->key && strcmp(n->key, vs_deck_key.key)) /* a list has none, and is refused elsewhere */
+      status = ignored_key(s, "circuit", n, err);
   if (!status) status = check_ignored_keys(s, err);
   for (size_t k = 0; k < events->count && !status; k++)
     status = ignored_event(s, &events->item[k], err);
