@@ -191,6 +191,18 @@ static void locate(const void *deck, size_t culprit, vs_error *err) {
   vs_blame_locate(deck, culprit, err);
 }
 
+/* A circuit that cannot make its first step is no circuit, unless that step is as short as behind a
+ * jump: then the solver gave up, and may do with a longer one. */
+static vs_status forgive_first_step(const coupling *c, vs_error *err) {
+  const vs_error plain = *err;
+  if (c->setup->run.first_step >= VS_MANNER_LONGER_FIRST_STEP || !begins_with_a_jump(c, 0) ||
+      !strstr(plain.text, "imestep too small"))
+    return VS_INPUT;
+  vs_fail(err, VS_RUN, "t = 0 s: %s", plain.text);
+  err->gave_up = true;
+  return VS_RUN;
+}
+
 /* All of the solver's job but its netlist. */
 static vs_circuit_job job_of(const coupling *c) {
   const vs_setup *setup = c->setup;
@@ -236,6 +248,7 @@ static vs_status go(coupling *c, vs_error *err) {
   if (!s) s = vs_sim_refuse_endless(setup, shortest_s, err);
   if (!s) s = solver->load(&job, &host, &circuit, err);
   if (!s) s = solver->run(circuit, err);
+  if (s == VS_INPUT) s = forgive_first_step(c, err);
   if (!s) s = vs_away_finish(&c->away, err);
   solver->free(circuit);
   vs_netlist_free(netlist, job.lines);

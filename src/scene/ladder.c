@@ -40,7 +40,6 @@ static const rung RUNGS[] = {
     {.text = "tolerance 1e-4 with the same steps", .coarse = true},
     {.text = "an ideal thyristor (latch), method gear", .gear = true, .ideal = true},
 };
-static const double FIRST_STEP = 1e-4;       /* of the largest, on all rungs but the lowest */
 static const double OTHER_PIVREL = 1e-3;     /* ngspice's default */
 static const double COARSE_TOLERANCE = 1e-4; /* as the rung's text says */
 enum { N_RUNGS = sizeof RUNGS / sizeof *RUNGS };
@@ -81,6 +80,7 @@ bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
     l->trtol = s->run.trtol;
     l->pivrel = s->run.pivrel;
   }
+  const double first_step = VS_MANNER_LONGER_FIRST_STEP;
   bool jumps = vs_timeline_voltage(&s->timeline, 0) != 0;
   for (l->rung++; l->rung < N_RUNGS; l->rung++) {
     const rung *r = &RUNGS[l->rung];
@@ -97,7 +97,7 @@ bool vs_ladder_climb(vs_ladder *l, const vs_scene *scene) {
       add_key(l, "run.max_step=%.9gus", 1e6 * l->own_step_s);
     }
     if (r->ideal) add_key(l, "circuit.thyristor=latch");
-    if (jumps && s->run.first_step < FIRST_STEP) add_key(l, "run.first_step=%.9g", FIRST_STEP);
+    if (jumps && s->run.first_step < first_step) add_key(l, "run.first_step=%.9g", first_step);
     return true;
   }
   return false;

@@ -444,6 +444,9 @@ static vs_status stop_at_once(void *ctx, const vs_step *step, vs_error *err) {
 vs_status vs_session_try(const vs_tier *tier, const vs_setup *setup, vs_error *err) {
   bool begun = false;
   const vs_observer observer = {&begun, stop_at_once};
-  vs_status status = tier->run(setup, &vs_tiers_order, &observer, err);
+  vs_run_values run = setup->run; /* a run has the longer first step on the ladder */
+  run.first_step = fmax(run.first_step, VS_MANNER_LONGER_FIRST_STEP);
+  const vs_setup tried = vs_setup_varied(setup, &run, NULL);
+  vs_status status = tier->run(&tried, &vs_tiers_order, &observer, err);
   return begun ? VS_OK : status;
 }

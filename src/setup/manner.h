@@ -45,6 +45,9 @@ typedef struct vs_run_values {
   int stays;         /* 1: in the circuit's solver to the end, also when the circuit is quiet */
 } vs_run_values;
 
+/* run.first_step on the rungs of the ladder. */
+#define VS_MANNER_LONGER_FIRST_STEP 1e-4
+
 /* What means are taken over: from one instant to another, or the run's last cycles of the mains. */
 typedef struct vs_measure_values {
   double from_s, to_s; /* to_s 0 stands for run.until */
