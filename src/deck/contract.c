@@ -308,8 +308,8 @@ static bool is_ground(vs_word node) {
 /* Takes the two nodes of a branch, or of what drives the mains, for one group. */
 static void join(groups *g, vs_word a, vs_word b) {
   if (is_ground(a) || is_ground(b)) return;
-  const size_t to = group_of(g, a);
-  g->parent[group_of(g, b)] = to;
+  const size_t to = group_of(g, a), from = group_of(g, b); /* either may move the list */
+  g->parent[from] = to;
 }
 
 /* The first `count` words behind the name in a line; those that are not there are empty. */
