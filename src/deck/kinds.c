@@ -13,7 +13,7 @@ static const vs_device_measure THYRISTOR[] = {
     {"v_reverse", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, -1, "v_rrm", VS_AT_MOST},
     {"dv_dt", "V/us",
      "steepest rise of forward off-state voltage, mean rate from 10 to 90 % of a rise of 10 V "
-     "or more",
+     "or more; a rise that has its gate pulse from foot to top does not count",
      VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST},
     {"dv_dt_max", "V/us", "largest rate of forward off-state voltage, over any 0.1 us",
      VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
@@ -53,7 +53,7 @@ static const vs_device_measure TRIAC[] = {
      "v_drm", VS_AT_MOST},
     {"dv_dt", "V/us",
      "steepest rise of off-state voltage, either way, mean rate from 10 to 90 % of a rise of 10 V "
-     "or more",
+     "or more; a rise that has its gate pulse from foot to top does not count",
      VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST},
     {"dv_dt_max", "V/us", "largest rate of off-state voltage, either way, over any 0.1 us",
      VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},

@@ -48,10 +48,16 @@ void vs_switching_gate_follow(vs_gate_watch *g, const vs_course_step *c) {
   if (g->ended) g->off_since_s = c->t0_s;
 }
 
+/* True while a gate pulse is known to be there. The device is then meant to conduct. */
+static bool is_gated(const vs_switch *s) {
+  return s->gate.on && s->gate.gates.count;
+}
+
 /* ---- rises of forward voltage ---- */
 
 static void begin_rise(vs_rise *r, double t_s, double v) {
   r->count = 1;
+  r->gated = true;
   r->t_s[0] = t_s;
   r->v[0] = v;
 }
@@ -76,19 +82,19 @@ static double time_of(const vs_rise *r, double v) {
 }
 
 /* The mean rate from 10 to 90 % of the rise, with the instant of the 10 %. Not known: the rise is
- * lower than 10 V. */
+ * lower than 10 V, or the gate was driven all the time. */
 static vs_value end_rise(const vs_rise *r) {
   double height = r->count > 1 ? r->v[r->count - 1] - r->v[0] : 0;
-  if (height < FORWARD_V) return (vs_value){0};
+  if (r->gated || height < FORWARD_V) return (vs_value){0};
   double begin = time_of(r, r->v[0] + 0.1 * height), end = time_of(r, r->v[0] + 0.9 * height);
   return (vs_value){true, 0.8 * height / (end - begin), begin};
 }
 
-/* Follows the present rise and returns its rate where it ends. A rise ends at its top, once the
- * voltage has come down by a tenth of it. It is followed while the device conducts too, so that the
- * voltage of a device that goes out is known from its own foot on: where in that rise the current
- * counts as gone is known less well than the voltage. */
-static vs_value follow_rise(vs_rise *r, const vs_course_step *c) {
+/* Follows the present rise and returns its rate where it ends. gated: its gate pulse is there. A
+ * rise ends at its top, once the voltage has come down by a tenth of it. It is followed while the
+ * device conducts too, so that the voltage of a device that goes out is known from its own foot on:
+ * where in that rise the current counts as gone is known less well than the voltage. */
+static vs_value follow_rise(vs_rise *r, const vs_course_step *c, bool gated) {
   double v0 = c->from[VS_OF_V], v1 = c->to[VS_OF_V], now = fmax(v1, 0);
   if (!r->count) begin_rise(r, c->t0_s, fmax(v0, 0));
   double foot = r->v[0], top = r->v[r->count - 1];
@@ -100,6 +106,7 @@ static vs_value follow_rise(vs_rise *r, const vs_course_step *c) {
     if (r->count == VS_RISE_POINTS) thin_out(r);
     r->t_s[r->count] = c->t1_s;
     r->v[r->count++] = now;
+    r->gated = r->gated && gated;
   } else if (r->count == 1 || top - now > 0.1 * (top - foot)) {
     vs_value rate = end_rise(r);
     begin_rise(r, c->t1_s, now);
@@ -149,7 +156,7 @@ static void follow_conduction(vs_switch *s, const vs_course_step *c, vs_switch_n
   const vs_conduction_step step = {c->t0_s,        c->t1_s,          c->from[VS_OF_I],
                                    c->to[VS_OF_I], c->from[VS_OF_V], c->to[VS_OF_V]};
   double event_s = NAN;
-  s->conduction.gated = s->gate.on && s->gate.gates.count;
+  s->conduction.gated = is_gated(s);
   switch (vs_conduction_follow(&s->conduction, &step, &event_s)) {
   case VS_EV_FIRES:
     s->fired_s = event_s;
@@ -191,7 +198,7 @@ static void fall_back(vs_switch *s, const vs_course_step *c, vs_switch_news *new
 static void turn_off(vs_switch *s, double returned_s, vs_switch_news *news) {
   s->rest = REST_FORWARD_AGAIN;
   s->offered_s = fmax(returned_s - s->zero_s, 0);
-  if (!s->gate.on || !s->gate.gates.count) /* else it is meant to conduct */
+  if (!is_gated(s)) /* else it is meant to conduct */
     news->offered = (vs_value){true, s->offered_s, returned_s};
   news->doubt_s = s->conduction.tail_s;
   news->spread_s = s->conduction.peak_a / s->conduction.tail_a_s;
@@ -315,7 +322,7 @@ static vs_value follow_turn_on(vs_switch *s, const vs_course_step *c, double rat
 
 static void follow_blocking(vs_switch *s, const vs_course_step *c, double rate,
                             vs_switch_news *news) {
-  news->rise = follow_rise(&s->rise, c);
+  news->rise = follow_rise(&s->rise, c, is_gated(s));
   if (rate > s->off_rate) {
     s->off_rate = rate;
     news->off_rate = (vs_value){true, rate, c->t1_s};
@@ -351,7 +358,7 @@ static void follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) 
     follow_blocking(s, c, off_rate, news);
   } else {
     if (was_on) {
-      follow_rise(&s->rise, c);
+      follow_rise(&s->rise, c, is_gated(s));
     } else {
       if (s->rise.count) news->rise = end_rise(&s->rise);
       s->rise.count = 0;

@@ -12,8 +12,10 @@
  *                          the device had latched and comes back to half of the forward voltage
  *                          it had fired from without having been reversed, as it may when it lets
  *                          go at its holding current, to the first 10 V
- *   commutation failure    an unintended firing on the first forward voltage after a conduction,
- *                          where the time offered was below the part's t_q, or that is not known
+ *   rise                   of 10 V or more of forward voltage. One that has its gate pulse from
+ * foot to top does not count: the device is meant to conduct, and the dv/dt of a data sheet is that
+ * of an open gate commutation failure    an unintended firing on the first forward voltage after a
+ * conduction, where the time offered was below the part's t_q, or that is not known
  *
  * A triac conducts both ways, and is followed in one half cycle after the other. A half cycle is
  * positive where the device's voltage, by its formula in the deck, is positive, or its current was
@@ -71,6 +73,7 @@ void vs_switching_gate_follow(vs_gate_watch *gate, const vs_course_step *c);
 enum { VS_RISE_POINTS = 256 };
 typedef struct vs_rise {
   size_t count; /* 0: no rise is followed */
+  bool gated;   /* since its foot its gate pulse was there: it says nothing of blocking */
   double t_s[VS_RISE_POINTS], v[VS_RISE_POINTS];
 } vs_rise;
 
