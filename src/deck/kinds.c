@@ -13,11 +13,13 @@ static const vs_device_measure THYRISTOR[] = {
     {"v_reverse", "V", "peak reverse voltage", VS_R_PEAK, VS_OF_V, -1, "v_rrm", VS_AT_MOST},
     {"dv_dt", "V/us",
      "steepest rise of forward off-state voltage, mean rate from 10 to 90 % of a rise of 10 V "
-     "or more; a rise that has its gate pulse from foot to top does not count",
+     "or more; a rise under a gate pulse that ends as the device fires does not count",
      VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST},
     {"dv_dt_max", "V/us", "largest rate of forward off-state voltage, over any 0.1 us",
      VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
-    {"di_dt", "A/us", "largest rate of current from firing to its first maximum, over any 0.1 us",
+    {"di_dt", "A/us",
+     "largest rate of current from firing to its first maximum, and for 1 us at least, over any "
+     "0.1 us",
      VS_R_ON_RATE, VS_OF_I, 1, "di_dt", VS_AT_MOST},
     {"i_peak", "A", "peak current", VS_R_PEAK, VS_OF_I, 1, NULL, VS_AT_MOST},
     {"i_surge", "A",
@@ -53,12 +55,13 @@ static const vs_device_measure TRIAC[] = {
      "v_drm", VS_AT_MOST},
     {"dv_dt", "V/us",
      "steepest rise of off-state voltage, either way, mean rate from 10 to 90 % of a rise of 10 V "
-     "or more; a rise that has its gate pulse from foot to top does not count",
+     "or more; a rise under a gate pulse that ends as the device fires does not count",
      VS_R_RISE, VS_OF_V, 1, "dv_dt", VS_AT_MOST},
     {"dv_dt_max", "V/us", "largest rate of off-state voltage, either way, over any 0.1 us",
      VS_R_OFF_RATE, VS_OF_V, 1, NULL, VS_AT_MOST},
     {"di_dt", "A/us",
-     "largest rate of current from firing to its first extreme, either way, over any 0.1 us",
+     "largest rate of current from firing to its first extreme, and for 1 us at least, either way, "
+     "over any 0.1 us",
      VS_R_ON_RATE, VS_OF_I, 1, "di_dt", VS_AT_MOST},
     {"dv_dt_c", "V/us",
      "steepest first rise of off-state voltage behind a conduction, mean rate from 10 to 90 % of "

@@ -31,7 +31,8 @@ enum { VS_OF_V, VS_OF_FLUX, VS_OF_I, VS_OF_POWER, VS_OF_I2, VS_COURSES };
  *   VS_R_JUNCTION     rise of the junction's temperature, by the part's lines zth
  *   VS_R_RISE         steepest mean rate from 10 to 90 % of a rise of forward voltage
  *   VS_R_OFF_RATE     largest rising rate of blocked forward voltage, over any 0.1 us
- *   VS_R_ON_RATE      largest rate of current from firing to its first maximum, over any 0.1 us
+ *   VS_R_ON_RATE      largest rate of current from firing to its first maximum, and for 1 us at
+ *                     least, over any 0.1 us
  *   VS_R_OFFERED      shortest time between a conduction and forward voltage without a gate pulse
  *   VS_R_MISFIRE, VS_R_UNINTENDED, VS_R_COMMUTATION_FAILURE   how often: stress/switching.h
  *   VS_R_GATE_LEAST   smallest of all gate pulses' peaks

@@ -82,10 +82,10 @@ static double time_of(const vs_rise *r, double v) {
 }
 
 /* The mean rate from 10 to 90 % of the rise, with the instant of the 10 %. Not known: the rise is
- * lower than 10 V, or the gate was driven all the time. */
+ * lower than 10 V. */
 static vs_value end_rise(const vs_rise *r) {
   double height = r->count > 1 ? r->v[r->count - 1] - r->v[0] : 0;
-  if (r->gated || height < FORWARD_V) return (vs_value){0};
+  if (height < FORWARD_V) return (vs_value){0};
   double begin = time_of(r, r->v[0] + 0.1 * height), end = time_of(r, r->v[0] + 0.9 * height);
   return (vs_value){true, 0.8 * height / (end - begin), begin};
 }
@@ -314,9 +314,12 @@ static void follow_current(vs_switch *s, const vs_course_step *c, vs_switch_news
   s->turning_on = true;
 }
 
-/* The rate of the current up to its first maximum; not known behind that. */
+/* The rate of the current up to its first maximum, and for AT_ONCE_S at the least: what a
+ * junction's charge draws may make a maximum of milliamperes before the current of the circuit
+ * comes. Not known behind that. */
 static vs_value follow_turn_on(vs_switch *s, const vs_course_step *c, double rate) {
-  s->turning_on = c->to[VS_OF_I] >= c->from[VS_OF_I];
+  bool early = c->t1_s - s->fired_s < AT_ONCE_S;
+  s->turning_on = early || c->to[VS_OF_I] >= c->from[VS_OF_I];
   return (vs_value){s->turning_on && rate > 0, rate, c->t1_s};
 }
 
@@ -360,7 +363,7 @@ static void follow(vs_switch *s, const vs_course_step *c, vs_switch_news *news) 
     if (was_on) {
       follow_rise(&s->rise, c, is_gated(s));
     } else {
-      if (s->rise.count) news->rise = end_rise(&s->rise);
+      if (s->rise.count && !s->rise.gated) news->rise = end_rise(&s->rise);
       s->rise.count = 0;
     }
     if (s->turning_on) news->on_rate = follow_turn_on(s, c, on_rate);

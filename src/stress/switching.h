@@ -13,9 +13,10 @@
  *                          it had fired from without having been reversed, as it may when it lets
  *                          go at its holding current, to the first 10 V
  *   rise                   of 10 V or more of forward voltage. One that has its gate pulse from
- * foot to top does not count: the device is meant to conduct, and the dv/dt of a data sheet is that
- * of an open gate commutation failure    an unintended firing on the first forward voltage after a
- * conduction, where the time offered was below the part's t_q, or that is not known
+ *                          its foot on, and ends as the device fires, does not count: the device
+ *                          was meant to conduct, and data sheets give dv/dt for an open gate
+ *   commutation failure    an unintended firing on the first forward voltage after a conduction,
+ *                          where the time offered was below the part's t_q, or that is not known
  *
  * A triac conducts both ways, and is followed in one half cycle after the other. A half cycle is
  * positive where the device's voltage, by its formula in the deck, is positive, or its current was
@@ -73,7 +74,7 @@ void vs_switching_gate_follow(vs_gate_watch *gate, const vs_course_step *c);
 enum { VS_RISE_POINTS = 256 };
 typedef struct vs_rise {
   size_t count; /* 0: no rise is followed */
-  bool gated;   /* since its foot its gate pulse was there: it says nothing of blocking */
+  bool gated;   /* its gate pulse was there since its foot */
   double t_s[VS_RISE_POINTS], v[VS_RISE_POINTS];
 } vs_rise;
 
@@ -84,7 +85,7 @@ typedef struct vs_switch {
   double t_q_s;   /* of the part; INFINITY, as at the beginning: not known */
   vs_conduction conduction;
   bool by_gate;     /* the present or last conduction began with a gate pulse */
-  bool turning_on;  /* the current has not come to its first maximum */
+  bool turning_on;  /* the current has not come to its first maximum, or fired 1 us ago or less */
   double fired_s;   /* when it last fired; NaN: it has not fired yet */
   double fired_v;   /* the forward voltage it fired from */
   double rose_s;    /* when it had 10 V forward since zero_s, not reversed yet; NaN: not so far */

@@ -104,6 +104,7 @@ bool vs_formula_term_read(const char **at, char quantity, char *first, char *sec
     if (n == 0 || n >= size) return false;
     for (size_t c = 0; c < n; c++) into[k][c] = (char)tolower((unsigned char)s[c]);
     into[k][n] = '\0';
+    if (quantity == 'v' && !strcmp(into[k], "gnd")) memcpy(into[k], "0", sizeof "0");
     s += n;
     s += strspn(s, " \t");
     if (*s != ',' || quantity == 'i') break;

@@ -107,8 +107,8 @@ static inline double vs_formula_quick_value(const vs_formula_quick *q, const dou
 }
 
 /* Reads the "(n)" or "(n,m)" behind a 'v' or 'i' at *at, blanks allowed, and goes on behind it. The
- * nodes are in lower case; `second` is "0" where there is no m. Returns false, and leaves *at,
- * where something else stands there. Each buffer holds size bytes. */
+ * nodes are in lower case, gnd is "0", and so is `second` where there is no m. Returns false, and
+ * leaves *at, where something else stands there. Each buffer holds size bytes. */
 bool vs_formula_term_read(const char **at, char quantity, char *first, char *second, size_t size);
 
 #endif
