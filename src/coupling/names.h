@@ -4,8 +4,8 @@
 #ifndef VS_COUPLING_NAMES_H
 #define VS_COUPLING_NAMES_H
 
-#include "deck/memory.h"
 #include "sim/knot.h"
+#include "sim/memory.h"
 
 /* Signals: those of the EVA, the mains current, then two for each of the deck's terms, whose
  * difference the term is. Behind these stand two for each value that the circuit remembers. */

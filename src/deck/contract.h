@@ -67,10 +67,4 @@ bool vs_contract_knows(const char *text);
  * with its place: the line cannot be read; deck->lost then has its kind. */
 vs_status vs_contract_line(vs_deck *deck, const char *line, vs_where begin, vs_error *err);
 
-/* Holds the units of probes to what they measure, once all lines are there. Between the mains and
- * the EVA a node has a voltage, and a source V... a current. At other nodes a voltage may stand for
- * anything, as for the sum of two currents, and no current is in volt. Error: another unit, or one
- * with a prefix, as mV, with its place. */
-vs_status vs_contract_check_units(const vs_deck *deck, vs_error *err);
-
 #endif

@@ -168,12 +168,8 @@ static bool is_of_the_deck(const vs_deck *deck, vs_where where) {
 /* True where the word at `at` draws no current from the node it names: it stands in a statement, or
  * behind the two nodes of an element that has only these, or only reads the others. */
 static bool draws_nothing(const char *line, const char *at) {
-  static const char BETWEEN[] = " \t(),";
   int words = 0;
-  for (const char *s = line; s < at; words++) {
-    s += strcspn(s, BETWEEN);
-    s += strspn(s, BETWEEN);
-  }
+  for (const char *s = line; s < at; s = vs_words_next(s)) words++;
   return *line == '.' || (strchr("rclvidbefghws", tolower((unsigned char)*line)) && words > 2);
 }
 

@@ -15,6 +15,7 @@
 #include "deck/eva.h"
 #include "deck/files.h"
 #include "deck/parts.h"
+#include "deck/probes.h"
 #include "deck/rules.h"
 #include "dialect/words.h"
 #include "slips/couplings.h"
@@ -133,7 +134,7 @@ static vs_status check_whole(vs_deck *deck, vs_error *err) {
   if (!status) status = check_gains(deck, err);
   if (!status) status = vs_error_carry_on(err, vs_slips_names(deck->lines, deck->n_lines, err));
   if (!status) status = vs_couplings_check(deck->lines, deck->n_lines, err);
-  if (!status) status = vs_contract_check_units(deck, err);
+  if (!status) status = vs_probes_check_units(deck, err);
   if (!status) vs_doubles_look(deck->lines, deck->n_lines, tell_double, deck);
   return status;
 }

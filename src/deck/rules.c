@@ -9,6 +9,7 @@
 
 #include "base/text.h"
 #include "dialect/source.h"
+#include "dialect/words.h"
 
 static bool among(const char *word, const char *const *list, size_t count) {
   for (size_t k = 0; k < count; k++)
@@ -25,18 +26,12 @@ static bool begins_among(const char *s, size_t n, const char *const *list, size_
 }
 #define BEGINS_AMONG(s, n, list) begins_among(s, n, list, sizeof(list) / sizeof *(list))
 
-/* What ngspice takes for the space between words. */
-static const char BETWEEN[] = " \t(),";
-
 /* Gives the n-th word of a line, from 0, in lower case and cut to fit; empty where there is none.
  */
 static const char *nth_word(const char *line, int n, char word[VS_DECK_NAME]) {
-  const char *s = line + strspn(line, BETWEEN);
-  for (; n > 0; n--) {
-    s += strcspn(s, BETWEEN);
-    s += strspn(s, BETWEEN);
-  }
-  snprintf(word, VS_DECK_NAME, "%.*s", (int)strcspn(s, BETWEEN), s);
+  const char *s = line + strspn(line, VS_WORDS_BETWEEN);
+  for (; n > 0; n--) s = vs_words_next(s);
+  snprintf(word, VS_DECK_NAME, "%.*s", (int)vs_words_at(s).n, s);
   vs_cursor_lower(word);
   return word;
 }
@@ -326,23 +321,17 @@ bool vs_rules_is_external(const char *line, char name[VS_DECK_NAME]) {
 
 /* Refuses "external" anywhere but as the fourth and last word; ngspice dies of some such lines. */
 static vs_status source_rule(const char *line, vs_where where, vs_error *err) {
-  static const char EXTERNAL[] = "external";
   if (!strchr("vViI", *line)) return VS_OK;
   int n = 0; /* which word it is */
-  for (const char *s = line + strspn(line, BETWEEN); *s; n++) {
-    size_t length = strcspn(s, BETWEEN);
-    const char *next = s + length + strspn(s + length, BETWEEN);
-    bool external = length == strlen(EXTERNAL) && !strncasecmp(s, EXTERNAL, length);
+  for (const char *s = line + strspn(line, VS_WORDS_BETWEEN); *s; n++) {
+    const char *next = vs_words_next(s);
+    bool external = vs_words_is(vs_words_at(s), "external");
     if (external && (n > 3 || (n == 3 && *next)))
       return vs_fail_at(err, where,
                         "a source the program drives is 'NAME n m external' and no more");
     s = next;
   }
   return VS_OK;
-}
-
-static bool is_ground(const char *node) {
-  return !strcmp(node, "0") || !strcmp(node, "gnd");
 }
 
 /* Notes the EVA, "Xname n m eva" at the top of the deck, and refuses it anywhere else and
@@ -360,7 +349,8 @@ static vs_status eva_rule(vs_deck *deck, const char *line, vs_where where, vs_er
   nth_word(line, 1, deck->eva_plus);
   nth_word(line, 2, deck->eva_minus);
   return strcmp(deck->eva_plus, deck->eva_minus) &&
-                 !(is_ground(deck->eva_plus) && is_ground(deck->eva_minus))
+                 !(vs_words_is_ground(vs_words_of(deck->eva_plus)) &&
+                   vs_words_is_ground(vs_words_of(deck->eva_minus)))
              ? VS_OK
              : vs_fail_at(err, where,
                           "both ends of the EVA are on node %s, so that it has no current; two "

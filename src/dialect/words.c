@@ -55,6 +55,10 @@ bool vs_words_is(vs_word word, const char *text) {
   return strlen(text) == word.n && !strncasecmp(word.at, text, word.n);
 }
 
+vs_word vs_words_of(const char *text) {
+  return (vs_word){text, strlen(text)};
+}
+
 int vs_words_compare(vs_word a, vs_word b) {
   int order = strncasecmp(a.at, b.at, a.n < b.n ? a.n : b.n);
   return order ? order : (a.n > b.n) - (a.n < b.n);
@@ -115,4 +119,19 @@ size_t vs_words_arguments(const char *open, vs_word arguments[VS_WORDS_MOST], co
     s = stop + 1;
   }
   return 0;
+}
+
+/* ---- words of an element ---- */
+
+vs_word vs_words_at(const char *s) {
+  return (vs_word){s, strcspn(s, VS_WORDS_BETWEEN)};
+}
+
+const char *vs_words_next(const char *s) {
+  s += strcspn(s, VS_WORDS_BETWEEN);
+  return s + strspn(s, VS_WORDS_BETWEEN);
+}
+
+bool vs_words_is_ground(vs_word node) {
+  return vs_words_is(node, "0") || vs_words_is(node, "gnd");
 }

@@ -22,6 +22,9 @@ size_t vs_words_split(const char *text, vs_word words[VS_WORDS_MOST]);
 /* True for the word of that text, in capitals or not. */
 bool vs_words_is(vs_word word, const char *text);
 
+/* All of that text as a word. */
+vs_word vs_words_of(const char *text);
+
 /* Orders words by their letters, in capitals or not, a shorter one before what it begins; less than
  * 0, 0 or more. */
 int vs_words_compare(vs_word a, vs_word b);
@@ -47,5 +50,19 @@ size_t vs_words_arguments(const char *open, vs_word arguments[VS_WORDS_MOST], co
 
 /* True for a character that a name goes on with. */
 bool vs_words_goes_on(char c);
+
+/* ---- words of an element ---- */
+
+/* What ngspice takes for the space between the words of an element. */
+#define VS_WORDS_BETWEEN " \t(),"
+
+/* The word at s, up to such space; empty where s is at some, or at the text's end. */
+vs_word vs_words_at(const char *s);
+
+/* Where the next word behind the one at s begins; the text's end where there is none. */
+const char *vs_words_next(const char *s);
+
+/* True for a name of the node ground, 0 or gnd. */
+bool vs_words_is_ground(vs_word node);
 
 #endif

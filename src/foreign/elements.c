@@ -190,7 +190,7 @@ static int take_node(vs_elements *w, char *said) {
   char name[VS_ELEMENTS_NAME];
   snprintf(node.said, sizeof node.said, "%s", said);
   clean(said, name);
-  bool ground = !strcmp(said, "0") || !strcmp(said, "gnd");
+  bool ground = vs_words_is_ground(vs_words_of(said));
   if (!*name || !strcmp(name, "gnd") || (!ground && !strcmp(name, "0"))) strcpy(name, "net");
   if (is_word_of_ngspice(name)) strcat(name, "_net");
   snprintf(node.name, sizeof node.name, "%s", ground ? "0" : name);

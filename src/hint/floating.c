@@ -5,26 +5,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- sets of nodes that are connected ---- */
+#include "memo/sets.h"
 
-static int root_of(int *parent, int node) {
-  while (parent[node] != node) node = parent[node] = parent[parent[node]];
-  return node;
+/* Each node in a set of its own. */
+static vs_sets sets_of(const vs_wiring *w) {
+  vs_sets sets = {0};
+  for (size_t k = 0; k < w->n_nodes; k++) vs_sets_add(&sets);
+  return sets;
 }
 
-/* Joins the sets of two nodes; false: they were one already. */
-static bool join(int *parent, int a, int b) {
-  a = root_of(parent, a);
-  b = root_of(parent, b);
-  if (a == b) return false;
-  parent[a < b ? b : a] = a < b ? a : b; /* ground, the least, stays a root */
-  return true;
-}
-
-static int *sets_of(const vs_wiring *w) {
-  int *parent = vs_alloc(w->n_nodes, sizeof *parent);
-  for (size_t k = 0; k < w->n_nodes; k++) parent[k] = (int)k;
-  return parent;
+/* Joins the sets of two pins; false: they were one already. */
+static bool join(vs_sets *sets, int a, int b) {
+  return vs_sets_join(sets, (size_t)a, (size_t)b);
 }
 
 /* ---- a way to ground ---- */
@@ -44,10 +36,10 @@ static bool holds(const vs_wire *wire) {
   return false;
 }
 
-static const vs_wire *first_at(const vs_wiring *w, const int *parent, int root) {
+static const vs_wire *first_at(const vs_wiring *w, vs_sets *sets, size_t root) {
   for (size_t k = 0; k < w->count; k++)
     for (int p = 0; p < w->wires[k].n_pins; p++)
-      if (root_of((int *)(size_t)parent, w->wires[k].pins[p]) == root) return &w->wires[k];
+      if (vs_sets_find(sets, (size_t)w->wires[k].pins[p]) == root) return &w->wires[k];
   return NULL;
 }
 
@@ -58,24 +50,24 @@ static const vs_wire *first_looking(const vs_wiring *w, int node) {
 }
 
 /* Adds the names of the nodes of a set, the first four. */
-static void name_nodes(const vs_wiring *w, int *parent, int root, vs_text *names) {
+static void name_nodes(const vs_wiring *w, vs_sets *sets, size_t root, vs_text *names) {
   int count = 0;
   for (size_t k = 1; k < w->n_nodes; k++)
-    if (root_of(parent, (int)k) == root && count++ < 4)
+    if (vs_sets_find(sets, k) == root && count++ < 4)
       vs_text_add(names, "%s%s", count > 1 ? ", " : "", w->nodes[k]);
   if (count > 4) vs_text_add(names, " and %d more", count - 4);
 }
 
 /* True for a node within the EVA, as its gap: the program's own subcircuit, which is not opened. */
-static bool is_in_eva(const vs_wiring *w, int node) {
+static bool is_in_eva(const vs_wiring *w, size_t node) {
   size_t n = strlen(w->deck->eva);
   return n > 0 && !strncmp(w->nodes[node], w->deck->eva, n) && w->nodes[node][n] == '.';
 }
 
-static void tell_group(const vs_wiring *w, int *parent, int root, vs_notes *notes) {
-  const vs_wire *at = first_at(w, parent, root), *looking = first_looking(w, root);
+static void tell_group(const vs_wiring *w, vs_sets *sets, size_t root, vs_notes *notes) {
+  const vs_wire *at = first_at(w, sets, root), *looking = first_looking(w, (int)root);
   vs_text names = {0};
-  name_nodes(w, parent, root, &names);
+  name_nodes(w, sets, root, &names);
   if (at)
     vs_fail_at(&vs_note_add(notes, "floating", "warning")->text, vs_wiring_where(at),
                "%s: nothing but current sources leads to ground from node %s, so that no voltage "
@@ -90,14 +82,13 @@ static void tell_group(const vs_wiring *w, int *parent, int root, vs_notes *note
 }
 
 static void find_groups(const vs_wiring *w, vs_notes *notes) {
-  int *parent = sets_of(w);
+  vs_sets sets = sets_of(w);
   for (size_t k = 0; k < w->count; k++)
     for (int p = 1; p < w->wires[k].n_pins && holds(&w->wires[k]); p++)
-      join(parent, w->wires[k].pins[0], w->wires[k].pins[p]);
+      join(&sets, w->wires[k].pins[0], w->wires[k].pins[p]);
   for (size_t k = 1; k < w->n_nodes; k++)
-    if (root_of(parent, (int)k) == (int)k && !is_in_eva(w, (int)k))
-      tell_group(w, parent, (int)k, notes);
-  free(parent);
+    if (vs_sets_find(&sets, k) == k && !is_in_eva(w, k)) tell_group(w, &sets, k, notes);
+  vs_sets_free(&sets);
 }
 
 /* ---- open ends ---- */
@@ -139,10 +130,10 @@ static void find_open_ends(const vs_wiring *w, vs_notes *notes) {
 
 /* Sources of voltage alone that form a loop: their currents have no solution, or any. */
 static void find_loops(const vs_wiring *w, vs_notes *notes) {
-  int *parent = sets_of(w);
+  vs_sets sets = sets_of(w);
   for (size_t k = 0; k < w->count; k++) {
     const vs_wire *wire = &w->wires[k];
-    if (!wire->voltage || wire->n_pins < 2 || join(parent, wire->pins[0], wire->pins[1])) continue;
+    if (!wire->voltage || wire->n_pins < 2 || join(&sets, wire->pins[0], wire->pins[1])) continue;
     vs_fail_at(
         &vs_note_add(notes, "loop", "warning")->text, vs_wiring_where(wire),
         "%s closes a loop of voltage sources, nodes %s and %s: no current there is right or "
@@ -150,7 +141,7 @@ static void find_loops(const vs_wiring *w, vs_notes *notes) {
         "1 mohm",
         wire->name, w->nodes[wire->pins[0]], w->nodes[wire->pins[1]]);
   }
-  free(parent);
+  vs_sets_free(&sets);
 }
 
 void vs_floating_find(const vs_wiring *w, vs_notes *notes) {

@@ -87,7 +87,7 @@ static int take_node(vs_wiring *w, const char *name) {
 /* The node that a word means within the subcircuit. */
 static int node_of(const scope *s, vs_word word) {
   char name[VS_WIRING_NAME];
-  if (vs_words_is(word, "0") || vs_words_is(word, "gnd")) return 0;
+  if (vs_words_is_ground(word)) return 0;
   for (int k = 0; k < s->n_formal; k++)
     if (s->formal[k].n == word.n && !strncasecmp(s->formal[k].at, word.at, word.n))
       return s->actual[k];
@@ -159,16 +159,14 @@ static bool begins_expression(vs_word w) {
 
 /* The looks of "POLY(n) a b c d ...", at `poly`. The nodes may stand in brackets, "(a,b) (c,d)". */
 static void add_poly(const scope *s, vs_wire *wire, const char *poly) {
-  static const char BETWEEN[] = " \t(),";
   const char *at = poly + strlen("poly");
-  at += strspn(at, BETWEEN);
+  at += strspn(at, VS_WORDS_BETWEEN);
   size_t nodes = 2 * strtoul(at, NULL, 10);
-  for (at += strcspn(at, BETWEEN); nodes > 0; nodes--) {
-    at += strspn(at, BETWEEN);
-    const vs_word node = {at, strcspn(at, BETWEEN)};
+  for (; nodes > 0; nodes--) {
+    at = vs_words_next(at);
+    const vs_word node = vs_words_at(at);
     if (!node.n) return;
     add_look(wire, node_of(s, node));
-    at += node.n;
   }
 }
 
@@ -251,7 +249,7 @@ static char *subcircuit_of(const vs_deck *deck, const vs_line *line, const char 
   for (size_t p = 0; p < deck->n_parts; p++)
     if (!strcasecmp(deck->parts[p].name, kind)) {
       free(kind);
-      return copy_word((vs_word){deck->parts[p].subcircuit, strlen(deck->parts[p].subcircuit)});
+      return copy_word(vs_words_of(deck->parts[p].subcircuit));
     }
   return kind;
 }

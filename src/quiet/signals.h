@@ -5,12 +5,12 @@
  * integral.
  *
  * Signals are numbered: the deck's terms (V or A), then the mains current (A), then what else the
- * circuit remembers (V or A, deck/memory.h). */
+ * circuit remembers (V or A, sim/memory.h). */
 #ifndef VS_QUIET_SIGNALS_H
 #define VS_QUIET_SIGNALS_H
 
-#include "deck/memory.h"
 #include "sim/knot.h"
+#include "sim/memory.h"
 
 /* Room for all signals. */
 enum { VS_SIGNALS = VS_DECK_MOST + 1 + VS_MEMORIES };

@@ -6,9 +6,9 @@
 #ifndef VS_SIM_STAND_IN_H
 #define VS_SIM_STAND_IN_H
 
-#include "deck/memory.h"
 #include "setup/setup.h"
 #include "sim/knot.h"
+#include "sim/memory.h"
 
 /* `self` is what `begin` returned. */
 typedef struct vs_stand_in {

@@ -1,14 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "slips/conditions.h"
 
-#include <stdbool.h>
-#include <string.h>
-#include <strings.h>
-
-static bool is_statement(const char *text, const char *word) {
-  size_t n = strlen(word);
-  return !strncasecmp(text, word, n) && (!text[n] || strchr(" \t(),", text[n]));
-}
+#include "dialect/words.h"
 
 vs_status vs_conditions_check(const vs_line *lines, size_t count, vs_error *err) {
   static const char *const WITHIN[] = {".else", ".elseif", ".endif"};
@@ -18,13 +11,13 @@ vs_status vs_conditions_check(const vs_line *lines, size_t count, vs_error *err)
     const char *text = lines[k].text;
     if (*text != '.') continue;
     for (size_t w = 0; depth == 0 && w < sizeof WITHIN / sizeof *WITHIN; w++)
-      if (is_statement(text, WITHIN[w]))
+      if (vs_words_is(vs_words_at(text), WITHIN[w]))
         return vs_fail_at(err, lines[k].where,
                           "%s stands here without an .if before it; write one, or leave this line "
                           "out",
                           WITHIN[w]);
-    if (is_statement(text, ".if") && depth++ == 0) outermost = lines[k].where;
-    if (is_statement(text, ".endif")) depth--;
+    if (vs_words_is(vs_words_at(text), ".if") && depth++ == 0) outermost = lines[k].where;
+    if (vs_words_is(vs_words_at(text), ".endif")) depth--;
   }
   return depth ? vs_fail_at(err, outermost,
                             "this .if has no .endif that closes it; write one behind its last line")

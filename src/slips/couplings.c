@@ -13,14 +13,7 @@
 #include "base/text.h"
 #include "dialect/numbers.h"
 #include "dialect/words.h"
-
-/* What ngspice takes for the space between words. */
-static const char BETWEEN[] = " \t(),";
-
-static const char *next_word(const char *s) {
-  s += strcspn(s, BETWEEN);
-  return s + strspn(s, BETWEEN);
-}
+#include "memo/sets.h"
 
 /* ---- one line ---- */
 
@@ -30,9 +23,9 @@ vs_status vs_couplings_line(const vs_line *line, vs_error *err) {
   double factor;
   int n = 0;
   if (tolower((unsigned char)*line->text) != 'k') return VS_OK;
-  for (const char *s = line->text; *s && n < VS_WORDS_MOST; s = next_word(s)) w[n++] = s;
+  for (const char *s = line->text; *s && n < VS_WORDS_MOST; s = vs_words_next(s)) w[n++] = s;
   for (int k = 1; k < n && k <= 2 && n > 3; k++) {
-    const int length = (int)strcspn(w[k], BETWEEN);
+    const int length = (int)vs_words_at(w[k]).n;
     if (isalpha((unsigned char)*w[k]) && tolower((unsigned char)*w[k]) != 'l' &&
         !memchr(w[k], '.', (size_t)length))
       return vs_fail_at(err, vs_line_place(line, w[k]),
@@ -43,17 +36,17 @@ vs_status vs_couplings_line(const vs_line *line, vs_error *err) {
   if (n == 3 && tolower((unsigned char)*w[1]) == 'l' && tolower((unsigned char)*w[2]) == 'l')
     return vs_fail_at(err, line->where,
                       "%.*s has no coupling; behind its inductors a factor up to 1 is wanted",
-                      (int)strcspn(w[0], BETWEEN), w[0]);
+                      (int)vs_words_at(w[0]).n, w[0]);
   for (int k = 2; k < n - 1; k++)
     for (int m = 1; m < k; m++) {
-      const size_t length = strcspn(w[k], BETWEEN);
-      if (length != strcspn(w[m], BETWEEN) || strncasecmp(w[k], w[m], length)) continue;
+      const size_t length = vs_words_at(w[k]).n;
+      if (length != vs_words_at(w[m]).n || strncasecmp(w[k], w[m], length)) continue;
       return vs_fail_at(err, vs_line_place(line, w[k]),
                         "%.*s is coupled with itself; the names of two inductors are wanted",
                         (int)length, w[k]);
     }
   if (n < 4) return VS_OK;
-  const size_t length = strcspn(w[n - 1], BETWEEN);
+  const size_t length = vs_words_at(w[n - 1]).n;
   const char *equals = memchr(w[n - 1], '=', length), *at = equals ? equals + 1 : w[n - 1];
   const size_t rest = length - (size_t)(at - w[n - 1]);
   return vs_numbers_read((vs_word){at, rest}, &factor) && (factor > 1 || factor < -1)
@@ -95,14 +88,14 @@ static int compare(const void *a, const void *b) {
 
 /* Reads "K1 La Lb 0.9" or "K1 La Lb k=0.9". False: it is none. */
 static bool read_coupling(const vs_line *line, vs_word name[2], coupling *c) {
-  const char *a = next_word(line->text), *b = next_word(a), *k = next_word(b);
-  if (tolower((unsigned char)*line->text) != 'k' || !*k || *next_word(k)) return false;
-  const size_t length = strcspn(k, BETWEEN);
+  const char *a = vs_words_next(line->text), *b = vs_words_next(a), *k = vs_words_next(b);
+  if (tolower((unsigned char)*line->text) != 'k' || !*k || *vs_words_next(k)) return false;
+  const size_t length = vs_words_at(k).n;
   const char *equals = memchr(k, '=', length);
   c->line = line;
   c->at = equals ? equals + 1 : k;
-  name[0] = (vs_word){a, strcspn(a, BETWEEN)};
-  name[1] = (vs_word){b, strcspn(b, BETWEEN)};
+  name[0] = vs_words_at(a);
+  name[1] = vs_words_at(b);
   c->plain = vs_numbers_read((vs_word){c->at, length - (size_t)(c->at - k)}, &c->factor);
   return true;
 }
@@ -145,19 +138,13 @@ static void find_all(couplings *all, const vs_line *lines, size_t count) {
   free(given);
 }
 
-static size_t set_of(couplings *all, size_t k) {
-  while (all->inductor[k].set != k)
-    k = all->inductor[k].set = all->inductor[all->inductor[k].set].set;
-  return k;
-}
-
 static void find_sets(couplings *all) {
-  for (size_t k = 0; k < all->inductors; k++) all->inductor[k].set = k;
-  for (size_t k = 0; k < all->count; k++) {
-    const size_t a = set_of(all, all->list[k].end[0]), b = set_of(all, all->list[k].end[1]);
-    all->inductor[a > b ? a : b].set = a > b ? b : a;
-  }
-  for (size_t k = 0; k < all->inductors; k++) all->inductor[k].set = set_of(all, k);
+  vs_sets sets = {0};
+  for (size_t k = 0; k < all->inductors; k++) vs_sets_add(&sets);
+  for (size_t k = 0; k < all->count; k++)
+    vs_sets_join(&sets, all->list[k].end[0], all->list[k].end[1]);
+  for (size_t k = 0; k < all->inductors; k++) all->inductor[k].set = vs_sets_find(&sets, k);
+  vs_sets_free(&sets);
 }
 
 /* Windings without leakage, K of 1 between all, have a matrix whose least eigenvalue is 0. What
@@ -196,12 +183,12 @@ static vs_status refuse_set(const couplings *all, size_t set, const coupling *fi
     n++;
   }
   if (n > SHOWN) vs_text_add(&names, " and %zu more", n - SHOWN);
-  vs_status status = vs_fail_at(
-      err, vs_line_place_of(first->line, (vs_word){first->at, strcspn(first->at, BETWEEN)}),
-      "the couplings of %s do not fit together: their matrix is not positive definite, "
-      "and such windings give energy from nothing; a pair without a K counts as 0, and "
-      "where La-Lb and Lb-Lc are near 1, a K of La-Lc near their product is wanted",
-      names.text);
+  vs_status status =
+      vs_fail_at(err, vs_line_place_of(first->line, vs_words_at(first->at)),
+                 "the couplings of %s do not fit together: their matrix is not positive definite, "
+                 "and such windings give energy from nothing; a pair without a K counts as 0, and "
+                 "where La-Lb and Lb-Lc are near 1, a K of La-Lc near their product is wanted",
+                 names.text);
   vs_text_free(&names);
   return status;
 }

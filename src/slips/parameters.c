@@ -8,7 +8,7 @@
 
 #include "base/alloc.h"
 
-static const char BLANKS[] = " \t", BETWEEN[] = " \t(),";
+static const char BLANKS[] = " \t";
 
 const char *vs_parameters_next(const char *line, const char *s, const char **at, size_t *n) {
   int depth = 0;
@@ -110,11 +110,11 @@ static vs_word gain_of(const char *line) {
   if (!*line || !strchr("efgh", letter) || strpbrk(line, "{'\"[")) return none;
   const char *s = line;
   for (int before = letter == 'e' || letter == 'g' ? 5 : 4; before > 0; before--) {
-    size_t n = strcspn(s, BETWEEN);
-    if (!n || memchr(s, '=', n)) return none;
+    const vs_word word = vs_words_at(s);
+    if (!word.n || memchr(s, '=', word.n)) return none;
     for (size_t k = 0; k < sizeof FORMS / sizeof *FORMS; k++)
-      if (vs_words_is((vs_word){s, n}, FORMS[k])) return none;
-    s += n + strspn(s + n, BETWEEN);
+      if (vs_words_is(word, FORMS[k])) return none;
+    s = vs_words_next(s);
   }
   const vs_word gain = {s, name_at(s)};
   s += gain.n;

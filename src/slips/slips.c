@@ -6,25 +6,11 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "dialect/numbers.h"
 #include "dialect/words.h"
 #include "slips/couplings.h"
 #include "slips/parameters.h"
-
-/* What ngspice takes for the space between words. */
-static const char BETWEEN[] = " \t(),";
-
-static const char *next_word(const char *s) {
-  s += strcspn(s, BETWEEN);
-  return s + strspn(s, BETWEEN);
-}
-
-static bool is_statement(const char *text, const char *word) {
-  size_t n = strlen(word);
-  return !strncasecmp(text, word, n) && (!text[n] || strchr(BETWEEN, text[n]));
-}
 
 /* ---- brackets ---- */
 
@@ -41,7 +27,7 @@ static vs_status refuse_open(const vs_line *line, const char *at, vs_error *err)
 static vs_status check_brackets(const vs_line *line, const char *s, const char *end,
                                 vs_error *err) {
   const char *open[MOST_OPEN];
-  const bool model = is_statement(line->text, ".model");
+  const bool model = vs_words_is(vs_words_at(line->text), ".model");
   size_t count = 0;
   for (; s < end; s++) {
     if (*s == '"' || *s == '\'') {
@@ -68,10 +54,10 @@ static vs_status check_brackets(const vs_line *line, const char *s, const char *
 static vs_status check_value(const vs_line *line, vs_error *err) {
   const int letter = tolower((unsigned char)*line->text);
   if (letter != 'r' && letter != 'c' && letter != 'l') return VS_OK;
-  if (*next_word(next_word(next_word(line->text)))) return VS_OK;
+  if (*vs_words_next(vs_words_next(vs_words_next(line->text)))) return VS_OK;
   return vs_fail_at(err, line->where,
                     "%.*s has no value; behind its two nodes its %s is wanted, or a model's name",
-                    (int)strcspn(line->text, BETWEEN), line->text,
+                    (int)vs_words_at(line->text).n, line->text,
                     letter == 'r'   ? "resistance in ohm"
                     : letter == 'c' ? "capacitance in F"
                                     : "inductance in H");
@@ -83,19 +69,20 @@ static vs_status check_value(const vs_line *line, vs_error *err) {
  * step, which ngspice takes. */
 static vs_status check_course(const vs_line *line, vs_error *err) {
   if (!strchr("vViI", *line->text)) return VS_OK;
-  const char *s = next_word(next_word(next_word(line->text)));
-  while (*s && !(!strncasecmp(s, "pwl", 3) && strchr(BETWEEN, s[3]))) s = next_word(s);
+  const char *s = vs_words_next(vs_words_next(vs_words_next(line->text)));
+  while (*s && !vs_words_is(vs_words_at(s), "pwl")) s = vs_words_next(s);
   double last = 0, time, value;
-  for (const char *from = NULL, *at = *s ? next_word(s) : s; *at; at = next_word(next_word(at))) {
-    const size_t n = strcspn(at, BETWEEN);
-    const char *second = next_word(at);
+  for (const char *from = NULL, *at = *s ? vs_words_next(s) : s; *at;
+       at = vs_words_next(vs_words_next(at))) {
+    const size_t n = vs_words_at(at).n;
+    const char *second = vs_words_next(at);
     if (!vs_numbers_read((vs_word){at, n}, &time)) break;
-    if (!vs_numbers_read((vs_word){second, strcspn(second, BETWEEN)}, &value)) break;
+    if (!vs_numbers_read(vs_words_at(second), &value)) break;
     if (from && time < last)
       return vs_fail_at(err, vs_line_place(line, at),
                         "PWL: the time %.*s stands behind %.*s; pairs TIME VALUE are wanted, of "
                         "times that rise",
-                        (int)n, at, (int)strcspn(from, BETWEEN), from);
+                        (int)n, at, (int)vs_words_at(from).n, from);
     from = at;
     last = time;
   }
@@ -106,8 +93,9 @@ static vs_status check_course(const vs_line *line, vs_error *err) {
 
 /* The next word behind s that is no bracket, as ngspice cuts a line; empty: there is none. */
 static vs_word word_behind(const char *s) {
-  s += strspn(s, BETWEEN);
-  return (vs_word){s, *s == '{' ? strcspn(s, "}") + (strchr(s, '}') != NULL) : strcspn(s, BETWEEN)};
+  s += strspn(s, VS_WORDS_BETWEEN);
+  if (*s != '{') return vs_words_at(s);
+  return (vs_word){s, strcspn(s, "}") + (strchr(s, '}') != NULL)};
 }
 
 /* True for a word that is a number and no node's or source's name. Nodes may be called 1, 2, ... */
@@ -124,8 +112,8 @@ static vs_status check_polynomial(const vs_line *line, vs_error *err) {
   const int letter = tolower((unsigned char)*line->text);
   if (!*line->text || !strchr("efgh", letter)) return VS_OK;
   const bool of_nodes = letter == 'e' || letter == 'g';
-  const char *at = next_word(next_word(next_word(line->text)));
-  if (strncasecmp(at, "poly", 4) || !strchr(BETWEEN, at[4])) return VS_OK;
+  const char *at = vs_words_next(vs_words_next(vs_words_next(line->text)));
+  if (!vs_words_is(vs_words_at(at), "poly")) return VS_OK;
   vs_word w = word_behind(at + 4);
   double n;
   if (!vs_numbers_read(w, &n)) return VS_OK; /* a formula */
@@ -138,7 +126,7 @@ static vs_status check_polynomial(const vs_line *line, vs_error *err) {
   const bool brackets = of_nodes && *s == '(';
   for (int k = 0; k < most; k++) {
     const bool opens = brackets && k % 2 == 0;
-    const bool open = memchr(s, '(', strspn(s, BETWEEN)) != NULL;
+    const bool open = memchr(s, '(', strspn(s, VS_WORDS_BETWEEN)) != NULL;
     w = word_behind(s);
     if (!w.n || (opens && !open) || is_value(w, of_nodes))
       return vs_fail_at(err, w.n ? vs_line_place(line, w.at) : line->where,
@@ -165,12 +153,12 @@ static vs_status check_polynomial(const vs_line *line, vs_error *err) {
 /* Looks at "T1 a 0 b 0 Z0=50 TD=10n". Without TD and F ngspice takes 0.25 ns. A line without Z0 is
  * another program's, and ngspice refuses it. */
 static vs_status check_delay(const vs_line *line, vs_error *err) {
-  static const char ENDS[] = " \t(),=";
+  static const char ENDS[] = VS_WORDS_BETWEEN "=";
   bool has_z0 = false, has_delay = false;
   const char *s = line->text;
   double value;
   if (tolower((unsigned char)*s) != 't') return VS_OK;
-  for (int nodes = 0; nodes < 5; nodes++) s = next_word(s);
+  for (int nodes = 0; nodes < 5; nodes++) s = vs_words_next(s);
   while (*s) {
     const size_t n = strcspn(s, ENDS);
     const vs_word name = {s, n};
@@ -189,7 +177,7 @@ static vs_status check_delay(const vs_line *line, vs_error *err) {
              ? vs_fail_at(err, line->where,
                           "%.*s has no delay, and ngspice would take 0.25 ns; TD=..., or F=... "
                           "with NL=..., is wanted",
-                          (int)strcspn(line->text, BETWEEN), line->text)
+                          (int)vs_words_at(line->text).n, line->text)
              : VS_OK;
 }
 
@@ -211,8 +199,7 @@ static vs_status check_names(const vs_line *line, vs_error *err) {
   vs_word node = {line->text, 0};
   if (!strchr("rlcdvibefghswqmjz", tolower((unsigned char)*line->text))) return VS_OK;
   for (int n = 0; n < 2; n++) {
-    node.at = next_word(node.at);
-    node.n = strcspn(node.at, BETWEEN);
+    node = vs_words_at(vs_words_next(node.at));
     for (size_t k = 0; k < sizeof TAKEN / sizeof *TAKEN; k++)
       if (vs_words_is(node, TAKEN[k]))
         return vs_fail_at(err, vs_line_place_of(line, node),

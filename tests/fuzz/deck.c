@@ -6,10 +6,10 @@
 #include <string.h>
 
 #include "blame/blame.h"
-#include "deck/memory.h"
 #include "deck/netlist.h"
 #include "deck/parts.h"
 #include "hint/hint.h"
+#include "sim/memory.h"
 #include "targets.h"
 
 static const char *const FILES[] = {"a.inc", "b.inc", "c.lib", "d.inc", NULL};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "deck/memory.h"
+#include "sim/memory.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -8,6 +8,7 @@
 #include <strings.h>
 
 #include "base/text.h"
+#include "dialect/words.h"
 #include "memo/names.h"
 
 /* Bounds of what is taken apart; a netlist beyond them has no list. 48 words are more than any
@@ -24,13 +25,12 @@ typedef struct words {
 } words;
 
 static void split(const char *line, words *w) {
-  static const char BETWEEN[] = " \t(),";
   w->count = 0;
   w->cut = strlen(line) >= sizeof w->text;
   size_t used = 0;
-  for (const char *s = line + strspn(line, BETWEEN); *s;) {
-    size_t n = strcspn(s, BETWEEN);
-    const char *after = s + n + strspn(s + n, BETWEEN);
+  for (const char *s = line + strspn(line, VS_WORDS_BETWEEN); *s;) {
+    size_t n = vs_words_at(s).n;
+    const char *after = vs_words_next(s);
     if (memchr(s, '=', n) || *after == '=' || !strncasecmp(s, "params:", 7)) break;
     if (w->count == MOST_WORDS || used + n + 1 > sizeof w->text) {
       w->cut = true;
@@ -113,7 +113,7 @@ static void full_name(const search *s, const level *l, const char *node, char ou
       snprintf(out, VS_MEMORY_NAME, "%s", l->names[k]);
       return;
     }
-  if (!strcmp(node, "0") || !strcmp(node, "gnd"))
+  if (vs_words_is_ground(vs_words_of(node)))
     snprintf(out, VS_MEMORY_NAME, "0");
   else
     snprintf(out, VS_MEMORY_NAME, "%.80s%.70s", has(&s->globals, node) ? "" : l->path, node);

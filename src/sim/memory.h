@@ -3,8 +3,8 @@
  * junction's voltage and every inductor's current, in the whole netlist, with each instance of a
  * subcircuit taken apart. When all of these do as they did a cycle ago, so does the circuit; that
  * is what leaving its solver depends on (quiet/quiet.h). */
-#ifndef VS_DECK_MEMORY_H
-#define VS_DECK_MEMORY_H
+#ifndef VS_SIM_MEMORY_H
+#define VS_SIM_MEMORY_H
 
 #include "deck/deck.h"
 
