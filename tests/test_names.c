@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * Names that are looked up: the table itself, and what netlists of other programs look up in it. */
+ * Names that are looked up: the table itself, and what netlists of other programs look up in it;
+ * and sets of numbers. */
 #include "memo/names.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "foreign/elements.h"
+#include "memo/sets.h"
 #include "suite.h"
 
 static size_t number_of(const vs_names *names, const char *name) {
@@ -38,6 +40,23 @@ static void names_have_numbers(void) {
   CU_ASSERT_EQUAL(names.count, MANY);
   vs_names_free(&names);
   CU_ASSERT_EQUAL(names.room, 0);
+}
+
+/* The numbers with the same rest are joined, the larger ones first. */
+static void numbers_in_sets(void) {
+  enum { MANY = 3000, SETS = 7 };
+  vs_sets sets = {0};
+  for (size_t k = 0; k < MANY; k++) CU_ASSERT_EQUAL_FATAL(vs_sets_add(&sets), k);
+  size_t joined = 0, wrong = 0;
+  for (size_t k = MANY - 1; k >= SETS; k--) joined += vs_sets_join(&sets, k, k - SETS);
+  CU_ASSERT_EQUAL(joined, MANY - SETS);
+  CU_ASSERT_FALSE(vs_sets_join(&sets, 0, MANY / SETS * SETS));
+  for (size_t k = 0; k < MANY; k++) wrong += vs_sets_find(&sets, k) != k % SETS;
+  CU_ASSERT_EQUAL(wrong, 0);
+  CU_ASSERT_TRUE(vs_sets_join(&sets, 5, 3));
+  CU_ASSERT_EQUAL(vs_sets_find(&sets, 5 + SETS), 3);
+  vs_sets_free(&sets);
+  CU_ASSERT_EQUAL(sets.count, 0);
 }
 
 /* Reads a netlist with this text. */
@@ -103,6 +122,7 @@ static void elements_are_found(void) {
 
 int main(void) {
   static const vs_test TESTS[] = {{"names have numbers", names_have_numbers},
+                                  {"numbers in sets", numbers_in_sets},
                                   {"parameters need each other", parameters_need_each_other},
                                   {"elements are found", elements_are_found}};
   return vs_suite("names", TESTS, COUNT(TESTS));
