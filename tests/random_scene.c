@@ -198,10 +198,19 @@ static void add_firing(draw *d, random_scene *s, bool controlled) {
   }
   static const char *const EVERY[] = {"once", "once", "once", "1", "1", "1", "2", "3"};
   double angle = chance(d, 0.75) ? between(d, 80, 160) : between(d, 5, 176);
-  vs_text_add(&s->text, "firing: {angle: %.4g deg, every: %s", angle,
-              controlled ? "1" : WORD(d, EVERY));
-  if (chance(d, 0.5)) vs_text_add(&s->text, ", pulse_width: %.3g ms", decades(d, 0.02, 9));
-  if (chance(d, 0.1)) vs_text_add(&s->text, ", first_cycle: %d", chance(d, 0.5) ? 0 : 2);
+  const char *every = controlled ? "1" : WORD(d, EVERY);
+  s->every = atoi(every);
+  s->pulse_ms = 8;
+  s->first_cycle = 1;
+  vs_text_add(&s->text, "firing: {angle: %.4g deg, every: %s", angle, every);
+  if (chance(d, 0.5)) {
+    s->pulse_ms = decades(d, 0.02, 9);
+    vs_text_add(&s->text, ", pulse_width: %.3g ms", s->pulse_ms);
+  }
+  if (chance(d, 0.1)) {
+    s->first_cycle = chance(d, 0.5) ? 0 : 2;
+    vs_text_add(&s->text, ", first_cycle: %d", s->first_cycle);
+  }
   if (!strcmp(s->deck, "halfwave_paper") && chance(d, 0.4)) {
     double duty = between(d, 15, 60), khz = decades(d, 2, 20);
     vs_text_add(&s->text, ", burst_frequency: %.3g kHz, burst_duty: %.3g %%", khz, duty);
@@ -347,6 +356,21 @@ static bool has_cycle(const happening *h) {
   return h->group == GATE && strcmp(h->kind, "spurious_pulse");
 }
 
+static double end_cycle(const random_scene *s) { /* at which the run ends */
+  return s->until_s * s->frequency_hz;
+}
+
+/* The cycle of a gate pulse of the run: the wanted one, or the other of cycles 1 and 2; 0: neither
+ * has one. */
+static int pulse_cycle(const random_scene *s, int wanted) {
+  for (int n = 0; n < 2; n++) {
+    const int cycle = n ? 3 - wanted : wanted, behind = cycle - s->first_cycle;
+    const bool fires = s->every ? behind >= 0 && behind % s->every == 0 : behind == 0;
+    if (fires && (cycle == 1 || end_cycle(s) > 1.1)) return cycle;
+  }
+  return 0;
+}
+
 /* One that the scene's tier, deck and machine take, of another group than the one before it. */
 static const happening *draw_happening(draw *d, const random_scene *s, const deck *k,
                                        const machine *m, const happening *before) {
@@ -358,18 +382,19 @@ static const happening *draw_happening(draw *d, const random_scene *s, const dec
     if (k && k->has & PWM && h->group == SURGE && !(k->has & LINE)) continue;
     if (!strcmp(h->kind, "load") && !m->loaded) continue;
     if (before && before->group == h->group) continue;
+    if (has_cycle(h) && !pulse_cycle(s, 1)) continue;
     return h;
   }
 }
 
 static void add_instant(draw *d, random_scene *s, const happening *h) {
-  double end_cycle = s->until_s * s->frequency_hz; /* at which the run ends */
   if (has_cycle(h))
-    vs_text_add(&s->text, "cycle: %d", chance(d, 0.7) || end_cycle < 1.1 ? 1 : 2);
+    vs_text_add(&s->text, "cycle: %d",
+                pulse_cycle(s, chance(d, 0.7) || end_cycle(s) < 1.1 ? 1 : 2));
   else if (chance(d, 0.5))
     vs_text_add(&s->text, "at: %.5g ms", 1e3 * s->until_s * between(d, 0, 0.99));
   else
-    vs_text_add(&s->text, "cycle: 1, angle: %.4g deg", 359 * fmin(end_cycle, 1) * even(d));
+    vs_text_add(&s->text, "cycle: 1, angle: %.4g deg", 359 * fmin(end_cycle(s), 1) * even(d));
 }
 
 static const happening *add_event(draw *d, random_scene *s, int n, const deck *k, const machine *m,
@@ -378,9 +403,11 @@ static const happening *add_event(draw *d, random_scene *s, int n, const deck *k
   s->extra = h->kind;
   vs_text_add(&s->text, "%se%d: {kind: %s, ", n ? ", " : "", n, h->kind);
   add_instant(d, s, h);
-  if (h->key)
-    vs_text_add(&s->text, ", %s: %.4g%s", h->key,
-                h->low > 0 ? decades(d, h->low, h->high) : between(d, h->low, h->high), h->unit);
+  if (h->key) {
+    double value = h->low > 0 ? decades(d, h->low, h->high) : between(d, h->low, h->high);
+    if (!strcmp(h->kind, "short_pulse")) value = fmin(value, 0.9 * s->pulse_ms);
+    vs_text_add(&s->text, ", %s: %.4g%s", h->key, value, h->unit);
+  }
   if (h->second) vs_text_add(&s->text, ", %s", h->second);
   if (!strcmp(h->kind, "open") || !strcmp(h->kind, "short")) {
     size_t count = 0;

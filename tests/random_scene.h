@@ -18,6 +18,8 @@ typedef struct random_scene {
   const char *extra; /* what else is in it: a kind of event, a law of control, ...; one word */
   bool has_stop, has_table, shifted /* its mains, in phase */;
   double tolerance, until_s, frequency_hz;
+  int first_cycle, every; /* of its firings; every 0: once */
+  double pulse_ms;
 } random_scene;
 
 /* Every tenth scene is to be judged. */

@@ -77,6 +77,35 @@ static vs_status place_in_time(const vs_node *map, const vs_timeline *t, double 
                     e->name, e->start_s, until_s);
 }
 
+/* True where the mains cycle, counted from 1, has a firing. */
+static bool has_firing(const vs_firing_values *f, int cycle) {
+  int behind = cycle - f->first_cycle;
+  return f->every > 0 ? behind >= 0 && behind % f->every == 0 : behind == 0;
+}
+
+/* Error: the event changes the pulse of a cycle that has none, or would shorten it to more than its
+ * length. */
+static vs_status check_pulse(const vs_node *map, const vs_timeline *t, const vs_occurrence *e,
+                             vs_error *err) {
+  const vs_firing_values *f = &t->firing;
+  if (!e->kind->pulse) return VS_OK;
+  const vs_node *cycle = vs_tree_child(map, "cycle"), *duration = vs_tree_child(map, "duration");
+  if (!has_firing(f, e->v.cycle))
+    return vs_fail_at(
+        err, cycle->where,
+        f->every > 0 ? "events.%s: there is no gate pulse in cycle %d; firing.first_cycle = "
+                       "%d and firing.every = %d have them in cycles %d, %d, ..."
+                     : "events.%s: there is no gate pulse in cycle %d; firing.first_cycle = "
+                       "%d and firing.every: once have one",
+        e->name, e->v.cycle, f->first_cycle, f->every, f->first_cycle, f->first_cycle + f->every);
+  if (e->v.duration_s > f->pulse_width_s)
+    return vs_fail_at(err, duration ? duration->where : e->where,
+                      "events.%s.duration: %g ms is more than the pulse's own length, "
+                      "firing.pulse_width = %g ms",
+                      e->name, 1e3 * e->v.duration_s, 1e3 * f->pulse_width_s);
+  return VS_OK;
+}
+
 static vs_status read_gate(const vs_node *map, vs_occurrence *e, vs_error *err) {
   if (!*e->v.gate || !strcmp(e->v.gate, "all") || vs_port_read_gate(e->v.gate, &e->gate_rad))
     return VS_OK;
@@ -168,6 +197,8 @@ static vs_status read_event(const vs_node *map, const vs_timeline *t, double unt
     status = vs_error_carry_on(err, check_count(map, t, &e, err));
   if (!status && vs_error_count(err) == found)
     status = vs_error_carry_on(err, place_in_time(map, t, until_s, &e, err));
+  if (!status && vs_error_count(err) == found)
+    status = vs_error_carry_on(err, check_pulse(map, t, &e, err));
   if (!status && vs_error_count(err) == found)
     status = vs_error_carry_on(err, clash(events, &e, err));
   if (!status && vs_error_count(err) == found) events->item[events->count++] = e;
