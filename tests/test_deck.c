@@ -147,8 +147,12 @@ static void bad_lines_are_refused(void) {
   REFUSE(SUPPLY "*$ probe v_a = v(a) V\n*$ rating v_a 1 V\n" EVA, "bad.cir:5:15: ", "MIN..MAX");
   REFUSE(SUPPLY "*$ compat lt\n" EVA, "bad.cir:4:11: ", "there is: ps");
   REFUSE(SUPPLY "*$ port mains = Vn\n" EVA, "bad.cir:4:9: ", "second port mains");
-  REFUSE(SUPPLY "*$ probe p = v(a) V\n" EVA, "bad.cir:4:14: ", "taken by the machine");
-  REFUSE(SUPPLY "*$ probe t = v(a) V\n" EVA, "bad.cir:4:14: ", "the program's");
+  REFUSE(SUPPLY "*$ probe p = v(a) V\n" EVA, "bad.cir:4:10: ", "taken by the machine");
+  REFUSE(SUPPLY "*$ probe a = v(a) V\n*$ probe p = v(a) V\n" EVA, "bad.cir:5:10: ", "taken by the");
+  REFUSE(SUPPLY "*$ probe v_a = v(a) V\n*$ probe V_A = v(a) V\n" EVA,
+         "bad.cir:5:10: ", "probe V_A stands here a second time");
+  accept_deck(SUPPLY "Rb a b 1\n" EVA "*$ probe x = v(a,GND) V\n*$ probe y = v(gnd,a) V\n");
+  REFUSE(SUPPLY "*$ probe t = v(a) V\n" EVA, "bad.cir:4:10: ", "the program's");
   REFUSE("*$ rate x\n" EVA, "bad.cir:1:4: ", "did you mean");
   REFUSE(SUPPLY "*$ param x = y part 3\n" EVA, "bad.cir:4:21: ", "quotes");
 }

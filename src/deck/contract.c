@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/text.h"
 #include "deck/devices.h"
@@ -139,6 +140,8 @@ static vs_status read_port(vs_deck *deck, vs_cursor *c, vs_error *err) {
 static vs_status read_probe(vs_deck *deck, vs_cursor *c, vs_error *err) {
   vs_probe probe = {.sign = 1};
   char first[VS_DECK_NAME - 4], second[VS_DECK_NAME - 4];
+  vs_cursor_skip(c);
+  probe.where = vs_cursor_here(c);
   vs_status status = vs_cursor_name(c, probe.name, VS_DECK_NAME, err);
   if (status) return status;
   if (vs_cursor_take(c, '-')) probe.sign = -1;
@@ -157,8 +160,8 @@ static vs_status read_probe(vs_deck *deck, vs_cursor *c, vs_error *err) {
   if (status) return status;
   probe.term = vs_deck_add_term(deck, where, quantity, first, second);
   for (size_t k = 0; k < deck->n_probes; k++)
-    if (!strcmp(deck->probes[k].name, probe.name))
-      return vs_fail_at(err, c->line, "probe %s stands here a second time; leave one out",
+    if (!strcasecmp(deck->probes[k].name, probe.name)) /* files of some systems tell none apart */
+      return vs_fail_at(err, probe.where, "probe %s stands here a second time; leave one out",
                         probe.name);
   if (deck->n_probes >= VS_DECK_MOST || probe.term < 0)
     return vs_fail_at(err, c->line, "more than %d probes and terms of formulas", VS_DECK_MOST);

@@ -64,9 +64,9 @@ typedef struct vs_term {
 /* A channel of the deck: sign times a term. */
 typedef struct vs_probe {
   char name[VS_DECK_NAME], unit[16], text[VS_DECK_TEXT];
-  double sign;      /* +1 or -1 */
-  int term;         /* index into vs_deck.terms */
-  vs_where unit_at; /* where its unit stands */
+  double sign;             /* +1 or -1 */
+  int term;                /* index into vs_deck.terms */
+  vs_where where, unit_at; /* where its name stands, and its unit */
 } vs_probe;
 
 /* A loss (W) or a store (J). */

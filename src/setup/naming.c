@@ -41,8 +41,8 @@ static vs_status refuse_taken_names(const vs_model *model, const vs_deck *deck, 
     bool taken = machines || !strcmp(probe->name, "t") || !strcmp(probe->name, "gap") ||
                  vs_channel_is_standard(probe->name);
     if (taken)
-      s = vs_error_carry_on(err, vs_fail_at(err, deck->terms[probe->term].where,
-                                            "probe %s: that name is %s%s", probe->name,
+      s = vs_error_carry_on(err, vs_fail_at(err, probe->where, "probe %s: that name is %s%s",
+                                            probe->name,
                                             machines ? "taken by the machine " : "the program's",
                                             machines ? model->machine->path : ""));
   }
@@ -65,8 +65,7 @@ static bool is_one_column(vs_channel a, vs_channel b) {
 
 static vs_where channel_place(const vs_frame *frame, int number) {
   const vs_model *m = frame->model;
-  if (number >= vs_channel_deck(m))
-    return frame->deck->terms[frame->deck->probes[number - vs_channel_deck(m)].term].where;
+  if (number >= vs_channel_deck(m)) return frame->deck->probes[number - vs_channel_deck(m)].where;
   if (number >= vs_channel_probes(m))
     return m->machine->probes[number - vs_channel_probes(m)].where;
   return m->machine->coordinates[(number - VS_CH_Q) % m->dof].where;
