@@ -120,9 +120,34 @@ static void a_charge_before_the_current(void) {
   unlink("s.yaml");
 }
 
+/* A slow rise of 28 V in 3 ms and a steep one of 290 V behind it, in more points than are kept. At
+ * 1e-6 the knee between them was lost, and 37 V/us told. */
+static void a_knee(void) {
+  write_file(
+      "s.yaml",
+      "machine: {model: conveyor, trough_mass: 0.8001 kg, base_mass: 3.246 kg, spring_stiffness: "
+      "46020 N/m, mount_stiffness_x: 5856 N/m, spring_damping: 0.9685 N.s/m}\n"
+      "actuator: {resistance: 72.28 ohm, inductance: 1.171 H, stop: {stiffness: 9.78e+06 N/m, "
+      "damping: 21.4 N.s/m}}\n"
+      "load: {density: 1.09 g/cm3, fraction: 0.507}\n"
+      "supply: {voltage: 335.5 V, resistance: 0.173 ohm, inductance: 1.05 mH}\n"
+      "circuit: {deck: fullwave_antiparallel, thyristor: TYN1212, r1: 2833 ohm, c1: 67.84 nF, "
+      "r2: 2663 ohm, c2: 406.5 nF, varistor: s14k510}\n"
+      "firing: {angle: 72.05 deg, every: once, pulse_width: 0.0768 ms}\n"
+      "events: {e: {kind: sag, cycle: 1, angle: 24.23 deg, level: 6.76 %, duration: 12 ms}}\n"
+      "run: {until: 13.5 ms, tier: circuit}\n");
+  static const char *const TOLERANCES[] = {"1e-3", "1e-5", "1e-6"};
+  for (size_t t = 0; t < COUNT(TOLERANCES); t++) {
+    double found = measured("s.yaml", "", TOLERANCES[t], "t2.dv_dt");
+    EXPECT(fabs(found / 187.8 - 1) < 0.01, "%s: %g V/us", TOLERANCES[t], found);
+  }
+  unlink("s.yaml");
+}
+
 static const vs_test TESTS[] = {{"same at all tolerances", same_at_all_tolerances},
                                 {"under a gate pulse", under_a_gate_pulse},
                                 {"fired again", fired_again},
+                                {"a knee", a_knee},
                                 {"a charge before the current", a_charge_before_the_current}};
 int main(void) {
   return program_suite("rises", TESTS, COUNT(TESTS));

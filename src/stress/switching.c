@@ -62,17 +62,31 @@ static void begin_rise(vs_rise *r, double t_s, double v) {
   r->v[0] = v;
 }
 
-/* Leaves out points whose neighbours are less than a 64th of the rise apart. At most half of the
- * points remain, and no steep step loses its foot. */
-static void thin_out(vs_rise *r) {
+/* How far point k lies beside the straight line from point `before` to the next one, in time, as a
+ * part of the time between these two. */
+static double bend(const vs_rise *r, size_t before, size_t k) {
+  double dt_s = r->t_s[k + 1] - r->t_s[before], dv = r->v[k + 1] - r->v[before];
+  return fabs(r->t_s[k] - r->t_s[before] - (r->v[k] - r->v[before]) / dv * dt_s) / dt_s;
+}
+
+/* Leaves out points, no two of them side by side, that lie on a straight line with their neighbours
+ * but for `most`. */
+static void straighten(vs_rise *r, double most) {
   size_t kept = 1, last = r->count - 1;
-  double apart = (r->v[last] - r->v[0]) / 64;
+  bool dropped = false;
   for (size_t k = 1; k <= last; k++) {
-    if (k < last && r->v[k + 1] - r->v[kept - 1] < apart) continue;
+    dropped = k < last && !dropped && bend(r, kept - 1, k) <= most;
+    if (dropped) continue;
     r->t_s[kept] = r->t_s[k];
     r->v[kept++] = r->v[k];
   }
   r->count = kept;
+}
+
+/* Leaves out a quarter of the points or more, those first that say least: a knee between a slow
+ * rise and a steep one remains, however close the points about it are. */
+static void thin_out(vs_rise *r) {
+  for (double most = 1.0 / 1024; r->count > VS_RISE_POINTS / 4 * 3; most *= 2) straighten(r, most);
 }
 
 static double time_of(const vs_rise *r, double v) {
