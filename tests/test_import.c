@@ -403,6 +403,80 @@ static void courses_of_gates(void) {
   leave();
 }
 
+/* A .tran without uic begins at an operating point, the deck at 0: said where a source is not 0 as
+ * it begins and an element stores what it gives. */
+static void tells_of_the_operating_point(void) {
+  static const struct {
+    const char *lines, *tran, *source; /* NULL: nothing is said */
+  } ROWS[] = {
+      {"V2 x 0 DC 12\nC2 x 0 1u\n", "10u 60m 0 10u", "V2 is not 0 there; the deck begins with C2"},
+      {"V2 x 0 5\nR5 x y 1k\nL2 y 0 1m\n", "60m", "L2"},
+      {"I2 x 0 AC 1 DC {2*3}\nC2 x 0 1u\nC3 x 0 1u\n", "60m", "C2, C3"},
+      {"V2 x 0 PULSE(-1 0 1u 1n 1n 1u 2u)\nC2 x 0 1u\n", "60m", "V2"},
+      {"V2 x 0 PWL(0 1 1 1)\nC2 x 0 1u\n", "60m", "V2"},
+      {"V2 x 0 SIN(1 1 50)\nC2 x 0 1u\n", "60m", "V2"},
+      {"V2 x 0 SIN(0 1 50 0 0 90)\nC2 x 0 1u\n", "60m", "V2"},
+      {"V2 x 0 EXP(1 2 0 1m 2m 1m)\nC2 x 0 1u\n", "60m", "V2"},
+      {"V2 x 0 DC 12\nC2 x 0 1u\n", "10u 60m 0 10u UIC", NULL},
+      {"V2 x 0 DC 12\nC2 x 0 1u\n", "60m startup", NULL},
+      {"V2 x 0 DC 12\nC2 x 0 1u\n", "60m skipbp", NULL},
+      {"V2 x 0 DC 12\nC2 x 0 1u ic=12\n", "60m", NULL},
+      {"V2 x 0 DC 12\nR2 x 0 1k\n", "60m", NULL}, /* what stores is the coil alone */
+      {"V2 x 0 DC 0\nC2 x 0 1u\n", "60m", NULL},
+      {"V2 x 0 AC 1\nC2 x 0 1u\n", "60m", NULL},
+      {"V2 x 0 DC 3 PULSE(0 5 0 1n 1n 1u 2u)\nC2 x 0 1u\n", "60m", NULL},
+      {"V2 x 0 PWL(0 0 1m 1)\nC2 x 0 1u\n", "60m", NULL},
+      {"V2 x 0 SIN(0 1 50 0 0 180)\nC2 x 0 1u\n", "60m", NULL},
+      {"C2 a 0 1u\n", "60m", NULL},
+  };
+  enter("begins");
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text text = {0};
+    char at[64];
+    int line = 6;
+    for (const char *c = ROWS[k].lines; *c; c++) line += *c == '\n';
+    snprintf(at, sizeof at, "line %d: '.tran %s' has no uic", line, ROWS[k].tran);
+    vs_text_add(&text,
+                "t\nV1 a 0 SIN(0 325 50)\nV3 g 0 PULSE(0 5 1m 1u 1u 1m 20m)\nR1 a g 1k\n"
+                "L1 a 0 1 Rser=9\n%s.tran %s\n",
+                ROWS[k].lines, ROWS[k].tran);
+    write_file("x.net", text.text);
+    ran r = run("import x.net --mains V1 --gate V3 --coil L1 -o y.cir");
+    EXPECT(r.status == 0, "case %zu: %s", k, r.err);
+    char *deck = read_file("y.cir");
+    const char *said = strstr(r.err, "has no uic"), *source = ROWS[k].source;
+    EXPECT(!said == !source && !strstr(deck, "has no uic") == !source, "case %zu: %s", k, r.err);
+    EXPECT(!source || (strstr(r.err, at) && strstr(said, source)), "case %zu: %s", k, r.err);
+    free(deck);
+    free_ran(&r);
+    vs_text_free(&text);
+  }
+  leave();
+}
+
+/* What the coil is when it is warm is not taken, and told; 0 is nothing. */
+static void tells_of_a_warm_coil(void) {
+  static const struct {
+    const char *coil, *says;
+  } ROWS[] = {
+      {"L1 a b 0.8 tc1=0.01\nR4 b 0 40\n", "L1 has a coefficient of temperature"},
+      {"L1 a b 0.8\nR4 b 0 40 tc=3.9m,0\n", "give actuator.resistance"},
+      {"L1 a b 0.8 tc1=0\nR4 b 0 40 tc2=0\n", NULL},
+  };
+  enter("warm");
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text text = {0};
+    vs_text_add(&text, "t\nV1 a 0 SIN(0 325 50)\n%s.tran 60m\n", ROWS[k].coil);
+    write_file("x.net", text.text);
+    ran r = run("import x.net -o y.cir");
+    const char *said = strstr(r.err, ROWS[k].says ? ROWS[k].says : "coefficient");
+    EXPECT(r.status == 0 && !said == !ROWS[k].says, "case %zu: %s", k, r.err);
+    free_ran(&r);
+    vs_text_free(&text);
+  }
+  leave();
+}
+
 /* Whatever bytes it is given, it ends, and says where it gave up. */
 static void survives_any_text(void) {
   unsigned seed = 20;
@@ -498,6 +572,8 @@ static const vs_test TESTS[] = {
     {"asks for what it cannot decide", asks_for_what_it_cannot_decide},
     {"bad command lines", bad_command_lines},
     {"courses of gates", courses_of_gates},
+    {"tells of the operating point", tells_of_the_operating_point},
+    {"tells of a warm coil", tells_of_a_warm_coil},
     {"survives any text", survives_any_text},
     {"as plain ngspice with the gap held", as_plain_ngspice_with_the_gap_held},
     {"exported", exported},

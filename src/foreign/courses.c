@@ -118,12 +118,20 @@ static const char *passed_repeat(const char *points, bool *repeats) {
   return *repeats ? strchr(s, '(') : points;
 }
 
+/* The point that lies farthest from the first one. */
+static double farthest(const double *points, int count) {
+  double high = points[1];
+  for (int i = 0; i < count; i++)
+    if (fabs(points[2 * i + 1] - points[1]) > fabs(high - points[1])) high = points[2 * i + 1];
+  return high;
+}
+
 /* The pulse of a PWL. Error: it has a second one, whose place and shape may be any. */
 static vs_status of_points(const vs_elements *w, const vs_element *e, const numbers *n,
                            vs_course_pulse *p, vs_error *err) {
   int count = n->count / 2, k = 1;
-  *p = (vs_course_pulse){n->item[1], n->item[1], NAN, NAN, 0, 0, INFINITY, INFINITY};
-  for (int i = 0; i < count; i++) p->high = fmax(p->high, n->item[2 * i + 1]);
+  double high = farthest(n->item, count);
+  *p = (vs_course_pulse){n->item[1], high, NAN, NAN, 0, 0, INFINITY, INFINITY};
   double level = (p->low + p->high) / 2, rise_s;
   p->at_s = edge(n->item, count, level, &k, &p->rise_s);
   double off_s = edge(n->item, count, level, &k, &p->fall_s);
@@ -193,4 +201,41 @@ vs_status vs_course_read_pulse(const vs_elements *w, const vs_values *v, const v
                           "are known, so it cannot be a gate's; --gate names another source, or "
                           "none",
                           e->name);
+}
+
+/* The value of a source without a course: behind DC, or its first word. Returns false where it is
+ * not known. */
+static bool direct(const vs_elements *w, const vs_values *v, const vs_element *e, double *value) {
+  char *first = vs_elements_word_of(w, e, e->n_nodes + 1);
+  char *dc = vs_elements_option(w, e, "dc");
+  for (int k = e->n_nodes + 1; k + 1 < e->n_words && !dc; k++) {
+    char *word = vs_elements_word_of(w, e, k);
+    if (!strcasecmp(word, "dc")) dc = vs_elements_word_of(w, e, k + 1);
+    free(word);
+  }
+  bool none = !dc && (!strcasecmp(first, "ac") || (*first != '{' && strchr(first, '=')));
+  *value = 0;
+  bool known = none || vs_values_of(v, dc ? dc : first, value);
+  free(first);
+  free(dc);
+  return known;
+}
+
+bool vs_course_begins_at_0(const vs_elements *w, const vs_values *v, const vs_element *e) {
+  static const char *const WORDS[] = {"pulse", "exp", "pwl", "sin", "sine", "sffm", "am"};
+  enum { PWL = 2, SIN, SINE };
+  numbers n = {.count = 0};
+  vs_error unread = {0};
+  double value;
+  for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++) {
+    const char *s = begin_of(w, e, WORDS[k]);
+    bool repeats;
+    if (!s) continue;
+    if (k == PWL) s = passed_repeat(s, &repeats);
+    if (read_numbers(w, v, e, s, k == PWL, &n, &unread) || n.count < 2) return false;
+    if (k == PWL) return n.item[1] == 0;
+    if (k != SIN && k != SINE) return n.item[0] == 0 && k < PWL;
+    return fabs(n.item[0] + n.item[1] * sin(nth(&n, 5, 0) * M_PI / 180)) <= 1e-9 * fabs(n.item[1]);
+  }
+  return direct(w, v, e, &value) && value == 0;
 }

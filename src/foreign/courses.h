@@ -34,4 +34,8 @@ vs_status vs_course_read_sine(const vs_elements *wiring, const vs_values *values
 vs_status vs_course_read_pulse(const vs_elements *wiring, const vs_values *values,
                                const vs_element *source, vs_course_pulse *pulse, vs_error *err);
 
+/* True for a source that is 0 at t = 0, as far as that is known before a run. */
+bool vs_course_begins_at_0(const vs_elements *wiring, const vs_values *values,
+                           const vs_element *source);
+
 #endif

@@ -111,6 +111,38 @@ static bool chops(const finder *f, const vs_course_pulse *p) {
   return f->roles->mains && p->period_s < 0.4 / f->roles->hz;
 }
 
+static double cycles_to(const vs_roles *r, const vs_roles_gate *g);
+
+/* A source that rests at the level that fires, PULSE(6 0 ...): the time between its own pulses is
+ * the gate's pulse. The last of them before the source's delay is taken for the first; where the
+ * source fires earlier than that, early_s tells. Error: it does not come back to that level. */
+static vs_status turn(const finder *f, vs_roles_gate *g) {
+  const vs_course_pulse own = g->pulse;
+  bool repeats = isfinite(own.period_s), both_signs = own.low < 0 && own.high > 0;
+  double edges_s = own.rise_s + own.fall_s, back_s = own.at_s + own.width_s;
+  if (isnan(own.at_s) || both_signs || fabs(own.low) <= fabs(own.high)) return VS_OK;
+  g->pulse = (vs_course_pulse){own.high,
+                               own.low,
+                               repeats ? back_s - own.period_s : back_s,
+                               own.period_s - own.width_s,
+                               own.fall_s,
+                               own.rise_s,
+                               own.period_s,
+                               own.cycles};
+  vs_course_pulse *p = &g->pulse;
+  if (!isfinite(back_s) || !(p->width_s > edges_s))
+    return vs_fail_at(f->err, vs_elements_where(f->w, g->source, 0),
+                      "%s: it rests at %.9g and does not come back to that from %.9g, so that no "
+                      "pulse fires; write PULSE(low high delay rise fall width period), or say "
+                      "--gate none, which leaves %s as it is",
+                      g->source->name, own.low, own.high, g->source->name);
+  g->turned = true;
+  if (repeats && (p->at_s + p->width_s <= edges_s || cycles_to(f->roles, g) < -1))
+    p->at_s += p->period_s;
+  if (own.at_s > edges_s && p->at_s > edges_s) g->early_s = own.at_s;
+  return VS_OK;
+}
+
 static vs_status add_gate(finder *f, const vs_element *e) {
   vs_roles *r = f->roles;
   vs_where where = vs_elements_where(f->w, e, 0);
@@ -145,8 +177,9 @@ static vs_status add_gate(finder *f, const vs_element *e) {
                       "%s comes every %.9g s, which is neither a whole number of the mains' cycles "
                       "of %.9g s nor half of one; --gate none leaves it as it is",
                       e->name, g->pulse.period_s, 1 / r->hz);
-  r->n_gates++;
-  return VS_OK;
+  status = turn(f, g);
+  if (!status) r->n_gates++;
+  return status;
 }
 
 static vs_status add_named_gates(finder *f, const char *asked) {
@@ -372,6 +405,19 @@ static vs_status check_options(const finder *f, const vs_element *e) {
   return status;
 }
 
+/* True where the element's value is another one when it is warm: tc=, tc1=, tc2= other than 0. */
+static bool follows_temperature(const finder *f, const vs_element *e) {
+  static const char *const KEYS[] = {"tc", "tc1", "tc2"};
+  bool follows = false;
+  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS; k++) {
+    double value;
+    char *text = vs_elements_option(f->w, e, KEYS[k]);
+    follows = follows || (text && !(vs_values_of(f->v, text, &value) && value == 0));
+    free(text);
+  }
+  return follows;
+}
+
 static vs_status set_coil(finder *f, const vs_element *l, const vs_element *r) {
   vs_roles *roles = f->roles;
   vs_where where = vs_elements_where(f->w, l, 0);
@@ -404,6 +450,7 @@ static vs_status set_coil(finder *f, const vs_element *l, const vs_element *r) {
   roles->begins_with_current =
       current && !(vs_values_of(f->v, current, &current_a) && current_a == 0);
   free(current);
+  roles->heats = follows_temperature(f, l) ? l : r && follows_temperature(f, r) ? r : NULL;
   vs_status status = check_options(f, l);
   if (!status && r) status = check_options(f, r);
   return status ? status : join(f, l, r);

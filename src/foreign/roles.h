@@ -22,6 +22,9 @@ typedef struct vs_roles_gate {
   vs_course_pulse pulse;
   int each;         /* pulses in a cycle of the mains: 1 or 2 */
   double shift_deg; /* how much later than firing.angle it fires */
+  bool turned;      /* the source rests at the level that fires: `pulse` is what is between its own
+                       pulses */
+  double early_s;   /* the source fires from t = 0 to here, which no pulse does; 0: it does not */
 } vs_roles_gate;
 
 typedef struct vs_roles {
@@ -41,6 +44,7 @@ typedef struct vs_roles {
   bool at_zero;    /* it fires at the mains' zero, where a scene's firing.angle cannot be; it is put
                       just behind it */
   bool begins_with_current; /* the coil has an initial current, IC=, in the netlist */
+  const vs_element *heats;  /* of the coil, what has a coefficient of temperature; NULL: nothing */
 } vs_roles;
 
 /* Errors, with their place, each of which names the option that would decide: two or more could be

@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "base/path.h"
+#include "foreign/start.h"
 #include "import/copying.h"
 #include "import/lines.h"
 #include "import/settings.h"
@@ -73,6 +74,11 @@ static void note_roles(work *w) {
   if (r->begins_with_current)
     vs_declared_note(left, "%s begins with a current, IC=; the program's coil begins without one",
                      r->coil->name);
+  if (r->heats)
+    vs_declared_note(left,
+                     "%s has a coefficient of temperature, tc1= or tc2=; the program's coil keeps "
+                     "the value of 27 degC: give actuator.%s that of a warm one",
+                     r->heats->name, r->heats == r->coil ? "inductance" : "resistance");
   if (r->delayed)
     vs_declared_note(
         left,
@@ -82,6 +88,38 @@ static void note_roles(work *w) {
     vs_declared_note(left,
                      "the gate fires at the mains' zero, where firing.angle cannot be: 0.001 deg "
                      "is taken");
+}
+
+/* What a gate's source does that the deck's pulses do not. */
+static void note_turned(work *w) {
+  vs_declared *s = &w->plan.sheet;
+  for (size_t k = 0; k < w->roles.n_gates; k++) {
+    const vs_roles_gate *g = &w->roles.gates[k];
+    const vs_course_pulse *p = &g->pulse;
+    if (g->turned)
+      vs_declared_note(&s->did,
+                       "%s rests at %.6g, and is pulsed to %.6g: it fires between its own "
+                       "pulses",
+                       g->source->name, p->high, p->low);
+    if (g->early_s > 0)
+      vs_declared_note(&s->left,
+                       "line %d: %s also fires from t = 0 to %.6g s, before its first pulse; the "
+                       "deck's gate fires first at %.6g s, as a scene's pulses are all alike",
+                       vs_elements_where(&w->wiring, g->source, 0).line, g->source->name,
+                       g->early_s, p->at_s);
+  }
+}
+
+static void note_start(work *w) {
+  vs_start s;
+  vs_start_find(&w->wiring, &w->values, &w->roles, &s);
+  if (s.tran)
+    vs_declared_note(&w->plan.sheet.left,
+                     "line %d: '%s' has no uic: the netlist begins at its operating point, and %s "
+                     "is not 0 there; the deck begins with %s at 0: give each an IC=, as a line "
+                     ".ic does not reach them; where 0 is right, write uic",
+                     s.tran->where.line, s.tran->text, s.source->name, s.stores.text);
+  vs_start_free(&s);
 }
 
 static void note_devices(work *w) {
@@ -161,6 +199,8 @@ static vs_status plan_all(work *w, const char *folder, vs_error *err) {
   if (!status) status = vs_fate_make(&w->plan, o->pins, err);
   if (status || vs_error_count(err)) return status;
   note_roles(w);
+  note_turned(w);
+  note_start(w);
   status = vs_lines_add(&w->plan, err);
   vs_copying_write(&w->plan, folder, o->library, &w->body);
   note_devices(w);

@@ -162,6 +162,12 @@ static vs_status read_header(reader *r, const vs_csv *csv, vs_error *err) {
   const char *name = csv->cell[0];
   r->at = csv->where[0];
   r->overlay->time_s = strncmp(name, "t_", 2) ? NAN : vs_units_suffix_factor(name + 2, "s");
+  const char *other = csv->count == 1 ? strpbrk(name, ";\t") : NULL;
+  if (other)
+    return vs_fail_at(err, r->at,
+                      "the file is cut at commas, and this line has %s in their place; write "
+                      "'t_ms,p_mm', with decimal points",
+                      *other == ';' ? "';'" : "tabs");
   if (isnan(r->overlay->time_s))
     return vs_fail_at(err, r->at, "the first column is the time: t_s, t_ms or t_us, not '%s'",
                       name);
