@@ -296,7 +296,7 @@ static void names_of_our_own_are_refused(void) {
       {"Rvs_x a 0 1k", {"d.cir:4:1: ", "vs_"}},
       {".param VS_X=1", {"d.cir:4:1: ", "vs_"}},
       {"*$ param vs_x = 1 ohm 0..2 \"x\"", {"d.cir", "vs_x"}},
-      {"*$ probe z = v(c) m\nEc c 0 a 0 1", {"d.cir:4:14: ", "probe z"}},
+      {"*$ probe z = v(c) m\nEc c 0 a 0 1", {"d.cir:4:10: ", "probe z"}},
       {"*$ probe i_peak = i(Vs_m) A", {"d.cir", "i_peak_a"}},
       {"*$ probe x = v(i_a) V\nR1 a i_a 1k", {"d.cir", "i_a"}},
   };

@@ -454,6 +454,32 @@ static void tells_of_the_operating_point(void) {
   leave();
 }
 
+/* A capacitor whose current is sensed has a node of its own, which .ic sets, too: 6 V of a divider
+ * of 12 V stay. */
+static void begins_at_what_ic_says(void) {
+  static const char *const LINES[] = {".ic v(st)=6", ".IC  V ( ST ) = {2*3} v(a)=0"};
+  enter("ic");
+  for (size_t k = 0; k < COUNT(LINES); k++) {
+    vs_text text = {0};
+    vs_text_add(&text,
+                "t\nV1 a 0 SIN(0 325 50)\nV2 aux 0 12\nR1 aux st 10k\nR2 st 0 10k\nC2 st 0 10u\n"
+                "L1 a 0 1 Rser=900\n%s\n.tran 10u 10m uic\n",
+                LINES[k]);
+    write_file("x.net", text.text);
+    ran r = run("import x.net --mains V1 --gate none --coil L1 -o y.cir --scene y.yaml");
+    EXPECT(r.status == 0, "%s", r.err);
+    free_ran(&r);
+    r = run("run y.yaml -o o --quiet --json");
+    EXPECT(r.status == 0, "%s", r.err);
+    const char *at = strstr(r.out, "\"v_st_min\"");
+    double least = at && (at = strstr(at, "\"value\": ")) ? strtod(at + 9, NULL) : 0;
+    EXPECT(fabs(least - 6) < 6e-3, "'%s': %g V in %.2000s", LINES[k], least, r.out);
+    free_ran(&r);
+    vs_text_free(&text);
+  }
+  leave();
+}
+
 /* What the coil is when it is warm is not taken, and told; 0 is nothing. */
 static void tells_of_a_warm_coil(void) {
   static const struct {
@@ -573,6 +599,7 @@ static const vs_test TESTS[] = {
     {"bad command lines", bad_command_lines},
     {"courses of gates", courses_of_gates},
     {"tells of the operating point", tells_of_the_operating_point},
+    {"begins at what .ic says", begins_at_what_ic_says},
     {"tells of a warm coil", tells_of_a_warm_coil},
     {"survives any text", survives_any_text},
     {"as plain ngspice with the gap held", as_plain_ngspice_with_the_gap_held},

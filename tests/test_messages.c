@@ -342,11 +342,11 @@ static void every_message_has_its_place(void) {
   int each = asked ? atoi(asked) : getenv("VS_LONG") ? 100 : 4;
   campaign *all = vs_alloc(1, sizeof *all);
   all->shapes = vs_alloc(MOST_SHAPES, sizeof *all->shapes);
-  all->state = 20261123;
   signal(SIGXCPU, too_long);
   setrlimit(RLIMIT_CPU, &(struct rlimit){20, RLIM_INFINITY}); /* of each program that is run */
   for (size_t k = 0; spoilt_benches[k].name; k++) {
     count *c = &all->of[k];
+    all->state = 20261123 + k; /* a run's folder has the program's path in it, of any length */
     open_bench(&spoilt_benches[k]);
     for (int n = 0; n < each; n++) one_case(all, &spoilt_benches[k], c);
     EXPECT(!c->no_place && !c->crashed, "%s: of %d refused %d without a place, %d crashed",

@@ -11,6 +11,7 @@
 
 #include "base/path.h"
 #include "dialect/statements.h"
+#include "dialect/words.h"
 
 void vs_copying_free(vs_copying *b) {
   vs_text_free(&b->text);
@@ -276,6 +277,36 @@ static void write_include(writer *b, const vs_card *card) {
         !strncmp(full, b->folder, n) && full[n] == '/' ? full + n + 1 : full);
 }
 
+/* Adds the same value for the nodes between elements at that node and what senses their currents.
+ */
+static void add_inner_values(writer *b, vs_word name, vs_word value) {
+  for (size_t k = 0; k < b->w->count; k++) {
+    const vs_element *e = &b->w->elements[k];
+    const vs_fate_element *own = &b->p->of[k];
+    if (*own->sense && vs_words_is(name, node(b, e, own->sensed_at)))
+      add(b, " v(%s)=%.*s", own->inner, (int)value.n, value.at);
+    if (*own->gate_sense && vs_words_is(name, node(b, e, own->pins.gate)))
+      add(b, " v(%s)=%.*s", own->gate_inner, (int)value.n, value.at);
+  }
+}
+
+/* Goes through the entries "v(NODE)=VALUE" of a line .ic. */
+static void add_inner_starts(writer *b, const char *line) {
+  static const char BLANKS[] = " \t";
+  for (const char *s = line; (s = strpbrk(s, "vV")); s++) {
+    const char *at = s + 1 + strspn(s + 1, BLANKS);
+    if (s == line || !strchr(" \t,", s[-1]) || *at++ != '(') continue;
+    at += strspn(at, BLANKS);
+    const vs_word name = {at, strcspn(at, " \t)")};
+    at += name.n + strspn(at + name.n, " \t)");
+    if (*at++ != '=') continue;
+    at += strspn(at, BLANKS);
+    size_t n = strcspn(at, *at == '{' ? "}" : " \t,");
+    if (at[n] == '}') n++;
+    add_inner_values(b, name, (vs_word){at, n});
+  }
+}
+
 static void write_statement(writer *b, size_t card_number) {
   const vs_card *card = &b->w->listing->cards[card_number];
   char path[VS_PATH_SIZE];
@@ -292,6 +323,7 @@ static void write_statement(writer *b, size_t card_number) {
   else {
     vs_elements_rename(b->w, card->text, &renamed); /* .ic, .nodeset, .global */
     add_plain(b, renamed.text);
+    if (vs_listing_is(card, ".ic")) add_inner_starts(b, renamed.text);
     add(b, "\n");
     vs_text_free(&renamed);
   }

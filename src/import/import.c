@@ -114,11 +114,12 @@ static void note_start(work *w) {
   vs_start s;
   vs_start_find(&w->wiring, &w->values, &w->roles, &s);
   if (s.tran)
-    vs_declared_note(&w->plan.sheet.left,
-                     "line %d: '%s' has no uic: the netlist begins at its operating point, and %s "
-                     "is not 0 there; the deck begins with %s at 0: give each an IC=, as a line "
-                     ".ic does not reach them; where 0 is right, write uic",
-                     s.tran->where.line, s.tran->text, s.source->name, s.stores.text);
+    vs_declared_note(
+        &w->plan.sheet.left,
+        "line %d: '%s' has no uic: the netlist begins at its operating point, and %s "
+        "is not 0 there; the deck begins with %s at 0: give each an IC=, or its node a "
+        "line .ic; where 0 is right, write uic",
+        s.tran->where.line, s.tran->text, s.source->name, s.stores.text);
   vs_start_free(&s);
 }
 
