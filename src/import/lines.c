@@ -274,7 +274,7 @@ static const vs_element *coupled(const vs_fate *p, const vs_element *e, int n, c
 static bool add_coupling(vs_fate *p, const vs_element *e) {
   double factor;
   int last = e->n_words - 1;
-  char *word = vs_elements_word_of(p->wiring, e, last), name[VS_DECK_NAME];
+  char *word = vs_elements_word_of(p->wiring, e, last), name[VS_DECK_NAME + 16];
   bool known = last > 2 && vs_values_of(p->values, word, &factor);
   free(word);
   for (int n = 1; n < last && known; n++)

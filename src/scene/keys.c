@@ -24,7 +24,7 @@ static void add_keys(key_list *list, const char *section, const vs_section *fiel
     const vs_field *f = &fields->fields[k];
     const char *member = values ? (const char *)values + f->offset : NULL;
     vs_key *key = &list->item[list->count++];
-    snprintf(key->name, sizeof key->name, "%s.%s", section, f->key);
+    snprintf(key->name, sizeof key->name, "%.*s.%s", VS_KEY_SIZE - 2, section, f->key);
     snprintf(key->section, sizeof key->section, "%s", section);
     key->field = f;
     key->value = member;
