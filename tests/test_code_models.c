@@ -22,7 +22,6 @@ static double at_the_end(const char *deck) {
 
 static void on_demand(void) {
   static const char PLAIN[] = "I1 0 a 1m\nR1 a 0 1k\nC1 a 0 1u\n";
-  vs_ng_expect();
   double before = at_the_end(PLAIN);
   CLOSE(at_the_end("V1 b 0 3\nE1 a 0 POLY(1) b 0 1 2 3\nR1 a 0 1k\n"), 1 + 2 * 3 + 3 * 9, 1e-9);
   CLOSE(at_the_end("V1 b 0 3\nA1 b a twice\n.model twice gain(gain=2)\nR1 a 0 1k\n"), 6, 1e-9);

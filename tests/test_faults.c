@@ -242,11 +242,11 @@ static void all_of_them(void) {
   fclose(table);
 }
 
-/* ---- a thread without memory ---- */
+/* ---- no memory while ngspice begins ---- */
 
-/* A second thread begins ngspice, in a folder of its own, while the first one makes the files of
- * the run. That is in the first half of all calls. */
-static void thread(void) {
+/* ngspice begins in another folder than the run's, whose files are then removed by paths that lead
+ * from the run's. That is in the first half of all calls. */
+static void beginning(void) {
   enum { TRIED = 40 };
   const workload *circuit = &WORKLOADS[1];
   const fault *memory = &fault_all[0];
@@ -283,7 +283,7 @@ static void workers(void) {
 
 static const vs_test TESTS[] = {{"some calls fail", some},
                                 {"every call fails", all_of_them},
-                                {"the thread that begins ngspice has no memory", thread},
+                                {"there is no memory while ngspice begins", beginning},
                                 {"workers have no memory", workers}};
 
 int main(void) {

@@ -12,8 +12,8 @@
 volatile sig_atomic_t vs_leave_requested;
 
 /* The paths to be removed, and the process that has noted each: a forked child removes its own
- * alone. The signal handler may read them between any two instructions of this process' first
- * thread, which alone writes them; each is one word, and so is never half written. */
+ * alone. The signal handler may read them between any two instructions of this process' only
+ * thread; each is one word, and so is never half written. */
 static const char *volatile removed[VS_LEAVE_MOST];
 static volatile pid_t noted_by[VS_LEAVE_MOST];
 static volatile int home = AT_FDCWD; /* the folder from which relative paths lead */
@@ -29,37 +29,10 @@ void vs_leave_clean(void) {
     if (removed[k] && noted_by[k] == self) unlinkat(home, removed[k], AT_REMOVEDIR);
 }
 
-/* What a second thread wants to end the process with. */
-static struct {
-  int status, child_status;
-  const char *text;
-  size_t size;
-} volatile wanted;
-
-/* In the first thread. */
-static void on_wanted(int number) {
-  (void)number;
-  vs_leave_now(wanted.status, wanted.child_status, wanted.text, wanted.size);
-}
-
-/* Lets the first thread end the process, which may just be making a file that it has not noted yet:
- * it holds this signal back meanwhile. The text lasts, as this thread goes no further. */
-static _Noreturn void let_first_leave(int status, int child_status, const char *text, size_t size) {
-  const struct sigaction end = {.sa_handler = on_wanted};
-  wanted.status = status;
-  wanted.child_status = child_status;
-  wanted.text = text;
-  wanted.size = size;
-  sigaction(SIGUSR2, &end, NULL);
-  tgkill(getpid(), getpid(), SIGUSR2); /* the first thread has the number of its process */
-  for (;;) pause();
-}
-
 /* In a program over the library that has not called vs_leave_begin, every process is one of its
  * own. */
 void vs_leave_now(int status, int child_status, const char *text, size_t size) {
   const bool child = owner && getpid() != owner;
-  if (owner && gettid() != getpid()) let_first_leave(status, child_status, text, size);
   vs_leave_clean();
   if (child || write(told, text, size) < 0) _exit(child ? child_status : status);
   _exit(status);
@@ -101,11 +74,7 @@ static void on_stop(int number) {
 void vs_leave_begin(void) {
   const struct sigaction stop = {.sa_handler = on_stop}, pipe = {.sa_handler = on_end};
   struct sigaction before;
-  sigset_t wants;
   owner = getpid();
-  sigemptyset(&wants);
-  sigaddset(&wants, SIGUSR2);
-  sigprocmask(SIG_UNBLOCK, &wants, NULL); /* a second thread would wait for ever */
   sigaction(SIGINT, &stop, NULL);
   sigaction(SIGTERM, &stop, NULL);
   sigaction(SIGHUP, NULL, &before);
@@ -147,7 +116,7 @@ void vs_leave_forget(const char *path) {
 }
 
 void vs_leave_hold(sigset_t *before) {
-  static const int ENDING[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGALRM, SIGUSR2};
+  static const int ENDING[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGALRM};
   sigset_t held;
   sigemptyset(&held);
   for (size_t k = 0; k < sizeof ENDING / sizeof *ENDING; k++) sigaddset(&held, ENDING[k]);

@@ -43,8 +43,7 @@ void vs_leave_clean(void);
 
 /* Ends the process at once, after it has removed all that is noted and written the text of `size`
  * bytes where vs_leave_tell says. What stands in buffers of streams is not written. A forked child
- * writes nothing, and ends with the other status. A second thread has the first one do it, with
- * SIGUSR2. */
+ * writes nothing, and ends with the other status. */
 _Noreturn void vs_leave_now(int status, int child_status, const char *text, size_t size);
 
 /* Between these two calls no signal is handled, so that a file can be made and noted in one step.

@@ -13,7 +13,6 @@
 #include "base/leave.h"
 #include "scene/session.h"
 #include "solver/guard.h"
-#include "solver/ng.h"
 #include "steady/steady.h"
 #include "tell/show.h"
 #include "watch/table.h"
@@ -340,28 +339,10 @@ vs_status vs_run_scene(const vs_run_options *o, const vs_run_more *more, vs_scen
   return status;
 }
 
-/* True if a circuit is going to be solved, as far as the scene's tree tells. False says nothing. */
-static bool foresees_circuit(const vs_node *scene) {
-  static const char *const SECTIONS[] = {"circuit", "events"};
-  const vs_node *named = vs_tree_child(vs_tree_child(scene, "run"), "tier");
-  const vs_tier *tier = named && named->kind == VS_NODE_TEXT ? vs_tiers_find(named->text) : NULL;
-  if (tier) return tier->has_circuit;
-  for (size_t k = 0; k < sizeof SECTIONS / sizeof *SECTIONS; k++) {
-    const vs_node *section = vs_tree_child(scene, SECTIONS[k]);
-    if (section && section->child) return true;
-  }
-  return false;
-}
-
-/* Reads the scene, while ngspice gets ready where it is going to be asked. A scene with code of its
- * own starts processes, which does not go with that. */
 static vs_status read_scene(const vs_run_options *o, vs_scene *scene, vs_error *err) {
-  const vs_tier *tier = o->tier ? vs_tiers_find(o->tier) : NULL;
-  if (tier && tier->has_circuit && !o->allow_code) vs_ng_expect();
   vs_status status = vs_scene_open(o->scene, (vs_where){0}, scene, err);
   for (size_t k = 0; k < o->n_sets && !status; k++)
     status = vs_error_carry_on(err, vs_tree_set(&scene->tree, o->sets[k], err));
-  if (!status && !tier && !o->allow_code && foresees_circuit(scene->tree.root)) vs_ng_expect();
   return status ? status : vs_scene_settle(scene, o->tier, err);
 }
 

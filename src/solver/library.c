@@ -5,8 +5,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <glob.h>
-#include <pthread.h>
-#include <sched.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,14 +20,10 @@
 
 static struct {
   vs_library library;
-  bool loaded, begun;
+  bool loaded;
   bool lean;     /* it begins, or has begun, without code models */
   char why[256]; /* it could not be loaded */
   vs_library_begin begin;
-  bool expected; /* the thread runs, or has ended and was not waited for */
-  pthread_t thread;
-  int home;    /* where the process works, open as long as the thread is expected */
-  pid_t owner; /* the process that has the thread */
 } spice;
 
 /* ---- the library ---- */
@@ -72,11 +66,6 @@ static void forget_environment(void) {
   for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++) unsetenv(NAMES[k]);
 }
 
-static void call_begin(void) {
-  spice.begin(&spice.library);
-  spice.begun = true;
-}
-
 /* ---- where it begins ---- */
 
 /* The files that ngspice reads in the place of the user's and of its own. */
@@ -97,11 +86,9 @@ static bool enter_shipped(void) {
   return find_shipped(path) && !chdir(path);
 }
 
-/* Lets ngspice take the spinit of that folder, which loads no code models. The environment is the
- * process's, so this comes before there is a second thread. */
+/* Lets ngspice take the spinit of that folder, which loads no code models. */
 static void begin_lean(void) {
   char path[VS_PATH_SIZE];
-  forget_environment();
   spice.lean = find_shipped(path) && !setenv(SCRIPTS, path, 1);
 }
 
@@ -142,7 +129,7 @@ static vs_status begin_in_private(int home, vs_error *err) {
     status = vs_fail(err, VS_RUN, "no private folder for ngspice: %s: %s", folder, strerror(errno));
   else {
     close(empty);
-    call_begin();
+    spice.begin(&spice.library);
     unlink(INIT);
   }
   if (made && fchdir(home) && !status)
@@ -162,50 +149,12 @@ static vs_status begin_here(vs_error *err) {
   if (!enter_shipped())
     status = begin_in_private(home, err);
   else {
-    call_begin();
+    spice.begin(&spice.library);
     if (fchdir(home))
       status = vs_fail(err, VS_RUN, "the working directory is gone: %s", strerror(errno));
   }
   close_home(home);
   return status;
-}
-
-/* ---- the thread ---- */
-
-/* The working directory is the process's, unless the thread has one of its own (unshare). Some
- * containers do not allow that; the library is loaded even so. */
-static void *work(void *unused) {
-  (void)unused;
-  if (load() && !unshare(CLONE_FS) && enter_shipped()) call_begin();
-  return NULL;
-}
-
-/* Waits for the thread. At the end of the process, too, as nothing may be loaded while all that is
- * there is taken down. */
-static void await_thread(void) {
-  if (!spice.expected || getpid() != spice.owner) return;
-  spice.expected = false;
-  pthread_join(spice.thread, NULL);
-  close_home(spice.home);
-}
-
-enum { STACK = 1 << 20 }; /* bytes; what is done there nests little */
-
-void vs_library_expect(vs_library_begin begin) {
-  pthread_attr_t small;
-  sigset_t before;
-  if (spice.expected || spice.loaded || pthread_attr_init(&small)) return;
-  begin_lean();
-  spice.home = open_home();
-  spice.begin = begin;
-  spice.owner = getpid();
-  pthread_attr_setstacksize(&small, STACK);
-  vs_leave_hold(&before); /* the thread keeps them held back */
-  spice.expected = spice.home >= 0 && !atexit(await_thread) &&
-                   !pthread_create(&spice.thread, &small, work, NULL);
-  vs_leave_release(&before);
-  if (!spice.expected && spice.home >= 0) close_home(spice.home);
-  pthread_attr_destroy(&small);
 }
 
 /* ---- opened, and with code models ---- */
@@ -223,17 +172,12 @@ static int find_models(glob_t *found) {
 }
 
 vs_status vs_library_open(vs_library_begin begin, vs_error *err) {
-  vs_status status = VS_OK;
   glob_t models;
-  await_thread();
   spice.begin = begin;
-  if (!spice.begun && !load())
-    return vs_fail(err, VS_RUN, "ngspice cannot be loaded: %s", spice.why);
-  if (!spice.begun && !spice.lean) {
-    forget_environment();
-    if (!find_models(&models)) begin_lean(), globfree(&models);
-  }
-  if (!spice.begun) status = begin_here(err);
+  if (!load()) return vs_fail(err, VS_RUN, "ngspice cannot be loaded: %s", spice.why);
+  forget_environment();
+  if (!find_models(&models)) begin_lean(), globfree(&models);
+  vs_status status = begin_here(err);
   unsetenv(SCRIPTS); /* a program that this one starts may run another ngspice */
   return status;
 }

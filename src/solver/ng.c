@@ -240,10 +240,6 @@ static void begin(const vs_library *library) {
   library->init_sync(on_source, on_source, on_sync, &id, NULL);
 }
 
-void vs_ng_expect(void) {
-  if (!ng.initialised) vs_library_expect(begin);
-}
-
 /* Initialises ngspice once in a process. */
 vs_status vs_ng_begin(vs_error *err) {
   if (ng.ended)

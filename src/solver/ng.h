@@ -8,10 +8,6 @@
 
 extern const vs_circuit_kind vs_ng_kind;
 
-/* Says that a circuit is likely to be loaded in this process, so that ngspice gets ready for it
- * meanwhile (solver/library.h). Until a circuit is loaded, the process must not fork. */
-void vs_ng_expect(void);
-
 /* The version of the library that the program was built with, as its header says it. */
 const char *vs_ng_version(void);
 /* The version that runs, as the library itself says it once it has begun; before, as above. */
