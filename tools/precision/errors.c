@@ -8,10 +8,13 @@
  *   errors deck REF FILE         in a table "time, p in mm, p' in mm/s" of ngspice's own points
  *   errors seconds N COMMAND...  least and median wall time of N runs of a program, s
  *
- *   errors reference-all FILE [KEY=VALUE...]   p, u, w, phi and i of the circuit tier's scene,
- * likewise errors csv-all REF FILE      their largest error in a run.csv, each in parts of its
- * peak, and p's errors deck-all REF FILE     in a table of ngspice's own points: time, then p, p',
- * u, u' ... phi' in mm, mrad and their rates, then lambda and lambda'
+ *   errors reference-all FILE [KEY=VALUE...]
+ *                                p, u, w, phi and i of the circuit tier's scene, likewise
+ *   errors csv-as-reference FILE RUN   the same from a run.csv, for csv-all
+ *   errors csv-all REF FILE      their largest error in a run.csv, each in parts of its peak, and
+ *                                p's
+ *   errors deck-all REF FILE     in a table of ngspice's own points: time, then p, p', u, u' ...
+ *                                phi' in mm, mrad and their rates, then lambda and lambda'
  *
  * A file that does not reach the end has an infinite error. */
 #include <gsl/gsl_errno.h>
@@ -61,6 +64,13 @@ static void write_reference(const char *tier, const char *path, char **sets) {
  */
 static double gap_m, twice_a;
 
+static void keep_whole_reference(const char *path, const double head[2], size_t rows) {
+  FILE *f = opened(path, "wb");
+  bool good = fwrite(head, 2 * sizeof *head, 1, f) == 1 &&
+              fwrite(whole_got, sizeof *whole_got, rows, f) == rows;
+  if (fclose(f) || !good) race_give_up(path);
+}
+
 static void write_whole_reference(const char *path, char **sets) {
   vs_scene *scene = race_scene("circuit", (const char *const *)sets);
   oracle_scene o = oracle_of(&scene->setup, ORACLE_SNUBBED);
@@ -73,10 +83,7 @@ static void write_whole_reference(const char *path, char **sets) {
     memcpy(whole_got[k], table + k * ORACLE_COLUMNS + ORACLE_P, 4 * sizeof(double));
     whole_got[k][ALL - 1] = table[k * ORACLE_COLUMNS + ORACLE_I];
   }
-  FILE *f = opened(path, "wb");
-  bool good = fwrite(head, sizeof head, 1, f) == 1 &&
-              fwrite(whole_got, sizeof *whole_got, o.rows, f) == o.rows;
-  if (fclose(f) || !good) race_give_up(path);
+  keep_whole_reference(path, head, o.rows);
   free(table);
   vs_scene_free(scene);
   free(scene);
@@ -93,6 +100,15 @@ static size_t read_whole_csv(FILE *f) {
        x += ALL)
     n++;
   return n;
+}
+
+/* It has no head, which csv-all does not need. */
+static void take_as_reference(const char *path, const char *run) {
+  const double head[2] = {0};
+  FILE *f = opened(run, "rb");
+  size_t rows = read_whole_csv(f);
+  fclose(f);
+  keep_whole_reference(path, head, rows);
 }
 
 /* A point of ngspice's: the time, then five values, each with its rate. */
@@ -204,7 +220,8 @@ static double run_child(char *const *arguments) {
     _exit(127);
   }
   int status;
-  if (waitpid(pid, &status, 0) != pid || status) race_give_up("a child failed");
+  if (waitpid(pid, &status, 0) != pid || !WIFEXITED(status)) race_give_up("a child failed");
+  if (WEXITSTATUS(status) != 0 && WEXITSTATUS(status) != VS_RATING) race_give_up("a child failed");
   return race_clock() - began;
 }
 
@@ -228,6 +245,8 @@ int main(int argc, char **argv) {
     print_error(argv[2], argv[3], read_deck);
   else if (argc >= 3 && !strcmp(argv[1], "reference-all"))
     write_whole_reference(argv[2], argv + 3);
+  else if (argc == 4 && !strcmp(argv[1], "csv-as-reference"))
+    take_as_reference(argv[2], argv[3]);
   else if (argc == 4 && !strcmp(argv[1], "csv-all"))
     print_whole_error(argv[2], argv[3], read_whole_csv);
   else if (argc == 4 && !strcmp(argv[1], "deck-all"))
@@ -236,7 +255,8 @@ int main(int argc, char **argv) {
     print_seconds(atoi(argv[2]), argv + 3);
   else {
     fputs("usage: errors reference TIER FILE [KEY=VALUE...] | reference-all FILE [KEY=VALUE...] | "
-          "csv|bin|deck|csv-all|deck-all REF FILE | seconds N COMMAND...\n",
+          "csv-as-reference FILE RUN | csv|bin|deck|csv-all|deck-all REF FILE | seconds N "
+          "COMMAND...\n",
           stderr);
     return 2;
   }
