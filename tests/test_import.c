@@ -503,6 +503,33 @@ static void tells_of_a_warm_coil(void) {
   leave();
 }
 
+/* A model behind the coil's value would make another one of it; that is told. */
+static void tells_of_a_modelled_coil(void) {
+  static const struct {
+    const char *coil, *says;
+  } ROWS[] = {
+      {"L1 a b 0.8\nR4 b 0 40 rmod\n", "R4 has a .model"},
+      {"L1 a b 0.8\nR4 b 0 rmod R=40\n", "give actuator.resistance"},
+      {"L1 a b 0.8 lmod\nR4 b 0 40\n", "L1 has a .model"},
+      {"L1 a b 0.8\nR4 b 0 40\n", NULL},
+  };
+  enter("modelled");
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    vs_text text = {0};
+    vs_text_add(&text,
+                "t\nV1 a 0 SIN(0 325 50)\n%s.model rmod r(tc1=0.01)\n.model lmod l(tc1=0.01)\n"
+                ".tran 60m\n",
+                ROWS[k].coil);
+    write_file("x.net", text.text);
+    ran r = run("import x.net -o y.cir");
+    const char *said = strstr(r.err, ROWS[k].says ? ROWS[k].says : "has a .model");
+    EXPECT(r.status == 0 && !said == !ROWS[k].says, "case %zu: %s", k, r.err);
+    free_ran(&r);
+    vs_text_free(&text);
+  }
+  leave();
+}
+
 /* Whatever bytes it is given, it ends, and says where it gave up. */
 static void survives_any_text(void) {
   unsigned seed = 20;
@@ -601,6 +628,7 @@ static const vs_test TESTS[] = {
     {"tells of the operating point", tells_of_the_operating_point},
     {"begins at what .ic says", begins_at_what_ic_says},
     {"tells of a warm coil", tells_of_a_warm_coil},
+    {"a model of the coil's parts is told", tells_of_a_modelled_coil},
     {"survives any text", survives_any_text},
     {"as plain ngspice with the gap held", as_plain_ngspice_with_the_gap_held},
     {"exported", exported},

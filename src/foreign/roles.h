@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Who is who in a netlist: which source is the mains, which ones fire thyristors, which branch is
- * the coil of the EVA (the electromagnetic vibratory actuator). What a user says counts; else what
- * can be nothing else. */
+ * the coil of the EVA (the electromagnetic vibratory actuator). foreign/cast.h finds them. */
 #ifndef VS_FOREIGN_ROLES_H
 #define VS_FOREIGN_ROLES_H
 
@@ -45,12 +44,24 @@ typedef struct vs_roles {
                       just behind it */
   bool begins_with_current; /* the coil has an initial current, IC=, in the netlist */
   const vs_element *heats;  /* of the coil, what has a coefficient of temperature; NULL: nothing */
+  const vs_element *modelled; /* of the coil, what has a .model behind its value; NULL: nothing */
 } vs_roles;
 
-/* Errors, with their place, each of which names the option that would decide: two or more could be
- * it, what is named is not there, or is of another kind. */
-vs_status vs_roles_find(const vs_elements *wiring, const vs_values *values,
-                        const vs_roles_asked *asked, vs_roles *roles, vs_error *err);
+/* What a search for roles works on. */
+typedef struct vs_roles_search {
+  const vs_elements *w;
+  const vs_values *v;
+  vs_roles *roles;
+  vs_error *err;
+} vs_roles_search;
+
+/* Finds the element that an option, as "mains", names. Error, with the netlist's place: there is
+ * none. */
+vs_status vs_roles_named(const vs_roles_search *search, const char *option, const char *name,
+                         const vs_element **element);
+
+/* The first line of the netlist, as the place of what no single line says. */
+vs_where vs_roles_file(const vs_roles_search *search);
 
 /* The gate's index that a source is; -1: it is none. */
 int vs_roles_gate_of(const vs_roles *roles, const vs_element *source);

@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "base/path.h"
+#include "foreign/cast.h"
 #include "foreign/start.h"
 #include "import/copying.h"
 #include "import/lines.h"
@@ -79,6 +80,12 @@ static void note_roles(work *w) {
                      "%s has a coefficient of temperature, tc1= or tc2=; the program's coil keeps "
                      "the value of 27 degC: give actuator.%s that of a warm one",
                      r->heats->name, r->heats == r->coil ? "inductance" : "resistance");
+  if (r->modelled)
+    vs_declared_note(
+        left,
+        "%s has a .model, which the program's coil has not: give actuator.%s the value "
+        "that both make",
+        r->modelled->name, r->modelled == r->coil ? "inductance" : "resistance");
   if (r->delayed)
     vs_declared_note(
         left,
@@ -195,7 +202,7 @@ static vs_status plan_all(work *w, const char *folder, vs_error *err) {
   vs_values_read(&w->values, &w->listing);
   status = vs_elements_read(&w->wiring, &w->listing, err);
   if (!status && vs_error_count(err)) return VS_OK;
-  if (!status) status = vs_roles_find(&w->wiring, &w->values, &o->asked, &w->roles, err);
+  if (!status) status = vs_cast_roles(&w->wiring, &w->values, &o->asked, &w->roles, err);
   w->plan = (vs_fate){&w->wiring, &w->values, &w->roles, NULL, {.counts = {0}}};
   if (!status) status = vs_fate_make(&w->plan, o->pins, err);
   if (status || vs_error_count(err)) return status;
