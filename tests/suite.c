@@ -4,12 +4,15 @@
 #include <dirent.h>
 #include <ftw.h>
 #include <gsl/gsl_errno.h>
+#include <libfyaml.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+#include "solver/ng.h"
 
 int vs_suite(const char *name, const vs_test *tests, size_t count) {
   gsl_set_error_handler_off();
@@ -85,6 +88,14 @@ bool on_path(const char *program) {
   }
   free(folders);
   return found;
+}
+
+bool is_newer_ngspice(void) {
+  return strtod(vs_ng_version(), NULL) >= 44;
+}
+
+bool is_newer_yaml(void) {
+  return strtod(fy_library_version(), NULL) >= 0.8;
 }
 
 static int remove_entry(const char *path, const struct stat *s, int kind, struct FTW *at) {

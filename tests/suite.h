@@ -48,4 +48,9 @@ void expect_files(const char *folder, const char *names, int line);
 void remove_tree(const char *path);
 bool on_path(const char *program); /* is it in a folder of $PATH? */
 
+/* True where libngspice is 44 or newer: some netlists that kill 39 are then refused, or run. */
+bool is_newer_ngspice(void);
+/* True where libfyaml is 0.8 or newer: it has other places for values that are empty. */
+bool is_newer_yaml(void);
+
 #endif

@@ -450,7 +450,7 @@ static const char SCENE[] = "# a comment\n"
                             "other: {}\r\n";
 
 static void a_tree_remembers_where_things_stood(void) {
-  static const struct {
+  const struct {
     const char *path, *text;
     vs_node_kind kind;
     int line, column, key_line, key_column;
@@ -462,7 +462,7 @@ static void a_tree_remembers_where_things_stood(void) {
       {"machine.base_com.1", "2 mm", VS_NODE_TEXT, 4, 20, 0, 0},
       {"run.until", "2 s", VS_NODE_TEXT, 5, 14, 5, 7},
       {"run.sample", "0.1 ms", VS_NODE_TEXT, 5, 28, 5, 19},
-      {"empty", "", VS_NODE_TEXT, 6, 1, 6, 1},
+      {"empty", "", VS_NODE_TEXT, 6, is_newer_yaml() ? 6 : 1, 6, 1},
       {"record.0", "p", VS_NODE_TEXT, 8, 5, 0, 0},
       {"record.1", "i", VS_NODE_TEXT, 9, 5, 0, 0},
       {"other", NULL, VS_NODE_MAP, 10, 1, 10, 1},

@@ -505,7 +505,7 @@ static const char HARMLESS[] = "harmless\nRno no 0 1\nIno no 0 1";
 
 /* A circuit that crashes ngspice, as it is loaded (a name too long for a buffer) or in its first
  * step (a source that is external and is not), costs a message and nothing else: no word on
- * standard error, no harm to the next one. */
+ * standard error, no harm to the next one. From 44 on it crashes at neither. */
 static void a_crash_is_a_message(void) {
   static const struct {
     const char *format;
@@ -525,7 +525,8 @@ static void a_crash_is_a_message(void) {
     CU_ASSERT_FATAL(f && err >= 0 && dup2(fileno(f), STDERR_FILENO) >= 0);
     vs_status status = try_bare(netlist, false, &b, &steps);
     dup2(err, STDERR_FILENO);
-    EXPECT(status == VS_INPUT && strstr(b.err.text, says), "%d: %s", (int)status, b.err.text);
+    EXPECT(is_newer_ngspice() || (status == VS_INPUT && strstr(b.err.text, says)), "%d: %s",
+           (int)status, b.err.text);
     CU_ASSERT_EQUAL(bytes_in(fileno(f)), 0);
     CU_ASSERT_EQUAL(try_bare(HARMLESS, false, &b, &steps), VS_OK);
     CU_ASSERT(steps >= 40); /* 1 ms in steps of 25 us */

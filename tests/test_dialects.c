@@ -511,7 +511,7 @@ static void messages_have_places(void) {
   } ROWS[] = {
       {"B1 yy 0 V=foo(V(ss))", "d.cir:16:11", "'foo'"},
       {"B1 yy 0 V=IF(V(ss)>1,foo(1),2)", "d.cir:16:22", "'foo'"},
-      {"B1 yy 0 V=V(ss)+*2", "d.cir:16:1", "parsing stopped at: *"},
+      {"B1 yy 0 V=V(ss)+*2", "d.cir:16:1", "parsing stopped at"},
       {"B1 yy 0 V=V(nowhere)", "d.cir:16:13", "nowhere"},
       {"X1 ss yy s\n.subckt s a b c\nR1 a b 1\n.ends", "d.cir:16:1", "Too few parameters"},
       {"X1 ss yy nosub", "d.cir:16:1", "nosub"},

@@ -28,6 +28,12 @@ static vs_where place_in_lines(const vs_deck *deck, const char *message,
   return (vs_where){0};
 }
 
+/* The place within a line of what a message speaks of; else the line's. */
+static vs_where place_in_line(const vs_line *line, const char *message) {
+  const char *at = vs_subject_find(line->written ? line->written : line->text, message);
+  return at ? vs_line_place(line, at) : line->where;
+}
+
 /* A wrong number of nodes is told of the instance. Where that comes with the program, or is none of
  * the deck's lines, the user's subcircuit is what has to be mended: its place. */
 static vs_where place_of_pins(const vs_deck *deck, const char *message, vs_where where) {
@@ -54,7 +60,7 @@ static vs_where place_of_signal(const vs_deck *deck, const char *message) {
 void vs_blame_locate(const vs_deck *deck, size_t culprit, vs_error *err) {
   const vs_line *line = vs_netlist_line(deck, culprit);
   vs_where where = place_of_signal(deck, err->text);
-  if (!where.file && line) where = line->where;
+  if (!where.file && line) where = place_in_line(line, err->text);
   if (!where.file) where = place_in_lines(deck, err->text, vs_subject_find);
   if (!where.file) where = place_in_lines(deck, err->text, vs_subject_node);
   if (!where.file) where = place_in_lines(deck, err->text, vs_subject_function);
