@@ -81,11 +81,13 @@ static vs_status open_table(const char *name, vs_where where, char path[VS_PATH_
   if (slash && *name != '/') {
     snprintf(path, VS_PATH_SIZE, "%.*s%s", (int)(slash + 1 - where.file), where.file, name);
     status = vs_jail_check(path, where, err);
+    if (!status) status = vs_path_check_plain(path, where, err);
     if (!status) *stream = fopen(path, "r");
   }
   if (status || *stream) return status;
   snprintf(path, VS_PATH_SIZE, "%s", name);
   status = vs_jail_check(path, where, err);
+  if (!status) status = vs_path_check_plain(path, where, err);
   if (!status) *stream = fopen(path, "r");
   if (status || *stream) return status;
   return vs_fail_at(err, where, "actuator.law: the table %s cannot be read: %s", name,

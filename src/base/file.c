@@ -110,6 +110,14 @@ static int make_temporary(vs_file *file, int folder_size) {
   return fd;
 }
 
+/* True for a link such as /dev/stdout, by which the system names an open file of a process. */
+static bool is_stream(const char *path) {
+  static const char PROCESS[] = "/proc/";
+  char target[sizeof PROCESS - 1];
+  return readlink(path, target, sizeof target) == sizeof target &&
+         !memcmp(target, PROCESS, sizeof target);
+}
+
 vs_status vs_file_open(vs_file *file, const char *folder, const char *name, vs_error *err) {
   *file = (vs_file){0};
   int n = snprintf(file->path, sizeof file->path, "%s%s%s", folder, *folder ? "/" : "", name);
@@ -120,6 +128,10 @@ vs_status vs_file_open(vs_file *file, const char *folder, const char *name, vs_e
   struct stat s;
   if (!lstat(file->path, &s) && S_ISDIR(s.st_mode)) /* so that no other file is replaced before */
     return vs_fail(err, VS_INPUT, "%s: cannot be written: %s", file->path, strerror(EISDIR));
+  if ((!stat(file->path, &s) && !S_ISREG(s.st_mode)) || is_stream(file->path))
+    return vs_fail(err, VS_INPUT,
+                   "%s: is a device, a pipe, a socket or a stream, which a file would replace; name a file",
+                   file->path);
   char place[VS_PATH_SIZE];
   snprintf(place, sizeof place, "%.*s", size, file->path);
   vs_file_sweep(place);

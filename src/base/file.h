@@ -23,11 +23,11 @@ vs_status vs_file_folder_make(const char *folder, int *made, vs_error *err);
 void vs_file_folder_unmake(const char *folder, int made);
 
 /* Begins the file folder/name; an empty folder is the working directory. Error: VS_INPUT, it cannot
- * be written, also where a folder has its name. */
+ * be written, also where a folder, a device, a pipe or a socket has its name. */
 vs_status vs_file_open(vs_file *file, const char *folder, const char *name, vs_error *err);
 
-/* Flushes the file to the disk and gives it its final name. Whatever had that name is replaced; a
- * link is not followed. Error: VS_RUN, it cannot be written; nothing is left of it. */
+/* Flushes the file to the disk and gives it its final name. A file that had that name is replaced;
+ * a link is not followed. Error: VS_RUN, it cannot be written; nothing is left of it. */
 vs_status vs_file_commit(vs_file *file, vs_error *err);
 /* Commits under another name in the same folder ("run.partial.csv"). */
 vs_status vs_file_commit_as(vs_file *file, const char *folder, const char *name, vs_error *err);

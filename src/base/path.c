@@ -136,11 +136,21 @@ static vs_status check_own_file(const vs_shelf *shelf, const char *name, vs_wher
                     name, shelf->what);
 }
 
+vs_status vs_path_check_plain(const char *path, vs_where where, vs_error *err) {
+  struct stat s;
+  if (stat(path, &s) || S_ISREG(s.st_mode)) return VS_OK;
+  return vs_fail_at(err, where, "%s is a folder, a pipe, a device or a socket; a file is wanted",
+                    path);
+}
+
 vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
                        char path[VS_PATH_SIZE], vs_error *err) {
   if (strlen(name) >= VS_PATH_SIZE / 2) return vs_fail_at(err, where, "%s: name too long", name);
   snprintf(path, VS_PATH_SIZE, "%s", name);
-  if (is_file(path)) return check_own_file(shelf, name, where, err);
+  if (is_file(path)) {
+    vs_status status = check_own_file(shelf, name, where, err);
+    return status || !where.file ? status : vs_path_check_plain(path, where, err);
+  }
   if (vs_path_shipped(shelf, name, path)) return vs_jail_check(path, where, err);
   if (strchr(name, '/') && vs_jail_check(name, where, err)) return VS_INPUT;
   struct names known = {.shelf = shelf};

@@ -21,11 +21,16 @@ typedef struct vs_shelf {
  * $VIBROSPICE_PATH (separated by colons), share/vibrospice beside the executable, and the build's
  * VS_LIBRARY: spice/ of the source tree, or where the Debian package installs it. where is the
  * place that names the file, for the message. Errors: there is no such file; the message names the
- * nearest shipped one; the jail does not let it be read. */
+ * nearest shipped one; the jail does not let it be read; a file names it and it is no plain one,
+ * while a person may name a pipe. */
 vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
                        char path[VS_PATH_SIZE], vs_error *err);
 
-/* The same, for a file that comes with the program: false where there is none of that name. */
+/* Error: `path`, which stands at `where`, is a pipe, a device or a socket. Who reads it might wait
+ * for ever. */
+vs_status vs_path_check_plain(const char *path, vs_where where, vs_error *err);
+
+/* The same as vs_path_find, for a file that comes with the program: false where there is none of that name. */
 bool vs_path_shipped(const vs_shelf *shelf, const char *name, char path[VS_PATH_SIZE]);
 
 /* The same, but never of $VIBROSPICE_PATH, whose files may be a stranger's; and it can be read. */

@@ -60,8 +60,10 @@ vs_status vs_plan_find(const vs_plan *plan, const vs_node *name, char path[VS_PA
   int n = snprintf(path, VS_PATH_SIZE, "%.*s%s",
                    slash && *name->text != '/' ? (int)(slash - plan->path + 1) : 0, plan->path,
                    name->text);
-  if (access(name->text, R_OK) && n < VS_PATH_SIZE && !access(path, R_OK))
-    return vs_jail_check(path, name->where, err);
+  if (access(name->text, R_OK) && n < VS_PATH_SIZE && !access(path, R_OK)) {
+    vs_status status = vs_jail_check(path, name->where, err);
+    return status ? status : vs_path_check_plain(path, name->where, err);
+  }
   return vs_path_find(&FILES, name->text, name->where, path, err);
 }
 

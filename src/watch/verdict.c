@@ -123,9 +123,13 @@ const vs_judgement *vs_verdict_breach(const vs_verdict *v) {
   return violated ? violated : undecided;
 }
 
+/* True for the same line of two runs of one deck. A probe may have several ratings. */
 static bool is_same(const vs_judgement *a, const vs_judgement *b) {
   char left[VS_JUDGED_NAME], right[VS_JUDGED_NAME];
-  return !a->device == !b->device && !strcmp(vs_verdict_name(a, left), vs_verdict_name(b, right));
+  if (!a->device != !b->device) return false;
+  if (!a->device && (a->rating->min != b->rating->min || a->rating->max != b->rating->max))
+    return false;
+  return !strcmp(vs_verdict_name(a, left), vs_verdict_name(b, right));
 }
 
 /* Where errors fall with the tolerance as they should, the second run differs by a multiple of this
