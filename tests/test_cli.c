@@ -193,6 +193,9 @@ static void bad_commands_are_refused(void) {
       {"export paper -o folder/", {"-o folder/", "name of a file"}},
       {"export paper -o ''", {"-o ", "name of a file"}},
       {"export paper -o nowhere/x.cir", {"nowhere/x.cir", "No such file"}},
+      {"export paper -o pipe", {"pipe: is a device, a pipe", "name a file"}},
+      {"export paper -o link", {"link: is a device, a pipe", "name a file"}},
+      {"export paper -o stream", {"stream: is a device, a pipe", "name a file"}},
       {"export paper -o x.cir --set firing.angle=181deg", {"firing.angle", "out of range"}},
       {"plot", {"DIR", "--help"}},
       {"plot folder", {"run.csv", "No such file"}},
@@ -202,6 +205,9 @@ static void bad_commands_are_refused(void) {
   };
   write_file("plain", "");
   CU_ASSERT_EQUAL(mknod("socket", S_IFSOCK | 0600, 0), 0); /* root may open all else */
+  CU_ASSERT_EQUAL(mkfifo("pipe", 0600), 0);
+  CU_ASSERT_EQUAL(symlink("pipe", "link"), 0);
+  CU_ASSERT_EQUAL(symlink("/proc/self/fd/1", "stream"), 0);
   write_bytes("zero.yaml", "run: {until: 1 s}\0\n", 19);
   CU_ASSERT_EQUAL(mkdir("folder", 0777), 0);
   for (size_t k = 0; k < sizeof ROWS / sizeof *ROWS; k++)
@@ -211,6 +217,57 @@ static void bad_commands_are_refused(void) {
   CU_ASSERT_EQUAL(r.status, 2);
   CU_ASSERT_STRING_EQUAL(r.out, "");
   CU_ASSERT_PTR_NOT_NULL(strstr(r.err, "Usage: vibrospice"));
+  free_ran(&r);
+}
+
+/* A file that a scene or study names is read whole, so that a pipe would be waited for. */
+static void pipes_in_files_are_refused(void) {
+  static const struct {
+    const char *text, *at;
+  } ROWS[] = {
+      {"actuator: {law: pipe.csv}\n", "s.yaml:1:17: "},
+      {"instruments: {set: pipe.csv}\n", "s.yaml:1:20: "},
+      {"machine: {model: pipe.csv}\n", "s.yaml:1:18: "},
+      {"circuit: {deck: pipe.csv}\n", "s.yaml:1:17: "},
+      {"scene: pipe.csv\nvary: {firing.angle: [90 deg]}\n", "s.yaml:1:8: "},
+      {"scene: paper\nvary: pipe.csv\n", "s.yaml:2:7: "},
+  };
+  CU_ASSERT_EQUAL(mkfifo("pipe.csv", 0600), 0);
+  for (size_t k = 0; k < sizeof ROWS / sizeof *ROWS; k++) {
+    write_file("s.yaml", ROWS[k].text);
+    ran r = run("check s.yaml");
+    EXPECT(r.status == 2 && strstr(r.err, ROWS[k].at) && strstr(r.err, "a file is wanted"),
+           "%s: %d %s", ROWS[k].text, r.status, r.err);
+    free_ran(&r);
+  }
+}
+
+/* A key below a list names one of its elements; it never throws the list away. */
+static void lists_are_kept(void) {
+  static const char STOPS[] =
+      "firing: {angle: 115 deg, every: 1}\nrun: {until: 1 ms}\nactuator:\n  stop:\n"
+      "    - {at: 1.9 mm, stiffness: 1e6 N/m}\n    - {at: 2.5 mm, stiffness: 1e6 N/m}\n";
+  static const char *const KEYS[] = {"actuator.stop.stiffness=1e6N/m",
+                                     "actuator.stop.3.stiffness=1e6N/m",
+                                     "actuator.stop.0.stiffness=1e6N/m"},
+                           *const SAYS[] = {"actuator.stop is a list of 2",
+                                            "actuator.stop.1 to actuator.stop.2"};
+  char words[128];
+  write_file("stops.yaml", STOPS);
+  for (size_t k = 0; k < sizeof KEYS / sizeof *KEYS; k++) {
+    snprintf(words, sizeof words, "run stops.yaml --set %s", KEYS[k]);
+    refuse(words, KEYS[k], "", SAYS, __LINE__);
+  }
+  RUN_GOOD("run stops.yaml --quiet --set actuator.stop.2.stiffness=1e6N/m");
+  write_file("s.yaml", "scene: stops.yaml\nset: {actuator.stop.stiffness: 1e6 N/m}\n"
+                       "vary: {firing.every: [1, 2]}\nreport: [p_min]\n");
+  ran r = run("study s.yaml");
+  EXPECT(r.status == 2 && strstr(r.err, "s.yaml:2:7: ") && strstr(r.err, SAYS[0]), "%d %s",
+         r.status, r.err);
+  free_ran(&r);
+  r = run("run stops.yaml --set firing.angle.x=1");
+  EXPECT(r.status == 2 && strstr(r.err, "--set firing.angle.x=1: firing.angle: one value"), "%s",
+         r.err);
   free_ran(&r);
 }
 
@@ -983,6 +1040,8 @@ static void a_full_standard_output_is_an_error(void) {
 static const vs_test TESTS[] = {
     {"bad scenes are refused", bad_scenes_are_refused},
     {"bad commands are refused", bad_commands_are_refused},
+    {"pipes in files are refused", pipes_in_files_are_refused},
+    {"lists are kept", lists_are_kept},
     {"bad decks are refused", bad_decks_are_refused},
     {"run.csv: columns", columns},
     {"run.csv: rows", rows},

@@ -202,8 +202,7 @@ static void many_continued_lines(void) {
 
 /* Each command waits for ever for a file that nobody writes, or is at long work. */
 static void signals_end_all(void) {
-  static const char *const COMMANDS[] = {"check paper --set machine.model=pipe.yaml",
-                                         "run pipe.yaml",
+  static const char *const COMMANDS[] = {"run pipe.yaml",
                                          "modes pipe.yaml",
                                          "export pipe.yaml -o x.cir",
                                          "plot run",

@@ -183,6 +183,26 @@ static void a_sign_that_is_not_certain(void) {
   free_ran(&r);
 }
 
+/* Of two ratings of one probe each has the error of its own margin: the same as where it stands
+ * alone. */
+static void two_ratings_of_a_probe(void) {
+  static const char WIDE[] = "*$ rating i_source -20..20 A\n",
+                    TIGHT[] = "*$ rating i_source -10..0.9 A\n";
+  char both[128];
+  double error[2];
+  for (int k = 0; k < 2; k++) {
+    snprintf(both, sizeof both, "%s%s", k ? WIDE : "", TIGHT);
+    write_rated("twice.cir", both);
+    ran r = run("run paper --set circuit.deck=twice.cir --set run.until=0.02s --json");
+    const char *line = strstr(r.out, "\"max\": 0.9");
+    const char *at = line ? strstr(line, "\"margin_error\": ") : NULL;
+    error[k] = at ? strtod(at + strlen("\"margin_error\": "), NULL) : NAN;
+    EXPECT(r.status == 0 && !strstr(r.out, "undecided"), "%d %s%s", r.status, r.out, r.err);
+    free_ran(&r);
+  }
+  EXPECT(error[0] > 0 && error[0] == error[1], "%g and %g", error[0], error[1]);
+}
+
 /* Behind the ideal switches of this half-controlled bridge a node jumps as high as the steps make
  * it, and a current as well: 2.736 A, and 2.405 A at ten times the tolerance. Which leg's is
  * farther off hangs on the steps, too. Nothing is rated there. The run says it where a second one
@@ -214,6 +234,8 @@ static const vs_test TESTS[] = {
     {"lies are not held", lies_are_not_held},
     {"words and statuses", words_and_statuses},
     {"a sign that is not certain", a_sign_that_is_not_certain},
+    {"two ratings of a probe", two_ratings_of_a_probe},
+    {"two ratings of a probe", two_ratings_of_a_probe},
     {"an extreme that hangs on the steps", an_extreme_that_hangs_on_the_steps},
 };
 

@@ -44,9 +44,10 @@ static vs_status open_scene(const vs_inquiry *q, const vs_node *node, vs_scene *
 static vs_status put_set(const vs_node *set, vs_scene *scene, vs_error *err) {
   if (set && (set->kind == VS_NODE_LIST || (set->kind == VS_NODE_TEXT && *set->text)))
     return vs_fail_at(err, set->where, "set: a map of keys is wanted: {run.until: 0.1 s, ...}");
-  for (const vs_node *n = set ? set->child : NULL; n; n = n->next)
-    vs_tree_graft(&scene->tree, n->key, n);
-  return VS_OK;
+  vs_status status = VS_OK;
+  for (const vs_node *n = set ? set->child : NULL; n && !status; n = n->next)
+    status = vs_tree_graft(&scene->tree, n->key, n, err);
+  return status;
 }
 
 /* Reads the scene of a run. own: the run's map; NULL: the fit has one run. */

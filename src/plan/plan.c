@@ -74,8 +74,8 @@ vs_status vs_plan_scene(const vs_plan *plan, vs_scene *scene, vs_error *err) {
   if (status) return status;
   if (set && (set->kind == VS_NODE_LIST || (set->kind == VS_NODE_TEXT && *set->text)))
     return vs_fail_at(err, set->where, "set: a map of keys is wanted: {run.until: 0.1 s, ...}");
-  for (const vs_node *n = set ? set->child : NULL; n; n = n->next)
-    vs_tree_graft(&scene->tree, n->key, n);
+  for (const vs_node *n = set ? set->child : NULL; n && !status; n = n->next)
+    status = vs_error_carry_on(err, vs_tree_graft(&scene->tree, n->key, n, err));
   for (size_t k = 0; k < plan->n_sets && !status; k++)
     if (!vs_plan_is_own(plan, plan->sets[k]))
       status = vs_error_carry_on(err, vs_tree_set(&scene->tree, plan->sets[k], err));

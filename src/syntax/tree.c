@@ -148,6 +148,28 @@ static vs_node *element(const vs_node *list, const char *key) {
   return *end ? NULL : n;
 }
 
+/* Error: the dotted key goes through a list without the number of one of its elements. It would
+ * throw the list away. */
+static vs_status check_lists(const vs_tree *tree, const char *dotted, vs_where where,
+                             vs_error *err) {
+  const vs_node *at = tree->root;
+  char *path = vs_copy(dotted), *rest = path;
+  vs_status status = VS_OK;
+  for (char *key; at && !status && (key = strsep(&rest, "."));) {
+    const vs_node *next = element(at, key);
+    if (at->kind == VS_NODE_LIST && !next) {
+      int count = 0, before = (int)(key - path) - 1;
+      for (const vs_node *n = at->child; n; n = n->next) count++;
+      status =
+          vs_fail_at(err, where, "%s: %.*s is a list of %d; its elements are %.*s.1 to %.*s.%d",
+                     dotted, before, dotted, count, before, dotted, before, dotted, count);
+    }
+    at = next ? next : vs_tree_child(at, key);
+  }
+  free(path);
+  return status;
+}
+
 /* Returns the node of a dotted key; one of its words may be the number of a list's element. It is
  * made where it is missing, and so are the maps above it. */
 static vs_node *reach(vs_tree *tree, const char *dotted, vs_where where) {
@@ -165,6 +187,7 @@ static vs_node *reach(vs_tree *tree, const char *dotted, vs_where where) {
       at->text = NULL;
       at->child = NULL;
       at->kind = VS_NODE_MAP;
+      at->where = at->key_where = where;
     }
     at = child_or_new(at, key, where);
   }
@@ -176,7 +199,7 @@ void vs_tree_copy(const vs_tree *tree, vs_tree *copy) {
   *copy = (vs_tree){.root = vs_node_copy(tree->root), .name = vs_copy(tree->name)};
 }
 
-void vs_tree_graft(vs_tree *tree, const char *key, const vs_node *value) {
+static void graft(vs_tree *tree, const char *key, const vs_node *value) {
   vs_node *at = reach(tree, key, value->key_where);
   vs_node_free(at->child);
   free(at->text);
@@ -187,9 +210,15 @@ void vs_tree_graft(vs_tree *tree, const char *key, const vs_node *value) {
   at->key_where = value->key_where;
 }
 
+vs_status vs_tree_graft(vs_tree *tree, const char *key, const vs_node *value, vs_error *err) {
+  vs_status status = check_lists(tree, key, value->key_where, err);
+  if (!status) graft(tree, key, value);
+  return status;
+}
+
 void vs_tree_put(vs_tree *tree, const char *key, const char *text, vs_where where) {
   const vs_node value = vs_tree_word(NULL, text, where);
-  vs_tree_graft(tree, key, &value);
+  graft(tree, key, &value);
 }
 
 /* Reads the text behind the sign as YAML. */
@@ -229,14 +258,15 @@ vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err) {
   vs_status status = !equals || equals == assignment
                          ? vs_fail_at(err, where, "write KEY=VALUE, for example firing.angle=95deg")
                          : parse_value(equals + 1, where, &value, err);
+  char *path = vs_alloc_part(assignment, equals ? (size_t)(equals - assignment) : 0);
+  if (!status) status = check_lists(tree, path, where, err);
+  if (!status) take_value(reach(tree, path, where), value, where);
+  free(path);
   if (status) {
     vs_node_free(value);
     vs_text_free(&label);
     return status;
   }
-  char *path = vs_alloc_part(assignment, (size_t)(equals - assignment));
-  take_value(reach(tree, path, where), value, where);
-  free(path);
   vs_node *keep = vs_alloc(1, sizeof *keep); /* it owns the label */
   keep->text = label.text;
   keep->next = tree->labels;

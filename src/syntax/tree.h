@@ -23,13 +23,14 @@ vs_status vs_tree_parse(const char *text, const char *name, vs_tree *tree, vs_er
 void vs_tree_copy(const vs_tree *tree, vs_tree *copy);
 
 /* Sets "a.b.c=value" over what stands there; "a.1.c" is c of the first element of a list a. The
- * value is read as YAML; its place is called "--set
- * a.b.c=value". Error: there is no sign, or the value is not YAML. */
+ * value is read as YAML; its place is called "--set a.b.c=value". Error: there is no sign, the value
+ * is not YAML, or the key goes through a list without the number of an element that it has. */
 vs_status vs_tree_set(vs_tree *tree, const char *assignment, vs_error *err);
 
 /* Both set the dotted key, and make the maps above it that are missing: to a copy of value with its
- * places, or to a plain text that stands at `where`. */
-void vs_tree_graft(vs_tree *tree, const char *key, const vs_node *value);
+ * places, or to a plain text that stands at `where`. Error, with the place of the value's key: as
+ * above, of a list; who puts a text knows the key. */
+vs_status vs_tree_graft(vs_tree *tree, const char *key, const vs_node *value, vs_error *err);
 void vs_tree_put(vs_tree *tree, const char *key, const char *text, vs_where where);
 void vs_tree_free(vs_tree *tree);
 
