@@ -173,6 +173,7 @@ static vs_status open_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_e
   if (status) return status;
   snprintf(node, sizeof node, "vs_n%zu", k);
   snprintf(line, sizeof line, "%s vs_n%zu%s", at.name, k, at.rest);
+  vs_wiring_doubt(deck, e, at.name, at.rest);
   if (!strcasecmp(at.name, deck->eva))
     snprintf(deck->eva_plus, sizeof deck->eva_plus, "vs_n%zu", k);
   free(at.line->text);
@@ -197,6 +198,7 @@ static vs_status short_wire(const vs_occurrence *e, size_t k, vs_deck *deck, vs_
   char line[256], other[VS_DECK_NAME];
   vs_status status = find_element(deck, e, e->kind->element(e, deck), &at, err);
   if (status) return status;
+  vs_wiring_doubt(deck, e, at.name, at.rest);
   snprintf(other, sizeof other, "vs_m%zu", k);
   vs_wiring_line(deck, e->where, "Vvs_t%zu %s %s 0", k, other, at.node[1]);
   snprintf(line, sizeof line, "Bvs_f%zu vs_l%zu %s I = v(vs_l%zu,%s)*exp(v(vs_c%zu))", k, k, other,
