@@ -579,6 +579,56 @@ static void parts_by_name(void) {
   remove_tree("decks");
 }
 
+/* ---- includes ---- */
+
+#define CLAMPED                                                                                    \
+  "*$ param varistor = s20k510 part varistor \"across the coil\"\n" SUPPLY SUPPLY_LOSS "R1 a b "   \
+                                                                                       "10\n"
+
+/* True if the deck has read a file whose path ends so. */
+static bool has_read(const vs_deck *deck, const char *end) {
+  for (size_t k = 0; k < deck->n_files; k++) {
+    size_t n = strlen(deck->files[k]), m = strlen(end);
+    if (n >= m && !strcmp(deck->files[k] + n - m, end)) return true;
+  }
+  return false;
+}
+
+/* The working directory has files of the names that shipped files and decks elsewhere include. None
+ * of them is read: each says what no deck may say. */
+static void includes_are_found_beside_their_files(void) {
+  static const char *const NAMES[] = {"siov.inc", "varistor_scale.inc", "mine.inc", "eva"};
+  for (size_t k = 0; k < COUNT(NAMES); k++) write_file(NAMES[k], ".control\nshell ls\n.endc\n");
+  CU_ASSERT_EQUAL(mkdir("decks", 0777), 0);
+  write_file("decks/d.cir", CLAMPED EVA "Xv b 0 varistor\n");
+  vs_trial *t = run_deck("decks/d.cir", "run.until=1ms", NULL);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  CU_ASSERT(has_read(&t->scene.setup.deck, "spice/siov.inc"));
+  vs_trial_free(t);
+  /* nor a file beside the deck, where the part that includes it lies elsewhere */
+  write_file("decks/siov.inc", "Rubbish\n");
+  t = run_deck("decks/d.cir", "run.until=1ms", NULL);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  vs_trial_free(t);
+  write_file("decks/d.cir", SUPPLY ".include mine.inc\nR1 a b {mine}\n" EVA);
+  t = run_deck("decks/d.cir", NULL, NULL);
+  EXPECT(t->status == VS_INPUT && strstr(t->err.text, "decks/d.cir:4:1: no include file "
+                                                      "'mine.inc': not beside the file"),
+         "%s", t->err.text);
+  vs_trial_free(t);
+  write_file("decks/mine.inc", ".param mine=10\n");
+  write_file("decks/own.inc", ".include latch.inc\n.subckt own p q\nR1 p q 1\n.ends\n");
+  write_file("decks/d.cir", "*$ param own = own part\n" SUPPLY
+                            ".include mine.inc\nR1 a c {mine}\nXo c b own\n" EVA);
+  t = run_deck("decks/d.cir", "run.until=1ms", NULL);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  CU_ASSERT(has_read(&t->scene.setup.deck, "decks/mine.inc"));
+  CU_ASSERT(has_read(&t->scene.setup.deck, "spice/parts/latch.inc"));
+  vs_trial_free(t);
+  for (size_t k = 0; k < COUNT(NAMES); k++) unlink(NAMES[k]);
+  remove_tree("decks");
+}
+
 /* ---- a vendor's dialect ---- */
 
 /* In ngspice's own dialect pwr() keeps the sign and pow() is of the magnitude; in PSpice's pwr() is
@@ -664,6 +714,7 @@ static const vs_test TESTS[] = {
     {"a wrong force sign", a_wrong_force_sign_is_seen},
     {"a missing back-EMF", a_missing_back_emf_is_seen},
     {"parts by name", parts_by_name},
+    {"includes are found beside their files", includes_are_found_beside_their_files},
     {"dialects", dialects},
     {"ratings", ratings_are_judged},
     {"slips are refused", slips_are_refused},
