@@ -583,7 +583,7 @@ static void parts_by_name(void) {
 
 #define CLAMPED                                                                                    \
   "*$ param varistor = s20k510 part varistor \"across the coil\"\n" SUPPLY SUPPLY_LOSS "R1 a b "   \
-                                                                                       "10\n"
+  "10\n"
 
 /* True if the deck has read a file whose path ends so. */
 static bool has_read(const vs_deck *deck, const char *end) {
@@ -627,6 +627,46 @@ static void includes_are_found_beside_their_files(void) {
   vs_trial_free(t);
   for (size_t k = 0; k < COUNT(NAMES); k++) unlink(NAMES[k]);
   remove_tree("decks");
+}
+
+/* ---- names in several files ---- */
+
+#define TWO                                                                                        \
+  "*$ param one = aa part\n*$ param two = bb part\n" SUPPLY                                        \
+  "R1 a c 100\nX1 c d one\nX2 d b two\n" EVA
+#define USES(part, model) ".subckt " part " p q\nX1 p e core\nD1 e q m\n" model ".ends\n"
+#define CORE(value) ".subckt core p q\nR1 p q " value "\n.ends\n"
+
+/* ngspice takes the first of two definitions for both, so a part would be judged by its own limits
+ * and simulated with the other's helper. */
+static void one_name_in_two_files(void) {
+  static const struct {
+    const char *deck, *aa, *bb, *at, *says; /* at: NULL: it is fine */
+  } ROWS[] = {
+      {TWO, USES("aa", ".model m d(n=1)\n") CORE("1"), USES("bb", ".model m d(n=2)\n") CORE("2"),
+       "bb.inc:6:1: ",
+       "a second .subckt core, which says other things than the first, of aa.inc, line 6"},
+      {TWO, USES("aa", "") CORE("1") ".model m d(n=1)\n", USES("bb", "") ".model M d(n=2)\n",
+       "bb.inc:5:1: ", "a second .model M, which says other things than the first, of aa.inc"},
+      {TWO CORE("3"), USES("aa", ".model m d(n=1)\n"), USES("bb", ".model m d(n=2)\n") CORE("2"),
+       "bb.inc:6:1: ", "than the first, of bad.cir, line 10"},
+      {"*$ param v = s20k510 part\n" TWO CORE("1") ".subckt siov a b\nR1 a b 1\n.ends\nX9 b 0 v\n",
+       USES("aa", ".model m d(n=1)\n"), USES("bb", ".model m d(n=1)\n"),
+       "bad.cir:1:14: ", "a second .subckt siov, "},
+      /* the same in other words, models of the subcircuits' own, and a file that both include */
+      {TWO, USES("aa", ".model m d(n=1)\n") CORE("1"),
+       USES("bb", ".model m d(n=2)\n") ".SUBCKT  Core p\tq\nr1 p q   1 \n.ends\n", NULL, NULL},
+      {TWO, ".include core.inc\n" USES("aa", ""), USES("bb", "") ".include core.inc\n", NULL, NULL},
+  };
+  write_file("core.inc", CORE("5") ".model m d(n=1)\n");
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    write_file("aa.inc", ROWS[k].aa);
+    write_file("bb.inc", ROWS[k].bb);
+    if (ROWS[k].at)
+      REFUSE(ROWS[k].deck, ROWS[k].at, ROWS[k].says);
+    else
+      accept_deck(ROWS[k].deck);
+  }
 }
 
 /* ---- a vendor's dialect ---- */
@@ -715,6 +755,7 @@ static const vs_test TESTS[] = {
     {"a missing back-EMF", a_missing_back_emf_is_seen},
     {"parts by name", parts_by_name},
     {"includes are found beside their files", includes_are_found_beside_their_files},
+    {"one name in two files", one_name_in_two_files},
     {"dialects", dialects},
     {"ratings", ratings_are_judged},
     {"slips are refused", slips_are_refused},
