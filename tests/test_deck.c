@@ -669,6 +669,19 @@ static void one_name_in_two_files(void) {
   }
 }
 
+/* A part's file declares a parameter behind the deck's lines. */
+static void parameters_of_parts(void) {
+  static const char FIRED[] = "*$ port gate = Vg\nVg g b external\nX1 a b g thyristor\n";
+  char deck[1024];
+  snprintf(deck, sizeof deck, "*$ param thyristor = latch part thyristor\n" SUPPLY "%s%s" EVA,
+           FIRED,
+           ".param own=1\n+ on_voltage=50\n.subckt s p q\n.param on_voltage=2\nR1 p q 1\n.ends\n");
+  REFUSE(deck, "bad.cir:8:1: ", "parameter on_voltage stands in a '*$ param' line already");
+  write_file("aa.inc", ".param bb_r=5\n.subckt aa p q\nR1 p q 1\n.ends\n");
+  write_file("bb.inc", "*$ param bb_r = 5 ohm 1..10\n.subckt bb p q\nR1 p q {bb_r}\n.ends\n");
+  REFUSE(TWO, "aa.inc:1:1: ", "parameter bb_r stands in");
+}
+
 /* ---- a vendor's dialect ---- */
 
 /* In ngspice's own dialect pwr() keeps the sign and pow() is of the magnitude; in PSpice's pwr() is
@@ -756,6 +769,7 @@ static const vs_test TESTS[] = {
     {"parts by name", parts_by_name},
     {"includes are found beside their files", includes_are_found_beside_their_files},
     {"one name in two files", one_name_in_two_files},
+    {"parameters of parts", parameters_of_parts},
     {"dialects", dialects},
     {"ratings", ratings_are_judged},
     {"slips are refused", slips_are_refused},

@@ -146,7 +146,8 @@ static vs_status check_doubles(vs_deck *deck, vs_error *err) {
 
 /* What can be told once all lines are there. */
 static vs_status check_whole(vs_deck *deck, vs_error *err) {
-  vs_status status = check_definitions(deck, err);
+  vs_status status = vs_rules_params(deck, err);
+  if (!status) status = check_definitions(deck, err);
   if (!status) status = check_nesting(deck, err);
   if (!status) status = check_instances(deck, err);
   if (!status) status = check_gains(deck, err);
