@@ -407,6 +407,10 @@ static void constructs_are_told(void) {
       {"R9 ss yy 0", "d.cir:16:10: warning: ngspice has no resistance of 0 ohm"},
       {"C9 ss yy 47", "d.cir:16:10: warning: a capacitance above 1 F"},
       {"C9 ss yy 1F", "d.cir:16:10: warning: a capacitance in F is one in femtofarad"},
+      {"V9 ss yy pulse(0 5 1m 0 0 1m 5m)",
+       "d.cir:16:10: warning: an edge of PULSE that is 0 or left out lasts as long as the run's"},
+      {"I9 ss yy DC 0\n+ PULSE (0, 1m, {1m+0}, 1n, 0.0s, 1m)", "d.cir:17:3: warning: an edge of"},
+      {"V9 ss yy PULSE 0 1", "d.cir:16:10: warning: an edge of PULSE"},
       {"B1 yy 0 V=IF(1>0,1,2)*pwr(2,3)", "d.cir:16:23: warning: pwr(x, y) is sgn(x)*|x|^y"},
       {".model m d(is=1n\n+ foo=3)\nD9 ss yy m",
        "d.cir:17:3: warning: ngspice has no such parameter in a model of this type"},
@@ -456,6 +460,16 @@ static void constructs_are_told(void) {
     refused(deck.text, REFUSED[k].at, REFUSED[k].says, __LINE__);
     vs_text_free(&deck);
   }
+}
+
+/* Edges that are given, or are formulas, or never come are not told of. */
+static void pulses_with_edges(void) {
+  write_file("d.cir", BENCH ".param edge=1u\nV9 p1 0 pulse(0 5 1m 1u 1u 1m 5m)\nR9 p1 yy 1k\n"
+                            "V8 p2 0 PULSE 0 5 1m {edge} '2*edge' 1m\nR8 p2 yy 1k\n"
+                            "V7 pulse 0 pulse(0 5 0 1u)\nR7 pulse yy 1k\n");
+  ran r = run("check d.cir");
+  EXPECT(r.status == 0 && !strstr(r.err, "PULSE"), "%d %s", r.status, r.err);
+  free_ran(&r);
 }
 
 /* ---- numbers, and messages ---- */
@@ -545,6 +559,7 @@ int main(void) {
       {"integrals", integrals},
       {"parasitic parts", parasitic_parts},
       {"constructs are told", constructs_are_told},
+      {"pulses with edges", pulses_with_edges},
       {"numbers that are misread", numbers_that_are_misread},
       {"messages have places", messages_have_places},
   };
