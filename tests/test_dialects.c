@@ -484,6 +484,15 @@ static void numbers_that_are_misread(void) {
       {"L9 ss yy\n+ 1Meg5", "d.cir:17:3", "write 1.5Meg"},
       {"R9 ss yy 4,7k", "d.cir:16:10", "a point"},
       {"V9 ss yy 2,5", "d.cir:16:10", "a point"},
+      {".model m SW(Vt=1,5 Vh=0,1)", "d.cir:16:16", "'1,5': a decimal point is wanted"},
+      {".model m D(n=1\n+ , rs = 0,5)", "d.cir:17:10", "'0,5': a decimal point"},
+      {".model m D(n=1,is=2,5n,rs=1)", "d.cir:16:19", "'2,5n': a decimal point"},
+      {".param y=1 x=4,7k", "d.cir:16:14", "'4,7k': a decimal point"},
+      {".param x=-2,5", "d.cir:16:10", "'-2,5': a decimal point"},
+      {".ic v(b)=1,5", "d.cir:16:10", "a decimal point"},
+      {".nodeset v(b)=1 v(yy)=1,5", "d.cir:16:23", "a decimal point"},
+      {"C9 ss yy 1n ic=1,5", "d.cir:16:16", "a decimal point"},
+      {"X1 ss yy s R=4,7k\n.subckt s a b R=1\nR1 a b {R}\n.ends", "d.cir:16:14", "a decimal point"},
       {"R9 ss yy 1.2.3", "d.cir:16:10", "one point"},
       {"R9 ss yy 1,000.5", "d.cir:16:10", "a point"},
       {"R9 ss yy 0x10", "d.cir:16:10", "ngspice reads 0x and leaves"}, /* none of an ohm */
@@ -515,6 +524,14 @@ static void numbers_that_are_misread(void) {
                             "R7 4k7 0 2.2MEG\nB1 1k5 0 V=V(4k7)\nR6 1k5 0 1u\n");
   ran r = run("check d.cir");
   EXPECT(r.status == 0 && !strstr(r.err, "1n4148"), "%s", r.err);
+  free_ran(&r);
+  /* commas between parameters and in lists */
+  write_file("d.cir",
+             BENCH ".param x=1,y={max(1,2)} z=2\n.model m D(IS=1n,N=1, RS=1)\nD9 yy 0 m\n"
+                   ".model p pwl(x_array=[0,1,2,5] y_array=[0,1,2,3])\nA9 ss zz p\n"
+                   "R9 zz 0 1k tc=1,2\nR8 zz 0 1k TC = 1,2\nQ9 yy 0 0 q\n.model q NPN(bf=1e2)\n");
+  r = run("check d.cir");
+  EXPECT(r.status == 0, "%s", r.err);
   free_ran(&r);
 }
 
