@@ -394,6 +394,11 @@ static void constructs_are_told(void) {
       {"X1 ss yy a-b\n.subckt a-b p q R=1\nR1 p q {R}\n.ends",
        "d.cir:17:1: warning: a subcircuit with parameters is found by ngspice if its name"},
       {"R9 ss yy 1M", "d.cir:16:10: warning: a resistance in M is one in milliohm"},
+      {".param y=1 x=1M\nR9 ss yy {x}",
+       "d.cir:16:14: warning: a number in M of a .param is one in milli"},
+      {".param y=1Meg z=2m x = {2.2MOhm}\nR9 ss yy {x}",
+       "d.cir:16:25: warning: a number in M of a .param is one in milli, as SPICE knows no "
+       "capitals; write Meg for mega, or m\n"},
       {".model m9 d\n.subckt x9 p q\n.model m9 d(n=2)\n.model M9 d(n=3)\nD1 p q m9\n.ends\nX9 ss "
        "yy x9",
        "d.cir:19:1: warning: a second .model M9: ngspice takes the first, of line 18"},

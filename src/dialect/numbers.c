@@ -217,6 +217,21 @@ static bool is_milliohm(vs_word w) {
          vs_words_is(unit, "r");
 }
 
+/* Tells of a value such as 1M or {1M} in a line .param. */
+static void tell_of_milli(const vs_line *line, vs_tally *tally) {
+  if (!vs_words_begin(line->text, ".param")) return;
+  for (const char *s = line->text; (s = strchr(s, '='));) {
+    s++;
+    s += strspn(s, " \t{'");
+    const vs_word w = {s, strcspn(s, " \t,}'")};
+    if (is_milliohm(w))
+      vs_tally_add(tally,
+                   "a number in M of a .param is one in milli, as SPICE knows no capitals; write "
+                   "Meg for mega, or m",
+                   vs_line_place(line, s));
+  }
+}
+
 /* True for a capacitance such as 1F. */
 static bool is_femto(vs_word w) {
   size_t n = strspn(w.at, "0123456789.");
@@ -315,6 +330,7 @@ vs_status vs_numbers_check(const vs_line *line, vs_tally *tally, vs_error *err) 
   if (strchr("vViI", *text)) tell_of_modulation(line, w, count, tally);
   if (!status) status = check_commas(line, err);
   if (status) return status;
+  tell_of_milli(line, tally);
   const char *values = values_of(text, w, count);
   return values ? check_factors(line, values, err) : VS_OK;
 }
