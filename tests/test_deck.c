@@ -184,6 +184,13 @@ static void slips_are_refused(void) {
   REFUSE(THIRD "K7 L8 L7 0.96\n", "bad.cir:8:10: ", "not positive definite");
   REFUSE(WINDINGS "K9 L8 L9 0.6\nK8 L9 L8 k=0.5\n", "bad.cir:7:10: ", "do not fit together");
   REFUSE(WINDINGS "L7 q 0 1\nK9 L7 L8 L9 -0.6\n", "bad.cir:8:13: ", "do not fit together");
+#define LINE SUPPLY EVA "Rb a b 1\n.model um urc(rperl=1k cperl=1p)\n"
+  REFUSE(LINE "U9 b 0 0 um l=1 n=10000\n", "bad.cir:7:19: ", "n=10000: a line U has 1 to 1000");
+  REFUSE(LINE "U9 b 0 0 um l=1 n=1\n+ N 1001\n", "bad.cir:8:5: ", "a plain number in that range");
+  REFUSE(LINE "U9 b 0 0 um n = {1e4} l=1\n", "bad.cir:7:17: ", "n={1e4}: ");
+  REFUSE(LINE "U9 b 0 0 um n=0 l=1\n", "bad.cir:7:15: ", "n=0: ");
+  REFUSE(LINE ".model un URC ( fmax=1e12 k = 1.001)\n", "bad.cir:7:31: ", "k=1.001: ngspice makes");
+  accept_deck(LINE "U9 b 0 0 um l=1 n=20\nU8 b 0 0 un l=1\n.model un urc(k=2)\n");
   REFUSE(SUPPLY EVA "E9 q 0 POLY(2) a 0 b\n", "bad.cir:5:1: ", "wants 4 nodes");
   REFUSE(SUPPLY EVA "E9 q 0 POLY(2) (a,0) 0 1 1\n", "bad.cir:5:22: ", "and has 2");
   REFUSE(SUPPLY EVA "G9 q 0 POLY(2) a 0 0 1.5 1\n", "bad.cir:5:22: ", "and has 3");
