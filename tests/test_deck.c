@@ -184,6 +184,13 @@ static void slips_are_refused(void) {
   REFUSE(THIRD "K7 L8 L7 0.96\n", "bad.cir:8:10: ", "not positive definite");
   REFUSE(WINDINGS "K9 L8 L9 0.6\nK8 L9 L8 k=0.5\n", "bad.cir:7:10: ", "do not fit together");
   REFUSE(WINDINGS "L7 q 0 1\nK9 L7 L8 L9 -0.6\n", "bad.cir:8:13: ", "do not fit together");
+#define LINE SUPPLY EVA "Rb a b 1\n.model um urc(rperl=1k cperl=1p)\n"
+  REFUSE(LINE "U9 b 0 0 um l=1 n=10000\n", "bad.cir:7:19: ", "n=10000: a line U has 1 to 1000");
+  REFUSE(LINE "U9 b 0 0 um l=1 n=1\n+ N 1001\n", "bad.cir:8:5: ", "a plain number in that range");
+  REFUSE(LINE "U9 b 0 0 um n = {1e4} l=1\n", "bad.cir:7:17: ", "n={1e4}: ");
+  REFUSE(LINE "U9 b 0 0 um n=0 l=1\n", "bad.cir:7:15: ", "n=0: ");
+  REFUSE(LINE ".model un URC ( fmax=1e12 k = 1.001)\n", "bad.cir:7:31: ", "k=1.001: ngspice makes");
+  accept_deck(LINE "U9 b 0 0 um l=1 n=20\nU8 b 0 0 un l=1\n.model un urc(k=2)\n");
   REFUSE(SUPPLY EVA "E9 q 0 POLY(2) a 0 b\n", "bad.cir:5:1: ", "wants 4 nodes");
   REFUSE(SUPPLY EVA "E9 q 0 POLY(2) (a,0) 0 1 1\n", "bad.cir:5:22: ", "and has 2");
   REFUSE(SUPPLY EVA "G9 q 0 POLY(2) a 0 0 1.5 1\n", "bad.cir:5:22: ", "and has 3");
@@ -579,6 +586,109 @@ static void parts_by_name(void) {
   remove_tree("decks");
 }
 
+/* ---- includes ---- */
+
+#define CLAMPED                                                                                    \
+  "*$ param varistor = s20k510 part varistor \"across the coil\"\n" SUPPLY SUPPLY_LOSS "R1 a b "   \
+  "10\n"
+
+/* True if the deck has read a file whose path ends so. */
+static bool has_read(const vs_deck *deck, const char *end) {
+  for (size_t k = 0; k < deck->n_files; k++) {
+    size_t n = strlen(deck->files[k]), m = strlen(end);
+    if (n >= m && !strcmp(deck->files[k] + n - m, end)) return true;
+  }
+  return false;
+}
+
+/* The working directory has files of the names that shipped files and decks elsewhere include. None
+ * of them is read: each says what no deck may say. */
+static void includes_are_found_beside_their_files(void) {
+  static const char *const NAMES[] = {"siov.inc", "varistor_scale.inc", "mine.inc", "eva"};
+  for (size_t k = 0; k < COUNT(NAMES); k++) write_file(NAMES[k], ".control\nshell ls\n.endc\n");
+  CU_ASSERT_EQUAL(mkdir("decks", 0777), 0);
+  write_file("decks/d.cir", CLAMPED EVA "Xv b 0 varistor\n");
+  vs_trial *t = run_deck("decks/d.cir", "run.until=1ms", NULL);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  CU_ASSERT(has_read(&t->scene.setup.deck, "spice/siov.inc"));
+  vs_trial_free(t);
+  /* nor a file beside the deck, where the part that includes it lies elsewhere */
+  write_file("decks/siov.inc", "Rubbish\n");
+  t = run_deck("decks/d.cir", "run.until=1ms", NULL);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  vs_trial_free(t);
+  write_file("decks/d.cir", SUPPLY ".include mine.inc\nR1 a b {mine}\n" EVA);
+  t = run_deck("decks/d.cir", NULL, NULL);
+  EXPECT(t->status == VS_INPUT && strstr(t->err.text, "decks/d.cir:4:1: no include file "
+                                                      "'mine.inc': not beside the file"),
+         "%s", t->err.text);
+  vs_trial_free(t);
+  write_file("decks/mine.inc", ".param mine=10\n");
+  write_file("decks/own.inc", ".include latch.inc\n.subckt own p q\nR1 p q 1\n.ends\n");
+  write_file("decks/d.cir", "*$ param own = own part\n" SUPPLY
+                            ".include mine.inc\nR1 a c {mine}\nXo c b own\n" EVA);
+  t = run_deck("decks/d.cir", "run.until=1ms", NULL);
+  EXPECT(t->status == VS_OK, "%s", t->err.text);
+  CU_ASSERT(has_read(&t->scene.setup.deck, "decks/mine.inc"));
+  CU_ASSERT(has_read(&t->scene.setup.deck, "spice/parts/latch.inc"));
+  vs_trial_free(t);
+  for (size_t k = 0; k < COUNT(NAMES); k++) unlink(NAMES[k]);
+  remove_tree("decks");
+}
+
+/* ---- names in several files ---- */
+
+#define TWO                                                                                        \
+  "*$ param one = aa part\n*$ param two = bb part\n" SUPPLY                                        \
+  "R1 a c 100\nX1 c d one\nX2 d b two\n" EVA
+#define USES(part, model) ".subckt " part " p q\nX1 p e core\nD1 e q m\n" model ".ends\n"
+#define CORE(value) ".subckt core p q\nR1 p q " value "\n.ends\n"
+
+/* ngspice takes the first of two definitions for both, so a part would be judged by its own limits
+ * and simulated with the other's helper. */
+static void one_name_in_two_files(void) {
+  static const struct {
+    const char *deck, *aa, *bb, *at, *says; /* at: NULL: it is fine */
+  } ROWS[] = {
+      {TWO, USES("aa", ".model m d(n=1)\n") CORE("1"), USES("bb", ".model m d(n=2)\n") CORE("2"),
+       "bb.inc:6:1: ",
+       "a second .subckt core, which says other things than the first, of aa.inc, line 6"},
+      {TWO, USES("aa", "") CORE("1") ".model m d(n=1)\n", USES("bb", "") ".model M d(n=2)\n",
+       "bb.inc:5:1: ", "a second .model M, which says other things than the first, of aa.inc"},
+      {TWO CORE("3"), USES("aa", ".model m d(n=1)\n"), USES("bb", ".model m d(n=2)\n") CORE("2"),
+       "bb.inc:6:1: ", "than the first, of bad.cir, line 10"},
+      {"*$ param v = s20k510 part\n" TWO CORE("1") ".subckt siov a b\nR1 a b 1\n.ends\nX9 b 0 v\n",
+       USES("aa", ".model m d(n=1)\n"), USES("bb", ".model m d(n=1)\n"),
+       "bad.cir:1:14: ", "a second .subckt siov, "},
+      /* the same in other words, models of the subcircuits' own, and a file that both include */
+      {TWO, USES("aa", ".model m d(n=1)\n") CORE("1"),
+       USES("bb", ".model m d(n=2)\n") ".SUBCKT  Core p\tq\nr1 p q   1 \n.ends\n", NULL, NULL},
+      {TWO, ".include core.inc\n" USES("aa", ""), USES("bb", "") ".include core.inc\n", NULL, NULL},
+  };
+  write_file("core.inc", CORE("5") ".model m d(n=1)\n");
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    write_file("aa.inc", ROWS[k].aa);
+    write_file("bb.inc", ROWS[k].bb);
+    if (ROWS[k].at)
+      REFUSE(ROWS[k].deck, ROWS[k].at, ROWS[k].says);
+    else
+      accept_deck(ROWS[k].deck);
+  }
+}
+
+/* A part's file declares a parameter behind the deck's lines. */
+static void parameters_of_parts(void) {
+  static const char FIRED[] = "*$ port gate = Vg\nVg g b external\nX1 a b g thyristor\n";
+  char deck[1024];
+  snprintf(deck, sizeof deck, "*$ param thyristor = latch part thyristor\n" SUPPLY "%s%s" EVA,
+           FIRED,
+           ".param own=1\n+ on_voltage=50\n.subckt s p q\n.param on_voltage=2\nR1 p q 1\n.ends\n");
+  REFUSE(deck, "bad.cir:8:1: ", "parameter on_voltage stands in a '*$ param' line already");
+  write_file("aa.inc", ".param bb_r=5\n.subckt aa p q\nR1 p q 1\n.ends\n");
+  write_file("bb.inc", "*$ param bb_r = 5 ohm 1..10\n.subckt bb p q\nR1 p q {bb_r}\n.ends\n");
+  REFUSE(TWO, "aa.inc:1:1: ", "parameter bb_r stands in");
+}
+
 /* ---- a vendor's dialect ---- */
 
 /* In ngspice's own dialect pwr() keeps the sign and pow() is of the magnitude; in PSpice's pwr() is
@@ -664,6 +774,9 @@ static const vs_test TESTS[] = {
     {"a wrong force sign", a_wrong_force_sign_is_seen},
     {"a missing back-EMF", a_missing_back_emf_is_seen},
     {"parts by name", parts_by_name},
+    {"includes are found beside their files", includes_are_found_beside_their_files},
+    {"one name in two files", one_name_in_two_files},
+    {"parameters of parts", parameters_of_parts},
     {"dialects", dialects},
     {"ratings", ratings_are_judged},
     {"slips are refused", slips_are_refused},

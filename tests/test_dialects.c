@@ -394,6 +394,11 @@ static void constructs_are_told(void) {
       {"X1 ss yy a-b\n.subckt a-b p q R=1\nR1 p q {R}\n.ends",
        "d.cir:17:1: warning: a subcircuit with parameters is found by ngspice if its name"},
       {"R9 ss yy 1M", "d.cir:16:10: warning: a resistance in M is one in milliohm"},
+      {".param y=1 x=1M\nR9 ss yy {x}",
+       "d.cir:16:14: warning: a number in M of a .param is one in milli"},
+      {".param y=1Meg z=2m x = {2.2MOhm}\nR9 ss yy {x}",
+       "d.cir:16:25: warning: a number in M of a .param is one in milli, as SPICE knows no "
+       "capitals; write Meg for mega, or m\n"},
       {".model m9 d\n.subckt x9 p q\n.model m9 d(n=2)\n.model M9 d(n=3)\nD1 p q m9\n.ends\nX9 ss "
        "yy x9",
        "d.cir:19:1: warning: a second .model M9: ngspice takes the first, of line 18"},
@@ -407,6 +412,10 @@ static void constructs_are_told(void) {
       {"R9 ss yy 0", "d.cir:16:10: warning: ngspice has no resistance of 0 ohm"},
       {"C9 ss yy 47", "d.cir:16:10: warning: a capacitance above 1 F"},
       {"C9 ss yy 1F", "d.cir:16:10: warning: a capacitance in F is one in femtofarad"},
+      {"V9 ss yy pulse(0 5 1m 0 0 1m 5m)",
+       "d.cir:16:10: warning: an edge of PULSE that is 0 or left out lasts as long as the run's"},
+      {"I9 ss yy DC 0\n+ PULSE (0, 1m, {1m+0}, 1n, 0.0s, 1m)", "d.cir:17:3: warning: an edge of"},
+      {"V9 ss yy PULSE 0 1", "d.cir:16:10: warning: an edge of PULSE"},
       {"B1 yy 0 V=IF(1>0,1,2)*pwr(2,3)", "d.cir:16:23: warning: pwr(x, y) is sgn(x)*|x|^y"},
       {".model m d(is=1n\n+ foo=3)\nD9 ss yy m",
        "d.cir:17:3: warning: ngspice has no such parameter in a model of this type"},
@@ -458,6 +467,16 @@ static void constructs_are_told(void) {
   }
 }
 
+/* Edges that are given, or are formulas, or never come are not told of. */
+static void pulses_with_edges(void) {
+  write_file("d.cir", BENCH ".param edge=1u\nV9 p1 0 pulse(0 5 1m 1u 1u 1m 5m)\nR9 p1 yy 1k\n"
+                            "V8 p2 0 PULSE 0 5 1m {edge} '2*edge' 1m\nR8 p2 yy 1k\n"
+                            "V7 pulse 0 pulse(0 5 0 1u)\nR7 pulse yy 1k\n");
+  ran r = run("check d.cir");
+  EXPECT(r.status == 0 && !strstr(r.err, "PULSE"), "%d %s", r.status, r.err);
+  free_ran(&r);
+}
+
 /* ---- numbers, and messages ---- */
 
 static void numbers_that_are_misread(void) {
@@ -470,6 +489,15 @@ static void numbers_that_are_misread(void) {
       {"L9 ss yy\n+ 1Meg5", "d.cir:17:3", "write 1.5Meg"},
       {"R9 ss yy 4,7k", "d.cir:16:10", "a point"},
       {"V9 ss yy 2,5", "d.cir:16:10", "a point"},
+      {".model m SW(Vt=1,5 Vh=0,1)", "d.cir:16:16", "'1,5': a decimal point is wanted"},
+      {".model m D(n=1\n+ , rs = 0,5)", "d.cir:17:10", "'0,5': a decimal point"},
+      {".model m D(n=1,is=2,5n,rs=1)", "d.cir:16:19", "'2,5n': a decimal point"},
+      {".param y=1 x=4,7k", "d.cir:16:14", "'4,7k': a decimal point"},
+      {".param x=-2,5", "d.cir:16:10", "'-2,5': a decimal point"},
+      {".ic v(b)=1,5", "d.cir:16:10", "a decimal point"},
+      {".nodeset v(b)=1 v(yy)=1,5", "d.cir:16:23", "a decimal point"},
+      {"C9 ss yy 1n ic=1,5", "d.cir:16:16", "a decimal point"},
+      {"X1 ss yy s R=4,7k\n.subckt s a b R=1\nR1 a b {R}\n.ends", "d.cir:16:14", "a decimal point"},
       {"R9 ss yy 1.2.3", "d.cir:16:10", "one point"},
       {"R9 ss yy 1,000.5", "d.cir:16:10", "a point"},
       {"R9 ss yy 0x10", "d.cir:16:10", "ngspice reads 0x and leaves"}, /* none of an ohm */
@@ -501,6 +529,14 @@ static void numbers_that_are_misread(void) {
                             "R7 4k7 0 2.2MEG\nB1 1k5 0 V=V(4k7)\nR6 1k5 0 1u\n");
   ran r = run("check d.cir");
   EXPECT(r.status == 0 && !strstr(r.err, "1n4148"), "%s", r.err);
+  free_ran(&r);
+  /* commas between parameters and in lists */
+  write_file("d.cir",
+             BENCH ".param x=1,y={max(1,2)} z=2\n.model m D(IS=1n,N=1, RS=1)\nD9 yy 0 m\n"
+                   ".model p pwl(x_array=[0,1,2,5] y_array=[0,1,2,3])\nA9 ss zz p\n"
+                   "R9 zz 0 1k tc=1,2\nR8 zz 0 1k TC = 1,2\nQ9 yy 0 0 q\n.model q NPN(bf=1e2)\n");
+  r = run("check d.cir");
+  EXPECT(r.status == 0, "%s", r.err);
   free_ran(&r);
 }
 
@@ -545,6 +581,7 @@ int main(void) {
       {"integrals", integrals},
       {"parasitic parts", parasitic_parts},
       {"constructs are told", constructs_are_told},
+      {"pulses with edges", pulses_with_edges},
       {"numbers that are misread", numbers_that_are_misread},
       {"messages have places", messages_have_places},
   };

@@ -178,6 +178,16 @@ static void devices_are_counted(void) {
   ran r = run("check s.yaml --set limits.devices=100");
   EXPECT(r.status == 2 && strstr(r.err, "100 of them by this line"), "%d %s", r.status, r.err);
   free_ran(&r);
+  /* a line of segments, each of which is two devices */
+  char *text = read_file(VS_TEST_FOLDER "/../spice/halfwave_snubbed.cir");
+  vs_text deck = {0};
+  vs_text_add(&deck, "%s\n.model um urc(rperl=1k cperl=1p)\nU9 k 0 0 um l=1 n=200\n", text);
+  write_file("small.cir", deck.text);
+  r = run("check s.yaml --set limits.devices=300");
+  EXPECT(r.status == 2 && strstr(r.err, "401 of them by this line"), "%d %s", r.status, r.err);
+  free_ran(&r);
+  vs_text_free(&deck);
+  free(text);
 }
 
 /* ---- studies ---- */

@@ -143,6 +143,19 @@ vs_status vs_path_check_plain(const char *path, vs_where where, vs_error *err) {
                     path);
 }
 
+/* Fails with the nearest name on the shelf; `looked` says where else there is no such file. */
+static vs_status refuse(const vs_shelf *shelf, const char *name, vs_where where, const char *looked,
+                        vs_error *err) {
+  struct names known = {.shelf = shelf};
+  vs_path_list(shelf, collect_name, &known);
+  const char *nearest = vs_text_nearest(name, known.names, known.count);
+  vs_fail_at(err, where, "no %s '%s': %s, and not a%s %s that comes with the program%s%s%s",
+             shelf->what, name, looked, strchr("aeiou", *shelf->what) ? "n" : "", shelf->what,
+             nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+  for (size_t k = 0; k < known.count; k++) free((void *)(size_t)known.names[k]);
+  return VS_INPUT;
+}
+
 vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
                        char path[VS_PATH_SIZE], vs_error *err) {
   if (strlen(name) >= VS_PATH_SIZE / 2) return vs_fail_at(err, where, "%s: name too long", name);
@@ -153,12 +166,11 @@ vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
   }
   if (vs_path_shipped(shelf, name, path)) return vs_jail_check(path, where, err);
   if (strchr(name, '/') && vs_jail_check(name, where, err)) return VS_INPUT;
-  struct names known = {.shelf = shelf};
-  vs_path_list(shelf, collect_name, &known);
-  const char *nearest = vs_text_nearest(name, known.names, known.count);
-  vs_fail_at(err, where, "no %s '%s': not a file, and not a%s %s that comes with the program%s%s%s",
-             shelf->what, name, strchr("aeiou", *shelf->what) ? "n" : "", shelf->what,
-             nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
-  for (size_t k = 0; k < known.count; k++) free((void *)(size_t)known.names[k]);
-  return VS_INPUT;
+  return refuse(shelf, name, where, "not a file", err);
+}
+
+vs_status vs_path_find_shipped(const vs_shelf *shelf, const char *name, vs_where where,
+                               const char *looked, char path[VS_PATH_SIZE], vs_error *err) {
+  if (vs_path_shipped(shelf, name, path)) return vs_jail_check(path, where, err);
+  return refuse(shelf, name, where, looked, err);
 }

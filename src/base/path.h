@@ -26,11 +26,17 @@ typedef struct vs_shelf {
 vs_status vs_path_find(const vs_shelf *shelf, const char *name, vs_where where,
                        char path[VS_PATH_SIZE], vs_error *err);
 
-/* Error: `path`, which stands at `where`, is a pipe, a device or a socket. Who reads it might wait
- * for ever. */
+/* The same, but on the shelf alone: a file of that name in the working directory is none. `looked`
+ * says in the message where else the file is not, as "not a file". */
+vs_status vs_path_find_shipped(const vs_shelf *shelf, const char *name, vs_where where,
+                               const char *looked, char path[VS_PATH_SIZE], vs_error *err);
+
+/* Error: `path`, which stands at `where`, is a folder, a pipe, a device or a socket. Who reads it
+ * might wait for ever. */
 vs_status vs_path_check_plain(const char *path, vs_where where, vs_error *err);
 
-/* The same as vs_path_find, for a file that comes with the program: false where there is none of that name. */
+/* The same as vs_path_find, for a file that comes with the program: false where there is none of
+ * that name. */
 bool vs_path_shipped(const vs_shelf *shelf, const char *name, char path[VS_PATH_SIZE]);
 
 /* The same, but never of $VIBROSPICE_PATH, whose files may be a stranger's; and it can be read. */

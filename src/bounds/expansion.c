@@ -9,6 +9,7 @@
 
 #include "deck/rules.h"
 #include "dialect/words.h"
+#include "slips/slips.h"
 
 /* A subcircuit, or the deck's own top level, which has no name. */
 typedef struct body {
@@ -102,6 +103,7 @@ static double count(tally *t, size_t from, size_t to, int depth) {
     double of_line =
         name ? count_body(t, find_body(t, name, n), depth + 1)
              : isalpha((unsigned char)*line->text) || vs_words_begin(line->text, ".model");
+    of_line += 2 * vs_slips_segments(line->text);
     sum += of_line;
     if (depth > 0 || of_line <= t->most) continue;
     t->most = of_line;

@@ -8,8 +8,8 @@
 #include "deck/deck.h"
 
 /* Error, with the place of the instance that comes to most: the deck comes to more than `most`
- * elements and models, with its parts in their places. A subcircuit that the deck's files do not
- * define counts as one, and so does one within itself. */
+ * elements and models, with its parts in their places. Each segment of a line U counts as two. A
+ * subcircuit that the deck's files do not define counts as one, and so does one within itself. */
 vs_status vs_expansion_check(const vs_deck *deck, double most, vs_error *err);
 
 #endif

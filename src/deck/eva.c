@@ -267,8 +267,8 @@ vs_status vs_eva_write(const vs_deck *deck, vs_text *out, vs_error *err) {
   size_t size = 0;
   int taken = 0;
   const char *own = deck->eva_led ? "eva_led" : "eva";
-  vs_status status =
-      vs_path_find(&EVA_SHELF, deck->eva_file ? deck->eva_file : own, (vs_where){0}, path, err);
+  vs_status status = vs_path_find_shipped(&EVA_SHELF, deck->eva_file ? deck->eva_file : own,
+                                          (vs_where){0}, "not a file", path, err);
   if (status) return status;
   FILE *file = fopen(path, "r");
   if (!file) return vs_fail(err, VS_INPUT, "%s: cannot be opened: %s", path, strerror(errno));

@@ -21,7 +21,9 @@
 #include "slips/conditions.h"
 #include "slips/slips.h"
 
-static const vs_shelf INCLUDE_SHELF = {"include file", "", ""};
+/* Where includes are found that are not beside the file that includes them. */
+static const vs_shelf INCLUDE_SHELF = {"include file", "", ""},
+                      PARTS_SHELF = {"include file", "parts", ""};
 
 static vs_status read_file(vs_deck *deck, const char *path, bool library, vs_error *err);
 
@@ -58,11 +60,15 @@ static bool is_same_file(const char *a, const char *b) {
          left.st_ino == right.st_ino;
 }
 
-/* Finds a file by its name, from the folder of the file `where`. Of a path of Windows', which
- * programs write into netlists for their own libraries, the file's name alone is looked for; a
- * library that is not there is told, and *path is empty: ngspice names what it misses then. A file
- * that has the name of what it includes means the one that comes with the program. *ours: it is one
- * that does. */
+static bool is_shipped(const char *name, char path[VS_PATH_SIZE]) {
+  return vs_path_shipped(&INCLUDE_SHELF, name, path) || vs_path_shipped(&PARTS_SHELF, name, path);
+}
+
+/* Finds a file by its name in the folder of the file `where`, else among those that come with the
+ * program; never in the working directory. Of a path of Windows', which programs write into
+ * netlists for their own libraries, the file's name alone is looked for; a library that is not
+ * there is told, and *path is empty: ngspice names what it misses then. A file that has the name of
+ * what it includes means the one that comes with the program. *ours: it is one that does. */
 static vs_status find_include(vs_deck *deck, const char *name, vs_where where,
                               char path[VS_PATH_SIZE], bool *ours, vs_error *err) {
   const char *slash = strrchr(where.file, '/'), *back = strrchr(name, '\\');
@@ -73,7 +79,7 @@ static vs_status find_include(vs_deck *deck, const char *name, vs_where where,
   vs_status status = vs_jail_check(path, where, err);
   if (status) return status;
   *ours = true;
-  if (is_same_file(path, where.file) && vs_path_shipped(&INCLUDE_SHELF, base, shipped)) {
+  if (is_same_file(path, where.file) && is_shipped(base, shipped)) {
     snprintf(path, VS_PATH_SIZE, "%s", shipped);
     return VS_OK;
   }
@@ -81,10 +87,12 @@ static vs_status find_include(vs_deck *deck, const char *name, vs_where where,
   for (size_t k = 0; k < deck->n_files; k++) /* what is beside a file of the program's own */
     *ours = *ours || (deck->files[k] == where.file && deck->included[k].file);
   if (!access(path, R_OK)) return VS_OK;
-  vs_error unread = {0};
   *ours = true;
-  status = vs_path_find(&INCLUDE_SHELF, base, where, path, back ? &unread : err);
-  if (!status || !back) return status;
+  if (is_shipped(base, path)) return vs_jail_check(path, where, err);
+  if (!back) {
+    const char *looked = *base == '/' ? "not a file" : "not beside the file that includes it";
+    return vs_path_find_shipped(&INCLUDE_SHELF, base, where, looked, path, err);
+  }
   *path = '\0';
   vs_deck_remark(deck, where,
                  "%s is not on this machine, and skipped; if the circuit needs a model of it, copy "

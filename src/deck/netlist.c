@@ -119,23 +119,42 @@ static vs_status check_gains(const vs_deck *deck, vs_error *err) {
   return status;
 }
 
-/* Warns of what stands in the deck's own file. Libraries of vendors have many such lines, which do
- * no harm to a circuit that was made with them. */
-static void tell_double(void *ctx, vs_where where, const char *text) {
-  vs_deck *deck = ctx;
-  if (where.file == deck->files[0]) vs_deck_remark(deck, where, "%s", text);
+/* Who is told of doubles. */
+typedef struct doubles {
+  vs_deck *deck;
+  vs_error *err;
+  vs_status status;
+} doubles;
+
+/* Refuses one name in two files: one of them, as a part, would get what the other says, while its
+ * limits are judged. Warns of what else stands in the deck's own file. Libraries of vendors have
+ * many such lines, which do no harm to a circuit that was made with them. */
+static void tell_double(void *ctx, vs_where where, bool apart, const char *text) {
+  doubles *d = ctx;
+  if (!apart && where.file == d->deck->files[0]) vs_deck_remark(d->deck, where, "%s", text);
+  if (!apart || d->status) return;
+  char within[VS_PATH_SIZE];
+  where = vs_deck_mendable(d->deck, where, within, sizeof within);
+  d->status = vs_error_carry_on(d->err, vs_fail_at(d->err, where, "%s%s", text, within));
+}
+
+static vs_status check_doubles(vs_deck *deck, vs_error *err) {
+  doubles d = {deck, err, VS_OK};
+  vs_doubles_look(deck->lines, deck->n_lines, tell_double, &d);
+  return d.status;
 }
 
 /* What can be told once all lines are there. */
 static vs_status check_whole(vs_deck *deck, vs_error *err) {
-  vs_status status = check_definitions(deck, err);
+  vs_status status = vs_rules_params(deck, err);
+  if (!status) status = check_definitions(deck, err);
   if (!status) status = check_nesting(deck, err);
   if (!status) status = check_instances(deck, err);
   if (!status) status = check_gains(deck, err);
   if (!status) status = vs_error_carry_on(err, vs_slips_names(deck->lines, deck->n_lines, err));
   if (!status) status = vs_couplings_check(deck->lines, deck->n_lines, err);
   if (!status) status = vs_probes_check_units(deck, err);
-  if (!status) vs_doubles_look(deck->lines, deck->n_lines, tell_double, deck);
+  if (!status) status = check_doubles(deck, err);
   return status;
 }
 

@@ -12,6 +12,9 @@
  * circuit's lines and harmless; deck->skipped has it then. */
 vs_status vs_rules_statement(vs_deck *deck, const char *line, vs_where where, bool *skip,
                              vs_error *err);
+/* Refuses a .param, outside of subcircuits, of a name that stands in a '*$ param' line, once all
+ * files are read: a part's file declares its own behind the deck's lines. Error with its place. */
+vs_status vs_rules_params(const vs_deck *deck, vs_error *err);
 /* Holds any other line to the rules. Notes the EVA, and sets deck->own_clock as above. */
 vs_status vs_rules_element(vs_deck *deck, const char *line, vs_where where, vs_error *err);
 

@@ -159,6 +159,55 @@ static vs_status check_value(const vs_line *line, vs_word w, vs_error *err) {
                            : VS_OK;
 }
 
+/* Returns the length of a number with a comma at s, as 1,5 or 4,7k; 0: there is none, or a name
+ * follows the comma. */
+static size_t decimal_comma(const char *s) {
+  size_t n = strspn(s, "+-"), before = digits(s + n);
+  n += before;
+  size_t after = s[n] == ',' ? digits(s + n + 1) : 0;
+  if (!before || !after) return 0;
+  n += 1 + after;
+  if (s[n] == '.') n += 1 + digits(s + n + 1);
+  while (isalpha((unsigned char)s[n])) n++;
+  return vs_words_goes_on(s[n]) || vs_words_is_given(s + n) ? 0 : n;
+}
+
+/* True for a line whose values "NAME=..." are numbers of their own. Transistors and transmission
+ * lines have lists with commas. */
+static bool has_plain_values(const char *text) {
+  static const char *const WORDS[] = {".model", ".param", ".subckt", ".ic", ".nodeset"};
+  for (size_t k = 0; k < sizeof WORDS / sizeof *WORDS; k++)
+    if (vs_words_begin(text, WORDS[k])) return true;
+  return strchr("rRcClLxX", *text);
+}
+
+/* Looks at the values "NAME=..." that stand in no brackets, but for those of a .model. The two
+ * coefficients of "tc=1m,2u" are a list. */
+static vs_status check_commas(const vs_line *line, vs_error *err) {
+  const char *text = line->text;
+  const bool model = vs_words_begin(text, ".model");
+  int depth = 0;
+  if (!strchr(text, ',') || !has_plain_values(text)) return VS_OK;
+  for (const char *s = text; *s; s++) {
+    if (*s == '"' || *s == '\'') {
+      s = strchr(s + 1, *s);
+      if (!s) break;
+    }
+    depth += strchr(model ? "{[" : "{[(", *s) != NULL;
+    depth -= strchr(model ? "}]" : "}])", *s) != NULL;
+    if (*s != '=' || depth) continue;
+    const char *value = s + 1 + strspn(s + 1, " \t"), *end = s;
+    const size_t n = decimal_comma(value);
+    while (end > text && strchr(" \t", end[-1])) end--;
+    const bool list = end - text > 2 && !strncasecmp(end - 2, "tc", 2);
+    if (n && !list)
+      return vs_fail_at(err, vs_line_place(line, value),
+                        "'%.*s': a decimal point is wanted in the place of the comma", (int)n,
+                        value);
+  }
+  return VS_OK;
+}
+
 /* True for a resistance such as 1M or 2.2MOhm. */
 static bool is_milliohm(vs_word w) {
   size_t n = strspn(w.at, "0123456789.");
@@ -166,6 +215,21 @@ static bool is_milliohm(vs_word w) {
   vs_word unit = {w.at + n + 1, w.n - n - 1};
   return unit.n == 0 || vs_words_is(unit, "ohm") || vs_words_is(unit, "ohms") ||
          vs_words_is(unit, "r");
+}
+
+/* Tells of a value such as 1M or {1M} in a line .param. */
+static void tell_of_milli(const vs_line *line, vs_tally *tally) {
+  if (!vs_words_begin(line->text, ".param")) return;
+  for (const char *s = line->text; (s = strchr(s, '='));) {
+    s++;
+    s += strspn(s, " \t{'");
+    const vs_word w = {s, strcspn(s, " \t,}'")};
+    if (is_milliohm(w))
+      vs_tally_add(tally,
+                   "a number in M of a .param is one in milli, as SPICE knows no capitals; write "
+                   "Meg for mega, or m",
+                   vs_line_place(line, s));
+  }
 }
 
 /* True for a capacitance such as 1F. */
@@ -264,7 +328,9 @@ vs_status vs_numbers_check(const vs_line *line, vs_tally *tally, vs_error *err) 
   if (strchr("rRcClLkK", *text)) status = check_element(line, w, count, tally, err);
   if (strchr("vViI", *text) && count == 4) status = check_value(line, w[3], err);
   if (strchr("vViI", *text)) tell_of_modulation(line, w, count, tally);
+  if (!status) status = check_commas(line, err);
   if (status) return status;
+  tell_of_milli(line, tally);
   const char *values = values_of(text, w, count);
   return values ? check_factors(line, values, err) : VS_OK;
 }

@@ -63,6 +63,36 @@ static vs_status check_points(const vs_rewriting *r) {
   return VS_OK;
 }
 
+/* True where the n-th number of a course is 0 or not there, so that ngspice takes its own. */
+static bool is_left_out(const vs_word *w, size_t count, size_t n) {
+  double value;
+  return count <= n || (vs_numbers_read(w[n], &value) && value == 0);
+}
+
+/* PULSE(low high delay rise fall width period): for a rise or fall of 0, or none, ngspice takes the
+ * step of its .tran, which is the run's largest one here. Without a width nothing falls. */
+static void tell_of_edges(vs_rewriting *r) {
+  enum { RISE = 3, FALL, WIDTH, MOST };
+  vs_word w[MOST];
+  size_t count = 0;
+  const char *pulse = r->text.text;
+  if (!*pulse || !strchr("vViI", *pulse)) return;
+  for (int n = 0; n < 3; n++) pulse = vs_words_next(pulse);
+  while (*pulse && !vs_words_is(vs_words_at(pulse), "pulse")) pulse = vs_words_next(pulse);
+  if (!*pulse) return;
+  for (const char *s = pulse + 5; count < MOST; s += w[count++].n) {
+    s += strspn(s, " \t,(");
+    if (!*s || *s == ')') break;
+    const char *end = strchr("{'", *s) ? strchr(s + 1, *s == '{' ? '}' : '\'') : NULL;
+    w[count] = end ? (vs_word){s, (size_t)(end - s) + 1} : vs_words_at(s);
+  }
+  if (is_left_out(w, count, RISE) || (!is_left_out(w, count, WIDTH) && is_left_out(w, count, FALL)))
+    vs_tally_add(r->tally,
+                 "an edge of PULSE that is 0 or left out lasts as long as the run's largest step, "
+                 "which goes with run.tolerance; write its time, as 10n",
+                 vs_rewriting_place(r, pulse, 5));
+}
+
 vs_status vs_translate(vs_rewriting *r) {
   vs_status status = vs_numbers_check(r->line, r->tally, r->err);
   if (status) return status;
@@ -72,6 +102,7 @@ vs_status vs_translate(vs_rewriting *r) {
     rewrite_commas(r);
   status = check_sine(r);
   if (!status) status = check_points(r);
+  if (!status) tell_of_edges(r);
   if (!status) status = vs_models_rewrite(r);
   if (!status) status = vs_elements_rewrite(r);
   if (!status) status = vs_functions_rewrite(r);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "slips/doubles.h"
 
-#include <stdbool.h>
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,13 +36,25 @@ static bool is_same(const definition *a, const definition *b) {
   return a->model == b->model && a->scope == b->scope && !vs_words_compare(a->name, b->name);
 }
 
+/* True where both lines say the same, but for capitals and for how long their blanks are. */
+static bool is_alike(const char *a, const char *b) {
+  for (;; a++, b++) {
+    const size_t blanks = strspn(a, " \t"), others = strspn(b, " \t");
+    if ((blanks > 0) != (others > 0)) return !a[blanks] && !b[others]; /* at the end of one */
+    a += blanks;
+    b += others;
+    if (tolower((unsigned char)*a) != tolower((unsigned char)*b)) return false;
+    if (!*a) return true;
+  }
+}
+
 /* True where both definitions say the same: a model one line, a subcircuit all up to its .ends. */
 static bool say_the_same(const vs_line *lines, size_t count, const definition *a,
                          const definition *b) {
   int depth = 0;
   for (size_t k = 0; b->line + k < count; k++) {
     const char *text = lines[a->line + k].text;
-    if (strcasecmp(text, lines[b->line + k].text)) return false;
+    if (!is_alike(text, lines[b->line + k].text)) return false;
     depth += vs_words_begin(text, ".subckt") - vs_words_begin(text, ".ends");
     if (depth <= 0) break;
   }
@@ -53,13 +65,17 @@ static void tell_second(const vs_line *lines, const definition *first, const def
                         vs_doubles_tell *tell, void *ctx) {
   char text[400];
   const vs_where at = lines[first->line].where;
-  const bool other = at.file != lines[second->line].where.file;
+  const bool other = at.file != lines[second->line].where.file, apart = other && !first->scope;
+  const char *file = other ? at.file : "", *comma = other ? ", " : "";
+  const char *what = second->model ? ".model" : ".subckt";
+  const int n = second->name.n < 64 ? (int)second->name.n : 64;
   snprintf(text, sizeof text,
-           "a second %s %.*s: ngspice takes the first, of %.200s%sline %d; leave one out, or give "
-           "it another name",
-           second->model ? ".model" : ".subckt", second->name.n < 64 ? (int)second->name.n : 64,
-           second->name.at, other ? at.file : "", other ? ", " : "", at.line);
-  tell(ctx, lines[second->line].where, text);
+           apart ? "a second %s %.*s, which says other things than the first, of %.200s%sline %d: "
+                   "ngspice would take the first for both; give one another name"
+                 : "a second %s %.*s: ngspice takes the first, of %.200s%sline %d; leave one out, "
+                   "or give it another name",
+           what, n, second->name.at, file, comma, at.line);
+  tell(ctx, lines[second->line].where, apart, text);
 }
 
 /* Tells of an .ends that has a name of its own. The names are those of the files, as the program
@@ -76,7 +92,7 @@ static void check_end(const vs_line *subcircuit, const vs_line *end, vs_doubles_
            "it, or the name another?",
            name.n < 64 ? (int)name.n : 64, name.at, subcircuit->where.line,
            said.n < 64 ? (int)said.n : 64, said.at);
-  tell(ctx, vs_line_place(end, said.at), text);
+  tell(ctx, vs_line_place(end, said.at), false, text);
 }
 
 void vs_doubles_look(const vs_line *lines, size_t count, vs_doubles_tell *tell, void *ctx) {

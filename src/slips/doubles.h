@@ -4,10 +4,13 @@
 #ifndef VS_SLIPS_DOUBLES_H
 #define VS_SLIPS_DOUBLES_H
 
+#include <stdbool.h>
+
 #include "dialect/line.h"
 
-/* Is given each warning and its place. */
-typedef void vs_doubles_tell(void *ctx, vs_where where, const char *text);
+/* Is given each slip and its place. `apart`: the two stand in different files, outside of all
+ * subcircuits, and say different things: what was made with one of them gets the other. */
+typedef void vs_doubles_tell(void *ctx, vs_where where, bool apart, const char *text);
 
 /* Looks at all lines of a netlist. Definitions are compared with those in the same subcircuit, or
  * outside of all. Two that say the same are no slip, nor are those between .if and .endif, of which

@@ -9,9 +9,13 @@
 /* Errors with their place, and what would be right: a bracket or brace that is not closed, or is
  * one too many; an R, C or L of nothing but two nodes; times of a PWL of which one lies before the
  * last; what vs_parameters_check and vs_couplings_line find; a POLY(n) with too few nodes,
- * sources or coefficients; a T without a delay. What stands in double quotes is not
- * looked at, nor are the round brackets of a .model, which ngspice takes for blanks. */
+ * sources or coefficients; a T without a delay; a U of too many segments. What stands in double
+ * quotes is not looked at, nor are the round brackets of a .model, which ngspice takes for blanks.
+ */
 vs_status vs_slips_line(const vs_line *line, vs_error *err);
+
+/* How many segments ngspice makes of a line U..., of which each is two devices; 0: it is none. */
+double vs_slips_segments(const char *line);
 
 /* Error: outside of subcircuits a node is called time or temper, with its place. ngspice then tells
  * the time in the place of the node's voltage, or runs out of memory. */
