@@ -206,6 +206,27 @@ static void the_pole_is_met(void) {
   CU_ASSERT_NOT_EQUAL(access("x.txt", F_OK), 0);
 }
 
+/* The largest current is told by its size, at its own instant: here the mains begin with their
+ * negative half, and the coil's first current is its largest. */
+static void the_largest_current_is_negative(void) {
+  write_file("coil.cir", "*$ port mains = Vmains\nVmains a 0 external\nR1 a b 200\nXeva b 0 eva\n");
+  const char *sets[] = {"circuit.deck=coil.cir", "run.until=40ms",      "supply.phase=180deg",
+                        "run.tolerance=1e-5",    "supply.voltage=100V", NULL};
+  vs_error err = {0};
+  CU_ASSERT_EQUAL_FATAL(export(sets, &err), VS_OK);
+  CU_ASSERT_EQUAL_FATAL(run_ngspice(), 0);
+  vs_trial *trial = vs_trial_run("paper", "circuit", sets, NULL);
+  EXPECT(!trial->status, "%s", trial->err.text);
+  vs_value peak = trial->result.values[VS_M_I_PEAK];
+  CLOSE(measured("i_peak_a"), peak.value, 1e-3);
+  vs_trial_free(trial);
+  table *t = read_table();
+  double most = -INFINITY;
+  for (int r = 1; r < t->rows; r++) most = fmax(most, t->y[r][t->index[6]]);
+  EXPECT(most < 0.99 * peak.value, "%g A is no smaller than %g A", most, peak.value);
+  free(t);
+}
+
 /* What a source of gate pulses, or of their sub-pulses, is at. */
 static bool is_on(const vs_timeline *line, int source, double t_s) {
   double shift_rad = source % 2 * M_PI;
@@ -366,6 +387,7 @@ static const vs_test TESTS[] = {
     {"with a stop", with_a_stop},
     {"started in motion", started_in_motion},
     {"the pole is met", the_pole_is_met},
+    {"a negative current", the_largest_current_is_negative},
     {"two gates", gates_follow_the_timeline},
     {"pulses before the run", pulses_before_the_run},
 };

@@ -356,7 +356,7 @@ static void add_commands(vs_text *t, const vs_scene *scene, const column *column
               measured[MEASURED_FIRST], travel, vs_mechanism_node(m, true),
               opens_the_gap(m) ? "fall" : "rise");
   vs_text_add(t, "meas tran %s min %s\n", measured[MEASURED_LEAST], travel);
-  vs_text_add(t, "meas tran %s max i_a\n", measured[MEASURED_I]);
+  vs_text_add(t, "let vs_size = abs(i_a)\nmeas tran %s max vs_size\n", measured[MEASURED_I]);
   if (opens_the_gap(m)) vs_text_add(t, "let vs_force = abs(force_n)\n");
   vs_text_add(t, "meas tran %s max %s\n", measured[MEASURED_FORCE],
               opens_the_gap(m) ? "vs_force" : "force_n");
