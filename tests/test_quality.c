@@ -267,6 +267,31 @@ static void settled_on_the_orbit(void) {
   }
 }
 
+/* A period of an orbit is whole cycles, whatever the scene's own run is. */
+static void of_an_orbit(void) {
+#define ORBIT "paper --set firing.every=1 --set quality=mains --tier switched "
+  static const char *const SCENES[] = {"--set run.until=0.2s", "--set run.until=0.205s",
+                                       "--set run.until=20ms --set 'measure.from=5 ms'"};
+  double thd = NAN;
+  for (size_t k = 0; k < COUNT(SCENES); k++) {
+    char line[512];
+    snprintf(line, sizeof line, "steady " ORBIT "%s --json", SCENES[k]);
+    ran r = run(line);
+    EXPECT(r.status == 0, "%s%s", SCENES[k], r.err);
+    if (r.status == 0) {
+      double own = number_of(r.out, "\"mains.thd\": {\"value\": ");
+      if (k == 0) thd = own;
+      CLOSE(own, thd, 1e-12);
+    }
+    free_ran(&r);
+  }
+  RUN_GOOD("steady " ORBIT "--set run.until=0.205s --along firing.angle=100deg..101deg --quiet");
+  RUN_GOOD("sensitivity " ORBIT "--set run.until=0.205s --steady --of p_min --to supply.voltage");
+  static const char *const SAYS[] = {"whole cycles", NULL};
+  refuse("sensitivity " ORBIT "--set run.until=0.205s --of p_min --to supply.voltage", "a run", "",
+         SAYS, __LINE__);
+}
+
 static void shown_and_drawn(void) {
   ran r = run("run paper "
               "--set firing.every=1 --tier switched --set run.until=0.1s --set "
@@ -400,6 +425,7 @@ static const vs_test TESTS[] = {
     {"on the orbit", on_the_orbit},
     {"a step across the middle", a_step_across_the_middle},
     {"settled on the orbit", settled_on_the_orbit},
+    {"of an orbit", of_an_orbit},
     {"what is shown and drawn", shown_and_drawn},
     {"the page", the_page},
     {"in a study", in_a_study},

@@ -66,7 +66,7 @@ static vs_status take(const vs_node *node, const vs_setup *setup, const vs_frame
 }
 
 vs_status vs_quality_read(const vs_node *node, const vs_setup *setup, const vs_frame *frame,
-                          vs_quality_list *list, vs_error *err) {
+                          bool of_period, vs_quality_list *list, vs_error *err) {
   const bool text = node && node->kind == VS_NODE_TEXT;
   vs_status s = VS_OK;
   list->count = 0;
@@ -83,7 +83,7 @@ vs_status vs_quality_read(const vs_node *node, const vs_setup *setup, const vs_f
                                              KEY));
   for (const vs_node *n = text ? node : node->child; n && !s; n = text ? NULL : n->next)
     s = vs_error_carry_on(err, take(n, setup, frame, list, err));
-  if (s || !isnan(cycles_of(setup))) return s;
+  if (s || of_period || !isnan(cycles_of(setup))) return s;
   return vs_error_carry_on(
       err, vs_fail_at(err, node->where,
                       "%s: whole cycles of the mains are wanted, and means are over %.9g s, which "
