@@ -421,6 +421,31 @@ static void the_page(void) {
   free(text), free(line), free(rest), free(scene), free(page);
 }
 
+/* Before a value at which the mass is singular a walk ends, and says what is behind it. */
+static void before_a_singular_mass(void) {
+  write_file("pair.yaml", "title: pair\n"
+                          "coordinates: {p: {unit: m, text: travel}, r: {unit: rad, text: turn}}\n"
+                          "parameters:\n"
+                          "  s: {default: 0.05 kg.m, range: 0 kg.m .., text: coupling}\n"
+                          "mass: [[1 kg, s], [s, 0.01 kg.m2]]\n"
+                          "damping: [[20 N.s/m, 0], [0, 0.1 N.m.s/rad]]\n"
+                          "stiffness: [[1e5 N/m, 0], [0, 500 N.m/rad]]\n"
+                          "gap: {along: {p: 1}}\n"
+                          "actuator: {gap: 5 mm, pole_cover: 0.5 mm, inductance: 0.46 H, "
+                          "resistance: 12 ohm}\n");
+  write_file("pair_scene.yaml", "machine: {model: pair.yaml}\nsupply: {voltage: 100 V}\n"
+                                "firing: {every: 1, angle: 120 deg}\n");
+  ran r = run("steady pair_scene.yaml --tier switched --along machine.s=0.09kg.m..0.11kg.m");
+  const char *at = strstr(r.err, "cannot be followed beyond machine.s = ");
+  EXPECT(r.status == 1 && at && strstr(at, "behind it the scene is refused: pair.yaml:") &&
+             strstr(at, "mass is not positive definite"),
+         "%d: %s", r.status, r.err);
+  double key = at ? strtod(strchr(at, '=') + 1, NULL) : NAN;
+  EXPECT(key < 0.1 && key > 0.1 - 2e-5, "it ends at %.9g", key); /* a thousandth of the range */
+  EXPECT(strstr(r.out, "cannot be followed beyond") != NULL, "%s", r.out);
+  free_ran(&r);
+}
+
 static const vs_test TESTS[] = {
     {"the pole cover is touched", the_pole_cover_is_touched},
     {"the bound moves", the_bound_moves},
@@ -428,6 +453,7 @@ static const vs_test TESTS[] = {
     {"a fold beside its grazing", a_fold_beside_its_grazing},
     {"a branch of twice the period ends at a flip", a_branch_of_twice_the_period_ends_at_a_flip},
     {"a walk ends where orbits end", a_walk_ends_where_orbits_end},
+    {"before a singular mass", before_a_singular_mass},
     {"a signal ends a walk", a_signal_ends_a_walk},
     {"files and tables", files_and_tables},
     {"the page", the_page},

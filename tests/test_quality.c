@@ -226,6 +226,72 @@ static void on_the_orbit(void) {
   free(five);
 }
 
+/* A step across the middle of two cycles belongs to both of its ends, each by its part: here the
+ * second one along a straight line from 0 to 4 A, of which the first half goes up to 2 A. */
+static void a_step_across_the_middle(void) {
+  static const char *const SETS[] = {"run.until=80ms", "measure={from: 20 ms, to: 60 ms}",
+                                     "quality=mains", "firing.every=1", NULL};
+  vs_trial *t = vs_trial_read("paper", "circuit", SETS);
+  vs_knot *a = vs_alloc(1, sizeof *a), *b = vs_alloc(1, sizeof *b);
+  vs_quality q;
+  EXPECT(!t->status && t->scene.quality.count == 1, "%s", t->err.text);
+  vs_quality_begin(&q, &t->scene.quality.item[0], &t->scene.setup);
+  for (int k = 0; k < 2; k++) {
+    const double ends_s[] = {0.02, 0.0273, 0.06};
+    a->t_s = ends_s[k], b->t_s = ends_s[k + 1];
+    a->i_mains_a = 100 * (a->t_s - 0.02), b->i_mains_a = 100 * (b->t_s - 0.02);
+    const vs_step step = {.frame = &t->scene.frame, .from = a, .to = b};
+    vs_quality_accept(&q, &step);
+  }
+  EXPECT(q.half == 1, "ends of %d cycles", q.half);
+  CLOSE(q.ends_squared[0], 0.02 * 4 / 3, 1e-12);
+  CLOSE(q.ends_squared[1], 0.02 * 28 / 3, 1e-12);
+  CLOSE(q.current.squared, 0.04 * 16 / 3, 1e-12);
+  vs_quality_end(&q);
+  free(a), free(b);
+  vs_trial_free(t);
+}
+
+/* Wherever a stretch begins, the current of an orbit is settled. */
+static void settled_on_the_orbit(void) {
+  static const char *const UNTIL[] = {"0.2s", "0.207s", "0.213s"};
+  for (size_t k = 0; k < COUNT(UNTIL); k++) {
+    char line[512];
+    snprintf(line, sizeof line,
+             "run paper --set firing.every=1 --set quality=mains --set 'measure.last=2 cycles' "
+             "--set start=steady --tier switched --set run.until=%s",
+             UNTIL[k]);
+    ran r = run(line);
+    EXPECT(r.status == 0 && !strstr(r.err, "has not settled"), "%s: %s", UNTIL[k], r.err);
+    free_ran(&r);
+  }
+}
+
+/* A period of an orbit is whole cycles, whatever the scene's own run is. */
+static void of_an_orbit(void) {
+#define ORBIT "paper --set firing.every=1 --set quality=mains --tier switched "
+  static const char *const SCENES[] = {"--set run.until=0.2s", "--set run.until=0.205s",
+                                       "--set run.until=20ms --set 'measure.from=5 ms'"};
+  double thd = NAN;
+  for (size_t k = 0; k < COUNT(SCENES); k++) {
+    char line[512];
+    snprintf(line, sizeof line, "steady " ORBIT "%s --json", SCENES[k]);
+    ran r = run(line);
+    EXPECT(r.status == 0, "%s%s", SCENES[k], r.err);
+    if (r.status == 0) {
+      double own = number_of(r.out, "\"mains.thd\": {\"value\": ");
+      if (k == 0) thd = own;
+      CLOSE(own, thd, 1e-12);
+    }
+    free_ran(&r);
+  }
+  RUN_GOOD("steady " ORBIT "--set run.until=0.205s --along firing.angle=100deg..101deg --quiet");
+  RUN_GOOD("sensitivity " ORBIT "--set run.until=0.205s --steady --of p_min --to supply.voltage");
+  static const char *const SAYS[] = {"whole cycles", NULL};
+  refuse("sensitivity " ORBIT "--set run.until=0.205s --of p_min --to supply.voltage", "a run", "",
+         SAYS, __LINE__);
+}
+
 static void shown_and_drawn(void) {
   ran r = run("run paper "
               "--set firing.every=1 --tier switched --set run.until=0.1s --set "
@@ -357,6 +423,9 @@ static const vs_test TESTS[] = {
     {"a phase-controlled coil", resistance_and_inductance},
     {"a resistor across the mains", resistor},
     {"on the orbit", on_the_orbit},
+    {"a step across the middle", a_step_across_the_middle},
+    {"settled on the orbit", settled_on_the_orbit},
+    {"of an orbit", of_an_orbit},
     {"what is shown and drawn", shown_and_drawn},
     {"the page", the_page},
     {"in a study", in_a_study},

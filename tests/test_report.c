@@ -583,6 +583,14 @@ static void no_rows(void) {
   remove_tree("none");
 }
 
+/* A run that is shorter than a sample has the row of t = 0. */
+static void one_row(void) {
+  RUN_GOOD("run paper --tier switched --set run.until=1e-9s -o tiny --quiet");
+  static const char *const ONE[] = {"the only one", "a picture wants two", NULL};
+  refuse("plot tiny", "one row", "tiny/run.csv:2:1: ", ONE, __LINE__);
+  remove_tree("tiny");
+}
+
 static void bad_words(void) {
   copy_map("bad");
   static const char *const OVERLAY[] = {"--overlay", "bad holds a study"}, *const ENDING[] = {
@@ -657,6 +665,7 @@ int main(void) {
       {"axes of words", axes_of_words},
       {"hostile names", hostile_names},
       {"no rows", no_rows},
+      {"one row", one_row},
       {"in a browser", in_a_browser},
   };
   return program_suite("report", TESTS, on_path("gnuplot") ? COUNT(TESTS) : 7);

@@ -99,6 +99,7 @@ static vs_status follow(const vs_branch_options *o, vs_scene *scene, vs_error *e
 vs_status vs_branch_command(const vs_branch_options *o, vs_error *err) {
   const vs_run_options *run = o->run;
   vs_scene *scene = vs_alloc(1, sizeof *scene);
+  scene->of_period = true;
   vs_status status = vs_scene_read(run->scene, run->sets, run->n_sets, run->tier, scene, err);
   if (!status) vs_scene_hold(scene);
   if (!status && !run->quiet) vs_scene_warn(scene);

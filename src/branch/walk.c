@@ -221,6 +221,23 @@ static bool step(vs_walk *w, const vs_path_point *a, double *length, vs_path_poi
 
 /* ---- the ends ---- */
 
+/* A walk whose steps have become shorter than this part of the key's range looks as far ahead.
+ * Before a value at which the mass matrix is singular a machine has ever faster modes: each run
+ * takes longer than the one before, and steps halve without an end. */
+static const double AHEAD = 1e-3;
+
+/* Does the scene allow values of the key ahead of the point, within the range? Says why not. */
+static bool is_allowed_ahead(vs_walk *w, const vs_path_point *a) {
+  const vs_along *along = w->along;
+  int k = w->path.count;
+  double key = a->z[k] + copysign(AHEAD * w->path.unit[k], a->way[k]);
+  vs_error err = {0};
+  if (key < fmin(along->from, along->to) || key > fmax(along->from, along->to)) return true;
+  if (!vs_along_move(w->along, key, &err)) return true;
+  snprintf(w->why, sizeof w->why, "behind it the scene is refused: %.450s", err.text);
+  return false;
+}
+
 /* Puts b, which lies beyond the bound, on it: between a and b. */
 static bool land(vs_walk *w, const vs_path_point *a, double bound, vs_path_point *b) {
   int k = w->path.count;
@@ -269,6 +286,7 @@ static bool go_on(vs_walk *w, vs_path_point *a, double *length) {
   const vs_along *along = w->along;
   vs_path_point b;
   w->end = VS_WALK_STUCK;
+  if (*length < AHEAD && !is_allowed_ahead(w, a)) return true;
   if (!step(w, a, length, &b)) return true;
   double key = b.z[w->path.count];
   bool there = is_beyond(key, along->from, along->to),

@@ -20,7 +20,7 @@ typedef enum vs_walk_end {
   VS_WALK_REACHED, /* at the other end of the range */
   VS_WALK_BACK,    /* where it began */
   VS_WALK_MERGED,  /* in a branch of a smaller period */
-  VS_WALK_STUCK,   /* in between: no orbit was found any more */
+  VS_WALK_STUCK,   /* in between: no orbit was found any more, or the scene is refused ahead */
   VS_WALK_STOPPED  /* in between, by a signal */
 } vs_walk_end;
 

@@ -318,7 +318,7 @@ static void add_analysis(vs_text *t, const vs_setup *s) {
     add_saved(t, deck->terms[deck->probes[k].term].plus);
     add_saved(t, deck->terms[deck->probes[k].term].minus);
   }
-  vs_text_add(t, ".csparam vs_until={vs_until}\n.csparam vs_fire={vs_fire}\n"
+  vs_text_add(t, ".csparam vs_until={vs_until}\n.csparam vs_fired={vs_fired}\n"
                  ".csparam vs_d={vs_d}\n");
   if (m->coil.square) vs_text_add(t, ".csparam vs_a={eva_a}\n");
 }
@@ -352,11 +352,11 @@ static void add_commands(vs_text *t, const vs_scene *scene, const column *column
     vs_text_add(t, "let %s = %s\n", columns[k].name, columns[k].value.text);
   if (one < 0) vs_text_add(t, "let vs_travel = v(vs_%s)/1000\n", vs_mechanism_node(m, false));
   add_validity(t, m, travel);
-  vs_text_add(t, "meas tran %s find %s when v(vs_%s)=0 %s=1 td=$&vs_fire\n",
+  vs_text_add(t, "meas tran %s find %s when v(vs_%s)=0 %s=1 td=$&vs_fired\n",
               measured[MEASURED_FIRST], travel, vs_mechanism_node(m, true),
               opens_the_gap(m) ? "fall" : "rise");
   vs_text_add(t, "meas tran %s min %s\n", measured[MEASURED_LEAST], travel);
-  vs_text_add(t, "meas tran %s max i_a\n", measured[MEASURED_I]);
+  vs_text_add(t, "let vs_size = abs(i_a)\nmeas tran %s max vs_size\n", measured[MEASURED_I]);
   if (opens_the_gap(m)) vs_text_add(t, "let vs_force = abs(force_n)\n");
   vs_text_add(t, "meas tran %s max %s\n", measured[MEASURED_FORCE],
               opens_the_gap(m) ? "vs_force" : "force_n");
@@ -389,7 +389,7 @@ static vs_status write_text(vs_text *t, const vs_scene *scene, const char *name,
   vs_status status = check_names(scene, columns, count, err);
   add_head(t, scene, deck_name, table_name);
   add_scene(t, &scene->setup);
-  vs_plain_timing(t, &scene->setup.timeline);
+  vs_plain_timing(t, &scene->setup.timeline, &scene->setup.deck);
   if (!status) status = add_netlist(t, &scene->setup, err);
   vs_mechanism_write(t, &scene->setup);
   add_analysis(t, &scene->setup);

@@ -213,6 +213,7 @@ static vs_status find(const vs_sensitivity_options *o, const vs_sensitivity_orde
                       vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
   vs_sensitivity s = {0};
+  scene->of_period = o->steady;
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
   scene->allow_code = o->allow_code;
   if (!status && o->steady) vs_scene_hold(scene);

@@ -330,6 +330,7 @@ static vs_status report(const vs_run_options *o, int periods, extras more_of, vs
 
 vs_status vs_steady_command(const vs_run_options *o, int periods, bool linear, vs_error *err) {
   vs_scene *scene = vs_alloc(1, sizeof *scene);
+  scene->of_period = true;
   vs_status status = vs_scene_read(o->scene, o->sets, o->n_sets, o->tier, scene, err);
   const extras more = {linear, scene->control.regulator};
   if (!status) vs_scene_hold(scene);

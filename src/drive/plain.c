@@ -13,24 +13,47 @@
  * scene of fifty, with a diode in its deck; 0.1 ns and below: that one always). */
 static const double EDGE_S = 1e-8;
 
-void vs_plain_timing(vs_text *t, const vs_timeline *timeline) {
+/* The beginning of the first pulse of a train that does not end before t = 0, as an expression:
+ * ngspice aborts a run that has an edge of it there. A train's own first pulse lies up to a cycle
+ * before t = 0. A single one that is over then moves beyond the end of the run. */
+static void add_delay(vs_text *t, double turns, const char *width, const char *period) {
+  char own[64];
+  snprintf(own, sizeof own, "vs_fire+%.17g/f_mains", turns);
+  vs_text_add(t, "%s+%s*max(0,-floor((%s+%s)/%s))", own, period, own, width, period);
+}
+
+static void add_gate_delay(vs_text *t, double turns) {
+  add_delay(t, turns, "vs_pulse", "vs_period");
+}
+
+void vs_plain_timing(vs_text *t, const vs_timeline *timeline, const vs_deck *deck) {
   const double turn = 2 * M_PI;
+  size_t gates = 0;
   vs_text_add(t, "* first rising zero of the mains, first pulse, period and edges of the pulses\n");
   vs_text_add(t, ".param vs_zero={(-phase/%.17g-floor(-phase/%.17g))/f_mains}\n", turn, turn);
   if (timeline->firing.no_valve)
     vs_text_add(t, ".param vs_fire=0\n");
   else
     vs_text_add(t, ".param vs_fire={vs_zero+(vs_first-1+vs_angle/%.17g)/f_mains}\n", turn);
-  vs_text_add(t, ".param vs_period={vs_every>0 ? vs_every/f_mains : vs_until+vs_pulse+1}\n");
+  vs_text_add(t, ".param vs_period={vs_every>0 ? vs_every/f_mains : "
+                 "vs_until+vs_pulse+1+1/f_mains}\n");
   vs_text_add(t, ".param vs_edge={min(1e-8,vs_pulse/10)}\n");
   vs_text_add(t, ".param vs_burst_edge={min(1e-8,vs_burst_duty/vs_burst/10)}\n");
+  vs_text_add(t, "* the first pulse at any gate that does not end before t = 0\n.param vs_fired={");
+  for (size_t k = 0; k < deck->n_ports; k++) {
+    if (!vs_port_is_gated(&deck->ports[k].signal)) continue;
+    vs_text_add(t, gates++ ? ",min(" : "min(");
+    add_gate_delay(t, deck->ports[k].signal.shift_rad / turn);
+  }
+  vs_text_add(t, gates ? ",vs_until" : "vs_fire");
+  while (gates--) vs_text_add(t, ")");
+  vs_text_add(t, "}\n");
 }
 
 static void add_pulses(vs_text *t, const char *name, const char *nodes, double turns) {
-  vs_text_add(t,
-              "%s %s PULSE(0 1 {vs_fire+%.17g/f_mains} {vs_edge} {vs_edge} {vs_pulse-vs_edge} "
-              "{vs_period})\n",
-              name, nodes, turns);
+  vs_text_add(t, "%s %s PULSE(0 1 {", name, nodes);
+  add_gate_delay(t, turns);
+  vs_text_add(t, "} {vs_edge} {vs_edge} {vs_pulse-vs_edge} {vs_period})\n");
 }
 
 static void write_gate(vs_text *t, const vs_plain_source *s, const vs_timeline *timeline,
@@ -51,11 +74,13 @@ static void write_burst(vs_text *t, const vs_plain_source *s, const vs_timeline 
   snprintf(source, sizeof source, "Vvs_w_%s", name);
   snprintf(node, sizeof node, "vs_w_%s 0", name);
   add_pulses(t, source, node, turns);
+  vs_text_add(t, "Vvs_b_%s vs_b_%s 0 PULSE(0 1 {", name, name);
+  add_delay(t, turns, "vs_burst_duty/vs_burst", "(1/vs_burst)");
   vs_text_add(t,
-              "Vvs_b_%s vs_b_%s 0 PULSE(0 1 {vs_fire+%.17g/f_mains} {vs_burst_edge} "
-              "{vs_burst_edge} {vs_burst_duty/vs_burst-vs_burst_edge} {1/vs_burst})\n"
+              "} {vs_burst_edge} {vs_burst_edge} {vs_burst_duty/vs_burst-vs_burst_edge} "
+              "{1/vs_burst})\n"
               "Bvs_%s vs_%s %s V = v(vs_w_%s)*v(vs_b_%s)\n%s %s vs_%s 0\n",
-              name, name, turns, name, name, s->minus, name, name, name, s->plus, name);
+              name, name, s->minus, name, name, name, s->plus, name);
 }
 
 /* ---- mains ---- */

@@ -14,8 +14,9 @@ vs_status vs_plain_check(const vs_timeline *timeline, const vs_deck *deck, doubl
                          vs_error *err);
 
 /* Writes the .param lines that the sources of gates use: instants of the pulses, as drive/gate.h
- * has them, from the scene's parameters vs_angle, vs_pulse, vs_first, vs_every, ... */
-void vs_plain_timing(vs_text *text, const vs_timeline *timeline);
+ * has them, from the scene's parameters vs_angle, vs_pulse, vs_first, vs_every, ...; and vs_fired,
+ * when the first pulse of the deck's gates begins that does not end before t = 0. */
+void vs_plain_timing(vs_text *text, const vs_timeline *timeline, const vs_deck *deck);
 
 /* A voltage source of the deck. */
 typedef struct vs_plain_source {

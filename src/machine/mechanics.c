@@ -8,6 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+const char *vs_mechanics_travel_name(const vs_model *m) {
+  return m->alone ? m->machine->coordinates[m->alone - 1].name : "travel";
+}
+
 void vs_mechanics_hold(const vs_model *model, double rate[VS_MOST_DOF]) {
   double force = vs_mechanics_travel(model, rate) / model->per_newton_m_s2;
   for (int i = 0; i < model->dof; i++) rate[i] -= model->mf[i] * force;

@@ -16,6 +16,8 @@ static inline double vs_mechanics_travel(const vs_model *model, const double *q)
   for (int i = 1; i < model->dof; i++) g += model->along[i] * q[i];
   return g;
 }
+/* What messages call the travel: the coordinate that it is, else "travel". */
+const char *vs_mechanics_travel_name(const vs_model *model);
 /* The air gap z = D + d + c.q, m. */
 static inline double vs_mechanics_gap(const vs_model *model, const double *q) {
   return vs_coil_gap(&model->coil, vs_mechanics_travel(model, q));

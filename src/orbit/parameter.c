@@ -53,6 +53,7 @@ static vs_status read_with(const vs_parameter *p, double value, vs_scene *other,
   vs_tree_copy(&s->tree, &other->tree);
   other->allow_code = s->allow_code;
   other->held = s->held;
+  other->of_period = s->of_period;
   vs_status status = vs_tree_set(&other->tree, text, err);
   return status ? status : vs_scene_settle(other, s->tier->name, err);
 }

@@ -161,10 +161,11 @@ static vs_status judge(const vs_flight *f, const vs_shooting *how, const vs_orbi
   if (!how->unguarded && vs_mechanics_closed(m, f->deepest_m))
     return vs_fail(
         err, VS_RUN,
-        "the orbit goes beyond the pole cover: p = %.6g mm at t = %.9g s, the cover is at "
+        "the orbit goes beyond the pole cover: %s = %.6g mm at t = %.9g s, the cover is at "
         "-D = %g mm, and the scene has no actuator.stop; actuator.stop={} gives it one, %s keeps "
         "it off",
-        1e3 * f->deepest_m, f->deepest_s, -1e3 * m->actuator.gap_m, what_weakens(f->given));
+        vs_mechanics_travel_name(m), 1e3 * f->deepest_m, f->deepest_s, -1e3 * m->actuator.gap_m,
+        what_weakens(f->given));
   if (!how->unguarded && f->left[0])
     return vs_fail(err, VS_RUN, "the orbit leaves the law %s at t = %.9g s: %s", m->coil.law->name,
                    f->left_s, f->left);
@@ -206,9 +207,10 @@ static vs_status march(vs_flight *f, int periods, vs_orbit *o, vs_error *err) {
   if (!isnan(f->beyond_s))
     return vs_fail(err, VS_RUN,
                    "no periodic orbit is found: on the way from the start the armature goes beyond "
-                   "the pole cover (p = -D = %g mm) at t = %.9g s, and the scene has no "
+                   "the pole cover (%s = -D = %g mm) at t = %.9g s, and the scene has no "
                    "actuator.stop; actuator.stop={} gives it one, %s keeps it off",
-                   -1e3 * m->actuator.gap_m, f->beyond_s, what_weakens(f->given));
+                   vs_mechanics_travel_name(m), -1e3 * m->actuator.gap_m, f->beyond_s,
+                   what_weakens(f->given));
   return vs_fail(err, VS_RUN, "no periodic orbit is found: on the way from the start, %s",
                  why.text);
 }

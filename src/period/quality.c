@@ -66,7 +66,7 @@ static vs_status take(const vs_node *node, const vs_setup *setup, const vs_frame
 }
 
 vs_status vs_quality_read(const vs_node *node, const vs_setup *setup, const vs_frame *frame,
-                          vs_quality_list *list, vs_error *err) {
+                          bool of_period, vs_quality_list *list, vs_error *err) {
   const bool text = node && node->kind == VS_NODE_TEXT;
   vs_status s = VS_OK;
   list->count = 0;
@@ -83,7 +83,7 @@ vs_status vs_quality_read(const vs_node *node, const vs_setup *setup, const vs_f
                                              KEY));
   for (const vs_node *n = text ? node : node->child; n && !s; n = text ? NULL : n->next)
     s = vs_error_carry_on(err, take(n, setup, frame, list, err));
-  if (s || !isnan(cycles_of(setup))) return s;
+  if (s || of_period || !isnan(cycles_of(setup))) return s;
   return vs_error_carry_on(
       err, vs_fail_at(err, node->where,
                       "%s: whole cycles of the mains are wanted, and means are over %.9g s, which "
@@ -126,7 +126,8 @@ static void add_point(vs_quality *q, double t_s, double weight_s, const double *
   q->energy_j += weight_s * v * i;
 }
 
-/* A piece of a step, over which the integrals are taken by one application of the rule. */
+/* A piece of a step, over which the integrals are taken by one application of the rule. It lies
+ * wholly within or without each of the two ends that are compared. */
 static void add_piece(vs_quality *q, const vs_step *step, vs_span_s piece, bool is_short) {
   const gsl_integration_glfixed_table *rule = is_short ? q->short_rule : q->current.rule;
   const unsigned groups = VS_GROUP_V_MAINS | vs_channel_groups(step->frame->model, &q->channel, 1);
@@ -143,17 +144,30 @@ static void add_piece(vs_quality *q, const vs_step *step, vs_span_s piece, bool 
   if (middle_s > q->over.to_s - length_s) q->ends_squared[1] += added;
 }
 
-void vs_quality_accept(vs_quality *q, const vs_step *step) {
-  double from_s = fmax(step->from->t_s, q->over.from_s), to_s = fmin(step->to->t_s, q->over.to_s);
-  double length_s = to_s - from_s, turn = length_s * q->current.omega_rad_s;
-  if (!(length_s > 0)) return; /* the other side of an instant, or beyond the stretch */
-  q->current.span_s += length_s;
+/* A stretch of a step, on one side of each cut. */
+static void add_stretch(vs_quality *q, const vs_step *step, vs_span_s over) {
+  double length_s = over.to_s - over.from_s, turn = length_s * q->current.omega_rad_s;
   bool is_short = turn * VS_SPECTRUM_LAST <= TURN;
   int pieces = is_short ? 1 : (int)ceil(turn * PIECES / (2 * M_PI));
   for (int p = 0; p < pieces; p++)
-    add_piece(q, step,
-              (vs_span_s){from_s + length_s * p / pieces, from_s + length_s * (p + 1) / pieces},
-              is_short);
+    add_piece(
+        q, step,
+        (vs_span_s){over.from_s + length_s * p / pieces, over.from_s + length_s * (p + 1) / pieces},
+        is_short);
+}
+
+void vs_quality_accept(vs_quality *q, const vs_step *step) {
+  double from_s = fmax(step->from->t_s, q->over.from_s), to_s = fmin(step->to->t_s, q->over.to_s);
+  const double ends_s = q->half * 2 * M_PI / q->current.omega_rad_s;
+  const double cuts_s[] = {q->over.from_s + ends_s, q->over.to_s - ends_s};
+  if (!(to_s > from_s)) return; /* the other side of an instant, or beyond the stretch */
+  q->current.span_s += to_s - from_s;
+  for (int k = 0; k < 2; k++)
+    if (cuts_s[k] > from_s && cuts_s[k] < to_s) {
+      add_stretch(q, step, (vs_span_s){from_s, cuts_s[k]});
+      from_s = cuts_s[k];
+    }
+  add_stretch(q, step, (vs_span_s){from_s, to_s});
 }
 
 /* ---- what it comes to ---- */

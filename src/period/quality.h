@@ -30,11 +30,12 @@ typedef struct vs_quality_list {
   int count;
 } vs_quality_list;
 
-/* Reads the scene's key; node NULL: it has none. Errors, from each of which a check carries on: a
- * name of no channel, one that this tier has not, that is no current or stands here twice; the
- * mains are a direct voltage; the stretch is no whole number of cycles. */
+/* Reads the scene's key; node NULL: it has none. of_period: what is told will be of a period of the
+ * scene's orbit, which is whole cycles, and not of the setup's stretch. Errors, from each of which
+ * a check carries on: a name of no channel, one that this tier has not, that is no current or
+ * stands here twice; the mains are a direct voltage; the stretch is no whole number of cycles. */
 vs_status vs_quality_read(const vs_node *node, const vs_setup *setup, const vs_frame *frame,
-                          vs_quality_list *list, vs_error *err);
+                          bool of_period, vs_quality_list *list, vs_error *err);
 
 /* One of them in one run. Begin with vs_quality_begin, end with vs_quality_end. */
 typedef struct vs_quality {

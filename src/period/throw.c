@@ -124,7 +124,8 @@ static double amplitude(const vs_throw *w, int k) {
   return (w->most[k].value - w->least[k].value) / 2;
 }
 
-/* The frequency is that at which a swing has these amplitudes of speed and acceleration. */
+/* The frequency is that at which a swing has these amplitudes of speed and acceleration: the trough
+ * may swing several times in a period of the orbit. */
 vs_value vs_throw_speed(const vs_throw *w) {
   const vs_value down = vs_throw_down(w);
   if (!down.known || !knows(w, VS_MACHINE_FORWARD) || !(down.value > 1)) return unknown();

@@ -44,13 +44,21 @@ static vs_status open_run(const char *folder, run_file *run, vs_error *err) {
     free(run->header); /* it may have been made all the same */
     run->header = vs_copy("");
   }
-  while (vs_alloc_line(&row, &row_size, f) > 0) run->until_s = strtod(row, NULL);
+  int rows = 0;
+  while (vs_alloc_line(&row, &row_size, f) > 0) run->until_s = strtod(row, NULL), rows++;
   vs_status status = vs_file_was_read(f, run->path, err);
   run->header[strcspn(run->header, "\r\n")] = '\0';
   free(row);
   fclose(f);
   if (status) return status;
-  return run->until_s > 0 ? VS_OK : vs_fail_at(err, (vs_where){run->path, 1, 1}, "holds no rows");
+  if (run->until_s > 0) return VS_OK;
+  if (rows != 1)
+    return vs_fail_at(err, (vs_where){run->path, 1, 1},
+                      rows ? "no row has a time above 0" : "holds no rows");
+  return vs_fail_at(
+      err, (vs_where){run->path, 2, 1},
+      "this row, of t = 0, is the only one, and a picture wants two; run with a larger "
+      "run.until, or a smaller run.sample");
 }
 
 /* Number of a column from 1; 0: not there. */

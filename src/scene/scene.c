@@ -184,7 +184,8 @@ static vs_status conclude(vs_scene *s, const char *tier, vs_error *err) {
 /* Reads what names channels, of which another tier has others. */
 static vs_status read_instruments(vs_scene *s, vs_error *err) {
   const vs_node *currents = vs_tree_child(s->tree.root, "quality");
-  vs_status status = vs_quality_read(currents, &s->setup, &s->frame, &s->quality, err);
+  vs_status status =
+      vs_quality_read(currents, &s->setup, &s->frame, s->of_period, &s->quality, err);
   if (status) return status;
   const vs_node *section = vs_tree_child(s->tree.root, "instruments");
   status = vs_instruments_read(section, &s->setup, &s->frame, &s->instruments, err);
@@ -222,6 +223,7 @@ vs_status vs_scene_with(const vs_scene *s, const char *const *keys, size_t n_key
   memcpy(other->path, s->path, sizeof other->path);
   other->allow_code = s->allow_code;
   other->held = s->held;
+  other->of_period = s->of_period;
   vs_tree_copy(&s->tree, &other->tree);
   vs_status status = VS_OK;
   for (size_t k = 0; k < n_keys && !status; k++) status = vs_tree_set(&other->tree, keys[k], err);

@@ -30,6 +30,7 @@ typedef struct vs_scene {
   const char *asks; /* what the command line asked the circuit tier for, borrowed; NULL: nothing */
   bool allow_code;  /* the command line allows code of the user's own (--allow-code) */
   bool held;        /* its control is off (vs_scene_hold) */
+  bool of_period;   /* a period of its orbit is wanted, not its run; set before it is read */
   const vs_tier *tier;
   char why[VS_CHOICE_WHY];             /* why this tier */
   vs_frame frame;                      /* of this tier */

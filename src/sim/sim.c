@@ -74,8 +74,8 @@ vs_status vs_sim_check(const vs_step *step, vs_error *err) {
         "t = %.9g s: the armature meets the pole cover (%s = -D = %g mm%s) and the scene has no "
         "actuator.stop; what would follow is not physical; fire later (firing.angle), end earlier "
         "(run.until), or give a stop, as actuator.stop: {stiffness: 1e7 N/m, damping: 300 N.s/m}",
-        contact_time(step), m->alone ? m->machine->coordinates[m->alone - 1].name : "travel",
-        -1e3 * m->actuator.gap_m, z <= 0 ? ", even z <= 0" : "");
+        contact_time(step), vs_mechanics_travel_name(m), -1e3 * m->actuator.gap_m,
+        z <= 0 ? ", even z <= 0" : "");
   if (z <= 0 && m->coil.law->poles)
     return vs_fail(err, VS_RUN,
                    "t = %.9g s: the gap is closed (z = %.3g mm): the stop has given way", k->t_s,

@@ -73,6 +73,7 @@ static void put_on_orbit(vs_steady *steady, vs_scene *scene) {
   run.until_s = steady->orbit.period_s;
   scene->setup.steady = false; /* it begins there anyway */
   scene->setup = vs_steady_setup(scene, &run, &steady->orbit);
+  scene->setup.means = (vs_span_s){0, run.until_s}; /* `measure` is of the scene's own run */
   scene->setup.at_work = true;
   scene->frame = vs_sim_frame(scene->tier, &scene->setup);
   if (steady->picard) scene->order.pilot = &steady->picard->pilot;
