@@ -226,6 +226,9 @@ static void name_element(const vs_elements *w, vs_element *e) {
   vs_cursor_lower(e->key);
   if (e->key[1] == '_' && isalpha((unsigned char)e->key[2]) && !has(&w->by_key, e->key + 2))
     memmove(e->key, e->key + 2, strlen(e->key + 2) + 1);
+  snprintf(name, sizeof name, "%s", e->key);
+  for (int k = 2; has(&w->by_key, e->key); k++) /* R1 behind R_R1 */
+    snprintf(e->key, sizeof e->key, "%.50s_%d", name, k);
   free(said);
 }
 

@@ -26,6 +26,7 @@ void vs_declared_free(vs_declared *s) {
   for (int k = 0; k < VS_DECLARED_KINDS; k++) vs_text_free(&s->lines[k]);
   free_notes(&s->did);
   free_notes(&s->left);
+  vs_names_free(&s->names);
   *s = (vs_declared){0};
 }
 
@@ -73,19 +74,13 @@ bool vs_declared_add(vs_declared *s, int kind, const char *format, ...) {
   return true;
 }
 
-static bool is_taken(const vs_declared *s, const char *name) {
-  for (size_t k = 0; k < s->n_names; k++)
-    if (!strcasecmp(s->names[k], name)) return true;
-  return false;
-}
-
 void vs_declared_name(vs_declared *s, const char *wanted, char name[VS_DECK_NAME]) {
   char made[VS_DECK_NAME];
   snprintf(made, sizeof made, "%.50s", wanted);
-  for (int n = 2; is_taken(s, made); n++) snprintf(made, sizeof made, "%.50s_%d", wanted, n);
+  for (int n = 2; vs_names_find(&s->names, made, strlen(made), NULL); n++)
+    snprintf(made, sizeof made, "%.50s_%d", wanted, n);
   memcpy(name, made, sizeof made);
-  if (s->n_names < sizeof s->names / sizeof *s->names)
-    memcpy(s->names[s->n_names++], name, VS_DECK_NAME);
+  vs_names_put(&s->names, made, 0);
 }
 
 void vs_declared_note(vs_declared_notes *notes, const char *format, ...) {

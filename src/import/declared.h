@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "deck/deck.h"
+#include "memo/names.h"
 
 /* Kinds of lines, in the order in which they stand in the deck. */
 enum {
@@ -35,8 +36,7 @@ typedef struct vs_declared {
   size_t left_out;                            /* lines for which a deck has no room */
   char terms[VS_DECK_MOST][2 * VS_DECK_NAME]; /* "v(a,b)", "i(vx)" of all lines */
   size_t n_terms;
-  char names[4 * VS_DECK_MOST][VS_DECK_NAME]; /* of params and probes so far */
-  size_t n_names;
+  vs_names names; /* of params and probes so far, and the netlist's own */
   vs_declared_notes did, left;
 } vs_declared;
 

@@ -8,11 +8,16 @@
 #include <string.h>
 #include <strings.h>
 
+#include "import/coined.h"
 #include "syntax/cursor.h"
 #include "syntax/formula.h"
 
 bool vs_fate_is_coil(const vs_fate *p, const vs_element *e) {
   return e == p->roles->coil || e == p->roles->coil_r;
+}
+
+const vs_fate_element *vs_fate_of(const vs_fate *p, const vs_element *e) {
+  return &p->of[e - p->wiring->elements];
 }
 
 /* ---- models ---- */
@@ -102,10 +107,11 @@ static void add_param(vs_fate *p, const char *name, char letter, double value, c
 static void add_levels(vs_fate *p) {
   for (size_t g = 0; g < p->roles->n_gates; g++) {
     const vs_roles_gate *gate = &p->roles->gates[g];
-    char name[VS_DECK_NAME], wanted[VS_DECK_NAME];
+    vs_fate_element *own = &p->of[gate->source - p->wiring->elements];
+    char wanted[VS_DECK_NAME];
     snprintf(wanted, sizeof wanted, "%.50s_level", gate->source->key);
-    vs_declared_name(&p->sheet, wanted, name);
-    add_param(p, name, gate->source->letter, gate->pulse.high - gate->pulse.low,
+    vs_declared_name(&p->sheet, wanted, own->level);
+    add_param(p, own->level, gate->source->letter, gate->pulse.high - gate->pulse.low,
               "height of its pulses");
   }
 }
@@ -251,9 +257,7 @@ static void set_value(vs_fate *p, const vs_element *e, vs_fate_element *own) {
 
 static void name_free(const vs_fate *p, const char *first, const char *key, const char *last,
                       char name[VS_ELEMENTS_NAME]) {
-  snprintf(name, VS_ELEMENTS_NAME, "%s%.44s%s", first, key, last);
-  for (int k = 2; vs_elements_is_taken(p->wiring, name); k++)
-    snprintf(name, VS_ELEMENTS_NAME, "%s%.40s%s_%d", first, key, last, k);
+  vs_coined_name(p->wiring, p->values, first, key, last, name);
 }
 
 static void set_senses(vs_fate *p, const vs_element *e, vs_fate_element *own) {
@@ -283,6 +287,24 @@ static void set_part(vs_fate *p, const vs_element *e, vs_fate_element *own) {
     *own->part = '\0';
 }
 
+/* Names what stands in the place of sources and of the coil, and keeps the names of the netlist's
+ * functions from parameters. */
+static void name_all(vs_fate *p) {
+  const vs_elements *w = p->wiring;
+  char name[VS_VALUES_NAME], kept[VS_DECK_NAME];
+  for (size_t k = 0; k < w->count; k++) {
+    const vs_element *e = &w->elements[k];
+    if (e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0)
+      vs_coined_stem(w, p->values, e, p->of[k].stem);
+  }
+  name_free(p, "", "i_sum", "", p->sum);
+  name_free(p, "", "Xeva", "", p->eva);
+  for (size_t k = 0; k < w->listing->count; k++) {
+    vs_coined_function(&w->listing->cards[k], name);
+    if (*name) vs_declared_name(&p->sheet, name, kept);
+  }
+}
+
 vs_status vs_fate_make(vs_fate *p, const char *asked, vs_error *err) {
   const vs_elements *w = p->wiring;
   vs_status status = vs_error_carry_on(err, vs_pins_check(w, asked, err));
@@ -294,6 +316,7 @@ vs_status vs_fate_make(vs_fate *p, const char *asked, vs_error *err) {
     if (!status) status = vs_error_carry_on(err, check_element(p, e, err));
   }
   if (status) return status;
+  name_all(p);
   add_params(p);
   add_levels(p);
   for (size_t k = 0; k < w->count; k++) {

@@ -141,11 +141,11 @@ static void add_valve(vs_fate *p, const vs_element *e, const vs_fate_element *ow
   snprintf(i, sizeof i, "i_%.50s", count == 1 ? "thyristor" : e->key);
   voltage_of(p, e, own, v);
   vs_declared_add(&p->sheet, VS_DECLARED_PROBE, "%s = %s V \"voltage of %s\"", v_ak, v, e->name);
-  vs_declared_name(&p->sheet, v_ak, v_ak);
-  vs_declared_name(&p->sheet, i, i);
   if (*own->part)
     vs_declared_add(&p->sheet, VS_DECLARED_RATING, "%s -%s.v_rrm..%s.v_drm V", v_ak, own->part,
                     own->part);
+  vs_declared_name(&p->sheet, v_ak, v_ak);
+  vs_declared_name(&p->sheet, i, i);
   add_device(p, e, own, name, i);
 }
 
@@ -161,7 +161,7 @@ static void add_valves(vs_fate *p) {
   }
   if (count > 1)
     vs_declared_add(&p->sheet, VS_DECLARED_PROBE,
-                    "i_thyristor = v(i_sum) A \"the sum of their currents\"");
+                    "i_thyristor = v(%s) A \"the sum of their currents\"", p->sum);
 }
 
 /* ---- everything else ---- */
