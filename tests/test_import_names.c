@@ -13,7 +13,7 @@
  * what a row calls a parameter or a net. */
 static void write_netlist(const char *lines, const char *name) {
   vs_text text = {0};
-  vs_text_add(&text, "t\nV1 line 0 SIN(0 325 50) Rser=0.5\nXU1 line k g scr\n"
+  vs_text_add(&text, "t\nV1 line 0 SIN(0 325 50) Rser=0.5 \nXU1 line k g scr\n"
                      "V3 gs k PULSE(0 5 4.44m 1u 1u 2m 20m)\nR3 gs g 100\nD1 0 k free\n"
                      "L1 k m 1.6\nR4 m 0 92\nC1 s k 22n\n");
   for (const char *s = lines; *s; s++)
@@ -76,8 +76,56 @@ static void made_up_names_are_free(void) {
   }
 }
 
+/* A parameter that every deck has by the program is not the netlist's: it is refused, unless its
+ * value is the scene's anyway, or the deck does not use it. */
+static void the_programs_parameters(void) {
+  static const struct {
+    const char *lines, *says; /* an error, if it begins with the file; else a note; NULL: nothing */
+  } ROWS[] = {
+      {"R1 line s {u_rms}\n.param u_rms=2k\n", "x.net:11:8: parameter u_rms is the program's"},
+      {"R1 line s {x}\n.param a=2 Phase=3\n.param x={phase*1k}\n",
+       "x.net:11:12: parameter phase is the program's"},
+      {".subckt load a b\nR1 a b {eva_a}\n.ends\nX2 line s load\n.param eva_a=2k\n",
+       "x.net:14:8: parameter eva_a is"},
+      {"V2 s2 0 0 Rser={f_mains}\nR1 line s 1k\nR2 s2 0 1\n.param f_mains=50\n",
+       "x.net:13:8: parameter f_mains is"},
+      {"R1 line s {r_source}\n.param r_source={2*3}\n",
+       "line 11: r_source is the program's own by that name: the scene's supply.resistance has its "
+       "6,"},
+      {"R1 line s 1k\n.param f_mains=50 u_rms=230\n", NULL},
+      {"X2 line s load phase=500\n.subckt load a b phase=1\nR1 a b {2*phase}\n.ends\n", NULL},
+  };
+  for (size_t k = 0; k < COUNT(ROWS); k++) {
+    const char *says = ROWS[k].says;
+    write_netlist(ROWS[k].lines, "other");
+    ran r = run("import x.net -o x.cir --scene x.yaml");
+    bool refused = says && says == strstr(says, "x.net");
+    EXPECT(r.status == (refused ? 2 : 0), "case %zu: %d: %s", k, r.status, r.err);
+    EXPECT(says ? strstr(r.err, says) != NULL : !strstr(r.err, "program's own by"), "case %zu: %s",
+           k, r.err);
+    free_ran(&r);
+  }
+}
+
+/* What a parameter of the netlist is stands in the deck also where only Rser= of the mains has it.
+ */
+static void a_parameter_of_the_mains(void) {
+  write_netlist("R1 line s 1k\n.param rs=0.25\nV2 s2 0 0\nR2 s2 0 1\n", "other");
+  char *netlist = read_file("x.net"), *at = strstr(netlist, "Rser=0.5");
+  memcpy(at, "Rser={rs}", strlen("Rser={rs}"));
+  write_file("x.net", netlist);
+  ran r = run("import x.net -o x.cir --scene x.yaml");
+  char *deck = read_file("x.cir");
+  EXPECT(r.status == 0 && strstr(deck, "*$ param  rs = 0.25"), "%s%s", r.err, deck);
+  free(deck);
+  free(netlist);
+  free_ran(&r);
+}
+
 static const vs_test TESTS[] = {
     {"made up names are free", made_up_names_are_free},
+    {"the program's parameters", the_programs_parameters},
+    {"a parameter of the mains", a_parameter_of_the_mains},
 };
 
 int main(void) {

@@ -130,14 +130,37 @@ static char letter_of_use(const vs_fate *p, const char *name) {
   return '\0';
 }
 
-/* True where the text has this name as a whole word. */
-static bool names(const char *text, const char *name) {
+/* The first place in the text of this name as a whole word; NULL: there is none. */
+static const char *find_word(const char *text, const char *name) {
   size_t n = strlen(name);
   for (const char *s = text; (s = strcasestr(s, name)); s++) {
     bool begins = s == text || !(isalnum((unsigned char)s[-1]) || s[-1] == '_');
-    if (begins && !isalnum((unsigned char)s[n]) && s[n] != '_') return true;
+    if (begins && !isalnum((unsigned char)s[n]) && s[n] != '_') return s;
+  }
+  return NULL;
+}
+
+/* True where the text uses this name: as a whole word that is given no value there. */
+static bool names(const char *text, const char *name) {
+  for (const char *s = text; (s = find_word(s, name)); s++) {
+    const char *behind = s + strlen(name);
+    behind += strspn(behind, " \t");
+    if (*behind != '=' || behind[1] == '=') return true;
   }
   return false;
+}
+
+/* True where the program takes over the element, and the deck still has the name: in what LTspice
+ * puts into a source or across a coil. */
+static bool names_in_parts(const vs_fate *p, const vs_element *e, const char *name) {
+  static const char *const PARTS[] = {"rser", "rpar", "cpar"};
+  bool found = false;
+  for (size_t k = 0; k < sizeof PARTS / sizeof *PARTS && !found; k++) {
+    char *text = vs_elements_option(p->wiring, e, PARTS[k]);
+    found = text && names(text, name);
+    free(text);
+  }
+  return found;
 }
 
 /* True where the deck has a line that uses a parameter: not its own, nor one that the program takes
@@ -155,12 +178,42 @@ static bool is_used(const vs_fate *p, const vs_value_param *v) {
     const vs_element *e = &p->wiring->elements[k];
     bool taken =
         vs_fate_is_coil(p, e) || e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0;
-    used = !taken && names(l->cards[e->card].text, v->name);
+    used = taken ? names_in_parts(p, e, v->name) : names(l->cards[e->card].text, v->name);
   }
   for (size_t k = 0; k < p->values->count && !used; k++) /* another one of the same line */
     used = &p->values->item[k] != v && p->values->item[k].card == v->card &&
            names(p->values->item[k].text, v->name);
   return used;
+}
+
+/* Of the mains' impedance the scene has what the netlist says, and so has the deck. */
+static bool is_of_scene(vs_fate *p, const vs_value_param *v) {
+  bool supply = !strcmp(v->name, vs_deck_standard_names[VS_STANDARD_R_SOURCE]) ||
+                !strcmp(v->name, vs_deck_standard_names[VS_STANDARD_L_SOURCE]);
+  if (!supply || !v->known) return false;
+  vs_declared_note(&p->sheet.did,
+                   "line %d: %s is the program's own by that name: the scene's supply.%s has its "
+                   "%.6g, and gives it to the deck",
+                   p->wiring->listing->cards[v->card].where.line, v->name,
+                   *v->name == 'r' ? "resistance" : "inductance", v->value);
+  return true;
+}
+
+/* Error, with its place: the deck would use a parameter that the program gives every deck, with
+ * another value than the netlist's. */
+static vs_status check_standard(vs_fate *p, const vs_value_param *v, vs_error *err) {
+  const vs_card *card = &p->wiring->listing->cards[v->card];
+  if (!vs_deck_is_standard(v->name) || vs_values_find(p->values, v->name) != v || !is_used(p, v) ||
+      is_of_scene(p, v))
+    return VS_OK;
+  vs_where where = card->where;
+  const char *at = find_word(card->text, v->name);
+  if (at && (size_t)(at - card->text) + (size_t)where.column <= strcspn(card->raw, "\n"))
+    where.column += vs_text_column(card->text, at) - 1;
+  return vs_fail_at(err, where,
+                    "parameter %s is the program's, which has another value; give the netlist's "
+                    "another name, as %s_2, here and where it is used",
+                    v->name, v->name);
 }
 
 /* The netlist's own parameters that are numbers become the deck's. Those of what the program takes
@@ -315,6 +368,8 @@ vs_status vs_fate_make(vs_fate *p, const char *asked, vs_error *err) {
     if (!status) status = vs_error_carry_on(err, check_model(p, e, &p->of[k].pins, err));
     if (!status) status = vs_error_carry_on(err, check_element(p, e, err));
   }
+  for (size_t k = 0; k < p->values->count && !status; k++)
+    status = vs_error_carry_on(err, check_standard(p, &p->values->item[k], err));
   if (status) return status;
   name_all(p);
   add_params(p);
