@@ -2,6 +2,7 @@
 #include "import/declared.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -72,6 +73,32 @@ bool vs_declared_add(vs_declared *s, int kind, const char *format, ...) {
   vs_text_add(&s->lines[kind], "*$ %s %s\n", KINDS[kind].word, line);
   s->counts[kind]++;
   return true;
+}
+
+void vs_declared_param(vs_declared *s, const char *name, char letter, double value,
+                       const char *text) {
+  static const struct {
+    char letter;
+    const char *unit;
+    double factor;
+  } UNITS[] = {{'r', "mohm", 1e-3}, {'r', "ohm", 1},    {'r', "kohm", 1e3}, {'r', "Mohm", 1e6},
+               {'c', "fF", 1e-15},  {'c', "pF", 1e-12}, {'c', "nF", 1e-9},  {'c', "uF", 1e-6},
+               {'c', "mF", 1e-3},   {'l', "nH", 1e-9},  {'l', "uH", 1e-6},  {'l', "mH", 1e-3},
+               {'l', "H", 1},       {'v', "V", 1},      {'i', "A", 1}};
+  const char *unit = "";
+  double factor = 1, least = INFINITY;
+  for (size_t k = 0; k < sizeof UNITS / sizeof *UNITS; k++) {
+    double shown = fabs(value) / UNITS[k].factor;
+    if (UNITS[k].letter != letter || (shown < 1 && !isinf(least))) continue;
+    unit = UNITS[k].unit;
+    factor = UNITS[k].factor;
+    least = shown;
+  }
+  double shown = value / factor, low = shown * (shown < 0 ? 1e3 : 1e-3),
+         high = shown * (shown < 0 ? 1e-3 : 1e3);
+  if (shown == 0) low = -1e3, high = 1e3;
+  vs_declared_add(s, VS_DECLARED_PARAM, "%s = %.12g%s%s %.3g..%.3g \"%s\"", name, shown,
+                  *unit ? " " : "", unit, low, high, text);
 }
 
 void vs_declared_name(vs_declared *s, const char *wanted, char name[VS_DECK_NAME]) {

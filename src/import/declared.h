@@ -47,6 +47,11 @@ void vs_declared_free(vs_declared *sheet);
 bool vs_declared_add(vs_declared *sheet, int kind, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* Adds a parameter: its value with the unit that an element of this letter has, "4.7 kohm", "100
+ * nF", and its range, a thousandth to a thousandfold. */
+void vs_declared_param(vs_declared *sheet, const char *name, char letter, double value,
+                       const char *text);
+
 /* Makes a name that no line has yet: `wanted`, or that with "_2", "_3", ... behind it. */
 void vs_declared_name(vs_declared *sheet, const char *wanted, char name[VS_DECK_NAME]);
 

@@ -9,8 +9,7 @@
 #include <strings.h>
 
 #include "import/coined.h"
-#include "syntax/cursor.h"
-#include "syntax/formula.h"
+#include "import/worth.h"
 
 bool vs_fate_is_coil(const vs_fate *p, const vs_element *e) {
   return e == p->roles->coil || e == p->roles->coil_r;
@@ -76,33 +75,6 @@ static vs_status check_element(const vs_fate *p, const vs_element *e, vs_error *
 
 /* ---- parameters ---- */
 
-/* Writes a value with the unit of its letter's kind: "4.7 kohm", "100 nF"; and the range of the
- * parameter, a thousandth to a thousandfold. */
-static void add_param(vs_fate *p, const char *name, char letter, double value, const char *text) {
-  static const struct {
-    char letter;
-    const char *unit;
-    double factor;
-  } UNITS[] = {{'r', "mohm", 1e-3}, {'r', "ohm", 1},    {'r', "kohm", 1e3}, {'r', "Mohm", 1e6},
-               {'c', "fF", 1e-15},  {'c', "pF", 1e-12}, {'c', "nF", 1e-9},  {'c', "uF", 1e-6},
-               {'c', "mF", 1e-3},   {'l', "nH", 1e-9},  {'l', "uH", 1e-6},  {'l', "mH", 1e-3},
-               {'l', "H", 1},       {'v', "V", 1},      {'i', "A", 1}};
-  const char *unit = "";
-  double factor = 1, least = INFINITY;
-  for (size_t k = 0; k < sizeof UNITS / sizeof *UNITS; k++) {
-    double shown = fabs(value) / UNITS[k].factor;
-    if (UNITS[k].letter != letter || (shown < 1 && !isinf(least))) continue;
-    unit = UNITS[k].unit;
-    factor = UNITS[k].factor;
-    least = shown;
-  }
-  double shown = value / factor, low = shown * (shown < 0 ? 1e3 : 1e-3),
-         high = shown * (shown < 0 ? 1e-3 : 1e3);
-  if (shown == 0) low = -1e3, high = 1e3;
-  vs_declared_add(&p->sheet, VS_DECLARED_PARAM, "%s = %.12g%s%s %.3g..%.3g \"%s\"", name, shown,
-                  *unit ? " " : "", unit, low, high, text);
-}
-
 /* How high the gates' pulses are. */
 static void add_levels(vs_fate *p) {
   for (size_t g = 0; g < p->roles->n_gates; g++) {
@@ -111,8 +83,8 @@ static void add_levels(vs_fate *p) {
     char wanted[VS_DECK_NAME];
     snprintf(wanted, sizeof wanted, "%.50s_level", gate->source->key);
     vs_declared_name(&p->sheet, wanted, own->level);
-    add_param(p, own->level, gate->source->letter, gate->pulse.high - gate->pulse.low,
-              "height of its pulses");
+    vs_declared_param(&p->sheet, own->level, gate->source->letter,
+                      gate->pulse.high - gate->pulse.low, "height of its pulses");
   }
 }
 
@@ -226,84 +198,8 @@ static void add_params(vs_fate *p) {
     if (vs_values_find(p->values, v->name) != v || vs_deck_is_standard(v->name)) continue;
     vs_declared_name(&p->sheet, v->name, name);
     if (v->number && !card->included && is_used(p, v))
-      add_param(p, name, letter_of_use(p, v->name), v->value, "of the netlist");
+      vs_declared_param(&p->sheet, name, letter_of_use(p, v->name), v->value, "of the netlist");
   }
-}
-
-/* ---- values ---- */
-
-/* Does nothing but to say that a formula's names and terms are numbered. */
-static int any_name(void *ctx, const char *at, const char *name) {
-  (void)at;
-  (void)name;
-  return (*(int *)ctx)++;
-}
-
-static bool is_formula(const char *text) {
-  int count = 0;
-  char why[200];
-  const char *bad = NULL;
-  const vs_formula_scope scope = {.ctx = &count, .name = any_name};
-  vs_formula formula = {0};
-  const char *end = vs_formula_read(text, &scope, &formula, &bad, why, sizeof why);
-  vs_formula_free(&formula);
-  return end && !*end;
-}
-
-/* Writes an expression with the deck's parameters alone: others give place to what they are. */
-static void expand(const vs_fate *p, const char *text, int level, vs_text *out) {
-  vs_text_add(out, "(");
-  for (const char *s = text; *s;) {
-    char name[VS_VALUES_NAME];
-    size_t n = strspn(s, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789.");
-    snprintf(name, sizeof name, "%.*s", (int)n, s);
-    const vs_value_param *v = n ? vs_values_find(p->values, name) : NULL;
-    bool other = v && level < 20 && (!v->number || p->wiring->listing->cards[v->card].included);
-    if (other)
-      expand(p, v->text, level + 1, out);
-    else if (n)
-      vs_text_add(out, "%.*s", (int)n, s);
-    else if (!strchr("'\"", *s))
-      vs_text_add(out, "%c", *s == '{' ? '(' : *s == '}' ? ')' : *s);
-    s += n ? n : 1;
-  }
-  vs_text_add(out, ")");
-}
-
-/* Gives an R, C or L whose value is a number a parameter of its name; whose value is an expression,
- * that as a formula. */
-static void set_value(vs_fate *p, const vs_element *e, vs_fate_element *own) {
-  static const char *const WHAT[] = {"resistor", "capacitor", "inductor"};
-  char *word = vs_elements_word_of(p->wiring, e, e->n_nodes + 1), text[VS_DECK_TEXT];
-  double value;
-  vs_text formula = {0};
-  if (vs_values_number(p->values, word, &value) && value > 0) {
-    char wanted[VS_DECK_NAME];
-    bool taken = vs_deck_is_standard(e->key) || vs_deck_is_reserved(e->key);
-    snprintf(wanted, sizeof wanted, "%.50s%s", e->key, taken ? "_value" : "");
-    vs_declared_name(&p->sheet, wanted, own->param);
-    size_t before = p->sheet.counts[VS_DECLARED_PARAM];
-    snprintf(text, sizeof text, "%s %s", WHAT[strchr("rcl", e->letter) - "rcl"], e->name);
-    add_param(p, own->param, e->letter, value, text);
-    if (p->sheet.counts[VS_DECLARED_PARAM] == before) *own->param = '\0'; /* no room: it stays */
-    if (*own->param)
-      vs_text_add(&formula, "{%s}", own->param);
-    else
-      vs_text_add(&formula, "%.15g", value);
-  } else if (vs_values_of(p->values, word, &value) && value > 0) {
-    size_t n = strcspn(word + 1, "}");
-    snprintf(text, sizeof text, "%.*s", *word == '{' && n < VS_VALUES_NAME ? (int)n : 0, word + 1);
-    const vs_value_param *v = vs_values_find(p->values, text);
-    if (v && v->number && !p->wiring->listing->cards[v->card].included)
-      vs_text_add(&formula, "{%s}", v->name);
-    else
-      expand(p, word, 0, &formula);
-  }
-  if (formula.text && is_formula(formula.text))
-    own->value = formula.text;
-  else
-    vs_text_free(&formula);
-  free(word);
 }
 
 /* ---- senses ---- */
@@ -376,7 +272,8 @@ vs_status vs_fate_make(vs_fate *p, const char *asked, vs_error *err) {
   add_levels(p);
   for (size_t k = 0; k < w->count; k++) {
     const vs_element *e = &w->elements[k];
-    if (strchr("rcl", e->letter) && !vs_fate_is_coil(p, e)) set_value(p, e, &p->of[k]);
+    if (strchr("rcl", e->letter) && !vs_fate_is_coil(p, e))
+      p->of[k].value = vs_worth_make(w, p->values, e, &p->sheet, p->of[k].param);
     set_part(p, e, &p->of[k]);
     set_senses(p, e, &p->of[k]);
   }

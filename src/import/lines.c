@@ -224,7 +224,7 @@ static void add_passive(vs_fate *p, const vs_element *e, const vs_fate_element *
     vs_declared_add(&p->sheet, VS_DECLARED_STORE, "%s = %s*i(%s)^2/2", e->key, own->value, e->name);
   if (e->letter != 'r' && !own->value)
     vs_declared_note(&p->sheet.left,
-                     "%s: its value is no number, so that the energy it holds is not "
+                     "%s: its value is not known before a run, so that the energy it holds is not "
                      "counted: a line '*$ store %s = ...' would",
                      e->name, e->key);
 }
@@ -266,7 +266,8 @@ static const vs_element *coupled(const vs_fate *p, const vs_element *e, int n, c
   char *name = vs_elements_word_of(p->wiring, e, n);
   const vs_element *l = vs_elements_find(p->wiring, name);
   free(name);
-  *value = l ? p->of[l - p->wiring->elements].value : NULL;
+  bool multiplied = l && (has_part(p, l, "m") || has_part(p, l, "scale")); /* K knows no m= */
+  *value = l && !multiplied ? vs_fate_of(p, l)->value : NULL;
   return *value ? l : NULL;
 }
 
