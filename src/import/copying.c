@@ -339,7 +339,8 @@ static void write_statement(writer *b, size_t card_number) {
 static bool wants_pspice(const vs_listing *l) {
   static const char *const SIGNS[] = {
       "limit(",   "ako:",      " vswitch", " iswitch", "t_abs=",  "t_abs =", "params:", "value={",
-      "value ={", "value = {", "value {",  "value{",   "table {", "table{",  "if(",     "pwrs("};
+      "value ={", "value = {", "value {",  "value{",   "table {", "table{",  "if(",     "pwrs(",
+      " res(",    " res (",    " cap(",    " cap (",   " ind(",   " ind ("};
   enum { ALWAYS = 6 };
   size_t count = l->origin == VS_ORIGIN_PSPICE ? sizeof SIGNS / sizeof *SIGNS : ALWAYS;
   for (size_t k = 0; k < l->count; k++)

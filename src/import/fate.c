@@ -8,7 +8,6 @@
 #include <string.h>
 #include <strings.h>
 
-#include "import/coined.h"
 #include "import/worth.h"
 
 bool vs_fate_is_coil(const vs_fate *p, const vs_element *e) {
@@ -206,7 +205,7 @@ static void add_params(vs_fate *p) {
 
 static void name_free(const vs_fate *p, const char *first, const char *key, const char *last,
                       char name[VS_ELEMENTS_NAME]) {
-  vs_coined_name(p->wiring, p->values, first, key, last, name);
+  vs_coined_name(&p->coined, first, key, last, name);
 }
 
 static void set_senses(vs_fate *p, const vs_element *e, vs_fate_element *own) {
@@ -241,10 +240,11 @@ static void set_part(vs_fate *p, const vs_element *e, vs_fate_element *own) {
 static void name_all(vs_fate *p) {
   const vs_elements *w = p->wiring;
   char name[VS_VALUES_NAME], kept[VS_DECK_NAME];
+  vs_coined_begin(&p->coined, w, p->values);
   for (size_t k = 0; k < w->count; k++) {
     const vs_element *e = &w->elements[k];
     if (e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0)
-      vs_coined_stem(w, p->values, e, p->of[k].stem);
+      vs_coined_stem(&p->coined, e, p->of[k].stem);
   }
   name_free(p, "", "i_sum", "", p->sum);
   name_free(p, "", "Xeva", "", p->eva);
@@ -283,6 +283,7 @@ vs_status vs_fate_make(vs_fate *p, const char *asked, vs_error *err) {
 void vs_fate_free(vs_fate *p) {
   for (size_t k = 0; p->of && k < p->wiring->count; k++) free(p->of[k].value);
   free(p->of);
+  vs_coined_end(&p->coined);
   vs_declared_free(&p->sheet);
   *p = (vs_fate){0};
 }

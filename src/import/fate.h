@@ -5,6 +5,7 @@
 #define VS_IMPORT_FATE_H
 
 #include "foreign/pins.h"
+#include "import/coined.h"
 #include "import/declared.h"
 
 /* One element. */
@@ -31,6 +32,7 @@ typedef struct vs_fate {
   vs_fate_element *of;        /* of each element; owned */
   char sum[VS_ELEMENTS_NAME]; /* the node whose voltage is the sum of the thyristors' currents */
   char eva[VS_ELEMENTS_NAME]; /* the EVA */
+  vs_coined coined;
   vs_declared sheet;
 } vs_fate;
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "import/worth.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -75,7 +76,8 @@ static bool has_model(const reader *p, const vs_element *e) {
   bool found = false;
   for (int n = e->n_nodes + 1; n < e->n_words && !found; n++) {
     char *word = vs_elements_word_of(p->wiring, e, n);
-    found = vs_elements_defined(p->wiring->listing, word) >= 0;
+    found = isalpha((unsigned char)*word) && !strchr(word, '=') &&
+            vs_elements_defined(p->wiring->listing, word) >= 0;
     free(word);
   }
   return found;
