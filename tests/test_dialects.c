@@ -449,6 +449,8 @@ static void constructs_are_told(void) {
       {"*$ compat ps\n.model m CAP (TC1=0.01\n+ c=1k)", "d.cir:18:3", "multiplies what"},
       {".model m ind(L={k})\n.param k=2", "d.cir:16:14", "multiplies what"},
       {"*$ compat ps\n.model m d(is=1n T_REL_LOCAL=30)", "d.cir:17:18", "T_REL_GLOBAL"},
+      {"L9 ss yy 1m\n.ic V(ss)=0 i(L9)=0.1", "d.cir:17:1", "by IC=... in the line of L9"},
+      {"L9 ss yy 1m\n.ic\n+ I ( L9 ) = 0.1", "d.cir:17:1", "by IC=... in the line of L9"},
       {"V9 yy 0 sin(0 1 50 0 0 0 3)", "d.cir:16:9", "cycles"},
       {"V9 yy 0 PWL(0 0 1m 0 +1u 5)", "d.cir:16:22", "times from t = 0"},
       {"A1 ss 0 0 0 0 yy 0 0 SRFLOP td=1m", "d.cir:16:22", "LTspice's own"},
