@@ -263,6 +263,13 @@ static vs_status add_element(vs_elements *w, size_t card, vs_error *err) {
   return VS_OK;
 }
 
+void vs_elements_source_of(const vs_listing *l, size_t card, vs_element *e) {
+  const char *text = l->cards[card].text;
+  *e = (vs_element){.card = card, .letter = (char)tolower((unsigned char)*text), .n_nodes = 2};
+  e->n_words = split(text, e->words);
+  snprintf(e->name, sizeof e->name, "%.*s", (int)strcspn(text, " \t"), text);
+}
+
 /* Marks what the elements K name. */
 static void mark_coupled(vs_elements *w) {
   for (size_t k = 0; k < w->count; k++) {

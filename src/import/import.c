@@ -126,7 +126,7 @@ static void note_start(work *w) {
         "line %d: '%s' has no uic: the netlist begins at its operating point, and %s "
         "is not 0 there; the deck begins with %s at 0: give each an IC=, or its node a "
         "line .ic; where 0 is right, write uic",
-        s.tran->where.line, s.tran->text, s.source->name, s.stores.text);
+        s.tran->where.line, s.tran->text, s.source.text, s.stores.text);
   vs_start_free(&s);
 }
 
