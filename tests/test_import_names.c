@@ -93,6 +93,7 @@ static void the_programs_parameters(void) {
        "line 11: r_source is the program's own by that name: the scene's supply.resistance has its "
        "6,"},
       {"R1 line s 1k\n.param f_mains=50 u_rms=230\n", NULL},
+      {"R1 line phase 1k\nR2 phase s 1k\n.param phase=80\n", NULL},
       {"X2 line s load phase=500\n.subckt load a b phase=1\nR1 a b {2*phase}\n.ends\n", NULL},
   };
   for (size_t k = 0; k < COUNT(ROWS); k++) {

@@ -121,6 +121,14 @@ static bool names(const char *text, const char *name) {
   return false;
 }
 
+/* True where the element uses the name behind its nodes. */
+static bool names_behind(const vs_fate *p, const vs_element *e, const char *name) {
+  char *text = vs_elements_rest_of(p->wiring, e, e->n_nodes + 1);
+  bool found = names(text, name);
+  free(text);
+  return found;
+}
+
 /* True where the program takes over the element, and the deck still has the name: in what LTspice
  * puts into a source or across a coil. */
 static bool names_in_parts(const vs_fate *p, const vs_element *e, const char *name) {
@@ -149,7 +157,7 @@ static bool is_used(const vs_fate *p, const vs_value_param *v) {
     const vs_element *e = &p->wiring->elements[k];
     bool taken =
         vs_fate_is_coil(p, e) || e == p->roles->mains || vs_roles_gate_of(p->roles, e) >= 0;
-    used = taken ? names_in_parts(p, e, v->name) : names(l->cards[e->card].text, v->name);
+    used = taken ? names_in_parts(p, e, v->name) : names_behind(p, e, v->name);
   }
   for (size_t k = 0; k < p->values->count && !used; k++) /* another one of the same line */
     used = &p->values->item[k] != v && p->values->item[k].card == v->card &&
